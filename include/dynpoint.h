@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * dynpoint: let a line-shaped tool feel triangle meshes in a haptic loop.
+ *
+ * The core, libdynpoint. It never allocates, prints, waits, locks or reads a clock, and it keeps no
+ * global state: the caller brings every block of memory. The offline compiler has a header of its
+ * own, <dynpoint/compile.h>.
+ */
+#ifndef DYNPOINT_H
+#define DYNPOINT_H
+
+#include "dynpoint/base.h"
+#include "dynpoint/result.h"
+#include "dynpoint/types.h"
+#include "dynpoint/mesh.h"
+#include "dynpoint/query.h"
+#include "dynpoint/world.h"
+
+#endif

@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * Version, linkage and the rules that hold for every header.
+ *
+ * Stability: until 1.0 the soname is 0 and the list of exported symbols only grows. A struct that may
+ * grow begins with `uint32_t size`, which the caller sets to sizeof; the library reads and writes no
+ * more than that many bytes of it. All other structs are frozen.
+ *
+ * Every public function is total: NULL, NaN, stale ids and wrong sizes give a code (result.h), and
+ * outputs are left as they were or written safe. No NaN leaves the library.
+ *
+ * Threads: an open mesh is read-only and may be shared; different worlds may run in different
+ * threads, one world in one thread at a time.
+ */
+#ifndef DYNPOINT_BASE_H
+#define DYNPOINT_BASE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#define DPT_VERSION_MAJOR 0
+#define DPT_VERSION_MINOR 1
+#define DPT_VERSION_PATCH 0
+#define DPT_VERSION_STRING "0.1.0"
+
+#if defined(_WIN32)
+#if defined(DPT_BUILD_SHARED)
+#define DPT_API __declspec(dllexport)
+#elif defined(DPT_USE_SHARED)
+#define DPT_API __declspec(dllimport)
+#else
+#define DPT_API
+#endif
+#elif defined(__GNUC__)
+#define DPT_API __attribute__((visibility("default")))
+#else
+#define DPT_API
+#endif
+
+#ifdef __cplusplus
+#define DPT_BEGIN extern "C" {
+#define DPT_END }
+#else
+#define DPT_BEGIN
+#define DPT_END
+#endif
+
+DPT_BEGIN
+
+/* The version of the library that runs, as DPT_VERSION_STRING was when it was built. */
+DPT_API const char *dpt_version(void);
+
+DPT_END
+
+#endif

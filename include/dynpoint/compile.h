@@ -1,0 +1,79 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * libdynpoint_compile: the offline compiler. Turns a mesh, from a file or from arrays, into the bytes
+ * of a .dpa file that dpt_mesh_open uses in place. Allocates from the heap; may be called from any
+ * thread. Time n log n in the triangles with a small factor, memory linear, hubs included.
+ *
+ * Reads OBJ (faces with v, v/vt, v//vn, v/vt/vn, negative indices, polygons), STL (ASCII and binary),
+ * PLY (ASCII, little- and big-endian), OFF. Numbers are read without regard to the locale.
+ *
+ * Mends only this, and reports it (dpt_mesh_info): equal vertices are joined, degenerate and duplicate
+ * triangles dropped, closed parts wound one way and outward. Anything else compiles as it is: the
+ * distance to a soup is well defined.
+ */
+#ifndef DYNPOINT_COMPILE_H
+#define DYNPOINT_COMPILE_H
+
+#include "dynpoint/mesh.h"
+
+DPT_BEGIN
+
+enum {
+    DPT_FORMAT_AUTO = 0, /* by content, then by the file's ending */
+    DPT_FORMAT_OBJ = 1,
+    DPT_FORMAT_STL = 2,
+    DPT_FORMAT_PLY = 3,
+    DPT_FORMAT_OFF = 4
+};
+
+/* What is wrong with an input, for a person. */
+typedef struct dpt_diag {
+    uint32_t size; /* sizeof(dpt_diag) */
+    int32_t code;
+    uint64_t line;  /* from 1; 0 when the place is not a line */
+    uint64_t byte;  /* offset from 0, where line is 0 */
+    char text[160]; /* the reason, without the file's name */
+} dpt_diag;
+
+/*
+ * Called now and then from within the compiler: which step, and how much of it is done (0..1).
+ * Return 0 to go on; anything else stops it with DPT_E_CANCELLED.
+ */
+typedef int dpt_progress(void *user, const char *step, double done);
+
+typedef struct dpt_compile_def {
+    uint32_t size;   /* sizeof(dpt_compile_def) */
+    uint32_t format; /* DPT_FORMAT_... */
+    double scale;    /* metres per unit of the source; 0 means 1; must be positive */
+    dpt_progress *progress;
+    void *user;
+} dpt_compile_def;
+
+/* The bytes of a .dpa file, owned by whoever asked; give them back with dpt_compiled_free. */
+typedef struct dpt_compiled {
+    void *bytes; /* aligned to 64 */
+    size_t size;
+} dpt_compiled;
+
+/*
+ * Compile a file, the bytes of a file, or arrays.
+ *
+ *   def       NULL for the defaults
+ *   out       written on success; {NULL, 0} on error
+ *   diag      may be NULL; on error tells where and why
+ *   vertices  vertex_count times x, y, z
+ *   corners   triangle_count times three vertex numbers, from 0
+ */
+DPT_API dpt_result dpt_compile_file(const char *path, const dpt_compile_def *def, dpt_compiled *out,
+                                    dpt_diag *diag);
+DPT_API dpt_result dpt_compile_bytes(const void *source, size_t size, const dpt_compile_def *def,
+                                     dpt_compiled *out, dpt_diag *diag);
+DPT_API dpt_result dpt_compile_arrays(const double *vertices, size_t vertex_count,
+                                      const uint32_t *corners, size_t triangle_count,
+                                      const dpt_compile_def *def, dpt_compiled *out, dpt_diag *diag);
+
+DPT_API void dpt_compiled_free(dpt_compiled *compiled);
+
+DPT_END
+
+#endif

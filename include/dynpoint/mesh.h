@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * A compiled mesh, the content of a .dpa file (docs/format.md), used where its bytes lie: nothing is
+ * parsed, copied or allocated. The bytes may be mapped from a file, held in an array or in flash; they
+ * must outlive the mesh and stay unchanged.
+ */
+#ifndef DYNPOINT_MESH_H
+#define DYNPOINT_MESH_H
+
+#include "dynpoint/types.h"
+
+DPT_BEGIN
+
+/* Opaque; a pointer into the bytes that were opened. */
+typedef struct dpt_mesh dpt_mesh;
+
+/* Where a file is damaged. */
+typedef struct dpt_mesh_fault {
+    uint32_t size; /* sizeof(dpt_mesh_fault) */
+    int32_t code;  /* as returned */
+    uint64_t byte; /* offset of the first wrong byte, section or entry */
+    char section[16];
+} dpt_mesh_fault;
+
+/*
+ * Check all of a file, once: magic, version, lengths, checksums, every index and coordinate. After
+ * that the library indexes without checks. Reads each byte about twice.
+ *
+ *   bytes   aligned to 8; 64 is only faster
+ *   mesh    written on success only
+ *   fault   may be NULL; on an error of the file tells where
+ *
+ * DPT_E_BYTE_ORDER on a big-endian host: dpt_mesh_convert a copy first.
+ */
+DPT_API dpt_result dpt_mesh_open(const void *bytes, size_t size, const dpt_mesh **mesh);
+DPT_API dpt_result dpt_mesh_verify(const void *bytes, size_t size, dpt_mesh_fault *fault);
+
+/*
+ * Turn a file into the host's byte order, in place. On a little-endian host only checks it. A file
+ * that is converted already stays as it is.
+ */
+DPT_API dpt_result dpt_mesh_convert(void *bytes, size_t size, dpt_mesh_fault *fault);
+
+/* What the compiler found in the source, what it mended, and what the file holds. */
+typedef struct dpt_mesh_info {
+    uint32_t size;               /* sizeof(dpt_mesh_info) */
+    uint32_t format_version;     /* of the file */
+    uint32_t triangles;          /* that count: dropped ones are not among them */
+    uint32_t vertices;           /* distinct positions that a triangle uses */
+    uint32_t source_triangles;   /* polygons of n corners count as n - 2 */
+    uint32_t source_vertices;
+    uint32_t dropped_degenerate; /* two corners alike, or no area */
+    uint32_t dropped_duplicate;  /* the same three corners as a triangle of lower number */
+    uint32_t unused_vertices;    /* of the source, by no polygon used */
+    uint32_t concave_polygons;   /* cut into a fan all the same */
+    uint32_t open_edges;         /* with one triangle, after dropping */
+    uint32_t nonmanifold_edges;  /* with three or more */
+    uint32_t wrong_way_edges;    /* two triangles run through it in the same direction */
+    uint32_t components;         /* sets of triangles connected by edges */
+    uint32_t closed_components;  /* of them without open and non-manifold edges, wound one way */
+    uint32_t inward_components;  /* closed, and wound inward in the source: turned */
+    uint32_t turned_triangles;   /* whose corners the compiler swapped to agree with their part */
+    uint32_t tree_levels;
+    double scale;                /* vertex = (float)(scale * source) */
+    double rounding;             /* largest |vertex - scale * source| of a coordinate, in m */
+    double box_min[3];
+    double box_max[3];
+    uint64_t source_bytes;       /* length of the source file; 0 when compiled from arrays */
+    uint64_t source_hash;        /* its FNV-1a hash, 64 bits */
+    uint64_t bytes;              /* length of the compiled file */
+} dpt_mesh_info;
+
+/* Fill `info`, whose size field is set. */
+DPT_API dpt_result dpt_mesh_get_info(const dpt_mesh *mesh, dpt_mesh_info *info);
+
+/* One section of the file, from 0 until the call returns DPT_E_ARGUMENT. */
+typedef struct dpt_mesh_section {
+    uint32_t size; /* sizeof(dpt_mesh_section) */
+    uint32_t crc32;
+    uint64_t offset;
+    uint64_t bytes;
+    char name[16];
+} dpt_mesh_section;
+
+DPT_API dpt_result dpt_mesh_get_section(const dpt_mesh *mesh, uint32_t index,
+                                        dpt_mesh_section *section);
+
+/*
+ * The three corners (x, y, z each, 9 numbers) of a triangle by its source number, wound as the
+ * compiler left it. DPT_E_ARGUMENT when there is no such number or it was dropped.
+ */
+DPT_API dpt_result dpt_mesh_triangle(const dpt_mesh *mesh, uint32_t number, double corners[9]);
+
+DPT_END
+
+#endif

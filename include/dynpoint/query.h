@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * Nearest pairs without a world: n segments in, n exact answers out. Stateless and thread-safe.
+ */
+#ifndef DYNPOINT_QUERY_H
+#define DYNPOINT_QUERY_H
+
+#include "dynpoint/mesh.h"
+#include "dynpoint/types.h"
+
+DPT_BEGIN
+
+/* How to answer. Zeros are the defaults. */
+typedef struct dpt_query_def {
+    uint32_t size;   /* sizeof(dpt_query_def) */
+    uint32_t method; /* DPT_METHOD_...; default DPT_METHOD_EXACT */
+    uint32_t kernel; /* DPT_KERNEL_...; default DPT_KERNEL_AUTO */
+    uint32_t reserved;
+} dpt_query_def;
+
+/*
+ * The nearest pair of each segment and the mesh.
+ *
+ *   pose   of the mesh in the world; NULL is the identity
+ *   ends   n times ax, ay, az, bx, by, bz in the world
+ *   radii  n radii >= 0, or NULL for lines
+ *   n      how many; 0 is not an error
+ *   hits   n answers; hits[0].size must be set, and is written into all of them
+ *   def    NULL for the defaults
+ *
+ * An answer depends on its own segment alone, never on its neighbours in the batch: with equal
+ * distances the least triangle number wins, of the triangles that the search had to look at.
+ *
+ * A segment that is not finite or beyond DPT_COORDINATE_MAX gets status stale, and the call returns
+ * DPT_E_FINITE after it has answered all others.
+ */
+DPT_API dpt_result dpt_query_segments(const dpt_mesh *mesh, const dpt_pose *pose, const double *ends,
+                                      const double *radii, size_t n, dpt_hit *hits,
+                                      const dpt_query_def *def);
+
+/*
+ * The nearest pair of one segment and one triangle, in double: what every method rests on.
+ *
+ *   segment   ax, ay, az, bx, by, bz; A = B is a point
+ *   triangle  three corners, x, y, z each; any of them may coincide
+ *   s, p, q   each may be NULL; as in dpt_hit, in the frame of the arguments
+ *
+ * Returns the distance, 0 when they meet (p = q then); infinity, and safe outputs, for an argument
+ * that is NULL or not finite. Error below 32 * 2^-53 times the largest coordinate, slivers included:
+ * docs/algorithms/distance.md, tests/test_pair.c.
+ */
+DPT_API double dpt_segment_triangle(const double segment[6], const double triangle[9], double *s,
+                                    double p[3], double q[3]);
+
+DPT_END
+
+#endif

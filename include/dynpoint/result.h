@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * Result codes. Every function that can fail returns a dpt_result: 0 is success, errors are negative.
+ * The values never change; a family of errors leaves room for more of its kind.
+ */
+#ifndef DYNPOINT_RESULT_H
+#define DYNPOINT_RESULT_H
+
+#include "dynpoint/base.h"
+
+/*         name                value  text */
+#define DPT_RESULTS(X)                                                                             \
+    X(DPT_OK,                     0, "done")                                                       \
+    X(DPT_E_ARGUMENT,            -1, "an argument is NULL or outside its stated range")            \
+    X(DPT_E_SIZE,                -2, "a struct's size field is not one that this library knows")   \
+    X(DPT_E_FINITE,              -3, "a number is not finite or too large")                        \
+    X(DPT_E_POSE,                -4, "a pose's quaternion is not of unit length")                  \
+    X(DPT_E_ALIGN,               -5, "a block of memory is not aligned to 8 bytes")                \
+    X(DPT_E_MEMORY,              -6, "the block is too small, or memory ran out")                  \
+    X(DPT_E_FULL,                -7, "the fixed capacity is used up")                              \
+    X(DPT_E_HANDLE,              -8, "the id is stale, null or of another kind")                   \
+    X(DPT_E_UNSUPPORTED,         -9, "this build or machine does not have what was asked for")     \
+    X(DPT_E_MAGIC,              -20, "not a dynpoint mesh file")                                   \
+    X(DPT_E_VERSION,            -21, "written in a newer format than this library reads")          \
+    X(DPT_E_BYTE_ORDER,         -22, "the mesh is little-endian and this host is not: convert it") \
+    X(DPT_E_TRUNCATED,          -23, "the file ends before its content does")                      \
+    X(DPT_E_TRAILING,           -24, "bytes follow the end of the content")                        \
+    X(DPT_E_LAYOUT,             -25, "a section is missing, misplaced or of the wrong length")     \
+    X(DPT_E_CHECKSUM,           -26, "a checksum does not match: the file is damaged")             \
+    X(DPT_E_INDEX,              -27, "an index points outside its array")                          \
+    X(DPT_E_OPEN,               -40, "the file cannot be opened or read")                          \
+    X(DPT_E_WRITE,              -41, "the file cannot be written")                                 \
+    X(DPT_E_FORMAT,             -42, "the file is of no known format")                             \
+    X(DPT_E_SYNTAX,             -43, "the file breaks the rules of its format")                    \
+    X(DPT_E_EMPTY,              -44, "the mesh has no triangle that counts")                       \
+    X(DPT_E_LIMIT,              -45, "the mesh is larger than the format can number")              \
+    X(DPT_E_CANCELLED,          -46, "the progress callback asked to stop")
+
+typedef int32_t dpt_result;
+
+#define DPT_RESULT_ENUM(name, value, text) name = value,
+enum { DPT_RESULTS(DPT_RESULT_ENUM) DPT_RESULT_END = 1 };
+#undef DPT_RESULT_ENUM
+
+DPT_BEGIN
+
+/* One line of English for a code; never NULL, also for numbers that are no code. */
+DPT_API const char *dpt_result_text(dpt_result code);
+
+/* The code's name as it stands here, "DPT_E_ARGUMENT"; never NULL. */
+DPT_API const char *dpt_result_name(dpt_result code);
+
+DPT_END
+
+#endif

@@ -1,0 +1,135 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * The nouns that all calls share. SI units (m, kg, s, N, Nm, rad), right-handed frames, world axes
+ * unless a field says otherwise.
+ */
+#ifndef DYNPOINT_TYPES_H
+#define DYNPOINT_TYPES_H
+
+#include "dynpoint/result.h"
+
+/* No coordinate, length or radius may exceed this, in metres. */
+#define DPT_COORDINATE_MAX 1e6
+
+/* Written where there is no triangle, vertex, body or segment to name. */
+#define DPT_NONE UINT32_MAX
+
+/*
+ * Position and orientation of a frame in the world. A point x of the frame is at
+ * position + R(orientation) x in the world.
+ *   orientation: quaternion (w, x, y, z), of unit length within 1e-6; it is normalised before use.
+ */
+typedef struct dpt_pose {
+    double position[3];
+    double orientation[4];
+} dpt_pose;
+
+/* The identity pose, as an initialiser. */
+#define DPT_POSE_IDENTITY { { 0.0, 0.0, 0.0 }, { 1.0, 0.0, 0.0, 0.0 } }
+
+/*
+ * A capsule: all points within `radius` of the axis AB. Radius 0 is a line segment; a zero length is
+ * a ball or a point, and not an error.
+ */
+typedef struct dpt_segment {
+    double a[3];
+    double b[3];
+    double radius;
+} dpt_segment;
+
+/* Force, and torque about a stated point, both in world axes. */
+typedef struct dpt_wrench {
+    double force[3];
+    double torque[3];
+} dpt_wrench;
+
+/* How a nearest pair is found. */
+enum {
+    DPT_METHOD_EXACT = 0, /* the best exact method of this version; at present it is the tree */
+    DPT_METHOD_TREE = 1,  /* box tree, started from the last answer; exact */
+    DPT_METHOD_BRUTE = 2  /* every triangle in double; exact, slow, the yardstick */
+};
+
+/* What is known of an answer. */
+enum {
+    DPT_STATUS_STALE = 0,   /* no valid input: nothing else in the answer counts */
+    DPT_STATUS_LOCAL = 1,   /* found without proof; lower_bound is 0 */
+    DPT_STATUS_BOUNDED = 2, /* the best pair so far, with a true lower bound */
+    DPT_STATUS_EXACT = 3    /* proven within error_bound */
+};
+
+/* How the tool's surface stands to the mesh. */
+enum {
+    DPT_CONTACT_UNKNOWN = 0,    /* not decided: the axis crosses an open sheet, or there is no mesh */
+    DPT_CONTACT_SEPARATED = 1,  /* gap > error_bound */
+    DPT_CONTACT_TOUCHING = 2,   /* |gap| <= error_bound */
+    DPT_CONTACT_PENETRATING = 3 /* gap < -error_bound, or the axis crosses a closed part */
+};
+
+/* Bits of dpt_hit.flags. */
+enum {
+    DPT_HIT_GAP = 1,     /* `gap` and `depth` are known */
+    DPT_HIT_CROSSING = 2 /* the axis crosses the mesh: distance 0, p = q */
+};
+
+/*
+ * The nearest pair of one tool axis and the meshes, at the pose that was given.
+ *
+ *   distance     unsigned, from the axis (not the capsule's surface) to the mesh; 0 when it crosses
+ *   s            in 0..1: p = a + s (b - a)
+ *   p, q         nearest points on the axis and on the mesh, in the world
+ *   triangle     the source file's number of the triangle that holds q
+ *   gap          signed distance of the capsule's surface: distance - radius, the distance counted
+ *                negative inside a closed part; known while the axis does not cross (DPT_HIT_GAP)
+ *   depth        max(0, -gap)
+ *   error_bound  |distance - true distance| <= error_bound
+ *   lower_bound  <= true distance
+ *   work         16-lane blocks that the search looked at (boxes or triangles)
+ */
+typedef struct dpt_hit {
+    uint32_t size; /* the caller's sizeof(dpt_hit); of an array, the first one's counts for all */
+    uint32_t status;
+    uint32_t contact;
+    uint32_t flags;
+    uint32_t triangle;
+    uint32_t segment; /* of a tool with several: which one, from 0 */
+    uint32_t body;    /* the body's id in a world; 0 in a stateless query */
+    uint32_t work;
+    double distance;
+    double gap;
+    double depth;
+    double s;
+    double p[3];
+    double q[3];
+    double error_bound;
+    double lower_bound;
+} dpt_hit;
+
+/* An empty hit that knows its size, as an initialiser. */
+#ifdef __cplusplus
+#define DPT_HIT_INIT { (uint32_t)sizeof(dpt_hit) }
+#else
+#define DPT_HIT_INIT { .size = (uint32_t)sizeof(dpt_hit) }
+#endif
+
+/* Instruction sets of the inner loops. All give the same bits; they differ in speed alone. */
+enum {
+    DPT_KERNEL_AUTO = 0, /* the widest that this machine has */
+    DPT_KERNEL_SCALAR = 1,
+    DPT_KERNEL_SSE2 = 2,
+    DPT_KERNEL_AVX2 = 3,
+    DPT_KERNEL_AVX512 = 4,
+    DPT_KERNEL_NEON = 5
+};
+
+DPT_BEGIN
+
+/* The kernel's name, "avx2"; "none" for a number that is no kernel. */
+DPT_API const char *dpt_kernel_name(uint32_t kernel);
+
+/* What DPT_KERNEL_AUTO comes to on this machine. */
+DPT_API uint32_t dpt_kernel_best(void);
+
+DPT_END
+
+#endif

@@ -1,0 +1,132 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * A world: bodies, tools, and the tick that lets one feel the other. It lives in one block of memory
+ * that the caller brings; after dpt_world_create nothing allocates, waits or locks.
+ *
+ *     dpt_world_def def;
+ *     dpt_world_def_init(&def);
+ *     void *block = malloc(dpt_world_bytes(&def));
+ *     dpt_world_create(block, dpt_world_bytes(&def), &def, &world);
+ *     dpt_body_add(world, mesh, &pose, &body);
+ *     dpt_tool_add(world, &segment, 1, &tool);
+ *     for each tick:
+ *         dpt_tool_set_pose(world, tool, &device_pose);
+ *         dpt_world_step(world, dt, &out);
+ *         dpt_tool_get_wrench(world, tool, &wrench);
+ */
+#ifndef DYNPOINT_WORLD_H
+#define DYNPOINT_WORLD_H
+
+#include "dynpoint/mesh.h"
+#include "dynpoint/types.h"
+
+DPT_BEGIN
+
+typedef struct dpt_world dpt_world;
+
+/* Ids: kind, generation and slot in one number; 0 is null. A removed thing's id stays invalid. */
+typedef uint32_t dpt_body;
+typedef uint32_t dpt_tool;
+
+/* How far a step goes. */
+enum {
+    DPT_UNTIL_RESPOND = 0, /* all of it */
+    DPT_UNTIL_TRACK = 1,   /* the nearest pair */
+    DPT_UNTIL_CONTACT = 2  /* and its sign, gap and contact */
+};
+
+/*
+ * What a world can hold and how it answers. dpt_world_def_init fills in the defaults, given last.
+ */
+typedef struct dpt_world_def {
+    uint32_t size;         /* sizeof(dpt_world_def), set by dpt_world_def_init */
+    uint32_t max_bodies;   /* 1..65535; 16 */
+    uint32_t max_tools;    /* 1..65535; 4 */
+    uint32_t max_segments; /* of all tools together, 1..65535; 16 */
+    uint32_t method;       /* DPT_METHOD_...; DPT_METHOD_EXACT */
+    uint32_t kernel;       /* DPT_KERNEL_...; DPT_KERNEL_AUTO */
+    uint32_t until;        /* DPT_UNTIL_...; DPT_UNTIL_RESPOND */
+    uint32_t reserved;     /* 0 */
+    double stiffness;      /* of the penalty force, N/m, >= 0; 500 */
+} dpt_world_def;
+
+/* Fill in the first `size` bytes; what dpt_world_def_init calls with its own caller's sizeof. */
+DPT_API void dpt_world_def_defaults(dpt_world_def *def, size_t size);
+
+static inline void dpt_world_def_init(dpt_world_def *def)
+{
+    dpt_world_def_defaults(def, sizeof *def);
+}
+
+/*
+ * The bytes that a world of this def needs:
+ *     256 + 192 max_bodies + 192 max_tools + 256 max_segments + 4 max_segments max_bodies, rounded up
+ * to 64 at each term. 0 for a def that is not valid.
+ */
+DPT_API size_t dpt_world_bytes(const dpt_world_def *def);
+
+/*
+ * Make a world in `block`, aligned to 8 and of at least dpt_world_bytes(def). There is no destroy:
+ * give the block back when the world is no longer used.
+ */
+DPT_API dpt_result dpt_world_create(void *block, size_t bytes, const dpt_world_def *def,
+                                    dpt_world **world);
+
+/* Forget what was learnt from earlier ticks: every tool is as if just added. Poses stay. */
+DPT_API dpt_result dpt_world_reset(dpt_world *world);
+
+/* The kernel that the world uses, DPT_KERNEL_...; DPT_KERNEL_AUTO for NULL. */
+DPT_API uint32_t dpt_world_kernel(const dpt_world *world);
+
+/* A rigid body: a mesh at a pose (NULL: identity). The mesh is kept, not copied, and never owned. */
+DPT_API dpt_result dpt_body_add(dpt_world *world, const dpt_mesh *mesh, const dpt_pose *pose,
+                                dpt_body *body);
+DPT_API dpt_result dpt_body_remove(dpt_world *world, dpt_body body);
+DPT_API dpt_result dpt_body_set_pose(dpt_world *world, dpt_body body, const dpt_pose *pose);
+
+/*
+ * A tool of `count` segments, given in its own frame, at the identity pose. Set the pose of a rigid
+ * tool each tick, or the segments of a free one; both move the tool, a teleport jumps.
+ *
+ * dpt_tool_set_segments: as many as the tool has, in the tool's frame; radii may change too.
+ */
+DPT_API dpt_result dpt_tool_add(dpt_world *world, const dpt_segment *segments, uint32_t count,
+                                dpt_tool *tool);
+DPT_API dpt_result dpt_tool_remove(dpt_world *world, dpt_tool tool);
+DPT_API dpt_result dpt_tool_set_pose(dpt_world *world, dpt_tool tool, const dpt_pose *pose);
+DPT_API dpt_result dpt_tool_set_segments(dpt_world *world, dpt_tool tool,
+                                         const dpt_segment *segments, uint32_t count);
+DPT_API dpt_result dpt_tool_teleport(dpt_world *world, dpt_tool tool, const dpt_pose *pose);
+
+/* What one tick found, over all tools. */
+typedef struct dpt_step {
+    uint32_t size;    /* sizeof(dpt_step), set by the caller */
+    uint32_t status;  /* the least DPT_STATUS_... of any tool */
+    uint32_t contact; /* the gravest DPT_CONTACT_... of any tool: penetrating, touching, unknown, ... */
+    uint32_t work;    /* 16-lane blocks looked at */
+    double distance;  /* the least of any tool; 0 when no tool has an answer */
+} dpt_step;
+
+/*
+ * One tick of `dt` seconds (> 0). With an error the wrenches are zero and every answer is stale.
+ *   out   may be NULL
+ */
+DPT_API dpt_result dpt_world_step(dpt_world *world, double dt, dpt_step *out);
+
+/* The nearest pair of a tool and all bodies, from the last step. */
+DPT_API dpt_result dpt_tool_get_hit(const dpt_world *world, dpt_tool tool, dpt_hit *hit);
+
+/* The same of one segment of the tool, from 0. */
+DPT_API dpt_result dpt_tool_get_segment_hit(const dpt_world *world, dpt_tool tool, uint32_t segment,
+                                            dpt_hit *hit);
+
+/*
+ * Force on the tool and torque about the origin of its frame, in world axes, before any limits. The
+ * penalty of docs/algorithms/penalty.md. Zero where there is no contact, no valid input, or no known
+ * direction: on error too.
+ */
+DPT_API dpt_result dpt_tool_get_wrench(const dpt_world *world, dpt_tool tool, dpt_wrench *wrench);
+
+DPT_END
+
+#endif
