@@ -60,8 +60,8 @@ static inline void dpt_world_def_init(dpt_world_def *def)
 
 /*
  * The bytes that a world of this def needs:
- *     256 + 192 max_bodies + 192 max_tools + 256 max_segments + 4 max_segments max_bodies, rounded up
- * to 64 at each term. 0 for a def that is not valid.
+ *     256 + 384 max_bodies + 192 max_tools + 256 max_segments + 4 max_segments max_bodies, the last
+ * term rounded up to a multiple of 64. 0 for a def that is not valid.
  */
 DPT_API size_t dpt_world_bytes(const dpt_world_def *def);
 
@@ -86,9 +86,11 @@ DPT_API dpt_result dpt_body_set_pose(dpt_world *world, dpt_body body, const dpt_
 
 /*
  * A tool of `count` segments, given in its own frame, at the identity pose. Set the pose of a rigid
- * tool each tick, or the segments of a free one; both move the tool, a teleport jumps.
+ * tool each tick, or the segments of a free one; both move the tool, a teleport jumps. Input that cannot
+ * be used makes the tool stale, its force zero, until valid input comes.
  *
- * dpt_tool_set_segments: as many as the tool has, in the tool's frame; radii may change too.
+ * dpt_tool_set_segments: as many as the tool has, in the world; radii may change too. Torque is then
+ * about the first segment's end a.
  */
 DPT_API dpt_result dpt_tool_add(dpt_world *world, const dpt_segment *segments, uint32_t count,
                                 dpt_tool *tool);
@@ -122,8 +124,8 @@ DPT_API dpt_result dpt_tool_get_segment_hit(const dpt_world *world, dpt_tool too
 
 /*
  * Force on the tool and torque about the origin of its frame, in world axes, before any limits. The
- * penalty of docs/algorithms/penalty.md. Zero where there is no contact, no valid input, or no known
- * direction: on error too.
+ * penalty of docs/algorithms/penalty.md, summed over the tool's segments. Zero where there is no
+ * contact, no valid input, or no known direction: on error too.
  */
 DPT_API dpt_result dpt_tool_get_wrench(const dpt_world *world, dpt_tool tool, dpt_wrench *wrench);
 

@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# `make help` lists the targets. Everything is built below build/; nothing is written elsewhere.
+
+CONFIG ?= release
+VERSION := $(shell sed -n 's/^\#define DPT_VERSION_STRING "\(.*\)"/\1/p' include/dynpoint/base.h)
+SOVERSION := 0
+B := $(if $(filter release,$(CONFIG)),build,build/$(CONFIG))
+
+CC ?= cc
+AR ?= ar
+LD ?= ld
+OBJCOPY ?= objcopy
+PYTHON ?= python3
+CFLAGS ?= -O3
+PREFIX ?= /usr/local
+BINDIR ?= $(PREFIX)/bin
+LIBDIR ?= $(PREFIX)/lib
+INCLUDEDIR ?= $(PREFIX)/include
+PKGCONFIGDIR ?= $(LIBDIR)/pkgconfig
+
+# SPEC 6: the same bits everywhere. gcc 12's straight-line vectoriser fuses multiply and add in spite of
+# -ffp-contract=off where the target has FMA, so it stays off; tests/abi looks at the objects.
+WARNINGS := -Wall -Wextra -Wshadow -Wconversion
+EXACT := -fno-math-errno -fno-trapping-math -ffp-contract=off -fno-tree-slp-vectorize
+ALL_CFLAGS = -std=gnu99 $(CFLAGS) $(EXACT) $(WARNINGS) -fPIC -fvisibility=hidden -MMD -MP -Iinclude -Isrc $(CONFIG_CFLAGS)
+
+ifeq ($(CONFIG),scalar)
+CONFIG_CFLAGS := -DDPT_SCALAR -fno-tree-vectorize
+else ifeq ($(CONFIG),sanitize)
+CFLAGS := -O1 -g
+CONFIG_CFLAGS := -fsanitize=address,undefined -fno-sanitize-recover=all
+else ifeq ($(CONFIG),debug)
+CFLAGS := -O0 -g
+else ifeq ($(CONFIG),coverage)
+CFLAGS := -O0 -g
+CONFIG_CFLAGS := --coverage
+endif
+
+CORE := $(patsubst %.c,$(B)/%.o,$(wildcard src/*.c))
+COMPILE := $(patsubst %.c,$(B)/%.o,$(wildcard src/compile/*.c))
+TOOLS := $(patsubst %.c,$(B)/%.o,$(wildcard tools/*.c))
+LIBS := $(B)/libdynpoint $(B)/libdynpoint_compile
+
+.PHONY: all demo check bench soak deps install uninstall help clean
+.SECONDARY:
+all: $(B)/dynpoint $(LIBS:%=%.a) $(LIBS:%=%.so.$(SOVERSION)) ## the program and the libraries (default)
+
+$(B)/%.o: %.c
+	@mkdir -p $(@D)
+	$(CC) $(ALL_CFLAGS) -c $< -o $@
+
+$(B)/src/kernel_scalar.o: CONFIG_CFLAGS += -fno-tree-vectorize
+
+# One object a library, its inner symbols local: a static library meets no one else's names.
+$(B)/libdynpoint.o: $(CORE)
+$(B)/libdynpoint_compile.o: $(COMPILE)
+$(B)/libdynpoint.o $(B)/libdynpoint_compile.o:
+	$(LD) -r $^ -o $@
+	$(OBJCOPY) --localize-hidden $@
+
+%.a: %.o
+	rm -f $@
+	$(AR) rcs $@ $<
+
+$(B)/libdynpoint.so.$(SOVERSION): $(CORE)
+$(B)/libdynpoint_compile.so.$(SOVERSION): $(COMPILE) $(B)/libdynpoint.so.$(SOVERSION)
+%.so.$(SOVERSION):
+	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) -shared -Wl,-soname,$(@F) $^ -lm -o $@
+	ln -sf $(@F) $*.so
+
+$(B)/dynpoint: $(TOOLS) $(COMPILE) $(CORE)
+	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -o $@
+
+demo: all ## build, make a liver, slide a tool over it, and prove every answer
+	@sh tools/demo.sh $(B)
+
+include tests/tests.mk
+
+install: all ## into PREFIX, or DESTDIR and the directory variables
+	install -d $(DESTDIR)$(BINDIR) $(DESTDIR)$(LIBDIR) $(DESTDIR)$(INCLUDEDIR)/dynpoint $(DESTDIR)$(PKGCONFIGDIR)
+	install -m 755 $(B)/dynpoint $(DESTDIR)$(BINDIR)
+	install -m 644 include/dynpoint.h $(DESTDIR)$(INCLUDEDIR)
+	install -m 644 include/dynpoint/*.h $(DESTDIR)$(INCLUDEDIR)/dynpoint
+	for lib in $(notdir $(LIBS)); do \
+	  install -m 644 $(B)/$$lib.a $(DESTDIR)$(LIBDIR) && \
+	  install -m 755 $(B)/$$lib.so.$(SOVERSION) $(DESTDIR)$(LIBDIR) && \
+	  ln -sf $$lib.so.$(SOVERSION) $(DESTDIR)$(LIBDIR)/$$lib.so && \
+	  { echo 'libdir=$(LIBDIR)'; echo 'includedir=$(INCLUDEDIR)'; echo; \
+	    echo "Name: $$lib"; echo 'Description: line-shaped haptic tools against triangle meshes'; \
+	    echo 'Version: $(VERSION)'; echo 'Cflags: -I$${includedir}'; \
+	    case $$lib in *_compile) echo 'Requires: libdynpoint';; esac; \
+	    echo "Libs: -L\$${libdir} -l$${lib#lib}"; echo 'Libs.private: -lm'; \
+	  } > $(DESTDIR)$(PKGCONFIGDIR)/$$lib.pc || exit 1; \
+	done
+
+uninstall: ## what install put there
+	rm -f $(DESTDIR)$(BINDIR)/dynpoint $(DESTDIR)$(INCLUDEDIR)/dynpoint.h
+	rm -f $(patsubst include/%,$(DESTDIR)$(INCLUDEDIR)/%,$(wildcard include/dynpoint/*.h))
+	for lib in $(notdir $(LIBS)); do \
+	  rm -f $(DESTDIR)$(LIBDIR)/$$lib.a $(DESTDIR)$(LIBDIR)/$$lib.so $(DESTDIR)$(LIBDIR)/$$lib.so.$(SOVERSION) \
+	    $(DESTDIR)$(PKGCONFIGDIR)/$$lib.pc; \
+	done
+	-rmdir $(DESTDIR)$(INCLUDEDIR)/dynpoint 2>/dev/null
+
+help: ## this list
+	@echo 'make [TARGET] [CONFIG=release|scalar|sanitize|debug|coverage]'
+	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  \1\t\2/p' Makefile tests/tests.mk | expand -t 14
+
+clean: ## remove build/
+	rm -rf build
+
+-include $(CORE:.o=.d) $(COMPILE:.o=.d) $(TOOLS:.o=.d)

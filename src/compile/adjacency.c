@@ -1,0 +1,287 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * Who borders on whom. Edges are found by two counting sorts, fans by one: linear in the triangles, for
+ * hubs too.
+ */
+#include <stdlib.h>
+#include <string.h>
+
+#include "../check.h"
+#include "../mesh_format.h"
+#include "../vec.h"
+#include "model.h"
+
+/* A half-edge is 3 * triangle + k: from corner k to corner k + 1. */
+static uint32_t edge_from(const struct model *model, uint32_t half)
+{
+    return model->corners[half];
+}
+
+static uint32_t edge_to(const struct model *model, uint32_t half)
+{
+    return model->corners[half % 3 == 2 ? half - 2 : half + 1];
+}
+
+static uint32_t edge_end(const struct model *model, uint32_t half, int higher)
+{
+    uint32_t from = edge_from(model, half), to = edge_to(model, half);
+    return (from > to) == higher ? from : to;
+}
+
+static int same_edge(const struct model *model, uint32_t a, uint32_t b)
+{
+    return edge_end(model, a, 0) == edge_end(model, b, 0) &&
+           edge_end(model, a, 1) == edge_end(model, b, 1);
+}
+
+/* Stable counting sort of half-edges by one end; `first` has room for a word a vertex and one. */
+static void sort_by_end(const struct model *model, const uint32_t *in, uint32_t *out,
+                        uint32_t *first, int higher)
+{
+    size_t count = 3 * (size_t)model->triangle_count;
+    memset(first, 0, ((size_t)model->vertex_count + 1) * sizeof *first);
+    for (size_t i = 0; i < count; i++)
+        first[edge_end(model, in[i], higher) + 1]++;
+    for (uint32_t v = 0; v < model->vertex_count; v++)
+        first[v + 1] += first[v];
+    for (size_t i = 0; i < count; i++)
+        out[first[edge_end(model, in[i], higher)]++] = in[i];
+}
+
+/* Parts as a forest: `root` follows and shortens the path. */
+static uint32_t root_of(uint32_t *parent, uint32_t t)
+{
+    while (parent[t] != t) {
+        parent[t] = parent[parent[t]];
+        t = parent[t];
+    }
+    return t;
+}
+
+static void unite(uint32_t *parent, uint32_t a, uint32_t b)
+{
+    a = root_of(parent, a);
+    b = root_of(parent, b);
+    if (a < b)
+        parent[b] = a;
+    else
+        parent[a] = b;
+}
+
+/* One edge: the half-edges that run along it. */
+static void meet(struct model *model, uint32_t *parent, const uint32_t *half, size_t count)
+{
+    if (count == 1) {
+        model->neighbours[half[0]] = MESH_EDGE_OPEN;
+        model->open_edges++;
+    } else if (count == 2) {
+        model->neighbours[half[0]] = half[1] / 3;
+        model->neighbours[half[1]] = half[0] / 3;
+        if (edge_from(model, half[0]) == edge_from(model, half[1]))
+            model->wrong_way_edges++;
+    } else {
+        for (size_t i = 0; i < count; i++)
+            model->neighbours[half[i]] = MESH_EDGE_MANY;
+        model->nonmanifold_edges++;
+    }
+    for (size_t i = 1; i < count; i++)
+        unite(parent, half[0] / 3, half[i] / 3);
+}
+
+static void meet_all(struct model *model, uint32_t *parent, const uint32_t *half)
+{
+    size_t count = 3 * (size_t)model->triangle_count;
+    for (size_t i = 0, next; i < count; i = next) {
+        for (next = i + 1; next < count && same_edge(model, half[i], half[next]); next++)
+            ;
+        meet(model, parent, half + i, next - i);
+    }
+}
+
+/* Number the parts by their first triangle, and count what each has. */
+static dpt_result number_parts(struct model *model, soup *source, uint32_t *parent)
+{
+    uint32_t count = 0;
+    for (uint32_t t = 0; t < model->triangle_count; t++)
+        count += parent[t] == t;
+    model->parts = model_array(source, count, sizeof *model->parts);
+    if (!model->parts)
+        return DPT_E_MEMORY;
+    memset(model->parts, 0, count * sizeof *model->parts);
+    for (uint32_t t = 0; t < model->triangle_count; t++) {
+        uint32_t root = root_of(parent, t);
+        model->part_of[t] = root == t ? model->part_count++ : model->part_of[root];
+        struct part *part = &model->parts[model->part_of[t]];
+        part->triangles++;
+        for (int k = 0; k < 3; k++) {
+            part->open_edges += model->neighbours[3 * (size_t)t + (size_t)k] == MESH_EDGE_OPEN;
+            part->nonmanifold_edges +=
+                model->neighbours[3 * (size_t)t + (size_t)k] == MESH_EDGE_MANY;
+        }
+    }
+    return DPT_OK;
+}
+
+/* Both run through their common edge in the same direction: one of them is wound the wrong way. */
+static int wound_against(const struct model *model, uint32_t half, uint32_t neighbour)
+{
+    uint32_t from = edge_from(model, half), to = edge_to(model, half);
+    const uint32_t *corner = model->corners + 3 * (size_t)neighbour;
+    for (int k = 0; k < 3; k++)
+        if (corner[k] == from && corner[(k + 1) % 3] == to)
+            return 1;
+    return 0;
+}
+
+enum { UNSEEN, AS_IT_IS, TURNED };
+
+/*
+ * Walk over a part from `seed`; decide for each triangle whether it must be turned to agree with the
+ * seed. Returns 0 when that cannot be done (a Moebius strip). *turned counts.
+ */
+static int agree(const struct model *model, uint32_t seed, uint8_t *turn, uint32_t *queue,
+                 uint32_t *turned)
+{
+    size_t head = 0, tail = 0;
+    int orientable = 1;
+    turn[seed] = AS_IT_IS;
+    queue[tail++] = seed;
+    while (head < tail) {
+        uint32_t t = queue[head++];
+        for (uint32_t half = 3 * t; half < 3 * t + 3; half++) {
+            uint32_t n = model->neighbours[half];
+            if (n >= MESH_EDGE_MANY)
+                continue;
+            int against = wound_against(model, half, n);
+            uint8_t wanted = (turn[t] == AS_IT_IS) == !against ? AS_IT_IS : TURNED;
+            if (turn[n] == UNSEEN) {
+                turn[n] = wanted;
+                *turned += wanted == TURNED;
+                queue[tail++] = n;
+            } else if (turn[n] != wanted) {
+                orientable = 0;
+            }
+        }
+    }
+    return orientable;
+}
+
+/* Six times the volume that the queue's triangles enclose, turned as decided. */
+static double signed_volume(const struct model *model, const uint32_t *queue, size_t count,
+                            const uint8_t *turn)
+{
+    vec3 origin = vec3_of_float(model->positions + 3 * (size_t)model->corners[3 * (size_t)queue[0]]);
+    double volume = 0.0;
+    for (size_t i = 0; i < count; i++) {
+        const uint32_t *corner = model->corners + 3 * (size_t)queue[i];
+        vec3 a = sub(vec3_of_float(model->positions + 3 * (size_t)corner[0]), origin);
+        vec3 b = sub(vec3_of_float(model->positions + 3 * (size_t)corner[1]), origin);
+        vec3 c = sub(vec3_of_float(model->positions + 3 * (size_t)corner[2]), origin);
+        double six = dot(a, cross(b, c));
+        volume += turn[queue[i]] == TURNED ? -six : six;
+    }
+    return volume;
+}
+
+/* (0, 1, 2) becomes (0, 2, 1): edges 01, 12, 20 become 02, 21, 10. */
+static void turn_triangle(struct model *model, uint32_t t)
+{
+    uint32_t *corner = model->corners + 3 * (size_t)t;
+    uint32_t *neighbour = model->neighbours + 3 * (size_t)t;
+    uint32_t c = corner[1], n = neighbour[0];
+    corner[1] = corner[2];
+    corner[2] = c;
+    neighbour[0] = neighbour[2];
+    neighbour[2] = n;
+    model->turned_triangles++;
+}
+
+/* A part's flags; a closed one is wound one way, outward. Its triangles are left in `queue`. */
+static void wind_part(struct model *model, struct part *part, uint32_t seed, uint8_t *turn,
+                      uint32_t *queue)
+{
+    uint32_t turned = 0;
+    int orientable = agree(model, seed, turn, queue, &turned);
+    if (!part->nonmanifold_edges)
+        part->flags |= MESH_PART_MANIFOLD;
+    if (turned == 0 && orientable)
+        part->flags |= MESH_PART_WOUND;
+    if (part->open_edges || part->nonmanifold_edges || !orientable)
+        return;
+
+    uint8_t outward = AS_IT_IS;
+    if (signed_volume(model, queue, part->triangles, turn) < 0.0) {
+        outward = TURNED;
+        model->inward_parts += turned == 0;
+    }
+    for (size_t i = 0; i < part->triangles; i++)
+        if (turn[queue[i]] != outward)
+            turn_triangle(model, queue[i]);
+    part->flags |= MESH_PART_CLOSED | MESH_PART_WOUND;
+    model->closed_parts++;
+}
+
+static dpt_result wind_parts(struct model *model, soup *source)
+{
+    uint8_t *turn = model_array(source, model->triangle_count, 1);
+    uint32_t *queue = model_array(source, model->triangle_count, sizeof *queue);
+    dpt_result result = DPT_E_MEMORY;
+    if (turn && queue) {
+        memset(turn, UNSEEN, model->triangle_count);
+        uint32_t next = 0;
+        for (uint32_t t = 0; t < model->triangle_count; t++)
+            if (model->part_of[t] == next)
+                wind_part(model, &model->parts[next++], t, turn, queue);
+        result = DPT_OK;
+    }
+    free(turn);
+    free(queue);
+    return result;
+}
+
+/* The triangles at each vertex, in their order. */
+static void fill_fans(struct model *model)
+{
+    size_t count = 3 * (size_t)model->triangle_count;
+    uint32_t *first = model->fan_first;
+    memset(first, 0, ((size_t)model->vertex_count + 1) * sizeof *first);
+    for (size_t c = 0; c < count; c++)
+        first[model->corners[c]]++;
+    uint32_t end = 0;
+    for (uint32_t v = 0; v <= model->vertex_count; v++) {
+        uint32_t size = v < model->vertex_count ? first[v] : 0;
+        first[v] = end += size;
+    }
+    for (size_t c = count; c-- > 0;)
+        model->fans[--first[model->corners[c]]] = (uint32_t)(c / 3);
+}
+
+dpt_result model_adjacency(struct model *model, soup *source)
+{
+    size_t count = 3 * (size_t)model->triangle_count;
+    uint32_t *half = model_array(source, count, sizeof *half);
+    uint32_t *spare = model_array(source, count, sizeof *spare);
+    model->neighbours = model_array(source, count, sizeof *model->neighbours);
+    model->fans = model_array(source, count, sizeof *model->fans);
+    model->part_of = model_array(source, model->triangle_count, sizeof *model->part_of);
+    model->fan_first =
+        model_array(source, (size_t)model->vertex_count + 1, sizeof *model->fan_first);
+    dpt_result result = DPT_E_MEMORY;
+    if (half && spare && model->neighbours && model->fans && model->part_of && model->fan_first) {
+        for (uint32_t h = 0; h < count; h++)
+            spare[h] = h;
+        sort_by_end(model, spare, half, model->fan_first, 1);
+        sort_by_end(model, half, spare, model->fan_first, 0);
+        for (uint32_t t = 0; t < model->triangle_count; t++)
+            half[t] = t;
+        meet_all(model, half, spare);
+        result = number_parts(model, source, half);
+        if (result == DPT_OK)
+            result = wind_parts(model, source);
+        if (result == DPT_OK)
+            fill_fans(model);
+    }
+    free(half);
+    free(spare);
+    return result;
+}

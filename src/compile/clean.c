@@ -1,0 +1,173 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * From a soup to a mesh. Hash tables with open addressing, never more than half full, so that time and
+ * space are linear whatever the input: a hub of 50,000 triangles costs no more than any other 50,000.
+ */
+#include <stdlib.h>
+#include <string.h>
+
+#include "../check.h"
+#include "../mesh_format.h"
+#include "../vec.h"
+#include "model.h"
+
+void *model_array(soup *source, size_t count, size_t width)
+{
+    void *array = count <= SIZE_MAX / width ? malloc(count ? count * width : 1) : NULL;
+    if (!array)
+        soup_fail(source, DPT_E_MEMORY, (source_place){ 0, 0 }, "memory ran out");
+    return array;
+}
+
+void model_free(struct model *model)
+{
+    free(model->positions);
+    free(model->corners);
+    free(model->sources);
+    free(model->places);
+    free(model->neighbours);
+    free(model->fan_first);
+    free(model->fans);
+    free(model->part_of);
+    free(model->parts);
+    memset(model, 0, sizeof *model);
+}
+
+/* A set of triples of words, each with the number under which it came in. */
+struct triples {
+    const uint32_t *words; /* 3 per entry */
+    uint32_t *slots;       /* entry, or DPT_NONE */
+    size_t mask;
+};
+
+static int triples_init(struct triples *set, soup *source, const void *words, size_t most)
+{
+    size_t slots = 16;
+    while (slots < 2 * most)
+        slots *= 2;
+    set->words = words;
+    set->mask = slots - 1;
+    set->slots = model_array(source, slots, sizeof *set->slots);
+    if (set->slots)
+        memset(set->slots, 0xff, slots * sizeof *set->slots);
+    return set->slots != NULL;
+}
+
+static uint64_t mix(uint64_t h)
+{
+    h = (h ^ (h >> 32)) * 0xd6e8feb86659fd93u;
+    h = (h ^ (h >> 32)) * 0xd6e8feb86659fd93u;
+    return h ^ (h >> 32);
+}
+
+/* The earlier entry with the same words, or `entry`, which then is in the set. */
+static uint32_t triples_find(struct triples *set, uint32_t entry)
+{
+    const uint32_t *w = set->words + 3 * (size_t)entry;
+    size_t slot = (size_t)mix(mix((uint64_t)w[0] << 32 | w[1]) + w[2]) & set->mask;
+    while (set->slots[slot] != DPT_NONE) {
+        uint32_t other = set->slots[slot];
+        if (!memcmp(set->words + 3 * (size_t)other, w, 3 * sizeof *w))
+            return other;
+        slot = (slot + 1) & set->mask;
+    }
+    set->slots[slot] = entry;
+    return entry;
+}
+
+/* joined[v]: the vertex of least number at the same place, for those that a triangle uses. */
+static dpt_result join(struct model *model, soup *source, uint32_t *joined)
+{
+    struct triples set;
+    if (!triples_init(&set, source, source->positions, source->vertex_count))
+        return DPT_E_MEMORY;
+    memset(joined, 0xff, source->vertex_count * sizeof *joined);
+    for (size_t c = 0; c < 3 * source->triangle_count; c++)
+        joined[source->corners[c]] = 0;
+    for (uint32_t v = 0; v < source->vertex_count; v++) {
+        if (joined[v] == DPT_NONE)
+            model->unused_vertices++;
+        else
+            joined[v] = triples_find(&set, v);
+    }
+    free(set.slots);
+    return DPT_OK;
+}
+
+static int has_no_area(const float *positions, const uint32_t *c)
+{
+    if (c[0] == c[1] || c[1] == c[2] || c[2] == c[0])
+        return 1;
+    vec3 v0 = vec3_of_float(positions + 3 * (size_t)c[0]);
+    vec3 e1 = sub(vec3_of_float(positions + 3 * (size_t)c[1]), v0);
+    vec3 e2 = sub(vec3_of_float(positions + 3 * (size_t)c[2]), v0);
+    vec3 n = cross(e1, e2);
+    return n.x == 0.0 && n.y == 0.0 && n.z == 0.0;
+}
+
+static void sort3(uint32_t w[3])
+{
+    for (int i = 0; i < 3; i++) {
+        int k = i == 1;
+        if (w[k] > w[k + 1]) {
+            uint32_t t = w[k];
+            w[k] = w[k + 1];
+            w[k + 1] = t;
+        }
+    }
+}
+
+/* Keep what has area and is new; corners stay soup vertices, the least of those at their place. */
+static dpt_result keep(struct model *model, soup *source, const uint32_t *joined)
+{
+    uint32_t *sorted = model_array(source, source->triangle_count, 3 * sizeof *sorted);
+    struct triples set = { .slots = NULL };
+    if (!sorted || !triples_init(&set, source, sorted, source->triangle_count)) {
+        free(sorted);
+        return DPT_E_MEMORY;
+    }
+    uint32_t kept = 0;
+    for (uint32_t t = 0; t < source->triangle_count; t++) {
+        uint32_t *corner = model->corners + 3 * (size_t)kept, *key = sorted + 3 * (size_t)kept;
+        for (int k = 0; k < 3; k++)
+            key[k] = corner[k] = joined[source->corners[3 * (size_t)t + (size_t)k]];
+        sort3(key);
+        if (has_no_area(source->positions, corner)) {
+            model->places[t] = MESH_DROPPED_DEGENERATE;
+            model->dropped_degenerate++;
+        } else if (triples_find(&set, kept) != kept) {
+            model->places[t] = MESH_DROPPED_DUPLICATE;
+            model->dropped_duplicate++;
+        } else {
+            model->places[t] = kept;
+            model->sources[kept++] = t;
+        }
+    }
+    model->triangle_count = kept;
+    free(sorted);
+    free(set.slots);
+    return DPT_OK;
+}
+
+dpt_result model_clean(struct model *model, soup *source)
+{
+    size_t triangles = source->triangle_count;
+    model->source_triangle_count = (uint32_t)triangles;
+    model->source_vertex_count = (uint32_t)source->vertex_count;
+    model->corners = model_array(source, triangles, 3 * sizeof *model->corners);
+    model->sources = model_array(source, triangles, sizeof *model->sources);
+    model->places = model_array(source, triangles, sizeof *model->places);
+    uint32_t *joined = model_array(source, source->vertex_count, sizeof *joined);
+    dpt_result result = DPT_E_MEMORY;
+    if (model->corners && model->sources && model->places && joined) {
+        result = join(model, source, joined);
+        if (result == DPT_OK)
+            result = keep(model, source, joined);
+    }
+    free(joined);
+    if (result == DPT_OK && !model->triangle_count)
+        return soup_fail(source, DPT_E_EMPTY, (source_place){ 0, 0 },
+                         "no triangle with an area: %zu read, %u degenerate", triangles,
+                         model->dropped_degenerate);
+    return result;
+}

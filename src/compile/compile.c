@@ -1,0 +1,183 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The compiler from end to end: read, clean, order, adjacency, write. */
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "../check.h"
+#include "../vec.h"
+#include "model.h"
+
+static const source_place nowhere = { 0, 0 };
+
+/* FNV-1a, 64 bits: names a source, so that a stale .dpa can be told. */
+static uint64_t hash_of(const void *bytes, size_t size)
+{
+    const unsigned char *b = bytes;
+    uint64_t hash = 0xcbf29ce484222325u;
+    for (size_t i = 0; i < size; i++)
+        hash = (hash ^ b[i]) * 0x100000001b3u;
+    return hash;
+}
+
+static dpt_result build(soup *source, uint64_t source_size, uint64_t source_hash, dpt_compiled *out)
+{
+    struct model model = { .corners = NULL };
+    dpt_result result = soup_finish(source);
+    if (result == DPT_OK)
+        result = soup_progress(source, "clean", 0.0);
+    if (result == DPT_OK)
+        result = model_clean(&model, source);
+    if (result == DPT_OK)
+        result = soup_progress(source, "order", 0.0);
+    if (result == DPT_OK)
+        result = model_order(&model, source);
+    if (result == DPT_OK)
+        result = soup_progress(source, "adjacency", 0.0);
+    if (result == DPT_OK)
+        result = model_adjacency(&model, source);
+    if (result == DPT_OK)
+        result = soup_progress(source, "write", 0.0);
+    if (result == DPT_OK)
+        result = model_write(&model, source, source_size, source_hash, out);
+    model_free(&model);
+    return result;
+}
+
+static dpt_result read_source(soup *source, uint32_t format, const unsigned char *bytes, size_t size)
+{
+    switch (format) {
+    case DPT_FORMAT_OBJ:
+        return read_obj(source, bytes, size);
+    case DPT_FORMAT_STL:
+        return read_stl(source, bytes, size);
+    case DPT_FORMAT_PLY:
+        return read_ply(source, bytes, size);
+    case DPT_FORMAT_OFF:
+        return read_off(source, bytes, size);
+    default:
+        if (!size)
+            return soup_fail(source, DPT_E_EMPTY, nowhere, "the file is empty");
+        return soup_fail(source, DPT_E_FORMAT, nowhere, "neither OBJ, STL, PLY nor OFF");
+    }
+}
+
+/* What every entry shares: check the arguments, set the outputs to nothing. */
+static dpt_result enter(soup *source, const dpt_compile_def *def, dpt_compiled *out, dpt_diag *diag)
+{
+    if (!out)
+        return DPT_E_ARGUMENT;
+    out->bytes = NULL;
+    out->size = 0;
+    soup_init(source, def, diag);
+    if (def && def->size < sizeof *def)
+        return soup_fail(source, DPT_E_SIZE, nowhere, "the def's size field is not set");
+    if (def && (def->scale < 0.0 || !within(def->scale, 1e30)))
+        return soup_fail(source, DPT_E_ARGUMENT, nowhere, "the scale must be positive");
+    return DPT_OK;
+}
+
+/* A caller's diag, or one that nobody reads. */
+static dpt_diag *diag_or(dpt_diag *diag, dpt_diag *spare)
+{
+    dpt_diag *used = diag && diag->size >= sizeof *diag ? diag : spare;
+    uint32_t size = used == diag ? diag->size : (uint32_t)sizeof *spare;
+    memset(used, 0, sizeof *used);
+    used->size = size;
+    return used;
+}
+
+static dpt_result compile_bytes(soup *source, const char *path, const unsigned char *bytes,
+                                size_t size, const dpt_compile_def *def, dpt_compiled *out)
+{
+    uint32_t format = def ? def->format : DPT_FORMAT_AUTO;
+    if (format == DPT_FORMAT_AUTO)
+        format = source_format(path, bytes, size);
+    DPT_TRY(soup_progress(source, "read", 0.0));
+    DPT_TRY(read_source(source, format, bytes, size));
+    return build(source, size, hash_of(bytes, size), out);
+}
+
+dpt_result dpt_compile_bytes(const void *bytes, size_t size, const dpt_compile_def *def,
+                             dpt_compiled *out, dpt_diag *diag)
+{
+    soup source;
+    dpt_diag spare;
+    dpt_result result = enter(&source, def, out, diag_or(diag, &spare));
+    if (result == DPT_OK && !bytes && size)
+        result = soup_fail(&source, DPT_E_ARGUMENT, nowhere, "no bytes");
+    if (result == DPT_OK)
+        result = compile_bytes(&source, NULL, bytes, size, def, out);
+    if (out)
+        soup_free(&source);
+    return result;
+}
+
+/* All of a file, growing as it comes: pipes have no length. */
+static dpt_result read_all(soup *source, FILE *file, unsigned char **bytes, size_t *size)
+{
+    size_t room = 0;
+    for (;;) {
+        if (*size == room) {
+            size_t more = room ? 2 * room : (size_t)1 << 16;
+            unsigned char *grown = more > room ? realloc(*bytes, more) : NULL;
+            if (!grown)
+                return soup_fail(source, DPT_E_MEMORY, nowhere, "memory ran out");
+            *bytes = grown;
+            room = more;
+        }
+        size_t got = fread(*bytes + *size, 1, room - *size, file);
+        *size += got;
+        if (ferror(file))
+            return soup_fail(source, DPT_E_OPEN, nowhere, "it cannot be read: %s", strerror(errno));
+        if (!got)
+            return DPT_OK;
+    }
+}
+
+dpt_result dpt_compile_file(const char *path, const dpt_compile_def *def, dpt_compiled *out,
+                            dpt_diag *diag)
+{
+    soup source;
+    dpt_diag spare;
+    unsigned char *bytes = NULL;
+    size_t size = 0;
+    dpt_result result = enter(&source, def, out, diag_or(diag, &spare));
+    FILE *file = result == DPT_OK && path ? fopen(path, "rb") : NULL;
+    if (result == DPT_OK && !file)
+        result = soup_fail(&source, DPT_E_OPEN, nowhere, "it cannot be opened: %s",
+                           path ? strerror(errno) : "no name");
+    if (result == DPT_OK)
+        result = read_all(&source, file, &bytes, &size);
+    if (result == DPT_OK)
+        result = compile_bytes(&source, path, bytes, size, def, out);
+    if (file)
+        fclose(file);
+    free(bytes);
+    if (out)
+        soup_free(&source);
+    return result;
+}
+
+dpt_result dpt_compile_arrays(const double *vertices, size_t vertex_count, const uint32_t *corners,
+                              size_t triangle_count, const dpt_compile_def *def, dpt_compiled *out,
+                              dpt_diag *diag)
+{
+    soup source;
+    dpt_diag spare;
+    dpt_result result = enter(&source, def, out, diag_or(diag, &spare));
+    if (result == DPT_OK && ((!vertices && vertex_count) || (!corners && triangle_count)))
+        result = soup_fail(&source, DPT_E_ARGUMENT, nowhere, "no vertices or no corners");
+    for (size_t v = 0; result == DPT_OK && v < vertex_count; v++)
+        result = soup_vertex(&source, vertices[3 * v], vertices[3 * v + 1], vertices[3 * v + 2],
+                             (source_place){ 0, 3 * sizeof *vertices * v });
+    for (size_t t = 0; result == DPT_OK && t < triangle_count; t++)
+        result = soup_polygon(&source, corners + 3 * t, 3,
+                              (source_place){ 0, 3 * sizeof *corners * t });
+    if (result == DPT_OK)
+        result = build(&source, 0, 0, out);
+    if (out)
+        soup_free(&source);
+    return result;
+}

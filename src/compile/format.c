@@ -1,0 +1,91 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * Which format some bytes are in (soup.h).
+ */
+#include <string.h>
+
+#include "text.h"
+
+static bool is_ply(source_text text)
+{
+    source_word word;
+    return text_word(&text, &word) && word_is(&word, "ply") && !text_word(&text, &word);
+}
+
+/* OFF with any of the prefixes that the format has, also those that the reader refuses by name. */
+static bool is_off(source_text text)
+{
+    source_word word;
+    text.comments = true;
+    if (!text_seek(&text) || !text_word(&text, &word))
+        return false;
+    while (word.begin < word.end && memchr("STCN4n", *word.begin, 6) != NULL)
+        word.begin++;
+    if (word.end - word.begin < 3 || memcmp(word.begin, "OFF", 3) != 0)
+        return false;
+    const char *after = word.begin + 3;
+    return after == word.end || (*after >= '0' && *after <= '9');
+}
+
+static bool is_binary_stl(const unsigned char *bytes, size_t size)
+{
+    if (size < 84)
+        return false;
+    uint64_t count = (uint64_t)bytes[80] | (uint64_t)bytes[81] << 8 | (uint64_t)bytes[82] << 16 |
+                     (uint64_t)bytes[83] << 24;
+    return size == 84 + 50 * count;
+}
+
+static bool is_ascii_stl(source_text text)
+{
+    source_word word;
+    return text_seek(&text) && text_word(&text, &word) && word_is_any_case(&word, "solid") &&
+           text_next_line(&text) && text_seek(&text) && text_word(&text, &word) &&
+           word_is_any_case(&word, "facet");
+}
+
+static bool has_vertex_line(source_text text)
+{
+    source_word word;
+    do {
+        if (text_word(&text, &word) && word_is(&word, "v") && text_word(&text, &word))
+            return true;
+    } while (text_next_line(&text));
+    return false;
+}
+
+static uint32_t format_of_ending(const char *path)
+{
+    static const struct {
+        const char *ending;
+        uint32_t format;
+    } endings[] = { { "obj", DPT_FORMAT_OBJ },
+                    { "stl", DPT_FORMAT_STL },
+                    { "ply", DPT_FORMAT_PLY },
+                    { "off", DPT_FORMAT_OFF } };
+    const char *dot = path != NULL ? strrchr(path, '.') : NULL;
+    if (dot == NULL)
+        return DPT_FORMAT_AUTO;
+    source_word word = { dot + 1, dot + strlen(dot) };
+    for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
+        if (word_is_any_case(&word, endings[i].ending))
+            return endings[i].format;
+    }
+    return DPT_FORMAT_AUTO;
+}
+
+uint32_t source_format(const char *path, const unsigned char *bytes, size_t size)
+{
+    source_text text;
+    text_begin(&text, NULL, bytes, size);
+    if (is_ply(text))
+        return DPT_FORMAT_PLY;
+    if (is_off(text))
+        return DPT_FORMAT_OFF;
+    if (is_binary_stl(bytes, size) || is_ascii_stl(text))
+        return DPT_FORMAT_STL;
+    uint32_t format = format_of_ending(path);
+    if (format == DPT_FORMAT_AUTO && has_vertex_line(text))
+        return DPT_FORMAT_OBJ;
+    return format;
+}

@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * The mesh on its way through the compiler: joined, cleaned, put in order, told who its neighbours are.
+ * Each step fills in its own fields, in the order of this struct.
+ */
+#ifndef DPT_COMPILE_MODEL_H
+#define DPT_COMPILE_MODEL_H
+
+#include "soup.h"
+
+struct part {
+    uint32_t flags; /* MESH_PART_... */
+    uint32_t triangles;
+    uint32_t open_edges;
+    uint32_t nonmanifold_edges;
+};
+
+struct model {
+    /* model_clean */
+    uint32_t *corners; /* 3 per triangle: of the soup's vertices, the least at a place */
+    uint32_t *sources; /* a triangle's number in the source */
+    uint32_t *places;  /* a source triangle's number here, or MESH_DROPPED_... */
+    uint32_t triangle_count;
+    uint32_t source_triangle_count;
+    uint32_t source_vertex_count;
+    uint32_t unused_vertices;
+    uint32_t dropped_degenerate;
+    uint32_t dropped_duplicate;
+
+    /* model_order: from here on, corners are of these vertices */
+    float *positions; /* 3 per vertex, distinct */
+    uint32_t vertex_count;
+
+    /* model_adjacency */
+    uint32_t *neighbours; /* 3 per triangle, over the edge from corner k to k + 1 */
+    uint32_t *fan_first;
+    uint32_t *fans;
+    uint32_t *part_of;
+    struct part *parts;
+    uint32_t part_count;
+    uint32_t open_edges;
+    uint32_t nonmanifold_edges;
+    uint32_t wrong_way_edges;
+    uint32_t closed_parts;
+    uint32_t inward_parts;
+    uint32_t turned_triangles;
+};
+
+void model_free(struct model *model);
+
+/* Join equal vertices, drop degenerate and duplicate triangles. */
+dpt_result model_clean(struct model *model, soup *source);
+
+/* Put triangles in the order of the box tree, and take over the vertices that they use. */
+dpt_result model_order(struct model *model, soup *source);
+
+/* Edge neighbours, fans and parts; wind closed parts one way and outward. */
+dpt_result model_adjacency(struct model *model, soup *source);
+
+/* Lay out the bytes of the file. source_size and source_hash as dpt_mesh_info has them. */
+dpt_result model_write(const struct model *model, soup *source, uint64_t source_size,
+                       uint64_t source_hash, dpt_compiled *out);
+
+/* An array, or NULL and a diag; never 0 bytes. */
+void *model_array(soup *source, size_t count, size_t width);
+
+#endif

@@ -1,0 +1,205 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * STL, binary and ASCII: three vertices of its own for every facet. Normals are skipped. Which of
+ * the two it is, the length tells: binary files may begin with "solid" as well.
+ */
+#include <inttypes.h>
+#include <string.h>
+
+#include "../check.h"
+#include "text.h"
+
+enum { HEADER_BYTES = 84, FACET_BYTES = 50, NORMAL_BYTES = 12, VERTEX_BYTES = 12 };
+
+static uint32_t load_u32(const unsigned char *bytes)
+{
+    return (uint32_t)bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 |
+           (uint32_t)bytes[3] << 24;
+}
+
+static double load_float(const unsigned char *bytes)
+{
+    uint32_t bits = load_u32(bytes);
+    float value;
+    memcpy(&value, &bits, sizeof value);
+    return (double)value;
+}
+
+/* The vertices were just added. */
+static dpt_result add_triangle(soup *source, source_place place)
+{
+    uint32_t next = (uint32_t)source->vertex_count;
+    const uint32_t corners[3] = { next - 3, next - 2, next - 1 };
+    return soup_polygon(source, corners, 3, place);
+}
+
+static dpt_result check_length(soup *source, const unsigned char *bytes, size_t size)
+{
+    if (size < HEADER_BYTES)
+        return soup_fail(source, DPT_E_TRUNCATED, (source_place){ 0, size },
+                         "neither ASCII STL nor the %d bytes that a binary one begins with",
+                         HEADER_BYTES);
+    uint64_t announced = load_u32(bytes + 80), held = (size - HEADER_BYTES) / FACET_BYTES;
+    uint64_t length = HEADER_BYTES + FACET_BYTES * announced;
+    if (size < length)
+        return soup_fail(source, DPT_E_TRUNCATED, (source_place){ 0, size },
+                         "binary STL announces %" PRIu64 " triangles and holds %" PRIu64, announced,
+                         held);
+    if (size > length)
+        return soup_fail(source, DPT_E_TRAILING, (source_place){ 0, length },
+                         "%" PRIu64 " bytes follow the %" PRIu64 " triangles that binary STL "
+                         "announces",
+                         size - length, announced);
+    return DPT_OK;
+}
+
+static dpt_result read_binary_facet(soup *source, const unsigned char *bytes, size_t offset)
+{
+    for (int i = 0; i < 3; i++) {
+        size_t place = offset + NORMAL_BYTES + VERTEX_BYTES * (size_t)i;
+        const unsigned char *at = bytes + place;
+        DPT_TRY(soup_vertex(source, load_float(at), load_float(at + 4), load_float(at + 8),
+                            (source_place){ 0, place }));
+    }
+    return add_triangle(source, (source_place){ 0, offset });
+}
+
+static dpt_result read_binary(soup *source, const unsigned char *bytes, size_t size)
+{
+    DPT_TRY(check_length(source, bytes, size));
+    size_t facets = (size - HEADER_BYTES) / FACET_BYTES;
+    for (size_t i = 0; i < facets; i++) {
+        if (i % PROGRESS_STRIDE == 0)
+            DPT_TRY(soup_progress(source, "read", (double)i / (double)facets));
+        DPT_TRY(read_binary_facet(source, bytes, HEADER_BYTES + FACET_BYTES * i));
+    }
+    return DPT_OK;
+}
+
+static dpt_result next_keyword(source_text *text, source_word *word, const char *wanted)
+{
+    if (text_seek(text) && text_word(text, word))
+        return DPT_OK;
+    return soup_fail(text->source, DPT_E_TRUNCATED, text_place(text),
+                     "the file ends where '%s' should be", wanted);
+}
+
+static dpt_result refuse_keyword(source_text *text, const source_word *word, const char *wanted)
+{
+    char shown[WORD_SHOWN];
+    return soup_fail(text->source, DPT_E_SYNTAX, text_place(text), "'%s' where '%s' should be",
+                     word_show(word, shown), wanted);
+}
+
+static dpt_result expect(source_text *text, const char *keyword)
+{
+    source_word word;
+    DPT_TRY(next_keyword(text, &word, keyword));
+    return word_is_any_case(&word, keyword) ? DPT_OK : refuse_keyword(text, &word, keyword);
+}
+
+/* "endsolid" and "end solid" are the same: go past the second word if there are two. */
+static bool is_end_of(source_text *text, const source_word *first, const char *what)
+{
+    source_word word = { first->begin, first->begin + 3 };
+    if (first->end - first->begin < 3 || !word_is_any_case(&word, "end"))
+        return false;
+    word.begin = first->begin + 3;
+    word.end = first->end;
+    const char *back = text->at;
+    if (word.begin == word.end && !text_word(text, &word))
+        return false;
+    if (word_is_any_case(&word, what))
+        return true;
+    text->at = back;
+    return false;
+}
+
+/* "normal", three words of any kind, "outer", "loop" */
+static dpt_result read_facet_head(source_text *text)
+{
+    source_word word;
+    DPT_TRY(expect(text, "normal"));
+    for (int i = 0; i < 3; i++)
+        DPT_TRY(next_keyword(text, &word, "outer"));
+    DPT_TRY(expect(text, "outer"));
+    return expect(text, "loop");
+}
+
+static dpt_result read_loop(source_text *text)
+{
+    source_word word;
+    for (int vertices = 0;; vertices++) {
+        DPT_TRY(next_keyword(text, &word, "vertex"));
+        bool end = is_end_of(text, &word, "loop");
+        if (!end && !word_is_any_case(&word, "vertex"))
+            return refuse_keyword(text, &word, "vertex");
+        if (end != (vertices == 3))
+            return soup_fail(text->source, DPT_E_SYNTAX, text_place(text), "a facet of %s vertices",
+                             end ? "fewer than three" : "more than three");
+        if (end)
+            return DPT_OK;
+        DPT_TRY(text_vertex(text));
+    }
+}
+
+static dpt_result read_facet(source_text *text)
+{
+    source_place place = text_place(text);
+    source_word word;
+    DPT_TRY(read_facet_head(text));
+    DPT_TRY(read_loop(text));
+    DPT_TRY(next_keyword(text, &word, "endfacet"));
+    if (!is_end_of(text, &word, "facet"))
+        return refuse_keyword(text, &word, "endfacet");
+    return add_triangle(text->source, place);
+}
+
+/* After "solid": its name is the rest of the line. */
+static dpt_result read_solid(source_text *text, const char *begin)
+{
+    text_next_line(text);
+    for (;;) {
+        source_word word;
+        DPT_TRY(next_keyword(text, &word, "endsolid"));
+        if (is_end_of(text, &word, "solid"))
+            return DPT_OK;
+        if (!word_is_any_case(&word, "facet"))
+            return refuse_keyword(text, &word, "facet");
+        if (text->source->triangle_count % PROGRESS_STRIDE == 0)
+            DPT_TRY(soup_progress(text->source, "read",
+                                  (double)(text->at - begin) / (double)(text->end - begin)));
+        DPT_TRY(read_facet(text));
+    }
+}
+
+static dpt_result read_ascii(source_text *text)
+{
+    const char *begin = text->at;
+    while (text_seek(text)) {
+        DPT_TRY(expect(text, "solid"));
+        DPT_TRY(read_solid(text, begin));
+        text_next_line(text);
+    }
+    return DPT_OK;
+}
+
+/* A text has no zero byte; a binary file nearly always has some in its padding or its count. */
+static bool is_ascii(const source_text *text, const unsigned char *bytes, size_t size)
+{
+    source_text ahead = *text;
+    source_word word;
+    return text_seek(&ahead) && text_word(&ahead, &word) && word_is_any_case(&word, "solid") &&
+           memchr(bytes, 0, size < HEADER_BYTES ? size : HEADER_BYTES) == NULL;
+}
+
+dpt_result read_stl(soup *source, const unsigned char *bytes, size_t size)
+{
+    source_text text;
+    text_begin(&text, source, bytes, size);
+    bool fits =
+        size >= HEADER_BYTES && size == HEADER_BYTES + FACET_BYTES * (uint64_t)load_u32(bytes + 80);
+    if (!fits && is_ascii(&text, bytes, size))
+        return read_ascii(&text);
+    return read_binary(source, bytes, size);
+}

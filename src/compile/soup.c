@@ -1,0 +1,229 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * Vertices and polygons as a reader finds them (soup.h).
+ */
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "../check.h"
+#include "soup.h"
+#include "text.h"
+
+#define COUNT_MAX ((size_t)INT32_MAX)
+
+void soup_init(soup *source, const dpt_compile_def *def, dpt_diag *diag)
+{
+    memset(source, 0, sizeof *source);
+    source->scale = def != NULL && def->scale != 0.0 ? def->scale : 1.0;
+    source->def = def;
+    source->diag = diag;
+}
+
+void soup_free(soup *source)
+{
+    free(source->positions);
+    free(source->corners);
+    free(source->polygons);
+    memset(source, 0, sizeof *source);
+}
+
+dpt_result soup_fail(soup *source, dpt_result code, source_place place, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(source->diag->text, sizeof source->diag->text, format, arguments);
+    va_end(arguments);
+    source->diag->code = code;
+    source->diag->line = place.line;
+    source->diag->byte = place.line != 0 ? 0 : place.byte;
+    return code;
+}
+
+static dpt_result no_memory(soup *source, source_place place)
+{
+    return soup_fail(source, DPT_E_MEMORY, place,
+                     "memory ran out after %zu vertices and %zu triangles", source->vertex_count,
+                     source->triangle_count);
+}
+
+dpt_result soup_vertex(soup *source, double x, double y, double z, source_place place)
+{
+    const double given[3] = { x, y, z }, scale = source->scale;
+    if (source->vertex_count >= COUNT_MAX)
+        return soup_fail(source, DPT_E_LIMIT, place, "more than %zu vertices", COUNT_MAX);
+    if (source->vertex_count == source->vertex_room) {
+        float *bigger = grown(source->positions, &source->vertex_room, source->vertex_count + 1,
+                              3 * sizeof *bigger);
+        if (bigger == NULL)
+            return no_memory(source, place);
+        source->positions = bigger;
+    }
+    float *position = source->positions + 3 * source->vertex_count;
+    for (int i = 0; i < 3; i++) {
+        double scaled = scale * given[i];
+        if (!(fabs(scaled) <= DPT_COORDINATE_MAX))
+            return soup_fail(source, DPT_E_FINITE, place,
+                             "%c is %.9g (times %.9g): not finite, or beyond %.0f m", "xyz"[i],
+                             given[i], scale, DPT_COORDINATE_MAX);
+        position[i] = (float)scaled;
+        if (position[i] == 0.0f)
+            position[i] = 0.0f; /* the two zeros are one position: their bits are compared later */
+        double off = fabs((double)position[i] - scaled);
+        if (off > source->rounding)
+            source->rounding = off;
+    }
+    source->vertex_count++;
+    return DPT_OK;
+}
+
+static dpt_result reserve_polygon(soup *source, size_t fan, source_place place)
+{
+    if (fan > COUNT_MAX - source->triangle_count)
+        return soup_fail(source, DPT_E_LIMIT, place, "more than %zu triangles", COUNT_MAX);
+    if (fan > source->triangle_room - source->triangle_count) {
+        uint32_t *bigger = grown(source->corners, &source->triangle_room,
+                                 source->triangle_count + fan, 3 * sizeof *bigger);
+        if (bigger == NULL)
+            return no_memory(source, place);
+        source->corners = bigger;
+    }
+    if (fan > 1 && source->polygon_count == source->polygon_room) {
+        soup_polygon_span *bigger = grown(source->polygons, &source->polygon_room,
+                                          source->polygon_count + 1, sizeof *bigger);
+        if (bigger == NULL)
+            return no_memory(source, place);
+        source->polygons = bigger;
+    }
+    return DPT_OK;
+}
+
+dpt_result soup_polygon(soup *source, const uint32_t *corners, size_t n, source_place place)
+{
+    DPT_TRY(reserve_polygon(source, n - 2, place));
+    if (source->triangle_count == 0) {
+        source->highest_corner = corners[0];
+        source->highest_place = place;
+    }
+    for (size_t i = 0; i < n; i++) {
+        if (corners[i] > source->highest_corner) {
+            source->highest_corner = corners[i];
+            source->highest_place = place;
+        }
+    }
+    if (n > 3)
+        source->polygons[source->polygon_count++] =
+            (soup_polygon_span){ (uint32_t)source->triangle_count, (uint32_t)n };
+    for (size_t i = 1; i + 1 < n; i++) {
+        uint32_t *triangle = source->corners + 3 * source->triangle_count++;
+        triangle[0] = corners[0];
+        triangle[1] = corners[i];
+        triangle[2] = corners[i + 1];
+    }
+    return DPT_OK;
+}
+
+dpt_result soup_finish(soup *source)
+{
+    if (source->triangle_count == 0 || source->highest_corner < source->vertex_count)
+        return DPT_OK;
+    return soup_fail(source, DPT_E_INDEX, source->highest_place,
+                     "a polygon names vertex %u, counted from 0, and there are only %zu",
+                     (unsigned)source->highest_corner, source->vertex_count);
+}
+
+/* The position of corner `k` of a polygon, found again in its fan. */
+static const float *polygon_corner(const soup *source, const soup_polygon_span *span, uint32_t k)
+{
+    size_t first = span->first_triangle;
+    size_t slot = k < 2 ? 3 * first + k : 3 * (first + k - 2) + 2;
+    return source->positions + 3 * (size_t)source->corners[slot];
+}
+
+static void subtract(const float *a, const float *b, double difference[3])
+{
+    for (int i = 0; i < 3; i++)
+        difference[i] = (double)a[i] - (double)b[i];
+}
+
+static void cross(const double a[3], const double b[3], double product[3])
+{
+    product[0] = a[1] * b[2] - a[2] * b[1];
+    product[1] = a[2] * b[0] - a[0] * b[2];
+    product[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static double sum_of_sizes(const double a[3])
+{
+    return fabs(a[0]) + fabs(a[1]) + fabs(a[2]);
+}
+
+/* Twice the polygon's area vector, and its largest coordinate. */
+static double mean_normal(const soup *source, const soup_polygon_span *span, double normal[3])
+{
+    const float *origin = polygon_corner(source, span, 0);
+    double a[3], b[3], product[3], largest = 0.0;
+    normal[0] = normal[1] = normal[2] = 0.0;
+    subtract(polygon_corner(source, span, 1), origin, a);
+    for (uint32_t k = 2; k < span->corners; k++) {
+        subtract(polygon_corner(source, span, k), origin, b);
+        cross(a, b, product);
+        for (int i = 0; i < 3; i++) {
+            normal[i] += product[i];
+            a[i] = b[i];
+        }
+    }
+    for (uint32_t k = 0; k < span->corners; k++) {
+        for (int i = 0; i < 3; i++) {
+            double size = fabs((double)polygon_corner(source, span, k)[i]);
+            largest = size > largest ? size : largest;
+        }
+    }
+    return largest;
+}
+
+/* Straight corners turn a little either way once their coordinates are rounded: that is not
+ * counted. */
+static int is_concave(const soup *source, const soup_polygon_span *span)
+{
+    double normal[3], in[3], out[3], turn[3];
+    double rounding = 4.0 * 0x1p-24 * mean_normal(source, span, normal);
+    const float *before = polygon_corner(source, span, span->corners - 1);
+    const float *here = polygon_corner(source, span, 0);
+    for (uint32_t k = 0; k < span->corners; k++) {
+        const float *after = polygon_corner(source, span, k + 1 < span->corners ? k + 1 : 0);
+        subtract(here, before, in);
+        subtract(after, here, out);
+        cross(in, out, turn);
+        double along = dot(turn, normal);
+        double slack = rounding * (sum_of_sizes(in) + sum_of_sizes(out));
+        if (along < 0.0 && along * along > slack * slack * dot(normal, normal))
+            return 1;
+        before = here;
+        here = after;
+    }
+    return 0;
+}
+
+uint32_t soup_concave_polygons(const soup *source)
+{
+    uint32_t count = 0;
+    for (size_t i = 0; i < source->polygon_count; i++)
+        count += (uint32_t)is_concave(source, &source->polygons[i]);
+    return count;
+}
+
+dpt_result soup_progress(soup *source, const char *step, double done)
+{
+    const dpt_compile_def *def = source->def;
+    if (def == NULL || def->progress == NULL || def->progress(def->user, step, done) == 0)
+        return DPT_OK;
+    return soup_fail(source, DPT_E_CANCELLED, (source_place){ 0, 0 }, "stopped by the caller");
+}

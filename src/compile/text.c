@@ -1,0 +1,231 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * Lines, words and numbers (text.h). One pass, never beyond the end.
+ */
+#include <stdlib.h>
+#include <string.h>
+
+#include "../check.h"
+#include "number.h"
+#include "text.h"
+
+static bool is_blank(char c)
+{
+    return c == ' ' || c == '\t' || c == '\v' || c == '\f';
+}
+
+static bool is_line_end(char c)
+{
+    return c == '\n' || c == '\r';
+}
+
+static char lower(char c)
+{
+    return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c;
+}
+
+void text_begin(source_text *text, soup *source, const unsigned char *bytes, size_t size)
+{
+    memset(text, 0, sizeof *text);
+    text->at = (const char *)bytes;
+    text->end = text->at + size;
+    text->line = 1;
+    text->source = source;
+    if (size >= 3 && memcmp(bytes, "\xef\xbb\xbf", 3) == 0)
+        text->at += 3;
+}
+
+/* Without a byte order mark, a zero byte beside an ASCII letter gives it away. */
+dpt_result text_refuse_utf16(const source_text *text)
+{
+    if (text->end - text->at < 2)
+        return DPT_OK;
+    unsigned char a = (unsigned char)text->at[0], b = (unsigned char)text->at[1];
+    bool marked = (a == 0xfe && b == 0xff) || (a == 0xff && b == 0xfe);
+    if (!marked && (a == 0) == (b == 0))
+        return DPT_OK;
+    return soup_fail(text->source, DPT_E_FORMAT, (source_place){ 0, 0 },
+                     "this is UTF-16 text: save it as UTF-8 or ASCII");
+}
+
+static const char *after_line_end(const char *at, const char *end)
+{
+    if (*at == '\r' && end - at > 1 && at[1] == '\n')
+        return at + 2;
+    return at + 1;
+}
+
+static bool joins_lines(const source_text *text, const char *at)
+{
+    return *at == '\\' && text->joined && text->end - at > 1 && is_line_end(at[1]);
+}
+
+static void skip_blanks(source_text *text)
+{
+    for (;;) {
+        while (text->at < text->end && is_blank(*text->at))
+            text->at++;
+        if (text->at == text->end || !joins_lines(text, text->at))
+            return;
+        text->at = after_line_end(text->at + 1, text->end);
+        text->line++;
+    }
+}
+
+bool text_word(source_text *text, source_word *word)
+{
+    skip_blanks(text);
+    const char *at = text->at;
+    if (at == text->end || is_line_end(*at) || (text->comments && *at == '#'))
+        return false;
+    word->begin = at;
+    while (at < text->end && !is_blank(*at) && !is_line_end(*at) && !joins_lines(text, at))
+        at++;
+    word->end = text->at = at;
+    return true;
+}
+
+bool text_next_line(source_text *text)
+{
+    while (text->at < text->end && !is_line_end(*text->at))
+        text->at++;
+    if (text->at == text->end)
+        return false;
+    text->at = after_line_end(text->at, text->end);
+    text->line++;
+    return text->at < text->end;
+}
+
+bool text_seek(source_text *text)
+{
+    source_word word;
+    while (!text_word(text, &word)) {
+        if (!text_next_line(text))
+            return false;
+    }
+    text->at = word.begin;
+    return true;
+}
+
+source_place text_place(const source_text *text)
+{
+    return (source_place){ text->line, 0 };
+}
+
+bool word_is(const source_word *word, const char *name)
+{
+    size_t length = (size_t)(word->end - word->begin);
+    return strlen(name) == length && memcmp(word->begin, name, length) == 0;
+}
+
+static bool begins_any_case(const char *at, const char *end, const char *name)
+{
+    for (; *name != 0; at++, name++) {
+        if (at == end || lower(*at) != *name)
+            return false;
+    }
+    return true;
+}
+
+bool word_is_any_case(const source_word *word, const char *name)
+{
+    return (size_t)(word->end - word->begin) == strlen(name) &&
+           begins_any_case(word->begin, word->end, name);
+}
+
+const char *word_show(const source_word *word, char shown[WORD_SHOWN])
+{
+    size_t length = (size_t)(word->end - word->begin), n = 0;
+    for (; n < length && n < WORD_SHOWN - 1; n++) {
+        char c = word->begin[n];
+        shown[n] = c >= ' ' && c <= '~' ? c : '?';
+    }
+    shown[n] = 0;
+    if (n < length)
+        memcpy(shown + WORD_SHOWN - 4, "...", 4);
+    return shown;
+}
+
+/* As printf writes them: nan, -nan(ind), inf, infinity; and 1.#IND, 1.#INF, 1.#QNAN. */
+static bool names_no_finite(const source_word *word)
+{
+    const char *at = word->begin;
+    if (at < word->end && (*at == '-' || *at == '+'))
+        at++;
+    return begins_any_case(at, word->end, "nan") || begins_any_case(at, word->end, "inf") ||
+           begins_any_case(at, word->end, "1.#");
+}
+
+static dpt_result no_word(source_text *text, const char *what)
+{
+    return soup_fail(text->source, DPT_E_SYNTAX, text_place(text),
+                     "the line ends where %s should be", what);
+}
+
+dpt_result text_double(source_text *text, const char *what, double *value)
+{
+    source_word word;
+    char shown[WORD_SHOWN];
+    if (!text_word(text, &word))
+        return no_word(text, what);
+    if (parse_double(word.begin, word.end, value) == word.end)
+        return DPT_OK;
+    if (names_no_finite(&word))
+        return soup_fail(text->source, DPT_E_FINITE, text_place(text),
+                         "%s is %s: not a finite number", what, word_show(&word, shown));
+    return soup_fail(text->source, DPT_E_SYNTAX, text_place(text), "%s is '%s': not a number", what,
+                     word_show(&word, shown));
+}
+
+dpt_result text_int(source_text *text, const char *what, int64_t *value)
+{
+    source_word word;
+    char shown[WORD_SHOWN];
+    if (!text_word(text, &word))
+        return no_word(text, what);
+    if (parse_int(word.begin, word.end, value) == word.end)
+        return DPT_OK;
+    return soup_fail(text->source, DPT_E_SYNTAX, text_place(text), "%s is '%s': not an integer",
+                     what, word_show(&word, shown));
+}
+
+dpt_result text_vertex(source_text *text)
+{
+    static const char *const names[3] = { "x", "y", "z" };
+    double position[3];
+    for (int i = 0; i < 3; i++)
+        DPT_TRY(text_double(text, names[i], &position[i]));
+    return soup_vertex(text->source, position[0], position[1], position[2], text_place(text));
+}
+
+void *grown(void *array, size_t *room, size_t need, size_t item_size)
+{
+    size_t wanted = *room < 32 ? 64 : *room > SIZE_MAX / 2 ? SIZE_MAX : *room * 2;
+    if (wanted < need)
+        wanted = need;
+    if (wanted > SIZE_MAX / item_size)
+        return NULL;
+    void *bigger = realloc(array, wanted * item_size);
+    if (bigger != NULL)
+        *room = wanted;
+    return bigger;
+}
+
+dpt_result corner_list_add(corner_list *list, soup *source, uint32_t number)
+{
+    if (list->count == list->room) {
+        uint32_t *bigger = grown(list->numbers, &list->room, list->count + 1, sizeof *bigger);
+        if (bigger == NULL)
+            return soup_fail(source, DPT_E_MEMORY, (source_place){ 0, 0 },
+                             "no memory for a polygon of %zu corners", list->count + 1);
+        list->numbers = bigger;
+    }
+    list->numbers[list->count++] = number;
+    return DPT_OK;
+}
+
+void corner_list_free(corner_list *list)
+{
+    free(list->numbers);
+    memset(list, 0, sizeof *list);
+}

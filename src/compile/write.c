@@ -1,0 +1,230 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Lay out the file (mesh_format.h, docs/format.md). The same mesh gives the same bytes everywhere. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "../crc32.h"
+#include "../mesh_format.h"
+#include "../vec.h"
+#include "model.h"
+
+struct box {
+    double low[3], high[3];
+};
+
+static const struct box nothing = { { HUGE_VAL, HUGE_VAL, HUGE_VAL },
+                                    { -HUGE_VAL, -HUGE_VAL, -HUGE_VAL } };
+
+static void box_add(struct box *box, const double *low, const double *high)
+{
+    for (int k = 0; k < 3; k++) {
+        box->low[k] = smaller(box->low[k], low[k]);
+        box->high[k] = larger(box->high[k], high[k]);
+    }
+}
+
+/* The filter's frame: the box's middle, and the power of two that brings its half width to 0.5..1. */
+static void set_frame(struct dpt_mesh *mesh, const struct model *model)
+{
+    struct box box = nothing;
+    for (size_t v = 0; v < model->vertex_count; v++) {
+        vec3 x = vec3_of_float(model->positions + 3 * v);
+        box_add(&box, &x.x, &x.x);
+    }
+    double half = 0.0;
+    for (int k = 0; k < 3; k++) {
+        mesh->box_min[k] = box.low[k];
+        mesh->box_max[k] = box.high[k];
+        mesh->filter_centre[k] = 0.5 * (box.low[k] + box.high[k]);
+        half = larger(half, 0.5 * (box.high[k] - box.low[k]));
+    }
+    int exponent;
+    frexp(half, &exponent);
+    mesh->filter_scale = ldexp(1.0, -exponent);
+}
+
+static void set_counts(struct dpt_mesh *mesh, const struct model *model, const soup *source)
+{
+    memcpy(mesh->magic, MESH_MAGIC, sizeof mesh->magic);
+    mesh->byte_order = MESH_BYTE_ORDER;
+    mesh->version = MESH_VERSION;
+    mesh->header_bytes = sizeof *mesh;
+    mesh->section_count = MESH_SECTION_COUNT;
+    mesh->writer_version = DPT_VERSION_MAJOR << 16 | DPT_VERSION_MINOR << 8 | DPT_VERSION_PATCH;
+    mesh->triangles = model->triangle_count;
+    mesh->vertices = model->vertex_count;
+    mesh->source_triangles = model->source_triangle_count;
+    mesh->source_vertices = model->source_vertex_count;
+    mesh->parts = model->part_count;
+    mesh->leaves = (model->triangle_count + LANES - 1) / LANES;
+    mesh->dropped_degenerate = model->dropped_degenerate;
+    mesh->dropped_duplicate = model->dropped_duplicate;
+    mesh->unused_vertices = model->unused_vertices;
+    mesh->concave_polygons = soup_concave_polygons(source);
+    mesh->open_edges = model->open_edges;
+    mesh->nonmanifold_edges = model->nonmanifold_edges;
+    mesh->wrong_way_edges = model->wrong_way_edges;
+    mesh->closed_components = model->closed_parts;
+    mesh->inward_components = model->inward_parts;
+    mesh->turned_triangles = model->turned_triangles;
+    mesh->scale = source->scale;
+    mesh->rounding = source->rounding;
+}
+
+static void set_sections(struct dpt_mesh *mesh, uint64_t nodes)
+{
+    uint64_t end = sizeof *mesh;
+    for (int id = 0; id < MESH_SECTION_COUNT; id++) {
+        struct mesh_section *section = &mesh->section[id];
+        const char *name = mesh_section_name(id);
+        memcpy(section->name, name, strlen(name));
+        section->offset = mesh_aligned(end);
+        section->bytes = 4 * mesh_section_words(mesh, id, nodes);
+        end = section->offset + section->bytes;
+    }
+    mesh->bytes = end;
+}
+
+/* A vertex in the filter's frame, in double. */
+static void filtered(const struct dpt_mesh *mesh, const float *position, double out[3])
+{
+    for (int k = 0; k < 3; k++)
+        out[k] = (position[k] - mesh->filter_centre[k]) * mesh->filter_scale;
+}
+
+/* The leaves, and their boxes. Empty lanes of the last leaf repeat its last triangle. */
+static void fill_leaves(const struct dpt_mesh *mesh, const struct model *model, float *leaves,
+                        struct box *boxes)
+{
+    for (uint32_t leaf = 0; leaf < mesh->leaves; leaf++) {
+        float *block = leaves + (size_t)leaf * MESH_LEAF_WORDS;
+        boxes[leaf] = nothing;
+        for (uint32_t lane = 0; lane < LANES; lane++) {
+            uint32_t t = leaf * LANES + lane;
+            t = t < mesh->triangles ? t : mesh->triangles - 1;
+            for (uint32_t k = 0; k < 3; k++) {
+                double x[3];
+                filtered(mesh, model->positions + 3 * (size_t)model->corners[3 * (size_t)t + k], x);
+                box_add(&boxes[leaf], x, x);
+                for (uint32_t axis = 0; axis < 3; axis++)
+                    block[(3 * k + axis) * LANES + lane] = (float)x[axis];
+            }
+        }
+    }
+}
+
+/* Centre and half width in float, so that the box in float holds the box in double. */
+static void put_box(float *block, uint32_t lane, const struct box *box)
+{
+    for (uint32_t k = 0; k < 3; k++) {
+        float centre = (float)(0.5 * (box->low[k] + box->high[k]));
+        double half = larger(box->high[k] - (double)centre, (double)centre - box->low[k]);
+        float up = (float)half;
+        block[k * LANES + lane] = centre;
+        block[(3 + k) * LANES + lane] = (double)up < half ? nextafterf(up, HUGE_VALF) : up;
+    }
+}
+
+/* All levels, upward; `boxes` holds the level below and is folded in place. */
+static void fill_boxes(const struct dpt_mesh *mesh, float *nodes, struct box *boxes,
+                       const uint32_t *count)
+{
+    for (uint32_t level = 1; level <= mesh->levels; level++)
+        for (uint32_t node = 0; node < count[level]; node++, nodes += MESH_BOX_WORDS) {
+            struct box whole = nothing;
+            for (uint32_t lane = 0; lane < LANES; lane++) {
+                uint32_t child = node * LANES + lane;
+                child = child < count[level - 1] ? child : count[level - 1] - 1;
+                put_box(nodes, lane, &boxes[child]);
+                box_add(&whole, boxes[child].low, boxes[child].high);
+            }
+            boxes[node] = whole;
+        }
+}
+
+static void fill_words(const struct dpt_mesh *mesh, const struct model *model, char *bytes)
+{
+    const void *content[MESH_SECTION_COUNT] = {
+        [MESH_VERTICES] = model->positions,   [MESH_TRIANGLES] = model->corners,
+        [MESH_NEIGHBOURS] = model->neighbours, [MESH_FAN_FIRST] = model->fan_first,
+        [MESH_FANS] = model->fans,            [MESH_PARTS] = model->part_of,
+        [MESH_PART_TABLE] = model->parts,     [MESH_SOURCES] = model->sources,
+        [MESH_PLACES] = model->places,
+    };
+    for (int id = 0; id < MESH_BOXES; id++)
+        memcpy(bytes + mesh->section[id].offset, content[id], (size_t)mesh->section[id].bytes);
+}
+
+/* Into the file's byte order, with the checksums of the bytes as they will lie. */
+static void seal(struct dpt_mesh *mesh, char *bytes)
+{
+    struct crc32 crc;
+    crc32_init(&crc);
+    int swap = !mesh_host_is_little();
+    for (int id = 0; id < MESH_SECTION_COUNT; id++) {
+        struct mesh_section *section = &mesh->section[id];
+        if (swap)
+            mesh_swap4(bytes + section->offset, section->bytes / 4);
+        section->crc32 = crc32_of(&crc, bytes + section->offset, (size_t)section->bytes);
+    }
+    if (swap)
+        mesh_swap_header(mesh);
+    uint32_t sum = crc32_of(&crc, mesh, sizeof *mesh);
+    if (swap)
+        mesh_swap4(&sum, 1);
+    mesh->header_crc32 = sum;
+}
+
+/* Zeros, aligned to MESH_ALIGN; the address to free lies just before them. */
+static char *take_block(size_t size)
+{
+    char *raw = calloc(1, size + MESH_ALIGN + sizeof raw);
+    if (!raw)
+        return NULL;
+    char *bytes = (char *)(uintptr_t)mesh_aligned((uintptr_t)raw + sizeof raw);
+    memcpy(bytes - sizeof raw, &raw, sizeof raw);
+    return bytes;
+}
+
+void dpt_compiled_free(dpt_compiled *compiled)
+{
+    if (!compiled || !compiled->bytes)
+        return;
+    char *raw;
+    memcpy(&raw, (char *)compiled->bytes - sizeof raw, sizeof raw);
+    free(raw);
+    compiled->bytes = NULL;
+    compiled->size = 0;
+}
+
+dpt_result model_write(const struct model *model, soup *source, uint64_t source_size,
+                       uint64_t source_hash, dpt_compiled *out)
+{
+    struct dpt_mesh mesh;
+    uint32_t count[MESH_LEVELS_MAX + 1];
+    uint64_t nodes;
+    memset(&mesh, 0, sizeof mesh);
+    set_counts(&mesh, model, source);
+    set_frame(&mesh, model);
+    mesh.levels = mesh_levels(mesh.leaves, count, &nodes);
+    mesh.source_bytes = source_size;
+    mesh.source_hash = source_hash;
+    set_sections(&mesh, nodes);
+
+    struct box *boxes = model_array(source, mesh.leaves, sizeof *boxes);
+    char *bytes = boxes && mesh.bytes <= SIZE_MAX / 2 ? take_block((size_t)mesh.bytes) : NULL;
+    if (!bytes) {
+        free(boxes);
+        return soup_fail(source, DPT_E_MEMORY, (source_place){ 0, 0 }, "memory ran out");
+    }
+    fill_words(&mesh, model, bytes);
+    fill_leaves(&mesh, model, (float *)(void *)(bytes + mesh.section[MESH_LEAVES].offset), boxes);
+    fill_boxes(&mesh, (float *)(void *)(bytes + mesh.section[MESH_BOXES].offset), boxes, count);
+    free(boxes);
+    out->size = (size_t)mesh.bytes;
+    seal(&mesh, bytes);
+    memcpy(bytes, &mesh, sizeof mesh);
+    out->bytes = bytes;
+    return DPT_OK;
+}

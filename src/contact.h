@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * From a nearest pair to contact: on which side the tool is, its gap, and where a force would push it.
+ * docs/algorithms/sign.md.
+ */
+#ifndef DPT_CONTACT_H
+#define DPT_CONTACT_H
+
+#include "track.h"
+
+struct push {
+    vec3 direction; /* unit, in the body's frame, out of the mesh; zero where it is not known */
+    double depth;   /* how far, >= 0 */
+};
+
+/* Fill contact, flags, gap and depth of a hit that track_hit has written. */
+struct push contact_of(const struct tree *tree, const struct axis *axis,
+                       const struct nearest *nearest, double radius, dpt_hit *hit);
+
+#endif

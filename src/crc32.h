@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * CRC-32 as in zlib, PNG and Ethernet (reflected polynomial 0xEDB88320): any one can check a file with
+ * the tools at hand. Eight bytes a step; the tables live with the caller, on the stack.
+ */
+#ifndef DPT_CRC32_H
+#define DPT_CRC32_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+struct crc32 {
+    uint32_t table[8][256];
+};
+
+static inline void crc32_init(struct crc32 *crc)
+{
+    for (uint32_t i = 0; i < 256; i++) {
+        uint32_t c = i;
+        for (int bit = 0; bit < 8; bit++)
+            c = c & 1 ? (c >> 1) ^ 0xedb88320u : c >> 1;
+        crc->table[0][i] = c;
+    }
+    for (uint32_t i = 0; i < 256; i++)
+        for (int k = 1; k < 8; k++) {
+            uint32_t c = crc->table[k - 1][i];
+            crc->table[k][i] = (c >> 8) ^ crc->table[0][c & 255];
+        }
+}
+
+static inline uint32_t crc32_of(const struct crc32 *crc, const void *bytes, size_t size)
+{
+    const unsigned char *b = bytes;
+    uint32_t c = 0xffffffffu;
+    for (; size >= 8; size -= 8, b += 8) {
+        uint32_t low = c ^ ((uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 |
+                            (uint32_t)b[3] << 24);
+        c = crc->table[7][low & 255] ^ crc->table[6][low >> 8 & 255] ^
+            crc->table[5][low >> 16 & 255] ^ crc->table[4][low >> 24] ^ crc->table[3][b[4]] ^
+            crc->table[2][b[5]] ^ crc->table[1][b[6]] ^ crc->table[0][b[7]];
+    }
+    while (size--)
+        c = (c >> 8) ^ crc->table[0][(c ^ *b++) & 255];
+    return ~c;
+}
+
+#endif

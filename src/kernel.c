@@ -1,0 +1,97 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "kernel.h"
+
+#if defined(__x86_64__) && !defined(DPT_SCALAR)
+#define KERNELS_X86 1
+#include <cpuid.h>
+#elif defined(__aarch64__) && !defined(DPT_SCALAR)
+#define KERNELS_ARM 1
+#endif
+
+const char *dpt_kernel_name(uint32_t id)
+{
+    switch (id) {
+    case DPT_KERNEL_SCALAR:
+        return "scalar";
+    case DPT_KERNEL_SSE2:
+        return "sse2";
+    case DPT_KERNEL_AVX2:
+        return "avx2";
+    case DPT_KERNEL_AVX512:
+        return "avx512";
+    case DPT_KERNEL_NEON:
+        return "neon";
+    default:
+        return "none";
+    }
+}
+
+#ifdef KERNELS_X86
+/* Which register sets the operating system saves; asks the processor, not the compiler's runtime. */
+static uint32_t saved_registers(void)
+{
+    uint32_t low, high;
+    __asm__ volatile("xgetbv" : "=a"(low), "=d"(high) : "c"(0));
+    return low;
+}
+
+uint32_t dpt_kernel_best(void)
+{
+    enum { OSXSAVE = 1 << 27, YMM = 0x06, ZMM = 0xe6 };
+    enum { AVX2 = 1 << 5, AVX512F = 1 << 16, AVX512DQ = 1 << 17 };
+    const uint32_t avx512vl = 1u << 31;
+    uint32_t a, b, c, d;
+    if (!__get_cpuid(1, &a, &b, &c, &d) || !(c & OSXSAVE))
+        return DPT_KERNEL_SSE2;
+    uint32_t saved = saved_registers();
+    if (!__get_cpuid_count(7, 0, &a, &b, &c, &d) || (saved & YMM) != YMM || !(b & AVX2))
+        return DPT_KERNEL_SSE2;
+    if ((saved & ZMM) == ZMM && (b & AVX512F) && (b & AVX512DQ) && (b & avx512vl))
+        return DPT_KERNEL_AVX512;
+    return DPT_KERNEL_AVX2;
+}
+#elif defined(KERNELS_ARM)
+uint32_t dpt_kernel_best(void)
+{
+    return DPT_KERNEL_NEON;
+}
+#else
+uint32_t dpt_kernel_best(void)
+{
+    return DPT_KERNEL_SCALAR;
+}
+#endif
+
+int kernel_get(uint32_t id, struct kernel *kernel, uint32_t *chosen)
+{
+    uint32_t best = dpt_kernel_best();
+    *chosen = id == DPT_KERNEL_AUTO ? best : id;
+    switch (*chosen) {
+    case DPT_KERNEL_SCALAR:
+        kernel->boxes = kernel_scalar_boxes;
+        kernel->triangles = kernel_scalar_triangles;
+        return 1;
+#ifdef KERNELS_X86
+    case DPT_KERNEL_SSE2:
+        kernel->boxes = kernel_sse2_boxes;
+        kernel->triangles = kernel_sse2_triangles;
+        return 1;
+    case DPT_KERNEL_AVX2:
+        kernel->boxes = kernel_avx2_boxes;
+        kernel->triangles = kernel_avx2_triangles;
+        return best >= DPT_KERNEL_AVX2;
+    case DPT_KERNEL_AVX512:
+        kernel->boxes = kernel_avx512_boxes;
+        kernel->triangles = kernel_avx512_triangles;
+        return best == DPT_KERNEL_AVX512;
+#endif
+#ifdef KERNELS_ARM
+    case DPT_KERNEL_NEON:
+        kernel->boxes = kernel_neon_boxes;
+        kernel->triangles = kernel_neon_triangles;
+        return 1;
+#endif
+    default:
+        return 0;
+    }
+}

@@ -1,0 +1,123 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * The loops of kernel.h, once for all instruction sets. The file that includes this defines
+ *     KERNEL(name)    the function's name
+ *     KERNEL_TARGET   its target attribute, or nothing
+ * Straight-line code without calls, so that the compiler turns 16 iterations into vectors; no operation
+ * may be fused or reordered, or the bits would differ from machine to machine.
+ */
+#include <math.h>
+
+#include "kernel.h"
+
+/* Compared so that NaN gives the limit: 0 / 0 stands for "anywhere". */
+#define AT_LEAST(value, limit) ((value) > (limit) ? (value) : (limit))
+#define AT_MOST(value, limit) ((value) < (limit) ? (value) : (limit))
+#define CLAMP(value, high) AT_MOST(AT_LEAST(value, 0.0f), high)
+
+/* The direction is from the segment's point nearest to the box's centre to that centre. */
+KERNEL_TARGET void KERNEL(boxes)(const float *restrict block, const struct probe *restrict probe,
+                                 float *restrict bound)
+{
+    const float ax = probe->a[0], ay = probe->a[1], az = probe->a[2];
+    const float ux = probe->x[0], uy = probe->x[1], uz = probe->x[2];
+    const float length = probe->length;
+
+    for (int i = 0; i < LANES; i++) {
+        float dx = block[i] - ax, dy = block[LANES + i] - ay, dz = block[2 * LANES + i] - az;
+        float s = dx * ux + dy * uy + dz * uz;
+        s = CLAMP(s, length);
+        float nx = dx - s * ux, ny = dy - s * uy, nz = dz - s * uz;
+        float reach = (nx * ux + ny * uy + nz * uz) * length;
+        reach = AT_LEAST(reach, 0.0f);
+        float centre = nx * dx + ny * dy + nz * dz;
+        float half = fabsf(nx) * block[3 * LANES + i] + fabsf(ny) * block[4 * LANES + i] +
+                     fabsf(nz) * block[5 * LANES + i];
+        bound[i] = (centre - half - reach) / sqrtf(nx * nx + ny * ny + nz * nz);
+    }
+}
+
+/*
+ * One edge from p along e against the segment 0..length on the x axis: keep the direction and squared
+ * length of the shortest connection. Beside the segment the distance to it is that to its line, which
+ * is two-dimensional; beyond an end it is that to the end.
+ */
+#define EDGE(px, py, pz, ex, ey, ez)                                                               \
+    {                                                                                              \
+        float flat = ey * ey + ez * ez;                                                            \
+        float lean = -(py * ey + pz * ez);                                                         \
+        float t = CLAMP(lean / flat, 1.0f);                                                        \
+        float x = px + t * ex;                                                                     \
+        float end = CLAMP(x, length);                                                              \
+        float t_end = CLAMP((lean + (end - px) * ex) / (flat + ex * ex), 1.0f);                    \
+        t = x == end ? t : t_end;                                                                  \
+        float qx = px + t * ex, qy = py + t * ey, qz = pz + t * ez;                                \
+        qx = qx - CLAMP(qx, length);                                                               \
+        float square = qx * qx + qy * qy + qz * qz;                                                \
+        int nearer = square < least;                                                               \
+        least = nearer ? square : least;                                                           \
+        nx = nearer ? qx : nx;                                                                     \
+        ny = nearer ? qy : ny;                                                                     \
+        nz = nearer ? qz : nz;                                                                     \
+    }
+
+/* n . ((p - s) x (q - s)), s on the x axis: which side of edge pq the projection of s lies on. */
+#define SIDE(px, py, pz, qx, qy, qz)                                                               \
+    (fx * (py * qz - pz * qy) + fy * (pz * (qx - s) - (px - s) * qz) +                             \
+     fz * ((px - s) * qy - py * (qx - s)))
+
+KERNEL_TARGET void KERNEL(triangles)(const float *restrict block, const struct probe *restrict probe,
+                                     float *restrict bound)
+{
+    const float ax = probe->a[0], ay = probe->a[1], az = probe->a[2];
+    const float xx = probe->x[0], xy = probe->x[1], xz = probe->x[2];
+    const float yx = probe->y[0], yy = probe->y[1], yz = probe->y[2];
+    const float zx = probe->z[0], zy = probe->z[1], zz = probe->z[2];
+    const float length = probe->length;
+
+    for (int i = 0; i < LANES; i++) {
+        float dx, dy, dz;
+        dx = block[i] - ax, dy = block[LANES + i] - ay, dz = block[2 * LANES + i] - az;
+        float ax0 = dx * xx + dy * xy + dz * xz;
+        float ay0 = dx * yx + dy * yy + dz * yz;
+        float az0 = dx * zx + dy * zy + dz * zz;
+        dx = block[3 * LANES + i] - ax, dy = block[4 * LANES + i] - ay;
+        dz = block[5 * LANES + i] - az;
+        float ax1 = dx * xx + dy * xy + dz * xz;
+        float ay1 = dx * yx + dy * yy + dz * yz;
+        float az1 = dx * zx + dy * zy + dz * zz;
+        dx = block[6 * LANES + i] - ax, dy = block[7 * LANES + i] - ay;
+        dz = block[8 * LANES + i] - az;
+        float ax2 = dx * xx + dy * xy + dz * xz;
+        float ay2 = dx * yx + dy * yy + dz * yz;
+        float az2 = dx * zx + dy * zy + dz * zz;
+
+        float ex0 = ax1 - ax0, ey0 = ay1 - ay0, ez0 = az1 - az0;
+        float ex1 = ax2 - ax1, ey1 = ay2 - ay1, ez1 = az2 - az1;
+        float ex2 = ax0 - ax2, ey2 = ay0 - ay2, ez2 = az0 - az2;
+        float nx = 0.0f, ny = 0.0f, nz = 0.0f, least = HUGE_VALF;
+        EDGE(ax0, ay0, az0, ex0, ey0, ez0)
+        EDGE(ax1, ay1, az1, ex1, ey1, ez1)
+        EDGE(ax2, ay2, az2, ex2, ey2, ez2)
+
+        /* The face counts when the point nearest to its plane projects into it. */
+        float fx = ey2 * ez0 - ez2 * ey0, fy = ez2 * ex0 - ex2 * ez0, fz = ex2 * ey0 - ey2 * ex0;
+        float height = fx * ax0 + fy * ay0 + fz * az0;
+        float s = CLAMP(height / fx, length);
+        float above = height - fx * s;
+        int inside = (SIDE(ax0, ay0, az0, ax1, ay1, az1) >= 0.0f) &
+                     (SIDE(ax1, ay1, az1, ax2, ay2, az2) >= 0.0f) &
+                     (SIDE(ax2, ay2, az2, ax0, ay0, az0) >= 0.0f);
+        float turn = above < 0.0f ? -1.0f : 1.0f;
+        nx = inside ? turn * fx : nx;
+        ny = inside ? turn * fy : ny;
+        nz = inside ? turn * fz : nz;
+
+        float n0 = nx * ax0 + ny * ay0 + nz * az0;
+        float n1 = nx * ax1 + ny * ay1 + nz * az1;
+        float n2 = nx * ax2 + ny * ay2 + nz * az2;
+        float low = AT_MOST(AT_MOST(n0, n1), n2);
+        float reach = AT_LEAST(nx * length, 0.0f);
+        bound[i] = (low - reach) / sqrtf(nx * nx + ny * ny + nz * nz);
+    }
+}

@@ -1,0 +1,240 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * Verify once, trust afterwards: everything that a search indexes with is checked here, whether or not
+ * the checksums match, so that a forged file can give wrong answers but never a wrong read.
+ */
+#include "check.h"
+#include "crc32.h"
+#include "dynpoint/mesh.h"
+#include "mesh_format.h"
+#include "vec.h"
+
+static dpt_result fail(dpt_mesh_fault *fault, dpt_result code, uint64_t byte, const char *section)
+{
+    if (fault) {
+        size_t length = strlen(section);
+        fault->code = code;
+        fault->byte = byte;
+        memset(fault->section, 0, sizeof fault->section);
+        memcpy(fault->section, section, length < 15 ? length : 15);
+    }
+    return code;
+}
+
+static dpt_result fail_at(dpt_mesh_fault *fault, dpt_result code, const struct dpt_mesh *mesh, int id,
+                          uint64_t word)
+{
+    return fail(fault, code, mesh->section[id].offset + 4 * word, mesh_section_name(id));
+}
+
+/* Version and lengths of a header that is in the host's byte order. */
+static dpt_result check_header(const struct dpt_mesh *mesh, size_t size, dpt_mesh_fault *fault)
+{
+    if (size < sizeof *mesh)
+        return fail(fault, DPT_E_TRUNCATED, size, "header");
+    if (mesh->version > MESH_VERSION)
+        return fail(fault, DPT_E_VERSION, offsetof(struct dpt_mesh, version), "header");
+    if (mesh->version == 0 || mesh->header_bytes != sizeof *mesh ||
+        mesh->section_count != MESH_SECTION_COUNT || mesh->reserved)
+        return fail(fault, DPT_E_LAYOUT, offsetof(struct dpt_mesh, version), "header");
+    if (size < mesh->bytes)
+        return fail(fault, DPT_E_TRUNCATED, size, "header");
+    if (size > mesh->bytes)
+        return fail(fault, DPT_E_TRAILING, mesh->bytes, "header");
+    return DPT_OK;
+}
+
+/* Sections follow each other without gap or overlap, and are as long as the counts say. */
+static dpt_result check_layout(const struct dpt_mesh *mesh, dpt_mesh_fault *fault)
+{
+    uint32_t count[MESH_LEVELS_MAX + 1];
+    uint64_t nodes, end = sizeof *mesh;
+    uint64_t leaves = ((uint64_t)mesh->triangles + LANES - 1) / LANES;
+    if (!mesh->triangles || mesh->leaves != leaves || mesh->triangles > mesh->source_triangles ||
+        mesh->triangles > INT32_MAX || mesh->vertices > INT32_MAX ||
+        mesh->levels != mesh_levels(mesh->leaves, count, &nodes))
+        return fail(fault, DPT_E_LAYOUT, offsetof(struct dpt_mesh, triangles), "header");
+    for (int id = 0; id < MESH_SECTION_COUNT; id++) {
+        const struct mesh_section *section = &mesh->section[id];
+        uint64_t at = (uint64_t)((const char *)section - (const char *)mesh);
+        char name[16] = { 0 };
+        memcpy(name, mesh_section_name(id), strlen(mesh_section_name(id)));
+        if (memcmp(section->name, name, sizeof name) || section->offset != mesh_aligned(end) ||
+            section->bytes != 4 * mesh_section_words(mesh, id, nodes) || section->reserved[0] ||
+            section->reserved[1] || section->reserved[2])
+            return fail(fault, DPT_E_LAYOUT, at, mesh_section_name(id));
+        end = section->offset + section->bytes;
+        if (end > mesh->bytes)
+            return fail(fault, DPT_E_TRUNCATED, mesh->bytes, mesh_section_name(id));
+    }
+    if (end != mesh->bytes)
+        return fail(fault, DPT_E_LAYOUT, end, "header");
+    return DPT_OK;
+}
+
+static dpt_result check_header_crc(const struct dpt_mesh *raw, const struct crc32 *crc,
+                                   uint32_t expected, dpt_mesh_fault *fault)
+{
+    struct dpt_mesh header = *raw;
+    header.header_crc32 = 0;
+    if (crc32_of(crc, &header, sizeof header) != expected)
+        return fail(fault, DPT_E_CHECKSUM, 0, "header");
+    return DPT_OK;
+}
+
+/* `mesh` is the header in the host's order, `bytes` the file as it lies. */
+static dpt_result check_sections_crc(const struct dpt_mesh *mesh, const unsigned char *bytes,
+                                     const struct crc32 *crc, dpt_mesh_fault *fault)
+{
+    uint64_t end = sizeof *mesh;
+    for (int id = 0; id < MESH_SECTION_COUNT; id++) {
+        const struct mesh_section *section = &mesh->section[id];
+        for (; end < section->offset; end++)
+            if (bytes[end])
+                return fail(fault, DPT_E_LAYOUT, end, "padding");
+        if (crc32_of(crc, bytes + section->offset, (size_t)section->bytes) != section->crc32)
+            return fail_at(fault, DPT_E_CHECKSUM, mesh, id, 0);
+        end = section->offset + section->bytes;
+    }
+    return DPT_OK;
+}
+
+/* Every word of a section is below `limit`, or at least `codes` (codes that stand for no index). */
+static dpt_result check_indices(const struct dpt_mesh *mesh, int id, uint64_t limit, uint32_t codes,
+                                dpt_mesh_fault *fault)
+{
+    const uint32_t *word = mesh_words(mesh, id);
+    uint64_t count = mesh->section[id].bytes / 4;
+    for (uint64_t i = 0; i < count; i++)
+        if (word[i] >= limit && (!codes || word[i] < codes))
+            return fail_at(fault, DPT_E_INDEX, mesh, id, i);
+    return DPT_OK;
+}
+
+static dpt_result check_fans(const struct dpt_mesh *mesh, dpt_mesh_fault *fault)
+{
+    const uint32_t *first = mesh_words(mesh, MESH_FAN_FIRST);
+    for (uint32_t v = 0; v < mesh->vertices; v++)
+        if (first[v] > first[v + 1])
+            return fail_at(fault, DPT_E_INDEX, mesh, MESH_FAN_FIRST, v + 1);
+    if (first[0] != 0)
+        return fail_at(fault, DPT_E_INDEX, mesh, MESH_FAN_FIRST, 0);
+    if (first[mesh->vertices] != 3 * (uint64_t)mesh->triangles)
+        return fail_at(fault, DPT_E_INDEX, mesh, MESH_FAN_FIRST, mesh->vertices);
+    return DPT_OK;
+}
+
+static dpt_result check_floats(const struct dpt_mesh *mesh, int id, float limit,
+                               dpt_mesh_fault *fault)
+{
+    const float *word = mesh_floats(mesh, id);
+    uint64_t count = mesh->section[id].bytes / 4;
+    for (uint64_t i = 0; i < count; i++)
+        if (!(fabsf(word[i]) <= limit))
+            return fail_at(fault, DPT_E_FINITE, mesh, id, i);
+    return DPT_OK;
+}
+
+static dpt_result check_numbers(const struct dpt_mesh *mesh, dpt_mesh_fault *fault)
+{
+    const double largest = 2.0 * DPT_COORDINATE_MAX;
+    if (!vec3_within(mesh->box_min, largest) || !vec3_within(mesh->box_max, largest) ||
+        !vec3_within(mesh->filter_centre, largest) || !within(mesh->filter_scale, 1e300) ||
+        !(mesh->filter_scale > 0.0) || !within(mesh->scale, 1e300) || !within(mesh->rounding, 1e300))
+        return fail(fault, DPT_E_FINITE, offsetof(struct dpt_mesh, scale), "header");
+    return DPT_OK;
+}
+
+static dpt_result check_content(const struct dpt_mesh *mesh, dpt_mesh_fault *fault)
+{
+    DPT_TRY(check_numbers(mesh, fault));
+    DPT_TRY(check_floats(mesh, MESH_VERTICES, (float)DPT_COORDINATE_MAX, fault));
+    DPT_TRY(check_indices(mesh, MESH_TRIANGLES, mesh->vertices, 0, fault));
+    DPT_TRY(check_indices(mesh, MESH_NEIGHBOURS, mesh->triangles, MESH_EDGE_MANY, fault));
+    DPT_TRY(check_fans(mesh, fault));
+    DPT_TRY(check_indices(mesh, MESH_FANS, mesh->triangles, 0, fault));
+    DPT_TRY(check_indices(mesh, MESH_PARTS, mesh->parts, 0, fault));
+    DPT_TRY(check_indices(mesh, MESH_SOURCES, mesh->source_triangles, 0, fault));
+    DPT_TRY(check_indices(mesh, MESH_PLACES, mesh->triangles, MESH_DROPPED_DUPLICATE, fault));
+    DPT_TRY(check_floats(mesh, MESH_BOXES, 1e30f, fault));
+    return check_floats(mesh, MESH_LEAVES, 1e30f, fault);
+}
+
+static dpt_result begin(const void *bytes, size_t size, dpt_mesh_fault *fault)
+{
+    const size_t known = sizeof((struct dpt_mesh *)0)->magic + 8;
+    if (!bytes)
+        return DPT_E_ARGUMENT;
+    if (fault && fault->size < sizeof *fault)
+        return DPT_E_SIZE;
+    if ((uintptr_t)bytes % 8)
+        return fail(fault, DPT_E_ALIGN, 0, "header");
+    size_t magic = size < 8 ? size : 8;
+    if (size == 0 || memcmp(bytes, MESH_MAGIC, magic))
+        return fail(fault, size == 0 ? DPT_E_TRUNCATED : DPT_E_MAGIC, 0, "header");
+    if (size < known)
+        return fail(fault, DPT_E_TRUNCATED, size, "header");
+    return DPT_OK;
+}
+
+/*
+ * All of a file against `header`, which is its header in the host's byte order. Short files are read no
+ * further than they reach.
+ */
+static dpt_result check_file(const struct dpt_mesh *header, const void *bytes, size_t size,
+                             const struct crc32 *crc, dpt_mesh_fault *fault)
+{
+    DPT_TRY(check_header(header, size, fault));
+    DPT_TRY(check_header_crc(bytes, crc, header->header_crc32, fault));
+    DPT_TRY(check_layout(header, fault));
+    return check_sections_crc(header, bytes, crc, fault);
+}
+
+dpt_result dpt_mesh_verify(const void *bytes, size_t size, dpt_mesh_fault *fault)
+{
+    DPT_TRY(begin(bytes, size, fault));
+    struct dpt_mesh header = { .bytes = 0 };
+    memcpy(&header, bytes, size < sizeof header ? size : sizeof header);
+    const uint64_t order_at = offsetof(struct dpt_mesh, byte_order);
+    if (header.byte_order == MESH_BYTE_ORDER_SWAPPED)
+        return fail(fault, DPT_E_BYTE_ORDER, order_at, "header");
+    if (header.byte_order != MESH_BYTE_ORDER)
+        return fail(fault, DPT_E_LAYOUT, order_at, "header");
+    struct crc32 crc;
+    crc32_init(&crc);
+    DPT_TRY(check_file(&header, bytes, size, &crc, fault));
+    return check_content(bytes, fault);
+}
+
+dpt_result dpt_mesh_open(const void *bytes, size_t size, const dpt_mesh **mesh)
+{
+    if (!mesh)
+        return DPT_E_ARGUMENT;
+    DPT_TRY(dpt_mesh_verify(bytes, size, NULL));
+    *mesh = bytes;
+    return DPT_OK;
+}
+
+dpt_result dpt_mesh_convert(void *bytes, size_t size, dpt_mesh_fault *fault)
+{
+    DPT_TRY(begin(bytes, size, fault));
+    struct dpt_mesh header = { .bytes = 0 };
+    memcpy(&header, bytes, size < sizeof header ? size : sizeof header);
+    if (header.byte_order != MESH_BYTE_ORDER_SWAPPED)
+        return dpt_mesh_verify(bytes, size, fault);
+
+    struct crc32 crc;
+    crc32_init(&crc);
+    mesh_swap_header(&header);
+    DPT_TRY(check_file(&header, bytes, size, &crc, fault));
+    for (int id = 0; id < MESH_SECTION_COUNT; id++) {
+        struct mesh_section *section = &header.section[id];
+        unsigned char *content = (unsigned char *)bytes + section->offset;
+        mesh_swap4(content, section->bytes / 4);
+        section->crc32 = crc32_of(&crc, content, (size_t)section->bytes);
+    }
+    header.header_crc32 = 0;
+    header.header_crc32 = crc32_of(&crc, &header, sizeof header);
+    memcpy(bytes, &header, sizeof header);
+    return check_content(bytes, fault);
+}

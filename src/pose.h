@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Poses as the step uses them: checked, normalised, turned into a matrix once. */
+#ifndef DPT_POSE_H
+#define DPT_POSE_H
+
+#include "dynpoint/types.h"
+#include "vec.h"
+
+struct frame {
+    vec3 origin;
+    vec3 x, y, z; /* the frame's axes in the world */
+};
+
+static const struct frame frame_identity = {
+    { 0.0, 0.0, 0.0 }, { 1.0, 0.0, 0.0 }, { 0.0, 1.0, 0.0 }, { 0.0, 0.0, 1.0 }
+};
+
+/* NULL is the identity. The identity pose gives the exact identity matrix. */
+static inline dpt_result frame_of_pose(const dpt_pose *pose, struct frame *frame)
+{
+    *frame = frame_identity;
+    if (!pose)
+        return DPT_OK;
+    const double *q = pose->orientation;
+    double square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    if (!vec3_within(pose->position, DPT_COORDINATE_MAX))
+        return DPT_E_FINITE;
+    if (!(fabs(square - 1.0) <= 2e-6))
+        return DPT_E_POSE;
+    double norm = sqrt(square);
+    double w = q[0] / norm, x = q[1] / norm, y = q[2] / norm, z = q[3] / norm;
+    frame->origin = vec3_of(pose->position);
+    frame->x = (vec3){ 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y) };
+    frame->y = (vec3){ 2.0 * (x * y - w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + w * x) };
+    frame->z = (vec3){ 2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y) };
+    return DPT_OK;
+}
+
+static inline vec3 frame_turn(const struct frame *frame, vec3 v)
+{
+    return along(along(scaled(frame->x, v.x), v.y, frame->y), v.z, frame->z);
+}
+
+static inline vec3 frame_to_world(const struct frame *frame, vec3 v)
+{
+    return add(frame->origin, frame_turn(frame, v));
+}
+
+static inline vec3 frame_to_local(const struct frame *frame, vec3 v)
+{
+    vec3 d = sub(v, frame->origin);
+    return (vec3){ dot(d, frame->x), dot(d, frame->y), dot(d, frame->z) };
+}
+
+#endif

@@ -1,0 +1,18 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* From contact to force. */
+#ifndef DPT_RESPOND_H
+#define DPT_RESPOND_H
+
+#include "contact.h"
+
+/* The wrench of one push at p (world), about `origin`: docs/algorithms/penalty.md. */
+static inline void respond_penalty(const struct push *push, const struct frame *body,
+                                   double stiffness, vec3 p, vec3 origin, dpt_wrench *sum)
+{
+    vec3 force = scaled(frame_turn(body, push->direction), stiffness * push->depth);
+    vec3 torque = cross(sub(p, origin), force);
+    vec3_store(add(vec3_of(sum->force), force), sum->force);
+    vec3_store(add(vec3_of(sum->torque), torque), sum->torque);
+}
+
+#endif

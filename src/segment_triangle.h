@@ -1,0 +1,134 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * Exact distance of one segment and one triangle, in double (docs/algorithms/distance.md).
+ *
+ * The nearest pair is one of four candidates: one point of the segment against the face, and the
+ * segment against each edge. For the face only one point of the segment matters, the one nearest to
+ * the triangle's plane: towards it the distance to the plane falls, until either that point or the
+ * rim of the face is reached, and the rim is the edges' own case.
+ *
+ * Each candidate is a real pair of points, so no answer is ever below the true distance by more than
+ * rounding; a candidate that degenerates (0 / 0) only loses, it never wins wrongly.
+ */
+#ifndef DPT_SEGMENT_TRIANGLE_H
+#define DPT_SEGMENT_TRIANGLE_H
+
+#include "vec.h"
+
+/* A nearest pair: p = a + s u on the axis, q = corners weighted by `weight` on the triangle. */
+typedef struct pair {
+    double distance2;
+    double s;
+    double weight[3]; /* barycentric, of the corners; 0 exactly on the opposite edge */
+    vec3 gap;         /* p - q */
+} pair;
+
+/*
+ * Where a + s u, s in 0..1, is nearest to the edge v + t e, t in 0..1. The angle enters through the
+ * cross product, not through the determinant of the normal equations, whose error grows with the
+ * square of the inverse angle (tests/test_pair.c, nearly parallel families).
+ */
+static inline void segment_edge(vec3 u, double uu, vec3 from_v, vec3 e, double *s, double *t)
+{
+    vec3 n = cross(u, e);
+    double ee = dot(e, e);
+    *s = clamp01(dot(cross(e, from_v), n) / dot(n, n));
+    *t = clamp01(dot(along(from_v, *s, u), e) / ee);
+    *s = clamp01(dot(sub(scaled(e, *t), from_v), u) / uu);
+}
+
+static inline void pair_try_edge(pair *best, vec3 u, double uu, vec3 from_v, vec3 e, int corner)
+{
+    double s, t;
+    segment_edge(u, uu, from_v, e, &s, &t);
+    vec3 gap = sub(along(from_v, s, u), scaled(e, t));
+    double distance2 = dot(gap, gap);
+    if (distance2 < best->distance2) {
+        best->distance2 = distance2;
+        best->s = s;
+        best->gap = gap;
+        best->weight[corner] = 1.0 - t;
+        best->weight[(corner + 1) % 3] = t;
+        best->weight[(corner + 2) % 3] = 0.0;
+    }
+}
+
+/*
+ * The triangle in a frame of its own: its longest edge, from `corner`, is the x axis, its third corner
+ * lies at (apex_x, apex_y), apex_y >= 0. An orthonormal frame moves the corners by a few roundings of
+ * the edge's length, however thin the triangle is; a normal from two edges does not.
+ */
+typedef struct flat {
+    int corner;
+    vec3 x, y, z;
+    double base, apex_x, apex_y;
+} flat;
+
+static inline flat flatten(const vec3 edge[3])
+{
+    flat f = { .corner = 0 };
+    double square[3] = { dot(edge[0], edge[0]), dot(edge[1], edge[1]), dot(edge[2], edge[2]) };
+    if (square[1] > square[f.corner])
+        f.corner = 1;
+    if (square[2] > square[f.corner])
+        f.corner = 2;
+    vec3 to_apex = scaled(edge[(f.corner + 2) % 3], -1.0);
+    f.base = sqrt(square[f.corner]);
+    f.x = scaled(edge[f.corner], 1.0 / f.base);
+    f.apex_x = dot(to_apex, f.x);
+    f.y = along(to_apex, -f.apex_x, f.x);
+    f.y = along(f.y, -dot(f.y, f.x), f.x);
+    f.apex_y = length(f.y);
+    f.y = scaled(f.y, 1.0 / f.apex_y);
+    f.z = cross(f.x, f.y);
+    return f;
+}
+
+static inline void pair_try_face(pair *best, vec3 u, const vec3 from[3], const vec3 edge[3])
+{
+    flat f = flatten(edge);
+    if (!(f.apex_y > 8.0 * 0x1p-53 * f.base))
+        return; /* thinner than rounding: the edges are all there is */
+    vec3 a = from[f.corner];
+    double height_a = dot(a, f.z);
+    double height_b = height_a + dot(u, f.z);
+    double s = clamp01(height_a / (height_a - height_b));
+    double height = height_a * height_b <= 0.0 ? 0.0 : height_a + s * (height_b - height_a);
+    vec3 w = along(a, s, u);
+    double x = dot(w, f.x), y = dot(w, f.y);
+    double area = f.base * f.apex_y;
+    double weight[3] = { ((f.apex_x - f.base) * y - f.apex_y * (x - f.base)) / area,
+                         (f.apex_y * x - f.apex_x * y) / area, y / f.apex_y };
+    if (!(weight[0] >= 0.0 && weight[1] >= 0.0 && weight[2] >= 0.0))
+        return;
+    if (height * height < best->distance2) {
+        best->distance2 = height * height;
+        best->s = s;
+        best->gap = scaled(f.z, height);
+        for (int k = 0; k < 3; k++)
+            best->weight[(f.corner + k) % 3] = weight[k];
+    }
+}
+
+/* The axis is a + s u, s in 0..1. */
+static inline pair segment_triangle(vec3 a, vec3 u, vec3 v0, vec3 v1, vec3 v2)
+{
+    pair best = { .distance2 = HUGE_VAL };
+    double uu = dot(u, u);
+    const vec3 edge[3] = { sub(v1, v0), sub(v2, v1), sub(v0, v2) };
+    const vec3 from[3] = { sub(a, v0), sub(a, v1), sub(a, v2) };
+    for (int corner = 0; corner < 3; corner++)
+        pair_try_edge(&best, u, uu, from[corner], edge[corner], corner);
+    pair_try_face(&best, u, from, edge);
+
+    /* What is left of a pair that meets on an edge is rounding: they meet. */
+    double reach = extent_of(from[0]) + extent_of(u) + extent_of(edge[0]) + extent_of(edge[2]);
+    double noise = 4.0 * 0x1p-53 * reach;
+    if (best.distance2 <= noise * noise) {
+        best.distance2 = 0.0;
+        best.gap = (vec3){ 0.0, 0.0, 0.0 };
+    }
+    return best;
+}
+
+#endif

@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The nearest pair of one tool axis and one body, in world coordinates, with its error bound. */
+#ifndef DPT_TRACK_H
+#define DPT_TRACK_H
+
+#include "pose.h"
+#include "tree.h"
+
+/* An axis in the world and in the body's frame. */
+struct axis {
+    vec3 a, b;         /* world */
+    vec3 local_a, u;   /* body: local_a + s u */
+    double error;      /* the error bound of a distance from here */
+};
+
+void axis_of(const struct tree *tree, const struct frame *body, vec3 a, vec3 b, struct axis *axis);
+
+/*
+ * Stateless: `hint` (a place, or DPT_NONE) only makes it faster. `nearest` is written anew.
+ */
+void track_once(const struct tree *tree, const struct kernel *kernel, uint32_t method,
+                const struct axis *axis, uint32_t hint, struct nearest *nearest);
+
+/*
+ * With history: the triangle of the last tick stays the answer while it is within the error bound of the
+ * best (brute force alone has no history). Nothing at or beyond `limit2`, a squared distance, need be
+ * found: nearest->triangle is DPT_NONE then.
+ */
+void track_next(const struct tree *tree, const struct kernel *kernel, uint32_t method,
+                const struct axis *axis, uint32_t last, double limit2, struct nearest *nearest);
+
+/* Write what is known of the nearest pair; contact, gap and flags stay. */
+void track_hit(const struct tree *tree, const struct axis *axis, const struct frame *body,
+               const struct nearest *nearest, dpt_hit *hit);
+
+#endif

@@ -1,0 +1,301 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Life of worlds, bodies and tools; the tick is in step.c. */
+#include "world.h"
+
+#include "check.h"
+
+/* The sums that dpt_world_bytes documents; a struct that outgrows its share fails to compile. */
+enum { BYTES_WORLD = 256, BYTES_BODY = 384, BYTES_TOOL = 192, BYTES_SEGMENT = 256 };
+typedef char world_fits[sizeof(struct dpt_world) <= BYTES_WORLD ? 1 : -1];
+typedef char body_fits[sizeof(struct body) <= BYTES_BODY ? 1 : -1];
+typedef char tool_fits[sizeof(struct tool) <= BYTES_TOOL ? 1 : -1];
+typedef char segment_fits[sizeof(struct segment) <= BYTES_SEGMENT ? 1 : -1];
+
+void dpt_world_def_defaults(dpt_world_def *def, size_t size)
+{
+    const dpt_world_def defaults = {
+        .size = (uint32_t)size,
+        .max_bodies = 16,
+        .max_tools = 4,
+        .max_segments = 16,
+        .stiffness = 500.0,
+    };
+    if (def && size >= sizeof defaults.size)
+        memcpy(def, &defaults, size < sizeof defaults ? size : sizeof defaults);
+}
+
+static int count_is_valid(uint32_t count)
+{
+    return count >= 1 && count <= 0xffff;
+}
+
+static int def_is_valid(const dpt_world_def *def)
+{
+    return def && def->size == sizeof *def && count_is_valid(def->max_bodies) &&
+           count_is_valid(def->max_tools) && count_is_valid(def->max_segments) &&
+           def->method <= DPT_METHOD_BRUTE && def->until <= DPT_UNTIL_CONTACT &&
+           def->reserved == 0 && def->stiffness >= 0.0 && within(def->stiffness, 1e9);
+}
+
+static uint64_t bytes_last(const dpt_world_def *def)
+{
+    return mesh_aligned(4 * (uint64_t)def->max_segments * def->max_bodies);
+}
+
+size_t dpt_world_bytes(const dpt_world_def *def)
+{
+    if (!def_is_valid(def))
+        return 0;
+    uint64_t bytes = BYTES_WORLD + BYTES_BODY * (uint64_t)def->max_bodies +
+                     BYTES_TOOL * (uint64_t)def->max_tools +
+                     BYTES_SEGMENT * (uint64_t)def->max_segments + bytes_last(def);
+    return bytes <= SIZE_MAX ? (size_t)bytes : 0;
+}
+
+dpt_result dpt_world_create(void *block, size_t bytes, const dpt_world_def *def, dpt_world **world)
+{
+    if (!block || !def || !world)
+        return DPT_E_ARGUMENT;
+    if (def->size != sizeof *def)
+        return DPT_E_SIZE;
+    if (!def_is_valid(def))
+        return DPT_E_ARGUMENT;
+    if ((uintptr_t)block % 8)
+        return DPT_E_ALIGN;
+    size_t needed = dpt_world_bytes(def);
+    if (!needed || bytes < needed)
+        return DPT_E_MEMORY;
+
+    memset(block, 0, needed);
+    struct dpt_world *made = block;
+    char *at = (char *)block + BYTES_WORLD;
+    made->def = *def;
+    if (!kernel_get(def->kernel, &made->kernel, &made->kernel_id))
+        return DPT_E_UNSUPPORTED;
+    made->bodies = (void *)at;
+    at += BYTES_BODY * (size_t)def->max_bodies;
+    made->tools = (void *)at;
+    at += BYTES_TOOL * (size_t)def->max_tools;
+    made->segments = (void *)at;
+    at += BYTES_SEGMENT * (size_t)def->max_segments;
+    made->last = (void *)at;
+    *world = made;
+    return DPT_OK;
+}
+
+uint32_t dpt_world_kernel(const dpt_world *world)
+{
+    return world ? world->kernel_id : DPT_KERNEL_AUTO;
+}
+
+static void forget_segment(struct dpt_world *world, uint32_t segment)
+{
+    struct segment *s = &world->segments[segment];
+    memset(world_last(world, segment), 0xff, 4 * (size_t)world->def.max_bodies);
+    s->last_body = DPT_NONE;
+}
+
+void tool_clear(struct dpt_world *world, struct tool *tool)
+{
+    for (uint32_t i = 0; i < tool->count; i++)
+        world->segments[tool->first + i].hit = (dpt_hit){ .size = sizeof(dpt_hit),
+                                                          .status = DPT_STATUS_STALE,
+                                                          .triangle = DPT_NONE,
+                                                          .segment = i };
+    memset(&tool->wrench, 0, sizeof tool->wrench);
+    tool->nearest = 0;
+}
+
+static void forget_tool(struct dpt_world *world, struct tool *tool)
+{
+    for (uint32_t i = 0; i < tool->count; i++)
+        forget_segment(world, tool->first + i);
+    tool_clear(world, tool);
+}
+
+dpt_result dpt_world_reset(dpt_world *world)
+{
+    if (!world)
+        return DPT_E_ARGUMENT;
+    for (uint32_t t = 0; t < world->tool_end; t++)
+        if (world->tools[t].slot.used)
+            forget_tool(world, &world->tools[t]);
+    return DPT_OK;
+}
+
+/* Body ids. */
+
+static struct body *find_body(const struct dpt_world *world, dpt_body body)
+{
+    uint32_t index = handle_index(body);
+    if (index >= world->body_end ||
+        !handle_fits(body, HANDLE_BODY, &world->bodies[index].slot))
+        return NULL;
+    return &world->bodies[index];
+}
+
+dpt_result dpt_body_add(dpt_world *world, const dpt_mesh *mesh, const dpt_pose *pose, dpt_body *body)
+{
+    struct frame frame;
+    if (!world || !mesh || !body)
+        return DPT_E_ARGUMENT;
+    DPT_TRY(frame_of_pose(pose, &frame));
+    uint32_t index = 0;
+    while (index < world->body_end && !slot_is_free(&world->bodies[index].slot))
+        index++;
+    if (index == world->def.max_bodies)
+        return DPT_E_FULL;
+    struct body *made = &world->bodies[index];
+    if (index == world->body_end) {
+        world->body_end++;
+        made->slot.generation = 1;
+    }
+    made->slot.used = 1;
+    made->id = handle_make(HANDLE_BODY, &made->slot, index);
+    made->frame = frame;
+    made->valid = 1;
+    tree_of_mesh(mesh, &made->tree);
+    for (uint32_t s = 0; s < world->segment_count; s++)
+        world_last(world, s)[index] = DPT_NONE;
+    *body = made->id;
+    return DPT_OK;
+}
+
+dpt_result dpt_body_remove(dpt_world *world, dpt_body body)
+{
+    struct body *old = world ? find_body(world, body) : NULL;
+    if (!old)
+        return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
+    slot_release(&old->slot);
+    for (uint32_t s = 0; s < world->segment_count; s++)
+        if (world->segments[s].last_body == handle_index(body))
+            world->segments[s].last_body = DPT_NONE;
+    return DPT_OK;
+}
+
+dpt_result dpt_body_set_pose(dpt_world *world, dpt_body body, const dpt_pose *pose)
+{
+    struct body *moved = world ? find_body(world, body) : NULL;
+    if (!moved)
+        return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
+    dpt_result result = pose ? frame_of_pose(pose, &moved->frame) : DPT_E_ARGUMENT;
+    moved->valid = result == DPT_OK;
+    return result;
+}
+
+/* Tool ids. */
+
+struct tool *world_tool(const struct dpt_world *world, dpt_tool tool)
+{
+    uint32_t index = handle_index(tool);
+    if (index >= world->tool_end ||
+        !handle_fits(tool, HANDLE_TOOL, &world->tools[index].slot))
+        return NULL;
+    return &world->tools[index];
+}
+
+static dpt_result check_segments(const dpt_segment *segments, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++)
+        if (!vec3_within(segments[i].a, DPT_COORDINATE_MAX) ||
+            !vec3_within(segments[i].b, DPT_COORDINATE_MAX) ||
+            !(segments[i].radius >= 0.0 && segments[i].radius <= DPT_COORDINATE_MAX))
+            return DPT_E_FINITE;
+    return DPT_OK;
+}
+
+static void put_segments(struct dpt_world *world, const struct tool *tool,
+                         const dpt_segment *segments)
+{
+    for (uint32_t i = 0; i < tool->count; i++) {
+        struct segment *to = &world->segments[tool->first + i];
+        to->a = vec3_of(segments[i].a);
+        to->b = vec3_of(segments[i].b);
+        to->radius = segments[i].radius;
+    }
+}
+
+dpt_result dpt_tool_add(dpt_world *world, const dpt_segment *segments, uint32_t count,
+                        dpt_tool *tool)
+{
+    if (!world || !segments || !tool || count == 0)
+        return DPT_E_ARGUMENT;
+    DPT_TRY(check_segments(segments, count));
+    uint32_t index = 0;
+    while (index < world->tool_end && !slot_is_free(&world->tools[index].slot))
+        index++;
+    if (index == world->def.max_tools || count > world->def.max_segments - world->segment_count)
+        return DPT_E_FULL;
+    struct tool *made = &world->tools[index];
+    if (index == world->tool_end) {
+        world->tool_end++;
+        made->slot.generation = 1;
+    }
+    made->slot.used = 1;
+    made->frame = frame_identity;
+    made->valid = 1;
+    made->free = 0;
+    made->first = world->segment_count;
+    made->count = count;
+    world->segment_count += count;
+    put_segments(world, made, segments);
+    forget_tool(world, made);
+    *tool = handle_make(HANDLE_TOOL, &made->slot, index);
+    return DPT_OK;
+}
+
+/* The segments of all tools lie close together: those behind the removed ones move up. */
+dpt_result dpt_tool_remove(dpt_world *world, dpt_tool tool)
+{
+    struct tool *old = world ? world_tool(world, tool) : NULL;
+    if (!old)
+        return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
+    uint32_t behind = old->first + old->count;
+    size_t moved = world->segment_count - behind;
+    memmove(&world->segments[old->first], &world->segments[behind],
+            moved * sizeof *world->segments);
+    memmove(world_last(world, old->first), world_last(world, behind),
+            moved * world->def.max_bodies * sizeof *world->last);
+    for (uint32_t t = 0; t < world->tool_end; t++)
+        if (world->tools[t].slot.used && world->tools[t].first >= behind)
+            world->tools[t].first -= old->count;
+    world->segment_count -= old->count;
+    slot_release(&old->slot);
+    return DPT_OK;
+}
+
+dpt_result dpt_tool_set_pose(dpt_world *world, dpt_tool tool, const dpt_pose *pose)
+{
+    struct tool *moved = world ? world_tool(world, tool) : NULL;
+    if (!moved)
+        return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
+    dpt_result result = pose ? frame_of_pose(pose, &moved->frame) : DPT_E_ARGUMENT;
+    moved->valid = result == DPT_OK;
+    moved->free = 0;
+    return result;
+}
+
+dpt_result dpt_tool_teleport(dpt_world *world, dpt_tool tool, const dpt_pose *pose)
+{
+    dpt_result result = dpt_tool_set_pose(world, tool, pose);
+    if (result == DPT_OK)
+        forget_tool(world, world_tool(world, tool));
+    return result;
+}
+
+dpt_result dpt_tool_set_segments(dpt_world *world, dpt_tool tool, const dpt_segment *segments,
+                                 uint32_t count)
+{
+    struct tool *moved = world ? world_tool(world, tool) : NULL;
+    if (!moved)
+        return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
+    dpt_result result = segments && count == moved->count ? check_segments(segments, count)
+                                                          : DPT_E_ARGUMENT;
+    moved->valid = result == DPT_OK;
+    if (result != DPT_OK)
+        return result;
+    moved->free = 1;
+    moved->frame = frame_identity;
+    put_segments(world, moved, segments);
+    return DPT_OK;
+}

@@ -1,0 +1,61 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What lies in the caller's block. */
+#ifndef DPT_WORLD_H
+#define DPT_WORLD_H
+
+#include "dynpoint/world.h"
+#include "handle.h"
+#include "pose.h"
+#include "tree.h"
+
+struct body {
+    struct tree tree;
+    struct frame frame;
+    struct slot slot;
+    uint32_t id;
+    uint32_t valid; /* 0 after a pose that could not be used: every answer is stale then */
+};
+
+struct tool {
+    struct frame frame;
+    dpt_wrench wrench;
+    struct slot slot;
+    uint32_t first; /* its segments in the world's list */
+    uint32_t count;
+    uint32_t nearest; /* the segment that speaks for the tool, from 0 */
+    uint32_t valid;
+    uint32_t free; /* segments are in the world; torque is about the first one's end a */
+};
+
+struct segment {
+    vec3 a, b; /* in the tool's frame */
+    double radius;
+    dpt_hit hit;
+    uint32_t last_body; /* slot of the body that was nearest, or DPT_NONE */
+    uint32_t reserved;
+};
+
+struct dpt_world {
+    dpt_world_def def;
+    struct kernel kernel;
+    uint32_t kernel_id;
+    uint32_t body_end; /* slots from here on were never used */
+    uint32_t tool_end;
+    uint32_t segment_count;
+    struct body *bodies;
+    struct tool *tools;
+    struct segment *segments;
+    uint32_t *last; /* per segment and body slot: the place of the last answer, or DPT_NONE */
+};
+
+static inline uint32_t *world_last(const struct dpt_world *world, uint32_t segment)
+{
+    return world->last + (size_t)segment * world->def.max_bodies;
+}
+
+struct tool *world_tool(const struct dpt_world *world, dpt_tool tool);
+
+/* Nothing is known: stale, no force. */
+void tool_clear(struct dpt_world *world, struct tool *tool);
+
+#endif

@@ -1,0 +1,26 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# The tests: a program a noun, test_*.c, each ending in "N passed, M failed, K skipped".
+
+TESTS := $(patsubst tests/%.c,$(B)/tests/%,$(wildcard tests/test_*.c))
+TEST_PARTS := $(patsubst %.c,$(B)/%.o,$(wildcard tests/oracle/*.c tests/data/*.c)) \
+              $(B)/tools/shape.o $(B)/tools/shape_organs.o $(CORE) $(COMPILE)
+
+$(B)/tests/%.o: ALL_CFLAGS += -Itests -Itools
+$(B)/tests/test_%: $(B)/tests/test_%.o $(TEST_PARTS)
+	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -o $@
+
+check: ## all tests; DEPS=no installs nothing, STRICT=1 lets skips fail
+	@sh tests/run.sh
+
+soak: all $(B)/tests/test_organs ## every tick of every mesh and motion of DPT_DATA against brute force
+	@$(B)/tests/test_organs soak
+
+bench: all ## time against peers, those whose packages are here
+	@sh tests/bench/run.sh $(B)
+
+deps: ## install what the tests can use beside a compiler (asks apt-get)
+	@sh tests/deps.sh install
+
+test-programs: all $(TESTS)
+.PHONY: test-programs
+-include $(TESTS:=.d) $(patsubst %.o,%.d,$(TEST_PARTS))

@@ -1,0 +1,179 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "common.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "compile/number.h"
+
+int complain(const char *command, const char *format, ...)
+{
+    va_list arguments;
+    fprintf(stderr, *command ? "dynpoint %s: " : "dynpoint%s: ", command);
+    va_start(arguments, format);
+    vfprintf(stderr, format, arguments);
+    va_end(arguments);
+    fputc('\n', stderr);
+    return 2;
+}
+
+static const struct option_def *find_option(const char *name, const struct option_def *options,
+                                            size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        if (strcmp(options[i].name, name) == 0)
+            return &options[i];
+    return NULL;
+}
+
+static int take_value(const char *command, const struct option_def *option, const char *value)
+{
+    const char *end = value + strlen(value);
+    int64_t whole;
+    if (option->text)
+        *option->text = value;
+    else if (option->number && parse_double(value, end, option->number) != end)
+        return complain(command, "%s: '%s' is not a number", option->name, value);
+    else if (option->count) {
+        if (parse_int(value, end, &whole) != end || whole < 0)
+            return complain(command, "%s: '%s' is not a count", option->name, value);
+        *option->count = (uint64_t)whole;
+    }
+    return -1;
+}
+
+int parse_options(int argc, char **argv, const struct option_def *options, size_t option_count,
+                  const char *help, const char **operand, size_t room, size_t *operands)
+{
+    const char *command = argv[0];
+    *operands = 0;
+    for (int i = 1; i < argc; i++) {
+        const struct option_def *option = find_option(argv[i], options, option_count);
+        if (strcmp(argv[i], "--help") == 0) {
+            fputs(help, stdout);
+            return 0;
+        }
+        if (option && option->flag) {
+            *option->flag = 1;
+        } else if (option) {
+            if (++i == argc)
+                return complain(command, "%s needs a value", option->name);
+            int status = take_value(command, option, argv[i]);
+            if (status >= 0)
+                return status;
+        } else if (argv[i][0] == '-' && argv[i][1]) {
+            return complain(command, "unknown option %s (see --help)", argv[i]);
+        } else if (*operands == room) {
+            return complain(command, "one argument too many: %s (see --help)", argv[i]);
+        } else {
+            operand[(*operands)++] = argv[i];
+        }
+    }
+    return -1;
+}
+
+int word_index(const char *text, const char *const *words)
+{
+    for (int i = 0; words[i]; i++)
+        if (strcmp(text, words[i]) == 0)
+            return i;
+    return -1;
+}
+
+int output_open(struct output *output, const char *command, const char *path)
+{
+    static const char suffix[] = ".part";
+    *output = (struct output){ .file = stdout, .path = path };
+    if (strcmp(path, "-") == 0)
+        return 0;
+    output->beside = malloc(strlen(path) + sizeof suffix);
+    if (!output->beside)
+        return complain(command, "memory ran out");
+    strcpy(output->beside, path);
+    strcat(output->beside, suffix);
+    output->file = fopen(output->beside, "wb");
+    if (output->file)
+        return 0;
+    complain(command, "%s: cannot be written: %s", path, strerror(errno));
+    free(output->beside);
+    return 2;
+}
+
+int output_close(struct output *output, const char *command, int keep)
+{
+    errno = 0;
+    int failed = ferror(output->file) != 0;
+    if (output->beside)
+        failed |= fclose(output->file) != 0;
+    else
+        failed |= fflush(output->file) != 0;
+    if (output->beside && keep && !failed)
+        failed = rename(output->beside, output->path) != 0;
+    if (failed && keep)
+        complain(command, "%s: cannot be written: %s", output->path,
+                 strerror(errno ? errno : EIO));
+    if (output->beside && (failed || !keep))
+        remove(output->beside);
+    free(output->beside);
+    return failed && keep ? 2 : 0;
+}
+
+void *load_file(const char *command, const char *path, size_t *size)
+{
+    unsigned char *bytes = NULL;
+    size_t room = 0, got = 1;
+    FILE *file = fopen(path, "rb");
+    if (!file) {
+        complain(command, "%s: cannot be opened: %s", path, strerror(errno));
+        return NULL;
+    }
+    *size = 0;
+    while (got) {
+        if (*size + 1 >= room) {
+            size_t more = room ? 2 * room : (size_t)1 << 16;
+            void *grown;
+            if (posix_memalign(&grown, 64, more))
+                break;
+            if (bytes)
+                memcpy(grown, bytes, *size);
+            free(bytes);
+            bytes = grown;
+            room = more;
+        }
+        got = fread(bytes + *size, 1, room - *size - 1, file);
+        *size += got;
+    }
+    int failed = ferror(file) || got;
+    int reason = got ? ENOMEM : errno;
+    fclose(file);
+    if (failed) {
+        complain(command, "%s: cannot be read: %s", path, strerror(reason));
+        free(bytes);
+        return NULL;
+    }
+    bytes[*size] = 0;
+    return bytes;
+}
+
+const dpt_mesh *load_mesh(const char *command, const char *path, void **bytes)
+{
+    size_t size;
+    const dpt_mesh *mesh = NULL;
+    dpt_mesh_fault fault = { .size = sizeof fault };
+    *bytes = load_file(command, path, &size);
+    if (!*bytes)
+        return NULL;
+    dpt_result result = dpt_mesh_convert(*bytes, size, &fault);
+    if (result == DPT_OK)
+        result = dpt_mesh_open(*bytes, size, &mesh);
+    if (result != DPT_OK) {
+        complain(command, "%s: byte %" PRIu64 " (%s): %s", path, fault.byte, fault.section,
+                 dpt_result_text(result));
+        free(*bytes);
+        return NULL;
+    }
+    return mesh;
+}

@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * What the sub-commands share: complaints, options, whole files in and whole files out.
+ */
+#ifndef DPT_TOOLS_COMMON_H
+#define DPT_TOOLS_COMMON_H
+
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+#include "dynpoint.h"
+
+/* Print "dynpoint COMMAND: ..." as one line on standard error; returns 2, the exit status. */
+int complain(const char *command, const char *format, ...)
+#ifdef __GNUC__
+    __attribute__((format(printf, 2, 3)))
+#endif
+    ;
+
+/* An option of a command. Exactly one of the pointers is set. */
+struct option_def {
+    const char *name; /* "--scale", "-o" */
+    const char **text;
+    double *number;
+    uint64_t *count;
+    int *flag;
+};
+
+/*
+ * Sort the arguments after argv[0] into options and operands, at most `room` of these; *operands says how
+ * many there were. Prints `help` for --help. Returns -1 to go on, else the exit status.
+ */
+int parse_options(int argc, char **argv, const struct option_def *options, size_t option_count,
+                  const char *help, const char **operand, size_t room, size_t *operands);
+
+/* Which of `words` (ended by NULL) the text is; -1 for none. */
+int word_index(const char *text, const char *const *words);
+
+/* A file that is written beside and renamed when complete; "-" is standard output. */
+struct output {
+    FILE *file;
+    const char *path;
+    char *beside; /* NULL for standard output */
+};
+
+/* 0, or 2 after the complaint. output_close(keep 0) leaves nothing behind. */
+int output_open(struct output *output, const char *command, const char *path);
+int output_close(struct output *output, const char *command, int keep);
+
+/* The bytes of a file, aligned to 64, zero-terminated; NULL after the complaint. */
+void *load_file(const char *command, const char *path, size_t *size);
+
+/* An open mesh and the bytes to free. Complains with the byte and section that are wrong. */
+const dpt_mesh *load_mesh(const char *command, const char *path, void **bytes);
+
+#endif

@@ -1,0 +1,154 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* dynpoint compile: a mesh file in, a .dpa file out. */
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#ifdef _WIN32
+#include <io.h>
+#define stderr_is_terminal() _isatty(2)
+#else
+#include <unistd.h>
+#define stderr_is_terminal() isatty(2)
+#endif
+
+#include "command.h"
+#include "common.h"
+#include "dynpoint/compile.h"
+
+static const char help[] =
+    "usage: dynpoint compile IN -o OUT.dpa [--scale X] [--c-array NAME]\n"
+    "\n"
+    "Compiles an OBJ, STL, PLY or OFF mesh into a file that is used in place, by mmap or from flash.\n"
+    "Joins equal vertices, drops degenerate and duplicate triangles, turns closed parts outward; says\n"
+    "what it found. Anything else compiles as it is.\n"
+    "\n"
+    "  -o FILE         where to; - is standard output\n"
+    "  --scale X       metres per unit of the source (0.001 for millimetres); default 1\n"
+    "  --c-array NAME  write C source that holds the bytes in an array of that name\n";
+
+struct meter {
+    time_t began;
+    int shown;
+};
+
+/* Only on a terminal, and only for what takes more than a second. */
+static int show_progress(void *user, const char *step, double done)
+{
+    struct meter *meter = user;
+    if (time(NULL) - meter->began < 2)
+        return 0;
+    fprintf(stderr, "\r%-10s %3.0f %%", step, 100.0 * done);
+    meter->shown = 1;
+    return 0;
+}
+
+static int is_c_name(const char *name)
+{
+    if (!*name || (*name >= '0' && *name <= '9'))
+        return 0;
+    for (; *name; name++)
+        if (!((*name >= 'a' && *name <= 'z') || (*name >= 'A' && *name <= 'Z') ||
+              (*name >= '0' && *name <= '9') || *name == '_'))
+            return 0;
+    return 1;
+}
+
+static void write_c_array(FILE *file, const char *name, const dpt_compiled *compiled)
+{
+    const unsigned char *byte = compiled->bytes;
+    fprintf(file, "/* A dynpoint mesh: dpt_mesh_open(%s, %s_size, &mesh). */\n", name, name);
+    fprintf(file, "#include <stddef.h>\n\nextern const unsigned char %s[];\n", name);
+    fprintf(file, "extern const size_t %s_size;\n\nconst size_t %s_size = %zu;\n", name, name,
+            compiled->size);
+    fprintf(file, "const unsigned char %s[%zu] __attribute__((aligned(64))) = {", name,
+            compiled->size);
+    for (size_t i = 0; i < compiled->size; i++)
+        fprintf(file, "%s%u,", i % 24 ? "" : "\n", byte[i]);
+    fputs("\n};\n", file);
+}
+
+static void report(const dpt_compiled *compiled, const char *out)
+{
+    const dpt_mesh *mesh;
+    dpt_mesh_info info = { .size = sizeof info };
+    if (dpt_mesh_open(compiled->bytes, compiled->size, &mesh) != DPT_OK ||
+        dpt_mesh_get_info(mesh, &info) != DPT_OK)
+        return;
+    fprintf(stderr, "%s: %" PRIu32 " triangles, %" PRIu32 " vertices, %" PRIu32 " part%s (%" PRIu32
+            " closed), %.1f MB\n",
+            out, info.triangles, info.vertices, info.components, info.components == 1 ? "" : "s",
+            info.closed_components, (double)info.bytes / 1e6);
+    const struct {
+        const char *what;
+        uint32_t count;
+    } found[] = {
+        { "degenerate triangles dropped", info.dropped_degenerate },
+        { "duplicate triangles dropped", info.dropped_duplicate },
+        { "unused vertices left out", info.unused_vertices },
+        { "parts wound inward, turned", info.inward_components },
+        { "triangles turned", info.turned_triangles },
+        { "edges run through twice in one direction", info.wrong_way_edges },
+        { "open edges", info.open_edges },
+        { "non-manifold edges", info.nonmanifold_edges },
+        { "concave polygons cut into fans", info.concave_polygons },
+    };
+    for (size_t i = 0; i < sizeof found / sizeof *found; i++)
+        if (found[i].count)
+            fprintf(stderr, "  %8" PRIu32 " %s\n", found[i].count, found[i].what);
+}
+
+static int complain_source(const char *in, const dpt_diag *diag)
+{
+    if (diag->line)
+        return complain("compile", "%s:%" PRIu64 ": %s", in, diag->line, diag->text);
+    if (diag->byte)
+        return complain("compile", "%s: byte %" PRIu64 ": %s", in, diag->byte, diag->text);
+    return complain("compile", "%s: %s", in, diag->text);
+}
+
+int command_compile(int argc, char **argv)
+{
+    const char *in, *out = NULL, *array = NULL;
+    double scale = 1.0;
+    size_t operands;
+    const struct option_def options[] = { { .name = "-o", .text = &out },
+                                          { .name = "--scale", .number = &scale },
+                                          { .name = "--c-array", .text = &array } };
+    int status = parse_options(argc, argv, options, sizeof options / sizeof *options, help, &in, 1,
+                               &operands);
+    if (status >= 0)
+        return status;
+    if (operands != 1 || !out)
+        return complain("compile", "an input file and -o FILE are needed (see --help)");
+    if (!(scale > 0.0))
+        return complain("compile", "--scale must be positive");
+    if (array && !is_c_name(array))
+        return complain("compile", "--c-array: '%s' is not a name in C", array);
+
+    struct meter meter = { .began = time(NULL) };
+    dpt_compile_def def = { .size = sizeof def, .scale = scale, .user = &meter };
+    dpt_diag diag = { .size = sizeof diag };
+    dpt_compiled compiled;
+    struct output output;
+    if (stderr_is_terminal())
+        def.progress = show_progress;
+    dpt_result result = dpt_compile_file(in, &def, &compiled, &diag);
+    if (meter.shown)
+        fputs("\r                \r", stderr);
+    if (result != DPT_OK)
+        return complain_source(in, &diag);
+    status = output_open(&output, "compile", out);
+    if (status == 0) {
+        if (array)
+            write_c_array(output.file, array, &compiled);
+        else
+            fwrite(compiled.bytes, compiled.size, 1, output.file);
+        status = output_close(&output, "compile", 1);
+    }
+    if (status == 0)
+        report(&compiled, out);
+    dpt_compiled_free(&compiled);
+    return status;
+}

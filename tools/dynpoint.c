@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The program: hands the rest of the line to a sub-command. */
+#include <stdio.h>
+#include <string.h>
+
+#include "command.h"
+#include "common.h"
+
+static const struct {
+    const char *name;
+    int (*run)(int argc, char **argv);
+    const char *what;
+} commands[] = {
+    { "make", command_make, "generate a mesh, or a motion over one" },
+    { "compile", command_compile, "turn OBJ, STL, PLY or OFF into a .dpa file" },
+    { "info", command_info, "show or verify a .dpa file" },
+    { "replay", command_replay, "move a tool over a mesh: the nearest pair of every tick" },
+};
+
+static void print_help(void)
+{
+    puts("usage: dynpoint COMMAND ...\n\nLets a line-shaped tool feel triangle meshes.\n");
+    for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
+        printf("  %-8s %s\n", commands[i].name, commands[i].what);
+    puts("\ndynpoint COMMAND --help tells more; dynpoint --version tells the version.\n"
+         "Exit status: 0 done, 1 done and the answer is no, 2 usage, input or system error.");
+}
+
+int main(int argc, char **argv)
+{
+    if (argc < 2)
+        return complain("", "a command is needed (see --help)");
+    if (strcmp(argv[1], "--help") == 0) {
+        print_help();
+        return 0;
+    }
+    if (strcmp(argv[1], "--version") == 0) {
+        printf("dynpoint %s\n", dpt_version());
+        return 0;
+    }
+    for (size_t i = 0; i < sizeof commands / sizeof *commands; i++) {
+        if (strcmp(argv[1], commands[i].name))
+            continue;
+        if (argc > 2 && strcmp(argv[2], "--version") == 0) {
+            printf("dynpoint %s\n", dpt_version());
+            return 0;
+        }
+        int status = commands[i].run(argc - 1, argv + 1);
+        if (fflush(stdout) != 0 && status == 0)
+            return complain(argv[1], "standard output cannot be written");
+        return status;
+    }
+    return complain(argv[1], "no such command (see --help)");
+}

@@ -1,0 +1,188 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "replay.h"
+
+static const char *const status_words[] = { "stale", "local", "bounded", "exact" };
+static const char *const contact_words[] = { "unknown", "separated", "touching", "penetrating" };
+
+static int by_value(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+void sort_numbers(double *values, size_t count)
+{
+    qsort(values, count, sizeof *values, by_value);
+}
+
+double percentile(const double *sorted, size_t count, double share)
+{
+    if (!count)
+        return 0.0;
+    size_t rank = (size_t)(share * (double)count);
+    return sorted[rank < count ? rank : count - 1];
+}
+
+static void write_numbers(FILE *file, const double *values, int count)
+{
+    for (int i = 0; i < count; i++)
+        fprintf(file, ",%.17g", values[i]);
+}
+
+static void write_row(FILE *file, const struct replayed *replayed, size_t i)
+{
+    const struct replayed_tick *tick = &replayed->ticks[i];
+    const dpt_hit *hit = &tick->hit;
+    fprintf(file, "%" PRId64 ",%s,%s", replayed->trace->rows[i].tick, status_words[hit->status],
+            replayed->until == DPT_UNTIL_TRACK ? "" : contact_words[hit->contact]);
+    write_numbers(file, &hit->distance, 1);
+    if (hit->flags & DPT_HIT_GAP)
+        fprintf(file, ",%.17g,%.17g", hit->gap, hit->depth);
+    else
+        fputs(",,", file);
+    write_numbers(file, &hit->s, 1);
+    write_numbers(file, hit->p, 3);
+    write_numbers(file, hit->q, 3);
+    fprintf(file, ",%" PRIu32, hit->triangle);
+    write_numbers(file, &hit->error_bound, 1);
+    write_numbers(file, &hit->lower_bound, 1);
+    if (replayed->until == DPT_UNTIL_RESPOND) {
+        write_numbers(file, tick->wrench.force, 3);
+        write_numbers(file, tick->wrench.torque, 3);
+        fputc('\n', file);
+    } else {
+        fputs(",,,,,,\n", file);
+    }
+}
+
+void replay_write_csv(FILE *file, const struct replayed *replayed)
+{
+    fputs("tick,status,contact,distance,gap,depth,s,px,py,pz,qx,qy,qz,triangle,error_bound,"
+          "lower_bound,fx,fy,fz,tx,ty,tz\n",
+          file);
+    for (size_t i = 0; i < replayed->trace->count; i++)
+        write_row(file, replayed, i);
+}
+
+/* Counts and sorted times of a replay. */
+struct summary {
+    uint64_t status[4], contact[4];
+    double *ns, *crossing_ns, *other_ns, *work;
+    size_t count, crossing, other; /* the first tick is apart */
+};
+
+static int summarise(const struct replayed *replayed, struct summary *summary)
+{
+    size_t count = replayed->trace->count;
+    memset(summary, 0, sizeof *summary);
+    summary->ns = malloc(4 * count * sizeof *summary->ns);
+    if (!summary->ns)
+        return 0;
+    summary->crossing_ns = summary->ns + count;
+    summary->other_ns = summary->crossing_ns + count;
+    summary->work = summary->other_ns + count;
+    for (size_t i = 0; i < count; i++) {
+        const struct replayed_tick *tick = &replayed->ticks[i];
+        summary->status[tick->hit.status]++;
+        summary->contact[tick->hit.contact]++;
+        if (i == 0)
+            continue;
+        summary->work[summary->count] = tick->hit.work;
+        summary->ns[summary->count++] = tick->ns;
+        if (tick->hit.distance == 0.0)
+            summary->crossing_ns[summary->crossing++] = tick->ns;
+        else
+            summary->other_ns[summary->other++] = tick->ns;
+    }
+    sort_numbers(summary->ns, summary->count);
+    sort_numbers(summary->work, summary->count);
+    sort_numbers(summary->crossing_ns, summary->crossing);
+    sort_numbers(summary->other_ns, summary->other);
+    return 1;
+}
+
+static void json_times(FILE *file, const char *name, const double *sorted, size_t count)
+{
+    fprintf(file, "\"%s\":{\"median\":%.0f,\"p99\":%.0f,\"p999\":%.0f,\"max\":%.0f}", name,
+            percentile(sorted, count, 0.5), percentile(sorted, count, 0.99),
+            percentile(sorted, count, 0.999), percentile(sorted, count, 1.0));
+}
+
+void replay_print_json(FILE *file, const struct replayed *replayed)
+{
+    struct summary s;
+    if (!summarise(replayed, &s))
+        return;
+    fprintf(file, "{\"ticks\":%zu,\"method\":\"%s\"", replayed->trace->count, replayed->method);
+    for (int i = 3; i >= 0; i--)
+        fprintf(file, ",\"%s\":%" PRIu64, status_words[i], s.status[i]);
+    for (int i = 1; i <= 4; i++)
+        fprintf(file, ",\"%s\":%" PRIu64, contact_words[i % 4], s.contact[i % 4]);
+    fputc(',', file);
+    json_times(file, "ns", s.ns, s.count);
+    fputc(',', file);
+    json_times(file, "ns_crossing", s.crossing_ns, s.crossing);
+    fputc(',', file);
+    json_times(file, "ns_other", s.other_ns, s.other);
+    fprintf(file, ",\"crossing\":%zu,\"first_ns\":%.0f", s.crossing, replayed->ticks[0].ns);
+    fprintf(file, ",\"work\":{\"median\":%.0f,\"p99\":%.0f,\"max\":%.0f}",
+            percentile(s.work, s.count, 0.5), percentile(s.work, s.count, 0.99),
+            percentile(s.work, s.count, 1.0));
+    fprintf(file, ",\"bytes\":%zu,\"mesh_bytes\":%" PRIu64 ",\"kernel\":\"%s\"",
+            replayed->world_bytes, replayed->mesh_bytes, dpt_kernel_name(replayed->kernel));
+    const struct comparison *against = &replayed->against;
+    if (against->method)
+        fprintf(file,
+                ",\"against\":{\"method\":\"%s\",\"ticks\":%" PRIu64 ",\"wrong\":%" PRIu64
+                ",\"largest_error\":%.17g,\"tolerance\":%.17g,\"ns\":%.0f}",
+                against->method, against->ticks, against->wrong, against->largest_error,
+                against->tolerance, against->ns);
+    fputs("}\n", file);
+    free(s.ns);
+}
+
+static void print_time_row(FILE *file, const char *what, const double *sorted, size_t count)
+{
+    if (count)
+        fprintf(file, "  %-22s %8zu %9.2f %9.2f %9.2f\n", what, count,
+                1e-3 * percentile(sorted, count, 0.5), 1e-3 * percentile(sorted, count, 0.99),
+                1e-3 * percentile(sorted, count, 1.0));
+}
+
+void replay_print_table(FILE *file, const struct replayed *replayed)
+{
+    struct summary s;
+    if (!summarise(replayed, &s))
+        return;
+    fprintf(file, "method %s, kernel %s, %.0f kB for the world, %.1f MB of mesh used in place\n\n",
+            replayed->method, dpt_kernel_name(replayed->kernel),
+            (double)replayed->world_bytes / 1e3, (double)replayed->mesh_bytes / 1e6);
+    fprintf(file, "  %-22s %8s %9s %9s %9s\n", "microseconds a tick", "ticks", "median", "99 %",
+            "worst");
+    print_time_row(file, "all", s.ns, s.count);
+    print_time_row(file, "axis crosses the mesh", s.crossing_ns, s.crossing);
+    print_time_row(file, "axis does not", s.other_ns, s.other);
+    fprintf(file, "  %-22s %8d %9.2f\n\n", "first, from nothing", 1,
+            1e-3 * replayed->ticks[0].ns);
+    fprintf(file, "  exact on %" PRIu64 " of %zu ticks", s.status[DPT_STATUS_EXACT],
+            replayed->trace->count);
+    if (replayed->until != DPT_UNTIL_TRACK)
+        fprintf(file,
+                "; separated %" PRIu64 ", touching %" PRIu64 ", penetrating %" PRIu64
+                ", unknown %" PRIu64,
+                s.contact[DPT_CONTACT_SEPARATED], s.contact[DPT_CONTACT_TOUCHING],
+                s.contact[DPT_CONTACT_PENETRATING], s.contact[DPT_CONTACT_UNKNOWN]);
+    fputs("\n", file);
+    const struct comparison *against = &replayed->against;
+    if (against->method)
+        fprintf(file,
+                "  against %s on %" PRIu64 " ticks: %" PRIu64
+                " wrong, largest difference %.2g m (%.1g of the diagonal); %s took %.0f us a tick\n",
+                against->method, against->ticks, against->wrong, against->largest_error,
+                against->largest_error / replayed->diagonal, against->method, 1e-3 * against->ns);
+    free(s.ns);
+}
