@@ -22,7 +22,7 @@ PKGCONFIGDIR ?= $(LIBDIR)/pkgconfig
 # -ffp-contract=off where the target has FMA, so it stays off; tests/abi looks at the objects.
 WARNINGS := -Wall -Wextra -Wshadow -Wconversion
 EXACT := -fno-math-errno -fno-trapping-math -ffp-contract=off -fno-tree-slp-vectorize
-ALL_CFLAGS = -std=gnu99 $(CFLAGS) $(EXACT) $(WARNINGS) -fPIC -fvisibility=hidden -MMD -MP -Iinclude -Isrc $(CONFIG_CFLAGS)
+ALL_CFLAGS = -std=gnu99 $(CFLAGS) $(EXACT) $(WARNINGS) -fPIC -fvisibility=hidden -MMD -MP -Iinclude -Isrc $(CONFIG_CFLAGS) $(CFLAGS_EXTRA)
 
 ifeq ($(CONFIG),scalar)
 CONFIG_CFLAGS := -DDPT_SCALAR -fno-tree-vectorize

@@ -105,9 +105,9 @@ KERNEL_TARGET void KERNEL(triangles)(const float *restrict block, const struct p
         float height = fx * ax0 + fy * ay0 + fz * az0;
         float s = CLAMP(height / fx, length);
         float above = height - fx * s;
-        int inside = (SIDE(ax0, ay0, az0, ax1, ay1, az1) >= 0.0f) &
-                     (SIDE(ax1, ay1, az1, ax2, ay2, az2) >= 0.0f) &
-                     (SIDE(ax2, ay2, az2, ax0, ay0, az0) >= 0.0f);
+        int inside = (SIDE(ax0, ay0, az0, ax1, ay1, az1) > 0.0f) &
+                     (SIDE(ax1, ay1, az1, ax2, ay2, az2) > 0.0f) &
+                     (SIDE(ax2, ay2, az2, ax0, ay0, az0) > 0.0f);
         float turn = above < 0.0f ? -1.0f : 1.0f;
         nx = inside ? turn * fx : nx;
         ny = inside ? turn * fy : ny;

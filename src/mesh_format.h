@@ -56,6 +56,9 @@
 enum { MESH_SECTIONS(MESH_SECTION_ID) MESH_SECTION_COUNT };
 #undef MESH_SECTION_ID
 
+/* Places in a file that are no section. */
+enum { MESH_HEADER = MESH_SECTION_COUNT, MESH_PADDING };
+
 #define MESH_BOX_WORDS (6u * LANES)
 #define MESH_LEAF_WORDS (9u * LANES)
 
@@ -173,15 +176,21 @@ static inline uint64_t mesh_aligned(uint64_t offset)
     return (offset + MESH_ALIGN - 1) & ~(uint64_t)(MESH_ALIGN - 1);
 }
 
-static inline const char *mesh_section_name(int id)
+/* A section's name as the file holds it, filled up with zeros. */
+static inline void mesh_section_name(int id, char out[16])
 {
-#define MESH_SECTION_NAME(section, name)                                                           \
-    case section:                                                                                  \
-        return name;
+#define MESH_SECTION_NAME(section, text)                                                           \
+    case section: {                                                                                \
+        const char name[16] = text;                                                                \
+        memcpy(out, name, sizeof name);                                                            \
+        break;                                                                                     \
+    }
     switch (id) {
         MESH_SECTIONS(MESH_SECTION_NAME)
+        MESH_SECTION_NAME(MESH_HEADER, "header")
+        MESH_SECTION_NAME(MESH_PADDING, "padding")
     default:
-        return "header";
+        memset(out, 0, 16);
     }
 #undef MESH_SECTION_NAME
 }

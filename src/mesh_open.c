@@ -9,14 +9,12 @@
 #include "mesh_format.h"
 #include "vec.h"
 
-static dpt_result fail(dpt_mesh_fault *fault, dpt_result code, uint64_t byte, const char *section)
+static dpt_result fail(dpt_mesh_fault *fault, dpt_result code, uint64_t byte, int section)
 {
     if (fault) {
-        size_t length = strlen(section);
         fault->code = code;
         fault->byte = byte;
-        memset(fault->section, 0, sizeof fault->section);
-        memcpy(fault->section, section, length < 15 ? length : 15);
+        mesh_section_name(section, fault->section);
     }
     return code;
 }
@@ -24,23 +22,23 @@ static dpt_result fail(dpt_mesh_fault *fault, dpt_result code, uint64_t byte, co
 static dpt_result fail_at(dpt_mesh_fault *fault, dpt_result code, const struct dpt_mesh *mesh, int id,
                           uint64_t word)
 {
-    return fail(fault, code, mesh->section[id].offset + 4 * word, mesh_section_name(id));
+    return fail(fault, code, mesh->section[id].offset + 4 * word, id);
 }
 
 /* Version and lengths of a header that is in the host's byte order. */
 static dpt_result check_header(const struct dpt_mesh *mesh, size_t size, dpt_mesh_fault *fault)
 {
     if (size < sizeof *mesh)
-        return fail(fault, DPT_E_TRUNCATED, size, "header");
+        return fail(fault, DPT_E_TRUNCATED, size, MESH_HEADER);
     if (mesh->version > MESH_VERSION)
-        return fail(fault, DPT_E_VERSION, offsetof(struct dpt_mesh, version), "header");
+        return fail(fault, DPT_E_VERSION, offsetof(struct dpt_mesh, version), MESH_HEADER);
     if (mesh->version == 0 || mesh->header_bytes != sizeof *mesh ||
         mesh->section_count != MESH_SECTION_COUNT || mesh->reserved)
-        return fail(fault, DPT_E_LAYOUT, offsetof(struct dpt_mesh, version), "header");
+        return fail(fault, DPT_E_LAYOUT, offsetof(struct dpt_mesh, version), MESH_HEADER);
     if (size < mesh->bytes)
-        return fail(fault, DPT_E_TRUNCATED, size, "header");
+        return fail(fault, DPT_E_TRUNCATED, size, MESH_HEADER);
     if (size > mesh->bytes)
-        return fail(fault, DPT_E_TRAILING, mesh->bytes, "header");
+        return fail(fault, DPT_E_TRAILING, mesh->bytes, MESH_HEADER);
     return DPT_OK;
 }
 
@@ -53,22 +51,22 @@ static dpt_result check_layout(const struct dpt_mesh *mesh, dpt_mesh_fault *faul
     if (!mesh->triangles || mesh->leaves != leaves || mesh->triangles > mesh->source_triangles ||
         mesh->triangles > INT32_MAX || mesh->vertices > INT32_MAX ||
         mesh->levels != mesh_levels(mesh->leaves, count, &nodes))
-        return fail(fault, DPT_E_LAYOUT, offsetof(struct dpt_mesh, triangles), "header");
+        return fail(fault, DPT_E_LAYOUT, offsetof(struct dpt_mesh, triangles), MESH_HEADER);
     for (int id = 0; id < MESH_SECTION_COUNT; id++) {
         const struct mesh_section *section = &mesh->section[id];
         uint64_t at = (uint64_t)((const char *)section - (const char *)mesh);
-        char name[16] = { 0 };
-        memcpy(name, mesh_section_name(id), strlen(mesh_section_name(id)));
+        char name[16];
+        mesh_section_name(id, name);
         if (memcmp(section->name, name, sizeof name) || section->offset != mesh_aligned(end) ||
             section->bytes != 4 * mesh_section_words(mesh, id, nodes) || section->reserved[0] ||
             section->reserved[1] || section->reserved[2])
-            return fail(fault, DPT_E_LAYOUT, at, mesh_section_name(id));
+            return fail(fault, DPT_E_LAYOUT, at, id);
         end = section->offset + section->bytes;
         if (end > mesh->bytes)
-            return fail(fault, DPT_E_TRUNCATED, mesh->bytes, mesh_section_name(id));
+            return fail(fault, DPT_E_TRUNCATED, mesh->bytes, id);
     }
     if (end != mesh->bytes)
-        return fail(fault, DPT_E_LAYOUT, end, "header");
+        return fail(fault, DPT_E_LAYOUT, end, MESH_HEADER);
     return DPT_OK;
 }
 
@@ -78,7 +76,7 @@ static dpt_result check_header_crc(const struct dpt_mesh *raw, const struct crc3
     struct dpt_mesh header = *raw;
     header.header_crc32 = 0;
     if (crc32_of(crc, &header, sizeof header) != expected)
-        return fail(fault, DPT_E_CHECKSUM, 0, "header");
+        return fail(fault, DPT_E_CHECKSUM, 0, MESH_HEADER);
     return DPT_OK;
 }
 
@@ -91,7 +89,7 @@ static dpt_result check_sections_crc(const struct dpt_mesh *mesh, const unsigned
         const struct mesh_section *section = &mesh->section[id];
         for (; end < section->offset; end++)
             if (bytes[end])
-                return fail(fault, DPT_E_LAYOUT, end, "padding");
+                return fail(fault, DPT_E_LAYOUT, end, MESH_PADDING);
         if (crc32_of(crc, bytes + section->offset, (size_t)section->bytes) != section->crc32)
             return fail_at(fault, DPT_E_CHECKSUM, mesh, id, 0);
         end = section->offset + section->bytes;
@@ -141,7 +139,7 @@ static dpt_result check_numbers(const struct dpt_mesh *mesh, dpt_mesh_fault *fau
     if (!vec3_within(mesh->box_min, largest) || !vec3_within(mesh->box_max, largest) ||
         !vec3_within(mesh->filter_centre, largest) || !within(mesh->filter_scale, 1e300) ||
         !(mesh->filter_scale > 0.0) || !within(mesh->scale, 1e300) || !within(mesh->rounding, 1e300))
-        return fail(fault, DPT_E_FINITE, offsetof(struct dpt_mesh, scale), "header");
+        return fail(fault, DPT_E_FINITE, offsetof(struct dpt_mesh, scale), MESH_HEADER);
     return DPT_OK;
 }
 
@@ -168,12 +166,12 @@ static dpt_result begin(const void *bytes, size_t size, dpt_mesh_fault *fault)
     if (fault && fault->size < sizeof *fault)
         return DPT_E_SIZE;
     if ((uintptr_t)bytes % 8)
-        return fail(fault, DPT_E_ALIGN, 0, "header");
+        return fail(fault, DPT_E_ALIGN, 0, MESH_HEADER);
     size_t magic = size < 8 ? size : 8;
     if (size == 0 || memcmp(bytes, MESH_MAGIC, magic))
-        return fail(fault, size == 0 ? DPT_E_TRUNCATED : DPT_E_MAGIC, 0, "header");
+        return fail(fault, size == 0 ? DPT_E_TRUNCATED : DPT_E_MAGIC, 0, MESH_HEADER);
     if (size < known)
-        return fail(fault, DPT_E_TRUNCATED, size, "header");
+        return fail(fault, DPT_E_TRUNCATED, size, MESH_HEADER);
     return DPT_OK;
 }
 
@@ -197,9 +195,9 @@ dpt_result dpt_mesh_verify(const void *bytes, size_t size, dpt_mesh_fault *fault
     memcpy(&header, bytes, size < sizeof header ? size : sizeof header);
     const uint64_t order_at = offsetof(struct dpt_mesh, byte_order);
     if (header.byte_order == MESH_BYTE_ORDER_SWAPPED)
-        return fail(fault, DPT_E_BYTE_ORDER, order_at, "header");
+        return fail(fault, DPT_E_BYTE_ORDER, order_at, MESH_HEADER);
     if (header.byte_order != MESH_BYTE_ORDER)
-        return fail(fault, DPT_E_LAYOUT, order_at, "header");
+        return fail(fault, DPT_E_LAYOUT, order_at, MESH_HEADER);
     struct crc32 crc;
     crc32_init(&crc);
     DPT_TRY(check_file(&header, bytes, size, &crc, fault));

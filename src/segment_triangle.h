@@ -2,10 +2,9 @@
 /*
  * Exact distance of one segment and one triangle, in double (docs/algorithms/distance.md).
  *
- * The nearest pair is one of four candidates: one point of the segment against the face, and the
- * segment against each edge. For the face only one point of the segment matters, the one nearest to
- * the triangle's plane: towards it the distance to the plane falls, until either that point or the
- * rim of the face is reached, and the rim is the edges' own case.
+ * Against the face only one point of the segment matters, the one nearest to the triangle's plane. Where
+ * that projects into the triangle, it is the nearest pair: the distance is convex, and no motion along
+ * the segment or the face shortens it. Otherwise the nearest pair lies on one of the three edges.
  *
  * Each candidate is a real pair of points, so no answer is ever below the true distance by more than
  * rounding; a candidate that degenerates (0 / 0) only loses, it never wins wrongly.
@@ -28,19 +27,18 @@ typedef struct pair {
  * cross product, not through the determinant of the normal equations, whose error grows with the
  * square of the inverse angle (tests/test_pair.c, nearly parallel families).
  */
-static inline void segment_edge(vec3 u, double uu, vec3 from_v, vec3 e, double *s, double *t)
+static inline void segment_edge(vec3 u, double per_uu, vec3 from_v, vec3 e, double *s, double *t)
 {
     vec3 n = cross(u, e);
-    double ee = dot(e, e);
     *s = clamp01(dot(cross(e, from_v), n) / dot(n, n));
-    *t = clamp01(dot(along(from_v, *s, u), e) / ee);
-    *s = clamp01(dot(sub(scaled(e, *t), from_v), u) / uu);
+    *t = clamp01(dot(along(from_v, *s, u), e) / dot(e, e));
+    *s = clamp01(dot(sub(scaled(e, *t), from_v), u) * per_uu);
 }
 
-static inline void pair_try_edge(pair *best, vec3 u, double uu, vec3 from_v, vec3 e, int corner)
+static inline void pair_try_edge(pair *best, vec3 u, double per_uu, vec3 from_v, vec3 e, int corner)
 {
     double s, t;
-    segment_edge(u, uu, from_v, e, &s, &t);
+    segment_edge(u, per_uu, from_v, e, &s, &t);
     vec3 gap = sub(along(from_v, s, u), scaled(e, t));
     double distance2 = dot(gap, gap);
     if (distance2 < best->distance2) {
@@ -84,11 +82,12 @@ static inline flat flatten(const vec3 edge[3])
     return f;
 }
 
-static inline void pair_try_face(pair *best, vec3 u, const vec3 from[3], const vec3 edge[3])
+/* 1, and the answer, where the face holds the nearest point. */
+static inline int pair_on_face(pair *best, vec3 u, const vec3 from[3], const vec3 edge[3])
 {
     flat f = flatten(edge);
     if (!(f.apex_y > 8.0 * 0x1p-53 * f.base))
-        return; /* thinner than rounding: the edges are all there is */
+        return 0; /* thinner than rounding: the edges are all there is */
     vec3 a = from[f.corner];
     double height_a = dot(a, f.z);
     double height_b = height_a + dot(u, f.z);
@@ -100,28 +99,28 @@ static inline void pair_try_face(pair *best, vec3 u, const vec3 from[3], const v
     double weight[3] = { ((f.apex_x - f.base) * y - f.apex_y * (x - f.base)) / area,
                          (f.apex_y * x - f.apex_x * y) / area, y / f.apex_y };
     if (!(weight[0] >= 0.0 && weight[1] >= 0.0 && weight[2] >= 0.0))
-        return;
-    if (height * height < best->distance2) {
-        best->distance2 = height * height;
-        best->s = s;
-        best->gap = scaled(f.z, height);
-        for (int k = 0; k < 3; k++)
-            best->weight[(f.corner + k) % 3] = weight[k];
-    }
+        return 0;
+    best->distance2 = height * height;
+    best->s = s;
+    best->gap = scaled(f.z, height);
+    for (int k = 0; k < 3; k++)
+        best->weight[(f.corner + k) % 3] = weight[k];
+    return 1;
 }
 
 /* The axis is a + s u, s in 0..1. */
 static inline pair segment_triangle(vec3 a, vec3 u, vec3 v0, vec3 v1, vec3 v2)
 {
     pair best = { .distance2 = HUGE_VAL };
-    double uu = dot(u, u);
     const vec3 edge[3] = { sub(v1, v0), sub(v2, v1), sub(v0, v2) };
     const vec3 from[3] = { sub(a, v0), sub(a, v1), sub(a, v2) };
-    for (int corner = 0; corner < 3; corner++)
-        pair_try_edge(&best, u, uu, from[corner], edge[corner], corner);
-    pair_try_face(&best, u, from, edge);
+    if (!pair_on_face(&best, u, from, edge)) {
+        double per_uu = 1.0 / dot(u, u);
+        for (int corner = 0; corner < 3; corner++)
+            pair_try_edge(&best, u, per_uu, from[corner], edge[corner], corner);
+    }
 
-    /* What is left of a pair that meets on an edge is rounding: they meet. */
+    /* What is left between a pair that meets is rounding. */
     double reach = extent_of(from[0]) + extent_of(u) + extent_of(edge[0]) + extent_of(edge[2]);
     double noise = 4.0 * 0x1p-53 * reach;
     if (best.distance2 <= noise * noise) {

@@ -137,26 +137,37 @@ static void report(const struct dpt_world *world, dpt_step *out)
     }
 }
 
-dpt_result dpt_world_step(dpt_world *world, double dt, dpt_step *out)
+/* Every body's pose is known. */
+static int bodies_are_valid(const struct dpt_world *world)
 {
-    if (!world || (out && out->size != sizeof *out))
-        return world ? DPT_E_SIZE : DPT_E_ARGUMENT;
-    int bodies_valid = dt > 0.0 && within(dt, 1e6);
     for (uint32_t i = 0; i < world->body_end; i++)
         if (world->bodies[i].slot.used && !world->bodies[i].valid)
-            bodies_valid = 0;
+            return 0;
+    return 1;
+}
+
+dpt_result dpt_world_step(dpt_world *world, double dt, dpt_step *out)
+{
+    if (!world)
+        return DPT_E_ARGUMENT;
+    dpt_result result = DPT_OK;
+    if (!(dt > 0.0 && within(dt, 1e6)))
+        result = DPT_E_ARGUMENT;
+    else if (out && out->size != sizeof *out)
+        result = DPT_E_SIZE;
+    int valid = result == DPT_OK && bodies_are_valid(world);
     for (uint32_t t = 0; t < world->tool_end; t++) {
         struct tool *tool = &world->tools[t];
         if (!tool->slot.used)
             continue;
-        if (tool->valid && bodies_valid)
+        if (valid && tool->valid)
             step_tool(world, tool);
         else
             tool_clear(world, tool);
     }
-    if (out)
+    if (out && result != DPT_E_SIZE)
         report(world, out);
-    return dt > 0.0 && within(dt, 1e6) ? DPT_OK : DPT_E_ARGUMENT;
+    return result;
 }
 
 dpt_result dpt_tool_get_segment_hit(const dpt_world *world, dpt_tool tool, uint32_t segment,

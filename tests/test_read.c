@@ -9,7 +9,6 @@
  * are read as well, from there.
  */
 #include <inttypes.h>
-#include <limits.h>
 #include <locale.h>
 #include <math.h>
 
@@ -563,8 +562,8 @@ static void formats_are_told(void)
     }
     size_t size = 0;
     unsigned char *bytes = load(golden, "binary_begins_with_solid.stl", &size);
-    CHECK(source_format(NULL, bytes, size) == DPT_FORMAT_STL, "binary STL");
-    CHECK(source_format(NULL, bytes, size - 1) == DPT_FORMAT_AUTO, "binary STL, cut");
+    CHECK(size > 0 && source_format(NULL, bytes, size) == DPT_FORMAT_STL, "binary STL");
+    CHECK(size > 0 && source_format(NULL, bytes, size - 1) == DPT_FORMAT_AUTO, "its beginning");
     free(bytes);
 }
 

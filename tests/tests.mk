@@ -15,12 +15,15 @@ check: ## all tests; DEPS=no installs nothing, STRICT=1 lets skips fail
 soak: all $(B)/tests/test_organs ## every tick of every mesh and motion of DPT_DATA against brute force
 	@$(B)/tests/test_organs soak
 
-bench: all ## time against peers, those whose packages are here
+bench: all $(B)/tests/bench/dump_mesh ## time against peers, those whose packages are here
 	@sh tests/bench/run.sh $(B)
 
 deps: ## install what the tests can use beside a compiler (asks apt-get)
-	@sh tests/deps.sh install
+	@sh tests/deps.sh
 
-test-programs: all $(TESTS)
+test-programs: all $(TESTS) $(B)/tests/bench/dump_mesh
 .PHONY: test-programs
 -include $(TESTS:=.d) $(patsubst %.o,%.d,$(TEST_PARTS))
+
+$(B)/tests/bench/dump_mesh: $(B)/tests/bench/dump_mesh.o $(B)/tools/common.o $(COMPILE) $(CORE)
+	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -o $@

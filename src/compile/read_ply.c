@@ -287,14 +287,16 @@ static dpt_result read_header(ply_reader *reader)
 static dpt_result check_element(ply_reader *reader, const ply_element *element)
 {
     source_place place = { element->line, 0 };
-    const ply_element *faces = find_element(reader, FACE);
     if (element->kind == VERTEX && !(has_role(reader, element, X) && has_role(reader, element, Y) &&
                                      has_role(reader, element, Z)))
         return soup_fail(reader->source, DPT_E_SYNTAX, place, "the vertices lack x, y or z");
     if (element->kind == FACE && element->rows > 0 && !has_role(reader, element, CORNERS))
         return soup_fail(reader->source, DPT_E_SYNTAX, place,
                          "the faces lack a list vertex_indices or vertex_index");
-    if (element->kind == STRIPS && element->rows > 0 && (faces == NULL || faces->rows == 0))
+    if (element->kind != STRIPS || element->rows == 0)
+        return DPT_OK;
+    const ply_element *faces = find_element(reader, FACE);
+    if (faces == NULL || faces->rows == 0)
         return soup_fail(reader->source, DPT_E_FORMAT, place,
                          "triangle strips are not read: save the mesh as faces");
     return DPT_OK;

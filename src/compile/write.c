@@ -77,8 +77,7 @@ static void set_sections(struct dpt_mesh *mesh, uint64_t nodes)
     uint64_t end = sizeof *mesh;
     for (int id = 0; id < MESH_SECTION_COUNT; id++) {
         struct mesh_section *section = &mesh->section[id];
-        const char *name = mesh_section_name(id);
-        memcpy(section->name, name, strlen(name));
+        mesh_section_name(id, section->name);
         section->offset = mesh_aligned(end);
         section->bytes = 4 * mesh_section_words(mesh, id, nodes);
         end = section->offset + section->bytes;

@@ -1,0 +1,87 @@
+#!/bin/sh
+# SPDX-License-Identifier: BSD-3-Clause
+# make check: builds and runs every test in its configurations and adds up their last lines. What was
+# skipped is named above the sum. DPT_DATA names the folder of real meshes; STRICT=1 lets skips fail.
+set -u
+passed=0 failed=0 skipped=0
+log=build/check.log
+names=build/check.skipped
+mkdir -p build
+: >"$log"
+: >"$names"
+jobs=$(nproc 2>/dev/null || echo 2)
+
+fail() {
+    echo "  FAIL $1"
+    failed=$((failed + 1))
+}
+
+skip() {
+    echo "  skip $1: $2" | tee -a "$names"
+    skipped=$((skipped + 1))
+}
+
+# A program or script that ends in "N passed, M failed, K skipped".
+run() {
+    title=$1
+    shift
+    echo "== $title"
+    out=build/check.out
+    "$@" >"$out" 2>&1
+    status=$?
+    cat "$out" >>"$log"
+    cat "$out"
+    last=$(tail -n 1 "$out")
+    counts=$(printf '%s\n' "$last" | sed -n 's/^\([0-9]*\) passed, \([0-9]*\) failed, \([0-9]*\) skipped$/\1 \2 \3/p')
+    if [ -z "$counts" ]; then
+        fail "$title ended without a sum (status $status)"
+        return
+    fi
+    set -- $counts
+    passed=$((passed + $1)) failed=$((failed + $2)) skipped=$((skipped + $3))
+    [ "$status" -eq 0 ] || [ "$2" -gt 0 ] || fail "$title left status $status"
+    sed -n "s/^ *skip \(.*\)/  skip \1 ($title)/p" "$out" >>"$names"
+}
+
+# -Werror only here: a warning of a newer compiler must not stop a user.
+build() {
+    echo "== build $*"
+    if make -j"$jobs" CFLAGS_EXTRA=-Werror "$@" >build/check.out 2>&1; then
+        passed=$((passed + 1))
+    else
+        tail -n 40 build/check.out
+        fail "build $*"
+    fi
+}
+
+sh tests/deps.sh
+build all test-programs
+build CONFIG=scalar all test-programs
+build CONFIG=sanitize all test-programs
+
+for program in build/tests/test_*; do
+    [ -x "$program" ] && [ ! -d "$program" ] || continue
+    case $program in *.o | *.d) continue ;; esac
+    run "$(basename "$program")" "$program"
+done
+for config in scalar sanitize; do
+    for name in read compile mesh kernel query world shape; do
+        program=build/$config/tests/test_$name
+        [ -x "$program" ] && run "test_$name, $config" "$program"
+    done
+    run "test_pair, $config" build/$config/tests/test_pair 100000
+done
+run "the program" sh tests/test_cli.sh build
+run "the program, sanitize" sh tests/test_cli.sh build/sanitize
+run "the libraries" sh tests/abi/check.sh build
+run "other machines" sh tests/cross.sh
+run "the peer" sh tests/bench/check.sh build
+
+echo
+if [ -s "$names" ]; then
+    echo "skipped:"
+    sort -u "$names"
+fi
+[ "${STRICT:-0}" = 0 ] || failed=$((failed + skipped))
+echo "$passed passed, $failed failed, $skipped skipped"
+[ "$failed" -eq 0 ]

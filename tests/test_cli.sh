@@ -1,0 +1,592 @@
+#!/bin/sh
+# SPDX-License-Identifier: BSD-3-Clause
+#
+# The program from outside: exit status, what goes to which stream, which files are there then.
+#
+#     sh tests/test_cli.sh BUILD_DIR
+#
+# An error is exit status 2, exactly one line on standard error, nothing on standard output, and no
+# output file, nor the .part beside it. Everything is written below a folder in BUILD_DIR.
+
+build=${1:?usage: sh tests/test_cli.sh BUILD_DIR}
+tests=$(cd "$(dirname "$0")" && pwd) || exit 2
+build=$(cd "$build" && pwd) || exit 2
+program=$build/dynpoint
+work=$build/tests/cli.$$
+passed=0 failed=0 skipped=0
+LC_ALL=C
+export LC_ALL
+
+mkdir -p "$work/out" || exit 2
+trap 'rm -rf "$work"' EXIT
+trap 'exit 2' HUP INT TERM
+cd "$work" || exit 2
+
+ok()
+{
+    passed=$((passed + 1))
+}
+
+bad()
+{
+    failed=$((failed + 1))
+    printf '  FAIL %s\n' "$*"
+}
+
+skip()
+{
+    skipped=$((skipped + 1))
+    printf '  skip %s\n' "$*"
+}
+
+# Only what fails is named, and the last line counts: a hundred golden files would hide it.
+check()
+{
+    what=$1
+    shift
+    if "$@"; then ok; else bad "$what"; fi
+}
+
+run()
+{
+    "$program" "$@" >stdout 2>stderr </dev/null
+    status=$?
+}
+
+# succeeds WHAT ARGUMENT...
+succeeds()
+{
+    what=$1
+    shift
+    run "$@"
+    if [ $status -eq 0 ]; then ok; else bad "$what: exit $status: $(cat stderr)"; fi
+}
+
+# What an error must look like once it is in stdout, stderr and $status; TEXT is to be in its line.
+is_refusal()
+{
+    text=$1
+    [ $status -eq 2 ] || { reason="exit $status"; return 1; }
+    [ ! -s stdout ] || { reason='something on standard output'; return 1; }
+    [ "$(wc -l <stderr)" -eq 1 ] || { reason="$(wc -l <stderr) lines"; return 1; }
+    [ -n "$(tail -c 1 stderr)" ] && { reason='no end of line'; return 1; }
+    grep -qF -e "$text" stderr || { reason="no '$text' in: $(cat stderr)"; return 1; }
+    [ -z "$(ls -A out)" ] || { reason="left out/$(ls -A out)"; return 1; }
+}
+
+# refuses WHAT TEXT ARGUMENT...
+refuses()
+{
+    what=$1 expected=$2
+    shift 2
+    run "$@"
+    if is_refusal "$expected"; then ok; else bad "$what: $reason"; fi
+    rm -rf out && mkdir out
+}
+
+# A number of `info --json` that stands at its beginning: triangles, vertices, ...
+info_count()
+{
+    "$program" info "$1" --json | sed -n "s/^[^[]*[{,]\"$2\":\([0-9]*\)[,}].*/\1/p"
+}
+
+header=tick,ax,ay,az,bx,by,bz
+out_header=tick,status,contact,distance,gap,depth,s,px,py,pz,qx,qy,qz,triangle,error_bound
+out_header=$out_header,lower_bound,fx,fy,fz,tx,ty,tz
+
+# trace FILE ROW...
+trace()
+{
+    file=$1
+    shift
+    { echo $header; for row; do echo "$row"; done; } >"$file"
+}
+
+# column FILE N: the Nth of each row behind the header
+column()
+{
+    awk -F, -v n="$2" 'NR > 1 { print $n }' "$1"
+}
+
+prepare()
+{
+    succeeds 'make box' make box -o box.ply
+    succeeds 'compile box' compile box.ply -o box.dpa
+    succeeds 'make torus' make torus 2000 -o torus.obj
+    succeeds 'compile torus' compile torus.obj -o torus.dpa
+    succeeds 'make trace' make trace --mesh torus.dpa --ticks 400 -o torus.csv
+    # Beside the box's faces at x = 0.06 and x = -0.06, then far away, then right through it.
+    trace box.csv 0,0.062,-0.02,0,0.062,0.02,0 1,-0.062,-0.02,0,-0.062,0.02,0 \
+        2,0.2,0,0,0.2,1,0 3,-1,0.01,0.01,1,0.01,0.01
+}
+
+help_and_version()
+{
+    for command in '' make compile info replay 'make trace'; do
+        for option in --help --version; do
+            # shellcheck disable=SC2086
+            run $command $option
+            check "$command $option: exit $status" test $status -eq 0
+            check "$command $option: nothing printed" test -s stdout
+            check "$command $option: $(cat stderr)" test ! -s stderr
+        done
+    done
+    for command in make compile info replay 'make trace'; do
+        # shellcheck disable=SC2086
+        run $command --help
+        check "$command --help: whose?" grep -q "^usage:.*dynpoint $command" stdout
+    done
+}
+
+usage_errors()
+{
+    refuses 'no command' 'command'
+    refuses 'unknown command' frobnicate frobnicate
+    refuses 'option for a command' --json --json
+    for command in make compile info replay; do
+        refuses "$command alone" "dynpoint $command: " $command
+        refuses "$command: unknown option" --frob $command --frob
+        refuses "$command: surplus words" "dynpoint $command: " $command a b c d -o out/x.ply
+    done
+    refuses 'make trace alone' 'dynpoint' make trace
+    refuses 'make trace: no -o' 'dynpoint' make trace --mesh box.dpa
+    refuses 'compile: no -o' -- -o compile box.ply
+    refuses 'compile: -o without value' -- -o compile box.ply -o
+    refuses 'compile: --scale without value' --scale compile box.ply -o out/x --scale
+    for value in nan inf -1 0 one 1x '' 1,5 0x10; do
+        refuses "compile --scale '$value'" scale compile box.ply -o out/x --scale "$value"
+    done
+    for value in '' 9a a-b 'a b' 'x;y'; do
+        refuses "compile --c-array '$value'" "$value" compile box.ply -o out/x --c-array "$value"
+    done
+    for pair in radius:nan radius:inf radius:-0.001 radius:1e7 radius:wide radius: dt:0 dt:-1 \
+        dt:nan dt:inf dt:soon stiffness:nan stiffness:inf stiffness:-1 stiffness:2e9 \
+        stiffness:hard repeat:0 repeat:-1 repeat:1.5 repeat:many repeat:99999999999999999999 \
+        every:0 every:-1 every:1.5 method:guess against:guess until:lunch kernel:abacus; do
+        name=${pair%%:*}
+        expected=$name
+        [ "$name" = against ] && expected=method
+        refuses "replay --$pair" "$expected" \
+            replay box.dpa box.csv -o out/x --"$name" "${pair#*:}"
+    done
+    refuses 'replay --json beside -o -' json replay box.dpa box.csv -o - --json
+    for name in ticks length band speed; do
+        for value in nan inf -1 1e999 long; do
+            refuses "make trace --$name $value" $name \
+                make trace --mesh box.dpa -o out/x --ticks 3 --$name $value
+        done
+    done
+    refuses 'make trace --ticks 0' ticks make trace --mesh box.dpa -o out/x --ticks 0
+    refuses 'make: unknown shape' pyramid make pyramid -o out/x.ply
+    refuses 'make: no format' x.xyz make box -o out/x.xyz
+    refuses 'make: no ending' 'dynpoint' make box -o out/x
+    for count in 0 -12 12.5 13 one 11 99999999999 99999999999999999999; do
+        refuses "make box $count" 'dynpoint make: ' make box "$count" -o out/x.ply
+    done
+    refuses 'make torus without number' torus make torus -o out/x.ply
+    refuses 'make laparoscopic, too few' 'dynpoint' make laparoscopic 999 -o out/x.ply
+    refuses 'make: bad seed' seed make box -o out/x.ply --seed -1
+}
+
+bad_traces()
+{
+    trace few.csv 0,1,2,3,4,5
+    refuses 'trace: too few fields' few.csv:2: replay box.dpa few.csv -o out/x
+    trace many.csv 0,1,2,3,4,5,6 1,1,2,3,4,5,6,7
+    refuses 'trace: too many fields' many.csv:3: replay box.dpa many.csv -o out/x
+    for word in nan inf -inf x '' 1.5.2 '1 2' 1e7 -1000001 1e400 0x1; do
+        trace word.csv 0,1,2,3,4,5,6 "1,1,$word,3,4,5,6"
+        refuses "trace: coordinate '$word'" word.csv:3: replay box.dpa word.csv -o out/x
+        trace last.csv "0,1,2,3,4,5,$word"
+        refuses "trace: last coordinate '$word'" last.csv:2: replay box.dpa last.csv -o out/x
+    done
+    for word in 0 -1 1.5 nan '' 1e30 x; do
+        trace tick.csv 0,1,2,3,4,5,6 "$word,1,2,3,4,5,6"
+        refuses "trace: tick '$word' behind 0" tick.csv:3: replay box.dpa tick.csv -o out/x
+    done
+    echo 0,1,2,3,4,5,6 >headless.csv
+    refuses 'trace: no header' headless.csv:1: replay box.dpa headless.csv -o out/x
+    printf 'time,ax,ay,az,bx,by,bz\n0,1,2,3,4,5,6\n' >other.csv
+    refuses 'trace: wrong header' other.csv:1: replay box.dpa other.csv -o out/x
+    : >empty.csv
+    refuses 'trace: empty' empty.csv replay box.dpa empty.csv -o out/x
+    trace rowless.csv
+    refuses 'trace: no row' rowless.csv replay box.dpa rowless.csv -o out/x
+    refuses 'trace: missing' none.csv replay box.dpa none.csv -o out/x
+    refuses 'trace: a folder' out replay box.dpa out -o out/x
+    refuses 'trace: a mesh' box.dpa replay box.dpa box.dpa -o out/x
+}
+
+good_traces()
+{
+    trace plain.csv 0,1,2,3,4,5,6 1,1,2,3,4,5,6.5 7,-1e-3,.5,+3,4.,5E0,6
+    succeeds 'trace: plain' replay box.dpa plain.csv -o plain.out
+    sed 's/$/\r/' plain.csv >crlf.csv
+    { echo '# a comment'; echo; sed 's/^1,/# 0,between\n\n  \n1,/' plain.csv; echo '# end'; } \
+        >comments.csv
+    printf %s "$(cat plain.csv)" >unended.csv
+    sed 's/,/ , /g; 1s/ //g' plain.csv >blanks.csv
+    for form in crlf comments unended blanks; do
+        succeeds "trace: $form" replay box.dpa $form.csv -o $form.out
+        check "trace: $form differs" cmp -s plain.out $form.out
+    done
+    # A tick that is not the last one plus 1 is a teleport: a row like any other, its own number.
+    trace gap.csv 5,1,0,0,1,1,0 6,1,0,0,1,1,0 100,0.1,0,0,1,1,0 101,0.1,0,0,1,1,0
+    succeeds 'trace: gap' replay box.dpa gap.csv -o gap.out
+    check 'trace: gap changes the ticks' test "$(column gap.out 1 | tr '\n' ' ')" = '5 6 100 101 '
+    check 'trace: gap changes an answer' \
+        test "$(column gap.out 4 | sort -u | wc -l)" -eq 2
+    trace negative.csv -3,1,0,0,1,1,0 -2,1,0,0,1,1,0
+    succeeds 'trace: negative ticks' replay box.dpa negative.csv -o negative.out
+}
+
+bad_inputs()
+{
+    refuses 'compile: missing' none.obj compile none.obj -o out/x
+    refuses 'compile: a folder' out compile out -o out/x
+    for option in '' --json --verify '--verify --json'; do
+        # shellcheck disable=SC2086
+        refuses "info $option: missing" none.dpa info none.dpa $option
+        # shellcheck disable=SC2086
+        refuses "info $option: a folder" out info out $option
+    done
+    refuses 'replay: mesh missing' none.dpa replay none.dpa box.csv -o out/x
+    refuses 'make trace: mesh missing' none.dpa make trace --mesh none.dpa -o out/x
+    refuses 'no name' 'dynpoint' compile '' -o out/x
+    printf 'v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n' >line.obj
+    : >nothing.obj
+    refuses 'compile: only a line' line.obj compile line.obj -o out/x
+    refuses 'compile: no bytes' nothing.obj compile nothing.obj -o out/x
+    refuses 'compile: not a mesh' box.csv compile box.csv -o out/x
+    refuses 'compile: too large' box.ply compile box.ply -o out/x --scale 1e9
+
+    size=$(wc -c <box.dpa)
+    { printf X; tail -c +2 box.dpa; } >magic.dpa
+    head -c $((size - 1)) box.dpa >short.dpa
+    head -c 100 box.dpa >stub.dpa
+    { cat box.dpa; printf x; } >long.dpa
+    : >nothing.dpa
+    damage box.dpa version.dpa 12 2
+    damage box.dpa sum.dpa $((size - 100)) 170
+    sed 's/$/\r/' box.dpa >text.dpa
+    for name in magic short stub long nothing version sum text; do
+        refuses "info: $name" $name.dpa: info $name.dpa
+        refuses "replay: $name" $name.dpa: replay $name.dpa box.csv -o out/x
+        refuses "make trace: $name" $name.dpa: make trace --mesh $name.dpa -o out/x
+        run info $name.dpa --verify
+        check "info --verify: $name: exit $status" test $status -eq 1
+        check "info --verify: $name: $(cat stdout)" grep -q "$name.dpa.*byte [0-9]" stdout
+        run info $name.dpa --verify --json
+        check "info --verify --json: $name: exit $status" test $status -eq 1
+    done
+    refuses 'info: newer' newer info version.dpa
+    refuses 'info: checksum' leaves info sum.dpa
+    run info --verify box.dpa
+    check "info --verify: exit $status" test $status -eq 0
+    run info --verify --json box.dpa
+    check "info --verify --json: exit $status" test $status -eq 0
+}
+
+# damage FROM TO AT VALUE: a copy with one byte changed; the value is used, or the one above it
+damage()
+{
+    cp "$1" "$2"
+    old=$(od -An -tu1 -j "$3" -N 1 "$1" | tr -d ' ')
+    new=$4
+    [ "$old" -eq "$new" ] && new=$((new + 1))
+    printf "\\$(printf %03o "$new")" | dd of="$2" bs=1 seek="$3" conv=notrunc 2>dd.log
+}
+
+# Files that the readers refuse, and odd ones that they take: tests/golden-bad/expected.txt.
+golden_files()
+{
+    count=0
+    while read -r name result kind place; do
+        case $name in '#'* | '') continue ;; esac
+        count=$((count + 1))
+        file=$tests/golden-bad/$name
+        where=$name
+        case $kind-$place in
+        line-*) where=$name:$place: ;;
+        byte-0) ;; # as good as no place
+        byte-*) where="byte $place" ;;
+        esac
+        case $result in
+        DPT_E_*)
+            refuses "golden $name" "$name" compile "$file" -o out/x
+            check "golden $name: no '$where' in: $(cat stderr)" grep -qF "$where" stderr
+            ;;
+        0)
+            refuses "golden $name" "$name" compile "$file" -o out/x
+            ;;
+        *)
+            # A file whose triangles are all degenerate reads well and has nothing to feel.
+            run compile "$file" -o golden.dpa
+            if [ $status -eq 0 ]; then
+                check "golden $name" test "$("$program" info golden.dpa --json |
+                    sed 's/.*"source":{"triangles":\([0-9]*\),.*/\1/')" -eq "$result"
+            else
+                check "golden $name: $(cat stderr)" grep -q degenerate stderr
+            fi
+            ;;
+        esac
+    done <"$tests/golden-bad/expected.txt"
+    check 'golden files: too few' test $count -gt 100
+}
+
+outputs()
+{
+    refuses 'make: no such folder' none/x.ply make box -o none/x.ply
+    refuses 'compile: no such folder' none/x.dpa compile box.ply -o none/x.dpa
+    refuses 'replay: no such folder' none/x.csv replay box.dpa box.csv -o none/x.csv
+    refuses 'make trace: no such folder' none/x.csv make trace --mesh box.dpa -o none/x.csv
+    mkdir -p folder.ply
+    refuses 'make: output is a folder' folder.ply make box -o folder.ply
+    check 'folder.ply.part is left' test ! -e folder.ply.part
+
+    # A full disk, by the limit on a file's size: what was there stays, nothing is left beside it.
+    succeeds 'make for full disk' make torus 20000 -o large.ply
+    full make.ply make torus 20000 -o make.ply
+    full compile.dpa compile large.ply -o compile.dpa
+    full replay.csv replay torus.dpa torus.csv -o replay.csv
+    full trace.csv make trace --mesh torus.dpa --ticks 1000 -o trace.csv
+    echo keep >kept.dpa
+    refuses 'compile over a file' none.obj compile none.obj -o kept.dpa
+    trace few.csv 0,1
+    refuses 'replay over a file' few.csv replay box.dpa few.csv -o kept.dpa
+    check 'kept.dpa has changed' test "$(cat kept.dpa)" = keep
+
+    "$program" compile box.ply -o - >stdout.dpa 2>stderr
+    check 'compile -o -' cmp -s stdout.dpa box.dpa
+    "$program" replay box.dpa box.csv -o box.out >stdout 2>stderr
+    "$program" replay box.dpa box.csv -o - >stdout.out 2>stderr
+    check 'replay -o -' cmp -s stdout.out box.out
+    "$program" make trace --mesh torus.dpa --ticks 400 -o - >stdout.csv 2>stderr
+    check 'make trace -o -' cmp -s stdout.csv torus.csv
+    check 'a file is named -' test ! -e -
+    if [ -c /dev/full ]; then
+        for command in 'compile box.ply -o -' 'replay box.dpa box.csv -o -' 'info box.dpa' \
+            'info box.dpa --json' 'replay box.dpa box.csv -o box.out --json' --help \
+            'make trace --mesh torus.dpa --ticks 1000 -o -' 'make --help'; do
+            # shellcheck disable=SC2086
+            "$program" $command >/dev/full 2>stderr
+            status=$?
+            : >stdout
+            if is_refusal 'dynpoint'; then ok; else bad "$command >/dev/full: $reason"; fi
+        done
+    else
+        skip 'standard output that is full: no /dev/full'
+    fi
+}
+
+# full FILE ARGUMENT...: the command fails as it writes, and FILE still says "keep"
+full()
+{
+    file=$1
+    shift
+    echo keep >"$file"
+    (trap '' XFSZ && ulimit -f 2 && exec "$program" "$@") >stdout 2>stderr
+    status=$?
+    if is_refusal "$file"; then ok; else bad "full disk, $1: $reason"; fi
+    check "full disk, $1: $file has changed" test "$(cat "$file")" = keep
+    check "full disk, $1: $file.part is left" test ! -e "$file.part"
+}
+
+answers()
+{
+    succeeds 'replay' replay box.dpa box.csv -o box.out
+    check 'OUT.csv: header' test "$(head -n 1 box.out)" = "$out_header"
+    check 'OUT.csv: rows' test "$(wc -l <box.out)" -eq "$(wc -l <box.csv)"
+    succeeds 'replay torus' replay torus.dpa torus.csv -o torus.out --radius 0.003
+    check 'OUT.csv: rows, torus' test "$(wc -l <torus.out)" -eq 401
+    check 'OUT.csv: fields' test "$(awk -F, 'NF != 22' torus.out | wc -l)" -eq 0
+    check 'OUT.csv: ticks' test "$(column torus.out 1)" = "$(column torus.csv 1)"
+    check 'OUT.csv: nan or inf' test -z "$(grep -i -e nan -e inf torus.out)"
+    check 'OUT.csv: exact' test "$(column torus.out 2 | sort -u)" = exact
+
+    succeeds 'replay --radius' replay box.dpa box.csv -o push.out --radius 0.004 --stiffness 1000
+    # At rest on the faces x = 0.06 and x = -0.06, 2 mm deep: 2 N outward, nothing sideways.
+    check "force out of the box: $(column push.out 17 | tr '\n' ' ')" awk -F, '
+        NR == 2 && !($17 > 1.99 && $17 < 2.01 && $18 == 0 && $19 == 0 && $3 == "penetrating") ||
+        NR == 3 && !($17 < -1.99 && $17 > -2.01 && $18 == 0 && $19 == 0) ||
+        NR == 4 && !($3 == "separated" && $17 == 0 && $18 == 0 && $19 == 0 && $20 == 0 &&
+            $21 == 0 && $22 == 0 && $6 == 0 && $5 > 0.13) ||
+        NR == 5 && !($3 == "penetrating" && $4 == 0) { wrong = 1 }
+        END { exit wrong || NR != 5 }' push.out
+    check 'a line has no depth outside' awk -F, 'NR > 1 && NR < 5 && ($17 != 0 || $6 != 0) {
+        wrong = 1 } END { exit wrong }' box.out
+
+    succeeds '--until track' replay torus.dpa torus.csv -o track.out --until track --radius 0.003
+    check '--until track: columns' awk -F, 'NR > 1 && $3 $5 $6 $17 $18 $19 $20 $21 $22 != "" ||
+        NF != 22 || $4 == "" { wrong = 1 } END { exit wrong }' track.out
+    succeeds '--until contact' replay torus.dpa torus.csv -o contact.out --until contact
+    check '--until contact: columns' awk -F, 'NR > 1 && ($3 == "" ||
+        $17 $18 $19 $20 $21 $22 != "") { wrong = 1 } END { exit wrong }' contact.out
+    check '--until changes the pairs' test "$(cut -d, -f1,4,7-16 torus.out)" = \
+        "$(cut -d, -f1,4,7-16 track.out)"
+
+    for method in exact tree brute; do
+        succeeds "--method $method" replay torus.dpa torus.csv -o $method.out --method $method \
+            --against brute
+        succeeds "--method $method --every" replay torus.dpa torus.csv -o every.out \
+            --method $method --against brute --every 7
+    done
+    check 'brute and tree: statuses' test "$(column brute.out 2)" = "$(column tree.out 2)"
+}
+
+# Two runs, and all instruction sets, give identical bytes.
+same_bytes()
+{
+    succeeds 'make again' make torus 2000 -o again.obj
+    succeeds 'compile again' compile torus.obj -o again.dpa
+    succeeds 'make trace again' make trace --mesh torus.dpa --ticks 400 -o again.csv
+    succeeds 'replay once' replay torus.dpa torus.csv -o torus.out --radius 0.003
+    succeeds 'replay again' replay torus.dpa torus.csv -o again.out --radius 0.003 --repeat 3
+    for ending in obj dpa csv out; do
+        check "two runs: other bytes in .$ending" cmp -s torus.$ending again.$ending
+    done
+    succeeds 'make, other seed' make star --seed 2 -o seed2.obj
+    succeeds 'make, seed' make star -o seed0.obj
+    check 'make: the seed is not used' test -n "$(cmp seed2.obj seed0.obj 2>&1)"
+    succeeds 'make trace, other seed' make trace --mesh torus.dpa --ticks 400 --seed 2 -o seed.csv
+    check 'make trace: the seed is not used' test -n "$(cmp torus.csv seed.csv 2>&1)"
+    for kernel in scalar sse2 avx2 avx512 neon; do
+        run replay torus.dpa torus.csv -o kernel.out --radius 0.003 --kernel $kernel
+        if [ $status -eq 2 ] && grep -q 'does not have' stderr; then
+            skip "kernel $kernel: not on this machine"
+        else
+            check "kernel $kernel: exit $status" test $status -eq 0
+            check "kernel $kernel: other bytes" cmp -s torus.out kernel.out
+        fi
+        rm -f kernel.out
+    done
+    # The four formats hold the same mesh.
+    for ending in ply stl off; do
+        succeeds "make $ending" make torus 2000 -o form.$ending
+        succeeds "compile $ending" compile form.$ending -o form.dpa
+        succeeds "replay $ending" replay form.dpa torus.csv -o form.out --radius 0.003
+        check "$ending: another answer" cmp -s torus.out form.out
+    done
+    succeeds 'compile in mm' compile torus.obj -o mm.dpa --scale 0.001
+    check 'compile: the scale is not used' test -n "$(cmp torus.dpa mm.dpa 2>&1)"
+}
+
+# Each shape, with its usual number of triangles and with another one.
+shapes()
+{
+    for wanted in torus:5568 torus:32 liver::50332 liver:200 stomach::20000 stomach:201 \
+        spleen::10000 membrane::512 membrane:2 cloth::2048 star::20480 sphere:1000 box::12 \
+        box:1200 hub:3 hub:5000; do
+        number=${wanted#*:}
+        # shellcheck disable=SC2086
+        succeeds "make $wanted" make ${wanted%%:*} ${number%:*} -o shape.ply
+        succeeds "compile $wanted" compile shape.ply -o shape.dpa
+        found=$(info_count shape.dpa triangles)
+        check "make $wanted: $found triangles" test "$found" = "${wanted##*:}"
+    done
+    listed=$(run make --help && awk '/^  SHAPE/ { on = 1; next } on { print $1 }' stdout |
+        tr '\n' ' ')
+    check "shapes that are not tried here: $listed" test "$listed" = \
+        'torus liver stomach spleen membrane cloth star sphere box hub laparoscopic '
+
+    succeeds 'make laparoscopic' make laparoscopic -o scene.ply
+    sum=0
+    for body in liver stomach spleen; do
+        succeeds "compile $body" compile scene-$body.ply -o body.dpa
+        sum=$((sum + $(info_count body.dpa triangles)))
+    done
+    check "laparoscopic: $sum triangles" test $sum -eq 5387
+    check 'laparoscopic: a fourth file' test ! -e scene.ply
+    refuses 'make laparoscopic: no such folder' none/ make laparoscopic -o none/scene.ply
+}
+
+# has_keys FILE KEY...: it is one line of JSON that has all these, a dot for each object
+has_keys()
+{
+    python3 -c '
+import json, sys
+text = open(sys.argv[1]).read()
+assert text.count("\n") == 1 and text.endswith("\n")
+found = json.loads(text, parse_constant=lambda word: sys.exit("not JSON: " + word))
+for path in sys.argv[2:]:
+    value = found
+    for key in path.split("."):
+        value = value[key]
+    assert value is not None and value != []
+' "$@" 2>python.log
+}
+
+json()
+{
+    if ! python3 -c 'import json' 2>python.log; then
+        skip 'JSON: no python3'
+        return
+    fi
+    run info box.dpa --json
+    mv stdout info.json
+    check "info --json: $(tail -n 1 python.log)" has_keys info.json triangles vertices scale \
+        rounding open_edges nonmanifold_edges components dropped dropped.degenerate \
+        dropped.duplicate sections
+    times=
+    for name in ns ns_crossing ns_other; do
+        times="$times $name.median $name.p99 $name.p999 $name.max"
+    done
+    trace one.csv 0,1,0,0,1,1,0
+    for file in torus.csv one.csv; do
+        for option in '' '--until track' '--against brute' '--repeat 2 --method brute'; do
+            # shellcheck disable=SC2086
+            run replay torus.dpa $file -o json.out --json $option
+            mv stdout replay.json
+            # shellcheck disable=SC2086
+            check "replay --json $option: $(tail -n 1 python.log)" has_keys replay.json ticks \
+                exact bounded local stale separated touching penetrating $times first_ns \
+                work.median work.p99 work.max bytes kernel
+        done
+    done
+}
+
+c_array()
+{
+    cat >opens.c <<'C'
+#include <dynpoint.h>
+extern const unsigned char torus_mesh[];
+extern const size_t torus_mesh_size;
+int main(void)
+{
+    const dpt_mesh *mesh;
+    dpt_mesh_info info = { .size = sizeof info };
+    if (dpt_mesh_open(torus_mesh, torus_mesh_size, &mesh) || dpt_mesh_get_info(mesh, &info))
+        return 1;
+    return info.triangles == 2000 ? 0 : 2;
+}
+C
+    succeeds '--c-array' compile torus.obj -o torus_mesh.c --c-array torus_mesh
+    if ! command -v "${CC:-cc}" >/dev/null; then
+        skip '--c-array: no C compiler'
+        return
+    fi
+    # A library that was built with a sanitizer or for coverage wants its runtime.
+    for runtime in '' -fsanitize=address,undefined --coverage; do
+        # shellcheck disable=SC2086
+        ${CC:-cc} -std=c99 -Wall -Wextra -Werror $runtime -I"$tests/../include" opens.c \
+            torus_mesh.c "$build/libdynpoint.a" -lm -o opens 2>cc.log && break
+    done
+    check "--c-array: $(tail -n 1 cc.log)" test -x opens
+    check '--c-array: does not open' ./opens
+}
+
+prepare
+help_and_version
+usage_errors
+bad_traces
+good_traces
+bad_inputs
+golden_files
+outputs
+answers
+same_bytes
+shapes
+json
+c_array
+echo "$passed passed, $failed failed, $skipped skipped"
+[ $failed -eq 0 ]

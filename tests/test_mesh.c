@@ -1,0 +1,697 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * Compiled meshes: what is whole opens, and nothing else does; no damage, however made, is read
+ * beyond the bytes.
+ *
+ *     test_mesh [GOLDEN]
+ *
+ * GOLDEN is the folder golden; from the top of the tree it is found without. Its files were made by
+ *
+ *     build/dynpoint make torus 96 -o tests/golden/torus.ply
+ *     build/dynpoint compile tests/golden/torus.ply -o tests/golden/torus.dpa
+ *
+ * and are to be kept: a new format gets a new file beside them, for version 1 must always open.
+ *
+ * Each file lies in a block of its exact length, so that the sanitizer sees a read beyond it. All
+ * tests start from a file in the host's byte order, and so hold on every machine.
+ */
+#include <math.h>
+
+#include "check.h"
+#include "dynpoint.h"
+#include "dynpoint/compile.h"
+#include "mesh_format.h"
+#include "shape.h"
+
+static const char *golden = "tests/golden";
+
+struct file {
+    unsigned char *bytes;
+    size_t size;
+};
+
+static struct file small, large; /* one level of boxes, and two */
+
+static struct file file_of(const void *bytes, size_t size)
+{
+    struct file file = { malloc(size), size };
+    if (size)
+        memcpy(file.bytes, bytes, size);
+    return file;
+}
+
+static struct file copy_of(const struct file *file)
+{
+    return file_of(file->bytes, file->size);
+}
+
+static struct file file_of_shape(const char *name, uint64_t count)
+{
+    struct shape shape;
+    shape_reason reason;
+    dpt_compiled compiled = { NULL, 0 };
+    if (shape_make(name, count, 0, &shape, reason) == 0)
+        dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners, shape.triangle_count,
+                           NULL, &compiled, NULL);
+    shape_free(&shape);
+    struct file file = file_of(compiled.bytes, compiled.size);
+    dpt_compiled_free(&compiled);
+    dpt_mesh_convert(file.bytes, file.size, NULL);
+    return file;
+}
+
+/* Bit by bit: slower than the library's, and not derived from it. */
+static uint32_t crc_of(const unsigned char *bytes, size_t size)
+{
+    uint32_t crc = 0xffffffffu;
+    while (size--) {
+        crc ^= *bytes++;
+        for (int bit = 0; bit < 8; bit++)
+            crc = (crc >> 1) ^ (crc & 1 ? 0xedb88320u : 0);
+    }
+    return ~crc;
+}
+
+static struct dpt_mesh header_of(const struct file *file)
+{
+    struct dpt_mesh header;
+    memcpy(&header, file->bytes, sizeof header);
+    return header;
+}
+
+static void seal_header(struct file *file)
+{
+    struct dpt_mesh header = header_of(file);
+    header.header_crc32 = 0;
+    memcpy(file->bytes, &header, sizeof header);
+    header.header_crc32 = crc_of(file->bytes, sizeof header);
+    memcpy(file->bytes, &header, sizeof header);
+}
+
+/* Sections that leave the file are not summed: a forger cannot either. */
+static void seal(struct file *file)
+{
+    struct dpt_mesh header = header_of(file);
+    for (int id = 0; id < MESH_SECTION_COUNT; id++) {
+        struct mesh_section *section = &header.section[id];
+        if (section->offset <= file->size && section->bytes <= file->size - section->offset)
+            section->crc32 = crc_of(file->bytes + section->offset, (size_t)section->bytes);
+    }
+    memcpy(file->bytes, &header, sizeof header);
+    seal_header(file);
+}
+
+/* The section that a byte lies in: MESH_SECTION_COUNT the header, -1 the padding between two. */
+static int section_at(const struct dpt_mesh *header, uint64_t byte)
+{
+    if (byte < sizeof *header)
+        return MESH_SECTION_COUNT;
+    for (int id = 0; id < MESH_SECTION_COUNT; id++)
+        if (byte >= header->section[id].offset &&
+            byte < header->section[id].offset + header->section[id].bytes)
+            return id;
+    return -1;
+}
+
+static const char *section_name_at(const struct dpt_mesh *header, uint64_t byte)
+{
+    int id = section_at(header, byte);
+    return id < 0 ? "padding" : id == MESH_SECTION_COUNT ? "header" : header->section[id].name;
+}
+
+/* What verify says; open must agree with it and leave its output alone unless all is well. */
+static dpt_mesh_fault fault_of(const struct file *file)
+{
+    const dpt_mesh *untouched = (const dpt_mesh *)&golden, *mesh = untouched;
+    dpt_mesh_fault fault = { .size = sizeof fault, .code = 1 };
+    dpt_result result = dpt_mesh_verify(file->bytes, file->size, &fault);
+    dpt_result opened = dpt_mesh_open(file->bytes, file->size, &mesh);
+    CHECK(opened == result, "open %d, verify %d", opened, result);
+    if (result == DPT_OK)
+        fault.code = DPT_OK;
+    CHECK(fault.code == result, "the fault says %d, verify %d", fault.code, result);
+    CHECK(mesh == (result == DPT_OK ? (const void *)file->bytes : untouched), "result %d", result);
+    CHECK(memchr(fault.section, 0, sizeof fault.section) != NULL, "section has no end");
+    return fault;
+}
+
+static void expect_fault(const struct file *file, dpt_result code, uint64_t byte,
+                         const char *section)
+{
+    dpt_mesh_fault fault = fault_of(file);
+    CHECK(fault.code == code && fault.byte == byte && !strcmp(fault.section, section),
+          "%s at %llu (%s), not %s at %llu (%s)", dpt_result_name(fault.code),
+          (unsigned long long)fault.byte, fault.section, dpt_result_name(code),
+          (unsigned long long)byte, section);
+}
+
+static void whole_files_open(void)
+{
+    const struct file *files[] = { &small, &large };
+    for (int i = 0; i < 2; i++) {
+        struct dpt_mesh header = header_of(files[i]);
+        const dpt_mesh *mesh = (const dpt_mesh *)(const void *)files[i]->bytes;
+        dpt_mesh_info info = { .size = sizeof info };
+        dpt_mesh_section section = { .size = sizeof section };
+        uint32_t id = 0;
+        CHECK(fault_of(files[i]).code == DPT_OK, "file %d", i);
+        CHECK(dpt_mesh_get_info(mesh, &info) == DPT_OK, "file %d", i);
+        CHECK(info.bytes == files[i]->size && info.triangles == (i ? 600 : 40) &&
+                  info.tree_levels == 1u + (uint32_t)i && info.format_version == 1,
+              "%u triangles, %u levels", info.triangles, info.tree_levels);
+        for (; dpt_mesh_get_section(mesh, id, &section) == DPT_OK; id++) {
+            CHECK(section.offset == header.section[id].offset && section.offset % 64 == 0 &&
+                      section.bytes == header.section[id].bytes,
+                  "section %u", id);
+            CHECK(section.crc32 == crc_of(files[i]->bytes + section.offset, (size_t)section.bytes),
+                  "%s", section.name);
+        }
+        CHECK(id == MESH_SECTION_COUNT, "%u sections", id);
+    }
+}
+
+/* Each length that is too short; a file in the other byte order is cut short likewise. */
+static void truncations_are_refused(void)
+{
+    const struct file *files[] = { &small, &large };
+    for (int i = 0; i < 2; i++)
+        for (size_t size = 0; size < files[i]->size; size++) {
+            struct file cut = file_of(files[i]->bytes, size);
+            expect_fault(&cut, DPT_E_TRUNCATED, size, "header");
+            CHECK(dpt_mesh_convert(cut.bytes, size, NULL) == DPT_E_TRUNCATED, "%zu bytes", size);
+            CHECK(!memcmp(cut.bytes, files[i]->bytes, size), "convert changed %zu bytes", size);
+            free(cut.bytes);
+        }
+}
+
+static void trailing_bytes_are_refused(void)
+{
+    for (size_t more = 1; more < 200; more += 63) {
+        struct file file = { calloc(1, small.size + more), small.size + more };
+        memcpy(file.bytes, small.bytes, small.size);
+        expect_fault(&file, DPT_E_TRAILING, small.size, "header");
+        free(file.bytes);
+    }
+}
+
+/* One byte, told apart by where it lies: the checksum of its section catches it, or the padding
+ * does. */
+static void expect_byte_fault(const struct file *file, const struct dpt_mesh *header, size_t at)
+{
+    dpt_mesh_fault fault = fault_of(file);
+    int id = section_at(header, at);
+    if (id == MESH_SECTION_COUNT) {
+        CHECK(fault.code != DPT_OK && !strcmp(fault.section, "header"), "byte %zu: %s in %s", at,
+              dpt_result_name(fault.code), fault.section);
+        CHECK(at >= 8 || fault.code == DPT_E_MAGIC, "byte %zu: %s", at,
+              dpt_result_name(fault.code));
+        return;
+    }
+    dpt_result code = id < 0 ? DPT_E_LAYOUT : DPT_E_CHECKSUM;
+    uint64_t byte = id < 0 ? at : header->section[id].offset;
+    CHECK(fault.code == code && fault.byte == byte &&
+              !strcmp(fault.section, section_name_at(header, at)),
+          "byte %zu: %s at %llu (%s)", at, dpt_result_name(fault.code),
+          (unsigned long long)fault.byte, fault.section);
+}
+
+static void changed_bytes_are_refused(void)
+{
+    const struct file *files[] = { &small, &large };
+    for (int i = 0; i < 2; i++) {
+        struct dpt_mesh header = header_of(files[i]);
+        struct file file = copy_of(files[i]);
+        for (size_t at = 0; at < file.size; at++)
+            for (int bit = 0; bit < 8; bit += 7) {
+                file.bytes[at] ^= (unsigned char)(1 << bit);
+                expect_byte_fault(&file, &header, at);
+                file.bytes[at] ^= (unsigned char)(1 << bit);
+            }
+        free(file.bytes);
+    }
+}
+
+/* Damage of transfers in text mode, and files of another kind. */
+static void other_files_are_refused(void)
+{
+    static const unsigned char texts[][16] = {
+        "\x89"
+        "DPA\r\r\n\x1a\r\n\0\0\0\0\0",
+        "\x89"
+        "DPA\n\x1a\n\0\0\0\0\0\0\0\0",
+        "\x89"
+        "DPA\r\x1a\r\0\0\0\0\0\0\0\0",
+        "\x09"
+        "DPA\r\n\x1a\n\0\0\0\0\0\0\0",
+        "\x89"
+        "PNG\r\n\x1a\n\0\0\0\0\0\0\0",
+        "ply\nformat ascii",
+    };
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
+        struct file file = copy_of(&small);
+        memcpy(file.bytes, texts[i], sizeof texts[i]);
+        expect_fault(&file, DPT_E_MAGIC, 0, "header");
+        CHECK(dpt_mesh_convert(file.bytes, file.size, NULL) == DPT_E_MAGIC, "text %zu", i);
+        free(file.bytes);
+    }
+    /* All of a file, each LF made CR LF. */
+    struct file file = { malloc(2 * small.size), 0 };
+    for (size_t i = 0; i < small.size; i++) {
+        if (small.bytes[i] == '\n')
+            file.bytes[file.size++] = '\r';
+        file.bytes[file.size++] = small.bytes[i];
+    }
+    expect_fault(&file, DPT_E_MAGIC, 0, "header");
+    free(file.bytes);
+}
+
+static void newer_versions_are_refused(void)
+{
+    const uint32_t versions[] = { 2, 3, 256, UINT32_MAX };
+    for (int i = 0; i < 4; i++) {
+        struct file file = copy_of(&small);
+        memcpy(file.bytes + offsetof(struct dpt_mesh, version), &versions[i], 4);
+        expect_fault(&file, DPT_E_VERSION, offsetof(struct dpt_mesh, version), "header");
+        seal(&file);
+        expect_fault(&file, DPT_E_VERSION, offsetof(struct dpt_mesh, version), "header");
+        free(file.bytes);
+    }
+}
+
+/* A word of a section set to a value, the checksums made good again. */
+struct forgery {
+    int section;
+    int64_t word; /* from the end when negative */
+    uint32_t value;
+    dpt_result code;
+    int64_t where; /* the word that is named, as `word` */
+};
+
+static uint32_t float_bits(float value)
+{
+    uint32_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    return bits;
+}
+
+static uint64_t word_offset(const struct mesh_section *section, int64_t word)
+{
+    return section->offset + 4 * (uint64_t)word + (word < 0 ? section->bytes : 0);
+}
+
+static void forged_words_are_refused(void)
+{
+    const struct dpt_mesh header = header_of(&large);
+    const uint32_t t = header.triangles, v = header.vertices;
+    const uint32_t nan = float_bits(NAN), inf = float_bits(-INFINITY);
+    const dpt_result index = DPT_E_INDEX, finite = DPT_E_FINITE;
+    const struct forgery forgeries[] = {
+        { MESH_VERTICES, 0, nan, finite, 0 },
+        { MESH_VERTICES, -1, inf, finite, -1 },
+        { MESH_VERTICES, 7, float_bits(1000000.0625f), finite, 7 },
+        { MESH_TRIANGLES, 5, v, index, 5 },
+        { MESH_TRIANGLES, -1, UINT32_MAX, index, -1 },
+        { MESH_NEIGHBOURS, 0, t, index, 0 },
+        { MESH_NEIGHBOURS, -1, MESH_EDGE_MANY - 1, index, -1 },
+        { MESH_NEIGHBOURS, 3, MESH_EDGE_MANY, DPT_OK, 0 },
+        { MESH_NEIGHBOURS, 3, MESH_EDGE_OPEN, DPT_OK, 0 },
+        { MESH_NEIGHBOURS, 3, t - 1, DPT_OK, 0 },
+        { MESH_FAN_FIRST, 0, 1, index, 0 },
+        { MESH_FAN_FIRST, 4, 0, index, 4 },
+        { MESH_FAN_FIRST, 4, UINT32_MAX, index, 5 },
+        { MESH_FAN_FIRST, -1, 3 * t - 1, index, -1 },
+        { MESH_FAN_FIRST, -1, 3 * t + 1, index, -1 },
+        { MESH_FANS, 9, t, index, 9 },
+        { MESH_FANS, -1, UINT32_MAX, index, -1 },
+        { MESH_PARTS, 8, header.parts, index, 8 },
+        { MESH_PARTS, -1, UINT32_MAX, index, -1 },
+        { MESH_SOURCES, 1, header.source_triangles, index, 1 },
+        { MESH_SOURCES, -1, UINT32_MAX, index, -1 },
+        { MESH_PLACES, 2, t, index, 2 },
+        { MESH_PLACES, -1, MESH_DROPPED_DUPLICATE - 1, index, -1 },
+        { MESH_PLACES, 0, MESH_DROPPED_DUPLICATE, DPT_OK, 0 },
+        { MESH_PLACES, 0, MESH_DROPPED_DEGENERATE, DPT_OK, 0 },
+        { MESH_BOXES, 0, nan, finite, 0 },
+        { MESH_BOXES, -1, inf, finite, -1 },
+        { MESH_LEAVES, 11, nan, finite, 11 },
+        { MESH_LEAVES, -1, inf, finite, -1 },
+    };
+    for (size_t i = 0; i < sizeof forgeries / sizeof *forgeries; i++) {
+        const struct forgery *forgery = &forgeries[i];
+        const struct mesh_section *section = &header.section[forgery->section];
+        struct file file = copy_of(&large);
+        memcpy(file.bytes + word_offset(section, forgery->word), &forgery->value, 4);
+        seal(&file);
+        if (forgery->code == DPT_OK)
+            CHECK(fault_of(&file).code == DPT_OK, "%s", section->name);
+        else
+            expect_fault(&file, forgery->code, word_offset(section, forgery->where), section->name);
+        free(file.bytes);
+    }
+}
+
+/* A number of the header; `size` bytes of `value`, sealed. */
+static dpt_result forge_header(size_t at, const void *value, size_t size)
+{
+    struct file file = copy_of(&large);
+    memcpy(file.bytes + at, value, size);
+    seal(&file);
+    dpt_mesh_fault fault = fault_of(&file);
+    free(file.bytes);
+    return fault.code;
+}
+
+#define AT(field) offsetof(struct dpt_mesh, field)
+
+static void forged_headers_are_refused(void)
+{
+    /* None of these counts is free: each decides the length of a section, or the order of the tree.
+     */
+    const size_t counts[] = { AT(version),   AT(header_bytes), AT(section_count),
+                              AT(triangles), AT(vertices),     AT(parts),
+                              AT(leaves),    AT(levels),       AT(reserved),
+                              AT(bytes),     AT(byte_order),   AT(source_triangles) };
+    const uint32_t values[] = { 0, 1, 2, 599, 601, 0x7fffffff, 0x80000000, 0xfffffffe, UINT32_MAX };
+    for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
+        for (size_t k = 0; k < sizeof values / sizeof *values; k++) {
+            if (memcmp(large.bytes + counts[i], &values[k], 4) == 0)
+                continue;
+            dpt_result result = forge_header(counts[i], &values[k], 4);
+            CHECK(result != DPT_OK, "%u at %zu", values[k], counts[i]);
+        }
+    const struct {
+        size_t at;
+        double value;
+    } numbers[] = {
+        { AT(box_min), NAN },      { AT(box_max) + 16, INFINITY },
+        { AT(box_min) + 8, -1e7 }, { AT(filter_centre), NAN },
+        { AT(filter_scale), 0.0 }, { AT(filter_scale), -1.0 },
+        { AT(filter_scale), NAN }, { AT(scale), NAN },
+        { AT(scale), -INFINITY },  { AT(rounding), NAN },
+    };
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
+        dpt_result result = forge_header(numbers[i].at, &numbers[i].value, sizeof(double));
+        CHECK(result == DPT_E_FINITE, "%g at %zu: %d", numbers[i].value, numbers[i].at, result);
+    }
+}
+
+/* Nothing of the section table is free either; the fault names the section. */
+static void forged_tables_are_refused(void)
+{
+    const struct dpt_mesh header = header_of(&large);
+    for (int id = 0; id < MESH_SECTION_COUNT; id++)
+        for (size_t at = 0; at < sizeof header.section[0]; at++) {
+            struct file file = copy_of(&large);
+            size_t place = AT(section) + (size_t)id * sizeof header.section[0] + at;
+            if (at >= offsetof(struct mesh_section, crc32) &&
+                at < offsetof(struct mesh_section, reserved)) {
+                free(file.bytes);
+                continue;
+            }
+            file.bytes[place] ^= 0x40;
+            seal_header(&file);
+            expect_fault(&file, DPT_E_LAYOUT, AT(section) + (size_t)id * sizeof header.section[0],
+                         header.section[id].name);
+            free(file.bytes);
+        }
+}
+
+static int is_sound(const dpt_hit *hit)
+{
+    const double numbers[] = { hit->distance, hit->gap,  hit->depth,       hit->s,
+                               hit->p[0],     hit->q[0], hit->p[1],        hit->q[1],
+                               hit->p[2],     hit->q[2], hit->error_bound, hit->lower_bound };
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
+        if (!isfinite(numbers[i]) && hit->status != DPT_STATUS_STALE)
+            return 0;
+    return 1;
+}
+
+/* Search, sign and force on a mesh that opened: whatever it says, it stays within the bytes. */
+static void use(const dpt_mesh *mesh, uint64_t *random)
+{
+    double block[1024], ends[6 * 4];
+    dpt_hit hits[4] = { DPT_HIT_INIT };
+    dpt_query_def query = { .size = sizeof query };
+    dpt_world_def def;
+    dpt_world *world;
+    dpt_body body;
+    dpt_tool tool;
+    for (int i = 0; i < 24; i++)
+        ends[i] = random_in(random, -0.15, 0.15);
+    for (query.method = 0; query.method <= DPT_METHOD_BRUTE; query.method++) {
+        dpt_query_segments(mesh, NULL, ends, NULL, 4, hits, &query);
+        for (int i = 0; i < 4; i++)
+            CHECK(is_sound(&hits[i]), "hit %d is not finite", i);
+    }
+    dpt_world_def_init(&def);
+    def.max_bodies = def.max_tools = def.max_segments = 1;
+    CHECK(dpt_world_bytes(&def) <= sizeof block, "%zu bytes", dpt_world_bytes(&def));
+    if (dpt_world_create(block, sizeof block, &def, &world) != DPT_OK ||
+        dpt_body_add(world, mesh, NULL, &body) != DPT_OK)
+        return;
+    for (int i = 0; i < 4; i++) {
+        dpt_segment segment = { { ends[6 * i], ends[6 * i + 1], ends[6 * i + 2] },
+                                { ends[6 * i + 3], ends[6 * i + 4], ends[6 * i + 5] },
+                                0.05 };
+        dpt_wrench wrench;
+        if (i == 0)
+            dpt_tool_add(world, &segment, 1, &tool);
+        dpt_tool_set_segments(world, tool, &segment, 1);
+        dpt_world_step(world, 1e-3, NULL);
+        dpt_tool_get_hit(world, tool, hits);
+        dpt_tool_get_wrench(world, tool, &wrench);
+        CHECK(is_sound(hits) && isfinite(wrench.force[0] + wrench.torque[0]), "not finite");
+    }
+}
+
+/* Any word, any value, checksums made good: refused, or used without harm. */
+static void random_forgeries_do_no_harm(void)
+{
+    uint64_t random = 1, opened = 0;
+    const uint32_t odd[] = { 0,          1,          15,         16,         39,
+                             40,         UINT32_MAX, 0x7f800000, 0xffc00000, 0x7149f2ca,
+                             0x80000000, 0x00000001, 0x49742400, 0xfffffffe, 0x3f800000 };
+    for (int i = 0; i < 20000; i++) {
+        struct file file = copy_of(&small);
+        for (uint64_t words = 1 + random_bits(&random) % 3; words; words--) {
+            size_t at = 4 * (size_t)(random_bits(&random) % (file.size / 4));
+            uint32_t value = odd[random_bits(&random) % (sizeof odd / sizeof *odd)];
+            if (random_bits(&random) % 4 == 0)
+                value = (uint32_t)random_bits(&random);
+            memcpy(file.bytes + at, &value, 4);
+        }
+        seal(&file);
+        if (fault_of(&file).code == DPT_OK) {
+            opened++;
+            use((const dpt_mesh *)(const void *)file.bytes, &random);
+        }
+        free(file.bytes);
+    }
+    CHECK(opened > 1000, "only %llu opened: the test tests little", (unsigned long long)opened);
+}
+
+static void misaligned_bytes_are_refused(void)
+{
+    unsigned char *block = malloc(small.size + 16);
+    for (size_t shift = 0; shift <= 8; shift++) {
+        struct file file = { block + shift, small.size };
+        memcpy(file.bytes, small.bytes, small.size);
+        if (shift % 8 == 0)
+            CHECK(fault_of(&file).code == DPT_OK, "shift %zu", shift);
+        else
+            expect_fault(&file, DPT_E_ALIGN, 0, "header");
+        CHECK(dpt_mesh_convert(file.bytes, file.size, NULL) == (shift % 8 ? DPT_E_ALIGN : DPT_OK),
+              "shift %zu", shift);
+    }
+    free(block);
+}
+
+static void wrong_arguments_are_refused(void)
+{
+    struct file *file = &small;
+    const dpt_mesh *mesh = (const dpt_mesh *)(const void *)file->bytes, *opened = NULL;
+    dpt_mesh_fault fault = { .size = sizeof fault - 1, .code = 77 };
+    dpt_mesh_info info = { .size = sizeof info - 1, .triangles = 77 };
+    dpt_mesh_section section = { .size = 4, .crc32 = 77 };
+    double corners[9] = { 77.0 };
+    CHECK(dpt_mesh_open(NULL, file->size, &opened) == DPT_E_ARGUMENT && !opened, "NULL opened");
+    CHECK(dpt_mesh_open(file->bytes, file->size, NULL) == DPT_E_ARGUMENT, "no output");
+    CHECK(dpt_mesh_open(NULL, 0, &opened) == DPT_E_ARGUMENT && !opened, "NULL of 0 bytes");
+    CHECK(dpt_mesh_verify(NULL, file->size, NULL) == DPT_E_ARGUMENT, "NULL verified");
+    CHECK(dpt_mesh_verify(file->bytes, file->size, NULL) == DPT_OK, "the fault may be NULL");
+    CHECK(dpt_mesh_verify(file->bytes, 1, NULL) == DPT_E_TRUNCATED, "the fault may be NULL");
+    CHECK(dpt_mesh_verify(file->bytes, 1, &fault) == DPT_E_SIZE && fault.code == 77, "fault");
+    CHECK(dpt_mesh_convert(NULL, file->size, NULL) == DPT_E_ARGUMENT, "NULL converted");
+    CHECK(dpt_mesh_convert(file->bytes, file->size, &fault) == DPT_E_SIZE, "fault");
+    CHECK(dpt_mesh_get_info(NULL, &info) == DPT_E_ARGUMENT, "no mesh");
+    CHECK(dpt_mesh_get_info(mesh, NULL) == DPT_E_ARGUMENT, "no info");
+    CHECK(dpt_mesh_get_info(mesh, &info) == DPT_E_SIZE && info.triangles == 77, "info");
+    CHECK(dpt_mesh_get_section(NULL, 0, &section) == DPT_E_ARGUMENT, "no mesh");
+    CHECK(dpt_mesh_get_section(mesh, 0, NULL) == DPT_E_ARGUMENT, "no section");
+    CHECK(dpt_mesh_get_section(mesh, 0, &section) == DPT_E_SIZE && section.crc32 == 77, "size");
+    section.size = sizeof section;
+    CHECK(dpt_mesh_get_section(mesh, 11, &section) == DPT_E_ARGUMENT, "there are 11 sections");
+    CHECK(dpt_mesh_get_section(mesh, UINT32_MAX, &section) == DPT_E_ARGUMENT, "no such section");
+    CHECK(dpt_mesh_triangle(NULL, 0, corners) == DPT_E_ARGUMENT, "no mesh");
+    CHECK(dpt_mesh_triangle(mesh, 0, NULL) == DPT_E_ARGUMENT, "no corners");
+    CHECK(dpt_mesh_triangle(mesh, 40, corners) == DPT_E_ARGUMENT, "there are 40 triangles");
+    CHECK(dpt_mesh_triangle(mesh, UINT32_MAX, corners) == DPT_E_ARGUMENT, "no such triangle");
+    CHECK(corners[0] == 77.0, "a refused call wrote");
+}
+
+static void reverse(unsigned char *bytes, size_t width, size_t count)
+{
+    for (; count; count--, bytes += width)
+        for (size_t i = 0; i < width / 2; i++) {
+            unsigned char t = bytes[i];
+            bytes[i] = bytes[width - 1 - i];
+            bytes[width - 1 - i] = t;
+        }
+}
+
+/* The same file as a machine of the other byte order holds it, its checksums those of these bytes.
+ */
+static struct file other_order(const struct file *file)
+{
+    struct file other = copy_of(file);
+    struct dpt_mesh header = header_of(file);
+    for (int id = 0; id < MESH_SECTION_COUNT; id++) {
+        struct mesh_section *section = &header.section[id];
+        reverse(other.bytes + section->offset, 4, (size_t)section->bytes / 4);
+        section->crc32 = crc_of(other.bytes + section->offset, (size_t)section->bytes);
+        reverse((unsigned char *)&section->offset, 8, 2);
+        reverse((unsigned char *)&section->crc32, 4, 4);
+    }
+    unsigned char *bytes = (unsigned char *)&header;
+    header.header_crc32 = 0;
+    reverse(bytes + 8, 4, (AT(bytes) - 8) / 4);
+    reverse(bytes + AT(bytes), 8, (AT(section) - AT(bytes)) / 8);
+    header.header_crc32 = crc_of(bytes, sizeof header);
+    reverse((unsigned char *)&header.header_crc32, 4, 1);
+    memcpy(other.bytes, &header, sizeof header);
+    return other;
+}
+
+static void other_byte_order_converts(void)
+{
+    const struct file *files[] = { &small, &large };
+    for (int i = 0; i < 2; i++) {
+        struct file other = other_order(files[i]);
+        dpt_mesh_fault fault = { .size = sizeof fault };
+        expect_fault(&other, DPT_E_BYTE_ORDER, AT(byte_order), "header");
+        CHECK(dpt_mesh_convert(other.bytes, other.size, &fault) == DPT_OK, "%d in %s", fault.code,
+              fault.section);
+        CHECK(!memcmp(other.bytes, files[i]->bytes, other.size), "not the bytes it was made of");
+        CHECK(dpt_mesh_convert(other.bytes, other.size, NULL) == DPT_OK, "a second time");
+        CHECK(!memcmp(other.bytes, files[i]->bytes, other.size), "a second time changes it");
+        CHECK(fault_of(&other).code == DPT_OK, "does not open");
+        free(other.bytes);
+    }
+}
+
+/* Cut short or damaged, it is refused and stays as it is. */
+static void other_byte_order_is_checked(void)
+{
+    struct file whole = other_order(&small);
+    struct dpt_mesh header = header_of(&small);
+    for (size_t at = 0; at < whole.size; at++) {
+        struct file cut = file_of(whole.bytes, at), file = copy_of(&whole);
+        dpt_mesh_fault fault = { .size = sizeof fault };
+        CHECK(dpt_mesh_convert(cut.bytes, at, NULL) == DPT_E_TRUNCATED, "%zu bytes", at);
+        CHECK(!memcmp(cut.bytes, whole.bytes, at), "%zu bytes changed", at);
+        file.bytes[at] ^= 0x10;
+        CHECK(dpt_mesh_convert(file.bytes, file.size, &fault) != DPT_OK, "byte %zu", at);
+        CHECK(!strcmp(fault.section, section_name_at(&header, at)), "byte %zu: %s", at,
+              fault.section);
+        file.bytes[at] ^= 0x10;
+        CHECK(!memcmp(file.bytes, whole.bytes, file.size), "byte %zu: changed", at);
+        free(cut.bytes);
+        free(file.bytes);
+    }
+    /* Forged before it was turned round: found behind the conversion. */
+    struct file forged = copy_of(&small);
+    uint64_t at = header.section[MESH_TRIANGLES].offset + 8;
+    memset(forged.bytes + at, 0xff, 4);
+    seal(&forged);
+    struct file other = other_order(&forged);
+    dpt_mesh_fault fault = { .size = sizeof fault };
+    CHECK(dpt_mesh_convert(other.bytes, other.size, &fault) == DPT_E_INDEX && fault.byte == at,
+          "%s at %llu", dpt_result_name(fault.code), (unsigned long long)fault.byte);
+    free(forged.bytes);
+    free(other.bytes);
+    free(whole.bytes);
+}
+
+static struct file read_golden(const char *name)
+{
+    char path[512];
+    struct file file = { malloc(1 << 14), 0 };
+    snprintf(path, sizeof path, "%s/%s", golden, name);
+    FILE *stream = fopen(path, "rb");
+    if (stream) {
+        file.size = fread(file.bytes, 1, 1 << 14, stream);
+        fclose(stream);
+    }
+    CHECK(file.size > 0 && file.size < 1 << 14, "%s: %zu bytes", path, file.size);
+    return file;
+}
+
+/* Version 1 opens forever; the compiler writes the same bytes, but for its own version. */
+static void golden_file_is_what_we_write(void)
+{
+    struct file source = read_golden("torus.ply"), kept = read_golden("torus.dpa");
+    dpt_compiled compiled;
+    if (source.size && kept.size > sizeof(struct dpt_mesh) &&
+        dpt_compile_bytes(source.bytes, source.size, NULL, &compiled, NULL) == DPT_OK) {
+        struct file today = file_of(compiled.bytes, compiled.size);
+        dpt_compiled_free(&compiled);
+        CHECK(kept.size == today.size, "%zu bytes, not %zu", today.size, kept.size);
+        dpt_mesh_convert(today.bytes, today.size, NULL);
+        dpt_mesh_convert(kept.bytes, kept.size, NULL);
+        CHECK(fault_of(&kept).code == DPT_OK, "does not open");
+        memcpy(kept.bytes + AT(writer_version), today.bytes + AT(writer_version), 4);
+        seal(&kept);
+        CHECK(!memcmp(kept.bytes, today.bytes, kept.size), "the compiler writes other bytes");
+        free(today.bytes);
+        /* The shape is the source: only its float vertices went through the file. */
+        struct file shape = file_of_shape("torus", 96);
+        CHECK(shape.size == kept.size && !memcmp(shape.bytes + sizeof(struct dpt_mesh),
+                                                 kept.bytes + sizeof(struct dpt_mesh),
+                                                 kept.size - sizeof(struct dpt_mesh)),
+              "the shape has changed");
+        free(shape.bytes);
+    } else {
+        CHECK(0, "the golden files cannot be read");
+    }
+    free(source.bytes);
+    free(kept.bytes);
+}
+
+int main(int argc, char **argv)
+{
+    if (argc > 1)
+        golden = argv[1];
+    small = file_of_shape("sphere", 40);
+    large = file_of_shape("sphere", 600);
+    if (!small.size || !large.size)
+        return 1;
+    TEST(whole_files_open);
+    TEST(truncations_are_refused);
+    TEST(trailing_bytes_are_refused);
+    TEST(changed_bytes_are_refused);
+    TEST(other_files_are_refused);
+    TEST(newer_versions_are_refused);
+    TEST(forged_words_are_refused);
+    TEST(forged_headers_are_refused);
+    TEST(forged_tables_are_refused);
+    TEST(random_forgeries_do_no_harm);
+    TEST(misaligned_bytes_are_refused);
+    TEST(wrong_arguments_are_refused);
+    TEST(other_byte_order_converts);
+    TEST(other_byte_order_is_checked);
+    TEST(golden_file_is_what_we_write);
+    free(small.bytes);
+    free(large.bytes);
+    return check_report();
+}

@@ -1,0 +1,250 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * Stateless queries: the tree against brute force bit for bit, batches against single questions, poses,
+ * sign against closed forms, and input that cannot be answered.
+ */
+#include <math.h>
+
+#include "fixture.h"
+
+#define COUNT 400
+
+static void random_axis(uint64_t *random, double reach, double size, double ends[6])
+{
+    for (int k = 0; k < 3; k++) {
+        ends[k] = random_in(random, -reach, reach);
+        ends[3 + k] = ends[k] + random_in(random, -size, size);
+    }
+}
+
+/* Tools of all sizes, near and far, points among them. */
+static void random_axes(uint64_t seed, double ends[6 * COUNT])
+{
+    for (int i = 0; i < COUNT; i++) {
+        double size = i % 10 == 0 ? 0.0 : pow(10.0, random_in(&seed, -3.0, 0.5));
+        random_axis(&seed, i % 7 == 0 ? 5.0 : 0.18, size, ends + 6 * i);
+    }
+}
+
+static void ask(const dpt_mesh *mesh, const double *ends, size_t n, uint32_t method, dpt_hit *hits)
+{
+    const dpt_query_def def = { .size = sizeof def, .method = method };
+    hits[0].size = sizeof *hits;
+    dpt_result result = dpt_query_segments(mesh, NULL, ends, NULL, n, hits, &def);
+    CHECK(result == DPT_OK, "%s", dpt_result_name(result));
+}
+
+static void tree_gives_the_bits_of_brute_force(void)
+{
+    const struct {
+        const char *name;
+        uint32_t count;
+    } shapes[] = { { "torus", 5568 }, { "star", 0 },     { "membrane", 0 }, { "cloth", 0 },
+                   { "hub", 500 },    { "sphere", 2000 }, { "box", 0 },      { "liver", 8000 } };
+    double ends[6 * COUNT];
+    static dpt_hit tree[COUNT], brute[COUNT];
+    for (size_t s = 0; s < sizeof shapes / sizeof *shapes; s++) {
+        struct fixture fixture;
+        if (!fixture_from_shape(&fixture, shapes[s].name, shapes[s].count))
+            continue;
+        int crossing = 0;
+        random_axes(s + 1, ends);
+        ask(fixture.mesh, ends, COUNT, DPT_METHOD_TREE, tree);
+        ask(fixture.mesh, ends, COUNT, DPT_METHOD_BRUTE, brute);
+        for (int i = 0; i < COUNT; i++) {
+            CHECK(tree[i].distance == brute[i].distance, "%s: %a, not %a", shapes[s].name,
+                  tree[i].distance, brute[i].distance);
+            CHECK(tree[i].distance == 0.0 || tree[i].triangle == brute[i].triangle,
+                  "%s: triangle %u, not %u at %a", shapes[s].name, tree[i].triangle,
+                  brute[i].triangle, tree[i].distance);
+            CHECK(tree[i].status == DPT_STATUS_EXACT, "status %u", tree[i].status);
+            crossing += tree[i].distance == 0.0;
+        }
+        printf("    %-10s %d of %d cross\n", shapes[s].name, crossing, COUNT);
+        fixture_free(&fixture);
+    }
+}
+
+static void a_batch_is_its_single_questions(void)
+{
+    struct fixture fixture;
+    double ends[6 * COUNT];
+    static dpt_hit batch[COUNT];
+    if (!fixture_from_shape(&fixture, "torus", 5568))
+        return;
+    random_axes(5, ends);
+    ask(fixture.mesh, ends, COUNT, DPT_METHOD_EXACT, batch);
+    for (int i = 0; i < COUNT; i++) {
+        dpt_hit one = DPT_HIT_INIT;
+        ask(fixture.mesh, ends + 6 * i, 1, DPT_METHOD_EXACT, &one);
+        one.work = batch[i].work; /* the neighbour's answer only saves work */
+        CHECK(!memcmp(&one, &batch[i], sizeof one), "answer %d depends on its neighbours", i);
+    }
+    fixture_free(&fixture);
+}
+
+static void a_pose_moves_the_mesh(void)
+{
+    struct fixture fixture;
+    double ends[6 * COUNT], moved[6 * COUNT];
+    static dpt_hit plain[COUNT], posed[COUNT];
+    const dpt_pose pose = { { 0.3, -0.2, 0.7 }, { 0.5, 0.5, -0.5, 0.5 } };
+    if (!fixture_from_shape(&fixture, "liver", 4000))
+        return;
+    random_axes(6, ends);
+    for (int i = 0; i < 2 * COUNT; i++) {
+        /* x + w t + v x t with t = 2 v x x, the quaternion being (w, v). */
+        const double *x = ends + 3 * i;
+        const double q[4] = { 0.5, 0.5, -0.5, 0.5 };
+        double t[3] = { 2.0 * (q[2] * x[2] - q[3] * x[1]), 2.0 * (q[3] * x[0] - q[1] * x[2]),
+                        2.0 * (q[1] * x[1] - q[2] * x[0]) };
+        double *to = moved + 3 * i;
+        to[0] = pose.position[0] + x[0] + q[0] * t[0] + q[2] * t[2] - q[3] * t[1];
+        to[1] = pose.position[1] + x[1] + q[0] * t[1] + q[3] * t[0] - q[1] * t[2];
+        to[2] = pose.position[2] + x[2] + q[0] * t[2] + q[1] * t[1] - q[2] * t[0];
+    }
+    ask(fixture.mesh, ends, COUNT, DPT_METHOD_TREE, plain);
+    posed[0].size = sizeof *posed;
+    dpt_result result = dpt_query_segments(fixture.mesh, &pose, moved, NULL, COUNT, posed, NULL);
+    CHECK(result == DPT_OK, "%s", dpt_result_name(result));
+    for (int i = 0; i < COUNT; i++) {
+        double off = fabs(posed[i].distance - plain[i].distance);
+        CHECK(off <= posed[i].error_bound + plain[i].error_bound, "distance off by %g", off);
+        double apart = 0.0;
+        for (int k = 0; k < 3; k++)
+            apart += pow(posed[i].p[k] - posed[i].q[k], 2.0);
+        CHECK(fabs(sqrt(apart) - posed[i].distance) <= posed[i].error_bound, "p and q off by %g",
+              sqrt(apart) - posed[i].distance);
+    }
+    fixture_free(&fixture);
+}
+
+/* A box: where the tool is, and how far its surface. */
+static void sign_and_gap_of_a_box(void)
+{
+    struct fixture fixture;
+    dpt_mesh_info info = { .size = sizeof info };
+    if (!fixture_from_shape(&fixture, "box", 12))
+        return;
+    dpt_mesh_get_info(fixture.mesh, &info);
+    const double *half = info.box_max;
+    CHECK(half[0] == -info.box_min[0] && half[1] == -info.box_min[1], "not centred");
+    uint64_t random = 9;
+    int inside = 0;
+    for (int i = 0; i < 2000; i++) {
+        double ends[6], radius = i % 2 ? 0.01 : 0.0;
+        dpt_hit hit = DPT_HIT_INIT;
+        random_axis(&random, 2.0 * half[0], i % 3 ? 0.0 : 0.3 * half[0], ends);
+        dpt_query_segments(fixture.mesh, NULL, ends, &radius, 1, &hit, NULL);
+        if (hit.distance == 0.0) {
+            CHECK(hit.flags == DPT_HIT_CROSSING, "flags %u", hit.flags);
+            continue;
+        }
+        double depth = fmin(half[0] - fabs(hit.p[0]),
+                            fmin(half[1] - fabs(hit.p[1]), half[2] - fabs(hit.p[2])));
+        double gap = (depth > 0.0 ? -hit.distance : hit.distance) - radius;
+        inside += depth > 0.0;
+        CHECK(hit.flags == DPT_HIT_GAP, "flags %u", hit.flags);
+        CHECK(hit.gap == gap, "gap %.17g, not %.17g", hit.gap, gap);
+        CHECK(hit.depth == fmax(0.0, -gap), "depth %.17g", hit.depth);
+        CHECK(hit.contact == (gap > hit.error_bound    ? DPT_CONTACT_SEPARATED
+                              : gap < -hit.error_bound ? DPT_CONTACT_PENETRATING
+                                                       : DPT_CONTACT_TOUCHING),
+              "contact %u at gap %g", hit.contact, gap);
+    }
+    CHECK(inside > 100, "only %d inside", inside);
+    fixture_free(&fixture);
+}
+
+/* Through an open sheet there is no side yet; through a soup the axis is at gap -radius. */
+static void crossing_without_an_inside(void)
+{
+    struct fixture fixture;
+    double radius = 0.002;
+    const double ends[6] = { 0.011, 0.013, -0.1, 0.012, 0.017, 0.1 };
+    dpt_hit hit = DPT_HIT_INIT;
+    if (fixture_from_shape(&fixture, "membrane", 0)) {
+        dpt_query_segments(fixture.mesh, NULL, ends, &radius, 1, &hit, NULL);
+        CHECK(hit.distance == 0.0 && hit.contact == DPT_CONTACT_UNKNOWN, "contact %u", hit.contact);
+        CHECK(hit.flags == DPT_HIT_CROSSING && hit.gap == 0.0, "flags %u", hit.flags);
+        fixture_free(&fixture);
+    }
+    /* Three triangles on one edge: not a manifold. */
+    const double vertices[] = { 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 1 };
+    const uint32_t corners[] = { 0, 1, 2, 0, 1, 3, 0, 1, 4 };
+    const double through[6] = { 0.2, 0.2, -1.0, 0.2, 0.2, 0.1 };
+    if (fixture_from_arrays(&fixture, vertices, 5, corners, 3)) {
+        dpt_query_segments(fixture.mesh, NULL, through, &radius, 1, &hit, NULL);
+        CHECK(hit.distance == 0.0 && hit.contact == DPT_CONTACT_PENETRATING, "contact %u",
+              hit.contact);
+        CHECK(hit.flags == (DPT_HIT_CROSSING | DPT_HIT_GAP) && hit.gap == -radius, "gap %g",
+              hit.gap);
+        fixture_free(&fixture);
+    }
+}
+
+static void answers_all_it_can(void)
+{
+    struct fixture fixture;
+    dpt_hit hits[3] = { DPT_HIT_INIT };
+    double ends[18] = { 0 };
+    if (!fixture_from_shape(&fixture, "box", 12))
+        return;
+    ends[7] = NAN;
+    dpt_result result = dpt_query_segments(fixture.mesh, NULL, ends, NULL, 3, hits, NULL);
+    CHECK(result == DPT_E_FINITE, "%s", dpt_result_name(result));
+    CHECK(hits[0].status == DPT_STATUS_EXACT && hits[2].status == DPT_STATUS_EXACT, "others");
+    CHECK(hits[1].status == DPT_STATUS_STALE && hits[1].triangle == DPT_NONE, "stale");
+    CHECK(hits[1].distance == 0.0 && hits[1].p[0] == 0.0, "a stale answer has numbers");
+    ends[7] = 2e6;
+    CHECK(dpt_query_segments(fixture.mesh, NULL, ends, NULL, 3, hits, NULL) == DPT_E_FINITE, "far");
+    ends[7] = 0.0;
+    const double bad_radius[3] = { 0.0, -1.0, 0.0 };
+    CHECK(dpt_query_segments(fixture.mesh, NULL, ends, bad_radius, 3, hits, NULL) == DPT_E_FINITE,
+          "radius");
+    fixture_free(&fixture);
+}
+
+static void refuses_what_it_cannot(void)
+{
+    struct fixture fixture;
+    dpt_hit hit = DPT_HIT_INIT;
+    const double ends[6] = { 0 };
+    if (!fixture_from_shape(&fixture, "box", 12))
+        return;
+    const dpt_mesh *mesh = fixture.mesh;
+    CHECK(dpt_query_segments(NULL, NULL, ends, NULL, 1, &hit, NULL) == DPT_E_ARGUMENT, "mesh");
+    CHECK(dpt_query_segments(mesh, NULL, NULL, NULL, 1, &hit, NULL) == DPT_E_ARGUMENT, "ends");
+    CHECK(dpt_query_segments(mesh, NULL, ends, NULL, 1, NULL, NULL) == DPT_E_ARGUMENT, "hits");
+    CHECK(dpt_query_segments(mesh, NULL, ends, NULL, 0, NULL, NULL) == DPT_OK, "none asked");
+    hit.size = 8;
+    CHECK(dpt_query_segments(mesh, NULL, ends, NULL, 1, &hit, NULL) == DPT_E_SIZE, "size");
+    hit.size = sizeof hit;
+    dpt_query_def def = { .size = sizeof def, .method = 77 };
+    CHECK(dpt_query_segments(mesh, NULL, ends, NULL, 1, &hit, &def) == DPT_E_ARGUMENT, "method");
+    def = (dpt_query_def){ .size = sizeof def, .kernel = 77 };
+    CHECK(dpt_query_segments(mesh, NULL, ends, NULL, 1, &hit, &def) == DPT_E_UNSUPPORTED, "kernel");
+    def = (dpt_query_def){ .size = 4 };
+    CHECK(dpt_query_segments(mesh, NULL, ends, NULL, 1, &hit, &def) == DPT_E_SIZE, "def size");
+    dpt_pose pose = DPT_POSE_IDENTITY;
+    pose.orientation[0] = 1.1;
+    CHECK(dpt_query_segments(mesh, &pose, ends, NULL, 1, &hit, NULL) == DPT_E_POSE, "quaternion");
+    pose.orientation[0] = NAN;
+    CHECK(dpt_query_segments(mesh, &pose, ends, NULL, 1, &hit, NULL) == DPT_E_POSE, "nan");
+    pose = (dpt_pose)DPT_POSE_IDENTITY;
+    pose.position[1] = INFINITY;
+    CHECK(dpt_query_segments(mesh, &pose, ends, NULL, 1, &hit, NULL) == DPT_E_FINITE, "position");
+    fixture_free(&fixture);
+}
+
+int main(void)
+{
+    TEST(tree_gives_the_bits_of_brute_force);
+    TEST(a_batch_is_its_single_questions);
+    TEST(a_pose_moves_the_mesh);
+    TEST(sign_and_gap_of_a_box);
+    TEST(crossing_without_an_inside);
+    TEST(answers_all_it_can);
+    TEST(refuses_what_it_cannot);
+    return check_report();
+}
