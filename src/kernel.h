@@ -29,11 +29,14 @@ struct probe {
     float a[3];
     float x[3], y[3], z[3];
     float length;
+    float normal[3]; /* of the plane that `planes` asks about, about unit length */
+    float height;    /* the larger of normal.A and normal.B */
 };
 
 /*
  *   boxes      block: 6 rows of 16: centre x, y, z, half width x, y, z
  *   triangles  block: 9 rows of 16: corner 0 x, y, z, corner 1 ..., corner 2 ...
+ *   planes     the same block; every lane tries the probe's normal instead of one of its own
  *   bound      16 lower bounds; a lane that is not finite is not decided
  */
 typedef void kernel_fn(const float *block, const struct probe *probe, float *bound);
@@ -41,6 +44,7 @@ typedef void kernel_fn(const float *block, const struct probe *probe, float *bou
 struct kernel {
     kernel_fn *boxes;
     kernel_fn *triangles;
+    kernel_fn *planes;
 };
 
 /* The widest kernel that every machine of this kind has. */
@@ -57,10 +61,10 @@ struct kernel {
 /* DPT_KERNEL_AUTO gives the best one. Nonzero when this build and machine have it. */
 int kernel_get(uint32_t id, struct kernel *kernel, uint32_t *chosen);
 
-kernel_fn kernel_scalar_boxes, kernel_scalar_triangles;
-kernel_fn kernel_sse2_boxes, kernel_sse2_triangles;
-kernel_fn kernel_avx2_boxes, kernel_avx2_triangles;
-kernel_fn kernel_avx512_boxes, kernel_avx512_triangles;
-kernel_fn kernel_neon_boxes, kernel_neon_triangles;
+kernel_fn kernel_scalar_boxes, kernel_scalar_triangles, kernel_scalar_planes;
+kernel_fn kernel_sse2_boxes, kernel_sse2_triangles, kernel_sse2_planes;
+kernel_fn kernel_avx2_boxes, kernel_avx2_triangles, kernel_avx2_planes;
+kernel_fn kernel_avx512_boxes, kernel_avx512_triangles, kernel_avx512_planes;
+kernel_fn kernel_neon_boxes, kernel_neon_triangles, kernel_neon_planes;
 
 #endif

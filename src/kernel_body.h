@@ -121,3 +121,17 @@ KERNEL_TARGET void KERNEL(triangles)(const float *restrict block, const struct p
         bound[i] = (low - reach) / sqrtf(nx * nx + ny * ny + nz * nz);
     }
 }
+
+KERNEL_TARGET void KERNEL(planes)(const float *restrict block, const struct probe *restrict probe,
+                                  float *restrict bound)
+{
+    const float nx = probe->normal[0], ny = probe->normal[1], nz = probe->normal[2];
+    const float height = probe->height;
+
+    for (int i = 0; i < LANES; i++) {
+        float n0 = nx * block[i] + ny * block[LANES + i] + nz * block[2 * LANES + i];
+        float n1 = nx * block[3 * LANES + i] + ny * block[4 * LANES + i] + nz * block[5 * LANES + i];
+        float n2 = nx * block[6 * LANES + i] + ny * block[7 * LANES + i] + nz * block[8 * LANES + i];
+        bound[i] = AT_MOST(AT_MOST(n0, n1), n2) - height;
+    }
+}

@@ -4,14 +4,17 @@
 #include "check.h"
 #include "contact.h"
 
+/* Fourth powers of lengths are formed. */
+#define PAIR_COORDINATE_MAX 1e60
+
 double dpt_segment_triangle(const double segment[6], const double triangle[9], double *s,
                             double p[3], double q[3])
 {
     pair found = { .distance2 = HUGE_VAL };
     vec3 at_p = { 0.0, 0.0, 0.0 };
-    if (segment && triangle && vec3_within(segment, 1e100) && vec3_within(segment + 3, 1e100) &&
-        vec3_within(triangle, 1e100) && vec3_within(triangle + 3, 1e100) &&
-        vec3_within(triangle + 6, 1e100)) {
+    if (segment && triangle && vec3_within(segment, PAIR_COORDINATE_MAX) && vec3_within(segment + 3, PAIR_COORDINATE_MAX) &&
+        vec3_within(triangle, PAIR_COORDINATE_MAX) && vec3_within(triangle + 3, PAIR_COORDINATE_MAX) &&
+        vec3_within(triangle + 6, PAIR_COORDINATE_MAX)) {
         vec3 a = vec3_of(segment), u = sub(vec3_of(segment + 3), a);
         found = segment_triangle(a, u, vec3_of(triangle), vec3_of(triangle + 3),
                                  vec3_of(triangle + 6));

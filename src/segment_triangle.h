@@ -52,57 +52,58 @@ static inline void pair_try_edge(pair *best, vec3 u, double per_uu, vec3 from_v,
 }
 
 /*
- * The triangle in a frame of its own: its longest edge, from `corner`, is the x axis, its third corner
- * lies at (apex_x, apex_y), apex_y >= 0. An orthonormal frame moves the corners by a few roundings of
- * the edge's length, however thin the triangle is; a normal from two edges does not.
+ * The triangle in a frame of its own: x is its longest edge, from `corner`; y is orthogonal to x and
+ * leads to the height of the third corner, which lies at apex x + y; z = x cross y. Orthogonal axes
+ * move the corners by a few roundings of the edge's length, however thin the triangle is; a normal from
+ * two edges does not (tests/test_pair.c, slivers).
  */
 typedef struct flat {
     int corner;
     vec3 x, y, z;
-    double base, apex_x, apex_y;
+    double per_xx, per_yy;
+    double apex;
 } flat;
 
-static inline flat flatten(const vec3 edge[3])
+/* 0 for a triangle thinner than rounding, or than 1e-60 m: its edges are all there is. */
+static inline int flatten(const vec3 edge[3], flat *f)
 {
-    flat f = { .corner = 0 };
-    double square[3] = { dot(edge[0], edge[0]), dot(edge[1], edge[1]), dot(edge[2], edge[2]) };
-    if (square[1] > square[f.corner])
-        f.corner = 1;
-    if (square[2] > square[f.corner])
-        f.corner = 2;
-    vec3 to_apex = scaled(edge[(f.corner + 2) % 3], -1.0);
-    f.base = sqrt(square[f.corner]);
-    f.x = scaled(edge[f.corner], 1.0 / f.base);
-    f.apex_x = dot(to_apex, f.x);
-    f.y = along(to_apex, -f.apex_x, f.x);
-    f.y = along(f.y, -dot(f.y, f.x), f.x);
-    f.apex_y = length(f.y);
-    f.y = scaled(f.y, 1.0 / f.apex_y);
-    f.z = cross(f.x, f.y);
-    return f;
+    const double square[3] = { dot(edge[0], edge[0]), dot(edge[1], edge[1]), dot(edge[2], edge[2]) };
+    f->corner = square[1] > square[0];
+    if (square[2] > square[f->corner])
+        f->corner = 2;
+    double xx = square[f->corner];
+    f->x = edge[f->corner];
+    f->per_xx = 1.0 / xx;
+    vec3 to_apex = scaled(edge[(f->corner + 2) % 3], -1.0);
+    f->apex = dot(to_apex, f->x) * f->per_xx;
+    f->y = along(to_apex, -f->apex, f->x);
+    f->y = along(f->y, -dot(f->y, f->x) * f->per_xx, f->x);
+    double yy = dot(f->y, f->y);
+    f->per_yy = 1.0 / yy;
+    f->z = cross(f->x, f->y);
+    return yy > 0x1p-100 * xx && yy > 1e-120;
 }
 
 /* 1, and the answer, where the face holds the nearest point. */
 static inline int pair_on_face(pair *best, vec3 u, const vec3 from[3], const vec3 edge[3])
 {
-    flat f = flatten(edge);
-    if (!(f.apex_y > 8.0 * 0x1p-53 * f.base))
-        return 0; /* thinner than rounding: the edges are all there is */
+    flat f;
+    if (!flatten(edge, &f))
+        return 0;
     vec3 a = from[f.corner];
     double height_a = dot(a, f.z);
     double height_b = height_a + dot(u, f.z);
     double s = clamp01(height_a / (height_a - height_b));
-    double height = height_a * height_b <= 0.0 ? 0.0 : height_a + s * (height_b - height_a);
     vec3 w = along(a, s, u);
-    double x = dot(w, f.x), y = dot(w, f.y);
-    double area = f.base * f.apex_y;
-    double weight[3] = { ((f.apex_x - f.base) * y - f.apex_y * (x - f.base)) / area,
-                         (f.apex_y * x - f.apex_x * y) / area, y / f.apex_y };
+    double x = dot(w, f.x) * f.per_xx, y = dot(w, f.y) * f.per_yy;
+    const double weight[3] = { 1.0 - x - (1.0 - f.apex) * y, x - f.apex * y, y };
     if (!(weight[0] >= 0.0 && weight[1] >= 0.0 && weight[2] >= 0.0))
         return 0;
-    best->distance2 = height * height;
+    double height = height_a * height_b <= 0.0 ? 0.0 : height_a + s * (height_b - height_a);
+    double per_zz = f.per_xx * f.per_yy;
+    best->distance2 = height * height * per_zz;
     best->s = s;
-    best->gap = scaled(f.z, height);
+    best->gap = scaled(f.z, height * per_zz);
     for (int k = 0; k < 3; k++)
         best->weight[(f.corner + k) % 3] = weight[k];
     return 1;

@@ -13,6 +13,7 @@ struct search {
     struct probe probe;
     float margin;
     float limit; /* what lies beyond cannot be the answer, in the filter's frame */
+    int has_plane;
 };
 
 /* A node still to be looked into. */
@@ -107,10 +108,24 @@ static void take_axis(struct search *search)
     search->margin = KERNEL_MARGIN * (1.0f + (float)reach);
 }
 
+/*
+ * Take over a new best distance, and the plane through its pair: what lies behind that plane, most of
+ * the mesh near a contact, is ruled out by three dot products.
+ */
 static void set_limit(struct search *search)
 {
-    double distance = sqrt(search->nearest->pair.distance2) * search->tree->mesh->filter_scale;
-    search->limit = (float)distance * (1.0f + 0x1p-22f) + search->margin;
+    const struct dpt_mesh *mesh = search->tree->mesh;
+    const struct nearest *nearest = search->nearest;
+    double distance = sqrt(nearest->pair.distance2);
+    search->limit = (float)(distance * mesh->filter_scale) * (1.0f + 0x1p-22f) + search->margin;
+    search->has_plane = nearest->triangle != DPT_NONE && distance > 0.0;
+    if (!search->has_plane)
+        return;
+    vec3 normal = scaled(nearest->pair.gap, -1.0 / distance);
+    vec3 from_centre = sub(search->a, vec3_of(mesh->filter_centre));
+    double height = dot(normal, from_centre) + larger(0.0, dot(normal, search->u));
+    put_float(normal, search->probe.normal);
+    search->probe.height = (float)(height * mesh->filter_scale);
 }
 
 /* A bound that is no number decides nothing. */
@@ -143,10 +158,17 @@ static void look_into_leaf(struct search *search, const struct kernel *kernel, u
 {
     float bound[LANES];
     uint32_t first = leaf * LANES;
-    uint32_t triangles = search->tree->mesh->triangles;
-    kernel->triangles(search->tree->leaves + (size_t)leaf * MESH_LEAF_WORDS, &search->probe, bound);
+    uint32_t count = search->tree->mesh->triangles - first;
+    const float *block = search->tree->leaves + (size_t)leaf * MESH_LEAF_WORDS;
+    if (search->has_plane) {
+        search->nearest->work++;
+        kernel->planes(block, &search->probe, bound);
+        if (!lanes_within(search, bound, count))
+            return;
+    }
     search->nearest->work++;
-    for (uint32_t lanes = lanes_within(search, bound, triangles - first); lanes;) {
+    kernel->triangles(block, &search->probe, bound);
+    for (uint32_t lanes = lanes_within(search, bound, count); lanes;) {
         uint32_t lane = least_lane(bound, lanes);
         lanes &= ~(1u << lane);
         if (may_hold(search, bound[lane]) &&

@@ -90,7 +90,8 @@ static inline double extent_of(vec3 a)
 /* 0 for NaN: 0 / 0 stands for "anywhere", and 0 is as good as any. */
 static inline double clamp01(double t)
 {
-    return t > 0.0 ? (t < 1.0 ? t : 1.0) : 0.0;
+    t = t > 0.0 ? t : 0.0;
+    return t < 1.0 ? t : 1.0;
 }
 
 /* A finite number of at most `limit` in size; false for NaN. */

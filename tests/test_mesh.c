@@ -12,126 +12,34 @@
  *
  * and are to be kept: a new format gets a new file beside them, for version 1 must always open.
  *
- * Each file lies in a block of its exact length, so that the sanitizer sees a read beyond it. All
- * tests start from a file in the host's byte order, and so hold on every machine.
+ * All tests start from a file in the host's byte order, and so hold on every machine.
  */
 #include <math.h>
 
-#include "check.h"
-#include "dynpoint.h"
-#include "dynpoint/compile.h"
-#include "mesh_format.h"
-#include "shape.h"
+#include "dpa.h"
 
 static const char *golden = "tests/golden";
 
-struct file {
-    unsigned char *bytes;
-    size_t size;
-};
-
 static struct file small, large; /* one level of boxes, and two */
 
-static struct file file_of(const void *bytes, size_t size)
+static dpt_mesh_fault verified(const struct file *file)
 {
-    struct file file = { malloc(size), size };
-    if (size)
-        memcpy(file.bytes, bytes, size);
-    return file;
+    dpt_mesh_fault fault = { .size = sizeof fault };
+    dpt_result result = dpt_mesh_verify(file->bytes, file->size, &fault);
+    CHECK(fault.code == result, "the fault says %d, verify %d", fault.code, result);
+    CHECK(memchr(fault.section, 0, sizeof fault.section) != NULL, "section has no end");
+    return fault;
 }
 
-static struct file copy_of(const struct file *file)
-{
-    return file_of(file->bytes, file->size);
-}
-
-static struct file file_of_shape(const char *name, uint64_t count)
-{
-    struct shape shape;
-    shape_reason reason;
-    dpt_compiled compiled = { NULL, 0 };
-    if (shape_make(name, count, 0, &shape, reason) == 0)
-        dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners, shape.triangle_count,
-                           NULL, &compiled, NULL);
-    shape_free(&shape);
-    struct file file = file_of(compiled.bytes, compiled.size);
-    dpt_compiled_free(&compiled);
-    dpt_mesh_convert(file.bytes, file.size, NULL);
-    return file;
-}
-
-/* Bit by bit: slower than the library's, and not derived from it. */
-static uint32_t crc_of(const unsigned char *bytes, size_t size)
-{
-    uint32_t crc = 0xffffffffu;
-    while (size--) {
-        crc ^= *bytes++;
-        for (int bit = 0; bit < 8; bit++)
-            crc = (crc >> 1) ^ (crc & 1 ? 0xedb88320u : 0);
-    }
-    return ~crc;
-}
-
-static struct dpt_mesh header_of(const struct file *file)
-{
-    struct dpt_mesh header;
-    memcpy(&header, file->bytes, sizeof header);
-    return header;
-}
-
-static void seal_header(struct file *file)
-{
-    struct dpt_mesh header = header_of(file);
-    header.header_crc32 = 0;
-    memcpy(file->bytes, &header, sizeof header);
-    header.header_crc32 = crc_of(file->bytes, sizeof header);
-    memcpy(file->bytes, &header, sizeof header);
-}
-
-/* Sections that leave the file are not summed: a forger cannot either. */
-static void seal(struct file *file)
-{
-    struct dpt_mesh header = header_of(file);
-    for (int id = 0; id < MESH_SECTION_COUNT; id++) {
-        struct mesh_section *section = &header.section[id];
-        if (section->offset <= file->size && section->bytes <= file->size - section->offset)
-            section->crc32 = crc_of(file->bytes + section->offset, (size_t)section->bytes);
-    }
-    memcpy(file->bytes, &header, sizeof header);
-    seal_header(file);
-}
-
-/* The section that a byte lies in: MESH_SECTION_COUNT the header, -1 the padding between two. */
-static int section_at(const struct dpt_mesh *header, uint64_t byte)
-{
-    if (byte < sizeof *header)
-        return MESH_SECTION_COUNT;
-    for (int id = 0; id < MESH_SECTION_COUNT; id++)
-        if (byte >= header->section[id].offset &&
-            byte < header->section[id].offset + header->section[id].bytes)
-            return id;
-    return -1;
-}
-
-static const char *section_name_at(const struct dpt_mesh *header, uint64_t byte)
-{
-    int id = section_at(header, byte);
-    return id < 0 ? "padding" : id == MESH_SECTION_COUNT ? "header" : header->section[id].name;
-}
-
-/* What verify says; open must agree with it and leave its output alone unless all is well. */
+/* What verify says; open must agree, and leave its output alone unless all is well. */
 static dpt_mesh_fault fault_of(const struct file *file)
 {
-    const dpt_mesh *untouched = (const dpt_mesh *)&golden, *mesh = untouched;
-    dpt_mesh_fault fault = { .size = sizeof fault, .code = 1 };
-    dpt_result result = dpt_mesh_verify(file->bytes, file->size, &fault);
+    const dpt_mesh *untouched = (const dpt_mesh *)(const void *)&golden, *mesh = untouched;
+    dpt_mesh_fault fault = verified(file);
     dpt_result opened = dpt_mesh_open(file->bytes, file->size, &mesh);
-    CHECK(opened == result, "open %d, verify %d", opened, result);
-    if (result == DPT_OK)
-        fault.code = DPT_OK;
-    CHECK(fault.code == result, "the fault says %d, verify %d", fault.code, result);
-    CHECK(mesh == (result == DPT_OK ? (const void *)file->bytes : untouched), "result %d", result);
-    CHECK(memchr(fault.section, 0, sizeof fault.section) != NULL, "section has no end");
+    CHECK(opened == fault.code, "open %d, verify %d", opened, fault.code);
+    CHECK(mesh == (opened == DPT_OK ? (const void *)file->bytes : (const void *)untouched),
+          "%d, and the output is changed", opened);
     return fault;
 }
 
@@ -198,7 +106,7 @@ static void trailing_bytes_are_refused(void)
  * does. */
 static void expect_byte_fault(const struct file *file, const struct dpt_mesh *header, size_t at)
 {
-    dpt_mesh_fault fault = fault_of(file);
+    dpt_mesh_fault fault = verified(file);
     int id = section_at(header, at);
     if (id == MESH_SECTION_COUNT) {
         CHECK(fault.code != DPT_OK && !strcmp(fault.section, "header"), "byte %zu: %s in %s", at,
@@ -223,6 +131,8 @@ static void changed_bytes_are_refused(void)
         struct file file = copy_of(files[i]);
         for (size_t at = 0; at < file.size; at++)
             for (int bit = 0; bit < 8; bit += 7) {
+                if (i == 1 && (at % 2 == 0) == (bit == 0))
+                    continue; /* each byte of the large one once, for time */
                 file.bytes[at] ^= (unsigned char)(1 << bit);
                 expect_byte_fault(&file, &header, at);
                 file.bytes[at] ^= (unsigned char)(1 << bit);
@@ -379,38 +289,31 @@ static void forged_headers_are_refused(void)
             dpt_result result = forge_header(counts[i], &values[k], 4);
             CHECK(result != DPT_OK, "%u at %zu", values[k], counts[i]);
         }
-    const struct {
-        size_t at;
-        double value;
-    } numbers[] = {
-        { AT(box_min), NAN },      { AT(box_max) + 16, INFINITY },
-        { AT(box_min) + 8, -1e7 }, { AT(filter_centre), NAN },
-        { AT(filter_scale), 0.0 }, { AT(filter_scale), -1.0 },
-        { AT(filter_scale), NAN }, { AT(scale), NAN },
-        { AT(scale), -INFINITY },  { AT(rounding), NAN },
-    };
-    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
-        dpt_result result = forge_header(numbers[i].at, &numbers[i].value, sizeof(double));
-        CHECK(result == DPT_E_FINITE, "%g at %zu: %d", numbers[i].value, numbers[i].at, result);
-    }
+    const size_t numbers[] = { AT(box_min),      AT(box_max) + 16, AT(filter_centre),
+                               AT(filter_scale), AT(scale),        AT(rounding) };
+    const double wrong[] = { NAN, INFINITY, -INFINITY, 1e301 };
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
+        for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++) {
+            dpt_result result = forge_header(numbers[i], &wrong[k], sizeof wrong[k]);
+            CHECK(result == DPT_E_FINITE, "%g at %zu: %d", wrong[k], numbers[i], result);
+        }
+    const double nothing = 0.0;
+    CHECK(forge_header(AT(filter_scale), &nothing, sizeof nothing) == DPT_E_FINITE, "scale 0");
 }
 
-/* Nothing of the section table is free either; the fault names the section. */
+/* Nothing of the section table is free either, but for the sums; the fault names the section. */
 static void forged_tables_are_refused(void)
 {
     const struct dpt_mesh header = header_of(&large);
+    const size_t entry = sizeof header.section[0], sum = offsetof(struct mesh_section, crc32);
     for (int id = 0; id < MESH_SECTION_COUNT; id++)
-        for (size_t at = 0; at < sizeof header.section[0]; at++) {
-            struct file file = copy_of(&large);
-            size_t place = AT(section) + (size_t)id * sizeof header.section[0] + at;
-            if (at >= offsetof(struct mesh_section, crc32) &&
-                at < offsetof(struct mesh_section, reserved)) {
-                free(file.bytes);
+        for (size_t at = 0; at < entry; at++) {
+            if (at >= sum && at < sum + 4)
                 continue;
-            }
-            file.bytes[place] ^= 0x40;
+            struct file file = copy_of(&large);
+            file.bytes[AT(section) + (size_t)id * entry + at] ^= 0x40;
             seal_header(&file);
-            expect_fault(&file, DPT_E_LAYOUT, AT(section) + (size_t)id * sizeof header.section[0],
+            expect_fault(&file, DPT_E_LAYOUT, AT(section) + (size_t)id * entry,
                          header.section[id].name);
             free(file.bytes);
         }
@@ -473,7 +376,7 @@ static void random_forgeries_do_no_harm(void)
                              40,         UINT32_MAX, 0x7f800000, 0xffc00000, 0x7149f2ca,
                              0x80000000, 0x00000001, 0x49742400, 0xfffffffe, 0x3f800000 };
     for (int i = 0; i < 20000; i++) {
-        struct file file = copy_of(&small);
+        struct file file = copy_of(i % 16 ? &small : &large);
         for (uint64_t words = 1 + random_bits(&random) % 3; words; words--) {
             size_t at = 4 * (size_t)(random_bits(&random) % (file.size / 4));
             uint32_t value = odd[random_bits(&random) % (sizeof odd / sizeof *odd)];
@@ -538,39 +441,6 @@ static void wrong_arguments_are_refused(void)
     CHECK(dpt_mesh_triangle(mesh, 40, corners) == DPT_E_ARGUMENT, "there are 40 triangles");
     CHECK(dpt_mesh_triangle(mesh, UINT32_MAX, corners) == DPT_E_ARGUMENT, "no such triangle");
     CHECK(corners[0] == 77.0, "a refused call wrote");
-}
-
-static void reverse(unsigned char *bytes, size_t width, size_t count)
-{
-    for (; count; count--, bytes += width)
-        for (size_t i = 0; i < width / 2; i++) {
-            unsigned char t = bytes[i];
-            bytes[i] = bytes[width - 1 - i];
-            bytes[width - 1 - i] = t;
-        }
-}
-
-/* The same file as a machine of the other byte order holds it, its checksums those of these bytes.
- */
-static struct file other_order(const struct file *file)
-{
-    struct file other = copy_of(file);
-    struct dpt_mesh header = header_of(file);
-    for (int id = 0; id < MESH_SECTION_COUNT; id++) {
-        struct mesh_section *section = &header.section[id];
-        reverse(other.bytes + section->offset, 4, (size_t)section->bytes / 4);
-        section->crc32 = crc_of(other.bytes + section->offset, (size_t)section->bytes);
-        reverse((unsigned char *)&section->offset, 8, 2);
-        reverse((unsigned char *)&section->crc32, 4, 4);
-    }
-    unsigned char *bytes = (unsigned char *)&header;
-    header.header_crc32 = 0;
-    reverse(bytes + 8, 4, (AT(bytes) - 8) / 4);
-    reverse(bytes + AT(bytes), 8, (AT(section) - AT(bytes)) / 8);
-    header.header_crc32 = crc_of(bytes, sizeof header);
-    reverse((unsigned char *)&header.header_crc32, 4, 1);
-    memcpy(other.bytes, &header, sizeof header);
-    return other;
 }
 
 static void other_byte_order_converts(void)

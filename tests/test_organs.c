@@ -118,17 +118,15 @@ static int same_corners(const float *a, const double *b)
 
 static int has_area(const float *c)
 {
-    double u[3], v[3], square = 0, longest = 0;
+    double u[3], v[3];
+    int area = 0;
     for (int k = 0; k < 3; k++) {
         u[k] = (double)c[3 + k] - (double)c[k];
         v[k] = (double)c[6 + k] - (double)c[k];
-        longest = fmax(longest, fmax(fabs(u[k]), fabs(v[k])));
     }
-    for (int k = 0; k < 3; k++) {
-        const double n = u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3];
-        square += n * n;
-    }
-    return sqrt(square) > 1e-15 * longest * longest;
+    for (int k = 0; k < 3; k++)
+        area |= u[k] * v[(k + 1) % 3] != u[(k + 1) % 3] * v[k];
+    return area;
 }
 
 /* A triangle of lower number has the same corners. */
@@ -204,14 +202,6 @@ static const char *text_of(const struct asked *asked, const dpt_hit *hit)
     return text;
 }
 
-static double distance_between(const double a[3], const double b[3])
-{
-    double square = 0;
-    for (int k = 0; k < 3; k++)
-        square += (a[k] - b[k]) * (a[k] - b[k]);
-    return sqrt(square);
-}
-
 static double reach_of(const struct asked *asked)
 {
     double reach = asked->subject->extent;
@@ -223,19 +213,21 @@ static double reach_of(const struct asked *asked)
 /* What an answer owes whatever the truth is. */
 static void check_form(const struct asked *asked, const dpt_hit *hit)
 {
-    const double reach = reach_of(asked),
-                 numbers[] = { hit->distance, hit->gap,  hit->depth,       hit->s,
-                               hit->p[0],     hit->p[1], hit->p[2],        hit->q[0],
-                               hit->q[1],     hit->q[2], hit->error_bound, hit->lower_bound };
-    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
-        CHECK(isfinite(numbers[i]), "number %zu of %s", i, text_of(asked, hit));
+    const double reach = reach_of(asked);
+    /* A NaN or an infinity stays in a sum. */
+    const double sum = hit->distance + hit->gap + hit->depth + hit->s + hit->error_bound +
+                       hit->lower_bound + hit->p[0] + hit->p[1] + hit->p[2] + hit->q[0] +
+                       hit->q[1] + hit->q[2];
+    CHECK(isfinite(sum), "%g %s", sum, text_of(asked, hit));
     CHECK(hit->status == DPT_STATUS_EXACT, "%u %s", hit->status, text_of(asked, hit));
     CHECK(hit->s >= 0 && hit->s <= 1, "%g %s", hit->s, text_of(asked, hit));
+    double square = 0;
     for (int k = 0; k < 3; k++) {
+        square += (hit->p[k] - hit->q[k]) * (hit->p[k] - hit->q[k]);
         const double p = asked->ends[k] + hit->s * (asked->ends[3 + k] - asked->ends[k]);
         CHECK(fabs(hit->p[k] - p) <= 1e-12 * reach, "p %s", text_of(asked, hit));
     }
-    const double apart = distance_between(hit->p, hit->q);
+    const double apart = sqrt(square);
     CHECK(fabs(apart - hit->distance) <= hit->error_bound, "%.17g %s", apart, text_of(asked, hit));
     CHECK(hit->error_bound > 0 && hit->error_bound <= 1e-9 * asked->subject->diagonal, "%g %s",
           hit->error_bound, text_of(asked, hit));
@@ -320,9 +312,10 @@ static void check_signs(const struct subject *subject, const struct motion *moti
 
 static struct motion motion_of(const struct subject *subject, uint64_t seed)
 {
-    static const size_t shares[MOTION_RECORDINGS] = { 400, 400, 100, 100 };
-    static const int order[MOTION_RECORDINGS] = { MOTION_GEOMAGIC, MOTION_MOCAP, MOTION_LANDMARKS,
-                                                  MOTION_WATERTANK };
+    static const size_t shares[MOTION_RECORDINGS] = { [MOTION_GEOMAGIC] = 400,
+                                                      [MOTION_MOCAP] = 400,
+                                                      [MOTION_LANDMARKS] = 100,
+                                                      [MOTION_WATERTANK] = 100 };
     struct motion motion = { .count = 0 };
     /* Two places, as a hand stays for long where it is. */
     for (uint64_t i = 0; i < (soaking ? 1 : 2); i++) {
@@ -330,12 +323,10 @@ static struct motion motion_of(const struct subject *subject, uint64_t seed)
                                       subject->compiled.size, seed + i, soaking ? 20000 : 350);
         CHECK(slid == 0, "%s: no slide; is there a program %s?", subject->name, dynpoint);
     }
-    for (int i = 0; i < MOTION_RECORDINGS && data; i++) {
-        const int pieces = soaking || i >= 2 ? 1 : 4;
-        for (int piece = 0; piece < pieces; piece++)
-            motion_recorded(&motion, &recordings[order[i]], &subject->place, seed + (uint64_t)piece,
-                            soaking ? 0 : shares[i] / (size_t)pieces);
-    }
+    for (int i = 0; i < MOTION_RECORDINGS && data; i++)
+        for (size_t done = 0; done < (soaking ? 1 : shares[i]); done += 100)
+            motion_recorded(&motion, &recordings[i], &subject->place, seed + done,
+                            soaking ? 0 : 100);
     motion_random(&motion, &subject->place, seed, soaking ? 5000 : 2000 - motion.count);
     return motion;
 }
@@ -435,8 +426,6 @@ static void add_to_all(const struct subject *subject, const struct tally *tally)
     all.ticks += tally->ticks;
     all.judged += tally->judged;
     all.crossing += tally->crossing;
-    all.inside += tally->inside;
-    all.outside += tally->outside;
     all.worst = fmax(all.worst, tally->worst);
     all.worst_bound = fmax(all.worst_bound, tally->worst_bound);
 }

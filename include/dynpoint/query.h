@@ -46,7 +46,7 @@ DPT_API dpt_result dpt_query_segments(const dpt_mesh *mesh, const dpt_pose *pose
  *   s, p, q   each may be NULL; as in dpt_hit, in the frame of the arguments
  *
  * Returns the distance, 0 when they meet (p = q then); infinity, and safe outputs, for an argument
- * that is NULL or not finite. Error below 32 * 2^-53 times the largest coordinate, slivers included:
+ * that is NULL, not finite or beyond 1e60. Lengths below 1e-60 count as 0. Error below 32 * 2^-53 times the largest coordinate, slivers included:
  * docs/algorithms/distance.md, tests/test_pair.c.
  */
 DPT_API double dpt_segment_triangle(const double segment[6], const double triangle[9], double *s,
