@@ -41,7 +41,7 @@ COMPILE := $(patsubst %.c,$(B)/%.o,$(wildcard src/compile/*.c))
 TOOLS := $(patsubst %.c,$(B)/%.o,$(wildcard tools/*.c))
 LIBS := $(B)/libdynpoint $(B)/libdynpoint_compile
 
-.PHONY: all demo check bench soak deps install uninstall help clean
+.PHONY: all demo check bench charts soak deps install uninstall help clean
 .SECONDARY:
 all: $(B)/dynpoint $(LIBS:%=%.a) $(LIBS:%=%.so.$(SOVERSION)) ## the program and the libraries (default)
 
@@ -71,7 +71,9 @@ $(B)/libdynpoint_compile.so.$(SOVERSION): $(COMPILE) $(B)/libdynpoint.so.$(SOVER
 $(B)/dynpoint: $(TOOLS) $(COMPILE) $(CORE)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -o $@
 
-demo: all ## build, make a liver, slide a tool over it, and prove every answer
+demo: ## build, make a liver, slide a tool over it, and prove every answer
+	@echo building ...
+	@$(MAKE) -s all
 	@sh tools/demo.sh $(B)
 
 include tests/tests.mk

@@ -27,3 +27,6 @@ test-programs: all $(TESTS) $(B)/tests/bench/dump_mesh
 
 $(B)/tests/bench/dump_mesh: $(B)/tests/bench/dump_mesh.o $(B)/tools/common.o $(COMPILE) $(CORE)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -o $@
+
+charts: bench ## draw docs/charts from the bench's results
+	$(PYTHON) tests/bench/chart.py $(B)/bench/results.csv docs/charts
