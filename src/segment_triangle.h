@@ -52,10 +52,10 @@ static inline void pair_try_edge(pair *best, vec3 u, double per_uu, vec3 from_v,
 }
 
 /*
- * The triangle in a frame of its own: x is its longest edge, from `corner`; y is orthogonal to x and
- * leads to the height of the third corner, which lies at apex x + y; z = x cross y. Orthogonal axes
- * move the corners by a few roundings of the edge's length, however thin the triangle is; a normal from
- * two edges does not (tests/test_pair.c, slivers).
+ * The triangle in a frame of its own: x is the longer of two edges, from `corner`, and so at least half
+ * of the longest; y is orthogonal to x and leads to the height of the third corner, which lies at
+ * apex x + y; z = x cross y. Orthogonal axes move the corners by a few roundings of the edge's length,
+ * however thin the triangle is; a normal from two edges does not (tests/test_pair.c, slivers).
  */
 typedef struct flat {
     int corner;
@@ -67,12 +67,9 @@ typedef struct flat {
 /* 0 for a triangle thinner than rounding, or than 1e-60 m: its edges are all there is. */
 static inline int flatten(const vec3 edge[3], flat *f)
 {
-    const double square[3] = { dot(edge[0], edge[0]), dot(edge[1], edge[1]), dot(edge[2], edge[2]) };
-    f->corner = square[1] > square[0];
-    if (square[2] > square[f->corner])
-        f->corner = 2;
-    double xx = square[f->corner];
+    f->corner = dot(edge[1], edge[1]) > dot(edge[0], edge[0]);
     f->x = edge[f->corner];
+    double xx = dot(f->x, f->x);
     f->per_xx = 1.0 / xx;
     vec3 to_apex = scaled(edge[(f->corner + 2) % 3], -1.0);
     f->apex = dot(to_apex, f->x) * f->per_xx;
@@ -99,7 +96,7 @@ static inline int pair_on_face(pair *best, vec3 u, const vec3 from[3], const vec
     const double weight[3] = { 1.0 - x - (1.0 - f.apex) * y, x - f.apex * y, y };
     if (!(weight[0] >= 0.0 && weight[1] >= 0.0 && weight[2] >= 0.0))
         return 0;
-    double height = height_a * height_b <= 0.0 ? 0.0 : height_a + s * (height_b - height_a);
+    double height = height_a + s * (height_b - height_a);
     double per_zz = f.per_xx * f.per_yy;
     best->distance2 = height * height * per_zz;
     best->s = s;

@@ -261,11 +261,11 @@ static inline int check_edges(const struct sections *s, const int *turned, uint3
             uint32_t expected = others == 0 ? MESH_EDGE_OPEN : others == 1 ? other : MESH_EDGE_MANY;
             CHECK(s->neighbours[3 * (size_t)t + k] == expected, "edge %u of %u: %x, not %x", k, t,
                   s->neighbours[3 * (size_t)t + k], expected);
+            struct part_found *part = &at[s->parts[t]];
+            part->many += others > 1; /* each side of such an edge */
             if (lower)
                 continue;
-            struct part_found *part = &at[s->parts[t]];
             part->open += others == 0;
-            part->many += others > 1;
             part->against += others == 1 && way == 1;
             part->source_against += others == 1 && way * turned[t] * turned[other] == 1;
             sum->open_edges += others == 0;
@@ -337,7 +337,7 @@ static inline void check_parts(const struct sections *s, const int *turned, cons
               "part %u: %u triangles, %u open, %u many; not %u, %u, %u", p, entry[1], entry[2],
               entry[3], part->triangles, part->open, part->many);
         CHECK(p == 0 || part->first > found[p - 1].first, "part %u is out of order", p);
-        sum->closed_components += whole;
+        sum->closed_components += (uint32_t)whole;
         sum->inward_components += whole && !part->source_against && turned[part->first] == -1;
         CHECK(!whole || (!part->against && volume_of(s, p) >= 0.0), "part %u is wound inward", p);
         for (uint32_t t = 0; t < s->info.triangles && !whole; t++)

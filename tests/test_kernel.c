@@ -130,7 +130,7 @@ static void bounds_of_triangles_are_sound(void)
         slack /= apart;
         printf("    %-10s above the truth by at most %5.3f margins; mean slack %.2g of %d apart\n",
                names[shape], worst, slack, apart);
-        CHECK(slack < 0.01, "%s: bounds lose %.3g of the distance on average", names[shape], slack);
+        CHECK(slack < 1e-6, "%s: bounds lose %.3g of the distance on average", names[shape], slack);
         CHECK(apart > BLOCKS * LANES / 2, "%s: only %d apart", names[shape], apart);
     }
 }

@@ -156,6 +156,74 @@ static void sign_and_gap_of_a_box(void)
     fixture_free(&fixture);
 }
 
+/* Over the common edge of two triangles both are as near: the least source number wins. */
+static void ties_go_to_the_least_number(void)
+{
+    const double vertices[] = { 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 5, 5, 5, 6, 5, 5, 5, 6, 5 };
+    const uint32_t orders[2][9] = { { 4, 5, 6, 0, 1, 2, 0, 2, 3 }, { 0, 2, 3, 4, 5, 6, 0, 1, 2 } };
+    const double ends[6] = { 0.5, 0.5, 0.25, 0.5, 0.5, 0.75 };
+    for (uint32_t i = 0; i < 2; i++) {
+        struct fixture fixture;
+        if (!fixture_from_arrays(&fixture, vertices, 7, orders[i], 3))
+            continue;
+        for (uint32_t method = DPT_METHOD_TREE; method <= DPT_METHOD_BRUTE; method++) {
+            dpt_hit hit = DPT_HIT_INIT;
+            ask(fixture.mesh, ends, 1, method, &hit);
+            CHECK(hit.triangle == 1 - i && hit.distance == 0.25, "method %u: triangle %u at %g",
+                  method, hit.triangle, hit.distance);
+        }
+        fixture_free(&fixture);
+    }
+}
+
+/* Solid angles over 4 pi (Van Oosterom and Strackee 1983): 1 inside, 0 outside. */
+static double winding_number(const dpt_mesh *mesh, uint32_t triangles, const double x[3])
+{
+    double sum = 0.0;
+    for (uint32_t t = 0; t < triangles; t++) {
+        double c[9], size[3], d[3];
+        dpt_mesh_triangle(mesh, t, c);
+        for (int k = 0; k < 9; k++)
+            c[k] -= x[k % 3];
+        for (int k = 0; k < 3; k++) {
+            const double *a = c + 3 * k, *b = c + 3 * ((k + 1) % 3);
+            size[k] = sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
+            d[k] = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        }
+        double six = c[0] * (c[4] * c[8] - c[5] * c[7]) + c[1] * (c[5] * c[6] - c[3] * c[8]) +
+                     c[2] * (c[3] * c[7] - c[4] * c[6]);
+        sum += 2.0 * atan2(six, size[0] * size[1] * size[2] + d[0] * size[2] + d[1] * size[0] +
+                                    d[2] * size[1]);
+    }
+    return sum / (4.0 * 3.14159265358979323846);
+}
+
+/* Points around edges and vertices of a spiky body, where a face's own normal would mislead. */
+static void sign_is_the_winding_number(void)
+{
+    struct fixture fixture;
+    dpt_mesh_info info = { .size = sizeof info };
+    uint64_t random = 31;
+    int inside = 0, count = 3000;
+    if (!fixture_from_shape(&fixture, "star", 2000))
+        return;
+    dpt_mesh_get_info(fixture.mesh, &info);
+    for (int i = 0; i < count; i++) {
+        double corners[9], ends[6], share = i % 2 ? 0.0 : random_in(&random, 0.0, 1.0);
+        dpt_hit hit = DPT_HIT_INIT;
+        dpt_mesh_triangle(fixture.mesh, (uint32_t)(random_bits(&random) % info.triangles), corners);
+        for (int k = 0; k < 3; k++)
+            ends[k] = ends[3 + k] = corners[k] + share * (corners[3 + k] - corners[k]) +
+                                    random_in(&random, -0.004, 0.004);
+        ask(fixture.mesh, ends, 1, DPT_METHOD_EXACT, &hit);
+        int in = winding_number(fixture.mesh, info.triangles, ends) > 0.5;
+        inside += in;
+        CHECK((hit.gap < 0.0) == in, "gap %g, but %s", hit.gap, in ? "inside" : "outside");
+    }
+    CHECK(inside > count / 5 && inside < 4 * count / 5, "%d of %d inside", inside, count);
+    fixture_free(&fixture);
+}
+
 /* Through an open sheet there is no side yet; through a soup the axis is at gap -radius. */
 static void crossing_without_an_inside(void)
 {
@@ -243,6 +311,8 @@ int main(void)
     TEST(a_batch_is_its_single_questions);
     TEST(a_pose_moves_the_mesh);
     TEST(sign_and_gap_of_a_box);
+    TEST(sign_is_the_winding_number);
+    TEST(ties_go_to_the_least_number);
     TEST(crossing_without_an_inside);
     TEST(answers_all_it_can);
     TEST(refuses_what_it_cannot);

@@ -188,7 +188,7 @@ static void check_triangles(const struct shape *shape, const char *name)
         for (size_t i = 0; i < 9; i++)
             p[i / 3][i % 3] = (float)corner(shape, 3 * t + i / 3)[i % 3];
         cross(p[0], p[1], p[2], n);
-        degenerate += !(dot(n, n) > 0.0);
+        degenerate += dot(n, n) > 0.0 ? 0 : 1;
     }
     CHECK(degenerate == 0, "%s %zu: %zu", name, shape->triangle_count, degenerate);
 }

@@ -492,6 +492,38 @@ static void history_keeps_the_triangle(void)
     fixture_free(&square);
 }
 
+/* Two bodies in the same place are as near: the one that answered first stays. */
+static void equal_bodies_do_not_rattle(void)
+{
+    struct fixture box;
+    struct lab lab;
+    dpt_world_def def = small_def();
+    dpt_body body[2];
+    dpt_tool tool;
+    dpt_hit hit = DPT_HIT_INIT;
+    if (!fixture_from_shape(&box, "box", 12))
+        return;
+    lab_open(&lab, &def);
+    dpt_segment part = capsule(0.2, 0, 0, 0.3, 0, 0, 0);
+    dpt_body_add(lab.world, box.mesh, NULL, &body[0]);
+    dpt_body_add(lab.world, box.mesh, NULL, &body[1]);
+    dpt_tool_add(lab.world, &part, 1, &tool);
+    for (int tick = 0; tick < 10; tick++) {
+        dpt_world_step(lab.world, 1e-3, NULL);
+        dpt_tool_get_hit(lab.world, tool, &hit);
+        CHECK(hit.body == body[0], "tick %d", tick);
+    }
+    dpt_pose away = { { -1, 0, 0 }, { 1, 0, 0, 0 } };
+    dpt_body_set_pose(lab.world, body[0], &away);
+    dpt_world_step(lab.world, 1e-3, NULL);
+    dpt_body_set_pose(lab.world, body[0], &(dpt_pose)DPT_POSE_IDENTITY);
+    dpt_world_step(lab.world, 1e-3, NULL);
+    dpt_tool_get_hit(lab.world, tool, &hit);
+    CHECK(hit.body == body[1], "the second one answered last");
+    free(lab.block);
+    fixture_free(&box);
+}
+
 int main(void)
 {
     TEST(memory_is_what_it_says);
@@ -505,5 +537,6 @@ int main(void)
     TEST(garbage_in_numbers_out);
     TEST(a_step_goes_as_far_as_asked);
     TEST(history_keeps_the_triangle);
+    TEST(equal_bodies_do_not_rattle);
     return check_report();
 }

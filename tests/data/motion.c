@@ -85,6 +85,12 @@ static double dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
+static void cross(double out[3], const double a[3], const double b[3])
+{
+    for (int k = 0; k < 3; k++)
+        out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
+}
+
 /* Recordings. */
 
 enum form {
@@ -289,6 +295,12 @@ struct wander {
     double step[3], spin[3];
 };
 
+/* A power of ten. */
+static double random_power(uint64_t *seed, double low, double high)
+{
+    return pow(10, random_in(seed, low, high));
+}
+
 static void random_direction(uint64_t *seed, double out[3], double length)
 {
     double square;
@@ -360,13 +372,12 @@ static void go_on(struct wander *w)
 {
     double turned[3];
     walk(w->at, w->at, 1, w->step);
-    const double length = sqrt(dot(w->along, w->along));
-    for (int k = 0; k < 3; k++)
-        turned[k] = w->along[k] + w->spin[(k + 1) % 3] * w->along[(k + 2) % 3] -
-                    w->spin[(k + 2) % 3] * w->along[(k + 1) % 3];
-    const double now = sqrt(dot(turned, turned));
+    cross(turned, w->spin, w->along);
+    walk(turned, w->along, 1, turned);
+    const double now = dot(turned, turned);
     for (int k = 0; k < 3 && now > 0; k++)
-        w->along[k] = turned[k] * (length / now);
+        turned[k] *= sqrt(dot(w->along, w->along) / now);
+    memcpy(w->along, turned, sizeof turned);
 }
 
 /* Through a vertex, or ending in it with the very bits. */
@@ -402,11 +413,41 @@ static void append_edge(struct motion *motion, const struct wander *w)
     walk(a, from, -beyond, edge);
     walk(b, to, beyond, edge);
     if (how == 3) {
-        random_direction(w->seed, away, random_in(w->seed, 0, 0.01) * w->diagonal);
+        random_direction(w->seed, away, random_power(w->seed, -14, -2) * w->diagonal);
         walk(a, a, 1, away);
         walk(b, b, 1, away);
     }
     append(motion, a, b, (int)(i % 2));
+}
+
+/*
+ * A point, or a tool that points at the surface, goes over an edge so slowly that the triangle
+ * which it leaves stays within rounding of the nearest for many ticks.
+ */
+static void begin_creeping(struct wander *w)
+{
+    const uint64_t i = random_bits(w->seed);
+    const float *triangle = random_triangle(w);
+    double from[3], edge[3], side[3], normal[3], across[3];
+    corner_of(from, triangle, i % 3);
+    corner_of(edge, triangle, i % 3 + 1);
+    corner_of(side, triangle, i % 3 + 2);
+    walk(edge, edge, -1, from);
+    walk(side, side, -1, from);
+    cross(normal, edge, side);
+    cross(across, normal, edge);
+    const double up = random_power(w->seed, -4, -2) * w->diagonal / sqrt(dot(normal, normal));
+    const double pace = random_power(w->seed, -9.5, -8) * w->diagonal / sqrt(dot(across, across));
+    if (!(isfinite(up) && isfinite(pace)))
+        return; /* a sliver: the tool that is there already will do */
+    const double height = random_bits(w->seed) % 2 ? up : -up, length = i % 2 ? 10 * height : 0;
+    walk(w->at, from, random_in(w->seed, 0.1, 0.9), edge);
+    walk(w->at, w->at, height + length, normal);
+    walk(w->at, w->at, -8 * pace, across);
+    for (int k = 0; k < 3; k++) {
+        w->along[k] = length * normal[k];
+        w->step[k] = pace * across[k];
+    }
 }
 
 enum {
@@ -420,6 +461,7 @@ enum {
     FAR,
     THROUGH_VERTICES,
     ALONG_EDGES,
+    CREEPING,
     SMALL,
     WANDERS
 };
@@ -442,6 +484,8 @@ static void begin_wander(struct wander *w, uint64_t kind)
         random_direction(w->seed, away, 100 * w->diagonal);
         walk(w->at, w->at, 1, away);
     }
+    if (kind == CREEPING)
+        begin_creeping(w);
 }
 
 static void append_random(struct motion *motion, struct wander *w, uint64_t kind, int first)

@@ -71,7 +71,7 @@ void motion_recorded(struct motion *motion, const struct recording *recording,
 
 /*
  * Pieces of 20 ticks, in turn: at rest, slow, fast, spinning, jumping, a point, ten diagonals long,
- * a hundred diagonals away, through vertices, along edges, and small.
+ * a hundred diagonals away, through vertices, along edges, creeping over edges, and small.
  */
 void motion_random(struct motion *motion, const struct motion_place *place, uint64_t seed,
                    size_t ticks);

@@ -260,7 +260,7 @@ static void bound_above(struct bracket *bracket, const int *subset, const oracle
 /* What the point of the subset's affine hull that is nearest to the origin has to say. */
 static void try_subset(struct bracket *bracket, const int *subset, int n)
 {
-    oracle_wide unit[3][3], r[3][3] = { { 0 } }, weight[4], part[3] = { 0, 0, 0 };
+    oracle_wide unit[3][3], r[3][3] = { { 0 } }, weight[4] = { 0, 0, 0, 0 }, part[3] = { 0, 0, 0 };
     for (int i = 0; i < n - 1; i++) {
         oracle_wide x[3];
         for (int k = 0; k < 3; k++)
