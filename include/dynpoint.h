@@ -10,10 +10,10 @@
 #define DYNPOINT_H
 
 #include "dynpoint/base.h"
-#include "dynpoint/result.h"
-#include "dynpoint/types.h"
 #include "dynpoint/mesh.h"
 #include "dynpoint/query.h"
+#include "dynpoint/result.h"
+#include "dynpoint/types.h"
 #include "dynpoint/world.h"
 
 #endif

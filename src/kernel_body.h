@@ -12,8 +12,8 @@
 
 /* Compared so that NaN gives the limit: 0 / 0 stands for "anywhere". */
 #define AT_LEAST(value, limit) ((value) > (limit) ? (value) : (limit))
-#define AT_MOST(value, limit) ((value) < (limit) ? (value) : (limit))
-#define CLAMP(value, high) AT_MOST(AT_LEAST(value, 0.0f), high)
+#define AT_MOST(value, limit)  ((value) < (limit) ? (value) : (limit))
+#define CLAMP(value, high)     AT_MOST(AT_LEAST(value, 0.0f), high)
 
 /* The direction is from the segment's point nearest to the box's centre to that centre. */
 KERNEL_TARGET void KERNEL(boxes)(const float *restrict block, const struct probe *restrict probe,
@@ -66,8 +66,8 @@ KERNEL_TARGET void KERNEL(boxes)(const float *restrict block, const struct probe
     (fx * (py * qz - pz * qy) + fy * (pz * (qx - s) - (px - s) * qz) +                             \
      fz * ((px - s) * qy - py * (qx - s)))
 
-KERNEL_TARGET void KERNEL(triangles)(const float *restrict block, const struct probe *restrict probe,
-                                     float *restrict bound)
+KERNEL_TARGET void KERNEL(triangles)(const float *restrict block,
+                                     const struct probe *restrict probe, float *restrict bound)
 {
     const float ax = probe->a[0], ay = probe->a[1], az = probe->a[2];
     const float xx = probe->x[0], xy = probe->x[1], xz = probe->x[2];
@@ -130,8 +130,10 @@ KERNEL_TARGET void KERNEL(planes)(const float *restrict block, const struct prob
 
     for (int i = 0; i < LANES; i++) {
         float n0 = nx * block[i] + ny * block[LANES + i] + nz * block[2 * LANES + i];
-        float n1 = nx * block[3 * LANES + i] + ny * block[4 * LANES + i] + nz * block[5 * LANES + i];
-        float n2 = nx * block[6 * LANES + i] + ny * block[7 * LANES + i] + nz * block[8 * LANES + i];
+        float n1 =
+            nx * block[3 * LANES + i] + ny * block[4 * LANES + i] + nz * block[5 * LANES + i];
+        float n2 =
+            nx * block[6 * LANES + i] + ny * block[7 * LANES + i] + nz * block[8 * LANES + i];
         bound[i] = AT_MOST(AT_MOST(n0, n1), n2) - height;
     }
 }

@@ -17,13 +17,13 @@
 #include "dynpoint/mesh.h"
 #include "kernel.h"
 
-/* Like PNG's: survives no text-mode transfer, and no text begins so. */
-#define MESH_MAGIC "\x89" "DPA\r\n\x1a\n"
-#define MESH_BYTE_ORDER 0x01020304u
+/* 89 44 50 41 0d 0a 1a 0a: like PNG's, survives no text-mode transfer, and no text begins so. */
+#define MESH_MAGIC              "\211DPA\r\n\032\n"
+#define MESH_BYTE_ORDER         0x01020304u
 #define MESH_BYTE_ORDER_SWAPPED 0x04030201u
-#define MESH_VERSION 1u
-#define MESH_ALIGN 64u
-#define MESH_LEVELS_MAX 8u /* 16^8 is more leaves than 2^32 triangles can fill */
+#define MESH_VERSION            1u
+#define MESH_ALIGN              64u
+#define MESH_LEVELS_MAX         8u /* 16^8 is more leaves than 2^32 triangles can fill */
 
 /* Neighbour over an edge. */
 #define MESH_EDGE_OPEN UINT32_MAX
@@ -31,13 +31,14 @@
 
 /* Place of a source triangle that was dropped. */
 #define MESH_DROPPED_DEGENERATE (UINT32_MAX - 1)
-#define MESH_DROPPED_DUPLICATE (UINT32_MAX - 2)
+#define MESH_DROPPED_DUPLICATE  (UINT32_MAX - 2)
 
 /* Bits of a part's flags. */
-#define MESH_PART_CLOSED 1u   /* every edge has two triangles, wound one way, outward */
+#define MESH_PART_CLOSED   1u /* every edge has two triangles, wound one way, outward */
 #define MESH_PART_MANIFOLD 2u /* no edge has more than two */
-#define MESH_PART_WOUND 4u    /* no two triangles run through an edge in the same direction */
+#define MESH_PART_WOUND    4u /* no two triangles run through an edge in the same direction */
 
+/* clang-format off */
 /*      id                name          words per entry, of what  */
 #define MESH_SECTIONS(X)                                                                           \
     X(MESH_VERTICES,      "vertices")   /* 3 floats a vertex                                    */ \
@@ -51,6 +52,7 @@
     X(MESH_PLACES,        "places")     /* 1 a source triangle: its place here, or why not      */ \
     X(MESH_BOXES,         "boxes")      /* 6 x 16 floats a node, the leaves' parents first      */ \
     X(MESH_LEAVES,        "leaves")     /* 9 x 16 floats a leaf of 16 triangles                 */
+/* clang-format on */
 
 #define MESH_SECTION_ID(id, name) id,
 enum { MESH_SECTIONS(MESH_SECTION_ID) MESH_SECTION_COUNT };
@@ -59,7 +61,7 @@ enum { MESH_SECTIONS(MESH_SECTION_ID) MESH_SECTION_COUNT };
 /* Places in a file that are no section. */
 enum { MESH_HEADER = MESH_SECTION_COUNT, MESH_PADDING };
 
-#define MESH_BOX_WORDS (6u * LANES)
+#define MESH_BOX_WORDS  (6u * LANES)
 #define MESH_LEAF_WORDS (9u * LANES)
 
 struct mesh_section {

@@ -19,8 +19,8 @@ static dpt_result fail(dpt_mesh_fault *fault, dpt_result code, uint64_t byte, in
     return code;
 }
 
-static dpt_result fail_at(dpt_mesh_fault *fault, dpt_result code, const struct dpt_mesh *mesh, int id,
-                          uint64_t word)
+static dpt_result fail_at(dpt_mesh_fault *fault, dpt_result code, const struct dpt_mesh *mesh,
+                          int id, uint64_t word)
 {
     return fail(fault, code, mesh->section[id].offset + 4 * word, id);
 }
@@ -138,7 +138,8 @@ static dpt_result check_numbers(const struct dpt_mesh *mesh, dpt_mesh_fault *fau
     const double largest = 2.0 * DPT_COORDINATE_MAX;
     if (!vec3_within(mesh->box_min, largest) || !vec3_within(mesh->box_max, largest) ||
         !vec3_within(mesh->filter_centre, largest) || !within(mesh->filter_scale, 1e300) ||
-        !(mesh->filter_scale > 0.0) || !within(mesh->scale, 1e300) || !within(mesh->rounding, 1e300))
+        !(mesh->filter_scale > 0.0) || !within(mesh->scale, 1e300) ||
+        !within(mesh->rounding, 1e300))
         return fail(fault, DPT_E_FINITE, offsetof(struct dpt_mesh, scale), MESH_HEADER);
     return DPT_OK;
 }

@@ -12,12 +12,14 @@ double dpt_segment_triangle(const double segment[6], const double triangle[9], d
 {
     pair found = { .distance2 = HUGE_VAL };
     vec3 at_p = { 0.0, 0.0, 0.0 };
-    if (segment && triangle && vec3_within(segment, PAIR_COORDINATE_MAX) && vec3_within(segment + 3, PAIR_COORDINATE_MAX) &&
-        vec3_within(triangle, PAIR_COORDINATE_MAX) && vec3_within(triangle + 3, PAIR_COORDINATE_MAX) &&
+    if (segment && triangle && vec3_within(segment, PAIR_COORDINATE_MAX) &&
+        vec3_within(segment + 3, PAIR_COORDINATE_MAX) &&
+        vec3_within(triangle, PAIR_COORDINATE_MAX) &&
+        vec3_within(triangle + 3, PAIR_COORDINATE_MAX) &&
         vec3_within(triangle + 6, PAIR_COORDINATE_MAX)) {
         vec3 a = vec3_of(segment), u = sub(vec3_of(segment + 3), a);
-        found = segment_triangle(a, u, vec3_of(triangle), vec3_of(triangle + 3),
-                                 vec3_of(triangle + 6));
+        found =
+            segment_triangle(a, u, vec3_of(triangle), vec3_of(triangle + 3), vec3_of(triangle + 6));
         at_p = along(a, found.s, u);
     }
     if (s)

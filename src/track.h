@@ -8,9 +8,9 @@
 
 /* An axis in the world and in the body's frame. */
 struct axis {
-    vec3 a, b;         /* world */
-    vec3 local_a, u;   /* body: local_a + s u */
-    double error;      /* the error bound of a distance from here */
+    vec3 a, b;       /* world */
+    vec3 local_a, u; /* body: local_a + s u */
+    double error;    /* the error bound of a distance from here */
 };
 
 void axis_of(const struct tree *tree, const struct frame *body, vec3 a, vec3 b, struct axis *axis);

@@ -183,7 +183,8 @@ static struct visit *look_into_boxes(struct search *search, const struct kernel 
 {
     float bound[LANES];
     uint32_t first = node * LANES;
-    kernel->boxes(search->tree->level[level] + (size_t)node * MESH_BOX_WORDS, &search->probe, bound);
+    kernel->boxes(search->tree->level[level] + (size_t)node * MESH_BOX_WORDS, &search->probe,
+                  bound);
     search->nearest->work++;
     struct visit *base = top;
     uint32_t lanes = lanes_within(search, bound, search->tree->count[level - 1] - first);

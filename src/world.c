@@ -98,10 +98,9 @@ static void forget_segment(struct dpt_world *world, uint32_t segment)
 void tool_clear(struct dpt_world *world, struct tool *tool)
 {
     for (uint32_t i = 0; i < tool->count; i++)
-        world->segments[tool->first + i].hit = (dpt_hit){ .size = sizeof(dpt_hit),
-                                                          .status = DPT_STATUS_STALE,
-                                                          .triangle = DPT_NONE,
-                                                          .segment = i };
+        world->segments[tool->first + i].hit = (dpt_hit){
+            .size = sizeof(dpt_hit), .status = DPT_STATUS_STALE, .triangle = DPT_NONE, .segment = i
+        };
     memset(&tool->wrench, 0, sizeof tool->wrench);
     tool->nearest = 0;
 }
@@ -128,13 +127,13 @@ dpt_result dpt_world_reset(dpt_world *world)
 static struct body *find_body(const struct dpt_world *world, dpt_body body)
 {
     uint32_t index = handle_index(body);
-    if (index >= world->body_end ||
-        !handle_fits(body, HANDLE_BODY, &world->bodies[index].slot))
+    if (index >= world->body_end || !handle_fits(body, HANDLE_BODY, &world->bodies[index].slot))
         return NULL;
     return &world->bodies[index];
 }
 
-dpt_result dpt_body_add(dpt_world *world, const dpt_mesh *mesh, const dpt_pose *pose, dpt_body *body)
+dpt_result dpt_body_add(dpt_world *world, const dpt_mesh *mesh, const dpt_pose *pose,
+                        dpt_body *body)
 {
     struct frame frame;
     if (!world || !mesh || !body)
@@ -188,8 +187,7 @@ dpt_result dpt_body_set_pose(dpt_world *world, dpt_body body, const dpt_pose *po
 struct tool *world_tool(const struct dpt_world *world, dpt_tool tool)
 {
     uint32_t index = handle_index(tool);
-    if (index >= world->tool_end ||
-        !handle_fits(tool, HANDLE_TOOL, &world->tools[index].slot))
+    if (index >= world->tool_end || !handle_fits(tool, HANDLE_TOOL, &world->tools[index].slot))
         return NULL;
     return &world->tools[index];
 }
@@ -289,8 +287,8 @@ dpt_result dpt_tool_set_segments(dpt_world *world, dpt_tool tool, const dpt_segm
     struct tool *moved = world ? world_tool(world, tool) : NULL;
     if (!moved)
         return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
-    dpt_result result = segments && count == moved->count ? check_segments(segments, count)
-                                                          : DPT_E_ARGUMENT;
+    dpt_result result =
+        segments && count == moved->count ? check_segments(segments, count) : DPT_E_ARGUMENT;
     moved->valid = result == DPT_OK;
     if (result != DPT_OK)
         return result;

@@ -39,7 +39,7 @@ static void tree_gives_the_bits_of_brute_force(void)
     const struct {
         const char *name;
         uint32_t count;
-    } shapes[] = { { "torus", 5568 }, { "star", 0 },     { "membrane", 0 }, { "cloth", 0 },
+    } shapes[] = { { "torus", 5568 }, { "star", 0 },      { "membrane", 0 }, { "cloth", 0 },
                    { "hub", 500 },    { "sphere", 2000 }, { "box", 0 },      { "liver", 8000 } };
     double ends[6 * COUNT];
     static dpt_hit tree[COUNT], brute[COUNT];

@@ -191,7 +191,8 @@ static void many_bodies_and_segments(void)
     for (int tick = 0; tick < 3000; tick++) {
         double t = 1e-3 * tick, angle = 2.0 * t;
         dpt_pose pose[2] = { { { 0.2 * sin(t), 0.1, 0 }, { cos(t), 0, sin(t), 0 } },
-                             { { -0.2, 0.3 * sin(0.7 * t), 0 }, { cos(angle), sin(angle), 0, 0 } } };
+                             { { -0.2, 0.3 * sin(0.7 * t), 0 },
+                               { cos(angle), sin(angle), 0, 0 } } };
         dpt_pose at = { { 0.15 * cos(3.0 * t), 0.1 * sin(5.0 * t), 0.1 * sin(t) },
                         { cos(t), 0, 0, sin(t) } };
         dpt_step out = { .size = sizeof out };
@@ -204,9 +205,11 @@ static void many_bodies_and_segments(void)
             dpt_hit hit = DPT_HIT_INIT, one[2] = { DPT_HIT_INIT, DPT_HIT_INIT };
             const double *a = parts[k].a, *b = parts[k].b;
             double ends[6] = { at.position[0] + c * a[0] - s * a[1],
-                               at.position[1] + s * a[0] + c * a[1], at.position[2] + a[2],
+                               at.position[1] + s * a[0] + c * a[1],
+                               at.position[2] + a[2],
                                at.position[0] + c * b[0] - s * b[1],
-                               at.position[1] + s * b[0] + c * b[1], at.position[2] + b[2] };
+                               at.position[1] + s * b[0] + c * b[1],
+                               at.position[2] + b[2] };
             for (int i = 0; i < 2; i++)
                 dpt_query_segments(mesh[i].mesh, &pose[i], ends, NULL, 1, &one[i], NULL);
             double expected = fmin(one[0].distance, one[1].distance);
@@ -312,7 +315,8 @@ static void penalty_in_a_sphere(void)
             along_radius += wrench.force[k] * x[k] / sqrt(size);
             total += pow(wrench.force[k], 2.0);
         }
-        CHECK(fabs(along_radius - expected) < 500.0 * facet, "%g N, not %g", along_radius, expected);
+        CHECK(fabs(along_radius - expected) < 500.0 * facet, "%g N, not %g", along_radius,
+              expected);
         CHECK(along_radius >= 0.995 * sqrt(total), "%g of %g N along the radius", along_radius,
               sqrt(total));
     }
@@ -335,7 +339,8 @@ static void bad_input_gives_no_force(void)
     lab_open(&lab, &def);
     dpt_segment part = capsule(0, 0, 0, 0.01, 0, 0, 0.01);
     dpt_tool_add(lab.world, &part, 1, &tool);
-    CHECK(dpt_world_step(lab.world, 1e-3, &out) == DPT_OK && out.status == DPT_STATUS_STALE, "empty");
+    CHECK(dpt_world_step(lab.world, 1e-3, &out) == DPT_OK && out.status == DPT_STATUS_STALE,
+          "empty");
     dpt_body_add(lab.world, box.mesh, NULL, &body);
     dpt_pose good = DPT_POSE_IDENTITY, bad = DPT_POSE_IDENTITY;
     bad.position[2] = NAN;

@@ -6,6 +6,8 @@
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
+#include <unistd.h>
 
 #include "compile/number.h"
 
@@ -113,12 +115,24 @@ int output_close(struct output *output, const char *command, int keep)
     if (output->beside && keep && !failed)
         failed = rename(output->beside, output->path) != 0;
     if (failed && keep)
-        complain(command, "%s: cannot be written: %s", output->path,
-                 strerror(errno ? errno : EIO));
+        complain(command, "%s: cannot be written: %s", output->path, strerror(errno ? errno : EIO));
     if (output->beside && (failed || !keep))
         remove(output->beside);
     free(output->beside);
     return failed && keep ? 2 : 0;
+}
+
+void meter_show(struct meter *meter, const char *what, double done)
+{
+    long now = (long)time(NULL);
+    if (!meter->began)
+        meter->began = now;
+    if (done >= 1.0 && meter->shown)
+        fputs("\r                     \r", stderr);
+    if (done >= 1.0 || now - meter->began < 2 || !isatty(2))
+        return;
+    fprintf(stderr, "\r%-12.12s %3.0f %%", what, 100.0 * done);
+    meter->shown = 1;
 }
 
 void *load_file(const char *command, const char *path, size_t *size)

@@ -48,6 +48,16 @@ struct output {
 int output_open(struct output *output, const char *command, const char *path);
 int output_close(struct output *output, const char *command, int keep);
 
+/*
+ * Progress on a terminal, for what takes more than a second: how much of `what` is done (0..1). The line
+ * is wiped at 1. Begin with a zeroed meter.
+ */
+struct meter {
+    long began; /* s */
+    int shown;
+};
+void meter_show(struct meter *meter, const char *what, double done);
+
 /* The bytes of a file, aligned to 64, zero-terminated; NULL after the complaint. */
 void *load_file(const char *command, const char *path, size_t *size);
 

@@ -3,44 +3,28 @@
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
-
-#ifdef _WIN32
-#include <io.h>
-#define stderr_is_terminal() _isatty(2)
-#else
-#include <unistd.h>
-#define stderr_is_terminal() isatty(2)
-#endif
 
 #include "command.h"
 #include "common.h"
 #include "dynpoint/compile.h"
 
 static const char help[] =
-    "usage: dynpoint compile IN -o OUT.dpa [--scale X] [--c-array NAME]\n"
+    "usage: dynpoint compile IN -o OUT.dpa [--scale X] [--c-array NAME] [-j N]\n"
     "\n"
-    "Compiles an OBJ, STL, PLY or OFF mesh into a file that is used in place, by mmap or from flash.\n"
-    "Joins equal vertices, drops degenerate and duplicate triangles, turns closed parts outward; says\n"
+    "Compiles an OBJ, STL, PLY or OFF mesh into a file that is used in place, by mmap or from "
+    "flash.\n"
+    "Joins equal vertices, drops degenerate and duplicate triangles, turns closed parts outward; "
+    "says\n"
     "what it found. Anything else compiles as it is.\n"
     "\n"
     "  -o FILE         where to; - is standard output\n"
     "  --scale X       metres per unit of the source (0.001 for millimetres); default 1\n"
-    "  --c-array NAME  write C source that holds the bytes in an array of that name\n";
+    "  --c-array NAME  write C source that holds the bytes in an array of that name\n"
+    "  -j N            use at most N threads; this version never uses more than one\n";
 
-struct meter {
-    time_t began;
-    int shown;
-};
-
-/* Only on a terminal, and only for what takes more than a second. */
 static int show_progress(void *user, const char *step, double done)
 {
-    struct meter *meter = user;
-    if (time(NULL) - meter->began < 2)
-        return 0;
-    fprintf(stderr, "\r%-10s %3.0f %%", step, 100.0 * done);
-    meter->shown = 1;
+    meter_show(user, step, done < 1.0 ? done : 0.999);
     return 0;
 }
 
@@ -69,14 +53,15 @@ static void write_c_array(FILE *file, const char *name, const dpt_compiled *comp
     fputs("\n};\n", file);
 }
 
-static void report(const dpt_compiled *compiled, const char *out)
+static void report(FILE *file, const dpt_compiled *compiled, const char *out)
 {
     const dpt_mesh *mesh;
     dpt_mesh_info info = { .size = sizeof info };
     if (dpt_mesh_open(compiled->bytes, compiled->size, &mesh) != DPT_OK ||
         dpt_mesh_get_info(mesh, &info) != DPT_OK)
         return;
-    fprintf(stderr, "%s: %" PRIu32 " triangles, %" PRIu32 " vertices, %" PRIu32 " part%s (%" PRIu32
+    fprintf(file,
+            "%s: %" PRIu32 " triangles, %" PRIu32 " vertices, %" PRIu32 " part%s (%" PRIu32
             " closed), %.1f MB\n",
             out, info.triangles, info.vertices, info.components, info.components == 1 ? "" : "s",
             info.closed_components, (double)info.bytes / 1e6);
@@ -96,7 +81,7 @@ static void report(const dpt_compiled *compiled, const char *out)
     };
     for (size_t i = 0; i < sizeof found / sizeof *found; i++)
         if (found[i].count)
-            fprintf(stderr, "  %8" PRIu32 " %s\n", found[i].count, found[i].what);
+            fprintf(file, "  %8" PRIu32 " %s\n", found[i].count, found[i].what);
 }
 
 static int complain_source(const char *in, const dpt_diag *diag)
@@ -112,8 +97,10 @@ int command_compile(int argc, char **argv)
 {
     const char *in, *out = NULL, *array = NULL;
     double scale = 1.0;
+    uint64_t threads = 1;
     size_t operands;
     const struct option_def options[] = { { .name = "-o", .text = &out },
+                                          { .name = "-j", .count = &threads },
                                           { .name = "--scale", .number = &scale },
                                           { .name = "--c-array", .text = &array } };
     int status = parse_options(argc, argv, options, sizeof options / sizeof *options, help, &in, 1,
@@ -122,21 +109,22 @@ int command_compile(int argc, char **argv)
         return status;
     if (operands != 1 || !out)
         return complain("compile", "an input file and -o FILE are needed (see --help)");
+    if (!threads)
+        return complain("compile", "-j must be 1 or more");
     if (!(scale > 0.0))
         return complain("compile", "--scale must be positive");
     if (array && !is_c_name(array))
         return complain("compile", "--c-array: '%s' is not a name in C", array);
 
-    struct meter meter = { .began = time(NULL) };
-    dpt_compile_def def = { .size = sizeof def, .scale = scale, .user = &meter };
+    struct meter meter = { .began = 0 };
+    dpt_compile_def def = {
+        .size = sizeof def, .scale = scale, .progress = show_progress, .user = &meter
+    };
     dpt_diag diag = { .size = sizeof diag };
     dpt_compiled compiled;
     struct output output;
-    if (stderr_is_terminal())
-        def.progress = show_progress;
     dpt_result result = dpt_compile_file(in, &def, &compiled, &diag);
-    if (meter.shown)
-        fputs("\r                \r", stderr);
+    meter_show(&meter, "", 1.0);
     if (result != DPT_OK)
         return complain_source(in, &diag);
     status = output_open(&output, "compile", out);
@@ -148,7 +136,7 @@ int command_compile(int argc, char **argv)
         status = output_close(&output, "compile", 1);
     }
     if (status == 0)
-        report(&compiled, out);
+        report(strcmp(out, "-") ? stdout : stderr, &compiled, out);
     dpt_compiled_free(&compiled);
     return status;
 }

@@ -17,7 +17,8 @@ static const char help[] =
 
 static void print_json(const dpt_mesh *mesh, const dpt_mesh_info *info)
 {
-    printf("{\"triangles\":%" PRIu32 ",\"vertices\":%" PRIu32 ",\"scale\":%.17g,\"rounding\":%.17g,",
+    printf("{\"triangles\":%" PRIu32 ",\"vertices\":%" PRIu32
+           ",\"scale\":%.17g,\"rounding\":%.17g,",
            info->triangles, info->vertices, info->scale, info->rounding);
     printf("\"open_edges\":%" PRIu32 ",\"nonmanifold_edges\":%" PRIu32
            ",\"wrong_way_edges\":%" PRIu32 ",\"components\":%" PRIu32
@@ -34,7 +35,8 @@ static void print_json(const dpt_mesh *mesh, const dpt_mesh_info *info)
            info->source_vertices, info->source_bytes, info->source_hash);
     printf("\"box\":[[%.17g,%.17g,%.17g],[%.17g,%.17g,%.17g]],", info->box_min[0], info->box_min[1],
            info->box_min[2], info->box_max[0], info->box_max[1], info->box_max[2]);
-    printf("\"format\":%" PRIu32 ",\"tree_levels\":%" PRIu32 ",\"bytes\":%" PRIu64 ",\"sections\":[",
+    printf("\"format\":%" PRIu32 ",\"tree_levels\":%" PRIu32 ",\"bytes\":%" PRIu64
+           ",\"sections\":[",
            info->format_version, info->tree_levels, info->bytes);
     dpt_mesh_section section = { .size = sizeof section };
     for (uint32_t i = 0; dpt_mesh_get_section(mesh, i, &section) == DPT_OK; i++)

@@ -21,7 +21,8 @@ static const char help[] =
     "\n"
     "  --seed S    default 1\n"
     "  --ticks N   default 20000\n"
-    "  --length L  of the tool, m; default 0.3 for a mesh with a diagonal of 0.35 m, scaled with it\n"
+    "  --length L  of the tool, m; default 0.3 for a mesh with a diagonal of 0.35 m, scaled with "
+    "it\n"
     "  --band B    how far above and below the surface it is held, m; default 0.005, scaled\n"
     "  --speed V   mean speed over the surface, m/s; default 0.3, scaled\n";
 
@@ -115,17 +116,21 @@ static void hand_ends(const struct hand *hand, double time, double ends[6])
 static int write_trace(struct hand *hand, uint64_t ticks, const char *out)
 {
     struct output output;
+    struct meter meter = { .began = 0 };
     int status = output_open(&output, "make trace", out);
     if (status)
         return status;
     fputs("tick,ax,ay,az,bx,by,bz\n", output.file);
     for (uint64_t tick = 0; tick < ticks; tick++) {
         double ends[6], time = 1e-3 * (double)tick;
+        if (tick % 1024 == 0)
+            meter_show(&meter, "make trace", (double)tick / (double)ticks);
         hand_move(hand, time);
         hand_ends(hand, time, ends);
         fprintf(output.file, "%" PRIu64 ",%.17g,%.17g,%.17g,%.17g,%.17g,%.17g\n", tick, ends[0],
                 ends[1], ends[2], ends[3], ends[4], ends[5]);
     }
+    meter_show(&meter, "", 1.0);
     return output_close(&output, "make trace", 1);
 }
 

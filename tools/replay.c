@@ -12,7 +12,8 @@
 static const char help[] =
     "usage: dynpoint replay FILE.dpa TRACE.csv -o OUT.csv [options]\n"
     "\n"
-    "Moves a tool along a trace (tick,ax,ay,az,bx,by,bz in m) and writes, for every tick, the nearest\n"
+    "Moves a tool along a trace (tick,ax,ay,az,bx,by,bz in m) and writes, for every tick, the "
+    "nearest\n"
     "pair, its proof, contact and force.\n"
     "\n"
     "  -o FILE              OUT.csv; - is standard output\n"
@@ -21,9 +22,11 @@ static const char help[] =
     "  --stiffness K        of the penalty force, N/m; default 500\n"
     "  --until STAGE        track, contact or respond (default): how far a step goes\n"
     "  --dt T               length of a tick, s; default 0.001\n"
-    "  --kernel K           auto (default), scalar, sse2, avx2, avx512, neon: same answers, other speed\n"
+    "  --kernel K           auto (default), scalar, sse2, avx2, avx512, neon: same answers, other "
+    "speed\n"
     "  --repeat N           passes; the least time of each tick counts; default 1\n"
-    "  --against M          compare every distance with another method's; exit status 1 if they differ\n"
+    "  --against M          compare every distance with another method's; exit status 1 if they "
+    "differ\n"
     "                       by more than 1e-9 of the mesh's diagonal\n"
     "  --every N            with --against: only each Nth tick\n"
     "  --json               the summary as one JSON object on standard output\n";
@@ -94,8 +97,11 @@ static void place(struct stage *stage, const struct trace *trace, size_t row, do
 static void run_pass(struct stage *stage, const struct settings *settings,
                      struct replayed *replayed, int first)
 {
+    struct meter meter = { .began = 0 };
     dpt_world_reset(stage->world);
     for (size_t i = 0; i < replayed->trace->count; i++) {
+        if (i % 256 == 0)
+            meter_show(&meter, "replay", (double)i / (double)replayed->trace->count);
         struct replayed_tick *tick = &replayed->ticks[i];
         place(stage, replayed->trace, i, settings->radius);
         double begin = now_ns();
@@ -106,6 +112,7 @@ static void run_pass(struct stage *stage, const struct settings *settings,
         dpt_tool_get_hit(stage->world, stage->tool, &tick->hit);
         dpt_tool_get_wrench(stage->world, stage->tool, &tick->wrench);
     }
+    meter_show(&meter, "", 1.0);
 }
 
 static int compare(const struct settings *settings, const dpt_mesh *mesh, struct replayed *replayed)
@@ -113,15 +120,18 @@ static int compare(const struct settings *settings, const dpt_mesh *mesh, struct
     struct comparison *against = &replayed->against;
     const struct trace *trace = replayed->trace;
     struct stage stage = { .block = NULL };
+    struct meter meter = { .began = 0 };
     dpt_world_def def = settings->def;
     def.method = (uint32_t)settings->against;
     def.until = DPT_UNTIL_TRACK;
     dpt_segment segment = segment_of(&trace->rows[0], settings->radius);
     double *ns = malloc(trace->count * sizeof *ns);
-    int status = ns ? stage_open(&stage, &def, mesh, &segment)
-                    : complain("replay", "memory ran out");
+    int status =
+        ns ? stage_open(&stage, &def, mesh, &segment) : complain("replay", "memory ran out");
     for (size_t i = 0; status == 0 && i < trace->count; i += settings->every) {
         dpt_hit hit = DPT_HIT_INIT;
+        if (against->ticks % 64 == 0)
+            meter_show(&meter, "compare", (double)i / (double)trace->count);
         place(&stage, trace, i, settings->radius);
         double begin = now_ns();
         dpt_world_step(stage.world, settings->dt, NULL);
@@ -131,6 +141,7 @@ static int compare(const struct settings *settings, const dpt_mesh *mesh, struct
         against->wrong += error <= against->tolerance ? 0 : 1;
         against->largest_error = fmax(against->largest_error, error);
     }
+    meter_show(&meter, "", 1.0);
     if (ns) {
         sort_numbers(ns, against->ticks);
         against->ns = percentile(ns, against->ticks, 0.5);
@@ -208,8 +219,8 @@ static int take_settings(int argc, char **argv, struct settings *settings)
         { .name = "--every", .count = &settings->every },
         { .name = "--json", .flag = &settings->json },
     };
-    int status = parse_options(argc, argv, options, sizeof options / sizeof *options, help,
-                               operand, 2, &operands);
+    int status = parse_options(argc, argv, options, sizeof options / sizeof *options, help, operand,
+                               2, &operands);
     if (status >= 0)
         return status;
     if (operands != 2 || !settings->out)

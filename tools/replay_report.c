@@ -166,8 +166,7 @@ void replay_print_table(FILE *file, const struct replayed *replayed)
     print_time_row(file, "all", s.ns, s.count);
     print_time_row(file, "axis crosses the mesh", s.crossing_ns, s.crossing);
     print_time_row(file, "axis does not", s.other_ns, s.other);
-    fprintf(file, "  %-22s %8d %9.2f\n\n", "first, from nothing", 1,
-            1e-3 * replayed->ticks[0].ns);
+    fprintf(file, "  %-22s %8d %9.2f\n\n", "first, from nothing", 1, 1e-3 * replayed->ticks[0].ns);
     fprintf(file, "  exact on %" PRIu64 " of %zu ticks", s.status[DPT_STATUS_EXACT],
             replayed->trace->count);
     if (replayed->until != DPT_UNTIL_TRACK)
@@ -179,10 +178,11 @@ void replay_print_table(FILE *file, const struct replayed *replayed)
     fputs("\n", file);
     const struct comparison *against = &replayed->against;
     if (against->method)
-        fprintf(file,
-                "  against %s on %" PRIu64 " ticks: %" PRIu64
-                " wrong, largest difference %.2g m (%.1g of the diagonal); %s took %.0f us a tick\n",
-                against->method, against->ticks, against->wrong, against->largest_error,
-                against->largest_error / replayed->diagonal, against->method, 1e-3 * against->ns);
+        fprintf(
+            file,
+            "  against %s on %" PRIu64 " ticks: %" PRIu64
+            " wrong, largest difference %.2g m (%.1g of the diagonal); %s took %.0f us a tick\n",
+            against->method, against->ticks, against->wrong, against->largest_error,
+            against->largest_error / replayed->diagonal, against->method, 1e-3 * against->ns);
     free(s.ns);
 }

@@ -18,9 +18,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define DPT_VERSION_MAJOR 0
-#define DPT_VERSION_MINOR 1
-#define DPT_VERSION_PATCH 0
+#define DPT_VERSION_MAJOR  0
+#define DPT_VERSION_MINOR  1
+#define DPT_VERSION_PATCH  0
 #define DPT_VERSION_STRING "0.1.0"
 
 #if defined(_WIN32)
@@ -39,7 +39,7 @@
 
 #ifdef __cplusplus
 #define DPT_BEGIN extern "C" {
-#define DPT_END }
+#define DPT_END   }
 #else
 #define DPT_BEGIN
 #define DPT_END

@@ -70,7 +70,8 @@ DPT_API dpt_result dpt_compile_bytes(const void *source, size_t size, const dpt_
                                      dpt_compiled *out, dpt_diag *diag);
 DPT_API dpt_result dpt_compile_arrays(const double *vertices, size_t vertex_count,
                                       const uint32_t *corners, size_t triangle_count,
-                                      const dpt_compile_def *def, dpt_compiled *out, dpt_diag *diag);
+                                      const dpt_compile_def *def, dpt_compiled *out,
+                                      dpt_diag *diag);
 
 DPT_API void dpt_compiled_free(dpt_compiled *compiled);
 

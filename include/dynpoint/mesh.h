@@ -43,11 +43,11 @@ DPT_API dpt_result dpt_mesh_convert(void *bytes, size_t size, dpt_mesh_fault *fa
 
 /* What the compiler found in the source, what it mended, and what the file holds. */
 typedef struct dpt_mesh_info {
-    uint32_t size;               /* sizeof(dpt_mesh_info) */
-    uint32_t format_version;     /* of the file */
-    uint32_t triangles;          /* that count: dropped ones are not among them */
-    uint32_t vertices;           /* distinct positions that a triangle uses */
-    uint32_t source_triangles;   /* polygons of n corners count as n - 2 */
+    uint32_t size;             /* sizeof(dpt_mesh_info) */
+    uint32_t format_version;   /* of the file */
+    uint32_t triangles;        /* that count: dropped ones are not among them */
+    uint32_t vertices;         /* distinct positions that a triangle uses */
+    uint32_t source_triangles; /* polygons of n corners count as n - 2 */
     uint32_t source_vertices;
     uint32_t dropped_degenerate; /* two corners alike, or no area */
     uint32_t dropped_duplicate;  /* the same three corners as a triangle of lower number */
@@ -61,13 +61,13 @@ typedef struct dpt_mesh_info {
     uint32_t inward_components;  /* closed, and wound inward in the source: turned */
     uint32_t turned_triangles;   /* whose corners the compiler swapped to agree with their part */
     uint32_t tree_levels;
-    double scale;                /* vertex = (float)(scale * source) */
-    double rounding;             /* largest |vertex - scale * source| of a coordinate, in m */
+    double scale;    /* vertex = (float)(scale * source) */
+    double rounding; /* largest |vertex - scale * source| of a coordinate, in m */
     double box_min[3];
     double box_max[3];
-    uint64_t source_bytes;       /* length of the source file; 0 when compiled from arrays */
-    uint64_t source_hash;        /* its FNV-1a hash, 64 bits */
-    uint64_t bytes;              /* length of the compiled file */
+    uint64_t source_bytes; /* length of the source file; 0 when compiled from arrays */
+    uint64_t source_hash;  /* its FNV-1a hash, 64 bits */
+    uint64_t bytes;        /* length of the compiled file */
 } dpt_mesh_info;
 
 /* Fill `info`, whose size field is set. */

@@ -34,9 +34,9 @@ typedef struct dpt_query_def {
  * A segment that is not finite or beyond DPT_COORDINATE_MAX gets status stale, and the call returns
  * DPT_E_FINITE after it has answered all others.
  */
-DPT_API dpt_result dpt_query_segments(const dpt_mesh *mesh, const dpt_pose *pose, const double *ends,
-                                      const double *radii, size_t n, dpt_hit *hits,
-                                      const dpt_query_def *def);
+DPT_API dpt_result dpt_query_segments(const dpt_mesh *mesh, const dpt_pose *pose,
+                                      const double *ends, const double *radii, size_t n,
+                                      dpt_hit *hits, const dpt_query_def *def);
 
 /*
  * The nearest pair of one segment and one triangle, in double: what every method rests on.

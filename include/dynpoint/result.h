@@ -8,6 +8,7 @@
 
 #include "dynpoint/base.h"
 
+/* clang-format off */
 /*         name                value  text */
 #define DPT_RESULTS(X)                                                                             \
     X(DPT_OK,                     0, "done")                                                       \
@@ -35,6 +36,7 @@
     X(DPT_E_EMPTY,              -44, "the mesh has no triangle that counts")                       \
     X(DPT_E_LIMIT,              -45, "the mesh is larger than the format can number")              \
     X(DPT_E_CANCELLED,          -46, "the progress callback asked to stop")
+/* clang-format on */
 
 typedef int32_t dpt_result;
 

@@ -24,8 +24,10 @@ typedef struct dpt_pose {
     double orientation[4];
 } dpt_pose;
 
+/* clang-format off */
 /* The identity pose, as an initialiser. */
 #define DPT_POSE_IDENTITY { { 0.0, 0.0, 0.0 }, { 1.0, 0.0, 0.0, 0.0 } }
+/* clang-format on */
 
 /*
  * A capsule: all points within `radius` of the axis AB. Radius 0 is a line segment; a zero length is
@@ -60,7 +62,7 @@ enum {
 
 /* How the tool's surface stands to the mesh. */
 enum {
-    DPT_CONTACT_UNKNOWN = 0,    /* not decided: the axis crosses an open sheet, or there is no mesh */
+    DPT_CONTACT_UNKNOWN = 0, /* not decided: the axis crosses an open sheet, or there is no mesh */
     DPT_CONTACT_SEPARATED = 1,  /* gap > error_bound */
     DPT_CONTACT_TOUCHING = 2,   /* |gap| <= error_bound */
     DPT_CONTACT_PENETRATING = 3 /* gap < -error_bound, or the axis crosses a closed part */
@@ -105,12 +107,14 @@ typedef struct dpt_hit {
     double lower_bound;
 } dpt_hit;
 
+/* clang-format off */
 /* An empty hit that knows its size, as an initialiser. */
 #ifdef __cplusplus
 #define DPT_HIT_INIT { (uint32_t)sizeof(dpt_hit) }
 #else
 #define DPT_HIT_INIT { .size = (uint32_t)sizeof(dpt_hit) }
 #endif
+/* clang-format on */
 
 /* Instruction sets of the inner loops. All give the same bits; they differ in speed alone. */
 enum {

@@ -102,11 +102,12 @@ DPT_API dpt_result dpt_tool_teleport(dpt_world *world, dpt_tool tool, const dpt_
 
 /* What one tick found, over all tools. */
 typedef struct dpt_step {
-    uint32_t size;    /* sizeof(dpt_step), set by the caller */
-    uint32_t status;  /* the least DPT_STATUS_... of any tool */
-    uint32_t contact; /* the gravest DPT_CONTACT_... of any tool: penetrating, touching, unknown, ... */
-    uint32_t work;    /* 16-lane blocks looked at */
-    double distance;  /* the least of any tool; 0 when no tool has an answer */
+    uint32_t size;   /* sizeof(dpt_step), set by the caller */
+    uint32_t status; /* the least DPT_STATUS_... of any tool */
+    uint32_t
+        contact; /* the gravest DPT_CONTACT_... of any tool: penetrating, touching, unknown, ... */
+    uint32_t work;   /* 16-lane blocks looked at */
+    double distance; /* the least of any tool; 0 when no tool has an answer */
 } dpt_step;
 
 /*

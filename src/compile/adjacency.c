@@ -170,7 +170,8 @@ static int agree(const struct model *model, uint32_t seed, uint8_t *turn, uint32
 static double signed_volume(const struct model *model, const uint32_t *queue, size_t count,
                             const uint8_t *turn)
 {
-    vec3 origin = vec3_of_float(model->positions + 3 * (size_t)model->corners[3 * (size_t)queue[0]]);
+    vec3 origin =
+        vec3_of_float(model->positions + 3 * (size_t)model->corners[3 * (size_t)queue[0]]);
     double volume = 0.0;
     for (size_t i = 0; i < count; i++) {
         const uint32_t *corner = model->corners + 3 * (size_t)queue[i];

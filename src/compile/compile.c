@@ -45,7 +45,8 @@ static dpt_result build(soup *source, uint64_t source_size, uint64_t source_hash
     return result;
 }
 
-static dpt_result read_source(soup *source, uint32_t format, const unsigned char *bytes, size_t size)
+static dpt_result read_source(soup *source, uint32_t format, const unsigned char *bytes,
+                              size_t size)
 {
     switch (format) {
     case DPT_FORMAT_OBJ:
@@ -173,8 +174,8 @@ dpt_result dpt_compile_arrays(const double *vertices, size_t vertex_count, const
         result = soup_vertex(&source, vertices[3 * v], vertices[3 * v + 1], vertices[3 * v + 2],
                              (source_place){ 0, 3 * sizeof *vertices * v });
     for (size_t t = 0; result == DPT_OK && t < triangle_count; t++)
-        result = soup_polygon(&source, corners + 3 * t, 3,
-                              (source_place){ 0, 3 * sizeof *corners * t });
+        result =
+            soup_polygon(&source, corners + 3 * t, 3, (source_place){ 0, 3 * sizeof *corners * t });
     if (result == DPT_OK)
         result = build(&source, 0, 0, out);
     if (out)

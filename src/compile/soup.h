@@ -27,7 +27,7 @@ typedef struct soup_polygon_span {
 } soup_polygon_span;
 
 typedef struct soup {
-    float *positions; /* 3 per vertex */
+    float *positions;  /* 3 per vertex */
     uint32_t *corners; /* 3 per triangle: numbers of vertices */
     soup_polygon_span *polygons;
     size_t vertex_count, vertex_room;

@@ -145,10 +145,14 @@ static void fill_boxes(const struct dpt_mesh *mesh, float *nodes, struct box *bo
 static void fill_words(const struct dpt_mesh *mesh, const struct model *model, char *bytes)
 {
     const void *content[MESH_SECTION_COUNT] = {
-        [MESH_VERTICES] = model->positions,   [MESH_TRIANGLES] = model->corners,
-        [MESH_NEIGHBOURS] = model->neighbours, [MESH_FAN_FIRST] = model->fan_first,
-        [MESH_FANS] = model->fans,            [MESH_PARTS] = model->part_of,
-        [MESH_PART_TABLE] = model->parts,     [MESH_SOURCES] = model->sources,
+        [MESH_VERTICES] = model->positions,
+        [MESH_TRIANGLES] = model->corners,
+        [MESH_NEIGHBOURS] = model->neighbours,
+        [MESH_FAN_FIRST] = model->fan_first,
+        [MESH_FANS] = model->fans,
+        [MESH_PARTS] = model->part_of,
+        [MESH_PART_TABLE] = model->parts,
+        [MESH_SOURCES] = model->sources,
         [MESH_PLACES] = model->places,
     };
     for (int id = 0; id < MESH_BOXES; id++)
