@@ -1,7 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #if defined(__x86_64__) && !defined(DPT_SCALAR)
-#define KERNEL(name)  kernel_avx512_##name
-#define KERNEL_TARGET __attribute__((target("avx512f,avx512vl,avx512dq,prefer-vector-width=512")))
+#define KERNEL(name) kernel_avx512_##name
+#if defined(__clang__)
+#define KERNEL_TARGET __attribute__((target("avx512f,avx512vl,avx512dq")))
+#else /* gcc would stop at half the width */
+#define KERNEL_TARGET                                                                              \
+    __attribute__((target("avx512f,avx512vl,avx512dq,prefer-vector-width=512")))
+#endif
 #include "kernel_body.h"
 #else
 typedef int kernel_avx512_is_for_another_machine;

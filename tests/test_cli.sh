@@ -171,7 +171,7 @@ usage_errors()
     done
     refuses 'replay --json beside -o -' json replay box.dpa box.csv -o - --json
     for name in ticks length band speed; do
-        for value in nan inf -1 1e999 long; do
+        for value in nan inf -1 1e300 1e999 long; do
             refuses "make trace --$name $value" $name \
                 make trace --mesh box.dpa -o out/x --ticks 3 --$name $value
         done

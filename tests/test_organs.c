@@ -423,7 +423,7 @@ static void try_motions(const struct subject *subject)
     struct motion motion = motion_of(subject, seed);
     const size_t small = motion.count;
     if (subject->signs)
-        motion_small(&motion, &subject->place, seed, 400);
+        motion_small(&motion, &subject->place, seed, 1000);
     dpt_hit *hits = calloc(motion.count, sizeof *hits);
     CHECK(hits, "memory");
     if (hits)
@@ -431,9 +431,9 @@ static void try_motions(const struct subject *subject)
     if (hits && subject->signs) {
         CHECK(subject->info.components == 1 && subject->info.closed_components == 1,
               "%s is not closed", subject->name);
-        check_signs(subject, &motion, hits, 0, small, 60, &tally);
-        check_signs(subject, &motion, hits, small, motion.count, 140, &tally);
-        CHECK(tally.inside >= 40 && tally.outside >= 40, "%s: %zu inside, %zu outside",
+        check_signs(subject, &motion, hits, 0, small, 200, &tally);
+        check_signs(subject, &motion, hits, small, motion.count, 400, &tally);
+        CHECK(tally.inside >= 100 && tally.outside >= 100, "%s: %zu inside, %zu outside",
               subject->name, tally.inside, tally.outside);
     }
     add_to_all(subject, &tally);

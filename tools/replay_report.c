@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include <inttypes.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -23,8 +24,8 @@ double percentile(const double *sorted, size_t count, double share)
 {
     if (!count)
         return 0.0;
-    size_t rank = (size_t)(share * (double)count);
-    return sorted[rank < count ? rank : count - 1];
+    size_t rank = (size_t)ceil(share * (double)count);
+    return sorted[rank ? rank - 1 : 0];
 }
 
 static void write_numbers(FILE *file, const double *values, int count)

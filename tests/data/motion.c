@@ -337,22 +337,21 @@ static void corner_of(double out[3], const float *triangle, uint64_t i)
         out[k] = (double)triangle[3 * (i % 3) + (uint64_t)k];
 }
 
-/* Small, in the box or beside the surface. */
+/* Small, in the box, or beside a point of the surface, which may be a vertex. */
 static void small_tool(struct wander *w)
 {
     place_tool(w, random_in(w->seed, 0, 0.05));
     if (random_bits(w->seed) % 2)
         return;
     const float *triangle = random_triangle(w);
-    double weight[3] = { random_in(w->seed, 0, 1), random_in(w->seed, 0, 1),
-                         random_in(w->seed, 0, 1) };
-    const double sum = weight[0] + weight[1] + weight[2];
+    const double most = random_bits(w->seed) % 2 ? 0.5 : 0;
     double away[3];
-    memset(w->at, 0, sizeof w->at);
-    for (uint64_t i = 0; i < 3; i++) {
-        double corner[3];
-        corner_of(corner, triangle, i);
-        walk(w->at, w->at, weight[i] / (sum > 0 ? sum : 1), corner);
+    corner_of(w->at, triangle, 0);
+    for (uint64_t i = 1; i < 3; i++) {
+        double edge[3];
+        corner_of(edge, triangle, i);
+        walk(edge, edge, -1, w->at);
+        walk(w->at, w->at, random_in(w->seed, 0, most), edge);
     }
     random_direction(w->seed, away, random_in(w->seed, 0, 0.02) * w->diagonal);
     walk(w->at, w->at, 1, away);
@@ -436,17 +435,18 @@ static void begin_creeping(struct wander *w)
     walk(side, side, -1, from);
     cross(normal, edge, side);
     cross(across, normal, edge);
-    const double up = random_power(w->seed, -4, -2) * w->diagonal / sqrt(dot(normal, normal));
-    const double pace = random_power(w->seed, -9.5, -8) * w->diagonal / sqrt(dot(across, across));
-    if (!(isfinite(up) && isfinite(pace)))
+    const double high = random_power(w->seed, -4, 0) * w->diagonal;
+    const double pace = sqrt(high * w->diagonal) * random_power(w->seed, -8.5, -7.5);
+    const double up = high / sqrt(dot(normal, normal)), on = pace / sqrt(dot(across, across));
+    if (!(isfinite(up) && isfinite(on)))
         return; /* a sliver: the tool that is there already will do */
-    const double height = random_bits(w->seed) % 2 ? up : -up, length = i % 2 ? 10 * height : 0;
+    const double height = random_bits(w->seed) % 2 ? up : -up, length = i % 2 ? height : 0;
     walk(w->at, from, random_in(w->seed, 0.1, 0.9), edge);
     walk(w->at, w->at, height + length, normal);
-    walk(w->at, w->at, -8 * pace, across);
+    walk(w->at, w->at, -8 * on, across);
     for (int k = 0; k < 3; k++) {
         w->along[k] = length * normal[k];
-        w->step[k] = pace * across[k];
+        w->step[k] = on * across[k];
     }
 }
 

@@ -1,0 +1,97 @@
+#!/bin/sh
+# SPDX-License-Identifier: BSD-3-Clause
+#
+# Other machines, the same bytes: the program for AArch64 and for s390x, which is big-endian, makes,
+# compiles and replays under qemu what the program of this machine does here, and all that it writes
+# is equal bit for bit.
+#
+#     sh tests/cross.sh [BUILD_DIR]
+#
+# BUILD_DIR holds the program of this machine; the others go to build/cross-aarch64 and
+# build/cross-s390x.
+
+cd "$(dirname "$0")/.." || exit 2
+native=${1:-build}
+passed=0 failed=0 skipped=0
+LC_ALL=C
+export LC_ALL
+
+# check WHAT COMMAND...; what the command prints goes to $log
+check()
+{
+    what=$1
+    shift
+    if "$@" >>"$log" 2>&1; then
+        passed=$((passed + 1))
+    else
+        failed=$((failed + 1))
+        printf '  FAIL %s\n' "$what"
+    fi
+}
+
+skip()
+{
+    skipped=$((skipped + 1))
+    printf '  skip %s\n' "$*"
+}
+
+# work PROGRAM...: everything that is compared, written into the folder $out
+work()
+{
+    rm -rf "$out"
+    mkdir -p "$out" &&
+        "$@" make torus 5568 -o "$out/torus.ply" &&
+        "$@" make liver 2000 -o "$out/liver.obj" &&
+        "$@" compile "$out/torus.ply" -o "$out/torus.dpa" &&
+        "$@" compile "$out/liver.obj" -o "$out/liver.dpa" --scale 0.7 &&
+        "$@" info "$out/torus.dpa" --verify >"$out/verified" &&
+        "$@" make trace --mesh "$out/torus.dpa" --ticks 500 -o "$out/torus.csv" &&
+        "$@" make trace --mesh "$out/liver.dpa" --ticks 500 -o "$out/liver.csv" &&
+        "$@" replay "$out/torus.dpa" "$out/torus.csv" -o "$out/torus.out" --radius 0.003 &&
+        "$@" replay "$out/torus.dpa" "$out/torus.csv" -o "$out/brute.out" --method brute &&
+        "$@" replay "$out/liver.dpa" "$out/liver.csv" -o "$out/liver.out" --radius 0.003
+}
+
+# build MACHINE: static, so that qemu needs no libraries of the machine
+build()
+{
+    make -j"$(nproc 2>/dev/null || echo 2)" B="$folder" CC="$1-linux-gnu-gcc" \
+        LD="$1-linux-gnu-ld" AR="$1-linux-gnu-ar" OBJCOPY="$1-linux-gnu-objcopy" LDFLAGS=-static \
+        "$folder/dynpoint" "$folder/libdynpoint.a" "$folder/libdynpoint_compile.a"
+}
+
+# try MACHINE: as the names of its compiler and of qemu begin and end
+try()
+{
+    machine=$1 folder=build/cross-$1
+    for tool in "$1-linux-gnu-gcc" "$1-linux-gnu-ld" "qemu-$1-static"; do
+        if ! command -v "$tool" >/dev/null; then
+            skip "$machine: no $tool"
+            return
+        fi
+    done
+    mkdir -p "$folder"
+    log=$folder/log out=$folder/work
+    : >"$log"
+    check "$machine: build, see $log" build "$machine"
+    [ -x "$folder/dynpoint" ] || return
+    check "$machine: warnings, see $log" test "$(grep -c warning: "$log")" -eq 0
+    check "$machine: it runs, see $log" work "qemu-$machine-static" "$folder/dynpoint"
+    for name in torus.ply liver.obj torus.dpa liver.dpa torus.csv liver.csv torus.out brute.out \
+        liver.out; do
+        check "$machine: other bytes in $name" cmp -s "$native/cross/$name" "$out/$name"
+    done
+    # A damaged file is refused at the same byte, whatever the byte order.
+    head -c 9000 "$out/torus.dpa" >"$out/short.dpa"
+    "qemu-$machine-static" "$folder/dynpoint" info "$out/short.dpa" >"$out/said" 2>&1
+    check "$machine: a short file is taken" test $? -eq 2
+    check "$machine: $(cat "$out/said")" grep -q 'byte 9000 (header)' "$out/said"
+}
+
+log=$native/cross.log out=$native/cross
+: >"$log"
+check "this machine: it runs, see $log" work "$native/dynpoint"
+try aarch64
+try s390x
+echo "$passed passed, $failed failed, $skipped skipped"
+[ $failed -eq 0 ]
