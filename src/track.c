@@ -46,7 +46,7 @@ void track_next(const struct tree *tree, const struct kernel *kernel, uint32_t m
     }
     if (old.distance2 > 0.0)
         search(tree, kernel, method, axis, nearest);
-    if (sqrt(old.distance2) <= sqrt(nearest->pair.distance2) + axis->error &&
+    if (sqrt(old.distance2) <= sqrt(nearest->pair.distance2) + 0.5 * axis->error &&
         old.distance2 < limit2) {
         nearest->pair = old;
         nearest->triangle = last;

@@ -22,8 +22,8 @@ void track_once(const struct tree *tree, const struct kernel *kernel, uint32_t m
                 const struct axis *axis, uint32_t hint, struct nearest *nearest);
 
 /*
- * With history: the triangle of the last tick stays the answer while it is within the error bound of the
- * best (brute force alone has no history). Nothing at or beyond `limit2`, a squared distance, need be
+ * With history: the triangle of the last tick stays the answer while it is within half the error bound of
+ * the best (brute force alone has no history). Nothing at or beyond `limit2`, a squared distance, need be
  * found: nearest->triangle is DPT_NONE then.
  */
 void track_next(const struct tree *tree, const struct kernel *kernel, uint32_t method,

@@ -42,11 +42,11 @@ void tree_search(const struct tree *tree, const struct kernel *kernel, vec3 a, v
 void tree_brute(const struct tree *tree, vec3 a, vec3 u, struct nearest *nearest);
 
 /*
- * The most by which a reported distance is wrong: rounding of the transformation into the mesh's frame
- * and of the pair itself. `reach` is the largest coordinate that entered, in the world and in the
- * mesh's frame. docs/algorithms/distance.md.
+ * The most by which a reported distance is wrong, per unit of the largest coordinate that entered, in
+ * the world and in the mesh's frame: half for the rounding of the pair (32 * 2^-53, docs/algorithms/
+ * distance.md) and of the transformation into the mesh's frame, half for history (track_next).
  */
-#define TREE_ERROR (64.0 * 0x1p-53)
+#define TREE_ERROR (128.0 * 0x1p-53)
 
 /* The largest coordinate of the mesh, in its own frame. */
 double tree_extent(const struct tree *tree);
