@@ -71,6 +71,8 @@ static dpt_result answer(const struct query *query, const double *ends, double r
     struct nearest nearest;
     axis_of(&query->tree, &query->body, vec3_of(ends), vec3_of(ends + 3), &axis);
     track_once(&query->tree, &query->kernel, query->method, &axis, *hint, &nearest);
+    if (nearest.triangle == DPT_NONE)
+        return DPT_E_LAYOUT;
     track_hit(&query->tree, &axis, &query->body, &nearest, hit);
     contact_of(&query->tree, &axis, &nearest, radius, hit);
     *hint = nearest.triangle;

@@ -16,7 +16,8 @@ struct axis {
 void axis_of(const struct tree *tree, const struct frame *body, vec3 a, vec3 b, struct axis *axis);
 
 /*
- * Stateless: `hint` (a place, or DPT_NONE) only makes it faster. `nearest` is written anew.
+ * Stateless: `hint` (a place, or DPT_NONE) only makes it faster. `nearest` is written anew; its
+ * triangle is DPT_NONE only where a forged file's boxes hide every triangle.
  */
 void track_once(const struct tree *tree, const struct kernel *kernel, uint32_t method,
                 const struct axis *axis, uint32_t hint, struct nearest *nearest);

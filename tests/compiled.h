@@ -292,6 +292,8 @@ static inline int is_orientable(const struct sections *s, uint32_t part, int *si
                     continue;
                 int wanted =
                     -side[t] * runs_through(s, n, corner_at(s, t, k), corner_at(s, t, k + 1));
+                if (wanted == 0)
+                    continue; /* no neighbour: check_edges has said so */
                 orientable &= side[n] == 0 || side[n] == wanted;
                 changed |= side[n] == 0;
                 side[n] = wanted;

@@ -148,9 +148,7 @@ usage_errors()
         refuses "$command: unknown option" --frob $command --frob
         refuses "$command: surplus words" "dynpoint $command: " $command a b c d -o out/x.ply
     done
-    refuses 'make trace alone' 'dynpoint' make trace
     refuses 'make trace: no -o' 'dynpoint' make trace --mesh box.dpa
-    refuses 'compile: no -o' -- -o compile box.ply
     refuses 'compile: -o without value' -- -o compile box.ply -o
     refuses 'compile: --scale without value' --scale compile box.ply -o out/x --scale
     for value in nan inf -1 0 one 1x '' 1,5 0x10; do
@@ -204,6 +202,8 @@ bad_traces()
         trace tick.csv 0,1,2,3,4,5,6 "$word,1,2,3,4,5,6"
         refuses "trace: tick '$word' behind 0" tick.csv:3: replay box.dpa tick.csv -o out/x
     done
+    printf '\n# note\n%s\r\n\r\n \n0,1\n' $header >below.csv
+    refuses 'trace: below blank lines' below.csv:6: replay box.dpa below.csv -o out/x
     echo 0,1,2,3,4,5,6 >headless.csv
     refuses 'trace: no header' headless.csv:1: replay box.dpa headless.csv -o out/x
     printf 'time,ax,ay,az,bx,by,bz\n0,1,2,3,4,5,6\n' >other.csv
@@ -213,7 +213,6 @@ bad_traces()
     trace rowless.csv
     refuses 'trace: no row' rowless.csv replay box.dpa rowless.csv -o out/x
     refuses 'trace: missing' none.csv replay box.dpa none.csv -o out/x
-    refuses 'trace: a folder' out replay box.dpa out -o out/x
     refuses 'trace: a mesh' box.dpa replay box.dpa box.dpa -o out/x
 }
 
@@ -230,12 +229,20 @@ good_traces()
         succeeds "trace: $form" replay box.dpa $form.csv -o $form.out
         check "trace: $form differs" cmp -s plain.out $form.out
     done
+    # On a face's diagonal either triangle is nearest: history decides, and a teleport forgets it.
+    trace fresh.csv 0,0.07,0,0,0.08,0,0
+    succeeds 'trace: fresh' replay box.dpa fresh.csv -o fresh.out
+    for y in 0.03 -0.03; do
+        trace past.csv 0,0.07,$y,0,0.08,$y,0 1,0.07,0,0,0.08,0,0 9,0.07,0,0,0.08,0,0
+        succeeds 'trace: past' replay box.dpa past.csv -o past.out
+        found=$(column past.out 14 | tr '\n' ' ')
+        check "trace: triangles $found" test "$found" = "$(column past.out 14 | sed -n '1{p;p;}' |
+            tr '\n' ' ')$(column fresh.out 14) "
+    done
     # A tick that is not the last one plus 1 is a teleport: a row like any other, its own number.
     trace gap.csv 5,1,0,0,1,1,0 6,1,0,0,1,1,0 100,0.1,0,0,1,1,0 101,0.1,0,0,1,1,0
     succeeds 'trace: gap' replay box.dpa gap.csv -o gap.out
     check 'trace: gap changes the ticks' test "$(column gap.out 1 | tr '\n' ' ')" = '5 6 100 101 '
-    check 'trace: gap changes an answer' \
-        test "$(column gap.out 4 | sort -u | wc -l)" -eq 2
     trace negative.csv -3,1,0,0,1,1,0 -2,1,0,0,1,1,0
     succeeds 'trace: negative ticks' replay box.dpa negative.csv -o negative.out
 }
@@ -346,6 +353,7 @@ outputs()
 
     # A full disk, by the limit on a file's size: what was there stays, nothing is left beside it.
     succeeds 'make for full disk' make torus 20000 -o large.ply
+    full small.dpa compile box.ply -o small.dpa # fails as the file is closed
     full make.ply make torus 20000 -o make.ply
     full compile.dpa compile large.ply -o compile.dpa
     full replay.csv replay torus.dpa torus.csv -o replay.csv
@@ -355,7 +363,6 @@ outputs()
     trace few.csv 0,1
     refuses 'replay over a file' few.csv replay box.dpa few.csv -o kept.dpa
     check 'kept.dpa has changed' test "$(cat kept.dpa)" = keep
-
     "$program" compile box.ply -o - >stdout.dpa 2>stderr
     check 'compile -o -' cmp -s stdout.dpa box.dpa
     "$program" replay box.dpa box.csv -o box.out >stdout 2>stderr
@@ -431,7 +438,6 @@ answers()
         succeeds "--method $method --every" replay torus.dpa torus.csv -o every.out \
             --method $method --against brute --every 7
     done
-    check 'brute and tree: statuses' test "$(column brute.out 2)" = "$(column tree.out 2)"
 }
 
 # Two runs, and all instruction sets, give identical bytes.
@@ -445,10 +451,10 @@ same_bytes()
     for ending in obj dpa csv out; do
         check "two runs: other bytes in .$ending" cmp -s torus.$ending again.$ending
     done
-    succeeds 'make, other seed' make star --seed 2 -o seed2.obj
-    succeeds 'make, seed' make star -o seed0.obj
+    succeeds 'make --seed' make star --seed 2 -o seed2.obj
+    succeeds 'make star' make star -o seed0.obj
     check 'make: the seed is not used' test -n "$(cmp seed2.obj seed0.obj 2>&1)"
-    succeeds 'make trace, other seed' make trace --mesh torus.dpa --ticks 400 --seed 2 -o seed.csv
+    succeeds 'make trace --seed' make trace --mesh torus.dpa --ticks 400 --seed 2 -o seed.csv
     check 'make trace: the seed is not used' test -n "$(cmp torus.csv seed.csv 2>&1)"
     for kernel in scalar sse2 avx2 avx512 neon; do
         run replay torus.dpa torus.csv -o kernel.out --radius 0.003 --kernel $kernel
@@ -461,11 +467,12 @@ same_bytes()
         rm -f kernel.out
     done
     # The four formats hold the same mesh.
-    for ending in ply stl off; do
+    for ending in obj ply stl off; do
         succeeds "make $ending" make torus 2000 -o form.$ending
         succeeds "compile $ending" compile form.$ending -o form.dpa
         succeeds "replay $ending" replay form.dpa torus.csv -o form.out --radius 0.003
         check "$ending: another answer" cmp -s torus.out form.out
+        check "$ending: wound inward" test "$(info_count form.dpa turned_triangles)" = 0
     done
     succeeds 'compile in mm' compile torus.obj -o mm.dpa --scale 0.001
     check 'compile: the scale is not used' test -n "$(cmp torus.dpa mm.dpa 2>&1)"
@@ -493,7 +500,8 @@ shapes()
     sum=0
     for body in liver stomach spleen; do
         succeeds "compile $body" compile scene-$body.ply -o body.dpa
-        sum=$((sum + $(info_count body.dpa triangles)))
+        found=$(info_count body.dpa triangles)
+        sum=$((sum + ${found:-0}))
     done
     check "laparoscopic: $sum triangles" test $sum -eq 5387
     check 'laparoscopic: a fourth file' test ! -e scene.ply

@@ -85,10 +85,10 @@ static dpt_mesh_info compiled_info(const struct source *source)
 }
 
 #define COUNT_OF(array) ((uint32_t)(sizeof(array) / sizeof *(array)))
-#define SOURCE(vertices, corners)                                             \
-    (struct source)                                                           \
-    {                                                                         \
-        vertices, corners, COUNT_OF(vertices) / 3, COUNT_OF(corners) / 3, 1.0 \
+#define SOURCE(vertices, corners)                                                                  \
+    (struct source)                                                                                \
+    {                                                                                              \
+        vertices, corners, COUNT_OF(vertices) / 3, COUNT_OF(corners) / 3, 1.0                      \
     }
 
 static const double cube[] = { 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0,

@@ -58,6 +58,10 @@ int parse_options(int argc, char **argv, const struct option_def *options, size_
             fputs(help, stdout);
             return 0;
         }
+        if (strcmp(argv[i], "--version") == 0) {
+            printf("dynpoint %s\n", dpt_version());
+            return 0;
+        }
         if (option && option->flag) {
             *option->flag = 1;
         } else if (option) {
@@ -172,22 +176,27 @@ void *load_file(const char *command, const char *path, size_t *size)
     return bytes;
 }
 
+const dpt_mesh *open_mesh(const char *command, const char *path, void *bytes, size_t size)
+{
+    const dpt_mesh *mesh = NULL;
+    dpt_mesh_fault fault = { .size = sizeof fault };
+    dpt_result result = dpt_mesh_convert(bytes, size, &fault);
+    if (result == DPT_OK)
+        result = dpt_mesh_open(bytes, size, &mesh);
+    if (result != DPT_OK)
+        complain(command, "%s: byte %" PRIu64 " (%s): %s", path, fault.byte, fault.section,
+                 dpt_result_text(result));
+    return mesh;
+}
+
 const dpt_mesh *load_mesh(const char *command, const char *path, void **bytes)
 {
     size_t size;
-    const dpt_mesh *mesh = NULL;
-    dpt_mesh_fault fault = { .size = sizeof fault };
     *bytes = load_file(command, path, &size);
     if (!*bytes)
         return NULL;
-    dpt_result result = dpt_mesh_convert(*bytes, size, &fault);
-    if (result == DPT_OK)
-        result = dpt_mesh_open(*bytes, size, &mesh);
-    if (result != DPT_OK) {
-        complain(command, "%s: byte %" PRIu64 " (%s): %s", path, fault.byte, fault.section,
-                 dpt_result_text(result));
+    const dpt_mesh *mesh = open_mesh(command, path, *bytes, size);
+    if (!mesh)
         free(*bytes);
-        return NULL;
-    }
     return mesh;
 }

@@ -61,7 +61,10 @@ void meter_show(struct meter *meter, const char *what, double done);
 /* The bytes of a file, aligned to 64, zero-terminated; NULL after the complaint. */
 void *load_file(const char *command, const char *path, size_t *size);
 
-/* An open mesh and the bytes to free. Complains with the byte and section that are wrong. */
+/* Open a file's bytes as a mesh; NULL after a complaint with the byte and section that are wrong. */
+const dpt_mesh *open_mesh(const char *command, const char *path, void *bytes, size_t size);
+
+/* Both: an open mesh, and the bytes to free. */
 const dpt_mesh *load_mesh(const char *command, const char *path, void **bytes);
 
 #endif

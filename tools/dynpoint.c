@@ -26,7 +26,7 @@ static void print_help(void)
          "Exit status: 0 done, 1 done and the answer is no, 2 usage, input or system error.");
 }
 
-int main(int argc, char **argv)
+static int run(int argc, char **argv)
 {
     if (argc < 2)
         return complain("", "a command is needed (see --help)");
@@ -41,14 +41,15 @@ int main(int argc, char **argv)
     for (size_t i = 0; i < sizeof commands / sizeof *commands; i++) {
         if (strcmp(argv[1], commands[i].name))
             continue;
-        if (argc > 2 && strcmp(argv[2], "--version") == 0) {
-            printf("dynpoint %s\n", dpt_version());
-            return 0;
-        }
-        int status = commands[i].run(argc - 1, argv + 1);
-        if (fflush(stdout) != 0 && status == 0)
-            return complain(argv[1], "standard output cannot be written");
-        return status;
+        return commands[i].run(argc - 1, argv + 1);
     }
     return complain(argv[1], "no such command (see --help)");
+}
+
+int main(int argc, char **argv)
+{
+    int status = run(argc, argv);
+    if (fflush(stdout) != 0 && status == 0)
+        return complain("", "standard output cannot be written");
+    return status;
 }

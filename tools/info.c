@@ -123,11 +123,16 @@ int command_info(int argc, char **argv)
         return complain("info", "a file is needed (see --help)");
     if (check && !json)
         return verify(path);
-    void *bytes;
-    const dpt_mesh *mesh = load_mesh("info", path, &bytes);
+    size_t size;
     dpt_mesh_info info = { .size = sizeof info };
-    if (!mesh)
+    void *bytes = load_file("info", path, &size);
+    if (!bytes)
+        return 2;
+    const dpt_mesh *mesh = open_mesh("info", path, bytes, size);
+    if (!mesh) {
+        free(bytes);
         return check ? 1 : 2;
+    }
     dpt_mesh_get_info(mesh, &info);
     if (json)
         print_json(mesh, &info);

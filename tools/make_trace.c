@@ -64,7 +64,7 @@ static vec3 flattened(vec3 v, vec3 normal, double share)
 static vec3 drop_on_mesh(const struct hand *hand, vec3 x, vec3 *normal)
 {
     dpt_hit hit = DPT_HIT_INIT;
-    double corners[9];
+    double corners[9] = { 0 };
     const double ends[6] = { x.x, x.y, x.z, x.x, x.y, x.z };
     dpt_query_segments(hand->mesh, NULL, ends, NULL, 1, &hit, NULL);
     dpt_mesh_triangle(hand->mesh, hit.triangle, corners);
@@ -152,8 +152,10 @@ int command_make_trace(int argc, char **argv)
         return status;
     if (!mesh_path || !out || operands)
         return complain("make trace", "--mesh FILE.dpa and -o TRACE.csv are needed (see --help)");
-    if (!ticks || hand.length < 0.0 || hand.band < 0.0 || hand.speed < 0.0)
-        return complain("make trace", "ticks, length, band and speed must be positive");
+    const double most = DPT_COORDINATE_MAX;
+    if (!ticks || !(hand.length >= 0.0 && hand.length <= most) ||
+        !(hand.band >= 0.0 && hand.band <= most) || !(hand.speed >= 0.0 && hand.speed <= most))
+        return complain("make trace", "ticks, length, band and speed must be positive, below 1e6");
 
     void *bytes;
     dpt_mesh_info info = { .size = sizeof info };

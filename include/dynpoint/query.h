@@ -32,7 +32,8 @@ typedef struct dpt_query_def {
  * distances the least triangle number wins, of the triangles that the search had to look at.
  *
  * A segment that is not finite or beyond DPT_COORDINATE_MAX gets status stale, and the call returns
- * DPT_E_FINITE after it has answered all others.
+ * DPT_E_FINITE after it has answered all others. So it is with DPT_E_LAYOUT for a forged mesh whose boxes do
+ * not hold its triangles; what a forged mesh answers else is wrong, but safe.
  */
 DPT_API dpt_result dpt_query_segments(const dpt_mesh *mesh, const dpt_pose *pose,
                                       const double *ends, const double *radii, size_t n,

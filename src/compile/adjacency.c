@@ -98,6 +98,17 @@ static void meet_all(struct model *model, uint32_t *parent, const uint32_t *half
     }
 }
 
+/* Both run through their common edge in the same direction: one of them is wound the wrong way. */
+static int wound_against(const struct model *model, uint32_t half, uint32_t neighbour)
+{
+    uint32_t from = edge_from(model, half), to = edge_to(model, half);
+    const uint32_t *corner = model->corners + 3 * (size_t)neighbour;
+    for (int k = 0; k < 3; k++)
+        if (corner[k] == from && corner[(k + 1) % 3] == to)
+            return 1;
+    return 0;
+}
+
 /* Number the parts by their first triangle, and count what each has. */
 static dpt_result number_parts(struct model *model, soup *source, uint32_t *parent)
 {
@@ -110,27 +121,20 @@ static dpt_result number_parts(struct model *model, soup *source, uint32_t *pare
     memset(model->parts, 0, count * sizeof *model->parts);
     for (uint32_t t = 0; t < model->triangle_count; t++) {
         uint32_t root = root_of(parent, t);
+        if (root == t)
+            model->parts[model->part_count].flags = MESH_PART_WOUND;
         model->part_of[t] = root == t ? model->part_count++ : model->part_of[root];
         struct part *part = &model->parts[model->part_of[t]];
         part->triangles++;
-        for (int k = 0; k < 3; k++) {
-            part->open_edges += model->neighbours[3 * (size_t)t + (size_t)k] == MESH_EDGE_OPEN;
-            part->nonmanifold_edges +=
-                model->neighbours[3 * (size_t)t + (size_t)k] == MESH_EDGE_MANY;
+        for (uint32_t half = 3 * t; half < 3 * t + 3; half++) {
+            uint32_t n = model->neighbours[half];
+            part->open_edges += n == MESH_EDGE_OPEN;
+            part->nonmanifold_edges += n == MESH_EDGE_MANY;
+            if (n < MESH_EDGE_MANY && wound_against(model, half, n))
+                part->flags &= ~MESH_PART_WOUND;
         }
     }
     return DPT_OK;
-}
-
-/* Both run through their common edge in the same direction: one of them is wound the wrong way. */
-static int wound_against(const struct model *model, uint32_t half, uint32_t neighbour)
-{
-    uint32_t from = edge_from(model, half), to = edge_to(model, half);
-    const uint32_t *corner = model->corners + 3 * (size_t)neighbour;
-    for (int k = 0; k < 3; k++)
-        if (corner[k] == from && corner[(k + 1) % 3] == to)
-            return 1;
-    return 0;
 }
 
 enum { UNSEEN, AS_IT_IS, TURNED };
@@ -205,8 +209,6 @@ static void wind_part(struct model *model, struct part *part, uint32_t seed, uin
     int orientable = agree(model, seed, turn, queue, &turned);
     if (!part->nonmanifold_edges)
         part->flags |= MESH_PART_MANIFOLD;
-    if (turned == 0 && orientable)
-        part->flags |= MESH_PART_WOUND;
     if (part->open_edges || part->nonmanifold_edges || !orientable)
         return;
 

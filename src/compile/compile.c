@@ -71,8 +71,9 @@ static dpt_result enter(soup *source, const dpt_compile_def *def, dpt_compiled *
         return DPT_E_ARGUMENT;
     out->bytes = NULL;
     out->size = 0;
-    soup_init(source, def, diag);
-    if (def && def->size < sizeof *def)
+    int sized = !def || def->size >= sizeof *def;
+    soup_init(source, sized ? def : NULL, diag);
+    if (!sized)
         return soup_fail(source, DPT_E_SIZE, nowhere, "the def's size field is not set");
     if (def && (def->scale < 0.0 || !within(def->scale, 1e30)))
         return soup_fail(source, DPT_E_ARGUMENT, nowhere, "the scale must be positive");
