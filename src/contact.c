@@ -98,12 +98,20 @@ static uint32_t contact_of_gap(double gap, double error)
     return gap > 0.0 ? DPT_CONTACT_SEPARATED : DPT_CONTACT_PENETRATING;
 }
 
-static void set_gap(dpt_hit *hit, double gap)
+void contact_set_gap(dpt_hit *hit, double gap, double error)
 {
     hit->flags |= DPT_HIT_GAP;
     hit->gap = gap;
     hit->depth = larger(0.0, -gap);
-    hit->contact = contact_of_gap(gap, hit->error_bound);
+    hit->contact = contact_of_gap(gap, error);
+}
+
+/* Of the axis' ends, the lower one's height over the plane of the triangle. */
+static double lower_end(const struct axis *axis, const struct nearest *nearest, vec3 normal)
+{
+    double height_a = -nearest->pair.s * dot(axis->u, normal);
+    double height_b = (1.0 - nearest->pair.s) * dot(axis->u, normal);
+    return smaller(height_a, height_b);
 }
 
 /*
@@ -114,9 +122,7 @@ static struct push through_closed(const struct tree *tree, const struct axis *ax
                                   const struct nearest *nearest, double radius, dpt_hit *hit)
 {
     vec3 normal = face_normal(tree, nearest->triangle);
-    double height_a = -nearest->pair.s * dot(axis->u, normal);
-    double height_b = (1.0 - nearest->pair.s) * dot(axis->u, normal);
-    double lower = smaller(height_a, height_b) - radius;
+    double lower = lower_end(axis, nearest, normal) - radius;
     hit->contact = contact_of_gap(lower, hit->error_bound);
     return (struct push){ normal, larger(0.0, -lower) };
 }
@@ -135,13 +141,30 @@ struct push contact_of(const struct tree *tree, const struct axis *axis,
         if (flags & MESH_PART_MANIFOLD)
             hit->contact = DPT_CONTACT_UNKNOWN;
         else
-            set_gap(hit, -radius);
+            contact_set_gap(hit, -radius, hit->error_bound);
         return none;
     }
     vec3 from_q = unit(nearest->pair.gap);
     double side = 1.0;
     if (closed && dot(feature_normal(tree, nearest->triangle, nearest->pair.weight), from_q) < 0.0)
         side = -1.0;
-    set_gap(hit, side * hit->distance - radius);
+    contact_set_gap(hit, side * hit->distance - radius, hit->error_bound);
     return (struct push){ scaled(from_q, side), hit->depth };
+}
+
+double contact_paper(const struct tree *tree, const struct axis *part,
+                     const struct nearest *nearest, double radius, struct push *push)
+{
+    vec3 normal = face_normal(tree, nearest->triangle);
+    double distance = sqrt(nearest->pair.distance2), gap;
+    if (distance == 0.0) {
+        gap = lower_end(part, nearest, normal) - radius;
+        push->direction = normal;
+    } else {
+        double side = dot(nearest->pair.gap, normal) < 0.0 ? -1.0 : 1.0;
+        gap = side * distance - radius;
+        push->direction = scaled(nearest->pair.gap, side / distance);
+    }
+    push->depth = larger(0.0, -gap);
+    return gap;
 }

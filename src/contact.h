@@ -13,8 +13,18 @@ struct push {
     double depth;   /* how far, >= 0 */
 };
 
-/* Fill contact, flags, gap and depth of a hit that track_hit has written. */
+/* Fill contact, flags, gap and depth of a hit that track_hit has written. The exact methods' contact. */
 struct push contact_of(const struct tree *tree, const struct axis *axis,
                        const struct nearest *nearest, double radius, dpt_hit *hit);
+
+/*
+ * The paper's signed gap of one part of a segment and its push (docs/algorithms/paper.md): the sign is
+ * that of the triangle's own plane; a part that crosses is as deep as its lower end is under it.
+ */
+double contact_paper(const struct tree *tree, const struct axis *part,
+                     const struct nearest *nearest, double radius, struct push *push);
+
+/* Fill contact, flags, gap and depth for a gap that is known. */
+void contact_set_gap(dpt_hit *hit, double gap, double error);
 
 #endif

@@ -4,8 +4,7 @@
 #if defined(__clang__)
 #define KERNEL_TARGET __attribute__((target("avx512f,avx512vl,avx512dq")))
 #else /* gcc would stop at half the width */
-#define KERNEL_TARGET                                                                              \
-    __attribute__((target("avx512f,avx512vl,avx512dq,prefer-vector-width=512")))
+#define KERNEL_TARGET __attribute__((target("avx512f,avx512vl,avx512dq,prefer-vector-width=512")))
 #endif
 #include "kernel_body.h"
 #else

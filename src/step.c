@@ -10,6 +10,7 @@
  * The body that was nearest last tick is asked first: what it answers bounds the search of the others.
  */
 #include "check.h"
+#include "paper.h"
 #include "respond.h"
 #include "world.h"
 
@@ -27,7 +28,7 @@ static void ask_body(struct dpt_world *world, uint32_t segment, uint32_t index, 
     const struct body *body = &world->bodies[index];
     struct axis axis;
     struct nearest nearest;
-    uint32_t *last = &world_last(world, segment)[index];
+    uint32_t *last = world_last(world, segment, index);
     double limit2 = best->body ? best->nearest.pair.distance2 : HUGE_VAL;
     axis_of(&body->tree, &body->frame, a, b, &axis);
     track_next(&body->tree, &world->kernel, world->def.method, &axis, *last, limit2, &nearest);
@@ -51,26 +52,42 @@ static void track(struct dpt_world *world, uint32_t segment, vec3 a, vec3 b, str
             ask_body(world, segment, i, a, b, best);
 }
 
-/* One segment: returns what it pushes with. */
-static struct push step_segment(struct dpt_world *world, const struct tool *tool, uint32_t index,
-                                struct found *best)
+/* The exact methods: returns what the segment pushes with. */
+static struct push exact_segment(struct dpt_world *world, uint32_t index, vec3 a, vec3 b,
+                                 dpt_hit *hit, const struct body **body, vec3 *at)
 {
     struct push push = { { 0.0, 0.0, 0.0 }, 0.0 };
+    struct segment *segment = &world->segments[index];
+    struct found best;
+    track(world, index, a, b, &best);
+    *body = best.body;
+    hit->work = best.work;
+    if (!best.body)
+        return push;
+    segment->last_body = handle_index(best.body->id);
+    track_hit(&best.body->tree, &best.axis, &best.body->frame, &best.nearest, hit);
+    hit->body = best.body->id;
+    hit->work = best.work;
+    *at = vec3_of(hit->p);
+    if (world->def.until != DPT_UNTIL_TRACK)
+        push = contact_of(&best.body->tree, &best.axis, &best.nearest, segment->radius, hit);
+    return push;
+}
+
+/* Adds the segment's part to the tool's wrench. */
+static void step_segment(struct dpt_world *world, struct tool *tool, uint32_t index, vec3 origin)
+{
     struct segment *segment = &world->segments[tool->first + index];
     vec3 a = frame_to_world(&tool->frame, segment->a);
     vec3 b = frame_to_world(&tool->frame, segment->b);
-    track(world, tool->first + index, a, b, best);
-    segment->hit.work = best->work;
-    if (!best->body)
-        return push;
-    segment->last_body = handle_index(best->body->id);
-    segment->hit.body = best->body->id;
-    track_hit(&best->body->tree, &best->axis, &best->body->frame, &best->nearest, &segment->hit);
-    segment->hit.work = best->work;
-    if (world->def.until != DPT_UNTIL_TRACK)
-        push = contact_of(&best->body->tree, &best->axis, &best->nearest, segment->radius,
-                          &segment->hit);
-    return push;
+    const struct body *body;
+    vec3 at;
+    struct push push =
+        world->def.method == DPT_METHOD_PAPER
+            ? paper_segment(world, tool->first + index, a, b, &segment->hit, &body, &at)
+            : exact_segment(world, tool->first + index, a, b, &segment->hit, &body, &at);
+    if (push.depth > 0.0 && world->def.until == DPT_UNTIL_RESPOND)
+        respond_penalty(&push, &body->frame, world->def.stiffness, at, origin, &tool->wrench);
 }
 
 static double surface_distance(const struct segment *segment)
@@ -84,11 +101,7 @@ static void step_tool(struct dpt_world *world, struct tool *tool)
     struct segment *segments = &world->segments[tool->first];
     vec3 origin = tool->free ? segments[0].a : tool->frame.origin;
     for (uint32_t i = 0; i < tool->count; i++) {
-        struct found best;
-        struct push push = step_segment(world, tool, i, &best);
-        if (push.depth > 0.0 && world->def.until == DPT_UNTIL_RESPOND)
-            respond_penalty(&push, &best.body->frame, world->def.stiffness,
-                            vec3_of(segments[i].hit.p), origin, &tool->wrench);
+        step_segment(world, tool, i, origin);
         if (surface_distance(&segments[i]) < surface_distance(&segments[tool->nearest]))
             tool->nearest = i;
     }

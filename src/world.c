@@ -18,6 +18,7 @@ void dpt_world_def_defaults(dpt_world_def *def, size_t size)
         .max_bodies = 16,
         .max_tools = 4,
         .max_segments = 16,
+        .parts = 1,
         .stiffness = 500.0,
     };
     if (def && size >= sizeof defaults.size)
@@ -33,13 +34,14 @@ static int def_is_valid(const dpt_world_def *def)
 {
     return def && def->size == sizeof *def && count_is_valid(def->max_bodies) &&
            count_is_valid(def->max_tools) && count_is_valid(def->max_segments) &&
-           def->method <= DPT_METHOD_BRUTE && def->until <= DPT_UNTIL_CONTACT &&
+           def->method <= DPT_METHOD_PAPER && def->until <= DPT_UNTIL_CONTACT && def->parts >= 1 &&
+           def->parts <= (def->method == DPT_METHOD_PAPER ? 64u : 1u) && def->one_step <= 1 &&
            def->reserved == 0 && def->stiffness >= 0.0 && within(def->stiffness, 1e9);
 }
 
 static uint64_t bytes_last(const dpt_world_def *def)
 {
-    return mesh_aligned(4 * (uint64_t)def->max_segments * def->max_bodies);
+    return mesh_aligned(4 * (uint64_t)def->max_segments * def->max_bodies * def->parts);
 }
 
 size_t dpt_world_bytes(const dpt_world_def *def)
@@ -91,7 +93,7 @@ uint32_t dpt_world_kernel(const dpt_world *world)
 static void forget_segment(struct dpt_world *world, uint32_t segment)
 {
     struct segment *s = &world->segments[segment];
-    memset(world_last(world, segment), 0xff, 4 * (size_t)world->def.max_bodies);
+    memset(world_last(world, segment, 0), 0xff, world_lasts(world) * sizeof *world->last);
     s->last_body = DPT_NONE;
 }
 
@@ -155,7 +157,7 @@ dpt_result dpt_body_add(dpt_world *world, const dpt_mesh *mesh, const dpt_pose *
     made->valid = 1;
     tree_of_mesh(mesh, &made->tree);
     for (uint32_t s = 0; s < world->segment_count; s++)
-        world_last(world, s)[index] = DPT_NONE;
+        memset(world_last(world, s, index), 0xff, world->def.parts * sizeof *world->last);
     *body = made->id;
     return DPT_OK;
 }
@@ -252,8 +254,8 @@ dpt_result dpt_tool_remove(dpt_world *world, dpt_tool tool)
     size_t moved = world->segment_count - behind;
     memmove(&world->segments[old->first], &world->segments[behind],
             moved * sizeof *world->segments);
-    memmove(world_last(world, old->first), world_last(world, behind),
-            moved * world->def.max_bodies * sizeof *world->last);
+    memmove(world_last(world, old->first, 0), world_last(world, behind, 0),
+            moved * world_lasts(world) * sizeof *world->last);
     for (uint32_t t = 0; t < world->tool_end; t++)
         if (world->tools[t].slot.used && world->tools[t].first >= behind)
             world->tools[t].first -= old->count;

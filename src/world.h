@@ -45,12 +45,19 @@ struct dpt_world {
     struct body *bodies;
     struct tool *tools;
     struct segment *segments;
-    uint32_t *last; /* per segment and body slot: the place of the last answer, or DPT_NONE */
+    uint32_t *last; /* per segment, body slot and part: the place of the last answer, or DPT_NONE */
 };
 
-static inline uint32_t *world_last(const struct dpt_world *world, uint32_t segment)
+/* How many places are kept of one segment. */
+static inline size_t world_lasts(const struct dpt_world *world)
 {
-    return world->last + (size_t)segment * world->def.max_bodies;
+    return (size_t)world->def.max_bodies * world->def.parts;
+}
+
+/* The places of a segment's parts on a body. */
+static inline uint32_t *world_last(const struct dpt_world *world, uint32_t segment, uint32_t body)
+{
+    return world->last + world_lasts(world) * segment + (size_t)body * world->def.parts;
 }
 
 struct tool *world_tool(const struct dpt_world *world, dpt_tool tool);

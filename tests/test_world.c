@@ -72,7 +72,10 @@ static void defs_are_checked(void)
     REFUSED(max_bodies, 65536);
     REFUSED(max_tools, 0);
     REFUSED(max_segments, 0);
-    REFUSED(method, 3);
+    REFUSED(method, 4);
+    REFUSED(parts, 0);
+    REFUSED(parts, 2);
+    REFUSED(one_step, 2);
     REFUSED(until, 3);
     REFUSED(reserved, 1);
     REFUSED(stiffness, -1.0);

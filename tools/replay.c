@@ -17,7 +17,11 @@ static const char help[] =
     "pair, its proof, contact and force.\n"
     "\n"
     "  -o FILE              OUT.csv; - is standard output\n"
-    "  --method M           exact (default), tree, brute\n"
+    "  --method M           exact (default), tree, brute; paper: dynamic points by neighbour "
+    "descent\n"
+    "  --parts K            pieces of the tool, each with its own dynamic point (paper); default "
+    "1\n"
+    "  --one-step           one move of the descent a tick (paper)\n"
     "  --radius R           of the tool, m; default 0: a line\n"
     "  --stiffness K        of the penalty force, N/m; default 500\n"
     "  --until STAGE        track, contact or respond (default): how far a step goes\n"
@@ -31,16 +35,16 @@ static const char help[] =
     "  --every N            with --against: only each Nth tick\n"
     "  --json               the summary as one JSON object on standard output\n";
 
-static const char *const methods[] = { "exact", "tree", "brute", NULL };
+static const char *const methods[] = { "exact", "tree", "brute", "paper", NULL };
 static const char *const stages[] = { "respond", "track", "contact", NULL };
 static const char *const kernels[] = { "auto", "scalar", "sse2", "avx2", "avx512", "neon", NULL };
 
 struct settings {
     dpt_world_def def;
     double radius, dt;
-    uint64_t repeat, every;
+    uint64_t repeat, every, parts;
     int against; /* a method, or -1 */
-    int json;
+    int json, one_step;
     const char *mesh, *trace, *out;
 };
 
@@ -123,6 +127,8 @@ static int compare(const struct settings *settings, const dpt_mesh *mesh, struct
     struct meter meter = { .began = 0 };
     dpt_world_def def = settings->def;
     def.method = (uint32_t)settings->against;
+    def.parts = 1;
+    def.one_step = 0;
     def.until = DPT_UNTIL_TRACK;
     dpt_segment segment = segment_of(&trace->rows[0], settings->radius);
     double *ns = malloc(trace->count * sizeof *ns);
@@ -140,6 +146,7 @@ static int compare(const struct settings *settings, const dpt_mesh *mesh, struct
         double error = fabs(hit.distance - replayed->ticks[i].hit.distance);
         against->wrong += error <= against->tolerance ? 0 : 1;
         against->largest_error = fmax(against->largest_error, error);
+        against->missed += hit.distance == 0.0 && error > against->tolerance;
     }
     meter_show(&meter, "", 1.0);
     if (ns) {
@@ -218,6 +225,8 @@ static int take_settings(int argc, char **argv, struct settings *settings)
         { .name = "--against", .text = &against },
         { .name = "--every", .count = &settings->every },
         { .name = "--json", .flag = &settings->json },
+        { .name = "--parts", .count = &settings->parts },
+        { .name = "--one-step", .flag = &settings->one_step },
     };
     int status = parse_options(argc, argv, options, sizeof options / sizeof *options, help, operand,
                                2, &operands);
@@ -230,7 +239,7 @@ static int take_settings(int argc, char **argv, struct settings *settings)
     int chosen[4] = { word_index(method, methods), word_index(until, stages),
                       word_index(kernel, kernels), against ? word_index(against, methods) : -1 };
     if (chosen[0] < 0 || (against && chosen[3] < 0))
-        return complain("replay", "the methods are exact, tree and brute");
+        return complain("replay", "the methods are exact, tree, brute and paper");
     if (chosen[1] < 0)
         return complain("replay", "--until takes track, contact or respond");
     if (chosen[2] < 0)
@@ -239,6 +248,12 @@ static int take_settings(int argc, char **argv, struct settings *settings)
     settings->def.until = (uint32_t)chosen[1];
     settings->def.kernel = (uint32_t)chosen[2];
     settings->against = chosen[3];
+    if (settings->parts < 1 || settings->parts > 64)
+        return complain("replay", "--parts must be 1 to 64");
+    if (settings->def.method != DPT_METHOD_PAPER && (settings->parts > 1 || settings->one_step))
+        return complain("replay", "--parts and --one-step are for --method paper");
+    settings->def.parts = (uint32_t)settings->parts;
+    settings->def.one_step = (uint32_t)settings->one_step;
     if (!(settings->radius >= 0.0 && settings->radius <= DPT_COORDINATE_MAX))
         return complain("replay", "--radius must be 0 or more");
     if (!(settings->def.stiffness >= 0.0 && settings->def.stiffness <= 1e9))
@@ -254,7 +269,7 @@ static int take_settings(int argc, char **argv, struct settings *settings)
 
 int command_replay(int argc, char **argv)
 {
-    struct settings settings = { .dt = 1e-3, .repeat = 1, .every = 1 };
+    struct settings settings = { .dt = 1e-3, .repeat = 1, .every = 1, .parts = 1 };
     struct trace trace;
     void *bytes;
     dpt_world_def_init(&settings.def);

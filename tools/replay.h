@@ -19,6 +19,7 @@ struct comparison {
     const char *method; /* NULL: none was asked for */
     uint64_t ticks;
     uint64_t wrong;       /* distances that differ by more than the tolerance */
+    uint64_t missed;      /* of them: it crosses, and was not noticed */
     double largest_error; /* m */
     double tolerance;     /* m */
     double ns;            /* median per tick */

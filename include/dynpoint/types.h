@@ -49,7 +49,8 @@ typedef struct dpt_wrench {
 enum {
     DPT_METHOD_EXACT = 0, /* the best exact method of this version; at present it is the tree */
     DPT_METHOD_TREE = 1,  /* box tree, started from the last answer; exact */
-    DPT_METHOD_BRUTE = 2  /* every triangle in double; exact, slow, the yardstick */
+    DPT_METHOD_BRUTE = 2, /* every triangle in double; exact, slow, the yardstick */
+    DPT_METHOD_PAPER = 3  /* dynamic points by neighbour descent; local; worlds only */
 };
 
 /* What is known of an answer. */

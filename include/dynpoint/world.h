@@ -46,6 +46,8 @@ typedef struct dpt_world_def {
     uint32_t method;       /* DPT_METHOD_...; DPT_METHOD_EXACT */
     uint32_t kernel;       /* DPT_KERNEL_...; DPT_KERNEL_AUTO */
     uint32_t until;        /* DPT_UNTIL_...; DPT_UNTIL_RESPOND */
+    uint32_t parts;        /* pieces of a segment, DPT_METHOD_PAPER only, 1..64; 1 */
+    uint32_t one_step;     /* of the paper's descent a tick, not all of it; 0 */
     uint32_t reserved;     /* 0 */
     double stiffness;      /* of the penalty force, N/m, >= 0; 500 */
 } dpt_world_def;
@@ -60,7 +62,7 @@ static inline void dpt_world_def_init(dpt_world_def *def)
 
 /*
  * The bytes that a world of this def needs:
- *     256 + 384 max_bodies + 192 max_tools + 256 max_segments + 4 max_segments max_bodies, the last
+ *     256 + 384 max_bodies + 192 max_tools + 256 max_segments + 4 max_segments max_bodies parts, the last
  * term rounded up to a multiple of 64. 0 for a def that is not valid.
  */
 DPT_API size_t dpt_world_bytes(const dpt_world_def *def);

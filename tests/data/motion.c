@@ -337,21 +337,21 @@ static void corner_of(double out[3], const float *triangle, uint64_t i)
         out[k] = (double)triangle[3 * (i % 3) + (uint64_t)k];
 }
 
-/* Small, in the box, or beside a point of the surface, which may be a vertex. */
+/* Small, in the box, or beside a vertex, an edge or a face. */
 static void small_tool(struct wander *w)
 {
     place_tool(w, random_in(w->seed, 0, 0.05));
     if (random_bits(w->seed) % 2)
         return;
     const float *triangle = random_triangle(w);
-    const double most = random_bits(w->seed) % 2 ? 0.5 : 0;
+    const uint64_t feature = random_bits(w->seed) % 3;
     double away[3];
     corner_of(w->at, triangle, 0);
-    for (uint64_t i = 1; i < 3; i++) {
+    for (uint64_t i = 1; i <= feature; i++) {
         double edge[3];
         corner_of(edge, triangle, i);
         walk(edge, edge, -1, w->at);
-        walk(w->at, w->at, random_in(w->seed, 0, most), edge);
+        walk(w->at, w->at, random_in(w->seed, 0, 1), edge);
     }
     random_direction(w->seed, away, random_in(w->seed, 0, 0.02) * w->diagonal);
     walk(w->at, w->at, 1, away);

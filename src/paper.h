@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* One tick of the paper's method for one segment: a dynamic point per part and body. */
+#ifndef DPT_PAPER_H
+#define DPT_PAPER_H
+
+#include "contact.h"
+#include "world.h"
+
+/*
+ * The nearest of all dynamic points into `hit`, with the least gap of all; returns the push of the part
+ * with that gap, `*body` its body and `*at` its dynamic point in the world. NULL where there is no body.
+ */
+struct push paper_segment(struct dpt_world *world, uint32_t segment, vec3 a, vec3 b, dpt_hit *hit,
+                          const struct body **body, vec3 *at);
+
+#endif
