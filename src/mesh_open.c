@@ -32,9 +32,14 @@ static dpt_result check_header(const struct dpt_mesh *mesh, size_t size, dpt_mes
         return fail(fault, DPT_E_TRUNCATED, size, MESH_HEADER);
     if (mesh->version > MESH_VERSION)
         return fail(fault, DPT_E_VERSION, offsetof(struct dpt_mesh, version), MESH_HEADER);
-    if (mesh->version == 0 || mesh->header_bytes != sizeof *mesh ||
-        mesh->section_count != MESH_SECTION_COUNT || mesh->reserved)
+    if (mesh->version == 0)
         return fail(fault, DPT_E_LAYOUT, offsetof(struct dpt_mesh, version), MESH_HEADER);
+    if (mesh->header_bytes != sizeof *mesh)
+        return fail(fault, DPT_E_LAYOUT, offsetof(struct dpt_mesh, header_bytes), MESH_HEADER);
+    if (mesh->section_count != MESH_SECTION_COUNT)
+        return fail(fault, DPT_E_LAYOUT, offsetof(struct dpt_mesh, section_count), MESH_HEADER);
+    if (mesh->reserved)
+        return fail(fault, DPT_E_LAYOUT, offsetof(struct dpt_mesh, reserved), MESH_HEADER);
     if (size < mesh->bytes)
         return fail(fault, DPT_E_TRUNCATED, size, MESH_HEADER);
     if (size > mesh->bytes)

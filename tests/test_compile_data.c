@@ -19,7 +19,7 @@ static double time_ratio(const char *name, uint32_t count, const char *other, ui
     const char *names[] = { name, other };
     const uint32_t counts[] = { count, other_count };
     double least[2] = { HUGE_VAL, HUGE_VAL };
-    for (int pass = 0; pass < 7; pass++)
+    for (int pass = 0; pass < 4; pass++)
         for (int i = 0; i < 2; i++) {
             struct shape shape;
             shape_reason reason;
@@ -50,8 +50,9 @@ static void time_does_not_depend_on_the_shape(void)
 {
     double hub = least_ratio("hub", 49928, "membrane", 49928, 4.0);
     CHECK(hub <= 4.0, "a hub takes %.1f times as long as a grid", hub);
-    double large = least_ratio("membrane", 320000, "membrane", 20000, 16 * 1.6);
-    CHECK(large < 16 * 1.6, "16 times the triangles take %.1f times as long", large);
+    /* Both beyond the caches. n log n comes to 20; n^1.5, the next that code falls into, to 64. */
+    double large = least_ratio("membrane", 1280000, "membrane", 80000, 35.0);
+    CHECK(large < 35.0, "16 times the triangles take %.1f times as long", large);
     printf("    hub against grid: %.2f; 16 times the triangles: %.1f\n", hub, large);
 }
 

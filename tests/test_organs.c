@@ -433,7 +433,7 @@ static void try_motions(const struct subject *subject)
               "%s is not closed", subject->name);
         check_signs(subject, &motion, hits, 0, small, 200, &tally);
         check_signs(subject, &motion, hits, small, motion.count, 400, &tally);
-        CHECK(tally.inside >= 100 && tally.outside >= 100, "%s: %zu inside, %zu outside",
+        CHECK(tally.inside >= 40 && tally.outside >= 40, "%s: %zu inside, %zu outside",
               subject->name, tally.inside, tally.outside);
     }
     add_to_all(subject, &tally);

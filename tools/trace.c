@@ -116,7 +116,7 @@ int trace_read(struct trace *trace, const char *command, const char *path)
     if (!wrong)
         return 0;
     trace_free(trace);
-    return complain(command, "%s:%" PRIu64 ": %s", path, line, wrong);
+    return complain(command, "%s:%" PRIu64 ": %s", path, line ? line : 1, wrong);
 }
 
 void trace_free(struct trace *trace)
