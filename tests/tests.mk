@@ -9,6 +9,8 @@ $(B)/tests/%.o: ALL_CFLAGS += -Itests -Itools
 $(B)/tests/test_%: $(B)/tests/test_%.o $(TEST_PARTS)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -o $@
 
+$(B)/tests/test_organs: | $(B)/dynpoint
+
 check: ## all tests; DEPS=no installs nothing, STRICT=1 lets skips fail
 	@sh tests/run.sh
 
@@ -17,6 +19,7 @@ soak: all $(B)/tests/test_organs ## every tick of every mesh and motion of DPT_D
 
 bench: all $(B)/tests/bench/dump_mesh ## time against peers, those whose packages are here
 	@sh tests/bench/run.sh $(B)
+	@sh tests/bench/paper.sh $(B)
 
 deps: ## install what the tests can use beside a compiler (asks apt-get)
 	@sh tests/deps.sh
@@ -29,4 +32,4 @@ $(B)/tests/bench/dump_mesh: $(B)/tests/bench/dump_mesh.o $(B)/tools/common.o $(C
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -o $@
 
 charts: bench ## draw docs/charts from the bench's results
-	$(PYTHON) tests/bench/chart.py $(B)/bench/results.csv docs/charts
+	$(PYTHON) tests/bench/chart.py $(B)/bench docs/charts

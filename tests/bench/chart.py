@@ -1,14 +1,17 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""make charts: draw docs/charts/*.svg and their data from the bench's results. Standard library only.
+"""make charts: draw docs/charts/*.svg, and keep their data, from what the bench wrote.
 
-chart.py RESULTS.csv OUT_DIR
+chart.py BENCH_DIR OUT_DIR        reads results.csv and paper.csv; standard library only
 """
 import csv
 import math
+import shutil
 import sys
 
-STYLE = {
+WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM = 760, 420, 70, 190, 50, 60
+
+METHODS = {
     ("FCL", "OBBRSS"): ("FCL, OBBRSS, warm", "#b03a2e", "6 4"),
     ("tree", "scalar"): ("tree, scalar", "#95a5a6", ""),
     ("tree", "sse2"): ("tree, SSE2", "#7fb3d5", ""),
@@ -16,17 +19,22 @@ STYLE = {
     ("tree", "avx512"): ("tree, AVX-512", "#154360", ""),
     ("tree", "neon"): ("tree, NEON", "#117864", ""),
 }
-WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM = 760, 420, 70, 170, 50, 60
+MESHES = {
+    "star": ("star, 20,480", "#b03a2e"),
+    "torus-61358": ("torus, 61,358", "#ca6f1e"),
+    "liver": ("liver, 50,332", "#154360"),
+    "torus-5568": ("torus, 5,568", "#7fb3d5"),
+    "membrane": ("membrane, 512", "#117864"),
+}
 
 
 class Axis:
-    """A logarithmic axis from decade parts 1, 2, 5 below the least to above the largest value."""
+    """A logarithmic axis from a 1, 2, 5 mark below the least value to one above the largest."""
 
     def __init__(self, values, start, end):
-        low, high = min(values), max(values)
-        marks = [m * 10**e for e in range(-3, 9) for m in (1, 2, 5)]
-        self.low = max(m for m in marks if m <= low)
-        self.high = min(m for m in marks if m >= high)
+        marks = [m * 10**e for e in range(-4, 9) for m in (1, 2, 5)]
+        self.low = max(m for m in marks if m <= min(values))
+        self.high = min(m for m in marks if m >= max(values))
         self.marks = [m for m in marks if self.low <= m <= self.high]
         self.start, self.end = start, end
 
@@ -35,15 +43,30 @@ class Axis:
         return self.start + share * (self.end - self.start)
 
 
+class Doublings(Axis):
+    """A logarithmic axis whose marks are the values themselves: 1, 2, 4, ..."""
+
+    def __init__(self, values, start, end):
+        self.marks = sorted(set(values))
+        self.low, self.high = self.marks[0], self.marks[-1]
+        self.start, self.end = start, end
+
+
 def text(x, y, content, anchor="middle", size=13, extra=""):
     return (f'<text x="{x:.1f}" y="{y:.1f}" font-size="{size}" text-anchor="{anchor}" {extra}>'
             f"{content}</text>")
 
 
-def draw(rows, title, subtitle):
-    """Median (line) and 99 % (thin line above it) over triangles, per method."""
-    x = Axis([r["triangles"] for r in rows], LEFT, WIDTH - RIGHT)
-    y = Axis([r["median"] for r in rows] + [r["p99"] for r in rows], HEIGHT - BOTTOM, TOP)
+def polyline(x, y, points, colour, width, dash):
+    path = " ".join(f"{x.at(a):.1f},{y.at(b):.1f}" for a, b in points)
+    return (f'<polyline points="{path}" fill="none" stroke="{colour}" stroke-width="{width}" '
+            f'stroke-dasharray="{dash}"/>')
+
+
+def draw(title, subtitle, x_title, y_title, series, x_axis=Axis):
+    """series: name, colour, dash, points, and thin points that go with them (may be empty)."""
+    x = x_axis([p[0] for s in series for p in s["points"]], LEFT, WIDTH - RIGHT)
+    y = Axis([p[1] for s in series for p in s["points"] + s["thin"]], HEIGHT - BOTTOM, TOP)
     out = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" '
            'font-family="sans-serif" fill="#222">',
            f'<rect width="{WIDTH}" height="{HEIGHT}" fill="white"/>',
@@ -57,21 +80,16 @@ def draw(rows, title, subtitle):
         out.append(f'<line x1="{x.at(mark):.1f}" x2="{x.at(mark):.1f}" y1="{HEIGHT - BOTTOM}" '
                    f'y2="{HEIGHT - BOTTOM + 5}" stroke="#888"/>')
         out.append(text(x.at(mark), HEIGHT - BOTTOM + 20, f"{mark:,}"))
-    out.append(text((LEFT + WIDTH - RIGHT) / 2, HEIGHT - 16, "triangles"))
-    out.append(text(18, HEIGHT / 2, "microseconds a tick", extra=f'transform="rotate(-90 18 {HEIGHT / 2})"'))
+    out.append(text((LEFT + WIDTH - RIGHT) / 2, HEIGHT - 16, x_title))
+    out.append(text(18, HEIGHT / 2, y_title, extra=f'transform="rotate(-90 18 {HEIGHT / 2})"'))
     labels = []
-    for key, (name, colour, dash) in STYLE.items():
-        line = sorted((r for r in rows if r["key"] == key), key=lambda r: r["triangles"])
-        if not line:
-            continue
-        for column, width in (("median", 2.5), ("p99", 0.9)):
-            points = " ".join(f"{x.at(r['triangles']):.1f},{y.at(r[column]):.1f}" for r in line)
-            out.append(f'<polyline points="{points}" fill="none" stroke="{colour}" '
-                       f'stroke-width="{width}" stroke-dasharray="{dash}"/>')
-        for r in line:
-            out.append(f'<circle cx="{x.at(r["triangles"]):.1f}" cy="{y.at(r["median"]):.1f}" r="3" '
-                       f'fill="{colour}"/>')
-        labels.append([y.at(line[-1]["median"]), name, colour])
+    for s in series:
+        out.append(polyline(x, y, s["points"], s["colour"], 2.5, s["dash"]))
+        if s["thin"]:
+            out.append(polyline(x, y, s["thin"], s["colour"], 0.9, s["dash"]))
+        out += [f'<circle cx="{x.at(a):.1f}" cy="{y.at(b):.1f}" r="3" fill="{s["colour"]}"/>'
+                for a, b in s["points"]]
+        labels.append([y.at(s["points"][-1][1]), s["name"], s["colour"]])
     labels.sort()
     for previous, label in zip(labels, labels[1:]):
         label[0] = max(label[0], previous[0] + 16)
@@ -81,26 +99,62 @@ def draw(rows, title, subtitle):
     return "\n".join(out) + "\n"
 
 
-def main(results, folder):
-    with open(results, newline="", encoding="utf-8") as file:
-        table = list(csv.DictReader(file))
-    rows = []
-    for record in table:
-        if record["mesh"].startswith("torus"):
-            rows.append({"key": (record["method"], record["kernel"]),
-                         "triangles": int(record["triangles"]),
-                         "median": float(record["other_median"]) / 1e3,
-                         "p99": float(record["other_p99"]) / 1e3})
-    if not rows:
-        sys.exit("chart.py: no torus in " + results)
-    with open(folder + "/tick-time.svg", "w", encoding="utf-8") as file:
-        file.write(draw(rows, "Exact nearest pair of a sliding tool and a torus",
-                        "Ticks whose axis does not cross. Thick: median; thin: 99 %. Answers within "
-                        "rounding of brute force."))
-    with open(folder + "/tick-time.csv", "w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, table[0].keys(), lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(table)
+def tick_time(results, paper):
+    """Time against triangles, ticks that do not cross, on tori (the paper's Figure 10)."""
+    series = []
+    for key, (name, colour, dash) in METHODS.items():
+        rows = sorted((r for r in results if (r["method"], r["kernel"]) == key
+                       and r["mesh"].startswith("torus")), key=lambda r: int(r["triangles"]))
+        if rows:
+            series.append({"name": name, "colour": colour, "dash": dash, "points":
+                           [(int(r["triangles"]), float(r["other_median"]) / 1e3) for r in rows],
+                           "thin": [(int(r["triangles"]), float(r["other_p99"]) / 1e3) for r in rows]})
+    return draw("Exact nearest pair of a sliding tool and a torus",
+                "Ticks whose axis does not cross. Thick: median; thin: 99 %. Within rounding of brute force.",
+                "triangles", "microseconds a tick", series)
+
+
+def paper_rows(paper, mesh):
+    rows = [r for r in paper if r["mesh"] == mesh and r["one_step"] == "0"]
+    return sorted(rows, key=lambda r: int(r["parts"]))
+
+
+def parts_time(results, paper):
+    """Time against the number of parts (the paper's Figure 11)."""
+    series = [{"name": name, "colour": colour, "dash": "", "thin": [], "points":
+               [(int(r["parts"]), float(r["median"]) / 1e3) for r in paper_rows(paper, mesh)]}
+              for mesh, (name, colour) in MESHES.items() if paper_rows(paper, mesh)]
+    return draw("The paper's method: time against parts of the tool",
+                "Median of all ticks. It grows with the parts, hardly with the mesh.",
+                "parts, each with its own dynamic point", "microseconds a tick", series, Doublings)
+
+
+def parts_wrong(results, paper):
+    """Share of ticks whose distance is not the least, against the number of parts."""
+    series = []
+    for mesh, (name, colour) in MESHES.items():
+        rows = [r for r in paper_rows(paper, mesh) if int(r["wrong"])]
+        if rows:
+            series.append({"name": name, "colour": colour, "dash": "", "thin": [], "points":
+                           [(int(r["parts"]), 100 * int(r["wrong"]) / int(r["ticks"])) for r in rows]})
+    return draw("The paper's method: ticks with a wrong nearest pair",
+                "Local minima hold the dynamic points. None wrong on the flat membrane; the tree has none at all.",
+                "parts, each with its own dynamic point", "% of 20,000 ticks", series, Doublings)
+
+
+def read(path):
+    with open(path, newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def main(bench, folder):
+    results, paper = read(bench + "/results.csv"), read(bench + "/paper.csv")
+    for name, chart in (("tick-time", tick_time), ("parts-time", parts_time),
+                        ("parts-wrong", parts_wrong)):
+        with open(f"{folder}/{name}.svg", "w", encoding="utf-8") as file:
+            file.write(chart(results, paper))
+    shutil.copyfile(bench + "/results.csv", folder + "/tick-time.csv")
+    shutil.copyfile(bench + "/paper.csv", folder + "/parts.csv")
 
 
 if __name__ == "__main__":

@@ -4,7 +4,7 @@
 # where the machine has AVX2 or more; and FCL's distances are ours. `sh tests/bench/check.sh BUILD`.
 set -u
 build=$1
-best=$("$build/dynpoint" replay --help >/dev/null 2>&1 && TICKS=6000 sh tests/bench/run.sh "$build" liver >"$build/bench.out" 2>&1; echo $?)
+best=$("$build/dynpoint" replay --help >/dev/null 2>&1 && TICKS=6000 PEERS=fcl sh tests/bench/run.sh "$build" liver >"$build/bench.out" 2>&1; echo $?)
 cat "$build/bench.out"
 passed=0 failed=0 skipped=0
 csv=$build/bench/results.csv

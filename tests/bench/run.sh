@@ -4,7 +4,10 @@
 # run, always with the error beside it. `sh tests/bench/run.sh BUILD [MESH ...]`; MESH is a shape, a shape
 # and its count (torus-61358), or a mesh file. Prints a table and writes BUILD/bench/results.csv: times in
 # ns, least of three passes a tick, the first tick apart; `differs` is the largest difference from our
-# distances, and theirs are held against brute force on every 100th tick.
+# distances, `wrong` the ticks that differ by more than 1e-9 of the diagonal (of a peer that only says whether
+# it meets: the ticks where it does not say what we do). Our distances are held against brute force on every
+# 100th tick. PEERS names the peers to run ("fcl cgal"), all by default; one that cannot be built or run is
+# named and left out, and is never a failure.
 set -u
 build=$1
 shift
@@ -13,26 +16,100 @@ ticks=${TICKS:-20000}
 dir=$build/bench
 mkdir -p "$dir"
 csv=$dir/results.csv
-echo "mesh,triangles,method,kernel,ticks,crossing,median,p99,crossing_median,crossing_p99,other_median,other_p99,max,differs" >"$csv"
+echo "mesh,triangles,method,kernel,ticks,crossing,median,p99,crossing_median,crossing_p99,other_median,other_p99,max,differs,wrong" >"$csv"
 
 number() { sed -n "s/.*\"$2\":\([0-9.e+-]*\).*/\1/p" "$1"; }
 field() { sed -n "s/.*\"$2\":{[^}]*\"$3\":\([0-9.]*\).*/\1/p" "$1"; }
 
-row() { # method kernel json differs
-    printf '  %-22s %9s %9s %9s %9s %9s %9s %10s  %s\n' "$1 $2" "$(field "$3" ns median)" \
+row() { # method kernel json differs wrong
+    printf '  %-22s %9s %9s %9s %9s %9s %9s %10s  %-9s %s\n' "$1 $2" "$(field "$3" ns median)" \
         "$(field "$3" ns p99)" "$(field "$3" ns_crossing median)" "$(field "$3" ns_crossing p99)" \
-        "$(field "$3" ns_other median)" "$(field "$3" ns_other p99)" "$(field "$3" ns max)" "$4"
-    echo "$name,$triangles,$1,$2,$ticks,$crossing,$(field "$3" ns median),$(field "$3" ns p99),$(field "$3" ns_crossing median),$(field "$3" ns_crossing p99),$(field "$3" ns_other median),$(field "$3" ns_other p99),$(field "$3" ns max),$4" >>"$csv"
+        "$(field "$3" ns_other median)" "$(field "$3" ns_other p99)" "$(field "$3" ns max)" "$4" "$5"
+    echo "$name,$triangles,$1,$2,$ticks,$crossing,$(field "$3" ns median),$(field "$3" ns p99),$(field "$3" ns_crossing median),$(field "$3" ns_crossing p99),$(field "$3" ns_other median),$(field "$3" ns_other p99),$(field "$3" ns max),$4,$5" >>"$csv"
 }
 
-peer=
-if command -v pkg-config >/dev/null 2>&1 && pkg-config --exists fcl 2>/dev/null && command -v g++ >/dev/null 2>&1; then
-    peer=$dir/peer_fcl
-    if [ ! -x "$peer" ] || [ tests/bench/peer_fcl.cpp -nt "$peer" ]; then
-        g++ -O3 $(pkg-config --cflags fcl) -std=c++17 tests/bench/peer_fcl.cpp -o "$peer" $(pkg-config --libs fcl) || peer=
+# Each peer: name, package, source, and what its rows are called.
+peers='fcl libfcl-dev peer_fcl.cpp FCL OBBRSS
+coal coal(PyPI) peer_coal.cpp Coal OBBRSS
+cgal libcgal-dev peer_cgal.cpp CGAL AABB_tree
+embree libembree-dev peer_embree.cpp Embree points
+bullet libbullet-dev peer_bullet.cpp Bullet swept-box
+libccd libccd-dev peer_libccd.cpp libccd GJK'
+
+has_header() { echo "#include <$1>" | g++ -std=c++17 -E -x c++ - >/dev/null 2>&1; }
+
+# Sets cflags and libs for a peer, or fails where its package is not here.
+flags_of() {
+    cflags= libs=
+    case $1 in
+    fcl)
+        pkg-config --exists fcl 2>/dev/null || return 1
+        cflags=$(pkg-config --cflags fcl) libs=$(pkg-config --libs fcl)
+        ;;
+    coal) # a wheel in a virtual environment below build/, as other packages of PyPI
+        for prefix in "$PWD"/build/venv/lib/python3*/site-packages/cmeel.prefix; do
+            [ -f "$prefix/lib/pkgconfig/coal.pc" ] || return 1
+            cflags=$(PKG_CONFIG_PATH=$prefix/lib/pkgconfig pkg-config --cflags coal 2>/dev/null) || return 1
+            libs="-L$prefix/lib -lcoal -Wl,-rpath,$prefix/lib"
+        done
+        cflags="$cflags -DNDEBUG"
+        ;;
+    cgal)
+        has_header CGAL/AABB_tree.h || return 1
+        cflags='-DNDEBUG -DCGAL_DISABLE_GMP'
+        ;;
+    embree)
+        if has_header embree4/rtcore.h; then libs=-lembree4
+        elif has_header embree3/rtcore.h; then libs=-lembree3
+        else return 1; fi
+        ;;
+    bullet) # the build in double where there is one
+        for package in bullet-float64 bullet; do
+            pkg-config --exists $package 2>/dev/null || continue
+            cflags="$(pkg-config --cflags $package) -DNDEBUG"
+            libs=$(pkg-config --libs $package)
+            return 0
+        done
+        return 1
+        ;;
+    libccd)
+        pkg-config --exists ccd 2>/dev/null || return 1
+        cflags=$(pkg-config --cflags ccd) libs=$(pkg-config --libs ccd)
+        ;;
+    esac
+}
+
+ready= out=
+while read -r peer package source method kernel; do
+    case " ${PEERS-all} " in
+    *" all "* | *" $peer "*) ;;
+    *) continue ;;
+    esac
+    program=$dir/peer_$peer
+    if ! command -v g++ >/dev/null 2>&1 || ! command -v pkg-config >/dev/null 2>&1; then
+        out="$out, $method (g++ or pkg-config is not here)"
+    elif ! flags_of "$peer"; then
+        out="$out, $method ($package is not here)"
+    elif [ -x "$program" ] && [ ! "tests/bench/$source" -nt "$program" ] && [ ! tests/bench/peer.h -nt "$program" ]; then
+        ready="$ready $peer"
+    elif g++ -O3 $cflags -std=c++17 "tests/bench/$source" -o "$program" $libs 2>"$program.log"; then
+        ready="$ready $peer"
+    else
+        rm -f "$program"
+        out="$out, $method ($package is here, but the peer does not build: $program.log)"
     fi
-fi
-[ -n "$peer" ] || echo "left out: FCL (libfcl-dev, g++ or pkg-config is not here)"
+done <<END
+$peers
+END
+[ -z "$out" ] || echo "left out: ${out#, }"
+
+against() { # OUT.csv, its column of the distance: the largest difference from ours, and the ticks that are wrong
+    awk -F, -v column="$2" -v bound="$bound" 'NR == FNR { if (FNR > 1) ours[$1] = $4; next }
+        FNR == 1 { next }
+        $column == "" { wrong += ours[$1] == 0; next }
+        { d = $column - ours[$1]; d = d < 0 ? -d : d; if (d > worst) worst = d; wrong += d > bound }
+        END { printf "%.2g %d", worst, wrong }' "$file.ours.csv" "$1"
+}
 
 for name in $meshes; do
     file=$dir/$(basename "$name")
@@ -42,26 +119,35 @@ for name in $meshes; do
         "$build/dynpoint" compile "$file.ply" -o "$file.dpa" 2>/dev/null ;;
     esac || exit 2
     "$build/dynpoint" make trace --mesh "$file.dpa" --ticks "$ticks" -o "$file.csv" || exit 2
+    bound=$("$build/dynpoint" info "$file.dpa" --json | sed -n 's/.*"box":\[\[\([^]]*\)\],\[\([^]]*\)\]\].*/\1,\2/p' |
+        awk -F, '{ printf "%.17g", 1e-9 * sqrt(($4 - $1)^2 + ($5 - $2)^2 + ($6 - $3)^2) }')
     triangles=$("$build/dynpoint" info "$file.dpa" --json | sed -n 's/^{"triangles":\([0-9]*\).*/\1/p')
 
     "$build/dynpoint" replay "$file.dpa" "$file.csv" -o "$file.ours.csv" --until track --repeat 3 \
         --against brute --every 100 --json >"$file.auto.json" || exit 1
     crossing=$(number "$file.auto.json" crossing)
     echo "$(basename "$name"): $triangles triangles, $ticks ticks, $crossing crossing; ns a tick"
-    printf '  %-22s %9s %9s %9s %9s %9s %9s %10s  %s\n' '' median '99 %' 'crossing' '99 %' 'other' '99 %' max 'differs, m'
+    printf '  %-22s %9s %9s %9s %9s %9s %9s %10s  %-9s %s\n' '' median '99 %' 'crossing' '99 %' 'other' '99 %' max 'differs' wrong
     for kernel in scalar sse2 avx2 avx512 neon; do
         "$build/dynpoint" replay "$file.dpa" "$file.csv" -o "$file.$kernel.csv" --until track --repeat 3 \
             --kernel $kernel --json >"$file.$kernel.json" 2>/dev/null || continue
         cmp -s "$file.$kernel.csv" "$file.ours.csv" || { echo "$kernel gives other answers"; exit 1; }
-        row tree "$kernel" "$file.$kernel.json" 0
+        row tree "$kernel" "$file.$kernel.json" 0 0
     done
-    if [ -n "$peer" ]; then
-        "$build/tests/bench/dump_mesh" "$file.dpa" "$file.tri" || exit 2
-        "$peer" "$file.tri" "$file.csv" -o "$file.fcl.csv" --json >"$file.fcl.json" || exit 2
-        differs=$(awk -F, 'NR == FNR { if (FNR > 1) ours[$1] = $4; next }
-            FNR > 1 { d = $2 - ours[$1]; d = d < 0 ? -d : d; if (d > worst) worst = d }
-            END { printf "%.2g", worst }' "$file.ours.csv" "$file.fcl.csv")
-        row FCL OBBRSS "$file.fcl.json" "$differs"
+    if "$build/dynpoint" replay "$file.dpa" "$file.csv" -o "$file.paper.csv" --method paper --parts 1 --until track \
+        --repeat 3 --json >"$file.paper.json"; then
+        row paper K=1 "$file.paper.json" $(against "$file.paper.csv" 4)
     fi
-    echo "  against brute force: $(sed -n 's/.*"against":{[^}]*"ticks":\([0-9]*\),"wrong":\([0-9]*\),"largest_error":\([0-9.e+-]*\).*/\2 of \1 ticks wrong, largest error \3 m/p' "$file.auto.json")"
+    [ -z "$ready" ] || "$build/tests/bench/dump_mesh" "$file.dpa" "$file.tri" || exit 2
+    for peer in $ready; do
+        called=$(echo "$peers" | sed -n "s/^$peer [^ ]* [^ ]* //p")
+        if ! "$dir/peer_$peer" "$file.tri" "$file.csv" -o "$file.$peer.csv" --json >"$file.$peer.json"; then
+            echo "  $called failed"
+            continue
+        fi
+        row $called "$file.$peer.json" $(against "$file.$peer.csv" 2)
+        [ $peer != libccd ] ||
+            echo "    libccd says only whether they meet: $(number "$file.$peer.json" pairs) pairs a tick, $(number "$file.$peer.json" pair_ns) ns a pair"
+    done
+    echo "  against brute force: $(sed -n 's/.*"against":{[^}]*"ticks":\([0-9]*\),"wrong":\([0-9]*\),[^}]*"largest_error":\([0-9.e+-]*\).*/\2 of \1 ticks wrong, largest error \3 m/p' "$file.auto.json")"
 done

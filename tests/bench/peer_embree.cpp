@@ -1,0 +1,205 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * The peer Embree: distance from a moving segment to a triangle mesh by point queries. A program
+ * of its own, never installed; it needs neither our headers nor our library.
+ *
+ *     peer_embree MESH.tri TRACE.csv -o OUT.csv [--repeat N] [--parts N] [--cold] [--json]
+ *
+ * The files' formats are in peer.h. Embree asks for what lies within a radius of a point, so the
+ * segment is cut into 64 parts, and each asks about its middle with half its length and the best
+ * distance so far as the radius, which the callback shrinks. The callback has the exact distance
+ * of the whole segment and a triangle, in double, and does not take a triangle twice in a tick.
+ * Each tick starts from the distance to the last tick's nearest triangle. Embree walks in float;
+ * the radius is widened by more than its rounding, so that no triangle is missed.
+ */
+#if __has_include(<embree4/rtcore.h>)
+#include <embree4/rtcore.h>
+#else
+#include <embree3/rtcore.h>
+#endif
+
+#include "peer.h"
+
+namespace
+{
+
+using namespace peer;
+
+#define TEXT_OF(x) #x
+#define TEXT(x)    TEXT_OF(x)
+
+class Peer
+{
+  public:
+    Peer(const Mesh &mesh) : corners_(corners_of(mesh)), seen_(corners_.size(), 0)
+    {
+        device_ = rtcNewDevice("threads=1");
+        if (!device_)
+            fail("Embree has no device");
+        scene_ = rtcNewScene(device_);
+        rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_HIGH);
+        rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
+
+        RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
+        float *vertex =
+            (float *)rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                             3 * sizeof(float), mesh.vertices.size());
+        uint32_t *corner = (uint32_t *)rtcSetNewGeometryBuffer(
+            geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(uint32_t),
+            mesh.triangles.size());
+        if (!vertex || !corner)
+            fail("Embree cannot hold the mesh");
+        for (const Point &p : mesh.vertices)
+            for (double x : p) {
+                *vertex++ = (float)x;
+                extent_ = std::max(extent_, std::fabs(x));
+            }
+        for (const auto &t : mesh.triangles)
+            corner = std::copy(t.begin(), t.end(), corner);
+        rtcCommitGeometry(geometry);
+        rtcAttachGeometry(scene_, geometry);
+        rtcReleaseGeometry(geometry);
+        rtcCommitScene(scene_);
+        if (rtcGetDeviceError(device_) != RTC_ERROR_NONE)
+            fail("Embree cannot build its scene");
+    }
+
+    ~Peer()
+    {
+        rtcReleaseScene(scene_);
+        rtcReleaseDevice(device_);
+    }
+
+    void set_parts(int parts)
+    {
+        parts_ = parts;
+    }
+
+    void reset()
+    {
+        nearest_ = 0;
+    }
+
+    void count(bool)
+    {
+    }
+
+    Answer ask(const Tick &tick, bool cold)
+    {
+        RTCPointQueryContext context;
+
+        a_ = vec(tick.a);
+        b_ = vec(tick.b);
+        Vec u = b_ - a_;
+        half_ = 0.5 * std::sqrt(dot(u, u)) / parts_;
+        if (cold)
+            nearest_ = 0;
+        if (++now_ == 0) {
+            std::fill(seen_.begin(), seen_.end(), 0u);
+            now_ = 1;
+        }
+        leaves_ = 0;
+        squared_ = std::numeric_limits<double>::infinity();
+        try_triangle((uint32_t)nearest_);
+        /* Rounding of the middle and of Embree's boxes and distances, with much to spare. */
+        margin_ = 1e-6 * (extent_ + std::fabs(a_.x) + std::fabs(a_.y) + std::fabs(a_.z) + half_);
+
+        rtcInitPointQueryContext(&context);
+        for (int i = 0; i < parts_ && squared_ > 0; i++) {
+            Vec middle = a_ + ((i + 0.5) / parts_) * u;
+            RTCPointQuery query;
+            query.x = (float)middle.x;
+            query.y = (float)middle.y;
+            query.z = (float)middle.z;
+            query.time = 0;
+            query.radius = radius();
+            rtcPointQuery(scene_, &query, &context, visit, this);
+        }
+        return Answer{ std::sqrt(squared_), nearest_ };
+    }
+
+    double bv_tests() const
+    {
+        return std::numeric_limits<double>::quiet_NaN();
+    }
+
+    double leaf_tests() const
+    {
+        return (double)leaves_;
+    }
+
+  private:
+    Peer(const Peer &) = delete;
+
+    static bool visit(RTCPointQueryFunctionArguments *found)
+    {
+        Peer *peer = (Peer *)found->userPtr;
+
+        if (!peer->try_triangle(found->primID))
+            return false;
+        found->query->radius = peer->radius();
+        return true;
+    }
+
+    bool try_triangle(uint32_t id)
+    {
+        if (seen_[id] == now_)
+            return false;
+        seen_[id] = now_;
+        leaves_++;
+        double d = segment_triangle(a_, b_, corners_[id]);
+        if (d >= squared_)
+            return false;
+        squared_ = d;
+        nearest_ = (long)id;
+        return true;
+    }
+
+    /* Around the middle of a part lies all that is nearer to the part than the best so far. */
+    float radius() const
+    {
+        return (float)(half_ + std::sqrt(squared_) + margin_);
+    }
+
+    std::vector<Corners> corners_;
+    std::vector<uint32_t> seen_;
+    uint32_t now_ = 0;
+    RTCDevice device_;
+    RTCScene scene_;
+    Vec a_, b_;
+    double extent_ = 0, half_ = 0, margin_ = 0, squared_ = 0;
+    int parts_ = 64;
+    long nearest_ = 0, leaves_ = 0;
+};
+
+Measured ask_embree(const Mesh &mesh, const std::vector<Tick> &trace, const Options &options,
+                    std::string &name)
+{
+    int parts = options.choice.empty() ? 64 : std::atoi(options.choice.c_str());
+
+    if (parts < 1 || parts > 1000)
+        fail("--parts takes a number from 1 to 1000");
+    name = "embree point queries, " + std::to_string(parts) + " parts";
+    double begin = now_ns();
+    Peer peer(mesh);
+    double build_ns = now_ns() - begin;
+    peer.set_parts(parts);
+    Measured measured = measure_peer(peer, trace, options);
+    measured.build_ns = build_ns;
+    return measured;
+}
+
+} // namespace
+
+int main(int argc, char **argv)
+{
+    About about = { "peer_embree",
+                    "Embree",
+                    TEXT(RTC_VERSION_MAJOR) "." TEXT(RTC_VERSION_MINOR) "." TEXT(RTC_VERSION_PATCH),
+                    "Distance from the segment of each tick to the mesh",
+                    "--parts",
+                    "N",
+                    "that the segment is cut into (64)" };
+
+    return peer_main(argc, argv, about, ask_embree);
+}
