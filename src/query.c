@@ -89,14 +89,15 @@ dpt_result dpt_query_segments(const dpt_mesh *mesh, const dpt_pose *pose, const 
     if (!mesh || !ends || !hits)
         return DPT_E_ARGUMENT;
     uint32_t size = hits[0].size;
-    if (size != sizeof *hits)
+    if (size < sizeof *hits || size % 8)
         return DPT_E_SIZE;
     DPT_TRY(prepare(&query, mesh, pose, n, def));
     dpt_result result = DPT_OK;
     uint32_t hint = DPT_NONE;
     for (size_t i = 0; i < n; i++) {
-        hits[i].size = size;
-        dpt_result one = answer(&query, ends + 6 * i, radii ? radii[i] : 0.0, &hint, &hits[i]);
+        dpt_hit *hit = (void *)((char *)hits + i * size);
+        hit->size = size;
+        dpt_result one = answer(&query, ends + 6 * i, radii ? radii[i] : 0.0, &hint, hit);
         result = one == DPT_OK ? result : one;
     }
     return result;

@@ -166,7 +166,7 @@ dpt_result dpt_world_step(dpt_world *world, double dt, dpt_step *out)
     dpt_result result = DPT_OK;
     if (!(dt > 0.0 && within(dt, 1e6)))
         result = DPT_E_ARGUMENT;
-    else if (out && out->size != sizeof *out)
+    else if (out && out->size < sizeof *out)
         result = DPT_E_SIZE;
     int valid = result == DPT_OK && bodies_are_valid(world);
     for (uint32_t t = 0; t < world->tool_end; t++) {
@@ -188,15 +188,17 @@ dpt_result dpt_tool_get_segment_hit(const dpt_world *world, dpt_tool tool, uint3
 {
     if (!world || !hit)
         return DPT_E_ARGUMENT;
-    if (hit->size != sizeof *hit)
+    uint32_t size = hit->size;
+    if (size < sizeof *hit)
         return DPT_E_SIZE;
-    *hit = (dpt_hit){ .size = sizeof *hit, .status = DPT_STATUS_STALE, .triangle = DPT_NONE };
+    *hit = (dpt_hit){ .size = size, .status = DPT_STATUS_STALE, .triangle = DPT_NONE };
     const struct tool *asked = world_tool(world, tool);
     if (!asked)
         return DPT_E_HANDLE;
     if (segment >= asked->count)
         return DPT_E_ARGUMENT;
     *hit = world->segments[asked->first + segment].hit;
+    hit->size = size;
     return DPT_OK;
 }
 

@@ -30,11 +30,35 @@ static int count_is_valid(uint32_t count)
     return count >= 1 && count <= 0xffff;
 }
 
+/* The size that the first release gave its def, and one that none will ever reach. */
+enum { DEF_SIZE_FIRST = 48, DEF_SIZE_MOST = 4096 };
+typedef char def_has_first_size[sizeof(dpt_world_def) >= DEF_SIZE_FIRST ? 1 : -1];
+
+/*
+ * A caller's def, which may be older and shorter than ours (the rest gets defaults) or newer and longer
+ * (then what we do not know must be 0).
+ */
+static dpt_result take_def(const dpt_world_def *given, dpt_world_def *def)
+{
+    if (!given)
+        return DPT_E_ARGUMENT;
+    uint32_t size = given->size;
+    if (size < DEF_SIZE_FIRST || size > DEF_SIZE_MOST)
+        return DPT_E_SIZE;
+    for (uint32_t i = sizeof *def; i < size; i++)
+        if (((const char *)given)[i])
+            return DPT_E_SIZE;
+    dpt_world_def_defaults(def, sizeof *def);
+    memcpy(def, given, size < sizeof *def ? size : sizeof *def);
+    def->size = sizeof *def;
+    return DPT_OK;
+}
+
 static int def_is_valid(const dpt_world_def *def)
 {
-    return def && def->size == sizeof *def && count_is_valid(def->max_bodies) &&
-           count_is_valid(def->max_tools) && count_is_valid(def->max_segments) &&
-           def->method <= DPT_METHOD_PAPER && def->until <= DPT_UNTIL_CONTACT && def->parts >= 1 &&
+    return count_is_valid(def->max_bodies) && count_is_valid(def->max_tools) &&
+           count_is_valid(def->max_segments) && def->method <= DPT_METHOD_PAPER &&
+           def->until <= DPT_UNTIL_CONTACT && def->parts >= 1 &&
            def->parts <= (def->method == DPT_METHOD_PAPER ? 64u : 1u) && def->one_step <= 1 &&
            def->reserved == 0 && def->stiffness >= 0.0 && within(def->stiffness, 1e9);
 }
@@ -44,7 +68,7 @@ static uint64_t bytes_last(const dpt_world_def *def)
     return mesh_aligned(4 * (uint64_t)def->max_segments * def->max_bodies * def->parts);
 }
 
-size_t dpt_world_bytes(const dpt_world_def *def)
+static size_t bytes_of(const dpt_world_def *def)
 {
     if (!def_is_valid(def))
         return 0;
@@ -54,32 +78,39 @@ size_t dpt_world_bytes(const dpt_world_def *def)
     return bytes <= SIZE_MAX ? (size_t)bytes : 0;
 }
 
-dpt_result dpt_world_create(void *block, size_t bytes, const dpt_world_def *def, dpt_world **world)
+size_t dpt_world_bytes(const dpt_world_def *given)
 {
-    if (!block || !def || !world)
+    dpt_world_def def;
+    return take_def(given, &def) == DPT_OK ? bytes_of(&def) : 0;
+}
+
+dpt_result dpt_world_create(void *block, size_t bytes, const dpt_world_def *given,
+                            dpt_world **world)
+{
+    dpt_world_def def;
+    if (!block || !world)
         return DPT_E_ARGUMENT;
-    if (def->size != sizeof *def)
-        return DPT_E_SIZE;
-    if (!def_is_valid(def))
+    DPT_TRY(take_def(given, &def));
+    if (!def_is_valid(&def))
         return DPT_E_ARGUMENT;
     if ((uintptr_t)block % 8)
         return DPT_E_ALIGN;
-    size_t needed = dpt_world_bytes(def);
+    size_t needed = bytes_of(&def);
     if (!needed || bytes < needed)
         return DPT_E_MEMORY;
 
     memset(block, 0, needed);
     struct dpt_world *made = block;
     char *at = (char *)block + BYTES_WORLD;
-    made->def = *def;
-    if (!kernel_get(def->kernel, &made->kernel, &made->kernel_id))
+    made->def = def;
+    if (!kernel_get(def.kernel, &made->kernel, &made->kernel_id))
         return DPT_E_UNSUPPORTED;
     made->bodies = (void *)at;
-    at += BYTES_BODY * (size_t)def->max_bodies;
+    at += BYTES_BODY * (size_t)def.max_bodies;
     made->tools = (void *)at;
-    at += BYTES_TOOL * (size_t)def->max_tools;
+    at += BYTES_TOOL * (size_t)def.max_tools;
     made->segments = (void *)at;
-    at += BYTES_SEGMENT * (size_t)def->max_segments;
+    at += BYTES_SEGMENT * (size_t)def.max_segments;
     made->last = (void *)at;
     *world = made;
     return DPT_OK;

@@ -5,7 +5,7 @@
 # "no"); nothing here is needed by the library or the demo, and a test whose package is missing is skipped.
 set -u
 packages="python3 pkg-config g++ libfcl-dev gcc-aarch64-linux-gnu libc6-dev-arm64-cross
-gcc-s390x-linux-gnu libc6-dev-s390x-cross qemu-user-static"
+gcc-arm-linux-gnueabihf gcc-s390x-linux-gnu libc6-dev-s390x-cross qemu-user-static"
 
 missing=
 for package in $packages; do

@@ -273,6 +273,32 @@ static void answers_all_it_can(void)
     fixture_free(&fixture);
 }
 
+/* A caller from the future has longer hits: their stride is its own, their tail is left alone. */
+static void longer_hits_keep_their_tail(void)
+{
+    struct fixture fixture;
+    struct {
+        dpt_hit hit;
+        double newer[3];
+    } hits[2];
+    const double ends[12] = { 1, 0, 0, 2, 0, 0, 0, 1, 0, 0, 2, 0 };
+    dpt_hit plain[2] = { DPT_HIT_INIT };
+    if (!fixture_from_shape(&fixture, "box", 12))
+        return;
+    memset(hits, 0x5a, sizeof hits);
+    hits[0].hit.size = sizeof hits[0];
+    dpt_query_segments(fixture.mesh, NULL, ends, NULL, 2, &hits[0].hit, NULL);
+    dpt_query_segments(fixture.mesh, NULL, ends, NULL, 2, plain, NULL);
+    for (int i = 0; i < 2; i++) {
+        CHECK(hits[i].hit.size == sizeof hits[0] && hits[i].hit.distance == plain[i].distance,
+              "hit %d", i);
+        const unsigned char *tail = (const unsigned char *)hits[i].newer;
+        for (size_t k = 0; k < sizeof hits[i].newer; k++)
+            CHECK(tail[k] == 0x5a, "wrote into the tail");
+    }
+    fixture_free(&fixture);
+}
+
 static void refuses_what_it_cannot(void)
 {
     struct fixture fixture;
@@ -315,6 +341,7 @@ int main(void)
     TEST(ties_go_to_the_least_number);
     TEST(crossing_without_an_inside);
     TEST(answers_all_it_can);
+    TEST(longer_hits_keep_their_tail);
     TEST(refuses_what_it_cannot);
     return check_report();
 }

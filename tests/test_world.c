@@ -82,6 +82,14 @@ static void defs_are_checked(void)
     REFUSED(stiffness, NAN);
     REFUSED(stiffness, INFINITY);
 #undef REFUSED
+    struct {
+        dpt_world_def def;
+        uint32_t newer[2];
+    } longer = { good, { 0, 0 } };
+    longer.def.size = sizeof longer;
+    CHECK(dpt_world_bytes(&longer.def) == dpt_world_bytes(&good), "a longer def, rest 0");
+    longer.newer[1] = 1;
+    CHECK(dpt_world_bytes(&longer.def) == 0, "a longer def that asks for more");
     def = good;
     def.kernel = 77;
     size_t bytes = dpt_world_bytes(&def);

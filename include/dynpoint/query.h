@@ -25,7 +25,7 @@ typedef struct dpt_query_def {
  *   ends   n times ax, ay, az, bx, by, bz in the world
  *   radii  n radii >= 0, or NULL for lines
  *   n      how many; 0 is not an error
- *   hits   n answers; hits[0].size must be set, and is written into all of them
+ *   hits   n answers; hits[0].size must be set, is their stride, and is written into all of them
  *   def    NULL for the defaults
  *
  * An answer depends on its own segment alone, never on its neighbours in the batch: with equal

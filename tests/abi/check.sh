@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # What the built libraries promise: `sh tests/abi/check.sh BUILD`. Exported symbols are those of the list in
 # the tree, which only grows; the core imports nothing but sqrt and mem*, and keeps no data; no multiply
-# is fused with an add; headers stand alone; install and uninstall leave what they should.
+# is fused with an add; headers stand alone; structs and constants are what layouts.txt says, on machines
+# that are not here too; the sources are C99; install and uninstall leave what they should; the sample runs.
 set -u
 build=$1
 here=$(dirname "$0")
@@ -19,6 +20,10 @@ bad() {
     echo "  FAIL $1"
     failed=$((failed + 1))
 }
+skip() {
+    echo "  skip $1"
+    skipped=$((skipped + 1))
+}
 verdict() { if [ "$1" -eq 0 ]; then ok "$2"; else bad "$2"; fi; }
 
 for lib in libdynpoint libdynpoint_compile; do
@@ -34,11 +39,13 @@ nm -u "$build/libdynpoint.o" | awk '{ print $2 }' | grep -vxE 'sqrt|mem(cpy|set|
 [ ! -s "$scratch/imports" ]
 verdict $? "the core imports sqrt and mem* only $(tr '\n' ' ' <"$scratch/imports")"
 
-objdump -h "$build/libdynpoint.o" | awk '$2 ~ /^\.(data|bss)$/ && $3 != "00000000" { print $2 }' >"$scratch/data"
+# Also a pointer that is set at the start, a thread's own variable, and code that runs before main.
+objdump -h "$build/libdynpoint.o" | awk '$2 ~ /^\.(t?data|t?bss|init_array|ctors)/ && $2 !~ /^\.data\.rel\.ro/ &&
+    $3 != "00000000" { print $2 }' >"$scratch/data"
 [ ! -s "$scratch/data" ]
 verdict $? "the core keeps no data $(tr '\n' ' ' <"$scratch/data")"
 
-objdump -d "$build/libdynpoint.o" | grep -cE '[[:space:]]v?(fn?m(add|sub)|fmadd|fmla)' >"$scratch/fused"
+objdump -d "$build/libdynpoint.o" | grep -cE '[[:space:]](v?fn?m(add|sub|l[as])|vfn?m[as]\.)' >"$scratch/fused"
 [ "$(cat "$scratch/fused")" -eq 0 ]
 verdict $? "no multiply is fused with an add"
 
@@ -52,6 +59,38 @@ for header in include/dynpoint.h include/dynpoint/*.h; do
     fi
 done
 ok "headers compile alone"
+
+c99="-std=c99 -pedantic -Wall -Wextra -Werror"
+${CC:-cc} $c99 -Iinclude "$here/layout.c" -o "$scratch/layout" && "$scratch/layout"
+verdict $? "structs and constants are what $here/layouts.txt says, on this machine"
+# What the list does not name: a field shows as a gap in its struct, the rest in the preprocessed headers.
+printf '#include <dynpoint.h>\n#include <dynpoint/compile.h>\n' | ${CC:-cc} -E -P -Iinclude - |
+    grep -oE 'DPT_[A-Z0-9_]+|struct dpt_[a-z0-9_]+ \{' | sed 's/^struct //; s/ {$//' |
+    LC_ALL=C sort -u >"$scratch/public"
+sed -n 's/^VALUE(\([^,]*\),.*/\1/p; s/^STRUCT(\(.*\))/\1/p' "$here/layouts.txt" | LC_ALL=C sort -u >"$scratch/listed"
+diff "$scratch/listed" "$scratch/public"
+verdict $? "it names every public struct and constant"
+for machine in aarch64-linux-gnu arm-linux-gnueabihf s390x-linux-gnu; do
+    if command -v "$machine-gcc" >/dev/null 2>&1; then
+        "$machine-gcc" $c99 -Iinclude -ffreestanding -fsyntax-only "$here/layout.c"
+        verdict $? "and for $machine"
+    else
+        skip "layouts for $machine: no $machine-gcc"
+    fi
+done
+
+# The build allows gnu99; the sources do not need it. Attributes are the compiler's own in either.
+exact=$(sed -n 's/^EXACT := //p' Makefile)
+strict=0
+for source in src/*.c src/compile/*.c; do
+    ${CC:-cc} $c99 -Iinclude -Isrc -O1 $exact -fPIC -c "$source" -o "$scratch/strict.o" || strict=1
+done
+verdict $strict "every source is pedantic C99"
+
+# docs/ffi.md shows parts of a script that runs; a line of it that the script has no more is a lie.
+sed -n '/^```python/,/^```/p' docs/ffi.md | grep -v '^```' | grep -vxFf tests/ffi/touch.py
+[ $? -eq 1 ]
+verdict $? "docs/ffi.md shows lines of tests/ffi/touch.py"
 
 root=$PWD/$scratch/root
 make -s install DESTDIR="$root" PREFIX=/opt/dp LIBDIR=/opt/dp/lib64 >/dev/null
@@ -84,9 +123,28 @@ if command -v pkg-config >/dev/null 2>&1; then
     ${CC:-cc} -std=c99 "$scratch/user.c" -I"$root/opt/dp/include" "$root/opt/dp/lib64/libdynpoint_compile.a" \
         "$root/opt/dp/lib64/libdynpoint.a" -lm -o "$scratch/user" && "$scratch/user"
     verdict $? "and with the static ones"
+
+    sample=docs/samples/first_touch.c
+    ${CC:-cc} $c99 $sample $(pkg-config --cflags --libs libdynpoint) -o "$scratch/sample_shared" &&
+        ${CC:-cc} $c99 $sample -I"$root/opt/dp/include" "$root/opt/dp/lib64/libdynpoint.a" -lm \
+            -o "$scratch/sample_static"
+    verdict $? "$sample builds with either"
+    for shape in "liver 2000" "box 12"; do
+        "$root/opt/dp/bin/dynpoint" make $shape -o "$scratch/mesh.stl" >/dev/null &&
+            "$root/opt/dp/bin/dynpoint" compile "$scratch/mesh.stl" -o "$scratch/mesh.dpa" >/dev/null &&
+            LD_LIBRARY_PATH="$root/opt/dp/lib64" "$scratch/sample_shared" "$scratch/mesh.dpa" >"$scratch/felt" &&
+            "$scratch/sample_static" "$scratch/mesh.dpa" | cmp - "$scratch/felt" &&
+            awk 'NF != 11 || $1 != "tick" { bad++ }
+                $6 == "separated" { apart++; bad += $8 != 0 || $9 != 0 || $10 != 0; next }
+                $6 == "penetrating" { pressed++; bad += $10 <= 0; next }
+                { bad++ }
+                END { exit bad || !apart || !pressed || NR != 11 }' "$scratch/felt"
+        verdict $? "it feels nothing above a $shape, and a push upward on it"
+    done
 else
-    echo "  skip installed .pc: no pkg-config"
-    skipped=$((skipped + 2))
+    for what in "a program" "a static program" "the sample" "the sample on a liver" "the sample on a box"; do
+        skip "$what with the installed .pc: no pkg-config"
+    done
 fi
 make -s uninstall DESTDIR="$root" PREFIX=/opt/dp LIBDIR=/opt/dp/lib64 >/dev/null 2>&1
 [ -z "$(find "$root" -type f -o -type l)" ]

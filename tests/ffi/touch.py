@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""From arrays to a force with ctypes alone (docs/ffi.md): python3 tests/ffi/touch.py BUILD."""
+import re
+import sys
+from ctypes import CDLL, Structure, byref, c_double, c_size_t, c_uint32, c_void_p, sizeof
+
+core = CDLL(sys.argv[1] + "/libdynpoint.so")
+compiler = CDLL(sys.argv[1] + "/libdynpoint_compile.so")
+core.dpt_world_bytes.restype = c_size_t  # all other results used here are int32, ctypes' default
+
+
+def struct(name, *fields):
+    listed = [(field, kind) for kind, names in fields for field in names.split()]
+    return type(name, (Structure,), {"_fields_": listed})
+
+
+double3, double4 = c_double * 3, c_double * 4
+Pose = struct("dpt_pose", (double3, "position"), (double4, "orientation"))
+Segment = struct("dpt_segment", (double3, "a b"), (c_double, "radius"))
+Wrench = struct("dpt_wrench", (double3, "force torque"))
+Hit = struct("dpt_hit", (c_uint32, "size status contact flags triangle segment body work"),
+             (c_double, "distance gap depth s"), (double3, "p q"),
+             (c_double, "error_bound lower_bound"))
+WorldDef = struct("dpt_world_def", (c_uint32, "size max_bodies max_tools max_segments method kernel"
+                                    " until parts one_step reserved"), (c_double, "stiffness"))
+Step = struct("dpt_step", (c_uint32, "size status contact work"), (c_double, "distance"))
+Compiled = struct("dpt_compiled", (c_void_p, "bytes"), (c_size_t, "size"))
+
+verdicts = []
+
+
+def check(what, is_so):
+    print("  ok  " if is_so else "  FAIL", what)
+    verdicts.append(bool(is_so))
+
+
+def is_near(number, wanted):
+    return abs(number - wanted) < 1e-12
+
+
+column = 0 if sizeof(c_void_p) == 8 else 1
+sizes = re.findall(r"SIZE\((\w+), (\d+), (\d+)\)", open(sys.path[0] + "/../abi/layouts.txt").read())
+sizes = {name: int(bytes[column]) for name, *bytes in sizes}
+for kind in (Pose, Segment, Wrench, Hit, WorldDef, Step, Compiled):
+    check(kind.__name__ + " has its size", sizeof(kind) == sizes[kind.__name__])
+
+# A box of 2 x 2 x 1 m with its top at z = 1: corner i at the bits of i; two triangles a side.
+corners = [(2 * (i & 1) - 1, (i & 2) - 1, i >> 2) for i in range(8)]
+sides = [(0, 1, 3, 2), (4, 5, 7, 6), (0, 1, 5, 4), (2, 3, 7, 6), (0, 2, 6, 4), (1, 3, 7, 5)]
+triangles = [t for a, b, c, d in sides for t in ((a, b, c), (a, c, d))]
+vertices = (c_double * 24)(*[x for corner in corners for x in corner])
+numbers = (c_uint32 * 36)(*[i for triangle in triangles for i in triangle])
+file = Compiled()
+check("compile", compiler.dpt_compile_arrays(vertices, c_size_t(8), numbers, c_size_t(12), None,
+                                             byref(file), None) == 0)
+mesh = c_void_p()  # looks into file.bytes: keep them until the mesh is no longer used
+check("open", core.dpt_mesh_open(c_void_p(file.bytes), c_size_t(file.size), byref(mesh)) == 0)
+
+ends = (c_double * 6)(0.3, 0.2, 1.5, 0.3, 0.2, 2.5)
+hit = Hit(size=sizeof(Hit))
+check("query", core.dpt_query_segments(mesh, None, ends, None, c_size_t(1), byref(hit), None) == 0)
+check("0.5 m to (0.3, 0.2, 1)", is_near(hit.distance, 0.5) and is_near(hit.q[2], 1))
+check("exact, on the top", hit.status == 3 and triangles[hit.triangle] in ((4, 5, 7), (4, 7, 6)))
+
+definition, world, body, tool = WorldDef(), c_void_p(), c_uint32(), c_uint32()
+core.dpt_world_def_defaults(byref(definition), c_size_t(sizeof(definition)))
+need = core.dpt_world_bytes(byref(definition))
+block = (c_double * (need // 8 + 1))()  # doubles, so that the block is aligned to 8
+check("create", core.dpt_world_create(block, c_size_t(need), byref(definition), byref(world)) == 0)
+check("add a body", core.dpt_body_add(world, mesh, None, byref(body)) == 0)
+stylus = Segment(double3(0, 0, 0), double3(0, 0, 1), 0.1)
+check("add a tool", core.dpt_tool_add(world, byref(stylus), 1, byref(tool)) == 0)
+
+pose = Pose(double3(0.3, 0.2, 1.05), double4(1, 0, 0, 0))
+step, wrench = Step(size=sizeof(Step)), Wrench()
+check("move", core.dpt_tool_set_pose(world, tool, byref(pose)) == 0)
+check("step", core.dpt_world_step(world, c_double(0.001), byref(step)) == 0)
+check("wrench", core.dpt_tool_get_wrench(world, tool, byref(wrench)) == 0)
+check("exact, pressed in", step.status == 3 and step.contact == 3)
+check("500 N/m times 0.05 m, upward", is_near(wrench.force[2], 25) and is_near(wrench.force[0], 0))
+
+check("a body is no tool: DPT_E_HANDLE", core.dpt_tool_set_pose(world, body, byref(pose)) == -8)
+check("no pose: DPT_E_ARGUMENT", core.dpt_tool_set_pose(world, tool, None) == -1)
+check("no size: DPT_E_SIZE", core.dpt_world_step(world, c_double(0.001), byref(Step())) == -2)
+compiler.dpt_compiled_free(byref(file))
+
+print(f"{sum(verdicts)} passed, {len(verdicts) - sum(verdicts)} failed, 0 skipped")
+sys.exit(not all(verdicts))
