@@ -69,13 +69,13 @@ static uint32_t move(const struct oracle *oracle, uint32_t from, vec3 a, vec3 u)
 struct lab {
     void *block;
     dpt_world *world;
+    dpt_body body;
     dpt_tool tool;
 };
 
 static void lab_open(struct lab *lab, const dpt_mesh *mesh, uint32_t parts, uint32_t one_step)
 {
     dpt_world_def def;
-    dpt_body body;
     dpt_segment any = { { 0, 0, 0 }, { 0, 0, 0 }, 0 };
     dpt_world_def_init(&def);
     def.method = DPT_METHOD_PAPER;
@@ -84,7 +84,7 @@ static void lab_open(struct lab *lab, const dpt_mesh *mesh, uint32_t parts, uint
     lab->block = malloc(dpt_world_bytes(&def));
     dpt_result result = dpt_world_create(lab->block, dpt_world_bytes(&def), &def, &lab->world);
     CHECK(result == DPT_OK, "%s", dpt_result_name(result));
-    dpt_body_add(lab->world, mesh, NULL, &body);
+    dpt_body_add(lab->world, mesh, NULL, &lab->body);
     dpt_tool_add(lab->world, &any, 1, &lab->tool);
 }
 
@@ -211,6 +211,45 @@ static void a_teleport_searches_anew(void)
     fixture_free(&torus);
 }
 
+/* On two bodies that move: the nearer of what each alone would give, part by part. */
+static void many_bodies_are_each_their_own(void)
+{
+    struct fixture mesh[2];
+    struct lab both, alone[2];
+    dpt_body second;
+    int nearer[2] = { 0, 0 };
+    if (!fixture_from_shape(&mesh[0], "torus", 600) || !fixture_from_shape(&mesh[1], "star", 2000))
+        return;
+    lab_open(&both, mesh[0].mesh, 2, 0);
+    dpt_body_add(both.world, mesh[1].mesh, NULL, &second);
+    for (int i = 0; i < 2; i++)
+        lab_open(&alone[i], mesh[i].mesh, 2, 0);
+    for (int i = 0; i < 2000; i++) {
+        double ends[6], t = 0.003 * i;
+        wander(i, 0.2, ends);
+        dpt_pose pose[2] = { { { 0.2 * sin(t), 0, 0 }, { cos(t), 0, 0, sin(t) } },
+                             { { -0.2, 0.1 * cos(t), 0 }, { cos(t), sin(t), 0, 0 } } };
+        CHECK(dpt_body_set_pose(both.world, both.body, &pose[0]) == DPT_OK, "first");
+        dpt_body_set_pose(both.world, second, &pose[1]);
+        double distance[2];
+        for (int k = 0; k < 2; k++) {
+            dpt_body_set_pose(alone[k].world, alone[k].body, &pose[k]);
+            distance[k] = tick(&alone[k], ends, 0.001).distance;
+        }
+        dpt_hit hit = tick(&both, ends, 0.001);
+        int which = distance[1] < distance[0];
+        nearer[which]++;
+        CHECK(hit.distance == distance[which], "tick %d: %g, not %g", i, hit.distance,
+              distance[which]);
+    }
+    CHECK(nearer[0] > 200 && nearer[1] > 200, "nearer %d and %d times", nearer[0], nearer[1]);
+    for (int i = 0; i < 2; i++) {
+        free(alone[i].block);
+        fixture_free(&mesh[i]);
+    }
+    free(both.block);
+}
+
 /* Over and under a flat sheet, tilted, with a radius: gap and force in closed form, any K. */
 static void force_on_a_plane(void)
 {
@@ -315,6 +354,7 @@ int main(void)
 {
     TEST(descent_follows_the_rules);
     TEST(a_teleport_searches_anew);
+    TEST(many_bodies_are_each_their_own);
     TEST(force_on_a_plane);
     TEST(force_on_a_sphere);
     TEST(torque_jumps_when_the_point_flips);

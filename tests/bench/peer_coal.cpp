@@ -47,7 +47,7 @@ void place(coal::OBBRSS &bv, const Vector &a, const Vector &b)
     bv.obb.extent = Vector(0.5 * bv.rss.length[0], 0, 0);
 }
 
-/* Coal's node for two meshes in one frame, started from a given triangle and not testing it twice. */
+/* Coal's node for two meshes in one frame, started from a triangle that it does not test again. */
 template <typename BV> class WarmNode : public coal::MeshDistanceTraversalNode<BV>
 {
   public:

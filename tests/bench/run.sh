@@ -34,7 +34,7 @@ coal coal(PyPI) peer_coal.cpp Coal OBBRSS
 cgal libcgal-dev peer_cgal.cpp CGAL AABB_tree
 embree libembree-dev peer_embree.cpp Embree points
 bullet libbullet-dev peer_bullet.cpp Bullet swept-box
-libccd libccd-dev peer_libccd.cpp libccd GJK'
+libccd libccd-dev peer_libccd.cpp libccd MPR'
 
 has_header() { echo "#include <$1>" | g++ -std=c++17 -E -x c++ - >/dev/null 2>&1; }
 
