@@ -24,7 +24,7 @@ static const char *golden = "tests/golden-bad";
 #define REPLACED_BY_SANITIZER
 #endif
 #endif
-#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && \
+#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) &&       \
     !defined(REPLACED_BY_SANITIZER)
 #define CAN_FAIL_ALLOCATIONS
 static long allocations_left = -1;
@@ -46,20 +46,6 @@ typedef struct reading {
     dpt_result result;
 } reading;
 
-static dpt_result read_as(uint32_t format, soup *source, const unsigned char *bytes, size_t size)
-{
-    switch (format) {
-    case DPT_FORMAT_OBJ:
-        return read_obj(source, bytes, size);
-    case DPT_FORMAT_STL:
-        return read_stl(source, bytes, size);
-    case DPT_FORMAT_PLY:
-        return read_ply(source, bytes, size);
-    default:
-        return read_off(source, bytes, size);
-    }
-}
-
 /* Read a copy that ends where its block of memory ends, so that a sanitizer sees a byte too far. */
 static void read_bytes(reading *r, uint32_t format, const void *bytes, size_t size,
                        const dpt_compile_def *def)
@@ -68,7 +54,7 @@ static void read_bytes(reading *r, uint32_t format, const void *bytes, size_t si
     memset(&r->diag, 0, sizeof r->diag);
     soup_init(&r->soup, def, &r->diag);
     memcpy(copy, bytes, size);
-    r->result = read_as(format, &r->soup, copy, size);
+    r->result = read_source(&r->soup, format, copy, size);
     if (r->result == DPT_OK)
         r->result = soup_finish(&r->soup);
     free(copy);
@@ -81,8 +67,8 @@ static void read_string(reading *r, uint32_t format, const char *text)
 
 static const char *code_name(dpt_result code)
 {
-#define NAME_OF(name, value, text) \
-    if (code == (value))           \
+#define NAME_OF(name, value, text)                                                                 \
+    if (code == (value))                                                                           \
         return #name;
     DPT_RESULTS(NAME_OF)
 #undef NAME_OF
@@ -486,7 +472,7 @@ static void starve_golden(const expected *e, const unsigned char *bytes, size_t 
         memset(&r.diag, 0, sizeof r.diag);
         soup_init(&r.soup, NULL, &r.diag);
         allocations_left = grants;
-        r.result = read_as(format_of(e->name), &r.soup, bytes, size);
+        r.result = read_source(&r.soup, format_of(e->name), bytes, size);
         allocations_left = -1;
         if (r.result == DPT_OK)
             r.result = soup_finish(&r.soup);

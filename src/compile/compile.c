@@ -45,25 +45,6 @@ static dpt_result build(soup *source, uint64_t source_size, uint64_t source_hash
     return result;
 }
 
-static dpt_result read_source(soup *source, uint32_t format, const unsigned char *bytes,
-                              size_t size)
-{
-    switch (format) {
-    case DPT_FORMAT_OBJ:
-        return read_obj(source, bytes, size);
-    case DPT_FORMAT_STL:
-        return read_stl(source, bytes, size);
-    case DPT_FORMAT_PLY:
-        return read_ply(source, bytes, size);
-    case DPT_FORMAT_OFF:
-        return read_off(source, bytes, size);
-    default:
-        if (!size)
-            return soup_fail(source, DPT_E_EMPTY, nowhere, "the file is empty");
-        return soup_fail(source, DPT_E_FORMAT, nowhere, "neither OBJ, STL, PLY nor OFF");
-    }
-}
-
 /* What every entry shares: check the arguments, set the outputs to nothing. */
 static dpt_result enter(soup *source, const dpt_compile_def *def, dpt_compiled *out, dpt_diag *diag)
 {

@@ -89,3 +89,22 @@ uint32_t source_format(const char *path, const unsigned char *bytes, size_t size
         return DPT_FORMAT_OBJ;
     return format;
 }
+
+dpt_result read_source(soup *source, uint32_t format, const unsigned char *bytes, size_t size)
+{
+    switch (format) {
+    case DPT_FORMAT_OBJ:
+        return read_obj(source, bytes, size);
+    case DPT_FORMAT_STL:
+        return read_stl(source, bytes, size);
+    case DPT_FORMAT_PLY:
+        return read_ply(source, bytes, size);
+    case DPT_FORMAT_OFF:
+        return read_off(source, bytes, size);
+    default:
+        if (!size)
+            return soup_fail(source, DPT_E_EMPTY, (source_place){ 0, 0 }, "the file is empty");
+        return soup_fail(source, DPT_E_FORMAT, (source_place){ 0, 0 },
+                         "neither OBJ, STL, PLY nor OFF");
+    }
+}

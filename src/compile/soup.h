@@ -79,4 +79,7 @@ dpt_result read_off(soup *soup, const unsigned char *bytes, size_t size);
  */
 uint32_t source_format(const char *path, const unsigned char *bytes, size_t size);
 
+/* By the reader of a format; DPT_E_EMPTY or DPT_E_FORMAT for DPT_FORMAT_AUTO. */
+dpt_result read_source(soup *soup, uint32_t format, const unsigned char *bytes, size_t size);
+
 #endif
