@@ -135,7 +135,6 @@ struct push contact_of(const struct tree *tree, const struct axis *axis,
     uint32_t flags = mesh_words(tree->mesh, MESH_PART_TABLE)[4 * (size_t)part];
     int closed = (flags & MESH_PART_CLOSED) != 0;
     if (nearest->pair.distance2 == 0.0) {
-        hit->flags |= DPT_HIT_CROSSING;
         if (closed)
             return through_closed(tree, axis, nearest, radius, hit);
         if (flags & MESH_PART_MANIFOLD)

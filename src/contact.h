@@ -13,7 +13,7 @@ struct push {
     double depth;   /* how far, >= 0 */
 };
 
-/* Fill contact, flags, gap and depth of a hit that track_hit has written. The exact methods' contact. */
+/* Fill contact, gap and depth of a hit that track_hit has written. The exact methods' contact. */
 struct push contact_of(const struct tree *tree, const struct axis *axis,
                        const struct nearest *nearest, double radius, dpt_hit *hit);
 

@@ -54,7 +54,7 @@ static dpt_result check_layout(const struct dpt_mesh *mesh, dpt_mesh_fault *faul
     uint64_t nodes, end = sizeof *mesh;
     uint64_t leaves = ((uint64_t)mesh->triangles + LANES - 1) / LANES;
     if (!mesh->triangles || mesh->leaves != leaves || mesh->triangles > mesh->source_triangles ||
-        mesh->triangles > INT32_MAX || mesh->vertices > INT32_MAX ||
+        mesh->triangles > UINT32_MAX / 3 || mesh->vertices > INT32_MAX ||
         mesh->levels != mesh_levels(mesh->leaves, count, &nodes))
         return fail(fault, DPT_E_LAYOUT, offsetof(struct dpt_mesh, triangles), MESH_HEADER);
     for (int id = 0; id < MESH_SECTION_COUNT; id++) {

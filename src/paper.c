@@ -82,8 +82,6 @@ struct push paper_segment(struct dpt_world *world, uint32_t segment, vec3 a, vec
     hit->status = DPT_STATUS_LOCAL;
     hit->error_bound = hit->distance + rounding;
     hit->lower_bound = 0.0;
-    if (hit->distance == 0.0)
-        hit->flags |= DPT_HIT_CROSSING;
     if (world->def.until != DPT_UNTIL_TRACK)
         contact_set_gap(hit, sum.gap, rounding);
     return sum.push;

@@ -43,6 +43,8 @@ static dpt_result prepare(struct query *query, const dpt_mesh *mesh, const dpt_p
 {
     if (def && def->size < sizeof *def)
         return DPT_E_SIZE;
+    if (def && def->reserved)
+        return DPT_E_ARGUMENT;
     uint32_t method = def ? def->method : DPT_METHOD_EXACT;
     uint32_t kernel = def ? def->kernel : DPT_KERNEL_AUTO;
     uint32_t chosen;

@@ -98,7 +98,7 @@ static inline int pair_on_face(pair *best, vec3 u, const vec3 from[3], const vec
         return 0;
     double height = height_a + s * (height_b - height_a);
     double per_zz = f.per_xx * f.per_yy;
-    best->distance2 = height * height * per_zz;
+    best->distance2 = height * (height * per_zz);
     best->s = s;
     best->gap = scaled(f.z, height * per_zz);
     for (int k = 0; k < 3; k++)

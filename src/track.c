@@ -60,6 +60,7 @@ void track_hit(const struct tree *tree, const struct axis *axis, const struct fr
     vec3 p = along(axis->a, found->s, sub(axis->b, axis->a));
     vec3 q = sub(p, frame_turn(body, found->gap));
     hit->status = DPT_STATUS_EXACT;
+    hit->flags = found->distance2 == 0.0 ? DPT_HIT_CROSSING : 0;
     hit->triangle = tree->sources[nearest->triangle];
     hit->work = nearest->work;
     hit->distance = sqrt(found->distance2);

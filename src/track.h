@@ -30,7 +30,7 @@ void track_once(const struct tree *tree, const struct kernel *kernel, uint32_t m
 void track_next(const struct tree *tree, const struct kernel *kernel, uint32_t method,
                 const struct axis *axis, uint32_t last, double limit2, struct nearest *nearest);
 
-/* Write what is known of the nearest pair; contact, gap and flags stay. */
+/* Write what is known of the nearest pair; contact, gap and depth stay. */
 void track_hit(const struct tree *tree, const struct axis *axis, const struct frame *body,
                const struct nearest *nearest, dpt_hit *hit);
 

@@ -11,6 +11,10 @@ typedef char body_fits[sizeof(struct body) <= BYTES_BODY ? 1 : -1];
 typedef char tool_fits[sizeof(struct tool) <= BYTES_TOOL ? 1 : -1];
 typedef char segment_fits[sizeof(struct segment) <= BYTES_SEGMENT ? 1 : -1];
 
+/* The size that the first release gave its def, and one that none will ever reach. */
+enum { DEF_SIZE_FIRST = 48, DEF_SIZE_MOST = 4096 };
+typedef char def_has_first_size[sizeof(dpt_world_def) >= DEF_SIZE_FIRST ? 1 : -1];
+
 void dpt_world_def_defaults(dpt_world_def *def, size_t size)
 {
     const dpt_world_def defaults = {
@@ -21,18 +25,16 @@ void dpt_world_def_defaults(dpt_world_def *def, size_t size)
         .parts = 1,
         .stiffness = 500.0,
     };
-    if (def && size >= sizeof defaults.size)
-        memcpy(def, &defaults, size < sizeof defaults ? size : sizeof defaults);
+    if (!def || size < sizeof defaults.size || size > DEF_SIZE_MOST)
+        return;
+    memset(def, 0, size);
+    memcpy(def, &defaults, size < sizeof defaults ? size : sizeof defaults);
 }
 
 static int count_is_valid(uint32_t count)
 {
     return count >= 1 && count <= 0xffff;
 }
-
-/* The size that the first release gave its def, and one that none will ever reach. */
-enum { DEF_SIZE_FIRST = 48, DEF_SIZE_MOST = 4096 };
-typedef char def_has_first_size[sizeof(dpt_world_def) >= DEF_SIZE_FIRST ? 1 : -1];
 
 /*
  * A caller's def, which may be older and shorter than ours (the rest gets defaults) or newer and longer

@@ -371,6 +371,16 @@ outputs()
     "$program" make trace --mesh torus.dpa --ticks 400 -o - >stdout.csv 2>stderr
     check 'make trace -o -' cmp -s stdout.csv torus.csv
     check 'a file is named -' test ! -e -
+    mkfifo pipe
+    cat pipe >through &
+    "$program" make box -o box-pipe.ply && "$program" compile box-pipe.ply -o pipe >/dev/null
+    wait $!
+    "$program" compile box-pipe.ply -o direct.dpa >/dev/null
+    if [ -p pipe ] && cmp -s through direct.dpa; then ok; else bad "a pipe as output is replaced"; fi
+    ln -s target.dpa link.dpa
+    "$program" compile box-pipe.ply -o link.dpa >/dev/null
+    if [ -L link.dpa ] && cmp -s target.dpa direct.dpa; then ok; else bad "a link as output is replaced"; fi
+    rm -f pipe through box-pipe.ply direct.dpa link.dpa target.dpa
     if [ -c /dev/full ]; then
         for command in 'compile box.ply -o -' 'replay box.dpa box.csv -o -' 'info box.dpa' \
             'info box.dpa --json' 'replay box.dpa box.csv -o box.out --json' --help \

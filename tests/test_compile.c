@@ -504,12 +504,13 @@ static void wrong_arguments_are_refused(void)
     CHECK(dpt_compile_bytes(NULL, 1, NULL, &out, NULL) == DPT_E_ARGUMENT && !out.bytes, "bytes");
     CHECK(dpt_compile_bytes(NULL, 0, NULL, &out, NULL) == DPT_E_EMPTY, "no bytes");
     CHECK(dpt_compile_file(NULL, NULL, &out, NULL) != DPT_OK && !out.bytes, "no name");
-    CHECK(dpt_compile_file("build/no/such", NULL, &out, &small) == DPT_E_OPEN, "no file");
+    CHECK(dpt_compile_file("build/no/such", NULL, &out, &small) == DPT_E_SIZE, "small");
+    CHECK(dpt_compile_file("build/no/such", NULL, &out, NULL) == DPT_E_OPEN, "no file");
     CHECK(small.code == 77, "a diag that is too small is written");
     CHECK(dpt_compile_file("tests", NULL, &out, NULL) == DPT_E_OPEN, "a folder");
     for (uint32_t format = DPT_FORMAT_OFF + 1; format; format = format > 9 ? 0 : UINT32_MAX) {
         dpt_compile_def def = { .size = sizeof def, .format = format };
-        CHECK(dpt_compile_bytes("v 0 0 0\n", 8, &def, &out, NULL) == DPT_E_FORMAT, "%u", format);
+        CHECK(dpt_compile_bytes("v 0 0 0\n", 8, &def, &out, NULL) == DPT_E_ARGUMENT, "%u", format);
     }
     dpt_compiled_free(NULL);
     dpt_compiled_free(&out);

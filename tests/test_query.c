@@ -318,6 +318,8 @@ static void refuses_what_it_cannot(void)
     CHECK(dpt_query_segments(mesh, NULL, ends, NULL, 1, &hit, &def) == DPT_E_ARGUMENT, "method");
     def = (dpt_query_def){ .size = sizeof def, .kernel = 77 };
     CHECK(dpt_query_segments(mesh, NULL, ends, NULL, 1, &hit, &def) == DPT_E_UNSUPPORTED, "kernel");
+    def = (dpt_query_def){ .size = sizeof def, .reserved = 1 };
+    CHECK(dpt_query_segments(mesh, NULL, ends, NULL, 1, &hit, &def) == DPT_E_ARGUMENT, "reserved");
     def = (dpt_query_def){ .size = 4 };
     CHECK(dpt_query_segments(mesh, NULL, ends, NULL, 1, &hit, &def) == DPT_E_SIZE, "def size");
     dpt_pose pose = DPT_POSE_IDENTITY;
@@ -331,6 +333,18 @@ static void refuses_what_it_cannot(void)
     fixture_free(&fixture);
 }
 
+/* The pair distance at the ends of its range: sixth powers must not be formed. */
+static void pair_keeps_its_range(void)
+{
+    for (int e = -58; e <= 59; e++) {
+        double k = pow(10.0, e), p[3], q[3];
+        const double triangle[9] = { 0, 0, 0, k, 0, 0, 0, k, 0 };
+        const double segment[6] = { 0.2 * k, 0.2 * k, k, 0.2 * k, 0.2 * k, 0.9 * k };
+        double distance = dpt_segment_triangle(segment, triangle, NULL, p, q);
+        CHECK(fabs(distance - 0.9 * k) <= 1e-14 * k, "%g at 1e%d", distance, e);
+    }
+}
+
 int main(void)
 {
     TEST(tree_gives_the_bits_of_brute_force);
@@ -341,6 +355,7 @@ int main(void)
     TEST(ties_go_to_the_least_number);
     TEST(crossing_without_an_inside);
     TEST(answers_all_it_can);
+    TEST(pair_keeps_its_range);
     TEST(longer_hits_keep_their_tail);
     TEST(refuses_what_it_cannot);
     return check_report();

@@ -293,7 +293,7 @@ static void counts_have_limits(void)
     s.vertex_count = INT32_MAX;
     CHECK(soup_vertex(&s, 0.0, 0.0, 0.0, somewhere) == DPT_E_LIMIT, "%s", diag.text);
     s.vertex_count = 0;
-    s.triangle_count = s.triangle_room = INT32_MAX - 1;
+    s.triangle_count = s.triangle_room = UINT32_MAX / 3 - 1; /* 3 half-edges a triangle */
     CHECK(soup_polygon(&s, corners, 4, somewhere) == DPT_E_LIMIT, "%s", diag.text);
     CHECK(soup_polygon(&s, corners, SIZE_MAX, somewhere) == DPT_E_LIMIT, "%s", diag.text);
     soup_free(&s);

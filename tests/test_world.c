@@ -97,6 +97,10 @@ static void defs_are_checked(void)
     dpt_world *world;
     CHECK(dpt_world_create(block, bytes, &def, &world) == DPT_E_UNSUPPORTED, "kernel");
     free(block);
+    memset(&longer, 0x55, sizeof longer);
+    dpt_world_def_defaults(&longer.def, sizeof longer);
+    CHECK(dpt_world_bytes(&longer.def) > 0 && longer.newer[0] == 0 && longer.newer[1] == 0,
+          "the defaults of a longer def leave its tail as it was");
     memset(&def, 0x55, sizeof def);
     dpt_world_def_defaults(&def, 8);
     CHECK(def.size == 8 && def.max_tools == 0x55555555, "wrote more than the caller's size");
@@ -460,6 +464,13 @@ static void a_step_goes_as_far_as_asked(void)
         dpt_tool_get_wrench(lab.world, tool, &wrench);
         double force = fabs(wrench.force[0]) + fabs(wrench.force[1]) + fabs(wrench.force[2]);
         CHECK(hit.status == DPT_STATUS_EXACT, "until %u", until);
+        dpt_segment through = capsule(-1, 0.001, 0.002, 1, 0.002, 0.001, 0);
+        dpt_tool_set_segments(lab.world, tool, &through, 1);
+        dpt_world_step(lab.world, 1e-3, NULL);
+        dpt_hit crossing = DPT_HIT_INIT;
+        dpt_tool_get_hit(lab.world, tool, &crossing);
+        CHECK(crossing.distance == 0.0 && (crossing.flags & DPT_HIT_CROSSING), "until %u: crossing",
+              until);
         CHECK((hit.flags & DPT_HIT_GAP) == (until == DPT_UNTIL_TRACK ? 0 : DPT_HIT_GAP), "gap");
         CHECK((force > 0.0) == (until == DPT_UNTIL_RESPOND), "force %g", force);
         free(lab.block);

@@ -21,7 +21,7 @@ bench: all $(B)/tests/bench/dump_mesh ## time against peers, those whose package
 	@sh tests/bench/run.sh $(B)
 	@sh tests/bench/paper.sh $(B)
 
-deps: ## install what the tests can use beside a compiler (asks apt-get)
+deps: ## install what the tests can use beside a compiler (apt-get)
 	@sh tests/deps.sh
 
 test-programs: all $(TESTS) $(B)/tests/bench/dump_mesh

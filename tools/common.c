@@ -6,6 +6,7 @@
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -95,6 +96,13 @@ int output_open(struct output *output, const char *command, const char *path)
     *output = (struct output){ .file = stdout, .path = path };
     if (strcmp(path, "-") == 0)
         return 0;
+    struct stat status;
+    if (lstat(path, &status) == 0 && !S_ISREG(status.st_mode)) {
+        output->file = fopen(path, "wb");
+        if (output->file)
+            return 0;
+        return complain(command, "%s: cannot be written: %s", path, strerror(errno));
+    }
     output->beside = malloc(strlen(path) + sizeof suffix);
     if (!output->beside)
         return complain(command, "memory ran out");
@@ -112,10 +120,10 @@ int output_close(struct output *output, const char *command, int keep)
 {
     errno = 0;
     int failed = ferror(output->file) != 0;
-    if (output->beside)
-        failed |= fclose(output->file) != 0;
-    else
+    if (output->file == stdout)
         failed |= fflush(output->file) != 0;
+    else
+        failed |= fclose(output->file) != 0;
     if (output->beside && keep && !failed)
         failed = rename(output->beside, output->path) != 0;
     if (failed && keep)

@@ -37,11 +37,14 @@ int parse_options(int argc, char **argv, const struct option_def *options, size_
 /* Which of `words` (ended by NULL) the text is; -1 for none. */
 int word_index(const char *text, const char *const *words);
 
-/* A file that is written beside and renamed when complete; "-" is standard output. */
+/*
+ * A file that is written beside and renamed when complete. "-" is standard output; what is no regular file
+ * (a device, a pipe, a link) is written through, never replaced.
+ */
 struct output {
     FILE *file;
     const char *path;
-    char *beside; /* NULL for standard output */
+    char *beside; /* NULL where nothing is renamed */
 };
 
 /* 0, or 2 after the complaint. output_close(keep 0) leaves nothing behind. */

@@ -28,7 +28,8 @@ typedef struct dpt_query_def {
  *   hits   n answers; hits[0].size must be set, is their stride, and is written into all of them
  *   def    NULL for the defaults
  *
- * An answer depends on its own segment alone, never on its neighbours in the batch: with equal
+ * An answer depends on its own segment alone, never on its neighbours in the batch (`work`
+ * apart): with equal
  * distances the least triangle number wins, of the triangles that the search had to look at.
  *
  * A segment that is not finite or beyond DPT_COORDINATE_MAX gets status stale, and the call returns

@@ -64,9 +64,10 @@ enum {
 /* How the tool's surface stands to the mesh. */
 enum {
     DPT_CONTACT_UNKNOWN = 0, /* not decided: the axis crosses an open sheet, or there is no mesh */
-    DPT_CONTACT_SEPARATED = 1,  /* gap > error_bound */
-    DPT_CONTACT_TOUCHING = 2,   /* |gap| <= error_bound */
-    DPT_CONTACT_PENETRATING = 3 /* gap < -error_bound, or the axis crosses a closed part */
+    DPT_CONTACT_SEPARATED = 1, /* gap > error_bound */
+    DPT_CONTACT_TOUCHING = 2,  /* |gap| <= error_bound */
+    DPT_CONTACT_PENETRATING =
+        3 /* gap < -error_bound, or the axis goes through a closed part's face */
 };
 
 /* Bits of dpt_hit.flags. */

@@ -80,7 +80,12 @@ DPT_API dpt_result dpt_world_reset(dpt_world *world);
 /* The kernel that the world uses, DPT_KERNEL_...; DPT_KERNEL_AUTO for NULL. */
 DPT_API uint32_t dpt_world_kernel(const dpt_world *world);
 
-/* A rigid body: a mesh at a pose (NULL: identity). The mesh is kept, not copied, and never owned. */
+/*
+ * A rigid body: a mesh at a pose (NULL: identity). The mesh is kept, not copied, and never owned.
+ *
+ * dpt_body_set_pose: a pose that cannot be used, NULL too, makes every answer of the world stale until the
+ * body has a valid one or is removed: nobody knows what the tools would meet.
+ */
 DPT_API dpt_result dpt_body_add(dpt_world *world, const dpt_mesh *mesh, const dpt_pose *pose,
                                 dpt_body *body);
 DPT_API dpt_result dpt_body_remove(dpt_world *world, dpt_body body);

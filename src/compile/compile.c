@@ -45,30 +45,32 @@ static dpt_result build(soup *source, uint64_t source_size, uint64_t source_hash
     return result;
 }
 
-/* What every entry shares: check the arguments, set the outputs to nothing. */
-static dpt_result enter(soup *source, const dpt_compile_def *def, dpt_compiled *out, dpt_diag *diag)
+/*
+ * What every entry shares: check the arguments, set the outputs to nothing. `spare` serves a caller who
+ * wants no diag.
+ */
+static dpt_result enter(soup *source, const dpt_compile_def *def, dpt_compiled *out, dpt_diag *diag,
+                        dpt_diag *spare)
 {
     if (!out)
         return DPT_E_ARGUMENT;
     out->bytes = NULL;
     out->size = 0;
-    int sized = !def || def->size >= sizeof *def;
-    soup_init(source, sized ? def : NULL, diag);
-    if (!sized)
-        return soup_fail(source, DPT_E_SIZE, nowhere, "the def's size field is not set");
-    if (def && (def->scale < 0.0 || !within(def->scale, 1e30)))
-        return soup_fail(source, DPT_E_ARGUMENT, nowhere, "the scale must be positive");
-    return DPT_OK;
-}
-
-/* A caller's diag, or one that nobody reads. */
-static dpt_diag *diag_or(dpt_diag *diag, dpt_diag *spare)
-{
-    dpt_diag *used = diag && diag->size >= sizeof *diag ? diag : spare;
+    int sized = !def || def->size >= sizeof *def, has_room = !diag || diag->size >= sizeof *diag;
+    dpt_diag *used = diag && has_room ? diag : spare;
     uint32_t size = used == diag ? diag->size : (uint32_t)sizeof *spare;
     memset(used, 0, sizeof *used);
     used->size = size;
-    return used;
+    soup_init(source, sized ? def : NULL, used);
+    if (!has_room)
+        return DPT_E_SIZE;
+    if (!sized)
+        return soup_fail(source, DPT_E_SIZE, nowhere, "the def's size field is not set");
+    if (def && def->format > DPT_FORMAT_OFF)
+        return soup_fail(source, DPT_E_ARGUMENT, nowhere, "no such format");
+    if (def && (def->scale < 0.0 || !within(def->scale, 1e30)))
+        return soup_fail(source, DPT_E_ARGUMENT, nowhere, "the scale must be positive");
+    return DPT_OK;
 }
 
 static dpt_result compile_bytes(soup *source, const char *path, const unsigned char *bytes,
@@ -87,11 +89,11 @@ dpt_result dpt_compile_bytes(const void *bytes, size_t size, const dpt_compile_d
 {
     soup source;
     dpt_diag spare;
-    dpt_result result = enter(&source, def, out, diag_or(diag, &spare));
+    dpt_result result = enter(&source, def, out, diag, &spare);
     if (result == DPT_OK && !bytes && size)
         result = soup_fail(&source, DPT_E_ARGUMENT, nowhere, "no bytes");
     if (result == DPT_OK)
-        result = compile_bytes(&source, NULL, bytes, size, def, out);
+        result = compile_bytes(&source, NULL, size ? bytes : (const void *)"", size, def, out);
     if (out)
         soup_free(&source);
     return result;
@@ -126,7 +128,7 @@ dpt_result dpt_compile_file(const char *path, const dpt_compile_def *def, dpt_co
     dpt_diag spare;
     unsigned char *bytes = NULL;
     size_t size = 0;
-    dpt_result result = enter(&source, def, out, diag_or(diag, &spare));
+    dpt_result result = enter(&source, def, out, diag, &spare);
     FILE *file = result == DPT_OK && path ? fopen(path, "rb") : NULL;
     if (result == DPT_OK && !file)
         result = soup_fail(&source, DPT_E_OPEN, nowhere, "it cannot be opened: %s",
@@ -149,7 +151,7 @@ dpt_result dpt_compile_arrays(const double *vertices, size_t vertex_count, const
 {
     soup source;
     dpt_diag spare;
-    dpt_result result = enter(&source, def, out, diag_or(diag, &spare));
+    dpt_result result = enter(&source, def, out, diag, &spare);
     if (result == DPT_OK && ((!vertices && vertex_count) || (!corners && triangle_count)))
         result = soup_fail(&source, DPT_E_ARGUMENT, nowhere, "no vertices or no corners");
     for (size_t v = 0; result == DPT_OK && v < vertex_count; v++)

@@ -12,7 +12,8 @@
 #include "soup.h"
 #include "text.h"
 
-#define COUNT_MAX ((size_t)INT32_MAX)
+#define COUNT_MAX     ((size_t)INT32_MAX)
+#define TRIANGLES_MAX ((size_t)UINT32_MAX / 3) /* half-edges are numbered in 32 bits */
 
 void soup_init(soup *source, const dpt_compile_def *def, dpt_diag *diag)
 {
@@ -81,8 +82,8 @@ dpt_result soup_vertex(soup *source, double x, double y, double z, source_place 
 
 static dpt_result reserve_polygon(soup *source, size_t fan, source_place place)
 {
-    if (fan > COUNT_MAX - source->triangle_count)
-        return soup_fail(source, DPT_E_LIMIT, place, "more than %zu triangles", COUNT_MAX);
+    if (fan > TRIANGLES_MAX - source->triangle_count)
+        return soup_fail(source, DPT_E_LIMIT, place, "more than %zu triangles", TRIANGLES_MAX);
     if (fan > source->triangle_room - source->triangle_count) {
         uint32_t *bigger = grown(source->corners, &source->triangle_room,
                                  source->triangle_count + fan, 3 * sizeof *bigger);
