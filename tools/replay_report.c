@@ -168,8 +168,9 @@ void replay_print_table(FILE *file, const struct replayed *replayed)
     print_time_row(file, "axis crosses the mesh", s.crossing_ns, s.crossing);
     print_time_row(file, "axis does not", s.other_ns, s.other);
     fprintf(file, "  %-22s %8d %9.2f\n\n", "first, from nothing", 1, 1e-3 * replayed->ticks[0].ns);
-    fprintf(file, "  exact on %" PRIu64 ", local on %" PRIu64 " of %zu ticks",
-            s.status[DPT_STATUS_EXACT], s.status[DPT_STATUS_LOCAL], replayed->trace->count);
+    int status = s.status[DPT_STATUS_LOCAL] ? DPT_STATUS_LOCAL : DPT_STATUS_EXACT;
+    fprintf(file, "  %s on %" PRIu64 " of %zu ticks", status_words[status], s.status[status],
+            replayed->trace->count);
     if (replayed->until != DPT_UNTIL_TRACK)
         fprintf(file,
                 "; separated %" PRIu64 ", touching %" PRIu64 ", penetrating %" PRIu64
