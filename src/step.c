@@ -61,7 +61,6 @@ static struct push exact_segment(struct dpt_world *world, uint32_t index, vec3 a
     struct found best;
     track(world, index, a, b, &best);
     *body = best.body;
-    hit->work = best.work;
     if (!best.body)
         return push;
     segment->last_body = handle_index(best.body->id);

@@ -135,6 +135,46 @@ static void bounds_of_triangles_are_sound(void)
     }
 }
 
+/*
+ * One plane for all lanes, as the search takes it: through the nearest pair of one of them. Bounds of the
+ * others may be as loose as they like, never above the truth.
+ */
+static void bounds_of_planes_are_sound(void)
+{
+    uint64_t random = 13;
+    struct kernel kernel;
+    uint32_t chosen;
+    double worst = -HUGE_VAL, tight = 0.0;
+    int planes = 0;
+    kernel_get(DPT_KERNEL_AUTO, &kernel, &chosen);
+    for (int i = 0; i < BLOCKS; i++) {
+        float block[9 * LANES], bound[LANES];
+        pair truth[LANES];
+        make_triangles(&random, i % SHAPES, block);
+        struct tool tool = make_tool(&random, i % SHAPES);
+        for (int lane = 0; lane < LANES; lane++)
+            truth[lane] = segment_triangle(tool.a, tool.u, corner(block, 0, lane),
+                                           corner(block, 1, lane), corner(block, 2, lane));
+        double distance = sqrt(truth[0].distance2);
+        if (distance < 1e-3)
+            continue;
+        vec3 normal = scaled(truth[0].gap, -1.0 / distance);
+        put(normal, tool.probe.normal);
+        tool.probe.height = (float)(dot(normal, tool.a) + larger(0.0, dot(normal, tool.u)));
+        kernel.planes(block, &tool.probe, bound);
+        for (int lane = 0; lane < LANES; lane++) {
+            double over = ((double)bound[lane] - sqrt(truth[lane].distance2)) / margin_of(&tool);
+            worst = larger(worst, over);
+            CHECK(!(over > 1.0), "plane bound above the truth by %.3g margins", over);
+        }
+        tight += fabs((double)bound[0] - distance) / margin_of(&tool) <= 1.0;
+        planes++;
+    }
+    printf("    above the truth by at most %5.3f margins, equal to it on its own lane %.1f %%\n",
+           worst, 100.0 * tight / planes);
+    CHECK(planes > BLOCKS / 2 && tight > 0.99 * planes, "%d planes, %g tight", planes, tight);
+}
+
 /* A box's bound against its corners: the least distance to a box of known content. */
 static void bounds_of_boxes_are_sound(void)
 {
@@ -192,6 +232,13 @@ static void all_kernels_give_the_same_bits(void)
             other.triangles(block, &tool.probe, bound);
             CHECK(!memcmp(expected, bound, sizeof bound), "%s: triangles, block %d",
                   dpt_kernel_name(id), i);
+            for (int k = 0; k < 3; k++)
+                tool.probe.normal[k] = tool.probe.x[(k + 1) % 3];
+            tool.probe.height = tool.probe.a[0];
+            plain.planes(block, &tool.probe, expected);
+            other.planes(block, &tool.probe, bound);
+            CHECK(!memcmp(expected, bound, sizeof bound), "%s: planes, block %d",
+                  dpt_kernel_name(id), i);
             for (int row = 3 * LANES; row < 6 * LANES; row++)
                 block[row] = fabsf(block[row]);
             plain.boxes(block, &tool.probe, expected);
@@ -218,6 +265,7 @@ int main(void)
 {
     TEST(best_kernel_is_to_be_had);
     TEST(bounds_of_triangles_are_sound);
+    TEST(bounds_of_planes_are_sound);
     TEST(bounds_of_boxes_are_sound);
     TEST(all_kernels_give_the_same_bits);
     return check_report();
