@@ -62,38 +62,34 @@ uint32_t dpt_kernel_best(void)
 }
 #endif
 
+#define KERNEL_TABLE(set)                                                                          \
+    (struct kernel)                                                                                \
+    {                                                                                              \
+        kernel_##set##_held, kernel_##set##_boxes, kernel_##set##_triangles, kernel_##set##_common \
+    }
+
 int kernel_get(uint32_t id, struct kernel *kernel, uint32_t *chosen)
 {
     uint32_t best = dpt_kernel_best();
     *chosen = id == DPT_KERNEL_AUTO ? best : id;
     switch (*chosen) {
     case DPT_KERNEL_SCALAR:
-        kernel->boxes = kernel_scalar_boxes;
-        kernel->triangles = kernel_scalar_triangles;
-        kernel->planes = kernel_scalar_planes;
+        *kernel = KERNEL_TABLE(scalar);
         return 1;
 #ifdef KERNELS_X86
     case DPT_KERNEL_SSE2:
-        kernel->boxes = kernel_sse2_boxes;
-        kernel->triangles = kernel_sse2_triangles;
-        kernel->planes = kernel_sse2_planes;
+        *kernel = KERNEL_TABLE(sse2);
         return 1;
     case DPT_KERNEL_AVX2:
-        kernel->boxes = kernel_avx2_boxes;
-        kernel->triangles = kernel_avx2_triangles;
-        kernel->planes = kernel_avx2_planes;
+        *kernel = KERNEL_TABLE(avx2);
         return best >= DPT_KERNEL_AVX2;
     case DPT_KERNEL_AVX512:
-        kernel->boxes = kernel_avx512_boxes;
-        kernel->triangles = kernel_avx512_triangles;
-        kernel->planes = kernel_avx512_planes;
+        *kernel = KERNEL_TABLE(avx512);
         return best == DPT_KERNEL_AVX512;
 #endif
 #ifdef KERNELS_ARM
     case DPT_KERNEL_NEON:
-        kernel->boxes = kernel_neon_boxes;
-        kernel->triangles = kernel_neon_triangles;
-        kernel->planes = kernel_neon_planes;
+        *kernel = KERNEL_TABLE(neon);
         return 1;
 #endif
     default:

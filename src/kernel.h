@@ -24,27 +24,41 @@
  */
 #define KERNEL_MARGIN (48.0f * 0x1p-24f)
 
+/* 16 planes: all of a lane's vertices have x nx + y ny + z nz >= support. Zeros are no plane at all. */
+struct planes {
+    float x[LANES], y[LANES], z[LANES]; /* about unit length */
+    float support[LANES];
+};
+
 /* A tool axis in the filter's frame, and a right-handed frame with x along it (unit rows). */
 struct probe {
-    float a[3];
+    float a[3], b[3];
+    float limit; /* a bound beyond it decides */
     float x[3], y[3], z[3];
     float length;
-    float normal[3]; /* of the plane that `planes` asks about, about unit length */
-    float height;    /* the larger of normal.A and normal.B */
+    float normal[3]; /* of the plane through the best pair, for `common` */
+    float height;    /* the larger of normal.a and normal.b */
 };
 
 /*
+ *   held       the bounds that 16 planes give now
  *   boxes      block: 6 rows of 16: centre x, y, z, half width x, y, z
  *   triangles  block: 9 rows of 16: corner 0 x, y, z, corner 1 ..., corner 2 ...
- *   planes     the same block; every lane tries the probe's normal instead of one of its own
- *   bound      16 lower bounds; a lane that is not finite is not decided
+ *              Both make 16 new planes, and the bounds that they give.
+ *   common     block of triangles: the supports along one normal, the probe's, into `low`
+ *
+ * Returns the lanes that are open: whose bound is not beyond probe->limit.
  */
-typedef void kernel_fn(const float *block, const struct probe *probe, float *bound);
+typedef uint32_t kernel_held(const struct planes *planes, const struct probe *probe, float *bound);
+typedef uint32_t kernel_renew(const float *block, const struct probe *probe, struct planes *planes,
+                              float *bound);
+typedef uint32_t kernel_common(const float *block, const struct probe *probe, float *low);
 
 struct kernel {
-    kernel_fn *boxes;
-    kernel_fn *triangles;
-    kernel_fn *planes;
+    kernel_held *held;
+    kernel_renew *boxes;
+    kernel_renew *triangles;
+    kernel_common *common;
 };
 
 /* The widest kernel that every machine of this kind has. */
@@ -61,10 +75,15 @@ struct kernel {
 /* DPT_KERNEL_AUTO gives the best one. Nonzero when this build and machine have it. */
 int kernel_get(uint32_t id, struct kernel *kernel, uint32_t *chosen);
 
-kernel_fn kernel_scalar_boxes, kernel_scalar_triangles, kernel_scalar_planes;
-kernel_fn kernel_sse2_boxes, kernel_sse2_triangles, kernel_sse2_planes;
-kernel_fn kernel_avx2_boxes, kernel_avx2_triangles, kernel_avx2_planes;
-kernel_fn kernel_avx512_boxes, kernel_avx512_triangles, kernel_avx512_planes;
-kernel_fn kernel_neon_boxes, kernel_neon_triangles, kernel_neon_planes;
+#define KERNEL_DECLARE(set)                                                                        \
+    kernel_held kernel_##set##_held;                                                               \
+    kernel_renew kernel_##set##_boxes, kernel_##set##_triangles;                                   \
+    kernel_common kernel_##set##_common;
+KERNEL_DECLARE(scalar)
+KERNEL_DECLARE(sse2)
+KERNEL_DECLARE(avx2)
+KERNEL_DECLARE(avx512)
+KERNEL_DECLARE(neon)
+#undef KERNEL_DECLARE
 
 #endif

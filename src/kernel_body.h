@@ -15,26 +15,73 @@
 #define AT_MOST(value, limit)  ((value) < (limit) ? (value) : (limit))
 #define CLAMP(value, high)     AT_MOST(AT_LEAST(value, 0.0f), high)
 
-/* The direction is from the segment's point nearest to the box's centre to that centre. */
-KERNEL_TARGET void KERNEL(boxes)(const float *restrict block, const struct probe *restrict probe,
-                                 float *restrict bound)
+/* Bit i of a set of lanes; a table, because not every instruction set shifts lanes by different amounts. */
+static const uint32_t lane_bit[LANES] = {
+    1u << 0, 1u << 1, 1u << 2,  1u << 3,  1u << 4,  1u << 5,  1u << 6,  1u << 7,
+    1u << 8, 1u << 9, 1u << 10, 1u << 11, 1u << 12, 1u << 13, 1u << 14, 1u << 15,
+};
+#define LANE_IF(condition, i) (lane_bit[i] & (0u - (uint32_t)(condition)))
+
+KERNEL_TARGET uint32_t KERNEL(held)(const struct planes *restrict planes,
+                                    const struct probe *restrict probe, float *restrict bound)
 {
     const float ax = probe->a[0], ay = probe->a[1], az = probe->a[2];
-    const float ux = probe->x[0], uy = probe->x[1], uz = probe->x[2];
-    const float length = probe->length;
+    const float bx = probe->b[0], by = probe->b[1], bz = probe->b[2];
+    const float limit = probe->limit;
+    uint32_t open = 0;
 
     for (int i = 0; i < LANES; i++) {
-        float dx = block[i] - ax, dy = block[LANES + i] - ay, dz = block[2 * LANES + i] - az;
+        float nx = planes->x[i], ny = planes->y[i], nz = planes->z[i];
+        float at_a = nx * ax + ny * ay + nz * az;
+        float at_b = nx * bx + ny * by + nz * bz;
+        float here = planes->support[i] - AT_LEAST(at_a, at_b);
+        bound[i] = here;
+        open |= LANE_IF(!(here > limit), i);
+    }
+    return open;
+}
+
+/* Lane i gets the plane (nx, ny, nz; low). */
+#define PUT_PLANE                                                                                  \
+    {                                                                                              \
+        float at_a = nx * ax + ny * ay + nz * az;                                                  \
+        float at_b = nx * bx + ny * by + nz * bz;                                                  \
+        float here = low - AT_LEAST(at_a, at_b);                                                   \
+        planes->x[i] = nx;                                                                         \
+        planes->y[i] = ny;                                                                         \
+        planes->z[i] = nz;                                                                         \
+        planes->support[i] = low;                                                                  \
+        bound[i] = here;                                                                           \
+        open |= LANE_IF(!(here > limit), i);                                                       \
+    }
+
+/* The direction is from the segment's point nearest to the box's centre to that centre. */
+KERNEL_TARGET uint32_t KERNEL(boxes)(const float *restrict block,
+                                     const struct probe *restrict probe,
+                                     struct planes *restrict planes, float *restrict bound)
+{
+    const float ax = probe->a[0], ay = probe->a[1], az = probe->a[2];
+    const float bx = probe->b[0], by = probe->b[1], bz = probe->b[2];
+    const float ux = probe->x[0], uy = probe->x[1], uz = probe->x[2];
+    const float length = probe->length, limit = probe->limit;
+    uint32_t open = 0;
+
+    for (int i = 0; i < LANES; i++) {
+        float cx = block[i], cy = block[LANES + i], cz = block[2 * LANES + i];
+        float dx = cx - ax, dy = cy - ay, dz = cz - az;
         float s = dx * ux + dy * uy + dz * uz;
         s = CLAMP(s, length);
         float nx = dx - s * ux, ny = dy - s * uy, nz = dz - s * uz;
-        float reach = (nx * ux + ny * uy + nz * uz) * length;
-        reach = AT_LEAST(reach, 0.0f);
-        float centre = nx * dx + ny * dy + nz * dz;
-        float half = fabsf(nx) * block[3 * LANES + i] + fabsf(ny) * block[4 * LANES + i] +
-                     fabsf(nz) * block[5 * LANES + i];
-        bound[i] = (centre - half - reach) / sqrtf(nx * nx + ny * ny + nz * nz);
+        float unit = 1.0f / sqrtf(nx * nx + ny * ny + nz * nz);
+        nx *= unit;
+        ny *= unit;
+        nz *= unit;
+        float low = nx * cx + ny * cy + nz * cz -
+                    (fabsf(nx) * block[3 * LANES + i] + fabsf(ny) * block[4 * LANES + i] +
+                     fabsf(nz) * block[5 * LANES + i]);
+        PUT_PLANE
     }
+    return open;
 }
 
 /*
@@ -66,14 +113,17 @@ KERNEL_TARGET void KERNEL(boxes)(const float *restrict block, const struct probe
     (fx * (py * qz - pz * qy) + fy * (pz * (qx - s) - (px - s) * qz) +                             \
      fz * ((px - s) * qy - py * (qx - s)))
 
-KERNEL_TARGET void KERNEL(triangles)(const float *restrict block,
-                                     const struct probe *restrict probe, float *restrict bound)
+KERNEL_TARGET uint32_t KERNEL(triangles)(const float *restrict block,
+                                         const struct probe *restrict probe,
+                                         struct planes *restrict planes, float *restrict bound)
 {
     const float ax = probe->a[0], ay = probe->a[1], az = probe->a[2];
+    const float bx = probe->b[0], by = probe->b[1], bz = probe->b[2];
     const float xx = probe->x[0], xy = probe->x[1], xz = probe->x[2];
     const float yx = probe->y[0], yy = probe->y[1], yz = probe->y[2];
     const float zx = probe->z[0], zy = probe->z[1], zz = probe->z[2];
-    const float length = probe->length;
+    const float length = probe->length, limit = probe->limit;
+    uint32_t open = 0;
 
     for (int i = 0; i < LANES; i++) {
         float dx, dy, dz;
@@ -113,20 +163,29 @@ KERNEL_TARGET void KERNEL(triangles)(const float *restrict block,
         ny = inside ? turn * fy : ny;
         nz = inside ? turn * fz : nz;
 
-        float n0 = nx * ax0 + ny * ay0 + nz * az0;
-        float n1 = nx * ax1 + ny * ay1 + nz * az1;
-        float n2 = nx * ax2 + ny * ay2 + nz * az2;
+        /* Back into the filter's frame, where the plane stays. */
+        float unit = 1.0f / sqrtf(nx * nx + ny * ny + nz * nz);
+        float tx = nx * unit, ty = ny * unit, tz = nz * unit;
+        nx = tx * xx + ty * yx + tz * zx;
+        ny = tx * xy + ty * yy + tz * zy;
+        nz = tx * xz + ty * yz + tz * zz;
+        float n0 = nx * block[i] + ny * block[LANES + i] + nz * block[2 * LANES + i];
+        float n1 =
+            nx * block[3 * LANES + i] + ny * block[4 * LANES + i] + nz * block[5 * LANES + i];
+        float n2 =
+            nx * block[6 * LANES + i] + ny * block[7 * LANES + i] + nz * block[8 * LANES + i];
         float low = AT_MOST(AT_MOST(n0, n1), n2);
-        float reach = AT_LEAST(nx * length, 0.0f);
-        bound[i] = (low - reach) / sqrtf(nx * nx + ny * ny + nz * nz);
+        PUT_PLANE
     }
+    return open;
 }
 
-KERNEL_TARGET void KERNEL(planes)(const float *restrict block, const struct probe *restrict probe,
-                                  float *restrict bound)
+KERNEL_TARGET uint32_t KERNEL(common)(const float *restrict block,
+                                      const struct probe *restrict probe, float *restrict low)
 {
     const float nx = probe->normal[0], ny = probe->normal[1], nz = probe->normal[2];
-    const float height = probe->height;
+    const float beyond = probe->height + probe->limit;
+    uint32_t open = 0;
 
     for (int i = 0; i < LANES; i++) {
         float n0 = nx * block[i] + ny * block[LANES + i] + nz * block[2 * LANES + i];
@@ -134,6 +193,9 @@ KERNEL_TARGET void KERNEL(planes)(const float *restrict block, const struct prob
             nx * block[3 * LANES + i] + ny * block[4 * LANES + i] + nz * block[5 * LANES + i];
         float n2 =
             nx * block[6 * LANES + i] + ny * block[7 * LANES + i] + nz * block[8 * LANES + i];
-        bound[i] = AT_MOST(AT_MOST(n0, n1), n2) - height;
+        float here = AT_MOST(AT_MOST(n0, n1), n2);
+        low[i] = here;
+        open |= LANE_IF(!(here > beyond), i);
     }
+    return open;
 }

@@ -19,7 +19,7 @@ static void dynamic_point(const struct dpt_world *world, const struct tree *tree
 {
     *nearest = (struct nearest){ .pair = { .distance2 = HUGE_VAL }, .triangle = *last };
     if (*last == DPT_NONE)
-        tree_search(tree, &world->kernel, part->local_a, part->u, nearest);
+        tree_search(tree, &world->kernel, NULL, part->local_a, part->u, 0.0, nearest);
     else
         descend(tree, part->local_a, part->u, world->def.one_step != 0, nearest);
     *last = nearest->triangle;

@@ -31,7 +31,9 @@ static void ask_body(struct dpt_world *world, uint32_t segment, uint32_t index, 
     uint32_t *last = world_last(world, segment, index);
     double limit2 = best->body ? best->nearest.pair.distance2 : HUGE_VAL;
     axis_of(&body->tree, &body->frame, a, b, &axis);
-    track_next(&body->tree, &world->kernel, world->def.method, &axis, *last, limit2, &nearest);
+    const struct keeper keeper = { &world->certificate, world_owner(world, segment, index) };
+    track_next(&body->tree, &world->kernel, world->def.method == DPT_METHOD_EXACT ? &keeper : NULL,
+               world->def.method, &axis, *last, limit2, &nearest);
     best->work += nearest.work;
     if (nearest.triangle == DPT_NONE || nearest.pair.distance2 >= limit2)
         return;

@@ -13,41 +13,96 @@ void axis_of(const struct tree *tree, const struct frame *body, vec3 a, vec3 b, 
     axis->error = TREE_ERROR * larger(reach, tree_extent(tree));
 }
 
-static void search(const struct tree *tree, const struct kernel *kernel, uint32_t method,
-                   const struct axis *axis, struct nearest *nearest)
-{
-    if (method == DPT_METHOD_BRUTE)
-        tree_brute(tree, axis->local_a, axis->u, nearest);
-    else
-        tree_search(tree, kernel, axis->local_a, axis->u, nearest);
-}
-
 void track_once(const struct tree *tree, const struct kernel *kernel, uint32_t method,
                 const struct axis *axis, uint32_t hint, struct nearest *nearest)
 {
     *nearest = (struct nearest){ .pair = { .distance2 = HUGE_VAL }, .triangle = DPT_NONE };
-    if (hint != DPT_NONE && method != DPT_METHOD_BRUTE)
+    if (method == DPT_METHOD_BRUTE) {
+        tree_brute(tree, axis->local_a, axis->u, nearest);
+        return;
+    }
+    if (hint != DPT_NONE)
         nearest->pair.distance2 = tree_pair(tree, hint, axis->local_a, axis->u).distance2;
-    search(tree, kernel, method, axis, nearest);
+    tree_search(tree, kernel, NULL, axis->local_a, axis->u, 0.0, nearest);
 }
 
-void track_next(const struct tree *tree, const struct kernel *kernel, uint32_t method,
-                const struct axis *axis, uint32_t last, double limit2, struct nearest *nearest)
+/* At most so many triangles around a vertex are tried: hubs have thousands. */
+enum { SLIDE_FAN = 16 };
+
+/* 1 when the triangle is nearer, and taken. */
+static int try_neighbour(const struct tree *tree, const struct axis *axis, uint32_t triangle,
+                         struct nearest *nearest)
+{
+    if (triangle >= tree->mesh->triangles || triangle == nearest->triangle ||
+        nearest->pair.distance2 == 0.0)
+        return 0;
+    struct front front =
+        tree_front(&nearest->pair, axis->local_a, axis->u, TREE_SLACK * axis->error);
+    if (tree_is_beyond(tree, &front, triangle))
+        return 0;
+    pair found = tree_pair(tree, triangle, axis->local_a, axis->u);
+    if (!(found.distance2 < nearest->pair.distance2))
+        return 0;
+    nearest->pair = found;
+    nearest->triangle = triangle;
+    return 1;
+}
+
+/*
+ * The dynamic point moves: over the edge, or around the vertex, on which the nearest point of its triangle
+ * lies, to a triangle that is nearer; until there is none.
+ */
+static void slide(const struct tree *tree, const struct axis *axis, struct nearest *nearest)
+{
+    const uint32_t *neighbours = mesh_words(tree->mesh, MESH_NEIGHBOURS);
+    const uint32_t *fan_first = mesh_words(tree->mesh, MESH_FAN_FIRST);
+    const uint32_t *fans = mesh_words(tree->mesh, MESH_FANS);
+    int moved = 1;
+    while (moved && nearest->pair.distance2 > 0.0) {
+        const double *weight = nearest->pair.weight;
+        uint32_t here = nearest->triangle;
+        int zeros = (weight[0] <= 0.0) + (weight[1] <= 0.0) + (weight[2] <= 0.0);
+        moved = 0;
+        if (zeros == 1) {
+            uint32_t edge = weight[0] <= 0.0 ? 1 : weight[1] <= 0.0 ? 2 : 0;
+            moved = try_neighbour(tree, axis, neighbours[3 * (size_t)here + edge], nearest);
+        } else if (zeros == 2) {
+            uint32_t k = weight[0] > 0.0 ? 0 : weight[1] > 0.0 ? 1 : 2;
+            uint32_t v = tree->corners[3 * (size_t)here + k];
+            uint32_t end = fan_first[v + 1];
+            if (end - fan_first[v] > SLIDE_FAN)
+                end = fan_first[v] + SLIDE_FAN;
+            for (uint32_t i = fan_first[v]; i < end; i++)
+                moved |= try_neighbour(tree, axis, fans[i], nearest);
+        }
+    }
+}
+
+void track_next(const struct tree *tree, const struct kernel *kernel, const struct keeper *keeper,
+                uint32_t method, const struct axis *axis, uint32_t last, double limit2,
+                struct nearest *nearest)
 {
     *nearest = (struct nearest){ .pair = { .distance2 = limit2 }, .triangle = DPT_NONE };
-    if (last == DPT_NONE || method == DPT_METHOD_BRUTE) {
-        search(tree, kernel, method, axis, nearest);
+    if (method == DPT_METHOD_BRUTE) {
+        tree_brute(tree, axis->local_a, axis->u, nearest);
+        return;
+    }
+    if (last == DPT_NONE) {
+        tree_search(tree, kernel, keeper, axis->local_a, axis->u, 0.0, nearest);
         return;
     }
     pair old = tree_pair(tree, last, axis->local_a, axis->u);
     if (old.distance2 < limit2) {
         nearest->pair = old;
         nearest->triangle = last;
+        if (keeper)
+            slide(tree, axis, nearest);
     }
-    if (old.distance2 > 0.0)
-        search(tree, kernel, method, axis, nearest);
-    if (sqrt(old.distance2) <= sqrt(nearest->pair.distance2) + 0.5 * axis->error &&
-        old.distance2 < limit2) {
+    if (old.distance2 > 0.0 && nearest->pair.distance2 > 0.0)
+        tree_search(tree, kernel, keeper, axis->local_a, axis->u, TREE_SLACK * axis->error,
+                    nearest);
+    if (old.distance2 < limit2 && nearest->triangle != last &&
+        sqrt(old.distance2) <= sqrt(nearest->pair.distance2) + TREE_HISTORY * axis->error) {
         nearest->pair = old;
         nearest->triangle = last;
     }

@@ -23,12 +23,14 @@ void track_once(const struct tree *tree, const struct kernel *kernel, uint32_t m
                 const struct axis *axis, uint32_t hint, struct nearest *nearest);
 
 /*
- * With history: the triangle of the last tick stays the answer while it is within half the error bound of
- * the best (brute force alone has no history). Nothing at or beyond `limit2`, a squared distance, need be
- * found: nearest->triangle is DPT_NONE then.
+ * With history: the triangle of the last tick stays the answer while it is within TREE_HISTORY of the error
+ * bound of the best (brute force alone has no history). Nothing at or beyond `limit2`, a squared distance,
+ * need be found: nearest->triangle is DPT_NONE then. With a `keeper` the dynamic point of last tick moves
+ * first, and planes that were kept prove or correct it.
  */
-void track_next(const struct tree *tree, const struct kernel *kernel, uint32_t method,
-                const struct axis *axis, uint32_t last, double limit2, struct nearest *nearest);
+void track_next(const struct tree *tree, const struct kernel *kernel, const struct keeper *keeper,
+                uint32_t method, const struct axis *axis, uint32_t last, double limit2,
+                struct nearest *nearest);
 
 /* Write what is known of the nearest pair; contact, gap and depth stay. */
 void track_hit(const struct tree *tree, const struct axis *axis, const struct frame *body,

@@ -6,21 +6,26 @@
  */
 #include "tree.h"
 
-struct search {
-    const struct tree *tree;
-    struct nearest *nearest;
-    vec3 a, u;
-    struct probe probe;
-    float margin;
-    float limit; /* what lies beyond cannot be the answer, in the filter's frame */
-    int has_plane;
+/* A node that is being looked into: its children's bounds, and those still to be visited. */
+struct visit {
+    float bound[LANES];
+    uint32_t lanes;
+    uint32_t node;
 };
 
-/* A node still to be looked into. */
-struct visit {
-    float bound;
-    uint32_t level; /* 0 is a leaf */
-    uint32_t node;
+struct search {
+    const struct tree *tree;
+    const struct kernel *kernel;
+    struct keeper keeper;
+    struct nearest *nearest;
+    vec3 a, u;
+    double slack;
+    struct probe probe;
+    int has_frame; /* the probe's, made when first needed */
+    int has_plane;
+    struct front front; /* of the best pair */
+    float margin;
+    struct visit level[MESH_LEVELS_MAX + 1];
 };
 
 void tree_of_mesh(const struct dpt_mesh *mesh, struct tree *tree)
@@ -38,6 +43,9 @@ void tree_of_mesh(const struct dpt_mesh *mesh, struct tree *tree)
         tree->level[l] = level;
         level += (size_t)tree->count[l] * MESH_BOX_WORDS;
     }
+    tree->first[0] = 0;
+    for (uint32_t l = 1; l <= tree->levels; l++)
+        tree->first[l] = tree->first[l - 1] + tree->count[l - 1];
 }
 
 double tree_extent(const struct tree *tree)
@@ -51,6 +59,24 @@ pair tree_pair(const struct tree *tree, uint32_t triangle, vec3 a, vec3 u)
     return segment_triangle(a, u, vec3_of_float(tree->positions + 3 * (size_t)corner[0]),
                             vec3_of_float(tree->positions + 3 * (size_t)corner[1]),
                             vec3_of_float(tree->positions + 3 * (size_t)corner[2]));
+}
+
+struct front tree_front(const pair *found, vec3 a, vec3 u, double slack)
+{
+    double distance = sqrt(found->distance2);
+    vec3 normal = scaled(found->gap, -1.0 / distance);
+    double reach = dot(normal, a) + larger(0.0, dot(normal, u));
+    return (struct front){ normal, reach + distance - slack };
+}
+
+int tree_is_beyond(const struct tree *tree, const struct front *front, uint32_t triangle)
+{
+    const uint32_t *corner = tree->corners + 3 * (size_t)triangle;
+    for (int k = 0; k < 3; k++)
+        if (!(dot(front->normal, vec3_of_float(tree->positions + 3 * (size_t)corner[k])) >=
+              front->beyond))
+            return 0;
+    return 1;
 }
 
 /* As near, the lower source number wins: the same answer in whatever order triangles are tried. */
@@ -96,16 +122,31 @@ static void take_axis(struct search *search)
     const struct dpt_mesh *mesh = search->tree->mesh;
     double scale = mesh->filter_scale;
     vec3 a = scaled(sub(search->a, vec3_of(mesh->filter_centre)), scale);
+    vec3 b = along(a, scale, search->u);
+    put_float(a, search->probe.a);
+    put_float(b, search->probe.b);
+    search->margin = KERNEL_MARGIN * (1.0f + (float)(length(a) + length(b)));
+}
+
+static void take_frame(struct search *search)
+{
+    if (search->has_frame)
+        return;
     double axis = length(search->u);
     vec3 x = axis > 0.0 ? scaled(search->u, 1.0 / axis) : (vec3){ 1.0, 0.0, 0.0 }, y, z;
     complete_frame(x, &y, &z);
-    put_float(a, search->probe.a);
     put_float(x, search->probe.x);
     put_float(y, search->probe.y);
     put_float(z, search->probe.z);
-    search->probe.length = (float)(axis * scale);
-    double reach = length(a) + length(along(a, scale, search->u));
-    search->margin = KERNEL_MARGIN * (1.0f + (float)reach);
+    search->probe.length = (float)(axis * search->tree->mesh->filter_scale);
+    search->has_frame = 1;
+}
+
+static float reach_of(const struct probe *probe, const float n[3])
+{
+    float at_a = n[0] * probe->a[0] + n[1] * probe->a[1] + n[2] * probe->a[2];
+    float at_b = n[0] * probe->b[0] + n[1] * probe->b[1] + n[2] * probe->b[2];
+    return at_a > at_b ? at_a : at_b;
 }
 
 /*
@@ -114,106 +155,202 @@ static void take_axis(struct search *search)
  */
 static void set_limit(struct search *search)
 {
-    const struct dpt_mesh *mesh = search->tree->mesh;
     const struct nearest *nearest = search->nearest;
+    struct probe *probe = &search->probe;
     double distance = sqrt(nearest->pair.distance2);
-    search->limit = (float)(distance * mesh->filter_scale) * (1.0f + 0x1p-22f) + search->margin;
+    probe->limit =
+        (float)(distance * search->tree->mesh->filter_scale) * (1.0f + 0x1p-22f) + search->margin;
     search->has_plane = nearest->triangle != DPT_NONE && distance > 0.0;
     if (!search->has_plane)
         return;
-    vec3 normal = scaled(nearest->pair.gap, -1.0 / distance);
-    vec3 from_centre = sub(search->a, vec3_of(mesh->filter_centre));
-    double height = dot(normal, from_centre) + larger(0.0, dot(normal, search->u));
-    put_float(normal, search->probe.normal);
-    search->probe.height = (float)(height * mesh->filter_scale);
+    search->front = tree_front(&nearest->pair, search->a, search->u, search->slack);
+    put_float(search->front.normal, probe->normal);
+    probe->height = reach_of(probe, probe->normal);
 }
 
-/* A bound that is no number decides nothing. */
-static int may_hold(const struct search *search, float bound)
-{
-    return !(bound > search->limit);
-}
-
-/* The lane with the least bound of those in `lanes`. */
+/* The lane with the least bound of those in `lanes`; one that is no number comes first. */
 static uint32_t least_lane(const float *bound, uint32_t lanes)
 {
     uint32_t best = (uint32_t)__builtin_ctz(lanes);
     for (uint32_t rest = lanes & (lanes - 1); rest; rest &= rest - 1) {
         uint32_t lane = (uint32_t)__builtin_ctz(rest);
-        if (bound[lane] < bound[best])
+        if (bound[lane] < bound[best] || bound[lane] != bound[lane])
             best = lane;
     }
     return best;
 }
 
-static uint32_t lanes_within(const struct search *search, const float *bound, uint32_t count)
+static uint32_t lanes_of(uint32_t count)
 {
-    uint32_t lanes = 0;
-    for (uint32_t i = 0; i < LANES; i++)
-        lanes |= (uint32_t)may_hold(search, bound[i]) << i;
-    return count < LANES ? lanes & ((1u << count) - 1) : lanes;
+    return count < LANES ? (1u << count) - 1 : 0xffff;
 }
 
-static void look_into_leaf(struct search *search, const struct kernel *kernel, uint32_t leaf)
+/* Take over the planes, and their bounds, of the lanes that they close. */
+static void take_planes(struct planes *planes, const struct planes *made, float *bound,
+                        const float *made_bound, uint32_t lanes)
 {
-    float bound[LANES];
-    uint32_t first = leaf * LANES;
-    uint32_t count = search->tree->mesh->triangles - first;
-    const float *block = search->tree->leaves + (size_t)leaf * MESH_LEAF_WORDS;
+    for (; lanes; lanes &= lanes - 1) {
+        uint32_t i = (uint32_t)__builtin_ctz(lanes);
+        planes_put(planes, i, (const float[3]){ made->x[i], made->y[i], made->z[i] },
+                   made->support[i]);
+        bound[i] = made_bound[i];
+    }
+}
+
+/* A node's 16 planes, empty unless they are its own. */
+struct kept {
+    struct block *block; /* NULL: nothing is kept */
+    int empty;
+};
+
+static struct kept find(const struct search *search, uint32_t node)
+{
+    struct kept kept = { keeper_block(&search->keeper, node), 1 };
+    uint64_t key = keeper_key(&search->keeper, node);
+    if (kept.block) {
+        kept.empty = kept.block->key != key;
+        kept.block->key = key;
+    }
+    return kept;
+}
+
+static uint32_t look_at_planes(struct search *search, const struct kept *kept, float *bound)
+{
+    search->nearest->work++;
+    return search->kernel->held(&kept->block->planes, &search->probe, bound);
+}
+
+/* New planes where there are none, or for the lanes that they close. Returns those still open. */
+static uint32_t renew(struct search *search, kernel_renew *make, const float *rows,
+                      const struct kept *kept, uint32_t lanes, float *bound)
+{
+    struct planes made;
+    float made_bound[LANES];
+    take_frame(search);
+    search->nearest->work++;
+    if (kept->empty) {
+        lanes &= make(rows, &search->probe, kept->block ? &kept->block->planes : &made, bound);
+    } else {
+        uint32_t open = make(rows, &search->probe, &made, made_bound);
+        take_planes(&kept->block->planes, &made, bound, made_bound, lanes & ~open);
+        lanes &= open;
+    }
+    return lanes;
+}
+
+/* The plane through the best pair, for a whole leaf: its parent keeps it. */
+static void close_leaf(const struct search *search, uint32_t leaf, const float *low)
+{
+    struct block *parent = keeper_own(&search->keeper, search->tree->first[1] + leaf / LANES);
+    float support = low[0];
+    for (int i = 1; i < LANES; i++)
+        support = low[i] < support ? low[i] : support;
+    if (parent)
+        planes_put(&parent->planes, leaf % LANES, search->probe.normal, support);
+}
+
+/*
+ * The triangles of a leaf that may be nearer: those that neither the plane through the best pair nor a
+ * plane of their own rules out.
+ */
+static uint32_t open_triangles(struct search *search, uint32_t leaf, uint32_t lanes, float *bound)
+{
+    const float *rows = search->tree->leaves + (size_t)leaf * MESH_LEAF_WORDS;
+    float low[LANES];
+    uint32_t open = lanes;
     if (search->has_plane) {
         search->nearest->work++;
-        kernel->planes(block, &search->probe, bound);
-        if (!lanes_within(search, bound, count))
-            return;
+        open = search->kernel->common(rows, &search->probe, low);
+        if (!open) {
+            close_leaf(search, leaf, low);
+            return 0;
+        }
+        open &= lanes;
     }
-    search->nearest->work++;
-    kernel->triangles(block, &search->probe, bound);
-    for (uint32_t lanes = lanes_within(search, bound, count); lanes;) {
+    struct kept kept = find(search, leaf);
+    if (!kept.empty) {
+        lanes &= look_at_planes(search, &kept, bound);
+        for (uint32_t rest = lanes & ~open; rest; rest &= rest - 1) {
+            uint32_t i = (uint32_t)__builtin_ctz(rest);
+            planes_put(&kept.block->planes, i, search->probe.normal, low[i]);
+        }
+        lanes &= open;
+        if (!lanes)
+            return 0;
+    }
+    return open & renew(search, search->kernel->triangles, rows, &kept, lanes, bound);
+}
+
+static void look_into_leaf(struct search *search, uint32_t leaf)
+{
+    float bound[LANES];
+    const struct tree *tree = search->tree;
+    uint32_t first = leaf * LANES;
+    uint32_t lanes = lanes_of(tree->mesh->triangles - first);
+    uint32_t known = search->nearest->triangle - first;
+    if (known < LANES)
+        lanes &= ~(1u << known);
+    lanes = open_triangles(search, leaf, lanes, bound);
+    while (lanes) {
         uint32_t lane = least_lane(bound, lanes);
         lanes &= ~(1u << lane);
-        if (may_hold(search, bound[lane]) &&
-            try_triangle(search->tree, first + lane, search->a, search->u, search->nearest))
+        if (bound[lane] > search->probe.limit)
+            return;
+        if (search->slack > 0.0 && search->has_plane &&
+            tree_is_beyond(tree, &search->front, first + lane))
+            continue;
+        if (try_triangle(tree, first + lane, search->a, search->u, search->nearest))
             set_limit(search);
     }
 }
 
-/* Push the children that may hold the answer, the nearest one last. */
-static struct visit *look_into_boxes(struct search *search, const struct kernel *kernel,
-                                     uint32_t level, uint32_t node, struct visit *top)
+static void look_into_boxes(struct search *search, uint32_t level, uint32_t node)
 {
-    float bound[LANES];
-    uint32_t first = node * LANES;
-    kernel->boxes(search->tree->level[level] + (size_t)node * MESH_BOX_WORDS, &search->probe,
-                  bound);
-    search->nearest->work++;
-    struct visit *base = top;
-    uint32_t lanes = lanes_within(search, bound, search->tree->count[level - 1] - first);
-    for (; lanes; lanes &= lanes - 1) {
-        uint32_t lane = (uint32_t)__builtin_ctz(lanes);
-        struct visit child = { bound[lane] > 0.0f ? bound[lane] : 0.0f, level - 1, first + lane };
-        struct visit *at = top++;
-        for (; at > base && at[-1].bound < child.bound; at--)
-            *at = at[-1];
-        *at = child;
-    }
-    return top;
+    struct visit *visit = &search->level[level];
+    const struct tree *tree = search->tree;
+    const float *rows = tree->level[level] + (size_t)node * MESH_BOX_WORDS;
+    struct kept kept = find(search, tree->first[level] + node);
+    visit->node = node;
+    visit->lanes = lanes_of(tree->count[level - 1] - node * LANES);
+    if (!kept.empty)
+        visit->lanes &= look_at_planes(search, &kept, visit->bound);
+    if (kept.empty || visit->lanes)
+        visit->lanes =
+            renew(search, search->kernel->boxes, rows, &kept, visit->lanes, visit->bound);
 }
 
-void tree_search(const struct tree *tree, const struct kernel *kernel, vec3 a, vec3 u,
-                 struct nearest *nearest)
+static int meets(const struct nearest *nearest)
 {
-    struct visit stack[MESH_LEVELS_MAX * LANES];
-    struct search search = { .tree = tree, .nearest = nearest, .a = a, .u = u };
+    return nearest->pair.distance2 == 0.0 && nearest->triangle != DPT_NONE;
+}
+
+void tree_search(const struct tree *tree, const struct kernel *kernel, const struct keeper *keeper,
+                 vec3 a, vec3 u, double slack, struct nearest *nearest)
+{
+    struct search search;
+    search.tree = tree;
+    search.kernel = kernel;
+    search.keeper = keeper ? *keeper : (struct keeper){ NULL, 0 };
+    search.nearest = nearest;
+    search.a = a;
+    search.u = u;
+    search.slack = slack;
+    search.has_frame = 0;
     take_axis(&search);
     set_limit(&search);
-    struct visit *top = look_into_boxes(&search, kernel, tree->levels, 0, stack);
-    while (top > stack && !(nearest->pair.distance2 == 0.0 && nearest->triangle != DPT_NONE)) {
-        struct visit next = *--top;
-        if (!may_hold(&search, next.bound))
+    uint32_t level = tree->levels;
+    look_into_boxes(&search, level, 0);
+    while (level <= tree->levels && !meets(nearest)) {
+        struct visit *visit = &search.level[level];
+        uint32_t lane = visit->lanes ? least_lane(visit->bound, visit->lanes) : LANES;
+        if (lane == LANES || visit->bound[lane] > search.probe.limit) {
+            level++;
             continue;
-        if (next.level == 0)
-            look_into_leaf(&search, kernel, next.node);
+        }
+        visit->lanes &= ~(1u << lane);
+        if (level == 1)
+            look_into_leaf(&search, visit->node * LANES + lane);
         else
-            top = look_into_boxes(&search, kernel, next.level, next.node, top);
+            look_into_boxes(&search, --level, visit->node * LANES + lane);
     }
 }

@@ -3,7 +3,7 @@
 #ifndef DPT_TREE_H
 #define DPT_TREE_H
 
-#include "kernel.h"
+#include "certificate.h"
 #include "mesh_format.h"
 #include "segment_triangle.h"
 
@@ -16,6 +16,7 @@ struct tree {
     const float *leaves;
     const float *level[MESH_LEVELS_MAX + 1]; /* level 1: the parents of the leaves */
     uint32_t count[MESH_LEVELS_MAX + 1];     /* nodes of a level; level 0: leaves */
+    uint32_t first[MESH_LEVELS_MAX + 1];     /* number of a level's first node; leaves from 0 */
     uint32_t levels;
 };
 
@@ -28,15 +29,30 @@ struct nearest {
 
 void tree_of_mesh(const struct dpt_mesh *mesh, struct tree *tree);
 
+/* The plane through a pair's point on the mesh, across the connection; n.x >= beyond is no nearer. */
+struct front {
+    vec3 normal; /* unit, away from the axis */
+    double beyond;
+};
+
+/* Of the axis a + s u and a pair at a positive distance; what is nearer by less than `slack` counts as no nearer. */
+struct front tree_front(const pair *found, vec3 a, vec3 u, double slack);
+
+/* All of a triangle lies beyond. */
+int tree_is_beyond(const struct tree *tree, const struct front *front, uint32_t triangle);
+
 /* The pair of the axis a + s u and one triangle, by its place. */
 pair tree_pair(const struct tree *tree, uint32_t triangle, vec3 a, vec3 u);
 
 /*
  * Look for what is nearer than nearest->pair.distance2, or as near with a lower source number; put it
  * into `nearest`. Stops at the first pair that meets. nearest->triangle stays when there is none.
+ * `keeper` holds planes of earlier searches and keeps those of this one; NULL keeps nothing.
+ *
+ * With `slack` > 0, a triangle that is nearer by less than that, a distance, need not be found.
  */
-void tree_search(const struct tree *tree, const struct kernel *kernel, vec3 a, vec3 u,
-                 struct nearest *nearest);
+void tree_search(const struct tree *tree, const struct kernel *kernel, const struct keeper *keeper,
+                 vec3 a, vec3 u, double slack, struct nearest *nearest);
 
 /* The same over every triangle, in double, without a filter; never stops early. */
 void tree_brute(const struct tree *tree, vec3 a, vec3 u, struct nearest *nearest);
@@ -44,9 +60,12 @@ void tree_brute(const struct tree *tree, vec3 a, vec3 u, struct nearest *nearest
 /*
  * The most by which a reported distance is wrong, per unit of the largest coordinate that entered, in
  * the world and in the mesh's frame: half for the rounding of the pair (32 * 2^-53, docs/algorithms/
- * distance.md) and of the transformation into the mesh's frame, half for history (track_next).
+ * distance.md) and of the transformation into the mesh's frame, three eighths for history (track_next), one
+ * eighth for triangles that touch the plane through the best pair and are not evaluated (tree_search).
  */
-#define TREE_ERROR (128.0 * 0x1p-53)
+#define TREE_ERROR   (128.0 * 0x1p-53)
+#define TREE_HISTORY 0.375
+#define TREE_SLACK   0.125
 
 /* The largest coordinate of the mesh, in its own frame. */
 double tree_extent(const struct tree *tree);

@@ -24,12 +24,16 @@ void dpt_world_def_defaults(dpt_world_def *def, size_t size)
         .max_segments = 16,
         .parts = 1,
         .stiffness = 500.0,
+        .certificate_bytes = 1 << 20,
     };
     if (!def || size < sizeof defaults.size || size > DEF_SIZE_MOST)
         return;
     memset(def, 0, size);
     memcpy(def, &defaults, size < sizeof defaults ? size : sizeof defaults);
 }
+
+/* Where the number of blocks still fits into 32 bits. */
+static const uint64_t CERTIFICATE_BYTES_MOST = (uint64_t)1 << 40;
 
 static int count_is_valid(uint32_t count)
 {
@@ -62,12 +66,19 @@ static int def_is_valid(const dpt_world_def *def)
            count_is_valid(def->max_segments) && def->method <= DPT_METHOD_PAPER &&
            def->until <= DPT_UNTIL_CONTACT && def->parts >= 1 &&
            def->parts <= (def->method == DPT_METHOD_PAPER ? 64u : 1u) && def->one_step <= 1 &&
-           def->reserved == 0 && def->stiffness >= 0.0 && within(def->stiffness, 1e9);
+           def->reserved == 0 && def->stiffness >= 0.0 && within(def->stiffness, 1e9) &&
+           def->certificate_bytes <= CERTIFICATE_BYTES_MOST;
 }
 
 static uint64_t bytes_last(const dpt_world_def *def)
 {
     return mesh_aligned(4 * (uint64_t)def->max_segments * def->max_bodies * def->parts);
+}
+
+/* Whole blocks only; what is left over of the bytes is left over. */
+static uint64_t certificate_blocks(const dpt_world_def *def)
+{
+    return def->certificate_bytes / sizeof(struct block);
 }
 
 static size_t bytes_of(const dpt_world_def *def)
@@ -76,7 +87,8 @@ static size_t bytes_of(const dpt_world_def *def)
         return 0;
     uint64_t bytes = BYTES_WORLD + BYTES_BODY * (uint64_t)def->max_bodies +
                      BYTES_TOOL * (uint64_t)def->max_tools +
-                     BYTES_SEGMENT * (uint64_t)def->max_segments + bytes_last(def);
+                     BYTES_SEGMENT * (uint64_t)def->max_segments + bytes_last(def) +
+                     mesh_aligned(def->certificate_bytes);
     return bytes <= SIZE_MAX ? (size_t)bytes : 0;
 }
 
@@ -114,6 +126,9 @@ dpt_result dpt_world_create(void *block, size_t bytes, const dpt_world_def *give
     made->segments = (void *)at;
     at += BYTES_SEGMENT * (size_t)def.max_segments;
     made->last = (void *)at;
+    at += bytes_last(&def);
+    made->certificate.blocks = (void *)at;
+    made->certificate.count = (uint32_t)certificate_blocks(&def);
     *world = made;
     return DPT_OK;
 }
@@ -121,6 +136,24 @@ dpt_result dpt_world_create(void *block, size_t bytes, const dpt_world_def *give
 uint32_t dpt_world_kernel(const dpt_world *world)
 {
     return world ? world->kernel_id : DPT_KERNEL_AUTO;
+}
+
+/*
+ * Empty the blocks of some segments, from `first` to before `end`, on one body or, with DPT_NONE, on all:
+ * before a number of theirs means another.
+ */
+static void forget_planes(struct dpt_world *world, uint32_t first, uint32_t end, uint32_t body)
+{
+    const struct certificate *c = &world->certificate;
+    for (uint32_t i = 0; i < c->count; i++) {
+        uint32_t owner = (uint32_t)(c->blocks[i].key >> 32);
+        if (!owner)
+            continue;
+        uint32_t segment = (owner - 1) / world->def.max_bodies;
+        if (segment >= first && segment < end &&
+            (body == DPT_NONE || (owner - 1) % world->def.max_bodies == body))
+            c->blocks[i].key = 0;
+    }
 }
 
 static void forget_segment(struct dpt_world *world, uint32_t segment)
@@ -154,6 +187,7 @@ dpt_result dpt_world_reset(dpt_world *world)
     for (uint32_t t = 0; t < world->tool_end; t++)
         if (world->tools[t].slot.used)
             forget_tool(world, &world->tools[t]);
+    forget_planes(world, 0, world->segment_count, DPT_NONE);
     return DPT_OK;
 }
 
@@ -191,6 +225,7 @@ dpt_result dpt_body_add(dpt_world *world, const dpt_mesh *mesh, const dpt_pose *
     tree_of_mesh(mesh, &made->tree);
     for (uint32_t s = 0; s < world->segment_count; s++)
         memset(world_last(world, s, index), 0xff, world->def.parts * sizeof *world->last);
+    forget_planes(world, 0, world->segment_count, index);
     *body = made->id;
     return DPT_OK;
 }
@@ -284,6 +319,7 @@ dpt_result dpt_tool_remove(dpt_world *world, dpt_tool tool)
     if (!old)
         return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
     uint32_t behind = old->first + old->count;
+    forget_planes(world, old->first, world->segment_count, DPT_NONE);
     size_t moved = world->segment_count - behind;
     memmove(&world->segments[old->first], &world->segments[behind],
             moved * sizeof *world->segments);

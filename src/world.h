@@ -45,6 +45,7 @@ struct dpt_world {
     struct body *bodies;
     struct tool *tools;
     struct segment *segments;
+    struct certificate certificate;
     uint32_t *last; /* per segment, body slot and part: the place of the last answer, or DPT_NONE */
 };
 
@@ -58,6 +59,12 @@ static inline size_t world_lasts(const struct dpt_world *world)
 static inline uint32_t *world_last(const struct dpt_world *world, uint32_t segment, uint32_t body)
 {
     return world->last + world_lasts(world) * segment + (size_t)body * world->def.parts;
+}
+
+/* By what name the certificate knows a segment and a body; not 0. */
+static inline uint32_t world_owner(const struct dpt_world *world, uint32_t segment, uint32_t body)
+{
+    return segment * world->def.max_bodies + body + 1;
 }
 
 struct tool *world_tool(const struct dpt_world *world, dpt_tool tool);

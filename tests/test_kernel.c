@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The float bounds: the same bits from every kernel of this machine, never above the true distance by
- * more than the stated margin, and tight enough to be of use. The truth is the pair distance in double,
- * which test_pair.c holds against oracles of its own.
+ * The float bounds: the same bits from every kernel of this machine, never above the true distance
+ * by more than the stated margin, at the pose that made the planes and at any other, and tight
+ * enough to be of use. The truth is the pair distance in double, which test_pair.c holds against
+ * oracles of its own.
  */
 #include "check.h"
 #include "kernel.h"
@@ -11,6 +12,8 @@
 #define BLOCKS 20000
 
 enum shape { ORDINARY, SLIVERS, POINTS, FLAT, SHAPES };
+
+static const char *const shape_names[SHAPES] = { "ordinary", "slivers", "points", "flat" };
 
 static float coordinate(uint64_t *random)
 {
@@ -43,11 +46,36 @@ static void make_triangles(uint64_t *random, int shape, float block[9 * LANES])
     }
 }
 
+/* The boxes of 16 triangles, as narrow as floats allow. */
+static void make_boxes(const float *content, float block[6 * LANES])
+{
+    for (int lane = 0; lane < LANES; lane++)
+        for (int axis = 0; axis < 3; axis++) {
+            float low = HUGE_VALF, high = -HUGE_VALF;
+            for (int k = 0; k < 3; k++) {
+                float x = content[(3 * k + axis) * LANES + lane];
+                low = x < low ? x : low;
+                high = x > high ? x : high;
+            }
+            float centre = 0.5f * (low + high);
+            float half = high - centre > centre - low ? high - centre : centre - low;
+            block[axis * LANES + lane] = centre;
+            block[(3 + axis) * LANES + lane] = nextafterf(half, HUGE_VALF);
+        }
+}
+
 /* An axis in double, and the probe that the search makes of it. */
 struct tool {
     vec3 a, u;
+    vec3 x; /* the direction of u, also where u is zero */
     struct probe probe;
 };
+
+static vec3 random_vec(uint64_t *random, double reach)
+{
+    return (vec3){ random_in(random, -reach, reach), random_in(random, -reach, reach),
+                   random_in(random, -reach, reach) };
+}
 
 static void unit_frame(vec3 x, vec3 *y, vec3 *z)
 {
@@ -64,32 +92,68 @@ static void put(vec3 v, float out[3])
     out[2] = (float)v.z;
 }
 
-static struct tool make_tool(uint64_t *random, int shape)
+static float dot_float(const float n[3], const float p[3])
 {
-    struct tool tool;
-    double reach = random_bits(random) % 8 ? 1.5 : 100.0;
-    double size = random_bits(random) % 8 ? pow(10.0, random_in(random, -3.0, 1.0)) : 0.0;
-    tool.a = (vec3){ random_in(random, -reach, reach), random_in(random, -reach, reach),
-                     random_in(random, -reach, reach) };
-    vec3 x = { random_in(random, -1.0, 1.0), random_in(random, -1.0, 1.0),
-               random_in(random, -1.0, 1.0) };
-    if (shape == FLAT && random_bits(random) % 2)
-        x.z = random_in(random, -1e-6, 1e-6);
+    return n[0] * p[0] + n[1] * p[1] + n[2] * p[2];
+}
+
+static void put_normal(vec3 normal, struct probe *probe)
+{
+    put(normal, probe->normal);
+    float at_a = dot_float(probe->normal, probe->a);
+    float at_b = dot_float(probe->normal, probe->b);
+    probe->height = at_a > at_b ? at_a : at_b;
+}
+
+static struct tool tool_at(uint64_t *random, vec3 a, vec3 x, double size)
+{
+    struct tool tool = { .a = a, .u = scaled(x, size), .x = x };
     vec3 y, z;
-    x = scaled(x, 1.0 / length(x));
     unit_frame(x, &y, &z);
-    tool.u = scaled(x, size);
-    put(tool.a, tool.probe.a);
+    put(a, tool.probe.a);
+    put(add(a, tool.u), tool.probe.b);
     put(x, tool.probe.x);
     put(y, tool.probe.y);
     put(z, tool.probe.z);
     tool.probe.length = (float)size;
+    tool.probe.limit = (float)pow(10.0, random_in(random, -3.0, 2.0));
+    put_normal(y, &tool.probe);
     return tool;
+}
+
+static struct tool make_tool(uint64_t *random, int shape)
+{
+    double reach = random_bits(random) % 8 ? 1.5 : 100.0;
+    double size = random_bits(random) % 8 ? pow(10.0, random_in(random, -3.0, 1.0)) : 0.0;
+    vec3 a = random_vec(random, reach);
+    vec3 x = random_vec(random, 1.0);
+    if (shape == FLAT && random_bits(random) % 2)
+        x.z = random_in(random, -1e-6, 1e-6);
+    return tool_at(random, a, scaled(x, 1.0 / length(x)), size);
+}
+
+/* The same tool at another pose: 1e-6 .. 1 away, and turned by as many radians. */
+static struct tool move_tool(uint64_t *random, const struct tool *tool)
+{
+    vec3 way = random_vec(random, 1.0), pivot = random_vec(random, 1.0);
+    way = scaled(way, pow(10.0, random_in(random, -6.0, 0.0)) / length(way));
+    pivot = scaled(pivot, 1.0 / length(pivot));
+    double angle = pow(10.0, random_in(random, -6.0, 0.0));
+    vec3 x = scaled(tool->x, cos(angle));
+    x = along(x, sin(angle), cross(pivot, tool->x));
+    x = along(x, (1.0 - cos(angle)) * dot(pivot, tool->x), pivot);
+    return tool_at(random, add(tool->a, way), scaled(x, 1.0 / length(x)), length(tool->u));
 }
 
 static double margin_of(const struct tool *tool)
 {
     return (double)KERNEL_MARGIN * (1.0 + length(tool->a) + length(add(tool->a, tool->u)));
+}
+
+/* A distance that rounding leaves alone. */
+static int is_apart(const struct tool *tool, double distance)
+{
+    return distance > 1e-3 + 8.0 * margin_of(tool);
 }
 
 static vec3 corner(const float *block, int k, int lane)
@@ -98,118 +162,315 @@ static vec3 corner(const float *block, int k, int lane)
                    block[(3 * k + 2) * LANES + lane] };
 }
 
-static void bounds_of_triangles_are_sound(void)
+static pair pair_of(const struct tool *tool, const float *block, int lane)
 {
-    const char *const names[SHAPES] = { "ordinary", "slivers", "points", "flat" };
-    uint64_t random = 7;
+    return segment_triangle(tool->a, tool->u, corner(block, 0, lane), corner(block, 1, lane),
+                            corner(block, 2, lane));
+}
+
+/* By how many margins the worst of 16 bounds lies above the truth. A NaN bounds nothing. */
+static double check_sound(const char *what, const struct tool *tool, const float *content,
+                          const float *bound)
+{
+    double worst = -HUGE_VAL;
+    for (int lane = 0; lane < LANES; lane++) {
+        double distance = sqrt(pair_of(tool, content, lane).distance2);
+        double over = ((double)bound[lane] - distance) / margin_of(tool);
+        CHECK(!(over > 1.0), "%s: bound %.9g above %.17g by %.3g margins", what,
+              (double)bound[lane], distance, over);
+        worst = larger(over, worst);
+    }
+    return worst;
+}
+
+static uint32_t not_beyond(const float *bound, float limit)
+{
+    uint32_t lanes = 0;
+    for (int lane = 0; lane < LANES; lane++)
+        lanes |= (uint32_t) !(bound[lane] > limit) << lane;
+    return lanes;
+}
+
+/* Bit for bit; but which NaN a NaN is depends on the order of its operands, and no one asks. */
+static int same_floats(const float *x, const float *y, int count)
+{
+    for (int i = 0; i < count; i++)
+        if (memcmp(&x[i], &y[i], sizeof x[i]) != 0 && !(isnan(x[i]) && isnan(y[i])))
+            return 0;
+    return 1;
+}
+
+static int same_planes(const struct planes *p, const struct planes *q)
+{
+    return same_floats(p->x, q->x, LANES) && same_floats(p->y, q->y, LANES) &&
+           same_floats(p->z, q->z, LANES) && same_floats(p->support, q->support, LANES);
+}
+
+static struct kernel best_kernel(void)
+{
     struct kernel kernel;
     uint32_t chosen;
     kernel_get(DPT_KERNEL_AUTO, &kernel, &chosen);
+    return kernel;
+}
+
+static void bounds_of_triangles_are_sound(void)
+{
+    uint64_t random = 7;
+    struct kernel kernel = best_kernel();
     for (int shape = 0; shape < SHAPES; shape++) {
-        double worst = 0.0, slack = 0.0;
+        double worst = -HUGE_VAL, slack = 0.0;
         int apart = 0;
         for (int i = 0; i < BLOCKS; i++) {
             float block[9 * LANES], bound[LANES];
+            struct planes planes;
             make_triangles(&random, shape, block);
             struct tool tool = make_tool(&random, shape);
-            kernel.triangles(block, &tool.probe, bound);
+            uint32_t open = kernel.triangles(block, &tool.probe, &planes, bound);
+            CHECK(open == not_beyond(bound, tool.probe.limit), "%x", open);
+            worst = larger(check_sound(shape_names[shape], &tool, block, bound), worst);
             for (int lane = 0; lane < LANES; lane++) {
-                pair truth = segment_triangle(tool.a, tool.u, corner(block, 0, lane),
-                                              corner(block, 1, lane), corner(block, 2, lane));
-                double distance = sqrt(truth.distance2);
-                double over = ((double)bound[lane] - distance) / margin_of(&tool);
-                worst = larger(worst, over);
-                if (distance > 1e-3 + 8.0 * margin_of(&tool)) {
-                    apart++;
-                    slack += isfinite(bound[lane]) ? 1.0 - (double)bound[lane] / distance : 1.0;
-                }
-                CHECK(!(over > 1.0), "%s: bound %.9g above %.17g by %.3g margins", names[shape],
-                      (double)bound[lane], distance, over);
+                double distance = sqrt(pair_of(&tool, block, lane).distance2);
+                if (!is_apart(&tool, distance))
+                    continue;
+                apart++;
+                slack += isfinite(bound[lane]) ? 1.0 - (double)bound[lane] / distance : 1.0;
             }
         }
         slack /= apart;
         printf("    %-10s above the truth by at most %5.3f margins; mean slack %.2g of %d apart\n",
-               names[shape], worst, slack, apart);
-        CHECK(slack < 1e-6, "%s: bounds lose %.3g of the distance on average", names[shape], slack);
-        CHECK(apart > BLOCKS * LANES / 2, "%s: only %d apart", names[shape], apart);
+               shape_names[shape], worst, slack, apart);
+        CHECK(slack < 1e-6, "%s: bounds lose %.3g of the distance on average", shape_names[shape],
+              slack);
+        CHECK(apart > BLOCKS * LANES / 2, "%s: only %d apart", shape_names[shape], apart);
     }
 }
 
 /*
- * One plane for all lanes, as the search takes it: through the nearest pair of one of them. Bounds of the
- * others may be as loose as they like, never above the truth.
+ * A box's bound against its content is sound. It is tight against the one plane that it means:
+ * across the nearest connection of centre and axis, as far from the centre as the box reaches.
  */
-static void bounds_of_planes_are_sound(void)
-{
-    uint64_t random = 13;
-    struct kernel kernel;
-    uint32_t chosen;
-    double worst = -HUGE_VAL, tight = 0.0;
-    int planes = 0;
-    kernel_get(DPT_KERNEL_AUTO, &kernel, &chosen);
-    for (int i = 0; i < BLOCKS; i++) {
-        float block[9 * LANES], bound[LANES];
-        pair truth[LANES];
-        make_triangles(&random, i % SHAPES, block);
-        struct tool tool = make_tool(&random, i % SHAPES);
-        for (int lane = 0; lane < LANES; lane++)
-            truth[lane] = segment_triangle(tool.a, tool.u, corner(block, 0, lane),
-                                           corner(block, 1, lane), corner(block, 2, lane));
-        double distance = sqrt(truth[0].distance2);
-        if (distance < 1e-3)
-            continue;
-        vec3 normal = scaled(truth[0].gap, -1.0 / distance);
-        put(normal, tool.probe.normal);
-        tool.probe.height = (float)(dot(normal, tool.a) + larger(0.0, dot(normal, tool.u)));
-        kernel.planes(block, &tool.probe, bound);
-        for (int lane = 0; lane < LANES; lane++) {
-            double over = ((double)bound[lane] - sqrt(truth[lane].distance2)) / margin_of(&tool);
-            worst = larger(worst, over);
-            CHECK(!(over > 1.0), "plane bound above the truth by %.3g margins", over);
-        }
-        tight += fabs((double)bound[0] - distance) / margin_of(&tool) <= 1.0;
-        planes++;
-    }
-    printf("    above the truth by at most %5.3f margins, equal to it on its own lane %.1f %%\n",
-           worst, 100.0 * tight / planes);
-    CHECK(planes > BLOCKS / 2 && tight > 0.99 * planes, "%d planes, %g tight", planes, tight);
-}
-
-/* A box's bound against its corners: the least distance to a box of known content. */
 static void bounds_of_boxes_are_sound(void)
 {
     uint64_t random = 11;
-    struct kernel kernel;
-    uint32_t chosen;
-    double worst = 0.0;
-    kernel_get(DPT_KERNEL_AUTO, &kernel, &chosen);
+    struct kernel kernel = best_kernel();
+    for (int shape = 0; shape < SHAPES; shape++) {
+        double worst = -HUGE_VAL, slack = 0.0;
+        int apart = 0;
+        for (int i = 0; i < BLOCKS; i++) {
+            float content[9 * LANES], block[6 * LANES], bound[LANES];
+            struct planes planes;
+            make_triangles(&random, shape, content);
+            make_boxes(content, block);
+            struct tool tool = make_tool(&random, shape);
+            uint32_t open = kernel.boxes(block, &tool.probe, &planes, bound);
+            CHECK(open == not_beyond(bound, tool.probe.limit), "%x", open);
+            worst = larger(check_sound(shape_names[shape], &tool, content, bound), worst);
+            for (int lane = 0; lane < LANES; lane++) {
+                vec3 centre = corner(block, 0, lane), half = corner(block, 1, lane);
+                pair truth = segment_triangle(tool.a, tool.u, centre, centre, centre);
+                double distance = sqrt(truth.distance2);
+                if (!is_apart(&tool, distance))
+                    continue;
+                double reach = (fabs(truth.gap.x) * half.x + fabs(truth.gap.y) * half.y +
+                                fabs(truth.gap.z) * half.z) /
+                               distance;
+                apart++;
+                slack +=
+                    isfinite(bound[lane]) ? 1.0 - ((double)bound[lane] + reach) / distance : 1.0;
+            }
+        }
+        slack /= apart;
+        printf("    %-10s above the truth by at most %5.3f margins; mean slack %.2g of %d apart\n",
+               shape_names[shape], worst, slack, apart);
+        CHECK(slack < 1e-6, "%s: bounds lose %.3g of the distance on average", shape_names[shape],
+              slack);
+        CHECK(apart > BLOCKS * LANES / 2, "%s: only %d apart", shape_names[shape], apart);
+    }
+}
+
+/*
+ * One normal for all lanes, as the search takes it: through the nearest pair of one of them. Bounds
+ * of the others may be as loose as they like, never above the truth, nor when the planes are held.
+ */
+static void common_supports_are_sound(void)
+{
+    uint64_t random = 13;
+    struct kernel kernel = best_kernel();
+    double worst = -HUGE_VAL, moved = -HUGE_VAL, tight = 0.0;
+    int taken = 0;
+    for (int i = 0; i < BLOCKS; i++) {
+        float block[9 * LANES], low[LANES], bound[LANES];
+        struct planes planes;
+        make_triangles(&random, i % SHAPES, block);
+        struct tool tool = make_tool(&random, i % SHAPES);
+        pair truth = pair_of(&tool, block, 0);
+        double distance = sqrt(truth.distance2);
+        if (distance < 1e-3)
+            continue;
+        put_normal(scaled(truth.gap, -1.0 / distance), &tool.probe);
+        uint32_t open = kernel.common(block, &tool.probe, low);
+        CHECK(open == not_beyond(low, tool.probe.height + tool.probe.limit), "%x", open);
+        for (int lane = 0; lane < LANES; lane++) {
+            double there = sqrt(pair_of(&tool, block, lane).distance2);
+            double over =
+                ((double)low[lane] - (double)tool.probe.height - there) / margin_of(&tool);
+            worst = larger(over, worst);
+            CHECK(!(over > 1.0), "common bound above the truth by %.3g margins", over);
+            CHECK(open >> lane & 1 || there > (double)tool.probe.limit - margin_of(&tool),
+                  "closed at %.9g, limit %.9g", there, (double)tool.probe.limit);
+            planes.x[lane] = tool.probe.normal[0];
+            planes.y[lane] = tool.probe.normal[1];
+            planes.z[lane] = tool.probe.normal[2];
+            planes.support[lane] = low[lane];
+        }
+        tight += fabs((double)low[0] - (double)tool.probe.height - distance) <= margin_of(&tool);
+        taken++;
+        struct tool other = move_tool(&random, &tool);
+        kernel.held(&planes, &other.probe, bound);
+        moved = larger(check_sound("common, held", &other, block, bound), moved);
+    }
+    printf("    above the truth by at most %5.3f margins, held %5.3f; equal to it on its own lane "
+           "%.1f %%\n",
+           worst, moved, 100.0 * tight / taken);
+    CHECK(taken > BLOCKS / 2 && tight > 0.99 * taken, "%d planes, %g tight", taken, tight);
+}
+
+/*
+ * Planes bound the distance at whatever pose. `content` lies in what `planes` were made of; `made`
+ * and `made_open` are the bounds and open lanes that came with them, at the pose of `tool`.
+ */
+static void check_held(const char *what, const struct kernel *kernel, uint64_t *random,
+                       const struct tool *tool, const float *content, const struct planes *planes,
+                       const float *made, uint32_t made_open, double *near_by, double *elsewhere)
+{
+    float bound[LANES];
+    uint32_t open = kernel->held(planes, &tool->probe, bound);
+    CHECK(same_floats(made, bound, LANES), "%s: other bounds at the same pose", what);
+    CHECK(open == made_open, "%s: open %x, were %x", what, open, made_open);
+    for (int k = 0; k < 3; k++) {
+        struct tool other = k < 2 ? move_tool(random, tool) : make_tool(random, ORDINARY);
+        double *worst = k < 2 ? near_by : elsewhere;
+        open = kernel->held(planes, &other.probe, bound);
+        CHECK(open == not_beyond(bound, other.probe.limit), "%s: open %x", what, open);
+        *worst = larger(check_sound(what, &other, content, bound), *worst);
+    }
+}
+
+static void held_planes_are_sound_at_other_poses(void)
+{
+    uint64_t random = 17;
+    struct kernel kernel = best_kernel();
+    double near_by[2] = { -HUGE_VAL, -HUGE_VAL }, elsewhere[2] = { -HUGE_VAL, -HUGE_VAL };
     for (int i = 0; i < BLOCKS; i++) {
         float content[9 * LANES], block[6 * LANES], bound[LANES];
-        make_triangles(&random, ORDINARY, content);
-        struct tool tool = make_tool(&random, ORDINARY);
-        for (int lane = 0; lane < LANES; lane++)
-            for (int axis = 0; axis < 3; axis++) {
-                float low = HUGE_VALF, high = -HUGE_VALF;
-                for (int k = 0; k < 3; k++) {
-                    float x = content[(3 * k + axis) * LANES + lane];
-                    low = x < low ? x : low;
-                    high = x > high ? x : high;
-                }
-                float centre = 0.5f * (low + high);
-                float half = high - centre > centre - low ? high - centre : centre - low;
-                block[axis * LANES + lane] = centre;
-                block[(3 + axis) * LANES + lane] = nextafterf(half, HUGE_VALF);
-            }
-        kernel.boxes(block, &tool.probe, bound);
-        for (int lane = 0; lane < LANES; lane++) {
-            pair truth = segment_triangle(tool.a, tool.u, corner(content, 0, lane),
-                                          corner(content, 1, lane), corner(content, 2, lane));
-            double over = ((double)bound[lane] - sqrt(truth.distance2)) / margin_of(&tool);
-            worst = larger(worst, over);
-            CHECK(!(over > 1.0), "box bound above its content by %.3g margins", over);
+        struct planes planes;
+        make_triangles(&random, i % SHAPES, content);
+        make_boxes(content, block);
+        struct tool tool = make_tool(&random, i % SHAPES);
+        uint32_t open = kernel.triangles(content, &tool.probe, &planes, bound);
+        check_held("triangles, held", &kernel, &random, &tool, content, &planes, bound, open,
+                   &near_by[0], &elsewhere[0]);
+        open = kernel.boxes(block, &tool.probe, &planes, bound);
+        check_held("boxes, held", &kernel, &random, &tool, content, &planes, bound, open,
+                   &near_by[1], &elsewhere[1]);
+    }
+    printf("    triangles: above the truth by at most %5.3f margins after a move, %5.3f anywhere\n",
+           near_by[0], elsewhere[0]);
+    printf("    boxes:     above the truth by at most %5.3f margins after a move, %5.3f anywhere\n",
+           near_by[1], elsewhere[1]);
+}
+
+static void zero_planes_close_nothing(void)
+{
+    const float limits[] = { 0.0f, 1e-45f, 1e-6f, 1.0f, 1e30f, HUGE_VALF };
+    const uint32_t count = sizeof limits / sizeof limits[0];
+    const struct planes none = { .x = { 0.0f } };
+    uint64_t random = 19;
+    uint32_t chosen;
+    struct kernel kernel;
+    for (uint32_t id = DPT_KERNEL_SCALAR; id <= DPT_KERNEL_NEON; id++) {
+        if (!kernel_get(id, &kernel, &chosen))
+            continue;
+        for (uint32_t i = 0; i < BLOCKS; i++) {
+            float bound[LANES];
+            struct tool tool = make_tool(&random, ORDINARY);
+            if (i % 2)
+                tool.probe.limit = limits[i / 2 % count];
+            uint32_t open = kernel.held(&none, &tool.probe, bound);
+            CHECK(open == 0xffff, "%s: open %x, limit %g", dpt_kernel_name(id), open,
+                  (double)tool.probe.limit);
         }
     }
-    printf("    above the truth by at most %5.3f margins\n", worst);
+}
+
+/* What lies at the axis's own end has no direction: set such lanes, and return them. */
+static uint32_t degenerate_lanes(uint64_t *random, const struct tool *tool, float block[9 * LANES])
+{
+    uint32_t lanes = (uint32_t)(random_bits(random) & random_bits(random) & 0xffff);
+    for (int lane = 0; lane < LANES; lane++)
+        for (int row = 0; lanes >> lane & 1 && row < 9; row++)
+            block[row * LANES + lane] = tool->probe.a[row % 3];
+    return lanes;
+}
+
+static void check_no_number(const char *what, const struct probe *probe, const float *bound,
+                            uint32_t open, uint32_t degenerate)
+{
+    CHECK(open == not_beyond(bound, probe->limit), "%s: open %x", what, open);
+    CHECK((open & degenerate) == degenerate, "%s: open %x of %x", what, open, degenerate);
+    for (int lane = 0; lane < LANES; lane++)
+        if (degenerate >> lane & 1)
+            CHECK(isnan(bound[lane]), "%s: bound %g", what, (double)bound[lane]);
+}
+
+static void bounds_that_are_no_number_leave_lanes_open(void)
+{
+    uint64_t random = 23;
+    uint32_t chosen, closed = 0;
+    struct kernel kernel;
+    for (uint32_t id = DPT_KERNEL_SCALAR; id <= DPT_KERNEL_NEON; id++) {
+        if (!kernel_get(id, &kernel, &chosen))
+            continue;
+        for (int i = 0; i < BLOCKS / 4; i++) {
+            float content[9 * LANES], block[6 * LANES], bound[LANES];
+            struct planes planes;
+            make_triangles(&random, i % SHAPES, content);
+            struct tool tool = make_tool(&random, i % SHAPES);
+            struct tool other = move_tool(&random, &tool);
+            uint32_t degenerate = degenerate_lanes(&random, &tool, content), open;
+            make_boxes(content, block);
+            open = kernel.triangles(content, &tool.probe, &planes, bound);
+            check_no_number("triangles", &tool.probe, bound, open, degenerate);
+            closed |= ~open & 0xffff;
+            open = kernel.held(&planes, &other.probe, bound);
+            check_no_number("triangles, held", &other.probe, bound, open, degenerate);
+            open = kernel.boxes(block, &tool.probe, &planes, bound);
+            check_no_number("boxes", &tool.probe, bound, open, degenerate);
+            closed |= (~open & 0xffff) << LANES;
+            open = kernel.held(&planes, &other.probe, bound);
+            check_no_number("boxes, held", &other.probe, bound, open, degenerate);
+        }
+    }
+    CHECK(closed == 0xffffffff, "lanes that ever closed: %x", closed);
+}
+
+/* Two kernels on one block of triangles or boxes: planes, bounds and lanes, made and held. */
+static void check_same_renewal(const char *what, const struct kernel *plain, kernel_renew *one,
+                               const struct kernel *wide, kernel_renew *two, const float *block,
+                               const struct probe *probe, const struct probe *later)
+{
+    struct planes expected_planes, planes;
+    float expected[LANES], bound[LANES];
+    uint32_t expected_open = one(block, probe, &expected_planes, expected);
+    uint32_t open = two(block, probe, &planes, bound);
+    CHECK(same_planes(&expected_planes, &planes), "%s: planes", what);
+    CHECK(same_floats(expected, bound, LANES), "%s: bounds", what);
+    CHECK(expected_open == open, "%s: open %x, not %x", what, open, expected_open);
+    expected_open = plain->held(&expected_planes, later, expected);
+    open = wide->held(&expected_planes, later, bound);
+    CHECK(same_floats(expected, bound, LANES), "%s: held bounds", what);
+    CHECK(expected_open == open, "%s: held open %x, not %x", what, open, expected_open);
 }
 
 static void all_kernels_give_the_same_bits(void)
@@ -219,32 +480,29 @@ static void all_kernels_give_the_same_bits(void)
     struct kernel plain, other;
     kernel_get(DPT_KERNEL_SCALAR, &plain, &chosen);
     for (uint32_t id = DPT_KERNEL_SSE2; id <= DPT_KERNEL_NEON; id++) {
+        const char *name = dpt_kernel_name(id);
         if (!kernel_get(id, &other, &chosen)) {
-            SKIP(dpt_kernel_name(id), "not on this machine or in this build");
+            SKIP(name, "not on this machine or in this build");
             continue;
         }
         compared++;
         for (int i = 0; i < BLOCKS; i++) {
-            float block[9 * LANES], expected[LANES], bound[LANES];
+            float block[9 * LANES], expected[LANES], low[LANES];
             make_triangles(&random, i % SHAPES, block);
             struct tool tool = make_tool(&random, i % SHAPES);
-            plain.triangles(block, &tool.probe, expected);
-            other.triangles(block, &tool.probe, bound);
-            CHECK(!memcmp(expected, bound, sizeof bound), "%s: triangles, block %d",
-                  dpt_kernel_name(id), i);
-            for (int k = 0; k < 3; k++)
-                tool.probe.normal[k] = tool.probe.x[(k + 1) % 3];
-            tool.probe.height = tool.probe.a[0];
-            plain.planes(block, &tool.probe, expected);
-            other.planes(block, &tool.probe, bound);
-            CHECK(!memcmp(expected, bound, sizeof bound), "%s: planes, block %d",
-                  dpt_kernel_name(id), i);
+            struct tool later = move_tool(&random, &tool);
+            if (i % 16 == 0)
+                degenerate_lanes(&random, &tool, block);
+            check_same_renewal(name, &plain, plain.triangles, &other, other.triangles, block,
+                               &tool.probe, &later.probe);
+            uint32_t expected_open = plain.common(block, &tool.probe, expected);
+            uint32_t open = other.common(block, &tool.probe, low);
+            CHECK(same_floats(expected, low, LANES), "%s: common, block %d", name, i);
+            CHECK(expected_open == open, "%s: common open %x, not %x", name, open, expected_open);
             for (int row = 3 * LANES; row < 6 * LANES; row++)
                 block[row] = fabsf(block[row]);
-            plain.boxes(block, &tool.probe, expected);
-            other.boxes(block, &tool.probe, bound);
-            CHECK(!memcmp(expected, bound, sizeof bound), "%s: boxes, block %d",
-                  dpt_kernel_name(id), i);
+            check_same_renewal(name, &plain, plain.boxes, &other, other.boxes, block, &tool.probe,
+                               &later.probe);
         }
     }
     printf("    %u kernels against the scalar one\n", compared);
@@ -265,8 +523,11 @@ int main(void)
 {
     TEST(best_kernel_is_to_be_had);
     TEST(bounds_of_triangles_are_sound);
-    TEST(bounds_of_planes_are_sound);
     TEST(bounds_of_boxes_are_sound);
+    TEST(common_supports_are_sound);
+    TEST(held_planes_are_sound_at_other_poses);
+    TEST(zero_planes_close_nothing);
+    TEST(bounds_that_are_no_number_leave_lanes_open);
     TEST(all_kernels_give_the_same_bits);
     return check_report();
 }

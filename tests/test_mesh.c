@@ -333,7 +333,7 @@ static int is_sound(const dpt_hit *hit)
 /* Search, sign and force on a mesh that opened: whatever it says, it stays within the bytes. */
 static void use(const dpt_mesh *mesh, uint64_t *random)
 {
-    double block[1024], ends[6 * 4];
+    double block[2048], ends[6 * 4];
     dpt_hit hits[4] = { DPT_HIT_INIT };
     dpt_query_def query = { .size = sizeof query };
     dpt_world_def def;
@@ -349,6 +349,7 @@ static void use(const dpt_mesh *mesh, uint64_t *random)
     }
     dpt_world_def_init(&def);
     def.max_bodies = def.max_tools = def.max_segments = 1;
+    def.certificate_bytes = 2048;
     CHECK(dpt_world_bytes(&def) <= sizeof block, "%zu bytes", dpt_world_bytes(&def));
     if (dpt_world_create(block, sizeof block, &def, &world) != DPT_OK ||
         dpt_body_add(world, mesh, NULL, &body) != DPT_OK)

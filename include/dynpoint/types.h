@@ -47,7 +47,7 @@ typedef struct dpt_wrench {
 
 /* How a nearest pair is found. */
 enum {
-    DPT_METHOD_EXACT = 0, /* the best exact method of this version; at present it is the tree */
+    DPT_METHOD_EXACT = 0, /* the tree, spared by what was proven in earlier ticks; exact */
     DPT_METHOD_TREE = 1,  /* box tree, started from the last answer; exact */
     DPT_METHOD_BRUTE = 2, /* every triangle in double; exact, slow, the yardstick */
     DPT_METHOD_PAPER = 3  /* dynamic points by neighbour descent; local; worlds only */

@@ -50,6 +50,11 @@ typedef struct dpt_world_def {
     uint32_t one_step;     /* of the paper's descent a tick, not all of it; 0 */
     uint32_t reserved;     /* 0 */
     double stiffness;      /* of the penalty force, N/m, >= 0; 500 */
+    /*
+     * DPT_METHOD_EXACT's memory of what it proved in earlier ticks, 264 bytes for 16 separating planes; all
+     * tools and bodies share it. Too little costs time, never truth; 0 keeps nothing; at most 2^40; 1 MiB.
+     */
+    uint64_t certificate_bytes;
 } dpt_world_def;
 
 /* Fill in the first `size` bytes; what dpt_world_def_init calls with its own caller's sizeof. */
@@ -62,8 +67,9 @@ static inline void dpt_world_def_init(dpt_world_def *def)
 
 /*
  * The bytes that a world of this def needs:
- *     256 + 384 max_bodies + 192 max_tools + 256 max_segments + 4 max_segments max_bodies parts, the last
- * term rounded up to a multiple of 64. 0 for a def that is not valid.
+ *     256 + 384 max_bodies + 192 max_tools + 256 max_segments + 4 max_segments max_bodies parts
+ *         + certificate_bytes,
+ * the last two terms rounded up to multiples of 64. 0 for a def that is not valid.
  */
 DPT_API size_t dpt_world_bytes(const dpt_world_def *def);
 

@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# In make check: on the liver, in one run, the warm tree is at least twice as fast at the median as FCL warm,
+# In make check: on the liver, in one run, the exact method is at least twice as fast at the median as FCL warm,
 # where the machine has AVX2 or more; and FCL's distances are ours. `sh tests/bench/check.sh BUILD`.
 set -u
 build=$1
@@ -16,8 +16,8 @@ elif [ -z "$(median FCL OBBRSS)" ]; then
     echo "  skip FCL: libfcl-dev is not here"
     skipped=1
 else
-    wide=$(median tree avx512)
-    wide=${wide:-$(median tree avx2)}
+    wide=$(median exact avx512)
+    wide=${wide:-$(median exact avx2)}
     if [ -z "$wide" ]; then
         echo "  skip ratio to FCL: the machine has neither AVX2 nor AVX-512"
         skipped=1
@@ -25,7 +25,7 @@ else
         echo "  ok   FCL takes $(awk "BEGIN { printf \"%.1f\", $(median FCL OBBRSS) / $wide }") times as long at the median"
         passed=1
     else
-        echo "  FAIL FCL takes $(median FCL OBBRSS) ns, the tree $wide"
+        echo "  FAIL FCL takes $(median FCL OBBRSS) ns, the exact method $wide"
         failed=1
     fi
     if awk -F, '$3 == "FCL" { exit !($14 < 1e-10) }' "$csv"; then

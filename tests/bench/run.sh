@@ -132,8 +132,12 @@ for name in $meshes; do
         "$build/dynpoint" replay "$file.dpa" "$file.csv" -o "$file.$kernel.csv" --until track --repeat 3 \
             --kernel $kernel --json >"$file.$kernel.json" 2>/dev/null || continue
         cmp -s "$file.$kernel.csv" "$file.ours.csv" || { echo "$kernel gives other answers"; exit 1; }
-        row tree "$kernel" "$file.$kernel.json" 0 0
+        row exact "$kernel" "$file.$kernel.json" 0 0
     done
+    if "$build/dynpoint" replay "$file.dpa" "$file.csv" -o "$file.tree.csv" --method tree --until track \
+        --repeat 3 --json >"$file.tree.json"; then
+        row tree warm "$file.tree.json" $(against "$file.tree.csv" 4)
+    fi
     if "$build/dynpoint" replay "$file.dpa" "$file.csv" -o "$file.paper.csv" --method paper --parts 1 --until track \
         --repeat 3 --json >"$file.paper.json"; then
         row paper K=1 "$file.paper.json" $(against "$file.paper.csv" 4)

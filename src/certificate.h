@@ -1,0 +1,65 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * What was proven stays true: a plane that lies between the tool and a piece of the mesh is kept, and next
+ * tick its bound costs three dot products instead of a search (docs/algorithms/certificate.md).
+ *
+ * A cache of fixed size. A block holds the planes of one tree node's 16 children, or of one leaf's 16
+ * triangles, for one axis and one body. A block that is not there, or was given to another, costs time,
+ * never truth: its planes are made anew.
+ */
+#ifndef DPT_CERTIFICATE_H
+#define DPT_CERTIFICATE_H
+
+#include "kernel.h"
+
+struct block {
+    uint64_t key; /* whose it is: owner << 32 | node; 0 is nobody's */
+    struct planes planes;
+};
+
+/* The caller's memory, shared by all axes and bodies of a world. */
+struct certificate {
+    struct block *blocks;
+    uint32_t count;
+};
+
+/* One axis' and body's view of it. `owner` is not 0; without a certificate every block is scratch. */
+struct keeper {
+    const struct certificate *certificate; /* or NULL */
+    uint32_t owner;
+};
+
+/*
+ * The block of a node, by its number in the tree; nodes that lie close together do not displace each other.
+ * It may be another's, whose key differs. NULL where nothing is kept.
+ */
+static inline struct block *keeper_block(const struct keeper *keeper, uint32_t node)
+{
+    const struct certificate *c = keeper->certificate;
+    if (!c || !c->count)
+        return NULL;
+    return &c->blocks[(node + keeper->owner * 0x9e3779b1u) % c->count];
+}
+
+static inline uint64_t keeper_key(const struct keeper *keeper, uint32_t node)
+{
+    return (uint64_t)keeper->owner << 32 | node;
+}
+
+/* Only if it is the node's own. */
+static inline struct block *keeper_own(const struct keeper *keeper, uint32_t node)
+{
+    struct block *block = keeper_block(keeper, node);
+    return block && block->key == keeper_key(keeper, node) ? block : NULL;
+}
+
+static inline void planes_put(struct planes *planes, uint32_t lane, const float normal[3],
+                              float support)
+{
+    planes->x[lane] = normal[0];
+    planes->y[lane] = normal[1];
+    planes->z[lane] = normal[2];
+    planes->support[lane] = support;
+}
+
+#endif
