@@ -214,6 +214,15 @@ static struct kernel best_kernel(void)
     return kernel;
 }
 
+/* How far bounds are above the truth, in margins, and below it on average, in distances. */
+static void check_tight(const char *name, double worst, double slack, int apart)
+{
+    printf("    %-10s above the truth by at most %5.3f margins; mean slack %.2g of %d apart\n",
+           name, worst, slack, apart);
+    CHECK(slack < 1e-6, "%s: bounds lose %.3g of the distance on average", name, slack);
+    CHECK(apart > BLOCKS * LANES / 2, "%s: only %d apart", name, apart);
+}
+
 static void bounds_of_triangles_are_sound(void)
 {
     uint64_t random = 7;
@@ -237,12 +246,7 @@ static void bounds_of_triangles_are_sound(void)
                 slack += isfinite(bound[lane]) ? 1.0 - (double)bound[lane] / distance : 1.0;
             }
         }
-        slack /= apart;
-        printf("    %-10s above the truth by at most %5.3f margins; mean slack %.2g of %d apart\n",
-               shape_names[shape], worst, slack, apart);
-        CHECK(slack < 1e-6, "%s: bounds lose %.3g of the distance on average", shape_names[shape],
-              slack);
-        CHECK(apart > BLOCKS * LANES / 2, "%s: only %d apart", shape_names[shape], apart);
+        check_tight(shape_names[shape], worst, slack / apart, apart);
     }
 }
 
@@ -280,12 +284,7 @@ static void bounds_of_boxes_are_sound(void)
                     isfinite(bound[lane]) ? 1.0 - ((double)bound[lane] + reach) / distance : 1.0;
             }
         }
-        slack /= apart;
-        printf("    %-10s above the truth by at most %5.3f margins; mean slack %.2g of %d apart\n",
-               shape_names[shape], worst, slack, apart);
-        CHECK(slack < 1e-6, "%s: bounds lose %.3g of the distance on average", shape_names[shape],
-              slack);
-        CHECK(apart > BLOCKS * LANES / 2, "%s: only %d apart", shape_names[shape], apart);
+        check_tight(shape_names[shape], worst, slack / apart, apart);
     }
 }
 
