@@ -171,6 +171,7 @@ static void follow(const struct subject *subject, const dpt_mesh *mesh, int moti
                  twin_open(&brute, mesh, DPT_METHOD_BRUTE, 0, &segment);
     CHECK(opened == 3, "%s: worlds", what);
     uint32_t every = ticks / 4 * (1 + info.triangles / 10000);
+    every = every < 20000 ? every : 20000;
     for (uint32_t tick = 0; opened == 3 && tick < ticks; tick++) {
         if (motion == MOVED) {
             dpt_pose pose = body_pose(tick, tool.size);

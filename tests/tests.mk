@@ -14,7 +14,8 @@ $(B)/tests/test_organs: | $(B)/dynpoint
 check: ## all tests; DEPS=no installs nothing, STRICT=1 lets skips fail
 	@sh tests/run.sh
 
-soak: all $(B)/tests/test_organs ## every tick of every mesh and motion of DPT_DATA against brute force
+soak: all $(B)/tests/test_organs $(B)/tests/test_certificate ## 10^8 ticks against the tree; all of DPT_DATA against brute force
+	@$(B)/tests/test_certificate 840000
 	@$(B)/tests/test_organs soak
 
 bench: all $(B)/tests/bench/dump_mesh ## time against peers, those whose packages are here
