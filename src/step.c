@@ -2,93 +2,85 @@
 /*
  * One tick:
  *
- *     for each tool, for each of its segments
+ *     for each segment of each tool
  *         track      the nearest pair over all bodies
  *         contact    its side, gap and direction
  *         respond    the penalty force
- *
- * The body that was nearest last tick is asked first: what it answers bounds the search of the others.
+ *     for each tool
+ *         the sum of its segments
  */
+#include "bodies.h"
 #include "check.h"
 #include "paper.h"
 #include "respond.h"
 #include "world.h"
 
-/* The best answer over all bodies. */
-struct found {
-    const struct body *body;
-    struct axis axis;
-    struct nearest nearest;
-    uint32_t work;
-};
-
-static void ask_body(struct dpt_world *world, uint32_t segment, uint32_t index, vec3 a, vec3 b,
-                     struct found *best)
-{
-    const struct body *body = &world->bodies[index];
-    struct axis axis;
-    struct nearest nearest;
-    uint32_t *last = world_last(world, segment, index);
-    double limit2 = best->body ? best->nearest.pair.distance2 : HUGE_VAL;
-    axis_of(&body->tree, &body->frame, a, b, &axis);
-    const struct keeper keeper = { &world->certificate, world_owner(world, segment, index) };
-    track_next(&body->tree, &world->kernel, world->def.method == DPT_METHOD_EXACT ? &keeper : NULL,
-               world->def.method, &axis, *last, limit2, &nearest);
-    best->work += nearest.work;
-    if (nearest.triangle == DPT_NONE || nearest.pair.distance2 >= limit2)
-        return;
-    *last = nearest.triangle;
-    best->body = body;
-    best->axis = axis;
-    best->nearest = nearest;
-}
-
-static void track(struct dpt_world *world, uint32_t segment, vec3 a, vec3 b, struct found *best)
-{
-    uint32_t first = world->segments[segment].last_body;
-    *best = (struct found){ .body = NULL };
-    if (first != DPT_NONE)
-        ask_body(world, segment, first, a, b, best);
-    for (uint32_t i = 0; i < world->body_end; i++)
-        if (i != first && world->bodies[i].slot.used)
-            ask_body(world, segment, i, a, b, best);
-}
-
-/* The exact methods: returns what the segment pushes with. */
+/* The exact methods: returns what the segment pushes with. Where nothing is proven, with nothing. */
 static struct push exact_segment(struct dpt_world *world, uint32_t index, vec3 a, vec3 b,
                                  dpt_hit *hit, const struct body **body, vec3 *at)
 {
-    struct push push = { { 0.0, 0.0, 0.0 }, 0.0 };
+    const struct push none = { { 0.0, 0.0, 0.0 }, 0.0 };
     struct segment *segment = &world->segments[index];
     struct found best;
-    track(world, index, a, b, &best);
+    bodies_find(world, index, a, b, &best);
     *body = best.body;
     if (!best.body)
-        return push;
+        return none;
     segment->last_body = handle_index(best.body->id);
-    track_hit(&best.body->tree, &best.axis, &best.body->frame, &best.nearest, hit);
-    hit->body = best.body->id;
-    hit->work = best.work;
+    bodies_hit(&best, hit);
     *at = vec3_of(hit->p);
-    if (world->def.until != DPT_UNTIL_TRACK)
-        push = contact_of(&best.body->tree, &best.axis, &best.nearest, segment->radius, hit);
-    return push;
+    if (world->def.until == DPT_UNTIL_TRACK || !best.exact)
+        return none;
+    return contact_of(&best.body->tree, &best.track.axis, &best.track.nearest, segment->radius,
+                      hit);
 }
 
-/* Adds the segment's part to the tool's wrench. */
-static void step_segment(struct dpt_world *world, struct tool *tool, uint32_t index, vec3 origin)
+static int is_active(const struct dpt_world *world, const struct tool *tool)
 {
-    struct segment *segment = &world->segments[tool->first + index];
+    return tool->slot.used && tool->valid && !world->invalid;
+}
+
+/* What the torque is about. */
+static vec3 origin_of(const struct dpt_world *world, const struct tool *tool)
+{
+    return tool->free ? world->segments[tool->first].a : tool->frame.origin;
+}
+
+static void step_segment(struct dpt_world *world, uint32_t index)
+{
+    struct segment *segment = &world->segments[index];
+    const struct tool *tool = &world->tools[segment->tool];
+    if (!is_active(world, tool))
+        return;
     vec3 a = frame_to_world(&tool->frame, segment->a);
     vec3 b = frame_to_world(&tool->frame, segment->b);
     const struct body *body;
     vec3 at;
-    struct push push =
-        world->def.method == DPT_METHOD_PAPER
-            ? paper_segment(world, tool->first + index, a, b, &segment->hit, &body, &at)
-            : exact_segment(world, tool->first + index, a, b, &segment->hit, &body, &at);
+    struct push push = world->def.method == DPT_METHOD_PAPER
+                           ? paper_segment(world, index, a, b, &segment->hit, &body, &at)
+                           : exact_segment(world, index, a, b, &segment->hit, &body, &at);
     if (push.depth > 0.0 && world->def.until == DPT_UNTIL_RESPOND)
-        respond_penalty(&push, &body->frame, world->def.stiffness, at, origin, &tool->wrench);
+        respond_penalty(&push, &body->frame, world->def.stiffness, at, origin_of(world, tool),
+                        &segment->wrench);
+}
+
+/*
+ * All segments share the budget. The first that it does not reach, or not to the end, begins the next
+ * tick, so that each has its turn.
+ */
+static void step_segments(struct dpt_world *world)
+{
+    uint32_t count = world->segment_count, first = world->turn < count ? world->turn : 0;
+    int waits = 0;
+    world->left = world->def.budget;
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t index = first + i < count ? first + i : first + i - count;
+        step_segment(world, index);
+        if (!waits && world->segments[index].hit.status == DPT_STATUS_BOUNDED) {
+            world->turn = index;
+            waits = 1;
+        }
+    }
 }
 
 static double surface_distance(const struct segment *segment)
@@ -96,16 +88,18 @@ static double surface_distance(const struct segment *segment)
     return segment->hit.distance - segment->radius;
 }
 
-static void step_tool(struct dpt_world *world, struct tool *tool)
+static void sum_up(struct dpt_world *world, struct tool *tool)
 {
-    tool_clear(world, tool);
-    struct segment *segments = &world->segments[tool->first];
-    vec3 origin = tool->free ? segments[0].a : tool->frame.origin;
+    const struct segment *segments = &world->segments[tool->first];
+    vec3 force = { 0.0, 0.0, 0.0 }, torque = force;
     for (uint32_t i = 0; i < tool->count; i++) {
-        step_segment(world, tool, i, origin);
+        force = add(force, vec3_of(segments[i].wrench.force));
+        torque = add(torque, vec3_of(segments[i].wrench.torque));
         if (surface_distance(&segments[i]) < surface_distance(&segments[tool->nearest]))
             tool->nearest = i;
     }
+    vec3_store(force, tool->wrench.force);
+    vec3_store(torque, tool->wrench.torque);
 }
 
 /* How grave a contact is: penetrating before touching before unknown before separated. */
@@ -151,15 +145,6 @@ static void report(const struct dpt_world *world, dpt_step *out)
     }
 }
 
-/* Every body's pose is known. */
-static int bodies_are_valid(const struct dpt_world *world)
-{
-    for (uint32_t i = 0; i < world->body_end; i++)
-        if (world->bodies[i].slot.used && !world->bodies[i].valid)
-            return 0;
-    return 1;
-}
-
 dpt_result dpt_world_step(dpt_world *world, double dt, dpt_step *out)
 {
     if (!world)
@@ -169,16 +154,14 @@ dpt_result dpt_world_step(dpt_world *world, double dt, dpt_step *out)
         result = DPT_E_ARGUMENT;
     else if (out && out->size < sizeof *out)
         result = DPT_E_SIZE;
-    int valid = result == DPT_OK && bodies_are_valid(world);
-    for (uint32_t t = 0; t < world->tool_end; t++) {
-        struct tool *tool = &world->tools[t];
-        if (!tool->slot.used)
-            continue;
-        if (valid && tool->valid)
-            step_tool(world, tool);
-        else
-            tool_clear(world, tool);
-    }
+    for (uint32_t t = 0; t < world->tool_end; t++)
+        if (world->tools[t].slot.used)
+            tool_clear(world, &world->tools[t]);
+    if (result == DPT_OK)
+        step_segments(world);
+    for (uint32_t t = 0; t < world->tool_end; t++)
+        if (world->tools[t].slot.used && result == DPT_OK && !world->invalid)
+            sum_up(world, &world->tools[t]);
     if (out && result != DPT_E_SIZE)
         report(world, out);
     return result;

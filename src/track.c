@@ -52,17 +52,19 @@ static int try_neighbour(const struct tree *tree, const struct axis *axis, uint3
  * The dynamic point moves: over the edge, or around the vertex, on which the nearest point of its triangle
  * lies, to a triangle that is nearer; until there is none.
  */
-static void slide(const struct tree *tree, const struct axis *axis, struct nearest *nearest)
+static void slide_over(const struct tree *tree, const struct axis *axis, struct nearest *nearest)
 {
     const uint32_t *neighbours = mesh_words(tree->mesh, MESH_NEIGHBOURS);
     const uint32_t *fan_first = mesh_words(tree->mesh, MESH_FAN_FIRST);
     const uint32_t *fans = mesh_words(tree->mesh, MESH_FANS);
     int moved = 1;
-    while (moved && nearest->pair.distance2 > 0.0) {
+    while (moved && nearest->pair.distance2 > 0.0 &&
+           (!nearest->most || nearest->work < nearest->most)) {
         const double *weight = nearest->pair.weight;
         uint32_t here = nearest->triangle;
         int zeros = (weight[0] <= 0.0) + (weight[1] <= 0.0) + (weight[2] <= 0.0);
         moved = 0;
+        nearest->work += zeros > 0;
         if (zeros == 1) {
             uint32_t edge = weight[0] <= 0.0 ? 1 : weight[1] <= 0.0 ? 2 : 0;
             moved = try_neighbour(tree, axis, neighbours[3 * (size_t)here + edge], nearest);
@@ -78,33 +80,47 @@ static void slide(const struct tree *tree, const struct axis *axis, struct neare
     }
 }
 
-void track_next(const struct tree *tree, const struct kernel *kernel, const struct keeper *keeper,
-                uint32_t method, const struct axis *axis, uint32_t last, double limit2,
-                struct nearest *nearest)
+void track_begin(struct track *track, const struct tree *tree, uint32_t last, double limit2,
+                 int slide, uint32_t most)
 {
-    *nearest = (struct nearest){ .pair = { .distance2 = limit2 }, .triangle = DPT_NONE };
-    if (method == DPT_METHOD_BRUTE) {
-        tree_brute(tree, axis->local_a, axis->u, nearest);
+    struct nearest *nearest = &track->nearest;
+    const struct axis *axis = &track->axis;
+    *nearest =
+        (struct nearest){ .pair = { .distance2 = limit2 }, .triangle = DPT_NONE, .most = most };
+    track->last = last;
+    if (last == DPT_NONE && limit2 < HUGE_VAL)
+        return;
+    uint32_t triangle = last == DPT_NONE ? 0 : last;
+    track->old = tree_pair(tree, triangle, axis->local_a, axis->u);
+    if (!(track->old.distance2 < limit2)) {
+        track->last = DPT_NONE;
         return;
     }
-    if (last == DPT_NONE) {
-        tree_search(tree, kernel, keeper, axis->local_a, axis->u, 0.0, nearest);
+    nearest->pair = track->old;
+    nearest->triangle = triangle;
+    if (slide && last != DPT_NONE)
+        slide_over(tree, axis, nearest);
+}
+
+int track_prove(struct track *track, const struct tree *tree, const struct kernel *kernel,
+                const struct keeper *keeper, struct walk *walk)
+{
+    double slack = track->last == DPT_NONE ? 0.0 : TREE_SLACK * track->axis.error;
+    return track->nearest.pair.distance2 == 0.0 ||
+           tree_walk(tree, kernel, keeper, track->axis.local_a, track->axis.u, slack, walk,
+                     &track->nearest);
+}
+
+void track_settle(struct track *track)
+{
+    struct nearest *nearest = &track->nearest;
+    if (track->last == DPT_NONE || nearest->triangle == track->last ||
+        nearest->triangle == DPT_NONE)
         return;
-    }
-    pair old = tree_pair(tree, last, axis->local_a, axis->u);
-    if (old.distance2 < limit2) {
-        nearest->pair = old;
-        nearest->triangle = last;
-        if (keeper)
-            slide(tree, axis, nearest);
-    }
-    if (old.distance2 > 0.0 && nearest->pair.distance2 > 0.0)
-        tree_search(tree, kernel, keeper, axis->local_a, axis->u, TREE_SLACK * axis->error,
-                    nearest);
-    if (old.distance2 < limit2 && nearest->triangle != last &&
-        sqrt(old.distance2) <= sqrt(nearest->pair.distance2) + TREE_HISTORY * axis->error) {
-        nearest->pair = old;
-        nearest->triangle = last;
+    if (sqrt(track->old.distance2) <=
+        sqrt(nearest->pair.distance2) + TREE_HISTORY * track->axis.error) {
+        nearest->pair = track->old;
+        nearest->triangle = track->last;
     }
 }
 

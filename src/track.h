@@ -22,15 +22,28 @@ void axis_of(const struct tree *tree, const struct frame *body, vec3 a, vec3 b, 
 void track_once(const struct tree *tree, const struct kernel *kernel, uint32_t method,
                 const struct axis *axis, uint32_t hint, struct nearest *nearest);
 
+/* With history: one axis and one body, this tick. */
+struct track {
+    struct axis axis;
+    struct nearest nearest;
+    uint32_t last; /* last tick's triangle, a place, while it may be the answer; or DPT_NONE */
+    pair old;      /* the axis and that triangle */
+};
+
 /*
- * With history: the triangle of the last tick stays the answer while it is within TREE_HISTORY of the error
- * bound of the best (brute force alone has no history). Nothing at or beyond `limit2`, a squared distance,
- * need be found: nearest->triangle is DPT_NONE then. With a `keeper` the dynamic point of last tick moves
- * first, and planes that were kept prove or correct it.
+ * The dynamic point of last tick, where it is now; with `slide` it moves to what is nearer around it. Nothing
+ * at or beyond `limit2`, a squared distance, need be found: nearest.triangle is DPT_NONE then. Where there was
+ * no last tick and is no limit, any triangle is a beginning. `axis` is there already; `most` as in nearest.
  */
-void track_next(const struct tree *tree, const struct kernel *kernel, const struct keeper *keeper,
-                uint32_t method, const struct axis *axis, uint32_t last, double limit2,
-                struct nearest *nearest);
+void track_begin(struct track *track, const struct tree *tree, uint32_t last, double limit2,
+                 int slide, uint32_t most);
+
+/* Prove or correct it; 0 if nearest.most ended that, as tree_walk, whose walk and keeper these are. */
+int track_prove(struct track *track, const struct tree *tree, const struct kernel *kernel,
+                const struct keeper *keeper, struct walk *walk);
+
+/* Last tick's triangle stays the answer while it is within TREE_HISTORY of the error bound of the best. */
+void track_settle(struct track *track);
 
 /* Write what is known of the nearest pair; contact, gap and depth stay. */
 void track_hit(const struct tree *tree, const struct axis *axis, const struct frame *body,

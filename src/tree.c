@@ -6,13 +6,6 @@
  */
 #include "tree.h"
 
-/* A node that is being looked into: its children's bounds, and those still to be visited. */
-struct visit {
-    float bound[LANES];
-    uint32_t lanes;
-    uint32_t node;
-};
-
 struct search {
     const struct tree *tree;
     const struct kernel *kernel;
@@ -25,7 +18,7 @@ struct search {
     int has_plane;
     struct front front; /* of the best pair */
     float margin;
-    struct visit level[MESH_LEVELS_MAX + 1];
+    struct walk *walk;
 };
 
 void tree_of_mesh(const struct dpt_mesh *mesh, struct tree *tree)
@@ -220,6 +213,13 @@ static uint32_t look_at_planes(struct search *search, const struct kept *kept, f
     return search->kernel->held(&kept->block->planes, &search->probe, bound);
 }
 
+/* How many blocks may still be looked at. */
+static uint32_t spare(const struct search *search)
+{
+    const struct nearest *nearest = search->nearest;
+    return nearest->most ? nearest->most - nearest->work : UINT32_MAX;
+}
+
 /* New planes where there are none, or for the lanes that they close. Returns those still open. */
 static uint32_t renew(struct search *search, kernel_renew *make, const float *rows,
                       const struct kept *kept, uint32_t lanes, float *bound)
@@ -258,7 +258,7 @@ static uint32_t open_triangles(struct search *search, uint32_t leaf, uint32_t la
     const float *rows = search->tree->leaves + (size_t)leaf * MESH_LEAF_WORDS;
     float low[LANES];
     uint32_t open = lanes;
-    if (search->has_plane) {
+    if (search->has_plane && spare(search) > 1) {
         search->nearest->work++;
         open = search->kernel->common(rows, &search->probe, low);
         if (!open) {
@@ -268,6 +268,7 @@ static uint32_t open_triangles(struct search *search, uint32_t leaf, uint32_t la
         open &= lanes;
     }
     struct kept kept = find(search, leaf);
+    kept.empty |= spare(search) < 2;
     if (!kept.empty) {
         lanes &= look_at_planes(search, &kept, bound);
         for (uint32_t rest = lanes & ~open; rest; rest &= rest - 1) {
@@ -306,10 +307,11 @@ static void look_into_leaf(struct search *search, uint32_t leaf)
 
 static void look_into_boxes(struct search *search, uint32_t level, uint32_t node)
 {
-    struct visit *visit = &search->level[level];
+    struct visit *visit = &search->walk->level[level];
     const struct tree *tree = search->tree;
     const float *rows = tree->level[level] + (size_t)node * MESH_BOX_WORDS;
     struct kept kept = find(search, tree->first[level] + node);
+    kept.empty |= spare(search) < 2;
     visit->node = node;
     visit->lanes = lanes_of(tree->count[level - 1] - node * LANES);
     if (!kept.empty)
@@ -324,8 +326,8 @@ static int meets(const struct nearest *nearest)
     return nearest->pair.distance2 == 0.0 && nearest->triangle != DPT_NONE;
 }
 
-void tree_search(const struct tree *tree, const struct kernel *kernel, const struct keeper *keeper,
-                 vec3 a, vec3 u, double slack, struct nearest *nearest)
+int tree_walk(const struct tree *tree, const struct kernel *kernel, const struct keeper *keeper,
+              vec3 a, vec3 u, double slack, struct walk *walk, struct nearest *nearest)
 {
     struct search search;
     search.tree = tree;
@@ -336,21 +338,66 @@ void tree_search(const struct tree *tree, const struct kernel *kernel, const str
     search.u = u;
     search.slack = slack;
     search.has_frame = 0;
+    search.walk = walk;
     take_axis(&search);
     set_limit(&search);
-    uint32_t level = tree->levels;
-    look_into_boxes(&search, level, 0);
-    while (level <= tree->levels && !meets(nearest)) {
-        struct visit *visit = &search.level[level];
+    uint32_t level = walk->at;
+    if (!level && spare(&search)) {
+        level = tree->levels;
+        look_into_boxes(&search, level, 0);
+    }
+    while (level && level <= tree->levels && !meets(nearest)) {
+        struct visit *visit = &walk->level[level];
         uint32_t lane = visit->lanes ? least_lane(visit->bound, visit->lanes) : LANES;
         if (lane == LANES || visit->bound[lane] > search.probe.limit) {
             level++;
             continue;
         }
+        if (!spare(&search))
+            break;
         visit->lanes &= ~(1u << lane);
         if (level == 1)
             look_into_leaf(&search, visit->node * LANES + lane);
         else
             look_into_boxes(&search, --level, visit->node * LANES + lane);
     }
+    int done = level > tree->levels || meets(nearest);
+    walk->at = done ? 0 : level;
+    return done;
+}
+
+void tree_search(const struct tree *tree, const struct kernel *kernel, const struct keeper *keeper,
+                 vec3 a, vec3 u, double slack, struct nearest *nearest)
+{
+    struct walk walk;
+    walk.at = 0;
+    tree_walk(tree, kernel, keeper, a, u, slack, &walk, nearest);
+}
+
+/* That a margin grows with the ends, and rounding here, is in the factors. */
+void walk_drift(struct walk *walk, const struct tree *tree, double motion)
+{
+    float drop = (float)(motion * tree->mesh->filter_scale * (1.0 + 0x1p-16));
+    for (uint32_t l = walk->at; l && l <= tree->levels; l++) {
+        float *bound = walk->level[l].bound;
+        for (int i = 0; i < LANES; i++)
+            bound[i] = bound[i] - drop - 0x1p-22f * fabsf(bound[i]);
+    }
+}
+
+double walk_ahead(const struct walk *walk, const struct tree *tree, vec3 a, vec3 u)
+{
+    struct search search = { .tree = tree, .a = a, .u = u };
+    take_axis(&search);
+    double least = HUGE_VAL;
+    for (uint32_t l = walk->at; l <= tree->levels; l++) {
+        const struct visit *visit = &walk->level[l];
+        if (!visit->lanes)
+            continue;
+        double ahead = visit->bound[least_lane(visit->bound, visit->lanes)] - search.margin;
+        if (!(ahead > 0.0))
+            return 0.0;
+        least = smaller(least, ahead);
+    }
+    return least / tree->mesh->filter_scale;
 }

@@ -25,6 +25,20 @@ struct nearest {
     pair pair;         /* in the mesh's frame */
     uint32_t triangle; /* place in the mesh, or DPT_NONE */
     uint32_t work;     /* 16-lane blocks */
+    uint32_t most;     /* a walk stops before it costs more; 0: it may cost what it takes */
+};
+
+/* A node that is being looked into: its children's bounds, and those still to be visited. */
+struct visit {
+    float bound[LANES];
+    uint32_t lanes;
+    uint32_t node;
+};
+
+/* Where a search stands: a path of nodes from the root down to `at`. */
+struct walk {
+    struct visit level[MESH_LEVELS_MAX + 1];
+    uint32_t at; /* level; 0: not begun */
 };
 
 void tree_of_mesh(const struct dpt_mesh *mesh, struct tree *tree);
@@ -53,6 +67,19 @@ pair tree_pair(const struct tree *tree, uint32_t triangle, vec3 a, vec3 u);
  */
 void tree_search(const struct tree *tree, const struct kernel *kernel, const struct keeper *keeper,
                  vec3 a, vec3 u, double slack, struct nearest *nearest);
+
+/*
+ * The same in pieces: 1 when it is done, and the walk is not begun again; 0 when nearest->most was reached.
+ * The next call goes on there, at the same place of the axis, or after walk_drift.
+ */
+int tree_walk(const struct tree *tree, const struct kernel *kernel, const struct keeper *keeper,
+              vec3 a, vec3 u, double slack, struct walk *walk, struct nearest *nearest);
+
+/* The ends of the axis, that now is a + s u, moved by at most `motion` since the walk stopped. */
+void walk_drift(struct walk *walk, const struct tree *tree, double motion);
+
+/* A lower bound of the axis' distance to all that a walk that has begun has not yet visited. */
+double walk_ahead(const struct walk *walk, const struct tree *tree, vec3 a, vec3 u);
 
 /* The same over every triangle, in double, without a filter; never stops early. */
 void tree_brute(const struct tree *tree, vec3 a, vec3 u, struct nearest *nearest);

@@ -2,14 +2,24 @@
 /* Life of worlds, bodies and tools; the tick is in step.c. */
 #include "world.h"
 
+#include "bodies.h"
 #include "check.h"
 
 /* The sums that dpt_world_bytes documents; a struct that outgrows its share fails to compile. */
-enum { BYTES_WORLD = 256, BYTES_BODY = 384, BYTES_TOOL = 192, BYTES_SEGMENT = 256 };
+enum {
+    BYTES_WORLD = 320,
+    BYTES_BODY = 384, /* with its box */
+    BYTES_TOOL = 192,
+    BYTES_SEGMENT = 384,
+    BYTES_PAUSE = 704,
+    BYTES_PROOF = 64
+};
 typedef char world_fits[sizeof(struct dpt_world) <= BYTES_WORLD ? 1 : -1];
-typedef char body_fits[sizeof(struct body) <= BYTES_BODY ? 1 : -1];
+typedef char body_fits[sizeof(struct body) + sizeof(struct box) <= BYTES_BODY ? 1 : -1];
 typedef char tool_fits[sizeof(struct tool) <= BYTES_TOOL ? 1 : -1];
 typedef char segment_fits[sizeof(struct segment) <= BYTES_SEGMENT ? 1 : -1];
+typedef char pause_fits[sizeof(struct pause) <= BYTES_PAUSE ? 1 : -1];
+typedef char proof_fits[sizeof(struct proof) <= BYTES_PROOF ? 1 : -1];
 
 /* The size that the first release gave its def, and one that none will ever reach. */
 enum { DEF_SIZE_FIRST = 48, DEF_SIZE_MOST = 4096 };
@@ -66,13 +76,29 @@ static int def_is_valid(const dpt_world_def *def)
            count_is_valid(def->max_segments) && def->method <= DPT_METHOD_PAPER &&
            def->until <= DPT_UNTIL_CONTACT && def->parts >= 1 &&
            def->parts <= (def->method == DPT_METHOD_PAPER ? 64u : 1u) && def->one_step <= 1 &&
-           def->reserved == 0 && def->stiffness >= 0.0 && within(def->stiffness, 1e9) &&
-           def->certificate_bytes <= CERTIFICATE_BYTES_MOST;
+           (def->budget == 0 || def->method == DPT_METHOD_EXACT) && def->stiffness >= 0.0 &&
+           within(def->stiffness, 1e9) && def->certificate_bytes <= CERTIFICATE_BYTES_MOST;
+}
+
+/* What there is of each segment and body. */
+static uint64_t bonds(const dpt_world_def *def)
+{
+    return (uint64_t)def->max_segments * def->max_bodies;
 }
 
 static uint64_t bytes_last(const dpt_world_def *def)
 {
-    return mesh_aligned(4 * (uint64_t)def->max_segments * def->max_bodies * def->parts);
+    return mesh_aligned(4 * bonds(def) * def->parts);
+}
+
+static uint64_t bytes_near(const dpt_world_def *def)
+{
+    return mesh_aligned(4 * bonds(def));
+}
+
+static uint64_t bytes_budget(const dpt_world_def *def)
+{
+    return def->budget ? BYTES_PAUSE * (uint64_t)def->max_segments + BYTES_PROOF * bonds(def) : 0;
 }
 
 /* Whole blocks only; what is left over of the bytes is left over. */
@@ -87,8 +113,8 @@ static size_t bytes_of(const dpt_world_def *def)
         return 0;
     uint64_t bytes = BYTES_WORLD + BYTES_BODY * (uint64_t)def->max_bodies +
                      BYTES_TOOL * (uint64_t)def->max_tools +
-                     BYTES_SEGMENT * (uint64_t)def->max_segments + bytes_last(def) +
-                     mesh_aligned(def->certificate_bytes);
+                     BYTES_SEGMENT * (uint64_t)def->max_segments + bytes_budget(def) +
+                     bytes_last(def) + bytes_near(def) + mesh_aligned(def->certificate_bytes);
     return bytes <= SIZE_MAX ? (size_t)bytes : 0;
 }
 
@@ -120,13 +146,19 @@ dpt_result dpt_world_create(void *block, size_t bytes, const dpt_world_def *give
     if (!kernel_get(def.kernel, &made->kernel, &made->kernel_id))
         return DPT_E_UNSUPPORTED;
     made->bodies = (void *)at;
+    made->boxes = (void *)(made->bodies + def.max_bodies);
     at += BYTES_BODY * (size_t)def.max_bodies;
     made->tools = (void *)at;
     at += BYTES_TOOL * (size_t)def.max_tools;
     made->segments = (void *)at;
     at += BYTES_SEGMENT * (size_t)def.max_segments;
+    made->pauses = (void *)at;
+    made->proofs = (void *)(at + BYTES_PAUSE * (size_t)def.max_segments);
+    at += bytes_budget(&def);
     made->last = (void *)at;
     at += bytes_last(&def);
+    made->near = (void *)at;
+    at += bytes_near(&def);
     made->certificate.blocks = (void *)at;
     made->certificate.count = (uint32_t)certificate_blocks(&def);
     *world = made;
@@ -156,19 +188,38 @@ static void forget_planes(struct dpt_world *world, uint32_t first, uint32_t end,
     }
 }
 
+/* What a budget left undone, and what is proven, of a segment and, unless it is DPT_NONE, one body alone. */
+static void forget_proofs(struct dpt_world *world, uint32_t segment, uint32_t body)
+{
+    if (!world->def.budget)
+        return;
+    struct pause *pause = &world->pauses[segment];
+    struct proof *proof = world_proof(world, segment, body == DPT_NONE ? 0 : body);
+    memset(proof, 0, (body == DPT_NONE ? world->def.max_bodies : 1) * sizeof *proof);
+    if (body == DPT_NONE || pause->body == body)
+        pause->walk.at = 0;
+    if (body == DPT_NONE)
+        pause->next = DPT_NONE;
+}
+
 static void forget_segment(struct dpt_world *world, uint32_t segment)
 {
     struct segment *s = &world->segments[segment];
     memset(world_last(world, segment, 0), 0xff, world_lasts(world) * sizeof *world->last);
+    memset(&s->near, 0, sizeof s->near);
     s->last_body = DPT_NONE;
+    forget_proofs(world, segment, DPT_NONE);
 }
 
 void tool_clear(struct dpt_world *world, struct tool *tool)
 {
-    for (uint32_t i = 0; i < tool->count; i++)
-        world->segments[tool->first + i].hit = (dpt_hit){
+    for (uint32_t i = 0; i < tool->count; i++) {
+        struct segment *segment = &world->segments[tool->first + i];
+        segment->hit = (dpt_hit){
             .size = sizeof(dpt_hit), .status = DPT_STATUS_STALE, .triangle = DPT_NONE, .segment = i
         };
+        memset(&segment->wrench, 0, sizeof segment->wrench);
+    }
     memset(&tool->wrench, 0, sizeof tool->wrench);
     tool->nearest = 0;
 }
@@ -188,6 +239,7 @@ dpt_result dpt_world_reset(dpt_world *world)
         if (world->tools[t].slot.used)
             forget_tool(world, &world->tools[t]);
     forget_planes(world, 0, world->segment_count, DPT_NONE);
+    world->turn = 0;
     return DPT_OK;
 }
 
@@ -223,9 +275,12 @@ dpt_result dpt_body_add(dpt_world *world, const dpt_mesh *mesh, const dpt_pose *
     made->frame = frame;
     made->valid = 1;
     tree_of_mesh(mesh, &made->tree);
-    for (uint32_t s = 0; s < world->segment_count; s++)
+    for (uint32_t s = 0; s < world->segment_count; s++) {
         memset(world_last(world, s, index), 0xff, world->def.parts * sizeof *world->last);
+        forget_proofs(world, s, index);
+    }
     forget_planes(world, 0, world->segment_count, index);
+    bodies_place(world, index);
     *body = made->id;
     return DPT_OK;
 }
@@ -236,6 +291,7 @@ dpt_result dpt_body_remove(dpt_world *world, dpt_body body)
     if (!old)
         return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
     slot_release(&old->slot);
+    world->invalid -= !old->valid;
     for (uint32_t s = 0; s < world->segment_count; s++)
         if (world->segments[s].last_body == handle_index(body))
             world->segments[s].last_body = DPT_NONE;
@@ -248,7 +304,11 @@ dpt_result dpt_body_set_pose(dpt_world *world, dpt_body body, const dpt_pose *po
     if (!moved)
         return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
     dpt_result result = pose ? frame_of_pose(pose, &moved->frame) : DPT_E_ARGUMENT;
+    world->invalid -= !moved->valid;
     moved->valid = result == DPT_OK;
+    world->invalid += !moved->valid;
+    if (moved->valid)
+        bodies_place(world, handle_index(body));
     return result;
 }
 
@@ -275,11 +335,13 @@ static dpt_result check_segments(const dpt_segment *segments, uint32_t count)
 static void put_segments(struct dpt_world *world, const struct tool *tool,
                          const dpt_segment *segments)
 {
+    uint32_t index = (uint32_t)(tool - world->tools);
     for (uint32_t i = 0; i < tool->count; i++) {
         struct segment *to = &world->segments[tool->first + i];
         to->a = vec3_of(segments[i].a);
         to->b = vec3_of(segments[i].b);
         to->radius = segments[i].radius;
+        to->tool = index;
     }
 }
 
@@ -320,11 +382,19 @@ dpt_result dpt_tool_remove(dpt_world *world, dpt_tool tool)
         return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
     uint32_t behind = old->first + old->count;
     forget_planes(world, old->first, world->segment_count, DPT_NONE);
-    size_t moved = world->segment_count - behind;
+    size_t moved = world->segment_count - behind, bodies = world->def.max_bodies;
     memmove(&world->segments[old->first], &world->segments[behind],
             moved * sizeof *world->segments);
     memmove(world_last(world, old->first, 0), world_last(world, behind, 0),
             moved * world_lasts(world) * sizeof *world->last);
+    memmove(world_near(world, old->first), world_near(world, behind),
+            moved * bodies * sizeof *world->near);
+    if (world->def.budget) {
+        memmove(&world->pauses[old->first], &world->pauses[behind], moved * sizeof *world->pauses);
+        memmove(world_proof(world, old->first, 0), world_proof(world, behind, 0),
+                moved * bodies * sizeof *world->proofs);
+    }
+    world->turn = 0;
     for (uint32_t t = 0; t < world->tool_end; t++)
         if (world->tools[t].slot.used && world->tools[t].first >= behind)
             world->tools[t].first -= old->count;

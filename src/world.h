@@ -5,6 +5,7 @@
 
 #include "dynpoint/world.h"
 #include "handle.h"
+#include "near.h"
 #include "pose.h"
 #include "tree.h"
 
@@ -31,7 +32,25 @@ struct segment {
     vec3 a, b; /* in the tool's frame */
     double radius;
     dpt_hit hit;
+    dpt_wrench wrench;
+    struct near near;
     uint32_t last_body; /* slot of the body that was nearest, or DPT_NONE */
+    uint32_t tool;      /* slot of its tool */
+};
+
+/* With a budget: what is proven of a segment and a body. */
+struct proof {
+    vec3 a, b;    /* the axis, in the body's frame, when this was last brought up to date */
+    double floor; /* nothing of the body was nearer to it than that */
+};
+
+/* With a budget: a segment's search that it stopped. */
+struct pause {
+    struct walk walk;
+    double floor;   /* nothing that was visited is nearer */
+    uint32_t body;  /* slot that it searches */
+    uint32_t moved; /* the axis is not where it was when the search began */
+    uint32_t next;  /* slot of the body to go on with, or DPT_NONE */
     uint32_t reserved;
 };
 
@@ -42,11 +61,18 @@ struct dpt_world {
     uint32_t body_end; /* slots from here on were never used */
     uint32_t tool_end;
     uint32_t segment_count;
+    uint32_t invalid; /* bodies without a valid pose */
+    uint32_t left;    /* of this tick's budget */
+    uint32_t turn;    /* the segment that the next tick begins with */
     struct body *bodies;
+    struct box *boxes; /* of the bodies, in the world */
     struct tool *tools;
     struct segment *segments;
     struct certificate certificate;
     uint32_t *last; /* per segment, body slot and part: the place of the last answer, or DPT_NONE */
+    uint32_t *near; /* per segment: the slots of the bodies on its list */
+    struct pause *pauses; /* per segment; only with a budget, as the proofs */
+    struct proof *proofs; /* per segment and body slot */
 };
 
 /* How many places are kept of one segment. */
@@ -59,6 +85,18 @@ static inline size_t world_lasts(const struct dpt_world *world)
 static inline uint32_t *world_last(const struct dpt_world *world, uint32_t segment, uint32_t body)
 {
     return world->last + world_lasts(world) * segment + (size_t)body * world->def.parts;
+}
+
+/* The list of a segment, of at most max_bodies slots. */
+static inline uint32_t *world_near(const struct dpt_world *world, uint32_t segment)
+{
+    return world->near + (size_t)world->def.max_bodies * segment;
+}
+
+static inline struct proof *world_proof(const struct dpt_world *world, uint32_t segment,
+                                        uint32_t body)
+{
+    return world->proofs + (size_t)world->def.max_bodies * segment + body;
 }
 
 /* By what name the certificate knows a segment and a body; not 0. */

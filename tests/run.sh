@@ -65,12 +65,13 @@ for program in build/tests/test_*; do
     run "$(basename "$program")" "$program"
 done
 for config in scalar sanitize; do
-    for name in read compile mesh kernel query world paper shape; do
+    for name in read compile mesh kernel query world paper shape budget near; do
         program=build/$config/tests/test_$name
         [ -x "$program" ] && run "test_$name, $config" "$program"
     done
     run "test_pair, $config" build/$config/tests/test_pair 100000
 done
+run "test_silent, scalar" build/scalar/tests/test_silent
 run "the program" sh tests/test_cli.sh build
 run "the program, sanitize" sh tests/test_cli.sh build/sanitize
 run "the libraries" sh tests/abi/check.sh build

@@ -534,6 +534,23 @@ for path in sys.argv[2:]:
 ' "$@" 2>python.log
 }
 
+# histograms_hold FILE: of a replay's summary; they count each tick once, its median and largest too
+histograms_hold()
+{
+    python3 -c '
+import bisect, json, sys
+found = json.load(open(sys.argv[1]))
+for of in "ns", "work":
+    edges, counts = found[of + "_histogram"]["edges"], found[of + "_histogram"]["counts"]
+    assert edges == sorted(set(edges)) and len(counts) == len(edges) + 1, of
+    assert sum(counts) == found["ticks"] - 1, "%s: %d counted" % (of, sum(counts))
+    for name, share in ("median", 0.5), ("max", 1.0):
+        place = bisect.bisect_right(edges, found[of][name])
+        below = sum(counts[:place])
+        assert not sum(counts) or below < share * sum(counts) <= below + counts[place], of + name
+' "$@" 2>python.log
+}
+
 json()
 {
     if ! python3 -c 'import json' 2>python.log; then
@@ -558,7 +575,9 @@ json()
             # shellcheck disable=SC2086
             check "replay --json $option: $(tail -n 1 python.log)" has_keys replay.json ticks \
                 exact bounded local stale separated touching penetrating $times first_ns \
-                work.median work.p99 work.max bytes kernel
+                work.median work.p99 work.max bytes kernel ns_histogram work_histogram
+            if histograms_hold replay.json; then ok
+            else bad "replay --json $option: histograms: $(tail -n 1 python.log)"; fi
         done
     done
 }

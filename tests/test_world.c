@@ -43,7 +43,7 @@ static void memory_is_what_it_says(void)
 {
     dpt_world_def def = small_def();
     size_t expected =
-        256 + 384 * 4 + 192 * 3 + 256 * 6 + (4 * 4 * 6 + 63) / 64 * 64 + 1000000 / 64 * 64;
+        320 + 384 * 4 + 192 * 3 + 384 * 6 + 2 * ((4 * 4 * 6 + 63) / 64 * 64) + 1000000 / 64 * 64;
     def.certificate_bytes = 1000000 - 1;
     CHECK(dpt_world_bytes(&def) == expected, "%zu, not %zu", dpt_world_bytes(&def), expected);
     unsigned char *block = malloc(expected + 64);
@@ -79,7 +79,11 @@ static void defs_are_checked(void)
     REFUSED(parts, 2);
     REFUSED(one_step, 2);
     REFUSED(until, 3);
-    REFUSED(reserved, 1);
+    def = good;
+    def.method = DPT_METHOD_TREE;
+    CHECK(dpt_world_bytes(&def) > 0, "tree");
+    def.budget = 1;
+    CHECK(dpt_world_bytes(&def) == 0, "only the exact method has a budget");
     REFUSED(stiffness, -1.0);
     REFUSED(stiffness, NAN);
     REFUSED(stiffness, INFINITY);

@@ -21,6 +21,9 @@ static const char help[] =
     "descent\n"
     "  --parts K            pieces of the tool, each with its own dynamic point (paper); default "
     "1\n"
+    "  --budget N           at most N blocks of work a tick (exact); what is not proven then is "
+    "bounded;\n"
+    "                       default 0: unlimited\n"
     "  --one-step           one move of the descent a tick (paper)\n"
     "  --radius R           of the tool, m; default 0: a line\n"
     "  --stiffness K        of the penalty force, N/m; default 500\n"
@@ -42,7 +45,7 @@ static const char *const kernels[] = { "auto", "scalar", "sse2", "avx2", "avx512
 struct settings {
     dpt_world_def def;
     double radius, dt;
-    uint64_t repeat, every, parts;
+    uint64_t repeat, every, parts, budget;
     int against; /* a method, or -1 */
     int json, one_step;
     const char *mesh, *trace, *out;
@@ -129,6 +132,7 @@ static int compare(const struct settings *settings, const dpt_mesh *mesh, struct
     def.method = (uint32_t)settings->against;
     def.parts = 1;
     def.one_step = 0;
+    def.budget = 0;
     def.until = DPT_UNTIL_TRACK;
     dpt_segment segment = segment_of(&trace->rows[0], settings->radius);
     double *ns = malloc(trace->count * sizeof *ns);
@@ -226,6 +230,7 @@ static int take_settings(int argc, char **argv, struct settings *settings)
         { .name = "--every", .count = &settings->every },
         { .name = "--json", .flag = &settings->json },
         { .name = "--parts", .count = &settings->parts },
+        { .name = "--budget", .count = &settings->budget },
         { .name = "--one-step", .flag = &settings->one_step },
     };
     int status = parse_options(argc, argv, options, sizeof options / sizeof *options, help, operand,
@@ -252,7 +257,12 @@ static int take_settings(int argc, char **argv, struct settings *settings)
         return complain("replay", "--parts must be 1 to 64");
     if (settings->def.method != DPT_METHOD_PAPER && (settings->parts > 1 || settings->one_step))
         return complain("replay", "--parts and --one-step are for --method paper");
+    if (settings->def.method != DPT_METHOD_EXACT && settings->budget)
+        return complain("replay", "--budget is for --method exact");
+    if (settings->budget > UINT32_MAX)
+        return complain("replay", "--budget must be 0 to %u", (unsigned)UINT32_MAX);
     settings->def.parts = (uint32_t)settings->parts;
+    settings->def.budget = (uint32_t)settings->budget;
     settings->def.one_step = (uint32_t)settings->one_step;
     if (!(settings->radius >= 0.0 && settings->radius <= DPT_COORDINATE_MAX))
         return complain("replay", "--radius must be 0 or more");

@@ -113,6 +113,50 @@ static void json_times(FILE *file, const char *name, const double *sorted, size_
             percentile(sorted, count, 0.999), percentile(sorted, count, 1.0));
 }
 
+/* Edges of bins: `steps` to a doubling, rounded to whole numbers, each of them once. */
+struct bins {
+    const char *name;
+    double first;
+    int steps, doublings;
+};
+static const struct bins ns_bins = { "ns_histogram", 16.0, 8, 16 };
+static const struct bins work_bins = { "work_histogram", 1.0, 4, 16 };
+
+enum { EDGES_MOST = 8 * 16 + 1 };
+
+static int make_edges(const struct bins *bins, double edges[EDGES_MOST])
+{
+    int count = 0;
+    for (int i = 0; i <= bins->steps * bins->doublings; i++) {
+        double edge = floor(bins->first * pow(2.0, (double)i / bins->steps) + 0.5);
+        if (!count || edge > edges[count - 1])
+            edges[count++] = edge;
+    }
+    return count;
+}
+
+/*
+ * One count more than edges: the first is of all below the first edge, each other one of its edge and
+ * up to the next, so that the counts add up to all values whatever these are.
+ */
+static void json_histogram(FILE *file, const struct bins *bins, const double *sorted, size_t count)
+{
+    double edges[EDGES_MOST];
+    int edge_count = make_edges(bins, edges);
+    fprintf(file, ",\"%s\":{\"edges\":[", bins->name);
+    for (int i = 0; i < edge_count; i++)
+        fprintf(file, i ? ",%.0f" : "%.0f", edges[i]);
+    fputs("],\"counts\":[", file);
+    for (size_t i = 0, from = 0; i <= (size_t)edge_count; i++) {
+        size_t to = from;
+        while (to < count && (i == (size_t)edge_count || sorted[to] < edges[i]))
+            to++;
+        fprintf(file, i ? ",%zu" : "%zu", to - from);
+        from = to;
+    }
+    fputs("]}", file);
+}
+
 void replay_print_json(FILE *file, const struct replayed *replayed)
 {
     struct summary s;
@@ -133,6 +177,8 @@ void replay_print_json(FILE *file, const struct replayed *replayed)
     fprintf(file, ",\"work\":{\"median\":%.0f,\"p99\":%.0f,\"max\":%.0f}",
             percentile(s.work, s.count, 0.5), percentile(s.work, s.count, 0.99),
             percentile(s.work, s.count, 1.0));
+    json_histogram(file, &ns_bins, s.ns, s.count);
+    json_histogram(file, &work_bins, s.work, s.count);
     fprintf(file, ",\"bytes\":%zu,\"mesh_bytes\":%" PRIu64 ",\"kernel\":\"%s\"",
             replayed->world_bytes, replayed->mesh_bytes, dpt_kernel_name(replayed->kernel));
     const struct comparison *against = &replayed->against;

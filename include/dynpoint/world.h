@@ -37,6 +37,12 @@ enum {
 
 /*
  * What a world can hold and how it answers. dpt_world_def_init fills in the defaults, given last.
+ *
+ * A budget bounds the work of a step, in 16-lane blocks, the same count on every machine. Where it ends a
+ * search, the answer is DPT_STATUS_BOUNDED: the best pair so far and a lower bound that is true; contact is
+ * unknown and the force zero. What was proven is kept and the next step goes on from there, so that a tool at
+ * rest has its exact answer after as many steps as the budget goes into the search. Besides, each segment
+ * costs one triangle a step, and each body that may be near one transformation of the segment.
  */
 typedef struct dpt_world_def {
     uint32_t size;         /* sizeof(dpt_world_def), set by dpt_world_def_init */
@@ -48,7 +54,7 @@ typedef struct dpt_world_def {
     uint32_t until;        /* DPT_UNTIL_...; DPT_UNTIL_RESPOND */
     uint32_t parts;        /* pieces of a segment, DPT_METHOD_PAPER only, 1..64; 1 */
     uint32_t one_step;     /* of the paper's descent a tick, not all of it; 0 */
-    uint32_t reserved;     /* 0 */
+    uint32_t budget;       /* of a step, DPT_METHOD_EXACT only, see below; 0: unlimited */
     double stiffness;      /* of the penalty force, N/m, >= 0; 500 */
     /*
      * DPT_METHOD_EXACT's memory of what it proved in earlier ticks, 264 bytes for 16 separating planes; all
@@ -67,9 +73,10 @@ static inline void dpt_world_def_init(dpt_world_def *def)
 
 /*
  * The bytes that a world of this def needs:
- *     256 + 384 max_bodies + 192 max_tools + 256 max_segments + 4 max_segments max_bodies parts
- *         + certificate_bytes,
- * the last two terms rounded up to multiples of 64. 0 for a def that is not valid.
+ *     320 + 384 max_bodies + 192 max_tools + 384 max_segments
+ *         + (budget ? 704 max_segments + 64 max_segments max_bodies : 0)
+ *         + 4 max_segments max_bodies parts + 4 max_segments max_bodies + certificate_bytes,
+ * each of the last three terms rounded up to a multiple of 64. 0 for a def that is not valid.
  */
 DPT_API size_t dpt_world_bytes(const dpt_world_def *def);
 
@@ -119,7 +126,7 @@ typedef struct dpt_step {
     uint32_t status; /* the least DPT_STATUS_... of any tool */
     uint32_t
         contact; /* the gravest DPT_CONTACT_... of any tool: penetrating, touching, unknown, ... */
-    uint32_t work;   /* 16-lane blocks looked at */
+    uint32_t work;   /* 16-lane blocks looked at; at most the budget, if there is one */
     double distance; /* the least of any tool; 0 when no tool has an answer */
 } dpt_step;
 

@@ -49,6 +49,10 @@ objdump -d "$build/libdynpoint.o" | grep -cE '[[:space:]](v?fn?m(add|sub|l[as])|
 [ "$(cat "$scratch/fused")" -eq 0 ]
 verdict $? "no multiply is fused with an add"
 
+objdump -d "$build/libdynpoint.o" | grep -cE '[[:space:]](lock|[lsm]fence|pause|rdtscp?|syscall|sysenter|int)([[:space:]]|$)|xchg.*\(|[[:space:]](ld(a?xr|a?xp|add|set|clr|eor)|stl?x[rp]|cas|swp|svc|wfe)' >"$scratch/locks"
+[ "$(cat "$scratch/locks")" -eq 0 ]
+verdict $? "no lock, no fence, no clock and no system call in the core's code"
+
 for header in include/dynpoint.h include/dynpoint/*.h; do
     name=${header#include/}
     echo "#include \"$name\"" >"$scratch/alone.c"

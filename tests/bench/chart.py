@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """make charts: draw docs/charts/*.svg, and keep their data, from what the bench wrote.
 
-chart.py BENCH_DIR OUT_DIR        reads results.csv and paper.csv; standard library only
+chart.py BENCH_DIR OUT_DIR   reads results.csv, histograms.csv and paper.csv; standard library only
 """
 import csv
 import math
@@ -10,6 +10,7 @@ import shutil
 import sys
 
 WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM = 760, 420, 70, 190, 50, 60
+PANEL, GAP, ZERO = 84, 16, 56  # of histograms: a panel's height, the gap below it, the place of 0
 
 METHODS = {
     ("FCL", "OBBRSS"): ("FCL, OBBRSS, warm", "#b03a2e", "6 4"),
@@ -28,6 +29,12 @@ MESHES = {
     "liver": ("liver, 50,332", "#154360"),
     "torus-5568": ("torus, 5,568", "#7fb3d5"),
     "membrane": ("membrane, 512", "#117864"),
+}
+
+TIMED = {
+    ("exact", "auto"): ("exact", "#154360"),
+    ("tree", "warm"): ("tree", "#a569bd"),
+    ("FCL", "OBBRSS"): ("FCL, OBBRSS, warm", "#b03a2e"),
 }
 
 
@@ -104,6 +111,98 @@ def draw(title, subtitle, x_title, y_title, series, x_axis=Axis):
     return "\n".join(out) + "\n"
 
 
+def read_bins(rows, key):
+    """[from, to, share of the ticks in %] of one histogram, key being mesh, method, kernel, of."""
+    rows = [r for r in rows if (r["mesh"], r["method"], r["kernel"], r["of"]) == key]
+    ticks = sum(int(r["ticks"]) for r in rows)
+    return [(float(r["from"]), float(r["to"] or 2 * float(r["from"])),
+             100 * int(r["ticks"]) / ticks) for r in rows]
+
+
+def quantile(bins, share):
+    """Where that share of the ticks (in %) is reached, evenly within a bin."""
+    for low, high, here in bins:
+        if share <= here:
+            return low + (high - low) * share / here
+        share -= here
+    return bins[-1][1]
+
+
+def draw_histograms(title, subtitle, x_title, series):
+    """One panel below the other, on one logarithmic axis; series: name, colour, bins."""
+    bottom = TOP + len(series) * (PANEL + GAP) - GAP
+    height = bottom + BOTTOM
+    values = [v for s in series for low, high, _ in s["bins"] for v in (low, high) if low > 0]
+    zero = any(low == 0 for s in series for low, _, _ in s["bins"])
+    x = Axis(values, LEFT + (ZERO if zero else 0), WIDTH - RIGHT)
+    least = min(share for s in series for _, _, share in s["bins"])
+    out = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height}" '
+           'font-family="sans-serif" fill="#222">',
+           f'<rect width="{WIDTH}" height="{height}" fill="white"/>',
+           text(LEFT, 22, title, "start", 16, 'font-weight="bold"'),
+           text(LEFT, 40, subtitle, "start", 12)]
+    for number, s in enumerate(series):
+        floor = TOP + number * (PANEL + GAP) + PANEL
+        y = Axis([least / 2, 100], floor, floor - PANEL)
+        y.low = least / 2  # down to half of one tick, not to a mark
+        for mark in [m for m in (0.01, 0.1, 1, 10, 100) if m >= y.low]:
+            out.append(f'<line x1="{LEFT}" x2="{WIDTH - RIGHT}" y1="{y.at(mark):.1f}" '
+                       f'y2="{y.at(mark):.1f}" stroke="#ddd"/>')
+            out.append(text(LEFT - 8, y.at(mark) + 4, f"{mark:g}", "end", 11))
+        for low, high, share in s["bins"]:
+            left, right = (x.at(low), x.at(high)) if low > 0 else (LEFT, LEFT + ZERO / 2)
+            out.append(f'<rect x="{left:.1f}" y="{y.at(share):.1f}" width="{right - left:.1f}" '
+                       f'height="{floor - y.at(share):.1f}" fill="{s["colour"]}" '
+                       'fill-opacity="0.75" stroke="white" stroke-width="0.5"/>')
+        for share in (50, 99):
+            value = quantile(s["bins"], share)
+            at = x.at(value) if value >= x.low else LEFT + ZERO / 4
+            out.append(f'<line x1="{at:.1f}" x2="{at:.1f}" y1="{floor - PANEL}" y2="{floor}" '
+                       'stroke="#222" stroke-dasharray="3 2"/>')
+        for left, right in ((LEFT, LEFT + ZERO / 2), (x.start, WIDTH - RIGHT)):
+            out.append(f'<line x1="{left}" x2="{right}" y1="{floor}" y2="{floor}" stroke="#888"/>')
+        out.append(text(WIDTH - RIGHT + 8, floor - PANEL / 2 + 4, s["name"], "start", 13,
+                        f'fill="{s["colour"]}"'))
+    for mark in x.marks:
+        out.append(f'<line x1="{x.at(mark):.1f}" x2="{x.at(mark):.1f}" y1="{bottom}" '
+                   f'y2="{bottom + 5}" stroke="#888"/>')
+        out.append(text(x.at(mark), bottom + 20, f"{mark:,g}"))
+    if zero:
+        out.append(text(LEFT + ZERO / 4, bottom + 20, "0"))
+    out.append(text((LEFT + WIDTH - RIGHT) / 2, height - 16, x_title))
+    middle = (TOP + bottom) / 2
+    out.append(text(18, middle, "% of the ticks", extra=f'transform="rotate(-90 18 {middle})"'))
+    out.append("</svg>")
+    return "\n".join(out) + "\n"
+
+
+def time_histogram(rows):
+    """How often a tick on the liver took how long."""
+    series = [{"name": name, "colour": colour, "bins":
+               [(low / 1e3, high / 1e3, share) for low, high, share in bins]}
+              for key, (name, colour) in TIMED.items()
+              if (bins := read_bins(rows, ("liver", *key, "ns")))]
+    return draw_histograms("Time of a tick on the liver (50,332 triangles)",
+                           "All ticks, crossing or not; 8 bins a doubling. Dashed: median and 99 %.",
+                           "microseconds a tick", series)
+
+
+def work_histogram(rows):
+    """How often a tick of the exact method looked at how many blocks, a panel a mesh."""
+    series = [{"name": name, "colour": colour, "bins": bins}
+              for mesh, (name, colour) in MESHES.items()
+              if (bins := read_bins(rows, (mesh, "exact", "auto", "work")))]
+    return draw_histograms("Work of a tick: the exact method on five meshes",
+                           "Each number up to 8, then 4 bins a doubling. Dashed: median and 99 %.",
+                           "blocks of 16 boxes or triangles looked at in a tick", series)
+
+
+def is_drawn(row):
+    if row["of"] == "ns":
+        return row["mesh"] == "liver" and (row["method"], row["kernel"]) in TIMED
+    return row["mesh"] in MESHES and row["method"] == "exact"
+
+
 def tick_time(results, paper):
     """Time against triangles, ticks that do not cross, on tori and liver (the paper's Figure 10)."""
     series = []
@@ -177,6 +276,14 @@ def main(bench, folder):
             file.write(chart(results, paper))
     shutil.copyfile(bench + "/results.csv", folder + "/tick-time.csv")
     shutil.copyfile(bench + "/paper.csv", folder + "/parts.csv")
+    rows = [row for row in read(bench + "/histograms.csv") if is_drawn(row)]
+    for name, chart in (("time-histogram", time_histogram), ("work-histogram", work_histogram)):
+        with open(f"{folder}/{name}.svg", "w", encoding="utf-8") as file:
+            file.write(chart(rows))
+    with open(folder + "/histograms.csv", "w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, rows[0].keys(), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
 
 
 if __name__ == "__main__":

@@ -436,6 +436,26 @@ inline void print_times(const char *key, std::vector<double> ns)
                     quantile(ns, 0.5), quantile(ns, 0.99), quantile(ns, 0.999), ns.back());
 }
 
+/* In the bins of `dynpoint replay --json`: 8 to a doubling from 16 ns on, the first of all below. */
+inline void print_histogram(const char *key, const std::vector<double> &ns)
+{
+    std::vector<long> edges, counts(1, 0);
+
+    for (int i = 0; i <= 8 * 16; i++) {
+        edges.push_back(std::lround(16 * std::pow(2.0, i / 8.0)));
+        counts.push_back(0);
+    }
+    for (double t : ns)
+        counts[std::upper_bound(edges.begin(), edges.end(), (long)t) - edges.begin()]++;
+    std::printf(",\"%s\":{\"edges\":[", key);
+    for (size_t i = 0; i < edges.size(); i++)
+        std::printf(i ? ",%ld" : "%ld", edges[i]);
+    std::printf("],\"counts\":[");
+    for (size_t i = 0; i < counts.size(); i++)
+        std::printf(i ? ",%ld" : "%ld", counts[i]);
+    std::printf("]}");
+}
+
 inline void print_count(const char *key, double value)
 {
     if (std::isnan(value))
@@ -459,6 +479,7 @@ inline void print_json(const std::string &name, size_t triangles, const Measured
     print_times("ns", all);
     print_times("ns_crossing", crossing);
     print_times("ns_other", other);
+    print_histogram("ns_histogram", all);
     std::printf(",\"crossing\":%zu,\"build_ns\":%.0f", crossing.size(), measured.build_ns);
     print_count("bv_tests", measured.bv_tests);
     print_count("leaf_tests", measured.leaf_tests);

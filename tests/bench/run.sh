@@ -6,8 +6,9 @@
 # ns, least of three passes a tick, the first tick apart; `differs` is the largest difference from our
 # distances, `wrong` the ticks that differ by more than 1e-9 of the diagonal (of a peer that only says whether
 # it meets: the ticks where it does not say what we do). Our distances are held against brute force on every
-# 100th tick. PEERS names the peers to run ("fcl cgal"), all by default; one that cannot be built or run is
-# named and left out, and is never a failure.
+# 100th tick. BUILD/bench/histograms.csv says how many ticks took `from` up to, not including, `to`: ns, or
+# 16-lane blocks (work). PEERS names the peers to run ("fcl cgal"), all by default; one that cannot be built
+# or run is named and left out, and is never a failure.
 set -u
 build=$1
 shift
@@ -17,6 +18,8 @@ dir=$build/bench
 mkdir -p "$dir"
 csv=$dir/results.csv
 echo "mesh,triangles,method,kernel,ticks,crossing,median,p99,crossing_median,crossing_p99,other_median,other_p99,max,differs,wrong" >"$csv"
+histograms=$dir/histograms.csv
+echo "mesh,method,kernel,of,from,to,ticks" >"$histograms"
 
 number() { sed -n "s/.*\"$2\":\([0-9.e+-]*\).*/\1/p" "$1"; }
 field() { sed -n "s/.*\"$2\":{[^}]*\"$3\":\([0-9.]*\).*/\1/p" "$1"; }
@@ -26,6 +29,17 @@ row() { # method kernel json differs wrong
         "$(field "$3" ns p99)" "$(field "$3" ns_crossing median)" "$(field "$3" ns_crossing p99)" \
         "$(field "$3" ns_other median)" "$(field "$3" ns_other p99)" "$(field "$3" ns max)" "$4" "$5"
     echo "$name,$triangles,$1,$2,$ticks,$crossing,$(field "$3" ns median),$(field "$3" ns p99),$(field "$3" ns_crossing median),$(field "$3" ns_crossing p99),$(field "$3" ns_other median),$(field "$3" ns_other p99),$(field "$3" ns max),$4,$5" >>"$csv"
+}
+
+# Bins that are empty are left out; the one below all edges is from 0, the one above all has no `to`.
+histogram() { # method kernel json; a peer that counts none gives no rows
+    for of in ns work; do
+        sed -n "s/.*\"${of}_histogram\":{\"edges\":\[\([0-9,]*\)\],\"counts\":\[\([0-9,]*\)\]}.*/\1 \2/p" "$3" |
+            awk -v key="$name,$1,$2,$of" '{ edges = split($1, edge, ","); bins = split($2, count, ",")
+                for (i = 1; i <= bins; i++)
+                    if (count[i] > 0)
+                        print key "," (i > 1 ? edge[i - 1] : 0) "," (i <= edges ? edge[i] : "") "," count[i] }'
+    done >>"$histograms"
 }
 
 # Each peer: name, package, source, and what its rows are called.
@@ -126,6 +140,7 @@ for name in $meshes; do
     "$build/dynpoint" replay "$file.dpa" "$file.csv" -o "$file.ours.csv" --until track --repeat 3 \
         --against brute --every 100 --json >"$file.auto.json" || exit 1
     crossing=$(number "$file.auto.json" crossing)
+    histogram exact auto "$file.auto.json"
     echo "$(basename "$name"): $triangles triangles, $ticks ticks, $crossing crossing; ns a tick"
     printf '  %-22s %9s %9s %9s %9s %9s %9s %10s  %-9s %s\n' '' median '99 %' 'crossing' '99 %' 'other' '99 %' max 'differs' wrong
     for kernel in scalar sse2 avx2 avx512 neon; do
@@ -137,6 +152,7 @@ for name in $meshes; do
     if "$build/dynpoint" replay "$file.dpa" "$file.csv" -o "$file.tree.csv" --method tree --until track \
         --repeat 3 --json >"$file.tree.json"; then
         row tree warm "$file.tree.json" $(against "$file.tree.csv" 4)
+        histogram tree warm "$file.tree.json"
     fi
     if "$build/dynpoint" replay "$file.dpa" "$file.csv" -o "$file.paper.csv" --method paper --parts 1 --until track \
         --repeat 3 --json >"$file.paper.json"; then
@@ -150,6 +166,7 @@ for name in $meshes; do
             continue
         fi
         row $called "$file.$peer.json" $(against "$file.$peer.csv" 2)
+        histogram $called "$file.$peer.json"
         [ $peer != libccd ] ||
             echo "    libccd says only whether they meet: $(number "$file.$peer.json" pairs) pairs a tick, $(number "$file.$peer.json" pair_ns) ns a pair"
     done

@@ -22,7 +22,7 @@ Hit = struct("dpt_hit", (c_uint32, "size status contact flags triangle segment b
              (c_double, "distance gap depth s"), (double3, "p q"),
              (c_double, "error_bound lower_bound"))
 WorldDef = struct("dpt_world_def", (c_uint32, "size max_bodies max_tools max_segments method kernel"
-                                    " until parts one_step reserved"), (c_double, "stiffness"),
+                                    " until parts one_step budget"), (c_double, "stiffness"),
                   (c_uint64, "certificate_bytes"))
 Step = struct("dpt_step", (c_uint32, "size status contact work"), (c_double, "distance"))
 Compiled = struct("dpt_compiled", (c_void_p, "bytes"), (c_size_t, "size"))

@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* One axis against all bodies of a world: methods exact, tree and brute. */
+#ifndef DPT_BODIES_H
+#define DPT_BODIES_H
+
+#include "track.h"
+#include "world.h"
+
+/* The best answer over all bodies. */
+struct found {
+    const struct body *body; /* NULL: there is none */
+    struct track track;
+    double lower; /* what is not proven to be as far is no nearer than this */
+    double error; /* the error bound, of all bodies that were asked */
+    uint32_t exact;
+    uint32_t work;
+};
+
+/* `exact`: what is kept helps, only near bodies are asked, and the world's budget ends it. */
+void bodies_find(struct dpt_world *world, uint32_t segment, vec3 a, vec3 b, struct found *best);
+
+/* A body is there, or its pose has changed: its box, and who has it on its list. */
+void bodies_place(struct dpt_world *world, uint32_t index);
+
+/* Write the answer: exact, or bounded with what is proven. best->body is there. */
+void bodies_hit(const struct found *best, dpt_hit *hit);
+
+#endif
