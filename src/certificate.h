@@ -14,6 +14,8 @@
 
 struct block {
     uint64_t key; /* whose it is: owner << 32 | node; 0 is nobody's */
+    uint32_t open;        /* lanes that new planes did not close when they were last made */
+    uint16_t wait, pause; /* visits until one plane for all of it is tried again; the next wait */
     struct planes planes;
 };
 

@@ -1,10 +1,23 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * A ring's triangles go 16 at a time through the filter of the tree (kernel.h), and only what its bounds
+ * leave open is evaluated in double: all that could be as near as the best, so that ties are judged among
+ * the same triangles as without a filter.
+ */
 #include "descent.h"
 
-struct step {
-    struct nearest best;
-    int shared; /* vertices that the best neighbour has in common with the triangle left */
-    uint32_t tried;
+struct descent {
+    const struct tree *tree;
+    const struct kernel *kernel;
+    struct nearest *best;
+    vec3 a, u;
+    const uint32_t *here; /* corners of the triangle that is left */
+    int shared;           /* vertices that the best has in common with it */
+    struct probe probe;
+    float margin;
+    uint32_t count; /* triangles in the block, and their places */
+    uint32_t place[LANES];
+    float rows[MESH_LEAF_WORDS];
 };
 
 static int has_corner(const uint32_t *corners, uint32_t vertex)
@@ -21,48 +34,146 @@ static int shared_corners(const uint32_t *of, int count, const uint32_t *triangl
     return shared;
 }
 
-static void try_neighbour(const struct tree *tree, vec3 a, vec3 u, uint32_t neighbour, int shared,
-                          struct step *step)
+static void put_float(vec3 v, float out[3])
 {
-    pair found = tree_pair(tree, neighbour, a, u);
-    struct nearest *best = &step->best;
-    step->tried++;
+    out[0] = (float)v.x;
+    out[1] = (float)v.y;
+    out[2] = (float)v.z;
+}
+
+/* Two unit vectors that make a right-handed frame with the unit vector x. */
+static void complete_frame(vec3 x, vec3 *y, vec3 *z)
+{
+    double ax = fabs(x.x), ay = fabs(x.y), az = fabs(x.z);
+    vec3 least = { ax <= ay && ax <= az, ay < ax && ay <= az, az < ax && az < ay };
+    *y = cross(least, x);
+    *y = scaled(*y, 1.0 / length(*y));
+    *z = cross(x, *y);
+}
+
+static void take_axis(struct descent *d)
+{
+    const struct dpt_mesh *mesh = d->tree->mesh;
+    double scale = mesh->filter_scale, axis = length(d->u);
+    vec3 a = scaled(sub(d->a, vec3_of(mesh->filter_centre)), scale);
+    vec3 b = along(a, scale, d->u);
+    vec3 x = axis > 0.0 ? scaled(d->u, 1.0 / axis) : (vec3){ 1.0, 0.0, 0.0 }, y, z;
+    complete_frame(x, &y, &z);
+    put_float(a, d->probe.a);
+    put_float(b, d->probe.b);
+    put_float(x, d->probe.x);
+    put_float(y, d->probe.y);
+    put_float(z, d->probe.z);
+    d->probe.length = (float)(axis * scale);
+    d->margin = KERNEL_MARGIN * (1.0f + (float)(length(a) + length(b)));
+}
+
+/* A bound beyond it belongs to a triangle that is farther than the best, not as far. */
+static void set_limit(struct descent *d)
+{
+    double distance = sqrt(d->best->pair.distance2) * d->tree->mesh->filter_scale;
+    d->probe.limit = (float)distance * (1.0f + 0x1p-22f) + d->margin;
+}
+
+static void try_neighbour(struct descent *d, uint32_t neighbour)
+{
+    const struct tree *tree = d->tree;
+    struct nearest *best = d->best;
+    pair found = tree_pair(tree, neighbour, d->a, d->u);
     if (found.distance2 > best->pair.distance2)
         return;
+    int shared = shared_corners(d->here, 3, tree->corners + 3 * (size_t)neighbour);
     if (found.distance2 == best->pair.distance2) {
-        if (shared < step->shared)
+        if (shared < d->shared)
             return;
-        if (shared == step->shared && tree->sources[neighbour] > tree->sources[best->triangle])
+        if (shared == d->shared && tree->sources[neighbour] > tree->sources[best->triangle])
             return;
     }
     best->pair = found;
     best->triangle = neighbour;
-    step->shared = shared;
+    d->shared = shared;
+    set_limit(d);
 }
 
-/* The nearest neighbour, if it is nearer: 1 and `nearest` is there. */
-static int move(const struct tree *tree, vec3 a, vec3 u, struct nearest *nearest)
+/* The lane with the least bound of those in `lanes`; one that is no number comes first. */
+static uint32_t least_lane(const float *bound, uint32_t lanes)
 {
-    const uint32_t *first = mesh_words(tree->mesh, MESH_FAN_FIRST);
-    const uint32_t *fans = mesh_words(tree->mesh, MESH_FANS);
-    const uint32_t *here = tree->corners + 3 * (size_t)nearest->triangle;
-    struct step step = { .best = *nearest, .shared = 4 }; /* to stay wins every tie */
+    uint32_t best = (uint32_t)__builtin_ctz(lanes);
+    for (uint32_t rest = lanes & (lanes - 1); rest; rest &= rest - 1) {
+        uint32_t lane = (uint32_t)__builtin_ctz(rest);
+        if (bound[lane] < bound[best] || bound[lane] != bound[lane])
+            best = lane;
+    }
+    return best;
+}
+
+/* Lanes from `count` on hold what was there before: kernels read them, no one asks for their bounds. */
+static void try_block(struct descent *d)
+{
+    struct planes planes;
+    float bound[LANES];
+    uint32_t lanes = (1u << d->count) - 1;
+    lanes &= d->kernel->triangles(d->rows, &d->probe, &planes, bound);
+    d->best->work++;
+    d->count = 0;
+    while (lanes) {
+        uint32_t lane = least_lane(bound, lanes);
+        lanes &= ~(1u << lane);
+        if (bound[lane] > d->probe.limit)
+            return;
+        try_neighbour(d, d->place[lane]);
+    }
+}
+
+static void put_neighbour(struct descent *d, uint32_t neighbour)
+{
+    const float *leaf = d->tree->leaves + (size_t)(neighbour / LANES) * MESH_LEAF_WORDS;
+    for (uint32_t row = 0; row < MESH_LEAF_WORDS; row += LANES)
+        d->rows[row + d->count] = leaf[row + neighbour % LANES];
+    d->place[d->count++] = neighbour;
+    if (d->count == LANES)
+        try_block(d);
+}
+
+/* To the nearest neighbour, if it is nearer: 1. Nothing is nearer than a triangle that the axis crosses. */
+static int move(struct descent *d)
+{
+    const uint32_t *first = mesh_words(d->tree->mesh, MESH_FAN_FIRST);
+    const uint32_t *fans = mesh_words(d->tree->mesh, MESH_FANS);
+    uint32_t from = d->best->triangle;
+    const uint32_t *here = d->tree->corners + 3 * (size_t)from;
+    if (d->best->pair.distance2 == 0.0)
+        return 0;
+    d->here = here;
+    d->shared = 4; /* to stay wins every tie */
     for (int k = 0; k < 3; k++)
         for (uint32_t i = first[here[k]]; i < first[here[k] + 1]; i++) {
-            const uint32_t *there = tree->corners + 3 * (size_t)fans[i];
-            if (fans[i] == nearest->triangle || shared_corners(here, k, there))
+            const uint32_t *there = d->tree->corners + 3 * (size_t)fans[i];
+            if (fans[i] == from || shared_corners(here, k, there))
                 continue; /* itself, or met in the fan of an earlier corner */
-            try_neighbour(tree, a, u, fans[i], shared_corners(here, 3, there), &step);
+            put_neighbour(d, fans[i]);
         }
-    int moved = step.best.triangle != nearest->triangle;
-    step.best.work += (step.tried + LANES - 1) / LANES;
-    *nearest = step.best;
-    return moved;
+    if (d->count)
+        try_block(d);
+    return d->best->triangle != from;
 }
 
-void descend(const struct tree *tree, vec3 a, vec3 u, int one_step, struct nearest *nearest)
+void descend(const struct tree *tree, const struct kernel *kernel, vec3 a, vec3 u, int one_step,
+             struct nearest *nearest)
 {
     nearest->pair = tree_pair(tree, nearest->triangle, a, u);
-    while (move(tree, a, u, nearest) && !one_step)
+    if (nearest->pair.distance2 == 0.0)
+        return;
+    struct descent d;
+    d.tree = tree;
+    d.kernel = kernel;
+    d.best = nearest;
+    d.a = a;
+    d.u = u;
+    d.count = 0;
+    memset(d.rows, 0, sizeof d.rows);
+    take_axis(&d);
+    set_limit(&d);
+    while (move(&d) && !one_step)
         ;
 }

@@ -22,7 +22,7 @@
  * KERNEL_MARGIN * (1 + |A| + |B|), in the filter's frame. docs/algorithms/tree.md adds up the terms:
  * at most 34 units of 2^-24; 48 are allowed for.
  */
-#define KERNEL_MARGIN (48.0f * 0x1p-24f)
+#define KERNEL_MARGIN (64.0f * 0x1p-24f)
 
 /* 16 planes: all of a lane's vertices have x nx + y ny + z nz >= support. Zeros are no plane at all. */
 struct planes {
@@ -36,29 +36,33 @@ struct probe {
     float limit; /* a bound beyond it decides */
     float x[3], y[3], z[3];
     float length;
-    float normal[3]; /* of the plane through the best pair, for `common` */
+    float normal[3]; /* of the plane through the best pair */
     float height;    /* the larger of normal.a and normal.b */
 };
 
 /*
- *   held       the bounds that 16 planes give now
- *   boxes      block: 6 rows of 16: centre x, y, z, half width x, y, z
- *   triangles  block: 9 rows of 16: corner 0 x, y, z, corner 1 ..., corner 2 ...
- *              Both make 16 new planes, and the bounds that they give.
- *   common     block of triangles: the supports along one normal, the probe's, into `low`
+ *   held_*     the bounds that 16 kept planes give now
+ *   boxes      16 new planes, and the bounds that they give; likewise triangles
+ *   common_*   the supports along one normal, into `low`; open are those that are not above `beyond`
+ *
+ * Blocks of boxes: 6 rows of 16, centre x, y, z, half width x, y, z; of triangles: 9 rows of 16, corner 0 x, y,
+ * z, corner 1 ..., corner 2 ...
  *
  * Returns the lanes that are open: whose bound is not beyond probe->limit.
  */
-typedef uint32_t kernel_held(const struct planes *planes, const struct probe *probe, float *bound);
+typedef uint32_t kernel_held(const float *block, const struct probe *probe,
+                             const struct planes *planes, float *bound);
 typedef uint32_t kernel_renew(const float *block, const struct probe *probe, struct planes *planes,
                               float *bound);
-typedef uint32_t kernel_common(const float *block, const struct probe *probe, float *low);
+typedef uint32_t kernel_common(const float *block, const float normal[3], float beyond, float *low);
 
 struct kernel {
-    kernel_held *held;
+    kernel_held *held_boxes;
+    kernel_held *held_triangles;
     kernel_renew *boxes;
     kernel_renew *triangles;
-    kernel_common *common;
+    kernel_common *common_boxes;
+    kernel_common *common_triangles;
 };
 
 /* The widest kernel that every machine of this kind has. */
@@ -76,9 +80,9 @@ struct kernel {
 int kernel_get(uint32_t id, struct kernel *kernel, uint32_t *chosen);
 
 #define KERNEL_DECLARE(set)                                                                        \
-    kernel_held kernel_##set##_held;                                                               \
+    kernel_held kernel_##set##_held_boxes, kernel_##set##_held_triangles;                          \
     kernel_renew kernel_##set##_boxes, kernel_##set##_triangles;                                   \
-    kernel_common kernel_##set##_common;
+    kernel_common kernel_##set##_common_boxes, kernel_##set##_common_triangles;
 KERNEL_DECLARE(scalar)
 KERNEL_DECLARE(sse2)
 KERNEL_DECLARE(avx2)

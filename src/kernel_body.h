@@ -22,19 +22,72 @@ static const uint32_t lane_bit[LANES] = {
 };
 #define LANE_IF(condition, i) (lane_bit[i] & (0u - (uint32_t)(condition)))
 
-KERNEL_TARGET uint32_t KERNEL(held)(const struct planes *restrict planes,
-                                    const struct probe *restrict probe, float *restrict bound)
+/*
+ * Kept planes, at another pose. The point of the tool nearest to any point v of the piece is at x.(v - a)
+ * along it, clamped to its ends: it lies within the piece's own range from..to, and only there must the
+ * tool be before the plane. A long tool that turns by d swings its ends by half its length times d across
+ * a plane made beside it, but by next to nothing what is near the piece.
+ */
+#define LOCAL_BOUND(from, to)                                                                      \
+    float nx = planes->x[i], ny = planes->y[i], nz = planes->z[i];                                 \
+    float at_a = nx * ax + ny * ay + nz * az;                                                      \
+    float rise = nx * ux + ny * uy + nz * uz;                                                      \
+    float least = CLAMP(from, length) * rise, most = CLAMP(to, length) * rise;                     \
+    float here = planes->support[i] - at_a - AT_LEAST(least, most);
+
+KERNEL_TARGET uint32_t KERNEL(held_boxes)(const float *restrict block,
+                                          const struct probe *restrict probe,
+                                          const struct planes *restrict planes,
+                                          float *restrict bound)
 {
     const float ax = probe->a[0], ay = probe->a[1], az = probe->a[2];
-    const float bx = probe->b[0], by = probe->b[1], bz = probe->b[2];
-    const float limit = probe->limit;
+    const float ux = probe->x[0], uy = probe->x[1], uz = probe->x[2];
+    const float wx = fabsf(ux), wy = fabsf(uy), wz = fabsf(uz);
+    const float length = probe->length, limit = probe->limit;
     uint32_t open = 0;
 
     for (int i = 0; i < LANES; i++) {
-        float nx = planes->x[i], ny = planes->y[i], nz = planes->z[i];
-        float at_a = nx * ax + ny * ay + nz * az;
-        float at_b = nx * bx + ny * by + nz * bz;
-        float here = planes->support[i] - AT_LEAST(at_a, at_b);
+        float dx = block[i] - ax, dy = block[LANES + i] - ay, dz = block[2 * LANES + i] - az;
+        float s = dx * ux + dy * uy + dz * uz;
+        float half = wx * block[3 * LANES + i] + wy * block[4 * LANES + i] +
+                     wz * block[5 * LANES + i];
+        float from = s - half, to = s + half;
+        LOCAL_BOUND(from, to)
+        bound[i] = here;
+        open |= LANE_IF(!(here > limit), i);
+    }
+    return open;
+}
+
+/* Of a triangle also the plane that is turned to be parallel to the axis, with a support of its own. */
+KERNEL_TARGET uint32_t KERNEL(held_triangles)(const float *restrict block,
+                                              const struct probe *restrict probe,
+                                              const struct planes *restrict planes,
+                                              float *restrict bound)
+{
+    const float ax = probe->a[0], ay = probe->a[1], az = probe->a[2];
+    const float ux = probe->x[0], uy = probe->x[1], uz = probe->x[2];
+    const float length = probe->length, limit = probe->limit;
+    const float at_0 = ax * ux + ay * uy + az * uz;
+    uint32_t open = 0;
+
+    for (int i = 0; i < LANES; i++) {
+        float s0 = ux * block[i] + uy * block[LANES + i] + uz * block[2 * LANES + i];
+        float s1 =
+            ux * block[3 * LANES + i] + uy * block[4 * LANES + i] + uz * block[5 * LANES + i];
+        float s2 =
+            ux * block[6 * LANES + i] + uy * block[7 * LANES + i] + uz * block[8 * LANES + i];
+        float from = AT_MOST(AT_MOST(s0, s1), s2) - at_0;
+        float to = AT_LEAST(AT_LEAST(s0, s1), s2) - at_0;
+        LOCAL_BOUND(from, to)
+        float tx = nx - rise * ux, ty = ny - rise * uy, tz = nz - rise * uz;
+        float n0 = tx * block[i] + ty * block[LANES + i] + tz * block[2 * LANES + i];
+        float n1 =
+            tx * block[3 * LANES + i] + ty * block[4 * LANES + i] + tz * block[5 * LANES + i];
+        float n2 =
+            tx * block[6 * LANES + i] + ty * block[7 * LANES + i] + tz * block[8 * LANES + i];
+        float turned = AT_MOST(AT_MOST(n0, n1), n2) - (tx * ax + ty * ay + tz * az);
+        here = AT_LEAST(here, turned);
         bound[i] = here;
         open |= LANE_IF(!(here > limit), i);
     }
@@ -180,11 +233,27 @@ KERNEL_TARGET uint32_t KERNEL(triangles)(const float *restrict block,
     return open;
 }
 
-KERNEL_TARGET uint32_t KERNEL(common)(const float *restrict block,
-                                      const struct probe *restrict probe, float *restrict low)
+KERNEL_TARGET uint32_t KERNEL(common_boxes)(const float *restrict block, const float normal[3],
+                                            float beyond, float *restrict low)
 {
-    const float nx = probe->normal[0], ny = probe->normal[1], nz = probe->normal[2];
-    const float beyond = probe->height + probe->limit;
+    const float nx = normal[0], ny = normal[1], nz = normal[2];
+    const float wx = fabsf(nx), wy = fabsf(ny), wz = fabsf(nz);
+    uint32_t open = 0;
+
+    for (int i = 0; i < LANES; i++) {
+        float here = nx * block[i] + ny * block[LANES + i] + nz * block[2 * LANES + i] -
+                     (wx * block[3 * LANES + i] + wy * block[4 * LANES + i] +
+                      wz * block[5 * LANES + i]);
+        low[i] = here;
+        open |= LANE_IF(!(here > beyond), i);
+    }
+    return open;
+}
+
+KERNEL_TARGET uint32_t KERNEL(common_triangles)(const float *restrict block, const float normal[3],
+                                                float beyond, float *restrict low)
+{
+    const float nx = normal[0], ny = normal[1], nz = normal[2];
     uint32_t open = 0;
 
     for (int i = 0; i < LANES; i++) {

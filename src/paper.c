@@ -21,7 +21,7 @@ static void dynamic_point(const struct dpt_world *world, const struct tree *tree
     if (*last == DPT_NONE)
         tree_search(tree, &world->kernel, NULL, part->local_a, part->u, 0.0, nearest);
     else
-        descend(tree, part->local_a, part->u, world->def.one_step != 0, nearest);
+        descend(tree, &world->kernel, part->local_a, part->u, world->def.one_step != 0, nearest);
     *last = nearest->triangle;
 }
 

@@ -29,6 +29,13 @@ void track_once(const struct tree *tree, const struct kernel *kernel, uint32_t m
 /* At most so many triangles around a vertex are tried: hubs have thousands. */
 enum { SLIDE_FAN = 16 };
 
+/* What is not noted is asked again. */
+static void note_tried(struct nearest *nearest, uint32_t triangle)
+{
+    if (nearest->tried_count < NEAREST_TRIED)
+        nearest->tried[nearest->tried_count++] = triangle;
+}
+
 /* 1 when the triangle is nearer, and taken. */
 static int try_neighbour(const struct tree *tree, const struct axis *axis, uint32_t triangle,
                          struct nearest *nearest)
@@ -38,11 +45,16 @@ static int try_neighbour(const struct tree *tree, const struct axis *axis, uint3
         return 0;
     struct front front =
         tree_front(&nearest->pair, axis->local_a, axis->u, TREE_SLACK * axis->error);
-    if (tree_is_beyond(tree, &front, triangle))
+    if (tree_is_beyond(tree, &front, triangle)) {
+        note_tried(nearest, triangle);
         return 0;
+    }
     pair found = tree_pair(tree, triangle, axis->local_a, axis->u);
-    if (!(found.distance2 < nearest->pair.distance2))
+    if (!(found.distance2 < nearest->pair.distance2)) {
+        note_tried(nearest, triangle);
         return 0;
+    }
+    note_tried(nearest, nearest->triangle);
     nearest->pair = found;
     nearest->triangle = triangle;
     return 1;

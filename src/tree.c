@@ -6,15 +6,22 @@
  */
 #include "tree.h"
 
+/* A node's 16 planes, empty unless they are its own. */
+struct kept {
+    struct block *block; /* NULL: nothing is kept */
+    uint64_t key;
+    int empty;
+};
+
 struct search {
     const struct tree *tree;
     const struct kernel *kernel;
     struct keeper keeper;
     struct nearest *nearest;
-    vec3 a, u;
+    vec3 a, u, x; /* x: unit, along u */
     double slack;
     struct probe probe;
-    int has_frame; /* the probe's, made when first needed */
+    int has_frame; /* the probe's y and z, made when first needed */
     int has_plane;
     struct front front; /* of the best pair */
     float margin;
@@ -73,23 +80,24 @@ int tree_is_beyond(const struct tree *tree, const struct front *front, uint32_t 
 }
 
 /* As near, the lower source number wins: the same answer in whatever order triangles are tried. */
-static int try_triangle(const struct tree *tree, uint32_t triangle, vec3 a, vec3 u,
-                        struct nearest *nearest)
+static int take_pair(const struct tree *tree, uint32_t triangle, const pair *found,
+                     struct nearest *nearest)
 {
-    pair found = tree_pair(tree, triangle, a, u);
-    if (found.distance2 > nearest->pair.distance2 ||
-        (found.distance2 == nearest->pair.distance2 && nearest->triangle != DPT_NONE &&
+    if (found->distance2 > nearest->pair.distance2 ||
+        (found->distance2 == nearest->pair.distance2 && nearest->triangle != DPT_NONE &&
          tree->sources[triangle] >= tree->sources[nearest->triangle]))
         return 0;
-    nearest->pair = found;
+    nearest->pair = *found;
     nearest->triangle = triangle;
     return 1;
 }
 
 void tree_brute(const struct tree *tree, vec3 a, vec3 u, struct nearest *nearest)
 {
-    for (uint32_t t = 0; t < tree->mesh->triangles; t++)
-        try_triangle(tree, t, a, u, nearest);
+    for (uint32_t t = 0; t < tree->mesh->triangles; t++) {
+        pair found = tree_pair(tree, t, a, u);
+        take_pair(tree, t, &found, nearest);
+    }
     nearest->work += tree->mesh->leaves;
 }
 
@@ -118,6 +126,10 @@ static void take_axis(struct search *search)
     vec3 b = along(a, scale, search->u);
     put_float(a, search->probe.a);
     put_float(b, search->probe.b);
+    double axis = length(search->u);
+    search->x = axis > 0.0 ? scaled(search->u, 1.0 / axis) : (vec3){ 1.0, 0.0, 0.0 };
+    put_float(search->x, search->probe.x);
+    search->probe.length = (float)(axis * scale);
     search->margin = KERNEL_MARGIN * (1.0f + (float)(length(a) + length(b)));
 }
 
@@ -125,13 +137,10 @@ static void take_frame(struct search *search)
 {
     if (search->has_frame)
         return;
-    double axis = length(search->u);
-    vec3 x = axis > 0.0 ? scaled(search->u, 1.0 / axis) : (vec3){ 1.0, 0.0, 0.0 }, y, z;
-    complete_frame(x, &y, &z);
-    put_float(x, search->probe.x);
+    vec3 y, z;
+    complete_frame(search->x, &y, &z);
     put_float(y, search->probe.y);
     put_float(z, search->probe.z);
-    search->probe.length = (float)(axis * search->tree->mesh->filter_scale);
     search->has_frame = 1;
 }
 
@@ -190,34 +199,29 @@ static void take_planes(struct planes *planes, const struct planes *made, float 
     }
 }
 
-/* A node's 16 planes, empty unless they are its own. */
-struct kept {
-    struct block *block; /* NULL: nothing is kept */
-    int empty;
-};
-
-static struct kept find(const struct search *search, uint32_t node)
-{
-    struct kept kept = { keeper_block(&search->keeper, node), 1 };
-    uint64_t key = keeper_key(&search->keeper, node);
-    if (kept.block) {
-        kept.empty = kept.block->key != key;
-        kept.block->key = key;
-    }
-    return kept;
-}
-
-static uint32_t look_at_planes(struct search *search, const struct kept *kept, float *bound)
-{
-    search->nearest->work++;
-    return search->kernel->held(&kept->block->planes, &search->probe, bound);
-}
-
 /* How many blocks may still be looked at. */
 static uint32_t spare(const struct search *search)
 {
     const struct nearest *nearest = search->nearest;
     return nearest->most ? nearest->most - nearest->work : UINT32_MAX;
+}
+
+/* With one block left to look at, what is kept is left alone. */
+static struct kept find(const struct search *search, uint32_t node)
+{
+    struct kept kept = { NULL, keeper_key(&search->keeper, node), 1 };
+    if (spare(search) > 1)
+        kept.block = keeper_block(&search->keeper, node);
+    if (kept.block)
+        kept.empty = kept.block->key != kept.key;
+    return kept;
+}
+
+static uint32_t look_at_planes(struct search *search, kernel_held *held, const float *rows,
+                               const struct kept *kept, float *bound)
+{
+    search->nearest->work++;
+    return held(rows, &search->probe, &kept->block->planes, bound);
 }
 
 /* New planes where there are none, or for the lanes that they close. Returns those still open. */
@@ -226,10 +230,14 @@ static uint32_t renew(struct search *search, kernel_renew *make, const float *ro
 {
     struct planes made;
     float made_bound[LANES];
-    take_frame(search);
     search->nearest->work++;
     if (kept->empty) {
         lanes &= make(rows, &search->probe, kept->block ? &kept->block->planes : &made, bound);
+        if (kept->block) {
+            kept->block->key = kept->key;
+            kept->block->wait = 1; /* its parent's planes are as new */
+            kept->block->pause = 0;
+        }
     } else {
         uint32_t open = make(rows, &search->probe, &made, made_bound);
         take_planes(&kept->block->planes, &made, bound, made_bound, lanes & ~open);
@@ -238,48 +246,159 @@ static uint32_t renew(struct search *search, kernel_renew *make, const float *ro
     return lanes;
 }
 
+static float least_of(const float *low)
+{
+    float m[8];
+    for (int i = 0; i < 8; i++)
+        m[i] = low[i] < low[i + 8] ? low[i] : low[i + 8];
+    for (int i = 0; i < 4; i++)
+        m[i] = m[i] < m[i + 4] ? m[i] : m[i + 4];
+    m[0] = m[0] < m[2] ? m[0] : m[2];
+    m[1] = m[1] < m[3] ? m[1] : m[3];
+    return m[0] < m[1] ? m[0] : m[1];
+}
+
+static void put_plane(struct block *block, uint32_t lane, const float normal[3], float support)
+{
+    planes_put(&block->planes, lane, normal, support);
+    block->open &= ~(1u << lane);
+}
+
+/*
+ * One plane for a lane of a node, in the direction that `boxes` takes, but with the support of what lies
+ * below the lane: of its triangles, or of its children's boxes. Such a plane lasts longer than that of a
+ * box. Returns 1 when it closes the lane.
+ */
+static int refine(struct search *search, uint32_t level, uint32_t node, uint32_t lane,
+                  struct block *block)
+{
+    const struct tree *tree = search->tree;
+    const struct probe *p = &search->probe;
+    const float *box = tree->level[level] + (size_t)node * MESH_BOX_WORDS + lane;
+    size_t child = (size_t)node * LANES + lane;
+    float low[LANES], n[3], s = 0.0f, square = 0.0f;
+    for (int k = 0; k < 3; k++)
+        s += (box[k * LANES] - p->a[k]) * p->x[k];
+    s = s > 0.0f ? s : 0.0f;
+    s = s < p->length ? s : p->length;
+    for (int k = 0; k < 3; k++) {
+        n[k] = box[k * LANES] - p->a[k] - s * p->x[k];
+        square += n[k] * n[k];
+    }
+    float unit = 1.0f / sqrtf(square);
+    for (int k = 0; k < 3; k++)
+        n[k] *= unit;
+    search->nearest->work++;
+    if (level == 1)
+        search->kernel->common_triangles(tree->leaves + child * MESH_LEAF_WORDS, n, 0.0f, low);
+    else
+        search->kernel->common_boxes(tree->level[level - 1] + child * MESH_BOX_WORDS, n, 0.0f, low);
+    float support = least_of(low);
+    if (!(support - reach_of(p, n) > p->limit))
+        return 0;
+    put_plane(block, lane, n, support);
+    return 1;
+}
+
+/*
+ * A node or leaf, the child of a lane of a node of this level, was looked into and nothing in it was open: that
+ * lane's plane is lost, or was too weak. Try another; after each failure wait longer.
+ */
+static void close_whole(struct search *search, uint32_t number, uint32_t level, uint32_t child)
+{
+    enum { PAUSE_MOST = 15 };
+    struct block *block = keeper_own(&search->keeper, number);
+    if (!block || !spare(search))
+        return;
+    if (block->wait) {
+        block->wait--;
+        return;
+    }
+    uint32_t node = child / LANES, lane = child % LANES;
+    struct block *parent = keeper_own(&search->keeper, search->tree->first[level] + node);
+    if (!parent || !(parent->open >> lane & 1))
+        return;
+    uint32_t pause = 2u * block->pause + 1;
+    if (refine(search, level, node, lane, parent))
+        pause = 0;
+    block->pause = block->wait = (uint16_t)(pause < PAUSE_MOST ? pause : PAUSE_MOST);
+}
+
 /* The plane through the best pair, for a whole leaf: its parent keeps it. */
 static void close_leaf(const struct search *search, uint32_t leaf, const float *low)
 {
     struct block *parent = keeper_own(&search->keeper, search->tree->first[1] + leaf / LANES);
-    float support = low[0];
-    for (int i = 1; i < LANES; i++)
-        support = low[i] < support ? low[i] : support;
     if (parent)
-        planes_put(&parent->planes, leaf % LANES, search->probe.normal, support);
+        put_plane(parent, leaf % LANES, search->probe.normal, least_of(low));
+}
+
+/* A triangle was evaluated and is farther: the plane across its own connection is the best there is. */
+static void close_triangle(const struct search *search, uint32_t leaf, uint32_t lane,
+                           const pair *found)
+{
+    struct block *block = keeper_own(&search->keeper, leaf);
+    const float *rows = search->tree->leaves + (size_t)leaf * MESH_LEAF_WORDS + lane;
+    float n[3], low = HUGE_VALF;
+    if (!block)
+        return;
+    put_float(scaled(found->gap, -1.0 / sqrt(found->distance2)), n);
+    for (int k = 0; k < 9; k += 3) {
+        float at = n[0] * rows[k * LANES] + n[1] * rows[(k + 1) * LANES] +
+                   n[2] * rows[(k + 2) * LANES];
+        low = at < low ? at : low;
+    }
+    if (low - reach_of(&search->probe, n) > search->probe.limit)
+        put_plane(block, lane, n, low);
 }
 
 /*
- * The triangles of a leaf that may be nearer: those that neither the plane through the best pair nor a
- * plane of their own rules out.
+ * The triangles of a leaf that may be nearer: those that neither their own planes nor the plane through the best
+ * pair rules out. `wanted`: where that plane rules out all of them, the parent is to have it.
  */
-static uint32_t open_triangles(struct search *search, uint32_t leaf, uint32_t lanes, float *bound)
+static uint32_t open_triangles(struct search *search, uint32_t leaf, const struct kept *kept,
+                               uint32_t lanes, int wanted, float *bound)
 {
     const float *rows = search->tree->leaves + (size_t)leaf * MESH_LEAF_WORDS;
+    const struct probe *probe = &search->probe;
     float low[LANES];
-    uint32_t open = lanes;
+    if (!kept->empty) {
+        lanes &= look_at_planes(search, search->kernel->held_triangles, rows, kept, bound);
+        wanted = wanted && !kept->block->wait;
+        if (!lanes && !wanted)
+            return 0;
+    }
     if (search->has_plane && spare(search) > 1) {
         search->nearest->work++;
-        open = search->kernel->common(rows, &search->probe, low);
-        if (!open) {
+        uint32_t open = search->kernel->common_triangles(rows, probe->normal,
+                                                         probe->height + probe->limit, low);
+        if (!open && wanted)
             close_leaf(search, leaf, low);
-            return 0;
-        }
-        open &= lanes;
-    }
-    struct kept kept = find(search, leaf);
-    kept.empty |= spare(search) < 2;
-    if (!kept.empty) {
-        lanes &= look_at_planes(search, &kept, bound);
-        for (uint32_t rest = lanes & ~open; rest; rest &= rest - 1) {
+        for (uint32_t rest = kept->empty ? 0 : lanes & ~open; rest; rest &= rest - 1) {
             uint32_t i = (uint32_t)__builtin_ctz(rest);
-            planes_put(&kept.block->planes, i, search->probe.normal, low[i]);
+            put_plane(kept->block, i, probe->normal, low[i]);
         }
         lanes &= open;
         if (!lanes)
             return 0;
     }
-    return open & renew(search, search->kernel->triangles, rows, &kept, lanes, bound);
+    if (kept->empty || lanes & ~kept->block->open) {
+        take_frame(search);
+        lanes = renew(search, search->kernel->triangles, rows, kept, lanes, bound);
+    }
+    if (kept->block)
+        kept->block->open = lanes;
+    return lanes;
+}
+
+/* Of these triangles, from `first` on, those of which nothing is known. */
+static uint32_t unknown_triangles(const struct nearest *nearest, uint32_t first, uint32_t lanes)
+{
+    if (nearest->triangle - first < LANES)
+        lanes &= ~(1u << (nearest->triangle - first));
+    for (uint32_t i = 0; i < nearest->tried_count; i++)
+        if (nearest->tried[i] - first < LANES)
+            lanes &= ~(1u << (nearest->tried[i] - first));
+    return lanes;
 }
 
 static void look_into_leaf(struct search *search, uint32_t leaf)
@@ -287,11 +406,15 @@ static void look_into_leaf(struct search *search, uint32_t leaf)
     float bound[LANES];
     const struct tree *tree = search->tree;
     uint32_t first = leaf * LANES;
-    uint32_t lanes = lanes_of(tree->mesh->triangles - first);
-    uint32_t known = search->nearest->triangle - first;
-    if (known < LANES)
-        lanes &= ~(1u << known);
-    lanes = open_triangles(search, leaf, lanes, bound);
+    uint32_t all = lanes_of(tree->mesh->triangles - first);
+    uint32_t lanes = unknown_triangles(search->nearest, first, all);
+    struct kept kept = find(search, leaf);
+    int near = lanes != all;
+    lanes = open_triangles(search, leaf, &kept, lanes, !near, bound);
+    if (lanes || near)
+        search->walk->level[1].found = 1;
+    else
+        close_whole(search, leaf, 1, leaf);
     while (lanes) {
         uint32_t lane = least_lane(bound, lanes);
         lanes &= ~(1u << lane);
@@ -300,25 +423,79 @@ static void look_into_leaf(struct search *search, uint32_t leaf)
         if (search->slack > 0.0 && search->has_plane &&
             tree_is_beyond(tree, &search->front, first + lane))
             continue;
-        if (try_triangle(tree, first + lane, search->a, search->u, search->nearest))
+        pair found = tree_pair(tree, first + lane, search->a, search->u);
+        if (take_pair(tree, first + lane, &found, search->nearest))
             set_limit(search);
+        else
+            close_triangle(search, leaf, lane, &found);
     }
 }
 
-static void look_into_boxes(struct search *search, uint32_t level, uint32_t node)
+/* New planes for the lanes that lost theirs: for a few, better ones. Returns all that are still open. */
+static uint32_t close_boxes(struct search *search, uint32_t level, uint32_t node,
+                            const struct kept *kept, uint32_t lanes, float *bound)
+{
+    enum { FEW = 2 };
+    const float *rows = search->tree->level[level] + (size_t)node * MESH_BOX_WORDS;
+    uint32_t lost = kept->empty ? lanes : lanes & ~kept->block->open;
+    if (kept->empty || __builtin_popcount(lost) > FEW)
+        return renew(search, search->kernel->boxes, rows, kept, lanes, bound);
+    for (; lost && spare(search); lost &= lost - 1) {
+        uint32_t lane = (uint32_t)__builtin_ctz(lost);
+        if (refine(search, level, node, lane, kept->block))
+            lanes &= ~(1u << lane);
+    }
+    return lanes;
+}
+
+/* Look at all children but those of the lanes `but`, which are looked into anyway. */
+static void look_into_boxes(struct search *search, uint32_t level, uint32_t node, uint32_t but)
 {
     struct visit *visit = &search->walk->level[level];
     const struct tree *tree = search->tree;
     const float *rows = tree->level[level] + (size_t)node * MESH_BOX_WORDS;
     struct kept kept = find(search, tree->first[level] + node);
-    kept.empty |= spare(search) < 2;
-    visit->node = node;
-    visit->lanes = lanes_of(tree->count[level - 1] - node * LANES);
+    uint32_t lanes = lanes_of(tree->count[level - 1] - node * LANES) & ~but;
     if (!kept.empty)
-        visit->lanes &= look_at_planes(search, &kept, visit->bound);
-    if (kept.empty || visit->lanes)
-        visit->lanes =
-            renew(search, search->kernel->boxes, rows, &kept, visit->lanes, visit->bound);
+        lanes &= look_at_planes(search, search->kernel->held_boxes, rows, &kept, visit->bound);
+    lanes = close_boxes(search, level, node, &kept, lanes, visit->bound);
+    if (kept.block)
+        kept.block->open = lanes | but;
+    visit->node = node;
+    visit->lanes = lanes;
+    visit->found = but != 0;
+}
+
+/* Nothing is left to look into; its parent learns what was found. */
+static void leave_boxes(struct search *search, uint32_t level)
+{
+    const struct visit *visit = &search->walk->level[level];
+    if (level == search->tree->levels)
+        return;
+    if (visit->found)
+        search->walk->level[level + 1].found = 1;
+    else
+        close_whole(search, search->tree->first[level] + visit->node, level + 1, visit->node);
+}
+
+/*
+ * Where the search begins: at the root; or, where the best triangle is that of a known tick, at its leaf, with all
+ * nodes above it already looked at. No plane could close the way to it.
+ */
+static uint32_t begin(struct search *search)
+{
+    uint32_t level = search->tree->levels, known = search->nearest->triangle;
+    if (!search->keeper.certificate || search->slack == 0.0 || known == DPT_NONE ||
+        spare(search) < 4 * (level + 1)) {
+        look_into_boxes(search, level, 0, 0);
+        return level;
+    }
+    for (; level >= 1; level--) {
+        uint32_t child = known >> 4 * level;
+        look_into_boxes(search, level, child / LANES, 1u << child % LANES);
+    }
+    look_into_leaf(search, known / LANES);
+    return 1;
 }
 
 static int meets(const struct nearest *nearest)
@@ -342,15 +519,13 @@ int tree_walk(const struct tree *tree, const struct kernel *kernel, const struct
     take_axis(&search);
     set_limit(&search);
     uint32_t level = walk->at;
-    if (!level && spare(&search)) {
-        level = tree->levels;
-        look_into_boxes(&search, level, 0);
-    }
+    if (!level && spare(&search))
+        level = begin(&search);
     while (level && level <= tree->levels && !meets(nearest)) {
         struct visit *visit = &walk->level[level];
         uint32_t lane = visit->lanes ? least_lane(visit->bound, visit->lanes) : LANES;
         if (lane == LANES || visit->bound[lane] > search.probe.limit) {
-            level++;
+            leave_boxes(&search, level++);
             continue;
         }
         if (!spare(&search))
@@ -359,7 +534,7 @@ int tree_walk(const struct tree *tree, const struct kernel *kernel, const struct
         if (level == 1)
             look_into_leaf(&search, visit->node * LANES + lane);
         else
-            look_into_boxes(&search, --level, visit->node * LANES + lane);
+            look_into_boxes(&search, --level, visit->node * LANES + lane, 0);
     }
     int done = level > tree->levels || meets(nearest);
     walk->at = done ? 0 : level;

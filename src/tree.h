@@ -20,12 +20,16 @@ struct tree {
     uint32_t levels;
 };
 
+#define NEAREST_TRIED 16
+
 /* The best pair so far, and what it cost. */
 struct nearest {
     pair pair;         /* in the mesh's frame */
     uint32_t triangle; /* place in the mesh, or DPT_NONE */
     uint32_t work;     /* 16-lane blocks */
     uint32_t most;     /* a walk stops before it costs more; 0: it may cost what it takes */
+    uint32_t tried_count;
+    uint32_t tried[NEAREST_TRIED]; /* triangles that are no nearer, as is known without a search */
 };
 
 /* A node that is being looked into: its children's bounds, and those still to be visited. */
@@ -33,6 +37,8 @@ struct visit {
     float bound[LANES];
     uint32_t lanes;
     uint32_t node;
+    uint32_t found; /* something below it was open to the end */
+    uint32_t reserved;
 };
 
 /* Where a search stands: a path of nodes from the root down to `at`. */

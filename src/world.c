@@ -11,7 +11,7 @@ enum {
     BYTES_BODY = 384, /* with its box */
     BYTES_TOOL = 192,
     BYTES_SEGMENT = 384,
-    BYTES_PAUSE = 704,
+    BYTES_PAUSE = 768,
     BYTES_PROOF = 64
 };
 typedef char world_fits[sizeof(struct dpt_world) <= BYTES_WORLD ? 1 : -1];

@@ -308,8 +308,9 @@ static void common_supports_are_sound(void)
         if (distance < 1e-3)
             continue;
         put_normal(scaled(truth.gap, -1.0 / distance), &tool.probe);
-        uint32_t open = kernel.common(block, &tool.probe, low);
-        CHECK(open == not_beyond(low, tool.probe.height + tool.probe.limit), "%x", open);
+        const float beyond = tool.probe.height + tool.probe.limit;
+        uint32_t open = kernel.common_triangles(block, tool.probe.normal, beyond, low);
+        CHECK(open == not_beyond(low, beyond), "%x", open);
         for (int lane = 0; lane < LANES; lane++) {
             double there = sqrt(pair_of(&tool, block, lane).distance2);
             double over =
@@ -326,7 +327,7 @@ static void common_supports_are_sound(void)
         tight += fabs((double)low[0] - (double)tool.probe.height - distance) <= margin_of(&tool);
         taken++;
         struct tool other = move_tool(&random, &tool);
-        kernel.held(&planes, &other.probe, bound);
+        kernel.held_triangles(block, &other.probe, &planes, bound);
         moved = larger(check_sound("common, held", &other, block, bound), moved);
     }
     printf("    above the truth by at most %5.3f margins, held %5.3f; equal to it on its own lane "
@@ -336,21 +337,23 @@ static void common_supports_are_sound(void)
 }
 
 /*
- * Planes bound the distance at whatever pose. `content` lies in what `planes` were made of; `made`
- * and `made_open` are the bounds and open lanes that came with them, at the pose of `tool`.
+ * Planes bound the distance at whatever pose. `content` lies in what `planes` were made of, `block`; `made`
+ * are the bounds that came with them, at the pose of `tool`. Held bounds are those, or better.
  */
-static void check_held(const char *what, const struct kernel *kernel, uint64_t *random,
-                       const struct tool *tool, const float *content, const struct planes *planes,
-                       const float *made, uint32_t made_open, double *near_by, double *elsewhere)
+static void check_held(const char *what, kernel_held *held, uint64_t *random,
+                       const struct tool *tool, const float *content, const float *block,
+                       const struct planes *planes, const float *made, double *near_by,
+                       double *elsewhere)
 {
     float bound[LANES];
-    uint32_t open = kernel->held(planes, &tool->probe, bound);
-    CHECK(same_floats(made, bound, LANES), "%s: other bounds at the same pose", what);
-    CHECK(open == made_open, "%s: open %x, were %x", what, open, made_open);
+    uint32_t open = held(block, &tool->probe, planes, bound);
+    for (int lane = 0; lane < LANES; lane++)
+        CHECK(!((double)bound[lane] < (double)made[lane] - 0.25 * margin_of(tool)),
+              "%s: %.9g at the same pose, was %.9g", what, (double)bound[lane], (double)made[lane]);
     for (int k = 0; k < 3; k++) {
         struct tool other = k < 2 ? move_tool(random, tool) : make_tool(random, ORDINARY);
         double *worst = k < 2 ? near_by : elsewhere;
-        open = kernel->held(planes, &other.probe, bound);
+        open = held(block, &other.probe, planes, bound);
         CHECK(open == not_beyond(bound, other.probe.limit), "%s: open %x", what, open);
         *worst = larger(check_sound(what, &other, content, bound), *worst);
     }
@@ -367,12 +370,21 @@ static void held_planes_are_sound_at_other_poses(void)
         make_triangles(&random, i % SHAPES, content);
         make_boxes(content, block);
         struct tool tool = make_tool(&random, i % SHAPES);
-        uint32_t open = kernel.triangles(content, &tool.probe, &planes, bound);
-        check_held("triangles, held", &kernel, &random, &tool, content, &planes, bound, open,
-                   &near_by[0], &elsewhere[0]);
-        open = kernel.boxes(block, &tool.probe, &planes, bound);
-        check_held("boxes, held", &kernel, &random, &tool, content, &planes, bound, open,
-                   &near_by[1], &elsewhere[1]);
+        kernel.triangles(content, &tool.probe, &planes, bound);
+        check_held("triangles, held", kernel.held_triangles, &random, &tool, content, content,
+                   &planes, bound, &near_by[0], &elsewhere[0]);
+        kernel.boxes(block, &tool.probe, &planes, bound);
+        check_held("boxes, held", kernel.held_boxes, &random, &tool, content, block, &planes,
+                   bound, &near_by[1], &elsewhere[1]);
+        kernel.common_boxes(block, tool.probe.normal, 0.0f, planes.support);
+        for (int lane = 0; lane < LANES; lane++) {
+            planes.x[lane] = tool.probe.normal[0];
+            planes.y[lane] = tool.probe.normal[1];
+            planes.z[lane] = tool.probe.normal[2];
+            bound[lane] = planes.support[lane] - tool.probe.height;
+        }
+        check_held("common, held", kernel.held_boxes, &random, &tool, content, block, &planes,
+                   bound, &near_by[1], &elsewhere[1]);
     }
     printf("    triangles: above the truth by at most %5.3f margins after a move, %5.3f anywhere\n",
            near_by[0], elsewhere[0]);
@@ -396,8 +408,13 @@ static void zero_planes_close_nothing(void)
             struct tool tool = make_tool(&random, ORDINARY);
             if (i % 2)
                 tool.probe.limit = limits[i / 2 % count];
-            uint32_t open = kernel.held(&none, &tool.probe, bound);
+            float block[9 * LANES];
+            make_triangles(&random, ORDINARY, block);
+            uint32_t open = kernel.held_triangles(block, &tool.probe, &none, bound);
             CHECK(open == 0xffff, "%s: open %x, limit %g", dpt_kernel_name(id), open,
+                  (double)tool.probe.limit);
+            open = kernel.held_boxes(block, &tool.probe, &none, bound);
+            CHECK(open == 0xffff, "%s: boxes open %x, limit %g", dpt_kernel_name(id), open,
                   (double)tool.probe.limit);
         }
     }
@@ -442,12 +459,12 @@ static void bounds_that_are_no_number_leave_lanes_open(void)
             open = kernel.triangles(content, &tool.probe, &planes, bound);
             check_no_number("triangles", &tool.probe, bound, open, degenerate);
             closed |= ~open & 0xffff;
-            open = kernel.held(&planes, &other.probe, bound);
+            open = kernel.held_triangles(content, &other.probe, &planes, bound);
             check_no_number("triangles, held", &other.probe, bound, open, degenerate);
             open = kernel.boxes(block, &tool.probe, &planes, bound);
             check_no_number("boxes", &tool.probe, bound, open, degenerate);
             closed |= (~open & 0xffff) << LANES;
-            open = kernel.held(&planes, &other.probe, bound);
+            open = kernel.held_boxes(block, &other.probe, &planes, bound);
             check_no_number("boxes, held", &other.probe, bound, open, degenerate);
         }
     }
@@ -455,8 +472,8 @@ static void bounds_that_are_no_number_leave_lanes_open(void)
 }
 
 /* Two kernels on one block of triangles or boxes: planes, bounds and lanes, made and held. */
-static void check_same_renewal(const char *what, const struct kernel *plain, kernel_renew *one,
-                               const struct kernel *wide, kernel_renew *two, const float *block,
+static void check_same_renewal(const char *what, kernel_held *plain, kernel_renew *one,
+                               kernel_held *wide, kernel_renew *two, const float *block,
                                const struct probe *probe, const struct probe *later)
 {
     struct planes expected_planes, planes;
@@ -466,8 +483,8 @@ static void check_same_renewal(const char *what, const struct kernel *plain, ker
     CHECK(same_planes(&expected_planes, &planes), "%s: planes", what);
     CHECK(same_floats(expected, bound, LANES), "%s: bounds", what);
     CHECK(expected_open == open, "%s: open %x, not %x", what, open, expected_open);
-    expected_open = plain->held(&expected_planes, later, expected);
-    open = wide->held(&expected_planes, later, bound);
+    expected_open = plain(block, later, &expected_planes, expected);
+    open = wide(block, later, &expected_planes, bound);
     CHECK(same_floats(expected, bound, LANES), "%s: held bounds", what);
     CHECK(expected_open == open, "%s: held open %x, not %x", what, open, expected_open);
 }
@@ -492,16 +509,23 @@ static void all_kernels_give_the_same_bits(void)
             struct tool later = move_tool(&random, &tool);
             if (i % 16 == 0)
                 degenerate_lanes(&random, &tool, block);
-            check_same_renewal(name, &plain, plain.triangles, &other, other.triangles, block,
-                               &tool.probe, &later.probe);
-            uint32_t expected_open = plain.common(block, &tool.probe, expected);
-            uint32_t open = other.common(block, &tool.probe, low);
+            check_same_renewal(name, plain.held_triangles, plain.triangles, other.held_triangles,
+                               other.triangles, block, &tool.probe, &later.probe);
+            uint32_t expected_open =
+                plain.common_triangles(block, tool.probe.normal, tool.probe.height, expected);
+            uint32_t open =
+                other.common_triangles(block, tool.probe.normal, tool.probe.height, low);
             CHECK(same_floats(expected, low, LANES), "%s: common, block %d", name, i);
             CHECK(expected_open == open, "%s: common open %x, not %x", name, open, expected_open);
             for (int row = 3 * LANES; row < 6 * LANES; row++)
                 block[row] = fabsf(block[row]);
-            check_same_renewal(name, &plain, plain.boxes, &other, other.boxes, block, &tool.probe,
-                               &later.probe);
+            check_same_renewal(name, plain.held_boxes, plain.boxes, other.held_boxes, other.boxes,
+                               block, &tool.probe, &later.probe);
+            const float *normal = tool.probe.normal;
+            expected_open = plain.common_boxes(block, normal, tool.probe.height, expected);
+            open = other.common_boxes(block, normal, tool.probe.height, low);
+            CHECK(same_floats(expected, low, LANES), "%s: common of boxes, block %d", name, i);
+            CHECK(expected_open == open, "%s: common open %x, not %x", name, open, expected_open);
         }
     }
     printf("    %u kernels against the scalar one\n", compared);

@@ -8,6 +8,7 @@
 #include <math.h>
 
 #include "fixture.h"
+#include "kernel.h"
 #include "segment_triangle.h"
 
 enum { MOST_PARTS = 8 };
@@ -73,7 +74,8 @@ struct lab {
     dpt_tool tool;
 };
 
-static void lab_open(struct lab *lab, const dpt_mesh *mesh, uint32_t parts, uint32_t one_step)
+static void lab_open_with(struct lab *lab, const dpt_mesh *mesh, uint32_t parts, uint32_t one_step,
+                          uint32_t kernel)
 {
     dpt_world_def def;
     dpt_segment any = { { 0, 0, 0 }, { 0, 0, 0 }, 0 };
@@ -81,11 +83,17 @@ static void lab_open(struct lab *lab, const dpt_mesh *mesh, uint32_t parts, uint
     def.method = DPT_METHOD_PAPER;
     def.parts = parts;
     def.one_step = one_step;
+    def.kernel = kernel;
     lab->block = malloc(dpt_world_bytes(&def));
     dpt_result result = dpt_world_create(lab->block, dpt_world_bytes(&def), &def, &lab->world);
     CHECK(result == DPT_OK, "%s", dpt_result_name(result));
     dpt_body_add(lab->world, mesh, NULL, &lab->body);
     dpt_tool_add(lab->world, &any, 1, &lab->tool);
+}
+
+static void lab_open(struct lab *lab, const dpt_mesh *mesh, uint32_t parts, uint32_t one_step)
+{
+    lab_open_with(lab, mesh, parts, one_step, DPT_KERNEL_AUTO);
 }
 
 static dpt_hit tick(struct lab *lab, const double ends[6], double radius)
@@ -98,13 +106,13 @@ static dpt_hit tick(struct lab *lab, const double ends[6], double radius)
     return hit;
 }
 
-/* A tool that wanders around the origin. */
-static void wander(int i, double size, double ends[6])
+/* A tool that wanders around the origin, `size` wide and about `stretch` times as long. */
+static void wander(int i, double size, double stretch, double ends[6])
 {
     double t = 0.01 * i;
     for (int k = 0; k < 3; k++) {
         double middle = 0.9 * size * sin(t * (1.0 + 0.37 * k) + k);
-        double half = 0.5 * size * cos(t * (0.71 + 0.23 * k) + 2.0 * k);
+        double half = 0.5 * stretch * size * cos(t * (0.71 + 0.23 * k) + 2.0 * k);
         ends[k] = middle - half;
         ends[3 + k] = middle + half;
     }
@@ -119,22 +127,34 @@ static void over_vertices(const double box_max, double ends[6])
     ends[2] = ends[5] = 0.01;
 }
 
-static void follow(const char *shape, uint32_t count, uint32_t parts, uint32_t one_step, int ticks)
+/* A tool that wanders `reach` times the mesh's size wide, `stretch` times as long, and what follows it. */
+struct course {
+    const char *shape;
+    uint32_t count;
+    double reach, stretch;
+    uint32_t parts, one_step, kernel;
+    int ticks;
+};
+
+static void follow(const struct course *course)
 {
+    const char *shape = course->shape;
+    uint32_t parts = course->parts, one_step = course->one_step;
+    int ticks = course->ticks;
     struct fixture fixture;
     struct oracle oracle;
     struct lab lab;
     dpt_mesh_info info = { .size = sizeof info };
     uint32_t place[MOST_PARTS];
     int moved = 0, local = 0;
-    if (!fixture_from_shape(&fixture, shape, count))
+    if (!fixture_from_shape(&fixture, shape, course->count))
         return;
     oracle_open(&oracle, fixture.mesh);
-    lab_open(&lab, fixture.mesh, parts, one_step);
+    lab_open_with(&lab, fixture.mesh, parts, one_step, course->kernel);
     dpt_mesh_get_info(fixture.mesh, &info);
     for (int i = 0; i < ticks; i++) {
         double ends[6], least = HUGE_VAL, nearest = HUGE_VAL;
-        wander(i, info.box_max[0], ends);
+        wander(i, course->reach * info.box_max[0], course->stretch, ends);
         if (strcmp(shape, "membrane") == 0)
             over_vertices(info.box_max[0], ends);
         dpt_hit hit = tick(&lab, ends, 0.0);
@@ -169,8 +189,9 @@ static void follow(const char *shape, uint32_t count, uint32_t parts, uint32_t o
               sqrt(nearest), hit.distance, hit.error_bound);
         CHECK(fabs(hit.p[0] - (ends[0] + hit.s * (ends[3] - ends[0]))) < 1e-12, "p and s disagree");
     }
-    printf("    %-9s K %u%s: %d moves in %d ticks, %d of them not the nearest pair\n", shape, parts,
-           one_step ? ", one step" : "", moved, ticks, local);
+    printf("    %-9s K %u%s, %g x %g, %s: %d moves in %d ticks, %d of them not the nearest pair\n",
+           shape, parts, one_step ? ", one step" : "", course->reach, course->stretch,
+           dpt_kernel_name(dpt_world_kernel(lab.world)), moved, ticks, local);
     CHECK(moved > ticks / 30, "only %d moves", moved);
     free(oracle.corners);
     free(lab.block);
@@ -179,13 +200,42 @@ static void follow(const char *shape, uint32_t count, uint32_t parts, uint32_t o
 
 static void descent_follows_the_rules(void)
 {
-    follow("torus", 400, 1, 0, 1500);
-    follow("torus", 400, 4, 0, 400);
-    follow("torus", 400, 1, 1, 1500);
-    follow("liver", 800, 2, 0, 400);
-    follow("star", 2000, 1, 0, 300);
-    follow("membrane", 128, 1, 0, 1500);
-    follow("hub", 60, 2, 0, 400);
+    static const struct course courses[] = {
+        { "torus", 400, 1, 1, 1, 0, DPT_KERNEL_AUTO, 1500 },
+        { "torus", 400, 1, 1, 4, 0, DPT_KERNEL_AUTO, 400 },
+        { "torus", 400, 1, 1, 1, 1, DPT_KERNEL_AUTO, 1500 },
+        { "liver", 800, 1, 1, 2, 0, DPT_KERNEL_AUTO, 400 },
+        { "star", 2000, 1, 1, 1, 0, DPT_KERNEL_AUTO, 300 },
+        { "membrane", 128, 1, 1, 1, 0, DPT_KERNEL_AUTO, 1500 },
+        { "hub", 60, 1, 1, 2, 0, DPT_KERNEL_AUTO, 400 },
+        { "hub", 5000, 1, 1, 1, 0, DPT_KERNEL_AUTO, 100 },
+    };
+    for (size_t i = 0; i < sizeof courses / sizeof *courses; i++)
+        follow(&courses[i]);
+}
+
+/*
+ * The filter of every kernel hides nothing: not one of six triangles that are equally near, and nothing
+ * from a tool a thousand meshes long or away, where the bounds are hardly more than their rounding.
+ */
+static void no_kernel_hides_a_neighbour(void)
+{
+    static const struct course courses[] = {
+        { "membrane", 128, 1, 1, 1, 0, 0, 700 },   { "torus", 400, 1, 1, 1, 0, 0, 700 },
+        { "torus", 400, 1.5, 1000, 1, 0, 0, 700 }, { "torus", 400, 1000, 1, 1, 0, 0, 700 },
+        { "hub", 200, 1, 1000, 1, 0, 0, 400 },     { "hub", 200, 1000, 1, 2, 0, 0, 400 },
+    };
+    for (uint32_t kernel = DPT_KERNEL_SCALAR; kernel <= DPT_KERNEL_NEON; kernel++) {
+        struct kernel here;
+        uint32_t chosen;
+        if (!kernel_get(kernel, &here, &chosen))
+            continue;
+        for (size_t i = 0; i < sizeof courses / sizeof *courses; i++) {
+            struct course course = courses[i];
+            course.kernel = kernel;
+            follow(&course);
+        }
+    }
 }
 
 /* After a jump every part searches anew: on that tick the answer is the nearest pair. */
@@ -200,7 +250,7 @@ static void a_teleport_searches_anew(void)
     for (int i = 0; i < 200; i++) {
         double ends[6];
         dpt_hit exact = DPT_HIT_INIT;
-        wander(173 * i, 0.14, ends);
+        wander(173 * i, 0.14, 1.0, ends);
         dpt_tool_teleport(lab.world, lab.tool, &here);
         dpt_hit hit = tick(&lab, ends, 0.0);
         dpt_query_segments(torus.mesh, NULL, ends, NULL, 1, &exact, NULL);
@@ -226,7 +276,7 @@ static void many_bodies_are_each_their_own(void)
         lab_open(&alone[i], mesh[i].mesh, 2, 0);
     for (int i = 0; i < 2000; i++) {
         double ends[6], t = 0.003 * i;
-        wander(i, 0.2, ends);
+        wander(i, 0.2, 1.0, ends);
         dpt_pose pose[2] = { { { 0.2 * sin(t), 0, 0 }, { cos(t), 0, 0, sin(t) } },
                              { { -0.2, 0.1 * cos(t), 0 }, { cos(t), sin(t), 0, 0 } } };
         CHECK(dpt_body_set_pose(both.world, both.body, &pose[0]) == DPT_OK, "first");
@@ -353,6 +403,7 @@ static void torque_jumps_when_the_point_flips(void)
 int main(void)
 {
     TEST(descent_follows_the_rules);
+    TEST(no_kernel_hides_a_neighbour);
     TEST(a_teleport_searches_anew);
     TEST(many_bodies_are_each_their_own);
     TEST(force_on_a_plane);
