@@ -36,28 +36,36 @@ static void note_tried(struct nearest *nearest, uint32_t triangle)
         nearest->tried[nearest->tried_count++] = triangle;
 }
 
-/* 1 when the triangle is nearer, and taken. */
-static int try_neighbour(const struct tree *tree, const struct axis *axis, uint32_t triangle,
-                         struct nearest *nearest)
+/* 1 when the triangle is nearer, and taken; `front` is that of the best pair. */
+static int try_neighbour(const struct tree *tree, const struct axis *axis,
+                         const struct front *front, uint32_t triangle, struct nearest *nearest)
 {
-    if (triangle >= tree->mesh->triangles || triangle == nearest->triangle ||
-        nearest->pair.distance2 == 0.0)
+    if (triangle >= tree->mesh->triangles || triangle == nearest->triangle)
         return 0;
-    struct front front =
-        tree_front(&nearest->pair, axis->local_a, axis->u, TREE_SLACK * axis->error);
-    if (tree_is_beyond(tree, &front, triangle)) {
-        note_tried(nearest, triangle);
-        return 0;
+    if (!tree_is_beyond(tree, front, triangle)) {
+        pair found = tree_pair(tree, triangle, axis->local_a, axis->u);
+        if (found.distance2 < nearest->pair.distance2) {
+            note_tried(nearest, nearest->triangle);
+            nearest->pair = found;
+            nearest->triangle = triangle;
+            return 1;
+        }
     }
-    pair found = tree_pair(tree, triangle, axis->local_a, axis->u);
-    if (!(found.distance2 < nearest->pair.distance2)) {
-        note_tried(nearest, triangle);
-        return 0;
-    }
-    note_tried(nearest, nearest->triangle);
-    nearest->pair = found;
-    nearest->triangle = triangle;
-    return 1;
+    note_tried(nearest, triangle);
+    return 0;
+}
+
+/* Around a vertex: 1 when one of its triangles is nearer, and taken. */
+static int try_fan(const struct tree *tree, const struct axis *axis, const struct front *front,
+                   uint32_t vertex, struct nearest *nearest)
+{
+    const uint32_t *first = mesh_words(tree->mesh, MESH_FAN_FIRST) + vertex;
+    const uint32_t *fans = mesh_words(tree->mesh, MESH_FANS);
+    uint32_t end = first[1] - first[0] > SLIDE_FAN ? first[0] + SLIDE_FAN : first[1];
+    for (uint32_t i = first[0]; i < end; i++)
+        if (try_neighbour(tree, axis, front, fans[i], nearest))
+            return 1;
+    return 0;
 }
 
 /*
@@ -66,28 +74,24 @@ static int try_neighbour(const struct tree *tree, const struct axis *axis, uint3
  */
 static void slide_over(const struct tree *tree, const struct axis *axis, struct nearest *nearest)
 {
-    const uint32_t *neighbours = mesh_words(tree->mesh, MESH_NEIGHBOURS);
-    const uint32_t *fan_first = mesh_words(tree->mesh, MESH_FAN_FIRST);
-    const uint32_t *fans = mesh_words(tree->mesh, MESH_FANS);
     int moved = 1;
     while (moved && nearest->pair.distance2 > 0.0 &&
            (!nearest->most || nearest->work < nearest->most)) {
         const double *weight = nearest->pair.weight;
-        uint32_t here = nearest->triangle;
+        size_t here = nearest->triangle;
         int zeros = (weight[0] <= 0.0) + (weight[1] <= 0.0) + (weight[2] <= 0.0);
-        moved = 0;
-        nearest->work += zeros > 0;
+        if (!zeros)
+            return;
+        struct front front =
+            tree_front(&nearest->pair, axis->local_a, axis->u, TREE_SLACK * axis->error);
+        nearest->work++;
         if (zeros == 1) {
             uint32_t edge = weight[0] <= 0.0 ? 1 : weight[1] <= 0.0 ? 2 : 0;
-            moved = try_neighbour(tree, axis, neighbours[3 * (size_t)here + edge], nearest);
-        } else if (zeros == 2) {
-            uint32_t k = weight[0] > 0.0 ? 0 : weight[1] > 0.0 ? 1 : 2;
-            uint32_t v = tree->corners[3 * (size_t)here + k];
-            uint32_t end = fan_first[v + 1];
-            if (end - fan_first[v] > SLIDE_FAN)
-                end = fan_first[v] + SLIDE_FAN;
-            for (uint32_t i = fan_first[v]; i < end; i++)
-                moved |= try_neighbour(tree, axis, fans[i], nearest);
+            uint32_t other = mesh_words(tree->mesh, MESH_NEIGHBOURS)[3 * here + edge];
+            moved = try_neighbour(tree, axis, &front, other, nearest);
+        } else {
+            uint32_t corner = weight[0] > 0.0 ? 0 : weight[1] > 0.0 ? 1 : 2;
+            moved = try_fan(tree, axis, &front, tree->corners[3 * here + corner], nearest);
         }
     }
 }

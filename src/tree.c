@@ -63,20 +63,27 @@ pair tree_pair(const struct tree *tree, uint32_t triangle, vec3 a, vec3 u)
 
 struct front tree_front(const pair *found, vec3 a, vec3 u, double slack)
 {
-    double distance = sqrt(found->distance2);
-    vec3 normal = scaled(found->gap, -1.0 / distance);
-    double reach = dot(normal, a) + larger(0.0, dot(normal, u));
-    return (struct front){ normal, reach + distance - slack };
+    vec3 normal = scaled(found->gap, -1.0 / sqrt(found->distance2));
+    double rise = dot(normal, u), uu = dot(u, u);
+    if (found->s <= 0.0)
+        rise = larger(rise, 0.0);
+    else if (found->s >= 1.0)
+        rise = smaller(rise, 0.0);
+    return (struct front){ normal, sub(along(a, found->s, u), found->gap),
+                           uu > 0.0 ? rise * rise / uu : 0.0, slack };
 }
 
+/* height >= lean |c - at| - slack is concave along a triangle: where its corners hold it, all of it does. */
 int tree_is_beyond(const struct tree *tree, const struct front *front, uint32_t triangle)
 {
     const uint32_t *corner = tree->corners + 3 * (size_t)triangle;
-    for (int k = 0; k < 3; k++)
-        if (!(dot(front->normal, vec3_of_float(tree->positions + 3 * (size_t)corner[k])) >=
-              front->beyond))
-            return 0;
-    return 1;
+    int beyond = 1;
+    for (int k = 0; k < 3; k++) {
+        vec3 c = sub(vec3_of_float(tree->positions + 3 * (size_t)corner[k]), front->at);
+        double height = dot(front->normal, c) + front->slack;
+        beyond &= (height >= 0.0) & (height * height >= front->lean2 * dot(c, c));
+    }
+    return beyond;
 }
 
 /* As near, the lower source number wins: the same answer in whatever order triangles are tried. */
@@ -343,8 +350,8 @@ static void close_triangle(const struct search *search, uint32_t leaf, uint32_t 
         return;
     put_float(scaled(found->gap, -1.0 / sqrt(found->distance2)), n);
     for (int k = 0; k < 9; k += 3) {
-        float at = n[0] * rows[k * LANES] + n[1] * rows[(k + 1) * LANES] +
-                   n[2] * rows[(k + 2) * LANES];
+        float at =
+            n[0] * rows[k * LANES] + n[1] * rows[(k + 1) * LANES] + n[2] * rows[(k + 2) * LANES];
         low = at < low ? at : low;
     }
     if (low - reach_of(&search->probe, n) > search->probe.limit)
@@ -435,10 +442,11 @@ static void look_into_leaf(struct search *search, uint32_t leaf)
 static uint32_t close_boxes(struct search *search, uint32_t level, uint32_t node,
                             const struct kept *kept, uint32_t lanes, float *bound)
 {
-    enum { FEW = 2 };
     const float *rows = search->tree->level[level] + (size_t)node * MESH_BOX_WORDS;
     uint32_t lost = kept->empty ? lanes : lanes & ~kept->block->open;
-    if (kept->empty || __builtin_popcount(lost) > FEW)
+    uint32_t but_one = lost & (lost - 1);
+    int few = !(but_one & (but_one - 1));
+    if (kept->empty || !few)
         return renew(search, search->kernel->boxes, rows, kept, lanes, bound);
     for (; lost && spare(search); lost &= lost - 1) {
         uint32_t lane = (uint32_t)__builtin_ctz(lost);

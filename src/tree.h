@@ -49,10 +49,17 @@ struct walk {
 
 void tree_of_mesh(const struct dpt_mesh *mesh, struct tree *tree);
 
-/* The plane through a pair's point on the mesh, across the connection; n.x >= beyond is no nearer. */
+/*
+ * The plane through a pair's point on the mesh, across the connection. What is wholly beyond it is no nearer.
+ * The axis may lean towards it: by no more than rounding where the pair is not at its end, but over its
+ * whole length that is more than the rounding of a distance. The point of the axis nearest to an x of the mesh is
+ * no farther from the pair's than x is from the mesh's, so it is the lean over that way which counts.
+ */
 struct front {
-    vec3 normal; /* unit, away from the axis */
-    double beyond;
+    vec3 normal;  /* unit, away from the axis */
+    vec3 at;      /* the pair's point on the mesh */
+    double lean2; /* square of the axis' rise along the normal, per length */
+    double slack;
 };
 
 /* Of the axis a + s u and a pair at a positive distance; what is nearer by less than `slack` counts as no nearer. */
