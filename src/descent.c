@@ -6,6 +6,8 @@
  */
 #include "descent.h"
 
+#include "probe.h"
+
 struct descent {
     const struct tree *tree;
     const struct kernel *kernel;
@@ -14,7 +16,6 @@ struct descent {
     const uint32_t *here; /* corners of the triangle that is left */
     int shared;           /* vertices that the best has in common with it */
     struct probe probe;
-    float margin;
     uint32_t count; /* triangles in the block, and their places */
     uint32_t place[LANES];
     float rows[MESH_LEAF_WORDS];
@@ -34,47 +35,6 @@ static int shared_corners(const uint32_t *of, int count, const uint32_t *triangl
     return shared;
 }
 
-static void put_float(vec3 v, float out[3])
-{
-    out[0] = (float)v.x;
-    out[1] = (float)v.y;
-    out[2] = (float)v.z;
-}
-
-/* Two unit vectors that make a right-handed frame with the unit vector x. */
-static void complete_frame(vec3 x, vec3 *y, vec3 *z)
-{
-    double ax = fabs(x.x), ay = fabs(x.y), az = fabs(x.z);
-    vec3 least = { ax <= ay && ax <= az, ay < ax && ay <= az, az < ax && az < ay };
-    *y = cross(least, x);
-    *y = scaled(*y, 1.0 / length(*y));
-    *z = cross(x, *y);
-}
-
-static void take_axis(struct descent *d)
-{
-    const struct dpt_mesh *mesh = d->tree->mesh;
-    double scale = mesh->filter_scale, axis = length(d->u);
-    vec3 a = scaled(sub(d->a, vec3_of(mesh->filter_centre)), scale);
-    vec3 b = along(a, scale, d->u);
-    vec3 x = axis > 0.0 ? scaled(d->u, 1.0 / axis) : (vec3){ 1.0, 0.0, 0.0 }, y, z;
-    complete_frame(x, &y, &z);
-    put_float(a, d->probe.a);
-    put_float(b, d->probe.b);
-    put_float(x, d->probe.x);
-    put_float(y, d->probe.y);
-    put_float(z, d->probe.z);
-    d->probe.length = (float)(axis * scale);
-    d->margin = KERNEL_MARGIN * (1.0f + (float)(length(a) + length(b)));
-}
-
-/* A bound beyond it belongs to a triangle that is farther than the best, not as far. */
-static void set_limit(struct descent *d)
-{
-    double distance = sqrt(d->best->pair.distance2) * d->tree->mesh->filter_scale;
-    d->probe.limit = (float)distance * (1.0f + 0x1p-22f) + d->margin;
-}
-
 static void try_neighbour(struct descent *d, uint32_t neighbour)
 {
     const struct tree *tree = d->tree;
@@ -92,19 +52,7 @@ static void try_neighbour(struct descent *d, uint32_t neighbour)
     best->pair = found;
     best->triangle = neighbour;
     d->shared = shared;
-    set_limit(d);
-}
-
-/* The lane with the least bound of those in `lanes`; one that is no number comes first. */
-static uint32_t least_lane(const float *bound, uint32_t lanes)
-{
-    uint32_t best = (uint32_t)__builtin_ctz(lanes);
-    for (uint32_t rest = lanes & (lanes - 1); rest; rest &= rest - 1) {
-        uint32_t lane = (uint32_t)__builtin_ctz(rest);
-        if (bound[lane] < bound[best] || bound[lane] != bound[lane])
-            best = lane;
-    }
-    return best;
+    probe_limit(&d->probe, tree->mesh, sqrt(found.distance2));
 }
 
 /* Lanes from `count` on hold what was there before: kernels read them, no one asks for their bounds. */
@@ -172,8 +120,8 @@ void descend(const struct tree *tree, const struct kernel *kernel, vec3 a, vec3 
     d.u = u;
     d.count = 0;
     memset(d.rows, 0, sizeof d.rows);
-    take_axis(&d);
-    set_limit(&d);
+    probe_frame(&d.probe, probe_axis(&d.probe, tree->mesh, a, u));
+    probe_limit(&d.probe, tree->mesh, sqrt(nearest->pair.distance2));
     while (move(&d) && !one_step)
         ;
 }

@@ -33,7 +33,8 @@ struct planes {
 /* A tool axis in the filter's frame, and a right-handed frame with x along it (unit rows). */
 struct probe {
     float a[3], b[3];
-    float limit; /* a bound beyond it decides */
+    float limit;  /* a bound beyond it decides */
+    float margin; /* by which a bound may be above the truth */
     float x[3], y[3], z[3];
     float length;
     float normal[3]; /* of the plane through the best pair */

@@ -6,6 +6,8 @@
  */
 #include "tree.h"
 
+#include "probe.h"
+
 /* A node's 16 planes, empty unless they are its own. */
 struct kept {
     struct block *block; /* NULL: nothing is kept */
@@ -24,7 +26,6 @@ struct search {
     int has_frame; /* the probe's y and z, made when first needed */
     int has_plane;
     struct front front; /* of the best pair */
-    float margin;
     struct walk *walk;
 };
 
@@ -108,56 +109,6 @@ void tree_brute(const struct tree *tree, vec3 a, vec3 u, struct nearest *nearest
     nearest->work += tree->mesh->leaves;
 }
 
-static void put_float(vec3 v, float out[3])
-{
-    out[0] = (float)v.x;
-    out[1] = (float)v.y;
-    out[2] = (float)v.z;
-}
-
-/* Two unit vectors that make a right-handed frame with the unit vector x. */
-static void complete_frame(vec3 x, vec3 *y, vec3 *z)
-{
-    double ax = fabs(x.x), ay = fabs(x.y), az = fabs(x.z);
-    vec3 least = { ax <= ay && ax <= az, ay < ax && ay <= az, az < ax && az < ay };
-    *y = cross(least, x);
-    *y = scaled(*y, 1.0 / length(*y));
-    *z = cross(x, *y);
-}
-
-static void take_axis(struct search *search)
-{
-    const struct dpt_mesh *mesh = search->tree->mesh;
-    double scale = mesh->filter_scale;
-    vec3 a = scaled(sub(search->a, vec3_of(mesh->filter_centre)), scale);
-    vec3 b = along(a, scale, search->u);
-    put_float(a, search->probe.a);
-    put_float(b, search->probe.b);
-    double axis = length(search->u);
-    search->x = axis > 0.0 ? scaled(search->u, 1.0 / axis) : (vec3){ 1.0, 0.0, 0.0 };
-    put_float(search->x, search->probe.x);
-    search->probe.length = (float)(axis * scale);
-    search->margin = KERNEL_MARGIN * (1.0f + (float)(length(a) + length(b)));
-}
-
-static void take_frame(struct search *search)
-{
-    if (search->has_frame)
-        return;
-    vec3 y, z;
-    complete_frame(search->x, &y, &z);
-    put_float(y, search->probe.y);
-    put_float(z, search->probe.z);
-    search->has_frame = 1;
-}
-
-static float reach_of(const struct probe *probe, const float n[3])
-{
-    float at_a = n[0] * probe->a[0] + n[1] * probe->a[1] + n[2] * probe->a[2];
-    float at_b = n[0] * probe->b[0] + n[1] * probe->b[1] + n[2] * probe->b[2];
-    return at_a > at_b ? at_a : at_b;
-}
-
 /*
  * Take over a new best distance, and the plane through its pair: what lies behind that plane, most of
  * the mesh near a contact, is ruled out by three dot products.
@@ -167,26 +118,13 @@ static void set_limit(struct search *search)
     const struct nearest *nearest = search->nearest;
     struct probe *probe = &search->probe;
     double distance = sqrt(nearest->pair.distance2);
-    probe->limit =
-        (float)(distance * search->tree->mesh->filter_scale) * (1.0f + 0x1p-22f) + search->margin;
+    probe_limit(probe, search->tree->mesh, distance);
     search->has_plane = nearest->triangle != DPT_NONE && distance > 0.0;
     if (!search->has_plane)
         return;
     search->front = tree_front(&nearest->pair, search->a, search->u, search->slack);
     put_float(search->front.normal, probe->normal);
-    probe->height = reach_of(probe, probe->normal);
-}
-
-/* The lane with the least bound of those in `lanes`; one that is no number comes first. */
-static uint32_t least_lane(const float *bound, uint32_t lanes)
-{
-    uint32_t best = (uint32_t)__builtin_ctz(lanes);
-    for (uint32_t rest = lanes & (lanes - 1); rest; rest &= rest - 1) {
-        uint32_t lane = (uint32_t)__builtin_ctz(rest);
-        if (bound[lane] < bound[best] || bound[lane] != bound[lane])
-            best = lane;
-    }
-    return best;
+    probe->height = probe_reach(probe, probe->normal);
 }
 
 static uint32_t lanes_of(uint32_t count)
@@ -301,7 +239,7 @@ static int refine(struct search *search, uint32_t level, uint32_t node, uint32_t
     else
         search->kernel->common_boxes(tree->level[level - 1] + child * MESH_BOX_WORDS, n, 0.0f, low);
     float support = least_of(low);
-    if (!(support - reach_of(p, n) > p->limit))
+    if (!(support - probe_reach(p, n) > p->limit))
         return 0;
     put_plane(block, lane, n, support);
     return 1;
@@ -354,7 +292,7 @@ static void close_triangle(const struct search *search, uint32_t leaf, uint32_t 
             n[0] * rows[k * LANES] + n[1] * rows[(k + 1) * LANES] + n[2] * rows[(k + 2) * LANES];
         low = at < low ? at : low;
     }
-    if (low - reach_of(&search->probe, n) > search->probe.limit)
+    if (low - probe_reach(&search->probe, n) > search->probe.limit)
         put_plane(block, lane, n, low);
 }
 
@@ -389,7 +327,9 @@ static uint32_t open_triangles(struct search *search, uint32_t leaf, const struc
             return 0;
     }
     if (kept->empty || lanes & ~kept->block->open) {
-        take_frame(search);
+        if (!search->has_frame)
+            probe_frame(&search->probe, search->x);
+        search->has_frame = 1;
         lanes = renew(search, search->kernel->triangles, rows, kept, lanes, bound);
     }
     if (kept->block)
@@ -524,7 +464,7 @@ int tree_walk(const struct tree *tree, const struct kernel *kernel, const struct
     search.slack = slack;
     search.has_frame = 0;
     search.walk = walk;
-    take_axis(&search);
+    search.x = probe_axis(&search.probe, tree->mesh, a, u);
     set_limit(&search);
     uint32_t level = walk->at;
     if (!level && spare(&search))
@@ -570,14 +510,14 @@ void walk_drift(struct walk *walk, const struct tree *tree, double motion)
 
 double walk_ahead(const struct walk *walk, const struct tree *tree, vec3 a, vec3 u)
 {
-    struct search search = { .tree = tree, .a = a, .u = u };
-    take_axis(&search);
+    struct probe probe;
+    probe_axis(&probe, tree->mesh, a, u);
     double least = HUGE_VAL;
     for (uint32_t l = walk->at; l <= tree->levels; l++) {
         const struct visit *visit = &walk->level[l];
         if (!visit->lanes)
             continue;
-        double ahead = visit->bound[least_lane(visit->bound, visit->lanes)] - search.margin;
+        double ahead = visit->bound[least_lane(visit->bound, visit->lanes)] - probe.margin;
         if (!(ahead > 0.0))
             return 0.0;
         least = smaller(least, ahead);
