@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
  * The loops of kernel.h, once for all instruction sets. The file that includes this defines
- *     KERNEL(name)    the function's name
- *     KERNEL_TARGET   its target attribute, or nothing
+ *     KERNEL(name)                 the function's name
+ *     KERNEL_TARGET                its target attribute, or nothing
+ *     KERNEL_OPEN(bound, limit)    the lanes whose bound is not above the limit, as bits; optional
  * Straight-line code without calls, so that the compiler turns 16 iterations into vectors; no operation
  * may be fused or reordered, or the bits would differ from machine to machine.
  */
@@ -15,12 +16,22 @@
 #define AT_MOST(value, limit)  ((value) < (limit) ? (value) : (limit))
 #define CLAMP(value, high)     AT_MOST(AT_LEAST(value, 0.0f), high)
 
-/* Bit i of a set of lanes; a table, because not every instruction set shifts lanes by different amounts. */
-static const uint32_t lane_bit[LANES] = {
-    1u << 0, 1u << 1, 1u << 2,  1u << 3,  1u << 4,  1u << 5,  1u << 6,  1u << 7,
-    1u << 8, 1u << 9, 1u << 10, 1u << 11, 1u << 12, 1u << 13, 1u << 14, 1u << 15,
-};
-#define LANE_IF(condition, i) (lane_bit[i] & (0u - (uint32_t)(condition)))
+/* One instruction where there is one for it; C has no words for that, and compilers do not find it. */
+#ifndef KERNEL_OPEN
+#define KERNEL_OPEN(bound, limit) KERNEL(open)(bound, limit)
+KERNEL_TARGET static inline uint32_t KERNEL(open)(const float *bound, float limit)
+{
+    /* A table, because not every instruction set shifts lanes by different amounts. */
+    static const uint32_t bit[LANES] = {
+        1u << 0, 1u << 1, 1u << 2,  1u << 3,  1u << 4,  1u << 5,  1u << 6,  1u << 7,
+        1u << 8, 1u << 9, 1u << 10, 1u << 11, 1u << 12, 1u << 13, 1u << 14, 1u << 15,
+    };
+    uint32_t open = 0;
+    for (int i = 0; i < LANES; i++)
+        open |= bit[i] & (0u - (uint32_t) !(bound[i] > limit));
+    return open;
+}
+#endif
 
 /*
  * Kept planes, at another pose. The point of the tool nearest to any point v of the piece is at x.(v - a)
@@ -44,19 +55,17 @@ KERNEL_TARGET uint32_t KERNEL(held_boxes)(const float *restrict block,
     const float ux = probe->x[0], uy = probe->x[1], uz = probe->x[2];
     const float wx = fabsf(ux), wy = fabsf(uy), wz = fabsf(uz);
     const float length = probe->length, limit = probe->limit;
-    uint32_t open = 0;
 
     for (int i = 0; i < LANES; i++) {
         float dx = block[i] - ax, dy = block[LANES + i] - ay, dz = block[2 * LANES + i] - az;
         float s = dx * ux + dy * uy + dz * uz;
-        float half = wx * block[3 * LANES + i] + wy * block[4 * LANES + i] +
-                     wz * block[5 * LANES + i];
+        float half =
+            wx * block[3 * LANES + i] + wy * block[4 * LANES + i] + wz * block[5 * LANES + i];
         float from = s - half, to = s + half;
         LOCAL_BOUND(from, to)
         bound[i] = here;
-        open |= LANE_IF(!(here > limit), i);
     }
-    return open;
+    return KERNEL_OPEN(bound, limit);
 }
 
 /* Of a triangle also the plane that is turned to be parallel to the axis, with a support of its own. */
@@ -69,7 +78,6 @@ KERNEL_TARGET uint32_t KERNEL(held_triangles)(const float *restrict block,
     const float ux = probe->x[0], uy = probe->x[1], uz = probe->x[2];
     const float length = probe->length, limit = probe->limit;
     const float at_0 = ax * ux + ay * uy + az * uz;
-    uint32_t open = 0;
 
     for (int i = 0; i < LANES; i++) {
         float s0 = ux * block[i] + uy * block[LANES + i] + uz * block[2 * LANES + i];
@@ -89,9 +97,8 @@ KERNEL_TARGET uint32_t KERNEL(held_triangles)(const float *restrict block,
         float turned = AT_MOST(AT_MOST(n0, n1), n2) - (tx * ax + ty * ay + tz * az);
         here = AT_LEAST(here, turned);
         bound[i] = here;
-        open |= LANE_IF(!(here > limit), i);
     }
-    return open;
+    return KERNEL_OPEN(bound, limit);
 }
 
 /* Lane i gets the plane (nx, ny, nz; low). */
@@ -105,7 +112,6 @@ KERNEL_TARGET uint32_t KERNEL(held_triangles)(const float *restrict block,
         planes->z[i] = nz;                                                                         \
         planes->support[i] = low;                                                                  \
         bound[i] = here;                                                                           \
-        open |= LANE_IF(!(here > limit), i);                                                       \
     }
 
 /* The direction is from the segment's point nearest to the box's centre to that centre. */
@@ -117,7 +123,6 @@ KERNEL_TARGET uint32_t KERNEL(boxes)(const float *restrict block,
     const float bx = probe->b[0], by = probe->b[1], bz = probe->b[2];
     const float ux = probe->x[0], uy = probe->x[1], uz = probe->x[2];
     const float length = probe->length, limit = probe->limit;
-    uint32_t open = 0;
 
     for (int i = 0; i < LANES; i++) {
         float cx = block[i], cy = block[LANES + i], cz = block[2 * LANES + i];
@@ -134,7 +139,7 @@ KERNEL_TARGET uint32_t KERNEL(boxes)(const float *restrict block,
                      fabsf(nz) * block[5 * LANES + i]);
         PUT_PLANE
     }
-    return open;
+    return KERNEL_OPEN(bound, limit);
 }
 
 /*
@@ -176,7 +181,6 @@ KERNEL_TARGET uint32_t KERNEL(triangles)(const float *restrict block,
     const float yx = probe->y[0], yy = probe->y[1], yz = probe->y[2];
     const float zx = probe->z[0], zy = probe->z[1], zz = probe->z[2];
     const float length = probe->length, limit = probe->limit;
-    uint32_t open = 0;
 
     for (int i = 0; i < LANES; i++) {
         float dx, dy, dz;
@@ -230,7 +234,7 @@ KERNEL_TARGET uint32_t KERNEL(triangles)(const float *restrict block,
         float low = AT_MOST(AT_MOST(n0, n1), n2);
         PUT_PLANE
     }
-    return open;
+    return KERNEL_OPEN(bound, limit);
 }
 
 KERNEL_TARGET uint32_t KERNEL(common_boxes)(const float *restrict block, const float normal[3],
@@ -238,23 +242,20 @@ KERNEL_TARGET uint32_t KERNEL(common_boxes)(const float *restrict block, const f
 {
     const float nx = normal[0], ny = normal[1], nz = normal[2];
     const float wx = fabsf(nx), wy = fabsf(ny), wz = fabsf(nz);
-    uint32_t open = 0;
 
     for (int i = 0; i < LANES; i++) {
-        float here = nx * block[i] + ny * block[LANES + i] + nz * block[2 * LANES + i] -
-                     (wx * block[3 * LANES + i] + wy * block[4 * LANES + i] +
-                      wz * block[5 * LANES + i]);
+        float here =
+            nx * block[i] + ny * block[LANES + i] + nz * block[2 * LANES + i] -
+            (wx * block[3 * LANES + i] + wy * block[4 * LANES + i] + wz * block[5 * LANES + i]);
         low[i] = here;
-        open |= LANE_IF(!(here > beyond), i);
     }
-    return open;
+    return KERNEL_OPEN(low, beyond);
 }
 
 KERNEL_TARGET uint32_t KERNEL(common_triangles)(const float *restrict block, const float normal[3],
                                                 float beyond, float *restrict low)
 {
     const float nx = normal[0], ny = normal[1], nz = normal[2];
-    uint32_t open = 0;
 
     for (int i = 0; i < LANES; i++) {
         float n0 = nx * block[i] + ny * block[LANES + i] + nz * block[2 * LANES + i];
@@ -264,7 +265,6 @@ KERNEL_TARGET uint32_t KERNEL(common_triangles)(const float *restrict block, con
             nx * block[6 * LANES + i] + ny * block[7 * LANES + i] + nz * block[8 * LANES + i];
         float here = AT_MOST(AT_MOST(n0, n1), n2);
         low[i] = here;
-        open |= LANE_IF(!(here > beyond), i);
     }
-    return open;
+    return KERNEL_OPEN(low, beyond);
 }

@@ -22,7 +22,9 @@ static const char *const motions[MOTIONS] = { "rest", "slide", "spin", "fly", "j
 static const struct subject {
     const char *name;
     uint64_t triangles;
-} subjects[] = { { "torus", 5568 }, { "liver", 0 }, { "membrane", 0 }, { "star", 0 } };
+} subjects[] = {
+    { "torus", 5568 }, { "liver", 0 }, { "membrane", 0 }, { "star", 0 }, { "soup", 3000 }
+};
 
 /* Two worlds that differ in method and memory alone. */
 struct twin {
@@ -61,6 +63,49 @@ static dpt_hit twin_step(struct twin *twin, const dpt_segment *segment)
 static double one(uint64_t *random)
 {
     return 2.0 * shape_random(random) - 1.0;
+}
+
+/*
+ * What no one should be given: triangles of all sizes, that cut each other, slivers a millionth as wide as long,
+ * edges that many share, and the same triangle twice, both ways around.
+ */
+static int soup(struct fixture *fixture, uint32_t count)
+{
+    double *vertices = malloc(9 * sizeof *vertices * (size_t)count);
+    uint32_t *corners = malloc(3 * sizeof *corners * (size_t)count);
+    uint64_t random = 99;
+    int opened = 0;
+    for (uint32_t i = 0; vertices && corners && i < count; i++) {
+        double *v = vertices + 9 * (size_t)i, size = 0.1 * pow(1e-3, shape_random(&random));
+        double thin = i % 5 ? 1.0 : 1e-6;
+        for (int k = 0; k < 3; k++) {
+            v[k] = 0.15 * one(&random);
+            v[3 + k] = v[k] + size * one(&random);
+            v[6 + k] = v[3 + k] + thin * size * one(&random);
+            corners[3 * i + (uint32_t)k] = 3 * i + (uint32_t)k;
+        }
+        if (i % 7 == 0 && i > 30)
+            corners[3 * i] = corners[3 * (i - 21)];
+        if (i % 11 == 0 && i > 30) {
+            corners[3 * i] = corners[3 * (i - 8) + 1];
+            corners[3 * i + 1] = corners[3 * (i - 8)];
+        }
+        if (i % 50 == 1)
+            for (uint32_t k = 0; k < 3; k++)
+                corners[3 * i + k] = corners[3 * (i - 1) + (i % 100 ? 2 - k : k)];
+    }
+    if (vertices && corners)
+        opened = fixture_from_arrays(fixture, vertices, 3 * (size_t)count, corners, count);
+    free(vertices);
+    free(corners);
+    return opened;
+}
+
+static int subject_open(const struct subject *subject, struct fixture *fixture)
+{
+    if (!strcmp(subject->name, "soup"))
+        return soup(fixture, (uint32_t)subject->triangles);
+    return fixture_from_shape(fixture, subject->name, subject->triangles);
 }
 
 static void unit(double v[3])
@@ -213,7 +258,7 @@ static void certificate_is_the_tree(void)
 {
     for (size_t s = 0; s < sizeof subjects / sizeof *subjects; s++) {
         struct fixture fixture;
-        if (!fixture_from_shape(&fixture, subjects[s].name, subjects[s].triangles))
+        if (!subject_open(&subjects[s], &fixture))
             continue;
         uint64_t whole = whole_cache(fixture.mesh);
         const uint64_t caches[] = { 0, 272, whole / 10, whole, 3 * whole };

@@ -57,7 +57,7 @@ typedef struct dpt_world_def {
     uint32_t budget;       /* of a step, DPT_METHOD_EXACT only, see below; 0: unlimited */
     double stiffness;      /* of the penalty force, N/m, >= 0; 500 */
     /*
-     * DPT_METHOD_EXACT's memory of what it proved in earlier ticks, 264 bytes for 16 separating planes; all
+     * DPT_METHOD_EXACT's memory of what it proved in earlier ticks, 272 bytes for 16 separating planes; all
      * tools and bodies share it. Too little costs time, never truth; 0 keeps nothing; at most 2^40; 1 MiB.
      */
     uint64_t certificate_bytes;
