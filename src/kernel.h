@@ -20,9 +20,9 @@
 /*
  * A bound that is reported may lie above the true distance by at most
  * KERNEL_MARGIN * (1 + |A| + |B|), in the filter's frame. docs/algorithms/tree.md adds up the terms:
- * at most 34 units of 2^-24; 48 are allowed for.
+ * at most 65 units of 2^-24; 80 are allowed for.
  */
-#define KERNEL_MARGIN (64.0f * 0x1p-24f)
+#define KERNEL_MARGIN (80.0f * 0x1p-24f)
 
 /* 16 planes: all of a lane's vertices have x nx + y ny + z nz >= support. Zeros are no plane at all. */
 struct planes {
