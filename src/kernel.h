@@ -18,11 +18,15 @@
 #define LANES 16
 
 /*
- * A bound that is reported may lie above the true distance by at most
- * KERNEL_MARGIN * (1 + |A| + |B|), in the filter's frame. docs/algorithms/tree.md adds up the terms:
- * at most 65 units of 2^-24; 80 are allowed for.
+ * A bound that is reported may lie above the true distance by at most kernel_margin(|A|, |B|), in the filter's
+ * frame, and by KERNEL_STRETCH of itself, since a direction may be longer than 1. docs/algorithms/tree.md adds
+ * up the terms: at most 47 + 20 |A| + |B| units of 2^-24, and 10 of the bound.
  */
-#define KERNEL_MARGIN (80.0f * 0x1p-24f)
+static inline double kernel_margin(double a, double b)
+{
+    return (56.0 + 24.0 * a + 4.0 * b) * 0x1p-24;
+}
+#define KERNEL_STRETCH 0x1p-20
 
 /* 16 planes: all of a lane's vertices have x nx + y ny + z nz >= support. Zeros are no plane at all. */
 struct planes {

@@ -25,7 +25,7 @@ static inline vec3 probe_axis(struct probe *probe, const struct dpt_mesh *mesh, 
     put_float(to, probe->b);
     put_float(x, probe->x);
     probe->length = (float)(size * scale);
-    probe->margin = KERNEL_MARGIN * (1.0f + (float)(length(from) + length(to)));
+    probe->margin = (float)kernel_margin(length(from), length(to));
     return x;
 }
 
@@ -43,7 +43,8 @@ static inline void probe_frame(struct probe *probe, vec3 x)
 /* A bound beyond the limit belongs to what is farther than the distance, not as far. */
 static inline void probe_limit(struct probe *probe, const struct dpt_mesh *mesh, double distance)
 {
-    probe->limit = (float)(distance * mesh->filter_scale) * (1.0f + 0x1p-22f) + probe->margin;
+    double stretched = distance * mesh->filter_scale * (1.0 + KERNEL_STRETCH);
+    probe->limit = (float)stretched + probe->margin;
 }
 
 /* How far along a normal the axis goes. */

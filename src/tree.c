@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
  * Depth first, nearest child first, through a tree that is 16 wide (docs/algorithms/tree.md). Bounds
- * are float and sound by KERNEL_MARGIN; what they cannot rule out is evaluated in double. So float
+ * are float and sound by kernel_margin; what they cannot rule out is evaluated in double. So float
  * decides how long it takes, never what the answer is.
  */
 #include "tree.h"
@@ -517,7 +517,8 @@ double walk_ahead(const struct walk *walk, const struct tree *tree, vec3 a, vec3
         const struct visit *visit = &walk->level[l];
         if (!visit->lanes)
             continue;
-        double ahead = visit->bound[least_lane(visit->bound, visit->lanes)] - probe.margin;
+        double bound = visit->bound[least_lane(visit->bound, visit->lanes)];
+        double ahead = bound * (1.0 - KERNEL_STRETCH) - probe.margin;
         if (!(ahead > 0.0))
             return 0.0;
         least = smaller(least, ahead);

@@ -147,7 +147,7 @@ static struct tool move_tool(uint64_t *random, const struct tool *tool)
 
 static double margin_of(const struct tool *tool)
 {
-    return (double)KERNEL_MARGIN * (1.0 + length(tool->a) + length(add(tool->a, tool->u)));
+    return kernel_margin(length(tool->a), length(add(tool->a, tool->u)));
 }
 
 /* A distance that rounding leaves alone. */
