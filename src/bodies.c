@@ -15,8 +15,10 @@ struct hunt {
     vec3 a, b;
     struct box box; /* of the axis */
     struct found *best;
-    double distance; /* of the best */
-    uint32_t next;   /* body that the budget did not reach, or DPT_NONE */
+    double distance;   /* of the best */
+    uint32_t followed; /* body whose dynamic point was followed */
+    double moved;      /* the axis, in its frame */
+    uint32_t next;     /* body that the budget did not reach, or DPT_NONE */
 };
 
 static int is_spent(const struct hunt *hunt)
@@ -85,18 +87,70 @@ static double moved_since(const struct proof *proof, const struct axis *axis)
     return moved > 0.0 ? moved + axis->error : 0.0;
 }
 
+/* Of what is left, the dynamic point may take half; its proof needs the rest. */
+static uint32_t most_slide(const struct dpt_world *world)
+{
+    return world->left / 2;
+}
+
+/* What a search that was stopped has proven, at the place where its body's proof was brought up to date. */
+static double floor_so_far(const struct pause *pause, const struct tree *tree,
+                           const struct proof *proof)
+{
+    if (!pause->walk.at)
+        return 0.0;
+    return smaller(pause->floor, walk_ahead(&pause->walk, tree, proof->a, sub(proof->b, proof->a)));
+}
+
+/* A search is given up: what it has proven stays. */
+static void give_up(struct dpt_world *world, uint32_t segment)
+{
+    struct pause *pause = &world->pauses[segment];
+    struct proof *proof = world_proof(world, segment, pause->body);
+    const struct tree *tree = &world->bodies[pause->body].tree;
+    proof->floor = larger(proof->floor, floor_so_far(pause, tree, proof));
+    pause->walk.at = 0;
+}
+
+/*
+ * Bring what is proven of a body up to date; returns how far the ends moved. A search that was stopped stays valid
+ * when the axis moves, but its answer will only be bounded: when the axis then rests, it begins again.
+ */
+static double update(struct dpt_world *world, uint32_t segment, uint32_t index,
+                     const struct axis *axis)
+{
+    struct proof *proof = world_proof(world, segment, index);
+    struct pause *pause = &world->pauses[segment];
+    double moved = moved_since(proof, axis);
+    proof->floor = larger(0.0, proof->floor - moved);
+    proof->a = axis->local_a;
+    proof->b = add(axis->local_a, axis->u);
+    if (pause->body != index || !pause->walk.at)
+        return moved;
+    if (moved > 0.0) {
+        walk_drift(&pause->walk, &world->bodies[index].tree, moved);
+        pause->floor -= moved;
+        pause->moved = 1;
+    } else if (pause->moved || !pause->anew) {
+        give_up(world, segment);
+    }
+    return moved;
+}
+
 /* The dynamic point on the body that was nearest. A resting one has nowhere to go. */
 static void follow(struct hunt *hunt, uint32_t index)
 {
     struct dpt_world *world = hunt->world;
     const struct body *body = &world->bodies[index];
     struct track *track = &hunt->best->track;
-    int slide = !is_spent(hunt);
     axis_in(hunt, body, &track->axis);
+    hunt->followed = index;
+    hunt->moved = 1.0;
     if (world->def.budget)
-        slide &= moved_since(world_proof(world, hunt->segment, index), &track->axis) > 0.0;
+        hunt->moved = update(world, hunt->segment, index, &track->axis);
+    int slide = hunt->moved > 0.0 && (!world->def.budget || most_slide(world));
     track_begin(track, &body->tree, *world_last(world, hunt->segment, index), HUGE_VAL, slide,
-                world->left);
+                most_slide(world));
     charge(hunt, &track->nearest);
     take(hunt, body, track);
 }
@@ -107,18 +161,25 @@ static int is_proven(const struct hunt *hunt, double floor)
     return floor >= hunt->distance - TREE_HISTORY * hunt->best->track.axis.error;
 }
 
+/* Of the dynamic point that was followed there is no last tick: planes of the past are another place's. */
+static uint32_t is_first(const struct hunt *hunt, const struct track *track)
+{
+    return track == &hunt->best->track && track->last == DPT_NONE;
+}
+
 /* Search a body; what was visited is no nearer than `floor`. 0 if the budget ended that. */
 static int prove(struct hunt *hunt, uint32_t index, struct track *track, int slide,
                  struct walk *walk, double *floor)
 {
     struct dpt_world *world = hunt->world;
     const struct body *body = &world->bodies[index];
-    const struct keeper keeper = { &world->certificate, world_owner(world, hunt->segment, index) };
-    if (track == &hunt->best->track)
-        track->nearest.most = world->left;
-    else
+    if (track != &hunt->best->track)
         track_begin(track, &body->tree, *world_last(world, hunt->segment, index),
-                    hunt->best->track.nearest.pair.distance2, slide, world->left);
+                    hunt->best->track.nearest.pair.distance2, slide, most_slide(world));
+    track->nearest.most = world->left;
+    const struct keeper keeper = { &world->certificate, world_owner(world, hunt->segment, index),
+                                   world->def.budget ? world->pauses[hunt->segment].anew
+                                                     : is_first(hunt, track) };
     int done = track_prove(track, &body->tree, &world->kernel, &keeper, walk);
     *floor = sqrt(track->nearest.pair.distance2);
     charge(hunt, &track->nearest);
@@ -127,64 +188,37 @@ static int prove(struct hunt *hunt, uint32_t index, struct track *track, int sli
     return done;
 }
 
-/*
- * Bring what is proven up to date. A search that was stopped stays valid when the axis moves, but its answer
- * will only be bounded: when the axis then rests, it begins again.
- */
-static double update(struct proof *proof, struct pause *pause, const struct tree *tree,
-                     const struct axis *axis)
-{
-    double moved = moved_since(proof, axis);
-    proof->floor = larger(0.0, proof->floor - moved);
-    proof->a = axis->local_a;
-    proof->b = add(axis->local_a, axis->u);
-    if (pause && moved > 0.0) {
-        walk_drift(&pause->walk, tree, moved);
-        pause->floor -= moved;
-        pause->moved = 1;
-    } else if (pause && pause->moved) {
-        pause->walk.at = 0;
-    }
-    return moved;
-}
-
-/* What a search that was stopped has proven. */
-static double floor_so_far(const struct pause *pause, const struct tree *tree,
-                           const struct axis *axis)
-{
-    if (!pause->walk.at)
-        return 0.0;
-    return smaller(pause->floor, walk_ahead(&pause->walk, tree, axis->local_a, axis->u));
-}
-
-/* Prove as much as the budget allows, unless enough is proven; note what is. */
-static void ask_in_pieces(struct hunt *hunt, uint32_t index, struct track *track)
+/* Prove as much as the budget allows, unless enough is proven; note what is. The boxes are `apart`. */
+static void ask_in_pieces(struct hunt *hunt, uint32_t index, double apart, struct track *track)
 {
     struct dpt_world *world = hunt->world;
     const struct tree *tree = &world->bodies[index].tree;
-    const struct axis axis = track->axis;
     struct proof *proof = world_proof(world, hunt->segment, index);
     struct pause *pause = &world->pauses[hunt->segment];
-    double moved = update(proof, pause->body == index ? pause : NULL, tree, &axis);
+    double moved = hunt->moved;
     int done = 0;
+    if (index != hunt->followed)
+        moved = update(world, hunt->segment, index, &track->axis);
+    proof->floor = larger(proof->floor, apart);
     if (is_proven(hunt, proof->floor))
         return;
     if (!is_spent(hunt)) {
         double floor;
         if (pause->body != index || !pause->walk.at) {
+            give_up(world, hunt->segment);
             pause->body = index;
-            pause->walk.at = 0;
             pause->floor = HUGE_VAL;
             pause->moved = 0;
+            pause->anew = moved == 0.0 || is_first(hunt, track);
         }
-        done = prove(hunt, index, track, moved > 0.0, &pause->walk, &floor);
+        done = prove(hunt, index, track, moved > 0.0 && most_slide(world), &pause->walk, &floor);
         pause->floor = smaller(pause->floor, floor);
         if (done)
             proof->floor = larger(proof->floor, pause->floor);
     }
     double floor = proof->floor;
     if (!done && pause->body == index)
-        floor = larger(floor, floor_so_far(pause, tree, &axis));
+        floor = larger(floor, floor_so_far(pause, tree, proof));
     if (!done && hunt->next == DPT_NONE)
         hunt->next = index;
     hunt->best->lower = smaller(hunt->best->lower, floor);
@@ -199,14 +233,14 @@ static void ask(struct hunt *hunt, uint32_t index)
     struct track other, *track = is_best ? &best->track : &other;
     if (!body->slot.used || hunt->distance == 0.0)
         return;
-    if (!is_best) {
-        if (box_distance(&hunt->box, &world->boxes[index]) >= hunt->distance)
-            return;
+    double apart = is_best ? 0.0 : box_distance(&hunt->box, &world->boxes[index]);
+    if (apart >= hunt->distance)
+        return;
+    if (!is_best)
         axis_in(hunt, body, &other.axis);
-    }
     best->error = larger(best->error, track->axis.error);
     if (world->def.budget) {
-        ask_in_pieces(hunt, index, track);
+        ask_in_pieces(hunt, index, apart, track);
     } else {
         struct walk walk;
         double floor;
@@ -215,41 +249,97 @@ static void ask(struct hunt *hunt, uint32_t index)
     }
 }
 
-/* All bodies that may be near are listed, or, where the budget ended that, nothing is known of the rest. */
-static void list_near(struct hunt *hunt)
+static void put_on_list(const struct dpt_world *world, uint32_t segment, struct home *home,
+                        uint32_t index)
+{
+    uint32_t *list = world_near(world, segment, home->which);
+    for (uint32_t i = 0; i < home->listed; i++)
+        if (list[i] == index)
+            return;
+    list[home->listed++] = index;
+}
+
+/* Go on with the list of the next home. */
+static void scan(struct hunt *hunt, struct near *near)
 {
     struct dpt_world *world = hunt->world;
-    struct near *near = &world->segments[hunt->segment].near;
-    uint32_t *list = world_near(world, hunt->segment);
-    if (!near_serves(near, hunt->distance))
-        near_settle(near, hunt->distance);
+    struct home *home = &near->next;
+    uint32_t *list = world_near(world, hunt->segment, home->which);
     while (near->scanned < world->body_end && !is_spent(hunt)) {
         struct nearest unit = { .work = 1 };
         charge(hunt, &unit);
         for (int i = 0; i < LANES && near->scanned < world->body_end; i++) {
             uint32_t index = near->scanned++;
-            if (world->bodies[index].slot.used && box_meets(&near->home, &world->boxes[index]))
-                list[near->listed++] = index;
+            if (world->bodies[index].slot.used && box_meets(&home->box, &world->boxes[index]))
+                list[home->listed++] = index;
         }
     }
-    if (near->scanned < world->body_end)
-        hunt->best->lower = 0.0;
+    if (near->scanned == world->body_end)
+        near_arrive(near);
+}
+
+/* All bodies that may be near are listed, or it is noted how near others may be. */
+static void list_near(struct hunt *hunt, struct near *near)
+{
+    near_move(near, hunt->a, hunt->b);
+    if (!near->scanning && !(near->now.room > 0.0 && near_reach(near) >= hunt->distance))
+        near_settle(near, hunt->distance);
+    if (near->scanning)
+        scan(hunt, near);
+    if (near_reach(near) < hunt->distance)
+        hunt->best->lower = near_reach(near);
+}
+
+/* When all is proven, and the budget has room for a whole scan: for the ticks to come. */
+static void tidy_near(struct hunt *hunt, struct near *near)
+{
+    const struct dpt_world *world = hunt->world;
+    uint32_t units = (world->body_end + LANES - 1) / LANES;
+    if (!near_is_wide(near, hunt->distance) || (world->def.budget && world->left < units))
+        return;
+    near_settle(near, hunt->distance);
+    scan(hunt, near);
+}
+
+/* The bodies that may be near, by place on the list. */
+static uint32_t near_count(const struct hunt *hunt)
+{
+    const struct dpt_world *world = hunt->world;
+    return world->body_end <= BODIES_FEW ? world->body_end
+                                         : world->segments[hunt->segment].near.now.listed;
+}
+
+static uint32_t near_at(const struct hunt *hunt, uint32_t place)
+{
+    const struct dpt_world *world = hunt->world;
+    uint32_t which = world->segments[hunt->segment].near.now.which;
+    return world->body_end <= BODIES_FEW ? place : world_near(world, hunt->segment, which)[place];
+}
+
+/* Where nothing is known, the body whose box is nearest is the best to begin with. */
+static uint32_t nearest_box(const struct hunt *hunt)
+{
+    uint32_t best = DPT_NONE;
+    double least = HUGE_VAL;
+    for (uint32_t i = 0; i < near_count(hunt); i++) {
+        uint32_t index = near_at(hunt, i);
+        double apart = box_distance(&hunt->box, &hunt->world->boxes[index]);
+        if (hunt->world->bodies[index].slot.used && apart < least) {
+            least = apart;
+            best = index;
+        }
+    }
+    return best;
 }
 
 /* Each of them, from `first` on. */
 static void ask_near(struct hunt *hunt, uint32_t first)
 {
-    struct dpt_world *world = hunt->world;
-    int few = world->body_end <= BODIES_FEW;
-    const uint32_t *list = world_near(world, hunt->segment);
-    uint32_t count = few ? world->body_end : world->segments[hunt->segment].near.listed;
-    uint32_t begin = few ? first : 0;
-    for (uint32_t i = 0; !few && i < count; i++)
-        begin = list[i] == first ? i : begin;
-    for (uint32_t i = 0; i < count; i++) {
-        uint32_t at = begin + i < count ? begin + i : begin + i - count;
-        ask(hunt, few ? at : list[at]);
-    }
+    uint32_t count = near_count(hunt), begin = 0;
+    while (begin < count && near_at(hunt, begin) != first)
+        begin++;
+    for (uint32_t i = 0; i < count; i++)
+        ask(hunt, near_at(hunt, begin + i < count ? begin + i : begin + i - count));
 }
 
 static void find_exact(struct hunt *hunt)
@@ -262,19 +352,26 @@ static void find_exact(struct hunt *hunt)
             first = i;
     if (first == DPT_NONE)
         return;
+    int many = world->body_end > BODIES_FEW;
     hunt->box = box_of_axis(hunt->a, hunt->b);
     follow(hunt, first);
-    if (world->body_end > BODIES_FEW) {
-        near_move(&segment->near, hunt->a, hunt->b);
-        list_near(hunt);
-    }
+    if (many)
+        list_near(hunt, &segment->near);
+    /* In motion all bodies get their turn; a first search, and one at rest, begins where it costs least. */
+    uint32_t begin = hunt->best->track.last == DPT_NONE ? nearest_box(hunt) : first;
     if (world->def.budget) {
         struct pause *pause = &world->pauses[hunt->segment];
-        ask_near(hunt, pause->next != DPT_NONE ? pause->next : first);
+        if (pause->next != DPT_NONE && (hunt->moved > 0.0 || (pause->walk.at && pause->anew)))
+            begin = pause->next;
+        else if (hunt->moved == 0.0)
+            begin = nearest_box(hunt);
+        ask_near(hunt, begin);
         pause->next = hunt->next;
     } else {
-        ask_near(hunt, first);
+        ask_near(hunt, begin);
     }
+    if (many && hunt->moved > 0.0 && is_proven(hunt, hunt->best->lower))
+        tidy_near(hunt, &segment->near);
 }
 
 void bodies_find(struct dpt_world *world, uint32_t segment, vec3 a, vec3 b, struct found *best)
@@ -303,9 +400,10 @@ void bodies_hit(const struct found *best, dpt_hit *hit)
     hit->body = body->id;
     hit->work = best->work;
     hit->error_bound = best->error;
-    hit->lower_bound = larger(0.0, smaller(best->lower, hit->distance) - best->error);
+    hit->lower_bound = larger(0.0, hit->distance - best->error);
     if (!best->exact) {
         hit->status = DPT_STATUS_BOUNDED;
+        hit->lower_bound = larger(0.0, best->lower - best->error);
         hit->error_bound = hit->distance - hit->lower_bound;
     }
 }
@@ -318,12 +416,9 @@ void bodies_place(struct dpt_world *world, uint32_t index)
     *box = box_in_world(vec3_of(mesh->box_min), vec3_of(mesh->box_max), &body->frame);
     for (uint32_t s = 0; world->body_end > BODIES_FEW && s < world->segment_count; s++) {
         struct near *near = &world->segments[s].near;
-        uint32_t *list = world_near(world, s), i = 0;
-        if (!(near->room > 0.0) || index >= near->scanned || !box_meets(&near->home, box))
-            continue;
-        while (i < near->listed && list[i] != index)
-            i++;
-        if (i == near->listed)
-            list[near->listed++] = index;
+        if (near->now.room > 0.0 && box_meets(&near->now.box, box))
+            put_on_list(world, s, &near->now, index);
+        if (near->scanning && index < near->scanned && box_meets(&near->next.box, box))
+            put_on_list(world, s, &near->next, index);
     }
 }

@@ -13,7 +13,7 @@
 #include "kernel.h"
 
 struct block {
-    uint64_t key; /* whose it is: owner << 32 | node; 0 is nobody's */
+    uint64_t key;         /* whose it is: owner << 32 | node; 0 is nobody's */
     uint32_t open;        /* lanes that new planes did not close when they were last made */
     uint16_t wait, pause; /* visits until one plane for all of it is tried again; the next wait */
     struct planes planes;
@@ -29,6 +29,7 @@ struct certificate {
 struct keeper {
     const struct certificate *certificate; /* or NULL */
     uint32_t owner;
+    uint32_t anew; /* planes are made and kept, but those of before are not asked */
 };
 
 /*

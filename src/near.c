@@ -30,8 +30,8 @@ void near_move(struct near *near, vec3 a, vec3 b)
 double near_reach(const struct near *near)
 {
     struct box axis = box_of_axis(near->a, near->b);
-    const struct box *home = &near->home;
-    if (!(near->room > 0.0))
+    const struct box *home = &near->now.box;
+    if (!(near->now.room > 0.0))
         return 0.0;
     double least = smaller(axis.low.x - home->low.x, home->high.x - axis.high.x);
     least = smaller(least, smaller(axis.low.y - home->low.y, home->high.y - axis.high.y));
@@ -46,10 +46,9 @@ static double wanted(const struct near *near, double distance)
     return distance + 0.125 * (distance + size) + 128.0 * near->speed;
 }
 
-int near_serves(const struct near *near, double distance)
+int near_is_wide(const struct near *near, double distance)
 {
-    return near->room > 0.0 && near_reach(near) >= distance &&
-           near->room <= 4.0 * wanted(near, distance);
+    return near->now.room > 4.0 * wanted(near, distance);
 }
 
 void near_settle(struct near *near, double distance)
@@ -57,8 +56,15 @@ void near_settle(struct near *near, double distance)
     struct box axis = box_of_axis(near->a, near->b);
     double room = wanted(near, distance);
     vec3 all = { room, room, room };
-    near->room = room;
-    near->home = (struct box){ sub(axis.low, all), add(axis.high, all) };
-    near->listed = 0;
+    near->next = (struct home){ .box = { sub(axis.low, all), add(axis.high, all) },
+                                .room = room,
+                                .which = 1 - near->now.which };
+    near->scanning = 1;
     near->scanned = 0;
+}
+
+void near_arrive(struct near *near)
+{
+    near->now = near->next;
+    near->scanning = 0;
 }

@@ -13,15 +13,23 @@ struct box {
     vec3 low, high;
 };
 
-/* One axis' home, in the world. */
+/* A home, in the world, and how many bodies are on its list. */
+struct home {
+    struct box box;
+    double room;     /* from the axis to the faces, when it was made; 0: there is none */
+    uint32_t listed; /* bodies */
+    uint32_t which;  /* of the segment's two lists */
+};
+
+/* One axis' surroundings. While a new home's list is made, the old one serves. */
 struct near {
-    struct box home;
-    double room;      /* from the axis to the home's faces, when it was made; 0: there is none */
-    double speed;     /* of the faster end, m a tick; slowly forgotten */
-    vec3 a, b;        /* where the axis was last tick */
-    uint32_t known;   /* 0: it was nowhere */
-    uint32_t listed;  /* bodies on the list */
-    uint32_t scanned; /* body slots from here on were not looked at */
+    struct home now, next;
+    vec3 a, b;         /* where the axis was last tick */
+    double speed;      /* of the faster end, m a tick; slowly forgotten */
+    uint32_t known;    /* 0: it was nowhere */
+    uint32_t scanning; /* there is a `next`; body slots from `scanned` on were not looked at */
+    uint32_t scanned;
+    uint32_t reserved;
 };
 
 /* The box of an axis. */
@@ -53,13 +61,16 @@ static inline int box_meets(const struct box *a, const struct box *b)
 /* A tick begins: the axis is here now. */
 void near_move(struct near *near, vec3 a, vec3 b);
 
-/* All that is not listed is at least so far away, once all slots are scanned. */
+/* All that is not on the list is at least so far away. */
 double near_reach(const struct near *near);
 
-/* The home serves an axis whose nearest body is at `distance`: it is not left, and not far too large. */
-int near_serves(const struct near *near, double distance);
+/* The home is far larger than it would be made now. */
+int near_is_wide(const struct near *near, double distance);
 
-/* A new home for that distance, and an empty list. */
+/* Begin a new home, for an axis whose nearest body is at `distance`. */
 void near_settle(struct near *near, double distance);
+
+/* All slots are scanned: move. */
+void near_arrive(struct near *near);
 
 #endif

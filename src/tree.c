@@ -158,7 +158,7 @@ static struct kept find(const struct search *search, uint32_t node)
     if (spare(search) > 1)
         kept.block = keeper_block(&search->keeper, node);
     if (kept.block)
-        kept.empty = kept.block->key != kept.key;
+        kept.empty = search->keeper.anew || kept.block->key != kept.key;
     return kept;
 }
 
@@ -312,7 +312,7 @@ static uint32_t open_triangles(struct search *search, uint32_t leaf, const struc
         if (!lanes && !wanted)
             return 0;
     }
-    if (search->has_plane && spare(search) > 1) {
+    if (search->has_plane && !search->keeper.anew && spare(search) > 1) {
         search->nearest->work++;
         uint32_t open = search->kernel->common_triangles(rows, probe->normal,
                                                          probe->height + probe->limit, low);
@@ -412,6 +412,7 @@ static void look_into_boxes(struct search *search, uint32_t level, uint32_t node
     visit->node = node;
     visit->lanes = lanes;
     visit->found = but != 0;
+    visit->least = 0.0f;
 }
 
 /* Nothing is left to look into; its parent learns what was found. */
@@ -433,8 +434,8 @@ static void leave_boxes(struct search *search, uint32_t level)
 static uint32_t begin(struct search *search)
 {
     uint32_t level = search->tree->levels, known = search->nearest->triangle;
-    if (!search->keeper.certificate || search->slack == 0.0 || known == DPT_NONE ||
-        spare(search) < 4 * (level + 1)) {
+    if (!search->keeper.certificate || search->keeper.anew || search->slack == 0.0 ||
+        known == DPT_NONE || spare(search) < 4 * (level + 1)) {
         look_into_boxes(search, level, 0, 0);
         return level;
     }
@@ -457,7 +458,7 @@ int tree_walk(const struct tree *tree, const struct kernel *kernel, const struct
     struct search search;
     search.tree = tree;
     search.kernel = kernel;
-    search.keeper = keeper ? *keeper : (struct keeper){ NULL, 0 };
+    search.keeper = keeper ? *keeper : (struct keeper){ NULL, 0, 0 };
     search.nearest = nearest;
     search.a = a;
     search.u = u;
@@ -479,10 +480,14 @@ int tree_walk(const struct tree *tree, const struct kernel *kernel, const struct
         if (!spare(&search))
             break;
         visit->lanes &= ~(1u << lane);
-        if (level == 1)
-            look_into_leaf(&search, visit->node * LANES + lane);
-        else
-            look_into_boxes(&search, --level, visit->node * LANES + lane, 0);
+        uint32_t child = visit->node * LANES + lane;
+        if (level == 1) {
+            look_into_leaf(&search, child);
+        } else {
+            float least = visit->bound[lane] > visit->least ? visit->bound[lane] : visit->least;
+            look_into_boxes(&search, --level, child, 0);
+            walk->level[level].least = least;
+        }
     }
     int done = level > tree->levels || meets(nearest);
     walk->at = done ? 0 : level;
@@ -503,6 +508,7 @@ void walk_drift(struct walk *walk, const struct tree *tree, double motion)
     float drop = (float)(motion * tree->mesh->filter_scale * (1.0 + 0x1p-16));
     for (uint32_t l = walk->at; l && l <= tree->levels; l++) {
         float *bound = walk->level[l].bound;
+        walk->level[l].least -= drop + 0x1p-22f * fabsf(walk->level[l].least);
         for (int i = 0; i < LANES; i++)
             bound[i] = bound[i] - drop - 0x1p-22f * fabsf(bound[i]);
     }
@@ -518,6 +524,7 @@ double walk_ahead(const struct walk *walk, const struct tree *tree, vec3 a, vec3
         if (!visit->lanes)
             continue;
         double bound = visit->bound[least_lane(visit->bound, visit->lanes)];
+        bound = larger(visit->least, bound);
         double ahead = bound * (1.0 - KERNEL_STRETCH) - probe.margin;
         if (!(ahead > 0.0))
             return 0.0;

@@ -38,7 +38,7 @@ struct visit {
     uint32_t lanes;
     uint32_t node;
     uint32_t found; /* something below it was open to the end */
-    uint32_t reserved;
+    float least;    /* a bound of all of it, from the nodes above */
 };
 
 /* Where a search stands: a path of nodes from the root down to `at`. */

@@ -10,7 +10,7 @@ enum {
     BYTES_WORLD = 320,
     BYTES_BODY = 384, /* with its box */
     BYTES_TOOL = 192,
-    BYTES_SEGMENT = 384,
+    BYTES_SEGMENT = 448,
     BYTES_PAUSE = 768,
     BYTES_PROOF = 64
 };
@@ -93,7 +93,7 @@ static uint64_t bytes_last(const dpt_world_def *def)
 
 static uint64_t bytes_near(const dpt_world_def *def)
 {
-    return mesh_aligned(4 * bonds(def));
+    return mesh_aligned(8 * bonds(def));
 }
 
 static uint64_t bytes_budget(const dpt_world_def *def)
@@ -275,10 +275,8 @@ dpt_result dpt_body_add(dpt_world *world, const dpt_mesh *mesh, const dpt_pose *
     made->frame = frame;
     made->valid = 1;
     tree_of_mesh(mesh, &made->tree);
-    for (uint32_t s = 0; s < world->segment_count; s++) {
+    for (uint32_t s = 0; s < world->segment_count; s++)
         memset(world_last(world, s, index), 0xff, world->def.parts * sizeof *world->last);
-        forget_proofs(world, s, index);
-    }
     forget_planes(world, 0, world->segment_count, index);
     bodies_place(world, index);
     *body = made->id;
@@ -292,9 +290,11 @@ dpt_result dpt_body_remove(dpt_world *world, dpt_body body)
         return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
     slot_release(&old->slot);
     world->invalid -= !old->valid;
-    for (uint32_t s = 0; s < world->segment_count; s++)
+    for (uint32_t s = 0; s < world->segment_count; s++) {
+        forget_proofs(world, s, handle_index(body));
         if (world->segments[s].last_body == handle_index(body))
             world->segments[s].last_body = DPT_NONE;
+    }
     return DPT_OK;
 }
 
@@ -387,8 +387,8 @@ dpt_result dpt_tool_remove(dpt_world *world, dpt_tool tool)
             moved * sizeof *world->segments);
     memmove(world_last(world, old->first, 0), world_last(world, behind, 0),
             moved * world_lasts(world) * sizeof *world->last);
-    memmove(world_near(world, old->first), world_near(world, behind),
-            moved * bodies * sizeof *world->near);
+    memmove(world_near(world, old->first, 0), world_near(world, behind, 0),
+            moved * 2 * bodies * sizeof *world->near);
     if (world->def.budget) {
         memmove(&world->pauses[old->first], &world->pauses[behind], moved * sizeof *world->pauses);
         memmove(world_proof(world, old->first, 0), world_proof(world, behind, 0),

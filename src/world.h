@@ -50,8 +50,9 @@ struct pause {
     double floor;   /* nothing that was visited is nearer */
     uint32_t body;  /* slot that it searches */
     uint32_t moved; /* the axis is not where it was when the search began */
-    uint32_t next;  /* slot of the body to go on with, or DPT_NONE */
-    uint32_t reserved;
+    uint32_t
+        anew; /* it began at rest: without planes of before, so that it costs no more than a first search */
+    uint32_t next; /* slot of the body to go on with, or DPT_NONE */
 };
 
 struct dpt_world {
@@ -70,7 +71,7 @@ struct dpt_world {
     struct segment *segments;
     struct certificate certificate;
     uint32_t *last; /* per segment, body slot and part: the place of the last answer, or DPT_NONE */
-    uint32_t *near; /* per segment: the slots of the bodies on its list */
+    uint32_t *near; /* per segment: the slots of the bodies on its two lists */
     struct pause *pauses; /* per segment; only with a budget, as the proofs */
     struct proof *proofs; /* per segment and body slot */
 };
@@ -87,10 +88,10 @@ static inline uint32_t *world_last(const struct dpt_world *world, uint32_t segme
     return world->last + world_lasts(world) * segment + (size_t)body * world->def.parts;
 }
 
-/* The list of a segment, of at most max_bodies slots. */
-static inline uint32_t *world_near(const struct dpt_world *world, uint32_t segment)
+/* A segment's two lists, of at most max_bodies slots each. */
+static inline uint32_t *world_near(const struct dpt_world *world, uint32_t segment, uint32_t which)
 {
-    return world->near + (size_t)world->def.max_bodies * segment;
+    return world->near + (size_t)world->def.max_bodies * (2 * (size_t)segment + which);
 }
 
 static inline struct proof *world_proof(const struct dpt_world *world, uint32_t segment,

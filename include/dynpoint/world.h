@@ -73,9 +73,9 @@ static inline void dpt_world_def_init(dpt_world_def *def)
 
 /*
  * The bytes that a world of this def needs:
- *     320 + 384 max_bodies + 192 max_tools + 384 max_segments
+ *     320 + 384 max_bodies + 192 max_tools + 448 max_segments
  *         + (budget ? 768 max_segments + 64 max_segments max_bodies : 0)
- *         + 4 max_segments max_bodies parts + 4 max_segments max_bodies + certificate_bytes,
+ *         + 4 max_segments max_bodies parts + 8 max_segments max_bodies + certificate_bytes,
  * each of the last three terms rounded up to a multiple of 64. 0 for a def that is not valid.
  */
 DPT_API size_t dpt_world_bytes(const dpt_world_def *def);
