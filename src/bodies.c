@@ -18,6 +18,7 @@ struct hunt {
     double distance;   /* of the best */
     uint32_t followed; /* body whose dynamic point was followed */
     double moved;      /* the axis, in its frame */
+    uint32_t is_new;   /* there was no last tick: planes of the past are another place's */
     uint32_t next;     /* body that the budget did not reach, or DPT_NONE */
 };
 
@@ -151,6 +152,8 @@ static void follow(struct hunt *hunt, uint32_t index)
     int slide = hunt->moved > 0.0 && (!world->def.budget || most_slide(world));
     track_begin(track, &body->tree, *world_last(world, hunt->segment, index), HUGE_VAL, slide,
                 most_slide(world));
+    hunt->is_new = track->last == DPT_NONE;
+    hunt->best->error = track->axis.error;
     charge(hunt, &track->nearest);
     take(hunt, body, track);
 }
@@ -159,12 +162,6 @@ static void follow(struct hunt *hunt, uint32_t index)
 static int is_proven(const struct hunt *hunt, double floor)
 {
     return floor >= hunt->distance - TREE_HISTORY * hunt->best->track.axis.error;
-}
-
-/* Of the dynamic point that was followed there is no last tick: planes of the past are another place's. */
-static uint32_t is_first(const struct hunt *hunt, const struct track *track)
-{
-    return track == &hunt->best->track && track->last == DPT_NONE;
 }
 
 /* Search a body; what was visited is no nearer than `floor`. 0 if the budget ended that. */
@@ -179,7 +176,7 @@ static int prove(struct hunt *hunt, uint32_t index, struct track *track, int sli
     track->nearest.most = world->left;
     const struct keeper keeper = { &world->certificate, world_owner(world, hunt->segment, index),
                                    world->def.budget ? world->pauses[hunt->segment].anew
-                                                     : is_first(hunt, track) };
+                                                     : hunt->is_new };
     int done = track_prove(track, &body->tree, &world->kernel, &keeper, walk);
     *floor = sqrt(track->nearest.pair.distance2);
     charge(hunt, &track->nearest);
@@ -209,7 +206,7 @@ static void ask_in_pieces(struct hunt *hunt, uint32_t index, double apart, struc
             pause->body = index;
             pause->floor = HUGE_VAL;
             pause->moved = 0;
-            pause->anew = moved == 0.0 || is_first(hunt, track);
+            pause->anew = moved == 0.0 || hunt->is_new;
         }
         done = prove(hunt, index, track, moved > 0.0 && most_slide(world), &pause->walk, &floor);
         pause->floor = smaller(pause->floor, floor);
@@ -358,7 +355,7 @@ static void find_exact(struct hunt *hunt)
     if (many)
         list_near(hunt, &segment->near);
     /* In motion all bodies get their turn; a first search, and one at rest, begins where it costs least. */
-    uint32_t begin = hunt->best->track.last == DPT_NONE ? nearest_box(hunt) : first;
+    uint32_t begin = hunt->is_new ? nearest_box(hunt) : first;
     if (world->def.budget) {
         struct pause *pause = &world->pauses[hunt->segment];
         if (pause->next != DPT_NONE && (hunt->moved > 0.0 || (pause->walk.at && pause->anew)))

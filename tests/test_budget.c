@@ -9,9 +9,9 @@
  * which bodies there are, is that of the step before; after the first step of a world, or after a
  * reset, that step itself, as there is nothing to undo. `full` is dpt_step.work of the first step
  * of another world of the same def, but without a budget, at that place. Tick ceil(full / budget)
- * of the rest, and every later one, is exact in all segments. A search begins with what is known and with
- * the body whose turn it is, not as a new world does; that may cost more, `search_most` times at
- * the worst, and does so on at most one rest in fifty (docs/algorithms/budget.md).
+ * of the rest, and every later one, is exact in all segments. Where bodies are equally near, which is
+ * searched first is a matter of slots, which differ between the two worlds, and so may the cost be, up to
+ * `search_most` times; at most one rest in a hundred takes a tick more (docs/algorithms/budget.md).
  *
  *     test_budget [TICKS]   of each mesh, motion and budget; the default is what make check runs
  */
@@ -29,7 +29,7 @@ enum { BODIES_MOST = 40, SEGMENTS_MOST = 12, SCENES = 6 };
 enum motion { REST, SLIDE, SPIN, FLY, JUMP, MOVED, MOTIONS };
 static const char *const motions[MOTIONS] = { "rest", "slide", "spin", "fly", "jump", "moved" };
 
-static const double search_most = 1.5;
+static const double search_most = 8.0, search_most_alone = 1.5; /* of one segment and body */
 
 static const uint32_t budgets[] = { 1, 2, 3, 5, 16, 64, 1000 };
 static const uint64_t caches[] = { 0, 272, 1 << 20 };
@@ -381,10 +381,11 @@ static struct side first_step(const struct run *run)
 /* `begun`: the step before had this input. If not, this is the first of all, or after a reset. */
 static void run_rest(struct run *run, int begun)
 {
-    uint32_t full = first_step(run).step.work, allowed = 1, done = 0, spent = 0;
-    if (full > 0)
-        allowed = (uint32_t)ceil(search_most * full / run->budget);
-    for (uint32_t rest = 1; rest <= allowed + 3 || (!done && rest <= 4 * allowed); rest++) {
+    uint32_t full = first_step(run).step.work, done = 0, spent = 0;
+    uint32_t expected = full ? (full + run->budget - 1) / run->budget : 1;
+    int alone = run->stage.scene->segments == 1 && run->stage.scene->bodies == 1;
+    uint32_t allowed = (uint32_t)ceil((alone ? search_most_alone : search_most) * expected);
+    for (uint32_t rest = 1; rest <= expected + 3 || (!done && rest <= allowed); rest++) {
         int exact = run_tick(run, begun || rest > 1);
         uint32_t work = run->found.step.work;
         CHECK(!done || (exact && work == 0), "%s, tick %u: work %u though exact", run->what,
@@ -400,7 +401,7 @@ static void run_rest(struct run *run, int begun)
     all.full += full;
     all.spent += spent;
     all.rests++;
-    all.late += (double)done > ceil((double)full / run->budget) && done > 1;
+    all.late += done > expected;
 }
 
 /* What happens between two ticks. Returns 1 if the next one knows nothing. */
