@@ -349,9 +349,11 @@ static void find_exact(struct hunt *hunt)
             first = i;
     if (first == DPT_NONE)
         return;
+    follow(hunt, first);
+    if (hunt->distance == 0.0)
+        return; /* nothing is nearer */
     int many = world->body_end > BODIES_FEW;
     hunt->box = box_of_axis(hunt->a, hunt->b);
-    follow(hunt, first);
     if (many)
         list_near(hunt, &segment->near);
     /* In motion all bodies get their turn; a first search, and one at rest, begins where it costs least. */

@@ -399,6 +399,56 @@ static void owners_do_not_mix(void)
     fixture_free(&large);
 }
 
+/*
+ * Two bodies of one leaf each in a cache of two blocks: their nodes have the same numbers and the same blocks. The
+ * first is left, the second visited, and then the first again, where another of its triangles is nearest. The
+ * second's plane, taken for that triangle's, would put it 4 m away, behind one that is known.
+ */
+static void keys_name_their_owner(void)
+{
+    const double first[] = { -1.0, -1.0, 10.0, 6.0, -1.0, 10.0, 2.0, 9.0, 10.0,
+                             4.8,  -0.2, 10.5, 5.3, -0.2, 10.5, 5.0, 0.3, 10.5 };
+    const double second[] = { -1.0, -1.0, 4.0,  6.0,  -1.0, 4.0,  2.0,  9.0, 4.0,
+                              -5.2, -0.2, 20.0, -4.7, -0.2, 20.0, -5.0, 0.3, 20.0 };
+    const uint32_t corners[] = { 0, 1, 2, 3, 4, 5 };
+    struct fixture meshes[2];
+    struct twin exact, tree;
+    if (!fixture_from_arrays(&meshes[0], first, 6, corners, 2) ||
+        !fixture_from_arrays(&meshes[1], second, 6, corners, 2))
+        return;
+    dpt_segment segment = { { 0.0, 0.0, 11.0 }, { 0.0, 0.01, 11.0 }, 0.0 };
+    struct twin *const twins[2] = { &exact, &tree };
+    twin_open(&exact, meshes[0].mesh, DPT_METHOD_EXACT, 2 * 272, &segment);
+    twin_open(&tree, meshes[0].mesh, DPT_METHOD_TREE, 0, &segment);
+    dpt_body other[2], between;
+    for (int i = 0; i < 2; i++) {
+        CHECK(dpt_body_add(twins[i]->world, meshes[0].mesh, NULL, &between) == DPT_OK, "add");
+        CHECK(dpt_body_add(twins[i]->world, meshes[1].mesh, NULL, &other[i]) == DPT_OK, "add");
+        CHECK(dpt_body_remove(twins[i]->world, between) == DPT_OK, "remove");
+    }
+    for (uint32_t tick = 0; tick < 15; tick++) {
+        const dpt_pose here = { { 0.0, 0.0, 0.0 }, { 1.0, 0.0, 0.0, 0.0 } };
+        const dpt_pose away = { { 1e3, 0.0, 0.0 }, { 1.0, 0.0, 0.0, 0.0 } };
+        int visit = tick >= 5 && tick < 10;
+        dpt_hit hit[2];
+        segment.a[0] = segment.b[0] = tick < 10 ? 0.0 : 5.0;
+        for (int i = 0; i < 2; i++) {
+            dpt_body_set_pose(twins[i]->world, twins[i]->body, visit ? &away : &here);
+            dpt_body_set_pose(twins[i]->world, other[i], visit ? &here : &away);
+            hit[i] = twin_step(twins[i], &segment);
+        }
+        agree(&hit[0], &hit[1], "one block for two", tick);
+        CHECK(fabs(hit[0].distance - (tick < 5 ? 1.0
+                                      : visit  ? 7.0
+                                               : 0.5)) < 1e-9,
+              "%.17g", hit[0].distance);
+    }
+    free(exact.block);
+    free(tree.block);
+    fixture_free(&meshes[0]);
+    fixture_free(&meshes[1]);
+}
+
 /* The same calls give the same bits, whatever was kept before a reset. */
 static void reset_forgets(void)
 {
@@ -431,6 +481,7 @@ int main(int argc, char **argv)
     TEST(certificate_is_the_tree);
     TEST(what_is_kept_saves_work);
     TEST(owners_do_not_mix);
+    TEST(keys_name_their_owner);
     TEST(planes_leave_with_their_owner);
     TEST(reset_forgets);
     return check_report();
