@@ -8,7 +8,7 @@
  *
  * What makes a bound sound: for ANY direction n, min over the vertices of n.v minus max(n.A, n.B), over
  * |n|, is a lower bound of the distance from segment AB to their hull. However badly a lane guesses its
- * n, only tightness suffers. What is left is the rounding of a few dot products: KERNEL_MARGIN.
+ * n, only tightness suffers. What is left is the rounding of a few dot products: kernel_margin.
  */
 #ifndef DPT_KERNEL_H
 #define DPT_KERNEL_H

@@ -100,7 +100,7 @@ void tree_brute(const struct tree *tree, vec3 a, vec3 u, struct nearest *nearest
 /*
  * The most by which a reported distance is wrong, per unit of the largest coordinate that entered, in
  * the world and in the mesh's frame: half for the rounding of the pair (32 * 2^-53, docs/algorithms/
- * distance.md) and of the transformation into the mesh's frame, three eighths for history (track_next), one
+ * distance.md) and of the transformation into the mesh's frame, three eighths for history (track_settle), one
  * eighth for triangles that touch the plane through the best pair and are not evaluated (tree_search).
  */
 #define TREE_ERROR   (128.0 * 0x1p-53)
