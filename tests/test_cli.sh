@@ -160,12 +160,16 @@ usage_errors()
     for pair in radius:nan radius:inf radius:-0.001 radius:1e7 radius:wide radius: dt:0 dt:-1 \
         dt:nan dt:inf dt:soon stiffness:nan stiffness:inf stiffness:-1 stiffness:2e9 \
         stiffness:hard repeat:0 repeat:-1 repeat:1.5 repeat:many repeat:99999999999999999999 \
-        every:0 every:-1 every:1.5 method:guess against:guess until:lunch kernel:abacus; do
+        every:0 every:-1 every:1.5 budget:-1 budget:1.5 budget:4294967296 budget:few method:guess against:guess until:lunch kernel:abacus; do
         name=${pair%%:*}
         expected=$name
         [ "$name" = against ] && expected=method
         refuses "replay --$pair" "$expected" \
             replay box.dpa box.csv -o out/x --"$name" "${pair#*:}"
+    done
+    for method in tree brute paper; do
+        refuses "replay --budget with $method" budget replay box.dpa box.csv -o out/x \
+            --method $method --budget 8
     done
     refuses 'replay --json beside -o -' json replay box.dpa box.csv -o - --json
     for name in ticks length band speed; do
@@ -441,6 +445,16 @@ answers()
         $17 $18 $19 $20 $21 $22 != "") { wrong = 1 } END { exit wrong }' contact.out
     check '--until changes the pairs' test "$(cut -d, -f1,4,7-16 torus.out)" = \
         "$(cut -d, -f1,4,7-16 track.out)"
+
+    # What a budget ends is bounded, says no more than it knows, and holds what is true.
+    succeeds '--budget' replay torus.dpa torus.csv -o bounded.out --budget 3 --radius 0.003 --json
+    check '--budget: work' grep -q '"work":{[^}]*"max":3}' stdout
+    check '--budget: columns' awk -F, 'NR == FNR { true_distance[$1] = $4; next }
+        $2 == "bounded" { many++; wrong += $3 != "unknown" || $5 $6 != "" || $17 + $18 + $19 != 0 ||
+            $16 > true_distance[$1] + 1e-12 || $4 < true_distance[$1] - 1e-12 ||
+            $4 - $16 > $15 + 1e-12 }
+        $2 == "exact" { wrong += ($4 - true_distance[$1]) ^ 2 > 1e-24 }
+        END { exit wrong || !many }' torus.out bounded.out
 
     for method in exact tree brute; do
         succeeds "--method $method" replay torus.dpa torus.csv -o $method.out --method $method \
