@@ -104,9 +104,8 @@ static double floor_so_far(const struct pause *pause, const struct tree *tree,
 }
 
 /* A search is given up: what it has proven stays. */
-static void give_up(struct dpt_world *world, uint32_t segment)
+static void give_up(struct dpt_world *world, uint32_t segment, struct pause *pause)
 {
-    struct pause *pause = &world->pauses[segment];
     struct proof *proof = world_proof(world, segment, pause->body);
     const struct tree *tree = &world->bodies[pause->body].tree;
     proof->floor = larger(proof->floor, floor_so_far(pause, tree, proof));
@@ -115,25 +114,24 @@ static void give_up(struct dpt_world *world, uint32_t segment)
 
 /*
  * Bring what is proven of a body up to date; returns how far the ends moved. A search that was stopped stays valid
- * when the axis moves, but its answer will only be bounded: when the axis then rests, it begins again.
+ * when the axis moves, but its answer will only be bounded. One at rest ends with the rest; that of the motion before
+ * waits for the motion after, which may come with the next tick: of a device that is slower than the loop.
  */
 static double update(struct dpt_world *world, uint32_t segment, uint32_t index,
                      const struct axis *axis)
 {
     struct proof *proof = world_proof(world, segment, index);
-    struct pause *pause = &world->pauses[segment];
+    struct pause *moving = world_pause(world, segment, 0),
+                 *resting = world_pause(world, segment, 1);
     double moved = moved_since(proof, axis);
+    if (moved > 0.0 && resting->body == index && resting->walk.at)
+        give_up(world, segment, resting);
     proof->floor = larger(0.0, proof->floor - moved);
     proof->a = axis->local_a;
     proof->b = add(axis->local_a, axis->u);
-    if (pause->body != index || !pause->walk.at)
-        return moved;
-    if (moved > 0.0) {
-        walk_drift(&pause->walk, &world->bodies[index].tree, moved);
-        pause->floor -= moved;
-        pause->moved = 1;
-    } else if (pause->moved || !pause->anew) {
-        give_up(world, segment);
+    if (moved > 0.0 && moving->body == index && moving->walk.at) {
+        walk_drift(&moving->walk, &world->bodies[index].tree, moved);
+        moving->floor -= moved;
     }
     return moved;
 }
@@ -165,7 +163,7 @@ static int is_proven(const struct hunt *hunt, double floor)
 }
 
 /* Search a body; what was visited is no nearer than `floor`. 0 if the budget ended that. */
-static int prove(struct hunt *hunt, uint32_t index, struct track *track, int slide,
+static int prove(struct hunt *hunt, uint32_t index, struct track *track, int slide, int anew,
                  struct walk *walk, double *floor)
 {
     struct dpt_world *world = hunt->world;
@@ -175,8 +173,7 @@ static int prove(struct hunt *hunt, uint32_t index, struct track *track, int sli
                     hunt->best->track.nearest.pair.distance2, slide, most_slide(world));
     track->nearest.most = world->left;
     const struct keeper keeper = { &world->certificate, world_owner(world, hunt->segment, index),
-                                   world->def.budget ? world->pauses[hunt->segment].anew
-                                                     : hunt->is_new };
+                                   anew != 0 };
     int done = track_prove(track, &body->tree, &world->kernel, &keeper, walk);
     *floor = sqrt(track->nearest.pair.distance2);
     charge(hunt, &track->nearest);
@@ -191,32 +188,33 @@ static void ask_in_pieces(struct hunt *hunt, uint32_t index, double apart, struc
     struct dpt_world *world = hunt->world;
     const struct tree *tree = &world->bodies[index].tree;
     struct proof *proof = world_proof(world, hunt->segment, index);
-    struct pause *pause = &world->pauses[hunt->segment];
     double moved = hunt->moved;
     int done = 0;
     if (index != hunt->followed)
         moved = update(world, hunt->segment, index, &track->axis);
+    int anew = moved == 0.0 || hunt->is_new;
+    struct pause *pause = world_pause(world, hunt->segment, anew);
     proof->floor = larger(proof->floor, apart);
-    if (is_proven(hunt, proof->floor))
-        return;
-    if (!is_spent(hunt)) {
+    if (!is_proven(hunt, proof->floor) && !is_spent(hunt)) {
         double floor;
         if (pause->body != index || !pause->walk.at) {
-            give_up(world, hunt->segment);
+            give_up(world, hunt->segment, pause);
             pause->body = index;
             pause->floor = HUGE_VAL;
-            pause->moved = 0;
-            pause->anew = moved == 0.0 || hunt->is_new;
         }
-        done = prove(hunt, index, track, moved > 0.0 && most_slide(world), &pause->walk, &floor);
+        done =
+            prove(hunt, index, track, moved > 0.0 && most_slide(world), anew, &pause->walk, &floor);
         pause->floor = smaller(pause->floor, floor);
         if (done)
             proof->floor = larger(proof->floor, pause->floor);
     }
     double floor = proof->floor;
-    if (!done && pause->body == index)
-        floor = larger(floor, floor_so_far(pause, tree, proof));
-    if (!done && hunt->next == DPT_NONE)
+    for (int rests = 0; rests < 2; rests++) {
+        const struct pause *search = world_pause(world, hunt->segment, rests);
+        if (search->body == index)
+            floor = larger(floor, floor_so_far(search, tree, proof));
+    }
+    if (!done && hunt->next == DPT_NONE && !is_proven(hunt, floor))
         hunt->next = index;
     hunt->best->lower = smaller(hunt->best->lower, floor);
 }
@@ -242,7 +240,7 @@ static void ask(struct hunt *hunt, uint32_t index)
         struct walk walk;
         double floor;
         walk.at = 0;
-        prove(hunt, index, track, 1, &walk, &floor);
+        prove(hunt, index, track, 1, (int)hunt->is_new, &walk, &floor);
     }
 }
 
@@ -278,7 +276,6 @@ static void scan(struct hunt *hunt, struct near *near)
 /* All bodies that may be near are listed, or it is noted how near others may be. */
 static void list_near(struct hunt *hunt, struct near *near)
 {
-    near_move(near, hunt->a, hunt->b);
     if (!near->scanning && !(near->now.room > 0.0 && near_reach(near) >= hunt->distance))
         near_settle(near, hunt->distance);
     if (near->scanning)
@@ -349,23 +346,26 @@ static void find_exact(struct hunt *hunt)
             first = i;
     if (first == DPT_NONE)
         return;
+    int many = world->body_end > BODIES_FEW;
+    if (many)
+        near_move(&segment->near, hunt->a, hunt->b);
     follow(hunt, first);
     if (hunt->distance == 0.0)
         return; /* nothing is nearer */
-    int many = world->body_end > BODIES_FEW;
     hunt->box = box_of_axis(hunt->a, hunt->b);
     if (many)
         list_near(hunt, &segment->near);
     /* In motion all bodies get their turn; a first search, and one at rest, begins where it costs least. */
     uint32_t begin = hunt->is_new ? nearest_box(hunt) : first;
     if (world->def.budget) {
-        struct pause *pause = &world->pauses[hunt->segment];
-        if (pause->next != DPT_NONE && (hunt->moved > 0.0 || (pause->walk.at && pause->anew)))
-            begin = pause->next;
+        uint32_t *next = &world_pause(world, hunt->segment, 0)->next;
+        int goes_on = hunt->moved > 0.0 || world_pause(world, hunt->segment, 1)->walk.at;
+        if (*next != DPT_NONE && goes_on)
+            begin = *next;
         else if (hunt->moved == 0.0)
             begin = nearest_box(hunt);
         ask_near(hunt, begin);
-        pause->next = hunt->next;
+        *next = hunt->next;
     } else {
         ask_near(hunt, begin);
     }

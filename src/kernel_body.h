@@ -16,6 +16,9 @@
 #define AT_MOST(value, limit)  ((value) < (limit) ? (value) : (limit))
 #define CLAMP(value, high)     AT_MOST(AT_LEAST(value, 0.0f), high)
 
+/* Below that a root is not exact enough to make a direction about unit length: no direction at all then. */
+#define PER_ROOT(square) ((square) > 0x1p-100f ? 1.0f / sqrtf(square) : NAN)
+
 /* One instruction where there is one for it; C has no words for that, and compilers do not find it. */
 #ifndef KERNEL_OPEN
 #define KERNEL_OPEN(bound, limit) KERNEL(open)(bound, limit)
@@ -130,7 +133,7 @@ KERNEL_TARGET uint32_t KERNEL(boxes)(const float *restrict block,
         float s = dx * ux + dy * uy + dz * uz;
         s = CLAMP(s, length);
         float nx = dx - s * ux, ny = dy - s * uy, nz = dz - s * uz;
-        float unit = 1.0f / sqrtf(nx * nx + ny * ny + nz * nz);
+        float unit = PER_ROOT(nx * nx + ny * ny + nz * nz);
         nx *= unit;
         ny *= unit;
         nz *= unit;
@@ -221,7 +224,7 @@ KERNEL_TARGET uint32_t KERNEL(triangles)(const float *restrict block,
         nz = inside ? turn * fz : nz;
 
         /* Back into the filter's frame, where the plane stays. */
-        float unit = 1.0f / sqrtf(nx * nx + ny * ny + nz * nz);
+        float unit = PER_ROOT(nx * nx + ny * ny + nz * nz);
         float tx = nx * unit, ty = ny * unit, tz = nz * unit;
         nx = tx * xx + ty * yx + tz * zx;
         ny = tx * xy + ty * yy + tz * zy;

@@ -50,8 +50,10 @@ static void step_segment(struct dpt_world *world, uint32_t index)
 {
     struct segment *segment = &world->segments[index];
     const struct tool *tool = &world->tools[segment->tool];
-    if (!is_active(world, tool))
+    if (!is_active(world, tool)) {
+        segment->near.known = 0;
         return;
+    }
     vec3 a = frame_to_world(&tool->frame, segment->a);
     vec3 b = frame_to_world(&tool->frame, segment->b);
     const struct body *body;
@@ -65,12 +67,14 @@ static void step_segment(struct dpt_world *world, uint32_t index)
 }
 
 /*
- * All segments share the budget. The first that it does not reach, or not to the end, begins the next
- * tick, so that each has its turn.
+ * All segments share the budget. Every other tick begins with the first segment that the one before left
+ * bounded; in between they take turns, or one that moves, and is never done, would leave nothing to the others.
  */
 static void step_segments(struct dpt_world *world)
 {
-    uint32_t count = world->segment_count, first = world->turn < count ? world->turn : 0;
+    uint32_t count = world->segment_count, tick = world->ticks++;
+    uint32_t first = tick % 2 ? tick / 2 % (count ? count : 1) : world->turn;
+    first = first < count ? first : 0;
     int waits = 0;
     world->left = world->def.budget;
     for (uint32_t i = 0; i < count; i++) {

@@ -158,7 +158,9 @@ static struct kept find(const struct search *search, uint32_t node)
     if (spare(search) > 1)
         kept.block = keeper_block(&search->keeper, node);
     if (kept.block)
-        kept.empty = search->keeper.anew || kept.block->key != kept.key;
+        kept.empty = kept.block->key != kept.key;
+    if (!kept.empty && search->keeper.anew)
+        kept = (struct kept){ NULL, kept.key, 1 };
     return kept;
 }
 
@@ -230,6 +232,8 @@ static int refine(struct search *search, uint32_t level, uint32_t node, uint32_t
         n[k] = box[k * LANES] - p->a[k] - s * p->x[k];
         square += n[k] * n[k];
     }
+    if (!(square > 0x1p-100f))
+        return 0;
     float unit = 1.0f / sqrtf(square);
     for (int k = 0; k < 3; k++)
         n[k] *= unit;
@@ -253,7 +257,7 @@ static void close_whole(struct search *search, uint32_t number, uint32_t level, 
 {
     enum { PAUSE_MOST = 15 };
     struct block *block = keeper_own(&search->keeper, number);
-    if (!block || !spare(search))
+    if (!block || search->keeper.anew || !spare(search))
         return;
     if (block->wait) {
         block->wait--;
@@ -434,7 +438,8 @@ static void leave_boxes(struct search *search, uint32_t level)
 static uint32_t begin(struct search *search)
 {
     uint32_t level = search->tree->levels, known = search->nearest->triangle;
-    if (!search->keeper.certificate || search->keeper.anew || search->slack == 0.0 ||
+    const struct certificate *certificate = search->keeper.certificate;
+    if (!certificate || !certificate->count || search->keeper.anew || search->slack == 0.0 ||
         known == DPT_NONE || spare(search) < 4 * (level + 1)) {
         look_into_boxes(search, level, 0, 0);
         return level;

@@ -11,14 +11,14 @@ enum {
     BYTES_BODY = 384, /* with its box */
     BYTES_TOOL = 192,
     BYTES_SEGMENT = 448,
-    BYTES_PAUSE = 768,
+    BYTES_PAUSE = 1536,
     BYTES_PROOF = 64
 };
 typedef char world_fits[sizeof(struct dpt_world) <= BYTES_WORLD ? 1 : -1];
 typedef char body_fits[sizeof(struct body) + sizeof(struct box) <= BYTES_BODY ? 1 : -1];
 typedef char tool_fits[sizeof(struct tool) <= BYTES_TOOL ? 1 : -1];
 typedef char segment_fits[sizeof(struct segment) <= BYTES_SEGMENT ? 1 : -1];
-typedef char pause_fits[sizeof(struct pause) <= BYTES_PAUSE ? 1 : -1];
+typedef char pause_fits[2 * sizeof(struct pause) <= BYTES_PAUSE ? 1 : -1];
 typedef char proof_fits[sizeof(struct proof) <= BYTES_PROOF ? 1 : -1];
 
 /* The size that the first release gave its def, and one that none will ever reach. */
@@ -193,13 +193,15 @@ static void forget_proofs(struct dpt_world *world, uint32_t segment, uint32_t bo
 {
     if (!world->def.budget)
         return;
-    struct pause *pause = &world->pauses[segment];
     struct proof *proof = world_proof(world, segment, body == DPT_NONE ? 0 : body);
     memset(proof, 0, (body == DPT_NONE ? world->def.max_bodies : 1) * sizeof *proof);
-    if (body == DPT_NONE || pause->body == body)
-        pause->walk.at = 0;
-    if (body == DPT_NONE)
-        pause->next = DPT_NONE;
+    for (int rests = 0; rests < 2; rests++) {
+        struct pause *pause = world_pause(world, segment, rests);
+        if (body == DPT_NONE || pause->body == body)
+            pause->walk.at = 0;
+        if (body == DPT_NONE)
+            pause->next = DPT_NONE;
+    }
 }
 
 static void forget_segment(struct dpt_world *world, uint32_t segment)
@@ -240,6 +242,7 @@ dpt_result dpt_world_reset(dpt_world *world)
             forget_tool(world, &world->tools[t]);
     forget_planes(world, 0, world->segment_count, DPT_NONE);
     world->turn = 0;
+    world->ticks = 0;
     return DPT_OK;
 }
 
@@ -390,7 +393,8 @@ dpt_result dpt_tool_remove(dpt_world *world, dpt_tool tool)
     memmove(world_near(world, old->first, 0), world_near(world, behind, 0),
             moved * 2 * bodies * sizeof *world->near);
     if (world->def.budget) {
-        memmove(&world->pauses[old->first], &world->pauses[behind], moved * sizeof *world->pauses);
+        memmove(world_pause(world, old->first, 0), world_pause(world, behind, 0),
+                moved * 2 * sizeof *world->pauses);
         memmove(world_proof(world, old->first, 0), world_proof(world, behind, 0),
                 moved * bodies * sizeof *world->proofs);
     }

@@ -44,15 +44,12 @@ struct proof {
     double floor; /* nothing of the body was nearer to it than that */
 };
 
-/* With a budget: a segment's search that it stopped. */
+/* With a budget: a segment's search that it stopped. There are two, one for motion and one for rest. */
 struct pause {
     struct walk walk;
-    double floor;   /* nothing that was visited is nearer */
-    uint32_t body;  /* slot that it searches */
-    uint32_t moved; /* the axis is not where it was when the search began */
-    uint32_t
-        anew; /* it began at rest: without planes of before, so that it costs no more than a first search */
-    uint32_t next; /* slot of the body to go on with, or DPT_NONE */
+    double floor;  /* nothing that was visited is nearer */
+    uint32_t body; /* slot that it searches */
+    uint32_t next; /* slot of the body to go on with, or DPT_NONE; in the first of the two */
 };
 
 struct dpt_world {
@@ -64,7 +61,8 @@ struct dpt_world {
     uint32_t segment_count;
     uint32_t invalid; /* bodies without a valid pose */
     uint32_t left;    /* of this tick's budget */
-    uint32_t turn;    /* the segment that the next tick begins with */
+    uint32_t turn;    /* the segment that the budget did not reach */
+    uint32_t ticks;   /* since the last reset; may wrap */
     struct body *bodies;
     struct box *boxes; /* of the bodies, in the world */
     struct tool *tools;
@@ -72,7 +70,7 @@ struct dpt_world {
     struct certificate certificate;
     uint32_t *last; /* per segment, body slot and part: the place of the last answer, or DPT_NONE */
     uint32_t *near; /* per segment: the slots of the bodies on its two lists */
-    struct pause *pauses; /* per segment; only with a budget, as the proofs */
+    struct pause *pauses; /* per segment two; only with a budget, as the proofs */
     struct proof *proofs; /* per segment and body slot */
 };
 
@@ -92,6 +90,12 @@ static inline uint32_t *world_last(const struct dpt_world *world, uint32_t segme
 static inline uint32_t *world_near(const struct dpt_world *world, uint32_t segment, uint32_t which)
 {
     return world->near + (size_t)world->def.max_bodies * (2 * (size_t)segment + which);
+}
+
+/* For motion the first, for rest the second. */
+static inline struct pause *world_pause(const struct dpt_world *world, uint32_t segment, int rests)
+{
+    return &world->pauses[2 * (size_t)segment + (rests != 0)];
 }
 
 static inline struct proof *world_proof(const struct dpt_world *world, uint32_t segment,

@@ -618,6 +618,66 @@ static void pauses_serve_every_segment(void)
     run_close(&run);
 }
 
+/* A tool that rests beside one that moves, and is never done, is exact before long. */
+static void who_moves_leaves_something(void)
+{
+    struct fixture liver;
+    if (!fixture_from_shape(&liver, "liver", 5000))
+        return;
+    for (uint32_t budget = 1; budget <= 4; budget++) {
+        const dpt_segment resting = { { 0.0, -0.1, -0.15 }, { 0.0, 0.1, -0.15 }, 0.0 };
+        dpt_segment moving = { { -0.1, 0.0, 0.15 }, { 0.1, 0.0, 0.15 }, 0.0 };
+        dpt_world_def def;
+        dpt_world *world;
+        dpt_body body;
+        dpt_tool tools[2];
+        dpt_hit hit = DPT_HIT_INIT;
+        uint32_t tick = 0;
+        dpt_world_def_init(&def);
+        def.budget = budget;
+        def.until = DPT_UNTIL_TRACK;
+        void *block = malloc(dpt_world_bytes(&def));
+        CHECK(block && dpt_world_create(block, dpt_world_bytes(&def), &def, &world) == DPT_OK &&
+                  dpt_body_add(world, liver.mesh, NULL, &body) == DPT_OK &&
+                  dpt_tool_add(world, &moving, 1, &tools[0]) == DPT_OK &&
+                  dpt_tool_add(world, &resting, 1, &tools[1]) == DPT_OK,
+              "world");
+        for (; hit.status != DPT_STATUS_EXACT && tick < 400; tick++) {
+            moving.a[1] = moving.b[1] = 1e-4 * (tick % 7);
+            dpt_tool_set_segments(world, tools[0], &moving, 1);
+            dpt_world_step(world, 1e-3, NULL);
+            dpt_tool_get_hit(world, tools[1], &hit);
+        }
+        CHECK(tick < 100, "budget %u: exact at tick %u", budget, tick);
+        free(block);
+    }
+    fixture_free(&liver);
+}
+
+/* Poses that come every second tick, of a device that is slower than the loop, are motion, not rests. */
+static void held_poses_are_motion(void)
+{
+    static struct run run;
+    uint32_t exact[2] = { 0, 0 };
+    for (uint32_t hold = 1; hold <= 2; hold++) {
+        stage_start(&run.stage, &scenes[0], 4);
+        run.bytes = 1 << 20;
+        run.budget = 9;
+        snprintf(run.what, sizeof run.what, "held for %u", hold);
+        run_open(&run);
+        for (uint32_t tick = 0; tick < 10 * ticks; tick++) {
+            if (tick % hold == 0)
+                stage_move(&run.stage, SLIDE, &run.truth.hits[0]);
+            run_tick(&run, tick % hold != 0);
+            exact[hold - 1] += run.found.hits[0].status == DPT_STATUS_EXACT;
+        }
+        run_close(&run);
+    }
+    printf("    exact with a pose every tick %u, every second %u of %u\n", exact[0], exact[1],
+           10 * ticks);
+    CHECK(4 * exact[1] > 3 * exact[0], "%u, held %u", exact[0], exact[1]);
+}
+
 /*
  * Three bodies and a tool that trembles, so that the first body never stays proven; then the third
  * comes nearer than that one. It is found all the same, after some searches of all three.
@@ -783,7 +843,7 @@ static void def_is_as_documented(void)
         def.certificate_bytes = random_bits(&random) % 100000;
         def.budget = n % 2 * some(&random);
         uint64_t bytes = 320 + 384 * bodies + 192 * tools + 448 * segments +
-                         (def.budget ? 768 * segments + 64 * both : 0) + aligned(4 * both) +
+                         (def.budget ? 1536 * segments + 64 * both : 0) + aligned(4 * both) +
                          aligned(8 * both) + aligned(def.certificate_bytes);
         CHECK(dpt_world_bytes(&def) == bytes, "%zu bytes, documented are %llu",
               dpt_world_bytes(&def), (unsigned long long)bytes);
@@ -806,6 +866,8 @@ int main(int argc, char **argv)
         return 2;
     TEST(half_of_the_need);
     TEST(pauses_serve_every_segment);
+    TEST(who_moves_leaves_something);
+    TEST(held_poses_are_motion);
     TEST(no_body_starves);
     TEST(what_was_proven_leaves_with_its_body);
     TEST(budget_out_of_reach);

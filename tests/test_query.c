@@ -345,6 +345,31 @@ static void pair_keeps_its_range(void)
     }
 }
 
+/*
+ * A sliver so thin that the square of its float face normal is subnormal: a direction made from that is not of unit
+ * length, and its bound would put the nearest triangle behind another.
+ */
+static void no_sliver_is_too_thin(void)
+{
+    for (double thin = 1e-24; thin < 1e-17; thin *= 1.05) {
+        const double vertices[] = {
+            -1e-2, -thin, 0.0,  1e-2,  -thin, 0.0,   0.0,  2.0 * thin, 0.0,   -1.0, -1.0, 0.5,
+            -0.9,  -1.0,  0.5,  -1.0,  -0.9,  0.5,   1.0,  1.0,        -0.5,  0.9,  1.0,  -0.5,
+            1.0,   0.9,   -0.5, -0.05, -0.05, -6e-3, 0.05, -0.05,      -6e-3, 0.05, 0.3,  -6e-3
+        };
+        const uint32_t corners[] = { 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11 };
+        const double point[6] = { 0.0, 0.0, 0.1, 0.0, 0.0, 0.1 };
+        struct fixture fixture;
+        if (!fixture_from_arrays(&fixture, vertices, 12, corners, 4))
+            return;
+        dpt_hit hit = DPT_HIT_INIT;
+        CHECK(dpt_query_segments(fixture.mesh, NULL, point, NULL, 1, &hit, NULL) == DPT_OK,
+              "query");
+        CHECK(fabs(hit.distance - 0.1) < 1e-15, "%g m thin: %.17g", thin, hit.distance);
+        fixture_free(&fixture);
+    }
+}
+
 int main(void)
 {
     TEST(tree_gives_the_bits_of_brute_force);
@@ -358,5 +383,6 @@ int main(void)
     TEST(pair_keeps_its_range);
     TEST(longer_hits_keep_their_tail);
     TEST(refuses_what_it_cannot);
+    TEST(no_sliver_is_too_thin);
     return check_report();
 }

@@ -41,8 +41,8 @@ enum {
  * A budget bounds the work of a step, in 16-lane blocks, the same count on every machine. Where it ends a
  * search, the answer is DPT_STATUS_BOUNDED: the best pair so far and a lower bound that is true; contact is
  * unknown and the force zero. What was proven is kept and the next step goes on from there, so that a tool at
- * rest has its exact answer after as many steps as the budget goes into the search. Besides, each segment
- * costs one triangle a step, and each body that may be near one transformation of the segment.
+ * rest, while no other moves, has its exact answer after as many steps as the budget goes into a search. Beside
+ * the budget there are a triangle a segment and body, and what docs/algorithms/budget.md names.
  */
 typedef struct dpt_world_def {
     uint32_t size;         /* sizeof(dpt_world_def), set by dpt_world_def_init */
@@ -74,7 +74,7 @@ static inline void dpt_world_def_init(dpt_world_def *def)
 /*
  * The bytes that a world of this def needs:
  *     320 + 384 max_bodies + 192 max_tools + 448 max_segments
- *         + (budget ? 768 max_segments + 64 max_segments max_bodies : 0)
+ *         + (budget ? 1536 max_segments + 64 max_segments max_bodies : 0)
  *         + 4 max_segments max_bodies parts + 8 max_segments max_bodies + certificate_bytes,
  * each of the last three terms rounded up to a multiple of 64. 0 for a def that is not valid.
  */
