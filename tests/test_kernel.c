@@ -374,8 +374,8 @@ static void held_planes_are_sound_at_other_poses(void)
         check_held("triangles, held", kernel.held_triangles, &random, &tool, content, content,
                    &planes, bound, &near_by[0], &elsewhere[0]);
         kernel.boxes(block, &tool.probe, &planes, bound);
-        check_held("boxes, held", kernel.held_boxes, &random, &tool, content, block, &planes,
-                   bound, &near_by[1], &elsewhere[1]);
+        check_held("boxes, held", kernel.held_boxes, &random, &tool, content, block, &planes, bound,
+                   &near_by[1], &elsewhere[1]);
         kernel.common_boxes(block, tool.probe.normal, 0.0f, planes.support);
         for (int lane = 0; lane < LANES; lane++) {
             planes.x[lane] = tool.probe.normal[0];

@@ -54,7 +54,7 @@ typedef struct dpt_world_def {
     uint32_t until;        /* DPT_UNTIL_...; DPT_UNTIL_RESPOND */
     uint32_t parts;        /* pieces of a segment, DPT_METHOD_PAPER only, 1..64; 1 */
     uint32_t one_step;     /* of the paper's descent a tick, not all of it; 0 */
-    uint32_t budget;       /* of a step, DPT_METHOD_EXACT only, see below; 0: unlimited */
+    uint32_t budget;       /* of a step, DPT_METHOD_EXACT only, see above; 0: unlimited */
     double stiffness;      /* of the penalty force, N/m, >= 0; 500 */
     /*
      * DPT_METHOD_EXACT's memory of what it proved in earlier ticks, 272 bytes for 16 separating planes; all
