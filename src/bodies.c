@@ -182,11 +182,24 @@ static int prove(struct hunt *hunt, uint32_t index, struct track *track, int sli
     return done;
 }
 
+/* All that is proven of a body, by searches that ended and by those that were stopped. */
+static double proven_floor(const struct hunt *hunt, uint32_t index)
+{
+    const struct dpt_world *world = hunt->world;
+    const struct proof *proof = world_proof(world, hunt->segment, index);
+    double floor = proof->floor;
+    for (int rests = 0; rests < 2; rests++) {
+        const struct pause *pause = world_pause(world, hunt->segment, rests);
+        if (pause->body == index)
+            floor = larger(floor, floor_so_far(pause, &world->bodies[index].tree, proof));
+    }
+    return floor;
+}
+
 /* Prove as much as the budget allows, unless enough is proven; note what is. The boxes are `apart`. */
 static void ask_in_pieces(struct hunt *hunt, uint32_t index, double apart, struct track *track)
 {
     struct dpt_world *world = hunt->world;
-    const struct tree *tree = &world->bodies[index].tree;
     struct proof *proof = world_proof(world, hunt->segment, index);
     double moved = hunt->moved;
     int done = 0;
@@ -195,7 +208,7 @@ static void ask_in_pieces(struct hunt *hunt, uint32_t index, double apart, struc
     int anew = moved == 0.0 || hunt->is_new;
     struct pause *pause = world_pause(world, hunt->segment, anew);
     proof->floor = larger(proof->floor, apart);
-    if (!is_proven(hunt, proof->floor) && !is_spent(hunt)) {
+    if (!is_proven(hunt, proven_floor(hunt, index)) && !is_spent(hunt)) {
         double floor;
         if (pause->body != index || !pause->walk.at) {
             give_up(world, hunt->segment, pause);
@@ -208,12 +221,7 @@ static void ask_in_pieces(struct hunt *hunt, uint32_t index, double apart, struc
         if (done)
             proof->floor = larger(proof->floor, pause->floor);
     }
-    double floor = proof->floor;
-    for (int rests = 0; rests < 2; rests++) {
-        const struct pause *search = world_pause(world, hunt->segment, rests);
-        if (search->body == index)
-            floor = larger(floor, floor_so_far(search, tree, proof));
-    }
+    double floor = proven_floor(hunt, index);
     if (!done && hunt->next == DPT_NONE && !is_proven(hunt, floor))
         hunt->next = index;
     hunt->best->lower = smaller(hunt->best->lower, floor);
