@@ -19,6 +19,12 @@
 /* Below that a root is not exact enough to make a direction about unit length: no direction at all then. */
 #define PER_ROOT(square) ((square) > 0x1p-100f ? 1.0f / sqrtf(square) : NAN)
 
+/* How far the three corners of a triangle are along (x, y, z): n0, n1 and n2 for the name n. */
+#define CORNERS_ALONG(n, x, y, z)                                                                  \
+    float n##0 = x * block[i] + y * block[LANES + i] + z * block[2 * LANES + i];                   \
+    float n##1 = x * block[3 * LANES + i] + y * block[4 * LANES + i] + z * block[5 * LANES + i];   \
+    float n##2 = x * block[6 * LANES + i] + y * block[7 * LANES + i] + z * block[8 * LANES + i];
+
 /* One instruction where there is one for it; C has no words for that, and compilers do not find it. */
 #ifndef KERNEL_OPEN
 #define KERNEL_OPEN(bound, limit) KERNEL(open)(bound, limit)
@@ -83,20 +89,12 @@ KERNEL_TARGET uint32_t KERNEL(held_triangles)(const float *restrict block,
     const float at_0 = ax * ux + ay * uy + az * uz;
 
     for (int i = 0; i < LANES; i++) {
-        float s0 = ux * block[i] + uy * block[LANES + i] + uz * block[2 * LANES + i];
-        float s1 =
-            ux * block[3 * LANES + i] + uy * block[4 * LANES + i] + uz * block[5 * LANES + i];
-        float s2 =
-            ux * block[6 * LANES + i] + uy * block[7 * LANES + i] + uz * block[8 * LANES + i];
+        CORNERS_ALONG(s, ux, uy, uz)
         float from = AT_MOST(AT_MOST(s0, s1), s2) - at_0;
         float to = AT_LEAST(AT_LEAST(s0, s1), s2) - at_0;
         LOCAL_BOUND(from, to)
         float tx = nx - rise * ux, ty = ny - rise * uy, tz = nz - rise * uz;
-        float n0 = tx * block[i] + ty * block[LANES + i] + tz * block[2 * LANES + i];
-        float n1 =
-            tx * block[3 * LANES + i] + ty * block[4 * LANES + i] + tz * block[5 * LANES + i];
-        float n2 =
-            tx * block[6 * LANES + i] + ty * block[7 * LANES + i] + tz * block[8 * LANES + i];
+        CORNERS_ALONG(n, tx, ty, tz)
         float turned = AT_MOST(AT_MOST(n0, n1), n2) - (tx * ax + ty * ay + tz * az);
         here = AT_LEAST(here, turned);
         bound[i] = here;
@@ -229,11 +227,7 @@ KERNEL_TARGET uint32_t KERNEL(triangles)(const float *restrict block,
         nx = tx * xx + ty * yx + tz * zx;
         ny = tx * xy + ty * yy + tz * zy;
         nz = tx * xz + ty * yz + tz * zz;
-        float n0 = nx * block[i] + ny * block[LANES + i] + nz * block[2 * LANES + i];
-        float n1 =
-            nx * block[3 * LANES + i] + ny * block[4 * LANES + i] + nz * block[5 * LANES + i];
-        float n2 =
-            nx * block[6 * LANES + i] + ny * block[7 * LANES + i] + nz * block[8 * LANES + i];
+        CORNERS_ALONG(n, nx, ny, nz)
         float low = AT_MOST(AT_MOST(n0, n1), n2);
         PUT_PLANE
     }
@@ -261,11 +255,7 @@ KERNEL_TARGET uint32_t KERNEL(common_triangles)(const float *restrict block, con
     const float nx = normal[0], ny = normal[1], nz = normal[2];
 
     for (int i = 0; i < LANES; i++) {
-        float n0 = nx * block[i] + ny * block[LANES + i] + nz * block[2 * LANES + i];
-        float n1 =
-            nx * block[3 * LANES + i] + ny * block[4 * LANES + i] + nz * block[5 * LANES + i];
-        float n2 =
-            nx * block[6 * LANES + i] + ny * block[7 * LANES + i] + nz * block[8 * LANES + i];
+        CORNERS_ALONG(n, nx, ny, nz)
         float here = AT_MOST(AT_MOST(n0, n1), n2);
         low[i] = here;
     }
