@@ -400,6 +400,25 @@ void bodies_find(struct dpt_world *world, uint32_t segment, vec3 a, vec3 b, stru
     best->exact = best->body && is_proven(&hunt, best->lower);
 }
 
+uint32_t bodies_within(struct dpt_world *world, uint32_t segment, double reach,
+                       const uint32_t **list)
+{
+    struct near *near = &world->segments[segment].near;
+    *list = NULL;
+    if (world->body_end <= BODIES_FEW || world->def.method != DPT_METHOD_EXACT)
+        return world->body_end;
+    if (near_reach(near) < reach && !world->def.budget) {
+        struct found none = { .work = 0 };
+        struct hunt hunt = { .world = world, .segment = segment, .best = &none };
+        near_settle(near, reach);
+        scan(&hunt, near);
+    }
+    if (near_reach(near) < reach)
+        return world->body_end;
+    *list = world_near(world, segment, near->now.which);
+    return near->now.listed;
+}
+
 void bodies_hit(const struct found *best, dpt_hit *hit)
 {
     const struct body *body = best->body;

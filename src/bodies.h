@@ -6,18 +6,15 @@
 #include "track.h"
 #include "world.h"
 
-/* The best answer over all bodies. */
-struct found {
-    const struct body *body; /* NULL: there is none */
-    struct track track;
-    double lower; /* what is not proven to be as far is no nearer than this */
-    double error; /* the error bound, of all bodies that were asked */
-    uint32_t exact;
-    uint32_t work;
-};
-
 /* `exact`: what is kept helps, only near bodies are asked, and the world's budget ends it. */
 void bodies_find(struct dpt_world *world, uint32_t segment, vec3 a, vec3 b, struct found *best);
+
+/*
+ * The slots of the bodies whose boxes may be within reach of a segment, after bodies_find: `*list`, or where that is
+ * NULL all of so many.
+ */
+uint32_t bodies_within(struct dpt_world *world, uint32_t segment, double reach,
+                       const uint32_t **list);
 
 /* A body is there, or its pose has changed: its box, and who has it on its list. */
 void bodies_place(struct dpt_world *world, uint32_t index);

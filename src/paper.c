@@ -6,8 +6,7 @@
 /* Sums up what the parts on all bodies found. */
 struct gathered {
     struct push push; /* of the part with the least gap */
-    const struct body *body;
-    vec3 at;
+    int any;
     double gap;
     dpt_hit *hit;
     uint32_t work;
@@ -30,19 +29,18 @@ static void take_part(struct gathered *sum, const struct dpt_world *world, const
                       double radius)
 {
     struct push push;
-    double gap = contact_paper(&body->tree, part, nearest, radius, &push);
+    double gap = contact_paper(&body->tree, &body->frame, part, nearest, radius, &push);
     double distance = sqrt(nearest->pair.distance2);
     int lower = gap < sum->gap;
-    if (!sum->body || distance < sum->hit->distance || (distance == sum->hit->distance && lower)) {
+    if (!sum->any || distance < sum->hit->distance || (distance == sum->hit->distance && lower)) {
         track_hit(&body->tree, part, &body->frame, nearest, sum->hit);
         sum->hit->s = (index + nearest->pair.s) / world->def.parts;
         sum->hit->body = body->id;
     }
-    if (!sum->body || lower) {
+    if (!sum->any || lower) {
         sum->gap = gap;
         sum->push = push;
-        sum->body = body;
-        sum->at = along(part->a, nearest->pair.s, sub(part->b, part->a));
+        sum->any = 1;
     }
 }
 
@@ -63,18 +61,15 @@ static void take_body(struct gathered *sum, struct dpt_world *world, uint32_t se
     }
 }
 
-struct push paper_segment(struct dpt_world *world, uint32_t segment, vec3 a, vec3 b, dpt_hit *hit,
-                          const struct body **body, vec3 *at)
+struct push paper_segment(struct dpt_world *world, uint32_t segment, vec3 a, vec3 b, dpt_hit *hit)
 {
     struct gathered sum = { .hit = hit };
     vec3 u = sub(b, a);
     for (uint32_t i = 0; i < world->body_end; i++)
         if (world->bodies[i].slot.used)
             take_body(&sum, world, segment, &world->bodies[i], a, u);
-    *body = sum.body;
-    *at = sum.at;
     hit->work = sum.work;
-    if (!sum.body)
+    if (!sum.any)
         return sum.push;
 
     /* Between 0 and what was found: that is all that a search without proof knows. */

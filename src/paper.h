@@ -8,9 +8,8 @@
 
 /*
  * The nearest of all dynamic points into `hit`, with the least gap of all; returns the push of the part
- * with that gap, `*body` its body and `*at` its dynamic point in the world. NULL where there is no body.
+ * with that gap.
  */
-struct push paper_segment(struct dpt_world *world, uint32_t segment, vec3 a, vec3 b, dpt_hit *hit,
-                          const struct body **body, vec3 *at);
+struct push paper_segment(struct dpt_world *world, uint32_t segment, vec3 a, vec3 b, dpt_hit *hit);
 
 #endif

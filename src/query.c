@@ -76,7 +76,7 @@ static dpt_result answer(const struct query *query, const double *ends, double r
     if (nearest.triangle == DPT_NONE)
         return DPT_E_LAYOUT;
     track_hit(&query->tree, &axis, &query->body, &nearest, hit);
-    contact_of(&query->tree, &axis, &nearest, radius, hit);
+    contact_of(&query->tree, &query->kernel, &axis, &nearest, radius, hit);
     *hint = nearest.triangle;
     return DPT_OK;
 }

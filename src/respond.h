@@ -5,12 +5,12 @@
 
 #include "contact.h"
 
-/* The wrench of one push at p (world), about `origin`: docs/algorithms/penalty.md. */
-static inline void respond_penalty(const struct push *push, const struct frame *body,
-                                   double stiffness, vec3 p, vec3 origin, dpt_wrench *sum)
+/* The wrench of one push about `origin`: docs/algorithms/penalty.md. */
+static inline void respond_penalty(const struct push *push, double stiffness, vec3 origin,
+                                   dpt_wrench *sum)
 {
-    vec3 force = scaled(frame_turn(body, push->direction), stiffness * push->depth);
-    vec3 torque = cross(sub(p, origin), force);
+    vec3 force = scaled(push->direction, stiffness * push->depth);
+    vec3 torque = cross(sub(push->at, origin), force);
     vec3_store(add(vec3_of(sum->force), force), sum->force);
     vec3_store(add(vec3_of(sum->torque), torque), sum->torque);
 }

@@ -106,6 +106,44 @@ static inline int pair_on_face(pair *best, vec3 u, const vec3 from[3], const vec
     return 1;
 }
 
+/* What is left between a pair that meets is rounding. */
+static inline void pair_settle(pair *best, double reach)
+{
+    double noise = 4.0 * 0x1p-53 * reach;
+    if (best->distance2 <= noise * noise) {
+        best->distance2 = 0.0;
+        best->gap = (vec3){ 0.0, 0.0, 0.0 };
+    }
+}
+
+static inline void point_try_edge(pair *best, vec3 from_v, vec3 e, int corner)
+{
+    double t = clamp01(dot(from_v, e) / dot(e, e));
+    vec3 gap = along(from_v, -t, e);
+    double distance2 = dot(gap, gap);
+    if (distance2 < best->distance2) {
+        best->distance2 = distance2;
+        best->gap = gap;
+        best->weight[corner] = 1.0 - t;
+        best->weight[(corner + 1) % 3] = t;
+        best->weight[(corner + 2) % 3] = 0.0;
+    }
+}
+
+/* The same for a point x, an axis without length. */
+static inline pair point_triangle(vec3 x, vec3 v0, vec3 v1, vec3 v2)
+{
+    const vec3 none = { 0.0, 0.0, 0.0 };
+    pair best = { .distance2 = HUGE_VAL };
+    const vec3 edge[3] = { sub(v1, v0), sub(v2, v1), sub(v0, v2) };
+    const vec3 from[3] = { sub(x, v0), sub(x, v1), sub(x, v2) };
+    if (!pair_on_face(&best, none, from, edge))
+        for (int corner = 0; corner < 3; corner++)
+            point_try_edge(&best, from[corner], edge[corner], corner);
+    pair_settle(&best, extent_of(from[0]) + extent_of(edge[0]) + extent_of(edge[2]));
+    return best;
+}
+
 /* The axis is a + s u, s in 0..1. */
 static inline pair segment_triangle(vec3 a, vec3 u, vec3 v0, vec3 v1, vec3 v2)
 {
@@ -117,14 +155,7 @@ static inline pair segment_triangle(vec3 a, vec3 u, vec3 v0, vec3 v1, vec3 v2)
         for (int corner = 0; corner < 3; corner++)
             pair_try_edge(&best, u, per_uu, from[corner], edge[corner], corner);
     }
-
-    /* What is left between a pair that meets is rounding. */
-    double reach = extent_of(from[0]) + extent_of(u) + extent_of(edge[0]) + extent_of(edge[2]);
-    double noise = 4.0 * 0x1p-53 * reach;
-    if (best.distance2 <= noise * noise) {
-        best.distance2 = 0.0;
-        best.gap = (vec3){ 0.0, 0.0, 0.0 };
-    }
+    pair_settle(&best, extent_of(from[0]) + extent_of(u) + extent_of(edge[0]) + extent_of(edge[2]));
     return best;
 }
 

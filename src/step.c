@@ -4,36 +4,17 @@
  *
  *     for each segment of each tool
  *         track      the nearest pair over all bodies
- *         contact    its side, gap and direction
+ *     for each of them
+ *         contact    regions, sides, gap and the way out
  *         respond    the penalty force
  *     for each tool
  *         the sum of its segments
  */
-#include "bodies.h"
 #include "check.h"
+#include "contacts.h"
 #include "paper.h"
 #include "respond.h"
 #include "world.h"
-
-/* The exact methods: returns what the segment pushes with. Where nothing is proven, with nothing. */
-static struct push exact_segment(struct dpt_world *world, uint32_t index, vec3 a, vec3 b,
-                                 dpt_hit *hit, const struct body **body, vec3 *at)
-{
-    const struct push none = { { 0.0, 0.0, 0.0 }, 0.0 };
-    struct segment *segment = &world->segments[index];
-    struct found best;
-    bodies_find(world, index, a, b, &best);
-    *body = best.body;
-    if (!best.body)
-        return none;
-    segment->last_body = handle_index(best.body->id);
-    bodies_hit(&best, hit);
-    *at = vec3_of(hit->p);
-    if (world->def.until == DPT_UNTIL_TRACK || !best.exact)
-        return none;
-    return contact_of(&best.body->tree, &best.track.axis, &best.track.nearest, segment->radius,
-                      hit);
-}
 
 static int is_active(const struct dpt_world *world, const struct tool *tool)
 {
@@ -46,29 +27,50 @@ static vec3 origin_of(const struct dpt_world *world, const struct tool *tool)
     return tool->free ? world->segments[tool->first].a : tool->frame.origin;
 }
 
-static void step_segment(struct dpt_world *world, uint32_t index)
+/* The segment's nearest pair; by the paper's method also its contact. */
+static void track_segment(struct dpt_world *world, uint32_t index)
 {
     struct segment *segment = &world->segments[index];
     const struct tool *tool = &world->tools[segment->tool];
+    segment->found.body = NULL;
     if (!is_active(world, tool)) {
         segment->near.known = 0;
         return;
     }
     vec3 a = frame_to_world(&tool->frame, segment->a);
     vec3 b = frame_to_world(&tool->frame, segment->b);
-    const struct body *body;
-    vec3 at;
-    struct push push = world->def.method == DPT_METHOD_PAPER
-                           ? paper_segment(world, index, a, b, &segment->hit, &body, &at)
-                           : exact_segment(world, index, a, b, &segment->hit, &body, &at);
-    if (push.depth > 0.0 && world->def.until == DPT_UNTIL_RESPOND)
-        respond_penalty(&push, &body->frame, world->def.stiffness, at, origin_of(world, tool),
-                        &segment->wrench);
+    if (world->def.method == DPT_METHOD_PAPER) {
+        segment->push = paper_segment(world, index, a, b, &segment->hit);
+        return;
+    }
+    bodies_find(world, index, a, b, &segment->found);
+    if (!segment->found.body)
+        return;
+    segment->last_body = handle_index(segment->found.body->id);
+    bodies_hit(&segment->found, &segment->hit);
+}
+
+static void contact_segment(struct dpt_world *world, uint32_t index)
+{
+    struct segment *segment = &world->segments[index];
+    if (segment->found.body && segment->found.exact)
+        contacts_find(world, index, &segment->found, &segment->hit, &segment->push);
+    else
+        contacts_keep(world, index);
+}
+
+static void respond_segment(struct dpt_world *world, uint32_t index)
+{
+    struct segment *segment = &world->segments[index];
+    if (segment->push.depth > 0.0)
+        respond_penalty(&segment->push, world->def.stiffness,
+                        origin_of(world, &world->tools[segment->tool]), &segment->wrench);
 }
 
 /*
- * All segments share the budget. Every other tick begins with the first segment that the one before left
- * bounded; in between they take turns, or one that moves, and is never done, would leave nothing to the others.
+ * All segments share the budget: first for their nearest pairs, then what is left for their contacts. Every other
+ * tick begins with the first segment that the one before left undone; in between they take turns, or one that moves,
+ * and is never done, would leave nothing to the others.
  */
 static void step_segments(struct dpt_world *world)
 {
@@ -77,10 +79,19 @@ static void step_segments(struct dpt_world *world)
     first = first < count ? first : 0;
     int waits = 0;
     world->left = world->def.budget;
+    contacts_turn(world);
+    for (uint32_t i = 0; i < count; i++)
+        track_segment(world, (first + i) % count);
     for (uint32_t i = 0; i < count; i++) {
-        uint32_t index = first + i < count ? first + i : first + i - count;
-        step_segment(world, index);
-        if (!waits && world->segments[index].hit.status == DPT_STATUS_BOUNDED) {
+        uint32_t index = (first + i) % count;
+        if (world->def.until != DPT_UNTIL_TRACK && world->def.method != DPT_METHOD_PAPER)
+            contact_segment(world, index);
+        if (world->def.until == DPT_UNTIL_RESPOND)
+            respond_segment(world, index);
+        const dpt_hit *hit = &world->segments[index].hit;
+        if (!waits && world->def.budget &&
+            (hit->status == DPT_STATUS_BOUNDED ||
+             (hit->status == DPT_STATUS_EXACT && hit->contact == DPT_CONTACT_UNKNOWN))) {
             world->turn = index;
             waits = 1;
         }
@@ -121,13 +132,21 @@ static int gravity(uint32_t contact)
     }
 }
 
-static void report(const struct dpt_world *world, dpt_step *out)
+/* The size that the first release gave its step. */
+enum { STEP_SIZE_FIRST = 24 };
+
+static void report(const struct dpt_world *world, dpt_step *to)
 {
     int any = 0;
+    dpt_step step = { .size = to->size }, *out = &step;
     out->status = DPT_STATUS_EXACT;
     out->contact = DPT_CONTACT_SEPARATED;
     out->work = 0;
     out->distance = 0.0;
+    out->contacts = 0;
+    out->flags = world->contacts_full ? DPT_STEP_CONTACTS_FULL : 0;
+    for (uint32_t i = 0; i < world->holds[world->holds_at].count; i++)
+        out->contacts += !world->holds[world->holds_at].hold[i].unseen;
     for (uint32_t t = 0; t < world->tool_end; t++) {
         const struct tool *tool = &world->tools[t];
         for (uint32_t i = 0; tool->slot.used && i < tool->count; i++) {
@@ -147,6 +166,7 @@ static void report(const struct dpt_world *world, dpt_step *out)
         out->status = DPT_STATUS_STALE;
         out->contact = DPT_CONTACT_UNKNOWN;
     }
+    memcpy(to, out, to->size < sizeof *out ? to->size : sizeof *out);
 }
 
 dpt_result dpt_world_step(dpt_world *world, double dt, dpt_step *out)
@@ -156,7 +176,7 @@ dpt_result dpt_world_step(dpt_world *world, double dt, dpt_step *out)
     dpt_result result = DPT_OK;
     if (!(dt > 0.0 && within(dt, 1e6)))
         result = DPT_E_ARGUMENT;
-    else if (out && out->size < sizeof *out)
+    else if (out && out->size < STEP_SIZE_FIRST)
         result = DPT_E_SIZE;
     for (uint32_t t = 0; t < world->tool_end; t++)
         if (world->tools[t].slot.used)
@@ -194,6 +214,35 @@ dpt_result dpt_tool_get_hit(const dpt_world *world, dpt_tool tool, dpt_hit *hit)
 {
     const struct tool *asked = world ? world_tool(world, tool) : NULL;
     return dpt_tool_get_segment_hit(world, tool, asked ? asked->nearest : 0, hit);
+}
+
+dpt_result dpt_tool_get_contacts(const dpt_world *world, dpt_tool tool, dpt_contact *contacts,
+                                 uint32_t capacity, uint32_t *count)
+{
+    if (count)
+        *count = 0;
+    if (!world || !count || (!contacts && capacity))
+        return DPT_E_ARGUMENT;
+    uint32_t size = capacity ? contacts[0].size : 0, found = 0;
+    if (capacity && (size < sizeof *contacts || size % 8))
+        return DPT_E_SIZE;
+    const struct tool *asked = world_tool(world, tool);
+    if (!asked)
+        return DPT_E_HANDLE;
+    const struct holds *holds = &world->holds[world->holds_at];
+    for (uint32_t s = asked->first; s < asked->first + asked->count; s++)
+        for (uint32_t i = 0; i < holds->count; i++) {
+            if (holds->hold[i].segment != s || holds->hold[i].unseen)
+                continue;
+            if (found < capacity) {
+                dpt_contact *contact = (void *)((char *)contacts + (size_t)found * size);
+                *contact = holds->hold[i].contact;
+                contact->size = size;
+            }
+            found++;
+        }
+    *count = found;
+    return DPT_OK;
 }
 
 dpt_result dpt_tool_get_wrench(const dpt_world *world, dpt_tool tool, dpt_wrench *wrench)

@@ -68,11 +68,7 @@ static int try_fan(const struct tree *tree, const struct axis *axis, const struc
     return 0;
 }
 
-/*
- * The dynamic point moves: over the edge, or around the vertex, on which the nearest point of its triangle
- * lies, to a triangle that is nearer; until there is none.
- */
-static void slide_over(const struct tree *tree, const struct axis *axis, struct nearest *nearest)
+void track_slide(const struct tree *tree, const struct axis *axis, struct nearest *nearest)
 {
     int moved = 1;
     while (moved && nearest->pair.distance2 > 0.0 &&
@@ -115,7 +111,7 @@ void track_begin(struct track *track, const struct tree *tree, uint32_t last, do
     nearest->pair = track->old;
     nearest->triangle = triangle;
     if (slide && last != DPT_NONE)
-        slide_over(tree, axis, nearest);
+        track_slide(tree, axis, nearest);
 }
 
 int track_prove(struct track *track, const struct tree *tree, const struct kernel *kernel,

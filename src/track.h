@@ -38,6 +38,12 @@ struct track {
 void track_begin(struct track *track, const struct tree *tree, uint32_t last, double limit2,
                  int slide, uint32_t most);
 
+/*
+ * The dynamic point moves: over the edge, or around the vertex, on which the nearest point of its triangle
+ * lies, to a triangle that is nearer; until there is none. Of the axis its local_a, u and error count.
+ */
+void track_slide(const struct tree *tree, const struct axis *axis, struct nearest *nearest);
+
 /* Prove or correct it; 0 if nearest.most ended that, as tree_walk, whose walk and keeper these are. */
 int track_prove(struct track *track, const struct tree *tree, const struct kernel *kernel,
                 const struct keeper *keeper, struct walk *walk);

@@ -57,9 +57,10 @@ double tree_extent(const struct tree *tree)
 pair tree_pair(const struct tree *tree, uint32_t triangle, vec3 a, vec3 u)
 {
     const uint32_t *corner = tree->corners + 3 * (size_t)triangle;
-    return segment_triangle(a, u, vec3_of_float(tree->positions + 3 * (size_t)corner[0]),
-                            vec3_of_float(tree->positions + 3 * (size_t)corner[1]),
-                            vec3_of_float(tree->positions + 3 * (size_t)corner[2]));
+    vec3 v0 = vec3_of_float(tree->positions + 3 * (size_t)corner[0]);
+    vec3 v1 = vec3_of_float(tree->positions + 3 * (size_t)corner[1]);
+    vec3 v2 = vec3_of_float(tree->positions + 3 * (size_t)corner[2]);
+    return extent_of(u) > 0.0 ? segment_triangle(a, u, v0, v1, v2) : point_triangle(a, v0, v1, v2);
 }
 
 struct front tree_front(const pair *found, vec3 a, vec3 u, double slack)

@@ -2,17 +2,18 @@
 /* Life of worlds, bodies and tools; the tick is in step.c. */
 #include "world.h"
 
-#include "bodies.h"
 #include "check.h"
+#include "contacts.h"
 
 /* The sums that dpt_world_bytes documents; a struct that outgrows its share fails to compile. */
 enum {
-    BYTES_WORLD = 320,
-    BYTES_BODY = 384, /* with its box */
+    BYTES_WORLD = 16384, /* with room for one profile */
+    BYTES_BODY = 384,    /* with its box */
     BYTES_TOOL = 192,
-    BYTES_SEGMENT = 448,
+    BYTES_SEGMENT = 1024,
     BYTES_PAUSE = 1536,
-    BYTES_PROOF = 64
+    BYTES_PROOF = 64,
+    BYTES_CONTACT = 1024 /* this tick's and the last one's */
 };
 typedef char world_fits[sizeof(struct dpt_world) <= BYTES_WORLD ? 1 : -1];
 typedef char body_fits[sizeof(struct body) + sizeof(struct box) <= BYTES_BODY ? 1 : -1];
@@ -20,6 +21,8 @@ typedef char tool_fits[sizeof(struct tool) <= BYTES_TOOL ? 1 : -1];
 typedef char segment_fits[sizeof(struct segment) <= BYTES_SEGMENT ? 1 : -1];
 typedef char pause_fits[2 * sizeof(struct pause) <= BYTES_PAUSE ? 1 : -1];
 typedef char proof_fits[sizeof(struct proof) <= BYTES_PROOF ? 1 : -1];
+
+typedef char contact_fits[2 * sizeof(struct hold) <= BYTES_CONTACT ? 1 : -1];
 
 /* The size that the first release gave its def, and one that none will ever reach. */
 enum { DEF_SIZE_FIRST = 48, DEF_SIZE_MOST = 4096 };
@@ -35,6 +38,8 @@ void dpt_world_def_defaults(dpt_world_def *def, size_t size)
         .parts = 1,
         .stiffness = 500.0,
         .certificate_bytes = 1 << 20,
+        .margin = 0.001,
+        .max_contacts = 32,
     };
     if (!def || size < sizeof defaults.size || size > DEF_SIZE_MOST)
         return;
@@ -77,7 +82,10 @@ static int def_is_valid(const dpt_world_def *def)
            def->until <= DPT_UNTIL_CONTACT && def->parts >= 1 &&
            def->parts <= (def->method == DPT_METHOD_PAPER ? 64u : 1u) && def->one_step <= 1 &&
            (def->budget == 0 || def->method == DPT_METHOD_EXACT) && def->stiffness >= 0.0 &&
-           within(def->stiffness, 1e9) && def->certificate_bytes <= CERTIFICATE_BYTES_MOST;
+           within(def->stiffness, 1e9) && def->certificate_bytes <= CERTIFICATE_BYTES_MOST &&
+           def->margin >= 0.0 && within(def->margin, DPT_COORDINATE_MAX) &&
+           def->side_limit >= 0.0 && within(def->side_limit, DPT_COORDINATE_MAX) &&
+           def->max_contacts <= 0xffff && def->reserved == 0;
 }
 
 /* What there is of each segment and body. */
@@ -114,7 +122,8 @@ static size_t bytes_of(const dpt_world_def *def)
     uint64_t bytes = BYTES_WORLD + BYTES_BODY * (uint64_t)def->max_bodies +
                      BYTES_TOOL * (uint64_t)def->max_tools +
                      BYTES_SEGMENT * (uint64_t)def->max_segments + bytes_budget(def) +
-                     bytes_last(def) + bytes_near(def) + mesh_aligned(def->certificate_bytes);
+                     BYTES_CONTACT * (uint64_t)def->max_contacts + bytes_last(def) +
+                     bytes_near(def) + mesh_aligned(def->certificate_bytes);
     return bytes <= SIZE_MAX ? (size_t)bytes : 0;
 }
 
@@ -155,6 +164,10 @@ dpt_result dpt_world_create(void *block, size_t bytes, const dpt_world_def *give
     made->pauses = (void *)at;
     made->proofs = (void *)(at + BYTES_PAUSE * (size_t)def.max_segments);
     at += bytes_budget(&def);
+    for (int i = 0; i < 2; i++) {
+        made->holds[i].hold = (void *)at;
+        at += BYTES_CONTACT / 2 * (size_t)def.max_contacts;
+    }
     made->last = (void *)at;
     at += bytes_last(&def);
     made->near = (void *)at;
@@ -211,6 +224,7 @@ static void forget_segment(struct dpt_world *world, uint32_t segment)
     memset(&s->near, 0, sizeof s->near);
     s->last_body = DPT_NONE;
     forget_proofs(world, segment, DPT_NONE);
+    contacts_forget(world, segment, segment + 1, DPT_NONE);
 }
 
 void tool_clear(struct dpt_world *world, struct tool *tool)
@@ -221,6 +235,7 @@ void tool_clear(struct dpt_world *world, struct tool *tool)
             .size = sizeof(dpt_hit), .status = DPT_STATUS_STALE, .triangle = DPT_NONE, .segment = i
         };
         memset(&segment->wrench, 0, sizeof segment->wrench);
+        memset(&segment->push, 0, sizeof segment->push);
     }
     memset(&tool->wrench, 0, sizeof tool->wrench);
     tool->nearest = 0;
@@ -293,6 +308,7 @@ dpt_result dpt_body_remove(dpt_world *world, dpt_body body)
         return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
     slot_release(&old->slot);
     world->invalid -= !old->valid;
+    contacts_forget(world, 0, world->segment_count, handle_index(body));
     for (uint32_t s = 0; s < world->segment_count; s++) {
         forget_proofs(world, s, handle_index(body));
         if (world->segments[s].last_body == handle_index(body))
@@ -398,6 +414,7 @@ dpt_result dpt_tool_remove(dpt_world *world, dpt_tool tool)
         memmove(world_proof(world, old->first, 0), world_proof(world, behind, 0),
                 moved * bodies * sizeof *world->proofs);
     }
+    contacts_remove(world, old->first, behind);
     world->turn = 0;
     for (uint32_t t = 0; t < world->tool_end; t++)
         if (world->tools[t].slot.used && world->tools[t].first >= behind)

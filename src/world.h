@@ -3,6 +3,7 @@
 #ifndef DPT_WORLD_H
 #define DPT_WORLD_H
 
+#include "contact.h"
 #include "dynpoint/world.h"
 #include "handle.h"
 #include "near.h"
@@ -28,12 +29,24 @@ struct tool {
     uint32_t free; /* segments are in the world; torque is about the first one's end a */
 };
 
+/* The best answer over all bodies. */
+struct found {
+    const struct body *body; /* NULL: there is none */
+    struct track track;
+    double lower; /* what is not proven to be as far is no nearer than this */
+    double error; /* the error bound, of all bodies that were asked */
+    uint32_t exact;
+    uint32_t work;
+};
+
 struct segment {
     vec3 a, b; /* in the tool's frame */
     double radius;
     dpt_hit hit;
     dpt_wrench wrench;
     struct near near;
+    struct found found; /* this tick's */
+    struct push push;
     uint32_t last_body; /* slot of the body that was nearest, or DPT_NONE */
     uint32_t tool;      /* slot of its tool */
 };
@@ -52,6 +65,26 @@ struct pause {
     uint32_t next; /* slot of the body to go on with, or DPT_NONE; in the first of the two */
 };
 
+#define HOLD_SEEDS 16
+
+/* A region of contact, and what the next tick takes over from it. */
+struct hold {
+    dpt_contact contact;
+    uint32_t segment; /* in the world's list */
+    uint32_t part;    /* of the body's mesh */
+    int32_t side;     /* of an open sheet, or 0 */
+    uint32_t unseen;  /* it is kept, but this tick does not know it */
+    uint32_t reserved;
+    uint32_t seed_count;
+    struct seed seed[HOLD_SEEDS];
+};
+
+struct holds {
+    struct hold *hold;
+    uint32_t count;
+    uint32_t reserved;
+};
+
 struct dpt_world {
     dpt_world_def def;
     struct kernel kernel;
@@ -59,10 +92,13 @@ struct dpt_world {
     uint32_t body_end; /* slots from here on were never used */
     uint32_t tool_end;
     uint32_t segment_count;
-    uint32_t invalid; /* bodies without a valid pose */
-    uint32_t left;    /* of this tick's budget */
-    uint32_t turn;    /* the segment that the budget did not reach */
-    uint32_t ticks;   /* since the last reset; may wrap */
+    uint32_t invalid;       /* bodies without a valid pose */
+    uint32_t left;          /* of this tick's budget */
+    uint32_t turn;          /* the segment that the budget did not reach */
+    uint32_t ticks;         /* since the last reset; may wrap */
+    uint32_t holds_at;      /* which of the two is this tick's */
+    uint32_t contact_id;    /* the last one that was given */
+    uint32_t contacts_full; /* this tick had more regions than there is room for */
     struct body *bodies;
     struct box *boxes; /* of the bodies, in the world */
     struct tool *tools;
@@ -70,8 +106,10 @@ struct dpt_world {
     struct certificate certificate;
     uint32_t *last; /* per segment, body slot and part: the place of the last answer, or DPT_NONE */
     uint32_t *near; /* per segment: the slots of the bodies on its two lists */
-    struct pause *pauses; /* per segment two; only with a budget, as the proofs */
-    struct proof *proofs; /* per segment and body slot */
+    struct pause *pauses;   /* per segment two; only with a budget, as the proofs */
+    struct proof *proofs;   /* per segment and body slot */
+    struct holds holds[2];  /* this tick's and the last one's */
+    struct profile profile; /* of the segment and body that are being looked at */
 };
 
 /* How many places are kept of one segment. */

@@ -333,7 +333,8 @@ static int is_sound(const dpt_hit *hit)
 /* Search, sign and force on a mesh that opened: whatever it says, it stays within the bytes. */
 static void use(const dpt_mesh *mesh, uint64_t *random)
 {
-    double block[2048], ends[6 * 4];
+    static double block[8192];
+    double ends[6 * 4];
     dpt_hit hits[4] = { DPT_HIT_INIT };
     dpt_query_def query = { .size = sizeof query };
     dpt_world_def def;

@@ -119,6 +119,31 @@ static void a_pose_moves_the_mesh(void)
     fixture_free(&fixture);
 }
 
+static double height_over_box(const double *half, const double *a, const double *b, double s)
+{
+    double outside = 0.0, depth = INFINITY;
+    for (int k = 0; k < 3; k++) {
+        double beyond = fabs(a[k] + s * (b[k] - a[k])) - half[k];
+        outside += beyond > 0.0 ? beyond * beyond : 0.0;
+        depth = fmin(depth, -beyond);
+    }
+    return outside > 0.0 ? sqrt(outside) : -depth;
+}
+
+/* The height over a box is convex along a line: thirds lead to the least one. */
+static double least_height(const double *half, const double *a, const double *b)
+{
+    double from = 0.0, to = 1.0;
+    for (int i = 0; i < 120; i++) {
+        double third = (to - from) / 3.0;
+        if (height_over_box(half, a, b, from + third) < height_over_box(half, a, b, to - third))
+            to -= third;
+        else
+            from += third;
+    }
+    return height_over_box(half, a, b, 0.5 * (from + to));
+}
+
 /* A box: where the tool is, and how far its surface. */
 static void sign_and_gap_of_a_box(void)
 {
@@ -130,29 +155,31 @@ static void sign_and_gap_of_a_box(void)
     const double *half = info.box_max;
     CHECK(half[0] == -info.box_min[0] && half[1] == -info.box_min[1], "not centred");
     uint64_t random = 9;
-    int inside = 0;
-    for (int i = 0; i < 2000; i++) {
+    int inside = 0, crossing = 0;
+    for (int i = 0; i < 10000; i++) {
         double ends[6], radius = i % 2 ? 0.01 : 0.0;
         dpt_hit hit = DPT_HIT_INIT;
         random_axis(&random, 2.0 * half[0], i % 3 ? 0.0 : 0.3 * half[0], ends);
         dpt_query_segments(fixture.mesh, NULL, ends, &radius, 1, &hit, NULL);
-        if (hit.distance == 0.0) {
-            CHECK(hit.flags == DPT_HIT_CROSSING, "flags %u", hit.flags);
+        double gap = least_height(half, ends, ends + 3) - radius;
+        double allowed =
+            gap + radius > 0.0
+                ? 1e-12
+                : 2e-5 * sqrt(half[0] * half[0] + half[1] * half[1] + half[2] * half[2]);
+        inside += hit.distance > 0.0 && gap + radius < 0.0;
+        crossing += hit.distance == 0.0;
+        CHECK(hit.flags == (DPT_HIT_GAP | (hit.distance == 0.0 ? DPT_HIT_CROSSING : 0)), "flags %u",
+              hit.flags);
+        CHECK(fabs(hit.gap - gap) <= allowed, "gap %.17g, not %.17g", hit.gap, gap);
+        CHECK(hit.depth == fmax(0.0, -hit.gap), "depth %.17g", hit.depth);
+        if (fabs(gap) < allowed + hit.error_bound)
             continue;
-        }
-        double depth = fmin(half[0] - fabs(hit.p[0]),
-                            fmin(half[1] - fabs(hit.p[1]), half[2] - fabs(hit.p[2])));
-        double gap = (depth > 0.0 ? -hit.distance : hit.distance) - radius;
-        inside += depth > 0.0;
-        CHECK(hit.flags == DPT_HIT_GAP, "flags %u", hit.flags);
-        CHECK(hit.gap == gap, "gap %.17g, not %.17g", hit.gap, gap);
-        CHECK(hit.depth == fmax(0.0, -gap), "depth %.17g", hit.depth);
         CHECK(hit.contact == (gap > hit.error_bound    ? DPT_CONTACT_SEPARATED
                               : gap < -hit.error_bound ? DPT_CONTACT_PENETRATING
                                                        : DPT_CONTACT_TOUCHING),
               "contact %u at gap %g", hit.contact, gap);
     }
-    CHECK(inside > 100, "only %d inside", inside);
+    CHECK(inside > 100 && crossing > 100, "only %d inside, %d crossing", inside, crossing);
     fixture_free(&fixture);
 }
 

@@ -63,11 +63,11 @@ enum {
 
 /* How the tool's surface stands to the mesh. */
 enum {
-    DPT_CONTACT_UNKNOWN = 0, /* not decided: the axis crosses an open sheet, or there is no mesh */
-    DPT_CONTACT_SEPARATED = 1, /* gap > error_bound */
-    DPT_CONTACT_TOUCHING = 2,  /* |gap| <= error_bound */
-    DPT_CONTACT_PENETRATING =
-        3 /* gap < -error_bound, or the axis goes through a closed part's face */
+    DPT_CONTACT_UNKNOWN =
+        0, /* not decided: by the budget, on an open sheet of which no side is known, or no mesh */
+    DPT_CONTACT_SEPARATED = 1,  /* gap > error_bound */
+    DPT_CONTACT_TOUCHING = 2,   /* |gap| <= error_bound */
+    DPT_CONTACT_PENETRATING = 3 /* gap < -error_bound */
 };
 
 /* Bits of dpt_hit.flags. */
@@ -83,8 +83,10 @@ enum {
  *   s            in 0..1: p = a + s (b - a)
  *   p, q         nearest points on the axis and on the mesh, in the world
  *   triangle     the source file's number of the triangle that holds q
- *   gap          signed distance of the capsule's surface: distance - radius, the distance counted
- *                negative inside a closed part; known while the axis does not cross (DPT_HIT_GAP)
+ *   gap          signed distance of the capsule's surface: the least of sd - radius along the axis, sd being
+ *                the distance of a point to the mesh, negative inside a part that has an inside and behind an
+ *                open sheet of which a side is kept; where DPT_HIT_GAP is set. Within error_bound while the axis is
+ *                outside, else within 1e-5 of the mesh's diagonal
  *   depth        max(0, -gap)
  *   error_bound  |distance - true distance| <= error_bound
  *   lower_bound  <= true distance
@@ -117,6 +119,57 @@ typedef struct dpt_hit {
 #define DPT_HIT_INIT { .size = (uint32_t)sizeof(dpt_hit) }
 #endif
 /* clang-format on */
+
+/* Bits of dpt_contact.flags. */
+enum {
+    DPT_REGION_CROSSING = 1, /* the axis goes through the surface */
+    DPT_REGION_SIDED =
+        2 /* an open sheet: the gap is counted from the side that the tool was first on */
+};
+
+/*
+ * One region of contact: a stretch of a segment's axis where its surface is within the world's margin of a body,
+ * or inside it (docs/algorithms/regions.md). Vectors are in world axes.
+ *
+ *   id          the same from tick to tick while the region lives; never 0
+ *   triangle    of the deepest pair: the source file's number
+ *   contact     DPT_CONTACT_... of its gap
+ *   s0, s1      the stretch, in 0..1 of the segment
+ *   s, p, q     the deepest pair: p on the axis, q on the mesh nearest to it
+ *   weight      of the triangle's corners, as dpt_mesh_triangle has them, at q: sum 1
+ *   normal      unit, the way out at q: from q to p outside, from p to q inside. Zero where there is none
+ *   gap         signed distance of the tool's surface at p
+ *
+ * Integrals over the length of the stretch. With w = margin - gap(s), which is 0 at its ends, and n(s) the way out:
+ *   overlap     of w, in m^2
+ *   moment      of s w, in m^2: moment / overlap is where the region's middle is
+ *   thrust      of w n, in m^2
+ *   thrust_moment  of s w n, in m^2
+ * They stay continuous in the motion, where a nearest point jumps; when regions join, theirs add up.
+ */
+typedef struct dpt_contact {
+    uint32_t
+        size; /* the caller's sizeof(dpt_contact); of an array, the first one's counts for all */
+    uint32_t id;
+    uint32_t body;
+    uint32_t segment;
+    uint32_t triangle;
+    uint32_t contact;
+    uint32_t flags;
+    uint32_t reserved;
+    double s0;
+    double s1;
+    double s;
+    double gap;
+    double p[3];
+    double q[3];
+    double normal[3];
+    double weight[3];
+    double overlap;
+    double moment;
+    double thrust[3];
+    double thrust_moment[3];
+} dpt_contact;
 
 /* Instruction sets of the inner loops. All give the same bits; they differ in speed alone. */
 enum {

@@ -61,6 +61,14 @@ typedef struct dpt_world_def {
      * tools and bodies share it. Too little costs time, never truth; 0 keeps nothing; at most 2^40; 1 MiB.
      */
     uint64_t certificate_bytes;
+    double margin; /* within which a surface counts as in contact, m, >= 0; 0.001 */
+    /*
+     * How deep a tool may be behind an open sheet before the side it came from is forgotten, m; 0 is a quarter of
+     * each body's diagonal.
+     */
+    double side_limit;
+    uint32_t max_contacts; /* regions of all tools together, 0..65535; 0: depth alone; 32 */
+    uint32_t reserved;     /* 0 */
 } dpt_world_def;
 
 /* Fill in the first `size` bytes; what dpt_world_def_init calls with its own caller's sizeof. */
@@ -73,8 +81,9 @@ static inline void dpt_world_def_init(dpt_world_def *def)
 
 /*
  * The bytes that a world of this def needs:
- *     320 + 384 max_bodies + 192 max_tools + 448 max_segments
+ *     16384 + 384 max_bodies + 192 max_tools + 1024 max_segments
  *         + (budget ? 1536 max_segments + 64 max_segments max_bodies : 0)
+ *         + 1024 max_contacts
  *         + 4 max_segments max_bodies parts + 8 max_segments max_bodies + certificate_bytes,
  * each of the last three terms rounded up to a multiple of 64. 0 for a def that is not valid.
  */
@@ -126,9 +135,17 @@ typedef struct dpt_step {
     uint32_t status; /* the least DPT_STATUS_... of any tool */
     uint32_t
         contact; /* the gravest DPT_CONTACT_... of any tool: penetrating, touching, unknown, ... */
-    uint32_t work;   /* 16-lane blocks looked at; at most the budget, if there is one */
-    double distance; /* the least of any tool; 0 when no tool has an answer */
+    uint32_t work;     /* 16-lane blocks looked at; at most the budget, if there is one */
+    double distance;   /* the least of any tool; 0 when no tool has an answer */
+    uint32_t contacts; /* regions, of all tools */
+    uint32_t flags;    /* DPT_STEP_... */
 } dpt_step;
+
+/* Bits of dpt_step.flags. */
+enum {
+    DPT_STEP_CONTACTS_FULL =
+        1 /* there are more regions than max_contacts; forces and depths count all */
+};
 
 /*
  * One tick of `dt` seconds (> 0). With an error the wrenches are zero and every answer is stale.
@@ -142,6 +159,14 @@ DPT_API dpt_result dpt_tool_get_hit(const dpt_world *world, dpt_tool tool, dpt_h
 /* The same of one segment of the tool, from 0. */
 DPT_API dpt_result dpt_tool_get_segment_hit(const dpt_world *world, dpt_tool tool, uint32_t segment,
                                             dpt_hit *hit);
+
+/*
+ * The tool's regions of contact, from the last step: up to `capacity`, the segments in order, along each from its
+ * end a. *count is how many there are, which may be more than fit. contacts[0].size must be set unless capacity is 0;
+ * contacts may be NULL then.
+ */
+DPT_API dpt_result dpt_tool_get_contacts(const dpt_world *world, dpt_tool tool,
+                                         dpt_contact *contacts, uint32_t capacity, uint32_t *count);
 
 /*
  * Force on the tool and torque about the origin of its frame, in world axes, before any limits. The

@@ -23,8 +23,13 @@ Hit = struct("dpt_hit", (c_uint32, "size status contact flags triangle segment b
              (c_double, "error_bound lower_bound"))
 WorldDef = struct("dpt_world_def", (c_uint32, "size max_bodies max_tools max_segments method kernel"
                                     " until parts one_step budget"), (c_double, "stiffness"),
-                  (c_uint64, "certificate_bytes"))
-Step = struct("dpt_step", (c_uint32, "size status contact work"), (c_double, "distance"))
+                  (c_uint64, "certificate_bytes"), (c_double, "margin side_limit"),
+                  (c_uint32, "max_contacts reserved"))
+Step = struct("dpt_step", (c_uint32, "size status contact work"), (c_double, "distance"),
+              (c_uint32, "contacts flags"))
+Contact = struct("dpt_contact", (c_uint32, "size id body segment triangle contact flags reserved"),
+                 (c_double, "s0 s1 s gap"), (double3, "p q normal weight"),
+                 (c_double, "overlap moment"), (double3, "thrust thrust_moment"))
 Compiled = struct("dpt_compiled", (c_void_p, "bytes"), (c_size_t, "size"))
 
 verdicts = []
@@ -42,7 +47,7 @@ def is_near(number, wanted):
 column = 0 if sizeof(c_void_p) == 8 else 1
 sizes = re.findall(r"SIZE\((\w+), (\d+), (\d+)\)", open(sys.path[0] + "/../abi/layouts.txt").read())
 sizes = {name: int(bytes[column]) for name, *bytes in sizes}
-for kind in (Pose, Segment, Wrench, Hit, WorldDef, Step, Compiled):
+for kind in (Pose, Segment, Wrench, Hit, Contact, WorldDef, Step, Compiled):
     check(kind.__name__ + " has its size", sizeof(kind) == sizes[kind.__name__])
 
 # A box of 2 x 2 x 1 m with its top at z = 1: corner i at the bits of i; two triangles a side.
@@ -79,6 +84,11 @@ check("step", core.dpt_world_step(world, c_double(0.001), byref(step)) == 0)
 check("wrench", core.dpt_tool_get_wrench(world, tool, byref(wrench)) == 0)
 check("exact, pressed in", step.status == 3 and step.contact == 3)
 check("500 N/m times 0.05 m, upward", is_near(wrench.force[2], 25) and is_near(wrench.force[0], 0))
+
+contact, count = Contact(size=sizeof(Contact)), c_uint32()
+check("contacts", core.dpt_tool_get_contacts(world, tool, byref(contact), 1, byref(count)) == 0)
+check("one region, at the end a", count.value == 1 == step.contacts and contact.s == 0)
+check("0.05 m deep, upward", is_near(contact.gap, -0.05) and is_near(contact.normal[2], 1))
 
 check("a body is no tool: DPT_E_HANDLE", core.dpt_tool_set_pose(world, body, byref(pose)) == -8)
 check("no pose: DPT_E_ARGUMENT", core.dpt_tool_set_pose(world, tool, None) == -1)

@@ -1,0 +1,332 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * Each body within reach of a segment gets its profile; its regions take over the numbers, the sides and the samples of
+ * those of the last tick that cover the same stretch of the tool.
+ */
+#include "contacts.h"
+
+#include "region.h"
+
+/* One segment and one body, this tick. */
+struct meeting {
+    struct dpt_world *world;
+    const struct body *body;
+    uint32_t segment;
+    double radius;
+    struct axis axis;
+    struct nearest nearest;
+    struct sides sides;
+    struct profile *profile;
+};
+
+static struct holds *holds_now(struct dpt_world *world)
+{
+    return &world->holds[world->holds_at];
+}
+
+static struct holds *holds_before(struct dpt_world *world)
+{
+    return &world->holds[1 - world->holds_at];
+}
+
+void contacts_turn(struct dpt_world *world)
+{
+    world->holds_at = 1 - world->holds_at;
+    holds_now(world)->count = 0;
+    world->contacts_full = 0;
+}
+
+void contacts_forget(struct dpt_world *world, uint32_t first, uint32_t end, uint32_t body)
+{
+    struct holds *holds = holds_now(world);
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < holds->count; i++) {
+        const struct hold *hold = &holds->hold[i];
+        int of = hold->segment >= first && hold->segment < end &&
+                 (body == DPT_NONE || handle_index(hold->contact.body) == body);
+        if (!of)
+            holds->hold[kept++] = *hold;
+    }
+    holds->count = kept;
+}
+
+void contacts_remove(struct dpt_world *world, uint32_t first, uint32_t end)
+{
+    struct holds *holds = holds_now(world);
+    contacts_forget(world, first, end, DPT_NONE);
+    for (uint32_t i = 0; i < holds->count; i++)
+        if (holds->hold[i].segment >= end)
+            holds->hold[i].segment -= end - first;
+}
+
+static struct hold *put_hold(struct dpt_world *world)
+{
+    struct holds *now = holds_now(world);
+    if (now->count == world->def.max_contacts) {
+        world->contacts_full = 1;
+        return NULL;
+    }
+    return &now->hold[now->count++];
+}
+
+static int is_of(const struct hold *hold, uint32_t segment, const struct body *body)
+{
+    return hold->segment == segment && (!body || hold->contact.body == body->id);
+}
+
+static void keep(struct dpt_world *world, uint32_t segment, const struct body *body)
+{
+    const struct holds *before = holds_before(world);
+    for (uint32_t i = 0; i < before->count; i++) {
+        struct hold *hold = is_of(&before->hold[i], segment, body) ? put_hold(world) : NULL;
+        if (hold) {
+            *hold = before->hold[i];
+            hold->unseen = 1;
+        }
+    }
+}
+
+void contacts_keep(struct dpt_world *world, uint32_t segment)
+{
+    keep(world, segment, NULL);
+}
+
+/* Sides that are kept, and where the samples of the last tick were. */
+static uint32_t recall(struct meeting *meeting, struct seed seeds[PROFILE_SEEDS])
+{
+    const struct holds *before = holds_before(meeting->world);
+    uint32_t count = 0;
+    meeting->sides.count = 0;
+    for (uint32_t i = 0; i < before->count; i++) {
+        const struct hold *hold = &before->hold[i];
+        if (!is_of(hold, meeting->segment, meeting->body))
+            continue;
+        for (uint32_t k = 0; k < hold->seed_count && count < PROFILE_SEEDS; k++)
+            seeds[count++] = hold->seed[k];
+        if (hold->side)
+            sides_put(&meeting->sides, hold->part, hold->side);
+    }
+    return count;
+}
+
+static double shared(const struct hold *hold, const struct region *region)
+{
+    return smaller(hold->contact.s1, region->to) - larger(hold->contact.s0, region->from);
+}
+
+/* Of the last tick's, the one that has most of the same stretch on the same part, and is not taken by another. */
+static const struct hold *same_region(const struct meeting *meeting, const struct region *region)
+{
+    const struct holds *before = holds_before(meeting->world), *now = holds_now(meeting->world);
+    const struct hold *best = NULL;
+    for (uint32_t i = 0; i < before->count; i++) {
+        const struct hold *hold = &before->hold[i];
+        int taken = !is_of(hold, meeting->segment, meeting->body) || hold->part != region->part ||
+                    shared(hold, region) < 0.0;
+        for (uint32_t k = 0; k < now->count && !taken; k++)
+            taken = now->hold[k].contact.id == hold->contact.id;
+        if (!taken && (!best || shared(hold, region) > shared(best, region)))
+            best = hold;
+    }
+    return best;
+}
+
+static uint32_t new_id(struct dpt_world *world)
+{
+    world->contact_id += world->contact_id == UINT32_MAX ? 2u : 1u;
+    return world->contact_id;
+}
+
+static int is_sheet(uint32_t flags)
+{
+    return !(flags & MESH_PART_CLOSED) && (flags & MESH_PART_MANIFOLD) && (flags & MESH_PART_WOUND);
+}
+
+/* The side of an open sheet that a region keeps for the next tick, or 0. */
+static int32_t side_of_region(const struct meeting *meeting, const struct region *region,
+                              double gap)
+{
+    const struct tree *tree = &meeting->body->tree;
+    const struct sample *deepest = &meeting->profile->sample[region->deepest];
+    double limit = meeting->world->def.side_limit;
+    if (limit == 0.0)
+        limit = 0.25 * contact_tolerance(tree) / PROFILE_DEPTH_SHARE;
+    if (!is_sheet(side_part_flags(tree, region->part)) || -gap > limit ||
+        side_is_border(tree, deepest->triangle, deepest->weight))
+        return 0;
+    int32_t kept = sides_get(&meeting->sides, region->part);
+    if (kept || deepest->height == 0.0)
+        return kept;
+    const pair found = { .weight = { deepest->weight[0], deepest->weight[1], deepest->weight[2] },
+                         .gap = deepest->gap };
+    return side_of_pair(tree, deepest->triangle, &found);
+}
+
+static int goes_through(const struct profile *profile, const struct region *region)
+{
+    for (uint32_t k = 0; k < profile->crossings; k++)
+        if (profile->crossing[k].s >= region->from && profile->crossing[k].s <= region->to)
+            return 1;
+    return 0;
+}
+
+/* As users see it. */
+static void write_contact(const struct meeting *meeting, const struct region *region,
+                          const struct hold *hold, dpt_contact *contact)
+{
+    const struct frame *frame = &meeting->body->frame;
+    const struct axis *axis = &meeting->axis;
+    const struct sample *deepest = &meeting->profile->sample[region->deepest];
+    const struct segment *segment = &meeting->world->segments[meeting->segment];
+    vec3 p = along(axis->a, deepest->s, sub(axis->b, axis->a));
+    contact->size = sizeof *contact;
+    contact->body = meeting->body->id;
+    contact->segment = meeting->segment - meeting->world->tools[segment->tool].first;
+    contact->triangle = meeting->body->tree.sources[deepest->triangle];
+    contact->gap = deepest->height - meeting->radius;
+    contact->contact = contact_of_gap(contact->gap, axis->error);
+    contact->flags = (goes_through(meeting->profile, region) ? DPT_REGION_CROSSING : 0u) |
+                     (hold->side ? DPT_REGION_SIDED : 0u);
+    contact->s0 = region->from;
+    contact->s1 = region->to;
+    contact->s = deepest->s;
+    vec3_store(p, contact->p);
+    vec3_store(sub(p, frame_turn(frame, deepest->gap)), contact->q);
+    vec3_store(frame_turn(frame, deepest->normal), contact->normal);
+    memcpy(contact->weight, deepest->weight, sizeof contact->weight);
+    contact->overlap = region->overlap;
+    contact->moment = region->moment;
+    vec3_store(frame_turn(frame, region->thrust), contact->thrust);
+    vec3_store(frame_turn(frame, region->thrust_moment), contact->thrust_moment);
+}
+
+static void hold_region(struct meeting *meeting, const struct region *region)
+{
+    const struct hold *before = same_region(meeting, region);
+    struct hold *hold = put_hold(meeting->world);
+    if (!hold)
+        return;
+    memset(hold, 0, sizeof *hold);
+    hold->segment = meeting->segment;
+    hold->part = region->part;
+    hold->side = side_of_region(meeting, region,
+                                meeting->profile->sample[region->deepest].height - meeting->radius);
+    hold->seed_count = region_seeds(meeting->profile, region, hold->seed, HOLD_SEEDS);
+    hold->contact.id = before ? before->contact.id : new_id(meeting->world);
+    write_contact(meeting, region, hold, &hold->contact);
+}
+
+/* One body: what it adds to the segment's gap and push; CONTACT_... */
+static int meet(struct meeting *meeting, double *gap)
+{
+    struct dpt_world *world = meeting->world;
+    struct profile *profile = meeting->profile;
+    struct seed seeds[PROFILE_SEEDS];
+    struct region regions[REGION_MOST];
+    uint32_t seed_count = recall(meeting, seeds);
+    profile->tree = &meeting->body->tree;
+    profile->kernel = &world->kernel;
+    profile->axis = &meeting->axis;
+    profile->sides = &meeting->sides;
+    profile->reach = meeting->radius + (world->def.max_contacts ? world->def.margin : 0.0);
+    profile->tolerance = contact_tolerance(profile->tree);
+    profile->most = world->def.budget ? world->left : UINT32_MAX;
+    int found = contact_find(profile, &meeting->nearest, seeds, seed_count, meeting->radius, gap);
+    uint32_t count = 0;
+    if (found == CONTACT_PROFILE && world->def.max_contacts)
+        count = region_all(profile, regions);
+    if (profile->cut)
+        found = CONTACT_UNKNOWN;
+    if (world->def.budget)
+        world->left -= profile->work;
+    if (found == CONTACT_UNKNOWN)
+        keep(world, meeting->segment, meeting->body);
+    else
+        for (uint32_t i = 0; i < count; i++)
+            hold_region(meeting, &regions[i]);
+    return found;
+}
+
+/* The nearest pair with another body than the nearest: in full, as it is needed rarely. 0: the budget ended that. */
+static int search_other(struct meeting *meeting, vec3 a, vec3 b, dpt_hit *hit)
+{
+    struct dpt_world *world = meeting->world;
+    const struct tree *tree = &meeting->body->tree;
+    const struct axis *axis = &meeting->axis;
+    struct nearest *nearest = &meeting->nearest;
+    uint32_t *last = world_last(world, meeting->segment, handle_index(meeting->body->id));
+    struct walk walk;
+    walk.at = 0;
+    if (world->def.budget && !world->left)
+        return 0;
+    axis_of(tree, &meeting->body->frame, a, b, &meeting->axis);
+    *nearest = (struct nearest){ .pair = tree_pair(tree, *last == DPT_NONE ? 0 : *last,
+                                                   axis->local_a, axis->u),
+                                 .triangle = *last == DPT_NONE ? 0 : *last,
+                                 .most = world->left };
+    int done = tree_walk(tree, &world->kernel, NULL, axis->local_a, axis->u, 0.0, &walk, nearest);
+    *last = nearest->triangle;
+    hit->work += nearest->work;
+    if (world->def.budget)
+        world->left -= nearest->work;
+    return done;
+}
+
+/* What a segment meets, over all bodies. */
+struct sum {
+    struct push push;
+    double gap;
+    int known;
+};
+
+static void meet_body(struct meeting *meeting, const struct found *best, dpt_hit *hit,
+                      struct sum *sum)
+{
+    int found = CONTACT_UNKNOWN;
+    double gap = HUGE_VAL;
+    int ready = meeting->body == best->body;
+    if (ready) {
+        meeting->axis = best->track.axis;
+        meeting->nearest = best->track.nearest;
+    } else {
+        ready = search_other(meeting, best->track.axis.a, best->track.axis.b, hit);
+    }
+    if (ready) {
+        found = meet(meeting, &gap);
+        hit->work += meeting->profile->work;
+    } else {
+        keep(meeting->world, meeting->segment, meeting->body);
+    }
+    sum->known &= found != CONTACT_UNKNOWN;
+    if (found == CONTACT_PROFILE && gap < sum->gap) {
+        sum->push = contact_push(meeting->profile, &meeting->body->frame, gap);
+        sum->gap = gap;
+    }
+}
+
+void contacts_find(struct dpt_world *world, uint32_t segment, const struct found *best,
+                   dpt_hit *hit, struct push *push)
+{
+    struct meeting meeting = { .world = world,
+                               .segment = segment,
+                               .radius = world->segments[segment].radius,
+                               .profile = &world->profile };
+    struct box box = box_of_axis(best->track.axis.a, best->track.axis.b);
+    double reach = meeting.radius + world->def.margin;
+    struct sum sum = { .gap = HUGE_VAL, .known = 1 };
+    const uint32_t *list = NULL;
+    uint32_t count = world->body_end;
+    if (count > 1)
+        count = bodies_within(world, segment, reach, &list);
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t slot = list ? list[i] : i;
+        meeting.body = &world->bodies[slot];
+        int near = meeting.body == best->body || box_distance(&box, &world->boxes[slot]) <= reach;
+        if (meeting.body->slot.used && near)
+            meet_body(&meeting, best, hit, &sum);
+    }
+    if (!sum.known)
+        return;
+    contact_set_gap(hit, smaller(sum.gap, hit->distance - meeting.radius), hit->error_bound);
+    *push = sum.push;
+}

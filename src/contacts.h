@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Regions of contact that live from tick to tick, of one segment with all bodies. docs/algorithms/regions.md. */
+#ifndef DPT_CONTACTS_H
+#define DPT_CONTACTS_H
+
+#include "bodies.h"
+#include "contact.h"
+
+/* A tick begins: what was now is before. */
+void contacts_turn(struct dpt_world *world);
+
+/*
+ * Contact, gap and depth of a segment whose nearest pair `best` is exact, into `hit`, and the push at its deepest point;
+ * its regions into the world.
+ */
+void contacts_find(struct dpt_world *world, uint32_t segment, const struct found *best,
+                   dpt_hit *hit, struct push *push);
+
+/* A segment of which nothing is known this tick: its regions live on, unseen. */
+void contacts_keep(struct dpt_world *world, uint32_t segment);
+
+/* Forget those of the segments from `first` to before `end`, and of a body or, with DPT_NONE, of all. */
+void contacts_forget(struct dpt_world *world, uint32_t first, uint32_t end, uint32_t body);
+
+/* The same, and the segments behind them move up. */
+void contacts_remove(struct dpt_world *world, uint32_t first, uint32_t end);
+
+#endif

@@ -1,0 +1,520 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * The deepest point of an axis inside a body is where the distance to the surface is largest. Between two samples the
+ * surface is no farther than each of their two triangles; the distance to one triangle is convex along the axis. So
+ * for any s between them
+ *
+ *     depth <= the largest of  D_i(s_i), D_i(s), D_j(s), D_j(s_j),
+ *
+ * four evaluations that bound a whole stretch without a search. Stretches whose bound is not above the deepest exact
+ * sample by more than the tolerance are done; of the others the one with the largest bound is split there.
+ */
+#include "profile.h"
+
+#include "range.h"
+
+static vec3 point_at(const struct profile *profile, double s)
+{
+    return along(profile->axis->local_a, s, profile->axis->u);
+}
+
+static int has_inside(uint32_t flags)
+{
+    return (flags & MESH_PART_CLOSED) != 0;
+}
+
+int32_t sides_get(const struct sides *sides, uint32_t part)
+{
+    for (uint32_t i = 0; i < sides->count; i++)
+        if (sides->part[i] == part)
+            return sides->side[i];
+    return 0;
+}
+
+void sides_put(struct sides *sides, uint32_t part, int32_t side)
+{
+    if (sides->count == SIDES_MOST || sides_get(sides, part))
+        return;
+    sides->part[sides->count] = part;
+    sides->side[sides->count++] = side;
+}
+
+/* The way out, at a crossing or a pair, by the triangle that it is on; zero where there is none. */
+static vec3 way_out(const struct profile *profile, uint32_t triangle, const double weight[3])
+{
+    uint32_t part = side_part(profile->tree, triangle);
+    vec3 normal = side_feature_normal(profile->tree, triangle, weight);
+    double size = length(normal);
+    double side = sides_get(profile->sides, part);
+    if (side == 0.0 && has_inside(side_part_flags(profile->tree, part)))
+        side = 1.0;
+    return size > 0.0 ? scaled(normal, side / size) : (vec3){ 0.0, 0.0, 0.0 };
+}
+
+/* Of a point whose nearest pair this is, by that pair alone. */
+static int side_by_pair(const struct profile *profile, uint32_t triangle, const pair *found)
+{
+    uint32_t part = side_part(profile->tree, triangle);
+    int kept = sides_get(profile->sides, part);
+    if (kept && side_is_border(profile->tree, triangle, found->weight))
+        return 1;
+    if (!kept)
+        kept = has_inside(side_part_flags(profile->tree, part));
+    return kept ? kept * side_of_pair(profile->tree, triangle, found) : 1;
+}
+
+int profile_is_sideless(const struct profile *profile)
+{
+    for (uint32_t k = 0; k < profile->crossings; k++) {
+        uint32_t part = side_part(profile->tree, profile->crossing[k].triangle);
+        uint32_t flags = side_part_flags(profile->tree, part);
+        if (!has_inside(flags) && (flags & MESH_PART_MANIFOLD) && !sides_get(profile->sides, part))
+            return 1;
+    }
+    return 0;
+}
+
+static int by_sample(const struct profile *profile)
+{
+    return profile->sides->count > 0;
+}
+
+/* Between which crossings. */
+static uint32_t stretch_of(const struct profile *profile, double s)
+{
+    uint32_t k = 0;
+    while (k < profile->crossings && profile->crossing[k].s < s)
+        k++;
+    return k;
+}
+
+static uint32_t spare(const struct profile *profile)
+{
+    return profile->most - profile->work;
+}
+
+/* The nearest triangle of a point, by descent or by search, as far as there is work left for it. */
+static void improve(struct profile *profile, const struct axis *point, int exact,
+                    struct nearest *nearest)
+{
+    struct walk walk;
+    walk.at = 0;
+    if (!spare(profile)) {
+        profile->cut = 1;
+        return;
+    }
+    nearest->most = profile->most == UINT32_MAX ? 0 : spare(profile);
+    if (!exact)
+        track_slide(profile->tree, point, nearest);
+    else if (!tree_walk(profile->tree, profile->kernel, NULL, point->local_a, point->u, 0.0, &walk,
+                        nearest))
+        profile->cut = 1;
+    profile->work += nearest->work;
+}
+
+/* From a triangle near a point of the axis, by descent; `exact` by search. */
+static struct sample take_sample(struct profile *profile, double s, uint32_t triangle, int exact)
+{
+    const struct tree *tree = profile->tree;
+    struct axis point = { .local_a = point_at(profile, s), .error = profile->axis->error };
+    struct nearest nearest = { .pair = tree_pair(tree, triangle, point.local_a, point.u),
+                               .triangle = triangle };
+    improve(profile, &point, exact, &nearest);
+    double distance = sqrt(nearest.pair.distance2);
+    int sign = profile->sign[stretch_of(profile, s)];
+    if (!sign)
+        sign = side_by_pair(profile, nearest.triangle, &nearest.pair);
+    struct sample sample = { .s = s,
+                             .height = sign * distance,
+                             .gap = nearest.pair.gap,
+                             .triangle = nearest.triangle,
+                             .exact = (uint32_t)exact };
+    memcpy(sample.weight, nearest.pair.weight, sizeof sample.weight);
+    sample.normal = distance > 1e3 * profile->axis->error
+                        ? scaled(sample.gap, sign / distance)
+                        : way_out(profile, nearest.triangle, sample.weight);
+    return sample;
+}
+
+static double distance_to(const struct profile *profile, uint32_t triangle, double s)
+{
+    const vec3 none = { 0.0, 0.0, 0.0 };
+    return sqrt(tree_pair(profile->tree, triangle, point_at(profile, s), none).distance2);
+}
+
+/* In order of s; of two at one place the exact one, or the newer, stays. Returns its index, or DPT_NONE. */
+static uint32_t put_sample(struct profile *profile, const struct sample *sample)
+{
+    uint32_t i = 0;
+    while (i < profile->count && profile->sample[i].s < sample->s)
+        i++;
+    struct sample *here = &profile->sample[i];
+    if (i)
+        here[-1].bounded = 0;
+    if (i < profile->count && here->s == sample->s) {
+        if (sample->exact || !here->exact)
+            *here = *sample;
+        here->bounded = 0;
+        return i;
+    }
+    if (profile->count == PROFILE_SAMPLES)
+        return DPT_NONE;
+    memmove(here + 1, here, (profile->count - i) * sizeof *here);
+    *here = *sample;
+    profile->count++;
+    profile->deepest += i <= profile->deepest;
+    return i;
+}
+
+/* Of the sample beside s: where a search begins. */
+static uint32_t nearest_triangle(const struct profile *profile, double s)
+{
+    double least = HUGE_VAL;
+    uint32_t triangle = 0;
+    for (uint32_t i = 0; i < profile->count; i++) {
+        double apart = fabs(profile->sample[i].s - s);
+        if (profile->sample[i].triangle != DPT_NONE && apart < least) {
+            least = apart;
+            triangle = profile->sample[i].triangle;
+        }
+    }
+    return triangle;
+}
+
+/* Is the triangle of a new sample nearer to the one at i than its own? Then that one begins there. */
+static int tell(struct profile *profile, uint32_t i, uint32_t triangle)
+{
+    struct sample *sample = &profile->sample[i];
+    if (sample->exact || sample->triangle == DPT_NONE || sample->triangle == triangle ||
+        !(distance_to(profile, triangle, sample->s) < fabs(sample->height)))
+        return 0;
+    struct sample better = take_sample(profile, sample->s, triangle, 0);
+    put_sample(profile, &better);
+    return 1;
+}
+
+uint32_t profile_ask(struct profile *profile, double s, int exact)
+{
+    struct sample sample = take_sample(profile, s, nearest_triangle(profile, s), exact);
+    uint32_t at = put_sample(profile, &sample);
+    if (at == DPT_NONE)
+        return at;
+    for (uint32_t i = at; i > 0 && tell(profile, i - 1, sample.triangle); i--)
+        ;
+    for (uint32_t i = at + 1; i < profile->count && tell(profile, i, sample.triangle); i++)
+        ;
+    return at;
+}
+
+static int in_zone(const struct profile *profile, double s)
+{
+    for (uint32_t i = 0; i < profile->zones; i++)
+        if (s >= profile->zone_from[i] && s <= profile->zone_to[i])
+            return 1;
+    return 0;
+}
+
+/* Crossings, by place. */
+
+static void put_crossing(struct profile *profile, uint32_t triangle, const pair *found)
+{
+    uint32_t i = profile->crossings;
+    if (i == PROFILE_CROSSINGS) {
+        profile->full = 1;
+        return;
+    }
+    for (; i && profile->crossing[i - 1].s > found->s; i--)
+        profile->crossing[i] = profile->crossing[i - 1];
+    struct crossing *crossing = &profile->crossing[i];
+    *crossing = (struct crossing){ .s = found->s, .triangle = triangle };
+    memcpy(crossing->weight, found->weight, sizeof crossing->weight);
+    profile->crossings++;
+    vec3 normal = way_out(profile, triangle, found->weight);
+    double along_axis = dot(normal, profile->axis->u);
+    int on_face = found->weight[0] > 0.0 && found->weight[1] > 0.0 && found->weight[2] > 0.0;
+    if (on_face && fabs(along_axis) > 1e-6 * profile->size) {
+        crossing->after = along_axis > 0.0 ? 1 : -1;
+        crossing->before = -crossing->after;
+    }
+}
+
+/* An edge is met with both its triangles, a vertex with all of its fan: one crossing, of unknown sides. */
+static void join_crossings(struct profile *profile)
+{
+    double near = 4.0 * profile->axis->error;
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < profile->crossings; i++) {
+        const struct crossing *crossing = &profile->crossing[i];
+        struct crossing *last = &profile->crossing[kept ? kept - 1 : 0];
+        if (kept && (crossing->s - last->s) * profile->size <= near)
+            last->before = last->after = 0;
+        else
+            profile->crossing[kept++] = *crossing;
+    }
+    profile->crossings = kept;
+}
+
+/* The stretch of the axis that a triangle within reach can be within reach of. */
+static void put_zone(struct profile *profile, uint32_t triangle)
+{
+    const struct tree *tree = profile->tree;
+    const struct axis *axis = profile->axis;
+    const uint32_t *corner = tree->corners + 3 * (size_t)triangle;
+    double from = HUGE_VAL, to = -HUGE_VAL;
+    double per_uu = profile->size > 0.0 ? 1.0 / dot(axis->u, axis->u) : 0.0;
+    for (int k = 0; k < 3; k++) {
+        vec3 c = vec3_of_float(tree->positions + 3 * (size_t)corner[k]);
+        double s = dot(sub(c, axis->local_a), axis->u) * per_uu;
+        from = smaller(from, s);
+        to = larger(to, s);
+    }
+    double room = profile->size > 0.0 ? profile->reach / profile->size : 1.0;
+    from = clamp01(from - room);
+    to = to + room < 1.0 ? clamp01(to + room) : 1.0;
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < profile->zones; i++) {
+        if (profile->zone_to[i] < from || profile->zone_from[i] > to) {
+            profile->zone_from[kept] = profile->zone_from[i];
+            profile->zone_to[kept++] = profile->zone_to[i];
+        } else {
+            from = smaller(from, profile->zone_from[i]);
+            to = larger(to, profile->zone_to[i]);
+        }
+    }
+    if (kept == PROFILE_ZONES) {
+        kept--;
+        from = smaller(from, profile->zone_from[kept]);
+        to = larger(to, profile->zone_to[kept]);
+    }
+    profile->zone_from[kept] = from;
+    profile->zone_to[kept] = to;
+    profile->zones = kept + 1;
+}
+
+static void look_around(struct profile *profile)
+{
+    const struct axis *axis = profile->axis;
+    struct range range;
+    int meets;
+    if (!spare(profile)) {
+        profile->cut = 1;
+        return;
+    }
+    range_begin(&range, profile->tree, profile->kernel, axis->local_a, axis->u, profile->reach,
+                spare(profile));
+    for (uint32_t t; (t = range_next(&range, &meets)) != DPT_NONE;) {
+        put_zone(profile, t);
+        if (!meets)
+            continue;
+        pair found = tree_pair(profile->tree, t, axis->local_a, axis->u);
+        if (found.distance2 == 0.0)
+            put_crossing(profile, t, &found);
+    }
+    profile->work += range.work;
+    profile->cut |= range.work == range.most;
+    join_crossings(profile);
+}
+
+/* Which side each stretch between crossings is on. What its ends do not tell, a search in its middle does. */
+static void find_sides(struct profile *profile, const struct nearest *nearest)
+{
+    for (uint32_t k = 0; k <= profile->crossings; k++)
+        profile->sign[k] = 0;
+    if (by_sample(profile))
+        return;
+    if (!profile->crossings) {
+        profile->sign[0] = side_by_pair(profile, nearest->triangle, &nearest->pair);
+        return;
+    }
+    for (uint32_t k = 0; k <= profile->crossings; k++) {
+        const struct crossing *here = &profile->crossing[k];
+        int before = k ? here[-1].after : 0, after = k < profile->crossings ? here->before : 0;
+        double from = k ? here[-1].s : 0.0, to = k < profile->crossings ? here->s : 1.0;
+        int sign = before ? before : after;
+        if (before * after < 0 || !sign) {
+            struct sample middle = take_sample(profile, 0.5 * (from + to), nearest->triangle, 1);
+            sign = middle.height < 0.0 ? -1 : 1;
+        }
+        profile->sign[k] = sign;
+    }
+}
+
+static void put_crossing_samples(struct profile *profile)
+{
+    for (uint32_t k = 0; k < profile->crossings; k++) {
+        const struct crossing *crossing = &profile->crossing[k];
+        struct sample sample = { .s = crossing->s, .triangle = crossing->triangle, .exact = 1 };
+        memcpy(sample.weight, crossing->weight, sizeof sample.weight);
+        sample.normal = way_out(profile, crossing->triangle, crossing->weight);
+        put_sample(profile, &sample);
+    }
+}
+
+/* Stretches that are inside have a sample at an end that is free, and one in the middle. */
+static void put_inner_samples(struct profile *profile)
+{
+    for (uint32_t k = 0; k <= profile->crossings; k++) {
+        if (profile->sign[k] > 0)
+            continue;
+        double from = k ? profile->crossing[k - 1].s : 0.0;
+        double to = k < profile->crossings ? profile->crossing[k].s : 1.0;
+        int any = 0;
+        for (uint32_t i = 0; i < profile->count; i++)
+            any |= profile->sample[i].s > from && profile->sample[i].s < to;
+        if (!k && !(any && profile->sample[0].s == 0.0))
+            profile_ask(profile, 0.0, 1);
+        if (!any && to > from)
+            profile_ask(profile, 0.5 * (from + to), 1);
+        if (k == profile->crossings && profile->sample[profile->count - 1].s < 1.0)
+            profile_ask(profile, 1.0, 1);
+    }
+}
+
+struct bend profile_bend(const struct profile *profile, const struct sample *from,
+                         const struct sample *to)
+{
+    double rise_from = dot(from->normal, profile->axis->u);
+    double rise_to = dot(to->normal, profile->axis->u);
+    double width = to->s - from->s, turn = rise_to - rise_from;
+    double s = fabs(turn) * width > profile->axis->error
+                   ? (from->height - to->height + rise_to * width) / turn
+                   : 0.5 * width;
+    s = s > 0.0 && s < width ? s : 0.5 * width;
+    return (struct bend){ from->s + s, from->height + rise_from * s };
+}
+
+/* How deep it can be between two samples of which one is inside. */
+static struct deep deep_between(const struct profile *profile, uint32_t i)
+{
+    enum { HERE, NEXT, BETWEEN };
+    const struct sample *from = &profile->sample[i], *to = from + 1;
+    struct deep deep = { -from->height, from->s, HERE };
+    if (to->height < from->height)
+        deep = (struct deep){ -to->height, to->s, NEXT };
+    if (from->triangle == to->triangle || (to->s - from->s) * profile->size <= profile->tolerance)
+        return deep;
+    double middle = 0.5 * (from->s + to->s), enough = deep.bound + 0.5 * profile->tolerance;
+    double bound = HUGE_VAL, s = middle;
+    if (from->height > 0.0) {
+        bound = distance_to(profile, to->triangle, from->s);
+    } else if (to->height > 0.0) {
+        bound = distance_to(profile, from->triangle, to->s);
+    } else {
+        double at = profile_bend(profile, from, to).s;
+        for (int tries = 0; tries < 3 && bound > enough; tries++) {
+            double by_from = distance_to(profile, from->triangle, at);
+            double by_to = distance_to(profile, to->triangle, at);
+            if (larger(by_from, by_to) < bound) {
+                bound = larger(by_from, by_to);
+                s = at;
+            }
+            at = 0.5 * (at + (by_from > by_to ? from->s : to->s));
+        }
+    }
+    if (bound > enough) {
+        double edge = 0.125 * (to->s - from->s);
+        s = s > from->s + edge && s < to->s - edge ? s : middle;
+        deep = (struct deep){ bound, s, BETWEEN };
+    }
+    return deep;
+}
+
+static uint32_t lowest_exact(const struct profile *profile)
+{
+    uint32_t best = DPT_NONE;
+    for (uint32_t i = 0; i < profile->count; i++)
+        if (profile->sample[i].exact &&
+            (best == DPT_NONE || profile->sample[i].height < profile->sample[best].height))
+            best = i;
+    return best;
+}
+
+static int is_inner(const struct profile *profile, uint32_t i)
+{
+    return profile->sample[i].height < 0.0 || profile->sample[i + 1].height < 0.0;
+}
+
+/* Until nothing can be deeper than the deepest exact sample by more than the tolerance. */
+static void find_deepest(struct profile *profile)
+{
+    for (int asked = 0; asked < PROFILE_SAMPLES && !profile->cut; asked++) {
+        profile->deepest = lowest_exact(profile);
+        double least = 0.5 * profile->tolerance - profile->sample[profile->deepest].height;
+        const struct sample *most = NULL;
+        for (uint32_t i = 0; i + 1 < profile->count; i++) {
+            struct sample *sample = &profile->sample[i];
+            if (!is_inner(profile, i))
+                continue;
+            if (!sample->bounded) {
+                sample->deep = deep_between(profile, i);
+                sample->bounded = 1;
+            }
+            if (sample->deep.bound > least) {
+                least = sample->deep.bound;
+                most = sample;
+            }
+        }
+        if (!most || (most->deep.at < 2 && most[most->deep.at].exact))
+            return;
+        /* Between samples descent tells enough; only what may be the deepest is worth a search. */
+        profile_ask(profile, most->deep.s, by_sample(profile) || most->deep.at < 2 || asked >= 16);
+    }
+    profile->deepest = lowest_exact(profile);
+}
+
+int profile_make(struct profile *profile, const struct nearest *nearest, const struct seed *seeds,
+                 uint32_t seed_count)
+{
+    const struct axis *axis = profile->axis;
+    double distance = sqrt(nearest->pair.distance2);
+    profile->size = length(axis->u);
+    profile->work = 0;
+    profile->full = 0;
+    profile->cut = 0;
+    profile->crossings = 0;
+    profile->zones = 0;
+    profile->count = 0;
+    profile->deepest = 0;
+    profile->warm = seed_count > 0;
+    if (distance > profile->reach && !by_sample(profile)) {
+        find_sides(profile, nearest);
+        if (profile->sign[0] > 0)
+            return 0;
+    } else {
+        look_around(profile);
+        find_sides(profile, nearest);
+    }
+    put_crossing_samples(profile);
+    if (!profile->crossings) {
+        struct sample sample = take_sample(profile, nearest->pair.s, nearest->triangle, 0);
+        sample.exact = 1;
+        put_sample(profile, &sample);
+    }
+    for (uint32_t i = 0; i < seed_count; i++) {
+        int sign = profile->sign[stretch_of(profile, seeds[i].s)];
+        if (sign > 0 && !in_zone(profile, seeds[i].s))
+            continue;
+        struct sample sample = take_sample(profile, seeds[i].s, seeds[i].triangle, !sign);
+        put_sample(profile, &sample);
+    }
+    put_inner_samples(profile);
+    find_deepest(profile);
+    return 1;
+}
+
+/* Outside of the zones an axis that is outside is beyond reach. Where a side is each sample's own, samples tell. */
+void profile_enclose(struct profile *profile)
+{
+    struct sample beyond = { .height = profile->reach, .triangle = DPT_NONE };
+    for (uint32_t i = 0; i < profile->zones; i++) {
+        const double ends[2] = { profile->zone_from[i], profile->zone_to[i] };
+        for (int k = 0; k < 2; k++) {
+            int sign = profile->sign[stretch_of(profile, ends[k])];
+            beyond.s = ends[k];
+            if (ends[k] <= 0.0 || ends[k] >= 1.0 || !sign)
+                profile_ask(profile, ends[k], 1);
+            else if (sign > 0)
+                put_sample(profile, &beyond);
+        }
+    }
+}

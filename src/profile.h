@@ -1,0 +1,117 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * How far a body's surface is from each point of an axis: the signed distance along the tool, as few samples as tell
+ * its least value within DEPTH_SHARE of the mesh's diagonal, and its shape near the surface.
+ * docs/algorithms/depth.md, docs/algorithms/regions.md.
+ */
+#ifndef DPT_PROFILE_H
+#define DPT_PROFILE_H
+
+#include "side.h"
+#include "track.h"
+
+/* The depth's own bound, of the mesh's diagonal. */
+#define PROFILE_DEPTH_SHARE 1e-5
+
+enum { PROFILE_SAMPLES = 64, PROFILE_CROSSINGS = 31, PROFILE_ZONES = 8, PROFILE_SEEDS = 24 };
+
+/* A place on the axis and a triangle that was nearest there. */
+struct seed {
+    double s;
+    uint32_t triangle;
+    uint32_t reserved;
+};
+
+struct sample {
+    double s;
+    double height; /* signed distance to the triangle; the mesh's, if it is exact */
+    vec3 normal;   /* unit, the way out: along it the height grows */
+    vec3 gap;      /* x - q */
+    double weight[3];
+    uint32_t triangle; /* DPT_NONE: nothing is within reach here, height is the reach */
+    uint32_t exact;    /* no triangle is nearer */
+    uint32_t bounded;  /* `deep` is there: how deep it can be between here and the next sample */
+    struct deep {
+        double bound;
+        double s;
+        uint32_t
+            at; /* the bound is the depth of this sample (0), of the next (1), or of none (2) */
+    } deep;
+};
+
+/* Where the axis goes through the surface. */
+struct crossing {
+    double s;
+    double weight[3];
+    uint32_t triangle;
+    int32_t before,
+        after; /* side of the axis there: +1 outside, -1 inside, 0 not known by this triangle */
+};
+
+#define SIDES_MOST 4
+
+/* Sides of open sheets that are kept: +1 in front of the sheet's triangles, -1 behind. */
+struct sides {
+    uint32_t count;
+    uint32_t part[SIDES_MOST];
+    int32_t side[SIDES_MOST];
+};
+
+/* Of a part, or 0. */
+int32_t sides_get(const struct sides *sides, uint32_t part);
+
+/* The first one that is put stays; where there is no room, none is kept. */
+void sides_put(struct sides *sides, uint32_t part, int32_t side);
+
+struct profile {
+    const struct tree *tree;
+    const struct kernel *kernel;
+    const struct axis *axis;
+    const struct sides *sides;
+    double size;      /* length of the axis */
+    double reach;     /* surface farther than that from the axis does not count */
+    double tolerance; /* of the depth */
+    uint32_t work;    /* 16-lane blocks */
+    uint32_t most;    /* and how many it may look at; UINT32_MAX: what it takes */
+    uint32_t cut;     /* that was not enough */
+    uint32_t
+        warm; /* there were seeds: descent from them is as good as a search, but for the deepest */
+    uint32_t full; /* more crossings than there is room for: what is known is not all */
+    uint32_t crossings;
+    uint32_t zones;
+    uint32_t count;
+    uint32_t deepest; /* the sample with the least height, exact */
+    struct crossing crossing[PROFILE_CROSSINGS];
+    int32_t sign[PROFILE_CROSSINGS + 1]; /* between crossings; 0: each sample has its own */
+    double zone_from[PROFILE_ZONES],
+        zone_to[PROFILE_ZONES]; /* of s: the surface may be within reach */
+    struct sample sample[PROFILE_SAMPLES];
+};
+
+/*
+ * Make the profile of an axis. `nearest` is the axis' nearest pair with this body where that is known exactly, or
+ * NULL. `seeds` are places of an earlier tick. Returns 0 when the axis is outside and nothing is within reach:
+ * there is no contact then.
+ *
+ * First the caller sets tree, kernel, axis, sides, reach, tolerance and most.
+ */
+int profile_make(struct profile *profile, const struct nearest *nearest, const struct seed *seeds,
+                 uint32_t seed_count);
+
+/* It goes through an open sheet of which no side is kept. */
+int profile_is_sideless(const struct profile *profile);
+
+/* One more sample, by a search or by descent from those beside it; its index, or DPT_NONE if there was no room. */
+uint32_t profile_ask(struct profile *profile, double s, int exact);
+
+/* Mark where the surface comes within reach and goes out of it, so that samples are wherever it is within. */
+void profile_enclose(struct profile *profile);
+
+/* What the profile is between two samples: the heights' two tangents meet at `s`, `height`. */
+struct bend {
+    double s, height;
+};
+struct bend profile_bend(const struct profile *profile, const struct sample *from,
+                         const struct sample *to);
+
+#endif

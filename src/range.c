@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "range.h"
+
+#include "probe.h"
+
+static void look_at(struct range *range, uint32_t level, uint32_t node)
+{
+    const struct tree *tree = range->tree;
+    uint32_t below = level ? tree->count[level - 1] : tree->mesh->triangles;
+    uint32_t count = below - node * LANES, all = count < LANES ? (1u << count) - 1 : 0xffff;
+    const float *rows = level ? tree->level[level] + (size_t)node * MESH_BOX_WORDS
+                              : tree->leaves + (size_t)node * MESH_LEAF_WORDS;
+    kernel_renew *look = level ? range->kernel->boxes : range->kernel->triangles;
+    struct planes planes;
+    range->work++;
+    range->level = level;
+    range->node[level] = node;
+    range->lanes[level] = all & look(rows, &range->probe, &planes, range->bound);
+}
+
+void range_begin(struct range *range, const struct tree *tree, const struct kernel *kernel, vec3 a,
+                 vec3 u, double reach, uint32_t most)
+{
+    range->tree = tree;
+    range->kernel = kernel;
+    range->work = 0;
+    range->most = most;
+    vec3 x = probe_axis(&range->probe, tree->mesh, a, u);
+    probe_frame(&range->probe, x);
+    probe_limit(&range->probe, tree->mesh, reach);
+    look_at(range, tree->levels, 0);
+}
+
+uint32_t range_next(struct range *range, int *meets)
+{
+    while (range->level <= range->tree->levels) {
+        uint32_t level = range->level;
+        if (!range->lanes[level]) {
+            range->level++;
+            continue;
+        }
+        uint32_t lane = (uint32_t)__builtin_ctz(range->lanes[level]);
+        range->lanes[level] &= range->lanes[level] - 1;
+        uint32_t child = range->node[level] * LANES + lane;
+        if (level && range->work >= range->most)
+            return DPT_NONE;
+        if (level) {
+            look_at(range, level - 1, child);
+            continue;
+        }
+        *meets = !(range->bound[lane] > range->probe.margin);
+        return child;
+    }
+    return DPT_NONE;
+}

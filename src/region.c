@@ -1,0 +1,207 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * Between two samples the height follows its chord or its two tangents. Where it bends once, at the edge between two
+ * walls, the tangents are exact; where it curves evenly, it lies a third of the way from them to the chord. So it is
+ * taken five sixths of the way, and what is left between the two is the doubt that decides where to ask next.
+ */
+#include "region.h"
+
+/* The doubt that is left, of the overlap; and that below which a sample is not worth keeping. */
+#define DOUBT_LEFT    0.03
+#define DOUBT_IGNORED 0.002
+
+enum { ASK_MOST = 24 };
+
+/* A piece of the profile on which the height is linear and the way out is one sample's. */
+struct piece {
+    double s0, s1;
+    double w0, w1; /* how far within reach */
+    vec3 normal;
+};
+
+/* Cut off what is beyond reach; 0 if that is all. */
+static int clip(struct piece *piece)
+{
+    double w0 = piece->w0, w1 = piece->w1;
+    if (!(w0 > 0.0) && !(w1 > 0.0))
+        return 0;
+    double cut = piece->s0 + (piece->s1 - piece->s0) * (w0 / (w0 - w1));
+    if (w0 < 0.0) {
+        piece->s0 = cut;
+        piece->w0 = 0.0;
+    } else if (w1 < 0.0) {
+        piece->s1 = cut;
+        piece->w1 = 0.0;
+    }
+    return 1;
+}
+
+static double area_of(double s0, double w0, double s1, double w1)
+{
+    struct piece piece = { s0, s1, w0, w1, { 0.0, 0.0, 0.0 } };
+    return clip(&piece) ? 0.5 * (piece.w0 + piece.w1) * (piece.s1 - piece.s0) : 0.0;
+}
+
+static void add_piece(struct region *region, const struct piece *piece, double size)
+{
+    double width = (piece->s1 - piece->s0) * size;
+    double overlap = 0.5 * (piece->w0 + piece->w1) * width;
+    double moment =
+        (piece->s0 * (2.0 * piece->w0 + piece->w1) + piece->s1 * (piece->w0 + 2.0 * piece->w1)) *
+        (width / 6.0);
+    region->overlap += overlap;
+    region->moment += moment;
+    region->thrust = along(region->thrust, overlap, piece->normal);
+    region->thrust_moment = along(region->thrust_moment, moment, piece->normal);
+    region->to = piece->s1;
+}
+
+/* What is known between two samples: where it bends, and how sure that is. */
+struct span {
+    double s;         /* of the bend */
+    double w0, w, w1; /* at the ends and there */
+    double area;      /* over s, not over length */
+    double doubt;
+};
+
+static struct span span_between(const struct profile *profile, const struct sample *from,
+                                const struct sample *to)
+{
+    struct bend bend = profile_bend(profile, from, to);
+    double width = to->s - from->s;
+    double part = width > 0.0 ? (bend.s - from->s) / width : 0.0;
+    struct span span = { .s = bend.s,
+                         .w0 = profile->reach - from->height,
+                         .w1 = profile->reach - to->height };
+    double chord = span.w0 + (span.w1 - span.w0) * part, tangent = profile->reach - bend.height;
+    span.w = chord + (tangent - chord) * (5.0 / 6.0);
+    double least = area_of(from->s, span.w0, to->s, span.w1);
+    double most =
+        area_of(from->s, span.w0, bend.s, tangent) + area_of(bend.s, tangent, to->s, span.w1);
+    span.area = area_of(from->s, span.w0, bend.s, span.w) + area_of(bend.s, span.w, to->s, span.w1);
+    span.doubt = 0.25 * fabs(most - least);
+    if (from->triangle != DPT_NONE && to->triangle != DPT_NONE)
+        span.doubt += 0.125 * length(sub(from->normal, to->normal)) * span.area;
+    return span;
+}
+
+/* Where another sample tells most: where the surface goes out of reach, or at the bend. */
+static double ask_where(const struct profile *profile, uint32_t i, const struct span *span)
+{
+    const struct sample *from = &profile->sample[i], *to = from + 1;
+    struct piece piece = { from->s, span->s, span->w0, span->w, { 0.0, 0.0, 0.0 } };
+    if (span->w0 < 0.0 && span->w > 0.0 && clip(&piece))
+        return piece.s0;
+    if (span->w0 > 0.0 && span->w < 0.0 && clip(&piece))
+        return piece.s1;
+    piece = (struct piece){ span->s, to->s, span->w, span->w1, { 0.0, 0.0, 0.0 } };
+    if (span->w < 0.0 && span->w1 > 0.0 && clip(&piece))
+        return piece.s0;
+    if (span->w > 0.0 && span->w1 < 0.0 && clip(&piece))
+        return piece.s1;
+    return span->s;
+}
+
+static void refine(struct profile *profile)
+{
+    for (int asked = 0; asked < ASK_MOST && !profile->cut; asked++) {
+        double sum = 0.0, doubt = 0.0, most = 0.0, where = 0.0;
+        for (uint32_t i = 0; i + 1 < profile->count; i++) {
+            struct span span = span_between(profile, &profile->sample[i], &profile->sample[i + 1]);
+            sum += span.area;
+            doubt += span.doubt;
+            if (span.doubt > most) {
+                most = span.doubt;
+                where = ask_where(profile, i, &span);
+            }
+        }
+        if (!(doubt > DOUBT_LEFT * sum) || profile_ask(profile, where, !profile->warm) == DPT_NONE)
+            return;
+    }
+}
+
+static uint32_t part_of(const struct profile *profile, uint32_t i)
+{
+    uint32_t triangle = profile->sample[i].triangle;
+    return triangle == DPT_NONE ? DPT_NONE : side_part(profile->tree, triangle);
+}
+
+/* Regions as they are taken, one piece after another. */
+struct taking {
+    const struct profile *profile;
+    struct region *regions;
+    uint32_t count;
+    int open; /* the last region goes on */
+};
+
+static void take_piece(struct taking *taking, uint32_t sample, struct piece piece)
+{
+    const struct profile *profile = taking->profile;
+    uint32_t part = part_of(profile, sample);
+    double from = piece.s0, to = piece.s1;
+    if (!clip(&piece)) {
+        taking->open = 0;
+        return;
+    }
+    struct region *region = &taking->regions[taking->count ? taking->count - 1 : 0];
+    if (!taking->open || piece.s0 > from || (part != DPT_NONE && part != region->part)) {
+        if (taking->count == REGION_MOST)
+            return;
+        region = &taking->regions[taking->count++];
+        *region = (struct region){ .from = piece.s0, .deepest = sample, .part = part };
+    }
+    if (profile->sample[sample].height < profile->sample[region->deepest].height)
+        region->deepest = sample;
+    add_piece(region, &piece, profile->size);
+    taking->open = piece.s1 >= to;
+}
+
+uint32_t region_all(struct profile *profile, struct region regions[REGION_MOST])
+{
+    struct taking taking = { .profile = profile, .regions = regions };
+    profile_enclose(profile);
+    refine(profile);
+    for (uint32_t i = 0; i + 1 < profile->count; i++) {
+        const struct sample *from = &profile->sample[i], *to = from + 1;
+        struct span span = span_between(profile, from, to);
+        uint32_t left = from->triangle == DPT_NONE ? i + 1 : i;
+        uint32_t right = to->triangle == DPT_NONE ? i : i + 1;
+        take_piece(
+            &taking, left,
+            (struct piece){ from->s, span.s, span.w0, span.w, profile->sample[left].normal });
+        take_piece(&taking, right,
+                   (struct piece){ span.s, to->s, span.w, span.w1, profile->sample[right].normal });
+    }
+    return taking.count;
+}
+
+/* What a sample between these two would be worth, of the integral over s. */
+static double worth(const struct profile *profile, const struct sample *before,
+                    const struct sample *sample, const struct sample *after)
+{
+    struct span left = span_between(profile, before, sample);
+    struct span right = span_between(profile, sample, after);
+    struct span both = span_between(profile, before, after);
+    return both.doubt + fabs(both.area - left.area - right.area);
+}
+
+uint32_t region_seeds(const struct profile *profile, const struct region *region,
+                      struct seed *seeds, uint32_t most)
+{
+    uint32_t count = 0;
+    const struct sample *before = NULL;
+    double ignored = profile->size > 0.0 ? DOUBT_IGNORED * region->overlap / profile->size : 0.0;
+    for (uint32_t i = 0; i < profile->count; i++) {
+        const struct sample *sample = &profile->sample[i];
+        if (sample->s > region->to)
+            break;
+        int ends = !before || i + 1 == profile->count || i == region->deepest;
+        int keeps = ends || worth(profile, before, sample, sample + 1) > ignored;
+        if (keeps)
+            before = sample;
+        if (keeps && count < most && sample->s >= region->from && sample->height != 0.0 &&
+            sample->triangle != DPT_NONE)
+            seeds[count++] = (struct seed){ sample->s, sample->triangle, 0 };
+    }
+    return count;
+}

@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* On which side of the mesh a point lies: docs/algorithms/sign.md. */
+#ifndef DPT_SIDE_H
+#define DPT_SIDE_H
+
+#include "tree.h"
+
+/* The normal of a triangle's plane, unit, as it is wound; zero for one without area. */
+vec3 side_face_normal(const struct tree *tree, uint32_t triangle);
+
+/*
+ * The normal of what holds the point of a triangle with these weights: its face, edge or vertex. Its length is not 1.
+ * The sign of (x - q).normal tells in front from behind for every x whose nearest point q is (Baerentzen and
+ * Aanaes 2005).
+ */
+vec3 side_feature_normal(const struct tree *tree, uint32_t triangle, const double weight[3]);
+
+/* 1 when that point lies on an edge without a neighbour. */
+int side_is_border(const struct tree *tree, uint32_t triangle, const double weight[3]);
+
+/* A triangle's part, and the part's MESH_PART_... flags. */
+uint32_t side_part(const struct tree *tree, uint32_t triangle);
+uint32_t side_part_flags(const struct tree *tree, uint32_t part);
+
+/* +1 in front of the nearest point, -1 behind it, by its feature's normal. */
+int side_of_pair(const struct tree *tree, uint32_t triangle, const pair *found);
+
+#endif
