@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "contact.h"
 
-#include "side.h"
-
 uint32_t contact_of_gap(double gap, double error)
 {
     if (fabs(gap) <= error)
@@ -45,11 +43,21 @@ int contact_find(struct profile *profile, const struct nearest *nearest, const s
     return CONTACT_PROFILE;
 }
 
-struct push contact_push(const struct profile *profile, const struct frame *body, double gap)
+vec3 contact_normal(const struct profile *profile, const struct sample *sample, uint32_t smooth)
+{
+    if (!smooth)
+        return sample->normal;
+    vec3 normal = side_smooth_normal(profile->tree, sample->triangle, sample->weight);
+    double along_true = dot(normal, sample->normal);
+    return along_true != 0.0 ? scaled(normal, along_true < 0.0 ? -1.0 : 1.0) : sample->normal;
+}
+
+struct push contact_push(const struct profile *profile, const struct frame *body, double gap,
+                         uint32_t smooth)
 {
     const struct axis *axis = profile->axis;
     const struct sample *deepest = &profile->sample[profile->deepest];
-    return (struct push){ frame_turn(body, deepest->normal),
+    return (struct push){ frame_turn(body, contact_normal(profile, deepest, smooth)),
                           along(axis->a, deepest->s, sub(axis->b, axis->a)), larger(0.0, -gap) };
 }
 

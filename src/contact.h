@@ -26,8 +26,12 @@ enum {
 int contact_find(struct profile *profile, const struct nearest *nearest, const struct seed *seeds,
                  uint32_t seed_count, double radius, double *gap);
 
+/* The way out at a sample, in the body's frame; `smooth` as dpt_world_def has it. */
+vec3 contact_normal(const struct profile *profile, const struct sample *sample, uint32_t smooth);
+
 /* The push at the profile's deepest sample, in the world. */
-struct push contact_push(const struct profile *profile, const struct frame *body, double gap);
+struct push contact_push(const struct profile *profile, const struct frame *body, double gap,
+                         uint32_t smooth);
 
 /* How deep a depth may be wrong: of a mesh. */
 double contact_tolerance(const struct tree *tree);

@@ -192,7 +192,9 @@ static void write_contact(const struct meeting *meeting, const struct region *re
     contact->s = deepest->s;
     vec3_store(p, contact->p);
     vec3_store(sub(p, frame_turn(frame, deepest->gap)), contact->q);
-    vec3_store(frame_turn(frame, deepest->normal), contact->normal);
+    uint32_t smooth = meeting->world->def.smooth_normals;
+    vec3_store(frame_turn(frame, contact_normal(meeting->profile, deepest, smooth)),
+               contact->normal);
     memcpy(contact->weight, deepest->weight, sizeof contact->weight);
     contact->overlap = region->overlap;
     contact->moment = region->moment;
@@ -299,7 +301,8 @@ static void meet_body(struct meeting *meeting, const struct found *best, dpt_hit
     }
     sum->known &= found != CONTACT_UNKNOWN;
     if (found == CONTACT_PROFILE && gap < sum->gap) {
-        sum->push = contact_push(meeting->profile, &meeting->body->frame, gap);
+        sum->push = contact_push(meeting->profile, &meeting->body->frame, gap,
+                                 meeting->world->def.smooth_normals);
         sum->gap = gap;
     }
 }

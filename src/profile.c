@@ -136,10 +136,14 @@ static struct sample take_sample(struct profile *profile, double s, uint32_t tri
     return sample;
 }
 
-static double distance_to(const struct profile *profile, uint32_t triangle, double s)
+/* How far a point of the axis is from a triangle: no less, and no more than rounding above it. */
+static double reach_of(const struct profile *profile, uint32_t triangle, double s)
 {
-    const vec3 none = { 0.0, 0.0, 0.0 };
-    return sqrt(tree_pair(profile->tree, triangle, point_at(profile, s), none).distance2);
+    const struct tree *tree = profile->tree;
+    const uint32_t *corner = tree->corners + 3 * (size_t)triangle;
+    return point_reach(point_at(profile, s), vec3_of_float(tree->positions + 3 * (size_t)corner[0]),
+                       vec3_of_float(tree->positions + 3 * (size_t)corner[1]),
+                       vec3_of_float(tree->positions + 3 * (size_t)corner[2]));
 }
 
 /* In order of s; of two at one place the exact one, or the newer, stays. Returns its index, or DPT_NONE. */
@@ -186,7 +190,7 @@ static int tell(struct profile *profile, uint32_t i, uint32_t triangle)
 {
     struct sample *sample = &profile->sample[i];
     if (sample->exact || sample->triangle == DPT_NONE || sample->triangle == triangle ||
-        !(distance_to(profile, triangle, sample->s) < fabs(sample->height)))
+        !(reach_of(profile, triangle, sample->s) < fabs(sample->height)))
         return 0;
     struct sample better = take_sample(profile, sample->s, triangle, 0);
     put_sample(profile, &better);
@@ -383,27 +387,31 @@ struct bend profile_bend(const struct profile *profile, const struct sample *fro
     return (struct bend){ from->s + s, from->height + rise_from * s };
 }
 
-/* How deep it can be between two samples of which one is inside. */
-static struct deep deep_between(const struct profile *profile, uint32_t i)
+/* How deep it can be between two samples of which one is inside; what is not deeper than `least` does not matter. */
+static struct deep deep_between(const struct profile *profile, uint32_t i, double least)
 {
     enum { HERE, NEXT, BETWEEN };
     const struct sample *from = &profile->sample[i], *to = from + 1;
+    double width = (to->s - from->s) * profile->size;
+    double slope = 0.5 * (width + fabs(from->height) + fabs(to->height));
+    if (slope <= least)
+        return (struct deep){ slope, from->s, HERE };
     struct deep deep = { -from->height, from->s, HERE };
     if (to->height < from->height)
         deep = (struct deep){ -to->height, to->s, NEXT };
-    if (from->triangle == to->triangle || (to->s - from->s) * profile->size <= profile->tolerance)
+    if (from->triangle == to->triangle || width <= profile->tolerance)
         return deep;
-    double middle = 0.5 * (from->s + to->s), enough = deep.bound + 0.5 * profile->tolerance;
-    double bound = HUGE_VAL, s = middle;
+    double enough = larger(least, deep.bound + 0.5 * profile->tolerance);
+    double middle = 0.5 * (from->s + to->s), bound = HUGE_VAL, s = middle;
     if (from->height > 0.0) {
-        bound = distance_to(profile, to->triangle, from->s);
+        bound = reach_of(profile, to->triangle, from->s);
     } else if (to->height > 0.0) {
-        bound = distance_to(profile, from->triangle, to->s);
+        bound = reach_of(profile, from->triangle, to->s);
     } else {
         double at = profile_bend(profile, from, to).s;
         for (int tries = 0; tries < 3 && bound > enough; tries++) {
-            double by_from = distance_to(profile, from->triangle, at);
-            double by_to = distance_to(profile, to->triangle, at);
+            double by_from = reach_of(profile, from->triangle, at);
+            double by_to = by_from < bound ? reach_of(profile, to->triangle, at) : 0.0;
             if (larger(by_from, by_to) < bound) {
                 bound = larger(by_from, by_to);
                 s = at;
@@ -419,11 +427,11 @@ static struct deep deep_between(const struct profile *profile, uint32_t i)
     return deep;
 }
 
-static uint32_t lowest_exact(const struct profile *profile)
+static uint32_t lowest(const struct profile *profile, uint32_t exact)
 {
     uint32_t best = DPT_NONE;
     for (uint32_t i = 0; i < profile->count; i++)
-        if (profile->sample[i].exact &&
+        if (profile->sample[i].exact >= exact &&
             (best == DPT_NONE || profile->sample[i].height < profile->sample[best].height))
             best = i;
     return best;
@@ -437,20 +445,24 @@ static int is_inner(const struct profile *profile, uint32_t i)
 /* Until nothing can be deeper than the deepest exact sample by more than the tolerance. */
 static void find_deepest(struct profile *profile)
 {
+    const struct sample *likely = &profile->sample[lowest(profile, 0)];
+    if (!likely->exact)
+        profile_ask(profile, likely->s, 1);
     for (int asked = 0; asked < PROFILE_SAMPLES && !profile->cut; asked++) {
-        profile->deepest = lowest_exact(profile);
+        profile->deepest = lowest(profile, 1);
         double least = 0.5 * profile->tolerance - profile->sample[profile->deepest].height;
+        double bound = least;
         const struct sample *most = NULL;
         for (uint32_t i = 0; i + 1 < profile->count; i++) {
             struct sample *sample = &profile->sample[i];
             if (!is_inner(profile, i))
                 continue;
             if (!sample->bounded) {
-                sample->deep = deep_between(profile, i);
+                sample->deep = deep_between(profile, i, least);
                 sample->bounded = 1;
             }
-            if (sample->deep.bound > least) {
-                least = sample->deep.bound;
+            if (sample->deep.bound > bound) {
+                bound = sample->deep.bound;
                 most = sample;
             }
         }
@@ -459,7 +471,7 @@ static void find_deepest(struct profile *profile)
         /* Between samples descent tells enough; only what may be the deepest is worth a search. */
         profile_ask(profile, most->deep.s, by_sample(profile) || most->deep.at < 2 || asked >= 16);
     }
-    profile->deepest = lowest_exact(profile);
+    profile->deepest = lowest(profile, 1);
 }
 
 int profile_make(struct profile *profile, const struct nearest *nearest, const struct seed *seeds,

@@ -144,6 +144,20 @@ static inline pair point_triangle(vec3 x, vec3 v0, vec3 v1, vec3 v2)
     return best;
 }
 
+/* How far x is from a point of the triangle that is the nearest but for rounding: never less than the distance. */
+static inline double point_reach(vec3 x, vec3 v0, vec3 v1, vec3 v2)
+{
+    vec3 e = sub(v1, v0), f = sub(v2, v0), w = sub(x, v0);
+    double ee = dot(e, e), ef = dot(e, f), ff = dot(f, f), we = dot(w, e), wf = dot(w, f);
+    double all = ee * ff - ef * ef, b = ff * we - ef * wf, c = ee * wf - ef * we;
+    if (b >= 0.0 && c >= 0.0 && b + c <= all && all > 0.0)
+        return length(along(along(w, -b / all, e), -c / all, f));
+    vec3 g = sub(f, e), to = sub(w, e);
+    vec3 by_e = along(w, -clamp01(we / ee), e), by_f = along(w, -clamp01(wf / ff), f);
+    vec3 by_g = along(to, -clamp01(dot(to, g) / dot(g, g)), g);
+    return sqrt(smaller(dot(by_e, by_e), smaller(dot(by_f, by_f), dot(by_g, by_g))));
+}
+
 /* The axis is a + s u, s in 0..1. */
 static inline pair segment_triangle(vec3 a, vec3 u, vec3 v0, vec3 v1, vec3 v2)
 {

@@ -90,6 +90,14 @@ vec3 side_feature_normal(const struct tree *tree, uint32_t triangle, const doubl
     return side_face_normal(tree, triangle);
 }
 
+vec3 side_smooth_normal(const struct tree *tree, uint32_t triangle, const double weight[3])
+{
+    vec3 normal = { 0.0, 0.0, 0.0 };
+    for (int k = 0; k < 3; k++)
+        normal = along(normal, weight[k], unit(vertex_normal(tree, triangle, k)));
+    return unit(normal);
+}
+
 uint32_t side_part(const struct tree *tree, uint32_t triangle)
 {
     return mesh_words(tree->mesh, MESH_PARTS)[triangle];

@@ -15,6 +15,9 @@ vec3 side_face_normal(const struct tree *tree, uint32_t triangle);
  */
 vec3 side_feature_normal(const struct tree *tree, uint32_t triangle, const double weight[3]);
 
+/* The normal there, unit, interpolated between those of the corners; zero where they cancel. */
+vec3 side_smooth_normal(const struct tree *tree, uint32_t triangle, const double weight[3]);
+
 /* 1 when that point lies on an edge without a neighbour. */
 int side_is_border(const struct tree *tree, uint32_t triangle, const double weight[3]);
 

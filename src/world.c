@@ -85,7 +85,7 @@ static int def_is_valid(const dpt_world_def *def)
            within(def->stiffness, 1e9) && def->certificate_bytes <= CERTIFICATE_BYTES_MOST &&
            def->margin >= 0.0 && within(def->margin, DPT_COORDINATE_MAX) &&
            def->side_limit >= 0.0 && within(def->side_limit, DPT_COORDINATE_MAX) &&
-           def->max_contacts <= 0xffff && def->reserved == 0;
+           def->max_contacts <= 0xffff && def->smooth_normals <= 1;
 }
 
 /* What there is of each segment and body. */

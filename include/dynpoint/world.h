@@ -68,7 +68,11 @@ typedef struct dpt_world_def {
      */
     double side_limit;
     uint32_t max_contacts; /* regions of all tools together, 0..65535; 0: depth alone; 32 */
-    uint32_t reserved;     /* 0 */
+    /*
+     * 1: the way out of a region's deepest pair, and of the force, is interpolated from the normals at the triangle's
+     * corners, so that facets are not felt; distances and contact are the same. 0: the true one.
+     */
+    uint32_t smooth_normals;
 } dpt_world_def;
 
 /* Fill in the first `size` bytes; what dpt_world_def_init calls with its own caller's sizeof. */

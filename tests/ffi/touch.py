@@ -24,7 +24,7 @@ Hit = struct("dpt_hit", (c_uint32, "size status contact flags triangle segment b
 WorldDef = struct("dpt_world_def", (c_uint32, "size max_bodies max_tools max_segments method kernel"
                                     " until parts one_step budget"), (c_double, "stiffness"),
                   (c_uint64, "certificate_bytes"), (c_double, "margin side_limit"),
-                  (c_uint32, "max_contacts reserved"))
+                  (c_uint32, "max_contacts smooth_normals"))
 Step = struct("dpt_step", (c_uint32, "size status contact work"), (c_double, "distance"),
               (c_uint32, "contacts flags"))
 Contact = struct("dpt_contact", (c_uint32, "size id body segment triangle contact flags reserved"),
