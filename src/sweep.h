@@ -29,8 +29,9 @@ struct sweep {
     vec3 a, u, da, du; /* the axis a + s u, and how that changes */
     vec3 middle;       /* unit, along the axis half way; zero for none */
     double radius;
-    double touch; /* as near is a hit: radius + half the tolerance */
-    double clear; /* farther is free: radius + what rounding may feign */
+    double touch;  /* as near is a hit: radius + half the tolerance */
+    double clear;  /* farther is free: radius + what rounding may feign */
+    double beyond; /* farther is no hit: radius + tolerance */
 };
 
 /*

@@ -39,6 +39,7 @@ void sweep_begin(struct sweep *sweep, const struct motion *motion, double radius
     sweep->radius = radius;
     sweep->touch = radius + 0.5 * tolerance;
     sweep->clear = radius + 128.0 * unit * (extent + radius);
+    sweep->beyond = radius + tolerance;
     vec3 middle = along(sweep->u, 0.5, sweep->du);
     double size = length(middle);
     sweep->middle = size > 0.0 ? scaled(middle, 1.0 / size) : (vec3){ 0.0, 0.0, 0.0 };
@@ -136,8 +137,8 @@ static int advance(const struct sweep *sweep, const vec3 corner[3], const struct
 {
     double distance = sqrt(found->distance2), room = distance - sweep->clear;
     vec3 normal = scaled(found->gap, 1.0 / distance);
-    double support = larger(dot(normal, corner[0]),
-                            larger(dot(normal, corner[1]), dot(normal, corner[2])));
+    double support =
+        larger(dot(normal, corner[0]), larger(dot(normal, corner[1]), dot(normal, corner[2])));
     double high = smaller(dot(normal, s->a), dot(normal, s->b)) - support - sweep->clear;
     double fall_a = -dot(normal, s->va), fall_b = -dot(normal, s->vb);
     double fall = fall_a + found->s * (fall_b - fall_a), rest = 1.0 - piece->time;
