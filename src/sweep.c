@@ -188,8 +188,8 @@ static void put_strike(const struct hunt *hunt, struct strike *first)
 }
 
 /*
- * A slice may cost half of what is left. Where that does not suffice the next one is a quarter as long, counted to
- * the hit that was found if there was one: so an early part of the time is done, whatever the rest would cost.
+ * A slice may cost all that is left but an eighth. Where that does not suffice the next one is a quarter as long, counted
+ * to the hit that was found if there was one: an early part of the time may be done, whatever the rest would cost.
  */
 int sweep_mesh(const struct tree *tree, const struct kernel *kernel, const struct sweep *sweep,
                uint32_t hint, uint32_t most, struct strike *first, uint32_t *work)
@@ -208,7 +208,7 @@ int sweep_mesh(const struct tree *tree, const struct kernel *kernel, const struc
         if (!left)
             break;
         hunt.to = smaller(hunt.from + width, 1.0);
-        hunt.most = !most ? UINT32_MAX : left > 2 * tree->levels + 4 ? most - left / 2 : most;
+        hunt.most = most ? most - left / 8 : UINT32_MAX;
         if (!hunt_slice(&hunt)) {
             width = 0.25 * (hunt.to - hunt.from);
         } else if (hunt.triangle != DPT_NONE) {

@@ -157,15 +157,16 @@ int sweep_pair(const struct sweep *sweep, const vec3 corner[3], double until, ui
     struct piece pieces[PIECES];
     const struct face face = face_of(corner);
     int count = trim(sweep, corner, pieces), result = SWEEP_FREE;
-    if (!count)
-        ++*asked;
+    if (*asked >= most)
+        return SWEEP_UNFINISHED;
+    *asked += !count;
     while (count) {
         struct piece *piece = &pieces[count - 1];
         if (piece->time > until) {
             count--;
             continue;
         }
-        if (*asked == most)
+        if (*asked >= most)
             return SWEEP_UNFINISHED;
         ++*asked;
         struct stretch s = stretch_of(sweep, piece);

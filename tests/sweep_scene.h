@@ -181,8 +181,9 @@ static inline double scene_extent(const struct scene *scene)
 static inline double scene_size(const struct scene *scene)
 {
     const struct motion *m = &scene->motion;
-    const vec3 all[6] = { m->a, m->b, add(m->a, m->da), add(m->b, m->db), scene->corner[1],
-                          scene->corner[2] };
+    const vec3 all[6] = {
+        m->a, m->b, add(m->a, m->da), add(m->b, m->db), scene->corner[1], scene->corner[2]
+    };
     double most = 0.0;
     for (int k = 0; k < 6; k++)
         most = larger(most, extent_of(sub(all[k], scene->corner[0])));
