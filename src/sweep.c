@@ -2,7 +2,7 @@
 /*
  * The first touch of a mesh: depth first through the box tree, nearest to the swept hull first, the end of the
  * time shrinking with each hit (docs/algorithms/sweep.md). Float bounds say which triangles need not be asked,
- * sweep_pair answers. Where the work allowed may not suffice for all of the time, it is done by slices.
+ * sweep_pair answers.
  */
 #include "sweep.h"
 
@@ -21,11 +21,9 @@ struct hunt {
     const struct sweep *sweep;
     double from, to;   /* the slice; `to` is the best hit so far where there is one */
     uint32_t triangle; /* that is hit then, or DPT_NONE */
-    uint32_t hint;     /* asked first, or DPT_NONE */
     uint32_t asked;    /* distances evaluated */
     uint32_t blocks;   /* 16-lane blocks looked at */
     uint32_t most;
-    uint32_t stuck; /* a triangle needed more than was left */
     struct swath swath;
 };
 
@@ -93,8 +91,8 @@ static void swath_of(const struct hunt *hunt, struct swath *swath)
     swath->limit = (float)(limit + kernel_margin(sqrt(far), sqrt(far)));
 }
 
-/* One triangle, in double. */
-static void ask(struct hunt *hunt, uint32_t triangle)
+/* One triangle, in double. 0 when the work allowed ran out. */
+static int ask(struct hunt *hunt, uint32_t triangle)
 {
     const struct tree *tree = hunt->tree;
     const uint32_t *of = tree->corners + 3 * (size_t)triangle;
@@ -105,18 +103,19 @@ static void ask(struct hunt *hunt, uint32_t triangle)
     double time;
     int result = sweep_pair(hunt->sweep, corner, hunt->to,
                             most < UINT32_MAX ? (uint32_t)most : UINT32_MAX, &time, &hunt->asked);
-    hunt->stuck |= result == SWEEP_UNFINISHED;
     if (result != SWEEP_HIT || (time == hunt->to && hunt->triangle != DPT_NONE &&
                                 tree->sources[triangle] >= tree->sources[hunt->triangle]))
-        return;
+        return result != SWEEP_UNFINISHED;
     int sooner = time < hunt->to;
     hunt->to = time;
     hunt->triangle = triangle;
     if (sooner)
         swath_of(hunt, &hunt->swath);
+    return 1;
 }
 
-static void look_into_leaf(struct hunt *hunt, uint32_t leaf)
+/* 0 when the work allowed ran out. */
+static int look_into_leaf(struct hunt *hunt, uint32_t leaf, uint32_t hint)
 {
     float bound[LANES];
     const struct tree *tree = hunt->tree;
@@ -124,12 +123,13 @@ static void look_into_leaf(struct hunt *hunt, uint32_t leaf)
     uint32_t lanes = hunt->kernel->swept_triangles(tree->leaves + (size_t)leaf * MESH_LEAF_WORDS,
                                                    &hunt->swath, bound);
     lanes &= lanes_of(tree->mesh->triangles - leaf * LANES);
-    while (lanes && !hunt->stuck) {
+    while (lanes) {
         uint32_t lane = least_lane(bound, lanes);
         lanes &= ~(1u << lane);
-        if (leaf * LANES + lane != hunt->hint)
-            ask(hunt, leaf * LANES + lane);
+        if (leaf * LANES + lane != hint && !ask(hunt, leaf * LANES + lane))
+            return 0;
     }
+    return 1;
 }
 
 static void look_into_boxes(struct hunt *hunt, uint32_t level, uint32_t node, struct opened *opened)
@@ -138,24 +138,22 @@ static void look_into_boxes(struct hunt *hunt, uint32_t level, uint32_t node, st
     hunt->blocks++;
     opened->node = node;
     opened->lanes = hunt->kernel->swept_boxes(tree->level[level] + (size_t)node * MESH_BOX_WORDS,
-                                              &hunt->swath, opened->bound);
-    opened->lanes &= lanes_of(tree->count[level - 1] - node * LANES);
+                                              &hunt->swath, opened->bound) &
+                    lanes_of(tree->count[level - 1] - node * LANES);
 }
 
-/* One slice of the time; 0 when hunt->most was reached before all was asked. */
-static int hunt_slice(struct hunt *hunt)
+/* 0 when the work allowed ran out. */
+static int hunt_all(struct hunt *hunt, uint32_t hint)
 {
     struct opened path[MESH_LEVELS_MAX + 1];
     uint32_t level = hunt->tree->levels;
-    hunt->triangle = DPT_NONE;
-    hunt->stuck = 0;
     swath_of(hunt, &hunt->swath);
-    if (hunt->hint != DPT_NONE)
-        ask(hunt, hunt->hint);
+    if (hint < hunt->tree->mesh->triangles && !ask(hunt, hint))
+        return 0;
     if (spent(hunt) >= hunt->most)
         return 0;
     look_into_boxes(hunt, level, 0, &path[level]);
-    while (level <= hunt->tree->levels && !hunt->stuck) {
+    while (level <= hunt->tree->levels) {
         struct opened *opened = &path[level];
         if (!opened->lanes) {
             level++;
@@ -166,64 +164,36 @@ static int hunt_slice(struct hunt *hunt)
         uint32_t lane = least_lane(opened->bound, opened->lanes);
         uint32_t child = opened->node * LANES + lane;
         opened->lanes &= ~(1u << lane);
-        if (level == 1) {
-            look_into_leaf(hunt, child);
-        } else {
-            level--;
-            look_into_boxes(hunt, level, child, &path[level]);
-        }
+        if (level > 1)
+            look_into_boxes(hunt, level - 1, child, &path[level - 1]);
+        else if (!look_into_leaf(hunt, child, hint))
+            return 0;
+        level -= level > 1;
     }
-    return !hunt->stuck;
+    return 1;
 }
 
-static void put_strike(const struct hunt *hunt, struct strike *first)
-{
-    vec3 a, u;
-    *first = (struct strike){ .time = hunt->to, .triangle = hunt->triangle };
-    if (hunt->triangle == DPT_NONE)
-        return;
-    sweep_axis(hunt->sweep, hunt->to, &a, &u);
-    first->pair = tree_pair(hunt->tree, hunt->triangle, a, u);
-    first->q = sub(along(a, first->pair.s, u), first->pair.gap);
-}
-
-/*
- * A slice may cost all that is left but an eighth. Where that does not suffice the next one is a quarter as long, counted
- * to the hit that was found if there was one: an early part of the time may be done, whatever the rest would cost.
- */
 int sweep_mesh(const struct tree *tree, const struct kernel *kernel, const struct sweep *sweep,
-               uint32_t hint, uint32_t most, struct strike *first, uint32_t *work)
+               double from, uint32_t hint, uint32_t most, struct strike *first, uint32_t *work)
 {
     struct hunt hunt;
     hunt.tree = tree;
     hunt.kernel = kernel;
     hunt.sweep = sweep;
-    hunt.hint = hint < tree->mesh->triangles ? hint : DPT_NONE;
-    hunt.from = 0.0;
+    hunt.from = from;
+    hunt.to = 1.0;
+    hunt.triangle = DPT_NONE;
     hunt.asked = hunt.blocks = 0;
-    int result = SWEEP_UNFINISHED;
-    double width = 1.0;
-    while (result == SWEEP_UNFINISHED) {
-        uint32_t left = most ? most - spent(&hunt) : UINT32_MAX;
-        if (!left)
-            break;
-        hunt.to = smaller(hunt.from + width, 1.0);
-        hunt.most = most ? most - left / 8 : UINT32_MAX;
-        if (!hunt_slice(&hunt)) {
-            width = 0.25 * (hunt.to - hunt.from);
-        } else if (hunt.triangle != DPT_NONE) {
-            result = SWEEP_HIT;
-        } else {
-            hunt.from = hunt.to;
-            width *= 2.0;
-            result = hunt.to < 1.0 ? SWEEP_UNFINISHED : SWEEP_FREE;
-        }
-    }
-    if (result == SWEEP_UNFINISHED) {
-        hunt.to = hunt.from;
-        hunt.triangle = DPT_NONE;
-    }
-    put_strike(&hunt, first);
+    hunt.most = most ? most : UINT32_MAX;
+    int done = from >= 1.0 || hunt_all(&hunt, hint);
     *work += spent(&hunt);
-    return result;
+    *first = (struct strike){ .time = done ? hunt.to : from, .triangle = DPT_NONE };
+    if (!done || hunt.triangle == DPT_NONE)
+        return done ? SWEEP_FREE : SWEEP_UNFINISHED;
+    vec3 a, u;
+    sweep_axis(sweep, hunt.to, &a, &u);
+    first->triangle = hunt.triangle;
+    first->pair = tree_pair(tree, hunt.triangle, a, u);
+    first->q = sub(along(a, first->pair.s, u), first->pair.gap);
+    return SWEEP_HIT;
 }

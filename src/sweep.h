@@ -47,6 +47,12 @@ void sweep_begin(struct sweep *sweep, const struct motion *motion, double radius
 void sweep_axis(const struct sweep *sweep, double time, vec3 *a, vec3 *u);
 
 /*
+ * A time, at most 1, up to which nothing can be touched that is at least `distance` from the axis at time 0: it
+ * depends on the faster end alone. 1: nothing need be asked.
+ */
+double sweep_start(const struct sweep *sweep, double distance);
+
+/*
  * One triangle, of any shape, that is within the extent: the first touch in 0..until, the ends included. On
  * SWEEP_HIT *time is that; it does not depend on `until`. *asked grows by the distances evaluated, at least 1;
  * when it reaches `most` and more are needed the result is SWEEP_UNFINISHED and nothing else is said.
@@ -66,15 +72,16 @@ struct strike {
  * The whole mesh: the first touch in 0..1, of equal times the least source number. It is what sweep_pair over
  * all triangles gives.
  *
+ *   from   as sweep_start told of a distance to this mesh; 0: nothing is known
  *   hint   a triangle, by its place, that is likely to be hit, such as the one last nearest: it saves
  *          work and changes nothing else. DPT_NONE: none
- *   most   units of work allowed, 0: what it takes. A unit is one block of 16 lanes or 16 distances
- *          evaluated in double, or fewer where a search ends
+ *   most   units of work allowed, 0: what it takes. A unit is one block of 16 lanes, or up to 16
+ *          distances evaluated in double
  *   first  SWEEP_HIT: all of it. SWEEP_FREE: time 1 and no triangle. SWEEP_UNFINISHED: no triangle, and
- *          time is that up to which the motion is proven free, 0 if nothing is
+ *          time is `from`, up to which the motion is free; of what was looked at nothing is kept
  *   work   grows by the units spent, no more than `most`
  */
 int sweep_mesh(const struct tree *tree, const struct kernel *kernel, const struct sweep *sweep,
-               uint32_t hint, uint32_t most, struct strike *first, uint32_t *work);
+               double from, uint32_t hint, uint32_t most, struct strike *first, uint32_t *work);
 
 #endif

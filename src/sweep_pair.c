@@ -51,6 +51,14 @@ void sweep_axis(const struct sweep *sweep, double time, vec3 *a, vec3 *u)
     *u = along(sweep->u, time, sweep->du);
 }
 
+double sweep_start(const struct sweep *sweep, double distance)
+{
+    vec3 db = add(sweep->da, sweep->du);
+    double fastest = sqrt(larger(dot(sweep->da, sweep->da), dot(db, db)));
+    double room = distance - sweep->beyond;
+    return room > 0.0 ? smaller(room / fastest, 1.0) : 0.0;
+}
+
 static struct stretch stretch_of(const struct sweep *sweep, const struct piece *piece)
 {
     vec3 a, u;
