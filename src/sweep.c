@@ -37,17 +37,21 @@ static uint32_t lanes_of(uint32_t count)
     return count < LANES ? (1u << count) - 1 : 0xffff;
 }
 
-/* The axes of a box around what the axis sweeps: of ends in the filter's frame, at both times. */
+/*
+ * The axes of a box around what the axis sweeps: of ends in the filter's frame, at both times. The last one makes
+ * bounds and so must be of unit length: what is too short to have a direction gets any.
+ */
 static void swath_box(const vec3 end[4], vec3 axis[3])
 {
+    const double least = 1e-100;
     vec3 u = add(sub(end[1], end[0]), sub(end[3], end[2]));
     vec3 way = add(sub(end[2], end[0]), sub(end[3], end[1]));
     double uu = dot(u, u);
-    vec3 x = uu > 0.0 ? scaled(u, 1.0 / sqrt(uu)) : (vec3){ 1.0, 0.0, 0.0 };
+    vec3 x = uu > least ? scaled(u, 1.0 / sqrt(uu)) : (vec3){ 1.0, 0.0, 0.0 };
     vec3 y = along(way, -dot(way, x), x);
     y = along(y, -dot(y, x), x);
     double yy = dot(y, y);
-    if (!(yy > 0x1p-60 * dot(way, way))) {
+    if (!(yy > 0x1p-60 * dot(way, way) && yy > least)) {
         struct probe any;
         probe_frame(&any, x);
         y = vec3_of_float(any.y);

@@ -42,7 +42,7 @@ void sweep_begin(struct sweep *sweep, const struct motion *motion, double radius
     sweep->beyond = radius + tolerance;
     vec3 middle = along(sweep->u, 0.5, sweep->du);
     double size = length(middle);
-    sweep->middle = size > 0.0 ? scaled(middle, 1.0 / size) : (vec3){ 0.0, 0.0, 0.0 };
+    sweep->middle = size > 1e-120 ? scaled(middle, 1.0 / size) : (vec3){ 0.0, 0.0, 0.0 };
 }
 
 void sweep_axis(const struct sweep *sweep, double time, vec3 *a, vec3 *u)
@@ -135,6 +135,35 @@ static int trim(const struct sweep *sweep, const vec3 corner[3], struct piece *p
     return 1;
 }
 
+/* v without its part along u, where u has a direction. */
+static vec3 across(vec3 v, vec3 u)
+{
+    double uu = dot(u, u);
+    return uu > 0.0 ? along(v, -dot(v, u) / uu, u) : v;
+}
+
+/*
+ * The unit direction from the triangle to the axis. What is left of a short gap after rounding leans by more than the gap
+ * over the length of what it is to separate: where the pair lies inside of the axis or of an edge, the lean is taken out.
+ */
+static vec3 normal_of(const struct stretch *s, const vec3 corner[3], const pair *found)
+{
+    const double *w = found->weight;
+    vec3 u = sub(s->b, s->a), e = { 0.0, 0.0, 0.0 }, n = found->gap;
+    if (!(found->s > 0.0 && found->s < 1.0))
+        u = e;
+    for (int k = 0; k < 3; k++)
+        if (w[k] == 0.0 && w[(k + 1) % 3] > 0.0 && w[(k + 2) % 3] > 0.0)
+            e = sub(corner[(k + 2) % 3], corner[(k + 1) % 3]);
+    vec3 beside = across(across(e, u), u);
+    if (!(dot(beside, beside) > 0x1p-80 * dot(e, e)))
+        beside = (vec3){ 0.0, 0.0, 0.0 };
+    for (int k = 0; k < 2; k++)
+        n = across(across(n, beside), u);
+    double size = length(n), distance = sqrt(found->distance2);
+    return size > 0.5 * distance ? scaled(n, 1.0 / size) : scaled(found->gap, 1.0 / distance);
+}
+
 /*
  * Go on in time as far as planes allow, and at least as long as the faster end takes for the distance. 1: and cut the
  * piece, since its ends pass the plane of the nearest pair much sooner than the pair's own point would: they
@@ -143,8 +172,8 @@ static int trim(const struct sweep *sweep, const vec3 corner[3], struct piece *p
 static int advance(const struct sweep *sweep, const vec3 corner[3], const struct face *face,
                    const struct stretch *s, const pair *found, struct piece *piece)
 {
-    double distance = sqrt(found->distance2), room = distance - sweep->clear;
-    vec3 normal = scaled(found->gap, 1.0 / distance);
+    double room = sqrt(found->distance2) - sweep->clear;
+    vec3 normal = normal_of(s, corner, found);
     double support =
         larger(dot(normal, corner[0]), larger(dot(normal, corner[1]), dot(normal, corner[2])));
     double high = smaller(dot(normal, s->a), dot(normal, s->b)) - support - sweep->clear;

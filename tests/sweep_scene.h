@@ -190,6 +190,13 @@ static inline double scene_size(const struct scene *scene)
     return most;
 }
 
+/* The usual one, or down to rounding. */
+static inline double any_tolerance(uint64_t *random, const struct scene *scene)
+{
+    double share = one_in(random, 2) ? 1e-6 : power_in(random, -11.0, -6.0);
+    return larger(share * scene_size(scene), 0x1p-42 * scene_extent(scene));
+}
+
 /* As exact numbers, to paste. */
 static inline const char *scene_text(const struct scene *scene)
 {

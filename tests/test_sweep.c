@@ -103,7 +103,7 @@ struct tally {
 
 static void judge(const char *name, const struct scene *scene, unsigned long i, struct tally *tally)
 {
-    double radius = larger(any_radius(scene), 0.0), tolerance = 1e-6 * scene_size(scene);
+    double radius = larger(any_radius(scene), 0.0), tolerance = any_tolerance(&rng, scene);
     double time = -1.0, unsure = 64.0 * 0x1p-53 * scene_extent(scene) + 0.01 * tolerance;
     uint32_t asked;
     int slow = i % 100 == 0;

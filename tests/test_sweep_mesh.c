@@ -154,7 +154,7 @@ static void sweep_body(const char *name, struct body *body, int motions)
         struct motion motion;
         struct sweep sweep;
         struct strike found;
-        double tolerance = 1e-6 * body->diagonal;
+        double tolerance = body->diagonal * (one_in(&rng, 2) ? 1e-6 : power_in(&rng, -11.0, -5.0));
         double radius = one_in(&rng, 2) ? 0.0 : body->diagonal * power_in(&rng, -5.0, -1.0);
         uint32_t work = 0, full = 0;
         motion_near(body, &motion);
@@ -337,7 +337,7 @@ static void sheets_are_crossed_at_any_speed(void)
         struct sweep sweep;
         struct strike found;
         uint32_t work = 0;
-        double tolerance = 1e-6 * body.diagonal;
+        double tolerance = body.diagonal * (one_in(&rng, 2) ? 1e-6 : 1e-11);
         sweep_begin(&sweep, &m, 0.0, tolerance, tree_extent(&body.tree));
         int hit =
             sweep_mesh(&body.tree, &kernel, &sweep, 0.0, DPT_NONE, 0, &found, &work) == SWEEP_HIT;

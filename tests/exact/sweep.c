@@ -62,7 +62,7 @@ struct counts {
 static void judge(const struct scene *scene, const char *name, struct counts *counts)
 {
     struct sweep sweep;
-    double extent = scene_extent(scene), tolerance = 1e-6 * scene_size(scene), time = -1.0;
+    double extent = scene_extent(scene), tolerance = any_tolerance(&rng, scene), time = -1.0;
     uint32_t asked = 0;
     sweep_begin(&sweep, &scene->motion, 0.0, tolerance, extent);
     int hit = sweep_pair(&sweep, scene->corner, 1.0, UINT32_MAX, &time, &asked) == SWEEP_HIT;
