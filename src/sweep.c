@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The first touch of a mesh: depth first through the box tree, nearest to the swept hull first, the end of the
- * time shrinking with each hit (docs/algorithms/sweep.md). Float bounds say which triangles need not be asked,
- * sweep_pair answers.
+ * The first touch of a mesh: depth first through the box tree, nearest to the swept hull first, the
+ * time shrinking with each hit (docs/algorithms/sweep.md). Float bounds say which triangles need
+ * not be asked, sweep_pair answers.
  */
 #include "sweep.h"
 
@@ -19,7 +19,7 @@ struct hunt {
     const struct tree *tree;
     const struct kernel *kernel;
     const struct sweep *sweep;
-    double from, to;   /* the slice; `to` is the best hit so far where there is one */
+    double from, to;   /* what is searched; `to` is the first hit so far, if there is one */
     uint32_t triangle; /* that is hit then, or DPT_NONE */
     uint32_t asked;    /* distances evaluated */
     uint32_t blocks;   /* 16-lane blocks looked at */
@@ -38,8 +38,9 @@ static uint32_t lanes_of(uint32_t count)
 }
 
 /*
- * The axes of a box around what the axis sweeps: of ends in the filter's frame, at both times. The last one makes
- * bounds and so must be of unit length: what is too short to have a direction gets any.
+ * The axes of a box around what the axis sweeps: of ends in the filter's frame, at both times. The
+ * last one makes bounds and so must be of unit length: what is too short to have a direction gets
+ * any.
  */
 static void swath_box(const vec3 end[4], vec3 axis[3])
 {

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * One axis in motion, one triangle: from plane to plane through time. A plane that lies between them is passed
- * by an end of the axis at a time that is a quotient, and until then the motion is free. Where an end
- * that has nothing to do with the triangle makes that soon, the axis is cut in two.
+ * One axis in motion, one triangle: from plane to plane through time (docs/algorithms/sweep.md). A
+ * plane that lies between them is passed by an end of the axis at a time that is a quotient, and
+ * until then the motion is free. Where an end that has nothing to do with the triangle makes that
+ * soon, the axis is cut in two.
  */
 #include "sweep.h"
 
@@ -31,7 +32,7 @@ void sweep_begin(struct sweep *sweep, const struct motion *motion, double radius
     extent = larger(extent, larger(extent_of(motion->a), extent_of(motion->b)));
     extent = larger(extent, extent_of(add(motion->a, motion->da)));
     extent = larger(extent, extent_of(add(motion->b, motion->db)));
-    tolerance = larger(tolerance, 2048.0 * unit * extent);
+    tolerance = larger(tolerance, 2048.0 * unit * (extent + radius));
     sweep->a = motion->a;
     sweep->u = sub(motion->b, motion->a);
     sweep->da = motion->da;
@@ -68,7 +69,9 @@ static struct stretch stretch_of(const struct sweep *sweep, const struct piece *
                              along(sweep->da, piece->to, sweep->du) };
 }
 
-/* Rounding in a thin triangle's normal costs use, not truth: low and high are those of this normal. */
+/*
+ * Rounding in a thin triangle's normal costs use, not truth: low and high are those of this normal.
+ */
 static struct face face_of(const vec3 corner[3])
 {
     const vec3 edge[3] = { sub(corner[1], corner[0]), sub(corner[2], corner[1]),
@@ -86,8 +89,9 @@ static struct face face_of(const vec3 corner[3])
 }
 
 /*
- * How long both ends stay farther than `clear` beyond normal.x = support, where all of the triangle is at or below
- * it: all of the piece is between its ends, and so it is free for as long. 0 where they are not beyond it.
+ * How long both ends stay farther than `clear` beyond normal.x = support, where all of the triangle
+ * is at or below it: all of the piece is between its ends, and so it is free for as long. 0 where
+ * they are not beyond it.
  */
 static double plane_lasts(const struct stretch *s, vec3 normal, double support, double clear)
 {
@@ -112,8 +116,9 @@ static double face_lasts(const struct stretch *s, const struct face *face, doubl
 }
 
 /*
- * The piece of the axis that can come near at all: what stays before or behind the triangle, along the axis half
- * way, is left out. A far end moves fast when the tool turns; it must not count. 0 when nothing is left.
+ * The piece of the axis that can come near at all: what stays before or behind the triangle, along
+ * the axis half way, is left out. A far end moves fast when the tool turns; it must not count. 0
+ * when nothing is left.
  */
 static int trim(const struct sweep *sweep, const vec3 corner[3], struct piece *piece)
 {
@@ -143,8 +148,9 @@ static vec3 across(vec3 v, vec3 u)
 }
 
 /*
- * The unit direction from the triangle to the axis. What is left of a short gap after rounding leans by more than the gap
- * over the length of what it is to separate: where the pair lies inside of the axis or of an edge, the lean is taken out.
+ * The unit direction from the triangle to the axis. A short gap leans by its rounding, which over
+ * the length of what it is to separate may be more than itself: where the pair lies inside of the
+ * axis or of an edge, that is taken out.
  */
 static vec3 normal_of(const struct stretch *s, const vec3 corner[3], const pair *found)
 {
@@ -165,9 +171,10 @@ static vec3 normal_of(const struct stretch *s, const vec3 corner[3], const pair 
 }
 
 /*
- * Go on in time as far as planes allow, and at least as long as the faster end takes for the distance. 1: and cut the
- * piece, since its ends pass the plane of the nearest pair much sooner than the pair's own point would: they
- * are faster, or rounding tilts the plane, by more the longer the piece.
+ * Go on in time as far as planes allow, and at least as long as the faster end takes for the
+ * distance. 1: and cut the piece, since its ends pass the plane of the nearest pair much sooner
+ * than the pair's own point would: they are faster, or rounding tilts the plane, by more the longer
+ * the piece.
  */
 static int advance(const struct sweep *sweep, const vec3 corner[3], const struct face *face,
                    const struct stretch *s, const pair *found, struct piece *piece)

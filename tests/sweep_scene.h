@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Motions and triangles for the tests of the sweep, made to touch, to graze and to miss by little. */
+/*
+ * Motions and triangles for the tests of the sweep, made to touch, to graze and to miss by little.
+ */
 #ifndef DPT_TESTS_SWEEP_SCENE_H
 #define DPT_TESTS_SWEEP_SCENE_H
 
@@ -77,9 +79,9 @@ static inline void make_lattice(uint64_t *random, int kind, struct scene *scene)
 }
 
 /*
- * Built around a time of k / 8 at which a point of the axis, j / 8 along it, lies on a corner, on an edge or in
- * the face. TANGENT: it moves along the edge or the face there, so that it may touch for one instant. All
- * numbers are exact in double.
+ * Built around a time of k / 8 at which a point of the axis, j / 8 along it, lies on a corner, on
+ * an edge or in the face. TANGENT: it moves along the edge or the face there, so that it may touch
+ * for one instant. All numbers are exact in double.
  */
 enum { MEET_CORNER, MEET_EDGE, MEET_FACE, MEET_END = 4, MEET_TANGENT = 8, MEET_PARALLEL = 16 };
 static inline void make_meeting(uint64_t *random, int kind, struct scene *scene)
@@ -111,7 +113,10 @@ static inline void make_meeting(uint64_t *random, int kind, struct scene *scene)
     scene->motion.b = along(along(at, 1.0 - s, u), -t, scene->motion.db);
 }
 
-/* The same in numbers that are not exact, off by 1e-17 to 1e-5: so it touches, or misses by about that. */
+/*
+ * The same in numbers that are not exact, off by 1e-17 to 1e-5: so it touches, or misses by about
+ * that.
+ */
 static inline void make_grazing(uint64_t *random, int kind, struct scene *scene)
 {
     make_meeting(random, kind, scene);

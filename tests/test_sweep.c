@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The sweep of one triangle: closed forms, and a bracket of the least distance over time, with a radius or
- * without. Without one tests/exact/sweep.c decides more; meshes are test_sweep_mesh.c.
+ * The sweep of one triangle: closed forms, and a bracket of the least distance over time, with a
+ * radius or without. Without one tests/exact/sweep.c decides more; meshes are test_sweep_mesh.c.
  *
  * Usage: test_sweep [cases of a family = 20000] [seed = 1].
  */
@@ -20,7 +20,7 @@ static int sweep_scene(const struct scene *scene, double radius, double toleranc
     struct sweep sweep;
     sweep_begin(&sweep, &scene->motion, radius, tolerance, scene_extent(scene));
     *asked = 0;
-    return sweep_pair(&sweep, scene->corner, 1.0, UINT32_MAX, time, asked);
+    return sweep_pair(&sweep, scene->corner, 1.0, 5000, time, asked);
 }
 
 /* The truth, or what test_pair.c holds against it, which is fifty times as fast. */
@@ -38,9 +38,10 @@ static double distance_at(const struct scene *scene, double time, int slow)
 }
 
 /*
- * Whether the distance falls to the radius or below, by more than `unsure`, at a time before `until`. No end is faster
- * than `speed`, and so the distance changes no faster: what is far enough at the middle of an interval is far
- * all along. `unsure` counts what remains when intervals are too short or too many. Returns such a time, or -1.
+ * Whether the distance falls to the radius or below, by more than `unsure`, at a time before
+ * `until`. No end is faster than `speed`, and so the distance changes no faster: what is far enough
+ * at the middle of an interval is far all along. `unsure` counts what remains when intervals are
+ * too short or too many. Returns such a time, or -1.
  */
 static double touch_before(const struct scene *scene, double radius, double until, double unsure,
                            int slow, unsigned long *open)

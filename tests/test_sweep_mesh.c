@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The sweep of meshes: the float bounds of a swept hull; whole meshes against the sweep of every triangle, with
- * every kernel, hint and budget; sheets crossed from all sides at up to 20 m/s.
+ * The sweep of meshes: the float bounds of a swept hull; whole meshes against the sweep of every
+ * triangle, with every kernel, hint and budget; sheets crossed from all sides at up to 20 m/s.
  *
  * Usage: test_sweep_mesh [sheets crossed = 200000] [seed = 1].
  */
@@ -286,8 +286,8 @@ static void swept_bounds_are_sound(void)
 }
 
 /*
- * One end goes through `through`, in a flat sheet z = 0, at the time t, by up to 20 mm a tick, steeply or nearly in the
- * sheet; the other one stays behind. Returns t.
+ * One end goes through `through`, in a flat sheet z = 0, at the time t, by up to 20 mm a tick,
+ * steeply or nearly in the sheet; the other one stays behind. Returns t.
  */
 static double make_crossing(vec3 *way, struct motion *m)
 {
@@ -315,7 +315,10 @@ static double make_crossing(vec3 *way, struct motion *m)
     return t;
 }
 
-/* It is met no later than t. A quarter of them are beside the sheet; a hit there, or off the axis, is invented. */
+/*
+ * It is met no later than t. A quarter of them are beside the sheet; a hit there, or off the axis,
+ * is invented.
+ */
 static void sheets_are_crossed_at_any_speed(void)
 {
     struct body body;

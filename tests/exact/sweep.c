@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The sweep against exact arithmetic (oracle/exact.h): no touch of an axis and a triangle is missed, none
- * comes late, and where one is told that is none, the axis is within the tolerance at that time. On whole
- * numbers, so that touches in one point at one instant do occur, and on their neighbours in double.
+ * The sweep against exact arithmetic (oracle/exact.h): no touch of an axis and a triangle is
+ * missed, none comes late, and where one is told that is none, the axis is within the tolerance at
+ * that time. On whole numbers, so that touches in one point at one instant do occur, and on their
+ * neighbours in double.
  *
  * Usage: test_sweep_exact [cases of a family = 1200] [seed = 1]. Built where g++ and gmpxx are.
  */
@@ -67,7 +68,7 @@ static void judge(const struct scene *scene, const char *name, struct counts *co
     sweep_begin(&sweep, &scene->motion, 0.0, tolerance, extent);
     int hit = sweep_pair(&sweep, scene->corner, 1.0, UINT32_MAX, &time, &asked) == SWEEP_HIT;
     int truth = touches(scene, 1.0, 1);
-    int missed = truth && !hit, late = hit && touches(scene, time, 0);
+    int missed = truth && !hit, late = hit && touches(scene, time, time > 0.0);
     double off = hit ? distance_at(scene, time) : 0.0;
     CHECK(!missed, "%s: missed: %s", name, scene_text(scene));
     CHECK(!late, "%s: at %a, late: %s", name, time, scene_text(scene));

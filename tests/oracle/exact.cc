@@ -224,7 +224,8 @@ bool meets_at_roots(const question &q, const quadratic &p)
     return meets_at(q, number(middle, apart, d)) || meets_at(q, number(middle, -apart, d));
 }
 
-// Axis and edge always lie in one plane: what changes is where an end of one comes to lie on the other.
+// Axis and edge always lie in one plane: what changes is where an end of one comes to lie on the
+// other.
 bool meets_coplanar_edge(const question &q, int k)
 {
     const line e = still(q.t.edge[k]), ends[2] = { q.a, q.b };
