@@ -46,20 +46,35 @@ struct probe {
 };
 
 /*
+ * What an axis in motion covers: the four points where its ends are at two times span a hull that holds it all
+ * along. The bounds are those of that hull, as sound as others by kernel_margin, twice with its farthest end.
+ */
+struct swath {
+    float end[4][3];
+    float axis[3]
+              [3]; /* orthonormal, of a box around them: along the tool, its motion, across both */
+    float centre[3], half[3]; /* of that box, which only tells where to look for planes */
+    float limit;
+};
+
+/*
  *   held_*     the bounds that 16 kept planes give now
  *   boxes      16 new planes, and the bounds that they give; likewise triangles
+ *   swept_*    bounds of the distance to a hull; nothing is kept
  *   common_*   the supports along one normal, into `low`; open are those that are not above `beyond`
  *
  * Blocks of boxes: 6 rows of 16, centre x, y, z, half width x, y, z; of triangles: 9 rows of 16, corner 0 x, y,
  * z, corner 1 ..., corner 2 ...
  *
- * Returns the lanes that are open: whose bound is not beyond probe->limit.
+ * Returns the lanes that are open: whose bound is not beyond the limit.
  */
 typedef uint32_t kernel_held(const float *block, const struct probe *probe,
                              const struct planes *planes, float *bound);
 typedef uint32_t kernel_renew(const float *block, const struct probe *probe, struct planes *planes,
                               float *bound);
 typedef uint32_t kernel_common(const float *block, const float normal[3], float beyond, float *low);
+
+typedef uint32_t kernel_swept(const float *block, const struct swath *swath, float *bound);
 
 struct kernel {
     kernel_held *held_boxes;
@@ -68,6 +83,8 @@ struct kernel {
     kernel_renew *triangles;
     kernel_common *common_boxes;
     kernel_common *common_triangles;
+    kernel_swept *swept_boxes;
+    kernel_swept *swept_triangles;
 };
 
 /* The widest kernel that every machine of this kind has. */
@@ -87,7 +104,8 @@ int kernel_get(uint32_t id, struct kernel *kernel, uint32_t *chosen);
 #define KERNEL_DECLARE(set)                                                                        \
     kernel_held kernel_##set##_held_boxes, kernel_##set##_held_triangles;                          \
     kernel_renew kernel_##set##_boxes, kernel_##set##_triangles;                                   \
-    kernel_common kernel_##set##_common_boxes, kernel_##set##_common_triangles;
+    kernel_common kernel_##set##_common_boxes, kernel_##set##_common_triangles;                    \
+    kernel_swept kernel_##set##_swept_boxes, kernel_##set##_swept_triangles;
 KERNEL_DECLARE(scalar)
 KERNEL_DECLARE(sse2)
 KERNEL_DECLARE(avx2)

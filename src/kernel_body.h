@@ -261,3 +261,107 @@ KERNEL_TARGET uint32_t KERNEL(common_triangles)(const float *restrict block, con
     }
     return KERNEL_OPEN(low, beyond);
 }
+
+/* The box around a hull as numbers that stay in registers. */
+#define SWATH                                                                                      \
+    const float ox = swath->centre[0], oy = swath->centre[1], oz = swath->centre[2];               \
+    const float xx = swath->axis[0][0], xy = swath->axis[0][1], xz = swath->axis[0][2];            \
+    const float yx = swath->axis[1][0], yy = swath->axis[1][1], yz = swath->axis[1][2];            \
+    const float zx = swath->axis[2][0], zy = swath->axis[2][1], zz = swath->axis[2][2];            \
+    const float wx = swath->half[0], wy = swath->half[1], wz = swath->half[2];                     \
+    const float limit = swath->limit;
+
+/* n: the direction from the nearest point of that box to (cx, cy, cz); no number inside of it. */
+#define AWAY_FROM_SWATH(cx, cy, cz)                                                                \
+    float dx = (cx)-ox, dy = (cy)-oy, dz = (cz)-oz;                                                \
+    float px = dx * xx + dy * xy + dz * xz;                                                        \
+    float py = dx * yx + dy * yy + dz * yz;                                                        \
+    float pz = dx * zx + dy * zy + dz * zz;                                                        \
+    px -= AT_MOST(AT_LEAST(px, -wx), wx);                                                          \
+    py -= AT_MOST(AT_LEAST(py, -wy), wy);                                                          \
+    pz -= AT_MOST(AT_LEAST(pz, -wz), wz);                                                          \
+    float nx = px * xx + py * yx + pz * zx;                                                        \
+    float ny = px * xy + py * yy + pz * zy;                                                        \
+    float nz = px * xz + py * yz + pz * zz;                                                        \
+    float unit = PER_ROOT(nx * nx + ny * ny + nz * nz);                                            \
+    nx *= unit;                                                                                    \
+    ny *= unit;                                                                                    \
+    nz *= unit;
+
+/* How far the four ends are along (x, y, z): n_0 to n_3 for the name n, of which these are the extremes. */
+#define END_ALONG(e, x, y, z) ((x)*swath->end[e][0] + (y)*swath->end[e][1] + (z)*swath->end[e][2])
+#define ENDS_ALONG(n, x, y, z)                                                                     \
+    float n##_0 = END_ALONG(0, x, y, z), n##_1 = END_ALONG(1, x, y, z);                            \
+    float n##_2 = END_ALONG(2, x, y, z), n##_3 = END_ALONG(3, x, y, z);
+#define LOWEST_END(n)  AT_MOST(AT_MOST(n##_0, n##_1), AT_MOST(n##_2, n##_3))
+#define HIGHEST_END(n) AT_LEAST(AT_LEAST(n##_0, n##_1), AT_LEAST(n##_2, n##_3))
+
+/* Besides, the plane of the motion: of what a tool that slides by leaves behind, most lies beyond it. */
+KERNEL_TARGET uint32_t KERNEL(swept_boxes)(const float *restrict block,
+                                           const struct swath *restrict swath,
+                                           float *restrict bound)
+{
+    SWATH
+    ENDS_ALONG(z, zx, zy, zz)
+    const float z_low = LOWEST_END(z), z_high = HIGHEST_END(z);
+
+    for (int i = 0; i < LANES; i++) {
+        float cx = block[i], cy = block[LANES + i], cz = block[2 * LANES + i];
+        float hx = block[3 * LANES + i], hy = block[4 * LANES + i], hz = block[5 * LANES + i];
+        AWAY_FROM_SWATH(cx, cy, cz)
+        ENDS_ALONG(n, nx, ny, nz)
+        float here = nx * cx + ny * cy + nz * cz -
+                     (fabsf(nx) * hx + fabsf(ny) * hy + fabsf(nz) * hz) - HIGHEST_END(n);
+        float at = zx * cx + zy * cy + zz * cz;
+        float half = fabsf(zx) * hx + fabsf(zy) * hy + fabsf(zz) * hz;
+        float above = at - half - z_high, below = z_low - (at + half);
+        float across = AT_LEAST(above, below);
+        here = AT_LEAST(here, across);
+        bound[i] = here;
+    }
+    return KERNEL_OPEN(bound, limit);
+}
+
+/* And the triangle's own plane. */
+KERNEL_TARGET uint32_t KERNEL(swept_triangles)(const float *restrict block,
+                                               const struct swath *restrict swath,
+                                               float *restrict bound)
+{
+    const float third = 1.0f / 3.0f;
+    SWATH
+    ENDS_ALONG(z, zx, zy, zz)
+    const float z_low = LOWEST_END(z), z_high = HIGHEST_END(z);
+
+    for (int i = 0; i < LANES; i++) {
+        float ax = block[i], ay = block[LANES + i], az = block[2 * LANES + i];
+        float bx = block[3 * LANES + i], by = block[4 * LANES + i], bz = block[5 * LANES + i];
+        float cx = block[6 * LANES + i], cy = block[7 * LANES + i], cz = block[8 * LANES + i];
+        AWAY_FROM_SWATH((ax + bx + cx) * third, (ay + by + cy) * third, (az + bz + cz) * third)
+        CORNERS_ALONG(n, nx, ny, nz)
+        ENDS_ALONG(n, nx, ny, nz)
+        float here = AT_MOST(AT_MOST(n0, n1), n2) - HIGHEST_END(n);
+
+        CORNERS_ALONG(z, zx, zy, zz)
+        float above = AT_MOST(AT_MOST(z0, z1), z2) - z_high;
+        float below = z_low - AT_LEAST(AT_LEAST(z0, z1), z2);
+        float across = AT_LEAST(above, below);
+
+        float ex = bx - ax, ey = by - ay, ez = bz - az;
+        float gx = cx - ax, gy = cy - ay, gz = cz - az;
+        float fx = ey * gz - ez * gy, fy = ez * gx - ex * gz, fz = ex * gy - ey * gx;
+        float flat = PER_ROOT(fx * fx + fy * fy + fz * fz);
+        fx *= flat;
+        fy *= flat;
+        fz *= flat;
+        CORNERS_ALONG(f, fx, fy, fz)
+        ENDS_ALONG(f, fx, fy, fz)
+        float front = AT_MOST(AT_MOST(f0, f1), f2) - HIGHEST_END(f);
+        float back = LOWEST_END(f) - AT_LEAST(AT_LEAST(f0, f1), f2);
+        float face = AT_LEAST(front, back);
+        here = AT_LEAST(here, across);
+        face = AT_LEAST(face, across);
+        here = AT_LEAST(here, face);
+        bound[i] = here;
+    }
+    return KERNEL_OPEN(bound, limit);
+}

@@ -65,12 +65,14 @@ for program in build/tests/test_*; do
     run "$(basename "$program")" "$program"
 done
 for config in scalar sanitize; do
-    for name in read compile mesh kernel query world paper shape budget near; do
+    for name in read compile mesh kernel query world paper shape budget near sweep_mesh; do
         program=build/$config/tests/test_$name
         [ -x "$program" ] && run "test_$name, $config" "$program"
     done
     run "test_pair, $config" build/$config/tests/test_pair 100000
+    run "test_sweep, $config" build/$config/tests/test_sweep 2000
 done
+[ -x build/tests/test_sweep_exact ] || skip "test_sweep_exact" "no g++ with gmpxx"
 run "test_silent, scalar" build/scalar/tests/test_silent
 run "the program" sh tests/test_cli.sh build
 run "the program, sanitize" sh tests/test_cli.sh build/sanitize

@@ -11,6 +11,17 @@ $(B)/tests/test_%: $(B)/tests/test_%.o $(TEST_PARTS)
 
 $(B)/tests/test_organs: | $(B)/dynpoint
 
+# Exact arithmetic: where there are g++ and gmpxx.
+EXACT_LIBS := $(if $(shell echo '\#include <gmpxx.h>' | $(CXX) -E -x c++ - 2>/dev/null | tail -n 1),-lgmpxx -lgmp -lstdc++)
+ifneq ($(EXACT_LIBS),)
+TESTS += $(B)/tests/test_sweep_exact
+endif
+$(B)/tests/oracle/exact.o: tests/oracle/exact.cc
+	@mkdir -p $(@D)
+	$(CXX) -std=c++11 -O2 -g -Wall -Wextra -MMD -MP $(CONFIG_CFLAGS) $(CFLAGS_EXTRA) -c $< -o $@
+$(B)/tests/test_sweep_exact: $(B)/tests/exact/sweep.o $(B)/tests/oracle/exact.o $(TEST_PARTS)
+	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(EXACT_LIBS) -o $@
+
 check: ## all tests; DEPS=no installs nothing, STRICT=1 lets skips fail
 	@sh tests/run.sh
 
