@@ -24,12 +24,6 @@ static double lower_end(const struct axis *axis, const struct nearest *nearest, 
     return smaller(height_a, height_b);
 }
 
-double contact_tolerance(const struct tree *tree)
-{
-    const struct dpt_mesh *mesh = tree->mesh;
-    return PROFILE_DEPTH_SHARE * length(sub(vec3_of(mesh->box_max), vec3_of(mesh->box_min)));
-}
-
 int contact_find(struct profile *profile, const struct nearest *nearest, const struct seed *seeds,
                  uint32_t seed_count, double radius, double *gap)
 {
@@ -72,7 +66,7 @@ void contact_of(const struct tree *tree, const struct kernel *kernel, const stru
     profile.axis = axis;
     profile.sides = &none;
     profile.reach = radius;
-    profile.tolerance = contact_tolerance(tree);
+    profile.tolerance = PROFILE_DEPTH_SHARE * tree_diagonal(tree);
     profile.most = UINT32_MAX;
     if (contact_find(&profile, nearest, NULL, 0, radius, &gap) == CONTACT_UNKNOWN)
         hit->contact = DPT_CONTACT_UNKNOWN;

@@ -33,9 +33,6 @@ vec3 contact_normal(const struct profile *profile, const struct sample *sample, 
 struct push contact_push(const struct profile *profile, const struct frame *body, double gap,
                          uint32_t smooth);
 
-/* How deep a depth may be wrong: of a mesh. */
-double contact_tolerance(const struct tree *tree);
-
 /* Contact, gap and depth of one axis and one body without a past, for a hit that track_hit has written. */
 void contact_of(const struct tree *tree, const struct kernel *kernel, const struct axis *axis,
                 const struct nearest *nearest, double radius, dpt_hit *hit);

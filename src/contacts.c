@@ -106,6 +106,9 @@ static uint32_t recall(struct meeting *meeting, struct seed seeds[PROFILE_SEEDS]
         if (hold->side)
             sides_put(&meeting->sides, hold->part, hold->side);
     }
+    const struct met *met = &meeting->world->segments[meeting->segment].met;
+    if (met->side && met->body == meeting->body->id)
+        sides_put(&meeting->sides, met->part, met->side);
     return count;
 }
 
@@ -137,11 +140,6 @@ static uint32_t new_id(struct dpt_world *world)
     return world->contact_id;
 }
 
-static int is_sheet(uint32_t flags)
-{
-    return !(flags & MESH_PART_CLOSED) && (flags & MESH_PART_MANIFOLD) && (flags & MESH_PART_WOUND);
-}
-
 /* The side of an open sheet that a region keeps for the next tick, or 0. */
 static int32_t side_of_region(const struct meeting *meeting, const struct region *region,
                               double gap)
@@ -150,8 +148,8 @@ static int32_t side_of_region(const struct meeting *meeting, const struct region
     const struct sample *deepest = &meeting->profile->sample[region->deepest];
     double limit = meeting->world->def.side_limit;
     if (limit == 0.0)
-        limit = 0.25 * contact_tolerance(tree) / PROFILE_DEPTH_SHARE;
-    if (!is_sheet(side_part_flags(tree, region->part)) || -gap > limit ||
+        limit = 0.25 * tree_diagonal(tree);
+    if (!side_is_sheet(tree, region->part) || -gap > limit ||
         side_is_border(tree, deepest->triangle, deepest->weight))
         return 0;
     int32_t kept = sides_get(&meeting->sides, region->part);
@@ -231,7 +229,7 @@ static int meet(struct meeting *meeting, double *gap)
     profile->axis = &meeting->axis;
     profile->sides = &meeting->sides;
     profile->reach = meeting->radius + (world->def.max_contacts ? world->def.margin : 0.0);
-    profile->tolerance = contact_tolerance(profile->tree);
+    profile->tolerance = PROFILE_DEPTH_SHARE * tree_diagonal(profile->tree);
     profile->most = world->def.budget ? world->left : UINT32_MAX;
     int found = contact_find(profile, &meeting->nearest, seeds, seed_count, meeting->radius, gap);
     uint32_t count = 0;

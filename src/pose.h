@@ -36,6 +36,29 @@ static inline dpt_result frame_of_pose(const dpt_pose *pose, struct frame *frame
     return DPT_OK;
 }
 
+/*
+ * Half way from one pose to another, both valid: the position along a line, the orientation along the shorter arc. Of two
+ * that are opposite there is no shorter one; then it is `from`'s.
+ */
+static inline dpt_pose pose_middle(const dpt_pose *from, const dpt_pose *to)
+{
+    dpt_pose middle;
+    double cosine = 0.0, square = 0.0;
+    for (int k = 0; k < 3; k++)
+        middle.position[k] = 0.5 * (from->position[k] + to->position[k]);
+    for (int k = 0; k < 4; k++)
+        cosine += from->orientation[k] * to->orientation[k];
+    for (int k = 0; k < 4; k++) {
+        double sum = from->orientation[k] + (cosine < 0.0 ? -1.0 : 1.0) * to->orientation[k];
+        middle.orientation[k] = sum;
+        square += sum * sum;
+    }
+    for (int k = 0; k < 4; k++)
+        middle.orientation[k] =
+            square > 0.25 ? middle.orientation[k] / sqrt(square) : from->orientation[k];
+    return middle;
+}
+
 static inline vec3 frame_turn(const struct frame *frame, vec3 v)
 {
     return along(along(scaled(frame->x, v.x), v.y, frame->y), v.z, frame->z);

@@ -108,6 +108,12 @@ uint32_t side_part_flags(const struct tree *tree, uint32_t part)
     return mesh_words(tree->mesh, MESH_PART_TABLE)[4 * (size_t)part];
 }
 
+int side_is_sheet(const struct tree *tree, uint32_t part)
+{
+    uint32_t flags = side_part_flags(tree, part);
+    return !(flags & MESH_PART_CLOSED) && (flags & MESH_PART_MANIFOLD) && (flags & MESH_PART_WOUND);
+}
+
 int side_is_border(const struct tree *tree, uint32_t triangle, const double weight[3])
 {
     const uint32_t *neighbour = mesh_words(tree->mesh, MESH_NEIGHBOURS);

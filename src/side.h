@@ -25,6 +25,9 @@ int side_is_border(const struct tree *tree, uint32_t triangle, const double weig
 uint32_t side_part(const struct tree *tree, uint32_t triangle);
 uint32_t side_part_flags(const struct tree *tree, uint32_t part);
 
+/* A part without an inside, but with two sides. */
+int side_is_sheet(const struct tree *tree, uint32_t part);
+
 /* +1 in front of the nearest point, -1 behind it, by its feature's normal. */
 int side_of_pair(const struct tree *tree, uint32_t triangle, const pair *found);
 

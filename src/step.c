@@ -5,6 +5,7 @@
  *     for each segment of each tool
  *         track      the nearest pair over all bodies
  *     for each of them
+ *         travel     what it met on its way from the last tick
  *         contact    regions, sides, gap and the way out
  *         respond    the penalty force
  *     for each tool
@@ -14,6 +15,7 @@
 #include "contacts.h"
 #include "paper.h"
 #include "respond.h"
+#include "travel.h"
 #include "world.h"
 
 static int is_active(const struct dpt_world *world, const struct tool *tool)
@@ -53,10 +55,14 @@ static void track_segment(struct dpt_world *world, uint32_t index)
 static void contact_segment(struct dpt_world *world, uint32_t index)
 {
     struct segment *segment = &world->segments[index];
-    if (segment->found.body && segment->found.exact)
+    if (segment->found.body)
+        travel_find(world, index);
+    if (segment->found.body && segment->found.exact &&
+        segment->sweep.status != DPT_SWEEP_UNFINISHED)
         contacts_find(world, index, &segment->found, &segment->hit, &segment->push);
     else
         contacts_keep(world, index);
+    travel_end(world, index);
 }
 
 static void respond_segment(struct dpt_world *world, uint32_t index)
@@ -242,6 +248,25 @@ dpt_result dpt_tool_get_contacts(const dpt_world *world, dpt_tool tool, dpt_cont
             found++;
         }
     *count = found;
+    return DPT_OK;
+}
+
+dpt_result dpt_tool_get_sweep(const dpt_world *world, dpt_tool tool, uint32_t segment,
+                              dpt_sweep *sweep)
+{
+    if (!world || !sweep)
+        return DPT_E_ARGUMENT;
+    uint32_t size = sweep->size;
+    if (size < sizeof *sweep)
+        return DPT_E_SIZE;
+    *sweep = (dpt_sweep){ .size = size, .triangle = DPT_NONE };
+    const struct tool *asked = world_tool(world, tool);
+    if (!asked)
+        return DPT_E_HANDLE;
+    if (segment >= asked->count)
+        return DPT_E_ARGUMENT;
+    *sweep = world->segments[asked->first + segment].sweep;
+    sweep->size = size;
     return DPT_OK;
 }
 

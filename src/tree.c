@@ -54,6 +54,11 @@ double tree_extent(const struct tree *tree)
     return larger(extent_of(vec3_of(tree->mesh->box_min)), extent_of(vec3_of(tree->mesh->box_max)));
 }
 
+double tree_diagonal(const struct tree *tree)
+{
+    return length(sub(vec3_of(tree->mesh->box_max), vec3_of(tree->mesh->box_min)));
+}
+
 pair tree_pair(const struct tree *tree, uint32_t triangle, vec3 a, vec3 u)
 {
     const uint32_t *corner = tree->corners + 3 * (size_t)triangle;

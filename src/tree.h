@@ -107,6 +107,9 @@ void tree_brute(const struct tree *tree, vec3 a, vec3 u, struct nearest *nearest
 #define TREE_HISTORY 0.375
 #define TREE_SLACK   0.125
 
+/* From corner to corner of the mesh's box. */
+double tree_diagonal(const struct tree *tree);
+
 /* The largest coordinate of the mesh, in its own frame. */
 double tree_extent(const struct tree *tree);
 

@@ -8,9 +8,9 @@
 /* The sums that dpt_world_bytes documents; a struct that outgrows its share fails to compile. */
 enum {
     BYTES_WORLD = 16384, /* with room for one profile */
-    BYTES_BODY = 384,    /* with its box */
-    BYTES_TOOL = 192,
-    BYTES_SEGMENT = 1024,
+    BYTES_BODY = 576,    /* with its box */
+    BYTES_TOOL = 256,
+    BYTES_SEGMENT = 1408,
     BYTES_PAUSE = 1536,
     BYTES_PROOF = 64,
     BYTES_CONTACT = 1024 /* this tick's and the last one's */
@@ -222,6 +222,7 @@ static void forget_segment(struct dpt_world *world, uint32_t segment)
     struct segment *s = &world->segments[segment];
     memset(world_last(world, segment, 0), 0xff, world_lasts(world) * sizeof *world->last);
     memset(&s->near, 0, sizeof s->near);
+    s->was.known = 0;
     s->last_body = DPT_NONE;
     forget_proofs(world, segment, DPT_NONE);
     contacts_forget(world, segment, segment + 1, DPT_NONE);
@@ -236,6 +237,9 @@ void tool_clear(struct dpt_world *world, struct tool *tool)
         };
         memset(&segment->wrench, 0, sizeof segment->wrench);
         memset(&segment->push, 0, sizeof segment->push);
+        memset(&segment->met, 0, sizeof segment->met);
+        segment->sweep =
+            (dpt_sweep){ .size = sizeof segment->sweep, .triangle = DPT_NONE, .segment = i };
     }
     memset(&tool->wrench, 0, sizeof tool->wrench);
     tool->nearest = 0;
@@ -256,6 +260,8 @@ dpt_result dpt_world_reset(dpt_world *world)
         if (world->tools[t].slot.used)
             forget_tool(world, &world->tools[t]);
     forget_planes(world, 0, world->segment_count, DPT_NONE);
+    for (uint32_t i = 0; i < world->body_end; i++)
+        world->bodies[i].moved = 0;
     world->turn = 0;
     world->ticks = 0;
     return DPT_OK;
@@ -290,7 +296,10 @@ dpt_result dpt_body_add(dpt_world *world, const dpt_mesh *mesh, const dpt_pose *
     }
     made->slot.used = 1;
     made->id = handle_make(HANDLE_BODY, &made->slot, index);
+    const dpt_pose identity = DPT_POSE_IDENTITY;
     made->frame = frame;
+    made->pose = pose ? *pose : identity;
+    made->moved = 0;
     made->valid = 1;
     tree_of_mesh(mesh, &made->tree);
     for (uint32_t s = 0; s < world->segment_count; s++)
@@ -317,17 +326,56 @@ dpt_result dpt_body_remove(dpt_world *world, dpt_body body)
     return DPT_OK;
 }
 
+/*
+ * At most so far has any point of it moved: with the origin, and by the angle around that, which is 4 asin(c / 2), c
+ * being how far the quaternions are apart.
+ */
+static double way_of(const struct body *body)
+{
+    const double *from = body->before.orientation, *to = body->pose.orientation;
+    vec3 low = vec3_of(body->tree.mesh->box_min), high = vec3_of(body->tree.mesh->box_max);
+    double farthest = 0.5 * (length(add(low, high)) + length(sub(high, low)));
+    double same = 0.0, opposite = 0.0;
+    for (int k = 0; k < 4; k++) {
+        same += (to[k] - from[k]) * (to[k] - from[k]);
+        opposite += (to[k] + from[k]) * (to[k] + from[k]);
+    }
+    double square = smaller(same, opposite);
+    /* Quaternions may be off unit length by 1e-6. */
+    double angle = sqrt(square) * (2.0 + 0.3 * square) + 1e-5;
+    return length(sub(vec3_of(body->pose.position), vec3_of(body->before.position))) +
+           angle * farthest;
+}
+
+/* Where the body was in the last tick stays known until the next one. */
+static void move_body(struct dpt_world *world, struct body *body, const dpt_pose *pose,
+                      const struct frame *frame)
+{
+    if (body->moved != world->ticks + 1)
+        body->before = body->pose;
+    body->moved = world->ticks + 1;
+    body->pose = *pose;
+    body->frame = *frame;
+    body->travelled = way_of(body);
+    if (world->travelled_at != body->moved)
+        world->travelled = 0.0;
+    world->travelled_at = body->moved;
+    world->travelled = larger(world->travelled, body->travelled);
+    bodies_place(world, handle_index(body->id));
+}
+
 dpt_result dpt_body_set_pose(dpt_world *world, dpt_body body, const dpt_pose *pose)
 {
     struct body *moved = world ? find_body(world, body) : NULL;
     if (!moved)
         return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
-    dpt_result result = pose ? frame_of_pose(pose, &moved->frame) : DPT_E_ARGUMENT;
+    struct frame frame = moved->frame;
+    dpt_result result = pose ? frame_of_pose(pose, &frame) : DPT_E_ARGUMENT;
     world->invalid -= !moved->valid;
     moved->valid = result == DPT_OK;
     world->invalid += !moved->valid;
     if (moved->valid)
-        bodies_place(world, handle_index(body));
+        move_body(world, moved, pose, &frame);
     return result;
 }
 
@@ -381,7 +429,9 @@ dpt_result dpt_tool_add(dpt_world *world, const dpt_segment *segments, uint32_t 
         made->slot.generation = 1;
     }
     made->slot.used = 1;
+    const dpt_pose identity = DPT_POSE_IDENTITY;
     made->frame = frame_identity;
+    made->pose = identity;
     made->valid = 1;
     made->free = 0;
     made->first = world->segment_count;
@@ -431,6 +481,8 @@ dpt_result dpt_tool_set_pose(dpt_world *world, dpt_tool tool, const dpt_pose *po
         return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
     dpt_result result = pose ? frame_of_pose(pose, &moved->frame) : DPT_E_ARGUMENT;
     moved->valid = result == DPT_OK;
+    if (moved->valid)
+        moved->pose = *pose;
     moved->free = 0;
     return result;
 }

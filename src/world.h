@@ -13,13 +13,18 @@
 struct body {
     struct tree tree;
     struct frame frame;
+    dpt_pose pose;    /* what the frame is made of */
+    dpt_pose before;  /* that of the last tick, if it has moved since */
+    double travelled; /* by how far any of its points may have moved then */
     struct slot slot;
     uint32_t id;
+    uint32_t moved; /* the tick before which it last moved; 0: never */
     uint32_t valid; /* 0 after a pose that could not be used: every answer is stale then */
 };
 
 struct tool {
     struct frame frame;
+    dpt_pose pose; /* of a rigid one */
     dpt_wrench wrench;
     struct slot slot;
     uint32_t first; /* its segments in the world's list */
@@ -39,6 +44,24 @@ struct found {
     uint32_t work;
 };
 
+/* Where a segment was in the last tick. */
+struct was {
+    dpt_pose pose;         /* of its tool; the identity for a free one */
+    vec3 a, b;             /* in the tool's frame */
+    vec3 world_a, world_b; /* in the world */
+    double distance;       /* nothing was nearer to its axis */
+    uint32_t known;        /* 0: it was nowhere */
+    uint32_t reserved;
+};
+
+/* What the motion met. */
+struct met {
+    uint32_t body; /* id */
+    uint32_t part; /* of its mesh */
+    int32_t
+        side; /* of the surface, from which it came: +1 in front, -1 behind; 0 for nothing, or a border */
+};
+
 struct segment {
     vec3 a, b; /* in the tool's frame */
     double radius;
@@ -47,6 +70,9 @@ struct segment {
     struct near near;
     struct found found; /* this tick's */
     struct push push;
+    struct was was;
+    struct met met;
+    dpt_sweep sweep;
     uint32_t last_body; /* slot of the body that was nearest, or DPT_NONE */
     uint32_t tool;      /* slot of its tool */
 };
@@ -96,6 +122,8 @@ struct dpt_world {
     uint32_t left;          /* of this tick's budget */
     uint32_t turn;          /* the segment that the budget did not reach */
     uint32_t ticks;         /* since the last reset; may wrap */
+    uint32_t travelled_at;  /* the tick before which a body last moved */
+    double travelled;       /* the most that one moved then */
     uint32_t holds_at;      /* which of the two is this tick's */
     uint32_t contact_id;    /* the last one that was given */
     uint32_t contacts_full; /* this tick had more regions than there is room for */

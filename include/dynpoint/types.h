@@ -171,6 +171,38 @@ typedef struct dpt_contact {
     double thrust_moment[3];
 } dpt_contact;
 
+/* What is known of a motion between two steps. */
+enum {
+    DPT_SWEEP_NONE =
+        0, /* there was none: a first step, a teleport, or the axis was through already */
+    DPT_SWEEP_FREE = 1,      /* nothing was met */
+    DPT_SWEEP_HIT = 2,       /* met, at `time` */
+    DPT_SWEEP_UNFINISHED = 3 /* the budget ended it; free up to `time` */
+};
+
+/*
+ * What a segment met first on its way from the last step to this one: its surface or, where that was in contact before,
+ * its axis. Ends move along straight lines, rigid tools and bodies along the shortest turn. None is missed; a hit may
+ * be within 1e-6 of the mesh's diagonal of a touch.
+ *
+ *   time      0..1 of the step
+ *   s         of the point of the axis that met
+ *   q         where on the mesh, in the world, with the body where it is now
+ *   normal    unit, of the mesh there, on the side that the tool came from
+ */
+typedef struct dpt_sweep {
+    uint32_t size; /* sizeof(dpt_sweep), set by the caller */
+    uint32_t status;
+    uint32_t segment;
+    uint32_t body;
+    uint32_t triangle;
+    uint32_t reserved;
+    double time;
+    double s;
+    double q[3];
+    double normal[3];
+} dpt_sweep;
+
 /* Instruction sets of the inner loops. All give the same bits; they differ in speed alone. */
 enum {
     DPT_KERNEL_AUTO = 0, /* the widest that this machine has */

@@ -85,7 +85,7 @@ static inline void dpt_world_def_init(dpt_world_def *def)
 
 /*
  * The bytes that a world of this def needs:
- *     16384 + 384 max_bodies + 192 max_tools + 1024 max_segments
+ *     16384 + 576 max_bodies + 256 max_tools + 1408 max_segments
  *         + (budget ? 1536 max_segments + 64 max_segments max_bodies : 0)
  *         + 1024 max_contacts
  *         + 4 max_segments max_bodies parts + 8 max_segments max_bodies + certificate_bytes,
@@ -171,6 +171,10 @@ DPT_API dpt_result dpt_tool_get_segment_hit(const dpt_world *world, dpt_tool too
  */
 DPT_API dpt_result dpt_tool_get_contacts(const dpt_world *world, dpt_tool tool,
                                          dpt_contact *contacts, uint32_t capacity, uint32_t *count);
+
+/* What a segment of the tool, from 0, met between the last two steps. */
+DPT_API dpt_result dpt_tool_get_sweep(const dpt_world *world, dpt_tool tool, uint32_t segment,
+                                      dpt_sweep *sweep);
 
 /*
  * Force on the tool and torque about the origin of its frame, in world axes, before any limits. The

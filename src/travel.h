@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What a segment met on its way from the last tick to this one: docs/algorithms/travel.md. */
+#ifndef DPT_TRAVEL_H
+#define DPT_TRAVEL_H
+
+#include "world.h"
+
+/*
+ * Sweep a segment whose nearest pair is known, this tick. Fills segment->sweep, and segment->met with the side from
+ * which an open sheet was met.
+ */
+void travel_find(struct dpt_world *world, uint32_t segment);
+
+/* The tick ends: the next motion begins here, or nowhere if there is no valid answer. */
+void travel_end(struct dpt_world *world, uint32_t segment);
+
+#endif
