@@ -154,11 +154,11 @@ static uint32_t put_sample(struct profile *profile, const struct sample *sample)
         i++;
     struct sample *here = &profile->sample[i];
     if (i)
-        here[-1].bounded = 0;
+        here[-1].bounded = here[-1].spanned = 0;
     if (i < profile->count && here->s == sample->s) {
         if (sample->exact || !here->exact)
             *here = *sample;
-        here->bounded = 0;
+        here->bounded = here->spanned = 0;
         return i;
     }
     if (profile->count == PROFILE_SAMPLES)
@@ -315,7 +315,7 @@ static void look_around(struct profile *profile)
             put_crossing(profile, t, &found);
     }
     profile->work += range.work;
-    profile->cut |= range.work == range.most;
+    profile->cut |= range.work >= range.most;
     join_crossings(profile);
 }
 
@@ -387,29 +387,36 @@ struct bend profile_bend(const struct profile *profile, const struct sample *fro
     return (struct bend){ from->s + s, from->height + rise_from * s };
 }
 
-/* How deep it can be between two samples of which one is inside; what is not deeper than `least` does not matter. */
+/* The square of how far x(s) is from the point of the mesh that is nearest to a sample; the sample's triangle is no farther. */
+static double square_to_point(const struct profile *profile, const struct sample *sample, double s)
+{
+    vec3 way = along(sample->gap, s - sample->s, profile->axis->u);
+    return dot(way, way);
+}
+
+/* How deep it can be between two samples of which one is inside; to know that it is not above `least` is enough. */
 static struct deep deep_between(const struct profile *profile, uint32_t i, double least)
 {
-    enum { HERE, NEXT, BETWEEN };
     const struct sample *from = &profile->sample[i], *to = from + 1;
-    double width = (to->s - from->s) * profile->size;
+    double width = (to->s - from->s) * profile->size, middle = 0.5 * (from->s + to->s);
     double slope = 0.5 * (width + fabs(from->height) + fabs(to->height));
     if (slope <= least)
-        return (struct deep){ slope, from->s, HERE };
-    struct deep deep = { -from->height, from->s, HERE };
-    if (to->height < from->height)
-        deep = (struct deep){ -to->height, to->s, NEXT };
-    if (from->triangle == to->triangle || width <= profile->tolerance)
-        return deep;
-    double enough = larger(least, deep.bound + 0.5 * profile->tolerance);
-    double middle = 0.5 * (from->s + to->s), bound = HUGE_VAL, s = middle;
+        return (struct deep){ slope, middle, 1, 0 };
+    double ends = larger(-from->height, -to->height);
+    if (from->triangle == to->triangle)
+        return (struct deep){ ends, middle, 0, 0 };
+    double bound = HUGE_VAL, s = middle;
     if (from->height > 0.0) {
         bound = reach_of(profile, to->triangle, from->s);
     } else if (to->height > 0.0) {
         bound = reach_of(profile, from->triangle, to->s);
     } else {
         double at = profile_bend(profile, from, to).s;
-        for (int tries = 0; tries < 3 && bound > enough; tries++) {
+        double square =
+            larger(square_to_point(profile, from, at), square_to_point(profile, to, at));
+        if (square <= least * least)
+            return (struct deep){ larger(ends, sqrt(square)), at, 1, 0 };
+        for (int tries = 0; tries < 3 && bound > least; tries++) {
             double by_from = reach_of(profile, from->triangle, at);
             double by_to = by_from < bound ? reach_of(profile, to->triangle, at) : 0.0;
             if (larger(by_from, by_to) < bound) {
@@ -419,20 +426,16 @@ static struct deep deep_between(const struct profile *profile, uint32_t i, doubl
             at = 0.5 * (at + (by_from > by_to ? from->s : to->s));
         }
     }
-    if (bound > enough) {
-        double edge = 0.125 * (to->s - from->s);
-        s = s > from->s + edge && s < to->s - edge ? s : middle;
-        deep = (struct deep){ bound, s, BETWEEN };
-    }
-    return deep;
+    double edge = 0.125 * (to->s - from->s);
+    s = s > from->s + edge && s < to->s - edge ? s : middle;
+    return (struct deep){ smaller(slope, larger(bound, ends)), s, 0, 0 };
 }
 
-static uint32_t lowest(const struct profile *profile, uint32_t exact)
+static uint32_t lowest(const struct profile *profile)
 {
-    uint32_t best = DPT_NONE;
-    for (uint32_t i = 0; i < profile->count; i++)
-        if (profile->sample[i].exact >= exact &&
-            (best == DPT_NONE || profile->sample[i].height < profile->sample[best].height))
+    uint32_t best = 0;
+    for (uint32_t i = 1; i < profile->count; i++)
+        if (profile->sample[i].height < profile->sample[best].height)
             best = i;
     return best;
 }
@@ -442,36 +445,52 @@ static int is_inner(const struct profile *profile, uint32_t i)
     return profile->sample[i].height < 0.0 || profile->sample[i + 1].height < 0.0;
 }
 
-/* Until nothing can be deeper than the deepest exact sample by more than the tolerance. */
+/* The stretch that can be deepest, if it can be deeper than `least`. */
+static const struct sample *deepest_stretch(struct profile *profile, double least)
+{
+    const struct sample *most = NULL;
+    double bound = least;
+    for (uint32_t i = 0; i + 1 < profile->count; i++) {
+        struct sample *sample = &profile->sample[i];
+        if (!is_inner(profile, i))
+            continue;
+        if (!sample->bounded || (sample->deep.coarse && sample->deep.bound > least)) {
+            sample->deep = deep_between(profile, i, least);
+            sample->bounded = 1;
+        }
+        if (sample->deep.bound > bound) {
+            bound = sample->deep.bound;
+            most = sample;
+        }
+    }
+    return most;
+}
+
+/*
+ * Until nothing can be deeper than the deepest sample by more than the tolerance, and a search has confirmed that one. Between
+ * samples descent tells enough; where it does not get on, a search does.
+ */
 static void find_deepest(struct profile *profile)
 {
-    const struct sample *likely = &profile->sample[lowest(profile, 0)];
-    if (!likely->exact)
-        profile_ask(profile, likely->s, 1);
+    enum { DESCENTS = 16 };
     for (int asked = 0; asked < PROFILE_SAMPLES && !profile->cut; asked++) {
-        profile->deepest = lowest(profile, 1);
-        double least = 0.5 * profile->tolerance - profile->sample[profile->deepest].height;
-        double bound = least;
+        uint32_t low = lowest(profile);
         const struct sample *most = NULL;
-        for (uint32_t i = 0; i + 1 < profile->count; i++) {
-            struct sample *sample = &profile->sample[i];
-            if (!is_inner(profile, i))
-                continue;
-            if (!sample->bounded) {
-                sample->deep = deep_between(profile, i, least);
-                sample->bounded = 1;
-            }
-            if (sample->deep.bound > bound) {
-                bound = sample->deep.bound;
-                most = sample;
-            }
-        }
-        if (!most || (most->deep.at < 2 && most[most->deep.at].exact))
-            return;
-        /* Between samples descent tells enough; only what may be the deepest is worth a search. */
-        profile_ask(profile, most->deep.s, by_sample(profile) || most->deep.at < 2 || asked >= 16);
+        if (profile->count < PROFILE_SAMPLES)
+            most = deepest_stretch(profile, profile->tolerance - profile->sample[low].height);
+        if (most)
+            profile_ask(profile, most->deep.s, by_sample(profile) || asked >= DESCENTS);
+        else if (!profile->sample[low].exact)
+            profile_ask(profile, profile->sample[low].s, 1);
+        else
+            break;
     }
-    profile->deepest = lowest(profile, 1);
+    profile->deepest = 0;
+    for (uint32_t i = 1; i < profile->count; i++)
+        if (profile->sample[i].exact &&
+            (!profile->sample[profile->deepest].exact ||
+             profile->sample[i].height < profile->sample[profile->deepest].height))
+            profile->deepest = i;
 }
 
 int profile_make(struct profile *profile, const struct nearest *nearest, const struct seed *seeds,

@@ -30,13 +30,21 @@ struct sample {
     double weight[3];
     uint32_t triangle; /* DPT_NONE: nothing is within reach here, height is the reach */
     uint32_t exact;    /* no triangle is nearer */
-    uint32_t bounded;  /* `deep` is there: how deep it can be between here and the next sample */
+    uint32_t bounded;  /* `deep` is known */
+    uint32_t spanned;  /* `span` is known */
+    /* How deep it can be between here and the next sample, and where that was found. */
     struct deep {
-        double bound;
-        double s;
-        uint32_t
-            at; /* the bound is the depth of this sample (0), of the next (1), or of none (2) */
+        double bound, s;
+        uint32_t coarse; /* asking triangles may lower it */
+        uint32_t reserved;
     } deep;
+    /* How far the surface is within reach between here and the next sample (region.c). */
+    struct span {
+        double s;         /* of the bend */
+        double w0, w, w1; /* at the ends and there */
+        double area;      /* over s, not over length */
+        double doubt;     /* of it */
+    } span;
 };
 
 /* Where the axis goes through the surface. */

@@ -56,14 +56,6 @@ static void add_piece(struct region *region, const struct piece *piece, double s
     region->to = piece->s1;
 }
 
-/* What is known between two samples: where it bends, and how sure that is. */
-struct span {
-    double s;         /* of the bend */
-    double w0, w, w1; /* at the ends and there */
-    double area;      /* over s, not over length */
-    double doubt;
-};
-
 static struct span span_between(const struct profile *profile, const struct sample *from,
                                 const struct sample *to)
 {
@@ -83,6 +75,17 @@ static struct span span_between(const struct profile *profile, const struct samp
     if (from->triangle != DPT_NONE && to->triangle != DPT_NONE)
         span.doubt += 0.125 * length(sub(from->normal, to->normal)) * span.area;
     return span;
+}
+
+/* The same between sample i and the next, worked out once. */
+static const struct span *span_at(struct profile *profile, uint32_t i)
+{
+    struct sample *sample = &profile->sample[i];
+    if (!sample->spanned) {
+        sample->span = span_between(profile, sample, sample + 1);
+        sample->spanned = 1;
+    }
+    return &sample->span;
 }
 
 /* Where another sample tells most: where the surface goes out of reach, or at the bend. */
@@ -105,17 +108,21 @@ static double ask_where(const struct profile *profile, uint32_t i, const struct 
 static void refine(struct profile *profile)
 {
     for (int asked = 0; asked < ASK_MOST && !profile->cut; asked++) {
-        double sum = 0.0, doubt = 0.0, most = 0.0, where = 0.0;
+        double sum = 0.0, doubt = 0.0, most = 0.0;
+        uint32_t worst = 0;
         for (uint32_t i = 0; i + 1 < profile->count; i++) {
-            struct span span = span_between(profile, &profile->sample[i], &profile->sample[i + 1]);
-            sum += span.area;
-            doubt += span.doubt;
-            if (span.doubt > most) {
-                most = span.doubt;
-                where = ask_where(profile, i, &span);
+            const struct span *span = span_at(profile, i);
+            sum += span->area;
+            doubt += span->doubt;
+            if (span->doubt > most) {
+                most = span->doubt;
+                worst = i;
             }
         }
-        if (!(doubt > DOUBT_LEFT * sum) || profile_ask(profile, where, !profile->warm) == DPT_NONE)
+        if (!(doubt > DOUBT_LEFT * sum))
+            return;
+        double where = ask_where(profile, worst, &profile->sample[worst].span);
+        if (profile_ask(profile, where, !profile->warm) == DPT_NONE)
             return;
     }
 }
@@ -163,7 +170,7 @@ uint32_t region_all(struct profile *profile, struct region regions[REGION_MOST])
     refine(profile);
     for (uint32_t i = 0; i + 1 < profile->count; i++) {
         const struct sample *from = &profile->sample[i], *to = from + 1;
-        struct span span = span_between(profile, from, to);
+        struct span span = *span_at(profile, i);
         uint32_t left = from->triangle == DPT_NONE ? i + 1 : i;
         uint32_t right = to->triangle == DPT_NONE ? i : i + 1;
         take_piece(
