@@ -66,7 +66,8 @@ uint32_t dpt_kernel_best(void)
     (struct kernel)                                                                                \
     {                                                                                              \
         kernel_##set##_held_boxes, kernel_##set##_held_triangles, kernel_##set##_boxes,            \
-            kernel_##set##_triangles, kernel_##set##_common_boxes, kernel_##set##_common_triangles \
+            kernel_##set##_triangles, kernel_##set##_common_boxes,                                 \
+            kernel_##set##_common_triangles, kernel_##set##_moments, kernel_##set##_angles         \
     }
 
 int kernel_get(uint32_t id, struct kernel *kernel, uint32_t *chosen)
