@@ -317,6 +317,22 @@ static void sheets_have_no_inside(void)
                   names[i], scene.info.solid_components);
         scene_close(&scene);
     }
+    /* Beside a part that has moments a sheet adds nothing. */
+    scene = (struct scene){ .vertices = NULL };
+    add_shape(&scene, "membrane", 512, (vec3){ 0.0, 0.0, 0.0 }, 1.0, 0, 0);
+    const size_t count = scene.triangle_count;
+    add_beacon(&scene);
+    if (scene_open(&scene)) {
+        double worst = 0.0;
+        for (uint32_t t = 0; t < count; t++) {
+            const uint32_t place = mesh_words(scene.mesh, MESH_PLACES)[t];
+            const vec3 x = point_off(&scene, place, 1e-5);
+            worst = larger(worst, fabs(winding_at(&scene, x.x, x.y, x.z)));
+        }
+        CHECK(scene.info.winding_components == 1 && worst < 1e-3, "%u, %g",
+              scene.info.winding_components, worst);
+    }
+    scene_close(&scene);
     /* Twelve loose triangles, and a flat square that is there twice, as a bag without a volume. */
     scene = (struct scene){ .vertices = NULL };
     scene_room(&scene, 41, 16);

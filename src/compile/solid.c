@@ -354,7 +354,8 @@ static int ends_inward(const struct solid *solid)
 static void wind_all(struct solids *all)
 {
     struct model *model = all->model;
-    qsort(all->inside, all->inside_count, sizeof *all->inside, by_rank);
+    if (all->inside_count)
+        qsort(all->inside, all->inside_count, sizeof *all->inside, by_rank);
     size_t next = 0;
     for (uint32_t rank = 0; rank < all->count; rank++) {
         struct solid *solid = &all->solids[rank];
