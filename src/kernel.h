@@ -75,9 +75,12 @@ typedef uint32_t kernel_moments(const float *block, const float at[3], float mos
 typedef uint32_t kernel_angles(const float *block, const float at[3], uint32_t lanes,
                                float *winding);
 
-/* A triangle's angle in float: as much of |a| |b| |c| as its cosine's numerator must have, and the least of these. */
+/*
+ * A triangle's angle in float: as much of |a| |b| |c| as its cosine's numerator must have, and the square of how far
+ * its corners must be, so that it matters little that x is rounded.
+ */
 #define KERNEL_ANGLE_OPEN 0x1p-4f
-#define KERNEL_ANGLE_NEAR 0x1p-36f
+#define KERNEL_ANGLE_NEAR 0x1p-24f
 
 /* Of 16 children: area vector, its place, quadrupole, octupole, remainder, radius; a radius of -1 stands for none. */
 enum {

@@ -332,16 +332,16 @@ KERNEL_TARGET uint32_t KERNEL(angles)(const float *restrict block, const float *
         float ax = row[0] - x, ay = row[LANES] - y, az = row[2 * LANES] - z;
         float bx = row[3 * LANES] - x, by = row[4 * LANES] - y, bz = row[5 * LANES] - z;
         float cx = row[6 * LANES] - x, cy = row[7 * LANES] - y, cz = row[8 * LANES] - z;
-        float a = sqrtf(ax * ax + ay * ay + az * az);
-        float b = sqrtf(bx * bx + by * by + bz * bz);
-        float c = sqrtf(cx * cx + cy * cy + cz * cz);
+        float aa = ax * ax + ay * ay + az * az, bb = bx * bx + by * by + bz * bz;
+        float cc = cx * cx + cy * cy + cz * cz, nearest = AT_MOST(AT_MOST(aa, bb), cc);
+        float a = sqrtf(aa), b = sqrtf(bb), c = sqrtf(cc);
         float volume =
             ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx);
         float size = a * b * c;
         float sides = size + (ax * bx + ay * by + az * bz) * c + (bx * cx + by * cy + bz * cz) * a +
                       (cx * ax + cy * ay + cz * az) * b;
         float over = sides - KERNEL_ANGLE_OPEN * size;
-        over = size > KERNEL_ANGLE_NEAR ? over : 0.0f;
+        over = nearest > KERNEL_ANGLE_NEAR ? over : 0.0f;
         float height = fabsf(volume);
         float low = AT_MOST(height, sides), high = AT_LEAST(height, sides);
         float t = low / high, w = t * t;
