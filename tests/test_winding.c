@@ -9,7 +9,9 @@
 
 #include <time.h>
 
+#include "angle.h"
 #include "check.h"
+#include "compile/moment.h"
 #include "dynpoint/compile.h"
 #include "shape.h"
 
@@ -243,6 +245,68 @@ static void windings_agree_with_brute_force(void)
         scene_close(&scene);
     }
     CHECK(worst < 1e-3, "the bound is proven, but this is a tenth of what it was: %g", worst);
+}
+
+/* Four sets of four triangles, joined twice, about `middle`; their true sum as seen from x. */
+static struct moment make_set(uint64_t *random, vec3 middle, double size, vec3 x, double *truth)
+{
+    struct moment sets[4], triangles[4];
+    vec3 c[3];
+    *truth = 0.0;
+    for (int s = 0; s < 4; s++) {
+        const vec3 part = { random_in(random, -size, size), random_in(random, -size, size),
+                            random_in(random, -size, size) };
+        for (int t = 0; t < 4; t++) {
+            for (int k = 0; k < 3; k++)
+                c[k] = add(add(middle, part),
+                           (vec3){ random_in(random, -size, size), random_in(random, -size, size),
+                                   random_in(random, -size, size) });
+            triangles[t] = moment_of_triangle(c[0], c[1], c[2]);
+            *truth += solid_turns(sub(c[0], x), sub(c[1], x), sub(c[2], x));
+        }
+        sets[s] = moment_of_sets(triangles, 4);
+    }
+    return moment_of_sets(sets, 4);
+}
+
+/* What is left of a series is within its bound, in double and in float, from near the set to far away. */
+static void series_keep_their_bound(void)
+{
+    uint64_t random = 61;
+    struct kernel kernel;
+    uint32_t chosen;
+    double worst = 0.0;
+    kernel_get(DPT_KERNEL_AUTO, &kernel, &chosen);
+    for (int i = 0; i < 2000; i++) {
+        float block[KERNEL_MOMENT_ROWS * LANES], sums[LANES] = { 0.0f }, doubts[LANES] = { 0.0f };
+        double truth[LANES], errors[LANES];
+        const float at[3] = { (float)random_in(&random, -1, 1), (float)random_in(&random, -1, 1),
+                              (float)random_in(&random, -1, 1) };
+        const vec3 x = { at[0], at[1], at[2] };
+        const double size = pow(10.0, random_in(&random, -2.5, -0.5));
+        for (int lane = 0; lane < LANES; lane++) {
+            const vec3 middle = { random_in(&random, -1, 1), random_in(&random, -1, 1),
+                                  random_in(&random, -1, 1) };
+            struct moment set = make_set(&random, middle, size, x, &truth[lane]);
+            double series = moment_winding(&set, x, &errors[lane]);
+            moment_put(&set, block + lane);
+            if (errors[lane] < HUGE_VAL) {
+                CHECK(fabs(series - truth[lane]) <= errors[lane] + 1e-15, "off by %g, bound %g",
+                      series - truth[lane], errors[lane]);
+                worst = larger(worst, fabs(series - truth[lane]) / errors[lane]);
+            }
+        }
+        const uint32_t open = kernel.moments(block, at, 1e-2f, sums, doubts);
+        for (int lane = 0; lane < LANES; lane++) {
+            const int closed = !(open >> lane & 1);
+            CHECK(closed ? fabs(errors[lane] - (double)doubts[lane]) <= 1e-4 * errors[lane]
+                         : sums[lane] == 0.0f && !(errors[lane] < 0.999e-2),
+                  "lane %d: bound %g, %g in float", lane, errors[lane], (double)doubts[lane]);
+            CHECK(!closed || fabs((double)sums[lane] - truth[lane]) <= errors[lane] + 1e-6,
+                  "lane %d: %g, not %g", lane, (double)sums[lane], truth[lane]);
+        }
+    }
+    printf("    off by at most %.2f of the bound\n", worst);
 }
 
 /* At the middle a ball goes round once, less its hole's share of the area. */
@@ -667,6 +731,7 @@ static void public_meshes_are_what_they_seem(void)
 int main(void)
 {
     TEST(windings_agree_with_brute_force);
+    TEST(series_keep_their_bound);
     TEST(balls_with_holes);
     TEST(torn_balls_are_solid);
     TEST(sheets_have_no_inside);
