@@ -530,7 +530,7 @@ static void cut_parts_need_a_winding_number(void)
     scene_close(&scene);
 }
 
-/* A ball comes out of the middle of a large face; a box stands on that face; another hovers above it. */
+/* A ball comes out of a large face, off its edges; a box stands on that face; another hovers above it. */
 static void contact_is_found_within_faces(void)
 {
     static const double heights[] = { 0.0, 1.05, 0.05 };
@@ -541,7 +541,7 @@ static void contact_is_found_within_faces(void)
         scene_open(&scene);
         const double *low = scene.info.box_min, *high = scene.info.box_max;
         const double top = high[2], size = 0.1 * (high[0] - low[0]);
-        const vec3 above = { 0.5 * (low[0] + high[0]) + size, 0.5 * (low[1] + high[1]),
+        const vec3 above = { 0.5 * (low[0] + high[0]) + size, 0.85 * low[1] + 0.15 * high[1],
                              top + (i == 2   ? 1.0 + heights[i]
                                     : i == 0 ? heights[i]
                                              : 0.0) *
