@@ -76,6 +76,38 @@ typedef uint32_t kernel_common(const float *block, const float normal[3], float 
 
 typedef uint32_t kernel_swept(const float *block, const struct swath *swath, float *bound);
 
+/*
+ * For the winding number, docs/algorithms/winding.md. Both add what they know of 16 lanes to 16 sums, and
+ * return the lanes of which they added nothing.
+ *
+ *   moments   16 sets of triangles, of rows that moment.h makes, as seen from `at`, in the filter's frame;
+ *             adds to doubt[] what each may be wrong by; open are those that may be wrong by `most` or more
+ *   angles    `lanes` of the 16 triangles of a leaf; open are those that fill so much of the view, or are so
+ *             near, that float does not do
+ */
+typedef uint32_t kernel_moments(const float *block, const float at[3], float most, float *winding,
+                                float *doubt);
+typedef uint32_t kernel_angles(const float *block, const float at[3], uint32_t lanes,
+                               float *winding);
+
+/*
+ * A triangle's angle in float: as much of |a| |b| |c| as its cosine's numerator must have, and the square of how far
+ * its corners must be, so that it matters little that x is rounded.
+ */
+#define KERNEL_ANGLE_OPEN 0x1p-4f
+#define KERNEL_ANGLE_NEAR 0x1p-24f
+
+/* Of 16 children: area vector, its place, quadrupole, octupole, remainder, radius; a radius of -1 stands for none. */
+enum {
+    KERNEL_MOMENT_AREA = 0, /* x, y, z */
+    KERNEL_MOMENT_AT = 3,   /* x, y, z */
+    KERNEL_MOMENT_QUAD = 6, /* xx, yy, xy, xz, yz */
+    KERNEL_MOMENT_OCT = 11, /* xxx, yyy, xxy, yyx, xxz, yyz, xyz */
+    KERNEL_MOMENT_REMAINDER = 18,
+    KERNEL_MOMENT_RADIUS = 19,
+    KERNEL_MOMENT_ROWS = 20
+};
+
 struct kernel {
     kernel_held *held_boxes;
     kernel_held *held_triangles;
@@ -85,6 +117,8 @@ struct kernel {
     kernel_common *common_triangles;
     kernel_swept *swept_boxes;
     kernel_swept *swept_triangles;
+    kernel_moments *moments;
+    kernel_angles *angles;
 };
 
 /* The widest kernel that every machine of this kind has. */
@@ -105,7 +139,9 @@ int kernel_get(uint32_t id, struct kernel *kernel, uint32_t *chosen);
     kernel_held kernel_##set##_held_boxes, kernel_##set##_held_triangles;                          \
     kernel_renew kernel_##set##_boxes, kernel_##set##_triangles;                                   \
     kernel_common kernel_##set##_common_boxes, kernel_##set##_common_triangles;                    \
-    kernel_swept kernel_##set##_swept_boxes, kernel_##set##_swept_triangles;
+    kernel_swept kernel_##set##_swept_boxes, kernel_##set##_swept_triangles;                       \
+    kernel_moments kernel_##set##_moments;                                                         \
+    kernel_angles kernel_##set##_angles;
 KERNEL_DECLARE(scalar)
 KERNEL_DECLARE(sse2)
 KERNEL_DECLARE(avx2)

@@ -9,7 +9,8 @@ dpt_result dpt_mesh_get_info(const dpt_mesh *mesh, dpt_mesh_info *info)
 {
     if (!mesh || !info)
         return DPT_E_ARGUMENT;
-    if (info->size < sizeof *info)
+    const size_t older = offsetof(dpt_mesh_info, solid_components);
+    if (info->size < older)
         return DPT_E_SIZE;
     info->format_version = mesh->version;
     info->triangles = mesh->triangles;
@@ -35,12 +36,19 @@ dpt_result dpt_mesh_get_info(const dpt_mesh *mesh, dpt_mesh_info *info)
     info->source_bytes = mesh->source_bytes;
     info->source_hash = mesh->source_hash;
     info->bytes = mesh->bytes;
+    if (info->size < sizeof *info)
+        return DPT_OK;
+    const int counted = mesh->version > 1;
+    info->solid_components = counted ? mesh->solid_components : mesh->closed_components;
+    info->cavities = counted ? mesh->cavities : 0;
+    info->winding_components = counted ? mesh->winding_components : 0;
+    info->buried_components = counted ? mesh->buried_components : 0;
     return DPT_OK;
 }
 
 dpt_result dpt_mesh_get_section(const dpt_mesh *mesh, uint32_t index, dpt_mesh_section *section)
 {
-    if (!mesh || !section || index >= MESH_SECTION_COUNT)
+    if (!mesh || !section || index >= mesh->section_count)
         return DPT_E_ARGUMENT;
     if (section->size < sizeof *section)
         return DPT_E_SIZE;

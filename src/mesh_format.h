@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The layout of a .dpa file, version 1: the single source of docs/format.md, of the compiler's writer
- * and of the core's reader. `struct dpt_mesh` is the file's first bytes.
+ * The layout of a .dpa file, version 2: the single source of docs/format.md, of the compiler's writer
+ * and of the core's reader. `struct dpt_mesh` is the file's first bytes; of version 1 it is those before
+ * section[MESH_MOMENTS].
  *
  * Little-endian; every number is 4 or 8 bytes wide; sections hold 4-byte words only, begin at
  * multiples of 64 and follow each other in the order of MESH_SECTIONS with less than 64 zero bytes
@@ -21,7 +22,7 @@
 #define MESH_MAGIC              "\211DPA\r\n\032\n"
 #define MESH_BYTE_ORDER         0x01020304u
 #define MESH_BYTE_ORDER_SWAPPED 0x04030201u
-#define MESH_VERSION            1u
+#define MESH_VERSION            2u
 #define MESH_ALIGN              64u
 #define MESH_LEVELS_MAX         8u /* 16^8 is more leaves than 2^32 triangles can fill */
 
@@ -34,9 +35,13 @@
 #define MESH_DROPPED_DUPLICATE  (UINT32_MAX - 2)
 
 /* Bits of a part's flags. */
-#define MESH_PART_CLOSED   1u /* every edge has two triangles, wound one way, outward */
+#define MESH_PART_CLOSED                                                                           \
+    1u /* every edge has two triangles, wound one way; a cavity's wall inward */
 #define MESH_PART_MANIFOLD 2u /* no edge has more than two */
 #define MESH_PART_WOUND    4u /* no two triangles run through an edge in the same direction */
+#define MESH_PART_SOLID    8u /* it has an inside: closed, or nearly (docs/algorithms/winding.md) */
+#define MESH_PART_WINDING  16u /* solid, and only a winding number tells on which side a point is */
+#define MESH_PART_BURIED   32u /* solid, and just outside of it is inside of another solid part */
 
 /* clang-format off */
 /*      id                name          words per entry, of what  */
@@ -51,7 +56,8 @@
     X(MESH_SOURCES,       "sources")    /* 1 a triangle: its number in the source               */ \
     X(MESH_PLACES,        "places")     /* 1 a source triangle: its place here, or why not      */ \
     X(MESH_BOXES,         "boxes")      /* 6 x 16 floats a node, the leaves' parents first      */ \
-    X(MESH_LEAVES,        "leaves")     /* 9 x 16 floats a leaf of 16 triangles                 */
+    X(MESH_LEAVES,        "leaves")     /* 9 x 16 floats a leaf of 16 triangles                 */ \
+    X(MESH_MOMENTS,       "moments")    /* 20 x 16 floats a node, then 1 word a leaf; or empty  */
 /* clang-format on */
 
 #define MESH_SECTION_ID(id, name) id,
@@ -61,8 +67,9 @@ enum { MESH_SECTIONS(MESH_SECTION_ID) MESH_SECTION_COUNT };
 /* Places in a file that are no section. */
 enum { MESH_HEADER = MESH_SECTION_COUNT, MESH_PADDING };
 
-#define MESH_BOX_WORDS  (6u * LANES)
-#define MESH_LEAF_WORDS (9u * LANES)
+#define MESH_BOX_WORDS    (6u * LANES)
+#define MESH_LEAF_WORDS   (9u * LANES)
+#define MESH_MOMENT_WORDS (KERNEL_MOMENT_ROWS * LANES)
 
 struct mesh_section {
     char name[16]; /* filled up with zeros */
@@ -74,7 +81,7 @@ struct mesh_section {
 
 /*
  * Offsets are part of the format. After `magic` come 4-byte words up to `bytes`, then 8-byte words up
- * to `section`.
+ * to `section`, and 4-byte words after it. Read what version 1 has not through the functions below.
  */
 struct dpt_mesh {
     char magic[8];
@@ -112,7 +119,23 @@ struct dpt_mesh {
     double filter_centre[3]; /* boxes and leaves hold (x - centre) * scale, within -1..1 */
     double filter_scale;     /* a power of two */
     struct mesh_section section[MESH_SECTION_COUNT];
+    uint32_t solid_components;
+    uint32_t cavities;
+    uint32_t winding_components;
+    uint32_t buried_components;
 };
+
+/* How many sections a file of some version has, and how long its header is. */
+static inline uint32_t mesh_section_count(uint32_t version)
+{
+    return version == 1 ? MESH_MOMENTS : MESH_SECTION_COUNT;
+}
+
+static inline uint32_t mesh_header_bytes(uint32_t version)
+{
+    return version == 1 ? (uint32_t)offsetof(struct dpt_mesh, section[MESH_MOMENTS])
+                        : (uint32_t)sizeof(struct dpt_mesh);
+}
 
 static inline const void *mesh_section(const struct dpt_mesh *mesh, int id)
 {
@@ -150,9 +173,32 @@ static inline uint64_t mesh_section_words(const struct dpt_mesh *mesh, int id, u
         return mesh->source_triangles;
     case MESH_BOXES:
         return nodes * MESH_BOX_WORDS;
-    default:
+    case MESH_LEAVES:
         return (uint64_t)mesh->leaves * MESH_LEAF_WORDS;
+    default:
+        return mesh->winding_components ? nodes * MESH_MOMENT_WORDS + mesh->leaves : 0;
     }
+}
+
+/*
+ * The moments of a file that has some, else NULL: of each node, in the order of the boxes, 16 children as
+ * kernel_moments reads them; `lanes` gets the words behind, of each leaf the triangles of solid parts as bits.
+ */
+static inline const float *mesh_moments(const struct dpt_mesh *mesh, const uint32_t **lanes)
+{
+    if (mesh->version == 1 || !mesh->winding_components)
+        return NULL;
+    *lanes = mesh_words(mesh, MESH_MOMENTS) + mesh->section[MESH_MOMENTS].bytes / 4 - mesh->leaves;
+    return mesh_floats(mesh, MESH_MOMENTS);
+}
+
+/* A part's bits, one for one. What is closed is solid in a file of version 1 too. */
+static inline uint32_t mesh_part_flags(const struct dpt_mesh *mesh, uint32_t part)
+{
+    uint32_t flags = mesh_words(mesh, MESH_PART_TABLE)[4 * (size_t)part];
+    if (mesh->version == 1)
+        flags = (flags & 7u) | (flags & MESH_PART_CLOSED ? MESH_PART_SOLID : 0);
+    return flags;
 }
 
 /*
@@ -171,6 +217,12 @@ static inline uint32_t mesh_levels(uint32_t leaves, uint32_t count[MESH_LEVELS_M
         *nodes += count[++level];
     } while (count[level] > 1);
     return level;
+}
+
+/* The lanes of a block that `count` items from its first on fill, as bits. */
+static inline uint32_t mesh_lanes(uint32_t count)
+{
+    return count < LANES ? (1u << count) - 1 : (1u << LANES) - 1;
 }
 
 static inline uint64_t mesh_aligned(uint64_t offset)
@@ -221,18 +273,22 @@ static inline void mesh_swap8(void *words, uint64_t count)
         }
 }
 
-/* Swap the header's numbers, the section table included; its own inverse. */
-static inline void mesh_swap_header(struct dpt_mesh *mesh)
+/* Swap the numbers of a header of `version`, the section table included; its own inverse. */
+static inline void mesh_swap_header(struct dpt_mesh *mesh, uint32_t version)
 {
+    const uint32_t sections = mesh_section_count(version);
     size_t first4 = offsetof(struct dpt_mesh, byte_order);
     size_t first8 = offsetof(struct dpt_mesh, bytes);
     size_t table = offsetof(struct dpt_mesh, section);
     mesh_swap4((char *)mesh + first4, (first8 - first4) / 4);
     mesh_swap8((char *)mesh + first8, (table - first8) / 8);
-    for (int i = 0; i < MESH_SECTION_COUNT; i++) {
+    for (uint32_t i = 0; i < sections; i++) {
         mesh_swap8(&mesh->section[i].offset, 2);
         mesh_swap4(&mesh->section[i].crc32, 4);
     }
+    if (version > 1)
+        mesh_swap4(&mesh->solid_components,
+                   (sizeof *mesh - offsetof(struct dpt_mesh, solid_components)) / 4);
 }
 
 /* 1 where the host is little-endian, as the file is. */

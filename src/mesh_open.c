@@ -28,15 +28,15 @@ static dpt_result fail_at(dpt_mesh_fault *fault, dpt_result code, const struct d
 /* Version and lengths of a header that is in the host's byte order. */
 static dpt_result check_header(const struct dpt_mesh *mesh, size_t size, dpt_mesh_fault *fault)
 {
-    if (size < sizeof *mesh)
-        return fail(fault, DPT_E_TRUNCATED, size, MESH_HEADER);
     if (mesh->version > MESH_VERSION)
         return fail(fault, DPT_E_VERSION, offsetof(struct dpt_mesh, version), MESH_HEADER);
     if (mesh->version == 0)
         return fail(fault, DPT_E_LAYOUT, offsetof(struct dpt_mesh, version), MESH_HEADER);
-    if (mesh->header_bytes != sizeof *mesh)
+    if (size < mesh_header_bytes(mesh->version))
+        return fail(fault, DPT_E_TRUNCATED, size, MESH_HEADER);
+    if (mesh->header_bytes != mesh_header_bytes(mesh->version))
         return fail(fault, DPT_E_LAYOUT, offsetof(struct dpt_mesh, header_bytes), MESH_HEADER);
-    if (mesh->section_count != MESH_SECTION_COUNT)
+    if (mesh->section_count != mesh_section_count(mesh->version))
         return fail(fault, DPT_E_LAYOUT, offsetof(struct dpt_mesh, section_count), MESH_HEADER);
     if (mesh->reserved)
         return fail(fault, DPT_E_LAYOUT, offsetof(struct dpt_mesh, reserved), MESH_HEADER);
@@ -51,13 +51,13 @@ static dpt_result check_header(const struct dpt_mesh *mesh, size_t size, dpt_mes
 static dpt_result check_layout(const struct dpt_mesh *mesh, dpt_mesh_fault *fault)
 {
     uint32_t count[MESH_LEVELS_MAX + 1];
-    uint64_t nodes, end = sizeof *mesh;
+    uint64_t nodes, end = mesh->header_bytes;
     uint64_t leaves = ((uint64_t)mesh->triangles + LANES - 1) / LANES;
     if (!mesh->triangles || mesh->leaves != leaves || mesh->triangles > mesh->source_triangles ||
         mesh->triangles > UINT32_MAX / 3 || mesh->vertices > INT32_MAX ||
         mesh->levels != mesh_levels(mesh->leaves, count, &nodes))
         return fail(fault, DPT_E_LAYOUT, offsetof(struct dpt_mesh, triangles), MESH_HEADER);
-    for (int id = 0; id < MESH_SECTION_COUNT; id++) {
+    for (int id = 0; id < (int)mesh->section_count; id++) {
         const struct mesh_section *section = &mesh->section[id];
         uint64_t at = (uint64_t)((const char *)section - (const char *)mesh);
         char name[16];
@@ -75,12 +75,14 @@ static dpt_result check_layout(const struct dpt_mesh *mesh, dpt_mesh_fault *faul
     return DPT_OK;
 }
 
-static dpt_result check_header_crc(const struct dpt_mesh *raw, const struct crc32 *crc,
+/* `bytes` is the file as it lies, its header `size` bytes long. */
+static dpt_result check_header_crc(const void *bytes, size_t size, const struct crc32 *crc,
                                    uint32_t expected, dpt_mesh_fault *fault)
 {
-    struct dpt_mesh header = *raw;
+    struct dpt_mesh header;
+    memcpy(&header, bytes, size);
     header.header_crc32 = 0;
-    if (crc32_of(crc, &header, sizeof header) != expected)
+    if (crc32_of(crc, &header, size) != expected)
         return fail(fault, DPT_E_CHECKSUM, 0, MESH_HEADER);
     return DPT_OK;
 }
@@ -89,8 +91,8 @@ static dpt_result check_header_crc(const struct dpt_mesh *raw, const struct crc3
 static dpt_result check_sections_crc(const struct dpt_mesh *mesh, const unsigned char *bytes,
                                      const struct crc32 *crc, dpt_mesh_fault *fault)
 {
-    uint64_t end = sizeof *mesh;
-    for (int id = 0; id < MESH_SECTION_COUNT; id++) {
+    uint64_t end = mesh->header_bytes;
+    for (int id = 0; id < (int)mesh->section_count; id++) {
         const struct mesh_section *section = &mesh->section[id];
         for (; end < section->offset; end++)
             if (bytes[end])
@@ -127,14 +129,34 @@ static dpt_result check_fans(const struct dpt_mesh *mesh, dpt_mesh_fault *fault)
     return DPT_OK;
 }
 
-static dpt_result check_floats(const struct dpt_mesh *mesh, int id, float limit,
-                               dpt_mesh_fault *fault)
+/* The first `count` words of a section are finite. */
+static dpt_result check_some_floats(const struct dpt_mesh *mesh, int id, uint64_t count,
+                                    float limit, dpt_mesh_fault *fault)
 {
     const float *word = mesh_floats(mesh, id);
-    uint64_t count = mesh->section[id].bytes / 4;
     for (uint64_t i = 0; i < count; i++)
         if (!(fabsf(word[i]) <= limit))
             return fail_at(fault, DPT_E_FINITE, mesh, id, i);
+    return DPT_OK;
+}
+
+static dpt_result check_floats(const struct dpt_mesh *mesh, int id, float limit,
+                               dpt_mesh_fault *fault)
+{
+    return check_some_floats(mesh, id, mesh->section[id].bytes / 4, limit, fault);
+}
+
+/* Behind the floats a word a leaf names lanes that hold a triangle. */
+static dpt_result check_moments(const struct dpt_mesh *mesh, dpt_mesh_fault *fault)
+{
+    const uint32_t *lanes;
+    if (!mesh_moments(mesh, &lanes))
+        return DPT_OK;
+    uint64_t floats = mesh->section[MESH_MOMENTS].bytes / 4 - mesh->leaves;
+    DPT_TRY(check_some_floats(mesh, MESH_MOMENTS, floats, 1e30f, fault));
+    for (uint32_t leaf = 0; leaf < mesh->leaves; leaf++)
+        if (lanes[leaf] & ~mesh_lanes(mesh->triangles - leaf * LANES))
+            return fail_at(fault, DPT_E_INDEX, mesh, MESH_MOMENTS, floats + leaf);
     return DPT_OK;
 }
 
@@ -161,7 +183,8 @@ static dpt_result check_content(const struct dpt_mesh *mesh, dpt_mesh_fault *fau
     DPT_TRY(check_indices(mesh, MESH_SOURCES, mesh->source_triangles, 0, fault));
     DPT_TRY(check_indices(mesh, MESH_PLACES, mesh->triangles, MESH_DROPPED_DUPLICATE, fault));
     DPT_TRY(check_floats(mesh, MESH_BOXES, 1e30f, fault));
-    return check_floats(mesh, MESH_LEAVES, 1e30f, fault);
+    DPT_TRY(check_floats(mesh, MESH_LEAVES, 1e30f, fault));
+    return check_moments(mesh, fault);
 }
 
 static dpt_result begin(const void *bytes, size_t size, dpt_mesh_fault *fault)
@@ -189,7 +212,7 @@ static dpt_result check_file(const struct dpt_mesh *header, const void *bytes, s
                              const struct crc32 *crc, dpt_mesh_fault *fault)
 {
     DPT_TRY(check_header(header, size, fault));
-    DPT_TRY(check_header_crc(bytes, crc, header->header_crc32, fault));
+    DPT_TRY(check_header_crc(bytes, header->header_bytes, crc, header->header_crc32, fault));
     DPT_TRY(check_layout(header, fault));
     return check_sections_crc(header, bytes, crc, fault);
 }
@@ -229,16 +252,18 @@ dpt_result dpt_mesh_convert(void *bytes, size_t size, dpt_mesh_fault *fault)
 
     struct crc32 crc;
     crc32_init(&crc);
-    mesh_swap_header(&header);
+    uint32_t version = header.version;
+    mesh_swap4(&version, 1);
+    mesh_swap_header(&header, version);
     DPT_TRY(check_file(&header, bytes, size, &crc, fault));
-    for (int id = 0; id < MESH_SECTION_COUNT; id++) {
+    for (uint32_t id = 0; id < header.section_count; id++) {
         struct mesh_section *section = &header.section[id];
         unsigned char *content = (unsigned char *)bytes + section->offset;
         mesh_swap4(content, section->bytes / 4);
         section->crc32 = crc32_of(&crc, content, (size_t)section->bytes);
     }
     header.header_crc32 = 0;
-    header.header_crc32 = crc32_of(&crc, &header, sizeof header);
-    memcpy(bytes, &header, sizeof header);
+    header.header_crc32 = crc32_of(&crc, &header, header.header_bytes);
+    memcpy(bytes, &header, header.header_bytes);
     return check_content(bytes, fault);
 }

@@ -334,16 +334,28 @@ static inline void check_parts(const struct sections *s, const int *turned, cons
         int whole = !part->open && !part->many && is_orientable(s, p, side);
         uint32_t flags = (whole ? MESH_PART_CLOSED : 0) | (part->many ? 0 : MESH_PART_MANIFOLD) |
                          (part->against ? 0 : MESH_PART_WOUND);
-        CHECK(entry[0] == flags, "part %u has flags %u, not %u", p, entry[0], flags);
+        const int solid = (entry[0] & MESH_PART_SOLID) != 0;
+        const int winding = (entry[0] & MESH_PART_WINDING) != 0;
+        const int buried = (entry[0] & MESH_PART_BURIED) != 0;
+        const double volume = volume_of(s, p);
+        CHECK((entry[0] & 7u) == flags, "part %u has flags %u, not %u", p, entry[0], flags);
+        CHECK(entry[0] < 64u && (solid || !whole) && (solid || (!winding && !buried)) &&
+                  !(winding && buried) && (whole || winding || !solid),
+              "part %u has flags %u", p, entry[0]);
+        sum->solid_components += (uint32_t)solid;
+        sum->winding_components += (uint32_t)winding;
+        sum->buried_components += (uint32_t)buried;
         CHECK(entry[1] == part->triangles && entry[2] == part->open && entry[3] == part->many,
               "part %u: %u triangles, %u open, %u many; not %u, %u, %u", p, entry[1], entry[2],
               entry[3], part->triangles, part->open, part->many);
         CHECK(p == 0 || part->first > found[p - 1].first, "part %u is out of order", p);
         sum->closed_components += (uint32_t)whole;
-        sum->inward_components += whole && !part->source_against && turned[part->first] == -1;
-        CHECK(!whole || (!part->against && volume_of(s, p) >= 0.0), "part %u is wound inward", p);
-        for (uint32_t t = 0; t < s->info.triangles && !whole; t++)
-            CHECK(s->parts[t] != p || turned[t] == 1, "triangle %u of an open part is turned", t);
+        sum->inward_components +=
+            whole && !part->source_against && turned[part->first] == -1 && volume >= 0.0;
+        sum->cavities += whole && volume < -1e-3;
+        CHECK(!whole || !part->against, "part %u is wound both ways", p);
+        for (uint32_t t = 0; t < s->info.triangles && !solid; t++)
+            CHECK(s->parts[t] != p || turned[t] == 1, "triangle %u of a sheet is turned", t);
     }
     free(side);
 }
@@ -437,6 +449,16 @@ static inline void check_compiled(const struct source *source, const dpt_compile
               s.info.inward_components == sum.inward_components,
           "%u closed, %u inward; not %u, %u", s.info.closed_components, s.info.inward_components,
           sum.closed_components, sum.inward_components);
+    CHECK(s.info.solid_components == sum.solid_components &&
+              s.info.winding_components == sum.winding_components &&
+              s.info.buried_components == sum.buried_components,
+          "%u solid, %u by winding, %u buried; not %u, %u, %u", s.info.solid_components,
+          s.info.winding_components, s.info.buried_components, sum.solid_components,
+          sum.winding_components, sum.buried_components);
+    /* Nothing is wound inward that lies in no other. */
+    CHECK(sum.cavities <= s.info.cavities &&
+              s.info.cavities < sum.solid_components + !sum.solid_components,
+          "%u cavities, not %u of %u", s.info.cavities, sum.cavities, sum.solid_components);
     check_fans(&s);
     check_leaves(&s);
     check_boxes(&s);

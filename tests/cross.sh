@@ -44,6 +44,8 @@ work()
         "$@" make liver 2000 -o "$out/liver.obj" &&
         "$@" compile "$out/torus.ply" -o "$out/torus.dpa" &&
         "$@" compile "$out/liver.obj" -o "$out/liver.dpa" --scale 0.7 &&
+        "$@" make stomach 2001 -o "$out/open.obj" &&
+        "$@" compile "$out/open.obj" -o "$out/open.dpa" &&
         "$@" info "$out/torus.dpa" --verify >"$out/verified" &&
         "$@" make trace --mesh "$out/torus.dpa" --ticks 500 -o "$out/torus.csv" &&
         "$@" make trace --mesh "$out/liver.dpa" --ticks 500 -o "$out/liver.csv" &&
@@ -77,7 +79,7 @@ try()
     [ -x "$folder/dynpoint" ] || return
     check "$machine: warnings, see $log" test "$(grep -c warning: "$log")" -eq 0
     check "$machine: it runs, see $log" work "qemu-$machine-static" "$folder/dynpoint"
-    for name in torus.ply liver.obj torus.dpa liver.dpa torus.csv liver.csv torus.out brute.out \
+    for name in torus.ply liver.obj torus.dpa liver.dpa open.dpa torus.csv liver.csv torus.out brute.out \
         liver.out; do
         check "$machine: other bytes in $name" cmp -s "$native/cross/$name" "$out/$name"
     done

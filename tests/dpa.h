@@ -32,19 +32,25 @@ static inline struct file copy_of(const struct file *file)
     return file_of(file->bytes, file->size);
 }
 
-static inline struct file file_of_shape(const char *name, uint64_t count)
+/* Without the last triangles of the shape, `missing` of them. */
+static inline struct file file_of_holed_shape(const char *name, uint64_t count, size_t missing)
 {
     struct shape shape;
     shape_reason reason;
     dpt_compiled compiled = { NULL, 0 };
     if (shape_make(name, count, 0, &shape, reason) == 0)
-        dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners, shape.triangle_count,
-                           NULL, &compiled, NULL);
+        dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners,
+                           shape.triangle_count - missing, NULL, &compiled, NULL);
     shape_free(&shape);
     struct file file = file_of(compiled.bytes, compiled.size);
     dpt_compiled_free(&compiled);
     dpt_mesh_convert(file.bytes, file.size, NULL);
     return file;
+}
+
+static inline struct file file_of_shape(const char *name, uint64_t count)
+{
+    return file_of_holed_shape(name, count, 0);
 }
 
 /* Bit by bit: slower than the library's, and not derived from it. */
@@ -66,12 +72,23 @@ static inline struct dpt_mesh header_of(const struct file *file)
     return header;
 }
 
+/* By the version alone: other numbers may be forged. */
+static inline size_t header_bytes_of(const struct dpt_mesh *header)
+{
+    return header->version == 1 ? 752 : 816;
+}
+
+static inline int sections_of(const struct dpt_mesh *header)
+{
+    return header->version == 1 ? 11 : 12;
+}
+
 static inline void seal_header(struct file *file)
 {
     struct dpt_mesh header = header_of(file);
     header.header_crc32 = 0;
     memcpy(file->bytes, &header, sizeof header);
-    header.header_crc32 = crc_of(file->bytes, sizeof header);
+    header.header_crc32 = crc_of(file->bytes, header_bytes_of(&header));
     memcpy(file->bytes, &header, sizeof header);
 }
 
@@ -79,7 +96,7 @@ static inline void seal_header(struct file *file)
 static inline void seal(struct file *file)
 {
     struct dpt_mesh header = header_of(file);
-    for (int id = 0; id < MESH_SECTION_COUNT; id++) {
+    for (int id = 0; id < sections_of(&header); id++) {
         struct mesh_section *section = &header.section[id];
         if (section->offset <= file->size && section->bytes <= file->size - section->offset)
             section->crc32 = crc_of(file->bytes + section->offset, (size_t)section->bytes);
@@ -91,9 +108,9 @@ static inline void seal(struct file *file)
 /* The section that a byte lies in: MESH_SECTION_COUNT the header, -1 the padding between two. */
 static inline int section_at(const struct dpt_mesh *header, uint64_t byte)
 {
-    if (byte < sizeof *header)
+    if (byte < header_bytes_of(header))
         return MESH_SECTION_COUNT;
-    for (int id = 0; id < MESH_SECTION_COUNT; id++)
+    for (int id = 0; id < sections_of(header); id++)
         if (byte >= header->section[id].offset &&
             byte < header->section[id].offset + header->section[id].bytes)
             return id;
@@ -122,7 +139,9 @@ static inline struct file other_order(const struct file *file)
 {
     struct file other = copy_of(file);
     struct dpt_mesh header = header_of(file);
-    for (int id = 0; id < MESH_SECTION_COUNT; id++) {
+    const size_t length = header_bytes_of(&header);
+    const int sections = sections_of(&header);
+    for (int id = 0; id < sections; id++) {
         struct mesh_section *section = &header.section[id];
         reverse(other.bytes + section->offset, 4, (size_t)section->bytes / 4);
         section->crc32 = crc_of(other.bytes + section->offset, (size_t)section->bytes);
@@ -134,9 +153,11 @@ static inline struct file other_order(const struct file *file)
     reverse(bytes + 8, 4, (offsetof(struct dpt_mesh, bytes) - 8) / 4);
     reverse(bytes + offsetof(struct dpt_mesh, bytes), 8,
             (offsetof(struct dpt_mesh, section) - offsetof(struct dpt_mesh, bytes)) / 8);
-    header.header_crc32 = crc_of(bytes, sizeof header);
+    if (sections > 11)
+        reverse((unsigned char *)&header.solid_components, 4, 4);
+    header.header_crc32 = crc_of(bytes, length);
     reverse((unsigned char *)&header.header_crc32, 4, 1);
-    memcpy(other.bytes, &header, sizeof header);
+    memcpy(other.bytes, &header, length);
     return other;
 }
 

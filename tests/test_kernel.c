@@ -5,6 +5,7 @@
  * enough to be of use. The truth is the pair distance in double, which test_pair.c holds against
  * oracles of its own.
  */
+#include "angle.h"
 #include "check.h"
 #include "kernel.h"
 #include "segment_triangle.h"
@@ -531,6 +532,130 @@ static void all_kernels_give_the_same_bits(void)
     printf("    %u kernels against the scalar one\n", compared);
 }
 
+/* Rows of moments as any triangles may give them, some lanes empty; at times the point lies on one. */
+static void make_moments(uint64_t *random, float block[KERNEL_MOMENT_ROWS * LANES], float at[3])
+{
+    for (int row = 0; row < KERNEL_MOMENT_ROWS; row++)
+        for (int lane = 0; lane < LANES; lane++)
+            block[row * LANES + lane] = coordinate(random);
+    for (int lane = 0; lane < LANES; lane++) {
+        const double size = pow(10.0, random_in(random, -4.0, 0.0));
+        block[KERNEL_MOMENT_REMAINDER * LANES + lane] = (float)(size * size * size);
+        block[KERNEL_MOMENT_RADIUS * LANES + lane] = (float)size;
+        for (int row = 0; row < KERNEL_MOMENT_ROWS && random_bits(random) % 8 == 0; row++)
+            block[row * LANES + lane] = row == KERNEL_MOMENT_RADIUS ? -1.0f : 0.0f;
+    }
+    for (int k = 0; k < 3; k++)
+        at[k] = random_bits(random) % 16 ? 2.0f * coordinate(random)
+                                         : block[(KERNEL_MOMENT_AT + k) * LANES + 3];
+}
+
+/* Triangles seen from near one of them, from a corner, from afar. */
+static void make_view(uint64_t *random, const float *block, float at[3])
+{
+    const double off = pow(10.0, random_in(random, -8.0, 1.0));
+    const uint64_t lane = random_bits(random) % LANES, corners = 1 + random_bits(random) % 3;
+    for (uint64_t k = 0; k < 3; k++) {
+        double sum = 0.0;
+        for (uint64_t c = 0; c < corners; c++)
+            sum += (double)block[(3 * c + k) * LANES + lane] / (double)corners;
+        at[k] = (float)(sum + (random_bits(random) % 32 ? off * random_in(random, -1, 1) : 0.0));
+    }
+}
+
+static void all_kernels_give_the_same_windings(void)
+{
+    uint64_t random = 29;
+    uint32_t chosen;
+    struct kernel plain, other;
+    kernel_get(DPT_KERNEL_SCALAR, &plain, &chosen);
+    for (uint32_t id = DPT_KERNEL_SSE2; id <= DPT_KERNEL_NEON; id++) {
+        const char *name = dpt_kernel_name(id);
+        if (!kernel_get(id, &other, &chosen)) {
+            SKIP(name, "not on this machine or in this build");
+            continue;
+        }
+        for (int i = 0; i < BLOCKS; i++) {
+            float block[KERNEL_MOMENT_ROWS * LANES], at[3];
+            float sums[2][LANES], doubts[2][LANES];
+            for (int lane = 0; lane < LANES; lane++) {
+                sums[0][lane] = sums[1][lane] = coordinate(&random);
+                doubts[0][lane] = doubts[1][lane] = fabsf(coordinate(&random));
+            }
+            const float most = (float)pow(10.0, random_in(&random, -8.0, 0.0));
+            make_moments(&random, block, at);
+            uint32_t expected = plain.moments(block, at, most, sums[0], doubts[0]);
+            uint32_t open = other.moments(block, at, most, sums[1], doubts[1]);
+            CHECK(open == expected, "%s: moments open %x, not %x", name, open, expected);
+            CHECK(same_floats(sums[0], sums[1], LANES), "%s: sums, block %d", name, i);
+            CHECK(same_floats(doubts[0], doubts[1], LANES), "%s: doubts, block %d", name, i);
+            make_triangles(&random, i % SHAPES, block);
+            make_view(&random, block, at);
+            const uint32_t lanes = (uint32_t)random_bits(&random) & 0xffff;
+            expected = plain.angles(block, at, lanes, sums[0]);
+            open = other.angles(block, at, lanes, sums[1]);
+            CHECK(open == expected && !(open & ~lanes), "%s: angles open %x, not %x", name, open,
+                  expected);
+            CHECK(same_floats(sums[0], sums[1], LANES), "%s: angles, block %d", name, i);
+        }
+    }
+}
+
+/* What float adds of a triangle is its solid angle; what it does not add is rare, and left open. */
+static void angles_are_solid_angles(void)
+{
+    uint64_t random = 31;
+    struct kernel kernel = best_kernel();
+    double worst = 0.0;
+    int open_lanes = 0;
+    for (int i = 0; i < BLOCKS; i++) {
+        float block[9 * LANES], at[3], sums[LANES] = { 0.0f };
+        make_triangles(&random, i % SHAPES, block);
+        make_view(&random, block, at);
+        const uint32_t lanes = i % 2 ? 0xffff : (uint32_t)random_bits(&random) & 0xffff;
+        const uint32_t open = kernel.angles(block, at, lanes, sums);
+        for (int lane = 0; lane < LANES; lane++) {
+            const vec3 x = { at[0], at[1], at[2] };
+            double turns =
+                solid_turns(sub(corner(block, 0, lane), x), sub(corner(block, 1, lane), x),
+                            sub(corner(block, 2, lane), x));
+            const int added = ((lanes & ~open) >> lane & 1) != 0;
+            open_lanes += (open >> lane & 1) != 0;
+            worst = larger(worst, added ? fabs((double)sums[lane] - turns) : 0.0);
+            CHECK(added || sums[lane] == 0.0f, "lane %d of %x, open %x: %g", lane, lanes, open,
+                  (double)sums[lane]);
+            CHECK(added || !(lanes >> lane & 1) || open >> lane & 1, "lost");
+        }
+    }
+    printf("    off by at most %.2g turns; %.2g %% left open\n", worst,
+           100.0 * open_lanes / (BLOCKS * LANES * 0.75));
+    CHECK(worst < 2e-6, "off by %g turns", worst);
+    CHECK(open_lanes < BLOCKS * LANES / 4, "%d lanes are left open", open_lanes);
+}
+
+/* atan2 of the C library, of which solid_turns knows nothing. */
+static void turns_agree_with_the_c_library(void)
+{
+    uint64_t random = 37;
+    double worst = 0.0;
+    for (int i = 0; i < 20 * BLOCKS; i++) {
+        vec3 v[3];
+        for (int k = 0; k < 3; k++)
+            v[k] = random_vec(&random, pow(10.0, random_in(&random, -3.0, 3.0)));
+        if (i % 4 == 0)
+            v[2] = along(scaled(v[0], -random_in(&random, 0.0, 2.0)), random_in(&random, -2.0, 0.0),
+                         v[1]);
+        if (i % 8 == 0)
+            v[2] = add(v[2], random_vec(&random, 1e-9));
+        double a = length(v[0]), b = length(v[1]), c = length(v[2]);
+        double volume = dot(v[0], cross(v[1], v[2]));
+        double sides = a * b * c + dot(v[0], v[1]) * c + dot(v[1], v[2]) * a + dot(v[2], v[0]) * b;
+        double turns = volume != 0.0 ? atan2(volume, sides) / ANGLE_TURN : 0.0;
+        worst = larger(worst, fabs(solid_turns(v[0], v[1], v[2]) - turns));
+    }
+    CHECK(worst < 1e-14, "off by %g turns", worst);
+}
+
 static void best_kernel_is_to_be_had(void)
 {
     struct kernel kernel;
@@ -552,5 +677,8 @@ int main(void)
     TEST(zero_planes_close_nothing);
     TEST(bounds_that_are_no_number_leave_lanes_open);
     TEST(all_kernels_give_the_same_bits);
+    TEST(turns_agree_with_the_c_library);
+    TEST(angles_are_solid_angles);
+    TEST(all_kernels_give_the_same_windings);
     return check_report();
 }

@@ -8,19 +8,22 @@
  * GOLDEN is the folder golden; from the top of the tree it is found without. Its files were made by
  *
  *     build/dynpoint make torus 96 -o tests/golden/torus.ply
- *     build/dynpoint compile tests/golden/torus.ply -o tests/golden/torus.dpa
+ *     build/dynpoint compile tests/golden/torus.ply -o tests/golden/torus_2.dpa
  *
- * and are to be kept: a new format gets a new file beside them, for version 1 must always open.
+ * torus.dpa by a compiler of version 1. They are to be kept: a new format gets a new file beside them,
+ * for every version must always open.
  *
  * All tests start from a file in the host's byte order, and so hold on every machine.
  */
 #include <math.h>
 
 #include "dpa.h"
+#include "winding.h"
 
 static const char *golden = "tests/golden";
 
 static struct file small, large; /* one level of boxes, and two */
+static struct file holed;        /* solid with a defect: has moments */
 
 static dpt_mesh_fault verified(const struct file *file)
 {
@@ -65,7 +68,7 @@ static void whole_files_open(void)
         CHECK(fault_of(files[i]).code == DPT_OK, "file %d", i);
         CHECK(dpt_mesh_get_info(mesh, &info) == DPT_OK, "file %d", i);
         CHECK(info.bytes == files[i]->size && info.triangles == (i ? 600 : 40) &&
-                  info.tree_levels == 1u + (uint32_t)i && info.format_version == 1,
+                  info.tree_levels == 1u + (uint32_t)i && info.format_version == 2,
               "%u triangles, %u levels", info.triangles, info.tree_levels);
         for (; dpt_mesh_get_section(mesh, id, &section) == DPT_OK; id++) {
             CHECK(section.offset == header.section[id].offset && section.offset % 64 == 0 &&
@@ -81,8 +84,8 @@ static void whole_files_open(void)
 /* Each length that is too short; a file in the other byte order is cut short likewise. */
 static void truncations_are_refused(void)
 {
-    const struct file *files[] = { &small, &large };
-    for (int i = 0; i < 2; i++)
+    const struct file *files[] = { &small, &large, &holed };
+    for (int i = 0; i < 3; i++)
         for (size_t size = 0; size < files[i]->size; size++) {
             struct file cut = file_of(files[i]->bytes, size);
             expect_fault(&cut, DPT_E_TRUNCATED, size, "header");
@@ -125,8 +128,8 @@ static void expect_byte_fault(const struct file *file, const struct dpt_mesh *he
 
 static void changed_bytes_are_refused(void)
 {
-    const struct file *files[] = { &small, &large };
-    for (int i = 0; i < 2; i++) {
+    const struct file *files[] = { &small, &large, &holed };
+    for (int i = 0; i < 3; i++) {
         struct dpt_mesh header = header_of(files[i]);
         struct file file = copy_of(files[i]);
         for (size_t at = 0; at < file.size; at++)
@@ -177,7 +180,7 @@ static void other_files_are_refused(void)
 
 static void newer_versions_are_refused(void)
 {
-    const uint32_t versions[] = { 2, 3, 256, UINT32_MAX };
+    const uint32_t versions[] = { 3, 4, 256, UINT32_MAX };
     for (int i = 0; i < 4; i++) {
         struct file file = copy_of(&small);
         memcpy(file.bytes + offsetof(struct dpt_mesh, version), &versions[i], 4);
@@ -207,6 +210,25 @@ static uint32_t float_bits(float value)
 static uint64_t word_offset(const struct mesh_section *section, int64_t word)
 {
     return section->offset + 4 * (uint64_t)word + (word < 0 ? section->bytes : 0);
+}
+
+/* The checksums made good, each is refused where it says, or opens. */
+static void expect_forgeries(const struct file *whole, const struct forgery *forgeries,
+                             size_t count)
+{
+    const struct dpt_mesh header = header_of(whole);
+    for (size_t i = 0; i < count; i++) {
+        const struct forgery *forgery = &forgeries[i];
+        const struct mesh_section *section = &header.section[forgery->section];
+        struct file file = copy_of(whole);
+        memcpy(file.bytes + word_offset(section, forgery->word), &forgery->value, 4);
+        seal(&file);
+        if (forgery->code == DPT_OK)
+            CHECK(fault_of(&file).code == DPT_OK, "%s", section->name);
+        else
+            expect_fault(&file, forgery->code, word_offset(section, forgery->where), section->name);
+        free(file.bytes);
+    }
 }
 
 static void forged_words_are_refused(void)
@@ -246,18 +268,20 @@ static void forged_words_are_refused(void)
         { MESH_LEAVES, 11, nan, finite, 11 },
         { MESH_LEAVES, -1, inf, finite, -1 },
     };
-    for (size_t i = 0; i < sizeof forgeries / sizeof *forgeries; i++) {
-        const struct forgery *forgery = &forgeries[i];
-        const struct mesh_section *section = &header.section[forgery->section];
-        struct file file = copy_of(&large);
-        memcpy(file.bytes + word_offset(section, forgery->word), &forgery->value, 4);
-        seal(&file);
-        if (forgery->code == DPT_OK)
-            CHECK(fault_of(&file).code == DPT_OK, "%s", section->name);
-        else
-            expect_fault(&file, forgery->code, word_offset(section, forgery->where), section->name);
-        free(file.bytes);
-    }
+    expect_forgeries(&large, forgeries, sizeof forgeries / sizeof *forgeries);
+    /* 39 triangles: three leaves, of which the last has 7. */
+    const struct forgery of_moments[] = {
+        { MESH_MOMENTS, 0, nan, finite, 0 },
+        { MESH_MOMENTS, -4, inf, finite, -4 },
+        { MESH_MOMENTS, 5, float_bits(1e31f), finite, 5 },
+        { MESH_MOMENTS, 5, float_bits(-1e30f), DPT_OK, 0 },
+        { MESH_MOMENTS, -3, 0x10000, index, -3 },
+        { MESH_MOMENTS, -2, UINT32_MAX, index, -2 },
+        { MESH_MOMENTS, -1, 0x80, index, -1 },
+        { MESH_MOMENTS, -1, 0x7f, DPT_OK, 0 },
+        { MESH_MOMENTS, -3, 0, DPT_OK, 0 },
+    };
+    expect_forgeries(&holed, of_moments, sizeof of_moments / sizeof *of_moments);
 }
 
 /* A number of the header; `size` bytes of `value`, sealed. */
@@ -277,10 +301,12 @@ static void forged_headers_are_refused(void)
 {
     /* None of these counts is free: each decides the length of a section, or the order of the tree.
      */
-    const size_t counts[] = { AT(version),   AT(header_bytes), AT(section_count),
-                              AT(triangles), AT(vertices),     AT(parts),
-                              AT(leaves),    AT(levels),       AT(reserved),
-                              AT(bytes),     AT(byte_order),   AT(source_triangles) };
+    const size_t counts[] = {
+        AT(version),           AT(header_bytes), AT(section_count), AT(triangles),
+        AT(vertices),          AT(parts),        AT(leaves),        AT(levels),
+        AT(reserved),          AT(bytes),        AT(byte_order),    AT(source_triangles),
+        AT(winding_components)
+    };
     const uint32_t values[] = { 0, 1, 2, 599, 601, 0x7fffffff, 0x80000000, 0xfffffffe, UINT32_MAX };
     for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
         for (size_t k = 0; k < sizeof values / sizeof *values; k++) {
@@ -335,6 +361,9 @@ static void use(const dpt_mesh *mesh, uint64_t *random)
 {
     static double block[8192];
     double ends[6 * 4];
+    struct tree tree;
+    struct kernel kernel;
+    uint32_t work = 0, chosen;
     dpt_hit hits[4] = { DPT_HIT_INIT };
     dpt_query_def query = { .size = sizeof query };
     dpt_world_def def;
@@ -343,6 +372,11 @@ static void use(const dpt_mesh *mesh, uint64_t *random)
     dpt_tool tool;
     for (int i = 0; i < 24; i++)
         ends[i] = random_in(random, -0.15, 0.15);
+    tree_of_mesh(mesh, &tree);
+    kernel_get(DPT_KERNEL_AUTO, &kernel, &chosen);
+    for (int i = 0; i < 8; i++)
+        CHECK(isfinite(winding_number(&tree, &kernel, vec3_of(ends + 3 * i), &work)),
+              "a winding number that is none");
     for (query.method = 0; query.method <= DPT_METHOD_BRUTE; query.method++) {
         dpt_query_segments(mesh, NULL, ends, NULL, 4, hits, &query);
         for (int i = 0; i < 4; i++)
@@ -378,7 +412,7 @@ static void random_forgeries_do_no_harm(void)
                              40,         UINT32_MAX, 0x7f800000, 0xffc00000, 0x7149f2ca,
                              0x80000000, 0x00000001, 0x49742400, 0xfffffffe, 0x3f800000 };
     for (int i = 0; i < 20000; i++) {
-        struct file file = copy_of(i % 16 ? &small : &large);
+        struct file file = copy_of(i % 16 == 0 ? &large : i % 2 ? &small : &holed);
         for (uint64_t words = 1 + random_bits(&random) % 3; words; words--) {
             size_t at = 4 * (size_t)(random_bits(&random) % (file.size / 4));
             uint32_t value = odd[random_bits(&random) % (sizeof odd / sizeof *odd)];
@@ -417,7 +451,7 @@ static void wrong_arguments_are_refused(void)
     struct file *file = &small;
     const dpt_mesh *mesh = (const dpt_mesh *)(const void *)file->bytes, *opened = NULL;
     dpt_mesh_fault fault = { .size = sizeof fault - 1, .code = 77 };
-    dpt_mesh_info info = { .size = sizeof info - 1, .triangles = 77 };
+    dpt_mesh_info info = { .size = 159, .triangles = 77, .solid_components = 77 };
     dpt_mesh_section section = { .size = 4, .crc32 = 77 };
     double corners[9] = { 77.0 };
     CHECK(dpt_mesh_open(NULL, file->size, &opened) == DPT_E_ARGUMENT && !opened, "NULL opened");
@@ -432,11 +466,15 @@ static void wrong_arguments_are_refused(void)
     CHECK(dpt_mesh_get_info(NULL, &info) == DPT_E_ARGUMENT, "no mesh");
     CHECK(dpt_mesh_get_info(mesh, NULL) == DPT_E_ARGUMENT, "no info");
     CHECK(dpt_mesh_get_info(mesh, &info) == DPT_E_SIZE && info.triangles == 77, "info");
+    info.size = 160; /* of a caller that was built before there was more */
+    CHECK(dpt_mesh_get_info(mesh, &info) == DPT_OK && info.triangles == 40 &&
+              info.solid_components == 77,
+          "info of 160 bytes");
     CHECK(dpt_mesh_get_section(NULL, 0, &section) == DPT_E_ARGUMENT, "no mesh");
     CHECK(dpt_mesh_get_section(mesh, 0, NULL) == DPT_E_ARGUMENT, "no section");
     CHECK(dpt_mesh_get_section(mesh, 0, &section) == DPT_E_SIZE && section.crc32 == 77, "size");
     section.size = sizeof section;
-    CHECK(dpt_mesh_get_section(mesh, 11, &section) == DPT_E_ARGUMENT, "there are 11 sections");
+    CHECK(dpt_mesh_get_section(mesh, 12, &section) == DPT_E_ARGUMENT, "there are 12 sections");
     CHECK(dpt_mesh_get_section(mesh, UINT32_MAX, &section) == DPT_E_ARGUMENT, "no such section");
     CHECK(dpt_mesh_triangle(NULL, 0, corners) == DPT_E_ARGUMENT, "no mesh");
     CHECK(dpt_mesh_triangle(mesh, 0, NULL) == DPT_E_ARGUMENT, "no corners");
@@ -447,8 +485,8 @@ static void wrong_arguments_are_refused(void)
 
 static void other_byte_order_converts(void)
 {
-    const struct file *files[] = { &small, &large };
-    for (int i = 0; i < 2; i++) {
+    const struct file *files[] = { &small, &large, &holed };
+    for (int i = 0; i < 3; i++) {
         struct file other = other_order(files[i]);
         dpt_mesh_fault fault = { .size = sizeof fault };
         expect_fault(&other, DPT_E_BYTE_ORDER, AT(byte_order), "header");
@@ -509,10 +547,10 @@ static struct file read_golden(const char *name)
     return file;
 }
 
-/* Version 1 opens forever; the compiler writes the same bytes, but for its own version. */
+/* The compiler writes the same bytes, but for its own version. */
 static void golden_file_is_what_we_write(void)
 {
-    struct file source = read_golden("torus.ply"), kept = read_golden("torus.dpa");
+    struct file source = read_golden("torus.ply"), kept = read_golden("torus_2.dpa");
     dpt_compiled compiled;
     if (source.size && kept.size > sizeof(struct dpt_mesh) &&
         dpt_compile_bytes(source.bytes, source.size, NULL, &compiled, NULL) == DPT_OK) {
@@ -540,13 +578,66 @@ static void golden_file_is_what_we_write(void)
     free(kept.bytes);
 }
 
+/* Version 1 opens forever, in either byte order, and answers as the same mesh of today does. */
+static void version_1_opens(void)
+{
+    struct file old = read_golden("torus.dpa"), today = file_of_shape("torus", 96);
+    dpt_mesh_convert(old.bytes, old.size, NULL);
+    CHECK(fault_of(&old).code == DPT_OK, "does not open");
+    const dpt_mesh *meshes[2] = { NULL, NULL };
+    dpt_mesh_info info = { .size = sizeof info };
+    dpt_mesh_section section = { .size = sizeof section };
+    if (dpt_mesh_open(old.bytes, old.size, &meshes[0]) == DPT_OK &&
+        dpt_mesh_open(today.bytes, today.size, &meshes[1]) == DPT_OK) {
+        dpt_mesh_get_info(meshes[0], &info);
+        CHECK(info.format_version == 1 && info.solid_components == 1 && !info.cavities &&
+                  !info.winding_components && !info.buried_components,
+              "version %u, %u solid", info.format_version, info.solid_components);
+        CHECK(mesh_part_flags(meshes[0], 0) == 15 && mesh_part_flags(meshes[1], 0) == 15,
+              "flags %u, %u", mesh_part_flags(meshes[0], 0), mesh_part_flags(meshes[1], 0));
+        CHECK(dpt_mesh_get_section(meshes[0], 10, &section) == DPT_OK &&
+                  dpt_mesh_get_section(meshes[0], 11, &section) == DPT_E_ARGUMENT,
+              "it has 11 sections");
+        uint64_t random = 5;
+        for (int i = 0; i < 200; i++) {
+            double ends[6], radius = 0.01;
+            dpt_hit hits[2] = { DPT_HIT_INIT, DPT_HIT_INIT };
+            for (int k = 0; k < 6; k++)
+                ends[k] = random_in(&random, -0.2, 0.2);
+            for (int m = 0; m < 2; m++)
+                dpt_query_segments(meshes[m], NULL, ends, &radius, 1, &hits[m], NULL);
+            CHECK(!memcmp(&hits[0], &hits[1], sizeof hits[0]), "another answer");
+        }
+        use(meshes[0], &random);
+    }
+    for (size_t size = 0; size < old.size; size += size < 800 ? 1 : 97) {
+        struct file cut = file_of(old.bytes, size);
+        expect_fault(&cut, DPT_E_TRUNCATED, size, "header");
+        free(cut.bytes);
+    }
+    struct dpt_mesh header = header_of(&old);
+    for (size_t at = 0; at < old.size; at += at < 800 ? 1 : 13) {
+        old.bytes[at] ^= 0x10;
+        expect_byte_fault(&old, &header, at);
+        old.bytes[at] ^= 0x10;
+    }
+    struct file other = other_order(&old);
+    CHECK(dpt_mesh_convert(other.bytes, other.size, NULL) == DPT_OK &&
+              !memcmp(other.bytes, old.bytes, old.size),
+          "not the bytes it was made of");
+    free(other.bytes);
+    free(old.bytes);
+    free(today.bytes);
+}
+
 int main(int argc, char **argv)
 {
     if (argc > 1)
         golden = argv[1];
     small = file_of_shape("sphere", 40);
     large = file_of_shape("sphere", 600);
-    if (!small.size || !large.size)
+    holed = file_of_holed_shape("sphere", 40, 1);
+    if (!small.size || !large.size || !holed.size)
         return 1;
     TEST(whole_files_open);
     TEST(truncations_are_refused);
@@ -563,6 +654,8 @@ int main(int argc, char **argv)
     TEST(other_byte_order_converts);
     TEST(other_byte_order_is_checked);
     TEST(golden_file_is_what_we_write);
+    TEST(version_1_opens);
+    free(holed.bytes);
     free(small.bytes);
     free(large.bytes);
     return check_report();

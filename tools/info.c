@@ -20,12 +20,15 @@ static void print_json(const dpt_mesh *mesh, const dpt_mesh_info *info)
     printf("{\"triangles\":%" PRIu32 ",\"vertices\":%" PRIu32
            ",\"scale\":%.17g,\"rounding\":%.17g,",
            info->triangles, info->vertices, info->scale, info->rounding);
-    printf("\"open_edges\":%" PRIu32 ",\"nonmanifold_edges\":%" PRIu32
-           ",\"wrong_way_edges\":%" PRIu32 ",\"components\":%" PRIu32
-           ",\"closed_components\":%" PRIu32 ",\"inward_components\":%" PRIu32
-           ",\"turned_triangles\":%" PRIu32 ",",
-           info->open_edges, info->nonmanifold_edges, info->wrong_way_edges, info->components,
-           info->closed_components, info->inward_components, info->turned_triangles);
+    printf(
+        "\"open_edges\":%" PRIu32 ",\"nonmanifold_edges\":%" PRIu32 ",\"wrong_way_edges\":%" PRIu32
+        ",\"components\":%" PRIu32 ",\"closed_components\":%" PRIu32
+        ",\"inward_components\":%" PRIu32 ",\"turned_triangles\":%" PRIu32
+        ",\"solid_components\":%" PRIu32 ",\"cavities\":%" PRIu32 ",\"winding_components\":%" PRIu32
+        ",\"buried_components\":%" PRIu32 ",",
+        info->open_edges, info->nonmanifold_edges, info->wrong_way_edges, info->components,
+        info->closed_components, info->inward_components, info->turned_triangles,
+        info->solid_components, info->cavities, info->winding_components, info->buried_components);
     printf("\"dropped\":{\"degenerate\":%" PRIu32 ",\"duplicate\":%" PRIu32 "},",
            info->dropped_degenerate, info->dropped_duplicate);
     printf("\"unused_vertices\":%" PRIu32 ",\"concave_polygons\":%" PRIu32
@@ -57,6 +60,10 @@ static void print_counts(const dpt_mesh_info *info)
         { "components", info->components },
         { "  closed", info->closed_components },
         { "  wound inward, turned", info->inward_components },
+        { "  with an inside", info->solid_components },
+        { "  walls of cavities", info->cavities },
+        { "  within another one", info->buried_components },
+        { "  by winding number", info->winding_components },
         { "open edges", info->open_edges },
         { "non-manifold edges", info->nonmanifold_edges },
         { "wrong-way edges", info->wrong_way_edges },

@@ -8,8 +8,8 @@
  * PLY (ASCII, little- and big-endian), OFF. Numbers are read without regard to the locale.
  *
  * Mends only this, and reports it (dpt_mesh_info): equal vertices are joined, degenerate and duplicate
- * triangles dropped, closed parts wound one way and outward. Anything else compiles as it is: the
- * distance to a soup is well defined.
+ * triangles dropped, parts with an inside wound one way and outward, but walls of cavities inward. Anything
+ * else compiles as it is: the distance to a soup is well defined.
  */
 #ifndef DYNPOINT_COMPILE_H
 #define DYNPOINT_COMPILE_H

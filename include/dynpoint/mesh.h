@@ -58,8 +58,8 @@ typedef struct dpt_mesh_info {
     uint32_t wrong_way_edges;    /* two triangles run through it in the same direction */
     uint32_t components;         /* sets of triangles connected by edges */
     uint32_t closed_components;  /* of them without open and non-manifold edges, wound one way */
-    uint32_t inward_components;  /* closed, and wound inward in the source: turned */
-    uint32_t turned_triangles;   /* whose corners the compiler swapped to agree with their part */
+    uint32_t inward_components;  /* closed, wound inward in the source, and turned */
+    uint32_t turned_triangles;   /* whose corners the compiler swapped */
     uint32_t tree_levels;
     double scale;    /* vertex = (float)(scale * source) */
     double rounding; /* largest |vertex - scale * source| of a coordinate, in m */
@@ -68,9 +68,14 @@ typedef struct dpt_mesh_info {
     uint64_t source_bytes; /* length of the source file; 0 when compiled from arrays */
     uint64_t source_hash;  /* its FNV-1a hash, 64 bits */
     uint64_t bytes;        /* length of the compiled file */
+    /* From here on since format 2; of an older file as far as it tells. */
+    uint32_t solid_components;   /* that have an inside: closed ones, and some with defects */
+    uint32_t cavities;           /* of them wound inward: walls of voids within others */
+    uint32_t winding_components; /* of them whose inside only a winding number tells */
+    uint32_t buried_components;  /* of them with both sides inside: within another one */
 } dpt_mesh_info;
 
-/* Fill `info`, whose size field is set. */
+/* Fill `info`, whose size field is set; one that ends before solid_components is filled as far as it goes. */
 DPT_API dpt_result dpt_mesh_get_info(const dpt_mesh *mesh, dpt_mesh_info *info);
 
 /* One section of the file, from 0 until the call returns DPT_E_ARGUMENT. */

@@ -141,10 +141,11 @@ enum { UNSEEN, AS_IT_IS, TURNED };
 
 /*
  * Walk over a part from `seed`; decide for each triangle whether it must be turned to agree with the
- * seed. Returns 0 when that cannot be done (a Moebius strip). *turned counts.
+ * seed. Returns 0 when that cannot be done (a Moebius strip). *turned counts; *reached are in the queue, those
+ * that the walk comes to without a non-manifold edge.
  */
 static int agree(const struct model *model, uint32_t seed, uint8_t *turn, uint32_t *queue,
-                 uint32_t *turned)
+                 uint32_t *turned, size_t *reached)
 {
     size_t head = 0, tail = 0;
     int orientable = 1;
@@ -167,77 +168,46 @@ static int agree(const struct model *model, uint32_t seed, uint8_t *turn, uint32
             }
         }
     }
+    *reached = tail;
     return orientable;
 }
 
-/* Six times the volume that the queue's triangles enclose, turned as decided. */
-static double signed_volume(const struct model *model, const uint32_t *queue, size_t count,
-                            const uint8_t *turn)
-{
-    vec3 origin =
-        vec3_of_float(model->positions + 3 * (size_t)model->corners[3 * (size_t)queue[0]]);
-    double volume = 0.0;
-    for (size_t i = 0; i < count; i++) {
-        const uint32_t *corner = model->corners + 3 * (size_t)queue[i];
-        vec3 a = sub(vec3_of_float(model->positions + 3 * (size_t)corner[0]), origin);
-        vec3 b = sub(vec3_of_float(model->positions + 3 * (size_t)corner[1]), origin);
-        vec3 c = sub(vec3_of_float(model->positions + 3 * (size_t)corner[2]), origin);
-        double six = dot(a, cross(b, c));
-        volume += turn[queue[i]] == TURNED ? -six : six;
-    }
-    return volume;
-}
-
-/* (0, 1, 2) becomes (0, 2, 1): edges 01, 12, 20 become 02, 21, 10. */
-static void turn_triangle(struct model *model, uint32_t t)
-{
-    uint32_t *corner = model->corners + 3 * (size_t)t;
-    uint32_t *neighbour = model->neighbours + 3 * (size_t)t;
-    uint32_t c = corner[1], n = neighbour[0];
-    corner[1] = corner[2];
-    corner[2] = c;
-    neighbour[0] = neighbour[2];
-    neighbour[2] = n;
-    model->turned_triangles++;
-}
-
-/* A part's flags; a closed one is wound one way, outward. Its triangles are left in `queue`. */
-static void wind_part(struct model *model, struct part *part, uint32_t seed, uint8_t *turn,
-                      uint32_t *queue)
+/*
+ * Which triangles of a part to turn so that it is wound one way: those that are fewer. None of a part of which
+ * that cannot be told over its edges.
+ */
+static void wind_part(struct model *model, struct part *part, uint32_t seed, uint32_t *queue)
 {
     uint32_t turned = 0;
-    int orientable = agree(model, seed, turn, queue, &turned);
+    size_t reached;
+    int orientable = agree(model, seed, model->turn, queue, &turned, &reached);
+    int whole = orientable && reached == part->triangles;
+    uint8_t fewer = 2 * (uint64_t)turned <= part->triangles ? TURNED : AS_IT_IS;
+    for (size_t i = 0; i < reached; i++)
+        model->turn[queue[i]] = whole && model->turn[queue[i]] == fewer ? TURNED : AS_IT_IS;
     if (!part->nonmanifold_edges)
         part->flags |= MESH_PART_MANIFOLD;
     if (part->open_edges || part->nonmanifold_edges || !orientable)
         return;
-
-    uint8_t outward = AS_IT_IS;
-    if (signed_volume(model, queue, part->triangles, turn) < 0.0) {
-        outward = TURNED;
-        model->inward_parts += turned == 0;
-    }
-    for (size_t i = 0; i < part->triangles; i++)
-        if (turn[queue[i]] != outward)
-            turn_triangle(model, queue[i]);
     part->flags |= MESH_PART_CLOSED | MESH_PART_WOUND;
     model->closed_parts++;
 }
 
 static dpt_result wind_parts(struct model *model, soup *source)
 {
-    uint8_t *turn = model_array(source, model->triangle_count, 1);
+    model->turn = model_array(source, model->triangle_count, sizeof *model->turn);
     uint32_t *queue = model_array(source, model->triangle_count, sizeof *queue);
     dpt_result result = DPT_E_MEMORY;
-    if (turn && queue) {
-        memset(turn, UNSEEN, model->triangle_count);
+    if (model->turn && queue) {
+        memset(model->turn, UNSEEN, model->triangle_count);
         uint32_t next = 0;
         for (uint32_t t = 0; t < model->triangle_count; t++)
             if (model->part_of[t] == next)
-                wind_part(model, &model->parts[next++], t, turn, queue);
+                wind_part(model, &model->parts[next++], t, queue);
+        for (uint32_t t = 0; t < model->triangle_count; t++)
+            model->turn[t] = model->turn[t] == TURNED;
         result = DPT_OK;
     }
-    free(turn);
     free(queue);
     return result;
 }

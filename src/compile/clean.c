@@ -30,6 +30,7 @@ void model_free(struct model *model)
     free(model->fans);
     free(model->part_of);
     free(model->parts);
+    free(model->turn);
     memset(model, 0, sizeof *model);
 }
 

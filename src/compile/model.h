@@ -42,8 +42,15 @@ struct model {
     uint32_t nonmanifold_edges;
     uint32_t wrong_way_edges;
     uint32_t closed_parts;
+    uint8_t *turn; /* a triangle's corners are to be swapped: 1 */
+
+    /* model_solid */
     uint32_t inward_parts;
     uint32_t turned_triangles;
+    uint32_t solid_parts;
+    uint32_t cavities;
+    uint32_t winding_parts;
+    uint32_t buried_parts;
 };
 
 void model_free(struct model *model);
@@ -54,8 +61,11 @@ dpt_result model_clean(struct model *model, soup *source);
 /* Put triangles in the order of the box tree, and take over the vertices that they use. */
 dpt_result model_order(struct model *model, soup *source);
 
-/* Edge neighbours, fans and parts; wind closed parts one way and outward. */
+/* Edge neighbours, fans and parts; find what to turn so that parts are wound one way. */
 dpt_result model_adjacency(struct model *model, soup *source);
+
+/* Which parts have an inside, and on which side of them it is; turn triangles. */
+dpt_result model_solid(struct model *model, soup *source);
 
 /* Lay out the bytes of the file. source_size and source_hash as dpt_mesh_info has them. */
 dpt_result model_write(const struct model *model, soup *source, uint64_t source_size,

@@ -8,6 +8,7 @@
 #include "../mesh_format.h"
 #include "../vec.h"
 #include "model.h"
+#include "moment.h"
 
 struct box {
     double low[3], high[3];
@@ -49,8 +50,8 @@ static void set_counts(struct dpt_mesh *mesh, const struct model *model, const s
     memcpy(mesh->magic, MESH_MAGIC, sizeof mesh->magic);
     mesh->byte_order = MESH_BYTE_ORDER;
     mesh->version = MESH_VERSION;
-    mesh->header_bytes = sizeof *mesh;
-    mesh->section_count = MESH_SECTION_COUNT;
+    mesh->header_bytes = mesh_header_bytes(MESH_VERSION);
+    mesh->section_count = mesh_section_count(MESH_VERSION);
     mesh->writer_version = DPT_VERSION_MAJOR << 16 | DPT_VERSION_MINOR << 8 | DPT_VERSION_PATCH;
     mesh->triangles = model->triangle_count;
     mesh->vertices = model->vertex_count;
@@ -68,6 +69,10 @@ static void set_counts(struct dpt_mesh *mesh, const struct model *model, const s
     mesh->closed_components = model->closed_parts;
     mesh->inward_components = model->inward_parts;
     mesh->turned_triangles = model->turned_triangles;
+    mesh->solid_components = model->solid_parts;
+    mesh->cavities = model->cavities;
+    mesh->winding_components = model->winding_parts;
+    mesh->buried_components = model->buried_parts;
     mesh->scale = source->scale;
     mesh->rounding = source->rounding;
 }
@@ -142,6 +147,46 @@ static void fill_boxes(const struct dpt_mesh *mesh, float *nodes, struct box *bo
         }
 }
 
+/* The triangles of a leaf that belong to solid parts: as bits, and as one set. */
+static uint32_t solid_lanes(const struct dpt_mesh *mesh, const struct model *model, uint32_t leaf,
+                            struct moment *set)
+{
+    struct moment sets[LANES];
+    uint32_t lanes = 0, count = 0;
+    for (uint32_t lane = 0; lane < LANES && leaf * LANES + lane < mesh->triangles; lane++) {
+        uint32_t t = leaf * LANES + lane;
+        double x[3][3];
+        if (!(model->parts[model->part_of[t]].flags & MESH_PART_SOLID))
+            continue;
+        for (uint32_t k = 0; k < 3; k++)
+            filtered(mesh, model->positions + 3 * (size_t)model->corners[3 * (size_t)t + k], x[k]);
+        sets[count++] = moment_of_triangle(vec3_of(x[0]), vec3_of(x[1]), vec3_of(x[2]));
+        lanes |= 1u << lane;
+    }
+    *set = moment_of_sets(sets, count);
+    return lanes;
+}
+
+/* As fill_boxes; `sets` has room for a set a leaf. */
+static void fill_moments(const struct dpt_mesh *mesh, const struct model *model, char *bytes,
+                         struct moment *sets, const uint32_t *count)
+{
+    const struct mesh_section *section = &mesh->section[MESH_MOMENTS];
+    float *nodes = (float *)(void *)(bytes + section->offset);
+    uint32_t *lanes = (uint32_t *)(void *)(bytes + section->offset + section->bytes) - mesh->leaves;
+    for (uint32_t leaf = 0; leaf < mesh->leaves; leaf++)
+        lanes[leaf] = solid_lanes(mesh, model, leaf, &sets[leaf]);
+    const struct moment none = { .area = 0.0 };
+    for (uint32_t level = 1; level <= mesh->levels; level++)
+        for (uint32_t node = 0; node < count[level]; node++, nodes += MESH_MOMENT_WORDS) {
+            uint32_t first = node * LANES, children = count[level - 1] - first;
+            children = children < LANES ? children : LANES;
+            for (uint32_t lane = 0; lane < LANES; lane++)
+                moment_put(lane < children ? &sets[first + lane] : &none, nodes + lane);
+            sets[node] = moment_of_sets(sets + first, children);
+        }
+}
+
 static void fill_words(const struct dpt_mesh *mesh, const struct model *model, char *bytes)
 {
     const void *content[MESH_SECTION_COUNT] = {
@@ -172,7 +217,7 @@ static void seal(struct dpt_mesh *mesh, char *bytes)
         section->crc32 = crc32_of(&crc, bytes + section->offset, (size_t)section->bytes);
     }
     if (swap)
-        mesh_swap_header(mesh);
+        mesh_swap_header(mesh, MESH_VERSION);
     uint32_t sum = crc32_of(&crc, mesh, sizeof *mesh);
     if (swap)
         mesh_swap4(&sum, 1);
@@ -216,15 +261,22 @@ dpt_result model_write(const struct model *model, soup *source, uint64_t source_
     set_sections(&mesh, nodes);
 
     struct box *boxes = model_array(source, mesh.leaves, sizeof *boxes);
-    char *bytes = boxes && mesh.bytes <= SIZE_MAX / 2 ? take_block((size_t)mesh.bytes) : NULL;
+    struct moment *sets =
+        model_array(source, mesh.winding_components ? mesh.leaves : 0, sizeof *sets);
+    char *bytes =
+        boxes && sets && mesh.bytes <= SIZE_MAX / 2 ? take_block((size_t)mesh.bytes) : NULL;
     if (!bytes) {
         free(boxes);
+        free(sets);
         return soup_fail(source, DPT_E_MEMORY, (source_place){ 0, 0 }, "memory ran out");
     }
     fill_words(&mesh, model, bytes);
     fill_leaves(&mesh, model, (float *)(void *)(bytes + mesh.section[MESH_LEAVES].offset), boxes);
     fill_boxes(&mesh, (float *)(void *)(bytes + mesh.section[MESH_BOXES].offset), boxes, count);
+    if (mesh.winding_components)
+        fill_moments(&mesh, model, bytes, sets, count);
     free(boxes);
+    free(sets);
     out->size = (size_t)mesh.bytes;
     seal(&mesh, bytes);
     memcpy(bytes, &mesh, sizeof mesh);
