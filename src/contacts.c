@@ -238,7 +238,7 @@ static int meet(struct meeting *meeting, double *gap)
     if (profile->cut)
         found = CONTACT_UNKNOWN;
     if (world->def.budget)
-        world->left -= profile->work;
+        world->left -= profile->work < world->left ? profile->work : world->left;
     if (found == CONTACT_UNKNOWN)
         keep(world, meeting->segment, meeting->body);
     else

@@ -12,15 +12,16 @@
 #include "profile.h"
 
 #include "range.h"
+#include "winding.h"
 
 static vec3 point_at(const struct profile *profile, double s)
 {
     return along(profile->axis->local_a, s, profile->axis->u);
 }
 
-static int has_inside(uint32_t flags)
+static uint32_t flags_of(const struct profile *profile, uint32_t part)
 {
-    return (flags & MESH_PART_CLOSED) != 0;
+    return mesh_part_flags(profile->tree->mesh, part);
 }
 
 int32_t sides_get(const struct sides *sides, uint32_t part)
@@ -46,37 +47,46 @@ static vec3 way_out(const struct profile *profile, uint32_t triangle, const doub
     vec3 normal = side_feature_normal(profile->tree, triangle, weight);
     double size = length(normal);
     double side = sides_get(profile->sides, part);
-    if (side == 0.0 && has_inside(side_part_flags(profile->tree, part)))
+    if (side == 0.0 && (flags_of(profile, part) & MESH_PART_SOLID))
         side = 1.0;
     return size > 0.0 ? scaled(normal, side / size) : (vec3){ 0.0, 0.0, 0.0 };
 }
 
-/* Of a point whose nearest pair this is, by that pair alone. */
-static int side_by_pair(const struct profile *profile, uint32_t triangle, const pair *found)
+/* Of a point of the axis whose nearest pair this is: +1 outside, -1 inside. */
+static int side_of(struct profile *profile, double s, uint32_t triangle, const pair *found)
 {
-    uint32_t part = side_part(profile->tree, triangle);
+    uint32_t part = side_part(profile->tree, triangle), flags = flags_of(profile, part);
     int kept = sides_get(profile->sides, part);
     if (kept && side_is_border(profile->tree, triangle, found->weight))
         return 1;
-    if (!kept)
-        kept = has_inside(side_part_flags(profile->tree, part));
-    return kept ? kept * side_of_pair(profile->tree, triangle, found) : 1;
+    if (kept)
+        return kept * side_of_pair(profile->tree, triangle, found);
+    if (flags & MESH_PART_WINDING)
+        return winding_number(profile->tree, profile->kernel, point_at(profile, s),
+                              &profile->work) > 0.5
+                   ? -1
+                   : 1;
+    if (flags & MESH_PART_BURIED)
+        return -1;
+    return flags & MESH_PART_SOLID ? side_of_pair(profile->tree, triangle, found) : 1;
 }
 
 int profile_is_sideless(const struct profile *profile)
 {
     for (uint32_t k = 0; k < profile->crossings; k++) {
         uint32_t part = side_part(profile->tree, profile->crossing[k].triangle);
-        uint32_t flags = side_part_flags(profile->tree, part);
-        if (!has_inside(flags) && (flags & MESH_PART_MANIFOLD) && !sides_get(profile->sides, part))
+        uint32_t flags = flags_of(profile, part);
+        if (!(flags & MESH_PART_SOLID) && (flags & MESH_PART_MANIFOLD) &&
+            !sides_get(profile->sides, part))
             return 1;
     }
     return 0;
 }
 
+/* Sides may change without a crossing: each sample has its own. */
 static int by_sample(const struct profile *profile)
 {
-    return profile->sides->count > 0;
+    return profile->sides->count > 0 || profile->winding;
 }
 
 /* Between which crossings. */
@@ -90,7 +100,7 @@ static uint32_t stretch_of(const struct profile *profile, double s)
 
 static uint32_t spare(const struct profile *profile)
 {
-    return profile->most - profile->work;
+    return profile->work < profile->most ? profile->most - profile->work : 0;
 }
 
 /* The nearest triangle of a point, by descent or by search, as far as there is work left for it. */
@@ -123,7 +133,7 @@ static struct sample take_sample(struct profile *profile, double s, uint32_t tri
     double distance = sqrt(nearest.pair.distance2);
     int sign = profile->sign[stretch_of(profile, s)];
     if (!sign)
-        sign = side_by_pair(profile, nearest.triangle, &nearest.pair);
+        sign = side_of(profile, s, nearest.triangle, &nearest.pair);
     struct sample sample = { .s = s,
                              .height = sign * distance,
                              .gap = nearest.pair.gap,
@@ -237,8 +247,11 @@ static void put_crossing(struct profile *profile, uint32_t triangle, const pair 
     double along_axis = dot(normal, profile->axis->u);
     int on_face = found->weight[0] > 0.0 && found->weight[1] > 0.0 && found->weight[2] > 0.0;
     if (on_face && fabs(along_axis) > 1e-6 * profile->size) {
+        uint32_t flags = flags_of(profile, side_part(profile->tree, triangle));
         crossing->after = along_axis > 0.0 ? 1 : -1;
         crossing->before = -crossing->after;
+        if (flags & MESH_PART_BURIED)
+            crossing->before = crossing->after = -1;
     }
 }
 
@@ -327,7 +340,7 @@ static void find_sides(struct profile *profile, const struct nearest *nearest)
     if (by_sample(profile))
         return;
     if (!profile->crossings) {
-        profile->sign[0] = side_by_pair(profile, nearest->triangle, &nearest->pair);
+        profile->sign[0] = side_of(profile, nearest->pair.s, nearest->triangle, &nearest->pair);
         return;
     }
     for (uint32_t k = 0; k <= profile->crossings; k++) {
@@ -507,6 +520,8 @@ int profile_make(struct profile *profile, const struct nearest *nearest, const s
     profile->count = 0;
     profile->deepest = 0;
     profile->warm = seed_count > 0;
+    const uint32_t *lanes;
+    profile->winding = mesh_moments(profile->tree->mesh, &lanes) != NULL;
     if (distance > profile->reach && !by_sample(profile)) {
         find_sides(profile, nearest);
         if (profile->sign[0] > 0)

@@ -84,7 +84,8 @@ struct profile {
     uint32_t cut;     /* that was not enough */
     uint32_t
         warm; /* there were seeds: descent from them is as good as a search, but for the deepest */
-    uint32_t full; /* more crossings than there is room for: what is known is not all */
+    uint32_t winding; /* the mesh has parts whose inside the winding number tells */
+    uint32_t full;    /* more crossings than there is room for: what is known is not all */
     uint32_t crossings;
     uint32_t zones;
     uint32_t count;

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "side.h"
 
+#include "angle.h"
+
 static vec3 corner_of(const struct tree *tree, uint32_t triangle, int k)
 {
     uint32_t v = tree->corners[3 * (size_t)triangle + (size_t)(k % 3)];
@@ -19,27 +21,13 @@ vec3 side_face_normal(const struct tree *tree, uint32_t triangle)
     return unit(cross(sub(corner_of(tree, triangle, 1), a), sub(corner_of(tree, triangle, 2), a)));
 }
 
-/*
- * atan of 0..1 by two half-angle steps and the series up to z^13; error below 1e-11. Its own, so that
- * every machine gives the same bits.
- */
-static double arctangent(double z)
-{
-    for (int i = 0; i < 2; i++)
-        z = z / (1.0 + sqrt(1.0 + z * z));
-    double w = z * z, sum = 0.0;
-    for (int k = 13; k >= 1; k -= 2)
-        sum = 1.0 / k - w * sum;
-    return 4.0 * z * sum;
-}
-
 /* Between two unit vectors, 0..pi (Kahan): good for small and for straight angles. */
 static double angle_between(vec3 a, vec3 b)
 {
     double chord = length(sub(a, b)), sum = length(add(a, b));
     if (chord <= sum)
         return chord > 0.0 ? 2.0 * arctangent(chord / sum) : 0.0;
-    return 3.14159265358979323846 - 2.0 * arctangent(sum / chord);
+    return 0.5 * ANGLE_TURN - 2.0 * arctangent(sum / chord);
 }
 
 /* Angle-weighted (Baerentzen and Aanaes 2005), over the vertex's triangles of the same part. */
@@ -103,15 +91,10 @@ uint32_t side_part(const struct tree *tree, uint32_t triangle)
     return mesh_words(tree->mesh, MESH_PARTS)[triangle];
 }
 
-uint32_t side_part_flags(const struct tree *tree, uint32_t part)
-{
-    return mesh_words(tree->mesh, MESH_PART_TABLE)[4 * (size_t)part];
-}
-
 int side_is_sheet(const struct tree *tree, uint32_t part)
 {
-    uint32_t flags = side_part_flags(tree, part);
-    return !(flags & MESH_PART_CLOSED) && (flags & MESH_PART_MANIFOLD) && (flags & MESH_PART_WOUND);
+    uint32_t flags = mesh_part_flags(tree->mesh, part);
+    return !(flags & MESH_PART_SOLID) && (flags & MESH_PART_MANIFOLD) && (flags & MESH_PART_WOUND);
 }
 
 int side_is_border(const struct tree *tree, uint32_t triangle, const double weight[3])

@@ -21,9 +21,8 @@ vec3 side_smooth_normal(const struct tree *tree, uint32_t triangle, const double
 /* 1 when that point lies on an edge without a neighbour. */
 int side_is_border(const struct tree *tree, uint32_t triangle, const double weight[3]);
 
-/* A triangle's part, and the part's MESH_PART_... flags. */
+/* A triangle's part. */
 uint32_t side_part(const struct tree *tree, uint32_t triangle);
-uint32_t side_part_flags(const struct tree *tree, uint32_t part);
 
 /* A part without an inside, but with two sides. */
 int side_is_sheet(const struct tree *tree, uint32_t part);
