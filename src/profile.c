@@ -52,6 +52,17 @@ static vec3 way_out(const struct profile *profile, uint32_t triangle, const doub
     return size > 0.0 ? scaled(normal, side / size) : (vec3){ 0.0, 0.0, 0.0 };
 }
 
+/* A point outside of the box sees all of the mesh in one half of its view. */
+static int is_inside_by_winding(struct profile *profile, double s)
+{
+    const struct dpt_mesh *mesh = profile->tree->mesh;
+    vec3 x = point_at(profile, s);
+    if (x.x < mesh->box_min[0] || x.y < mesh->box_min[1] || x.z < mesh->box_min[2] ||
+        x.x > mesh->box_max[0] || x.y > mesh->box_max[1] || x.z > mesh->box_max[2])
+        return 0;
+    return winding_number(profile->tree, profile->kernel, x, &profile->work) > 0.5;
+}
+
 /* Of a point of the axis whose nearest pair this is: +1 outside, -1 inside. */
 static int side_of(struct profile *profile, double s, uint32_t triangle, const pair *found)
 {
@@ -62,10 +73,7 @@ static int side_of(struct profile *profile, double s, uint32_t triangle, const p
     if (kept)
         return kept * side_of_pair(profile->tree, triangle, found);
     if (flags & MESH_PART_WINDING)
-        return winding_number(profile->tree, profile->kernel, point_at(profile, s),
-                              &profile->work) > 0.5
-                   ? -1
-                   : 1;
+        return is_inside_by_winding(profile, s) ? -1 : 1;
     if (flags & MESH_PART_BURIED)
         return -1;
     return flags & MESH_PART_SOLID ? side_of_pair(profile->tree, triangle, found) : 1;
@@ -506,6 +514,18 @@ static void find_deepest(struct profile *profile)
             profile->deepest = i;
 }
 
+/*
+ * An axis that is not within reach: outside as a whole, if its nearest point is. Through a hole in a part an end may be inside,
+ * though; what passes two holes between its ends is taken for outside.
+ */
+static int is_outside(struct profile *profile, const struct nearest *nearest)
+{
+    if (side_of(profile, nearest->pair.s, nearest->triangle, &nearest->pair) < 0)
+        return 0;
+    return !profile->winding ||
+           !(is_inside_by_winding(profile, 0.0) || is_inside_by_winding(profile, 1.0));
+}
+
 int profile_make(struct profile *profile, const struct nearest *nearest, const struct seed *seeds,
                  uint32_t seed_count)
 {
@@ -522,10 +542,11 @@ int profile_make(struct profile *profile, const struct nearest *nearest, const s
     profile->warm = seed_count > 0;
     const uint32_t *lanes;
     profile->winding = mesh_moments(profile->tree->mesh, &lanes) != NULL;
-    if (distance > profile->reach && !by_sample(profile)) {
-        find_sides(profile, nearest);
-        if (profile->sign[0] > 0)
-            return 0;
+    int is_far = distance > profile->reach;
+    if (is_far && !profile->sides->count && is_outside(profile, nearest))
+        return 0;
+    if (is_far && !by_sample(profile)) {
+        profile->sign[0] = -1;
     } else {
         look_around(profile);
         find_sides(profile, nearest);
