@@ -561,7 +561,8 @@ int profile_make(struct profile *profile, const struct nearest *nearest, const s
         int sign = profile->sign[stretch_of(profile, seeds[i].s)];
         if (sign > 0 && !in_zone(profile, seeds[i].s))
             continue;
-        struct sample sample = take_sample(profile, seeds[i].s, seeds[i].triangle, !sign);
+        int exact = !sign || seeds[i].share > PROFILE_SHARE;
+        struct sample sample = take_sample(profile, seeds[i].s, seeds[i].triangle, exact);
         put_sample(profile, &sample);
     }
     put_inner_samples(profile);

@@ -19,8 +19,11 @@ enum { PROFILE_SAMPLES = 64, PROFILE_CROSSINGS = 31, PROFILE_ZONES = 8, PROFILE_
 struct seed {
     double s;
     uint32_t triangle;
-    uint32_t reserved;
+    float share; /* of its region's overlap: what would be wrong with it */
 };
+
+/* What counts for more than this is searched for; descent does for the rest. */
+#define PROFILE_SHARE 0.02
 
 struct sample {
     double s;

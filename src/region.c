@@ -122,7 +122,8 @@ static void refine(struct profile *profile)
         if (!(doubt > DOUBT_LEFT * sum))
             return;
         double where = ask_where(profile, worst, &profile->sample[worst].span);
-        if (profile_ask(profile, where, !profile->warm) == DPT_NONE)
+        int exact = !profile->warm || profile->sample[worst].span.area > PROFILE_SHARE * sum;
+        if (profile_ask(profile, where, exact) == DPT_NONE)
             return;
     }
 }
@@ -198,17 +199,21 @@ uint32_t region_seeds(const struct profile *profile, const struct region *region
     uint32_t count = 0;
     const struct sample *before = NULL;
     double ignored = profile->size > 0.0 ? DOUBT_IGNORED * region->overlap / profile->size : 0.0;
+    double share_per_area = region->overlap > 0.0 ? 0.5 * profile->size / region->overlap : 0.0;
     for (uint32_t i = 0; i < profile->count; i++) {
         const struct sample *sample = &profile->sample[i];
         if (sample->s > region->to)
             break;
+        double after = i + 1 < profile->count ? sample[1].s : sample->s;
         int ends = !before || i + 1 == profile->count || i == region->deepest;
         int keeps = ends || worth(profile, before, sample, sample + 1) > ignored;
-        if (keeps)
-            before = sample;
+        double share = (profile->reach - sample->height) * (after - (before ? before->s : after));
         if (keeps && count < most && sample->s >= region->from && sample->height != 0.0 &&
             sample->triangle != DPT_NONE)
-            seeds[count++] = (struct seed){ sample->s, sample->triangle, 0 };
+            seeds[count++] =
+                (struct seed){ sample->s, sample->triangle, (float)(share * share_per_area) };
+        if (keeps)
+            before = sample;
     }
     return count;
 }
