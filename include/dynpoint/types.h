@@ -137,7 +137,8 @@ enum {
  *   s0, s1      the stretch, in 0..1 of the segment
  *   s, p, q     the deepest pair: p on the axis, q on the mesh nearest to it
  *   weight      of the triangle's corners, as dpt_mesh_triangle has them, at q: sum 1
- *   normal      unit, the way out at q: from q to p outside, from p to q inside. Zero where there is none
+ *   normal      unit, the way out at q: from q to p outside, from p to q inside; or smoothed, as the world's def asks.
+ *               Zero where there is none
  *   gap         signed distance of the tool's surface at p
  *
  * Integrals over the length of the stretch. With w = margin - gap(s), which is 0 at its ends, and n(s) the way out:

@@ -149,6 +149,10 @@ for name in $meshes; do
         cmp -s "$file.$kernel.csv" "$file.ours.csv" || { echo "$kernel gives other answers"; exit 1; }
         row exact "$kernel" "$file.$kernel.json" 0 0
     done
+    if "$build/dynpoint" replay "$file.dpa" "$file.csv" -o "$file.contact.csv" --until contact \
+        --repeat 3 --json >"$file.contact.json"; then
+        row exact contact "$file.contact.json" $(against "$file.contact.csv" 4)
+    fi
     if "$build/dynpoint" replay "$file.dpa" "$file.csv" -o "$file.tree.csv" --method tree --until track \
         --repeat 3 --json >"$file.tree.json"; then
         row tree warm "$file.tree.json" $(against "$file.tree.csv" 4)
