@@ -500,7 +500,7 @@ static void find_deepest(struct profile *profile)
         if (profile->count < PROFILE_SAMPLES)
             most = deepest_stretch(profile, profile->tolerance - profile->sample[low].height);
         if (most)
-            profile_ask(profile, most->deep.s, by_sample(profile) || asked >= DESCENTS);
+            profile_ask(profile, most->deep.s, profile->winding || asked >= DESCENTS);
         else if (!profile->sample[low].exact)
             profile_ask(profile, profile->sample[low].s, 1);
         else
@@ -561,7 +561,7 @@ int profile_make(struct profile *profile, const struct nearest *nearest, const s
         int sign = profile->sign[stretch_of(profile, seeds[i].s)];
         if (sign > 0 && !in_zone(profile, seeds[i].s))
             continue;
-        int exact = !sign || seeds[i].share > PROFILE_SHARE;
+        int exact = profile->winding || seeds[i].share > PROFILE_SHARE;
         struct sample sample = take_sample(profile, seeds[i].s, seeds[i].triangle, exact);
         put_sample(profile, &sample);
     }
