@@ -4,8 +4,8 @@
 # list, what is missing and its size, and installs it when that can be done (root, apt-get, DEPS not
 # "no"); nothing here is needed by the library or the demo, and a test whose package is missing is skipped.
 set -u
-packages="python3 pkg-config g++ libfcl-dev libgmp-dev gcc-aarch64-linux-gnu libc6-dev-arm64-cross
-gcc-arm-linux-gnueabihf gcc-s390x-linux-gnu libc6-dev-s390x-cross qemu-user-static"
+packages="python3 pkg-config g++ libfcl-dev libcgal-dev libgmp-dev gcc-aarch64-linux-gnu
+libc6-dev-arm64-cross gcc-arm-linux-gnueabihf gcc-s390x-linux-gnu libc6-dev-s390x-cross qemu-user-static"
 
 missing=
 for package in $packages; do

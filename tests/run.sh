@@ -58,6 +58,7 @@ sh tests/deps.sh
 build all test-programs
 build CONFIG=scalar all test-programs
 build CONFIG=sanitize all test-programs
+sh tests/oracle/inside.sh build
 
 for program in build/tests/test_*; do
     [ -x "$program" ] && [ ! -d "$program" ] || continue

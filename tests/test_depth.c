@@ -1,0 +1,746 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * Gap and depth, of stateless queries and of worlds with a history, against closed forms, against an oracle that
+ * closes the least signed distance in from both sides (oracle/depth.h), and inside and outside against another
+ * library (oracle/inside_cgal.cpp, if it is built).
+ *
+ *     test_depth           what make check runs
+ *     test_depth TICKS     so many ticks and axes a mesh, 150 if not told
+ *
+ * Real meshes from DPT_DATA.
+ */
+#include <dirent.h>
+#include <unistd.h>
+
+#include "solid.h"
+
+static const char *data;
+static char folder[1024]; /* where this program lies */
+static uint64_t ticks = 150;
+
+static struct tally {
+    size_t axes, ticks, deep, crossing, points;
+    double over, under; /* gap above the deepest seen, below the deepest possible, in diagonals */
+    double landed,
+        stepped; /* off the surface after moving out; faster than the motion, in diagonals */
+} tally;
+
+static void report(const struct solid *solid)
+{
+    printf("    %-26s %6u  %5zu axes, %5zu ticks, %5zu deep, %5zu cross: %8.1e over, %8.1e under, "
+           "lands %8.1e, "
+           "jumps %8.1e; %zu a search\n",
+           solid->name, solid->info.triangles, tally.axes, tally.ticks, tally.deep, tally.crossing,
+           tally.over, tally.under, tally.landed, tally.stepped,
+           tally.points / (tally.axes + tally.ticks + 1));
+    tally = (struct tally){ 0 };
+}
+
+static double ends_before[6]; /* of the tick before, in a world */
+
+static uint64_t seed_of(const char *name)
+{
+    uint64_t seed = 5381;
+    for (const char *c = name; *c; c++)
+        seed = 33 * seed + (unsigned char)*c;
+    return seed;
+}
+
+/* What it takes to see it again. */
+static const char *text_of(const struct solid *solid, const char *by, const double ends[6],
+                           double radius, const dpt_hit *hit)
+{
+    static char text[512];
+    const int so_far =
+        snprintf(text, sizeof text, "%s, %s: %a %a %a  %a %a %a, radius %g: distance %.9g gap %.9g",
+                 solid->name, by, ends[0], ends[1], ends[2], ends[3], ends[4], ends[5], radius,
+                 hit->distance, hit->gap);
+    const double *e = ends_before;
+    if (strcmp(by, "query") != 0)
+        snprintf(text + so_far, sizeof text - (size_t)so_far, ", after %a %a %a  %a %a %a", e[0],
+                 e[1], e[2], e[3], e[4], e[5]);
+    return text;
+}
+
+/* What an answer about a closed mesh owes whatever the truth is. */
+static void check_form(const char *text, const dpt_hit *hit)
+{
+    CHECK(isfinite(hit->gap + hit->depth), "%s", text);
+    CHECK(hit->status == DPT_STATUS_EXACT && (hit->flags & DPT_HIT_GAP), "flags %u: %s", hit->flags,
+          text);
+    CHECK(hit->depth == fmax(0, -hit->gap), "depth %.9g: %s", hit->depth, text);
+    CHECK(hit->contact == (hit->gap > hit->error_bound    ? DPT_CONTACT_SEPARATED
+                           : hit->gap < -hit->error_bound ? DPT_CONTACT_PENETRATING
+                                                          : DPT_CONTACT_TOUCHING),
+          "contact %u: %s", hit->contact, text);
+}
+
+/* The gap of an axis against the oracle. */
+static struct oracle_least check_depth(const struct solid *solid, const char *by,
+                                       const double ends[6], double radius, const dpt_hit *hit)
+{
+    const double diagonal = solid->diagonal;
+    const struct oracle_least least = oracle_least(&solid->oracle, ends, 2e-7 * diagonal);
+    const char *text = text_of(solid, by, ends, radius, hit);
+    const double ours = hit->gap + radius;
+    check_form(text, hit);
+    CHECK(least.high - least.low <= 3e-7 * diagonal, "the oracle is not sure: %g to %g, %s",
+          least.low, least.high, text);
+    const double slack = 1e-12 * solid->oracle.extent + 1e-15 * radius;
+    if (!least.inside && !least.crosses)
+        CHECK(fabs(ours - least.high) <= hit->error_bound + slack, "%.12g not %.12g: %s", ours,
+              least.high, text);
+    CHECK(ours <= least.high + 1e-5 * diagonal + slack, "%.9g, but %.9g at s = %.9g: %s", ours,
+          least.high, least.s, text);
+    CHECK(ours >= least.low - 1e-5 * diagonal - slack, "%.9g, but not below %.9g: %s", ours,
+          least.low, text);
+    tally.over = fmax(tally.over, (ours - least.high) / diagonal);
+    tally.under = fmax(tally.under, (least.low - ours) / diagonal);
+    tally.deep += least.inside != 0;
+    tally.crossing += least.crosses != 0;
+    tally.points += least.points;
+    return least;
+}
+
+/* The region that has the hit's gap leads out: from its deepest point by how deep the axis is to the surface. */
+static void check_way_out(const struct solid *solid, const struct stage *stage, double margin,
+                          const double ends[6], double radius, const dpt_hit *hit)
+{
+    dpt_contact contacts[STAGE_CONTACTS], *found = NULL;
+    const uint32_t count = stage_contacts(stage, contacts);
+    const char *text = text_of(solid, "way out", ends, radius, hit);
+    const double bound = 1e-5 * solid->diagonal;
+    for (uint32_t i = 0; i < count; i++) {
+        CHECK(contacts[i].gap >= hit->gap - bound, "a region has a gap of %.9g: %s",
+              contacts[i].gap, text);
+        if (fabs(contacts[i].gap - hit->gap) <= bound && (!found || contacts[i].gap < found->gap))
+            found = &contacts[i];
+    }
+    if (hit->gap > margin - bound)
+        return;
+    CHECK(found, "%u regions, none with the gap: %s", count, text);
+    if (!found)
+        return;
+    double out[6], p[3];
+    along(ends, found->s, p);
+    CHECK(apart(p, found->p) <= 1e-12 * solid->oracle.extent, "p is off by %g: %s",
+          apart(p, found->p), text);
+    CHECK(fabs(oracle_signed(&solid->oracle, p) - (found->gap + radius)) <= bound,
+          "%.9g at p, gap %.9g: %s", oracle_signed(&solid->oracle, p), found->gap, text);
+    if (dot3(found->normal, found->normal) == 0) {
+        CHECK(fabs(hit->gap + radius) <= hit->error_bound, "no way out: %s", text);
+        return;
+    }
+    for (int k = 0; k < 3; k++)
+        out[k] = out[3 + k] = p[k] - (hit->gap + radius) * found->normal[k];
+    const double off = oracle_brute(solid->brute, out, NULL);
+    CHECK(off <= bound, "lands %g off: %s", off, text);
+    tally.landed = fmax(tally.landed, off / solid->diagonal);
+}
+
+static double radius_of(const struct solid *solid, uint64_t i)
+{
+    static const double shares[4] = { 0, 0.0007, 0.008, 0.03 };
+    return shares[i % 4] * solid->diagonal;
+}
+
+/* Axes at random, some of them where it is delicate. */
+static void random_axes(const struct solid *solid, uint64_t count)
+{
+    struct motion motion = { .count = 0 };
+    uint64_t seed = seed_of(solid->name);
+    motion_random(&motion, &solid->place, seed, 20 * (1 + count / 20));
+    motion_small(&motion, &solid->place, seed, count / 2);
+    for (size_t i = 0; i < motion.count; i += 1 + motion.count / count) {
+        dpt_hit hit = DPT_HIT_INIT;
+        const double radius = radius_of(solid, random_bits(&seed));
+        /* A hundred diagonals away is for test_organs. */
+        dpt_query_segments(solid->mesh, NULL, motion.ends[i], &radius, 1, &hit, NULL);
+        check_depth(solid, "query", motion.ends[i], radius, &hit);
+        tally.axes++;
+    }
+    motion_free(&motion);
+}
+
+/* One motion of a tool in a world: `go` makes the next tick's ends. */
+struct drive {
+    const struct solid *solid;
+    struct stage stage;
+    double margin, ends[6], radius;
+    uint64_t every; /* of these ticks one is held against the oracle */
+    dpt_hit last;
+    double last_ends[6];
+    uint64_t tick;
+};
+
+static int drive_begin(struct drive *drive, const struct solid *solid, double radius)
+{
+    *drive = (struct drive){ .solid = solid, .margin = 0.003 * solid->diagonal, .radius = radius };
+    return stage_open(&drive->stage, solid->mesh, NULL, drive->margin, 32);
+}
+
+static void drive_tick(struct drive *drive)
+{
+    const struct solid *solid = drive->solid;
+    const double *ends = drive->ends, radius = drive->radius, diagonal = solid->diagonal;
+    dpt_hit plain = DPT_HIT_INIT;
+    const dpt_hit hit = stage_tick(&drive->stage, ends, radius);
+    dpt_query_segments(solid->mesh, NULL, ends, &radius, 1, &plain, NULL);
+    check_form(text_of(solid, "world", ends, radius, &hit), &hit);
+    CHECK(fabs(plain.gap - hit.gap) <= 2e-5 * diagonal, "%.9g without history: %s", plain.gap,
+          text_of(solid, "world", ends, radius, &hit));
+    if (drive->tick) {
+        const double went = motion_of(drive->last_ends, ends);
+        const double jump = fabs(hit.gap - drive->last.gap) - went;
+        CHECK(jump <= 2e-5 * diagonal, "from %.9g within %g: %s", drive->last.gap, went,
+              text_of(solid, "world", ends, radius, &hit));
+        tally.stepped = fmax(tally.stepped, jump / diagonal);
+    }
+    if (drive->tick % drive->every == 0) {
+        check_depth(solid, "world", ends, radius, &hit);
+        check_way_out(solid, &drive->stage, drive->margin, ends, radius, &hit);
+    }
+    drive->last = hit;
+    memcpy(drive->last_ends, ends, sizeof drive->last_ends);
+    memcpy(ends_before, ends, sizeof ends_before);
+    drive->tick++;
+    tally.ticks++;
+}
+
+/* A tool that goes right through, turning slowly: in from one side of the box, out at the other. */
+static void push_through(const struct solid *solid, uint64_t seed, uint64_t count, uint64_t every)
+{
+    struct drive drive;
+    double way[3], lie[3], axis[3], aim[3];
+    const double length = random_in(&seed, 0, 1.2) * solid->diagonal;
+    if (!drive_begin(&drive, solid, radius_of(solid, random_bits(&seed))))
+        return;
+    drive.every = every;
+    random_unit(&seed, way);
+    random_unit(&seed, lie);
+    random_unit(&seed, axis);
+    const double turn = random_in(&seed, 0, 3.0 / (double)count);
+    const uint64_t t = random_bits(&seed) % solid->place.triangles;
+    for (int k = 0; k < 3; k++) {
+        aim[k] = 0.5 * (solid->place.low[k] + solid->place.high[k]);
+        aim[k] = 0.5 * (aim[k] + (double)solid->corners[9 * t + (uint64_t)k]);
+    }
+    for (int k = 0; k < 3; k++) {
+        drive.ends[k] = aim[k] - 0.3 * solid->diagonal * way[k] - 0.5 * length * lie[k];
+        drive.ends[3 + k] = aim[k] - 0.3 * solid->diagonal * way[k] + 0.5 * length * lie[k];
+    }
+    for (uint64_t i = 0; i < count; i++) {
+        drive_tick(&drive);
+        for (int k = 0; k < 6; k++)
+            drive.ends[k] += 0.6 * solid->diagonal / (double)count * way[k % 3];
+        turn_about(drive.ends, 0.5, axis, turn);
+    }
+    stage_close(&drive.stage);
+}
+
+/* A capsule that slides and spins in contact; its target goes from outside to pressed in. */
+static void slide_along(const struct solid *solid, uint64_t seed, uint64_t count, uint64_t every)
+{
+    struct drive drive;
+    struct slide slide;
+    const double radius = radius_of(solid, 2);
+    if (!drive_begin(&drive, solid, radius))
+        return;
+    drive.every = every;
+    slide_begin(&slide, solid, seed, random_in(&seed, 0, 0.8) * solid->diagonal, radius);
+    slide.step = 3e-4 * solid->diagonal;
+    slide.spin = random_in(&seed, -0.02, 0.02);
+    for (uint64_t i = 0; i < count; i++) {
+        slide.gap = radius * (0.2 - 0.8 * (double)(i % 100) / 100);
+        memcpy(drive.ends, slide.ends, sizeof drive.ends);
+        drive_tick(&drive);
+        slide_step(&slide);
+    }
+    stage_close(&drive.stage);
+}
+
+static void try_closed(const struct solid *solid)
+{
+    const uint64_t seed = seed_of(solid->name);
+    /* The oracle's time grows with the mesh. */
+    const uint64_t asked = solid->info.triangles > 6000 && ticks < 1000 ? ticks / 5 : ticks;
+    CHECK(solid->info.components == 1 && solid->info.closed_components == 1, "%s is not closed",
+          solid->name);
+    random_axes(solid, asked);
+    for (uint64_t i = 0; i < 3; i++) {
+        const uint64_t every = 1 + 3 * ticks / asked;
+        push_through(solid, seed + i, ticks, every);
+        slide_along(solid, seed + i, ticks / 2, every);
+    }
+    report(solid);
+}
+
+/* A box in closed form: convex along a line, so thirds lead to the least height. */
+static double height_over_box(const double half[3], const double ends[6], double s)
+{
+    double outside = 0, deep = INFINITY;
+    for (int k = 0; k < 3; k++) {
+        const double beyond = fabs(ends[k] + s * (ends[3 + k] - ends[k])) - half[k];
+        outside += beyond > 0 ? beyond * beyond : 0;
+        deep = fmin(deep, -beyond);
+    }
+    return outside > 0 ? sqrt(outside) : -deep;
+}
+
+static double least_over_box(const double half[3], const double ends[6])
+{
+    double from = 0, to = 1;
+    for (int i = 0; i < 100; i++) {
+        const double third = (to - from) / 3;
+        if (height_over_box(half, ends, from + third) < height_over_box(half, ends, to - third))
+            to -= third;
+        else
+            from += third;
+    }
+    return height_over_box(half, ends, 0.5 * (from + to));
+}
+
+static int box_of(struct solid *solid, const double half[3])
+{
+    double vertices[24];
+    static const uint32_t corners[36] = { 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4,
+                                          2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5 };
+    for (int i = 0; i < 8; i++)
+        for (int k = 0; k < 3; k++)
+            vertices[3 * i + k] = i >> k & 1 ? half[k] : -half[k];
+    return solid_from_arrays(solid, "box", vertices, 8, corners, 12);
+}
+
+/* A coordinate that is outside, on a face, inside, in the middle, or anything. */
+static double delicate(uint64_t *seed, double half)
+{
+    static const double shares[6] = { -1, 0, 1, -0.5, 0.5, 1.5 };
+    const uint64_t i = random_bits(seed) % 8;
+    return i < 6 ? shares[i] * half : random_in(seed, -1.5, 1.5) * half;
+}
+
+static void box_in_closed_form(const double half[3])
+{
+    struct solid solid;
+    struct stage stage;
+    uint64_t seed = 11;
+    double worst = 0, worst_free = 0;
+    if (!box_of(&solid, half) || !stage_open(&stage, solid.mesh, NULL, 0.001, 32))
+        return;
+    for (uint64_t i = 0; i < 80 * ticks; i++) {
+        double ends[6], radius = radius_of(&solid, i);
+        const int kind = (int)(random_bits(&seed) % 4);
+        dpt_hit hit = DPT_HIT_INIT;
+        for (int k = 0; k < 6; k++)
+            ends[k] = delicate(&seed, half[k % 3]);
+        if (kind == 0) /* a point */
+            memcpy(ends + 3, ends, 3 * sizeof *ends);
+        if (kind == 1) /* along an axis: in the plane of a face, along an edge */
+            for (uint64_t k = 0, keep = random_bits(&seed) % 3; k < 3; k++)
+                if (k != keep)
+                    ends[3 + k] = ends[k];
+        dpt_query_segments(solid.mesh, NULL, ends, &radius, 1, &hit, NULL);
+        const dpt_hit moved = stage_tick(&stage, ends, radius);
+        const double truth = least_over_box(half, ends) - radius;
+        for (int w = 0; w < 2; w++) {
+            const dpt_hit *h = w ? &moved : &hit;
+            const char *text = text_of(&solid, w ? "world" : "query", ends, radius, h);
+            const double error = fabs(h->gap - truth);
+            check_form(text, h);
+            if (truth + radius > 1e-12) {
+                CHECK(error <= h->error_bound + 1e-15, "not %.12g: %s", truth, text);
+                worst_free = fmax(worst_free, error);
+            }
+            CHECK(error <= 1e-5 * solid.diagonal, "not %.9g: %s", truth, text);
+            worst = fmax(worst, error / solid.diagonal);
+        }
+        if (i % 7 == 0)
+            check_way_out(&solid, &stage, 0.001, ends, radius, &moved);
+        memcpy(ends_before, ends, sizeof ends);
+    }
+    printf("    %g x %g x %g m: %.1e of the diagonal, %.1e m free\n", 2 * half[0], 2 * half[1],
+           2 * half[2], worst, worst_free);
+    stage_close(&stage);
+    solid_close(&solid);
+}
+
+static void boxes(void)
+{
+    /* Floats, so that the mesh is the very box. */
+    box_in_closed_form((const double[3]){ 0.0625, 0.046875, 0.03125 });
+    box_in_closed_form((const double[3]){ 0.5, 0.5, 0.5 });
+    box_in_closed_form((const double[3]){ 0.0625, 0.0625, 0x1p-12 });
+    box_in_closed_form((const double[3]){ 1, 0x1p-10, 0x1p-7 });
+    tally = (struct tally){ 0 };
+}
+
+/* Axes of many kinds about the origin: outside, crossing, inside, points, through the middle. */
+static void ends_about(uint64_t *seed, double size, uint64_t i, double ends[6])
+{
+    for (int k = 0; k < 6; k++)
+        ends[k] = size * (i % 5 == 1 ? random_in(seed, -0.5, 0.5) : random_in(seed, -1.5, 1.5));
+    if (i % 5 == 2)
+        memcpy(ends + 3, ends, 3 * sizeof *ends);
+    if (i % 5 == 3)
+        for (int k = 0; k < 3; k++)
+            ends[3 + k] = -ends[k];
+}
+
+/* The mesh is within the ball and holds the ball that touches its faces from within. */
+static void sphere(void)
+{
+    struct solid solid;
+    uint64_t seed = 3;
+    double inner = INFINITY, outer = 0;
+    if (!solid_from_shape(&solid, "sphere", 5120))
+        return;
+    for (uint32_t t = 0; t < solid.place.triangles; t++) {
+        double c[9], n[3];
+        for (int k = 0; k < 9; k++)
+            c[k] = (double)solid.corners[9 * (size_t)t + (size_t)k];
+        for (int k = 0; k < 3; k++) {
+            const int i = (k + 1) % 3, j = (k + 2) % 3;
+            n[k] = (c[3 + i] - c[i]) * (c[6 + j] - c[j]) - (c[3 + j] - c[j]) * (c[6 + i] - c[i]);
+        }
+        unit3(n);
+        inner = fmin(inner, dot3(n, c));
+        for (int i = 0; i < 9; i += 3)
+            outer = fmax(outer, sqrt(dot3(c + i, c + i)));
+    }
+    for (uint64_t i = 0; i < 40 * ticks; i++) {
+        double ends[6], d[3], x[3];
+        const double radius = radius_of(&solid, i / 5);
+        dpt_hit hit = DPT_HIT_INIT;
+        ends_about(&seed, outer, i, ends);
+        for (int k = 0; k < 3; k++)
+            d[k] = ends[3 + k] - ends[k];
+        const double square = dot3(d, d);
+        const double s = square > 0 ? fmax(0, fmin(1, -dot3(ends, d) / square)) : 0;
+        along(ends, s, x);
+        const double least = sqrt(dot3(x, x)) - radius, bound = 1e-5 * solid.diagonal;
+        dpt_query_segments(solid.mesh, NULL, ends, &radius, 1, &hit, NULL);
+        check_form(text_of(&solid, "query", ends, radius, &hit), &hit);
+        CHECK(hit.gap >= least - outer - bound && hit.gap <= least - inner + bound,
+              "%.9g to %.9g: %s", least - outer, least - inner,
+              text_of(&solid, "query", ends, radius, &hit));
+    }
+    solid_close(&solid);
+}
+
+enum { DENSE = 2000 };
+
+/* A ring of radius 0.1 m and a tube of 0.04 m, as `dynpoint make torus` says. */
+static double height_over_torus(const double x[3])
+{
+    return hypot(hypot(x[0], x[1]) - 0.1, x[2]) - 0.04;
+}
+
+/*
+ * The height over the torus has a second derivative of at most 1 / 0.9 tube near the surface: where it is 0 in the
+ * corners it is within L^2 / (6 * 0.9 tube) in a triangle of edges of at most L.
+ */
+static void torus(void)
+{
+    struct solid solid;
+    uint64_t seed = 5;
+    double edge = 0;
+    if (!solid_from_shape(&solid, "torus", 61358))
+        return;
+    for (uint32_t t = 0; t < solid.place.triangles; t++)
+        for (int i = 0; i < 3; i++) {
+            double e[3];
+            for (int k = 0; k < 3; k++)
+                e[k] = (double)solid.corners[9 * (size_t)t + (size_t)(3 * i + k)] -
+                       (double)solid.corners[9 * (size_t)t + (size_t)(3 * ((i + 1) % 3) + k)];
+            edge = fmax(edge, sqrt(dot3(e, e)));
+        }
+    const double off = edge * edge / (6 * 0.9 * 0.04) + 1e-8;
+    for (uint64_t i = 0; i < 10 * ticks; i++) {
+        double ends[6], high = INFINITY, at = 0, x[3];
+        const double radius = radius_of(&solid, i / 5), bound = off + 1e-5 * solid.diagonal;
+        dpt_hit hit = DPT_HIT_INIT;
+        ends_about(&seed, 0.1, i, ends);
+        for (int k = 0; k <= DENSE; k++) {
+            along(ends, (double)k / DENSE, x);
+            if (height_over_torus(x) < high) {
+                high = height_over_torus(x);
+                at = (double)k / DENSE;
+            }
+        }
+        double from = fmax(0, at - 1.0 / DENSE), to = fmin(1, at + 1.0 / DENSE);
+        for (int k = 0; k < 60; k++) {
+            double y[3];
+            along(ends, from + 0.382 * (to - from), x);
+            along(ends, from + 0.618 * (to - from), y);
+            if (height_over_torus(x) < height_over_torus(y))
+                to = from + 0.618 * (to - from);
+            else
+                from = from + 0.382 * (to - from);
+            high = fmin(high, fmin(height_over_torus(x), height_over_torus(y)));
+        }
+        dpt_query_segments(solid.mesh, NULL, ends, &radius, 1, &hit, NULL);
+        CHECK(fabs(hit.gap + radius - high) <= bound, "not %.9g +- %.2g: %s", high - radius, bound,
+              text_of(&solid, "query", ends, radius, &hit));
+    }
+    solid_close(&solid);
+}
+
+static void closed_shapes(void)
+{
+    static const struct {
+        const char *name;
+        uint64_t count;
+    } cases[] = { { "torus", 32 },   { "torus", 2000 },  { "liver", 4000 }, { "star", 2000 },
+                  { "star", 20480 }, { "sphere", 1280 }, { "box", 192 },    { "spleen", 1000 } };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct solid solid;
+        if (solid_from_shape(&solid, cases[i].name, cases[i].count))
+            try_closed(&solid);
+        solid_close(&solid);
+    }
+    struct solid slab;
+    if (box_of(&slab, (const double[3]){ 0.0625, 0.0625, 0x1p-12 }))
+        try_closed(&slab);
+    solid_close(&slab);
+}
+
+/* Public meshes that are closed and do not cut themselves. */
+static const char *const closed[] = {
+    "organs/openhelp_liver.stl",  "organs/openhelp_spleen.stl",   "organs/openhelp_kidney_left.stl",
+    "organs/gallbladder_low.stl", "sheets_tori/torus_1600.obj",   "hard/spot.obj",
+    "sheets_tori/salad_bowl.obj", "tools/suture_needle_40mm.obj", "tools/maryland_jaw.stl",
+    "sheets_tori/gauze.obj"
+};
+enum { CLOSED = sizeof closed / sizeof *closed };
+
+static int open_public(struct solid *solid, const char *name)
+{
+    char path[4096];
+    snprintf(path, sizeof path, "%s/meshes/%s", data, name);
+    return solid_from_file(solid, name, path, 1);
+}
+
+static void closed_organs(void)
+{
+    for (int i = 0; i < CLOSED; i++) {
+        struct solid solid;
+        if (open_public(&solid, closed[i]))
+            try_closed(&solid);
+        solid_close(&solid);
+    }
+}
+
+/* On whatever mesh: the distance changes by no more than the tool moves, with history and without. */
+static void try_distance(const struct solid *solid)
+{
+    struct motion motion = { .count = 0 };
+    struct stage stage;
+    motion_random(&motion, &solid->place, seed_of(solid->name), 4 * ticks);
+    double last[2] = { 0, 0 }, bound = 0;
+    if (!stage_open(&stage, solid->mesh, NULL, 0.003 * solid->diagonal, 32))
+        return;
+    for (size_t i = 0; i < motion.count; i++) {
+        dpt_hit hits[2] = { DPT_HIT_INIT, DPT_HIT_INIT };
+        const double radius = radius_of(solid, i / 20);
+        if (motion.jumps[i])
+            stage_jump(&stage);
+        dpt_query_segments(solid->mesh, NULL, motion.ends[i], &radius, 1, &hits[0], NULL);
+        hits[1] = stage_tick(&stage, motion.ends[i], radius);
+        const double went = i ? motion_of(motion.ends[i - 1], motion.ends[i]) : 0;
+        for (int w = 0; w < 2; w++) {
+            const char *text =
+                text_of(solid, w ? "world" : "query", motion.ends[i], radius, &hits[w]);
+            CHECK(!i || fabs(hits[w].distance - last[w]) <=
+                            went * (1 + 1e-12) + bound + hits[w].error_bound,
+                  "from %.9g within %g: %s", last[w], went, text);
+            CHECK(isfinite(hits[w].gap + hits[w].depth), "%s", text);
+            CHECK(!(hits[w].flags & DPT_HIT_GAP) || hits[w].depth == fmax(0, -hits[w].gap), "%s",
+                  text);
+            CHECK((hits[w].flags & DPT_HIT_GAP) || hits[w].contact == DPT_CONTACT_UNKNOWN,
+                  "contact %u without a gap: %s", hits[w].contact, text);
+            /* No axis is nearer, or deeper, than its distance: but for the radius, gap is within it. */
+            CHECK(!(hits[w].flags & DPT_HIT_GAP) ||
+                      hits[w].gap + radius <= hits[w].distance + hits[w].error_bound,
+                  "%s", text);
+            last[w] = hits[w].distance;
+        }
+        bound = hits[0].error_bound + hits[1].error_bound;
+        tally.ticks++;
+    }
+    stage_close(&stage);
+    motion_free(&motion);
+}
+
+static int is_mesh(const struct dirent *entry)
+{
+    return entry->d_name[0] != '.' && strcmp(entry->d_name, "cray_right_floatmax.obj") != 0;
+}
+
+static void distance_on_all_meshes(void)
+{
+    static const char *const folders[] = { "organs", "tools", "sheets_tori", "hard" };
+    size_t meshes = 0;
+    for (int f = 0; f < 4; f++) {
+        char path[2048];
+        struct dirent **entries = NULL;
+        snprintf(path, sizeof path, "%s/meshes/%s", data, folders[f]);
+        const int count = scandir(path, &entries, is_mesh, alphasort);
+        CHECK(count > 0, "%s is empty", path);
+        for (int i = 0; i < count; i++) {
+            struct solid solid;
+            char name[512];
+            snprintf(name, sizeof name, "%s/%s", folders[f], entries[i]->d_name);
+            if (open_public(&solid, name))
+                try_distance(&solid);
+            solid_close(&solid);
+            free(entries[i]);
+            meshes++;
+        }
+        free(entries);
+    }
+    printf("    %zu meshes, %zu ticks\n", meshes, tally.ticks);
+    tally = (struct tally){ 0 };
+}
+
+static void put_word(FILE *file, uint32_t word)
+{
+    for (int i = 0; i < 4; i++)
+        fputc((int)(word >> (8 * i) & 255), file);
+}
+
+static void put_floats(FILE *file, const float *values, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        uint32_t bits;
+        memcpy(&bits, &values[i], sizeof bits);
+        put_word(file, bits);
+    }
+}
+
+/* The mesh as tests/bench/dump_mesh.c writes it. */
+static int write_triangles(const struct solid *solid, const char *path)
+{
+    FILE *file = fopen(path, "wb");
+    if (!file)
+        return -1;
+    put_word(file, 3 * solid->place.triangles);
+    put_word(file, solid->place.triangles);
+    put_floats(file, solid->corners, 9 * (size_t)solid->place.triangles);
+    for (uint32_t i = 0; i < 3 * solid->place.triangles; i++)
+        put_word(file, i);
+    return fclose(file);
+}
+
+/* Points in the box and close to the surface. */
+static double (*points_about(const struct solid *solid, size_t count))[3]
+{
+    double(*points)[3] = malloc(count * sizeof *points);
+    uint64_t seed = seed_of(solid->name);
+    for (size_t i = 0; i < count; i++) {
+        const float *c = solid->corners + 9 * (random_bits(&seed) % solid->place.triangles);
+        double share = random_in(&seed, 0, 1), away[3];
+        random_unit(&seed, away);
+        const double off = pow(10, random_in(&seed, -7, -1)) * solid->diagonal;
+        if (i % 4 == 0) /* about an edge; else a vertex */
+            share = 0;
+        for (int k = 0; k < 3; k++)
+            points[i][k] =
+                i % 3 == 0 ? random_in(&seed, solid->place.low[k], solid->place.high[k])
+                           : (1 - share) * (double)c[k] + share * (double)c[3 + k] + off * away[k];
+    }
+    return points;
+}
+
+/* Our side of points, that of another library, and of some that of the solid angles. */
+static void compare_sides(const struct solid *solid, const char *program)
+{
+    enum { POINTS = 3000 };
+    char mesh[1200], asked[1200], told[1200], command[8192], line[64];
+    snprintf(mesh, sizeof mesh, "%s/depth-%ld.tri", folder, (long)getpid());
+    snprintf(asked, sizeof asked, "%s/depth-%ld.csv", folder, (long)getpid());
+    snprintf(told, sizeof told, "%s/depth-%ld.out", folder, (long)getpid());
+    snprintf(command, sizeof command, "'%s' '%s' '%s' '%s'", program, mesh, asked, told);
+    double(*points)[3] = points_about(solid, POINTS);
+    FILE *file = fopen(asked, "w");
+    for (int i = 0; i < POINTS && file; i++)
+        fprintf(file, "%.17g,%.17g,%.17g\n", points[i][0], points[i][1], points[i][2]);
+    int failed = !file || fclose(file) != 0 || write_triangles(solid, mesh) != 0 ||
+                 system(command) != 0 || !(file = fopen(told, "r"));
+    CHECK(!failed, "%s: no answer from %s", solid->name, program);
+    int inside = 0;
+    for (int i = 0; i < POINTS && !failed; i++) {
+        double ends[6];
+        dpt_hit hit = DPT_HIT_INIT;
+        CHECK(fgets(line, sizeof line, file), "%s: %d answers", solid->name, i);
+        const int side = atoi(line);
+        memcpy(ends, points[i], sizeof points[i]);
+        memcpy(ends + 3, points[i], sizeof points[i]);
+        dpt_query_segments(solid->mesh, NULL, ends, NULL, 1, &hit, NULL);
+        inside += side < 0;
+        CHECK(side && (hit.gap < 0) == (side < 0), "side %d: %s", side,
+              text_of(solid, "point", ends, 0, &hit));
+        if (i % (POINTS / 100) == 0)
+            CHECK((oracle_signed(&solid->oracle, ends) < 0) == (side < 0), "solid angle: %s",
+                  text_of(solid, "point", ends, 0, &hit));
+    }
+    printf("    %-26s %d of %d inside\n", solid->name, inside, POINTS);
+    if (!failed)
+        fclose(file);
+    free(points);
+    remove(mesh);
+    remove(asked);
+    remove(told);
+}
+
+static char inside_cgal[1200];
+
+static void sides_as_another_library_has_them(void)
+{
+    static const struct {
+        const char *name;
+        uint64_t count;
+    } cases[] = { { "torus", 2000 }, { "liver", 4000 }, { "star", 2000 }, { "box", 12 } };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct solid solid;
+        if (solid_from_shape(&solid, cases[i].name, cases[i].count))
+            compare_sides(&solid, inside_cgal);
+        solid_close(&solid);
+    }
+    for (int i = 0; i < CLOSED && data; i++) {
+        struct solid solid;
+        if (open_public(&solid, closed[i]))
+            compare_sides(&solid, inside_cgal);
+        solid_close(&solid);
+    }
+}
+
+int main(int argc, char **argv)
+{
+    setvbuf(stdout, NULL, _IOLBF, 0);
+    const char *slash = strrchr(argv[0], '/');
+    snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - argv[0]) : 1,
+             slash ? argv[0] : ".");
+    snprintf(inside_cgal, sizeof inside_cgal, "%s/inside_cgal", folder);
+    data = getenv("DPT_DATA");
+    if (argc > 1)
+        ticks = strtoull(argv[1], NULL, 10);
+    if (ticks < 20 || ticks > 100000000) {
+        printf("test_depth: from 20 ticks a mesh to 100000000\n");
+        return 2;
+    }
+    TEST(boxes);
+    TEST(sphere);
+    TEST(torus);
+    TEST(closed_shapes);
+    if (data) {
+        TEST(closed_organs);
+        TEST(distance_on_all_meshes);
+    } else {
+        SKIP("depth on public meshes", "DPT_DATA does not name the data folder");
+    }
+    if (access(inside_cgal, X_OK) == 0)
+        TEST(sides_as_another_library_has_them);
+    else
+        SKIP("sides against another library", "libcgal-dev or g++ is not here");
+    return check_report();
+}
