@@ -231,7 +231,8 @@ static inline void slide_begin(struct slide *slide, const struct solid *solid, u
         lie[k] -= 0.9 * up * n[k];
     unit3(lie);
     /* Free of the mesh it begins: raised until it is. */
-    for (double height = radius; height < solid->diagonal; height += 0.1 * radius) {
+    const double rise = fmax(0.1 * radius, 1e-4 * solid->diagonal);
+    for (double height = radius + rise; height < solid->diagonal; height += rise) {
         dpt_hit hit = DPT_HIT_INIT;
         for (int k = 0; k < 3; k++) {
             const double middle = ((double)c[k] + (double)c[3 + k] + (double)c[6 + k]) / 3;
@@ -276,14 +277,16 @@ struct stage {
     dpt_step step;
 };
 
+/* `side_limit` 0: the usual one. */
 static inline int stage_open(struct stage *stage, const dpt_mesh *mesh, const dpt_pose *pose,
-                             double margin, uint32_t max_contacts)
+                             double margin, uint32_t max_contacts, double side_limit)
 {
     const dpt_segment point = { { 0, 0, 0 }, { 0, 0, 0 }, 0 };
     dpt_world_def def;
     dpt_world_def_init(&def);
     def.margin = margin;
     def.max_contacts = max_contacts;
+    def.side_limit = side_limit;
     *stage = (struct stage){ .step.size = sizeof stage->step };
     stage->block = malloc(dpt_world_bytes(&def));
     const int made =

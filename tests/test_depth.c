@@ -176,7 +176,7 @@ struct drive {
 static int drive_begin(struct drive *drive, const struct solid *solid, double radius)
 {
     *drive = (struct drive){ .solid = solid, .margin = 0.003 * solid->diagonal, .radius = radius };
-    return stage_open(&drive->stage, solid->mesh, NULL, drive->margin, 32);
+    return stage_open(&drive->stage, solid->mesh, NULL, drive->margin, 32, 0);
 }
 
 static void drive_tick(struct drive *drive)
@@ -325,7 +325,7 @@ static void box_in_closed_form(const double half[3])
     struct stage stage;
     uint64_t seed = 11;
     double worst = 0, worst_free = 0;
-    if (!box_of(&solid, half) || !stage_open(&stage, solid.mesh, NULL, 0.001, 32))
+    if (!box_of(&solid, half) || !stage_open(&stage, solid.mesh, NULL, 0.001, 32, 0))
         return;
     for (uint64_t i = 0; i < 80 * ticks; i++) {
         double ends[6], radius = radius_of(&solid, i);
@@ -537,7 +537,7 @@ static void try_distance(const struct solid *solid)
     struct stage stage;
     motion_random(&motion, &solid->place, seed_of(solid->name), 4 * ticks);
     double last[2] = { 0, 0 }, bound = 0;
-    if (!stage_open(&stage, solid->mesh, NULL, 0.003 * solid->diagonal, 32))
+    if (!stage_open(&stage, solid->mesh, NULL, 0.003 * solid->diagonal, 32, 0))
         return;
     for (size_t i = 0; i < motion.count; i++) {
         dpt_hit hits[2] = { DPT_HIT_INIT, DPT_HIT_INIT };
