@@ -490,7 +490,7 @@ static void try_solid(const struct solid *solid, int all)
         slide_over(solid, NULL, "wide margin", 0.02, 0.005, 0.7, 4, &jumps);
         push_into(solid, "pushed line", 0.003, 0, 0.3, 6);
     }
-    CHECK(jumps > 0, "%s: one point would do", solid->name);
+    CHECK(!all || jumps > 0, "%s: one point would do", solid->name);
 }
 
 static void try_shape(const char *name, uint64_t count)
