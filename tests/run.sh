@@ -72,6 +72,8 @@ for config in scalar sanitize; do
     done
     run "test_pair, $config" build/$config/tests/test_pair 100000
     run "test_sweep, $config" build/$config/tests/test_sweep 2000
+    run "test_depth, $config" build/$config/tests/test_depth 20
+    run "test_region, $config" build/$config/tests/test_region 20
 done
 [ -x build/tests/test_sweep_exact ] || skip "test_sweep_exact" "no g++ with gmpxx"
 run "test_silent, scalar" build/scalar/tests/test_silent

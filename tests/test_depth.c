@@ -504,6 +504,62 @@ static void closed_shapes(void)
     solid_close(&slab);
 }
 
+/* Two bodies, each with a pose, and a tool of two segments: a segment's gap is the least of both bodies. */
+static void two_bodies(void)
+{
+    const dpt_pose poses[2] = { { { 0.02, 0, 0 }, { 1, 0, 0, 0 } },
+                                { { -0.03, 0.05, 0.06 }, { 0.5, 0.5, -0.5, 0.5 } } };
+    const dpt_segment none[2] = { { { 0, 0, 0 }, { 0, 0, 0 }, 0 },
+                                  { { 0, 0, 0 }, { 0, 0, 0 }, 0 } };
+    struct solid solid[2];
+    struct stage stage;
+    dpt_world_def def;
+    dpt_body other;
+    uint64_t seed = 17;
+    if (!solid_from_shape(&solid[0], "torus", 2000) || !solid_from_shape(&solid[1], "liver", 2000))
+        return;
+    dpt_world_def_init(&def);
+    stage.block = malloc(dpt_world_bytes(&def));
+    const int made =
+        dpt_world_create(stage.block, dpt_world_bytes(&def), &def, &stage.world) == DPT_OK &&
+        dpt_body_add(stage.world, solid[0].mesh, &poses[0], &stage.body) == DPT_OK &&
+        dpt_body_add(stage.world, solid[1].mesh, &poses[1], &other) == DPT_OK &&
+        dpt_tool_add(stage.world, none, 2, &stage.tool) == DPT_OK;
+    CHECK(made, "no world");
+    for (uint64_t i = 0; i < 10 * ticks && made; i++) {
+        dpt_segment segments[2];
+        double ends[12], radii[2];
+        dpt_hit hits[2][2], hit = DPT_HIT_INIT;
+        if (i % 20 == 0)
+            ends_about(&seed, 0.12, i / 20, ends);
+        if (i % 20 == 0)
+            ends_about(&seed, 0.12, i / 20 + 3, ends + 6);
+        for (int e = 0; e < 2; e++) {
+            turn_about(ends + 6 * e, 0.3, (const double[3]){ 0.6, 0, 0.8 }, 0.02);
+            segments[e].radius = radii[e] = radius_of(&solid[0], i / 20 + (uint64_t)e);
+            memcpy(segments[e].a, ends + 6 * e, sizeof segments[e].a);
+            memcpy(segments[e].b, ends + 6 * e + 3, sizeof segments[e].b);
+        }
+        CHECK(dpt_tool_set_segments(stage.world, stage.tool, segments, 2) == DPT_OK &&
+                  dpt_world_step(stage.world, 1e-3, NULL) == DPT_OK,
+              "no step");
+        for (int b = 0; b < 2; b++) {
+            hits[b][0].size = sizeof hit;
+            dpt_query_segments(solid[b].mesh, &poses[b], ends, radii, 2, hits[b], NULL);
+        }
+        for (uint32_t e = 0; e < 2; e++) {
+            dpt_tool_get_segment_hit(stage.world, stage.tool, e, &hit);
+            const double gap = fmin(hits[0][e].gap, hits[1][e].gap);
+            CHECK((hit.flags & DPT_HIT_GAP) && fabs(hit.gap - gap) <= 2e-5 * solid[1].diagonal,
+                  "gap %.9g, not the less of %.9g and %.9g: %s", hit.gap, hits[0][e].gap,
+                  hits[1][e].gap, text_of(&solid[0], "query", ends + 6 * e, radii[e], &hit));
+        }
+    }
+    free(stage.block);
+    solid_close(&solid[0]);
+    solid_close(&solid[1]);
+}
+
 /* Public meshes that are closed and do not cut themselves. */
 static const char *const closed[] = {
     "organs/openhelp_liver.stl",  "organs/openhelp_spleen.stl",   "organs/openhelp_kidney_left.stl",
@@ -732,6 +788,7 @@ int main(int argc, char **argv)
     TEST(sphere);
     TEST(torus);
     TEST(closed_shapes);
+    TEST(two_bodies);
     if (data) {
         TEST(closed_organs);
         TEST(distance_on_all_meshes);
