@@ -777,6 +777,8 @@ int main(int argc, char **argv)
     snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - argv[0]) : 1,
              slash ? argv[0] : ".");
     snprintf(inside_cgal, sizeof inside_cgal, "%s/inside_cgal", folder);
+    if (access(inside_cgal, X_OK) != 0) /* of the release, for the other configurations */
+        snprintf(inside_cgal, sizeof inside_cgal, "%s/../../tests/inside_cgal", folder);
     data = getenv("DPT_DATA");
     if (argc > 1)
         ticks = strtoull(argv[1], NULL, 10);
