@@ -200,6 +200,18 @@ static int pass_body(struct dpt_world *world, uint32_t index, const struct body 
     return 1;
 }
 
+/* No point of the tool was farther away from where it is now than that, the arc of a turn included. */
+static double way_of_tool(const struct moment *from, const struct moment *to)
+{
+    const dpt_pose identity = DPT_POSE_IDENTITY;
+    struct moment first = *from, last = *to;
+    first.body = last.body = identity;
+    struct moment middle = middle_of(&first, &last);
+    struct ends at_first = ends_at(&first), at_last = ends_at(&last), at_middle = ends_at(&middle);
+    return faster(sub(at_last.a, at_first.a), sub(at_last.b, at_first.b)) +
+           bend_of(&at_first, &at_middle, &at_last);
+}
+
 void travel_find(struct dpt_world *world, uint32_t index)
 {
     struct segment *segment = &world->segments[index];
@@ -209,8 +221,7 @@ void travel_find(struct dpt_world *world, uint32_t index)
     moments_of(world, segment, &from, &to);
     vec3 a = segment->found.track.axis.a, b = segment->found.track.axis.b;
     struct box box = box_of_axis(a, b);
-    double reach =
-        faster(sub(a, segment->was.world_a), sub(b, segment->was.world_b)) + segment->radius;
+    double reach = way_of_tool(&from, &to) + segment->radius;
     const uint32_t *list = NULL;
     uint32_t count = world->body_end;
     double moved = world->travelled_at == world->ticks ? world->travelled : 0.0;
@@ -237,8 +248,6 @@ void travel_end(struct dpt_world *world, uint32_t index)
     segment->was = (struct was){ .pose = tool->free ? identity : tool->pose,
                                  .a = segment->a,
                                  .b = segment->b,
-                                 .world_a = segment->found.track.axis.a,
-                                 .world_b = segment->found.track.axis.b,
                                  .distance = segment->hit.lower_bound,
                                  .known = segment->found.body != NULL };
 }

@@ -46,11 +46,10 @@ struct found {
 
 /* Where a segment was in the last tick. */
 struct was {
-    dpt_pose pose;         /* of its tool; the identity for a free one */
-    vec3 a, b;             /* in the tool's frame */
-    vec3 world_a, world_b; /* in the world */
-    double distance;       /* nothing was nearer to its axis */
-    uint32_t known;        /* 0: it was nowhere */
+    dpt_pose pose;   /* of its tool; the identity for a free one */
+    vec3 a, b;       /* in the tool's frame */
+    double distance; /* nothing was nearer to its axis */
+    uint32_t known;  /* 0: it was nowhere */
     uint32_t reserved;
 };
 
