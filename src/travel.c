@@ -145,13 +145,9 @@ static void tell(const struct tour *tour, struct segment *segment)
 {
     const struct strike *strike = &tour->strike;
     const struct tree *tree = &tour->body->tree;
-    uint32_t part = side_part(tree, strike->triangle);
     int side = side_before(tour);
     vec3 normal = side_feature_normal(tree, strike->triangle, strike->pair.weight);
     double size = length(normal);
-    segment->met = (struct met){ .body = tour->body->id, .part = part };
-    if (side_is_sheet(tree, part) && !side_is_border(tree, strike->triangle, strike->pair.weight))
-        segment->met.side = side;
     dpt_sweep *sweep = &segment->sweep;
     sweep->body = tour->body->id;
     sweep->triangle = tree->sources[strike->triangle];
@@ -161,9 +157,39 @@ static void tell(const struct tour *tour, struct segment *segment)
                sweep->normal);
 }
 
-/* One body: 1 when it was met before segment->sweep.time, or the sweep did not get so far. */
-static int pass_body(struct dpt_world *world, uint32_t index, const struct body *body,
-                     struct moment *from, struct moment *to)
+/* The side from which the axis came through a sheet. */
+static void keep_side(const struct tour *tour, struct segment *segment)
+{
+    const struct strike *strike = &tour->strike;
+    const struct tree *tree = &tour->body->tree;
+    uint32_t part = side_part(tree, strike->triangle);
+    segment->met.body = tour->body->id;
+    segment->met.part = part;
+    segment->met.side = 0;
+    if (side_is_sheet(tree, part) && !side_is_border(tree, strike->triangle, strike->pair.weight))
+        segment->met.side = side_before(tour);
+}
+
+/* Within what is left of the budget. */
+static int take_tour(struct dpt_world *world, struct segment *segment, struct tour *tour,
+                     const struct moment *from, const struct moment *to)
+{
+    int result = SWEEP_UNFINISHED;
+    struct ends at_from = ends_at(from), at_to = ends_at(to);
+    tour->most = world->left;
+    tour->work = 0;
+    tour->time = 0.0;
+    if (!world->def.budget || world->left)
+        result = sweep_between(tour, from, &at_from, to, &at_to, 0.0, 1.0, HALVES_MOST);
+    segment->hit.work += tour->work;
+    if (world->def.budget)
+        world->left -= tour->work;
+    return result;
+}
+
+/* One body: what the surface met before segment->sweep.time, and whether the axis went on, and through. */
+static void pass_body(struct dpt_world *world, uint32_t index, const struct body *body,
+                      struct moment *from, struct moment *to)
 {
     struct segment *segment = &world->segments[index];
     double diagonal = tree_diagonal(&body->tree), radius = segment->radius;
@@ -172,8 +198,7 @@ static int pass_body(struct dpt_world *world, uint32_t index, const struct body 
                          .radius = segment->was.distance > radius ? radius : 0.0,
                          .far = segment->was.distance,
                          .tolerance = 0.5 * TRAVEL_TOLERANCE * diagonal,
-                         .hint = *world_last(world, index, handle_index(body->id)),
-                         .most = world->left };
+                         .hint = *world_last(world, index, handle_index(body->id)) };
     from->body = body->moved == world->ticks ? body->before : body->pose;
     to->body = body->pose;
     struct moment middle = middle_of(from, to);
@@ -182,22 +207,31 @@ static int pass_body(struct dpt_world *world, uint32_t index, const struct body 
     double bend = bend_of(&at_from, &at_middle, &at_to);
     double now = segment->hit.lower_bound;
     if (segment->was.distance + now > motion + 2.0 * (bend + tour.radius + 2.0 * tour.tolerance))
-        return 0;
-    int result = SWEEP_UNFINISHED;
-    if (world->def.budget && !world->left)
-        tour.time = 0.0;
-    else
-        result = sweep_between(&tour, from, &at_from, to, &at_to, 0.0, 1.0, HALVES_MOST);
-    segment->hit.work += tour.work;
-    if (world->def.budget)
-        world->left -= tour.work;
-    if (result == SWEEP_FREE || tour.time >= segment->sweep.time)
-        return 0;
+        return;
+    int result = take_tour(world, segment, &tour, from, to);
+    if (result == SWEEP_FREE)
+        return;
+    if (tour.time >= segment->sweep.time) {
+        segment->met.passed = 1;
+        return;
+    }
+    struct tour axis = tour;
+    int through = result;
+    axis.radius = 0.0;
+    if (result == SWEEP_HIT && tour.radius > 0.0)
+        through = take_tour(world, segment, &axis, from, to);
     segment->sweep.time = tour.time;
-    segment->sweep.status = result == SWEEP_HIT ? DPT_SWEEP_HIT : DPT_SWEEP_UNFINISHED;
-    if (result == SWEEP_HIT)
-        tell(&tour, segment);
-    return 1;
+    if (through == SWEEP_UNFINISHED) {
+        segment->sweep.status = DPT_SWEEP_UNFINISHED;
+        segment->met.passed = 1;
+        return;
+    }
+    segment->sweep.status = DPT_SWEEP_HIT;
+    tell(&tour, segment);
+    if (through == SWEEP_HIT) {
+        segment->met.passed = 1;
+        keep_side(&axis, segment);
+    }
 }
 
 /* No point of the tool was farther away from where it is now than that, the arc of a turn included. */

@@ -58,7 +58,8 @@ struct met {
     uint32_t body; /* id */
     uint32_t part; /* of its mesh */
     int32_t
-        side; /* of the surface, from which it came: +1 in front, -1 behind; 0 for nothing, or a border */
+        side; /* of the sheet, from which the axis came: +1 in front, -1 behind; 0 for nothing, or a border */
+    uint32_t passed; /* the axis may have gone through something */
 };
 
 struct segment {
