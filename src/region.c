@@ -10,7 +10,7 @@
 #define DOUBT_LEFT    0.03
 #define DOUBT_IGNORED 0.002
 
-enum { ASK_MOST = 24 };
+enum { ASK_MOST = 24, ASK_WITHIN_MOST = 8 };
 
 /* A piece of the profile on which the height is linear and the way out is one sample's. */
 struct piece {
@@ -156,11 +156,9 @@ static void take_piece(struct taking *taking, uint32_t sample, struct piece piec
     taking->open = piece.s1 >= to;
 }
 
-uint32_t region_all(struct profile *profile, struct region regions[REGION_MOST])
+static uint32_t take_all(const struct profile *profile, struct region regions[REGION_MOST])
 {
     struct taking taking = { .profile = profile, .regions = regions };
-    profile_enclose(profile);
-    refine(profile);
     for (uint32_t i = 0; i + 1 < profile->count; i++) {
         const struct sample *from = &profile->sample[i], *to = from + 1;
         struct span span = span_between(profile, from, to);
@@ -173,6 +171,31 @@ uint32_t region_all(struct profile *profile, struct region regions[REGION_MOST])
                    (struct piece){ span.s, to->s, span.w, span.w1, profile->sample[right].normal });
     }
     return taking.count;
+}
+
+/* A region that rests on a bend alone has no sample in it yet. Returns 1 if one was taken. */
+static int ask_within(struct profile *profile, const struct region *regions, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        double s = profile->sample[regions[i].deepest].s;
+        if (s < regions[i].from || s > regions[i].to)
+            return profile_ask(profile, 0.5 * (regions[i].from + regions[i].to), !profile->warm) !=
+                   DPT_NONE;
+    }
+    return 0;
+}
+
+uint32_t region_all(struct profile *profile, struct region regions[REGION_MOST])
+{
+    profile_enclose(profile);
+    refine(profile);
+    uint32_t count = take_all(profile, regions);
+    for (int asked = 0; asked < ASK_WITHIN_MOST && !profile->cut; asked++) {
+        if (!ask_within(profile, regions, count))
+            break;
+        count = take_all(profile, regions);
+    }
+    return count;
 }
 
 /* What a sample between these two would be worth, of the integral over s. */
