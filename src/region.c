@@ -10,7 +10,7 @@
 #define DOUBT_LEFT    0.03
 #define DOUBT_IGNORED 0.002
 
-enum { ASK_MOST = 24, ASK_WITHIN_MOST = 8 };
+enum { ASK_MOST = 24, ASK_WITHIN_MOST = 3 };
 
 /* A piece of the profile on which the height is linear and the way out is one sample's. */
 struct piece {
@@ -173,29 +173,37 @@ static uint32_t take_all(const struct profile *profile, struct region regions[RE
     return taking.count;
 }
 
-/* A region that rests on a bend alone has no sample in it yet. Returns 1 if one was taken. */
+/* A region that rests on a bend alone has no sample in it. */
+static int is_seen(const struct profile *profile, const struct region *region)
+{
+    double s = profile->sample[region->deepest].s;
+    return s >= region->from && s <= region->to;
+}
+
+/* Ask in the middle of the first that is not seen. Returns 1 if there was one and a sample was taken. */
 static int ask_within(struct profile *profile, const struct region *regions, uint32_t count)
 {
-    for (uint32_t i = 0; i < count; i++) {
-        double s = profile->sample[regions[i].deepest].s;
-        if (s < regions[i].from || s > regions[i].to)
-            return profile_ask(profile, 0.5 * (regions[i].from + regions[i].to), !profile->warm) !=
-                   DPT_NONE;
-    }
-    return 0;
+    uint32_t i = 0;
+    while (i < count && is_seen(profile, &regions[i]))
+        i++;
+    return i < count && profile_ask(profile, 0.5 * (regions[i].from + regions[i].to),
+                                    !profile->warm) != DPT_NONE;
 }
 
 uint32_t region_all(struct profile *profile, struct region regions[REGION_MOST])
 {
     profile_enclose(profile);
     refine(profile);
-    uint32_t count = take_all(profile, regions);
+    uint32_t count = take_all(profile, regions), seen = 0;
     for (int asked = 0; asked < ASK_WITHIN_MOST && !profile->cut; asked++) {
         if (!ask_within(profile, regions, count))
             break;
         count = take_all(profile, regions);
     }
-    return count;
+    for (uint32_t i = 0; i < count; i++)
+        if (is_seen(profile, &regions[i]))
+            regions[seen++] = regions[i];
+    return seen;
 }
 
 /* What a sample between these two would be worth, of the integral over s. */

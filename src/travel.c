@@ -71,6 +71,42 @@ static double bend_of(const struct ends *from, const struct ends *middle, const 
     return 1.25 * faster(sub(middle->a, straight.a), sub(middle->b, straight.b));
 }
 
+/* The cosine of half of what a body may turn, 0.25, before its way is cut whatever the bend. */
+#define TURN_COSINE 0.9922
+
+static double body_turn_cosine(const struct moment *from, const struct moment *to)
+{
+    double cosine = 0.0;
+    for (int k = 0; k < 4; k++)
+        cosine += from->body.orientation[k] * to->body.orientation[k];
+    return fabs(cosine);
+}
+
+/*
+ * The same of one part of a tour. A turn of the tool alone is an arc, farthest off in the middle; seen from a body that
+ * turns, a straight way can bend to one side and back, so it is looked at in the quarters too.
+ */
+static double bend_between(const struct moment *from, const struct ends *at_from,
+                           const struct moment *middle, const struct ends *at_middle,
+                           const struct moment *to, const struct ends *at_to)
+{
+    double bend = bend_of(at_from, at_middle, at_to);
+    int turns = 0;
+    for (int k = 0; k < 4; k++)
+        turns |= from->body.orientation[k] != to->body.orientation[k];
+    if (!turns)
+        return bend;
+    struct ends straight = between(at_from, at_to);
+    for (int half = 0; half < 2; half++) {
+        struct moment quarter = half ? middle_of(middle, to) : middle_of(from, middle);
+        struct ends at_quarter = ends_at(&quarter);
+        struct ends chord = between(&straight, half ? at_to : at_from);
+        double off = faster(sub(at_quarter.a, chord.a), sub(at_quarter.b, chord.b));
+        bend = larger(bend, 1.25 * off);
+    }
+    return bend;
+}
+
 static int sweep_straight(struct tour *tour, const struct ends *from, const struct ends *to,
                           double bend, double t0, double t1)
 {
@@ -95,8 +131,9 @@ static int sweep_between(struct tour *tour, const struct moment *from, const str
 {
     struct moment middle = middle_of(from, to);
     struct ends at_middle = ends_at(&middle);
-    double bend = bend_of(at_from, &at_middle, at_to);
-    if (bend <= tour->tolerance || halves == 0)
+    double bend = bend_between(from, at_from, &middle, &at_middle, to, at_to);
+    int straight = bend <= tour->tolerance && body_turn_cosine(from, to) >= TURN_COSINE;
+    if (straight || halves == 0)
         return sweep_straight(tour, at_from, at_to, bend, t0, t1);
     double half = 0.5 * (t0 + t1);
     int result = sweep_between(tour, from, at_from, &middle, &at_middle, t0, half, halves - 1);
@@ -204,9 +241,11 @@ static void pass_body(struct dpt_world *world, uint32_t index, const struct body
     struct moment middle = middle_of(from, to);
     struct ends at_from = ends_at(from), at_to = ends_at(to), at_middle = ends_at(&middle);
     double motion = faster(sub(at_to.a, at_from.a), sub(at_to.b, at_from.b));
-    double bend = bend_of(&at_from, &at_middle, &at_to);
+    double bend = bend_between(from, &at_from, &middle, &at_middle, to, &at_to);
     double now = segment->hit.lower_bound;
-    if (segment->was.distance + now > motion + 2.0 * (bend + tour.radius + 2.0 * tour.tolerance))
+    int turns = body_turn_cosine(from, to) < TURN_COSINE;
+    if (!turns &&
+        segment->was.distance + now > motion + 2.0 * (bend + tour.radius + 2.0 * tour.tolerance))
         return;
     int result = take_tour(world, segment, &tour, from, to);
     if (result == SWEEP_FREE)
