@@ -173,9 +173,8 @@ static int side_before(const struct tour *tour)
     const struct strike *strike = &tour->strike;
     const struct motion *motion = &tour->motion;
     vec3 way = along(motion->da, strike->pair.s, sub(motion->db, motion->da));
-    vec3 gap = along(strike->pair.gap, -strike->time, way);
-    vec3 normal = side_feature_normal(&tour->body->tree, strike->triangle, strike->pair.weight);
-    return dot(normal, gap) < 0.0 ? -1 : 1;
+    vec3 back = along(strike->pair.gap, -strike->time, way);
+    return side_of_way(&tour->body->tree, strike->triangle, strike->pair.weight, back);
 }
 
 static void tell(const struct tour *tour, struct segment *segment)

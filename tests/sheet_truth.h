@@ -191,11 +191,11 @@ struct sheet {
     uint32_t *near; /* room for lists */
     int looks;      /* that the truth may take */
     double diagonal;
-    double unit; /* what one metre is worth in a scene of 0.3 m */
+    double unit;    /* what one metre is worth in a scene of 0.3 m */
     double *border; /* edges of one triangle, 9 each: two corners and the second again */
     uint32_t borders;
     unsigned char *edgy; /* of a triangle: a corner of it is on the border */
-    double flat; /* half the side of a flat square in z = 0; 0 for others */
+    double flat;         /* half the side of a flat square in z = 0; 0 for others */
     dpt_mesh_info info;
 };
 
@@ -234,7 +234,8 @@ static inline int sheet_borders(struct sheet *sheet)
     sheet->edgy = calloc(sheet->count, 1);
     for (size_t i = 0; sheet->edgy && i < count; i++)
         for (uint32_t k = 0; k < sheet->borders; k++)
-            if (!memcmp(sheet->corners + 3 * i, sheet->border + 9 * (size_t)k, 3 * sizeof(double)) ||
+            if (!memcmp(sheet->corners + 3 * i, sheet->border + 9 * (size_t)k,
+                        3 * sizeof(double)) ||
                 !memcmp(sheet->corners + 3 * i, sheet->border + 9 * (size_t)k + 3,
                         3 * sizeof(double)))
                 sheet->edgy[i / 3] = 1;
@@ -405,8 +406,8 @@ static inline int prove(struct looking *looking, const uint32_t *list, uint32_t 
     }
     truth->met = truth->met == TRUTH_MET ? TRUTH_MET : TRUTH_NEAR;
     for (int k = 0; k < 8; k++, span *= 2.0) {
-        int met = radius == 0.0 ? close.distance == 0.0
-                                : close.distance - radius < -1e-3 * looking->eps;
+        int met =
+            radius == 0.0 ? close.distance == 0.0 : close.distance - radius < -1e-3 * looking->eps;
         for (int i = 0; i < 4 && k && !met && radius == 0.0; i++)
             met = passes(sheet, list, count, &before, &at, i < 2 ? i : i == 2 ? truth->s : close.s);
         if (met) {

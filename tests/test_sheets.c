@@ -47,7 +47,9 @@ struct scene {
     dpt_tool tool;
 };
 
-static int scene_begin(struct scene *scene, struct sheet *sheet, uint32_t budget)
+/* `like`: the same as that but for the budget, or NULL. */
+static int scene_begin(struct scene *scene, struct sheet *sheet, uint32_t budget,
+                       const struct scene *like)
 {
     const dpt_segment any = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0 }, 0.0 };
     static const double margins[3] = { 0.0, 0.001, 0.005 };
@@ -58,6 +60,8 @@ static int scene_begin(struct scene *scene, struct sheet *sheet, uint32_t budget
     def->side_limit = one_in(3) ? 0.02 * sheet->unit : 0.0;
     def->smooth_normals = (uint32_t)one_in(2);
     def->certificate_bytes = 1 << 16;
+    if (like)
+        *def = like->def;
     def->budget = budget;
     scene->block = malloc(dpt_world_bytes(def));
     int made = scene->block &&
@@ -130,8 +134,8 @@ static void check_said(const char *name, const struct said *said)
     int still = hit->contact == DPT_CONTACT_UNKNOWN || hit->contact == DPT_CONTACT_SEPARATED;
     CHECK(!still || (length3(wrench->force) == 0.0 && length3(wrench->torque) == 0.0),
           "%s: contact %u, force %g", name, hit->contact, length3(wrench->force));
-    CHECK(isfinite(sweep->time) && sweep->time >= 0.0 && sweep->time <= 1.0 &&
-              isfinite(sweep->s) && finite3(sweep->q) && finite3(sweep->normal),
+    CHECK(isfinite(sweep->time) && sweep->time >= 0.0 && sweep->time <= 1.0 && isfinite(sweep->s) &&
+              finite3(sweep->q) && finite3(sweep->normal),
           "%s: sweep", name);
     CHECK(sweep->status <= DPT_SWEEP_UNFINISHED, "%s: sweep %u", name, sweep->status);
     CHECK(sweep->status != DPT_SWEEP_UNFINISHED || hit->contact == DPT_CONTACT_UNKNOWN,
@@ -176,18 +180,19 @@ static const char *text_of(const struct state *from, const struct state *to)
     char *out = text[at = !at];
     for (int i = 0; i < 2; i++) {
         const struct state *s = both[i];
-        n += (size_t)snprintf(out + n, 1400 - n, "%s%s radius %.17g", i ? "\n      to   " : "\n      from ",
-                              s->free ? "free" : "rigid", s->radius);
+        n += (size_t)snprintf(out + n, 1400 - n, "%s%s radius %.17g",
+                              i ? "\n      to   " : "\n      from ", s->free ? "free" : "rigid",
+                              s->radius);
         for (int e = 0; e < 2; e++)
             n += (size_t)snprintf(out + n, 1400 - n, " {%.17g,%.17g,%.17g}", s->end[e][0],
                                   s->end[e][1], s->end[e][2]);
         const dpt_pose *pose[2] = { &s->tool, &s->body };
         for (int k = 0; k < 2; k++)
-            n += (size_t)snprintf(out + n, 1400 - n, " %s {%.17g,%.17g,%.17g}{%.17g,%.17g,%.17g,%.17g}",
-                                  k ? "body" : "tool", pose[k]->position[0], pose[k]->position[1],
-                                  pose[k]->position[2], pose[k]->orientation[0],
-                                  pose[k]->orientation[1], pose[k]->orientation[2],
-                                  pose[k]->orientation[3]);
+            n += (size_t)snprintf(
+                out + n, 1400 - n, " %s {%.17g,%.17g,%.17g}{%.17g,%.17g,%.17g,%.17g}",
+                k ? "body" : "tool", pose[k]->position[0], pose[k]->position[1],
+                pose[k]->position[2], pose[k]->orientation[0], pose[k]->orientation[1],
+                pose[k]->orientation[2], pose[k]->orientation[3]);
     }
     return out;
 }
@@ -224,23 +229,37 @@ static void normal_of(const double c[9], double n[3])
     unit3(n);
 }
 
-/* How far in front of its nearest point a point is, by that triangle's normal; whether that is near the border. */
+/*
+ * How far in front of its nearest point a point is, and whether that is on the border. Of the triangles that have the
+ * nearest point the one decides that faces the point most; n is its normal.
+ */
 static double height_of(const struct sheet *sheet, const double x[3], double n[3], int *border)
 {
     struct ends3 point;
-    double q[3];
+    double q[3] = { 0.0, 0.0, 0.0 }, off[3], most = -1.0, height = 0.0;
     memcpy(point.end[0], x, sizeof point.end[0]);
     memcpy(point.end[1], x, sizeof point.end[1]);
     struct close close = closest_of_all(sheet, &point);
-    const double *c = sheet->corners + 9 * (size_t)close.triangle;
-    to_triangle(&point, c, NULL, q);
-    normal_of(c, n);
+    uint32_t count = near_axis(sheet, &point, close.distance), edgy = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        const double *c = sheet->corners + 9 * (size_t)sheet->near[i];
+        double here[3], of[3];
+        if (to_triangle(&point, c, NULL, here) > close.distance + 1e-12 * sheet->diagonal)
+            continue;
+        edgy |= sheet->edgy[sheet->near[i]];
+        normal_of(c, of);
+        go(off, x, -1.0, here);
+        if (fabs(dot3(off, of)) <= most)
+            continue;
+        most = fabs(dot3(off, of));
+        height = dot3(off, of) < 0.0 ? -close.distance : close.distance;
+        memcpy(n, of, sizeof of);
+        memcpy(q, here, sizeof q);
+    }
     memcpy(point.end[0], q, sizeof q);
     memcpy(point.end[1], q, sizeof q);
-    *border = sheet->edgy[close.triangle] &&
-              border_distance(sheet, &point) < 1e-8 * sheet->diagonal;
-    go(q, x, -1.0, q);
-    return dot3(q, n) < 0.0 ? -close.distance : close.distance;
+    *border = edgy && border_distance(sheet, &point) < 1e-8 * sheet->diagonal;
+    return height;
 }
 
 /* Told: near a touch, at a triangle and a point that are there, from the side that it came from. */
@@ -257,8 +276,9 @@ static void check_hit(struct ride *ride, const struct state *now, const dpt_swee
     if (!c)
         return;
     /* Ten halvings of a turn are the most: docs/algorithms/travel.md. */
-    double turn = (pose_angle(&ride->was.tool, &now->tool) +
-                   pose_angle(&ride->was.body, &now->body)) / 1024.0;
+    double turn =
+        (pose_angle(&ride->was.tool, &now->tool) + pose_angle(&ride->was.body, &now->body)) /
+        1024.0;
     double speed = most_speed(&ride->was, now) / 1024.0;
     tolerance += turn > 0.0 ? 2.0 * turn * speed / 8.0 : 0.0;
     double off = to_triangle(&at, c, NULL, NULL) - radius;
@@ -271,11 +291,11 @@ static void check_hit(struct ride *ride, const struct state *now, const dpt_swee
     CHECK(dpt_segment_triangle(twice, c, NULL, NULL, NULL) <= 1e-12 * size, "%s: q is not on it",
           sheet->name);
     point_at(x, &at, sweep->s);
-    CHECK(apart(x, q) <= radius + tolerance, "%s: s is %g off%s", sheet->name,
-          apart(x, q) - radius, text_of(&ride->was, now));
+    CHECK(apart(x, q) <= radius + tolerance, "%s: s is %g off%s", sheet->name, apart(x, q) - radius,
+          text_of(&ride->was, now));
     CHECK(fabs(length3(sweep->normal) - 1.0) < 1e-9, "%s: normal", sheet->name);
-    if (!sheet->info.open_edges)
-        return;
+    if (!sheet->info.open_edges || sheet->info.nonmanifold_edges || sheet->info.wrong_way_edges)
+        return; /* no sides */
     double n[3], m[3];
     int border;
     at = ends_between(&ride->was, now, 0.0);
@@ -340,23 +360,6 @@ static struct truth check_sweep(struct ride *ride, const struct state *now, cons
     return axis;
 }
 
-/* Which side the axis came from, where it first goes through. */
-static int side_of(const struct ride *ride, const struct state *now, const struct truth *axis)
-{
-    const struct sheet *sheet = ride->scene->sheet;
-    struct ends3 at = ends_between(&ride->was, now, axis->clear);
-    double x[3], n[3];
-    int border;
-    /* A touch on the border tells no side. */
-    if (!axis->sure || border_distance(sheet, &at) < 3e-6 * sheet->diagonal)
-        return 0;
-    point_at(x, &at, axis->s);
-    double height = height_of(sheet, x, n, &border);
-    if (border || fabs(height) > 1e-5 * sheet->diagonal || height == 0.0)
-        return 0;
-    return height < 0.0 ? -1 : 1;
-}
-
 /*
  * The least height of the axis over the sheet, counted from `side`, what is over the border being in front. Of the flat
  * square it is at the ends of what is over the square; else sampled, with what may lie between.
@@ -389,8 +392,8 @@ static struct depth flat_depth(const struct sheet *sheet, const struct ends3 *at
             continue;
         depth.least = side * x[2];
         depth.s = s;
-        depth.sure = (s == 0.0 || s == 1.0) &&
-                     fmax(fabs(x[0]), fabs(x[1])) < sheet->flat * (1.0 - 1e-6);
+        depth.sure =
+            (s == 0.0 || s == 1.0) && fmax(fabs(x[0]), fabs(x[1])) < sheet->flat * (1.0 - 1e-6);
     }
     depth.sure |= depth.least >= 0.0;
     return depth;
@@ -420,6 +423,31 @@ static struct depth sampled_depth(const struct sheet *sheet, const struct ends3 
     return depth;
 }
 
+static struct depth depth_of(const struct sheet *sheet, const struct ends3 *at, int side)
+{
+    return sheet->flat > 0.0 ? flat_depth(sheet, at, side) : sampled_depth(sheet, at, side);
+}
+
+/* Which side the axis came from, where it first goes through; 0 where it was on both, or that is not clear. */
+static int side_of(const struct ride *ride, const struct state *now, const struct truth *axis)
+{
+    const struct sheet *sheet = ride->scene->sheet;
+    struct ends3 at = ends_between(&ride->was, now, axis->clear);
+    double x[3], n[3];
+    int border;
+    /* A touch on the border tells no side. */
+    if (!axis->sure || border_distance(sheet, &at) < 3e-6 * sheet->diagonal)
+        return 0;
+    point_at(x, &at, axis->s);
+    double height = height_of(sheet, x, n, &border);
+    if (border || fabs(height) > 1e-5 * sheet->diagonal || height == 0.0 ||
+        sheet->info.components > 1)
+        return 0;
+    at = ends_between(&ride->was, now, 0.0);
+    struct depth depth = depth_of(sheet, &at, height < 0.0 ? -1 : 1);
+    return depth.least < -1e-6 * sheet->diagonal ? 0 : height < 0.0 ? -1 : 1;
+}
+
 /* Gap, force and regions against what is known. */
 static void check_contact(struct ride *ride, const struct state *now, const struct said *said,
                           const struct close *close)
@@ -446,8 +474,7 @@ static void check_contact(struct ride *ride, const struct state *now, const stru
         return;
     }
     struct ends3 at = ends_between(now, now, 0.0);
-    struct depth depth = sheet->flat > 0.0 ? flat_depth(sheet, &at, ride->side)
-                                               : sampled_depth(sheet, &at, ride->side);
+    struct depth depth = depth_of(sheet, &at, ride->side);
     double least = fmin(depth.least, HUGE_VAL), tolerance = 1e-5 * sheet->diagonal + small;
     sums->sided++;
     if (!depth.sure) {
@@ -463,8 +490,9 @@ static void check_contact(struct ride *ride, const struct state *now, const stru
     if (least > depth.spread + tolerance && close->distance > 0.0) {
         sums->turned_back++;
         CHECK(fabs(hit->gap - (close->distance - radius)) <= small,
-              "%s: back in front, gap %g, distance %g, radius %g%s", sheet->name, hit->gap,
-              close->distance, radius, text_of(&ride->was, now));
+              "%s: back in front, gap %g, distance %g, radius %g, sweep %u, side %d%s", sheet->name,
+              hit->gap, close->distance, radius, said->sweep.status, ride->side,
+              text_of(&ride->was, now));
         ride->knows = CLEAN;
         return;
     }
@@ -473,16 +501,17 @@ static void check_contact(struct ride *ride, const struct state *now, const stru
     sums->behind++;
     double off = fmax(hit->gap - (least - radius), least - depth.spread - radius - hit->gap);
     CHECK(hit->contact == DPT_CONTACT_PENETRATING && off <= tolerance,
-          "%s: behind by %g, radius %g, contact %u, gap %g, sweep %u, %g before%s", sheet->name, -least, radius,
-          hit->contact, hit->gap, said->sweep.status, ride->was_distance, text_of(&ride->was, now));
+          "%s: behind by %g, radius %g, contact %u, gap %g, sweep %u, %g before, side %d%s",
+          sheet->name, -least, radius, hit->contact, hit->gap, said->sweep.status,
+          ride->was_distance, ride->side, text_of(&ride->was, now));
     sums->worst_gap = fmax(sums->worst_gap, off / tolerance);
     double out[3], force = length3(said->wrench.force);
     quat_turn(out, now->body.orientation, 0, depth.out);
     double cosine = dot3(out, said->wrench.force) / force;
     /* Where it is curved, the deepest sample and the deepest point may differ. */
     double least_cosine = sheet->flat > 0.0 ? 0.999999 : depth.spread == 0.0 ? 0.5 : -1.1;
-    CHECK(cosine > least_cosine, "%s: force %g, cosine %g%s", sheet->name,
-          force, cosine, text_of(&ride->was, now));
+    CHECK(cosine > least_cosine, "%s: force %g, cosine %g%s", sheet->name, force, cosine,
+          text_of(&ride->was, now));
     CHECK(fabs(force - scene->def.stiffness * hit->depth) <= 1e-9 * force, "%s: force %g, depth %g",
           sheet->name, force, hit->depth);
     for (uint32_t i = 0; i < said->contacts && i < COUNT(said->contact) && sheet->flat > 0.0; i++) {
@@ -490,8 +519,8 @@ static void check_contact(struct ride *ride, const struct state *now, const stru
         double q[3];
         pose_undo(q, &now->body, c->q);
         int inner = fmax(fabs(q[0]), fabs(q[1])) < sheet->flat * (1.0 - 1e-6);
-        CHECK(!inner || c->gap > -radius || dot3(out, c->normal) > 0.999999,
-              "%s: normal %g%s", sheet->name, dot3(out, c->normal), text_of(&ride->was, now));
+        CHECK(!inner || c->gap > -radius || dot3(out, c->normal) > 0.999999, "%s: normal %g%s",
+              sheet->name, dot3(out, c->normal), text_of(&ride->was, now));
     }
 }
 
@@ -542,8 +571,9 @@ static uint32_t ride_tick(struct ride *ride, const struct state *now, int telepo
  */
 struct flight {
     int free;
-    double end[2][3], rate[2][3]; /* of a free tool at the star, in the world; else in its frame, at rest */
-    dpt_pose tool, body;          /* at the star */
+    double end[2][3],
+        rate[2][3];      /* of a free tool at the star, in the world; else in its frame, at rest */
+    dpt_pose tool, body; /* at the star */
     double tool_pace[3], body_pace[3], tool_axis[3], body_axis[3], tool_turn, body_turn;
     double radius, star;
 };
@@ -638,7 +668,8 @@ static void any_direction(double u[3], const double normal[3], const double way[
 /* Returns 1 where a crossing at the star is certain, if the tool gets so far. */
 static int any_flight(const struct sheet *sheet, struct flight *f)
 {
-    double target[3], normal[3], way[3], u[3], world[3], arm[3], share = one_in(2) ? one_in(2) : 0.5;
+    double target[3], normal[3], way[3], u[3], world[3], arm[3],
+        share = one_in(2) ? one_in(2) : 0.5;
     int on = any_target(sheet, target, normal);
     memset(f, 0, sizeof *f);
     f->star = (double)(random_bits(&rng) % 3) + random_in(&rng, 0.001, 0.999);
@@ -752,8 +783,10 @@ static int fly(struct scene *scene, struct sums *sums)
 
 static void print_sums(const struct sheet *sheet, const struct sums *s)
 {
-    printf("    %-22s %7lu ticks: swept %lu, met %lu (planned %lu), clear %lu, near %lu, undecided %lu\n"
-           "      gap: did not cross %lu, behind %lu, back %lu, side lost %lu, not judged %lu, unknown %lu; "
+    printf("    %-22s %7lu ticks: swept %lu, met %lu (planned %lu), clear %lu, near %lu, undecided "
+           "%lu\n"
+           "      gap: did not cross %lu, behind %lu, back %lu, side lost %lu, not judged %lu, "
+           "unknown %lu; "
            "worst touch %.3f, gap %.3f of the tolerance, %.1e late\n",
            sheet->name, s->ticks, s->swept, s->met, s->planned, s->clear, s->near, s->undecided,
            s->clean, s->behind, s->turned_back, s->lost, s->doubtful, s->unknown, s->worst_off,
@@ -768,7 +801,7 @@ static void fly_through(struct sheet *sheet, unsigned long crossings)
     while (sums.planned < crossings && tries < 20 * crossings + 1000) {
         if (tries++ % 1000 == 0) {
             free(scene.block);
-            if (!scene_begin(&scene, sheet, 0))
+            if (!scene_begin(&scene, sheet, 0, NULL))
                 break;
         }
         fly(&scene, &sums);
@@ -793,7 +826,7 @@ static int sheet_from_grid(struct sheet *sheet, const char *name, double bend, i
     static uint32_t corners[6 * N * N];
     size_t count = 0;
     memset(sheet, 0, sizeof *sheet);
-        for (int i = 0; i <= N; i++)
+    for (int i = 0; i <= N; i++)
         for (int k = 0; k <= N; k++) {
             double *v = vertices + 3 * (i * (N + 1) + k);
             v[0] = 0.3 * ((double)i / N - 0.5);
@@ -822,7 +855,8 @@ static void flat_crossing(struct ride *ride, double *late)
     struct scene *scene = ride->scene;
     const struct sheet *sheet = scene->sheet;
     const double normal[3] = { 0.0, 0.0, 1.0 };
-    double way[3], u[3], x[3] = { random_in(&rng, -0.099, 0.099), random_in(&rng, -0.099, 0.099), 0.0 };
+    double way[3], u[3],
+        x[3] = { random_in(&rng, -0.099, 0.099), random_in(&rng, -0.099, 0.099), 0.0 };
     double length = one_in(8) ? 0.0 : power_in(-3.0, -0.30103), side = one_in(2) ? 1.0 : -1.0;
     double radius = one_in(2) ? 0.0 : power_in(-4.0, -2.0), star = random_in(&rng, 0.0, 1.0);
     double pace = 0.02 * power_in(-3.3, 0.0), bend[3];
@@ -854,7 +888,8 @@ static void flat_crossing(struct ride *ride, double *late)
     place(scene, &from, 1);
     tick(scene, &said);
     CHECK(said.sweep.status == DPT_SWEEP_NONE && said.hit.contact == DPT_CONTACT_SEPARATED,
-          "a first tick: sweep %u, contact %u%s", said.sweep.status, said.hit.contact, text_of(&from, &from));
+          "a first tick: sweep %u, contact %u%s", said.sweep.status, said.hit.contact,
+          text_of(&from, &from));
     place(scene, &to, 0);
     tick(scene, &said);
     ride->was = from;
@@ -867,13 +902,12 @@ static void flat_crossing(struct ride *ride, double *late)
     double slow = fabs(to.end[e][2] - from.end[e][2]);
     struct ends3 at = ends_between(&from, &to, fmin(1.0, star + radius / slow));
     if (!crosses) {
-        CHECK(said.sweep.status == DPT_SWEEP_FREE && said.sweep.time == 1.0, "invented: %u at %.17g%s",
-              said.sweep.status, said.sweep.time, text_of(&from, &to));
+        CHECK(said.sweep.status == DPT_SWEEP_FREE && said.sweep.time == 1.0,
+              "invented: %u at %.17g%s", said.sweep.status, said.sweep.time, text_of(&from, &to));
     } else {
         double early = 1.0001e-6 * sheet->diagonal / fabs(way[2]);
         ride->sums->met++;
-        CHECK(hit && said.sweep.time <= star + 1e-9 &&
-                  said.sweep.time >= star - early - 1e-9,
+        CHECK(hit && said.sweep.time <= star + 1e-9 && said.sweep.time >= star - early - 1e-9,
               "met at %.17g: sweep %u at %.17g%s", star, said.sweep.status, said.sweep.time,
               text_of(&from, &to));
         CHECK(!hit || side * said.sweep.normal[2] > 0.999999, "normal %g%s", said.sweep.normal[2],
@@ -897,7 +931,7 @@ static void a_flat_sheet_is_crossed_in_one_tick(void)
         struct ride ride = { .scene = &scene, .sums = &sums };
         if (i % 1000 == 0) {
             free(scene.block);
-            if (!scene_begin(&scene, &sheet, 0))
+            if (!scene_begin(&scene, &sheet, 0, NULL))
                 return;
         }
         flat_crossing(&ride, &late);
@@ -938,13 +972,15 @@ static void ways_that_bend_twice_are_swept(void)
         double end = -0.5 * v * sin(half) + c * cos(half), quarter = 0.25 * turn;
         double off = -0.25 * v * sin(quarter) + c * cos(quarter) - end, size = 3.0 * fabs(c) + 0.05;
         double z = end + random_in(&rng, 0.3, 0.9) * off;
-        const double corners[12] = { -size, -size, z, size, -size, z, size, size, z, -size, size, z };
+        const double corners[12] = {
+            -size, -size, z, size, -size, z, size, size, z, -size, size, z
+        };
         const uint32_t two[6] = { 0, 1, 2, 0, 2, 3 };
         struct sheet sheet;
         struct scene scene = { NULL };
         memset(&sheet, 0, sizeof sheet);
-        if (!fixture_from_arrays(&sheet.fixture, corners, 4, two, 2) || !sheet_of(&sheet, "turned") ||
-            !scene_begin(&scene, &sheet, 0))
+        if (!fixture_from_arrays(&sheet.fixture, corners, 4, two, 2) ||
+            !sheet_of(&sheet, "turned") || !scene_begin(&scene, &sheet, 0, NULL))
             return;
         struct flight flight = { .free = 1, .tool = DPT_POSE_IDENTITY, .body = DPT_POSE_IDENTITY };
         flight.star = 0.5;
@@ -964,16 +1000,17 @@ static void ways_that_bend_twice_are_swept(void)
         free(scene.block);
         sheet_free(&sheet);
     }
-    printf("    %lu ticks, met %lu, near %lu, undecided %lu, clear %lu\n", sums.swept, sums.met, sums.near,
-           sums.undecided, sums.clear);
+    printf("    %lu ticks, met %lu, near %lu, undecided %lu, clear %lu\n", sums.swept, sums.met,
+           sums.near, sums.undecided, sums.clear);
     CHECK(sums.met > 10, "%lu met", sums.met);
 }
 
 /* Thin closed bodies, passed completely in one tick. */
 static void thin_bodies_are_not_missed(void)
 {
-    static const double slab[24] = { -0.1, -0.1, 0, 0.1, -0.1, 0, 0.1, 0.1, 0, -0.1, 0.1, 0,
-                                     -0.1, -0.1, 1e-4, 0.1, -0.1, 1e-4, 0.1, 0.1, 1e-4, -0.1, 0.1, 1e-4 };
+    static const double slab[24] = { -0.1, -0.1, 0,   0.1, -0.1, 0,    0.1,  0.1,
+                                     0,    -0.1, 0.1, 0,   -0.1, -0.1, 1e-4, 0.1,
+                                     -0.1, 1e-4, 0.1, 0.1, 1e-4, -0.1, 0.1,  1e-4 };
     static const uint32_t sides[36] = { 0, 2, 1, 0, 3, 2, 4, 5, 6, 4, 6, 7, 0, 1, 5, 0, 5, 4,
                                         1, 2, 6, 1, 6, 5, 2, 3, 7, 2, 7, 6, 3, 0, 4, 3, 4, 7 };
     struct sheet sheet;
@@ -994,7 +1031,7 @@ static void thin_bodies_are_not_missed(void)
         }
         struct scene scene = { NULL };
         if (!sheet.fixture.mesh || !sheet_of(&sheet, body ? "bead" : "slab") ||
-            !scene_begin(&scene, &sheet, 0))
+            !scene_begin(&scene, &sheet, 0, NULL))
             return;
         for (unsigned long i = 0; i < crossing_count / 20; i++) {
             double target[3], normal[3], way[3], u[3], pace = power_in(-2.5, -1.7);
@@ -1009,7 +1046,8 @@ static void thin_bodies_are_not_missed(void)
             any_across(u, way); /* sideways, in its own line, or a point */
             if (one_in(3))
                 memcpy(u, way, sizeof u);
-            double length = one_in(4) ? 0.0 : power_in(-3.0, -1.7), star = random_in(&rng, 0.1, 0.9);
+            double length = one_in(4) ? 0.0 : power_in(-3.0, -1.7),
+                   star = random_in(&rng, 0.1, 0.9);
             from.radius = one_in(2) ? 0.0 : power_in(-5.0, -3.5);
             double share = dot3(u, way) > 0.5 ? 1.0 : random_in(&rng, 0.0, 1.0);
             for (int e = 0; e < 2; e++) {
@@ -1034,7 +1072,8 @@ static void thin_bodies_are_not_missed(void)
         free(scene.block);
         sheet_free(&sheet);
     }
-    printf("    %lu ticks, met %lu, free at both ends %lu, undecided %lu; worst touch %.3f of the tolerance\n",
+    printf("    %lu ticks, met %lu, free at both ends %lu, undecided %lu; worst touch %.3f of the "
+           "tolerance\n",
            sums.swept, sums.met, passed, sums.undecided, sums.worst_off);
     CHECK(passed > crossing_count / 100, "%lu passed", passed);
 }
@@ -1052,19 +1091,21 @@ static void a_small_budget_only_delays(void)
     unsigned long never_here = 0;
     enum { MOST = 300 };
     for (int mesh = 0; mesh < 2; mesh++) {
-        if (!sheet_from_shape(&sheet, mesh ? "cloth" : "membrane", mesh ? 3200 : 512, mesh ? 0.0 : 0.1))
+        if (!sheet_from_shape(&sheet, mesh ? "cloth" : "membrane", mesh ? 3200 : 512,
+                              mesh ? 0.0 : 0.1))
             return;
         struct scene scene = { NULL };
         struct scene ample = { NULL };
-        if (!scene_begin(&ample, &sheet, 0))
-            return;
         for (unsigned long i = 0; i < flights / 2; i++) {
             struct flight flight;
             struct said said;
             if (i % 20 == 0) {
                 free(scene.block);
-                if (!scene_begin(&scene, &sheet, i % 40 ? 1 + (uint32_t)(random_bits(&rng) % 16)
-                                                        : 1 + (uint32_t)(random_bits(&rng) % 200)))
+                free(ample.block);
+                ample.block = NULL;
+                uint32_t most = i % 40 ? 16 : 200;
+                if (!scene_begin(&scene, &sheet, 1 + (uint32_t)(random_bits(&rng) % most), NULL) ||
+                    !scene_begin(&ample, &sheet, 0, &scene))
                     return;
             }
             any_flight(&sheet, &flight);
@@ -1100,7 +1141,8 @@ static void a_small_budget_only_delays(void)
             ride.was_error = said.hit.error_bound;
             uint32_t ticks = 0;
             place(&scene, &to, 0);
-            for (tick(&scene, &said); said.sweep.status == DPT_SWEEP_UNFINISHED && ticks < MOST; ticks++)
+            for (tick(&scene, &said); said.sweep.status == DPT_SWEEP_UNFINISHED && ticks < MOST;
+                 ticks++)
                 tick(&scene, &said);
             unfinished += ticks;
             if (ticks < MOST) {
@@ -1117,9 +1159,10 @@ static void a_small_budget_only_delays(void)
         free(ample.block);
         sheet_free(&sheet);
     }
-    printf("    %lu sweeps, %lu ticks unfinished, at most %u before an end; met %lu, undecided %lu\n"
-           "      without end: %lu contacts, %lu sweeps, of budgets up to %u\n",
-           sums.swept, unfinished, longest, sums.met, sums.undecided, never_here, never, largest);
+    printf(
+        "    %lu sweeps, %lu ticks unfinished, at most %u before an end; met %lu, undecided %lu\n"
+        "      without end: %lu contacts, %lu sweeps, of budgets up to %u\n",
+        sums.swept, unfinished, longest, sums.met, sums.undecided, never_here, never, largest);
 }
 
 /* Any motion near a mesh: what is so on every one, whatever its defects. */
@@ -1149,7 +1192,8 @@ static void walk_on(const struct sheet *sheet, const double drift[3], struct sta
     for (int e = 0; e < 2; e++) {
         go(state->end[e], state->end[e], by, u);
         go(state->end[e], state->end[e], by, drift);
-        go(state->end[e], state->end[e], e && length > 0.0 ? by * random_in(&rng, 0.0, 1.0) : 0.0, turn);
+        go(state->end[e], state->end[e], e && length > 0.0 ? by * random_in(&rng, 0.0, 1.0) : 0.0,
+           turn);
     }
 }
 
@@ -1199,7 +1243,7 @@ static void walk(struct sheet *sheet, unsigned long ticks, unsigned long judged,
     while (sums.ticks < ticks) {
         if (sums.ticks % 1000 < 20) {
             free(scene.block);
-            if (!scene_begin(&scene, sheet, 0))
+            if (!scene_begin(&scene, sheet, 0, NULL))
                 return;
         }
         struct state state = { .free = 1, .tool = DPT_POSE_IDENTITY, .body = DPT_POSE_IDENTITY };
@@ -1231,10 +1275,11 @@ static void walk(struct sheet *sheet, unsigned long ticks, unsigned long judged,
         }
     }
     free(scene.block);
-    printf("    %-30s %6u triangles, %6lu ticks: %lu hits, %lu crossing, %lu unknown; sign of the gap changed "
+    printf("    %-30s %6u triangles, %6lu ticks: %lu hits, %lu crossing, %lu unknown; sign of the "
+           "gap changed "
            "%lu in, %lu out; judged %lu, met %lu, undecided %lu\n",
-           sheet->name, sheet->count, sums.ticks, sums.hits, sums.crossing, sums.unknown, sums.flips_in,
-           sums.flips_out, sums.truth.swept, sums.truth.met, sums.truth.undecided);
+           sheet->name, sheet->count, sums.ticks, sums.hits, sums.crossing, sums.unknown,
+           sums.flips_in, sums.flips_out, sums.truth.swept, sums.truth.met, sums.truth.undecided);
 }
 
 static unsigned long walk_ticks(void)
@@ -1248,9 +1293,10 @@ static void generated_bodies_are_continuous(void)
         const char *name;
         uint32_t count;
         int closed;
-    } c[] = { { "liver", 5000, 1 }, { "stomach", 2000, 1 }, { "spleen", 1000, 1 }, { "star", 2400, 1 },
-              { "sphere", 320, 1 }, { "box", 48, 1 }, { "torus", 1000, 1 }, { "stomach", 2001, 0 },
-              { "hub", 300, 0 }, { "cloth", 800, 0 } };
+    } c[] = { { "liver", 5000, 1 }, { "stomach", 2000, 1 }, { "spleen", 1000, 1 },
+              { "star", 2400, 1 },  { "sphere", 320, 1 },   { "box", 48, 1 },
+              { "torus", 1000, 1 }, { "stomach", 2001, 0 }, { "hub", 300, 0 },
+              { "cloth", 800, 0 } };
     for (size_t i = 0; i < COUNT(c); i++) {
         struct sheet sheet;
         if (sheet_from_shape(&sheet, c[i].name, c[i].count, 0.0))
@@ -1281,7 +1327,9 @@ static void soups_are_answered(void)
                 memcpy(vertices + 9 * i, vertices + 9 * (i - i % 10), 6 * sizeof *vertices);
         }
         if (fixture_from_arrays(&sheet.fixture, vertices, 3 * TRIANGLES, corners, TRIANGLES) &&
-            sheet_of(&sheet, kind == 2 ? "fans" : kind ? "soup of all sizes" : "soup"))
+            sheet_of(&sheet, kind == 2 ? "fans"
+                             : kind    ? "soup of all sizes"
+                                       : "soup"))
             walk(&sheet, walk_ticks(), 1000, 0);
         sheet_free(&sheet);
     }
