@@ -8,7 +8,8 @@
 #include "bodies.h"
 #include "sweep.h"
 
-/* Of the mesh's diagonal: half for the sweep, half for what is left of the arcs. */
+/* Of the mesh's diagonal: half for the sweep, a quarter for the arcs, which grows the radius, and as much by which they
+ * are truly off. */
 #define TRAVEL_TOLERANCE 1e-6
 
 enum { HALVES_MOST = 10 };
@@ -132,7 +133,7 @@ static int sweep_between(struct tour *tour, const struct moment *from, const str
     struct moment middle = middle_of(from, to);
     struct ends at_middle = ends_at(&middle);
     double bend = bend_between(from, at_from, &middle, &at_middle, to, at_to);
-    int straight = bend <= tour->tolerance && body_turn_cosine(from, to) >= TURN_COSINE;
+    int straight = bend <= 0.5 * tour->tolerance && body_turn_cosine(from, to) >= TURN_COSINE;
     if (straight || halves == 0)
         return sweep_straight(tour, at_from, at_to, bend, t0, t1);
     double half = 0.5 * (t0 + t1);
