@@ -960,6 +960,48 @@ static void generated_sheets_are_crossed(void)
 }
 
 /*
+ * From above the sheet to below it through a corner of the hole, in one tick and back, at times with the surface at its
+ * border: nothing is crossed, and so nothing is deep.
+ */
+static void a_way_through_a_hole_is_free(void)
+{
+    struct sheet sheet;
+    struct sums sums = { .worst_off = -HUGE_VAL };
+    struct scene scene = { NULL };
+    if (!sheet_from_grid(&sheet, "hole", 0.0, 1))
+        return;
+    for (unsigned long i = 0; i < crossing_count / 100; i++) {
+        if (i % 100 == 0) {
+            free(scene.block);
+            if (!scene_begin(&scene, &sheet, 0, NULL))
+                return;
+        }
+        struct ride ride = { .scene = &scene, .sums = &sums };
+        struct state state[2];
+        double over = power_in(-4.0, -2.7), height = power_in(-4.0, -2.3), w = 0.3 / 16.0;
+        double beside = over * random_in(&rng, 1.2, 4.0), u[3];
+        double length = one_in(2) ? 0.0 : 0.3 * over,
+               radius = one_in(2) ? 0.0 : power_in(-4.0, -2.5);
+        any_unit(u);
+        for (int k = 0; k < 2; k++) {
+            const double at[3] = { -w + (k ? beside : -over), -w + (k ? -over : beside),
+                                   k ? -height : height };
+            state[k] = (struct state){
+                .free = 1, .radius = radius, .tool = DPT_POSE_IDENTITY, .body = DPT_POSE_IDENTITY
+            };
+            memcpy(state[k].end[0], at, sizeof at);
+            go(state[k].end[1], at, fmin(length, 0.5 * height), u);
+        }
+        for (int k = 0; k < 4; k++)
+            ride_tick(&ride, &state[k % 2], k == 0, -1.0);
+    }
+    free(scene.block);
+    printf("    %lu ticks, did not cross %lu, met %lu, clear %lu, undecided %lu, not judged %lu\n",
+           sums.ticks, sums.clean, sums.met, sums.clear, sums.undecided, sums.doubtful);
+    sheet_free(&sheet);
+}
+
+/*
  * A body that turns past a moving tool: seen from it, the way bends to one side and back, so that it is on its chord at
  * the ends and in the middle. The sheet is where it is not.
  */
@@ -1361,6 +1403,7 @@ static void public_meshes_are_answered(void)
     if (table)
         fclose(table);
     printf("    %lu meshes\n", meshes);
+    CHECK(meshes > 0, "none in %s", getenv("DPT_DATA"));
 }
 
 int main(int argc, char **argv)
@@ -1371,6 +1414,7 @@ int main(int argc, char **argv)
         rng = strtoull(argv[2], NULL, 10);
     TEST(a_flat_sheet_is_crossed_in_one_tick);
     TEST(generated_sheets_are_crossed);
+    TEST(a_way_through_a_hole_is_free);
     TEST(ways_that_bend_twice_are_swept);
     TEST(thin_bodies_are_not_missed);
     TEST(a_small_budget_only_delays);
