@@ -91,6 +91,16 @@ void contacts_keep(struct dpt_world *world, uint32_t segment)
     keep(world, segment, NULL);
 }
 
+/* The axis was in front and went through nothing: it is in front now, wherever it is, and if it went round a border. */
+static int is_in_front(const struct meeting *meeting, const struct hold *hold)
+{
+    const struct segment *segment = &meeting->world->segments[meeting->segment];
+    const dpt_contact *contact = &hold->contact;
+    vec3 off = sub(vec3_of(contact->p), vec3_of(contact->q));
+    return segment->sweep.status != DPT_SWEEP_NONE && !segment->met.passed &&
+           dot(off, vec3_of(contact->normal)) > 0.0;
+}
+
 /* Sides that are kept, and where the samples of the last tick were. */
 static uint32_t recall(struct meeting *meeting, struct seed seeds[PROFILE_SEEDS])
 {
@@ -103,7 +113,7 @@ static uint32_t recall(struct meeting *meeting, struct seed seeds[PROFILE_SEEDS]
             continue;
         for (uint32_t k = 0; k < hold->seed_count && count < PROFILE_SEEDS; k++)
             seeds[count++] = hold->seed[k];
-        if (hold->side)
+        if (hold->side && !is_in_front(meeting, hold))
             sides_put(&meeting->sides, hold->part, hold->side);
     }
     const struct met *met = &meeting->world->segments[meeting->segment].met;

@@ -10,7 +10,7 @@
 #define DOUBT_LEFT    0.03
 #define DOUBT_IGNORED 0.002
 
-enum { ASK_MOST = 24 };
+enum { ASK_MOST = 24, ASK_WITHIN_MOST = 3 };
 
 /* A piece of the profile on which the height is linear and the way out is one sample's. */
 struct piece {
@@ -164,11 +164,9 @@ static void take_piece(struct taking *taking, uint32_t sample, struct piece piec
     taking->open = piece.s1 >= to;
 }
 
-uint32_t region_all(struct profile *profile, struct region regions[REGION_MOST])
+static uint32_t take_all(const struct profile *profile, struct region regions[REGION_MOST])
 {
     struct taking taking = { .profile = profile, .regions = regions };
-    profile_enclose(profile);
-    refine(profile);
     for (uint32_t i = 0; i + 1 < profile->count; i++) {
         const struct sample *from = &profile->sample[i], *to = from + 1;
         struct span span = *span_at(profile, i);
@@ -181,6 +179,39 @@ uint32_t region_all(struct profile *profile, struct region regions[REGION_MOST])
                    (struct piece){ span.s, to->s, span.w, span.w1, profile->sample[right].normal });
     }
     return taking.count;
+}
+
+/* A region that rests on a bend alone has no sample in it. */
+static int is_seen(const struct profile *profile, const struct region *region)
+{
+    double s = profile->sample[region->deepest].s;
+    return s >= region->from && s <= region->to;
+}
+
+/* Ask in the middle of the first that is not seen. Returns 1 if there was one and a sample was taken. */
+static int ask_within(struct profile *profile, const struct region *regions, uint32_t count)
+{
+    uint32_t i = 0;
+    while (i < count && is_seen(profile, &regions[i]))
+        i++;
+    return i < count && profile_ask(profile, 0.5 * (regions[i].from + regions[i].to),
+                                    !profile->warm) != DPT_NONE;
+}
+
+uint32_t region_all(struct profile *profile, struct region regions[REGION_MOST])
+{
+    profile_enclose(profile);
+    refine(profile);
+    uint32_t count = take_all(profile, regions), seen = 0;
+    for (int asked = 0; asked < ASK_WITHIN_MOST && !profile->cut; asked++) {
+        if (!ask_within(profile, regions, count))
+            break;
+        count = take_all(profile, regions);
+    }
+    for (uint32_t i = 0; i < count; i++)
+        if (is_seen(profile, &regions[i]))
+            regions[seen++] = regions[i];
+    return seen;
 }
 
 /* What a sample between these two would be worth, of the integral over s. */

@@ -124,3 +124,32 @@ int side_of_pair(const struct tree *tree, uint32_t triangle, const pair *found)
 {
     return dot(side_feature_normal(tree, triangle, found->weight), found->gap) < 0.0 ? -1 : 1;
 }
+
+/* Of an edge, how far back one looks. */
+#define SIDE_BACK 1e-3
+
+int side_of_way(const struct tree *tree, uint32_t triangle, const double weight[3], vec3 back)
+{
+    const uint32_t *first = mesh_words(tree->mesh, MESH_FAN_FIRST);
+    const uint32_t *fans = mesh_words(tree->mesh, MESH_FANS);
+    int most = weight[1] > weight[0] ? 1 : 0;
+    most = weight[2] > weight[most] ? 2 : most;
+    double size = length(back);
+    if ((weight[0] > 0.0 && weight[1] > 0.0 && weight[2] > 0.0) || !(size > 0.0))
+        return dot(side_face_normal(tree, triangle), back) < 0.0 ? -1 : 1;
+    vec3 q = { 0.0, 0.0, 0.0 };
+    for (int k = 0; k < 3; k++)
+        q = along(q, weight[k], corner_of(tree, triangle, k));
+    double edge = length(sub(corner_of(tree, triangle, most + 1), corner_of(tree, triangle, most)));
+    vec3 x = along(q, smaller(SIDE_BACK * edge, size) / size, back);
+    uint32_t v = tree->corners[3 * (size_t)triangle + (size_t)most], nearest = triangle;
+    pair best = tree_pair(tree, triangle, x, (vec3){ 0.0, 0.0, 0.0 });
+    for (uint32_t i = first[v]; i < first[v + 1]; i++) {
+        pair found = tree_pair(tree, fans[i], x, (vec3){ 0.0, 0.0, 0.0 });
+        if (found.distance2 < best.distance2) {
+            best = found;
+            nearest = fans[i];
+        }
+    }
+    return side_of_pair(tree, nearest, &best);
+}

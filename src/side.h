@@ -30,4 +30,10 @@ int side_is_sheet(const struct tree *tree, uint32_t part);
 /* +1 in front of the nearest point, -1 behind it, by its feature's normal. */
 int side_of_pair(const struct tree *tree, uint32_t triangle, const pair *found);
 
+/*
+ * The side from which a point came that touched there, `back` leading to where it was. At an edge or a vertex the plane
+ * of its normal does not tell that: it is the side of a point a little way back.
+ */
+int side_of_way(const struct tree *tree, uint32_t triangle, const double weight[3], vec3 back);
+
 #endif

@@ -8,7 +8,8 @@
 #include "bodies.h"
 #include "sweep.h"
 
-/* Of the mesh's diagonal: half for the sweep, half for what is left of the arcs. */
+/* Of the mesh's diagonal: half for the sweep, a quarter for the arcs, which grows the radius, and as much by which they
+ * are truly off. */
 #define TRAVEL_TOLERANCE 1e-6
 
 enum { HALVES_MOST = 10 };
@@ -71,6 +72,42 @@ static double bend_of(const struct ends *from, const struct ends *middle, const 
     return 1.25 * faster(sub(middle->a, straight.a), sub(middle->b, straight.b));
 }
 
+/* The cosine of half of what a body may turn, 0.25, before its way is cut whatever the bend. */
+#define TURN_COSINE 0.9922
+
+static double body_turn_cosine(const struct moment *from, const struct moment *to)
+{
+    double cosine = 0.0;
+    for (int k = 0; k < 4; k++)
+        cosine += from->body.orientation[k] * to->body.orientation[k];
+    return fabs(cosine);
+}
+
+/*
+ * The same of one part of a tour. A turn of the tool alone is an arc, farthest off in the middle; seen from a body that
+ * turns, a straight way can bend to one side and back, so it is looked at in the quarters too.
+ */
+static double bend_between(const struct moment *from, const struct ends *at_from,
+                           const struct moment *middle, const struct ends *at_middle,
+                           const struct moment *to, const struct ends *at_to)
+{
+    double bend = bend_of(at_from, at_middle, at_to);
+    int turns = 0;
+    for (int k = 0; k < 4; k++)
+        turns |= from->body.orientation[k] != to->body.orientation[k];
+    if (!turns)
+        return bend;
+    struct ends straight = between(at_from, at_to);
+    for (int half = 0; half < 2; half++) {
+        struct moment quarter = half ? middle_of(middle, to) : middle_of(from, middle);
+        struct ends at_quarter = ends_at(&quarter);
+        struct ends chord = between(&straight, half ? at_to : at_from);
+        double off = faster(sub(at_quarter.a, chord.a), sub(at_quarter.b, chord.b));
+        bend = larger(bend, 1.25 * off);
+    }
+    return bend;
+}
+
 static int sweep_straight(struct tour *tour, const struct ends *from, const struct ends *to,
                           double bend, double t0, double t1)
 {
@@ -95,8 +132,9 @@ static int sweep_between(struct tour *tour, const struct moment *from, const str
 {
     struct moment middle = middle_of(from, to);
     struct ends at_middle = ends_at(&middle);
-    double bend = bend_of(at_from, &at_middle, at_to);
-    if (bend <= tour->tolerance || halves == 0)
+    double bend = bend_between(from, at_from, &middle, &at_middle, to, at_to);
+    int straight = bend <= 0.5 * tour->tolerance && body_turn_cosine(from, to) >= TURN_COSINE;
+    if (straight || halves == 0)
         return sweep_straight(tour, at_from, at_to, bend, t0, t1);
     double half = 0.5 * (t0 + t1);
     int result = sweep_between(tour, from, at_from, &middle, &at_middle, t0, half, halves - 1);
@@ -136,22 +174,17 @@ static int side_before(const struct tour *tour)
     const struct strike *strike = &tour->strike;
     const struct motion *motion = &tour->motion;
     vec3 way = along(motion->da, strike->pair.s, sub(motion->db, motion->da));
-    vec3 gap = along(strike->pair.gap, -strike->time, way);
-    vec3 normal = side_feature_normal(&tour->body->tree, strike->triangle, strike->pair.weight);
-    return dot(normal, gap) < 0.0 ? -1 : 1;
+    vec3 back = along(strike->pair.gap, -strike->time, way);
+    return side_of_way(&tour->body->tree, strike->triangle, strike->pair.weight, back);
 }
 
 static void tell(const struct tour *tour, struct segment *segment)
 {
     const struct strike *strike = &tour->strike;
     const struct tree *tree = &tour->body->tree;
-    uint32_t part = side_part(tree, strike->triangle);
     int side = side_before(tour);
     vec3 normal = side_feature_normal(tree, strike->triangle, strike->pair.weight);
     double size = length(normal);
-    segment->met = (struct met){ .body = tour->body->id, .part = part };
-    if (side_is_sheet(tree, part) && !side_is_border(tree, strike->triangle, strike->pair.weight))
-        segment->met.side = side;
     dpt_sweep *sweep = &segment->sweep;
     sweep->body = tour->body->id;
     sweep->triangle = tree->sources[strike->triangle];
@@ -161,9 +194,39 @@ static void tell(const struct tour *tour, struct segment *segment)
                sweep->normal);
 }
 
-/* One body: 1 when it was met before segment->sweep.time, or the sweep did not get so far. */
-static int pass_body(struct dpt_world *world, uint32_t index, const struct body *body,
-                     struct moment *from, struct moment *to)
+/* The side from which the axis came through a sheet. */
+static void keep_side(const struct tour *tour, struct segment *segment)
+{
+    const struct strike *strike = &tour->strike;
+    const struct tree *tree = &tour->body->tree;
+    uint32_t part = side_part(tree, strike->triangle);
+    segment->met.body = tour->body->id;
+    segment->met.part = part;
+    segment->met.side = 0;
+    if (side_is_sheet(tree, part) && !side_is_border(tree, strike->triangle, strike->pair.weight))
+        segment->met.side = side_before(tour);
+}
+
+/* Within what is left of the budget. */
+static int take_tour(struct dpt_world *world, struct segment *segment, struct tour *tour,
+                     const struct moment *from, const struct moment *to)
+{
+    int result = SWEEP_UNFINISHED;
+    struct ends at_from = ends_at(from), at_to = ends_at(to);
+    tour->most = world->left;
+    tour->work = 0;
+    tour->time = 0.0;
+    if (!world->def.budget || world->left)
+        result = sweep_between(tour, from, &at_from, to, &at_to, 0.0, 1.0, HALVES_MOST);
+    segment->hit.work += tour->work;
+    if (world->def.budget)
+        world->left -= tour->work;
+    return result;
+}
+
+/* One body: what the surface met before segment->sweep.time, and whether the axis went on, and through. */
+static void pass_body(struct dpt_world *world, uint32_t index, const struct body *body,
+                      struct moment *from, struct moment *to)
 {
     struct segment *segment = &world->segments[index];
     double diagonal = tree_diagonal(&body->tree), radius = segment->radius;
@@ -172,32 +235,54 @@ static int pass_body(struct dpt_world *world, uint32_t index, const struct body 
                          .radius = segment->was.distance > radius ? radius : 0.0,
                          .far = segment->was.distance,
                          .tolerance = 0.5 * TRAVEL_TOLERANCE * diagonal,
-                         .hint = *world_last(world, index, handle_index(body->id)),
-                         .most = world->left };
+                         .hint = *world_last(world, index, handle_index(body->id)) };
     from->body = body->moved == world->ticks ? body->before : body->pose;
     to->body = body->pose;
     struct moment middle = middle_of(from, to);
     struct ends at_from = ends_at(from), at_to = ends_at(to), at_middle = ends_at(&middle);
     double motion = faster(sub(at_to.a, at_from.a), sub(at_to.b, at_from.b));
-    double bend = bend_of(&at_from, &at_middle, &at_to);
+    double bend = bend_between(from, &at_from, &middle, &at_middle, to, &at_to);
     double now = segment->hit.lower_bound;
-    if (segment->was.distance + now > motion + 2.0 * (bend + tour.radius + 2.0 * tour.tolerance))
-        return 0;
-    int result = SWEEP_UNFINISHED;
-    if (world->def.budget && !world->left)
-        tour.time = 0.0;
-    else
-        result = sweep_between(&tour, from, &at_from, to, &at_to, 0.0, 1.0, HALVES_MOST);
-    segment->hit.work += tour.work;
-    if (world->def.budget)
-        world->left -= tour.work;
-    if (result == SWEEP_FREE || tour.time >= segment->sweep.time)
-        return 0;
+    int turns = body_turn_cosine(from, to) < TURN_COSINE;
+    if (!turns &&
+        segment->was.distance + now > motion + 2.0 * (bend + tour.radius + 2.0 * tour.tolerance))
+        return;
+    int result = take_tour(world, segment, &tour, from, to);
+    if (result == SWEEP_FREE)
+        return;
+    if (tour.time >= segment->sweep.time) {
+        segment->met.passed = 1;
+        return;
+    }
+    struct tour axis = tour;
+    int through = result;
+    axis.radius = 0.0;
+    if (result == SWEEP_HIT && tour.radius > 0.0)
+        through = take_tour(world, segment, &axis, from, to);
     segment->sweep.time = tour.time;
-    segment->sweep.status = result == SWEEP_HIT ? DPT_SWEEP_HIT : DPT_SWEEP_UNFINISHED;
-    if (result == SWEEP_HIT)
-        tell(&tour, segment);
-    return 1;
+    if (through == SWEEP_UNFINISHED) {
+        segment->sweep.status = DPT_SWEEP_UNFINISHED;
+        segment->met.passed = 1;
+        return;
+    }
+    segment->sweep.status = DPT_SWEEP_HIT;
+    tell(&tour, segment);
+    if (through == SWEEP_HIT) {
+        segment->met.passed = 1;
+        keep_side(&axis, segment);
+    }
+}
+
+/* No point of the tool was farther away from where it is now than that, the arc of a turn included. */
+static double way_of_tool(const struct moment *from, const struct moment *to)
+{
+    const dpt_pose identity = DPT_POSE_IDENTITY;
+    struct moment first = *from, last = *to;
+    first.body = last.body = identity;
+    struct moment middle = middle_of(&first, &last);
+    struct ends at_first = ends_at(&first), at_last = ends_at(&last), at_middle = ends_at(&middle);
+    return faster(sub(at_last.a, at_first.a), sub(at_last.b, at_first.b)) +
+           bend_of(&at_first, &at_middle, &at_last);
 }
 
 void travel_find(struct dpt_world *world, uint32_t index)
@@ -209,8 +294,7 @@ void travel_find(struct dpt_world *world, uint32_t index)
     moments_of(world, segment, &from, &to);
     vec3 a = segment->found.track.axis.a, b = segment->found.track.axis.b;
     struct box box = box_of_axis(a, b);
-    double reach =
-        faster(sub(a, segment->was.world_a), sub(b, segment->was.world_b)) + segment->radius;
+    double reach = way_of_tool(&from, &to) + segment->radius;
     const uint32_t *list = NULL;
     uint32_t count = world->body_end;
     double moved = world->travelled_at == world->ticks ? world->travelled : 0.0;
@@ -237,8 +321,6 @@ void travel_end(struct dpt_world *world, uint32_t index)
     segment->was = (struct was){ .pose = tool->free ? identity : tool->pose,
                                  .a = segment->a,
                                  .b = segment->b,
-                                 .world_a = segment->found.track.axis.a,
-                                 .world_b = segment->found.track.axis.b,
                                  .distance = segment->hit.lower_bound,
                                  .known = segment->found.body != NULL };
 }

@@ -46,11 +46,10 @@ struct found {
 
 /* Where a segment was in the last tick. */
 struct was {
-    dpt_pose pose;         /* of its tool; the identity for a free one */
-    vec3 a, b;             /* in the tool's frame */
-    vec3 world_a, world_b; /* in the world */
-    double distance;       /* nothing was nearer to its axis */
-    uint32_t known;        /* 0: it was nowhere */
+    dpt_pose pose;   /* of its tool; the identity for a free one */
+    vec3 a, b;       /* in the tool's frame */
+    double distance; /* nothing was nearer to its axis */
+    uint32_t known;  /* 0: it was nowhere */
     uint32_t reserved;
 };
 
@@ -59,7 +58,8 @@ struct met {
     uint32_t body; /* id */
     uint32_t part; /* of its mesh */
     int32_t
-        side; /* of the surface, from which it came: +1 in front, -1 behind; 0 for nothing, or a border */
+        side; /* of the sheet, from which the axis came: +1 in front, -1 behind; 0 for nothing, or a border */
+    uint32_t passed; /* the axis may have gone through something */
 };
 
 struct segment {

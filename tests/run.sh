@@ -71,6 +71,7 @@ for config in scalar sanitize; do
         [ -x "$program" ] && run "test_$name, $config" "$program"
     done
     run "test_pair, $config" build/$config/tests/test_pair 100000
+    run "test_sheets, $config" build/$config/tests/test_sheets 2000
     run "test_sweep, $config" build/$config/tests/test_sweep 2000
     run "test_depth, $config" build/$config/tests/test_depth 20
     run "test_region, $config" build/$config/tests/test_region 20
