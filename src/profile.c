@@ -452,28 +452,36 @@ static struct deep deep_between(const struct profile *profile, uint32_t i, doubl
     return (struct deep){ smaller(slope, larger(bound, ends)), s, 0, 0 };
 }
 
-static uint32_t lowest(const struct profile *profile)
+/* The lowest sample from one place to another. */
+static uint32_t lowest(const struct profile *profile, double from, double to)
 {
-    uint32_t best = 0;
-    for (uint32_t i = 1; i < profile->count; i++)
-        if (profile->sample[i].height < profile->sample[best].height)
+    uint32_t best = DPT_NONE;
+    for (uint32_t i = 0; i < profile->count; i++) {
+        const struct sample *sample = &profile->sample[i];
+        if (sample->s >= from && sample->s <= to &&
+            (best == DPT_NONE || sample->height < profile->sample[best].height))
             best = i;
+    }
     return best;
 }
 
+/* Between samples i and the next the axis is inside; where each sample has its own side, one of them. */
 static int is_inner(const struct profile *profile, uint32_t i)
 {
-    return profile->sample[i].height < 0.0 || profile->sample[i + 1].height < 0.0;
+    const struct sample *from = &profile->sample[i], *to = from + 1;
+    int sign = profile->sign[stretch_of(profile, 0.5 * (from->s + to->s))];
+    return sign ? sign < 0 : from->height < 0.0 || to->height < 0.0;
 }
 
-/* The stretch that can be deepest, if it can be deeper than `least`. */
-static const struct sample *deepest_stretch(struct profile *profile, double least)
+/* The stretch that can be deepest, if it can be deeper than `least`: of those that end and begin within the limits. */
+static const struct sample *deepest_stretch(struct profile *profile, double least_s, double most_s,
+                                            double least)
 {
     const struct sample *most = NULL;
     double bound = least;
     for (uint32_t i = 0; i + 1 < profile->count; i++) {
         struct sample *sample = &profile->sample[i];
-        if (!is_inner(profile, i))
+        if (sample[1].s <= least_s || sample->s >= most_s || !is_inner(profile, i))
             continue;
         if (!sample->bounded || (sample->deep.coarse && sample->deep.bound > least)) {
             sample->deep = deep_between(profile, i, least);
@@ -487,31 +495,43 @@ static const struct sample *deepest_stretch(struct profile *profile, double leas
     return most;
 }
 
-/*
- * Until nothing can be deeper than the deepest sample by more than the tolerance, and a search has confirmed that one. Between
- * samples descent tells enough; where it does not get on, a search does.
- */
-static void find_deepest(struct profile *profile)
+uint32_t profile_prove(struct profile *profile, double from, double to)
 {
     enum { DESCENTS = 16 };
-    for (int asked = 0; asked < PROFILE_SAMPLES && !profile->cut; asked++) {
-        uint32_t low = lowest(profile);
+    uint32_t low = lowest(profile, from, to);
+    for (int asked = 0; asked < PROFILE_SAMPLES && low != DPT_NONE && !profile->cut; asked++) {
         const struct sample *most = NULL;
         if (profile->count < PROFILE_SAMPLES)
-            most = deepest_stretch(profile, profile->tolerance - profile->sample[low].height);
+            most = deepest_stretch(profile, from, to,
+                                   profile->tolerance - profile->sample[low].height);
+        /* Between samples descent tells enough; where it does not get on, a search does. */
         if (most)
             profile_ask(profile, most->deep.s, profile->winding || asked >= DESCENTS);
         else if (!profile->sample[low].exact)
             profile_ask(profile, profile->sample[low].s, 1);
         else
             break;
+        low = lowest(profile, from, to);
     }
-    profile->deepest = 0;
-    for (uint32_t i = 1; i < profile->count; i++)
-        if (profile->sample[i].exact &&
-            (!profile->sample[profile->deepest].exact ||
-             profile->sample[i].height < profile->sample[profile->deepest].height))
-            profile->deepest = i;
+    if (low != DPT_NONE)
+        profile->sample[low].proven = 1;
+    return low;
+}
+
+uint32_t profile_approach(struct profile *profile, double from, double to, double reach)
+{
+    const struct axis *axis = profile->axis;
+    struct axis piece = { .local_a = point_at(profile, from),
+                          .u = scaled(axis->u, to - from),
+                          .error = axis->error };
+    struct nearest nearest = { .pair = { .distance2 = reach * reach }, .triangle = DPT_NONE };
+    improve(profile, &piece, 1, &nearest);
+    if (nearest.triangle == DPT_NONE)
+        return DPT_NONE;
+    struct sample sample =
+        take_sample(profile, from + nearest.pair.s * (to - from), nearest.triangle, 0);
+    sample.exact = sample.proven = 1;
+    return put_sample(profile, &sample);
 }
 
 /*
@@ -539,7 +559,6 @@ int profile_make(struct profile *profile, const struct nearest *nearest, const s
     profile->zones = 0;
     profile->count = 0;
     profile->deepest = 0;
-    profile->warm = seed_count > 0;
     const uint32_t *lanes;
     profile->winding = mesh_moments(profile->tree->mesh, &lanes) != NULL;
     int is_far = distance > profile->reach;
@@ -566,13 +585,27 @@ int profile_make(struct profile *profile, const struct nearest *nearest, const s
         put_sample(profile, &sample);
     }
     put_inner_samples(profile);
-    find_deepest(profile);
+    profile->deepest = profile_prove(profile, 0.0, 1.0);
     return 1;
+}
+
+/* A stretch outside, within a zone, of which samples do not tell that the surface is within reach. */
+static int is_blind(const struct profile *profile, uint32_t i, double *from, double *to)
+{
+    const struct sample *left = &profile->sample[i], *right = left + 1;
+    double step = profile->size > 0.0 ? 2.0 * profile->reach / profile->size : 1.0;
+    int in_left = left->height < profile->reach, in_right = right->height < profile->reach;
+    *from = left->s + (in_left ? step : 0.0);
+    *to = right->s - (in_right ? step : 0.0);
+    double middle = 0.5 * (left->s + right->s);
+    return !(in_left && in_right) && *to - *from > (in_left || in_right ? step : 0.0) &&
+           profile->sign[stretch_of(profile, middle)] > 0 && in_zone(profile, middle);
 }
 
 /* Outside of the zones an axis that is outside is beyond reach. Where a side is each sample's own, samples tell. */
 void profile_enclose(struct profile *profile)
 {
+    enum { BLIND_MOST = 16 };
     struct sample beyond = { .height = profile->reach, .triangle = DPT_NONE };
     for (uint32_t i = 0; i < profile->zones; i++) {
         const double ends[2] = { profile->zone_from[i], profile->zone_to[i] };
@@ -584,5 +617,13 @@ void profile_enclose(struct profile *profile)
             else if (sign > 0)
                 put_sample(profile, &beyond);
         }
+    }
+    double from, to;
+    uint32_t asked = 0;
+    for (uint32_t i = 0; i + 1 < profile->count && asked < BLIND_MOST && !profile->cut;) {
+        int blind = is_blind(profile, i, &from, &to);
+        asked += (uint32_t)blind;
+        if (!blind || profile_approach(profile, from, to, profile->reach) == DPT_NONE)
+            i++;
     }
 }

@@ -13,7 +13,7 @@
 /* The depth's own bound, of the mesh's diagonal. */
 #define PROFILE_DEPTH_SHARE 1e-5
 
-enum { PROFILE_SAMPLES = 64, PROFILE_CROSSINGS = 31, PROFILE_ZONES = 8, PROFILE_SEEDS = 24 };
+enum { PROFILE_SAMPLES = 64, PROFILE_CROSSINGS = 31, PROFILE_ZONES = 8, PROFILE_SEEDS = 48 };
 
 /* A place on the axis and a triangle that was nearest there. */
 struct seed {
@@ -23,7 +23,7 @@ struct seed {
 };
 
 /* What counts for more than this is searched for; descent does for the rest. */
-#define PROFILE_SHARE 0.02
+#define PROFILE_SHARE 0.01
 
 struct sample {
     double s;
@@ -33,8 +33,10 @@ struct sample {
     double weight[3];
     uint32_t triangle; /* DPT_NONE: nothing is within reach here, height is the reach */
     uint32_t exact;    /* no triangle is nearer */
-    uint32_t bounded;  /* `deep` is known */
-    uint32_t spanned;  /* `span` is known */
+    uint32_t proven;   /* it is the lowest around, by profile_prove or profile_approach */
+    uint32_t reserved;
+    uint32_t bounded; /* `deep` is known */
+    uint32_t spanned; /* `span` is known */
     /* How deep it can be between here and the next sample, and where that was found. */
     struct deep {
         double bound, s;
@@ -85,8 +87,6 @@ struct profile {
     uint32_t work;    /* 16-lane blocks */
     uint32_t most;    /* and how many it may look at; UINT32_MAX: what it takes */
     uint32_t cut;     /* that was not enough */
-    uint32_t
-        warm; /* there were seeds: descent from them is as good as a search, but for the deepest */
     uint32_t winding; /* the mesh has parts whose inside the winding number tells */
     uint32_t full;    /* more crossings than there is room for: what is known is not all */
     uint32_t crossings;
@@ -115,6 +115,15 @@ int profile_is_sideless(const struct profile *profile);
 
 /* One more sample, by a search or by descent from those beside it; its index, or DPT_NONE if there was no room. */
 uint32_t profile_ask(struct profile *profile, double s, int exact);
+
+/*
+ * From one place of the axis, inside, to another: split it until nothing can be deeper than the lowest sample by more than
+ * the tolerance, and confirm that one by a search. Returns it, or DPT_NONE if there is no sample.
+ */
+uint32_t profile_prove(struct profile *profile, double from, double to);
+
+/* Outside: the nearest point of the axis from one place to another, if it is nearer than `reach`; else DPT_NONE. */
+uint32_t profile_approach(struct profile *profile, double from, double to, double reach);
 
 /* Mark where the surface comes within reach and goes out of it, so that samples are wherever it is within. */
 void profile_enclose(struct profile *profile);

@@ -7,10 +7,10 @@
 #include "region.h"
 
 /* The doubt that is left, of the overlap; and that below which a sample is not worth keeping. */
-#define DOUBT_LEFT    0.03
-#define DOUBT_IGNORED 0.002
+#define DOUBT_LEFT    0.015
+#define DOUBT_IGNORED 0.001
 
-enum { ASK_MOST = 24, ASK_WITHIN_MOST = 3 };
+enum { ASK_MOST = 32, SPANS_LEAST = 12 };
 
 /* A piece of the profile on which the height is linear and the way out is one sample's. */
 struct piece {
@@ -72,7 +72,9 @@ static struct span span_between(const struct profile *profile, const struct samp
         area_of(from->s, span.w0, bend.s, tangent) + area_of(bend.s, tangent, to->s, span.w1);
     span.area = area_of(from->s, span.w0, bend.s, span.w) + area_of(bend.s, span.w, to->s, span.w1);
     span.doubt = 0.25 * fabs(most - least);
-    if (from->triangle != DPT_NONE && to->triangle != DPT_NONE)
+    if (from->triangle == DPT_NONE || to->triangle == DPT_NONE)
+        span.doubt += 0.5 * span.area;
+    else
         span.doubt += 0.125 * length(sub(from->normal, to->normal)) * span.area;
     return span;
 }
@@ -105,25 +107,61 @@ static double ask_where(const struct profile *profile, uint32_t i, const struct 
     return span->s;
 }
 
+/* Wide spans hide what their ends do not show: none wider than the reach, or a share of all that is within it. */
+static double widest_allowed(struct profile *profile)
+{
+    double within = 0.0;
+    for (uint32_t i = 0; i + 1 < profile->count; i++)
+        if (span_at(profile, i)->area > 0.0)
+            within += profile->sample[i + 1].s - profile->sample[i].s;
+    double reach = profile->size > 0.0 ? profile->reach / profile->size : 1.0;
+    return larger(reach, within / SPANS_LEAST);
+}
+
+/* Samples by descent that count for much are searched for: descent may have been trapped. */
+static void confirm(struct profile *profile)
+{
+    double sum = 0.0;
+    for (uint32_t i = 0; i + 1 < profile->count; i++)
+        sum += span_at(profile, i)->area;
+    for (uint32_t i = 0; i < profile->count && !profile->cut; i++) {
+        const struct sample *sample = &profile->sample[i];
+        double from = i ? sample[-1].s : sample->s;
+        double to = i + 1 < profile->count ? sample[1].s : sample->s;
+        double share = 0.5 * (profile->reach - sample->height) * (to - from);
+        if (!sample->exact && sample->triangle != DPT_NONE && share > PROFILE_SHARE * sum)
+            profile_ask(profile, sample->s, 1);
+    }
+}
+
 static void refine(struct profile *profile)
 {
+    confirm(profile);
     for (int asked = 0; asked < ASK_MOST && !profile->cut; asked++) {
-        double sum = 0.0, doubt = 0.0, most = 0.0;
-        uint32_t worst = 0;
+        double sum = 0.0, doubt = 0.0, most = 0.0, wide = widest_allowed(profile), widest = wide;
+        uint32_t worst = 0, wide_at = DPT_NONE;
         for (uint32_t i = 0; i + 1 < profile->count; i++) {
             const struct span *span = span_at(profile, i);
+            double width = profile->sample[i + 1].s - profile->sample[i].s;
             sum += span->area;
             doubt += span->doubt;
             if (span->doubt > most) {
                 most = span->doubt;
                 worst = i;
             }
+            if (span->area > 0.0 && width > widest) {
+                widest = width;
+                wide_at = i;
+            }
         }
-        if (!(doubt > DOUBT_LEFT * sum))
+        double where;
+        if (wide_at != DPT_NONE)
+            where = 0.5 * (profile->sample[wide_at].s + profile->sample[wide_at + 1].s);
+        else if (doubt > DOUBT_LEFT * sum)
+            where = ask_where(profile, worst, &profile->sample[worst].span);
+        else
             return;
-        double where = ask_where(profile, worst, &profile->sample[worst].span);
-        int exact = !profile->warm || profile->sample[worst].span.area > PROFILE_SHARE * sum;
-        if (profile_ask(profile, where, exact) == DPT_NONE)
+        if (profile_ask(profile, where, 1) == DPT_NONE)
             return;
     }
 }
@@ -164,7 +202,7 @@ static void take_piece(struct taking *taking, uint32_t sample, struct piece piec
     taking->open = piece.s1 >= to;
 }
 
-static uint32_t take_all(const struct profile *profile, struct region regions[REGION_MOST])
+static uint32_t take_all(struct profile *profile, struct region regions[REGION_MOST])
 {
     struct taking taking = { .profile = profile, .regions = regions };
     for (uint32_t i = 0; i + 1 < profile->count; i++) {
@@ -188,14 +226,29 @@ static int is_seen(const struct profile *profile, const struct region *region)
     return s >= region->from && s <= region->to;
 }
 
-/* Ask in the middle of the first that is not seen. Returns 1 if there was one and a sample was taken. */
-static int ask_within(struct profile *profile, const struct region *regions, uint32_t count)
+/* Its deepest sample is the deepest point. */
+static void prove(struct profile *profile, const struct region *region)
 {
-    uint32_t i = 0;
-    while (i < count && is_seen(profile, &regions[i]))
-        i++;
-    return i < count && profile_ask(profile, 0.5 * (regions[i].from + regions[i].to),
-                                    !profile->warm) != DPT_NONE;
+    struct sample *deepest = &profile->sample[region->deepest];
+    if (deepest->height < 0.0)
+        profile_prove(profile, region->from, region->to);
+    else if (profile_approach(profile, region->from, region->to, deepest->height) == DPT_NONE)
+        deepest->exact = deepest->proven = 1;
+}
+
+/* See to the first that has no sample in it, or no proof. Returns 1 if there was one. */
+static int improve_one(struct profile *profile, const struct region *regions, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        double middle = 0.5 * (regions[i].from + regions[i].to);
+        if (!is_seen(profile, &regions[i]))
+            return profile_ask(profile, middle, 1) != DPT_NONE;
+        if (!profile->sample[regions[i].deepest].proven) {
+            prove(profile, &regions[i]);
+            return 1;
+        }
+    }
+    return 0;
 }
 
 uint32_t region_all(struct profile *profile, struct region regions[REGION_MOST])
@@ -203,8 +256,8 @@ uint32_t region_all(struct profile *profile, struct region regions[REGION_MOST])
     profile_enclose(profile);
     refine(profile);
     uint32_t count = take_all(profile, regions), seen = 0;
-    for (int asked = 0; asked < ASK_WITHIN_MOST && !profile->cut; asked++) {
-        if (!ask_within(profile, regions, count))
+    for (int asked = 0; asked < 2 * REGION_MOST && !profile->cut; asked++) {
+        if (!improve_one(profile, regions, count))
             break;
         count = take_all(profile, regions);
     }
@@ -224,12 +277,12 @@ static double worth(const struct profile *profile, const struct sample *before,
     return both.doubt + fabs(both.area - left.area - right.area);
 }
 
-uint32_t region_seeds(const struct profile *profile, const struct region *region,
-                      struct seed *seeds, uint32_t most)
+/* Those that are worth more than `ignored`; returns how many there are, which may be more than fit. */
+static uint32_t seeds_worth(const struct profile *profile, const struct region *region,
+                            double ignored, struct seed *seeds, uint32_t most)
 {
     uint32_t count = 0;
     const struct sample *before = NULL;
-    double ignored = profile->size > 0.0 ? DOUBT_IGNORED * region->overlap / profile->size : 0.0;
     double share_per_area = region->overlap > 0.0 ? 0.5 * profile->size / region->overlap : 0.0;
     for (uint32_t i = 0; i < profile->count; i++) {
         const struct sample *sample = &profile->sample[i];
@@ -237,14 +290,29 @@ uint32_t region_seeds(const struct profile *profile, const struct region *region
             break;
         double after = i + 1 < profile->count ? sample[1].s : sample->s;
         int ends = !before || i + 1 == profile->count || i == region->deepest;
-        int keeps = ends || worth(profile, before, sample, sample + 1) > ignored;
+        if (!ends && worth(profile, before, sample, sample + 1) <= ignored)
+            continue;
         double share = (profile->reach - sample->height) * (after - (before ? before->s : after));
-        if (keeps && count < most && sample->s >= region->from && sample->height != 0.0 &&
-            sample->triangle != DPT_NONE)
-            seeds[count++] =
+        before = sample;
+        if (sample->s < region->from || sample->height == 0.0 || sample->triangle == DPT_NONE)
+            continue;
+        if (count < most)
+            seeds[count] =
                 (struct seed){ sample->s, sample->triangle, (float)(share * share_per_area) };
-        if (keeps)
-            before = sample;
+        count++;
     }
     return count;
+}
+
+uint32_t region_seeds(const struct profile *profile, const struct region *region,
+                      struct seed *seeds, uint32_t most)
+{
+    enum { COARSER_MOST = 12 };
+    double ignored = profile->size > 0.0 ? DOUBT_IGNORED * region->overlap / profile->size : 0.0;
+    uint32_t count = seeds_worth(profile, region, ignored, seeds, most);
+    for (int i = 0; i < COARSER_MOST && count > most; i++) {
+        ignored *= 2.0;
+        count = seeds_worth(profile, region, ignored, seeds, most);
+    }
+    return count < most ? count : most;
 }

@@ -13,7 +13,7 @@ enum {
     BYTES_SEGMENT = 1408,
     BYTES_PAUSE = 1536,
     BYTES_PROOF = 64,
-    BYTES_CONTACT = 1024 /* this tick's and the last one's */
+    BYTES_CONTACT = 1408 /* this tick's and the last one's */
 };
 typedef char world_fits[sizeof(struct dpt_world) <= BYTES_WORLD ? 1 : -1];
 typedef char body_fits[sizeof(struct body) + sizeof(struct box) <= BYTES_BODY ? 1 : -1];

@@ -91,7 +91,7 @@ struct pause {
     uint32_t next; /* slot of the body to go on with, or DPT_NONE; in the first of the two */
 };
 
-#define HOLD_SEEDS 16
+#define HOLD_SEEDS 24
 
 /* A region of contact, and what the next tick takes over from it. */
 struct hold {

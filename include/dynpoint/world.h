@@ -87,7 +87,7 @@ static inline void dpt_world_def_init(dpt_world_def *def)
  * The bytes that a world of this def needs:
  *     16384 + 576 max_bodies + 256 max_tools + 1408 max_segments
  *         + (budget ? 1536 max_segments + 64 max_segments max_bodies : 0)
- *         + 1024 max_contacts
+ *         + 1408 max_contacts
  *         + 4 max_segments max_bodies parts + 8 max_segments max_bodies + certificate_bytes,
  * each of the last three terms rounded up to a multiple of 64. 0 for a def that is not valid.
  */
