@@ -374,6 +374,41 @@ static void boxes(void)
     tally = (struct tally){ 0 };
 }
 
+/* From the ends of one tick to those of the next, far away: what was nearest there is of no use, and must not harm. */
+static void jumps_without_a_word(void)
+{
+    static const struct {
+        double half[3], ends[2][6], radius[2];
+    } cases[] = {
+        { { 0.0625, 0.046875, 0.03125 },
+          { { -0x1p-5, -0x1.8p-6, 0x0p+0, -0x1p-5, -0x1.8p-6, -0x1p-6 },
+            { 0x1.8p-4, -0x1.8p-6, -0x1p-6, 0x1p-5, 0x1.e4f962c1f9722p-5, -0x1p-6 } },
+          { 0x1.4add518f4046ep-8, 0 } },
+        { { 0.5, 0.5, 0.5 },
+          { { 0.75, -0.5, 0.5, 0, 0, 0.25 },
+            { -0.5, 0.25, 0.25, -0x1.d2a0767a24becp-3, 0.75, 0x1.63c2c1196f86p-2 } },
+          { 0.05, 0 } },
+        { { 0.5, 0.5, 0.5 }, /* the middle of a face to that of another */
+          { { 0, 0, 0.75, 0, 0, 0.25 }, { 0.75, 0, 0, 0.25, 0, 0 } },
+          { 0, 0 } },
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct solid solid;
+        struct stage stage;
+        if (!box_of(&solid, cases[i].half) || !stage_open(&stage, solid.mesh, NULL, 0.001, 32, 0))
+            continue;
+        for (int t = 0; t < 2; t++) {
+            const double *ends = cases[i].ends[t], radius = cases[i].radius[t];
+            const dpt_hit hit = stage_tick(&stage, ends, radius);
+            const double gap = least_over_box(cases[i].half, ends) - radius;
+            CHECK(fabs(hit.gap - gap) <= 1e-5 * solid.diagonal, "case %d, tick %d: %.9g, not %.9g",
+                  (int)i, t, hit.gap, gap);
+        }
+        stage_close(&stage);
+        solid_close(&solid);
+    }
+}
+
 /* Axes of many kinds about the origin: outside, crossing, inside, points, through the middle. */
 static void ends_about(uint64_t *seed, double size, uint64_t i, double ends[6])
 {
@@ -787,6 +822,7 @@ int main(int argc, char **argv)
         return 2;
     }
     TEST(boxes);
+    TEST(jumps_without_a_word);
     TEST(sphere);
     TEST(torus);
     TEST(closed_shapes);

@@ -155,6 +155,7 @@ struct scene {
     const dpt_pose *pose;
     const char *how;
     double margin, radius, diagonal;
+    int cold; /* each tick is a first one */
     struct stage stage;
     struct names names;
     uint64_t tick;
@@ -310,8 +311,9 @@ static uint64_t check_run(const struct scene *scene, const struct record *record
               100 * doubt);
         CHECK(worst[which] <= 0.02, "%s is %.2f %% off: %s", integral_names[which],
               100 * worst[which], scene_text(scene, at, record[at].ends));
-        CHECK(jump[which] <= 0.005, "%s jumps by %.2f %% more: %s", integral_names[which],
-              100 * jump[which], scene_text(scene, jump_at, record[jump_at].ends));
+        CHECK(scene->cold || jump[which] <= 0.005, "%s jumps by %.2f %% more: %s",
+              integral_names[which], 100 * jump[which],
+              scene_text(scene, jump_at, record[jump_at].ends));
     }
     for (int kind = 0; kind < KINDS; kind++)
         CHECK(scene->worst[kind].value <= allowed[kind], "%.2g %s: %s", scene->worst[kind].value,
@@ -341,6 +343,8 @@ static uint64_t run(struct scene *scene, next_ends *next, void *of, uint64_t cou
         dpt_contact contacts[STAGE_CONTACTS], *deepest = NULL;
         double ends[6];
         next(of, ends);
+        if (scene->cold)
+            stage_jump(&scene->stage);
         stage_tick(&scene->stage, ends, scene->radius);
         const uint32_t found = stage_contacts(&scene->stage, contacts);
         take_quadrature(&quadrature, scene->solid->mesh, scene->pose, ends,
@@ -424,7 +428,7 @@ static void next_push(void *of, double ends[6])
     memcpy(ends, pushing->ends, sizeof pushing->ends);
 }
 
-static void slide_over(const struct solid *solid, const dpt_pose *pose, const char *how,
+static void slide_over(const struct solid *solid, const dpt_pose *pose, const char *how, int cold,
                        double margin, double radius, double length, uint64_t seed,
                        uint64_t *single_jumps)
 {
@@ -434,6 +438,7 @@ static void slide_over(const struct solid *solid, const dpt_pose *pose, const ch
     scene->solid = solid;
     scene->pose = pose;
     scene->how = how;
+    scene->cold = cold;
     scene->diagonal = diagonal;
     scene->margin = margin * diagonal;
     scene->radius = radius * diagonal;
@@ -482,12 +487,13 @@ static void push_into(const struct solid *solid, const char *how, double margin,
 static void try_solid(const struct solid *solid, int all)
 {
     uint64_t jumps = 0;
-    slide_over(solid, NULL, "capsule", 0.003, 0.01, 0.4, 1, &jumps);
-    slide_over(solid, NULL, "line", 0.003, 0, 0.5, 3, &jumps);
+    slide_over(solid, NULL, "capsule", 0, 0.003, 0.01, 0.4, 1, &jumps);
+    slide_over(solid, NULL, "line", 0, 0.003, 0, 0.5, 3, &jumps);
     push_into(solid, "pushed", 0.003, 0.01, 0.5, 5);
     if (all) {
-        slide_over(solid, NULL, "long capsule", 0.0006, 0.02, 0.9, 2, &jumps);
-        slide_over(solid, NULL, "wide margin", 0.02, 0.005, 0.7, 4, &jumps);
+        slide_over(solid, NULL, "first ticks", 1, 0.003, 0.01, 0.6, 8, &jumps);
+        slide_over(solid, NULL, "long capsule", 0, 0.0006, 0.02, 0.9, 2, &jumps);
+        slide_over(solid, NULL, "wide margin", 0, 0.02, 0.005, 0.7, 4, &jumps);
         push_into(solid, "pushed line", 0.003, 0, 0.3, 6);
     }
     CHECK(!all || jumps > 0, "%s: one point would do", solid->name);
@@ -536,7 +542,7 @@ static void integrals_with_a_pose(void)
     struct solid solid;
     uint64_t jumps = 0;
     if (solid_from_shape(&solid, "torus", 2000))
-        slide_over(&solid, &pose, "with a pose", 0.003, 0.01, 0.4, 7, &jumps);
+        slide_over(&solid, &pose, "with a pose", 0, 0.003, 0.01, 0.4, 7, &jumps);
     solid_close(&solid);
 }
 
@@ -1072,7 +1078,7 @@ static void press_beyond_the_border(const struct solid *solid)
         const double x = 0.101 - 0.0001 * abs(210 - i), beyond = fmax(0, x - border);
         const double ends[6] = { x, 0.0071, z, x, 0.0071, z };
         const dpt_hit hit = stage_tick(&stage, ends, radius);
-        const int forgotten = i > 210 || x > border + 3e-4;
+        const int forgotten = i > 210 || x > border + 1e-6;
         const double gap = (forgotten ? hypot(beyond, z) : z) - radius;
         if (forgotten || x < border - 1e-6)
             CHECK(fabs(hit.gap - gap) <= 1e-9, "gap %.9g, not %.9g at x = %g, tick %d", hit.gap,
