@@ -404,7 +404,10 @@ struct bend profile_bend(const struct profile *profile, const struct sample *fro
     double s = fabs(turn) * width > profile->axis->error
                    ? (from->height - to->height + rise_to * width) / turn
                    : 0.5 * width;
-    s = s > 0.0 && s < width ? s : 0.5 * width;
+    /* Beside an end, the edge is at the end; far from both there is none between. */
+    if (!(s > -0.25 * width && s < 1.25 * width))
+        s = 0.5 * width;
+    s = larger(0.0, smaller(s, width));
     return (struct bend){ from->s + s, from->height + rise_from * s };
 }
 
@@ -589,23 +592,47 @@ int profile_make(struct profile *profile, const struct nearest *nearest, const s
     return 1;
 }
 
-/* A stretch outside, within a zone, of which samples do not tell that the surface is within reach. */
+/* How far from a sample within reach the surface goes out of it, if it goes on as there, and half as far again. */
+static double way_beyond(const struct profile *profile, const struct sample *sample, double sign)
+{
+    double rise = sign * dot(sample->normal, profile->axis->u);
+    double room = 0.25 * profile->reach, left = profile->reach - sample->height;
+    if (!(left > 0.0))
+        return 0.0;
+    return rise > 0.0 ? larger(room / profile->size, 1.5 * left / rise) : HUGE_VAL;
+}
+
+/* A stretch outside, within a zone, of which its samples do not tell that the surface is within reach. */
 static int is_blind(const struct profile *profile, uint32_t i, double *from, double *to)
 {
     const struct sample *left = &profile->sample[i], *right = left + 1;
-    double step = profile->size > 0.0 ? 2.0 * profile->reach / profile->size : 1.0;
-    int in_left = left->height < profile->reach, in_right = right->height < profile->reach;
-    *from = left->s + (in_left ? step : 0.0);
-    *to = right->s - (in_right ? step : 0.0);
     double middle = 0.5 * (left->s + right->s);
-    return !(in_left && in_right) && *to - *from > (in_left || in_right ? step : 0.0) &&
-           profile->sign[stretch_of(profile, middle)] > 0 && in_zone(profile, middle);
+    *from = left->s + way_beyond(profile, left, 1.0);
+    *to = right->s - way_beyond(profile, right, -1.0);
+    return *to > *from && profile->sign[stretch_of(profile, middle)] > 0 &&
+           in_zone(profile, middle);
+}
+
+/* First those that have nothing in them, then what is beside a sample that is within reach. */
+static void look_into_blind(struct profile *profile)
+{
+    enum { BLIND_MOST = 16 };
+    uint32_t asked = 0;
+    double from, to;
+    for (int beside = 0; beside < 2; beside++)
+        for (uint32_t i = 0; i + 1 < profile->count && asked < BLIND_MOST && !profile->cut;) {
+            const struct sample *here = &profile->sample[i];
+            int in = here->height < profile->reach || here[1].height < profile->reach;
+            int blind = in == beside && is_blind(profile, i, &from, &to);
+            asked += (uint32_t)blind;
+            if (!blind || profile_approach(profile, from, to, profile->reach) == DPT_NONE)
+                i++;
+        }
 }
 
 /* Outside of the zones an axis that is outside is beyond reach. Where a side is each sample's own, samples tell. */
 void profile_enclose(struct profile *profile)
 {
-    enum { BLIND_MOST = 16 };
     struct sample beyond = { .height = profile->reach, .triangle = DPT_NONE };
     for (uint32_t i = 0; i < profile->zones; i++) {
         const double ends[2] = { profile->zone_from[i], profile->zone_to[i] };
@@ -618,12 +645,5 @@ void profile_enclose(struct profile *profile)
                 put_sample(profile, &beyond);
         }
     }
-    double from, to;
-    uint32_t asked = 0;
-    for (uint32_t i = 0; i + 1 < profile->count && asked < BLIND_MOST && !profile->cut;) {
-        int blind = is_blind(profile, i, &from, &to);
-        asked += (uint32_t)blind;
-        if (!blind || profile_approach(profile, from, to, profile->reach) == DPT_NONE)
-            i++;
-    }
+    look_into_blind(profile);
 }

@@ -66,16 +66,18 @@ static struct span span_between(const struct profile *profile, const struct samp
                          .w0 = profile->reach - from->height,
                          .w1 = profile->reach - to->height };
     double chord = span.w0 + (span.w1 - span.w0) * part, tangent = profile->reach - bend.height;
-    span.w = chord + (tangent - chord) * (5.0 / 6.0);
+    int marked = from->triangle == DPT_NONE || to->triangle == DPT_NONE;
+    span.w = marked ? tangent : chord + (tangent - chord) * (5.0 / 6.0);
     double least = area_of(from->s, span.w0, to->s, span.w1);
     double most =
         area_of(from->s, span.w0, bend.s, tangent) + area_of(bend.s, tangent, to->s, span.w1);
     span.area = area_of(from->s, span.w0, bend.s, span.w) + area_of(bend.s, span.w, to->s, span.w1);
     span.doubt = 0.25 * fabs(most - least);
-    if (from->triangle == DPT_NONE || to->triangle == DPT_NONE)
+    if (marked)
         span.doubt += 0.5 * span.area;
     else
-        span.doubt += 0.125 * length(sub(from->normal, to->normal)) * span.area;
+        span.doubt += (part > 0.0 && part < 1.0 ? 0.25 : 0.03) *
+                      length(sub(from->normal, to->normal)) * span.area;
     return span;
 }
 
@@ -104,7 +106,8 @@ static double ask_where(const struct profile *profile, uint32_t i, const struct 
         return piece.s0;
     if (span->w > 0.0 && span->w1 < 0.0 && clip(&piece))
         return piece.s1;
-    return span->s;
+    double edge = 0.0625 * (to->s - from->s);
+    return span->s > from->s + edge && span->s < to->s - edge ? span->s : 0.5 * (from->s + to->s);
 }
 
 /* Wide spans hide what their ends do not show: none wider than the reach, or a share of all that is within it. */
