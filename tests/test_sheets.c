@@ -214,7 +214,7 @@ struct ride {
     struct scene *scene;
     struct sums *sums;
     struct state was;
-    double was_distance, was_error;
+    double was_distance, was_error, told; /* by the library */
     int knows;
     int side; /* in front, as the mesh is wound: +1 */
     int started;
@@ -435,8 +435,12 @@ static int side_of(const struct ride *ride, const struct state *now, const struc
     struct ends3 at = ends_between(&ride->was, now, axis->clear);
     double x[3], n[3];
     int border;
-    /* A touch on the border tells no side. */
-    if (!axis->sure || border_distance(sheet, &at) < 3e-6 * sheet->diagonal)
+    /* A touch on the border tells no side, and a touch may be told that is as near as the tolerance. */
+    double tolerance = 1e-6 * sheet->diagonal;
+    struct truth early = truth_of(sheet, &ride->was, now, fmin(tolerance, ride->was_distance));
+    struct ends3 then = ends_between(&ride->was, now, early.clear);
+    if (!axis->sure || border_distance(sheet, &at) < 3.0 * tolerance ||
+        border_distance(sheet, &then) < 3.0 * tolerance)
         return 0;
     point_at(x, &at, axis->s);
     double height = height_of(sheet, x, n, &border);
@@ -561,6 +565,7 @@ static uint32_t ride_tick(struct ride *ride, const struct state *now, int telepo
     ride->was = *now;
     ride->was_distance = close.distance;
     ride->was_error = said.hit.error_bound;
+    ride->told = said.hit.distance;
     ride->started = 1;
     return said.hit.contact;
 }
@@ -769,7 +774,7 @@ static int fly(struct scene *scene, struct sums *sums)
         if (ride.was_distance == 0.0 && at) { /* and not known until it was free */
             now = flight_at(&flight, --at);
             contact = ride_tick(&ride, &now, 0, -1.0);
-            CHECK(ride.was_distance > 0.0 || contact == DPT_CONTACT_UNKNOWN ||
+            CHECK(ride.told > 0.0 || contact == DPT_CONTACT_UNKNOWN ||
                       !scene->sheet->info.open_edges,
                   "%s: contact %u", scene->sheet->name, contact);
         }
@@ -915,7 +920,9 @@ static void flat_crossing(struct ride *ride, double *late)
         *late = fmax(*late, said.sweep.time - star);
     }
     /* Where the axis comes through at the border it tells no side. */
-    if (ride->knows == CLEAN || border_distance(sheet, &at) > 3e-6 * sheet->diagonal)
+    struct ends3 early = ends_between(&from, &to, said.sweep.time);
+    if (ride->knows == CLEAN ||
+        fmin(border_distance(sheet, &at), border_distance(sheet, &early)) > 3e-6 * sheet->diagonal)
         check_contact(ride, &to, &said, &close);
 }
 
@@ -1315,6 +1322,11 @@ static void walk(struct sheet *sheet, unsigned long ticks, unsigned long judged,
             check_sweep(&ride, &state, &said.sweep, -1.0);
         }
     }
+    const dpt_mesh_info *info = &sheet->info;
+    int sided = info->open_edges && !info->nonmanifold_edges && !info->wrong_way_edges &&
+                info->components == 1;
+    CHECK(!sided || sums.flips_in == 0, "%s: behind, not crossed, %lu times", sheet->name,
+          sums.flips_in);
     free(scene.block);
     printf("    %-30s %6u triangles, %6lu ticks: %lu hits, %lu crossing, %lu unknown; sign of the "
            "gap changed "
