@@ -500,8 +500,11 @@ static void check_contact(struct ride *ride, const struct state *now, const stru
         ride->knows = CLEAN;
         return;
     }
-    if (least > -depth.spread - tolerance)
+    if (least > -depth.spread - tolerance) {
+        if (least > depth.spread && close->distance > 0.0)
+            ride->knows = CLEAN; /* in front, if by little */
         return;
+    }
     sums->behind++;
     double off = fmax(hit->gap - (least - radius), least - depth.spread - radius - hit->gap);
     CHECK(hit->contact == DPT_CONTACT_PENETRATING && off <= tolerance,
@@ -559,8 +562,13 @@ static uint32_t ride_tick(struct ride *ride, const struct state *now, int telepo
         ride->knows = ride->side ? SIDED : DOUBT;
     }
     if (!ride->started && close.distance == 0.0)
-        CHECK(said.hit.contact == DPT_CONTACT_UNKNOWN || !sheet->info.open_edges,
+        CHECK(said.hit.distance > 0.0 || said.hit.contact == DPT_CONTACT_UNKNOWN ||
+                  !sheet->info.open_edges,
               "%s: contact %u of a first tick that crosses", sheet->name, said.hit.contact);
+    struct ends3 touch = ends_between(&ride->was, now, said.sweep.time);
+    if (ride->knows == CLEAN && said.sweep.status == DPT_SWEEP_HIT &&
+        border_distance(sheet, &touch) < 3e-6 * sheet->diagonal)
+        ride->knows = DOUBT; /* told within the tolerance of the border: past it, or through */
     check_contact(ride, now, &said, &close);
     ride->was = *now;
     ride->was_distance = close.distance;
