@@ -13,7 +13,7 @@
 /* The depth's own bound, of the mesh's diagonal. */
 #define PROFILE_DEPTH_SHARE 1e-5
 
-enum { PROFILE_SAMPLES = 64, PROFILE_CROSSINGS = 31, PROFILE_ZONES = 8, PROFILE_SEEDS = 48 };
+enum { PROFILE_SAMPLES = 96, PROFILE_CROSSINGS = 31, PROFILE_ZONES = 8, PROFILE_SEEDS = 48 };
 
 /* A place on the axis and a triangle that was nearest there. */
 struct seed {

@@ -7,10 +7,10 @@
 #include "region.h"
 
 /* The doubt that is left, of the overlap; and that below which a sample is not worth keeping. */
-#define DOUBT_LEFT    0.015
+#define DOUBT_LEFT    0.008
 #define DOUBT_IGNORED 0.001
 
-enum { ASK_MOST = 32, SPANS_LEAST = 12 };
+enum { ASK_MOST = 56, SPANS_LEAST = 12 };
 
 /* A piece of the profile on which the height is linear and the way out is one sample's. */
 struct piece {

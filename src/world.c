@@ -7,7 +7,7 @@
 
 /* The sums that dpt_world_bytes documents; a struct that outgrows its share fails to compile. */
 enum {
-    BYTES_WORLD = 16384, /* with room for one profile */
+    BYTES_WORLD = 24576, /* with room for one profile */
     BYTES_BODY = 576,    /* with its box */
     BYTES_TOOL = 256,
     BYTES_SEGMENT = 1408,

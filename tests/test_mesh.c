@@ -359,7 +359,7 @@ static int is_sound(const dpt_hit *hit)
 /* Search, sign and force on a mesh that opened: whatever it says, it stays within the bytes. */
 static void use(const dpt_mesh *mesh, uint64_t *random)
 {
-    static double block[8192];
+    static double block[12288];
     double ends[6 * 4];
     struct tree tree;
     struct kernel kernel;

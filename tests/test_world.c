@@ -42,7 +42,7 @@ static dpt_segment capsule(double ax, double ay, double az, double bx, double by
 static void memory_is_what_it_says(void)
 {
     dpt_world_def def = small_def();
-    size_t expected = 16384 + 576 * 4 + 256 * 3 + 1408 * 6 + 1408 * 32 +
+    size_t expected = 24576 + 576 * 4 + 256 * 3 + 1408 * 6 + 1408 * 32 +
                       (4 * 4 * 6 + 63) / 64 * 64 + (8 * 4 * 6 + 63) / 64 * 64 + 1000000 / 64 * 64;
     def.certificate_bytes = 1000000 - 1;
     CHECK(dpt_world_bytes(&def) == expected, "%zu, not %zu", dpt_world_bytes(&def), expected);
