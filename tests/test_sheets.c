@@ -294,7 +294,8 @@ static void check_hit(struct ride *ride, const struct state *now, const dpt_swee
     CHECK(apart(x, q) <= radius + tolerance, "%s: s is %g off%s", sheet->name, apart(x, q) - radius,
           text_of(&ride->was, now));
     CHECK(fabs(length3(sweep->normal) - 1.0) < 1e-9, "%s: normal", sheet->name);
-    if (!sheet->info.open_edges || sheet->info.nonmanifold_edges || sheet->info.wrong_way_edges)
+    if (!sheet->info.open_edges || sheet->info.solid_components || sheet->info.nonmanifold_edges ||
+        sheet->info.wrong_way_edges)
         return; /* no sides */
     double n[3], m[3];
     int border;
@@ -1331,8 +1332,8 @@ static void walk(struct sheet *sheet, unsigned long ticks, unsigned long judged,
         }
     }
     const dpt_mesh_info *info = &sheet->info;
-    int sided = info->open_edges && !info->nonmanifold_edges && !info->wrong_way_edges &&
-                info->components == 1;
+    int sided = info->open_edges && !info->solid_components && !info->nonmanifold_edges &&
+                !info->wrong_way_edges && info->components == 1;
     CHECK(!sided || sums.flips_in == 0, "%s: behind, not crossed, %lu times", sheet->name,
           sums.flips_in);
     free(scene.block);
@@ -1413,8 +1414,8 @@ static void public_meshes_are_answered(void)
             const dpt_mesh_info *info = &sheet.info;
             meshes++;
             walk(&sheet, hard ? 2 * walk_ticks() / 3 : walk_ticks() / 3, 100, 0);
-            if (info->open_edges && !info->nonmanifold_edges && !info->wrong_way_edges &&
-                info->triangles < 5000 && info->components < 3 && !hard)
+            if (info->open_edges && !info->solid_components && !info->nonmanifold_edges &&
+                !info->wrong_way_edges && info->triangles < 5000 && info->components < 3 && !hard)
                 fly_through(&sheet, crossing_count / 500);
         }
         sheet_free(&sheet);
