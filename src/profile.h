@@ -100,6 +100,31 @@ struct profile {
     struct sample sample[PROFILE_SAMPLES];
 };
 
+static inline vec3 profile_point(const struct profile *profile, double s)
+{
+    return along(profile->axis->local_a, s, profile->axis->u);
+}
+
+/* Between which crossings a place is: an index into `sign`. */
+static inline uint32_t profile_stretch(const struct profile *profile, double s)
+{
+    uint32_t k = 0;
+    while (k < profile->crossings && profile->crossing[k].s < s)
+        k++;
+    return k;
+}
+
+/* How far a point of the axis is from a triangle: no less, and no more than rounding above it. */
+static inline double profile_reach(const struct profile *profile, uint32_t triangle, double s)
+{
+    const struct tree *tree = profile->tree;
+    const uint32_t *corner = tree->corners + 3 * (size_t)triangle;
+    return point_reach(profile_point(profile, s),
+                       vec3_of_float(tree->positions + 3 * (size_t)corner[0]),
+                       vec3_of_float(tree->positions + 3 * (size_t)corner[1]),
+                       vec3_of_float(tree->positions + 3 * (size_t)corner[2]));
+}
+
 /*
  * Make the profile of an axis. `nearest` is the axis' nearest pair with this body where that is known exactly, or
  * NULL. `seeds` are places of an earlier tick. Returns 0 when the axis is outside and nothing is within reach:

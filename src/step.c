@@ -197,21 +197,30 @@ dpt_result dpt_world_step(dpt_world *world, double dt, dpt_step *out)
     return result;
 }
 
+static dpt_result find_segment(const dpt_world *world, dpt_tool tool, uint32_t segment,
+                               const struct segment **found)
+{
+    const struct tool *asked = world_tool(world, tool);
+    if (!asked)
+        return DPT_E_HANDLE;
+    if (segment >= asked->count)
+        return DPT_E_ARGUMENT;
+    *found = &world->segments[asked->first + segment];
+    return DPT_OK;
+}
+
 dpt_result dpt_tool_get_segment_hit(const dpt_world *world, dpt_tool tool, uint32_t segment,
                                     dpt_hit *hit)
 {
+    const struct segment *found;
     if (!world || !hit)
         return DPT_E_ARGUMENT;
     uint32_t size = hit->size;
     if (size < sizeof *hit)
         return DPT_E_SIZE;
     *hit = (dpt_hit){ .size = size, .status = DPT_STATUS_STALE, .triangle = DPT_NONE };
-    const struct tool *asked = world_tool(world, tool);
-    if (!asked)
-        return DPT_E_HANDLE;
-    if (segment >= asked->count)
-        return DPT_E_ARGUMENT;
-    *hit = world->segments[asked->first + segment].hit;
+    DPT_TRY(find_segment(world, tool, segment, &found));
+    *hit = found->hit;
     hit->size = size;
     return DPT_OK;
 }
@@ -254,18 +263,15 @@ dpt_result dpt_tool_get_contacts(const dpt_world *world, dpt_tool tool, dpt_cont
 dpt_result dpt_tool_get_sweep(const dpt_world *world, dpt_tool tool, uint32_t segment,
                               dpt_sweep *sweep)
 {
+    const struct segment *found;
     if (!world || !sweep)
         return DPT_E_ARGUMENT;
     uint32_t size = sweep->size;
     if (size < sizeof *sweep)
         return DPT_E_SIZE;
     *sweep = (dpt_sweep){ .size = size, .triangle = DPT_NONE };
-    const struct tool *asked = world_tool(world, tool);
-    if (!asked)
-        return DPT_E_HANDLE;
-    if (segment >= asked->count)
-        return DPT_E_ARGUMENT;
-    *sweep = world->segments[asked->first + segment].sweep;
+    DPT_TRY(find_segment(world, tool, segment, &found));
+    *sweep = found->sweep;
     sweep->size = size;
     return DPT_OK;
 }
