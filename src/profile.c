@@ -423,7 +423,8 @@ int profile_make(struct profile *profile, const struct nearest *nearest, const s
         int sign = profile->sign[profile_stretch(profile, seeds[i].s)];
         if (sign > 0 && !in_zone(profile, seeds[i].s))
             continue;
-        int exact = profile->winding || seeds[i].share > PROFILE_SHARE;
+        int exact =
+            profile->winding || (seeds[i].share > PROFILE_SHARE && profile->work < PROFILE_WORK);
         struct sample sample = take_sample(profile, seeds[i].s, seeds[i].triangle, exact);
         put_sample(profile, &sample);
     }

@@ -25,6 +25,9 @@ struct seed {
 /* What counts for more than this is searched for; descent does for the rest. */
 #define PROFILE_SHARE 0.01
 
+/* Work after which descent has to do, but for what the depth's proof needs. */
+#define PROFILE_WORK 1600
+
 struct sample {
     double s;
     double height; /* signed distance to the triangle; the mesh's, if it is exact */

@@ -121,13 +121,19 @@ static double widest_allowed(struct profile *profile)
     return larger(reach, within / SPANS_LEAST);
 }
 
+/* Integrals are worth so much, and no more: in the middle of a thick or spiky body each search costs hundreds. */
+static int is_tired(const struct profile *profile)
+{
+    return profile->cut || profile->work >= PROFILE_WORK;
+}
+
 /* Samples by descent that count for much are searched for: descent may have been trapped. */
 static void confirm(struct profile *profile)
 {
     double sum = 0.0;
     for (uint32_t i = 0; i + 1 < profile->count; i++)
         sum += span_at(profile, i)->area;
-    for (uint32_t i = 0; i < profile->count && !profile->cut; i++) {
+    for (uint32_t i = 0; i < profile->count && !is_tired(profile); i++) {
         const struct sample *sample = &profile->sample[i];
         double from = i ? sample[-1].s : sample->s;
         double to = i + 1 < profile->count ? sample[1].s : sample->s;
@@ -140,7 +146,7 @@ static void confirm(struct profile *profile)
 static void refine(struct profile *profile)
 {
     confirm(profile);
-    for (int asked = 0; asked < ASK_MOST && !profile->cut; asked++) {
+    for (int asked = 0; asked < ASK_MOST && !is_tired(profile); asked++) {
         double sum = 0.0, doubt = 0.0, most = 0.0, wide = widest_allowed(profile), widest = wide;
         uint32_t worst = 0, wide_at = DPT_NONE;
         for (uint32_t i = 0; i + 1 < profile->count; i++) {
