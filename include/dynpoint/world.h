@@ -67,7 +67,8 @@ typedef struct dpt_world_def {
      * each body's diagonal.
      */
     double side_limit;
-    uint32_t max_contacts; /* regions of all tools together, 0..65535; 0: depth alone, and no sides; 32 */
+    uint32_t
+        max_contacts; /* regions of all tools together, 0..65535; 0: depth alone, and no sides; 32 */
     /*
      * 1: the way out of a region's deepest pair, and of the force, is interpolated from the normals at the triangle's
      * corners, so that facets are not felt; distances and contact are the same. 0: the true one.
