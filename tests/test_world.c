@@ -344,6 +344,63 @@ static void penalty_in_a_sphere(void)
     fixture_free(&sphere);
 }
 
+/* A ball over a coarse sphere: smoothed, the way out follows the radius better, and nothing else changes. */
+static void smooth_normals_change_the_way_out_alone(void)
+{
+    struct fixture sphere;
+    struct lab lab[2];
+    dpt_tool tool[2];
+    double off[2] = { 0.0, 0.0 };
+    uint64_t random = 77;
+    uint32_t contacts = 0;
+    if (!fixture_from_shape(&sphere, "sphere", 320))
+        return;
+    dpt_segment ball = capsule(0, 0, 0, 0, 0, 0, 0.01);
+    dpt_mesh_info info = { .size = sizeof info };
+    dpt_mesh_get_info(sphere.mesh, &info);
+    for (uint32_t k = 0; k < 2; k++) {
+        dpt_world_def def = small_def();
+        dpt_body body;
+        def.smooth_normals = k;
+        lab_open(&lab[k], &def);
+        dpt_body_add(lab[k].world, sphere.mesh, NULL, &body);
+        dpt_tool_add(lab[k].world, &ball, 1, &tool[k]);
+    }
+    for (int i = 0; i < 1000; i++) {
+        dpt_pose pose = DPT_POSE_IDENTITY;
+        double size = 0.0, far = info.box_max[2] * random_in(&random, 0.9, 1.1);
+        for (int k = 0; k < 3; k++)
+            size += pow(pose.position[k] = random_in(&random, -1.0, 1.0), 2.0);
+        for (int k = 0; k < 3; k++)
+            pose.position[k] *= far / sqrt(size);
+        dpt_contact c[2] = { { .size = sizeof *c }, { .size = sizeof *c } };
+        uint32_t count[2];
+        for (int k = 0; k < 2; k++) {
+            dpt_tool_teleport(lab[k].world, tool[k], &pose);
+            dpt_world_step(lab[k].world, 1e-3, NULL);
+            dpt_tool_get_contacts(lab[k].world, tool[k], &c[k], 1, &count[k]);
+        }
+        CHECK(count[0] == count[1] && c[0].gap == c[1].gap && c[0].contact == c[1].contact &&
+                  memcmp(c[0].q, c[1].q, sizeof c[0].q) == 0,
+              "%u and %u regions, gaps %g and %g", count[0], count[1], c[0].gap, c[1].gap);
+        for (int k = 0; k < 2 && count[0]; k++) {
+            double along_radius = 0.0, square = 0.0;
+            for (int j = 0; j < 3; j++) {
+                along_radius += c[k].normal[j] * pose.position[j] / far;
+                square += c[k].normal[j] * c[k].normal[j];
+            }
+            CHECK(fabs(square - 1.0) < 1e-12, "a normal of length %g", sqrt(square));
+            off[k] += 1.0 - along_radius;
+        }
+        contacts += count[0];
+    }
+    CHECK(contacts > 300 && off[1] < 0.5 * off[0], "%u contacts, off %g and %g", contacts, off[0],
+          off[1]);
+    free(lab[0].block);
+    free(lab[1].block);
+    fixture_free(&sphere);
+}
+
 static void bad_input_gives_no_force(void)
 {
     struct fixture box;
@@ -565,6 +622,7 @@ int main(void)
     TEST(many_bodies_and_segments);
     TEST(penalty_on_a_plane);
     TEST(penalty_in_a_sphere);
+    TEST(smooth_normals_change_the_way_out_alone);
     TEST(bad_input_gives_no_force);
     TEST(garbage_in_numbers_out);
     TEST(a_step_goes_as_far_as_asked);
