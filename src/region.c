@@ -228,11 +228,12 @@ static uint32_t take_all(struct profile *profile, struct region regions[REGION_M
     return taking.count;
 }
 
-/* A region that rests on a bend alone has no sample in it. */
+/* A region that rests on a bend alone has no sample in it that is within reach. */
 static int is_seen(const struct profile *profile, const struct region *region)
 {
-    double s = profile->sample[region->deepest].s;
-    return s >= region->from && s <= region->to;
+    const struct sample *deepest = &profile->sample[region->deepest];
+    return deepest->s >= region->from && deepest->s <= region->to &&
+           deepest->height < profile->reach;
 }
 
 /* Its deepest sample is the deepest point. */
