@@ -6,7 +6,7 @@
  *
  *     depth <= the largest of  D_i(s_i), D_i(s), D_j(s), D_j(s_j),
  *
- * four evaluations that bound a whole stretch without a search. Stretches whose bound is not above the deepest exact
+ * four evaluations that bound a whole stretch without a search. Stretches whose bound is not above the deepest
  * sample by more than the tolerance are done; of the others the one with the largest bound is split there.
  */
 #include "profile.h"
@@ -71,13 +71,13 @@ static struct deep deep_between(const struct profile *profile, uint32_t i, doubl
     return (struct deep){ smaller(slope, larger(bound, ends)), s, 0, 0 };
 }
 
-/* The lowest sample from one place to another. */
-static uint32_t lowest(const struct profile *profile, double from, double to)
+/* The lowest sample from one place to another; of the exact ones, if `exact`. */
+static uint32_t lowest(const struct profile *profile, double from, double to, uint32_t exact)
 {
     uint32_t best = DPT_NONE;
     for (uint32_t i = 0; i < profile->count; i++) {
         const struct sample *sample = &profile->sample[i];
-        if (sample->s >= from && sample->s <= to &&
+        if (sample->s >= from && sample->s <= to && sample->exact >= exact &&
             (best == DPT_NONE || sample->height < profile->sample[best].height))
             best = i;
     }
@@ -117,7 +117,7 @@ static const struct sample *deepest_stretch(struct profile *profile, double leas
 uint32_t profile_prove(struct profile *profile, double from, double to)
 {
     enum { DESCENTS = 16 };
-    uint32_t low = lowest(profile, from, to);
+    uint32_t low = lowest(profile, from, to, 0);
     for (int asked = 0; asked < PROFILE_SAMPLES && low != DPT_NONE && !profile->cut; asked++) {
         const struct sample *most = NULL;
         if (profile->count < PROFILE_SAMPLES)
@@ -130,8 +130,11 @@ uint32_t profile_prove(struct profile *profile, double from, double to)
             profile_ask(profile, profile->sample[low].s, 1);
         else
             break;
-        low = lowest(profile, from, to);
+        low = lowest(profile, from, to, 0);
     }
+    /* Where that did not come to an end, what descent tells may be too deep. */
+    if (low != DPT_NONE && !profile->sample[low].exact && lowest(profile, from, to, 1) != DPT_NONE)
+        low = lowest(profile, from, to, 1);
     if (low != DPT_NONE)
         profile->sample[low].proven = 1;
     return low;

@@ -759,6 +759,38 @@ static void what_was_proven_leaves_with_its_body(void)
  * A budget that is never reached costs nothing: all is exact, and the same. (Not the same bits: what is
  * proven already is not searched again, and of two triangles as near either may be named.)
  */
+/* Where the nearest pair alone is asked, a rest that is proven costs nothing more. */
+static void a_proven_rest_costs_nothing(void)
+{
+    struct fixture mesh;
+    if (!fixture_from_shape(&mesh, "torus", 5568))
+        return;
+    dpt_world_def def;
+    dpt_world_def_init(&def);
+    def.budget = 3;
+    def.until = DPT_UNTIL_TRACK;
+    void *block = malloc(dpt_world_bytes(&def));
+    dpt_world *world = NULL;
+    dpt_body body;
+    dpt_tool tool;
+    dpt_world_create(block, dpt_world_bytes(&def), &def, &world);
+    dpt_body_add(world, mesh.mesh, NULL, &body);
+    const dpt_segment segment = { { 0.02, 0.01, 0.2 }, { 0.3, 0.1, 0.25 }, 0.0 };
+    dpt_tool_add(world, &segment, 1, &tool);
+    uint32_t exact = 0, rests = 0;
+    for (uint32_t tick = 0; tick < 1000 && rests < 20; tick++) {
+        dpt_step step = { .size = sizeof step };
+        dpt_world_step(world, 1e-3, &step);
+        CHECK(!exact || (step.status == DPT_STATUS_EXACT && step.work == 0),
+              "tick %u: status %u, work %u though exact", tick, step.status, step.work);
+        rests += exact;
+        exact |= step.status == DPT_STATUS_EXACT;
+    }
+    CHECK(rests == 20, "exact in %u ticks only", rests);
+    free(block);
+    fixture_free(&mesh);
+}
+
 static void budget_out_of_reach(void)
 {
     for (uint32_t n = 0; n < SCENES * MOTIONS; n++) {
@@ -870,6 +902,7 @@ int main(int argc, char **argv)
     TEST(held_poses_are_motion);
     TEST(no_body_starves);
     TEST(what_was_proven_leaves_with_its_body);
+    TEST(a_proven_rest_costs_nothing);
     TEST(budget_out_of_reach);
     TEST(same_calls_same_bits);
     fixture_free(&subject);
