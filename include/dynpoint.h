@@ -13,6 +13,7 @@
 #include "dynpoint/mesh.h"
 #include "dynpoint/query.h"
 #include "dynpoint/result.h"
+#include "dynpoint/strip.h"
 #include "dynpoint/types.h"
 #include "dynpoint/world.h"
 

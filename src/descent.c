@@ -6,6 +6,7 @@
  */
 #include "descent.h"
 
+#include "corners.h"
 #include "probe.h"
 
 struct descent {
@@ -20,20 +21,6 @@ struct descent {
     uint32_t place[LANES];
     float rows[MESH_LEAF_WORDS];
 };
-
-static int has_corner(const uint32_t *corners, uint32_t vertex)
-{
-    return corners[0] == vertex || corners[1] == vertex || corners[2] == vertex;
-}
-
-/* How many of the first `count` corners of `of` the triangle has. */
-static int shared_corners(const uint32_t *of, int count, const uint32_t *triangle)
-{
-    int shared = 0;
-    for (int k = 0; k < count; k++)
-        shared += has_corner(triangle, of[k]);
-    return shared;
-}
 
 static void try_neighbour(struct descent *d, uint32_t neighbour)
 {

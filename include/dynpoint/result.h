@@ -21,6 +21,8 @@
     X(DPT_E_FULL,                -7, "the fixed capacity is used up")                              \
     X(DPT_E_HANDLE,              -8, "the id is stale, null or of another kind")                   \
     X(DPT_E_UNSUPPORTED,         -9, "this build or machine does not have what was asked for")     \
+    X(DPT_E_DROPPED,            -10, "the compiler dropped that triangle")                         \
+    X(DPT_E_UNREACHABLE,        -11, "no triangles that touch lead from one to the other")         \
     X(DPT_E_MAGIC,              -20, "not a dynpoint mesh file")                                   \
     X(DPT_E_VERSION,            -21, "written in a newer format than this library reads")          \
     X(DPT_E_BYTE_ORDER,         -22, "the mesh is little-endian and this host is not: convert it") \

@@ -1,0 +1,156 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * Strips: the triangles under a tool, in a buffer of fixed capacity. Two kinds: the paper's, made of routes from
+ * triangle to triangle (docs/algorithms/routes.md), and the shadow of the tool (docs/algorithms/strip.md). Triangles
+ * are named by their numbers in the source. In a world, dpt_world_def.strip does this for every segment in each tick;
+ * here it is done without one, in the caller's memory, by any thread that owns the strip.
+ */
+#ifndef DYNPOINT_STRIP_H
+#define DYNPOINT_STRIP_H
+
+#include "dynpoint/mesh.h"
+#include "dynpoint/types.h"
+
+DPT_BEGIN
+
+/* A buffer of triangles, and what the walks need. */
+typedef struct dpt_strip dpt_strip;
+
+typedef struct dpt_strip_def {
+    uint32_t size;     /* sizeof(dpt_strip_def) */
+    uint32_t capacity; /* triangles, 1..2^20 */
+    uint32_t
+        search; /* vertices that the search for one route may visit, at most 2^28; 0: no routes */
+    uint32_t reserved; /* 0 */
+} dpt_strip_def;
+
+/* The bytes that a strip needs: at most 192 + 208 capacity + 36 search + 32. 0 for a def that is not valid. */
+DPT_API size_t dpt_strip_bytes(const dpt_strip_def *def);
+
+/* Make an empty strip in `block`, aligned to 8 and of at least dpt_strip_bytes(def). */
+DPT_API dpt_result dpt_strip_create(void *block, size_t bytes, const dpt_strip_def *def,
+                                    dpt_strip **strip);
+
+/* Bits of a strip's flags. */
+enum {
+    DPT_STRIP_FULL = 1,   /* there is more of it than its capacity */
+    DPT_STRIP_BORDER = 2, /* a shadow: it ends at an open edge */
+    DPT_STRIP_NONMANIFOLD =
+        4 /* a shadow: it goes on over an edge of three triangles or more, to all of them */
+};
+
+/*
+ * The triangles of a strip, *count of them; valid until it is filled anew. NULL, and 0, for NULL.
+ *   flags   DPT_STRIP_..., may be NULL
+ */
+DPT_API const uint32_t *dpt_strip_triangles(const dpt_strip *strip, uint32_t *count,
+                                            uint32_t *flags);
+
+/*
+ * The route from one triangle to another, both included: a shortest one over triangles that share a vertex, so that
+ * its length less one is the traversal distance. From triangle c on, of its neighbours that are nearer to `to`
+ * those that share two vertices or three with c come first, of them the least number (SPEC 8; the paper's Figure 6).
+ * A route is directed: that back may be another.
+ *
+ * The search goes from both ends over the vertices about them; no table is needed.
+ *
+ *   DPT_E_DROPPED      the compiler dropped one of the two
+ *   DPT_E_UNREACHABLE  no triangles lead from one to the other
+ *   DPT_E_FULL         the search needs more vertices than def.search
+ *
+ * On an error the strip is empty. A route of more triangles than the capacity is cut, and flagged.
+ */
+DPT_API dpt_result dpt_strip_route(dpt_strip *strip, const dpt_mesh *mesh, uint32_t from,
+                                   uint32_t to);
+
+/*
+ * The paper's strip: the route from a to p and that from b to p, each triangle once. a and b are those nearest to the
+ * tool's ends, p the one nearest to the tool.
+ */
+DPT_API dpt_result dpt_strip_routes(dpt_strip *strip, const dpt_mesh *mesh, uint32_t a, uint32_t b,
+                                    uint32_t p);
+
+/*
+ * The traversal distances of all pairs of triangles, for meshes of up to 10,000 of them: the paper's table, as a
+ * yardstick. About 2 bytes a pair, and seconds to fill.
+ *   bytes   0 for a mesh with more triangles, and for NULL
+ */
+typedef struct dpt_route_table dpt_route_table;
+
+DPT_API size_t dpt_route_table_bytes(const dpt_mesh *mesh);
+DPT_API dpt_result dpt_route_table_create(void *block, size_t bytes, const dpt_mesh *mesh,
+                                          const dpt_route_table **table);
+
+/* As dpt_strip_route, by the table; def.search may be 0. */
+DPT_API dpt_result dpt_strip_route_by_table(dpt_strip *strip, const dpt_route_table *table,
+                                            uint32_t from, uint32_t to);
+
+/*
+ * The shadow of a segment AB: all points
+ *
+ *     A + t (B - A) + x e + y w + z d,   t in 0..1,  |x|, |y| <= radius + width,  |z| <= depth
+ *
+ * d is the unit `direction`, e the unit part of B - A across it, w = d x e. Where B - A has no part across d, by
+ * 1e-9 of its length, e is any unit vector across.
+ */
+typedef struct dpt_shadow {
+    uint32_t size;       /* sizeof(dpt_shadow) */
+    uint32_t triangle;   /* where the strip begins: that of the nearest point */
+    dpt_segment segment; /* in the world */
+    double direction[3]; /* from the tool to the mesh, or back; of any length > 0 */
+    double width;        /* beside the radius, m, >= 0 */
+    double depth;        /* along the direction, to both sides of the axis, m, >= 0 */
+} dpt_shadow;
+
+/*
+ * The triangles that have a point in common with the connected piece of the surface within the shadow that holds the
+ * first triangle: from triangle to triangle over edges that meet the shadow. Empty when the first one does not meet it.
+ * Each triangle once, in no stated order; a full strip keeps those that were reached first.
+ *
+ * A strip that is filled again for a shadow near the last one remembers the surface about it, and is fast.
+ *
+ *   pose   of the mesh in the world; NULL is the identity
+ */
+DPT_API dpt_result dpt_strip_shadow(dpt_strip *strip, const dpt_mesh *mesh, const dpt_pose *pose,
+                                    const dpt_shadow *shadow);
+
+/* Bits of dpt_overlap.flags. */
+enum { DPT_OVERLAP_CROSSING = 1 /* the axis goes through the triangle */ };
+
+/*
+ * How a segment stands to one triangle.
+ *
+ *   distance   unsigned, from the axis; 0 when it crosses
+ *   s          in 0..1, of the nearest point p of the axis
+ *   q          the nearest point of the triangle, in the world; `weight` of its corners, sum 1
+ *   gap        (SPEC 8) with n the triangle's normal on the tool's side: the distance with the sign of (p - q) . n, or
+ *              where the axis crosses the least of (end - q) . n over the two ends; less the radius
+ *   overlap    max(0, -gap): how far the triangle is to be moved against n to be free of the tool
+ */
+typedef struct dpt_overlap {
+    uint32_t
+        size; /* the caller's sizeof(dpt_overlap); of an array, the first one's counts for all */
+    uint32_t triangle;
+    uint32_t flags;
+    uint32_t reserved;
+    double distance;
+    double s;
+    double q[3];
+    double weight[3];
+    double gap;
+    double overlap;
+} dpt_overlap;
+
+/*
+ * The pairs of a segment and the first *count or `capacity` triangles of a strip, in the strip's order.
+ *   side     +1: the tool's side is that which the triangles' normals show to; -1: the other one, of an open sheet
+ *   count    gets how many there are, which may be more than fit
+ */
+DPT_API dpt_result dpt_strip_overlaps(const dpt_strip *strip, const dpt_mesh *mesh,
+                                      const dpt_pose *pose, const dpt_segment *segment,
+                                      int32_t side, dpt_overlap *overlaps, uint32_t capacity,
+                                      uint32_t *count);
+
+DPT_END
+
+#endif

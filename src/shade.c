@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "shade.h"
+
+static vec3 unit(vec3 v)
+{
+    return scaled(v, 1.0 / length(v));
+}
+
+/* Any unit vector across a unit one. */
+static vec3 across(vec3 d)
+{
+    double x = fabs(d.x), y = fabs(d.y), z = fabs(d.z);
+    vec3 axis = { x <= y && x <= z, y < x && y <= z, z < x && z < y };
+    return unit(cross(d, axis));
+}
+
+void shade_of(vec3 a, vec3 u, vec3 direction, double half, double depth, struct shade *shade)
+{
+    vec3 d = unit(direction), side = cross(d, u);
+    int is_line = length(side) > 1e-9 * length(u);
+    vec3 w = is_line ? unit(side) : across(d), e = cross(w, d);
+    double ue = dot(u, e), ud = dot(u, d);
+    double size = sqrt(ue * ue + ud * ud);
+    *shade = (struct shade){ .a = a, .u = u, .d = d, .e = e, .w = w, .half = half, .depth = depth };
+    shade->normal[0] = w;
+    shade->low[0] = -half;
+    shade->high[0] = half;
+    shade->normal[1] = e;
+    shade->low[1] = smaller(0.0, ue) - half;
+    shade->high[1] = larger(0.0, ue) + half;
+    shade->normal[2] = d;
+    shade->low[2] = smaller(0.0, ud) - depth;
+    shade->high[2] = larger(0.0, ud) + depth;
+    if (size > 0.0) {
+        double ne = ud / size, nd = -ue / size;
+        shade->normal[3] = along(scaled(e, ne), nd, d);
+        shade->high[3] = half * fabs(ne) + depth * fabs(nd);
+        shade->low[3] = -shade->high[3];
+    }
+}
+
+double shade_excess(const struct shade *shade, const struct shade *other)
+{
+    double excess = 0.0;
+    for (int k = 0; k < SHADE_SLABS; k++) {
+        vec3 n = other->normal[k];
+        double at = dot(sub(shade->a, other->a), n), un = dot(shade->u, n);
+        double half = shade->half * (fabs(dot(shade->e, n)) + fabs(dot(shade->w, n))) +
+                      shade->depth * fabs(dot(shade->d, n));
+        excess = larger(excess, at + larger(0.0, un) + half - other->high[k]);
+        excess = larger(excess, other->low[k] - (at + smaller(0.0, un) - half));
+    }
+    return excess;
+}

@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What lies in the block of a strip. */
+#ifndef DPT_STRIP_H
+#define DPT_STRIP_H
+
+#include "dynpoint/strip.h"
+#include "patch.h"
+#include "pose.h"
+#include "route.h"
+#include "tree.h"
+
+struct dpt_strip {
+    dpt_strip_def def;
+    const struct dpt_mesh *mesh; /* of its triangles; NULL while it is empty */
+    uint32_t *triangles;         /* by number in the source */
+    uint32_t count;
+    uint32_t flags;
+    struct search search;
+    struct patch patch;
+};
+
+/* Empty it, to be filled with triangles of a mesh. */
+void strip_clear(struct dpt_strip *strip, const struct dpt_mesh *mesh);
+
+/* Put a triangle at its end, by its place; a full one is flagged. */
+void strip_add(struct dpt_strip *strip, uint32_t place);
+
+/* The place of a triangle by its number. */
+dpt_result strip_place(const struct dpt_mesh *mesh, uint32_t number, uint32_t *place);
+
+/* As dpt_strip_shadow, with the segment, the direction and the first triangle's place in the mesh's frame. */
+void strip_shadow(struct dpt_strip *strip, const struct dpt_mesh *mesh, const struct shade *shade,
+                  uint32_t place);
+
+/* dpt_strip_overlaps, of what is valid. */
+void strip_overlaps(const struct dpt_strip *strip, const struct tree *tree,
+                    const struct frame *frame, const dpt_segment *segment, int32_t side,
+                    dpt_overlap *overlaps, uint32_t capacity);
+
+#endif
