@@ -35,17 +35,16 @@ static void overlap_of(const struct tree *tree, const struct frame *frame, vec3 
 }
 
 void strip_overlaps(const struct dpt_strip *strip, const struct tree *tree,
-                    const struct frame *frame, const dpt_segment *segment, int32_t side,
+                    const struct frame *frame, vec3 a, vec3 u, double radius, int32_t side,
                     dpt_overlap *overlaps, uint32_t capacity)
 {
-    const uint32_t *places = mesh_words(tree->mesh, MESH_PLACES);
-    uint32_t size = capacity ? overlaps[0].size : 0;
-    vec3 a = frame_to_local(frame, vec3_of(segment->a));
-    vec3 u = sub(frame_to_local(frame, vec3_of(segment->b)), a);
-    for (uint32_t i = 0; i < strip->count && i < capacity; i++) {
+    uint32_t count = strip->count < capacity ? strip->count : capacity;
+    const uint32_t size = count ? overlaps[0].size : 0;
+    const uint32_t *places = count ? mesh_words(strip->mesh, MESH_PLACES) : NULL;
+    for (uint32_t i = 0; i < count; i++) {
         dpt_overlap *overlap = (void *)((char *)overlaps + (size_t)i * size);
         overlap->size = size;
-        overlap_of(tree, frame, a, u, segment->radius, side, places[strip->triangles[i]], overlap);
+        overlap_of(tree, frame, a, u, radius, side, places[strip->triangles[i]], overlap);
     }
 }
 
@@ -68,7 +67,9 @@ dpt_result dpt_strip_overlaps(const dpt_strip *strip, const dpt_mesh *mesh, cons
     struct frame frame;
     DPT_TRY(frame_of_pose(pose, &frame));
     tree_of_mesh(mesh, &tree);
-    strip_overlaps(strip, &tree, &frame, segment, side, overlaps, capacity);
+    vec3 a = frame_to_local(&frame, vec3_of(segment->a));
+    vec3 u = sub(frame_to_local(&frame, vec3_of(segment->b)), a);
+    strip_overlaps(strip, &tree, &frame, a, u, segment->radius, side, overlaps, capacity);
     *count = strip->count;
     return DPT_OK;
 }

@@ -10,20 +10,26 @@
 
 #include "corners.h"
 
-/* Place of x by the planes of a shadow. */
-static void measure(const struct shade *shade, double margin, struct patch_vertex *vertex)
+#if defined(__GNUC__)
+#define PREFETCH(address) __builtin_prefetch(address)
+#else
+#define PREFETCH(address) ((void)0)
+#endif
+#define LINE_WORDS 16 /* of a cache line, mostly */
+
+/* Where a vertex is by the planes of a shadow. */
+static inline void measure(const struct shade *shade, double margin, struct patch_vertex *vertex)
 {
     double x = vertex->x[0] - shade->a.x, y = vertex->x[1] - shade->a.y;
     double z = vertex->x[2] - shade->a.z;
-    uint32_t outside = 0;
-    for (int k = 0; k < SHADE_SLABS; k++) {
-        const vec3 *n = &shade->normal[k];
-        double value = x * n->x + y * n->y + z * n->z;
-        vertex->value[k] = value;
-        outside |= (uint32_t)(value < shade->low[k] - margin) << 2 * k;
-        outside |= (uint32_t)(value > shade->high[k] + margin) << (2 * k + 1);
-    }
-    vertex->outside = outside;
+    uint64_t beyond[SHADE_SLABS];
+    for (int k = 0; k < SHADE_SLABS; k++)
+        vertex->value[k] =
+            x * shade->normal[0][k] + y * shade->normal[1][k] + z * shade->normal[2][k];
+    for (int k = 0; k < SHADE_SLABS; k++)
+        beyond[k] = (vertex->value[k] < shade->low[k] - margin ? (uint64_t)1 << 2 * k : 0u) |
+                    (vertex->value[k] > shade->high[k] + margin ? (uint64_t)2 << 2 * k : 0u);
+    vertex->outside = (uint32_t)(beyond[0] | beyond[1] | beyond[2] | beyond[3]);
 }
 
 /* The stretch of an edge that is left between the planes, which its ends are on both sides of, is not empty. */
@@ -43,21 +49,25 @@ static int edge_is_left(const struct shade *shade, double margin, const struct p
     return from <= to;
 }
 
-static int edge_meets(const struct shade *shade, double margin, const struct patch_vertex *a,
-                      const struct patch_vertex *b)
+static inline int edge_meets(const struct shade *shade, double margin, const struct patch_vertex *a,
+                             const struct patch_vertex *b)
 {
+    uint32_t any = a->outside | b->outside;
     if (a->outside & b->outside)
         return 0;
-    return !a->outside || !b->outside || edge_is_left(shade, margin, a, b);
+    /* Outside of one slab alone, to both sides or at one end: a stretch is left. */
+    if (!(any & ~3u) || !(any & ~12u) || !a->outside || !b->outside)
+        return 1;
+    return edge_is_left(shade, margin, a, b);
 }
 
 /* The slot of a triangle, or the free one where it would be. */
-static uint32_t *slot_of(const struct patch *patch, uint32_t place)
+static struct patch_slot *slot_of(const struct patch *patch, uint32_t place)
 {
     uint32_t mask = patch->slot_count - 1;
-    for (uint32_t at = ((place >> 4) * 0x9e3779b1u >> 7 << 4) + (place & 15);; at++) {
-        uint32_t *slot = &patch->slots[at & mask];
-        if (!*slot || patch->triangles[*slot - 1].place == place)
+    for (uint32_t at = ((place >> 3) * 0x9e3779b1u >> 7 << 3) + (place & 7);; at++) {
+        struct patch_slot *slot = &patch->slots[at & mask];
+        if (!slot->triangle || slot->place == place)
             return slot;
     }
 }
@@ -68,44 +78,68 @@ static void forget(struct patch *patch)
         memset(patch->slots, 0, patch->slot_count * sizeof *patch->slots);
     else
         for (uint32_t i = patch->triangle_count; i-- > 0;)
-            *slot_of(patch, patch->triangles[i].place) = 0;
+            slot_of(patch, patch->triangles[i].place)->triangle = 0;
     patch->triangle_count = patch->vertex_count = patch->gate_count = 0;
     patch->full = 0;
     patch->asked = 0;
 }
 
-/* A triangle, of which the corners `known` of the mesh are these two of the patch; its number here, or PATCH_BORDER. */
+/* The corner off the edge that two vertices of the mesh make; others are corners of the patch already. */
+static uint32_t new_vertex(struct patch *patch, uint32_t vertex)
+{
+    struct patch_vertex *at = &patch->vertices[patch->vertex_count];
+    memcpy(at->x, patch->positions + 3 * (size_t)vertex, sizeof at->x);
+    measure(&patch->shade, patch->margin, at);
+    return patch->vertex_count++;
+}
+
+/* Triangles that follow each other lie together: those of a leaf will mostly be asked for. */
+static void fetch_leaf(struct patch *patch, uint32_t leaf)
+{
+    const size_t first = 3 * LANES * (size_t)leaf;
+    for (size_t line = 0; line < 3 * LANES; line += LINE_WORDS) {
+        PREFETCH(patch->corners + first + line);
+        PREFETCH(patch->neighbours + first + line);
+    }
+    PREFETCH(patch->sources + LANES * (size_t)leaf);
+    patch->leaf = leaf;
+}
+
+/* The number here of a triangle, which has an edge `known` of the mesh and `vertex` of the patch; or PATCH_BORDER. */
 static uint32_t enter(struct patch *patch, uint32_t place, const uint32_t known[2],
                       const uint32_t vertex[2])
 {
-    uint32_t *slot = slot_of(patch, place);
-    if (*slot)
-        return *slot - 1;
-    if (patch->triangle_count == patch->room || patch->vertex_count > patch->room - 1) {
+    struct patch_slot *slot = slot_of(patch, place);
+    if (slot->triangle)
+        return slot->triangle - 1;
+    if (patch->triangle_count == patch->room || patch->vertex_count >= patch->room) {
         patch->full = 1;
         return PATCH_BORDER;
     }
-    const uint32_t *corners = mesh_words(patch->mesh, MESH_TRIANGLES) + 3 * (size_t)place;
+    if (place / LANES != patch->leaf)
+        fetch_leaf(patch, place / LANES);
+    const uint32_t *corners = patch->corners + 3 * (size_t)place;
     struct patch_triangle *triangle = &patch->triangles[patch->triangle_count];
     triangle->place = place;
-    for (int k = 0; k < 3; k++) {
+    triangle->entry = 3;
+    triangle->reached = 1;
+    for (uint16_t k = 0; k < 3; k++) {
         if (corners[k] == known[0] || corners[k] == known[1]) {
             triangle->corner[k] = vertex[corners[k] == known[1]];
-            continue;
+        } else {
+            triangle->corner[k] = new_vertex(patch, corners[k]);
+            triangle->entry = known[0] == DPT_NONE ? 3 : k < 2 ? k + 1 : 0;
         }
-        struct patch_vertex *at = &patch->vertices[patch->vertex_count];
-        memcpy(at->x, mesh_floats(patch->mesh, MESH_VERTICES) + 3 * (size_t)corners[k],
-               sizeof at->x);
-        measure(&patch->shade, patch->margin, at);
-        triangle->corner[k] = patch->vertex_count++;
     }
-    *slot = ++patch->triangle_count;
+    *slot = (struct patch_slot){ place, ++patch->triangle_count };
     return patch->triangle_count - 1;
 }
 
 static void connect(struct patch *patch, uint32_t from, uint32_t to, const uint32_t vertex[2],
                     uint16_t many)
 {
+    patch->flags |=
+        (to == PATCH_BORDER ? DPT_STRIP_BORDER : 0u) | (many ? DPT_STRIP_NONMANIFOLD : 0u);
     /* Of two triangles, the one that was looked at first has made the gate. */
     if (to < from)
         return;
@@ -123,12 +157,11 @@ static void cross_many(struct patch *patch, uint32_t from, const uint32_t known[
 {
     const uint32_t *first = mesh_words(patch->mesh, MESH_FAN_FIRST);
     const uint32_t *fans = mesh_words(patch->mesh, MESH_FANS);
-    const uint32_t *corners = mesh_words(patch->mesh, MESH_TRIANGLES);
     int less = first[known[1] + 1] - first[known[1]] < first[known[0] + 1] - first[known[0]];
     uint32_t hub = known[less], other = known[!less];
     for (uint32_t i = first[hub]; i < first[hub + 1] && !patch->full; i++) {
         if (fans[i] == patch->triangles[from].place ||
-            !has_corner(corners + 3 * (size_t)fans[i], other))
+            !has_corner(patch->corners + 3 * (size_t)fans[i], other))
             continue;
         uint32_t to = enter(patch, fans[i], known, vertex);
         if (to != PATCH_BORDER)
@@ -138,14 +171,15 @@ static void cross_many(struct patch *patch, uint32_t from, const uint32_t known[
 
 static void cross_edges(struct patch *patch, uint32_t from)
 {
-    const struct patch_triangle here = patch->triangles[from];
-    const uint32_t *corners = mesh_words(patch->mesh, MESH_TRIANGLES) + 3 * (size_t)here.place;
-    const uint32_t *next = mesh_words(patch->mesh, MESH_NEIGHBOURS) + 3 * (size_t)here.place;
+    const struct patch_triangle *here = &patch->triangles[from];
+    const uint32_t *corners = patch->corners + 3 * (size_t)here->place;
+    const uint32_t *next = patch->neighbours + 3 * (size_t)here->place;
     for (int k = 0; k < 3; k++) {
         const int end = k < 2 ? k + 1 : 0;
         const uint32_t known[2] = { corners[k], corners[end] };
-        const uint32_t vertex[2] = { here.corner[k], here.corner[end] };
-        if (!edge_meets(&patch->shade, patch->margin, &patch->vertices[vertex[0]],
+        const uint32_t vertex[2] = { here->corner[k], here->corner[end] };
+        if (k == here->entry ||
+            !edge_meets(&patch->shade, patch->margin, &patch->vertices[vertex[0]],
                         &patch->vertices[vertex[1]]))
             continue;
         if (next[k] == MESH_EDGE_OPEN) {
@@ -163,11 +197,17 @@ static void cross_edges(struct patch *patch, uint32_t from)
 static void take(struct patch *patch, const struct dpt_mesh *mesh, const struct shade *shade,
                  double margin, uint32_t start)
 {
-    const uint32_t none[2] = { UINT32_MAX, UINT32_MAX };
+    const uint32_t none[2] = { DPT_NONE, DPT_NONE };
     forget(patch);
     patch->mesh = mesh;
+    patch->corners = mesh_words(mesh, MESH_TRIANGLES);
+    patch->neighbours = mesh_words(mesh, MESH_NEIGHBOURS);
+    patch->sources = mesh_words(mesh, MESH_SOURCES);
+    patch->positions = mesh_floats(mesh, MESH_VERTICES);
+    patch->leaf = DPT_NONE;
     patch->shade = *shade;
     patch->margin = margin;
+    patch->flags = 0;
     enter(patch, start, none, none);
     for (uint32_t i = 0; i < patch->triangle_count && !patch->full; i++)
         cross_edges(patch, i);
@@ -229,38 +269,29 @@ static int start_meets(const struct patch *patch, const struct shade *shade,
     return triangle_meets(shade, patch, start);
 }
 
-/* An open gate leads from one to the other. 1 when that is new. */
-static int pass(struct patch *patch, const struct gate *gate)
+/* Open gates lead on from what was reached: outward from where the patch was begun, or inward. 1 when there is more. */
+static int flood_outward(struct patch *patch)
 {
-    if (!gate->open || gate->to == PATCH_BORDER)
-        return 0;
-    uint32_t *from = &patch->triangles[gate->from].reached;
-    uint32_t *to = &patch->triangles[gate->to].reached;
-    int is_new = *from != *to;
-    *from = *to = *from | *to;
-    return is_new;
-}
-
-/* Gates lead outward from where the patch was begun: back and forth through their list is mostly enough. */
-static void flood(struct patch *patch)
-{
-    int more = 1;
-    while (more) {
-        more = 0;
-        for (uint32_t i = patch->gate_count; i-- > 0;)
-            more |= pass(patch, &patch->gates[i]);
-        if (!more && patch->asked > 1)
-            break;
-        more = 0;
-        for (uint32_t i = 0; i < patch->gate_count; i++)
-            more |= pass(patch, &patch->gates[i]);
+    int more = 0;
+    for (const struct gate *gate = patch->gates; gate < patch->gates + patch->gate_count; gate++) {
+        uint16_t from = patch->triangles[gate->from].reached, to = 0;
+        if (gate->to != PATCH_BORDER)
+            to = patch->triangles[gate->to].reached |= from & gate->open;
+        more |= to & gate->open & !from;
     }
+    return more;
 }
 
-/* Cut the shadow out of the patch. */
-static uint32_t cut(struct patch *patch, const struct shade *shade, uint32_t start)
+static void flood_inward(struct patch *patch)
 {
-    uint32_t flags = 0;
+    for (const struct gate *gate = patch->gates + patch->gate_count; gate-- > patch->gates;)
+        if (gate->to != PATCH_BORDER)
+            patch->triangles[gate->from].reached |= patch->triangles[gate->to].reached & gate->open;
+}
+
+/* Cut a shadow out of the patch. */
+static void cut(struct patch *patch, const struct shade *shade, struct patch_triangle *start)
+{
     for (uint32_t i = 0; i < patch->vertex_count; i++)
         measure(shade, 0.0, &patch->vertices[i]);
     for (uint32_t i = 0; i < patch->gate_count; i++) {
@@ -270,29 +301,43 @@ static uint32_t cut(struct patch *patch, const struct shade *shade, uint32_t sta
     }
     for (uint32_t i = 0; i < patch->triangle_count; i++)
         patch->triangles[i].reached = 0;
-    struct patch_triangle *first = &patch->triangles[start];
-    first->reached = (uint32_t)start_meets(patch, shade, first);
-    flood(patch);
+    start->reached = (uint16_t)start_meets(patch, shade, start);
+    int more = start != patch->triangles;
+    do {
+        if (more)
+            flood_inward(patch);
+        more = flood_outward(patch);
+    } while (more);
+    patch->flags = 0;
     for (uint32_t i = 0; i < patch->gate_count; i++) {
         const struct gate *gate = &patch->gates[i];
-        if (gate->open && patch->triangles[gate->from].reached)
-            flags |= (gate->to == PATCH_BORDER ? DPT_STRIP_BORDER : 0u) |
-                     (gate->many ? DPT_STRIP_NONMANIFOLD : 0u);
+        if (gate->open & patch->triangles[gate->from].reached)
+            patch->flags |= (gate->to == PATCH_BORDER ? DPT_STRIP_BORDER : 0u) |
+                            (gate->many ? DPT_STRIP_NONMANIFOLD : 0u);
     }
-    return flags;
+}
+
+/* The patch holds all that the shadow can reach from there. */
+static int is_held(const struct patch *patch, const struct dpt_mesh *mesh,
+                   const struct shade *shade, uint32_t start)
+{
+    return patch->mesh == mesh && shade_excess(shade, &patch->shade) <= patch->margin &&
+           slot_of(patch, start)->triangle;
 }
 
 uint32_t patch_walk(struct patch *patch, const struct dpt_mesh *mesh, const struct shade *shade,
                     uint32_t start)
 {
-    if (patch->mesh != mesh || shade_excess(shade, &patch->shade) > patch->margin ||
-        !*slot_of(patch, start)) {
+    if (!is_held(patch, mesh, shade, start)) {
         double margin = patch->mesh == mesh ? margin_for(patch, shade) : 0.0;
         take(patch, mesh, shade, margin, start);
         if (patch->full && margin > 0.0)
             take(patch, mesh, shade, 0.0, start);
     }
-    patch->asked++;
-    uint32_t flags = cut(patch, shade, *slot_of(patch, start) - 1);
-    return flags | (patch->full ? DPT_STRIP_FULL : 0u);
+    struct patch_triangle *first = &patch->triangles[slot_of(patch, start)->triangle - 1];
+    if (patch->asked++ || patch->margin > 0.0)
+        cut(patch, shade, first);
+    else
+        first->reached = (uint16_t)start_meets(patch, shade, first);
+    return patch->flags | (patch->full ? DPT_STRIP_FULL : 0u);
 }

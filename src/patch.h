@@ -19,10 +19,11 @@ struct patch_vertex {
 struct patch_triangle {
     uint32_t place;
     uint32_t corner[3]; /* vertices of the patch */
-    uint32_t reached;
+    uint16_t entry;     /* the edge over which it was entered, from that corner on; 3: none */
+    uint16_t reached;
 };
 
-/* An edge and the two triangles that it connects. */
+/* An edge of the patch and the two triangles that it connects. The first one that leads to a triangle is its `entry`. */
 struct gate {
     uint32_t vertex[2];
     uint32_t from;
@@ -33,16 +34,27 @@ struct gate {
 
 #define PATCH_BORDER UINT32_MAX
 
+struct patch_slot {
+    uint32_t place;
+    uint32_t triangle; /* of the patch, and one; 0: free */
+};
+
 struct patch {
     const struct dpt_mesh *mesh; /* NULL: nothing is known */
+    const uint32_t *corners;     /* sections of it */
+    const uint32_t *neighbours;
+    const uint32_t *sources;
+    const float *positions;
     struct patch_triangle *triangles;
     struct patch_vertex *vertices;
     struct gate *gates;
-    uint32_t *slots; /* open addressing: numbers of triangles here, plus 1 */
-    uint32_t room;   /* for triangles; for two vertices more and for three times as many gates */
+    struct patch_slot *slots; /* open addressing */
+    uint32_t room; /* for triangles; for two vertices more and for three times as many gates */
     uint32_t slot_count;
     uint32_t triangle_count, vertex_count, gate_count;
+    uint32_t leaf; /* of the last triangle that came in */
     uint32_t full;
+    uint32_t flags;     /* of the shadow that was asked for last: DPT_STRIP_... */
     uint32_t asked;     /* shadows since it was made */
     struct shade shade; /* for which it was made */
     double margin;      /* by how much it reaches beyond */

@@ -14,6 +14,15 @@ static vec3 across(vec3 d)
     return unit(cross(d, axis));
 }
 
+static void put(struct shade *shade, int k, vec3 normal, double low, double high)
+{
+    shade->normal[0][k] = normal.x;
+    shade->normal[1][k] = normal.y;
+    shade->normal[2][k] = normal.z;
+    shade->low[k] = low;
+    shade->high[k] = high;
+}
+
 void shade_of(vec3 a, vec3 u, vec3 direction, double half, double depth, struct shade *shade)
 {
     vec3 d = unit(direction), side = cross(d, u);
@@ -22,20 +31,13 @@ void shade_of(vec3 a, vec3 u, vec3 direction, double half, double depth, struct 
     double ue = dot(u, e), ud = dot(u, d);
     double size = sqrt(ue * ue + ud * ud);
     *shade = (struct shade){ .a = a, .u = u, .d = d, .e = e, .w = w, .half = half, .depth = depth };
-    shade->normal[0] = w;
-    shade->low[0] = -half;
-    shade->high[0] = half;
-    shade->normal[1] = e;
-    shade->low[1] = smaller(0.0, ue) - half;
-    shade->high[1] = larger(0.0, ue) + half;
-    shade->normal[2] = d;
-    shade->low[2] = smaller(0.0, ud) - depth;
-    shade->high[2] = larger(0.0, ud) + depth;
+    put(shade, 0, w, -half, half);
+    put(shade, 1, e, smaller(0.0, ue) - half, larger(0.0, ue) + half);
+    put(shade, 2, d, smaller(0.0, ud) - depth, larger(0.0, ud) + depth);
     if (size > 0.0) {
         double ne = ud / size, nd = -ue / size;
-        shade->normal[3] = along(scaled(e, ne), nd, d);
-        shade->high[3] = half * fabs(ne) + depth * fabs(nd);
-        shade->low[3] = -shade->high[3];
+        double limit = half * fabs(ne) + depth * fabs(nd);
+        put(shade, 3, along(scaled(e, ne), nd, d), -limit, limit);
     }
 }
 
@@ -43,7 +45,7 @@ double shade_excess(const struct shade *shade, const struct shade *other)
 {
     double excess = 0.0;
     for (int k = 0; k < SHADE_SLABS; k++) {
-        vec3 n = other->normal[k];
+        vec3 n = { other->normal[0][k], other->normal[1][k], other->normal[2][k] };
         double at = dot(sub(shade->a, other->a), n), un = dot(shade->u, n);
         double half = shade->half * (fabs(dot(shade->e, n)) + fabs(dot(shade->w, n))) +
                       shade->depth * fabs(dot(shade->d, n));

@@ -16,8 +16,8 @@ struct shade {
     vec3 d, e, w; /* unit */
     double half;  /* of its width */
     double depth;
-    vec3 normal[SHADE_SLABS];
-    double low[SHADE_SLABS]; /* of (x - a) . normal */
+    double normal[3][SHADE_SLABS]; /* x, y, z of each */
+    double low[SHADE_SLABS];       /* of (x - a) . normal */
     double high[SHADE_SLABS];
 };
 

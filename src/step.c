@@ -7,6 +7,7 @@
  *     for each of them
  *         travel     what it met on its way from the last tick
  *         contact    regions, sides, gap and the way out
+ *         strip      the triangles under it
  *         respond    the penalty force
  *     for each tool
  *         the sum of its segments
@@ -15,6 +16,7 @@
 #include "contacts.h"
 #include "paper.h"
 #include "respond.h"
+#include "strips.h"
 #include "travel.h"
 #include "world.h"
 
@@ -92,6 +94,8 @@ static void step_segments(struct dpt_world *world)
         uint32_t index = (first + i) % count;
         if (world->def.until != DPT_UNTIL_TRACK && world->def.method != DPT_METHOD_PAPER)
             contact_segment(world, index);
+        if (world->def.strip && world->def.until != DPT_UNTIL_TRACK)
+            strips_find(world, index);
         if (world->def.until == DPT_UNTIL_RESPOND)
             respond_segment(world, index);
         const dpt_hit *hit = &world->segments[index].hit;

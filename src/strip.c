@@ -42,7 +42,7 @@ static struct shares shares_of(const dpt_strip_def *def)
     s.patch_triangles = share(&at, room, sizeof(struct patch_triangle));
     s.vertices = share(&at, room + 2, sizeof(struct patch_vertex));
     s.gates = share(&at, 3 * room, sizeof(struct gate));
-    s.patch_slots = share(&at, power_of_two_from(2 * room), sizeof(uint32_t));
+    s.patch_slots = share(&at, power_of_two_from(2 * room), sizeof(struct patch_slot));
     s.slots = share(&at, def->search ? power_of_two_from(2 * (uint64_t)def->search) : 0,
                     sizeof(struct reached));
     s.queue = share(&at, def->search, sizeof(uint32_t));
@@ -112,6 +112,16 @@ void strip_add(struct dpt_strip *strip, uint32_t place)
         strip->triangles[strip->count++] = mesh_words(strip->mesh, MESH_SOURCES)[place];
     else
         strip->flags |= DPT_STRIP_FULL;
+}
+
+void strip_forget(struct dpt_strip *strip)
+{
+    strip->patch.mesh = NULL;
+}
+
+void strip_set_full(struct dpt_strip *strip)
+{
+    strip->flags |= DPT_STRIP_FULL;
 }
 
 dpt_result strip_place(const struct dpt_mesh *mesh, uint32_t number, uint32_t *place)

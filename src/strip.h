@@ -22,6 +22,12 @@ struct dpt_strip {
 /* Empty it, to be filled with triangles of a mesh. */
 void strip_clear(struct dpt_strip *strip, const struct dpt_mesh *mesh);
 
+/* Forget the surface about the last shadow. */
+void strip_forget(struct dpt_strip *strip);
+
+/* There is more than it can tell. */
+void strip_set_full(struct dpt_strip *strip);
+
 /* Put a triangle at its end, by its place; a full one is flagged. */
 void strip_add(struct dpt_strip *strip, uint32_t place);
 
@@ -32,9 +38,9 @@ dpt_result strip_place(const struct dpt_mesh *mesh, uint32_t number, uint32_t *p
 void strip_shadow(struct dpt_strip *strip, const struct dpt_mesh *mesh, const struct shade *shade,
                   uint32_t place);
 
-/* dpt_strip_overlaps, of what is valid. */
+/* dpt_strip_overlaps of the axis a + s u in the mesh's frame, of what is valid. */
 void strip_overlaps(const struct dpt_strip *strip, const struct tree *tree,
-                    const struct frame *frame, const dpt_segment *segment, int32_t side,
+                    const struct frame *frame, vec3 a, vec3 u, double radius, int32_t side,
                     dpt_overlap *overlaps, uint32_t capacity);
 
 #endif

@@ -4,6 +4,7 @@
 
 #include "check.h"
 #include "contacts.h"
+#include "strips.h"
 
 /* The sums that dpt_world_bytes documents; a struct that outgrows its share fails to compile. */
 enum {
@@ -13,6 +14,7 @@ enum {
     BYTES_SEGMENT = 1408,
     BYTES_PAUSE = 1536,
     BYTES_PROOF = 64,
+    BYTES_LAID = 512,
     BYTES_CONTACT = 1408 /* this tick's and the last one's */
 };
 typedef char world_fits[sizeof(struct dpt_world) <= BYTES_WORLD ? 1 : -1];
@@ -21,7 +23,7 @@ typedef char tool_fits[sizeof(struct tool) <= BYTES_TOOL ? 1 : -1];
 typedef char segment_fits[sizeof(struct segment) <= BYTES_SEGMENT ? 1 : -1];
 typedef char pause_fits[2 * sizeof(struct pause) <= BYTES_PAUSE ? 1 : -1];
 typedef char proof_fits[sizeof(struct proof) <= BYTES_PROOF ? 1 : -1];
-
+typedef char laid_fits[sizeof(struct laid) <= BYTES_LAID ? 1 : -1];
 typedef char contact_fits[2 * sizeof(struct hold) <= BYTES_CONTACT ? 1 : -1];
 
 /* The size that the first release gave its def, and one that none will ever reach. */
@@ -40,6 +42,8 @@ void dpt_world_def_defaults(dpt_world_def *def, size_t size)
         .certificate_bytes = 1 << 20,
         .margin = 0.001,
         .max_contacts = 32,
+        .strip_capacity = 256,
+        .strip_search = 4096,
     };
     if (!def || size < sizeof defaults.size || size > DEF_SIZE_MOST)
         return;
@@ -75,6 +79,24 @@ static dpt_result take_def(const dpt_world_def *given, dpt_world_def *def)
     return DPT_OK;
 }
 
+static dpt_strip_def strip_def(const dpt_world_def *def)
+{
+    return (dpt_strip_def){ .size = sizeof(dpt_strip_def),
+                            .capacity = def->strip_capacity,
+                            .search = def->strip == DPT_STRIP_ROUTES ? def->strip_search : 0 };
+}
+
+static int strips_are_valid(const dpt_world_def *def)
+{
+    const dpt_strip_def strip = strip_def(def);
+    if (def->strip > DPT_STRIP_ROUTES || def->reserved)
+        return 0;
+    return !def->strip ||
+           (dpt_strip_bytes(&strip) && def->strip_width >= 0.0 && def->strip_depth >= 0.0 &&
+            within(def->strip_width, DPT_COORDINATE_MAX) &&
+            within(def->strip_depth, DPT_COORDINATE_MAX));
+}
+
 static int def_is_valid(const dpt_world_def *def)
 {
     return count_is_valid(def->max_bodies) && count_is_valid(def->max_tools) &&
@@ -85,7 +107,7 @@ static int def_is_valid(const dpt_world_def *def)
            within(def->stiffness, 1e9) && def->certificate_bytes <= CERTIFICATE_BYTES_MOST &&
            def->margin >= 0.0 && within(def->margin, DPT_COORDINATE_MAX) &&
            def->side_limit >= 0.0 && within(def->side_limit, DPT_COORDINATE_MAX) &&
-           def->max_contacts <= 0xffff && def->smooth_normals <= 1;
+           def->max_contacts <= 0xffff && def->smooth_normals <= 1 && strips_are_valid(def);
 }
 
 /* What there is of each segment and body. */
@@ -109,6 +131,12 @@ static uint64_t bytes_budget(const dpt_world_def *def)
     return def->budget ? BYTES_PAUSE * (uint64_t)def->max_segments + BYTES_PROOF * bonds(def) : 0;
 }
 
+static uint64_t bytes_strip(const dpt_world_def *def)
+{
+    const dpt_strip_def strip = strip_def(def);
+    return def->strip ? BYTES_LAID + (uint64_t)dpt_strip_bytes(&strip) : 0;
+}
+
 /* Whole blocks only; what is left over of the bytes is left over. */
 static uint64_t certificate_blocks(const dpt_world_def *def)
 {
@@ -122,8 +150,9 @@ static size_t bytes_of(const dpt_world_def *def)
     uint64_t bytes = BYTES_WORLD + BYTES_BODY * (uint64_t)def->max_bodies +
                      BYTES_TOOL * (uint64_t)def->max_tools +
                      BYTES_SEGMENT * (uint64_t)def->max_segments + bytes_budget(def) +
-                     BYTES_CONTACT * (uint64_t)def->max_contacts + bytes_last(def) +
-                     bytes_near(def) + mesh_aligned(def->certificate_bytes);
+                     BYTES_CONTACT * (uint64_t)def->max_contacts +
+                     bytes_strip(def) * def->max_segments + bytes_last(def) + bytes_near(def) +
+                     mesh_aligned(def->certificate_bytes);
     return bytes <= SIZE_MAX ? (size_t)bytes : 0;
 }
 
@@ -131,6 +160,21 @@ size_t dpt_world_bytes(const dpt_world_def *given)
 {
     dpt_world_def def;
     return take_def(given, &def) == DPT_OK ? bytes_of(&def) : 0;
+}
+
+/* The strips of all segments, behind the list of them. */
+static char *place_strips(struct dpt_world *world, char *at)
+{
+    const dpt_strip_def def = strip_def(&world->def);
+    if (!world->def.strip)
+        return at;
+    const size_t bytes = dpt_strip_bytes(&def);
+    world->laid = (void *)at;
+    at += BYTES_LAID * (size_t)world->def.max_segments;
+    for (uint32_t i = 0; i < world->def.max_segments; i++, at += bytes)
+        dpt_strip_create(at, bytes, &def, &world->laid[i].strip);
+    strips_forget(world, 0, world->def.max_segments);
+    return at;
 }
 
 dpt_result dpt_world_create(void *block, size_t bytes, const dpt_world_def *given,
@@ -168,6 +212,7 @@ dpt_result dpt_world_create(void *block, size_t bytes, const dpt_world_def *give
         made->holds[i].hold = (void *)at;
         at += BYTES_CONTACT / 2 * (size_t)def.max_contacts;
     }
+    at = place_strips(made, at);
     made->last = (void *)at;
     at += bytes_last(&def);
     made->near = (void *)at;
@@ -226,6 +271,7 @@ static void forget_segment(struct dpt_world *world, uint32_t segment)
     s->last_body = DPT_NONE;
     forget_proofs(world, segment, DPT_NONE);
     contacts_forget(world, segment, segment + 1, DPT_NONE);
+    strips_forget(world, segment, segment + 1);
 }
 
 void tool_clear(struct dpt_world *world, struct tool *tool)
@@ -240,6 +286,8 @@ void tool_clear(struct dpt_world *world, struct tool *tool)
         memset(&segment->met, 0, sizeof segment->met);
         segment->sweep =
             (dpt_sweep){ .size = sizeof segment->sweep, .triangle = DPT_NONE, .segment = i };
+        if (world->def.strip)
+            strip_clear(world->laid[tool->first + i].strip, NULL);
     }
     memset(&tool->wrench, 0, sizeof tool->wrench);
     tool->nearest = 0;
@@ -318,6 +366,7 @@ dpt_result dpt_body_remove(dpt_world *world, dpt_body body)
     slot_release(&old->slot);
     world->invalid -= !old->valid;
     contacts_forget(world, 0, world->segment_count, handle_index(body));
+    strips_forget_body(world, handle_index(body));
     for (uint32_t s = 0; s < world->segment_count; s++) {
         forget_proofs(world, s, handle_index(body));
         if (world->segments[s].last_body == handle_index(body))
@@ -465,6 +514,7 @@ dpt_result dpt_tool_remove(dpt_world *world, dpt_tool tool)
                 moved * bodies * sizeof *world->proofs);
     }
     contacts_remove(world, old->first, behind);
+    strips_remove(world, old->first, behind, (uint32_t)moved);
     world->turn = 0;
     for (uint32_t t = 0; t < world->tool_end; t++)
         if (world->tools[t].slot.used && world->tools[t].first >= behind)

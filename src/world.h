@@ -8,6 +8,8 @@
 #include "handle.h"
 #include "near.h"
 #include "pose.h"
+#include "strip.h"
+#include "track.h"
 #include "tree.h"
 
 struct body {
@@ -111,6 +113,18 @@ struct holds {
     uint32_t reserved;
 };
 
+/* A segment's strip and where it lies, as of this tick. */
+struct laid {
+    struct dpt_strip *strip;
+    struct tree tree; /* of the body */
+    struct frame frame;
+    vec3 a, u; /* the axis in the body's frame */
+    double radius;
+    uint32_t body;   /* slot, or DPT_NONE */
+    int32_t side;    /* of its triangles on which the tool is: +1, -1 */
+    uint32_t end[2]; /* places nearest to the ends, of a strip of routes; or DPT_NONE */
+};
+
 struct dpt_world {
     dpt_world_def def;
     struct kernel kernel;
@@ -137,6 +151,7 @@ struct dpt_world {
     struct pause *pauses;   /* per segment two; only with a budget, as the proofs */
     struct proof *proofs;   /* per segment and body slot */
     struct holds holds[2];  /* this tick's and the last one's */
+    struct laid *laid;      /* per segment; only with strips */
     struct profile profile; /* of the segment and body that are being looked at */
 };
 

@@ -18,6 +18,7 @@
 #define DYNPOINT_WORLD_H
 
 #include "dynpoint/mesh.h"
+#include "dynpoint/strip.h"
 #include "dynpoint/types.h"
 
 DPT_BEGIN
@@ -34,6 +35,9 @@ enum {
     DPT_UNTIL_TRACK = 1,   /* the nearest pair */
     DPT_UNTIL_CONTACT = 2  /* and its sign, gap and contact */
 };
+
+/* Which triangles a segment's strip holds. */
+enum { DPT_STRIP_NONE = 0, DPT_STRIP_SHADOW = 1, DPT_STRIP_ROUTES = 2 };
 
 /*
  * What a world can hold and how it answers. dpt_world_def_init fills in the defaults, given last.
@@ -74,6 +78,19 @@ typedef struct dpt_world_def {
      * corners, so that facets are not felt; distances and contact are the same. 0: the true one.
      */
     uint32_t smooth_normals;
+    /*
+     * Each segment within the margin of its nearest body has a strip of that body's triangles in each tick, if this
+     * is not DPT_STRIP_NONE: of up to `strip_capacity` triangles, 256. DPT_STRIP_SHADOW: those under the segment, widened by
+     * `strip_width` beyond its radius, along its way to the surface, to `strip_depth`; 0 is a quarter of its length,
+     * its radius and the margin. DPT_STRIP_ROUTES: the paper's, from the triangles nearest to its ends; each search may
+     * visit `strip_search` vertices, 4096. Strips are no part of the budget.
+     */
+    uint32_t strip;
+    uint32_t strip_capacity;
+    uint32_t strip_search;
+    uint32_t reserved;  /* 0 */
+    double strip_width; /* m, >= 0; 0 */
+    double strip_depth; /* m, >= 0; 0 */
 } dpt_world_def;
 
 /* Fill in the first `size` bytes; what dpt_world_def_init calls with its own caller's sizeof. */
@@ -89,6 +106,7 @@ static inline void dpt_world_def_init(dpt_world_def *def)
  *     24576 + 576 max_bodies + 256 max_tools + 1408 max_segments
  *         + (budget ? 1536 max_segments + 64 max_segments max_bodies : 0)
  *         + 1408 max_contacts
+ *         + (strip ? max_segments (512 + dpt_strip_bytes) : 0)
  *         + 4 max_segments max_bodies parts + 8 max_segments max_bodies + certificate_bytes,
  * each of the last three terms rounded up to a multiple of 64. 0 for a def that is not valid.
  */
@@ -176,6 +194,16 @@ DPT_API dpt_result dpt_tool_get_contacts(const dpt_world *world, dpt_tool tool,
 /* What a segment of the tool, from 0, met between the last two steps. */
 DPT_API dpt_result dpt_tool_get_sweep(const dpt_world *world, dpt_tool tool, uint32_t segment,
                                       dpt_sweep *sweep);
+
+/*
+ * The triangles of a segment's strip, from 0, of the last step, and how the segment stands to each: as
+ * dpt_strip_overlaps, the tool's side being that on which it is. None where the segment was not within the margin, or the
+ * world has no strips; of routes none where no way leads from an end's triangle to that of the nearest point.
+ *   flags   DPT_STRIP_FULL, ...; may be NULL
+ */
+DPT_API dpt_result dpt_tool_get_strip(const dpt_world *world, dpt_tool tool, uint32_t segment,
+                                      dpt_overlap *overlaps, uint32_t capacity, uint32_t *count,
+                                      uint32_t *flags);
 
 /*
  * Force on the tool and torque about the origin of its frame, in world axes, before any limits. The

@@ -24,12 +24,15 @@ Hit = struct("dpt_hit", (c_uint32, "size status contact flags triangle segment b
 WorldDef = struct("dpt_world_def", (c_uint32, "size max_bodies max_tools max_segments method kernel"
                                     " until parts one_step budget"), (c_double, "stiffness"),
                   (c_uint64, "certificate_bytes"), (c_double, "margin side_limit"),
-                  (c_uint32, "max_contacts smooth_normals"))
+                  (c_uint32, "max_contacts smooth_normals strip strip_capacity strip_search reserved"),
+                  (c_double, "strip_width strip_depth"))
 Step = struct("dpt_step", (c_uint32, "size status contact work"), (c_double, "distance"),
               (c_uint32, "contacts flags"))
 Contact = struct("dpt_contact", (c_uint32, "size id body segment triangle contact flags reserved"),
                  (c_double, "s0 s1 s gap"), (double3, "p q normal weight"),
                  (c_double, "overlap moment"), (double3, "thrust thrust_moment"))
+Overlap = struct("dpt_overlap", (c_uint32, "size triangle flags reserved"), (c_double, "distance s"),
+                 (double3, "q weight"), (c_double, "gap overlap"))
 Compiled = struct("dpt_compiled", (c_void_p, "bytes"), (c_size_t, "size"))
 
 verdicts = []
@@ -47,7 +50,7 @@ def is_near(number, wanted):
 column = 0 if sizeof(c_void_p) == 8 else 1
 sizes = re.findall(r"SIZE\((\w+), (\d+), (\d+)\)", open(sys.path[0] + "/../abi/layouts.txt").read())
 sizes = {name: int(bytes[column]) for name, *bytes in sizes}
-for kind in (Pose, Segment, Wrench, Hit, Contact, WorldDef, Step, Compiled):
+for kind in (Pose, Segment, Wrench, Hit, Contact, Overlap, WorldDef, Step, Compiled):
     check(kind.__name__ + " has its size", sizeof(kind) == sizes[kind.__name__])
 
 # A box of 2 x 2 x 1 m with its top at z = 1: corner i at the bits of i; two triangles a side.
@@ -70,6 +73,7 @@ check("exact, on the top", hit.status == 3 and triangles[hit.triangle] in ((4, 5
 
 definition, world, body, tool = WorldDef(), c_void_p(), c_uint32(), c_uint32()
 core.dpt_world_def_defaults(byref(definition), c_size_t(sizeof(definition)))
+definition.strip, definition.strip_width = 1, 0.05  # DPT_STRIP_SHADOW
 need = core.dpt_world_bytes(byref(definition))
 block = (c_double * (need // 8 + 1))()  # doubles, so that the block is aligned to 8
 check("create", core.dpt_world_create(block, c_size_t(need), byref(definition), byref(world)) == 0)
@@ -89,6 +93,12 @@ contact, count = Contact(size=sizeof(Contact)), c_uint32()
 check("contacts", core.dpt_tool_get_contacts(world, tool, byref(contact), 1, byref(count)) == 0)
 check("one region, at the end a", count.value == 1 == step.contacts and contact.s == 0)
 check("0.05 m deep, upward", is_near(contact.gap, -0.05) and is_near(contact.normal[2], 1))
+
+overlaps = (Overlap * 12)()
+overlaps[0].size = sizeof(Overlap)
+check("strip", core.dpt_tool_get_strip(world, tool, 0, overlaps, 12, byref(count), None) == 0)
+deepest = max(overlaps[: count.value], key=lambda overlap: overlap.overlap)
+check("of the top, 0.05 m deep", deepest.triangle == contact.triangle and is_near(deepest.overlap, 0.05))
 
 check("a body is no tool: DPT_E_HANDLE", core.dpt_tool_set_pose(world, body, byref(pose)) == -8)
 check("no pose: DPT_E_ARGUMENT", core.dpt_tool_set_pose(world, tool, None) == -1)
