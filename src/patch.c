@@ -214,8 +214,8 @@ static void take(struct patch *patch, const struct dpt_mesh *mesh, const struct 
 }
 
 /*
- * How far to reach beyond the shadow: for eight more of its motion a tick, as it was since the last patch. None where
- * that is more than an edge is long: then little of the patch would be met again.
+ * How far to reach beyond the shadow: for eight ticks of its motion, as it was since the last patch, but no farther than
+ * an edge is long. None where that would not last for two: then little of the patch would be met again.
  */
 static double margin_for(const struct patch *patch, const struct shade *shade)
 {
@@ -225,8 +225,8 @@ static double margin_for(const struct patch *patch, const struct shade *shade)
     vec3 from = vec3_of_float(patch->vertices[first->corner[0]].x);
     vec3 to = vec3_of_float(patch->vertices[first->corner[1]].x);
     double motion = shade_excess(shade, &patch->shade) / patch->asked;
-    double edge = length(sub(to, from)), margin = larger(8.0 * motion, edge / 64.0);
-    return margin <= edge ? margin : 0.0;
+    double edge = length(sub(to, from));
+    return 2.0 * motion <= edge ? smaller(edge, larger(8.0 * motion, edge / 64.0)) : 0.0;
 }
 
 /* What is left of a triangle between the planes, cut by one after the other, is not nothing. */

@@ -24,6 +24,7 @@ struct finder {
     const uint32_t *corners, *fan_first, *fans, *sources;
     uint32_t ring[2];  /* steps of the outermost ring from the start and from the goal */
     uint32_t begin[2]; /* where it begins in its queue */
+    uint32_t sides;    /* of a vertex' triangles to look along: 1 or 2 */
     uint32_t way;      /* edges between the two triangles, once known */
 };
 
@@ -78,11 +79,21 @@ static dpt_result begin(const struct finder *f, int side, uint32_t triangle)
     return DPT_OK;
 }
 
-/* Every vertex next to that of a slot, one after the other; each at least once. */
+/*
+ * Every vertex next to `at`, at least once. Of a triangle that is the corner after it, for the one before comes after it
+ * in the triangle beyond that edge, where all parts are closed; else both.
+ */
 #define FOR_NEXT_TO(f, at, next)                                                                   \
     for (uint32_t fan_ = (f)->fan_first[at]; fan_ < (f)->fan_first[(at) + 1]; fan_++)              \
-        for (uint32_t k_ = 0, next; k_ < 3; k_++)                                                  \
-            if ((next = corners_of(f, (f)->fans[fan_])[k_]) != (at))
+        for (uint32_t k_ = 1, next; k_ <= (f)->sides; k_++)                                        \
+            if (((next) = corner_after(corners_of(f, (f)->fans[fan_]), at, k_)), 1)
+
+/* The first or second corner after one. */
+static uint32_t corner_after(const uint32_t *corners, uint32_t vertex, uint32_t places)
+{
+    uint32_t k = places + (corners[1] == vertex) + 2 * (uint32_t)(corners[2] == vertex);
+    return corners[k < 3 ? k : k - 3];
+}
 
 /* From one vertex of the ring on. What leads over to the other side is marked there, or here, on the start's side. */
 static dpt_result expand_vertex(struct finder *f, int side, struct reached *slot, int *met)
@@ -213,6 +224,7 @@ dpt_result route_find(struct search *search, const struct dpt_mesh *mesh, uint32
         .fan_first = mesh_words(mesh, MESH_FAN_FIRST),
         .fans = mesh_words(mesh, MESH_FANS),
         .sources = mesh_words(mesh, MESH_SOURCES),
+        .sides = mesh->closed_components == mesh->parts ? 1 : 2,
     };
     const uint32_t *goal = corners_of(&f, to);
     route->count = 0;
