@@ -40,17 +40,3 @@ void shade_of(vec3 a, vec3 u, vec3 direction, double half, double depth, struct 
         put(shade, 3, along(scaled(e, ne), nd, d), -limit, limit);
     }
 }
-
-double shade_excess(const struct shade *shade, const struct shade *other)
-{
-    double excess = 0.0;
-    for (int k = 0; k < SHADE_SLABS; k++) {
-        vec3 n = { other->normal[0][k], other->normal[1][k], other->normal[2][k] };
-        double at = dot(sub(shade->a, other->a), n), un = dot(shade->u, n);
-        double half = shade->half * (fabs(dot(shade->e, n)) + fabs(dot(shade->w, n))) +
-                      shade->depth * fabs(dot(shade->d, n));
-        excess = larger(excess, at + larger(0.0, un) + half - other->high[k]);
-        excess = larger(excess, other->low[k] - (at + smaller(0.0, un) - half));
-    }
-    return excess;
-}

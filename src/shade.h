@@ -24,7 +24,4 @@ struct shade {
 /* `direction` need not be unit. */
 void shade_of(vec3 a, vec3 u, vec3 direction, double half, double depth, struct shade *shade);
 
-/* By how much the shadow stands out of another one. */
-double shade_excess(const struct shade *shade, const struct shade *other);
-
 #endif

@@ -8,12 +8,6 @@
 
 enum { CAPACITY_MOST = 1 << 20, SEARCH_MOST = 1 << 28 };
 
-/* A strip's patch is twice as large, for its margin. */
-static uint32_t patch_room(const dpt_strip_def *def)
-{
-    return 2 * def->capacity + 2;
-}
-
 static uint64_t power_of_two_from(uint64_t least)
 {
     uint64_t power = 16;
@@ -24,7 +18,7 @@ static uint64_t power_of_two_from(uint64_t least)
 
 /* The arrays, in the order in which they lie in the block. */
 struct shares {
-    uint64_t triangles, patch_triangles, vertices, gates, patch_slots, slots, queue, all;
+    uint64_t triangles, walked, vertices, walk_slots, slots, queue, all;
 };
 
 static uint64_t share(uint64_t *at, uint64_t count, uint64_t width)
@@ -34,17 +28,20 @@ static uint64_t share(uint64_t *at, uint64_t count, uint64_t width)
     return begin;
 }
 
+static uint64_t search_slots(const dpt_strip_def *def)
+{
+    return def->search ? power_of_two_from(2 * (uint64_t)def->search) : 0;
+}
+
 static struct shares shares_of(const dpt_strip_def *def)
 {
     struct shares s;
-    uint64_t at = mesh_aligned(sizeof(struct dpt_strip)), room = patch_room(def);
-    s.triangles = share(&at, def->capacity, sizeof(uint32_t));
-    s.patch_triangles = share(&at, room, sizeof(struct patch_triangle));
-    s.vertices = share(&at, room + 2, sizeof(struct patch_vertex));
-    s.gates = share(&at, 3 * room, sizeof(struct gate));
-    s.patch_slots = share(&at, power_of_two_from(2 * room), sizeof(struct patch_slot));
-    s.slots = share(&at, def->search ? power_of_two_from(2 * (uint64_t)def->search) : 0,
-                    sizeof(struct reached));
+    uint64_t at = mesh_aligned(sizeof(struct dpt_strip)), room = def->capacity;
+    s.triangles = share(&at, room, sizeof(uint32_t));
+    s.walked = share(&at, room, sizeof(struct shadow_triangle));
+    s.vertices = share(&at, room + 2, sizeof(struct shadow_vertex));
+    s.walk_slots = share(&at, power_of_two_from(2 * room), sizeof(struct shadow_slot));
+    s.slots = share(&at, search_slots(def), sizeof(struct reached));
     s.queue = share(&at, def->search, sizeof(uint32_t));
     s.all = at;
     return s;
@@ -85,15 +82,14 @@ dpt_result dpt_strip_create(void *block, size_t bytes, const dpt_strip_def *def,
     char *base = block;
     made->def = *def;
     made->triangles = (void *)(base + s.triangles);
-    made->patch.triangles = (void *)(base + s.patch_triangles);
-    made->patch.vertices = (void *)(base + s.vertices);
-    made->patch.gates = (void *)(base + s.gates);
-    made->patch.slots = (void *)(base + s.patch_slots);
-    made->patch.slot_count = (uint32_t)power_of_two_from(2 * (uint64_t)patch_room(def));
-    made->patch.room = patch_room(def);
+    made->walk.triangles = (void *)(base + s.walked);
+    made->walk.vertices = (void *)(base + s.vertices);
+    made->walk.slots = (void *)(base + s.walk_slots);
+    made->walk.slot_count = (uint32_t)power_of_two_from(2 * (uint64_t)def->capacity);
+    made->walk.room = def->capacity;
     made->search.slots = (void *)(base + s.slots);
     made->search.queue = (void *)(base + s.queue);
-    made->search.slot_count = (uint32_t)((s.queue - s.slots) / sizeof(struct reached));
+    made->search.slot_count = (uint32_t)search_slots(def);
     made->search.room = def->search;
     *strip = made;
     return DPT_OK;
@@ -116,7 +112,7 @@ void strip_add(struct dpt_strip *strip, uint32_t place)
 
 void strip_forget(struct dpt_strip *strip)
 {
-    strip->patch.mesh = NULL;
+    strip->walk.mesh = NULL;
 }
 
 void strip_set_full(struct dpt_strip *strip)
@@ -215,10 +211,10 @@ void strip_shadow(struct dpt_strip *strip, const struct dpt_mesh *mesh, const st
                   uint32_t place)
 {
     strip_clear(strip, mesh);
-    strip->flags = patch_walk(&strip->patch, mesh, shade, place);
-    for (uint32_t i = 0; i < strip->patch.triangle_count; i++)
-        if (strip->patch.triangles[i].reached)
-            strip_add(strip, strip->patch.triangles[i].place);
+    shadow_walk(&strip->walk, mesh, shade, place);
+    strip->flags = strip->walk.flags;
+    for (uint32_t i = 0; i < strip->walk.triangle_count; i++)
+        strip_add(strip, strip->walk.triangles[i].place);
 }
 
 static dpt_result check_shadow(const dpt_shadow *shadow)

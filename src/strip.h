@@ -4,9 +4,9 @@
 #define DPT_STRIP_H
 
 #include "dynpoint/strip.h"
-#include "patch.h"
 #include "pose.h"
 #include "route.h"
+#include "shadow.h"
 #include "tree.h"
 
 struct dpt_strip {
@@ -16,13 +16,13 @@ struct dpt_strip {
     uint32_t count;
     uint32_t flags;
     struct search search;
-    struct patch patch;
+    struct shadow_walk walk;
 };
 
 /* Empty it, to be filled with triangles of a mesh. */
 void strip_clear(struct dpt_strip *strip, const struct dpt_mesh *mesh);
 
-/* Forget the surface about the last shadow. */
+/* Forget the last shadow. */
 void strip_forget(struct dpt_strip *strip);
 
 /* There is more than it can tell. */

@@ -24,7 +24,7 @@ typedef struct dpt_strip_def {
     uint32_t reserved; /* 0 */
 } dpt_strip_def;
 
-/* The bytes that a strip needs: at most 192 + 208 capacity + 36 search + 32. 0 for a def that is not valid. */
+/* The bytes that a strip needs: at most 1024 + 96 capacity + 36 search. 0 for a def that is not valid. */
 DPT_API size_t dpt_strip_bytes(const dpt_strip_def *def);
 
 /* Make an empty strip in `block`, aligned to 8 and of at least dpt_strip_bytes(def). */
@@ -107,7 +107,7 @@ typedef struct dpt_shadow {
  * first triangle: from triangle to triangle over edges that meet the shadow. Empty when the first one does not meet it.
  * Each triangle once, in no stated order; a full strip keeps those that were reached first.
  *
- * A strip that is filled again for a shadow near the last one remembers the surface about it, and is fast.
+ * A strip that is filled again for the very shadow that it holds is left as it is.
  *
  *   pose   of the mesh in the world; NULL is the identity
  */
