@@ -5,13 +5,34 @@
 #include "side.h"
 #include "strip.h"
 
-/* The paper's signed distance, of an axis that crosses by its deeper end. */
-static double signed_distance(const pair *found, vec3 a, vec3 u, vec3 normal)
+/* Distance of the axis to the triangle after it has been moved against its normal; `rise`: by how much that grows. */
+static double distance_when_moved(const struct tree *tree, uint32_t place, vec3 a, vec3 u,
+                                  vec3 normal, double way, double *rise)
 {
-    if (found->distance2 > 0.0)
-        return dot(found->gap, normal) < 0.0 ? -sqrt(found->distance2) : sqrt(found->distance2);
-    vec3 q = sub(along(a, found->s, u), found->gap);
-    return smaller(dot(sub(a, q), normal), dot(sub(add(a, u), q), normal));
+    pair found = tree_pair(tree, place, along(a, way, normal), u);
+    double distance = sqrt(found.distance2);
+    *rise = dot(found.gap, normal) / distance;
+    return distance;
+}
+
+/*
+ * The least way against its normal that frees the triangle of the tool. The distance is a convex function of the way:
+ * from where the triangle is wholly below, Newton's method comes down on the last touch and never passes it; where there
+ * is none the distance begins to grow again, or the way is over.
+ */
+static double way_to_free(const struct tree *tree, uint32_t place, vec3 a, vec3 u, double radius,
+                          vec3 normal, double height)
+{
+    double way = radius - height, fine = 1e-12 * (fabs(way) + radius + length(u));
+    for (int i = 0; i < 64 && way > 0.0; i++) {
+        double rise, apart = distance_when_moved(tree, place, a, u, normal, way, &rise) - radius;
+        if (!(apart > fine))
+            return way;
+        if (!(rise > 0.0))
+            return 0.0;
+        way -= apart / rise;
+    }
+    return larger(0.0, way);
 }
 
 static void overlap_of(const struct tree *tree, const struct frame *frame, vec3 a, vec3 u,
@@ -20,15 +41,19 @@ static void overlap_of(const struct tree *tree, const struct frame *frame, vec3 
     pair found = tree_pair(tree, place, a, u);
     vec3 normal = scaled(side_face_normal(tree, place), side);
     vec3 q = sub(along(a, found.s, u), found.gap);
+    vec3 corner = vec3_of_float(tree->positions + 3 * (size_t)tree->corners[3 * (size_t)place]);
+    double height = smaller(dot(sub(a, corner), normal), dot(sub(add(a, u), corner), normal));
+    double distance = sqrt(found.distance2);
+    double way = way_to_free(tree, place, a, u, radius, normal, height);
     *overlap = (dpt_overlap){
         .size = overlap->size,
         .triangle = tree->sources[place],
-        .flags = found.distance2 > 0.0 ? 0u : DPT_OVERLAP_CROSSING,
-        .distance = sqrt(found.distance2),
+        .flags = distance > 0.0 ? 0u : DPT_OVERLAP_CROSSING,
+        .distance = distance,
         .s = found.s,
-        .gap = signed_distance(&found, a, u, normal) - radius,
+        .gap = way > 0.0 ? -way : larger(0.0, distance - radius),
+        .overlap = way,
     };
-    overlap->overlap = larger(0.0, -overlap->gap);
     vec3_store(frame_to_world(frame, q), overlap->q);
     for (int k = 0; k < 3; k++)
         overlap->weight[k] = found.weight[k];

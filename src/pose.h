@@ -64,6 +64,11 @@ static inline vec3 frame_turn(const struct frame *frame, vec3 v)
     return along(along(scaled(frame->x, v.x), v.y, frame->y), v.z, frame->z);
 }
 
+static inline vec3 frame_turn_back(const struct frame *frame, vec3 v)
+{
+    return (vec3){ dot(v, frame->x), dot(v, frame->y), dot(v, frame->z) };
+}
+
 static inline vec3 frame_to_world(const struct frame *frame, vec3 v)
 {
     return add(frame->origin, frame_turn(frame, v));
@@ -71,8 +76,7 @@ static inline vec3 frame_to_world(const struct frame *frame, vec3 v)
 
 static inline vec3 frame_to_local(const struct frame *frame, vec3 v)
 {
-    vec3 d = sub(v, frame->origin);
-    return (vec3){ dot(d, frame->x), dot(d, frame->y), dot(d, frame->z) };
+    return frame_turn_back(frame, sub(v, frame->origin));
 }
 
 #endif

@@ -232,11 +232,6 @@ static dpt_result check_shadow(const dpt_shadow *shadow)
     return DPT_OK;
 }
 
-static vec3 turn_to_local(const struct frame *frame, vec3 v)
-{
-    return (vec3){ dot(v, frame->x), dot(v, frame->y), dot(v, frame->z) };
-}
-
 dpt_result dpt_strip_shadow(dpt_strip *strip, const dpt_mesh *mesh, const dpt_pose *pose,
                             const dpt_shadow *shadow)
 {
@@ -255,7 +250,7 @@ dpt_result dpt_strip_shadow(dpt_strip *strip, const dpt_mesh *mesh, const dpt_po
     DPT_TRY(strip_place(mesh, shadow->triangle, &place));
     vec3 a = frame_to_local(&frame, vec3_of(shadow->segment.a));
     vec3 b = frame_to_local(&frame, vec3_of(shadow->segment.b));
-    shade_of(a, sub(b, a), turn_to_local(&frame, vec3_of(shadow->direction)),
+    shade_of(a, sub(b, a), frame_turn_back(&frame, vec3_of(shadow->direction)),
              shadow->segment.radius + shadow->width, shadow->depth, &shade);
     strip_shadow(strip, mesh, &shade, place);
     return DPT_OK;

@@ -34,30 +34,39 @@ void strips_remove(struct dpt_world *world, uint32_t first, uint32_t end, uint32
     }
 }
 
-/* Towards the tool's side of the surface, in the mesh's frame. */
-static vec3 way_out(const struct segment *segment, const struct laid *laid, uint32_t place)
+/* From the nearest point to the axis, or where that crosses along its push; in the mesh's frame. */
+static vec3 way_to_axis(const struct segment *segment, const struct laid *laid, uint32_t place)
 {
     const dpt_hit *hit = &segment->hit;
-    vec3 push = segment->push.direction;
-    vec3 out = { dot(push, laid->frame.x), dot(push, laid->frame.y), dot(push, laid->frame.z) };
-    if (dot(out, out) > 0.0)
-        return out;
     if (hit->distance > 0.0)
         return sub(frame_to_local(&laid->frame, vec3_of(hit->p)),
                    frame_to_local(&laid->frame, vec3_of(hit->q)));
-    return side_face_normal(&laid->tree, place);
+    vec3 push = frame_turn_back(&laid->frame, segment->push.direction);
+    return dot(push, push) > 0.0 ? push : side_face_normal(&laid->tree, place);
 }
 
-static void lay_shadow(const struct dpt_world *world, struct laid *laid, vec3 out, uint32_t place)
+/* Of an open sheet, that to which the tool would be pushed, or on which it is. */
+static int32_t side_of_tool(const struct segment *segment, const struct laid *laid, uint32_t place,
+                            vec3 to_axis)
+{
+    if (!side_is_sheet(&laid->tree, side_part(&laid->tree, place)))
+        return 1;
+    vec3 out = frame_turn_back(&laid->frame, segment->push.direction);
+    if (!(dot(out, out) > 0.0))
+        out = to_axis;
+    return dot(out, side_face_normal(&laid->tree, place)) < 0.0 ? -1 : 1;
+}
+
+static void lay_shadow(const struct dpt_world *world, struct laid *laid, vec3 way, uint32_t place)
 {
     const dpt_world_def *def = &world->def;
     double depth = def->strip_depth;
     if (depth == 0.0)
         depth = 0.25 * length(laid->u) + laid->radius + def->margin;
-    if (!(dot(out, out) > 0.0))
+    if (!(dot(way, way) > 0.0))
         return;
     struct shade shade;
-    shade_of(laid->a, laid->u, out, laid->radius + def->strip_width, depth, &shade);
+    shade_of(laid->a, laid->u, way, laid->radius + def->strip_width, depth, &shade);
     strip_shadow(laid->strip, laid->tree.mesh, &shade, place);
 }
 
@@ -106,13 +115,10 @@ void strips_find(struct dpt_world *world, uint32_t index)
     laid->a = frame_to_local(&body->frame, frame_to_world(&tool->frame, segment->a));
     laid->u = sub(frame_to_local(&body->frame, frame_to_world(&tool->frame, segment->b)), laid->a);
     uint32_t place = mesh_words(body->tree.mesh, MESH_PLACES)[hit->triangle];
-    vec3 out = way_out(segment, laid, place);
-    laid->side = side_is_sheet(&laid->tree, side_part(&laid->tree, place)) &&
-                         dot(out, side_face_normal(&laid->tree, place)) < 0.0
-                     ? -1
-                     : 1;
+    vec3 to_axis = way_to_axis(segment, laid, place);
+    laid->side = side_of_tool(segment, laid, place, to_axis);
     if (world->def.strip == DPT_STRIP_SHADOW)
-        lay_shadow(world, laid, out, place);
+        lay_shadow(world, laid, to_axis, place);
     else
         lay_routes(world, laid, place);
 }

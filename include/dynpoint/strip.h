@@ -123,9 +123,10 @@ enum { DPT_OVERLAP_CROSSING = 1 /* the axis goes through the triangle */ };
  *   distance   unsigned, from the axis; 0 when it crosses
  *   s          in 0..1, of the nearest point p of the axis
  *   q          the nearest point of the triangle, in the world; `weight` of its corners, sum 1
- *   gap        (SPEC 8) with n the triangle's normal on the tool's side: the distance with the sign of (p - q) . n, or
- *              where the axis crosses the least of (end - q) . n over the two ends; less the radius
- *   overlap    max(0, -gap): how far the triangle is to be moved against n to be free of the tool
+ *   overlap    how far the triangle must be moved against its normal on the tool's side, so that the tool lies free on
+ *              it; 0 where it does not touch it. Also of a tool that has gone through: what counts is what lies over the
+ *              triangle, along that normal
+ *   gap        -overlap; or, where that is 0, the distance less the radius
  */
 typedef struct dpt_overlap {
     uint32_t
