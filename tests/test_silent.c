@@ -97,21 +97,23 @@ static size_t room_bytes;
 static const struct scene {
     uint32_t method, until, parts, one_step;
     uint64_t certificate_bytes;
-    uint32_t ticks;
+    uint32_t ticks, strip;
 } scenes[] = {
-    { DPT_METHOD_EXACT, DPT_UNTIL_RESPOND, 1, 0, 1 << 20, 2000 },
-    { DPT_METHOD_EXACT, DPT_UNTIL_CONTACT, 1, 0, 3 * 264, 1000 }, /* planes push each other out */
-    { DPT_METHOD_EXACT, DPT_UNTIL_TRACK, 1, 0, 0, 1000 },
-    { DPT_METHOD_TREE, DPT_UNTIL_RESPOND, 1, 0, 0, 1000 },
-    { DPT_METHOD_PAPER, DPT_UNTIL_RESPOND, 1, 1, 0, 1000 },
-    { DPT_METHOD_PAPER, DPT_UNTIL_CONTACT, 7, 0, 0, 200 },
-    { DPT_METHOD_BRUTE, DPT_UNTIL_RESPOND, 1, 0, 0, 20 },
+    { DPT_METHOD_EXACT, DPT_UNTIL_RESPOND, 1, 0, 1 << 20, 2000, DPT_STRIP_SHADOW },
+    { DPT_METHOD_EXACT, DPT_UNTIL_CONTACT, 1, 0, 3 * 264, 1000,
+      0 }, /* planes push each other out */
+    { DPT_METHOD_EXACT, DPT_UNTIL_TRACK, 1, 0, 0, 1000, 0 },
+    { DPT_METHOD_TREE, DPT_UNTIL_RESPOND, 1, 0, 0, 1000, DPT_STRIP_ROUTES },
+    { DPT_METHOD_PAPER, DPT_UNTIL_RESPOND, 1, 1, 0, 1000, DPT_STRIP_ROUTES },
+    { DPT_METHOD_PAPER, DPT_UNTIL_CONTACT, 7, 0, 0, 200, DPT_STRIP_SHADOW },
+    { DPT_METHOD_BRUTE, DPT_UNTIL_RESPOND, 1, 0, 0, 20, 0 },
 };
 enum { SCENES = sizeof scenes / sizeof *scenes };
 
 /* What came out: that all paths were walked, and the same where calls are forbidden. */
 struct tally {
-    uint64_t ticks, unmade, refused, stale, local, exact, crossing, forces, answers, allocations;
+    uint64_t ticks, unmade, refused, stale, local, exact, crossing, forces, strips, answers;
+    uint64_t allocations;
 };
 
 enum offence { NONE, A_CALL, A_LARGE_BLOCK, A_CLOCK, A_SMALL_BLOCK };
@@ -195,6 +197,8 @@ static int open_lab(struct lab *lab, const struct scene *scene, uint32_t kernel)
     def.parts = scene->parts;
     def.one_step = scene->one_step;
     def.certificate_bytes = scene->certificate_bytes;
+    def.strip = scene->strip;
+    def.margin = 0.01;
     lab->scene = scene;
     dpt_result result = dpt_world_create(room, room_bytes, &def, &lab->world);
     lab->tally.unmade += result != DPT_OK && result != DPT_E_UNSUPPORTED;
@@ -272,12 +276,17 @@ static void read_answers(struct lab *lab)
     for (uint32_t i = 0; i < TOOLS; i++) {
         dpt_hit hit = DPT_HIT_INIT, part = DPT_HIT_INIT;
         dpt_wrench wrench;
+        dpt_overlap overlaps[4] = { { .size = sizeof *overlaps } };
+        uint32_t count;
         result_is(lab, dpt_tool_get_hit(lab->world, lab->tool[i], &hit));
         result_is(lab, dpt_tool_get_segment_hit(lab->world, lab->tool[i], i == 0 ? 2 : 0, &part));
         result_is(lab, dpt_tool_get_wrench(lab->world, lab->tool[i], &wrench));
         answer_is(lab, &hit, sizeof hit);
         answer_is(lab, &part, sizeof part);
+        result_is(lab, dpt_tool_get_strip(lab->world, lab->tool[i], 0, overlaps, 4, &count, NULL));
         answer_is(lab, &wrench, sizeof wrench);
+        answer_is(lab, overlaps, sizeof overlaps);
+        lab->tally.strips += count > 4;
         lab->tally.stale += hit.status == DPT_STATUS_STALE;
         lab->tally.local += hit.status == DPT_STATUS_LOCAL;
         lab->tally.exact += hit.status == DPT_STATUS_EXACT;
@@ -379,6 +388,7 @@ static void the_run_walks_every_path(void)
     CHECK(usual.exact > answers / 2, "%llu exact", (unsigned long long)usual.exact);
     CHECK(usual.crossing > answers / 20 && usual.crossing < answers * 9 / 10, "%llu of %llu cross",
           (unsigned long long)usual.crossing, (unsigned long long)answers);
+    CHECK(usual.strips > answers / 20, "%llu strips", (unsigned long long)usual.strips);
     CHECK(usual.forces > answers / 20, "%llu forces", (unsigned long long)usual.forces);
     CHECK(usual.refused > usual.ticks / 20, "%llu refused", (unsigned long long)usual.refused);
     printf("    %llu ticks; of the answers %.0f %% cross, %.0f %% stale; %llu codes\n",
@@ -553,6 +563,7 @@ static int prepare(void)
     dpt_world_def_init(&def); /* larger in all but the parts */
     def.method = DPT_METHOD_PAPER;
     def.parts = 16;
+    def.strip = DPT_STRIP_ROUTES;
     room_bytes = dpt_world_bytes(&def);
     room = malloc(room_bytes);
     for (int i = 0; i < BODIES; i++)
