@@ -35,18 +35,22 @@ soak: all $(B)/tests/test_organs $(B)/tests/test_certificate $(B)/tests/test_bud
 	@$(B)/tests/test_region 2000
 	@$(B)/tests/test_organs soak
 
-bench: all $(B)/tests/bench/dump_mesh ## time against peers, those whose packages are here
+bench: all $(B)/tests/bench/dump_mesh $(B)/tests/bench/strips ## time against peers, those whose packages are here
 	@sh tests/bench/run.sh $(B)
 	@sh tests/bench/paper.sh $(B)
+	@sh tests/bench/strips.sh $(B)
 
 deps: ## install what the tests can use beside a compiler (apt-get)
 	@sh tests/deps.sh
 
-test-programs: all $(TESTS) $(B)/tests/bench/dump_mesh
+test-programs: all $(TESTS) $(B)/tests/bench/dump_mesh $(B)/tests/bench/strips
 .PHONY: test-programs
 -include $(TESTS:=.d) $(patsubst %.o,%.d,$(TEST_PARTS))
 
 $(B)/tests/bench/dump_mesh: $(B)/tests/bench/dump_mesh.o $(B)/tools/common.o $(COMPILE) $(CORE)
+	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -o $@
+
+$(B)/tests/bench/strips: $(B)/tests/bench/strips.o $(CORE)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -o $@
 
 charts: bench ## draw docs/charts from the bench's results
