@@ -42,8 +42,8 @@ void dpt_world_def_defaults(dpt_world_def *def, size_t size)
         .certificate_bytes = 1 << 20,
         .margin = 0.001,
         .max_contacts = 32,
-        .strip_capacity = 256,
-        .strip_search = 4096,
+        .strip_capacity = 1024,
+        .strip_search = 16384,
     };
     if (!def || size < sizeof defaults.size || size > DEF_SIZE_MOST)
         return;

@@ -594,6 +594,14 @@ json()
             else bad "replay --json $option: histograms: $(tail -n 1 python.log)"; fi
         done
     done
+    for strip in shadow routes; do
+        run replay torus.dpa torus.csv -o json.out --json --radius 0.01 --strip $strip
+        mv stdout replay.json
+        check "replay --strip $strip: $(tail -n 1 python.log)" has_keys replay.json strips.ticks \
+            strips.median strips.p99 strips.max strips.full
+    done
+    refuses 'a strip that there is not' '--strip takes shadow or routes' \
+        replay torus.dpa torus.csv -o out/o.csv --strip line
 }
 
 c_array()

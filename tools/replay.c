@@ -27,6 +27,9 @@ static const char help[] =
     "  --one-step           one move of the descent a tick (paper)\n"
     "  --radius R           of the tool, m; default 0: a line\n"
     "  --stiffness K        of the penalty force, N/m; default 500\n"
+    "  --strip KIND         lay a strip under the tool where it is within the margin: shadow, or "
+    "routes\n"
+    "  --strip-width W      beside the radius, m; default 0\n"
     "  --until STAGE        track, contact or respond (default): how far a step goes\n"
     "  --dt T               length of a tick, s; default 0.001\n"
     "  --kernel K           auto (default), scalar, sse2, avx2, avx512, neon: same answers, other "
@@ -41,6 +44,8 @@ static const char help[] =
 static const char *const methods[] = { "exact", "tree", "brute", "paper", NULL };
 static const char *const stages[] = { "respond", "track", "contact", NULL };
 static const char *const kernels[] = { "auto", "scalar", "sse2", "avx2", "avx512", "neon", NULL };
+
+static const char *const strips[] = { "none", "shadow", "routes", NULL };
 
 struct settings {
     dpt_world_def def;
@@ -118,6 +123,7 @@ static void run_pass(struct stage *stage, const struct settings *settings,
         tick->hit.size = sizeof tick->hit;
         dpt_tool_get_hit(stage->world, stage->tool, &tick->hit);
         dpt_tool_get_wrench(stage->world, stage->tool, &tick->wrench);
+        dpt_tool_get_strip(stage->world, stage->tool, 0, NULL, 0, &tick->strip, &tick->strip_flags);
     }
     meter_show(&meter, "", 1.0);
 }
@@ -184,7 +190,9 @@ static int run(const struct settings *settings, const dpt_mesh *mesh, const stru
 {
     dpt_mesh_info info = { .size = sizeof info };
     struct stage stage = { .block = NULL };
-    struct replayed replayed = { .trace = trace, .until = settings->def.until };
+    struct replayed replayed = { .trace = trace,
+                                 .until = settings->def.until,
+                                 .strips = settings->def.strip };
     dpt_segment segment = segment_of(&trace->rows[0], settings->radius);
     replayed.ticks = calloc(trace->count, sizeof *replayed.ticks);
     int status = replayed.ticks ? stage_open(&stage, &settings->def, mesh, &segment)
@@ -215,7 +223,7 @@ static int run(const struct settings *settings, const dpt_mesh *mesh, const stru
 static int take_settings(int argc, char **argv, struct settings *settings)
 {
     const char *operand[2], *method = "exact", *until = "respond", *kernel = "auto";
-    const char *against = NULL;
+    const char *against = NULL, *strip = "none";
     size_t operands;
     const struct option_def options[] = {
         { .name = "-o", .text = &settings->out },
@@ -232,6 +240,8 @@ static int take_settings(int argc, char **argv, struct settings *settings)
         { .name = "--parts", .count = &settings->parts },
         { .name = "--budget", .count = &settings->budget },
         { .name = "--one-step", .flag = &settings->one_step },
+        { .name = "--strip", .text = &strip },
+        { .name = "--strip-width", .number = &settings->def.strip_width },
     };
     int status = parse_options(argc, argv, options, sizeof options / sizeof *options, help, operand,
                                2, &operands);
@@ -249,6 +259,9 @@ static int take_settings(int argc, char **argv, struct settings *settings)
         return complain("replay", "--until takes track, contact or respond");
     if (chosen[2] < 0)
         return complain("replay", "the kernels are auto, scalar, sse2, avx2, avx512 and neon");
+    if (word_index(strip, strips) < 0)
+        return complain("replay", "--strip takes shadow or routes");
+    settings->def.strip = (uint32_t)word_index(strip, strips);
     settings->def.method = (uint32_t)chosen[0];
     settings->def.until = (uint32_t)chosen[1];
     settings->def.kernel = (uint32_t)chosen[2];
@@ -268,6 +281,8 @@ static int take_settings(int argc, char **argv, struct settings *settings)
         return complain("replay", "--radius must be 0 or more");
     if (!(settings->def.stiffness >= 0.0 && settings->def.stiffness <= 1e9))
         return complain("replay", "--stiffness must be 0 to 1e9");
+    if (!(settings->def.strip_width >= 0.0 && settings->def.strip_width <= DPT_COORDINATE_MAX))
+        return complain("replay", "--strip-width must be 0 or more");
     if (!(settings->dt > 0.0 && settings->dt <= 1e6))
         return complain("replay", "--dt must be positive");
     if (!settings->repeat || !settings->every)

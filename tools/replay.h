@@ -11,7 +11,9 @@
 struct replayed_tick {
     dpt_hit hit;
     dpt_wrench wrench;
-    double ns; /* the least of all passes */
+    double ns;      /* the least of all passes */
+    uint32_t strip; /* triangles in it */
+    uint32_t strip_flags;
 };
 
 /* The other method's answers on some of the ticks. */
@@ -29,6 +31,7 @@ struct replayed {
     const struct trace *trace;
     struct replayed_tick *ticks;
     uint32_t until;
+    uint32_t strips; /* DPT_STRIP_... */
     size_t world_bytes;
     uint64_t mesh_bytes;
     double diagonal;

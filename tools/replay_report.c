@@ -72,24 +72,29 @@ void replay_write_csv(FILE *file, const struct replayed *replayed)
 /* Counts and sorted times of a replay. */
 struct summary {
     uint64_t status[4], contact[4];
-    double *ns, *crossing_ns, *other_ns, *work;
+    double *ns, *crossing_ns, *other_ns, *work, *strip;
     size_t count, crossing, other; /* the first tick is apart */
+    size_t strips, strips_full;    /* ticks that laid one */
 };
 
 static int summarise(const struct replayed *replayed, struct summary *summary)
 {
     size_t count = replayed->trace->count;
     memset(summary, 0, sizeof *summary);
-    summary->ns = malloc(4 * count * sizeof *summary->ns);
+    summary->ns = malloc(5 * count * sizeof *summary->ns);
     if (!summary->ns)
         return 0;
     summary->crossing_ns = summary->ns + count;
     summary->other_ns = summary->crossing_ns + count;
     summary->work = summary->other_ns + count;
+    summary->strip = summary->work + count;
     for (size_t i = 0; i < count; i++) {
         const struct replayed_tick *tick = &replayed->ticks[i];
         summary->status[tick->hit.status]++;
         summary->contact[tick->hit.contact]++;
+        if (tick->strip)
+            summary->strip[summary->strips++] = tick->strip;
+        summary->strips_full += (tick->strip_flags & DPT_STRIP_FULL) != 0;
         if (i == 0)
             continue;
         summary->work[summary->count] = tick->hit.work;
@@ -101,6 +106,7 @@ static int summarise(const struct replayed *replayed, struct summary *summary)
     }
     sort_numbers(summary->ns, summary->count);
     sort_numbers(summary->work, summary->count);
+    sort_numbers(summary->strip, summary->strips);
     sort_numbers(summary->crossing_ns, summary->crossing);
     sort_numbers(summary->other_ns, summary->other);
     return 1;
@@ -181,6 +187,12 @@ void replay_print_json(FILE *file, const struct replayed *replayed)
     json_histogram(file, &work_bins, s.work, s.count);
     fprintf(file, ",\"bytes\":%zu,\"mesh_bytes\":%" PRIu64 ",\"kernel\":\"%s\"",
             replayed->world_bytes, replayed->mesh_bytes, dpt_kernel_name(replayed->kernel));
+    if (replayed->strips)
+        fprintf(
+            file,
+            ",\"strips\":{\"ticks\":%zu,\"median\":%.0f,\"p99\":%.0f,\"max\":%.0f,\"full\":%zu}",
+            s.strips, percentile(s.strip, s.strips, 0.5), percentile(s.strip, s.strips, 0.99),
+            percentile(s.strip, s.strips, 1.0), s.strips_full);
     const struct comparison *against = &replayed->against;
     if (against->method)
         fprintf(file,
@@ -224,6 +236,11 @@ void replay_print_table(FILE *file, const struct replayed *replayed)
                 s.contact[DPT_CONTACT_SEPARATED], s.contact[DPT_CONTACT_TOUCHING],
                 s.contact[DPT_CONTACT_PENETRATING], s.contact[DPT_CONTACT_UNKNOWN]);
     fputs("\n", file);
+    if (replayed->strips)
+        fprintf(file,
+                "  strips on %zu ticks: %.0f triangles at the median, at most %.0f; %zu full\n",
+                s.strips, percentile(s.strip, s.strips, 0.5), percentile(s.strip, s.strips, 1.0),
+                s.strips_full);
     const struct comparison *against = &replayed->against;
     if (against->method)
         fprintf(

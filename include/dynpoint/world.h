@@ -80,10 +80,10 @@ typedef struct dpt_world_def {
     uint32_t smooth_normals;
     /*
      * Each segment within the margin of its nearest body has a strip of that body's triangles in each tick, if this
-     * is not DPT_STRIP_NONE: of up to `strip_capacity` triangles, 256. DPT_STRIP_SHADOW: those under the segment, widened by
+     * is not DPT_STRIP_NONE: of up to `strip_capacity` triangles, 1024. DPT_STRIP_SHADOW: those under the segment, widened by
      * `strip_width` beyond its radius, along its way to the surface, to `strip_depth`; 0 is a quarter of its length,
      * its radius and the margin. DPT_STRIP_ROUTES: the paper's, from the triangles nearest to its ends; each search may
-     * visit `strip_search` vertices, 4096. Strips are no part of the budget.
+     * visit `strip_search` vertices, 16384. Strips are no part of the budget.
      */
     uint32_t strip;
     uint32_t strip_capacity;
