@@ -29,6 +29,9 @@ CONFIG_CFLAGS := -DDPT_SCALAR -fno-tree-vectorize
 else ifeq ($(CONFIG),sanitize)
 CFLAGS := -O1 -g
 CONFIG_CFLAGS := -fsanitize=address,undefined -fno-sanitize-recover=all
+else ifeq ($(CONFIG),fuzz)
+CFLAGS := -O1 -g
+CONFIG_CFLAGS := -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all -DFUZZ_ENGINE
 else ifeq ($(CONFIG),debug)
 CFLAGS := -O0 -g
 else ifeq ($(CONFIG),coverage)
@@ -41,7 +44,7 @@ COMPILE := $(patsubst %.c,$(B)/%.o,$(wildcard src/compile/*.c))
 TOOLS := $(patsubst %.c,$(B)/%.o,$(wildcard tools/*.c))
 LIBS := $(B)/libdynpoint $(B)/libdynpoint_compile
 
-.PHONY: all demo check bench charts soak deps install uninstall help clean
+.PHONY: all demo check bench charts soak fuzz deps install uninstall help clean
 .SECONDARY:
 all: $(B)/dynpoint $(LIBS:%=%.a) $(LIBS:%=%.so.$(SOVERSION)) ## the program and the libraries (default)
 

@@ -18,6 +18,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "random.h"
+
 static int check_passed, check_failed, check_skipped, check_bad;
 
 /* In a test: assert `condition`, and print the rest, a printf format with arguments, if it fails. */
@@ -56,21 +58,6 @@ static inline int check_report(void)
 {
     printf("%d passed, %d failed, %d skipped\n", check_passed, check_failed, check_skipped);
     return check_failed ? 1 : 0;
-}
-
-/* A small generator for tests (SplitMix64), so that a seed names a run on every machine. */
-static inline uint64_t random_bits(uint64_t *state)
-{
-    uint64_t z = (*state += 0x9e3779b97f4a7c15u);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return z ^ (z >> 31);
-}
-
-/* Uniform in [low, high). */
-static inline double random_in(uint64_t *state, double low, double high)
-{
-    return low + (high - low) * ((double)(random_bits(state) >> 11) * 0x1p-53);
 }
 
 #endif

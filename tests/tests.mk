@@ -11,6 +11,18 @@ $(B)/tests/test_%: $(B)/tests/test_%.o $(TEST_PARTS)
 
 $(B)/tests/test_organs: | $(B)/dynpoint
 
+FUZZ_PARTS := $(patsubst %.c,$(B)/%.o,$(wildcard tests/fuzz/*.c)) $(B)/tools/trace.o $(B)/tools/common.o
+$(B)/tests/test_fuzz: $(FUZZ_PARTS)
+
+# With CONFIG=fuzz alone: each target as a program of libFuzzer's.
+FUZZ_TARGETS := obj stl ply off trace mesh forged
+FUZZ_SHARED := $(filter-out $(FUZZ_TARGETS:%=$(B)/tests/fuzz/%.o) $(B)/tests/fuzz/mutate.o,$(FUZZ_PARTS)) \
+               $(B)/tools/shape.o $(B)/tools/shape_organs.o $(CORE) $(COMPILE)
+$(B)/tests/fuzz/fuzz_%: $(B)/tests/fuzz/%.o $(FUZZ_SHARED)
+	$(CC) $(subst fuzzer-no-link,fuzzer,$(CONFIG_CFLAGS)) $(LDFLAGS) $^ -lm -o $@
+fuzz-programs: $(FUZZ_TARGETS:%=$(B)/tests/fuzz/fuzz_%)
+.PHONY: fuzz-programs
+
 # Exact arithmetic: where there are g++ and gmpxx.
 EXACT_LIBS := $(if $(shell echo '\#include <gmpxx.h>' | $(CXX) -E -x c++ - 2>/dev/null | tail -n 1),-lgmpxx -lgmp -lstdc++)
 ifneq ($(EXACT_LIBS),)
@@ -35,6 +47,9 @@ soak: all $(B)/tests/test_organs $(B)/tests/test_certificate $(B)/tests/test_bud
 	@$(B)/tests/test_region 2000
 	@$(B)/tests/test_organs soak
 
+fuzz: ## 10^8 executions (FUZZ_RUNS) of the fuzz targets by libFuzzer
+	@sh tests/fuzz/fuzz.sh
+
 bench: all $(B)/tests/bench/dump_mesh $(B)/tests/bench/strips ## time against peers, those whose packages are here
 	@sh tests/bench/run.sh $(B)
 	@sh tests/bench/paper.sh $(B)
@@ -45,7 +60,7 @@ deps: ## install what the tests can use beside a compiler (apt-get)
 
 test-programs: all $(TESTS) $(B)/tests/bench/dump_mesh $(B)/tests/bench/strips
 .PHONY: test-programs
--include $(TESTS:=.d) $(patsubst %.o,%.d,$(TEST_PARTS))
+-include $(TESTS:=.d) $(patsubst %.o,%.d,$(TEST_PARTS) $(FUZZ_PARTS))
 
 $(B)/tests/bench/dump_mesh: $(B)/tests/bench/dump_mesh.o $(B)/tools/common.o $(COMPILE) $(CORE)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -o $@

@@ -72,8 +72,7 @@ static int add_row(struct trace *trace, size_t *room, const struct trace_row *ro
     return 1;
 }
 
-/* NULL, or what is wrong. `line` counts on. */
-static const char *parse_trace(struct trace *trace, const char *at, const char *end, uint64_t *line)
+const char *trace_parse(struct trace *trace, const char *at, const char *end, uint64_t *line)
 {
     size_t room = 0;
     int seen_header = 0;
@@ -111,7 +110,7 @@ int trace_read(struct trace *trace, const char *command, const char *path)
     char *text = load_file(command, path, &size);
     if (!text)
         return 2;
-    const char *wrong = parse_trace(trace, text, text + size, &line);
+    const char *wrong = trace_parse(trace, text, text + size, &line);
     free(text);
     if (!wrong)
         return 0;

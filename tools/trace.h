@@ -18,6 +18,12 @@ struct trace {
 
 /* 0, or 2 after a complaint that names file and line. */
 int trace_read(struct trace *trace, const char *command, const char *path);
+
+/*
+ * The text from `at` to `end` into an empty trace. NULL, or what is wrong in line *line, counted on from its value;
+ * what was read until then is to be freed in either case.
+ */
+const char *trace_parse(struct trace *trace, const char *at, const char *end, uint64_t *line);
 void trace_free(struct trace *trace);
 
 /* A row that does not follow the one before by one tick jumps; the first row does. */

@@ -1,0 +1,290 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * A forger who knows the format: words of a compiled mesh are changed, then lengths, places and checksums made good, so
+ * that the damage reaches the checks behind them. With REPAIR_INDICES and REPAIR_FLOATS nothing is left to refuse: the
+ * mesh opens, is nonsense, and must still be used without harm.
+ *
+ * The bytes: which mesh, REPAIR_..., then 8 for each change: how, section, index of 16 bits, value of 32.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "crc32.h"
+#include "dynpoint/compile.h"
+#include "mesh_format.h"
+#include "shape.h"
+#include "target.h"
+
+enum { REPAIR_INDICES = 1, REPAIR_FLOATS = 2, OTHER_ORDER = 4 };
+
+enum { TRIANGLES_MAX = 512, COUNT_MAX = 1024, EDITS_MAX = 64 };
+
+/* One leaf; with moments; several parts; a sheet; two levels of boxes. */
+static const struct {
+    const char *shape;
+    uint64_t triangles;
+    size_t missing;
+} sources[] = {
+    { "box", 12, 0 }, { "torus", 40, 2 }, { "box", 300, 13 }, { "cloth", 32, 0 }, { "hub", 270, 0 }
+};
+
+enum { BASES = sizeof sources / sizeof *sources };
+
+static dpt_compiled bases[BASES];
+
+static void make_bases(void)
+{
+    if (bases[0].bytes)
+        return;
+    for (int i = 0; i < BASES; i++) {
+        struct shape shape;
+        shape_reason reason;
+        MUST(shape_make(sources[i].shape, sources[i].triangles, 0, &shape, reason) == 0);
+        MUST(dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners,
+                                shape.triangle_count - sources[i].missing, NULL, &bases[i],
+                                NULL) == DPT_OK);
+        shape_free(&shape);
+    }
+}
+
+static uint32_t word_at(const uint8_t *bytes)
+{
+    uint32_t word;
+    memcpy(&word, bytes, sizeof word);
+    return word;
+}
+
+/* What looks like a number, a count or a code, at the edges of what is allowed. */
+static uint32_t odd_word(uint32_t which)
+{
+    static const uint32_t odd[] = { 0,          1,          15,         16,         17,
+                                    255,        256,        257,        0x7fffffff, 0x80000000,
+                                    0xffffffff, 0xfffffffe, 0xfffffffd, 0xfffffffc, 0x55555555,
+                                    0x55555556, 0x3f800000, 0xbf800000, 0x7f800000, 0xff800000,
+                                    0x7fc00000, 0x49742400, 0x7149f2ca, 0x00000001, 0x33800000 };
+    return odd[which % (sizeof odd / sizeof *odd)];
+}
+
+static void edit(struct dpt_mesh *mesh, const uint8_t *change)
+{
+    const uint32_t id = change[1] % (MESH_SECTION_COUNT + 1u), value = word_at(change + 4);
+    const int in_header = id == MESH_SECTION_COUNT;
+    uint32_t *words = in_header ? (uint32_t *)(void *)mesh : (uint32_t *)mesh_words(mesh, (int)id);
+    uint32_t count =
+        (uint32_t)((in_header ? offsetof(struct dpt_mesh, section) : mesh->section[id].bytes) / 4);
+    if (!count)
+        return;
+    uint32_t at = (uint32_t)(change[2] | change[3] << 8) % count;
+    switch (change[0] % 5) {
+    case 0:
+        words[at] = value;
+        break;
+    case 1:
+        words[at] = odd_word(value);
+        break;
+    case 2:
+        words[at] = words[value % count];
+        break;
+    case 3:
+        words[at] += (value & 31) - 16;
+        break;
+    default:
+        for (uint32_t i = at; i < count && i < at + 16; i++)
+            words[i] = odd_word(value);
+    }
+}
+
+static uint32_t limited(uint32_t count, uint32_t least, uint32_t most)
+{
+    return count < least ? least : count > most ? least + count % (most - least + 1) : count;
+}
+
+/* Counts as they are where a file of that size can be had; all that follows from them. */
+static void repair_counts(struct dpt_mesh *header)
+{
+    uint32_t count[MESH_LEVELS_MAX + 1];
+    uint64_t nodes, end;
+    memcpy(header->magic, MESH_MAGIC, sizeof header->magic);
+    header->byte_order = MESH_BYTE_ORDER;
+    header->version = limited(header->version, 1, MESH_VERSION);
+    header->header_bytes = mesh_header_bytes(header->version);
+    header->section_count = mesh_section_count(header->version);
+    header->triangles = limited(header->triangles, 1, TRIANGLES_MAX);
+    header->vertices = limited(header->vertices, 1, COUNT_MAX);
+    header->source_triangles = limited(header->source_triangles, header->triangles, COUNT_MAX);
+    header->parts = limited(header->parts, 1, COUNT_MAX);
+    header->leaves = (header->triangles + LANES - 1) / LANES;
+    header->levels = mesh_levels(header->leaves, count, &nodes);
+    header->reserved = 0;
+    end = header->header_bytes;
+    for (int id = 0; id < (int)header->section_count && id < MESH_SECTION_COUNT; id++) {
+        struct mesh_section *section = &header->section[id];
+        *section = (struct mesh_section){ .offset = mesh_aligned(end) };
+        mesh_section_name(id, section->name);
+        section->bytes = 4 * mesh_section_words(header, id, nodes);
+        end = section->offset + section->bytes;
+    }
+    header->bytes = end;
+}
+
+/* The old content over and over, or zeros. */
+static void take_content(struct dpt_mesh *mesh, const struct dpt_mesh *from)
+{
+    for (int id = 0; id < (int)mesh->section_count; id++) {
+        uint32_t *to = (uint32_t *)mesh_words(mesh, id);
+        const uint32_t *old = mesh_words(from, id);
+        const size_t words = mesh->section[id].bytes / 4, have = from->section[id].bytes / 4;
+        for (size_t i = 0; i < words; i++)
+            to[i] = have ? old[i % have] : 0;
+    }
+}
+
+static void repair_words(struct dpt_mesh *mesh, int id, uint32_t limit, uint32_t codes)
+{
+    uint32_t *word = (uint32_t *)mesh_words(mesh, id);
+    for (size_t i = 0; i < mesh->section[id].bytes / 4; i++)
+        if (word[i] >= limit && (!codes || word[i] < codes))
+            word[i] %= limit;
+}
+
+static void repair_indices(struct dpt_mesh *mesh)
+{
+    uint32_t *first = (uint32_t *)mesh_words(mesh, MESH_FAN_FIRST);
+    const uint32_t *lanes;
+    repair_words(mesh, MESH_TRIANGLES, mesh->vertices, 0);
+    repair_words(mesh, MESH_NEIGHBOURS, mesh->triangles, MESH_EDGE_MANY);
+    repair_words(mesh, MESH_FANS, mesh->triangles, 0);
+    repair_words(mesh, MESH_PARTS, mesh->parts, 0);
+    repair_words(mesh, MESH_SOURCES, mesh->source_triangles, 0);
+    repair_words(mesh, MESH_PLACES, mesh->triangles, MESH_DROPPED_DUPLICATE);
+    first[0] = 0;
+    for (uint32_t v = 1; v < mesh->vertices; v++)
+        first[v] = first[v] > 3 * mesh->triangles ? 3 * mesh->triangles
+                   : first[v] < first[v - 1]      ? first[v - 1]
+                                                  : first[v];
+    first[mesh->vertices] = 3 * mesh->triangles;
+    if (mesh_moments(mesh, &lanes))
+        for (uint32_t leaf = 0; leaf < mesh->leaves; leaf++)
+            ((uint32_t *)lanes)[leaf] &= mesh_lanes(mesh->triangles - leaf * LANES);
+}
+
+static void repair_some_floats(float *floats, size_t count, float limit)
+{
+    for (size_t i = 0; i < count; i++)
+        if (!(fabsf(floats[i]) <= limit))
+            floats[i] = 0.0f;
+}
+
+static void repair_doubles(double *numbers, size_t count, double limit)
+{
+    for (size_t i = 0; i < count; i++)
+        if (!(fabs(numbers[i]) <= limit))
+            numbers[i] = 0.0;
+}
+
+static void repair_floats(struct dpt_mesh *mesh)
+{
+    static const struct {
+        int id;
+        float limit;
+    } floats[] = { { MESH_VERTICES, (float)DPT_COORDINATE_MAX },
+                   { MESH_BOXES, 1e30f },
+                   { MESH_LEAVES, 1e30f } };
+    const uint32_t *lanes;
+    for (size_t i = 0; i < sizeof floats / sizeof *floats; i++)
+        repair_some_floats((float *)mesh_floats(mesh, floats[i].id),
+                           mesh->section[floats[i].id].bytes / 4, floats[i].limit);
+    if (mesh_moments(mesh, &lanes))
+        repair_some_floats((float *)mesh_floats(mesh, MESH_MOMENTS),
+                           mesh->section[MESH_MOMENTS].bytes / 4 - mesh->leaves, 1e30f);
+    repair_doubles(mesh->box_min, 3, DPT_COORDINATE_MAX);
+    repair_doubles(mesh->box_max, 3, DPT_COORDINATE_MAX);
+    repair_doubles(mesh->filter_centre, 3, DPT_COORDINATE_MAX);
+    repair_doubles(&mesh->scale, 1, 1e300);
+    repair_doubles(&mesh->rounding, 1, 1e300);
+    if (!(mesh->filter_scale > 0.0) || !(mesh->filter_scale <= 1e300))
+        mesh->filter_scale = 1.0;
+}
+
+static void seal(struct dpt_mesh *mesh, const struct crc32 *crc)
+{
+    for (int id = 0; id < (int)mesh->section_count; id++) {
+        struct mesh_section *section = &mesh->section[id];
+        section->crc32 = crc32_of(crc, mesh_section(mesh, id), section->bytes);
+    }
+    mesh->header_crc32 = 0;
+    mesh->header_crc32 = crc32_of(crc, mesh, mesh->header_bytes);
+}
+
+/* There and back: what the other byte order's file converts to is this one. */
+static void convert(const struct dpt_mesh *mesh, const struct crc32 *crc)
+{
+    const size_t size = mesh->bytes;
+    struct dpt_mesh *other = malloc(size), header = { .bytes = 0 };
+    MUST(other);
+    memcpy(other, mesh, size);
+    memcpy(&header, mesh, mesh->header_bytes);
+    header.header_crc32 = 0;
+    for (int id = 0; id < (int)mesh->section_count; id++) {
+        mesh_swap4((char *)other + mesh->section[id].offset, mesh->section[id].bytes / 4);
+        header.section[id].crc32 =
+            crc32_of(crc, (char *)other + mesh->section[id].offset, mesh->section[id].bytes);
+    }
+    mesh_swap_header(&header, mesh->version);
+    header.header_crc32 = crc32_of(crc, &header, mesh->header_bytes);
+    mesh_swap4(&header.header_crc32, 1);
+    memcpy(other, &header, mesh->header_bytes);
+    MUST(dpt_mesh_verify(other, size, NULL) == DPT_E_BYTE_ORDER);
+    MUST(dpt_mesh_convert(other, size, NULL) == dpt_mesh_verify(mesh, size, NULL));
+    MUST(!memcmp(other, mesh, size));
+    free(other);
+}
+
+/* A block of the file's exact length. */
+static struct dpt_mesh *forge(const uint8_t *bytes, size_t size, const struct crc32 *crc)
+{
+    const dpt_compiled *base = &bases[bytes[0] % BASES];
+    struct dpt_mesh *edited = malloc(base->size), header = { .bytes = 0 };
+    MUST(edited);
+    memcpy(edited, base->bytes, base->size);
+    for (size_t i = 0; i < EDITS_MAX && 2 + 8 * (i + 1) <= size; i++)
+        edit(edited, bytes + 2 + 8 * i);
+    memcpy(&header, edited, sizeof header);
+    repair_counts(&header);
+    struct dpt_mesh *mesh = calloc(1, header.bytes);
+    MUST(mesh);
+    memcpy(mesh, &header, header.header_bytes);
+    take_content(mesh, edited);
+    free(edited);
+    if (bytes[1] & REPAIR_INDICES)
+        repair_indices(mesh);
+    if (bytes[1] & REPAIR_FLOATS)
+        repair_floats(mesh);
+    seal(mesh, crc);
+    return mesh;
+}
+
+FUZZ_TARGET(forged)
+{
+    struct crc32 crc;
+    dpt_mesh_fault fault = { .size = sizeof fault };
+    const dpt_mesh *opened;
+    if (size < 2)
+        return 0;
+    make_bases();
+    crc32_init(&crc);
+    struct dpt_mesh *mesh = forge(bytes, size, &crc);
+    dpt_result result = dpt_mesh_verify(mesh, mesh->bytes, &fault);
+    MUST(result == DPT_OK || result == DPT_E_INDEX || result == DPT_E_FINITE);
+    MUST((bytes[1] & REPAIR_INDICES) == 0 || result != DPT_E_INDEX);
+    MUST((bytes[1] & REPAIR_FLOATS) == 0 || result != DPT_E_FINITE);
+    if (bytes[1] & OTHER_ORDER)
+        convert(mesh, &crc);
+    if (result == DPT_OK) {
+        fuzz_accepted++;
+        MUST(dpt_mesh_open(mesh, mesh->bytes, &opened) == DPT_OK);
+        fuzz_use_mesh(opened, FUZZ_FORGED);
+    }
+    free(mesh);
+    return 0;
+}

@@ -1,0 +1,61 @@
+#!/bin/sh
+# SPDX-License-Identifier: BSD-3-Clause
+# make fuzz: FUZZ_RUNS executions in sum (10^8) over all targets, by libFuzzer with the address and undefined
+# behaviour sanitizers, on all cores. The work corpora grow in build/fuzz/corpus and are used again; logs are in
+# build/fuzz/log. What is found is left in build/fuzz/found, and the status is 1.
+#     fuzz.sh [TARGET=SHARE ...]      shares in percent
+set -u
+runs=${FUZZ_RUNS:-100000000}
+jobs=${FUZZ_JOBS:-$(nproc 2>/dev/null || echo 2)}
+cc=${FUZZ_CC:-clang}
+[ $# -gt 0 ] || set -- obj=18 stl=16 ply=18 off=16 trace=16 mesh=10 forged=6
+# An execution that takes ten seconds, or more than this memory, is a finding.
+limits="-timeout=10 -rss_limit_mb=1024 -malloc_limit_mb=64 -max_len=4096"
+
+out=build/fuzz
+mkdir -p "$out/found" "$out/log" "$out/corpus"
+echo 'int LLVMFuzzerTestOneInput(const unsigned char *b, unsigned long n) { return !b && n; }' >"$out/probe.c"
+if ! $cc -fsanitize=fuzzer,address,undefined "$out/probe.c" -o "$out/probe" >"$out/log/probe" 2>&1; then
+    echo "make fuzz needs clang with libFuzzer and its sanitizers (Debian: clang), or FUZZ_CC; $cc says:"
+    head -n 3 "$out/log/probe"
+    exit 2
+fi
+make -s -j"$jobs" CONFIG=fuzz CC="$cc" fuzz-programs || exit 2
+
+# A piece of work is a target and a seed: so many that every core has some until the end.
+pieces=0
+rm -f "$out"/log/*.run "$out/pieces"
+for share; do
+    name=${share%=*}
+    each=$((runs / 100 * ${share#*=} / 8 + 1))
+    mkdir -p "$out/corpus/$name"
+    for seed in 1 2 3 4 5 6 7 8; do
+        echo "$seed $name $each" >>"$out/pieces"
+        pieces=$((pieces + 1))
+    done
+done
+echo "$runs executions in $pieces pieces on $jobs cores; logs in $out/log"
+
+piece='
+set -- $0
+further=
+case $2 in obj | stl | ply | off) further=tests/golden-bad ;; esac
+dict=
+[ ! -f tests/fuzz/$2.dict ] || dict=-dict=tests/fuzz/$2.dict
+build/fuzz/tests/fuzz/fuzz_$2 $limits -seed=$1 -runs=$3 -print_final_stats=1 $dict \
+    -artifact_prefix=$out/found/$2- $out/corpus/$2 tests/fuzz/corpus/$2 $further >$out/log/$2.$1.run 2>&1 ||
+    echo "  FOUND by $2, seed $1: $(grep -m 1 -E "^tests/fuzz|runtime error|ERROR: " $out/log/$2.$1.run)"
+'
+export out limits
+sort -n "$out/pieces" | tr '\n' '\0' | xargs -0 -n 1 -P "$jobs" sh -c "$piece" | tee "$out/log/found"
+
+total=0
+for share; do
+    name=${share%=*}
+    done_here=$(cat "$out"/log/"$name".*.run | sed -n 's/^stat::number_of_executed_units: *//p' | awk '{ n += $1 } END { print n + 0 }')
+    echo "  $name: $done_here executions, $(ls "$out/corpus/$name" | wc -l) inputs in its work corpus"
+    total=$((total + done_here))
+done
+findings=$(wc -l <"$out/log/found")
+echo "$total executions, $findings pieces with a finding"
+[ "$findings" -eq 0 ]
