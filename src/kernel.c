@@ -73,8 +73,7 @@ uint32_t dpt_kernel_best(void)
 
 int kernel_get(uint32_t id, struct kernel *kernel, uint32_t *chosen)
 {
-    uint32_t best = dpt_kernel_best();
-    *chosen = id == DPT_KERNEL_AUTO ? best : id;
+    *chosen = id == DPT_KERNEL_AUTO ? dpt_kernel_best() : id;
     switch (*chosen) {
     case DPT_KERNEL_SCALAR:
         *kernel = KERNEL_TABLE(scalar);
@@ -85,10 +84,10 @@ int kernel_get(uint32_t id, struct kernel *kernel, uint32_t *chosen)
         return 1;
     case DPT_KERNEL_AVX2:
         *kernel = KERNEL_TABLE(avx2);
-        return best >= DPT_KERNEL_AVX2;
+        return id == DPT_KERNEL_AUTO || dpt_kernel_best() >= DPT_KERNEL_AVX2;
     case DPT_KERNEL_AVX512:
         *kernel = KERNEL_TABLE(avx512);
-        return best == DPT_KERNEL_AVX512;
+        return id == DPT_KERNEL_AUTO || dpt_kernel_best() == DPT_KERNEL_AVX512;
 #endif
 #ifdef KERNELS_ARM
     case DPT_KERNEL_NEON:
