@@ -23,13 +23,13 @@
 
 /*      name    share  accepted, at least one in */
 #define TARGETS(X)                                                                                 \
-    X(obj, 20, 50)                                                                                 \
-    X(stl, 20, 50)                                                                                 \
-    X(ply, 20, 50)                                                                                 \
-    X(off, 20, 50)                                                                                 \
-    X(trace, 10, 50)                                                                               \
-    X(mesh, 6, 1000)                                                                               \
-    X(forged, 4, 4)
+    X(obj, 20, 20)                                                                                 \
+    X(stl, 18, 20)                                                                                 \
+    X(ply, 20, 100)                                                                                 \
+    X(off, 18, 40)                                                                                 \
+    X(trace, 12, 40)                                                                               \
+    X(mesh, 10, 100)                                                                               \
+    X(forged, 2, 2)
 
 #define DECLARE(name, share, least) int fuzz_##name(const uint8_t *bytes, size_t size);
 TARGETS(DECLARE)

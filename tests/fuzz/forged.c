@@ -4,7 +4,8 @@
  * that the damage reaches the checks behind them. With REPAIR_INDICES and REPAIR_FLOATS nothing is left to refuse: the
  * mesh opens, is nonsense, and must still be used without harm.
  *
- * The bytes: which mesh, REPAIR_..., then 8 for each change: how, section, index of 16 bits, value of 32.
+ * The bytes: which mesh; REPAIR_..., OTHER_ORDER and above them which one of FUZZ_QUERY to FUZZ_PAPER; then 8 for each
+ * change: how, section, index of 16 bits, value of 32.
  */
 #include <math.h>
 #include <string.h>
@@ -15,7 +16,7 @@
 #include "shape.h"
 #include "target.h"
 
-enum { REPAIR_INDICES = 1, REPAIR_FLOATS = 2, OTHER_ORDER = 4 };
+enum { REPAIR_INDICES = 1, REPAIR_FLOATS = 2, OTHER_ORDER = 4, ASKED_SHIFT = 3 };
 
 enum { TRIANGLES_MAX = 512, COUNT_MAX = 1024, EDITS_MAX = 64 };
 
@@ -283,7 +284,7 @@ FUZZ_TARGET(forged)
     if (result == DPT_OK) {
         fuzz_accepted++;
         MUST(dpt_mesh_open(mesh, mesh->bytes, &opened) == DPT_OK);
-        fuzz_use_mesh(opened, FUZZ_FORGED);
+        fuzz_use_mesh(opened, FUZZ_FORGED, 1 << (bytes[1] >> ASKED_SHIFT & 3));
     }
     free(mesh);
     return 0;

@@ -39,7 +39,7 @@ FUZZ_TARGET(mesh)
     convert(bytes, size);
     if (mesh) {
         fuzz_accepted++;
-        fuzz_use_mesh(mesh, FUZZ_FORGED);
+        fuzz_use_mesh(mesh, FUZZ_FORGED, FUZZ_ALL);
     }
     return 0;
 }

@@ -88,7 +88,7 @@ static void check_compiled(const dpt_compiled *compiled, const dpt_compiled *aga
     check_places(mesh);
     check_neighbours(mesh);
     check_fans(mesh);
-    fuzz_use_mesh(mesh, FUZZ_COMPILED);
+    fuzz_use_mesh(mesh, FUZZ_COMPILED, FUZZ_ALL);
 }
 
 void fuzz_reader(uint32_t format, const uint8_t *bytes, size_t size)

@@ -50,8 +50,11 @@ enum {
     FUZZ_COMPILED /* exact ones */
 };
 
-/* Ask an open mesh for everything: information, sections, triangles, queries, a few ticks. */
-void fuzz_use_mesh(const dpt_mesh *mesh, int origin);
+/* What to ask, as bits: queries; a few ticks of a world, of one with a budget, by the paper's method. */
+enum { FUZZ_QUERY = 1, FUZZ_TICK = 2, FUZZ_BUDGET = 4, FUZZ_PAPER = 8, FUZZ_ALL = 15 };
+
+/* Ask an open mesh for information, sections and triangles, and for what `asked` says. */
+void fuzz_use_mesh(const dpt_mesh *mesh, int origin, int asked);
 
 /* How many inputs of this process were accepted: compiled, opened, read. */
 extern uint64_t fuzz_accepted;

@@ -92,7 +92,8 @@ static void ask_queries(const dpt_mesh *mesh, const double ends[6 * SEGMENTS], d
     }
 }
 
-static dpt_world *make_world(void *block, size_t room, uint32_t method, uint32_t budget)
+static dpt_world *make_world(void *block, size_t room, uint32_t method, uint32_t budget,
+                             uint32_t kernel)
 {
     dpt_world_def def;
     dpt_world *world = NULL;
@@ -103,6 +104,7 @@ static dpt_world *make_world(void *block, size_t room, uint32_t method, uint32_t
     def.certificate_bytes = 2048;
     def.method = method;
     def.budget = budget;
+    def.kernel = kernel;
     MUST(dpt_world_bytes(&def) <= room);
     MUST(dpt_world_create(block, room, &def, &world) == DPT_OK);
     return world;
@@ -133,10 +135,10 @@ static void ask_tool(const dpt_world *world, dpt_tool tool)
 
 /* The chosen segments in turn: the tool goes in, through and out. */
 static void ask_world(const dpt_mesh *mesh, const double ends[6 * SEGMENTS], double radius,
-                      uint32_t method, uint32_t budget)
+                      uint32_t method, uint32_t budget, uint32_t kernel)
 {
     static double block[16384];
-    dpt_world *world = make_world(block, sizeof block, method, budget);
+    dpt_world *world = make_world(block, sizeof block, method, budget, kernel);
     dpt_segment segments[2];
     dpt_step step = { .size = sizeof step };
     dpt_body body;
@@ -160,7 +162,7 @@ static void ask_world(const dpt_mesh *mesh, const double ends[6 * SEGMENTS], dou
     }
 }
 
-void fuzz_use_mesh(const dpt_mesh *mesh, int origin)
+void fuzz_use_mesh(const dpt_mesh *mesh, int origin, int asked)
 {
     dpt_mesh_info info = { .size = sizeof info };
     double ends[6 * SEGMENTS];
@@ -170,8 +172,12 @@ void fuzz_use_mesh(const dpt_mesh *mesh, int origin)
     MUST(origin == FUZZ_FORGED || found == info.triangles);
     choose_segments(&info, ends);
     double radius = 0.01 * fmin(fabs(info.box_max[0] - info.box_min[0]), DPT_COORDINATE_MAX);
-    ask_queries(mesh, ends, radius, origin);
-    ask_world(mesh, ends, radius, DPT_METHOD_EXACT, 0);
-    ask_world(mesh, ends, radius, DPT_METHOD_EXACT, 2);
-    ask_world(mesh, ends, radius, DPT_METHOD_PAPER, 0);
+    if (asked & FUZZ_QUERY)
+        ask_queries(mesh, ends, radius, origin);
+    if (asked & FUZZ_TICK)
+        ask_world(mesh, ends, radius, DPT_METHOD_EXACT, 0, DPT_KERNEL_AUTO);
+    if (asked & FUZZ_BUDGET)
+        ask_world(mesh, ends, radius, DPT_METHOD_EXACT, 2, DPT_KERNEL_SCALAR);
+    if (asked & FUZZ_PAPER)
+        ask_world(mesh, ends, radius, DPT_METHOD_PAPER, 0, DPT_KERNEL_SCALAR);
 }
