@@ -31,6 +31,13 @@
 #define SURELY_OUTSIDE 0.1
 #define SURELY_INSIDE  0.9
 
+/*
+ * Where the boxes of all parts meet, their pairs are the square of their number. So much work a triangle goes into
+ * them, in boxes compared, of which a triangle of the smaller part is worth some; 48 parts that meet each other.
+ */
+#define RELATE_WORK     3072u
+#define RELATE_TRIANGLE 64u
+
 struct solid {
     uint32_t part;
     uint32_t first; /* of its triangles in `list` */
@@ -309,10 +316,17 @@ static int sweep_axis(const struct solids *all)
     return size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
 }
 
+static uint32_t least_triangles(const struct solid *a, const struct solid *b)
+{
+    return a->count < b->count ? a->count : b->count;
+}
+
+/* What the work does not suffice for is decided by winding number, and wound by what is known of it. */
 static dpt_result relate_all(struct solids *all)
 {
     if (all->count < 2)
         return DPT_OK;
+    uint64_t work = 0, most = (uint64_t)RELATE_WORK * all->model->triangle_count;
     struct start *starts = model_array(all->source, all->count, sizeof *starts);
     if (!starts)
         return DPT_E_MEMORY;
@@ -326,9 +340,15 @@ static dpt_result relate_all(struct solids *all)
         double end = axis_of(box->high, axis) + all->reach;
         for (uint32_t j = i + 1; result == DPT_OK && j < all->count && starts[j].low <= end; j++) {
             uint32_t a = starts[i].rank, b = starts[j].rank;
-            if (bounds_meet(box, &all->solids[b].box, all->reach))
-                result = a < b ? relate(all, b, a) : relate(all, a, b);
+            if (work++ > most)
+                break;
+            if (!bounds_meet(box, &all->solids[b].box, all->reach))
+                continue;
+            work += RELATE_TRIANGLE * (uint64_t)least_triangles(&all->solids[a], &all->solids[b]);
+            result = a < b ? relate(all, b, a) : relate(all, a, b);
         }
+        if (work > most)
+            all->solids[starts[i].rank].winding = 1;
     }
     free(starts);
     return result;
