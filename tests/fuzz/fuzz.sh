@@ -10,7 +10,7 @@ jobs=${FUZZ_JOBS:-$(nproc 2>/dev/null || echo 2)}
 cc=${FUZZ_CC:-clang}
 [ $# -gt 0 ] || set -- obj=20 stl=18 ply=20 off=18 trace=12 mesh=10 forged=2
 # An execution that takes ten seconds, or more than this memory, is a finding.
-limits="-timeout=10 -rss_limit_mb=1024 -malloc_limit_mb=64 -max_len=4096"
+limits="-timeout=10 -rss_limit_mb=1024 -malloc_limit_mb=64"
 
 out=build/fuzz
 mkdir -p "$out/found" "$out/log" "$out/corpus"
@@ -40,9 +40,11 @@ piece='
 set -- $0
 further=
 case $2 in obj | stl | ply | off) further=tests/golden-bad ;; esac
+# The longer, the slower, and the less is new.
+case $2 in mesh) most=4096 ;; stl) most=2048 ;; *) most=1024 ;; esac
 dict=
 [ ! -f tests/fuzz/$2.dict ] || dict=-dict=tests/fuzz/$2.dict
-build/fuzz/tests/fuzz/fuzz_$2 $limits -seed=$1 -runs=$3 -print_final_stats=1 $dict \
+build/fuzz/tests/fuzz/fuzz_$2 $limits -max_len=$most -seed=$1 -runs=$3 -print_final_stats=1 $dict \
     -artifact_prefix=$out/found/$2- $out/corpus/$2 tests/fuzz/corpus/$2 $further >$out/log/$2.$1.run 2>&1 ||
     echo "  FOUND by $2, seed $1: $(grep -m 1 -E "^tests/fuzz|runtime error|ERROR: " $out/log/$2.$1.run)"
 '

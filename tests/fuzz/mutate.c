@@ -250,7 +250,11 @@ size_t fuzz_mutate(uint64_t *random, const struct fuzz_set *set, const struct fu
     const struct fuzz_input *input = &set->inputs[below(random, set->count)];
     struct draft draft = { out, input->size < room ? input->size : room, room };
     memcpy(out, input->bytes, draft.size);
+    const int digits = below(random, 3) == 0;
     for (size_t changes = 1 + below(random, below(random, 2) ? 2 : 8); changes; changes--)
-        change(random, &draft, set, words);
+        if (digits)
+            change_digit(random, &draft, below(random, draft.size));
+        else
+            change(random, &draft, set, words);
     return draft.size;
 }

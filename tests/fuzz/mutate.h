@@ -33,7 +33,8 @@ int fuzz_set_add_words(struct fuzz_set *set, const char *path);
 
 /*
  * One input of `set` into `out`, changed one to eight times: bits, bytes, numbers in binary and as text, words, pieces
- * of others; cut, repeated, left out. Returns its length, at most `room`.
+ * of others; cut, repeated, left out. Of every third one digits alone, so that text keeps its form. Returns its length,
+ * at most `room`.
  */
 size_t fuzz_mutate(uint64_t *random, const struct fuzz_set *set, const struct fuzz_set *words,
                    unsigned char *out, size_t room);
