@@ -76,6 +76,7 @@ for config in scalar sanitize; do
     run "test_depth, $config" build/$config/tests/test_depth 20
     run "test_region, $config" build/$config/tests/test_region 20
 done
+run "test_fuzz, sanitize" build/sanitize/tests/test_fuzz 100000
 [ -x build/tests/test_sweep_exact ] || skip "test_sweep_exact" "no g++ with gmpxx"
 run "test_silent, scalar" build/scalar/tests/test_silent
 run "the program" sh tests/test_cli.sh build

@@ -25,7 +25,7 @@
 #define TARGETS(X)                                                                                 \
     X(obj, 20, 20)                                                                                 \
     X(stl, 18, 20)                                                                                 \
-    X(ply, 20, 100)                                                                                 \
+    X(ply, 20, 100)                                                                                \
     X(off, 18, 40)                                                                                 \
     X(trace, 12, 40)                                                                               \
     X(mesh, 10, 100)                                                                               \
@@ -157,13 +157,13 @@ int main(int argc, char **argv)
 }
 
 #ifdef __SANITIZE_ADDRESS__
-const char *__asan_default_options(void);
+__attribute__((visibility("default"))) const char *__asan_default_options(void);
 const char *__asan_default_options(void)
 {
     return "abort_on_error=1:allocator_may_return_null=1:max_allocation_size_mb=64:handle_segv=0";
 }
 
-const char *__ubsan_default_options(void);
+__attribute__((visibility("default"))) const char *__ubsan_default_options(void);
 const char *__ubsan_default_options(void)
 {
     return "abort_on_error=1:print_stacktrace=1";

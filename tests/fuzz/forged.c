@@ -198,9 +198,9 @@ static void repair_floats(struct dpt_mesh *mesh)
     if (mesh_moments(mesh, &lanes))
         repair_some_floats((float *)mesh_floats(mesh, MESH_MOMENTS),
                            mesh->section[MESH_MOMENTS].bytes / 4 - mesh->leaves, 1e30f);
-    repair_doubles(mesh->box_min, 3, DPT_COORDINATE_MAX);
-    repair_doubles(mesh->box_max, 3, DPT_COORDINATE_MAX);
-    repair_doubles(mesh->filter_centre, 3, DPT_COORDINATE_MAX);
+    repair_doubles(mesh->box_min, 3, 2.0 * DPT_COORDINATE_MAX);
+    repair_doubles(mesh->box_max, 3, 2.0 * DPT_COORDINATE_MAX);
+    repair_doubles(mesh->filter_centre, 3, 2.0 * DPT_COORDINATE_MAX);
     repair_doubles(&mesh->scale, 1, 1e300);
     repair_doubles(&mesh->rounding, 1, 1e300);
     if (!(mesh->filter_scale > 0.0) || !(mesh->filter_scale <= 1e300))
@@ -265,6 +265,19 @@ static struct dpt_mesh *forge(const uint8_t *bytes, size_t size, const struct cr
     return mesh;
 }
 
+/* What a repair would change must be refused, and nothing else. */
+static int needs(void (*repair)(struct dpt_mesh *mesh), const struct dpt_mesh *mesh)
+{
+    const size_t size = mesh->bytes;
+    struct dpt_mesh *copy = malloc(size);
+    MUST(copy);
+    memcpy(copy, mesh, size);
+    repair(copy);
+    int changed = memcmp(copy, mesh, size) != 0;
+    free(copy);
+    return changed;
+}
+
 FUZZ_TARGET(forged)
 {
     struct crc32 crc;
@@ -276,9 +289,11 @@ FUZZ_TARGET(forged)
     crc32_init(&crc);
     struct dpt_mesh *mesh = forge(bytes, size, &crc);
     dpt_result result = dpt_mesh_verify(mesh, mesh->bytes, &fault);
+    const int wrong_index = needs(repair_indices, mesh), wrong_float = needs(repair_floats, mesh);
     MUST(result == DPT_OK || result == DPT_E_INDEX || result == DPT_E_FINITE);
-    MUST((bytes[1] & REPAIR_INDICES) == 0 || result != DPT_E_INDEX);
-    MUST((bytes[1] & REPAIR_FLOATS) == 0 || result != DPT_E_FINITE);
+    MUST((result == DPT_OK) == (!wrong_index && !wrong_float));
+    MUST(result != DPT_E_INDEX || wrong_index);
+    MUST(result != DPT_E_FINITE || wrong_float);
     if (bytes[1] & OTHER_ORDER)
         convert(mesh, &crc);
     if (result == DPT_OK) {
