@@ -4,7 +4,7 @@
  * that the damage reaches the checks behind them. With REPAIR_INDICES and REPAIR_FLOATS nothing is left to refuse: the
  * mesh opens, is nonsense, and must still be used without harm.
  *
- * The bytes: which mesh; REPAIR_..., OTHER_ORDER and above them which one of FUZZ_QUERY to FUZZ_PAPER; then 8 for each
+ * The bytes: which mesh; REPAIR_..., OTHER_ORDER and above them which one of FUZZ_QUERY to FUZZ_STRIP; then 8 for each
  * change: how, section, index of 16 bits, value of 32.
  */
 #include <math.h>
@@ -299,7 +299,7 @@ FUZZ_TARGET(forged)
     if (result == DPT_OK) {
         fuzz_accepted++;
         MUST(dpt_mesh_open(mesh, mesh->bytes, &opened) == DPT_OK);
-        fuzz_use_mesh(opened, FUZZ_FORGED, 1 << (bytes[1] >> ASKED_SHIFT & 3));
+        fuzz_use_mesh(opened, FUZZ_FORGED, 1 << (bytes[1] >> ASKED_SHIFT) % FUZZ_KINDS);
     }
     free(mesh);
     return 0;

@@ -50,8 +50,19 @@ enum {
     FUZZ_COMPILED /* exact ones */
 };
 
-/* What to ask, as bits: queries; a few ticks of a world, of one with a budget, by the paper's method. */
-enum { FUZZ_QUERY = 1, FUZZ_TICK = 2, FUZZ_BUDGET = 4, FUZZ_PAPER = 8, FUZZ_ALL = 15 };
+/*
+ * What to ask, as bits: queries; a few ticks of a world, of one with a budget and shadows, of the paper's method with
+ * routes; strips without a world.
+ */
+enum {
+    FUZZ_QUERY = 1,
+    FUZZ_TICK = 2,
+    FUZZ_BUDGET = 4,
+    FUZZ_PAPER = 8,
+    FUZZ_STRIP = 16,
+    FUZZ_ALL = 31,
+    FUZZ_KINDS = 5
+};
 
 /* Ask an open mesh for information, sections and triangles, and for what `asked` says. */
 void fuzz_use_mesh(const dpt_mesh *mesh, int origin, int asked);

@@ -4,7 +4,7 @@
 
 #include "target.h"
 
-enum { SEGMENTS = 4, TICKS = 4, CONTACTS = 4 };
+enum { SEGMENTS = 4, TICKS = 4, CONTACTS = 4, STRIP = 24, SEARCH = 200 };
 
 uint64_t fuzz_accepted;
 
@@ -93,7 +93,7 @@ static void ask_queries(const dpt_mesh *mesh, const double ends[6 * SEGMENTS], d
 }
 
 static dpt_world *make_world(void *block, size_t room, uint32_t method, uint32_t budget,
-                             uint32_t kernel)
+                             uint32_t kernel, uint32_t strip)
 {
     dpt_world_def def;
     dpt_world *world = NULL;
@@ -105,6 +105,9 @@ static dpt_world *make_world(void *block, size_t room, uint32_t method, uint32_t
     def.method = method;
     def.budget = budget;
     def.kernel = kernel;
+    def.strip = strip;
+    def.strip_capacity = STRIP;
+    def.strip_search = SEARCH;
     MUST(dpt_world_bytes(&def) <= room);
     MUST(dpt_world_create(block, room, &def, &world) == DPT_OK);
     return world;
@@ -133,12 +136,110 @@ static void ask_tool(const dpt_world *world, dpt_tool tool)
     }
 }
 
+static void check_overlaps(const dpt_overlap *overlaps, uint32_t count)
+{
+    for (uint32_t i = 0; i < count && i < STRIP; i++)
+        MUST(isfinite(overlaps[i].distance) && isfinite(overlaps[i].gap) &&
+             isfinite(overlaps[i].overlap) && isfinite(overlaps[i].q[0]) && overlaps[i].s >= 0.0 &&
+             overlaps[i].s <= 1.0);
+}
+
+static void ask_tool_strips(const dpt_world *world, dpt_tool tool)
+{
+    dpt_overlap overlaps[STRIP] = { { .size = sizeof overlaps[0] } };
+    uint32_t count, flags;
+    for (uint32_t i = 0; i < 2; i++) {
+        MUST(dpt_tool_get_strip(world, tool, i, overlaps, STRIP, &count, &flags) == DPT_OK);
+        check_overlaps(overlaps, count);
+    }
+}
+
+static int corners_shared(const dpt_mesh *mesh, uint32_t one, uint32_t other)
+{
+    double a[9], b[9];
+    int shared = 0;
+    MUST(dpt_mesh_triangle(mesh, one, a) == DPT_OK && dpt_mesh_triangle(mesh, other, b) == DPT_OK);
+    for (int i = 0; i < 9; i += 3)
+        for (int k = 0; k < 9; k += 3)
+            shared += !memcmp(a + i, b + k, 3 * sizeof *a);
+    return shared;
+}
+
+/* From triangle to triangle over common corners, both ends included; the table's is the same. */
+static void check_route(const dpt_mesh *mesh, const dpt_strip *strip, dpt_result result,
+                        uint32_t from, uint32_t to, int origin)
+{
+    uint32_t count, flags;
+    const uint32_t *triangles = dpt_strip_triangles(strip, &count, &flags);
+    MUST(result == DPT_OK || count == 0);
+    MUST(count <= STRIP);
+    if (origin != FUZZ_COMPILED || result != DPT_OK)
+        return;
+    MUST(count > 0 && triangles[0] == from);
+    MUST((flags & DPT_STRIP_FULL) || triangles[count - 1] == to);
+    for (uint32_t i = 1; i < count; i++)
+        MUST(corners_shared(mesh, triangles[i - 1], triangles[i]) > 0);
+}
+
+static void ask_routes(const dpt_mesh *mesh, dpt_strip *strip, const dpt_mesh_info *info,
+                       int origin)
+{
+    static uint64_t room[16384];
+    const dpt_route_table *table = NULL;
+    const size_t bytes = dpt_route_table_bytes(mesh);
+    if (bytes && bytes <= sizeof room)
+        MUST(dpt_route_table_create(room, sizeof room, mesh, &table) == DPT_OK);
+    for (uint32_t i = 0; i < 3; i++) {
+        const uint32_t from = i, to = info->source_triangles - 1 - i;
+        dpt_result result = dpt_strip_route(strip, mesh, from, to);
+        uint32_t direct[STRIP], count, again;
+        check_route(mesh, strip, result, from, to, origin);
+        const uint32_t *triangles = dpt_strip_triangles(strip, &count, NULL);
+        memcpy(direct, triangles, count * sizeof *direct);
+        if (!table)
+            continue;
+        dpt_result by_table = dpt_strip_route_by_table(strip, table, from, to);
+        triangles = dpt_strip_triangles(strip, &again, NULL);
+        MUST(origin != FUZZ_COMPILED || result == DPT_E_FULL ||
+             (result == by_table && count == again &&
+              !memcmp(direct, triangles, count * sizeof *direct)));
+    }
+    dpt_strip_routes(strip, mesh, 0, info->source_triangles / 2, info->source_triangles - 1);
+}
+
+static void ask_strips(const dpt_mesh *mesh, const dpt_mesh_info *info,
+                       const double ends[6 * SEGMENTS], double radius, int origin)
+{
+    static uint64_t block[2048];
+    const dpt_strip_def def = { .size = sizeof def, .capacity = STRIP, .search = SEARCH };
+    dpt_overlap overlaps[STRIP] = { { .size = sizeof overlaps[0] } };
+    dpt_strip *strip;
+    uint32_t count;
+    MUST(dpt_strip_create(block, sizeof block, &def, &strip) == DPT_OK);
+    ask_routes(mesh, strip, info, origin);
+    for (int i = 0; i < SEGMENTS; i++) {
+        dpt_shadow shadow = { .size = sizeof shadow,
+                              .triangle = (uint32_t)i % info->source_triangles,
+                              .direction = { 0.1 * i, 0.2, -1.0 },
+                              .width = radius,
+                              .depth = i * 4.0 * radius };
+        memcpy(shadow.segment.a, ends + 6 * i, sizeof shadow.segment.a);
+        memcpy(shadow.segment.b, ends + 6 * i + 3, sizeof shadow.segment.b);
+        shadow.segment.radius = radius;
+        dpt_result result = dpt_strip_shadow(strip, mesh, NULL, &shadow);
+        MUST(result == DPT_OK || result == DPT_E_DROPPED);
+        MUST(dpt_strip_overlaps(strip, mesh, NULL, &shadow.segment, 1, overlaps, STRIP, &count) ==
+             DPT_OK);
+        check_overlaps(overlaps, count);
+    }
+}
+
 /* The chosen segments in turn: the tool goes in, through and out. */
 static void ask_world(const dpt_mesh *mesh, const double ends[6 * SEGMENTS], double radius,
-                      uint32_t method, uint32_t budget, uint32_t kernel)
+                      uint32_t method, uint32_t budget, uint32_t kernel, uint32_t strip)
 {
     static double block[16384];
-    dpt_world *world = make_world(block, sizeof block, method, budget, kernel);
+    dpt_world *world = make_world(block, sizeof block, method, budget, kernel, strip);
     dpt_segment segments[2];
     dpt_step step = { .size = sizeof step };
     dpt_body body;
@@ -159,6 +260,8 @@ static void ask_world(const dpt_mesh *mesh, const double ends[6 * SEGMENTS], dou
         MUST(result == DPT_OK || result == DPT_E_LAYOUT);
         MUST(isfinite(step.distance) && step.status <= DPT_STATUS_EXACT);
         ask_tool(world, tool);
+        if (strip != DPT_STRIP_NONE)
+            ask_tool_strips(world, tool);
     }
 }
 
@@ -175,9 +278,11 @@ void fuzz_use_mesh(const dpt_mesh *mesh, int origin, int asked)
     if (asked & FUZZ_QUERY)
         ask_queries(mesh, ends, radius, origin);
     if (asked & FUZZ_TICK)
-        ask_world(mesh, ends, radius, DPT_METHOD_EXACT, 0, DPT_KERNEL_AUTO);
+        ask_world(mesh, ends, radius, DPT_METHOD_EXACT, 0, DPT_KERNEL_AUTO, DPT_STRIP_NONE);
     if (asked & FUZZ_BUDGET)
-        ask_world(mesh, ends, radius, DPT_METHOD_EXACT, 2, DPT_KERNEL_SCALAR);
+        ask_world(mesh, ends, radius, DPT_METHOD_EXACT, 2, DPT_KERNEL_SCALAR, DPT_STRIP_SHADOW);
     if (asked & FUZZ_PAPER)
-        ask_world(mesh, ends, radius, DPT_METHOD_PAPER, 0, DPT_KERNEL_SCALAR);
+        ask_world(mesh, ends, radius, DPT_METHOD_PAPER, 0, DPT_KERNEL_SCALAR, DPT_STRIP_ROUTES);
+    if (asked & FUZZ_STRIP)
+        ask_strips(mesh, &info, ends, radius, origin);
 }
