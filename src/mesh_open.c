@@ -129,6 +129,17 @@ static dpt_result check_fans(const struct dpt_mesh *mesh, dpt_mesh_fault *fault)
     return DPT_OK;
 }
 
+/* A triangle's number in the source leads back to it: what a search answers may be asked for again. */
+static dpt_result check_sources(const struct dpt_mesh *mesh, dpt_mesh_fault *fault)
+{
+    const uint32_t *source = mesh_words(mesh, MESH_SOURCES);
+    const uint32_t *place = mesh_words(mesh, MESH_PLACES);
+    for (uint32_t t = 0; t < mesh->triangles; t++)
+        if (place[source[t]] != t)
+            return fail_at(fault, DPT_E_INDEX, mesh, MESH_PLACES, source[t]);
+    return DPT_OK;
+}
+
 /* The first `count` words of a section are finite. */
 static dpt_result check_some_floats(const struct dpt_mesh *mesh, int id, uint64_t count,
                                     float limit, dpt_mesh_fault *fault)
@@ -182,6 +193,7 @@ static dpt_result check_content(const struct dpt_mesh *mesh, dpt_mesh_fault *fau
     DPT_TRY(check_indices(mesh, MESH_PARTS, mesh->parts, 0, fault));
     DPT_TRY(check_indices(mesh, MESH_SOURCES, mesh->source_triangles, 0, fault));
     DPT_TRY(check_indices(mesh, MESH_PLACES, mesh->triangles, MESH_DROPPED_DUPLICATE, fault));
+    DPT_TRY(check_sources(mesh, fault));
     DPT_TRY(check_floats(mesh, MESH_BOXES, 1e30f, fault));
     DPT_TRY(check_floats(mesh, MESH_LEAVES, 1e30f, fault));
     return check_moments(mesh, fault);

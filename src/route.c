@@ -193,8 +193,8 @@ static uint32_t next_triangle(const struct finder *f, uint32_t here, uint32_t st
             uint32_t triangle = f->fans[i];
             const uint32_t *corners = corners_of(f, triangle);
             int shared = shared_corners(own, 3, corners), nearer = 0;
-            if (shared < best_shared && shared < 2)
-                continue;
+            if (!shared || (shared < best_shared && shared < 2))
+                continue; /* none is shared in a forged mesh alone */
             for (int c = 0; c < 3; c++)
                 nearer |= steps_to_goal(f, corners[c]) == steps - 1;
             shared = shared > 2 ? 2 : shared;

@@ -148,6 +148,20 @@ static void repair_words(struct dpt_mesh *mesh, int id, uint32_t limit, uint32_t
             word[i] %= limit;
 }
 
+/* Where they do not lead back, all anew. */
+static void repair_sources(struct dpt_mesh *mesh)
+{
+    uint32_t *source = (uint32_t *)mesh_words(mesh, MESH_SOURCES);
+    uint32_t *place = (uint32_t *)mesh_words(mesh, MESH_PLACES);
+    int wrong = 0;
+    for (uint32_t t = 0; t < mesh->triangles; t++)
+        wrong |= place[source[t]] != t;
+    for (uint32_t number = 0; wrong && number < mesh->source_triangles; number++)
+        place[number] = number < mesh->triangles ? number : MESH_DROPPED_DEGENERATE;
+    for (uint32_t t = 0; wrong && t < mesh->triangles; t++)
+        source[t] = t;
+}
+
 static void repair_indices(struct dpt_mesh *mesh)
 {
     uint32_t *first = (uint32_t *)mesh_words(mesh, MESH_FAN_FIRST);
@@ -158,6 +172,7 @@ static void repair_indices(struct dpt_mesh *mesh)
     repair_words(mesh, MESH_PARTS, mesh->parts, 0);
     repair_words(mesh, MESH_SOURCES, mesh->source_triangles, 0);
     repair_words(mesh, MESH_PLACES, mesh->triangles, MESH_DROPPED_DUPLICATE);
+    repair_sources(mesh);
     first[0] = 0;
     for (uint32_t v = 1; v < mesh->vertices; v++)
         first[v] = first[v] > 3 * mesh->triangles ? 3 * mesh->triangles
