@@ -50,11 +50,11 @@ void oracle_shadow_make(struct oracle_shadow *shadow, const double ends[6], doub
     for (int k = 0; k < 3; k++)
         s->e[k] = s->u[k] - along * s->d[k];
     const long double part = sqrtl(dot(s->e, s->e));
-    const int any = !(part > 2e-9L * length);
     s->eps = 1e-9L * scene;
     s->sure_reach = s->maybe_reach = reach;
     s->depth = depth;
-    if (any) {
+    s->any = !(part > 2e-9L * length);
+    if (s->any) {
         any_across(s->d, s->e);
         s->sure_reach /= sqrtl(2);
         s->maybe_reach *= sqrtl(2);
@@ -142,20 +142,56 @@ static void cut(struct polygon *polygon, const long double n[3], long double mos
     *polygon = left;
 }
 
+/* The slab i of a shadow, as offsets from A along its normal. */
+static void slab(const struct oracle_shadow *s, int i, long double reach,
+                 const long double **normal, long double *low, long double *high)
+{
+    const long double *normals[4] = { s->d, s->w, s->e, s->across };
+    const long double *n = normals[i];
+    const long double end = dot(n, s->u);
+    const long double half =
+        reach * (fabsl(dot(n, s->e)) + fabsl(dot(n, s->w))) + s->depth * fabsl(dot(n, s->d));
+    *normal = n;
+    *low = fminl(0, end) - half;
+    *high = fmaxl(0, end) + half;
+}
+
 /* Cut by the four slabs, grown by so much, of a shadow moved by `by`; relative to A. */
 static int cut_by_shadow(const struct oracle_shadow *s, struct polygon *polygon, long double reach,
                          long double grow, const long double by[3])
 {
-    const long double *normals[4] = { s->d, s->w, s->e, s->across };
     for (int i = 0; i < 4 && polygon->count; i++) {
-        const long double *n = normals[i], end = dot(n, s->u), moved = dot(n, by);
-        const long double half = reach * (fabsl(dot(n, s->e)) + fabsl(dot(n, s->w))) +
-                                 s->depth * fabsl(dot(n, s->d)) + grow;
-        const long double other[3] = { -n[0], -n[1], -n[2] };
-        cut(polygon, n, moved + fmaxl(0, end) + half);
-        cut(polygon, other, -(moved + fminl(0, end) - half));
+        const long double *n;
+        long double low, high;
+        slab(s, i, reach, &n, &low, &high);
+        const long double other[3] = { -n[0], -n[1], -n[2] }, moved = dot(n, by);
+        cut(polygon, n, high + moved + grow);
+        cut(polygon, other, -(low + moved - grow));
     }
     return polygon->count;
+}
+
+/* Where the corners alone tell: one is well within all slabs, or all are well beyond one; -1 where they do not. */
+static int by_corners(const struct oracle_shadow *s, const struct polygon *polygon)
+{
+    unsigned within = (1u << polygon->count) - 1;
+    for (int i = 0; i < 4; i++) {
+        const long double *n;
+        long double low, high, sure_low, sure_high;
+        unsigned below = 0, above = 0;
+        slab(s, i, s->maybe_reach, &n, &low, &high);
+        slab(s, i, s->sure_reach, &n, &sure_low, &sure_high);
+        for (int c = 0; c < polygon->count; c++) {
+            const long double at = dot(n, polygon->corner[c]);
+            below += at < low - 2 * s->eps;
+            above += at > high + 2 * s->eps;
+            if (!(at > sure_low + 2 * s->eps && at < sure_high - 2 * s->eps))
+                within &= ~(1u << c);
+        }
+        if (below == (unsigned)polygon->count || above == (unsigned)polygon->count)
+            return ORACLE_OUT;
+    }
+    return within ? ORACLE_SURE : -1;
 }
 
 static void take_witness(const struct oracle_shadow *s, const struct polygon *polygon,
@@ -177,6 +213,8 @@ int oracle_shadow_meets(const struct oracle_shadow *shadow, const long double (*
     for (int i = 0; i < count; i++)
         for (int k = 0; k < 3; k++)
             whole.corner[i][k] = corners[i][k] - shadow->a[k];
+    if (!witness && by_corners(shadow, &whole) >= 0)
+        return by_corners(shadow, &whole);
     left = whole;
     if (!cut_by_shadow(shadow, &left, shadow->maybe_reach, shadow->eps, nowhere))
         return ORACLE_OUT;

@@ -24,6 +24,7 @@ struct oracle_shadow {
     long double sure_reach, maybe_reach; /* radius + width; less and more where e may be any */
     long double depth;
     long double eps;
+    int any; /* e may be any */
 };
 
 /* `extent` is the largest coordinate about; eps 1e-9 of `scene`, more where e is hard to tell. */

@@ -1,0 +1,1086 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * Shadows of tools: the triangles of a strip against those that the oracle finds by cutting every triangle and edge by
+ * the shadow in long double, over generated shapes and public meshes, at rest and in motion; folds, holes, edges of
+ * many triangles, hubs; a strip that is full; how a segment stands to each triangle; arguments.
+ *
+ *     test_strip           what make check runs
+ *     test_strip FACTOR    so many times as many shadows
+ *
+ * Real meshes and recorded motions from DPT_DATA.
+ */
+#include "dynpoint/strip.h"
+#include "strip_scene.h"
+
+static const char *data;
+static uint64_t factor = 1;
+
+static struct tally {
+    size_t meshes, shadows, empty, triangles, borders, nonmanifold, full;
+    size_t clear,
+        doubts; /* of shadows that are no mere line and whose e is told: triangles, and those in doubt */
+} all;
+
+/* What it takes to see it again. */
+static const char *text_of(const struct scene *scene, const dpt_shadow *s)
+{
+    static char text[1024];
+    const double *a = s->segment.a, *b = s->segment.b, *d = s->direction;
+    int n = snprintf(
+        text, sizeof text,
+        "%s: from %u, %a %a %a  %a %a %a, radius %a, direction %a %a %a, width %a, depth %a",
+        scene->subject->name, s->triangle, a[0], a[1], a[2], b[0], b[1], b[2], s->segment.radius,
+        d[0], d[1], d[2], s->width, s->depth);
+    if (scene->pose)
+        snprintf(text + n, sizeof text - (size_t)n, ", pose %a %a %a  %a %a %a %a",
+                 scene->held.position[0], scene->held.position[1], scene->held.position[2],
+                 scene->held.orientation[0], scene->held.orientation[1], scene->held.orientation[2],
+                 scene->held.orientation[3]);
+    return text;
+}
+
+/* The oracle's flags in the library's bits. */
+static uint32_t bits_of(uint32_t flags)
+{
+    return (flags & 1 ? (uint32_t)DPT_STRIP_BORDER : 0u) |
+           (flags & 2 ? (uint32_t)DPT_STRIP_NONMANIFOLD : 0u);
+}
+
+/* A strip that is filled and not full, against the sheet that the oracle found. */
+static void check_sheet(const struct scene *scene, const dpt_shadow *shadow, const dpt_strip *strip)
+{
+    const struct oracle_sheet *sheet = &scene->sheet;
+    const int clear = !scene->shadow.any && shadow->depth + scene->shadow.sure_reach > 0;
+    uint32_t count = 0, flags = 0, sure = 0;
+    const uint32_t *triangles = dpt_strip_triangles(strip, &count, &flags);
+    for (uint32_t i = 0; i < count; i++) {
+        const uint32_t t = triangles[i];
+        CHECK(t < sheet->surface->triangles && sheet->in[t] != ORACLE_OUT, "%u is not of it: %s", t,
+              text_of(scene, shadow));
+        if (t >= sheet->surface->triangles)
+            continue;
+        CHECK(!scene->mark[t], "%u is twice: %s", t, text_of(scene, shadow));
+        scene->mark[t] = 1;
+        sure += sheet->in[t] == ORACLE_SURE;
+    }
+    for (uint32_t t = 0; sure < sheet->sure && t < sheet->surface->triangles; t++)
+        if (sheet->in[t] == ORACLE_SURE && !scene->mark[t]) {
+            CHECK(0, "%u is missing, %u of %u are there: %s", t, sure, sheet->sure,
+                  text_of(scene, shadow));
+            break;
+        }
+    for (uint32_t i = 0; i < count; i++)
+        if (triangles[i] < sheet->surface->triangles)
+            scene->mark[triangles[i]] = 0;
+    const uint32_t must = bits_of(sheet->sure_flags), may = bits_of(sheet->maybe_flags);
+    CHECK((flags & must) == must && (flags & ~may) == 0, "flags %u, not %u to %u: %s", flags, must,
+          may, text_of(scene, shadow));
+    all.shadows++;
+    all.empty += count == 0;
+    all.triangles += count;
+    all.clear += clear ? count : 0;
+    all.doubts += clear ? sheet->maybe - sheet->sure : 0;
+    all.borders += (flags & DPT_STRIP_BORDER) != 0;
+    all.nonmanifold += (flags & DPT_STRIP_NONMANIFOLD) != 0;
+}
+
+/* Two strips hold the same triangles, in whatever order, and the same flags. */
+static int are_alike(const struct scene *scene, const dpt_strip *one, const dpt_strip *other)
+{
+    uint32_t m = 0, n = 0, m_flags = 0, n_flags = 0, found = 0;
+    const uint32_t *a = dpt_strip_triangles(one, &m, &m_flags);
+    const uint32_t *b = dpt_strip_triangles(other, &n, &n_flags);
+    for (uint32_t i = 0; i < m; i++)
+        scene->mark[a[i]] = 1;
+    for (uint32_t i = 0; i < n; i++)
+        found += scene->mark[b[i]];
+    for (uint32_t i = 0; i < m; i++)
+        scene->mark[a[i]] = 0;
+    return m == n && found == n && m_flags == n_flags;
+}
+
+static uint32_t room_for(const struct subject *subject)
+{
+    return subject->info.triangles < 1u << 20 ? subject->info.triangles : 1u << 20;
+}
+
+static void fill(const struct scene *scene, const dpt_shadow *shadow, dpt_strip *strip)
+{
+    const dpt_result result = dpt_strip_shadow(strip, scene->subject->mesh, scene->pose, shadow);
+    CHECK(result == DPT_OK, "%s: %s", dpt_result_name(result), text_of(scene, shadow));
+}
+
+static void ask_oracle(struct scene *scene, const dpt_shadow *shadow)
+{
+    oracle_shadow_of(scene, shadow, &scene->shadow);
+    oracle_sheet_find(&scene->sheet, &scene->shadow, shadow->triangle);
+}
+
+/* One of a list. */
+static double one_of(uint64_t *seed, const double *list, size_t count)
+{
+    return list[random_bits(seed) % count];
+}
+#define ONE_OF(seed, ...)                                                                          \
+    one_of(seed, (const double[]){ __VA_ARGS__ }, sizeof(double[]){ __VA_ARGS__ } / sizeof(double))
+
+static void random_pose(const struct scene *scene, uint64_t *seed, dpt_pose *pose)
+{
+    double square = 0;
+    for (int k = 0; k < 4; k++) {
+        pose->orientation[k] = random_in(seed, -1, 1);
+        square += pose->orientation[k] * pose->orientation[k];
+    }
+    for (int k = 0; k < 4; k++)
+        pose->orientation[k] /= sqrt(square);
+    for (int k = 0; k < 3; k++)
+        pose->position[k] = random_in(seed, -2, 2) * scene->subject->diagonal;
+}
+
+/* All kinds of tools and shadows. */
+static void random_shadow(const struct scene *scene, uint64_t *seed, dpt_shadow *shadow)
+{
+    const double size = scene->subject->diagonal;
+    const double length = size * ONE_OF(seed, 0, 0.003, 0.01, 0.05, 0.1, 0.2, 0.5, 1, 1.5);
+    const double radius = size * ONE_OF(seed, 0, 0, 0.003, 0.01, 0.03);
+    const double height = radius + size * ONE_OF(seed, -0.02, -0.003, 0, 0, 0.001, 0.005, 0.02);
+    double ends[6], tilt[3];
+    tool_at(scene, seed, length, height, ONE_OF(seed, 0, 0.5, 0.9, 1), ends);
+    shadow_below(scene, ends, radius, shadow);
+    shadow->width = size * ONE_OF(seed, 0, 0, 0.002, 0.01, 0.05, 0.3);
+    shadow->depth = size * ONE_OF(seed, 0, 0.002, 0.01, 0.03, 0.1, 0.3, 2);
+    random_unit(seed, tilt);
+    switch (random_bits(seed) % 12) {
+    case 0: /* any way */
+        memcpy(shadow->direction, tilt, sizeof tilt);
+        break;
+    case 1: /* along the axis, exactly or nearly */
+        for (int k = 0; k < 3; k++)
+            shadow->direction[k] = ends[3 + k] - ends[k];
+        const double off = ONE_OF(seed, 0, 1e-12, 1e-6, 1e-3);
+        for (int k = 0; k < 3; k++)
+            shadow->direction[k] =
+                length > 0 ? shadow->direction[k] + off * length * tilt[k] : tilt[k];
+        break;
+    case 2: /* of any length */
+        unit3(shadow->direction);
+        const double by = ONE_OF(seed, 1e-60, 1e-6, 1e5);
+        for (int k = 0; k < 3; k++)
+            shadow->direction[k] *= by;
+        break;
+    case 3: /* from anywhere */
+        do {
+            shadow->triangle =
+                (uint32_t)(random_bits(seed) % scene->subject->info.source_triangles);
+        } while (scene->subject->surface.corner[shadow->triangle][0] == ORACLE_NONE);
+        break;
+    default:
+        break;
+    }
+    if (!(dot3(shadow->direction, shadow->direction) > 0))
+        memcpy(shadow->direction, tilt, sizeof tilt);
+}
+
+static void check_capacity(const struct scene *scene, const dpt_shadow *shadow,
+                           const dpt_strip *whole)
+{
+    uint32_t n = 0;
+    const uint32_t *all_of_it = dpt_strip_triangles(whole, &n, NULL);
+    const uint32_t tries[] = { 1, 2, n / 3, n - 1, n, n + 1 };
+    for (size_t i = 0; n && i < sizeof tries / sizeof *tries; i++) {
+        struct held_strip held;
+        const uint32_t capacity = tries[i] ? tries[i] : 1;
+        uint32_t count = 0, flags = 0, inside = 0, first = 0;
+        dpt_strip *strip = hold_strip(&held, capacity, 0);
+        fill(scene, shadow, strip);
+        const uint32_t *triangles = dpt_strip_triangles(strip, &count, &flags);
+        for (uint32_t k = 0; k < n; k++)
+            scene->mark[all_of_it[k]] = 1;
+        for (uint32_t k = 0; k < count; k++) {
+            inside += scene->mark[triangles[k]];
+            scene->mark[triangles[k]] = 0;
+            first |= triangles[k] == shadow->triangle;
+        }
+        for (uint32_t k = 0; k < n; k++)
+            scene->mark[all_of_it[k]] = 0;
+        CHECK(count == (capacity < n ? capacity : n) && inside == count && first &&
+                  ((flags & DPT_STRIP_FULL) != 0) == (capacity < n),
+              "of %u in room for %u: %u, %u of it, flags %u: %s", n, capacity, count, inside, flags,
+              text_of(scene, shadow));
+        all.full += capacity < n;
+        drop_strip(&held);
+    }
+}
+
+/* One strip object for all of them, and now and then a fresh one. */
+static void try_shadows(const struct subject *subject, uint64_t shadows, uint64_t seed)
+{
+    struct scene scene;
+    struct held_strip held;
+    const struct tally before = all;
+    scene_open(&scene, subject);
+    dpt_strip *strip = hold_strip(&held, room_for(subject), 0);
+    for (uint64_t i = 0; i < factor * shadows; i++) {
+        dpt_shadow shadow;
+        if (i % 16 == 8) {
+            dpt_pose pose;
+            random_pose(&scene, &seed, &pose);
+            scene_place(&scene, &pose);
+        } else if (i % 16 == 0) {
+            scene_place(&scene, NULL);
+        }
+        random_shadow(&scene, &seed, &shadow);
+        ask_oracle(&scene, &shadow);
+        fill(&scene, &shadow, strip);
+        check_sheet(&scene, &shadow, strip);
+        if (i % 8 == 5) {
+            struct held_strip fresh;
+            fill(&scene, &shadow, hold_strip(&fresh, room_for(subject), 0));
+            CHECK(are_alike(&scene, strip, fresh.strip), "a fresh strip has others: %s",
+                  text_of(&scene, &shadow));
+            drop_strip(&fresh);
+        }
+        if (i % 8 == 6)
+            check_capacity(&scene, &shadow, strip);
+    }
+    printf("    %-30s %6u triangles, %5zu shadows of %7.1f, in doubt %zu\n", subject->name,
+           subject->info.triangles, all.shadows - before.shadows,
+           (double)(all.triangles - before.triangles) / (double)(all.shadows - before.shadows),
+           all.doubts - before.doubts);
+    all.meshes++;
+    drop_strip(&held);
+    scene_close(&scene);
+}
+
+/* The oracle held to two plainer ones. */
+
+static long double dot_long(const long double a[3], const long double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* How far the corners and the shadow are apart along a direction; less than 0 where they overlap. */
+static long double apart_along(const struct oracle_shadow *s, const long double (*corners)[3],
+                               int count, const long double n[3])
+{
+    long double low = INFINITY, high = -INFINITY;
+    const long double square = dot_long(n, n), from = dot_long(n, s->a), way = dot_long(n, s->u);
+    if (!(square > 0))
+        return -INFINITY;
+    for (int i = 0; i < count; i++) {
+        const long double at = dot_long(n, corners[i]) - from;
+        low = fminl(low, at);
+        high = fmaxl(high, at);
+    }
+    const long double half =
+        s->maybe_reach * (fabsl(dot_long(n, s->e)) + fabsl(dot_long(n, s->w))) +
+        s->depth * fabsl(dot_long(n, s->d));
+    return fmaxl(low - (fmaxl(0, way) + half), fminl(0, way) - half - high) / sqrtl(square);
+}
+
+/* The most that a plane parallel to two of the edges there are, or to one and the triangle's normal, holds them apart. */
+static long double separation(const struct oracle_shadow *s, const long double (*corners)[3],
+                              int count)
+{
+    long double way[11][3], most = -INFINITY;
+    int ways = 0;
+    const long double *axes[4] = { s->e, s->w, s->d, s->u };
+    for (int i = 0; i < 4; i++, ways++)
+        memcpy(way[ways], axes[i], sizeof way[0]);
+    for (int i = 0; i < count; i++, ways++)
+        for (int k = 0; k < 3; k++)
+            way[ways][k] = corners[(i + 1) % count][k] - corners[i][k];
+    for (int k = 0; k < 3; k++) {
+        const int i = (k + 1) % 3, j = (k + 2) % 3;
+        way[ways][k] = way[4][i] * way[5][j] - way[4][j] * way[5][i];
+    }
+    ways++;
+    for (int p = 0; p < ways; p++) {
+        most = fmaxl(most, apart_along(s, corners, count, way[p]));
+        for (int q = 0; q < p; q++) {
+            long double n[3];
+            for (int k = 0; k < 3; k++) {
+                const int i = (k + 1) % 3, j = (k + 2) % 3;
+                n[k] = way[p][i] * way[q][j] - way[p][j] * way[q][i];
+            }
+            most = fmaxl(most, apart_along(s, corners, count, n));
+        }
+    }
+    return most;
+}
+
+/* A verdict's proof: a point of both, or a plane between them. */
+static void check_verdict(const struct oracle_shadow *s, const long double (*corners)[3], int count,
+                          size_t found[3])
+{
+    long double witness[3];
+    const int verdict = oracle_shadow_meets(s, corners, count, witness);
+    found[verdict]++;
+    CHECK(oracle_shadow_meets(s, corners, count, NULL) == verdict, "by corners alone another");
+    if (verdict == ORACLE_OUT) {
+        CHECK(separation(s, corners, count) > 0, "out, and no plane between: %Lg",
+              separation(s, corners, count));
+    } else {
+        const long double excess = oracle_shadow_excess(s, (const long double *)witness);
+        CHECK(excess <= (verdict == ORACLE_SURE ? 2 : 100) * s->eps, "verdict %d, witness %Lg out",
+              verdict, excess);
+    }
+    if (verdict == ORACLE_SURE)
+        CHECK(separation(s, corners, count) <= 0, "surely in, and %Lg apart",
+              separation(s, corners, count));
+    for (int i = 0; i <= 6; i++)
+        for (int j = 0; j <= 6 - i; j++) {
+            const long double weight[3] = { i / 6.0L, j / 6.0L, (6 - i - j) / 6.0L };
+            long double x[3] = { 0, 0, 0 };
+            for (int c = 0; c < 3; c++)
+                for (int k = 0; k < 3; k++)
+                    x[k] += weight[c] * corners[c < count ? c : 0][k];
+            CHECK(verdict != ORACLE_OUT || oracle_shadow_excess(s, (const long double *)x) > 0,
+                  "out, and a point of it is not");
+        }
+}
+
+static void verdicts_have_proofs(void)
+{
+    uint64_t seed = 1;
+    size_t found[2][3] = { { 0 } };
+    for (int i = 0; i < 40000; i++) {
+        struct oracle_shadow s;
+        double ends[6], direction[3];
+        long double corners[3][3];
+        const double size = ONE_OF(&seed, 0.05, 0.3, 1);
+        for (int k = 0; k < 6; k++)
+            ends[k] = random_in(&seed, -1, 1);
+        if (i % 16 == 0)
+            memcpy(ends + 3, ends, 3 * sizeof *ends);
+        random_unit(&seed, direction);
+        if (i % 16 == 1)
+            for (int k = 0; k < 3; k++)
+                direction[k] = ends[3 + k] - ends[k] + ONE_OF(&seed, 0, 1e-7, 1e-3) * direction[k];
+        oracle_shadow_make(&s, ends, ONE_OF(&seed, 0, 0.01, 0.2, 1), direction,
+                           ONE_OF(&seed, 0, 0.01, 0.2, 1), 2, 2);
+        const double middle[3] = { random_in(&seed, -1, 1), random_in(&seed, -1, 1),
+                                   random_in(&seed, -1, 1) };
+        for (int c = 0; c < 9; c++)
+            corners[c / 3][c % 3] = middle[c % 3] + size * random_in(&seed, -1, 1);
+        check_verdict(&s, (const long double(*)[3])corners, 3, found[0]);
+        check_verdict(&s, (const long double(*)[3])corners, 2, found[1]);
+    }
+    printf("    triangles: %zu out, %zu maybe, %zu surely in; edges: %zu, %zu, %zu\n", found[0][0],
+           found[0][1], found[0][2], found[1][0], found[1][1], found[1][2]);
+    CHECK(found[0][2] > 5000 && found[1][2] > 4000 && found[0][0] > 8000, "one kind alone");
+}
+
+/* A tool above the middle of a flat sheet: what it shades can be counted. */
+static void a_flat_sheet_by_hand(void)
+{
+    struct subject subject;
+    struct scene scene;
+    struct held_strip held;
+    if (!subject_from_shape(&subject, "membrane", 800))
+        return;
+    scene_open(&scene, &subject);
+    dpt_strip *strip = hold_strip(&held, 800, 0);
+    /* Cells of 0.01 m; from x = -0.025 to 0.025 and y = 0.005 -+ 0.012. */
+    const double ends[6] = { -0.023, 0.005, 0.01, 0.023, 0.005, 0.01 };
+    dpt_shadow shadow;
+    shadow_below(&scene, ends, 0.002, &shadow);
+    shadow.depth = 0.02;
+    for (int wide = 0; wide < 2; wide++) {
+        shadow.width = wide ? 0.01 : 0;
+        uint32_t count = 0, flags = 0, wanted = 0;
+        fill(&scene, &shadow, strip);
+        dpt_strip_triangles(strip, &count, &flags);
+        /* The rectangle against each triangle: both lie in a plane, so by the sides of each. */
+        const double x = 0.023 + 0.002 + shadow.width, y = 0.002 + shadow.width;
+        for (uint32_t t = 0; t < 800; t++) {
+            double c[9], box[4] = { 1, -1, 1, -1 };
+            int out = 0;
+            dpt_mesh_triangle(subject.mesh, t, c);
+            for (int i = 0; i < 3; i++) {
+                box[0] = fmin(box[0], c[3 * i]);
+                box[1] = fmax(box[1], c[3 * i]);
+                box[2] = fmin(box[2], c[3 * i + 1] - 0.005);
+                box[3] = fmax(box[3], c[3 * i + 1] - 0.005);
+            }
+            out |= box[0] > x || box[1] < -x || box[2] > y || box[3] < -y;
+            for (int i = 0; i < 3; i++) {
+                const double *p = c + 3 * i, *q = c + 3 * ((i + 1) % 3);
+                const double n[2] = { q[1] - p[1], p[0] - q[0] };
+                const double from = n[0] * p[0] + n[1] * (p[1] - 0.005);
+                out |= -fabs(n[0]) * x - fabs(n[1]) * y > from;
+            }
+            wanted += !out;
+        }
+        CHECK(count == wanted && flags == 0 && wanted > 10, "%u triangles, not %u, flags %u", count,
+              wanted, flags);
+        ask_oracle(&scene, &shadow);
+        CHECK(scene.sheet.sure == wanted && scene.sheet.maybe == wanted, "the oracle: %u to %u",
+              scene.sheet.sure, scene.sheet.maybe);
+    }
+    drop_strip(&held);
+    scene_close(&scene);
+    subject_close(&subject);
+}
+
+/* Shadows without a volume, or with next to none: an axis through a triangle meets it, whatever the direction. */
+static void mere_lines(void)
+{
+    static const uint32_t corners[3] = { 0, 1, 2 };
+    static const char *const kinds[] = { "along", "nearly along", "across", "any way" };
+    struct held_strip held;
+    uint64_t seed = 8;
+    size_t missed[4] = { 0, 0, 0, 0 };
+    dpt_strip *strip = hold_strip(&held, 4, 0);
+    for (int i = 0; i < 4000; i++) {
+        struct subject subject;
+        double vertices[9], way[3], tilt[3];
+        dpt_shadow shadow = { .size = sizeof shadow };
+        for (int k = 0; k < 9; k++)
+            vertices[k] = (float)random_in(&seed, -1, 1);
+        random_unit(&seed, way);
+        random_unit(&seed, tilt);
+        for (int k = 0; k < 3; k++) {
+            const double x = 0.3 * vertices[k] + 0.45 * vertices[3 + k] + 0.25 * vertices[6 + k];
+            shadow.segment.a[k] = x - 0.4 * way[k];
+            shadow.segment.b[k] = x + 0.6 * way[k];
+        }
+        const double off[4] = { 0, ONE_OF(&seed, 1e-13, 1e-10, 2e-9, 1e-7, 1e-4), -dot3(way, tilt),
+                                1 };
+        for (int k = 0; k < 3; k++)
+            shadow.direction[k] =
+                i % 4 == 2   ? tilt[k] + off[2] * way[k]
+                : i % 4 == 3 ? tilt[k]
+                             : shadow.segment.b[k] - shadow.segment.a[k] + off[i % 4] * tilt[k];
+        shadow.depth = i % 8 < 4 ? 0 : 0.1;
+        if (subject_from_arrays(&subject, "triangle", vertices, 3, corners, 1)) {
+            uint32_t count = 0;
+            const dpt_result result = dpt_strip_shadow(strip, subject.mesh, NULL, &shadow);
+            dpt_strip_triangles(strip, &count, NULL);
+            CHECK(result == DPT_OK, "%s", dpt_result_name(result));
+            missed[i % 4] += count != 1;
+        }
+        subject_close(&subject);
+    }
+    for (int kind = 0; kind < 4; kind++)
+        CHECK(missed[kind] == 0, "%zu of 1000 missed, %s the direction", missed[kind], kinds[kind]);
+    drop_strip(&held);
+}
+
+static void generated_shapes(void)
+{
+    static const struct {
+        const char *name;
+        uint64_t count, shadows;
+    } shapes[] = { { "torus", 32, 400 },      { "torus", 5568, 800 }, { "liver", 50332, 300 },
+                   { "membrane", 512, 800 },  { "cloth", 2048, 800 }, { "star", 20480, 400 },
+                   { "sphere", 20, 200 },     { "box", 12, 400 },     { "box", 1200, 400 },
+                   { "stomach", 20001, 300 }, { "hub", 500, 400 },    { "hub", 50000, 60 } };
+    struct subject subject;
+    for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++) {
+        if (subject_from_shape(&subject, shapes[i].name, shapes[i].count))
+            try_shadows(&subject, shapes[i].shadows, i);
+        subject_close(&subject);
+    }
+}
+
+/* Triangles at random: edges of one, two and many triangles everywhere. */
+static void random_lattices(void)
+{
+    struct subject subject;
+    const struct tally before = all;
+    for (uint64_t seed = 0; seed < 12; seed++) {
+        const uint32_t size = 3 + (uint32_t)seed % 4;
+        if (subject_from_lattice(&subject, size, 20 + 60 * (uint32_t)seed, seed))
+            try_shadows(&subject, 200, seed);
+        subject_close(&subject);
+    }
+    CHECK(all.borders - before.borders > 200 && all.nonmanifold - before.nonmanifold > 200,
+          "%zu borders, %zu nonmanifold", all.borders - before.borders,
+          all.nonmanifold - before.nonmanifold);
+}
+
+static void try_public(const struct subject *subject)
+{
+    uint64_t seed = 5381;
+    for (const char *c = subject->name; *c; c++)
+        seed = 33 * seed + (unsigned char)*c;
+    try_shadows(subject, subject->info.triangles > 20000 ? 100 : 160, seed);
+}
+
+static void public_meshes(void)
+{
+    const size_t before = all.meshes;
+    for_public_meshes(data, try_public);
+    CHECK(all.meshes - before >= 60, "%zu meshes", all.meshes - before);
+}
+
+static void shadows_of_all_kinds(void)
+{
+    printf(
+        "    %zu meshes, %zu shadows: %zu empty, %zu at borders, %zu over edges of many, %zu full; "
+        "%zu of %zu triangles in doubt\n",
+        all.meshes, all.shadows, all.empty, all.borders, all.nonmanifold, all.full, all.doubts,
+        all.triangles);
+    CHECK(all.empty * 50 > all.shadows && all.empty * 2 < all.shadows, "%zu of %zu empty",
+          all.empty, all.shadows);
+    CHECK(all.borders > 300 && all.nonmanifold > 300 && all.full > 1000, "%zu, %zu, %zu",
+          all.borders, all.nonmanifold, all.full);
+    CHECK(all.doubts * 200 < all.clear, "%zu of %zu in doubt", all.doubts, all.clear);
+}
+
+/* Folds: a sheet that goes there and back, its layers `apart`. */
+
+enum { FOLD_ROWS = 20, FOLD_LAYERS = 3, FOLD_ROW = FOLD_ROWS + 1 };
+
+/* Row i of layer l lies at x = i along it, then turns back over the next one; the fold itself is flat. */
+static int subject_with_folds(struct subject *subject, double between)
+{
+    enum { ROWS = FOLD_LAYERS * FOLD_ROW };
+    static double vertices[3 * ROWS * FOLD_ROW];
+    static uint32_t corners[6 * (ROWS - 1) * FOLD_ROWS];
+    uint32_t *c = corners;
+    for (uint32_t r = 0; r < ROWS; r++)
+        for (uint32_t j = 0; j < FOLD_ROW; j++) {
+            const uint32_t layer = r / FOLD_ROW, i = r % FOLD_ROW;
+            double *v = vertices + 3 * (r * FOLD_ROW + j);
+            v[0] = 0.01 * (layer % 2 ? FOLD_ROWS - i : i);
+            v[1] = 0.01 * j;
+            v[2] = -between * layer;
+        }
+    for (uint32_t r = 0; r + 1 < ROWS; r++)
+        for (uint32_t j = 0; j < FOLD_ROWS; j++) {
+            const uint32_t a = r * FOLD_ROW + j;
+            const uint32_t square[6] = { a,     a + FOLD_ROW, a + 1,
+                                         a + 1, a + FOLD_ROW, a + FOLD_ROW + 1 };
+            memcpy(c, square, sizeof square);
+            c += 6;
+        }
+    return subject_from_arrays(subject, "folds", vertices, ROWS * FOLD_ROW, corners,
+                               2 * (ROWS - 1) * FOLD_ROWS);
+}
+
+static void folds(void)
+{
+    struct subject subject;
+    struct scene scene;
+    struct held_strip held;
+    const double between = 0.002;
+    if (!subject_with_folds(&subject, between))
+        return;
+    scene_open(&scene, &subject);
+    dpt_strip *strip = hold_strip(&held, subject.info.triangles, 0);
+    for (int layer = 0; layer < 2; layer++)
+        for (int i = 0; i < 40; i++) {
+            /* Lies above the upper layer; in the middle, or out to the fold at x = 0.2 between layers 0 and 1. */
+            const double x = 0.05 + 0.0011 * i, far = layer ? 0.205 : x + 0.06;
+            const double ends[6] = { x, 0.0503, 0.0015, far, 0.0903 + 0.001 * i, 0.0015 };
+            dpt_shadow shadow;
+            uint32_t count = 0, below = 0, third = 0;
+            shadow_below(&scene, ends, 0.001, &shadow);
+            shadow.width = 0.001 * (i % 5);
+            shadow.depth = 0.02;
+            fill(&scene, &shadow, strip);
+            ask_oracle(&scene, &shadow);
+            check_sheet(&scene, &shadow, strip);
+            const uint32_t *triangles = dpt_strip_triangles(strip, &count, NULL);
+            for (uint32_t k = 0; k < count; k++) {
+                double c[9];
+                dpt_mesh_triangle(subject.mesh, triangles[k], c);
+                below += fmin(c[2], fmin(c[5], c[8])) < -0.5 * between;
+                third += fmin(c[2], fmin(c[5], c[8])) < -1.5 * between;
+            }
+            CHECK(count > 8 && (below > 0) == layer && third == 0,
+                  "%u triangles, %u below, %u of the third layer: %s", count, below, third,
+                  text_of(&scene, &shadow));
+        }
+    try_shadows(&subject, 400, 5);
+    drop_strip(&held);
+    scene_close(&scene);
+    subject_close(&subject);
+}
+
+/* In motion: one strip that remembers, and a fresh one for each tick. */
+
+struct course {
+    struct scene scene;
+    struct held_strip kept;
+    size_t ticks, triangles;
+};
+
+static void course_tick(struct course *course, const double ends[6], double radius, double width,
+                        double depth, int judged)
+{
+    dpt_shadow shadow;
+    struct held_strip fresh;
+    uint32_t count = 0;
+    shadow_below(&course->scene, ends, radius, &shadow);
+    shadow.width = width;
+    shadow.depth = depth;
+    fill(&course->scene, &shadow, course->kept.strip);
+    fill(&course->scene, &shadow, hold_strip(&fresh, room_for(course->scene.subject), 0));
+    CHECK(are_alike(&course->scene, course->kept.strip, fresh.strip),
+          "tick %zu: a fresh strip has others: %s", course->ticks,
+          text_of(&course->scene, &shadow));
+    dpt_strip_triangles(fresh.strip, &count, NULL);
+    drop_strip(&fresh);
+    course->ticks++;
+    course->triangles += count;
+    if (!judged)
+        return;
+    ask_oracle(&course->scene, &shadow);
+    check_sheet(&course->scene, &shadow, course->kept.strip);
+}
+
+/* Sliding, by steps of 0.1 to 5 mm of a mesh of 0.35 m, and turning. */
+static void slide_over(struct course *course, uint64_t seed, size_t ticks)
+{
+    const double size = course->scene.subject->diagonal, mm = size / 350;
+    for (int run = 0; run < 6; run++) {
+        static const double steps[6] = { 0.1, 0.3, 1, 2, 5, 0.1 };
+        static const double lengths[6] = { 0.05, 0.2, 0.5, 0.01, 0.1, 1 };
+        const double radius = run % 2 ? 0.01 * size : 0;
+        struct slide slide = { .mesh = course->scene.subject->mesh,
+                               .radius = radius,
+                               .gap = mm,
+                               .step = steps[run] * mm,
+                               .spin = 0.004 * run,
+                               .seed = seed + (uint64_t)run };
+        tool_at(&course->scene, &slide.seed, lengths[run] * size, radius + mm, 1, slide.ends);
+        random_unit(&slide.seed, slide.axis);
+        random_unit(&slide.seed, slide.course);
+        for (size_t i = 0; i < factor * ticks; i++) {
+            course_tick(course, slide.ends, radius, run % 3 ? 0.005 * size : 0,
+                        run % 2 ? 0.02 * size : 0.1 * size, i % 16 == 0);
+            slide_step(&slide);
+        }
+    }
+}
+
+static void record_over(struct course *course, uint64_t seed)
+{
+    const struct subject *subject = course->scene.subject;
+    struct motion motion = { .count = 0 };
+    struct motion_place place = { .tool = MOTION_TOOL };
+    memcpy(place.low, subject->info.box_min, sizeof place.low);
+    memcpy(place.high, subject->info.box_max, sizeof place.high);
+    for (int i = 0; i < MOTION_RECORDINGS; i++) {
+        struct recording recording;
+        const int failed = recording_read(&recording, data, i);
+        CHECK(!failed, "no recording %s", motion_names[i]);
+        if (!failed)
+            motion_recorded(&motion, &recording, &place, seed, 150);
+        recording_free(&recording);
+    }
+    for (size_t i = 0; i < motion.count; i++)
+        course_tick(course, motion.ends[i], 0.01 * subject->diagonal, 0,
+                    i % 40 < 20 ? 0.05 * subject->diagonal : 0.3 * subject->diagonal, i % 16 == 0);
+    motion_free(&motion);
+}
+
+static void go_over(const struct subject *subject, uint64_t seed, size_t ticks)
+{
+    struct course course = { .ticks = 0 };
+    scene_open(&course.scene, subject);
+    hold_strip(&course.kept, room_for(subject), 0);
+    slide_over(&course, seed, ticks);
+    if (data)
+        record_over(&course, seed);
+    /* The body moves too. */
+    dpt_pose pose;
+    random_pose(&course.scene, &seed, &pose);
+    for (int i = 0; i < 40; i++) {
+        double ends[6];
+        uint64_t same = seed;
+        pose.position[i % 3] += 0.003 * subject->diagonal;
+        scene_place(&course.scene, &pose);
+        tool_at(&course.scene, &same, 0.2 * subject->diagonal, 0.01 * subject->diagonal, 1, ends);
+        course_tick(&course, ends, 0, 0.01 * subject->diagonal, 0.05 * subject->diagonal, 1);
+    }
+    printf("    %-30s %zu ticks of %.1f triangles\n", subject->name, course.ticks,
+           (double)course.triangles / (double)course.ticks);
+    drop_strip(&course.kept);
+    scene_close(&course.scene);
+}
+
+static void remembered_in_motion(void)
+{
+    static const struct {
+        const char *name;
+        uint64_t count;
+    } shapes[] = {
+        { "torus", 5568 }, { "liver", 20000 }, { "cloth", 2048 }, { "star", 20480 }, { "hub", 2000 }
+    };
+    static const char *const files[] = { "openhelp_liver.stl", "gallbladder_low.stl",
+                                         "liver_metres.stl", "vessel_open_ends.stl" };
+    struct subject subject;
+    for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++) {
+        if (subject_from_shape(&subject, shapes[i].name, shapes[i].count))
+            go_over(&subject, i, 100);
+        subject_close(&subject);
+    }
+    for (size_t i = 0; data && i < sizeof files / sizeof *files; i++) {
+        if (subject_from_file(&subject, data, "organs", files[i]))
+            go_over(&subject, i, 60);
+        subject_close(&subject);
+    }
+    if (!data)
+        SKIP("motions over organs", "DPT_DATA does not name the data folder");
+}
+
+/* One strip for one mesh after the other does not take one for the other, nor what a route left. */
+static void meshes_in_turn(void)
+{
+    struct subject subjects[2];
+    struct scene scenes[2];
+    struct held_strip held;
+    uint64_t seed = 3;
+    if (!subject_from_shape(&subjects[0], "torus", 2000) ||
+        !subject_from_shape(&subjects[1], "sphere", 2000))
+        return;
+    dpt_strip *strip = hold_strip(&held, 2000, 2000);
+    for (int s = 0; s < 2; s++)
+        scene_open(&scenes[s], &subjects[s]);
+    for (int i = 0; i < 200; i++) {
+        const struct scene *scene = &scenes[i % 2];
+        dpt_shadow shadow;
+        random_shadow(scene, &seed, &shadow);
+        ask_oracle(&scenes[i % 2], &shadow);
+        fill(scene, &shadow, strip);
+        check_sheet(scene, &shadow, strip);
+        if (i % 3 == 0)
+            CHECK(dpt_strip_route(strip, scene->subject->mesh, 1, 1000) == DPT_OK, "a route");
+    }
+    drop_strip(&held);
+    for (int s = 0; s < 2; s++) {
+        scene_close(&scenes[s]);
+        subject_close(&subjects[s]);
+    }
+}
+
+/* How a segment stands to each triangle. */
+
+static double most_of(const double *numbers, int count)
+{
+    double most = 0;
+    for (int k = 0; k < count; k++)
+        most = fmax(most, fabs(numbers[k]));
+    return most;
+}
+
+static void check_overlap(const struct scene *scene, const dpt_shadow *shadow, int32_t side,
+                          const dpt_overlap *o, size_t seen[4])
+{
+    const double radius = shadow->segment.radius;
+    double ends[6], c[9], n[3], way[3], s, p[3], q[3], sum = 0;
+    ends_of(&shadow->segment, ends);
+    scene_triangle(scene, o->triangle, c);
+    const double truth = dpt_segment_triangle(ends, c, &s, p, q);
+    const double near = 1e-12 * (most_of(ends, 6) + most_of(c, 9) + 4 * scene->subject->diagonal);
+    const int crosses = (o->flags & DPT_OVERLAP_CROSSING) != 0;
+    CHECK(fabs(o->distance - truth) <= near, "%u: %.17g, not %.17g: %s", o->triangle, o->distance,
+          truth, text_of(scene, shadow));
+    CHECK(crosses == (o->distance == 0) && (o->flags & ~1u) == 0 && o->reserved == 0,
+          "%u: flags %u, distance %g: %s", o->triangle, o->flags, o->distance,
+          text_of(scene, shadow));
+    CHECK(o->s >= 0 && o->s <= 1, "%u: s %g", o->triangle, o->s);
+    /* The points exist, and are as far apart. */
+    for (int k = 0; k < 3; k++) {
+        const double by = o->weight[0] * c[k] + o->weight[1] * c[3 + k] + o->weight[2] * c[6 + k];
+        CHECK(fabs(by - o->q[k]) <= near, "%u: q is not where its weights say: %s", o->triangle,
+              text_of(scene, shadow));
+        CHECK(o->weight[k] >= 0 && o->weight[k] <= 1, "%u: weight %g", o->triangle, o->weight[k]);
+        sum += o->weight[k];
+        p[k] = ends[k] + o->s * (ends[3 + k] - ends[k]);
+        way[k] = p[k] - o->q[k];
+        const int i = (k + 1) % 3, j = (k + 2) % 3;
+        n[k] =
+            side * ((c[3 + i] - c[i]) * (c[6 + j] - c[j]) - (c[3 + j] - c[j]) * (c[6 + i] - c[i]));
+    }
+    CHECK(fabs(sum - 1) <= 1e-14, "%u: weights %.17g", o->triangle, sum);
+    CHECK(fabs(sqrt(dot3(way, way)) - o->distance) <= near, "%u: p and q are %g apart, not %g: %s",
+          o->triangle, sqrt(dot3(way, way)), o->distance, text_of(scene, shadow));
+    /* Slivers have no normal to speak of. */
+    const double edge[3] = { c[3] - c[0], c[4] - c[1], c[5] - c[2] };
+    const double other[3] = { c[6] - c[0], c[7] - c[1], c[8] - c[2] };
+    const double area = sqrt(dot3(n, n)), longest = fmax(dot3(edge, edge), dot3(other, other));
+    if (area < 1e-5 * longest || longest < 1e-16 * scene->subject->diagonal)
+        return;
+    unit3(n);
+    const double up = dot3(way, n);
+    double gap = (up < 0 ? -o->distance : o->distance) - radius;
+    const double loose = near * fmax(1, 100 * longest / area);
+    if (crosses) {
+        gap = INFINITY;
+        for (int e = 0; e < 6; e += 3) {
+            const double to[3] = { ends[e] - o->q[0], ends[e + 1] - o->q[1],
+                                   ends[e + 2] - o->q[2] };
+            gap = fmin(gap, dot3(to, n) - radius);
+        }
+    }
+    /* Beside the triangle and in its plane both signs are right. */
+    const int either = !crosses && fabs(up) <= loose;
+    CHECK(fabs(o->gap - gap) <= loose ||
+              (either && fabs(-o->distance - radius - o->gap) <= loose) ||
+              (either && fabs(o->distance - radius - o->gap) <= loose),
+          "%u: gap %.17g, not %.17g: %s", o->triangle, o->gap, gap, text_of(scene, shadow));
+    CHECK(o->overlap == fmax(0, -o->gap), "%u: overlap %g, gap %g", o->triangle, o->overlap,
+          o->gap);
+    seen[crosses]++;
+    seen[2 + (o->overlap > 0)]++;
+}
+
+static void try_overlaps(const struct subject *subject, int count, uint64_t seed, size_t seen[4])
+{
+    struct scene scene;
+    struct held_strip held;
+    dpt_overlap *overlaps = malloc((subject->info.triangles + 1) * sizeof *overlaps);
+    scene_open(&scene, subject);
+    dpt_strip *strip = hold_strip(&held, room_for(subject), 0);
+    for (int i = 0; i < count; i++) {
+        dpt_shadow shadow;
+        uint32_t n = 0, told = 0;
+        const int32_t side = i % 2 ? 1 : -1;
+        if (i == count / 2) {
+            dpt_pose pose;
+            random_pose(&scene, &seed, &pose);
+            scene_place(&scene, &pose);
+        }
+        random_shadow(&scene, &seed, &shadow);
+        fill(&scene, &shadow, strip);
+        const uint32_t *triangles = dpt_strip_triangles(strip, &n, NULL);
+        memset(overlaps, 0x5a, (n + 1) * sizeof *overlaps);
+        overlaps[0].size = sizeof *overlaps;
+        const dpt_result result = dpt_strip_overlaps(strip, subject->mesh, scene.pose,
+                                                     &shadow.segment, side, overlaps, n + 1, &told);
+        CHECK(result == DPT_OK && told == n, "%s, %u of %u: %s", dpt_result_name(result), told, n,
+              text_of(&scene, &shadow));
+        for (uint32_t k = 0; k < n; k++) {
+            CHECK(overlaps[k].triangle == triangles[k] && overlaps[k].size == sizeof *overlaps,
+                  "%u: %u, not %u", k, overlaps[k].triangle, triangles[k]);
+            if (overlaps[k].triangle == triangles[k])
+                check_overlap(&scene, &shadow, side, &overlaps[k], seen);
+        }
+        CHECK(overlaps[n].triangle == 0x5a5a5a5a, "wrote beyond");
+    }
+    drop_strip(&held);
+    scene_close(&scene);
+    free(overlaps);
+}
+
+static void overlaps_by_their_formula(void)
+{
+    static const struct {
+        const char *name;
+        uint64_t count;
+    } shapes[] = {
+        { "torus", 1600 }, { "cloth", 2048 }, { "star", 2000 }, { "box", 12 }, { "hub", 300 }
+    };
+    size_t seen[4] = { 0, 0, 0, 0 };
+    struct subject subject;
+    for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++) {
+        if (subject_from_shape(&subject, shapes[i].name, shapes[i].count))
+            try_overlaps(&subject, 120, i, seen);
+        subject_close(&subject);
+    }
+    for (uint64_t i = 0; i < 4; i++) {
+        if (subject_from_lattice(&subject, 4, 200, i))
+            try_overlaps(&subject, 60, i, seen);
+        subject_close(&subject);
+    }
+    if (data && subject_from_file(&subject, data, "organs", "openhelp_liver.stl")) {
+        try_overlaps(&subject, 60, 9, seen);
+        subject_close(&subject);
+    }
+    CHECK(seen[0] > 1000 && seen[1] > 300 && seen[2] > 1000 && seen[3] > 1000,
+          "%zu free, %zu crossing, %zu without overlap, %zu with", seen[0], seen[1], seen[2],
+          seen[3]);
+}
+
+/* The caller's room and stride. */
+static void room_for_overlaps(void)
+{
+    struct subject subject;
+    struct scene scene;
+    struct held_strip held;
+    struct {
+        dpt_overlap overlap;
+        double newer[2];
+    } longer[4];
+    dpt_overlap two[3], all_of_it[64];
+    uint32_t n = 0, told = 77;
+    if (!subject_from_shape(&subject, "membrane", 200))
+        return;
+    scene_open(&scene, &subject);
+    dpt_strip *strip = hold_strip(&held, 64, 0);
+    const double ends[6] = { -0.03, 0.004, 0.001, 0.03, 0.004, 0.001 };
+    dpt_shadow shadow;
+    shadow_below(&scene, ends, 0.002, &shadow);
+    shadow.depth = 0.01;
+    fill(&scene, &shadow, strip);
+    dpt_strip_triangles(strip, &n, NULL);
+    CHECK(n > 4 && n < 64, "%u", n);
+    const dpt_mesh *mesh = subject.mesh;
+    const dpt_segment *segment = &shadow.segment;
+    all_of_it[0].size = two[0].size = sizeof *two;
+    CHECK(dpt_strip_overlaps(strip, mesh, NULL, segment, 1, all_of_it, 64, &told) == DPT_OK &&
+              told == n,
+          "%u", told);
+    CHECK(dpt_strip_overlaps(strip, mesh, NULL, segment, 1, NULL, 0, &told) == DPT_OK && told == n,
+          "%u", told);
+    memset(two, 0x5a, sizeof two);
+    two[0].size = sizeof *two;
+    CHECK(dpt_strip_overlaps(strip, mesh, NULL, segment, 1, two, 2, &told) == DPT_OK && told == n,
+          "%u", told);
+    CHECK(memcmp(two, all_of_it, 2 * sizeof *two) == 0 && two[2].size == 0x5a5a5a5a,
+          "room for two");
+    memset(longer, 0x5a, sizeof longer);
+    longer[0].overlap.size = sizeof *longer;
+    CHECK(dpt_strip_overlaps(strip, mesh, NULL, segment, 1, &longer[0].overlap, 3, &told) == DPT_OK,
+          "longer");
+    for (int i = 0; i < 3; i++)
+        CHECK(longer[i].overlap.triangle == all_of_it[i].triangle &&
+                  longer[i].overlap.gap == all_of_it[i].gap &&
+                  longer[i].overlap.size == sizeof *longer &&
+                  memcmp(longer[i].newer, longer[3].newer, sizeof longer[3].newer) == 0,
+              "longer %d", i);
+    CHECK(longer[3].overlap.size == 0x5a5a5a5a, "wrote beyond");
+    two[0].size = 8;
+    CHECK(dpt_strip_overlaps(strip, mesh, NULL, segment, 1, two, 2, &told) == DPT_E_SIZE, "size 8");
+    two[0].size = 0;
+    CHECK(dpt_strip_overlaps(strip, mesh, NULL, segment, 1, two, 2, &told) == DPT_E_SIZE, "size 0");
+    two[0].size = sizeof *two;
+    const dpt_segment nan = { { NAN, 0, 0 }, { 0, 0, 0 }, 0 };
+    const dpt_segment far = { { 2e6, 0, 0 }, { 0, 0, 0 }, 0 };
+    const dpt_segment thin = { { 0, 0, 0 }, { 0, 0, 0 }, -1 };
+    CHECK(dpt_strip_overlaps(strip, mesh, NULL, &thin, 1, two, 2, &told) != DPT_OK, "radius -1");
+    const dpt_pose bent = { { 0, 0, 0 }, { 1, 1, 0, 0 } };
+    const struct {
+        dpt_result result;
+        const dpt_strip *strip;
+        const dpt_mesh *mesh;
+        const dpt_pose *pose;
+        const dpt_segment *segment;
+        int32_t side;
+        dpt_overlap *overlaps;
+    } bad[] = { { DPT_E_ARGUMENT, NULL, mesh, NULL, segment, 1, two },
+                { DPT_E_ARGUMENT, strip, NULL, NULL, segment, 1, two },
+                { DPT_E_ARGUMENT, strip, mesh, NULL, NULL, 1, two },
+                { DPT_E_ARGUMENT, strip, mesh, NULL, segment, 0, two },
+                { DPT_E_ARGUMENT, strip, mesh, NULL, segment, 2, two },
+                { DPT_E_ARGUMENT, strip, mesh, NULL, segment, 1, NULL },
+                { DPT_E_FINITE, strip, mesh, NULL, &nan, 1, two },
+                { DPT_E_FINITE, strip, mesh, NULL, &far, 1, two },
+                { DPT_E_POSE, strip, mesh, &bent, segment, 1, two } };
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        const dpt_result result =
+            dpt_strip_overlaps(bad[i].strip, bad[i].mesh, bad[i].pose, bad[i].segment, bad[i].side,
+                               bad[i].overlaps, 2, &told);
+        CHECK(result == bad[i].result, "bad %zu: %s, not %s", i, dpt_result_name(result),
+              dpt_result_name(bad[i].result));
+    }
+    drop_strip(&held);
+    scene_close(&scene);
+    subject_close(&subject);
+}
+
+static void bad_arguments(void)
+{
+    /* 3 has no area. */
+    static const double vertices[] = { 0, 0, 0, 0.1, 0, 0, 0, 0.1, 0, 0.1, 0.1, 0 };
+    static const uint32_t corners[] = { 0, 1, 2, 1, 3, 2, 0, 0, 1 };
+    const dpt_shadow good = { .size = sizeof good,
+                              .segment = { { 0.02, 0.02, 0.01 }, { 0.05, 0.03, 0.01 }, 0.001 },
+                              .direction = { 0, 0, -1 },
+                              .depth = 0.05 };
+    struct subject subject;
+    struct held_strip held;
+    if (!subject_from_arrays(&subject, "square", vertices, 4, corners, 3))
+        return;
+    dpt_strip *strip = hold_strip(&held, 8, 0);
+    enum { BAD = 19 };
+    dpt_shadow bad[BAD];
+    dpt_result due[BAD];
+    for (int i = 0; i < BAD; i++) {
+        bad[i] = good;
+        due[i] = i < 10 ? DPT_E_FINITE : DPT_E_ARGUMENT;
+    }
+    bad[0].segment.a[1] = NAN;
+    bad[1].segment.b[2] = INFINITY;
+    bad[2].segment.b[0] = -1.1e6;
+    bad[3].segment.radius = NAN;
+    bad[4].direction[0] = NAN;
+    bad[5].direction[2] = -INFINITY;
+    bad[6].width = NAN;
+    bad[7].depth = NAN;
+    bad[8].width = INFINITY;
+    bad[9].depth = INFINITY;
+    bad[10].segment.radius = -1e-3;
+    bad[11].width = -1e-3;
+    bad[12].depth = -1e-3;
+    bad[13].direction[2] = 0;
+    bad[14].triangle = 3;
+    bad[15].triangle = DPT_NONE;
+    bad[16].triangle = 2;
+    due[16] = DPT_E_DROPPED;
+    bad[17].size = 0;
+    due[17] = DPT_E_SIZE;
+    bad[18].size = 8;
+    due[18] = DPT_E_SIZE;
+    for (int i = 0; i < BAD + 4; i++) {
+        const dpt_pose bent = { { 0, 0, 0 }, { 1, 1, 0, 0 } };
+        const dpt_pose far = { { NAN, 0, 0 }, { 1, 0, 0, 0 } };
+        uint32_t count = 0, flags = 0;
+        dpt_strip_triangles(strip, &count, NULL);
+        CHECK(dpt_strip_shadow(strip, subject.mesh, NULL, &good) == DPT_OK, "%d", i);
+        dpt_strip_triangles(strip, &count, &flags);
+        CHECK(count == 1 && flags == 0, "%u triangles, flags %u", count, flags);
+        const dpt_result result = i < BAD    ? dpt_strip_shadow(strip, subject.mesh, NULL, &bad[i])
+                                  : i == BAD ? dpt_strip_shadow(strip, NULL, NULL, &good)
+                                  : i == BAD + 1 ? dpt_strip_shadow(strip, subject.mesh, NULL, NULL)
+                                  : i == BAD + 2
+                                      ? dpt_strip_shadow(strip, subject.mesh, &bent, &good)
+                                      : dpt_strip_shadow(strip, subject.mesh, &far, &good);
+        const dpt_result wanted = i < BAD        ? due[i]
+                                  : i < BAD + 2  ? DPT_E_ARGUMENT
+                                  : i == BAD + 2 ? DPT_E_POSE
+                                                 : DPT_E_FINITE;
+        dpt_strip_triangles(strip, &count, &flags);
+        /* Of a radius below 0 the header does not say which. */
+        CHECK((result == wanted || (i == 10 && result == DPT_E_FINITE)) && count == 0 && flags == 0,
+              "%d: %s, not %s; %u triangles", i, dpt_result_name(result), dpt_result_name(wanted),
+              count);
+    }
+    CHECK(dpt_strip_shadow(NULL, subject.mesh, NULL, &good) == DPT_E_ARGUMENT, "no strip");
+    drop_strip(&held);
+    subject_close(&subject);
+}
+
+int main(int argc, char **argv)
+{
+    setvbuf(stdout, NULL, _IOLBF, 0);
+    data = getenv("DPT_DATA");
+    if (argc > 1)
+        factor = strtoull(argv[1], NULL, 10);
+    if (factor < 1 || factor > 10000) {
+        printf("test_strip: from 1 to 10000 times as many shadows\n");
+        return 2;
+    }
+    TEST(verdicts_have_proofs);
+    TEST(a_flat_sheet_by_hand);
+    TEST(mere_lines);
+    TEST(generated_shapes);
+    TEST(random_lattices);
+    if (data)
+        TEST(public_meshes);
+    else
+        SKIP("shadows on public meshes", "DPT_DATA does not name the data folder");
+    TEST(folds);
+    TEST(shadows_of_all_kinds);
+    TEST(remembered_in_motion);
+    TEST(meshes_in_turn);
+    TEST(overlaps_by_their_formula);
+    TEST(room_for_overlaps);
+    TEST(bad_arguments);
+    return check_report();
+}
