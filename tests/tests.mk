@@ -50,15 +50,16 @@ soak: all $(B)/tests/test_organs $(B)/tests/test_certificate $(B)/tests/test_bud
 fuzz: ## 10^8 executions (FUZZ_RUNS) of the fuzz targets by libFuzzer
 	@sh tests/fuzz/fuzz.sh
 
-bench: all $(B)/tests/bench/dump_mesh $(B)/tests/bench/strips ## time against peers, those whose packages are here
+bench: all $(B)/tests/bench/dump_mesh $(B)/tests/bench/strips $(B)/tests/bench/recall ## time against peers, those whose packages are here
 	@sh tests/bench/run.sh $(B)
 	@sh tests/bench/paper.sh $(B)
 	@sh tests/bench/strips.sh $(B)
+	@$(B)/tests/bench/recall >$(B)/bench/recall.csv
 
 deps: ## install what the tests can use beside a compiler (apt-get)
 	@sh tests/deps.sh
 
-test-programs: all $(TESTS) $(B)/tests/bench/dump_mesh $(B)/tests/bench/strips
+test-programs: all $(TESTS) $(B)/tests/bench/dump_mesh $(B)/tests/bench/strips $(B)/tests/bench/recall
 .PHONY: test-programs
 -include $(TESTS:=.d) $(patsubst %.o,%.d,$(TEST_PARTS) $(FUZZ_PARTS))
 
@@ -66,6 +67,9 @@ $(B)/tests/bench/dump_mesh: $(B)/tests/bench/dump_mesh.o $(B)/tools/common.o $(C
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -o $@
 
 $(B)/tests/bench/strips: $(B)/tests/bench/strips.o $(CORE)
+	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -o $@
+
+$(B)/tests/bench/recall: $(B)/tests/bench/recall.o $(TEST_PARTS)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -o $@
 
 charts: bench ## draw docs/charts from the bench's results

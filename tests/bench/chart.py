@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """make charts: draw docs/charts/*.svg, and keep their data, from what the bench wrote.
 
-chart.py BENCH_DIR OUT_DIR   reads results.csv, histograms.csv and paper.csv; standard library only
+chart.py BENCH_DIR OUT_DIR   reads results.csv, histograms.csv, paper.csv and recall.csv; standard library only
 """
 import csv
 import math
@@ -29,6 +29,12 @@ MESHES = {
     "liver": ("liver, 50,332", "#154360"),
     "torus-5568": ("torus, 5,568", "#7fb3d5"),
     "membrane": ("membrane, 512", "#117864"),
+}
+
+STRIPS = {
+    "routes": ("routes, as the paper", "#d4ac0d"),
+    "narrow": ("shadow, width 0", "#7fb3d5"),
+    "wide": ("shadow, width margin", "#154360"),
 }
 
 TIMED = {
@@ -62,6 +68,18 @@ class Doublings(Axis):
         self.start, self.end = start, end
 
 
+class Percent(Axis):
+    """From 0 to 100."""
+
+    def __init__(self, values, start, end):
+        self.marks = range(0, 101, 20)
+        self.low, self.high = 0, 100
+        self.start, self.end = start, end
+
+    def at(self, value):
+        return self.start + value / 100 * (self.end - self.start)
+
+
 def text(x, y, content, anchor="middle", size=13, extra=""):
     return (f'<text x="{x:.1f}" y="{y:.1f}" font-size="{size}" text-anchor="{anchor}" {extra}>'
             f"{content}</text>")
@@ -73,10 +91,10 @@ def polyline(x, y, points, colour, width, dash):
             f'stroke-dasharray="{dash}"/>')
 
 
-def draw(title, subtitle, x_title, y_title, series, x_axis=Axis):
+def draw(title, subtitle, x_title, y_title, series, x_axis=Axis, y_axis=Axis):
     """series: name, colour, dash, points, thin points beside them, and points apart (squares)."""
     x = x_axis([p[0] for s in series for p in s["points"]], LEFT, WIDTH - RIGHT)
-    y = Axis([p[1] for s in series for p in s["points"] + s["thin"]], HEIGHT - BOTTOM, TOP)
+    y = y_axis([p[1] for s in series for p in s["points"] + s["thin"]], HEIGHT - BOTTOM, TOP)
     out = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" '
            'font-family="sans-serif" fill="#222">',
            f'<rect width="{WIDTH}" height="{HEIGHT}" fill="white"/>',
@@ -263,6 +281,25 @@ def parts_wrong(results, paper):
                 "parts, each with its own dynamic point", "% of 20,000 ticks", series, Doublings)
 
 
+def strip_recall(rows):
+    """What share of the triangles near a tool a strip holds, against the tool's length."""
+    series = []
+    for kind, (name, colour) in STRIPS.items():
+        points, thin = [], []
+        for length in sorted({int(r["length"]) for r in rows}):
+            here = [(float(r[kind + "_found"]), int(r["poses"]) * float(r["near"]))
+                    for r in rows if int(r["length"]) == length]
+            points.append((length, sum(f * n for f, n in here) / sum(n for _, n in here)))
+            thin.append((length, min(f for f, _ in here)))
+        series.append({"name": name, "colour": colour, "dash": "", "points": points, "thin": thin})
+    meshes = len({r["mesh"] for r in rows})
+    return draw("What a strip holds of the triangles within the margin of a tool",
+                f"Tools that lie on {meshes} closed meshes, margin 1 % of the diagonal. "
+                "Thick: all meshes; thin: the worst one.",
+                "length of the tool, % of the mesh's diagonal", "% of the triangles that are near",
+                series, Doublings, Percent)
+
+
 def read(path):
     with open(path, newline="", encoding="utf-8") as file:
         return list(csv.DictReader(file))
@@ -274,6 +311,9 @@ def main(bench, folder):
                         ("parts-wrong", parts_wrong), ("parts-error", parts_error)):
         with open(f"{folder}/{name}.svg", "w", encoding="utf-8") as file:
             file.write(chart(results, paper))
+    with open(f"{folder}/strip-recall.svg", "w", encoding="utf-8") as file:
+        file.write(strip_recall(read(bench + "/recall.csv")))
+    shutil.copyfile(bench + "/recall.csv", folder + "/strip-recall.csv")
     shutil.copyfile(bench + "/results.csv", folder + "/tick-time.csv")
     shutil.copyfile(bench + "/paper.csv", folder + "/parts.csv")
     rows = [row for row in read(bench + "/histograms.csv") if is_drawn(row)]
