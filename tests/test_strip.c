@@ -2,7 +2,7 @@
 /*
  * Shadows of tools: the triangles of a strip against those that the oracle finds by cutting every triangle and edge by
  * the shadow in long double, over generated shapes and public meshes, at rest and in motion; folds, holes, edges of
- * many triangles, hubs; a strip that is full; how a segment stands to each triangle; arguments.
+ * many triangles, hubs; how much of what is under a tool they hold; a strip that is full; how a segment stands to each triangle; arguments.
  *
  *     test_strip           what make check runs
  *     test_strip FACTOR    so many times as many shadows
@@ -10,7 +10,7 @@
  * Real meshes and recorded motions from DPT_DATA.
  */
 #include "dynpoint/strip.h"
-#include "strip_scene.h"
+#include "strip_recall.h"
 
 static const char *data;
 static uint64_t factor = 1;
@@ -328,9 +328,9 @@ static void check_verdict(const struct oracle_shadow *s, const long double (*cor
     if (verdict == ORACLE_SURE)
         CHECK(separation(s, corners, count) <= 0, "surely in, and %Lg apart",
               separation(s, corners, count));
-    for (int i = 0; i <= 6; i++)
-        for (int j = 0; j <= 6 - i; j++) {
-            const long double weight[3] = { i / 6.0L, j / 6.0L, (6 - i - j) / 6.0L };
+    for (int i = 0; i <= 4; i++)
+        for (int j = 0; j <= 4 - i; j++) {
+            const long double weight[3] = { i / 4.0L, j / 4.0L, (4 - i - j) / 4.0L };
             long double x[3] = { 0, 0, 0 };
             for (int c = 0; c < 3; c++)
                 for (int k = 0; k < 3; k++)
@@ -344,7 +344,7 @@ static void verdicts_have_proofs(void)
 {
     uint64_t seed = 1;
     size_t found[2][3] = { { 0 } };
-    for (int i = 0; i < 40000; i++) {
+    for (int i = 0; i < 16000; i++) {
         struct oracle_shadow s;
         double ends[6], direction[3];
         long double corners[3][3];
@@ -368,7 +368,7 @@ static void verdicts_have_proofs(void)
     }
     printf("    triangles: %zu out, %zu maybe, %zu surely in; edges: %zu, %zu, %zu\n", found[0][0],
            found[0][1], found[0][2], found[1][0], found[1][1], found[1][2]);
-    CHECK(found[0][2] > 5000 && found[1][2] > 4000 && found[0][0] > 8000, "one kind alone");
+    CHECK(found[0][2] > 2000 && found[1][2] > 1500 && found[0][0] > 8000, "one kind alone");
 }
 
 /* A tool above the middle of a flat sheet: what it shades can be counted. */
@@ -758,7 +758,49 @@ static void meshes_in_turn(void)
     }
 }
 
-/* How a segment stands to each triangle. */
+/*
+ * How a segment stands to each triangle. The overlap by search: the distance to the triangle, moved against its normal by
+ * m, is convex in m, so its least is found by thirds, and where it last is as small as the radius by halving.
+ */
+
+struct descent {
+    const double *ends;
+    double corners[9], normal[3];
+};
+
+static double moved_apart(const struct descent *d, double m)
+{
+    double corners[9];
+    for (int k = 0; k < 9; k++)
+        corners[k] = d->corners[k] - m * d->normal[k % 3];
+    return dpt_segment_triangle(d->ends, corners, NULL, NULL, NULL);
+}
+
+/* The largest m of 0..most where the distance is at most `reach`; 0 when there is none. */
+static double last_touch(const struct descent *d, double reach, double most)
+{
+    double low = 0, high = most;
+    /* Any that is as near. */
+    for (int i = 0; i < 120 && moved_apart(d, low) > reach; i++) {
+        const double third = (high - low) / 3;
+        const double one = moved_apart(d, low + third), other = moved_apart(d, high - third);
+        if (one > reach && one < other)
+            high -= third;
+        else
+            low += third;
+    }
+    if (moved_apart(d, low) > reach)
+        return 0;
+    high = most;
+    for (int i = 0; i < 100; i++) {
+        const double middle = 0.5 * (low + high);
+        if (moved_apart(d, middle) <= reach)
+            low = middle;
+        else
+            high = middle;
+    }
+    return low;
+}
 
 static double most_of(const double *numbers, int count)
 {
@@ -807,25 +849,18 @@ static void check_overlap(const struct scene *scene, const dpt_shadow *shadow, i
     if (area < 1e-5 * longest || longest < 1e-16 * scene->subject->diagonal)
         return;
     unit3(n);
-    const double up = dot3(way, n);
-    double gap = (up < 0 ? -o->distance : o->distance) - radius;
-    const double loose = near * fmax(1, 100 * longest / area);
-    if (crosses) {
-        gap = INFINITY;
-        for (int e = 0; e < 6; e += 3) {
-            const double to[3] = { ends[e] - o->q[0], ends[e + 1] - o->q[1],
-                                   ends[e + 2] - o->q[2] };
-            gap = fmin(gap, dot3(to, n) - radius);
-        }
-    }
-    /* Beside the triangle and in its plane both signs are right. */
-    const int either = !crosses && fabs(up) <= loose;
-    CHECK(fabs(o->gap - gap) <= loose ||
-              (either && fabs(-o->distance - radius - o->gap) <= loose) ||
-              (either && fabs(o->distance - radius - o->gap) <= loose),
-          "%u: gap %.17g, not %.17g: %s", o->triangle, o->gap, gap, text_of(scene, shadow));
-    CHECK(o->overlap == fmax(0, -o->gap), "%u: overlap %g, gap %g", o->triangle, o->overlap,
-          o->gap);
+    struct descent d = { .ends = ends };
+    memcpy(d.corners, c, sizeof c);
+    memcpy(d.normal, n, sizeof n);
+    const double most = 2 * (apart(ends, ends + 3) + o->distance + sqrt(longest) + radius);
+    const double loose = 10 * near * fmax(1, 100 * longest / area);
+    const double least = last_touch(&d, radius > loose ? radius - loose : 0, most) - 1e-9 * most;
+    const double highest = last_touch(&d, radius + loose, most) + 1e-9 * most;
+    CHECK(o->overlap >= least && o->overlap <= highest, "%u: overlap %.17g, not %.17g to %.17g: %s",
+          o->triangle, o->overlap, least, highest, text_of(scene, shadow));
+    const double due = o->overlap > 0 ? -o->overlap : o->distance - radius;
+    CHECK(fabs(o->gap - due) <= near, "%u: gap %g, not %g, overlap %g, distance %g: %s",
+          o->triangle, o->gap, due, o->overlap, o->distance, text_of(scene, shadow));
     seen[crosses]++;
     seen[2 + (o->overlap > 0)]++;
 }
@@ -868,7 +903,7 @@ static void try_overlaps(const struct subject *subject, int count, uint64_t seed
     free(overlaps);
 }
 
-static void overlaps_by_their_formula(void)
+static void overlaps_by_search(void)
 {
     static const struct {
         const char *name;
@@ -984,6 +1019,58 @@ static void room_for_overlaps(void)
     subject_close(&subject);
 }
 
+/* Of tools that lie on a closed mesh; over vertices, where the walk goes over edges. */
+static void recall_on(const struct subject *subject)
+{
+    static const double lengths[] = { 0.05, 0.1, 0.2, 0.5 };
+    struct recall sum = { .poses = 0 };
+    for (size_t i = 0; i < sizeof lengths / sizeof *lengths; i++) {
+        struct recall r;
+        recall_of(subject, lengths[i], 12, i, &r);
+        CHECK(r.poses == 12, "%s: %zu poses", subject->name, r.poses);
+        sum.near += r.near;
+        for (int kind = 0; kind < RECALL_STRIPS; kind++) {
+            sum.found[kind] += r.found[kind];
+            sum.sheet[kind] += r.sheet[kind];
+            sum.walked[kind] += r.walked[kind];
+        }
+    }
+    double found[RECALL_STRIPS];
+    for (int kind = 0; kind < RECALL_STRIPS; kind++)
+        found[kind] = 100 * share_of(sum.found[kind], sum.near);
+    printf("    %-28s near: routes %.1f %%, shadow %.1f %%, widened by the margin %.1f %%; of the "
+           "sheet "
+           "%.2f, %.2f %%\n",
+           subject->name, found[RECALL_ROUTES], found[RECALL_NARROW], found[RECALL_WIDE],
+           100 * share_of(sum.walked[RECALL_NARROW], sum.sheet[RECALL_NARROW]),
+           100 * share_of(sum.walked[RECALL_WIDE], sum.sheet[RECALL_WIDE]));
+    for (int kind = RECALL_NARROW; kind < RECALL_STRIPS; kind++)
+        CHECK(share_of(sum.walked[kind], sum.sheet[kind]) >= 0.99, "%s, %d: %zu of %zu",
+              subject->name, kind, sum.walked[kind], sum.sheet[kind]);
+    CHECK(found[RECALL_ROUTES] < found[RECALL_NARROW] && found[RECALL_WIDE] >= 95, "%s: %g, %g, %g",
+          subject->name, found[RECALL_ROUTES], found[RECALL_NARROW], found[RECALL_WIDE]);
+}
+
+static void what_strips_hold(void)
+{
+    static const char *const organs[] = { "openhelp_liver.stl",    "openhelp_stomach.stl",
+                                          "openhelp_spleen.stl",   "openhelp_kidney_left.stl",
+                                          "openhelp_duodenum.stl", "openhelp_abdominal_wall.stl",
+                                          "gallbladder_fine.stl",  "liver_sks.ply" };
+    struct subject subject;
+    if (subject_from_shape(&subject, "torus", 5568))
+        recall_on(&subject);
+    subject_close(&subject);
+    if (subject_from_shape(&subject, "liver", 50332))
+        recall_on(&subject);
+    subject_close(&subject);
+    for (size_t i = 0; data && i < sizeof organs / sizeof *organs; i++) {
+        if (subject_from_file(&subject, data, "organs", organs[i]))
+            recall_on(&subject);
+        subject_close(&subject);
+    }
+}
+
 static void bad_arguments(void)
 {
     /* 3 has no area. */
@@ -1079,7 +1166,8 @@ int main(int argc, char **argv)
     TEST(shadows_of_all_kinds);
     TEST(remembered_in_motion);
     TEST(meshes_in_turn);
-    TEST(overlaps_by_their_formula);
+    TEST(what_strips_hold);
+    TEST(overlaps_by_search);
     TEST(room_for_overlaps);
     TEST(bad_arguments);
     return check_report();
