@@ -237,8 +237,8 @@ static void two_vertices_go_before_one(void)
 {
     /* About (0, 0): from 0 to 3, both 1 and 2 touch both; 2 shares an edge with 0. */
     static const struct cell cells[] = { { -1, 0, 0 }, { 0, -1, 1 }, { -1, 0, 1 }, { 0, 0, 0 } };
-    /* 1 touches 0 at (0, 0) alone and 2 along an edge, and both lead to 3, which 0 does not touch. */
-    static const struct cell apart[] = { { 0, 0, 0 }, { 0, 1, 1 }, { 0, 0, 1 }, { 1, 1, 0 } };
+    /* 1 touches 0 at (0, 1) alone and 2 along an edge, and both lead to 3, which 0 does not touch. */
+    static const struct cell apart[] = { { 0, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 }, { 1, 1, 0 } };
     const uint32_t near[2] = { 0, 3 }, far[3] = { 0, 2, 3 };
     struct subject subject;
     struct walk walk;
@@ -253,6 +253,9 @@ static void two_vertices_go_before_one(void)
         return;
     walk_open(&walk, &subject);
     oracle_route_tau(&subject.surface, 3, walk.tau);
+    CHECK(oracle_surface_common(&subject.surface, 0, 1) == 1 &&
+              oracle_surface_common(&subject.surface, 0, 2) == 2,
+          "laid out otherwise");
     CHECK(walk.tau[0] == 2 && walk.tau[1] == 1 && walk.tau[2] == 1, "%u %u %u", walk.tau[0],
           walk.tau[1], walk.tau[2]);
     CHECK(dpt_strip_route(walk.strip, subject.mesh, 0, 3) == DPT_OK && holds(walk.strip, far, 3),

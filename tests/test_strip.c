@@ -758,6 +758,71 @@ static void meshes_in_turn(void)
     }
 }
 
+/* The same shadow again is the same strip, from another triangle that of this one. */
+static void the_same_shadow_again(void)
+{
+    struct subject subject;
+    struct scene scene;
+    struct held_strip held;
+    uint64_t seed = 11;
+    size_t others = 0;
+    if (!subject_with_folds(&subject, 0.002))
+        return;
+    scene_open(&scene, &subject);
+    dpt_strip *strip = hold_strip(&held, subject.info.triangles, 0);
+    for (int i = 0; i < 200; i++) {
+        dpt_shadow shadow;
+        random_shadow(&scene, &seed, &shadow);
+        for (int k = 0; k < 4; k++) {
+            const uint32_t before = scene.sheet.sure;
+            ask_oracle(&scene, &shadow);
+            fill(&scene, &shadow, strip);
+            check_sheet(&scene, &shadow, strip);
+            others += k && before != scene.sheet.sure;
+            if (k % 2)
+                shadow.triangle = (uint32_t)(random_bits(&seed) % subject.info.triangles);
+        }
+    }
+    CHECK(others > 50, "%zu", others);
+    drop_strip(&held);
+    scene_close(&scene);
+    subject_close(&subject);
+}
+
+/* A mesh that is opened where another one was is not taken for that: one triangle under the tool, and one aside. */
+static void in_anothers_place(void)
+{
+    static const double vertices[2][9] = { { 0, 0, 0, 1, 0, 0, 0, 1, 0 },
+                                           { 5, 0, 0, 6, 0, 0, 5, 1, 0 } };
+    static const uint32_t corners[3] = { 0, 1, 2 };
+    static uint64_t place[1024];
+    const dpt_shadow shadow = { .size = sizeof shadow,
+                                .segment = { { 0.1, 0.2, 0.1 }, { 0.4, 0.3, 0.1 }, 0.01 },
+                                .direction = { 0, 0, -1 },
+                                .depth = 0.5 };
+    struct subject subjects[2];
+    struct held_strip held;
+    dpt_strip *strip = hold_strip(&held, 4, 0);
+    for (int s = 0; s < 2; s++)
+        if (!subject_from_arrays(&subjects[s], "triangle", vertices[s], 3, corners, 1))
+            return;
+    for (int i = 0; i < 4; i++) {
+        const dpt_compiled *compiled = &subjects[i % 2].compiled;
+        const dpt_mesh *mesh = NULL;
+        uint32_t count = 0;
+        CHECK(compiled->size <= sizeof place, "%zu bytes", compiled->size);
+        memcpy(place, compiled->bytes, compiled->size);
+        CHECK(dpt_mesh_open(place, compiled->size, &mesh) == DPT_OK &&
+                  dpt_strip_shadow(strip, mesh, NULL, &shadow) == DPT_OK,
+              "%d", i);
+        dpt_strip_triangles(strip, &count, NULL);
+        CHECK(count == !(i % 2), "%u triangles of mesh %d", count, i % 2);
+    }
+    drop_strip(&held);
+    for (int s = 0; s < 2; s++)
+        subject_close(&subjects[s]);
+}
+
 /*
  * How a segment stands to each triangle. The overlap by search: the distance to the triangle, moved against its normal by
  * m, is convex in m, so its least is found by thirds, and where it last is as small as the radius by halving.
@@ -1166,6 +1231,8 @@ int main(int argc, char **argv)
     TEST(shadows_of_all_kinds);
     TEST(remembered_in_motion);
     TEST(meshes_in_turn);
+    TEST(the_same_shadow_again);
+    TEST(in_anothers_place);
     TEST(what_strips_hold);
     TEST(overlaps_by_search);
     TEST(room_for_overlaps);
