@@ -18,6 +18,15 @@ static inline double arctangent(double z)
     return 4.0 * z * sum;
 }
 
+/* Between two unit vectors, 0..pi (Kahan): good for small and for straight angles. */
+static inline double angle_between(vec3 a, vec3 b)
+{
+    double chord = length(sub(a, b)), sum = length(add(a, b));
+    if (chord <= sum)
+        return chord > 0.0 ? 2.0 * arctangent(chord / sum) : 0.0;
+    return 0.5 * ANGLE_TURN - 2.0 * arctangent(sum / chord);
+}
+
 /*
  * How much of a turn round x the triangle of a, b, c, all seen from x, fills: its solid angle over 4 pi, -1/2..1/2
  * (Van Oosterom and Strackee 1983). Positive where it turns its back to x, 0 where x lies in its plane.

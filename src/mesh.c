@@ -2,7 +2,7 @@
 /* What an open mesh tells of itself. */
 #include "dynpoint/mesh.h"
 
-#include "mesh_format.h"
+#include "side.h"
 #include "vec.h"
 
 dpt_result dpt_mesh_get_info(const dpt_mesh *mesh, dpt_mesh_info *info)
@@ -36,13 +36,18 @@ dpt_result dpt_mesh_get_info(const dpt_mesh *mesh, dpt_mesh_info *info)
     info->source_bytes = mesh->source_bytes;
     info->source_hash = mesh->source_hash;
     info->bytes = mesh->bytes;
+    const struct mesh_tail tail = mesh_tail(mesh);
+    if (info->size < offsetof(dpt_mesh_info, crease_edges))
+        return DPT_OK;
+    info->solid_components = tail.solid_components;
+    info->cavities = tail.cavities;
+    info->winding_components = tail.winding_components;
+    info->buried_components = tail.buried_components;
     if (info->size < sizeof *info)
         return DPT_OK;
-    const int counted = mesh->version > 1;
-    info->solid_components = counted ? mesh->solid_components : mesh->closed_components;
-    info->cavities = counted ? mesh->cavities : 0;
-    info->winding_components = counted ? mesh->winding_components : 0;
-    info->buried_components = counted ? mesh->buried_components : 0;
+    info->crease_edges = tail.crease_edges;
+    info->normalless_vertices = tail.normalless_vertices;
+    info->crease = tail.crease;
     return DPT_OK;
 }
 
@@ -59,16 +64,46 @@ dpt_result dpt_mesh_get_section(const dpt_mesh *mesh, uint32_t index, dpt_mesh_s
     return DPT_OK;
 }
 
+/* Where a triangle lies by its source number, or DPT_NONE. */
+static uint32_t place_of(const dpt_mesh *mesh, uint32_t number)
+{
+    if (!mesh || number >= mesh->source_triangles)
+        return DPT_NONE;
+    uint32_t place = mesh_words(mesh, MESH_PLACES)[number];
+    return place < mesh->triangles ? place : DPT_NONE;
+}
+
 dpt_result dpt_mesh_triangle(const dpt_mesh *mesh, uint32_t number, double corners[9])
 {
-    if (!mesh || !corners || number >= mesh->source_triangles)
-        return DPT_E_ARGUMENT;
-    uint32_t place = mesh_words(mesh, MESH_PLACES)[number];
-    if (place >= mesh->triangles)
+    uint32_t place = place_of(mesh, number);
+    if (place == DPT_NONE || !corners)
         return DPT_E_ARGUMENT;
     const uint32_t *corner = mesh_words(mesh, MESH_TRIANGLES) + 3 * (size_t)place;
     for (int k = 0; k < 3; k++)
         vec3_store(vec3_of_float(mesh_floats(mesh, MESH_VERTICES) + 3 * (size_t)corner[k]),
                    corners + 3 * k);
+    return DPT_OK;
+}
+
+dpt_result dpt_mesh_vertex_normals(const dpt_mesh *mesh, uint32_t number, double normals[9])
+{
+    uint32_t place = place_of(mesh, number);
+    if (place == DPT_NONE || !normals)
+        return DPT_E_ARGUMENT;
+    struct tree tree;
+    tree_of_mesh(mesh, &tree);
+    for (int k = 0; k < 3; k++)
+        vec3_store(unit_of(side_vertex_normal(&tree, place, k)), normals + 3 * k);
+    return DPT_OK;
+}
+
+dpt_result dpt_mesh_triangle_flags(const dpt_mesh *mesh, uint32_t number, uint32_t *flags)
+{
+    uint32_t place = place_of(mesh, number);
+    if (place == DPT_NONE || !flags)
+        return DPT_E_ARGUMENT;
+    if (!mesh_flags(mesh))
+        return DPT_E_UNSUPPORTED;
+    *flags = mesh_flags(mesh)[place];
     return DPT_OK;
 }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The layout of a .dpa file, version 2: the single source of docs/format.md, of the compiler's writer
- * and of the core's reader. `struct dpt_mesh` is the file's first bytes; of version 1 it is those before
- * section[MESH_MOMENTS].
+ * The layout of a .dpa file, version 3: the single source of docs/format.md, of the compiler's writer
+ * and of the core's reader. `struct dpt_mesh` is the file's first bytes; an older file has fewer sections, and so
+ * begins what follows them, if it has that at all, earlier: read it by mesh_tail.
  *
  * Little-endian; every number is 4 or 8 bytes wide; sections hold 4-byte words only, begin at
  * multiples of 64 and follow each other in the order of MESH_SECTIONS with less than 64 zero bytes
@@ -22,7 +22,7 @@
 #define MESH_MAGIC              "\211DPA\r\n\032\n"
 #define MESH_BYTE_ORDER         0x01020304u
 #define MESH_BYTE_ORDER_SWAPPED 0x04030201u
-#define MESH_VERSION            2u
+#define MESH_VERSION            3u
 #define MESH_ALIGN              64u
 #define MESH_LEVELS_MAX         8u /* 16^8 is more leaves than 2^32 triangles can fill */
 
@@ -43,6 +43,9 @@
 #define MESH_PART_WINDING  16u /* solid, and only a winding number tells on which side a point is */
 #define MESH_PART_BURIED   32u /* solid, and just outside of it is inside of another solid part */
 
+/* A triangle's flags (DPT_EDGE_..., DPT_CORNER_... of dynpoint/mesh.h) are below. */
+#define MESH_FLAGS_END 0x40000u
+
 /* clang-format off */
 /*      id                name          words per entry, of what  */
 #define MESH_SECTIONS(X)                                                                           \
@@ -57,7 +60,9 @@
     X(MESH_PLACES,        "places")     /* 1 a source triangle: its place here, or why not      */ \
     X(MESH_BOXES,         "boxes")      /* 6 x 16 floats a node, the leaves' parents first      */ \
     X(MESH_LEAVES,        "leaves")     /* 9 x 16 floats a leaf of 16 triangles                 */ \
-    X(MESH_MOMENTS,       "moments")    /* 20 x 16 floats a node, then 1 word a leaf; or empty  */
+    X(MESH_MOMENTS,       "moments")    /* 20 x 16 floats a node, then 1 word a leaf; or empty  */ \
+    X(MESH_NORMALS,       "normals")    /* 3 floats a vertex, or empty (mesh_normals)           */ \
+    X(MESH_FLAGS,         "flags")      /* 1 a triangle: its edges and corners                  */
 /* clang-format on */
 
 #define MESH_SECTION_ID(id, name) id,
@@ -79,9 +84,20 @@ struct mesh_section {
     uint32_t reserved[3];
 };
 
+/* What stands behind the section table: nothing in version 1, four words in version 2. */
+struct mesh_tail {
+    uint32_t solid_components;
+    uint32_t cavities;
+    uint32_t winding_components;
+    uint32_t buried_components;
+    uint32_t crease_edges;
+    uint32_t normalless_vertices;
+    double crease; /* rad */
+};
+
 /*
  * Offsets are part of the format. After `magic` come 4-byte words up to `bytes`, then 8-byte words up
- * to `section`, and 4-byte words after it. Read what version 1 has not through the functions below.
+ * to `section`; the tail is words of 4 bytes, and from the crease on of 8.
  */
 struct dpt_mesh {
     char magic[8];
@@ -119,22 +135,40 @@ struct dpt_mesh {
     double filter_centre[3]; /* boxes and leaves hold (x - centre) * scale, within -1..1 */
     double filter_scale;     /* a power of two */
     struct mesh_section section[MESH_SECTION_COUNT];
-    uint32_t solid_components;
-    uint32_t cavities;
-    uint32_t winding_components;
-    uint32_t buried_components;
+    struct mesh_tail tail; /* here in the newest version alone */
 };
 
 /* How many sections a file of some version has, and how long its header is. */
 static inline uint32_t mesh_section_count(uint32_t version)
 {
-    return version == 1 ? MESH_MOMENTS : MESH_SECTION_COUNT;
+    return version == 1 ? MESH_MOMENTS : version == 2 ? MESH_NORMALS : MESH_SECTION_COUNT;
+}
+
+static inline size_t mesh_tail_bytes(uint32_t version)
+{
+    return version == 1   ? 0
+           : version == 2 ? offsetof(struct mesh_tail, crease_edges)
+                          : sizeof(struct mesh_tail);
+}
+
+static inline size_t mesh_tail_offset(uint32_t version)
+{
+    return offsetof(struct dpt_mesh, section) +
+           mesh_section_count(version) * sizeof(struct mesh_section);
 }
 
 static inline uint32_t mesh_header_bytes(uint32_t version)
 {
-    return version == 1 ? (uint32_t)offsetof(struct dpt_mesh, section[MESH_MOMENTS])
-                        : (uint32_t)sizeof(struct dpt_mesh);
+    return (uint32_t)(mesh_tail_offset(version) + mesh_tail_bytes(version));
+}
+
+/* As far as the file's version has it, else zeros; what is closed is solid in version 1 too. */
+static inline struct mesh_tail mesh_tail(const struct dpt_mesh *mesh)
+{
+    struct mesh_tail tail = { .solid_components = mesh->closed_components };
+    memcpy(&tail, (const char *)mesh + mesh_tail_offset(mesh->version),
+           mesh_tail_bytes(mesh->version));
+    return tail;
 }
 
 static inline const void *mesh_section(const struct dpt_mesh *mesh, int id)
@@ -152,6 +186,15 @@ static inline const uint32_t *mesh_words(const struct dpt_mesh *mesh, int id)
     return mesh_section(mesh, id);
 }
 
+/*
+ * There are normals but where triangles have their vertices nearly alone, fans of two on average or fewer: there they
+ * would be a quarter of the file and save nothing.
+ */
+static inline int mesh_stores_normals(const struct dpt_mesh *mesh)
+{
+    return mesh->version > 2 && 2 * (uint64_t)mesh->vertices <= 3 * (uint64_t)mesh->triangles;
+}
+
 /* How many 4-byte words a section must have, by the header's counts; boxes: nodes of all levels. */
 static inline uint64_t mesh_section_words(const struct dpt_mesh *mesh, int id, uint64_t nodes)
 {
@@ -166,6 +209,7 @@ static inline uint64_t mesh_section_words(const struct dpt_mesh *mesh, int id, u
         return (uint64_t)mesh->vertices + 1;
     case MESH_PARTS:
     case MESH_SOURCES:
+    case MESH_FLAGS:
         return mesh->triangles;
     case MESH_PART_TABLE:
         return 4 * (uint64_t)mesh->parts;
@@ -175,8 +219,10 @@ static inline uint64_t mesh_section_words(const struct dpt_mesh *mesh, int id, u
         return nodes * MESH_BOX_WORDS;
     case MESH_LEAVES:
         return (uint64_t)mesh->leaves * MESH_LEAF_WORDS;
+    case MESH_NORMALS:
+        return mesh_stores_normals(mesh) ? 3 * (uint64_t)mesh->vertices : 0;
     default:
-        return mesh->winding_components ? nodes * MESH_MOMENT_WORDS + mesh->leaves : 0;
+        return mesh_tail(mesh).winding_components ? nodes * MESH_MOMENT_WORDS + mesh->leaves : 0;
     }
 }
 
@@ -186,10 +232,22 @@ static inline uint64_t mesh_section_words(const struct dpt_mesh *mesh, int id, u
  */
 static inline const float *mesh_moments(const struct dpt_mesh *mesh, const uint32_t **lanes)
 {
-    if (mesh->version == 1 || !mesh->winding_components)
+    if (!mesh_tail(mesh).winding_components)
         return NULL;
     *lanes = mesh_words(mesh, MESH_MOMENTS) + mesh->section[MESH_MOMENTS].bytes / 4 - mesh->leaves;
     return mesh_floats(mesh, MESH_MOMENTS);
+}
+
+/* Unit normals, 3 floats a vertex, zero where there is none; NULL when the file has no such. */
+static inline const float *mesh_normals(const struct dpt_mesh *mesh)
+{
+    return mesh_stores_normals(mesh) ? mesh_floats(mesh, MESH_NORMALS) : NULL;
+}
+
+/* A word a triangle; NULL in an older file. */
+static inline const uint32_t *mesh_flags(const struct dpt_mesh *mesh)
+{
+    return mesh->version > 2 ? mesh_words(mesh, MESH_FLAGS) : NULL;
 }
 
 /* A part's bits, one for one. What is closed is solid in a file of version 1 too. */
@@ -286,9 +344,11 @@ static inline void mesh_swap_header(struct dpt_mesh *mesh, uint32_t version)
         mesh_swap8(&mesh->section[i].offset, 2);
         mesh_swap4(&mesh->section[i].crc32, 4);
     }
-    if (version > 1)
-        mesh_swap4(&mesh->solid_components,
-                   (sizeof *mesh - offsetof(struct dpt_mesh, solid_components)) / 4);
+    char *tail = (char *)mesh + mesh_tail_offset(version);
+    size_t bytes = mesh_tail_bytes(version), crease = offsetof(struct mesh_tail, crease);
+    mesh_swap4(tail, (bytes < crease ? bytes : crease) / 4);
+    if (bytes > crease)
+        mesh_swap8(tail + crease, (bytes - crease) / 8);
 }
 
 /* 1 where the host is little-endian, as the file is. */

@@ -174,11 +174,14 @@ static dpt_result check_moments(const struct dpt_mesh *mesh, dpt_mesh_fault *fau
 static dpt_result check_numbers(const struct dpt_mesh *mesh, dpt_mesh_fault *fault)
 {
     const double largest = 2.0 * DPT_COORDINATE_MAX;
+    const struct mesh_tail tail = mesh_tail(mesh);
     if (!vec3_within(mesh->box_min, largest) || !vec3_within(mesh->box_max, largest) ||
         !vec3_within(mesh->filter_centre, largest) || !within(mesh->filter_scale, 1e300) ||
         !(mesh->filter_scale > 0.0) || !within(mesh->scale, 1e300) ||
         !within(mesh->rounding, 1e300))
         return fail(fault, DPT_E_FINITE, offsetof(struct dpt_mesh, scale), MESH_HEADER);
+    if (!within(tail.crease, 4.0))
+        return fail(fault, DPT_E_FINITE, offsetof(struct dpt_mesh, tail.crease), MESH_HEADER);
     return DPT_OK;
 }
 
@@ -196,7 +199,10 @@ static dpt_result check_content(const struct dpt_mesh *mesh, dpt_mesh_fault *fau
     DPT_TRY(check_sources(mesh, fault));
     DPT_TRY(check_floats(mesh, MESH_BOXES, 1e30f, fault));
     DPT_TRY(check_floats(mesh, MESH_LEAVES, 1e30f, fault));
-    return check_moments(mesh, fault);
+    DPT_TRY(check_moments(mesh, fault));
+    if (mesh_stores_normals(mesh))
+        DPT_TRY(check_floats(mesh, MESH_NORMALS, 1.0f, fault));
+    return mesh_flags(mesh) ? check_indices(mesh, MESH_FLAGS, MESH_FLAGS_END, 0, fault) : DPT_OK;
 }
 
 static dpt_result begin(const void *bytes, size_t size, dpt_mesh_fault *fault)

@@ -15,7 +15,16 @@ vec3 side_face_normal(const struct tree *tree, uint32_t triangle);
  */
 vec3 side_feature_normal(const struct tree *tree, uint32_t triangle, const double weight[3]);
 
-/* The normal there, unit, interpolated between those of the corners; zero where they cancel. */
+/*
+ * The angle-weighted normal of corner k's vertex, over the triangle's part: unit and in float where the file holds it,
+ * else of any length.
+ */
+vec3 side_vertex_normal(const struct tree *tree, uint32_t triangle, int k);
+
+/*
+ * The normal there, unit, interpolated between those of the corners; zero where they cancel. On a crease a corner's is
+ * that of its own side (docs/algorithms/sign.md).
+ */
 vec3 side_smooth_normal(const struct tree *tree, uint32_t triangle, const double weight[3]);
 
 /* 1 when that point lies on an edge without a neighbour. */

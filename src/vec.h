@@ -71,6 +71,13 @@ static inline double length(vec3 a)
     return sqrt(dot(a, a));
 }
 
+/* Of length 1; zero stays zero. */
+static inline vec3 unit_of(vec3 a)
+{
+    double size = length(a);
+    return size > 0.0 ? scaled(a, 1.0 / size) : (vec3){ 0.0, 0.0, 0.0 };
+}
+
 static inline double larger(double a, double b)
 {
     return a > b ? a : b;

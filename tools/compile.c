@@ -9,7 +9,8 @@
 #include "dynpoint/compile.h"
 
 static const char help[] =
-    "usage: dynpoint compile IN -o OUT.dpa [--scale X] [--c-array NAME] [-j N]\n"
+    "usage: dynpoint compile IN -o OUT.dpa [--scale X] [--crease DEGREES]\n"
+    "                        [--c-array NAME] [-j N]\n"
     "\n"
     "Compiles an OBJ, STL, PLY or OFF mesh into a file that is used in place, by mmap or from "
     "flash.\n"
@@ -19,8 +20,11 @@ static const char help[] =
     "\n"
     "  -o FILE         where to; - is standard output\n"
     "  --scale X       metres per unit of the source (0.001 for millimetres); default 1\n"
+    "  --crease A      edges bent by more than A degrees are creases: sharp; default 60, 180 is none\n"
     "  --c-array NAME  write C source that holds the bytes in an array of that name\n"
     "  -j N            use at most N threads; this version never uses more than one\n";
+
+#define DEGREE (3.14159265358979323846 / 180.0)
 
 static int show_progress(void *user, const char *step, double done)
 {
@@ -96,12 +100,13 @@ static int complain_source(const char *in, const dpt_diag *diag)
 int command_compile(int argc, char **argv)
 {
     const char *in, *out = NULL, *array = NULL;
-    double scale = 1.0;
+    double scale = 1.0, crease = 60.0;
     uint64_t threads = 1;
     size_t operands;
     const struct option_def options[] = { { .name = "-o", .text = &out },
                                           { .name = "-j", .count = &threads },
                                           { .name = "--scale", .number = &scale },
+                                          { .name = "--crease", .number = &crease },
                                           { .name = "--c-array", .text = &array } };
     int status = parse_options(argc, argv, options, sizeof options / sizeof *options, help, &in, 1,
                                &operands);
@@ -113,13 +118,17 @@ int command_compile(int argc, char **argv)
         return complain("compile", "-j must be 1 or more");
     if (!(scale > 0.0))
         return complain("compile", "--scale must be positive");
+    if (!(crease > 0.0 && crease <= 180.0))
+        return complain("compile", "--crease must be 0 to 180 degrees, and not 0");
     if (array && !is_c_name(array))
         return complain("compile", "--c-array: '%s' is not a name in C", array);
 
     struct meter meter = { .began = 0 };
-    dpt_compile_def def = {
-        .size = sizeof def, .scale = scale, .progress = show_progress, .user = &meter
-    };
+    dpt_compile_def def = { .size = sizeof def,
+                            .scale = scale,
+                            .progress = show_progress,
+                            .user = &meter,
+                            .crease = crease * DEGREE };
     dpt_diag diag = { .size = sizeof diag };
     dpt_compiled compiled;
     struct output output;

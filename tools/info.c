@@ -38,6 +38,8 @@ static void print_json(const dpt_mesh *mesh, const dpt_mesh_info *info)
            info->source_vertices, info->source_bytes, info->source_hash);
     printf("\"box\":[[%.17g,%.17g,%.17g],[%.17g,%.17g,%.17g]],", info->box_min[0], info->box_min[1],
            info->box_min[2], info->box_max[0], info->box_max[1], info->box_max[2]);
+    printf("\"crease_edges\":%" PRIu32 ",\"normalless_vertices\":%" PRIu32 ",\"crease\":%.17g,",
+           info->crease_edges, info->normalless_vertices, info->crease);
     printf("\"format\":%" PRIu32 ",\"tree_levels\":%" PRIu32 ",\"bytes\":%" PRIu64
            ",\"sections\":[",
            info->format_version, info->tree_levels, info->bytes);
@@ -67,10 +69,12 @@ static void print_counts(const dpt_mesh_info *info)
         { "open edges", info->open_edges },
         { "non-manifold edges", info->nonmanifold_edges },
         { "wrong-way edges", info->wrong_way_edges },
+        { "creases", info->crease_edges },
         { "triangles turned", info->turned_triangles },
         { "degenerate, dropped", info->dropped_degenerate },
         { "duplicate, dropped", info->dropped_duplicate },
         { "unused vertices", info->unused_vertices },
+        { "vertices without normal", info->normalless_vertices },
         { "concave polygons", info->concave_polygons },
     };
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
@@ -88,6 +92,8 @@ static void print_text(const char *path, const dpt_mesh *mesh, const dpt_mesh_in
            info->box_max[0] - info->box_min[0], info->box_max[1] - info->box_min[1],
            info->box_max[2] - info->box_min[2], info->box_min[0], info->box_min[1],
            info->box_min[2]);
+    if (info->crease > 0.0)
+        printf("  %-24s %10.6g degrees\n", "crease", info->crease * (180.0 / 3.14159265358979323846));
     if (info->source_bytes)
         printf("  %-24s %10" PRIu64 " bytes, hash %016" PRIx64 "\n", "source", info->source_bytes,
                info->source_hash);

@@ -47,6 +47,8 @@ typedef struct dpt_compile_def {
     double scale;    /* metres per unit of the source; 0 means 1; must be positive */
     dpt_progress *progress;
     void *user;
+    /* A def that ends here is taken too. */
+    double crease; /* normals of two triangles that differ by more make a crease; rad, 0 means pi / 3; pi: none is */
 } dpt_compile_def;
 
 /* The bytes of a .dpa file, owned by whoever asked; give them back with dpt_compiled_free. */

@@ -73,9 +73,16 @@ typedef struct dpt_mesh_info {
     uint32_t cavities;           /* of them wound inward: walls of voids within others */
     uint32_t winding_components; /* of them whose inside only a winding number tells */
     uint32_t buried_components;  /* of them with both sides inside: within another one */
+    /* From here on since format 3; 0 of an older file. */
+    uint32_t crease_edges;        /* with two triangles that meet at more than `crease` */
+    uint32_t normalless_vertices; /* where parts meet in a point, or face normals cancel */
+    double crease;                /* between face normals, in rad */
 } dpt_mesh_info;
 
-/* Fill `info`, whose size field is set; one that ends before solid_components is filled as far as it goes. */
+/*
+ * Fill `info`, whose size field is set; one that ends before solid_components or before crease_edges is filled as far
+ * as it goes.
+ */
 DPT_API dpt_result dpt_mesh_get_info(const dpt_mesh *mesh, dpt_mesh_info *info);
 
 /* One section of the file, from 0 until the call returns DPT_E_ARGUMENT. */
@@ -95,6 +102,31 @@ DPT_API dpt_result dpt_mesh_get_section(const dpt_mesh *mesh, uint32_t index,
  * compiler left it. DPT_E_ARGUMENT when there is no such number or it was dropped.
  */
 DPT_API dpt_result dpt_mesh_triangle(const dpt_mesh *mesh, uint32_t number, double corners[9]);
+
+/*
+ * The angle-weighted normals of those three corners' vertices, over all triangles of the same part there: unit, along
+ * the side that is outside or in front; zero where they cancel. As the file holds them, in float; where it holds none
+ * (an older file, loose triangles, a vertex that parts share) worked out, in time with the vertex's triangles. Of the
+ * mesh as it was compiled.
+ */
+DPT_API dpt_result dpt_mesh_vertex_normals(const dpt_mesh *mesh, uint32_t number,
+                                           double normals[9]);
+
+/*
+ * What is special about edge and corner k of a triangle: the bit below shifted left by k = 0, 1, 2. Edge k runs from
+ * corner k to the next one, as dpt_mesh_triangle gives them; a corner has a bit when any edge at its vertex has it.
+ */
+enum {
+    DPT_EDGE_BORDER = 0x1,       /* no second triangle */
+    DPT_EDGE_NONMANIFOLD = 0x8,  /* three triangles or more */
+    DPT_EDGE_CREASE = 0x40,      /* two, whose normals differ by more than dpt_mesh_info's crease */
+    DPT_CORNER_BORDER = 0x200,
+    DPT_CORNER_NONMANIFOLD = 0x1000,
+    DPT_CORNER_CREASE = 0x8000
+};
+
+/* Those bits. DPT_E_UNSUPPORTED of a file before format 3. */
+DPT_API dpt_result dpt_mesh_triangle_flags(const dpt_mesh *mesh, uint32_t number, uint32_t *flags);
 
 DPT_END
 

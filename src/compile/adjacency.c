@@ -98,8 +98,7 @@ static void meet_all(struct model *model, uint32_t *parent, const uint32_t *half
     }
 }
 
-/* Both run through their common edge in the same direction: one of them is wound the wrong way. */
-static int wound_against(const struct model *model, uint32_t half, uint32_t neighbour)
+int model_wound_against(const struct model *model, uint32_t half, uint32_t neighbour)
 {
     uint32_t from = edge_from(model, half), to = edge_to(model, half);
     const uint32_t *corner = model->corners + 3 * (size_t)neighbour;
@@ -130,7 +129,7 @@ static dpt_result number_parts(struct model *model, soup *source, uint32_t *pare
             uint32_t n = model->neighbours[half];
             part->open_edges += n == MESH_EDGE_OPEN;
             part->nonmanifold_edges += n == MESH_EDGE_MANY;
-            if (n < MESH_EDGE_MANY && wound_against(model, half, n))
+            if (n < MESH_EDGE_MANY && model_wound_against(model, half, n))
                 part->flags &= ~MESH_PART_WOUND;
         }
     }
@@ -157,7 +156,7 @@ static int agree(const struct model *model, uint32_t seed, uint8_t *turn, uint32
             uint32_t n = model->neighbours[half];
             if (n >= MESH_EDGE_MANY)
                 continue;
-            int against = wound_against(model, half, n);
+            int against = model_wound_against(model, half, n);
             uint8_t wanted = (turn[t] == AS_IT_IS) == !against ? AS_IT_IS : TURNED;
             if (turn[n] == UNSEEN) {
                 turn[n] = wanted;

@@ -31,6 +31,8 @@ void model_free(struct model *model)
     free(model->part_of);
     free(model->parts);
     free(model->turn);
+    free(model->normals);
+    free(model->flags);
     memset(model, 0, sizeof *model);
 }
 

@@ -11,6 +11,9 @@
 
 static const source_place nowhere = { 0, 0 };
 
+/* Pi, and its rounding in whatever unit it was asked for. */
+#define CREASE_MOST 3.1415926536
+
 /* FNV-1a, 64 bits: names a source, so that a stale .dpa can be told. */
 static uint64_t hash_of(const void *bytes, size_t size)
 {
@@ -42,6 +45,10 @@ static dpt_result build(soup *source, uint64_t source_size, uint64_t source_hash
     if (result == DPT_OK)
         result = model_solid(&model, source);
     if (result == DPT_OK)
+        result = soup_progress(source, "normals", 0.0);
+    if (result == DPT_OK)
+        result = model_normals(&model, source, source->crease);
+    if (result == DPT_OK)
         result = soup_progress(source, "write", 0.0);
     if (result == DPT_OK)
         result = model_write(&model, source, source_size, source_hash, out);
@@ -60,7 +67,7 @@ static dpt_result enter(soup *source, const dpt_compile_def *def, dpt_compiled *
         return DPT_E_ARGUMENT;
     out->bytes = NULL;
     out->size = 0;
-    int sized = !def || def->size >= sizeof *def, has_room = !diag || diag->size >= sizeof *diag;
+    int sized = !def || def->size >= offsetof(dpt_compile_def, crease), has_room = !diag || diag->size >= sizeof *diag;
     dpt_diag *used = diag && has_room ? diag : spare;
     uint32_t size = used == diag ? diag->size : (uint32_t)sizeof *spare;
     memset(used, 0, sizeof *used);
@@ -74,6 +81,8 @@ static dpt_result enter(soup *source, const dpt_compile_def *def, dpt_compiled *
         return soup_fail(source, DPT_E_ARGUMENT, nowhere, "no such format");
     if (def && (def->scale < 0.0 || !within(def->scale, 1e30)))
         return soup_fail(source, DPT_E_ARGUMENT, nowhere, "the scale must be positive");
+    if (!(source->crease > 0.0 && source->crease <= CREASE_MOST))
+        return soup_fail(source, DPT_E_ARGUMENT, nowhere, "the crease must be 0..pi");
     return DPT_OK;
 }
 

@@ -51,6 +51,13 @@ struct model {
     uint32_t cavities;
     uint32_t winding_parts;
     uint32_t buried_parts;
+
+    /* model_normals */
+    float *normals;  /* 3 per vertex */
+    uint32_t *flags; /* DPT_EDGE_..., DPT_CORNER_... of a triangle */
+    double crease;   /* rad */
+    uint32_t crease_edges;
+    uint32_t normalless_vertices;
 };
 
 void model_free(struct model *model);
@@ -67,9 +74,15 @@ dpt_result model_adjacency(struct model *model, soup *source);
 /* Which parts have an inside, and on which side of them it is; turn triangles. */
 dpt_result model_solid(struct model *model, soup *source);
 
+/* The vertices' normals, and which edges are borders, non-manifold, or creases: of more than `crease` rad. */
+dpt_result model_normals(struct model *model, soup *source, double crease);
+
 /* Lay out the bytes of the file. source_size and source_hash as dpt_mesh_info has them. */
 dpt_result model_write(const struct model *model, soup *source, uint64_t source_size,
                        uint64_t source_hash, dpt_compiled *out);
+
+/* Half-edge 3 t + k and its neighbour run through their edge in the same direction: one is wound the wrong way. */
+int model_wound_against(const struct model *model, uint32_t half, uint32_t neighbour);
 
 /* An array, or NULL and a diag; never 0 bytes. */
 void *model_array(soup *source, size_t count, size_t width);

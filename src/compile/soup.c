@@ -12,6 +12,8 @@
 #include "soup.h"
 #include "text.h"
 
+#define CREASE_DEFAULT 1.0471975511965976 /* 60 degrees */
+
 #define COUNT_MAX     ((size_t)INT32_MAX)
 #define TRIANGLES_MAX ((size_t)UINT32_MAX / 3) /* half-edges are numbered in 32 bits */
 
@@ -19,6 +21,9 @@ void soup_init(soup *source, const dpt_compile_def *def, dpt_diag *diag)
 {
     memset(source, 0, sizeof *source);
     source->scale = def != NULL && def->scale != 0.0 ? def->scale : 1.0;
+    source->crease = CREASE_DEFAULT;
+    if (def != NULL && def->size >= sizeof *def && def->crease != 0.0)
+        source->crease = def->crease;
     source->def = def;
     source->diag = diag;
 }

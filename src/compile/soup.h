@@ -34,6 +34,7 @@ typedef struct soup {
     size_t triangle_count, triangle_room;
     size_t polygon_count, polygon_room;
     double scale;
+    double crease;              /* rad */
     double rounding;            /* largest |stored - scale * source| of a coordinate */
     uint32_t highest_corner;    /* the highest vertex number that a polygon named */
     source_place highest_place; /* and where: to name the line if there is no such vertex */

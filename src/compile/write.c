@@ -69,10 +69,13 @@ static void set_counts(struct dpt_mesh *mesh, const struct model *model, const s
     mesh->closed_components = model->closed_parts;
     mesh->inward_components = model->inward_parts;
     mesh->turned_triangles = model->turned_triangles;
-    mesh->solid_components = model->solid_parts;
-    mesh->cavities = model->cavities;
-    mesh->winding_components = model->winding_parts;
-    mesh->buried_components = model->buried_parts;
+    mesh->tail = (struct mesh_tail){ .solid_components = model->solid_parts,
+                                     .cavities = model->cavities,
+                                     .winding_components = model->winding_parts,
+                                     .buried_components = model->buried_parts,
+                                     .crease_edges = model->crease_edges,
+                                     .normalless_vertices = model->normalless_vertices,
+                                     .crease = model->crease };
     mesh->scale = source->scale;
     mesh->rounding = source->rounding;
 }
@@ -199,9 +202,12 @@ static void fill_words(const struct dpt_mesh *mesh, const struct model *model, c
         [MESH_PART_TABLE] = model->parts,
         [MESH_SOURCES] = model->sources,
         [MESH_PLACES] = model->places,
+        [MESH_NORMALS] = model->normals,
+        [MESH_FLAGS] = model->flags,
     };
-    for (int id = 0; id < MESH_BOXES; id++)
-        memcpy(bytes + mesh->section[id].offset, content[id], (size_t)mesh->section[id].bytes);
+    for (int id = 0; id < MESH_SECTION_COUNT; id++)
+        if (content[id])
+            memcpy(bytes + mesh->section[id].offset, content[id], (size_t)mesh->section[id].bytes);
 }
 
 /* Into the file's byte order, with the checksums of the bytes as they will lie. */
@@ -262,7 +268,7 @@ dpt_result model_write(const struct model *model, soup *source, uint64_t source_
 
     struct box *boxes = model_array(source, mesh.leaves, sizeof *boxes);
     struct moment *sets =
-        model_array(source, mesh.winding_components ? mesh.leaves : 0, sizeof *sets);
+        model_array(source, mesh.tail.winding_components ? mesh.leaves : 0, sizeof *sets);
     char *bytes =
         boxes && sets && mesh.bytes <= SIZE_MAX / 2 ? take_block((size_t)mesh.bytes) : NULL;
     if (!bytes) {
@@ -273,7 +279,7 @@ dpt_result model_write(const struct model *model, soup *source, uint64_t source_
     fill_words(&mesh, model, bytes);
     fill_leaves(&mesh, model, (float *)(void *)(bytes + mesh.section[MESH_LEAVES].offset), boxes);
     fill_boxes(&mesh, (float *)(void *)(bytes + mesh.section[MESH_BOXES].offset), boxes, count);
-    if (mesh.winding_components)
+    if (mesh.tail.winding_components)
         fill_moments(&mesh, model, bytes, sets, count);
     free(boxes);
     free(sets);
