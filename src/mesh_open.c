@@ -180,7 +180,7 @@ static dpt_result check_numbers(const struct dpt_mesh *mesh, dpt_mesh_fault *fau
         !(mesh->filter_scale > 0.0) || !within(mesh->scale, 1e300) ||
         !within(mesh->rounding, 1e300))
         return fail(fault, DPT_E_FINITE, offsetof(struct dpt_mesh, scale), MESH_HEADER);
-    if (!within(tail.crease, 4.0))
+    if (!(tail.crease >= 0.0 && tail.crease <= 4.0))
         return fail(fault, DPT_E_FINITE, offsetof(struct dpt_mesh, tail.crease), MESH_HEADER);
     return DPT_OK;
 }

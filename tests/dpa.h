@@ -75,12 +75,12 @@ static inline struct dpt_mesh header_of(const struct file *file)
 /* By the version alone: other numbers may be forged. */
 static inline size_t header_bytes_of(const struct dpt_mesh *header)
 {
-    return header->version == 1 ? 752 : 816;
+    return header->version == 1 ? 752 : header->version == 2 ? 816 : 928;
 }
 
 static inline int sections_of(const struct dpt_mesh *header)
 {
-    return header->version == 1 ? 11 : 12;
+    return header->version == 1 ? 11 : header->version == 2 ? 12 : 14;
 }
 
 static inline void seal_header(struct file *file)
@@ -153,8 +153,12 @@ static inline struct file other_order(const struct file *file)
     reverse(bytes + 8, 4, (offsetof(struct dpt_mesh, bytes) - 8) / 4);
     reverse(bytes + offsetof(struct dpt_mesh, bytes), 8,
             (offsetof(struct dpt_mesh, section) - offsetof(struct dpt_mesh, bytes)) / 8);
-    if (sections > 11)
-        reverse((unsigned char *)&header.solid_components, 4, 4);
+    if (sections == 12)
+        reverse(bytes + 800, 4, 4);
+    if (sections == 14) {
+        reverse(bytes + 896, 4, 6);
+        reverse(bytes + 920, 8, 1);
+    }
     header.header_crc32 = crc_of(bytes, length);
     reverse((unsigned char *)&header.header_crc32, 4, 1);
     memcpy(other.bytes, &header, length);

@@ -8,14 +8,16 @@
  * GOLDEN is the folder golden; from the top of the tree it is found without. Its files were made by
  *
  *     build/dynpoint make torus 96 -o tests/golden/torus.ply
- *     build/dynpoint compile tests/golden/torus.ply -o tests/golden/torus_2.dpa
+ *     build/dynpoint compile tests/golden/torus.ply -o tests/golden/torus_3.dpa
  *
- * torus.dpa by a compiler of version 1. They are to be kept: a new format gets a new file beside them,
+ * torus.dpa and torus_2.dpa by compilers of versions 1 and 2. They are to be kept: a new format gets a new file beside them,
  * for every version must always open.
  *
  * All tests start from a file in the host's byte order, and so hold on every machine.
  */
+#define _GNU_SOURCE
 #include <math.h>
+#include <sys/mman.h>
 
 #include "dpa.h"
 #include "winding.h"
@@ -68,7 +70,7 @@ static void whole_files_open(void)
         CHECK(fault_of(files[i]).code == DPT_OK, "file %d", i);
         CHECK(dpt_mesh_get_info(mesh, &info) == DPT_OK, "file %d", i);
         CHECK(info.bytes == files[i]->size && info.triangles == (i ? 600 : 40) &&
-                  info.tree_levels == 1u + (uint32_t)i && info.format_version == 2,
+                  info.tree_levels == 1u + (uint32_t)i && info.format_version == 3,
               "%u triangles, %u levels", info.triangles, info.tree_levels);
         for (; dpt_mesh_get_section(mesh, id, &section) == DPT_OK; id++) {
             CHECK(section.offset == header.section[id].offset && section.offset % 64 == 0 &&
@@ -180,7 +182,7 @@ static void other_files_are_refused(void)
 
 static void newer_versions_are_refused(void)
 {
-    const uint32_t versions[] = { 3, 4, 256, UINT32_MAX };
+    const uint32_t versions[] = { 4, 5, 256, UINT32_MAX };
     for (int i = 0; i < 4; i++) {
         struct file file = copy_of(&small);
         memcpy(file.bytes + offsetof(struct dpt_mesh, version), &versions[i], 4);
@@ -267,6 +269,12 @@ static void forged_words_are_refused(void)
         { MESH_BOXES, -1, inf, finite, -1 },
         { MESH_LEAVES, 11, nan, finite, 11 },
         { MESH_LEAVES, -1, inf, finite, -1 },
+        { MESH_NORMALS, 0, nan, finite, 0 },
+        { MESH_NORMALS, -1, float_bits(-1.0000001f), finite, -1 },
+        { MESH_NORMALS, 3, float_bits(-1.0f), DPT_OK, 0 },
+        { MESH_FLAGS, 1, MESH_FLAGS_END, index, 1 },
+        { MESH_FLAGS, -1, UINT32_MAX, index, -1 },
+        { MESH_FLAGS, 2, MESH_FLAGS_END - 1, DPT_OK, 0 },
     };
     expect_forgeries(&large, forgeries, sizeof forgeries / sizeof *forgeries);
     /* 39 triangles: three leaves, of which the last has 7. */
@@ -305,7 +313,7 @@ static void forged_headers_are_refused(void)
         AT(version),           AT(header_bytes), AT(section_count), AT(triangles),
         AT(vertices),          AT(parts),        AT(leaves),        AT(levels),
         AT(reserved),          AT(bytes),        AT(byte_order),    AT(source_triangles),
-        AT(winding_components)
+        AT(tail.winding_components)
     };
     const uint32_t values[] = { 0, 1, 2, 599, 601, 0x7fffffff, 0x80000000, 0xfffffffe, UINT32_MAX };
     for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
@@ -385,6 +393,7 @@ static void use(const dpt_mesh *mesh, uint64_t *random)
     dpt_world_def_init(&def);
     def.max_bodies = def.max_tools = def.max_segments = 1;
     def.certificate_bytes = 2048;
+    def.smooth_normals = 1;
     CHECK(dpt_world_bytes(&def) <= sizeof block, "%zu bytes", dpt_world_bytes(&def));
     if (dpt_world_create(block, sizeof block, &def, &world) != DPT_OK ||
         dpt_body_add(world, mesh, NULL, &body) != DPT_OK)
@@ -470,11 +479,32 @@ static void wrong_arguments_are_refused(void)
     CHECK(dpt_mesh_get_info(mesh, &info) == DPT_OK && info.triangles == 40 &&
               info.solid_components == 77,
           "info of 160 bytes");
+    info = (dpt_mesh_info){ .size = 176, .crease = 77.0 };
+    CHECK(dpt_mesh_get_info(mesh, &info) == DPT_OK && info.solid_components == 1 &&
+              info.crease == 77.0,
+          "info of 176 bytes");
+    info.size = sizeof info;
+    CHECK(dpt_mesh_get_info(mesh, &info) == DPT_OK && info.crease == 3.14159265358979323846 / 3.0,
+          "creases of %.17g", info.crease);
+    for (uint32_t t = 0; t < 43; t += t < 39 ? 39 : 1) {
+        uint32_t flags = 77;
+        dpt_result wanted = t < 40 ? DPT_OK : DPT_E_ARGUMENT;
+        CHECK(dpt_mesh_triangle_flags(mesh, t, &flags) == wanted && (flags == 77) == (t >= 40) &&
+                  dpt_mesh_vertex_normals(mesh, t, corners) == wanted,
+              "triangle %u", t);
+    }
+    uint32_t flags;
+    CHECK(dpt_mesh_triangle_flags(NULL, 0, &flags) == DPT_E_ARGUMENT &&
+              dpt_mesh_triangle_flags(mesh, 0, NULL) == DPT_E_ARGUMENT &&
+              dpt_mesh_vertex_normals(NULL, 0, corners) == DPT_E_ARGUMENT &&
+              dpt_mesh_vertex_normals(mesh, 0, NULL) == DPT_E_ARGUMENT,
+          "NULL");
+    corners[0] = 77.0;
     CHECK(dpt_mesh_get_section(NULL, 0, &section) == DPT_E_ARGUMENT, "no mesh");
     CHECK(dpt_mesh_get_section(mesh, 0, NULL) == DPT_E_ARGUMENT, "no section");
     CHECK(dpt_mesh_get_section(mesh, 0, &section) == DPT_E_SIZE && section.crc32 == 77, "size");
     section.size = sizeof section;
-    CHECK(dpt_mesh_get_section(mesh, 12, &section) == DPT_E_ARGUMENT, "there are 12 sections");
+    CHECK(dpt_mesh_get_section(mesh, 14, &section) == DPT_E_ARGUMENT, "there are 14 sections");
     CHECK(dpt_mesh_get_section(mesh, UINT32_MAX, &section) == DPT_E_ARGUMENT, "no such section");
     CHECK(dpt_mesh_triangle(NULL, 0, corners) == DPT_E_ARGUMENT, "no mesh");
     CHECK(dpt_mesh_triangle(mesh, 0, NULL) == DPT_E_ARGUMENT, "no corners");
@@ -550,7 +580,7 @@ static struct file read_golden(const char *name)
 /* The compiler writes the same bytes, but for its own version. */
 static void golden_file_is_what_we_write(void)
 {
-    struct file source = read_golden("torus.ply"), kept = read_golden("torus_2.dpa");
+    struct file source = read_golden("torus.ply"), kept = read_golden("torus_3.dpa");
     dpt_compiled compiled;
     if (source.size && kept.size > sizeof(struct dpt_mesh) &&
         dpt_compile_bytes(source.bytes, source.size, NULL, &compiled, NULL) == DPT_OK) {
@@ -578,56 +608,100 @@ static void golden_file_is_what_we_write(void)
     free(kept.bytes);
 }
 
-/* Version 1 opens forever, in either byte order, and answers as the same mesh of today does. */
-static void version_1_opens(void)
+/* An old file against the same mesh of today: its findings, as far as it has them, and the same answers. */
+static void answer_alike(const struct file *old, const struct file *today, uint32_t version)
 {
-    struct file old = read_golden("torus.dpa"), today = file_of_shape("torus", 96);
-    dpt_mesh_convert(old.bytes, old.size, NULL);
-    CHECK(fault_of(&old).code == DPT_OK, "does not open");
     const dpt_mesh *meshes[2] = { NULL, NULL };
     dpt_mesh_info info = { .size = sizeof info };
     dpt_mesh_section section = { .size = sizeof section };
-    if (dpt_mesh_open(old.bytes, old.size, &meshes[0]) == DPT_OK &&
-        dpt_mesh_open(today.bytes, today.size, &meshes[1]) == DPT_OK) {
-        dpt_mesh_get_info(meshes[0], &info);
-        CHECK(info.format_version == 1 && info.solid_components == 1 && !info.cavities &&
-                  !info.winding_components && !info.buried_components,
-              "version %u, %u solid", info.format_version, info.solid_components);
-        CHECK(mesh_part_flags(meshes[0], 0) == 15 && mesh_part_flags(meshes[1], 0) == 15,
-              "flags %u, %u", mesh_part_flags(meshes[0], 0), mesh_part_flags(meshes[1], 0));
-        CHECK(dpt_mesh_get_section(meshes[0], 10, &section) == DPT_OK &&
-                  dpt_mesh_get_section(meshes[0], 11, &section) == DPT_E_ARGUMENT,
-              "it has 11 sections");
-        uint64_t random = 5;
-        for (int i = 0; i < 200; i++) {
-            double ends[6], radius = 0.01;
-            dpt_hit hits[2] = { DPT_HIT_INIT, DPT_HIT_INIT };
-            for (int k = 0; k < 6; k++)
-                ends[k] = random_in(&random, -0.2, 0.2);
-            for (int m = 0; m < 2; m++)
-                dpt_query_segments(meshes[m], NULL, ends, &radius, 1, &hits[m], NULL);
-            CHECK(!memcmp(&hits[0], &hits[1], sizeof hits[0]), "another answer");
+    uint32_t flags, sections = version == 1 ? 11 : version == 2 ? 12 : 14;
+    uint64_t random = 5;
+    if (dpt_mesh_open(old->bytes, old->size, &meshes[0]) != DPT_OK ||
+        dpt_mesh_open(today->bytes, today->size, &meshes[1]) != DPT_OK) {
+        CHECK(0, "version %u does not open", version);
+        return;
+    }
+    dpt_mesh_get_info(meshes[0], &info);
+    CHECK(info.format_version == version && info.solid_components == 1 && !info.cavities &&
+              !info.winding_components && !info.buried_components,
+          "version %u, %u solid", info.format_version, info.solid_components);
+    CHECK((info.crease > 0.0) == (version > 2), "version %u has creases of %g", version, info.crease);
+    CHECK(mesh_part_flags(meshes[0], 0) == 15 && mesh_part_flags(meshes[1], 0) == 15,
+          "flags %u, %u", mesh_part_flags(meshes[0], 0), mesh_part_flags(meshes[1], 0));
+    CHECK(dpt_mesh_get_section(meshes[0], sections - 1, &section) == DPT_OK &&
+              dpt_mesh_get_section(meshes[0], sections, &section) == DPT_E_ARGUMENT,
+          "version %u has not %u sections", version, sections);
+    CHECK(dpt_mesh_triangle_flags(meshes[0], 0, &flags) ==
+              (version > 2 ? DPT_OK : DPT_E_UNSUPPORTED),
+          "flags of version %u", version);
+    for (uint32_t t = 0; t < info.triangles; t++) {
+        double normals[2][9];
+        for (int m = 0; m < 2; m++)
+            CHECK(dpt_mesh_vertex_normals(meshes[m], t, normals[m]) == DPT_OK, "triangle %u", t);
+        for (int i = 0; i < 9; i++)
+            CHECK(fabs(normals[0][i] - normals[1][i]) < 0x1p-24, "normal %d of triangle %u", i, t);
+    }
+    for (int i = 0; i < 200; i++) {
+        double ends[6], radius = 0.01;
+        dpt_hit hits[2] = { DPT_HIT_INIT, DPT_HIT_INIT };
+        for (int k = 0; k < 6; k++)
+            ends[k] = random_in(&random, -0.2, 0.2);
+        for (int m = 0; m < 2; m++)
+            dpt_query_segments(meshes[m], NULL, ends, &radius, 1, &hits[m], NULL);
+        CHECK(!memcmp(&hits[0], &hits[1], sizeof hits[0]), "another answer");
+    }
+    use(meshes[0], &random);
+}
+
+/* Every version opens forever, in either byte order, and is checked as today's is. */
+static void all_versions_open(void)
+{
+    const char *const names[] = { "torus.dpa", "torus_2.dpa", "torus_3.dpa" };
+    struct file today = file_of_shape("torus", 96);
+    for (uint32_t version = 1; version <= 3; version++) {
+        struct file old = read_golden(names[version - 1]);
+        dpt_mesh_convert(old.bytes, old.size, NULL);
+        CHECK(fault_of(&old).code == DPT_OK, "does not open");
+        answer_alike(&old, &today, version);
+        for (size_t size = 0; size < old.size; size += size < 1000 ? 1 : 97) {
+            struct file cut = file_of(old.bytes, size);
+            expect_fault(&cut, DPT_E_TRUNCATED, size, "header");
+            free(cut.bytes);
         }
-        use(meshes[0], &random);
+        struct dpt_mesh header = header_of(&old);
+        for (size_t at = 0; at < old.size; at += at < 1000 ? 1 : 13) {
+            old.bytes[at] ^= 0x10;
+            expect_byte_fault(&old, &header, at);
+            old.bytes[at] ^= 0x10;
+        }
+        struct file other = other_order(&old);
+        CHECK(dpt_mesh_convert(other.bytes, other.size, NULL) == DPT_OK &&
+                  !memcmp(other.bytes, old.bytes, old.size),
+              "not the bytes it was made of");
+        free(other.bytes);
+        free(old.bytes);
     }
-    for (size_t size = 0; size < old.size; size += size < 800 ? 1 : 97) {
-        struct file cut = file_of(old.bytes, size);
-        expect_fault(&cut, DPT_E_TRUNCATED, size, "header");
-        free(cut.bytes);
-    }
-    struct dpt_mesh header = header_of(&old);
-    for (size_t at = 0; at < old.size; at += at < 800 ? 1 : 13) {
-        old.bytes[at] ^= 0x10;
-        expect_byte_fault(&old, &header, at);
-        old.bytes[at] ^= 0x10;
-    }
-    struct file other = other_order(&old);
-    CHECK(dpt_mesh_convert(other.bytes, other.size, NULL) == DPT_OK &&
-              !memcmp(other.bytes, old.bytes, old.size),
-          "not the bytes it was made of");
-    free(other.bytes);
-    free(old.bytes);
     free(today.bytes);
+}
+
+/* Nothing is written to an open mesh: of pages that cannot be written, all answers are as of others. */
+static void read_only_memory_is_enough(void)
+{
+    uint64_t random = 9;
+    size_t room = (large.size + 65535) / 65536 * 65536;
+    unsigned char *pages = mmap(NULL, room, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    CHECK(pages != MAP_FAILED, "no pages");
+    if (pages == MAP_FAILED)
+        return;
+    memcpy(pages, large.bytes, large.size);
+    CHECK(mprotect(pages, room, PROT_READ) == 0, "still writable");
+    const dpt_mesh *mesh;
+    CHECK(dpt_mesh_open(pages, large.size, &mesh) == DPT_OK, "does not open");
+    /* In the host's order already, so that there is nothing to convert. */
+    CHECK(dpt_mesh_convert(pages, large.size, NULL) == DPT_OK, "does not convert");
+    for (int i = 0; i < 50; i++)
+        use(mesh, &random);
+    munmap(pages, room);
 }
 
 int main(int argc, char **argv)
@@ -654,7 +728,8 @@ int main(int argc, char **argv)
     TEST(other_byte_order_converts);
     TEST(other_byte_order_is_checked);
     TEST(golden_file_is_what_we_write);
-    TEST(version_1_opens);
+    TEST(all_versions_open);
+    TEST(read_only_memory_is_enough);
     free(holed.bytes);
     free(small.bytes);
     free(large.bytes);

@@ -43,17 +43,43 @@ static int is_c_name(const char *name)
     return 1;
 }
 
+/*
+ * Words of 8 bytes: a compiler takes a fifth of the time and memory that it needs for single bytes, and aligns them by
+ * itself.
+ */
 static void write_c_array(FILE *file, const char *name, const dpt_compiled *compiled)
 {
     const unsigned char *byte = compiled->bytes;
-    fprintf(file, "/* A dynpoint mesh: dpt_mesh_open(%s, %s_size, &mesh). */\n", name, name);
-    fprintf(file, "#include <stddef.h>\n\nextern const unsigned char %s[];\n", name);
-    fprintf(file, "extern const size_t %s_size;\n\nconst size_t %s_size = %zu;\n", name, name,
-            compiled->size);
-    fprintf(file, "const unsigned char %s[%zu] __attribute__((aligned(64))) = {", name,
-            compiled->size);
-    for (size_t i = 0; i < compiled->size; i++)
-        fprintf(file, "%s%u,", i % 24 ? "" : "\n", byte[i]);
+    size_t size = compiled->size, words = (size + 7) / 8;
+    fprintf(file,
+            "/*\n"
+            " * A dynpoint mesh of %zu bytes: dpt_mesh_open(%s, %s_size, &mesh).\n"
+            " *\n"
+            " *     extern const uint64_t %s[];\n"
+            " *     extern const size_t %s_size;\n"
+            " */\n"
+            "#include <stddef.h>\n#include <stdint.h>\n\n"
+            "#ifdef __GNUC__\n#define DPA_ALIGNED __attribute__((aligned(64)))\n"
+            "#else\n#define DPA_ALIGNED\n#endif\n\n"
+            "#if defined __BYTE_ORDER__ && __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__\n"
+            "#define SWAPPED(x) \\\n"
+            "    ((x) >> 56 | ((x) >> 40 & 0xff00) | ((x) >> 24 & 0xff0000) | \\\n"
+            "     ((x) >> 8 & 0xff000000) | ((x) & 0xff000000) << 8 | ((x) & 0xff0000) << 24 | \\\n"
+            "     ((x) & 0xff00) << 40 | (x) << 56)\n"
+            "#define W(x) SWAPPED((uint64_t)x)\n"
+            "#else\n#define W(x) x\n#endif\n\n"
+            "#ifdef __cplusplus\nextern \"C\" {\n#endif\n"
+            "extern const uint64_t %s[%zu];\nextern const size_t %s_size;\n"
+            "#ifdef __cplusplus\n}\n#endif\n\n"
+            "const size_t %s_size = %zu;\n"
+            "const uint64_t %s[%zu] DPA_ALIGNED = {",
+            size, name, name, name, name, name, words, name, name, size, name, words);
+    for (size_t i = 0; i < words; i++) {
+        uint64_t word = 0;
+        for (size_t k = 0; k < 8 && 8 * i + k < size; k++)
+            word |= (uint64_t)byte[8 * i + k] << 8 * k;
+        fprintf(file, "%sW(0x%" PRIx64 "u),", i % 4 ? "" : "\n", word);
+    }
     fputs("\n};\n", file);
 }
 
