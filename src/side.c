@@ -12,7 +12,8 @@ static vec3 corner_of(const struct tree *tree, uint32_t triangle, int k)
 vec3 side_face_normal(const struct tree *tree, uint32_t triangle)
 {
     vec3 a = corner_of(tree, triangle, 0);
-    return unit_of(cross(sub(corner_of(tree, triangle, 1), a), sub(corner_of(tree, triangle, 2), a)));
+    return unit_of(
+        cross(sub(corner_of(tree, triangle, 1), a), sub(corner_of(tree, triangle, 2), a)));
 }
 
 /* What a triangle adds to the normal of its corner's vertex: that of its plane, by its angle there. */
@@ -120,7 +121,8 @@ vec3 side_smooth_normal(const struct tree *tree, uint32_t triangle, const double
     vec3 normal = { 0.0, 0.0, 0.0 };
     for (int k = 0; k < 3; k++) {
         int ended = flags && (flags[triangle] & ends << k);
-        vec3 corner = ended ? sector_normal(tree, triangle, k) : side_vertex_normal(tree, triangle, k);
+        vec3 corner =
+            ended ? sector_normal(tree, triangle, k) : side_vertex_normal(tree, triangle, k);
         normal = along(normal, weight[k], unit_of(corner));
     }
     return unit_of(normal);

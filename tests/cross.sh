@@ -47,6 +47,7 @@ work()
         "$@" make stomach 2001 -o "$out/open.obj" &&
         "$@" compile "$out/open.obj" -o "$out/open.dpa" &&
         "$@" info "$out/torus.dpa" --verify >"$out/verified" &&
+        "$@" compile "$out/torus.ply" -o "$out/torus.c" --c-array torus &&
         "$@" make trace --mesh "$out/torus.dpa" --ticks 500 -o "$out/torus.csv" &&
         "$@" make trace --mesh "$out/liver.dpa" --ticks 500 -o "$out/liver.csv" &&
         "$@" replay "$out/torus.dpa" "$out/torus.csv" -o "$out/torus.out" --radius 0.003 &&
@@ -79,10 +80,17 @@ try()
     [ -x "$folder/dynpoint" ] || return
     check "$machine: warnings, see $log" test "$(grep -c warning: "$log")" -eq 0
     check "$machine: it runs, see $log" work "qemu-$machine-static" "$folder/dynpoint"
-    for name in torus.ply liver.obj torus.dpa liver.dpa open.dpa torus.csv liver.csv torus.out brute.out \
+    for name in torus.ply liver.obj torus.dpa liver.dpa open.dpa torus.c torus.csv liver.csv torus.out brute.out \
         liver.out; do
         check "$machine: other bytes in $name" cmp -s "$native/cross/$name" "$out/$name"
     done
+    # The bytes in an array are those of the file, and a copy converts in place.
+    check "$machine: the array compiles, see $log" "$1-linux-gnu-gcc" -std=c99 -static -Wall -Wextra \
+        -Wconversion -Werror -Iinclude "$native/cross/array.c" "$out/torus.c" "$folder/libdynpoint.a" -lm \
+        -o "$out/array"
+    "qemu-$machine-static" "$out/array" "$out/torus.dpa"
+    code=$?
+    check "$machine: the array differs from the file: $code" test $code -eq 0
     # A damaged file is refused at the same byte, whatever the byte order.
     head -c 9000 "$out/torus.dpa" >"$out/short.dpa"
     "qemu-$machine-static" "$folder/dynpoint" info "$out/short.dpa" >"$out/said" 2>&1
@@ -93,6 +101,29 @@ try()
 log=$native/cross.log out=$native/cross
 : >"$log"
 check "this machine: it runs, see $log" work "$native/dynpoint"
+cat >"$native/cross/array.c" <<'C'
+#include <dynpoint.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+extern const uint64_t torus[];
+extern const size_t torus_size;
+static uint64_t file[1 << 17], copy[1 << 17];
+int main(int argc, char **argv)
+{
+    const dpt_mesh *mesh;
+    const uint32_t one = 1;
+    const int little = *(const unsigned char *)&one == 1;
+    FILE *stream = argc > 1 ? fopen(argv[1], "rb") : NULL;
+    size_t size = stream ? fread(file, 1, sizeof file, stream) : 0;
+    if (size != torus_size || memcmp(file, torus, size) != 0)
+        return 1;
+    if (dpt_mesh_open(torus, size, &mesh) != (little ? DPT_OK : DPT_E_BYTE_ORDER))
+        return 2;
+    memcpy(copy, torus, size);
+    return dpt_mesh_convert(copy, size, NULL) || dpt_mesh_open(copy, size, &mesh) ? 3 : 0;
+}
+C
 try aarch64
 try s390x
 echo "$passed passed, $failed failed, $skipped skipped"

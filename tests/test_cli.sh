@@ -667,7 +667,8 @@ C
         done
         check "--c-array, $compiler: $(tail -n 1 cc.log)" test -x opens
         ./opens
-        check "--c-array, $compiler: not the file's answers: $?" test $? -eq 0
+        code=$?
+        check "--c-array, $compiler: not the file's answers: $code" test $code -eq 0
         # No writable data: it may lie in flash.
         check "--c-array, $compiler: not constant" \
             test -z "$(objdump -h torus_mesh.o | awk '$2 ~ /^\.s?(data|bss)$/ && $3 !~ /^0+$/')"

@@ -490,7 +490,7 @@ static void wrong_input_is_refused(void)
         bad = SOURCE(vertices, cube_corners);
         expect_refusal(&bad, NULL, DPT_E_FINITE, k / 3 * 24);
     }
-    def.size--;
+    def.size = offsetof(dpt_compile_def, crease) - 1;
     expect_refusal(&good, &def, DPT_E_SIZE, 0);
 }
 

@@ -30,7 +30,7 @@ struct damage {
     enum whole of;
     enum change change;
     int section; /* that `at` counts in, in words, from its end when negative; MESH_HEADER: in bytes */
-    int64_t at;  /* CUT and GROW: by how many bytes */
+    int64_t at; /* CUT and GROW: by how many bytes */
     uint32_t value;
     enum seal seal;
     dpt_result code;
@@ -156,11 +156,14 @@ static void each_check_has_its_damage(void)
           AT(triangles) },
         { PLAIN, SET, MESH_HEADER, AT(vertices), 0x80000000, HEADER, layout, NULL, AT(triangles) },
         { PLAIN, SET, MESH_HEADER, AT(levels), 2, HEADER, layout, NULL, AT(triangles) },
-        { PLAIN, SET, MESH_HEADER, AT(vertices), v + 1, HEADER, layout, "vertices", ENTRY(0, name) },
+        { PLAIN, SET, MESH_HEADER, AT(vertices), v + 1, HEADER, layout, "vertices",
+          ENTRY(0, name) },
         { PLAIN, SET, MESH_HEADER, ENTRY(4, name), 0x746e6166, HEADER, layout, "fans",
           ENTRY(4, name) },
-        { PLAIN, SET, MESH_HEADER, ENTRY(4, offset) + lower, 0, HEADER, layout, "fans", ENTRY(4, name) },
-        { PLAIN, SET, MESH_HEADER, ENTRY(4, bytes) + lower, 4, HEADER, layout, "fans", ENTRY(4, name) },
+        { PLAIN, SET, MESH_HEADER, ENTRY(4, offset) + lower, 0, HEADER, layout, "fans",
+          ENTRY(4, name) },
+        { PLAIN, SET, MESH_HEADER, ENTRY(4, bytes) + lower, 4, HEADER, layout, "fans",
+          ENTRY(4, name) },
         { PLAIN, SET, MESH_HEADER, ENTRY(12, bytes) + lower, 0, HEADER, layout, "normals",
           ENTRY(12, name) },
         { PLAIN, SET, MESH_HEADER, ENTRY(4, reserved), 1, HEADER, layout, "fans", ENTRY(4, name) },
@@ -172,7 +175,8 @@ static void each_check_has_its_damage(void)
         { PLAIN, SET, MESH_FLAGS, 0, 1, AS_IT_IS, DPT_E_CHECKSUM, NULL, THERE },
         { OLD, SET, MESH_LEAVES, 0, nan, AS_IT_IS, DPT_E_CHECKSUM, NULL, THERE },
         /* check_numbers: the upper halves of doubles, made infinite */
-        { PLAIN, SET, MESH_HEADER, AT(box_max) + upper, 0x7ff00000, HEADER, finite, NULL, AT(scale) },
+        { PLAIN, SET, MESH_HEADER, AT(box_max) + upper, 0x7ff00000, HEADER, finite, NULL,
+          AT(scale) },
         { PLAIN, SET, MESH_HEADER, AT(tail.crease) + upper, 0x7ff00000, HEADER, finite, NULL,
           AT(tail.crease) },
         { PLAIN, SET, MESH_HEADER, AT(tail.crease) + upper, 0xbff00000, HEADER, finite, NULL,
@@ -193,6 +197,8 @@ static void each_check_has_its_damage(void)
         { PLAIN, SET, MESH_SOURCES, 1, t, ALL, index, NULL, THERE },
         { PLAIN, SET, MESH_PLACES, 2, MESH_DROPPED_DUPLICATE - 1, ALL, index, NULL, THERE },
         { PLAIN, SET, MESH_FLAGS, -1, MESH_FLAGS_END, ALL, index, NULL, THERE },
+        /* check_sources */
+        { PLAIN, SET, MESH_PLACES, 0, MESH_DROPPED_DUPLICATE, ALL, index, NULL, THERE },
         /* check_fans */
         { PLAIN, SET, MESH_FAN_FIRST, 4, 0, ALL, index, NULL, THERE },
         { PLAIN, SET, MESH_FAN_FIRST, 0, 1, ALL, index, NULL, THERE },

@@ -309,12 +309,19 @@ static void forged_headers_are_refused(void)
 {
     /* None of these counts is free: each decides the length of a section, or the order of the tree.
      */
-    const size_t counts[] = {
-        AT(version),           AT(header_bytes), AT(section_count), AT(triangles),
-        AT(vertices),          AT(parts),        AT(leaves),        AT(levels),
-        AT(reserved),          AT(bytes),        AT(byte_order),    AT(source_triangles),
-        AT(tail.winding_components)
-    };
+    const size_t counts[] = { AT(version),
+                              AT(header_bytes),
+                              AT(section_count),
+                              AT(triangles),
+                              AT(vertices),
+                              AT(parts),
+                              AT(leaves),
+                              AT(levels),
+                              AT(reserved),
+                              AT(bytes),
+                              AT(byte_order),
+                              AT(source_triangles),
+                              AT(tail.winding_components) };
     const uint32_t values[] = { 0, 1, 2, 599, 601, 0x7fffffff, 0x80000000, 0xfffffffe, UINT32_MAX };
     for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
         for (size_t k = 0; k < sizeof values / sizeof *values; k++) {
@@ -625,7 +632,8 @@ static void answer_alike(const struct file *old, const struct file *today, uint3
     CHECK(info.format_version == version && info.solid_components == 1 && !info.cavities &&
               !info.winding_components && !info.buried_components,
           "version %u, %u solid", info.format_version, info.solid_components);
-    CHECK((info.crease > 0.0) == (version > 2), "version %u has creases of %g", version, info.crease);
+    CHECK((info.crease > 0.0) == (version > 2), "version %u has creases of %g", version,
+          info.crease);
     CHECK(mesh_part_flags(meshes[0], 0) == 15 && mesh_part_flags(meshes[1], 0) == 15,
           "flags %u, %u", mesh_part_flags(meshes[0], 0), mesh_part_flags(meshes[1], 0));
     CHECK(dpt_mesh_get_section(meshes[0], sections - 1, &section) == DPT_OK &&
@@ -689,7 +697,8 @@ static void read_only_memory_is_enough(void)
 {
     uint64_t random = 9;
     size_t room = (large.size + 65535) / 65536 * 65536;
-    unsigned char *pages = mmap(NULL, room, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    unsigned char *pages =
+        mmap(NULL, room, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     CHECK(pages != MAP_FAILED, "no pages");
     if (pages == MAP_FAILED)
         return;

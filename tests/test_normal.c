@@ -43,8 +43,8 @@ static void scene_of_arrays(struct scene *scene, const double *vertices, size_t 
 {
     dpt_compile_def def = { .size = sizeof def, .crease = crease };
     dpt_compiled compiled = { NULL, 0 };
-    dpt_result result = dpt_compile_arrays(vertices, vertex_count, corners, triangle_count, &def,
-                                           &compiled, NULL);
+    dpt_result result =
+        dpt_compile_arrays(vertices, vertex_count, corners, triangle_count, &def, &compiled, NULL);
     CHECK(result == DPT_OK, "%s", dpt_result_name(result));
     open_scene(scene, &compiled);
 }
@@ -118,8 +118,8 @@ static void normal_by_all(const struct scene *scene, const double *x, real n[3])
 static const struct {
     const char *name;
     uint64_t count;
-} shapes[] = { { "torus", 200 }, { "liver", 500 },   { "star", 2000 },  { "box", 12 },
-               { "box", 300 },   { "stomach", 301 }, { "cloth", 200 },  { "hub", 77 },
+} shapes[] = { { "torus", 200 }, { "liver", 500 },   { "star", 2000 }, { "box", 12 },
+               { "box", 300 },   { "stomach", 301 }, { "cloth", 200 }, { "hub", 77 },
                { "sphere", 20 }, { "membrane", 32 }, { "spleen", 400 } };
 
 static void normals_are_angle_weighted(void)
@@ -141,6 +141,8 @@ static void normals_are_angle_weighted(void)
             }
         }
         CHECK(worst <= 0x1p-24, "%s: off by %g", shapes[s].name, worst);
+        CHECK(scene.info.bytes <= 4096 + (uint64_t)160 * scene.info.triangles, "%s: %llu bytes",
+              shapes[s].name, (unsigned long long)scene.info.bytes);
         close_scene(&scene);
     }
 }
@@ -207,8 +209,9 @@ static void check_flags(const struct scene *scene, const char *name)
                         uint32_t two = edge[u][i] | edge[u][(i + 2) % 3];
                         wanted |= (two & DPT_EDGE_BORDER ? (uint32_t)DPT_CORNER_BORDER : 0) << k;
                         wanted |= (two & DPT_EDGE_CREASE ? (uint32_t)DPT_CORNER_CREASE : 0) << k;
-                        wanted |= (two & DPT_EDGE_NONMANIFOLD ? (uint32_t)DPT_CORNER_NONMANIFOLD : 0)
-                                  << k;
+                        wanted |=
+                            (two & DPT_EDGE_NONMANIFOLD ? (uint32_t)DPT_CORNER_NONMANIFOLD : 0)
+                            << k;
                     }
         }
         CHECK(flags == wanted, "%s: triangle %u has %05x, not %05x", name, t, flags, wanted);
@@ -253,7 +256,8 @@ static void edges_and_corners_are_flagged(void)
 
 static void wrong_limits_are_refused(void)
 {
-    const double vertices[] = { 0, 0, 0, 1, 0, 0, 0, 1, 0 }, wrong[] = { -1.0, 3.15, NAN, INFINITY };
+    const double vertices[] = { 0, 0, 0, 1, 0, 0, 0, 1, 0 },
+                 wrong[] = { -1.0, 3.15, NAN, INFINITY };
     const uint32_t corners[] = { 0, 1, 2 };
     dpt_compiled compiled;
     for (int i = 0; i < 4; i++) {
@@ -268,11 +272,44 @@ static void wrong_limits_are_refused(void)
     }
 }
 
+/* Limits a hair below and above the angle of an edge. */
+static void limits_are_met_to_the_hair(void)
+{
+    struct scene scene;
+    uint32_t tried = 0;
+    scene_of_shape(&scene, "liver", 500, 0.0);
+    for (uint32_t t = 0; t < 500; t += 83) {
+        real a[3], b[3], c[3];
+        uint32_t other = 0, flags[2] = { 0, 0 };
+        while (other == t || !has_edge(scene.corner[t], 0, scene.corner[other]))
+            other++;
+        plane_of(scene.corner[t], 0, a);
+        plane_of(scene.corner[other], 0, b);
+        cross_of(a, b, c);
+        double angle = (double)atan2l(sqrtl(dot_of(c, c)), dot_of(a, b));
+        if (angle < 0.05)
+            continue;
+        for (int i = 0; i < 2; i++) {
+            struct scene at;
+            scene_of_shape(&at, "liver", 500, angle + (i ? 1e-12 : -1e-12));
+            dpt_mesh_triangle_flags(at.mesh, t, &flags[i]);
+            close_scene(&at);
+        }
+        CHECK((flags[0] & DPT_EDGE_CREASE) && !(flags[1] & DPT_EDGE_CREASE), "triangle %u at %g", t,
+              angle);
+        tried++;
+    }
+    CHECK(tried > 2, "only %u edges", tried);
+    close_scene(&scene);
+}
+
 /* Tetrahedra below and above a point that both have; each has its own normal there. */
 static void parts_that_share_a_vertex_have_two_normals(void)
 {
-    const double vertices[] = { 0, 0, 0, 1, 0, 1, -1, 1, 1, -1, -1, 1, 1, 0, -1, -1, 1, -1, -1, -1, -1 };
-    const uint32_t corners[] = { 0, 2, 1, 0, 3, 2, 0, 1, 3, 1, 2, 3, 0, 4, 5, 0, 5, 6, 0, 6, 4, 4, 6, 5 };
+    const double vertices[] = { 0, 0, 0, 1,  0,  1, -1, 1,  1,  -1, -1,
+                                1, 1, 0, -1, -1, 1, -1, -1, -1, -1 };
+    const uint32_t corners[] = { 0, 2, 1, 0, 3, 2, 0, 1, 3, 1, 2, 3,
+                                 0, 4, 5, 0, 5, 6, 0, 6, 4, 4, 6, 5 };
     struct scene scene;
     double normals[9];
     scene_of_arrays(&scene, vertices, 7, corners, 8, 0.0);
@@ -290,19 +327,14 @@ static void parts_that_share_a_vertex_have_two_normals(void)
     close_scene(&scene);
 }
 
-/* A square about its middle, two of four triangles wound the other way. */
+/* A square about its middle, tilted, two of four triangles wound the other way: what is left of the sum is rounding. */
 static void normals_that_cancel_are_none(void)
 {
-    const double vertices[] = { 0, 0, 0, 1, 0, 0, 0, 1, 0, -1, 0, 0, 0, -1, 0 };
+    const double vertices[] = { 0, 0, 1e-7, 1, 0, 0.3, 0, 1, 0.7, -1, 0, -0.3, 0, -1, -0.7 };
     const uint32_t corners[] = { 0, 1, 2, 0, 2, 3, 0, 4, 3, 0, 1, 4 };
     struct scene scene;
-    double normals[9];
     scene_of_arrays(&scene, vertices, 5, corners, 4, 0.0);
-    CHECK(scene.info.normalless_vertices == 3, "%u without", scene.info.normalless_vertices);
-    dpt_mesh_vertex_normals(scene.mesh, 0, normals);
-    for (int k = 0; k < 3; k++)
-        if (same_point(scene.corner[0] + 3 * k, vertices))
-            CHECK(fabs(normals[3 * k + 2]) < 1e-12, "%g", normals[3 * k + 2]);
+    CHECK(scene.info.normalless_vertices == 1, "%u without", scene.info.normalless_vertices);
     close_scene(&scene);
 }
 
@@ -481,10 +513,39 @@ static void hubs_cost_no_fan(void)
     close_scene(&scene);
 }
 
+/* Borders too, all fans of a cloth being nonsense. */
+static void borders_cost_no_fan(void)
+{
+    struct scene scene;
+    uint32_t alone = 0;
+    scene_of_shape(&scene, "cloth", 200, 0.0);
+    struct dpt_mesh header = header_of(&scene.file);
+    memset(scene.file.bytes + header.section[MESH_FANS].offset, 0,
+           (size_t)header.section[MESH_FANS].bytes);
+    for (uint32_t place = 0; place < scene.info.triangles; place++)
+        for (int k = 0; k < 3; k++) {
+            double weight[3] = { 0.0, 0.0, 0.0 };
+            uint32_t t = scene.tree.sources[place], flags, wanted = 0;
+            dpt_mesh_triangle_flags(scene.mesh, t, &flags);
+            weight[k] = 1.0;
+            for (uint32_t u = 0; u < scene.info.triangles && !wanted; u++)
+                for (int i = 0; i < 3; i++)
+                    if (same_point(scene.corner[t] + 3 * k, scene.corner[u] + 3 * i))
+                        wanted |=
+                            (edge_by_all(&scene, u, i) | edge_by_all(&scene, u, (i + 2) % 3)) &
+                            DPT_EDGE_BORDER;
+            alone += wanted && !(flags & 7u);
+            CHECK(side_is_border(&scene.tree, place, weight) == (int)wanted, "triangle %u", t);
+        }
+    CHECK(alone > 10, "only %u touch the border in a point", alone);
+    close_scene(&scene);
+}
+
 int main(void)
 {
     TEST(normals_are_angle_weighted);
     TEST(edges_and_corners_are_flagged);
+    TEST(limits_are_met_to_the_hair);
     TEST(wrong_limits_are_refused);
     TEST(parts_that_share_a_vertex_have_two_normals);
     TEST(normals_that_cancel_are_none);
@@ -492,5 +553,6 @@ int main(void)
     TEST(sides_at_vertices_do_not_turn);
     TEST(creases_are_not_smoothed);
     TEST(hubs_cost_no_fan);
+    TEST(borders_cost_no_fan);
     return check_report();
 }

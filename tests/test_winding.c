@@ -13,6 +13,7 @@
 #include "check.h"
 #include "compile/moment.h"
 #include "dynpoint/compile.h"
+#include "dynpoint/query.h"
 #include "shape.h"
 
 #define PI 3.14159265358979323846
@@ -673,6 +674,36 @@ static void many_parts_take_time_in_proportion(void)
     printf("    8 times the parts take %.1f times as long\n", ratio);
 }
 
+/*
+ * A box in a box in a box, so many that their pairs are not all looked at: what is left is decided by winding numbers,
+ * and told right all the same.
+ */
+static void endless_pairs_are_cut_short(void)
+{
+    enum { BOXES = 2000 };
+    struct scene scene = { .vertices = NULL };
+    for (int i = 0; i < BOXES; i++)
+        add_shape(&scene, "box", 12, (vec3){ 0.0, 0.0, 0.0 }, 1.0 + 1e-3 * i, 0, 0);
+    if (scene_open(&scene)) {
+        CHECK(scene.info.solid_components == BOXES && scene.info.winding_components > BOXES / 10 &&
+                  scene.info.winding_components < BOXES,
+              "%u solid, %u by winding", scene.info.solid_components,
+              scene.info.winding_components);
+        const double depths[] = { 0.0599, 0.0900, 0.1799 };
+        for (int i = 0; i < 3; i++) {
+            const double inside[6] = { depths[i], 0.0, 0.0, depths[i], 1e-4, 0.0 };
+            dpt_hit hit = DPT_HIT_INIT;
+            dpt_query_segments(scene.mesh, NULL, inside, NULL, 1, &hit, NULL);
+            CHECK(hit.gap < 0.0, "at %g: gap %g", depths[i], hit.gap);
+        }
+        const double outside[6] = { 0.19, 0.0, 0.0, 0.2, 0.0, 0.0 };
+        dpt_hit hit = DPT_HIT_INIT;
+        dpt_query_segments(scene.mesh, NULL, outside, NULL, 1, &hit, NULL);
+        CHECK(hit.gap > 0.0, "outside: gap %g", hit.gap);
+    }
+    scene_close(&scene);
+}
+
 struct expected {
     const char *path;
     uint32_t solid, cavities, winding, buried;
@@ -742,6 +773,7 @@ int main(void)
     TEST(contact_is_found_within_faces);
     TEST(sides_are_known_near_the_surface);
     TEST(many_parts_take_time_in_proportion);
+    TEST(endless_pairs_are_cut_short);
     if (getenv("DPT_DATA"))
         TEST(public_meshes_are_what_they_seem);
     else

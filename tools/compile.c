@@ -20,7 +20,8 @@ static const char help[] =
     "\n"
     "  -o FILE         where to; - is standard output\n"
     "  --scale X       metres per unit of the source (0.001 for millimetres); default 1\n"
-    "  --crease A      edges bent by more than A degrees are creases: sharp; default 60, 180 is none\n"
+    "  --crease A      edges bent by more than A degrees are creases: sharp; default 60, 180 is "
+    "none\n"
     "  --c-array NAME  write C source that holds the bytes in an array of that name\n"
     "  -j N            use at most N threads; this version never uses more than one\n";
 

@@ -93,7 +93,8 @@ static void print_text(const char *path, const dpt_mesh *mesh, const dpt_mesh_in
            info->box_max[2] - info->box_min[2], info->box_min[0], info->box_min[1],
            info->box_min[2]);
     if (info->crease > 0.0)
-        printf("  %-24s %10.6g degrees\n", "crease", info->crease * (180.0 / 3.14159265358979323846));
+        printf("  %-24s %10.6g degrees\n", "crease",
+               info->crease * (180.0 / 3.14159265358979323846));
     if (info->source_bytes)
         printf("  %-24s %10" PRIu64 " bytes, hash %016" PRIx64 "\n", "source", info->source_bytes,
                info->source_hash);

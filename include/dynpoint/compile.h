@@ -48,7 +48,8 @@ typedef struct dpt_compile_def {
     dpt_progress *progress;
     void *user;
     /* A def that ends here is taken too. */
-    double crease; /* normals of two triangles that differ by more make a crease; rad, 0 means pi / 3; pi: none is */
+    double
+        crease; /* normals of two triangles that differ by more make a crease; rad, 0 means pi / 3; pi: none is */
 } dpt_compile_def;
 
 /* The bytes of a .dpa file, owned by whoever asked; give them back with dpt_compiled_free. */

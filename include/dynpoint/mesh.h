@@ -117,9 +117,9 @@ DPT_API dpt_result dpt_mesh_vertex_normals(const dpt_mesh *mesh, uint32_t number
  * corner k to the next one, as dpt_mesh_triangle gives them; a corner has a bit when any edge at its vertex has it.
  */
 enum {
-    DPT_EDGE_BORDER = 0x1,       /* no second triangle */
-    DPT_EDGE_NONMANIFOLD = 0x8,  /* three triangles or more */
-    DPT_EDGE_CREASE = 0x40,      /* two, whose normals differ by more than dpt_mesh_info's crease */
+    DPT_EDGE_BORDER = 0x1,      /* no second triangle */
+    DPT_EDGE_NONMANIFOLD = 0x8, /* three triangles or more */
+    DPT_EDGE_CREASE = 0x40,     /* two, whose normals differ by more than dpt_mesh_info's crease */
     DPT_CORNER_BORDER = 0x200,
     DPT_CORNER_NONMANIFOLD = 0x1000,
     DPT_CORNER_CREASE = 0x8000

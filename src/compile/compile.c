@@ -67,7 +67,8 @@ static dpt_result enter(soup *source, const dpt_compile_def *def, dpt_compiled *
         return DPT_E_ARGUMENT;
     out->bytes = NULL;
     out->size = 0;
-    int sized = !def || def->size >= offsetof(dpt_compile_def, crease), has_room = !diag || diag->size >= sizeof *diag;
+    int sized = !def || def->size >= offsetof(dpt_compile_def, crease),
+        has_room = !diag || diag->size >= sizeof *diag;
     dpt_diag *used = diag && has_room ? diag : spare;
     uint32_t size = used == diag ? diag->size : (uint32_t)sizeof *spare;
     memset(used, 0, sizeof *used);

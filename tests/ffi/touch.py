@@ -65,6 +65,12 @@ check("compile", compiler.dpt_compile_arrays(vertices, c_size_t(8), numbers, c_s
 mesh = c_void_p()  # looks into file.bytes: keep them until the mesh is no longer used
 check("open", core.dpt_mesh_open(c_void_p(file.bytes), c_size_t(file.size), byref(mesh)) == 0)
 
+flags, normals = c_uint32(), (c_double * 9)()
+check("flags", core.dpt_mesh_triangle_flags(mesh, c_uint32(2), byref(flags)) == 0)
+check("two creases and a diagonal", bin(flags.value).count("1") == 5 and flags.value & 0x1c0)
+check("normals", core.dpt_mesh_vertex_normals(mesh, c_uint32(2), normals) == 0)
+check("upward at the top's corners", all(0.5 < z < 0.6 for z in normals[2::3]))
+
 ends = (c_double * 6)(0.3, 0.2, 1.5, 0.3, 0.2, 2.5)
 hit = Hit(size=sizeof(Hit))
 check("query", core.dpt_query_segments(mesh, None, ends, None, c_size_t(1), byref(hit), None) == 0)
