@@ -173,6 +173,8 @@ static void repair_indices(struct dpt_mesh *mesh)
     repair_words(mesh, MESH_SOURCES, mesh->source_triangles, 0);
     repair_words(mesh, MESH_PLACES, mesh->triangles, MESH_DROPPED_DUPLICATE);
     repair_sources(mesh);
+    if (mesh_flags(mesh))
+        repair_words(mesh, MESH_FLAGS, MESH_FLAGS_END, 0);
     first[0] = 0;
     for (uint32_t v = 1; v < mesh->vertices; v++)
         first[v] = first[v] > 3 * mesh->triangles ? 3 * mesh->triangles
@@ -213,6 +215,11 @@ static void repair_floats(struct dpt_mesh *mesh)
     if (mesh_moments(mesh, &lanes))
         repair_some_floats((float *)mesh_floats(mesh, MESH_MOMENTS),
                            mesh->section[MESH_MOMENTS].bytes / 4 - mesh->leaves, 1e30f);
+    if (mesh_normals(mesh))
+        repair_some_floats((float *)mesh_normals(mesh), mesh->section[MESH_NORMALS].bytes / 4,
+                           1.0f);
+    if (mesh->version > 2 && !(mesh->tail.crease >= 0.0 && mesh->tail.crease <= 4.0))
+        mesh->tail.crease = 0.0;
     repair_doubles(mesh->box_min, 3, 2.0 * DPT_COORDINATE_MAX);
     repair_doubles(mesh->box_max, 3, 2.0 * DPT_COORDINATE_MAX);
     repair_doubles(mesh->filter_centre, 3, 2.0 * DPT_COORDINATE_MAX);
