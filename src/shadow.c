@@ -206,10 +206,12 @@ void shadow_walk(struct shadow_walk *walk, const struct dpt_mesh *mesh, const st
                  uint32_t start)
 {
     const uint32_t none[2] = { DPT_NONE, DPT_NONE };
-    if (walk->mesh == mesh && walk->start == start && !memcmp(&walk->shade, shade, sizeof *shade))
+    if (walk->mesh == mesh && walk->crc32 == mesh->header_crc32 && walk->start == start &&
+        !memcmp(&walk->shade, shade, sizeof *shade))
         return;
     forget(walk);
     walk->mesh = mesh;
+    walk->crc32 = mesh->header_crc32;
     walk->start = start;
     walk->shade = *shade;
     walk->corners = mesh_words(mesh, MESH_TRIANGLES);

@@ -27,8 +27,9 @@ struct shadow_slot {
 /* The memory of a walk, which is what the last one found. */
 struct shadow_walk {
     const struct dpt_mesh *mesh; /* NULL: there was none */
-    struct shade shade;
+    uint32_t crc32; /* of its header, and so of all of it: another may come to lie there */
     uint32_t start;
+    struct shade shade;
     uint32_t flags; /* DPT_STRIP_... */
     struct shadow_triangle *triangles;
     struct shadow_vertex *vertices; /* room for two more */
