@@ -208,11 +208,35 @@ static uint32_t next_triangle(const struct finder *f, uint32_t here, uint32_t st
     return best;
 }
 
-static void add(struct route *route, uint32_t place)
+/* 0 when it is the other route's as well; `left` triangles come after it. */
+static int add(struct route *route, uint32_t place, uint32_t left)
 {
+    const struct route *other = route->other;
+    if (other && left < other->count) {
+        uint32_t same = other->count - 1 - left;
+        if (same < other->room && other->places[same] == place)
+            return 0;
+    }
     if (route->count < route->room)
         route->places[route->count] = place;
     route->count++;
+    return 1;
+}
+
+/* Triangle by triangle, as long as they are the route's own. */
+static dpt_result follow(const struct finder *f, uint32_t from, uint32_t to, struct route *route)
+{
+    uint32_t here = from;
+    for (uint32_t steps = f->way; add(route, here, steps + 1); steps--) {
+        if (!steps) {
+            add(route, to, 0);
+            break;
+        }
+        here = next_triangle(f, here, steps);
+        if (here == DPT_NONE)
+            return DPT_E_LAYOUT;
+    }
+    return DPT_OK;
 }
 
 dpt_result route_find(struct search *search, const struct dpt_mesh *mesh, uint32_t from,
@@ -228,35 +252,24 @@ dpt_result route_find(struct search *search, const struct dpt_mesh *mesh, uint32
     };
     const uint32_t *goal = corners_of(&f, to);
     route->count = 0;
-    add(route, from);
-    if (from == to)
+    if (from == to) {
+        add(route, to, 0);
         return DPT_OK;
+    }
     int touch = 0;
     for (int k = 0; k < 3; k++)
         touch |= has_corner(corners_of(&f, from), goal[k]);
-    dpt_result result = DPT_OK;
-    if (!touch) {
-        result = begin(&f, 0, from);
-        if (result == DPT_OK)
-            result = begin(&f, 1, to);
-        if (result == DPT_OK)
-            result = meet(&f);
-        if (result == DPT_OK) {
-            mark_way(&f);
-            uint32_t here = from;
-            for (uint32_t steps = f.way; steps > 0 && result == DPT_OK; steps--) {
-                here = next_triangle(&f, here, steps);
-                if (here == DPT_NONE)
-                    result = DPT_E_LAYOUT;
-                else
-                    add(route, here);
-            }
-        }
-        clear(search);
-    }
+    if (touch)
+        return follow(&f, from, to, route);
+    dpt_result result = search->room ? begin(&f, 0, from) : DPT_E_FULL;
     if (result == DPT_OK)
-        add(route, to);
-    else
-        route->count = 0;
+        result = begin(&f, 1, to);
+    if (result == DPT_OK)
+        result = meet(&f);
+    if (result == DPT_OK) {
+        mark_way(&f);
+        result = follow(&f, from, to, route);
+    }
+    clear(search);
     return result;
 }

@@ -23,12 +23,14 @@ struct search {
 };
 
 /*
- * A route as it goes into a strip: places in the mesh, up to `room` of them; `count` is how many there are of it.
+ * A route as it goes into a strip: places in the mesh, up to `room` of them; `count` is how many there are of it. With
+ * `other`, a route to the same goal, only those before the first that both have: from there on they go on as one.
  */
 struct route {
     uint32_t *places;
     uint32_t room;
     uint32_t count;
+    const struct route *other; /* or NULL */
 };
 
 /* Both are places in the mesh. */

@@ -30,13 +30,15 @@ void shade_of(vec3 a, vec3 u, vec3 direction, double half, double depth, struct 
     vec3 w = is_line ? unit(side) : across(d), e = cross(w, d);
     double ue = dot(u, e), ud = dot(u, d);
     double size = sqrt(ue * ue + ud * ud);
+    /* Where it is a mere line or plane, two pairs of planes may have nothing in common but for rounding. */
+    double slack = 64.0 * 0x1p-53 * (extent_of(a) + size + half + depth);
     *shade = (struct shade){ .a = a, .u = u, .d = d, .e = e, .w = w, .half = half, .depth = depth };
-    put(shade, 0, w, -half, half);
-    put(shade, 1, e, smaller(0.0, ue) - half, larger(0.0, ue) + half);
-    put(shade, 2, d, smaller(0.0, ud) - depth, larger(0.0, ud) + depth);
+    put(shade, 0, w, -half - slack, half + slack);
+    put(shade, 1, e, smaller(0.0, ue) - half - slack, larger(0.0, ue) + half + slack);
+    put(shade, 2, d, smaller(0.0, ud) - depth - slack, larger(0.0, ud) + depth + slack);
     if (size > 0.0) {
         double ne = ud / size, nd = -ue / size;
-        double limit = half * fabs(ne) + depth * fabs(nd);
+        double limit = half * fabs(ne) + depth * fabs(nd) + slack;
         put(shade, 3, along(scaled(e, ne), nd, d), -limit, limit);
     }
 }

@@ -149,14 +149,13 @@ static dpt_result find_route(struct dpt_strip *strip, uint32_t from, uint32_t to
     return route_find(&strip->search, strip->mesh, start, goal, route);
 }
 
-/* The first `count` triangles of a route become the strip's. */
-static void take_route(struct dpt_strip *strip, const struct route *route, uint32_t count)
+/* A route's triangles become the strip's. */
+static void take_route(struct dpt_strip *strip, const struct route *route)
 {
     const uint32_t *sources = mesh_words(strip->mesh, MESH_SOURCES);
-    if (count > route->room) {
-        count = route->room;
+    uint32_t count = route->count < route->room ? route->count : route->room;
+    if (count < route->count)
         strip->flags |= DPT_STRIP_FULL;
-    }
     for (uint32_t i = 0; i < count; i++)
         route->places[i] = sources[route->places[i]];
     strip->count += count;
@@ -164,33 +163,21 @@ static void take_route(struct dpt_strip *strip, const struct route *route, uint3
 
 dpt_result dpt_strip_route(dpt_strip *strip, const dpt_mesh *mesh, uint32_t from, uint32_t to)
 {
-    struct route route;
+    struct route route = { .other = NULL };
     if (!strip)
         return DPT_E_ARGUMENT;
     strip_clear(strip, mesh);
     if (!mesh)
         return DPT_E_ARGUMENT;
     DPT_TRY(find_route(strip, from, to, &route));
-    take_route(strip, &route, route.count);
+    take_route(strip, &route);
     return DPT_OK;
-}
-
-/* Where two routes to one goal meet they go on as one: how many triangles of the second are before that. */
-static uint32_t own_of_second(const struct route *first, const struct route *second)
-{
-    uint32_t own = second->count > first->count ? second->count - first->count : 0;
-    for (; own < second->count && own < second->room; own++) {
-        uint32_t other = own + first->count - second->count;
-        if (other < first->room && first->places[other] == second->places[own])
-            break;
-    }
-    return own;
 }
 
 dpt_result dpt_strip_routes(dpt_strip *strip, const dpt_mesh *mesh, uint32_t a, uint32_t b,
                             uint32_t p)
 {
-    struct route first, second;
+    struct route first = { .other = NULL }, second = { .other = &first };
     if (!strip)
         return DPT_E_ARGUMENT;
     strip_clear(strip, mesh);
@@ -201,9 +188,8 @@ dpt_result dpt_strip_routes(dpt_strip *strip, const dpt_mesh *mesh, uint32_t a, 
     dpt_result result = find_route(strip, b, p, &second);
     strip->count = 0;
     DPT_TRY(result);
-    uint32_t own = own_of_second(&first, &second);
-    take_route(strip, &first, first.count);
-    take_route(strip, &second, own);
+    take_route(strip, &first);
+    take_route(strip, &second);
     return DPT_OK;
 }
 
@@ -217,19 +203,23 @@ void strip_shadow(struct dpt_strip *strip, const struct dpt_mesh *mesh, const st
         strip_add(strip, strip->walk.triangles[i].place);
 }
 
+/* Its square can be formed. */
+static int is_direction(const double *v)
+{
+    return vec3_within(v, 1e100) && extent_of(vec3_of(v)) >= 1e-100;
+}
+
 static dpt_result check_shadow(const dpt_shadow *shadow)
 {
     const dpt_segment *segment = &shadow->segment;
     if (!vec3_within(segment->a, DPT_COORDINATE_MAX) ||
         !vec3_within(segment->b, DPT_COORDINATE_MAX) ||
-        !vec3_within(shadow->direction, DPT_COORDINATE_MAX) ||
-        !within(segment->radius, DPT_COORDINATE_MAX) ||
+        !(segment->radius >= 0.0 && segment->radius <= DPT_COORDINATE_MAX) ||
         !within(shadow->width, DPT_COORDINATE_MAX) || !within(shadow->depth, DPT_COORDINATE_MAX))
         return DPT_E_FINITE;
-    if (!(segment->radius >= 0.0) || !(shadow->width >= 0.0) || !(shadow->depth >= 0.0) ||
-        !(length(vec3_of(shadow->direction)) > 1e-100))
-        return DPT_E_ARGUMENT;
-    return DPT_OK;
+    return shadow->width >= 0.0 && shadow->depth >= 0.0 && is_direction(shadow->direction)
+               ? DPT_OK
+               : DPT_E_ARGUMENT;
 }
 
 dpt_result dpt_strip_shadow(dpt_strip *strip, const dpt_mesh *mesh, const dpt_pose *pose,

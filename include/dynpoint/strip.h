@@ -97,7 +97,7 @@ typedef struct dpt_shadow {
     uint32_t size;       /* sizeof(dpt_shadow) */
     uint32_t triangle;   /* where the strip begins: that of the nearest point */
     dpt_segment segment; /* in the world */
-    double direction[3]; /* from the tool to the mesh, or back; of any length > 0 */
+    double direction[3]; /* from the tool to the mesh, or back; of a length from 1e-100 to 1e100 */
     double width;        /* beside the radius, m, >= 0 */
     double depth;        /* along the direction, to both sides of the axis, m, >= 0 */
 } dpt_shadow;
