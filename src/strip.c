@@ -203,11 +203,8 @@ void strip_shadow(struct dpt_strip *strip, const struct dpt_mesh *mesh, const st
         strip_add(strip, strip->walk.triangles[i].place);
 }
 
-/* Its square can be formed. */
-static int is_direction(const double *v)
-{
-    return vec3_within(v, 1e100) && extent_of(vec3_of(v)) >= 1e-100;
-}
+/* Of a direction, so that its square can be formed. */
+static const double LENGTH_LEAST = 1e-100, LENGTH_MOST = 1e100;
 
 static dpt_result check_shadow(const dpt_shadow *shadow)
 {
@@ -215,11 +212,13 @@ static dpt_result check_shadow(const dpt_shadow *shadow)
     if (!vec3_within(segment->a, DPT_COORDINATE_MAX) ||
         !vec3_within(segment->b, DPT_COORDINATE_MAX) ||
         !(segment->radius >= 0.0 && segment->radius <= DPT_COORDINATE_MAX) ||
+        !vec3_within(shadow->direction, LENGTH_MOST) ||
         !within(shadow->width, DPT_COORDINATE_MAX) || !within(shadow->depth, DPT_COORDINATE_MAX))
         return DPT_E_FINITE;
-    return shadow->width >= 0.0 && shadow->depth >= 0.0 && is_direction(shadow->direction)
-               ? DPT_OK
-               : DPT_E_ARGUMENT;
+    if (!(shadow->width >= 0.0) || !(shadow->depth >= 0.0) ||
+        extent_of(vec3_of(shadow->direction)) < LENGTH_LEAST)
+        return DPT_E_ARGUMENT;
+    return DPT_OK;
 }
 
 dpt_result dpt_strip_shadow(dpt_strip *strip, const dpt_mesh *mesh, const dpt_pose *pose,

@@ -66,7 +66,7 @@ for program in build/tests/test_*; do
     run "$(basename "$program")" "$program"
 done
 for config in scalar sanitize; do
-    for name in read compile mesh damage normal winding kernel query world paper shape budget near sweep_mesh; do
+    for name in read compile mesh damage normal winding kernel query world paper shape budget near sweep_mesh strips; do
         program=build/$config/tests/test_$name
         [ -x "$program" ] && run "test_$name, $config" "$program"
     done
@@ -75,6 +75,8 @@ for config in scalar sanitize; do
     run "test_sweep, $config" build/$config/tests/test_sweep 2000
     run "test_depth, $config" build/$config/tests/test_depth 20
     run "test_region, $config" build/$config/tests/test_region 20
+    run "test_route, $config" env -u DPT_DATA build/$config/tests/test_route
+    run "test_strip, $config" env -u DPT_DATA build/$config/tests/test_strip
 done
 run "test_fuzz, sanitize" build/sanitize/tests/test_fuzz 100000
 [ -x build/tests/test_sweep_exact ] || skip "test_sweep_exact" "no g++ with gmpxx"
