@@ -76,8 +76,8 @@ for config in scalar sanitize; do
     run "test_depth, $config" build/$config/tests/test_depth 20
     run "test_region, $config" build/$config/tests/test_region 20
     run "test_route, $config" env -u DPT_DATA build/$config/tests/test_route
-    run "test_strip, $config" env -u DPT_DATA build/$config/tests/test_strip
 done
+run "test_strip, sanitize" env -u DPT_DATA build/sanitize/tests/test_strip
 run "test_fuzz, sanitize" build/sanitize/tests/test_fuzz 100000
 [ -x build/tests/test_sweep_exact ] || skip "test_sweep_exact" "no g++ with gmpxx"
 run "test_silent, scalar" build/scalar/tests/test_silent
