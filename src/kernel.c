@@ -68,7 +68,8 @@ uint32_t dpt_kernel_best(void)
         kernel_##set##_held_boxes, kernel_##set##_held_triangles, kernel_##set##_boxes,            \
             kernel_##set##_triangles, kernel_##set##_common_boxes,                                 \
             kernel_##set##_common_triangles, kernel_##set##_swept_boxes,                           \
-            kernel_##set##_swept_triangles, kernel_##set##_moments, kernel_##set##_angles          \
+            kernel_##set##_swept_triangles, kernel_##set##_point_boxes,                            \
+            kernel_##set##_point_triangles, kernel_##set##_moments, kernel_##set##_angles          \
     }
 
 int kernel_get(uint32_t id, struct kernel *kernel, uint32_t *chosen)

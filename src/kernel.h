@@ -61,6 +61,7 @@ struct swath {
  *   held_*     the bounds that 16 kept planes give now
  *   boxes      16 new planes, and the bounds that they give; likewise triangles
  *   swept_*    bounds of the distance to a hull; nothing is kept
+ *   point_*    the same of a point, whose distance to a box is exact but for rounding
  *   common_*   the supports along one normal, into `low`; open are those that are not above `beyond`
  *
  * Blocks of boxes: 6 rows of 16, centre x, y, z, half width x, y, z; of triangles: 9 rows of 16, corner 0 x, y,
@@ -75,6 +76,9 @@ typedef uint32_t kernel_renew(const float *block, const struct probe *probe, str
 typedef uint32_t kernel_common(const float *block, const float normal[3], float beyond, float *low);
 
 typedef uint32_t kernel_swept(const float *block, const struct swath *swath, float *bound);
+
+/* Of a tool without length: squares of the bounds, open where they are not above `limit`, a square too. */
+typedef uint32_t kernel_point(const float *block, const float at[3], float limit, float *bound);
 
 /*
  * For the winding number, docs/algorithms/winding.md. Both add what they know of 16 lanes to 16 sums, and
@@ -117,6 +121,8 @@ struct kernel {
     kernel_common *common_triangles;
     kernel_swept *swept_boxes;
     kernel_swept *swept_triangles;
+    kernel_point *point_boxes;
+    kernel_point *point_triangles;
     kernel_moments *moments;
     kernel_angles *angles;
 };
@@ -140,6 +146,7 @@ int kernel_get(uint32_t id, struct kernel *kernel, uint32_t *chosen);
     kernel_renew kernel_##set##_boxes, kernel_##set##_triangles;                                   \
     kernel_common kernel_##set##_common_boxes, kernel_##set##_common_triangles;                    \
     kernel_swept kernel_##set##_swept_boxes, kernel_##set##_swept_triangles;                       \
+    kernel_point kernel_##set##_point_boxes, kernel_##set##_point_triangles;                       \
     kernel_moments kernel_##set##_moments;                                                         \
     kernel_angles kernel_##set##_angles;
 KERNEL_DECLARE(scalar)

@@ -234,6 +234,94 @@ KERNEL_TARGET uint32_t KERNEL(triangles)(const float *restrict block,
     return KERNEL_OPEN(bound, limit);
 }
 
+KERNEL_TARGET uint32_t KERNEL(point_boxes)(const float *restrict block, const float *restrict at,
+                                           float limit, float *restrict bound)
+{
+    const float ax = at[0], ay = at[1], az = at[2];
+
+    for (int i = 0; i < LANES; i++) {
+        float dx = AT_LEAST(fabsf(block[i] - ax) - block[3 * LANES + i], 0.0f);
+        float dy = AT_LEAST(fabsf(block[LANES + i] - ay) - block[4 * LANES + i], 0.0f);
+        float dz = AT_LEAST(fabsf(block[2 * LANES + i] - az) - block[5 * LANES + i], 0.0f);
+        bound[i] = dx * dx + dy * dy + dz * dz;
+    }
+    return KERNEL_OPEN(bound, limit);
+}
+
+/* An edge from p along e, seen from the point: keep the shortest way to it, and its square. */
+#define POINT_EDGE(px, py, pz, ex, ey, ez)                                                         \
+    {                                                                                              \
+        float lean = -(px * ex + py * ey + pz * ez);                                               \
+        float t = CLAMP(lean / (ex * ex + ey * ey + ez * ez), 1.0f);                               \
+        float qx = px + t * ex, qy = py + t * ey, qz = pz + t * ez;                                \
+        float square = qx * qx + qy * qy + qz * qz;                                                \
+        int nearer = square < least;                                                               \
+        least = nearer ? square : least;                                                           \
+        nx = nearer ? qx : nx;                                                                     \
+        ny = nearer ? qy : ny;                                                                     \
+        nz = nearer ? qz : nz;                                                                     \
+    }
+
+/* f . (p x q): which side of edge pq the point lies on, seen along f. */
+#define POINT_SIDE(px, py, pz, qx, qy, qz)                                                         \
+    (fx * (py * qz - pz * qy) + fy * (pz * qx - px * qz) + fz * (px * qy - py * qx))
+
+/* Any direction bounds the distance, so that n need not be of unit length, only be long enough to divide by. */
+KERNEL_TARGET uint32_t KERNEL(point_triangles)(const float *restrict block,
+                                               const float *restrict at, float limit,
+                                               float *restrict bound)
+{
+    const float ax = at[0], ay = at[1], az = at[2];
+
+    for (int i = 0; i < LANES; i++) {
+        float ax0 = block[i] - ax, ay0 = block[LANES + i] - ay, az0 = block[2 * LANES + i] - az;
+        float ax1 = block[3 * LANES + i] - ax, ay1 = block[4 * LANES + i] - ay;
+        float az1 = block[5 * LANES + i] - az;
+        float ax2 = block[6 * LANES + i] - ax, ay2 = block[7 * LANES + i] - ay;
+        float az2 = block[8 * LANES + i] - az;
+        float nx = ax0 + ax1 + ax2, ny = ay0 + ay1 + ay2, nz = az0 + az1 + az2;
+        float n0 = nx * ax0 + ny * ay0 + nz * az0, n1 = nx * ax1 + ny * ay1 + nz * az1;
+        float n2 = nx * ax2 + ny * ay2 + nz * az2;
+        float low = AT_MOST(AT_MOST(n0, n1), n2);
+        low = AT_LEAST(low, 0.0f);
+        float square = nx * nx + ny * ny + nz * nz;
+        bound[i] = low * low / (square > 0x1p-100f ? square : NAN);
+    }
+    if (!KERNEL_OPEN(bound, limit))
+        return 0;
+    for (int i = 0; i < LANES; i++) {
+        float ax0 = block[i] - ax, ay0 = block[LANES + i] - ay, az0 = block[2 * LANES + i] - az;
+        float ax1 = block[3 * LANES + i] - ax, ay1 = block[4 * LANES + i] - ay;
+        float az1 = block[5 * LANES + i] - az;
+        float ax2 = block[6 * LANES + i] - ax, ay2 = block[7 * LANES + i] - ay;
+        float az2 = block[8 * LANES + i] - az;
+        float ex0 = ax1 - ax0, ey0 = ay1 - ay0, ez0 = az1 - az0;
+        float ex1 = ax2 - ax1, ey1 = ay2 - ay1, ez1 = az2 - az1;
+        float ex2 = ax0 - ax2, ey2 = ay0 - ay2, ez2 = az0 - az2;
+        float nx = 0.0f, ny = 0.0f, nz = 0.0f, least = HUGE_VALF;
+        POINT_EDGE(ax0, ay0, az0, ex0, ey0, ez0)
+        POINT_EDGE(ax1, ay1, az1, ex1, ey1, ez1)
+        POINT_EDGE(ax2, ay2, az2, ex2, ey2, ez2)
+
+        float fx = ey2 * ez0 - ez2 * ey0, fy = ez2 * ex0 - ex2 * ez0, fz = ex2 * ey0 - ey2 * ex0;
+        int inside = (POINT_SIDE(ax0, ay0, az0, ax1, ay1, az1) > 0.0f) &
+                     (POINT_SIDE(ax1, ay1, az1, ax2, ay2, az2) > 0.0f) &
+                     (POINT_SIDE(ax2, ay2, az2, ax0, ay0, az0) > 0.0f);
+        nx = inside ? fx : nx;
+        ny = inside ? fy : ny;
+        nz = inside ? fz : nz;
+
+        float n0 = nx * ax0 + ny * ay0 + nz * az0, n1 = nx * ax1 + ny * ay1 + nz * az1;
+        float n2 = nx * ax2 + ny * ay2 + nz * az2;
+        float front = AT_MOST(AT_MOST(n0, n1), n2), back = AT_MOST(AT_MOST(-n0, -n1), -n2);
+        float low = AT_LEAST(front, back);
+        low = AT_LEAST(low, 0.0f);
+        float square = nx * nx + ny * ny + nz * nz;
+        bound[i] = low * low / (square > 0x1p-100f ? square : NAN);
+    }
+    return KERNEL_OPEN(bound, limit);
+}
+
 KERNEL_TARGET uint32_t KERNEL(common_boxes)(const float *restrict block, const float normal[3],
                                             float beyond, float *restrict low)
 {

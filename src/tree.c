@@ -106,12 +106,16 @@ static int take_pair(const struct tree *tree, uint32_t triangle, const pair *fou
     return 1;
 }
 
+int tree_try(const struct tree *tree, uint32_t triangle, vec3 a, vec3 u, struct nearest *nearest)
+{
+    pair found = tree_pair(tree, triangle, a, u);
+    return take_pair(tree, triangle, &found, nearest);
+}
+
 void tree_brute(const struct tree *tree, vec3 a, vec3 u, struct nearest *nearest)
 {
-    for (uint32_t t = 0; t < tree->mesh->triangles; t++) {
-        pair found = tree_pair(tree, t, a, u);
-        take_pair(tree, t, &found, nearest);
-    }
+    for (uint32_t t = 0; t < tree->mesh->triangles; t++)
+        tree_try(tree, t, a, u, nearest);
     nearest->work += tree->mesh->leaves;
 }
 

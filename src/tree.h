@@ -71,6 +71,9 @@ int tree_is_beyond(const struct tree *tree, const struct front *front, uint32_t 
 /* The pair of the axis a + s u and one triangle, by its place. */
 pair tree_pair(const struct tree *tree, uint32_t triangle, vec3 a, vec3 u);
 
+/* Take that pair if it is nearer, or as near with a lower source number: 1. */
+int tree_try(const struct tree *tree, uint32_t triangle, vec3 a, vec3 u, struct nearest *nearest);
+
 /*
  * Look for what is nearer than nearest->pair.distance2, or as near with a lower source number; put it
  * into `nearest`. Stops at the first pair that meets. nearest->triangle stays when there is none.

@@ -289,6 +289,57 @@ static void bounds_of_boxes_are_sound(void)
     }
 }
 
+/* Squares, of a tool without length. A box' is that of its nearest point. */
+static void bounds_of_points_are_sound(void)
+{
+    uint64_t random = 29;
+    struct kernel kernel = best_kernel();
+    for (int shape = 0; shape < SHAPES; shape++) {
+        double worst[2] = { -HUGE_VAL, -HUGE_VAL }, slack[2] = { 0.0, 0.0 };
+        int apart = 0;
+        for (int i = 0; i < BLOCKS; i++) {
+            float content[9 * LANES], block[6 * LANES], bound[2][LANES];
+            make_triangles(&random, shape, content);
+            make_boxes(content, block);
+            struct tool any = make_tool(&random, shape);
+            struct tool tool = tool_at(&random, any.a, any.x, 0.0);
+            float limit = tool.probe.limit * tool.probe.limit;
+            uint32_t open = kernel.point_triangles(content, tool.probe.a, limit, bound[0]);
+            CHECK(open == not_beyond(bound[0], limit), "%x", open);
+            /* Where all are closed no bound need be tight. */
+            for (int lane = 0; lane < LANES; lane++)
+                bound[0][lane] = sqrtf(bound[0][lane]);
+            worst[0] = larger(check_sound(shape_names[shape], &tool, content, bound[0]), worst[0]);
+            kernel.point_triangles(content, tool.probe.a, HUGE_VALF, bound[0]);
+            open = kernel.point_boxes(block, tool.probe.a, limit, bound[1]);
+            CHECK(open == not_beyond(bound[1], limit), "boxes: %x", open);
+            for (int lane = 0; lane < LANES; lane++) {
+                vec3 off = sub(tool.a, corner(block, 0, lane)), half = corner(block, 1, lane);
+                double box = length((vec3){ larger(fabs(off.x) - half.x, 0.0),
+                                            larger(fabs(off.y) - half.y, 0.0),
+                                            larger(fabs(off.z) - half.z, 0.0) });
+                double distance = sqrt(pair_of(&tool, content, lane).distance2);
+                for (int k = 0; k < 2; k++)
+                    bound[k][lane] = sqrtf(bound[k][lane]);
+                apart += is_apart(&tool, distance);
+                if (is_apart(&tool, distance))
+                    slack[0] +=
+                        isfinite(bound[0][lane]) ? 1.0 - (double)bound[0][lane] / distance : 1.0;
+                if (is_apart(&tool, box))
+                    slack[1] += fabs(1.0 - (double)bound[1][lane] / box);
+            }
+            for (int k = 0; k < 2; k++)
+                worst[k] =
+                    larger(check_sound(shape_names[shape], &tool, content, bound[k]), worst[k]);
+        }
+        printf("    %-10s above the truth by at most %5.3f margins, boxes %5.3f; mean slack %.2g, "
+               "boxes %.2g\n",
+               shape_names[shape], worst[0], worst[1], slack[0] / apart, slack[1] / apart);
+        CHECK(slack[0] < 1e-5 * apart && slack[1] < 1e-6 * apart, "%s: loose", shape_names[shape]);
+        CHECK(apart > BLOCKS * LANES / 2, "%s: only %d apart", shape_names[shape], apart);
+    }
+}
+
 /*
  * One normal for all lanes, as the search takes it: through the nearest pair of one of them. Bounds
  * of the others may be as loose as they like, never above the truth, nor when the planes are held.
@@ -518,6 +569,10 @@ static void all_kernels_give_the_same_bits(void)
                 other.common_triangles(block, tool.probe.normal, tool.probe.height, low);
             CHECK(same_floats(expected, low, LANES), "%s: common, block %d", name, i);
             CHECK(expected_open == open, "%s: common open %x, not %x", name, open, expected_open);
+            expected_open = plain.point_triangles(block, tool.probe.a, tool.probe.limit, expected);
+            open = other.point_triangles(block, tool.probe.a, tool.probe.limit, low);
+            CHECK(same_floats(expected, low, LANES), "%s: point, block %d", name, i);
+            CHECK(expected_open == open, "%s: point open %x, not %x", name, open, expected_open);
             for (int row = 3 * LANES; row < 6 * LANES; row++)
                 block[row] = fabsf(block[row]);
             check_same_renewal(name, plain.held_boxes, plain.boxes, other.held_boxes, other.boxes,
@@ -527,6 +582,10 @@ static void all_kernels_give_the_same_bits(void)
             open = other.common_boxes(block, normal, tool.probe.height, low);
             CHECK(same_floats(expected, low, LANES), "%s: common of boxes, block %d", name, i);
             CHECK(expected_open == open, "%s: common open %x, not %x", name, open, expected_open);
+            expected_open = plain.point_boxes(block, tool.probe.a, tool.probe.limit, expected);
+            open = other.point_boxes(block, tool.probe.a, tool.probe.limit, low);
+            CHECK(same_floats(expected, low, LANES), "%s: point of boxes, block %d", name, i);
+            CHECK(expected_open == open, "%s: point open %x, not %x", name, open, expected_open);
         }
     }
     printf("    %u kernels against the scalar one\n", compared);
@@ -672,6 +731,7 @@ int main(void)
     TEST(best_kernel_is_to_be_had);
     TEST(bounds_of_triangles_are_sound);
     TEST(bounds_of_boxes_are_sound);
+    TEST(bounds_of_points_are_sound);
     TEST(common_supports_are_sound);
     TEST(held_planes_are_sound_at_other_poses);
     TEST(zero_planes_close_nothing);

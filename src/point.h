@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The nearest triangle of a point: the search of tree.h for an axis without length, without planes to keep. */
+#ifndef DPT_POINT_H
+#define DPT_POINT_H
+
+#include "tree.h"
+
+/*
+ * What is nearer to x, in the mesh's frame, than nearest->pair.distance2, or as near with a lower source number, into
+ * `nearest`; stops at the first pair that meets. 0: nearest->most ended that.
+ */
+int point_search(const struct tree *tree, const struct kernel *kernel, vec3 x,
+                 struct nearest *nearest);
+
+#endif
