@@ -117,8 +117,12 @@ static uint32_t recall(struct meeting *meeting, struct seed seeds[PROFILE_SEEDS]
             sides_put(&meeting->sides, hold->part, hold->side);
     }
     const struct met *met = &meeting->world->segments[meeting->segment].met;
-    if (met->side && met->body == meeting->body->id)
+    if (met->side && met->body == meeting->body->id) {
+        /* What went through is behind, though all around it may be in front, beyond a border. */
+        if (count < PROFILE_SEEDS)
+            seeds[count++] = (struct seed){ met->s, met->triangle, 1.0f };
         sides_put(&meeting->sides, met->part, met->side);
+    }
     return count;
 }
 

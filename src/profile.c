@@ -64,13 +64,32 @@ static int side_of(struct profile *profile, double s, uint32_t triangle, const p
     return flags & MESH_PART_SOLID ? side_of_pair(profile->tree, triangle, found) : 1;
 }
 
+/*
+ * It comes out on the other side. At an edge or a vertex an axis may come as near as rounding and stay on its side; there the
+ * surface is asked a little way before and after.
+ */
+static int goes_through(const struct profile *profile, const struct crossing *crossing)
+{
+    vec3 u = profile->axis->u;
+    double weight[3];
+    int corners = 0;
+    for (int k = 0; k < 3; k++) {
+        weight[k] = crossing->weight[k] > 1e-12 ? crossing->weight[k] : 0.0;
+        corners += weight[k] > 0.0;
+    }
+    if (corners == 3 || profile->size == 0.0)
+        return 1;
+    return side_of_way(profile->tree, crossing->triangle, weight, u) !=
+           side_of_way(profile->tree, crossing->triangle, weight, scaled(u, -1.0));
+}
+
 int profile_is_sideless(const struct profile *profile)
 {
     for (uint32_t k = 0; k < profile->crossings; k++) {
         uint32_t part = side_part(profile->tree, profile->crossing[k].triangle);
         uint32_t flags = flags_of(profile, part);
         if (!(flags & MESH_PART_SOLID) && (flags & MESH_PART_MANIFOLD) &&
-            !sides_get(profile->sides, part))
+            !sides_get(profile->sides, part) && goes_through(profile, &profile->crossing[k]))
             return 1;
     }
     return 0;

@@ -203,6 +203,8 @@ static void keep_side(const struct tour *tour, struct segment *segment)
     segment->met.body = tour->body->id;
     segment->met.part = part;
     segment->met.side = 0;
+    segment->met.s = strike->pair.s;
+    segment->met.triangle = strike->triangle;
     if (side_is_sheet(tree, part) && !side_is_border(tree, strike->triangle, strike->pair.weight))
         segment->met.side = side_before(tour);
 }

@@ -61,7 +61,10 @@ struct met {
     uint32_t part; /* of its mesh */
     int32_t
         side; /* of the sheet, from which the axis came: +1 in front, -1 behind; 0 for nothing, or a border */
-    uint32_t passed; /* the axis may have gone through something */
+    uint32_t passed;   /* the axis may have gone through something */
+    double s;          /* the point of the axis that met it, with `side` */
+    uint32_t triangle; /* and where */
+    uint32_t reserved;
 };
 
 struct segment {
