@@ -118,14 +118,16 @@ uint32_t profile_prove(struct profile *profile, double from, double to)
 {
     enum { DESCENTS = 16 };
     uint32_t low = lowest(profile, from, to, 0);
+    int full = 0;
     for (int asked = 0; asked < PROFILE_SAMPLES && low != DPT_NONE && !profile->cut; asked++) {
         const struct sample *most = NULL;
-        if (profile->count < PROFILE_SAMPLES)
+        if (!full)
             most = deepest_stretch(profile, from, to,
                                    profile->tolerance - profile->sample[low].height);
         /* Between samples descent tells enough; where it does not get on, a search does. */
         if (most)
-            profile_ask(profile, most->deep.s, profile->winding || asked >= DESCENTS);
+            full = profile_ask(profile, most->deep.s, profile->winding || asked >= DESCENTS) ==
+                   DPT_NONE;
         else if (!profile->sample[low].exact)
             profile_ask(profile, profile->sample[low].s, 1);
         else

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "profile.h"
 
+#include "point.h"
 #include "range.h"
 #include "winding.h"
 
@@ -106,21 +107,24 @@ static uint32_t spare(const struct profile *profile)
     return profile->work < profile->most ? profile->most - profile->work : 0;
 }
 
+/* Begin a search within what work there is left, or none. */
+static int begin(struct profile *profile, struct nearest *nearest)
+{
+    uint32_t left = spare(profile);
+    nearest->most = profile->most == UINT32_MAX ? 0 : left;
+    profile->cut |= !left;
+    return left > 0;
+}
+
 /* The nearest triangle of a point, by descent or by search, as far as there is work left for it. */
 static void improve(struct profile *profile, const struct axis *point, int exact,
                     struct nearest *nearest)
 {
-    struct walk walk;
-    walk.at = 0;
-    if (!spare(profile)) {
-        profile->cut = 1;
+    if (!begin(profile, nearest))
         return;
-    }
-    nearest->most = profile->most == UINT32_MAX ? 0 : spare(profile);
     if (!exact)
         track_slide(profile->tree, point, nearest);
-    else if (!tree_walk(profile->tree, profile->kernel, NULL, point->local_a, point->u, 0.0, &walk,
-                        nearest))
+    else if (!point_search(profile->tree, profile->kernel, point->local_a, nearest))
         profile->cut = 1;
     profile->work += nearest->work;
 }
@@ -141,12 +145,37 @@ static struct sample take_sample(struct profile *profile, double s, uint32_t tri
                              .height = sign * distance,
                              .gap = nearest.pair.gap,
                              .triangle = nearest.triangle,
+                             .was = triangle,
                              .exact = (uint32_t)exact };
     memcpy(sample.weight, nearest.pair.weight, sizeof sample.weight);
     sample.normal = distance > 1e3 * profile->axis->error
                         ? scaled(sample.gap, sign / distance)
                         : way_out(profile, nearest.triangle, sample.weight);
     return sample;
+}
+
+/* Make room: of those between two of their own triangle, which tell least, the one whose neighbours are nearest. */
+static int drop_sample(struct profile *profile)
+{
+    double least = HUGE_VAL;
+    uint32_t drop = DPT_NONE;
+    for (uint32_t i = 1; i + 1 < profile->count; i++) {
+        const struct sample *sample = &profile->sample[i];
+        double width = sample[1].s - sample[-1].s;
+        if (sample[-1].triangle == sample->triangle && sample[1].triangle == sample->triangle &&
+            i != profile->deepest && !sample->proven && sample->height != 0.0 && width < least) {
+            least = width;
+            drop = i;
+        }
+    }
+    if (drop == DPT_NONE)
+        return 0;
+    struct sample *here = &profile->sample[drop];
+    here[-1].bounded = here[-1].spanned = 0;
+    profile->count--;
+    memmove(here, here + 1, (profile->count - drop) * sizeof *here);
+    profile->deepest -= profile->deepest > drop;
+    return 1;
 }
 
 /* In order of s; of two at one place the exact one, or the newer, stays. Returns its index, or DPT_NONE. */
@@ -156,16 +185,20 @@ static uint32_t put_sample(struct profile *profile, const struct sample *sample)
     while (i < profile->count && profile->sample[i].s < sample->s)
         i++;
     struct sample *here = &profile->sample[i];
-    if (i)
-        here[-1].bounded = here[-1].spanned = 0;
     if (i < profile->count && here->s == sample->s) {
+        if (i)
+            here[-1].bounded = here[-1].spanned = 0;
+        uint32_t was = here->was;
         if (sample->exact || !here->exact)
             *here = *sample;
+        here->was = was;
         here->bounded = here->spanned = 0;
         return i;
     }
     if (profile->count == PROFILE_SAMPLES)
-        return DPT_NONE;
+        return drop_sample(profile) ? put_sample(profile, sample) : DPT_NONE;
+    if (i)
+        here[-1].bounded = here[-1].spanned = 0;
     memmove(here + 1, here, (profile->count - i) * sizeof *here);
     *here = *sample;
     profile->count++;
@@ -353,7 +386,9 @@ static void put_crossing_samples(struct profile *profile)
 {
     for (uint32_t k = 0; k < profile->crossings; k++) {
         const struct crossing *crossing = &profile->crossing[k];
-        struct sample sample = { .s = crossing->s, .triangle = crossing->triangle, .exact = 1 };
+        struct sample sample = {
+            .s = crossing->s, .triangle = crossing->triangle, .was = crossing->triangle, .exact = 1
+        };
         memcpy(sample.weight, crossing->weight, sizeof sample.weight);
         sample.normal = way_out(profile, crossing->triangle, crossing->weight);
         put_sample(profile, &sample);
@@ -387,7 +422,13 @@ uint32_t profile_approach(struct profile *profile, double from, double to, doubl
                           .u = scaled(axis->u, to - from),
                           .error = axis->error };
     struct nearest nearest = { .pair = { .distance2 = reach * reach }, .triangle = DPT_NONE };
-    improve(profile, &piece, 1, &nearest);
+    struct walk walk;
+    walk.at = 0;
+    if (begin(profile, &nearest)) {
+        profile->cut |= !tree_walk(profile->tree, profile->kernel, NULL, piece.local_a, piece.u,
+                                   0.0, &walk, &nearest);
+        profile->work += nearest.work;
+    }
     if (nearest.triangle == DPT_NONE)
         return DPT_NONE;
     struct sample sample =
@@ -447,6 +488,10 @@ int profile_make(struct profile *profile, const struct nearest *nearest, const s
         struct sample sample = take_sample(profile, seeds[i].s, seeds[i].triangle, exact);
         put_sample(profile, &sample);
     }
+    for (uint32_t i = 1; i < profile->count; i++)
+        tell(profile, i, profile->sample[i - 1].triangle);
+    for (uint32_t i = profile->count - 1; i > 0; i--)
+        tell(profile, i - 1, profile->sample[i].triangle);
     put_inner_samples(profile);
     profile->deepest = profile_prove(profile, 0.0, 1.0);
     return 1;

@@ -23,7 +23,7 @@ struct seed {
 };
 
 /* What counts for more than this is searched for; descent does for the rest. */
-#define PROFILE_SHARE 0.01
+#define PROFILE_SHARE 0.005
 
 /* Work after which descent has to do, but for what the depth's proof needs. */
 #define PROFILE_WORK 1600
@@ -37,9 +37,9 @@ struct sample {
     uint32_t triangle; /* DPT_NONE: nothing is within reach here, height is the reach */
     uint32_t exact;    /* no triangle is nearer */
     uint32_t proven;   /* it is the lowest around, by profile_prove or profile_approach */
-    uint32_t reserved;
-    uint32_t bounded; /* `deep` is known */
-    uint32_t spanned; /* `span` is known */
+    uint32_t was;      /* the triangle that it began with */
+    uint32_t bounded;  /* `deep` is known */
+    uint32_t spanned;  /* `span` is known */
     /* How deep it can be between here and the next sample, and where that was found. */
     struct deep {
         double bound, s;
@@ -52,6 +52,8 @@ struct sample {
         double w0, w, w1; /* at the ends and there */
         double area;      /* over s, not over length */
         double doubt;     /* of it */
+        uint32_t loose;   /* the surface goes out of reach in it, one does not know where */
+        uint32_t reserved;
     } span;
 };
 

@@ -10,7 +10,17 @@
 #define DOUBT_LEFT    0.008
 #define DOUBT_IGNORED 0.001
 
-enum { ASK_MOST = 56, SPANS_LEAST = 12 };
+/* A way out that turns by less is not looked into; by more is not of one curved wall. */
+#define TURN_SMALL 0.01
+#define TURN_LARGE 0.15
+
+/* What tangents and chord may differ by, of the area, to be nearly one line. */
+#define STRAIGHT 0.001
+
+/* How far, of the reach, the surface may be from where a region ends. */
+#define END_LEFT 0.04
+
+enum { ASK_MOST = PROFILE_SAMPLES, SPANS_LEAST = 12 };
 
 /* A piece of the profile on which the height is linear and the way out is one sample's. */
 struct piece {
@@ -56,6 +66,25 @@ static void add_piece(struct region *region, const struct piece *piece, double s
     region->to = piece->s1;
 }
 
+/* Between a mark and a sample: how far the sample's tangent is within reach where the mark's meets it, or should. */
+static double from_mark(const struct profile *profile, const struct sample *from,
+                        const struct sample *to, double s)
+{
+    const struct sample *seen = from->triangle == DPT_NONE ? to : from;
+    double rise = dot(seen->normal, profile->axis->u);
+    return profile->reach - seen->height - rise * (s - seen->s);
+}
+
+/* One triangle is nearest at both samples: between them the way out turns evenly, or at the sample where others are as near. */
+static int is_one_wall(const struct profile *profile, const struct sample *from,
+                       const struct sample *to)
+{
+    double error = profile->axis->error;
+    return from->triangle == to->triangle ||
+           profile_reach(profile, to->triangle, from->s) <= fabs(from->height) + error ||
+           profile_reach(profile, from->triangle, to->s) <= fabs(to->height) + error;
+}
+
 static struct span span_between(const struct profile *profile, const struct sample *from,
                                 const struct sample *to)
 {
@@ -68,6 +97,12 @@ static struct span span_between(const struct profile *profile, const struct samp
     double chord = span.w0 + (span.w1 - span.w0) * part, tangent = profile->reach - bend.height;
     int marked = from->triangle == DPT_NONE || to->triangle == DPT_NONE;
     span.w = marked ? tangent : chord + (tangent - chord) * (5.0 / 6.0);
+    /* No height changes by more than the way: what is short enough is known well enough, also beside a border. */
+    double loose = END_LEFT * profile->reach;
+    int ends = (span.w0 > 0.0) != (span.w1 > 0.0) && fabs(span.w0) > loose && fabs(span.w1) > loose;
+    span.loose =
+        width * profile->size > loose && (marked ? from_mark(profile, from, to, bend.s) > loose
+                                                 : ends && fabs(tangent - chord) > loose);
     double least = area_of(from->s, span.w0, to->s, span.w1);
     double most =
         area_of(from->s, span.w0, bend.s, tangent) + area_of(bend.s, tangent, to->s, span.w1);
@@ -75,10 +110,44 @@ static struct span span_between(const struct profile *profile, const struct samp
     span.doubt = 0.25 * fabs(most - least);
     if (marked)
         span.doubt += 0.5 * span.area;
-    else
-        span.doubt += (part > 0.0 && part < 1.0 ? 0.25 : 0.03) *
-                      length(sub(from->normal, to->normal)) * span.area;
     return span;
+}
+
+/*
+ * A wall may be nearest between two samples and at neither: so when both have just passed from it to another that is about as
+ * far. How far the way out would turn between them, if `was` is that wall.
+ */
+static double turn_between(const struct profile *profile, const struct sample *from,
+                           const struct sample *to, uint32_t was)
+{
+    const vec3 none = { 0.0, 0.0, 0.0 };
+    double s = from->span.s;
+    if (was == from->triangle || was == to->triangle)
+        return 0.0;
+    pair found = tree_pair(profile->tree, was, profile_point(profile, s), none);
+    double distance = sqrt(found.distance2);
+    if (!(distance > profile->axis->error && distance < profile_reach(profile, from->triangle, s) &&
+          distance < profile_reach(profile, to->triangle, s)))
+        return 0.0;
+    double sign = from->height + to->height < 0.0 ? -1.0 : 1.0;
+    vec3 way = scaled(found.gap, sign / distance);
+    return larger(length(sub(way, from->normal)), length(sub(way, to->normal)));
+}
+
+/*
+ * How far the way out may be off between a sample whose span is known and the next: most where the tangents are nearly one line,
+ * and so do not tell where they meet.
+ */
+static double doubt_of_way(const struct profile *profile, const struct sample *from,
+                           const struct sample *to)
+{
+    double turn = length(sub(from->normal, to->normal)), share = 0.25;
+    if (turn > TURN_SMALL && is_one_wall(profile, from, to))
+        share = 0.03;
+    else if (turn > TURN_LARGE && from->span.doubt <= STRAIGHT * from->span.area)
+        share = 1.0;
+    return share * turn + 0.25 * larger(turn_between(profile, from, to, from->was),
+                                        turn_between(profile, from, to, to->was));
 }
 
 /* The same between sample i and the next, worked out once. */
@@ -86,7 +155,11 @@ static const struct span *span_at(struct profile *profile, uint32_t i)
 {
     struct sample *sample = &profile->sample[i];
     if (!sample->spanned) {
-        sample->span = span_between(profile, sample, sample + 1);
+        const struct sample *to = sample + 1;
+        struct span *span = &sample->span;
+        *span = span_between(profile, sample, to);
+        if (span->area > 0.0 && sample->triangle != DPT_NONE && to->triangle != DPT_NONE)
+            span->doubt += span->area * doubt_of_way(profile, sample, to);
         sample->spanned = 1;
     }
     return &sample->span;
@@ -148,7 +221,7 @@ static void refine(struct profile *profile)
     confirm(profile);
     for (int asked = 0; asked < ASK_MOST && !is_tired(profile); asked++) {
         double sum = 0.0, doubt = 0.0, most = 0.0, wide = widest_allowed(profile), widest = wide;
-        uint32_t worst = 0, wide_at = DPT_NONE;
+        uint32_t worst = 0, wide_at = DPT_NONE, end_at = DPT_NONE;
         for (uint32_t i = 0; i + 1 < profile->count; i++) {
             const struct span *span = span_at(profile, i);
             double width = profile->sample[i + 1].s - profile->sample[i].s;
@@ -162,10 +235,14 @@ static void refine(struct profile *profile)
                 widest = width;
                 wide_at = i;
             }
+            if (span->loose)
+                end_at = i;
         }
         double where;
         if (wide_at != DPT_NONE)
             where = 0.5 * (profile->sample[wide_at].s + profile->sample[wide_at + 1].s);
+        else if (end_at != DPT_NONE)
+            where = ask_where(profile, end_at, &profile->sample[end_at].span);
         else if (doubt > DOUBT_LEFT * sum)
             where = ask_where(profile, worst, &profile->sample[worst].span);
         else
@@ -277,14 +354,27 @@ uint32_t region_all(struct profile *profile, struct region regions[REGION_MOST])
     return seen;
 }
 
+/* Of the integral over s; where one of the two is a mark, all is the other's. */
+static vec3 thrust_between(const struct sample *from, const struct sample *to,
+                           const struct span *span)
+{
+    const struct sample *left = from->triangle == DPT_NONE ? to : from;
+    const struct sample *right = to->triangle == DPT_NONE ? from : to;
+    return along(scaled(left->normal, area_of(from->s, span->w0, span->s, span->w)),
+                 area_of(span->s, span->w, to->s, span->w1), right->normal);
+}
+
 /* What a sample between these two would be worth, of the integral over s. */
 static double worth(const struct profile *profile, const struct sample *before,
                     const struct sample *sample, const struct sample *after)
 {
-    struct span left = span_between(profile, before, sample);
-    struct span right = span_between(profile, sample, after);
+    int known = before + 1 == sample && before->spanned;
+    struct span left = known ? before->span : span_between(profile, before, sample);
+    struct span right = sample->spanned ? sample->span : span_between(profile, sample, after);
     struct span both = span_between(profile, before, after);
-    return both.doubt + fabs(both.area - left.area - right.area);
+    vec3 parts = add(thrust_between(before, sample, &left), thrust_between(sample, after, &right));
+    double turn = 0.25 * length(sub(before->normal, after->normal)) * both.area;
+    return both.doubt + turn + length(sub(thrust_between(before, after, &both), parts));
 }
 
 /* Those that are worth more than `ignored`; returns how many there are, which may be more than fit. */
@@ -317,11 +407,11 @@ static uint32_t seeds_worth(const struct profile *profile, const struct region *
 uint32_t region_seeds(const struct profile *profile, const struct region *region,
                       struct seed *seeds, uint32_t most)
 {
-    enum { COARSER_MOST = 12 };
+    enum { COARSER_MOST = 6 };
     double ignored = profile->size > 0.0 ? DOUBT_IGNORED * region->overlap / profile->size : 0.0;
     uint32_t count = seeds_worth(profile, region, ignored, seeds, most);
     for (int i = 0; i < COARSER_MOST && count > most; i++) {
-        ignored *= 2.0;
+        ignored *= 4.0;
         count = seeds_worth(profile, region, ignored, seeds, most);
     }
     return count < most ? count : most;

@@ -460,8 +460,9 @@ static void slide_over(const struct solid *solid, const dpt_pose *pose, const ch
     free(scene);
 }
 
+/* From the tick `from` on, for so many. */
 static void push_into(const struct solid *solid, const char *how, double margin, double radius,
-                      double length, uint64_t seed)
+                      double length, uint64_t seed, uint64_t from_tick, uint64_t count)
 {
     struct scene *scene = calloc(1, sizeof *scene);
     struct pushing pushing;
@@ -483,7 +484,11 @@ static void push_into(const struct solid *solid, const char *how, double margin,
         pushing.step[k] = 3e-4 * diagonal * way[k];
     }
     pushing.turn = 0.001;
-    run(scene, next_push, &pushing, ticks);
+    for (uint64_t i = 0; i < from_tick; i++) {
+        double ends[6];
+        next_push(&pushing, ends);
+    }
+    run(scene, next_push, &pushing, count);
     free(scene);
 }
 
@@ -492,12 +497,12 @@ static void try_solid(const struct solid *solid, int all)
     uint64_t jumps = 0;
     slide_over(solid, NULL, "capsule", 0, 0.003, 0.01, 0.4, 1, &jumps);
     slide_over(solid, NULL, "line", 0, 0.003, 0, 0.5, 3, &jumps);
-    push_into(solid, "pushed", 0.003, 0.01, 0.5, 5);
+    push_into(solid, "pushed", 0.003, 0.01, 0.5, 5, 0, ticks);
     if (all) {
         slide_over(solid, NULL, "first ticks", 1, 0.003, 0.01, 0.6, 8, &jumps);
         slide_over(solid, NULL, "long capsule", 0, 0.0006, 0.02, 0.9, 2, &jumps);
         slide_over(solid, NULL, "wide margin", 0, 0.02, 0.005, 0.7, 4, &jumps);
-        push_into(solid, "pushed line", 0.003, 0, 0.3, 6);
+        push_into(solid, "pushed line", 0.003, 0, 0.3, 6, 0, ticks);
     }
     CHECK(!all || jumps > 0, "%s: one point would do", solid->name);
 }
@@ -535,6 +540,32 @@ static void integrals_on_organs(void)
         snprintf(path, sizeof path, "%s/meshes/%s", data, names[i]);
         if (solid_from_file(&solid, names[i], path, 1))
             try_solid(&solid, 0);
+        solid_close(&solid);
+    }
+}
+
+/* Deep ticks at which integrals jumped, or a stretch ended too early, and what was wrong with them. */
+static void integrals_of_deep_lines(void)
+{
+    static const struct {
+        const char *shape;
+        uint64_t triangles, from, count;
+        const char *how;
+    } c[] = { { "torus", 5568, 250, 45, "walls that pass between samples" },
+              { "liver", 8000, 95, 15, "walls that meet at a sample" },
+              { "star", 2000, 100, 20, "an end between two walls" },
+              { "star", 2000, 210, 12, "an end along a wall" } };
+    for (size_t i = 0; i < sizeof c / sizeof *c; i++) {
+        struct solid solid;
+        if (solid_from_shape(&solid, c[i].shape, c[i].triangles))
+            push_into(&solid, c[i].how, 0.003, 0, 0.3, 6, c[i].from, c[i].count);
+        solid_close(&solid);
+    }
+    struct solid solid;
+    char path[4096];
+    snprintf(path, sizeof path, "%s/meshes/organs/gallbladder_low.stl", data ? data : "");
+    if (data && solid_from_file(&solid, "gallbladder", path, 1)) {
+        push_into(&solid, "samples that are trapped", 0.003, 0.01, 0.5, 5, 40, 90);
         solid_close(&solid);
     }
 }
@@ -1172,6 +1203,7 @@ int main(int argc, char **argv)
     TEST(room_for_contacts);
     TEST(sheets_keep_their_side);
     TEST(integrals_with_a_pose);
+    TEST(integrals_of_deep_lines);
     TEST(integrals_on_a_torus);
     TEST(integrals_on_a_liver);
     TEST(integrals_on_a_star);
