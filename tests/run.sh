@@ -74,7 +74,7 @@ for config in scalar sanitize; do
     run "test_sheets, $config" build/$config/tests/test_sheets 2000
     run "test_sweep, $config" build/$config/tests/test_sweep 2000
     run "test_depth, $config" build/$config/tests/test_depth 20
-    run "test_region, $config" build/$config/tests/test_region 20
+    run "test_region, $config" build/$config/tests/test_region 30
     run "test_route, $config" env -u DPT_DATA build/$config/tests/test_route
 done
 run "test_strip, sanitize" env -u DPT_DATA build/sanitize/tests/test_strip
