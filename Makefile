@@ -65,14 +65,17 @@ $(B)/libdynpoint.o $(B)/libdynpoint_compile.o:
 	rm -f $@
 	$(AR) rcs $@ $<
 
+# The compiler alone starts threads: the core is linked to no thread library.
+THREADS := -pthread
+$(B)/libdynpoint_compile.so.$(SOVERSION): private LDLIBS = $(THREADS)
 $(B)/libdynpoint.so.$(SOVERSION): $(CORE)
 $(B)/libdynpoint_compile.so.$(SOVERSION): $(COMPILE) $(B)/libdynpoint.so.$(SOVERSION)
 %.so.$(SOVERSION):
-	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) -shared -Wl,-soname,$(@F) $^ -lm -o $@
+	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) -shared -Wl,-soname,$(@F) $^ -lm $(LDLIBS) -o $@
 	ln -sf $(@F) $*.so
 
 $(B)/dynpoint: $(TOOLS) $(COMPILE) $(CORE)
-	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -o $@
+	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) -o $@
 
 demo: ## build, make a liver, slide a tool over it, and prove every answer
 	@echo building ...
@@ -94,7 +97,8 @@ install: all ## into PREFIX, or DESTDIR and the directory variables
 	    echo "Name: $$lib"; echo 'Description: line-shaped haptic tools against triangle meshes'; \
 	    echo 'Version: $(VERSION)'; echo 'Cflags: -I$${includedir}'; \
 	    case $$lib in *_compile) echo 'Requires: libdynpoint';; esac; \
-	    echo "Libs: -L\$${libdir} -l$${lib#lib}"; echo 'Libs.private: -lm'; \
+	    echo "Libs: -L\$${libdir} -l$${lib#lib}"; \
+	    case $$lib in *_compile) echo 'Libs.private: -lm $(THREADS)';; *) echo 'Libs.private: -lm';; esac; \
 	  } > $(DESTDIR)$(PKGCONFIGDIR)/$$lib.pc || exit 1; \
 	done
 

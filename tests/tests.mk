@@ -7,7 +7,7 @@ TEST_PARTS := $(patsubst %.c,$(B)/%.o,$(wildcard tests/oracle/*.c tests/data/*.c
 
 $(B)/tests/%.o: ALL_CFLAGS += -Itests -Itools
 $(B)/tests/test_%: $(B)/tests/test_%.o $(TEST_PARTS)
-	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -o $@
+	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) -o $@
 
 # The reader, with the line of each check that refuses (tests/test_damage.c).
 $(B)/tests/mesh_open_sites.c: src/mesh_open.c
@@ -17,7 +17,7 @@ $(B)/tests/mesh_open_sites.c: src/mesh_open.c
 $(B)/tests/mesh_open_sites.o: $(B)/tests/mesh_open_sites.c
 	$(CC) $(ALL_CFLAGS) -c $< -o $@
 $(B)/tests/test_damage: $(B)/tests/test_damage.o $(B)/tests/mesh_open_sites.o $(filter-out $(B)/src/mesh_open.o,$(TEST_PARTS))
-	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -o $@
+	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) -o $@
 
 $(B)/tests/test_organs: | $(B)/dynpoint
 
@@ -29,7 +29,7 @@ FUZZ_TARGETS := obj stl ply off trace mesh forged
 FUZZ_SHARED := $(filter-out $(FUZZ_TARGETS:%=$(B)/tests/fuzz/%.o) $(B)/tests/fuzz/mutate.o,$(FUZZ_PARTS)) \
                $(B)/tools/shape.o $(B)/tools/shape_organs.o $(CORE) $(COMPILE)
 $(B)/tests/fuzz/fuzz_%: $(B)/tests/fuzz/%.o $(FUZZ_SHARED)
-	$(CC) $(subst fuzzer-no-link,fuzzer,$(CONFIG_CFLAGS)) $(LDFLAGS) $^ -lm -o $@
+	$(CC) $(subst fuzzer-no-link,fuzzer,$(CONFIG_CFLAGS)) $(LDFLAGS) $^ -lm $(THREADS) -o $@
 fuzz-programs: $(FUZZ_TARGETS:%=$(B)/tests/fuzz/fuzz_%)
 .PHONY: fuzz-programs
 
@@ -42,7 +42,7 @@ $(B)/tests/oracle/exact.o: tests/oracle/exact.cc
 	@mkdir -p $(@D)
 	$(CXX) -std=c++11 -O2 -g -Wall -Wextra -MMD -MP $(CONFIG_CFLAGS) $(CFLAGS_EXTRA) -c $< -o $@
 $(B)/tests/test_sweep_exact: $(B)/tests/exact/sweep.o $(B)/tests/oracle/exact.o $(TEST_PARTS)
-	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(EXACT_LIBS) -o $@
+	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(EXACT_LIBS) -o $@
 
 check: ## all tests; DEPS=no installs nothing, STRICT=1 lets skips fail
 	@sh tests/run.sh
@@ -76,7 +76,7 @@ test-programs: all $(TESTS) $(B)/tests/bench/dump_mesh $(B)/tests/bench/strips $
 -include $(TESTS:=.d) $(patsubst %.o,%.d,$(TEST_PARTS) $(FUZZ_PARTS))
 
 $(B)/tests/bench/dump_mesh: $(B)/tests/bench/dump_mesh.o $(B)/tools/common.o $(COMPILE) $(CORE)
-	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -o $@
+	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) -o $@
 
 $(B)/tests/bench/strips: $(B)/tests/bench/strips.o $(CORE)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -o $@

@@ -23,7 +23,7 @@ static const char help[] =
     "  --crease A      edges bent by more than A degrees are creases: sharp; default 60, 180 is "
     "none\n"
     "  --c-array NAME  write C source that holds the bytes in an array of that name\n"
-    "  -j N            use at most N threads; this version never uses more than one\n";
+    "  -j N            use at most N threads; default 1; the bytes are the same for every N\n";
 
 #define DEGREE (3.14159265358979323846 / 180.0)
 
@@ -155,7 +155,8 @@ int command_compile(int argc, char **argv)
                             .scale = scale,
                             .progress = show_progress,
                             .user = &meter,
-                            .crease = crease * DEGREE };
+                            .crease = crease * DEGREE,
+                            .threads = threads < UINT32_MAX ? (uint32_t)threads : UINT32_MAX };
     dpt_diag diag = { .size = sizeof diag };
     dpt_compiled compiled;
     struct output output;

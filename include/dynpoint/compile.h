@@ -2,7 +2,9 @@
 /*
  * libdynpoint_compile: the offline compiler. Turns a mesh, from a file or from arrays, into the bytes
  * of a .dpa file that dpt_mesh_open uses in place. Allocates from the heap; may be called from any
- * thread. Time n log n in the triangles with a small factor, memory linear, hubs included.
+ * thread. Time n log n in the triangles with a small factor, memory linear, hubs included. Starts threads only
+ * where the def allows it, and none outlives the call; the bytes are the same for any number of them, and where
+ * the system refuses one, its work is done without. The progress callback is called from the calling thread.
  *
  * Reads OBJ (faces with v, v/vt, v//vn, v/vt/vn, negative indices, polygons), STL (ASCII and binary),
  * PLY (ASCII, little- and big-endian), OFF. Numbers are read without regard to the locale.
@@ -50,6 +52,9 @@ typedef struct dpt_compile_def {
     /* A def that ends here is taken too. */
     double
         crease; /* normals of two triangles that differ by more make a crease; rad, 0 means pi / 3; pi: none is */
+    /* And one that ends here. */
+    uint32_t threads;  /* at most so many, the calling one among them, and 64; 0 means 1 */
+    uint32_t reserved; /* 0 */
 } dpt_compile_def;
 
 /* The bytes of a .dpa file, owned by whoever asked; give them back with dpt_compiled_free. */

@@ -8,11 +8,15 @@
 #include "../check.h"
 #include "../vec.h"
 #include "model.h"
+#include "parallel.h"
 
 static const source_place nowhere = { 0, 0 };
 
 /* Pi, and its rounding in whatever unit it was asked for. */
 #define CREASE_MOST 3.1415926536
+
+/* Of so many bytes the hash takes a tenth of a millisecond, and is worth a thread. */
+#define HASH_LEAST ((size_t)1 << 17)
 
 /* FNV-1a, 64 bits: names a source, so that a stale .dpa can be told. */
 static uint64_t hash_of(const void *bytes, size_t size)
@@ -87,6 +91,26 @@ static dpt_result enter(soup *source, const dpt_compile_def *def, dpt_compiled *
     return DPT_OK;
 }
 
+/* A file's bytes, read and hashed side by side. */
+struct reading {
+    soup *source;
+    uint32_t format;
+    const unsigned char *bytes;
+    size_t size;
+    dpt_result result;
+    uint64_t hash;
+};
+
+static void read_and_hash(void *context, size_t first, size_t end)
+{
+    struct reading *reading = context;
+    if (first == 0)
+        reading->result =
+            read_source(reading->source, reading->format, reading->bytes, reading->size);
+    if (end == 2)
+        reading->hash = hash_of(reading->bytes, reading->size);
+}
+
 static dpt_result compile_bytes(soup *source, const char *path, const unsigned char *bytes,
                                 size_t size, const dpt_compile_def *def, dpt_compiled *out)
 {
@@ -94,8 +118,10 @@ static dpt_result compile_bytes(soup *source, const char *path, const unsigned c
     if (format == DPT_FORMAT_AUTO)
         format = source_format(path, bytes, size);
     DPT_TRY(soup_progress(source, "read", 0.0));
-    DPT_TRY(read_source(source, format, bytes, size));
-    return build(source, size, hash_of(bytes, size), out);
+    struct reading reading = { .source = source, .format = format, .bytes = bytes, .size = size };
+    parallel_for(size < HASH_LEAST ? 1 : source->threads, 2, 1, read_and_hash, &reading);
+    DPT_TRY(reading.result);
+    return build(source, size, reading.hash, out);
 }
 
 dpt_result dpt_compile_bytes(const void *bytes, size_t size, const dpt_compile_def *def,

@@ -10,18 +10,24 @@
 #include "../check.h"
 #include "../kernel.h"
 #include "model.h"
+#include "parallel.h"
 
 struct item {
     float centre[3]; /* sum of the corners: three times the centroid */
     uint32_t triangle;
 };
 
+/* Of one thread. The pivots start anew below subtrees of so many: whoever orders them draws the same. */
+#define FORK_LEAST ((size_t)2 * PARALLEL_LEAST)
+#define SEED       1u
+
 struct ordering {
     struct item *items;
-    soup *source;
-    size_t total;
+    soup *source; /* to tell progress; NULL in a thread that is not the caller's */
+    size_t total; /* of which it tells progress */
     size_t done;
     uint64_t random;
+    uint32_t threads;
 };
 
 static int before(const struct item *a, const struct item *b, int axis)
@@ -88,9 +94,50 @@ static dpt_result leaf_done(struct ordering *order, size_t count)
 {
     size_t before_this = order->done >> 16;
     order->done += count;
-    if (order->done >> 16 == before_this)
+    if (!order->source || order->done >> 16 == before_this)
         return DPT_OK;
     return soup_progress(order->source, "order", (double)order->done / (double)order->total);
+}
+
+static dpt_result split(struct ordering *order, size_t first, size_t count, size_t capacity);
+
+struct half {
+    struct ordering order;
+    size_t first, count, capacity;
+    dpt_result result;
+};
+
+static void split_half(void *context, size_t first, size_t end)
+{
+    struct half *half = context;
+    for (size_t i = first; i < end; i++) {
+        struct ordering order = half[i].order;
+        half[i].result = split(&order, half[i].first, half[i].count, half[i].capacity);
+    }
+}
+
+/* Both halves of first..first + left + right, side by side where each gets a thread by its share of the items. */
+static dpt_result split_large(struct ordering *order, size_t first, size_t left, size_t right,
+                              size_t capacity)
+{
+    const uint32_t threads = order->threads;
+    uint64_t share = ((uint64_t)threads * right + (left + right) / 2) / (left + right);
+    uint32_t others = share < threads ? (uint32_t)share : threads - 1;
+    order->random = SEED;
+    if (others == 0) {
+        DPT_TRY(split(order, first, left, capacity));
+        order->random = SEED;
+        return split(order, first + left, right, capacity);
+    }
+    struct half half[2] = { { *order, first, left, capacity, DPT_OK },
+                            { *order, first + left, right, capacity, DPT_OK } };
+    half[0].order.threads = threads - others;
+    half[0].order.total -= right;
+    half[1].order.threads = others;
+    half[1].order.source = NULL;
+    parallel_for(2, 2, 1, split_half, half);
+    order->done += left + right;
+    return half[0].result;
 }
 
 /* Order first..first + count, whose subtrees hold `capacity` triangles each. */
@@ -103,6 +150,8 @@ static dpt_result split(struct ordering *order, size_t first, size_t count, size
     size_t subtrees = (count + capacity - 1) / capacity;
     size_t left = subtrees / 2 * capacity;
     select_rank(order, first, first + count, left, widest_axis(order->items + first, count));
+    if (count >= FORK_LEAST)
+        return split_large(order, first, left, count - left, capacity);
     DPT_TRY(split(order, first, left, capacity));
     return split(order, first + left, count - left, capacity);
 }
@@ -120,18 +169,40 @@ static void take_items(const struct model *model, const float *positions, struct
     }
 }
 
-/* Move corners and sources to the new order. `spare` has room for 3 words a triangle. */
-static void permute_triangles(struct model *model, const struct item *items, uint32_t *spare)
+/* Corners and sources on their way to the new order. */
+struct permuting {
+    const struct model *model;
+    const struct item *items;
+    uint32_t *corners, *sources;
+};
+
+static void permute_triangles(void *context, size_t first, size_t end)
 {
-    size_t count = model->triangle_count;
-    for (size_t t = 0; t < count; t++)
-        memcpy(spare + 3 * t, model->corners + 3 * (size_t)items[t].triangle, 3 * sizeof *spare);
-    memcpy(model->corners, spare, 3 * count * sizeof *spare);
-    for (size_t t = 0; t < count; t++)
-        spare[t] = model->sources[items[t].triangle];
-    memcpy(model->sources, spare, count * sizeof *spare);
-    for (size_t t = 0; t < count; t++)
-        model->places[model->sources[t]] = (uint32_t)t;
+    const struct permuting *to = context;
+    for (size_t t = first; t < end; t++) {
+        size_t from = to->items[t].triangle;
+        memcpy(to->corners + 3 * t, to->model->corners + 3 * from, 3 * sizeof *to->corners);
+        to->sources[t] = to->model->sources[from];
+        to->model->places[to->sources[t]] = (uint32_t)t;
+    }
+}
+
+static dpt_result permute(struct model *model, soup *source, const struct item *items)
+{
+    struct permuting to = { .model = model, .items = items };
+    to.corners = model_array(source, model->triangle_count, 3 * sizeof *to.corners);
+    to.sources = model_array(source, model->triangle_count, sizeof *to.sources);
+    if (!to.corners || !to.sources) {
+        free(to.corners);
+        free(to.sources);
+        return DPT_E_MEMORY;
+    }
+    parallel_for(source->threads, model->triangle_count, PARALLEL_LEAST, permute_triangles, &to);
+    free(model->corners);
+    free(model->sources);
+    model->corners = to.corners;
+    model->sources = to.sources;
+    return DPT_OK;
 }
 
 /* Vertices in the order of their first use, for locality. `number` has a word a source vertex. */
@@ -160,23 +231,25 @@ dpt_result model_order(struct model *model, soup *source)
 {
     size_t count = model->triangle_count;
     struct item *items = model_array(source, count, sizeof *items);
-    uint32_t *spare = model_array(source, count, 3 * sizeof *spare);
     uint32_t *number = model_array(source, source->vertex_count, sizeof *number);
     dpt_result result = DPT_E_MEMORY;
-    if (items && spare && number) {
+    if (items && number) {
         size_t capacity = LANES;
         while (capacity < count)
             capacity *= LANES;
-        struct ordering order = { .items = items, .source = source, .total = count, .random = 1 };
+        struct ordering order = { .items = items,
+                                  .source = source,
+                                  .total = count,
+                                  .random = SEED,
+                                  .threads = source->threads };
         take_items(model, source->positions, items);
         result = split(&order, 0, count, capacity);
-        if (result == DPT_OK) {
-            permute_triangles(model, items, spare);
+        if (result == DPT_OK)
+            result = permute(model, source, items);
+        if (result == DPT_OK)
             result = take_vertices(model, source, number);
-        }
     }
     free(items);
-    free(spare);
     free(number);
     return result;
 }

@@ -22,8 +22,11 @@ void soup_init(soup *source, const dpt_compile_def *def, dpt_diag *diag)
     memset(source, 0, sizeof *source);
     source->scale = def != NULL && def->scale != 0.0 ? def->scale : 1.0;
     source->crease = CREASE_DEFAULT;
-    if (def != NULL && def->size >= sizeof *def && def->crease != 0.0)
+    source->threads = 1;
+    if (def != NULL && def->size >= offsetof(dpt_compile_def, threads) && def->crease != 0.0)
         source->crease = def->crease;
+    if (def != NULL && def->size >= sizeof *def && def->threads != 0)
+        source->threads = def->threads;
     source->def = def;
     source->diag = diag;
 }

@@ -9,9 +9,24 @@
 #include "../vec.h"
 #include "model.h"
 #include "moment.h"
+#include "parallel.h"
+
+/* Of this many leaves, or bytes of sections, a thread is worth making. */
+#define LEAVES_LEAST  256u
+#define SECTION_LEAST ((size_t)1 << 18)
 
 struct box {
     double low[3], high[3];
+};
+
+/* What the pieces of a loop share. */
+struct writing {
+    struct dpt_mesh mesh;
+    const struct model *model;
+    char *bytes;
+    struct box *boxes;
+    struct moment *sets;
+    struct crc32 crc;
 };
 
 static const struct box nothing = { { HUGE_VAL, HUGE_VAL, HUGE_VAL },
@@ -101,23 +116,27 @@ static void filtered(const struct dpt_mesh *mesh, const float *position, double 
 }
 
 /* The leaves, and their boxes. Empty lanes of the last leaf repeat its last triangle. */
-static void fill_leaves(const struct dpt_mesh *mesh, const struct model *model, float *leaves,
-                        struct box *boxes)
+static void fill_leaves(void *context, size_t first, size_t end)
 {
-    for (uint32_t leaf = 0; leaf < mesh->leaves; leaf++) {
+    const struct writing *writing = context;
+    const struct dpt_mesh *mesh = &writing->mesh;
+    const struct model *model = writing->model;
+    float *leaves = (float *)(void *)(writing->bytes + mesh->section[MESH_LEAVES].offset);
+    for (uint32_t leaf = (uint32_t)first; leaf < end; leaf++) {
         float *block = leaves + (size_t)leaf * MESH_LEAF_WORDS;
-        boxes[leaf] = nothing;
+        struct box box = nothing;
         for (uint32_t lane = 0; lane < LANES; lane++) {
             uint32_t t = leaf * LANES + lane;
             t = t < mesh->triangles ? t : mesh->triangles - 1;
             for (uint32_t k = 0; k < 3; k++) {
                 double x[3];
                 filtered(mesh, model->positions + 3 * (size_t)model->corners[3 * (size_t)t + k], x);
-                box_add(&boxes[leaf], x, x);
+                box_add(&box, x, x);
                 for (uint32_t axis = 0; axis < 3; axis++)
                     block[(3 * k + axis) * LANES + lane] = (float)x[axis];
             }
         }
+        writing->boxes[leaf] = box;
     }
 }
 
@@ -170,15 +189,22 @@ static uint32_t solid_lanes(const struct dpt_mesh *mesh, const struct model *mod
     return lanes;
 }
 
-/* As fill_boxes; `sets` has room for a set a leaf. */
-static void fill_moments(const struct dpt_mesh *mesh, const struct model *model, char *bytes,
-                         struct moment *sets, const uint32_t *count)
+/* The last words of the section, one a leaf. */
+static void fill_solid_lanes(void *context, size_t first, size_t end)
 {
+    const struct writing *writing = context;
+    const struct dpt_mesh *mesh = &writing->mesh;
     const struct mesh_section *section = &mesh->section[MESH_MOMENTS];
-    float *nodes = (float *)(void *)(bytes + section->offset);
-    uint32_t *lanes = (uint32_t *)(void *)(bytes + section->offset + section->bytes) - mesh->leaves;
-    for (uint32_t leaf = 0; leaf < mesh->leaves; leaf++)
-        lanes[leaf] = solid_lanes(mesh, model, leaf, &sets[leaf]);
+    uint32_t *lanes = (uint32_t *)(void *)(writing->bytes + section->offset + section->bytes);
+    lanes -= mesh->leaves;
+    for (uint32_t leaf = (uint32_t)first; leaf < end; leaf++)
+        lanes[leaf] = solid_lanes(mesh, writing->model, leaf, &writing->sets[leaf]);
+}
+
+/* As fill_boxes, from the sets of the leaves. */
+static void fill_moments(const struct dpt_mesh *mesh, float *nodes, struct moment *sets,
+                         const uint32_t *count)
+{
     const struct moment none = { .area = 0.0 };
     for (uint32_t level = 1; level <= mesh->levels; level++)
         for (uint32_t node = 0; node < count[level]; node++, nodes += MESH_MOMENT_WORDS) {
@@ -190,9 +216,10 @@ static void fill_moments(const struct dpt_mesh *mesh, const struct model *model,
         }
 }
 
-static void fill_words(const struct dpt_mesh *mesh, const struct model *model, char *bytes)
+/* What the model already has as words; NULL for the other sections. */
+static const void *content_of(const struct model *model, int id)
 {
-    const void *content[MESH_SECTION_COUNT] = {
+    const void *const content[MESH_SECTION_COUNT] = {
         [MESH_VERTICES] = model->positions,
         [MESH_TRIANGLES] = model->corners,
         [MESH_NEIGHBOURS] = model->neighbours,
@@ -205,26 +232,36 @@ static void fill_words(const struct dpt_mesh *mesh, const struct model *model, c
         [MESH_NORMALS] = model->normals,
         [MESH_FLAGS] = model->flags,
     };
-    for (int id = 0; id < MESH_SECTION_COUNT; id++)
-        if (content[id])
-            memcpy(bytes + mesh->section[id].offset, content[id], (size_t)mesh->section[id].bytes);
+    return content[id];
 }
 
-/* Into the file's byte order, with the checksums of the bytes as they will lie. */
-static void seal(struct dpt_mesh *mesh, char *bytes)
+/*
+ * The sections whose middle byte is one of first..end: what the model has of them, into the file's byte order, with
+ * the checksums of the bytes as they will lie.
+ */
+static void seal_sections(void *context, size_t first, size_t end)
 {
-    struct crc32 crc;
-    crc32_init(&crc);
-    int swap = !mesh_host_is_little();
+    struct writing *writing = context;
     for (int id = 0; id < MESH_SECTION_COUNT; id++) {
-        struct mesh_section *section = &mesh->section[id];
-        if (swap)
-            mesh_swap4(bytes + section->offset, section->bytes / 4);
-        section->crc32 = crc32_of(&crc, bytes + section->offset, (size_t)section->bytes);
+        struct mesh_section *section = &writing->mesh.section[id];
+        char *bytes = writing->bytes + section->offset;
+        uint64_t middle = section->offset + section->bytes / 2;
+        if (middle < first || middle >= end)
+            continue;
+        if (content_of(writing->model, id))
+            memcpy(bytes, content_of(writing->model, id), (size_t)section->bytes);
+        if (!mesh_host_is_little())
+            mesh_swap4(bytes, section->bytes / 4);
+        section->crc32 = crc32_of(&writing->crc, bytes, (size_t)section->bytes);
     }
+}
+
+static void seal_header(struct dpt_mesh *mesh, const struct crc32 *crc)
+{
+    int swap = !mesh_host_is_little();
     if (swap)
         mesh_swap_header(mesh, MESH_VERSION);
-    uint32_t sum = crc32_of(&crc, mesh, sizeof *mesh);
+    uint32_t sum = crc32_of(crc, mesh, sizeof *mesh);
     if (swap)
         mesh_swap4(&sum, 1);
     mesh->header_crc32 = sum;
@@ -255,37 +292,45 @@ void dpt_compiled_free(dpt_compiled *compiled)
 dpt_result model_write(const struct model *model, soup *source, uint64_t source_size,
                        uint64_t source_hash, dpt_compiled *out)
 {
-    struct dpt_mesh mesh;
+    struct writing writing;
+    struct dpt_mesh *mesh = &writing.mesh;
     uint32_t count[MESH_LEVELS_MAX + 1];
     uint64_t nodes;
-    memset(&mesh, 0, sizeof mesh);
-    set_counts(&mesh, model, source);
-    set_frame(&mesh, model);
-    mesh.levels = mesh_levels(mesh.leaves, count, &nodes);
-    mesh.source_bytes = source_size;
-    mesh.source_hash = source_hash;
-    set_sections(&mesh, nodes);
+    memset(&writing, 0, sizeof writing);
+    writing.model = model;
+    set_counts(mesh, model, source);
+    set_frame(mesh, model);
+    mesh->levels = mesh_levels(mesh->leaves, count, &nodes);
+    mesh->source_bytes = source_size;
+    mesh->source_hash = source_hash;
+    set_sections(mesh, nodes);
 
-    struct box *boxes = model_array(source, mesh.leaves, sizeof *boxes);
-    struct moment *sets =
-        model_array(source, mesh.tail.winding_components ? mesh.leaves : 0, sizeof *sets);
+    const uint32_t threads = source->threads, winding = mesh->tail.winding_components;
+    struct box *boxes = writing.boxes = model_array(source, mesh->leaves, sizeof *boxes);
+    struct moment *sets = writing.sets =
+        model_array(source, winding ? mesh->leaves : 0, sizeof *sets);
     char *bytes =
-        boxes && sets && mesh.bytes <= SIZE_MAX / 2 ? take_block((size_t)mesh.bytes) : NULL;
+        boxes && sets && mesh->bytes <= SIZE_MAX / 2 ? take_block((size_t)mesh->bytes) : NULL;
     if (!bytes) {
         free(boxes);
         free(sets);
         return soup_fail(source, DPT_E_MEMORY, (source_place){ 0, 0 }, "memory ran out");
     }
-    fill_words(&mesh, model, bytes);
-    fill_leaves(&mesh, model, (float *)(void *)(bytes + mesh.section[MESH_LEAVES].offset), boxes);
-    fill_boxes(&mesh, (float *)(void *)(bytes + mesh.section[MESH_BOXES].offset), boxes, count);
-    if (mesh.tail.winding_components)
-        fill_moments(&mesh, model, bytes, sets, count);
+    writing.bytes = bytes;
+    parallel_for(threads, mesh->leaves, LEAVES_LEAST, fill_leaves, &writing);
+    fill_boxes(mesh, (float *)(void *)(bytes + mesh->section[MESH_BOXES].offset), boxes, count);
+    if (winding) {
+        parallel_for(threads, mesh->leaves, LEAVES_LEAST, fill_solid_lanes, &writing);
+        fill_moments(mesh, (float *)(void *)(bytes + mesh->section[MESH_MOMENTS].offset), sets,
+                     count);
+    }
     free(boxes);
     free(sets);
-    out->size = (size_t)mesh.bytes;
-    seal(&mesh, bytes);
-    memcpy(bytes, &mesh, sizeof mesh);
+    out->size = (size_t)mesh->bytes;
+    crc32_init(&writing.crc);
+    parallel_for(threads, out->size, SECTION_LEAST, seal_sections, &writing);
+    seal_header(mesh, &writing.crc);
+    memcpy(bytes, mesh, sizeof *mesh);
     out->bytes = bytes;
     return DPT_OK;
 }
