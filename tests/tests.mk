@@ -7,7 +7,8 @@ TEST_PARTS := $(patsubst %.c,$(B)/%.o,$(wildcard tests/oracle/*.c tests/data/*.c
 
 $(B)/tests/%.o: ALL_CFLAGS += -Itests -Itools
 $(B)/tests/test_%: $(B)/tests/test_%.o $(TEST_PARTS)
-	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) -o $@
+	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(LDLIBS) -o $@
+$(B)/tests/test_parallel: private LDLIBS = -Wl,--wrap=pthread_create,--wrap=pthread_join,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free
 
 # The reader, with the line of each check that refuses (tests/test_damage.c).
 $(B)/tests/mesh_open_sites.c: src/mesh_open.c

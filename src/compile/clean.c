@@ -14,7 +14,7 @@
 void *model_array(soup *source, size_t count, size_t width)
 {
     void *array = count <= SIZE_MAX / width ? malloc(count ? count * width : 1) : NULL;
-    if (!array)
+    if (!array && source)
         soup_fail(source, DPT_E_MEMORY, (source_place){ 0, 0 }, "memory ran out");
     return array;
 }

@@ -82,7 +82,7 @@ static void fill_level(struct cluster *cluster, uint32_t level)
     }
 }
 
-dpt_result cluster_build(struct cluster *cluster, const struct model *model, soup *source,
+dpt_result cluster_build(struct cluster *cluster, const struct model *model,
                          const uint32_t *triangles, uint32_t count)
 {
     *cluster = (struct cluster){ .model = model, .triangles = triangles, .triangle_count = count };
@@ -93,8 +93,8 @@ dpt_result cluster_build(struct cluster *cluster, const struct model *model, sou
         cluster->first[cluster->levels] = sets;
         sets += cluster->count[cluster->levels];
     }
-    cluster->moments = model_array(source, sets, sizeof *cluster->moments);
-    cluster->boxes = model_array(source, sets, sizeof *cluster->boxes);
+    cluster->moments = model_array(NULL, sets, sizeof *cluster->moments);
+    cluster->boxes = model_array(NULL, sets, sizeof *cluster->boxes);
     if (!cluster->moments || !cluster->boxes)
         return DPT_E_MEMORY;
     for (uint32_t leaf = 0; leaf < cluster->count[0]; leaf++)

@@ -28,8 +28,11 @@ struct cluster {
     struct bounds *boxes;
 };
 
-/* Of triangles of the model, each turned where model->turn says so. Free it whatever is returned. */
-dpt_result cluster_build(struct cluster *cluster, const struct model *model, soup *source,
+/*
+ * Of triangles of the model, each turned where model->turn says so. DPT_OK or DPT_E_MEMORY, without a diag; free it
+ * whatever is returned.
+ */
+dpt_result cluster_build(struct cluster *cluster, const struct model *model,
                          const uint32_t *triangles, uint32_t count);
 void cluster_free(struct cluster *cluster);
 

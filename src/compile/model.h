@@ -84,7 +84,7 @@ dpt_result model_write(const struct model *model, soup *source, uint64_t source_
 /* Half-edge 3 t + k and its neighbour run through their edge in the same direction: one is wound the wrong way. */
 int model_wound_against(const struct model *model, uint32_t half, uint32_t neighbour);
 
-/* An array, or NULL and a diag; never 0 bytes. */
+/* An array, or NULL and a diag, that in a thread of its own is left to the caller: source NULL. Never 0 bytes. */
 void *model_array(soup *source, size_t count, size_t width);
 
 #endif

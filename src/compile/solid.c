@@ -9,6 +9,7 @@
 #include "../check.h"
 #include "../mesh_format.h"
 #include "cluster.h"
+#include "parallel.h"
 
 /* A part with defects is solid when the rest of it goes round its triangles as often as that, on average. */
 #define SOLID_LEAST 0.44
@@ -43,10 +44,12 @@ struct solid {
     uint32_t first; /* of its triangles in `list` */
     uint32_t count;
     int closed;
-    int mixed;   /* wound both ways in the source */
-    int inward;  /* as wound in the source, most of it where mixed */
-    int flip;    /* is turned as a whole */
-    int winding; /* MESH_PART_WINDING */
+    int is_solid;
+    dpt_result result; /* of finding that out */
+    int mixed;         /* wound both ways in the source */
+    int inward;        /* as wound in the source, most of it where mixed */
+    int flip;          /* is turned as a whole */
+    int winding;       /* MESH_PART_WINDING */
     double volume, area;
     struct bounds box;
     struct cluster cluster; /* made when first asked */
@@ -123,8 +126,7 @@ static dpt_result need_cluster(struct solids *all, struct solid *solid)
 {
     if (solid->cluster.moments)
         return DPT_OK;
-    return cluster_build(&solid->cluster, all->model, all->source, all->list + solid->first,
-                         solid->count);
+    return cluster_build(&solid->cluster, all->model, all->list + solid->first, solid->count);
 }
 
 static vec3 centroid_of(const struct model *model, uint32_t triangle, double *area)
@@ -149,7 +151,7 @@ static uint32_t sample(const struct solids *all, const struct solid *solid, uint
  * Does a part with defects nearly close? Round a closed surface's own triangles the rest of it goes by half a turn,
  * round those of a flat sheet not at all. Its sign tells which way it is wound.
  */
-static dpt_result judge(struct solids *all, struct solid *solid, int *is_solid)
+static dpt_result judge(struct solids *all, struct solid *solid)
 {
     uint32_t samples = solid->count / SAMPLES_SHARE;
     samples = samples < SAMPLES_LEAST ? SAMPLES_LEAST : samples;
@@ -166,7 +168,7 @@ static dpt_result judge(struct solids *all, struct solid *solid, int *is_solid)
         sum += area * rest;
         total += area;
     }
-    *is_solid = fabs(sum) >= SOLID_LEAST * total && !is_flat(solid);
+    solid->is_solid = fabs(sum) >= SOLID_LEAST * total && !is_flat(solid);
     solid->inward = sum < 0.0;
     return DPT_OK;
 }
@@ -197,36 +199,51 @@ static int by_size(const void *a, const void *b)
     return x->part < y->part ? -1 : 1;
 }
 
+static void weigh(void *context, size_t first, size_t end)
+{
+    struct solids *all = context;
+    for (size_t i = first; i < end; i++) {
+        struct solid *solid = &all->solids[i];
+        uint32_t turned = measure(all, solid);
+        solid->mixed = turned != 0;
+        solid->is_solid = solid->closed;
+        if (solid->closed) {
+            solid->inward = solid->volume < 0.0 && !is_flat(solid);
+            settle_half(all, solid, turned);
+        } else {
+            solid->result = judge(all, solid);
+            if (!solid->is_solid)
+                cluster_free(&solid->cluster);
+        }
+    }
+}
+
 static dpt_result find_solids(struct solids *all)
 {
     struct model *model = all->model;
-    uint32_t candidates = 0;
+    const uint32_t threads = model->triangle_count < PARALLEL_LEAST ? 1 : all->source->threads;
+    uint32_t candidates = 0, found = 0;
     for (uint32_t p = 0; p < model->part_count; p++)
         candidates += (uint32_t)may_be_solid(&model->parts[p]);
     all->solids = model_array(all->source, candidates, sizeof *all->solids);
     if (!all->solids)
         return DPT_E_MEMORY;
     for (uint32_t p = 0; p < model->part_count; p++) {
-        if (!may_be_solid(&model->parts[p]))
-            continue;
-        struct solid *solid = &all->solids[all->count];
-        *solid = (struct solid){ .part = p, .first = all->first[p] };
-        solid->count = model->parts[p].triangles;
-        solid->closed = (model->parts[p].flags & MESH_PART_CLOSED) != 0;
-        uint32_t turned = measure(all, solid);
-        solid->mixed = turned != 0;
-        int is_solid = solid->closed;
-        if (solid->closed) {
-            solid->inward = solid->volume < 0.0 && !is_flat(solid);
-            settle_half(all, solid, turned);
-        } else {
-            dpt_result result = judge(all, solid, &is_solid);
-            if (!is_solid || result != DPT_OK)
-                cluster_free(&solid->cluster);
-            DPT_TRY(result);
-        }
-        all->count += (uint32_t)is_solid;
+        const struct part *part = &model->parts[p];
+        if (may_be_solid(part))
+            all->solids[all->count++] =
+                (struct solid){ .part = p,
+                                .first = all->first[p],
+                                .count = part->triangles,
+                                .closed = (part->flags & MESH_PART_CLOSED) != 0 };
     }
+    parallel_for(threads, candidates, 1, weigh, all);
+    for (uint32_t i = 0; i < candidates; i++)
+        DPT_TRY(all->solids[i].result);
+    for (uint32_t i = 0; i < candidates; i++)
+        if (all->solids[i].is_solid)
+            all->solids[found++] = all->solids[i];
+    all->count = found;
     qsort(all->solids, all->count, sizeof *all->solids, by_size);
     return DPT_OK;
 }
@@ -254,7 +271,7 @@ static dpt_result note_inside(struct solids *all, uint32_t solid, uint32_t in)
         size_t room = all->inside_room ? 2 * all->inside_room : 64;
         struct inside *grown = realloc(all->inside, room * sizeof *grown);
         if (!grown)
-            return soup_fail(all->source, DPT_E_MEMORY, (source_place){ 0, 0 }, "memory ran out");
+            return DPT_E_MEMORY;
         all->inside = grown;
         all->inside_room = room;
     }
@@ -455,6 +472,8 @@ dpt_result model_solid(struct model *model, soup *source)
         wind_all(&all);
         turn_all(&all);
     }
+    if (result == DPT_E_MEMORY)
+        soup_fail(source, result, (source_place){ 0, 0 }, "memory ran out");
     for (uint32_t i = 0; all.solids && i < all.count; i++)
         cluster_free(&all.solids[i].cluster);
     free(all.solids);
