@@ -154,6 +154,9 @@ usage_errors()
     for value in nan inf -1 0 one 1x '' 1,5 0x10; do
         refuses "compile --scale '$value'" scale compile box.ply -o out/x --scale "$value"
     done
+    for value in 0 -1 1.5 many '' 99999999999999999999; do
+        refuses "compile -j '$value'" j compile box.ply -o out/x -j "$value"
+    done
     for value in nan inf -1 0 180.1 sharp ''; do
         refuses "compile --crease '$value'" crease compile box.ply -o out/x --crease "$value"
     done
@@ -472,6 +475,20 @@ same_bytes()
 {
     succeeds 'make again' make torus 2000 -o again.obj
     succeeds 'compile again' compile torus.obj -o again.dpa
+    succeeds 'make sphere' make sphere 20000 -o sphere.stl
+    succeeds 'compile sphere' compile sphere.stl -o sphere.dpa
+    for threads in 1 2 3 64 4294967297; do
+        succeeds "compile -j $threads" compile sphere.stl -o threads.dpa -j $threads
+        check "compile -j $threads: other bytes" cmp -s sphere.dpa threads.dpa
+    done
+    if strace -o calls true 2>/dev/null; then
+        for threads in '' '-j 1' '-j 4'; do
+            strace -f -qq -o calls -e trace=clone,clone3 "$program" compile sphere.stl -o threads.dpa $threads >/dev/null
+            check "compile $threads: threads" test "$(grep -c clone calls)" -$([ "$threads" = '-j 4' ] && echo gt || echo eq) 0
+        done
+    else
+        skip 'that -j makes threads: no strace'
+    fi
     succeeds 'make trace again' make trace --mesh torus.dpa --ticks 400 -o again.csv
     succeeds 'replay once' replay torus.dpa torus.csv -o torus.out --radius 0.003
     succeeds 'replay again' replay torus.dpa torus.csv -o again.out --radius 0.003 --repeat 3

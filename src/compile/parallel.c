@@ -3,8 +3,6 @@
 
 #include <pthread.h>
 
-#define THREADS_MOST 64u
-
 struct piece {
     parallel_work *work;
     void *context;
@@ -22,8 +20,8 @@ static void *do_piece(void *argument)
 
 void parallel_for(uint32_t threads, size_t count, size_t least, parallel_work *work, void *context)
 {
-    struct piece pieces[THREADS_MOST];
-    size_t most = threads < THREADS_MOST ? threads : THREADS_MOST;
+    struct piece pieces[PARALLEL_MOST];
+    size_t most = threads < PARALLEL_MOST ? threads : PARALLEL_MOST;
     size_t n = count / least < most ? count / least : most;
     if (n <= 1) {
         work(context, 0, count);

@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "../check.h"
+#include "parallel.h"
 #include "soup.h"
 #include "text.h"
 
@@ -26,7 +27,7 @@ void soup_init(soup *source, const dpt_compile_def *def, dpt_diag *diag)
     if (def != NULL && def->size >= offsetof(dpt_compile_def, threads) && def->crease != 0.0)
         source->crease = def->crease;
     if (def != NULL && def->size >= sizeof *def && def->threads != 0)
-        source->threads = def->threads;
+        source->threads = def->threads < PARALLEL_MOST ? def->threads : PARALLEL_MOST;
     source->def = def;
     source->diag = diag;
 }

@@ -39,6 +39,11 @@ nm -u "$build/libdynpoint.o" | awk '{ print $2 }' | grep -vxE 'sqrt|mem(cpy|set|
 [ ! -s "$scratch/imports" ]
 verdict $? "the core imports sqrt and mem* only $(tr '\n' ' ' <"$scratch/imports")"
 
+# Threads are started in one place of the compiler; what it starts it joins.
+nm -u "$build/libdynpoint_compile.o" | awk '$2 ~ /^(pthread|thrd|mtx|sem)_/ { print $2 }' | LC_ALL=C sort >"$scratch/threads"
+[ "$(tr '\n' ' ' <"$scratch/threads")" = "pthread_create pthread_join " ]
+verdict $? "the compiler makes and joins threads, and locks nothing $(tr '\n' ' ' <"$scratch/threads")"
+
 # Also a pointer that is set at the start, a thread's own variable, and code that runs before main.
 objdump -h "$build/libdynpoint.o" | awk '$2 ~ /^\.(t?data|t?bss|init_array|ctors)/ && $2 !~ /^\.data\.rel\.ro/ &&
     $3 != "00000000" { print $2 }' >"$scratch/data"
@@ -125,8 +130,11 @@ if command -v pkg-config >/dev/null 2>&1; then
         LD_LIBRARY_PATH="$root/opt/dp/lib64" "$scratch/user"
     verdict $? "a program builds with the installed .pc and shared libraries"
     ${CC:-cc} -std=c99 "$scratch/user.c" -I"$root/opt/dp/include" "$root/opt/dp/lib64/libdynpoint_compile.a" \
-        "$root/opt/dp/lib64/libdynpoint.a" -lm -o "$scratch/user" && "$scratch/user"
+        "$root/opt/dp/lib64/libdynpoint.a" -lm -pthread -o "$scratch/user" && "$scratch/user"
     verdict $? "and with the static ones"
+    pkg-config --static --libs libdynpoint_compile | grep -q -- -pthread &&
+        ! pkg-config --static --libs libdynpoint | grep -q -- -pthread
+    verdict $? "the compiler's .pc alone asks for threads"
 
     sample=docs/samples/first_touch.c
     ${CC:-cc} $c99 $sample $(pkg-config --cflags --libs libdynpoint) -o "$scratch/sample_shared" &&
@@ -146,7 +154,7 @@ if command -v pkg-config >/dev/null 2>&1; then
         verdict $? "it feels nothing above a $shape, and a push upward on it"
     done
 else
-    for what in "a program" "a static program" "the sample" "the sample on a liver" "the sample on a box"; do
+    for what in "a program" "a static program" "threads" "the sample" "the sample on a liver" "the sample on a box"; do
         skip "$what with the installed .pc: no pkg-config"
     done
 fi
