@@ -16,8 +16,8 @@ typedef void parallel_work(void *context, size_t first, size_t end);
 
 /*
  * Call `work` for pieces of 0..count that follow each other, of `least` items or more each (one piece where there
- * are fewer), on at most `threads` threads, and PARALLEL_MOST; return when all are done. The calling thread is one of them:
- * it does the first piece, and afterwards those for which no thread could be made.
+ * are fewer), on at most `threads` threads, never more than PARALLEL_MOST; return when all are done. The calling
+ * thread is one of them: it does the first piece, and afterwards those for which no thread could be made.
  */
 void parallel_for(uint32_t threads, size_t count, size_t least, parallel_work *work, void *context);
 
