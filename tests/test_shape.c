@@ -5,7 +5,7 @@
 #include <math.h>
 
 #include "../tools/shape.h"
-#include "../tools/trig.h"
+#include "trig.h"
 #include "check.h"
 
 static struct shape build(const char *name, uint64_t count, uint64_t seed)

@@ -37,7 +37,15 @@
     X(DPT_E_SYNTAX,             -43, "the file breaks the rules of its format")                    \
     X(DPT_E_EMPTY,              -44, "the mesh has no triangle that counts")                       \
     X(DPT_E_LIMIT,              -45, "the mesh is larger than the format can number")              \
-    X(DPT_E_CANCELLED,          -46, "the progress callback asked to stop")
+    X(DPT_E_CANCELLED,          -46, "the progress callback asked to stop")                        \
+    X(DPT_E_LOST,               -60, "the device is gone: unplugged, or it does not answer")       \
+    X(DPT_E_BUSY,               -61, "there was no room for the command: the next one counts")     \
+    X(DPT_E_NOT_READY,          -62, "the device gives no force now: its state says why")          \
+    X(DPT_E_DEVICE,             -63, "no device is there, or it is not one of that kind")          \
+    X(DPT_E_PERMISSION,         -64, "this user may not open the device")                          \
+    X(DPT_E_SETTING,            -65, "a setting in the device's name is unknown or out of range")  \
+    X(DPT_E_PROTOCOL,           -66, "the device speaks another version of the protocol")          \
+    X(DPT_E_SYSTEM,             -67, "the operating system refused a call")
 /* clang-format on */
 
 typedef int32_t dpt_result;

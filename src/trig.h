@@ -3,8 +3,8 @@
  * Sine and cosine that give the same bits on every machine, which those of libm do not. Angles are
  * in turns, so that the reduction to an eighth of a turn is exact. Error below 2^-52.
  */
-#ifndef DPT_TOOLS_TRIG_H
-#define DPT_TOOLS_TRIG_H
+#ifndef DPT_TRIG_H
+#define DPT_TRIG_H
 
 #include <math.h>
 

@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What drivers take from `where`: a place, and settings behind a '?' with '&' between, as in "file.csv?rate=1000". */
+#ifndef DPT_DRIVERS_SETTINGS_H
+#define DPT_DRIVERS_SETTINGS_H
+
+#include "dynpoint/driver.h"
+
+/* One setting that is known. Exactly one of the pointers is set; what is not named stays as it is. */
+struct setting {
+    const char *name;
+    double *number; /* least <= number <= most */
+    char *text;     /* with its zero, at most `room` bytes */
+    double least, most;
+    size_t room;
+};
+
+/*
+ * DPT_E_SETTING, and the reason in `error`, for what is unknown, no number or out of range. `place`, of `room` bytes,
+ * is what stands before the '?', "" for a `where` that is NULL.
+ */
+dpt_result settings_read(const char *where, char *place, size_t room,
+                         const struct setting *settings, size_t count, dpt_device_error *error);
+
+/* Write `error`, unless it is NULL, and return `code`. */
+dpt_result device_error(dpt_device_error *error, dpt_result code, const char *format, ...)
+#ifdef __GNUC__
+    __attribute__((format(printf, 3, 4)))
+#endif
+    ;
+
+#endif

@@ -1,0 +1,206 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * libdynpoint_drivers: haptic devices behind one contract. The loop that serves them is in loop.h.
+ *
+ *     dpt_device_error error = { .size = sizeof error };
+ *     dpt_device_state state = { .size = sizeof state };
+ *     if (dpt_device_open("sim:?hand=press&live=1", &device, &error) != DPT_OK)
+ *         complain(error.text);
+ *     while (dpt_device_read(device, &state) == DPT_OK) { ... dpt_device_write(device, &wrench); ... }
+ *     dpt_device_close(device);
+ *
+ * A driver is a struct of functions for one kind of device; a device is one that is open. The drivers that are built
+ * in are listed by dpt_driver_at; one from outside is used through the same struct (docs/drivers.md, "Writing a driver").
+ *
+ * Units are SI. The device's frame is right-handed, x to the right, y up, z towards the user, its origin in the middle
+ * of the workspace. A device and all calls on it belong to one thread at a time; different devices may be served by
+ * different threads.
+ */
+#ifndef DYNPOINT_DRIVER_H
+#define DYNPOINT_DRIVER_H
+
+#include "dynpoint/types.h"
+
+#define DPT_DRIVER_VERSION 1 /* of struct dpt_driver; a driver of another version is refused */
+#define DPT_JOINTS_MAX     8
+
+DPT_BEGIN
+
+/* What a device is and can do; fixed while it is open. */
+typedef struct dpt_device_info {
+    uint32_t size;           /* sizeof(dpt_device_info), set by the caller */
+    uint32_t pose_dofs;      /* 3: position alone, the orientation is the identity; 6: both */
+    uint32_t wrench_dofs;    /* 0: it only senses; 3: force; 6: force and torque */
+    uint32_t joints;         /* in the state, 0..DPT_JOINTS_MAX */
+    uint32_t buttons;        /* 0..32 */
+    uint32_t flags;          /* DPT_DEVICE_SIMULATED ... */
+    double rate;             /* at which it samples and wants commands, Hz */
+    double force_max;        /* N, of the vector's length */
+    double force_continuous; /* N, that it can hold for ever; 0: not known */
+    double torque_max;       /* Nm, of the vector's length */
+    double stiffness_max;    /* N/m, that its maker states; 0: not known */
+    double position_step;    /* m, the least that it can tell; 0: not known */
+    double watchdog;         /* s without a command, then it gives no force; 0: it has none */
+    double workspace_min[3]; /* m */
+    double workspace_max[3];
+    char name[48];   /* of the kind, for people */
+    char serial[48]; /* of this one, or empty */
+} dpt_device_info;
+
+/* Bits of dpt_device_info.flags. */
+enum {
+    DPT_DEVICE_SIMULATED = 1,    /* there is no hand on it */
+    DPT_DEVICE_DETERMINISTIC = 2 /* time passes by reads: each is one period later than the last */
+};
+
+/* How a device is. */
+enum {
+    DPT_DEVICE_LOST = 0,  /* unplugged, or it does not answer; dpt_device_clear when it is back */
+    DPT_DEVICE_FAULT = 1, /* it stopped itself and gives no force until dpt_device_clear */
+    DPT_DEVICE_UNREADY =
+        2, /* not calibrated, or its motors are off: poses may be wrong, no force */
+    DPT_DEVICE_READY = 3
+};
+
+/* Why a device is not ready; bits of dpt_device_state.reasons. */
+enum {
+    DPT_REASON_UNPLUGGED = 1,
+    DPT_REASON_SILENT = 2,   /* no sample within its time */
+    DPT_REASON_WATCHDOG = 4, /* its own watchdog missed our commands */
+    DPT_REASON_OVERHEATED = 8,
+    DPT_REASON_OVERLOADED = 16, /* force, current or velocity above what it allows */
+    DPT_REASON_UNCALIBRATED = 32,
+    DPT_REASON_ESTOP = 64,
+    DPT_REASON_LINK = 128,    /* the line is damaged: too many bad frames, bus off */
+    DPT_REASON_VERSION = 256, /* it speaks another version of the protocol */
+    DPT_REASON_DEVICE = 512   /* its own fault, `code` says which */
+};
+
+/* One sample. */
+typedef struct dpt_device_state {
+    uint32_t size;    /* sizeof(dpt_device_state), set by the caller */
+    uint32_t status;  /* DPT_DEVICE_READY ... */
+    uint32_t reasons; /* DPT_REASON_..., while it is not ready */
+    uint32_t code;    /* the device's own number of its fault */
+    uint32_t buttons; /* bit k: button k is down */
+    uint32_t
+        fresh; /* samples since the last read. 0: this one was read before; 2: one was never seen */
+    uint64_t sequence; /* of the sample, by the device's count; it grows by 1 */
+    uint64_t
+        time_ns; /* when it was taken, on the host's monotonic clock; a deterministic one's own time */
+    dpt_pose pose;
+    double velocity[3];           /* m/s */
+    double spin[3];               /* rad/s; zero with 3 pose_dofs */
+    double joint[DPT_JOINTS_MAX]; /* rad, or m of a slider */
+    double temperature;           /* of the hottest motor: 0 cold, 1 its limit; -1: not known */
+} dpt_device_state;
+
+/* Counts since the device was opened. */
+typedef struct dpt_device_counts {
+    uint32_t size; /* sizeof(dpt_device_counts), set by the caller */
+    uint32_t reserved;
+    uint64_t samples;   /* taken by the device, as its numbers tell */
+    uint64_t lost;      /* of them that never arrived */
+    uint64_t reordered; /* of them that arrived after a later one, and were dropped */
+    uint64_t damaged;   /* frames that were refused: checksum, length, unknown */
+    uint64_t commands;  /* written, those with DPT_E_BUSY too */
+    uint64_t refused;   /* of them that the line had no room for */
+    uint64_t missed;    /* that the device wanted and had not got, as it says */
+    uint64_t resets; /* times that the device began anew, or was opened again by dpt_device_clear */
+} dpt_device_counts;
+
+/* Why an open failed, for a person: what was tried and what to do; one line, without the driver's name. */
+typedef struct dpt_device_error {
+    uint32_t size; /* sizeof(dpt_device_error), set by the caller */
+    int32_t code;
+    char text[240];
+} dpt_device_error;
+
+typedef struct dpt_device dpt_device;
+typedef struct dpt_driver dpt_driver;
+
+/* Called for each device that a driver finds, with what `open` takes as `where` and a line about it. */
+typedef void dpt_device_found(void *user, const dpt_driver *driver, const char *where,
+                              const char *about);
+
+/*
+ * The contract. A driver's own device begins with a struct dpt_device, which dpt_device_open fills in. Arguments are
+ * checked before a driver sees them: none is NULL but those that are said to be, sizes are right, wrenches are finite.
+ *
+ * open    May block, some seconds at most. `where` is in the driver's own notation, NULL for the first or only one;
+ *         settings follow a '?', as in "/dev/ttyACM0?rate=1000". On success the device has answered, gives no force,
+ *         and *device is set; on failure nothing stays open and `error`, which may be NULL, says why.
+ * info    Never blocks or fails.
+ * read    Never blocks, makes a bounded number of system calls, allocates nothing. Fills `state` with the latest
+ *         sample, also if that was read before (fresh = 0). DPT_E_LOST when the device is gone: status LOST, fresh 0,
+ *         the pose the last one known.
+ * write   Likewise. The wrench is of the device on the hand, at the tool's tip, in the device's frame. What the device
+ *         cannot do is left out, what is too strong is scaled down. DPT_E_BUSY: there was no room, it is dropped, the
+ *         next one counts. A device that is not ready takes none: DPT_E_NOT_READY, or DPT_E_LOST.
+ * clear   May block, some seconds at most. Ends a fault whose cause is gone; opens a lost device again where it was,
+ *         DPT_E_LOST while it is not there. Motors may be switched on; there is no force until the next write.
+ * counts  Never blocks or fails.
+ * close   May block, but not for ever. The device gives no force when it returns, or its watchdog ends it; also when it
+ *         is lost. Frees it.
+ * find    May block. NULL where devices cannot be found.
+ */
+struct dpt_driver {
+    uint32_t size;     /* sizeof(dpt_driver) */
+    uint32_t version;  /* DPT_DRIVER_VERSION */
+    const char *name;  /* a word: "sim", "serial" */
+    const char *about; /* a line for people */
+    dpt_result (*open)(const dpt_driver *driver, const char *where, dpt_device **device,
+                       dpt_device_error *error);
+    void (*info)(const dpt_device *device, dpt_device_info *info);
+    dpt_result (*read)(dpt_device *device, dpt_device_state *state);
+    dpt_result (*write)(dpt_device *device, const dpt_wrench *wrench);
+    dpt_result (*clear)(dpt_device *device);
+    void (*counts)(const dpt_device *device, dpt_device_counts *counts);
+    void (*close)(dpt_device *device);
+    void (*find)(const dpt_driver *driver, dpt_device_found *found, void *user);
+};
+
+struct dpt_device {
+    const dpt_driver *driver;
+};
+
+/* The drivers that are built in, from 0; NULL behind the last one. */
+DPT_API const dpt_driver *dpt_driver_at(uint32_t index);
+
+/* By name; NULL when there is none. */
+DPT_API const dpt_driver *dpt_driver_named(const char *name);
+
+/*
+ * Open a device by a name as people type it: "DRIVER" or "DRIVER:WHERE", as in "serial:/dev/ttyACM0".
+ * dpt_device_open_with takes a driver from anywhere; one of another version or without a function is
+ * DPT_E_UNSUPPORTED.
+ *   error   may be NULL
+ */
+DPT_API dpt_result dpt_device_open(const char *name, dpt_device **device, dpt_device_error *error);
+DPT_API dpt_result dpt_device_open_with(const dpt_driver *driver, const char *where,
+                                        dpt_device **device, dpt_device_error *error);
+
+/*
+ * As the driver's functions. NULL is DPT_E_ARGUMENT, or nothing where nothing is returned. A wrench that is not finite
+ * writes zero and is DPT_E_FINITE.
+ */
+DPT_API dpt_result dpt_device_get_info(const dpt_device *device, dpt_device_info *info);
+DPT_API dpt_result dpt_device_read(dpt_device *device, dpt_device_state *state);
+DPT_API dpt_result dpt_device_write(dpt_device *device, const dpt_wrench *wrench);
+DPT_API dpt_result dpt_device_clear(dpt_device *device);
+DPT_API dpt_result dpt_device_get_counts(const dpt_device *device, dpt_device_counts *counts);
+DPT_API void dpt_device_close(dpt_device *device);
+
+/* "ready", "fault" ...; "?" for a number that is none. */
+DPT_API const char *dpt_device_status_name(uint32_t status);
+
+/*
+ * The name of the lowest bit, "overheated"; NULL for 0 and for bits that are none. All of them:
+ *     for (uint32_t left = state.reasons; left; left &= left - 1)
+ *         puts(dpt_device_reason_name(left));
+ */
+DPT_API const char *dpt_device_reason_name(uint32_t reasons);
+
+DPT_END
+
+#endif
