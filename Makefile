@@ -41,10 +41,18 @@ endif
 
 CORE := $(patsubst %.c,$(B)/%.o,$(wildcard src/*.c))
 COMPILE := $(patsubst %.c,$(B)/%.o,$(wildcard src/compile/*.c))
+# Device back ends: each is drivers/NAME.c. What else is in drivers/ serves all of them.
+BACK_ENDS := sim replay
+DRIVERS ?= $(BACK_ENDS)
+ifneq ($(filter-out $(BACK_ENDS),$(DRIVERS)),)
+$(error no driver $(filter-out $(BACK_ENDS),$(DRIVERS)): there are $(BACK_ENDS))
+endif
+LEFT_OUT := $(patsubst %,drivers/%.c,$(filter-out $(DRIVERS),$(BACK_ENDS)))
+DRIVER_PARTS := $(patsubst %.c,$(B)/%.o,$(filter-out $(LEFT_OUT),$(wildcard drivers/*.c)))
 TOOLS := $(patsubst %.c,$(B)/%.o,$(wildcard tools/*.c))
-LIBS := $(B)/libdynpoint $(B)/libdynpoint_compile
+LIBS := $(B)/libdynpoint $(B)/libdynpoint_compile $(B)/libdynpoint_drivers
 
-.PHONY: all demo check bench charts soak fuzz deps install uninstall help clean
+.PHONY: all force demo check bench charts soak fuzz deps install uninstall help clean
 .SECONDARY:
 all: $(B)/dynpoint $(LIBS:%=%.a) $(LIBS:%=%.so.$(SOVERSION)) ## the program and the libraries (default)
 
@@ -54,10 +62,19 @@ $(B)/%.o: %.c
 
 $(B)/src/kernel_scalar.o: CONFIG_CFLAGS += -fno-tree-vectorize
 
+# list.h names the back ends; it changes only when they do.
+$(B)/drivers/registry.o: ALL_CFLAGS += -I$(B)/drivers
+$(B)/drivers/registry.o: $(B)/drivers/list.h
+$(B)/drivers/list.h: force
+	@mkdir -p $(@D)
+	@echo '#define DPT_DRIVERS $(patsubst %,DRIVER(%),$(DRIVERS))' | cmp -s - $@ || \
+	  echo '#define DPT_DRIVERS $(patsubst %,DRIVER(%),$(DRIVERS))' >$@
+
 # One object a library, its inner symbols local: a static library meets no one else's names.
 $(B)/libdynpoint.o: $(CORE)
 $(B)/libdynpoint_compile.o: $(COMPILE)
-$(B)/libdynpoint.o $(B)/libdynpoint_compile.o:
+$(B)/libdynpoint_drivers.o: $(DRIVER_PARTS) $(B)/src/compile/number.o
+$(B)/libdynpoint.o $(B)/libdynpoint_compile.o $(B)/libdynpoint_drivers.o:
 	$(LD) -r $^ -o $@
 	$(OBJCOPY) --localize-hidden $@
 
@@ -65,16 +82,17 @@ $(B)/libdynpoint.o $(B)/libdynpoint_compile.o:
 	rm -f $@
 	$(AR) rcs $@ $<
 
-# The compiler alone starts threads: the core is linked to no thread library.
+# The compiler starts threads and the loop ranks its own: the core is linked to no thread library.
 THREADS := -pthread
-$(B)/libdynpoint_compile.so.$(SOVERSION): private LDLIBS = $(THREADS)
+$(B)/libdynpoint_compile.so.$(SOVERSION) $(B)/libdynpoint_drivers.so.$(SOVERSION): private LDLIBS = $(THREADS)
 $(B)/libdynpoint.so.$(SOVERSION): $(CORE)
 $(B)/libdynpoint_compile.so.$(SOVERSION): $(COMPILE) $(B)/libdynpoint.so.$(SOVERSION)
+$(B)/libdynpoint_drivers.so.$(SOVERSION): $(DRIVER_PARTS) $(B)/src/compile/number.o $(B)/libdynpoint.so.$(SOVERSION)
 %.so.$(SOVERSION):
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) -shared -Wl,-soname,$(@F) $^ -lm $(LDLIBS) -o $@
 	ln -sf $(@F) $*.so
 
-$(B)/dynpoint: $(TOOLS) $(COMPILE) $(CORE)
+$(B)/dynpoint: $(TOOLS) $(COMPILE) $(DRIVER_PARTS) $(CORE)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) -o $@
 
 demo: ## build, make a liver, slide a tool over it, and prove every answer
@@ -96,9 +114,9 @@ install: all ## into PREFIX, or DESTDIR and the directory variables
 	  { echo 'libdir=$(LIBDIR)'; echo 'includedir=$(INCLUDEDIR)'; echo; \
 	    echo "Name: $$lib"; echo 'Description: line-shaped haptic tools against triangle meshes'; \
 	    echo 'Version: $(VERSION)'; echo 'Cflags: -I$${includedir}'; \
-	    case $$lib in *_compile) echo 'Requires: libdynpoint';; esac; \
+	    case $$lib in *_*) echo 'Requires: libdynpoint';; esac; \
 	    echo "Libs: -L\$${libdir} -l$${lib#lib}"; \
-	    case $$lib in *_compile) echo 'Libs.private: -lm $(THREADS)';; *) echo 'Libs.private: -lm';; esac; \
+	    case $$lib in *_*) echo 'Libs.private: -lm $(THREADS)';; *) echo 'Libs.private: -lm';; esac; \
 	  } > $(DESTDIR)$(PKGCONFIGDIR)/$$lib.pc || exit 1; \
 	done
 
@@ -118,4 +136,4 @@ help: ## this list
 clean: ## remove build/
 	rm -rf build
 
--include $(CORE:.o=.d) $(COMPILE:.o=.d) $(TOOLS:.o=.d)
+-include $(CORE:.o=.d) $(COMPILE:.o=.d) $(DRIVER_PARTS:.o=.d) $(TOOLS:.o=.d)

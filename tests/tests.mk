@@ -3,7 +3,7 @@
 
 TESTS := $(patsubst tests/%.c,$(B)/tests/%,$(wildcard tests/test_*.c))
 TEST_PARTS := $(patsubst %.c,$(B)/%.o,$(wildcard tests/oracle/*.c tests/data/*.c)) \
-              $(B)/tools/shape.o $(B)/tools/shape_organs.o $(CORE) $(COMPILE)
+              $(B)/tools/shape.o $(B)/tools/shape_organs.o $(CORE) $(COMPILE) $(DRIVER_PARTS)
 
 $(B)/tests/%.o: ALL_CFLAGS += -Itests -Itools
 $(B)/tests/test_%: $(B)/tests/test_%.o $(TEST_PARTS)

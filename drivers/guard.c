@@ -1,0 +1,171 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The guard (loop.h): a ramp up, a ramp down, limits. */
+#include <string.h>
+
+#include "dynpoint/loop.h"
+#include "limit.h"
+
+enum { DEF_SIZE_MOST = 4096 };
+
+void dpt_guard_def_defaults(dpt_guard_def *def, size_t size)
+{
+    const dpt_guard_def defaults = {
+        .size = (uint32_t)size,
+        .force_max = 5.0,
+        .torque_max = 0.2,
+        .force_slew = 2000.0,
+        .torque_slew = 80.0,
+        .hold = 0.003,
+        .stop = 0.002,
+        .start = 0.1,
+    };
+    if (!def || size < sizeof defaults.size || size > DEF_SIZE_MOST)
+        return;
+    memset(def, 0, size);
+    memcpy(def, &defaults, size < sizeof defaults ? size : sizeof defaults);
+}
+
+static int in_range(double value, double most)
+{
+    return value >= 0.0 && value <= most;
+}
+
+dpt_result dpt_guard_init(dpt_guard *guard, const dpt_guard_def *def)
+{
+    dpt_guard_def defaults;
+    if (!guard)
+        return DPT_E_ARGUMENT;
+    if (guard->size != sizeof *guard)
+        return DPT_E_SIZE;
+    memset(guard, 0, sizeof *guard);
+    dpt_guard_def_init(&defaults);
+    if (!def)
+        def = &defaults;
+    if (def->size != sizeof *def)
+        return DPT_E_SIZE;
+    if (!in_range(def->force_max, 1000.0) || !in_range(def->torque_max, 1000.0) ||
+        !in_range(def->force_slew, DBL_MAX) || !in_range(def->torque_slew, DBL_MAX) ||
+        !in_range(def->hold, 10.0) || !in_range(def->stop, 10.0) || !in_range(def->start, 100.0) ||
+        def->reserved)
+        return DPT_E_ARGUMENT;
+    guard->size = sizeof *guard;
+    guard->hold_ns = (uint64_t)(def->hold * 1e9 + 0.5);
+    guard->stop_ns = (uint64_t)(def->stop * 1e9 + 0.5);
+    guard->force_max = def->force_max;
+    guard->torque_max = def->torque_max;
+    guard->force_slew = def->force_slew;
+    guard->torque_slew = def->torque_slew;
+    guard->start = def->start;
+    return DPT_OK;
+}
+
+static int is_on(const dpt_guard *guard)
+{
+    return guard->state == DPT_GUARD_STARTING || guard->state == DPT_GUARD_RUNNING;
+}
+
+static void go_off(dpt_guard *guard)
+{
+    guard->stops += (uint64_t)is_on(guard);
+    guard->state = DPT_GUARD_OFF;
+    guard->gain = 0.0;
+    memset(&guard->sent, 0, sizeof guard->sent);
+}
+
+/* Where the ramp to zero is depends on the silence alone, not on how often it was looked at. */
+static void watch_silence(dpt_guard *guard)
+{
+    uint64_t silence = guard->now_ns - guard->fresh_ns;
+    if (is_on(guard) && silence > guard->hold_ns) {
+        guard->stops++;
+        guard->state = DPT_GUARD_STOPPING;
+        guard->held = guard->sent;
+        guard->stop_gain = guard->gain;
+    }
+    if (guard->state != DPT_GUARD_STOPPING)
+        return;
+    if (silence >= guard->hold_ns + guard->stop_ns) {
+        go_off(guard);
+        return;
+    }
+    double left = (double)(guard->hold_ns + guard->stop_ns - silence) / (double)guard->stop_ns;
+    guard->gain = guard->stop_gain * left;
+    vec3_store(scaled(vec3_of(guard->held.force), left), guard->sent.force);
+    vec3_store(scaled(vec3_of(guard->held.torque), left), guard->sent.torque);
+}
+
+static void accept(dpt_guard *guard, const dpt_wrench *command)
+{
+    guard->fresh_ns = guard->now_ns;
+    guard->command = *command;
+    int clamped = limit_length(guard->command.force, guard->force_max);
+    clamped |= limit_length(guard->command.torque, guard->torque_max);
+    guard->clamped += (uint64_t)clamped;
+    if (!is_on(guard))
+        guard->state = DPT_GUARD_STARTING;
+}
+
+static void ramp_up(dpt_guard *guard, double dt)
+{
+    guard->gain = guard->start > 0.0 ? guard->gain + dt / guard->start : 1.0;
+    if (guard->gain < 1.0)
+        return;
+    guard->gain = 1.0;
+    guard->state = DPT_GUARD_RUNNING;
+}
+
+/* 1 where the slew held it back. */
+static int approach(double *sent, const double *command, double gain, double most, int is_limited,
+                    double limit)
+{
+    double change[3];
+    vec3_store(sub(scaled(vec3_of(command), gain), vec3_of(sent)), change);
+    int slewed = is_limited && limit_length(change, most);
+    vec3_store(add(vec3_of(sent), vec3_of(change)), sent);
+    limit_length(sent, limit);
+    return slewed;
+}
+
+static void move(dpt_guard *guard, double dt)
+{
+    int slewed = approach(guard->sent.force, guard->command.force, guard->gain,
+                          guard->force_slew * dt, guard->force_slew > 0.0, guard->force_max);
+    slewed |= approach(guard->sent.torque, guard->command.torque, guard->gain,
+                       guard->torque_slew * dt, guard->torque_slew > 0.0, guard->torque_max);
+    guard->slewed += (uint64_t)slewed;
+}
+
+void dpt_guard_step(dpt_guard *guard, uint64_t now_ns, const dpt_wrench *command, int ready,
+                    dpt_wrench *out)
+{
+    if (out)
+        memset(out, 0, sizeof *out);
+    if (!guard || guard->size != sizeof *guard)
+        return;
+    double dt = 0.0;
+    if (now_ns > guard->now_ns) {
+        dt = (double)(now_ns - guard->now_ns) * 1e-9;
+        guard->now_ns = now_ns;
+    }
+    watch_silence(guard);
+    if (command && !wrench_is_finite(command)) {
+        guard->not_finite++;
+        ready = 0;
+    }
+    if (!ready) {
+        go_off(guard);
+        return;
+    }
+    if (guard->state == DPT_GUARD_OFF)
+        dt = 0.0;
+    if (guard->state == DPT_GUARD_STARTING)
+        ramp_up(guard, dt);
+    if (command)
+        accept(guard, command);
+    if (guard->state == DPT_GUARD_STARTING && guard->start == 0.0)
+        ramp_up(guard, 0.0);
+    if (is_on(guard))
+        move(guard, dt);
+    if (out)
+        *out = guard->sent;
+}

@@ -1,0 +1,374 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The servo loop (loop.h). */
+#define _POSIX_C_SOURCE 200809L
+#include <errno.h>
+#include <math.h>
+#include <pthread.h>
+#include <sched.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <time.h>
+
+#include "check.h"
+#include "dynpoint/loop.h"
+#include "vec.h"
+
+enum { DEF_SIZE_MOST = 4096, FAREWELLS = 10 };
+
+static const uint64_t SECOND = 1000000000u;
+
+struct dpt_loop {
+    dpt_device *device;
+    dpt_loop_def def;
+    dpt_guard_def guard;
+    double period;
+    uint64_t period_ns;
+    int has_own_time;
+    int stop;
+};
+
+/* From a run's first tick to its last. */
+struct run {
+    struct dpt_loop *loop;
+    dpt_loop_stats stats;
+    dpt_guard guard;
+    dpt_device_state state;
+    uint64_t now; /* of this tick */
+    int has_sample;
+    uint64_t sequence; /* of the last sample */
+    int has_ticked;
+    uint64_t ticked_ns; /* of the sample that the host saw last */
+    int is_lost;
+    uint64_t retry_ns;
+};
+
+void dpt_loop_def_defaults(dpt_loop_def *def, size_t size)
+{
+    const dpt_loop_def defaults = { .size = (uint32_t)size, .priority = 80, .lock = 1 };
+    if (!def || size < sizeof defaults.size || size > DEF_SIZE_MOST)
+        return;
+    memset(def, 0, size);
+    memcpy(def, &defaults, size < sizeof defaults ? size : sizeof defaults);
+}
+
+dpt_result dpt_loop_create(dpt_device *device, const dpt_loop_def *def, dpt_loop **out)
+{
+    if (out)
+        *out = NULL;
+    if (!device || !def || !out)
+        return DPT_E_ARGUMENT;
+    if (def->size != sizeof *def)
+        return DPT_E_SIZE;
+    dpt_device_info info = { .size = sizeof info };
+    dpt_device_get_info(device, &info);
+    dpt_loop loop = { .device = device, .def = *def };
+    double rate = def->rate != 0.0 ? def->rate : info.rate;
+    if (!def->tick || def->priority > 99 || !(rate >= 1.0 && rate <= 100000.0))
+        return DPT_E_ARGUMENT;
+    loop.period = 1.0 / rate;
+    loop.period_ns = (uint64_t)(1e9 / rate + 0.5);
+    loop.has_own_time = (info.flags & DPT_DEVICE_DETERMINISTIC) != 0;
+    dpt_guard_def_init(&loop.guard);
+    if (def->guard)
+        loop.guard = *def->guard;
+    dpt_guard guard = { .size = sizeof guard };
+    dpt_result result = dpt_guard_init(&guard, &loop.guard);
+    if (result != DPT_OK)
+        return result;
+    if (guard.hold_ns < loop.period_ns)
+        return DPT_E_ARGUMENT;
+    double force = info.wrench_dofs < 3 ? 0.0 : info.force_max;
+    double torque = info.wrench_dofs < 6 ? 0.0 : info.torque_max;
+    loop.guard.force_max = smaller(loop.guard.force_max, larger(force, 0.0));
+    loop.guard.torque_max = smaller(loop.guard.torque_max, larger(torque, 0.0));
+    loop.def.guard = NULL;
+    *out = malloc(sizeof loop);
+    if (!*out)
+        return DPT_E_MEMORY;
+    **out = loop;
+    return DPT_OK;
+}
+
+void dpt_loop_free(dpt_loop *loop)
+{
+    free(loop);
+}
+
+void dpt_loop_stop(dpt_loop *loop)
+{
+    if (loop)
+        __atomic_store_n(&loop->stop, 1, __ATOMIC_RELAXED);
+}
+
+static int must_stop(const dpt_loop *loop)
+{
+    return __atomic_load_n(&loop->stop, __ATOMIC_RELAXED);
+}
+
+static dpt_result clock_read(uint64_t *now)
+{
+    struct timespec time;
+    if (clock_gettime(CLOCK_MONOTONIC, &time) != 0)
+        return DPT_E_SYSTEM;
+    *now = (uint64_t)time.tv_sec * SECOND + (uint64_t)time.tv_nsec;
+    return DPT_OK;
+}
+
+static dpt_result sleep_until(const dpt_loop *loop, uint64_t deadline)
+{
+    struct timespec time = { .tv_sec = (time_t)(deadline / SECOND),
+                             .tv_nsec = (long)(deadline % SECOND) };
+    int error;
+    do
+        error = clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &time, NULL);
+    while (error == EINTR && !must_stop(loop));
+    return error == 0 || error == EINTR ? DPT_OK : DPT_E_SYSTEM;
+}
+
+static const double quarters[4] = { 1.0, 1.189207115002721, 1.4142135623730951, 1.681792830507429 };
+
+static uint32_t bin_of(uint64_t ns)
+{
+    double us = (double)ns * 1e-3;
+    uint32_t bin = 0;
+    for (; us >= 2.0 && bin < DPT_LOOP_BINS; us *= 0.5)
+        bin += 4;
+    for (uint32_t k = 3; k > 0; k--)
+        if (us >= quarters[k]) {
+            bin += k;
+            break;
+        }
+    return bin < DPT_LOOP_BINS ? bin : DPT_LOOP_BINS - 1;
+}
+
+double dpt_loop_quantile(const uint64_t *bins, double fraction)
+{
+    uint64_t total = 0, seen = 0;
+    uint32_t bin = 0;
+    if (!bins || !(fraction >= 0.0 && fraction <= 1.0))
+        return 0.0;
+    for (uint32_t k = 0; k < DPT_LOOP_BINS; k++)
+        total += bins[k];
+    if (!total)
+        return 0.0;
+    for (; bin < DPT_LOOP_BINS - 1; bin++) {
+        seen += bins[bin];
+        if ((double)seen >= fraction * (double)total && seen)
+            break;
+    }
+    double edge = 1e-6 * quarters[(bin + 1) % 4];
+    for (uint32_t k = 0; k < (bin + 1) / 4; k++)
+        edge *= 2.0;
+    return edge;
+}
+
+static int pose_is_sound(const dpt_pose *pose)
+{
+    const double *q = pose->orientation;
+    return vec3_within(pose->position, DPT_COORDINATE_MAX) &&
+           within(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] - 1.0, 2e-6);
+}
+
+/* 1 for a sample that no one saw before. */
+static int sample_is_fresh(struct run *run)
+{
+    const dpt_device_state *state = &run->state;
+    if (!state->fresh)
+        return 0;
+    if (run->has_sample && state->sequence <= run->sequence) {
+        run->stats.reordered++;
+        return 0;
+    }
+    if (run->has_sample)
+        run->stats.skipped += state->sequence - run->sequence - 1;
+    run->has_sample = 1;
+    run->sequence = state->sequence;
+    return 1;
+}
+
+static void device_is_lost(struct run *run)
+{
+    run->stats.lost++;
+    if (!run->is_lost) {
+        run->is_lost = 1;
+        run->stats.losses++;
+        run->retry_ns = run->now + SECOND;
+        run->has_sample = run->has_ticked = 0;
+    }
+    if (!run->loop->def.reopen || run->now < run->retry_ns)
+        return;
+    run->retry_ns = run->now + SECOND;
+    dpt_device_clear(run->loop->device);
+}
+
+/* The host's turn. */
+static dpt_result ask(struct run *run, dpt_wrench *command)
+{
+    const dpt_loop *loop = run->loop;
+    double dt = loop->period;
+    if (run->has_ticked && run->state.time_ns > run->ticked_ns)
+        dt = (double)(run->state.time_ns - run->ticked_ns) * 1e-9;
+    run->has_ticked = 1;
+    run->ticked_ns = run->state.time_ns;
+    return loop->def.tick(loop->def.user, &run->state, dt, command);
+}
+
+static void send(struct run *run, const dpt_wrench *wrench)
+{
+    if (dpt_device_write(run->loop->device, wrench) == DPT_OK)
+        run->stats.sent++;
+    else
+        run->stats.refused++;
+}
+
+static void tick(struct run *run)
+{
+    dpt_wrench command = { { 0.0 }, { 0.0 } }, wrench;
+    dpt_result result = dpt_device_read(run->loop->device, &run->state);
+    int is_fresh = result == DPT_OK && sample_is_fresh(run);
+    const dpt_device_state *state = &run->state;
+
+    run->stats.ticks++;
+    if (run->loop->has_own_time)
+        run->now = is_fresh && state->time_ns > run->now ? state->time_ns
+                                                         : run->now + run->loop->period_ns;
+    if (result == DPT_E_LOST || state->status == DPT_DEVICE_LOST) {
+        device_is_lost(run);
+        dpt_guard_step(&run->guard, run->now, NULL, 0, &wrench);
+        return;
+    }
+    run->stats.reopened += (uint64_t)run->is_lost;
+    run->is_lost = 0;
+    int is_ready = state->status == DPT_DEVICE_READY && pose_is_sound(&state->pose);
+    int has_command = 0;
+    if (!is_fresh)
+        run->stats.stale++;
+    else if (!is_ready)
+        run->stats.not_ready++;
+    if (is_fresh && pose_is_sound(&state->pose)) {
+        has_command = ask(run, &command) == DPT_OK;
+        if (is_ready && has_command)
+            run->stats.fresh++;
+        else if (is_ready)
+            run->stats.failed++;
+    }
+    dpt_guard_step(&run->guard, run->now, has_command ? &command : NULL, is_ready, &wrench);
+    if (state->status == DPT_DEVICE_READY)
+        send(run, &wrench);
+}
+
+static int has_ended(const struct run *run)
+{
+    const dpt_loop *loop = run->loop;
+    return must_stop(loop) || (loop->def.ticks && run->stats.ticks >= loop->def.ticks) ||
+           (run->is_lost && !loop->def.reopen);
+}
+
+static void note_time(double *most, uint64_t *bins, uint64_t ns)
+{
+    *most = larger(*most, (double)ns * 1e-9);
+    bins[bin_of(ns)]++;
+}
+
+static dpt_result run_by_clock(struct run *run)
+{
+    uint64_t period = run->loop->period_ns, deadline, end;
+    DPT_TRY(clock_read(&deadline));
+    while (!has_ended(run)) {
+        DPT_TRY(sleep_until(run->loop, deadline));
+        if (must_stop(run->loop))
+            break;
+        DPT_TRY(clock_read(&run->now));
+        note_time(&run->stats.late_max, run->stats.late,
+                  run->now > deadline ? run->now - deadline : 0);
+        tick(run);
+        DPT_TRY(clock_read(&end));
+        note_time(&run->stats.took_max, run->stats.took, end > run->now ? end - run->now : 0);
+        deadline += period;
+        if (end < deadline)
+            continue;
+        uint64_t missed = (end - deadline) / period + 1;
+        run->stats.missed += missed;
+        deadline += missed * period;
+    }
+    return DPT_OK;
+}
+
+static dpt_result run_by_device(struct run *run)
+{
+    while (!has_ended(run))
+        tick(run);
+    return DPT_OK;
+}
+
+/* A line without room may have some a little later. */
+static dpt_result send_zero(struct run *run)
+{
+    static const dpt_wrench zero;
+    dpt_loop *loop = run->loop;
+    const struct timespec period = { .tv_sec = (time_t)(loop->period_ns / SECOND),
+                                     .tv_nsec = (long)(loop->period_ns % SECOND) };
+    dpt_result result = dpt_device_write(loop->device, &zero);
+    for (int i = 1; i < FAREWELLS && result == DPT_E_BUSY; i++) {
+        if (loop->has_own_time)
+            dpt_device_read(loop->device, &run->state);
+        else
+            nanosleep(&period, NULL);
+        result = dpt_device_write(loop->device, &zero);
+    }
+    return result;
+}
+
+struct scheduling {
+    int is_changed;
+    int policy;
+    struct sched_param param;
+};
+
+static void become_urgent(struct run *run, struct scheduling *before)
+{
+    const dpt_loop_def *def = &run->loop->def;
+    if (def->lock && mlockall(MCL_CURRENT | MCL_FUTURE) != 0)
+        run->stats.notes |= DPT_LOOP_NO_LOCK;
+    if (!def->priority)
+        return;
+    struct sched_param param = { .sched_priority = (int)def->priority };
+    if (pthread_getschedparam(pthread_self(), &before->policy, &before->param) == 0 &&
+        pthread_setschedparam(pthread_self(), SCHED_FIFO, &param) == 0)
+        before->is_changed = 1;
+    else
+        run->stats.notes |= DPT_LOOP_NO_PRIORITY;
+}
+
+dpt_result dpt_loop_run(dpt_loop *loop, dpt_loop_stats *stats)
+{
+    if (!loop)
+        return DPT_E_ARGUMENT;
+    if (stats && stats->size != sizeof *stats)
+        return DPT_E_SIZE;
+    struct scheduling before = { .is_changed = 0 };
+    struct run run = { .loop = loop };
+    run.stats.size = sizeof run.stats;
+    run.state.size = sizeof run.state;
+    run.guard.size = sizeof run.guard;
+    dpt_guard_init(&run.guard, &loop->guard);
+
+    if (!loop->has_own_time)
+        become_urgent(&run, &before);
+    dpt_result result = loop->has_own_time ? run_by_device(&run) : run_by_clock(&run);
+    dpt_result last = send_zero(&run);
+    if (before.is_changed)
+        pthread_setschedparam(pthread_self(), before.policy, &before.param);
+
+    run.stats.stops = run.guard.stops;
+    run.stats.clamped = run.guard.clamped;
+    run.stats.slewed = run.guard.slewed;
+    run.stats.not_finite = run.guard.not_finite;
+    if (stats)
+        *stats = run.stats;
+    __atomic_store_n(&loop->stop, 0, __ATOMIC_RELAXED);
+    if (result != DPT_OK)
+        return result;
+    return run.is_lost ? DPT_E_LOST : last;
+}
