@@ -108,7 +108,7 @@ static uint64_t ns_of(const struct sim *sim, uint64_t period)
 static void applied_force(struct sim *sim, double *force)
 {
     uint64_t slots = DELAY_MOST + 1, slot = sim->period % slots;
-    if (sim->has_command || !sim->is_armed) {
+    if (sim->has_command || !sim->is_armed || sim->is_broken) {
         sim->quiet = 0;
     } else {
         sim->counts.missed++;
