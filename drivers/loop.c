@@ -21,7 +21,6 @@ static const uint64_t SECOND = 1000000000u;
 struct dpt_loop {
     dpt_device *device;
     dpt_loop_def def;
-    dpt_guard_def guard;
     double period;
     uint64_t period_ns;
     int has_own_time;
@@ -45,9 +44,10 @@ struct run {
 
 void dpt_loop_def_defaults(dpt_loop_def *def, size_t size)
 {
-    const dpt_loop_def defaults = { .size = (uint32_t)size, .priority = 80, .lock = 1 };
+    dpt_loop_def defaults = { .size = (uint32_t)size, .priority = 80, .lock = 1 };
     if (!def || size < sizeof defaults.size || size > DEF_SIZE_MOST)
         return;
+    dpt_guard_def_init(&defaults.guard);
     memset(def, 0, size);
     memcpy(def, &defaults, size < sizeof defaults ? size : sizeof defaults);
 }
@@ -69,20 +69,14 @@ dpt_result dpt_loop_create(dpt_device *device, const dpt_loop_def *def, dpt_loop
     loop.period = 1.0 / rate;
     loop.period_ns = (uint64_t)(1e9 / rate + 0.5);
     loop.has_own_time = (info.flags & DPT_DEVICE_DETERMINISTIC) != 0;
-    dpt_guard_def_init(&loop.guard);
-    if (def->guard)
-        loop.guard = *def->guard;
     dpt_guard guard = { .size = sizeof guard };
-    dpt_result result = dpt_guard_init(&guard, &loop.guard);
-    if (result != DPT_OK)
-        return result;
+    DPT_TRY(dpt_guard_init(&guard, &def->guard));
     if (guard.hold_ns < loop.period_ns)
         return DPT_E_ARGUMENT;
     double force = info.wrench_dofs < 3 ? 0.0 : info.force_max;
     double torque = info.wrench_dofs < 6 ? 0.0 : info.torque_max;
-    loop.guard.force_max = smaller(loop.guard.force_max, larger(force, 0.0));
-    loop.guard.torque_max = smaller(loop.guard.torque_max, larger(torque, 0.0));
-    loop.def.guard = NULL;
+    loop.def.guard.force_max = smaller(def->guard.force_max, larger(force, 0.0));
+    loop.def.guard.torque_max = smaller(def->guard.torque_max, larger(torque, 0.0));
     *out = malloc(sizeof loop);
     if (!*out)
         return DPT_E_MEMORY;
@@ -352,7 +346,7 @@ dpt_result dpt_loop_run(dpt_loop *loop, dpt_loop_stats *stats)
     run.stats.size = sizeof run.stats;
     run.state.size = sizeof run.state;
     run.guard.size = sizeof run.guard;
-    dpt_guard_init(&run.guard, &loop->guard);
+    dpt_guard_init(&run.guard, &loop->def.guard);
 
     if (!loop->has_own_time)
         become_urgent(&run, &before);

@@ -108,9 +108,9 @@ typedef struct dpt_loop_def {
     uint32_t reopen; /* 1: dpt_device_clear a device that is lost, once a second; 0: end then; 0 */
     double rate;     /* Hz, 1..100000; 0: the device's own; 0 */
     uint64_t ticks;  /* 0: until dpt_loop_stop; 0 */
-    const dpt_guard_def *guard; /* read at dpt_loop_create; NULL: the defaults; NULL */
-    dpt_loop_tick *tick;        /* not NULL */
-    void *user;                 /* its first argument; NULL */
+    dpt_loop_tick *tick; /* not NULL */
+    void *user;          /* its first argument; NULL */
+    dpt_guard_def guard; /* its defaults */
 } dpt_loop_def;
 
 /* Bin k of a histogram counts what took 2^(k/4) us up to 2^((k+1)/4) us; the first also less, the last also more. */

@@ -26,7 +26,7 @@ skip() {
 }
 verdict() { if [ "$1" -eq 0 ]; then ok "$2"; else bad "$2"; fi; }
 
-for lib in libdynpoint libdynpoint_compile; do
+for lib in libdynpoint libdynpoint_compile libdynpoint_drivers; do
     nm -D --defined-only "$build/$lib.so.0" | awk '{ print $3 }' | LC_ALL=C sort >"$scratch/$lib.symbols"
     diff "$here/$lib.symbols" "$scratch/$lib.symbols"
     verdict $? "$lib exports what $here/$lib.symbols lists"
@@ -50,9 +50,9 @@ objdump -h "$build/libdynpoint.o" | awk '$2 ~ /^\.(t?data|t?bss|init_array|ctors
 [ ! -s "$scratch/data" ]
 verdict $? "the core keeps no data $(tr '\n' ' ' <"$scratch/data")"
 
-objdump -d "$build/libdynpoint.o" | grep -cE '[[:space:]](v?fn?m(add|sub|l[as])|vfn?m[as]\.)' >"$scratch/fused"
+objdump -d "$build/libdynpoint.o" "$build/libdynpoint_drivers.o" | grep -cE '[[:space:]](v?fn?m(add|sub|l[as])|vfn?m[as]\.)' >"$scratch/fused"
 [ "$(cat "$scratch/fused")" -eq 0 ]
-verdict $? "no multiply is fused with an add"
+verdict $? "no multiply is fused with an add, nor in the drivers"
 
 objdump -d "$build/libdynpoint.o" | grep -cE '[[:space:]](lock|[lsm]fence|pause|rdtscp?|syscall|sysenter|int)([[:space:]]|$)|xchg.*\(|[[:space:]](ld(a?xr|a?xp|add|set|clr|eor)|stl?x[rp]|cas|swp|svc|wfe)' >"$scratch/locks"
 [ "$(cat "$scratch/locks")" -eq 0 ]
@@ -73,7 +73,7 @@ c99="-std=c99 -pedantic -Wall -Wextra -Werror"
 ${CC:-cc} $c99 -Iinclude "$here/layout.c" -o "$scratch/layout" && "$scratch/layout"
 verdict $? "structs and constants are what $here/layouts.txt says, on this machine"
 # What the list does not name: a field shows as a gap in its struct, the rest in the preprocessed headers.
-printf '#include <dynpoint.h>\n#include <dynpoint/compile.h>\n' | ${CC:-cc} -E -P -Iinclude - |
+printf '#include <dynpoint.h>\n#include <dynpoint/compile.h>\n#include <dynpoint/loop.h>\n' | ${CC:-cc} -E -P -Iinclude - |
     grep -oE 'DPT_[A-Z0-9_]+|struct dpt_[a-z0-9_]+ \{' | sed 's/^struct //; s/ {$//' |
     LC_ALL=C sort -u >"$scratch/public"
 sed -n 's/^VALUE(\([^,]*\),.*/\1/p; s/^STRUCT(\(.*\))/\1/p' "$here/layouts.txt" | LC_ALL=C sort -u >"$scratch/listed"
@@ -91,10 +91,27 @@ done
 # The build allows gnu99; the sources do not need it. Attributes are the compiler's own in either.
 exact=$(sed -n 's/^EXACT := //p' Makefile)
 strict=0
-for source in src/*.c src/compile/*.c; do
-    ${CC:-cc} $c99 -Iinclude -Isrc -O1 $exact -fPIC -c "$source" -o "$scratch/strict.o" || strict=1
+for source in src/*.c src/compile/*.c drivers/*.c; do
+    ${CC:-cc} $c99 -Iinclude -Isrc -I"$build/drivers" -O1 $exact -fPIC -c "$source" -o "$scratch/strict.o" || strict=1
 done
 verdict $strict "every source is pedantic C99"
+
+# Any choice of back ends builds, and is what the library then has.
+few=$scratch/few
+make -s B="$few" DRIVERS=replay "$few/libdynpoint_drivers.so.0" &&
+    printf '%s\n' '#include <dynpoint/driver.h>' 'int main(void) { return !dpt_driver_named("replay") ||' \
+        'dpt_driver_named("sim") || !dpt_driver_at(0) || dpt_driver_at(1); }' |
+    ${CC:-cc} $c99 -Iinclude -x c - -o "$scratch/one" -L"$few" -ldynpoint_drivers -ldynpoint &&
+    LD_LIBRARY_PATH="$few" "$scratch/one"
+verdict $? "DRIVERS=replay builds a library with that one back end"
+make -s B="$few" DRIVERS= "$few/libdynpoint_drivers.so.0" &&
+    printf '%s\n' '#include <dynpoint/driver.h>' 'int main(void) { return dpt_driver_at(0) != NULL; }' |
+    ${CC:-cc} $c99 -Iinclude -x c - -o "$scratch/none" -L"$few" -ldynpoint_drivers -ldynpoint &&
+    LD_LIBRARY_PATH="$few" "$scratch/none"
+verdict $? "DRIVERS= builds one without any"
+make -s B="$few" DRIVERS=nonesuch "$few/libdynpoint_drivers.so.0" >/dev/null 2>&1
+[ $? -eq 2 ]
+verdict $? "and an unknown one is an error"
 
 # docs/ffi.md shows parts of a script that runs; a line of it that the script has no more is a lie.
 sed -n '/^```python/,/^```/p' docs/ffi.md | grep -v '^```' | grep -vxFf tests/ffi/touch.py
@@ -134,7 +151,15 @@ if command -v pkg-config >/dev/null 2>&1; then
     verdict $? "and with the static ones"
     pkg-config --static --libs libdynpoint_compile | grep -q -- -pthread &&
         ! pkg-config --static --libs libdynpoint | grep -q -- -pthread
-    verdict $? "the compiler's .pc alone asks for threads"
+    verdict $? "the compiler's .pc asks for threads, the core's does not"
+
+    echo '#include <dynpoint/loop.h>
+int main(void) { dpt_device *d; return dpt_device_open("sim", &d, NULL) || (dpt_device_close(d), 0); }' >"$scratch/host.c"
+    ${CC:-cc} -std=c99 "$scratch/host.c" $(pkg-config --cflags --libs libdynpoint_drivers) -o "$scratch/host" &&
+        LD_LIBRARY_PATH="$root/opt/dp/lib64" "$scratch/host" &&
+        ${CC:-cc} -std=c99 "$scratch/host.c" -I"$root/opt/dp/include" "$root/opt/dp/lib64/libdynpoint_drivers.a" \
+            "$root/opt/dp/lib64/libdynpoint.a" -lm -lpthread -o "$scratch/host" && "$scratch/host"
+    verdict $? "and a host of a device, with either"
 
     sample=docs/samples/first_touch.c
     ${CC:-cc} $c99 $sample $(pkg-config --cflags --libs libdynpoint) -o "$scratch/sample_shared" &&
@@ -154,7 +179,7 @@ if command -v pkg-config >/dev/null 2>&1; then
         verdict $? "it feels nothing above a $shape, and a push upward on it"
     done
 else
-    for what in "a program" "a static program" "threads" "the sample" "the sample on a liver" "the sample on a box"; do
+    for what in "a program" "a static program" "threads" "a host" "the sample" "the sample on a liver" "the sample on a box"; do
         skip "$what with the installed .pc: no pkg-config"
     done
 fi
