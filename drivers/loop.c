@@ -352,8 +352,9 @@ dpt_result dpt_loop_run(dpt_loop *loop, dpt_loop_stats *stats)
         become_urgent(&run, &before);
     dpt_result result = loop->has_own_time ? run_by_device(&run) : run_by_clock(&run);
     dpt_result last = send_zero(&run);
-    if (before.is_changed)
-        pthread_setschedparam(pthread_self(), before.policy, &before.param);
+    if (before.is_changed &&
+        pthread_setschedparam(pthread_self(), before.policy, &before.param) != 0)
+        run.stats.notes |= DPT_LOOP_NO_RETURN;
 
     run.stats.stops = run.guard.stops;
     run.stats.clamped = run.guard.clamped;

@@ -94,6 +94,7 @@ dpt_result dpt_device_get_info(const dpt_device *device, dpt_device_info *info)
     memset(info, 0, sizeof *info);
     info->size = sizeof *info;
     device->driver->info(device, info);
+    info->size = sizeof *info;
     return DPT_OK;
 }
 
@@ -104,6 +105,7 @@ dpt_result dpt_device_read(dpt_device *device, dpt_device_state *state)
     if (state->size != sizeof *state)
         return DPT_E_SIZE;
     dpt_result result = device->driver->read(device, state);
+    state->size = sizeof *state;
     if (result != DPT_OK)
         state->fresh = 0;
     if (result == DPT_E_LOST)
@@ -137,6 +139,7 @@ dpt_result dpt_device_get_counts(const dpt_device *device, dpt_device_counts *co
     memset(counts, 0, sizeof *counts);
     counts->size = sizeof *counts;
     device->driver->counts(device, counts);
+    counts->size = sizeof *counts;
     return DPT_OK;
 }
 

@@ -143,9 +143,7 @@ static dpt_result replay_read(dpt_device *device, dpt_device_state *state)
     else if (replay->has_begun && !replay->has_ended)
         go_on(replay);
     replay->has_begun = 1;
-    uint32_t size = state->size;
     *state = replay->sample;
-    state->size = size;
     state->status = replay->has_ended ? DPT_DEVICE_LOST : DPT_DEVICE_READY;
     state->reasons = replay->has_ended ? DPT_REASON_UNPLUGGED : 0;
     if (replay->has_ended || result != DPT_OK)
@@ -189,15 +187,13 @@ static void replay_counts(const dpt_device *device, dpt_device_counts *counts)
 {
     const struct replay *replay = (const struct replay *)device;
     *counts = replay->counts;
-    counts->size = sizeof *counts;
     counts->samples = replay->has_begun ? replay->sample.sequence + 1 : 0;
 }
 
 static void replay_info(const dpt_device *device, dpt_device_info *info)
 {
     const struct replay *replay = (const struct replay *)device;
-    *info = (dpt_device_info){ .size = sizeof *info,
-                               .pose_dofs = 6,
+    *info = (dpt_device_info){ .pose_dofs = 6,
                                .wrench_dofs = 6,
                                .flags = DPT_DEVICE_SIMULATED |
                                         (replay->live != 0.0 ? 0 : DPT_DEVICE_DETERMINISTIC),

@@ -240,9 +240,7 @@ static dpt_result sim_read(dpt_device *device, dpt_device_state *state)
         sim->read_period = sim->period;
         take_sample(sim);
     }
-    uint32_t size = state->size;
     *state = sim->sample;
-    state->size = size;
     state->fresh = fresh;
     state->status = status;
     state->reasons = status == DPT_DEVICE_READY ? 0 : sim->reason;
@@ -253,11 +251,7 @@ static dpt_result sim_read(dpt_device *device, dpt_device_state *state)
 static dpt_result sim_write(dpt_device *device, const dpt_wrench *wrench)
 {
     struct sim *sim = (struct sim *)device;
-    if (sim->live != 0.0) {
-        dpt_result result = catch_up(sim);
-        if (result != DPT_OK)
-            return result;
-    }
+    dpt_result result = sim->live != 0.0 ? catch_up(sim) : DPT_OK;
     uint32_t status = status_of(sim);
     if (status != DPT_DEVICE_READY)
         return status == DPT_DEVICE_LOST ? DPT_E_LOST : DPT_E_NOT_READY;
@@ -268,7 +262,7 @@ static dpt_result sim_write(dpt_device *device, const dpt_wrench *wrench)
     limit_length(written + 3, sim->torque_max);
     sim->has_command = sim->is_armed = 1;
     sim->counts.commands++;
-    return DPT_OK;
+    return result;
 }
 
 static dpt_result sim_clear(dpt_device *device)
@@ -287,15 +281,13 @@ static void sim_counts(const dpt_device *device, dpt_device_counts *counts)
 {
     const struct sim *sim = (const struct sim *)device;
     *counts = sim->counts;
-    counts->size = sizeof *counts;
     counts->samples = sim->has_begun ? sim->period + 1 : 0;
 }
 
 static void sim_info(const dpt_device *device, dpt_device_info *info)
 {
     const struct sim *sim = (const struct sim *)device;
-    *info = (dpt_device_info){ .size = sizeof *info,
-                               .pose_dofs = (uint32_t)sim->dofs,
+    *info = (dpt_device_info){ .pose_dofs = (uint32_t)sim->dofs,
                                .wrench_dofs = (uint32_t)sim->dofs,
                                .joints = (uint32_t)sim->dofs,
                                .buttons = 32,

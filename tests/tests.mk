@@ -34,6 +34,11 @@ $(B)/tests/fuzz/fuzz_%: $(B)/tests/fuzz/%.o $(FUZZ_SHARED)
 fuzz-programs: $(FUZZ_TARGETS:%=$(B)/tests/fuzz/fuzz_%)
 .PHONY: fuzz-programs
 
+# Calls of the system that the test lets fail.
+WRAPPED := malloc calloc realloc free open read close clock_gettime clock_nanosleep nanosleep mlockall \
+           pthread_getschedparam pthread_setschedparam
+$(B)/tests/test_syscalls: private LDLIBS = $(WRAPPED:%=-Wl,--wrap=%)
+
 # Exact arithmetic: where there are g++ and gmpxx.
 EXACT_LIBS := $(if $(shell echo '\#include <gmpxx.h>' | $(CXX) -E -x c++ - 2>/dev/null | tail -n 1),-lgmpxx -lgmp -lstdc++)
 ifneq ($(EXACT_LIBS),)

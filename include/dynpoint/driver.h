@@ -125,7 +125,8 @@ typedef void dpt_device_found(void *user, const dpt_driver *driver, const char *
 
 /*
  * The contract. A driver's own device begins with a struct dpt_device, which dpt_device_open fills in. Arguments are
- * checked before a driver sees them: none is NULL but those that are said to be, sizes are right, wrenches are finite.
+ * checked before a driver sees them: none is NULL but those that are said to be, sizes are right, wrenches are finite;
+ * `size` is filled in after it. What info and counts leave alone is 0.
  *
  * open    May block, some seconds at most. `where` is in the driver's own notation, NULL for the first or only one;
  *         settings follow a '?', as in "/dev/ttyACM0?rate=1000". On success the device has answered, gives no force,

@@ -119,7 +119,8 @@ typedef struct dpt_loop_def {
 /* What was not permitted: bits of dpt_loop_stats.notes. */
 enum {
     DPT_LOOP_NO_PRIORITY = 1, /* the scheduler stayed as it was */
-    DPT_LOOP_NO_LOCK = 2      /* memory may be paged out */
+    DPT_LOOP_NO_LOCK = 2,     /* memory may be paged out */
+    DPT_LOOP_NO_RETURN = 4    /* the thread kept the loop's priority at the end */
 };
 
 typedef struct dpt_loop_stats {

@@ -161,6 +161,12 @@ int main(void) { dpt_device *d; return dpt_device_open("sim", &d, NULL) || (dpt_
             "$root/opt/dp/lib64/libdynpoint.a" -lm -lpthread -o "$scratch/host" && "$scratch/host"
     verdict $? "and a host of a device, with either"
 
+    ${CC:-cc} $c99 docs/samples/own_driver.c $(pkg-config --cflags --libs libdynpoint_drivers) -o "$scratch/own_driver" &&
+        LD_LIBRARY_PATH="$root/opt/dp/lib64" "$scratch/own_driver" >"$scratch/felt" &&
+        printf 'ticks 200 commands 200 clamped 200\nstrongest 2 N\n' | cmp - "$scratch/felt" &&
+        ! LD_LIBRARY_PATH="$root/opt/dp/lib64" "$scratch/own_driver" elsewhere 2>/dev/null
+    verdict $? "docs/samples/own_driver.c builds and is served"
+
     sample=docs/samples/first_touch.c
     ${CC:-cc} $c99 $sample $(pkg-config --cflags --libs libdynpoint) -o "$scratch/sample_shared" &&
         ${CC:-cc} $c99 $sample -I"$root/opt/dp/include" "$root/opt/dp/lib64/libdynpoint.a" -lm \
@@ -179,7 +185,7 @@ int main(void) { dpt_device *d; return dpt_device_open("sim", &d, NULL) || (dpt_
         verdict $? "it feels nothing above a $shape, and a push upward on it"
     done
 else
-    for what in "a program" "a static program" "threads" "a host" "the sample" "the sample on a liver" "the sample on a box"; do
+    for what in "a program" "a static program" "threads" "a host" "a driver of its own" "the sample" "the sample on a liver" "the sample on a box"; do
         skip "$what with the installed .pc: no pkg-config"
     done
 fi
