@@ -66,7 +66,7 @@ for program in build/tests/test_*; do
     run "$(basename "$program")" "$program"
 done
 for config in scalar sanitize; do
-    for name in read compile parallel mesh damage normal winding kernel query world paper shape budget near sweep_mesh strips; do
+    for name in read compile parallel mesh damage normal winding kernel query world paper shape budget near sweep_mesh strips guard sim replay driver loop syscalls; do
         program=build/$config/tests/test_$name
         [ -x "$program" ] && run "test_$name, $config" "$program"
     done

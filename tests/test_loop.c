@@ -513,6 +513,32 @@ static void a_device_that_comes_back_is_served(void)
     dpt_device_close(&flaky->device);
 }
 
+/* A trace counts its samples anew after each clear. */
+static void a_device_that_begins_anew_is_served(void)
+{
+    char text[4096] = "tick,ax,ay,az,bx,by,bz\n", name[128];
+    for (int row = 0; row < 100; row++)
+        sprintf(text + strlen(text), "%d,0,0,0,0,0,1\n", row);
+    struct small_file file = file_with(text);
+    snprintf(name, sizeof name, "replay:%s", file.path);
+    dpt_device *device = device_named("%s", name);
+    struct host host = { .force = 1.0 };
+    dpt_loop_def def = def_for(&host);
+    def.ticks = 3300;
+    def.reopen = 1;
+    dpt_loop *loop = loop_of(device, &def);
+    dpt_loop_stats stats = { .size = sizeof stats };
+    CHECK(dpt_loop_run(loop, &stats) == DPT_OK || stats.ticks == 3300, "%d ticks",
+          (int)stats.ticks);
+    check_sums(&stats);
+    CHECK(stats.fresh == 300 && stats.reopened == 2 && stats.losses == 3 && stats.reordered == 0,
+          "%d fresh, %d came back, %d reordered", (int)stats.fresh, (int)stats.reopened,
+          (int)stats.reordered);
+    dpt_loop_free(loop);
+    dpt_device_close(device);
+    unlink(file.path);
+}
+
 static dpt_loop *running;
 
 static void on_alarm(int signal_number)
@@ -694,6 +720,7 @@ int main(void)
     TEST(a_tick_that_hangs_gives_no_force);
     TEST(every_fault_ends_the_force);
     TEST(a_device_that_comes_back_is_served);
+    TEST(a_device_that_begins_anew_is_served);
     TEST(stops_when_asked);
     TEST(several_devices_at_once);
     TEST(limits_are_the_lesser);

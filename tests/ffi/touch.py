@@ -6,6 +6,7 @@ from ctypes import CDLL, Structure, byref, c_double, c_size_t, c_uint32, c_uint6
 
 core = CDLL(sys.argv[1] + "/libdynpoint.so")
 compiler = CDLL(sys.argv[1] + "/libdynpoint_compile.so")
+drivers = CDLL(sys.argv[1] + "/libdynpoint_drivers.so")
 core.dpt_world_bytes.restype = c_size_t  # all other results used here are int32, ctypes' default
 
 
@@ -33,6 +34,13 @@ Contact = struct("dpt_contact", (c_uint32, "size id body segment triangle contac
                  (c_double, "overlap moment"), (double3, "thrust thrust_moment"))
 Overlap = struct("dpt_overlap", (c_uint32, "size triangle flags reserved"), (c_double, "distance s"),
                  (double3, "q weight"), (c_double, "gap overlap"))
+State = struct("dpt_device_state", (c_uint32, "size status reasons code buttons fresh"),
+               (c_uint64, "sequence time_ns"), (Pose, "pose"), (double3, "velocity spin"),
+               (c_double * 8, "joint"), (c_double, "temperature"))
+Guard = struct("dpt_guard", (c_uint32, "size state"), (c_uint64, "stops clamped slewed not_finite hold_ns"
+                                                      " stop_ns now_ns fresh_ns"),
+               (c_double, "force_max torque_max force_slew torque_slew start gain stop_gain"),
+               (Wrench, "command held sent"))
 Compiled = struct("dpt_compiled", (c_void_p, "bytes"), (c_size_t, "size"))
 
 verdicts = []
@@ -50,7 +58,7 @@ def is_near(number, wanted):
 column = 0 if sizeof(c_void_p) == 8 else 1
 sizes = re.findall(r"SIZE\((\w+), (\d+), (\d+)\)", open(sys.path[0] + "/../abi/layouts.txt").read())
 sizes = {name: int(bytes[column]) for name, *bytes in sizes}
-for kind in (Pose, Segment, Wrench, Hit, Contact, Overlap, WorldDef, Step, Compiled):
+for kind in (Pose, Segment, Wrench, Hit, Contact, Overlap, WorldDef, Step, State, Guard, Compiled):
     check(kind.__name__ + " has its size", sizeof(kind) == sizes[kind.__name__])
 
 # A box of 2 x 2 x 1 m with its top at z = 1: corner i at the bits of i; two triangles a side.
@@ -105,6 +113,24 @@ overlaps[0].size = sizeof(Overlap)
 check("strip", core.dpt_tool_get_strip(world, tool, 0, overlaps, 12, byref(count), None) == 0)
 deepest = max(overlaps[: count.value], key=lambda overlap: overlap.overlap)
 check("of the top, 0.05 m deep", deepest.triangle == contact.triangle and is_near(deepest.overlap, 0.05))
+
+device, state, guard, sent = c_void_p(), State(size=sizeof(State)), Guard(size=sizeof(Guard)), Wrench()
+check("open a device", drivers.dpt_device_open(b"sim:?hand=press", byref(device), None) == 0)
+check("a guard", drivers.dpt_guard_init(byref(guard), None) == 0)
+touched = 0
+for tick in range(3000):  # the hand presses 3 cm down in 2 s; the mesh's top is 1 cm below where it begins
+    check_read = drivers.dpt_device_read(device, byref(state))
+    x, y, z = state.pose.position  # y is up, in the mesh z
+    pose.position[:] = (x, -z, 1.11 + y)
+    core.dpt_tool_set_pose(world, tool, byref(pose))
+    core.dpt_world_step(world, c_double(0.001), None)
+    core.dpt_tool_get_wrench(world, tool, byref(wrench))
+    x, y, z = wrench.force
+    wrench.force[:] = (x, z, -y)
+    drivers.dpt_guard_step(byref(guard), c_uint64(state.time_ns), byref(wrench), state.status == 3, byref(sent))
+    touched += check_read == 0 and drivers.dpt_device_write(device, byref(sent)) == 0 and sent.force[1] > 1
+check("it is felt, and holds the hand off", touched > 500 and guard.stops == 0 and state.pose.position[1] < 0)
+drivers.dpt_device_close(device)
 
 check("a body is no tool: DPT_E_HANDLE", core.dpt_tool_set_pose(world, body, byref(pose)) == -8)
 check("no pose: DPT_E_ARGUMENT", core.dpt_tool_set_pose(world, tool, None) == -1)
