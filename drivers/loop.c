@@ -33,7 +33,7 @@ struct run {
     dpt_loop_stats stats;
     dpt_guard guard;
     dpt_device_state state;
-    uint64_t now; /* of this tick */
+    uint64_t now;
     int has_sample;
     uint64_t sequence; /* of the last sample */
     int has_ticked;
@@ -216,7 +216,7 @@ static void send(struct run *run, const dpt_wrench *wrench)
         run->stats.refused++;
 }
 
-static void tick(struct run *run)
+static dpt_result tick(struct run *run)
 {
     dpt_wrench command = { { 0.0 }, { 0.0 } }, wrench;
     dpt_result result = dpt_device_read(run->loop->device, &run->state);
@@ -230,7 +230,7 @@ static void tick(struct run *run)
     if (result == DPT_E_LOST || state->status == DPT_DEVICE_LOST) {
         device_is_lost(run);
         dpt_guard_step(&run->guard, run->now, NULL, 0, &wrench);
-        return;
+        return DPT_OK;
     }
     run->stats.reopened += (uint64_t)run->is_lost;
     run->is_lost = 0;
@@ -246,10 +246,14 @@ static void tick(struct run *run)
             run->stats.fresh++;
         else if (is_ready)
             run->stats.failed++;
+        /* A command counts from when it is there: one that took long begins a new ramp. */
+        if (!run->loop->has_own_time)
+            DPT_TRY(clock_read(&run->now));
     }
     dpt_guard_step(&run->guard, run->now, has_command ? &command : NULL, is_ready, &wrench);
     if (state->status == DPT_DEVICE_READY)
         send(run, &wrench);
+    return DPT_OK;
 }
 
 static int has_ended(const struct run *run)
@@ -267,18 +271,18 @@ static void note_time(double *most, uint64_t *bins, uint64_t ns)
 
 static dpt_result run_by_clock(struct run *run)
 {
-    uint64_t period = run->loop->period_ns, deadline, end;
+    uint64_t period = run->loop->period_ns, deadline, begin, end;
     DPT_TRY(clock_read(&deadline));
     while (!has_ended(run)) {
         DPT_TRY(sleep_until(run->loop, deadline));
         if (must_stop(run->loop))
             break;
-        DPT_TRY(clock_read(&run->now));
-        note_time(&run->stats.late_max, run->stats.late,
-                  run->now > deadline ? run->now - deadline : 0);
-        tick(run);
+        DPT_TRY(clock_read(&begin));
+        note_time(&run->stats.late_max, run->stats.late, begin > deadline ? begin - deadline : 0);
+        run->now = begin;
+        DPT_TRY(tick(run));
         DPT_TRY(clock_read(&end));
-        note_time(&run->stats.took_max, run->stats.took, end > run->now ? end - run->now : 0);
+        note_time(&run->stats.took_max, run->stats.took, end > begin ? end - begin : 0);
         deadline += period;
         if (end < deadline)
             continue;
@@ -292,7 +296,7 @@ static dpt_result run_by_clock(struct run *run)
 static dpt_result run_by_device(struct run *run)
 {
     while (!has_ended(run))
-        tick(run);
+        DPT_TRY(tick(run));
     return DPT_OK;
 }
 

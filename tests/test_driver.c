@@ -273,7 +273,7 @@ static char *whole_file(const char *path)
 /* 1 when `text` has a row "| `name` | ..." that names a test which is there. */
 static int has_row(char *text, const char *name)
 {
-    char start[64];
+    char start[96];
     snprintf(start, sizeof start, "\n| `%s` |", name);
     char *row = strstr(text, start);
     if (!row)

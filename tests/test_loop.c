@@ -380,7 +380,8 @@ static void no_late_tick_goes_unnoticed(void)
 
 /* A tick that hangs: the device's own watchdog ends the force, and the guard starts anew after it. */
 struct hang {
-    double before, after;
+    struct flaky *flaky;
+    double before, after, sent;
     int ticks;
 };
 
@@ -394,29 +395,32 @@ static dpt_result hang_once(void *user, const dpt_device_state *state, double dt
         hang->before = state->velocity[0];
         rest(0.2);
     }
-    if (hang->ticks == 301)
+    if (hang->ticks == 301) {
         hang->after = state->velocity[0];
+        hang->sent = hang->flaky->written.force[0];
+    }
     wrench->force[0] = 1.0;
     return DPT_OK;
 }
 
 static void a_tick_that_hangs_gives_no_force(void)
 {
-    dpt_device *device = device_named("sim:?mass=1&damping=0&live=1&watchdog=0.01");
-    struct hang hang = { .ticks = 0 };
+    struct flaky *flaky = flaky_over("sim:?mass=1&damping=0&live=1&watchdog=0.01");
+    struct hang hang = { .flaky = flaky };
     dpt_loop_def def = def_for(NULL);
     def.tick = hang_once;
     def.user = &hang;
     def.ticks = 1000;
-    dpt_loop *loop = loop_of(device, &def);
+    dpt_loop *loop = loop_of(&flaky->device, &def);
     dpt_loop_stats stats = { .size = sizeof stats };
     CHECK(dpt_loop_run(loop, &stats) == DPT_OK && hang.ticks > 301, "%d ticks", hang.ticks);
     CHECK(hang.before > 0.0 && hang.after - hang.before <= 0.0121, "%g Ns in the dark",
           hang.after - hang.before);
-    CHECK(stats.stops >= 1 && stats.missed >= 198 && counts_of(device).missed >= 180,
+    CHECK(hang.sent == 0.0, "a command that took long is sent with %g N", hang.sent);
+    CHECK(stats.stops >= 1 && stats.missed >= 198 && counts_of(&flaky->device).missed >= 180,
           "%d stops, %d missed", (int)stats.stops, (int)stats.missed);
     dpt_loop_free(loop);
-    dpt_device_close(device);
+    dpt_device_close(&flaky->device);
 }
 
 /* For each reason: force until it comes, none from that sample on, and after a clear it returns by the ramp. */
