@@ -692,6 +692,47 @@ C
     done
 }
 
+# What is said of a device, and the whole tick on one, all without hardware.
+devices()
+{
+    succeeds 'device list' device list
+    check 'device list names sim' grep -q '^sim ' stdout
+    check 'device list names replay' grep -q '^replay ' stdout
+    succeeds 'selftest of a sound device' device selftest sim
+    check 'without consent nothing is pushed' grep -q 'not tested without --move' stdout
+    succeeds 'selftest with consent' device selftest sim --move
+    check 'six pushes' test "$(grep -c 'moves the hand that way' stdout)" -eq 6
+    run device selftest 'sim:?fault=estop@0.3'
+    check 'selftest of one that stops' test $status -eq 1
+    check 'says what fails' grep -q 'FAIL ready all the time' stdout
+    run device watch 'sim:?live=1&hand=press' --for 0.2
+    check 'watch ends' test $status -eq 0
+    check 'watch, a line a sample' awk -F, 'NR > 1 && $2 == "ready" && NF == 10 { n++ }
+        END { exit n < 20 }' stdout
+    refuses 'no such driver' 'nothing' device watch nothing
+    refuses 'no such verb' 'is needed' device look sim
+    refuses 'no device' '--device NAME are needed' run box.dpa
+    refuses 'a device that is not there' 'nothing' run box.dpa --device nothing
+    refuses 'a record without an end' '--record needs --ticks' \
+        run box.dpa --device sim --record out/r.csv
+    refuses 'a place of two numbers' '--at takes three numbers' \
+        run box.dpa --device sim --ticks 5 --at 1,2
+
+    succeeds 'run' run torus.dpa --device 'sim:?hand=press' --ticks 4000 --record lived.csv
+    check 'it touches' grep -q '^  in contact on [1-9]' stdout
+    succeeds 'run again' run torus.dpa --device 'sim:?hand=press' --ticks 4000 --record again.csv
+    check 'the same motion, bit for bit' cmp -s lived.csv again.csv
+    succeeds 'what was lived, replayed' replay torus.dpa lived.csv -o o.csv --radius 0.002
+    in_contact=$(column o.csv 3 | grep -c penetrating)
+    run run torus.dpa --device 'sim:?hand=press' --ticks 4000 --json
+    check 'as many ticks in contact' grep -q "\"penetrating\":$in_contact," stdout
+    run run torus.dpa --device 'sim:?live=1&hand=press' --for 0.5 --json
+    check 'a live run ends' test $status -eq 0
+    mv stdout run.json
+    check "run --json: $(tail -n 1 python.log)" has_keys run.json ticks fresh stale missed sent \
+        refused late_us.median took_us.p99 real_time locked contacts deepest strongest
+}
+
 prepare
 help_and_version
 usage_errors
@@ -704,6 +745,7 @@ answers
 same_bytes
 shapes
 json
+devices
 c_array
 echo "$passed passed, $failed failed, $skipped skipped"
 [ $failed -eq 0 ]

@@ -14,5 +14,10 @@ int command_make_trace(int argc, char **argv);
 int command_compile(int argc, char **argv);
 int command_info(int argc, char **argv);
 int command_replay(int argc, char **argv);
+int command_device(int argc, char **argv);
+int command_run(int argc, char **argv);
+
+/* dynpoint device simulate. */
+int device_simulate(const char *what, double swing, double seconds);
 
 #endif

@@ -15,6 +15,8 @@ static const struct {
     { "compile", command_compile, "turn OBJ, STL, PLY or OFF into a .dpa file" },
     { "info", command_info, "show or verify a .dpa file" },
     { "replay", command_replay, "move a tool over a mesh: the nearest pair of every tick" },
+    { "device", command_device, "list, watch, test or simulate haptic devices" },
+    { "run", command_run, "feel a mesh with a device, live" },
 };
 
 static void print_help(void)

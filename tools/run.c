@@ -1,0 +1,346 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* dynpoint run: the whole tick, live, on any device. */
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "command.h"
+#include "common.h"
+#include "stop.h"
+
+static const char help[] =
+    "usage: dynpoint run MESH.dpa --device NAME [options]\n"
+    "\n"
+    "Feel a mesh with a haptic device: DRIVER or DRIVER:WHERE, as sim or serial:/dev/ttyACM0.\n"
+    "The stylus is a capsule from the device's point along its z axis. Ends on an interrupt, "
+    "after\n"
+    "--for or --ticks, or when the device is lost; always with zero force. Then says how it went.\n"
+    "\n"
+    "  --device NAME    which one\n"
+    "  --at X,Y,Z       where the device's origin lies in the mesh's frame, m; default: 5 mm above "
+    "the\n"
+    "                   middle of the top of its box, y being up\n"
+    "  --zoom Z         metres of the mesh for one of the hand; forces are those of the mesh; "
+    "default 1\n"
+    "  --length L       of the stylus, m of the mesh; default 0.1\n"
+    "  --radius R       of it; default 0.002\n"
+    "  --stiffness K    of the penalty force, N/m; default 500\n"
+    "  --force-max F    N; default the guard's, 5, or the device's if that is less\n"
+    "  --rate HZ        of the loop; default the device's\n"
+    "  --for S          seconds of the clock\n"
+    "  --ticks N        or so many ticks\n"
+    "  --record F.csv   what the tool did, a trace for dynpoint replay; needs --ticks\n"
+    "  --json           what is said at the end as one JSON object\n";
+
+struct settings {
+    const char *mesh, *device, *at, *record;
+    double zoom, length, radius, stiffness, force_max, rate, seconds;
+    uint64_t ticks;
+    int json;
+};
+
+/* What a tick needs, and what it counts. */
+struct session {
+    dpt_world *world;
+    dpt_tool tool;
+    double origin[3]; /* of the device, in the mesh's frame */
+    double zoom, length, radius;
+    int has_torque; /* the device can give some */
+    uint64_t contacts, penetrating, unknown, bounded;
+    double deepest, strongest;
+    double *rows; /* of the record, six a tick, or NULL */
+    uint64_t recorded, room;
+};
+
+static void turn(const double q[4], const double v[3], double out[3])
+{
+    const double t[3] = { 2.0 * (q[2] * v[2] - q[3] * v[1]), 2.0 * (q[3] * v[0] - q[1] * v[2]),
+                          2.0 * (q[1] * v[1] - q[2] * v[0]) };
+    out[0] = v[0] + q[0] * t[0] + q[2] * t[2] - q[3] * t[1];
+    out[1] = v[1] + q[0] * t[1] + q[3] * t[0] - q[1] * t[2];
+    out[2] = v[2] + q[0] * t[2] + q[1] * t[1] - q[2] * t[0];
+}
+
+static void record(struct session *session, const dpt_segment *stylus)
+{
+    if (session->recorded == session->room)
+        return;
+    double *row = session->rows + 6 * session->recorded++;
+    memcpy(row, stylus->a, sizeof stylus->a);
+    memcpy(row + 3, stylus->b, sizeof stylus->b);
+}
+
+static dpt_result feel(void *user, const dpt_device_state *state, double dt, dpt_wrench *wrench)
+{
+    struct session *session = user;
+    const double along[3] = { 0.0, 0.0, session->length };
+    dpt_segment stylus = { .radius = session->radius };
+    dpt_hit hit = DPT_HIT_INIT;
+    double reach[3], square = 0.0;
+    turn(state->pose.orientation, along, reach);
+    for (int k = 0; k < 3; k++) {
+        stylus.a[k] = session->origin[k] + session->zoom * state->pose.position[k];
+        stylus.b[k] = stylus.a[k] + reach[k];
+    }
+    dpt_result result = dpt_tool_set_segments(session->world, session->tool, &stylus, 1);
+    if (result == DPT_OK)
+        result = dpt_world_step(session->world, dt, NULL);
+    if (result != DPT_OK)
+        return result;
+    record(session, &stylus);
+    dpt_tool_get_hit(session->world, session->tool, &hit);
+    dpt_tool_get_wrench(session->world, session->tool, wrench);
+    if (!session->has_torque)
+        memset(wrench->torque, 0, sizeof wrench->torque);
+    session->contacts += hit.contact != DPT_CONTACT_SEPARATED;
+    session->penetrating += hit.contact == DPT_CONTACT_PENETRATING;
+    session->unknown += hit.contact == DPT_CONTACT_UNKNOWN;
+    for (int k = 0; k < 3; k++)
+        square += wrench->force[k] * wrench->force[k];
+    session->deepest = fmax(session->deepest, hit.depth);
+    session->strongest = fmax(session->strongest, sqrt(square));
+    return DPT_OK;
+}
+
+static int write_record(const char *path, const struct session *session)
+{
+    struct output output;
+    int status = output_open(&output, "run", path);
+    if (status)
+        return status;
+    fputs("tick,ax,ay,az,bx,by,bz\n", output.file);
+    for (uint64_t i = 0; i < session->recorded; i++) {
+        fprintf(output.file, "%" PRIu64, i);
+        for (int k = 0; k < 6; k++)
+            fprintf(output.file, ",%.17g", session->rows[6 * i + (uint64_t)k]);
+        fputc('\n', output.file);
+    }
+    return output_close(&output, "run", 1);
+}
+
+static void print_json(const struct session *session, const dpt_loop_stats *s,
+                       const dpt_device_counts *counts)
+{
+    const struct {
+        const char *name;
+        uint64_t value;
+    } numbers[] = { { "ticks", s->ticks },
+                    { "fresh", s->fresh },
+                    { "stale", s->stale },
+                    { "failed", s->failed },
+                    { "not_ready", s->not_ready },
+                    { "lost", s->lost },
+                    { "skipped", s->skipped },
+                    { "reordered", s->reordered },
+                    { "sent", s->sent },
+                    { "refused", s->refused },
+                    { "missed", s->missed },
+                    { "losses", s->losses },
+                    { "stops", s->stops },
+                    { "clamped", s->clamped },
+                    { "slewed", s->slewed },
+                    { "not_finite", s->not_finite },
+                    { "device_samples", counts->samples },
+                    { "device_lost", counts->lost },
+                    { "device_damaged", counts->damaged },
+                    { "device_missed", counts->missed },
+                    { "contacts", session->contacts },
+                    { "penetrating", session->penetrating },
+                    { "unknown", session->unknown } };
+    putchar('{');
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
+        printf("%s\"%s\":%" PRIu64, i ? "," : "", numbers[i].name, numbers[i].value);
+    printf(",\"deepest\":%.17g,\"strongest\":%.17g", session->deepest, session->strongest);
+    const struct {
+        const char *name;
+        const uint64_t *bins;
+        double most;
+    } times[] = { { "late", s->late, s->late_max }, { "took", s->took, s->took_max } };
+    for (int i = 0; i < 2; i++)
+        printf(",\"%s_us\":{\"median\":%.1f,\"p99\":%.1f,\"max\":%.1f}", times[i].name,
+               1e6 * dpt_loop_quantile(times[i].bins, 0.5),
+               1e6 * dpt_loop_quantile(times[i].bins, 0.99), 1e6 * times[i].most);
+    printf(",\"real_time\":%s,\"locked\":%s}\n", s->notes & DPT_LOOP_NO_PRIORITY ? "false" : "true",
+           s->notes & DPT_LOOP_NO_LOCK ? "false" : "true");
+}
+
+static void print_times(const char *what, const uint64_t *bins, double most)
+{
+    printf("  %-28s %9.1f %9.1f %9.1f\n", what, 1e6 * dpt_loop_quantile(bins, 0.5),
+           1e6 * dpt_loop_quantile(bins, 0.99), 1e6 * most);
+}
+
+static void print_report(const struct session *session, const dpt_loop_stats *s,
+                         const dpt_device_counts *counts)
+{
+    printf("%" PRIu64 " ticks: %" PRIu64 " with a fresh sample, %" PRIu64 " without, %" PRIu64
+           " not ready, %" PRIu64 " lost\n",
+           s->ticks, s->fresh + s->failed, s->stale, s->not_ready, s->lost);
+    printf("  in contact on %" PRIu64 ", deepest %.2f mm, strongest %.2f N before the guard\n",
+           session->contacts, 1e3 * session->deepest, session->strongest);
+    printf("  guard: %" PRIu64 " clamped, %" PRIu64 " slewed, %" PRIu64 " stops\n", s->clamped,
+           s->slewed, s->stops);
+    printf("  device: %" PRIu64 " samples, %" PRIu64 " lost, %" PRIu64 " damaged, %" PRIu64
+           " commands missed\n",
+           counts->samples, counts->lost, counts->damaged, counts->missed);
+    printf("  %-28s %9s %9s %9s\n", "microseconds", "median", "99 %", "worst");
+    print_times("late", s->late, s->late_max);
+    print_times("a tick's work", s->took, s->took_max);
+    printf("  %" PRIu64 " deadlines missed\n", s->missed);
+    if (s->notes & DPT_LOOP_NO_PRIORITY)
+        puts("  without real-time priority, which was not permitted");
+    if (s->notes & DPT_LOOP_NO_LOCK)
+        puts("  without locked memory, which was not permitted");
+}
+
+/* Three numbers with commas between. */
+static int take_place(const char *text, double out[3])
+{
+    char *end;
+    for (int k = 0; k < 3; k++) {
+        out[k] = strtod(text, &end);
+        if (end == text || (k < 2 ? *end != ',' : *end != '\0') ||
+            !(fabs(out[k]) <= DPT_COORDINATE_MAX))
+            return 0;
+        text = end + 1;
+    }
+    return 1;
+}
+
+static int make_world(struct session *session, const struct settings *settings,
+                      const dpt_mesh *mesh, void **block)
+{
+    dpt_mesh_info info = { .size = sizeof info };
+    dpt_world_def def;
+    dpt_body body;
+    const dpt_segment stylus = { .radius = settings->radius };
+    dpt_mesh_get_info(mesh, &info);
+    for (int k = 0; k < 3; k++)
+        session->origin[k] = k == 1 ? info.box_max[1] + settings->radius + 0.005
+                                    : 0.5 * (info.box_min[k] + info.box_max[k]);
+    if (settings->at && !take_place(settings->at, session->origin))
+        return complain("run", "--at takes three numbers, X,Y,Z");
+    dpt_world_def_init(&def);
+    def.max_bodies = def.max_tools = def.max_segments = 1;
+    def.stiffness = settings->stiffness;
+    *block = malloc(dpt_world_bytes(&def));
+    if (!*block)
+        return complain("run", "memory ran out");
+    dpt_result result = dpt_world_create(*block, dpt_world_bytes(&def), &def, &session->world);
+    if (result == DPT_OK)
+        result = dpt_body_add(session->world, mesh, NULL, &body);
+    if (result == DPT_OK)
+        result = dpt_tool_add(session->world, &stylus, 1, &session->tool);
+    return result == DPT_OK ? 0 : complain("run", "%s", dpt_result_text(result));
+}
+
+static int serve(dpt_device *device, struct session *session, const struct settings *settings)
+{
+    dpt_loop_def def;
+    dpt_loop *loop;
+    dpt_loop_stats stats = { .size = sizeof stats };
+    dpt_device_counts counts = { .size = sizeof counts };
+    dpt_device_info info = { .size = sizeof info };
+    dpt_device_get_info(device, &info);
+    session->has_torque = info.wrench_dofs == 6;
+    dpt_loop_def_init(&def);
+    def.tick = feel;
+    def.user = session;
+    def.rate = settings->rate;
+    def.ticks = settings->ticks;
+    if (settings->force_max > 0.0)
+        def.guard.force_max = settings->force_max;
+    dpt_result result = dpt_loop_create(device, &def, &loop);
+    if (result != DPT_OK)
+        return complain("run", "%s", dpt_result_text(result));
+    stop_watch(loop, settings->seconds);
+    result = dpt_loop_run(loop, &stats);
+    stop_watch(NULL, HUGE_VAL);
+    dpt_loop_free(loop);
+    dpt_device_get_counts(device, &counts);
+    (settings->json ? print_json : print_report)(session, &stats, &counts);
+    if (result != DPT_OK)
+        return complain("run", "%s", dpt_result_text(result));
+    return settings->record ? write_record(settings->record, session) : 0;
+}
+
+static int take_settings(int argc, char **argv, struct settings *settings)
+{
+    size_t operands;
+    const struct option_def options[] = {
+        { .name = "--device", .text = &settings->device },
+        { .name = "--at", .text = &settings->at },
+        { .name = "--zoom", .number = &settings->zoom },
+        { .name = "--length", .number = &settings->length },
+        { .name = "--radius", .number = &settings->radius },
+        { .name = "--stiffness", .number = &settings->stiffness },
+        { .name = "--force-max", .number = &settings->force_max },
+        { .name = "--rate", .number = &settings->rate },
+        { .name = "--for", .number = &settings->seconds },
+        { .name = "--ticks", .count = &settings->ticks },
+        { .name = "--record", .text = &settings->record },
+        { .name = "--json", .flag = &settings->json },
+    };
+    int status = parse_options(argc, argv, options, sizeof options / sizeof *options, help,
+                               &settings->mesh, 1, &operands);
+    if (status >= 0)
+        return status;
+    if (operands != 1 || !settings->device)
+        return complain("run", "MESH.dpa and --device NAME are needed (see --help)");
+    if (!(settings->zoom > 0.0 && settings->zoom <= 1000.0))
+        return complain("run", "--zoom must be positive, at most 1000");
+    if (!(settings->length >= 0.0 && settings->length <= 10.0) ||
+        !(settings->radius >= 0.0 && settings->radius <= 1.0))
+        return complain("run", "--length must be 0 to 10, --radius 0 to 1");
+    if (!(settings->stiffness >= 0.0 && settings->stiffness <= 1e9))
+        return complain("run", "--stiffness must be 0 to 1e9");
+    if (!(settings->force_max >= 0.0 && settings->force_max <= 1000.0))
+        return complain("run", "--force-max must be 0 to 1000");
+    if (settings->rate != 0.0 && !(settings->rate >= 1.0 && settings->rate <= 1e5))
+        return complain("run", "--rate must be 1 to 100000");
+    if (!(settings->seconds > 0.0))
+        return complain("run", "--for must be positive");
+    if (settings->record && !(settings->ticks && settings->ticks <= 100000000))
+        return complain("run", "--record needs --ticks, at most 100000000");
+    return -1;
+}
+
+int command_run(int argc, char **argv)
+{
+    struct settings settings = {
+        .zoom = 1.0, .length = 0.1, .radius = 0.002, .stiffness = 500.0, .seconds = HUGE_VAL
+    };
+    struct session session = { .world = NULL };
+    void *bytes = NULL, *block = NULL;
+    int status = take_settings(argc, argv, &settings);
+    if (status >= 0)
+        return status;
+    session.zoom = settings.zoom;
+    session.length = settings.length;
+    session.radius = settings.radius;
+    const dpt_mesh *mesh = load_mesh("run", settings.mesh, &bytes);
+    status = mesh ? make_world(&session, &settings, mesh, &block) : 2;
+    if (status == 0 && settings.record) {
+        session.room = settings.ticks;
+        session.rows = calloc(session.room, 6 * sizeof *session.rows);
+        if (!session.rows)
+            status = complain("run", "memory ran out");
+    }
+    if (status == 0) {
+        dpt_device *device;
+        dpt_device_error error = { .size = sizeof error };
+        dpt_result result = dpt_device_open(settings.device, &device, &error);
+        if (result != DPT_OK) {
+            status = complain("run", "%s: %s", settings.device,
+                              error.text[0] ? error.text : dpt_result_text(result));
+        } else {
+            status = serve(device, &session, &settings);
+            dpt_device_close(device);
+        }
+    }
+    free(session.rows);
+    free(block);
+    free(bytes);
+    return status;
+}

@@ -1,0 +1,56 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#define _XOPEN_SOURCE 700
+#include "stop.h"
+
+#include <signal.h>
+#include <sys/time.h>
+#include <time.h>
+
+static volatile int asked;
+static dpt_loop *volatile running;
+
+static void on_signal(int number)
+{
+    (void)number;
+    asked = 1;
+    if (running)
+        dpt_loop_stop(running);
+}
+
+int stop_asked(void)
+{
+    return asked;
+}
+
+const volatile int *stop_flag(void)
+{
+    return &asked;
+}
+
+void stop_watch(dpt_loop *loop, double seconds)
+{
+    struct sigaction action = { .sa_handler = on_signal };
+    running = loop;
+    sigaction(SIGINT, &action, NULL);
+    sigaction(SIGTERM, &action, NULL);
+    if (seconds < 1e6) {
+        struct itimerval timer = { .it_value = {
+                                       (time_t)seconds,
+                                       (suseconds_t)(1e6 * (seconds - (double)(time_t)seconds)) } };
+        sigaction(SIGALRM, &action, NULL);
+        setitimer(ITIMER_REAL, &timer, NULL);
+    }
+}
+
+double seconds_now(void)
+{
+    struct timespec time;
+    clock_gettime(CLOCK_MONOTONIC, &time);
+    return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
+}
+
+void sleep_seconds(double seconds)
+{
+    struct timespec time = { (time_t)seconds, (long)(1e9 * (seconds - (double)(time_t)seconds)) };
+    nanosleep(&time, NULL);
+}
