@@ -130,7 +130,7 @@ uninstall: ## what install put there
 	-rmdir $(DESTDIR)$(INCLUDEDIR)/dynpoint 2>/dev/null
 
 help: ## this list
-	@echo 'make [TARGET] [CONFIG=release|scalar|sanitize|debug|coverage]'
+	@echo 'make [TARGET] [CONFIG=release|scalar|sanitize|debug|coverage] [DRIVERS="$(BACK_ENDS)"]'
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  \1\t\2/p' Makefile tests/tests.mk | expand -t 14
 
 clean: ## remove build/

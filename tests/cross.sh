@@ -84,6 +84,11 @@ try()
         liver.out; do
         check "$machine: other bytes in $name" cmp -s "$native/cross/$name" "$out/$name"
     done
+    # A simulated device moves as it does here.
+    "$1-linux-gnu-gcc" -std=gnu99 -O3 $(sed -n 's/^EXACT := //p' Makefile) -static -Iinclude -Isrc -Itests \
+        -I"$folder/drivers" tests/test_sim.c drivers/*.c src/compile/number.c src/result.c -lm -pthread \
+        -o "$out/test_sim" 2>>"$log"
+    check "$machine: the simulated device differs, see $log" "qemu-$machine-static" "$out/test_sim" bits
     # The bytes in an array are those of the file, and a copy converts in place.
     check "$machine: the array compiles, see $log" "$1-linux-gnu-gcc" -std=c99 -static -Wall -Wextra \
         -Wconversion -Werror -Iinclude "$native/cross/array.c" "$out/torus.c" "$folder/libdynpoint.a" -lm \

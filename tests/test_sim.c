@@ -282,18 +282,25 @@ static void same_calls_same_bits(void)
             for (int k = 0; k < 3; k++)
                 wrench.torque[k] = random_in(&random, -0.1, 0.1);
             CHECK(dpt_device_write(device, &wrench) == DPT_OK, "write");
-            uint64_t words[sizeof state / 8];
-            memcpy(words, &state, sizeof words);
-            for (size_t i = 0; i < sizeof words / sizeof *words; i++)
-                hash[run] = (hash[run] ^ words[i]) * 0x100000001b3u;
+            double numbers[24];
+            memcpy(numbers, &state.pose, sizeof state.pose);
+            memcpy(numbers + 7, state.velocity, sizeof state.velocity);
+            memcpy(numbers + 10, state.spin, sizeof state.spin);
+            memcpy(numbers + 13, state.joint, sizeof state.joint);
+            numbers[21] = state.temperature;
+            numbers[22] = (double)state.sequence;
+            numbers[23] = (double)state.time_ns;
+            for (int i = 0; i < 24; i++) {
+                uint64_t bits;
+                memcpy(&bits, &numbers[i], sizeof bits);
+                hash[run] = (hash[run] ^ bits) * 0x100000001b3u;
+            }
         }
         dpt_device_close(device);
     }
     CHECK(hash[0] == hash[1], "two runs differ");
-#if __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
-    CHECK(hash[0] == 0x02bcbb029978efd8u, "not what other machines have: %llx",
+    CHECK(hash[0] == 0xfafda5d30e94b982u, "not what other machines have: %llx",
           (unsigned long long)hash[0]);
-#endif
 }
 
 static void scripts_pull_and_push(void)
@@ -473,8 +480,13 @@ static void wrong_names_are_refused(void)
         unlink(paths[i]);
 }
 
-int main(void)
+/* With an argument: the bits alone, for machines that are emulated (cross.sh). */
+int main(int argc, char **argv)
 {
+    (void)argv;
+    TEST(same_calls_same_bits);
+    if (argc > 1)
+        return check_report();
     TEST(forces_add_up_as_the_closed_form_says);
     TEST(free_decay);
     TEST(resonance);
@@ -483,7 +495,6 @@ int main(void)
     TEST(encoders_round);
     TEST(delay_is_a_shift);
     TEST(watchdog_ends_the_force);
-    TEST(same_calls_same_bits);
     TEST(scripts_pull_and_push);
     TEST(live_is_the_same_in_time);
     TEST(faults_come_when_asked_for);

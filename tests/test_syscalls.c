@@ -282,6 +282,25 @@ static void without_failures_all_is_well(void)
     plan.short_reads = 0;
 }
 
+/* From the second tick on: no memory, no files, and the clock a few times a tick. */
+static void ticks_ask_little(void)
+{
+    plan.call = NO_CALL;
+    for (int s = 0; s < SCENARIOS; s++) {
+        struct scenario longer = scenarios[s];
+        int made[CALLS];
+        run(&scenarios[s]);
+        memcpy(made, plan.made, sizeof made);
+        longer.ticks += 300;
+        struct outcome outcome = run(&longer);
+        CHECK(outcome.stats.ticks == 320, "scenario %d: %d ticks", s, (int)outcome.stats.ticks);
+        for (enum call call = MALLOC; call <= READ; call++)
+            CHECK(plan.made[call] == made[call], "scenario %d: %s in a tick", s, call_names[call]);
+        CHECK(plan.made[CLOCK] - made[CLOCK] <= 5 * 300 * longer.is_live,
+              "scenario %d: the clock %d times in 300 ticks", s, plan.made[CLOCK] - made[CLOCK]);
+    }
+}
+
 static void check_outcome(const struct outcome *outcome, const char *what)
 {
     const dpt_loop_stats *stats = &outcome->stats;
@@ -376,6 +395,7 @@ int main(void)
 {
     make_files();
     TEST(without_failures_all_is_well);
+    TEST(ticks_ask_little);
     TEST(every_call_fails_in_its_turn);
     unlink(script.path);
     unlink(trace.path);
