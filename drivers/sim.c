@@ -271,7 +271,7 @@ static dpt_result sim_clear(dpt_device *device)
     if (!sim->is_broken)
         return DPT_OK;
     sim->counts.resets += status_of(sim) == DPT_DEVICE_LOST;
-    sim->is_broken = sim->is_armed = sim->has_command = 0;
+    sim->is_broken = sim->is_armed = 0;
     sim->reason = 0;
     memset(sim->written, 0, sizeof sim->written);
     return DPT_OK;

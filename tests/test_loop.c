@@ -334,6 +334,8 @@ static void commands_arrive_in_turn(void)
     dpt_device_close(&flaky->device);
 }
 
+static uint64_t live_ticks = 3000;
+
 /*
  * By the clock: each 50th tick takes three periods and a half longer. Ticks and missed deadlines together are the time
  * that has passed, but for what the first and the last were late.
@@ -343,7 +345,7 @@ static void no_late_tick_goes_unnoticed(void)
     struct flaky *flaky = flaky_over("sim:?hand=press&live=1");
     struct host host = { .flaky = flaky, .force = 0.1, .slow = 0.0035 };
     dpt_loop_def def = def_for(&host);
-    def.ticks = 3000;
+    def.ticks = live_ticks;
     def.priority = 80;
     def.lock = 1;
     dpt_loop *loop = loop_of(&flaky->device, &def);
@@ -715,8 +717,11 @@ static void quantiles_are_bin_ends(void)
           "no fraction");
 }
 
-int main(void)
+/* An argument: how many ticks by the clock. */
+int main(int argc, char **argv)
 {
+    if (argc > 1)
+        live_ticks = strtoull(argv[1], NULL, 10);
     TEST(sixty_thousand_ticks_lose_nothing);
     TEST(every_trouble_is_counted);
     TEST(commands_arrive_in_turn);

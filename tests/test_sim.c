@@ -411,6 +411,7 @@ static void faults_come_when_asked_for(void)
             CHECK(is_lost || fabs(state.velocity[0] - at_fault) < 0.0011, "%s: it gives force",
                   name);
         }
+        CHECK(counts_of(device).missed == 0, "%s: it misses commands that it does not take", name);
         CHECK(dpt_device_clear(device) == DPT_OK, "%s: not cleared", name);
         state = state_of(device);
         CHECK(state.status == DPT_DEVICE_READY && state.reasons == 0 && state.fresh > 0,

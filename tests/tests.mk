@@ -53,7 +53,7 @@ $(B)/tests/test_sweep_exact: $(B)/tests/exact/sweep.o $(B)/tests/oracle/exact.o 
 check: ## all tests; DEPS=no installs nothing, STRICT=1 lets skips fail
 	@sh tests/run.sh
 
-soak: all $(B)/tests/test_organs $(B)/tests/test_certificate $(B)/tests/test_budget $(B)/tests/test_near $(B)/tests/test_sheets $(B)/tests/test_depth $(B)/tests/test_region $(B)/tests/test_route $(B)/tests/test_strip ## 10^8 ticks against the tree; all of DPT_DATA against brute force
+soak: all $(B)/tests/test_organs $(B)/tests/test_certificate $(B)/tests/test_budget $(B)/tests/test_near $(B)/tests/test_sheets $(B)/tests/test_depth $(B)/tests/test_region $(B)/tests/test_route $(B)/tests/test_strip $(B)/tests/test_loop ## 10^8 ticks against the tree; all of DPT_DATA against brute force
 	@$(B)/tests/test_certificate 672000
 	@$(B)/tests/test_budget 8000
 	@$(B)/tests/test_near 8000
@@ -63,6 +63,7 @@ soak: all $(B)/tests/test_organs $(B)/tests/test_certificate $(B)/tests/test_bud
 	@$(B)/tests/test_region 2000
 	@$(B)/tests/test_route 20
 	@$(B)/tests/test_strip 20
+	@$(B)/tests/test_loop 60000
 	@$(B)/tests/test_organs soak
 
 fuzz: ## 10^8 executions (FUZZ_RUNS) of the fuzz targets by libFuzzer
