@@ -60,7 +60,8 @@ build()
 {
     make -j"$(nproc 2>/dev/null || echo 2)" B="$folder" CC="$1-linux-gnu-gcc" \
         LD="$1-linux-gnu-ld" AR="$1-linux-gnu-ar" OBJCOPY="$1-linux-gnu-objcopy" LDFLAGS=-static \
-        "$folder/dynpoint" "$folder/libdynpoint.a" "$folder/libdynpoint_compile.a"
+        "$folder/dynpoint" "$folder/libdynpoint.a" "$folder/libdynpoint_compile.a" \
+        "$folder/tests/test_wire" "$folder/tests/test_wire_device"
 }
 
 # try MACHINE: as the names of its compiler and of qemu begin and end
@@ -96,6 +97,10 @@ try()
     "qemu-$machine-static" "$out/array" "$out/torus.dpa"
     code=$?
     check "$machine: the array differs from the file: $code" test $code -eq 0
+    # Frames are the same bytes, and a device answers the same.
+    for name in test_wire test_wire_device; do
+        check "$machine: $name, see $log" "qemu-$machine-static" "$folder/tests/$name"
+    done
     # A damaged file is refused at the same byte, whatever the byte order.
     head -c 9000 "$out/torus.dpa" >"$out/short.dpa"
     "qemu-$machine-static" "$folder/dynpoint" info "$out/short.dpa" >"$out/said" 2>&1
