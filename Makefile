@@ -42,7 +42,7 @@ endif
 CORE := $(patsubst %.c,$(B)/%.o,$(wildcard src/*.c))
 COMPILE := $(patsubst %.c,$(B)/%.o,$(wildcard src/compile/*.c))
 # Device back ends: each is drivers/NAME.c. What else is in drivers/ serves all of them.
-BACK_ENDS := sim replay
+BACK_ENDS := sim replay serial
 DRIVERS ?= $(BACK_ENDS)
 ifneq ($(filter-out $(BACK_ENDS),$(DRIVERS)),)
 $(error no driver $(filter-out $(BACK_ENDS),$(DRIVERS)): there are $(BACK_ENDS))
@@ -52,7 +52,7 @@ DRIVER_PARTS := $(patsubst %.c,$(B)/%.o,$(filter-out $(LEFT_OUT),$(wildcard driv
 TOOLS := $(patsubst %.c,$(B)/%.o,$(wildcard tools/*.c))
 LIBS := $(B)/libdynpoint $(B)/libdynpoint_compile $(B)/libdynpoint_drivers
 
-.PHONY: all force demo check bench charts soak fuzz deps install uninstall help clean
+.PHONY: all force demo check firmware bench charts soak fuzz deps install uninstall help clean
 .SECONDARY:
 all: $(B)/dynpoint $(LIBS:%=%.a) $(LIBS:%=%.so.$(SOVERSION)) ## the program and the libraries (default)
 

@@ -5,7 +5,7 @@ TESTS := $(patsubst tests/%.c,$(B)/tests/%,$(wildcard tests/test_*.c))
 TEST_PARTS := $(patsubst %.c,$(B)/%.o,$(wildcard tests/oracle/*.c tests/data/*.c)) \
               $(B)/tools/shape.o $(B)/tools/shape_organs.o $(CORE) $(COMPILE) $(DRIVER_PARTS)
 
-$(B)/tests/%.o: ALL_CFLAGS += -Itests -Itools
+$(B)/tests/%.o: ALL_CFLAGS += -Itests -Itools -Idrivers
 $(B)/tests/test_%: $(B)/tests/test_%.o $(TEST_PARTS)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(LDLIBS) -o $@
 $(B)/tests/test_parallel: private LDLIBS = -Wl,--wrap=pthread_create,--wrap=pthread_join,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free
@@ -26,9 +26,9 @@ FUZZ_PARTS := $(patsubst %.c,$(B)/%.o,$(wildcard tests/fuzz/*.c)) $(B)/tools/tra
 $(B)/tests/test_fuzz: $(FUZZ_PARTS)
 
 # With CONFIG=fuzz alone: each target as a program of libFuzzer's.
-FUZZ_TARGETS := obj stl ply off trace mesh forged
+FUZZ_TARGETS := obj stl ply off trace mesh forged wire
 FUZZ_SHARED := $(filter-out $(FUZZ_TARGETS:%=$(B)/tests/fuzz/%.o) $(B)/tests/fuzz/mutate.o,$(FUZZ_PARTS)) \
-               $(B)/tools/shape.o $(B)/tools/shape_organs.o $(CORE) $(COMPILE)
+               $(B)/tools/shape.o $(B)/tools/shape_organs.o $(B)/drivers/wire.o $(B)/drivers/wire_device.o $(CORE) $(COMPILE)
 $(B)/tests/fuzz/fuzz_%: $(B)/tests/fuzz/%.o $(FUZZ_SHARED)
 	$(CC) $(subst fuzzer-no-link,fuzzer,$(CONFIG_CFLAGS)) $(LDFLAGS) $^ -lm $(THREADS) -o $@
 fuzz-programs: $(FUZZ_TARGETS:%=$(B)/tests/fuzz/fuzz_%)
@@ -38,6 +38,8 @@ fuzz-programs: $(FUZZ_TARGETS:%=$(B)/tests/fuzz/fuzz_%)
 WRAPPED := malloc calloc realloc free open read close clock_gettime clock_nanosleep nanosleep mlockall \
            pthread_getschedparam pthread_setschedparam
 $(B)/tests/test_syscalls: private LDLIBS = $(WRAPPED:%=-Wl,--wrap=%)
+SERIAL_WRAPPED := open close read write poll ioctl flock tcgetattr tcsetattr tcflush calloc
+$(B)/tests/test_serial: private LDLIBS = $(SERIAL_WRAPPED:%=-Wl,--wrap=%)
 
 # Exact arithmetic: where there are g++ and gmpxx.
 EXACT_LIBS := $(if $(shell echo '\#include <gmpxx.h>' | $(CXX) -E -x c++ - 2>/dev/null | tail -n 1),-lgmpxx -lgmp -lstdc++)
@@ -49,6 +51,12 @@ $(B)/tests/oracle/exact.o: tests/oracle/exact.cc
 	$(CXX) -std=c++11 -O2 -g -Wall -Wextra -MMD -MP $(CONFIG_CFLAGS) $(CFLAGS_EXTRA) -c $< -o $@
 $(B)/tests/test_sweep_exact: $(B)/tests/exact/sweep.o $(B)/tests/oracle/exact.o $(TEST_PARTS)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(EXACT_LIBS) -o $@
+
+$(B)/tests/firmware/link: $(B)/tests/firmware/link.o $(DRIVER_PARTS) $(B)/src/compile/number.o $(CORE)
+	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -lpthread -o $@
+
+firmware: all $(B)/tests/firmware/link ## the driver against a Cortex-M7 in QEMU, and what a tick takes there
+	@sh tests/firmware/run.sh $(B)
 
 check: ## all tests; DEPS=no installs nothing, STRICT=1 lets skips fail
 	@sh tests/run.sh
@@ -78,7 +86,7 @@ bench: all $(B)/tests/bench/dump_mesh $(B)/tests/bench/strips $(B)/tests/bench/r
 deps: ## install what the tests can use beside a compiler (apt-get)
 	@sh tests/deps.sh
 
-test-programs: all $(TESTS) $(B)/tests/bench/dump_mesh $(B)/tests/bench/strips $(B)/tests/bench/recall
+test-programs: all $(TESTS) $(B)/tests/firmware/link $(B)/tests/bench/dump_mesh $(B)/tests/bench/strips $(B)/tests/bench/recall
 .PHONY: test-programs
 -include $(TESTS:=.d) $(patsubst %.o,%.d,$(TEST_PARTS) $(FUZZ_PARTS))
 
