@@ -86,6 +86,7 @@ run "the program, sanitize" sh tests/test_cli.sh build/sanitize
 run "the libraries" sh tests/abi/check.sh build
 if command -v python3 >/dev/null 2>&1; then run "other languages" python3 tests/ffi/touch.py build; else skip "other languages" "no python3"; fi
 run "other machines" sh tests/cross.sh
+run "firmware" sh tests/firmware/run.sh build
 run "the peer" sh tests/bench/check.sh build
 
 echo

@@ -1,0 +1,255 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * From end to end: the driver for serial lines against firmware that runs on an emulated Cortex-M7, its UART on a pty,
+ * with a relay between that cuts and damages the line. run.sh gives the command that starts it:
+ *
+ *     link QEMU ARGUMENTS...      which says "redirected to /dev/pts/N"
+ */
+#include "relay.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <time.h>
+
+#include "../check.h"
+#include "dynpoint/driver.h"
+
+enum { GOOD, DAMAGED, CUT };
+
+static char **command;
+static pid_t firmware;
+static char theirs[64], ours[64];
+static struct relay_way out, back; /* to the firmware, from it */
+static volatile int out_line, back_line, ended;
+static uint64_t seed = 1;
+static uint32_t out_damaged, back_damaged;
+static pthread_t relay;
+static dpt_device *device;
+static dpt_device_error error = { .size = sizeof error };
+static dpt_device_state state = { .size = sizeof state };
+static dpt_device_counts counts = { .size = sizeof counts };
+
+static void pause_ms(long milliseconds)
+{
+    const struct timespec wait = { milliseconds / 1000, milliseconds % 1000 * 1000000 };
+    nanosleep(&wait, NULL);
+}
+
+/* The start of QEMU, and the name of the pty out of what it says. */
+static int start_firmware(void)
+{
+    int ends[2];
+    if (pipe(ends) || (firmware = fork()) < 0)
+        return 0;
+    if (firmware == 0) {
+        dup2(ends[1], 1);
+        dup2(ends[1], 2);
+        close(ends[0]);
+        execvp(command[0], command);
+        _exit(127);
+    }
+    close(ends[1]);
+    FILE *said = fdopen(ends[0], "r");
+    char line[256];
+    theirs[0] = 0;
+    while (!theirs[0] && fgets(line, sizeof line, said)) {
+        const char *name = strstr(line, "redirected to ");
+        if (name)
+            sscanf(name, "redirected to %63s", theirs);
+        else
+            printf("    %s", line);
+    }
+    fclose(said);
+    return theirs[0] != 0;
+}
+
+static int choose_fate(struct relay_way *way, uint8_t *frame, size_t size)
+{
+    const int line = way == &out ? out_line : back_line;
+    if (line == CUT)
+        return RELAY_DROP;
+    /* Samples and commands, whose numbers tell. */
+    if (line == DAMAGED && size > 30 && random_bits(&seed) % 20 == 0) {
+        const size_t at = random_bits(&seed) % (size - 1), bit = random_bits(&seed) % 8;
+        if (frame[at] != 1 << bit) {
+            frame[at] = (uint8_t)(frame[at] ^ 1 << bit);
+            *(way == &out ? &out_damaged : &back_damaged) += 1;
+        }
+    }
+    return RELAY_PASS;
+}
+
+static void *keep_relaying(void *unused)
+{
+    const struct timespec wait = { 0, 500000 };
+    while (!ended) {
+        relay_turn(&out);
+        relay_turn(&back);
+        nanosleep(&wait, NULL);
+    }
+    return unused;
+}
+
+/* Answers every sample, until `enough` says so, at most a minute. */
+static int go_on(double force, int (*enough)(void))
+{
+    const dpt_wrench wrench = { { force, 0, 0 }, { 0, 0, 0 } };
+    for (int i = 0; i < 60000; i++) {
+        const dpt_result got = dpt_device_read(device, &state);
+        CHECK(got == DPT_OK || got == DPT_E_LOST, "read: %d", got);
+        if (enough())
+            return 1;
+        if (state.fresh > 0)
+            dpt_device_write(device, &wrench);
+        pause_ms(1);
+    }
+    return 0;
+}
+
+static int is_ready(void)
+{
+    return state.status == DPT_DEVICE_READY && state.fresh > 0;
+}
+
+static int is_fault(void)
+{
+    return state.status == DPT_DEVICE_FAULT;
+}
+
+static int is_lost(void)
+{
+    return state.status == DPT_DEVICE_LOST;
+}
+
+static int is_settled(void)
+{
+    return fabs(state.pose.position[0] - 0.01) < 1e-5 && fabs(state.velocity[0]) < 1e-4;
+}
+
+static int has_seen_much(void)
+{
+    return out_damaged >= 40 && back_damaged >= 40;
+}
+
+static void opens(void)
+{
+    char name[128];
+    dpt_device_info info = { .size = sizeof info };
+    snprintf(name, sizeof name, "serial:%s?answer=20&silent=2", ours);
+    CHECK(dpt_device_open(name, &device, &error) == DPT_OK, "%s", error.text);
+    if (!device)
+        return;
+    CHECK(dpt_device_get_info(device, &info) == DPT_OK, "info");
+    CHECK(strcmp(info.name, "emulated Cortex-M7") == 0 && strcmp(info.serial, "an500") == 0, "%s",
+          info.name);
+    CHECK(info.rate == 250 && info.watchdog == 0.5 && info.force_max == 5, "numbers");
+    CHECK(go_on(0, is_ready), "never ready");
+}
+
+/* 1.5 N against the hand's 150 N/m. */
+static void moves_where_the_force_leads(void)
+{
+    CHECK(go_on(1.5, is_settled), "at %g m", state.pose.position[0]);
+}
+
+static void damage_is_counted_on_both_sides(void)
+{
+    dpt_device_get_counts(device, &counts);
+    const dpt_device_counts before = counts;
+    out_line = back_line = DAMAGED;
+    CHECK(go_on(1.5, has_seen_much), "%u, %u frames damaged", out_damaged, back_damaged);
+    out_line = back_line = GOOD;
+    for (int i = 0; i < 500; i++) {
+        const dpt_wrench wrench = { { 1.5, 0, 0 }, { 0, 0, 0 } };
+        CHECK(dpt_device_read(device, &state) == DPT_OK, "read");
+        if (state.status == DPT_DEVICE_FAULT)
+            CHECK(dpt_device_clear(device) == DPT_OK, "clear");
+        if (state.fresh > 0)
+            dpt_device_write(device, &wrench);
+        pause_ms(1);
+    }
+    dpt_device_get_counts(device, &counts);
+    CHECK(counts.damaged - before.damaged == back_damaged, "%u counted of %u",
+          (unsigned)(counts.damaged - before.damaged), back_damaged);
+    /* A busy machine may be late besides. */
+    CHECK(counts.missed - before.missed >= out_damaged, "%u missed of %u damaged",
+          (unsigned)(counts.missed - before.missed), out_damaged);
+    CHECK(counts.lost - before.lost >= back_damaged, "%u lost of %u damaged",
+          (unsigned)(counts.lost - before.lost), back_damaged);
+}
+
+static void a_cut_on_the_way_there_trips_the_watchdog(void)
+{
+    out_line = CUT;
+    CHECK(go_on(1.5, is_fault), "no fault");
+    CHECK(state.reasons == DPT_REASON_WATCHDOG, "%u", state.reasons);
+    out_line = GOOD;
+    /* It stays, whatever is written, and there is no force: the hand pulls back to the middle. */
+    for (int i = 0; i < 1000; i++) {
+        const dpt_wrench wrench = { { 1.5, 0, 0 }, { 0, 0, 0 } };
+        const dpt_result written = dpt_device_write(device, &wrench);
+        CHECK(written == DPT_E_NOT_READY, "%d", written);
+        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_FAULT, "%u",
+              state.status);
+        pause_ms(1);
+    }
+    CHECK(fabs(state.pose.position[0]) < 1e-4, "at %g m", state.pose.position[0]);
+    CHECK(dpt_device_clear(device) == DPT_OK, "clear");
+    CHECK(go_on(1.5, is_settled), "at %g m", state.pose.position[0]);
+}
+
+static void silence_is_loss_and_is_cleared(void)
+{
+    back_line = CUT;
+    CHECK(go_on(1.5, is_lost), "not lost");
+    CHECK(state.reasons == DPT_REASON_SILENT, "%u", state.reasons);
+    back_line = GOOD;
+    CHECK(dpt_device_clear(device) == DPT_OK, "clear");
+    CHECK(go_on(1.5, is_settled), "at %g m", state.pose.position[0]);
+}
+
+static void the_end_of_the_firmware_is_noticed(void)
+{
+    kill(firmware, SIGKILL);
+    waitpid(firmware, NULL, 0);
+    firmware = 0;
+    CHECK(go_on(1.5, is_lost), "not lost");
+    ended = 1;
+    pthread_join(relay, NULL);
+    close(out.from);
+    dpt_device_read(device, &state);
+    CHECK(dpt_device_read(device, &state) == DPT_E_LOST && state.reasons == DPT_REASON_UNPLUGGED,
+          "%u", state.reasons);
+    CHECK(dpt_device_clear(device) == DPT_E_LOST, "clear");
+    dpt_device_close(device);
+}
+
+int main(int argc, char **argv)
+{
+    command = argv + 1;
+    if (argc < 2 || !start_firmware()) {
+        printf("    the firmware does not start\n1 failed\n");
+        return 2;
+    }
+    out.from = back.to = relay_pty(ours);
+    out.to = back.from = relay_open(theirs);
+    out.fate = back.fate = choose_fate;
+    if (out.from >= 0 && out.to >= 0 && pthread_create(&relay, NULL, keep_relaying, NULL) == 0)
+        TEST(opens);
+    if (device) {
+        TEST(moves_where_the_force_leads);
+        TEST(damage_is_counted_on_both_sides);
+        TEST(a_cut_on_the_way_there_trips_the_watchdog);
+        TEST(silence_is_loss_and_is_cleared);
+        TEST(the_end_of_the_firmware_is_noticed);
+    } else {
+        check_failed++;
+    }
+    if (firmware > 0) {
+        kill(firmware, SIGKILL);
+        waitpid(firmware, NULL, 0);
+    }
+    return check_report();
+}

@@ -1,0 +1,199 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * What the codec and a tick of the library take on a Cortex-M7: instructions, bytes of RAM and of stack. Prints lines
+ * "NAME NUMBER", which run.sh makes a table of. The mesh is an array in flash, used where it lies. Run on the host as
+ * well (board_host.c), it must print the same sums of bits.
+ */
+#include <stdalign.h>
+#include <string.h>
+
+#include "board.h"
+#include "dynpoint.h"
+#include "wire_device.h"
+
+extern const unsigned char flash_mesh[];
+extern const size_t flash_mesh_size;
+
+enum { FRAMES = 100, TICKS = 2000, WORLD = 256 * 1024 };
+
+static alignas(8) uint8_t block[WORLD];
+static uint32_t times[TICKS];
+
+static void say(const char *name, uint32_t number)
+{
+    board_print(name);
+    board_print(" ");
+    board_print_number(number);
+    board_print("\n");
+}
+
+/* FNV-1a, over the bits of all frames, or wrenches and distances. */
+static uint32_t bits;
+
+static void mix(const void *bytes, size_t size)
+{
+    for (size_t i = 0; i < size; i++)
+        bits = (bits ^ ((const uint8_t *)bytes)[i]) * 16777619u;
+}
+
+static void must(int condition, const char *what)
+{
+    if (!condition) {
+        board_print(what);
+        board_print(": failed\n");
+        board_exit(1);
+    }
+}
+
+static void measure_state(unsigned pose_dofs, const char *encode, const char *decode)
+{
+    struct wire_message message = { .type = WIRE_STATE, .session = 1 }, got;
+    struct wire_reader reader = { 0 };
+    uint8_t frame[WIRE_FRAME_MAX];
+    size_t size = 0;
+    message.as.state.pose_dofs = (uint8_t)pose_dofs;
+    message.as.state.status = WIRE_STATUS_READY;
+    message.as.state.orientation[0] = 1;
+    for (int i = 0; i < 3; i++)
+        message.as.state.position[i] = message.as.state.velocity[i] = 0.01f * (float)(i + 1);
+    count_start();
+    for (int i = 0; i < FRAMES; i++)
+        size = wire_encode(&message, frame);
+    say(encode, count_instructions() / FRAMES);
+    for (int i = 0; i < FRAMES; i++)
+        for (size_t k = 0; k < size; k++)
+            wire_read(&reader, frame[k], &got);
+    say(decode, count_instructions() / FRAMES);
+    must(reader.messages == FRAMES, "decode");
+}
+
+/* All that the protocol costs a device in a sample: a command comes, a state goes. */
+static void measure_sample(void)
+{
+    const struct wire_info info = { .pose_dofs = 6,
+                                    .wrench_dofs = 6,
+                                    .rate = 1000,
+                                    .force_max = 5,
+                                    .torque_max = 1,
+                                    .watchdog = 0.02f };
+    static struct wire_device device;
+    struct wire_sample sample = { .orientation = { 1, 0, 0, 0 } };
+    struct wire_message message = { .type = WIRE_HELLO, .session = 1 };
+    uint8_t frame[WIRE_FRAME_MAX], out[WIRE_OUT_MAX];
+    wire_device_init(&device, &info);
+    size_t size = wire_encode(&message, frame);
+    for (size_t k = 0; k < size; k++)
+        wire_device_take(&device, frame[k]);
+    message.type = WIRE_ORDER;
+    message.as.order = WIRE_ENABLE;
+    size = wire_encode(&message, frame);
+    for (size_t k = 0; k < size; k++)
+        wire_device_take(&device, frame[k]);
+    wire_device_sample(&device, &sample, out);
+    uint32_t sum = 0;
+    for (uint32_t i = 0; i < FRAMES; i++) {
+        message.type = WIRE_COMMAND;
+        message.as.command.sequence = i + 1;
+        message.as.command.answers = device.sequence;
+        for (int k = 0; k < 3; k++)
+            message.as.command.force[k] = message.as.command.torque[k] = 0.1f * (float)k;
+        size = wire_encode(&message, frame);
+        count_start();
+        for (size_t k = 0; k < size; k++)
+            wire_device_take(&device, frame[k]);
+        const size_t said = wire_device_sample(&device, &sample, out);
+        sum += count_instructions();
+        mix(out, said);
+    }
+    must(device.order.taken == FRAMES && wire_device_status(&device) == WIRE_STATUS_READY,
+         "sample");
+    say("sample", sum / FRAMES);
+    say("device_bytes", sizeof device);
+}
+
+static uint32_t ranked(uint32_t rank)
+{
+    for (uint32_t i = 1; i < TICKS; i++)
+        for (uint32_t k = i; k > 0 && times[k] < times[k - 1]; k--) {
+            const uint32_t swap = times[k];
+            times[k] = times[k - 1];
+            times[k - 1] = swap;
+        }
+    return times[rank];
+}
+
+/* A tool of 0.86 of the mesh's diagonal that slides over it and dips into it. */
+static void measure_tick(uint32_t until, uint32_t contacts, const char *const names[4])
+{
+    const dpt_mesh *mesh;
+    dpt_mesh_info info = { .size = sizeof info };
+    dpt_world_def def;
+    dpt_world *world;
+    dpt_body body;
+    dpt_tool tool;
+    must(dpt_mesh_open(flash_mesh, flash_mesh_size, &mesh) == DPT_OK, "dpt_mesh_open");
+    dpt_mesh_get_info(mesh, &info);
+    dpt_world_def_init(&def);
+    def.max_bodies = def.max_tools = def.max_segments = 1;
+    def.max_contacts = contacts;
+    def.certificate_bytes = 16 * 1024;
+    def.until = until;
+    must(dpt_world_bytes(&def) <= sizeof block, "dpt_world_bytes");
+    must(dpt_world_create(block, sizeof block, &def, &world) == DPT_OK, "dpt_world_create");
+    must(dpt_body_add(world, mesh, NULL, &body) == DPT_OK, "dpt_body_add");
+    double center[3], span[3];
+    for (int i = 0; i < 3; i++) {
+        center[i] = 0.5 * (info.box_min[i] + info.box_max[i]);
+        span[i] = info.box_max[i] - info.box_min[i];
+    }
+    const dpt_segment axis = { { 0, 0, 0 },
+                               { 0.6 * span[0], 0.6 * span[1], 0.1 * span[0] },
+                               0.002 };
+    must(dpt_tool_add(world, &axis, 1, &tool) == DPT_OK, "dpt_tool_add");
+    uint32_t exact = 0;
+    for (int tick = 0; tick < TICKS; tick++) {
+        dpt_step step = { .size = sizeof step };
+        dpt_wrench wrench;
+        const double along = (double)tick / TICKS;
+        const int phase = tick % 400;
+        const double dip = 0.00015 * (phase < 200 ? phase : 400 - phase);
+        const dpt_pose pose = { { center[0] - (0.6 - 0.5 * along) * span[0],
+                                  center[1] - (0.1 + 0.5 * along) * span[1],
+                                  info.box_max[2] + 0.01 - dip },
+                                { 1, 0, 0, 0 } };
+        count_start();
+        dpt_tool_set_pose(world, tool, &pose);
+        dpt_world_step(world, 0.001, &step);
+        dpt_tool_get_wrench(world, tool, &wrench);
+        times[tick] = count_instructions();
+        exact += step.status == DPT_STATUS_EXACT;
+        mix(&step.distance, sizeof step.distance);
+        mix(&wrench, sizeof wrench);
+    }
+    must(exact == TICKS && info.triangles == 512, "exact");
+    say(names[0], ranked(TICKS / 2));
+    say(names[1], ranked(TICKS * 99 / 100));
+    say(names[2], ranked(TICKS - 1));
+    say(names[3], (uint32_t)dpt_world_bytes(&def));
+}
+
+int main(void)
+{
+    measure_state(3, "encode_3", "decode_3");
+    measure_state(6, "encode_6", "decode_6");
+    measure_sample();
+    say("stack_wire", stack_used());
+    say("mesh_bytes", (uint32_t)flash_mesh_size);
+    static const char *const names[3][4] = {
+        { "track_median", "track_p99", "track_most", "track_bytes" },
+        { "depth_median", "depth_p99", "depth_most", "depth_bytes" },
+        { "tick_median", "tick_p99", "tick_most", "tick_bytes" },
+    };
+    measure_tick(DPT_UNTIL_TRACK, 0, names[0]);
+    measure_tick(DPT_UNTIL_RESPOND, 0, names[1]);
+    measure_tick(DPT_UNTIL_RESPOND, 4, names[2]);
+    say("stack", stack_used());
+    say("bits", bits);
+    board_print("end\n");
+    return 0;
+}
