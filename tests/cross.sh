@@ -99,7 +99,7 @@ try()
     check "$machine: the array differs from the file: $code" test $code -eq 0
     # Frames are the same bytes, and a device answers the same.
     for name in test_wire test_wire_device; do
-        check "$machine: $name, see $log" "qemu-$machine-static" "$folder/tests/$name"
+        check "$machine: $name, see $log" "qemu-$machine-static" "$folder/tests/$name" 16
     done
     # A damaged file is refused at the same byte, whatever the byte order.
     head -c 9000 "$out/torus.dpa" >"$out/short.dpa"

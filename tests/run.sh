@@ -80,6 +80,9 @@ done
 run "test_strip, sanitize" env -u DPT_DATA build/sanitize/tests/test_strip
 run "test_fuzz, sanitize" build/sanitize/tests/test_fuzz 100000
 [ -x build/tests/test_sweep_exact ] || skip "test_sweep_exact" "no g++ with gmpxx"
+run "test_wire, sanitize" build/sanitize/tests/test_wire 16
+run "test_wire_device, sanitize" build/sanitize/tests/test_wire_device
+run "test_serial, sanitize" build/sanitize/tests/test_serial
 run "test_silent, scalar" build/scalar/tests/test_silent
 run "the program" sh tests/test_cli.sh build
 run "the program, sanitize" sh tests/test_cli.sh build/sanitize
