@@ -142,6 +142,10 @@ static dpt_result set_up(int fd, const char *path, size_t speed, dpt_device_erro
         return errno == ENOTTY || errno == EINVAL
                    ? device_error(error, DPT_E_DEVICE, "%.60s is not a serial port", path)
                    : refuse_open(path, errno, error);
+    /* The lock holds against other hosts that ask, root's as well; TIOCEXCL against everyone else's open. */
+    if ((flock(fd, LOCK_EX | LOCK_NB) && !is_needless(errno)) ||
+        (ioctl(fd, TIOCEXCL) && !is_needless(errno)))
+        return refuse_open(path, errno, error);
     make_raw(&settings);
     const uint32_t baud = speeds[speed].baud;
     if (cfsetispeed(&settings, speeds[speed].code) || cfsetospeed(&settings, speeds[speed].code) ||
@@ -180,13 +184,7 @@ dpt_result serial_line_open(const char *path, uint32_t speed, int *fd, dpt_devic
     const int opened = open(path, O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
     if (opened < 0)
         return refuse_open(path, errno, error);
-    /* The lock holds against other hosts that ask, root's as well; TIOCEXCL against everyone else's open. */
-    dpt_result result = DPT_OK;
-    if ((flock(opened, LOCK_EX | LOCK_NB) && !is_needless(errno)) ||
-        (ioctl(opened, TIOCEXCL) && !is_needless(errno)))
-        result = refuse_open(path, errno, error);
-    if (result == DPT_OK)
-        result = set_up(opened, path, index, error);
+    const dpt_result result = set_up(opened, path, index, error);
     if (result == DPT_OK)
         *fd = opened;
     else

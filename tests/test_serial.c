@@ -666,6 +666,28 @@ static void a_full_line_never_blocks(void)
     finish();
 }
 
+/* However much waits: four reads, a poll, a heartbeat; and a command is one write, two after one in part. */
+static void calls_are_bounded(void)
+{
+    struct wire_info info;
+    simulate_serial_info(&info);
+    info.watchdog = 10;
+    start(&info, "?silent=30");
+    for (int round = 0; round < 300; round++) {
+        for (int i = 0; i < round; i++)
+            simulate_serial_tick(&simulated);
+        watched = 1;
+        calls = 0;
+        CHECK(dpt_device_read(device, &state) == DPT_OK, "read");
+        const int reading = calls;
+        calls = 0;
+        write_force(1);
+        watched = 0;
+        CHECK(reading <= 6 && calls <= 2, "%d, %d calls", reading, calls);
+    }
+    finish();
+}
+
 static void refused(dpt_result result, dpt_result code, const char *word)
 {
     CHECK(result == code && error.code == code, "%d: %s", result, error.text);
@@ -835,6 +857,7 @@ int main(void)
     TEST(a_device_that_begins_anew_is_noticed);
     TEST(unplugged_and_plugged_in_again);
     TEST(a_full_line_never_blocks);
+    TEST(calls_are_bounded);
     TEST(refusals_say_the_cure);
     TEST(other_devices_are_told_apart);
     TEST(every_call_may_fail);

@@ -350,7 +350,6 @@ static void nonsense_is_refused(void)
     for (uint8_t distance = 1; distance < 20; distance++) {
         uint8_t frame[20] = { distance, WIRE_HELLO, WIRE_VERSION, 7, 7 };
         struct wire_reader reader = { 0 };
-        struct wire_message message;
         const uint64_t crc = frame_crc(frame, 5);
         int result = WIRE_MORE;
         for (int i = 0; i < 5; i++)

@@ -205,6 +205,8 @@ static void a_cause_that_holds_is_not_cleared(void)
           "%d %d", state.as.state.status, state.as.state.code);
     order(SESSION, WIRE_CLEAR);
     order(SESSION, WIRE_ENABLE);
+    command(SESSION, 2, device.sequence, 2);
+    CHECK(forceless(), "between two samples");
     tick();
     CHECK(state.as.state.reasons == (WIRE_REASON_ESTOP | WIRE_REASON_DEVICE), "%d",
           state.as.state.reasons);
@@ -216,7 +218,7 @@ static void a_cause_that_holds_is_not_cleared(void)
     tick();
     CHECK(state.as.state.status == WIRE_STATUS_READY, "%d", state.as.state.status);
     sample.causes = WIRE_REASON_UNCALIBRATED;
-    command(SESSION, 2, device.sequence, 2);
+    command(SESSION, 3, device.sequence, 2);
     tick();
     CHECK(forceless() && state.as.state.status == WIRE_STATUS_UNREADY &&
               state.as.state.reasons == WIRE_REASON_UNCALIBRATED,

@@ -42,7 +42,7 @@ set -- $0
 further=
 case $2 in obj | stl | ply | off) further=tests/golden-bad ;; esac
 # The longer, the slower, and the less is new.
-case $2 in mesh) most=4096 ;; stl) most=2048 ;; *) most=1024 ;; esac
+case $2 in mesh) most=4096 ;; stl) most=2048 ;; wire) most=512 ;; *) most=1024 ;; esac
 dict=
 [ ! -f tests/fuzz/$2.dict ] || dict=-dict=tests/fuzz/$2.dict
 build/fuzz/tests/fuzz/fuzz_$2 $limits -max_len=$most -seed=$1 -runs=$3 -print_final_stats=1 $dict \
