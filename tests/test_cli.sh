@@ -731,6 +731,24 @@ devices()
     mv stdout run.json
     check "run --json: $(tail -n 1 python.log)" has_keys run.json ticks fresh stale missed sent \
         refused late_us.median took_us.p99 real_time locked contacts deepest strongest
+
+    refuses 'nothing else is simulated' 'only serial' device simulate can
+    "$program" device simulate serial --for 20 >simulated 2>/dev/null &
+    simulator=$!
+    for wait in 1 2 3 4 5 6 7 8 9 10; do
+        [ -s simulated ] || sleep 0.2
+    done
+    name=$(cat simulated)
+    run device watch "$name" --for 0.5
+    check 'watch over a line' awk -F, 'NR > 1 && $2 == "ready" && NF == 10 { n++ }
+        END { exit n < 20 }' stdout
+    run run torus.dpa --device "$name" --for 2 --json
+    check 'run over a line' test $status -eq 0
+    check 'no frame damaged' grep -q '"device_damaged":0,' stdout
+    check 'many fresh samples' awk -F'[:,]' '{ exit $4 < 200 }' stdout
+    kill -TERM $simulator && wait $simulator
+    check 'the simulated device ends in order' test $? -eq 0
+    refuses 'a line that is gone' "$name" device watch "$name"
 }
 
 prepare

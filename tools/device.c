@@ -316,7 +316,7 @@ int command_device(int argc, char **argv)
     if (verb == 0)
         return list();
     if (verb == 3)
-        return 2;
+        return device_simulate(operand[1], swing, seconds);
     dpt_device *device;
     status = open_device(operand[1], &device);
     if (status)
