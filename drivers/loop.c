@@ -269,6 +269,21 @@ static void note_time(double *most, uint64_t *bins, uint64_t ns)
     bins[bin_of(ns)]++;
 }
 
+/*
+ * By how much to move the deadlines, so that they stay in the middle between a device's samples: next to one, jitter alone
+ * would make every other tick stale.
+ */
+static int64_t way_to_middle(const struct run *run, uint64_t stale, uint64_t deadline)
+{
+    const dpt_loop *loop = run->loop;
+    const int64_t period = (int64_t)loop->period_ns;
+    int64_t age = (int64_t)(deadline - run->state.time_ns);
+    if (loop->def.rate != 0.0 || run->is_lost || run->stats.stale != stale || age >= period ||
+        age <= -period)
+        return 0;
+    return age < period / 4 ? period / 16 : age > 3 * (period / 4) ? -period / 16 : 0;
+}
+
 static dpt_result run_by_clock(struct run *run)
 {
     uint64_t period = run->loop->period_ns, deadline, begin, end;
@@ -280,10 +295,11 @@ static dpt_result run_by_clock(struct run *run)
         DPT_TRY(clock_read(&begin));
         note_time(&run->stats.late_max, run->stats.late, begin > deadline ? begin - deadline : 0);
         run->now = begin;
+        const uint64_t stale = run->stats.stale;
         DPT_TRY(tick(run));
         DPT_TRY(clock_read(&end));
         note_time(&run->stats.took_max, run->stats.took, end > begin ? end - begin : 0);
-        deadline += period;
+        deadline += period + (uint64_t)way_to_middle(run, stale, deadline);
         if (end < deadline)
             continue;
         uint64_t missed = (end - deadline) / period + 1;

@@ -38,6 +38,7 @@ fuzz-programs: $(FUZZ_TARGETS:%=$(B)/tests/fuzz/fuzz_%)
 WRAPPED := malloc calloc realloc free open read close clock_gettime clock_nanosleep nanosleep mlockall \
            pthread_getschedparam pthread_setschedparam
 $(B)/tests/test_syscalls: private LDLIBS = $(WRAPPED:%=-Wl,--wrap=%)
+$(B)/tests/test_phase: private LDLIBS = -Wl,--wrap=clock_gettime,--wrap=clock_nanosleep
 SERIAL_WRAPPED := open close read write poll ioctl flock tcgetattr tcsetattr tcflush calloc
 $(B)/tests/test_serial: private LDLIBS = $(SERIAL_WRAPPED:%=-Wl,--wrap=%)
 
