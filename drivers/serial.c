@@ -18,7 +18,7 @@ typedef char joints_are_the_same[WIRE_JOINTS_MAX == DPT_JOINTS_MAX ? 1 : -1];
 #define SECOND         1000000000u
 #define HELLO_EVERY    (SECOND / 10)
 #define ORDER_EVERY    (SECOND / 20)
-#define ORDER_WITHIN   (SECOND / 2)
+#define ORDER_WITHIN   SECOND
 #define LIFE_EVERY     (SECOND / 10)
 #define READ_AT_ONCE   1024
 #define READS          4
@@ -162,7 +162,8 @@ static void pump(struct serial_device *device)
             case WIRE_FOREIGN:
                 device->counts.damaged++;
             }
-        if (count < (long)sizeof bytes)
+        /* A short read is not the last one: the system may bring more, the newest, when asked again. */
+        if (count <= 0)
             break;
     }
 }

@@ -92,7 +92,8 @@ void simulate_serial_tick(struct simulate_serial *simulated)
         const ssize_t count = read(simulated->master, bytes, sizeof bytes);
         for (ssize_t k = 0; k < count; k++)
             wire_device_take(&simulated->device, bytes[k]);
-        if (count < (ssize_t)sizeof bytes)
+        /* A short read is not the last one: the system brings the rest when asked again. */
+        if (count <= 0)
             break;
     }
     move_hand(simulated);

@@ -17,6 +17,7 @@
 
 #include "check.h"
 #include "dynpoint/driver.h"
+#include "serial_line.h"
 #include "simulate_serial.h"
 #include "wire_frame.h"
 
@@ -258,6 +259,7 @@ static void opens_and_tells(void)
               state.fresh);
         CHECK(state.sequence == sequence + 1 && state.time_ns > time && state.buttons == 1, "at %d",
               i);
+        CHECK(state.time_ns <= serial_now(), "a sample of the future");
         CHECK(state.pose.orientation[0] == 1, "orientation");
         time = state.time_ns;
         CHECK(dpt_device_read(device, &state) == DPT_OK && state.fresh == 0, "read twice");
@@ -503,12 +505,12 @@ static void all_that_goes_wrong_is_counted_on_both_sides(void)
 
 static void silence_is_loss_and_can_be_cleared(void)
 {
-    start(NULL, "?silent=0.02");
+    start(NULL, "?silent=0.2");
     write_force(1);
     simulate_serial_tick(&simulated);
-    pause_ms(30);
+    pause_ms(300);
     CHECK(dpt_device_read(device, &state) == DPT_OK, "a sample that waits is no silence");
-    pause_ms(30);
+    pause_ms(300);
     CHECK(dpt_device_read(device, &state) == DPT_E_LOST && state.status == DPT_DEVICE_LOST &&
               state.reasons == DPT_REASON_SILENT && state.fresh == 0,
           "%u %u", state.status, state.reasons);
@@ -545,8 +547,10 @@ static void faults_are_cleared(void)
     go();
     CHECK(clear() == DPT_OK, "clear");
     simulated.causes = WIRE_REASON_ESTOP;
-    while (dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_READY)
+    for (int i = 0; i < 10000 && state.reasons != DPT_REASON_ESTOP; i++) {
         pause_ms(1);
+        CHECK(dpt_device_read(device, &state) == DPT_OK, "read");
+    }
     CHECK(state.status == DPT_DEVICE_FAULT && state.reasons == DPT_REASON_ESTOP, "%u",
           state.reasons);
     CHECK(clear() == DPT_E_NOT_READY, "clear");
@@ -560,10 +564,25 @@ static void faults_are_cleared(void)
     finish();
 }
 
+/* A host that only reads shows life, or the device would end the session after 1000 samples. */
+static void a_host_that_reads_is_there(void)
+{
+    start(NULL, "?silent=30");
+    const uint32_t begin = simulated.device.sequence;
+    go();
+    while (simulated.device.sequence - begin < 3000) {
+        CHECK(dpt_device_read(device, &state) == DPT_OK, "read");
+        pause_ms(5);
+    }
+    halt();
+    CHECK(state.status == DPT_DEVICE_READY && simulated.device.session != 0, "%u", state.status);
+    finish();
+}
+
 static void damage_alone_is_the_line(void)
 {
-    start(NULL, "?silent=0.02");
-    pause_ms(30);
+    start(NULL, "?silent=0.2");
+    pause_ms(300);
     CHECK(write(simulated.master, "no frame at all\0", 16) == 16, "write");
     CHECK(dpt_device_read(device, &state) == DPT_E_LOST, "read");
     CHECK(state.reasons == (DPT_REASON_SILENT | DPT_REASON_LINK), "%u", state.reasons);
@@ -744,12 +763,12 @@ static void other_devices_are_told_apart(void)
     memcpy(noise, "$GPGGA,123519\r\n\0", 16);
     stop = 0;
     pthread_create(&thread, NULL, make_noise, NULL);
-    refused(open_at(path, "?answer=0.2"), DPT_E_DEVICE, "another speed");
+    refused(open_at(path, "?answer=0.5"), DPT_E_DEVICE, "another speed");
     halt();
     noise_size = frame_of(body, sizeof body, noise);
     stop = 0;
     pthread_create(&thread, NULL, make_noise, NULL);
-    refused(open_at(path, "?answer=0.2"), DPT_E_PROTOCOL, "version 9");
+    refused(open_at(path, "?answer=0.5"), DPT_E_PROTOCOL, "version 9");
     halt();
     close(noisy);
     /* Samples that the line cannot carry. */
@@ -781,7 +800,7 @@ static void every_call_may_fail(void)
             calls = 0;
             fail_at = number;
             device = NULL;
-            const dpt_result opened = open_at(simulated.path, "?answer=0.3&silent=5");
+            const dpt_result opened = open_at(simulated.path, "?answer=2&silent=5");
             walked++;
             if (opened != DPT_OK) {
                 refusals++;
@@ -853,6 +872,7 @@ int main(void)
     TEST(all_that_goes_wrong_is_counted_on_both_sides);
     TEST(silence_is_loss_and_can_be_cleared);
     TEST(faults_are_cleared);
+    TEST(a_host_that_reads_is_there);
     TEST(damage_alone_is_the_line);
     TEST(a_device_that_begins_anew_is_noticed);
     TEST(unplugged_and_plugged_in_again);
