@@ -732,6 +732,22 @@ devices()
     check "run --json: $(tail -n 1 python.log)" has_keys run.json ticks fresh stale missed sent \
         refused late_us.median took_us.p99 real_time locked contacts deepest strongest
 
+    succeeds 'no certificate' replay torus.dpa lived.csv -o none.csv --radius 0.002 --certificate-bytes 0
+    succeeds 'a certificate' replay torus.dpa lived.csv -o some.csv --radius 0.002
+    check 'costs time, never truth' awk -F, 'NR == FNR { d[FNR] = $4; next } d[FNR] != $4 { n++ } END { exit n > 0 }' none.csv some.csv
+    refuses 'too much of it' '--certificate-bytes must be' \
+        replay torus.dpa lived.csv -o out/o.csv --certificate-bytes 9000000000000000
+
+    # With a stiff spring the bare force is far above what a guard lets through: 5 N, 2 N more a tick.
+    succeeds 'replay, bare' replay torus.dpa lived.csv -o o.csv --radius 0.002 --stiffness 50000
+    check 'above the limit' awk -F, 'NR > 1 && $17 * $17 + $18 * $18 + $19 * $19 > 50 { n++ } END { exit !n }' o.csv
+    succeeds 'replay --limit' replay torus.dpa lived.csv -o o.csv --radius 0.002 --stiffness 50000 --limit
+    check 'within the limits' awk -F, 'NR > 1 {
+            n += $17 * $17 + $18 * $18 + $19 * $19 > 1
+            if ($17 * $17 + $18 * $18 + $19 * $19 > 25.0001 || ($18 - y) * ($18 - y) > 4.0001) bad = 1
+            y = $18
+        } END { exit bad || n < 100 }' o.csv
+
     refuses 'nothing else is simulated' 'only serial' device simulate can
     "$program" device simulate serial --for 20 >simulated 2>/dev/null &
     simulator=$!

@@ -7,6 +7,7 @@
 
 #include "command.h"
 #include "common.h"
+#include "dynpoint/loop.h"
 #include "replay.h"
 
 static const char help[] =
@@ -24,12 +25,16 @@ static const char help[] =
     "  --budget N           at most N blocks of work a tick (exact); what is not proven then is "
     "bounded;\n"
     "                       default 0: unlimited\n"
+    "  --certificate-bytes N  of memory for what was proven in earlier ticks; less costs time, "
+    "never\n"
+    "                       truth; default 1048576\n"
     "  --one-step           one move of the descent a tick (paper)\n"
     "  --radius R           of the tool, m; default 0: a line\n"
     "  --stiffness K        of the penalty force, N/m; default 500\n"
     "  --strip KIND         lay a strip under the tool where it is within the margin: shadow, or "
     "routes\n"
     "  --strip-width W      beside the radius, m; default 0\n"
+    "  --limit              the wrench as a device's guard would let it through, not as it is\n"
     "  --until STAGE        track, contact or respond (default): how far a step goes\n"
     "  --dt T               length of a tick, s; default 0.001\n"
     "  --kernel K           auto (default), scalar, sse2, avx2, avx512, neon: same answers, other "
@@ -52,7 +57,7 @@ struct settings {
     double radius, dt;
     uint64_t repeat, every, parts, budget;
     int against; /* a method, or -1 */
-    int json, one_step;
+    int json, one_step, limit;
     const char *mesh, *trace, *out;
 };
 
@@ -106,10 +111,20 @@ static void place(struct stage *stage, const struct trace *trace, size_t row, do
     dpt_tool_set_segments(stage->world, stage->tool, &segment, 1);
 }
 
+/* What leaves a guard on a clock of ticks; a tick without an answer has no command. */
+static void limit_wrench(dpt_guard *guard, uint64_t row, double dt, struct replayed_tick *tick)
+{
+    const dpt_wrench command = tick->wrench;
+    const uint64_t now = (uint64_t)((double)row * dt * 1e9 + 0.5);
+    dpt_guard_step(guard, now, &command, tick->hit.status != DPT_STATUS_STALE, &tick->wrench);
+}
+
 static void run_pass(struct stage *stage, const struct settings *settings,
                      struct replayed *replayed, int first)
 {
     struct meter meter = { .began = 0 };
+    dpt_guard guard = { .size = sizeof guard };
+    dpt_guard_init(&guard, NULL);
     dpt_world_reset(stage->world);
     for (size_t i = 0; i < replayed->trace->count; i++) {
         if (i % 256 == 0)
@@ -123,6 +138,8 @@ static void run_pass(struct stage *stage, const struct settings *settings,
         tick->hit.size = sizeof tick->hit;
         dpt_tool_get_hit(stage->world, stage->tool, &tick->hit);
         dpt_tool_get_wrench(stage->world, stage->tool, &tick->wrench);
+        if (settings->limit)
+            limit_wrench(&guard, i, settings->dt, tick);
         dpt_tool_get_strip(stage->world, stage->tool, 0, NULL, 0, &tick->strip, &tick->strip_flags);
     }
     meter_show(&meter, "", 1.0);
@@ -239,7 +256,9 @@ static int take_settings(int argc, char **argv, struct settings *settings)
         { .name = "--json", .flag = &settings->json },
         { .name = "--parts", .count = &settings->parts },
         { .name = "--budget", .count = &settings->budget },
+        { .name = "--certificate-bytes", .count = &settings->def.certificate_bytes },
         { .name = "--one-step", .flag = &settings->one_step },
+        { .name = "--limit", .flag = &settings->limit },
         { .name = "--strip", .text = &strip },
         { .name = "--strip-width", .number = &settings->def.strip_width },
     };
@@ -272,6 +291,8 @@ static int take_settings(int argc, char **argv, struct settings *settings)
         return complain("replay", "--parts and --one-step are for --method paper");
     if (settings->def.method != DPT_METHOD_EXACT && settings->budget)
         return complain("replay", "--budget is for --method exact");
+    if (settings->def.certificate_bytes > (uint64_t)1 << 40)
+        return complain("replay", "--certificate-bytes must be 0 to 2^40");
     if (settings->budget > UINT32_MAX)
         return complain("replay", "--budget must be 0 to %u", (unsigned)UINT32_MAX);
     settings->def.parts = (uint32_t)settings->parts;
