@@ -901,14 +901,15 @@ static void flat_crossing(struct ride *ride, double *late)
     double way[3], u[3],
         x[3] = { random_in(&rng, -0.099, 0.099), random_in(&rng, -0.099, 0.099), 0.0 };
     double length = one_in(8) ? 0.0 : power_in(-3.0, -0.30103), side = one_in(2) ? 1.0 : -1.0;
-    double radius = one_in(2) ? 0.0 : power_in(-4.0, -2.0), star = random_in(&rng, 0.0, 1.0);
+    double radius = one_in(2) ? 0.0 : power_in(-4.0, -2.0), star = random_in(&rng, 1e-3, 1.0);
     double pace = 0.02 * power_in(-3.3, 0.0), bend[3];
     struct state from = { .free = 1, .tool = DPT_POSE_IDENTITY, .body = DPT_POSE_IDENTITY }, to;
     any_unit(way);
     way[2] *= one_in(3) ? power_in(-3.0, 0.0) : 1.0;
     unit3(way);
     any_direction(u, normal, way);
-    way[2] = -side * fabs(way[2]) * pace;
+    /* It begins free: what is nearer than rounding touches already. */
+    way[2] = -side * fmax(fabs(way[2]) * pace, 1e-10 / star);
     way[0] *= pace;
     way[1] *= pace;
     u[2] = side * fabs(u[2]);
