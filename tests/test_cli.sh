@@ -736,6 +736,10 @@ devices()
     succeeds 'no certificate' replay torus.dpa lived.csv -o none.csv --radius 0.002 --certificate-bytes 0
     succeeds 'a certificate' replay torus.dpa lived.csv -o some.csv --radius 0.002
     check 'costs time, never truth' awk -F, 'NR == FNR { d[FNR] = $4; next } d[FNR] != $4 { n++ } END { exit n > 0 }' none.csv some.csv
+    "$program" replay torus.dpa lived.csv -o none.csv --certificate-bytes 0 --json >none.json
+    "$program" replay torus.dpa lived.csv -o some.csv --json >some.json
+    less=$(sed 's/.*"bytes":\([0-9]*\).*/\1/' none.json) more=$(sed 's/.*"bytes":\([0-9]*\).*/\1/' some.json)
+    check 'a mebibyte less' test $((more - less)) -eq 1048576
     refuses 'too much of it' '--certificate-bytes must be' \
         replay torus.dpa lived.csv -o out/o.csv --certificate-bytes 9000000000000000
 

@@ -49,19 +49,17 @@ static void print_reasons(FILE *file, uint32_t reasons)
 
 static void print_found(void *user, const dpt_driver *driver, const char *where, const char *about)
 {
-    unsigned *count = user;
+    (void)user;
     printf("    %s:%s  %s\n", driver->name, where, about);
-    ++*count;
 }
 
 static int list(void)
 {
-    unsigned count = 0;
     const dpt_driver *driver;
     for (uint32_t i = 0; (driver = dpt_driver_at(i)) != NULL; i++) {
         printf("%-12s %s\n", driver->name, driver->about);
         if (driver->find)
-            driver->find(driver, print_found, &count);
+            driver->find(driver, print_found, NULL);
     }
     return 0;
 }
