@@ -16,7 +16,7 @@
 #ifndef DYNPOINT_COMPILE_H
 #define DYNPOINT_COMPILE_H
 
-#include "dynpoint/mesh.h"
+#include "dynpoint/kinematics.h"
 
 DPT_BEGIN
 
@@ -80,6 +80,31 @@ DPT_API dpt_result dpt_compile_arrays(const double *vertices, size_t vertex_coun
                                       const uint32_t *corners, size_t triangle_count,
                                       const dpt_compile_def *def, dpt_compiled *out,
                                       dpt_diag *diag);
+
+/*
+ * An arm from arrays; the fields are those of kinematics.h. A link comes after its parent, each joint moves a link, and
+ * the joints that lead to the tool come first, in their order. `mesh` of a body is an open mesh, and is copied.
+ */
+typedef struct dpt_arm_def {
+    uint32_t size; /* sizeof(dpt_arm_def) */
+    uint32_t joint_count;
+    uint32_t link_count;
+    uint32_t segment_count;
+    uint32_t body_count;
+    uint32_t tool_link;
+    dpt_pose tool;
+    const dpt_arm_joint *joints;
+    const dpt_arm_link *links;
+    const dpt_segment *segments;
+    const dpt_arm_body *bodies;
+    const char *name; /* NULL: none */
+    const char *root_name;
+    const char *tool_name;
+    uint64_t source_bytes;
+    uint64_t source_hash;
+} dpt_arm_def;
+
+DPT_API dpt_result dpt_compile_arm(const dpt_arm_def *def, dpt_compiled *out, dpt_diag *diag);
 
 DPT_API void dpt_compiled_free(dpt_compiled *compiled);
 

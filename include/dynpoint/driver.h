@@ -22,7 +22,6 @@
 #include "dynpoint/types.h"
 
 #define DPT_DRIVER_VERSION 1 /* of struct dpt_driver; a driver of another version is refused */
-#define DPT_JOINTS_MAX     8
 
 DPT_BEGIN
 

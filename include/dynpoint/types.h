@@ -14,6 +14,9 @@
 /* Written where there is no triangle, vertex, body or segment to name. */
 #define DPT_NONE UINT32_MAX
 
+/* Of an arm, and of a device. */
+#define DPT_JOINTS_MAX 8
+
 /*
  * Position and orientation of a frame in the world. A point x of the frame is at
  * position + R(orientation) x in the world.

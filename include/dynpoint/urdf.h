@@ -1,0 +1,50 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * libdynpoint_urdf: a robot's description (URDF) compiled to the bytes of an arm (kinematics.h). Reads through urdfdom;
+ * needs libdynpoint_compile. Allocates from the heap. What urdfdom complains of is an error here; numbers are read
+ * without regard to the locale.
+ *
+ * The arm is what lies between the root and the tool's link: revolute, continuous and prismatic joints, 1 to 8, those
+ * that they mimic among them; fixed joints join links. Floating and planar joints on that way are refused. Off that way
+ * a link counts when it moves with the arm: its mass is held up too. A joint there that mimics nothing of the arm is
+ * held at 0, or at the limit nearest to it, and noted.
+ *
+ * Tool: the cylinders, capsules and spheres among the collision shapes that are fixed to the tool's link, as capsules in
+ * its frame (a cylinder's ends are flat, the capsule's lie within them). Scene: collision meshes and boxes that are
+ * fixed to the root, as bodies. Any other collision shape is left out, and noted.
+ */
+#ifndef DYNPOINT_URDF_H
+#define DYNPOINT_URDF_H
+
+#include "dynpoint/compile.h"
+
+DPT_BEGIN
+
+/* What was left out or held still: a line for people, without the file's name. */
+typedef void dpt_urdf_note(void *user, const char *text);
+
+typedef struct dpt_urdf_def {
+    uint32_t size; /* sizeof(dpt_urdf_def) */
+    uint32_t reserved;
+    const char *tool; /* the link that is the tool; NULL: the only one without children */
+    /*
+     * Where package://NAME/... is: directories that hold one called NAME, ':' between them. Then, and with NULL alone,
+     * the directories above the file; last its own, in which what comes behind NAME is looked for.
+     */
+    const char *packages;
+    const dpt_compile_def *mesh; /* for collision meshes; NULL: the defaults. Scales multiply */
+    dpt_urdf_note *note;
+    void *user; /* of note */
+} dpt_urdf_def;
+
+/*
+ * def   NULL for the defaults
+ * out   written on success; {NULL, 0} on error. dpt_compiled_free gives it back
+ * diag  may be NULL; on error tells which link or joint, or which mesh file, and why
+ */
+DPT_API dpt_result dpt_urdf_compile_file(const char *path, const dpt_urdf_def *def,
+                                         dpt_compiled *out, dpt_diag *diag);
+
+DPT_END
+
+#endif
