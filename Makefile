@@ -30,8 +30,11 @@ else ifeq ($(CONFIG),sanitize)
 CFLAGS := -O1 -g
 CONFIG_CFLAGS := -fsanitize=address,undefined -fno-sanitize-recover=all
 else ifeq ($(CONFIG),fuzz)
-CFLAGS := -O1 -g
+CFLAGS := -O2 -g
 CONFIG_CFLAGS := -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all -DFUZZ_ENGINE
+else ifeq ($(CONFIG),fuzz-fast)
+CFLAGS := -O2 -g
+CONFIG_CFLAGS := -fsanitize=fuzzer-no-link -DFUZZ_ENGINE
 else ifeq ($(CONFIG),debug)
 CFLAGS := -O0 -g
 else ifeq ($(CONFIG),coverage)

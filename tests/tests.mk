@@ -25,7 +25,7 @@ $(B)/tests/test_organs: | $(B)/dynpoint
 FUZZ_PARTS := $(patsubst %.c,$(B)/%.o,$(wildcard tests/fuzz/*.c)) $(B)/tools/trace.o $(B)/tools/common.o
 $(B)/tests/test_fuzz: $(FUZZ_PARTS)
 
-# With CONFIG=fuzz alone: each target as a program of libFuzzer's.
+# With CONFIG=fuzz or fuzz-fast alone: each target as a program of libFuzzer's.
 FUZZ_TARGETS := obj stl ply off trace mesh forged wire
 FUZZ_SHARED := $(filter-out $(FUZZ_TARGETS:%=$(B)/tests/fuzz/%.o) $(B)/tests/fuzz/mutate.o,$(FUZZ_PARTS)) \
                $(B)/tools/shape.o $(B)/tools/shape_organs.o $(B)/drivers/wire.o $(B)/drivers/wire_device.o $(CORE) $(COMPILE)

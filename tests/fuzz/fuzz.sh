@@ -1,8 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# make fuzz: FUZZ_RUNS executions in sum (10^8) over all targets, by libFuzzer with the address and undefined
-# behaviour sanitizers, on all cores. The work corpora grow in build/fuzz/corpus and are used again; logs are in
-# build/fuzz/log. What is found is left in build/fuzz/found, and the status is 1.
+# make fuzz: FUZZ_RUNS executions in sum (10^8) over all targets, by libFuzzer, on all cores: seven eighths of them
+# watched by the targets' own checks alone, which is five to ten times as quick; then, from the inputs that those found,
+# the last eighth under the address and undefined behaviour sanitizers. The work corpora grow in build/fuzz/corpus and
+# are used again; logs are in build/fuzz/log. What is found is left in build/fuzz/found, and the status is 1.
 #     fuzz.sh [TARGET=SHARE ...]      shares in percent
 set -u
 runs=${FUZZ_RUNS:-100000000}
@@ -21,7 +22,9 @@ if ! $cc -fsanitize=fuzzer,address,undefined "$out/probe.c" -o "$out/probe" >"$o
     head -n 3 "$out/log/probe"
     exit 2
 fi
-make -s -j"$jobs" CONFIG=fuzz CC="$cc" fuzz-programs || exit 2
+for config in fuzz fuzz-fast; do
+    make -s -j"$jobs" CONFIG=$config CC="$cc" fuzz-programs || exit 2
+done
 
 # A piece of work is a target and a seed: so many that every core has some until the end.
 pieces=0
@@ -43,9 +46,10 @@ further=
 case $2 in obj | stl | ply | off) further=tests/golden-bad ;; esac
 # The longer, the slower, and the less is new.
 case $2 in mesh) most=4096 ;; stl) most=2048 ;; wire) most=512 ;; *) most=1024 ;; esac
+case $1 in 8) config=fuzz ;; *) config=fuzz-fast ;; esac
 dict=
 [ ! -f tests/fuzz/$2.dict ] || dict=-dict=tests/fuzz/$2.dict
-build/fuzz/tests/fuzz/fuzz_$2 $limits -max_len=$most -seed=$1 -runs=$3 -print_final_stats=1 $dict \
+build/$config/tests/fuzz/fuzz_$2 $limits -max_len=$most -seed=$1 -runs=$3 -print_final_stats=1 $dict \
     -artifact_prefix=$out/found/$2- $out/corpus/$2 tests/fuzz/corpus/$2 $further >$out/log/$2.$1.run 2>&1 ||
     echo "  FOUND by $2, seed $1: $(grep -m 1 -E "^tests/fuzz|runtime error|ERROR: " $out/log/$2.$1.run)"
 '
@@ -56,7 +60,8 @@ total=0
 for share; do
     name=${share%=*}
     done_here=$(cat "$out"/log/"$name".*.run | sed -n 's/^stat::number_of_executed_units: *//p' | awk '{ n += $1 } END { print n + 0 }')
-    echo "  $name: $done_here executions, $(ls "$out/corpus/$name" | wc -l) inputs in its work corpus"
+    sanitized=$(sed -n 's/^stat::number_of_executed_units: *//p' "$out/log/$name.8.run")
+    echo "  $name: $done_here executions, ${sanitized:-0} of them under the sanitizers, $(ls "$out/corpus/$name" | wc -l) inputs in its work corpus"
     total=$((total + done_here))
 done
 findings=$(wc -l <"$out/log/found")
