@@ -92,7 +92,7 @@ $(B)/libdynpoint.so.$(SOVERSION): $(CORE)
 $(B)/libdynpoint_compile.so.$(SOVERSION): $(COMPILE) $(B)/libdynpoint.so.$(SOVERSION)
 $(B)/libdynpoint_drivers.so.$(SOVERSION): $(DRIVER_PARTS) $(B)/src/compile/number.o $(B)/libdynpoint.so.$(SOVERSION)
 %.so.$(SOVERSION):
-	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) -shared -Wl,-soname,$(@F) $^ -lm $(LDLIBS) -o $@
+	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) -shared -Wl,-soname,$(@F) -Wl,--version-script=src/symbols.map $^ -lm $(LDLIBS) -o $@
 	ln -sf $(@F) $*.so
 
 $(B)/dynpoint: $(TOOLS) $(COMPILE) $(DRIVER_PARTS) $(CORE)

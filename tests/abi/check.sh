@@ -27,9 +27,12 @@ skip() {
 verdict() { if [ "$1" -eq 0 ]; then ok "$2"; else bad "$2"; fi; }
 
 for lib in libdynpoint libdynpoint_compile libdynpoint_drivers; do
-    nm -D --defined-only "$build/$lib.so.0" | awk '{ print $3 }' | LC_ALL=C sort >"$scratch/$lib.symbols"
+    nm -D --with-symbol-versions --defined-only "$build/$lib.so.0" >"$scratch/$lib.versions"
+    awk '$2 != "A" { sub(/@.*/, "", $3); print $3 }' "$scratch/$lib.versions" | LC_ALL=C sort >"$scratch/$lib.symbols"
     diff "$here/$lib.symbols" "$scratch/$lib.symbols"
     verdict $? "$lib exports what $here/$lib.symbols lists"
+    ! grep -v ' A ' "$scratch/$lib.versions" | grep -qv '@@DYNPOINT_0$'
+    verdict $? "each under the version DYNPOINT_0"
     nm -g --defined-only "$build/$lib.a" | awk 'NF == 3 { print $3 }' | LC_ALL=C sort >"$scratch/$lib.archive"
     diff "$here/$lib.symbols" "$scratch/$lib.archive"
     verdict $? "$lib.a shows no other name"
