@@ -6,7 +6,10 @@ set -u
 passed=0 failed=0 skipped=0
 log=build/check.log
 names=build/check.skipped
-mkdir -p build
+dir=build/check
+count=0 next=1
+rm -rf "$dir"
+mkdir -p "$dir"
 : >"$log"
 : >"$names"
 jobs=$(nproc 2>/dev/null || echo 2)
@@ -21,26 +24,44 @@ skip() {
     skipped=$((skipped + 1))
 }
 
-# A program or script that ends in "N passed, M failed, K skipped".
+# A program or script that ends in "N passed, M failed, K skipped": run later, beside others.
 run() {
-    title=$1
+    count=$((count + 1))
+    place=$(printf %s/%03d "$dir" "$count")
+    printf '%s\n' "$1" >"$place.title"
     shift
-    echo "== $title"
-    out=build/check.out
-    "$@" >"$out" 2>&1
-    status=$?
-    cat "$out" >>"$log"
-    cat "$out"
-    last=$(tail -n 1 "$out")
-    counts=$(printf '%s\n' "$last" | sed -n 's/^\([0-9]*\) passed, \([0-9]*\) failed, \([0-9]*\) skipped$/\1 \2 \3/p')
-    if [ -z "$counts" ]; then
-        fail "$title ended without a sum (status $status)"
-        return
-    fi
-    set -- $counts
-    passed=$((passed + $1)) failed=$((failed + $2)) skipped=$((skipped + $3))
-    [ "$status" -eq 0 ] || [ "$2" -gt 0 ] || fail "$title left status $status"
-    sed -n "s/^ *skip \(.*\)/  skip \1 ($title)/p" "$out" >>"$names"
+    for word; do printf "'%s' " "$word"; done >"$place.command"
+}
+
+# Those that were named so far, at most $1 at a time, and what they said in the order of their names.
+go() {
+    while [ "$next" -le "$count" ]; do
+        printf '%s/%03d\n' "$dir" "$next"
+        next=$((next + 1))
+    done | xargs -n 1 -P "$1" sh -c '
+        begin=$(date +%s)
+        eval "$(cat "$0.command")" >"$0.out" 2>&1 </dev/null
+        echo $? $(($(date +%s) - begin)) >"$0.status"'
+    next=$((count + 1))
+}
+
+add_up() {
+    for title in "$dir"/*.title; do
+        place=${title%.title}
+        title=$(cat "$title")
+        read -r status seconds <"$place.status"
+        echo "== $title, $seconds s"
+        cat "$place.out" | tee -a "$log"
+        counts=$(tail -n 1 "$place.out" | sed -n 's/^\([0-9]*\) passed, \([0-9]*\) failed, \([0-9]*\) skipped$/\1 \2 \3/p')
+        if [ -z "$counts" ]; then
+            fail "$title ended without a sum (status $status)"
+            continue
+        fi
+        set -- $counts
+        passed=$((passed + $1)) failed=$((failed + $2)) skipped=$((skipped + $3))
+        [ "$status" -eq 0 ] || [ "$2" -gt 0 ] || fail "$title left status $status"
+        sed -n "s/^ *skip \(.*\)/  skip \1 ($title)/p" "$place.out" >>"$names"
+    done
 }
 
 # -Werror only here: a warning of a newer compiler must not stop a user.
@@ -60,13 +81,17 @@ build CONFIG=scalar all test-programs
 build CONFIG=sanitize all test-programs
 sh tests/oracle/inside.sh build
 
+# What looks at the clock, or compares times, runs alone at the end.
+timed="nasty loop serial"
+is_timed() { case " $timed " in *" $1 "*) ;; *) false ;; esac; }
+
 for program in build/tests/test_*; do
     [ -x "$program" ] && [ ! -d "$program" ] || continue
     case $program in *.o | *.d) continue ;; esac
-    run "$(basename "$program")" "$program"
+    is_timed "${program#build/tests/test_}" || run "$(basename "$program")" "$program"
 done
 for config in scalar sanitize; do
-    for name in read compile parallel mesh damage normal winding kernel query world paper shape budget near sweep_mesh strips guard sim replay driver loop syscalls; do
+    for name in read compile parallel mesh damage normal winding kernel query world paper shape budget near sweep_mesh strips guard sim replay driver syscalls; do
         program=build/$config/tests/test_$name
         [ -x "$program" ] && run "test_$name, $config" "$program"
     done
@@ -79,18 +104,27 @@ for config in scalar sanitize; do
 done
 run "test_strip, sanitize" env -u DPT_DATA build/sanitize/tests/test_strip
 run "test_fuzz, sanitize" build/sanitize/tests/test_fuzz 100000
-[ -x build/tests/test_sweep_exact ] || skip "test_sweep_exact" "no g++ with gmpxx"
 run "test_wire, sanitize" build/sanitize/tests/test_wire 16
 run "test_wire_device, sanitize" build/sanitize/tests/test_wire_device
-run "test_serial, sanitize" build/sanitize/tests/test_serial
 run "test_silent, scalar" build/scalar/tests/test_silent
-run "the program" sh tests/test_cli.sh build
-run "the program, sanitize" sh tests/test_cli.sh build/sanitize
 run "the libraries" sh tests/abi/check.sh build
 if command -v python3 >/dev/null 2>&1; then run "other languages" python3 tests/ffi/touch.py build; else skip "other languages" "no python3"; fi
 run "other machines" sh tests/cross.sh
+[ -x build/tests/test_sweep_exact ] || skip "test_sweep_exact" "no g++ with gmpxx"
+go "$jobs"
+
+for name in $timed; do
+    run "test_$name" build/tests/test_$name
+done
+run "test_loop, scalar" build/scalar/tests/test_loop
+run "test_loop, sanitize" build/sanitize/tests/test_loop
+run "test_serial, sanitize" build/sanitize/tests/test_serial
+run "the program" sh tests/test_cli.sh build
+run "the program, sanitize" sh tests/test_cli.sh build/sanitize
 run "firmware" sh tests/firmware/run.sh build
 run "the peer" sh tests/bench/check.sh build
+go 1
+add_up
 
 echo
 if [ -s "$names" ]; then

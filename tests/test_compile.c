@@ -4,6 +4,8 @@
  * Whatever compiles is compared with compiled.h, which works everything out by comparing all with
  * all.
  */
+#include <unistd.h>
+
 #include "compiled.h"
 
 /*
@@ -355,12 +357,13 @@ static void concave_polygons_are_reported(void)
 static void same_input_gives_same_bytes(void)
 {
     const char *text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
-    const char *path = "build/test_compile.obj";
+    char path[64];
     const double vertices[] = { 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1 };
     const uint32_t corners[] = { 0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3 };
     const size_t header = sizeof(struct dpt_mesh);
     struct source source = SOURCE(vertices, corners);
     dpt_compiled made[6];
+    snprintf(path, sizeof path, "build/test_compile.%ld.obj", (long)getpid());
     FILE *file = fopen(path, "wb");
     CHECK(file != NULL, "%s", path);
     if (!file)
