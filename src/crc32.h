@@ -28,10 +28,12 @@ static inline void crc32_init(struct crc32 *crc)
         }
 }
 
-static inline uint32_t crc32_of(const struct crc32 *crc, const void *bytes, size_t size)
+/* Of what follows bytes whose checksum is `before`; 0 where none do. */
+static inline uint32_t crc32_more(const struct crc32 *crc, uint32_t before, const void *bytes,
+                                  size_t size)
 {
     const unsigned char *b = bytes;
-    uint32_t c = 0xffffffffu;
+    uint32_t c = ~before;
     for (; size >= 8; size -= 8, b += 8) {
         uint32_t low = c ^ ((uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 |
                             (uint32_t)b[3] << 24);
@@ -42,6 +44,11 @@ static inline uint32_t crc32_of(const struct crc32 *crc, const void *bytes, size
     while (size--)
         c = (c >> 8) ^ crc->table[0][(c ^ *b++) & 255];
     return ~c;
+}
+
+static inline uint32_t crc32_of(const struct crc32 *crc, const void *bytes, size_t size)
+{
+    return crc32_more(crc, 0, bytes, size);
 }
 
 #endif

@@ -82,8 +82,11 @@ DPT_API dpt_result dpt_compile_arrays(const double *vertices, size_t vertex_coun
                                       dpt_diag *diag);
 
 /*
- * An arm from arrays; the fields are those of kinematics.h. A link comes after its parent, each joint moves a link, and
- * the joints that lead to the tool come first, in their order. `mesh` of a body is an open mesh, and is copied.
+ * An arm from arrays; the fields are those of kinematics.h, and their sizes are set. A link comes after its parent, each
+ * joint moves a link (one at least in the way that its kind says), and the joints that lead to the tool come first, in
+ * their order from the root on. Quaternions and axes are of unit length within 1e-6, and made so; lengths, limits,
+ * factors and masses are at most DPT_COORDINATE_MAX. `mesh` of a body is an open mesh, and is copied; its `mesh_bytes`
+ * is not read.
  */
 typedef struct dpt_arm_def {
     uint32_t size; /* sizeof(dpt_arm_def) */
@@ -100,10 +103,12 @@ typedef struct dpt_arm_def {
     const char *name; /* NULL: none */
     const char *root_name;
     const char *tool_name;
+    const void *reserved; /* NULL */
     uint64_t source_bytes;
     uint64_t source_hash;
 } dpt_arm_def;
 
+/* As the calls above; the diag's text names the joint, link, segment or body by its number from 0. */
 DPT_API dpt_result dpt_compile_arm(const dpt_arm_def *def, dpt_compiled *out, dpt_diag *diag);
 
 DPT_API void dpt_compiled_free(dpt_compiled *compiled);

@@ -6,8 +6,9 @@
  *
  * The root's frame is the frame of all answers. Joint coordinates are rad or m, in the order of dpt_arm_get_joint, and
  * may lie outside of their limits: what is asked is answered there too. Every function that takes them takes
- * `dpt_arm_info.joints` numbers, answers DPT_E_FINITE when one is not finite or above DPT_COORDINATE_MAX, and then
- * leaves its output alone. All are stateless and thread-safe, allocate nothing, and give the same bits on every machine.
+ * `dpt_arm_info.joints` numbers, answers DPT_E_FINITE when one of its numbers, whatever it stands for, is not finite or
+ * above DPT_COORDINATE_MAX, and then leaves its output alone. All are stateless and thread-safe, allocate nothing, and
+ * give the same bits on every machine.
  */
 #ifndef DYNPOINT_KINEMATICS_H
 #define DYNPOINT_KINEMATICS_H
@@ -39,8 +40,8 @@ typedef struct dpt_arm_joint {
     double upper;
     double velocity; /* limit, rad/s or m/s; 0: not known */
     double effort;   /* limit, Nm or N; 0: not known */
-    double damping;  /* Nms/rad or Ns/m */
-    double friction; /* Nm or N */
+    double damping;  /* Nms/rad or Ns/m, not negative, as those above */
+    double friction; /* Nm or N, not negative */
     char name[DPT_ARM_NAME];
 } dpt_arm_joint;
 
@@ -68,6 +69,7 @@ typedef struct dpt_arm_body {
     uint32_t reserved;
     dpt_pose pose;        /* in the root's frame */
     const dpt_mesh *mesh; /* within the arm's bytes */
+    size_t mesh_bytes;    /* its length */
     char name[DPT_ARM_NAME];
 } dpt_arm_body;
 
@@ -92,7 +94,8 @@ typedef struct dpt_arm_info {
 
 /*
  * As dpt_mesh_open, dpt_mesh_verify and dpt_mesh_convert: check all of a file once, the meshes in it too; tell where one
- * is damaged; turn a copy into the host's byte order. A compiled mesh is DPT_E_MAGIC here, as an arm is there.
+ * is damaged (within a mesh, `section` is the mesh's); turn a copy into the host's byte order. A compiled mesh is
+ * DPT_E_MAGIC here, as an arm is there.
  */
 DPT_API dpt_result dpt_arm_open(const void *bytes, size_t size, const dpt_arm **arm);
 DPT_API dpt_result dpt_arm_verify(const void *bytes, size_t size, dpt_mesh_fault *fault);
@@ -107,7 +110,7 @@ DPT_API dpt_result dpt_arm_get_body(const dpt_arm *arm, uint32_t index, dpt_arm_
 /* A capsule of the tool, in its frame: what dpt_tool_add takes. */
 DPT_API dpt_result dpt_arm_get_segment(const dpt_arm *arm, uint32_t index, dpt_segment *segment);
 
-/* Where the tool's frame is. */
+/* Where the tool's frame is. The quaternion is continuous in the joints: a full turn changes its sign. */
 DPT_API dpt_result dpt_arm_forward(const dpt_arm *arm, const double *joints, dpt_pose *tool);
 
 /*

@@ -14,8 +14,8 @@
     X(DPT_OK,                     0, "done")                                                       \
     X(DPT_E_ARGUMENT,            -1, "an argument is NULL or outside its stated range")            \
     X(DPT_E_SIZE,                -2, "a struct's size field is not one that this library knows")   \
-    X(DPT_E_FINITE,              -3, "a number is not finite or too large")                        \
-    X(DPT_E_POSE,                -4, "a pose's quaternion is not of unit length")                  \
+    X(DPT_E_FINITE,              -3, "a number is not finite or outside its range")                \
+    X(DPT_E_POSE,                -4, "a pose's quaternion or an axis is not of unit length")       \
     X(DPT_E_ALIGN,               -5, "a block of memory is not aligned to 8 bytes")                \
     X(DPT_E_MEMORY,              -6, "the block is too small, or memory ran out")                  \
     X(DPT_E_FULL,                -7, "the fixed capacity is used up")                              \
@@ -23,9 +23,9 @@
     X(DPT_E_UNSUPPORTED,         -9, "this build or machine does not have what was asked for")     \
     X(DPT_E_DROPPED,            -10, "the compiler dropped that triangle")                         \
     X(DPT_E_UNREACHABLE,        -11, "no triangles that touch lead from one to the other")         \
-    X(DPT_E_MAGIC,              -20, "not a dynpoint mesh file")                                   \
+    X(DPT_E_MAGIC,              -20, "not a dynpoint file, or not of the kind asked for")          \
     X(DPT_E_VERSION,            -21, "written in a newer format than this library reads")          \
-    X(DPT_E_BYTE_ORDER,         -22, "the mesh is little-endian and this host is not: convert it") \
+    X(DPT_E_BYTE_ORDER,         -22, "the file is little-endian and this host is not: convert it") \
     X(DPT_E_TRUNCATED,          -23, "the file ends before its content does")                      \
     X(DPT_E_TRAILING,           -24, "bytes follow the end of the content")                        \
     X(DPT_E_LAYOUT,             -25, "a section is missing, misplaced or of the wrong length")     \

@@ -81,6 +81,9 @@ dpt_result model_normals(struct model *model, soup *source, double crease);
 dpt_result model_write(const struct model *model, soup *source, uint64_t source_size,
                        uint64_t source_hash, dpt_compiled *out);
 
+/* Zeros, aligned to MESH_ALIGN, for dpt_compiled_free; NULL when memory ran out. */
+char *compiled_block(size_t size);
+
 /* Half-edge 3 t + k and its neighbour run through their edge in the same direction: one is wound the wrong way. */
 int model_wound_against(const struct model *model, uint32_t half, uint32_t neighbour);
 

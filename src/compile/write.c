@@ -267,8 +267,8 @@ static void seal_header(struct dpt_mesh *mesh, const struct crc32 *crc)
     mesh->header_crc32 = sum;
 }
 
-/* Zeros, aligned to MESH_ALIGN; the address to free lies just before them. */
-static char *take_block(size_t size)
+/* The address to free lies just before them. */
+char *compiled_block(size_t size)
 {
     char *raw = calloc(1, size + MESH_ALIGN + sizeof raw);
     if (!raw)
@@ -310,7 +310,7 @@ dpt_result model_write(const struct model *model, soup *source, uint64_t source_
     struct moment *sets = writing.sets =
         model_array(source, winding ? mesh->leaves : 0, sizeof *sets);
     char *bytes =
-        boxes && sets && mesh->bytes <= SIZE_MAX / 2 ? take_block((size_t)mesh->bytes) : NULL;
+        boxes && sets && mesh->bytes <= SIZE_MAX / 2 ? compiled_block((size_t)mesh->bytes) : NULL;
     if (!bytes) {
         free(boxes);
         free(sets);

@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * Where an arm's links are, from the definition in dynpoint/kinematics.h alone: 4x4 matrices in long double, libm's sine
+ * and cosine, and no derivative that is not a difference. Reads the arrays that an arm is compiled from. Of a joint's
+ * coordinate differentiate by `step`: the error is of its square.
+ */
+#ifndef DPT_TESTS_ORACLE_ARM_H
+#define DPT_TESTS_ORACLE_ARM_H
+
+#include "dynpoint/compile.h"
+
+struct oracle_frame {
+    long double m[4][4]; /* of a point's x, y, z, 1 to the root's */
+};
+
+/* The frame of a link; of the tool. */
+struct oracle_frame oracle_link(const dpt_arm_def *def, const long double *joints, uint32_t link);
+struct oracle_frame oracle_tool(const dpt_arm_def *def, const long double *joints);
+
+/* What the tool's origin and orientation do per unit of joint `j`: velocity, then spin. */
+void oracle_column(const dpt_arm_def *def, const double *joints, uint32_t j, long double step,
+                   long double column[6]);
+
+/* Of all links, J. */
+long double oracle_potential(const dpt_arm_def *def, const long double *joints,
+                             const double gravity[3]);
+
+#endif
