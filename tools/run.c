@@ -7,20 +7,28 @@
 
 #include "command.h"
 #include "common.h"
+#include "scene.h"
 #include "stop.h"
 
 static const char help[] =
-    "usage: dynpoint run MESH.dpa --device NAME [options]\n"
+    "usage: dynpoint run MESH.dpa|ARM.dpa --device NAME [options]\n"
     "\n"
-    "Feel a mesh with a haptic device: DRIVER or DRIVER:WHERE, as sim or serial:/dev/ttyACM0.\n"
-    "The stylus is a capsule from the device's point along its z axis. Ends on an interrupt, "
-    "after\n"
-    "--for or --ticks, or when the device is lost; always with zero force. Then says how it went.\n"
+    "Feel a mesh, or the scene of an arm, with a haptic device: DRIVER or DRIVER:WHERE, as sim or\n"
+    "serial:/dev/ttyACM0. The tool is a stylus, a capsule from the device's point along its z "
+    "axis, or\n"
+    "that of an arm. Ends on an interrupt, after --for or --ticks, or when the device is lost; "
+    "always\n"
+    "with zero force. Then says how it went.\n"
     "\n"
     "  --device NAME    which one\n"
     "  --at X,Y,Z       where the device's origin lies in the mesh's frame, m; default: 5 mm above "
     "the\n"
-    "                   middle of the top of its box, y being up\n"
+    "                   middle of the top of its box, y being up. Of an arm's scene, whose z is "
+    "up, in the\n"
+    "                   root's frame; default: where the tool is in the middle of the joints' "
+    "limits. A\n"
+    "                   device that is the arm needs neither this nor --zoom: its joints tell\n"
+    "  --tool ARM.dpa   the tool is that of an arm\n"
     "  --zoom Z         metres of the mesh for one of the hand; forces are those of the mesh; "
     "default 1\n"
     "  --length L       of the stylus, m of the mesh; default 0.1\n"
@@ -34,33 +42,21 @@ static const char help[] =
     "  --json           what is said at the end as one JSON object\n";
 
 struct settings {
-    const char *mesh, *device, *at, *record;
-    double zoom, length, radius, stiffness, force_max, rate, seconds;
+    struct scene_def scene;
+    const char *device, *record;
+    double force_max, rate, seconds;
     uint64_t ticks;
     int json;
 };
 
 /* What a tick needs, and what it counts. */
 struct session {
-    dpt_world *world;
-    dpt_tool tool;
-    double origin[3]; /* of the device, in the mesh's frame */
-    double zoom, length, radius;
-    int has_torque; /* the device can give some */
-    uint64_t contacts, penetrating, unknown, bounded;
+    struct scene scene;
+    uint64_t contacts, penetrating, unknown;
     double deepest, strongest;
     double *rows; /* of the record, six a tick, or NULL */
     uint64_t recorded, room;
 };
-
-static void turn(const double q[4], const double v[3], double out[3])
-{
-    const double t[3] = { 2.0 * (q[2] * v[2] - q[3] * v[1]), 2.0 * (q[3] * v[0] - q[1] * v[2]),
-                          2.0 * (q[1] * v[1] - q[2] * v[0]) };
-    out[0] = v[0] + q[0] * t[0] + q[2] * t[2] - q[3] * t[1];
-    out[1] = v[1] + q[0] * t[1] + q[3] * t[0] - q[1] * t[2];
-    out[2] = v[2] + q[0] * t[2] + q[1] * t[1] - q[2] * t[0];
-}
 
 static void record(struct session *session, const dpt_segment *stylus)
 {
@@ -74,25 +70,13 @@ static void record(struct session *session, const dpt_segment *stylus)
 static dpt_result feel(void *user, const dpt_device_state *state, double dt, dpt_wrench *wrench)
 {
     struct session *session = user;
-    const double along[3] = { 0.0, 0.0, session->length };
-    dpt_segment stylus = { .radius = session->radius };
     dpt_hit hit = DPT_HIT_INIT;
-    double reach[3], square = 0.0;
-    turn(state->pose.orientation, along, reach);
-    for (int k = 0; k < 3; k++) {
-        stylus.a[k] = session->origin[k] + session->zoom * state->pose.position[k];
-        stylus.b[k] = stylus.a[k] + reach[k];
-    }
-    dpt_result result = dpt_tool_set_segments(session->world, session->tool, &stylus, 1);
-    if (result == DPT_OK)
-        result = dpt_world_step(session->world, dt, NULL);
+    double square = 0.0;
+    dpt_result result = scene_feel(&session->scene, state, dt, wrench);
     if (result != DPT_OK)
         return result;
-    record(session, &stylus);
-    dpt_tool_get_hit(session->world, session->tool, &hit);
-    dpt_tool_get_wrench(session->world, session->tool, wrench);
-    if (!session->has_torque)
-        memset(wrench->torque, 0, sizeof wrench->torque);
+    record(session, &session->scene.stylus);
+    dpt_tool_get_hit(session->scene.world, session->scene.tool, &hit);
     session->contacts += hit.contact != DPT_CONTACT_SEPARATED;
     session->penetrating += hit.contact == DPT_CONTACT_PENETRATING;
     session->unknown += hit.contact == DPT_CONTACT_UNKNOWN;
@@ -194,56 +178,13 @@ static void print_report(const struct session *session, const dpt_loop_stats *s,
         puts("  without locked memory, which was not permitted");
 }
 
-/* Three numbers with commas between. */
-static int take_place(const char *text, double out[3])
-{
-    char *end;
-    for (int k = 0; k < 3; k++) {
-        out[k] = strtod(text, &end);
-        if (end == text || (k < 2 ? *end != ',' : *end != '\0') ||
-            !(fabs(out[k]) <= DPT_COORDINATE_MAX))
-            return 0;
-        text = end + 1;
-    }
-    return 1;
-}
-
-static int make_world(struct session *session, const struct settings *settings,
-                      const dpt_mesh *mesh, void **block)
-{
-    dpt_mesh_info info = { .size = sizeof info };
-    dpt_world_def def;
-    dpt_body body;
-    const dpt_segment stylus = { .radius = settings->radius };
-    dpt_mesh_get_info(mesh, &info);
-    for (int k = 0; k < 3; k++)
-        session->origin[k] = k == 1 ? info.box_max[1] + settings->radius + 0.005
-                                    : 0.5 * (info.box_min[k] + info.box_max[k]);
-    if (settings->at && !take_place(settings->at, session->origin))
-        return complain("run", "--at takes three numbers, X,Y,Z");
-    dpt_world_def_init(&def);
-    def.max_bodies = def.max_tools = def.max_segments = 1;
-    def.stiffness = settings->stiffness;
-    *block = malloc(dpt_world_bytes(&def));
-    if (!*block)
-        return complain("run", "memory ran out");
-    dpt_result result = dpt_world_create(*block, dpt_world_bytes(&def), &def, &session->world);
-    if (result == DPT_OK)
-        result = dpt_body_add(session->world, mesh, NULL, &body);
-    if (result == DPT_OK)
-        result = dpt_tool_add(session->world, &stylus, 1, &session->tool);
-    return result == DPT_OK ? 0 : complain("run", "%s", dpt_result_text(result));
-}
-
 static int serve(dpt_device *device, struct session *session, const struct settings *settings)
 {
     dpt_loop_def def;
     dpt_loop *loop;
     dpt_loop_stats stats = { .size = sizeof stats };
     dpt_device_counts counts = { .size = sizeof counts };
-    dpt_device_info info = { .size = sizeof info };
-    dpt_device_get_info(device, &info);
-    session->has_torque = info.wrench_dofs == 6;
+    scene_take_device(&session->scene, device);
     dpt_loop_def_init(&def);
     def.tick = feel;
     def.user = session;
@@ -270,11 +211,12 @@ static int take_settings(int argc, char **argv, struct settings *settings)
     size_t operands;
     const struct option_def options[] = {
         { .name = "--device", .text = &settings->device },
-        { .name = "--at", .text = &settings->at },
-        { .name = "--zoom", .number = &settings->zoom },
-        { .name = "--length", .number = &settings->length },
-        { .name = "--radius", .number = &settings->radius },
-        { .name = "--stiffness", .number = &settings->stiffness },
+        { .name = "--at", .text = &settings->scene.at },
+        { .name = "--tool", .text = &settings->scene.tool },
+        { .name = "--zoom", .number = &settings->scene.zoom },
+        { .name = "--length", .number = &settings->scene.length },
+        { .name = "--radius", .number = &settings->scene.radius },
+        { .name = "--stiffness", .number = &settings->scene.stiffness },
         { .name = "--force-max", .number = &settings->force_max },
         { .name = "--rate", .number = &settings->rate },
         { .name = "--for", .number = &settings->seconds },
@@ -283,17 +225,17 @@ static int take_settings(int argc, char **argv, struct settings *settings)
         { .name = "--json", .flag = &settings->json },
     };
     int status = parse_options(argc, argv, options, sizeof options / sizeof *options, help,
-                               &settings->mesh, 1, &operands);
+                               &settings->scene.path, 1, &operands);
     if (status >= 0)
         return status;
     if (operands != 1 || !settings->device)
-        return complain("run", "MESH.dpa and --device NAME are needed (see --help)");
-    if (!(settings->zoom > 0.0 && settings->zoom <= 1000.0))
+        return complain("run", "MESH.dpa or ARM.dpa, and --device NAME are needed (see --help)");
+    if (!(settings->scene.zoom > 0.0 && settings->scene.zoom <= 1000.0))
         return complain("run", "--zoom must be positive, at most 1000");
-    if (!(settings->length >= 0.0 && settings->length <= 10.0) ||
-        !(settings->radius >= 0.0 && settings->radius <= 1.0))
+    if (!(settings->scene.length >= 0.0 && settings->scene.length <= 10.0) ||
+        !(settings->scene.radius >= 0.0 && settings->scene.radius <= 1.0))
         return complain("run", "--length must be 0 to 10, --radius 0 to 1");
-    if (!(settings->stiffness >= 0.0 && settings->stiffness <= 1e9))
+    if (!(settings->scene.stiffness >= 0.0 && settings->scene.stiffness <= 1e9))
         return complain("run", "--stiffness must be 0 to 1e9");
     if (!(settings->force_max >= 0.0 && settings->force_max <= 1000.0))
         return complain("run", "--force-max must be 0 to 1000");
@@ -309,18 +251,16 @@ static int take_settings(int argc, char **argv, struct settings *settings)
 int command_run(int argc, char **argv)
 {
     struct settings settings = {
-        .zoom = 1.0, .length = 0.1, .radius = 0.002, .stiffness = 500.0, .seconds = HUGE_VAL
+        .scene = { .zoom = 1.0, .length = 0.1, .radius = 0.002, .stiffness = 500.0 },
+        .seconds = HUGE_VAL
     };
-    struct session session = { .world = NULL };
-    void *bytes = NULL, *block = NULL;
+    struct session session = { .recorded = 0 };
     int status = take_settings(argc, argv, &settings);
     if (status >= 0)
         return status;
-    session.zoom = settings.zoom;
-    session.length = settings.length;
-    session.radius = settings.radius;
-    const dpt_mesh *mesh = load_mesh("run", settings.mesh, &bytes);
-    status = mesh ? make_world(&session, &settings, mesh, &block) : 2;
+    status = scene_open(&session.scene, &settings.scene);
+    if (status == 0 && settings.record && !session.scene.has_stylus)
+        status = complain("run", "--record needs the stylus: a trace has one segment");
     if (status == 0 && settings.record) {
         session.room = settings.ticks;
         session.rows = calloc(session.room, 6 * sizeof *session.rows);
@@ -340,7 +280,6 @@ int command_run(int argc, char **argv)
         }
     }
     free(session.rows);
-    free(block);
-    free(bytes);
+    scene_close(&session.scene);
     return status;
 }

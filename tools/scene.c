@@ -1,0 +1,260 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "scene.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common.h"
+
+/* A URDF's z is up and its x ahead, a device's y up and its z to the user. */
+static const double device_to_root[4] = { 0.5, 0.5, -0.5, -0.5 };
+
+static void turn(const double q[4], const double v[3], double out[3])
+{
+    const double t[3] = { 2.0 * (q[2] * v[2] - q[3] * v[1]), 2.0 * (q[3] * v[0] - q[1] * v[2]),
+                          2.0 * (q[1] * v[1] - q[2] * v[0]) };
+    const double turned[3] = { v[0] + q[0] * t[0] + q[2] * t[2] - q[3] * t[1],
+                               v[1] + q[0] * t[1] + q[3] * t[0] - q[1] * t[2],
+                               v[2] + q[0] * t[2] + q[1] * t[1] - q[2] * t[0] };
+    memcpy(out, turned, sizeof turned);
+}
+
+static void turn_back(const double q[4], const double v[3], double out[3])
+{
+    const double back[4] = { q[0], -q[1], -q[2], -q[3] };
+    turn(back, v, out);
+}
+
+static void product(const double a[4], const double b[4], double out[4])
+{
+    const double made[4] = { a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
+                             a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+                             a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
+                             a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0] };
+    memcpy(out, made, sizeof made);
+}
+
+/* Three numbers with commas between. */
+static int take_place(const char *text, double out[3])
+{
+    char *end;
+    for (int k = 0; k < 3; k++) {
+        out[k] = strtod(text, &end);
+        if (end == text || (k < 2 ? *end != ',' : *end != '\0') ||
+            !(fabs(out[k]) <= DPT_COORDINATE_MAX))
+            return 0;
+        text = end + 1;
+    }
+    return 1;
+}
+
+static void above(const dpt_mesh *mesh, double height, double place[3])
+{
+    dpt_mesh_info info = { .size = sizeof info };
+    dpt_mesh_get_info(mesh, &info);
+    for (int k = 0; k < 3; k++)
+        place[k] = k == 1 ? info.box_max[1] + height : 0.5 * (info.box_min[k] + info.box_max[k]);
+}
+
+/* Where the tool is while every joint is in the middle of its limits. */
+static dpt_result middle_of(const dpt_arm *arm, double place[3])
+{
+    double joints[DPT_JOINTS_MAX] = { 0.0 };
+    dpt_pose tool;
+    dpt_arm_joint joint = { .size = sizeof joint };
+    for (uint32_t i = 0; dpt_arm_get_joint(arm, i, &joint) == DPT_OK; i++)
+        joints[i] = 0.5 * (joint.lower + joint.upper);
+    dpt_result result = dpt_arm_forward(arm, joints, &tool);
+    if (result == DPT_OK)
+        memcpy(place, tool.position, sizeof tool.position);
+    return result;
+}
+
+static const dpt_arm *open_arm(const char *path, void *bytes, size_t size)
+{
+    const dpt_arm *arm = NULL;
+    dpt_mesh_fault fault = { .size = sizeof fault };
+    dpt_result result = dpt_arm_convert(bytes, size, &fault);
+    if (result == DPT_OK)
+        result = dpt_arm_open(bytes, size, &arm);
+    if (result != DPT_OK)
+        complain("run", "%s: byte %llu (%s): %s", path, (unsigned long long)fault.byte,
+                 fault.section, dpt_result_text(result));
+    return arm;
+}
+
+static uint32_t tool_of(const dpt_arm *arm, dpt_segment *segments)
+{
+    uint32_t count = 0;
+    while (count < DPT_ARM_SEGMENTS_MAX &&
+           dpt_arm_get_segment(arm, count, &segments[count]) == DPT_OK)
+        count++;
+    return count;
+}
+
+static dpt_result add_bodies(struct scene *scene, const dpt_mesh *mesh)
+{
+    dpt_body body;
+    dpt_arm_body from = { .size = sizeof from };
+    if (mesh)
+        return dpt_body_add(scene->world, mesh, NULL, &body);
+    dpt_result result = DPT_OK;
+    for (uint32_t i = 0; result == DPT_OK && dpt_arm_get_body(scene->arm, i, &from) == DPT_OK; i++)
+        result = dpt_body_add(scene->world, from.mesh, &from.pose, &body);
+    return result;
+}
+
+static int make_world(struct scene *scene, const struct scene_def *def, const dpt_mesh *mesh,
+                      const dpt_segment *segments, uint32_t count)
+{
+    dpt_world_def world;
+    dpt_world_def_init(&world);
+    world.max_bodies = mesh ? 1 : DPT_ARM_BODIES_MAX;
+    world.max_tools = 1;
+    world.max_segments = count;
+    world.stiffness = def->stiffness;
+    scene->block = malloc(dpt_world_bytes(&world));
+    if (!scene->block)
+        return complain("run", "memory ran out");
+    dpt_result result =
+        dpt_world_create(scene->block, dpt_world_bytes(&world), &world, &scene->world);
+    if (result == DPT_OK)
+        result = add_bodies(scene, mesh);
+    if (result == DPT_OK)
+        result = dpt_tool_add(scene->world, segments, count, &scene->tool);
+    return result == DPT_OK ? 0 : complain("run", "%s", dpt_result_text(result));
+}
+
+/* The tool's segments, in its own frame. */
+static uint32_t find_tool(struct scene *scene, const struct scene_def *def, dpt_segment *segments)
+{
+    const dpt_arm *arm = scene->arm;
+    size_t size = 0;
+    if (def->tool) {
+        scene->tool_bytes = load_file("run", def->tool, &size);
+        arm = scene->tool_bytes ? open_arm(def->tool, scene->tool_bytes, size) : NULL;
+        if (!arm)
+            return 0;
+    }
+    const uint32_t count = arm ? tool_of(arm, segments) : 0;
+    if (count > 0)
+        return count;
+    if (def->tool) {
+        complain("run", "%s: its tool has no capsule", def->tool);
+        return 0;
+    }
+    scene->has_stylus = 1;
+    scene->stylus.radius = def->radius;
+    segments[0] = scene->stylus;
+    return 1;
+}
+
+int scene_open(struct scene *scene, const struct scene_def *def)
+{
+    static const double as_it_is[4] = { 1.0, 0.0, 0.0, 0.0 };
+    dpt_segment segments[DPT_ARM_SEGMENTS_MAX];
+    dpt_arm_info info = { .size = sizeof info };
+    const dpt_mesh *mesh = NULL;
+    size_t size = 0;
+    memset(scene, 0, sizeof *scene);
+    scene->zoom = def->zoom;
+    scene->length = def->length;
+    scene->bytes = load_file("run", def->path, &size);
+    if (!scene->bytes)
+        return 2;
+    if (dpt_arm_verify(scene->bytes, size, NULL) == DPT_E_MAGIC)
+        mesh = open_mesh("run", def->path, scene->bytes, size);
+    else
+        scene->arm = open_arm(def->path, scene->bytes, size);
+    if (!mesh && !scene->arm)
+        return 2;
+    memcpy(scene->turn, mesh ? as_it_is : device_to_root, sizeof scene->turn);
+    if (mesh)
+        above(mesh, def->radius + 0.005, scene->origin);
+    else if (dpt_arm_get_info(scene->arm, &info) != DPT_OK || info.bodies == 0)
+        return complain("run",
+                        "%s: an arm whose scene has no body: name a mesh, and this one as --tool",
+                        def->path);
+    else if (middle_of(scene->arm, scene->origin) != DPT_OK)
+        return complain("run", "%s: the arm's joints have no middle", def->path);
+    if (def->at && !take_place(def->at, scene->origin))
+        return complain("run", "--at takes three numbers, X,Y,Z");
+    const uint32_t count = find_tool(scene, def, segments);
+    return count ? make_world(scene, def, mesh, segments, count) : 2;
+}
+
+void scene_close(struct scene *scene)
+{
+    free(scene->block);
+    free(scene->bytes);
+    free(scene->tool_bytes);
+}
+
+void scene_take_device(struct scene *scene, const dpt_device *device)
+{
+    scene->device.size = sizeof scene->device;
+    dpt_device_get_info(device, &scene->device);
+}
+
+/* A device that is the arm tells by its joints where the tool is, in whatever frame it gives its pose. */
+static int is_the_arm(const struct scene *scene)
+{
+    dpt_arm_info info = { .size = sizeof info };
+    return scene->arm && scene->device.pose_dofs == 6 &&
+           dpt_arm_get_info(scene->arm, &info) == DPT_OK && info.joints == scene->device.joints;
+}
+
+/* The tool's frame in the scene, and how the scene's axes are turned against the device's. */
+static dpt_result find_pose(const struct scene *scene, const dpt_device_state *state,
+                            dpt_pose *pose, double axes[4])
+{
+    if (is_the_arm(scene)) {
+        const double *q = state->pose.orientation;
+        const double back[4] = { q[0], -q[1], -q[2], -q[3] };
+        dpt_result result = dpt_arm_forward(scene->arm, state->joint, pose);
+        product(pose->orientation, back, axes);
+        return result;
+    }
+    memcpy(axes, scene->turn, sizeof scene->turn);
+    turn(axes, state->pose.position, pose->position);
+    for (int k = 0; k < 3; k++)
+        pose->position[k] = scene->origin[k] + scene->zoom * pose->position[k];
+    product(axes, state->pose.orientation, pose->orientation);
+    return DPT_OK;
+}
+
+static dpt_result move(struct scene *scene, const dpt_pose *pose)
+{
+    const double along[3] = { 0.0, 0.0, scene->length };
+    dpt_segment *stylus = &scene->stylus;
+    double reach[3];
+    if (!scene->has_stylus)
+        return dpt_tool_set_pose(scene->world, scene->tool, pose);
+    turn(pose->orientation, along, reach);
+    for (int k = 0; k < 3; k++) {
+        stylus->a[k] = pose->position[k];
+        stylus->b[k] = stylus->a[k] + reach[k];
+    }
+    return dpt_tool_set_segments(scene->world, scene->tool, stylus, 1);
+}
+
+dpt_result scene_feel(struct scene *scene, const dpt_device_state *state, double dt,
+                      dpt_wrench *wrench)
+{
+    dpt_pose pose;
+    double axes[4];
+    dpt_result result = find_pose(scene, state, &pose, axes);
+    if (result == DPT_OK)
+        result = move(scene, &pose);
+    if (result == DPT_OK)
+        result = dpt_world_step(scene->world, dt, NULL);
+    if (result != DPT_OK)
+        return result;
+    dpt_tool_get_wrench(scene->world, scene->tool, wrench);
+    turn_back(axes, wrench->force, wrench->force);
+    turn_back(axes, wrench->torque, wrench->torque);
+    if (scene->device.wrench_dofs < 6)
+        memset(wrench->torque, 0, sizeof wrench->torque);
+    return DPT_OK;
+}
