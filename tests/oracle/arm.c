@@ -3,6 +3,8 @@
 
 #include <math.h>
 
+#define STEP 0x1p-14L
+
 static const struct oracle_frame identity = {
     { { 1, 0, 0, 0 }, { 0, 1, 0, 0 }, { 0, 0, 1, 0 }, { 0, 0, 0, 1 } }
 };
@@ -73,33 +75,49 @@ struct oracle_frame oracle_tool(const dpt_arm_def *def, const long double *joint
     return times(oracle_link(def, joints, def->tool_link), of_pose(&def->tool));
 }
 
-void oracle_column(const dpt_arm_def *def, const double *joints, uint32_t j, long double step,
-                   long double column[6])
+/* The joints after a time of moving at `rates`. */
+static void moved(const dpt_arm_def *def, const double *joints, const double *rates,
+                  long double time, long double *out)
 {
-    long double at[DPT_JOINTS_MAX];
     for (uint32_t i = 0; i < def->joint_count; i++)
-        at[i] = joints[i];
-    const struct oracle_frame now = oracle_tool(def, at);
-    at[j] = joints[j] - step;
-    const struct oracle_frame before = oracle_tool(def, at);
-    at[j] = joints[j] + step;
-    const struct oracle_frame after = oracle_tool(def, at);
-    /* The matrix of the spin is dR/dt R^T. */
-    long double spin[3][3];
+        out[i] = joints[i] + time * rates[i];
+}
+
+/* The matrix of the spin is dR/dt R^T. */
+static void twist_by(const dpt_arm_def *def, const double *joints, const double *rates,
+                     long double step, long double twist[6])
+{
+    long double at[DPT_JOINTS_MAX] = { 0 }, spin[3][3];
+    moved(def, joints, rates, 0, at);
+    const struct oracle_frame f = oracle_tool(def, at);
+    moved(def, joints, rates, -step, at);
+    const struct oracle_frame f0 = oracle_tool(def, at);
+    moved(def, joints, rates, step, at);
+    const struct oracle_frame f1 = oracle_tool(def, at);
     for (int i = 0; i < 3; i++)
         for (int k = 0; k < 3; k++) {
             spin[i][k] = 0;
             for (int n = 0; n < 3; n++)
-                spin[i][k] += (after.m[i][n] - before.m[i][n]) / (2 * step) * now.m[k][n];
+                spin[i][k] += (f1.m[i][n] - f0.m[i][n]) / (2 * step) * f.m[k][n];
         }
     for (int i = 0; i < 3; i++)
-        column[i] = (after.m[i][3] - before.m[i][3]) / (2 * step);
-    column[3] = (spin[2][1] - spin[1][2]) / 2;
-    column[4] = (spin[0][2] - spin[2][0]) / 2;
-    column[5] = (spin[1][0] - spin[0][1]) / 2;
+        twist[i] = (f1.m[i][3] - f0.m[i][3]) / (2 * step);
+    twist[3] = (spin[2][1] - spin[1][2]) / 2;
+    twist[4] = (spin[0][2] - spin[2][0]) / 2;
+    twist[5] = (spin[1][0] - spin[0][1]) / 2;
 }
 
-long double oracle_potential(const dpt_arm_def *def, const long double *joints,
+void oracle_twist(const dpt_arm_def *def, const double *joints, const double *rates,
+                  long double twist[6])
+{
+    long double twice[6];
+    twist_by(def, joints, rates, STEP, twist);
+    twist_by(def, joints, rates, 2 * STEP, twice);
+    for (int k = 0; k < 6; k++)
+        twist[k] = (4 * twist[k] - twice[k]) / 3;
+}
+
+static long double potential(const dpt_arm_def *def, const long double *joints,
                              const double gravity[3])
 {
     long double sum = 0;
@@ -111,4 +129,20 @@ long double oracle_potential(const dpt_arm_def *def, const long double *joints,
                    (f.m[k][0] * c[0] + f.m[k][1] * c[1] + f.m[k][2] * c[2] + f.m[k][3]);
     }
     return sum;
+}
+
+long double oracle_weight(const dpt_arm_def *def, const double *joints, uint32_t j,
+                          const double gravity[3])
+{
+    double rates[DPT_JOINTS_MAX] = { 0 };
+    long double at[DPT_JOINTS_MAX] = { 0 }, slope[2];
+    rates[j] = 1;
+    for (int i = 0; i < 2; i++) {
+        const long double step = (i + 1) * STEP;
+        moved(def, joints, rates, step, at);
+        slope[i] = potential(def, at, gravity);
+        moved(def, joints, rates, -step, at);
+        slope[i] = (slope[i] - potential(def, at, gravity)) / (2 * step);
+    }
+    return (4 * slope[0] - slope[1]) / 3;
 }

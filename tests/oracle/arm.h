@@ -17,12 +17,12 @@ struct oracle_frame {
 struct oracle_frame oracle_link(const dpt_arm_def *def, const long double *joints, uint32_t link);
 struct oracle_frame oracle_tool(const dpt_arm_def *def, const long double *joints);
 
-/* What the tool's origin and orientation do per unit of joint `j`: velocity, then spin. */
-void oracle_column(const dpt_arm_def *def, const double *joints, uint32_t j, long double step,
-                   long double column[6]);
+/* Velocity of the tool's origin, then spin, when the joints move at `rates`. */
+void oracle_twist(const dpt_arm_def *def, const double *joints, const double *rates,
+                  long double twist[6]);
 
-/* Of all links, J. */
-long double oracle_potential(const dpt_arm_def *def, const long double *joints,
-                             const double gravity[3]);
+/* How the potential energy of all links, J, changes with joint `j`. */
+long double oracle_weight(const dpt_arm_def *def, const double *joints, uint32_t j,
+                          const double gravity[3]);
 
 #endif
