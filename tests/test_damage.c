@@ -15,10 +15,9 @@
 #include <math.h>
 
 #include "dpa.h"
+#include "sites.h"
 
 static const char *reader = "src/mesh_open.c";
-
-int site; /* of the reader's copy: the line of the first check that failed */
 
 enum whole { PLAIN, HOLED, OLD, WHOLES };
 static struct file wholes[WHOLES];
@@ -85,8 +84,6 @@ static struct file damaged(const struct damage *damage, unsigned char **block)
     return file;
 }
 
-static uint8_t reached[4096]; /* lines of the reader */
-
 static void expect_row(const struct damage *damage, size_t row)
 {
     const struct dpt_mesh header = header_of(&wholes[damage->of]);
@@ -100,8 +97,7 @@ static void expect_row(const struct damage *damage, size_t row)
                                           : (uint64_t)damage->byte;
     site = 0;
     dpt_result result = dpt_mesh_verify(file.bytes, file.size, &fault);
-    CHECK(site > 0 && site < 4096, "row %zu: line %d", row, site);
-    reached[site % 4096] = 1;
+    site_note();
     CHECK(result == damage->code && fault.code == result && fault.byte == byte &&
               !strcmp(fault.section, damage->named ? damage->named : named),
           "row %zu: %s at %llu (%s), line %d, not %s at %llu (%s)", row,
@@ -215,26 +211,9 @@ static void each_check_has_its_damage(void)
     }
 }
 
-/* A line that refuses: as the copy in tests.mk finds them. */
 static void no_check_is_forgotten(void)
 {
-    char line[1024];
-    int number = 0, checks = 0;
-    FILE *stream = fopen(reader, "r");
-    CHECK(stream != NULL, "%s cannot be read", reader);
-    while (stream && fgets(line, sizeof line, stream)) {
-        number++;
-        if (!strstr(line, "fail(") && !strstr(line, "fail_at("))
-            continue;
-        if (!strncmp(line, "static", 6) || strstr(line, "mesh->section[id].offset + 4 * word, id"))
-            continue; /* the two functions themselves */
-        CHECK(strstr(line, "return fail"), "line %d refuses in a way of its own", number);
-        CHECK(number < 4096 && reached[number], "line %d: no damaged file for %s", number, line);
-        checks++;
-    }
-    CHECK(checks > 25, "only %d checks", checks);
-    if (stream)
-        fclose(stream);
+    site_expect_all(reader, 26);
 }
 
 static void whole_files_pass_all(void)

@@ -10,14 +10,16 @@ $(B)/tests/test_%: $(B)/tests/test_%.o $(TEST_PARTS)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(LDLIBS) -o $@
 $(B)/tests/test_parallel: private LDLIBS = -Wl,--wrap=pthread_create,--wrap=pthread_join,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free
 
-# The reader, with the line of each check that refuses (tests/test_damage.c).
-$(B)/tests/mesh_open_sites.c: src/mesh_open.c
+# The readers, with the line of each check that refuses (tests/sites.h).
+$(B)/tests/%_sites.c: src/%.c
 	@mkdir -p $(@D)
-	{ echo 'extern int site;'; echo '#line 1 "src/mesh_open.c"'; \
+	{ echo 'extern int site;'; echo '#line 1 "$<"'; \
 	  sed 's/return fail/return site = site ? site : __LINE__, fail/' $<; } >$@
-$(B)/tests/mesh_open_sites.o: $(B)/tests/mesh_open_sites.c
+$(B)/tests/%_sites.o: $(B)/tests/%_sites.c
 	$(CC) $(ALL_CFLAGS) -c $< -o $@
 $(B)/tests/test_damage: $(B)/tests/test_damage.o $(B)/tests/mesh_open_sites.o $(filter-out $(B)/src/mesh_open.o,$(TEST_PARTS))
+$(B)/tests/test_arm: $(B)/tests/test_arm.o $(B)/tests/arm_open_sites.o $(filter-out $(B)/src/arm_open.o,$(TEST_PARTS))
+$(B)/tests/test_damage $(B)/tests/test_arm:
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) -o $@
 
 $(B)/tests/test_organs: | $(B)/dynpoint

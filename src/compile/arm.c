@@ -136,21 +136,22 @@ static dpt_result check_def(soup *source, const dpt_arm_def *def)
     return DPT_OK;
 }
 
-/* Zeros behind it, as the file has it. `what` and `index` are for the diag. */
-static dpt_result put_name(soup *source, char to[DPT_ARM_NAME], const char *name, const char *what,
-                           uint32_t index)
+/* Zeros behind it, as the file has it; 0 when it is too long. */
+static int put_name(char to[DPT_ARM_NAME], const char *name)
 {
-    char copy[DPT_ARM_NAME] = { 0 };
     size_t length = 0;
     while (name && length < DPT_ARM_NAME && name[length])
         length++;
-    if (length == DPT_ARM_NAME)
-        return soup_fail(source, DPT_E_LIMIT, nowhere, "%s %u: its name has more than %d bytes",
-                         what, index, DPT_ARM_NAME - 1);
-    if (length)
-        memcpy(copy, name, length);
-    memcpy(to, copy, sizeof copy);
-    return DPT_OK;
+    memset(to, 0, DPT_ARM_NAME);
+    if (length && length < DPT_ARM_NAME)
+        memcpy(to, name, length);
+    return length < DPT_ARM_NAME;
+}
+
+static dpt_result name_too_long(soup *source, const char *what, uint32_t index)
+{
+    return soup_fail(source, DPT_E_LIMIT, nowhere, "%s %u: its name has more than %d bytes", what,
+                     index, DPT_ARM_NAME - 1);
 }
 
 /* To unit length what is so within 1e-6; the reader refuses the rest. */
@@ -173,7 +174,8 @@ static dpt_result put_records(soup *source, const dpt_arm_def *def, struct dpt_a
     for (uint32_t i = 0; i < arm->joints; i++) {
         joints[i] = def->joints[i];
         joints[i].size = sizeof *joints;
-        DPT_TRY(put_name(source, joints[i].name, def->joints[i].name, "joint", i));
+        if (!put_name(joints[i].name, def->joints[i].name))
+            return name_too_long(source, "joint", i);
     }
     for (uint32_t i = 0; i < arm->links; i++) {
         links[i] = def->links[i];
@@ -189,7 +191,8 @@ static dpt_result put_records(soup *source, const dpt_arm_def *def, struct dpt_a
         bodies[i].mesh_bytes = mesh->bytes;
         bodies[i].pose = def->bodies[i].pose;
         make_unit(bodies[i].pose.orientation, 4);
-        DPT_TRY(put_name(source, bodies[i].name, def->bodies[i].name, "body", i));
+        if (!put_name(bodies[i].name, def->bodies[i].name))
+            return name_too_long(source, "body", i);
         memcpy((char *)arm + bodies[i].mesh_offset, mesh, (size_t)mesh->bytes);
         end = bodies[i].mesh_offset + mesh->bytes;
     }
@@ -212,9 +215,10 @@ static dpt_result put_header(soup *source, const dpt_arm_def *def, struct dpt_ar
     arm->source_hash = def->source_hash;
     arm->tool = def->tool;
     make_unit(arm->tool.orientation, 4);
-    DPT_TRY(put_name(source, arm->name, def->name, "arm", 0));
-    DPT_TRY(put_name(source, arm->root_name, def->root_name, "root", 0));
-    DPT_TRY(put_name(source, arm->tool_name, def->tool_name, "tool", 0));
+    if (!put_name(arm->name, def->name) || !put_name(arm->root_name, def->root_name) ||
+        !put_name(arm->tool_name, def->tool_name))
+        return soup_fail(source, DPT_E_LIMIT, nowhere,
+                         "name, root_name or tool_name has more than %d bytes", DPT_ARM_NAME - 1);
     arm->bytes = arm_records_end(arm);
     for (uint32_t i = 0; i < arm->bodies; i++)
         arm->bytes = mesh_aligned(arm->bytes) + def->bodies[i].mesh->bytes;
