@@ -24,12 +24,13 @@
 /*      name    share  accepted, at least one in */
 #define TARGETS(X)                                                                                 \
     X(obj, 18, 20)                                                                                 \
-    X(stl, 16, 20)                                                                                 \
+    X(stl, 14, 20)                                                                                 \
     X(ply, 18, 100)                                                                                \
-    X(off, 16, 40)                                                                                 \
+    X(off, 14, 40)                                                                                 \
     X(trace, 10, 40)                                                                               \
     X(mesh, 10, 100)                                                                               \
     X(forged, 2, 2)                                                                                \
+    X(arm, 4, 10)                                                                                  \
     X(wire, 10, 10)
 
 #define DECLARE(name, share, least) int fuzz_##name(const uint8_t *bytes, size_t size);

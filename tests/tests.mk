@@ -28,7 +28,7 @@ FUZZ_PARTS := $(patsubst %.c,$(B)/%.o,$(wildcard tests/fuzz/*.c)) $(B)/tools/tra
 $(B)/tests/test_fuzz: $(FUZZ_PARTS)
 
 # With CONFIG=fuzz or fuzz-fast alone: each target as a program of libFuzzer's.
-FUZZ_TARGETS := obj stl ply off trace mesh forged wire
+FUZZ_TARGETS := obj stl ply off trace mesh forged arm wire
 FUZZ_SHARED := $(filter-out $(FUZZ_TARGETS:%=$(B)/tests/fuzz/%.o) $(B)/tests/fuzz/mutate.o,$(FUZZ_PARTS)) \
                $(B)/tools/shape.o $(B)/tools/shape_organs.o $(B)/drivers/wire.o $(B)/drivers/wire_device.o $(CORE) $(COMPILE)
 $(B)/tests/fuzz/fuzz_%: $(B)/tests/fuzz/%.o $(FUZZ_SHARED)
