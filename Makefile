@@ -55,7 +55,7 @@ DRIVER_PARTS := $(patsubst %.c,$(B)/%.o,$(filter-out $(LEFT_OUT),$(wildcard driv
 TOOLS := $(patsubst %.c,$(B)/%.o,$(wildcard tools/*.c))
 LIBS := $(B)/libdynpoint $(B)/libdynpoint_compile $(B)/libdynpoint_drivers
 
-.PHONY: all force demo check firmware bench charts soak fuzz deps install uninstall help clean
+.PHONY: all force demo check firmware vm bench charts soak fuzz deps install uninstall help clean
 .SECONDARY:
 all: $(B)/dynpoint $(LIBS:%=%.a) $(LIBS:%=%.so.$(SOVERSION)) ## the program and the libraries (default)
 

@@ -58,6 +58,15 @@ $(B)/tests/test_sweep_exact: $(B)/tests/exact/sweep.o $(B)/tests/oracle/exact.o 
 $(B)/tests/firmware/link: $(B)/tests/firmware/link.o $(DRIVER_PARTS) $(B)/src/compile/number.o $(CORE)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -lpthread -o $@
 
+# On a real kernel with SocketCAN (tests/vm/check.sh runs every test_* there).
+VM_TESTS := $(patsubst tests/%.c,$(B)/tests/%,$(wildcard tests/vm/test_*.c))
+VM_PARTS := $(patsubst %.c,$(B)/%.o,$(filter-out $(wildcard tests/vm/test_*.c),$(wildcard tests/vm/*.c)))
+$(B)/tests/vm/test_%: $(B)/tests/vm/test_%.o $(VM_PARTS) $(DRIVER_PARTS) $(B)/src/compile/number.o $(CORE)
+	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) -o $@
+
+vm: all $(VM_TESTS) ## the tests on a real kernel, in an emulated machine
+	@sh tests/vm/check.sh $(B)
+
 firmware: all $(B)/tests/firmware/link ## the driver against a Cortex-M7 in QEMU, and what a tick takes there
 	@sh tests/firmware/run.sh $(B)
 
@@ -89,9 +98,9 @@ bench: all $(B)/tests/bench/dump_mesh $(B)/tests/bench/strips $(B)/tests/bench/r
 deps: ## install what the tests can use beside a compiler (apt-get)
 	@sh tests/deps.sh
 
-test-programs: all $(TESTS) $(B)/tests/firmware/link $(B)/tests/bench/dump_mesh $(B)/tests/bench/strips $(B)/tests/bench/recall
+test-programs: all $(TESTS) $(VM_TESTS) $(B)/tests/firmware/link $(B)/tests/bench/dump_mesh $(B)/tests/bench/strips $(B)/tests/bench/recall
 .PHONY: test-programs
--include $(TESTS:=.d) $(patsubst %.o,%.d,$(TEST_PARTS) $(FUZZ_PARTS))
+-include $(TESTS:=.d) $(VM_TESTS:=.d) $(VM_PARTS:.o=.d) $(patsubst %.o,%.d,$(TEST_PARTS) $(FUZZ_PARTS))
 
 $(B)/tests/bench/dump_mesh: $(B)/tests/bench/dump_mesh.o $(B)/tools/common.o $(COMPILE) $(CORE)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) -o $@

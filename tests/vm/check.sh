@@ -1,0 +1,61 @@
+#!/bin/sh
+# SPDX-License-Identifier: BSD-3-Clause
+# In make check: every test_* of tests/vm, programs and scripts, on a real kernel, in one boot. A program BUILD/tests/vm/test_X is run
+# without arguments, a script tests/vm/test_X.sh with BUILD; both end in "N passed, M failed, K skipped". $DPT_PEER runs
+# tests/vm/peer.py there, if PyPI can be reached.
+#
+#     sh tests/vm/check.sh [BUILD]
+set -u
+cd "$(dirname "$0")/../.." || exit 2
+build=${1:-build}
+said=$build/vm.out
+
+venv=build/venv
+if [ ! -f $venv/complete ]; then
+    mkdir -p build
+    if ! command -v python3 >/dev/null 2>&1; then
+        echo "  skip python-can as a peer: no python3"
+    elif { rm -rf $venv && python3 -m venv $venv && timeout 300 $venv/bin/pip install --disable-pip-version-check --retries 1 --timeout 20 \
+        -r tests/vm/requirements.txt; } >build/venv.log 2>&1; then
+        touch $venv/complete
+    else
+        echo "  skip python-can as a peer: not to be had from PyPI, see build/venv.log"
+    fi
+fi
+peer=
+[ -f $venv/complete ] && peer="DPT_PEER='$venv/bin/python tests/vm/peer.py' "
+
+set --
+for test in "$build"/tests/vm/test_* tests/vm/test_*.sh; do
+    [ -f "$test" ] || continue
+    case $test in
+    *.o | *.d) ;;
+    *.sh) set -- "$@" "${peer}sh $test $build" ;;
+    *) set -- "$@" "$peer$test" ;;
+    esac
+done
+sh tests/vm/run.sh -t 120 "$@" >"$said" 2>&1
+status=$?
+sed '/^vm: /d; s/^skip /  skip /; /^[0-9]* passed, /d' "$said"
+if [ $status -eq 77 ]; then
+    echo "0 passed, 0 failed, 1 skipped"
+    exit 0
+fi
+awk -v status=$status '
+/^[0-9]+ passed, [0-9]+ failed, [0-9]+ skipped$/ { passed += $1; failed += $3; skipped += $5; sum = $3 + 1 }
+/^vm: status / {
+    if (!sum || ($3 != 0 && sum == 1)) {
+        print "  FAIL status " substr($0, 12)
+        failed++
+    }
+    sum = 0
+    ended++
+}
+END {
+    if (status == 125) {
+        print "  FAIL the machine broke down"
+        failed++
+    }
+    print passed + 0 " passed, " failed + 0 " failed, " skipped + 0 " skipped"
+    exit failed > 0
+}' "$said"
