@@ -123,6 +123,7 @@ run "the program" sh tests/test_cli.sh build
 run "the program, sanitize" sh tests/test_cli.sh build/sanitize
 run "firmware" sh tests/firmware/run.sh build
 run "a real kernel" sh tests/vm/check.sh build
+run "a real kernel, sanitize" sh tests/vm/check.sh build/sanitize
 run "the peer" sh tests/bench/check.sh build
 go 1
 add_up

@@ -41,7 +41,10 @@ if [ $status -eq 77 ]; then
     echo "0 passed, 0 failed, 1 skipped"
     exit 0
 fi
-awk -v status=$status '
+# What is written there does not come here.
+written=0
+[ -e "$build/vm.written" ] || [ -e /tmp/vm.written ] && written=1
+awk -v status=$status -v written=$written '
 /^[0-9]+ passed, [0-9]+ failed, [0-9]+ skipped$/ { passed += $1; failed += $3; skipped += $5; sum = $3 + 1 }
 /^vm: status / {
     if (!sum || ($3 != 0 && sum == 1)) {
@@ -54,6 +57,10 @@ awk -v status=$status '
 END {
     if (status == 125) {
         print "  FAIL the machine broke down"
+        failed++
+    }
+    if (written) {
+        print "  FAIL the machine writes to this one"
         failed++
     }
     print passed + 0 " passed, " failed + 0 " failed, " skipped + 0 " skipped"
