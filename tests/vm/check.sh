@@ -14,12 +14,12 @@ venv=build/venv
 if [ ! -f $venv/complete ]; then
     mkdir -p build
     if ! command -v python3 >/dev/null 2>&1; then
-        echo "  skip python-can as a peer: no python3"
-    elif { rm -rf $venv && python3 -m venv $venv && timeout 300 $venv/bin/pip install --disable-pip-version-check --retries 1 --timeout 20 \
+        echo "  no python-can: there is no python3"
+    elif { rm -rf $venv && python3 -m venv $venv && timeout 300 $venv/bin/pip install --no-cache-dir --disable-pip-version-check --retries 1 --timeout 20 \
         -r tests/vm/requirements.txt; } >build/venv.log 2>&1; then
         touch $venv/complete
     else
-        echo "  skip python-can as a peer: not to be had from PyPI, see build/venv.log"
+        echo "  no python-can: PyPI cannot be reached, see build/venv.log"
     fi
 fi
 peer=
