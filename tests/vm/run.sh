@@ -4,7 +4,7 @@
 # Commands on a real Linux kernel with SocketCAN, in an emulated machine:
 #
 #     sh tests/vm/run.sh [-t SECONDS] COMMAND...
-#     sh tests/vm/run.sh build/tests/vm/test_socketcan 'build/dynpoint device list'
+#     sh tests/vm/run.sh build/tests/vm/test_slcan 'build/dynpoint device list'
 #
 # Each argument is a line for the shell. They run one after the other, as root, in the root of this repository, and see this
 # machine's files; what they write is gone when they end. vcan0 is up. SECONDS (60) is for each of them.
@@ -32,7 +32,7 @@ sh tests/vm/kernel.sh || exit
 cache=build/vm
 run=$cache/run.$$
 trap 'rm -rf "$run"' EXIT
-trap 'exit 143' INT TERM HUP
+trap 'kill "$(cat "$run/pid" 2>/dev/null)" 2>/dev/null; exit 143' INT TERM HUP
 mkdir "$run" && printf '%s\n' "$@" >"$run/job" || exit 2
 kernel=$cache/vmlinux
 [ -f $kernel ] || kernel=$cache/vmlinuz
@@ -41,15 +41,16 @@ kernel=$cache/vmlinux
 # keep each other waiting where this machine is busy. A guest that restarts has ended.
 {
     timeout --foreground -k 5 $((60 + limit * $#)) qemu-system-x86_64 -M pc -accel tcg -cpu qemu64 -smp 1 -m 512 -no-reboot \
-        -nodefaults -no-user-config -display none -kernel $kernel -initrd $cache/initramfs \
+        -nodefaults -no-user-config -display none -pidfile "$run/pid" -kernel $kernel -initrd $cache/initramfs \
         -append "console=ttyS0 quiet panic=-1 nokaslr mitigations=off cryptomgr.notests repository=\"$PWD\" job=$run/job limit=$limit" \
         -virtfs local,path=/,mount_tag=host,security_model=none,readonly=on,multidevs=remap \
-        -serial "file:$run/console" -serial stdio </dev/null 2>"$run/error"
-    echo $? >"$run/status"
-} | tee "$run/said"
+        -serial "file:$run/console" -serial stdio </dev/null 2>"$run/error" ||
+        echo "vm: QEMU ended with status $?"
+} | tee "$run/said" &
+wait $!
 if [ "$(tail -n 1 "$run/said")" = "vm: end" ]; then
     exit "$(sed -n 's/^vm: status \([0-9]*\) of .*/\1/p' "$run/said" | grep -v '^0$' | head -n 1 | grep . || echo 0)"
 fi
-echo "vm: the machine broke down, status $(cat "$run/status")"
-cat "$run/error" "$run/console" | tail -n 30
+echo "vm: the machine broke down"
+cat "$run/error" "$run/console" | tail -n 60
 exit 125

@@ -262,5 +262,7 @@ int main(void)
     TEST(an_emergency_stop_lasts_until_errors_are_cleared);
     TEST(the_watchdog_ends_the_closed_loop);
     TEST(it_reports_what_it_heard);
+    close(line);
+    net_remove(name);
     return check_report();
 }
