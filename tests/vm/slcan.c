@@ -75,8 +75,7 @@ static void heard(struct slcan *adapter, const char *line)
 {
     struct can_frame frame;
     if (parse(line, &frame)) {
-        if (write(adapter->far, &frame, sizeof frame) < 0)
-            perror("slcan: the bus is full");
+        adapter->lost += write(adapter->far, &frame, sizeof frame) < 0;
         return;
     }
     pthread_mutex_lock(&adapter->saying);

@@ -261,6 +261,25 @@ static void a_queue_that_is_full_refuses(void)
     const struct can_frame again = can_frame_of(BUS, 8, 0);
     CHECK(can_send(line, &again) == 0 && check_counts(1) == 1, "it takes nothing any more");
     end();
+    CHECK(adapter.lost == 0, "%u lost", adapter.lost);
+}
+
+static void frames_that_the_test_does_not_take_are_counted(void)
+{
+    begin();
+    unsigned sent = 0, came = 0;
+    for (int i = 0; i < 2000; i++) {
+        const struct can_frame frame = can_frame_of(BUS, 8, 0);
+        sent += can_send(line, &frame) == 0;
+        poll(NULL, 0, i % 10 == 9 ? 1 : 0);
+    }
+    const int bus = dup(adapter.bus);
+    end();
+    while (can_next(bus, 0).problem == 0)
+        came++;
+    CHECK(adapter.lost > 0 && came > 0 && came + adapter.lost == sent, "%u sent, %u came, %u lost",
+          sent, came, adapter.lost);
+    close(bus);
 }
 
 static void it_can_be_unplugged_and_plugged_in_again(void)
@@ -314,6 +333,7 @@ int main(void)
     TEST(bus_off_lasts_until_the_interface_is_set_up_again);
     TEST(errors_on_the_bus_are_told);
     TEST(a_queue_that_is_full_refuses);
+    TEST(frames_that_the_test_does_not_take_are_counted);
     TEST(it_can_be_unplugged_and_plugged_in_again);
     TEST(a_bus_of_two_interfaces);
     return check_report();
