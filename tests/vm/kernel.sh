@@ -55,6 +55,9 @@ plain() {
 }
 
 mkdir -p "$cache"
+# One at a time: the others find what it made.
+exec 9>"$cache/lock"
+! command -v flock >/dev/null 2>&1 || flock 9
 [ -f "$cache/kernel" ] || (fetch) || exit
 if [ ! "$cache/initramfs" -nt tests/vm/init ] || [ ! "$cache/initramfs" -nt "$cache/kernel" ]; then
     root=$PWD/$cache/root
