@@ -122,8 +122,7 @@ run "test_serial, sanitize" build/sanitize/tests/test_serial
 run "the program" sh tests/test_cli.sh build
 run "the program, sanitize" sh tests/test_cli.sh build/sanitize
 run "firmware" sh tests/firmware/run.sh build
-run "a real kernel" sh tests/vm/check.sh build
-run "a real kernel, sanitize" sh tests/vm/check.sh build/sanitize
+run "a real kernel" sh tests/vm/check.sh build build/sanitize
 run "the peer" sh tests/bench/check.sh build
 go 1
 add_up

@@ -4,11 +4,11 @@
 # without arguments, a script tests/vm/test_X.sh with BUILD; both end in "N passed, M failed, K skipped". $DPT_PEER runs
 # tests/vm/peer.py there, if PyPI can be reached.
 #
-#     sh tests/vm/check.sh [BUILD]
+#     sh tests/vm/check.sh [BUILD...]
 set -u
 cd "$(dirname "$0")/../.." || exit 2
-build=${1:-build}
-said=$build/vm.out
+builds=${*:-build}
+said=build/vm.out
 
 venv=build/venv
 if [ ! -f $venv/complete ]; then
@@ -26,24 +26,28 @@ peer=
 [ -f $venv/complete ] && peer="DPT_PEER='$venv/bin/python tests/vm/peer.py' "
 
 set --
-for test in "$build"/tests/vm/test_* tests/vm/test_*.sh; do
-    [ -f "$test" ] || continue
-    case $test in
-    *.o | *.d) ;;
-    *.sh) set -- "$@" "${peer}sh $test $build" ;;
-    *) set -- "$@" "$peer$test" ;;
-    esac
+for build in $builds; do
+    for test in "$build"/tests/vm/test_* tests/vm/test_*.sh; do
+        [ -f "$test" ] || continue
+        case $test in
+        *.o | *.d) ;;
+        *.sh) set -- "$@" "${peer}sh $test $build" ;;
+        *) set -- "$@" "$peer$test" ;;
+        esac
+    done
 done
 sh tests/vm/run.sh -t 120 "$@" >"$said" 2>&1
 status=$?
-sed '/^vm: /d; s/^skip /  skip /; /^[0-9]* passed, /d' "$said"
+sed 's/^vm: run \(DPT_PEER=.* tests.vm.peer.py. \)\{0,1\}\(sh \)\{0,1\}/- /; /^vm: /d; s/^skip /  skip /; /^[0-9]* passed, /d' "$said"
 if [ $status -eq 77 ]; then
     echo "0 passed, 0 failed, 1 skipped"
     exit 0
 fi
 # What is written there does not come here.
 written=0
-[ -e "$build/vm.written" ] || [ -e /tmp/vm.written ] && written=1
+for place in $builds /tmp; do
+    [ ! -e "$place/vm.written" ] || written=1
+done
 awk -v status=$status -v written=$written '
 /^[0-9]+ passed, [0-9]+ failed, [0-9]+ skipped$/ { passed += $1; failed += $3; skipped += $5; sum = $3 + 1 }
 /^vm: status / {
