@@ -111,8 +111,10 @@ static inline uint32_t arm_path(const struct dpt_arm *arm, uint32_t link,
 /* Swap the numbers of a header; its own inverse, as the next one is. */
 static inline void arm_swap_header(struct dpt_arm *arm)
 {
-    mesh_swap4(&arm->byte_order, (offsetof(struct dpt_arm, bytes) - 8) / 4);
-    mesh_swap8(&arm->bytes, (offsetof(struct dpt_arm, name) - offsetof(struct dpt_arm, bytes)) / 8);
+    const size_t first4 = offsetof(struct dpt_arm, byte_order);
+    const size_t first8 = offsetof(struct dpt_arm, bytes);
+    mesh_swap4((char *)arm + first4, (first8 - first4) / 4);
+    mesh_swap8((char *)arm + first8, (offsetof(struct dpt_arm, name) - first8) / 8);
 }
 
 /* And those of the records behind it; `arm` is the header in the host's order, `bytes` the file. */

@@ -3,7 +3,7 @@
 #
 # Other machines, the same bytes: the program for AArch64 and for s390x, which is big-endian, makes,
 # compiles and replays under qemu what the program of this machine does here, and all that it writes
-# is equal bit for bit.
+# is equal bit for bit. Kinematics on 32-bit ARM too.
 #
 #     sh tests/cross.sh [BUILD_DIR]
 #
@@ -61,7 +61,8 @@ build()
     make -j"$(nproc 2>/dev/null || echo 2)" B="$folder" CC="$1-linux-gnu-gcc" \
         LD="$1-linux-gnu-ld" AR="$1-linux-gnu-ar" OBJCOPY="$1-linux-gnu-objcopy" LDFLAGS=-static \
         "$folder/dynpoint" "$folder/libdynpoint.a" "$folder/libdynpoint_compile.a" \
-        "$folder/tests/test_wire" "$folder/tests/test_wire_device"
+        "$folder/tests/test_wire" "$folder/tests/test_wire_device" "$folder/tests/test_kinematics" \
+        "$folder/tests/test_arm"
 }
 
 # try MACHINE: as the names of its compiler and of qemu begin and end
@@ -101,6 +102,9 @@ try()
     for name in test_wire test_wire_device; do
         check "$machine: $name, see $log" "qemu-$machine-static" "$folder/tests/$name" 16
     done
+    # Arms compile to the same bytes, open where they convert, and move to the same bits.
+    check "$machine: test_kinematics, see $log" "qemu-$machine-static" "$folder/tests/test_kinematics" bits
+    check "$machine: test_arm, see $log" "qemu-$machine-static" "$folder/tests/test_arm"
     # A damaged file is refused at the same byte, whatever the byte order.
     head -c 9000 "$out/torus.dpa" >"$out/short.dpa"
     "qemu-$machine-static" "$folder/dynpoint" info "$out/short.dpa" >"$out/said" 2>&1
@@ -136,5 +140,16 @@ int main(int argc, char **argv)
 C
 try aarch64
 try s390x
+# A machine of 32 bits, as microcontrollers are: kinematics alone, which they are to compute.
+if echo 'int main(void) { return 0; }' | arm-linux-gnueabihf-gcc -static -x c - -o "$native/cross/arm_bits" 2>/dev/null &&
+    command -v qemu-arm-static >/dev/null; then
+    arm-linux-gnueabihf-gcc -std=gnu99 -O3 $(sed -n 's/^EXACT := //p' Makefile) -static -Iinclude -Isrc -Itests \
+        tests/test_kinematics.c tests/oracle/arm.c src/*.c src/compile/*.c -lm -pthread -o "$native/cross/arm_bits" \
+        2>>"$log" && qemu-arm-static "$native/cross/arm_bits" bits >>"$log" 2>&1
+    code=$?
+    check "arm: kinematics differ, see $log" test $code -eq 0
+else
+    skip "arm: no arm-linux-gnueabihf-gcc with a C library, or no qemu-arm-static"
+fi
 echo "$passed passed, $failed failed, $skipped skipped"
 [ $failed -eq 0 ]

@@ -5,7 +5,7 @@
 # "no"); nothing here is needed by the library or the demo, and a test whose package is missing is skipped.
 set -u
 packages="python3 pkg-config g++ libfcl-dev libcgal-dev libgmp-dev gcc-aarch64-linux-gnu
-libc6-dev-arm64-cross gcc-arm-linux-gnueabihf gcc-s390x-linux-gnu libc6-dev-s390x-cross qemu-user-static
+libc6-dev-arm64-cross gcc-arm-linux-gnueabihf libc6-dev-armhf-cross gcc-s390x-linux-gnu libc6-dev-s390x-cross qemu-user-static
 gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm qemu-system-x86 xz-utils python3-venv"
 
 missing=

@@ -364,7 +364,7 @@ static void each_check_has_its_damage(void)
         { CUT, size - AT_END, 0, 0, SEALED, layout, "bodies", B(0, mesh_offset) },
         { WIDE(B(0, mesh_bytes), (uint64_t)size - (uint64_t)first + 1), layout, "bodies", THERE },
         { WIDE(B(1, mesh_bytes), UINT64_MAX), layout, "bodies", THERE },
-        { WORD(AT_END + 4, 1), layout, "padding", THERE },
+        { WORD(AT_END + 4, 0x01010101), layout, "padding", THERE },
         { GROW, 64, 0, 0, SEALED, layout, "header", size },
         /* check_joint */
         { WORD(J(1, size), 128), layout, "joints", THERE },

@@ -2,7 +2,9 @@
 """From arrays to a force with ctypes alone (docs/ffi.md): python3 tests/ffi/touch.py BUILD."""
 import re
 import sys
-from ctypes import CDLL, Structure, byref, c_double, c_size_t, c_uint32, c_uint64, c_void_p, sizeof
+from ctypes import (CDLL, POINTER, Structure, byref, c_char, c_char_p, c_double, c_size_t, c_uint32, c_uint64,
+                    c_void_p, sizeof)
+from math import cos, sin
 
 core = CDLL(sys.argv[1] + "/libdynpoint.so")
 compiler = CDLL(sys.argv[1] + "/libdynpoint_compile.so")
@@ -42,6 +44,17 @@ Guard = struct("dpt_guard", (c_uint32, "size state"), (c_uint64, "stops clamped 
                (c_double, "force_max torque_max force_slew torque_slew start gain stop_gain"),
                (Wrench, "command held sent"))
 Compiled = struct("dpt_compiled", (c_void_p, "bytes"), (c_size_t, "size"))
+Joint = struct("dpt_arm_joint", (c_uint32, "size kind"), (c_double, "lower upper velocity effort damping friction"),
+               (c_char * 64, "name"))
+Link = struct("dpt_arm_link", (c_uint32, "size parent joint slides"), (Pose, "pose"), (double3, "axis"),
+              (c_double, "factor offset mass"), (double3, "centre"))
+ArmBody = struct("dpt_arm_body", (c_uint32, "size reserved"), (Pose, "pose"), (c_void_p, "mesh"),
+                 (c_size_t, "mesh_bytes"), (c_char * 64, "name"))
+ArmDef = struct("dpt_arm_def", (c_uint32, "size joint_count link_count segment_count body_count tool_link"),
+                (Pose, "tool"), (POINTER(Joint), "joints"), (POINTER(Link), "links"),
+                (POINTER(Segment), "segments"), (POINTER(ArmBody), "bodies"),
+                (c_char_p, "name root_name tool_name"), (c_void_p, "reserved"),
+                (c_uint64, "source_bytes source_hash"))
 
 verdicts = []
 
@@ -58,7 +71,8 @@ def is_near(number, wanted):
 column = 0 if sizeof(c_void_p) == 8 else 1
 sizes = re.findall(r"SIZE\((\w+), (\d+), (\d+)\)", open(sys.path[0] + "/../abi/layouts.txt").read())
 sizes = {name: int(bytes[column]) for name, *bytes in sizes}
-for kind in (Pose, Segment, Wrench, Hit, Contact, Overlap, WorldDef, Step, State, Guard, Compiled):
+for kind in (Pose, Segment, Wrench, Hit, Contact, Overlap, WorldDef, Step, State, Guard, Compiled, Joint, Link,
+             ArmBody, ArmDef):
     check(kind.__name__ + " has its size", sizeof(kind) == sizes[kind.__name__])
 
 # A box of 2 x 2 x 1 m with its top at z = 1: corner i at the bits of i; two triangles a side.
@@ -131,6 +145,30 @@ for tick in range(3000):  # the hand presses 3 cm down in 2 s; the mesh's top is
     touched += check_read == 0 and drivers.dpt_device_write(device, byref(sent)) == 0 and sent.force[1] > 1
 check("it is felt, and holds the hand off", touched > 500 and guard.stops == 0 and state.pose.position[1] < 0)
 drivers.dpt_device_close(device)
+
+# An arm of two links in a plane, 0.3 m and 0.2 m, with the box beside it.
+joints, links, bodies = (Joint * 2)(), (Link * 2)(), (ArmBody * 1)()
+for i, name in enumerate((b"shoulder", b"elbow")):
+    joints[i] = Joint(size=sizeof(Joint), kind=1, name=name)  # DPT_JOINT_CONTINUOUS
+    links[i] = Link(size=sizeof(Link), parent=(i - 1) & 0xffffffff, joint=i, axis=double3(0, 0, 1), factor=1,
+                    pose=Pose(double3(0.3 * i, 0, 0), double4(1, 0, 0, 0)), mass=1)
+bodies[0] = ArmBody(size=sizeof(ArmBody), pose=Pose(double3(0, 0, 0), double4(1, 0, 0, 0)), mesh=mesh, name=b"box")
+arm_def = ArmDef(size=sizeof(ArmDef), joint_count=2, link_count=2, body_count=1, tool_link=1, joints=joints, links=links,
+                 tool=Pose(double3(0.2, 0, 0), double4(1, 0, 0, 0)), bodies=bodies, name=b"planar")
+arm_file, arm = Compiled(), c_void_p()
+check("compile an arm", compiler.dpt_compile_arm(byref(arm_def), byref(arm_file), None) == 0)
+check("open it", core.dpt_arm_open(c_void_p(arm_file.bytes), c_size_t(arm_file.size), byref(arm)) == 0)
+angles, efforts, shoulder = (c_double * 2)(0.5, 0.7), (c_double * 2)(), Joint(size=sizeof(Joint))
+check("forward", core.dpt_arm_forward(arm, angles, byref(pose)) == 0)
+check("where two links reach", is_near(pose.position[0], 0.3 * cos(0.5) + 0.2 * cos(1.2))
+      and is_near(pose.position[1], 0.3 * sin(0.5) + 0.2 * sin(1.2)))
+wrench.force[:], wrench.torque[:] = (0, 1, 0), (0, 0, 0)
+check("efforts", core.dpt_arm_efforts(arm, angles, byref(wrench), efforts) == 0)
+check("a newton upward on the levers", is_near(efforts[0], pose.position[0]) and is_near(efforts[1], 0.2 * cos(1.2)))
+check("its joint", core.dpt_arm_get_joint(arm, c_uint32(0), byref(shoulder)) == 0 and shoulder.name == b"shoulder")
+check("its box", core.dpt_arm_get_body(arm, c_uint32(0), byref(bodies[0])) == 0 and bodies[0].mesh_bytes == file.size)
+check("no such joint: DPT_E_ARGUMENT", core.dpt_arm_get_joint(arm, c_uint32(2), byref(shoulder)) == -1)
+compiler.dpt_compiled_free(byref(arm_file))
 
 check("a body is no tool: DPT_E_HANDLE", core.dpt_tool_set_pose(world, body, byref(pose)) == -8)
 check("no pose: DPT_E_ARGUMENT", core.dpt_tool_set_pose(world, tool, None) == -1)
