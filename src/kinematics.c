@@ -70,18 +70,23 @@ static void follow(struct moving *frame, uint32_t joints, const dpt_arm_link *li
 }
 
 /* The frame of a link, shifted to a point of it; how it moves with the first `moves` joints. */
-static struct moving frame_of(const struct dpt_arm *arm, const double *joints, uint32_t moves,
-                              uint32_t link, const double *point)
+static void find_frame(const struct dpt_arm *arm, const double *joints, uint32_t moves,
+                       uint32_t link, const double *point, struct moving *frame)
 {
     uint8_t path[DPT_ARM_LINKS_MAX];
-    struct moving frame = { .turn = { .w = 1.0 } };
     const uint32_t count = arm_path(arm, link, path);
+    *frame = (struct moving){ .turn = { .w = 1.0 } };
     for (uint32_t i = 0; i < count; i++) {
         const dpt_arm_link *next = &arm_links(arm)[path[i]];
-        follow(&frame, moves, next, joints[next->joint]);
+        follow(frame, moves, next, joints[next->joint]);
     }
-    shift(&frame, moves, turned(frame.turn, vec3_of(point)));
-    return frame;
+    shift(frame, moves, turned(frame->turn, vec3_of(point)));
+}
+
+static void find_tool(const struct dpt_arm *arm, const double *joints, uint32_t moves,
+                      struct moving *frame)
+{
+    find_frame(arm, joints, moves, arm->tool_link, arm->tool.position, frame);
 }
 
 static dpt_result check_numbers(const double *number, uint32_t count)
@@ -97,7 +102,8 @@ dpt_result dpt_arm_forward(const dpt_arm *arm, const double *joints, dpt_pose *t
     if (!arm || !joints || !tool)
         return DPT_E_ARGUMENT;
     DPT_TRY(check_numbers(joints, arm->joints));
-    const struct moving frame = frame_of(arm, joints, 0, arm->tool_link, arm->tool.position);
+    struct moving frame;
+    find_tool(arm, joints, 0, &frame);
     const struct quaternion turn = product(frame.turn, quaternion_of(arm->tool.orientation));
     vec3_store(frame.origin, tool->position);
     tool->orientation[0] = turn.w;
@@ -112,8 +118,8 @@ dpt_result dpt_arm_velocity(const dpt_arm *arm, const double *joints, const doub
         return DPT_E_ARGUMENT;
     DPT_TRY(check_numbers(joints, arm->joints));
     DPT_TRY(check_numbers(rates, arm->joints));
-    const struct moving frame =
-        frame_of(arm, joints, arm->joints, arm->tool_link, arm->tool.position);
+    struct moving frame;
+    find_tool(arm, joints, arm->joints, &frame);
     vec3 moves = { 0.0, 0.0, 0.0 }, turns = { 0.0, 0.0, 0.0 };
     for (uint32_t i = 0; i < arm->joints; i++) {
         moves = along(moves, rates[i], frame.velocity[i]);
@@ -129,8 +135,8 @@ dpt_result dpt_arm_jacobian(const dpt_arm *arm, const double *joints, double *ja
     if (!arm || !joints || !jacobian)
         return DPT_E_ARGUMENT;
     DPT_TRY(check_numbers(joints, arm->joints));
-    const struct moving frame =
-        frame_of(arm, joints, arm->joints, arm->tool_link, arm->tool.position);
+    struct moving frame;
+    find_tool(arm, joints, arm->joints, &frame);
     for (uint32_t i = 0; i < arm->joints; i++) {
         double column[6];
         vec3_store(frame.velocity[i], column);
@@ -150,8 +156,8 @@ dpt_result dpt_arm_efforts(const dpt_arm *arm, const double *joints, const dpt_w
     DPT_TRY(check_numbers(wrench->force, 3));
     DPT_TRY(check_numbers(wrench->torque, 3));
     const vec3 force = vec3_of(wrench->force), torque = vec3_of(wrench->torque);
-    const struct moving frame =
-        frame_of(arm, joints, arm->joints, arm->tool_link, arm->tool.position);
+    struct moving frame;
+    find_tool(arm, joints, arm->joints, &frame);
     for (uint32_t i = 0; i < arm->joints; i++)
         efforts[i] = dot(frame.velocity[i], force) + dot(frame.spin[i], torque);
     return DPT_OK;
@@ -165,11 +171,12 @@ dpt_result dpt_arm_weight(const dpt_arm *arm, const double *joints, const double
     DPT_TRY(check_numbers(joints, arm->joints));
     DPT_TRY(check_numbers(gravity, 3));
     double sum[DPT_JOINTS_MAX] = { 0.0 };
+    struct moving frame;
     for (uint32_t i = 0; i < arm->links; i++) {
         const dpt_arm_link *link = &arm_links(arm)[i];
         if (link->mass == 0.0)
             continue;
-        const struct moving frame = frame_of(arm, joints, arm->joints, i, link->centre);
+        find_frame(arm, joints, arm->joints, i, link->centre, &frame);
         for (uint32_t k = 0; k < arm->joints; k++)
             sum[k] -= link->mass * dot(frame.velocity[k], vec3_of(gravity));
     }

@@ -497,6 +497,10 @@ static void other_order_is_checked_first(void)
         free(before.bytes);
         free(other.bytes);
     }
+    struct file other = other_arm(&whole);
+    other.bytes[H(source_hash)] ^= 1;
+    CHECK(dpt_arm_convert(other.bytes, other.size, NULL) == DPT_E_CHECKSUM, "a wrong checksum");
+    free(other.bytes);
 }
 
 static void meshes_are_no_arms(void)

@@ -13,6 +13,8 @@
 
 extern const unsigned char flash_mesh[];
 extern const size_t flash_mesh_size;
+extern const unsigned char flash_arm[];
+extern const size_t flash_arm_size;
 
 enum { FRAMES = 100, TICKS = 2000, WORLD = 256 * 1024 };
 
@@ -111,6 +113,40 @@ static void measure_sample(void)
     say("device_bytes", sizeof device);
 }
 
+/* The pose, how it moves, and the motors' efforts. Not opened yet: the reader's stack would hide the tick's. */
+static __attribute__((noinline)) void measure_arm(void)
+{
+    const dpt_arm *arm = (const void *)flash_arm;
+    const double rates[3] = { 0.1, -0.2, 0.3 };
+    uint32_t sum = 0;
+    for (int i = 0; i < FRAMES; i++) {
+        const double joints[3] = { 0.02 * i - 1, 0.01 * i, 0.5 - 0.01 * i };
+        const dpt_wrench wrench = { { 1, 0.02 * i, -2 }, { 0, 0, 0 } };
+        double velocity[3], spin[3], efforts[3];
+        dpt_pose tool;
+        count_start();
+        dpt_arm_forward(arm, joints, &tool);
+        dpt_arm_velocity(arm, joints, rates, velocity, spin);
+        dpt_arm_efforts(arm, joints, &wrench, efforts);
+        sum += count_instructions();
+        mix(&tool, sizeof tool);
+        mix(velocity, sizeof velocity);
+        mix(efforts, sizeof efforts);
+    }
+    say("arm_tick", sum / FRAMES);
+    say("stack_arm", stack_used());
+}
+
+static __attribute__((noinline)) void open_arm(void)
+{
+    const dpt_arm *arm;
+    count_start();
+    must(dpt_arm_open(flash_arm, flash_arm_size, &arm) == DPT_OK, "dpt_arm_open");
+    say("arm_open", count_instructions());
+    say("stack_arm_open", stack_used());
+    say("arm_bytes", (uint32_t)flash_arm_size);
+}
+
 static uint32_t ranked(uint32_t rank)
 {
     for (uint32_t i = 1; i < TICKS; i++)
@@ -179,10 +215,12 @@ static void measure_tick(uint32_t until, uint32_t contacts, const char *const na
 
 int main(void)
 {
+    measure_arm();
     measure_state(3, "encode_3", "decode_3");
     measure_state(6, "encode_6", "decode_6");
     measure_sample();
     say("stack_wire", stack_used());
+    open_arm();
     say("mesh_bytes", (uint32_t)flash_mesh_size);
     static const char *const names[3][4] = {
         { "track_median", "track_p99", "track_most", "track_bytes" },

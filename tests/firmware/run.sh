@@ -42,13 +42,16 @@ run="qemu-system-arm -M mps2-an500 -display none -monitor none -semihosting-conf
 "$build/dynpoint" make membrane 512 -o "$out/mesh.ply" >>"$out/log" 2>&1 &&
     "$build/dynpoint" compile "$out/mesh.ply" -o "$out/mesh.c" --c-array flash_mesh >>"$out/log" 2>&1
 verdict $? "512 triangles as an array in C"
+${CC:-cc} -std=gnu99 -Iinclude tests/firmware/arm.c "$build/libdynpoint_compile.a" "$build/libdynpoint.a" -lm -lpthread \
+    -o "$out/arm" >>"$out/log" 2>&1 && "$out/arm" >"$out/arm.c"
+verdict $? "an arm of three joints likewise"
 wire="drivers/wire.c drivers/wire_device.c"
 ${cross}gcc $flags $machine -DPERIOD=4 -DWATCHDOG=0.5f tests/firmware/device.c tests/firmware/board.c $wire $link \
     -o "$out/device.elf" >>"$out/log" 2>&1 &&
-    ${cross}gcc $flags $machine tests/firmware/measure.c tests/firmware/board.c $wire src/*.c "$out/mesh.c" $link \
+    ${cross}gcc $flags $machine tests/firmware/measure.c tests/firmware/board.c $wire src/*.c "$out/mesh.c" "$out/arm.c" $link \
         -o "$out/measure.elf" >>"$out/log" 2>&1
 verdict $? "it is built for a Cortex-M7 without a warning, see $out/log"
-${CC:-cc} $flags tests/firmware/measure.c tests/firmware/board_host.c $wire src/*.c "$out/mesh.c" -lm -o "$out/measure" >>"$out/log" 2>&1 &&
+${CC:-cc} $flags tests/firmware/measure.c tests/firmware/board_host.c $wire src/*.c "$out/mesh.c" "$out/arm.c" -lm -o "$out/measure" >>"$out/log" 2>&1 &&
     "$out/measure" >"$out/measure.host"
 verdict $? "and for this machine"
 
@@ -58,9 +61,9 @@ verdict $? "it runs"
 value() { sed -n "s/^$1 //p" "$out/measure.m7"; }
 sizes() { ${cross}size "$@" | awk 'NR > 1 { text += $1; data += $2 + $3 } END { print text, data }'; }
 [ -n "$(value bits)" ] && [ "$(value bits)" = "$(sed -n 's/^bits //p' "$out/measure.host")" ]
-verdict $? "frames, distances and wrenches have the same bits on both"
+verdict $? "frames, poses, efforts, distances and wrenches have the same bits on both"
 
-for source in $wire; do
+for source in $wire src/kinematics.c src/arm_open.c; do
     ${cross}gcc $flags $machine -c $source -o "$out/$(basename $source .c).o"
 done
 cat >"$out/core.c" <<'END'
@@ -94,7 +97,8 @@ END
 ${cross}gcc $flags $machine "$out/core.c" src/*.c $link -Wl,--defsym=bytes=0 -Wl,--defsym=block=0x20000000 \
     -o "$out/core.elf" >>"$out/log" 2>&1
 verdict $? "the core alone is linked"
-set -- $(sizes "$out/wire.o") $(sizes "$out/wire_device.o") $(sizes "$out/device.elf") $(sizes "$out/core.elf")
+set -- $(sizes "$out/wire.o") $(sizes "$out/wire_device.o") $(sizes "$out/device.elf") $(sizes "$out/core.elf") \
+    $(sizes "$out/kinematics.o") $(sizes "$out/arm_open.o")
 cat <<END
 
 | on a Cortex-M7, gcc -O2 | instructions | text, bytes | RAM, bytes |
@@ -106,6 +110,9 @@ cat <<END
 | the whole firmware of tests/firmware | | $5 | $6 |
 | the core: dpt_world_step and what it needs | | $7 | $8, stack $(value stack) |
 | mesh of 512 triangles in flash | | $(value mesh_bytes) | 0 |
+| an arm of 3 joints in flash | | $(value arm_bytes) | 0 |
+| its pose, velocity and efforts: kinematics.c | $(value arm_tick) | $9 | 0, stack below $(value stack_arm) |
+| open it, once: arm_open.c, and mesh_open.c | $(value arm_open) | ${11} | 0, stack below $(value stack_arm_open) |
 | tick, exact, nearest pair (DPT_UNTIL_TRACK): median / 99 % / most | $(value track_median) / $(value track_p99) / $(value track_most) | | $(value track_bytes) |
 | tick, exact, with depth and force, max_contacts 0 | $(value depth_median) / $(value depth_p99) / $(value depth_most) | | $(value depth_bytes) |
 | tick, exact, with regions, max_contacts 4 | $(value tick_median) / $(value tick_p99) / $(value tick_most) | | $(value tick_bytes) |
@@ -113,6 +120,8 @@ cat <<END
 END
 [ "$(value sample)" -lt 10000 ] && [ $(($1 + $3)) -lt 8192 ] && [ "$2" -eq 0 ] && [ "$4" -eq 0 ] && [ "$8" -eq 0 ]
 verdict $? "the protocol costs a sample less than 10,000 instructions, 8 KB of text and no static RAM"
+[ "$(value arm_tick)" -lt 20000 ] && [ "$(value stack_arm)" -lt 2048 ] && [ "${10}" -eq 0 ] && [ "${12}" -eq 0 ]
+verdict $? "an arm of three joints costs a tick less than 20,000 instructions, 2 KB of stack and no static RAM"
 
 if [ -x "$build/tests/firmware/link" ]; then
     timeout 300 "$build/tests/firmware/link" $run -chardev pty,id=p -serial chardev:p -kernel "$out/device.elf" >"$out/link.log" 2>&1
