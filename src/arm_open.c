@@ -251,8 +251,6 @@ static dpt_result begin(const void *bytes, size_t size, struct dpt_arm *arm, dpt
         return DPT_E_SIZE;
     if ((uintptr_t)bytes % 8)
         return fail(fault, DPT_E_ALIGN, 0, ARM_HEADER);
-    if (size == 0)
-        return fail(fault, DPT_E_TRUNCATED, 0, ARM_HEADER);
     if (memcmp(bytes, ARM_MAGIC, size < 8 ? size : 8))
         return fail(fault, DPT_E_MAGIC, 0, ARM_HEADER);
     if (size < known)
