@@ -421,6 +421,25 @@ static void each_check_has_its_damage(void)
         expect_row(&table[row], row);
 }
 
+/* 63 bytes and a zero are a name, 64 bytes are none. */
+static void names_end(void)
+{
+    const int64_t names[] = { H(name), J(1, name), B(1, name) };
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        struct file file = copy_of(&whole);
+        dpt_mesh_fault fault = { .size = sizeof fault };
+        memset(file.bytes + names[i], 'x', DPT_ARM_NAME - 1);
+        seal_arm(&file);
+        CHECK(dpt_arm_verify(file.bytes, file.size, &fault) == DPT_OK, "name %zu of 63 bytes", i);
+        file.bytes[names[i] + DPT_ARM_NAME - 1] = 'x';
+        seal_arm(&file);
+        CHECK(dpt_arm_verify(file.bytes, file.size, &fault) == DPT_E_LAYOUT &&
+                  fault.byte == (uint64_t)names[i],
+              "name %zu of 64 bytes", i);
+        free(file.bytes);
+    }
+}
+
 static void no_check_is_forgotten(void)
 {
     site_expect_all(reader, 30);
@@ -724,6 +743,7 @@ int main(int argc, char **argv)
         reader = argv[2];
     TEST(what_is_compiled_comes_back);
     TEST(each_check_has_its_damage);
+    TEST(names_end);
     TEST(no_check_is_forgotten);
     TEST(wrong_bytes_do_no_harm);
     TEST(every_length_is_refused);
