@@ -692,6 +692,28 @@ static void refusals_name_what_is_wrong(void)
           "arguments");
 }
 
+static int no_memory;
+
+void *__real_calloc(size_t count, size_t size);
+void *__wrap_calloc(size_t count, size_t size);
+void *__wrap_calloc(size_t count, size_t size)
+{
+    return no_memory ? NULL : __real_calloc(count, size);
+}
+
+static void no_memory_is_an_error(void)
+{
+    struct arm_arrays arrays;
+    dpt_compiled out = { &out, 1 };
+    dpt_diag diag = { .size = sizeof diag };
+    whole_arm(&arrays);
+    no_memory = 1;
+    CHECK(dpt_compile_arm(&arrays.def, &out, &diag) == DPT_E_MEMORY && !out.bytes && !out.size,
+          "%s", diag.text);
+    no_memory = 0;
+    CHECK(!strcmp(diag.text, "memory ran out"), "%s", diag.text);
+}
+
 /* Within 1e-6 of unit length is made so; what stands behind a name is not kept. */
 static void nearly_right_is_made_right(void)
 {
@@ -753,6 +775,7 @@ int main(int argc, char **argv)
     TEST(golden_file_is_what_we_write);
     TEST(refusals_name_what_is_wrong);
     TEST(nearly_right_is_made_right);
+    TEST(no_memory_is_an_error);
     for (int i = 0; i < BODIES; i++)
         free(meshes[i].bytes);
     free(whole.bytes);

@@ -20,7 +20,8 @@ $(B)/tests/%_sites.o: $(B)/tests/%_sites.c
 $(B)/tests/test_damage: $(B)/tests/test_damage.o $(B)/tests/mesh_open_sites.o $(filter-out $(B)/src/mesh_open.o,$(TEST_PARTS))
 $(B)/tests/test_arm: $(B)/tests/test_arm.o $(B)/tests/arm_open_sites.o $(filter-out $(B)/src/arm_open.o,$(TEST_PARTS))
 $(B)/tests/test_damage $(B)/tests/test_arm:
-	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) -o $@
+	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(LDLIBS) -o $@
+$(B)/tests/test_arm: private LDLIBS = -Wl,--wrap=calloc
 
 $(B)/tests/test_organs: | $(B)/dynpoint
 

@@ -36,7 +36,7 @@
     X(DPT_E_FORMAT,             -42, "the file is of no known format")                             \
     X(DPT_E_SYNTAX,             -43, "the file breaks the rules of its format")                    \
     X(DPT_E_EMPTY,              -44, "the mesh has no triangle that counts")                       \
-    X(DPT_E_LIMIT,              -45, "the mesh is larger than the format can number")              \
+    X(DPT_E_LIMIT,              -45, "there is more than the format can number or hold")           \
     X(DPT_E_CANCELLED,          -46, "the progress callback asked to stop")                        \
     X(DPT_E_LOST,               -60, "the device is gone: unplugged, or it does not answer")       \
     X(DPT_E_BUSY,               -61, "there was no room for the command: the next one counts")     \
