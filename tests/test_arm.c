@@ -714,6 +714,21 @@ static void no_memory_is_an_error(void)
     CHECK(!strcmp(diag.text, "memory ran out"), "%s", diag.text);
 }
 
+static void a_damaged_mesh_is_not_taken(void)
+{
+    struct arm_arrays arrays;
+    struct file mesh = copy_of(&meshes[0]);
+    dpt_compiled out;
+    dpt_diag diag = { .size = sizeof diag };
+    whole_arm(&arrays);
+    mesh.bytes[960] ^= 1;
+    arrays.bodies[1].mesh = (const void *)mesh.bytes;
+    CHECK(dpt_compile_arm(&arrays.def, &out, &diag) == DPT_E_CHECKSUM && !out.bytes &&
+              !strcmp(diag.text, "a body's mesh is damaged"),
+          "%s", diag.text);
+    free(mesh.bytes);
+}
+
 /* Within 1e-6 of unit length is made so; what stands behind a name is not kept. */
 static void nearly_right_is_made_right(void)
 {
@@ -776,6 +791,7 @@ int main(int argc, char **argv)
     TEST(refusals_name_what_is_wrong);
     TEST(nearly_right_is_made_right);
     TEST(no_memory_is_an_error);
+    TEST(a_damaged_mesh_is_not_taken);
     for (int i = 0; i < BODIES; i++)
         free(meshes[i].bytes);
     free(whole.bytes);
