@@ -52,8 +52,16 @@ $(error no driver $(filter-out $(BACK_ENDS),$(DRIVERS)): there are $(BACK_ENDS))
 endif
 LEFT_OUT := $(patsubst %,drivers/%.c,$(filter-out $(DRIVERS),$(BACK_ENDS)))
 DRIVER_PARTS := $(patsubst %.c,$(B)/%.o,$(filter-out $(LEFT_OUT),$(wildcard drivers/*.c)))
+# Robots' descriptions: where there are urdfdom and a C++ compiler. URDF=no leaves them out.
+URDF ?= $(if $(filter fuzz,$(CONFIG)),no,$(shell echo '\#include <urdf_parser/urdf_parser.h>' | \
+  $(CXX) $$(pkg-config --cflags urdfdom console_bridge 2>&1) -E -x c++ - >/dev/null 2>&1 && echo yes || echo no))
+ifeq ($(URDF),yes)
+URDF_PARTS := $(patsubst %.cc,$(B)/%.o,$(wildcard src/urdf/*.cc))
+URDF_CFLAGS := $(shell pkg-config --cflags urdfdom console_bridge)
+URDF_LIBS := -Wl,--as-needed $(shell pkg-config --libs urdfdom console_bridge) -lstdc++
+endif
 TOOLS := $(patsubst %.c,$(B)/%.o,$(wildcard tools/*.c))
-LIBS := $(B)/libdynpoint $(B)/libdynpoint_compile $(B)/libdynpoint_drivers
+LIBS := $(B)/libdynpoint $(B)/libdynpoint_compile $(B)/libdynpoint_drivers $(if $(URDF_PARTS),$(B)/libdynpoint_urdf)
 
 .PHONY: all force demo check firmware vm bench charts soak fuzz deps install uninstall help clean
 .SECONDARY:
@@ -62,6 +70,10 @@ all: $(B)/dynpoint $(LIBS:%=%.a) $(LIBS:%=%.so.$(SOVERSION)) ## the program and 
 $(B)/%.o: %.c
 	@mkdir -p $(@D)
 	$(CC) $(ALL_CFLAGS) -c $< -o $@
+
+$(B)/%.o: %.cc
+	@mkdir -p $(@D)
+	$(CXX) -std=c++11 $(CFLAGS) $(EXACT) $(WARNINGS) -fPIC -fvisibility=hidden -MMD -MP -Iinclude -Isrc $(URDF_CFLAGS) $(CONFIG_CFLAGS) $(CFLAGS_EXTRA) -c $< -o $@
 
 $(B)/src/kernel_scalar.o: CONFIG_CFLAGS += -fno-tree-vectorize
 
@@ -81,6 +93,13 @@ $(B)/libdynpoint.o $(B)/libdynpoint_compile.o $(B)/libdynpoint_drivers.o:
 	$(LD) -r $^ -o $@
 	$(OBJCOPY) --localize-hidden $@
 
+# What C++ shares among objects is local too: the library's name is all that is seen.
+$(B)/libdynpoint_urdf.o: $(URDF_PARTS)
+	$(LD) -r $^ -o $@
+	$(OBJCOPY) --wildcard --keep-global-symbol='dpt_urdf_*' $@
+$(B)/libdynpoint_urdf.so.$(SOVERSION): private LDLIBS = $(URDF_LIBS)
+$(B)/libdynpoint_urdf.so.$(SOVERSION): $(B)/libdynpoint_urdf.o $(B)/libdynpoint_compile.so.$(SOVERSION) $(B)/libdynpoint.so.$(SOVERSION)
+
 %.a: %.o
 	rm -f $@
 	$(AR) rcs $@ $<
@@ -95,8 +114,8 @@ $(B)/libdynpoint_drivers.so.$(SOVERSION): $(DRIVER_PARTS) $(B)/src/compile/numbe
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) -shared -Wl,-soname,$(@F) -Wl,--version-script=src/symbols.map $^ -lm $(LDLIBS) -o $@
 	ln -sf $(@F) $*.so
 
-$(B)/dynpoint: $(TOOLS) $(COMPILE) $(DRIVER_PARTS) $(CORE)
-	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) -o $@
+$(B)/dynpoint: $(TOOLS) $(URDF_PARTS) $(COMPILE) $(DRIVER_PARTS) $(CORE)
+	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(URDF_LIBS) -o $@
 
 demo: ## build, make a liver, slide a tool over it, and prove every answer
 	@echo building ...
@@ -139,4 +158,4 @@ help: ## this list
 clean: ## remove build/
 	rm -rf build
 
--include $(CORE:.o=.d) $(COMPILE:.o=.d) $(DRIVER_PARTS:.o=.d) $(TOOLS:.o=.d)
+-include $(CORE:.o=.d) $(COMPILE:.o=.d) $(URDF_PARTS:.o=.d) $(DRIVER_PARTS:.o=.d) $(TOOLS:.o=.d)

@@ -1,0 +1,350 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "chain.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+dpt_pose pose_of(const Frame &frame)
+{
+    return { { frame.p.x, frame.p.y, frame.p.z }, { frame.w, frame.v.x, frame.v.y, frame.v.z } };
+}
+
+void put_name(char to[DPT_ARM_NAME], const std::string &name, const char *what, size_t line)
+{
+    if (name.size() >= DPT_ARM_NAME)
+        refuse(DPT_E_LIMIT, line, "%s %s: its name is longer than %d bytes", what,
+               quoted(name).c_str(), DPT_ARM_NAME - 1);
+    std::memset(to, 0, DPT_ARM_NAME);
+    std::memcpy(to, name.data(), name.size());
+}
+
+namespace
+{
+
+/* A joint's value: factor * base's + offset; factor 0 where it stands still. */
+struct Motion {
+    size_t base; /* joint; none: still */
+    double factor;
+    double offset;
+};
+
+std::string joint_called(const Joint &joint)
+{
+    return "joint " + quoted(joint.name);
+}
+
+bool turns_or_slides(const Joint &joint)
+{
+    return joint.kind == Joint::REVOLUTE || joint.kind == Joint::CONTINUOUS ||
+           joint.kind == Joint::PRISMATIC;
+}
+
+struct Builder {
+    const Robot &robot;
+    const Notes &notes;
+    Chain chain;
+    std::vector<size_t> path;    /* joints, from the root to the tool */
+    std::vector<Motion> motions; /* of each joint */
+
+    void find_tool(const char *name);
+    void find_path();
+    Motion follow(size_t index) const;
+    void find_coordinates();
+    void add_coordinate(size_t index);
+    void place();
+    Placed moved(size_t index, const Placed &parent);
+    Frame held(const Joint &joint, double value, bool mimics) const;
+    void weigh();
+    void shapes();
+    void check_mimics() const;
+
+    bool is_coordinate(size_t joint) const
+    {
+        return std::find(chain.coordinates.begin(), chain.coordinates.end(), joint) !=
+               chain.coordinates.end();
+    }
+};
+
+void Builder::find_tool(const char *name)
+{
+    std::vector<size_t> ends;
+    for (size_t i = 0; i < robot.links.size(); i++) {
+        if (name ? robot.links[i].name == name : robot.links[i].children.empty())
+            ends.push_back(i);
+    }
+    if (ends.empty())
+        refuse(DPT_E_ARGUMENT, 0, "there is no link %s to be the tool", quoted(name).c_str());
+    if (ends.size() > 1) {
+        std::string some = quoted(robot.links[ends[0]].name);
+        for (size_t i = 1; i < ends.size() && i < 3; i++)
+            some += ", " + quoted(robot.links[ends[i]].name);
+        refuse(DPT_E_ARGUMENT, 0, "%zu links have no children: %s%s: name the one that is the tool",
+               ends.size(), some.c_str(), ends.size() > 3 ? " ..." : "");
+    }
+    chain.tool = ends[0];
+}
+
+void Builder::find_path()
+{
+    for (size_t at = chain.tool; robot.links[at].joint != none;
+         at = robot.joints[robot.links[at].joint].parent)
+        path.push_back(robot.links[at].joint);
+    std::reverse(path.begin(), path.end());
+    for (size_t index : path) {
+        const Joint &joint = robot.joints[index];
+        if (joint.kind == Joint::FLOATING || joint.kind == Joint::PLANAR)
+            refuse(DPT_E_UNSUPPORTED, joint.line,
+                   "%s on the way to the tool is %s: an arm has revolute, continuous and prismatic "
+                   "ones",
+                   joint_called(joint).c_str(),
+                   joint.kind == Joint::FLOATING ? "floating" : "planar");
+    }
+}
+
+/* Through chains of mimics to the joint that none of them moves. */
+Motion Builder::follow(size_t index) const
+{
+    Motion motion = { index, 1.0, 0.0 };
+    for (size_t steps = 0; robot.joints[motion.base].mimics != none; steps++) {
+        const Joint &joint = robot.joints[motion.base];
+        if (steps > robot.joints.size())
+            refuse(DPT_E_SYNTAX, robot.joints[index].line, "%s mimics itself, by way of others",
+                   joint_called(robot.joints[index]).c_str());
+        motion.offset += motion.factor * joint.offset;
+        motion.factor *= joint.factor;
+        motion.base = joint.mimics;
+    }
+    const Joint &base = robot.joints[motion.base];
+    if (motion.base != index && !turns_or_slides(base))
+        refuse(DPT_E_UNSUPPORTED, robot.joints[index].line,
+               "%s mimics %s, which neither turns about an axis nor slides along one",
+               joint_called(robot.joints[index]).c_str(), quoted(base.name).c_str());
+    if (!(std::fabs(motion.factor) <= DPT_COORDINATE_MAX) ||
+        !(std::fabs(motion.offset) <= DPT_COORDINATE_MAX))
+        refuse(DPT_E_FINITE, robot.joints[index].line,
+               "%s: its multiplier and offset, through all that it mimics, are beyond 1e6",
+               joint_called(robot.joints[index]).c_str());
+    if (motion.factor == 0.0 || !turns_or_slides(robot.joints[index]))
+        motion.base = none;
+    return motion;
+}
+
+void Builder::add_coordinate(size_t index)
+{
+    const Joint &from = robot.joints[index];
+    if (chain.joints.size() == DPT_JOINTS_MAX)
+        refuse(DPT_E_LIMIT, from.line, "%s is the ninth on the way to the tool: an arm has at most %d",
+               joint_called(from).c_str(), DPT_JOINTS_MAX);
+    dpt_arm_joint joint = {};
+    joint.size = sizeof joint;
+    joint.kind = from.kind == Joint::PRISMATIC  ? DPT_JOINT_PRISMATIC :
+                 from.kind == Joint::CONTINUOUS ? DPT_JOINT_CONTINUOUS :
+                                                  DPT_JOINT_REVOLUTE;
+    joint.lower = from.lower;
+    joint.upper = from.upper;
+    joint.velocity = from.velocity;
+    joint.effort = from.effort;
+    joint.damping = from.damping;
+    joint.friction = from.friction;
+    put_name(joint.name, from.name, "joint", from.line);
+    chain.coordinates.push_back(index);
+    chain.joints.push_back(joint);
+    if (from.kind != Joint::CONTINUOUS && from.lower == from.upper)
+        notes.say(from.line, joint_called(from) + " cannot move: its limits are equal");
+    if (from.safety)
+        notes.say(from.line, joint_called(from) + ": its <safety_controller> is left out");
+}
+
+void Builder::find_coordinates()
+{
+    for (size_t i = 0; i < robot.joints.size(); i++)
+        motions.push_back(follow(i));
+    for (size_t index : path)
+        if (motions[index].base != none && !is_coordinate(motions[index].base))
+            add_coordinate(motions[index].base);
+    if (chain.coordinates.empty())
+        refuse(DPT_E_UNSUPPORTED, robot.links[chain.tool].line,
+               "link %s is the tool, and no joint between it and the root %s moves",
+               quoted(robot.links[chain.tool].name).c_str(),
+               quoted(robot.links[robot.root].name).c_str());
+}
+
+/* Limits are those of the coordinate; a joint that follows it may have narrower ones of its own. */
+void Builder::check_mimics() const
+{
+    for (size_t i = 0; i < robot.joints.size(); i++) {
+        const Joint &joint = robot.joints[i];
+        const Motion &motion = motions[i];
+        if (joint.mimics == none || motion.base == none || !is_coordinate(motion.base) ||
+            joint.kind == Joint::CONTINUOUS)
+            continue;
+        const Joint &base = robot.joints[motion.base];
+        double a = motion.factor * base.lower + motion.offset,
+               b = motion.factor * base.upper + motion.offset, slack = 1e-9 * (1.0 + std::fabs(a - b));
+        if (base.kind == Joint::CONTINUOUS || std::min(a, b) < joint.lower - slack ||
+            std::max(a, b) > joint.upper + slack)
+            notes.say(joint.line, joint_called(joint) + " leaves its own limits when " +
+                                      quoted(base.name) + ", which it mimics, goes to its");
+    }
+}
+
+/* A joint that the arm does not move, where it stands. */
+Frame Builder::held(const Joint &joint, double value, bool mimics) const
+{
+    if (!turns_or_slides(joint)) {
+        if (joint.kind != Joint::FIXED)
+            notes.say(joint.line, joint_called(joint) + " is no part of the arm: held at its origin");
+        return joint.place;
+    }
+    if (!mimics && joint.kind != Joint::CONTINUOUS)
+        value = std::max(joint.lower, std::min(joint.upper, value));
+    notes.say(joint.line, joint_called(joint) + " is no part of the arm: held" +
+                              (value == 0.0 ? " at 0" :
+                               mimics       ? " where what it mimics puts it" :
+                                              " at its limit nearest to 0"));
+    Frame motion = identity;
+    if (joint.kind == Joint::PRISMATIC) {
+        motion.p = value * joint.axis;
+    } else {
+        motion.w = std::cos(0.5 * value);
+        motion.v = std::sin(0.5 * value) * joint.axis;
+    }
+    return joint.place * motion;
+}
+
+Placed Builder::moved(size_t index, const Placed &parent)
+{
+    const Joint &joint = robot.joints[index];
+    const Motion &motion = motions[index];
+    if (motion.base == none || !is_coordinate(motion.base)) {
+        double value = motion.offset;
+        if (motion.base != none) {
+            const Joint &base = robot.joints[motion.base];
+            double at = base.kind == Joint::CONTINUOUS ?
+                            0.0 :
+                            std::max(base.lower, std::min(base.upper, 0.0));
+            value += motion.factor * at;
+        }
+        return { parent.on, parent.place * held(joint, value, joint.mimics != none) };
+    }
+    if (chain.links.size() == DPT_ARM_LINKS_MAX)
+        refuse(DPT_E_LIMIT, joint.line, "%s: more than %d links move with the arm",
+               joint_called(joint).c_str(), DPT_ARM_LINKS_MAX);
+    dpt_arm_link link = {};
+    link.size = sizeof link;
+    link.parent = parent.on == none ? DPT_NONE : static_cast<uint32_t>(parent.on);
+    link.joint = static_cast<uint32_t>(
+        std::find(chain.coordinates.begin(), chain.coordinates.end(), motion.base) -
+        chain.coordinates.begin());
+    link.slides = joint.kind == Joint::PRISMATIC;
+    link.pose = pose_of(parent.place * joint.place);
+    link.axis[0] = joint.axis.x;
+    link.axis[1] = joint.axis.y;
+    link.axis[2] = joint.axis.z;
+    link.factor = motion.factor;
+    link.offset = motion.offset;
+    chain.links.push_back(link);
+    return { chain.links.size() - 1, identity };
+}
+
+void Builder::place()
+{
+    chain.placed.assign(robot.links.size(), Placed{ none, identity });
+    std::vector<size_t> row(1, robot.root);
+    for (size_t i = 0; i < row.size(); i++) {
+        for (size_t child : robot.links[row[i]].children) {
+            chain.placed[child] = moved(robot.links[child].joint, chain.placed[row[i]]);
+            row.push_back(child);
+        }
+    }
+}
+
+/* Each link's mass to the link of the arm that it is fixed to. */
+void Builder::weigh()
+{
+    std::vector<Vec> moments(chain.links.size(), Vec{ 0.0, 0.0, 0.0 });
+    for (size_t i = 0; i < robot.links.size(); i++) {
+        const Placed &at = chain.placed[i];
+        if (at.on == none)
+            continue;
+        chain.links[at.on].mass += robot.links[i].mass;
+        moments[at.on] =
+            moments[at.on] + robot.links[i].mass * (at.place * robot.links[i].centre);
+    }
+    for (size_t i = 0; i < chain.links.size(); i++) {
+        dpt_arm_link &link = chain.links[i];
+        if (!(link.mass > 0.0))
+            continue;
+        link.centre[0] = moments[i].x / link.mass;
+        link.centre[1] = moments[i].y / link.mass;
+        link.centre[2] = moments[i].z / link.mass;
+    }
+}
+
+/* Its capsule, along z of its frame. */
+bool is_capsule(const Shape &shape, double *half, double *radius)
+{
+    *radius = shape.radius;
+    *half = 0.0;
+    if (shape.kind == Shape::CAPSULE)
+        *half = 0.5 * shape.length;
+    if (shape.kind == Shape::CYLINDER) {
+        *radius = std::min(shape.radius, 0.5 * shape.length);
+        *half = 0.5 * shape.length - *radius;
+    }
+    return shape.kind == Shape::CAPSULE || shape.kind == Shape::CYLINDER ||
+           shape.kind == Shape::SPHERE;
+}
+
+void Builder::shapes()
+{
+    const Placed &tool = chain.placed[chain.tool];
+    const Frame back = inverse(tool.place);
+    for (size_t i = 0; i < robot.links.size(); i++) {
+        const Link &link = robot.links[i];
+        size_t left = 0;
+        for (const Shape &shape : link.shapes) {
+            const Placed &at = chain.placed[i];
+            double half, radius;
+            if (at.on == none && (shape.kind == Shape::BOX || shape.kind == Shape::MESH))
+                continue;
+            if (at.on != tool.on || !is_capsule(shape, &half, &radius)) {
+                left++;
+                continue;
+            }
+            if (chain.segments.size() == DPT_ARM_SEGMENTS_MAX)
+                refuse(DPT_E_LIMIT, link.line, "link %s: the tool has more than %d capsules",
+                       quoted(link.name).c_str(), DPT_ARM_SEGMENTS_MAX);
+            const Frame in_tool = back * at.place * shape.place;
+            const Vec a = in_tool * Vec{ 0.0, 0.0, -half }, b = in_tool * Vec{ 0.0, 0.0, half };
+            chain.segments.push_back({ { a.x, a.y, a.z }, { b.x, b.y, b.z }, radius });
+            if (radius < shape.radius)
+                notes.say(link.line, "link " + quoted(link.name) +
+                                         ": a cylinder wider than long is felt as the ball in it");
+        }
+        if (left)
+            notes.say(link.line, line_of_text("link %s: %zu collision shape%s left out: neither the "
+                                              "tool's capsules nor the scene's meshes and boxes",
+                                              quoted(link.name).c_str(), left, left > 1 ? "s" : ""));
+    }
+    if (chain.segments.empty())
+        notes.say(robot.links[chain.tool].line,
+                  "link " + quoted(robot.links[chain.tool].name) +
+                      ": the tool has no cylinder, capsule or sphere to touch with");
+}
+
+} // namespace
+
+Chain chain_of(const Robot &robot, const char *tool, const Notes &notes)
+{
+    Builder builder = { robot, notes, Chain(), {}, {} };
+    builder.find_tool(tool);
+    builder.find_path();
+    builder.find_coordinates();
+    builder.check_mimics();
+    builder.place();
+    builder.weigh();
+    builder.shapes();
+    return builder.chain;
+}

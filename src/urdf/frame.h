@@ -1,0 +1,68 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * Places of frames in frames: a point x of the inner one is at p + R(q) x in the outer one.
+ */
+#ifndef DPT_URDF_FRAME_H
+#define DPT_URDF_FRAME_H
+
+#include <cmath>
+
+struct Vec {
+    double x, y, z;
+};
+
+struct Frame {
+    Vec p;
+    double w; /* unit quaternion */
+    Vec v;
+};
+
+static const Frame identity = { { 0.0, 0.0, 0.0 }, 1.0, { 0.0, 0.0, 0.0 } };
+
+inline Vec operator+(Vec a, Vec b)
+{
+    return { a.x + b.x, a.y + b.y, a.z + b.z };
+}
+
+inline Vec operator*(double s, Vec a)
+{
+    return { s * a.x, s * a.y, s * a.z };
+}
+
+inline double dot(Vec a, Vec b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+inline Vec cross(Vec a, Vec b)
+{
+    return { a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x };
+}
+
+inline Vec turned(const Frame &f, Vec x)
+{
+    Vec t = 2.0 * cross(f.v, x);
+    return x + f.w * t + cross(f.v, t);
+}
+
+inline Vec operator*(const Frame &f, Vec x)
+{
+    return f.p + turned(f, x);
+}
+
+inline Frame operator*(const Frame &a, const Frame &b)
+{
+    double w = a.w * b.w - dot(a.v, b.v);
+    Vec v = a.w * b.v + b.w * a.v + cross(a.v, b.v);
+    double scale = 1.0 / std::sqrt(w * w + dot(v, v));
+    return { a * b.p, scale * w, scale * v };
+}
+
+inline Frame inverse(const Frame &f)
+{
+    Frame back = { { 0.0, 0.0, 0.0 }, f.w, -1.0 * f.v };
+    back.p = turned(back, -1.0 * f.p);
+    return back;
+}
+
+#endif

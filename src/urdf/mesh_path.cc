@@ -1,0 +1,103 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include <cstdio>
+#include <cstring>
+
+#include "scene.h"
+
+namespace
+{
+
+bool begins(const std::string &text, const char *with)
+{
+    return text.compare(0, std::strlen(with), with) == 0;
+}
+
+bool is_there(const std::string &path)
+{
+    std::FILE *file = std::fopen(path.c_str(), "rb");
+    if (file)
+        std::fclose(file);
+    return file != NULL;
+}
+
+/* Ends in '/', or is empty. */
+std::string folder_of(const std::string &path)
+{
+    return path.substr(0, path.rfind('/') + 1);
+}
+
+int hex(char c)
+{
+    return c >= '0' && c <= '9' ? c - '0' :
+           c >= 'a' && c <= 'f' ? c - 'a' + 10 :
+           c >= 'A' && c <= 'F' ? c - 'A' + 10 :
+                                  -1;
+}
+
+/* Of an address: %20 is a space. */
+std::string decoded(const std::string &text, size_t line, const std::string &owner)
+{
+    std::string plain;
+    for (size_t i = 0; i < text.size(); i++) {
+        if (text[i] != '%') {
+            plain += text[i];
+            continue;
+        }
+        int high = i + 2 < text.size() ? hex(text[i + 1]) : -1,
+            low = i + 2 < text.size() ? hex(text[i + 2]) : -1;
+        if (high < 0 || low < 0 || 16 * high + low < 0x20)
+            refuse(DPT_E_SYNTAX, line, "%s: %s: '%%' is not followed by two digits of a character",
+                   owner.c_str(), quoted(text).c_str());
+        plain += static_cast<char>(16 * high + low);
+        i += 2;
+    }
+    return plain;
+}
+
+/* `rest` is NAME/... */
+std::string in_package(const std::string &rest, const std::string &file, const char *packages,
+                       size_t line, const std::string &owner)
+{
+    size_t slash = rest.find('/');
+    std::string name = rest.substr(0, slash);
+    if (slash == std::string::npos || name.empty() || name == "." || name == "..")
+        refuse(DPT_E_SYNTAX, line, "%s: package://%s names no package and file", owner.c_str(),
+               rest.c_str());
+    for (const char *at = packages; at && *at;) {
+        size_t length = std::strcspn(at, ":");
+        std::string folder(at, length);
+        if (length && is_there(folder + "/" + rest))
+            return folder + "/" + rest;
+        at += length + (at[length] == ':');
+    }
+    /* "./" first, so that a name without a folder has one above. */
+    std::string folder = folder_of(file);
+    if (!begins(folder, "/"))
+        folder = "./" + folder;
+    for (size_t up = 0; up < 32; up++) {
+        if (is_there(folder + rest))
+            return folder + rest;
+        folder += "../";
+    }
+    return folder_of(file) + rest.substr(slash + 1);
+}
+
+} // namespace
+
+std::string mesh_path(const std::string &name, const std::string &file, const char *packages,
+                      size_t line, const std::string &owner)
+{
+    if (name.empty())
+        refuse(DPT_E_SYNTAX, line, "%s: a mesh without a file's name", owner.c_str());
+    if (begins(name, "package://"))
+        return in_package(decoded(name.substr(10), line, owner), file, packages, line, owner);
+    if (begins(name, "file:///"))
+        return decoded(name.substr(7), line, owner);
+    if (begins(name, "file://localhost/"))
+        return decoded(name.substr(16), line, owner);
+    if (name.find("://") != std::string::npos)
+        refuse(DPT_E_UNSUPPORTED, line,
+               "%s: %s: only package://NAME/..., file:///... and plain names are taken",
+               owner.c_str(), quoted(name).c_str());
+    return name[0] == '/' ? name : folder_of(file) + name;
+}

@@ -1,0 +1,217 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The words of a URDF, as far as an arm is told by them. */
+#include <cstring>
+
+#include "outline.h"
+
+namespace
+{
+
+/*
+ * How often an element may stand in its parent; what it may have. With `strict` anything else is a fault: a slip of
+ * the pen there moves the arm.
+ */
+struct Word {
+    const char *path;
+    bool many;
+    bool strict;
+    const char *attributes; /* "*": not looked at, nor what is in it */
+};
+
+const Word words[] = {
+    { "robot", false, false, "name version xmlns" },
+    { "robot/material", true, false, "*" },
+    { "robot/link", true, false, "name" },
+    { "robot/link/visual", true, false, "*" },
+    { "robot/link/inertial", false, false, "" },
+    { "robot/link/inertial/origin", false, true, "xyz rpy" },
+    { "robot/link/inertial/mass", false, true, "value" },
+    { "robot/link/inertial/inertia", false, false, "*" },
+    { "robot/link/collision", true, false, "name group" },
+    { "robot/link/collision/origin", false, true, "xyz rpy" },
+    { "robot/link/collision/geometry", false, false, "" },
+    { "robot/link/collision/geometry/box", false, true, "size" },
+    { "robot/link/collision/geometry/sphere", false, true, "radius" },
+    { "robot/link/collision/geometry/cylinder", false, true, "radius length" },
+    { "robot/link/collision/geometry/capsule", false, true, "radius length" },
+    { "robot/link/collision/geometry/mesh", false, true, "filename scale" },
+    { "robot/joint", true, false, "name type" },
+    { "robot/joint/origin", false, true, "xyz rpy" },
+    { "robot/joint/parent", false, true, "link" },
+    { "robot/joint/child", false, true, "link" },
+    { "robot/joint/axis", false, true, "xyz" },
+    { "robot/joint/limit", false, false, "lower upper effort velocity" },
+    { "robot/joint/mimic", false, true, "joint multiplier offset" },
+    { "robot/joint/dynamics", false, true, "damping friction" },
+};
+
+const Word *word_for(const std::string &path)
+{
+    for (const Word &word : words)
+        if (path == word.path)
+            return &word;
+    return NULL;
+}
+
+bool lists(const char *attributes, const std::string &name)
+{
+    for (const char *at = attributes; *at;) {
+        size_t length = std::strcspn(at, " ");
+        if (name.size() == length && name.compare(0, length, at, length) == 0)
+            return true;
+        at += length + (at[length] == ' ');
+    }
+    return false;
+}
+
+struct Left {
+    size_t line;
+    size_t count;
+};
+
+struct Checker {
+    Outline *outline;
+    bool recent;
+    std::vector<std::string> paths;   /* of each element; empty: within what is not looked at */
+    std::map<std::string, Left> left; /* "<tag> in <parent>" */
+    std::vector<std::string> order;
+
+    /* "joint 'elbow'", or the tag of what has no such owner. */
+    std::string owner(size_t element) const
+    {
+        for (size_t i = element; i; i = outline->elements[i].parent) {
+            const Element &e = outline->elements[i];
+            const std::string *name = e.attribute("name");
+            if ((paths[i] == "robot/link" || paths[i] == "robot/joint") && name)
+                return e.tag + " " + quoted(*name);
+        }
+        return "<" + outline->elements[element].tag + ">";
+    }
+
+    void leave(size_t line, const std::string &what)
+    {
+        if (!left.count(what)) {
+            left[what].line = line;
+            order.push_back(what);
+        }
+        left[what].count++;
+    }
+
+    void attributes(size_t index, const Word &word);
+    void named(size_t index, std::vector<size_t> *list, std::map<std::string, size_t> *by_name);
+    void repeated(size_t index);
+    void capsule(size_t index);
+    void element(size_t index);
+};
+
+void Checker::attributes(size_t index, const Word &word)
+{
+    const Element &e = outline->elements[index];
+    for (const Attribute &a : e.attributes) {
+        if (a.value.find("${") != std::string::npos || a.value.find("$(") != std::string::npos)
+            refuse(DPT_E_FORMAT, e.line, "%s: %s is for xacro: run `xacro FILE` and compile what it "
+                   "prints", owner(index).c_str(), quoted(a.value).c_str());
+        if (lists(word.attributes, a.name) || a.name.compare(0, 6, "xmlns:") == 0)
+            continue;
+        if (recent && a.name == "quat_xyzw" && e.tag == "origin")
+            continue;
+        if (word.strict)
+            refuse(DPT_E_SYNTAX, e.line, "%s: <%s> has no attribute %s, only: %s",
+                   owner(index).c_str(), e.tag.c_str(), quoted(a.name).c_str(), word.attributes);
+        leave(e.line, "attribute " + a.name + " of <" + e.tag + ">");
+    }
+}
+
+void Checker::named(size_t index, std::vector<size_t> *list, std::map<std::string, size_t> *by_name)
+{
+    const Element &e = outline->elements[index];
+    const std::string *name = e.attribute("name");
+    if (!name || name->empty())
+        refuse(DPT_E_SYNTAX, e.line, "a <%s> has no name", e.tag.c_str());
+    if (by_name->count(*name))
+        refuse(DPT_E_SYNTAX, e.line, "%s %s is there twice, first in line %zu", e.tag.c_str(),
+               quoted(*name).c_str(), outline->elements[(*list)[(*by_name)[*name]]].line);
+    (*by_name)[*name] = list->size();
+    list->push_back(index);
+}
+
+void Checker::repeated(size_t index)
+{
+    const Element &e = outline->elements[index];
+    for (size_t i = index - 1; i > e.parent; i--) {
+        const Element &other = outline->elements[i];
+        if (other.parent != e.parent)
+            continue;
+        if (other.tag == e.tag)
+            refuse(DPT_E_SYNTAX, e.line, "%s: a second <%s>, the first is in line %zu",
+                   owner(index).c_str(), e.tag.c_str(), other.line);
+        if (outline->elements[e.parent].tag == "geometry")
+            refuse(DPT_E_SYNTAX, e.line, "%s: <%s> and <%s> in one <geometry>: each needs its own "
+                   "<collision>", owner(index).c_str(), other.tag.c_str(), e.tag.c_str());
+    }
+}
+
+/* Also what is seen alone: urdfdom drops the link with it. */
+void Checker::capsule(size_t index)
+{
+    const Element &e = outline->elements[index], &geometry = outline->elements[e.parent],
+                  &shape = outline->elements[geometry.parent];
+    if (!recent && e.tag == "capsule" && geometry.tag == "geometry" &&
+        (shape.tag == "collision" || shape.tag == "visual") && paths[shape.parent] == "robot/link")
+        refuse(DPT_E_UNSUPPORTED, e.line,
+               "%s: this build's urdfdom knows no <capsule>: make it a <cylinder>, or build with "
+               "urdfdom 5.1 or later",
+               owner(index).c_str());
+}
+
+void Checker::element(size_t index)
+{
+    const Element &e = outline->elements[index];
+    const std::string &parent = paths[e.parent];
+    capsule(index);
+    if (index && parent.empty())
+        return;
+    std::string path = index ? parent + "/" + e.tag : e.tag;
+    const Word *word = word_for(path);
+    if (e.tag.compare(0, 6, "xacro:") == 0)
+        refuse(DPT_E_FORMAT, e.line, "<%s> is xacro: run `xacro FILE` and compile what it prints",
+               e.tag.c_str());
+    if (!word) {
+        /* urdfdom complains of a shape that it does not know. */
+        if (outline->elements[e.parent].tag != "geometry")
+            leave(e.line, "<" + e.tag + "> in <" + outline->elements[e.parent].tag + ">");
+        return;
+    }
+    if (index && !word->many)
+        repeated(index);
+    if (std::strcmp(word->attributes, "*") != 0) {
+        paths[index] = path;
+        attributes(index, *word);
+    }
+    if (path == "robot/link")
+        named(index, &outline->links, &outline->link_named);
+    if (path == "robot/joint")
+        named(index, &outline->joints, &outline->joint_named);
+}
+
+} // namespace
+
+void outline_check(Outline *outline, bool recent, const Notes &notes)
+{
+    const size_t most = 4000;
+    const Element &root = outline->elements[0];
+    if (root.tag != "robot")
+        refuse(DPT_E_FORMAT, root.line, "not a URDF: <%.40s> where <robot> should be",
+               root.tag.c_str());
+    Checker checker = { outline, recent, std::vector<std::string>(outline->elements.size()), {}, {} };
+    for (size_t i = 0; i < outline->elements.size(); i++) {
+        checker.element(i);
+        if (outline->links.size() > most)
+            refuse(DPT_E_LIMIT, outline->elements[i].line, "more than %zu links", most);
+    }
+    for (const std::string &what : checker.order) {
+        const Left &left = checker.left[what];
+        std::string times = left.count > 1 ? ", " + std::to_string(left.count) + " times" : "";
+        notes.say(left.line, line_of_text("%s is left out%s", what.c_str(), times.c_str()));
+    }
+}
