@@ -98,7 +98,7 @@ $(B)/libdynpoint_urdf.o: $(URDF_PARTS)
 	$(LD) -r $^ -o $@
 	$(OBJCOPY) --wildcard --keep-global-symbol='dpt_urdf_*' $@
 $(B)/libdynpoint_urdf.so.$(SOVERSION): private LDLIBS = $(URDF_LIBS)
-$(B)/libdynpoint_urdf.so.$(SOVERSION): $(B)/libdynpoint_urdf.o $(B)/libdynpoint_compile.so.$(SOVERSION) $(B)/libdynpoint.so.$(SOVERSION)
+$(B)/libdynpoint_urdf.so.$(SOVERSION): $(URDF_PARTS) $(B)/libdynpoint_compile.so.$(SOVERSION) $(B)/libdynpoint.so.$(SOVERSION)
 
 %.a: %.o
 	rm -f $@
