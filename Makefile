@@ -75,6 +75,8 @@ $(B)/%.o: %.cc
 	@mkdir -p $(@D)
 	$(CXX) -std=c++11 $(CFLAGS) $(EXACT) $(WARNINGS) -fPIC -fvisibility=hidden -MMD -MP -Iinclude -Isrc $(URDF_CFLAGS) $(CONFIG_CFLAGS) $(CFLAGS_EXTRA) -c $< -o $@
 
+$(B)/tools/arm.o: CONFIG_CFLAGS += $(if $(URDF_PARTS),-DDPT_URDF)
+
 $(B)/src/kernel_scalar.o: CONFIG_CFLAGS += -fno-tree-vectorize
 
 # list.h names the back ends; it changes only when they do.

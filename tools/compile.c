@@ -1,16 +1,17 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* dynpoint compile: a mesh file in, a .dpa file out. */
+/* dynpoint compile: a mesh or a robot's description in, a .dpa file out. */
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "arm.h"
 #include "command.h"
 #include "common.h"
 #include "dynpoint/compile.h"
 
 static const char help[] =
     "usage: dynpoint compile IN -o OUT.dpa [--scale X] [--crease DEGREES]\n"
-    "                        [--c-array NAME] [-j N]\n"
+    "                        [--c-array NAME] [-j N] [--tool LINK] [--packages DIRS]\n"
     "\n"
     "Compiles an OBJ, STL, PLY or OFF mesh into a file that is used in place, by mmap or from "
     "flash.\n"
@@ -18,12 +19,23 @@ static const char help[] =
     "says\n"
     "what it found. Anything else compiles as it is.\n"
     "\n"
+    "Or a URDF, by its ending .urdf or .xml or by its <robot>: the arm between the root and the "
+    "tool,\n"
+    "with the tool's capsules and the meshes and boxes that stand still. What is left out is noted "
+    "on\n"
+    "standard error.\n"
+    "\n"
     "  -o FILE         where to; - is standard output\n"
     "  --scale X       metres per unit of the source (0.001 for millimetres); default 1\n"
     "  --crease A      edges bent by more than A degrees are creases: sharp; default 60, 180 is "
     "none\n"
     "  --c-array NAME  write C source that holds the bytes in an array of that name\n"
-    "  -j N            use at most N threads; default 1; the bytes are the same for every N\n";
+    "  -j N            use at most N threads; default 1; the bytes are the same for every N\n"
+    "  --tool LINK     of a URDF: the link that is the tool; default: the only one without "
+    "children\n"
+    "  --packages DIRS of a URDF: folders that hold the packages of package://, ':' between them; "
+    "then\n"
+    "                  those above the file are looked at\n";
 
 #define DEGREE (3.14159265358979323846 / 180.0)
 
@@ -48,13 +60,14 @@ static int is_c_name(const char *name)
  * Words of 8 bytes: a compiler takes a fifth of the time and memory that it needs for single bytes, and aligns them by
  * itself.
  */
-static void write_c_array(FILE *file, const char *name, const dpt_compiled *compiled)
+static void write_c_array(FILE *file, const char *name, const char *kind,
+                          const dpt_compiled *compiled)
 {
     const unsigned char *byte = compiled->bytes;
     size_t size = compiled->size, words = (size + 7) / 8;
     fprintf(file,
             "/*\n"
-            " * A dynpoint mesh of %zu bytes: dpt_mesh_open(%s, %s_size, &mesh).\n"
+            " * A dynpoint %s of %zu bytes: dpt_%s_open(%s, %s_size, &%s).\n"
             " *\n"
             " *     extern const uint64_t %s[];\n"
             " *     extern const size_t %s_size;\n"
@@ -74,7 +87,8 @@ static void write_c_array(FILE *file, const char *name, const dpt_compiled *comp
             "#ifdef __cplusplus\n}\n#endif\n\n"
             "const size_t %s_size = %zu;\n"
             "const uint64_t %s[%zu] DPA_ALIGNED = {",
-            size, name, name, name, name, name, words, name, name, size, name, words);
+            kind, size, kind, name, name, kind, name, name, name, words, name, name, size, name,
+            words);
     for (size_t i = 0; i < words; i++) {
         uint64_t word = 0;
         for (size_t k = 0; k < 8 && 8 * i + k < size; k++)
@@ -84,7 +98,7 @@ static void write_c_array(FILE *file, const char *name, const dpt_compiled *comp
     fputs("\n};\n", file);
 }
 
-static void report(FILE *file, const dpt_compiled *compiled, const char *out)
+static void report_mesh(FILE *file, const dpt_compiled *compiled, const char *out)
 {
     const dpt_mesh *mesh;
     dpt_mesh_info info = { .size = sizeof info };
@@ -115,18 +129,21 @@ static void report(FILE *file, const dpt_compiled *compiled, const char *out)
             fprintf(file, "  %8" PRIu32 " %s\n", found[i].count, found[i].what);
 }
 
-static int complain_source(const char *in, const dpt_diag *diag)
+static int compile_mesh(const char *in, const dpt_compile_def *def, dpt_compiled *compiled)
 {
-    if (diag->line)
-        return complain("compile", "%s:%" PRIu64 ": %s", in, diag->line, diag->text);
-    if (diag->byte)
-        return complain("compile", "%s: byte %" PRIu64 ": %s", in, diag->byte, diag->text);
-    return complain("compile", "%s: %s", in, diag->text);
+    dpt_diag diag = { .size = sizeof diag };
+    if (dpt_compile_file(in, def, compiled, &diag) == DPT_OK)
+        return 0;
+    if (diag.line)
+        return complain("compile", "%s:%" PRIu64 ": %s", in, diag.line, diag.text);
+    if (diag.byte)
+        return complain("compile", "%s: byte %" PRIu64 ": %s", in, diag.byte, diag.text);
+    return complain("compile", "%s: %s", in, diag.text);
 }
 
 int command_compile(int argc, char **argv)
 {
-    const char *in, *out = NULL, *array = NULL;
+    const char *in, *out = NULL, *array = NULL, *tool = NULL, *packages = NULL;
     double scale = 1.0, crease = 60.0;
     uint64_t threads = 1;
     size_t operands;
@@ -134,7 +151,9 @@ int command_compile(int argc, char **argv)
                                           { .name = "-j", .count = &threads },
                                           { .name = "--scale", .number = &scale },
                                           { .name = "--crease", .number = &crease },
-                                          { .name = "--c-array", .text = &array } };
+                                          { .name = "--c-array", .text = &array },
+                                          { .name = "--tool", .text = &tool },
+                                          { .name = "--packages", .text = &packages } };
     int status = parse_options(argc, argv, options, sizeof options / sizeof *options, help, &in, 1,
                                &operands);
     if (status >= 0)
@@ -157,23 +176,26 @@ int command_compile(int argc, char **argv)
                             .user = &meter,
                             .crease = crease * DEGREE,
                             .threads = threads < UINT32_MAX ? (uint32_t)threads : UINT32_MAX };
-    dpt_diag diag = { .size = sizeof diag };
     dpt_compiled compiled;
     struct output output;
-    dpt_result result = dpt_compile_file(in, &def, &compiled, &diag);
+    int arm = is_urdf(in);
+    if (!arm && (tool || packages))
+        return complain("compile", "%s: --tool and --packages are for a URDF", in);
+    status = arm ? compile_urdf(in, &def, tool, packages, &compiled) :
+                   compile_mesh(in, &def, &compiled);
     meter_show(&meter, "", 1.0);
-    if (result != DPT_OK)
-        return complain_source(in, &diag);
+    if (status != 0)
+        return status;
     status = output_open(&output, "compile", out);
     if (status == 0) {
         if (array)
-            write_c_array(output.file, array, &compiled);
+            write_c_array(output.file, array, arm ? "arm" : "mesh", &compiled);
         else
             fwrite(compiled.bytes, compiled.size, 1, output.file);
         status = output_close(&output, "compile", 1);
     }
     if (status == 0)
-        report(strcmp(out, "-") ? stdout : stderr, &compiled, out);
+        (arm ? report_arm : report_mesh)(strcmp(out, "-") ? stdout : stderr, &compiled, out);
     dpt_compiled_free(&compiled);
     return status;
 }

@@ -12,7 +12,7 @@ static const struct {
     const char *what;
 } commands[] = {
     { "make", command_make, "generate a mesh, or a motion over one" },
-    { "compile", command_compile, "turn OBJ, STL, PLY or OFF into a .dpa file" },
+    { "compile", command_compile, "turn OBJ, STL, PLY, OFF or URDF into a .dpa file" },
     { "info", command_info, "show or verify a .dpa file" },
     { "replay", command_replay, "move a tool over a mesh: the nearest pair of every tick" },
     { "device", command_device, "list, watch, test or simulate haptic devices" },

@@ -1,16 +1,19 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* dynpoint info: what a compiled mesh holds and what the compiler found. */
+/* dynpoint info: what a compiled mesh or arm holds and what the compiler found. */
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "arm.h"
 #include "command.h"
 #include "common.h"
 
 static const char help[] =
     "usage: dynpoint info FILE.dpa [--json] [--verify]\n"
     "\n"
-    "Shows what a compiled mesh holds, what was wrong with its source, and its sections.\n"
+    "Shows what a compiled mesh holds, what was wrong with its source, and its sections; or the "
+    "joints,\n"
+    "links, tool and bodies of an arm.\n"
     "\n"
     "  --json    one JSON object on standard output\n"
     "  --verify  check every byte; exit status 1, with the place, when the file is damaged\n";
@@ -112,7 +115,8 @@ static int verify(const char *path)
     void *bytes = load_file("info", path, &size);
     if (!bytes)
         return 2;
-    dpt_result result = dpt_mesh_convert(bytes, size, &fault);
+    dpt_result result = is_arm(bytes, size) ? dpt_arm_convert(bytes, size, &fault) :
+                                              dpt_mesh_convert(bytes, size, &fault);
     if (result == DPT_OK)
         printf("%s: sound, %zu bytes\n", path, size);
     else
@@ -142,16 +146,23 @@ int command_info(int argc, char **argv)
     void *bytes = load_file("info", path, &size);
     if (!bytes)
         return 2;
-    const dpt_mesh *mesh = open_mesh("info", path, bytes, size);
-    if (!mesh) {
-        free(bytes);
-        return check ? 1 : 2;
-    }
-    dpt_mesh_get_info(mesh, &info);
-    if (json)
-        print_json(mesh, &info);
+    const dpt_mesh *mesh = NULL;
+    const dpt_arm *arm = NULL;
+    if (is_arm(bytes, size))
+        arm = open_arm("info", path, bytes, size);
     else
-        print_text(path, mesh, &info);
+        mesh = open_mesh("info", path, bytes, size);
+    if (arm && json) {
+        print_arm_json(arm);
+    } else if (arm) {
+        print_arm_text(path, arm);
+    } else if (mesh) {
+        dpt_mesh_get_info(mesh, &info);
+        if (json)
+            print_json(mesh, &info);
+        else
+            print_text(path, mesh, &info);
+    }
     free(bytes);
-    return 0;
+    return arm || mesh ? 0 : check ? 1 : 2;
 }

@@ -20,8 +20,11 @@
 
 DPT_BEGIN
 
-/* What was left out or held still: a line for people, without the file's name. */
-typedef void dpt_urdf_note(void *user, const char *text);
+/*
+ * What was left out or held still: text for people, without the file's name. `line` is the URDF's, from 1; 0 where the
+ * place is not a line. Called before dpt_urdf_compile_file returns, also where it then fails.
+ */
+typedef void dpt_urdf_note(void *user, uint64_t line, const char *text);
 
 typedef struct dpt_urdf_def {
     uint32_t size; /* sizeof(dpt_urdf_def) */

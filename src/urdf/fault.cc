@@ -48,8 +48,6 @@ std::string quoted(const std::string &name)
 
 void Notes::say(size_t line, const std::string &text) const
 {
-    if (hear == NULL)
-        return;
-    std::string whole = line ? "line " + std::to_string(line) + ": " + text : text;
-    hear(user, whole.c_str());
+    if (hear != NULL)
+        hear(user, line, text.c_str());
 }

@@ -25,7 +25,7 @@ std::string line_of_text(const char *format, ...) __attribute__((format(printf, 
 /* A name between quotes, cut where it would fill the line. */
 std::string quoted(const std::string &name);
 
-/* To whoever listens; with the line, where it has one. */
+/* To whoever listens. */
 struct Notes {
     dpt_urdf_note *hear;
     void *user;

@@ -181,12 +181,12 @@ void Reader::read()
             advance(2);
             std::string tag = name();
             skip_blanks();
-            if (open.empty() || elements[open.back()].tag != tag || peek() != '>')
-                refuse(DPT_E_SYNTAX, line, "</%.40s> closes %s", tag.c_str(),
-                       open.empty() ? "nothing" :
-                                      ("<" + elements[open.back()].tag + "> of line " +
-                                       std::to_string(elements[open.back()].line))
-                                          .c_str());
+            if (open.empty() || peek() != '>')
+                refuse(DPT_E_SYNTAX, line, "</%.40s> closes nothing", tag.c_str());
+            const Element &element = elements[open.back()];
+            if (element.tag != tag)
+                refuse(DPT_E_SYNTAX, line, "</%.40s> where <%.40s> of line %zu is open",
+                       tag.c_str(), element.tag.c_str(), element.line);
             advance(1);
             open.pop_back();
         } else {

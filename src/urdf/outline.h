@@ -51,4 +51,7 @@ Outline outline_of(const std::string &xml);
  */
 void outline_check(Outline *outline, bool recent, const Notes &notes);
 
+/* Faults for joints that do not hang all links on one root, each once: with names and lines, which urdfdom has not. */
+void outline_tree(const Outline &outline);
+
 #endif

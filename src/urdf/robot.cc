@@ -326,35 +326,13 @@ void Builder::joint(size_t index)
     robot.joints.push_back(joint);
 }
 
-/* urdfdom sees to one root; not to a link with two parents, nor to a ring that hangs on nothing. */
 void Builder::tree()
 {
     for (size_t j = 0; j < robot.joints.size(); j++) {
-        const Joint &joint = robot.joints[j];
-        Link &child = robot.links[joint.child];
-        if (child.joint != none)
-            refuse(DPT_E_SYNTAX, joint.line,
-                   "joint %s: its child %s is that of joint %s already: a loop is no URDF",
-                   quoted(joint.name).c_str(), quoted(child.name).c_str(),
-                   quoted(robot.joints[child.joint].name).c_str());
-        child.joint = j;
-        robot.links[joint.parent].children.push_back(joint.child);
+        robot.links[robot.joints[j].child].joint = j;
+        robot.links[robot.joints[j].parent].children.push_back(robot.joints[j].child);
     }
     robot.root = outline.link_named.at(plain(model.getRoot()->name));
-    std::vector<bool> reached(robot.links.size());
-    std::vector<size_t> next(1, robot.root);
-    while (!next.empty()) {
-        size_t at = next.back();
-        next.pop_back();
-        reached[at] = true;
-        next.insert(next.end(), robot.links[at].children.begin(), robot.links[at].children.end());
-    }
-    for (size_t i = 0; i < robot.links.size(); i++)
-        if (!reached[i])
-            refuse(DPT_E_SYNTAX, robot.links[i].line,
-                   "link %s hangs on itself, not on the root %s",
-                   quoted(robot.links[i].name).c_str(),
-                   quoted(robot.links[robot.root].name).c_str());
 }
 
 } // namespace
@@ -363,6 +341,7 @@ Robot read_robot(std::string xml, const Notes &notes)
 {
     Outline outline = outline_of(xml);
     outline_check(&outline, is_known(capsule_type), notes);
+    outline_tree(outline);
     xml = hidden(xml);
     urdf::ModelInterfaceSharedPtr model;
     {

@@ -2,6 +2,7 @@
 #include "scene.h"
 
 #include <algorithm>
+#include <cinttypes>
 #include <cstring>
 
 namespace
@@ -43,10 +44,12 @@ void Builder::add(const Link &link, const Frame &place, const dpt_compiled &comp
     body.size = sizeof body;
     body.pose = pose_of(place);
     put_name(body.name, link.name, "link", link.line);
-    if (dpt_mesh_open(compiled.bytes, compiled.size, &body.mesh) != DPT_OK)
-        refuse(DPT_E_BYTE_ORDER, link.line,
-               "link %s: a mesh of the scene cannot be used on this host",
-               quoted(link.name).c_str());
+    dpt_result result = dpt_mesh_convert(compiled.bytes, compiled.size, NULL);
+    if (result == DPT_OK)
+        result = dpt_mesh_open(compiled.bytes, compiled.size, &body.mesh);
+    if (result != DPT_OK)
+        refuse(result, link.line, "link %s: %s", quoted(link.name).c_str(),
+               dpt_result_text(result));
     scene->bodies.push_back(body);
 }
 
@@ -78,11 +81,12 @@ void Builder::add_mesh(const Link &link, const Frame &place, const Shape &shape)
 {
     const std::string owner = "link " + quoted(link.name);
     const std::string path = mesh_path(shape.file, file, packages, link.line, owner);
+    const std::string shown = quoted(shape.file);
     const Vec &scale = shape.size;
     if (!(scale.x > 0.0 && scale.x == scale.y && scale.x == scale.z))
         refuse(DPT_E_UNSUPPORTED, link.line,
                "%s: the scale of %s must be one positive number three times: scale the mesh itself",
-               owner.c_str(), quoted(shape.file).c_str());
+               owner.c_str(), shown.c_str());
     size_t dot = shape.file.rfind('.');
     std::string ending = dot == std::string::npos ? "" : shape.file.substr(dot + 1);
     for (char &c : ending)
@@ -98,10 +102,10 @@ void Builder::add_mesh(const Link &link, const Frame &place, const Shape &shape)
     scene->meshes.push_back(dpt_compiled());
     dpt_result result = dpt_compile_file(path.c_str(), &with, &compiled, &diag);
     if (result != DPT_OK) {
-        std::string where = diag.line ? ": line " + std::to_string(diag.line) :
-                            diag.byte ? ": byte " + std::to_string(diag.byte) :
+        std::string where = diag.line ? line_of_text(": line %" PRIu64, diag.line) :
+                            diag.byte ? line_of_text(": byte %" PRIu64, diag.byte) :
                                         "";
-        refuse(result, link.line, "%s: %s%s: %s", owner.c_str(), path.c_str(), where.c_str(),
+        refuse(result, link.line, "%s: %s%s: %s", owner.c_str(), shown.c_str(), where.c_str(),
                diag.text);
     }
     add(link, place, compiled);

@@ -8,8 +8,8 @@ namespace
 {
 
 /*
- * How often an element may stand in its parent; what it may have. With `strict` anything else is a fault: a slip of
- * the pen there moves the arm.
+ * How often an element may stand in its parent; what it may have. With `strict` anything else beside less than all of
+ * that is a fault: a slip of the pen there moves the arm.
  */
 struct Word {
     const char *path;
@@ -64,6 +64,16 @@ bool lists(const char *attributes, const std::string &name)
     return false;
 }
 
+bool has_all(const Element &element, const char *attributes)
+{
+    size_t found = 0, count = 1;
+    for (const char *at = attributes; *at; at++)
+        count += *at == ' ';
+    for (const Attribute &a : element.attributes)
+        found += lists(attributes, a.name);
+    return found == count;
+}
+
 struct Left {
     size_t line;
     size_t count;
@@ -101,7 +111,7 @@ struct Checker {
     void named(size_t index, std::vector<size_t> *list, std::map<std::string, size_t> *by_name);
     void repeated(size_t index);
     void capsule(size_t index);
-    void element(size_t index);
+    void look(size_t index);
 };
 
 void Checker::attributes(size_t index, const Word &word)
@@ -115,7 +125,7 @@ void Checker::attributes(size_t index, const Word &word)
             continue;
         if (recent && a.name == "quat_xyzw" && e.tag == "origin")
             continue;
-        if (word.strict)
+        if (word.strict && !has_all(e, word.attributes))
             refuse(DPT_E_SYNTAX, e.line, "%s: <%s> has no attribute %s, only: %s",
                    owner(index).c_str(), e.tag.c_str(), quoted(a.name).c_str(), word.attributes);
         leave(e.line, "attribute " + a.name + " of <" + e.tag + ">");
@@ -164,7 +174,7 @@ void Checker::capsule(size_t index)
                owner(index).c_str());
 }
 
-void Checker::element(size_t index)
+void Checker::look(size_t index)
 {
     const Element &e = outline->elements[index];
     const std::string &parent = paths[e.parent];
@@ -205,13 +215,14 @@ void outline_check(Outline *outline, bool recent, const Notes &notes)
                root.tag.c_str());
     Checker checker = { outline, recent, std::vector<std::string>(outline->elements.size()), {}, {} };
     for (size_t i = 0; i < outline->elements.size(); i++) {
-        checker.element(i);
+        checker.look(i);
         if (outline->links.size() > most)
             refuse(DPT_E_LIMIT, outline->elements[i].line, "more than %zu links", most);
     }
     for (const std::string &what : checker.order) {
         const Left &left = checker.left[what];
-        std::string times = left.count > 1 ? ", " + std::to_string(left.count) + " times" : "";
-        notes.say(left.line, line_of_text("%s is left out%s", what.c_str(), times.c_str()));
+        notes.say(left.line, left.count == 1 ? what + " is left out" :
+                                               line_of_text("%s is left out, %zu times",
+                                                            what.c_str(), left.count));
     }
 }
