@@ -56,6 +56,14 @@ $(B)/tests/oracle/exact.o: tests/oracle/exact.cc
 $(B)/tests/test_sweep_exact: $(B)/tests/exact/sweep.o $(B)/tests/oracle/exact.o $(TEST_PARTS)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(EXACT_LIBS) -o $@
 
+# Robots' descriptions: where the library reads them.
+ifneq ($(URDF_PARTS),)
+TESTS += $(B)/tests/test_urdf_golden
+endif
+$(B)/tests/test_urdf_%: private LDLIBS = -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc
+$(B)/tests/test_urdf_%: $(B)/tests/urdf/%.o $(B)/tests/urdf/surroundings.o $(URDF_PARTS) $(TEST_PARTS)
+	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(LDLIBS) $(URDF_LIBS) -o $@
+
 $(B)/tests/firmware/link: $(B)/tests/firmware/link.o $(DRIVER_PARTS) $(B)/src/compile/number.o $(CORE)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -lpthread -o $@
 

@@ -181,8 +181,8 @@ int command_compile(int argc, char **argv)
     int arm = is_urdf(in);
     if (!arm && (tool || packages))
         return complain("compile", "%s: --tool and --packages are for a URDF", in);
-    status = arm ? compile_urdf(in, &def, tool, packages, &compiled) :
-                   compile_mesh(in, &def, &compiled);
+    status =
+        arm ? compile_urdf(in, &def, tool, packages, &compiled) : compile_mesh(in, &def, &compiled);
     meter_show(&meter, "", 1.0);
     if (status != 0)
         return status;

@@ -115,8 +115,8 @@ static int verify(const char *path)
     void *bytes = load_file("info", path, &size);
     if (!bytes)
         return 2;
-    dpt_result result = is_arm(bytes, size) ? dpt_arm_convert(bytes, size, &fault) :
-                                              dpt_mesh_convert(bytes, size, &fault);
+    dpt_result result = is_arm(bytes, size) ? dpt_arm_convert(bytes, size, &fault)
+                                            : dpt_mesh_convert(bytes, size, &fault);
     if (result == DPT_OK)
         printf("%s: sound, %zu bytes\n", path, size);
     else

@@ -134,13 +134,14 @@ void Builder::add_coordinate(size_t index)
 {
     const Joint &from = robot.joints[index];
     if (chain.joints.size() == DPT_JOINTS_MAX)
-        refuse(DPT_E_LIMIT, from.line, "%s is the ninth on the way to the tool: an arm has at most %d",
+        refuse(DPT_E_LIMIT, from.line,
+               "%s is the ninth on the way to the tool: an arm has at most %d",
                joint_called(from).c_str(), DPT_JOINTS_MAX);
     dpt_arm_joint joint = {};
     joint.size = sizeof joint;
-    joint.kind = from.kind == Joint::PRISMATIC  ? DPT_JOINT_PRISMATIC :
-                 from.kind == Joint::CONTINUOUS ? DPT_JOINT_CONTINUOUS :
-                                                  DPT_JOINT_REVOLUTE;
+    joint.kind = from.kind == Joint::PRISMATIC    ? DPT_JOINT_PRISMATIC
+                 : from.kind == Joint::CONTINUOUS ? DPT_JOINT_CONTINUOUS
+                                                  : DPT_JOINT_REVOLUTE;
     joint.lower = from.lower;
     joint.upper = from.upper;
     joint.velocity = from.velocity;
@@ -181,7 +182,8 @@ void Builder::check_mimics() const
             continue;
         const Joint &base = robot.joints[motion.base];
         double a = motion.factor * base.lower + motion.offset,
-               b = motion.factor * base.upper + motion.offset, slack = 1e-9 * (1.0 + std::fabs(a - b));
+               b = motion.factor * base.upper + motion.offset,
+               slack = 1e-9 * (1.0 + std::fabs(a - b));
         if (base.kind == Joint::CONTINUOUS || std::min(a, b) < joint.lower - slack ||
             std::max(a, b) > joint.upper + slack)
             notes.say(joint.line, joint_called(joint) + " leaves its own limits when " +
@@ -194,15 +196,16 @@ Frame Builder::held(const Joint &joint, double value, bool mimics) const
 {
     if (!turns_or_slides(joint)) {
         if (joint.kind != Joint::FIXED)
-            notes.say(joint.line, joint_called(joint) + " is no part of the arm: held at its origin");
+            notes.say(joint.line,
+                      joint_called(joint) + " is no part of the arm: held at its origin");
         return joint.place;
     }
     if (!mimics && joint.kind != Joint::CONTINUOUS)
         value = std::max(joint.lower, std::min(joint.upper, value));
     notes.say(joint.line, joint_called(joint) + " is no part of the arm: held" +
-                              (value == 0.0 ? " at 0" :
-                               mimics       ? " where what it mimics puts it" :
-                                              " at its limit nearest to 0"));
+                              (value == 0.0 ? " at 0"
+                               : mimics     ? " where what it mimics puts it"
+                                            : " at its limit nearest to 0"));
     Frame motion = identity;
     if (joint.kind == Joint::PRISMATIC) {
         motion.p = value * joint.axis;
@@ -221,9 +224,9 @@ Placed Builder::moved(size_t index, const Placed &parent)
         double value = motion.offset;
         if (motion.base != none) {
             const Joint &base = robot.joints[motion.base];
-            double at = base.kind == Joint::CONTINUOUS ?
-                            0.0 :
-                            std::max(base.lower, std::min(base.upper, 0.0));
+            double at = base.kind == Joint::CONTINUOUS
+                            ? 0.0
+                            : std::max(base.lower, std::min(base.upper, 0.0));
             value += motion.factor * at;
         }
         return { parent.on, parent.place * held(joint, value, joint.mimics != none) };
@@ -269,8 +272,7 @@ void Builder::weigh()
         if (at.on == none)
             continue;
         chain.links[at.on].mass += robot.links[i].mass;
-        moments[at.on] =
-            moments[at.on] + robot.links[i].mass * (at.place * robot.links[i].centre);
+        moments[at.on] = moments[at.on] + robot.links[i].mass * (at.place * robot.links[i].centre);
     }
     for (size_t i = 0; i < chain.links.size(); i++) {
         dpt_arm_link &link = chain.links[i];
@@ -324,9 +326,10 @@ void Builder::shapes()
                                          ": a cylinder wider than long is felt as the ball in it");
         }
         if (left)
-            notes.say(link.line, line_of_text("link %s: %zu collision shape%s left out: neither the "
-                                              "tool's capsules nor the scene's meshes and boxes",
-                                              quoted(link.name).c_str(), left, left > 1 ? "s" : ""));
+            notes.say(link.line,
+                      line_of_text("link %s: %zu collision shape%s left out: neither the "
+                                   "tool's capsules nor the scene's meshes and boxes",
+                                   quoted(link.name).c_str(), left, left > 1 ? "s" : ""));
     }
     if (chain.segments.empty())
         notes.say(robot.links[chain.tool].line,

@@ -12,7 +12,7 @@ struct Placed {
 };
 
 struct Chain {
-    size_t tool; /* link of the robot */
+    size_t tool;                     /* link of the robot */
     std::vector<size_t> coordinates; /* joints of the robot */
     std::vector<dpt_arm_joint> joints;
     std::vector<dpt_arm_link> links;

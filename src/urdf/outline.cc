@@ -24,7 +24,9 @@ struct Reader {
     size_t line;
     std::vector<Element> elements;
 
-    explicit Reader(const std::string &text) : xml(text), at(0), line(1) {}
+    explicit Reader(const std::string &text) : xml(text), at(0), line(1)
+    {
+    }
 
     char peek() const
     {

@@ -27,7 +27,7 @@ struct Element {
 
 struct Outline {
     std::vector<Element> elements; /* in the file's order; the first is the root */
-    std::vector<size_t> links;     /* elements that are <link> of the robot, by name all different */
+    std::vector<size_t> links; /* elements that are <link> of the robot, by name all different */
     std::vector<size_t> joints;
     std::map<std::string, size_t> link_named; /* indices of `links` */
     std::map<std::string, size_t> joint_named;

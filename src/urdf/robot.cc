@@ -73,7 +73,7 @@ const urdf::Capsule *const capsule_type = NULL;
  */
 class Log : public console_bridge::OutputHandler
 {
-public:
+  public:
     Log()
         : alone(mutex()), owner(std::this_thread::get_id()),
           before(console_bridge::getOutputHandler()), level(console_bridge::getLogLevel())
@@ -100,7 +100,7 @@ public:
 
     std::vector<std::string> lines;
 
-private:
+  private:
     static std::mutex &mutex()
     {
         static std::mutex one;
@@ -204,8 +204,9 @@ Shape Builder::shape(const urdf::Collision &collision, const Link &link)
 {
     const std::string owner = "link " + quoted(link.name);
     const urdf::Geometry *geometry = collision.geometry.get();
-    Shape shape = { Shape::SPHERE, frame_of(collision.origin, link.line, owner), 0.0, 0.0,
-                    { 0.0, 0.0, 0.0 }, "" };
+    Shape shape = {
+        Shape::SPHERE, frame_of(collision.origin, link.line, owner), 0.0, 0.0, { 0.0, 0.0, 0.0 }, ""
+    };
     if (const auto *sphere = dynamic_cast<const urdf::Sphere *>(geometry)) {
         shape.radius = sphere->radius;
     } else if (const auto *box = dynamic_cast<const urdf::Box *>(geometry)) {
@@ -296,12 +297,24 @@ void Builder::joint(size_t index)
     if (!from)
         refuse(DPT_E_SYNTAX, joint.line, "%s: urdfdom does not have it", owner.c_str());
     switch (from->type) {
-    case urdf::Joint::FIXED: joint.kind = Joint::FIXED; break;
-    case urdf::Joint::REVOLUTE: joint.kind = Joint::REVOLUTE; break;
-    case urdf::Joint::CONTINUOUS: joint.kind = Joint::CONTINUOUS; break;
-    case urdf::Joint::PRISMATIC: joint.kind = Joint::PRISMATIC; break;
-    case urdf::Joint::PLANAR: joint.kind = Joint::PLANAR; break;
-    case urdf::Joint::FLOATING: joint.kind = Joint::FLOATING; break;
+    case urdf::Joint::FIXED:
+        joint.kind = Joint::FIXED;
+        break;
+    case urdf::Joint::REVOLUTE:
+        joint.kind = Joint::REVOLUTE;
+        break;
+    case urdf::Joint::CONTINUOUS:
+        joint.kind = Joint::CONTINUOUS;
+        break;
+    case urdf::Joint::PRISMATIC:
+        joint.kind = Joint::PRISMATIC;
+        break;
+    case urdf::Joint::PLANAR:
+        joint.kind = Joint::PLANAR;
+        break;
+    case urdf::Joint::FLOATING:
+        joint.kind = Joint::FLOATING;
+        break;
     default:
         refuse(DPT_E_UNSUPPORTED, joint.line, "%s: a joint of unknown kind", owner.c_str());
     }

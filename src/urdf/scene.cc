@@ -102,9 +102,9 @@ void Builder::add_mesh(const Link &link, const Frame &place, const Shape &shape)
     scene->meshes.push_back(dpt_compiled());
     dpt_result result = dpt_compile_file(path.c_str(), &with, &compiled, &diag);
     if (result != DPT_OK) {
-        std::string where = diag.line ? line_of_text(": line %" PRIu64, diag.line) :
-                            diag.byte ? line_of_text(": byte %" PRIu64, diag.byte) :
-                                        "";
+        std::string where = diag.line   ? line_of_text(": line %" PRIu64, diag.line)
+                            : diag.byte ? line_of_text(": byte %" PRIu64, diag.byte)
+                                        : "";
         refuse(result, link.line, "%s: %s%s: %s", owner.c_str(), shown.c_str(), where.c_str(),
                diag.text);
     }

@@ -9,7 +9,9 @@ struct Scene {
     std::vector<dpt_compiled> meshes;
     std::vector<dpt_arm_body> bodies; /* into `meshes` */
 
-    Scene() {}
+    Scene()
+    {
+    }
     ~Scene();
     Scene(const Scene &) = delete;
     Scene &operator=(const Scene &) = delete;

@@ -119,8 +119,10 @@ void Checker::attributes(size_t index, const Word &word)
     const Element &e = outline->elements[index];
     for (const Attribute &a : e.attributes) {
         if (a.value.find("${") != std::string::npos || a.value.find("$(") != std::string::npos)
-            refuse(DPT_E_FORMAT, e.line, "%s: %s is for xacro: run `xacro FILE` and compile what it "
-                   "prints", owner(index).c_str(), quoted(a.value).c_str());
+            refuse(DPT_E_FORMAT, e.line,
+                   "%s: %s is for xacro: run `xacro FILE` and compile what it "
+                   "prints",
+                   owner(index).c_str(), quoted(a.value).c_str());
         if (lists(word.attributes, a.name) || a.name.compare(0, 6, "xmlns:") == 0)
             continue;
         if (recent && a.name == "quat_xyzw" && e.tag == "origin")
@@ -156,8 +158,10 @@ void Checker::repeated(size_t index)
             refuse(DPT_E_SYNTAX, e.line, "%s: a second <%s>, the first is in line %zu",
                    owner(index).c_str(), e.tag.c_str(), other.line);
         if (outline->elements[e.parent].tag == "geometry")
-            refuse(DPT_E_SYNTAX, e.line, "%s: <%s> and <%s> in one <geometry>: each needs its own "
-                   "<collision>", owner(index).c_str(), other.tag.c_str(), e.tag.c_str());
+            refuse(DPT_E_SYNTAX, e.line,
+                   "%s: <%s> and <%s> in one <geometry>: each needs its own "
+                   "<collision>",
+                   owner(index).c_str(), other.tag.c_str(), e.tag.c_str());
     }
 }
 
@@ -213,7 +217,9 @@ void outline_check(Outline *outline, bool recent, const Notes &notes)
     if (root.tag != "robot")
         refuse(DPT_E_FORMAT, root.line, "not a URDF: <%.40s> where <robot> should be",
                root.tag.c_str());
-    Checker checker = { outline, recent, std::vector<std::string>(outline->elements.size()), {}, {} };
+    Checker checker = {
+        outline, recent, std::vector<std::string>(outline->elements.size()), {}, {}
+    };
     for (size_t i = 0; i < outline->elements.size(); i++) {
         checker.look(i);
         if (outline->links.size() > most)
@@ -221,8 +227,8 @@ void outline_check(Outline *outline, bool recent, const Notes &notes)
     }
     for (const std::string &what : checker.order) {
         const Left &left = checker.left[what];
-        notes.say(left.line, left.count == 1 ? what + " is left out" :
-                                               line_of_text("%s is left out, %zu times",
+        notes.say(left.line, left.count == 1 ? what + " is left out"
+                                             : line_of_text("%s is left out, %zu times",
                                                             what.c_str(), left.count));
     }
 }

@@ -1,0 +1,145 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "surroundings.h"
+
+#include <cstdlib>
+#include <locale>
+#include <new>
+
+#include <console_bridge/console.h>
+
+namespace
+{
+
+struct Comma : std::numpunct<char> {
+    char do_decimal_point() const override
+    {
+        return ',';
+    }
+    char do_thousands_sep() const override
+    {
+        return '.';
+    }
+    std::string do_grouping() const override
+    {
+        return "\3";
+    }
+};
+
+struct Counter : console_bridge::OutputHandler {
+    int count = 0;
+
+    void log(const std::string &, console_bridge::LogLevel, const char *, int) override
+    {
+        count++;
+    }
+} counter;
+
+bool granted()
+{
+    if (allocations_left > 0)
+        allocations_left--;
+    else if (allocations_left == 0)
+        return false;
+    return true;
+}
+
+} // namespace
+
+long allocations_left = -1;
+
+void comma_in_cpp(int on)
+{
+    std::locale::global(on ? std::locale(std::locale::classic(), new Comma)
+                           : std::locale::classic());
+}
+
+void log_begin(void)
+{
+    counter.count = 0;
+    console_bridge::useOutputHandler(&counter);
+    console_bridge::setLogLevel(console_bridge::CONSOLE_BRIDGE_LOG_NONE);
+}
+
+int log_is_ours(void)
+{
+    return console_bridge::getOutputHandler() == &counter &&
+           console_bridge::getLogLevel() == console_bridge::CONSOLE_BRIDGE_LOG_NONE;
+}
+
+int log_count(void)
+{
+    return counter.count;
+}
+
+void log_end(void)
+{
+    console_bridge::restorePreviousOutputHandler();
+    console_bridge::setLogLevel(console_bridge::CONSOLE_BRIDGE_LOG_WARN);
+}
+
+void log_something(void)
+{
+    console_bridge::log("here", 1, console_bridge::CONSOLE_BRIDGE_LOG_ERROR, "something");
+}
+
+void *operator new(std::size_t size)
+{
+    void *block = granted() ? std::malloc(size ? size : 1) : NULL;
+    if (!block)
+        throw std::bad_alloc();
+    return block;
+}
+
+void *operator new[](std::size_t size)
+{
+    return operator new(size);
+}
+
+void operator delete(void *block) noexcept
+{
+    std::free(block);
+}
+
+void operator delete[](void *block) noexcept
+{
+    std::free(block);
+}
+
+/* As libraries of C++14 call it. */
+void operator delete(void *block, std::size_t) noexcept;
+void operator delete[](void *block, std::size_t) noexcept;
+
+void operator delete(void *block, std::size_t) noexcept
+{
+    std::free(block);
+}
+
+void operator delete[](void *block, std::size_t) noexcept
+{
+    std::free(block);
+}
+
+extern "C" {
+
+void *__real_malloc(std::size_t size);
+void *__real_calloc(std::size_t count, std::size_t size);
+void *__real_realloc(void *block, std::size_t size);
+void *__wrap_malloc(std::size_t size);
+void *__wrap_calloc(std::size_t count, std::size_t size);
+void *__wrap_realloc(void *block, std::size_t size);
+
+void *__wrap_malloc(std::size_t size)
+{
+    return granted() ? __real_malloc(size) : NULL;
+}
+
+void *__wrap_calloc(std::size_t count, std::size_t size)
+{
+    return granted() ? __real_calloc(count, size) : NULL;
+}
+
+void *__wrap_realloc(void *block, std::size_t size)
+{
+    return granted() ? __real_realloc(block, size) : NULL;
+}
+}

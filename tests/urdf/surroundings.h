@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What a C++ program may have done around a call of ours: its locale, its log, its memory. */
+#ifndef DPT_TESTS_SURROUNDINGS_H
+#define DPT_TESTS_SURROUNDINGS_H
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The global C++ locale writes 1.5 as 1,5 and 1000 as 1.000; 0 puts the classic one back. */
+void comma_in_cpp(int on);
+
+/* Let console_bridge's messages go to a counter of ours, from level NONE on. */
+void log_begin(void);
+/* Whether handler and level are those still; how many came. */
+int log_is_ours(void);
+int log_count(void);
+void log_end(void);
+
+/* Log one message as urdfdom would, from this thread. */
+void log_something(void);
+
+/* So many allocations succeed from now on, in C++ and in our C; -1: all. */
+extern long allocations_left;
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
