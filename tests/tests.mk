@@ -60,7 +60,7 @@ $(B)/tests/test_sweep_exact: $(B)/tests/exact/sweep.o $(B)/tests/oracle/exact.o 
 ifneq ($(URDF_PARTS),)
 TESTS += $(B)/tests/test_urdf_golden
 endif
-$(B)/tests/test_urdf_%: private LDLIBS = -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc
+$(B)/tests/test_urdf_%: private LDLIBS = -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free
 $(B)/tests/test_urdf_%: $(B)/tests/urdf/%.o $(B)/tests/urdf/surroundings.o $(URDF_PARTS) $(TEST_PARTS)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(LDLIBS) $(URDF_LIBS) -o $@
 

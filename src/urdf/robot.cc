@@ -68,8 +68,8 @@ bool take_capsule(const urdf::Geometry *, Shape *, const void *)
 const urdf::Capsule *const capsule_type = NULL;
 
 /*
- * Takes what urdfdom logs. Its handler and level are the process's: one reads at a time, and what other threads log
- * meanwhile goes where it went.
+ * Takes what urdfdom logs. Handler and level are the process's: one reads at a time, and what other threads log meanwhile
+ * goes where it went. The level is lower only while the handler is this one.
  */
 class Log : public console_bridge::OutputHandler
 {
@@ -78,14 +78,14 @@ class Log : public console_bridge::OutputHandler
         : alone(mutex()), owner(std::this_thread::get_id()),
           before(console_bridge::getOutputHandler()), level(console_bridge::getLogLevel())
     {
-        console_bridge::setLogLevel(std::min(level, console_bridge::CONSOLE_BRIDGE_LOG_INFO));
         console_bridge::useOutputHandler(this);
+        console_bridge::setLogLevel(std::min(level, console_bridge::CONSOLE_BRIDGE_LOG_INFO));
     }
 
     ~Log()
     {
-        console_bridge::useOutputHandler(before);
         console_bridge::setLogLevel(level);
+        console_bridge::useOutputHandler(before);
     }
 
     void log(const std::string &text, console_bridge::LogLevel at, const char *file,

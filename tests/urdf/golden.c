@@ -417,6 +417,7 @@ static void memory_runs_out(void)
         for (long grants = 0; !ended && grants < 100000; grants++) {
             dpt_diag diag = { .size = sizeof diag };
             dpt_compiled compiled;
+            long blocks = blocks_in_c;
             allocations_left = grants;
             dpt_result result = dpt_urdf_compile_file(paths[i], NULL, &compiled, &diag);
             ended = allocations_left > 0;
@@ -430,6 +431,8 @@ static void memory_runs_out(void)
                 CHECK(!compiled.bytes && diag.code == result && diag.text[0],
                       "%s: %ld allocations: %s", paths[i], grants, diag.text);
             dpt_compiled_free(&compiled);
+            CHECK(blocks_in_c == blocks, "%s: %ld allocations: %ld blocks are left", paths[i],
+                  grants, blocks_in_c - blocks);
         }
         CHECK(ended && starved > 100, "%s: starved %d times", paths[i], starved);
         dpt_compiled_free(&whole.compiled);

@@ -46,6 +46,21 @@ bool granted()
 } // namespace
 
 long allocations_left = -1;
+long blocks_in_c;
+
+extern "C" {
+void *__real_malloc(std::size_t size);
+void *__real_calloc(std::size_t count, std::size_t size);
+void *__real_realloc(void *block, std::size_t size);
+void __real_free(void *block);
+void *__wrap_malloc(std::size_t size);
+void *__wrap_calloc(std::size_t count, std::size_t size);
+void *__wrap_realloc(void *block, std::size_t size);
+void __wrap_free(void *block);
+
+/* Of the leak sanitizer, where it is. */
+void __lsan_ignore_object(const void *block) __attribute__((weak));
+}
 
 void comma_in_cpp(int on)
 {
@@ -84,9 +99,11 @@ void log_something(void)
 
 void *operator new(std::size_t size)
 {
-    void *block = granted() ? std::malloc(size ? size : 1) : NULL;
+    void *block = granted() ? __real_malloc(size ? size : 1) : NULL;
     if (!block)
         throw std::bad_alloc();
+    if (allocations_left >= 0 && __lsan_ignore_object)
+        __lsan_ignore_object(block);
     return block;
 }
 
@@ -97,49 +114,54 @@ void *operator new[](std::size_t size)
 
 void operator delete(void *block) noexcept
 {
-    std::free(block);
+    __real_free(block);
 }
 
 void operator delete[](void *block) noexcept
 {
-    std::free(block);
+    __real_free(block);
 }
 
 /* As libraries of C++14 call it. */
-void operator delete(void *block, std::size_t) noexcept;
-void operator delete[](void *block, std::size_t) noexcept;
+__attribute__((visibility("default"))) void operator delete(void *block, std::size_t) noexcept;
+__attribute__((visibility("default"))) void operator delete[](void *block, std::size_t) noexcept;
 
 void operator delete(void *block, std::size_t) noexcept
 {
-    std::free(block);
+    __real_free(block);
 }
 
 void operator delete[](void *block, std::size_t) noexcept
 {
-    std::free(block);
+    __real_free(block);
 }
 
 extern "C" {
 
-void *__real_malloc(std::size_t size);
-void *__real_calloc(std::size_t count, std::size_t size);
-void *__real_realloc(void *block, std::size_t size);
-void *__wrap_malloc(std::size_t size);
-void *__wrap_calloc(std::size_t count, std::size_t size);
-void *__wrap_realloc(void *block, std::size_t size);
-
 void *__wrap_malloc(std::size_t size)
 {
-    return granted() ? __real_malloc(size) : NULL;
+    void *block = granted() ? __real_malloc(size) : NULL;
+    blocks_in_c += block != NULL;
+    return block;
 }
 
 void *__wrap_calloc(std::size_t count, std::size_t size)
 {
-    return granted() ? __real_calloc(count, size) : NULL;
+    void *block = granted() ? __real_calloc(count, size) : NULL;
+    blocks_in_c += block != NULL;
+    return block;
 }
 
 void *__wrap_realloc(void *block, std::size_t size)
 {
-    return granted() ? __real_realloc(block, size) : NULL;
+    void *grown = granted() ? __real_realloc(block, size) : NULL;
+    blocks_in_c += grown && !block;
+    return grown;
+}
+
+void __wrap_free(void *block)
+{
+    blocks_in_c -= block != NULL;
+    __real_free(block);
 }
 }

@@ -20,8 +20,14 @@ void log_end(void);
 /* Log one message as urdfdom would, from this thread. */
 void log_something(void);
 
-/* So many allocations succeed from now on, in C++ and in our C; -1: all. */
+/*
+ * So many allocations succeed from now on, in C++ and in our C; -1: all. Meanwhile leaks of C++ are not reported:
+ * TinyXML 2.6 has some.
+ */
 extern long allocations_left;
+
+/* Blocks that our C has now. */
+extern long blocks_in_c;
 
 #ifdef __cplusplus
 }
