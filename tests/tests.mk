@@ -58,7 +58,7 @@ $(B)/tests/test_sweep_exact: $(B)/tests/exact/sweep.o $(B)/tests/oracle/exact.o 
 
 # Robots' descriptions: where the library reads them.
 ifneq ($(URDF_PARTS),)
-TESTS += $(B)/tests/test_urdf_golden
+TESTS += $(B)/tests/test_urdf_golden $(B)/tests/test_urdf_arm
 endif
 $(B)/tests/test_urdf_%: private LDLIBS = -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free
 $(B)/tests/test_urdf_%: $(B)/tests/urdf/%.o $(B)/tests/urdf/surroundings.o $(URDF_PARTS) $(TEST_PARTS)

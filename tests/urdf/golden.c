@@ -478,6 +478,8 @@ int main(int argc, char **argv)
     if (argc > 1)
         mutations = atoi(argv[1]);
     snprintf(scratch, sizeof scratch, "build/tests/urdf.%ld", (long)getpid());
+    mkdir("build", 0777);
+    mkdir("build/tests", 0777);
     if (mkdir(scratch, 0777) != 0) {
         printf("  FAIL %s cannot be made\n", scratch);
         return 1;
