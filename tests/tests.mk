@@ -59,7 +59,10 @@ $(B)/tests/test_sweep_exact: $(B)/tests/exact/sweep.o $(B)/tests/oracle/exact.o 
 # Robots' descriptions: where the library reads them.
 ifneq ($(URDF_PARTS),)
 TESTS += $(B)/tests/test_urdf_golden $(B)/tests/test_urdf_arm
+test-programs: $(B)/tests/urdf/answers
 endif
+$(B)/tests/urdf/answers: $(B)/tests/urdf/answers.o $(CORE)
+	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -o $@
 $(B)/tests/test_urdf_%: private LDLIBS = -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free
 $(B)/tests/test_urdf_%: $(B)/tests/urdf/%.o $(B)/tests/urdf/surroundings.o $(URDF_PARTS) $(TEST_PARTS)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(LDLIBS) $(URDF_LIBS) -o $@

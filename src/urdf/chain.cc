@@ -53,7 +53,7 @@ struct Builder {
     void find_coordinates();
     void add_coordinate(size_t index);
     void place();
-    Placed moved(size_t index, const Placed &parent);
+    Placed moved(size_t child, const Placed &parent);
     Frame held(const Joint &joint, double value, bool mimics) const;
     void weigh();
     void shapes();
@@ -216,8 +216,9 @@ Frame Builder::held(const Joint &joint, double value, bool mimics) const
     return joint.place * motion;
 }
 
-Placed Builder::moved(size_t index, const Placed &parent)
+Placed Builder::moved(size_t child, const Placed &parent)
 {
+    const size_t index = robot.links[child].joint;
     const Joint &joint = robot.joints[index];
     const Motion &motion = motions[index];
     if (motion.base == none || !is_coordinate(motion.base)) {
@@ -229,7 +230,8 @@ Placed Builder::moved(size_t index, const Placed &parent)
                             : std::max(base.lower, std::min(base.upper, 0.0));
             value += motion.factor * at;
         }
-        return { parent.on, parent.place * held(joint, value, joint.mimics != none) };
+        return { parent.on, parent.place * held(joint, value, joint.mimics != none),
+                 joint.kind == Joint::FIXED ? parent.set : child };
     }
     if (chain.links.size() == DPT_ARM_LINKS_MAX)
         refuse(DPT_E_LIMIT, joint.line, "%s: more than %d links move with the arm",
@@ -248,16 +250,16 @@ Placed Builder::moved(size_t index, const Placed &parent)
     link.factor = motion.factor;
     link.offset = motion.offset;
     chain.links.push_back(link);
-    return { chain.links.size() - 1, identity };
+    return { chain.links.size() - 1, identity, child };
 }
 
 void Builder::place()
 {
-    chain.placed.assign(robot.links.size(), Placed{ none, identity });
+    chain.placed.assign(robot.links.size(), Placed{ none, identity, robot.root });
     std::vector<size_t> row(1, robot.root);
     for (size_t i = 0; i < row.size(); i++) {
         for (size_t child : robot.links[row[i]].children) {
-            chain.placed[child] = moved(robot.links[child].joint, chain.placed[row[i]]);
+            chain.placed[child] = moved(child, chain.placed[row[i]]);
             row.push_back(child);
         }
     }
@@ -309,9 +311,9 @@ void Builder::shapes()
         for (const Shape &shape : link.shapes) {
             const Placed &at = chain.placed[i];
             double half, radius;
-            if (at.on == none && (shape.kind == Shape::BOX || shape.kind == Shape::MESH))
+            if (at.set == robot.root && (shape.kind == Shape::BOX || shape.kind == Shape::MESH))
                 continue;
-            if (at.on != tool.on || !is_capsule(shape, &half, &radius)) {
+            if (at.set != tool.set || !is_capsule(shape, &half, &radius)) {
                 left++;
                 continue;
             }

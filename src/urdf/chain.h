@@ -5,10 +5,11 @@
 
 #include "robot.h"
 
-/* Where a link of the robot is: in which link of the arm, none being the root, and how. */
+/* Where a link of the robot is. */
 struct Placed {
-    size_t on;
-    Frame place;
+    size_t on;   /* link of the arm; none: the root */
+    Frame place; /* in it, what does not move with the arm being held */
+    size_t set;  /* first of the links that fixed joints join to this one */
 };
 
 struct Chain {

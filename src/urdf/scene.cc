@@ -124,7 +124,7 @@ void read_scene(const Robot &robot, const Chain &chain, const std::string &file,
 {
     Builder builder = { robot, chain, file, packages, mesh, scene };
     for (size_t i = 0; i < robot.links.size(); i++) {
-        if (chain.placed[i].on != none)
+        if (chain.placed[i].set != robot.root)
             continue;
         for (const Shape &shape : robot.links[i].shapes) {
             const Frame place = chain.placed[i].place * shape.place;

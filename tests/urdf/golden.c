@@ -38,12 +38,17 @@ static void hear(void *user, uint64_t line, const char *text)
           (unsigned long)line, text);
 }
 
-static struct outcome compile(const char *path, const char *words)
+static struct outcome compile_with(const char *path, const char *tool, const char *words)
 {
     struct outcome o = { .diag = { .size = sizeof o.diag }, .words = words };
-    dpt_urdf_def def = { .size = sizeof def, .note = hear, .user = &o };
+    dpt_urdf_def def = { .size = sizeof def, .tool = tool, .note = hear, .user = &o };
     o.result = dpt_urdf_compile_file(path, &def, &o.compiled, &o.diag);
     return o;
+}
+
+static struct outcome compile(const char *path, const char *words)
+{
+    return compile_with(path, NULL, words);
 }
 
 /* What must hold of any outcome, whatever the file. */
@@ -65,7 +70,7 @@ static void check_sane(const char *name, struct outcome *o)
 }
 
 struct expected {
-    char name[64], code[32], words[128];
+    char name[96], code[32], words[128];
     unsigned long number;
 };
 
@@ -76,23 +81,26 @@ static int next_expected(FILE *list, struct expected *e)
     while (fgets(line, sizeof line, list)) {
         if (line[0] == '#' || line[0] == '\n')
             continue;
-        if (sscanf(line, "%63s %31s %lu %127[^\n]", e->name, e->code, &e->number, e->words) == 4)
+        if (sscanf(line, "%95s %31s %lu %127[^\n]", e->name, e->code, &e->number, e->words) == 4)
             return 1;
         CHECK(0, "%s: %s", FOLDER "expected.txt", line);
     }
     return 0;
 }
 
-static void each_file_comes_to_what_is_expected(void)
+/* Every file of the list; what follows a '#' in its name is the tool. How many there were. */
+static int check_list(const char *list_name, const char *folder)
 {
-    FILE *list = fopen(FOLDER "expected.txt", "r");
-    CHECK(list != NULL, "no %s", FOLDER "expected.txt");
+    FILE *list = fopen(list_name, "r");
+    CHECK(list != NULL, "no %s", list_name);
     struct expected e;
     int count = 0;
     while (list && next_expected(list, &e)) {
-        char path[128];
-        snprintf(path, sizeof path, FOLDER "%s", e.name);
-        struct outcome o = compile(path, e.words);
+        char path[1024], *tool;
+        snprintf(path, sizeof path, "%s/%s", folder, e.name);
+        if ((tool = strchr(path, '#')))
+            *tool++ = 0;
+        struct outcome o = compile_with(path, tool, e.words);
         CHECK(strcmp(dpt_result_name(o.result), e.code) == 0, "%s: %s, not %s: %s", e.name,
               dpt_result_name(o.result), e.code, o.diag.text);
         if (o.result != DPT_OK) {
@@ -111,7 +119,21 @@ static void each_file_comes_to_what_is_expected(void)
     }
     if (list)
         fclose(list);
+    return count;
+}
+
+static void each_file_comes_to_what_is_expected(void)
+{
+    int count = check_list(FOLDER "expected.txt", FOLDER);
     CHECK(count > 120, "%d files", count);
+}
+
+static void robots_of_others(void)
+{
+    char folder[1000];
+    snprintf(folder, sizeof folder, "%s/urdf", getenv("DPT_DATA"));
+    int count = check_list(FOLDER "data.txt", folder);
+    CHECK(count > 30, "%d robots", count);
 }
 
 static void each_file_is_listed(void)
@@ -486,6 +508,10 @@ int main(int argc, char **argv)
     }
     TEST(each_file_comes_to_what_is_expected);
     TEST(each_file_is_listed);
+    if (getenv("DPT_DATA"))
+        TEST(robots_of_others);
+    else
+        SKIP("robots of others", "no DPT_DATA");
     TEST(nothing_is_printed);
     TEST(a_programs_log_is_left_alone);
     TEST(paths_that_are_no_files);
