@@ -73,7 +73,7 @@ $(B)/%.o: %.c
 
 $(B)/%.o: %.cc
 	@mkdir -p $(@D)
-	$(CXX) -std=c++11 $(CFLAGS) $(EXACT) $(WARNINGS) -fPIC -fvisibility=hidden -MMD -MP -Iinclude -Isrc $(URDF_CFLAGS) $(CONFIG_CFLAGS) $(CFLAGS_EXTRA) -c $< -o $@
+	$(CXX) -std=c++11 $(CFLAGS) $(EXACT) -Wall -Wextra -fPIC -fvisibility=hidden -MMD -MP -Iinclude -Isrc $(URDF_CFLAGS) $(CONFIG_CFLAGS) $(CFLAGS_EXTRA) -c $< -o $@
 
 $(B)/tools/arm.o: CONFIG_CFLAGS += $(if $(URDF_PARTS),-DDPT_URDF)
 

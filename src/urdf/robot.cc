@@ -38,37 +38,39 @@ std::string plain(std::string text)
     return text;
 }
 
-template <class C, size_t = sizeof(C)> bool is_known(const C *)
-{
-    return true;
-}
-
-bool is_known(const void *)
-{
-    return false;
-}
-
-template <class C, size_t = sizeof(C)>
-bool take_capsule(const urdf::Geometry *geometry, Shape *shape, const C *)
-{
-    const C *capsule = dynamic_cast<const C *>(geometry);
-    if (!capsule)
+/* Capsules, where urdfdom has them: C is complete then. */
+template <class C, class = std::size_t> struct Capsules {
+    static bool are_known()
+    {
         return false;
-    shape->kind = Shape::CAPSULE;
-    shape->radius = capsule->radius;
-    shape->length = capsule->length;
-    return true;
-}
+    }
 
-bool take_capsule(const urdf::Geometry *, Shape *, const void *)
-{
-    return false;
-}
+    static bool take(const urdf::Geometry *, Shape *)
+    {
+        return false;
+    }
+};
 
-const urdf::Capsule *const capsule_type = NULL;
+template <class C> struct Capsules<C, decltype(sizeof(C))> {
+    static bool are_known()
+    {
+        return true;
+    }
+
+    static bool take(const urdf::Geometry *geometry, Shape *shape)
+    {
+        const C *capsule = dynamic_cast<const C *>(geometry);
+        if (!capsule)
+            return false;
+        shape->kind = Shape::CAPSULE;
+        shape->radius = capsule->radius;
+        shape->length = capsule->length;
+        return true;
+    }
+};
 
 /*
- * Takes what urdfdom logs. Handler and level are the process's: one reads at a time, and what other threads log meanwhile
+ * Takes what urdfdom logs as warning or error; below that is what it took by default. Handler and level are the process's: one reads at a time, and what other threads log meanwhile
  * goes where it went. The level is lower only while the handler is this one.
  */
 class Log : public console_bridge::OutputHandler
@@ -79,7 +81,7 @@ class Log : public console_bridge::OutputHandler
           before(console_bridge::getOutputHandler()), level(console_bridge::getLogLevel())
     {
         console_bridge::useOutputHandler(this);
-        console_bridge::setLogLevel(std::min(level, console_bridge::CONSOLE_BRIDGE_LOG_INFO));
+        console_bridge::setLogLevel(std::min(level, console_bridge::CONSOLE_BRIDGE_LOG_WARN));
     }
 
     ~Log()
@@ -92,7 +94,7 @@ class Log : public console_bridge::OutputHandler
              int line) override
     {
         if (std::this_thread::get_id() == owner) {
-            if (at >= console_bridge::CONSOLE_BRIDGE_LOG_INFO)
+            if (at >= console_bridge::CONSOLE_BRIDGE_LOG_WARN)
                 lines.push_back(plain(text));
         } else if (before && at >= level)
             before->log(text, at, file, line);
@@ -220,7 +222,7 @@ Shape Builder::shape(const urdf::Collision &collision, const Link &link)
         shape.kind = Shape::MESH;
         shape.file = plain(mesh->filename);
         shape.size = { mesh->scale.x, mesh->scale.y, mesh->scale.z };
-    } else if (!take_capsule(geometry, &shape, capsule_type)) {
+    } else if (!Capsules<urdf::Capsule>::take(geometry, &shape)) {
         refuse(DPT_E_UNSUPPORTED, link.line, "%s: a collision shape of unknown kind",
                owner.c_str());
     }
@@ -353,7 +355,7 @@ void Builder::tree()
 Robot read_robot(std::string xml, const Notes &notes)
 {
     Outline outline = outline_of(xml);
-    outline_check(&outline, is_known(capsule_type), notes);
+    outline_check(&outline, Capsules<urdf::Capsule>::are_known(), notes);
     outline_tree(outline);
     xml = hidden(xml);
     urdf::ModelInterfaceSharedPtr model;

@@ -81,7 +81,8 @@ struct Left {
 
 struct Checker {
     Outline *outline;
-    bool recent;
+    bool capsules;                    /* known to urdfdom */
+    bool recent;                      /* and to this file's version */
     std::vector<std::string> paths;   /* of each element; empty: within what is not looked at */
     std::map<std::string, Left> left; /* "<tag> in <parent>" */
     std::vector<std::string> order;
@@ -172,10 +173,10 @@ void Checker::capsule(size_t index)
                   &shape = outline->elements[geometry.parent];
     if (!recent && e.tag == "capsule" && geometry.tag == "geometry" &&
         (shape.tag == "collision" || shape.tag == "visual") && paths[shape.parent] == "robot/link")
-        refuse(DPT_E_UNSUPPORTED, e.line,
-               "%s: this build's urdfdom knows no <capsule>: make it a <cylinder>, or build with "
-               "urdfdom 5.1 or later",
-               owner(index).c_str());
+        refuse(DPT_E_UNSUPPORTED, e.line, "%s: %s", owner(index).c_str(),
+               capsules ? "<capsule> is of URDF 1.1: write <robot version=\"1.1\">"
+                        : "this build's urdfdom knows no <capsule>: make it a <cylinder>, or build "
+                          "with urdfdom 5.1 or later");
 }
 
 void Checker::look(size_t index)
@@ -210,16 +211,18 @@ void Checker::look(size_t index)
 
 } // namespace
 
-void outline_check(Outline *outline, bool recent, const Notes &notes)
+void outline_check(Outline *outline, bool capsules, const Notes &notes)
 {
     const size_t most = 4000;
     const Element &root = outline->elements[0];
     if (root.tag != "robot")
         refuse(DPT_E_FORMAT, root.line, "not a URDF: <%.40s> where <robot> should be",
                root.tag.c_str());
-    Checker checker = {
-        outline, recent, std::vector<std::string>(outline->elements.size()), {}, {}
-    };
+    const std::string *version = root.attribute("version");
+    const bool recent = capsules && version && *version != "1.0";
+    Checker checker = { outline, capsules,
+                        recent,  std::vector<std::string>(outline->elements.size()),
+                        {},      {} };
     for (size_t i = 0; i < outline->elements.size(); i++) {
         checker.look(i);
         if (outline->links.size() > most)
