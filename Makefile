@@ -138,16 +138,18 @@ install: all ## into PREFIX, or DESTDIR and the directory variables
 	  { echo 'libdir=$(LIBDIR)'; echo 'includedir=$(INCLUDEDIR)'; echo; \
 	    echo "Name: $$lib"; echo 'Description: line-shaped haptic tools against triangle meshes'; \
 	    echo 'Version: $(VERSION)'; echo 'Cflags: -I$${includedir}'; \
-	    case $$lib in *_*) echo 'Requires: libdynpoint';; esac; \
+	    case $$lib in \
+	      *_urdf) echo 'Requires: libdynpoint_compile'; echo 'Requires.private: urdfdom console_bridge';; \
+	      *_*) echo 'Requires: libdynpoint';; esac; \
 	    echo "Libs: -L\$${libdir} -l$${lib#lib}"; \
-	    case $$lib in *_*) echo 'Libs.private: -lm $(THREADS)';; *) echo 'Libs.private: -lm';; esac; \
+	    case $$lib in *_urdf) echo 'Libs.private: -lm -lstdc++';; *_*) echo 'Libs.private: -lm $(THREADS)';; *) echo 'Libs.private: -lm';; esac; \
 	  } > $(DESTDIR)$(PKGCONFIGDIR)/$$lib.pc || exit 1; \
 	done
 
 uninstall: ## what install put there
 	rm -f $(DESTDIR)$(BINDIR)/dynpoint $(DESTDIR)$(INCLUDEDIR)/dynpoint.h
 	rm -f $(patsubst include/%,$(DESTDIR)$(INCLUDEDIR)/%,$(wildcard include/dynpoint/*.h))
-	for lib in $(notdir $(LIBS)); do \
+	for lib in $(notdir $(LIBS)) libdynpoint_urdf; do \
 	  rm -f $(DESTDIR)$(LIBDIR)/$$lib.a $(DESTDIR)$(LIBDIR)/$$lib.so $(DESTDIR)$(LIBDIR)/$$lib.so.$(SOVERSION) \
 	    $(DESTDIR)$(PKGCONFIGDIR)/$$lib.pc; \
 	done

@@ -2,11 +2,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # What the tests can use beside a C compiler and make, as Debian packages. Without an argument prints the
 # list, what is missing and its size, and installs it when that can be done (root, apt-get, DEPS not
-# "no"); nothing here is needed by the library or the demo, and a test whose package is missing is skipped.
+# "no"); nothing here is needed by the library or the demo, and a test whose package is missing is skipped. With
+# liburdfdom-dev and g++ the library for robots' descriptions is built too.
 set -u
 packages="python3 pkg-config g++ libfcl-dev libcgal-dev libgmp-dev gcc-aarch64-linux-gnu
 libc6-dev-arm64-cross gcc-arm-linux-gnueabihf libc6-dev-armhf-cross gcc-s390x-linux-gnu libc6-dev-s390x-cross qemu-user-static
-gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm qemu-system-x86 xz-utils python3-venv"
+gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm qemu-system-x86 xz-utils python3-venv liburdfdom-dev"
 
 missing=
 for package in $packages; do

@@ -104,6 +104,13 @@ for config in scalar sanitize; do
 done
 run "test_strip, sanitize" env -u DPT_DATA build/sanitize/tests/test_strip
 run "test_fuzz, sanitize" build/sanitize/tests/test_fuzz 100000
+if [ -x build/tests/test_urdf_golden ]; then
+    run "test_urdf_golden, sanitize" build/sanitize/tests/test_urdf_golden 5000
+    run "test_urdf_arm, sanitize" build/sanitize/tests/test_urdf_arm
+else
+    skip "robots' descriptions" "no urdfdom with g++"
+fi
+run "robots' kinematics" sh tests/oracle/urdf.sh build
 run "test_wire, sanitize" build/sanitize/tests/test_wire 16
 run "test_wire_device, sanitize" build/sanitize/tests/test_wire_device
 run "test_silent, scalar" build/scalar/tests/test_silent

@@ -60,6 +60,7 @@ $(B)/tests/test_sweep_exact: $(B)/tests/exact/sweep.o $(B)/tests/oracle/exact.o 
 ifneq ($(URDF_PARTS),)
 TESTS += $(B)/tests/test_urdf_golden $(B)/tests/test_urdf_arm
 test-programs: $(B)/tests/urdf/answers
+-include $(wildcard $(B)/tests/urdf/*.d)
 endif
 $(B)/tests/urdf/answers: $(B)/tests/urdf/answers.o $(CORE)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -o $@

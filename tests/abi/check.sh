@@ -26,7 +26,9 @@ skip() {
 }
 verdict() { if [ "$1" -eq 0 ]; then ok "$2"; else bad "$2"; fi; }
 
-for lib in libdynpoint libdynpoint_compile libdynpoint_drivers; do
+urdf=
+[ ! -e "$build/libdynpoint_urdf.a" ] || urdf=libdynpoint_urdf
+for lib in libdynpoint libdynpoint_compile libdynpoint_drivers $urdf; do
     nm -D --with-symbol-versions --defined-only "$build/$lib.so.0" >"$scratch/$lib.versions"
     awk '$2 != "A" { sub(/@.*/, "", $3); print $3 }' "$scratch/$lib.versions" | LC_ALL=C sort >"$scratch/$lib.symbols"
     diff "$here/$lib.symbols" "$scratch/$lib.symbols"
@@ -46,6 +48,13 @@ verdict $? "the core imports sqrt and mem* only $(tr '\n' ' ' <"$scratch/imports
 nm -u "$build/libdynpoint_compile.o" | awk '$2 ~ /^(pthread|thrd|mtx|sem)_/ { print $2 }' | LC_ALL=C sort >"$scratch/threads"
 [ "$(tr '\n' ' ' <"$scratch/threads")" = "pthread_create pthread_join " ]
 verdict $? "the compiler makes and joins threads, and locks nothing $(tr '\n' ' ' <"$scratch/threads")"
+
+# C++ stays behind its wall: nothing is printed, and no stream of the standard library's is set up.
+if [ -n "$urdf" ]; then
+    nm -uC "$build/libdynpoint_urdf.o" | grep -E 'std::(cout|cerr|clog|ios_base::Init)|[ _](printf|fprintf|puts|fputs|fwrite|putchar|perror|abort|exit)(_chk)?$' >"$scratch/prints"
+    [ ! -s "$scratch/prints" ]
+    verdict $? "the reader of robots' descriptions prints nothing $(tr '\n' ' ' <"$scratch/prints")"
+fi
 
 # Also a pointer that is set at the start, a thread's own variable, and code that runs before main.
 objdump -h "$build/libdynpoint.o" | awk '$2 ~ /^\.(t?data|t?bss|init_array|ctors)/ && $2 !~ /^\.data\.rel\.ro/ &&
@@ -76,7 +85,7 @@ c99="-std=c99 -pedantic -Wall -Wextra -Werror"
 ${CC:-cc} $c99 -Iinclude "$here/layout.c" -o "$scratch/layout" && "$scratch/layout"
 verdict $? "structs and constants are what $here/layouts.txt says, on this machine"
 # What the list does not name: a field shows as a gap in its struct, the rest in the preprocessed headers.
-printf '#include <dynpoint.h>\n#include <dynpoint/compile.h>\n#include <dynpoint/loop.h>\n' | ${CC:-cc} -E -P -Iinclude - |
+printf '#include <dynpoint.h>\n#include <dynpoint/compile.h>\n#include <dynpoint/loop.h>\n#include <dynpoint/urdf.h>\n' | ${CC:-cc} -E -P -Iinclude - |
     grep -oE 'DPT_[A-Z0-9_]+|struct dpt_[a-z0-9_]+ \{' | sed 's/^struct //; s/ {$//' |
     LC_ALL=C sort -u >"$scratch/public"
 sed -n 's/^VALUE(\([^,]*\),.*/\1/p; s/^STRUCT(\(.*\))/\1/p' "$here/layouts.txt" | LC_ALL=C sort -u >"$scratch/listed"
@@ -116,6 +125,15 @@ make -s B="$few" DRIVERS=nonesuch "$few/libdynpoint_drivers.so.0" >/dev/null 2>&
 [ $? -eq 2 ]
 verdict $? "and an unknown one is an error"
 
+# Without urdfdom the program says so.
+make -s B="$few" URDF=no "$few/tools/arm.o" &&
+    ${CC:-cc} "$few/tools/arm.o" $(ls "$build"/tools/*.o | grep -v /arm.o) "$build"/src/*.o "$build"/src/compile/*.o \
+        "$build"/drivers/*.o -lm -pthread -o "$scratch/no_urdf" &&
+    ! "$scratch/no_urdf" compile docs/samples/arm.urdf -o "$scratch/arm.dpa" 2>"$scratch/no_urdf.says" &&
+    [ "$(wc -l <"$scratch/no_urdf.says")" -eq 1 ] && grep -q "this build reads no URDF: install" "$scratch/no_urdf.says" &&
+    [ ! -e "$scratch/arm.dpa" ]
+verdict $? "URDF=no builds a program that says what is missing"
+
 # docs/ffi.md shows parts of a script that runs; a line of it that the script has no more is a lie.
 sed -n '/^```python/,/^```/p' docs/ffi.md | grep -v '^```' | grep -vxFf tests/ffi/touch.py
 [ $? -eq 1 ]
@@ -124,7 +142,7 @@ verdict $? "docs/ffi.md shows lines of tests/ffi/touch.py"
 root=$PWD/$scratch/root
 make -s install DESTDIR="$root" PREFIX=/opt/dp LIBDIR=/opt/dp/lib64 >/dev/null
 find "$root" -type f -o -type l | sed "s|^$root||" | LC_ALL=C sort >"$scratch/installed"
-diff "$here/installed" "$scratch/installed"
+if [ -n "$urdf" ]; then cat "$here/installed"; else grep -v libdynpoint_urdf "$here/installed"; fi | diff - "$scratch/installed"
 verdict $? "install puts what $here/installed lists"
 cat >"$scratch/user.c" <<'END'
 #include <dynpoint.h>
@@ -152,6 +170,19 @@ if command -v pkg-config >/dev/null 2>&1; then
     ${CC:-cc} -std=c99 "$scratch/user.c" -I"$root/opt/dp/include" "$root/opt/dp/lib64/libdynpoint_compile.a" \
         "$root/opt/dp/lib64/libdynpoint.a" -lm -pthread -o "$scratch/user" && "$scratch/user"
     verdict $? "and with the static ones"
+    if [ -n "$urdf" ]; then
+        flags=$(PKG_CONFIG_SYSROOT_DIR= pkg-config --cflags --libs libdynpoint_urdf | sed "s|/opt/dp|$root/opt/dp|g")
+        ${CC:-cc} $c99 "$here/arm_of_urdf.c" $flags -ldynpoint_compile -ldynpoint -o "$scratch/arm_of_urdf" &&
+            LD_LIBRARY_PATH="$root/opt/dp/lib64" "$scratch/arm_of_urdf" docs/samples/arm.urdf
+        verdict $? "a program with a robot's description, too"
+        flags=$(PKG_CONFIG_SYSROOT_DIR= pkg-config --static --libs libdynpoint_urdf | sed "s|/opt/dp|$root/opt/dp|g; s|-ldynpoint[a-z_]*||g")
+        ${CC:-cc} $c99 "$here/arm_of_urdf.c" -I"$root/opt/dp/include" "$root/opt/dp/lib64/libdynpoint_urdf.a" \
+            "$root/opt/dp/lib64/libdynpoint_compile.a" "$root/opt/dp/lib64/libdynpoint.a" $flags -o "$scratch/arm_of_urdf" &&
+            "$scratch/arm_of_urdf" docs/samples/arm.urdf
+        verdict $? "and with the static ones"
+    else
+        skip "a program with a robot's description: this build has none"
+    fi
     pkg-config --static --libs libdynpoint_compile | grep -q -- -pthread &&
         ! pkg-config --static --libs libdynpoint | grep -q -- -pthread
     verdict $? "the compiler's .pc asks for threads, the core's does not"

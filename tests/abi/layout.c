@@ -8,6 +8,7 @@
 #include <dynpoint.h>
 #include <dynpoint/compile.h>
 #include <dynpoint/loop.h>
+#include <dynpoint/urdf.h>
 
 #define PICK(lp64, ilp32)  (sizeof(void *) == 8 ? (size_t)(lp64) : (size_t)(ilp32))
 #define BYTES(type, field) sizeof(((type *)0)->field)

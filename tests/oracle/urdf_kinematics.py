@@ -385,7 +385,7 @@ def main(build):
         import pinocchio
     except ImportError:
         pinocchio = None
-        tally.skip("pinocchio", "not here (PyPI: pin, in build/venv)")
+        tally.skip("pinocchio", "not here (PyPI: pin, into build/venv-urdf)")
     check_robot(tally, build, scratch, "docs/samples/arm.urdf", None, rng, pinocchio=pinocchio)
     check_random(tally, build, scratch, rng, pinocchio)
     data = os.path.join(os.environ.get("DPT_DATA", ""), "urdf")

@@ -1,0 +1,26 @@
+#!/bin/sh
+# SPDX-License-Identifier: BSD-3-Clause
+# The kinematics of robots' descriptions against an oracle of their own, and pinocchio's where PyPI can be reached (once,
+# into build/venv-urdf; not with DEPS=no): `sh tests/oracle/urdf.sh BUILD`.
+set -u
+build=$1
+venv=build/venv-urdf
+if [ ! -x "$build/tests/urdf/answers" ] || [ ! -e "$build/libdynpoint_urdf.a" ]; then
+    echo "  skip kinematics of robots' descriptions: no urdfdom with g++"
+    echo "0 passed, 0 failed, 1 skipped"
+    exit 0
+fi
+if ! command -v python3 >/dev/null 2>&1; then
+    echo "  skip kinematics of robots' descriptions: no python3"
+    echo "0 passed, 0 failed, 1 skipped"
+    exit 0
+fi
+if [ ! -f $venv/complete ] && [ "${DEPS:-yes}" != no ]; then
+    rm -rf $venv
+    mkdir -p build
+    { python3 -m venv $venv && timeout 300 $venv/bin/pip install --no-cache-dir --disable-pip-version-check --retries 1 \
+        --timeout 20 -r tests/oracle/requirements.txt; } >build/venv-urdf.log 2>&1 && touch $venv/complete
+fi
+python=python3
+[ ! -f $venv/complete ] || python=$venv/bin/python
+exec $python tests/oracle/urdf_kinematics.py "$build"
