@@ -772,6 +772,102 @@ devices()
     refuses 'a line that is gone' "$name" device watch "$name"
 }
 
+# Robots' descriptions, and arms.
+descriptions()
+{
+    sample=$tests/../docs/samples/arm.urdf golden=$tests/golden-urdf
+    run compile "$sample" -o arm.dpa
+    if [ $status -eq 2 ] && grep -q 'this build reads no URDF' stderr; then
+        is_refusal 'install urdfdom and a C++ compiler'
+        check "a build without URDF: $reason" test $? -eq 0
+        skip "robots' descriptions: this build has no urdfdom"
+        return
+    fi
+    check "compile arm.urdf: exit $status: $(cat stderr)" test $status -eq 0 -a ! -s stderr
+    check "report: $(cat stdout)" grep -q \
+        '^arm.dpa: arm arm, 3 joints, tool stylus of 1 capsule, 1 body, 0.8 kg' stdout
+    succeeds 'info of an arm' info arm.dpa
+    for line in 'joint 1 shoulder .* -17.1887 .. 80.2141 degrees, 1.5 Nm, 20 rad/s' \
+        'link 2  on link 1, turns about (0, -1, 0) by elbow, 0.15 kg' 'tool stylus on link 2' \
+        'capsule (0, 0, -0.106) to (0, 0, 0.006) m, radius 0.004 m' \
+        'body desk at (0, 0, -0.01) m, 12 triangles'; do
+        check "info: $line" grep -q "$line" stdout
+    done
+    if python3 -c 'import json' 2>python.log; then
+        run info arm.dpa --json
+        mv stdout info.json
+        check "info --json of an arm: $(tail -n 1 python.log)" has_keys info.json arm root joints links \
+            tool.name tool.link tool.position tool.orientation tool.capsules bodies mass source.bytes \
+            source.hash format bytes
+        sed 's/name="elbow"/name="e\&quot;l\\b"/' "$sample" >quotes.urdf
+        succeeds 'a name with quotes' compile quotes.urdf -o quotes.dpa
+        run info quotes.dpa --json
+        check 'a name with quotes in JSON' python3 -c 'import json, sys
+sys.exit(json.load(open("stdout"))["joints"][2]["name"] != "e\"l\\b")'
+    else
+        skip 'JSON of an arm: no python3'
+    fi
+    run info arm.dpa --verify
+    check "info --verify of an arm: $(cat stdout)" test $status -eq 0
+    { head -c 700 arm.dpa; printf '\377'; tail -c +702 arm.dpa; } >damaged.dpa
+    run info damaged.dpa --verify
+    check "info --verify of a damaged arm: $(cat stdout)" test $status -eq 1
+    refuses 'info of a damaged arm' 'damaged.dpa: byte' info damaged.dpa
+    refuses 'replay of an arm' 'not of the kind asked for' replay arm.dpa torus.csv -o out/x
+
+    cp "$sample" robot.txt
+    succeeds 'a description by its content' compile robot.txt -o other.dpa
+    check 'and the same bytes' cmp -s arm.dpa other.dpa
+    succeeds 'to standard output' compile "$sample" -o -
+    check 'with the same bytes' cmp -s arm.dpa stdout
+    refuses 'a description without robot' 'not a URDF' compile "$golden/sdf.urdf" -o out/x
+    echo '<COLLADA/>' >mesh.dae
+    refuses 'a mesh in XML' 'mesh.dae: neither OBJ' compile mesh.dae -o out/x
+    refuses 'the line of a refusal' 'zero_axis.urdf:14: joint' \
+        compile "$golden/zero_axis.urdf" -o out/x
+    refuses 'notes of what is refused' "arm.urdf: there is no link 'nonesuch'" \
+        compile "$sample" -o out/x --tool nonesuch
+    refuses '--tool with a mesh' '--tool and --packages are for a URDF' \
+        compile box.ply -o out/x --tool tip
+    refuses '--packages with a mesh' '--tool and --packages are for a URDF' \
+        compile box.ply -o out/x --packages .
+    succeeds 'notes' compile "$golden/extensions.urdf" -o noted.dpa
+    check "notes: $(cat stderr)" grep -q \
+        'extensions.urdf:[0-9]*: note: <transmission> in <robot> is left out, 2 times' stderr
+    succeeds 'another tool' compile "$sample" -o forearm.dpa --tool upper_arm
+    check "another tool: $(cat stdout)" grep -q ' 2 joints, tool upper_arm of 0 capsules' stdout
+    printf '<robot name="r"><link name="b"><collision><geometry><mesh filename="%s"/></geometry>' \
+        'package://plates/meshes/large%20plate.obj' >plate.urdf
+    printf '</collision></link><link name="t"/><joint name="j" type="continuous"><parent link="b"/>' \
+        >>plate.urdf
+    echo '<child link="t"/></joint></robot>' >>plate.urdf
+    refuses 'a package that is not found' "link 'b': 'package://plates" compile plate.urdf -o out/x
+    succeeds '--packages' compile plate.urdf -o plate.dpa --packages "$golden/packages" --scale 0.5
+    check "--packages: $(cat stdout)" grep -q ' 1 body' stdout
+
+    succeeds '--c-array of an arm' compile "$sample" -o arm.c --c-array arm_bytes
+    check '--c-array tells how to open it' grep -q \
+        'A dynpoint arm of [0-9]* bytes: dpt_arm_open(arm_bytes, arm_bytes_size, &arm)' arm.c
+    cat >opens_arm.c <<'C'
+#include <dynpoint.h>
+#include <stdint.h>
+extern const uint64_t arm_bytes[];
+extern const size_t arm_bytes_size;
+int main(void)
+{
+    const dpt_arm *arm;
+    return dpt_arm_open(arm_bytes, arm_bytes_size, &arm);
+}
+C
+    rm -f opens_arm
+    for runtime in '' '-fsanitize=address,undefined'; do
+        # shellcheck disable=SC2086
+        ${CC:-cc} -std=c99 $runtime -I"$tests/../include" opens_arm.c arm.c "$build/libdynpoint.a" -lm \
+            -o opens_arm 2>cc.log && break
+    done
+    check "--c-array of an arm: $(tail -n 1 cc.log)" ./opens_arm
+}
+
 prepare
 help_and_version
 usage_errors
@@ -786,5 +882,6 @@ shapes
 json
 devices
 c_array
+descriptions
 echo "$passed passed, $failed failed, $skipped skipped"
 [ $failed -eq 0 ]

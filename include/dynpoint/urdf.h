@@ -22,7 +22,8 @@ DPT_BEGIN
 
 /*
  * What was left out or held still: text for people, without the file's name. `line` is the URDF's, from 1; 0 where the
- * place is not a line. Called before dpt_urdf_compile_file returns, also where it then fails.
+ * place is not a line. Called from within dpt_urdf_compile_file, in the order of lines, before it returns DPT_OK; what is
+ * refused has no notes.
  */
 typedef void dpt_urdf_note(void *user, uint64_t line, const char *text);
 

@@ -42,7 +42,7 @@ bool turns_or_slides(const Joint &joint)
 
 struct Builder {
     const Robot &robot;
-    const Notes &notes;
+    Notes &notes;
     Chain chain;
     std::vector<size_t> path;    /* joints, from the root to the tool */
     std::vector<Motion> motions; /* of each joint */
@@ -57,7 +57,7 @@ struct Builder {
     Frame held(const Joint &joint, double value, bool mimics) const;
     void weigh();
     void shapes();
-    void check_mimics() const;
+    void check_mimics();
 
     bool is_coordinate(size_t joint) const
     {
@@ -172,7 +172,7 @@ void Builder::find_coordinates()
 }
 
 /* Limits are those of the coordinate; a joint that follows it may have narrower ones of its own. */
-void Builder::check_mimics() const
+void Builder::check_mimics()
 {
     for (size_t i = 0; i < robot.joints.size(); i++) {
         const Joint &joint = robot.joints[i];
@@ -341,7 +341,7 @@ void Builder::shapes()
 
 } // namespace
 
-Chain chain_of(const Robot &robot, const char *tool, const Notes &notes)
+Chain chain_of(const Robot &robot, const char *tool, Notes &notes)
 {
     Builder builder = { robot, notes, Chain(), {}, {} };
     builder.find_tool(tool);

@@ -22,7 +22,7 @@ struct Chain {
 };
 
 /* `tool` may be NULL: the only link without children. */
-Chain chain_of(const Robot &robot, const char *tool, const Notes &notes);
+Chain chain_of(const Robot &robot, const char *tool, Notes &notes);
 
 dpt_pose pose_of(const Frame &frame);
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The wall: C outside, C++ inside, and no exception through. */
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -50,10 +51,12 @@ std::string read_all(const char *path)
 
 void compile(const char *path, const dpt_urdf_def &def, dpt_compiled *out)
 {
-    const Notes notes = { def.note, def.user };
+    Notes notes;
     const std::string bytes = read_all(path);
     const Robot robot = read_robot(bytes, notes);
     const Chain chain = chain_of(robot, def.tool, notes);
+    std::stable_sort(notes.list.begin(), notes.list.end(),
+                     [](const Note &a, const Note &b) { return a.line < b.line; });
     Scene scene;
     read_scene(robot, chain, path, def.packages, def.mesh, &scene);
 
@@ -83,6 +86,9 @@ void compile(const char *path, const dpt_urdf_def &def, dpt_compiled *out)
     dpt_result result = dpt_compile_arm(&arm, out, &diag);
     if (result != DPT_OK)
         refuse(result, 0, "%s", diag.text);
+    for (const Note &note : notes.list)
+        if (def.note)
+            def.note(def.user, note.line, note.text.c_str());
 }
 
 dpt_result tell(dpt_diag *diag, dpt_result code, size_t line, const char *text)

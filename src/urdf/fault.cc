@@ -45,9 +45,3 @@ std::string quoted(const std::string &name)
         end--;
     return "'" + name.substr(0, end) + "...'";
 }
-
-void Notes::say(size_t line, const std::string &text) const
-{
-    if (hear != NULL)
-        hear(user, line, text.c_str());
-}

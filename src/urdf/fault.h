@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <string>
+#include <vector>
 
 #include "dynpoint/urdf.h"
 
@@ -25,12 +26,19 @@ std::string line_of_text(const char *format, ...) __attribute__((format(printf, 
 /* A name between quotes, cut where it would fill the line. */
 std::string quoted(const std::string &name);
 
-/* To whoever listens. */
-struct Notes {
-    dpt_urdf_note *hear;
-    void *user;
+/* What was left out or held still, until it is certain that there is an arm. */
+struct Note {
+    size_t line;
+    std::string text;
+};
 
-    void say(size_t line, const std::string &text) const;
+struct Notes {
+    std::vector<Note> list;
+
+    void say(size_t line, const std::string &text)
+    {
+        list.push_back({ line, text });
+    }
 };
 
 #endif

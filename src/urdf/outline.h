@@ -49,7 +49,7 @@ Outline outline_of(const std::string &xml);
  * Faults for what would be passed over to a wrong end: a name or a part given twice, an attribute that is not one.
  * Notes on what is no part of a URDF. `capsules`: this urdfdom knows them, and quaternions, in files of version 1.1.
  */
-void outline_check(Outline *outline, bool capsules, const Notes &notes);
+void outline_check(Outline *outline, bool capsules, Notes &notes);
 
 /* Faults for joints that do not hang all links on one root, each once: with names and lines, which urdfdom has not. */
 void outline_tree(const Outline &outline);

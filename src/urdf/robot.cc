@@ -185,7 +185,7 @@ Frame frame_of(const urdf::Pose &pose, size_t line, const std::string &owner)
 struct Builder {
     const Outline &outline;
     const urdf::ModelInterface &model;
-    const Notes &notes;
+    Notes &notes;
     Robot robot;
 
     size_t joint_index(const std::string &name) const
@@ -352,7 +352,7 @@ void Builder::tree()
 
 } // namespace
 
-Robot read_robot(std::string xml, const Notes &notes)
+Robot read_robot(std::string xml, Notes &notes)
 {
     Outline outline = outline_of(xml);
     outline_check(&outline, Capsules<urdf::Capsule>::are_known(), notes);

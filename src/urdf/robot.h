@@ -54,6 +54,6 @@ struct Robot {
 };
 
 /* Throws a fault; gives the notes. */
-Robot read_robot(std::string xml, const Notes &notes);
+Robot read_robot(std::string xml, Notes &notes);
 
 #endif

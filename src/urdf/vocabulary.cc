@@ -211,7 +211,7 @@ void Checker::look(size_t index)
 
 } // namespace
 
-void outline_check(Outline *outline, bool capsules, const Notes &notes)
+void outline_check(Outline *outline, bool capsules, Notes &notes)
 {
     const size_t most = 4000;
     const Element &root = outline->elements[0];

@@ -25,13 +25,17 @@ struct outcome {
     dpt_diag diag;
     dpt_compiled compiled;
     int notes;
-    int heard; /* notes with the words asked for */
+    uint64_t line; /* of the last one */
+    int heard;     /* notes with the words asked for */
     const char *words;
 };
 
 static void hear(void *user, uint64_t line, const char *text)
 {
     struct outcome *o = user;
+    CHECK(line >= o->line, "a note of line %lu after one of %lu", (unsigned long)line,
+          (unsigned long)o->line);
+    o->line = line;
     o->notes++;
     o->heard += o->words && strstr(text, o->words) != NULL;
     CHECK(line < 100000 && text[0] && !strchr(text, '\n'), "note of line %lu: %s",
@@ -55,7 +59,8 @@ static struct outcome compile(const char *path, const char *words)
 static void check_sane(const char *name, struct outcome *o)
 {
     if (o->result != DPT_OK) {
-        CHECK(!o->compiled.bytes && !o->compiled.size, "%s: bytes of a failure", name);
+        CHECK(!o->compiled.bytes && !o->compiled.size && !o->notes,
+              "%s: bytes or notes of a failure", name);
         CHECK(o->diag.code == o->result && o->diag.text[0] && !strchr(o->diag.text, '\n') &&
                   memchr(o->diag.text, 0, sizeof o->diag.text),
               "%s: %d, %s", name, o->diag.code, o->diag.text);
