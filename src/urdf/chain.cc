@@ -200,8 +200,6 @@ Frame Builder::held(const Joint &joint, double value, bool mimics) const
                       joint_called(joint) + " is no part of the arm: held at its origin");
         return joint.place;
     }
-    if (!mimics && joint.kind != Joint::CONTINUOUS)
-        value = std::max(joint.lower, std::min(joint.upper, value));
     notes.say(joint.line, joint_called(joint) + " is no part of the arm: held" +
                               (value == 0.0 ? " at 0"
                                : mimics     ? " where what it mimics puts it"

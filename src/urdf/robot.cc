@@ -70,24 +70,29 @@ template <class C> struct Capsules<C, decltype(sizeof(C))> {
 };
 
 /*
- * Takes what urdfdom logs as warning or error; below that is what it took by default. Handler and level are the process's: one reads at a time, and what other threads log meanwhile
- * goes where it went. The level is lower only while the handler is this one.
+ * Takes what urdfdom logs as warning or error; below that is what it took by default. Handlers and level are the
+ * process's: one reads at a time, what other threads log meanwhile goes where it went, and at the end all are as they
+ * were, the handler before the last one too. While they change nothing is logged.
  */
 class Log : public console_bridge::OutputHandler
 {
   public:
-    Log()
-        : alone(mutex()), owner(std::this_thread::get_id()),
-          before(console_bridge::getOutputHandler()), level(console_bridge::getLogLevel())
+    Log() : alone(mutex()), owner(std::this_thread::get_id()), level(console_bridge::getLogLevel())
     {
+        console_bridge::setLogLevel(console_bridge::CONSOLE_BRIDGE_LOG_NONE);
+        before = console_bridge::getOutputHandler();
+        console_bridge::restorePreviousOutputHandler();
+        previous = console_bridge::getOutputHandler();
         console_bridge::useOutputHandler(this);
         console_bridge::setLogLevel(std::min(level, console_bridge::CONSOLE_BRIDGE_LOG_WARN));
     }
 
     ~Log()
     {
-        console_bridge::setLogLevel(level);
+        console_bridge::setLogLevel(console_bridge::CONSOLE_BRIDGE_LOG_NONE);
+        console_bridge::useOutputHandler(previous);
         console_bridge::useOutputHandler(before);
+        console_bridge::setLogLevel(level);
     }
 
     void log(const std::string &text, console_bridge::LogLevel at, const char *file,
@@ -111,8 +116,8 @@ class Log : public console_bridge::OutputHandler
 
     std::lock_guard<std::mutex> alone;
     std::thread::id owner;
-    console_bridge::OutputHandler *before;
     console_bridge::LogLevel level;
+    console_bridge::OutputHandler *before, *previous;
 };
 
 /* The first link or joint that a message names, between [] or ''. */

@@ -200,7 +200,7 @@ static void a_programs_log_is_left_alone(void)
     compile_all();
     CHECK(log_is_ours(), "handler or level is another");
     CHECK(log_count() == 0, "%d messages reached it", log_count());
-    log_end();
+    CHECK(log_end(), "the handler before is another");
 }
 
 static void paths_that_are_no_files(void)
@@ -497,7 +497,7 @@ static void threads_do_not_mix(void)
         CHECK(!wrong, "thread %d had another's answer", i);
     }
     CHECK(log_is_ours() && log_count() == 0, "%d messages at level none", log_count());
-    log_end();
+    CHECK(log_end(), "the handler before is another");
 }
 
 int main(int argc, char **argv)

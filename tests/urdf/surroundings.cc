@@ -34,6 +34,8 @@ struct Counter : console_bridge::OutputHandler {
     }
 } counter;
 
+console_bridge::OutputHandler *original;
+
 bool granted()
 {
     if (allocations_left > 0)
@@ -71,6 +73,7 @@ void comma_in_cpp(int on)
 void log_begin(void)
 {
     counter.count = 0;
+    original = console_bridge::getOutputHandler();
     console_bridge::useOutputHandler(&counter);
     console_bridge::setLogLevel(console_bridge::CONSOLE_BRIDGE_LOG_NONE);
 }
@@ -86,10 +89,11 @@ int log_count(void)
     return counter.count;
 }
 
-void log_end(void)
+int log_end(void)
 {
     console_bridge::restorePreviousOutputHandler();
     console_bridge::setLogLevel(console_bridge::CONSOLE_BRIDGE_LOG_WARN);
+    return console_bridge::getOutputHandler() == original;
 }
 
 void log_something(void)
@@ -105,6 +109,11 @@ void *operator new(std::size_t size)
     if (allocations_left >= 0 && __lsan_ignore_object)
         __lsan_ignore_object(block);
     return block;
+}
+
+void *operator new(std::size_t size, const std::nothrow_t &) noexcept
+{
+    return granted() ? __real_malloc(size ? size : 1) : NULL;
 }
 
 void *operator new[](std::size_t size)

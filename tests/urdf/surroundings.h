@@ -15,7 +15,8 @@ void log_begin(void);
 /* Whether handler and level are those still; how many came. */
 int log_is_ours(void);
 int log_count(void);
-void log_end(void);
+/* Whether the handler before it is back. */
+int log_end(void);
 
 /* Log one message as urdfdom would, from this thread. */
 void log_something(void);
