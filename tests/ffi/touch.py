@@ -2,9 +2,10 @@
 """From arrays to a force with ctypes alone (docs/ffi.md): python3 tests/ffi/touch.py BUILD."""
 import re
 import sys
-from ctypes import (CDLL, POINTER, Structure, byref, c_char, c_char_p, c_double, c_size_t, c_uint32, c_uint64,
-                    c_void_p, sizeof)
+from ctypes import (CDLL, CFUNCTYPE, POINTER, Structure, byref, c_char, c_char_p, c_double, c_size_t, c_uint32,
+                    c_uint64, c_void_p, sizeof)
 from math import cos, sin
+from os.path import exists
 
 core = CDLL(sys.argv[1] + "/libdynpoint.so")
 compiler = CDLL(sys.argv[1] + "/libdynpoint_compile.so")
@@ -170,10 +171,32 @@ check("its box", core.dpt_arm_get_body(arm, c_uint32(0), byref(bodies[0])) == 0 
 check("no such joint: DPT_E_ARGUMENT", core.dpt_arm_get_joint(arm, c_uint32(2), byref(shoulder)) == -1)
 compiler.dpt_compiled_free(byref(arm_file))
 
+skipped = not exists(sys.argv[1] + "/libdynpoint_urdf.so")
+if skipped:
+    print("  skip a robot's description: no libdynpoint_urdf")
+else:
+    urdf, angles = CDLL(sys.argv[1] + "/libdynpoint_urdf.so"), (c_double * 3)(0, 0, 0)
+    note = CFUNCTYPE(None, c_void_p, c_uint64, c_char_p)
+    notes = []
+    UrdfDef = struct("dpt_urdf_def", (c_uint32, "size reserved"), (c_char_p, "tool packages"), (c_void_p, "mesh"),
+                     (note, "note"), (c_void_p, "user"))
+    check("dpt_urdf_def has its size", sizeof(UrdfDef) == sizes["dpt_urdf_def"])
+    check("compile a URDF", urdf.dpt_urdf_compile_file(b"docs/samples/arm.urdf", None, byref(arm_file), None) == 0)
+    check("open it", core.dpt_arm_open(c_void_p(arm_file.bytes), c_size_t(arm_file.size), byref(arm)) == 0)
+    check("forward", core.dpt_arm_forward(arm, angles, byref(pose)) == 0)
+    check("where its forearm ends", is_near(pose.position[0], 0.3) and is_near(pose.position[2], 0.1))
+    compiler.dpt_compiled_free(byref(arm_file))
+    hear = note(lambda user, line, text: notes.append((line, text)))
+    urdf_def = UrdfDef(size=sizeof(UrdfDef), tool=b"upper_arm", note=hear)
+    path = b"docs/samples/arm.urdf"
+    check("another tool", urdf.dpt_urdf_compile_file(path, byref(urdf_def), byref(arm_file), None) == 0)
+    check("what is noted", [line for line, text in notes] == [6, 8, 14] and b"'elbow' is no part of the arm" in notes[2][1])
+    compiler.dpt_compiled_free(byref(arm_file))
+
 check("a body is no tool: DPT_E_HANDLE", core.dpt_tool_set_pose(world, body, byref(pose)) == -8)
 check("no pose: DPT_E_ARGUMENT", core.dpt_tool_set_pose(world, tool, None) == -1)
 check("no size: DPT_E_SIZE", core.dpt_world_step(world, c_double(0.001), byref(Step())) == -2)
 compiler.dpt_compiled_free(byref(file))
 
-print(f"{sum(verdicts)} passed, {len(verdicts) - sum(verdicts)} failed, 0 skipped")
+print(f"{sum(verdicts)} passed, {len(verdicts) - sum(verdicts)} failed, {int(skipped)} skipped")
 sys.exit(not all(verdicts))
