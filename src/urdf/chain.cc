@@ -153,8 +153,6 @@ void Builder::add_coordinate(size_t index)
     chain.joints.push_back(joint);
     if (from.kind != Joint::CONTINUOUS && from.lower == from.upper)
         notes.say(from.line, joint_called(from) + " cannot move: its limits are equal");
-    if (from.safety)
-        notes.say(from.line, joint_called(from) + ": its <safety_controller> is left out");
 }
 
 void Builder::find_coordinates()

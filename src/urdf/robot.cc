@@ -334,7 +334,6 @@ void Builder::joint(size_t index)
         axis(*from, &joint);
         limits(*from, &joint);
     }
-    joint.safety = from->safety != nullptr;
     if (from->mimic) {
         joint.mimics = joint_index(from->mimic->joint_name);
         joint.factor = bounded(from->mimic->multiplier, joint.line, owner, "its multiplier");

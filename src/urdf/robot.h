@@ -43,7 +43,6 @@ struct Joint {
     double lower, upper, velocity, effort, damping, friction;
     size_t mimics; /* joint; none: nothing */
     double factor, offset;
-    bool safety; /* has soft limits */
 };
 
 struct Robot {

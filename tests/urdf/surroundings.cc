@@ -47,8 +47,8 @@ bool granted()
 
 } // namespace
 
-long allocations_left = -1;
-long blocks_in_c;
+__thread long allocations_left = -1;
+__thread long blocks_in_c;
 
 extern "C" {
 void *__real_malloc(std::size_t size);

@@ -22,13 +22,13 @@ int log_end(void);
 void log_something(void);
 
 /*
- * So many allocations succeed from now on, in C++ and in our C; -1: all. Meanwhile leaks of C++ are not reported:
+ * So many allocations of this thread succeed from now on, in C++ and in our C; -1: all. Meanwhile leaks of C++ are not reported:
  * TinyXML 2.6 has some.
  */
-extern long allocations_left;
+extern __thread long allocations_left;
 
-/* Blocks that our C has now. */
-extern long blocks_in_c;
+/* Blocks that our C has now, of this thread. */
+extern __thread long blocks_in_c;
 
 #ifdef __cplusplus
 }
