@@ -53,8 +53,9 @@ endif
 LEFT_OUT := $(patsubst %,drivers/%.c,$(filter-out $(DRIVERS),$(BACK_ENDS)))
 DRIVER_PARTS := $(patsubst %.c,$(B)/%.o,$(filter-out $(LEFT_OUT),$(wildcard drivers/*.c)))
 # Robots' descriptions: where there are urdfdom and a C++ compiler. URDF=no leaves them out.
-URDF ?= $(if $(filter fuzz,$(CONFIG)),no,$(shell echo '\#include <urdf_parser/urdf_parser.h>' | \
+URDF_HERE = $(if $(filter fuzz,$(CONFIG)),no,$(shell echo '\#include <urdf_parser/urdf_parser.h>' | \
   $(CXX) $$(pkg-config --cflags urdfdom console_bridge 2>&1) -E -x c++ - >/dev/null 2>&1 && echo yes || echo no))
+URDF := $(or $(URDF),$(URDF_HERE))
 ifeq ($(URDF),yes)
 URDF_PARTS := $(patsubst %.cc,$(B)/%.o,$(wildcard src/urdf/*.cc))
 URDF_CFLAGS := $(shell pkg-config --cflags urdfdom console_bridge)
@@ -76,6 +77,10 @@ $(B)/%.o: %.cc
 	$(CXX) -std=c++11 $(CFLAGS) $(EXACT) -Wall -Wextra -fPIC -fvisibility=hidden -MMD -MP -Iinclude -Isrc $(URDF_CFLAGS) $(CONFIG_CFLAGS) $(CFLAGS_EXTRA) -c $< -o $@
 
 $(B)/tools/arm.o: CONFIG_CFLAGS += $(if $(URDF_PARTS),-DDPT_URDF)
+$(B)/tools/arm.o: $(B)/urdf
+$(B)/urdf: force
+	@mkdir -p $(@D)
+	@echo $(URDF) | cmp -s - $@ || echo $(URDF) >$@
 
 $(B)/src/kernel_scalar.o: CONFIG_CFLAGS += -fno-tree-vectorize
 
@@ -156,7 +161,7 @@ uninstall: ## what install put there
 	-rmdir $(DESTDIR)$(INCLUDEDIR)/dynpoint 2>/dev/null
 
 help: ## this list
-	@echo 'make [TARGET] [CONFIG=release|scalar|sanitize|debug|coverage] [DRIVERS="$(BACK_ENDS)"]'
+	@echo 'make [TARGET] [CONFIG=release|scalar|sanitize|debug|coverage] [DRIVERS="$(BACK_ENDS)"] [URDF=no]'
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  \1\t\2/p' Makefile tests/tests.mk | expand -t 14
 
 clean: ## remove build/

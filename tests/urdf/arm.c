@@ -322,6 +322,36 @@ static void capsules(void)
     dpt_compiled_free(&robot.compiled);
 }
 
+/* Its length is without the round ends. Only urdfdom 5.1 and later know one. */
+static void capsules_of_urdf_1_1(void)
+{
+    char path[128];
+    snprintf(path, sizeof path, "%s/capsule.urdf", scratch);
+    FILE *file = fopen(path, "w");
+    fputs("<robot name=\"r\" version=\"1.1\"><link name=\"base\"/><link name=\"tip\"><collision>"
+          "<origin xyz=\"0 0 1\" quat_xyzw=\"1 0 0 0\"/><geometry><capsule radius=\"0.1\" "
+          "length=\"0.4\"/>"
+          "</geometry></collision></link>" JOINT("j", "continuous", "base", "tip", "") "</robot>\n",
+          file);
+    fclose(file);
+    dpt_diag diag = { .size = sizeof diag };
+    dpt_compiled compiled;
+    dpt_result result = dpt_urdf_compile_file(path, NULL, &compiled, &diag);
+    if (result == DPT_E_UNSUPPORTED || strstr(diag.text, "quat_xyzw")) {
+        CHECK(diag.line == 1, "%s", diag.text);
+        SKIP("capsules of URDF 1.1", "this urdfdom has none");
+        return;
+    }
+    const dpt_arm *arm;
+    dpt_segment s = { { 0.0 }, { 0.0 }, 0.0 };
+    CHECK(result == DPT_OK && dpt_arm_open(compiled.bytes, compiled.size, &arm) == DPT_OK &&
+              dpt_arm_get_segment(arm, 0, &s) == DPT_OK,
+          "%s", diag.text);
+    CHECK(near(s.radius, 0.1) && near(s.a[2], 1.2) && near(s.b[2], 0.8), "%g to %g, %g", s.a[2],
+          s.b[2], s.radius);
+    dpt_compiled_free(&compiled);
+}
+
 /* A plate of the scene, by its file's name; its edge in metres, 0 when the compiler refuses. */
 static double plate(const char *name, const char *more, const char *packages, double scale)
 {
@@ -459,6 +489,7 @@ int main(void)
     TEST(mimics_of_mimics);
     TEST(beside_the_way);
     TEST(capsules);
+    TEST(capsules_of_urdf_1_1);
     TEST(where_meshes_are);
     TEST(the_scene);
     char command[128];
