@@ -53,13 +53,13 @@ endif
 LEFT_OUT := $(patsubst %,drivers/%.c,$(filter-out $(DRIVERS),$(BACK_ENDS)))
 DRIVER_PARTS := $(patsubst %.c,$(B)/%.o,$(filter-out $(LEFT_OUT),$(wildcard drivers/*.c)))
 # Robots' descriptions: where there are urdfdom and a C++ compiler. URDF=no leaves them out.
-URDF_HERE = $(if $(filter fuzz,$(CONFIG)),no,$(shell echo '\#include <urdf_parser/urdf_parser.h>' | \
-  $(CXX) $$(pkg-config --cflags urdfdom console_bridge 2>&1) -E -x c++ - >/dev/null 2>&1 && echo yes || echo no))
+URDF_HERE = $(if $(filter fuzz fuzz-fast,$(CONFIG)),no,$(shell echo '\#include <urdf_parser/urdf_parser.h>' | \
+  $(CXX) $$(pkg-config --cflags urdfdom console_bridge expat 2>&1) -E -x c++ - >/dev/null 2>&1 && echo yes || echo no))
 URDF := $(or $(URDF),$(URDF_HERE))
 ifeq ($(URDF),yes)
 URDF_PARTS := $(patsubst %.cc,$(B)/%.o,$(wildcard src/urdf/*.cc))
-URDF_CFLAGS := $(shell pkg-config --cflags urdfdom console_bridge)
-URDF_LIBS := -Wl,--as-needed $(shell pkg-config --libs urdfdom console_bridge) -lstdc++
+URDF_CFLAGS := $(shell pkg-config --cflags urdfdom console_bridge expat)
+URDF_LIBS := -Wl,--as-needed $(shell pkg-config --libs urdfdom console_bridge expat) -lstdc++
 endif
 TOOLS := $(patsubst %.c,$(B)/%.o,$(wildcard tools/*.c))
 LIBS := $(B)/libdynpoint $(B)/libdynpoint_compile $(B)/libdynpoint_drivers $(if $(URDF_PARTS),$(B)/libdynpoint_urdf)
@@ -144,7 +144,7 @@ install: all ## into PREFIX, or DESTDIR and the directory variables
 	    echo "Name: $$lib"; echo 'Description: line-shaped haptic tools against triangle meshes'; \
 	    echo 'Version: $(VERSION)'; echo 'Cflags: -I$${includedir}'; \
 	    case $$lib in \
-	      *_urdf) echo 'Requires: libdynpoint_compile'; echo 'Requires.private: urdfdom console_bridge';; \
+	      *_urdf) echo 'Requires: libdynpoint_compile'; echo 'Requires.private: urdfdom console_bridge expat';; \
 	      *_*) echo 'Requires: libdynpoint';; esac; \
 	    echo "Libs: -L\$${libdir} -l$${lib#lib}"; \
 	    case $$lib in *_urdf) echo 'Libs.private: -lm -lstdc++';; *_*) echo 'Libs.private: -lm $(THREADS)';; *) echo 'Libs.private: -lm';; esac; \

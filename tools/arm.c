@@ -70,10 +70,11 @@ int compile_urdf(const char *path, const dpt_compile_def *mesh, const char *tool
                  const char *packages, dpt_compiled *compiled)
 {
     (void)mesh, (void)tool, (void)packages, (void)compiled;
-    return complain("compile",
-                    "%s: this build reads no URDF: install urdfdom and a C++ compiler (Debian: "
-                    "liburdfdom-dev g++ pkg-config) and run make again",
-                    path);
+    return complain(
+        "compile",
+        "%s: this build reads no URDF: install urdfdom, expat and a C++ compiler (Debian: "
+        "liburdfdom-dev libexpat1-dev g++ pkg-config) and run make again",
+        path);
 }
 
 #endif

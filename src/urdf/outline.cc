@@ -1,11 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A strict reader of XML: what it takes, TinyXML takes in the same sense. */
 #include "outline.h"
 
 #include <cstring>
+#include <exception>
+#include <memory>
+#include <new>
+
+#include <expat.h>
 
 static const size_t depth_most = 64;
 static const size_t elements_most = 200000;
+static const size_t attributes_most = 1000; /* TinyXML compares each with all */
 
 const std::string *Element::attribute(const char *name) const
 {
@@ -19,205 +24,76 @@ namespace
 {
 
 struct Reader {
-    const std::string &xml;
-    size_t at;
-    size_t line;
+    XML_Parser parser;
     std::vector<Element> elements;
+    std::vector<size_t> open;
+    std::exception_ptr fault; /* none goes through expat's frames */
 
-    explicit Reader(const std::string &text) : xml(text), at(0), line(1)
+    size_t line() const
     {
+        return XML_GetCurrentLineNumber(parser);
     }
 
-    char peek() const
+    /* What a handler does, or why the parser is to stop. */
+    template <typename Work> void handle(const Work &work)
     {
-        return at < xml.size() ? xml[at] : '\0';
+        if (fault)
+            return;
+        try {
+            work();
+        } catch (...) {
+            fault = std::current_exception();
+            XML_StopParser(parser, XML_FALSE);
+        }
     }
 
-    void advance(size_t bytes)
+    void begin(const char *tag, const char **attributes)
     {
-        for (; bytes && at < xml.size(); bytes--)
-            line += xml[at++] == '\n';
+        if (open.size() == depth_most)
+            refuse(DPT_E_SYNTAX, line(), "elements within elements, more than %zu deep",
+                   depth_most);
+        if (elements.size() == elements_most)
+            refuse(DPT_E_LIMIT, line(), "more than %zu elements", elements_most);
+        Element element = { tag, line(), open.empty() ? 0 : open.back(), {} };
+        for (; *attributes; attributes += 2) {
+            if (element.attributes.size() == attributes_most)
+                refuse(DPT_E_SYNTAX, line(), "<%.40s> has more than %zu attributes", tag,
+                       attributes_most);
+            element.attributes.push_back({ attributes[0], attributes[1] });
+        }
+        open.push_back(elements.size());
+        elements.push_back(element);
     }
 
-    bool begins(const char *word) const
+    /* Why the parser stopped. */
+    void complain() const
     {
-        return xml.compare(at, std::strlen(word), word) == 0;
+        const XML_Error code = XML_GetErrorCode(parser);
+        if (fault)
+            std::rethrow_exception(fault);
+        if (code == XML_ERROR_NO_MEMORY)
+            throw std::bad_alloc();
+        if (elements.empty())
+            refuse(DPT_E_FORMAT, line(), "not XML: %s", XML_ErrorString(code));
+        if (open.empty())
+            refuse(DPT_E_SYNTAX, line(), "%s", XML_ErrorString(code));
+        const Element &element = elements[open.back()];
+        if (code == XML_ERROR_NO_ELEMENTS)
+            refuse(DPT_E_TRUNCATED, element.line, "<%.40s> is not closed", element.tag.c_str());
+        refuse(DPT_E_SYNTAX, line(), "%s, within the <%.40s> of line %zu", XML_ErrorString(code),
+               element.tag.c_str(), element.line);
     }
-
-    /* Behind `end`; `what` is being skipped. */
-    void skip_past(const char *end, const char *what)
-    {
-        size_t found = xml.find(end, at);
-        if (found == std::string::npos)
-            refuse(DPT_E_SYNTAX, line, "%s that does not end", what);
-        advance(found + std::strlen(end) - at);
-    }
-
-    static bool is_blank(char c)
-    {
-        return c == ' ' || c == '\t' || c == '\n' || c == '\r';
-    }
-
-    void skip_blanks()
-    {
-        while (is_blank(peek()))
-            advance(1);
-    }
-
-    static bool is_name(char c, bool first)
-    {
-        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || c == ':' ||
-               static_cast<unsigned char>(c) >= 0x80 ||
-               (!first && ((c >= '0' && c <= '9') || c == '-' || c == '.'));
-    }
-
-    std::string name()
-    {
-        size_t begin = at;
-        while (is_name(peek(), at == begin))
-            at++;
-        if (at == begin)
-            refuse(DPT_E_SYNTAX, line, "a name is missing behind '%.12s'",
-                   xml.substr(begin > 12 ? begin - 12 : 0, begin > 12 ? 12 : begin).c_str());
-        return xml.substr(begin, at - begin);
-    }
-
-    void reference(const std::string &raw, size_t *i, std::string *value) const;
-    std::string value();
-    void attributes(Element *element);
-    void read();
 };
 
-/* &amp; and its like, at raw[*i]. */
-void Reader::reference(const std::string &raw, size_t *i, std::string *value) const
+void XMLCALL on_begin(void *user, const char *tag, const char **attributes)
 {
-    static const struct {
-        const char *name;
-        char is;
-    } known[] = {
-        { "&amp;", '&' }, { "&lt;", '<' }, { "&gt;", '>' }, { "&quot;", '"' }, { "&apos;", '\'' }
-    };
-    for (const auto &k : known) {
-        if (raw.compare(*i, std::strlen(k.name), k.name) == 0) {
-            *value += k.is;
-            *i += std::strlen(k.name);
-            return;
-        }
-    }
-    refuse(DPT_E_SYNTAX, line, "'%.16s': only &amp; &lt; &gt; &quot; and &apos; are taken",
-           raw.substr(*i, 16).c_str());
+    Reader *reader = static_cast<Reader *>(user);
+    reader->handle([=] { reader->begin(tag, attributes); });
 }
 
-std::string Reader::value()
+void XMLCALL on_end(void *user, const char *)
 {
-    char quote = peek();
-    if (quote != '"' && quote != '\'')
-        refuse(DPT_E_SYNTAX, line, "an attribute's value is not between quotes");
-    size_t end = xml.find(quote, at + 1);
-    if (end == std::string::npos)
-        refuse(DPT_E_SYNTAX, line, "an attribute's value does not end");
-    std::string raw = xml.substr(at + 1, end - at - 1), value;
-    if (raw.find('<') != std::string::npos)
-        refuse(DPT_E_SYNTAX, line, "'<' in an attribute's value: a quote is missing before it");
-    for (size_t i = 0; i < raw.size();) {
-        if (raw[i] == '&')
-            reference(raw, &i, &value);
-        else
-            value += raw[i++];
-    }
-    advance(end + 1 - at);
-    return value;
-}
-
-void Reader::attributes(Element *element)
-{
-    for (;;) {
-        bool apart = is_blank(peek());
-        skip_blanks();
-        if (peek() == '>' || peek() == '/' || !peek())
-            return;
-        if (!apart)
-            refuse(DPT_E_SYNTAX, line, "<%s>: no space between two attributes",
-                   element->tag.c_str());
-        std::string word = name();
-        skip_blanks();
-        if (peek() != '=')
-            refuse(DPT_E_SYNTAX, line, "<%s>: attribute %s has no value", element->tag.c_str(),
-                   quoted(word).c_str());
-        advance(1);
-        skip_blanks();
-        if (element->attribute(word.c_str()))
-            refuse(DPT_E_SYNTAX, line, "<%s>: attribute %s is given twice", element->tag.c_str(),
-                   quoted(word).c_str());
-        std::string text = value();
-        if (element->attributes.size() == 1000)
-            refuse(DPT_E_SYNTAX, line, "<%s> has more than 1000 attributes", element->tag.c_str());
-        element->attributes.push_back({ word, text });
-    }
-}
-
-void Reader::read()
-{
-    std::vector<size_t> open;
-    if (begins("\xef\xbb\xbf"))
-        at = 3;
-    for (;;) {
-        while (at < xml.size() && xml[at] != '<') {
-            if (open.empty() && !is_blank(xml[at]))
-                refuse(DPT_E_FORMAT, line, "not XML: text outside of any element");
-            advance(1);
-        }
-        if (at >= xml.size())
-            break;
-        if (begins("<!--"))
-            skip_past("-->", "a comment");
-        else if (begins("<![CDATA["))
-            skip_past("]]>", "CDATA");
-        else if (begins("<?")) {
-            skip_past(">", "a processing instruction");
-            if (xml[at - 2] != '?')
-                refuse(DPT_E_SYNTAX, line, "a processing instruction with '>' in it");
-        } else if (begins("<!"))
-            skip_past(">", "a declaration");
-        else if (begins("</")) {
-            advance(2);
-            std::string tag = name();
-            skip_blanks();
-            if (open.empty() || peek() != '>')
-                refuse(DPT_E_SYNTAX, line, "</%.40s> closes nothing", tag.c_str());
-            const Element &element = elements[open.back()];
-            if (element.tag != tag)
-                refuse(DPT_E_SYNTAX, line, "</%.40s> where <%.40s> of line %zu is open",
-                       tag.c_str(), element.tag.c_str(), element.line);
-            advance(1);
-            open.pop_back();
-        } else {
-            if (open.empty() && !elements.empty())
-                refuse(DPT_E_SYNTAX, line, "a second element behind the robot's end");
-            if (open.size() == depth_most)
-                refuse(DPT_E_SYNTAX, line, "elements within elements, more than %zu deep",
-                       depth_most);
-            if (elements.size() == elements_most)
-                refuse(DPT_E_LIMIT, line, "more than %zu elements", elements_most);
-            Element element;
-            element.line = line;
-            element.parent = open.empty() ? 0 : open.back();
-            advance(1);
-            element.tag = name();
-            attributes(&element);
-            bool closed = peek() == '/';
-            advance(closed);
-            if (peek() != '>')
-                refuse(DPT_E_SYNTAX, element.line, "<%.40s> does not end", element.tag.c_str());
-            advance(1);
-            if (!closed)
-                open.push_back(elements.size());
-            elements.push_back(element);
-        }
-    }
-    if (!open.empty())
-        refuse(DPT_E_TRUNCATED, elements[open.back()].line, "<%.40s> is not closed",
-               elements[open.back()].tag.c_str());
+    static_cast<Reader *>(user)->open.pop_back();
 }
 
 } // namespace
@@ -226,17 +102,42 @@ Outline outline_of(const std::string &xml)
 {
     if (xml.empty())
         refuse(DPT_E_FORMAT, 0, "the file is empty");
-    size_t line = 1;
-    for (char c : xml) {
-        line += c == '\n';
-        if (static_cast<unsigned char>(c) < 0x20 && !Reader::is_blank(c))
-            refuse(DPT_E_FORMAT, line, "a control character: not XML in UTF-8");
-    }
-    Reader reader(xml);
-    reader.read();
-    if (reader.elements.empty())
-        refuse(DPT_E_FORMAT, 0, "not XML: no element");
+    std::unique_ptr<XML_ParserStruct, void (*)(XML_Parser)> parser(XML_ParserCreate(NULL),
+                                                                   XML_ParserFree);
+    if (!parser)
+        throw std::bad_alloc();
+    Reader reader = { parser.get(), {}, {}, nullptr };
+    XML_SetUserData(parser.get(), &reader);
+    XML_SetElementHandler(parser.get(), on_begin, on_end);
+    if (XML_Parse(parser.get(), xml.data(), static_cast<int>(xml.size()), 1) != XML_STATUS_OK)
+        reader.complain();
     Outline outline;
     outline.elements.swap(reader.elements);
     return outline;
+}
+
+std::string outline_text(const Outline &outline)
+{
+    const std::vector<Element> &elements = outline.elements;
+    std::vector<size_t> open;
+    std::string text;
+    for (size_t i = 0; i < elements.size(); i++) {
+        for (; i && open.back() != elements[i].parent; open.pop_back())
+            text += "</" + elements[open.back()].tag + ">";
+        open.push_back(i);
+        text += "<" + elements[i].tag;
+        for (const Attribute &a : elements[i].attributes) {
+            text += " " + a.name + "=\"";
+            for (char c : a.value)
+                text += c == '"'   ? "&quot;"
+                        : c == '&' ? "&amp;"
+                        : c == '<' ? "&lt;"
+                                   : std::string(1, c);
+            text += "\"";
+        }
+        text += ">";
+    }
+    for (; !open.empty(); open.pop_back())
+        text += "</" + elements[open.back()].tag + ">";
+    return text;
 }

@@ -42,8 +42,11 @@ struct Outline {
     }
 };
 
-/* Throws a fault for what is not well-formed, not UTF-8, or beyond reason in depth and number. */
+/* By expat. Throws a fault for what is not well-formed, or beyond reason in depth and number. */
 Outline outline_of(const std::string &xml);
+
+/* Elements and attributes alone, in UTF-8: TinyXML, by which urdfdom reads, takes much that is no XML, and in its own way. */
+std::string outline_text(const Outline &outline);
 
 /*
  * Faults for what would be passed over to a wrong end: a name or a part given twice, an attribute that is not one.

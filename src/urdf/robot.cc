@@ -356,16 +356,15 @@ void Builder::tree()
 
 } // namespace
 
-Robot read_robot(std::string xml, Notes &notes)
+Robot read_robot(const std::string &xml, Notes &notes)
 {
     Outline outline = outline_of(xml);
     outline_check(&outline, Capsules<urdf::Capsule>::are_known(), notes);
     outline_tree(outline);
-    xml = hidden(xml);
     urdf::ModelInterfaceSharedPtr model;
     {
         Log log;
-        model = urdf::parseURDF(xml);
+        model = urdf::parseURDF(hidden(outline_text(outline)));
         if (!log.lines.empty())
             complain(log.lines, outline);
     }

@@ -53,6 +53,6 @@ struct Robot {
 };
 
 /* Throws a fault; gives the notes. */
-Robot read_robot(std::string xml, Notes &notes);
+Robot read_robot(const std::string &xml, Notes &notes);
 
 #endif
