@@ -845,6 +845,24 @@ sys.exit(json.load(open("stdout"))["joints"][2]["name"] != "e\"l\\b")'
     succeeds '--packages' compile plate.urdf -o plate.dpa --packages "$golden/packages" --scale 0.5
     check "--packages: $(cat stdout)" grep -q ' 1 body' stdout
 
+    # The desk's top is at 0, y of the device is up there: the capsule, 4 mm thick, lies along the device's z.
+    run run arm.dpa --device sim --at 0.2,0,0.003 --ticks 1 --json
+    check "a millimetre in the desk: $(cat stdout)" grep -q \
+        '"contacts":1,"penetrating":1,"unknown":0,"deepest":0.000999999[0-9]*,"strongest":0.4999998' stdout
+    run run arm.dpa --device sim --at 0.2,0,0.003 --ticks 2000 --json
+    check "it is pushed out upward: $(cat stdout)" grep -qE '"contacts":[1-9][0-9]{0,2},' stdout
+    run run arm.dpa --device 'sim:?hand=press' --at 0.2,0,0.01 --ticks 3000 --json
+    check "a hand presses on the desk: $(cat stdout)" grep -qE '"penetrating":[12][0-9]{3},' stdout
+    run run box.dpa --tool arm.dpa --device 'sim:?hand=press' --ticks 3000 --json
+    check "the arm's tool on a mesh: $(cat stdout)" grep -qE '"penetrating":[12][0-9]{3},' stdout
+    refuses 'a record of the arm' '--record needs the stylus' \
+        run arm.dpa --device sim --ticks 5 --record out/r.csv
+    refuses 'a scene without a body' 'whose scene has no body' run noted.dpa --device sim --ticks 5
+    refuses 'a tool without a capsule' 'its tool has no capsule' \
+        run box.dpa --tool forearm.dpa --device sim --ticks 5
+    refuses 'a mesh as tool' 'box.dpa: byte 0 (header): not a dynpoint file' \
+        run box.dpa --tool box.dpa --device sim --ticks 5
+
     succeeds '--c-array of an arm' compile "$sample" -o arm.c --c-array arm_bytes
     check '--c-array tells how to open it' grep -q \
         'A dynpoint arm of [0-9]* bytes: dpt_arm_open(arm_bytes, arm_bytes_size, &arm)' arm.c
