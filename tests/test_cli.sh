@@ -849,6 +849,8 @@ sys.exit(json.load(open("stdout"))["joints"][2]["name"] != "e\"l\\b")'
     run run arm.dpa --device sim --at 0.2,0,0.003 --ticks 1 --json
     check "a millimetre in the desk: $(cat stdout)" grep -q \
         '"contacts":1,"penetrating":1,"unknown":0,"deepest":0.000999999[0-9]*,"strongest":0.4999998' stdout
+    run run arm.dpa --device sim --at 0.35,0,0.003 --ticks 1 --json
+    check "beside the desk, away from it: $(cat stdout)" grep -q '"contacts":0,' stdout
     run run arm.dpa --device sim --at 0.2,0,0.003 --ticks 2000 --json
     check "it is pushed out upward: $(cat stdout)" grep -qE '"contacts":[1-9][0-9]{0,2},' stdout
     run run arm.dpa --device 'sim:?hand=press' --at 0.2,0,0.01 --ticks 3000 --json
