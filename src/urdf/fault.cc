@@ -7,14 +7,19 @@
 /* Longer than dpt_diag.text, which cuts it. */
 static const size_t most = 512;
 
+static std::string one_line(std::string text)
+{
+    for (char &c : text)
+        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
+            c = '?';
+    return text;
+}
+
 static std::string format_text(const char *format, va_list arguments)
 {
     char text[most];
     vsnprintf(text, sizeof text, format, arguments);
-    for (char *c = text; *c; c++)
-        if (static_cast<unsigned char>(*c) < 0x20 || *c == 0x7f)
-            *c = '?';
-    return text;
+    return one_line(text);
 }
 
 std::string line_of_text(const char *format, ...)
@@ -39,9 +44,9 @@ std::string quoted(const std::string &name)
 {
     const size_t room = 40;
     if (name.size() <= room)
-        return "'" + name + "'";
+        return "'" + one_line(name) + "'";
     size_t end = room;
     while (end && (static_cast<unsigned char>(name[end]) & 0xc0) == 0x80)
         end--;
-    return "'" + name.substr(0, end) + "...'";
+    return "'" + one_line(name.substr(0, end)) + "...'";
 }

@@ -23,7 +23,7 @@ std::string line_of_text(const char *format, ...) __attribute__((format(printf, 
 [[noreturn]] void refuse(dpt_result code, size_t line, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-/* A name between quotes, cut where it would fill the line. */
+/* A name between quotes, control characters '?', cut where it would fill the line. */
 std::string quoted(const std::string &name);
 
 /* What was left out or held still, until it is certain that there is an arm. */

@@ -74,6 +74,15 @@ bool has_all(const Element &element, const char *attributes)
     return found == count;
 }
 
+void check_name(const Element &element)
+{
+    const std::string *name = element.attribute("name");
+    for (size_t i = 0; name && i < name->size(); i++)
+        if (static_cast<unsigned char>((*name)[i]) < 0x20)
+            refuse(DPT_E_SYNTAX, element.line, "%s %s: a line break or tab in its name",
+                   element.tag.c_str(), quoted(*name).c_str());
+}
+
 struct Left {
     size_t line;
     size_t count;
@@ -141,6 +150,7 @@ void Checker::named(size_t index, std::vector<size_t> *list, std::map<std::strin
     const std::string *name = e.attribute("name");
     if (!name || name->empty())
         refuse(DPT_E_SYNTAX, e.line, "a <%s> has no name", e.tag.c_str());
+    check_name(e);
     if (by_name->count(*name))
         refuse(DPT_E_SYNTAX, e.line, "%s %s is there twice, first in line %zu", e.tag.c_str(),
                quoted(*name).c_str(), outline->elements[(*list)[(*by_name)[*name]]].line);
@@ -218,6 +228,7 @@ void outline_check(Outline *outline, bool capsules, Notes &notes)
     if (root.tag != "robot")
         refuse(DPT_E_FORMAT, root.line, "not a URDF: <%.40s> where <robot> should be",
                root.tag.c_str());
+    check_name(root);
     const std::string *version = root.attribute("version");
     const bool recent = capsules && version && *version != "1.0";
     Checker checker = { outline, capsules,
