@@ -181,9 +181,6 @@ Frame frame_of(const urdf::Pose &pose, size_t line, const std::string &owner)
     const urdf::Rotation &q = pose.rotation;
     for (double number : { p.x, p.y, p.z })
         bounded(number, line, owner, "its <origin>");
-    double length = std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
-    if (!(std::fabs(length - 1.0) < 1e-6))
-        refuse(DPT_E_FINITE, line, "%s: the rotation of its <origin> is none", owner.c_str());
     return { { p.x, p.y, p.z }, q.w, { q.x, q.y, q.z } };
 }
 
