@@ -91,9 +91,22 @@ void XMLCALL on_begin(void *user, const char *tag, const char **attributes)
     reader->handle([=] { reader->begin(tag, attributes); });
 }
 
+/* Also called of the element that stopped the parser, when it is empty. */
 void XMLCALL on_end(void *user, const char *)
 {
-    static_cast<Reader *>(user)->open.pop_back();
+    Reader *reader = static_cast<Reader *>(user);
+    reader->handle([=] { reader->open.pop_back(); });
+}
+
+/* No URDF has one, and an expat before 2.4 lets them multiply. */
+void XMLCALL on_entity(void *user, const char *name, int, const char *, int, const char *,
+                       const char *, const char *, const char *)
+{
+    Reader *reader = static_cast<Reader *>(user);
+    reader->handle([=] {
+        refuse(DPT_E_SYNTAX, reader->line(), "entity %s is declared: a URDF has none of its own",
+               quoted(name).c_str());
+    });
 }
 
 } // namespace
@@ -109,6 +122,7 @@ Outline outline_of(const std::string &xml)
     Reader reader = { parser.get(), {}, {}, nullptr };
     XML_SetUserData(parser.get(), &reader);
     XML_SetElementHandler(parser.get(), on_begin, on_end);
+    XML_SetEntityDeclHandler(parser.get(), on_entity);
     if (XML_Parse(parser.get(), xml.data(), static_cast<int>(xml.size()), 1) != XML_STATUS_OK)
         reader.complain();
     Outline outline;
