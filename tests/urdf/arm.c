@@ -210,6 +210,28 @@ static void roll_pitch_yaw(void)
     dpt_compiled_free(&robot.compiled);
 }
 
+/* Whatever stands for its characters in XML; and a file in Latin-1. */
+static void names_come_through(void)
+{
+    const char *xml =
+        "<?xml version=\"1.0\" encoding=\"ISO-8859-1\"?><robot name=\"bras \xe0 un axe\">"
+        "<link name=\"base\"/><link name='&lt;\"tip\"&gt;'/>"
+        "<joint name=\"100%s &amp; &#37;n &quot;&apos;&#233;\" type=\"continuous\">"
+        "<parent link=\"base\"/><child link=\"&lt;&quot;tip&quot;>\"/></joint></robot>";
+    char path[128];
+    snprintf(path, sizeof path, "%s/names.urdf", scratch);
+    FILE *file = fopen(path, "w");
+    fputs(xml, file);
+    fclose(file);
+    struct robot robot = robot_of(path, (dpt_urdf_def){ .tool = "<\"tip\">" });
+    dpt_arm_joint joint = { .size = sizeof joint };
+    dpt_arm_get_joint(robot.arm, 0, &joint);
+    CHECK(!strcmp(robot.info.name, "bras \xc3\xa0 un axe"), "%s", robot.info.name);
+    CHECK(!strcmp(robot.info.tool_name, "<\"tip\">"), "%s", robot.info.tool_name);
+    CHECK(!strcmp(joint.name, "100%s & %n \"'\xc3\xa9"), "%s", joint.name);
+    dpt_compiled_free(&robot.compiled);
+}
+
 /* c follows b follows a: c = -2 (3 a + 0.1) + 0.2 = -6 a. */
 static void mimics_of_mimics(void)
 {
@@ -487,6 +509,7 @@ int main(void)
     }
     TEST(the_sample);
     TEST(roll_pitch_yaw);
+    TEST(names_come_through);
     TEST(mimics_of_mimics);
     TEST(beside_the_way);
     TEST(capsules);
