@@ -44,13 +44,14 @@ endif
 
 CORE := $(patsubst %.c,$(B)/%.o,$(wildcard src/*.c))
 COMPILE := $(patsubst %.c,$(B)/%.o,$(wildcard src/compile/*.c))
-# Device back ends: each is drivers/NAME.c. What else is in drivers/ serves all of them.
-BACK_ENDS := sim replay serial
+# Device back ends: each is drivers/NAME.c, perhaps with drivers/NAME_*.c. What else is in drivers/ serves all of them.
+BACK_ENDS := sim replay serial openhaptics
 DRIVERS ?= $(BACK_ENDS)
 ifneq ($(filter-out $(BACK_ENDS),$(DRIVERS)),)
 $(error no driver $(filter-out $(BACK_ENDS),$(DRIVERS)): there are $(BACK_ENDS))
 endif
 LEFT_OUT := $(patsubst %,drivers/%.c,$(filter-out $(DRIVERS),$(BACK_ENDS)))
+LEFT_OUT += $(if $(filter openhaptics,$(DRIVERS)),,$(wildcard drivers/openhaptics_*.c))
 DRIVER_PARTS := $(patsubst %.c,$(B)/%.o,$(filter-out $(LEFT_OUT),$(wildcard drivers/*.c)))
 # Robots' descriptions: where there are urdfdom and a C++ compiler. URDF=no leaves them out.
 URDF_HERE = $(if $(filter fuzz fuzz-fast,$(CONFIG)),no,$(shell echo '\#include <urdf_parser/urdf_parser.h>' | \
@@ -113,7 +114,10 @@ $(B)/libdynpoint_urdf.so.$(SOVERSION): $(URDF_PARTS) $(B)/libdynpoint_compile.so
 
 # The compiler starts threads and the loop ranks its own: the core is linked to no thread library.
 THREADS := -pthread
-$(B)/libdynpoint_compile.so.$(SOVERSION) $(B)/libdynpoint_drivers.so.$(SOVERSION): private LDLIBS = $(THREADS)
+# dlopen; a C library that has it in itself has an empty one of that name.
+DL := -ldl
+$(B)/libdynpoint_compile.so.$(SOVERSION): private LDLIBS = $(THREADS)
+$(B)/libdynpoint_drivers.so.$(SOVERSION): private LDLIBS = $(THREADS) $(DL)
 $(B)/libdynpoint.so.$(SOVERSION): $(CORE)
 $(B)/libdynpoint_compile.so.$(SOVERSION): $(COMPILE) $(B)/libdynpoint.so.$(SOVERSION)
 $(B)/libdynpoint_drivers.so.$(SOVERSION): $(DRIVER_PARTS) $(B)/src/compile/number.o $(B)/libdynpoint.so.$(SOVERSION)
@@ -122,7 +126,7 @@ $(B)/libdynpoint_drivers.so.$(SOVERSION): $(DRIVER_PARTS) $(B)/src/compile/numbe
 	ln -sf $(@F) $*.so
 
 $(B)/dynpoint: $(TOOLS) $(URDF_PARTS) $(COMPILE) $(DRIVER_PARTS) $(CORE)
-	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(URDF_LIBS) -o $@
+	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(DL) $(URDF_LIBS) -o $@
 
 demo: ## build, make a liver, slide a tool over it, and prove every answer
 	@echo building ...
@@ -147,7 +151,7 @@ install: all ## into PREFIX, or DESTDIR and the directory variables
 	      *_urdf) echo 'Requires: libdynpoint_compile'; echo 'Requires.private: urdfdom console_bridge expat';; \
 	      *_*) echo 'Requires: libdynpoint';; esac; \
 	    echo "Libs: -L\$${libdir} -l$${lib#lib}"; \
-	    case $$lib in *_urdf) echo 'Libs.private: -lm -lstdc++';; *_*) echo 'Libs.private: -lm $(THREADS)';; *) echo 'Libs.private: -lm';; esac; \
+	    case $$lib in *_urdf) echo 'Libs.private: -lm -lstdc++';; *_drivers) echo 'Libs.private: -lm $(THREADS) $(DL)';; *_*) echo 'Libs.private: -lm $(THREADS)';; *) echo 'Libs.private: -lm';; esac; \
 	  } > $(DESTDIR)$(PKGCONFIGDIR)/$$lib.pc || exit 1; \
 	done
 

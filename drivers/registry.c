@@ -149,6 +149,32 @@ void dpt_device_close(dpt_device *device)
         device->driver->close(device);
 }
 
+dpt_result dpt_device_map(const dpt_device_info *info, const double box_min[3],
+                          const double box_max[3], double *scale, double offset[3])
+{
+    if (!info || !box_min || !box_max || !scale || !offset)
+        return DPT_E_ARGUMENT;
+    if (info->size != sizeof *info)
+        return DPT_E_SIZE;
+    const double *from = info->workspace_min, *to = info->workspace_max;
+    double most = 0.0, middle[3];
+    if (!vec3_within(box_min, DPT_COORDINATE_MAX) || !vec3_within(box_max, DPT_COORDINATE_MAX) ||
+        !vec3_within(from, DPT_COORDINATE_MAX) || !vec3_within(to, DPT_COORDINATE_MAX))
+        return DPT_E_FINITE;
+    for (int k = 0; k < 3; k++) {
+        if (box_min[k] > box_max[k])
+            return DPT_E_ARGUMENT;
+        if (!(to[k] - from[k] > 1e-6))
+            return DPT_E_FINITE;
+        most = larger(most, (box_max[k] - box_min[k]) / (to[k] - from[k]));
+        middle[k] = 0.5 * (from[k] + to[k]);
+    }
+    *scale = most > 0.0 ? most : 1.0;
+    for (int k = 0; k < 3; k++)
+        offset[k] = 0.5 * (box_min[k] + box_max[k]) - *scale * middle[k];
+    return DPT_OK;
+}
+
 const char *dpt_device_status_name(uint32_t status)
 {
     static const char *const names[] = { "lost", "fault", "unready", "ready" };
@@ -159,7 +185,7 @@ const char *dpt_device_reason_name(uint32_t reasons)
 {
     static const char *const names[] = { "unplugged",  "silent",       "watchdog", "overheated",
                                          "overloaded", "uncalibrated", "estop",    "link",
-                                         "version",    "device" };
+                                         "version",    "device",       "docked" };
     for (uint32_t bit = 0; bit < sizeof names / sizeof *names; bit++)
         if (reasons >> bit & 1)
             return names[bit];

@@ -143,6 +143,7 @@ static uint32_t status_of(const struct sim *sim)
                                                                   : DPT_DEVICE_LOST;
     case DPT_REASON_UNCALIBRATED:
     case DPT_REASON_VERSION:
+    case DPT_REASON_DOCKED:
         return DPT_DEVICE_UNREADY;
     default:
         return DPT_DEVICE_FAULT;

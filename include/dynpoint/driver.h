@@ -72,7 +72,9 @@ enum {
     DPT_REASON_ESTOP = 64,
     DPT_REASON_LINK = 128,    /* the line is damaged: too many bad frames, bus off */
     DPT_REASON_VERSION = 256, /* it speaks another version of the protocol */
-    DPT_REASON_DEVICE = 512   /* its own fault, `code` says which */
+    DPT_REASON_DEVICE = 512,  /* its own fault, `code` says which */
+    DPT_REASON_DOCKED =
+        1024 /* it lies in its holder (an inkwell, a dock), where it gives no force */
 };
 
 /* One sample. */
@@ -108,7 +110,10 @@ typedef struct dpt_device_counts {
     uint64_t resets; /* times that the device began anew, or was opened again by dpt_device_clear */
 } dpt_device_counts;
 
-/* Why an open failed, for a person: what was tried and what to do; one line, without the driver's name. */
+/*
+ * Why an open failed, for a person: what was tried and what to do; one line, without the driver's name. After one that
+ * did not, `code` is DPT_OK, and text what a person has still to do before there is force, or "".
+ */
 typedef struct dpt_device_error {
     uint32_t size; /* sizeof(dpt_device_error), set by the caller */
     int32_t code;
@@ -190,6 +195,16 @@ DPT_API dpt_result dpt_device_write(dpt_device *device, const dpt_wrench *wrench
 DPT_API dpt_result dpt_device_clear(dpt_device *device);
 DPT_API dpt_result dpt_device_get_counts(const dpt_device *device, dpt_device_counts *counts);
 DPT_API void dpt_device_close(dpt_device *device);
+
+/*
+ * How a model's box is reached as a whole from the device's workspace, middle on middle: a point p of the device is at
+ * offset + scale p in the model. Forces stay as they are.
+ *   scale    m of the model for one of the hand; 1 for a box that is a point
+ *   DPT_E_FINITE  a number is not finite or too large, or the device tells no workspace
+ *   DPT_E_ARGUMENT  box_max is below box_min
+ */
+DPT_API dpt_result dpt_device_map(const dpt_device_info *info, const double box_min[3],
+                                  const double box_max[3], double *scale, double offset[3]);
 
 /* "ready", "fault" ...; "?" for a number that is none. */
 DPT_API const char *dpt_device_status_name(uint32_t status);

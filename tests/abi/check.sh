@@ -116,6 +116,10 @@ make -s B="$few" DRIVERS=replay "$few/libdynpoint_drivers.so.0" &&
     ${CC:-cc} $c99 -Iinclude -x c - -o "$scratch/one" -L"$few" -ldynpoint_drivers -ldynpoint &&
     LD_LIBRARY_PATH="$few" "$scratch/one"
 verdict $? "DRIVERS=replay builds a library with that one back end"
+${OBJCOPY:-objcopy} -O binary -j .note.dlopen "$build/libdynpoint_drivers.so.0" "$scratch/note" &&
+    tail -c +17 "$scratch/note" | tr -d '\000' | grep -qx '\[{"feature":"openhaptics",.*"soname":\["libHD.so.3.4","libHD.so.3.0","libHD.so"\]}\]' &&
+    ! readelf -SW "$few/libdynpoint_drivers.so.0" | grep -q dlopen && ! readelf -d "$build/libdynpoint_drivers.so.0" | grep -q libHD
+verdict $? "a note tells packagers of libHD, which nothing is linked to; not where its back end is left out"
 make -s B="$few" DRIVERS= "$few/libdynpoint_drivers.so.0" &&
     printf '%s\n' '#include <dynpoint/driver.h>' 'int main(void) { return dpt_driver_at(0) != NULL; }' |
     ${CC:-cc} $c99 -Iinclude -x c - -o "$scratch/none" -L"$few" -ldynpoint_drivers -ldynpoint &&
