@@ -699,6 +699,7 @@ devices()
     succeeds 'device list' device list
     check 'device list names sim' grep -q '^sim ' stdout
     check 'device list names replay' grep -q '^replay ' stdout
+    check 'device list names openhaptics' grep -q '^openhaptics ' stdout
     succeeds 'selftest of a sound device' device selftest sim
     check 'without consent nothing is pushed' grep -q 'not tested without --move' stdout
     succeeds 'selftest with consent' device selftest sim --move
@@ -770,6 +771,22 @@ devices()
     kill -TERM $simulator && wait $simulator
     check 'the simulated device ends in order' test $? -eq 0
     refuses 'a line that is gone' "$name" device watch "$name"
+
+    # The vendor's library is not needed; a stand-in for it is loaded as it would be.
+    refuses 'a library that is not there' 'there is no library' device watch 'openhaptics:?library=/nowhere/libHD.so'
+    name="openhaptics:?library=$build/tests/libHD-stand-in.so&silent=5"
+    if [ ! -e "$build/tests/libHD-stand-in.so" ]; then
+        skip 'openhaptics: make test-programs builds the stand-in'
+        return
+    fi
+    succeeds 'selftest of the stand-in' device selftest "$name"
+    STAND_IN_SWING=0.03
+    export STAND_IN_SWING
+    run run torus.dpa --device "$name" --for 2 --json
+    unset STAND_IN_SWING
+    check 'run on the stand-in' test $status -eq 0
+    check 'which touches' grep -q '"contacts":[1-9]' stdout
+    check 'with many fresh samples' awk -F'[:,]' '{ exit $4 < 200 }' stdout
 }
 
 # Robots' descriptions, and arms.

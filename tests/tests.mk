@@ -7,7 +7,7 @@ TEST_PARTS := $(patsubst %.c,$(B)/%.o,$(wildcard tests/oracle/*.c tests/data/*.c
 
 $(B)/tests/%.o: ALL_CFLAGS += -Itests -Itools -Idrivers
 $(B)/tests/test_%: $(B)/tests/test_%.o $(TEST_PARTS)
-	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(LDLIBS) -o $@
+	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(DL) $(LDLIBS) -o $@
 $(B)/tests/test_parallel: private LDLIBS = -Wl,--wrap=pthread_create,--wrap=pthread_join,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free
 
 # The readers, with the line of each check that refuses (tests/sites.h).
@@ -20,7 +20,7 @@ $(B)/tests/%_sites.o: $(B)/tests/%_sites.c
 $(B)/tests/test_damage: $(B)/tests/test_damage.o $(B)/tests/mesh_open_sites.o $(filter-out $(B)/src/mesh_open.o,$(TEST_PARTS))
 $(B)/tests/test_arm: $(B)/tests/test_arm.o $(B)/tests/arm_open_sites.o $(filter-out $(B)/src/arm_open.o,$(TEST_PARTS))
 $(B)/tests/test_damage $(B)/tests/test_arm:
-	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(LDLIBS) -o $@
+	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(DL) $(LDLIBS) -o $@
 $(B)/tests/test_arm: private LDLIBS = -Wl,--wrap=calloc
 
 $(B)/tests/test_organs: | $(B)/dynpoint
@@ -45,6 +45,30 @@ $(B)/tests/test_phase: private LDLIBS = -Wl,--wrap=clock_gettime,--wrap=clock_na
 SERIAL_WRAPPED := open close read write poll ioctl flock tcgetattr tcsetattr tcflush calloc
 $(B)/tests/test_serial: private LDLIBS = $(SERIAL_WRAPPED:%=-Wl,--wrap=%)
 
+# Stand-ins for libHD, loaded as the vendor's would be: a whole one, one as of version 3.0, and three that do not load or
+# are not what they are called. libPHANToMIO.so.4 is not where the loader looks.
+HD_STAND_INS := $(addprefix $(B)/tests/libHD-,stand-in.so 3.0.so empty.so lonely.so mismatched.so)
+HD_SHARED = $(CC) $(CONFIG_CFLAGS) $(LDFLAGS) -shared -Wl,-soname,$(@F)
+$(B)/tests/libHD-stand-in.so: $(B)/tests/hd/stand_in.o $(B)/tests/hd/stand_in_scheduler.o
+	$(HD_SHARED) $^ -lm $(THREADS) -o $@
+$(B)/tests/hd/stand_in_3_0.o: tests/hd/stand_in.c
+	@mkdir -p $(@D)
+	$(CC) $(ALL_CFLAGS) -DSTAND_IN_3_0 -c $< -o $@
+$(B)/tests/libHD-3.0.so: $(B)/tests/hd/stand_in_3_0.o $(B)/tests/hd/stand_in_scheduler.o
+	$(HD_SHARED) $^ -lm $(THREADS) -o $@
+$(B)/tests/hd/libPHANToMIO.so.4 $(B)/tests/libHD-empty.so: $(B)/tests/hd/empty.o
+	$(HD_SHARED) $^ -o $@
+$(B)/tests/libHD-lonely.so: $(B)/tests/hd/empty.o $(B)/tests/hd/libPHANToMIO.so.4
+	$(HD_SHARED) -Wl,--no-as-needed $^ -o $@
+$(B)/tests/libHD-mismatched.so: $(B)/tests/hd/mismatched.o
+	$(HD_SHARED) $^ -o $@
+HD_TESTS := $(patsubst %,$(B)/tests/test_%,openhaptics openhaptics_faults openhaptics_open hd_stand_in)
+$(HD_TESTS): | $(HD_STAND_INS)
+HD_WRAPPED := dlopen dlsym dlerror calloc clock_gettime getenv fopen access
+$(HD_TESTS): private LDLIBS = $(HD_WRAPPED:%=-Wl,--wrap=%)
+test-programs: $(HD_STAND_INS)
+-include $(patsubst %,$(B)/tests/hd/%.d,stand_in stand_in_3_0 stand_in_scheduler)
+
 # Exact arithmetic: where there are g++ and gmpxx.
 EXACT_LIBS := $(if $(shell echo '\#include <gmpxx.h>' | $(CXX) -E -x c++ - 2>/dev/null | tail -n 1),-lgmpxx -lgmp -lstdc++)
 ifneq ($(EXACT_LIBS),)
@@ -54,7 +78,7 @@ $(B)/tests/oracle/exact.o: tests/oracle/exact.cc
 	@mkdir -p $(@D)
 	$(CXX) -std=c++11 -O2 -g -Wall -Wextra -MMD -MP $(CONFIG_CFLAGS) $(CFLAGS_EXTRA) -c $< -o $@
 $(B)/tests/test_sweep_exact: $(B)/tests/exact/sweep.o $(B)/tests/oracle/exact.o $(TEST_PARTS)
-	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(EXACT_LIBS) -o $@
+	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(DL) $(EXACT_LIBS) -o $@
 
 # Robots' descriptions: where the library reads them.
 ifneq ($(URDF_PARTS),)
@@ -69,13 +93,13 @@ $(B)/tests/test_urdf_%: $(B)/tests/urdf/%.o $(B)/tests/urdf/surroundings.o $(URD
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(LDLIBS) $(URDF_LIBS) -o $@
 
 $(B)/tests/firmware/link: $(B)/tests/firmware/link.o $(DRIVER_PARTS) $(B)/src/compile/number.o $(CORE)
-	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -lpthread -o $@
+	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -lpthread $(DL) -o $@
 
 # On a real kernel with SocketCAN (tests/vm/check.sh runs every test_* there).
 VM_TESTS := $(patsubst tests/%.c,$(B)/tests/%,$(wildcard tests/vm/test_*.c))
 VM_PARTS := $(patsubst %.c,$(B)/%.o,$(filter-out $(wildcard tests/vm/test_*.c),$(wildcard tests/vm/*.c)))
 $(B)/tests/vm/test_%: $(B)/tests/vm/test_%.o $(VM_PARTS) $(DRIVER_PARTS) $(B)/src/compile/number.o $(CORE)
-	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) -o $@
+	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(DL) -o $@
 
 vm: all $(VM_TESTS) ## the tests on a real kernel, in an emulated machine
 	@sh tests/vm/check.sh $(B)
@@ -122,7 +146,7 @@ $(B)/tests/bench/strips: $(B)/tests/bench/strips.o $(CORE)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -o $@
 
 $(B)/tests/bench/recall: $(B)/tests/bench/recall.o $(TEST_PARTS)
-	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -o $@
+	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(DL) -o $@
 
 charts: bench ## draw docs/charts from the bench's results
 	$(PYTHON) tests/bench/chart.py $(B)/bench docs/charts
