@@ -37,6 +37,8 @@ static int open_device(const char *name, dpt_device **device)
     if (result != DPT_OK)
         return complain("device", "%s: %s", name,
                         error.text[0] ? error.text : dpt_result_text(result));
+    if (error.text[0])
+        complain("device", "%s: %s", name, error.text);
     return 0;
 }
 

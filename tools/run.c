@@ -53,6 +53,7 @@ struct settings {
 struct session {
     struct scene scene;
     uint64_t contacts, penetrating, unknown;
+    uint32_t reasons; /* why the device was not ready */
     double deepest, strongest;
     double *rows; /* of the record, six a tick, or NULL */
     uint64_t recorded, room;
@@ -77,6 +78,7 @@ static dpt_result feel(void *user, const dpt_device_state *state, double dt, dpt
         return result;
     record(session, &session->scene.stylus);
     dpt_tool_get_hit(session->scene.world, session->scene.tool, &hit);
+    session->reasons |= state->reasons;
     session->contacts += hit.contact != DPT_CONTACT_SEPARATED;
     session->penetrating += hit.contact == DPT_CONTACT_PENETRATING;
     session->unknown += hit.contact == DPT_CONTACT_UNKNOWN;
@@ -161,6 +163,12 @@ static void print_report(const struct session *session, const dpt_loop_stats *s,
     printf("%" PRIu64 " ticks: %" PRIu64 " with a fresh sample, %" PRIu64 " without, %" PRIu64
            " not ready, %" PRIu64 " lost\n",
            s->ticks, s->fresh + s->failed, s->stale, s->not_ready, s->lost);
+    if (session->reasons) {
+        fputs("  not ready:", stdout);
+        for (uint32_t left = session->reasons; left; left &= left - 1)
+            printf(" %s", dpt_device_reason_name(left));
+        putchar('\n');
+    }
     printf("  in contact on %" PRIu64 ", deepest %.2f mm, strongest %.2f N before the guard\n",
            session->contacts, 1e3 * session->deepest, session->strongest);
     printf("  guard: %" PRIu64 " clamped, %" PRIu64 " slewed, %" PRIu64 " stops\n", s->clamped,
@@ -275,6 +283,8 @@ int command_run(int argc, char **argv)
             status = complain("run", "%s: %s", settings.device,
                               error.text[0] ? error.text : dpt_result_text(result));
         } else {
+            if (error.text[0])
+                complain("run", "%s: %s", settings.device, error.text);
             status = serve(device, &session, &settings);
             dpt_device_close(device);
         }
