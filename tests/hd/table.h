@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The second writing of drivers/hd_api.h, with who says so. Sources, read one beside the other:
+ * The second writing of drivers/hd_api.h, with who says so:
  *   A  danepowell/openhaptics usr/include/HD (version 3.0, Linux x86-64)
  *   B  hhmai/PhantomAPI include/HD/hdDefines.h (version 3.30)
  *   C  huangmin007/OpenHaptics4CSharp OH4CSharp/HD/HDDLLDefines.cs
