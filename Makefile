@@ -45,7 +45,7 @@ endif
 CORE := $(patsubst %.c,$(B)/%.o,$(wildcard src/*.c))
 COMPILE := $(patsubst %.c,$(B)/%.o,$(wildcard src/compile/*.c))
 # Device back ends: each is drivers/NAME.c, perhaps with drivers/NAME_*.c. What else is in drivers/ serves all of them.
-BACK_ENDS := sim replay serial openhaptics
+BACK_ENDS := sim replay serial openhaptics can
 DRIVERS ?= $(BACK_ENDS)
 ifneq ($(filter-out $(BACK_ENDS),$(DRIVERS)),)
 $(error no driver $(filter-out $(BACK_ENDS),$(DRIVERS)): there are $(BACK_ENDS))

@@ -8,8 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 #include <termios.h>
-#include <time.h>
 #include <unistd.h>
+
+#include "pace.h"
 
 void simulate_serial_info(struct wire_info *info)
 {
@@ -116,30 +117,14 @@ void simulate_serial_tick(struct simulate_serial *simulated)
     send_rest(simulated);
 }
 
+static void tick(void *user)
+{
+    simulate_serial_tick(user);
+}
+
 void simulate_serial_run(struct simulate_serial *simulated, const volatile int *stop)
 {
-    const long period = (long)(1e9 / simulated->device.info.rate);
-    struct timespec next;
-    clock_gettime(CLOCK_MONOTONIC, &next);
-    while (!*stop) {
-        struct timespec now;
-        simulate_serial_tick(simulated);
-        next.tv_nsec += period;
-        while (next.tv_nsec >= 1000000000) {
-            next.tv_nsec -= 1000000000;
-            next.tv_sec++;
-        }
-        clock_gettime(CLOCK_MONOTONIC, &now);
-        const double left =
-            difftime(next.tv_sec, now.tv_sec) + 1e-9 * (double)(next.tv_nsec - now.tv_nsec);
-        /* Samples that were missed stay missed: a real device does not make up for them either. */
-        if (left < -0.01)
-            next = now;
-        else if (left > 0) {
-            const struct timespec wait = { (time_t)left, (long)(1e9 * (left - floor(left))) };
-            nanosleep(&wait, NULL);
-        }
-    }
+    pace((double)simulated->device.info.rate, tick, simulated, stop);
 }
 
 void simulate_serial_end(struct simulate_serial *simulated)

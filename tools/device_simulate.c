@@ -2,16 +2,15 @@
 /* dynpoint device simulate: the other end of a line, with dynamics, so that the loop closes on one machine. */
 #include <string.h>
 
+#include "../drivers/simulate_can.h"
 #include "../drivers/simulate_serial.h"
 #include "command.h"
 #include "common.h"
 #include "stop.h"
 
-int device_simulate(const char *what, double swing, double seconds)
+static int simulate_serial(double swing, double seconds)
 {
     static struct simulate_serial simulated;
-    if (strcmp(what, "serial") != 0)
-        return complain("device", "simulate: there is no '%s', only serial", what);
     int reason = simulate_serial_start(&simulated, NULL);
     if (reason)
         return complain("device", "simulate: no pseudo-terminal: %s", strerror(reason));
@@ -22,4 +21,29 @@ int device_simulate(const char *what, double swing, double seconds)
     simulate_serial_run(&simulated, stop_flag());
     simulate_serial_end(&simulated);
     return 0;
+}
+
+static int simulate_can(const char *where, double swing, double seconds)
+{
+    static struct simulate_can simulated;
+    dpt_device_error error = { .size = sizeof error };
+    if (simulate_can_start(&simulated, where, &error) != DPT_OK)
+        return complain("device", "simulate: can:%s: %s", where, error.text);
+    simulated.swing = swing;
+    printf("can:%s\n", where);
+    fflush(stdout);
+    stop_watch(NULL, seconds);
+    simulate_can_run(&simulated, stop_flag());
+    simulate_can_end(&simulated);
+    return 0;
+}
+
+int device_simulate(const char *what, double swing, double seconds)
+{
+    if (!strcmp(what, "serial"))
+        return simulate_serial(swing, seconds);
+    if (!strncmp(what, "can:", 4))
+        return simulate_can(what + 4, swing, seconds);
+    return complain("device", "simulate: there is no '%s', only serial and can:INTERFACE?arm=...",
+                    what);
 }
