@@ -754,7 +754,9 @@ devices()
             y = $18
         } END { exit bad || n < 100 }' o.csv
 
-    refuses 'nothing else is simulated' 'only serial' device simulate can
+    refuses 'nothing else is simulated' 'only serial and can:' device simulate can
+    refuses 'an arm is needed' 'arm=FILE' device simulate 'can:vcan0?gear=8,8,8'
+    refuses 'an arm is needed' 'arm=FILE' run torus.dpa --device 'can:can0'
     "$program" device simulate serial --for 20 >simulated 2>/dev/null &
     simulator=$!
     for wait in 1 2 3 4 5 6 7 8 9 10; do

@@ -44,6 +44,8 @@ $(B)/tests/test_syscalls: private LDLIBS = $(WRAPPED:%=-Wl,--wrap=%)
 $(B)/tests/test_phase: private LDLIBS = -Wl,--wrap=clock_gettime,--wrap=clock_nanosleep
 SERIAL_WRAPPED := open close read write poll ioctl flock tcgetattr tcsetattr tcflush calloc
 $(B)/tests/test_serial: private LDLIBS = $(SERIAL_WRAPPED:%=-Wl,--wrap=%)
+CAN_WRAPPED := socket bind setsockopt ioctl recvmmsg sendmmsg poll close clock_gettime malloc calloc fopen fread
+$(B)/tests/test_can $(B)/tests/test_can_faults: private LDLIBS = $(CAN_WRAPPED:%=-Wl,--wrap=%)
 
 # Stand-ins for libHD, loaded as the vendor's would be: a whole one, one as of version 3.0, and three that do not load or
 # are not what they are called. libPHANToMIO.so.4 is not where the loader looks.
@@ -98,10 +100,10 @@ $(B)/tests/firmware/link: $(B)/tests/firmware/link.o $(DRIVER_PARTS) $(B)/src/co
 # On a real kernel with SocketCAN (tests/vm/check.sh runs every test_* there).
 VM_TESTS := $(patsubst tests/%.c,$(B)/tests/%,$(wildcard tests/vm/test_*.c))
 VM_PARTS := $(patsubst %.c,$(B)/%.o,$(filter-out $(wildcard tests/vm/test_*.c),$(wildcard tests/vm/*.c)))
-$(B)/tests/vm/test_%: $(B)/tests/vm/test_%.o $(VM_PARTS) $(DRIVER_PARTS) $(B)/src/compile/number.o $(CORE)
+$(B)/tests/vm/test_%: $(B)/tests/vm/test_%.o $(VM_PARTS) $(DRIVER_PARTS) $(COMPILE) $(CORE)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(DL) -o $@
 
-vm: all $(VM_TESTS) ## the tests on a real kernel, in an emulated machine
+vm: all $(VM_TESTS) $(B)/tests/test_can $(B)/tests/test_can_faults ## the tests on a real kernel, in an emulated machine
 	@sh tests/vm/check.sh $(B)
 
 firmware: all $(B)/tests/firmware/link ## the driver against a Cortex-M7 in QEMU, and what a tick takes there
