@@ -36,7 +36,7 @@ for build in $builds; do
         esac
     done
 done
-sh tests/vm/run.sh -t 120 "$@" >"$said" 2>&1
+sh tests/vm/run.sh -t 300 "$@" >"$said" 2>&1
 status=$?
 sed 's/^vm: run \(DPT_PEER=.* tests.vm.peer.py. \)\{0,1\}\(sh \)\{0,1\}/- /; /^vm: /d; s/^skip /  skip /; /^[0-9]* passed, /d' "$said"
 if [ $status -eq 77 ]; then
