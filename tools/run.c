@@ -192,12 +192,15 @@ static int serve(dpt_device *device, struct session *session, const struct setti
     dpt_loop *loop;
     dpt_loop_stats stats = { .size = sizeof stats };
     dpt_device_counts counts = { .size = sizeof counts };
+    dpt_device_info info = { .size = sizeof info };
+    dpt_device_get_info(device, &info);
     scene_take_device(&session->scene, device);
     dpt_loop_def_init(&def);
     def.tick = feel;
     def.user = session;
     def.rate = settings->rate;
     def.ticks = settings->ticks;
+    def.guard.hold = fmax(def.guard.hold, 3.0 / (def.rate > 0.0 ? def.rate : info.rate));
     if (settings->force_max > 0.0)
         def.guard.force_max = settings->force_max;
     dpt_result result = dpt_loop_create(device, &def, &loop);
