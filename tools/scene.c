@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "arm.h"
 #include "common.h"
 
 /* A URDF's z is up and its x ahead, a device's y up and its z to the user. */
@@ -71,19 +72,6 @@ static dpt_result middle_of(const dpt_arm *arm, double place[3])
     return result;
 }
 
-static const dpt_arm *open_arm(const char *path, void *bytes, size_t size)
-{
-    const dpt_arm *arm = NULL;
-    dpt_mesh_fault fault = { .size = sizeof fault };
-    dpt_result result = dpt_arm_convert(bytes, size, &fault);
-    if (result == DPT_OK)
-        result = dpt_arm_open(bytes, size, &arm);
-    if (result != DPT_OK)
-        complain("run", "%s: byte %llu (%s): %s", path, (unsigned long long)fault.byte,
-                 fault.section, dpt_result_text(result));
-    return arm;
-}
-
 static uint32_t tool_of(const dpt_arm *arm, dpt_segment *segments)
 {
     uint32_t count = 0;
@@ -133,7 +121,7 @@ static uint32_t find_tool(struct scene *scene, const struct scene_def *def, dpt_
     size_t size = 0;
     if (def->tool) {
         scene->tool_bytes = load_file("run", def->tool, &size);
-        arm = scene->tool_bytes ? open_arm(def->tool, scene->tool_bytes, size) : NULL;
+        arm = scene->tool_bytes ? open_arm("run", def->tool, scene->tool_bytes, size) : NULL;
         if (!arm)
             return 0;
     }
@@ -163,10 +151,10 @@ int scene_open(struct scene *scene, const struct scene_def *def)
     scene->bytes = load_file("run", def->path, &size);
     if (!scene->bytes)
         return 2;
-    if (dpt_arm_verify(scene->bytes, size, NULL) == DPT_E_MAGIC)
-        mesh = open_mesh("run", def->path, scene->bytes, size);
+    if (is_arm(scene->bytes, size))
+        scene->arm = open_arm("run", def->path, scene->bytes, size);
     else
-        scene->arm = open_arm(def->path, scene->bytes, size);
+        mesh = open_mesh("run", def->path, scene->bytes, size);
     if (!mesh && !scene->arm)
         return 2;
     memcpy(scene->turn, mesh ? as_it_is : device_to_root, sizeof scene->turn);
