@@ -507,8 +507,7 @@ static double way_beyond(const struct profile *profile, const struct sample *sam
     return rise > 0.0 ? larger(room / profile->size, 1.5 * left / rise) : HUGE_VAL;
 }
 
-/* A stretch outside, within a zone, of which its samples do not tell that the surface is within reach. */
-static int is_blind(const struct profile *profile, uint32_t i, double *from, double *to)
+int profile_is_blind(const struct profile *profile, uint32_t i, double *from, double *to)
 {
     const struct sample *left = &profile->sample[i], *right = left + 1;
     double middle = 0.5 * (left->s + right->s);
@@ -519,7 +518,7 @@ static int is_blind(const struct profile *profile, uint32_t i, double *from, dou
 }
 
 /* First those that have nothing in them, then what is beside a sample that is within reach. */
-static void look_into_blind(struct profile *profile)
+void profile_look(struct profile *profile, double first, double last)
 {
     enum { BLIND_MOST = 16 };
     uint32_t asked = 0;
@@ -528,7 +527,8 @@ static void look_into_blind(struct profile *profile)
         for (uint32_t i = 0; i + 1 < profile->count && asked < BLIND_MOST && !profile->cut;) {
             const struct sample *here = &profile->sample[i];
             int in = here->height < profile->reach || here[1].height < profile->reach;
-            int blind = in == beside && is_blind(profile, i, &from, &to);
+            int blind = in == beside && here->s >= first && here[1].s <= last &&
+                        profile_is_blind(profile, i, &from, &to);
             asked += (uint32_t)blind;
             if (!blind || profile_approach(profile, from, to, profile->reach) == DPT_NONE)
                 i++;
@@ -550,5 +550,5 @@ void profile_enclose(struct profile *profile)
                 put_sample(profile, &beyond);
         }
     }
-    look_into_blind(profile);
+    profile_look(profile, 0.0, 1.0);
 }

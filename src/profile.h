@@ -26,7 +26,7 @@ struct seed {
 #define PROFILE_SHARE 0.005
 
 /* Work after which descent has to do, but for what the depth's proof needs. */
-#define PROFILE_WORK 1600
+#define PROFILE_WORK 2400
 
 struct sample {
     double s;
@@ -157,6 +157,12 @@ uint32_t profile_approach(struct profile *profile, double from, double to, doubl
 
 /* Mark where the surface comes within reach and goes out of it, so that samples are wherever it is within. */
 void profile_enclose(struct profile *profile);
+
+/* Search between two samples for surface within reach that no sample tells of, where the axis is outside. */
+void profile_look(struct profile *profile, double first, double last);
+
+/* Outside, and within a zone: between sample i and the next there is a stretch of which the two do not tell. Which. */
+int profile_is_blind(const struct profile *profile, uint32_t i, double *from, double *to);
 
 /* What the profile is between two samples: the heights' two tangents meet at `s`, `height`. */
 struct bend {

@@ -6,8 +6,12 @@
  */
 #include "region.h"
 
-/* The doubt that is left, of the overlap; and that below which a sample is not worth keeping. */
+/*
+ * The doubt that is left, of the overlap: of all spans, and of one, whose estimate may be far off. And that below which a
+ * sample is not worth keeping.
+ */
 #define DOUBT_LEFT    0.008
+#define DOUBT_ONE     0.001
 #define DOUBT_IGNORED 0.001
 
 /* A way out that turns by less is not looked into; by more is not of one curved wall. */
@@ -220,7 +224,7 @@ static void refine(struct profile *profile)
 {
     confirm(profile);
     for (int asked = 0; asked < ASK_MOST && !is_tired(profile); asked++) {
-        double sum = 0.0, doubt = 0.0, most = 0.0, wide = widest_allowed(profile), widest = wide;
+        double sum = 0.0, doubt = 0.0, most = 0.0, widest = widest_allowed(profile);
         uint32_t worst = 0, wide_at = DPT_NONE, end_at = DPT_NONE;
         for (uint32_t i = 0; i + 1 < profile->count; i++) {
             const struct span *span = span_at(profile, i);
@@ -238,17 +242,22 @@ static void refine(struct profile *profile)
             if (span->loose)
                 end_at = i;
         }
-        double where;
+        double where, from, to;
         if (wide_at != DPT_NONE)
             where = 0.5 * (profile->sample[wide_at].s + profile->sample[wide_at + 1].s);
         else if (end_at != DPT_NONE)
             where = ask_where(profile, end_at, &profile->sample[end_at].span);
-        else if (doubt > DOUBT_LEFT * sum)
+        else if (doubt > DOUBT_LEFT * sum || most > DOUBT_ONE * sum)
             where = ask_where(profile, worst, &profile->sample[worst].span);
         else
             return;
-        if (profile_ask(profile, where, 1) == DPT_NONE)
+        int told = wide_at != DPT_NONE && !profile_is_blind(profile, wide_at, &from, &to);
+        uint32_t at = profile_ask(profile, where, 1);
+        if (at == DPT_NONE)
             return;
+        /* The surface does not go on as a sample told: what is beyond was not looked into. */
+        if (told && profile->sample[at].height >= profile->reach)
+            profile_look(profile, profile->sample[at - 1].s, profile->sample[at + 1].s);
     }
 }
 
@@ -407,11 +416,11 @@ static uint32_t seeds_worth(const struct profile *profile, const struct region *
 uint32_t region_seeds(const struct profile *profile, const struct region *region,
                       struct seed *seeds, uint32_t most)
 {
-    enum { COARSER_MOST = 6 };
+    enum { COARSER_MOST = 32 };
     double ignored = profile->size > 0.0 ? DOUBT_IGNORED * region->overlap / profile->size : 0.0;
     uint32_t count = seeds_worth(profile, region, ignored, seeds, most);
     for (int i = 0; i < COARSER_MOST && count > most; i++) {
-        ignored *= 4.0;
+        ignored *= 1.25;
         count = seeds_worth(profile, region, ignored, seeds, most);
     }
     return count < most ? count : most;

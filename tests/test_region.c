@@ -431,9 +431,10 @@ static void next_push(void *of, double ends[6])
     memcpy(ends, pushing->ends, sizeof pushing->ends);
 }
 
+/* From the tick `from_tick` on, for so many. */
 static void slide_over(const struct solid *solid, const dpt_pose *pose, const char *how, int cold,
                        double margin, double radius, double length, uint64_t seed,
-                       uint64_t *single_jumps)
+                       uint64_t from_tick, uint64_t count, uint64_t *single_jumps)
 {
     struct scene *scene = calloc(1, sizeof *scene);
     struct sliding sliding = { .high = 0.5 * margin, .pose = pose };
@@ -456,11 +457,15 @@ static void slide_over(const struct solid *solid, const dpt_pose *pose, const ch
         sliding.tick = 0;
         next_slide(&sliding, ends);
     }
-    *single_jumps += run(scene, next_slide, &sliding, ticks);
+    for (uint64_t i = 0; i < from_tick; i++) {
+        double ends[6];
+        next_slide(&sliding, ends);
+    }
+    *single_jumps += run(scene, next_slide, &sliding, count);
     free(scene);
 }
 
-/* From the tick `from` on, for so many. */
+/* The same. */
 static void push_into(const struct solid *solid, const char *how, double margin, double radius,
                       double length, uint64_t seed, uint64_t from_tick, uint64_t count)
 {
@@ -495,13 +500,13 @@ static void push_into(const struct solid *solid, const char *how, double margin,
 static void try_solid(const struct solid *solid, int all)
 {
     uint64_t jumps = 0;
-    slide_over(solid, NULL, "capsule", 0, 0.003, 0.01, 0.4, 1, &jumps);
-    slide_over(solid, NULL, "line", 0, 0.003, 0, 0.5, 3, &jumps);
+    slide_over(solid, NULL, "capsule", 0, 0.003, 0.01, 0.4, 1, 0, ticks, &jumps);
+    slide_over(solid, NULL, "line", 0, 0.003, 0, 0.5, 3, 0, ticks, &jumps);
     push_into(solid, "pushed", 0.003, 0.01, 0.5, 5, 0, ticks);
     if (all) {
-        slide_over(solid, NULL, "first ticks", 1, 0.003, 0.01, 0.6, 8, &jumps);
-        slide_over(solid, NULL, "long capsule", 0, 0.0006, 0.02, 0.9, 2, &jumps);
-        slide_over(solid, NULL, "wide margin", 0, 0.02, 0.005, 0.7, 4, &jumps);
+        slide_over(solid, NULL, "first ticks", 1, 0.003, 0.01, 0.6, 8, 0, ticks, &jumps);
+        slide_over(solid, NULL, "long capsule", 0, 0.0006, 0.02, 0.9, 2, 0, ticks, &jumps);
+        slide_over(solid, NULL, "wide margin", 0, 0.02, 0.005, 0.7, 4, 0, ticks, &jumps);
         push_into(solid, "pushed line", 0.003, 0, 0.3, 6, 0, ticks);
     }
     CHECK(!all || jumps > 0, "%s: one point would do", solid->name);
@@ -562,10 +567,20 @@ static void integrals_of_deep_lines(void)
         solid_close(&solid);
     }
     struct solid solid;
+    uint64_t jumps = 0;
+    if (solid_from_shape(&solid, "liver", 8000))
+        push_into(&solid, "walls that take turns", 0.003, 0.01, 0.5, 5, 550, 30);
+    solid_close(&solid);
+    if (solid_from_shape(&solid, "star", 2000))
+        slide_over(&solid, NULL, "a stretch beyond one that ends", 0, 0.02, 0.005, 0.7, 4, 1520, 35,
+                   &jumps);
+    solid_close(&solid);
     char path[4096];
     snprintf(path, sizeof path, "%s/meshes/organs/gallbladder_low.stl", data ? data : "");
     if (data && solid_from_file(&solid, "gallbladder", path, 1)) {
         push_into(&solid, "samples that are trapped", 0.003, 0.01, 0.5, 5, 40, 90);
+        slide_over(&solid, NULL, "an estimate that is far off", 0, 0.003, 0.01, 0.4, 1, 1090, 28,
+                   &jumps);
         solid_close(&solid);
     }
 }
@@ -576,7 +591,7 @@ static void integrals_with_a_pose(void)
     struct solid solid;
     uint64_t jumps = 0;
     if (solid_from_shape(&solid, "torus", 2000))
-        slide_over(&solid, &pose, "with a pose", 0, 0.003, 0.01, 0.4, 7, &jumps);
+        slide_over(&solid, &pose, "with a pose", 0, 0.003, 0.01, 0.4, 7, 0, ticks, &jumps);
     solid_close(&solid);
 }
 
