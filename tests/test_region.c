@@ -569,7 +569,7 @@ static void integrals_of_deep_lines(void)
     struct solid solid;
     uint64_t jumps = 0;
     if (solid_from_shape(&solid, "liver", 8000))
-        push_into(&solid, "walls that take turns", 0.003, 0.01, 0.5, 5, 550, 30);
+        push_into(&solid, "walls that take turns", 0.003, 0.01, 0.5, 5, 554, 40);
     solid_close(&solid);
     if (solid_from_shape(&solid, "star", 2000))
         slide_over(&solid, NULL, "a stretch beyond one that ends", 0, 0.02, 0.005, 0.7, 4, 1520, 35,
