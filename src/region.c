@@ -24,7 +24,7 @@
 /* How far, of the reach, the surface may be from where a region ends. */
 #define END_LEFT 0.04
 
-enum { ASK_MOST = PROFILE_SAMPLES, SPANS_LEAST = 12 };
+enum { ASK_MOST = PROFILE_SAMPLES, SPANS_LEAST = 12, SAMPLE_CHEAP = 40 };
 
 /* A piece of the profile on which the height is linear and the way out is one sample's. */
 struct piece {
@@ -198,10 +198,14 @@ static double widest_allowed(struct profile *profile)
     return larger(reach, within / SPANS_LEAST);
 }
 
-/* Integrals are worth so much, and no more: in the middle of a thick or spiky body each search costs hundreds. */
+/*
+ * Integrals are worth so much, and no more: in the middle of a thick or spiky body each search costs hundreds. Half as much
+ * again where samples are cheap, as many are needed there.
+ */
 static int is_tired(const struct profile *profile)
 {
-    return profile->cut || profile->work >= PROFILE_WORK;
+    uint32_t more = profile->work < SAMPLE_CHEAP * profile->count ? PROFILE_WORK / 2 : 0;
+    return profile->cut || profile->work >= PROFILE_WORK + more;
 }
 
 /* Samples by descent that count for much are searched for: descent may have been trapped. */
