@@ -25,7 +25,7 @@ struct seed {
 /* What counts for more than this is searched for; descent does for the rest. */
 #define PROFILE_SHARE 0.005
 
-/* Work after which descent has to do, but for what the depth's proof needs; for integrals half as much again where samples are cheap. */
+/* Work after which descent has to do, but for the depth's proof; integrals have half as much again where samples are cheap. */
 #define PROFILE_WORK 1600
 
 struct sample {
