@@ -505,7 +505,7 @@ static void try_public(const struct subject *subject)
     uint64_t seed = 5381;
     for (const char *c = subject->name; *c; c++)
         seed = 33 * seed + (unsigned char)*c;
-    try_shadows(subject, subject->info.triangles > 20000 ? 100 : 160, seed);
+    try_shadows(subject, subject->info.triangles > 20000 ? 40 : 60, seed);
 }
 
 static void public_meshes(void)
@@ -716,12 +716,12 @@ static void remembered_in_motion(void)
     struct subject subject;
     for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++) {
         if (subject_from_shape(&subject, shapes[i].name, shapes[i].count))
-            go_over(&subject, i, 100);
+            go_over(&subject, i, 50);
         subject_close(&subject);
     }
     for (size_t i = 0; data && i < sizeof files / sizeof *files; i++) {
         if (subject_from_file(&subject, data, "organs", files[i]))
-            go_over(&subject, i, 60);
+            go_over(&subject, i, 30);
         subject_close(&subject);
     }
     if (!data)
