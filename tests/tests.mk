@@ -121,7 +121,7 @@ soak: all $(B)/tests/test_organs $(B)/tests/test_certificate $(B)/tests/test_bud
 	@$(B)/tests/test_depth 1000
 	@$(B)/tests/test_region 2000
 	@$(B)/tests/test_route 20
-	@$(B)/tests/test_strip 20
+	@$(B)/tests/test_strip 40
 	@$(B)/tests/test_loop 60000
 	@$(B)/tests/test_organs soak
 
