@@ -37,6 +37,7 @@ struct haptics {
 /* The library is one for the process, and so are its scheduler and its errors. */
 static pthread_mutex_t one_at_a_time = PTHREAD_MUTEX_INITIALIZER;
 static double common_rate;          /* of the scheduler, as long as devices are open */
+static double asked_rate;           /* that it was last told; it keeps it */
 static struct haptics *left_behind; /* closed while the scheduler's thread hung */
 
 static int went_well(const struct hd_library *hd)
@@ -246,7 +247,9 @@ static dpt_result set_rate(struct haptics *device, dpt_device_error *error)
                             "out, or close the others first",
                             common_rate);
     if (scheduler_devices() == 0) {
-        common_rate = device->rate != 0.0 ? device->rate : device->info.rate;
+        common_rate = device->rate != 0.0 ? device->rate
+                      : asked_rate != 0.0 ? asked_rate
+                                          : device->info.rate;
         if (device->rate != 0.0)
             hd->hdSetSchedulerRate((unsigned long)device->rate);
         if (!went_well(hd))
@@ -254,6 +257,7 @@ static dpt_result set_rate(struct haptics *device, dpt_device_error *error)
                                 "OpenHaptics refuses %g Hz: 500, 1000 or 2000 is usual, at "
                                 "FireWire 8000 / N; without rate= it takes its own",
                                 device->rate);
+        asked_rate = device->rate != 0.0 ? device->rate : asked_rate;
     }
     device->info.rate = common_rate;
     device->servo.ramp = (uint32_t)(RAMP * common_rate + 0.5);
@@ -317,7 +321,8 @@ static int disconnect(struct haptics *device)
     if (!scheduler_leave(&device->servo))
         return 0;
     if (device->is_open) {
-        scheduler_pause(device->servo.hd);
+        if (!scheduler_pause(device->servo.hd))
+            return 0;
         device->servo.hd->hdDisableDevice(device->servo.device);
         scheduler_resume(NULL);
         device->is_open = 0;
@@ -358,7 +363,10 @@ static dpt_result connect_device(struct haptics *device, dpt_device_error *error
     memset(&device->info, 0, sizeof device->info);
     last->status = DPT_DEVICE_UNREADY;
     last->code = 0;
-    scheduler_pause(hd);
+    if (!scheduler_pause(hd))
+        return device_error(error, DPT_E_DEVICE,
+                            "the thread of OpenHaptics that serves all its devices hangs: end this "
+                            "program and start it again");
     hd_take_error(hd);
     dpt_result result = prepare(device, error);
     const hd_error why = scheduler_resume(result == DPT_OK ? &device->servo : NULL);
@@ -406,7 +414,7 @@ static dpt_result openhaptics_open(const dpt_driver *driver, const char *where, 
     device->silent_after = 0.1;
     const struct setting settings[] = {
         { .name = "library", .text = device->library, .room = sizeof device->library },
-        { .name = "rate", .number = &device->rate, .least = 1, .most = 1e5 },
+        { .name = "rate", .number = &device->rate, .least = 100, .most = 1e5 },
         { .name = "watchdog", .number = &device->watchdog, .least = 0.002, .most = 1 },
         { .name = "silent", .number = &device->silent_after, .least = 0.01, .most = 60 },
     };

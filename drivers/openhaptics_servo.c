@@ -8,12 +8,14 @@
 #include "dynpoint/openhaptics.h"
 #include "vec.h"
 
-enum { CALIBRATE_EVERY = 50, ERRORS_A_TICK = 32, LEAVE_MS = 1000 };
+enum { CALIBRATE_EVERY = 50, ERRORS_A_TICK = 32, START_MS = 100, LEAVE_MS = 1000 };
 
 static const uint64_t FAULT_IS_OVER_NS = 100000000; /* after this long without the error */
 static const double WARM = 0.7;                     /* of 1, from where forces get less */
 
 enum { STOPPED, PAUSED, RUNNING };
+enum { DRIVES, RESTS_SOON, RESTS };
+enum { NOBODY, SERVO, HOST };
 
 static struct {
     const struct hd_library *hd;
@@ -21,6 +23,8 @@ static struct {
     unsigned long callback;
     uint64_t since_ns;
     int state;
+    int rest;          /* resting, it sends zero to all */
+    int errors_are_of; /* who takes them from the stack */
 } scheduler;
 
 uint64_t servo_now(void)
@@ -49,8 +53,8 @@ static void set_servo(int i, struct servo *servo)
 
 static void note(struct servo *servo, unsigned code, uint64_t now)
 {
-    const int is_fatal =
-        dpt_hd_is_scheduler_error(code) || code == HD_DEVICE_FAULT || code == HD_BAD_HANDLE;
+    const int is_fatal = dpt_hd_is_scheduler_error(code) || code == HD_DEVICE_FAULT ||
+                         code == HD_BAD_HANDLE || code == HD_INVALID_LICENSE;
     if (!servo->fault || (is_fatal && !servo->is_lost))
         servo->fault = code;
     servo->is_lost |= is_fatal;
@@ -177,7 +181,7 @@ static double share_of_heat(double temperature)
  * What is sent: the latest command, if it is young enough. After silence, a fault or a stop of this thread in a debugger
  * force comes back along a ramp, so that nothing kicks.
  */
-static void drive(struct servo *servo, struct servo_sample *sample, uint64_t now)
+static void drive(struct servo *servo, struct servo_sample *sample, uint64_t now, int rests)
 {
     static const double zero[3];
     const int is_new = latest_take(&servo->commands);
@@ -187,7 +191,7 @@ static void drive(struct servo *servo, struct servo_sample *sample, uint64_t now
         now != 0 && command->time_ns != 0 && now < command->time_ns + servo->watchdog_ns;
     if (now - servo->last.time_ns > servo->watchdog_ns)
         servo->live = 0;
-    const int is_live = servo->is_armed && is_young && !servo->is_leaving;
+    const int is_live = servo->is_armed && is_young && !servo->is_leaving && !rests;
     servo->live = !is_live ? 0 : servo->live < servo->ramp ? servo->live + 1 : servo->live;
     sample->missed += servo->is_armed && !is_young;
     servo->gives_force = 0;
@@ -203,12 +207,13 @@ static void drive(struct servo *servo, struct servo_sample *sample, uint64_t now
     servo->gives_force = extent_of(vec3_of(out[0])) > 0.0 || extent_of(vec3_of(out[1])) > 0.0;
 }
 
-/* Never under force: where the device believes to be jumps then. */
+/* Never under force: where the device believes to be jumps then. Before the frame, whose sample is of the new place. */
 static void calibrate(struct servo *servo)
 {
     const struct hd_library *hd = servo->hd;
     if (servo->last.sequence % CALIBRATE_EVERY != 0)
         return;
+    hd->hdMakeCurrentDevice(servo->device);
     unsigned is = hd->hdCheckCalibration();
     if (is == HD_CALIBRATION_NEEDS_UPDATE && servo->gives_force)
         return;
@@ -261,13 +266,25 @@ static void hand_over(struct servo *servo, uint64_t now)
     latest_hand(&servo->samples);
 }
 
+/* They are of the thread that asks first after a start, as it would not be known whose call raised one. */
+static int take_errors(int who)
+{
+    int is = NOBODY;
+    return __atomic_compare_exchange_n(&scheduler.errors_are_of, &is, who, 0, __ATOMIC_ACQ_REL,
+                                       __ATOMIC_ACQUIRE) ||
+           is == who;
+}
+
 static unsigned serve(void *unused)
 {
     (void)unused;
     const struct hd_library *hd = scheduler.hd;
+    const int rests = __atomic_load_n(&scheduler.rest, __ATOMIC_RELAXED) != DRIVES;
     struct servo *servos[SERVOS_MOST];
     struct servo_sample next[SERVOS_MOST];
     const uint64_t now = servo_now();
+    if (!take_errors(SERVO))
+        return HD_CALLBACK_CONTINUE;
     for (int i = 0; i < SERVOS_MOST; i++) {
         servos[i] = servo_at(i);
         if (!servos[i])
@@ -278,15 +295,15 @@ static unsigned serve(void *unused)
         if (was_lost && !servos[i]->gives_force)
             continue;
         next[i] = servos[i]->last;
+        if (!was_lost)
+            calibrate(servos[i]);
         hd->hdBeginFrame(servos[i]->device);
         if (!servos[i]->is_met)
             meet(servos[i], now);
         if (!was_lost)
             sense(servos[i], &next[i], now);
-        drive(servos[i], &next[i], now);
+        drive(servos[i], &next[i], now, rests);
         hd->hdEndFrame(servos[i]->device);
-        if (!was_lost)
-            calibrate(servos[i]);
     }
     drain(now, 0);
     for (int i = 0; i < SERVOS_MOST; i++) {
@@ -298,6 +315,10 @@ static unsigned serve(void *unused)
         if (servos[i]->is_leaving)
             set_servo(i, NULL);
     }
+    int soon = RESTS_SOON;
+    if (rests)
+        __atomic_compare_exchange_n(&scheduler.rest, &soon, RESTS, 0, __ATOMIC_RELEASE,
+                                    __ATOMIC_RELAXED);
     return HD_CALLBACK_CONTINUE;
 }
 
@@ -321,11 +342,28 @@ static void halt(int state)
     scheduler.hd->hdUnschedule(scheduler.callback);
 }
 
-void scheduler_pause(const struct hd_library *hd)
+/* Zero to all: whether a device that gets no frames keeps its force is not documented. */
+static int rest(void)
+{
+    __atomic_store_n(&scheduler.rest, RESTS_SOON, __ATOMIC_RELAXED);
+    for (int i = 0; i < LEAVE_MS; i++) {
+        if (__atomic_load_n(&scheduler.rest, __ATOMIC_ACQUIRE) == RESTS || scheduler_is_dead())
+            return 1;
+        servo_wait();
+    }
+    __atomic_store_n(&scheduler.rest, DRIVES, __ATOMIC_RELAXED);
+    return 0;
+}
+
+int scheduler_pause(const struct hd_library *hd)
 {
     if (!scheduler.hd)
         scheduler.hd = hd;
+    if (state_of() == RUNNING && !rest())
+        return 0;
     halt(PAUSED);
+    __atomic_store_n(&scheduler.rest, DRIVES, __ATOMIC_RELAXED);
+    return 1;
 }
 
 static int enter(struct servo *servo)
@@ -355,6 +393,26 @@ static void forget(const struct servo *servo)
             set_servo(i, NULL);
 }
 
+/* Once it ticks it has started, and errors are those of its ticks. */
+static hd_error start(const struct hd_library *hd)
+{
+    hd_error why = { .code = HD_SUCCESS };
+    hd->hdStartScheduler();
+    for (int i = 0; i < START_MS; i++) {
+        if (__atomic_load_n(&scheduler.errors_are_of, __ATOMIC_RELAXED) == SERVO)
+            return why;
+        servo_wait();
+    }
+    if (!take_errors(HOST))
+        return why;
+    why = hd_take_error(hd);
+    if (dpt_hd_is_force_error(why.code))
+        why.code = HD_SUCCESS;
+    if (why.code == HD_SUCCESS)
+        __atomic_store_n(&scheduler.errors_are_of, NOBODY, __ATOMIC_RELEASE);
+    return why;
+}
+
 hd_error scheduler_resume(struct servo *servo)
 {
     const struct hd_library *hd = scheduler.hd;
@@ -369,19 +427,16 @@ hd_error scheduler_resume(struct servo *servo)
         return why;
     }
     hd_take_error(hd);
+    __atomic_store_n(&scheduler.errors_are_of, NOBODY, __ATOMIC_RELAXED);
     __atomic_store_n(&scheduler.callback,
                      hd->hdScheduleAsynchronous(serve, NULL, HD_MAX_SCHEDULER_PRIORITY),
                      __ATOMIC_RELAXED);
     why = hd_take_error(hd);
     if (why.code == HD_SUCCESS) {
+        why = start(hd);
         __atomic_store_n(&scheduler.since_ns, servo_now(), __ATOMIC_RELAXED);
         set_state(RUNNING);
-        hd->hdStartScheduler();
-        why = hd_take_error(hd);
     }
-    /* A first tick may be over already, and its error is to be had again in the next one. */
-    if (dpt_hd_is_force_error(why.code))
-        why.code = HD_SUCCESS;
     if (why.code == HD_SUCCESS)
         return why;
     forget(servo);

@@ -60,8 +60,11 @@ void servo_wait(void); /* a millisecond */
 
 /* The scheduler; all of it is for one thread at a time. */
 
-/* Stop it for a while, so that a device can be opened or closed: no other sends forces meanwhile. */
-void scheduler_pause(const struct hd_library *hd);
+/*
+ * Stop it for a while, so that a device can be opened or closed; before, zero is sent to all. 0, and it is not stopped,
+ * when its thread does not come by within a second.
+ */
+int scheduler_pause(const struct hd_library *hd);
 
 /* Start it again, with `servo` in it; NULL: with those that were there. After an error it is not in it. */
 hd_error scheduler_resume(struct servo *servo);

@@ -224,6 +224,8 @@ static void force_comes_along_a_ramp(void)
     serve(100, 1.0);
     CHECK(fabs(force_of(there) - 0.5) < 1e-15, "at 2000 Hz: %g", force_of(there));
     finish();
+    start("&rate=1000"); /* for the next tests: a scheduler keeps its rate */
+    finish();
 }
 
 /* A held force comes to where the hand's spring holds it. */

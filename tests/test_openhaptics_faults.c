@@ -199,11 +199,11 @@ static void scheduler_errors_are_loss(void)
         { HD_COMM_ERROR, DPT_REASON_LINK },       { HD_COMM_CONFIG_ERROR, DPT_REASON_LINK },
         { HD_TIMER_ERROR, DPT_REASON_DEVICE },    { HD_INVALID_PRIORITY, DPT_REASON_DEVICE },
         { HD_SCHEDULER_FULL, DPT_REASON_DEVICE }, { HD_DEVICE_FAULT, DPT_REASON_DEVICE },
-        { HD_BAD_HANDLE, DPT_REASON_DEVICE }
+        { HD_BAD_HANDLE, DPT_REASON_DEVICE },     { HD_INVALID_LICENSE, DPT_REASON_DEVICE }
     };
     dpt_device_counts counts = { .size = sizeof counts };
     start("");
-    for (int i = 0; i < 7; i++) {
+    for (int i = 0; i < 8; i++) {
         tick(15);
         dpt_device_read(device, &state);
         serve(150, 1.0);
@@ -363,6 +363,22 @@ static void calibration_comes_at_its_moment(void)
           state.reasons, force_of(there));
     finish();
 
+    /* The first sample that is said to be good is of the place that was found. */
+    there->styles = HD_CALIBRATION_AUTO;
+    there->calibration = HD_CALIBRATION_NEEDS_MANUAL_INPUT;
+    there->transform[12] = 5.0;
+    start("");
+    there->calibration = HD_CALIBRATION_NEEDS_UPDATE;
+    for (int n = 0; n < 60 && state.status != DPT_DEVICE_READY; n++) {
+        tick(1);
+        dpt_device_read(device, &state);
+    }
+    CHECK(state.status == DPT_DEVICE_READY && state.pose.position[0] == 0.005 &&
+              state.pose.position[1] == 0.0,
+          "%s at %g, %g m", dpt_device_status_name(state.status), state.pose.position[0],
+          state.pose.position[1]);
+    finish();
+
     /* In a reset position: before the scheduler starts, once. */
     there->styles = HD_CALIBRATION_ENCODER_RESET;
     there->calibration = HD_CALIBRATION_NEEDS_MANUAL_INPUT;
@@ -450,11 +466,68 @@ static void a_pause_is_no_death(void)
     finish();
 }
 
+static void no_force_meanwhile(void)
+{
+    times_read++;
+    CHECK(force_of(there) == 0.0, "%g N while the scheduler stands", force_of(there));
+}
+
+/* Nobody says that forces end with the scheduler. */
+static void no_force_stays_while_another_opens(void)
+{
+    times_read = 0;
+    start("&watchdog=1");
+    serve(150, 1.0);
+    lib->in_init = no_force_meanwhile;
+    CHECK(open_at(&meanwhile_opened, "Left Device", "") == DPT_OK && times_read == 1, "%s",
+          error.text);
+    dpt_device_read(device, &state);
+    serve(1, 1.0);
+    CHECK(force_of(there) < 0.5, "it kicks: %g", force_of(there));
+    serve(150, 1.0);
+    lib->in_start = no_force_meanwhile;
+    close_one(meanwhile_opened);
+    CHECK(times_read == 2, "not started again");
+    finish();
+}
+
+static void raise_in_the_first_frame(void)
+{
+    lib->unsupported[0] = HD_CURRENT_JOINT_ANGLES;
+    lib->lingers = 1;
+}
+
+/* A start may take as long as it likes, and what the first tick raises is of whom it concerns. */
+static void a_start_is_no_fault_of_others(void)
+{
+    dpt_device_info info = { .size = sizeof info };
+    patience = "";
+    start("");
+    lib->in_start = read_later;
+    CHECK(open_at(&meanwhile_opened, "Left Device", "") == DPT_OK, "%s", error.text);
+    CHECK(dpt_device_read(device, &state) == DPT_OK, "lost by a slow start");
+    close_one(meanwhile_opened);
+    finish();
+    patience = "&silent=2";
+    start("");
+    lib->in_start = raise_in_the_first_frame;
+    CHECK(open_at(&meanwhile_opened, "Left Device", "") == DPT_OK, "%s", error.text);
+    dpt_device_get_info(meanwhile_opened, &info);
+    CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_FAULT &&
+              state.code == HD_INVALID_ENUM && info.joints == 0,
+          "%s, %x, %u joints", dpt_device_status_name(state.status), state.code, info.joints);
+    close_one(meanwhile_opened);
+    finish();
+}
+
 /* While it hangs nothing of ours is freed; when it goes on, it lets go of what was closed. */
 static void a_scheduler_that_hangs_does_not_hang_us(void)
 {
     start("");
     lib->hangs = 1;
+    CHECK(open_at(&meanwhile_opened, "Left Device", "") == DPT_E_DEVICE &&
+              strstr(error.text, "hangs") && !left->is_open,
+          "%s", error.text);
     CHECK(clear_device(device) == DPT_E_LOST, "clear");
     close_one(device);
     CHECK(there->is_open, "closed under the scheduler's hands");
@@ -486,6 +559,8 @@ int main(int argc, char **argv)
     TEST(calibration_comes_at_its_moment);
     TEST(silence_of_the_device_is_loss);
     TEST(a_pause_is_no_death);
+    TEST(no_force_stays_while_another_opens);
+    TEST(a_start_is_no_fault_of_others);
     TEST(a_scheduler_that_hangs_does_not_hang_us);
     return check_report();
 }

@@ -249,6 +249,8 @@ static void every_refusal_has_its_cure(void)
     }
     lib->raise = HD_COMM_ERROR;
     refused("", "", DPT_E_DEVICE, "the line to the device fails", "no hub");
+    lib->raise = HD_INVALID_LICENSE;
+    refused("", "", DPT_E_UNSUPPORTED, "no valid licence", "install");
     lib->drops_callbacks = 1;
     refused("", "", DPT_E_DEVICE, "no sample comes", "another program");
     lib->unsupported[0] = HD_CURRENT_GIMBAL_ANGLES;
@@ -345,7 +347,7 @@ static void a_note_says_what_is_left_to_do(void)
 
 static void settings_are_checked(void)
 {
-    refused("", "&rate=0", DPT_E_SETTING, "rate", "");
+    refused("", "&rate=4", DPT_E_SETTING, "rate", "within 100 and");
     refused("", "&watchdog=0.0001", DPT_E_SETTING, "watchdog", "0.002");
     refused("", "&watchdog=2", DPT_E_SETTING, "watchdog", "");
     refused("", "&silent=0", DPT_E_SETTING, "silent", "");
@@ -369,6 +371,15 @@ static void settings_are_checked(void)
     dpt_device_get_info(other, &info);
     CHECK(info.rate == 500.0, "%g Hz", info.rate);
     close_one(other);
+    finish();
+    /* The scheduler keeps the rate, also where nobody says so. */
+    lib->rate = 500;
+    lib->unsupported[0] = HD_UPDATE_RATE;
+    start("");
+    dpt_device_get_info(device, &info);
+    CHECK(info.rate == 500.0, "%g Hz", info.rate);
+    finish();
+    start("&rate=1000");
     finish();
 }
 

@@ -27,6 +27,11 @@ void stand_in_push(unsigned code, int internal, unsigned device)
     if (height < ERRORS)
         stack[height++] = (hd_error){ code, internal, device };
     pthread_mutex_unlock(&stack_lock);
+    if (!stand_in.lingers || !stand_in_is_servo())
+        return;
+    for (int i = 0; i < 100 && stand_in.errors(); i++)
+        stand_in_wait();
+    stand_in.lingers = 0;
 }
 
 void stand_in_break(const char *rule)
@@ -45,7 +50,10 @@ void stand_in_meanwhile(void (**what)(void))
 
 static int errors(void)
 {
-    return height;
+    pthread_mutex_lock(&stack_lock);
+    const int count = height;
+    pthread_mutex_unlock(&stack_lock);
+    return count;
 }
 
 /* Like a Touch: six degrees of freedom in, three out. */
@@ -144,9 +152,7 @@ void HD_CALL hdDisableDevice(unsigned handle)
         stand_in_break("a device closed in its frame");
     if (stand_in_runs())
         stand_in_break("a device closed while the scheduler runs");
-    if (device->stood_under_force)
-        stand_in_break("a device closed under force");
-    device->is_open = device->depth = device->stood_under_force = 0;
+    device->is_open = device->depth = 0;
     memset(device->force, 0, sizeof device->force);
     memset(device->torque, 0, sizeof device->torque);
     if (current == (int)handle)

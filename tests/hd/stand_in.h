@@ -6,7 +6,7 @@
  *
  * Rules: how a device is, and forces, in frames only, what it is at any time; a frame of a device in a tick, nested ones count as one; frames in the
  * scheduler's thread, or while the scheduler stands; a frame makes its device the current one; forces act from the end of a
- * frame until the end of another; one stack of errors, the last first; callbacks by priority; a thread with 1000 ticks a
+ * frame until the end of another, also when the scheduler is stopped; one stack of errors, the last first; callbacks by priority; a thread with 1000 ticks a
  * second; calibration by style, at its moment. What breaks a rule is an error, as documented, and counted here.
  *
  * A test finds struct stand_in by its name. In the environment: STAND_IN_SWING, how far the hand goes down and up, m.
@@ -40,7 +40,6 @@ struct stand_in_device {
     int is_open, depth;
     unsigned enabled; /* bit k: capability 0x4000 + k */
     unsigned long frame_tick, frames, updates;
-    int stood_under_force; /* when the scheduler was stopped, our callback being in it */
     double set_force[3], set_torque[3]; /* in this frame */
     double force[3], torque[3];         /* since the end of the last one */
 };
@@ -54,6 +53,7 @@ struct stand_in {
     int raise_device;    /* STAND_IN_NONE: with garbage for a device */
     unsigned raise_more; /* so many more times */
     int drops_callbacks;
+    int lingers; /* in the call that raises it, for another thread to take it; hdStartScheduler waits for one */
     /* For as long as they are set. */
     int goes_stale; /* after an hdInitDevice that failed the next gives STAND_IN_STALE */
     int hangs;      /* no ticks */
@@ -79,6 +79,7 @@ extern struct stand_in stand_in;
 /* Between the library's parts. */
 void stand_in_push(unsigned code, int internal, unsigned device);
 void stand_in_break(const char *rule);
+void stand_in_wait(void); /* a millisecond */
 void stand_in_meanwhile(void (**what)(void));
 int stand_in_is_servo(void); /* the calling thread is the scheduler's */
 int stand_in_runs(void);

@@ -32,6 +32,12 @@ int stand_in_is_servo(void)
     return is_servo;
 }
 
+void stand_in_wait(void)
+{
+    const struct timespec time = { 0, 1000000 };
+    nanosleep(&time, NULL);
+}
+
 int stand_in_runs(void)
 {
     return __atomic_load_n(&runs, __ATOMIC_ACQUIRE);
@@ -177,13 +183,13 @@ void HD_CALL hdStartScheduler(void)
         stand_in_push(failure, 11, 0);
         return;
     }
-    for (int i = 0; i < STAND_IN_DEVICES; i++)
-        stand_in.device[i].stood_under_force = 0;
     __atomic_store_n(&runs, 1, __ATOMIC_RELEASE);
     if (pthread_create(&thread, NULL, serve, NULL) != 0) {
         __atomic_store_n(&runs, 0, __ATOMIC_RELEASE);
         stand_in_push(HD_TIMER_ERROR, 0, 0);
     }
+    for (int i = 0; i < 100 && stand_in.lingers && !stand_in.errors(); i++)
+        stand_in_wait();
 }
 
 void HD_CALL hdStopScheduler(void)
@@ -196,13 +202,10 @@ void HD_CALL hdStopScheduler(void)
         return;
     __atomic_store_n(&runs, 0, __ATOMIC_RELEASE);
     pthread_join(thread, NULL);
-    for (int i = 0; i < STAND_IN_DEVICES; i++) {
-        for (int k = 0; k < 3; k++)
-            stand_in.device[i].stood_under_force |=
-                has_callbacks() && stand_in.device[i].force[k] != 0.0;
-        memset(stand_in.device[i].force, 0, sizeof stand_in.device[i].force);
-        memset(stand_in.device[i].torque, 0, sizeof stand_in.device[i].torque);
-    }
+    for (int i = 0; i < 3 * STAND_IN_DEVICES; i++)
+        if (has_callbacks() && (stand_in.device[i / 3].force[i % 3] != 0.0 ||
+                                stand_in.device[i / 3].torque[i % 3] != 0.0))
+            stand_in_break("the scheduler stopped under force");
 }
 
 void HD_CALL hdSetSchedulerRate(unsigned long rate)
@@ -243,7 +246,6 @@ void HD_CALL hdUnschedule(unsigned long id)
 
 unsigned char HD_CALL hdWaitForCompletion(unsigned long id, unsigned wait)
 {
-    const struct timespec time = { 0, 1000000 };
     stand_in_meanwhile(&stand_in.in_wait);
     for (;;) {
         pthread_mutex_lock(&table_lock);
@@ -251,6 +253,6 @@ unsigned char HD_CALL hdWaitForCompletion(unsigned long id, unsigned wait)
         pthread_mutex_unlock(&table_lock);
         if (!is_there || wait == HD_WAIT_CHECK_STATUS)
             return (unsigned char)is_there;
-        nanosleep(&time, NULL);
+        stand_in_wait();
     }
 }
