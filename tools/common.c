@@ -192,8 +192,9 @@ const dpt_mesh *open_mesh(const char *command, const char *path, void *bytes, si
     if (result == DPT_OK)
         result = dpt_mesh_open(bytes, size, &mesh);
     if (result != DPT_OK)
-        complain(command, "%s: byte %" PRIu64 " (%s): %s", path, fault.byte, fault.section,
-                 dpt_result_text(result));
+        complain(command, "%s: byte %" PRIu64 " (%s): %s%s", path, fault.byte, fault.section,
+                 dpt_result_text(result),
+                 result == DPT_E_MAGIC ? "; dynpoint compile makes one" : "");
     return mesh;
 }
 
