@@ -200,7 +200,7 @@ static dpt_result learn(struct haptics *device, dpt_device_error *error)
     ask_text(hd, HD_DEVICE_SERIAL_NUMBER, info->serial);
     const unsigned styles = ask_styles(hd);
     servo->has_inkwell = (styles & HD_CALIBRATION_INKWELL) != 0;
-    servo->temperatures = outputs >= 6 ? 6 : 3;
+    servo->temperatures = outputs < 3 ? 3 : outputs < SERVO_MOTORS ? outputs : SERVO_MOTORS;
     servo->style = best_of(styles);
     servo->inputs = inputs >= 6 ? 6 : 3;
     servo->outputs = torque > 0.0 ? 6 : outputs >= 3 ? 3 : 0;

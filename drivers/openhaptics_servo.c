@@ -92,7 +92,7 @@ static int drain(uint64_t now, int is_asking)
 static void meet(struct servo *servo, uint64_t now)
 {
     const struct hd_library *hd = servo->hd;
-    double values[SERVO_JOINTS];
+    double values[SERVO_MOTORS];
     unsigned char is_out;
     int buttons;
     servo->is_met = 1;
@@ -147,7 +147,7 @@ static void sense(struct servo *servo, struct servo_sample *sample, uint64_t now
     const struct hd_library *hd = servo->hd;
     int buttons = 0;
     unsigned char is_out = 1;
-    double heat[SERVO_JOINTS] = { 0.0 };
+    double heat[SERVO_MOTORS] = { 0.0 };
     sample->sequence++;
     sample->time_ns = now != 0 ? now : servo->last.time_ns;
     sense_motion(servo, sample);
@@ -242,12 +242,14 @@ static uint32_t reasons_of(const struct servo *servo)
            (servo->is_docked ? DPT_REASON_DOCKED : 0u);
 }
 
-/* A fault ends when the host asked for it and the error has not come again for a while. */
+/* A fault ends when the host asked for it and the error has not come again for a while; force waits for a new command. */
 static void clear_fault(struct servo *servo, uint64_t now)
 {
     const uint32_t clears = __atomic_load_n(&servo->clears, __ATOMIC_RELAXED);
-    if (clears != servo->last.clears && now - servo->fault_ns > FAULT_IS_OVER_NS)
-        servo->fault = 0;
+    if (clears != servo->last.clears) {
+        servo->fault = now - servo->fault_ns > FAULT_IS_OVER_NS ? 0 : servo->fault;
+        servo->is_armed = 0;
+    }
     servo->last.clears = clears;
 }
 

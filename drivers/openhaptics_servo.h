@@ -10,7 +10,7 @@
 #include "latest.h"
 #include "openhaptics_library.h"
 
-enum { SERVOS_MOST = 8, SERVO_JOINTS = 6 };
+enum { SERVOS_MOST = 8, SERVO_JOINTS = 6, SERVO_MOTORS = 16 };
 
 struct servo_sample {
     uint64_t sequence; /* grows by 1 a tick */

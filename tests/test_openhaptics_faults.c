@@ -137,6 +137,14 @@ static void warm_motors_give_less(void)
     serve(1, 2.0);
     CHECK(fabs(force_of(there) - 0.02) < 1e-15, "it kicks: %g", force_of(there));
     finish();
+    /* Each motor counts. */
+    there->outputs = 7;
+    there->temperature[6] = 0.85;
+    start("");
+    serve(150, 2.0);
+    CHECK(state.temperature == 0.85 && fabs(force_of(there) - 1.0) < 1e-12, "at %g: %g N",
+          state.temperature, force_of(there));
+    finish();
     /* One that does not tell. */
     lib->unsupported[0] = HD_MOTOR_TEMPERATURE;
     start("");
@@ -186,6 +194,19 @@ static void force_errors_are_faults(void)
         serve(1, 1.0);
         CHECK(fabs(force_of(there) - 0.01) < 1e-15, "%x: it kicks", kinds[i].code);
     }
+    finish();
+}
+
+static void no_force_after_clear_until_a_write(void)
+{
+    start("&watchdog=1");
+    serve(150, 1.0);
+    CHECK(clear_device(device) == DPT_OK, "clear");
+    tick(1);
+    CHECK(force_of(there) == 0.0, "%g N", force_of(there));
+    dpt_device_read(device, &state);
+    serve(1, 1.0);
+    CHECK(fabs(force_of(there) - 0.01) < 1e-15, "it kicks: %g", force_of(there));
     finish();
 }
 
@@ -552,6 +573,7 @@ int main(int argc, char **argv)
     TEST(the_clock_may_fail);
     TEST(warm_motors_give_less);
     TEST(force_errors_are_faults);
+    TEST(no_force_after_clear_until_a_write);
     TEST(scheduler_errors_are_loss);
     TEST(the_worst_error_counts);
     TEST(a_second_frame_is_a_fault_with_its_number);

@@ -31,7 +31,7 @@ struct stand_in_device {
     unsigned calibration;
     int resists; /* to be calibrated */
     double transform[16], velocity[3], spin[3], joints[3], gimbal[3];
-    double temperature[6];
+    double temperature[8];
     int moves; /* by what follows; else only a test moves it */
     double swing;
     struct mechanism mechanism;
