@@ -6,6 +6,8 @@
  */
 #include "hd/host.h"
 
+#include <pthread.h>
+
 #include "dynpoint/openhaptics.h"
 #include "fixture.h"
 
@@ -334,6 +336,54 @@ static void two_devices_share_the_scheduler(void)
     finish();
 }
 
+enum { VISITS = 5 };
+static int visits, visits_over;
+
+static void wait_a_tick(void)
+{
+    const struct timespec time = { 0, 1000000 };
+    nanosleep(&time, NULL);
+}
+
+static void *visit(void *name)
+{
+    for (int i = 0; i < VISITS; i++) {
+        dpt_device *other;
+        if (dpt_device_open(name, &other, NULL) != DPT_OK)
+            continue;
+        for (int n = 0; n < 20; n++) {
+            push(other, 1.0);
+            wait_a_tick();
+        }
+        visits += dpt_device_clear(other) == DPT_OK;
+        dpt_device_close(other);
+    }
+    __atomic_store_n(&visits_over, 1, __ATOMIC_RELEASE);
+    return NULL;
+}
+
+/* One serves its device while another comes and goes: for ThreadSanitizer too. */
+static void hosts_have_threads_of_their_own(void)
+{
+    char name[512];
+    pthread_t thread;
+    int lost = 0;
+    visits = visits_over = 0;
+    start("");
+    go();
+    snprintf(name, sizeof name, "openhaptics:Left Device?library=%s&silent=2", library_path);
+    if (pthread_create(&thread, NULL, visit, name) != 0)
+        exit(1);
+    while (!__atomic_load_n(&visits_over, __ATOMIC_ACQUIRE)) {
+        lost += dpt_device_read(device, &state) != DPT_OK || push(device, 1.0) != DPT_OK;
+        wait_a_tick();
+    }
+    pthread_join(thread, NULL);
+    hold();
+    CHECK(visits == VISITS && lost == 0, "%d visits, %d times lost", visits, lost);
+    finish();
+}
+
 /* Tool and mesh as `dynpoint run` has them. */
 struct scene {
     void *block;
@@ -507,6 +557,7 @@ int main(int argc, char **argv)
     TEST(force_comes_along_a_ramp);
     TEST(closes_the_loop);
     TEST(two_devices_share_the_scheduler);
+    TEST(hosts_have_threads_of_their_own);
     TEST(the_same_motion_gives_the_same_force);
     TEST(a_loop_serves_it);
     return check_report();

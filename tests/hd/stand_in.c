@@ -42,8 +42,7 @@ void stand_in_break(const char *rule)
 
 void stand_in_meanwhile(void (**what)(void))
 {
-    void (*once)(void) = *what;
-    *what = NULL;
+    void (*once)(void) = __atomic_exchange_n(what, NULL, __ATOMIC_ACQ_REL);
     if (once)
         once();
 }
