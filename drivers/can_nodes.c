@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "can_nodes.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
+
+#include "vec.h"
 
 #define MS             1000000u
 #define LOST_AFTER     (20u * MS)
@@ -13,6 +16,8 @@
 #define BEATS_LEAK    8
 #define SAMPLES_AHEAD 160
 #define SAMPLES_LEAK  256
+#define TURNS_AT      20.0 /* rad/s, faster than hands start a joint from rest */
+#define SLIDES_AT     5.0  /* m/s */
 
 static uint64_t larger_time(uint64_t a, uint64_t b)
 {
@@ -30,6 +35,7 @@ void can_nodes_init(struct can_nodes *nodes, const struct can_arm *arm,
     nodes->silent_ns = (uint64_t)(1e9 * settings->silent);
     for (uint32_t i = 0; i < nodes->count; i++) {
         nodes->at[i].node = arm->nodes[i];
+        nodes->at[i].quickest = (arm->slides[i] ? SLIDES_AT : TURNS_AT) / fabs(arm->per_turn[i]);
         nodes->index[arm->nodes[i]] = (uint8_t)i;
     }
     can_nodes_forget(nodes);
@@ -39,7 +45,8 @@ void can_nodes_forget(struct can_nodes *nodes)
 {
     for (uint32_t i = 0; i < nodes->count; i++) {
         const struct can_node kept = { .node = nodes->at[i].node,
-                                       .generation = nodes->at[i].generation };
+                                       .generation = nodes->at[i].generation,
+                                       .quickest = nodes->at[i].quickest };
         nodes->at[i] = kept;
     }
     nodes->is_armed = nodes->has_confirmed = 0;
@@ -132,6 +139,19 @@ static void take_beat(struct can_nodes *nodes, struct can_node *node,
         can_nodes_blame(nodes, DPT_DEVICE_FAULT, DPT_REASON_DEVICE,
                         CAN_CODE(CAN_CODE_BEGAN, node->node));
     }
+}
+
+/* A place that it cannot have come to since the last one, which may have been late by two periods. */
+static void find_jump(struct can_nodes *nodes, const struct can_node *node, float position,
+                      float velocity, int64_t passed)
+{
+    const double seconds =
+        1e-9 * ((passed > 0 ? (double)passed : 0.0) + 2.0 * (double)nodes->period_ns);
+    const double speed =
+        node->quickest + larger(fabs((double)velocity), fabs((double)node->velocity));
+    if (fabs((double)position - (double)node->position) > speed * seconds)
+        can_nodes_blame(nodes, DPT_DEVICE_FAULT, DPT_REASON_UNCALIBRATED,
+                        CAN_CODE(CAN_CODE_JUMPED, node->node));
 }
 
 /* All nodes have said where they are since the last sample: the next one. */
@@ -278,9 +298,13 @@ void can_nodes_take(struct can_nodes *nodes, const struct can_message *message)
         node->serial = said.as.address.serial;
         break;
     case ODRIVE_ESTIMATES:
-        if (node->has_estimate)
-            run_ahead(nodes, node, &node->ahead, message->time_ns - node->estimate_ns,
-                      nodes->period_ns, SAMPLES_AHEAD, SAMPLES_LEAK);
+        if (node->has_estimate) {
+            const uint64_t passed = message->time_ns - node->estimate_ns;
+            run_ahead(nodes, node, &node->ahead, passed, nodes->period_ns, SAMPLES_AHEAD,
+                      SAMPLES_LEAK);
+            find_jump(nodes, node, said.as.estimates.position, said.as.estimates.velocity,
+                      (int64_t)passed);
+        }
         node->position = said.as.estimates.position;
         node->velocity = said.as.estimates.velocity;
         node->estimate_ns = message->time_ns;

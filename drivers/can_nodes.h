@@ -20,18 +20,19 @@
  * Other codes are a controller's error bits.
  */
 enum {
-    CAN_CODE_OFF = 1,       /* bus-off */
-    CAN_CODE_PASSIVE = 2,   /* error-passive */
-    CAN_CODE_DOWN = 3,      /* the interface was shut */
-    CAN_CODE_GONE = 4,      /* it was unplugged */
-    CAN_CODE_STUCK = 5,     /* commands do not get out */
-    CAN_CODE_DROPPED = 6,   /* the kernel or the controller lost frames that had come */
-    CAN_CODE_BABBLES = 7,   /* far more frames than it is to send, of any kind */
-    CAN_CODE_DUPLICATE = 8, /* its cyclic messages come too often: two nodes of one number */
-    CAN_CODE_STRANGER = 9,  /* someone else gives our nodes orders */
-    CAN_CODE_BEGAN = 10,    /* it left closed loop without an error: rebooted, or was told to */
-    CAN_CODE_SILENT = 11,   /* no estimate */
-    CAN_CODE_PULSELESS = 12 /* no heartbeat */
+    CAN_CODE_OFF = 1,        /* bus-off */
+    CAN_CODE_PASSIVE = 2,    /* error-passive */
+    CAN_CODE_DOWN = 3,       /* the interface was shut */
+    CAN_CODE_GONE = 4,       /* it was unplugged */
+    CAN_CODE_STUCK = 5,      /* commands do not get out */
+    CAN_CODE_DROPPED = 6,    /* the kernel or the controller lost frames that had come */
+    CAN_CODE_BABBLES = 7,    /* far more frames than it is to send, of any kind */
+    CAN_CODE_DUPLICATE = 8,  /* its cyclic messages come too often: two nodes of one number */
+    CAN_CODE_STRANGER = 9,   /* someone else gives our nodes orders */
+    CAN_CODE_BEGAN = 10,     /* it left closed loop without an error: rebooted, or was told to */
+    CAN_CODE_SILENT = 11,    /* no estimate */
+    CAN_CODE_PULSELESS = 12, /* no heartbeat */
+    CAN_CODE_JUMPED = 13     /* further than it can have moved: its encoder lost count */
 };
 #define CAN_CODE(kind, node) (0xca000000u | (uint32_t)(node) << 8 | (uint32_t)(kind))
 #define CAN_CODE_BUS         0xff
@@ -52,7 +53,8 @@ struct can_node {
     uint64_t serial; /* 0: not told */
     uint64_t beat_ns, estimate_ns;
     float position, velocity;
-    int64_t ahead; /* of the clock, ns: its estimates and its heartbeats */
+    double quickest; /* turns/s at which a joint may move, whatever it says of its velocity */
+    int64_t ahead;   /* of the clock, ns: its estimates and its heartbeats */
     int64_t beats_ahead;
     uint64_t window_ns; /* when `frames` was last 0 */
     uint32_t frames;

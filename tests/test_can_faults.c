@@ -198,6 +198,17 @@ static void come_to_its_senses(void)
     }
 }
 
+/* Its encoder has found another index, or begun anew at 0: the joint has not moved. A turn is 45 degrees of the joint. */
+static void jump(void)
+{
+    simulated.arm.zero[1] += 0.25 * simulated.arm.per_turn[1];
+}
+
+static void jump_back(void)
+{
+    simulated.arm.zero[1] = 0.0;
+}
+
 static const struct fault {
     const char *name;
     void (*cause)(void), (*cure)(void);
@@ -229,6 +240,7 @@ static const struct fault {
     { "watchdog", hang, NULL, DPT_DEVICE_FAULT, DPT_REASON_WATCHDOG, 0x1000000, 102, 0, 0, 0, 0 },
     { "estop by frame", panel_stops, NULL, DPT_DEVICE_FAULT, DPT_REASON_ESTOP, CAN_CODE(CAN_CODE_STRANGER, 1), 1, 0, 0, 0, 0 },
     { "another host", other_host, NULL, DPT_DEVICE_FAULT, DPT_REASON_LINK, CAN_CODE(CAN_CODE_STRANGER, 1), 1, 0, 0, 0, 0 },
+    { "a place it cannot have come to", jump, jump_back, DPT_DEVICE_FAULT, DPT_REASON_UNCALIBRATED, CAN_CODE(CAN_CODE_JUMPED, 1), 1, 0, 0, 0, 0 },
     { "not a number", go_mad, come_to_its_senses, DPT_DEVICE_LOST, DPT_REASON_SILENT, CAN_CODE(CAN_CODE_SILENT, 1), 52, 0, 1, 0, 0 },
     /* clang-format on */
 };
