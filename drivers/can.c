@@ -9,7 +9,6 @@
 
 #define MS         1000000u
 #define STOP_EVERY (10u * MS)
-#define STOP_FOR   (2000u * MS)
 #define END_IN     (400u * MS)
 #define RAMP       (50u * MS) /* until the whole weight is held */
 #define IDLE_FEED  (10u * MS) /* while no force is written */
@@ -25,8 +24,7 @@ struct can_device {
     uint64_t driving_ns; /* since when, and the last write */
     uint64_t written_ns;
     uint64_t fed_ns;
-    uint64_t failed_ns; /* when it was first stopped, and last */
-    uint64_t stopped_ns;
+    uint64_t stopped_ns; /* last; 0: not yet */
 };
 
 /* Joints and pose of the newest sample. */
@@ -43,7 +41,7 @@ static void look(struct can_device *device)
 static void begin(struct can_device *device)
 {
     device->is_driving = 0;
-    device->failed_ns = device->stopped_ns = 0;
+    device->stopped_ns = 0;
     device->sequence_read = device->host.nodes.sequence - 1;
     look(device);
 }
@@ -100,13 +98,10 @@ static void can_info(const dpt_device *base, dpt_device_info *info)
 static void stop_all(struct can_device *device, uint64_t now)
 {
     uint32_t active = 0;
-    if (!device->failed_ns)
-        device->failed_ns = now;
     for (uint32_t i = 0; i < device->host.nodes.count; i++)
         active += device->host.nodes.at[i].beat.state == ODRIVE_STATE_CLOSED_LOOP;
     device->is_driving = 0;
-    if (device->stopped_ns &&
-        (now - device->stopped_ns < STOP_EVERY || !active || now - device->failed_ns > STOP_FOR))
+    if (device->stopped_ns && (now - device->stopped_ns < STOP_EVERY || !active))
         return;
     device->stopped_ns = now;
     can_host_say_all(&device->host, can_no_torque);
@@ -114,7 +109,7 @@ static void stop_all(struct can_device *device, uint64_t now)
                      device->host.nodes.status == DPT_DEVICE_LOST ? can_estop : can_idle);
 }
 
-/* What goes out by reading alone: requests, and zero torque where no host writes, as watchdogs want to be fed. */
+/* While no host writes: zero torque, as watchdogs want to be fed. */
 static void keep_alive(struct can_device *device, uint64_t now)
 {
     const uint64_t period = device->host.nodes.period_ns;
@@ -128,11 +123,16 @@ static void keep_alive(struct can_device *device, uint64_t now)
         device->fed_ns = now;
         can_host_say_all(&device->host, can_no_torque);
     }
-    if (device->host.settings.request != 0.0 &&
-        now - device->host.asked_ns >= period - period / 8) {
-        device->host.asked_ns = now;
-        can_host_say_all(&device->host, can_where);
-    }
+}
+
+/* Of a device that has stopped, too: poses go on, and silence would be another fault. */
+static void ask_places(struct can_device *device, uint64_t now)
+{
+    const uint64_t period = device->host.nodes.period_ns;
+    if (device->host.settings.request == 0.0 || now - device->host.asked_ns < period - period / 8)
+        return;
+    device->host.asked_ns = now;
+    can_host_say_all(&device->host, can_where);
 }
 
 /* Of which part 0.5 says only that it has errors: it is asked for them. */
@@ -162,6 +162,7 @@ static dpt_result can_read(dpt_device *base, dpt_device_state *state)
         stop_all(device, now);
     else
         keep_alive(device, now);
+    ask_places(device, now);
     if (nodes->parts)
         ask_parts(device);
     can_host_send(&device->host);

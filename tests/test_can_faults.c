@@ -359,6 +359,52 @@ static void stopping_is_tried_again(void)
     finish();
 }
 
+/* A cable that is out for some seconds, and controllers without watchdogs, which push all the while: told when it is back. */
+static void stopping_is_never_given_up(void)
+{
+    start(elbow_path, ELBOW);
+    CHECK(push_until_it_fails(20) > 20, "begin");
+    for (int i = 0; i < 3; i++)
+        simulated.node[i].is_dumb = 1;
+    frames_lost = 1000000;
+    can_fate = lose_orders;
+    for (int i = 0; i < 5000; i++) {
+        can_tick();
+        dpt_device_read(device, &state);
+    }
+    CHECK(state.status == DPT_DEVICE_LOST && is_pushing(), "%u", state.status);
+    for (int i = 0; i < 3; i++)
+        simulated.node[i].is_dumb = 0;
+    can_fate = NULL;
+    for (int i = 0; i < 12; i++) {
+        can_tick();
+        dpt_device_read(device, &state);
+    }
+    CHECK(!is_pushing(), "it pushes on");
+    finish();
+}
+
+/* Where places are asked for, they are asked of one that has stopped, too: it is not silent besides. */
+static void a_fault_is_not_taken_for_silence(void)
+{
+    start(elbow_path, ELBOW "&request=1&firmware=0.6");
+    CHECK(push_until_it_fails(20) > 20, "begin");
+    simulated.node[0].causes = 0x2000;
+    CHECK(push_until_it_fails(102) <= 102, "not found");
+    uint32_t fresh = 0;
+    for (int i = 0; i < 200; i++) {
+        can_tick();
+        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_FAULT &&
+                  state.code == 0x2000 && !is_pushing(),
+              "%d ms: status %u, code %x", i, state.status, state.code);
+        fresh += state.fresh;
+    }
+    CHECK(fresh >= 190, "%u samples of 200", fresh);
+    simulated.node[0].causes = 0;
+    CHECK(clear() == DPT_OK, "clear");
+    finish();
+}
+
 /* What stood still long ago is no leave to run ahead for ever. */
 static void a_twin_after_a_pause_is_found(void)
 {
@@ -652,6 +698,8 @@ int main(void)
     TEST(every_fault_ends_all_torque);
     TEST(parts_are_asked_for_their_errors);
     TEST(stopping_is_tried_again);
+    TEST(stopping_is_never_given_up);
+    TEST(a_fault_is_not_taken_for_silence);
     TEST(a_twin_after_a_pause_is_found);
     /* Of these a kernel could say nothing new, or cannot be told to fail. */
     if (!can_real) {
