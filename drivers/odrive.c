@@ -218,8 +218,9 @@ unsigned odrive_heartbeat_of(const struct can_message *frame)
 
 int odrive_is_order(unsigned command)
 {
-    /* Input position and velocity, and a reboot, besides those of ours. */
-    return command == 0x0c || command == 0x0d || command == 0x16 ||
+    /* Besides those of ours: inputs, limits, trajectories, a reboot, the encoder's place, gains, new firmware. */
+    return (command >= 0x0c && command <= 0x13) || command == 0x16 ||
+           (command >= 0x19 && command <= 0x1b) || command == 0x1f ||
            (command < 32 && commands[command].is & TO_CONTROLLER);
 }
 

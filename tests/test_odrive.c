@@ -133,13 +133,15 @@ static void ids_are_node_and_command(void)
     const struct odrive_message address = { .command = ODRIVE_ADDRESS, .asks = 1 };
     struct can_message frame;
     CHECK(!odrive_encode(&address, ODRIVE_0_5, &frame), "asks 0.5 for its address");
-    static const unsigned orders[] = { 0x02, 0x07, 0x0b, 0x0c, 0x0d, 0x0e, 0x16, 0x18 };
+    static const unsigned orders[] = { 0x02, 0x07, 0x0b, 0x0c, 0x0d, 0x0e, 0x0f, 0x10, 0x11,
+                                       0x12, 0x13, 0x16, 0x18, 0x19, 0x1a, 0x1b, 0x1f };
+    const unsigned all = sizeof orders / sizeof *orders;
     unsigned count = 0;
     for (unsigned command = 0; command < 64; command++)
         count += odrive_is_order(command) != 0;
-    for (unsigned i = 0; i < 8; i++)
+    for (unsigned i = 0; i < all; i++)
         CHECK(odrive_is_order(orders[i]), "%x", orders[i]);
-    CHECK(count == 8, "%u orders", count);
+    CHECK(count == all, "%u orders", count);
 }
 
 static void what_must_not_be_sent_is_not(void)
