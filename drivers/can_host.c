@@ -358,7 +358,12 @@ dpt_result can_host_first_sample(struct can_host *host, dpt_device_error *error)
         can_host_send(host);
         can_host_wait(host, can_line_now() + FEED_EVERY);
     }
-    return host->nodes.sample_ns ? DPT_OK : refuse_silence(host, error);
+    if (host->nodes.sample_ns)
+        return DPT_OK;
+    can_nodes_judge(&host->nodes, can_line_now(), 1);
+    can_host_say_all(host, can_idle);
+    can_host_send(host);
+    return refuse_silence(host, error);
 }
 
 dpt_result can_host_connect(struct can_host *host, dpt_device_error *error)

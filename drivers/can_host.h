@@ -51,7 +51,7 @@ dpt_result can_host_connect(struct can_host *host, dpt_device_error *error);
 /* Errors cleared, torque control, closed loop, and each node's own word for it: two seconds at most. */
 dpt_result can_host_switch_on(struct can_host *host, dpt_device_error *error);
 
-/* Until all have said where they are. */
+/* Until all have said where they are; motors are off again when they do not. */
 dpt_result can_host_first_sample(struct can_host *host, dpt_device_error *error);
 
 #endif

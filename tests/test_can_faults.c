@@ -637,6 +637,46 @@ static void nodes_are_checked(void)
     end_simulation();
 }
 
+/* One that says where it is until its motor is on, and then no more. */
+static void each_ms_until_on(void)
+{
+    struct simulate_can_node *node = simulated.node;
+    const int on = node[0].state == ODRIVE_STATE_CLOSED_LOOP &&
+                   node[1].state == ODRIVE_STATE_CLOSED_LOOP &&
+                   node[2].state == ODRIVE_STATE_CLOSED_LOOP;
+    node[1].estimates_each = !on;
+    each_ms();
+}
+
+static void what_was_switched_on_in_vain_is_switched_off(void)
+{
+    simulate(elbow_path, ELBOW);
+    can_each_ms = each_ms_until_on;
+    refused(open_at(where_of(elbow_path, ELBOW)), DPT_E_DEVICE, "no whole sample");
+    pass_ms(1);
+    for (int i = 0; i < 3; i++)
+        CHECK(simulated.node[i].state == ODRIVE_STATE_IDLE, "motor %d is on", i);
+    can_each_ms = each_ms;
+    simulated.node[1].estimates_each = 1;
+    CHECK(open_at(where_of(elbow_path, ELBOW)) == DPT_OK, "%s", error.text);
+    if (!device)
+        return;
+    CHECK(push_until_it_fails(20) > 20, "begin");
+    reboot();
+    CHECK(push_until_it_fails(101) <= 101, "not found");
+    can_each_ms = each_ms_until_on;
+    CHECK(clear() == DPT_E_NOT_READY, "cleared without a sample");
+    pass_ms(1);
+    CHECK(simulated.node[0].state == ODRIVE_STATE_IDLE, "motor 0 is on");
+    CHECK(write_up(1.0) != DPT_OK, "it takes a force");
+    can_each_ms = each_ms;
+    simulated.node[1].estimates_each = 1;
+    dpt_device_read(device, &state);
+    CHECK(state.status == DPT_DEVICE_LOST, "%u, %x", state.status, state.code);
+    CHECK(clear() == DPT_OK && push_until_it_fails(20) > 20, "clear");
+    finish();
+}
+
 /*
  * Each call of an open, some cycles, a clear and a close fails in its turn, with each of some errors: nothing hangs, nothing
  * stays open, what is refused has a reason, and a bus that lives works when it is cleared.
@@ -708,6 +748,7 @@ int main(void)
         TEST(settings_are_checked);
         TEST(nodes_are_checked);
         TEST(refusals_say_the_cure);
+        TEST(what_was_switched_on_in_vain_is_switched_off);
         TEST(every_call_may_fail);
     }
     unlink(elbow_path);
