@@ -311,29 +311,35 @@ dpt_result can_host_switch_on(struct can_host *host, dpt_device_error *error)
                                          .as.state = ODRIVE_STATE_CLOSED_LOOP };
     struct can_nodes *nodes = &host->nodes;
     const uint64_t start = can_line_now(), deadline = start + SWITCH_IN;
-    uint64_t next = start, now = start;
+    uint64_t next[DPT_JOINTS_MAX], now = start;
     uint32_t active = 0;
     nodes->parts = 0;
     for (uint32_t i = 0; i < nodes->count; i++) {
+        next[i] = start;
         nodes->at[i].has_beaten = nodes->at[i].is_fresh = 0;
         memset(nodes->at[i].errors, 0, sizeof nodes->at[i].errors);
     }
     while (active < nodes->count && (now = can_line_now()) < deadline && !can_host_is_dead(host)) {
         active = 0;
-        can_host_say_all(host, can_no_torque);
         for (uint32_t i = 0; i < nodes->count; i++) {
-            const struct can_node *node = &nodes->at[i];
+            struct can_node *node = &nodes->at[i];
+            const int is_due = now >= next[i] && !can_node_is_active(node);
             active += can_node_is_active(node) != 0;
-            if (now < next || can_node_is_active(node))
+            can_host_say(host, i, can_no_torque);
+            if (!is_due) {
+                can_host_send(host);
                 continue;
+            }
             can_host_say(host, i, clear);
             can_host_say(host, i, mode);
             /* What calibrates or searches is let be; it may end in time. */
             if (!node->has_beaten || node->beat.state <= ODRIVE_STATE_IDLE)
                 can_host_say(host, i, loop);
+            if (can_host_send(host))
+                next[i] = now + SWITCH_EVERY;
+            else /* It may have been on before: that it is says nothing until it was told its mode. */
+                node->has_beaten = 0;
         }
-        next = now >= next ? now + SWITCH_EVERY : next;
-        can_host_send(host);
         can_host_wait(host, now + FEED_EVERY);
     }
     if (active < nodes->count || can_host_is_dead(host) || host->line.is_passive) {

@@ -637,6 +637,51 @@ static void nodes_are_checked(void)
     end_simulation();
 }
 
+/* A queue of the interface's that has room for some frames only, until some are on the bus. */
+static int room_left, times_full;
+
+static int fill_the_queue(int fd, const struct can_frame *frame)
+{
+    (void)frame;
+    if (fd != simulated.line.fd && --room_left == 0) {
+        times_full++;
+        fill_up();
+    }
+    return CAN_PASS;
+}
+
+static void each_ms_with_room_again(void)
+{
+    room_left = 6;
+    empty();
+    each_ms();
+}
+
+/* A host before us died: motors are on, and not in torque control. That they are on does not say that they took our orders. */
+static void motors_that_are_on_are_told_their_mode(void)
+{
+    for (uint64_t beat_at = 0; beat_at < 100; beat_at += 5) {
+        simulate(elbow_path, ELBOW);
+        for (int i = 0; i < 3; i++) {
+            simulated.node[i].state = ODRIVE_STATE_CLOSED_LOOP;
+            simulated.node[i].torque = 0.125f;
+        }
+        simulated.ticks = beat_at;
+        times_full = 0;
+        room_left = 6;
+        can_fate = fill_the_queue;
+        can_each_ms = each_ms_with_room_again;
+        CHECK(open_at(where_of(elbow_path, ELBOW)) == DPT_OK, "%s", error.text);
+        CHECK(times_full > 0, "there was room for all");
+        for (int i = 0; i < 3; i++)
+            CHECK(simulated.node[i].is_in_torque && !is_pushing(), "beat at %u: motor %d is not",
+                  (unsigned)beat_at, i);
+        can_fate = NULL;
+        if (device)
+            finish();
+    }
+}
+
 /* One that says where it is until its motor is on, and then no more. */
 static void each_ms_until_on(void)
 {
@@ -748,6 +793,7 @@ int main(void)
         TEST(settings_are_checked);
         TEST(nodes_are_checked);
         TEST(refusals_say_the_cure);
+        TEST(motors_that_are_on_are_told_their_mode);
         TEST(what_was_switched_on_in_vain_is_switched_off);
         TEST(every_call_may_fail);
     }
