@@ -222,6 +222,7 @@ static dpt_result can_clear(dpt_device *base)
     can_line_ask(&device->host.line);
     if (nodes->status == DPT_DEVICE_LOST) {
         can_line_close(&device->host.line);
+        device->host.is_ours = 1;
         if (can_host_connect(&device->host, NULL) != DPT_OK)
             return DPT_E_LOST;
         nodes->counts.resets++;

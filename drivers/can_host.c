@@ -383,6 +383,11 @@ dpt_result can_host_connect(struct can_host *host, dpt_device_error *error)
     const dpt_device_counts counts = host->nodes.counts;
     can_nodes_forget(&host->nodes);
     host->dropped = 0;
+    if (host->is_ours) {
+        can_host_say_all(host, can_no_torque);
+        can_host_say_all(host, can_idle);
+        can_host_send(host);
+    }
     result = check_load(host, error);
     if (result == DPT_OK)
         result = meet(host, error);

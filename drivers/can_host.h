@@ -16,6 +16,7 @@ struct can_host {
     struct can_nodes nodes;
     uint64_t asked_ns; /* when estimates were asked for */
     uint32_t dropped;
+    uint8_t is_ours; /* connected before: motors may still give what they were told last */
     int count; /* of `out`: said, not sent yet */
     struct can_message out[CAN_LINE_BATCH];
     struct can_message in[CAN_LINE_BATCH];

@@ -384,6 +384,31 @@ static void stopping_is_never_given_up(void)
     finish();
 }
 
+/* A line that was shut and is up again: the first that is said there ends all torque, before anything is asked. */
+static int pushed_ms;
+
+static void each_ms_of_pushing(void)
+{
+    each_ms();
+    pushed_ms += is_pushing();
+}
+
+static void clearing_begins_with_a_stop(void)
+{
+    start(elbow_path, ELBOW);
+    CHECK(push_until_it_fails(20) > 20, "begin");
+    shut();
+    CHECK(push_until_it_fails(2) <= 2 && state.status == DPT_DEVICE_LOST, "%u", state.status);
+    pass_ms(1);
+    CHECK(is_pushing(), "it can be told to stop");
+    mend();
+    can_each_ms = each_ms_of_pushing;
+    pushed_ms = 0;
+    CHECK(clear() == DPT_OK, "clear");
+    CHECK(pushed_ms <= 1, "it pushed for %d ms", pushed_ms);
+    finish();
+}
+
 /* Where places are asked for, they are asked of one that has stopped, too: it is not silent besides. */
 static void a_fault_is_not_taken_for_silence(void)
 {
@@ -793,6 +818,7 @@ int main(void)
         TEST(settings_are_checked);
         TEST(nodes_are_checked);
         TEST(refusals_say_the_cure);
+        TEST(clearing_begins_with_a_stop);
         TEST(motors_that_are_on_are_told_their_mode);
         TEST(what_was_switched_on_in_vain_is_switched_off);
         TEST(every_call_may_fail);
