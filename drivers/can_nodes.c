@@ -16,6 +16,7 @@
 #define BEATS_LEAK    8
 #define SAMPLES_AHEAD 160
 #define SAMPLES_LEAK  256
+#define OLD_PERIODS   5    /* parts of a sample are not further apart */
 #define TURNS_AT      20.0 /* rad/s, faster than hands start a joint from rest */
 #define SLIDES_AT     5.0  /* m/s */
 
@@ -154,11 +155,12 @@ static void find_jump(struct can_nodes *nodes, const struct can_node *node, floa
                         CAN_CODE(CAN_CODE_JUMPED, node->node));
 }
 
-/* All nodes have said where they are since the last sample: the next one. */
+/* All nodes have said where they are since the last sample, and lately: the next one. */
 static void take_sample(struct can_nodes *nodes, uint64_t time)
 {
     for (uint32_t i = 0; i < nodes->count; i++)
-        if (!nodes->at[i].is_fresh)
+        if (!nodes->at[i].is_fresh ||
+            (int64_t)(time - nodes->at[i].estimate_ns) > OLD_PERIODS * (int64_t)nodes->period_ns)
             return;
     for (uint32_t i = 0; i < nodes->count; i++) {
         nodes->position[i] = nodes->at[i].position;
