@@ -155,13 +155,13 @@ static dpt_result refuse_silence(const struct can_host *host, dpt_device_error *
 }
 
 /* 0.6 answers when it is asked for its version, 0.5 does not; heartbeats of some contents tell, too. */
-static void find_generation(struct can_host *host, struct can_node *node, uint64_t since)
+static void find_generation(struct can_host *host, struct can_node *node, uint64_t heard)
 {
     if (node->generation != ODRIVE_ANY)
         return;
     if (strcmp(host->settings.firmware, "auto"))
         node->generation = host->settings.firmware[2] == '5' ? ODRIVE_0_5 : ODRIVE_0_6;
-    else if (node->has_beaten && can_line_now() - since > SETTLE)
+    else if (node->has_beaten && can_line_now() - heard > SETTLE)
         node->generation = ODRIVE_0_5;
 }
 
@@ -170,6 +170,7 @@ static dpt_result meet(struct can_host *host, dpt_device_error *error)
 {
     const uint64_t start = can_line_now();
     const uint64_t deadline = start + (uint64_t)(1e9 * host->settings.answer);
+    uint64_t heard[DPT_JOINTS_MAX] = { 0 }; /* first, and so can have been asked since */
     uint64_t next = start, now = start;
     uint32_t met = 0;
     while (met < host->nodes.count && !can_host_is_dead(host)) {
@@ -178,7 +179,8 @@ static dpt_result meet(struct can_host *host, dpt_device_error *error)
         met = 0;
         for (uint32_t i = 0; i < host->nodes.count; i++) {
             struct can_node *node = &host->nodes.at[i];
-            find_generation(host, node, start);
+            heard[i] = node->has_beaten && !heard[i] ? now : heard[i];
+            find_generation(host, node, heard[i]);
             met += node->has_beaten && node->generation != ODRIVE_ANY;
             if (now < next)
                 continue;

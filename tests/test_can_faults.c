@@ -662,6 +662,36 @@ static void nodes_are_checked(void)
     end_simulation();
 }
 
+/* Power that comes half a second late. */
+static void each_ms_of_a_late_one(void)
+{
+    simulated.node[1].is_dumb = simulated.ticks < 590;
+    each_ms();
+}
+
+static void one_that_comes_late_is_asked_too(void)
+{
+    static const unsigned generations[] = { ODRIVE_0_5, ODRIVE_0_6 };
+    for (int i = 0; i < 2; i++) {
+        dpt_device_info info = { .size = sizeof info };
+        simulate(elbow_path, ELBOW);
+        for (int k = 0; k < 3; k++) {
+            simulated.node[k].generation = (uint8_t)generations[i];
+            simulated.node[k].is_done = i != 0; /* of 0.5 it would tell */
+        }
+        simulated.ticks = 37; /* its heartbeat is between two questions */
+        can_each_ms = each_ms_of_a_late_one;
+        CHECK(open_at(where_of(elbow_path, ELBOW)) == DPT_OK, "0.%u: %s", generations[i],
+              error.text);
+        if (!device)
+            return;
+        dpt_device_get_info(device, &info);
+        CHECK(strstr(info.name, i ? "0.6" : "0.5"), "%s", info.name);
+        can_each_ms = each_ms;
+        finish();
+    }
+}
+
 /* A queue of the interface's that has room for some frames only, until some are on the bus. */
 static int room_left, times_full;
 
@@ -819,6 +849,7 @@ int main(void)
         TEST(nodes_are_checked);
         TEST(refusals_say_the_cure);
         TEST(clearing_begins_with_a_stop);
+        TEST(one_that_comes_late_is_asked_too);
         TEST(motors_that_are_on_are_told_their_mode);
         TEST(what_was_switched_on_in_vain_is_switched_off);
         TEST(every_call_may_fail);
