@@ -441,6 +441,24 @@ static void many_torques_may_be_under_way(void)
     finish();
 }
 
+/* A hand that is quick is no encoder that jumps: from rest, with what the motor says of its velocity, and after a gap. */
+static void quick_hands_are_no_fault(void)
+{
+    static const double speeds[2] = { 15.0, 60.0 };
+    start(elbow_path, ELBOW);
+    simulated.is_led = 1;
+    for (int i = 0; i < 400; i++) {
+        const int way = i / 20 % 2 ? -1 : 1, told = i >= 200;
+        simulated.joint[1] += 1e-3 * way * speeds[told];
+        simulated.speed[1] = told ? way * speeds[1] : 0.0;
+        simulated.node[1].is_dumb = i % 20 > 2 && i % 20 < 18;
+        can_tick();
+        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_READY,
+              "%d: %x", i, state.code);
+    }
+    finish();
+}
+
 /* What one joint said long ago is no sample with what the others say now. */
 static void old_places_are_not_mixed_with_new(void)
 {
@@ -720,6 +738,7 @@ int main(int argc, char **argv)
     TEST(closes_the_loop);
     TEST(no_command_is_lost_late_or_reordered_unnoticed);
     TEST(many_torques_may_be_under_way);
+    TEST(quick_hands_are_no_fault);
     TEST(old_places_are_not_mixed_with_new);
     TEST(estimates_can_be_asked_for);
     TEST(a_host_that_reads_is_there);
