@@ -68,7 +68,7 @@ static dpt_result write_up(double force)
 }
 
 /* Times that an emulated machine keeps when the one that it is on has other work as well. */
-#define SETTINGS "gear=8,-8,10&weight=0&watchdog=2&silent=1&rate=100"
+#define SETTINGS "gear=8,-8,10&weight=0&watchdog=2&silent=1&answer=4&rate=100"
 #define PERIOD   10
 #define WATCHDOG 2100
 
