@@ -21,7 +21,7 @@ struct moment {
 };
 
 struct ends {
-    vec3 a, b; /* in the body's frame */
+    vec3 a, b;
 };
 
 /* One segment past one body. */
@@ -39,13 +39,21 @@ struct tour {
     double time;          /* of it, or up to which it is free */
 };
 
+/* In the world. */
+static struct ends tool_ends(const struct moment *moment)
+{
+    struct frame tool;
+    frame_of_pose(&moment->tool, &tool);
+    return (struct ends){ frame_to_world(&tool, moment->a), frame_to_world(&tool, moment->b) };
+}
+
+/* In the body's frame. */
 static struct ends ends_at(const struct moment *moment)
 {
-    struct frame tool, body;
-    frame_of_pose(&moment->tool, &tool);
+    struct ends ends = tool_ends(moment);
+    struct frame body;
     frame_of_pose(&moment->body, &body);
-    return (struct ends){ frame_to_local(&body, frame_to_world(&tool, moment->a)),
-                          frame_to_local(&body, frame_to_world(&tool, moment->b)) };
+    return (struct ends){ frame_to_local(&body, ends.a), frame_to_local(&body, ends.b) };
 }
 
 static struct moment middle_of(const struct moment *from, const struct moment *to)
@@ -278,11 +286,11 @@ static void pass_body(struct dpt_world *world, uint32_t index, const struct body
 /* No point of the tool was farther away from where it is now than that, the arc of a turn included. */
 static double way_of_tool(const struct moment *from, const struct moment *to)
 {
-    const dpt_pose identity = DPT_POSE_IDENTITY;
-    struct moment first = *from, last = *to;
-    first.body = last.body = identity;
-    struct moment middle = middle_of(&first, &last);
-    struct ends at_first = ends_at(&first), at_last = ends_at(&last), at_middle = ends_at(&middle);
+    const dpt_pose middle_pose = pose_middle(&from->tool, &to->tool);
+    const struct moment middle = { .tool = middle_pose,
+                                   .a = scaled(add(from->a, to->a), 0.5),
+                                   .b = scaled(add(from->b, to->b), 0.5) };
+    struct ends at_first = tool_ends(from), at_last = tool_ends(to), at_middle = tool_ends(&middle);
     return faster(sub(at_last.a, at_first.a), sub(at_last.b, at_first.b)) +
            bend_of(&at_first, &at_middle, &at_last);
 }
@@ -300,10 +308,12 @@ void travel_find(struct dpt_world *world, uint32_t index)
     const uint32_t *list = NULL;
     uint32_t count = world->body_end;
     double moved = world->travelled_at == world->ticks ? world->travelled : 0.0;
-    if (count > 1)
-        count = bodies_within(world, index, reach + moved, &list);
     segment->sweep.status = DPT_SWEEP_FREE;
     segment->sweep.time = 1.0;
+    if (segment->hit.lower_bound > reach + moved + segment->hit.error_bound)
+        return;
+    if (count > 1)
+        count = bodies_within(world, index, reach + moved, &list);
     for (uint32_t i = 0; i < count; i++) {
         uint32_t slot = list ? list[i] : i;
         const struct body *body = &world->bodies[slot];
