@@ -79,14 +79,25 @@ static double from_mark(const struct profile *profile, const struct sample *from
     return profile->reach - seen->height - rise * (s - seen->s);
 }
 
+/*
+ * Where `at` is, the triangle of `of` is as near as its own. The distance to one triangle is convex along the axis and so no less
+ * than its tangent, which mostly tells.
+ */
+static int is_as_near(const struct profile *profile, const struct sample *of,
+                      const struct sample *at)
+{
+    double reach = fabs(at->height) + profile->axis->error;
+    double tangent = of->height + dot(of->normal, profile->axis->u) * (at->s - of->s);
+    return !((of->height < 0.0 ? -tangent : tangent) > reach) &&
+           profile_reach(profile, of->triangle, at->s) <= reach;
+}
+
 /* One triangle is nearest at both samples: between them the way out turns evenly, or at the sample where others are as near. */
 static int is_one_wall(const struct profile *profile, const struct sample *from,
                        const struct sample *to)
 {
-    double error = profile->axis->error;
-    return from->triangle == to->triangle ||
-           profile_reach(profile, to->triangle, from->s) <= fabs(from->height) + error ||
-           profile_reach(profile, from->triangle, to->s) <= fabs(to->height) + error;
+    return from->triangle == to->triangle || is_as_near(profile, to, from) ||
+           is_as_near(profile, from, to);
 }
 
 static struct span span_between(const struct profile *profile, const struct sample *from,
@@ -125,13 +136,16 @@ static double turn_between(const struct profile *profile, const struct sample *f
                            const struct sample *to, uint32_t was)
 {
     const vec3 none = { 0.0, 0.0, 0.0 };
-    double s = from->span.s;
     if (was == from->triangle || was == to->triangle)
+        return 0.0;
+    double s = from->span.s;
+    double least =
+        smaller(profile_reach(profile, from->triangle, s), profile_reach(profile, to->triangle, s));
+    if (profile_reach(profile, was, s) > least + profile->axis->error)
         return 0.0;
     pair found = tree_pair(profile->tree, was, profile_point(profile, s), none);
     double distance = sqrt(found.distance2);
-    if (!(distance > profile->axis->error && distance < profile_reach(profile, from->triangle, s) &&
-          distance < profile_reach(profile, to->triangle, s)))
+    if (!(distance > profile->axis->error && distance < least))
         return 0.0;
     double sign = from->height + to->height < 0.0 ? -1.0 : 1.0;
     vec3 way = scaled(found.gap, sign / distance);
@@ -154,19 +168,21 @@ static double doubt_of_way(const struct profile *profile, const struct sample *f
                                         turn_between(profile, from, to, to->was));
 }
 
-/* The same between sample i and the next, worked out once. */
-static const struct span *span_at(struct profile *profile, uint32_t i)
+static void take_span(const struct profile *profile, struct sample *from)
 {
-    struct sample *sample = &profile->sample[i];
-    if (!sample->spanned) {
-        const struct sample *to = sample + 1;
-        struct span *span = &sample->span;
-        *span = span_between(profile, sample, to);
-        if (span->area > 0.0 && sample->triangle != DPT_NONE && to->triangle != DPT_NONE)
-            span->doubt += span->area * doubt_of_way(profile, sample, to);
-        sample->spanned = 1;
-    }
-    return &sample->span;
+    const struct sample *to = from + 1;
+    from->span = span_between(profile, from, to);
+    if (from->span.area > 0.0 && from->triangle != DPT_NONE && to->triangle != DPT_NONE)
+        from->span.doubt += from->span.area * doubt_of_way(profile, from, to);
+    from->spanned = 1;
+}
+
+/* The same between sample i and the next, worked out once. */
+static inline const struct span *span_at(struct profile *profile, uint32_t i)
+{
+    if (!profile->sample[i].spanned)
+        take_span(profile, &profile->sample[i]);
+    return &profile->sample[i].span;
 }
 
 /* Where another sample tells most: where the surface goes out of reach, or at the bend. */
@@ -377,17 +393,19 @@ static vec3 thrust_between(const struct sample *from, const struct sample *to,
                  area_of(span->s, span->w, to->s, span->w1), right->normal);
 }
 
-/* What a sample between these two would be worth, of the integral over s. */
-static double worth(const struct profile *profile, const struct sample *before,
-                    const struct sample *sample, const struct sample *after)
+/* What a sample between these two tells, of the integral over s, is more than `ignored`. */
+static int is_worth(const struct profile *profile, const struct sample *before,
+                    const struct sample *sample, const struct sample *after, double ignored)
 {
+    struct span both = span_between(profile, before, after);
+    double doubt = both.doubt + 0.25 * length(sub(before->normal, after->normal)) * both.area;
+    if (doubt > ignored)
+        return 1;
     int known = before + 1 == sample && before->spanned;
     struct span left = known ? before->span : span_between(profile, before, sample);
     struct span right = sample->spanned ? sample->span : span_between(profile, sample, after);
-    struct span both = span_between(profile, before, after);
     vec3 parts = add(thrust_between(before, sample, &left), thrust_between(sample, after, &right));
-    double turn = 0.25 * length(sub(before->normal, after->normal)) * both.area;
-    return both.doubt + turn + length(sub(thrust_between(before, after, &both), parts));
+    return doubt + length(sub(thrust_between(before, after, &both), parts)) > ignored;
 }
 
 /* Those that are worth more than `ignored`; returns how many there are, which may be more than fit. */
@@ -403,7 +421,7 @@ static uint32_t seeds_worth(const struct profile *profile, const struct region *
             break;
         double after = i + 1 < profile->count ? sample[1].s : sample->s;
         int ends = !before || i + 1 == profile->count || i == region->deepest;
-        if (!ends && worth(profile, before, sample, sample + 1) <= ignored)
+        if (!ends && !is_worth(profile, before, sample, sample + 1, ignored))
             continue;
         double share = (profile->reach - sample->height) * (after - (before ? before->s : after));
         before = sample;
