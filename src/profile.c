@@ -433,7 +433,7 @@ uint32_t profile_approach(struct profile *profile, double from, double to, doubl
         return DPT_NONE;
     struct sample sample =
         take_sample(profile, from + nearest.pair.s * (to - from), nearest.triangle, 0);
-    sample.exact = sample.proven = 1;
+    sample.exact = 1;
     return put_sample(profile, &sample);
 }
 

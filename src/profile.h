@@ -36,7 +36,7 @@ struct sample {
     double weight[3];
     uint32_t triangle; /* DPT_NONE: nothing is within reach here, height is the reach */
     uint32_t exact;    /* no triangle is nearer */
-    uint32_t proven;   /* it is the lowest around, by profile_prove or profile_approach */
+    uint32_t proven;   /* it is the lowest around, of its region or by profile_prove */
     uint32_t was;      /* the triangle that it began with */
     uint32_t bounded;  /* `deep` is known */
     uint32_t spanned;  /* `span` is known */

@@ -346,10 +346,14 @@ static int is_seen(const struct profile *profile, const struct region *region)
 static void prove(struct profile *profile, const struct region *region)
 {
     struct sample *deepest = &profile->sample[region->deepest];
-    if (deepest->height < 0.0)
+    if (deepest->height < 0.0) {
         profile_prove(profile, region->from, region->to);
-    else if (profile_approach(profile, region->from, region->to, deepest->height) == DPT_NONE)
-        deepest->exact = deepest->proven = 1;
+        return;
+    }
+    uint32_t nearer = profile_approach(profile, region->from, region->to, deepest->height);
+    if (nearer != DPT_NONE)
+        deepest = &profile->sample[nearer];
+    deepest->exact = deepest->proven = 1;
 }
 
 /* See to the first that has no sample in it, or no proof. Returns 1 if there was one. */
