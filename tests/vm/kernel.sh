@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
 # The kernel that tests/vm/run.sh boots: Debian's, with the modules that it needs, unpacked below build/vm and never
-# installed. Once: build/vm/vmlinux (or vmlinuz), build/vm/root; packed into build/vm/initramfs again when init changes.
+# installed. Once: build/vm/vmlinux (or vmlinuz), build/vm/tree; packed into build/vm/initramfs again when init changes.
 # Where that cannot be done it says why in one line, with status 77.
 set -u
 cd "$(dirname "$0")/../.." || exit 2
@@ -23,25 +23,25 @@ fetch() {
     new=$PWD/$cache/new.$$
     trap 'rm -rf "$new"' EXIT
     trap 'exit 143' INT TERM HUP
-    mkdir -p "$new/root/bin" "$new/deb" && cd "$new" || exit 2
+    mkdir -p "$new/tree/bin" "$new/deb" && cd "$new" || exit 2
     (cd deb && timeout 600 apt-get download -qq "$image" busybox-static) >log 2>&1 || skip "$image cannot be downloaded"
-    dpkg-deb --fsys-tarfile deb/busybox-static_*.deb | tar -x -O -f - ./bin/busybox >root/bin/busybox &&
-        chmod 755 root/bin/busybox && ln -s busybox root/bin/sh || skip "no busybox in busybox-static"
+    dpkg-deb --fsys-tarfile deb/busybox-static_*.deb | tar -x -O -f - ./bin/busybox >tree/bin/busybox &&
+        chmod 755 tree/bin/busybox && ln -s busybox tree/bin/sh || skip "no busybox in busybox-static"
     # Trees that another release does not have are no error; a module that is missing is one, below.
-    dpkg-deb --fsys-tarfile deb/linux-image-*.deb | tar -x -C root -f - --wildcards './boot/vmlinuz*' './lib/modules/*/modules.*' \
+    dpkg-deb --fsys-tarfile deb/linux-image-*.deb | tar -x -C tree -f - --wildcards './boot/vmlinuz*' './lib/modules/*/modules.*' \
         './lib/modules/*/kernel/net/can/*' './lib/modules/*/kernel/drivers/net/can/*' './lib/modules/*/kernel/drivers/virtio/*' \
         './lib/modules/*/kernel/net/9p/*' './lib/modules/*/kernel/fs/9p/*' './lib/modules/*/kernel/fs/netfs/*' \
         './lib/modules/*/kernel/fs/fscache/*' './lib/modules/*/kernel/fs/overlayfs/*' 2>/dev/null
-    mv root/boot/vmlinuz* vmlinuz 2>/dev/null || skip "no kernel in $image"
-    rm -rf root/boot
-    find root/lib -name '*.ko.xz' -exec xz -d {} +
+    mv tree/boot/vmlinuz* vmlinuz 2>/dev/null || skip "no kernel in $image"
+    rm -rf tree/boot
+    find tree/lib -name '*.ko.xz' -exec xz -d {} +
     for module in can-raw vcan slcan 9pnet_virtio overlay; do
-        [ -n "$(find root/lib -name $module.ko)" ] || skip "no module $module in $image"
+        [ -n "$(find tree/lib -name $module.ko)" ] || skip "no module $module in $image"
     done
-    root/bin/busybox depmod -b root "$(ls root/lib/modules)" || skip "depmod fails"
+    tree/bin/busybox depmod -b tree "$(ls tree/lib/modules)" || skip "depmod fails"
     plain
     rm -rf deb log
-    cd ../../.. && rm -rf "$cache/root" && mv "$new"/vmlinu* "$new/root" "$cache/" || exit 2
+    cd ../../.. && rm -rf "$cache/tree" && mv "$new"/vmlinu* "$new/tree" "$cache/" || exit 2
     echo "$image" >"$cache/kernel"
 }
 
@@ -58,10 +58,10 @@ mkdir -p "$cache"
 # One at a time: the others find what it made.
 exec 9>"$cache/lock"
 ! command -v flock >/dev/null 2>&1 || flock 9
-[ -f "$cache/kernel" ] || (fetch) || exit
+{ [ -f "$cache/kernel" ] && [ -d "$cache/tree" ]; } || (fetch) || exit
 if [ ! "$cache/initramfs" -nt tests/vm/init ] || [ ! "$cache/initramfs" -nt "$cache/kernel" ]; then
-    root=$PWD/$cache/root
-    cp tests/vm/init "$root/init" && chmod 755 "$root/init" || exit 2
-    (cd "$root" && find . | bin/busybox cpio -o -H newc >"../initramfs.$$" 2>/dev/null) || exit 2
+    tree=$PWD/$cache/tree
+    cp tests/vm/init "$tree/init" && chmod 755 "$tree/init" || exit 2
+    (cd "$tree" && find . | bin/busybox cpio -o -H newc >"../initramfs.$$" 2>/dev/null) || exit 2
     mv "$cache/initramfs.$$" "$cache/initramfs"
 fi

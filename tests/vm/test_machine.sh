@@ -17,7 +17,7 @@ check() {
     fi
 }
 
-check "the kernel is the one that was fetched" test -d "build/vm/root/lib/modules/$(uname -r)"
+check "the kernel is the one that was fetched" test -d "build/vm/tree/lib/modules/$(uname -r)"
 check "it is one processor" test "$(nproc)" -eq 1
 check "the program of this build runs" "$build/dynpoint" device list
 check "files can be written" sh -c "echo 1 >$build/vm.written && echo 2 >/tmp/vm.written"
