@@ -16,17 +16,20 @@
 #endif
 #define LINE_WORDS 16 /* of a cache line, mostly */
 
-static void measure(const struct shade *shade, const float *at, struct shadow_vertex *vertex)
+/* Slabs go side by side: so the bits are as wide as the numbers, and the loop must not be taken apart before that is seen. */
+static inline void measure(const struct shade *shade, const float *at, struct shadow_vertex *vertex)
 {
+    static const uint64_t below[SHADE_SLABS] = { 1, 4, 16, 64 };
+    static const uint64_t above[SHADE_SLABS] = { 2, 8, 32, 128 };
     double x = at[0] - shade->a.x, y = at[1] - shade->a.y, z = at[2] - shade->a.z;
-    uint32_t outside = 0;
+    uint64_t outside = 0;
+#pragma GCC unroll 1
     for (int k = 0; k < SHADE_SLABS; k++) {
         double value = x * shade->normal[0][k] + y * shade->normal[1][k] + z * shade->normal[2][k];
         vertex->value[k] = value;
-        outside |= (uint32_t)(value < shade->low[k]) << 2 * k;
-        outside |= (uint32_t)(value > shade->high[k]) << (2 * k + 1);
+        outside |= (value < shade->low[k] ? below[k] : 0) | (value > shade->high[k] ? above[k] : 0);
     }
-    vertex->outside = outside;
+    vertex->outside = (uint32_t)outside;
 }
 
 /* The stretch of an edge that is left between the planes, which its ends are on both sides of, is not empty. */
@@ -59,24 +62,22 @@ static inline int edge_meets(const struct shade *shade, const struct shadow_vert
 }
 
 /* The slot of a triangle, or the free one where it would be. */
-static struct shadow_slot *slot_of(const struct shadow_walk *walk, uint32_t place)
+static inline struct shadow_slot *slot_of(const struct shadow_walk *walk, uint32_t place)
 {
     uint32_t mask = walk->slot_count - 1;
     for (uint32_t at = ((place >> 3) * 0x9e3779b1u >> 7 << 3) + (place & 7);; at++) {
         struct shadow_slot *slot = &walk->slots[at & mask];
-        if (!slot->used || slot->place == place)
+        if (slot->stamp != walk->stamp || slot->place == place)
             return slot;
     }
 }
 
-/* From the last one back, so that each is found where it was put. */
 static void forget(struct shadow_walk *walk)
 {
-    if (walk->triangle_count > walk->slot_count / 8)
+    if (!++walk->stamp) {
         memset(walk->slots, 0, walk->slot_count * sizeof *walk->slots);
-    else
-        while (walk->triangle_count > 0)
-            slot_of(walk, walk->triangles[--walk->triangle_count].place)->used = 0;
+        walk->stamp = 1;
+    }
     walk->triangle_count = walk->vertex_count = 0;
     walk->flags = 0;
     walk->leaf = DPT_NONE;
@@ -95,23 +96,26 @@ static void fetch_leaf(struct shadow_walk *walk, uint32_t leaf)
 }
 
 /* Each triangle has one and the first has three; in a forged mesh, where they may not touch, the last is overwritten. */
-static uint32_t new_vertex(struct shadow_walk *walk, uint32_t vertex)
+static inline uint32_t new_vertex(struct shadow_walk *walk, uint32_t number)
 {
     uint32_t made = walk->vertex_count;
     if (made < walk->room + 2)
         walk->vertex_count++;
     else
         made--;
-    measure(&walk->shade, walk->positions + 3 * (size_t)vertex, &walk->vertices[made]);
+    struct shadow_vertex *vertex = &walk->vertices[made];
+    vertex->number = number;
+    measure(&walk->shade, walk->positions + 3 * (size_t)number, vertex);
     return made;
 }
 
-/* A triangle with an edge `known` of the mesh, which is `vertex` of the walk. */
-static void enter(struct shadow_walk *walk, uint32_t place, const uint32_t known[2],
-                  const uint32_t vertex[2])
+static const uint32_t AFTER[3] = { 1, 2, 0 };
+
+/* A triangle, over its edge between two vertices of the walk. What is across, and which way round, as numbers: it is as good as random. */
+static inline void enter(struct shadow_walk *walk, uint32_t place, uint32_t from, uint32_t to)
 {
     struct shadow_slot *slot = slot_of(walk, place);
-    if (slot->used)
+    if (slot->stamp == walk->stamp)
         return;
     if (walk->triangle_count == walk->room) {
         walk->flags |= DPT_STRIP_FULL;
@@ -119,56 +123,62 @@ static void enter(struct shadow_walk *walk, uint32_t place, const uint32_t known
     }
     if (place / LANES != walk->leaf)
         fetch_leaf(walk, place / LANES);
+    *slot = (struct shadow_slot){ place, walk->stamp };
     const uint32_t *corners = walk->corners + 3 * (size_t)place;
+    const uint32_t a = walk->vertices[from].number, b = walk->vertices[to].number;
+    const uint32_t is_1 = (corners[1] != a) & (corners[1] != b);
+    const uint32_t is_2 = (corners[2] != a) & (corners[2] != b) & !is_1;
+    const uint32_t apex = is_1 + 2 * is_2;
+    const uint32_t turned = corners[AFTER[apex]] != a;
     struct shadow_triangle *triangle = &walk->triangles[walk->triangle_count++];
-    *slot = (struct shadow_slot){ place, 1 };
-    triangle->place = place;
-    triangle->entry = 3;
-    for (uint32_t k = 0; k < 3; k++) {
-        if (corners[k] == known[0] || corners[k] == known[1]) {
-            triangle->corner[k] = vertex[corners[k] == known[1]];
-        } else {
-            triangle->corner[k] = new_vertex(walk, corners[k]);
-            triangle->entry = k < 2 ? k + 1 : 0;
-        }
-    }
+    *triangle = (struct shadow_triangle){
+        place, apex, { new_vertex(walk, corners[apex]), turned ? to : from, turned ? from : to }
+    };
 }
 
 /* Over an edge of three triangles or more: to all that have both its ends. */
-static void cross_many(struct shadow_walk *walk, const uint32_t known[2], const uint32_t vertex[2])
+static void cross_many(struct shadow_walk *walk, uint32_t from, uint32_t to)
 {
     const uint32_t *first = mesh_words(walk->mesh, MESH_FAN_FIRST);
     const uint32_t *fans = mesh_words(walk->mesh, MESH_FANS);
-    int less = first[known[1] + 1] - first[known[1]] < first[known[0] + 1] - first[known[0]];
-    uint32_t hub = known[less], other = known[!less];
+    const uint32_t ends[2] = { walk->vertices[from].number, walk->vertices[to].number };
+    int less = first[ends[1] + 1] - first[ends[1]] < first[ends[0] + 1] - first[ends[0]];
+    uint32_t hub = ends[less], other = ends[!less];
     walk->flags |= DPT_STRIP_NONMANIFOLD;
     for (uint32_t i = first[hub]; i < first[hub + 1]; i++)
         if (has_corner(walk->corners + 3 * (size_t)fans[i], other))
-            enter(walk, fans[i], known, vertex);
+            enter(walk, fans[i], from, to);
 }
 
-/* On from a triangle; 1 if one of its edges meets the shadow. */
-static int cross_edges(struct shadow_walk *walk, uint32_t from)
+/* The i-th edge of a triangle from its apex, behind its corner k; 1 if it meets the shadow. */
+static inline int cross_edge(struct shadow_walk *walk, const struct shadow_triangle *here,
+                             uint32_t i, uint32_t k)
 {
-    const struct shadow_triangle here = walk->triangles[from];
-    const uint32_t *corners = walk->corners + 3 * (size_t)here.place;
-    const uint32_t *next = walk->neighbours + 3 * (size_t)here.place;
+    const uint32_t from = here->corner[i], to = here->corner[AFTER[i]];
+    if (!edge_meets(&walk->shade, &walk->vertices[from], &walk->vertices[to]))
+        return 0;
+    const uint32_t next = walk->neighbours[3 * (size_t)here->place + k];
+    if (next == MESH_EDGE_OPEN)
+        walk->flags |= DPT_STRIP_BORDER;
+    else if (next == MESH_EDGE_MANY)
+        cross_many(walk, from, to);
+    else
+        enter(walk, next, from, to);
+    return 1;
+}
+
+/* The first triangle, with all of its edges; 1 if one of them meets the shadow. */
+static int begin(struct shadow_walk *walk, uint32_t start)
+{
+    const uint32_t *corners = walk->corners + 3 * (size_t)start;
+    *slot_of(walk, start) = (struct shadow_slot){ start, walk->stamp };
+    struct shadow_triangle first = { .place = start };
+    for (uint32_t k = 0; k < 3; k++)
+        first.corner[k] = new_vertex(walk, corners[k]);
+    walk->triangles[walk->triangle_count++] = first;
     int any = 0;
-    for (uint32_t k = 0; k < 3; k++) {
-        const uint32_t end = k < 2 ? k + 1 : 0;
-        const uint32_t known[2] = { corners[k], corners[end] };
-        const uint32_t vertex[2] = { here.corner[k], here.corner[end] };
-        if (k == here.entry ||
-            !edge_meets(&walk->shade, &walk->vertices[vertex[0]], &walk->vertices[vertex[1]]))
-            continue;
-        any = 1;
-        if (next[k] == MESH_EDGE_OPEN)
-            walk->flags |= DPT_STRIP_BORDER;
-        else if (next[k] == MESH_EDGE_MANY)
-            cross_many(walk, known, vertex);
-        else
-            enter(walk, next[k], known, vertex);
-    }
+    for (uint32_t k = 0; k < 3; k++)
+        any |= cross_edge(walk, &first, k, k);
     return any;
 }
 
@@ -205,7 +215,6 @@ static int first_meets(const struct shadow_walk *walk)
 void shadow_walk(struct shadow_walk *walk, const struct dpt_mesh *mesh, const struct shade *shade,
                  uint32_t start)
 {
-    const uint32_t none[2] = { DPT_NONE, DPT_NONE };
     if (walk->mesh == mesh && walk->crc32 == mesh->header_crc32 && walk->start == start &&
         !memcmp(&walk->shade, shade, sizeof *shade))
         return;
@@ -218,12 +227,13 @@ void shadow_walk(struct shadow_walk *walk, const struct dpt_mesh *mesh, const st
     walk->neighbours = mesh_words(mesh, MESH_NEIGHBOURS);
     walk->sources = mesh_words(mesh, MESH_SOURCES);
     walk->positions = mesh_floats(mesh, MESH_VERTICES);
-    enter(walk, start, none, none);
-    walk->triangles[0].entry = 3;
-    if (!cross_edges(walk, 0) && !first_meets(walk)) {
+    if (!begin(walk, start) && !first_meets(walk)) {
         forget(walk);
         return;
     }
-    for (uint32_t i = 1; i < walk->triangle_count; i++)
-        cross_edges(walk, i);
+    for (uint32_t i = 1; i < walk->triangle_count; i++) {
+        const struct shadow_triangle here = walk->triangles[i];
+        cross_edge(walk, &here, 0, here.apex);
+        cross_edge(walk, &here, 2, AFTER[AFTER[here.apex]]);
+    }
 }

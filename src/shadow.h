@@ -10,18 +10,18 @@
 struct shadow_vertex {
     double value[SHADE_SLABS]; /* of (x - a) . normal */
     uint32_t outside;          /* two bits a slab: below, above */
-    uint32_t reserved;
+    uint32_t number;           /* in the mesh */
 };
 
 struct shadow_triangle {
     uint32_t place;
-    uint32_t corner[3]; /* vertices of the walk */
-    uint32_t entry;     /* the edge over which it was entered, from that corner on; 3: none */
+    uint32_t apex;      /* its corner across the edge over which it was entered */
+    uint32_t corner[3]; /* vertices of the walk, from the apex on */
 };
 
 struct shadow_slot {
     uint32_t place;
-    uint32_t used;
+    uint32_t stamp; /* of the walk that put it there; of another: free */
 };
 
 /* The memory of a walk, which is what the last one found. */
@@ -36,6 +36,7 @@ struct shadow_walk {
     struct shadow_slot *slots;      /* open addressing, by place */
     uint32_t room;                  /* for triangles */
     uint32_t slot_count;            /* a power of two */
+    uint32_t stamp;                 /* of this walk, from 1 on */
     uint32_t triangle_count, vertex_count;
     uint32_t leaf; /* of the last triangle that came in */
     const uint32_t *corners, *neighbours, *sources;

@@ -198,9 +198,11 @@ void strip_shadow(struct dpt_strip *strip, const struct dpt_mesh *mesh, const st
 {
     strip_clear(strip, mesh);
     shadow_walk(&strip->walk, mesh, shade, place);
-    strip->flags = strip->walk.flags;
+    const uint32_t *sources = mesh_words(mesh, MESH_SOURCES);
     for (uint32_t i = 0; i < strip->walk.triangle_count; i++)
-        strip_add(strip, strip->walk.triangles[i].place);
+        strip->triangles[i] = sources[strip->walk.triangles[i].place];
+    strip->count = strip->walk.triangle_count;
+    strip->flags = strip->walk.flags;
 }
 
 /* Of a direction, so that its square can be formed. */

@@ -6,6 +6,7 @@
 #include <math.h>
 
 #include "fixture.h"
+#include "strip.h"
 
 enum { CAPACITY = 512 };
 
@@ -295,6 +296,35 @@ static void a_removed_tool_leaves_the_others_theirs(void)
     lab_close(&lab);
 }
 
+/* After 2^32 walks, what an earlier one of the same number found is not there: a strip of nearly the same is whole. */
+static void walks_are_counted_from_1_again(void)
+{
+    struct fixture fixture;
+    void *blocks[2];
+    dpt_shadow shadow = { .size = sizeof shadow,
+                          .segment = lying(0.004),
+                          .direction = { 0, 0, -1 },
+                          .triangle = 300,
+                          .width = 0.05,
+                          .depth = 0.1 };
+    fixture_from_shape(&fixture, "membrane", 0);
+    dpt_strip *strip = alone(&blocks[0], 0), *other = alone(&blocks[1], 0);
+    uint32_t counts[3];
+    CHECK(dpt_strip_shadow(strip, fixture.mesh, NULL, &shadow) == DPT_OK, "first");
+    dpt_strip_triangles(strip, &counts[0], NULL);
+    shadow.width = 0.049;
+    strip->walk.stamp = UINT32_MAX;
+    CHECK(dpt_strip_shadow(strip, fixture.mesh, NULL, &shadow) == DPT_OK, "again");
+    CHECK(dpt_strip_shadow(other, fixture.mesh, NULL, &shadow) == DPT_OK, "alone");
+    dpt_strip_triangles(strip, &counts[1], NULL);
+    dpt_strip_triangles(other, &counts[2], NULL);
+    CHECK(counts[0] > 50 && counts[1] == counts[2] && counts[2] > 50, "%u, %u, %u", counts[0],
+          counts[1], counts[2]);
+    free(blocks[0]);
+    free(blocks[1]);
+    fixture_free(&fixture);
+}
+
 static void defs_and_arguments_are_checked(void)
 {
     dpt_world_def def = def_with(DPT_STRIP_ROUTES), none = def_with(DPT_STRIP_NONE);
@@ -349,6 +379,7 @@ int main(void)
     TEST(overlaps_are_on_the_side_of_the_tool);
     TEST(nothing_under_the_tool_is_no_strip);
     TEST(a_removed_tool_leaves_the_others_theirs);
+    TEST(walks_are_counted_from_1_again);
     TEST(defs_and_arguments_are_checked);
     return check_report();
 }

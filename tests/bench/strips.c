@@ -238,7 +238,7 @@ static void time_routes(const dpt_mesh *mesh, dpt_strip *strip, uint32_t triangl
 
 int main(int argc, char **argv)
 {
-    dpt_strip_def def = { .size = sizeof def, .capacity = 4096, .search = 1 << 17 };
+    dpt_strip_def def = { .size = sizeof def, .capacity = 4096, .search = 1 << 19 };
     dpt_strip *strip;
     void *block = malloc(dpt_strip_bytes(&def));
     dpt_strip_create(block, dpt_strip_bytes(&def), &def, &strip);

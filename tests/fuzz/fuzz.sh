@@ -1,9 +1,11 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
 # make fuzz: FUZZ_RUNS executions in sum (10^8) over all targets, by libFuzzer, on all cores: seven eighths of them
-# watched by the targets' own checks alone, which is five to ten times as quick; then, from the inputs that those found,
-# the last eighth under the address and undefined behaviour sanitizers. The work corpora grow in build/fuzz/corpus and
-# are used again; logs are in build/fuzz/log. What is found is left in build/fuzz/found, and the status is 1.
+# watched by the targets' own checks alone, which is five to ten times as quick, the last eighth under the address and
+# undefined behaviour sanitizers. Six eighths are searches of their own, since a corpus that grows slows its search down
+# ten times and more; the least set of inputs that reaches as much is where the last two go on. That set stays in
+# build/fuzz/corpus, from which the next run begins; logs are in build/fuzz/log. What is found is left in
+# build/fuzz/found, and the status is 1.
 #     fuzz.sh [TARGET=SHARE ...]      shares in percent
 set -u
 runs=${FUZZ_RUNS:-100000000}
@@ -27,34 +29,47 @@ for config in fuzz fuzz-fast; do
 done
 
 # A piece of work is a target and a seed: so many that every core has some until the end.
-pieces=0
-rm -f "$out"/log/*.run "$out/pieces"
-for share; do
-    name=${share%=*}
-    each=$((runs / 100 * ${share#*=} / 8 + 1))
-    mkdir -p "$out/corpus/$name"
-    for seed in 1 2 3 4 5 6 7 8; do
-        echo "$seed $name $each" >>"$out/pieces"
-        pieces=$((pieces + 1))
-    done
-done
-echo "$runs executions in $pieces pieces on $jobs cores; logs in $out/log"
-
-piece='
+rm -f "$out"/log/*.run "$out"/log/*.merge "$out/log/found"
+each_target() { # COMMAND SEED...: of every target, so many pieces at a time
+    what=$1
+    shift
+    for seed; do
+        for share in $shares; do
+            name=${share%=*}
+            printf '%s %s %s\0' "$seed" "$name" $((runs / 100 * ${share#*=} / 8 + 1))
+        done
+    done | xargs -0 -n 1 -P "$jobs" sh -c "$prelude$what" | tee -a "$out/log/found"
+}
+prelude='
 set -- $0
-further=
-case $2 in obj | stl | ply | off) further=tests/golden-bad ;; esac
+all="$out/corpus/$2 tests/fuzz/corpus/$2"
+case $2 in obj | stl | ply | off) all="$all tests/golden-bad" ;; esac
 # The longer, the slower, and the less is new.
 case $2 in mesh | arm) most=4096 ;; stl) most=2048 ;; wire) most=512 ;; *) most=1024 ;; esac
+'
+search='
 case $1 in 8) config=fuzz ;; *) config=fuzz-fast ;; esac
 dict=
 [ ! -f tests/fuzz/$2.dict ] || dict=-dict=tests/fuzz/$2.dict
+mkdir -p $out/corpus/$2 $out/search/$2.$1
 build/$config/tests/fuzz/fuzz_$2 $limits -max_len=$most -seed=$1 -runs=$3 -print_final_stats=1 $dict \
-    -artifact_prefix=$out/found/$2- $out/corpus/$2 tests/fuzz/corpus/$2 $further >$out/log/$2.$1.run 2>&1 ||
+    -artifact_prefix=$out/found/$2- $out/search/$2.$1 $all >$out/log/$2.$1.run 2>&1 ||
     echo "  FOUND by $2, seed $1: $(grep -m 1 -E "^tests/fuzz|runtime error|ERROR: " $out/log/$2.$1.run)"
 '
+merge='
+mkdir -p $out/merged/$2
+build/fuzz-fast/tests/fuzz/fuzz_$2 $limits -max_len=$most -merge=1 $out/merged/$2 $all $out/search/$2.* \
+    >$out/log/$2.merge 2>&1 || echo "  FOUND by $2 when its inputs were merged: $out/log/$2.merge"
+rm -rf $out/corpus/$2 $out/search/$2.*
+mv $out/merged/$2 $out/corpus/$2
+'
+shares=$*
 export out limits
-sort -n "$out/pieces" | tr '\n' '\0' | xargs -0 -n 1 -P "$jobs" sh -c "$piece" | tee "$out/log/found"
+echo "$runs executions on $jobs cores; logs in $out/log"
+each_target "$search" 1 2 3 4 5 6
+each_target "$merge" 0
+each_target "$search" 7 8
+each_target "$merge" 0
 
 total=0
 for share; do
