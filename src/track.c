@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "track.h"
 
+#include "point.h"
+
 void axis_of(const struct tree *tree, const struct frame *body, vec3 a, vec3 b, struct axis *axis)
 {
     axis->a = a;
@@ -23,7 +25,10 @@ void track_once(const struct tree *tree, const struct kernel *kernel, uint32_t m
     }
     if (hint != DPT_NONE)
         nearest->pair.distance2 = tree_pair(tree, hint, axis->local_a, axis->u).distance2;
-    tree_search(tree, kernel, NULL, axis->local_a, axis->u, 0.0, nearest);
+    if (extent_of(axis->u) > 0.0)
+        tree_search(tree, kernel, NULL, axis->local_a, axis->u, 0.0, nearest);
+    else
+        point_search(tree, kernel, axis->local_a, nearest);
 }
 
 /* At most so many triangles around a vertex are tried: hubs have thousands. */
