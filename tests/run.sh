@@ -102,7 +102,9 @@ for config in scalar sanitize; do
     run "test_region, $config" build/$config/tests/test_region 30
     run "test_route, $config" env -u DPT_DATA build/$config/tests/test_route
 done
-run "test_strip, sanitize" env -u DPT_DATA build/sanitize/tests/test_strip
+for name in strip overlap recall; do
+    run "test_$name, sanitize" env -u DPT_DATA build/sanitize/tests/test_$name
+done
 run "test_fuzz, sanitize" build/sanitize/tests/test_fuzz 100000
 if [ -x build/tests/test_urdf_golden ]; then
     run "test_urdf_golden, sanitize" build/sanitize/tests/test_urdf_golden 5000

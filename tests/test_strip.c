@@ -2,7 +2,7 @@
 /*
  * Shadows of tools: the triangles of a strip against those that the oracle finds by cutting every triangle and edge by
  * the shadow in long double, over generated shapes and public meshes, at rest and in motion; folds, holes, edges of
- * many triangles, hubs; how much of what is under a tool they hold; a strip that is full; how a segment stands to each triangle; arguments.
+ * many triangles, hubs; a strip that is full; arguments.
  *
  *     test_strip           what make check runs
  *     test_strip FACTOR    so many times as many shadows
@@ -10,7 +10,7 @@
  * Real meshes and recorded motions from DPT_DATA.
  */
 #include "dynpoint/strip.h"
-#include "strip_recall.h"
+#include "strip_random.h"
 
 static const char *data;
 static uint64_t factor = 1;
@@ -20,24 +20,6 @@ static struct tally {
     size_t clear,
         doubts; /* of shadows that are no mere line and whose e is told: triangles, and those in doubt */
 } all;
-
-/* What it takes to see it again. */
-static const char *text_of(const struct scene *scene, const dpt_shadow *s)
-{
-    static char text[1024];
-    const double *a = s->segment.a, *b = s->segment.b, *d = s->direction;
-    int n = snprintf(
-        text, sizeof text,
-        "%s: from %u, %a %a %a  %a %a %a, radius %a, direction %a %a %a, width %a, depth %a",
-        scene->subject->name, s->triangle, a[0], a[1], a[2], b[0], b[1], b[2], s->segment.radius,
-        d[0], d[1], d[2], s->width, s->depth);
-    if (scene->pose)
-        snprintf(text + n, sizeof text - (size_t)n, ", pose %a %a %a  %a %a %a %a",
-                 scene->held.position[0], scene->held.position[1], scene->held.position[2],
-                 scene->held.orientation[0], scene->held.orientation[1], scene->held.orientation[2],
-                 scene->held.orientation[3]);
-    return text;
-}
 
 /* The oracle's flags in the library's bits. */
 static uint32_t bits_of(uint32_t flags)
@@ -99,86 +81,10 @@ static int are_alike(const struct scene *scene, const dpt_strip *one, const dpt_
     return m == n && found == n && m_flags == n_flags;
 }
 
-static uint32_t room_for(const struct subject *subject)
-{
-    return subject->info.triangles < 1u << 20 ? subject->info.triangles : 1u << 20;
-}
-
-static void fill(const struct scene *scene, const dpt_shadow *shadow, dpt_strip *strip)
-{
-    const dpt_result result = dpt_strip_shadow(strip, scene->subject->mesh, scene->pose, shadow);
-    CHECK(result == DPT_OK, "%s: %s", dpt_result_name(result), text_of(scene, shadow));
-}
-
 static void ask_oracle(struct scene *scene, const dpt_shadow *shadow)
 {
     oracle_shadow_of(scene, shadow, &scene->shadow);
     oracle_sheet_find(&scene->sheet, &scene->shadow, shadow->triangle);
-}
-
-/* One of a list. */
-static double one_of(uint64_t *seed, const double *list, size_t count)
-{
-    return list[random_bits(seed) % count];
-}
-#define ONE_OF(seed, ...)                                                                          \
-    one_of(seed, (const double[]){ __VA_ARGS__ }, sizeof(double[]){ __VA_ARGS__ } / sizeof(double))
-
-static void random_pose(const struct scene *scene, uint64_t *seed, dpt_pose *pose)
-{
-    double square = 0;
-    for (int k = 0; k < 4; k++) {
-        pose->orientation[k] = random_in(seed, -1, 1);
-        square += pose->orientation[k] * pose->orientation[k];
-    }
-    for (int k = 0; k < 4; k++)
-        pose->orientation[k] /= sqrt(square);
-    for (int k = 0; k < 3; k++)
-        pose->position[k] = random_in(seed, -2, 2) * scene->subject->diagonal;
-}
-
-/* All kinds of tools and shadows. */
-static void random_shadow(const struct scene *scene, uint64_t *seed, dpt_shadow *shadow)
-{
-    const double size = scene->subject->diagonal;
-    const double length = size * ONE_OF(seed, 0, 0.003, 0.01, 0.05, 0.1, 0.2, 0.5, 1, 1.5);
-    const double radius = size * ONE_OF(seed, 0, 0, 0.003, 0.01, 0.03);
-    const double height = radius + size * ONE_OF(seed, -0.02, -0.003, 0, 0, 0.001, 0.005, 0.02);
-    double ends[6], tilt[3];
-    tool_at(scene, seed, length, height, ONE_OF(seed, 0, 0.5, 0.9, 1), ends);
-    shadow_below(scene, ends, radius, shadow);
-    shadow->width = size * ONE_OF(seed, 0, 0, 0.002, 0.01, 0.05, 0.3);
-    shadow->depth = size * ONE_OF(seed, 0, 0.002, 0.01, 0.03, 0.1, 0.3, 2);
-    random_unit(seed, tilt);
-    switch (random_bits(seed) % 12) {
-    case 0: /* any way */
-        memcpy(shadow->direction, tilt, sizeof tilt);
-        break;
-    case 1: /* along the axis, exactly or nearly */
-        for (int k = 0; k < 3; k++)
-            shadow->direction[k] = ends[3 + k] - ends[k];
-        const double off = ONE_OF(seed, 0, 1e-12, 1e-6, 1e-3);
-        for (int k = 0; k < 3; k++)
-            shadow->direction[k] =
-                length > 0 ? shadow->direction[k] + off * length * tilt[k] : tilt[k];
-        break;
-    case 2: /* of any length */
-        unit3(shadow->direction);
-        const double by = ONE_OF(seed, 1e-60, 1e-6, 1e5);
-        for (int k = 0; k < 3; k++)
-            shadow->direction[k] *= by;
-        break;
-    case 3: /* from anywhere */
-        do {
-            shadow->triangle =
-                (uint32_t)(random_bits(seed) % scene->subject->info.source_triangles);
-        } while (scene->subject->surface.corner[shadow->triangle][0] == ORACLE_NONE);
-        break;
-    default:
-        break;
-    }
-    if (!(dot3(shadow->direction, shadow->direction) > 0))
-        memcpy(shadow->direction, tilt, sizeof tilt);
 }
 
 static void check_capacity(const struct scene *scene, const dpt_shadow *shadow,
@@ -823,319 +729,6 @@ static void in_anothers_place(void)
         subject_close(&subjects[s]);
 }
 
-/*
- * How a segment stands to each triangle. The overlap by search: the distance to the triangle, moved against its normal by
- * m, is convex in m, so its least is found by thirds, and where it last is as small as the radius by halving.
- */
-
-struct descent {
-    const double *ends;
-    double corners[9], normal[3];
-};
-
-static double moved_apart(const struct descent *d, double m)
-{
-    double corners[9];
-    for (int k = 0; k < 9; k++)
-        corners[k] = d->corners[k] - m * d->normal[k % 3];
-    return dpt_segment_triangle(d->ends, corners, NULL, NULL, NULL);
-}
-
-/* The largest m of 0..most where the distance is at most `reach`; 0 when there is none. */
-static double last_touch(const struct descent *d, double reach, double most)
-{
-    double low = 0, high = most;
-    /* Any that is as near. */
-    for (int i = 0; i < 120 && moved_apart(d, low) > reach; i++) {
-        const double third = (high - low) / 3;
-        const double one = moved_apart(d, low + third), other = moved_apart(d, high - third);
-        if (one > reach && one < other)
-            high -= third;
-        else
-            low += third;
-    }
-    if (moved_apart(d, low) > reach)
-        return 0;
-    high = most;
-    for (int i = 0; i < 100; i++) {
-        const double middle = 0.5 * (low + high);
-        if (moved_apart(d, middle) <= reach)
-            low = middle;
-        else
-            high = middle;
-    }
-    return low;
-}
-
-static double most_of(const double *numbers, int count)
-{
-    double most = 0;
-    for (int k = 0; k < count; k++)
-        most = fmax(most, fabs(numbers[k]));
-    return most;
-}
-
-static void check_overlap(const struct scene *scene, const dpt_shadow *shadow, int32_t side,
-                          const dpt_overlap *o, size_t seen[4])
-{
-    const double radius = shadow->segment.radius;
-    double ends[6], c[9], n[3], way[3], s, p[3], q[3], sum = 0;
-    ends_of(&shadow->segment, ends);
-    scene_triangle(scene, o->triangle, c);
-    const double truth = dpt_segment_triangle(ends, c, &s, p, q);
-    const double near = 1e-12 * (most_of(ends, 6) + most_of(c, 9) + 4 * scene->subject->diagonal);
-    const int crosses = (o->flags & DPT_OVERLAP_CROSSING) != 0;
-    CHECK(fabs(o->distance - truth) <= near, "%u: %.17g, not %.17g: %s", o->triangle, o->distance,
-          truth, text_of(scene, shadow));
-    CHECK(crosses == (o->distance == 0) && (o->flags & ~1u) == 0 && o->reserved == 0,
-          "%u: flags %u, distance %g: %s", o->triangle, o->flags, o->distance,
-          text_of(scene, shadow));
-    CHECK(o->s >= 0 && o->s <= 1, "%u: s %g", o->triangle, o->s);
-    /* The points exist, and are as far apart. */
-    for (int k = 0; k < 3; k++) {
-        const double by = o->weight[0] * c[k] + o->weight[1] * c[3 + k] + o->weight[2] * c[6 + k];
-        CHECK(fabs(by - o->q[k]) <= near, "%u: q is not where its weights say: %s", o->triangle,
-              text_of(scene, shadow));
-        CHECK(o->weight[k] >= 0 && o->weight[k] <= 1, "%u: weight %g", o->triangle, o->weight[k]);
-        sum += o->weight[k];
-        p[k] = ends[k] + o->s * (ends[3 + k] - ends[k]);
-        way[k] = p[k] - o->q[k];
-        const int i = (k + 1) % 3, j = (k + 2) % 3;
-        n[k] =
-            side * ((c[3 + i] - c[i]) * (c[6 + j] - c[j]) - (c[3 + j] - c[j]) * (c[6 + i] - c[i]));
-    }
-    CHECK(fabs(sum - 1) <= 1e-14, "%u: weights %.17g", o->triangle, sum);
-    CHECK(fabs(sqrt(dot3(way, way)) - o->distance) <= near, "%u: p and q are %g apart, not %g: %s",
-          o->triangle, sqrt(dot3(way, way)), o->distance, text_of(scene, shadow));
-    /* Slivers have no normal to speak of. */
-    const double edge[3] = { c[3] - c[0], c[4] - c[1], c[5] - c[2] };
-    const double other[3] = { c[6] - c[0], c[7] - c[1], c[8] - c[2] };
-    const double area = sqrt(dot3(n, n)), longest = fmax(dot3(edge, edge), dot3(other, other));
-    if (area < 1e-5 * longest || longest < 1e-16 * scene->subject->diagonal)
-        return;
-    unit3(n);
-    struct descent d = { .ends = ends };
-    memcpy(d.corners, c, sizeof c);
-    memcpy(d.normal, n, sizeof n);
-    const double most = 2 * (apart(ends, ends + 3) + o->distance + sqrt(longest) + radius);
-    const double loose = 10 * near * fmax(1, 100 * longest / area);
-    const double least = last_touch(&d, radius > loose ? radius - loose : 0, most) - 1e-9 * most;
-    const double highest = last_touch(&d, radius + loose, most) + 1e-9 * most;
-    CHECK(o->overlap >= least && o->overlap <= highest, "%u: overlap %.17g, not %.17g to %.17g: %s",
-          o->triangle, o->overlap, least, highest, text_of(scene, shadow));
-    const double due = o->overlap > 0 ? -o->overlap : o->distance - radius;
-    CHECK(fabs(o->gap - due) <= near, "%u: gap %g, not %g, overlap %g, distance %g: %s",
-          o->triangle, o->gap, due, o->overlap, o->distance, text_of(scene, shadow));
-    seen[crosses]++;
-    seen[2 + (o->overlap > 0)]++;
-}
-
-static void try_overlaps(const struct subject *subject, int count, uint64_t seed, size_t seen[4])
-{
-    struct scene scene;
-    struct held_strip held;
-    dpt_overlap *overlaps = malloc((subject->info.triangles + 1) * sizeof *overlaps);
-    scene_open(&scene, subject);
-    dpt_strip *strip = hold_strip(&held, room_for(subject), 0);
-    for (int i = 0; i < count; i++) {
-        dpt_shadow shadow;
-        uint32_t n = 0, told = 0;
-        const int32_t side = i % 2 ? 1 : -1;
-        if (i == count / 2) {
-            dpt_pose pose;
-            random_pose(&scene, &seed, &pose);
-            scene_place(&scene, &pose);
-        }
-        random_shadow(&scene, &seed, &shadow);
-        fill(&scene, &shadow, strip);
-        const uint32_t *triangles = dpt_strip_triangles(strip, &n, NULL);
-        memset(overlaps, 0x5a, (n + 1) * sizeof *overlaps);
-        overlaps[0].size = sizeof *overlaps;
-        const dpt_result result = dpt_strip_overlaps(strip, subject->mesh, scene.pose,
-                                                     &shadow.segment, side, overlaps, n + 1, &told);
-        CHECK(result == DPT_OK && told == n, "%s, %u of %u: %s", dpt_result_name(result), told, n,
-              text_of(&scene, &shadow));
-        for (uint32_t k = 0; k < n; k++) {
-            CHECK(overlaps[k].triangle == triangles[k] && overlaps[k].size == sizeof *overlaps,
-                  "%u: %u, not %u", k, overlaps[k].triangle, triangles[k]);
-            if (overlaps[k].triangle == triangles[k])
-                check_overlap(&scene, &shadow, side, &overlaps[k], seen);
-        }
-        CHECK(overlaps[n].triangle == 0x5a5a5a5a, "wrote beyond");
-    }
-    drop_strip(&held);
-    scene_close(&scene);
-    free(overlaps);
-}
-
-static void overlaps_by_search(void)
-{
-    static const struct {
-        const char *name;
-        uint64_t count;
-    } shapes[] = {
-        { "torus", 1600 }, { "cloth", 2048 }, { "star", 2000 }, { "box", 12 }, { "hub", 300 }
-    };
-    size_t seen[4] = { 0, 0, 0, 0 };
-    struct subject subject;
-    for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++) {
-        if (subject_from_shape(&subject, shapes[i].name, shapes[i].count))
-            try_overlaps(&subject, 120, i, seen);
-        subject_close(&subject);
-    }
-    for (uint64_t i = 0; i < 4; i++) {
-        if (subject_from_lattice(&subject, 4, 200, i))
-            try_overlaps(&subject, 60, i, seen);
-        subject_close(&subject);
-    }
-    if (data && subject_from_file(&subject, data, "organs", "openhelp_liver.stl")) {
-        try_overlaps(&subject, 60, 9, seen);
-        subject_close(&subject);
-    }
-    CHECK(seen[0] > 1000 && seen[1] > 300 && seen[2] > 1000 && seen[3] > 1000,
-          "%zu free, %zu crossing, %zu without overlap, %zu with", seen[0], seen[1], seen[2],
-          seen[3]);
-}
-
-/* The caller's room and stride. */
-static void room_for_overlaps(void)
-{
-    struct subject subject;
-    struct scene scene;
-    struct held_strip held;
-    struct {
-        dpt_overlap overlap;
-        double newer[2];
-    } longer[4];
-    dpt_overlap two[3], all_of_it[64];
-    uint32_t n = 0, told = 77;
-    if (!subject_from_shape(&subject, "membrane", 200))
-        return;
-    scene_open(&scene, &subject);
-    dpt_strip *strip = hold_strip(&held, 64, 0);
-    const double ends[6] = { -0.03, 0.004, 0.001, 0.03, 0.004, 0.001 };
-    dpt_shadow shadow;
-    shadow_below(&scene, ends, 0.002, &shadow);
-    shadow.depth = 0.01;
-    fill(&scene, &shadow, strip);
-    dpt_strip_triangles(strip, &n, NULL);
-    CHECK(n > 4 && n < 64, "%u", n);
-    const dpt_mesh *mesh = subject.mesh;
-    const dpt_segment *segment = &shadow.segment;
-    all_of_it[0].size = two[0].size = sizeof *two;
-    CHECK(dpt_strip_overlaps(strip, mesh, NULL, segment, 1, all_of_it, 64, &told) == DPT_OK &&
-              told == n,
-          "%u", told);
-    CHECK(dpt_strip_overlaps(strip, mesh, NULL, segment, 1, NULL, 0, &told) == DPT_OK && told == n,
-          "%u", told);
-    memset(two, 0x5a, sizeof two);
-    two[0].size = sizeof *two;
-    CHECK(dpt_strip_overlaps(strip, mesh, NULL, segment, 1, two, 2, &told) == DPT_OK && told == n,
-          "%u", told);
-    CHECK(memcmp(two, all_of_it, 2 * sizeof *two) == 0 && two[2].size == 0x5a5a5a5a,
-          "room for two");
-    memset(longer, 0x5a, sizeof longer);
-    longer[0].overlap.size = sizeof *longer;
-    CHECK(dpt_strip_overlaps(strip, mesh, NULL, segment, 1, &longer[0].overlap, 3, &told) == DPT_OK,
-          "longer");
-    for (int i = 0; i < 3; i++)
-        CHECK(longer[i].overlap.triangle == all_of_it[i].triangle &&
-                  longer[i].overlap.gap == all_of_it[i].gap &&
-                  longer[i].overlap.size == sizeof *longer &&
-                  memcmp(longer[i].newer, longer[3].newer, sizeof longer[3].newer) == 0,
-              "longer %d", i);
-    CHECK(longer[3].overlap.size == 0x5a5a5a5a, "wrote beyond");
-    two[0].size = 8;
-    CHECK(dpt_strip_overlaps(strip, mesh, NULL, segment, 1, two, 2, &told) == DPT_E_SIZE, "size 8");
-    two[0].size = 0;
-    CHECK(dpt_strip_overlaps(strip, mesh, NULL, segment, 1, two, 2, &told) == DPT_E_SIZE, "size 0");
-    two[0].size = sizeof *two;
-    const dpt_segment nan = { { NAN, 0, 0 }, { 0, 0, 0 }, 0 };
-    const dpt_segment far = { { 2e6, 0, 0 }, { 0, 0, 0 }, 0 };
-    const dpt_segment thin = { { 0, 0, 0 }, { 0, 0, 0 }, -1 };
-    CHECK(dpt_strip_overlaps(strip, mesh, NULL, &thin, 1, two, 2, &told) != DPT_OK, "radius -1");
-    const dpt_pose bent = { { 0, 0, 0 }, { 1, 1, 0, 0 } };
-    const struct {
-        dpt_result result;
-        const dpt_strip *strip;
-        const dpt_mesh *mesh;
-        const dpt_pose *pose;
-        const dpt_segment *segment;
-        int32_t side;
-        dpt_overlap *overlaps;
-    } bad[] = { { DPT_E_ARGUMENT, NULL, mesh, NULL, segment, 1, two },
-                { DPT_E_ARGUMENT, strip, NULL, NULL, segment, 1, two },
-                { DPT_E_ARGUMENT, strip, mesh, NULL, NULL, 1, two },
-                { DPT_E_ARGUMENT, strip, mesh, NULL, segment, 0, two },
-                { DPT_E_ARGUMENT, strip, mesh, NULL, segment, 2, two },
-                { DPT_E_ARGUMENT, strip, mesh, NULL, segment, 1, NULL },
-                { DPT_E_FINITE, strip, mesh, NULL, &nan, 1, two },
-                { DPT_E_FINITE, strip, mesh, NULL, &far, 1, two },
-                { DPT_E_POSE, strip, mesh, &bent, segment, 1, two } };
-    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
-        const dpt_result result =
-            dpt_strip_overlaps(bad[i].strip, bad[i].mesh, bad[i].pose, bad[i].segment, bad[i].side,
-                               bad[i].overlaps, 2, &told);
-        CHECK(result == bad[i].result, "bad %zu: %s, not %s", i, dpt_result_name(result),
-              dpt_result_name(bad[i].result));
-    }
-    drop_strip(&held);
-    scene_close(&scene);
-    subject_close(&subject);
-}
-
-/* Of tools that lie on a closed mesh; over vertices, where the walk goes over edges. */
-static void recall_on(const struct subject *subject)
-{
-    static const double lengths[] = { 0.05, 0.1, 0.2, 0.5 };
-    struct recall sum = { .poses = 0 };
-    for (size_t i = 0; i < sizeof lengths / sizeof *lengths; i++) {
-        struct recall r;
-        recall_of(subject, lengths[i], 12, i, &r);
-        CHECK(r.poses == 12, "%s: %zu poses", subject->name, r.poses);
-        sum.near += r.near;
-        for (int kind = 0; kind < RECALL_STRIPS; kind++) {
-            sum.found[kind] += r.found[kind];
-            sum.sheet[kind] += r.sheet[kind];
-            sum.walked[kind] += r.walked[kind];
-        }
-    }
-    double found[RECALL_STRIPS];
-    for (int kind = 0; kind < RECALL_STRIPS; kind++)
-        found[kind] = 100 * share_of(sum.found[kind], sum.near);
-    printf("    %-28s near: routes %.1f %%, shadow %.1f %%, widened by the margin %.1f %%; of the "
-           "sheet "
-           "%.2f, %.2f %%\n",
-           subject->name, found[RECALL_ROUTES], found[RECALL_NARROW], found[RECALL_WIDE],
-           100 * share_of(sum.walked[RECALL_NARROW], sum.sheet[RECALL_NARROW]),
-           100 * share_of(sum.walked[RECALL_WIDE], sum.sheet[RECALL_WIDE]));
-    for (int kind = RECALL_NARROW; kind < RECALL_STRIPS; kind++)
-        CHECK(share_of(sum.walked[kind], sum.sheet[kind]) >= 0.99, "%s, %d: %zu of %zu",
-              subject->name, kind, sum.walked[kind], sum.sheet[kind]);
-    CHECK(found[RECALL_ROUTES] < found[RECALL_NARROW] && found[RECALL_WIDE] >= 95, "%s: %g, %g, %g",
-          subject->name, found[RECALL_ROUTES], found[RECALL_NARROW], found[RECALL_WIDE]);
-}
-
-static void what_strips_hold(void)
-{
-    static const char *const organs[] = { "openhelp_liver.stl",    "openhelp_stomach.stl",
-                                          "openhelp_spleen.stl",   "openhelp_kidney_left.stl",
-                                          "openhelp_duodenum.stl", "openhelp_abdominal_wall.stl",
-                                          "gallbladder_fine.stl",  "liver_sks.ply" };
-    struct subject subject;
-    if (subject_from_shape(&subject, "torus", 5568))
-        recall_on(&subject);
-    subject_close(&subject);
-    if (subject_from_shape(&subject, "liver", 50332))
-        recall_on(&subject);
-    subject_close(&subject);
-    for (size_t i = 0; data && i < sizeof organs / sizeof *organs; i++) {
-        if (subject_from_file(&subject, data, "organs", organs[i]))
-            recall_on(&subject);
-        subject_close(&subject);
-    }
-}
-
 static void bad_arguments(void)
 {
     /* 3 has no area. */
@@ -1233,9 +826,6 @@ int main(int argc, char **argv)
     TEST(meshes_in_turn);
     TEST(the_same_shadow_again);
     TEST(in_anothers_place);
-    TEST(what_strips_hold);
-    TEST(overlaps_by_search);
-    TEST(room_for_overlaps);
     TEST(bad_arguments);
     return check_report();
 }
