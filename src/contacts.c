@@ -17,6 +17,7 @@ struct meeting {
     struct nearest nearest;
     struct sides sides;
     struct profile *profile;
+    uint32_t work; /* 16-lane blocks */
 };
 
 static struct holds *holds_now(struct dpt_world *world)
@@ -74,7 +75,9 @@ static int is_of(const struct hold *hold, uint32_t segment, const struct body *b
     return hold->segment == segment && (!body || hold->contact.body == body->id);
 }
 
-static void keep(struct dpt_world *world, uint32_t segment, const struct body *body)
+/* `sides`, unless NULL: all that are left. */
+static void keep(struct dpt_world *world, uint32_t segment, const struct body *body,
+                 const struct sides *sides)
 {
     const struct holds *before = holds_before(world);
     for (uint32_t i = 0; i < before->count; i++) {
@@ -82,13 +85,15 @@ static void keep(struct dpt_world *world, uint32_t segment, const struct body *b
         if (hold) {
             *hold = before->hold[i];
             hold->unseen = 1;
+            if (sides && !sides_get(sides, hold->part))
+                hold->side = 0;
         }
     }
 }
 
 void contacts_keep(struct dpt_world *world, uint32_t segment)
 {
-    keep(world, segment, NULL);
+    keep(world, segment, NULL, NULL);
 }
 
 /* The axis was in front and went through nothing: it is in front now, wherever it is, and if it went round a border. */
@@ -154,16 +159,20 @@ static uint32_t new_id(struct dpt_world *world)
     return world->contact_id;
 }
 
+/* Deeper than that a tool is no longer behind the sheet that it came through. */
+static double side_limit(const struct meeting *meeting)
+{
+    double limit = meeting->world->def.side_limit;
+    return limit > 0.0 ? limit : 0.25 * tree_diagonal(&meeting->body->tree);
+}
+
 /* The side of an open sheet that a region keeps for the next tick, or 0. */
 static int32_t side_of_region(const struct meeting *meeting, const struct region *region,
                               double gap)
 {
     const struct tree *tree = &meeting->body->tree;
     const struct sample *deepest = &meeting->profile->sample[region->deepest];
-    double limit = meeting->world->def.side_limit;
-    if (limit == 0.0)
-        limit = 0.25 * tree_diagonal(tree);
-    if (!side_is_sheet(tree, region->part) || -gap > limit ||
+    if (!side_is_sheet(tree, region->part) || -gap > side_limit(meeting) ||
         side_is_border(tree, deepest->triangle, deepest->weight))
         return 0;
     int32_t kept = sides_get(&meeting->sides, region->part);
@@ -230,6 +239,57 @@ static void hold_region(struct meeting *meeting, const struct region *region)
     write_contact(meeting, region, hold, &hold->contact);
 }
 
+/* Where sides are each sample's own, what is between those that the depth had may be deeper: regions have more. */
+static void take_deepest(struct meeting *meeting, const struct region *regions, uint32_t count,
+                         double *gap)
+{
+    struct profile *profile = meeting->profile;
+    for (uint32_t i = 0; i < count; i++) {
+        const struct sample *deepest = &profile->sample[regions[i].deepest];
+        if (deepest->height < 0.0 && deepest->exact && deepest->height - meeting->radius < *gap) {
+            profile->deepest = regions[i].deepest;
+            *gap = deepest->height - meeting->radius;
+        }
+    }
+}
+
+/* Sides of sheets that it is too deep behind are dropped; 1 if there was one. */
+static int drop_sides(struct meeting *meeting, const struct region *regions, uint32_t count)
+{
+    struct sides *sides = &meeting->sides, kept = { .count = 0 };
+    double limit = side_limit(meeting) - meeting->radius;
+    for (uint32_t k = 0; k < sides->count; k++) {
+        int deep = 0;
+        for (uint32_t i = 0; i < count; i++)
+            deep |= regions[i].part == sides->part[k] &&
+                    -meeting->profile->sample[regions[i].deepest].height > limit;
+        if (!deep)
+            sides_put(&kept, sides->part[k], sides->side[k]);
+    }
+    int dropped = kept.count < sides->count;
+    *sides = kept;
+    return dropped;
+}
+
+/* Gap and regions with the sides that are kept; CONTACT_... */
+static int look(struct meeting *meeting, const struct seed *seeds, uint32_t seed_count,
+                struct region regions[REGION_MOST], uint32_t *count, double *gap)
+{
+    struct dpt_world *world = meeting->world;
+    struct profile *profile = meeting->profile;
+    profile->most = world->def.budget ? world->left : UINT32_MAX;
+    int found = contact_find(profile, &meeting->nearest, seeds, seed_count, meeting->radius, gap);
+    *count = 0;
+    if (found == CONTACT_PROFILE && world->def.max_contacts) {
+        *count = region_all(profile, regions);
+        take_deepest(meeting, regions, *count, gap);
+    }
+    meeting->work += profile->work;
+    if (world->def.budget)
+        world->left -= profile->work < world->left ? profile->work : world->left;
+    return profile->cut ? CONTACT_UNKNOWN : found;
+}
+
 /* One body: what it adds to the segment's gap and push; CONTACT_... */
 static int meet(struct meeting *meeting, double *gap)
 {
@@ -237,24 +297,19 @@ static int meet(struct meeting *meeting, double *gap)
     struct profile *profile = meeting->profile;
     struct seed seeds[PROFILE_SEEDS];
     struct region regions[REGION_MOST];
-    uint32_t seed_count = recall(meeting, seeds);
+    uint32_t seed_count = recall(meeting, seeds), count;
     profile->tree = &meeting->body->tree;
     profile->kernel = &world->kernel;
     profile->axis = &meeting->axis;
     profile->sides = &meeting->sides;
     profile->reach = meeting->radius + (world->def.max_contacts ? world->def.margin : 0.0);
     profile->tolerance = PROFILE_DEPTH_SHARE * tree_diagonal(profile->tree);
-    profile->most = world->def.budget ? world->left : UINT32_MAX;
-    int found = contact_find(profile, &meeting->nearest, seeds, seed_count, meeting->radius, gap);
-    uint32_t count = 0;
-    if (found == CONTACT_PROFILE && world->def.max_contacts)
-        count = region_all(profile, regions);
-    if (profile->cut)
-        found = CONTACT_UNKNOWN;
-    if (world->def.budget)
-        world->left -= profile->work < world->left ? profile->work : world->left;
+    int found = look(meeting, seeds, seed_count, regions, &count, gap);
+    int dropped = found == CONTACT_PROFILE && drop_sides(meeting, regions, count);
+    if (dropped)
+        found = look(meeting, seeds, seed_count, regions, &count, gap);
     if (found == CONTACT_UNKNOWN)
-        keep(world, meeting->segment, meeting->body);
+        keep(world, meeting->segment, meeting->body, dropped ? &meeting->sides : NULL);
     else
         for (uint32_t i = 0; i < count; i++)
             hold_region(meeting, &regions[i]);
@@ -306,10 +361,11 @@ static void meet_body(struct meeting *meeting, const struct found *best, dpt_hit
         ready = search_other(meeting, best->track.axis.a, best->track.axis.b, hit);
     }
     if (ready) {
+        meeting->work = 0;
         found = meet(meeting, &gap);
-        hit->work += meeting->profile->work;
+        hit->work += meeting->work;
     } else {
-        keep(meeting->world, meeting->segment, meeting->body);
+        keep(meeting->world, meeting->segment, meeting->body, NULL);
     }
     sum->known &= found != CONTACT_UNKNOWN;
     if (found == CONTACT_PROFILE && gap < sum->gap) {

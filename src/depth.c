@@ -84,12 +84,17 @@ static uint32_t lowest(const struct profile *profile, double from, double to, ui
     return best;
 }
 
-/* Between samples i and the next the axis is inside; where each sample has its own side, one of them. */
+/* Between samples i and the next the axis is inside; where each sample has its own side, one of them, or the face where it comes or goes. */
 static int is_inner(const struct profile *profile, uint32_t i)
 {
     const struct sample *from = &profile->sample[i], *to = from + 1;
-    int sign = profile->sign[profile_stretch(profile, 0.5 * (from->s + to->s))];
-    return sign ? sign < 0 : from->height < 0.0 || to->height < 0.0;
+    uint32_t k = profile_stretch(profile, 0.5 * (from->s + to->s));
+    if (profile->sign[k])
+        return profile->sign[k] < 0;
+    const struct crossing *next = &profile->crossing[k];
+    return from->height < 0.0 || to->height < 0.0 ||
+           (k > 0 && next[-1].s == from->s && next[-1].after < 0) ||
+           (k < profile->crossings && next->s == to->s && next->before < 0);
 }
 
 /* The stretch that can be deepest, if it can be deeper than `least`: of those that end and begin within the limits. */

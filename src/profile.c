@@ -38,6 +38,11 @@ static vec3 way_out(const struct profile *profile, uint32_t triangle, const doub
     return size > 0.0 ? scaled(normal, side / size) : (vec3){ 0.0, 0.0, 0.0 };
 }
 
+static uint32_t spare(const struct profile *profile)
+{
+    return profile->work < profile->most ? profile->most - profile->work : 0;
+}
+
 /* A point outside of the box sees all of the mesh in one half of its view. */
 static int is_inside_by_winding(struct profile *profile, double s)
 {
@@ -46,7 +51,11 @@ static int is_inside_by_winding(struct profile *profile, double s)
     if (x.x < mesh->box_min[0] || x.y < mesh->box_min[1] || x.z < mesh->box_min[2] ||
         x.x > mesh->box_max[0] || x.y > mesh->box_max[1] || x.z > mesh->box_max[2])
         return 0;
-    return winding_number(profile->tree, profile->kernel, x, &profile->work) > 0.5;
+    double winding = HUGE_VAL;
+    if (spare(profile))
+        winding = winding_number(profile->tree, profile->kernel, x, spare(profile), &profile->work);
+    profile->cut |= winding == HUGE_VAL;
+    return winding > 0.5;
 }
 
 /* Of a point of the axis whose nearest pair this is: +1 outside, -1 inside. */
@@ -100,11 +109,6 @@ int profile_is_sideless(const struct profile *profile)
 static int by_sample(const struct profile *profile)
 {
     return profile->sides->count > 0 || profile->winding;
-}
-
-static uint32_t spare(const struct profile *profile)
-{
-    return profile->work < profile->most ? profile->most - profile->work : 0;
 }
 
 /* Begin a search within what work there is left, or none. */
@@ -395,6 +399,17 @@ static void put_crossing_samples(struct profile *profile)
     }
 }
 
+/* Through holes an axis comes and goes without a crossing: so there are samples every so often. */
+static void put_winding_samples(struct profile *profile)
+{
+    enum { PIECES = 8 };
+    for (int i = 1; i < PIECES && profile->winding; i++) {
+        double s = (double)i / PIECES;
+        if (!profile->sign[profile_stretch(profile, s)])
+            profile_ask(profile, s, 1);
+    }
+}
+
 /* Stretches that are inside have a sample at an end that is free, and one in the middle. */
 static void put_inner_samples(struct profile *profile)
 {
@@ -493,6 +508,7 @@ int profile_make(struct profile *profile, const struct nearest *nearest, const s
     for (uint32_t i = profile->count - 1; i > 0; i--)
         tell(profile, i - 1, profile->sample[i].triangle);
     put_inner_samples(profile);
+    put_winding_samples(profile);
     profile->deepest = profile_prove(profile, 0.0, 1.0);
     return 1;
 }

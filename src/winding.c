@@ -27,7 +27,7 @@ struct view {
     float at[3]; /* x in the filter's frame */
     float winding[LANES], doubt[LANES];
     double exact; /* sum over the triangles that were evaluated in double */
-    uint32_t work;
+    uint32_t work, most;
 };
 
 static double sum_of(const float *lanes)
@@ -79,6 +79,8 @@ static double look(struct view *view, float most)
     node[level] = 0;
     open[level] = look_at_node(view, level, 0, most);
     while (level <= top) {
+        if (view->work >= view->most)
+            return HUGE_VAL;
         if (!open[level]) {
             level++;
             continue;
@@ -96,10 +98,11 @@ static double look(struct view *view, float most)
 }
 
 /* Comparisons are such that NaN, which a forged file can yield, ends as 0. */
-double winding_number(const struct tree *tree, const struct kernel *kernel, vec3 x, uint32_t *work)
+double winding_number(const struct tree *tree, const struct kernel *kernel, vec3 x, uint32_t most,
+                      uint32_t *work)
 {
     const struct dpt_mesh *mesh = tree->mesh;
-    struct view view = { .tree = tree, .kernel = kernel, .x = x };
+    struct view view = { .tree = tree, .kernel = kernel, .x = x, .most = most };
     view.moments = mesh_moments(mesh, &view.solid);
     vec3 at = scaled(sub(x, vec3_of(mesh->filter_centre)), mesh->filter_scale);
     if (!view.moments || !within(at.x, FAR) || !within(at.y, FAR) || !within(at.z, FAR))
@@ -107,14 +110,16 @@ double winding_number(const struct tree *tree, const struct kernel *kernel, vec3
     view.at[0] = (float)at.x;
     view.at[1] = (float)at.y;
     view.at[2] = (float)at.z;
-    float most = FIRST_DOUBT / (float)tree->levels;
-    double doubt = look(&view, most);
-    for (int pass = 1; !(doubt <= SERIES_ERROR) && pass < PASSES; pass++) {
+    float most_doubt = FIRST_DOUBT / (float)tree->levels;
+    double doubt = look(&view, most_doubt);
+    for (int pass = 1; !(doubt <= SERIES_ERROR) && pass < PASSES && view.work < view.most; pass++) {
         float share = (float)(SERIES_ERROR / doubt);
-        most *= share * share < LESS ? share * share : LESS;
-        doubt = look(&view, most);
+        most_doubt *= share * share < LESS ? share * share : LESS;
+        doubt = look(&view, most_doubt);
     }
     *work += view.work;
+    if (view.work >= view.most)
+        return HUGE_VAL;
     double winding = sum_of(view.winding) + view.exact;
     return fabs(winding) <= (double)mesh->triangles ? winding : 0.0;
 }

@@ -12,11 +12,13 @@
  * the material it is above 1/2, where a closed part is alone 1, outside 0, near a hole between.
  *
  *   x      in the mesh's frame, m
- *   work   gets the 16-lane blocks that were looked at added
+ *   most   16-lane blocks: HUGE_VAL where so many do not suffice; UINT32_MAX: what it takes
+ *   work   gets those that were looked at added
  *
  * Wrong by at most WINDING_ERROR. 0 for a mesh without moments, which is one without a part that is
  * MESH_PART_WINDING, and for an x that is not finite. Time grows with the logarithm of the triangles.
  */
-double winding_number(const struct tree *tree, const struct kernel *kernel, vec3 x, uint32_t *work);
+double winding_number(const struct tree *tree, const struct kernel *kernel, vec3 x, uint32_t most,
+                      uint32_t *work);
 
 #endif

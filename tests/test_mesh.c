@@ -390,7 +390,7 @@ static void use(const dpt_mesh *mesh, uint64_t *random)
     tree_of_mesh(mesh, &tree);
     kernel_get(DPT_KERNEL_AUTO, &kernel, &chosen);
     for (int i = 0; i < 8; i++)
-        CHECK(isfinite(winding_number(&tree, &kernel, vec3_of(ends + 3 * i), &work)),
+        CHECK(isfinite(winding_number(&tree, &kernel, vec3_of(ends + 3 * i), UINT32_MAX, &work)),
               "a winding number that is none");
     for (query.method = 0; query.method <= DPT_METHOD_BRUTE; query.method++) {
         dpt_query_segments(mesh, NULL, ends, NULL, 4, hits, &query);

@@ -143,7 +143,7 @@ static void scene_close(struct scene *scene)
 static double winding_at(const struct scene *scene, double x, double y, double z)
 {
     uint32_t work = 0;
-    return winding_number(&scene->tree, &scene->kernel, (vec3){ x, y, z }, &work);
+    return winding_number(&scene->tree, &scene->kernel, (vec3){ x, y, z }, UINT32_MAX, &work);
 }
 
 /* The flags of the part of a source triangle. */
@@ -207,7 +207,7 @@ static double check_against_brute(const char *name, const struct scene *scene, i
     for (int i = 0; i < 2 * points; i++) {
         uint32_t place = (uint32_t)(random_bits(&random) % scene->info.triangles), work = 0;
         vec3 x = i % 2 ? point_in_box(scene, &random) : point_off(scene, place, shares[i / 2 % 5]);
-        double winding = winding_number(&scene->tree, &scene->kernel, x, &work);
+        double winding = winding_number(&scene->tree, &scene->kernel, x, UINT32_MAX, &work);
         double error = fabs(winding - brute_at(scene, x));
         CHECK(error <= WINDING_ERROR, "%s: off by %g at %g %g %g", name, error, x.x, x.y, x.z);
         worst = larger(worst, error);
@@ -217,7 +217,7 @@ static double check_against_brute(const char *name, const struct scene *scene, i
             uint32_t again = 0;
             if (!kernel_get(id, &other, &chosen))
                 continue;
-            double same = winding_number(&scene->tree, &other, x, &again);
+            double same = winding_number(&scene->tree, &other, x, UINT32_MAX, &again);
             CHECK(!memcmp(&same, &winding, sizeof same) && again == work, "%s: %s says %g, not %g",
                   name, dpt_kernel_name(id), same, winding);
         }
@@ -433,7 +433,8 @@ static void closed_meshes_carry_no_moments(void)
               "%s of %u bytes", section.name, (unsigned)section.bytes);
         CHECK(scene.info.solid_components == 2 && scene.info.inward_components == 1, "%u solid",
               scene.info.solid_components);
-        CHECK(winding_number(&scene.tree, &scene.kernel, (vec3){ 0.0, 0.0, 0.0 }, &work) == 0.0 &&
+        CHECK(winding_number(&scene.tree, &scene.kernel, (vec3){ 0.0, 0.0, 0.0 }, UINT32_MAX,
+                             &work) == 0.0 &&
                   work == 0,
               "work %u", work);
     }

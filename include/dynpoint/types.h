@@ -67,7 +67,8 @@ enum {
 /* How the tool's surface stands to the mesh. */
 enum {
     DPT_CONTACT_UNKNOWN =
-        0, /* not decided: by the budget, on an open sheet of which no side is known, or no mesh */
+        0, /* not decided: by the budget, on an open sheet of which no side is known, on an axis that crosses more
+              than 31 times, or without a mesh */
     DPT_CONTACT_SEPARATED = 1,  /* gap > error_bound */
     DPT_CONTACT_TOUCHING = 2,   /* |gap| <= error_bound */
     DPT_CONTACT_PENETRATING = 3 /* gap < -error_bound */
@@ -89,7 +90,8 @@ enum {
  *   gap          signed distance of the capsule's surface: the least of sd - radius along the axis, sd being
  *                the distance of a point to the mesh, negative inside a part that has an inside and behind an
  *                open sheet of which a side is kept; where DPT_HIT_GAP is set. Within error_bound while the axis is
- *                outside, else within 1e-5 of the mesh's diagonal
+ *                outside, else within 1e-5 of the mesh's diagonal; at a part with holes an inside that an axis enters and
+ *                leaves through holes, between two of at least nine samples, may be missed
  *   depth        max(0, -gap)
  *   error_bound  |distance - true distance| <= error_bound
  *   lower_bound  <= true distance

@@ -25,7 +25,10 @@ DPT_BEGIN
 
 typedef struct dpt_world dpt_world;
 
-/* Ids: kind, generation and slot in one number; 0 is null. A removed thing's id stays invalid. */
+/*
+ * Ids: kind, generation and slot in one number; 0 is null. A removed thing's id stays invalid, and so a slot is used
+ * 4,095 times in a world's life, also over resets; when all are used up, adding gives DPT_E_FULL.
+ */
 typedef uint32_t dpt_body;
 typedef uint32_t dpt_tool;
 
@@ -45,7 +48,9 @@ enum { DPT_STRIP_NONE = 0, DPT_STRIP_SHADOW = 1, DPT_STRIP_ROUTES = 2 };
  * A budget bounds the work of a step, in 16-lane blocks, the same count on every machine. Where it ends a
  * search, the answer is DPT_STATUS_BOUNDED: the best pair so far and a lower bound that is true; contact is
  * unknown and the force zero. What was proven is kept and the next step goes on from there, so that a tool at
- * rest, while no other moves, has its exact answer after as many steps as the budget goes into a search. Beside
+ * rest, while no other moves, has its exact answer after as many steps as the budget goes into a search. That holds for
+ * the nearest pair; contact gets what a step has left and is not continued: where that never suffices (an axis through
+ * an organ: up to 2,400), contact stays unknown and the force zero beside a pair that is exact. Beside
  * the budget there are a triangle a segment and body, and what docs/algorithms/budget.md names.
  */
 typedef struct dpt_world_def {
