@@ -137,11 +137,91 @@ static void with_holes(void)
     }
 }
 
+/* Deeper behind a sheet than the limit, it is not behind it: on the tick that brings it there as on the next. */
+static void too_deep_behind_a_sheet(void)
+{
+    struct subject subject;
+    dpt_world_def def;
+    dpt_world_def_init(&def);
+    def.side_limit = 0.02;
+    if (!subject_from_shape(&subject, "membrane", 512))
+        return;
+    void *block = malloc(dpt_world_bytes(&def));
+    for (int deep = 0; deep < 2; deep++)
+        for (int crosses = 0; crosses < 2; crosses++) {
+            dpt_world *world;
+            dpt_body body;
+            dpt_tool tool;
+            dpt_hit hits[3] = { DPT_HIT_INIT, DPT_HIT_INIT, DPT_HIT_INIT };
+            const double low = deep ? -0.03 : -0.01;
+            const dpt_segment before = { { 0.01, 0.02, 0.005 }, { 0.01, 0.02, 0.04 }, 0.001 };
+            const dpt_segment after = { { 0.01, 0.02, low },
+                                        { 0.01, 0.02, crosses ? 0.01 : low - 0.005 },
+                                        0.001 };
+            dpt_world_create(block, dpt_world_bytes(&def), &def, &world);
+            dpt_body_add(world, subject.mesh, NULL, &body);
+            dpt_tool_add(world, &before, 1, &tool);
+            for (int tick = 0; tick < 3; tick++) {
+                if (tick == 1)
+                    dpt_tool_set_segments(world, tool, &after, 1);
+                CHECK(dpt_world_step(world, 0.001, NULL) == DPT_OK, "step");
+                dpt_tool_get_hit(world, tool, &hits[tick]);
+            }
+            const uint32_t due = !deep     ? DPT_CONTACT_PENETRATING
+                                 : crosses ? DPT_CONTACT_UNKNOWN
+                                           : DPT_CONTACT_SEPARATED;
+            CHECK(hits[1].contact == due && hits[2].contact == due && hits[1].gap == hits[2].gap,
+                  "%d, %d: %u and %u, not %u; gaps %g, %g", deep, crosses, hits[1].contact,
+                  hits[2].contact, due, hits[1].gap, hits[2].gap);
+        }
+    free(block);
+    subject_close(&subject);
+}
+
+/* A budget is kept also where sides take winding numbers. */
+static void windings_within_the_budget(void)
+{
+    struct subject subject;
+    uint64_t seed = 3;
+    size_t unknown = 0, known = 0;
+    if (!open_tube(&subject, 24, 20))
+        return;
+    for (uint32_t budget = 1; budget < 3000; budget *= 3) {
+        dpt_world_def def;
+        dpt_world_def_init(&def);
+        def.budget = budget;
+        void *block = malloc(dpt_world_bytes(&def));
+        dpt_world *world;
+        dpt_body body;
+        dpt_world_create(block, dpt_world_bytes(&def), &def, &world);
+        dpt_body_add(world, subject.mesh, NULL, &body);
+        for (int i = 0; i < 30; i++) {
+            dpt_segment axis = { .radius = 0.002 };
+            dpt_tool tool;
+            random_axis(&subject, &seed, 0.05, &axis);
+            dpt_tool_add(world, &axis, 1, &tool);
+            for (int tick = 0; tick < 5; tick++) {
+                dpt_step step = { .size = sizeof step };
+                dpt_world_step(world, 0.001, &step);
+                CHECK(step.work <= budget, "%u of %u", step.work, budget);
+                unknown += step.contact == DPT_CONTACT_UNKNOWN;
+                known += step.contact == DPT_CONTACT_PENETRATING;
+            }
+            dpt_tool_remove(world, tool);
+        }
+        free(block);
+    }
+    CHECK(unknown > 100 && known > 100, "%zu unknown, %zu known", unknown, known);
+    subject_close(&subject);
+}
+
 int main(void)
 {
     data = getenv("DPT_DATA");
     TEST(generated_shapes);
     TEST(with_holes);
+    TEST(too_deep_behind_a_sheet);
+    TEST(windings_within_the_budget);
     if (!data)
         SKIP("organs with holes", "DPT_DATA does not name the data folder");
     return check_report();
