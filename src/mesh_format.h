@@ -41,7 +41,7 @@
 #define MESH_PART_WOUND    4u /* no two triangles run through an edge in the same direction */
 #define MESH_PART_SOLID    8u /* it has an inside: closed, or nearly (docs/algorithms/winding.md) */
 #define MESH_PART_WINDING  16u /* solid, and only a winding number tells on which side a point is */
-#define MESH_PART_BURIED   32u /* solid, and just outside of it is inside of another solid part */
+#define MESH_PART_BURIED   32u /* it lies wholly inside of another, solid part: both its sides do */
 
 /* A triangle's flags (DPT_EDGE_..., DPT_CORNER_... of dynpoint/mesh.h) are below. */
 #define MESH_FLAGS_END 0x40000u

@@ -98,7 +98,7 @@ int profile_is_sideless(const struct profile *profile)
     for (uint32_t k = 0; k < profile->crossings; k++) {
         uint32_t part = side_part(profile->tree, profile->crossing[k].triangle);
         uint32_t flags = flags_of(profile, part);
-        if (!(flags & MESH_PART_SOLID) && (flags & MESH_PART_MANIFOLD) &&
+        if (!(flags & (MESH_PART_SOLID | MESH_PART_BURIED)) && (flags & MESH_PART_MANIFOLD) &&
             !sides_get(profile->sides, part) && goes_through(profile, &profile->crossing[k]))
             return 1;
     }

@@ -136,7 +136,8 @@ uint32_t side_part(const struct tree *tree, uint32_t triangle)
 int side_is_sheet(const struct tree *tree, uint32_t part)
 {
     uint32_t flags = mesh_part_flags(tree->mesh, part);
-    return !(flags & MESH_PART_SOLID) && (flags & MESH_PART_MANIFOLD) && (flags & MESH_PART_WOUND);
+    return !(flags & (MESH_PART_SOLID | MESH_PART_BURIED)) && (flags & MESH_PART_MANIFOLD) &&
+           (flags & MESH_PART_WOUND);
 }
 
 int side_is_border(const struct tree *tree, uint32_t triangle, const double weight[3])

@@ -497,6 +497,54 @@ static void what_lies_in_a_void_is_in_the_open(void)
     }
 }
 
+/* Loose triangles and a sheet: in material, in a void, through a wall, beside; and in a ball with a hole. */
+static void sheets_within_solids_are_buried(void)
+{
+    static const struct {
+        vec3 at;
+        double size;
+        int buried;
+    } sheets[] = { { { 0.0, 0.0, 0.85 }, 0.1, 1 }, { { 0.0, 0.0, 0.0 }, 0.1, 0 },
+                   { { 0.0, 0.0, 1.0 }, 0.1, 0 },  { { 0.0, 0.0, 0.7 }, 0.1, 0 },
+                   { { 0.8, 0.8, 0.8 }, 0.1, 0 },  { { 0.0, -0.85, 0.0 }, 0.02, 1 },
+                   { { 5.0, 0.0, 0.0 }, 0.3, 1 },  { { 5.0, 0.0, 0.9 }, 0.3, 0 } };
+    const size_t count = sizeof sheets / sizeof *sheets;
+    struct scene scene = { .vertices = NULL };
+    for (size_t i = 0; i < count; i++) {
+        const vec3 at = sheets[i].at;
+        const double size = sheets[i].size;
+        const size_t first = scene.vertex_count;
+        scene_room(&scene, 3, 1);
+        add_vertex(&scene, at.x - size, at.y, at.z - 0.5 * size);
+        add_vertex(&scene, at.x + size, at.y, at.z - 0.5 * size);
+        add_vertex(&scene, at.x, at.y + 0.2 * size, at.z + 0.5 * size);
+        add_triangle(&scene, first, first + 1, first + 2, 0);
+    }
+    add_ball(&scene, (vec3){ 0.0, 0.0, 0.0 }, 1.0, 0.0, 0);
+    add_ball(&scene, (vec3){ 0.0, 0.0, 0.0 }, 0.7, 0.0, 1);
+    add_ball(&scene, (vec3){ 5.0, 0.0, 0.0 }, 1.0, 0.02, 0);
+    if (scene_open(&scene)) {
+        for (size_t i = 0; i < count; i++)
+            CHECK((flags_of(&scene, (uint32_t)i) & ~7u) ==
+                      (sheets[i].buried ? (uint32_t)MESH_PART_BURIED : 0u),
+                  "%zu: flags %u", i, flags_of(&scene, (uint32_t)i));
+        CHECK(scene.info.solid_components == 3 && scene.info.buried_components == 0, "%u, %u",
+              scene.info.solid_components, scene.info.buried_components);
+        /* Both sides of the first one are inside. */
+        for (int side = -1; side < 2; side += 2) {
+            const double y = side * 0.02;
+            const double ends[6] = { 0.0, y, 0.85, 0.01, y, 0.85 };
+            dpt_hit hit = DPT_HIT_INIT;
+            dpt_query_segments(scene.mesh, NULL, ends, NULL, 1, &hit, NULL);
+            CHECK(hit.triangle == 0 && hit.contact == DPT_CONTACT_PENETRATING &&
+                      fabs(hit.gap + hit.distance) < 1e-4,
+                  "%d: triangle %u, contact %u, gap %g, distance %g", side, hit.triangle,
+                  hit.contact, hit.gap, hit.distance);
+        }
+    }
+    scene_close(&scene);
+}
+
 /* Balls that cut each other, and one that only looks so to its box. */
 static void cut_parts_need_a_winding_number(void)
 {
@@ -770,6 +818,7 @@ int main(void)
     TEST(closed_meshes_carry_no_moments);
     TEST(nested_balls_keep_their_voids);
     TEST(what_lies_in_a_void_is_in_the_open);
+    TEST(sheets_within_solids_are_buried);
     TEST(cut_parts_need_a_winding_number);
     TEST(contact_is_found_within_faces);
     TEST(sides_are_known_near_the_surface);

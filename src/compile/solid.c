@@ -39,6 +39,14 @@
 #define RELATE_WORK     3072u
 #define RELATE_TRIANGLE 64u
 
+/*
+ * What has no inside itself may lie within a solid. That is asked of so many triangles and, in a large mesh, of one in so
+ * many, the first ones; so many boxes compared count as one.
+ */
+#define BURY_LEAST 1024u
+#define BURY_SHARE 64u
+#define BURY_BOXES 64u
+
 struct solid {
     uint32_t part;
     uint32_t first; /* of its triangles in `list` */
@@ -422,6 +430,72 @@ static void wind_all(struct solids *all)
     }
 }
 
+/* Wholly inside of a solid, wholly outside, or neither: 1, 0, -1. */
+static dpt_result place_sheet(struct solids *all, struct solid *sheet, struct solid *solid,
+                              int *inside)
+{
+    int meet;
+    uint32_t samples = sheet->count < INSIDE_SAMPLES ? sheet->count : INSIDE_SAMPLES;
+    uint32_t in = 0, out = 0;
+    uint64_t work = 0;
+    DPT_TRY(surfaces_meet(all, sheet, solid, &meet));
+    *inside = meet ? -1 : 0;
+    if (meet || !box_within(&sheet->box, &solid->box))
+        return DPT_OK;
+    DPT_TRY(need_cluster(all, solid));
+    for (uint32_t k = 0; k < samples; k++) {
+        vec3 x = centroid_of(all->model, sample(all, sheet, k, samples), NULL);
+        double turns = fabs(cluster_winding(&solid->cluster, x, DPT_NONE, &work));
+        in += turns >= SURELY_INSIDE;
+        out += turns <= SURELY_OUTSIDE;
+    }
+    *inside = in < samples && out < samples ? -1 : in > 0;
+    return DPT_OK;
+}
+
+/* Is a part that has no inside of its own in another one's, in its material and not in its void? */
+static dpt_result is_buried(struct solids *all, struct solid *sheet, uint64_t *asked, int *buried)
+{
+    int32_t material = 0;
+    *buried = 0;
+    *asked += all->count / BURY_BOXES;
+    for (uint32_t i = 0; i < all->count; i++) {
+        struct solid *solid = &all->solids[i];
+        int inside;
+        if (!bounds_meet(&sheet->box, &solid->box, all->reach))
+            continue;
+        *asked += sheet->count;
+        DPT_TRY(place_sheet(all, sheet, solid, &inside));
+        if (inside < 0)
+            return DPT_OK;
+        if (inside)
+            material += ends_inward(solid) ? -1 : 1;
+    }
+    *buried = material > 0;
+    return DPT_OK;
+}
+
+/* After the solids are wound. What is not asked, or lies on both sides, is judged by itself. */
+static dpt_result bury_sheets(struct solids *all)
+{
+    struct model *model = all->model;
+    uint64_t asked = 0, most = model->triangle_count / BURY_SHARE + BURY_LEAST;
+    for (uint32_t p = 0; all->count > 0 && p < model->part_count && asked < most; p++) {
+        struct part *part = &model->parts[p];
+        if (part->flags & MESH_PART_SOLID)
+            continue;
+        struct solid sheet = { .part = p, .first = all->first[p], .count = part->triangles };
+        int buried;
+        measure(all, &sheet);
+        dpt_result result = is_buried(all, &sheet, &asked, &buried);
+        cluster_free(&sheet.cluster);
+        DPT_TRY(result);
+        if (buried)
+            part->flags |= MESH_PART_BURIED;
+    }
+    return DPT_OK;
+}
+
 /* (0, 1, 2) becomes (0, 2, 1): edges 01, 12, 20 become 02, 21, 10. */
 static void turn_triangle(struct model *model, uint32_t t)
 {
@@ -470,8 +544,10 @@ dpt_result model_solid(struct model *model, soup *source)
         result = relate_all(&all);
     if (result == DPT_OK) {
         wind_all(&all);
-        turn_all(&all);
+        result = bury_sheets(&all);
     }
+    if (result == DPT_OK)
+        turn_all(&all);
     if (result == DPT_E_MEMORY)
         soup_fail(source, result, (source_place){ 0, 0 }, "memory ran out");
     for (uint32_t i = 0; all.solids && i < all.count; i++)
