@@ -74,7 +74,8 @@ int point_search(const struct tree *tree, const struct kernel *kernel, vec3 x,
     search.margin = (float)kernel_margin(length(at), length(at));
     set_limit(&search);
     look_into_boxes(&search, level, 0);
-    while (level <= tree->levels && nearest->pair.distance2 > 0.0) {
+    while (level <= tree->levels &&
+           (nearest->pair.distance2 > 0.0 || nearest->triangle == DPT_NONE)) {
         struct visit *visit = &search.level[level];
         uint32_t lane = visit->lanes ? least_lane(visit->bound, visit->lanes) : LANES;
         if (lane == LANES || visit->bound[lane] > search.limit) {

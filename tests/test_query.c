@@ -65,6 +65,32 @@ static void tree_gives_the_bits_of_brute_force(void)
     }
 }
 
+/* Points on the mesh, each asked after one on the same triangle, whose distance to it is 0 already. */
+static void points_on_the_mesh(void)
+{
+    struct fixture fixture;
+    double ends[6 * COUNT];
+    static dpt_hit batch[COUNT];
+    if (!fixture_from_shape(&fixture, "box", 0))
+        return;
+    for (int i = 0; i < COUNT; i++) {
+        double corners[9];
+        dpt_mesh_triangle(fixture.mesh, (uint32_t)i / 3 % 12, corners);
+        for (int k = 0; k < 3; k++)
+            ends[6 * i + k] = ends[6 * i + 3 + k] = corners[3 * (i % 3) + k];
+    }
+    ask(fixture.mesh, ends, COUNT, DPT_METHOD_TREE, batch);
+    for (int i = 0; i < COUNT; i++) {
+        dpt_hit alone = DPT_HIT_INIT;
+        dpt_query_segments(fixture.mesh, NULL, ends + 6 * i, NULL, 1, &alone, NULL);
+        CHECK(batch[i].distance == 0.0 && batch[i].contact == DPT_CONTACT_TOUCHING &&
+                  batch[i].triangle == alone.triangle && alone.triangle < 12,
+              "%d: %a from %u, contact %u; alone %a from %u", i, batch[i].distance,
+              batch[i].triangle, batch[i].contact, alone.distance, alone.triangle);
+    }
+    fixture_free(&fixture);
+}
+
 static void a_batch_is_its_single_questions(void)
 {
     struct fixture fixture;
@@ -400,6 +426,7 @@ static void no_sliver_is_too_thin(void)
 int main(void)
 {
     TEST(tree_gives_the_bits_of_brute_force);
+    TEST(points_on_the_mesh);
     TEST(a_batch_is_its_single_questions);
     TEST(a_pose_moves_the_mesh);
     TEST(sign_and_gap_of_a_box);
