@@ -12,7 +12,7 @@ void contact_set_gap(dpt_hit *hit, double gap, double error)
 {
     hit->flags |= DPT_HIT_GAP;
     hit->gap = gap;
-    hit->depth = larger(0.0, -gap);
+    hit->depth = gap < 0.0 ? -gap : 0.0;
     hit->contact = contact_of_gap(gap, error);
 }
 

@@ -83,6 +83,7 @@ static void points_on_the_mesh(void)
     for (int i = 0; i < COUNT; i++) {
         dpt_hit alone = DPT_HIT_INIT;
         dpt_query_segments(fixture.mesh, NULL, ends + 6 * i, NULL, 1, &alone, NULL);
+        CHECK(!signbit(batch[i].depth), "%d: depth %g", i, batch[i].depth);
         CHECK(batch[i].distance == 0.0 && batch[i].contact == DPT_CONTACT_TOUCHING &&
                   batch[i].triangle == alone.triangle && alone.triangle < 12,
               "%d: %a from %u, contact %u; alone %a from %u", i, batch[i].distance,

@@ -64,7 +64,7 @@ typedef struct dpt_world_def {
     uint32_t parts;        /* pieces of a segment, DPT_METHOD_PAPER only, 1..64; 1 */
     uint32_t one_step;     /* of the paper's descent a tick, not all of it; 0 */
     uint32_t budget;       /* of a step, DPT_METHOD_EXACT only, see above; 0: unlimited */
-    double stiffness;      /* of the penalty force, N/m, >= 0; 500 */
+    double stiffness;      /* of the penalty force, N/m, 0..1e9; 500 */
     /*
      * DPT_METHOD_EXACT's memory of what it proved in earlier ticks, 272 bytes for 16 separating planes; all
      * tools and bodies share it. Too little costs time, never truth; 0 keeps nothing; at most 2^40; 1 MiB.
@@ -113,7 +113,8 @@ static inline void dpt_world_def_init(dpt_world_def *def)
  *         + 1408 max_contacts
  *         + (strip ? max_segments (512 + dpt_strip_bytes) : 0)
  *         + 4 max_segments max_bodies parts + 8 max_segments max_bodies + certificate_bytes,
- * each of the last three terms rounded up to a multiple of 64. 0 for a def that is not valid.
+ * each of the last three terms rounded up to a multiple of 64. 0 for a def that is not valid; whether its kernel is
+ * there, dpt_world_create tells.
  */
 DPT_API size_t dpt_world_bytes(const dpt_world_def *def);
 
