@@ -314,6 +314,35 @@ damage()
     printf "\\$(printf %03o "$new")" | dd of="$2" bs=1 seek="$3" conv=notrunc 2>dd.log
 }
 
+# What is read comes once, from whatever it is: more than a buffer of it, and nothing is lost.
+pipes()
+{
+    rm -f pipe && mkfifo pipe
+    for file in torus.obj torus.ply; do
+        succeeds "make $file" make torus 2000 -o $file
+        succeeds "compile $file" compile $file -o direct.dpa
+        cat $file >pipe &
+        timeout 60 "$program" compile pipe -o pipe.dpa >stdout 2>stderr
+        check "compile a pipe, $file: exit $?: $(cat stderr)" test -e pipe.dpa
+        { kill $! && wait $!; } 2>/dev/null
+        check "compile a pipe, $file: other bytes" cmp -s direct.dpa pipe.dpa
+        for name in - /dev/stdin; do
+            rm -f pipe.dpa
+            # shellcheck disable=SC2002
+            cat $file | "$program" compile $name -o pipe.dpa >stdout 2>stderr
+            check "compile $name, $file: $(cat stderr)" cmp -s direct.dpa pipe.dpa
+        done
+    done
+    "$program" replay - torus.csv -o piped.out <torus.dpa >stdout 2>stderr
+    "$program" replay torus.dpa torus.csv -o direct.out >stdout 2>stderr
+    check 'replay -' cmp -s piped.out direct.out
+    # shellcheck disable=SC2002
+    cat "$tests/../docs/samples/arm.urdf" | "$program" compile - -o out/x >stdout 2>stderr
+    status=$?
+    if is_refusal 'a URDF is read from a file'; then ok; else bad "a URDF from a pipe: $reason"; fi
+    rm -f pipe
+}
+
 # Files that the readers refuse, and odd ones that they take: tests/golden-bad/expected.txt.
 golden_files()
 {
@@ -925,3 +954,4 @@ c_array
 descriptions
 echo "$passed passed, $failed failed, $skipped skipped"
 [ $failed -eq 0 ]
+pipes

@@ -20,20 +20,18 @@ static int ends_in(const char *path, const char *ending)
     return 1;
 }
 
-int is_urdf(const char *path)
+int is_urdf_name(const char *path)
 {
-    char head[4096];
-    if (ends_in(path, ".urdf") || ends_in(path, ".xml"))
-        return 1;
-    FILE *file = fopen(path, "rb");
-    if (!file)
-        return 0;
-    size_t size = fread(head, 1, sizeof head - 1, file);
-    fclose(file);
-    head[size] = 0;
-    const char *text = head + (strncmp(head, "\xef\xbb\xbf", 3) ? 0 : 3);
-    text += strspn(text, " \t\r\n");
-    return *text == '<' && strstr(text, "<robot");
+    return ends_in(path, ".urdf") || ends_in(path, ".xml");
+}
+
+int is_urdf_text(const char *text)
+{
+    char head[4096] = { 0 };
+    strncpy(head, text, sizeof head - 1);
+    const char *at = head + (strncmp(head, "\xef\xbb\xbf", 3) ? 0 : 3);
+    at += strspn(at, " \t\r\n");
+    return *at == '<' && strstr(at, "<robot");
 }
 
 #ifdef DPT_URDF

@@ -8,8 +8,11 @@
 #include "common.h"
 #include "dynpoint/compile.h"
 
-/* By the ending .urdf or .xml, or an XML file with a <robot> near its beginning. */
-int is_urdf(const char *path);
+/* By the ending .urdf or .xml. */
+int is_urdf_name(const char *path);
+
+/* By a zero-terminated content: XML with a <robot> near its beginning. */
+int is_urdf_text(const char *text);
 
 /*
  * `mesh` is for the meshes in it; tool and packages as in dpt_urdf_def. Notes go to standard error, behind the file's

@@ -151,7 +151,7 @@ void *load_file(const char *command, const char *path, size_t *size)
 {
     unsigned char *bytes = NULL;
     size_t room = 0, got = 1;
-    FILE *file = fopen(path, "rb");
+    FILE *file = strcmp(path, "-") ? fopen(path, "rb") : stdin;
     if (!file) {
         complain(command, "%s: cannot be opened: %s", path, strerror(errno));
         return NULL;
@@ -174,7 +174,8 @@ void *load_file(const char *command, const char *path, size_t *size)
     }
     int failed = ferror(file) || got;
     int reason = got ? ENOMEM : errno;
-    fclose(file);
+    if (file != stdin)
+        fclose(file);
     if (failed) {
         complain(command, "%s: cannot be read: %s", path, strerror(reason));
         free(bytes);

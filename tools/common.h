@@ -61,7 +61,10 @@ struct meter {
 };
 void meter_show(struct meter *meter, const char *what, double done);
 
-/* The bytes of a file, aligned to 64, zero-terminated; NULL after the complaint. */
+/*
+ * The bytes of a file, which is opened and read once, so that it may be a pipe; "-" is standard input. Aligned to 64,
+ * zero-terminated; NULL after the complaint.
+ */
 void *load_file(const char *command, const char *path, size_t *size);
 
 /* Open a file's bytes as a mesh; NULL after a complaint with the byte and section that are wrong. */

@@ -3,10 +3,12 @@
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "arm.h"
 #include "command.h"
 #include "common.h"
+#include "compile/soup.h"
 #include "dynpoint/compile.h"
 
 static const char help[] =
@@ -17,7 +19,7 @@ static const char help[] =
     "flash.\n"
     "Joins equal vertices, drops degenerate and duplicate triangles, turns closed parts outward; "
     "says\n"
-    "what it found. Anything else compiles as it is.\n"
+    "what it found. Anything else compiles as it is. IN may be a pipe; - is standard input.\n"
     "\n"
     "Or a URDF, by its ending .urdf or .xml or by its <robot>: the arm between the root and the "
     "tool,\n"
@@ -129,16 +131,47 @@ static void report_mesh(FILE *file, const dpt_compiled *compiled, const char *ou
             fprintf(file, "  %8" PRIu32 " %s\n", found[i].count, found[i].what);
 }
 
-static int compile_mesh(const char *in, const dpt_compile_def *def, dpt_compiled *compiled)
+static int compile_mesh(const char *in, const void *bytes, size_t size, dpt_compile_def *def,
+                        dpt_compiled *compiled)
 {
     dpt_diag diag = { .size = sizeof diag };
-    if (dpt_compile_file(in, def, compiled, &diag) == DPT_OK)
+    def->format = source_format(in, bytes, size);
+    if (dpt_compile_bytes(bytes, size, def, compiled, &diag) == DPT_OK)
         return 0;
     if (diag.line)
         return complain("compile", "%s:%" PRIu64 ": %s", in, diag.line, diag.text);
     if (diag.byte)
         return complain("compile", "%s: byte %" PRIu64 ": %s", in, diag.byte, diag.text);
     return complain("compile", "%s: %s", in, diag.text);
+}
+
+/* A mesh is opened once and may come through a pipe; a URDF's reader takes its path, for what it names lies beside it. */
+static int compile_input(const char *in, dpt_compile_def *def, const char *tool,
+                         const char *packages, dpt_compiled *compiled, int *is_arm)
+{
+    struct stat found;
+    size_t size;
+    int status;
+    *is_arm = is_urdf_name(in);
+    if (*is_arm)
+        return compile_urdf(in, def, tool, packages, compiled);
+    void *bytes = load_file("compile", in, &size);
+    if (!bytes)
+        return 2;
+    *is_arm = is_urdf_text(bytes);
+    if (*is_arm && (stat(in, &found) != 0 || !S_ISREG(found.st_mode)))
+        status = complain("compile",
+                          "%s: a URDF is read from a file, not from a pipe: what it names is "
+                          "looked for beside it",
+                          in);
+    else if (*is_arm)
+        status = compile_urdf(in, def, tool, packages, compiled);
+    else if (tool || packages)
+        status = complain("compile", "%s: --tool and --packages are for a URDF", in);
+    else
+        status = compile_mesh(in, bytes, size, def, compiled);
+    free(bytes);
+    return status;
 }
 
 int command_compile(int argc, char **argv)
@@ -178,11 +211,8 @@ int command_compile(int argc, char **argv)
                             .threads = threads < UINT32_MAX ? (uint32_t)threads : UINT32_MAX };
     dpt_compiled compiled;
     struct output output;
-    int arm = is_urdf(in);
-    if (!arm && (tool || packages))
-        return complain("compile", "%s: --tool and --packages are for a URDF", in);
-    status =
-        arm ? compile_urdf(in, &def, tool, packages, &compiled) : compile_mesh(in, &def, &compiled);
+    int arm;
+    status = compile_input(in, &def, tool, packages, &compiled, &arm);
     meter_show(&meter, "", 1.0);
     if (status != 0)
         return status;
