@@ -3,6 +3,7 @@
 
 #include <errno.h>
 #include <inttypes.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -90,48 +91,100 @@ int word_index(const char *text, const char *const *words)
     return -1;
 }
 
+static int stat_file(const char *path, int standard, struct stat *status)
+{
+    return strcmp(path, "-") ? stat(path, status) : fstat(standard, status);
+}
+
+int output_check(const char *command, const char *path, const char *const *inputs)
+{
+    struct stat out, in;
+    if (stat_file(path, STDOUT_FILENO, &out) != 0 || !S_ISREG(out.st_mode))
+        return 0;
+    for (; *inputs; inputs++)
+        if (stat_file(*inputs, STDIN_FILENO, &in) == 0 && in.st_dev == out.st_dev &&
+            in.st_ino == out.st_ino)
+            return complain(command, "%s: it is an input too, and would be overwritten", path);
+    return 0;
+}
+
 int output_open(struct output *output, const char *command, const char *path)
 {
     static const char suffix[] = ".part";
     *output = (struct output){ .file = stdout, .path = path };
+    signal(SIGXFSZ, SIG_IGN); /* an error like that of a full disk */
     if (strcmp(path, "-") == 0)
         return 0;
     struct stat status;
-    if (lstat(path, &status) == 0 && !S_ISREG(status.st_mode)) {
+    const int exists = lstat(path, &status) == 0;
+    if (exists && !S_ISREG(status.st_mode)) {
         output->file = fopen(path, "wb");
         if (output->file)
             return 0;
         return complain(command, "%s: cannot be written: %s", path, strerror(errno));
     }
+    signal(SIGPIPE, SIG_IGN); /* nobody reads what is printed: the file beside is to go, too */
     output->beside = malloc(strlen(path) + sizeof suffix);
     if (!output->beside)
         return complain(command, "memory ran out");
     strcpy(output->beside, path);
     strcat(output->beside, suffix);
     output->file = fopen(output->beside, "wb");
-    if (output->file)
+    if (output->file) {
+        if (exists)
+            fchmod(fileno(output->file), status.st_mode & 0777);
         return 0;
+    }
     complain(command, "%s: cannot be written: %s", path, strerror(errno));
     free(output->beside);
     return 2;
 }
 
-int output_close(struct output *output, const char *command, int keep)
+int output_complete(struct output *output, const char *command)
 {
-    errno = 0;
     int failed = ferror(output->file) != 0;
-    if (output->file == stdout)
-        failed |= fflush(output->file) != 0;
-    else
-        failed |= fclose(output->file) != 0;
-    if (output->beside && keep && !failed)
-        failed = rename(output->beside, output->path) != 0;
-    if (failed && keep)
-        complain(command, "%s: cannot be written: %s", output->path, strerror(errno ? errno : EIO));
-    if (output->beside && (failed || !keep))
+    if (!failed)
+        errno = 0;
+    failed |= (output->file == stdout ? fflush : fclose)(output->file) != 0;
+    if (!failed)
+        return 0;
+    complain(command, "%s: cannot be written: %s", output->path, strerror(errno ? errno : EIO));
+    output_drop(output);
+    return 2;
+}
+
+int output_keep(struct output *output, const char *command)
+{
+    int status = flush_stdout(command);
+    if (status == 0 && output->beside && rename(output->beside, output->path) != 0)
+        status = complain(command, "%s: cannot be written: %s", output->path, strerror(errno));
+    if (status)
+        output_drop(output);
+    free(output->beside);
+    output->beside = NULL;
+    return status;
+}
+
+int output_close(struct output *output, const char *command)
+{
+    int status = output_complete(output, command);
+    return status ? status : output_keep(output, command);
+}
+
+void output_drop(struct output *output)
+{
+    if (output->beside)
         remove(output->beside);
     free(output->beside);
-    return failed && keep ? 2 : 0;
+    output->beside = NULL;
+}
+
+int flush_stdout(const char *command)
+{
+    if (fflush(stdout) == 0 && !ferror(stdout))
+        return 0;
+    return complain(command, "standard output cannot be written: %s",
+                    strerror(errno ? errno : EIO));
 }
 
 void meter_show(struct meter *meter, const char *what, double done)

@@ -39,7 +39,7 @@ int word_index(const char *text, const char *const *words);
 
 /*
  * A file that is written beside and renamed when complete. "-" is standard output; what is no regular file
- * (a device, a pipe, a link) is written through, never replaced.
+ * (a device, a pipe, a link) is written through, never replaced. A file that was there keeps its permissions.
  */
 struct output {
     FILE *file;
@@ -47,9 +47,18 @@ struct output {
     char *beside; /* NULL where nothing is renamed */
 };
 
-/* 0, or 2 after the complaint. output_close(keep 0) leaves nothing behind. */
+/* Refuses an output that is one of the inputs, by whatever name; NULL ends them. 0, or 2 after the complaint. */
+int output_check(const char *command, const char *path, const char *const *inputs);
+
+/* Each 0, or 2 after the complaint; then nothing is left behind. */
 int output_open(struct output *output, const char *command, const char *path);
-int output_close(struct output *output, const char *command, int keep);
+int output_complete(struct output *output, const char *command); /* all is written */
+int output_keep(struct output *output, const char *command);     /* so is standard output */
+int output_close(struct output *output, const char *command);    /* both */
+void output_drop(struct output *output);                         /* instead of keeping it */
+
+/* All that was printed is out: 0, or 2 after the complaint. */
+int flush_stdout(const char *command);
 
 /*
  * Progress on a terminal, for what takes more than a second: how much of `what` is done (0..1). The line

@@ -193,6 +193,8 @@ int command_compile(int argc, char **argv)
         return status;
     if (operands != 1 || !out)
         return complain("compile", "an input file and -o FILE are needed (see --help)");
+    if (output_check("compile", out, (const char *const[]){ in, NULL }))
+        return 2;
     if (!threads)
         return complain("compile", "-j must be 1 or more");
     if (!(scale > 0.0))
@@ -222,10 +224,12 @@ int command_compile(int argc, char **argv)
             write_c_array(output.file, array, arm ? "arm" : "mesh", &compiled);
         else
             fwrite(compiled.bytes, compiled.size, 1, output.file);
-        status = output_close(&output, "compile", 1);
+        status = output_complete(&output, "compile");
+        if (status == 0) {
+            (arm ? report_arm : report_mesh)(strcmp(out, "-") ? stdout : stderr, &compiled, out);
+            status = output_keep(&output, "compile");
+        }
     }
-    if (status == 0)
-        (arm ? report_arm : report_mesh)(strcmp(out, "-") ? stdout : stderr, &compiled, out);
     dpt_compiled_free(&compiled);
     return status;
 }

@@ -51,7 +51,5 @@ static int run(int argc, char **argv)
 int main(int argc, char **argv)
 {
     int status = run(argc, argv);
-    if (fflush(stdout) != 0 && status == 0)
-        return complain("", "standard output cannot be written");
-    return status;
+    return status == 2 ? 2 : flush_stdout("") ? 2 : status;
 }

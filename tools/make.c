@@ -43,13 +43,13 @@ static void print_help(void)
            LAPAROSCOPIC_TRIANGLES, "three files: FILE-liver, FILE-stomach, FILE-spleen");
 }
 
-static int write_shape(const char *path, const struct shape *shape)
+/* To be kept or dropped. */
+static int write_shape(struct output *output, const char *path, const struct shape *shape)
 {
-    struct output output;
-    if (output_open(&output, "make", path))
+    if (output_open(output, "make", path))
         return 2;
-    mesh_file_writer(path)(output.file, shape);
-    return output_close(&output, "make", 1);
+    mesh_file_writer(path)(output->file, shape);
+    return output_complete(output, "make");
 }
 
 static int make_one(const char *name, uint64_t count, uint64_t seed, const char *path)
@@ -58,7 +58,10 @@ static int make_one(const char *name, uint64_t count, uint64_t seed, const char 
     shape_reason reason;
     if (shape_make(name, count, seed, &shape, reason))
         return complain("make", "%s", reason);
-    int status = write_shape(path, &shape);
+    struct output output;
+    int status = write_shape(&output, path, &shape);
+    if (status == 0)
+        status = output_keep(&output, "make");
     shape_free(&shape);
     return status;
 }
@@ -81,16 +84,20 @@ static int write_bodies(char *const paths[], const struct shape bodies[])
         if (!paths[i])
             return complain("make", "memory ran out");
     }
-    for (int i = 0; i < LAPAROSCOPIC_BODIES; i++) {
-        if (write_shape(paths[i], &bodies[i])) {
-            while (i-- > 0)
-                remove(paths[i]);
-            return 2;
-        }
+    struct output outputs[LAPAROSCOPIC_BODIES];
+    int written = 0, kept = 0;
+    while (written < LAPAROSCOPIC_BODIES &&
+           write_shape(&outputs[written], paths[written], &bodies[written]) == 0)
+        written++;
+    if (written == LAPAROSCOPIC_BODIES) {
+        for (int i = 0; i < LAPAROSCOPIC_BODIES; i++)
+            printf("%s %zu\n", paths[i], bodies[i].triangle_count);
+        while (kept < LAPAROSCOPIC_BODIES && output_keep(&outputs[kept], "make") == 0)
+            kept++;
     }
-    for (int i = 0; i < LAPAROSCOPIC_BODIES; i++)
-        printf("%s %zu\n", paths[i], bodies[i].triangle_count);
-    return 0;
+    for (int i = kept; i < written; i++)
+        output_drop(&outputs[i]);
+    return kept == LAPAROSCOPIC_BODIES ? 0 : 2;
 }
 
 static int make_laparoscopic(uint64_t count, uint64_t seed, const char *path)

@@ -131,7 +131,7 @@ static int write_trace(struct hand *hand, uint64_t ticks, const char *out)
                 ends[1], ends[2], ends[3], ends[4], ends[5]);
     }
     meter_show(&meter, "", 1.0);
-    return output_close(&output, "make trace", 1);
+    return output_close(&output, "make trace");
 }
 
 int command_make_trace(int argc, char **argv)
@@ -152,6 +152,8 @@ int command_make_trace(int argc, char **argv)
         return status;
     if (!mesh_path || !out || operands)
         return complain("make trace", "--mesh FILE.dpa and -o TRACE.csv are needed (see --help)");
+    if (output_check("make trace", out, (const char *const[]){ mesh_path, NULL }))
+        return 2;
     const double most = DPT_COORDINATE_MAX;
     if (!ticks || !(hand.length >= 0.0 && hand.length <= most) ||
         !(hand.band >= 0.0 && hand.band <= most) || !(hand.speed >= 0.0 && hand.speed <= most))

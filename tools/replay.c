@@ -193,14 +193,15 @@ static int write_results(const struct settings *settings, const struct replayed 
     if (status)
         return status;
     replay_write_csv(output.file, replayed);
-    status = output_close(&output, "replay", 1);
+    status = output_complete(&output, "replay");
     if (status)
         return status;
     if (settings->json)
         replay_print_json(stdout, replayed);
     else if (strcmp(settings->out, "-") != 0)
         replay_print_table(stdout, replayed);
-    return replayed->against.wrong ? 1 : 0;
+    status = output_keep(&output, "replay");
+    return status ? status : replayed->against.wrong ? 1 : 0;
 }
 
 static int run(const struct settings *settings, const dpt_mesh *mesh, const struct trace *trace)
@@ -270,6 +271,9 @@ static int take_settings(int argc, char **argv, struct settings *settings)
         return complain("replay", "FILE.dpa, TRACE.csv and -o OUT.csv are needed (see --help)");
     settings->mesh = operand[0];
     settings->trace = operand[1];
+    if (output_check("replay", settings->out,
+                     (const char *const[]){ settings->mesh, settings->trace, NULL }))
+        return 2;
     int chosen[4] = { word_index(method, methods), word_index(until, stages),
                       word_index(kernel, kernels), against ? word_index(against, methods) : -1 };
     if (chosen[0] < 0 || (against && chosen[3] < 0))

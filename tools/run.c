@@ -102,7 +102,7 @@ static int write_record(const char *path, const struct session *session)
             fprintf(output.file, ",%.17g", session->rows[6 * i + (uint64_t)k]);
         fputc('\n', output.file);
     }
-    return output_close(&output, "run", 1);
+    return output_close(&output, "run");
 }
 
 static void print_json(const struct session *session, const dpt_loop_stats *s,
@@ -241,6 +241,9 @@ static int take_settings(int argc, char **argv, struct settings *settings)
         return status;
     if (operands != 1 || !settings->device)
         return complain("run", "MESH.dpa or ARM.dpa, and --device NAME are needed (see --help)");
+    const char *const inputs[] = { settings->scene.path, settings->scene.tool, NULL };
+    if (settings->record && output_check("run", settings->record, inputs))
+        return 2;
     if (!(settings->scene.zoom > 0.0 && settings->scene.zoom <= 1000.0))
         return complain("run", "--zoom must be positive, at most 1000");
     if (!(settings->scene.length >= 0.0 && settings->scene.length <= 10.0) ||
