@@ -80,7 +80,7 @@ static const char *parse_row(const char *at, const char *end, double *row, size_
         at = parse_double(skip_blanks(at, end), end, &row[i]);
         if (!at)
             return "a field is missing, or not a number";
-        if (!(fabs(row[i]) <= 9e15))
+        if (!(fabs(row[i]) < 0x1p53))
             return "a number is too large";
         at = skip_blanks(at, end);
         if (i + 1 < columns && (at == end || *at++ != ','))
@@ -114,7 +114,8 @@ static const char *parse(struct table *table, const char *at, const char *end,
         stop = stop ? stop : end;
         stop -= stop > at && stop[-1] == '\r';
         ++*line;
-        if (skip_blanks(at, stop) == stop || *at == '#')
+        const char *word = skip_blanks(at, stop);
+        if (word == stop || *word == '#')
             continue;
         if (!table->columns) {
             int index = header_index(at, stop, headers);

@@ -215,6 +215,11 @@ bad_traces()
     printf '\n# note\n%s\r\n\r\n \n0,1\n' $header >below.csv
     refuses 'trace: below blank lines' below.csv:6: replay box.dpa below.csv -o out/x
     echo 0,1,2,3,4,5,6 >headless.csv
+    for word in 9007199254740992 9007199254740993 -9007199254740993 1e30; do
+        trace tick.csv "$word,1,2,3,4,5,6"
+        refuses "trace: tick '$word'" 'tick.csv:2: the tick is not within 2^53' \
+            replay box.dpa tick.csv -o out/x
+    done
     refuses 'trace: no header' headless.csv:1: replay box.dpa headless.csv -o out/x
     printf 'time,ax,ay,az,bx,by,bz\n0,1,2,3,4,5,6\n' >other.csv
     refuses 'trace: wrong header' other.csv:1: replay box.dpa other.csv -o out/x
@@ -231,7 +236,7 @@ good_traces()
     trace plain.csv 0,1,2,3,4,5,6 1,1,2,3,4,5,6.5 7,-1e-3,.5,+3,4.,5E0,6
     succeeds 'trace: plain' replay box.dpa plain.csv -o plain.out
     sed 's/$/\r/' plain.csv >crlf.csv
-    { echo '# a comment'; echo; sed 's/^1,/# 0,between\n\n  \n1,/' plain.csv; echo '# end'; } \
+    { echo '# a comment'; echo; sed 's/^1,/# 0,between\n\n  \n \t# 0,b,c\n1,/' plain.csv; echo '# end'; } \
         >comments.csv
     printf %s "$(cat plain.csv)" >unended.csv
     sed 's/,/ , /g; 1s/ //g' plain.csv >blanks.csv
@@ -256,6 +261,9 @@ good_traces()
     trace negative.csv -3,1,0,0,1,1,0 -2,1,0,0,1,1,0
     succeeds 'trace: negative ticks' replay box.dpa negative.csv -o negative.out
 }
+    trace far.csv -9007199254740991,1,0,0,1,1,0 9007199254740990,1,0,0,1,1,0 9007199254740991,1,0,0,1,1,0
+    succeeds 'trace: the farthest ticks' replay box.dpa far.csv -o far.out
+    check 'trace: the farthest ticks change' test "$(column far.out 1)" = "$(column far.csv 1)"
 
 bad_inputs()
 {

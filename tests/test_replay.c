@@ -17,7 +17,7 @@ struct motion {
 static void make_motion(struct motion *motion)
 {
     static char text[ROWS * 200];
-    char *at = text + sprintf(text, "# a motion\ntick,ax,ay,az,bx,by,bz\n");
+    char *at = text + sprintf(text, "# a motion\n  # of a tool\ntick,ax,ay,az,bx,by,bz\n");
     for (int row = 0; row < ROWS; row++) {
         double angle = 0.03 * row, tilt = row < GAP_AT ? 0.0 : 0.4;
         const double way[3] = { sin(angle) * cos(tilt), sin(angle) * sin(tilt), cos(angle) };

@@ -9,6 +9,9 @@
 #include "common.h"
 #include "compile/number.h"
 
+/* From here on a double does not tell neighbours apart. */
+#define TICKS_END 0x1p53
+
 static const char header[] = "tick,ax,ay,az,bx,by,bz";
 
 static const char *skip_blanks(const char *at, const char *end)
@@ -45,8 +48,10 @@ static const char *parse_row(const char *at, const char *end, struct trace_row *
     if (fields_in(at, end) != 7)
         return "not 7 fields";
     at = next_field(at, end, 0, &tick);
-    if (!at || !(fabs(tick) <= 9e15) || tick != floor(tick))
+    if (!at || tick != floor(tick))
         return "the tick is not an integer";
+    if (!(fabs(tick) < TICKS_END))
+        return "the tick is not within 2^53";
     row->tick = (int64_t)tick;
     for (int i = 0; i < 6; i++) {
         at = next_field(at, end, i == 5, &row->ends[i]);
@@ -82,7 +87,8 @@ const char *trace_parse(struct trace *trace, const char *at, const char *end, ui
         stop = stop ? stop : end;
         stop -= stop > at && stop[-1] == '\r';
         ++*line;
-        if (skip_blanks(at, stop) == stop || *at == '#')
+        const char *word = skip_blanks(at, stop);
+        if (word == stop || *word == '#')
             continue;
         if (!seen_header) {
             if ((size_t)(stop - at) != strlen(header) || memcmp(at, header, strlen(header)))

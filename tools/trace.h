@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* TRACE.csv: the motion of a segment, a row a tick: tick,ax,ay,az,bx,by,bz in metres. */
+/*
+ * TRACE.csv: the motion of a segment, a row a tick: tick,ax,ay,az,bx,by,bz in metres. Ticks are integers that increase,
+ * within 2^53; blank lines are skipped, and those that begin with '#', blanks before it or not.
+ */
 #ifndef DPT_TOOLS_TRACE_H
 #define DPT_TOOLS_TRACE_H
 
