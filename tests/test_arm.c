@@ -607,6 +607,8 @@ static void refusals_name_what_is_wrong(void)
         { CHANGED(def.links, null), DPT_E_ARGUMENT, "no array of links" },
         { CHANGED(def.segments, null), DPT_E_ARGUMENT, "no array of segments" },
         { CHANGED(def.bodies, null), DPT_E_ARGUMENT, "no array of bodies" },
+        { CHANGED(def.reserved, long_name), DPT_E_ARGUMENT,
+          "the def's reserved field is not NULL" },
         { CHANGED(def.tool_link, three), DPT_E_INDEX, "the tool: tool_link is no link" },
         { CHANGED(def.tool.position[1], nan), DPT_E_FINITE,
           "the tool: its position is not within 1e6 m" },

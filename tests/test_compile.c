@@ -493,6 +493,11 @@ static void wrong_input_is_refused(void)
         bad = SOURCE(vertices, cube_corners);
         expect_refusal(&bad, NULL, DPT_E_FINITE, k / 3 * 24);
     }
+    def.reserved = 1;
+    expect_refusal(&good, &def, DPT_E_ARGUMENT, 0);
+    def.size = offsetof(dpt_compile_def, reserved); /* where it ends before, nobody looks */
+    CHECK(dpt_compile_arrays(cube, 8, cube_corners, 12, &def, &out, NULL) == DPT_OK, "reserved");
+    dpt_compiled_free(&out);
     def.size = offsetof(dpt_compile_def, crease) - 1;
     expect_refusal(&good, &def, DPT_E_SIZE, 0);
 }
@@ -506,7 +511,7 @@ static void wrong_arguments_are_refused(void)
     CHECK(dpt_compile_file("none", NULL, NULL, NULL) == DPT_E_ARGUMENT, "out");
     CHECK(dpt_compile_bytes(NULL, 1, NULL, &out, NULL) == DPT_E_ARGUMENT && !out.bytes, "bytes");
     CHECK(dpt_compile_bytes(NULL, 0, NULL, &out, NULL) == DPT_E_EMPTY, "no bytes");
-    CHECK(dpt_compile_file(NULL, NULL, &out, NULL) != DPT_OK && !out.bytes, "no name");
+    CHECK(dpt_compile_file(NULL, NULL, &out, NULL) == DPT_E_ARGUMENT && !out.bytes, "no name");
     CHECK(dpt_compile_file("build/no/such", NULL, &out, &small) == DPT_E_SIZE, "small");
     CHECK(dpt_compile_file("build/no/such", NULL, &out, NULL) == DPT_E_OPEN, "no file");
     CHECK(small.code == 77, "a diag that is too small is written");

@@ -292,6 +292,8 @@ dpt_result dpt_compile_arm(const dpt_arm_def *def, dpt_compiled *out, dpt_diag *
         return soup_fail(&source, DPT_E_ARGUMENT, nowhere, "no def");
     if (def->size < sizeof *def)
         return soup_fail(&source, DPT_E_SIZE, nowhere, "the def's size field is not set");
+    if (def->reserved)
+        return soup_fail(&source, DPT_E_ARGUMENT, nowhere, "the def's reserved field is not NULL");
     dpt_result result = compile_arm(&source, def, out);
     if (result != DPT_OK)
         dpt_compiled_free(out);

@@ -82,6 +82,8 @@ static dpt_result enter(soup *source, const dpt_compile_def *def, dpt_compiled *
         return DPT_E_SIZE;
     if (!sized)
         return soup_fail(source, DPT_E_SIZE, nowhere, "the def's size field is not set");
+    if (def && def->size >= sizeof *def && def->reserved)
+        return soup_fail(source, DPT_E_ARGUMENT, nowhere, "the def's reserved field is not 0");
     if (def && def->format > DPT_FORMAT_OFF)
         return soup_fail(source, DPT_E_ARGUMENT, nowhere, "no such format");
     if (def && (def->scale < 0.0 || !within(def->scale, 1e30)))
@@ -169,10 +171,12 @@ dpt_result dpt_compile_file(const char *path, const dpt_compile_def *def, dpt_co
     unsigned char *bytes = NULL;
     size_t size = 0;
     dpt_result result = enter(&source, def, out, diag, &spare);
-    FILE *file = result == DPT_OK && path ? fopen(path, "rb") : NULL;
+    if (result == DPT_OK && !path)
+        result = soup_fail(&source, DPT_E_ARGUMENT, nowhere, "no name of a file");
+    FILE *file = result == DPT_OK ? fopen(path, "rb") : NULL;
     if (result == DPT_OK && !file)
-        result = soup_fail(&source, DPT_E_OPEN, nowhere, "it cannot be opened: %s",
-                           path ? strerror(errno) : "no name");
+        result =
+            soup_fail(&source, DPT_E_OPEN, nowhere, "it cannot be opened: %s", strerror(errno));
     if (result == DPT_OK)
         result = read_all(&source, file, &bytes, &size);
     if (result == DPT_OK)
