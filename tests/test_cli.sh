@@ -160,7 +160,7 @@ usage_errors()
     for value in nan inf -1 0 180.1 sharp ''; do
         refuses "compile --crease '$value'" crease compile box.ply -o out/x --crease "$value"
     done
-    for value in '' 9a a-b 'a b' 'x;y'; do
+    for value in '' 9a a-b 'a b' 'x;y' int class restrict _Bool uint64_t; do
         refuses "compile --c-array '$value'" "$value" compile box.ply -o out/x --c-array "$value"
     done
     for pair in radius:nan radius:inf radius:-0.001 radius:1e7 radius:wide radius: dt:0 dt:-1 \

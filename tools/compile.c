@@ -47,9 +47,25 @@ static int show_progress(void *user, const char *step, double done)
     return 0;
 }
 
+/* Of C and C++, and what the written file itself relies on. */
+static const char taken_names[] =
+    " alignas alignof and and_eq asm auto bitand bitor bool break case catch char char16_t "
+    "char32_t char8_t class co_await co_return co_yield compl concept const const_cast "
+    "consteval constexpr constinit continue decltype default delete do double dynamic_cast "
+    "else enum explicit export extern false float for friend goto if inline int long main "
+    "mutable namespace new noexcept not not_eq nullptr operator or or_eq private protected "
+    "public register reinterpret_cast requires restrict return short signed size_t sizeof "
+    "static static_assert static_cast std struct switch template this thread_local throw "
+    "true try typedef typeid typename typeof typeof_unqual uint64_t union unsigned using "
+    "virtual void volatile wchar_t while xor xor_eq DPA_ALIGNED NULL _Alignas _Alignof "
+    "_Atomic _BitInt _Bool _Complex _Decimal128 _Decimal32 _Decimal64 _Generic _Imaginary "
+    "_Noreturn _Static_assert _Thread_local ";
+
 static int is_c_name(const char *name)
 {
-    if (!*name || (*name >= '0' && *name <= '9'))
+    char between_blanks[24];
+    snprintf(between_blanks, sizeof between_blanks, " %s ", name);
+    if (!*name || (*name >= '0' && *name <= '9') || strstr(taken_names, between_blanks))
         return 0;
     for (; *name; name++)
         if (!((*name >= 'a' && *name <= 'z') || (*name >= 'A' && *name <= 'Z') ||
@@ -202,7 +218,8 @@ int command_compile(int argc, char **argv)
     if (!(crease > 0.0 && crease <= 180.0))
         return complain("compile", "--crease must be 0 to 180 degrees, and not 0");
     if (array && !is_c_name(array))
-        return complain("compile", "--c-array: '%s' is not a name in C", array);
+        return complain("compile",
+                        "--c-array: '%s' is not a name that an array can have in C and C++", array);
 
     struct meter meter = { .began = 0 };
     dpt_compile_def def = { .size = sizeof def,

@@ -55,6 +55,9 @@ static const char *const kernels[] = { "auto", "scalar", "sse2", "avx2", "avx512
 
 static const char *const strips[] = { "none", "shadow", "routes", NULL };
 
+/* More than any count that an option takes. */
+#define NOT_GIVEN UINT64_MAX
+
 struct settings {
     dpt_world_def def;
     double radius, dt;
@@ -312,7 +315,11 @@ static int take_settings(int argc, char **argv, struct settings *settings)
     if (!(settings->def.strip_width >= 0.0 && settings->def.strip_width <= DPT_COORDINATE_MAX))
         return complain("replay", "--strip-width must be 0 or more");
     if (!(settings->dt > 0.0 && settings->dt <= 1e6))
-        return complain("replay", "--dt must be positive");
+        return complain("replay", "--dt must be above 0, at most 1e6");
+    if (!against && settings->every != NOT_GIVEN)
+        return complain("replay", "--every is for --against");
+    if (settings->every == NOT_GIVEN)
+        settings->every = 1;
     if (!settings->repeat || !settings->every)
         return complain("replay", "--repeat and --every must be 1 or more");
     if (settings->json && strcmp(settings->out, "-") == 0)
@@ -322,7 +329,7 @@ static int take_settings(int argc, char **argv, struct settings *settings)
 
 int command_replay(int argc, char **argv)
 {
-    struct settings settings = { .dt = 1e-3, .repeat = 1, .every = 1, .parts = 1 };
+    struct settings settings = { .dt = 1e-3, .repeat = 1, .every = NOT_GIVEN, .parts = 1 };
     struct trace trace;
     void *bytes;
     dpt_world_def_init(&settings.def);
