@@ -547,6 +547,17 @@ static void formats_are_told(void)
         CHECK(format == cases[i].format, "case %zu: %u", i, format);
     }
     size_t size = 0;
+    for (int i = 0; i < 4; i++) {
+        const char *path = i % 2 ? "x.obj" : "x.stl";
+        const char *magic = i < 2 ? "\211DPA\r\n\032\nmore" : "\211DPK\r\n\032\nmore";
+        reading r;
+        const uint32_t format = source_format(path, (const unsigned char *)magic, 12);
+        read_bytes(&r, i % 2 ? DPT_FORMAT_OBJ : format, magic, 12, NULL);
+        CHECK(format == DPT_FORMAT_AUTO && r.result == DPT_E_FORMAT &&
+                  strstr(r.diag.text, "compiled already"),
+              "%s: %u, %s", path, format, r.diag.text);
+        soup_free(&r.soup);
+    }
     unsigned char *bytes = load(golden, "binary_begins_with_solid.stl", &size);
     CHECK(size > 0 && source_format(NULL, bytes, size) == DPT_FORMAT_STL, "binary STL");
     CHECK(size > 0 && source_format(NULL, bytes, size - 1) == DPT_FORMAT_AUTO, "its beginning");
@@ -650,6 +661,21 @@ static void messages_are_printable(void)
     soup_free(&r.soup);
 }
 
+static void vertices_are_numbered_as_the_file_does(void)
+{
+    const uint32_t corners[] = { 0, 1, 3 };
+    reading r;
+    read_string(&r, DPT_FORMAT_OBJ, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n");
+    CHECK(r.result == DPT_E_INDEX && strstr(r.diag.text, "vertex 4, counted from 1, "), "%s",
+          r.diag.text);
+    soup_free(&r.soup);
+    soup_init(&r.soup, NULL, &r.diag);
+    soup_polygon(&r.soup, corners, 3, somewhere);
+    CHECK(soup_finish(&r.soup) == DPT_E_INDEX && strstr(r.diag.text, "vertex 3, counted from 0, "),
+          "%s", r.diag.text);
+    soup_free(&r.soup);
+}
+
 static void check_data(const expected *e, const unsigned char *bytes, size_t size)
 {
     reading r;
@@ -689,6 +715,7 @@ int main(int argc, char **argv)
     TEST(binary_reads_as_ascii);
     TEST(formats_are_told);
     TEST(messages_are_printable);
+    TEST(vertices_are_numbered_as_the_file_does);
     TEST(progress_is_told_and_stops);
     TEST(long_lines);
     TEST(files_cut_at_every_byte);

@@ -213,8 +213,8 @@ int command_compile(int argc, char **argv)
         return 2;
     if (!threads)
         return complain("compile", "-j must be 1 or more");
-    if (!(scale > 0.0))
-        return complain("compile", "--scale must be positive");
+    if (!(scale > 0.0 && scale <= 1e30))
+        return complain("compile", "--scale must be above 0, at most 1e30");
     if (!(crease > 0.0 && crease <= 180.0))
         return complain("compile", "--crease must be 0 to 180 degrees, and not 0");
     if (array && !is_c_name(array))

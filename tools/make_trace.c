@@ -140,6 +140,8 @@ int command_make_trace(int argc, char **argv)
     struct hand hand = { .length = 0.0 };
     uint64_t ticks = 20000, seed = 1;
     size_t operands;
+    static char whole_name[] = "make trace";
+    argv[0] = whole_name;
     const struct option_def options[] = {
         { .name = "--mesh", .text = &mesh_path },       { .name = "-o", .text = &out },
         { .name = "--seed", .count = &seed },           { .name = "--ticks", .count = &ticks },
@@ -155,9 +157,11 @@ int command_make_trace(int argc, char **argv)
     if (output_check("make trace", out, (const char *const[]){ mesh_path, NULL }))
         return 2;
     const double most = DPT_COORDINATE_MAX;
-    if (!ticks || !(hand.length >= 0.0 && hand.length <= most) ||
-        !(hand.band >= 0.0 && hand.band <= most) || !(hand.speed >= 0.0 && hand.speed <= most))
-        return complain("make trace", "ticks, length, band and speed must be positive, below 1e6");
+    if (!ticks)
+        return complain("make trace", "--ticks must be 1 or more");
+    if (!(hand.length >= 0.0 && hand.length <= most) || !(hand.band >= 0.0 && hand.band <= most) ||
+        !(hand.speed >= 0.0 && hand.speed <= most))
+        return complain("make trace", "--length, --band and --speed must be 0 to 1e6");
 
     void *bytes;
     dpt_mesh_info info = { .size = sizeof info };

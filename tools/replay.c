@@ -100,6 +100,8 @@ static int stage_open(struct stage *stage, const dpt_world_def *def, const dpt_m
     if (!stage->block)
         return complain("replay", "memory ran out");
     dpt_result result = dpt_world_create(stage->block, stage->bytes, def, &stage->world);
+    if (result == DPT_E_UNSUPPORTED)
+        return complain("replay", "--kernel %s: %s", kernels[def->kernel], dpt_result_text(result));
     if (result == DPT_OK)
         result = dpt_body_add(stage->world, mesh, NULL, &body);
     if (result == DPT_OK)
@@ -309,11 +311,11 @@ static int take_settings(int argc, char **argv, struct settings *settings)
     settings->def.budget = (uint32_t)settings->budget;
     settings->def.one_step = (uint32_t)settings->one_step;
     if (!(settings->radius >= 0.0 && settings->radius <= DPT_COORDINATE_MAX))
-        return complain("replay", "--radius must be 0 or more");
+        return complain("replay", "--radius must be 0 to 1e6");
     if (!(settings->def.stiffness >= 0.0 && settings->def.stiffness <= 1e9))
         return complain("replay", "--stiffness must be 0 to 1e9");
     if (!(settings->def.strip_width >= 0.0 && settings->def.strip_width <= DPT_COORDINATE_MAX))
-        return complain("replay", "--strip-width must be 0 or more");
+        return complain("replay", "--strip-width must be 0 to 1e6");
     if (!(settings->dt > 0.0 && settings->dt <= 1e6))
         return complain("replay", "--dt must be above 0, at most 1e6");
     if (!against && settings->every != NOT_GIVEN)

@@ -4,7 +4,14 @@
  */
 #include <string.h>
 
+#include "../arm_format.h"
 #include "text.h"
+
+/* A mesh's or an arm's; what is cut within its magic is not meant. */
+static bool is_compiled(const unsigned char *bytes, size_t size)
+{
+    return size >= 8 && (memcmp(bytes, MESH_MAGIC, 8) == 0 || memcmp(bytes, ARM_MAGIC, 8) == 0);
+}
 
 static bool is_ply(source_text text)
 {
@@ -84,6 +91,8 @@ uint32_t source_format(const char *path, const unsigned char *bytes, size_t size
         return DPT_FORMAT_OFF;
     if (is_binary_stl(bytes, size) || is_ascii_stl(text))
         return DPT_FORMAT_STL;
+    if (is_compiled(bytes, size))
+        return DPT_FORMAT_AUTO;
     uint32_t format = format_of_ending(path);
     if (format == DPT_FORMAT_AUTO && has_vertex_line(text))
         return DPT_FORMAT_OBJ;
@@ -92,6 +101,9 @@ uint32_t source_format(const char *path, const unsigned char *bytes, size_t size
 
 dpt_result read_source(soup *source, uint32_t format, const unsigned char *bytes, size_t size)
 {
+    if (format != DPT_FORMAT_STL && is_compiled(bytes, size))
+        return soup_fail(source, DPT_E_FORMAT, (source_place){ 0, 0 },
+                         "this is compiled already: a .dpa file");
     switch (format) {
     case DPT_FORMAT_OBJ:
         return read_obj(source, bytes, size);

@@ -94,6 +94,7 @@ dpt_result read_obj(soup *source, const unsigned char *bytes, size_t size)
     obj_reader reader = { .source = source };
     text_begin(&reader.text, source, bytes, size);
     reader.text.comments = true;
+    source->base = 1;
     dpt_result result = read_lines(&reader, size);
     corner_list_free(&reader.corners);
     return result;

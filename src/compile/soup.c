@@ -140,8 +140,9 @@ dpt_result soup_finish(soup *source)
     if (source->triangle_count == 0 || source->highest_corner < source->vertex_count)
         return DPT_OK;
     return soup_fail(source, DPT_E_INDEX, source->highest_place,
-                     "a polygon names vertex %u, counted from 0, and there are only %zu",
-                     (unsigned)source->highest_corner, source->vertex_count);
+                     "a polygon names vertex %u, counted from %u, and there are only %zu",
+                     (unsigned)(source->highest_corner + source->base), (unsigned)source->base,
+                     source->vertex_count);
 }
 
 /* The position of corner `k` of a polygon, found again in its fan. */

@@ -39,6 +39,7 @@ typedef struct soup {
     double rounding;            /* largest |stored - scale * source| of a coordinate */
     uint32_t highest_corner;    /* the highest vertex number that a polygon named */
     source_place highest_place; /* and where: to name the line if there is no such vertex */
+    uint32_t base;              /* what the source calls its first vertex */
     const dpt_compile_def *def; /* for its progress callback */
     dpt_diag *diag;             /* never NULL in here */
 } soup;
@@ -77,7 +78,7 @@ dpt_result read_off(soup *soup, const unsigned char *bytes, size_t size);
 /*
  * Which format the bytes are in: by content where it tells (ply, OFF, an STL whose length fits its
  * count, "solid" followed by "facet"), else by the ending of `path` (may be NULL), else OBJ when a line
- * begins with `v `. DPT_FORMAT_AUTO when nothing fits.
+ * begins with `v `. DPT_FORMAT_AUTO when nothing fits, or it is a .dpa.
  */
 uint32_t source_format(const char *path, const unsigned char *bytes, size_t size);
 
