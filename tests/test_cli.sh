@@ -620,6 +620,10 @@ shapes()
     check "laparoscopic: $sum triangles" test $sum -eq 5387
     check 'laparoscopic: a fourth file' test ! -e scene.ply
     refuses 'make laparoscopic: no such folder' none/ make laparoscopic -o none/scene.ply
+    echo keep >some-liver.ply && mkdir some-spleen.ply
+    refuses 'make laparoscopic: a folder in its way' some-spleen.ply make laparoscopic -o some.ply
+    check 'all three, or those that were there' test "$(ls -d some-*)$(cat some-liver.ply)" = \
+        "$(printf 'some-liver.ply\nsome-spleen.ply')keep"
 }
 
 # has_keys FILE KEY...: it is one line of JSON that has all these, a dot for each object
