@@ -445,6 +445,11 @@ outputs()
     "$program" compile box-pipe.ply -o link.dpa >/dev/null
     if [ -L link.dpa ] && cmp -s target.dpa direct.dpa; then ok; else bad "a link as output is replaced"; fi
     rm -f pipe through box-pipe.ply direct.dpa link.dpa target.dpa
+    # The reader of what is printed has gone.
+    (sleep 0.5; "$program" compile box.ply -o out/x 2>stderr; echo $? >code) | true
+    status=$(cat code)
+    : >stdout
+    if is_refusal 'Broken pipe'; then ok; else bad "compile | true: $reason"; fi
     if [ -c /dev/full ]; then
         for command in 'compile box.ply -o -' 'replay box.dpa box.csv -o -' 'info box.dpa' \
             'info box.dpa --json' 'replay box.dpa box.csv -o box.out --json' --help \

@@ -66,6 +66,7 @@ typedef struct dpt_compiled {
 /*
  * Compile a file, the bytes of a file, or arrays.
  *
+ *   path      opened and read once, so it may be a pipe; NULL is DPT_E_ARGUMENT
  *   def       NULL for the defaults
  *   out       written on success; {NULL, 0} on error
  *   diag      may be NULL; on error tells where and why
