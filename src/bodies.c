@@ -71,7 +71,7 @@ static void ask_plainly(struct hunt *hunt, uint32_t index)
     } else {
         struct walk walk;
         walk.at = 0;
-        track_begin(&track, &body->tree, *world_last(world, hunt->segment, index), limit2, 0, 0);
+        track_begin(&track, &body->tree, *world_last(world, hunt->segment, index), limit2, TRACK_STAYS, 0);
         track_prove(&track, &body->tree, &world->kernel, NULL, &walk);
         track_settle(&track);
     }
@@ -147,7 +147,9 @@ static void follow(struct hunt *hunt, uint32_t index)
     hunt->moved = 1.0;
     if (world->def.budget)
         hunt->moved = update(world, hunt->segment, index, &track->axis);
-    int slide = hunt->moved > 0.0 && (!world->def.budget || most_slide(world));
+    enum slide slide = TRACK_STAYS;
+    if (hunt->moved > 0.0 && (!world->def.budget || most_slide(world)))
+        slide = track->nearest.pair.distance2 == 0.0 ? TRACK_CROSSED : TRACK_SLIDES;
     track_begin(track, &body->tree, *world_last(world, hunt->segment, index), HUGE_VAL, slide,
                 most_slide(world));
     hunt->is_new = track->last == DPT_NONE;
@@ -170,10 +172,11 @@ static int prove(struct hunt *hunt, uint32_t index, struct track *track, int sli
     const struct body *body = &world->bodies[index];
     if (track != &hunt->best->track)
         track_begin(track, &body->tree, *world_last(world, hunt->segment, index),
-                    hunt->best->track.nearest.pair.distance2, slide, most_slide(world));
+                    hunt->best->track.nearest.pair.distance2, slide ? TRACK_SLIDES : TRACK_STAYS,
+                    most_slide(world));
     track->nearest.most = world->left;
-    const struct keeper keeper = { &world->certificate, world_owner(world, hunt->segment, index),
-                                   anew != 0 };
+    const struct keeper keeper =
+        keeper_of(&world->certificate, world_owner(world, hunt->segment, index), anew);
     int done = track_prove(track, &body->tree, &world->kernel, &keeper, walk);
     *floor = sqrt(track->nearest.pair.distance2);
     charge(hunt, &track->nearest);

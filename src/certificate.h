@@ -29,8 +29,16 @@ struct certificate {
 struct keeper {
     const struct certificate *certificate; /* or NULL */
     uint32_t owner;
-    uint32_t anew; /* planes are made and kept, but those of before are not asked */
+    uint32_t first; /* the block of its node 0 */
+    int anew;       /* planes are made and kept, but those of before are not asked */
 };
+
+static inline struct keeper keeper_of(const struct certificate *certificate, uint32_t owner,
+                                      int anew)
+{
+    uint32_t count = certificate->count, spread = owner * 0x9e3779b1u;
+    return (struct keeper){ certificate, owner, count ? spread % count : 0, anew };
+}
 
 /*
  * The block of a node, by its number in the tree; nodes that lie close together do not displace each other.
@@ -41,7 +49,9 @@ static inline struct block *keeper_block(const struct keeper *keeper, uint32_t n
     const struct certificate *c = keeper->certificate;
     if (!c || !c->count)
         return NULL;
-    return &c->blocks[(node + keeper->owner * 0x9e3779b1u) % c->count];
+    uint64_t at = (uint64_t)keeper->first + node;
+    at = at < c->count ? at : at - c->count;
+    return &c->blocks[at < c->count ? at : at % c->count];
 }
 
 static inline uint64_t keeper_key(const struct keeper *keeper, uint32_t node)

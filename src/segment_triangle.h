@@ -106,6 +106,66 @@ static inline int pair_on_face(pair *best, vec3 u, const vec3 from[3], const vec
     return 1;
 }
 
+/*
+ * The axis' line against the triangle's plane, by triple products: how high its ends are above the plane, and how far
+ * within each edge it passes, as volumes. Each is wrong by less than 54 roundings of the largest product that enters
+ * it, a side by three times as much; `noise` is 512.
+ */
+struct pierce {
+    double height_a, height_b;
+    double side[3];      /* of the edge opposite to each corner, positive within; their sum is |height_a - height_b| */
+    double height_noise; /* what is less than that in size may be rounding */
+    double side_noise;
+    int is_flat; /* far from a sliver: its height is at least an eighth or so of its edges */
+};
+
+static inline struct pierce pierce_of(vec3 u, const vec3 from[3], const vec3 edge[3])
+{
+    struct pierce p;
+    vec3 n = cross(edge[2], edge[0]), q = cross(from[0], u);
+    double rise = dot(n, u), turn = rise < 0.0 ? -1.0 : 1.0;
+    double size = larger(extent_of(edge[0]), extent_of(edge[2])), square = size * size;
+    double reach = extent_of(from[0]), way = extent_of(u);
+    p.height_a = dot(n, from[0]);
+    p.height_b = p.height_a + rise;
+    p.side[1] = turn * dot(edge[2], q);
+    p.side[2] = turn * dot(edge[0], q);
+    p.side[0] = turn * rise - p.side[1] - p.side[2];
+    p.height_noise = 0x1p-44 * square * (reach + way);
+    p.side_noise = 0x1p-44 * size * way * (size + reach);
+    p.is_flat = dot(n, n) >= 0x1p-4 * (square * square);
+    return p;
+}
+
+/* The ends are on different sides of the plane, beyond doubt. */
+static inline int pierce_parts(const struct pierce *p)
+{
+    double low = smaller(p->height_a, p->height_b), high = larger(p->height_a, p->height_b);
+    return (low < -p->height_noise) & (high > p->height_noise);
+}
+
+/* The axis goes through the plane outside of the triangle, beyond doubt: it is an edge that is nearest. */
+static inline int pierce_misses(const struct pierce *p)
+{
+    double least = smaller(p->side[0], smaller(p->side[1], p->side[2]));
+    return (least < -p->side_noise) & p->is_flat & pierce_parts(p);
+}
+
+/* 1, and the answer, where the axis goes through the inside of a triangle that is no sliver, beyond doubt. */
+static inline int pair_on_pierced(pair *best, const struct pierce *p)
+{
+    double least = smaller(p->side[0], smaller(p->side[1], p->side[2]));
+    if (!((least > p->side_noise) & p->is_flat & pierce_parts(p)))
+        return 0;
+    double rise = p->height_b - p->height_a, per = 1.0 / fabs(rise);
+    best->distance2 = 0.0;
+    best->s = clamp01(-p->height_a / rise);
+    for (int k = 0; k < 3; k++)
+        best->weight[k] = p->side[k] * per;
+    best->gap = (vec3){ 0.0, 0.0, 0.0 };
+    return 1;
+}
+
 /* What is left between a pair that meets is rounding. */
 static inline void pair_settle(pair *best, double reach)
 {
@@ -164,7 +224,10 @@ static inline pair segment_triangle(vec3 a, vec3 u, vec3 v0, vec3 v1, vec3 v2)
     pair best = { .distance2 = HUGE_VAL };
     const vec3 edge[3] = { sub(v1, v0), sub(v2, v1), sub(v0, v2) };
     const vec3 from[3] = { sub(a, v0), sub(a, v1), sub(a, v2) };
-    if (!pair_on_face(&best, u, from, edge)) {
+    struct pierce pierce = pierce_of(u, from, edge);
+    if (pair_on_pierced(&best, &pierce))
+        return best;
+    if (pierce_misses(&pierce) || !pair_on_face(&best, u, from, edge)) {
         double per_uu = 1.0 / dot(u, u);
         for (int corner = 0; corner < 3; corner++)
             pair_try_edge(&best, u, per_uu, from[corner], edge[corner], corner);

@@ -97,8 +97,34 @@ void track_slide(const struct tree *tree, const struct axis *axis, struct neares
     }
 }
 
+/*
+ * From a triangle over the edge beside which the axis goes through its plane, and on, to one that the axis goes
+ * through: 1. No distance is computed on the way.
+ */
+static int walk_through(const struct tree *tree, const struct axis *axis, uint32_t triangle,
+                        struct nearest *nearest)
+{
+    enum { WALK_MOST = 8 };
+    const uint32_t *neighbours = mesh_words(tree->mesh, MESH_NEIGHBOURS);
+    for (int i = 0; i < WALK_MOST && triangle < tree->mesh->triangles; i++) {
+        struct pierce pierce = tree_pierce(tree, triangle, axis->local_a, axis->u);
+        if (pair_on_pierced(&nearest->pair, &pierce)) {
+            nearest->triangle = triangle;
+            return 1;
+        }
+        if (!pierce_parts(&pierce) || (nearest->most && nearest->work >= nearest->most))
+            return 0;
+        const double *side = pierce.side;
+        uint32_t least = side[0] < side[1] ? 0u : 1u;
+        least = side[2] < side[least] ? 2 : least;
+        triangle = neighbours[3 * (size_t)triangle + (least + 1) % 3];
+        nearest->work++;
+    }
+    return 0;
+}
+
 void track_begin(struct track *track, const struct tree *tree, uint32_t last, double limit2,
-                 int slide, uint32_t most)
+                 enum slide slide, uint32_t most)
 {
     struct nearest *nearest = &track->nearest;
     const struct axis *axis = &track->axis;
@@ -108,6 +134,10 @@ void track_begin(struct track *track, const struct tree *tree, uint32_t last, do
     if (last == DPT_NONE && limit2 < HUGE_VAL)
         return;
     uint32_t triangle = last == DPT_NONE ? 0 : last;
+    if (slide == TRACK_CROSSED && last != DPT_NONE && walk_through(tree, axis, last, nearest)) {
+        track->old = (pair){ .distance2 = HUGE_VAL };
+        return;
+    }
     track->old = tree_pair(tree, triangle, axis->local_a, axis->u);
     if (!(track->old.distance2 < limit2)) {
         track->last = DPT_NONE;
@@ -115,7 +145,7 @@ void track_begin(struct track *track, const struct tree *tree, uint32_t last, do
     }
     nearest->pair = track->old;
     nearest->triangle = triangle;
-    if (slide && last != DPT_NONE)
+    if (slide != TRACK_STAYS && last != DPT_NONE)
         track_slide(tree, axis, nearest);
 }
 

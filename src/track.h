@@ -30,13 +30,20 @@ struct track {
     pair old;      /* the axis and that triangle */
 };
 
+/* What the dynamic point does. */
+enum slide {
+    TRACK_STAYS,
+    TRACK_SLIDES, /* it moves to what is nearer around it */
+    TRACK_CROSSED /* the same; and as its triangle was crossed, first to one that still is */
+};
+
 /*
- * The dynamic point of last tick, where it is now; with `slide` it moves to what is nearer around it. Nothing
+ * The dynamic point of last tick, where it is now, or has moved to. Nothing
  * at or beyond `limit2`, a squared distance, need be found: nearest.triangle is DPT_NONE then. Where there was
  * no last tick and is no limit, any triangle is a beginning. `axis` is there already; `most` as in nearest.
  */
 void track_begin(struct track *track, const struct tree *tree, uint32_t last, double limit2,
-                 int slide, uint32_t most);
+                 enum slide slide, uint32_t most);
 
 /*
  * The dynamic point moves: over the edge, or around the vertex, on which the nearest point of its triangle

@@ -59,13 +59,28 @@ double tree_diagonal(const struct tree *tree)
     return length(sub(vec3_of(tree->mesh->box_max), vec3_of(tree->mesh->box_min)));
 }
 
-pair tree_pair(const struct tree *tree, uint32_t triangle, vec3 a, vec3 u)
+static void corners_of(const struct tree *tree, uint32_t triangle, vec3 v[3])
 {
     const uint32_t *corner = tree->corners + 3 * (size_t)triangle;
-    vec3 v0 = vec3_of_float(tree->positions + 3 * (size_t)corner[0]);
-    vec3 v1 = vec3_of_float(tree->positions + 3 * (size_t)corner[1]);
-    vec3 v2 = vec3_of_float(tree->positions + 3 * (size_t)corner[2]);
-    return extent_of(u) > 0.0 ? segment_triangle(a, u, v0, v1, v2) : point_triangle(a, v0, v1, v2);
+    for (int k = 0; k < 3; k++)
+        v[k] = vec3_of_float(tree->positions + 3 * (size_t)corner[k]);
+}
+
+pair tree_pair(const struct tree *tree, uint32_t triangle, vec3 a, vec3 u)
+{
+    vec3 v[3];
+    corners_of(tree, triangle, v);
+    return extent_of(u) > 0.0 ? segment_triangle(a, u, v[0], v[1], v[2])
+                              : point_triangle(a, v[0], v[1], v[2]);
+}
+
+struct pierce tree_pierce(const struct tree *tree, uint32_t triangle, vec3 a, vec3 u)
+{
+    vec3 v[3];
+    corners_of(tree, triangle, v);
+    const vec3 edge[3] = { sub(v[1], v[0]), sub(v[2], v[1]), sub(v[0], v[2]) };
+    const vec3 from[3] = { sub(a, v[0]), sub(a, v[1]), sub(a, v[2]) };
+    return pierce_of(u, from, edge);
 }
 
 struct front tree_front(const pair *found, vec3 a, vec3 u, double slack)
@@ -473,7 +488,7 @@ int tree_walk(const struct tree *tree, const struct kernel *kernel, const struct
     struct search search;
     search.tree = tree;
     search.kernel = kernel;
-    search.keeper = keeper ? *keeper : (struct keeper){ NULL, 0, 0 };
+    search.keeper = keeper ? *keeper : (struct keeper){ .certificate = NULL };
     search.nearest = nearest;
     search.a = a;
     search.u = u;

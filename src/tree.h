@@ -71,6 +71,9 @@ int tree_is_beyond(const struct tree *tree, const struct front *front, uint32_t 
 /* The pair of the axis a + s u and one triangle, by its place. */
 pair tree_pair(const struct tree *tree, uint32_t triangle, vec3 a, vec3 u);
 
+/* How the axis goes through the plane of one. */
+struct pierce tree_pierce(const struct tree *tree, uint32_t triangle, vec3 a, vec3 u);
+
 /* Take that pair if it is nearer, or as near with a lower source number: 1. */
 int tree_try(const struct tree *tree, uint32_t triangle, vec3 a, vec3 u, struct nearest *nearest);
 
