@@ -12,8 +12,8 @@ enum { BODIES_FEW = 4 };
 struct hunt {
     struct dpt_world *world;
     uint32_t segment;
-    vec3 a, b;
-    struct box box; /* of the axis */
+    const vec3 *a, *b; /* the axis */
+    struct box box;    /* of it */
     struct found *best;
     double distance;   /* of the best */
     uint32_t followed; /* body whose dynamic point was followed */
@@ -37,7 +37,7 @@ static void charge(struct hunt *hunt, struct nearest *nearest)
 
 static void axis_in(const struct hunt *hunt, const struct body *body, struct axis *axis)
 {
-    axis_of(&body->tree, &body->frame, hunt->a, hunt->b, axis);
+    axis_of(&body->tree, &body->frame, *hunt->a, *hunt->b, axis);
 }
 
 /* What a search of a body found, if it is nearer than the rest. */
@@ -359,11 +359,11 @@ static void find_exact(struct hunt *hunt)
         return;
     int many = world->body_end > BODIES_FEW;
     if (many)
-        near_move(&segment->near, hunt->a, hunt->b);
+        near_move(&segment->near, *hunt->a, *hunt->b);
     follow(hunt, first);
     if (hunt->distance == 0.0)
         return; /* nothing is nearer */
-    hunt->box = box_of_axis(hunt->a, hunt->b);
+    hunt->box = box_of_axis(*hunt->a, *hunt->b);
     if (many)
         list_near(hunt, &segment->near);
     /* In motion all bodies get their turn; a first search, and one at rest, begins where it costs least. */
@@ -384,7 +384,8 @@ static void find_exact(struct hunt *hunt)
         tidy_near(hunt, &segment->near);
 }
 
-void bodies_find(struct dpt_world *world, uint32_t segment, vec3 a, vec3 b, struct found *best)
+void bodies_find(struct dpt_world *world, uint32_t segment, const vec3 *a, const vec3 *b,
+                 struct found *best)
 {
     struct hunt hunt = {
         .world = world, .segment = segment, .a = a, .b = b, .best = best, .next = DPT_NONE

@@ -7,7 +7,8 @@
 #include "world.h"
 
 /* `exact`: what is kept helps, only near bodies are asked, and the world's budget ends it. */
-void bodies_find(struct dpt_world *world, uint32_t segment, vec3 a, vec3 b, struct found *best);
+void bodies_find(struct dpt_world *world, uint32_t segment, const vec3 *a, const vec3 *b,
+                 struct found *best);
 
 /*
  * The slots of the bodies whose boxes may be within reach of a segment, after bodies_find: `*list`, or where that is

@@ -47,7 +47,7 @@ static void track_segment(struct dpt_world *world, uint32_t index)
         segment->push = paper_segment(world, index, a, b, &segment->hit);
         return;
     }
-    bodies_find(world, index, a, b, &segment->found);
+    bodies_find(world, index, &a, &b, &segment->found);
     if (!segment->found.body)
         return;
     segment->last_body = handle_index(segment->found.body->id);
@@ -83,7 +83,7 @@ static void respond_segment(struct dpt_world *world, uint32_t index)
 static void step_segments(struct dpt_world *world)
 {
     uint32_t count = world->segment_count, tick = world->ticks++;
-    uint32_t first = tick % 2 ? tick / 2 % (count ? count : 1) : world->turn;
+    uint32_t first = tick % 2 && count > 1 ? tick / 2 % count : world->turn;
     first = first < count ? first : 0;
     int waits = 0;
     world->left = world->def.budget;
@@ -183,6 +183,8 @@ dpt_result dpt_world_step(dpt_world *world, double dt, dpt_step *out)
 {
     if (!world)
         return DPT_E_ARGUMENT;
+    int only_track =
+        world->def.until == DPT_UNTIL_TRACK && world->def.method != DPT_METHOD_PAPER;
     dpt_result result = DPT_OK;
     if (!(dt > 0.0 && within(dt, 1e6)))
         result = DPT_E_ARGUMENT;
@@ -190,7 +192,7 @@ dpt_result dpt_world_step(dpt_world *world, double dt, dpt_step *out)
         result = DPT_E_SIZE;
     for (uint32_t t = 0; t < world->tool_end; t++)
         if (world->tools[t].slot.used)
-            tool_clear(world, &world->tools[t]);
+            (only_track ? tool_clear_hits : tool_clear)(world, &world->tools[t]);
     if (result == DPT_OK)
         step_segments(world);
     for (uint32_t t = 0; t < world->tool_end; t++)

@@ -3,18 +3,6 @@
 
 #include "point.h"
 
-void axis_of(const struct tree *tree, const struct frame *body, vec3 a, vec3 b, struct axis *axis)
-{
-    axis->a = a;
-    axis->b = b;
-    axis->local_a = frame_to_local(body, a);
-    vec3 local_b = frame_to_local(body, b);
-    axis->u = sub(local_b, axis->local_a);
-    double reach = larger(larger(extent_of(a), extent_of(b)), extent_of(body->origin));
-    reach = larger(reach, larger(extent_of(axis->local_a), extent_of(local_b)));
-    axis->error = TREE_ERROR * larger(reach, tree_extent(tree));
-}
-
 void track_once(const struct tree *tree, const struct kernel *kernel, uint32_t method,
                 const struct axis *axis, uint32_t hint, struct nearest *nearest)
 {
@@ -128,8 +116,10 @@ void track_begin(struct track *track, const struct tree *tree, uint32_t last, do
 {
     struct nearest *nearest = &track->nearest;
     const struct axis *axis = &track->axis;
-    *nearest =
-        (struct nearest){ .pair = { .distance2 = limit2 }, .triangle = DPT_NONE, .most = most };
+    nearest->pair.distance2 = limit2;
+    nearest->triangle = DPT_NONE;
+    nearest->work = nearest->tried_count = 0;
+    nearest->most = most;
     track->last = last;
     if (last == DPT_NONE && limit2 < HUGE_VAL)
         return;

@@ -13,7 +13,18 @@ struct axis {
     double error;    /* the error bound of a distance from here */
 };
 
-void axis_of(const struct tree *tree, const struct frame *body, vec3 a, vec3 b, struct axis *axis);
+static inline void axis_of(const struct tree *tree, const struct frame *body, vec3 a, vec3 b,
+                           struct axis *axis)
+{
+    axis->a = a;
+    axis->b = b;
+    axis->local_a = frame_to_local(body, a);
+    vec3 local_b = frame_to_local(body, b);
+    axis->u = sub(local_b, axis->local_a);
+    double reach = larger(larger(extent_of(a), extent_of(b)), extent_of(body->origin));
+    reach = larger(reach, larger(extent_of(axis->local_a), extent_of(local_b)));
+    axis->error = TREE_ERROR * larger(reach, tree_extent(tree));
+}
 
 /*
  * Stateless: `hint` (a place, or DPT_NONE) only makes it faster. `nearest` is written anew; its

@@ -59,28 +59,12 @@ double tree_diagonal(const struct tree *tree)
     return length(sub(vec3_of(tree->mesh->box_max), vec3_of(tree->mesh->box_min)));
 }
 
-static void corners_of(const struct tree *tree, uint32_t triangle, vec3 v[3])
-{
-    const uint32_t *corner = tree->corners + 3 * (size_t)triangle;
-    for (int k = 0; k < 3; k++)
-        v[k] = vec3_of_float(tree->positions + 3 * (size_t)corner[k]);
-}
-
 pair tree_pair(const struct tree *tree, uint32_t triangle, vec3 a, vec3 u)
 {
     vec3 v[3];
-    corners_of(tree, triangle, v);
+    tree_corners(tree, triangle, v);
     return extent_of(u) > 0.0 ? segment_triangle(a, u, v[0], v[1], v[2])
                               : point_triangle(a, v[0], v[1], v[2]);
-}
-
-struct pierce tree_pierce(const struct tree *tree, uint32_t triangle, vec3 a, vec3 u)
-{
-    vec3 v[3];
-    corners_of(tree, triangle, v);
-    const vec3 edge[3] = { sub(v[1], v[0]), sub(v[2], v[1]), sub(v[0], v[2]) };
-    const vec3 from[3] = { sub(a, v[0]), sub(a, v[1]), sub(a, v[2]) };
-    return pierce_of(u, from, edge);
 }
 
 struct front tree_front(const pair *found, vec3 a, vec3 u, double slack)

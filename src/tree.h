@@ -68,11 +68,25 @@ struct front tree_front(const pair *found, vec3 a, vec3 u, double slack);
 /* All of a triangle lies beyond. */
 int tree_is_beyond(const struct tree *tree, const struct front *front, uint32_t triangle);
 
+static inline void tree_corners(const struct tree *tree, uint32_t triangle, vec3 v[3])
+{
+    const uint32_t *corner = tree->corners + 3 * (size_t)triangle;
+    for (int k = 0; k < 3; k++)
+        v[k] = vec3_of_float(tree->positions + 3 * (size_t)corner[k]);
+}
+
 /* The pair of the axis a + s u and one triangle, by its place. */
 pair tree_pair(const struct tree *tree, uint32_t triangle, vec3 a, vec3 u);
 
 /* How the axis goes through the plane of one. */
-struct pierce tree_pierce(const struct tree *tree, uint32_t triangle, vec3 a, vec3 u);
+static inline struct pierce tree_pierce(const struct tree *tree, uint32_t triangle, vec3 a, vec3 u)
+{
+    vec3 v[3];
+    tree_corners(tree, triangle, v);
+    const vec3 edge[3] = { sub(v[1], v[0]), sub(v[2], v[1]), sub(v[0], v[2]) };
+    const vec3 from[3] = { sub(a, v[0]), sub(a, v[1]), sub(a, v[2]) };
+    return pierce_of(u, from, edge);
+}
 
 /* Take that pair if it is nearer, or as near with a lower source number: 1. */
 int tree_try(const struct tree *tree, uint32_t triangle, vec3 a, vec3 u, struct nearest *nearest);

@@ -274,13 +274,20 @@ static void forget_segment(struct dpt_world *world, uint32_t segment)
     strips_forget(world, segment, segment + 1);
 }
 
-void tool_clear(struct dpt_world *world, struct tool *tool)
+void tool_clear_hits(struct dpt_world *world, struct tool *tool)
 {
-    for (uint32_t i = 0; i < tool->count; i++) {
-        struct segment *segment = &world->segments[tool->first + i];
-        segment->hit = (dpt_hit){
+    for (uint32_t i = 0; i < tool->count; i++)
+        world->segments[tool->first + i].hit = (dpt_hit){
             .size = sizeof(dpt_hit), .status = DPT_STATUS_STALE, .triangle = DPT_NONE, .segment = i
         };
+    tool->nearest = 0;
+}
+
+void tool_clear(struct dpt_world *world, struct tool *tool)
+{
+    tool_clear_hits(world, tool);
+    for (uint32_t i = 0; i < tool->count; i++) {
+        struct segment *segment = &world->segments[tool->first + i];
         memset(&segment->wrench, 0, sizeof segment->wrench);
         memset(&segment->push, 0, sizeof segment->push);
         memset(&segment->met, 0, sizeof segment->met);
@@ -290,7 +297,6 @@ void tool_clear(struct dpt_world *world, struct tool *tool)
             strip_clear(world->laid[tool->first + i].strip, NULL);
     }
     memset(&tool->wrench, 0, sizeof tool->wrench);
-    tool->nearest = 0;
 }
 
 static void forget_tool(struct dpt_world *world, struct tool *tool)

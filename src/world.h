@@ -199,4 +199,7 @@ struct tool *world_tool(const struct dpt_world *world, dpt_tool tool);
 /* Nothing is known: stale, no force. */
 void tool_clear(struct dpt_world *world, struct tool *tool);
 
+/* The same of a tool whose contacts no step has ever computed. */
+void tool_clear_hits(struct dpt_world *world, struct tool *tool);
+
 #endif
