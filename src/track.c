@@ -29,13 +29,13 @@ static void note_tried(struct nearest *nearest, uint32_t triangle)
         nearest->tried[nearest->tried_count++] = triangle;
 }
 
-/* 1 when the triangle is nearer, and taken; `front` is that of the best pair. */
-static int try_neighbour(const struct tree *tree, const struct axis *axis,
-                         const struct front *front, uint32_t triangle, struct nearest *nearest)
+/* 1 when the triangle is nearer, and taken. */
+static int try_neighbour(const struct tree *tree, const struct axis *axis, uint32_t triangle,
+                         struct nearest *nearest)
 {
     if (triangle >= tree->mesh->triangles || triangle == nearest->triangle)
         return 0;
-    if (!tree_is_beyond(tree, front, triangle)) {
+    if (!tree_is_beyond(tree, &nearest->front, triangle)) {
         pair found = tree_pair(tree, triangle, axis->local_a, axis->u);
         if (found.distance2 < nearest->pair.distance2) {
             note_tried(nearest, nearest->triangle);
@@ -49,14 +49,14 @@ static int try_neighbour(const struct tree *tree, const struct axis *axis,
 }
 
 /* Around a vertex: 1 when one of its triangles is nearer, and taken. */
-static int try_fan(const struct tree *tree, const struct axis *axis, const struct front *front,
-                   uint32_t vertex, struct nearest *nearest)
+static int try_fan(const struct tree *tree, const struct axis *axis, uint32_t vertex,
+                   struct nearest *nearest)
 {
     const uint32_t *first = mesh_words(tree->mesh, MESH_FAN_FIRST) + vertex;
     const uint32_t *fans = mesh_words(tree->mesh, MESH_FANS);
     uint32_t end = first[1] - first[0] > SLIDE_FAN ? first[0] + SLIDE_FAN : first[1];
     for (uint32_t i = first[0]; i < end; i++)
-        if (try_neighbour(tree, axis, front, fans[i], nearest))
+        if (try_neighbour(tree, axis, fans[i], nearest))
             return 1;
     return 0;
 }
@@ -71,16 +71,15 @@ void track_slide(const struct tree *tree, const struct axis *axis, struct neares
         int zeros = (weight[0] <= 0.0) + (weight[1] <= 0.0) + (weight[2] <= 0.0);
         if (!zeros)
             return;
-        struct front front =
-            tree_front(&nearest->pair, axis->local_a, axis->u, TREE_SLACK * axis->error);
+        nearest_front(nearest, axis->local_a, axis->u, TREE_SLACK * axis->error);
         nearest->work++;
         if (zeros == 1) {
             uint32_t edge = weight[0] <= 0.0 ? 1 : weight[1] <= 0.0 ? 2 : 0;
             uint32_t other = mesh_words(tree->mesh, MESH_NEIGHBOURS)[3 * here + edge];
-            moved = try_neighbour(tree, axis, &front, other, nearest);
+            moved = try_neighbour(tree, axis, other, nearest);
         } else {
             uint32_t corner = weight[0] > 0.0 ? 0 : weight[1] > 0.0 ? 1 : 2;
-            moved = try_fan(tree, axis, &front, tree->corners[3 * here + corner], nearest);
+            moved = try_fan(tree, axis, tree->corners[3 * here + corner], nearest);
         }
     }
 }
@@ -118,7 +117,7 @@ void track_begin(struct track *track, const struct tree *tree, uint32_t last, do
     const struct axis *axis = &track->axis;
     nearest->pair.distance2 = limit2;
     nearest->triangle = DPT_NONE;
-    nearest->work = nearest->tried_count = 0;
+    nearest->work = nearest->tried_count = nearest->front_of = 0;
     nearest->most = most;
     track->last = last;
     if (last == DPT_NONE && limit2 < HUGE_VAL)

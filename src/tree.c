@@ -25,7 +25,6 @@ struct search {
     struct probe probe;
     int has_frame; /* the probe's y and z, made when first needed */
     int has_plane;
-    struct front front; /* of the best pair */
     struct walk *walk;
 };
 
@@ -67,16 +66,20 @@ pair tree_pair(const struct tree *tree, uint32_t triangle, vec3 a, vec3 u)
                               : point_triangle(a, v[0], v[1], v[2]);
 }
 
-struct front tree_front(const pair *found, vec3 a, vec3 u, double slack)
+void nearest_front(struct nearest *nearest, vec3 a, vec3 u, double slack)
 {
+    const pair *found = &nearest->pair;
+    if (nearest->front_of == nearest->triangle + 1)
+        return;
     vec3 normal = scaled(found->gap, -1.0 / sqrt(found->distance2));
     double rise = dot(normal, u), uu = dot(u, u);
     if (found->s <= 0.0)
         rise = larger(rise, 0.0);
     else if (found->s >= 1.0)
         rise = smaller(rise, 0.0);
-    return (struct front){ normal, sub(along(a, found->s, u), found->gap),
-                           uu > 0.0 ? rise * rise / uu : 0.0, slack };
+    nearest->front = (struct front){ normal, sub(along(a, found->s, u), found->gap),
+                                     uu > 0.0 ? rise * rise / uu : 0.0, slack };
+    nearest->front_of = nearest->triangle + 1;
 }
 
 /* height >= lean |c - at| - slack is concave along a triangle: where its corners hold it, all of it does. */
@@ -124,15 +127,15 @@ void tree_brute(const struct tree *tree, vec3 a, vec3 u, struct nearest *nearest
  */
 static void set_limit(struct search *search)
 {
-    const struct nearest *nearest = search->nearest;
+    struct nearest *nearest = search->nearest;
     struct probe *probe = &search->probe;
     double distance = sqrt(nearest->pair.distance2);
     probe_limit(probe, search->tree->mesh, distance);
     search->has_plane = nearest->triangle != DPT_NONE && distance > 0.0;
     if (!search->has_plane)
         return;
-    search->front = tree_front(&nearest->pair, search->a, search->u, search->slack);
-    put_float(search->front.normal, probe->normal);
+    nearest_front(nearest, search->a, search->u, search->slack);
+    put_float(nearest->front.normal, probe->normal);
     probe->height = probe_reach(probe, probe->normal);
 }
 
@@ -141,15 +144,17 @@ static uint32_t lanes_of(uint32_t count)
     return count < LANES ? (1u << count) - 1 : 0xffff;
 }
 
-/* Take over the planes, and their bounds, of the lanes that they close. */
-static void take_planes(struct planes *planes, const struct planes *made, float *bound,
-                        const float *made_bound, uint32_t lanes)
+/* Take over the planes that are better, and their bounds: they will last longer. */
+static void take_better(struct planes *planes, const struct planes *made, float *bound,
+                        const float *made_bound)
 {
-    for (; lanes; lanes &= lanes - 1) {
-        uint32_t i = (uint32_t)__builtin_ctz(lanes);
-        planes_put(planes, i, (const float[3]){ made->x[i], made->y[i], made->z[i] },
-                   made->support[i]);
-        bound[i] = made_bound[i];
+    for (int i = 0; i < LANES; i++) {
+        int better = (made_bound[i] > bound[i]) | (bound[i] != bound[i]);
+        planes->x[i] = better ? made->x[i] : planes->x[i];
+        planes->y[i] = better ? made->y[i] : planes->y[i];
+        planes->z[i] = better ? made->z[i] : planes->z[i];
+        planes->support[i] = better ? made->support[i] : planes->support[i];
+        bound[i] = better ? made_bound[i] : bound[i];
     }
 }
 
@@ -180,7 +185,7 @@ static uint32_t look_at_planes(struct search *search, kernel_held *held, const f
     return held(rows, &search->probe, &kept->block->planes, bound);
 }
 
-/* New planes where there are none, or for the lanes that they close. Returns those still open. */
+/* New planes where there are none, or where they are better. Returns those still open. */
 static uint32_t renew(struct search *search, kernel_renew *make, const float *rows,
                       const struct kept *kept, uint32_t lanes, float *bound)
 {
@@ -196,7 +201,7 @@ static uint32_t renew(struct search *search, kernel_renew *make, const float *ro
         }
     } else {
         uint32_t open = make(rows, &search->probe, &made, made_bound);
-        take_planes(&kept->block->planes, &made, bound, made_bound, lanes & ~open);
+        take_better(&kept->block->planes, &made, bound, made_bound);
         lanes &= open;
     }
     return lanes;
@@ -221,31 +226,16 @@ static void put_plane(struct block *block, uint32_t lane, const float normal[3],
 }
 
 /*
- * One plane for a lane of a node, in the direction that `boxes` takes, but with the support of what lies
- * below the lane: of its triangles, or of its children's boxes. Such a plane lasts longer than that of a
- * box. Returns 1 when it closes the lane.
+ * One plane for a lane of a node, in this direction, with the support of what lies below the lane: of its triangles, or
+ * of its children's boxes. Such a plane lasts longer than that of a box. Returns 1 when it closes the lane.
  */
-static int refine(struct search *search, uint32_t level, uint32_t node, uint32_t lane,
-                  struct block *block)
+static int refine_along(struct search *search, uint32_t level, uint32_t node, uint32_t lane,
+                        const float n[3], struct block *block)
 {
     const struct tree *tree = search->tree;
     const struct probe *p = &search->probe;
-    const float *box = tree->level[level] + (size_t)node * MESH_BOX_WORDS + lane;
     size_t child = (size_t)node * LANES + lane;
-    float low[LANES], n[3], s = 0.0f, square = 0.0f;
-    for (int k = 0; k < 3; k++)
-        s += (box[k * LANES] - p->a[k]) * p->x[k];
-    s = s > 0.0f ? s : 0.0f;
-    s = s < p->length ? s : p->length;
-    for (int k = 0; k < 3; k++) {
-        n[k] = box[k * LANES] - p->a[k] - s * p->x[k];
-        square += n[k] * n[k];
-    }
-    if (!(square > 0x1p-100f))
-        return 0;
-    float unit = 1.0f / sqrtf(square);
-    for (int k = 0; k < 3; k++)
-        n[k] *= unit;
+    float low[LANES];
     search->nearest->work++;
     if (level == 1)
         search->kernel->common_triangles(tree->leaves + child * MESH_LEAF_WORDS, n, 0.0f, low);
@@ -256,6 +246,32 @@ static int refine(struct search *search, uint32_t level, uint32_t node, uint32_t
         return 0;
     put_plane(block, lane, n, support);
     return 1;
+}
+
+/* Of a leaf along the normal of the best pair, which closes three of four; else in the direction that `boxes` takes. */
+static int refine(struct search *search, uint32_t level, uint32_t node, uint32_t lane,
+                  struct block *block)
+{
+    const struct probe *p = &search->probe;
+    const float *box = search->tree->level[level] + (size_t)node * MESH_BOX_WORDS + lane;
+    float n[3], s = 0.0f, square = 0.0f;
+    if (level == 1 && search->has_plane &&
+        refine_along(search, level, node, lane, p->normal, block))
+        return 1;
+    for (int k = 0; k < 3; k++)
+        s += (box[k * LANES] - p->a[k]) * p->x[k];
+    s = s > 0.0f ? s : 0.0f;
+    s = s < p->length ? s : p->length;
+    for (int k = 0; k < 3; k++) {
+        n[k] = box[k * LANES] - p->a[k] - s * p->x[k];
+        square += n[k] * n[k];
+    }
+    if (!(square > 0x1p-100f) || !spare(search))
+        return 0;
+    float unit = 1.0f / sqrtf(square);
+    for (int k = 0; k < 3; k++)
+        n[k] *= unit;
+    return refine_along(search, level, node, lane, n, block);
 }
 
 /*
@@ -381,7 +397,7 @@ static void look_into_leaf(struct search *search, uint32_t leaf)
         if (bound[lane] > search->probe.limit)
             return;
         if (search->slack > 0.0 && search->has_plane &&
-            tree_is_beyond(tree, &search->front, first + lane))
+            tree_is_beyond(tree, &search->nearest->front, first + lane))
             continue;
         pair found = tree_pair(tree, first + lane, search->a, search->u);
         if (take_pair(tree, first + lane, &found, search->nearest))

@@ -22,12 +22,27 @@ struct tree {
 
 #define NEAREST_TRIED 16
 
+/*
+ * The plane through a pair's point on the mesh, across the connection. What is wholly beyond it is no nearer.
+ * The axis may lean towards it: by no more than rounding where the pair is not at its end, but over its
+ * whole length that is more than the rounding of a distance. The point of the axis nearest to an x of the mesh is
+ * no farther from the pair's than x is from the mesh's, so it is the lean over that way which counts.
+ */
+struct front {
+    vec3 normal;  /* unit, away from the axis */
+    vec3 at;      /* the pair's point on the mesh */
+    double lean2; /* square of the axis' rise along the normal, per length */
+    double slack;
+};
+
 /* The best pair so far, and what it cost. */
 struct nearest {
     pair pair;         /* in the mesh's frame */
     uint32_t triangle; /* place in the mesh, or DPT_NONE */
     uint32_t work;     /* 16-lane blocks */
     uint32_t most;     /* a walk stops before it costs more; 0: it may cost what it takes */
+    uint32_t front_of; /* the triangle, from 1, to whose pair the front belongs; 0: there is none */
+    struct front front;
     uint32_t tried_count;
     uint32_t tried[NEAREST_TRIED]; /* triangles that are no nearer, as is known without a search */
 };
@@ -50,20 +65,10 @@ struct walk {
 void tree_of_mesh(const struct dpt_mesh *mesh, struct tree *tree);
 
 /*
- * The plane through a pair's point on the mesh, across the connection. What is wholly beyond it is no nearer.
- * The axis may lean towards it: by no more than rounding where the pair is not at its end, but over its
- * whole length that is more than the rounding of a distance. The point of the axis nearest to an x of the mesh is
- * no farther from the pair's than x is from the mesh's, so it is the lean over that way which counts.
+ * Make its front, if it is another pair's: of the axis a + s u, at a positive distance. What is nearer by less than
+ * `slack` counts as no nearer.
  */
-struct front {
-    vec3 normal;  /* unit, away from the axis */
-    vec3 at;      /* the pair's point on the mesh */
-    double lean2; /* square of the axis' rise along the normal, per length */
-    double slack;
-};
-
-/* Of the axis a + s u and a pair at a positive distance; what is nearer by less than `slack` counts as no nearer. */
-struct front tree_front(const pair *found, vec3 a, vec3 u, double slack);
+void nearest_front(struct nearest *nearest, vec3 a, vec3 u, double slack);
 
 /* All of a triangle lies beyond. */
 int tree_is_beyond(const struct tree *tree, const struct front *front, uint32_t triangle);
