@@ -71,7 +71,8 @@ static void ask_plainly(struct hunt *hunt, uint32_t index)
     } else {
         struct walk walk;
         walk.at = 0;
-        track_begin(&track, &body->tree, *world_last(world, hunt->segment, index), limit2, TRACK_STAYS, 0);
+        track_begin(&track, &body->tree, *world_last(world, hunt->segment, index), limit2,
+                    TRACK_STAYS, 0);
         track_prove(&track, &body->tree, &world->kernel, NULL, &walk);
         track_settle(&track);
     }

@@ -108,15 +108,14 @@ static inline int pair_on_face(pair *best, vec3 u, const vec3 from[3], const vec
 
 /*
  * The axis' line against the triangle's plane, by triple products: how high its ends are above the plane, and how far
- * within each edge it passes, as volumes. Each is wrong by less than 54 roundings of the largest product that enters
- * it, a side by three times as much; `noise` is 512.
+ * within each edge it passes, as volumes. Rounding is less than a fifth of the noise (docs/algorithms/distance.md).
  */
 struct pierce {
     double height_a, height_b;
-    double side[3];      /* of the edge opposite to each corner, positive within; their sum is |height_a - height_b| */
-    double height_noise; /* what is less than that in size may be rounding */
-    double side_noise;
-    int is_flat; /* far from a sliver: its height is at least an eighth or so of its edges */
+    double side
+        [3]; /* of the edge opposite to each corner, positive within; their sum is |height_a - height_b| */
+    double height_noise, side_noise;
+    int is_flat; /* no sliver: twice its area is at least a quarter of the square of its size */
 };
 
 static inline struct pierce pierce_of(vec3 u, const vec3 from[3], const vec3 edge[3])
@@ -133,7 +132,7 @@ static inline struct pierce pierce_of(vec3 u, const vec3 from[3], const vec3 edg
     p.side[0] = turn * rise - p.side[1] - p.side[2];
     p.height_noise = 0x1p-44 * square * (reach + way);
     p.side_noise = 0x1p-44 * size * way * (size + reach);
-    p.is_flat = dot(n, n) >= 0x1p-4 * (square * square);
+    p.is_flat = dot(n, n) > 0x1p-4 * (square * square);
     return p;
 }
 
@@ -148,7 +147,7 @@ static inline int pierce_parts(const struct pierce *p)
 static inline int pierce_misses(const struct pierce *p)
 {
     double least = smaller(p->side[0], smaller(p->side[1], p->side[2]));
-    return (least < -p->side_noise) & p->is_flat & pierce_parts(p);
+    return (least < -p->side_noise) & pierce_parts(p);
 }
 
 /* 1, and the answer, where the axis goes through the inside of a triangle that is no sliver, beyond doubt. */

@@ -183,8 +183,7 @@ dpt_result dpt_world_step(dpt_world *world, double dt, dpt_step *out)
 {
     if (!world)
         return DPT_E_ARGUMENT;
-    int only_track =
-        world->def.until == DPT_UNTIL_TRACK && world->def.method != DPT_METHOD_PAPER;
+    int only_track = world->def.until == DPT_UNTIL_TRACK && world->def.method != DPT_METHOD_PAPER;
     dpt_result result = DPT_OK;
     if (!(dt > 0.0 && within(dt, 1e6)))
         result = DPT_E_ARGUMENT;

@@ -308,6 +308,42 @@ static void what_is_kept_saves_work(void)
     fixture_free(&fixture);
 }
 
+/* A tool that is pushed through a mesh: what it crosses next is found over edges, without a search. */
+static void crossings_are_walked_to(void)
+{
+    struct fixture fixture;
+    struct twin exact, tree;
+    dpt_mesh_info info = { .size = sizeof info };
+    uint32_t moves = 0, walks = 0, last = DPT_NONE;
+    if (!fixture_from_shape(&fixture, "liver", 0))
+        return;
+    dpt_mesh_get_info(fixture.mesh, &info);
+    double middle[3], size = info.box_max[0] - info.box_min[0];
+    for (int k = 0; k < 3; k++)
+        middle[k] = 0.5 * (info.box_min[k] + info.box_max[k]);
+    dpt_segment segment = { { middle[0], middle[1], middle[2] - size },
+                            { middle[0], middle[1], middle[2] + size },
+                            0.0 };
+    CHECK(twin_open(&exact, fixture.mesh, DPT_METHOD_EXACT, 1 << 20, &segment), "world");
+    CHECK(twin_open(&tree, fixture.mesh, DPT_METHOD_TREE, 0, &segment), "world");
+    for (uint32_t tick = 0; tick < 2000; tick++) {
+        for (int k = 0; k < 2; k++) {
+            segment.a[k] = middle[k] + 0.1 * size * sin(2e-2 * tick + k);
+            segment.b[k] = middle[k] + 0.1 * size * cos(3e-2 * tick - k);
+        }
+        dpt_hit a = twin_step(&exact, &segment), b = twin_step(&tree, &segment);
+        agree(&a, &b, "pushed through", tick);
+        moves += tick > 0 && a.triangle != last;
+        walks += tick > 0 && a.triangle != last && a.work <= 4;
+        last = a.triangle;
+    }
+    printf("    %u times onto another triangle, %u of them over at most 4 edges\n", moves, walks);
+    CHECK(moves > 200 && walks * 20 > moves * 19, "%u of %u", walks, moves);
+    free(exact.block);
+    free(tree.block);
+    fixture_free(&fixture);
+}
+
 /* A slot's next body, and a segment that moves up, must not meet the planes of those before. */
 static void planes_leave_with_their_owner(void)
 {
@@ -480,6 +516,7 @@ int main(int argc, char **argv)
         ticks = (uint32_t)strtoul(argv[1], NULL, 10);
     TEST(certificate_is_the_tree);
     TEST(what_is_kept_saves_work);
+    TEST(crossings_are_walked_to);
     TEST(owners_do_not_mix);
     TEST(keys_name_their_owner);
     TEST(planes_leave_with_their_owner);
