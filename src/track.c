@@ -41,6 +41,7 @@ static int try_neighbour(const struct tree *tree, const struct axis *axis, uint3
             note_tried(nearest, nearest->triangle);
             nearest->pair = found;
             nearest->triangle = triangle;
+            __builtin_prefetch(&tree->sources[triangle]);
             return 1;
         }
     }
@@ -94,6 +95,8 @@ static int walk_through(const struct tree *tree, const struct axis *axis, uint32
     enum { WALK_MOST = 8 };
     const uint32_t *neighbours = mesh_words(tree->mesh, MESH_NEIGHBOURS);
     for (int i = 0; i < WALK_MOST && triangle < tree->mesh->triangles; i++) {
+        __builtin_prefetch(&neighbours[3 * (size_t)triangle]);
+        __builtin_prefetch(&tree->sources[triangle]);
         struct pierce pierce = tree_pierce(tree, triangle, axis->local_a, axis->u);
         if (pair_on_pierced(&nearest->pair, &pierce)) {
             nearest->triangle = triangle;
@@ -127,6 +130,7 @@ void track_begin(struct track *track, const struct tree *tree, uint32_t last, do
         track->old = (pair){ .distance2 = HUGE_VAL };
         return;
     }
+    __builtin_prefetch(&mesh_words(tree->mesh, MESH_NEIGHBOURS)[3 * (size_t)triangle]);
     track->old = tree_pair(tree, triangle, axis->local_a, axis->u);
     if (!(track->old.distance2 < limit2)) {
         track->last = DPT_NONE;
