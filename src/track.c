@@ -98,11 +98,16 @@ static int walk_through(const struct tree *tree, const struct axis *axis, uint32
         __builtin_prefetch(&neighbours[3 * (size_t)triangle]);
         __builtin_prefetch(&tree->sources[triangle]);
         struct pierce pierce = tree_pierce(tree, triangle, axis->local_a, axis->u);
-        if (pair_on_pierced(&nearest->pair, &pierce)) {
+        int misses = pierce_misses(&pierce);
+        pair found;
+        if (!misses && !pair_on_pierced(&found, &pierce))
+            found = tree_pair(tree, triangle, axis->local_a, axis->u); /* a sliver, perhaps */
+        if (!misses && found.distance2 == 0.0) {
+            nearest->pair = found;
             nearest->triangle = triangle;
             return 1;
         }
-        if (!pierce_parts(&pierce) || (nearest->most && nearest->work >= nearest->most))
+        if (!misses || (nearest->most && nearest->work >= nearest->most))
             return 0;
         const double *side = pierce.side;
         uint32_t least = side[0] < side[1] ? 0u : 1u;
