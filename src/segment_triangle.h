@@ -112,8 +112,7 @@ static inline int pair_on_face(pair *best, vec3 u, const vec3 from[3], const vec
  */
 struct pierce {
     double height_a, height_b;
-    double side
-        [3]; /* of the edge opposite to each corner, positive within; their sum is |height_a - height_b| */
+    double side[3]; /* of the edge opposite to each corner, positive within */
     double height_noise, side_noise;
     int is_flat; /* no sliver: twice its area is at least a quarter of the square of its size */
 };
