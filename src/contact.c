@@ -30,7 +30,7 @@ int contact_find(struct profile *profile, const struct nearest *nearest, const s
     *gap = sqrt(nearest->pair.distance2) - radius;
     if (!profile_make(profile, nearest, seeds, seed_count))
         return CONTACT_NONE;
-    if (profile->full || profile->cut || profile_is_sideless(profile))
+    if (profile->full || profile->cut || profile->sideless)
         return CONTACT_UNKNOWN;
     if (profile->sample[profile->deepest].height < 0.0)
         *gap = profile->sample[profile->deepest].height - radius;

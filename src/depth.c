@@ -27,13 +27,6 @@ struct bend profile_bend(const struct profile *profile, const struct sample *fro
     return (struct bend){ from->s + s, from->height + rise_from * s };
 }
 
-/* The square of how far x(s) is from the point of the mesh that is nearest to a sample; the sample's triangle is no farther. */
-static double square_to_point(const struct profile *profile, const struct sample *sample, double s)
-{
-    vec3 way = along(sample->gap, s - sample->s, profile->axis->u);
-    return dot(way, way);
-}
-
 /* How deep it can be between two samples of which one is inside; to know that it is not above `least` is enough. */
 static struct deep deep_between(const struct profile *profile, uint32_t i, double least)
 {
@@ -53,7 +46,7 @@ static struct deep deep_between(const struct profile *profile, uint32_t i, doubl
     } else {
         double at = profile_bend(profile, from, to).s;
         double square =
-            larger(square_to_point(profile, from, at), square_to_point(profile, to, at));
+            larger(profile_square_to(profile, from, at), profile_square_to(profile, to, at));
         if (square <= least * least)
             return (struct deep){ larger(ends, sqrt(square)), at, 1, 0 };
         for (int tries = 0; tries < 3 && bound > least; tries++) {
@@ -105,7 +98,8 @@ static const struct sample *deepest_stretch(struct profile *profile, double leas
     double bound = least;
     for (uint32_t i = 0; i + 1 < profile->count; i++) {
         struct sample *sample = &profile->sample[i];
-        if (sample[1].s <= least_s || sample->s >= most_s || !is_inner(profile, i))
+        if (sample[1].s <= least_s || sample->s >= most_s ||
+            (sample->bounded && !(sample->deep.bound > bound)) || !is_inner(profile, i))
             continue;
         if (!sample->bounded || (sample->deep.coarse && sample->deep.bound > least)) {
             sample->deep = deep_between(profile, i, least);

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* As tree.c, with squares: of a point a box' distance is three differences, and so no direction need be guessed. */
+/*
+ * As tree.c, with squares: of a point a box' distance is three differences, and so no direction need be guessed. A search that
+ * begins with a triangle, beside its end, takes boxes as they lie: it has little to gain from the nearest first.
+ */
 #include "point.h"
 
 #include "probe.h"
@@ -65,6 +68,7 @@ int point_search(const struct tree *tree, const struct kernel *kernel, vec3 x,
 {
     struct search search;
     uint32_t level = tree->levels;
+    int beside = nearest->triangle != DPT_NONE;
     vec3 at = scaled(sub(x, vec3_of(tree->mesh->filter_centre)), tree->mesh->filter_scale);
     search.tree = tree;
     search.kernel = kernel;
@@ -77,14 +81,19 @@ int point_search(const struct tree *tree, const struct kernel *kernel, vec3 x,
     while (level <= tree->levels &&
            (nearest->pair.distance2 > 0.0 || nearest->triangle == DPT_NONE)) {
         struct visit *visit = &search.level[level];
-        uint32_t lane = visit->lanes ? least_lane(visit->bound, visit->lanes) : LANES;
-        if (lane == LANES || visit->bound[lane] > search.limit) {
+        if (!visit->lanes) {
             level++;
+            continue;
+        }
+        uint32_t lane =
+            beside ? (uint32_t)__builtin_ctz(visit->lanes) : least_lane(visit->bound, visit->lanes);
+        visit->lanes &= ~(1u << lane);
+        if (visit->bound[lane] > search.limit) {
+            visit->lanes = beside ? visit->lanes : 0;
             continue;
         }
         if (nearest->most && nearest->work >= nearest->most)
             return 0;
-        visit->lanes &= ~(1u << lane);
         uint32_t child = visit->node * LANES + lane;
         if (level == 1)
             look_into_leaf(&search, child);

@@ -93,7 +93,8 @@ static int goes_through(const struct profile *profile, const struct crossing *cr
            side_of_way(profile->tree, crossing->triangle, weight, scaled(u, -1.0));
 }
 
-int profile_is_sideless(const struct profile *profile)
+/* It goes through an open sheet of which no side is kept. */
+static int is_sideless(const struct profile *profile)
 {
     for (uint32_t k = 0; k < profile->crossings; k++) {
         uint32_t part = side_part(profile->tree, profile->crossing[k].triangle);
@@ -185,9 +186,9 @@ static int drop_sample(struct profile *profile)
 /* In order of s; of two at one place the exact one, or the newer, stays. Returns its index, or DPT_NONE. */
 static uint32_t put_sample(struct profile *profile, const struct sample *sample)
 {
-    uint32_t i = 0;
-    while (i < profile->count && profile->sample[i].s < sample->s)
-        i++;
+    uint32_t i = profile->count;
+    while (i > 0 && profile->sample[i - 1].s >= sample->s)
+        i--;
     struct sample *here = &profile->sample[i];
     if (i < profile->count && here->s == sample->s) {
         if (i)
@@ -301,23 +302,24 @@ static void join_crossings(struct profile *profile)
     profile->crossings = kept;
 }
 
-/* The stretch of the axis that a triangle within reach can be within reach of. */
-static void put_zone(struct profile *profile, uint32_t triangle)
+/* The stretch of the axis that a triangle within reach can be within reach of; `room`: the reach, in s. */
+static void put_zone(struct profile *profile, uint32_t triangle, double per_uu, double room)
 {
     const struct tree *tree = profile->tree;
     const struct axis *axis = profile->axis;
     const uint32_t *corner = tree->corners + 3 * (size_t)triangle;
     double from = HUGE_VAL, to = -HUGE_VAL;
-    double per_uu = profile->size > 0.0 ? 1.0 / dot(axis->u, axis->u) : 0.0;
     for (int k = 0; k < 3; k++) {
         vec3 c = vec3_of_float(tree->positions + 3 * (size_t)corner[k]);
         double s = dot(sub(c, axis->local_a), axis->u) * per_uu;
         from = smaller(from, s);
         to = larger(to, s);
     }
-    double room = profile->size > 0.0 ? profile->reach / profile->size : 1.0;
     from = clamp01(from - room);
     to = to + room < 1.0 ? clamp01(to + room) : 1.0;
+    for (uint32_t i = 0; i < profile->zones; i++)
+        if (profile->zone_from[i] <= from && profile->zone_to[i] >= to)
+            return;
     uint32_t kept = 0;
     for (uint32_t i = 0; i < profile->zones; i++) {
         if (profile->zone_to[i] < from || profile->zone_from[i] > to) {
@@ -347,10 +349,12 @@ static void look_around(struct profile *profile)
         profile->cut = 1;
         return;
     }
+    double per_uu = profile->size > 0.0 ? 1.0 / dot(axis->u, axis->u) : 0.0;
+    double room = profile->size > 0.0 ? profile->reach / profile->size : 1.0;
     range_begin(&range, profile->tree, profile->kernel, axis->local_a, axis->u, profile->reach,
                 spare(profile));
     for (uint32_t t; (t = range_next(&range, &meets)) != DPT_NONE;) {
-        put_zone(profile, t);
+        put_zone(profile, t, per_uu, room);
         if (!meets)
             continue;
         pair found = tree_pair(profile->tree, t, axis->local_a, axis->u);
@@ -473,6 +477,7 @@ int profile_make(struct profile *profile, const struct nearest *nearest, const s
     profile->work = 0;
     profile->full = 0;
     profile->cut = 0;
+    profile->sideless = 0;
     profile->crossings = 0;
     profile->zones = 0;
     profile->count = 0;
@@ -486,6 +491,9 @@ int profile_make(struct profile *profile, const struct nearest *nearest, const s
         profile->sign[0] = -1;
     } else {
         look_around(profile);
+        profile->sideless = (uint32_t)is_sideless(profile);
+        if (profile->full || profile->cut || profile->sideless)
+            return 1;
         find_sides(profile, nearest);
     }
     put_crossing_samples(profile);
@@ -527,10 +535,11 @@ int profile_is_blind(const struct profile *profile, uint32_t i, double *from, do
 {
     const struct sample *left = &profile->sample[i], *right = left + 1;
     double middle = 0.5 * (left->s + right->s);
+    if (!(profile->sign[profile_stretch(profile, middle)] > 0 && in_zone(profile, middle)))
+        return 0;
     *from = left->s + way_beyond(profile, left, 1.0);
     *to = right->s - way_beyond(profile, right, -1.0);
-    return *to > *from && profile->sign[profile_stretch(profile, middle)] > 0 &&
-           in_zone(profile, middle);
+    return *to > *from;
 }
 
 /* First those that have nothing in them, then what is beside a sample that is within reach. */

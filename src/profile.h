@@ -86,14 +86,15 @@ struct profile {
     const struct kernel *kernel;
     const struct axis *axis;
     const struct sides *sides;
-    double size;      /* length of the axis */
-    double reach;     /* surface farther than that from the axis does not count */
-    double tolerance; /* of the depth */
-    uint32_t work;    /* 16-lane blocks */
-    uint32_t most;    /* and how many it may look at; UINT32_MAX: what it takes */
-    uint32_t cut;     /* that was not enough */
-    uint32_t winding; /* the mesh has parts whose inside the winding number tells */
-    uint32_t full;    /* more crossings than there is room for: what is known is not all */
+    double size;       /* length of the axis */
+    double reach;      /* surface farther than that from the axis does not count */
+    double tolerance;  /* of the depth */
+    uint32_t work;     /* 16-lane blocks */
+    uint32_t most;     /* and how many it may look at; UINT32_MAX: what it takes */
+    uint32_t cut;      /* that was not enough */
+    uint32_t winding;  /* the mesh has parts whose inside the winding number tells */
+    uint32_t full;     /* more crossings than there is room for: what is known is not all */
+    uint32_t sideless; /* it goes through an open sheet of which no side is kept */
     uint32_t crossings;
     uint32_t zones;
     uint32_t count;
@@ -108,6 +109,14 @@ struct profile {
 static inline vec3 profile_point(const struct profile *profile, double s)
 {
     return along(profile->axis->local_a, s, profile->axis->u);
+}
+
+/* The square of how far x(s) is from the point of the mesh that is nearest to a sample; the sample's triangle is no farther. */
+static inline double profile_square_to(const struct profile *profile, const struct sample *sample,
+                                       double s)
+{
+    vec3 way = along(sample->gap, s - sample->s, profile->axis->u);
+    return dot(way, way);
 }
 
 /* Between which crossings a place is: an index into `sign`. */
@@ -133,15 +142,12 @@ static inline double profile_reach(const struct profile *profile, uint32_t trian
 /*
  * Make the profile of an axis. `nearest` is the axis' nearest pair with this body where that is known exactly, or
  * NULL. `seeds` are places of an earlier tick. Returns 0 when the axis is outside and nothing is within reach:
- * there is no contact then.
+ * there is no contact then. Where it is cut, full or sideless, it may have no samples.
  *
  * First the caller sets tree, kernel, axis, sides, reach, tolerance and most.
  */
 int profile_make(struct profile *profile, const struct nearest *nearest, const struct seed *seeds,
                  uint32_t seed_count);
-
-/* It goes through an open sheet of which no side is kept. */
-int profile_is_sideless(const struct profile *profile);
 
 /* One more sample, by a search or by descent from those beside it; its index, or DPT_NONE if there was no room. */
 uint32_t profile_ask(struct profile *profile, double s, int exact);

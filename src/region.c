@@ -130,22 +130,23 @@ static struct span span_between(const struct profile *profile, const struct samp
 
 /*
  * A wall may be nearest between two samples and at neither: so when both have just passed from it to another that is about as
- * far. How far the way out would turn between them, if `was` is that wall.
+ * far. How far the way out would turn between them, if `was` is that wall. `least`: no less than how far the samples'
+ * triangles are there.
  */
 static double turn_between(const struct profile *profile, const struct sample *from,
-                           const struct sample *to, uint32_t was)
+                           const struct sample *to, uint32_t was, double least)
 {
     const vec3 none = { 0.0, 0.0, 0.0 };
     if (was == from->triangle || was == to->triangle)
         return 0.0;
-    double s = from->span.s;
-    double least =
-        smaller(profile_reach(profile, from->triangle, s), profile_reach(profile, to->triangle, s));
-    if (profile_reach(profile, was, s) > least + profile->axis->error)
+    double s = from->span.s, error = profile->axis->error;
+    if (profile_reach(profile, was, s) > least + error)
         return 0.0;
+    least = smaller(least, profile_reach(profile, from->triangle, s));
+    least = smaller(least, profile_reach(profile, to->triangle, s));
     pair found = tree_pair(profile->tree, was, profile_point(profile, s), none);
     double distance = sqrt(found.distance2);
-    if (!(distance > profile->axis->error && distance < least))
+    if (!(distance > error && distance < least))
         return 0.0;
     double sign = from->height + to->height < 0.0 ? -1.0 : 1.0;
     vec3 way = scaled(found.gap, sign / distance);
@@ -164,8 +165,15 @@ static double doubt_of_way(const struct profile *profile, const struct sample *f
         share = 0.03;
     else if (turn > TURN_LARGE && from->span.doubt <= STRAIGHT * from->span.area)
         share = 1.0;
-    return share * turn + 0.25 * larger(turn_between(profile, from, to, from->was),
-                                        turn_between(profile, from, to, to->was));
+    double doubt = share * turn;
+    if (from->was != from->triangle || to->was != to->triangle) {
+        double s = from->span.s;
+        double least =
+            sqrt(smaller(profile_square_to(profile, from, s), profile_square_to(profile, to, s)));
+        doubt += 0.25 * larger(turn_between(profile, from, to, from->was, least),
+                               turn_between(profile, from, to, to->was, least));
+    }
+    return doubt;
 }
 
 static void take_span(const struct profile *profile, struct sample *from)
