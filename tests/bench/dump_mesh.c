@@ -44,5 +44,5 @@ int main(int argc, char **argv)
     for (uint32_t c = 0; c < 3 * info.triangles; c++)
         put_word(output.file, c);
     free(bytes);
-    return output_close(&output, "dump_mesh", 1);
+    return output_close(&output, "dump_mesh");
 }
