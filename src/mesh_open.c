@@ -157,6 +157,16 @@ static dpt_result check_floats(const struct dpt_mesh *mesh, int id, float limit,
     return check_some_floats(mesh, id, mesh->section[id].bytes / 4, limit, fault);
 }
 
+/* All vertices are in the header's box: what may be rounding is judged by it. */
+static dpt_result check_box(const struct dpt_mesh *mesh, dpt_mesh_fault *fault)
+{
+    const float *word = mesh_floats(mesh, MESH_VERTICES);
+    for (size_t i = 0; i < 3 * (size_t)mesh->vertices; i++)
+        if (!(word[i] >= mesh->box_min[i % 3] && word[i] <= mesh->box_max[i % 3]))
+            return fail_at(fault, DPT_E_FINITE, mesh, MESH_VERTICES, i);
+    return DPT_OK;
+}
+
 /* Behind the floats a word a leaf names lanes that hold a triangle. */
 static dpt_result check_moments(const struct dpt_mesh *mesh, dpt_mesh_fault *fault)
 {
@@ -189,6 +199,7 @@ static dpt_result check_content(const struct dpt_mesh *mesh, dpt_mesh_fault *fau
 {
     DPT_TRY(check_numbers(mesh, fault));
     DPT_TRY(check_floats(mesh, MESH_VERTICES, (float)DPT_COORDINATE_MAX, fault));
+    DPT_TRY(check_box(mesh, fault));
     DPT_TRY(check_indices(mesh, MESH_TRIANGLES, mesh->vertices, 0, fault));
     DPT_TRY(check_indices(mesh, MESH_NEIGHBOURS, mesh->triangles, MESH_EDGE_MANY, fault));
     DPT_TRY(check_fans(mesh, fault));

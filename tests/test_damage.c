@@ -185,6 +185,8 @@ static void each_check_has_its_damage(void)
         { PLAIN, SET, MESH_NORMALS, 4, nan, ALL, finite, NULL, THERE },
         { PLAIN, SET, MESH_NORMALS, -1, bits_of(1.0000001f), ALL, finite, NULL, THERE },
         { OLD, SET, MESH_VERTICES, 7, nan, ALL, finite, NULL, THERE },
+        /* check_box */
+        { PLAIN, SET, MESH_VERTICES, 7, bits_of(1e5f), ALL, finite, NULL, THERE },
         /* check_indices, by section */
         { PLAIN, SET, MESH_TRIANGLES, 5, v, ALL, index, NULL, THERE },
         { PLAIN, SET, MESH_NEIGHBOURS, -1, t, ALL, index, NULL, THERE },

@@ -222,6 +222,11 @@ static void repair_floats(struct dpt_mesh *mesh)
         mesh->tail.crease = 0.0;
     repair_doubles(mesh->box_min, 3, 2.0 * DPT_COORDINATE_MAX);
     repair_doubles(mesh->box_max, 3, 2.0 * DPT_COORDINATE_MAX);
+    const float *word = mesh_floats(mesh, MESH_VERTICES);
+    for (size_t i = 0; i < 3 * (size_t)mesh->vertices; i++) {
+        mesh->box_min[i % 3] = fmin(mesh->box_min[i % 3], word[i]);
+        mesh->box_max[i % 3] = fmax(mesh->box_max[i % 3], word[i]);
+    }
     repair_doubles(mesh->filter_centre, 3, 2.0 * DPT_COORDINATE_MAX);
     repair_doubles(&mesh->scale, 1, 1e300);
     repair_doubles(&mesh->rounding, 1, 1e300);
