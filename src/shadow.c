@@ -9,11 +9,6 @@
 
 #include "corners.h"
 
-#if defined(__GNUC__)
-#define PREFETCH(address) __builtin_prefetch(address)
-#else
-#define PREFETCH(address) ((void)0)
-#endif
 #define LINE_WORDS 16 /* of a cache line, mostly */
 
 /* Slabs go side by side: so the bits are as wide as the numbers, and the loop must not be taken apart before that is seen. */
@@ -88,10 +83,10 @@ static void fetch_leaf(struct shadow_walk *walk, uint32_t leaf)
 {
     const size_t first = 3 * LANES * (size_t)leaf;
     for (size_t line = 0; line < 3 * LANES; line += LINE_WORDS) {
-        PREFETCH(walk->corners + first + line);
-        PREFETCH(walk->neighbours + first + line);
+        __builtin_prefetch(walk->corners + first + line);
+        __builtin_prefetch(walk->neighbours + first + line);
     }
-    PREFETCH(walk->sources + LANES * (size_t)leaf);
+    __builtin_prefetch(walk->sources + LANES * (size_t)leaf);
     walk->leaf = leaf;
 }
 
