@@ -178,6 +178,57 @@ static void too_deep_behind_a_sheet(void)
     subject_close(&subject);
 }
 
+/* What a segment tells is no less deep than any of its regions, as a tool presses on a sheet, over its borders too. */
+static void as_deep_as_its_regions(void)
+{
+    struct subject subject;
+    dpt_world_def def;
+    dpt_world_def_init(&def);
+    size_t pressed = 0;
+    uint64_t seed = 11;
+    if (!subject_from_shape(&subject, "membrane", 512))
+        return;
+    void *block = malloc(dpt_world_bytes(&def));
+    for (int run = 0; run < 40; run++) {
+        dpt_world *world;
+        dpt_body body;
+        dpt_tool tool;
+        dpt_segment axis = { .radius = 0.001 };
+        const double x = random_in(&seed, -0.1, 0.1), y = random_in(&seed, -0.1, 0.1);
+        const double turn = random_in(&seed, 0.0, 6.3), tilt = random_in(&seed, -0.01, 0.01);
+        dpt_world_create(block, dpt_world_bytes(&def), &def, &world);
+        dpt_body_add(world, subject.mesh, NULL, &body);
+        for (int tick = 0; tick < 400; tick++) {
+            /* Down, then along. */
+            const double middle = 0.02 - 4e-4 * (tick < 60 ? tick : 60), slid = 3e-4 * (tick - 60);
+            const double way[2] = { 0.12 * cos(turn), 0.12 * sin(turn) };
+            const double by = tick > 60 ? slid : 0.0;
+            const double ends[6] = { x + by - way[0], y - way[1], middle - tilt,
+                                     x + by + way[0], y + way[1], middle + tilt };
+            memcpy(axis.a, ends, sizeof axis.a);
+            memcpy(axis.b, ends + 3, sizeof axis.b);
+            if (tick == 0)
+                dpt_tool_add(world, &axis, 1, &tool);
+            else
+                dpt_tool_set_segments(world, tool, &axis, 1);
+            dpt_world_step(world, 0.001, NULL);
+            dpt_hit hit = DPT_HIT_INIT;
+            dpt_contact contacts[8];
+            uint32_t count = 0;
+            contacts[0].size = sizeof *contacts;
+            dpt_tool_get_hit(world, tool, &hit);
+            dpt_tool_get_contacts(world, tool, contacts, 8, &count);
+            for (uint32_t i = 0; i < count && i < 8 && hit.flags & DPT_HIT_GAP; i++)
+                CHECK(hit.gap <= contacts[i].gap + hit.error_bound, "%d, %d: %.9g, a region %.9g",
+                      run, tick, hit.gap, contacts[i].gap);
+            pressed += hit.contact == DPT_CONTACT_PENETRATING;
+        }
+    }
+    CHECK(pressed > 1000, "%zu", pressed);
+    free(block);
+    subject_close(&subject);
+}
+
 /* A budget is kept also where sides take winding numbers. */
 static void windings_within_the_budget(void)
 {
@@ -221,6 +272,7 @@ int main(void)
     TEST(generated_shapes);
     TEST(with_holes);
     TEST(too_deep_behind_a_sheet);
+    TEST(as_deep_as_its_regions);
     TEST(windings_within_the_budget);
     if (!data)
         SKIP("organs with holes", "DPT_DATA does not name the data folder");
