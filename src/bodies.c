@@ -127,6 +127,8 @@ static double update(struct dpt_world *world, uint32_t segment, uint32_t index,
     double moved = moved_since(proof, axis);
     if (moved > 0.0 && resting->body == index && resting->walk.at)
         give_up(world, segment, resting);
+    if (moved == 0.0)
+        proof->rested = world->ticks;
     proof->floor = larger(0.0, proof->floor - moved);
     proof->a = axis->local_a;
     proof->b = add(axis->local_a, axis->u);

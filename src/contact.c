@@ -65,6 +65,7 @@ void contact_of(const struct tree *tree, const struct kernel *kernel, const stru
     profile.kernel = kernel;
     profile.axis = axis;
     profile.sides = &none;
+    profile.memo = NULL;
     profile.reach = radius;
     profile.tolerance = PROFILE_DEPTH_SHARE * tree_diagonal(tree);
     profile.most = UINT32_MAX;

@@ -207,7 +207,8 @@ static void write_contact(const struct meeting *meeting, const struct region *re
     contact->gap = deepest->height - meeting->radius;
     contact->contact = contact_of_gap(contact->gap, axis->error);
     contact->flags = (goes_through(meeting->profile, region) ? DPT_REGION_CROSSING : 0u) |
-                     (hold->side ? DPT_REGION_SIDED : 0u);
+                     (hold->side ? DPT_REGION_SIDED : 0u) |
+                     (meeting->profile->coarse ? DPT_REGION_COARSE : 0u);
     contact->s0 = region->from;
     contact->s1 = region->to;
     contact->s = deepest->s;
@@ -223,6 +224,30 @@ static void write_contact(const struct meeting *meeting, const struct region *re
     vec3_store(frame_turn(frame, region->thrust_moment), contact->thrust_moment);
 }
 
+/* With a budget, in the frame of the body. */
+static int rests(const struct meeting *meeting)
+{
+    const struct dpt_world *world = meeting->world;
+    return world->def.budget &&
+           world_proof(world, meeting->segment, handle_index(meeting->body->id))->rested ==
+               world->ticks;
+}
+
+/*
+ * What the next tick begins with. An axis that rests begins as before: it asks for the same points then, of which the memo
+ * knows more in each tick.
+ */
+static void put_seeds(const struct meeting *meeting, const struct region *region,
+                      const struct hold *before, struct hold *hold)
+{
+    if (!rests(meeting)) {
+        hold->seed_count = region_seeds(meeting->profile, region, hold->seed, HOLD_SEEDS);
+    } else if (before) {
+        hold->seed_count = before->seed_count;
+        memcpy(hold->seed, before->seed, sizeof hold->seed);
+    }
+}
+
 static void hold_region(struct meeting *meeting, const struct region *region)
 {
     const struct hold *before = same_region(meeting, region);
@@ -234,7 +259,7 @@ static void hold_region(struct meeting *meeting, const struct region *region)
     hold->part = region->part;
     hold->side = side_of_region(meeting, region,
                                 meeting->profile->sample[region->deepest].height - meeting->radius);
-    hold->seed_count = region_seeds(meeting->profile, region, hold->seed, HOLD_SEEDS);
+    put_seeds(meeting, region, before, hold);
     hold->contact.id = before ? before->contact.id : new_id(meeting->world);
     write_contact(meeting, region, hold, &hold->contact);
 }
@@ -281,13 +306,16 @@ static int look(struct meeting *meeting, const struct seed *seeds, uint32_t seed
     int found = contact_find(profile, &meeting->nearest, seeds, seed_count, meeting->radius, gap);
     *count = 0;
     if (found == CONTACT_PROFILE && world->def.max_contacts) {
+        /* Integrals leave half to the segments that come after: their gaps count for more. */
+        if (world->def.budget && world->segment_count > 1)
+            profile->most -= (profile->most - profile->work) / 2;
         *count = region_all(profile, regions);
         take_deepest(meeting, regions, *count, gap);
     }
     meeting->work += profile->work;
     if (world->def.budget)
         world->left -= profile->work < world->left ? profile->work : world->left;
-    return profile->cut ? CONTACT_UNKNOWN : found;
+    return found;
 }
 
 /* One body: what it adds to the segment's gap and push; CONTACT_... */
@@ -302,6 +330,8 @@ static int meet(struct meeting *meeting, double *gap)
     profile->kernel = &world->kernel;
     profile->axis = &meeting->axis;
     profile->sides = &meeting->sides;
+    profile->memo = world->def.budget ? &world->memo : NULL;
+    profile->body = handle_index(meeting->body->id);
     profile->reach = meeting->radius + (world->def.max_contacts ? world->def.margin : 0.0);
     profile->tolerance = PROFILE_DEPTH_SHARE * tree_diagonal(profile->tree);
     int found = look(meeting, seeds, seed_count, regions, &count, gap);

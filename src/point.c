@@ -15,7 +15,7 @@ struct search {
     float at[3];
     float limit; /* the square of a bound beyond which nothing is nearer */
     float margin;
-    struct visit level[MESH_LEVELS_MAX + 1];
+    struct walk *walk;
 };
 
 /* The factor stands for the rounding of squares. */
@@ -34,8 +34,9 @@ static uint32_t lanes_of(uint32_t count)
 static void look_into_boxes(struct search *search, uint32_t level, uint32_t node)
 {
     const struct tree *tree = search->tree;
-    struct visit *visit = &search->level[level];
+    struct visit *visit = &search->walk->level[level];
     search->nearest->work++;
+    search->walk->at = level;
     visit->node = node;
     visit->lanes = lanes_of(tree->count[level - 1] - node * LANES) &
                    search->kernel->point_boxes(tree->level[level] + (size_t)node * MESH_BOX_WORDS,
@@ -63,42 +64,44 @@ static void look_into_leaf(struct search *search, uint32_t leaf)
     }
 }
 
-int point_search(const struct tree *tree, const struct kernel *kernel, vec3 x,
+int point_search(const struct tree *tree, const struct kernel *kernel, vec3 x, struct walk *walk,
                  struct nearest *nearest)
 {
     struct search search;
-    uint32_t level = tree->levels;
     int beside = nearest->triangle != DPT_NONE;
     vec3 at = scaled(sub(x, vec3_of(tree->mesh->filter_centre)), tree->mesh->filter_scale);
     search.tree = tree;
     search.kernel = kernel;
     search.nearest = nearest;
+    search.walk = walk;
     search.x = x;
     put_float(at, search.at);
     search.margin = (float)kernel_margin(length(at), length(at));
     set_limit(&search);
-    look_into_boxes(&search, level, 0);
-    while (level <= tree->levels &&
+    if (!walk->at)
+        look_into_boxes(&search, tree->levels, 0);
+    while (walk->at <= tree->levels &&
            (nearest->pair.distance2 > 0.0 || nearest->triangle == DPT_NONE)) {
-        struct visit *visit = &search.level[level];
+        struct visit *visit = &walk->level[walk->at];
         if (!visit->lanes) {
-            level++;
+            walk->at++;
             continue;
         }
         uint32_t lane =
             beside ? (uint32_t)__builtin_ctz(visit->lanes) : least_lane(visit->bound, visit->lanes);
-        visit->lanes &= ~(1u << lane);
+        uint32_t rest = visit->lanes & ~(1u << lane);
         if (visit->bound[lane] > search.limit) {
-            visit->lanes = beside ? visit->lanes : 0;
+            visit->lanes = beside ? rest : 0;
             continue;
         }
         if (nearest->most && nearest->work >= nearest->most)
             return 0;
+        visit->lanes = rest;
         uint32_t child = visit->node * LANES + lane;
-        if (level == 1)
+        if (walk->at == 1)
             look_into_leaf(&search, child);
         else
-            look_into_boxes(&search, --level, child);
+            look_into_boxes(&search, walk->at - 1, child);
     }
     return 1;
 }

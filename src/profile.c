@@ -51,10 +51,16 @@ static int is_inside_by_winding(struct profile *profile, double s)
     if (x.x < mesh->box_min[0] || x.y < mesh->box_min[1] || x.z < mesh->box_min[2] ||
         x.x > mesh->box_max[0] || x.y > mesh->box_max[1] || x.z > mesh->box_max[2])
         return 0;
+    const struct memo_entry *known =
+        profile->memo ? memo_find(profile->memo, profile->body, x) : NULL;
+    if (known && known->side)
+        return known->side < 0;
     double winding = HUGE_VAL;
     if (spare(profile))
         winding = winding_number(profile->tree, profile->kernel, x, spare(profile), &profile->work);
     profile->cut |= winding == HUGE_VAL;
+    if (profile->memo && winding != HUGE_VAL)
+        memo_put(profile->memo, profile->body, x)->side = winding > 0.5 ? -1 : 1;
     return winding > 0.5;
 }
 
@@ -121,17 +127,66 @@ static int begin(struct profile *profile, struct nearest *nearest)
     return left > 0;
 }
 
+/* A triangle that was found before, unless another is nearer: then 0. */
+static int take_nearer(const struct profile *profile, vec3 x, uint32_t triangle,
+                       struct nearest *nearest)
+{
+    pair found = tree_pair(profile->tree, triangle, x, (vec3){ 0.0, 0.0, 0.0 });
+    if (found.distance2 > nearest->pair.distance2)
+        return 0;
+    nearest->pair = found;
+    nearest->triangle = triangle;
+    return 1;
+}
+
+static void search(struct profile *profile, vec3 x, struct nearest *nearest)
+{
+    struct memo *memo = profile->memo;
+    const struct memo_entry *known = memo ? memo_find(memo, profile->body, x) : NULL;
+    struct walk walk;
+    uint32_t triangle;
+    walk.at = 0;
+    if (known && known->triangle != DPT_NONE) {
+        take_nearer(profile, x, known->triangle, nearest);
+        return;
+    }
+    if (!begin(profile, nearest))
+        return;
+    if (memo && memo_resume(memo, profile->body, x, &triangle, &walk))
+        take_nearer(profile, x, triangle, nearest);
+    int done = point_search(profile->tree, profile->kernel, x, &walk, nearest);
+    profile->work += nearest->work;
+    profile->cut |= !done;
+    if (memo && done)
+        memo_put(memo, profile->body, x)->triangle = nearest->triangle;
+    else if (memo)
+        memo_pause(memo, profile->body, x, nearest->triangle, &walk);
+}
+
+/* Of the descents to a point the first is kept, so that what follows from it is the same in the next tick. */
+static void descend(struct profile *profile, const struct axis *point, struct nearest *nearest)
+{
+    struct memo_entry *entry =
+        profile->memo ? memo_put(profile->memo, profile->body, point->local_a) : NULL;
+    int goes_on = entry && entry->descent != DPT_NONE &&
+                  take_nearer(profile, point->local_a, entry->descent, nearest);
+    if (!begin(profile, nearest))
+        return;
+    track_slide(profile->tree, point, nearest);
+    profile->work += nearest->work;
+    profile->cut |= nearest->most && nearest->work >= nearest->most;
+    if (entry && (goes_on || entry->descent == DPT_NONE))
+        entry->descent = nearest->triangle;
+}
+
 /* The nearest triangle of a point, by descent or by search, as far as there is work left for it. */
 static void improve(struct profile *profile, const struct axis *point, int exact,
                     struct nearest *nearest)
 {
-    if (!begin(profile, nearest))
-        return;
-    if (!exact)
-        track_slide(profile->tree, point, nearest);
-    else if (!point_search(profile->tree, profile->kernel, point->local_a, nearest))
-        profile->cut = 1;
-    profile->work += nearest->work;
+    if (exact)
+        search(profile, point->local_a, nearest);
+    else
+        descend(profile, point, nearest);
 }
 
 /* From a triangle near a point of the axis, by descent; `exact` by search. */
@@ -234,6 +289,8 @@ static int tell(struct profile *profile, uint32_t i, uint32_t triangle)
         !(profile_reach(profile, triangle, sample->s) < fabs(sample->height)))
         return 0;
     struct sample better = take_sample(profile, sample->s, triangle, 0);
+    if (profile->cut)
+        return 0;
     put_sample(profile, &better);
     return 1;
 }
@@ -241,7 +298,7 @@ static int tell(struct profile *profile, uint32_t i, uint32_t triangle)
 uint32_t profile_ask(struct profile *profile, double s, int exact)
 {
     struct sample sample = take_sample(profile, s, nearest_triangle(profile, s), exact);
-    uint32_t at = put_sample(profile, &sample);
+    uint32_t at = profile->cut ? DPT_NONE : put_sample(profile, &sample);
     if (at == DPT_NONE)
         return at;
     for (uint32_t i = at; i > 0 && tell(profile, i - 1, sample.triangle); i--)
@@ -448,7 +505,7 @@ uint32_t profile_approach(struct profile *profile, double from, double to, doubl
                                    0.0, &walk, &nearest);
         profile->work += nearest.work;
     }
-    if (nearest.triangle == DPT_NONE)
+    if (nearest.triangle == DPT_NONE || profile->cut)
         return DPT_NONE;
     struct sample sample =
         take_sample(profile, from + nearest.pair.s * (to - from), nearest.triangle, 0);
@@ -506,8 +563,9 @@ int profile_make(struct profile *profile, const struct nearest *nearest, const s
         int sign = profile->sign[profile_stretch(profile, seeds[i].s)];
         if (sign > 0 && !in_zone(profile, seeds[i].s))
             continue;
-        int exact =
-            profile->winding || (seeds[i].share > PROFILE_SHARE && profile->work < PROFILE_WORK);
+        /* A budget is for the depth first: regions search for those that count. */
+        int counts = seeds[i].share > PROFILE_SHARE && profile->work < PROFILE_WORK;
+        int exact = profile->winding || (counts && !profile->memo);
         struct sample sample = take_sample(profile, seeds[i].s, seeds[i].triangle, exact);
         put_sample(profile, &sample);
     }

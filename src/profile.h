@@ -7,6 +7,7 @@
 #ifndef DPT_PROFILE_H
 #define DPT_PROFILE_H
 
+#include "memo.h"
 #include "side.h"
 #include "track.h"
 
@@ -86,6 +87,9 @@ struct profile {
     const struct kernel *kernel;
     const struct axis *axis;
     const struct sides *sides;
+    struct memo *memo; /* NULL: without a budget */
+    uint32_t body;     /* slot, in the memo */
+    uint32_t coarse;   /* its regions are of fewer samples than they should be */
     double size;       /* length of the axis */
     double reach;      /* surface farther than that from the axis does not count */
     double tolerance;  /* of the depth */
@@ -144,12 +148,12 @@ static inline double profile_reach(const struct profile *profile, uint32_t trian
  * NULL. `seeds` are places of an earlier tick. Returns 0 when the axis is outside and nothing is within reach:
  * there is no contact then. Where it is cut, full or sideless, it may have no samples.
  *
- * First the caller sets tree, kernel, axis, sides, reach, tolerance and most.
+ * First the caller sets tree, kernel, axis, sides, memo, body, reach, tolerance and most.
  */
 int profile_make(struct profile *profile, const struct nearest *nearest, const struct seed *seeds,
                  uint32_t seed_count);
 
-/* One more sample, by a search or by descent from those beside it; its index, or DPT_NONE if there was no room. */
+/* One more sample, by a search or by descent from those beside it; its index, or DPT_NONE without room or work for it. */
 uint32_t profile_ask(struct profile *profile, double s, int exact);
 
 /*

@@ -248,7 +248,8 @@ static void confirm(struct profile *profile)
     }
 }
 
-static void refine(struct profile *profile)
+/* 0: work or room ended that. */
+static int refine(struct profile *profile)
 {
     confirm(profile);
     for (int asked = 0; asked < ASK_MOST && !is_tired(profile); asked++) {
@@ -278,15 +279,16 @@ static void refine(struct profile *profile)
         else if (doubt > DOUBT_LEFT * sum || most > DOUBT_ONE * sum)
             where = ask_where(profile, worst, &profile->sample[worst].span);
         else
-            return;
+            return 1;
         int told = wide_at != DPT_NONE && !profile_is_blind(profile, wide_at, &from, &to);
         uint32_t at = profile_ask(profile, where, 1);
         if (at == DPT_NONE)
-            return;
+            return 0;
         /* The surface does not go on as a sample told: what is beyond was not looked into. */
         if (told && profile->sample[at].height >= profile->reach)
             profile_look(profile, profile->sample[at - 1].s, profile->sample[at + 1].s);
     }
+    return 0;
 }
 
 static uint32_t part_of(const struct profile *profile, uint32_t i)
@@ -359,6 +361,8 @@ static void prove(struct profile *profile, const struct region *region)
         return;
     }
     uint32_t nearer = profile_approach(profile, region->from, region->to, deepest->height);
+    if (profile->cut)
+        return;
     if (nearer != DPT_NONE)
         deepest = &profile->sample[nearer];
     deepest->exact = deepest->proven = 1;
@@ -382,13 +386,14 @@ static int improve_one(struct profile *profile, const struct region *regions, ui
 uint32_t region_all(struct profile *profile, struct region regions[REGION_MOST])
 {
     profile_enclose(profile);
-    refine(profile);
+    profile->coarse = !refine(profile);
     uint32_t count = take_all(profile, regions), seen = 0;
     for (int asked = 0; asked < 2 * REGION_MOST && !profile->cut; asked++) {
         if (!improve_one(profile, regions, count))
             break;
         count = take_all(profile, regions);
     }
+    profile->coarse |= profile->cut;
     for (uint32_t i = 0; i < count; i++)
         if (is_seen(profile, &regions[i]))
             regions[seen++] = regions[i];

@@ -24,7 +24,10 @@ struct region {
     uint32_t part;      /* of the mesh */
 };
 
-/* Refine the profile for its integrals, and take them. Returns how many regions there are, at most REGION_MOST. */
+/*
+ * Refine the profile for its integrals, and take them. Returns how many regions there are, at most REGION_MOST. Where
+ * that cuts the profile, they are of the samples that there are, all true, and what is deepest in a region is not proven.
+ */
 uint32_t region_all(struct profile *profile, struct region regions[REGION_MOST]);
 
 /* The samples from which a later tick should begin: at most `most` of a region's, in order. Returns how many. */

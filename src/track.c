@@ -13,10 +13,12 @@ void track_once(const struct tree *tree, const struct kernel *kernel, uint32_t m
     }
     if (hint != DPT_NONE)
         nearest->pair.distance2 = tree_pair(tree, hint, axis->local_a, axis->u).distance2;
+    struct walk walk;
+    walk.at = 0;
     if (extent_of(axis->u) > 0.0)
         tree_search(tree, kernel, NULL, axis->local_a, axis->u, 0.0, nearest);
     else
-        point_search(tree, kernel, axis->local_a, nearest);
+        point_search(tree, kernel, axis->local_a, &walk, nearest);
 }
 
 /* At most so many triangles around a vertex are tried: hubs have thousands. */

@@ -14,6 +14,8 @@ enum {
     BYTES_SEGMENT = 1408,
     BYTES_PAUSE = 1536,
     BYTES_PROOF = 64,
+    BYTES_MEMO = 17920, /* and for each segment BYTES_MEMO_MORE */
+    BYTES_MEMO_MORE = 2560,
     BYTES_LAID = 512,
     BYTES_CONTACT = 1408 /* this tick's and the last one's */
 };
@@ -126,6 +128,11 @@ static uint64_t bytes_near(const dpt_world_def *def)
     return mesh_aligned(8 * bonds(def));
 }
 
+static uint64_t bytes_memo(const dpt_world_def *def)
+{
+    return def->budget ? BYTES_MEMO + BYTES_MEMO_MORE * (uint64_t)def->max_segments : 0;
+}
+
 static uint64_t bytes_budget(const dpt_world_def *def)
 {
     return def->budget ? BYTES_PAUSE * (uint64_t)def->max_segments + BYTES_PROOF * bonds(def) : 0;
@@ -150,7 +157,7 @@ static size_t bytes_of(const dpt_world_def *def)
     uint64_t bytes = BYTES_WORLD + BYTES_BODY * (uint64_t)def->max_bodies +
                      BYTES_TOOL * (uint64_t)def->max_tools +
                      BYTES_SEGMENT * (uint64_t)def->max_segments + bytes_budget(def) +
-                     BYTES_CONTACT * (uint64_t)def->max_contacts +
+                     bytes_memo(def) + BYTES_CONTACT * (uint64_t)def->max_contacts +
                      bytes_strip(def) * def->max_segments + bytes_last(def) + bytes_near(def) +
                      mesh_aligned(def->certificate_bytes);
     return bytes <= SIZE_MAX ? (size_t)bytes : 0;
@@ -208,6 +215,9 @@ dpt_result dpt_world_create(void *block, size_t bytes, const dpt_world_def *give
     made->pauses = (void *)at;
     made->proofs = (void *)(at + BYTES_PAUSE * (size_t)def.max_segments);
     at += bytes_budget(&def);
+    made->memo.entries = (void *)at;
+    made->memo.sets = (uint32_t)(bytes_memo(&def) / (MEMO_WAYS * sizeof *made->memo.entries));
+    at += bytes_memo(&def);
     for (int i = 0; i < 2; i++) {
         made->holds[i].hold = (void *)at;
         at += BYTES_CONTACT / 2 * (size_t)def.max_contacts;
@@ -268,6 +278,7 @@ static void forget_segment(struct dpt_world *world, uint32_t segment)
     memset(world_last(world, segment, 0), 0xff, world_lasts(world) * sizeof *world->last);
     memset(&s->near, 0, sizeof s->near);
     s->was.known = 0;
+    s->met.pending = 0;
     s->last_body = DPT_NONE;
     forget_proofs(world, segment, DPT_NONE);
     contacts_forget(world, segment, segment + 1, DPT_NONE);
@@ -290,7 +301,9 @@ void tool_clear(struct dpt_world *world, struct tool *tool)
         struct segment *segment = &world->segments[tool->first + i];
         memset(&segment->wrench, 0, sizeof segment->wrench);
         memset(&segment->push, 0, sizeof segment->push);
-        memset(&segment->met, 0, sizeof segment->met);
+        if (!segment->met.pending)
+            memset(&segment->met, 0, sizeof segment->met);
+        segment->met.passed = segment->met.pending = 0;
         segment->sweep =
             (dpt_sweep){ .size = sizeof segment->sweep, .triangle = DPT_NONE, .segment = i };
         if (world->def.strip)
@@ -314,6 +327,7 @@ dpt_result dpt_world_reset(dpt_world *world)
         if (world->tools[t].slot.used)
             forget_tool(world, &world->tools[t]);
     forget_planes(world, 0, world->segment_count, DPT_NONE);
+    memo_forget(&world->memo, DPT_NONE);
     for (uint32_t i = 0; i < world->body_end; i++)
         world->bodies[i].moved = 0;
     world->turn = 0;
@@ -372,6 +386,7 @@ dpt_result dpt_body_remove(dpt_world *world, dpt_body body)
     slot_release(&old->slot);
     world->invalid -= !old->valid;
     contacts_forget(world, 0, world->segment_count, handle_index(body));
+    memo_forget(&world->memo, handle_index(body));
     strips_forget_body(world, handle_index(body));
     for (uint32_t s = 0; s < world->segment_count; s++) {
         forget_proofs(world, s, handle_index(body));

@@ -64,7 +64,7 @@ struct met {
     uint32_t passed;   /* the axis may have gone through something */
     double s;          /* the point of the axis that met it, with `side` */
     uint32_t triangle; /* and where */
-    uint32_t reserved;
+    uint32_t pending;  /* the contact after it is not decided yet: it stays for the next tick */
 };
 
 struct segment {
@@ -84,8 +84,10 @@ struct segment {
 
 /* With a budget: what is proven of a segment and a body. */
 struct proof {
-    vec3 a, b;    /* the axis, in the body's frame, when this was last brought up to date */
-    double floor; /* nothing of the body was nearer to it than that */
+    vec3 a, b;       /* the axis, in the body's frame, when this was last brought up to date */
+    double floor;    /* nothing of the body was nearer to it than that */
+    uint32_t rested; /* the last tick to which it had not moved */
+    uint32_t reserved;
 };
 
 /* With a budget: a segment's search that it stopped. There are two, one for motion and one for rest. */
@@ -153,6 +155,7 @@ struct dpt_world {
     uint32_t *near; /* per segment: the slots of the bodies on its two lists */
     struct pause *pauses;   /* per segment two; only with a budget, as the proofs */
     struct proof *proofs;   /* per segment and body slot */
+    struct memo memo;       /* only with a budget */
     struct holds holds[2];  /* this tick's and the last one's */
     struct laid *laid;      /* per segment; only with strips */
     struct profile profile; /* of the segment and body that are being looked at */

@@ -129,7 +129,9 @@ typedef struct dpt_hit {
 enum {
     DPT_REGION_CROSSING = 1, /* the axis goes through the surface */
     DPT_REGION_SIDED =
-        2 /* an open sheet: the gap is counted from the side that the tool was first on */
+        2, /* an open sheet: the gap is counted from the side that the tool was first on */
+    DPT_REGION_COARSE = 4 /* room or work for samples ended before its integrals were as right as
+                             usual; with a budget perhaps before the pair was the deepest */
 };
 
 /*

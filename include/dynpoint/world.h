@@ -48,10 +48,11 @@ enum { DPT_STRIP_NONE = 0, DPT_STRIP_SHADOW = 1, DPT_STRIP_ROUTES = 2 };
  * A budget bounds the work of a step, in 16-lane blocks, the same count on every machine. Where it ends a
  * search, the answer is DPT_STATUS_BOUNDED: the best pair so far and a lower bound that is true; contact is
  * unknown and the force zero. What was proven is kept and the next step goes on from there, so that a tool at
- * rest, while no other moves, has its exact answer after as many steps as the budget goes into a search. That holds for
- * the nearest pair; contact gets what a step has left and is not continued: where that never suffices (an axis through
- * an organ: up to 2,400), contact stays unknown and the force zero beside a pair that is exact. Beside
- * the budget there are a triangle a segment and body, and what docs/algorithms/budget.md names.
+ * rest, while no other moves, has its exact answer after as many steps as the budget goes into a search. Contact gets
+ * what a step has left: first the gap and the force, then the regions, which are DPT_REGION_COARSE where that ends them.
+ * A tool at rest comes to both after some steps, from a budget of about 200 on; with less, contact may stay unknown
+ * and the force zero beside a pair that is exact. Beside the budget there are a triangle a segment and body, and what
+ * docs/algorithms/budget.md names.
  */
 typedef struct dpt_world_def {
     uint32_t size;         /* sizeof(dpt_world_def), set by dpt_world_def_init */
@@ -109,7 +110,7 @@ static inline void dpt_world_def_init(dpt_world_def *def)
 /*
  * The bytes that a world of this def needs:
  *     24576 + 576 max_bodies + 256 max_tools + 1408 max_segments
- *         + (budget ? 1536 max_segments + 64 max_segments max_bodies : 0)
+ *         + (budget ? 17920 + 4096 max_segments + 64 max_segments max_bodies : 0)
  *         + 1408 max_contacts
  *         + (strip ? max_segments (512 + dpt_strip_bytes) : 0)
  *         + 4 max_segments max_bodies parts + 8 max_segments max_bodies + certificate_bytes,

@@ -1,0 +1,86 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "memo.h"
+
+#include <string.h>
+
+/* The set of a point. The same on every machine: it decides what is still known, and so the work. */
+static struct memo_entry *set_of(const struct memo *memo, uint32_t body, vec3 x)
+{
+    const double at[3] = { x.x, x.y, x.z };
+    uint64_t hash = body;
+    for (int k = 0; k < 3; k++) {
+        uint64_t bits;
+        memcpy(&bits, &at[k], sizeof bits);
+        hash = (hash ^ bits) * 0x9e3779b97f4a7c15u;
+        hash ^= hash >> 32;
+    }
+    return memo->entries + MEMO_WAYS * (size_t)(hash % memo->sets);
+}
+
+static int is_same(vec3 x, vec3 y)
+{
+    return x.x == y.x && x.y == y.y && x.z == y.z;
+}
+
+static int is_at(const struct memo_entry *entry, uint32_t body, vec3 x)
+{
+    return entry->body == body + 1 && is_same(entry->x, x);
+}
+
+/* The entry before its set's first `count` moves to the front, the others up. */
+static struct memo_entry *bring_forward(struct memo_entry *set, int count)
+{
+    struct memo_entry entry = set[count];
+    memmove(set + 1, set, (size_t)count * sizeof *set);
+    set[0] = entry;
+    return set;
+}
+
+const struct memo_entry *memo_find(const struct memo *memo, uint32_t body, vec3 x)
+{
+    struct memo_entry *set = set_of(memo, body, x);
+    for (int i = 0; i < MEMO_WAYS; i++)
+        if (is_at(&set[i], body, x))
+            return bring_forward(set, i);
+    return NULL;
+}
+
+struct memo_entry *memo_put(const struct memo *memo, uint32_t body, vec3 x)
+{
+    struct memo_entry *set = set_of(memo, body, x);
+    for (int i = 0; i < MEMO_WAYS; i++)
+        if (is_at(&set[i], body, x))
+            return bring_forward(set, i);
+    bring_forward(set, MEMO_WAYS - 1);
+    set[0] =
+        (struct memo_entry){ .x = x, .body = body + 1, .triangle = DPT_NONE, .descent = DPT_NONE };
+    return set;
+}
+
+int memo_resume(const struct memo *memo, uint32_t body, vec3 x, uint32_t *triangle,
+                struct walk *walk)
+{
+    if (memo->body != body + 1 || !is_same(memo->x, x))
+        return 0;
+    *triangle = memo->triangle;
+    *walk = memo->walk;
+    return 1;
+}
+
+void memo_pause(struct memo *memo, uint32_t body, vec3 x, uint32_t triangle,
+                const struct walk *walk)
+{
+    memo->body = body + 1;
+    memo->x = x;
+    memo->triangle = triangle;
+    memo->walk = *walk;
+}
+
+void memo_forget(struct memo *memo, uint32_t body)
+{
+    for (size_t i = 0; i < MEMO_WAYS * (size_t)memo->sets; i++)
+        if (body == DPT_NONE || memo->entries[i].body == body + 1)
+            memo->entries[i].body = 0;
+    if (body == DPT_NONE || memo->body == body + 1)
+        memo->body = 0;
+}
