@@ -224,13 +224,16 @@ static void write_contact(const struct meeting *meeting, const struct region *re
     vec3_store(frame_turn(frame, region->thrust_moment), contact->thrust_moment);
 }
 
-/* With a budget, in the frame of the body. */
+/* With a budget: the axis has not moved in the frame of the body, as far as is known. */
 static int rests(const struct meeting *meeting)
 {
     const struct dpt_world *world = meeting->world;
-    return world->def.budget &&
-           world_proof(world, meeting->segment, handle_index(meeting->body->id))->rested ==
-               world->ticks;
+    uint32_t nearest = world->segments[meeting->segment].last_body;
+    if (!world->def.budget || world_proof(world, meeting->segment, nearest)->rested != world->ticks)
+        return 0;
+    const struct body *body = &world->bodies[nearest];
+    return meeting->body == body ||
+           (body->moved != world->ticks && meeting->body->moved != world->ticks);
 }
 
 /*

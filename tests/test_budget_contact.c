@@ -295,6 +295,50 @@ static void what_is_not_coarse_is_right(void)
     }
 }
 
+/* A tool through two bodies needs both. */
+static void of_several_bodies(void)
+{
+    struct subject liver, star;
+    uint64_t seed = 21;
+    uint32_t both = 0, later = 0;
+    if (!open_shape(&liver, 1) || !open_shape(&star, 2))
+        return;
+    for (int i = 0; i < RESTS / 3; i++) {
+        dpt_segment axis = random_axis(&liver, &seed, 2.0);
+        dpt_pose pose = DPT_POSE_IDENTITY;
+        dpt_body body;
+        uint32_t known = 0, bodies = 0, coarse = 1;
+        for (int k = 0; k < 3; k++)
+            pose.position[k] = random_in(&seed, -0.3, 0.3) * liver.diagonal;
+        side_open(&ample, liver.mesh, &axis, 0);
+        side_open(&small, liver.mesh, &axis, 2 * SMALL);
+        dpt_body_add(ample.world, star.mesh, &pose, &body);
+        dpt_body_add(small.world, star.mesh, &pose, &body);
+        side_step(&ample);
+        for (uint32_t k = 0; k < ample.count; k++)
+            bodies |= 1u << (ample.contacts[k].body == body);
+        for (uint32_t tick = 1; tick <= MOST_TICKS && bodies == 3; tick++) {
+            side_step(&small);
+            CHECK(is_known(&small) || !known, "tick %u: unknown, known at %u", tick, known);
+            known = known || !is_known(&small) ? known : tick;
+            coarse = small.coarse;
+        }
+        if (bodies == 3 && is_known(&ample)) {
+            CHECK(known, "never known");
+            CHECK(fabs(small.hit.gap - ample.hit.gap) < 2e-5 * star.diagonal, "%g, not %g",
+                  small.hit.gap, ample.hit.gap);
+            both++;
+            later += known > 1 || coarse;
+        }
+        free(ample.block);
+        free(small.block);
+    }
+    printf("    %u rests through both, %u not at once or still coarse\n", both, later);
+    CHECK(both > RESTS / 20 && later > 0, "%u, %u", both, later);
+    subject_close(&liver);
+    subject_close(&star);
+}
+
 /* The sweep found the side of a sheet in a tick that had nothing left for the contact. */
 static void a_side_waits_for_its_contact(void)
 {
@@ -368,6 +412,7 @@ int main(void)
     TEST(a_rest_comes_to_its_contact);
     TEST(in_motion_the_gap_comes_first);
     TEST(what_is_not_coarse_is_right);
+    TEST(of_several_bodies);
     TEST(a_side_waits_for_its_contact);
     TEST(what_was_found_leaves_with_its_body);
     return check_report();
