@@ -311,7 +311,7 @@ static void of_several_bodies(void)
         for (int k = 0; k < 3; k++)
             pose.position[k] = random_in(&seed, -0.3, 0.3) * liver.diagonal;
         side_open(&ample, liver.mesh, &axis, 0);
-        side_open(&small, liver.mesh, &axis, 2 * SMALL);
+        side_open(&small, liver.mesh, &axis, SMALL);
         dpt_body_add(ample.world, star.mesh, &pose, &body);
         dpt_body_add(small.world, star.mesh, &pose, &body);
         side_step(&ample);
