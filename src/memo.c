@@ -27,11 +27,12 @@ static int is_at(const struct memo_entry *entry, uint32_t body, vec3 x)
     return entry->body == body + 1 && is_same(entry->x, x);
 }
 
-/* The entry before its set's first `count` moves to the front, the others up. */
-static struct memo_entry *bring_forward(struct memo_entry *set, int count)
+/* The entry behind its set's first `count` moves to the front, those up. */
+static struct memo_entry *bring_forward(const struct memo *memo, struct memo_entry *set, int count)
 {
     struct memo_entry entry = set[count];
     memmove(set + 1, set, (size_t)count * sizeof *set);
+    entry.tick = memo->tick;
     set[0] = entry;
     return set;
 }
@@ -41,7 +42,7 @@ const struct memo_entry *memo_find(const struct memo *memo, uint32_t body, vec3 
     struct memo_entry *set = set_of(memo, body, x);
     for (int i = 0; i < MEMO_WAYS; i++)
         if (is_at(&set[i], body, x))
-            return bring_forward(set, i);
+            return bring_forward(memo, set, i);
     return NULL;
 }
 
@@ -50,10 +51,14 @@ struct memo_entry *memo_put(const struct memo *memo, uint32_t body, vec3 x)
     struct memo_entry *set = set_of(memo, body, x);
     for (int i = 0; i < MEMO_WAYS; i++)
         if (is_at(&set[i], body, x))
-            return bring_forward(set, i);
-    bring_forward(set, MEMO_WAYS - 1);
-    set[0] =
-        (struct memo_entry){ .x = x, .body = body + 1, .triangle = DPT_NONE, .descent = DPT_NONE };
+            return bring_forward(memo, set, i);
+    const struct memo_entry *oldest = &set[MEMO_WAYS - 1];
+    if (oldest->body && oldest->tick == memo->tick)
+        return NULL;
+    bring_forward(memo, set, MEMO_WAYS - 1);
+    set[0] = (struct memo_entry){
+        .x = x, .body = body + 1, .triangle = DPT_NONE, .descent = DPT_NONE, .tick = memo->tick
+    };
     return set;
 }
 

@@ -18,15 +18,17 @@ struct memo_entry {
     uint32_t triangle; /* the nearest, or DPT_NONE: not known */
     uint32_t descent;  /* where one came to, or DPT_NONE */
     int32_t side;      /* +1 outside, -1 inside, 0: not known */
+    uint32_t tick;     /* in which it was last asked for */
+    uint32_t reserved;
 };
 
 struct memo {
     struct memo_entry *entries; /* MEMO_WAYS a set, the newest first */
     uint32_t sets;
+    uint32_t tick; /* this one */
     /* The search that the budget ended last. */
     uint32_t body;     /* slot + 1; 0: there is none */
     uint32_t triangle; /* the nearest so far */
-    uint32_t reserved;
     vec3 x;
     struct walk walk;
 };
@@ -34,7 +36,10 @@ struct memo {
 /* What is known of x, or NULL. */
 const struct memo_entry *memo_find(const struct memo *memo, uint32_t body, vec3 x);
 
-/* Its entry, to be filled in: a new one takes the place of its set's oldest. */
+/*
+ * Its entry, to be filled in: a new one takes the place of its set's oldest, but of none that this tick asked for, or what a
+ * tick begins with would make room for what it ends with. NULL: there is no room.
+ */
 struct memo_entry *memo_put(const struct memo *memo, uint32_t body, vec3 x);
 
 /* Take up the search for x where it was ended, with the nearest so far; 0 if it is not that one. */

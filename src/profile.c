@@ -59,8 +59,10 @@ static int is_inside_by_winding(struct profile *profile, double s)
     if (spare(profile))
         winding = winding_number(profile->tree, profile->kernel, x, spare(profile), &profile->work);
     profile->cut |= winding == HUGE_VAL;
-    if (profile->memo && winding != HUGE_VAL)
-        memo_put(profile->memo, profile->body, x)->side = winding > 0.5 ? -1 : 1;
+    struct memo_entry *entry =
+        profile->memo && winding != HUGE_VAL ? memo_put(profile->memo, profile->body, x) : NULL;
+    if (entry)
+        entry->side = winding > 0.5 ? -1 : 1;
     return winding > 0.5;
 }
 
@@ -157,10 +159,11 @@ static void search(struct profile *profile, vec3 x, struct nearest *nearest)
     int done = point_search(profile->tree, profile->kernel, x, &walk, nearest);
     profile->work += nearest->work;
     profile->cut |= !done;
-    if (memo && done)
-        memo_put(memo, profile->body, x)->triangle = nearest->triangle;
-    else if (memo)
+    if (memo && !done)
         memo_pause(memo, profile->body, x, nearest->triangle, &walk);
+    struct memo_entry *entry = memo && done ? memo_put(memo, profile->body, x) : NULL;
+    if (entry)
+        entry->triangle = nearest->triangle;
 }
 
 /* Of the descents to a point the first is kept, so that what follows from it is the same in the next tick. */

@@ -88,6 +88,7 @@ static void step_segments(struct dpt_world *world)
     first = first < count ? first : 0;
     int waits = 0;
     world->left = world->def.budget;
+    world->memo.tick = tick;
     contacts_turn(world);
     for (uint32_t i = 0; i < count; i++)
         track_segment(world, (first + i) % count);

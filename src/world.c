@@ -14,8 +14,8 @@ enum {
     BYTES_SEGMENT = 1408,
     BYTES_PAUSE = 1536,
     BYTES_PROOF = 64,
-    BYTES_MEMO = 17920, /* and for each segment BYTES_MEMO_MORE */
-    BYTES_MEMO_MORE = 2560,
+    BYTES_MEMO = 21504, /* and for each segment BYTES_MEMO_MORE */
+    BYTES_MEMO_MORE = 3072,
     BYTES_LAID = 512,
     BYTES_CONTACT = 1408 /* this tick's and the last one's */
 };

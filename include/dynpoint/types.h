@@ -131,7 +131,7 @@ enum {
     DPT_REGION_SIDED =
         2, /* an open sheet: the gap is counted from the side that the tool was first on */
     DPT_REGION_COARSE = 4 /* room or work for samples ended before its integrals were as right as
-                             usual; with a budget perhaps before the pair was the deepest */
+                             usual, or the pair was proven the deepest of the region */
 };
 
 /*
