@@ -314,6 +314,9 @@ static int look(struct meeting *meeting, const struct seed *seeds, uint32_t seed
             profile->most -= (profile->most - profile->work) / 2;
         *count = region_all(profile, regions);
         take_deepest(meeting, regions, *count, gap);
+        /* What is deepest there the regions tell. */
+        if (profile->cut && profile_by_sample(profile))
+            found = CONTACT_UNKNOWN;
     }
     meeting->work += profile->work;
     if (world->def.budget)

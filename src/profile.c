@@ -114,12 +114,6 @@ static int is_sideless(const struct profile *profile)
     return 0;
 }
 
-/* Sides may change without a crossing: each sample has its own. */
-static int by_sample(const struct profile *profile)
-{
-    return profile->sides->count > 0 || profile->winding;
-}
-
 /* Begin a search within what work there is left, or none. */
 static int begin(struct profile *profile, struct nearest *nearest)
 {
@@ -431,7 +425,7 @@ static void find_sides(struct profile *profile, const struct nearest *nearest)
 {
     for (uint32_t k = 0; k <= profile->crossings; k++)
         profile->sign[k] = 0;
-    if (by_sample(profile))
+    if (profile_by_sample(profile))
         return;
     if (!profile->crossings) {
         profile->sign[0] = side_of(profile, nearest->pair.s, nearest->triangle, &nearest->pair);
@@ -547,7 +541,7 @@ int profile_make(struct profile *profile, const struct nearest *nearest, const s
     int is_far = distance > profile->reach;
     if (is_far && !profile->sides->count && is_outside(profile, nearest))
         return 0;
-    if (is_far && !by_sample(profile)) {
+    if (is_far && !profile_by_sample(profile)) {
         profile->sign[0] = -1;
     } else {
         look_around(profile);

@@ -143,6 +143,12 @@ static inline double profile_reach(const struct profile *profile, uint32_t trian
                        vec3_of_float(tree->positions + 3 * (size_t)corner[2]));
 }
 
+/* Sides may change without a crossing: each sample has its own. */
+static inline int profile_by_sample(const struct profile *profile)
+{
+    return profile->sides->count > 0 || profile->winding;
+}
+
 /*
  * Make the profile of an axis. `nearest` is the axis' nearest pair with this body where that is known exactly, or
  * NULL. `seeds` are places of an earlier tick. Returns 0 when the axis is outside and nothing is within reach:

@@ -16,7 +16,8 @@ enum { RESTS = 60, POSES = 40, TICKS = 800 };
 enum { RESTS = 300, POSES = 200, TICKS = 2000 };
 #endif
 
-#define MARGIN 0.002
+/* Of the worlds of a mesh. */
+static double margin;
 
 static struct side {
     dpt_world *world;
@@ -36,7 +37,7 @@ static void side_open(struct side *side, const dpt_mesh *mesh, const dpt_segment
     dpt_world_def_init(&def);
     def.budget = budget;
     def.max_contacts = 16;
-    def.margin = MARGIN;
+    def.margin = margin;
     side->block = malloc(dpt_world_bytes(&def));
     CHECK(dpt_world_create(side->block, dpt_world_bytes(&def), &def, &side->world) == DPT_OK &&
               dpt_body_add(side->world, mesh, NULL, &side->body) == DPT_OK &&
@@ -71,7 +72,7 @@ static double overlap_of(const struct side *side)
 }
 
 /* By points, each of which is a query of its own. */
-static double quadrature(const dpt_mesh *mesh, const dpt_segment *axis, double margin)
+static double quadrature(const dpt_mesh *mesh, const dpt_segment *axis)
 {
     enum { POINTS = 4096 };
     static double ends[6 * POINTS];
@@ -110,7 +111,9 @@ enum { SHAPES = sizeof names / sizeof *names };
 static int open_shape(struct subject *subject, int which)
 {
     static const uint64_t counts[SHAPES] = { 5568, 5000, 0, 1280 };
-    return subject_from_shape(subject, names[which], counts[which]);
+    int made = subject_from_shape(subject, names[which], counts[which]);
+    margin = 0.01 * subject->diagonal;
+    return made;
 }
 
 /* A real pair: p on the axis, q on the triangle that is named, as far apart as the gap says. */
@@ -184,7 +187,7 @@ static void rest(const struct subject *subject, const dpt_segment *axis, uint32_
         rests.later += known > 1;
         rests.longest = known > rests.longest ? known : rests.longest;
         rests.longest_fine = fine > rests.longest_fine ? fine : rests.longest_fine;
-        double due = quadrature(subject->mesh, axis, MARGIN);
+        double due = quadrature(subject->mesh, axis);
         if (fine)
             rests.overlap = fmax(rests.overlap, fabs(overlap_of(&small) - due) / due);
     }
@@ -211,7 +214,7 @@ static void a_rest_comes_to_its_contact(void)
                100.0 * rests.overlap);
         CHECK(rests.count > RESTS / 3 && rests.later + rests.coarse_first > rests.count / 10,
               "%u of %u", rests.later + rests.coarse_first, rests.count);
-        CHECK(rests.longest <= 10 && rests.bare <= 1 + rests.count / 50, "%u ticks, %u",
+        CHECK(rests.longest <= 10 && rests.bare <= 1 + rests.count / 40, "%u ticks, %u",
               rests.longest, rests.bare);
         CHECK(rests.gap < 2e-5, "%g", rests.gap);
         CHECK(rests.overlap < 0.005, "%g", rests.overlap);
@@ -234,6 +237,7 @@ static void organs_at_rest(void)
         struct subject subject;
         if (!subject_from_file(&subject, data, "organs", files[i]))
             return;
+        margin = 0.01 * subject.diagonal;
         rests = (struct rests){ 0 };
         for (int k = 0; k < RESTS / 4; k++) {
             dpt_segment axis = random_axis(&subject, &seed, 0.6);
@@ -242,7 +246,7 @@ static void organs_at_rest(void)
         printf("    %-26s %u rests, %u not known at once, after %u ticks at most;", subject.name,
                rests.count, rests.later, rests.longest);
         printf(" gap off by %.1e of the diagonal\n", rests.gap);
-        CHECK(rests.count > RESTS / 20 && rests.longest < 30 && rests.gap < 2e-5, "%u, %u, %g",
+        CHECK(rests.count > RESTS / 20 && rests.longest < 200 && rests.gap < 2e-5, "%u, %u, %g",
               rests.count, rests.longest, rests.gap);
         subject_close(&subject);
     }
@@ -310,7 +314,7 @@ static void what_is_not_coarse_is_right(void)
             side_step(&ample);
             if (is_known(&ample) && ample.hit.distance == 0.0) {
                 int coarse = ample.coarse != 0;
-                double due = quadrature(subject.mesh, &axis, MARGIN);
+                double due = quadrature(subject.mesh, &axis);
                 count[coarse]++;
                 off[coarse] = fmax(off[coarse], fabs(overlap_of(&ample) - due) / due);
             }
@@ -375,6 +379,7 @@ static void a_side_waits_for_its_contact(void)
     uint32_t waited = 0;
     if (!subject_from_shape(&sheet, "membrane", 512))
         return;
+    margin = 0.002;
     for (uint32_t budget = 2; budget < 60; budget++) {
         const dpt_segment above = { { 0.01, 0.02, 0.006 }, { 0.012, 0.02, 0.035 }, 0.0005 };
         const dpt_segment through = { { 0.01, 0.02, -0.001 }, { 0.012, 0.02, 0.028 }, 0.0005 };
