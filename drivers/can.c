@@ -83,6 +83,7 @@ static void can_info(const dpt_device *base, dpt_device_info *info)
     info->pose_dofs = 6;
     info->wrench_dofs = device->host.arm.wrench_dofs;
     info->joints = device->host.arm.joints;
+    info->flags = DPT_DEVICE_ARM;
     info->rate = device->host.settings.rate;
     info->force_max = device->host.arm.force_max;
     info->torque_max = device->host.arm.torque_max;

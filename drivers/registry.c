@@ -6,6 +6,9 @@
 #include "list.h"
 #include "settings.h"
 
+/* All that have a name. */
+static const uint32_t REASONS = 2u * DPT_REASON_DOCKED - 1u;
+
 #define DRIVER(name) extern const dpt_driver name##_driver;
 DPT_DRIVERS
 #undef DRIVER
@@ -106,6 +109,8 @@ dpt_result dpt_device_read(dpt_device *device, dpt_device_state *state)
         return DPT_E_SIZE;
     dpt_result result = device->driver->read(device, state);
     state->size = sizeof *state;
+    if (state->reasons & ~REASONS)
+        state->reasons = (state->reasons & REASONS) | DPT_REASON_DEVICE;
     if (result != DPT_OK)
         state->fresh = 0;
     if (result == DPT_E_LOST)

@@ -6,9 +6,13 @@
 #include <string.h>
 #include <time.h>
 
+#include "angle.h"
 #include "settings.h"
 #include "table.h"
 #include "vec.h"
+
+/* 2^63 ns are 292 years; it may begin again. */
+static const double SECONDS_MOST = 100.0 * 365.0 * 86400.0;
 
 struct replay {
     dpt_device device;
@@ -92,9 +96,11 @@ static void take_sample(struct replay *replay, int jumps)
         return;
     vec3 way = scaled(along_tool, 1.0 / size);
     before = axis_of(sample->pose.orientation);
-    if (!jumps)
-        vec3_store(scaled(cross(before, way), replay->rate), sample->spin);
     shortest_turn(before, way, turn);
+    const double half_sine = length(vec3_of(turn + 1));
+    if (!jumps && half_sine > 0.0)
+        vec3_store(scaled(vec3_of(turn + 1), replay->rate * angle_between(before, way) / half_sine),
+                   sample->spin);
     product(turn, sample->pose.orientation, sample->pose.orientation);
 }
 
@@ -228,6 +234,12 @@ static dpt_result check_rows(const struct replay *replay, const char *path, dpt_
                                 "%.160s: tick %g is not an integer, or lies beyond 1e6 m", path,
                                 values[0]);
     }
+    const struct table *table = &replay->table;
+    const double ticks = table->values[(table->rows - 1) * table->columns] - table->values[0];
+    if (ticks > SECONDS_MOST * replay->rate)
+        return device_error(error, DPT_E_LIMIT,
+                            "%.160s: its ticks, at %g Hz, are more than 100 years", path,
+                            replay->rate);
     return DPT_OK;
 }
 

@@ -387,7 +387,8 @@ static void serial_info(const dpt_device *base, dpt_device_info *info)
     info->wrench_dofs = from->wrench_dofs;
     info->joints = from->joints;
     info->buttons = from->buttons;
-    info->flags = from->flags;
+    /* Its time is the host's, whatever it says: a loop would not wait for it. */
+    info->flags = from->flags & (DPT_DEVICE_SIMULATED | DPT_DEVICE_ARM);
     info->rate = from->rate;
     info->force_max = from->force_max;
     info->force_continuous = from->force_continuous;

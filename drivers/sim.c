@@ -398,7 +398,7 @@ static dpt_result sim_open(const dpt_driver *driver, const char *where, dpt_devi
         { .name = "cycle", .number = &sim->cycle, .least = 0.01, .most = 1e3 },
         { .name = "fault", .text = sim->fault, .room = sizeof sim->fault },
     };
-    char place[2];
+    char place[64];
     dpt_result result = settings_read(where, place, sizeof place, settings,
                                       sizeof settings / sizeof *settings, error);
     if (result == DPT_OK && place[0])

@@ -32,7 +32,7 @@ static void opens_and_tells(void)
                 return;
             CHECK(dpt_device_get_info(device, &info) == DPT_OK, "info");
             CHECK(info.pose_dofs == 6 && info.wrench_dofs == 3 && info.joints == 3 &&
-                      info.rate == 1000.0 && info.watchdog == 0.02 && info.flags == 0,
+                      info.rate == 1000.0 && info.watchdog == 0.02 && info.flags == DPT_DEVICE_ARM,
                   "%u %u %u", info.pose_dofs, info.wrench_dofs, info.joints);
             CHECK(strstr(info.name, firmware[i]), "%s", info.name);
             CHECK(!strcmp(info.serial, i ? "300000000000" : ""), "%s", info.serial);

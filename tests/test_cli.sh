@@ -809,6 +809,13 @@ devices()
     run run torus.dpa --device 'sim:?live=1&hand=press' --for 0.5 --json
     check 'a live run ends' test $status -eq 0
     mv stdout run.json
+    check 'also after no time' timeout 60 "$program" run torus.dpa --device 'sim:?live=1' --for 1e-9 --json >/dev/null
+    run run torus.dpa --device 'sim:?hand=press' --ticks 4000 --force-max 0 --json
+    check 'no force is no force' grep -q '"clamped":[1-9]' stdout
+    refuses 'a force below none' '--force-max must be 0 to 1000' \
+        run torus.dpa --device sim --ticks 5 --force-max -1
+    refuses 'settings without a ?' 'only settings, as in sim:?live=1' \
+        run torus.dpa --device sim:live=1 --ticks 5
     check "run --json: $(tail -n 1 python.log)" has_keys run.json ticks fresh stale missed sent \
         refused late_us.median took_us.p99 real_time locked contacts deepest strongest
 
@@ -954,6 +961,18 @@ sys.exit(json.load(open("stdout"))["joints"][2]["name"] != "e\"l\\b")'
     check "a hand presses on the desk: $(cat stdout)" grep -qE '"penetrating":[12][0-9]{3},' stdout
     run run box.dpa --tool arm.dpa --device 'sim:?hand=press' --ticks 3000 --json
     check "the arm's tool on a mesh: $(cat stdout)" grep -qE '"penetrating":[12][0-9]{3},' stdout
+    {
+        echo '<robot name="six"><link name="l0"><collision><geometry><box size="1 1 0.02"/></geometry></collision></link>'
+        for i in 1 2 3 4 5 6; do
+            echo "<link name='l$i'><collision><geometry><sphere radius='0.01'/></geometry></collision></link>" \
+                "<joint name='j$i' type='revolute'><parent link='l$((i - 1))'/><child link='l$i'/><origin xyz='0 0 0.1'/>" \
+                "<limit lower='-1' upper='1' effort='1' velocity='20'/></joint>"
+        done
+        echo '</robot>'
+    } >six.urdf
+    succeeds 'an arm of six joints' compile six.urdf -o six.dpa
+    run run six.dpa --device 'sim:?hand=press&dofs=6' --at 0,0,0.03 --ticks 3000 --json
+    check "another device's six joints are not its own: $(cat stdout)" grep -q '"penetrating":[1-9]' stdout
     refuses 'a record of the arm' '--record needs the stylus' \
         run arm.dpa --device sim --ticks 5 --record out/r.csv
     refuses 'a scene without a body' 'whose scene has no body' run noted.dpa --device sim --ticks 5

@@ -12,6 +12,7 @@ struct probe {
     dpt_result answer;
     char where[32];
     int knows_where;
+    uint32_t reasons;
 };
 
 static struct probe probe;
@@ -40,6 +41,7 @@ static dpt_result probe_read(dpt_device *device, dpt_device_state *state)
     memset(state, 0, sizeof *state);
     state->fresh = 3;
     state->status = DPT_DEVICE_READY;
+    state->reasons = probe.reasons;
     return probe.answer;
 }
 
@@ -238,6 +240,28 @@ struct finding {
     int count;
 };
 
+/* Of firmware that is newer, say: the header's way to print all of them must not meet a name that is not there. */
+static void reasons_without_a_name_are_the_devices_own(void)
+{
+    dpt_device *device;
+    dpt_device_state state = { .size = sizeof state };
+    probe.answer = DPT_OK;
+    CHECK(dpt_device_open_with(&probe_driver, NULL, &device, NULL) == DPT_OK, "open");
+    probe.reasons = DPT_REASON_ESTOP | DPT_REASON_DOCKED;
+    CHECK(dpt_device_read(device, &state) == DPT_OK && state.reasons == probe.reasons, "%x",
+          state.reasons);
+    for (uint32_t bit = 2u * DPT_REASON_DOCKED; bit; bit <<= 1) {
+        probe.reasons = DPT_REASON_ESTOP | bit;
+        CHECK(dpt_device_read(device, &state) == DPT_OK &&
+                  state.reasons == (DPT_REASON_ESTOP | DPT_REASON_DEVICE),
+              "%x of %x", state.reasons, probe.reasons);
+        for (uint32_t left = state.reasons; left; left &= left - 1)
+            CHECK(dpt_device_reason_name(left) != NULL, "%x has no name", left);
+    }
+    probe.reasons = 0;
+    dpt_device_close(device);
+}
+
 static void found_one(void *user, const dpt_driver *driver, const char *where, const char *about)
 {
     struct finding *finding = user;
@@ -317,6 +341,7 @@ int main(void)
     TEST(incomplete_drivers_are_refused);
     TEST(names_choose_a_driver);
     TEST(wrong_arguments_are_codes);
+    TEST(reasons_without_a_name_are_the_devices_own);
     TEST(what_sim_finds_opens);
     TEST(the_fault_table_has_every_reason);
     return check_report();

@@ -301,7 +301,12 @@ static void six_freedoms_and_joints(void)
     info.pose_dofs = info.wrench_dofs = 6;
     info.joints = 1;
     info.torque_max = 0.1f;
+    info.flags = 0xffffffffu;
     start(&info, "?silent=30");
+    dpt_device_info told = { .size = sizeof told };
+    CHECK(dpt_device_get_info(device, &told) == DPT_OK &&
+              told.flags == (DPT_DEVICE_SIMULATED | DPT_DEVICE_ARM),
+          "flags %x: a loop does not wait for a device that has its own time", told.flags);
     const dpt_wrench wrench = { { 3, 4, 12 }, { 0, 0.3, 0.4 } };
     CHECK(dpt_device_write(device, &wrench) == DPT_OK, "write");
     simulate_serial_tick(&simulated);

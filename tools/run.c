@@ -44,7 +44,7 @@ static const char help[] =
 struct settings {
     struct scene_def scene;
     const char *device, *record;
-    double force_max, rate, seconds;
+    double force_max, rate, seconds; /* force_max NAN, rate 0: not given */
     uint64_t ticks;
     int json;
 };
@@ -201,7 +201,7 @@ static int serve(dpt_device *device, struct session *session, const struct setti
     def.rate = settings->rate;
     def.ticks = settings->ticks;
     def.guard.hold = fmax(def.guard.hold, 3.0 / (def.rate > 0.0 ? def.rate : info.rate));
-    if (settings->force_max > 0.0)
+    if (!isnan(settings->force_max))
         def.guard.force_max = settings->force_max;
     dpt_result result = dpt_loop_create(device, &def, &loop);
     if (result != DPT_OK)
@@ -251,7 +251,7 @@ static int take_settings(int argc, char **argv, struct settings *settings)
         return complain("run", "--length must be 0 to 10, --radius 0 to 1");
     if (!(settings->scene.stiffness >= 0.0 && settings->scene.stiffness <= 1e9))
         return complain("run", "--stiffness must be 0 to 1e9");
-    if (!(settings->force_max >= 0.0 && settings->force_max <= 1000.0))
+    if (settings->force_max < 0.0 || settings->force_max > 1000.0)
         return complain("run", "--force-max must be 0 to 1000");
     if (settings->rate != 0.0 && !(settings->rate >= 1.0 && settings->rate <= 1e5))
         return complain("run", "--rate must be 1 to 100000");
@@ -266,6 +266,7 @@ int command_run(int argc, char **argv)
 {
     struct settings settings = {
         .scene = { .zoom = 1.0, .length = 0.1, .radius = 0.002, .stiffness = 500.0 },
+        .force_max = NAN,
         .seconds = HUGE_VAL
     };
     struct session session = { .recorded = 0 };

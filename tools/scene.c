@@ -189,7 +189,7 @@ void scene_take_device(struct scene *scene, const dpt_device *device)
 static int is_the_arm(const struct scene *scene)
 {
     dpt_arm_info info = { .size = sizeof info };
-    return scene->arm && scene->device.pose_dofs == 6 &&
+    return scene->arm && scene->device.flags & DPT_DEVICE_ARM && scene->device.pose_dofs == 6 &&
            dpt_arm_get_info(scene->arm, &info) == DPT_OK && info.joints == scene->device.joints;
 }
 

@@ -33,10 +33,13 @@ void stop_watch(dpt_loop *loop, double seconds)
     running = loop;
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
-    if (seconds < 1e6) {
+    if (seconds < 1e9) {
         struct itimerval timer = { .it_value = {
                                        (time_t)seconds,
                                        (suseconds_t)(1e6 * (seconds - (double)(time_t)seconds)) } };
+        /* No time at all would be no timer. */
+        if (seconds < 1e-6)
+            timer.it_value.tv_usec = 1;
         sigaction(SIGALRM, &action, NULL);
         setitimer(ITIMER_REAL, &timer, NULL);
     }

@@ -48,8 +48,10 @@ typedef struct dpt_device_info {
 
 /* Bits of dpt_device_info.flags. */
 enum {
-    DPT_DEVICE_SIMULATED = 1,    /* there is no hand on it */
-    DPT_DEVICE_DETERMINISTIC = 2 /* time passes by reads: each is one period later than the last */
+    DPT_DEVICE_SIMULATED = 1,     /* there is no hand on it */
+    DPT_DEVICE_DETERMINISTIC = 2, /* time passes by reads: each is one period later than the last */
+    DPT_DEVICE_ARM =
+        4 /* it is an arm: `joint` are coordinates as those of kinematics.h, the pose is its tool's */
 };
 
 /* How a device is. */
@@ -61,7 +63,7 @@ enum {
     DPT_DEVICE_READY = 3
 };
 
-/* Why a device is not ready; bits of dpt_device_state.reasons. */
+/* Why a device is not ready; bits of dpt_device_state.reasons. A driver's that are none of these become DPT_REASON_DEVICE. */
 enum {
     DPT_REASON_UNPLUGGED = 1,
     DPT_REASON_SILENT = 2,   /* no sample within its time */
