@@ -80,6 +80,16 @@ for header in include/dynpoint.h include/dynpoint/*.h; do
     fi
 done
 ok "headers compile alone"
+# The initialisers as well, where a missing field is a warning.
+initialisers='#include <dynpoint.h>
+int main(void) { dpt_hit hit = DPT_HIT_INIT; dpt_pose pose = DPT_POSE_IDENTITY;
+    return !(hit.size == sizeof hit && hit.work == 0 && hit.lower_bound == 0 && pose.orientation[0] == 1); }'
+echo "$initialisers" | ${CC:-cc} -std=c99 -pedantic -Wall -Wextra -Werror -Iinclude -x c - -o "$scratch/initial" && "$scratch/initial"
+verdict $? "initialisers in C99"
+if command -v g++ >/dev/null 2>&1; then
+    echo "$initialisers" | g++ -std=c++11 -pedantic -Wall -Wextra -Werror -Iinclude -x c++ - -o "$scratch/initial" && "$scratch/initial"
+    verdict $? "and in C++11"
+fi
 
 c99="-std=c99 -pedantic -Wall -Wextra -Werror"
 ${CC:-cc} $c99 -Iinclude "$here/layout.c" -o "$scratch/layout" && "$scratch/layout"
