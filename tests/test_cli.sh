@@ -431,6 +431,13 @@ outputs()
     overwrites box.csv replay box.dpa box.csv -o ./box.csv
     overwrites torus.dpa make trace --mesh torus.dpa -o torus.dpa
     overwrites box.dpa run box.dpa --device sim --ticks 5 --record box.dpa
+    overwrites box.csv run box.dpa --device 'replay:./box.csv?rate=500' --ticks 2 --record box.csv
+    printf 't,x,y,z\n0,0,0,0\n' >hand.csv
+    overwrites hand.csv run box.dpa --device 'sim:?dofs=3&hand=hand.csv' --ticks 5 --record hand.csv
+    refuses 'a record beside the report' '--record needs a file' run box.dpa --device sim --ticks 5 --record -
+    refuses 'a record nowhere, before anything is felt' 'nowhere/r.csv: cannot be written' \
+        run box.dpa --device sim --ticks 5 --record nowhere/r.csv
+    refuses 'a record of no device' 'no driver' run box.dpa --device nothing --ticks 5 --record out/r.csv
     ln -s box.ply link.ply
     overwrites box.ply compile box.ply -o link.ply
     overwrites box.ply compile link.ply -o box.ply

@@ -57,6 +57,7 @@ struct session {
     double deepest, strongest;
     double *rows; /* of the record, six a tick, or NULL */
     uint64_t recorded, room;
+    struct output record; /* opened before anything moves: what cannot be written is said at once */
 };
 
 static void record(struct session *session, const dpt_segment *stylus)
@@ -89,20 +90,41 @@ static dpt_result feel(void *user, const dpt_device_state *state, double dt, dpt
     return DPT_OK;
 }
 
-static int write_record(const char *path, const struct session *session)
+static int open_record(const struct settings *settings, struct session *session)
 {
-    struct output output;
-    int status = output_open(&output, "run", path);
-    if (status)
-        return status;
-    fputs("tick,ax,ay,az,bx,by,bz\n", output.file);
+    if (!settings->record)
+        return 0;
+    if (!session->scene.has_stylus)
+        return complain("run", "--record needs the stylus: a trace has one segment");
+    session->room = settings->ticks;
+    session->rows = calloc(session->room, 6 * sizeof *session->rows);
+    if (!session->rows)
+        return complain("run", "memory ran out");
+    return output_open(&session->record, "run", settings->record);
+}
+
+static int write_record(struct session *session)
+{
+    struct output output = session->record;
+    FILE *file = output.file;
+    session->record.file = NULL;
+    fputs("tick,ax,ay,az,bx,by,bz\n", file);
     for (uint64_t i = 0; i < session->recorded; i++) {
-        fprintf(output.file, "%" PRIu64, i);
+        fprintf(file, "%" PRIu64, i);
         for (int k = 0; k < 6; k++)
-            fprintf(output.file, ",%.17g", session->rows[6 * i + (uint64_t)k]);
-        fputc('\n', output.file);
+            fprintf(file, ",%.17g", session->rows[6 * i + (uint64_t)k]);
+        fputc('\n', file);
     }
     return output_close(&output, "run");
+}
+
+static void close_record(struct session *session)
+{
+    if (session->record.file) {
+        fclose(session->record.file);
+        output_drop(&session->record);
+    }
+    free(session->rows);
 }
 
 static void print_json(const struct session *session, const dpt_loop_stats *s,
@@ -214,7 +236,27 @@ static int serve(dpt_device *device, struct session *session, const struct setti
     (settings->json ? print_json : print_report)(session, &stats, &counts);
     if (result != DPT_OK)
         return complain("run", "%s", dpt_result_text(result));
-    return settings->record ? write_record(settings->record, session) : 0;
+    return settings->record ? write_record(session) : 0;
+}
+
+/* A device's name has files in it, too: its place, and what its settings are. */
+static int check_record(const struct settings *settings)
+{
+    char piece[1024];
+    const char *const inputs[] = { settings->scene.path, settings->scene.tool, NULL };
+    int status = 0;
+    if (!strcmp(settings->record, "-"))
+        return complain("run",
+                        "--record needs a file: what is said at the end is on standard output");
+    if (output_check("run", settings->record, inputs))
+        return 2;
+    for (const char *at = strchr(settings->device, ':'); at && *at && !status;) {
+        const size_t length = strcspn(++at, "?&=");
+        snprintf(piece, sizeof piece, "%.*s", (int)length, at);
+        status = output_check("run", settings->record, (const char *const[]){ piece, NULL });
+        at += length;
+    }
+    return status;
 }
 
 static int take_settings(int argc, char **argv, struct settings *settings)
@@ -241,8 +283,7 @@ static int take_settings(int argc, char **argv, struct settings *settings)
         return status;
     if (operands != 1 || !settings->device)
         return complain("run", "MESH.dpa or ARM.dpa, and --device NAME are needed (see --help)");
-    const char *const inputs[] = { settings->scene.path, settings->scene.tool, NULL };
-    if (settings->record && output_check("run", settings->record, inputs))
+    if (settings->record && check_record(settings))
         return 2;
     if (!(settings->scene.zoom > 0.0 && settings->scene.zoom <= 1000.0))
         return complain("run", "--zoom must be positive, at most 1000");
@@ -274,14 +315,8 @@ int command_run(int argc, char **argv)
     if (status >= 0)
         return status;
     status = scene_open(&session.scene, &settings.scene);
-    if (status == 0 && settings.record && !session.scene.has_stylus)
-        status = complain("run", "--record needs the stylus: a trace has one segment");
-    if (status == 0 && settings.record) {
-        session.room = settings.ticks;
-        session.rows = calloc(session.room, 6 * sizeof *session.rows);
-        if (!session.rows)
-            status = complain("run", "memory ran out");
-    }
+    if (status == 0)
+        status = open_record(&settings, &session);
     if (status == 0) {
         dpt_device *device;
         dpt_device_error error = { .size = sizeof error };
@@ -296,7 +331,7 @@ int command_run(int argc, char **argv)
             dpt_device_close(device);
         }
     }
-    free(session.rows);
+    close_record(&session);
     scene_close(&session.scene);
     return status;
 }

@@ -79,7 +79,7 @@ DPT_API dpt_result dpt_guard_init(dpt_guard *guard, const dpt_guard_def *def);
 /*
  * What to send now; to be called each tick, also when nothing came. Pure: no clock, no system. What leaves is finite and
  * within the limits; it changes no faster than the slew but for a stop; it is zero hold + stop after the last fresh
- * command at the latest, and at once when that is asked for.
+ * command at the latest (with a stop of 0 as soon as hold is over), and at once when that is asked for.
  *   now_ns   of any clock; one that goes back stands still
  *   command  a fresh one, or NULL
  *   ready    0: the device or its pose cannot be trusted
