@@ -85,7 +85,7 @@ DPT_API dpt_result dpt_compile_arrays(const double *vertices, size_t vertex_coun
 /*
  * An arm from arrays; the fields are those of kinematics.h, and their sizes are set. A link comes after its parent, each
  * joint moves a link (one at least in the way that its kind says), and the joints that lead to the tool come first, in
- * their order from the root on. Quaternions and axes are of unit length within 1e-6, and made so; lengths, limits,
+ * their order from the root on. Quaternions and axes are of unit length within 1e-6, and made so; lengths, limits of position,
  * factors and masses are at most DPT_COORDINATE_MAX. `mesh` of a body is an open mesh, and is copied; its `mesh_bytes`
  * is not read.
  */

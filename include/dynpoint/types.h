@@ -119,7 +119,7 @@ typedef struct dpt_hit {
 /* clang-format off */
 /* An empty hit that knows its size, as an initialiser. */
 #ifdef __cplusplus
-#define DPT_HIT_INIT { (uint32_t)sizeof(dpt_hit), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, { 0, 0, 0 }, { 0, 0, 0 }, 0, 0 }
+#define DPT_HIT_INIT { sizeof(dpt_hit), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, { 0, 0, 0 }, { 0, 0, 0 }, 0, 0 }
 #else
 #define DPT_HIT_INIT { .size = (uint32_t)sizeof(dpt_hit) }
 #endif

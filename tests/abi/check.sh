@@ -87,7 +87,7 @@ int main(void) { dpt_hit hit = DPT_HIT_INIT; dpt_pose pose = DPT_POSE_IDENTITY;
 echo "$initialisers" | ${CC:-cc} -std=c99 -pedantic -Wall -Wextra -Werror -Iinclude -x c - -o "$scratch/initial" && "$scratch/initial"
 verdict $? "initialisers in C99"
 if command -v g++ >/dev/null 2>&1; then
-    echo "$initialisers" | g++ -std=c++11 -pedantic -Wall -Wextra -Werror -Iinclude -x c++ - -o "$scratch/initial" && "$scratch/initial"
+    echo "$initialisers" | g++ -std=c++11 -pedantic -Wall -Wextra -Wconversion -Wold-style-cast -Werror -Iinclude -x c++ - -o "$scratch/initial" && "$scratch/initial"
     verdict $? "and in C++11"
 fi
 
