@@ -849,7 +849,7 @@ devices()
     refuses 'nothing else is simulated' 'only serial and can:' device simulate can
     refuses 'an arm is needed' 'arm=FILE' device simulate 'can:vcan0?gear=8,8,8'
     refuses 'an arm is needed' 'arm=FILE' run torus.dpa --device 'can:can0'
-    "$program" device simulate serial --for 20 >simulated 2>/dev/null &
+    "$program" device simulate serial --for 60 >simulated 2>/dev/null &
     simulator=$!
     for wait in 1 2 3 4 5 6 7 8 9 10; do
         [ -s simulated ] || sleep 0.2
@@ -862,6 +862,19 @@ devices()
     check 'run over a line' test $status -eq 0
     check 'no frame damaged' grep -q '"device_damaged":0,' stdout
     check 'many fresh samples' awk -F'[:,]' '{ exit $4 < 200 }' stdout
+    # A host that dies leaves the device in fault: its watchdog missed the commands.
+    "$program" run torus.dpa --device "$name" --for 20 >killed 2>&1 &
+    host=$!
+    sleep 2
+    kill -KILL $host
+    wait $host 2>/dev/null
+    sleep 0.3
+    run device watch "$name" --for 0.1
+    check 'it has stopped itself' grep -q ',fault,' stdout
+    run run torus.dpa --device "$name" --for 1 --json
+    check 'the next host ends that' test $status -eq 0
+    check 'and is told' grep -q 'had stopped itself (watchdog)' stderr
+    check 'there is force again' grep -q '"not_ready":0,' stdout
     kill -TERM $simulator && wait $simulator
     check 'the simulated device ends in order' test $? -eq 0
     refuses 'a line that is gone' "$name" device watch "$name"

@@ -8,6 +8,7 @@
 
 #include "command.h"
 #include "common.h"
+#include "open_device.h"
 #include "stop.h"
 
 static const char help[] =
@@ -31,18 +32,6 @@ static const char help[] =
     "  --move    selftest may push the hand, by a twentieth of the greatest force and for 0.05 s\n"
     "            each way; without it nothing is moved\n"
     "  --swing M how far the simulated hand goes up and down, m; default 0.02\n";
-
-static int open_device(const char *name, dpt_device **device)
-{
-    dpt_device_error error = { .size = sizeof error };
-    dpt_result result = dpt_device_open(name, device, &error);
-    if (result != DPT_OK)
-        return complain("device", "%s: %s", name,
-                        error.text[0] ? error.text : dpt_result_text(result));
-    if (error.text[0])
-        complain("device", "%s: %s", name, error.text);
-    return 0;
-}
 
 static void print_reasons(FILE *file, uint32_t reasons)
 {
@@ -320,9 +309,11 @@ int command_device(int argc, char **argv)
     if (verb == 3)
         return device_simulate(operand[1], swing, seconds);
     dpt_device *device;
-    status = open_device(operand[1], &device);
+    status = open_device("device", operand[1], &device);
     if (status)
         return status;
+    if (verb == 2)
+        end_fault("device", operand[1], device);
     status = verb == 1 ? watch(device, seconds) : selftest(device, may_move);
     dpt_device_close(device);
     return status;

@@ -7,6 +7,7 @@
 
 #include "command.h"
 #include "common.h"
+#include "open_device.h"
 #include "scene.h"
 #include "stop.h"
 
@@ -319,15 +320,10 @@ int command_run(int argc, char **argv)
         status = open_record(&settings, &session);
     if (status == 0) {
         dpt_device *device;
-        dpt_device_error error = { .size = sizeof error };
-        dpt_result result = dpt_device_open(settings.device, &device, &error);
-        if (result != DPT_OK) {
-            status = complain("run", "%s: %s", settings.device,
-                              error.text[0] ? error.text : dpt_result_text(result));
-        } else {
-            if (error.text[0])
-                complain("run", "%s: %s", settings.device, error.text);
-            status = serve(device, &session, &settings);
+        status = open_device("run", settings.device, &device);
+        if (status == 0) {
+            status = end_fault("run", settings.device, device);
+            status = status ? status : serve(device, &session, &settings);
             dpt_device_close(device);
         }
     }
