@@ -136,14 +136,14 @@ demo: ## build, make a liver, slide a tool over it, and prove every answer
 include tests/tests.mk
 
 install: all ## into PREFIX, or DESTDIR and the directory variables
-	install -d $(DESTDIR)$(BINDIR) $(DESTDIR)$(LIBDIR) $(DESTDIR)$(INCLUDEDIR)/dynpoint $(DESTDIR)$(PKGCONFIGDIR)
-	install -m 755 $(B)/dynpoint $(DESTDIR)$(BINDIR)
-	install -m 644 include/dynpoint.h $(DESTDIR)$(INCLUDEDIR)
-	install -m 644 include/dynpoint/*.h $(DESTDIR)$(INCLUDEDIR)/dynpoint
+	install -d "$(DESTDIR)$(BINDIR)" "$(DESTDIR)$(LIBDIR)" "$(DESTDIR)$(INCLUDEDIR)/dynpoint" "$(DESTDIR)$(PKGCONFIGDIR)"
+	install -m 755 $(B)/dynpoint "$(DESTDIR)$(BINDIR)"
+	install -m 644 include/dynpoint.h "$(DESTDIR)$(INCLUDEDIR)"
+	install -m 644 include/dynpoint/*.h "$(DESTDIR)$(INCLUDEDIR)/dynpoint"
 	for lib in $(notdir $(LIBS)); do \
-	  install -m 644 $(B)/$$lib.a $(DESTDIR)$(LIBDIR) && \
-	  install -m 755 $(B)/$$lib.so.$(SOVERSION) $(DESTDIR)$(LIBDIR) && \
-	  ln -sf $$lib.so.$(SOVERSION) $(DESTDIR)$(LIBDIR)/$$lib.so && \
+	  install -m 644 $(B)/$$lib.a "$(DESTDIR)$(LIBDIR)" && \
+	  install -m 755 $(B)/$$lib.so.$(SOVERSION) "$(DESTDIR)$(LIBDIR)" && \
+	  ln -sf $$lib.so.$(SOVERSION) "$(DESTDIR)$(LIBDIR)/$$lib.so" && \
 	  { echo 'libdir=$(LIBDIR)'; echo 'includedir=$(INCLUDEDIR)'; echo; \
 	    echo "Name: $$lib"; echo 'Description: line-shaped haptic tools against triangle meshes'; \
 	    echo 'Version: $(VERSION)'; echo 'Cflags: -I$${includedir}'; \
@@ -152,17 +152,17 @@ install: all ## into PREFIX, or DESTDIR and the directory variables
 	      *_*) echo 'Requires: libdynpoint';; esac; \
 	    echo "Libs: -L\$${libdir} -l$${lib#lib}"; \
 	    case $$lib in *_urdf) echo 'Libs.private: -lm -lstdc++';; *_drivers) echo 'Libs.private: -lm $(THREADS) $(DL)';; *_*) echo 'Libs.private: -lm $(THREADS)';; *) echo 'Libs.private: -lm';; esac; \
-	  } > $(DESTDIR)$(PKGCONFIGDIR)/$$lib.pc || exit 1; \
+	  } > "$(DESTDIR)$(PKGCONFIGDIR)/$$lib.pc" || exit 1; \
 	done
 
 uninstall: ## what install put there
-	rm -f $(DESTDIR)$(BINDIR)/dynpoint $(DESTDIR)$(INCLUDEDIR)/dynpoint.h
-	rm -f $(patsubst include/%,$(DESTDIR)$(INCLUDEDIR)/%,$(wildcard include/dynpoint/*.h))
+	rm -f "$(DESTDIR)$(BINDIR)/dynpoint" "$(DESTDIR)$(INCLUDEDIR)/dynpoint.h"
+	rm -f $(patsubst include/%,"$(DESTDIR)$(INCLUDEDIR)"/%,$(wildcard include/dynpoint/*.h))
 	for lib in $(notdir $(LIBS)) libdynpoint_urdf; do \
-	  rm -f $(DESTDIR)$(LIBDIR)/$$lib.a $(DESTDIR)$(LIBDIR)/$$lib.so $(DESTDIR)$(LIBDIR)/$$lib.so.$(SOVERSION) \
-	    $(DESTDIR)$(PKGCONFIGDIR)/$$lib.pc; \
+	  rm -f "$(DESTDIR)$(LIBDIR)/$$lib.a" "$(DESTDIR)$(LIBDIR)/$$lib.so" "$(DESTDIR)$(LIBDIR)/$$lib.so.$(SOVERSION)" \
+	    "$(DESTDIR)$(PKGCONFIGDIR)/$$lib.pc"; \
 	done
-	-rmdir $(DESTDIR)$(INCLUDEDIR)/dynpoint 2>/dev/null
+	-rmdir "$(DESTDIR)$(INCLUDEDIR)/dynpoint" 2>/dev/null
 
 help: ## this list
 	@echo 'make [TARGET] [CONFIG=release|scalar|sanitize|debug|coverage] [DRIVERS="$(BACK_ENDS)"] [URDF=no]'

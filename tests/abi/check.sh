@@ -240,6 +240,12 @@ fi
 make -s uninstall DESTDIR="$root" PREFIX=/opt/dp LIBDIR=/opt/dp/lib64 >/dev/null 2>&1
 [ -z "$(find "$root" -type f -o -type l)" ]
 verdict $? "uninstall leaves nothing"
+spaced="$PWD/$scratch/a place"
+make -s install DESTDIR="$spaced" PREFIX=/opt/dp LIBDIR=/opt/dp/lib64 >/dev/null
+(cd "$spaced" && find . -type f -o -type l) 2>/dev/null | sed 's/^.//' | LC_ALL=C sort | diff "$scratch/installed" - &&
+    make -s uninstall DESTDIR="$spaced" PREFIX=/opt/dp LIBDIR=/opt/dp/lib64 >/dev/null 2>&1
+    [ -d "$spaced" ] && [ -z "$(find "$spaced" -type f -o -type l)" ]
+verdict $? "both go where a space is in the name"
 
 echo "$passed passed, $failed failed, $skipped skipped"
 [ "$failed" -eq 0 ]
