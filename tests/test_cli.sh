@@ -875,6 +875,20 @@ devices()
     check 'the next host ends that' test $status -eq 0
     check 'and is told' grep -q 'had stopped itself (watchdog)' stderr
     check 'there is force again' grep -q '"not_ready":0,' stdout
+    # A terminal that is closed, and a report that no one reads: the device is closed all the same, and so is in no fault.
+    "$program" run torus.dpa --device "$name" --for 20 >killed 2>&1 &
+    host=$!
+    sleep 2
+    kill -HUP $host
+    wait $host
+    check 'a hang-up ends it in order' test $? -eq 0
+    sleep 0.3
+    run device watch "$name" --for 0.1
+    check 'and leaves no fault' test "$(grep -c ,fault, stdout)" -eq 0
+    "$program" run torus.dpa --device "$name" --for 1 2>/dev/null | :
+    sleep 0.3
+    run device watch "$name" --for 0.1
+    check 'a report that no one reads leaves none' test "$(grep -c ,fault, stdout)" -eq 0
     kill -TERM $simulator && wait $simulator
     check 'the simulated device ends in order' test $? -eq 0
     refuses 'a line that is gone' "$name" device watch "$name"

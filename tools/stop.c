@@ -29,10 +29,14 @@ const volatile int *stop_flag(void)
 
 void stop_watch(dpt_loop *loop, double seconds)
 {
-    struct sigaction action = { .sa_handler = on_signal };
+    struct sigaction action = { .sa_handler = on_signal }, before;
     running = loop;
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
+    sigaction(SIGPIPE, &action, NULL);
+    /* nohup wants it to be passed over. */
+    if (sigaction(SIGHUP, NULL, &before) == 0 && before.sa_handler != SIG_IGN)
+        sigaction(SIGHUP, &action, NULL);
     if (seconds < 1e9) {
         struct itimerval timer = { .it_value = {
                                        (time_t)seconds,
