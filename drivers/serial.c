@@ -125,7 +125,7 @@ static void take(struct serial_device *device, const struct wire_message *messag
             take_state(device, &message->as.state);
         break;
     case WIRE_HEARTBEAT:
-        if (!device->sampled || device->session == 0)
+        if (message->session != 0 || !device->sampled || device->session == 0)
             break;
         /* It has no session: it forgot ours, or began anew. */
         if (message->as.heartbeat.sequence - device->last.sequence >= 0x80000000u)

@@ -627,6 +627,30 @@ static void a_device_that_begins_anew_is_noticed(void)
     finish();
 }
 
+/* Firmware that shows life within a session, and what is left in a line of an earlier one, end none. */
+static void only_a_heartbeat_without_a_session_ends_it(void)
+{
+    struct wire_message alive = { .type = WIRE_HEARTBEAT };
+    uint8_t frame[WIRE_FRAME_MAX];
+    start(NULL, "?silent=30");
+    const uint16_t session = simulated.device.session,
+                   sessions[] = { session, session == 7 ? 8 : 7, 0 };
+    for (int i = 0; i < 3; i++) {
+        alive.session = sessions[i];
+        alive.as.heartbeat.sequence = simulated.device.sequence;
+        const size_t size = wire_encode(&alive, frame);
+        CHECK(write(simulated.master, frame, size) == (ssize_t)size, "no room");
+        simulate_serial_tick(&simulated);
+        const dpt_result result = dpt_device_read(device, &state);
+        CHECK(result == (sessions[i] ? DPT_OK : DPT_E_LOST), "session %u of %u: %s", sessions[i],
+              session, dpt_result_name(result));
+    }
+    go();
+    CHECK(clear() == DPT_OK, "clear");
+    halt();
+    finish();
+}
+
 static void unplugged_and_plugged_in_again(void)
 {
     char link[64];
@@ -880,6 +904,7 @@ int main(void)
     TEST(a_host_that_reads_is_there);
     TEST(damage_alone_is_the_line);
     TEST(a_device_that_begins_anew_is_noticed);
+    TEST(only_a_heartbeat_without_a_session_ends_it);
     TEST(unplugged_and_plugged_in_again);
     TEST(a_full_line_never_blocks);
     TEST(calls_are_bounded);
