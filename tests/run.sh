@@ -91,15 +91,17 @@ for program in build/tests/test_*; do
     is_timed "${program#build/tests/test_}" || run "$(basename "$program")" "$program"
 done
 for config in scalar sanitize; do
-    for name in read compile parallel mesh damage arm kinematics normal winding kernel query world paper shape budget near sweep_mesh strips guard sim replay driver syscalls odrive can can_faults; do
+    for name in read compile parallel mesh damage arm kinematics normal winding kernel query world region region_forms paper shape budget near sweep_mesh strips guard sim replay driver syscalls odrive can can_faults; do
         program=build/$config/tests/test_$name
         [ -x "$program" ] && run "test_$name, $config" "$program"
     done
     run "test_pair, $config" build/$config/tests/test_pair 100000
-    run "test_sheets, $config" build/$config/tests/test_sheets 2000
+    for name in sheets sheet_touches walks; do
+        run "test_$name, $config" build/$config/tests/test_$name 2000
+    done
     run "test_sweep, $config" build/$config/tests/test_sweep 2000
     run "test_depth, $config" build/$config/tests/test_depth 20
-    run "test_region, $config" build/$config/tests/test_region 30
+    run "test_region_integrals, $config" build/$config/tests/test_region_integrals 30
     run "test_route, $config" env -u DPT_DATA build/$config/tests/test_route
 done
 for name in strip overlap recall; do

@@ -336,4 +336,30 @@ static inline uint32_t stage_contacts(const struct stage *stage, dpt_contact *co
     return count < STAGE_CONTACTS ? count : STAGE_CONTACTS;
 }
 
+/* Ids that were seen, and when last: one that was gone does not come back. */
+struct names {
+    uint32_t id[4096];
+    uint64_t tick[4096];
+    size_t count;
+};
+
+static inline void check_names(struct names *names, uint64_t tick, const dpt_contact *contacts,
+                               uint32_t count, const char *text)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        size_t k = 0;
+        while (k < names->count && names->id[k] != contacts[i].id)
+            k++;
+        CHECK(contacts[i].id != 0, "id 0: %s", text);
+        for (uint32_t j = 0; j < i; j++)
+            CHECK(contacts[j].id != contacts[i].id, "two are %u: %s", contacts[i].id, text);
+        CHECK(k == names->count || names->tick[k] + 1 >= tick, "%u is back: %s", contacts[i].id,
+              text);
+        if (k == names->count && k < 4096)
+            names->id[names->count++] = contacts[i].id;
+        if (k < 4096)
+            names->tick[k] = tick;
+    }
+}
+
 #endif
