@@ -15,6 +15,20 @@ static const char *const headers[] = {
 };
 enum { FIRST_OF_FORCES = 4 };
 
+static const char *wrong_row(const double *row, size_t columns)
+{
+    for (size_t i = 0; i < columns; i++)
+        if (!(fabs(row[i]) < 0x1p53))
+            return "a number is too large";
+    return NULL;
+}
+
+static const struct table_form form = {
+    .headers = headers,
+    .wrong_header = "the header is not one that is known",
+    .wrong_row = wrong_row,
+};
+
 dpt_result hand_open(struct hand *hand, const char *script, double reach, double cycle,
                      dpt_device_error *error)
 {
@@ -26,7 +40,7 @@ dpt_result hand_open(struct hand *hand, const char *script, double reach, double
         return DPT_OK;
     }
     hand->kind = HAND_TABLE;
-    return table_read(&hand->table, script, headers, error);
+    return table_read(&hand->table, script, &form, error);
 }
 
 void hand_close(struct hand *hand)

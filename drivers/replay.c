@@ -8,7 +8,7 @@
 
 #include "angle.h"
 #include "settings.h"
-#include "table.h"
+#include "trace.h"
 #include "vec.h"
 
 /* 2^63 ns are 292 years; it may begin again. */
@@ -27,12 +27,9 @@ struct replay {
     dpt_device_counts counts;
 };
 
-static const char *const headers[] = { "tick,ax,ay,az,bx,by,bz", NULL };
-
 static uint64_t tick_at(const struct replay *replay, size_t row)
 {
-    const double *values = replay->table.values;
-    return (uint64_t)(values[row * replay->table.columns] - values[0]);
+    return (uint64_t)(table_row(&replay->table, row)[0] - table_row(&replay->table, 0)[0]);
 }
 
 static uint64_t ticks_of(const struct replay *replay)
@@ -77,7 +74,7 @@ static void product(const double *a, const double *b, double *out)
 static void take_sample(struct replay *replay, int jumps)
 {
     dpt_device_state *sample = &replay->sample;
-    const double *ends = replay->table.values + replay->row * replay->table.columns + 1;
+    const double *ends = table_row(&replay->table, replay->row) + 1;
     vec3 a = vec3_of(ends), along_tool = sub(vec3_of(ends + 3), a), before = { 0.0, 0.0, 1.0 };
     double size = length(along_tool), turn[4];
     static const double identity[4] = { 1.0, 0.0, 0.0, 0.0 };
@@ -108,7 +105,7 @@ static void go_on(struct replay *replay)
 {
     if (replay->row + 1 < replay->table.rows) {
         replay->row++;
-        take_sample(replay, tick_at(replay, replay->row) != tick_at(replay, replay->row - 1) + 1);
+        take_sample(replay, trace_jumps(&replay->table, replay->row));
     } else if (replay->again != 0.0) {
         replay->laps += ticks_of(replay);
         replay->row = 0;
@@ -210,7 +207,7 @@ static void replay_info(const dpt_device *device, dpt_device_info *info)
     for (int k = 0; k < 3; k++) {
         info->workspace_min[k] = info->workspace_max[k] = replay->table.values[1 + k];
         for (size_t row = 0; row < replay->table.rows; row++) {
-            double value = replay->table.values[row * replay->table.columns + 1 + (size_t)k];
+            double value = table_row(&replay->table, row)[1 + k];
             info->workspace_min[k] = smaller(info->workspace_min[k], value);
             info->workspace_max[k] = larger(info->workspace_max[k], value);
         }
@@ -224,18 +221,11 @@ static void replay_close(dpt_device *device)
     free(replay);
 }
 
-static dpt_result check_rows(const struct replay *replay, const char *path, dpt_device_error *error)
+static dpt_result check_length(const struct replay *replay, const char *path,
+                               dpt_device_error *error)
 {
-    for (size_t row = 0; row < replay->table.rows; row++) {
-        const double *values = replay->table.values + row * replay->table.columns;
-        if (values[0] != floor(values[0]) || !vec3_within(values + 1, DPT_COORDINATE_MAX) ||
-            !vec3_within(values + 4, DPT_COORDINATE_MAX))
-            return device_error(error, DPT_E_SYNTAX,
-                                "%.160s: tick %g is not an integer, or lies beyond 1e6 m", path,
-                                values[0]);
-    }
     const struct table *table = &replay->table;
-    const double ticks = table->values[(table->rows - 1) * table->columns] - table->values[0];
+    const double ticks = table_row(table, table->rows - 1)[0] - table_row(table, 0)[0];
     if (ticks > SECONDS_MOST * replay->rate)
         return device_error(error, DPT_E_LIMIT,
                             "%.160s: its ticks, at %g Hz, are more than 100 years", path,
@@ -262,9 +252,9 @@ static dpt_result replay_open(const dpt_driver *driver, const char *where, dpt_d
     if (result == DPT_OK && !path[0])
         result = device_error(error, DPT_E_SETTING, "name a trace, as in replay:slide.csv");
     if (result == DPT_OK)
-        result = table_read(&replay->table, path, headers, error);
+        result = table_read(&replay->table, path, &trace_form, error);
     if (result == DPT_OK)
-        result = check_rows(replay, path, error);
+        result = check_length(replay, path, error);
     if (result != DPT_OK) {
         replay_close(&replay->device);
         return result;

@@ -5,7 +5,6 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -80,8 +79,6 @@ static const char *parse_row(const char *at, const char *end, double *row, size_
         at = parse_double(skip_blanks(at, end), end, &row[i]);
         if (!at)
             return "a field is missing, or not a number";
-        if (!(fabs(row[i]) < 0x1p53))
-            return "a number is too large";
         at = skip_blanks(at, end);
         if (i + 1 < columns && (at == end || *at++ != ','))
             return "there are too few fields";
@@ -102,12 +99,10 @@ static int add_row(struct table *table, size_t *room)
     return 1;
 }
 
-/* NULL, or what is wrong; `line` counts on. */
-static const char *parse(struct table *table, const char *at, const char *end,
-                         const char *const *headers, uint64_t *line, dpt_result *code)
+dpt_result table_parse(struct table *table, const char *at, const char *end,
+                       const struct table_form *form, uint64_t *line, const char **wrong)
 {
     size_t room = 0;
-    *code = DPT_E_SYNTAX;
     for (const char *next; at < end; at = next) {
         const char *stop = memchr(at, '\n', (size_t)(end - at));
         next = stop ? stop + 1 : end;
@@ -118,29 +113,34 @@ static const char *parse(struct table *table, const char *at, const char *end,
         if (word == stop || *word == '#')
             continue;
         if (!table->columns) {
-            int index = header_index(at, stop, headers);
-            if (index < 0)
-                return "the header is not one that is known";
+            int index = header_index(at, stop, form->headers);
+            if (index < 0) {
+                *wrong = form->wrong_header;
+                return DPT_E_SYNTAX;
+            }
             table->header = (uint32_t)index;
-            table->columns = commas_in(headers[index]) + 1;
+            table->columns = commas_in(form->headers[index]) + 1;
             continue;
         }
         if (!add_row(table, &room)) {
-            *code = DPT_E_MEMORY;
-            return "memory ran out";
+            *wrong = "memory ran out";
+            return DPT_E_MEMORY;
         }
         double *row = table->values + table->rows * table->columns;
-        const char *wrong = parse_row(at, stop, row, table->columns);
-        if (wrong)
-            return wrong;
-        if (table->rows && row[0] <= row[-(ptrdiff_t)table->columns])
-            return "the first column does not increase";
+        *wrong = parse_row(at, stop, row, table->columns);
+        if (!*wrong)
+            *wrong = form->wrong_row(row, table->columns);
+        if (!*wrong && table->rows && row[0] <= row[-(ptrdiff_t)table->columns])
+            *wrong = "the first column does not increase";
+        if (*wrong)
+            return DPT_E_SYNTAX;
         table->rows++;
     }
-    return table->rows ? NULL : "there are no rows";
+    *wrong = table->rows ? NULL : "there are no rows";
+    return *wrong ? DPT_E_SYNTAX : DPT_OK;
 }
 
-dpt_result table_read(struct table *table, const char *path, const char *const *headers,
+dpt_result table_read(struct table *table, const char *path, const struct table_form *form,
                       dpt_device_error *error)
 {
     struct text text = { .count = 0 };
@@ -157,12 +157,10 @@ dpt_result table_read(struct table *table, const char *path, const char *const *
         device_error(error, result, "%.160s: %s", path, dpt_result_text(result));
     if (result == DPT_OK) {
         uint64_t line = 0;
-        dpt_result code;
-        const char *wrong =
-            parse(table, text.bytes, text.bytes + text.count, headers, &line, &code);
-        if (wrong)
-            result =
-                device_error(error, code, "%.160s:%" PRIu64 ": %s", path, line ? line : 1, wrong);
+        const char *wrong;
+        result = table_parse(table, text.bytes, text.bytes + text.count, form, &line, &wrong);
+        if (result != DPT_OK)
+            device_error(error, result, "%.160s:%" PRIu64 ": %s", path, line ? line : 1, wrong);
     }
     free(text.bytes);
     if (result != DPT_OK)

@@ -11,12 +11,30 @@ struct table {
     uint32_t header; /* which */
 };
 
+/* What a file may hold, and the reasons that are given where it does not. */
+struct table_form {
+    const char *const *headers; /* those that are known, ended by NULL */
+    const char *wrong_header;
+    /* NULL, or what is wrong with a row; its numbers may be infinite. */
+    const char *(*wrong_row)(const double *row, size_t columns);
+};
+
 /*
- * `headers`, ended by NULL, are those that are known; the first column must increase from row to row. No row is an
- * error. `error` names file and line.
+ * The text from `at` to `end` into an empty table. The first column must increase from row to row, and no row is an
+ * error: DPT_E_SYNTAX, or DPT_E_MEMORY, with the reason in *wrong and the line in *line, counted on from its value. What
+ * was read until then is to be freed in either case.
  */
-dpt_result table_read(struct table *table, const char *path, const char *const *headers,
+dpt_result table_parse(struct table *table, const char *at, const char *end,
+                       const struct table_form *form, uint64_t *line, const char **wrong);
+
+/* The same of a file; nothing is to be freed on error. `error` names file and line. */
+dpt_result table_read(struct table *table, const char *path, const struct table_form *form,
                       dpt_device_error *error);
 void table_free(struct table *table);
+
+static inline const double *table_row(const struct table *table, size_t row)
+{
+    return table->values + row * table->columns;
+}
 
 #endif

@@ -202,9 +202,9 @@ usage_errors()
 bad_traces()
 {
     trace few.csv 0,1,2,3,4,5
-    refuses 'trace: too few fields' few.csv:2: replay box.dpa few.csv -o out/x
+    refuses 'trace: too few fields' 'few.csv:2: there are too few fields' replay box.dpa few.csv -o out/x
     trace many.csv 0,1,2,3,4,5,6 1,1,2,3,4,5,6,7
-    refuses 'trace: too many fields' many.csv:3: replay box.dpa many.csv -o out/x
+    refuses 'trace: too many fields' 'many.csv:3: there are too many fields' replay box.dpa many.csv -o out/x
     for word in nan inf -inf x '' 1.5.2 '1 2' 1e7 -1000001 1e400 0x1; do
         trace word.csv 0,1,2,3,4,5,6 "1,1,$word,3,4,5,6"
         refuses "trace: coordinate '$word'" word.csv:3: replay box.dpa word.csv -o out/x
@@ -225,7 +225,8 @@ bad_traces()
     echo 0,1,2,3,4,5,6 >headless.csv
     refuses 'trace: no header' headless.csv:1: replay box.dpa headless.csv -o out/x
     printf 'time,ax,ay,az,bx,by,bz\n0,1,2,3,4,5,6\n' >other.csv
-    refuses 'trace: wrong header' other.csv:1: replay box.dpa other.csv -o out/x
+    refuses 'trace: wrong header' 'other.csv:1: the header is not tick,ax,ay,az,bx,by,bz' \
+        replay box.dpa other.csv -o out/x
     : >empty.csv
     refuses 'trace: empty' empty.csv replay box.dpa empty.csv -o out/x
     trace rowless.csv

@@ -163,10 +163,14 @@ static void wrong_traces_are_refused(void)
         const char *reason;
     } cases[] = {
         { "", DPT_E_SYNTAX, ":1: there are no rows" },
-        { "tick,ax,ay,az\n", DPT_E_SYNTAX, ":1: the header" },
+        { "tick,ax,ay,az\n", DPT_E_SYNTAX, ":1: the header is not tick,ax,ay,az,bx,by,bz" },
         { "tick,ax,ay,az,bx,by,bz\n1,0,0,0,0,0\n", DPT_E_SYNTAX, ":2: there are too few" },
-        { "tick,ax,ay,az,bx,by,bz\n1.5,0,0,0,0,0,1\n", DPT_E_SYNTAX, "1.5 is not an integer" },
-        { "tick,ax,ay,az,bx,by,bz\n1,0,0,0,0,0,2e6\n", DPT_E_SYNTAX, "beyond 1e6 m" },
+        { "tick,ax,ay,az,bx,by,bz\n1.5,0,0,0,0,0,1\n", DPT_E_SYNTAX,
+          ":2: the tick is not an integer" },
+        { "tick,ax,ay,az,bx,by,bz\n1e30,0,0,0,0,0,1\n", DPT_E_SYNTAX,
+          ":2: the tick is not within 2^53" },
+        { "tick,ax,ay,az,bx,by,bz\n1,0,0,0,0,0,2e6\n", DPT_E_SYNTAX,
+          ":2: a coordinate is beyond 1e6 m" },
         { "tick,ax,ay,az,bx,by,bz\n2,0,0,0,0,0,1\n1,0,0,0,0,0,1\n", DPT_E_SYNTAX,
           ":3: the first column" },
         { "tick,ax,ay,az,bx,by,bz\n1,0,0,0,0,0,1\n9e15,0,0,0,0,0,1\n", DPT_E_LIMIT,

@@ -430,6 +430,7 @@ static void wrong_names_are_refused(void)
                       few = file_with("t,x,y,z\n0,1,2\n"),
                       many = file_with("t,x,y,z\n\n0,1,2,3,4\n"),
                       word = file_with("t,x,y,z\n0,1,nan,3\n"),
+                      large = file_with("t,x,y,z\n0,1,1e400,3\n"),
                       back = file_with("t,x,y,z\n1,0,0,0\n1,0,0,0\n"),
                       none = file_with("t,x,y,z\n# nothing\n");
     const struct {
@@ -456,6 +457,7 @@ static void wrong_names_are_refused(void)
         { "hand=", few.path, DPT_E_SYNTAX, ":2: there are too few" },
         { "hand=", many.path, DPT_E_SYNTAX, ":3: there are too many" },
         { "hand=", word.path, DPT_E_SYNTAX, ":2: a field is missing, or not a number" },
+        { "hand=", large.path, DPT_E_SYNTAX, ":2: a number is too large" },
         { "hand=", back.path, DPT_E_SYNTAX, ":3: the first column" },
         { "hand=", none.path, DPT_E_SYNTAX, ":2: there are no rows" },
     };
@@ -475,8 +477,8 @@ static void wrong_names_are_refused(void)
     dpt_device *device;
     CHECK(dpt_device_open("sim:/dev/ttyACM0", &device, &error) == DPT_E_SETTING, "a place: %s",
           error.text);
-    const char *const paths[] = { empty.path, header.path, few.path, many.path,
-                                  word.path,  back.path,   none.path };
+    const char *const paths[] = { empty.path, header.path, few.path,  many.path,
+                                  word.path,  large.path,  back.path, none.path };
     for (size_t i = 0; i < sizeof paths / sizeof *paths; i++)
         unlink(paths[i]);
 }

@@ -25,13 +25,14 @@ $(B)/tests/test_arm: private LDLIBS = -Wl,--wrap=calloc
 
 $(B)/tests/test_organs: | $(B)/dynpoint
 
-FUZZ_PARTS := $(patsubst %.c,$(B)/%.o,$(wildcard tests/fuzz/*.c)) $(B)/tools/trace.o $(B)/tools/common.o
+FUZZ_PARTS := $(patsubst %.c,$(B)/%.o,$(wildcard tests/fuzz/*.c))
 $(B)/tests/test_fuzz: $(FUZZ_PARTS)
 
 # With CONFIG=fuzz or fuzz-fast alone: each target as a program of libFuzzer's.
 FUZZ_TARGETS := obj stl ply off trace mesh forged arm wire
 FUZZ_SHARED := $(filter-out $(FUZZ_TARGETS:%=$(B)/tests/fuzz/%.o) $(B)/tests/fuzz/mutate.o,$(FUZZ_PARTS)) \
-               $(B)/tools/shape.o $(B)/tools/shape_organs.o $(B)/drivers/wire.o $(B)/drivers/wire_device.o $(CORE) $(COMPILE)
+               $(B)/tools/shape.o $(B)/tools/shape_organs.o $(B)/drivers/wire.o $(B)/drivers/wire_device.o \
+               $(B)/drivers/table.o $(B)/drivers/trace.o $(B)/drivers/settings.o $(CORE) $(COMPILE)
 $(B)/tests/fuzz/fuzz_%: $(B)/tests/fuzz/%.o $(FUZZ_SHARED)
 	$(CC) $(subst fuzzer-no-link,fuzzer,$(CONFIG_CFLAGS)) $(LDFLAGS) $^ -lm $(THREADS) -o $@
 fuzz-programs: $(FUZZ_TARGETS:%=$(B)/tests/fuzz/fuzz_%)

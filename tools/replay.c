@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* dynpoint replay: a recorded motion through a world, tick by tick. */
+#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
+#include "../drivers/trace.h"
 #include "command.h"
 #include "common.h"
 #include "dynpoint/loop.h"
@@ -81,11 +83,12 @@ static double now_ns(void)
     return 1e9 * (double)time.tv_sec + (double)time.tv_nsec;
 }
 
-static dpt_segment segment_of(const struct trace_row *row, double radius)
+static dpt_segment segment_of(const struct table *trace, size_t row, double radius)
 {
+    const double *ends = table_row(trace, row) + 1;
     dpt_segment segment;
-    memcpy(segment.a, row->ends, sizeof segment.a);
-    memcpy(segment.b, row->ends + 3, sizeof segment.b);
+    memcpy(segment.a, ends, sizeof segment.a);
+    memcpy(segment.b, ends + 3, sizeof segment.b);
     segment.radius = radius;
     return segment;
 }
@@ -109,10 +112,10 @@ static int stage_open(struct stage *stage, const dpt_world_def *def, const dpt_m
 }
 
 /* Place the tool for a row; a jump forgets the past. */
-static void place(struct stage *stage, const struct trace *trace, size_t row, double radius)
+static void place(struct stage *stage, const struct table *trace, size_t row, double radius)
 {
     const dpt_pose identity = DPT_POSE_IDENTITY;
-    dpt_segment segment = segment_of(&trace->rows[row], radius);
+    dpt_segment segment = segment_of(trace, row, radius);
     if (trace_jumps(trace, row))
         dpt_tool_teleport(stage->world, stage->tool, &identity);
     dpt_tool_set_segments(stage->world, stage->tool, &segment, 1);
@@ -133,9 +136,9 @@ static void run_pass(struct stage *stage, const struct settings *settings,
     dpt_guard guard = { .size = sizeof guard };
     dpt_guard_init(&guard, NULL);
     dpt_world_reset(stage->world);
-    for (size_t i = 0; i < replayed->trace->count; i++) {
+    for (size_t i = 0; i < replayed->trace->rows; i++) {
         if (i % 256 == 0)
-            meter_show(&meter, "replay", (double)i / (double)replayed->trace->count);
+            meter_show(&meter, "replay", (double)i / (double)replayed->trace->rows);
         struct replayed_tick *tick = &replayed->ticks[i];
         place(stage, replayed->trace, i, settings->radius);
         double begin = now_ns();
@@ -155,7 +158,7 @@ static void run_pass(struct stage *stage, const struct settings *settings,
 static int compare(const struct settings *settings, const dpt_mesh *mesh, struct replayed *replayed)
 {
     struct comparison *against = &replayed->against;
-    const struct trace *trace = replayed->trace;
+    const struct table *trace = replayed->trace;
     struct stage stage = { .block = NULL };
     struct meter meter = { .began = 0 };
     dpt_world_def def = settings->def;
@@ -164,14 +167,14 @@ static int compare(const struct settings *settings, const dpt_mesh *mesh, struct
     def.one_step = 0;
     def.budget = 0;
     def.until = DPT_UNTIL_TRACK;
-    dpt_segment segment = segment_of(&trace->rows[0], settings->radius);
-    double *ns = malloc(trace->count * sizeof *ns);
+    dpt_segment segment = segment_of(trace, 0, settings->radius);
+    double *ns = malloc(trace->rows * sizeof *ns);
     int status =
         ns ? stage_open(&stage, &def, mesh, &segment) : complain("replay", "memory ran out");
-    for (size_t i = 0; status == 0 && i < trace->count; i += settings->every) {
+    for (size_t i = 0; status == 0 && i < trace->rows; i += settings->every) {
         dpt_hit hit = DPT_HIT_INIT;
         if (against->ticks % 64 == 0)
-            meter_show(&meter, "compare", (double)i / (double)trace->count);
+            meter_show(&meter, "compare", (double)i / (double)trace->rows);
         place(&stage, trace, i, settings->radius);
         double begin = now_ns();
         dpt_world_step(stage.world, settings->dt, NULL);
@@ -211,15 +214,15 @@ static int write_results(const struct settings *settings, const struct replayed 
     return status ? status : replayed->against.wrong ? 1 : 0;
 }
 
-static int run(const struct settings *settings, const dpt_mesh *mesh, const struct trace *trace)
+static int run(const struct settings *settings, const dpt_mesh *mesh, const struct table *trace)
 {
     dpt_mesh_info info = { .size = sizeof info };
     struct stage stage = { .block = NULL };
     struct replayed replayed = { .trace = trace,
                                  .until = settings->def.until,
                                  .strips = settings->def.strip };
-    dpt_segment segment = segment_of(&trace->rows[0], settings->radius);
-    replayed.ticks = calloc(trace->count, sizeof *replayed.ticks);
+    dpt_segment segment = segment_of(trace, 0, settings->radius);
+    replayed.ticks = calloc(trace->rows, sizeof *replayed.ticks);
     int status = replayed.ticks ? stage_open(&stage, &settings->def, mesh, &segment)
                                 : complain("replay", "memory ran out");
     if (status == 0) {
@@ -328,10 +331,26 @@ static int take_settings(int argc, char **argv, struct settings *settings)
     return -1;
 }
 
+static int read_trace(struct table *trace, const char *path)
+{
+    size_t size;
+    uint64_t line = 0;
+    const char *wrong;
+    *trace = (struct table){ .rows = 0 };
+    char *text = load_file("replay", path, &size);
+    if (!text)
+        return 2;
+    dpt_result result = table_parse(trace, text, text + size, &trace_form, &line, &wrong);
+    free(text);
+    return result == DPT_OK
+               ? 0
+               : complain("replay", "%s:%" PRIu64 ": %s", path, line ? line : 1, wrong);
+}
+
 int command_replay(int argc, char **argv)
 {
     struct settings settings = { .dt = 1e-3, .repeat = 1, .every = NOT_GIVEN, .parts = 1 };
-    struct trace trace;
+    struct table trace;
     void *bytes;
     dpt_world_def_init(&settings.def);
     settings.def.max_bodies = settings.def.max_tools = settings.def.max_segments = 1;
@@ -341,11 +360,10 @@ int command_replay(int argc, char **argv)
     const dpt_mesh *mesh = load_mesh("replay", settings.mesh, &bytes);
     if (!mesh)
         return 2;
-    status = trace_read(&trace, "replay", settings.trace);
-    if (status == 0) {
+    status = read_trace(&trace, settings.trace);
+    if (status == 0)
         status = run(&settings, mesh, &trace);
-        trace_free(&trace);
-    }
+    table_free(&trace);
     free(bytes);
     return status;
 }

@@ -5,8 +5,8 @@
 
 #include <stdio.h>
 
+#include "../drivers/table.h"
 #include "dynpoint.h"
-#include "trace.h"
 
 struct replayed_tick {
     dpt_hit hit;
@@ -28,7 +28,7 @@ struct comparison {
 };
 
 struct replayed {
-    const struct trace *trace;
+    const struct table *trace;
     struct replayed_tick *ticks;
     uint32_t until;
     uint32_t strips; /* DPT_STRIP_... */

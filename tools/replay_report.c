@@ -38,7 +38,8 @@ static void write_row(FILE *file, const struct replayed *replayed, size_t i)
 {
     const struct replayed_tick *tick = &replayed->ticks[i];
     const dpt_hit *hit = &tick->hit;
-    fprintf(file, "%" PRId64 ",%s,%s", replayed->trace->rows[i].tick, status_words[hit->status],
+    fprintf(file, "%" PRId64 ",%s,%s", (int64_t)table_row(replayed->trace, i)[0],
+            status_words[hit->status],
             replayed->until == DPT_UNTIL_TRACK ? "" : contact_words[hit->contact]);
     write_numbers(file, &hit->distance, 1);
     if (hit->flags & DPT_HIT_GAP)
@@ -65,7 +66,7 @@ void replay_write_csv(FILE *file, const struct replayed *replayed)
     fputs("tick,status,contact,distance,gap,depth,s,px,py,pz,qx,qy,qz,triangle,error_bound,"
           "lower_bound,fx,fy,fz,tx,ty,tz\n",
           file);
-    for (size_t i = 0; i < replayed->trace->count; i++)
+    for (size_t i = 0; i < replayed->trace->rows; i++)
         write_row(file, replayed, i);
 }
 
@@ -79,7 +80,7 @@ struct summary {
 
 static int summarise(const struct replayed *replayed, struct summary *summary)
 {
-    size_t count = replayed->trace->count;
+    size_t count = replayed->trace->rows;
     memset(summary, 0, sizeof *summary);
     summary->ns = malloc(5 * count * sizeof *summary->ns);
     if (!summary->ns)
@@ -168,7 +169,7 @@ void replay_print_json(FILE *file, const struct replayed *replayed)
     struct summary s;
     if (!summarise(replayed, &s))
         return;
-    fprintf(file, "{\"ticks\":%zu,\"method\":\"%s\"", replayed->trace->count, replayed->method);
+    fprintf(file, "{\"ticks\":%zu,\"method\":\"%s\"", replayed->trace->rows, replayed->method);
     for (int i = 3; i >= 0; i--)
         fprintf(file, ",\"%s\":%" PRIu64, status_words[i], s.status[i]);
     for (int i = 1; i <= 4; i++)
@@ -228,7 +229,7 @@ void replay_print_table(FILE *file, const struct replayed *replayed)
     fprintf(file, "  %-22s %8d %9.2f\n\n", "first, from nothing", 1, 1e-3 * replayed->ticks[0].ns);
     int status = s.status[DPT_STATUS_LOCAL] ? DPT_STATUS_LOCAL : DPT_STATUS_EXACT;
     fprintf(file, "  %s on %" PRIu64 " of %zu ticks", status_words[status], s.status[status],
-            replayed->trace->count);
+            replayed->trace->rows);
     if (replayed->until != DPT_UNTIL_TRACK)
         fprintf(file,
                 "; separated %" PRIu64 ", touching %" PRIu64 ", penetrating %" PRIu64

@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "trace.h"
+
+#include <math.h>
+
+#include "dynpoint/base.h"
+
+/* From here on a double does not tell neighbours apart. */
+#define TICKS_END 0x1p53
+
+static const char *wrong_row(const double *row, size_t columns)
+{
+    if (row[0] != floor(row[0]))
+        return "the tick is not an integer";
+    if (!(fabs(row[0]) < TICKS_END))
+        return "the tick is not within 2^53";
+    for (size_t i = 1; i < columns; i++)
+        if (!(fabs(row[i]) <= DPT_COORDINATE_MAX))
+            return "a coordinate is beyond 1e6 m";
+    return NULL;
+}
+
+#define HEADER "tick,ax,ay,az,bx,by,bz"
+
+static const char *const headers[] = { HEADER, NULL };
+
+const struct table_form trace_form = {
+    .headers = headers,
+    .wrong_header = "the header is not " HEADER,
+    .wrong_row = wrong_row,
+};
+
+int trace_jumps(const struct table *trace, size_t row)
+{
+    return row == 0 || table_row(trace, row)[0] != table_row(trace, row - 1)[0] + 1.0;
+}

@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * TRACE.csv: the motion of a segment, a row a tick: tick,ax,ay,az,bx,by,bz in metres. Ticks are integers that increase,
+ * within 2^53; coordinates lie within DPT_COORDINATE_MAX.
+ */
+#ifndef DPT_DRIVERS_TRACE_H
+#define DPT_DRIVERS_TRACE_H
+
+#include "table.h"
+
+extern const struct table_form trace_form;
+
+/* A row that does not follow the one before by one tick jumps; the first row does. */
+int trace_jumps(const struct table *trace, size_t row);
+
+#endif
