@@ -82,7 +82,7 @@ build CONFIG=sanitize all test-programs
 sh tests/oracle/inside.sh build
 
 # What looks at the clock, or compares times, runs alone at the end.
-timed="nasty loop serial openhaptics openhaptics_faults openhaptics_open hd_stand_in"
+timed="nasty loop serial serial_faults openhaptics openhaptics_faults openhaptics_open hd_stand_in"
 is_timed() { case " $timed " in *" $1 "*) ;; *) false ;; esac; }
 
 for program in build/tests/test_*; do
@@ -129,8 +129,7 @@ for name in $timed; do
 done
 run "test_loop, scalar" build/scalar/tests/test_loop
 run "test_loop, sanitize" build/sanitize/tests/test_loop
-run "test_serial, sanitize" build/sanitize/tests/test_serial
-for name in openhaptics openhaptics_faults openhaptics_open hd_units hd_stand_in; do
+for name in serial serial_faults openhaptics openhaptics_faults openhaptics_open hd_units hd_stand_in; do
     run "test_$name, sanitize" build/sanitize/tests/test_$name
 done
 run "the program" sh tests/test_cli.sh build
