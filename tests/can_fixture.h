@@ -157,4 +157,15 @@ static inline void refused(dpt_result result, dpt_result code, const char *word)
     can_held_open = 0;
 }
 
+/* Someone else on the bus, with a socket of their own. */
+static struct can_line stranger;
+
+static inline void someone_says(uint8_t node, uint8_t command, float torque)
+{
+    const struct odrive_message message = { .node = node, .command = command, .as.torque = torque };
+    struct can_message frame;
+    CHECK(odrive_encode(&message, ODRIVE_0_6, &frame), "%x", command);
+    CHECK(can_line_send(&stranger, &frame, 1) == 1, "no room");
+}
+
 #endif

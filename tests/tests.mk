@@ -46,7 +46,7 @@ $(B)/tests/test_phase: private LDLIBS = -Wl,--wrap=clock_gettime,--wrap=clock_na
 SERIAL_WRAPPED := open close read write poll ioctl flock tcgetattr tcsetattr tcflush calloc
 $(B)/tests/test_serial $(B)/tests/test_serial_faults: private LDLIBS = $(SERIAL_WRAPPED:%=-Wl,--wrap=%)
 CAN_WRAPPED := socket bind setsockopt ioctl recvmmsg sendmmsg poll close clock_gettime malloc calloc fopen fread
-$(B)/tests/test_can $(B)/tests/test_can_faults: private LDLIBS = $(CAN_WRAPPED:%=-Wl,--wrap=%)
+$(B)/tests/test_can $(B)/tests/test_can_faults $(B)/tests/test_can_open: private LDLIBS = $(CAN_WRAPPED:%=-Wl,--wrap=%)
 
 # Stand-ins for libHD, loaded as the vendor's would be: a whole one, one as of version 3.0, and three that do not load or
 # are not what they are called. libPHANToMIO.so.4 is not where the loader looks.
