@@ -101,6 +101,7 @@ for config in scalar sanitize; do
     done
     run "test_sweep, $config" build/$config/tests/test_sweep 2000
     run "test_depth, $config" build/$config/tests/test_depth 20
+    run "test_depth_forms, $config" build/$config/tests/test_depth_forms 20
     run "test_region_integrals, $config" build/$config/tests/test_region_integrals 30
     run "test_route, $config" env -u DPT_DATA build/$config/tests/test_route
 done

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Gap and depth, of stateless queries and of worlds with a history, against closed forms, against an oracle that
- * closes the least signed distance in from both sides (oracle/depth.h), and inside and outside against another
- * library (oracle/inside_cgal.cpp, if it is built).
+ * Gap and depth, of stateless queries and of worlds with a history, against an oracle that closes the least signed
+ * distance in from both sides (oracle/depth.h), and inside and outside against another library (oracle/inside_cgal.cpp,
+ * if it is built).
  *
  *     test_depth           what make check runs
  *     test_depth TICKS     so many ticks and axes a mesh, 150 if not told
@@ -12,7 +12,7 @@
 #include <dirent.h>
 #include <unistd.h>
 
-#include "solid.h"
+#include "depth_checks.h"
 
 static const char *data;
 static char folder[1024]; /* where this program lies */
@@ -36,43 +36,12 @@ static void report(const struct solid *solid)
     tally = (struct tally){ 0 };
 }
 
-static double ends_before[6]; /* of the tick before, in a world */
-
 static uint64_t seed_of(const char *name)
 {
     uint64_t seed = 5381;
     for (const char *c = name; *c; c++)
         seed = 33 * seed + (unsigned char)*c;
     return seed;
-}
-
-/* What it takes to see it again. */
-static const char *text_of(const struct solid *solid, const char *by, const double ends[6],
-                           double radius, const dpt_hit *hit)
-{
-    static char text[512];
-    const int so_far =
-        snprintf(text, sizeof text, "%s, %s: %a %a %a  %a %a %a, radius %g: distance %.9g gap %.9g",
-                 solid->name, by, ends[0], ends[1], ends[2], ends[3], ends[4], ends[5], radius,
-                 hit->distance, hit->gap);
-    const double *e = ends_before;
-    if (strcmp(by, "query") != 0)
-        snprintf(text + so_far, sizeof text - (size_t)so_far, ", after %a %a %a  %a %a %a", e[0],
-                 e[1], e[2], e[3], e[4], e[5]);
-    return text;
-}
-
-/* What an answer about a closed mesh owes whatever the truth is. */
-static void check_form(const char *text, const dpt_hit *hit)
-{
-    CHECK(isfinite(hit->gap + hit->depth), "%s", text);
-    CHECK(hit->status == DPT_STATUS_EXACT && (hit->flags & DPT_HIT_GAP), "flags %u: %s", hit->flags,
-          text);
-    CHECK(hit->depth == fmax(0, -hit->gap), "depth %.9g: %s", hit->depth, text);
-    CHECK(hit->contact == (hit->gap > hit->error_bound    ? DPT_CONTACT_SEPARATED
-                           : hit->gap < -hit->error_bound ? DPT_CONTACT_PENETRATING
-                                                          : DPT_CONTACT_TOUCHING),
-          "contact %u: %s", hit->contact, text);
 }
 
 /* The gap of an axis against the oracle. */
@@ -100,48 +69,6 @@ static struct oracle_least check_depth(const struct solid *solid, const char *by
     tally.crossing += least.crosses != 0;
     tally.points += least.points;
     return least;
-}
-
-/* The region that has the hit's gap leads out: from its deepest point by how deep the axis is to the surface. */
-static void check_way_out(const struct solid *solid, const struct stage *stage, double margin,
-                          const double ends[6], double radius, const dpt_hit *hit)
-{
-    dpt_contact contacts[STAGE_CONTACTS], *found = NULL;
-    const uint32_t count = stage_contacts(stage, contacts);
-    const char *text = text_of(solid, "way out", ends, radius, hit);
-    const double bound = 1e-5 * solid->diagonal;
-    for (uint32_t i = 0; i < count; i++) {
-        CHECK(contacts[i].gap >= hit->gap - bound, "a region has a gap of %.9g: %s",
-              contacts[i].gap, text);
-        if (fabs(contacts[i].gap - hit->gap) <= bound && (!found || contacts[i].gap < found->gap))
-            found = &contacts[i];
-    }
-    if (hit->gap > margin - bound)
-        return;
-    CHECK(found, "%u regions, none with the gap: %s", count, text);
-    if (!found)
-        return;
-    double out[6], p[3];
-    along(ends, found->s, p);
-    CHECK(apart(p, found->p) <= 1e-12 * solid->oracle.extent, "p is off by %g: %s",
-          apart(p, found->p), text);
-    CHECK(fabs(oracle_signed(&solid->oracle, p) - (found->gap + radius)) <= bound,
-          "%.9g at p, gap %.9g: %s", oracle_signed(&solid->oracle, p), found->gap, text);
-    if (dot3(found->normal, found->normal) == 0) {
-        CHECK(fabs(hit->gap + radius) <= hit->error_bound, "no way out: %s", text);
-        return;
-    }
-    for (int k = 0; k < 3; k++)
-        out[k] = out[3 + k] = p[k] - (hit->gap + radius) * found->normal[k];
-    const double off = oracle_brute(solid->brute, out, NULL);
-    CHECK(off <= bound, "lands %g off: %s", off, text);
-    tally.landed = fmax(tally.landed, off / solid->diagonal);
-}
-
-static double radius_of(const struct solid *solid, uint64_t i)
-{
-    static const double shares[4] = { 0, 0.0007, 0.008, 0.03 };
-    return shares[i % 4] * solid->diagonal;
 }
 
 /* Axes at random, some of them where it is delicate. */
@@ -198,7 +125,8 @@ static void drive_tick(struct drive *drive)
     }
     if (drive->tick % drive->every == 0) {
         check_depth(solid, "world", ends, radius, &hit);
-        check_way_out(solid, &drive->stage, drive->margin, ends, radius, &hit);
+        const double off = check_way_out(solid, &drive->stage, drive->margin, ends, radius, &hit);
+        tally.landed = fmax(tally.landed, off / diagonal);
     }
     drive->last = hit;
     memcpy(drive->last_ends, ends, sizeof drive->last_ends);
@@ -273,251 +201,6 @@ static void try_closed(const struct solid *solid)
         slide_along(solid, seed + i, ticks / 2, every);
     }
     report(solid);
-}
-
-/* A box in closed form: convex along a line, so thirds lead to the least height. */
-static double height_over_box(const double half[3], const double ends[6], double s)
-{
-    double outside = 0, deep = INFINITY;
-    for (int k = 0; k < 3; k++) {
-        const double beyond = fabs(ends[k] + s * (ends[3 + k] - ends[k])) - half[k];
-        outside += beyond > 0 ? beyond * beyond : 0;
-        deep = fmin(deep, -beyond);
-    }
-    return outside > 0 ? sqrt(outside) : -deep;
-}
-
-static double least_over_box(const double half[3], const double ends[6])
-{
-    double from = 0, to = 1;
-    for (int i = 0; i < 100; i++) {
-        const double third = (to - from) / 3;
-        if (height_over_box(half, ends, from + third) < height_over_box(half, ends, to - third))
-            to -= third;
-        else
-            from += third;
-    }
-    return height_over_box(half, ends, 0.5 * (from + to));
-}
-
-static int box_of(struct solid *solid, const double half[3])
-{
-    double vertices[24];
-    static const uint32_t corners[36] = { 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4,
-                                          2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5 };
-    for (int i = 0; i < 8; i++)
-        for (int k = 0; k < 3; k++)
-            vertices[3 * i + k] = i >> k & 1 ? half[k] : -half[k];
-    return solid_from_arrays(solid, "box", vertices, 8, corners, 12);
-}
-
-/* A coordinate that is outside, on a face, inside, in the middle, or anything. */
-static double delicate(uint64_t *seed, double half)
-{
-    static const double shares[6] = { -1, 0, 1, -0.5, 0.5, 1.5 };
-    const uint64_t i = random_bits(seed) % 8;
-    return i < 6 ? shares[i] * half : random_in(seed, -1.5, 1.5) * half;
-}
-
-static void box_in_closed_form(const double half[3])
-{
-    struct solid solid;
-    struct stage stage;
-    uint64_t seed = 11;
-    double worst = 0, worst_free = 0;
-    if (!box_of(&solid, half) || !stage_open(&stage, solid.mesh, NULL, 0.001, 32, 0))
-        return;
-    for (uint64_t i = 0; i < 80 * ticks; i++) {
-        double ends[6], radius = radius_of(&solid, i);
-        const int kind = (int)(random_bits(&seed) % 4);
-        dpt_hit hit = DPT_HIT_INIT;
-        for (int k = 0; k < 6; k++)
-            ends[k] = delicate(&seed, half[k % 3]);
-        if (kind == 0) /* a point */
-            memcpy(ends + 3, ends, 3 * sizeof *ends);
-        if (kind == 1) /* along an axis: in the plane of a face, along an edge */
-            for (uint64_t k = 0, keep = random_bits(&seed) % 3; k < 3; k++)
-                if (k != keep)
-                    ends[3 + k] = ends[k];
-        dpt_query_segments(solid.mesh, NULL, ends, &radius, 1, &hit, NULL);
-        const dpt_hit moved = stage_tick(&stage, ends, radius);
-        const double truth = least_over_box(half, ends) - radius;
-        for (int w = 0; w < 2; w++) {
-            const dpt_hit *h = w ? &moved : &hit;
-            const char *text = text_of(&solid, w ? "world" : "query", ends, radius, h);
-            const double error = fabs(h->gap - truth);
-            check_form(text, h);
-            if (truth + radius > 1e-12) {
-                CHECK(error <= h->error_bound + 1e-15, "not %.12g: %s", truth, text);
-                worst_free = fmax(worst_free, error);
-            }
-            CHECK(error <= 1e-5 * solid.diagonal, "not %.9g: %s", truth, text);
-            worst = fmax(worst, error / solid.diagonal);
-        }
-        if (i % 7 == 0)
-            check_way_out(&solid, &stage, 0.001, ends, radius, &moved);
-        memcpy(ends_before, ends, sizeof ends);
-    }
-    printf("    %g x %g x %g m: %.1e of the diagonal, %.1e m free\n", 2 * half[0], 2 * half[1],
-           2 * half[2], worst, worst_free);
-    stage_close(&stage);
-    solid_close(&solid);
-}
-
-static void boxes(void)
-{
-    /* Floats, so that the mesh is the very box. */
-    box_in_closed_form((const double[3]){ 0.0625, 0.046875, 0.03125 });
-    box_in_closed_form((const double[3]){ 0.5, 0.5, 0.5 });
-    box_in_closed_form((const double[3]){ 0.0625, 0.0625, 0x1p-12 });
-    box_in_closed_form((const double[3]){ 1, 0x1p-10, 0x1p-7 });
-    tally = (struct tally){ 0 };
-}
-
-/* From the ends of one tick to those of the next, far away: what was nearest there is of no use, and must not harm. */
-static void jumps_without_a_word(void)
-{
-    static const struct {
-        double half[3], ends[2][6], radius[2];
-    } cases[] = {
-        { { 0.0625, 0.046875, 0.03125 },
-          { { -0x1p-5, -0x1.8p-6, 0x0p+0, -0x1p-5, -0x1.8p-6, -0x1p-6 },
-            { 0x1.8p-4, -0x1.8p-6, -0x1p-6, 0x1p-5, 0x1.e4f962c1f9722p-5, -0x1p-6 } },
-          { 0x1.4add518f4046ep-8, 0 } },
-        { { 0.5, 0.5, 0.5 },
-          { { 0.75, -0.5, 0.5, 0, 0, 0.25 },
-            { -0.5, 0.25, 0.25, -0x1.d2a0767a24becp-3, 0.75, 0x1.63c2c1196f86p-2 } },
-          { 0.05, 0 } },
-        { { 0.5, 0.5, 0.5 }, /* the middle of a face to that of another */
-          { { 0, 0, 0.75, 0, 0, 0.25 }, { 0.75, 0, 0, 0.25, 0, 0 } },
-          { 0, 0 } },
-    };
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        struct solid solid;
-        struct stage stage;
-        if (!box_of(&solid, cases[i].half) || !stage_open(&stage, solid.mesh, NULL, 0.001, 32, 0))
-            continue;
-        for (int t = 0; t < 2; t++) {
-            const double *ends = cases[i].ends[t], radius = cases[i].radius[t];
-            const dpt_hit hit = stage_tick(&stage, ends, radius);
-            const double gap = least_over_box(cases[i].half, ends) - radius;
-            CHECK(fabs(hit.gap - gap) <= 1e-5 * solid.diagonal, "case %d, tick %d: %.9g, not %.9g",
-                  (int)i, t, hit.gap, gap);
-        }
-        stage_close(&stage);
-        solid_close(&solid);
-    }
-}
-
-/* Axes of many kinds about the origin: outside, crossing, inside, points, through the middle. */
-static void ends_about(uint64_t *seed, double size, uint64_t i, double ends[6])
-{
-    for (int k = 0; k < 6; k++)
-        ends[k] = size * (i % 5 == 1 ? random_in(seed, -0.5, 0.5) : random_in(seed, -1.5, 1.5));
-    if (i % 5 == 2)
-        memcpy(ends + 3, ends, 3 * sizeof *ends);
-    if (i % 5 == 3)
-        for (int k = 0; k < 3; k++)
-            ends[3 + k] = -ends[k];
-}
-
-/* The mesh is within the ball and holds the ball that touches its faces from within. */
-static void sphere(void)
-{
-    struct solid solid;
-    uint64_t seed = 3;
-    double inner = INFINITY, outer = 0;
-    if (!solid_from_shape(&solid, "sphere", 5120))
-        return;
-    for (uint32_t t = 0; t < solid.place.triangles; t++) {
-        double c[9], n[3];
-        for (int k = 0; k < 9; k++)
-            c[k] = (double)solid.corners[9 * (size_t)t + (size_t)k];
-        for (int k = 0; k < 3; k++) {
-            const int i = (k + 1) % 3, j = (k + 2) % 3;
-            n[k] = (c[3 + i] - c[i]) * (c[6 + j] - c[j]) - (c[3 + j] - c[j]) * (c[6 + i] - c[i]);
-        }
-        unit3(n);
-        inner = fmin(inner, dot3(n, c));
-        for (int i = 0; i < 9; i += 3)
-            outer = fmax(outer, sqrt(dot3(c + i, c + i)));
-    }
-    for (uint64_t i = 0; i < 40 * ticks; i++) {
-        double ends[6], d[3], x[3];
-        const double radius = radius_of(&solid, i / 5);
-        dpt_hit hit = DPT_HIT_INIT;
-        ends_about(&seed, outer, i, ends);
-        for (int k = 0; k < 3; k++)
-            d[k] = ends[3 + k] - ends[k];
-        const double square = dot3(d, d);
-        const double s = square > 0 ? fmax(0, fmin(1, -dot3(ends, d) / square)) : 0;
-        along(ends, s, x);
-        const double least = sqrt(dot3(x, x)) - radius, bound = 1e-5 * solid.diagonal;
-        dpt_query_segments(solid.mesh, NULL, ends, &radius, 1, &hit, NULL);
-        check_form(text_of(&solid, "query", ends, radius, &hit), &hit);
-        CHECK(hit.gap >= least - outer - bound && hit.gap <= least - inner + bound,
-              "%.9g to %.9g: %s", least - outer, least - inner,
-              text_of(&solid, "query", ends, radius, &hit));
-    }
-    solid_close(&solid);
-}
-
-enum { DENSE = 2000 };
-
-/* A ring of radius 0.1 m and a tube of 0.04 m, as `dynpoint make torus` says. */
-static double height_over_torus(const double x[3])
-{
-    return hypot(hypot(x[0], x[1]) - 0.1, x[2]) - 0.04;
-}
-
-/*
- * The height over the torus has a second derivative of at most 1 / 0.9 tube near the surface: where it is 0 in the
- * corners it is within L^2 / (6 * 0.9 tube) in a triangle of edges of at most L.
- */
-static void torus(void)
-{
-    struct solid solid;
-    uint64_t seed = 5;
-    double edge = 0;
-    if (!solid_from_shape(&solid, "torus", 61358))
-        return;
-    for (uint32_t t = 0; t < solid.place.triangles; t++)
-        for (int i = 0; i < 3; i++) {
-            double e[3];
-            for (int k = 0; k < 3; k++)
-                e[k] = (double)solid.corners[9 * (size_t)t + (size_t)(3 * i + k)] -
-                       (double)solid.corners[9 * (size_t)t + (size_t)(3 * ((i + 1) % 3) + k)];
-            edge = fmax(edge, sqrt(dot3(e, e)));
-        }
-    const double off = edge * edge / (6 * 0.9 * 0.04) + 1e-8;
-    for (uint64_t i = 0; i < 10 * ticks; i++) {
-        double ends[6], high = INFINITY, at = 0, x[3];
-        const double radius = radius_of(&solid, i / 5), bound = off + 1e-5 * solid.diagonal;
-        dpt_hit hit = DPT_HIT_INIT;
-        ends_about(&seed, 0.1, i, ends);
-        for (int k = 0; k <= DENSE; k++) {
-            along(ends, (double)k / DENSE, x);
-            if (height_over_torus(x) < high) {
-                high = height_over_torus(x);
-                at = (double)k / DENSE;
-            }
-        }
-        double from = fmax(0, at - 1.0 / DENSE), to = fmin(1, at + 1.0 / DENSE);
-        for (int k = 0; k < 60; k++) {
-            double y[3];
-            along(ends, from + 0.382 * (to - from), x);
-            along(ends, from + 0.618 * (to - from), y);
-            if (height_over_torus(x) < height_over_torus(y))
-                to = from + 0.618 * (to - from);
-            else
-                from = from + 0.382 * (to - from);
-            high = fmin(high, fmin(height_over_torus(x), height_over_torus(y)));
-        }
-        dpt_query_segments(solid.mesh, NULL, ends, &radius, 1, &hit, NULL);
-        CHECK(fabs(hit.gap + radius - high) <= bound, "not %.9g +- %.2g: %s", high - radius, bound,
-              text_of(&solid, "query", ends, radius, &hit));
-    }
-    solid_close(&solid);
 }
 
 static void closed_shapes(void)
@@ -821,10 +504,6 @@ int main(int argc, char **argv)
         printf("test_depth: from 20 ticks a mesh to 100000000\n");
         return 2;
     }
-    TEST(boxes);
-    TEST(jumps_without_a_word);
-    TEST(sphere);
-    TEST(torus);
     TEST(closed_shapes);
     TEST(two_bodies);
     if (data) {
