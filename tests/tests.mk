@@ -113,7 +113,8 @@ firmware: all $(B)/tests/firmware/link ## the driver against a Cortex-M7 in QEMU
 check: ## all tests; DEPS=no installs nothing, STRICT=1 lets skips fail
 	@sh tests/run.sh
 
-soak: all $(B)/tests/test_organs $(B)/tests/test_certificate $(B)/tests/test_budget $(B)/tests/test_near $(B)/tests/test_sheets $(B)/tests/test_sheet_touches $(B)/tests/test_walks $(B)/tests/test_depth $(B)/tests/test_depth_forms $(B)/tests/test_region $(B)/tests/test_region_forms $(B)/tests/test_region_integrals $(B)/tests/test_route $(B)/tests/test_strip $(B)/tests/test_loop ## 10^8 ticks against the tree; all of DPT_DATA against brute force
+SOAKED := organs certificate budget near sheets sheet_touches walks depth depth_forms region region_forms region_integrals route route_strip strip loop
+soak: all $(SOAKED:%=$(B)/tests/test_%) ## 10^8 ticks against the tree; all of DPT_DATA against brute force
 	@$(B)/tests/test_certificate 672000
 	@$(B)/tests/test_budget 8000
 	@$(B)/tests/test_near 8000
@@ -127,6 +128,7 @@ soak: all $(B)/tests/test_organs $(B)/tests/test_certificate $(B)/tests/test_bud
 	@$(B)/tests/test_region_forms
 	@$(B)/tests/test_region_integrals 2000
 	@$(B)/tests/test_route 20
+	@$(B)/tests/test_route_strip
 	@$(B)/tests/test_strip 40
 	@$(B)/tests/test_loop 60000
 	@$(B)/tests/test_organs soak
