@@ -105,7 +105,7 @@ for config in scalar sanitize; do
     run "test_region_integrals, $config" build/$config/tests/test_region_integrals 30
     run "test_route, $config" env -u DPT_DATA build/$config/tests/test_route
 done
-for name in strip overlap recall; do
+for name in strip strip_memory overlap recall; do
     run "test_$name, sanitize" env -u DPT_DATA build/sanitize/tests/test_$name
 done
 run "test_fuzz, sanitize" build/sanitize/tests/test_fuzz 100000

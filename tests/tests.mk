@@ -113,7 +113,7 @@ firmware: all $(B)/tests/firmware/link ## the driver against a Cortex-M7 in QEMU
 check: ## all tests; DEPS=no installs nothing, STRICT=1 lets skips fail
 	@sh tests/run.sh
 
-SOAKED := organs certificate budget near sheets sheet_touches walks depth depth_forms region region_forms region_integrals route route_strip strip loop
+SOAKED := organs certificate budget near sheets sheet_touches walks depth depth_forms region region_forms region_integrals route route_strip strip strip_memory loop
 soak: all $(SOAKED:%=$(B)/tests/test_%) ## 10^8 ticks against the tree; all of DPT_DATA against brute force
 	@$(B)/tests/test_certificate 672000
 	@$(B)/tests/test_budget 8000
@@ -130,6 +130,7 @@ soak: all $(SOAKED:%=$(B)/tests/test_%) ## 10^8 ticks against the tree; all of D
 	@$(B)/tests/test_route 20
 	@$(B)/tests/test_route_strip
 	@$(B)/tests/test_strip 40
+	@$(B)/tests/test_strip_memory 40
 	@$(B)/tests/test_loop 60000
 	@$(B)/tests/test_organs soak
 
