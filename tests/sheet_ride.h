@@ -10,7 +10,7 @@
 
 /* Sums over all ticks of a sheet. */
 struct sums {
-    unsigned long ticks, swept, met, clear, near, undecided, planned, free_near, late;
+    unsigned long ticks, swept, met, clear, near, undecided, planned;
     unsigned long clean, sided, behind, doubtful, turned_back, unknown, lost;
     double worst_off, worst_gap, worst_late;
 };

@@ -12,8 +12,7 @@ static unsigned long crossing_count = 100000;
 
 /* Any motion near a mesh: what is so on every one, whatever its defects. */
 struct walk_sums {
-    unsigned long ticks, hits, crossing, unknown, near_gap, flips_in, flips_out;
-    double worst_distance, worst_gap;
+    unsigned long ticks, hits, crossing, unknown, flips_in, flips_out;
     struct sums truth;
 };
 
@@ -55,16 +54,13 @@ static void walk_tick(struct scene *scene, const struct state *was, const struct
     double motion = fmax(apart(was->end[0], now->end[0]), apart(was->end[1], now->end[1]));
     double small = before->hit.error_bound + said->hit.error_bound + 1e-14 * size;
     double by = fabs(said->hit.distance - before->hit.distance) - motion;
-    sums->worst_distance = fmax(sums->worst_distance, by / small);
     CHECK(by <= small, "%s: the distance changes by %g more than the motion%s", sheet->name, by,
           text_of(was, now));
     if (before->hit.contact == DPT_CONTACT_UNKNOWN || said->hit.contact == DPT_CONTACT_UNKNOWN)
         return;
     double tolerance = 2e-5 * sheet->diagonal;
     by = fabs(said->hit.gap - before->hit.gap) - motion;
-    sums->near_gap++;
     if (closed) {
-        sums->worst_gap = fmax(sums->worst_gap, by / tolerance);
         CHECK(by <= tolerance, "%s: the gap changes by %g more than the motion%s", sheet->name, by,
               text_of(was, now));
     }
@@ -81,10 +77,9 @@ static void walk_tick(struct scene *scene, const struct state *was, const struct
 
 static void walk(struct sheet *sheet, unsigned long ticks, unsigned long judged, int closed)
 {
-    struct walk_sums sums = { .worst_distance = -HUGE_VAL, .worst_gap = -HUGE_VAL };
+    struct walk_sums sums = { .truth.worst_off = -HUGE_VAL };
     struct scene scene = { NULL };
     struct said said, before = { .contacts = 0 };
-    sums.truth.worst_off = -HUGE_VAL;
     while (sums.ticks < ticks) {
         if (sums.ticks % 1000 < 20) {
             free(scene.block);
