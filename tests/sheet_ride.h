@@ -354,7 +354,10 @@ static inline void check_contact(struct ride *ride, const struct state *now,
     }
 }
 
-/* An axis that meets the sheet at s is on different sides of it before and after, or on a border, or ends there. */
+/*
+ * An axis that meets the sheet at s is on different sides of it before and after, or ends there. On a border one that
+ * stays on its side is no crossing either.
+ */
 static inline int goes_through(const struct sheet *sheet, const struct ends3 *at, double s)
 {
     double length = apart(at->end[0], at->end[1]), by = 1e-5 * sheet->diagonal;
@@ -366,8 +369,6 @@ static inline int goes_through(const struct sheet *sheet, const struct ends3 *at
             return 1;
         point_at(x, at, beside);
         height[k] = height_of(sheet, x, n, &border);
-        if (border)
-            return 1;
     }
     return height[0] * height[1] <= 0.0;
 }
