@@ -66,7 +66,7 @@ uint32_t dpt_kernel_best(void)
     (struct kernel)                                                                                \
     {                                                                                              \
         kernel_##set##_held_boxes, kernel_##set##_held_triangles, kernel_##set##_boxes,            \
-            kernel_##set##_triangles, kernel_##set##_common_boxes,                                 \
+            kernel_##set##_triangles, kernel_##set##_better, kernel_##set##_common_boxes,          \
             kernel_##set##_common_triangles, kernel_##set##_swept_boxes,                           \
             kernel_##set##_swept_triangles, kernel_##set##_point_boxes,                            \
             kernel_##set##_point_triangles, kernel_##set##_moments, kernel_##set##_angles          \

@@ -60,6 +60,8 @@ struct swath {
 /*
  *   held_*     the bounds that 16 kept planes give now
  *   boxes      16 new planes, and the bounds that they give; likewise triangles
+ *   better     of those and of kept ones, lane by lane those with the greater bound, in place of the kept ones; a
+ *              kept bound that is no number is the lesser
  *   swept_*    bounds of the distance to a hull; nothing is kept
  *   point_*    the same of a point, whose distance to a box is exact but for rounding
  *   common_*   the supports along one normal, into `low`; open are those that are not above `beyond`
@@ -73,6 +75,8 @@ typedef uint32_t kernel_held(const float *block, const struct probe *probe,
                              const struct planes *planes, float *bound);
 typedef uint32_t kernel_renew(const float *block, const struct probe *probe, struct planes *planes,
                               float *bound);
+typedef void kernel_better(const struct planes *made, const float *made_bound,
+                           struct planes *planes, float *bound);
 typedef uint32_t kernel_common(const float *block, const float normal[3], float beyond, float *low);
 
 typedef uint32_t kernel_swept(const float *block, const struct swath *swath, float *bound);
@@ -117,6 +121,7 @@ struct kernel {
     kernel_held *held_triangles;
     kernel_renew *boxes;
     kernel_renew *triangles;
+    kernel_better *better;
     kernel_common *common_boxes;
     kernel_common *common_triangles;
     kernel_swept *swept_boxes;
@@ -144,6 +149,7 @@ int kernel_get(uint32_t id, struct kernel *kernel, uint32_t *chosen);
 #define KERNEL_DECLARE(set)                                                                        \
     kernel_held kernel_##set##_held_boxes, kernel_##set##_held_triangles;                          \
     kernel_renew kernel_##set##_boxes, kernel_##set##_triangles;                                   \
+    kernel_better kernel_##set##_better;                                                           \
     kernel_common kernel_##set##_common_boxes, kernel_##set##_common_triangles;                    \
     kernel_swept kernel_##set##_swept_boxes, kernel_##set##_swept_triangles;                       \
     kernel_point kernel_##set##_point_boxes, kernel_##set##_point_triangles;                       \

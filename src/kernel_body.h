@@ -25,19 +25,20 @@
     float n##1 = x * block[3 * LANES + i] + y * block[4 * LANES + i] + z * block[5 * LANES + i];   \
     float n##2 = x * block[6 * LANES + i] + y * block[7 * LANES + i] + z * block[8 * LANES + i];
 
+/* Each lane's bit; a table, because not every instruction set shifts lanes by different amounts. */
+static const uint32_t KERNEL(bit)[LANES] = {
+    1u << 0, 1u << 1, 1u << 2,  1u << 3,  1u << 4,  1u << 5,  1u << 6,  1u << 7,
+    1u << 8, 1u << 9, 1u << 10, 1u << 11, 1u << 12, 1u << 13, 1u << 14, 1u << 15,
+};
+
 /* One instruction where there is one for it; C has no words for that, and compilers do not find it. */
 #ifndef KERNEL_OPEN
 #define KERNEL_OPEN(bound, limit) KERNEL(open)(bound, limit)
 KERNEL_TARGET static inline uint32_t KERNEL(open)(const float *bound, float limit)
 {
-    /* A table, because not every instruction set shifts lanes by different amounts. */
-    static const uint32_t bit[LANES] = {
-        1u << 0, 1u << 1, 1u << 2,  1u << 3,  1u << 4,  1u << 5,  1u << 6,  1u << 7,
-        1u << 8, 1u << 9, 1u << 10, 1u << 11, 1u << 12, 1u << 13, 1u << 14, 1u << 15,
-    };
     uint32_t open = 0;
     for (int i = 0; i < LANES; i++)
-        open |= bit[i] & (0u - (uint32_t) !(bound[i] > limit));
+        open |= KERNEL(bit)[i] & (0u - (uint32_t) !(bound[i] > limit));
     return open;
 }
 #endif
@@ -172,6 +173,50 @@ KERNEL_TARGET uint32_t KERNEL(boxes)(const float *restrict block,
     (fx * (py * qz - pz * qy) + fy * (pz * (qx - s) - (px - s) * qz) +                             \
      fz * ((px - s) * qy - py * (qx - s)))
 
+/* An edge from (p, q) along (e, f), across the axis: keep the shortest way to it from the axis' line, and its square. */
+#define EDGE_BESIDE(p, q, e, f)                                                                    \
+    {                                                                                              \
+        float t = CLAMP(-(p * e + q * f) / (e * e + f * f), 1.0f);                                 \
+        float py = p + t * e, pz = q + t * f, square = py * py + pz * pz;                          \
+        int nearer = square < least;                                                               \
+        least = nearer ? square : least;                                                           \
+        y = nearer ? py : y;                                                                       \
+        z = nearer ? pz : z;                                                                       \
+    }
+
+/* Where the axis is as good as its line, all is two-dimensional, and a face is nearest only where it is crossed. */
+KERNEL_TARGET static uint32_t KERNEL(triangles_beside)(const float *restrict block,
+                                                       const struct probe *restrict probe,
+                                                       struct planes *restrict planes,
+                                                       float *restrict bound)
+{
+    const float ax = probe->a[0], ay = probe->a[1], az = probe->a[2];
+    const float bx = probe->b[0], by = probe->b[1], bz = probe->b[2];
+    const float yx = probe->y[0], yy = probe->y[1], yz = probe->y[2];
+    const float zx = probe->z[0], zy = probe->z[1], zz = probe->z[2];
+    const float at_y = yx * ax + yy * ay + yz * az, at_z = zx * ax + zy * ay + zz * az;
+    const float limit = probe->limit;
+
+    for (int i = 0; i < LANES; i++) {
+        CORNERS_ALONG(y, yx, yy, yz)
+        CORNERS_ALONG(z, zx, zy, zz)
+        float y = 0.0f, z = 0.0f, least = HUGE_VALF;
+        y0 -= at_y, y1 -= at_y, y2 -= at_y;
+        z0 -= at_z, z1 -= at_z, z2 -= at_z;
+        EDGE_BESIDE(y0, z0, (y1 - y0), (z1 - z0))
+        EDGE_BESIDE(y1, z1, (y2 - y1), (z2 - z1))
+        EDGE_BESIDE(y2, z2, (y0 - y2), (z0 - z2))
+        float unit = PER_ROOT(least);
+        y *= unit;
+        z *= unit;
+        float nx = y * yx + z * zx, ny = y * yy + z * zy, nz = y * yz + z * zz;
+        CORNERS_ALONG(n, nx, ny, nz)
+        float low = AT_MOST(AT_MOST(n0, n1), n2);
+        PUT_PLANE
+    }
+    return KERNEL_OPEN(bound, limit);
+}
+
 KERNEL_TARGET uint32_t KERNEL(triangles)(const float *restrict block,
                                          const struct probe *restrict probe,
                                          struct planes *restrict planes, float *restrict bound)
@@ -182,7 +227,17 @@ KERNEL_TARGET uint32_t KERNEL(triangles)(const float *restrict block,
     const float yx = probe->y[0], yy = probe->y[1], yz = probe->y[2];
     const float zx = probe->z[0], zy = probe->z[1], zz = probe->z[2];
     const float length = probe->length, limit = probe->limit;
+    const float at_x = xx * ax + xy * ay + xz * az;
+    float room[LANES];
 
+    for (int i = 0; i < LANES; i++) {
+        CORNERS_ALONG(s, xx, xy, xz)
+        float before = AT_MOST(AT_MOST(s0, s1), s2) - at_x;
+        float behind = length + at_x - AT_LEAST(AT_LEAST(s0, s1), s2);
+        room[i] = AT_MOST(before, behind);
+    }
+    if (!KERNEL_OPEN(room, 0.0f))
+        return KERNEL(triangles_beside)(block, probe, planes, bound);
     for (int i = 0; i < LANES; i++) {
         float dx, dy, dz;
         dx = block[i] - ax, dy = block[LANES + i] - ay, dz = block[2 * LANES + i] - az;
@@ -232,6 +287,21 @@ KERNEL_TARGET uint32_t KERNEL(triangles)(const float *restrict block,
         PUT_PLANE
     }
     return KERNEL_OPEN(bound, limit);
+}
+
+/* Take over the planes that are better, and their bounds: they will last longer. */
+KERNEL_TARGET void KERNEL(better)(const struct planes *restrict made,
+                                  const float *restrict made_bound, struct planes *restrict planes,
+                                  float *restrict bound)
+{
+    for (int i = 0; i < LANES; i++) {
+        int better = (made_bound[i] > bound[i]) | (bound[i] != bound[i]);
+        planes->x[i] = better ? made->x[i] : planes->x[i];
+        planes->y[i] = better ? made->y[i] : planes->y[i];
+        planes->z[i] = better ? made->z[i] : planes->z[i];
+        planes->support[i] = better ? made->support[i] : planes->support[i];
+        bound[i] = better ? made_bound[i] : bound[i];
+    }
 }
 
 KERNEL_TARGET uint32_t KERNEL(point_boxes)(const float *restrict block, const float *restrict at,
@@ -454,97 +524,4 @@ KERNEL_TARGET uint32_t KERNEL(swept_triangles)(const float *restrict block,
     return KERNEL_OPEN(bound, limit);
 }
 
-/*
- * Area vectors as seen from a point, and what their spread adds: a multipole series up to the octupole, which is
- * traceless, so that 7 numbers hold it. e is the direction, `per` one over the distance; the rows carry all
- * factors.
- */
-KERNEL_TARGET uint32_t KERNEL(moments)(const float *restrict block, const float *restrict at,
-                                       float most, float *restrict winding, float *restrict doubt)
-{
-    const float ax = at[0], ay = at[1], az = at[2], limit = -most;
-    float bound[LANES];
-
-    for (int i = 0; i < LANES; i++) {
-        const float *row = block + i;
-        float dx = row[3 * LANES] - ax, dy = row[4 * LANES] - ay, dz = row[5 * LANES] - az;
-        float square = AT_LEAST(dx * dx + dy * dy + dz * dz, 0x1p-50f);
-        float distance = sqrtf(square), per = 1.0f / distance;
-        float ex = dx * per, ey = dy * per, ez = dz * per;
-        float xx = ex * ex, yy = ey * ey, zz = ez * ez;
-        float area = row[0] * ex + row[LANES] * ey + row[2 * LANES] * ez;
-        float quad = row[6 * LANES] * (xx - zz) + row[7 * LANES] * (yy - zz) +
-                     row[8 * LANES] * (ex * ey) + row[9 * LANES] * (ex * ez) +
-                     row[10 * LANES] * (ey * ez);
-        float along_x = row[11 * LANES] * (xx - 3.0f * zz) + row[14 * LANES] * (yy - zz);
-        float along_y = row[12 * LANES] * (yy - 3.0f * zz) + row[13 * LANES] * (xx - zz);
-        float along_z = row[15 * LANES] * (3.0f * xx - zz) + row[16 * LANES] * (3.0f * yy - zz);
-        float oct = along_x * ex + along_y * ey + along_z * ez + row[17 * LANES] * (ex * ey * ez);
-        float here = (per * per) * (area + per * (quad + per * oct));
-
-        float radius = row[19 * LANES], gap = AT_LEAST(distance - radius, 0.0f);
-        float error =
-            row[18 * LANES] * (distance + 3.0f * gap) * (per * per) * (per * per) / (gap * gap);
-        float counts = error < most ? 1.0f : 0.0f;
-        winding[i] += counts * here;
-        doubt[i] += counts * AT_MOST(error, most);
-        bound[i] = -error;
-    }
-    return KERNEL_OPEN(bound, limit);
-}
-
-/* Of atan(t) / (2 pi) over t, in t^2: fitted at Chebyshev's points of 0..1. */
-#define ATAN_0 0.159154817f
-#define ATAN_1 -0.0530394651f
-#define ATAN_2 0.0316273347f
-#define ATAN_3 -0.0214029402f
-#define ATAN_4 0.0132299857f
-#define ATAN_5 -0.00578694232f
-#define ATAN_6 0.0012172733f
-
-/*
- * Van Oosterom and Strackee 1983: tan of half the solid angle is a.(b x c) over |a||b||c| (1 + cos ab + cos bc +
- * cos ca). While the latter is not small, an arctangent of 0..1 does, by a polynomial that is off by at most
- * 1e-7 turns.
- */
-KERNEL_TARGET uint32_t KERNEL(angles)(const float *restrict block, const float *restrict at,
-                                      uint32_t lanes, float *restrict winding)
-{
-    static const uint32_t bit[LANES] = {
-        1u << 0, 1u << 1, 1u << 2,  1u << 3,  1u << 4,  1u << 5,  1u << 6,  1u << 7,
-        1u << 8, 1u << 9, 1u << 10, 1u << 11, 1u << 12, 1u << 13, 1u << 14, 1u << 15,
-    };
-    const float x = at[0], y = at[1], z = at[2];
-    float bound[LANES], counts[LANES];
-
-    for (int i = 0; i < LANES; i++)
-        counts[i] = lanes & bit[i] ? 1.0f : 0.0f;
-    for (int i = 0; i < LANES; i++) {
-        const float *row = block + i;
-        float ax = row[0] - x, ay = row[LANES] - y, az = row[2 * LANES] - z;
-        float bx = row[3 * LANES] - x, by = row[4 * LANES] - y, bz = row[5 * LANES] - z;
-        float cx = row[6 * LANES] - x, cy = row[7 * LANES] - y, cz = row[8 * LANES] - z;
-        float aa = ax * ax + ay * ay + az * az, bb = bx * bx + by * by + bz * bz;
-        float cc = cx * cx + cy * cy + cz * cz, nearest = AT_MOST(AT_MOST(aa, bb), cc);
-        float a = sqrtf(aa), b = sqrtf(bb), c = sqrtf(cc);
-        float volume =
-            ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx);
-        float size = a * b * c;
-        float sides = size + (ax * bx + ay * by + az * bz) * c + (bx * cx + by * cy + bz * cz) * a +
-                      (cx * ax + cy * ay + cz * az) * b;
-        float over = sides - KERNEL_ANGLE_OPEN * size;
-        over = nearest > KERNEL_ANGLE_NEAR ? over : 0.0f;
-        float height = fabsf(volume);
-        float low = AT_MOST(height, sides), high = AT_LEAST(height, sides);
-        float t = low / high, w = t * t;
-        float angle =
-            t *
-            (ATAN_0 +
-             w * (ATAN_1 + w * (ATAN_2 + w * (ATAN_3 + w * (ATAN_4 + w * (ATAN_5 + w * ATAN_6))))));
-        angle = height > sides ? 0.25f - angle : angle;
-        angle = volume < 0.0f ? -angle : angle;
-        winding[i] += over > 0.0f ? counts[i] * angle : 0.0f;
-        bound[i] = over;
-    }
-    return KERNEL_OPEN(bound, 0.0f) & lanes;
-}
+#include "kernel_winding.h"

@@ -144,20 +144,6 @@ static uint32_t lanes_of(uint32_t count)
     return count < LANES ? (1u << count) - 1 : 0xffff;
 }
 
-/* Take over the planes that are better, and their bounds: they will last longer. */
-static void take_better(struct planes *planes, const struct planes *made, float *bound,
-                        const float *made_bound)
-{
-    for (int i = 0; i < LANES; i++) {
-        int better = (made_bound[i] > bound[i]) | (bound[i] != bound[i]);
-        planes->x[i] = better ? made->x[i] : planes->x[i];
-        planes->y[i] = better ? made->y[i] : planes->y[i];
-        planes->z[i] = better ? made->z[i] : planes->z[i];
-        planes->support[i] = better ? made->support[i] : planes->support[i];
-        bound[i] = better ? made_bound[i] : bound[i];
-    }
-}
-
 /* How many blocks may still be looked at. */
 static uint32_t spare(const struct search *search)
 {
@@ -201,7 +187,7 @@ static uint32_t renew(struct search *search, kernel_renew *make, const float *ro
         }
     } else {
         uint32_t open = make(rows, &search->probe, &made, made_bound);
-        take_better(&kept->block->planes, &made, bound, made_bound);
+        search->kernel->better(&made, made_bound, &kept->block->planes, bound);
         lanes &= open;
     }
     return lanes;

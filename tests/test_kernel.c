@@ -133,6 +133,14 @@ static struct tool make_tool(uint64_t *random, int shape)
     return tool_at(random, a, scaled(x, 1.0 / length(x)), size);
 }
 
+/* One whose ends are farther out than all triangles: each lies beside it. */
+static struct tool make_long_tool(uint64_t *random)
+{
+    vec3 through = random_vec(random, 1.5), x = random_vec(random, 1.0);
+    x = scaled(x, 1.0 / length(x));
+    return tool_at(random, along(through, -5.0, x), x, 10.0);
+}
+
 /* The same tool at another pose: 1e-6 .. 1 away, and turned by as many radians. */
 static struct tool move_tool(uint64_t *random, const struct tool *tool)
 {
@@ -235,7 +243,7 @@ static void bounds_of_triangles_are_sound(void)
             float block[9 * LANES], bound[LANES];
             struct planes planes;
             make_triangles(&random, shape, block);
-            struct tool tool = make_tool(&random, shape);
+            struct tool tool = i % 4 ? make_tool(&random, shape) : make_long_tool(&random);
             uint32_t open = kernel.triangles(block, &tool.probe, &planes, bound);
             CHECK(open == not_beyond(bound, tool.probe.limit), "%x", open);
             worst = larger(check_sound(shape_names[shape], &tool, block, bound), worst);
@@ -541,6 +549,49 @@ static void check_same_renewal(const char *what, kernel_held *plain, kernel_rene
     CHECK(expected_open == open, "%s: held open %x, not %x", what, open, expected_open);
 }
 
+/* Lane by lane that whose bound is greater; any plane is better than one whose bound is no number. */
+static void the_better_planes_are_kept(void)
+{
+    uint64_t random = 37;
+    uint32_t chosen, taken = 0;
+    struct kernel kernel;
+    for (uint32_t id = DPT_KERNEL_SCALAR; id <= DPT_KERNEL_NEON; id++) {
+        if (!kernel_get(id, &kernel, &chosen))
+            continue;
+        for (int i = 0; i < BLOCKS / 10; i++) {
+            struct planes kept, made, after;
+            float bound[LANES], made_bound[LANES], after_bound[LANES];
+            float *const kept_rows = (float *)&kept, *const made_rows = (float *)&made;
+            const float *const rows = (const float *)&after;
+            for (int k = 0; k < 4 * LANES; k++) {
+                kept_rows[k] = (float)random_in(&random, -1.0, 1.0);
+                made_rows[k] = (float)random_in(&random, -1.0, 1.0);
+            }
+            for (int lane = 0; lane < LANES; lane++) {
+                bound[lane] = random_bits(&random) % 8 ? kept.y[lane] : NAN;
+                made_bound[lane] = random_bits(&random) % 8 ? made.y[lane] : NAN;
+                if (random_bits(&random) % 8 == 0)
+                    made_bound[lane] = bound[lane];
+            }
+            after = kept;
+            memcpy(after_bound, bound, sizeof bound);
+            kernel.better(&made, made_bound, &after, after_bound);
+            for (int lane = 0; lane < LANES; lane++) {
+                int takes = isnan(bound[lane]) || made_bound[lane] > bound[lane];
+                float expected = takes ? made_bound[lane] : bound[lane];
+                taken += (uint32_t)takes;
+                CHECK(same_floats(&after_bound[lane], &expected, 1), "%s: bound %g, not %g",
+                      dpt_kernel_name(id), (double)after_bound[lane], (double)expected);
+                for (int row = 0; row < 4; row++)
+                    CHECK(rows[row * LANES + lane] ==
+                              (takes ? made_rows : kept_rows)[row * LANES + lane],
+                          "%s: row %d of lane %d", dpt_kernel_name(id), row, lane);
+            }
+        }
+    }
+    CHECK(taken > 0, "none");
+}
+
 static void all_kernels_give_the_same_bits(void)
 {
     uint64_t random = 3;
@@ -557,7 +608,7 @@ static void all_kernels_give_the_same_bits(void)
         for (int i = 0; i < BLOCKS; i++) {
             float block[9 * LANES], expected[LANES], low[LANES];
             make_triangles(&random, i % SHAPES, block);
-            struct tool tool = make_tool(&random, i % SHAPES);
+            struct tool tool = i % 3 ? make_tool(&random, i % SHAPES) : make_long_tool(&random);
             struct tool later = move_tool(&random, &tool);
             if (i % 16 == 0)
                 degenerate_lanes(&random, &tool, block);
@@ -736,6 +787,7 @@ int main(void)
     TEST(held_planes_are_sound_at_other_poses);
     TEST(zero_planes_close_nothing);
     TEST(bounds_that_are_no_number_leave_lanes_open);
+    TEST(the_better_planes_are_kept);
     TEST(all_kernels_give_the_same_bits);
     TEST(turns_agree_with_the_c_library);
     TEST(angles_are_solid_angles);
