@@ -25,9 +25,10 @@ struct certificate {
     uint32_t count;
 };
 
-/* One axis' and body's view of it. `owner` is not 0; without a certificate every block is scratch. */
+/* One axis' and body's view of it. `owner` is not 0. */
 struct keeper {
-    const struct certificate *certificate; /* or NULL */
+    struct block *blocks;
+    uint32_t count; /* of blocks; 0: nothing is kept */
     uint32_t owner;
     uint32_t first; /* the block of its node 0 */
     int anew;       /* planes are made and kept, but those of before are not asked */
@@ -37,7 +38,7 @@ static inline struct keeper keeper_of(const struct certificate *certificate, uin
                                       int anew)
 {
     uint32_t count = certificate->count, spread = owner * 0x9e3779b1u;
-    return (struct keeper){ certificate, owner, count ? spread % count : 0, anew };
+    return (struct keeper){ certificate->blocks, count, owner, count ? spread % count : 0, anew };
 }
 
 /*
@@ -46,12 +47,14 @@ static inline struct keeper keeper_of(const struct certificate *certificate, uin
  */
 static inline struct block *keeper_block(const struct keeper *keeper, uint32_t node)
 {
-    const struct certificate *c = keeper->certificate;
-    if (!c || !c->count)
-        return NULL;
     uint64_t at = (uint64_t)keeper->first + node;
-    at = at < c->count ? at : at - c->count;
-    return &c->blocks[at < c->count ? at : at % c->count];
+    at -= at >= keeper->count ? keeper->count : 0;
+    if (at >= keeper->count) {
+        if (!keeper->count)
+            return NULL;
+        at %= keeper->count;
+    }
+    return &keeper->blocks[at];
 }
 
 static inline uint64_t keeper_key(const struct keeper *keeper, uint32_t node)

@@ -11,7 +11,7 @@
 /* A node's 16 planes, empty unless they are its own. */
 struct kept {
     struct block *block; /* NULL: nothing is kept */
-    uint64_t key;
+    uint32_t number;     /* of the node */
     int empty;
 };
 
@@ -20,7 +20,8 @@ struct search {
     const struct kernel *kernel;
     struct keeper keeper;
     struct nearest *nearest;
-    vec3 a, u, x; /* x: unit, along u */
+    uint32_t most; /* work */
+    vec3 a, u, x;  /* x: unit, along u */
     double slack;
     struct probe probe;
     int has_frame; /* the probe's y and z, made when first needed */
@@ -147,21 +148,24 @@ static uint32_t lanes_of(uint32_t count)
 /* How many blocks may still be looked at. */
 static uint32_t spare(const struct search *search)
 {
-    const struct nearest *nearest = search->nearest;
-    return nearest->most ? nearest->most - nearest->work : UINT32_MAX;
+    return search->most - search->nearest->work;
 }
 
 /* With one block left to look at, what is kept is left alone. */
-static struct kept find(const struct search *search, uint32_t node)
+static inline struct kept find(const struct search *search, uint32_t number)
 {
-    struct kept kept = { NULL, keeper_key(&search->keeper, node), 1 };
-    if (spare(search) > 1)
-        kept.block = keeper_block(&search->keeper, node);
-    if (kept.block)
-        kept.empty = kept.block->key != kept.key;
-    if (!kept.empty && search->keeper.anew)
-        kept = (struct kept){ NULL, kept.key, 1 };
-    return kept;
+    const struct keeper *keeper = &search->keeper;
+    struct block *block = spare(search) > 1 ? keeper_block(keeper, number) : NULL;
+    int empty = !block || block->key != keeper_key(keeper, number);
+    if (!empty && keeper->anew)
+        return (struct kept){ NULL, number, 1 };
+    return (struct kept){ block, number, empty };
+}
+
+/* By now. */
+static int is_own(const struct search *search, const struct kept *kept)
+{
+    return kept->block && kept->block->key == keeper_key(&search->keeper, kept->number);
 }
 
 static uint32_t look_at_planes(struct search *search, kernel_held *held, const float *rows,
@@ -181,7 +185,7 @@ static uint32_t renew(struct search *search, kernel_renew *make, const float *ro
     if (kept->empty) {
         lanes &= make(rows, &search->probe, kept->block ? &kept->block->planes : &made, bound);
         if (kept->block) {
-            kept->block->key = kept->key;
+            kept->block->key = keeper_key(&search->keeper, kept->number);
             kept->block->wait = 1; /* its parent's planes are as new */
             kept->block->pause = 0;
         }
@@ -211,39 +215,30 @@ static void put_plane(struct block *block, uint32_t lane, const float normal[3],
     block->open &= ~(1u << lane);
 }
 
-/*
- * One plane for a lane of a node, in this direction, with the support of what lies below the lane: of its triangles, or
- * of its children's boxes. Such a plane lasts longer than that of a box. Returns 1 when it closes the lane.
- */
-static int refine_along(struct search *search, uint32_t level, uint32_t node, uint32_t lane,
-                        const float n[3], struct block *block)
+/* The support along n of what lies below a lane of a node: of its triangles, or of its children's boxes. */
+static float support_below(struct search *search, uint32_t level, size_t child, const float n[3])
 {
     const struct tree *tree = search->tree;
-    const struct probe *p = &search->probe;
-    size_t child = (size_t)node * LANES + lane;
+    const struct kernel *kernel = search->kernel;
     float low[LANES];
     search->nearest->work++;
     if (level == 1)
-        search->kernel->common_triangles(tree->leaves + child * MESH_LEAF_WORDS, n, 0.0f, low);
+        kernel->common_triangles(tree->leaves + child * MESH_LEAF_WORDS, n, 0.0f, low);
     else
-        search->kernel->common_boxes(tree->level[level - 1] + child * MESH_BOX_WORDS, n, 0.0f, low);
-    float support = least_of(low);
-    if (!(support - probe_reach(p, n) > p->limit))
-        return 0;
-    put_plane(block, lane, n, support);
-    return 1;
+        kernel->common_boxes(tree->level[level - 1] + child * MESH_BOX_WORDS, n, 0.0f, low);
+    return least_of(low);
 }
 
-/* Of a leaf along the normal of the best pair, which closes three of four; else in the direction that `boxes` takes. */
+/*
+ * One plane for a lane of a node, in the direction that `boxes` takes, with the support of what lies below. Such a
+ * plane lasts longer than that of a box. Returns 1 when it closes the lane.
+ */
 static int refine(struct search *search, uint32_t level, uint32_t node, uint32_t lane,
                   struct block *block)
 {
     const struct probe *p = &search->probe;
     const float *box = search->tree->level[level] + (size_t)node * MESH_BOX_WORDS + lane;
     float n[3], s = 0.0f, square = 0.0f;
-    if (level == 1 && search->has_plane &&
-        refine_along(search, level, node, lane, p->normal, block))
-        return 1;
     for (int k = 0; k < 3; k++)
         s += (box[k * LANES] - p->a[k]) * p->x[k];
     s = s > 0.0f ? s : 0.0f;
@@ -252,23 +247,43 @@ static int refine(struct search *search, uint32_t level, uint32_t node, uint32_t
         n[k] = box[k * LANES] - p->a[k] - s * p->x[k];
         square += n[k] * n[k];
     }
-    if (!(square > 0x1p-100f) || !spare(search))
+    if (!(square > 0x1p-100f))
         return 0;
     float unit = 1.0f / sqrtf(square);
     for (int k = 0; k < 3; k++)
         n[k] *= unit;
-    return refine_along(search, level, node, lane, n, block);
+    float support = support_below(search, level, (size_t)node * LANES + lane, n);
+    if (!(support - probe_reach(p, n) > p->limit))
+        return 0;
+    put_plane(block, lane, n, support);
+    return 1;
+}
+
+/* For leaves, along the normal of the best pair, which closes three of four. Returns those that it closes. */
+static uint32_t refine_leaves(struct search *search, uint32_t node, uint32_t lanes,
+                              struct block *block)
+{
+    const struct probe *p = &search->probe;
+    uint32_t closed = 0;
+    for (uint32_t rest = lanes; rest && spare(search); rest &= rest - 1) {
+        uint32_t lane = (uint32_t)__builtin_ctz(rest);
+        float support = support_below(search, 1, (size_t)node * LANES + lane, p->normal);
+        if (support - p->height > p->limit) {
+            put_plane(block, lane, p->normal, support);
+            closed |= 1u << lane;
+        }
+    }
+    return closed;
 }
 
 /*
  * A node or leaf, the child of a lane of a node of this level, was looked into and nothing in it was open: that
- * lane's plane is lost, or was too weak. Try another; after each failure wait longer.
+ * lane's plane is lost, or was too weak. Try another; after each failure wait longer. `block` is the child's own.
  */
-static void close_whole(struct search *search, uint32_t number, uint32_t level, uint32_t child)
+static void close_whole(struct search *search, struct block *block, uint32_t level, uint32_t child)
 {
     enum { PAUSE_MOST = 15 };
-    struct block *block = keeper_own(&search->keeper, number);
-    if (!block || search->keeper.anew || !spare(search))
+    if (search->keeper.anew || !spare(search))
         return;
     if (block->wait) {
         block->wait--;
@@ -375,8 +390,8 @@ static void look_into_leaf(struct search *search, uint32_t leaf)
     lanes = open_triangles(search, leaf, &kept, lanes, !near, bound);
     if (lanes || near)
         search->walk->level[1].found = 1;
-    else
-        close_whole(search, leaf, 1, leaf);
+    else if (is_own(search, &kept))
+        close_whole(search, kept.block, 1, leaf);
     while (lanes) {
         uint32_t lane = least_lane(bound, lanes);
         lanes &= ~(1u << lane);
@@ -403,6 +418,11 @@ static uint32_t close_boxes(struct search *search, uint32_t level, uint32_t node
     int few = !(but_one & (but_one - 1));
     if (kept->empty || !few)
         return renew(search, search->kernel->boxes, rows, kept, lanes, bound);
+    if (level == 1 && search->has_plane) {
+        uint32_t closed = refine_leaves(search, node, lost, kept->block);
+        lanes &= ~closed;
+        lost &= ~closed;
+    }
     for (; lost && spare(search); lost &= lost - 1) {
         uint32_t lane = (uint32_t)__builtin_ctz(lost);
         if (refine(search, level, node, lane, kept->block))
@@ -411,8 +431,20 @@ static uint32_t close_boxes(struct search *search, uint32_t level, uint32_t node
     return lanes;
 }
 
-/* Look at all children but those of the lanes `but`, which are looked into anyway. */
-static void look_into_boxes(struct search *search, uint32_t level, uint32_t node, uint32_t but)
+/* Its parent learns what was found. */
+static void leave_boxes(struct search *search, struct block *block, uint32_t level)
+{
+    const struct visit *visit = &search->walk->level[level];
+    if (level == search->tree->levels)
+        return;
+    if (visit->found)
+        search->walk->level[level + 1].found = 1;
+    else if (block)
+        close_whole(search, block, level + 1, visit->node);
+}
+
+/* Look at all children but those of the lanes `but`, which are looked into anyway. 0: nothing is left to look into. */
+static int look_into_boxes(struct search *search, uint32_t level, uint32_t node, uint32_t but)
 {
     struct visit *visit = &search->walk->level[level];
     const struct tree *tree = search->tree;
@@ -428,18 +460,10 @@ static void look_into_boxes(struct search *search, uint32_t level, uint32_t node
     visit->lanes = lanes;
     visit->found = but != 0;
     visit->least = 0.0f;
-}
-
-/* Nothing is left to look into; its parent learns what was found. */
-static void leave_boxes(struct search *search, uint32_t level)
-{
-    const struct visit *visit = &search->walk->level[level];
-    if (level == search->tree->levels)
-        return;
-    if (visit->found)
-        search->walk->level[level + 1].found = 1;
-    else
-        close_whole(search, search->tree->first[level] + visit->node, level + 1, visit->node);
+    if (lanes | but)
+        return 1;
+    leave_boxes(search, kept.block, level);
+    return 0;
 }
 
 /*
@@ -449,11 +473,9 @@ static void leave_boxes(struct search *search, uint32_t level)
 static uint32_t begin(struct search *search)
 {
     uint32_t level = search->tree->levels, known = search->nearest->triangle;
-    const struct certificate *certificate = search->keeper.certificate;
-    if (!certificate || !certificate->count || search->keeper.anew || search->slack == 0.0 ||
-        known == DPT_NONE || spare(search) < 4 * (level + 1)) {
-        look_into_boxes(search, level, 0, 0);
-        return level;
+    if (!search->keeper.count || search->keeper.anew || search->slack == 0.0 || known == DPT_NONE ||
+        spare(search) < 4 * (level + 1)) {
+        return look_into_boxes(search, level, 0, 0) ? level : level + 1;
     }
     for (; level >= 1; level--) {
         uint32_t child = known >> 4 * level;
@@ -461,6 +483,15 @@ static uint32_t begin(struct search *search)
     }
     look_into_leaf(search, known / LANES);
     return 1;
+}
+
+/* Where many are open the search has far to go, and what is nearest spares it most; of few the order does not matter. */
+static uint32_t next_lane(const struct visit *visit)
+{
+    uint32_t many = visit->lanes;
+    for (int i = 0; i < 4; i++)
+        many &= many - 1;
+    return many ? least_lane(visit->bound, visit->lanes) : (uint32_t)__builtin_ctz(visit->lanes);
 }
 
 static int meets(const struct nearest *nearest)
@@ -474,11 +505,12 @@ int tree_walk(const struct tree *tree, const struct kernel *kernel, const struct
     struct search search;
     search.tree = tree;
     search.kernel = kernel;
-    search.keeper = keeper ? *keeper : (struct keeper){ .certificate = NULL };
+    search.keeper = keeper ? *keeper : (struct keeper){ .count = 0 };
     search.nearest = nearest;
     search.a = a;
     search.u = u;
     search.slack = slack;
+    search.most = nearest->most ? nearest->most : UINT32_MAX;
     search.has_frame = 0;
     search.walk = walk;
     search.x = probe_axis(&search.probe, tree->mesh, a, u);
@@ -488,21 +520,26 @@ int tree_walk(const struct tree *tree, const struct kernel *kernel, const struct
         level = begin(&search);
     while (level && level <= tree->levels && !meets(nearest)) {
         struct visit *visit = &walk->level[level];
-        uint32_t lane = visit->lanes ? least_lane(visit->bound, visit->lanes) : LANES;
-        if (lane == LANES || visit->bound[lane] > search.probe.limit) {
-            leave_boxes(&search, level++);
+        if (!visit->lanes) {
+            leave_boxes(&search, keeper_own(&search.keeper, tree->first[level] + visit->node),
+                        level);
+            level++;
             continue;
         }
-        if (!spare(&search))
+        uint32_t lane = next_lane(visit);
+        int closed = visit->bound[lane] > search.probe.limit;
+        if (!closed && !spare(&search))
             break;
         visit->lanes &= ~(1u << lane);
+        if (closed)
+            continue;
         uint32_t child = visit->node * LANES + lane;
         if (level == 1) {
             look_into_leaf(&search, child);
         } else {
             float least = visit->bound[lane] > visit->least ? visit->bound[lane] : visit->least;
-            look_into_boxes(&search, --level, child, 0);
-            walk->level[level].least = least;
+            if (look_into_boxes(&search, level - 1, child, 0))
+                walk->level[--level].least = least;
         }
     }
     int done = level > tree->levels || meets(nearest);
