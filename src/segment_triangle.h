@@ -35,7 +35,9 @@ static inline void segment_edge(vec3 u, double per_uu, vec3 from_v, vec3 e, doub
     *s = clamp01(dot(sub(scaled(e, *t), from_v), u) * per_uu);
 }
 
-static inline void pair_try_edge(pair *best, vec3 u, double per_uu, vec3 from_v, vec3 e, int corner)
+/* Returns where on the axis that is. */
+static inline double pair_try_edge(pair *best, vec3 u, double per_uu, vec3 from_v, vec3 e,
+                                   int corner)
 {
     double s, t;
     segment_edge(u, per_uu, from_v, e, &s, &t);
@@ -49,6 +51,7 @@ static inline void pair_try_edge(pair *best, vec3 u, double per_uu, vec3 from_v,
         best->weight[(corner + 1) % 3] = t;
         best->weight[(corner + 2) % 3] = 0.0;
     }
+    return s;
 }
 
 /*
@@ -114,6 +117,7 @@ struct pierce {
     double height_a, height_b;
     double side[3]; /* of the edge opposite to each corner, positive within */
     double height_noise, side_noise;
+    int is_seen; /* the line rises through the plane by more than noise: sides have the right sign */
     int is_flat; /* no sliver: twice its area is at least a quarter of the square of its size */
 };
 
@@ -131,6 +135,7 @@ static inline struct pierce pierce_of(vec3 u, const vec3 from[3], const vec3 edg
     p.side[0] = turn * rise - p.side[1] - p.side[2];
     p.height_noise = 0x1p-44 * square * (reach + way);
     p.side_noise = 0x1p-44 * size * way * (size + reach);
+    p.is_seen = fabs(rise) > 0x1p-44 * square * way;
     p.is_flat = dot(n, n) > 0x1p-4 * (square * square);
     return p;
 }
@@ -147,6 +152,23 @@ static inline int pierce_misses(const struct pierce *p)
 {
     double least = smaller(p->side[0], smaller(p->side[1], p->side[2]));
     return (least < -p->side_noise) & pierce_parts(p);
+}
+
+/*
+ * 1, and the answer, where the axis passes beside the triangle and the nearest pair is not at its end. Seen along the
+ * axis its line is a point outside of the triangle; what is nearest to that lies on an edge that it is outside of.
+ */
+static inline int pair_beside(pair *best, const struct pierce *p, vec3 u, double per_uu,
+                              const vec3 from[3], const vec3 edge[3])
+{
+    double least = smaller(p->side[0], smaller(p->side[1], p->side[2]));
+    int inner = (least < -p->side_noise) & p->is_seen;
+    for (int corner = 0; corner < 3 && inner; corner++)
+        if (!(p->side[(corner + 2) % 3] > p->side_noise)) {
+            double s = pair_try_edge(best, u, per_uu, from[corner], edge[corner], corner);
+            inner = (s > 0.0) & (s < 1.0);
+        }
+    return inner;
 }
 
 /* 1, and the answer, where the axis goes through the inside of a triangle that is no sliver, beyond doubt. */
@@ -225,8 +247,9 @@ static inline pair segment_triangle(vec3 a, vec3 u, vec3 v0, vec3 v1, vec3 v2)
     struct pierce pierce = pierce_of(u, from, edge);
     if (pair_on_pierced(&best, &pierce))
         return best;
-    if (pierce_misses(&pierce) || !pair_on_face(&best, u, from, edge)) {
-        double per_uu = 1.0 / dot(u, u);
+    double per_uu = 1.0 / dot(u, u);
+    if (!pair_beside(&best, &pierce, u, per_uu, from, edge) &&
+        (pierce_misses(&pierce) || !pair_on_face(&best, u, from, edge))) {
         for (int corner = 0; corner < 3; corner++)
             pair_try_edge(&best, u, per_uu, from[corner], edge[corner], corner);
     }
