@@ -485,13 +485,17 @@ static uint32_t begin(struct search *search)
     return 1;
 }
 
-/* Where many are open the search has far to go, and what is nearest spares it most; of few the order does not matter. */
-static uint32_t next_lane(const struct visit *visit)
+/*
+ * Nearest first: where there is no history the first crossing that is found is the answer, from wherever the search
+ * begins; and where many are open it saves most. Of few the order does not matter.
+ */
+static uint32_t next_lane(const struct search *search, const struct visit *visit)
 {
     uint32_t many = visit->lanes;
     for (int i = 0; i < 4; i++)
         many &= many - 1;
-    return many ? least_lane(visit->bound, visit->lanes) : (uint32_t)__builtin_ctz(visit->lanes);
+    return many || search->slack == 0.0 ? least_lane(visit->bound, visit->lanes)
+                                        : (uint32_t)__builtin_ctz(visit->lanes);
 }
 
 static int meets(const struct nearest *nearest)
@@ -526,7 +530,7 @@ int tree_walk(const struct tree *tree, const struct kernel *kernel, const struct
             level++;
             continue;
         }
-        uint32_t lane = next_lane(visit);
+        uint32_t lane = next_lane(&search, visit);
         int closed = visit->bound[lane] > search.probe.limit;
         if (!closed && !spare(&search))
             break;
