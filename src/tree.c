@@ -487,15 +487,16 @@ static uint32_t begin(struct search *search)
 
 /*
  * Nearest first: where there is no history the first crossing that is found is the answer, from wherever the search
- * begins; and where many are open it saves most. Of few the order does not matter.
+ * begins; a search at rest costs as much as any from nothing; and where many are open it saves most. Of few that last
+ * tick's planes left the order does not matter.
  */
 static uint32_t next_lane(const struct search *search, const struct visit *visit)
 {
     uint32_t many = visit->lanes;
     for (int i = 0; i < 4; i++)
         many &= many - 1;
-    return many || search->slack == 0.0 ? least_lane(visit->bound, visit->lanes)
-                                        : (uint32_t)__builtin_ctz(visit->lanes);
+    int any = !many && search->slack > 0.0 && !search->keeper.anew;
+    return any ? (uint32_t)__builtin_ctz(visit->lanes) : least_lane(visit->bound, visit->lanes);
 }
 
 static int meets(const struct nearest *nearest)
