@@ -59,7 +59,7 @@ static void look_into_leaf(struct search *search, uint32_t leaf)
         lanes &= ~(1u << lane);
         if (bound[lane] > search->limit)
             return;
-        if (tree_try(tree, first + lane, search->x, (vec3){ 0.0, 0.0, 0.0 }, nearest))
+        if (tree_try_point(tree, first + lane, search->x, nearest))
             set_limit(search);
     }
 }

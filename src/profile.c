@@ -191,8 +191,8 @@ static struct sample take_sample(struct profile *profile, double s, uint32_t tri
 {
     const struct tree *tree = profile->tree;
     struct axis point = { .local_a = profile_point(profile, s), .error = profile->axis->error };
-    struct nearest nearest = { .pair = tree_pair(tree, triangle, point.local_a, point.u),
-                               .triangle = triangle };
+    struct nearest nearest = { .triangle = triangle };
+    tree_point(tree, triangle, point.local_a, &nearest.pair);
     improve(profile, &point, exact, &nearest);
     double distance = sqrt(nearest.pair.distance2);
     int sign = profile->sign[profile_stretch(profile, s)];

@@ -136,7 +136,6 @@ static struct span span_between(const struct profile *profile, const struct samp
 static double turn_between(const struct profile *profile, const struct sample *from,
                            const struct sample *to, uint32_t was, double least)
 {
-    const vec3 none = { 0.0, 0.0, 0.0 };
     if (was == from->triangle || was == to->triangle)
         return 0.0;
     double s = from->span.s, error = profile->axis->error;
@@ -144,7 +143,8 @@ static double turn_between(const struct profile *profile, const struct sample *f
         return 0.0;
     least = smaller(least, profile_reach(profile, from->triangle, s));
     least = smaller(least, profile_reach(profile, to->triangle, s));
-    pair found = tree_pair(profile->tree, was, profile_point(profile, s), none);
+    pair found;
+    tree_point(profile->tree, was, profile_point(profile, s), &found);
     double distance = sqrt(found.distance2);
     if (!(distance > error && distance < least))
         return 0.0;

@@ -84,6 +84,22 @@ static inline int flatten(const vec3 edge[3], flat *f)
     return yy > 0x1p-100 * xx && yy > 1e-120;
 }
 
+/* 1, and the answer, where w, so high above the triangle's plane, projects into it. */
+static inline int pair_above(pair *best, const flat *f, vec3 w, double height, double s)
+{
+    double x = dot(w, f->x) * f->per_xx, y = dot(w, f->y) * f->per_yy;
+    const double weight[3] = { 1.0 - x - (1.0 - f->apex) * y, x - f->apex * y, y };
+    if (!(weight[0] >= 0.0 && weight[1] >= 0.0 && weight[2] >= 0.0))
+        return 0;
+    double per_zz = f->per_xx * f->per_yy;
+    best->distance2 = height * (height * per_zz);
+    best->s = s;
+    best->gap = scaled(f->z, height * per_zz);
+    for (int k = 0; k < 3; k++)
+        best->weight[(f->corner + k) % 3] = weight[k];
+    return 1;
+}
+
 /* 1, and the answer, where the face holds the nearest point. */
 static inline int pair_on_face(pair *best, vec3 u, const vec3 from[3], const vec3 edge[3])
 {
@@ -94,19 +110,7 @@ static inline int pair_on_face(pair *best, vec3 u, const vec3 from[3], const vec
     double height_a = dot(a, f.z);
     double height_b = height_a + dot(u, f.z);
     double s = clamp01(height_a / (height_a - height_b));
-    vec3 w = along(a, s, u);
-    double x = dot(w, f.x) * f.per_xx, y = dot(w, f.y) * f.per_yy;
-    const double weight[3] = { 1.0 - x - (1.0 - f.apex) * y, x - f.apex * y, y };
-    if (!(weight[0] >= 0.0 && weight[1] >= 0.0 && weight[2] >= 0.0))
-        return 0;
-    double height = height_a + s * (height_b - height_a);
-    double per_zz = f.per_xx * f.per_yy;
-    best->distance2 = height * (height * per_zz);
-    best->s = s;
-    best->gap = scaled(f.z, height * per_zz);
-    for (int k = 0; k < 3; k++)
-        best->weight[(f.corner + k) % 3] = weight[k];
-    return 1;
+    return pair_above(best, &f, along(a, s, u), height_a + s * (height_b - height_a), s);
 }
 
 /*
@@ -196,32 +200,36 @@ static inline void pair_settle(pair *best, double reach)
     }
 }
 
-static inline void point_try_edge(pair *best, vec3 from_v, vec3 e, int corner)
+/* Of a point, the nearest edge, the first of those as near: which it is, no branch could foresee. */
+static inline void point_on_edges(pair *found, const vec3 from[3], const vec3 edge[3])
 {
-    double t = clamp01(dot(from_v, e) / dot(e, e));
-    vec3 gap = along(from_v, -t, e);
-    double distance2 = dot(gap, gap);
-    if (distance2 < best->distance2) {
-        best->distance2 = distance2;
-        best->gap = gap;
-        best->weight[corner] = 1.0 - t;
-        best->weight[(corner + 1) % 3] = t;
-        best->weight[(corner + 2) % 3] = 0.0;
+    double t[3], square[3];
+    for (int k = 0; k < 3; k++) {
+        t[k] = clamp01(dot(from[k], edge[k]) / dot(edge[k], edge[k]));
+        vec3 gap = along(from[k], -t[k], edge[k]);
+        square[k] = dot(gap, gap);
     }
+    int k = square[1] < square[0];
+    k = square[2] < square[k] ? 2 : k;
+    found->distance2 = smaller(square[k], HUGE_VAL);
+    found->s = 0.0;
+    found->gap = along(from[k], -t[k], edge[k]);
+    found->weight[k] = 1.0 - t[k];
+    found->weight[(k + 1) % 3] = t[k];
+    found->weight[(k + 2) % 3] = 0.0;
 }
 
-/* The same for a point x, an axis without length. */
-static inline pair point_triangle(vec3 x, vec3 v0, vec3 v1, vec3 v2)
+/* The same for a point x, an axis without length; its s is 1 in front of the face, else 0. */
+static inline void point_triangle(vec3 x, const vec3 v[3], pair *found)
 {
-    const vec3 none = { 0.0, 0.0, 0.0 };
-    pair best = { .distance2 = HUGE_VAL };
-    const vec3 edge[3] = { sub(v1, v0), sub(v2, v1), sub(v0, v2) };
-    const vec3 from[3] = { sub(x, v0), sub(x, v1), sub(x, v2) };
-    if (!pair_on_face(&best, none, from, edge))
-        for (int corner = 0; corner < 3; corner++)
-            point_try_edge(&best, from[corner], edge[corner], corner);
-    pair_settle(&best, extent_of(from[0]) + extent_of(edge[0]) + extent_of(edge[2]));
-    return best;
+    flat f;
+    const vec3 edge[3] = { sub(v[1], v[0]), sub(v[2], v[1]), sub(v[0], v[2]) };
+    const vec3 from[3] = { sub(x, v[0]), sub(x, v[1]), sub(x, v[2]) };
+    int is_flat = flatten(edge, &f);
+    double height = dot(from[f.corner], f.z);
+    if (!(is_flat && pair_above(found, &f, from[f.corner], height, height > 0.0)))
+        point_on_edges(found, from, edge);
+    pair_settle(found, extent_of(from[0]) + extent_of(edge[0]) + extent_of(edge[2]));
 }
 
 /* How far x is from a point of the triangle that is the nearest but for rounding: never less than the distance. */

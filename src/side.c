@@ -198,9 +198,10 @@ int side_of_way(const struct tree *tree, uint32_t triangle, const double weight[
     double edge = length(sub(corner_of(tree, triangle, most + 1), corner_of(tree, triangle, most)));
     vec3 x = along(q, smaller(SIDE_BACK * edge, size) / size, back);
     uint32_t v = tree->corners[3 * (size_t)triangle + (size_t)most], nearest = triangle;
-    pair best = tree_pair(tree, triangle, x, (vec3){ 0.0, 0.0, 0.0 });
+    pair best, found;
+    tree_point(tree, triangle, x, &best);
     for (uint32_t i = first[v]; i < first[v + 1]; i++) {
-        pair found = tree_pair(tree, fans[i], x, (vec3){ 0.0, 0.0, 0.0 });
+        tree_point(tree, fans[i], x, &found);
         if (found.distance2 < best.distance2) {
             best = found;
             nearest = fans[i];

@@ -63,8 +63,18 @@ pair tree_pair(const struct tree *tree, uint32_t triangle, vec3 a, vec3 u)
 {
     vec3 v[3];
     tree_corners(tree, triangle, v);
-    return extent_of(u) > 0.0 ? segment_triangle(a, u, v[0], v[1], v[2])
-                              : point_triangle(a, v[0], v[1], v[2]);
+    if (extent_of(u) > 0.0)
+        return segment_triangle(a, u, v[0], v[1], v[2]);
+    pair found;
+    point_triangle(a, v, &found);
+    return found;
+}
+
+void tree_point(const struct tree *tree, uint32_t triangle, vec3 x, pair *found)
+{
+    vec3 v[3];
+    tree_corners(tree, triangle, v);
+    point_triangle(x, v, found);
 }
 
 void nearest_front(struct nearest *nearest, vec3 a, vec3 u, double slack)
@@ -109,16 +119,19 @@ static int take_pair(const struct tree *tree, uint32_t triangle, const pair *fou
     return 1;
 }
 
-int tree_try(const struct tree *tree, uint32_t triangle, vec3 a, vec3 u, struct nearest *nearest)
+int tree_try_point(const struct tree *tree, uint32_t triangle, vec3 x, struct nearest *nearest)
 {
-    pair found = tree_pair(tree, triangle, a, u);
+    pair found;
+    tree_point(tree, triangle, x, &found);
     return take_pair(tree, triangle, &found, nearest);
 }
 
 void tree_brute(const struct tree *tree, vec3 a, vec3 u, struct nearest *nearest)
 {
-    for (uint32_t t = 0; t < tree->mesh->triangles; t++)
-        tree_try(tree, t, a, u, nearest);
+    for (uint32_t t = 0; t < tree->mesh->triangles; t++) {
+        pair found = tree_pair(tree, t, a, u);
+        take_pair(tree, t, &found, nearest);
+    }
     nearest->work += tree->mesh->leaves;
 }
 

@@ -83,6 +83,9 @@ static inline void tree_corners(const struct tree *tree, uint32_t triangle, vec3
 /* The pair of the axis a + s u and one triangle, by its place. */
 pair tree_pair(const struct tree *tree, uint32_t triangle, vec3 a, vec3 u);
 
+/* The same of a point x. */
+void tree_point(const struct tree *tree, uint32_t triangle, vec3 x, pair *found);
+
 /* How the axis goes through the plane of one. */
 static inline struct pierce tree_pierce(const struct tree *tree, uint32_t triangle, vec3 a, vec3 u)
 {
@@ -94,7 +97,7 @@ static inline struct pierce tree_pierce(const struct tree *tree, uint32_t triang
 }
 
 /* Take that pair if it is nearer, or as near with a lower source number: 1. */
-int tree_try(const struct tree *tree, uint32_t triangle, vec3 a, vec3 u, struct nearest *nearest);
+int tree_try_point(const struct tree *tree, uint32_t triangle, vec3 x, struct nearest *nearest);
 
 /*
  * Look for what is nearer than nearest->pair.distance2, or as near with a lower source number; put it
