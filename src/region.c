@@ -50,8 +50,10 @@ static int clip(struct piece *piece)
     return 1;
 }
 
-static double area_of(double s0, double w0, double s1, double w1)
+static inline double area_of(double s0, double w0, double s1, double w1)
 {
+    if (w0 >= 0.0 && w1 >= 0.0)
+        return 0.5 * (w0 + w1) * (s1 - s0);
     struct piece piece = { s0, s1, w0, w1, { 0.0, 0.0, 0.0 } };
     return clip(&piece) ? 0.5 * (piece.w0 + piece.w1) * (piece.s1 - piece.s0) : 0.0;
 }
@@ -139,10 +141,13 @@ static double turn_between(const struct profile *profile, const struct sample *f
     if (was == from->triangle || was == to->triangle)
         return 0.0;
     double s = from->span.s, error = profile->axis->error;
-    if (profile_reach(profile, was, s) > least + error)
+    double reach = profile_reach(profile, was, s);
+    if (reach > least + error)
         return 0.0;
     least = smaller(least, profile_reach(profile, from->triangle, s));
     least = smaller(least, profile_reach(profile, to->triangle, s));
+    if (reach > least + error)
+        return 0.0;
     pair found;
     tree_point(profile->tree, was, profile_point(profile, s), &found);
     double distance = sqrt(found.distance2);
@@ -211,17 +216,6 @@ static double ask_where(const struct profile *profile, uint32_t i, const struct 
     return span->s > from->s + edge && span->s < to->s - edge ? span->s : 0.5 * (from->s + to->s);
 }
 
-/* Wide spans hide what their ends do not show: none wider than the reach, or a share of all that is within it. */
-static double widest_allowed(struct profile *profile)
-{
-    double within = 0.0;
-    for (uint32_t i = 0; i + 1 < profile->count; i++)
-        if (span_at(profile, i)->area > 0.0)
-            within += profile->sample[i + 1].s - profile->sample[i].s;
-    double reach = profile->size > 0.0 ? profile->reach / profile->size : 1.0;
-    return larger(reach, within / SPANS_LEAST);
-}
-
 /*
  * Integrals are worth so much, and no more: in the middle of a thick or spiky body each search costs hundreds. Half as much
  * again where samples are cheap, as many are needed there.
@@ -248,40 +242,63 @@ static void confirm(struct profile *profile)
     }
 }
 
+/*
+ * Where another sample is asked. Wide spans hide what their ends do not show: none wider than the reach, or a share of all that
+ * is within it.
+ */
+struct ask {
+    double s;
+    uint32_t wide; /* the span that is too wide, or DPT_NONE */
+};
+
+/* 0 where there is nothing to ask. */
+static int find_ask(struct profile *profile, struct ask *ask)
+{
+    double reach = profile->size > 0.0 ? profile->reach / profile->size : 1.0;
+    double sum = 0.0, doubt = 0.0, most = 0.0, within = 0.0, widest = 0.0;
+    uint32_t worst = 0, wide_at = 0, end_at = DPT_NONE;
+    for (uint32_t i = 0; i + 1 < profile->count; i++) {
+        const struct span *span = span_at(profile, i);
+        double width = profile->sample[i + 1].s - profile->sample[i].s;
+        sum += span->area;
+        doubt += span->doubt;
+        within += span->area > 0.0 ? width : 0.0;
+        if (span->doubt > most) {
+            most = span->doubt;
+            worst = i;
+        }
+        if (span->area > 0.0 && width > widest) {
+            widest = width;
+            wide_at = i;
+        }
+        if (span->loose)
+            end_at = i;
+    }
+    ask->wide = DPT_NONE;
+    if (widest > larger(reach, within / SPANS_LEAST)) {
+        ask->wide = wide_at;
+        ask->s = 0.5 * (profile->sample[wide_at].s + profile->sample[wide_at + 1].s);
+    } else if (end_at != DPT_NONE) {
+        ask->s = ask_where(profile, end_at, &profile->sample[end_at].span);
+    } else if (doubt > DOUBT_LEFT * sum || most > DOUBT_ONE * sum) {
+        ask->s = ask_where(profile, worst, &profile->sample[worst].span);
+    } else {
+        return 0;
+    }
+    return 1;
+}
+
 /* 0: work or room ended that. */
 static int refine(struct profile *profile)
 {
+    struct ask ask;
+    double from, to;
     confirm(profile);
     for (int asked = 0; asked < ASK_MOST && !is_tired(profile); asked++) {
-        double sum = 0.0, doubt = 0.0, most = 0.0, widest = widest_allowed(profile);
-        uint32_t worst = 0, wide_at = DPT_NONE, end_at = DPT_NONE;
-        for (uint32_t i = 0; i + 1 < profile->count; i++) {
-            const struct span *span = span_at(profile, i);
-            double width = profile->sample[i + 1].s - profile->sample[i].s;
-            sum += span->area;
-            doubt += span->doubt;
-            if (span->doubt > most) {
-                most = span->doubt;
-                worst = i;
-            }
-            if (span->area > 0.0 && width > widest) {
-                widest = width;
-                wide_at = i;
-            }
-            if (span->loose)
-                end_at = i;
-        }
-        double where, from, to;
-        if (wide_at != DPT_NONE)
-            where = 0.5 * (profile->sample[wide_at].s + profile->sample[wide_at + 1].s);
-        else if (end_at != DPT_NONE)
-            where = ask_where(profile, end_at, &profile->sample[end_at].span);
-        else if (doubt > DOUBT_LEFT * sum || most > DOUBT_ONE * sum)
-            where = ask_where(profile, worst, &profile->sample[worst].span);
-        else
+        if (!find_ask(profile, &ask))
             return 1;
-        int told = wide_at != DPT_NONE && !profile_is_blind(profile, wide_at, &from, &to);
-        uint32_t at = profile_ask(profile, where, 1);
+        int told = ask.wide != DPT_NONE && !profile_is_blind(profile, ask.wide, &from, &to);
+        uint32_t at = profile_ask(profile, ask.s, 1);
         if (at == DPT_NONE)
             return 0;
         /* The surface does not go on as a sample told: what is beyond was not looked into. */
