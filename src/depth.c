@@ -14,17 +14,15 @@
 struct bend profile_bend(const struct profile *profile, const struct sample *from,
                          const struct sample *to)
 {
-    double rise_from = dot(from->normal, profile->axis->u);
-    double rise_to = dot(to->normal, profile->axis->u);
-    double width = to->s - from->s, turn = rise_to - rise_from;
+    double width = to->s - from->s, turn = to->rise - from->rise;
     double s = fabs(turn) * width > profile->axis->error
-                   ? (from->height - to->height + rise_to * width) / turn
+                   ? (from->height - to->height + to->rise * width) / turn
                    : 0.5 * width;
     /* Beside an end, the edge is at the end; far from both there is none between. */
     if (!(s > -0.25 * width && s < 1.25 * width))
         s = 0.5 * width;
     s = larger(0.0, smaller(s, width));
-    return (struct bend){ from->s + s, from->height + rise_from * s };
+    return (struct bend){ from->s + s, from->height + from->rise * s };
 }
 
 /* How deep it can be between two samples of which one is inside; to know that it is not above `least` is enough. */

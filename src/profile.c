@@ -208,6 +208,7 @@ static struct sample take_sample(struct profile *profile, double s, uint32_t tri
     sample.normal = distance > 1e3 * profile->axis->error
                         ? scaled(sample.gap, sign / distance)
                         : way_out(profile, nearest.triangle, sample.weight);
+    sample.rise = dot(sample.normal, profile->axis->u);
     return sample;
 }
 
@@ -453,6 +454,7 @@ static void put_crossing_samples(struct profile *profile)
         };
         memcpy(sample.weight, crossing->weight, sizeof sample.weight);
         sample.normal = way_out(profile, crossing->triangle, crossing->weight);
+        sample.rise = dot(sample.normal, profile->axis->u);
         put_sample(profile, &sample);
     }
 }
@@ -579,7 +581,7 @@ int profile_make(struct profile *profile, const struct nearest *nearest, const s
 /* How far from a sample within reach the surface goes out of it, if it goes on as there, and half as far again. */
 static double way_beyond(const struct profile *profile, const struct sample *sample, double sign)
 {
-    double rise = sign * dot(sample->normal, profile->axis->u);
+    double rise = sign * sample->rise;
     double room = 0.25 * profile->reach, left = profile->reach - sample->height;
     if (!(left > 0.0))
         return 0.0;

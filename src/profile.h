@@ -33,6 +33,7 @@ struct sample {
     double s;
     double height; /* signed distance to the triangle; the mesh's, if it is exact */
     vec3 normal;   /* unit, the way out: along it the height grows */
+    double rise;   /* of the tangent: by how much the height grows over s, from 0 to 1 */
     vec3 gap;      /* x - q */
     double weight[3];
     uint32_t triangle; /* DPT_NONE: nothing is within reach here, height is the reach */

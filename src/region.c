@@ -77,8 +77,7 @@ static double from_mark(const struct profile *profile, const struct sample *from
                         const struct sample *to, double s)
 {
     const struct sample *seen = from->triangle == DPT_NONE ? to : from;
-    double rise = dot(seen->normal, profile->axis->u);
-    return profile->reach - seen->height - rise * (s - seen->s);
+    return profile->reach - seen->height - seen->rise * (s - seen->s);
 }
 
 /*
@@ -89,7 +88,7 @@ static int is_as_near(const struct profile *profile, const struct sample *of,
                       const struct sample *at)
 {
     double reach = fabs(at->height) + profile->axis->error;
-    double tangent = of->height + dot(of->normal, profile->axis->u) * (at->s - of->s);
+    double tangent = of->height + of->rise * (at->s - of->s);
     return !((of->height < 0.0 ? -tangent : tangent) > reach) &&
            profile_reach(profile, of->triangle, at->s) <= reach;
 }
