@@ -191,7 +191,8 @@ static struct sample take_sample(struct profile *profile, double s, uint32_t tri
 {
     const struct tree *tree = profile->tree;
     struct axis point = { .local_a = profile_point(profile, s), .error = profile->axis->error };
-    struct nearest nearest = { .triangle = triangle };
+    struct nearest nearest;
+    nearest_begin(&nearest, triangle);
     tree_point(tree, triangle, point.local_a, &nearest.pair);
     improve(profile, &point, exact, &nearest);
     double distance = sqrt(nearest.pair.distance2);
@@ -496,8 +497,10 @@ uint32_t profile_approach(struct profile *profile, double from, double to, doubl
     struct axis piece = { .local_a = profile_point(profile, from),
                           .u = scaled(axis->u, to - from),
                           .error = axis->error };
-    struct nearest nearest = { .pair = { .distance2 = reach * reach }, .triangle = DPT_NONE };
+    struct nearest nearest;
     struct walk walk;
+    nearest_begin(&nearest, DPT_NONE);
+    nearest.pair.distance2 = reach * reach;
     walk.at = 0;
     if (begin(profile, &nearest)) {
         profile->cut |= !tree_walk(profile->tree, profile->kernel, NULL, piece.local_a, piece.u,

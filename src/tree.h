@@ -47,6 +47,13 @@ struct nearest {
     uint32_t tried[NEAREST_TRIED]; /* triangles that are no nearer, as is known without a search */
 };
 
+/* Before a search: all but the pair. The triangle is the pair's, or DPT_NONE. */
+static inline void nearest_begin(struct nearest *nearest, uint32_t triangle)
+{
+    nearest->triangle = triangle;
+    nearest->work = nearest->most = nearest->front_of = nearest->tried_count = 0;
+}
+
 /* A node that is being looked into: its children's bounds, and those still to be visited. */
 struct visit {
     float bound[LANES];
