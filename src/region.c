@@ -101,32 +101,32 @@ static int is_one_wall(const struct profile *profile, const struct sample *from,
            is_as_near(profile, from, to);
 }
 
-static struct span span_between(const struct profile *profile, const struct sample *from,
-                                const struct sample *to)
+static void span_between(const struct profile *profile, const struct sample *from,
+                         const struct sample *to, struct span *span)
 {
     struct bend bend = profile_bend(profile, from, to);
-    double width = to->s - from->s;
+    double width = to->s - from->s, w0 = profile->reach - from->height;
+    double w1 = profile->reach - to->height, tangent = profile->reach - bend.height;
     double part = width > 0.0 ? (bend.s - from->s) / width : 0.0;
-    struct span span = { .s = bend.s,
-                         .w0 = profile->reach - from->height,
-                         .w1 = profile->reach - to->height };
-    double chord = span.w0 + (span.w1 - span.w0) * part, tangent = profile->reach - bend.height;
+    double chord = w0 + (w1 - w0) * part;
     int marked = from->triangle == DPT_NONE || to->triangle == DPT_NONE;
-    span.w = marked ? tangent : chord + (tangent - chord) * (5.0 / 6.0);
+    double w = marked ? tangent : chord + (tangent - chord) * (5.0 / 6.0);
+    double least = area_of(from->s, w0, to->s, w1);
+    double most = area_of(from->s, w0, bend.s, tangent) + area_of(bend.s, tangent, to->s, w1);
+    double area = area_of(from->s, w0, bend.s, w) + area_of(bend.s, w, to->s, w1);
+    double doubt = 0.25 * fabs(most - least);
     /* No height changes by more than the way: what is short enough is known well enough, also beside a border. */
     double loose = END_LEFT * profile->reach;
-    int ends = (span.w0 > 0.0) != (span.w1 > 0.0) && fabs(span.w0) > loose && fabs(span.w1) > loose;
-    span.loose =
+    int ends = (w0 > 0.0) != (w1 > 0.0) && fabs(w0) > loose && fabs(w1) > loose;
+    span->s = bend.s;
+    span->w0 = w0;
+    span->w = w;
+    span->w1 = w1;
+    span->area = area;
+    span->doubt = marked ? doubt + 0.5 * area : doubt;
+    span->loose =
         width * profile->size > loose && (marked ? from_mark(profile, from, to, bend.s) > loose
                                                  : ends && fabs(tangent - chord) > loose);
-    double least = area_of(from->s, span.w0, to->s, span.w1);
-    double most =
-        area_of(from->s, span.w0, bend.s, tangent) + area_of(bend.s, tangent, to->s, span.w1);
-    span.area = area_of(from->s, span.w0, bend.s, span.w) + area_of(bend.s, span.w, to->s, span.w1);
-    span.doubt = 0.25 * fabs(most - least);
-    if (marked)
-        span.doubt += 0.5 * span.area;
-    return span;
 }
 
 /*
@@ -141,10 +141,9 @@ static double turn_between(const struct profile *profile, const struct sample *f
         return 0.0;
     double s = from->span.s, error = profile->axis->error;
     double reach = profile_reach(profile, was, s);
-    if (reach > least + error)
-        return 0.0;
-    least = smaller(least, profile_reach(profile, from->triangle, s));
-    least = smaller(least, profile_reach(profile, to->triangle, s));
+    const uint32_t own[2] = { from->triangle, to->triangle };
+    for (int k = 0; k < 2 && reach <= least + error; k++)
+        least = smaller(least, profile_reach(profile, own[k], s));
     if (reach > least + error)
         return 0.0;
     pair found;
@@ -183,7 +182,7 @@ static double doubt_of_way(const struct profile *profile, const struct sample *f
 static void take_span(const struct profile *profile, struct sample *from)
 {
     const struct sample *to = from + 1;
-    from->span = span_between(profile, from, to);
+    span_between(profile, from, to, &from->span);
     if (from->span.area > 0.0 && from->triangle != DPT_NONE && to->triangle != DPT_NONE)
         from->span.doubt += from->span.area * doubt_of_way(profile, from, to);
     from->spanned = 1;
@@ -348,14 +347,15 @@ static uint32_t take_all(struct profile *profile, struct region regions[REGION_M
     struct taking taking = { .profile = profile, .regions = regions };
     for (uint32_t i = 0; i + 1 < profile->count; i++) {
         const struct sample *from = &profile->sample[i], *to = from + 1;
-        struct span span = *span_at(profile, i);
+        const struct span *span = span_at(profile, i);
         uint32_t left = from->triangle == DPT_NONE ? i + 1 : i;
         uint32_t right = to->triangle == DPT_NONE ? i : i + 1;
         take_piece(
             &taking, left,
-            (struct piece){ from->s, span.s, span.w0, span.w, profile->sample[left].normal });
-        take_piece(&taking, right,
-                   (struct piece){ span.s, to->s, span.w, span.w1, profile->sample[right].normal });
+            (struct piece){ from->s, span->s, span->w0, span->w, profile->sample[left].normal });
+        take_piece(
+            &taking, right,
+            (struct piece){ span->s, to->s, span->w, span->w1, profile->sample[right].normal });
     }
     return taking.count;
 }
@@ -426,18 +426,22 @@ static vec3 thrust_between(const struct sample *from, const struct sample *to,
                  area_of(span->s, span->w, to->s, span->w1), right->normal);
 }
 
-/* What a sample between these two tells, of the integral over s, is more than `ignored`. */
+/* What a sample between these two tells, of the integral over s, is more than `ignored`. Regions were taken: spans are known. */
 static int is_worth(const struct profile *profile, const struct sample *before,
                     const struct sample *sample, const struct sample *after, double ignored)
 {
-    struct span both = span_between(profile, before, after);
+    struct span both, made;
+    const struct span *left = &before->span;
+    span_between(profile, before, after, &both);
     double doubt = both.doubt + 0.25 * length(sub(before->normal, after->normal)) * both.area;
     if (doubt > ignored)
         return 1;
-    int known = before + 1 == sample && before->spanned;
-    struct span left = known ? before->span : span_between(profile, before, sample);
-    struct span right = sample->spanned ? sample->span : span_between(profile, sample, after);
-    vec3 parts = add(thrust_between(before, sample, &left), thrust_between(sample, after, &right));
+    if (before + 1 != sample) {
+        span_between(profile, before, sample, &made);
+        left = &made;
+    }
+    vec3 parts =
+        add(thrust_between(before, sample, left), thrust_between(sample, after, &sample->span));
     return doubt + length(sub(thrust_between(before, after, &both), parts)) > ignored;
 }
 
