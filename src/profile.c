@@ -5,6 +5,16 @@
 #include "range.h"
 #include "winding.h"
 
+double profile_reach(const struct profile *profile, uint32_t triangle, double s)
+{
+    const struct tree *tree = profile->tree;
+    const uint32_t *corner = tree->corners + 3 * (size_t)triangle;
+    return point_reach(profile_point(profile, s),
+                       vec3_of_float(tree->positions + 3 * (size_t)corner[0]),
+                       vec3_of_float(tree->positions + 3 * (size_t)corner[1]),
+                       vec3_of_float(tree->positions + 3 * (size_t)corner[2]));
+}
+
 static uint32_t flags_of(const struct profile *profile, uint32_t part)
 {
     return mesh_part_flags(profile->tree->mesh, part);

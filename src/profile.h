@@ -134,15 +134,7 @@ static inline uint32_t profile_stretch(const struct profile *profile, double s)
 }
 
 /* How far a point of the axis is from a triangle: no less, and no more than rounding above it. */
-static inline double profile_reach(const struct profile *profile, uint32_t triangle, double s)
-{
-    const struct tree *tree = profile->tree;
-    const uint32_t *corner = tree->corners + 3 * (size_t)triangle;
-    return point_reach(profile_point(profile, s),
-                       vec3_of_float(tree->positions + 3 * (size_t)corner[0]),
-                       vec3_of_float(tree->positions + 3 * (size_t)corner[1]),
-                       vec3_of_float(tree->positions + 3 * (size_t)corner[2]));
-}
+double profile_reach(const struct profile *profile, uint32_t triangle, double s);
 
 /* Sides may change without a crossing: each sample has its own. */
 static inline int profile_by_sample(const struct profile *profile)
