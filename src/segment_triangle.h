@@ -206,14 +206,14 @@ static inline void point_on_edges(pair *found, const vec3 from[3], const vec3 ed
     double t[3], square[3];
     for (int k = 0; k < 3; k++) {
         t[k] = clamp01(dot(from[k], edge[k]) / dot(edge[k], edge[k]));
-        vec3 gap = along(from[k], -t[k], edge[k]);
+        vec3 gap = sub(from[k], scaled(edge[k], t[k]));
         square[k] = dot(gap, gap);
     }
     int k = square[1] < square[0];
     k = square[2] < square[k] ? 2 : k;
     found->distance2 = smaller(square[k], HUGE_VAL);
     found->s = 0.0;
-    found->gap = along(from[k], -t[k], edge[k]);
+    found->gap = sub(from[k], scaled(edge[k], t[k]));
     found->weight[k] = 1.0 - t[k];
     found->weight[(k + 1) % 3] = t[k];
     found->weight[(k + 2) % 3] = 0.0;
@@ -238,11 +238,11 @@ static inline double point_reach(vec3 x, vec3 v0, vec3 v1, vec3 v2)
     vec3 e = sub(v1, v0), f = sub(v2, v0), w = sub(x, v0);
     double ee = dot(e, e), ef = dot(e, f), ff = dot(f, f), we = dot(w, e), wf = dot(w, f);
     double all = ee * ff - ef * ef, b = ff * we - ef * wf, c = ee * wf - ef * we;
-    if (b >= 0.0 && c >= 0.0 && b + c <= all && all > 0.0)
+    if ((b >= 0.0) & (c >= 0.0) & (b + c <= all) & (all > 0.0))
         return length(along(along(w, -b / all, e), -c / all, f));
     vec3 g = sub(f, e), to = sub(w, e);
-    vec3 by_e = along(w, -clamp01(we / ee), e), by_f = along(w, -clamp01(wf / ff), f);
-    vec3 by_g = along(to, -clamp01(dot(to, g) / dot(g, g)), g);
+    vec3 by_e = sub(w, scaled(e, clamp01(we / ee))), by_f = sub(w, scaled(f, clamp01(wf / ff)));
+    vec3 by_g = sub(to, scaled(g, clamp01(dot(to, g) / dot(g, g))));
     return sqrt(smaller(dot(by_e, by_e), smaller(dot(by_f, by_f), dot(by_g, by_g))));
 }
 

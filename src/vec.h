@@ -94,11 +94,14 @@ static inline double extent_of(vec3 a)
     return larger(fabs(a.x), larger(fabs(a.y), fabs(a.z)));
 }
 
-/* 0 for NaN: 0 / 0 stands for "anywhere", and 0 is as good as any. */
+/*
+ * 0 for NaN: 0 / 0 stands for "anywhere", and 0 is as good as any. Two independent choices, of which compilers make no branch:
+ * where a nearest point lies cannot be foreseen.
+ */
 static inline double clamp01(double t)
 {
-    t = t > 0.0 ? t : 0.0;
-    return t < 1.0 ? t : 1.0;
+    double low = t < 1.0 ? t : 1.0;
+    return t > 0.0 ? low : 0.0;
 }
 
 /* A finite number of at most `limit` in size; false for NaN. */
