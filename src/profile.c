@@ -137,7 +137,8 @@ static int begin(struct profile *profile, struct nearest *nearest)
 static int take_nearer(const struct profile *profile, vec3 x, uint32_t triangle,
                        struct nearest *nearest)
 {
-    pair found = tree_pair(profile->tree, triangle, x, (vec3){ 0.0, 0.0, 0.0 });
+    pair found;
+    tree_point(profile->tree, triangle, x, &found);
     if (found.distance2 > nearest->pair.distance2)
         return 0;
     nearest->pair = found;
@@ -196,31 +197,35 @@ static void improve(struct profile *profile, const struct axis *point, int exact
         descend(profile, point, nearest);
 }
 
-/* From a triangle near a point of the axis, by descent; `exact` by search. */
-static struct sample take_sample(struct profile *profile, double s, uint32_t triangle, int exact)
+/* From a triangle near a point of the axis, by descent; `exact` by search. What is cached of it is not cleared: flags tell. */
+static void take_sample(struct profile *profile, double s, uint32_t triangle, int exact,
+                        struct sample *sample)
 {
-    const struct tree *tree = profile->tree;
-    struct axis point = { .local_a = profile_point(profile, s), .error = profile->axis->error };
+    struct axis point;
     struct nearest nearest;
+    point.local_a = profile_point(profile, s);
+    point.u = (vec3){ 0.0, 0.0, 0.0 };
+    point.error = profile->axis->error;
     nearest_begin(&nearest, triangle);
-    tree_point(tree, triangle, point.local_a, &nearest.pair);
+    tree_point(profile->tree, triangle, point.local_a, &nearest.pair);
     improve(profile, &point, exact, &nearest);
-    double distance = sqrt(nearest.pair.distance2);
+    const pair *found = &nearest.pair;
+    double distance = sqrt(found->distance2);
     int sign = profile->sign[profile_stretch(profile, s)];
     if (!sign)
-        sign = side_of(profile, s, nearest.triangle, &nearest.pair);
-    struct sample sample = { .s = s,
-                             .height = sign * distance,
-                             .gap = nearest.pair.gap,
-                             .triangle = nearest.triangle,
-                             .was = triangle,
-                             .exact = (uint32_t)exact };
-    memcpy(sample.weight, nearest.pair.weight, sizeof sample.weight);
-    sample.normal = distance > 1e3 * profile->axis->error
-                        ? scaled(sample.gap, sign / distance)
-                        : way_out(profile, nearest.triangle, sample.weight);
-    sample.rise = dot(sample.normal, profile->axis->u);
-    return sample;
+        sign = side_of(profile, s, nearest.triangle, found);
+    vec3 normal = distance > 1e3 * point.error ? scaled(found->gap, sign / distance)
+                                               : way_out(profile, nearest.triangle, found->weight);
+    sample->s = s;
+    sample->height = sign * distance;
+    sample->normal = normal;
+    sample->rise = dot(normal, profile->axis->u);
+    sample->gap = found->gap;
+    memcpy(sample->weight, found->weight, sizeof sample->weight);
+    sample->triangle = nearest.triangle;
+    sample->was = triangle;
+    sample->exact = (uint32_t)exact;
+    sample->proven = sample->bounded = sample->spanned = 0;
 }
 
 /* Make room: of those between two of their own triangle, which tell least, the one whose neighbours are nearest. */
@@ -297,7 +302,8 @@ static int tell(struct profile *profile, uint32_t i, uint32_t triangle)
     if (sample->exact || sample->triangle == DPT_NONE || sample->triangle == triangle ||
         !(profile_reach(profile, triangle, sample->s) < fabs(sample->height)))
         return 0;
-    struct sample better = take_sample(profile, sample->s, triangle, 0);
+    struct sample better;
+    take_sample(profile, sample->s, triangle, 0, &better);
     if (profile->cut)
         return 0;
     put_sample(profile, &better);
@@ -306,7 +312,8 @@ static int tell(struct profile *profile, uint32_t i, uint32_t triangle)
 
 uint32_t profile_ask(struct profile *profile, double s, int exact)
 {
-    struct sample sample = take_sample(profile, s, nearest_triangle(profile, s), exact);
+    struct sample sample;
+    take_sample(profile, s, nearest_triangle(profile, s), exact, &sample);
     uint32_t at = profile->cut ? DPT_NONE : put_sample(profile, &sample);
     if (at == DPT_NONE)
         return at;
@@ -449,7 +456,8 @@ static void find_sides(struct profile *profile, const struct nearest *nearest)
         double from = k ? here[-1].s : 0.0, to = k < profile->crossings ? here->s : 1.0;
         int sign = before ? before : after;
         if (before * after < 0 || !sign) {
-            struct sample middle = take_sample(profile, 0.5 * (from + to), nearest->triangle, 1);
+            struct sample middle;
+            take_sample(profile, 0.5 * (from + to), nearest->triangle, 1, &middle);
             sign = middle.height < 0.0 ? -1 : 1;
         }
         profile->sign[k] = sign;
@@ -519,8 +527,8 @@ uint32_t profile_approach(struct profile *profile, double from, double to, doubl
     }
     if (nearest.triangle == DPT_NONE || profile->cut)
         return DPT_NONE;
-    struct sample sample =
-        take_sample(profile, from + nearest.pair.s * (to - from), nearest.triangle, 0);
+    struct sample sample;
+    take_sample(profile, from + nearest.pair.s * (to - from), nearest.triangle, 0, &sample);
     sample.exact = 1;
     return put_sample(profile, &sample);
 }
@@ -567,7 +575,8 @@ int profile_make(struct profile *profile, const struct nearest *nearest, const s
     }
     put_crossing_samples(profile);
     if (!profile->crossings) {
-        struct sample sample = take_sample(profile, nearest->pair.s, nearest->triangle, 0);
+        struct sample sample;
+        take_sample(profile, nearest->pair.s, nearest->triangle, 0, &sample);
         sample.exact = 1;
         put_sample(profile, &sample);
     }
@@ -578,7 +587,8 @@ int profile_make(struct profile *profile, const struct nearest *nearest, const s
         /* A budget is for the depth first: regions search for those that count. */
         int counts = seeds[i].share > PROFILE_SHARE && profile->work < PROFILE_WORK;
         int exact = profile->winding || (counts && !profile->memo);
-        struct sample sample = take_sample(profile, seeds[i].s, seeds[i].triangle, exact);
+        struct sample sample;
+        take_sample(profile, seeds[i].s, seeds[i].triangle, exact, &sample);
         put_sample(profile, &sample);
     }
     for (uint32_t i = 1; i < profile->count; i++)
