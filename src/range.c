@@ -3,6 +3,15 @@
 
 #include "probe.h"
 
+/* All of a leaf is out of reach to one side or another: so it is with most that their boxes let through. */
+static int is_beside(const struct range *range, const float *rows, uint32_t lanes)
+{
+    float low[LANES];
+    for (int i = 0; i < 4 && lanes; i++)
+        lanes &= range->kernel->common_triangles(rows, range->across[i], range->beyond[i], low);
+    return !lanes;
+}
+
 static void look_at(struct range *range, uint32_t level, uint32_t node)
 {
     const struct tree *tree = range->tree;
@@ -15,7 +24,9 @@ static void look_at(struct range *range, uint32_t level, uint32_t node)
     range->work++;
     range->level = level;
     range->node[level] = node;
-    range->lanes[level] = all & look(rows, &range->probe, &planes, range->bound);
+    range->lanes[level] = 0;
+    if (level || !is_beside(range, rows, all))
+        range->lanes[level] = all & look(rows, &range->probe, &planes, range->bound);
 }
 
 void range_begin(struct range *range, const struct tree *tree, const struct kernel *kernel, vec3 a,
@@ -28,6 +39,12 @@ void range_begin(struct range *range, const struct tree *tree, const struct kern
     vec3 x = probe_axis(&range->probe, tree->mesh, a, u);
     probe_frame(&range->probe, x);
     probe_limit(&range->probe, tree->mesh, reach);
+    for (int i = 0; i < 4; i++) {
+        const float *way = i % 2 ? range->probe.z : range->probe.y;
+        for (int k = 0; k < 3; k++)
+            range->across[i][k] = i < 2 ? way[k] : -way[k];
+        range->beyond[i] = probe_reach(&range->probe, range->across[i]) + range->probe.limit;
+    }
     look_at(range, tree->levels, 0);
 }
 

@@ -9,7 +9,9 @@ struct range {
     const struct tree *tree;
     const struct kernel *kernel;
     struct probe probe;
-    uint32_t level; /* where it stands; above tree->levels: at the end */
+    float across[4][3]; /* four ways, each a quarter turn about the axis from the last */
+    float beyond[4];    /* what is that far along one of them is beyond reach */
+    uint32_t level;     /* where it stands; above tree->levels: at the end */
     uint32_t node[MESH_LEVELS_MAX + 1];
     uint32_t lanes[MESH_LEVELS_MAX + 1]; /* still to come; level 0: triangles of a leaf */
     float bound[LANES];                  /* of those triangles */
