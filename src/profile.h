@@ -133,6 +133,20 @@ static inline uint32_t profile_stretch(const struct profile *profile, double s)
     return k;
 }
 
+static inline uint32_t profile_spare(const struct profile *profile)
+{
+    return profile->work < profile->most ? profile->most - profile->work : 0;
+}
+
+/* The way out, at a crossing or a pair, by the triangle that it is on; zero where there is none. */
+vec3 profile_way_out(const struct profile *profile, uint32_t triangle, const double weight[3]);
+
+/*
+ * All crossings and zones, as far as there is work left for them, and whether the axis goes through an open sheet without a
+ * side (crossing.c).
+ */
+void profile_cross(struct profile *profile);
+
 /* How far a point of the axis is from a triangle: no less, and no more than rounding above it. */
 double profile_reach(const struct profile *profile, uint32_t triangle, double s);
 
