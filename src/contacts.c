@@ -311,10 +311,10 @@ static int look(struct meeting *meeting, const struct seed *seeds, uint32_t seed
     if (found == CONTACT_PROFILE && world->def.max_contacts) {
         /* Integrals leave half to the segments that come after: their gaps count for more. */
         if (world->def.budget && world->segment_count > 1)
-            profile->most -= (profile->most - profile->work) / 2;
+            profile->most -= profile_spare(profile) / 2;
         *count = region_all(profile, regions);
         take_deepest(meeting, regions, *count, gap);
-        /* What is deepest there the regions tell. */
+        /* Where each sample has a side of its own, what is deepest is found with the regions. */
         if (profile->cut && profile_by_sample(profile))
             found = CONTACT_UNKNOWN;
     }
