@@ -162,6 +162,33 @@ static inline void random_unit(uint64_t *seed, double v[3])
     unit3(v);
 }
 
+/*
+ * About the origin, of what is convex: the radii of the ball that touches its faces from within and of the one that holds
+ * it, and by what angle a face's normal is off the way from there to a corner, at most.
+ */
+static inline void solid_balls(const struct solid *solid, double *inner, double *outer,
+                               double *tilt)
+{
+    *inner = INFINITY;
+    *outer = *tilt = 0;
+    for (uint32_t t = 0; t < solid->place.triangles; t++) {
+        double c[9], n[3];
+        for (int k = 0; k < 9; k++)
+            c[k] = (double)solid->corners[9 * (size_t)t + (size_t)k];
+        for (int k = 0; k < 3; k++) {
+            const int i = (k + 1) % 3, j = (k + 2) % 3;
+            n[k] = (c[3 + i] - c[i]) * (c[6 + j] - c[j]) - (c[3 + j] - c[j]) * (c[6 + i] - c[i]);
+        }
+        unit3(n);
+        *inner = fmin(*inner, dot3(n, c));
+        for (int i = 0; i < 9; i += 3) {
+            const double far = sqrt(dot3(c + i, c + i));
+            *outer = fmax(*outer, far);
+            *tilt = fmax(*tilt, acos(dot3(n, c + i) / far));
+        }
+    }
+}
+
 /* The point at s of a segment. */
 static inline void along(const double ends[6], double s, double x[3])
 {

@@ -136,22 +136,10 @@ static void sphere(void)
 {
     struct solid solid;
     uint64_t seed = 3;
-    double inner = INFINITY, outer = 0;
+    double inner, outer, tilt;
     if (!solid_from_shape(&solid, "sphere", 5120))
         return;
-    for (uint32_t t = 0; t < solid.place.triangles; t++) {
-        double c[9], n[3];
-        for (int k = 0; k < 9; k++)
-            c[k] = (double)solid.corners[9 * (size_t)t + (size_t)k];
-        for (int k = 0; k < 3; k++) {
-            const int i = (k + 1) % 3, j = (k + 2) % 3;
-            n[k] = (c[3 + i] - c[i]) * (c[6 + j] - c[j]) - (c[3 + j] - c[j]) * (c[6 + i] - c[i]);
-        }
-        unit3(n);
-        inner = fmin(inner, dot3(n, c));
-        for (int i = 0; i < 9; i += 3)
-            outer = fmax(outer, sqrt(dot3(c + i, c + i)));
-    }
+    solid_balls(&solid, &inner, &outer, &tilt);
     for (uint64_t i = 0; i < 40 * ticks; i++) {
         double ends[6], d[3], x[3];
         const double radius = radius_of(&solid, i / 5);

@@ -256,29 +256,13 @@ static void round_cylinder(void)
 static void round_sphere(void)
 {
     const double margin = 0.001, tool = 0.004;
-    double outer = 0, inner = INFINITY, peak, moment;
+    double outer, inner, tilt, peak, moment;
     struct solid solid;
     struct stage stage;
     if (!solid_from_shape(&solid, "sphere", 5120) ||
         !stage_open(&stage, solid.mesh, NULL, margin, 32, 0))
         return;
-    double tilt = 0;
-    for (uint32_t t = 0; t < solid.place.triangles; t++) {
-        double c[9], n[3];
-        for (int k = 0; k < 9; k++)
-            c[k] = (double)solid.corners[9 * (size_t)t + (size_t)k];
-        for (int k = 0; k < 3; k++) {
-            const int i = (k + 1) % 3, j = (k + 2) % 3;
-            n[k] = (c[3 + i] - c[i]) * (c[6 + j] - c[j]) - (c[3 + j] - c[j]) * (c[6 + i] - c[i]);
-        }
-        unit3(n);
-        inner = fmin(inner, dot3(n, c));
-        for (int i = 0; i < 9; i += 3) {
-            const double far = sqrt(dot3(c + i, c + i));
-            outer = fmax(outer, far);
-            tilt = fmax(tilt, acos(dot3(n, c + i) / far));
-        }
-    }
+    solid_balls(&solid, &inner, &outer, &tilt);
     struct round_height r = { outer + tool - 0.002, 0.08, 0.3, outer };
     integrate(height_of_round, &r, r.length, margin + tool, &peak, &moment);
     for (int i = 0; i < 500; i++) {
