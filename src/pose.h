@@ -36,6 +36,17 @@ static inline dpt_result frame_of_pose(const dpt_pose *pose, struct frame *frame
     return DPT_OK;
 }
 
+/* The very same numbers. */
+static inline int pose_is_same(const dpt_pose *pose, const dpt_pose *other)
+{
+    int same = 1;
+    for (int k = 0; k < 3; k++)
+        same &= pose->position[k] == other->position[k];
+    for (int k = 0; k < 4; k++)
+        same &= pose->orientation[k] == other->orientation[k];
+    return same;
+}
+
 /*
  * Half way from one pose to another, both valid: the position along a line, the orientation along the shorter arc. Of two
  * that are opposite there is no shorter one; then it is `from`'s.

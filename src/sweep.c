@@ -8,29 +8,16 @@
 
 #include "probe.h"
 
-/* A node whose children are being looked into. */
-struct opened {
-    float bound[LANES];
-    uint32_t lanes;
-    uint32_t node;
-};
-
+/* One call of sweep_mesh. */
 struct hunt {
     const struct tree *tree;
     const struct kernel *kernel;
     const struct sweep *sweep;
-    double from, to;   /* what is searched; `to` is the first hit so far, if there is one */
-    uint32_t triangle; /* that is hit then, or DPT_NONE */
-    uint32_t asked;    /* distances evaluated */
-    uint32_t blocks;   /* 16-lane blocks looked at */
-    uint32_t most;
+    double from; /* what is searched: from here to progress->to */
+    uint32_t work;
     struct swath swath;
+    struct sweep_progress *progress;
 };
-
-static uint32_t spent(const struct hunt *hunt)
-{
-    return hunt->blocks + (hunt->asked + LANES - 1) / LANES;
-}
 
 static uint32_t lanes_of(uint32_t count)
 {
@@ -66,7 +53,7 @@ static void swath_box(const vec3 end[4], vec3 axis[3])
 static void swath_of(const struct hunt *hunt, struct swath *swath)
 {
     const struct dpt_mesh *mesh = hunt->tree->mesh;
-    const double scale = mesh->filter_scale, times[2] = { hunt->from, hunt->to };
+    const double scale = mesh->filter_scale, times[2] = { hunt->from, hunt->progress->to };
     vec3 end[4], axis[3];
     double far = 0.0;
     for (int k = 0; k < 2; k++) {
@@ -96,109 +83,114 @@ static void swath_of(const struct hunt *hunt, struct swath *swath)
     swath->limit = (float)(limit + kernel_margin(sqrt(far), sqrt(far)));
 }
 
-/* One triangle, in double. 0 when the work allowed ran out. */
-static int ask(struct hunt *hunt, uint32_t triangle)
+/* One triangle, in double. */
+static void ask(struct hunt *hunt, uint32_t triangle)
 {
     const struct tree *tree = hunt->tree;
+    struct sweep_progress *progress = hunt->progress;
     const uint32_t *of = tree->corners + 3 * (size_t)triangle;
     const vec3 corner[3] = { vec3_of_float(tree->positions + 3 * (size_t)of[0]),
                              vec3_of_float(tree->positions + 3 * (size_t)of[1]),
                              vec3_of_float(tree->positions + 3 * (size_t)of[2]) };
-    uint64_t most = (uint64_t)LANES * (hunt->most - hunt->blocks);
     double time;
-    int result = sweep_pair(hunt->sweep, corner, hunt->to,
-                            most < UINT32_MAX ? (uint32_t)most : UINT32_MAX, &time, &hunt->asked);
-    if (result != SWEEP_HIT || (time == hunt->to && hunt->triangle != DPT_NONE &&
-                                tree->sources[triangle] >= tree->sources[hunt->triangle]))
-        return result != SWEEP_UNFINISHED;
-    int sooner = time < hunt->to;
-    hunt->to = time;
-    hunt->triangle = triangle;
+    uint32_t asked = 0;
+    hunt->work++;
+    if (sweep_pair(hunt->sweep, corner, progress->to, &time, &asked) != SWEEP_HIT ||
+        (time == progress->to && progress->triangle != DPT_NONE &&
+         tree->sources[triangle] >= tree->sources[progress->triangle]))
+        return;
+    int sooner = time < progress->to;
+    progress->to = time;
+    progress->triangle = triangle;
     if (sooner)
         swath_of(hunt, &hunt->swath);
-    return 1;
 }
 
-/* 0 when the work allowed ran out. */
-static int look_into_leaf(struct hunt *hunt, uint32_t leaf, uint32_t hint)
-{
-    float bound[LANES];
-    const struct tree *tree = hunt->tree;
-    hunt->blocks++;
-    uint32_t lanes = hunt->kernel->swept_triangles(tree->leaves + (size_t)leaf * MESH_LEAF_WORDS,
-                                                   &hunt->swath, bound);
-    lanes &= lanes_of(tree->mesh->triangles - leaf * LANES);
-    while (lanes) {
-        uint32_t lane = least_lane(bound, lanes);
-        lanes &= ~(1u << lane);
-        if (leaf * LANES + lane != hint && !ask(hunt, leaf * LANES + lane))
-            return 0;
-    }
-    return 1;
-}
-
-static void look_into_boxes(struct hunt *hunt, uint32_t level, uint32_t node, struct opened *opened)
+/* A leaf is of level 0, and its children are triangles. */
+static void open_node(struct hunt *hunt, uint32_t level, uint32_t node)
 {
     const struct tree *tree = hunt->tree;
-    hunt->blocks++;
+    struct sweep_node *opened = &hunt->progress->path[level];
+    uint32_t children = level ? tree->count[level - 1] : tree->mesh->triangles;
+    hunt->work++;
+    hunt->progress->level = level;
     opened->node = node;
-    opened->lanes = hunt->kernel->swept_boxes(tree->level[level] + (size_t)node * MESH_BOX_WORDS,
-                                              &hunt->swath, opened->bound) &
-                    lanes_of(tree->count[level - 1] - node * LANES);
+    opened->lanes = lanes_of(children - node * LANES);
+    if (level)
+        opened->lanes &= hunt->kernel->swept_boxes(
+            tree->level[level] + (size_t)node * MESH_BOX_WORDS, &hunt->swath, opened->bound);
+    else
+        opened->lanes &= hunt->kernel->swept_triangles(
+            tree->leaves + (size_t)node * MESH_LEAF_WORDS, &hunt->swath, opened->bound);
+}
+
+/* Above the root is a node of which it is the one child. */
+static void begin(struct hunt *hunt, uint32_t hint)
+{
+    struct sweep_progress *progress = hunt->progress;
+    progress->begun = 1;
+    progress->hint = hint;
+    progress->triangle = DPT_NONE;
+    progress->to = 1.0;
+    progress->level = hunt->tree->levels + 1;
+    progress->path[progress->level] = (struct sweep_node){ .lanes = 1 };
+    swath_of(hunt, &hunt->swath);
+    if (hint < hunt->tree->mesh->triangles)
+        ask(hunt, hint);
 }
 
 /* 0 when the work allowed ran out. */
-static int hunt_all(struct hunt *hunt, uint32_t hint)
+static int go_on(struct hunt *hunt, uint32_t most)
 {
-    struct opened path[MESH_LEVELS_MAX + 1];
-    uint32_t level = hunt->tree->levels;
-    swath_of(hunt, &hunt->swath);
-    if (hint < hunt->tree->mesh->triangles && !ask(hunt, hint))
-        return 0;
-    if (spent(hunt) >= hunt->most)
-        return 0;
-    look_into_boxes(hunt, level, 0, &path[level]);
-    while (level <= hunt->tree->levels) {
-        struct opened *opened = &path[level];
+    struct sweep_progress *progress = hunt->progress;
+    for (;;) {
+        struct sweep_node *opened = &progress->path[progress->level];
         if (!opened->lanes) {
-            level++;
+            if (progress->level > hunt->tree->levels)
+                return 1;
+            progress->level++;
             continue;
         }
-        if (spent(hunt) >= hunt->most)
+        if (hunt->work >= most)
             return 0;
         uint32_t lane = least_lane(opened->bound, opened->lanes);
         uint32_t child = opened->node * LANES + lane;
         opened->lanes &= ~(1u << lane);
-        if (level > 1)
-            look_into_boxes(hunt, level - 1, child, &path[level - 1]);
-        else if (!look_into_leaf(hunt, child, hint))
-            return 0;
-        level -= level > 1;
+        if (progress->level)
+            open_node(hunt, progress->level - 1, child);
+        else if (child != progress->hint)
+            ask(hunt, child);
     }
-    return 1;
 }
 
 int sweep_mesh(const struct tree *tree, const struct kernel *kernel, const struct sweep *sweep,
-               double from, uint32_t hint, uint32_t most, struct strike *first, uint32_t *work)
+               double from, uint32_t hint, uint32_t most, struct sweep_progress *progress,
+               struct strike *first, uint32_t *work)
 {
     struct hunt hunt;
     hunt.tree = tree;
     hunt.kernel = kernel;
     hunt.sweep = sweep;
     hunt.from = from;
-    hunt.to = 1.0;
-    hunt.triangle = DPT_NONE;
-    hunt.asked = hunt.blocks = 0;
-    hunt.most = most ? most : UINT32_MAX;
-    int done = from >= 1.0 || hunt_all(&hunt, hint);
-    *work += spent(&hunt);
-    *first = (struct strike){ .time = done ? hunt.to : from, .triangle = DPT_NONE };
-    if (!done || hunt.triangle == DPT_NONE)
+    hunt.work = 0;
+    hunt.progress = progress;
+    *first = (struct strike){ .time = 1.0, .triangle = DPT_NONE };
+    if (from >= 1.0)
+        return SWEEP_FREE;
+    if (progress->begun)
+        swath_of(&hunt, &hunt.swath);
+    else
+        begin(&hunt, hint);
+    int done = go_on(&hunt, most ? most : UINT32_MAX);
+    *work += hunt.work;
+    progress->begun = !done;
+    first->time = done ? progress->to : from;
+    if (!done || progress->triangle == DPT_NONE)
         return done ? SWEEP_FREE : SWEEP_UNFINISHED;
     vec3 a, u;
-    sweep_axis(sweep, hunt.to, &a, &u);
-    first->triangle = hunt.triangle;
-    first->pair = tree_pair(tree, hunt.triangle, a, u);
+    sweep_axis(sweep, progress->to, &a, &u);
+    first->triangle = progress->triangle;
+    first->pair = tree_pair(tree, progress->triangle, a, u);
     first->q = sub(along(a, first->pair.s, u), first->pair.gap);
     return SWEEP_HIT;
 }

@@ -22,7 +22,7 @@ struct motion {
 enum sweep_result {
     SWEEP_FREE,      /* no touch up to the last time asked for, that included */
     SWEEP_HIT,       /* and the first one is told */
-    SWEEP_UNFINISHED /* the work allowed did not suffice */
+    SWEEP_UNFINISHED /* the work allowed did not suffice: it can be gone on with */
 };
 
 /* What is worked out of a motion once. */
@@ -57,11 +57,10 @@ double sweep_start(const struct sweep *sweep, double distance);
 /*
  * One triangle, of any shape, that is within the extent: the first touch in 0..until, the ends
  * included. On SWEEP_HIT *time is that; it does not depend on `until`. *asked grows by the
- * distances evaluated, at least 1; when it reaches `most` and more are needed the result is
- * SWEEP_UNFINISHED and nothing else is said.
+ * distances evaluated.
  */
-int sweep_pair(const struct sweep *sweep, const vec3 corner[3], double until, uint32_t most,
-               double *time, uint32_t *asked);
+int sweep_pair(const struct sweep *sweep, const vec3 corner[3], double until, double *time,
+               uint32_t *asked);
 
 /* The first touch. */
 struct strike {
@@ -71,6 +70,23 @@ struct strike {
     uint32_t triangle; /* place in the mesh, or DPT_NONE */
 };
 
+/* A node whose children are being looked into: nodes, or a leaf's triangles. */
+struct sweep_node {
+    float bound[LANES];
+    uint32_t lanes; /* still to come */
+    uint32_t node;
+};
+
+/* How far a sweep of a mesh has come: all that a later call needs to go on where this one ended. */
+struct sweep_progress {
+    double to;         /* the first hit so far, if there is one */
+    uint32_t triangle; /* that is hit then, or DPT_NONE */
+    uint32_t hint;     /* was asked first */
+    uint32_t begun;
+    uint32_t level; /* of the node that is looked into; 0: leaves */
+    struct sweep_node path[MESH_LEVELS_MAX + 2];
+};
+
 /*
  * The whole mesh: the first touch in 0..1, of equal times the least source number. It is what
  * sweep_pair over all triangles gives.
@@ -78,13 +94,16 @@ struct strike {
  *   from   as sweep_start told of a distance to this mesh; 0: nothing is known
  *   hint   a triangle, by its place, that is likely to be hit, such as the one last nearest: saves
  *          work and changes nothing else. DPT_NONE: none
- *   most   units of work allowed, 0: what it takes. A unit is one block of 16 lanes, or up to 16
- *          distances evaluated in double
+ *   most   units of work allowed, 0: what it takes. A unit is one block of 16 lanes, or one
+ *          triangle that is asked in double
+ *   progress  begun 0: begin. After SWEEP_UNFINISHED: another call with the same mesh, sweep and
+ *          `from` goes on
  *   first  SWEEP_HIT: all of it. SWEEP_FREE: time 1 and no triangle. SWEEP_UNFINISHED: no triangle,
- *          and time is `from`, up to which the motion is free; nothing else is kept
+ *          and time is `from`, up to which the motion is free
  *   work   grows by the units spent, no more than `most`
  */
 int sweep_mesh(const struct tree *tree, const struct kernel *kernel, const struct sweep *sweep,
-               double from, uint32_t hint, uint32_t most, struct strike *first, uint32_t *work);
+               double from, uint32_t hint, uint32_t most, struct sweep_progress *progress,
+               struct strike *first, uint32_t *work);
 
 #endif

@@ -194,24 +194,19 @@ static int advance(const struct sweep *sweep, const vec3 corner[3], const struct
            (fabs(fall_b - fall_a) * rest > sweep->touch - sweep->clear || 2.0 * high < room);
 }
 
-int sweep_pair(const struct sweep *sweep, const vec3 corner[3], double until, uint32_t most,
-               double *time, uint32_t *asked)
+int sweep_pair(const struct sweep *sweep, const vec3 corner[3], double until, double *time,
+               uint32_t *asked)
 {
     enum { PIECES = 64 };
     struct piece pieces[PIECES];
     const struct face face = face_of(corner);
     int count = trim(sweep, corner, pieces), result = SWEEP_FREE;
-    if (*asked >= most)
-        return SWEEP_UNFINISHED;
-    *asked += !count;
     while (count) {
         struct piece *piece = &pieces[count - 1];
         if (piece->time > until) {
             count--;
             continue;
         }
-        if (*asked >= most)
-            return SWEEP_UNFINISHED;
         ++*asked;
         struct stretch s = stretch_of(sweep, piece);
         pair found = segment_triangle(s.a, sub(s.b, s.a), corner[0], corner[1], corner[2]);

@@ -13,6 +13,7 @@ enum {
     BYTES_TOOL = 256,
     BYTES_SEGMENT = 1408,
     BYTES_PAUSE = 1536,
+    BYTES_VOYAGE = 1280,
     BYTES_PROOF = 64,
     BYTES_MEMO = 21504, /* and for each segment BYTES_MEMO_MORE */
     BYTES_MEMO_MORE = 3072,
@@ -24,6 +25,7 @@ typedef char body_fits[sizeof(struct body) + sizeof(struct box) <= BYTES_BODY ? 
 typedef char tool_fits[sizeof(struct tool) <= BYTES_TOOL ? 1 : -1];
 typedef char segment_fits[sizeof(struct segment) <= BYTES_SEGMENT ? 1 : -1];
 typedef char pause_fits[2 * sizeof(struct pause) <= BYTES_PAUSE ? 1 : -1];
+typedef char voyage_fits[sizeof(struct voyage) <= BYTES_VOYAGE ? 1 : -1];
 typedef char proof_fits[sizeof(struct proof) <= BYTES_PROOF ? 1 : -1];
 typedef char laid_fits[sizeof(struct laid) <= BYTES_LAID ? 1 : -1];
 typedef char contact_fits[2 * sizeof(struct hold) <= BYTES_CONTACT ? 1 : -1];
@@ -135,7 +137,8 @@ static uint64_t bytes_memo(const dpt_world_def *def)
 
 static uint64_t bytes_budget(const dpt_world_def *def)
 {
-    return def->budget ? BYTES_PAUSE * (uint64_t)def->max_segments + BYTES_PROOF * bonds(def) : 0;
+    const uint64_t segments = def->max_segments;
+    return def->budget ? (BYTES_PAUSE + BYTES_VOYAGE) * segments + BYTES_PROOF * bonds(def) : 0;
 }
 
 static uint64_t bytes_strip(const dpt_world_def *def)
@@ -213,7 +216,8 @@ dpt_result dpt_world_create(void *block, size_t bytes, const dpt_world_def *give
     made->segments = (void *)at;
     at += BYTES_SEGMENT * (size_t)def.max_segments;
     made->pauses = (void *)at;
-    made->proofs = (void *)(at + BYTES_PAUSE * (size_t)def.max_segments);
+    made->voyages = (void *)(at + BYTES_PAUSE * (size_t)def.max_segments);
+    made->proofs = (void *)(at + (BYTES_PAUSE + BYTES_VOYAGE) * (size_t)def.max_segments);
     at += bytes_budget(&def);
     made->memo.entries = (void *)at;
     made->memo.sets = (uint32_t)(bytes_memo(&def) / (MEMO_WAYS * sizeof *made->memo.entries));
@@ -270,6 +274,9 @@ static void forget_proofs(struct dpt_world *world, uint32_t segment, uint32_t bo
         if (body == DPT_NONE)
             pause->next = DPT_NONE;
     }
+    struct voyage *voyage = &world->voyages[segment];
+    if (body == DPT_NONE || handle_index(voyage->body) == body)
+        voyage->body = 0;
 }
 
 static void forget_segment(struct dpt_world *world, uint32_t segment)
@@ -444,7 +451,7 @@ dpt_result dpt_body_set_pose(dpt_world *world, dpt_body body, const dpt_pose *po
     world->invalid -= !moved->valid;
     moved->valid = result == DPT_OK;
     world->invalid += !moved->valid;
-    if (moved->valid)
+    if (moved->valid && !pose_is_same(&moved->pose, pose))
         move_body(world, moved, pose, &frame);
     return result;
 }
@@ -531,6 +538,8 @@ dpt_result dpt_tool_remove(dpt_world *world, dpt_tool tool)
     if (world->def.budget) {
         memmove(world_pause(world, old->first, 0), world_pause(world, behind, 0),
                 moved * 2 * sizeof *world->pauses);
+        memmove(&world->voyages[old->first], &world->voyages[behind],
+                moved * sizeof *world->voyages);
         memmove(world_proof(world, old->first, 0), world_proof(world, behind, 0),
                 moved * bodies * sizeof *world->proofs);
     }

@@ -9,6 +9,7 @@
 #include "near.h"
 #include "pose.h"
 #include "strip.h"
+#include "sweep.h"
 #include "track.h"
 #include "tree.h"
 
@@ -48,11 +49,11 @@ struct found {
 
 /* Where a segment was in the last tick. */
 struct was {
-    dpt_pose pose;   /* of its tool; the identity for a free one */
-    vec3 a, b;       /* in the tool's frame */
-    double distance; /* nothing was nearer to its axis */
-    uint32_t known;  /* 0: it was nowhere */
-    uint32_t reserved;
+    dpt_pose pose;    /* of its tool; the identity for a free one */
+    vec3 a, b;        /* in the tool's frame */
+    double distance;  /* nothing was nearer to its axis */
+    uint32_t known;   /* 0: it was nowhere */
+    uint32_t through; /* its axis went through something, or may have */
 };
 
 /* What the motion met. */
@@ -65,6 +66,28 @@ struct met {
     double s;          /* the point of the axis that met it, with `side` */
     uint32_t triangle; /* and where */
     uint32_t pending;  /* the contact after it is not decided yet: it stays for the next tick */
+};
+
+/* What a sweep of one body came to. */
+struct passage {
+    struct strike strike;
+    struct motion motion; /* in which it was */
+    double time;          /* of it, or up to which it is free */
+};
+
+/*
+ * With a budget: a sweep from where the segment was that it stopped. `body` is the id of the one that it was at, or 0: there is
+ * none; those in slots before it are done.
+ */
+struct voyage {
+    struct was to;     /* where the motion ends */
+    double radius;     /* of the tool then */
+    dpt_sweep sweep;   /* what it has met so far */
+    double free_until; /* of the motion past this body; then comes what `progress` is of */
+    uint32_t body;
+    uint32_t on_axis;       /* the body was met by its surface: now the axis is swept */
+    struct passage surface; /* that meeting */
+    struct sweep_progress progress;
 };
 
 struct segment {
@@ -155,6 +178,7 @@ struct dpt_world {
     uint32_t *near; /* per segment: the slots of the bodies on its two lists */
     struct pause *pauses;   /* per segment two; only with a budget, as the proofs */
     struct proof *proofs;   /* per segment and body slot */
+    struct voyage *voyages; /* per segment */
     struct memo memo;       /* only with a budget */
     struct holds holds[2];  /* this tick's and the last one's */
     struct laid *laid;      /* per segment; only with strips */

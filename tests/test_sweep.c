@@ -20,7 +20,7 @@ static int sweep_scene(const struct scene *scene, double radius, double toleranc
     struct sweep sweep;
     sweep_begin(&sweep, &scene->motion, radius, tolerance, scene_extent(scene));
     *asked = 0;
-    return sweep_pair(&sweep, scene->corner, 1.0, 5000, time, asked);
+    return sweep_pair(&sweep, scene->corner, 1.0, time, asked);
 }
 
 /* The truth, or what test_pair.c holds against it, which is fifty times as fast. */

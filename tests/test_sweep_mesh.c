@@ -80,7 +80,7 @@ static struct strike brute_sweep(const struct tree *tree, const struct sweep *sw
                                  vec3_of_float(tree->positions + 3 * (size_t)of[2]) };
         uint32_t asked = 0;
         double time;
-        if (sweep_pair(sweep, corner, first.time, UINT32_MAX, &time, &asked) != SWEEP_HIT)
+        if (sweep_pair(sweep, corner, first.time, &time, &asked) != SWEEP_HIT)
             continue;
         if (time < first.time || first.triangle == DPT_NONE ||
             tree->sources[t] < tree->sources[first.triangle]) {
@@ -101,22 +101,47 @@ static void check_strike(const char *what, const struct strike *found, const str
           truth->time);
 }
 
-/* With little work: no more than allowed, no wrong answer, and nothing said that is not so. */
-static int check_budget(const struct body *body, const struct kernel *kernel,
-                        const struct sweep *sweep, double from, const struct strike *truth,
-                        uint32_t full)
+/* All at once, in one call. */
+static int sweep_whole(const struct body *body, const struct kernel *kernel,
+                       const struct sweep *sweep, double from, uint32_t hint, struct strike *found,
+                       uint32_t *work)
 {
-    uint32_t most = 1 + (uint32_t)(random_bits(&rng) % full), work = 5;
+    struct sweep_progress progress;
+    progress.begun = 0;
+    int result = sweep_mesh(&body->tree, kernel, sweep, from, hint, 0, &progress, found, work);
+    CHECK(result != SWEEP_UNFINISHED, "%u units, of any number", *work);
+    return result;
+}
+
+/*
+ * With little work at a time, gone on with until it is done: no more than allowed in any call, nothing said that is not
+ * so, no unit spent twice, and in the end the truth. How often it was ended.
+ */
+static uint32_t check_budget(const struct body *body, const struct kernel *kernel,
+                        const struct sweep *sweep, double from, uint32_t hint,
+                        const struct strike *truth, uint32_t full)
+{
+    uint32_t all = 0, ends = 0;
+    int result;
     struct strike found;
-    int result = sweep_mesh(&body->tree, kernel, sweep, from, DPT_NONE, most, &found, &work);
-    CHECK(work - 5 <= most, "%u of %u units", work - 5, most);
-    if (result != SWEEP_UNFINISHED) {
-        check_strike("budget", &found, truth, result);
-        return 1;
-    }
-    CHECK(most < full || from > 0.0, "%u units, %u suffice", most, full);
-    CHECK(found.triangle == DPT_NONE && found.time == from, "%u at %g", found.triangle, found.time);
-    return 0;
+    struct sweep_progress progress;
+    progress.begun = 0;
+    do {
+        uint32_t most = 1 + (uint32_t)(random_bits(&rng) % full), work = 5;
+        most = one_in(&rng, 4) ? 1 : most;
+        result = sweep_mesh(&body->tree, kernel, sweep, from, hint, most, &progress, &found, &work);
+        CHECK(work - 5 <= most, "%u of %u units", work - 5, most);
+        all += work - 5;
+        if (result != SWEEP_UNFINISHED)
+            break;
+        CHECK(work - 5 == most, "%u of %u units, unfinished", work - 5, most);
+        CHECK(found.triangle == DPT_NONE && found.time == from, "%u at %g", found.triangle,
+              found.time);
+        ends++;
+    } while (all <= full);
+    check_strike("budget", &found, truth, result);
+    CHECK(all == full, "%u units in %u calls, %u in one", all, ends + 1, full);
+    return ends;
 }
 
 /* From a distance that is known; no touch is before the time that it gives. */
@@ -163,27 +188,26 @@ static void sweep_body(const char *name, struct body *body, int motions)
         for (uint32_t k = 0; k < kernels; k++) {
             uint32_t before = full;
             full = 0;
-            int result =
-                sweep_mesh(&body->tree, &kernel[k], &sweep, 0.0, DPT_NONE, 0, &found, &full);
+            int result = sweep_whole(body, &kernel[k], &sweep, 0.0, DPT_NONE, &found, &full);
             check_strike(name, &found, &truth, result);
             CHECK(k == 0 || full == before, "%s: %u units, not %u", name, full, before);
         }
         most = full > most ? full : most;
-        unfinished += !check_budget(body, &kernel[0], &sweep, 0.0, &truth, full);
+        unfinished += check_budget(body, &kernel[0], &sweep, 0.0, DPT_NONE, &truth, full);
         double from = check_start(body, &sweep, &truth);
         uint32_t hint = (uint32_t)(random_bits(&rng) % body->tree.mesh->triangles);
         hint = one_in(&rng, 2) ? truth.triangle : hint;
-        int result = sweep_mesh(&body->tree, &kernel[0], &sweep, from, hint, 0, &found, &work);
+        int result = sweep_whole(body, &kernel[0], &sweep, from, hint, &found, &work);
         check_strike("hint", &found, &truth, result);
         if (result == SWEEP_HIT)
             check_pair_of(body, &sweep, &found, tolerance);
         if (from < 1.0)
-            check_budget(body, &kernel[0], &sweep, from, &truth, full);
+            check_budget(body, &kernel[0], &sweep, from, hint, &truth, work);
         hits += truth.triangle != DPT_NONE;
         later += from > 0.0;
     }
-    printf("    %-10s %5d motions, %4u hits, %4u begun later, %4u unfinished, work at most %5u\n",
-           name, motions, hits, later, unfinished, most);
+    printf("    %-10s %5d motions, %4u hits, %4u begun later, %4u ended, work at most %5u\n", name,
+           motions, hits, later, unfinished, most);
     CHECK(hits > (uint32_t)motions / 10, "%u hits", hits);
 }
 
@@ -342,8 +366,7 @@ static void sheets_are_crossed_at_any_speed(void)
         uint32_t work = 0;
         double tolerance = body.diagonal * (one_in(&rng, 2) ? 1e-6 : 1e-11);
         sweep_begin(&sweep, &m, 0.0, tolerance, tree_extent(&body.tree));
-        int hit =
-            sweep_mesh(&body.tree, &kernel, &sweep, 0.0, DPT_NONE, 0, &found, &work) == SWEEP_HIT;
+        int hit = sweep_whole(&body, &kernel, &sweep, 0.0, DPT_NONE, &found, &work) == SWEEP_HIT;
         missed += crosses && !(hit && found.time <= t + 1e-12);
         CHECK(!crosses || (hit && found.time <= t + 1e-12), "missed: result %d at %.17g, not %.17g",
               hit, found.time, t);
