@@ -440,6 +440,9 @@ outputs()
         run box.dpa --device sim --ticks 5 --record nowhere/r.csv
     refuses 'a record of no device' 'no driver' run box.dpa --device nothing --ticks 5 --record out/r.csv
     ln -s box.ply link.ply
+    cp box.ply beside.PLY
+    refuses 'over a source beside its input' 'a source by its name' compile box.ply -o beside.PLY
+    check 'a source beside the input has changed' cmp -s box.ply beside.PLY
     overwrites box.ply compile box.ply -o link.ply
     overwrites box.ply compile link.ply -o box.ply
     rm link.ply

@@ -4,12 +4,14 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "arm.h"
 #include "command.h"
 #include "common.h"
 #include "compile/soup.h"
 #include "dynpoint/compile.h"
+#include "mesh_file.h"
 
 static const char help[] =
     "usage: dynpoint compile IN -o OUT.dpa [--scale X] [--crease DEGREES]\n"
@@ -211,6 +213,10 @@ int command_compile(int argc, char **argv)
         return complain("compile", "an input file and -o FILE are needed (see --help)");
     if (output_check("compile", out, (const char *const[]){ in, NULL }))
         return 2;
+    if ((mesh_file_writer(out) || is_urdf_name(out)) && access(out, F_OK) == 0)
+        return complain("compile",
+                        "%s: it is there, and a source by its name: what is compiled ends in .dpa",
+                        out);
     if (!threads)
         return complain("compile", "-j must be 1 or more");
     if (!(scale > 0.0 && scale <= 1e30))
