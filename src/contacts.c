@@ -70,40 +70,76 @@ static struct hold *put_hold(struct dpt_world *world)
     return &now->hold[now->count++];
 }
 
+static uint32_t new_id(struct dpt_world *world)
+{
+    world->contact_id += world->contact_id == UINT32_MAX ? 2u : 1u;
+    return world->contact_id;
+}
+
 static int is_of(const struct hold *hold, uint32_t segment, const struct body *body)
 {
     return hold->segment == segment && (!body || hold->contact.body == body->id);
 }
 
-/* `sides`, unless NULL: all that are left. */
-static void keep(struct dpt_world *world, uint32_t segment, const struct body *body,
-                 const struct sides *sides)
+/* On its way since the last tick the axis may have gone through something; one that is unfinished is not yet known. */
+static int may_have_passed(const struct segment *segment)
+{
+    return segment->sweep.status != DPT_SWEEP_UNFINISHED &&
+           (segment->sweep.status == DPT_SWEEP_NONE || segment->met.passed);
+}
+
+static void keep_hold(struct dpt_world *world, const struct hold *before)
+{
+    struct hold *hold = put_hold(world);
+    if (!hold)
+        return;
+    *hold = *before;
+    hold->unseen = 1;
+}
+
+/* `body`, or with NULL all of them: nothing is known of them in this tick. */
+static void keep(struct dpt_world *world, uint32_t segment, const struct body *body)
 {
     const struct holds *before = holds_before(world);
-    for (uint32_t i = 0; i < before->count; i++) {
-        struct hold *hold = is_of(&before->hold[i], segment, body) ? put_hold(world) : NULL;
-        if (hold) {
-            *hold = before->hold[i];
-            hold->unseen = 1;
-            if (sides && !sides_get(sides, hold->part))
-                hold->side = 0;
+    for (uint32_t i = 0; i < before->count; i++)
+        if (is_of(&before->hold[i], segment, body)) {
+            before->hold[i].front &= !may_have_passed(&world->segments[segment]);
+            keep_hold(world, &before->hold[i]);
         }
-    }
 }
 
 void contacts_keep(struct dpt_world *world, uint32_t segment)
 {
-    keep(world, segment, NULL, NULL);
+    keep(world, segment, NULL);
+}
+
+void contacts_keep_side(struct dpt_world *world, uint32_t segment)
+{
+    const struct met *met = &world->segments[segment].met;
+    struct holds *now = holds_now(world);
+    if (!met->side)
+        return;
+    for (uint32_t i = 0; i < now->count; i++) {
+        const struct hold *hold = &now->hold[i];
+        if (hold->segment == segment && hold->contact.body == met->body &&
+            hold->part == met->part && hold->side)
+            return;
+    }
+    struct hold *hold = put_hold(world);
+    if (!hold)
+        return;
+    *hold = (struct hold){ .segment = segment, .part = met->part, .side = met->side, .unseen = 1 };
+    hold->contact.id = new_id(world);
+    hold->contact.body = met->body;
+    hold->contact.s0 = hold->contact.s1 = met->s;
+    hold->seed[0] = (struct seed){ met->s, met->triangle, 1.0f };
+    hold->seed_count = 1;
 }
 
 /* The axis was in front and went through nothing: it is in front now, wherever it is, and if it went round a border. */
 static int is_in_front(const struct meeting *meeting, const struct hold *hold)
 {
-    const struct segment *segment = &meeting->world->segments[meeting->segment];
-    const dpt_contact *contact = &hold->contact;
-    vec3 off = sub(vec3_of(contact->p), vec3_of(contact->q));
-    return segment->sweep.status != DPT_SWEEP_NONE && !segment->met.passed &&
-           dot(off, vec3_of(contact->normal)) > 0.0;
+    return hold->front && !may_have_passed(&meeting->world->segments[meeting->segment]);
 }
 
 /* Sides that are kept, and where the samples of the last tick were. */
@@ -151,12 +187,6 @@ static const struct hold *same_region(const struct meeting *meeting, const struc
             best = hold;
     }
     return best;
-}
-
-static uint32_t new_id(struct dpt_world *world)
-{
-    world->contact_id += world->contact_id == UINT32_MAX ? 2u : 1u;
-    return world->contact_id;
 }
 
 /* Deeper than that a tool is no longer behind the sheet that it came through. */
@@ -260,11 +290,96 @@ static void hold_region(struct meeting *meeting, const struct region *region)
     memset(hold, 0, sizeof *hold);
     hold->segment = meeting->segment;
     hold->part = region->part;
+    hold->front = meeting->profile->sample[region->deepest].height > 0.0;
     hold->side = side_of_region(meeting, region,
                                 meeting->profile->sample[region->deepest].height - meeting->radius);
     put_seeds(meeting, region, before, hold);
     hold->contact.id = before ? before->contact.id : new_id(meeting->world);
     write_contact(meeting, region, hold, &hold->contact);
+}
+
+/* Before the others; of two at one place the new one stays, and where there is no room the last one goes. */
+static void put_first(struct hold *hold, const struct sample *sample)
+{
+    uint32_t last = 0;
+    while (last < hold->seed_count && hold->seed[last].s != sample->s)
+        last++;
+    hold->seed_count += last == hold->seed_count && last < HOLD_SEEDS;
+    last = last < HOLD_SEEDS ? last : HOLD_SEEDS - 1;
+    memmove(hold->seed + 1, hold->seed, last * sizeof *hold->seed);
+    hold->seed[0] = (struct seed){ sample->s, sample->triangle, 1.0f };
+}
+
+/* The lowest of the samples on a part, if it is inside or behind. */
+static const struct sample *lowest_on(const struct profile *profile, uint32_t part)
+{
+    const struct sample *lowest = NULL;
+    for (uint32_t i = 0; i < profile->count; i++) {
+        const struct sample *sample = &profile->sample[i];
+        if (sample->height < (lowest ? lowest->height : 0.0) &&
+            side_part(profile->tree, sample->triangle) == part)
+            lowest = sample;
+    }
+    return lowest;
+}
+
+/*
+ * Of a sheet whose contact the budget left undecided: what the nearest pair tells of the axis' side. At a border it tells none,
+ * and then, unless there is a point behind, the axis may go round it.
+ */
+static void take_side(const struct meeting *meeting, struct hold *hold)
+{
+    const struct tree *tree = &meeting->body->tree;
+    const struct nearest *nearest = &meeting->nearest;
+    const double *weight = nearest->pair.weight;
+    hold->front &= !may_have_passed(&meeting->world->segments[meeting->segment]);
+    if (!hold->side || nearest->pair.distance2 == 0.0 ||
+        side_part(tree, nearest->triangle) != hold->part)
+        return;
+    if (!side_is_border(tree, nearest->triangle, weight))
+        hold->front = hold->side * side_of_pair(tree, nearest->triangle, &nearest->pair) > 0;
+    else if (!lowest_on(meeting->profile, hold->part))
+        hold->side = 0;
+}
+
+/*
+ * And it goes on with the samples that there are: those of the region that it may have become, and the lowest of others. Else
+ * the tool would be looked for behind a sheet where it once was, and in the end not be found.
+ */
+static void take_seeds(const struct meeting *meeting, const struct region *regions, uint32_t count,
+                       struct hold *hold)
+{
+    const struct profile *profile = meeting->profile;
+    const struct sample *lowest = lowest_on(profile, hold->part);
+    const struct region *best = NULL;
+    for (uint32_t k = 0; k < count; k++)
+        if (regions[k].part == hold->part &&
+            (!best || shared(hold, &regions[k]) > shared(hold, best)))
+            best = &regions[k];
+    if (best)
+        hold->seed_count = region_seeds(profile, best, hold->seed, HOLD_SEEDS);
+    else if (lowest)
+        put_first(hold, lowest);
+    for (uint32_t k = 0; best && k < count; k++)
+        if (regions[k].part == hold->part && &regions[k] != best)
+            put_first(hold, &profile->sample[regions[k].deepest]);
+}
+
+static void keep_undecided(struct meeting *meeting, const struct region *regions, uint32_t count,
+                           int dropped)
+{
+    const struct holds *before = holds_before(meeting->world);
+    for (uint32_t i = 0; i < before->count; i++) {
+        struct hold *hold = &before->hold[i];
+        if (!is_of(hold, meeting->segment, meeting->body))
+            continue;
+        if (dropped && !sides_get(&meeting->sides, hold->part))
+            hold->side = 0;
+        take_side(meeting, hold);
+        if (!rests(meeting))
+            take_seeds(meeting, regions, count, hold);
+        keep_hold(meeting->world, hold);
+    }
 }
 
 /* Where sides are each sample's own, what is between those that the depth had may be deeper: regions have more. */
@@ -344,11 +459,12 @@ static int meet(struct meeting *meeting, double *gap)
     int dropped = found == CONTACT_PROFILE && drop_sides(meeting, regions, count);
     if (dropped)
         found = look(meeting, seeds, seed_count, regions, &count, gap);
-    if (found == CONTACT_UNKNOWN)
-        keep(world, meeting->segment, meeting->body, dropped ? &meeting->sides : NULL);
-    else
+    if (found == CONTACT_UNKNOWN) {
+        keep_undecided(meeting, regions, count, dropped);
+    } else {
         for (uint32_t i = 0; i < count; i++)
             hold_region(meeting, &regions[i]);
+    }
     return found;
 }
 
@@ -401,7 +517,7 @@ static void meet_body(struct meeting *meeting, const struct found *best, dpt_hit
         found = meet(meeting, &gap);
         hit->work += meeting->work;
     } else {
-        keep(meeting->world, meeting->segment, meeting->body, NULL);
+        keep(meeting->world, meeting->segment, meeting->body);
     }
     sum->known &= found != CONTACT_UNKNOWN;
     if (found == CONTACT_PROFILE && gap < sum->gap) {

@@ -19,6 +19,9 @@ void contacts_find(struct dpt_world *world, uint32_t segment, const struct found
 /* A segment of which nothing is known this tick: its regions live on, unseen. */
 void contacts_keep(struct dpt_world *world, uint32_t segment);
 
+/* Contact is not known this tick: the side from which the motion met a sheet is kept, if none is. */
+void contacts_keep_side(struct dpt_world *world, uint32_t segment);
+
 /* Forget those of the segments from `first` to before `end`, and of a body or, with DPT_NONE, of all. */
 void contacts_forget(struct dpt_world *world, uint32_t first, uint32_t end, uint32_t body);
 

@@ -64,7 +64,8 @@ static void contact_segment(struct dpt_world *world, uint32_t index)
         contacts_find(world, index, &segment->found, &segment->hit, &segment->push);
     else
         contacts_keep(world, index);
-    segment->met.pending = segment->found.body && segment->hit.contact == DPT_CONTACT_UNKNOWN;
+    if (segment->hit.contact == DPT_CONTACT_UNKNOWN)
+        contacts_keep_side(world, index);
     travel_end(world, index);
 }
 

@@ -285,7 +285,6 @@ static void forget_segment(struct dpt_world *world, uint32_t segment)
     memset(world_last(world, segment, 0), 0xff, world_lasts(world) * sizeof *world->last);
     memset(&s->near, 0, sizeof s->near);
     s->was.known = 0;
-    s->met.pending = 0;
     s->last_body = DPT_NONE;
     forget_proofs(world, segment, DPT_NONE);
     contacts_forget(world, segment, segment + 1, DPT_NONE);
@@ -308,9 +307,7 @@ void tool_clear(struct dpt_world *world, struct tool *tool)
         struct segment *segment = &world->segments[tool->first + i];
         memset(&segment->wrench, 0, sizeof segment->wrench);
         memset(&segment->push, 0, sizeof segment->push);
-        if (!segment->met.pending)
-            memset(&segment->met, 0, sizeof segment->met);
-        segment->met.passed = segment->met.pending = 0;
+        memset(&segment->met, 0, sizeof segment->met);
         segment->sweep =
             (dpt_sweep){ .size = sizeof segment->sweep, .triangle = DPT_NONE, .segment = i };
         if (world->def.strip)

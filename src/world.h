@@ -65,7 +65,7 @@ struct met {
     uint32_t passed;   /* the axis may have gone through something */
     double s;          /* the point of the axis that met it, with `side` */
     uint32_t triangle; /* and where */
-    uint32_t pending;  /* the contact after it is not decided yet: it stays for the next tick */
+    uint32_t reserved;
 };
 
 /* What a sweep of one body came to. */
@@ -130,7 +130,7 @@ struct hold {
     uint32_t part;    /* of the body's mesh */
     int32_t side;     /* of an open sheet, or 0 */
     uint32_t unseen;  /* it is kept, but this tick does not know it */
-    uint32_t reserved;
+    uint32_t front;   /* of the sheet whose side it has: all of the axis was there */
     uint32_t seed_count;
     struct seed seed[HOLD_SEEDS];
 };

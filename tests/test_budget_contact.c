@@ -406,6 +406,141 @@ static void a_side_waits_for_its_contact(void)
     subject_close(&sheet);
 }
 
+/* Over the flat sheet, far enough from its borders that no nearest point lies there. */
+static dpt_segment inner_axis(uint64_t *seed)
+{
+    dpt_segment axis = { .radius = 0.0 };
+    for (int k = 0; k < 3; k++) {
+        axis.a[k] = random_in(seed, -0.06, 0.06) * (k == 2 ? 0.5 : 1.0);
+        axis.b[k] = random_in(seed, -0.06, 0.06) * (k == 2 ? 0.5 : 1.0);
+    }
+    return axis;
+}
+
+/*
+ * Through the flat sheet and back, again and again, from the front, slowly and so fast that the nearest pair is bounded too:
+ * whatever is unknown on the way, what is told is right. Behind is how deep the lower end is; in front nothing pushes.
+ */
+static void a_side_outlives_what_is_unknown(void)
+{
+    static const uint32_t budgets[] = { 25, 50, 100, 200 };
+    struct subject sheet;
+    uint64_t seed = 5;
+    if (!subject_from_shape(&sheet, "membrane", 512))
+        return;
+    margin = 0.001;
+    for (uint32_t run = 0; run < 8; run++) {
+        dpt_segment axis = inner_axis(&seed), way = axis;
+        uint32_t known = 0, unknown = 0, behind = 0, through = 0;
+        axis.a[2] = axis.b[2] = 0.02;
+        side_open(&small, sheet.mesh, &axis, budgets[run % 4]);
+        for (uint32_t tick = 0; tick < 2 * TICKS; tick++) {
+            if (tick % 150 == 50)
+                way = inner_axis(&seed);
+            for (int k = 0; k < 3; k++) {
+                axis.a[k] += (way.a[k] - axis.a[k]) / (run < 4 ? 100.0 : 5.0);
+                axis.b[k] += (way.b[k] - axis.b[k]) / (run < 4 ? 100.0 : 5.0);
+            }
+            dpt_tool_set_segments(small.world, small.tool, &axis, 1);
+            side_step(&small);
+            const double low = fmin(axis.a[2], axis.b[2]), high = fmax(axis.a[2], axis.b[2]);
+            unknown += !is_known(&small);
+            if (!is_known(&small))
+                continue;
+            known++;
+            behind += low < -1e-5;
+            through += high < -1e-5;
+            CHECK(fabs(small.hit.gap - low) < 1e-5, "budget %u, tick %u: gap %g, not %g (%g)",
+                  budgets[run % 4], tick, small.hit.gap, low, high);
+            dpt_wrench wrench;
+            dpt_tool_get_wrench(small.world, small.tool, &wrench);
+            CHECK(low < -1e-5 ? wrench.force[2] > 0.0 : low < 0.0 || wrench.force[2] == 0.0,
+                  "budget %u, tick %u: force %g", budgets[run % 4], tick, wrench.force[2]);
+        }
+        printf("    budget %3u: %u ticks known, %u unknown, %u behind, %u wholly\n",
+               budgets[run % 4], known, unknown, behind, through);
+        free(small.block);
+    }
+    subject_close(&sheet);
+}
+
+/*
+ * Through the sheet near its border, out over that and round to the other side, where a side that is kept would push it up.
+ * What is unknown on the way must not keep it: nothing pushes once it is round.
+ */
+static void a_side_ends_at_the_border(void)
+{
+    static const double way[][3] = { { 0.09, 0.03, 60 },    { 0.09, -0.004, 60 },
+                                     { 0.106, -0.004, 30 }, { 0.106, -0.04, 60 },
+                                     { 0.07, -0.04, 60 },   { 0.07, -0.0215, 200 } };
+    struct subject sheet;
+    uint32_t unknown = 0, pushed = 0, known = 0;
+    if (!subject_from_shape(&sheet, "membrane", 512))
+        return;
+    margin = 0.001;
+    for (uint32_t budget = 5; budget <= 100; budget += 5) {
+        dpt_segment axis = { { way[0][0], -0.0723, way[0][1] }, { way[0][0], 0.0723, 0.0 }, 0.0 };
+        axis.b[2] = axis.a[2] + 0.005;
+        side_open(&small, sheet.mesh, &axis, budget);
+        for (size_t leg = 0; leg < sizeof way / sizeof *way; leg++) {
+            const double from[2] = { axis.a[0], axis.a[2] };
+            for (int tick = 1; tick <= (int)way[leg][2]; tick++) {
+                double t = tick / way[leg][2];
+                axis.a[0] = axis.b[0] = from[0] + t * (way[leg][0] - from[0]);
+                axis.a[2] = from[1] + t * (way[leg][1] - from[1]);
+                axis.b[2] = axis.a[2] + 0.005;
+                dpt_tool_set_segments(small.world, small.tool, &axis, 1);
+                side_step(&small);
+                unknown += leg == 1 && !is_known(&small);
+                pushed += leg == 1 && small.hit.contact == DPT_CONTACT_PENETRATING;
+                known += leg == 5 && is_known(&small);
+                CHECK(leg < 4 || small.hit.contact != DPT_CONTACT_PENETRATING,
+                      "budget %u, leg %zu, %d: gap %g", budget, leg, tick, small.hit.gap);
+            }
+        }
+        free(small.block);
+    }
+    printf("    through: %u ticks unknown, %u pushed; then %u known\n", unknown, pushed, known);
+    CHECK(unknown > 100 && pushed > 10 && known > 3900, "%u, %u, %u", unknown, pushed, known);
+    subject_close(&sheet);
+}
+
+/*
+ * Over the borders of a cloth with folds, where stretches are behind that no crossing tells of: they are found where they were a
+ * tick ago, known or not. Else each tick would look for them anew, and most would be unknown.
+ */
+static void what_is_unknown_goes_on_with_its_samples(void)
+{
+    struct subject cloth;
+    uint64_t seed = 7;
+    uint32_t known = 0, unknown = 0;
+    if (!subject_from_shape(&cloth, "cloth", 800))
+        return;
+    margin = 0.001;
+    dpt_segment axis = random_axis(&cloth, &seed, 0.9), way = axis;
+    side_open(&ample, cloth.mesh, &axis, 0);
+    side_open(&small, cloth.mesh, &axis, SMALL);
+    for (uint32_t tick = 0; tick < 4 * TICKS; tick++) {
+        if (tick % 150 == 0)
+            way = random_axis(&cloth, &seed, 0.9);
+        for (int k = 0; k < 3; k++) {
+            axis.a[k] += (way.a[k] - axis.a[k]) / 100.0;
+            axis.b[k] += (way.b[k] - axis.b[k]) / 100.0;
+        }
+        dpt_tool_set_segments(ample.world, ample.tool, &axis, 1);
+        dpt_tool_set_segments(small.world, small.tool, &axis, 1);
+        side_step(&ample);
+        side_step(&small);
+        known += is_known(&ample) && ample.count;
+        unknown += is_known(&ample) && ample.count && !is_known(&small);
+    }
+    free(ample.block);
+    free(small.block);
+    printf("    of %u ticks in reach %u are unknown\n", known, unknown);
+    CHECK(known > TICKS && unknown < known / 8, "%u of %u", unknown, known);
+    subject_close(&cloth);
+}
+
 /* What was found of a body is another's no more. */
 static void what_was_found_leaves_with_its_body(void)
 {
@@ -449,6 +584,9 @@ int main(void)
     TEST(what_is_not_coarse_is_right);
     TEST(of_several_bodies);
     TEST(a_side_waits_for_its_contact);
+    TEST(a_side_outlives_what_is_unknown);
+    TEST(a_side_ends_at_the_border);
+    TEST(what_is_unknown_goes_on_with_its_samples);
     TEST(what_was_found_leaves_with_its_body);
     return check_report();
 }
