@@ -258,14 +258,18 @@ static void ask(struct hunt *hunt, uint32_t index)
     }
 }
 
+/* In the order of slots. */
 static void put_on_list(const struct dpt_world *world, uint32_t segment, struct home *home,
                         uint32_t index)
 {
-    uint32_t *list = world_near(world, segment, home->which);
-    for (uint32_t i = 0; i < home->listed; i++)
-        if (list[i] == index)
-            return;
-    list[home->listed++] = index;
+    uint32_t *list = world_near(world, segment, home->which), at = home->listed;
+    while (at > 0 && list[at - 1] > index)
+        at--;
+    if (at > 0 && list[at - 1] == index)
+        return;
+    memmove(list + at + 1, list + at, (home->listed - at) * sizeof *list);
+    list[at] = index;
+    home->listed++;
 }
 
 /* Go on with the list of the next home. */

@@ -85,7 +85,7 @@ static int is_of(const struct hold *hold, uint32_t segment, const struct body *b
 static int may_have_passed(const struct segment *segment)
 {
     return segment->sweep.status != DPT_SWEEP_UNFINISHED &&
-           (segment->sweep.status == DPT_SWEEP_NONE || segment->met.passed);
+           (segment->sweep.status == DPT_SWEEP_NONE || segment->passed);
 }
 
 static void keep_hold(struct dpt_world *world, const struct hold *before)
@@ -113,27 +113,49 @@ void contacts_keep(struct dpt_world *world, uint32_t segment)
     keep(world, segment, NULL);
 }
 
-void contacts_keep_side(struct dpt_world *world, uint32_t segment)
+/* Before the others; of two at one place the new one stays, and where there is no room the last one goes. */
+static void put_first(struct hold *hold, const struct seed *seed)
 {
-    const struct met *met = &world->segments[segment].met;
-    struct holds *now = holds_now(world);
-    if (!met->side)
+    uint32_t last = 0;
+    while (last < hold->seed_count && hold->seed[last].s != seed->s)
+        last++;
+    hold->seed_count += last == hold->seed_count && last < HOLD_SEEDS;
+    last = last < HOLD_SEEDS ? last : HOLD_SEEDS - 1;
+    memmove(hold->seed + 1, hold->seed, last * sizeof *seed);
+    hold->seed[0] = *seed;
+}
+
+/* What went through is behind, though all around it may be in front, beyond a border: so it is a sample. */
+void contacts_meet(struct dpt_world *world, uint32_t segment, const struct body *body,
+                   uint32_t part, int side, const struct seed *seed)
+{
+    struct holds *before = holds_before(world);
+    uint32_t i = 0;
+    while (i < before->count &&
+           !(before->hold[i].segment == segment && before->hold[i].side &&
+             before->hold[i].contact.body == body->id && before->hold[i].part == part))
+        i++;
+    if (i == world->def.max_contacts) {
+        world->contacts_full = 1;
         return;
-    for (uint32_t i = 0; i < now->count; i++) {
-        const struct hold *hold = &now->hold[i];
-        if (hold->segment == segment && hold->contact.body == met->body &&
-            hold->part == met->part && hold->side)
-            return;
     }
-    struct hold *hold = put_hold(world);
-    if (!hold)
-        return;
-    *hold = (struct hold){ .segment = segment, .part = met->part, .side = met->side, .unseen = 1 };
-    hold->contact.id = new_id(world);
-    hold->contact.body = met->body;
-    hold->contact.s0 = hold->contact.s1 = met->s;
-    hold->seed[0] = (struct seed){ met->s, met->triangle, 1.0f };
-    hold->seed_count = 1;
+    struct hold *hold = &before->hold[i];
+    if (i == before->count) {
+        before->count++;
+        *hold = (struct hold){ .segment = segment, .part = part, .side = side };
+        hold->contact.id = new_id(world);
+        hold->contact.body = body->id;
+        hold->contact.s0 = hold->contact.s1 = seed->s;
+    }
+    put_first(hold, seed);
+}
+
+void contacts_forget_sides(struct dpt_world *world, uint32_t segment)
+{
+    struct holds *before = holds_before(world);
+    for (uint32_t i = 0; i < before->count; i++)
+        if (before->hold[i].segment == segment)
+            before->hold[i].side = 0;
 }
 
 /* The axis was in front and went through nothing: it is in front now, wherever it is, and if it went round a border. */
@@ -156,13 +178,6 @@ static uint32_t recall(struct meeting *meeting, struct seed seeds[PROFILE_SEEDS]
             seeds[count++] = hold->seed[k];
         if (hold->side && !is_in_front(meeting, hold))
             sides_put(&meeting->sides, hold->part, hold->side);
-    }
-    const struct met *met = &meeting->world->segments[meeting->segment].met;
-    if (met->side && met->body == meeting->body->id) {
-        /* What went through is behind, though all around it may be in front, beyond a border. */
-        if (count < PROFILE_SEEDS)
-            seeds[count++] = (struct seed){ met->s, met->triangle, 1.0f };
-        sides_put(&meeting->sides, met->part, met->side);
     }
     return count;
 }
@@ -298,16 +313,10 @@ static void hold_region(struct meeting *meeting, const struct region *region)
     write_contact(meeting, region, hold, &hold->contact);
 }
 
-/* Before the others; of two at one place the new one stays, and where there is no room the last one goes. */
-static void put_first(struct hold *hold, const struct sample *sample)
+static void put_sample(struct hold *hold, const struct sample *sample)
 {
-    uint32_t last = 0;
-    while (last < hold->seed_count && hold->seed[last].s != sample->s)
-        last++;
-    hold->seed_count += last == hold->seed_count && last < HOLD_SEEDS;
-    last = last < HOLD_SEEDS ? last : HOLD_SEEDS - 1;
-    memmove(hold->seed + 1, hold->seed, last * sizeof *hold->seed);
-    hold->seed[0] = (struct seed){ sample->s, sample->triangle, 1.0f };
+    const struct seed seed = { sample->s, sample->triangle, 1.0f };
+    put_first(hold, &seed);
 }
 
 /* The lowest of the samples on a part, if it is inside or behind. */
@@ -359,10 +368,10 @@ static void take_seeds(const struct meeting *meeting, const struct region *regio
     if (best)
         hold->seed_count = region_seeds(profile, best, hold->seed, HOLD_SEEDS);
     else if (lowest)
-        put_first(hold, lowest);
+        put_sample(hold, lowest);
     for (uint32_t k = 0; best && k < count; k++)
         if (regions[k].part == hold->part && &regions[k] != best)
-            put_first(hold, &profile->sample[regions[k].deepest]);
+            put_sample(hold, &profile->sample[regions[k].deepest]);
 }
 
 static void keep_undecided(struct meeting *meeting, const struct region *regions, uint32_t count,

@@ -19,8 +19,12 @@ void contacts_find(struct dpt_world *world, uint32_t segment, const struct found
 /* A segment of which nothing is known this tick: its regions live on, unseen. */
 void contacts_keep(struct dpt_world *world, uint32_t segment);
 
-/* Contact is not known this tick: the side from which the motion met a sheet is kept, if none is. */
-void contacts_keep_side(struct dpt_world *world, uint32_t segment);
+/* The motion met a sheet from this side: it is kept where none is of that part. Before contacts_find or contacts_keep. */
+void contacts_meet(struct dpt_world *world, uint32_t segment, const struct body *body,
+                   uint32_t part, int side, const struct seed *seed);
+
+/* As by a teleport: the sides of a segment's regions of the last tick. */
+void contacts_forget_sides(struct dpt_world *world, uint32_t segment);
 
 /* Forget those of the segments from `first` to before `end`, and of a body or, with DPT_NONE, of all. */
 void contacts_forget(struct dpt_world *world, uint32_t first, uint32_t end, uint32_t body);

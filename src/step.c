@@ -57,15 +57,11 @@ static void track_segment(struct dpt_world *world, uint32_t index)
 static void contact_segment(struct dpt_world *world, uint32_t index)
 {
     struct segment *segment = &world->segments[index];
-    if (segment->found.body)
-        travel_find(world, index);
-    if (segment->found.body && segment->found.exact &&
-        segment->sweep.status != DPT_SWEEP_UNFINISHED)
+    int swept = segment->found.body && travel_find(world, index);
+    if (swept && segment->found.exact)
         contacts_find(world, index, &segment->found, &segment->hit, &segment->push);
     else
         contacts_keep(world, index);
-    if (segment->hit.contact == DPT_CONTACT_UNKNOWN)
-        contacts_keep_side(world, index);
     travel_end(world, index);
 }
 

@@ -6,10 +6,10 @@
 #include "world.h"
 
 /*
- * Sweep a segment whose nearest pair is known, this tick. Fills segment->sweep, and segment->met with the side from
- * which an open sheet was met.
+ * Sweep a segment whose nearest pair is known, this tick. Fills segment->sweep and segment->passed; the sides from which open
+ * sheets were met go to the regions of the last tick. 0: a part of the way is still to be swept, in the next tick.
  */
-void travel_find(struct dpt_world *world, uint32_t segment);
+int travel_find(struct dpt_world *world, uint32_t segment);
 
 /* The tick ends: the next motion begins here, or nowhere if there is no valid answer. */
 void travel_end(struct dpt_world *world, uint32_t segment);

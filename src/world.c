@@ -13,7 +13,7 @@ enum {
     BYTES_TOOL = 256,
     BYTES_SEGMENT = 1408,
     BYTES_PAUSE = 1536,
-    BYTES_VOYAGE = 1280,
+    BYTES_VOYAGE = 2048,
     BYTES_PROOF = 64,
     BYTES_MEMO = 21504, /* and for each segment BYTES_MEMO_MORE */
     BYTES_MEMO_MORE = 3072,
@@ -275,8 +275,9 @@ static void forget_proofs(struct dpt_world *world, uint32_t segment, uint32_t bo
             pause->next = DPT_NONE;
     }
     struct voyage *voyage = &world->voyages[segment];
-    if (body == DPT_NONE || handle_index(voyage->body) == body)
-        voyage->body = 0;
+    if (body == DPT_NONE)
+        voyage->count = 0;
+    voyage->body = 0; /* its first leg begins anew */
 }
 
 static void forget_segment(struct dpt_world *world, uint32_t segment)
@@ -307,7 +308,7 @@ void tool_clear(struct dpt_world *world, struct tool *tool)
         struct segment *segment = &world->segments[tool->first + i];
         memset(&segment->wrench, 0, sizeof segment->wrench);
         memset(&segment->push, 0, sizeof segment->push);
-        memset(&segment->met, 0, sizeof segment->met);
+        segment->passed = 0;
         segment->sweep =
             (dpt_sweep){ .size = sizeof segment->sweep, .triangle = DPT_NONE, .segment = i };
         if (world->def.strip)
@@ -333,7 +334,7 @@ dpt_result dpt_world_reset(dpt_world *world)
     forget_planes(world, 0, world->segment_count, DPT_NONE);
     memo_forget(&world->memo, DPT_NONE);
     for (uint32_t i = 0; i < world->body_end; i++)
-        world->bodies[i].moved = 0;
+        world->bodies[i].moved = world->bodies[i].added = 0;
     world->turn = 0;
     world->ticks = 0;
     return DPT_OK;
@@ -372,6 +373,7 @@ dpt_result dpt_body_add(dpt_world *world, const dpt_mesh *mesh, const dpt_pose *
     made->frame = frame;
     made->pose = pose ? *pose : identity;
     made->moved = 0;
+    made->added = world->ticks + 1;
     made->valid = 1;
     tree_of_mesh(mesh, &made->tree);
     for (uint32_t s = 0; s < world->segment_count; s++)

@@ -9,7 +9,7 @@
 #include "near.h"
 #include "pose.h"
 #include "strip.h"
-#include "sweep.h"
+#include "tour.h"
 #include "track.h"
 #include "tree.h"
 
@@ -22,6 +22,7 @@ struct body {
     struct slot slot;
     uint32_t id;
     uint32_t moved; /* the tick before which it last moved; 0: never */
+    uint32_t added; /* the tick before which it came */
     uint32_t valid; /* 0 after a pose that could not be used: every answer is stale then */
 };
 
@@ -53,41 +54,25 @@ struct was {
     vec3 a, b;        /* in the tool's frame */
     double distance;  /* nothing was nearer to its axis */
     uint32_t known;   /* 0: it was nowhere */
-    uint32_t through; /* its axis went through something, or may have */
+    uint32_t through; /* its axis went through something */
 };
 
-/* What the motion met. */
-struct met {
-    uint32_t body; /* id */
-    uint32_t part; /* of its mesh */
-    int32_t
-        side; /* of the sheet, from which the axis came: +1 in front, -1 behind; 0 for nothing, or a border */
-    uint32_t passed;   /* the axis may have gone through something */
-    double s;          /* the point of the axis that met it, with `side` */
-    uint32_t triangle; /* and where */
-    uint32_t reserved;
-};
+#define WAY_MOST 8
 
-/* What a sweep of one body came to. */
-struct passage {
-    struct strike strike;
-    struct motion motion; /* in which it was */
-    double time;          /* of it, or up to which it is free */
-};
-
-/*
- * With a budget: a sweep from where the segment was that it stopped. `body` is the id of the one that it was at, or 0: there is
- * none; those in slots before it are done.
- */
+/* With a budget: legs of one tick each that are still to be swept, and how far the first of them has come. */
 struct voyage {
-    struct was to;     /* where the motion ends */
-    double radius;     /* of the tool then */
-    dpt_sweep sweep;   /* what it has met so far */
-    double free_until; /* of the motion past this body; then comes what `progress` is of */
-    uint32_t body;
-    uint32_t on_axis;       /* the body was met by its surface: now the axis is swept */
-    struct passage surface; /* that meeting */
-    struct sweep_progress progress;
+    struct was way[WAY_MOST]; /* where the segment was at the end of each */
+    uint32_t count;
+    uint32_t
+        body; /* id of the body at which it was stopped, or 0; those in slots before it are done */
+    uint32_t on_axis; /* the body was met by the surface: now the axis is swept */
+    uint32_t passed;  /* the axis may have gone through one that is done */
+    uint32_t lost;    /* a body moved meanwhile: it cannot be gone on with */
+    uint32_t reserved;
+    double radius;   /* with which it was begun */
+    dpt_sweep sweep; /* what was met of those that are done */
+    struct passage surface;
+    struct tour_progress progress;
 };
 
 struct segment {
@@ -99,10 +84,11 @@ struct segment {
     struct found found; /* this tick's */
     struct push push;
     struct was was;
-    struct met met;
     dpt_sweep sweep;
+    uint32_t passed;    /* on this tick's way the axis may have gone through something */
     uint32_t last_body; /* slot of the body that was nearest, or DPT_NONE */
     uint32_t tool;      /* slot of its tool */
+    uint32_t reserved;
 };
 
 /* With a budget: what is proven of a segment and a body. */

@@ -875,7 +875,7 @@ static void def_is_as_documented(void)
         def.budget = n % 2 * some(&random);
         uint64_t contacts = def.max_contacts = n % 3 * some(&random);
         uint64_t bytes = 24576 + 576 * bodies + 256 * tools + 1408 * segments + 1408 * contacts +
-                         (def.budget ? 21504 + 5888 * segments + 64 * both : 0) + aligned(4 * both) +
+                         (def.budget ? 21504 + 6656 * segments + 64 * both : 0) + aligned(4 * both) +
                          aligned(8 * both) + aligned(def.certificate_bytes);
         CHECK(dpt_world_bytes(&def) == bytes, "%zu bytes, documented are %llu",
               dpt_world_bytes(&def), (unsigned long long)bytes);

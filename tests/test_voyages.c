@@ -167,16 +167,18 @@ static void any_budget_comes_to_the_same(void)
 
 /*
  * The tool goes on while its sweep lags behind, through the flat sheet or beside it, and rests at last: what it went through
- * is told once, from the side that it came from; what it passed by is not.
+ * is told once, from the side that it came from; what it passed by is not. With too little for too long the way is given up,
+ * and nothing is told.
  */
 static void a_tool_that_goes_on_misses_nothing(void)
 {
     static const uint32_t sheet[1] = { 0 };
     const dpt_pose identity = DPT_POSE_IDENTITY;
     enum { ASIDE = 4 };
-    unsigned long behind = 0, late = 0;
+    unsigned long behind = 0, late = 0, given_up = 0;
     for (unsigned long i = 0; i < motion_count; i++) {
-        uint32_t budget = 2 + below(8), steps = ASIDE + below(20), work, told = 0, ticks = 0;
+        uint32_t budget = 2 + below(8), steps = ASIDE + below(20), work, told = 0, none = 0,
+                 ticks = 0;
         double side = below(2) ? 1.0 : -1.0, way = any(0.002, 0.02), from = any(0.001, 0.02);
         int crosses = below(2) != 0;
         dpt_segment segment = { .a = { 0.0, 0.0, 0.0 },
@@ -203,6 +205,7 @@ static void a_tool_that_goes_on_misses_nothing(void)
             tick(&scene, &sweep, &work);
             int hit = sweep.status == DPT_SWEEP_HIT;
             told += (uint32_t)hit;
+            none += sweep.status == DPT_SWEEP_NONE && !told;
             late += hit && (side * pose.position[2] < -way / steps);
             CHECK(!hit || (crosses && side * sweep.normal[2] > 0.999), "met with normal %g",
                   side * sweep.normal[2]);
@@ -212,13 +215,16 @@ static void a_tool_that_goes_on_misses_nothing(void)
                 break;
         }
         behind += ticks > 0;
-        CHECK(told == (uint32_t)crosses, "budget %u, %u steps of %g: met %u times, crosses %d",
-              budget, steps, (from + way) / steps, told, crosses);
+        given_up += told < (uint32_t)crosses;
+        CHECK(told == (uint32_t)crosses || (none && !told),
+              "budget %u, %u steps of %g: met %u times, crosses %d", budget, steps,
+              (from + way) / steps, told, crosses);
         free(scene.block);
     }
-    printf("    %lu ways, %lu of them behind at times; %lu crossings told later\n", motion_count,
-           behind, late);
-    CHECK(behind > motion_count / 20 && late > 0, "%lu, %lu", behind, late);
+    printf("    %lu ways, %lu of them behind at times; %lu crossings told later, %lu given up\n",
+           motion_count, behind, late, given_up);
+    CHECK(behind > motion_count / 20 && late > motion_count / 20 && given_up < motion_count / 4,
+          "%lu, %lu, %lu", behind, late, given_up);
 }
 
 /* It goes on and on, close to the sheet: what its sweeps did is kept, or the way to be swept would only get longer. */
@@ -250,10 +256,10 @@ static void a_sweep_that_lags_comes_after(void)
 }
 
 /*
- * The sheet moves while the sweep is unfinished, and stays: it leaves its place under the tool, or comes there. Then the
- * tool's motion is swept once more, past the sheet where it is now.
+ * The sheet moves while the sweep is unfinished: where the tool went past it cannot be told, and as after a teleport nothing is
+ * told, nor felt where the tool is free. What moves while a tool rests is told as ever.
  */
-static void a_body_that_moves_is_swept_anew(void)
+static void a_way_past_what_moves_is_given_up(void)
 {
     static const uint32_t sheet[1] = { 0 };
     for (uint32_t budget = 1; budget <= 4; budget++)
@@ -264,7 +270,7 @@ static void a_body_that_moves_is_swept_anew(void)
             dpt_sweep sweep;
             dpt_pose from = DPT_POSE_IDENTITY, to = from, pose[2] = { from, from };
             from.position[2] = 0.01;
-            to.position[2] = -0.012;
+            to.position[2] = -0.0005;
             pose[comes != 0].position[0] = -0.03;
             if (!scene_begin(&scene, budget, &segment, 1, sheet, &pose[1]))
                 return;
@@ -272,14 +278,17 @@ static void a_body_that_moves_is_swept_anew(void)
             settle(&scene);
             dpt_tool_set_pose(scene.world, scene.tool, &to);
             tick(&scene, &sweep, &work);
-            CHECK(sweep.status == DPT_SWEEP_UNFINISHED, "sweep %u", sweep.status);
+            CHECK(comes || sweep.status == DPT_SWEEP_UNFINISHED, "sweep %u", sweep.status);
             dpt_body_set_pose(scene.world, scene.body[0], &pose[0]);
             tick(&scene, &sweep, &work);
-            CHECK(sweep.status == DPT_SWEEP_UNFINISHED, "sweep %u", sweep.status);
             while (sweep.status == DPT_SWEEP_UNFINISHED && ++ticks < MOST)
                 tick(&scene, &sweep, &work);
-            CHECK(sweep.status == (comes ? DPT_SWEEP_HIT : DPT_SWEEP_FREE),
+            CHECK(sweep.status == DPT_SWEEP_FREE || sweep.status == DPT_SWEEP_NONE,
                   "budget %u, comes %d: sweep %u", budget, comes, sweep.status);
+            for (int k = 0; k < 100; k++) {
+                dpt_hit hit = tick(&scene, &sweep, &work);
+                CHECK(hit.contact != DPT_CONTACT_PENETRATING, "pushed, gap %g", hit.gap);
+            }
             free(scene.block);
         }
 }
@@ -375,7 +384,7 @@ int main(int argc, char **argv)
     TEST(any_budget_comes_to_the_same);
     TEST(a_tool_that_goes_on_misses_nothing);
     TEST(a_sweep_that_lags_comes_after);
-    TEST(a_body_that_moves_is_swept_anew);
+    TEST(a_way_past_what_moves_is_given_up);
     TEST(what_is_under_way_is_forgotten);
     TEST(another_radius_is_swept_anew);
     for (size_t i = 0; i < COUNT(meshes); i++)

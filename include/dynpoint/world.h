@@ -110,7 +110,7 @@ static inline void dpt_world_def_init(dpt_world_def *def)
 /*
  * The bytes that a world of this def needs:
  *     24576 + 576 max_bodies + 256 max_tools + 1408 max_segments
- *         + (budget ? 21504 + 5888 max_segments + 64 max_segments max_bodies : 0)
+ *         + (budget ? 21504 + 6656 max_segments + 64 max_segments max_bodies : 0)
  *         + 1408 max_contacts
  *         + (strip ? max_segments (512 + dpt_strip_bytes) : 0)
  *         + 4 max_segments max_bodies parts + 8 max_segments max_bodies + certificate_bytes,
