@@ -81,11 +81,19 @@ static int is_of(const struct hold *hold, uint32_t segment, const struct body *b
     return hold->segment == segment && (!body || hold->contact.body == body->id);
 }
 
-/* On its way since the last tick the axis may have gone through something; one that is unfinished is not yet known. */
-static int may_have_passed(const struct segment *segment)
+/*
+ * On this tick's way the axis may have gone through something; then nobody knows that it is in front. A way that is not
+ * finished tells in a later tick.
+ */
+static void take_way(struct dpt_world *world, uint32_t index)
 {
-    return segment->sweep.status != DPT_SWEEP_UNFINISHED &&
-           (segment->sweep.status == DPT_SWEEP_NONE || segment->passed);
+    const struct segment *segment = &world->segments[index];
+    const struct holds *before = holds_before(world);
+    int passed = segment->sweep.status != DPT_SWEEP_UNFINISHED &&
+                 (segment->sweep.status == DPT_SWEEP_NONE || segment->passed);
+    for (uint32_t i = 0; passed && i < before->count; i++)
+        if (before->hold[i].segment == index)
+            before->hold[i].front = 0;
 }
 
 static void keep_hold(struct dpt_world *world, const struct hold *before)
@@ -102,14 +110,13 @@ static void keep(struct dpt_world *world, uint32_t segment, const struct body *b
 {
     const struct holds *before = holds_before(world);
     for (uint32_t i = 0; i < before->count; i++)
-        if (is_of(&before->hold[i], segment, body)) {
-            before->hold[i].front &= !may_have_passed(&world->segments[segment]);
+        if (is_of(&before->hold[i], segment, body))
             keep_hold(world, &before->hold[i]);
-        }
 }
 
 void contacts_keep(struct dpt_world *world, uint32_t segment)
 {
+    take_way(world, segment);
     keep(world, segment, NULL);
 }
 
@@ -158,12 +165,6 @@ void contacts_forget_sides(struct dpt_world *world, uint32_t segment)
             before->hold[i].side = 0;
 }
 
-/* The axis was in front and went through nothing: it is in front now, wherever it is, and if it went round a border. */
-static int is_in_front(const struct meeting *meeting, const struct hold *hold)
-{
-    return hold->front && !may_have_passed(&meeting->world->segments[meeting->segment]);
-}
-
 /* Sides that are kept, and where the samples of the last tick were. */
 static uint32_t recall(struct meeting *meeting, struct seed seeds[PROFILE_SEEDS])
 {
@@ -176,7 +177,8 @@ static uint32_t recall(struct meeting *meeting, struct seed seeds[PROFILE_SEEDS]
             continue;
         for (uint32_t k = 0; k < hold->seed_count && count < PROFILE_SEEDS; k++)
             seeds[count++] = hold->seed[k];
-        if (hold->side && !is_in_front(meeting, hold))
+        /* What was in front, and went through nothing, is in front now, wherever it is, and if it went round a border. */
+        if (hold->side && !hold->front)
             sides_put(&meeting->sides, hold->part, hold->side);
     }
     return count;
@@ -313,23 +315,14 @@ static void hold_region(struct meeting *meeting, const struct region *region)
     write_contact(meeting, region, hold, &hold->contact);
 }
 
-static void put_sample(struct hold *hold, const struct sample *sample)
+/* A sample on a part is inside or behind. */
+static int is_behind(const struct profile *profile, uint32_t part)
 {
-    const struct seed seed = { sample->s, sample->triangle, 1.0f };
-    put_first(hold, &seed);
-}
-
-/* The lowest of the samples on a part, if it is inside or behind. */
-static const struct sample *lowest_on(const struct profile *profile, uint32_t part)
-{
-    const struct sample *lowest = NULL;
-    for (uint32_t i = 0; i < profile->count; i++) {
-        const struct sample *sample = &profile->sample[i];
-        if (sample->height < (lowest ? lowest->height : 0.0) &&
-            side_part(profile->tree, sample->triangle) == part)
-            lowest = sample;
-    }
-    return lowest;
+    for (uint32_t i = 0; i < profile->count; i++)
+        if (profile->sample[i].height < 0.0 &&
+            side_part(profile->tree, profile->sample[i].triangle) == part)
+            return 1;
+    return 0;
 }
 
 /*
@@ -341,37 +334,29 @@ static void take_side(const struct meeting *meeting, struct hold *hold)
     const struct tree *tree = &meeting->body->tree;
     const struct nearest *nearest = &meeting->nearest;
     const double *weight = nearest->pair.weight;
-    hold->front &= !may_have_passed(&meeting->world->segments[meeting->segment]);
     if (!hold->side || nearest->pair.distance2 == 0.0 ||
         side_part(tree, nearest->triangle) != hold->part)
         return;
     if (!side_is_border(tree, nearest->triangle, weight))
         hold->front = hold->side * side_of_pair(tree, nearest->triangle, &nearest->pair) > 0;
-    else if (!lowest_on(meeting->profile, hold->part))
+    else if (!is_behind(meeting->profile, hold->part))
         hold->side = 0;
 }
 
 /*
- * And it goes on with the samples that there are: those of the region that it may have become, and the lowest of others. Else
- * the tool would be looked for behind a sheet where it once was, and in the end not be found.
+ * And it goes on with the samples of the region that it may have become. Else the tool would be looked for behind a sheet where
+ * it once was, and in the end not be found.
  */
 static void take_seeds(const struct meeting *meeting, const struct region *regions, uint32_t count,
                        struct hold *hold)
 {
-    const struct profile *profile = meeting->profile;
-    const struct sample *lowest = lowest_on(profile, hold->part);
     const struct region *best = NULL;
     for (uint32_t k = 0; k < count; k++)
         if (regions[k].part == hold->part &&
             (!best || shared(hold, &regions[k]) > shared(hold, best)))
             best = &regions[k];
     if (best)
-        hold->seed_count = region_seeds(profile, best, hold->seed, HOLD_SEEDS);
-    else if (lowest)
-        put_sample(hold, lowest);
-    for (uint32_t k = 0; best && k < count; k++)
-        if (regions[k].part == hold->part && &regions[k] != best)
-            put_sample(hold, &profile->sample[regions[k].deepest]);
+        hold->seed_count = region_seeds(meeting->profile, best, hold->seed, HOLD_SEEDS);
 }
 
 static void keep_undecided(struct meeting *meeting, const struct region *regions, uint32_t count,
@@ -543,6 +528,7 @@ void contacts_find(struct dpt_world *world, uint32_t segment, const struct found
                                .segment = segment,
                                .radius = world->segments[segment].radius,
                                .profile = &world->profile };
+    take_way(world, segment);
     struct box box = box_of_axis(best->track.axis.a, best->track.axis.b);
     double reach = meeting.radius + world->def.margin;
     struct sum sum = { .gap = HUGE_VAL, .known = 1 };

@@ -116,7 +116,7 @@ struct hold {
     uint32_t part;    /* of the body's mesh */
     int32_t side;     /* of an open sheet, or 0 */
     uint32_t unseen;  /* it is kept, but this tick does not know it */
-    uint32_t front;   /* of the sheet whose side it has: all of the axis was there */
+    uint32_t front;   /* of the sheet whose side it has: all of the axis is known to be there */
     uint32_t seed_count;
     struct seed seed[HOLD_SEEDS];
 };

@@ -371,6 +371,39 @@ static void another_radius_is_swept_anew(void)
     CHECK(grown >= 3, "%u", grown);
 }
 
+/*
+ * The body at which the sweep stopped is out of reach in the next tick, which sees that by its box, and that of the tool grows
+ * faster than the tool moves. The next leg begins with the first body all the same.
+ */
+static void what_is_out_of_reach_is_not_waited_for(void)
+{
+    static const uint32_t sheets[2] = { 0, 0 };
+    const dpt_pose poses[2] = { { { 0.005, 0.148, 0.0 }, { sqrt(0.5), 0.0, sqrt(0.5), 0.0 } },
+                                { { -0.11, -0.11, 0.00725 }, { 1.0, 0.0, 0.0, 0.0 } } };
+    for (uint32_t budget = 1; budget <= 150; budget++) {
+        uint32_t work, ticks = 0, told = 0;
+        struct scene scene;
+        dpt_sweep sweep;
+        dpt_segment segment = { { 0.0, 0.05, -0.00725 }, { 0.05, 0.0, -0.00725 }, 0.0 };
+        if (!scene_begin(&scene, budget, &segment, 2, sheets, poses))
+            return;
+        dpt_tool_set_segments(scene.world, scene.tool, &segment, 1);
+        settle(&scene);
+        segment.a[2] = segment.b[2] = 0.00725;
+        dpt_tool_set_segments(scene.world, scene.tool, &segment, 1);
+        tick(&scene, &sweep, &work);
+        segment.a[0] += 0.01;
+        segment.b[1] += 0.01;
+        do {
+            dpt_tool_set_segments(scene.world, scene.tool, &segment, 1);
+            tick(&scene, &sweep, &work);
+            told += sweep.status == DPT_SWEEP_HIT;
+        } while ((sweep.status == DPT_SWEEP_UNFINISHED || !told) && ++ticks < 400);
+        CHECK(told == 1, "budget %u: %u told", budget, told);
+        free(scene.block);
+    }
+}
+
 int main(int argc, char **argv)
 {
     if (argc > 1)
@@ -387,6 +420,7 @@ int main(int argc, char **argv)
     TEST(a_way_past_what_moves_is_given_up);
     TEST(what_is_under_way_is_forgotten);
     TEST(another_radius_is_swept_anew);
+    TEST(what_is_out_of_reach_is_not_waited_for);
     for (size_t i = 0; i < COUNT(meshes); i++)
         fixture_free(&meshes[i]);
     return check_report();
