@@ -315,14 +315,17 @@ static void hold_region(struct meeting *meeting, const struct region *region)
     write_contact(meeting, region, hold, &hold->contact);
 }
 
-/* A sample on a part is inside or behind. */
-static int is_behind(const struct profile *profile, uint32_t part)
+/* The lowest of the samples on a part, if it is inside or behind. */
+static const struct sample *lowest_on(const struct profile *profile, uint32_t part)
 {
-    for (uint32_t i = 0; i < profile->count; i++)
-        if (profile->sample[i].height < 0.0 &&
-            side_part(profile->tree, profile->sample[i].triangle) == part)
-            return 1;
-    return 0;
+    const struct sample *lowest = NULL;
+    for (uint32_t i = 0; i < profile->count; i++) {
+        const struct sample *sample = &profile->sample[i];
+        if (sample->height < (lowest ? lowest->height : 0.0) &&
+            side_part(profile->tree, sample->triangle) == part)
+            lowest = sample;
+    }
+    return lowest;
 }
 
 /*
@@ -339,17 +342,19 @@ static void take_side(const struct meeting *meeting, struct hold *hold)
         return;
     if (!side_is_border(tree, nearest->triangle, weight))
         hold->front = hold->side * side_of_pair(tree, nearest->triangle, &nearest->pair) > 0;
-    else if (!is_behind(meeting->profile, hold->part))
+    else if (!lowest_on(meeting->profile, hold->part))
         hold->side = 0;
 }
 
 /*
- * And it goes on with the samples of the region that it may have become. Else the tool would be looked for behind a sheet where
- * it once was, and in the end not be found.
+ * And it goes on with the samples of the region that it may have become or, where the budget ended before there are regions,
+ * with the lowest first. Else the tool would be looked for where it once was: a search that does not come to its end begins
+ * no better in the next tick, and behind a sheet what is there would in the end not be found.
  */
 static void take_seeds(const struct meeting *meeting, const struct region *regions, uint32_t count,
                        struct hold *hold)
 {
+    const struct sample *lowest = lowest_on(meeting->profile, hold->part);
     const struct region *best = NULL;
     for (uint32_t k = 0; k < count; k++)
         if (regions[k].part == hold->part &&
@@ -357,6 +362,8 @@ static void take_seeds(const struct meeting *meeting, const struct region *regio
             best = &regions[k];
     if (best)
         hold->seed_count = region_seeds(meeting->profile, best, hold->seed, HOLD_SEEDS);
+    else if (lowest)
+        put_first(hold, &(struct seed){ lowest->s, lowest->triangle, 1.0f });
 }
 
 static void keep_undecided(struct meeting *meeting, const struct region *regions, uint32_t count,
