@@ -137,8 +137,9 @@ soak: all $(SOAKED:%=$(B)/tests/test_%) ## 10^8 ticks against the tree; all of D
 fuzz: ## 10^8 executions (FUZZ_RUNS) of the fuzz targets by libFuzzer
 	@sh tests/fuzz/fuzz.sh
 
-bench: all $(B)/tests/bench/dump_mesh $(B)/tests/bench/strips $(B)/tests/bench/recall ## time against peers, those whose packages are here
+bench: all $(B)/tests/bench/dump_mesh $(B)/tests/bench/strips $(B)/tests/bench/budgets $(B)/tests/bench/recall ## time against peers, those whose packages are here
 	@sh tests/bench/run.sh $(B)
+	@sh tests/bench/budgets.sh $(B)
 	@sh tests/bench/paper.sh $(B)
 	@sh tests/bench/strips.sh $(B)
 	@$(B)/tests/bench/recall >$(B)/bench/recall.csv
@@ -146,14 +147,14 @@ bench: all $(B)/tests/bench/dump_mesh $(B)/tests/bench/strips $(B)/tests/bench/r
 deps: ## install what the tests can use beside a compiler (apt-get)
 	@sh tests/deps.sh
 
-test-programs: all $(TESTS) $(VM_TESTS) $(B)/tests/firmware/link $(B)/tests/bench/dump_mesh $(B)/tests/bench/strips $(B)/tests/bench/recall
+test-programs: all $(TESTS) $(VM_TESTS) $(B)/tests/firmware/link $(B)/tests/bench/dump_mesh $(B)/tests/bench/strips $(B)/tests/bench/budgets $(B)/tests/bench/recall
 .PHONY: test-programs
 -include $(TESTS:=.d) $(VM_TESTS:=.d) $(VM_PARTS:.o=.d) $(patsubst %.o,%.d,$(TEST_PARTS) $(FUZZ_PARTS))
 
 $(B)/tests/bench/dump_mesh: $(B)/tests/bench/dump_mesh.o $(B)/tools/common.o $(COMPILE) $(CORE)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) -o $@
 
-$(B)/tests/bench/strips: $(B)/tests/bench/strips.o $(CORE)
+$(B)/tests/bench/strips $(B)/tests/bench/budgets: %: %.o $(CORE)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -o $@
 
 $(B)/tests/bench/recall: $(B)/tests/bench/recall.o $(TEST_PARTS)

@@ -182,11 +182,10 @@ typedef struct dpt_contact {
 /* What is known of a motion between two steps. */
 enum {
     DPT_SWEEP_NONE =
-        0, /* there was none: a first step, a teleport, or the axis was through already */
-    DPT_SWEEP_FREE = 1, /* nothing was met */
-    DPT_SWEEP_HIT = 2,  /* met, at `time` */
-    DPT_SWEEP_UNFINISHED =
-        3 /* the budget ended it, free up to `time`; the next step goes on with it */
+        0, /* there was none: a first step, a teleport, a way given up, or the axis was through already */
+    DPT_SWEEP_FREE = 1,      /* nothing was met */
+    DPT_SWEEP_HIT = 2,       /* met, at `time` */
+    DPT_SWEEP_UNFINISHED = 3 /* the budget ended it; the next step goes on with it */
 };
 
 /*
@@ -194,7 +193,7 @@ enum {
  * its axis. Ends move along straight lines, rigid tools and bodies along the shortest turn. None is missed; a hit may
  * be within 1e-6 of the mesh's diagonal of a touch.
  *
- *   time      0..1 of the step; of the motion that is swept, where a budget left an earlier one unfinished
+ *   time      0..1 of the step, or of the earlier one that a budget had left unfinished and that is told of now
  *   s         of the point of the axis that met
  *   q         where on the mesh, in the world, with the body where it is now
  *   normal    unit, of the mesh there, on the side that the tool came from

@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """make charts: draw docs/charts/*.svg, and keep their data, from what the bench wrote.
 
-chart.py BENCH_DIR OUT_DIR   reads results.csv, histograms.csv, paper.csv and recall.csv; standard library only
+chart.py BENCH_DIR OUT_DIR   reads results.csv, histograms.csv, budgets.csv, paper.csv and recall.csv; standard
+                             library only
 """
 import csv
 import math
@@ -300,6 +301,24 @@ def strip_recall(rows):
                 series, Doublings, Percent)
 
 
+def contact_budget(rows):
+    """What share of the ticks in reach has its contact, against what a tick takes, by budget."""
+    series = []
+    for mesh, (name, colour) in MESHES.items():
+        here = sorted((r for r in rows if r["mesh"] == mesh and r["budget"] != "0"),
+                      key=lambda r: int(r["budget"]))
+        if here:
+            lines = [[(float(r["p99"]) / 1e3, 100 - 100 * int(r[column]) / int(r["in_reach"]))
+                      for r in here] for column in ("unknown", "off")]
+            whole = [(float(r["p99"]) / 1e3, 100) for r in rows
+                     if r["mesh"] == mesh and r["budget"] == "0"]
+            series.append({"name": name, "colour": colour, "dash": "", "points": lines[0],
+                           "thin": lines[1], "apart": whole})
+    return draw("Contact with a budget of 25, 50, 100 ... 3,200 units (squares: none)",
+                "Thick: ticks in reach whose contact is known; thin: and whose thrust is within 2 % of the peak.",
+                "microseconds a tick, 99 %", "% of the ticks in reach", series, Axis, Percent)
+
+
 def read(path):
     with open(path, newline="", encoding="utf-8") as file:
         return list(csv.DictReader(file))
@@ -313,6 +332,9 @@ def main(bench, folder):
             file.write(chart(results, paper))
     with open(f"{folder}/strip-recall.svg", "w", encoding="utf-8") as file:
         file.write(strip_recall(read(bench + "/recall.csv")))
+    with open(f"{folder}/contact-budget.svg", "w", encoding="utf-8") as file:
+        file.write(contact_budget(read(bench + "/budgets.csv")))
+    shutil.copyfile(bench + "/budgets.csv", folder + "/contact-budget.csv")
     shutil.copyfile(bench + "/recall.csv", folder + "/strip-recall.csv")
     shutil.copyfile(bench + "/results.csv", folder + "/tick-time.csv")
     shutil.copyfile(bench + "/paper.csv", folder + "/parts.csv")
