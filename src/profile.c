@@ -191,6 +191,13 @@ static void take_sample(struct profile *profile, double s, uint32_t triangle, in
     sample->proven = sample->bounded = sample->spanned = 0;
 }
 
+/* Sample i is another, and so is the span before it. */
+static void note_change(struct profile *profile, uint32_t i)
+{
+    if (i < profile->same)
+        profile->same = i;
+}
+
 /* Make room: of those between two of their own triangle, which tell least, the one whose neighbours are nearest. */
 static int drop_sample(struct profile *profile)
 {
@@ -209,6 +216,7 @@ static int drop_sample(struct profile *profile)
         return 0;
     struct sample *here = &profile->sample[drop];
     here[-1].bounded = here[-1].spanned = 0;
+    note_change(profile, drop);
     profile->count--;
     memmove(here, here + 1, (profile->count - drop) * sizeof *here);
     profile->deepest -= profile->deepest > drop;
@@ -223,6 +231,7 @@ static uint32_t put_sample(struct profile *profile, const struct sample *sample)
         i--;
     struct sample *here = &profile->sample[i];
     if (i < profile->count && here->s == sample->s) {
+        note_change(profile, i);
         if (i)
             here[-1].bounded = here[-1].spanned = 0;
         uint32_t was = here->was;
@@ -236,6 +245,7 @@ static uint32_t put_sample(struct profile *profile, const struct sample *sample)
         return drop_sample(profile) ? put_sample(profile, sample) : DPT_NONE;
     if (i)
         here[-1].bounded = here[-1].spanned = 0;
+    note_change(profile, i);
     memmove(here + 1, here, (profile->count - i) * sizeof *here);
     *here = *sample;
     profile->count++;
@@ -246,16 +256,18 @@ static uint32_t put_sample(struct profile *profile, const struct sample *sample)
 /* Of the sample beside s: where a search begins. */
 static uint32_t nearest_triangle(const struct profile *profile, double s)
 {
-    double least = HUGE_VAL;
-    uint32_t triangle = 0;
-    for (uint32_t i = 0; i < profile->count; i++) {
-        double apart = fabs(profile->sample[i].s - s);
-        if (profile->sample[i].triangle != DPT_NONE && apart < least) {
-            least = apart;
-            triangle = profile->sample[i].triangle;
-        }
-    }
-    return triangle;
+    const struct sample *sample = profile->sample;
+    uint32_t right = 0;
+    while (right < profile->count && sample[right].s < s)
+        right++;
+    uint32_t left = right;
+    while (right < profile->count && sample[right].triangle == DPT_NONE)
+        right++;
+    while (left > 0 && sample[left - 1].triangle == DPT_NONE)
+        left--;
+    if (left > 0 && (right == profile->count || s - sample[left - 1].s <= sample[right].s - s))
+        return sample[left - 1].triangle;
+    return right < profile->count ? sample[right].triangle : 0;
 }
 
 /* Is the triangle of a new sample nearer to the one at i than its own? Then that one begins there. */
@@ -415,6 +427,7 @@ int profile_make(struct profile *profile, const struct nearest *nearest, const s
     profile->zones = 0;
     profile->count = 0;
     profile->deepest = 0;
+    profile->same = 0;
     const uint32_t *lanes;
     profile->winding = mesh_moments(profile->tree->mesh, &lanes) != NULL;
     int is_far = distance > profile->reach;

@@ -103,6 +103,7 @@ struct profile {
     uint32_t crossings;
     uint32_t zones;
     uint32_t count;
+    uint32_t same;    /* so many samples, with what is between, are as regions saw them last */
     uint32_t deepest; /* the sample with the least height, exact */
     struct crossing crossing[PROFILE_CROSSINGS];
     int32_t sign[PROFILE_CROSSINGS + 1]; /* between crossings; 0: each sample has its own */

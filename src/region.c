@@ -39,6 +39,8 @@ static int clip(struct piece *piece)
     double w0 = piece->w0, w1 = piece->w1;
     if (!(w0 > 0.0) && !(w1 > 0.0))
         return 0;
+    if (w0 >= 0.0 && w1 >= 0.0)
+        return 1;
     double cut = piece->s0 + (piece->s1 - piece->s0) * (w0 / (w0 - w1));
     if (w0 < 0.0) {
         piece->s0 = cut;
@@ -249,37 +251,54 @@ struct ask {
     uint32_t wide; /* the span that is too wide, or DPT_NONE */
 };
 
-/* 0 where there is nothing to ask. */
-static int find_ask(struct profile *profile, struct ask *ask)
+/* What the spans up to one come to, summed in order: what was asked before does not show in the sum. */
+struct tally {
+    double sum, doubt, most, within, widest;
+    uint32_t worst, wide_at, end_at;
+};
+
+/* Of all. `before`: of those before each, made anew from the first that changed. */
+static struct tally tally_spans(struct profile *profile, struct tally before[PROFILE_SAMPLES])
 {
-    double reach = profile->size > 0.0 ? profile->reach / profile->size : 1.0;
-    double sum = 0.0, doubt = 0.0, most = 0.0, within = 0.0, widest = 0.0;
-    uint32_t worst = 0, wide_at = 0, end_at = DPT_NONE;
-    for (uint32_t i = 0; i + 1 < profile->count; i++) {
+    uint32_t first = profile->same ? profile->same - 1 : 0;
+    struct tally all = first ? before[first] : (struct tally){ .end_at = DPT_NONE };
+    for (uint32_t i = first; i + 1 < profile->count; i++) {
         const struct span *span = span_at(profile, i);
         double width = profile->sample[i + 1].s - profile->sample[i].s;
-        sum += span->area;
-        doubt += span->doubt;
-        within += span->area > 0.0 ? width : 0.0;
-        if (span->doubt > most) {
-            most = span->doubt;
-            worst = i;
+        before[i] = all;
+        all.sum += span->area;
+        all.doubt += span->doubt;
+        all.within += span->area > 0.0 ? width : 0.0;
+        if (span->doubt > all.most) {
+            all.most = span->doubt;
+            all.worst = i;
         }
-        if (span->area > 0.0 && width > widest) {
-            widest = width;
-            wide_at = i;
+        if (span->area > 0.0 && width > all.widest) {
+            all.widest = width;
+            all.wide_at = i;
         }
         if (span->loose)
-            end_at = i;
+            all.end_at = i;
     }
+    if (profile->count)
+        before[profile->count - 1] = all;
+    profile->same = profile->count;
+    return all;
+}
+
+/* 0 where there is nothing to ask. */
+static int find_ask(const struct profile *profile, const struct tally *all, struct ask *ask)
+{
+    double reach = profile->size > 0.0 ? profile->reach / profile->size : 1.0;
+    const struct sample *sample = profile->sample;
     ask->wide = DPT_NONE;
-    if (widest > larger(reach, within / SPANS_LEAST)) {
-        ask->wide = wide_at;
-        ask->s = 0.5 * (profile->sample[wide_at].s + profile->sample[wide_at + 1].s);
-    } else if (end_at != DPT_NONE) {
-        ask->s = ask_where(profile, end_at, &profile->sample[end_at].span);
-    } else if (doubt > DOUBT_LEFT * sum || most > DOUBT_ONE * sum) {
-        ask->s = ask_where(profile, worst, &profile->sample[worst].span);
+    if (all->widest > larger(reach, all->within / SPANS_LEAST)) {
+        ask->wide = all->wide_at;
+        ask->s = 0.5 * (sample[all->wide_at].s + sample[all->wide_at + 1].s);
+    } else if (all->end_at != DPT_NONE) {
+        ask->s = ask_where(profile, all->end_at, &sample[all->end_at].span);
+    } else if (all->doubt > DOUBT_LEFT * all->sum || all->most > DOUBT_ONE * all->sum) {
+        ask->s = ask_where(profile, all->worst, &sample[all->worst].span);
     } else {
         return 0;
     }
@@ -289,11 +308,14 @@ static int find_ask(struct profile *profile, struct ask *ask)
 /* 0: work or room ended that. */
 static int refine(struct profile *profile)
 {
+    struct tally before[PROFILE_SAMPLES];
     struct ask ask;
     double from, to;
     confirm(profile);
+    profile->same = 0;
     for (int asked = 0; asked < ASK_MOST && !is_tired(profile); asked++) {
-        if (!find_ask(profile, &ask))
+        const struct tally all = tally_spans(profile, before);
+        if (!find_ask(profile, &all, &ask))
             return 1;
         int told = ask.wide != DPT_NONE && !profile_is_blind(profile, ask.wide, &from, &to);
         uint32_t at = profile_ask(profile, ask.s, 1);
