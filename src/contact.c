@@ -66,6 +66,7 @@ void contact_of(const struct tree *tree, const struct kernel *kernel, const stru
     profile.axis = axis;
     profile.sides = &none;
     profile.memo = NULL;
+    profile.regions = 0;
     profile.reach = radius;
     profile.tolerance = PROFILE_DEPTH_SHARE * tree_diagonal(tree);
     profile.most = UINT32_MAX;

@@ -453,6 +453,7 @@ static int meet(struct meeting *meeting, double *gap)
     profile->axis = &meeting->axis;
     profile->sides = &meeting->sides;
     profile->memo = world->def.budget ? &world->memo : NULL;
+    profile->regions = world->def.max_contacts && !world->def.budget;
     profile->body = handle_index(meeting->body->id);
     profile->reach = meeting->radius + (world->def.max_contacts ? world->def.margin : 0.0);
     profile->tolerance = PROFILE_DEPTH_SHARE * tree_diagonal(profile->tree);

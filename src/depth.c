@@ -121,10 +121,13 @@ uint32_t profile_prove(struct profile *profile, double from, double to)
         if (!full)
             most = deepest_stretch(profile, from, to,
                                    profile->tolerance - profile->sample[low].height);
-        /* Between samples descent tells enough; where it does not get on, a search does. */
+        /*
+         * Between samples descent tells enough; where it does not get on, a search does. What counts, regions would search for
+         * after all.
+         */
+        int exact = profile->winding || profile->regions || asked >= DESCENTS;
         if (most)
-            full = profile_ask(profile, most->deep.s, profile->winding || asked >= DESCENTS) ==
-                   DPT_NONE;
+            full = profile_ask(profile, most->deep.s, exact) == DPT_NONE;
         else if (!profile->sample[low].exact)
             profile_ask(profile, profile->sample[low].s, 1);
         else

@@ -90,6 +90,7 @@ struct profile {
     const struct sides *sides;
     struct memo *memo; /* NULL: without a budget */
     uint32_t body;     /* slot, in the memo */
+    uint32_t regions;  /* they come after the depth, and no budget ends them */
     uint32_t coarse;   /* its regions are of fewer samples than they should be */
     double size;       /* length of the axis */
     double reach;      /* surface farther than that from the axis does not count */
@@ -162,7 +163,7 @@ static inline int profile_by_sample(const struct profile *profile)
  * NULL. `seeds` are places of an earlier tick. Returns 0 when the axis is outside and nothing is within reach:
  * there is no contact then. Where it is cut, full or sideless, it may have no samples.
  *
- * First the caller sets tree, kernel, axis, sides, memo, body, reach, tolerance and most.
+ * First the caller sets tree, kernel, axis, sides, memo, regions, body, reach, tolerance and most.
  */
 int profile_make(struct profile *profile, const struct nearest *nearest, const struct seed *seeds,
                  uint32_t seed_count);
