@@ -330,7 +330,8 @@ static const struct sample *lowest_on(const struct profile *profile, uint32_t pa
 
 /*
  * Of a sheet whose contact the budget left undecided: what the nearest pair tells of the axis' side. At a border it tells none,
- * and then, unless there is a point behind, the axis may go round it.
+ * and then, unless there is a point behind, the axis may go round it. One that was in front, and went through nothing, has
+ * gone round it when it is behind.
  */
 static void take_side(const struct meeting *meeting, struct hold *hold)
 {
@@ -340,10 +341,12 @@ static void take_side(const struct meeting *meeting, struct hold *hold)
     if (!hold->side || nearest->pair.distance2 == 0.0 ||
         side_part(tree, nearest->triangle) != hold->part)
         return;
-    if (!side_is_border(tree, nearest->triangle, weight))
-        hold->front = hold->side * side_of_pair(tree, nearest->triangle, &nearest->pair) > 0;
-    else if (!lowest_on(meeting->profile, hold->part))
+    int border = side_is_border(tree, nearest->triangle, weight);
+    int front = hold->side * side_of_pair(tree, nearest->triangle, &nearest->pair) > 0;
+    if (border ? !lowest_on(meeting->profile, hold->part) : hold->front && !front)
         hold->side = 0;
+    else if (!border)
+        hold->front = (uint32_t)front;
 }
 
 /*
