@@ -10,8 +10,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
+#include "bench/timing.h"
 #include "dynpoint.h"
 
 enum { TICKS_MOST = 100000, CONTACTS = 32, PASSES = 3 };
@@ -21,19 +21,6 @@ struct felt {
     double gap, overlap, thrust[3];
     uint32_t known, regions, coarse;
 };
-
-static double now(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return 1e9 * (double)t.tv_sec + (double)t.tv_nsec;
-}
-
-static int by_size(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
 
 static void *read_file(const char *path, size_t *bytes_read)
 {
