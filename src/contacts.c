@@ -143,7 +143,7 @@ void contacts_meet(struct dpt_world *world, uint32_t segment, const struct body 
              before->hold[i].contact.body == body->id && before->hold[i].part == part))
         i++;
     if (i == world->def.max_contacts) {
-        world->contacts_full = 1;
+        world->contacts_full |= i > 0;
         return;
     }
     struct hold *hold = &before->hold[i];
@@ -464,12 +464,10 @@ static int meet(struct meeting *meeting, double *gap)
     int dropped = found == CONTACT_PROFILE && drop_sides(meeting, regions, count);
     if (dropped)
         found = look(meeting, seeds, seed_count, regions, &count, gap);
-    if (found == CONTACT_UNKNOWN) {
+    if (found == CONTACT_UNKNOWN)
         keep_undecided(meeting, regions, count, dropped);
-    } else {
-        for (uint32_t i = 0; i < count; i++)
-            hold_region(meeting, &regions[i]);
-    }
+    for (uint32_t i = 0; i < count && found != CONTACT_UNKNOWN; i++)
+        hold_region(meeting, &regions[i]);
     return found;
 }
 

@@ -239,10 +239,8 @@ static int take_leg(struct dpt_world *world, uint32_t index, struct around aroun
         if (voyage->body && handle_index(body->id) < handle_index(voyage->body))
             continue;
         result = pass_body(world, index, body, voyage, &from, &to);
-        if (result != LEG_STOPPED)
-            voyage->body = 0;
     }
-    if (result == LEG_GOES_ON)
+    if (result != LEG_STOPPED)
         voyage->body = 0;
     if (result == LEG_BEGAN_THROUGH)
         no_sweep(segment, DPT_SWEEP_NONE);
@@ -318,8 +316,6 @@ int travel_find(struct dpt_world *world, uint32_t index)
 {
     struct segment *segment = &world->segments[index];
     struct voyage fresh, *voyage = world->def.budget ? &world->voyages[index] : &fresh;
-    if (!world->def.budget)
-        voyage->radius = segment->radius;
     if (!world->def.budget || !segment->was.known)
         voyage->count = voyage->body = 0;
     if (!segment->was.known)
@@ -331,6 +327,7 @@ int travel_find(struct dpt_world *world, uint32_t index)
     }
     if (!voyage->count) {
         voyage->lost = 0;
+        voyage->radius = segment->radius;
         if (segment->was.through)
             return 1;
         double reach = way_between(&segment->was, &now) + segment->radius;

@@ -59,12 +59,14 @@ struct was {
 
 #define WAY_MOST 8
 
-/* With a budget: legs of one tick each that are still to be swept, and how far the first of them has come. */
+/*
+ * With a budget: legs of one tick each that are still to be swept, and how far the first of them has come. `body` is the id of
+ * the one at which it was stopped, or 0; those in slots before it are done.
+ */
 struct voyage {
     struct was way[WAY_MOST]; /* where the segment was at the end of each */
     uint32_t count;
-    uint32_t
-        body; /* id of the body at which it was stopped, or 0; those in slots before it are done */
+    uint32_t body;
     uint32_t on_axis; /* the body was met by the surface: now the axis is swept */
     uint32_t passed;  /* the axis may have gone through one that is done */
     uint32_t lost;    /* a body moved meanwhile: it cannot be gone on with */

@@ -328,6 +328,34 @@ static void no_push_to_the_wrong_side(void)
     }
 }
 
+/* Without regions a world keeps no sides: through a sheet it knows nothing, and does not call that a lack of room. */
+static void no_regions_no_sides(void)
+{
+    dpt_world_def def;
+    dpt_world *world;
+    dpt_tool tool;
+    dpt_body body;
+    dpt_hit hit = DPT_HIT_INIT;
+    dpt_step step = { .size = sizeof step };
+    dpt_segment segment = { { 0.0, 0.0, 0.01 }, { 0.0, 0.0, 0.03 }, 0.0 };
+    dpt_world_def_init(&def);
+    def.max_contacts = 0;
+    void *block = malloc(dpt_world_bytes(&def));
+    CHECK(dpt_world_create(block, dpt_world_bytes(&def), &def, &world) == DPT_OK &&
+              dpt_body_add(world, sheet.mesh, NULL, &body) == DPT_OK &&
+              dpt_tool_add(world, &segment, 1, &tool) == DPT_OK,
+          "no world");
+    for (int t = 0; t < 4; t++) {
+        segment.a[2] = t ? -0.001 * t : 0.01;
+        dpt_tool_set_segments(world, tool, &segment, 1);
+        dpt_world_step(world, 0.001, &step);
+        dpt_tool_get_hit(world, tool, &hit);
+        CHECK(!step.flags && hit.contact == (t ? DPT_CONTACT_UNKNOWN : DPT_CONTACT_SEPARATED),
+              "tick %d: flags %u, contact %u", t, step.flags, hit.contact);
+    }
+    free(block);
+}
+
 /* A free tool, and the side of the sheet that its segment is on by the path it took; 0 where the library may have lost it. */
 struct subject {
     dpt_segment segment;
@@ -463,6 +491,7 @@ int main(int argc, char **argv)
     if (!fixture_from_shape(&sheet, "membrane", 512))
         return check_report();
     TEST(no_push_to_the_wrong_side);
+    TEST(no_regions_no_sides);
     TEST(sides_are_of_the_way_that_was_taken);
     fixture_free(&sheet);
     return check_report();
