@@ -161,7 +161,7 @@ int tour_side_before(const struct tour *tour)
 
 int tour_began_through(const struct tour *tour)
 {
-    return tour->passage.time == 0.0 && tour->passage.strike.pair.distance2 == 0.0;
+    return tour->passage.time == 0.0 && tour->far == 0.0;
 }
 
 double tour_way(const struct moment *from, const struct moment *to)

@@ -55,7 +55,10 @@ int tour_is_beyond(const struct tour *tour, const struct moment *from, const str
 /* After a hit: the side of the struck feature on which the point that struck it was when its motion began. */
 int tour_side_before(const struct tour *tour);
 
-/* After a hit: the axis touched already when the tour began, where nobody knew. */
+/*
+ * After a hit: the axis touched already when the tour began, and nobody knew. Whether it went through the struck triangle does
+ * not tell: one beside that is as near.
+ */
 int tour_began_through(const struct tour *tour);
 
 /* No point of the tool was farther away from where it is at last than that, the arc of a turn included. */

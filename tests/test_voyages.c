@@ -13,7 +13,7 @@
 static uint64_t rng = 1;
 static unsigned long motion_count = 1500;
 
-enum { BODIES = 4, MOST = 20000 };
+enum { BODIES = 8, MOST = 20000 };
 
 struct scene {
     void *block;
@@ -90,6 +90,21 @@ static dpt_hit settle(const struct scene *scene)
     return hit;
 }
 
+/* All but the first were far away: as they come, from the last to the second, they join those that are near. */
+static void bodies_come_last_first(const struct scene *scene, uint32_t bodies,
+                                   const dpt_pose *poses)
+{
+    dpt_pose far = DPT_POSE_IDENTITY;
+    far.position[2] = 100.0;
+    for (uint32_t k = 1; k < bodies; k++)
+        dpt_body_set_pose(scene->world, scene->body[k], &far);
+    settle(scene);
+    for (uint32_t k = bodies; k-- > 1;)
+        dpt_body_set_pose(scene->world, scene->body[k], &poses[k]);
+    settle(scene);
+    settle(scene); /* nothing moved before it */
+}
+
 static void check_same(const dpt_sweep *is, const dpt_sweep *truth, uint32_t budget)
 {
     int same = is->status == truth->status && is->body == truth->body &&
@@ -136,8 +151,8 @@ static void any_budget_comes_to_the_same(void)
             return;
         dpt_tool_teleport(ample.world, ample.tool, &from);
         dpt_tool_teleport(small.world, small.tool, &from);
-        settle(&ample);
-        settle(&small);
+        bodies_come_last_first(&ample, bodies, poses);
+        bodies_come_last_first(&small, bodies, poses);
         dpt_tool_set_pose(ample.world, ample.tool, &to);
         dpt_tool_set_pose(small.world, small.tool, &to);
         tick(&ample, &truth, &work);
