@@ -22,7 +22,9 @@ PKGCONFIGDIR ?= $(LIBDIR)/pkgconfig
 # -ffp-contract=off where the target has FMA, so it stays off; tests/abi looks at the objects.
 WARNINGS := -Wall -Wextra -Wshadow -Wconversion
 EXACT := -fno-math-errno -fno-trapping-math -ffp-contract=off -fno-tree-slp-vectorize
-ALL_CFLAGS = -std=gnu99 $(CFLAGS) $(EXACT) $(WARNINGS) -fPIC -fvisibility=hidden -MMD -MP -Iinclude -Isrc $(CONFIG_CFLAGS) $(CFLAGS_EXTRA)
+# Includes begin at these; those of drivers, program and tests at their own roots too.
+INCLUDES := -Iinclude -Isrc
+ALL_CFLAGS = -std=gnu99 $(CFLAGS) $(EXACT) $(WARNINGS) -fPIC -fvisibility=hidden -MMD -MP $(INCLUDES) $(CONFIG_CFLAGS) $(CFLAGS_EXTRA)
 
 ifeq ($(CONFIG),scalar)
 CONFIG_CFLAGS := -DDPT_SCALAR -fno-tree-vectorize
@@ -42,17 +44,21 @@ CFLAGS := -O0 -g
 CONFIG_CFLAGS := --coverage
 endif
 
-CORE := $(patsubst %.c,$(B)/%.o,$(wildcard src/*.c))
-COMPILE := $(patsubst %.c,$(B)/%.o,$(wildcard src/compile/*.c))
-# Device back ends: each is drivers/NAME.c, perhaps with drivers/NAME_*.c. What else is in drivers/ serves all of them.
+# The folders of the core, in the order of their layers (docs/design.md).
+FOLDERS := base mesh kernel nearest sweep contact strip query force exchange world arm
+objects = $(patsubst %.c,$(B)/%.o,$(wildcard $1))
+CORE := $(call objects,$(FOLDERS:%=src/%/*.c))
+TEXT := $(call objects,src/text/*.c)
+COMPILE := $(call objects,src/compile/*.c)
+# Device back ends: a folder each. What lies in drivers/ itself serves all of them.
 BACK_ENDS := sim replay serial openhaptics can
 DRIVERS ?= $(BACK_ENDS)
 ifneq ($(filter-out $(BACK_ENDS),$(DRIVERS)),)
 $(error no driver $(filter-out $(BACK_ENDS),$(DRIVERS)): there are $(BACK_ENDS))
 endif
-LEFT_OUT := $(patsubst %,drivers/%.c,$(filter-out $(DRIVERS),$(BACK_ENDS)))
-LEFT_OUT += $(if $(filter openhaptics,$(DRIVERS)),,$(wildcard drivers/openhaptics_*.c))
-DRIVER_PARTS := $(patsubst %.c,$(B)/%.o,$(filter-out $(LEFT_OUT),$(wildcard drivers/*.c)))
+# Firmware copies wire_device.[ch] (docs/wire.md); no host needs it.
+WIRE_DEVICE := $(B)/drivers/serial/wire_device.o
+DRIVER_PARTS := $(filter-out $(WIRE_DEVICE),$(call objects,drivers/*.c $(DRIVERS:%=drivers/%/*.c)))
 # Robots' descriptions: where there are urdfdom and a C++ compiler. URDF=no leaves them out.
 URDF_HERE = $(if $(filter fuzz fuzz-fast,$(CONFIG)),no,$(shell echo '\#include <urdf_parser/urdf_parser.h>' | \
   $(CXX) $$(pkg-config --cflags urdfdom console_bridge expat 2>&1) -E -x c++ - >/dev/null 2>&1 && echo yes || echo no))
@@ -62,7 +68,9 @@ URDF_PARTS := $(patsubst %.cc,$(B)/%.o,$(wildcard src/urdf/*.cc))
 URDF_CFLAGS := $(shell pkg-config --cflags urdfdom console_bridge expat)
 URDF_LIBS := -Wl,--as-needed $(shell pkg-config --libs urdfdom console_bridge expat) -lstdc++
 endif
-TOOLS := $(patsubst %.c,$(B)/%.o,$(wildcard tools/*.c))
+TOOLS := $(call objects,tools/*.c)
+# The other ends of a line, for `device simulate` and the tests.
+SIMULATE := $(call objects,tools/simulate/*.c) $(WIRE_DEVICE)
 LIBS := $(B)/libdynpoint $(B)/libdynpoint_compile $(B)/libdynpoint_drivers $(if $(URDF_PARTS),$(B)/libdynpoint_urdf)
 
 .PHONY: all force demo check firmware vm bench charts soak fuzz deps install uninstall help clean
@@ -75,19 +83,22 @@ $(B)/%.o: %.c
 
 $(B)/%.o: %.cc
 	@mkdir -p $(@D)
-	$(CXX) -std=c++11 $(CFLAGS) $(EXACT) -Wall -Wextra -fPIC -fvisibility=hidden -MMD -MP -Iinclude -Isrc $(URDF_CFLAGS) $(CONFIG_CFLAGS) $(CFLAGS_EXTRA) -c $< -o $@
+	$(CXX) -std=c++11 $(CFLAGS) $(EXACT) -Wall -Wextra -fPIC -fvisibility=hidden -MMD -MP $(INCLUDES) $(URDF_CFLAGS) $(CONFIG_CFLAGS) $(CFLAGS_EXTRA) -c $< -o $@
 
-$(B)/tools/arm.o: CONFIG_CFLAGS += $(if $(URDF_PARTS),-DDPT_URDF)
-$(B)/tools/arm.o: $(B)/urdf
+$(B)/tools/arm_file.o: CONFIG_CFLAGS += $(if $(URDF_PARTS),-DDPT_URDF)
+$(B)/tools/arm_file.o: $(B)/urdf
 $(B)/urdf: force
 	@mkdir -p $(@D)
 	@echo $(URDF) | cmp -s - $@ || echo $(URDF) >$@
 
-$(B)/src/kernel_scalar.o: CONFIG_CFLAGS += -fno-tree-vectorize
+$(B)/src/kernel/kernel_scalar.o: CONFIG_CFLAGS += -fno-tree-vectorize
+
+$(B)/drivers/%.o: INCLUDES += -Idrivers
+$(B)/tools/%.o: INCLUDES += -Idrivers -Itools
 
 # list.h names the back ends; it changes only when they do.
-$(B)/drivers/registry.o: ALL_CFLAGS += -I$(B)/drivers
-$(B)/drivers/registry.o: $(B)/drivers/list.h
+$(B)/drivers/device.o: INCLUDES += -I$(B)/drivers
+$(B)/drivers/device.o: $(B)/drivers/list.h
 $(B)/drivers/list.h: force
 	@mkdir -p $(@D)
 	@echo '#define DPT_DRIVERS $(patsubst %,DRIVER(%),$(DRIVERS))' | cmp -s - $@ || \
@@ -95,8 +106,8 @@ $(B)/drivers/list.h: force
 
 # One object a library, its inner symbols local: a static library meets no one else's names.
 $(B)/libdynpoint.o: $(CORE)
-$(B)/libdynpoint_compile.o: $(COMPILE)
-$(B)/libdynpoint_drivers.o: $(DRIVER_PARTS) $(B)/src/compile/number.o
+$(B)/libdynpoint_compile.o: $(COMPILE) $(TEXT)
+$(B)/libdynpoint_drivers.o: $(DRIVER_PARTS) $(TEXT)
 $(B)/libdynpoint.o $(B)/libdynpoint_compile.o $(B)/libdynpoint_drivers.o:
 	$(LD) -r $^ -o $@
 	$(OBJCOPY) --localize-hidden $@
@@ -119,13 +130,13 @@ DL := -ldl
 $(B)/libdynpoint_compile.so.$(SOVERSION): private LDLIBS = $(THREADS)
 $(B)/libdynpoint_drivers.so.$(SOVERSION): private LDLIBS = $(THREADS) $(DL)
 $(B)/libdynpoint.so.$(SOVERSION): $(CORE)
-$(B)/libdynpoint_compile.so.$(SOVERSION): $(COMPILE) $(B)/libdynpoint.so.$(SOVERSION)
-$(B)/libdynpoint_drivers.so.$(SOVERSION): $(DRIVER_PARTS) $(B)/src/compile/number.o $(B)/libdynpoint.so.$(SOVERSION)
+$(B)/libdynpoint_compile.so.$(SOVERSION): $(COMPILE) $(TEXT) $(B)/libdynpoint.so.$(SOVERSION)
+$(B)/libdynpoint_drivers.so.$(SOVERSION): $(DRIVER_PARTS) $(TEXT) $(B)/libdynpoint.so.$(SOVERSION)
 %.so.$(SOVERSION):
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) -shared -Wl,-soname,$(@F) -Wl,--version-script=src/symbols.map $^ -lm $(LDLIBS) -o $@
 	ln -sf $(@F) $*.so
 
-$(B)/dynpoint: $(TOOLS) $(URDF_PARTS) $(COMPILE) $(DRIVER_PARTS) $(CORE)
+$(B)/dynpoint: $(TOOLS) $(SIMULATE) $(URDF_PARTS) $(COMPILE) $(TEXT) $(DRIVER_PARTS) $(CORE)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(DL) $(URDF_LIBS) -o $@
 
 demo: ## build, make a liver, slide a tool over it, and prove every answer
@@ -171,4 +182,4 @@ help: ## this list
 clean: ## remove build/
 	rm -rf build
 
--include $(CORE:.o=.d) $(COMPILE:.o=.d) $(URDF_PARTS:.o=.d) $(DRIVER_PARTS:.o=.d) $(TOOLS:.o=.d)
+-include $(patsubst %.o,%.d,$(CORE) $(TEXT) $(COMPILE) $(URDF_PARTS) $(DRIVER_PARTS) $(TOOLS) $(SIMULATE))

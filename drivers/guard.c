@@ -2,8 +2,8 @@
 /* The guard (loop.h): a ramp up, a ramp down, limits. */
 #include <string.h>
 
+#include "base/wrench_limit.h"
 #include "dynpoint/loop.h"
-#include "limit.h"
 
 enum { DEF_SIZE_MOST = 4096 };
 

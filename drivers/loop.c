@@ -10,9 +10,9 @@
 #include <sys/mman.h>
 #include <time.h>
 
-#include "check.h"
+#include "base/return_if_error.h"
+#include "base/vec3.h"
 #include "dynpoint/loop.h"
-#include "vec.h"
 
 enum { DEF_SIZE_MOST = 4096, FAREWELLS = 10 };
 

@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "compile/number.h"
+#include "text/parse_number.h"
 
 dpt_result device_error(dpt_device_error *error, dpt_result code, const char *format, ...)
 {

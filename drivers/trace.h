@@ -6,7 +6,7 @@
 #ifndef DPT_DRIVERS_TRACE_H
 #define DPT_DRIVERS_TRACE_H
 
-#include "table.h"
+#include "csv.h"
 
 extern const struct table_form trace_form;
 

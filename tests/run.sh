@@ -133,8 +133,8 @@ run "test_loop, sanitize" build/sanitize/tests/test_loop
 for name in serial serial_faults openhaptics openhaptics_faults openhaptics_open hd_units hd_stand_in; do
     run "test_$name, sanitize" build/sanitize/tests/test_$name
 done
-run "the program" sh tests/test_cli.sh build
-run "the program, sanitize" sh tests/test_cli.sh build/sanitize
+run "the program" sh tests/tools/test_cli.sh build
+run "the program, sanitize" sh tests/tools/test_cli.sh build/sanitize
 run "firmware" sh tests/firmware/run.sh build
 run "a real kernel" sh tests/vm/check.sh build build/sanitize
 run "the peer" sh tests/bench/check.sh build

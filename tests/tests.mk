@@ -1,38 +1,49 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# The tests: a program a noun, test_*.c, each ending in "N passed, M failed, K skipped".
+# The tests: a program a noun, tests/TOPIC/test_NOUN.c, which ends in "N passed, M failed, K skipped". All programs lie
+# in $(B)/tests.
 
-TESTS := $(patsubst tests/%.c,$(B)/tests/%,$(wildcard tests/test_*.c))
-TEST_PARTS := $(patsubst %.c,$(B)/%.o,$(wildcard tests/oracle/*.c tests/data/*.c)) \
-              $(B)/tools/shape.o $(B)/tools/shape_organs.o $(CORE) $(COMPILE) $(DRIVER_PARTS)
+# Those of other folders are linked in a way of their own, below.
+TOPICS := mesh compile kernel nearest sweep contact strip query force world arm drivers tools fuzz
+TEST_SOURCES := $(filter-out %/test_sweep_exact.c,$(wildcard $(TOPICS:%=tests/%/test_*.c)))
+TESTS := $(addprefix $(B)/tests/,$(basename $(notdir $(TEST_SOURCES))))
+TEST_PARTS := $(call objects,tests/oracle/*.c tests/data/*.c) \
+              $(B)/tools/shape.o $(B)/tools/shape_organs.o $(CORE) $(TEXT) $(COMPILE) $(DRIVER_PARTS) $(SIMULATE)
+LINK_TEST = $(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(DL) $(LDLIBS) -o $@
 
-$(B)/tests/%.o: ALL_CFLAGS += -Itests -Itools -Idrivers
-$(B)/tests/test_%: $(B)/tests/test_%.o $(TEST_PARTS)
-	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(DL) $(LDLIBS) -o $@
+$(B)/tests/%.o: INCLUDES += -Itests -Itools -Idrivers
+define TEST_PROGRAM
+$(B)/tests/$(basename $(notdir $1)): $(B)/$(1:.c=.o)
+endef
+$(foreach source,$(TEST_SOURCES),$(eval $(call TEST_PROGRAM,$(source))))
+SITED := $(B)/tests/test_damage $(B)/tests/test_arm
+$(filter-out $(SITED),$(TESTS)): $(TEST_PARTS)
+	$(LINK_TEST)
 $(B)/tests/test_parallel: private LDLIBS = -Wl,--wrap=pthread_create,--wrap=pthread_join,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free
 
-# The readers, with the line of each check that refuses (tests/sites.h).
+# The readers, with the line of each check that refuses (tests/lib/sites.h).
 $(B)/tests/%_sites.c: src/%.c
 	@mkdir -p $(@D)
+	@grep -q 'return fail' $< || { echo "$<: no line to mark: 'return fail' matches nothing"; exit 1; }
 	{ echo 'extern int site;'; echo '#line 1 "$<"'; \
 	  sed 's/return fail/return site = site ? site : __LINE__, fail/' $<; } >$@
 $(B)/tests/%_sites.o: $(B)/tests/%_sites.c
 	$(CC) $(ALL_CFLAGS) -c $< -o $@
-$(B)/tests/test_damage: $(B)/tests/test_damage.o $(B)/tests/mesh_open_sites.o $(filter-out $(B)/src/mesh_open.o,$(TEST_PARTS))
-$(B)/tests/test_arm: $(B)/tests/test_arm.o $(B)/tests/arm_open_sites.o $(filter-out $(B)/src/arm_open.o,$(TEST_PARTS))
-$(B)/tests/test_damage $(B)/tests/test_arm:
-	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(DL) $(LDLIBS) -o $@
+$(B)/tests/test_damage: $(B)/tests/mesh/mesh_open_sites.o $(filter-out $(B)/src/mesh/mesh_open.o,$(TEST_PARTS))
+$(B)/tests/test_arm: $(B)/tests/arm/arm_open_sites.o $(filter-out $(B)/src/arm/arm_open.o,$(TEST_PARTS))
+$(SITED):
+	$(LINK_TEST)
 $(B)/tests/test_arm: private LDLIBS = -Wl,--wrap=calloc
 
 $(B)/tests/test_organs: | $(B)/dynpoint
 
-FUZZ_PARTS := $(patsubst %.c,$(B)/%.o,$(wildcard tests/fuzz/*.c))
+FUZZ_PARTS := $(filter-out $(B)/tests/fuzz/test_fuzz.o,$(call objects,tests/fuzz/*.c))
 $(B)/tests/test_fuzz: $(FUZZ_PARTS)
 
 # With CONFIG=fuzz or fuzz-fast alone: each target as a program of libFuzzer's.
 FUZZ_TARGETS := obj stl ply off trace mesh forged arm wire
 FUZZ_SHARED := $(filter-out $(FUZZ_TARGETS:%=$(B)/tests/fuzz/%.o) $(B)/tests/fuzz/mutate.o,$(FUZZ_PARTS)) \
-               $(B)/tools/shape.o $(B)/tools/shape_organs.o $(B)/drivers/wire.o $(B)/drivers/wire_device.o \
-               $(B)/drivers/table.o $(B)/drivers/trace.o $(B)/drivers/settings.o $(CORE) $(COMPILE)
+               $(B)/tools/shape.o $(B)/tools/shape_organs.o $(B)/drivers/serial/wire.o $(WIRE_DEVICE) \
+               $(B)/drivers/csv.o $(B)/drivers/trace.o $(B)/drivers/settings.o $(CORE) $(TEXT) $(COMPILE)
 $(B)/tests/fuzz/fuzz_%: $(B)/tests/fuzz/%.o $(FUZZ_SHARED)
 	$(CC) $(subst fuzzer-no-link,fuzzer,$(CONFIG_CFLAGS)) $(LDFLAGS) $^ -lm $(THREADS) -o $@
 fuzz-programs: $(FUZZ_TARGETS:%=$(B)/tests/fuzz/fuzz_%)
@@ -52,25 +63,25 @@ $(B)/tests/test_can $(B)/tests/test_can_faults $(B)/tests/test_can_open: private
 # are not what they are called. libPHANToMIO.so.4 is not where the loader looks.
 HD_STAND_INS := $(addprefix $(B)/tests/libHD-,stand-in.so 3.0.so empty.so lonely.so mismatched.so)
 HD_SHARED = $(CC) $(CONFIG_CFLAGS) $(LDFLAGS) -shared -Wl,-soname,$(@F)
-$(B)/tests/libHD-stand-in.so: $(B)/tests/hd/stand_in.o $(B)/tests/hd/stand_in_scheduler.o
+$(B)/tests/libHD-stand-in.so: $(B)/tests/drivers/hd/stand_in.o $(B)/tests/drivers/hd/stand_in_scheduler.o
 	$(HD_SHARED) $^ -lm $(THREADS) -o $@
-$(B)/tests/hd/stand_in_3_0.o: tests/hd/stand_in.c
+$(B)/tests/drivers/hd/stand_in_3_0.o: tests/drivers/hd/stand_in.c
 	@mkdir -p $(@D)
 	$(CC) $(ALL_CFLAGS) -DSTAND_IN_3_0 -c $< -o $@
-$(B)/tests/libHD-3.0.so: $(B)/tests/hd/stand_in_3_0.o $(B)/tests/hd/stand_in_scheduler.o
+$(B)/tests/libHD-3.0.so: $(B)/tests/drivers/hd/stand_in_3_0.o $(B)/tests/drivers/hd/stand_in_scheduler.o
 	$(HD_SHARED) $^ -lm $(THREADS) -o $@
-$(B)/tests/hd/libPHANToMIO.so.4 $(B)/tests/libHD-empty.so: $(B)/tests/hd/empty.o
+$(B)/tests/drivers/hd/libPHANToMIO.so.4 $(B)/tests/libHD-empty.so: $(B)/tests/drivers/hd/empty.o
 	$(HD_SHARED) $^ -o $@
-$(B)/tests/libHD-lonely.so: $(B)/tests/hd/empty.o $(B)/tests/hd/libPHANToMIO.so.4
+$(B)/tests/libHD-lonely.so: $(B)/tests/drivers/hd/empty.o $(B)/tests/drivers/hd/libPHANToMIO.so.4
 	$(HD_SHARED) -Wl,--no-as-needed $^ -o $@
-$(B)/tests/libHD-mismatched.so: $(B)/tests/hd/mismatched.o
+$(B)/tests/libHD-mismatched.so: $(B)/tests/drivers/hd/mismatched.o
 	$(HD_SHARED) $^ -o $@
 HD_TESTS := $(patsubst %,$(B)/tests/test_%,openhaptics openhaptics_faults openhaptics_open hd_stand_in)
 $(HD_TESTS): | $(HD_STAND_INS)
 HD_WRAPPED := dlopen dlsym dlerror calloc clock_gettime getenv fopen access
 $(HD_TESTS): private LDLIBS = $(HD_WRAPPED:%=-Wl,--wrap=%)
 test-programs: $(HD_STAND_INS)
--include $(patsubst %,$(B)/tests/hd/%.d,stand_in stand_in_3_0 stand_in_scheduler)
+-include $(patsubst %,$(B)/tests/drivers/hd/%.d,stand_in stand_in_3_0 stand_in_scheduler)
 
 # Exact arithmetic: where there are g++ and gmpxx.
 EXACT_LIBS := $(if $(shell echo '\#include <gmpxx.h>' | $(CXX) -E -x c++ - 2>/dev/null | tail -n 1),-lgmpxx -lgmp -lstdc++)
@@ -79,29 +90,28 @@ TESTS += $(B)/tests/test_sweep_exact
 endif
 $(B)/tests/oracle/exact.o: tests/oracle/exact.cc
 	@mkdir -p $(@D)
-	$(CXX) -std=c++11 -O2 -g -Wall -Wextra -MMD -MP $(CONFIG_CFLAGS) $(CFLAGS_EXTRA) -c $< -o $@
-$(B)/tests/test_sweep_exact: $(B)/tests/exact/sweep.o $(B)/tests/oracle/exact.o $(TEST_PARTS)
+	$(CXX) -std=c++11 -O2 -g -Wall -Wextra -MMD -MP -Itests $(CONFIG_CFLAGS) $(CFLAGS_EXTRA) -c $< -o $@
+$(B)/tests/test_sweep_exact: $(B)/tests/sweep/test_sweep_exact.o $(B)/tests/oracle/exact.o $(TEST_PARTS)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(DL) $(EXACT_LIBS) -o $@
 
 # Robots' descriptions: where the library reads them.
 ifneq ($(URDF_PARTS),)
 TESTS += $(B)/tests/test_urdf_golden $(B)/tests/test_urdf_arm
 test-programs: $(B)/tests/urdf/answers
--include $(wildcard $(B)/tests/urdf/*.d)
 endif
 $(B)/tests/urdf/answers: $(B)/tests/urdf/answers.o $(CORE)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -o $@
 $(B)/tests/test_urdf_%: private LDLIBS = -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free
-$(B)/tests/test_urdf_%: $(B)/tests/urdf/%.o $(B)/tests/urdf/surroundings.o $(URDF_PARTS) $(TEST_PARTS)
+$(B)/tests/test_urdf_%: $(B)/tests/urdf/test_urdf_%.o $(B)/tests/urdf/surroundings.o $(URDF_PARTS) $(TEST_PARTS)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(LDLIBS) $(URDF_LIBS) -o $@
 
-$(B)/tests/firmware/link: $(B)/tests/firmware/link.o $(DRIVER_PARTS) $(B)/src/compile/number.o $(CORE)
+$(B)/tests/firmware/link: $(B)/tests/firmware/link.o $(DRIVER_PARTS) $(TEXT) $(CORE)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -lpthread $(DL) -o $@
 
 # On a real kernel with SocketCAN (tests/vm/check.sh runs every test_* there).
 VM_TESTS := $(patsubst tests/%.c,$(B)/tests/%,$(wildcard tests/vm/test_*.c))
-VM_PARTS := $(patsubst %.c,$(B)/%.o,$(filter-out $(wildcard tests/vm/test_*.c),$(wildcard tests/vm/*.c)))
-$(B)/tests/vm/test_%: $(B)/tests/vm/test_%.o $(VM_PARTS) $(DRIVER_PARTS) $(COMPILE) $(CORE)
+VM_PARTS := $(filter-out $(B)/tests/vm/test_%,$(call objects,tests/vm/*.c))
+$(B)/tests/vm/test_%: $(B)/tests/vm/test_%.o $(VM_PARTS) $(DRIVER_PARTS) $(SIMULATE) $(TEXT) $(COMPILE) $(CORE)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(DL) -o $@
 
 vm: all $(VM_TESTS) $(B)/tests/test_can $(B)/tests/test_can_faults ## the tests on a real kernel, in an emulated machine
@@ -149,9 +159,10 @@ deps: ## install what the tests can use beside a compiler (apt-get)
 
 test-programs: all $(TESTS) $(VM_TESTS) $(B)/tests/firmware/link $(B)/tests/bench/dump_mesh $(B)/tests/bench/strips $(B)/tests/bench/budgets $(B)/tests/bench/recall
 .PHONY: test-programs
--include $(TESTS:=.d) $(VM_TESTS:=.d) $(VM_PARTS:.o=.d) $(patsubst %.o,%.d,$(TEST_PARTS) $(FUZZ_PARTS))
+-include $(TEST_SOURCES:%.c=$(B)/%.d) $(VM_TESTS:=.d) $(patsubst %.o,%.d,$(VM_PARTS) $(TEST_PARTS) $(FUZZ_PARTS))
+-include $(wildcard $(B)/tests/sweep/test_sweep_exact.d $(B)/tests/urdf/*.d)
 
-$(B)/tests/bench/dump_mesh: $(B)/tests/bench/dump_mesh.o $(B)/tools/common.o $(COMPILE) $(CORE)
+$(B)/tests/bench/dump_mesh: $(B)/tests/bench/dump_mesh.o $(B)/tools/command_options.o $(TEXT) $(COMPILE) $(CORE)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) -o $@
 
 $(B)/tests/bench/strips $(B)/tests/bench/budgets: %: %.o $(CORE)

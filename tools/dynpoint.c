@@ -3,8 +3,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "command.h"
-#include "common.h"
+#include "command_options.h"
+#include "commands.h"
 
 static const struct {
     const char *name;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "open_device.h"
 
-#include "common.h"
+#include "command_options.h"
 
 int open_device(const char *command, const char *name, dpt_device **device)
 {

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "replay.h"
+#include "replay_report.h"
 
 static const char *const status_words[] = { "stale", "local", "bounded", "exact" };
 static const char *const contact_words[] = { "unknown", "separated", "touching", "penetrating" };

@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "arm.h"
-#include "common.h"
+#include "arm_file.h"
+#include "command_options.h"
 
 /* A URDF's z is up and its x ahead, a device's y up and its z to the user. */
 static const double device_to_root[4] = { 0.5, 0.5, -0.5, -0.5 };

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "trig.h"
+#include "base/sincos.h"
 
 #define NO_HALF UINT32_MAX
 

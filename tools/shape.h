@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
  * Test meshes, built in memory. The same arguments give the same bytes on every machine: only
- * + - * / and sqrt are used, and trig.h, and nothing is fused (-ffp-contract=off). Metres; closed
+ * + - * / and sqrt are used, and sincos.h, and nothing is fused (-ffp-contract=off). Metres; closed
  * meshes are wound outward.
  */
 #ifndef DPT_TOOLS_SHAPE_H

@@ -11,7 +11,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "trig.h"
+#include "base/sincos.h"
 
 static double dot(const double a[3], const double b[3])
 {

@@ -49,7 +49,7 @@ DPT_API dpt_result dpt_query_segments(const dpt_mesh *mesh, const dpt_pose *pose
  *
  * Returns the distance, 0 when they meet (p = q then); infinity, and safe outputs, for an argument
  * that is NULL, not finite or beyond 1e60. Lengths below 1e-60 count as 0. Error below 32 * 2^-53 times the largest coordinate, slivers included:
- * docs/algorithms/distance.md, tests/test_pair.c.
+ * docs/algorithms/distance.md, tests/nearest/test_pair.c.
  */
 DPT_API double dpt_segment_triangle(const double segment[6], const double triangle[9], double *s,
                                     double p[3], double q[3]);

@@ -6,10 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../check.h"
-#include "../mesh_format.h"
-#include "../vec.h"
-#include "model.h"
+#include "base/return_if_error.h"
+#include "base/vec3.h"
+#include "compile/model.h"
+#include "mesh/mesh_format.h"
 
 /* A half-edge is 3 * triangle + k: from corner k to corner k + 1. */
 static uint32_t edge_from(const struct model *model, uint32_t half)

@@ -6,10 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../check.h"
-#include "../mesh_format.h"
-#include "../vec.h"
-#include "model.h"
+#include "base/return_if_error.h"
+#include "base/vec3.h"
+#include "compile/model.h"
+#include "mesh/mesh_format.h"
 
 void *model_array(soup *source, size_t count, size_t width)
 {

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "cluster.h"
+#include "compile/cluster.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "../angle.h"
-#include "../segment_triangle.h"
+#include "base/angle.h"
+#include "nearest/segment_triangle.h"
 
 #define LEAF  16u
 #define WIDTH 4u

@@ -7,8 +7,8 @@
 #ifndef DPT_COMPILE_CLUSTER_H
 #define DPT_COMPILE_CLUSTER_H
 
-#include "model.h"
-#include "moment.h"
+#include "compile/model.h"
+#include "compile/moments.h"
 
 #define CLUSTER_LEVELS 16u /* 16 * 4^15 is more than 2^32 triangles */
 

@@ -5,10 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../check.h"
-#include "../vec.h"
-#include "model.h"
-#include "parallel.h"
+#include "base/return_if_error.h"
+#include "base/vec3.h"
+#include "compile/model.h"
+#include "compile/parallel.h"
 
 static const source_place nowhere = { 0, 0 };
 

@@ -4,8 +4,8 @@
  */
 #include <string.h>
 
-#include "../arm_format.h"
-#include "text.h"
+#include "arm/arm_format.h"
+#include "compile/text.h"
 
 /* A mesh's or an arm's; what is cut within its magic is not meant. */
 static bool is_compiled(const unsigned char *bytes, size_t size)

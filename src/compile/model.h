@@ -6,7 +6,7 @@
 #ifndef DPT_COMPILE_MODEL_H
 #define DPT_COMPILE_MODEL_H
 
-#include "soup.h"
+#include "compile/soup.h"
 
 struct part {
     uint32_t flags; /* MESH_PART_... */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "parallel.h"
+#include "compile/parallel.h"
 
 #include <pthread.h>
 

@@ -3,9 +3,9 @@
  * Wavefront OBJ: the lines that begin with v and f. All other lines are skipped, known or not, and
  * so is whatever follows x, y and z on a vertex line (a weight, colours).
  */
-#include "../check.h"
-#include "number.h"
-#include "text.h"
+#include "base/return_if_error.h"
+#include "compile/text.h"
+#include "text/parse_number.h"
 
 typedef struct obj_reader {
     source_text text;

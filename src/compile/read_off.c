@@ -6,8 +6,8 @@
 #include <inttypes.h>
 #include <string.h>
 
-#include "../check.h"
-#include "text.h"
+#include "base/return_if_error.h"
+#include "compile/text.h"
 
 typedef struct off_reader {
     source_text text;

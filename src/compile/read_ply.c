@@ -8,8 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../check.h"
-#include "text.h"
+#include "base/return_if_error.h"
+#include "compile/text.h"
 
 enum { NO_TYPE, INT8, UINT8, INT16, UINT16, INT32, UINT32, FLOAT32, FLOAT64 };
 

@@ -6,8 +6,8 @@
 #include <inttypes.h>
 #include <string.h>
 
-#include "../check.h"
-#include "text.h"
+#include "base/return_if_error.h"
+#include "compile/text.h"
 
 enum { HEADER_BYTES = 84, FACET_BYTES = 50, NORMAL_BYTES = 12, VERTEX_BYTES = 12 };
 

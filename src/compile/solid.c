@@ -6,10 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../check.h"
-#include "../mesh_format.h"
-#include "cluster.h"
-#include "parallel.h"
+#include "base/return_if_error.h"
+#include "compile/cluster.h"
+#include "compile/parallel.h"
+#include "mesh/mesh_format.h"
 
 /* A part with defects is solid when the rest of it goes round its triangles as often as that, on average. */
 #define SOLID_LEAST 0.44

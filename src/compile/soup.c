@@ -8,10 +8,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../check.h"
-#include "parallel.h"
-#include "soup.h"
-#include "text.h"
+#include "base/return_if_error.h"
+#include "compile/parallel.h"
+#include "compile/soup.h"
+#include "compile/text.h"
 
 #define CREASE_DEFAULT 1.0471975511965976 /* 60 degrees */
 

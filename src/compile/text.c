@@ -5,9 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../check.h"
-#include "number.h"
-#include "text.h"
+#include "base/return_if_error.h"
+#include "compile/text.h"
+#include "text/parse_number.h"
 
 static bool is_blank(char c)
 {

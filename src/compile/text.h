@@ -9,7 +9,7 @@
 
 #include <stdbool.h>
 
-#include "soup.h"
+#include "compile/soup.h"
 
 typedef struct source_text {
     const char *at; /* the next byte to read */

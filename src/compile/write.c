@@ -4,12 +4,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../crc32.h"
-#include "../mesh_format.h"
-#include "../vec.h"
-#include "model.h"
-#include "moment.h"
-#include "parallel.h"
+#include "base/crc32.h"
+#include "base/vec3.h"
+#include "compile/model.h"
+#include "compile/moments.h"
+#include "compile/parallel.h"
+#include "mesh/mesh_format.h"
 
 /* Of this many leaves, or bytes of sections, a thread is worth making. */
 #define LEAVES_LEAST  256u

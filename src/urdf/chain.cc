@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "chain.h"
+#include "urdf/chain.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 #ifndef DPT_URDF_CHAIN_H
 #define DPT_URDF_CHAIN_H
 
-#include "robot.h"
+#include "urdf/robot.h"
 
 /* Where a link of the robot is. */
 struct Placed {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "fault.h"
+#include "urdf/fault.h"
 
 #include <cstdarg>
 #include <cstdio>

@@ -2,7 +2,7 @@
 #include <cstdio>
 #include <cstring>
 
-#include "scene.h"
+#include "urdf/urdf_scene.h"
 
 namespace
 {

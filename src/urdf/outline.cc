@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "outline.h"
+#include "urdf/outline.h"
 
 #include <cstring>
 #include <exception>

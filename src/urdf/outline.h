@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "fault.h"
+#include "urdf/fault.h"
 
 struct Attribute {
     std::string name;

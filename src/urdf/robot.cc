@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "robot.h"
+#include "urdf/robot.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 #include <console_bridge/console.h>
 #include <urdf_parser/urdf_parser.h>
 
-#include "outline.h"
+#include "urdf/outline.h"
 
 /* An urdfdom before 5.1 leaves this one without a body. */
 namespace urdf

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "fault.h"
-#include "frame.h"
+#include "urdf/fault.h"
+#include "urdf/urdf_frame.h"
 
 static const size_t none = static_cast<size_t>(-1);
 

@@ -2,7 +2,7 @@
 /* The words of a URDF, as far as an arm is told by them. */
 #include <cstring>
 
-#include "outline.h"
+#include "urdf/outline.h"
 
 namespace
 {

@@ -113,8 +113,8 @@ done
 # The build allows gnu99; the sources do not need it. Attributes are the compiler's own in either.
 exact=$(sed -n 's/^EXACT := //p' Makefile)
 strict=0
-for source in src/*.c src/compile/*.c drivers/*.c; do
-    ${CC:-cc} $c99 -Iinclude -Isrc -I"$build/drivers" -O1 $exact -fPIC -c "$source" -o "$scratch/strict.o" || strict=1
+for source in $(find src drivers -name '*.c'); do
+    ${CC:-cc} $c99 -Iinclude -Isrc -Idrivers -I"$build/drivers" -O1 $exact -fPIC -c "$source" -o "$scratch/strict.o" || strict=1
 done
 verdict $strict "every source is pedantic C99"
 
@@ -139,12 +139,9 @@ make -s B="$few" DRIVERS=nonesuch "$few/libdynpoint_drivers.so.0" >/dev/null 2>&
 [ $? -eq 2 ]
 verdict $? "and an unknown one is an error"
 
-# Without urdfdom the program says so. Objects of sources that are no more may lie about.
-objects() { for source; do echo "$build/${source%.c}.o"; done; }
-make -s B="$few" URDF=no "$few/tools/arm.o" &&
-    ${CC:-cc} "$few/tools/arm.o" $(objects tools/*.c | grep -v /arm.o) $(objects src/*.c src/compile/*.c drivers/*.c) \
-        -lm -pthread -o "$scratch/no_urdf" &&
-    ! "$scratch/no_urdf" compile docs/samples/arm.urdf -o "$scratch/arm.dpa" 2>"$scratch/no_urdf.says" &&
+# Without urdfdom the program says so.
+make -s B="$few" URDF=no "$few/dynpoint" &&
+    ! "$few/dynpoint" compile docs/samples/arm.urdf -o "$scratch/arm.dpa" 2>"$scratch/no_urdf.says" &&
     [ "$(wc -l <"$scratch/no_urdf.says")" -eq 1 ] && grep -q "this build reads no URDF: install" "$scratch/no_urdf.says" &&
     [ ! -e "$scratch/arm.dpa" ]
 verdict $? "URDF=no builds a program that says what is missing"

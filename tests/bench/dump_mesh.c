@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common.h"
+#include "command_options.h"
 
 static void put_word(FILE *file, uint32_t word)
 {

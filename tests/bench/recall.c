@@ -5,7 +5,7 @@
  *
  *     recall [POSES = 50]    a mesh and length; organs from DPT_DATA, where that is
  */
-#include "strip_recall.h"
+#include "strip/strip_recall.h"
 
 /* Closed, and wound one way. */
 static const char *const organs[] = {

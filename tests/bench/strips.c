@@ -14,7 +14,7 @@
 
 #include "bench/timing.h"
 #include "dynpoint.h"
-#include "mesh_format.h"
+#include "mesh/mesh_format.h"
 
 enum { PLACES = 300, SLIDES = 40, STEPS = 25 };
 

@@ -2,7 +2,7 @@
 /*
  * The motions of motion.h.
  */
-#include "motion.h"
+#include "data/motion.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "board.h"
+#include "firmware/board.h"
 
 int main(void);
 void reset(void);

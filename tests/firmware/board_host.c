@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* measure.c on the machine that builds it: nothing is counted, its sum of bits is what counts. */
-#include "board.h"
+#include "firmware/board.h"
 
 #include <stdio.h>
 #include <stdlib.h>

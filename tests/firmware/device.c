@@ -6,9 +6,9 @@
  * PERIOD is of a sample, in ms, and WATCHDOG in s: run.sh sets them for QEMU, whose UART passes few bytes in a millisecond
  * where the machine is busy, and which may then stand still for longer than a good watchdog waits.
  */
-#include "board.h"
-#include "mechanism.h"
-#include "wire_device.h"
+#include "firmware/board.h"
+#include "serial/wire_device.h"
+#include "simulate/mechanism.h"
 
 #ifndef PERIOD
 #define PERIOD 1

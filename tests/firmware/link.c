@@ -5,7 +5,7 @@
  *
  *     link QEMU ARGUMENTS...      which says "redirected to /dev/pts/N"
  */
-#include "relay.h"
+#include "drivers/relay.h"
 
 #include <math.h>
 #include <pthread.h>
@@ -13,8 +13,8 @@
 #include <sys/wait.h>
 #include <time.h>
 
-#include "../check.h"
 #include "dynpoint/driver.h"
+#include "lib/check.h"
 
 enum { GOOD, DAMAGED, CUT };
 

@@ -7,9 +7,9 @@
 #include <stdalign.h>
 #include <string.h>
 
-#include "board.h"
 #include "dynpoint.h"
-#include "wire_device.h"
+#include "firmware/board.h"
+#include "serial/wire_device.h"
 
 extern const unsigned char flash_mesh[];
 extern const size_t flash_mesh_size;

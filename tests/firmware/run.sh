@@ -34,7 +34,7 @@ mkdir -p "$out"
 echo '#include <string.h>' | ${cross}gcc -mcpu=cortex-m7 -E -x c - >"$out/log" 2>&1 || skip "firmware: no newlib for ${cross}gcc"
 
 exact=$(sed -n 's/^EXACT := //p' Makefile)
-flags="-std=gnu99 -O2 $exact -Wall -Wextra -Wshadow -Wconversion -Werror -ffunction-sections -fdata-sections -Iinclude -Isrc -Idrivers"
+flags="-std=gnu99 -O2 $exact -Wall -Wextra -Wshadow -Wconversion -Werror -ffunction-sections -fdata-sections -Iinclude -Isrc -Idrivers -Itests"
 machine="-mcpu=cortex-m7 -mthumb -mfloat-abi=hard -mfpu=fpv5-d16"
 link="-T tests/firmware/m7.ld -nostartfiles -Wl,--gc-sections --specs=nosys.specs -lm"
 run="qemu-system-arm -M mps2-an500 -display none -monitor none -semihosting-config enable=on,target=native"
@@ -45,13 +45,15 @@ verdict $? "512 triangles as an array in C"
 ${CC:-cc} -std=gnu99 -Iinclude tests/firmware/arm.c "$build/libdynpoint_compile.a" "$build/libdynpoint.a" -lm -lpthread \
     -o "$out/arm" >>"$out/log" 2>&1 && "$out/arm" >"$out/arm.c"
 verdict $? "an arm of three joints likewise"
-wire="drivers/wire.c drivers/wire_device.c"
+# The sources of the core.
+core=$(for folder in $(sed -n 's/^FOLDERS := //p' Makefile); do ls src/$folder/*.c 2>/dev/null; done)
+wire="drivers/serial/wire.c drivers/serial/wire_device.c"
 ${cross}gcc $flags $machine -DPERIOD=4 -DWATCHDOG=0.5f tests/firmware/device.c tests/firmware/board.c $wire $link \
     -o "$out/device.elf" >>"$out/log" 2>&1 &&
-    ${cross}gcc $flags $machine tests/firmware/measure.c tests/firmware/board.c $wire src/*.c "$out/mesh.c" "$out/arm.c" $link \
+    ${cross}gcc $flags $machine tests/firmware/measure.c tests/firmware/board.c $wire $core "$out/mesh.c" "$out/arm.c" $link \
         -o "$out/measure.elf" >>"$out/log" 2>&1
 verdict $? "it is built for a Cortex-M7 without a warning, see $out/log"
-${CC:-cc} $flags tests/firmware/measure.c tests/firmware/board_host.c $wire src/*.c "$out/mesh.c" "$out/arm.c" -lm -o "$out/measure" >>"$out/log" 2>&1 &&
+${CC:-cc} $flags tests/firmware/measure.c tests/firmware/board_host.c $wire $core "$out/mesh.c" "$out/arm.c" -lm -o "$out/measure" >>"$out/log" 2>&1 &&
     "$out/measure" >"$out/measure.host"
 verdict $? "and for this machine"
 
@@ -63,7 +65,7 @@ sizes() { ${cross}size "$@" | awk 'NR > 1 { text += $1; data += $2 + $3 } END { 
 [ -n "$(value bits)" ] && [ "$(value bits)" = "$(sed -n 's/^bits //p' "$out/measure.host")" ]
 verdict $? "frames, poses, efforts, distances and wrenches have the same bits on both"
 
-for source in $wire src/kinematics.c src/arm_open.c; do
+for source in $wire src/arm/arm_kinematics.c src/arm/arm_open.c; do
     ${cross}gcc $flags $machine -c $source -o "$out/$(basename $source .c).o"
 done
 cat >"$out/core.c" <<'END'
@@ -94,11 +96,11 @@ int main(void)
 }
 END
 # What of the core a device needs, with the C library's part of it.
-${cross}gcc $flags $machine "$out/core.c" src/*.c $link -Wl,--defsym=bytes=0 -Wl,--defsym=block=0x20000000 \
+${cross}gcc $flags $machine "$out/core.c" $core $link -Wl,--defsym=bytes=0 -Wl,--defsym=block=0x20000000 \
     -o "$out/core.elf" >>"$out/log" 2>&1
 verdict $? "the core alone is linked"
 set -- $(sizes "$out/wire.o") $(sizes "$out/wire_device.o") $(sizes "$out/device.elf") $(sizes "$out/core.elf") \
-    $(sizes "$out/kinematics.o") $(sizes "$out/arm_open.o")
+    $(sizes "$out/arm_kinematics.o") $(sizes "$out/arm_open.o")
 cat <<END
 
 | on a Cortex-M7, gcc -O2 | instructions | text, bytes | RAM, bytes |
@@ -111,7 +113,7 @@ cat <<END
 | the core: dpt_world_step and what it needs | | $7 | $8, stack $(value stack) |
 | mesh of 512 triangles in flash | | $(value mesh_bytes) | 0 |
 | an arm of 3 joints in flash | | $(value arm_bytes) | 0 |
-| its pose, velocity and efforts: kinematics.c | $(value arm_tick) | $9 | 0, stack below $(value stack_arm) |
+| its pose, velocity and efforts: arm_kinematics.c | $(value arm_tick) | $9 | 0, stack below $(value stack_arm) |
 | open it, once: arm_open.c, and mesh_open.c | $(value arm_open) | ${11} | 0, stack below $(value stack_arm_open) |
 | tick, exact, nearest pair (DPT_UNTIL_TRACK): median / 99 % / most | $(value track_median) / $(value track_p99) / $(value track_most) | | $(value track_bytes) |
 | tick, exact, with depth and force, max_contacts 0 | $(value depth_median) / $(value depth_p99) / $(value depth_most) | | $(value depth_bytes) |

@@ -6,9 +6,9 @@
 #include <math.h>
 #include <string.h>
 
-#include "arm_format.h"
+#include "arm/arm_format.h"
 #include "dynpoint/compile.h"
-#include "target.h"
+#include "fuzz/target.h"
 
 static dpt_mesh_fault verify(const void *bytes, size_t size)
 {

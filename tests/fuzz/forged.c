@@ -10,11 +10,11 @@
 #include <math.h>
 #include <string.h>
 
-#include "crc32.h"
+#include "base/crc32.h"
 #include "dynpoint/compile.h"
-#include "mesh_format.h"
+#include "fuzz/target.h"
+#include "mesh/mesh_format.h"
 #include "shape.h"
-#include "target.h"
 
 enum { REPAIR_INDICES = 1, REPAIR_FLOATS = 2, OTHER_ORDER = 4, ASKED_SHIFT = 3 };
 

@@ -2,7 +2,7 @@
 /* Bytes as they are: refused with code, section and byte, or used. */
 #include <string.h>
 
-#include "target.h"
+#include "fuzz/target.h"
 
 static dpt_mesh_fault verify(const void *bytes, size_t size)
 {

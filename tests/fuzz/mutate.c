@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "mutate.h"
+#include "fuzz/mutate.h"
 
 #include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "../random.h"
+#include "lib/random.h"
 
 void fuzz_set_free(struct fuzz_set *set)
 {

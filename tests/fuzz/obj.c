@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "dynpoint/compile.h"
-#include "target.h"
+#include "fuzz/target.h"
 
 FUZZ_TARGET(obj)
 {

@@ -2,8 +2,8 @@
 #include <string.h>
 
 #include "dynpoint/compile.h"
-#include "mesh_format.h"
-#include "target.h"
+#include "fuzz/target.h"
+#include "mesh/mesh_format.h"
 
 static uint64_t lines_of(const uint8_t *bytes, size_t size)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
  * Fuzz targets: any bytes go in, and no harm is done. A target is a function of bytes; with FUZZ_ENGINE it
- * is the entry that libFuzzer and AFL++ look for, without it tests/test_fuzz.c calls it by its name.
+ * is the entry that libFuzzer and AFL++ look for, without it tests/fuzz/test_fuzz.c calls it by its name.
  *
  *     FUZZ_TARGET(obj) { fuzz_reader(DPT_FORMAT_OBJ, bytes, size); return 0; }
  *

@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-#include "target.h"
+#include "fuzz/target.h"
 
 FUZZ_TARGET(trace)
 {

@@ -2,7 +2,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "target.h"
+#include "fuzz/target.h"
 
 enum { SEGMENTS = 4, TICKS = 4, CONTACTS = 4, STRIP = 24, SEARCH = 200 };
 

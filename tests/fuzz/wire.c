@@ -5,13 +5,13 @@
  * the very bytes that would be sent; a device stays within its limits, gives force only when it is ready, and says
  * nothing that is no frame.
  */
-#include "wire_device.h"
+#include "serial/wire_device.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "../wire_frame.h"
-#include "target.h"
+#include "drivers/wire_frame.h"
+#include "fuzz/target.h"
 
 struct line {
     struct wire_reader reader;

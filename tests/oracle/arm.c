@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "arm.h"
+#include "oracle/arm.h"
 
 #include <math.h>
 

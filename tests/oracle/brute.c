@@ -2,7 +2,7 @@
 /*
  * The brute force of brute.h. See there for what it may be trusted with.
  */
-#include "brute.h"
+#include "oracle/brute.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -9,7 +9,7 @@
  * of these is evaluated at points that exist, so no decision that rounding gets wrong yields too
  * small a distance.
  *
- * Within 1e-14 of the largest coordinate, slivers included (tests/test_pair.c measures it against
+ * Within 1e-14 of the largest coordinate, slivers included (tests/nearest/test_pair.c measures it against
  * pair.h; it is stated as 1e-12 for those who compare with it). It cannot judge which triangle is
  * the right one among those that are equal within that: ask oracle_brute_triangle how far the one
  * in question is. It knows no pose and no radius: move the segment into the mesh's frame first.

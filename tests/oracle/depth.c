@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The depth of depth.h. */
-#include "depth.h"
+#include "oracle/depth.h"
 
 #include <math.h>
 #include <string.h>

@@ -13,7 +13,7 @@
 #ifndef DPT_TESTS_ORACLE_DEPTH_H
 #define DPT_TESTS_ORACLE_DEPTH_H
 
-#include "brute.h"
+#include "oracle/brute.h"
 
 /* The mesh for brute.h, and 9 floats a triangle, as many as it has; neither is kept. */
 struct oracle_solid {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "exact.h"
+#include "oracle/exact.h"
 
 #include <array>
 #include <gmpxx.h>

@@ -3,7 +3,7 @@
  * The two oracles of pair.h. Nothing here is fast or clever; each step is one that a reader can
  * check against the definition.
  */
-#include "pair.h"
+#include "oracle/pair.h"
 
 #include <math.h>
 #include <string.h>

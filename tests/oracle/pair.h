@@ -6,7 +6,7 @@
  * oracle_pair, long double. The distance of the point A + s(B - A) to the triangle is convex in s,
  * so a golden-section search finds its least. With the 64-bit significand of x86 it is within 0.02
  * * 2^-53 of the largest coordinate for any finite doubles, slivers and coinciding corners included
- * (tests/test_pair.c measures it against the bracket).
+ * (tests/nearest/test_pair.c measures it against the bracket).
  *
  * oracle_bracket, 113 bits. The distance is that of the origin to the convex hull of the six
  * differences corner - end. By Caratheodory's theorem the nearest point lies on one of the 56

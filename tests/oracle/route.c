@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The routes of route.h. */
-#include "route.h"
+#include "oracle/route.h"
 
 #include <stdlib.h>
 

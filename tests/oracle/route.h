@@ -6,7 +6,7 @@
 #ifndef DPT_TESTS_ORACLE_ROUTE_H
 #define DPT_TESTS_ORACLE_ROUTE_H
 
-#include "surface.h"
+#include "oracle/surface.h"
 
 /* tau[i], how many steps triangle i is from `to`; ORACLE_NONE where none lead there. -1 when there is no memory. */
 int oracle_route_tau(const struct oracle_surface *surface, uint32_t to, uint32_t *tau);

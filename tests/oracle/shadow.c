@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The shadows of shadow.h. */
-#include "shadow.h"
+#include "oracle/shadow.h"
 
 #include <math.h>
 #include <string.h>

@@ -15,7 +15,7 @@
 #ifndef DPT_TESTS_ORACLE_SHADOW_H
 #define DPT_TESTS_ORACLE_SHADOW_H
 
-#include "surface.h"
+#include "oracle/surface.h"
 
 struct oracle_shadow {
     long double a[3], u[3]; /* A, B - A */

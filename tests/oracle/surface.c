@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The vertices of surface.h. */
-#include "surface.h"
+#include "oracle/surface.h"
 
 #include <stdlib.h>
 #include <string.h>

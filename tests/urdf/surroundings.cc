@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "surroundings.h"
+#include "urdf/surroundings.h"
 
 #include <cstdlib>
 #include <locale>

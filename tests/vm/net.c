@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "net.h"
+#include "vm/net.h"
 
 #include <errno.h>
 #include <linux/can/netlink.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "peer.h"
+#include "vm/peer.h"
 
 #include <errno.h>
 #include <math.h>

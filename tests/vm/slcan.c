@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #define _GNU_SOURCE
-#include "slcan.h"
+#include "vm/slcan.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -16,7 +16,7 @@
 #include <termios.h>
 #include <unistd.h>
 
-#include "net.h"
+#include "vm/net.h"
 
 /* Length of a frame's line in `line`, ended by \r. */
 static size_t spell(char line[SLCAN_LINE], const struct can_frame *frame)

@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# tests/test_can.c on a real kernel's bus in place of the one that stands in for it. For tests/vm/run.sh.
+# tests/drivers/test_can.c on a real kernel's bus in place of the one that stands in for it. For tests/vm/run.sh.
 case $1 in
 */*) cycles=3000 ;; # built to find faults, not to be fast
 *) cycles=60000 ;;

@@ -1,23 +1,23 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
  * The driver for arms on CAN on a real kernel, by the clock: in the servo loop against simulated controllers, against controllers
- * by someone else's code (peer.py), and on interfaces that go off the bus, down, away, and full. tests/test_can.c and
- * tests/test_can_faults.c have the rest, on the same kernel with a simulated clock (test_can.sh, test_can_faults.sh). For
+ * by someone else's code (peer.py), and on interfaces that go off the bus, down, away, and full. tests/drivers/test_can.c and
+ * tests/drivers/test_can_faults.c have the rest, on the same kernel with a simulated clock (test_can.sh, test_can_faults.sh). For
  * tests/vm/run.sh.
  */
-#include "can_socket.h"
+#include "vm/can_socket.h"
 
 #include <math.h>
 #include <pthread.h>
 #include <time.h>
 
-#include "../arm_file.h"
-#include "../check.h"
 #include "dynpoint/loop.h"
-#include "net.h"
-#include "peer.h"
-#include "simulate_can.h"
-#include "slcan.h"
+#include "lib/arm_bytes.h"
+#include "lib/check.h"
+#include "simulate/simulate_can.h"
+#include "vm/net.h"
+#include "vm/peer.h"
+#include "vm/slcan.h"
 
 static const char bus_name[] = "vcan2";
 static char elbow_path[64], cross_path[64],

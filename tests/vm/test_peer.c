@@ -3,13 +3,13 @@
  * The emulated controllers of tests/vm/peer.py, by frames that are written out here byte by byte, from ODrive's documentation: so
  * that what the driver is held against is held against something itself.
  */
-#include "can_socket.h"
+#include "vm/can_socket.h"
 
 #include <math.h>
 
-#include "../check.h"
-#include "net.h"
-#include "peer.h"
+#include "lib/check.h"
+#include "vm/net.h"
+#include "vm/peer.h"
 
 enum { NEW = 0, OTHER = 5, OLD = 2, SOON = 5000 };
 enum {

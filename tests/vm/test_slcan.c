@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What the CAN driver takes for granted of a real bus, on a serial adapter that a test is. For tests/vm/run.sh. */
-#include "can_socket.h"
+#include "vm/can_socket.h"
 
 #include <linux/can/netlink.h>
 
-#include "../check.h"
-#include "net.h"
-#include "slcan.h"
+#include "lib/check.h"
+#include "vm/net.h"
+#include "vm/slcan.h"
 
 enum { SOON = 1000, BUS = 0x123, FAR_BEYOND = 10000 };
 

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What the CAN driver takes for granted of a kernel's SocketCAN, on a virtual interface. For tests/vm/run.sh. */
-#include "can_socket.h"
+#include "vm/can_socket.h"
 
 #include <sys/wait.h>
 
-#include "../check.h"
-#include "net.h"
+#include "lib/check.h"
+#include "vm/net.h"
 
 enum { SOON = 1000, BUS = 0x123 };
 

@@ -1,0 +1,295 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Arms of ODrive motor controllers on a CAN bus: "can:can0?arm=arm.dpa&nodes=0,1,2&gear=8,-8,10". */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "can/can_session.h"
+#include "settings.h"
+
+#define MS         1000000u
+#define STOP_EVERY (10u * MS)
+#define END_IN     (400u * MS)
+#define RAMP       (50u * MS) /* until the whole weight is held */
+#define IDLE_FEED  (10u * MS) /* while no force is written */
+#define HOST_HANGS (20u * MS)
+
+struct can_device {
+    dpt_device base;
+    struct can_host host;
+    dpt_device_state last;
+    double joints[DPT_JOINTS_MAX];
+    uint64_t sequence_read;
+    uint8_t is_driving;  /* the host writes; otherwise zero is sent to feed watchdogs */
+    uint64_t driving_ns; /* since when, and the last write */
+    uint64_t written_ns;
+    uint64_t fed_ns;
+    uint64_t stopped_ns; /* last; 0: not yet */
+};
+
+/* Joints and pose of the newest sample. */
+static void look(struct can_device *device)
+{
+    struct can_host *host = &device->host;
+    double speeds[DPT_JOINTS_MAX];
+    can_arm_joints(&host->arm, host->nodes.position, host->nodes.velocity, device->joints, speeds);
+    if (can_arm_pose(&host->arm, device->joints, speeds, &device->last) != DPT_OK)
+        can_nodes_blame(&host->nodes, DPT_DEVICE_FAULT, DPT_REASON_UNCALIBRATED, 0);
+}
+
+/* Connected, or switched on again: what came meanwhile is one sample, that has not been read. */
+static void begin(struct can_device *device)
+{
+    device->is_driving = 0;
+    device->stopped_ns = 0;
+    device->sequence_read = device->host.nodes.sequence - 1;
+    look(device);
+}
+
+static dpt_result can_open(const dpt_driver *driver, const char *place, dpt_device **opened,
+                           dpt_device_error *error)
+{
+    (void)driver;
+    struct can_device *device = calloc(1, sizeof *device);
+    if (!device)
+        return device_error(error, DPT_E_MEMORY, "no memory");
+    device->host.line.fd = -1;
+    dpt_result result = can_settings_read(place, &device->host.settings, error);
+    if (result == DPT_OK && !device->host.settings.interface[0])
+        result = device_error(error, DPT_E_SETTING,
+                              "which interface? As in can:can0?arm=arm.dpa&gear=8,-8,10");
+    if (result == DPT_OK)
+        result = can_arm_open(&device->host.arm, &device->host.settings, error);
+    if (result == DPT_OK) {
+        can_nodes_init(&device->host.nodes, &device->host.arm, &device->host.settings);
+        result = can_host_connect(&device->host, error);
+    }
+    if (result == DPT_OK) {
+        device->host.nodes.sequence = device->host.nodes.counts.samples = 1;
+        begin(device);
+        *opened = &device->base;
+        return DPT_OK;
+    }
+    can_line_close(&device->host.line);
+    can_arm_close(&device->host.arm);
+    free(device);
+    return result;
+}
+
+static void can_info(const dpt_device *base, dpt_device_info *info)
+{
+    const struct can_device *device = (const struct can_device *)base;
+    const struct can_node *first = &device->host.nodes.at[0];
+    info->pose_dofs = 6;
+    info->wrench_dofs = device->host.arm.wrench_dofs;
+    info->joints = device->host.arm.joints;
+    info->flags = DPT_DEVICE_ARM;
+    info->rate = device->host.settings.rate;
+    info->force_max = device->host.arm.force_max;
+    info->torque_max = device->host.arm.torque_max;
+    info->watchdog = device->host.settings.watchdog;
+    memcpy(info->workspace_min, device->host.arm.workspace_min, sizeof info->workspace_min);
+    memcpy(info->workspace_max, device->host.arm.workspace_max, sizeof info->workspace_max);
+    snprintf(info->name, sizeof info->name, "arm of ODrives, firmware 0.%u", first->generation);
+    if (first->serial)
+        snprintf(info->serial, sizeof info->serial, "%012llX", (unsigned long long)first->serial);
+}
+
+/* Once more while an axis may still give force: of a line that is bad some frames get through. */
+static void stop_all(struct can_device *device, uint64_t now)
+{
+    uint32_t active = 0;
+    for (uint32_t i = 0; i < device->host.nodes.count; i++)
+        active += device->host.nodes.at[i].beat.state == ODRIVE_STATE_CLOSED_LOOP;
+    device->is_driving = 0;
+    if (device->stopped_ns && (now - device->stopped_ns < STOP_EVERY || !active))
+        return;
+    device->stopped_ns = now;
+    can_host_say_all(&device->host, can_no_torque);
+    can_host_say_all(&device->host,
+                     device->host.nodes.status == DPT_DEVICE_LOST ? can_estop : can_idle);
+}
+
+/* While no host writes: zero torque, as watchdogs want to be fed. */
+static void keep_alive(struct can_device *device, uint64_t now)
+{
+    const uint64_t period = device->host.nodes.period_ns;
+    uint64_t feed = IDLE_FEED;
+    if (device->host.settings.watchdog > 0.0 &&
+        0.25e9 * device->host.settings.watchdog < (double)feed)
+        feed = (uint64_t)(0.25e9 * device->host.settings.watchdog);
+    if (device->is_driving && now - device->written_ns > HOST_HANGS + 5 * period)
+        device->is_driving = 0;
+    if (!device->is_driving && now - device->fed_ns >= feed) {
+        device->fed_ns = now;
+        can_host_say_all(&device->host, can_no_torque);
+    }
+}
+
+/* Of a device that has stopped, too: poses go on, and silence would be another fault. */
+static void ask_places(struct can_device *device, uint64_t now)
+{
+    const uint64_t period = device->host.nodes.period_ns;
+    if (device->host.settings.request == 0.0 || now - device->host.asked_ns < period - period / 8)
+        return;
+    device->host.asked_ns = now;
+    can_host_say_all(&device->host, can_where);
+}
+
+/* Of which part 0.5 says only that it has errors: it is asked for them. */
+static void ask_parts(struct can_device *device)
+{
+    static const uint8_t parts[] = { ODRIVE_ERROR, ODRIVE_ENCODER_ERROR, ODRIVE_CONTROLLER_ERROR };
+    for (uint32_t i = 0; i < device->host.nodes.count; i++)
+        for (int k = 0; k < 3 && device->host.nodes.parts >> i & 1; k++) {
+            const struct odrive_message part = { .command = parts[k], .asks = 1 };
+            if (device->host.nodes.at[i].beat.failed >> k & 1)
+                can_host_say(&device->host, i, part);
+        }
+    device->host.nodes.parts = 0;
+}
+
+static dpt_result can_read(dpt_device *base, dpt_device_state *state)
+{
+    struct can_device *device = (struct can_device *)base;
+    struct can_nodes *nodes = &device->host.nodes;
+    const int is_all = can_host_pump(&device->host);
+    const uint64_t now = can_line_now();
+    can_nodes_judge(nodes, now, is_all);
+    const uint64_t fresh = nodes->sequence - device->sequence_read;
+    if (fresh)
+        look(device);
+    if (nodes->status != DPT_DEVICE_READY)
+        stop_all(device, now);
+    else
+        keep_alive(device, now);
+    ask_places(device, now);
+    if (nodes->parts)
+        ask_parts(device);
+    can_host_send(&device->host);
+    device->sequence_read = nodes->sequence;
+    device->last.fresh = fresh < UINT32_MAX ? (uint32_t)fresh : UINT32_MAX;
+    device->last.sequence = nodes->sequence;
+    device->last.time_ns = nodes->sample_ns;
+    device->last.temperature = -1.0;
+    device->last.status = nodes->status;
+    device->last.reasons = nodes->reasons;
+    device->last.code = nodes->code;
+    *state = device->last;
+    if (nodes->status != DPT_DEVICE_LOST)
+        return DPT_OK;
+    state->fresh = 0;
+    return DPT_E_LOST;
+}
+
+static dpt_result can_write(dpt_device *base, const dpt_wrench *wrench)
+{
+    struct can_device *device = (struct can_device *)base;
+    struct can_nodes *nodes = &device->host.nodes;
+    float torques[DPT_JOINTS_MAX];
+    if (nodes->status != DPT_DEVICE_READY)
+        return nodes->status == DPT_DEVICE_LOST ? DPT_E_LOST : DPT_E_NOT_READY;
+    const uint64_t now = can_line_now();
+    if (!device->is_driving) {
+        device->is_driving = 1;
+        device->driving_ns = now;
+    }
+    device->written_ns = now;
+    const double held = (double)(now - device->driving_ns) / RAMP;
+    const dpt_result result = can_arm_torques(&device->host.arm, device->joints, wrench,
+                                              held < 1.0 ? held : 1.0, torques);
+    if (result != DPT_OK)
+        return result;
+    for (uint32_t i = 0; i < nodes->count; i++) {
+        const struct odrive_message command = { .command = ODRIVE_SET_TORQUE,
+                                                .as.torque = torques[i] };
+        can_host_say(&device->host, i, command);
+    }
+    nodes->counts.commands++;
+    if (can_host_send(&device->host))
+        return DPT_OK;
+    nodes->counts.refused++;
+    can_host_look(&device->host);
+    return nodes->status == DPT_DEVICE_LOST ? DPT_E_LOST : DPT_E_BUSY;
+}
+
+static dpt_result can_clear(dpt_device *base)
+{
+    struct can_device *device = (struct can_device *)base;
+    struct can_nodes *nodes = &device->host.nodes;
+    can_host_pump(&device->host);
+    if (nodes->status == DPT_DEVICE_READY)
+        return DPT_OK;
+    can_line_ask(&device->host.line);
+    if (nodes->status == DPT_DEVICE_LOST) {
+        can_line_close(&device->host.line);
+        device->host.is_ours = 1;
+        if (can_host_connect(&device->host, NULL) != DPT_OK)
+            return DPT_E_LOST;
+        nodes->counts.resets++;
+    } else if (device->host.line.is_passive || can_host_switch_on(&device->host, NULL) != DPT_OK ||
+               can_host_first_sample(&device->host, NULL) != DPT_OK) {
+        return DPT_E_NOT_READY;
+    }
+    begin(device);
+    return DPT_OK;
+}
+
+static void can_counts(const dpt_device *base, dpt_device_counts *counts)
+{
+    *counts = ((const struct can_device *)base)->host.nodes.counts;
+}
+
+static void can_close(dpt_device *base)
+{
+    struct can_device *device = (struct can_device *)base;
+    const uint64_t deadline = can_line_now() + END_IN;
+    uint32_t active = device->host.nodes.count;
+    device->host.nodes.is_armed = 0;
+    while (active && device->host.line.fd >= 0 && !can_host_is_dead(&device->host) &&
+           can_line_now() < deadline) {
+        can_host_say_all(&device->host, can_no_torque);
+        can_host_say_all(&device->host, can_idle);
+        can_host_send(&device->host);
+        can_host_wait(&device->host, can_line_now() + STOP_EVERY);
+        active = 0;
+        for (uint32_t i = 0; i < device->host.nodes.count; i++)
+            active += device->host.nodes.at[i].beat.state == ODRIVE_STATE_CLOSED_LOOP;
+    }
+    can_line_close(&device->host.line);
+    can_arm_close(&device->host.arm);
+    free(device);
+}
+
+struct finding {
+    const dpt_driver *driver;
+    dpt_device_found *found;
+    void *user;
+};
+
+static void pass_on(void *user, const char *name, const char *about)
+{
+    const struct finding *finding = user;
+    finding->found(finding->user, finding->driver, name, about);
+}
+
+static void can_find(const dpt_driver *driver, dpt_device_found *found, void *user)
+{
+    struct finding finding = { driver, found, user };
+    can_line_find(pass_on, &finding);
+}
+
+const dpt_driver can_driver = {
+    .size = sizeof can_driver,
+    .version = DPT_DRIVER_VERSION,
+    .name = "can",
+    .about = "arms of ODrive motor controllers on a CAN bus: can:can0?arm=arm.dpa&gear=8,-8,10",
+    .open = can_open,
+    .info = can_info,
+    .read = can_read,
+    .write = can_write,
+    .clear = can_clear,
+    .counts = can_counts,
+    .close = can_close,
+    .find = can_find,
+};

@@ -1,0 +1,386 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "can/can_arm.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/wrench_limit.h"
+#include "settings.h"
+#include "text/parse_number.h"
+
+#define TURN         6.283185307179586476925
+#define GRAVITY      9.80665
+#define LARGEST_FILE (64l << 20)
+#define FORCE_MOST   1e6 /* beyond it efforts might not be finite */
+
+dpt_result can_settings_read(const char *where, struct can_settings *s, dpt_device_error *error)
+{
+    const struct can_settings usual = { .axes = "-y+z-x",
+                                        .firmware = "auto",
+                                        .rate = 1000.0,
+                                        .weight = 1.0,
+                                        .answer = 2.0,
+                                        .silent = 0.05,
+                                        .heartbeat = 0.1 };
+    *s = usual;
+    const struct setting settings[] = {
+        { .name = "arm", .text = s->arm, .room = sizeof s->arm },
+        { .name = "nodes", .text = s->nodes, .room = sizeof s->nodes },
+        { .name = "gear", .text = s->gear, .room = sizeof s->gear },
+        { .name = "zero", .text = s->zero, .room = sizeof s->zero },
+        { .name = "torque", .text = s->torque, .room = sizeof s->torque },
+        { .name = "centre", .text = s->centre, .room = sizeof s->centre },
+        { .name = "axes", .text = s->axes, .room = sizeof s->axes },
+        { .name = "firmware", .text = s->firmware, .room = sizeof s->firmware },
+        { .name = "rate", .number = &s->rate, .least = 50, .most = 5000 },
+        { .name = "weight", .number = &s->weight, .most = 1 },
+        { .name = "request", .number = &s->request, .most = 1 },
+        { .name = "answer", .number = &s->answer, .least = 0.2, .most = 60 },
+        { .name = "silent", .number = &s->silent, .least = 0.002, .most = 10 },
+        { .name = "heartbeat", .number = &s->heartbeat, .least = 0.001, .most = 1 },
+        { .name = "watchdog", .number = &s->watchdog, .most = 10 },
+    };
+    const dpt_result result = settings_read(where, s->interface, sizeof s->interface, settings,
+                                            sizeof settings / sizeof *settings, error);
+    if (result != DPT_OK)
+        return result;
+    if (strcmp(s->firmware, "auto") && strcmp(s->firmware, "0.5") && strcmp(s->firmware, "0.6"))
+        return device_error(error, DPT_E_SETTING, "firmware is auto, 0.5 or 0.6");
+    if (s->weight != floor(s->weight) || s->request != floor(s->request))
+        return device_error(error, DPT_E_SETTING, "weight and request are 0 or 1");
+    if (s->silent * s->rate < 3.0)
+        return device_error(error, DPT_E_SETTING, "silent is less than three periods of rate");
+    return DPT_OK;
+}
+
+/* "8,-8,10": `count` numbers, or those of `numbers` that were there before when the text is empty. */
+static dpt_result read_list(const char *name, const char *text, uint32_t count, double *numbers,
+                            dpt_device_error *error)
+{
+    if (!*text)
+        return DPT_OK;
+    const char *at = text, *end = text + strlen(text);
+    for (uint32_t i = 0; i < count; i++) {
+        at = parse_double(at, end, &numbers[i]);
+        if (!at || *at != (i + 1 < count ? ',' : '\0') || !within(numbers[i], 1e6))
+            return device_error(error, DPT_E_SETTING,
+                                "%s: '%.60s' is not %u numbers with commas between", name, text,
+                                (unsigned)count);
+        at++;
+    }
+    return DPT_OK;
+}
+
+static dpt_result read_nodes(struct can_arm *arm, const char *text, dpt_device_error *error)
+{
+    double nodes[DPT_JOINTS_MAX];
+    for (uint32_t i = 0; i < DPT_JOINTS_MAX; i++)
+        nodes[i] = i;
+    const dpt_result result = read_list("nodes", text, arm->joints, nodes, error);
+    uint64_t taken = 0;
+    for (uint32_t i = 0; i < arm->joints && result == DPT_OK; i++) {
+        if (!(nodes[i] >= 0.0 && nodes[i] < 64.0) || nodes[i] != floor(nodes[i]) ||
+            taken >> (uint32_t)nodes[i] & 1)
+            return device_error(error, DPT_E_SETTING,
+                                "nodes are numbers of 0 to 63, another one for each joint");
+        arm->nodes[i] = (uint8_t)nodes[i];
+        taken |= (uint64_t)1 << arm->nodes[i];
+    }
+    return result;
+}
+
+/*
+ * A turn of the motor is a turn / gear of a joint that turns, and 1 / gear metres of one that slides. Power is the same on
+ * both sides: effort * d joint = torque * 2 pi * d turns.
+ */
+static dpt_result read_gears(struct can_arm *arm, const struct can_settings *settings,
+                             dpt_device_error *error)
+{
+    double gear[DPT_JOINTS_MAX];
+    for (uint32_t i = 0; i < arm->joints; i++)
+        gear[i] = arm->slides[i] ? 0.0 : 1.0;
+    dpt_result result = read_list("gear", settings->gear, arm->joints, gear, error);
+    for (uint32_t i = 0; i < arm->joints && result == DPT_OK; i++) {
+        if (!(fabs(gear[i]) >= 1e-6))
+            return device_error(error, DPT_E_SETTING,
+                                "gear: joint %u needs one: turns of the motor for %s, negative "
+                                "where they go against each other",
+                                (unsigned)i, arm->slides[i] ? "a metre" : "a turn of the joint");
+        arm->per_turn[i] = arm->slides[i] ? 1.0 / gear[i] : TURN / gear[i];
+        arm->per_force[i] = arm->slides[i] ? 1.0 / (gear[i] * TURN) : 1.0 / gear[i];
+    }
+    if (result == DPT_OK)
+        result = read_list("zero", settings->zero, arm->joints, arm->zero, error);
+    if (result == DPT_OK)
+        result = read_list("torque", settings->torque, arm->joints, arm->limit, error);
+    for (uint32_t i = 0; i < arm->joints && result == DPT_OK; i++)
+        if (!(arm->limit[i] > 0.0))
+            return device_error(error, DPT_E_SETTING,
+                                "torque: the arm's file has no limit for joint %u: give the "
+                                "joints' limits, Nm or N, by ?torque=",
+                                (unsigned)i);
+    return result;
+}
+
+/* "-y+z-x": where the device's x, y and z point in the root's frame; right-handed. */
+static dpt_result read_axes(struct can_arm *arm, const char *text, dpt_device_error *error)
+{
+    double m[3][3] = { { 0.0 } };
+    const char *at = text;
+    for (int i = 0; i < 3 && at; i++) {
+        arm->sign[i] = *at == '-' ? -1.0 : 1.0;
+        at += *at == '-' || *at == '+';
+        const char *found = *at ? strchr("xyz", *at) : NULL;
+        arm->from[i] = (uint8_t)(found ? found - "xyz" : 0);
+        at = found ? at + 1 : NULL;
+        m[i][arm->from[i]] = arm->sign[i];
+    }
+    const double determinant = m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) -
+                               m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
+                               m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
+    if (!at || *at || determinant != 1.0)
+        return device_error(error, DPT_E_SETTING,
+                            "axes: '%.10s' is no right-handed choice of x, y and z, as -y+z-x is",
+                            text);
+    const double square[4] = { 1.0 + m[0][0] + m[1][1] + m[2][2], 1.0 + m[0][0] - m[1][1] - m[2][2],
+                               1.0 - m[0][0] + m[1][1] - m[2][2],
+                               1.0 - m[0][0] - m[1][1] + m[2][2] };
+    for (int i = 0; i < 4; i++)
+        arm->turn[i] = 0.5 * sqrt(square[i]);
+    /* The parts' signs, against the first that is there: w, or else the first of x, y, z. */
+    if (arm->turn[0] > 0.0) {
+        arm->turn[1] *= m[2][1] - m[1][2] < 0.0 ? -1.0 : 1.0;
+        arm->turn[2] *= m[0][2] - m[2][0] < 0.0 ? -1.0 : 1.0;
+        arm->turn[3] *= m[1][0] - m[0][1] < 0.0 ? -1.0 : 1.0;
+    } else {
+        if (arm->turn[1] > 0.0) {
+            arm->turn[2] *= m[0][1] + m[1][0] < 0.0 ? -1.0 : 1.0;
+            arm->turn[3] *= m[0][2] + m[2][0] < 0.0 ? -1.0 : 1.0;
+        } else {
+            arm->turn[3] *= m[1][2] + m[2][1] < 0.0 ? -1.0 : 1.0;
+        }
+    }
+    return DPT_OK;
+}
+
+static void to_device(const struct can_arm *arm, const double *root, double *device)
+{
+    for (int i = 0; i < 3; i++)
+        device[i] = arm->sign[i] * root[arm->from[i]];
+}
+
+void can_arm_to_root(const struct can_arm *arm, const double *device, double *root)
+{
+    for (int i = 0; i < 3; i++)
+        root[arm->from[i]] = arm->sign[i] * device[i];
+}
+
+static void place_of(const struct can_arm *arm, const dpt_pose *tool, double *place)
+{
+    double root[3];
+    for (int i = 0; i < 3; i++)
+        root[i] = tool->position[i] - arm->centre[i];
+    to_device(arm, root, place);
+}
+
+static double span_at(const dpt_arm_joint *joint, double share)
+{
+    return joint->kind == DPT_JOINT_CONTINUOUS
+               ? 0.5 * TURN * (2.0 * share - 1.0)
+               : joint->lower + share * (joint->upper - joint->lower);
+}
+
+/* Where the tool comes, as the box around a coarse grid of all joints. */
+static void look_around(struct can_arm *arm, const dpt_arm_joint *joint)
+{
+    const uint32_t steps = arm->joints > 5 ? 3 : 5;
+    double at[DPT_JOINTS_MAX], place[3];
+    dpt_pose tool;
+    uint32_t all = 1;
+    for (uint32_t i = 0; i < arm->joints; i++)
+        all *= steps;
+    for (uint32_t n = 0; n < all; n++) {
+        for (uint32_t i = 0, rest = n; i < arm->joints; i++, rest /= steps)
+            at[i] = span_at(&joint[i], (double)(rest % steps) / (steps - 1));
+        if (dpt_arm_forward(arm->arm, at, &tool) != DPT_OK)
+            continue;
+        place_of(arm, &tool, place);
+        for (int k = 0; k < 3; k++) {
+            arm->workspace_min[k] = smaller(arm->workspace_min[k], place[k]);
+            arm->workspace_max[k] = larger(arm->workspace_max[k], place[k]);
+        }
+    }
+}
+
+/* The largest force, or torque, that it can give along each axis of the device at the middle of its joints. */
+static double strength(const struct can_arm *arm, int is_torque)
+{
+    double least = 1e3;
+    for (int i = 0; i < 3; i++) {
+        dpt_wrench wrench = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0 } };
+        double efforts[DPT_JOINTS_MAX];
+        (is_torque ? wrench.torque : wrench.force)[i] = 1.0;
+        if (dpt_arm_efforts(arm->arm, arm->middle, &wrench, efforts) != DPT_OK)
+            return 0.0;
+        for (uint32_t k = 0; k < arm->joints; k++)
+            if (fabs(efforts[k]) > 0.0)
+                least = smaller(least, arm->limit[k] / fabs(efforts[k]));
+    }
+    return least;
+}
+
+static dpt_result measure(struct can_arm *arm, const struct can_settings *settings,
+                          dpt_device_error *error)
+{
+    dpt_arm_joint joint[DPT_JOINTS_MAX];
+    dpt_arm_info info = { .size = sizeof info };
+    dpt_pose tool;
+    dpt_arm_get_info(arm->arm, &info);
+    arm->joints = info.joints;
+    arm->wrench_dofs = info.joints >= 6 ? 6 : 3;
+    for (uint32_t i = 0; i < arm->joints; i++) {
+        joint[i].size = sizeof joint[i];
+        dpt_arm_get_joint(arm->arm, i, &joint[i]);
+        arm->slides[i] = joint[i].kind == DPT_JOINT_PRISMATIC;
+        arm->limit[i] = joint[i].effort;
+        arm->middle[i] = span_at(&joint[i], 0.5);
+    }
+    dpt_result result = dpt_arm_forward(arm->arm, arm->middle, &tool);
+    if (result != DPT_OK)
+        return device_error(error, result, "the arm's joints have no middle");
+    memcpy(arm->centre, tool.position, sizeof arm->centre);
+    result = read_nodes(arm, settings->nodes, error);
+    if (result == DPT_OK)
+        result = read_gears(arm, settings, error);
+    if (result == DPT_OK)
+        result = read_axes(arm, settings->axes, error);
+    if (result == DPT_OK)
+        result = read_list("centre", settings->centre, 3, arm->centre, error);
+    if (result != DPT_OK)
+        return result;
+    const double down[3] = { 0.0, settings->weight != 0.0 && info.mass > 0.0 ? -GRAVITY : 0.0,
+                             0.0 };
+    can_arm_to_root(arm, down, arm->gravity);
+    look_around(arm, joint);
+    arm->force_max = strength(arm, 0);
+    arm->torque_max = arm->wrench_dofs == 6 ? strength(arm, 1) : 0.0;
+    return DPT_OK;
+}
+
+static dpt_result read_file(const char *path, void **bytes, size_t *size, dpt_device_error *error)
+{
+    FILE *file = fopen(path, "rb");
+    if (!file)
+        return device_error(error, DPT_E_OPEN, "%.120s: %.80s", path, strerror(errno));
+    long length = fseek(file, 0, SEEK_END) ? -1 : ftell(file);
+    dpt_result result = DPT_E_OPEN;
+    if (length > 0 && length <= LARGEST_FILE && !fseek(file, 0, SEEK_SET)) {
+        *bytes = malloc((size_t)length);
+        *size = (size_t)length;
+        result = !*bytes                                           ? DPT_E_MEMORY
+                 : fread(*bytes, 1, *size, file) == (size_t)length ? DPT_OK
+                                                                   : DPT_E_OPEN;
+    }
+    fclose(file);
+    return result == DPT_OK ? DPT_OK
+                            : device_error(error, result, "%.120s: %.80s", path,
+                                           result == DPT_E_MEMORY ? "no memory" : "cannot be read");
+}
+
+dpt_result can_arm_open(struct can_arm *arm, const struct can_settings *settings,
+                        dpt_device_error *error)
+{
+    size_t size = 0;
+    memset(arm, 0, sizeof *arm);
+    if (!settings->arm[0])
+        return device_error(error, DPT_E_SETTING,
+                            "which arm? Name its compiled file by ?arm=FILE.dpa (dynpoint compile "
+                            "makes it of a URDF)");
+    dpt_result result = read_file(settings->arm, &arm->bytes, &size, error);
+    if (result == DPT_OK) {
+        result = dpt_arm_open(arm->bytes, size, &arm->arm);
+        if (result == DPT_E_BYTE_ORDER && dpt_arm_convert(arm->bytes, size, NULL) == DPT_OK)
+            result = dpt_arm_open(arm->bytes, size, &arm->arm);
+        if (result != DPT_OK)
+            device_error(error, result, "%.120s is no compiled arm: %.100s", settings->arm,
+                         dpt_result_text(result));
+    }
+    if (result == DPT_OK)
+        result = measure(arm, settings, error);
+    if (result != DPT_OK)
+        can_arm_close(arm);
+    return result;
+}
+
+void can_arm_close(struct can_arm *arm)
+{
+    free(arm->bytes);
+    arm->bytes = NULL;
+}
+
+void can_arm_joints(const struct can_arm *arm, const float *turns, const float *rates,
+                    double *joints, double *speeds)
+{
+    for (uint32_t i = 0; i < arm->joints; i++) {
+        joints[i] = arm->zero[i] + (double)turns[i] * arm->per_turn[i];
+        speeds[i] = (double)rates[i] * arm->per_turn[i];
+    }
+}
+
+dpt_result can_arm_pose(const struct can_arm *arm, const double *joints, const double *speeds,
+                        dpt_device_state *state)
+{
+    dpt_pose tool;
+    double velocity[3], spin[3];
+    dpt_result result = dpt_arm_forward(arm->arm, joints, &tool);
+    if (result == DPT_OK)
+        result = dpt_arm_velocity(arm->arm, joints, speeds, velocity, spin);
+    if (result != DPT_OK)
+        return result;
+    const double *a = arm->turn, *b = tool.orientation;
+    place_of(arm, &tool, state->pose.position);
+    state->pose.orientation[0] = a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3];
+    state->pose.orientation[1] = a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2];
+    state->pose.orientation[2] = a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1];
+    state->pose.orientation[3] = a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0];
+    to_device(arm, velocity, state->velocity);
+    to_device(arm, spin, state->spin);
+    memcpy(state->joint, joints, arm->joints * sizeof *joints);
+    return DPT_OK;
+}
+
+dpt_result can_arm_torques(const struct can_arm *arm, const double *joints,
+                           const dpt_wrench *wrench, double share, float *torques)
+{
+    dpt_wrench root;
+    double efforts[DPT_JOINTS_MAX], weight[DPT_JOINTS_MAX] = { 0.0 };
+    double most = 1.0, held = 1.0;
+    can_arm_to_root(arm, wrench->force, root.force);
+    can_arm_to_root(arm, wrench->torque, root.torque);
+    if (arm->wrench_dofs < 6)
+        memset(root.torque, 0, sizeof root.torque);
+    limit_length(root.force, FORCE_MOST);
+    limit_length(root.torque, FORCE_MOST);
+    dpt_result result = dpt_arm_efforts(arm->arm, joints, &root, efforts);
+    if (result == DPT_OK && extent_of(vec3_of(arm->gravity)) > 0.0)
+        result = dpt_arm_weight(arm->arm, joints, arm->gravity, weight);
+    for (uint32_t i = 0; i < arm->joints && result == DPT_OK; i++) {
+        weight[i] *= share;
+        held =
+            fabs(weight[i]) > arm->limit[i] ? smaller(held, arm->limit[i] / fabs(weight[i])) : held;
+    }
+    if (result != DPT_OK)
+        return result;
+    for (uint32_t i = 0; i < arm->joints; i++) {
+        weight[i] *= held;
+        const double room = arm->limit[i] - (efforts[i] > 0.0 ? weight[i] : -weight[i]);
+        if (fabs(efforts[i]) > room)
+            most = smaller(most, larger(room, 0.0) / fabs(efforts[i]));
+    }
+    for (uint32_t i = 0; i < arm->joints; i++)
+        torques[i] = (float)((weight[i] + most * efforts[i]) * arm->per_force[i]);
+    return DPT_OK;
+}

@@ -1,0 +1,426 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#ifdef __linux__
+#define _GNU_SOURCE
+#endif
+#include "can/socketcan.h"
+
+#include <time.h>
+
+#include "settings.h"
+
+static uint64_t clock_ns(clockid_t clock)
+{
+    struct timespec now = { 0, 0 };
+    clock_gettime(clock, &now);
+    return (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
+}
+
+uint64_t can_line_now(void)
+{
+    return clock_ns(CLOCK_MONOTONIC);
+}
+
+#ifdef __linux__
+
+#include <dirent.h>
+#include <errno.h>
+#include <linux/can.h>
+#include <linux/can/error.h>
+#include <linux/can/netlink.h>
+#include <linux/can/raw.h>
+#include <linux/if_link.h>
+#include <linux/rtnetlink.h>
+#include <net/if.h>
+#include <net/if_arp.h>
+#include <poll.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#define KEPT_BYTES (1 << 20) /* asked for, so that a host may stand still for a while */
+
+static dpt_result refuse(const char *name, int reason, dpt_device_error *error)
+{
+    switch (reason) {
+    case EAFNOSUPPORT:
+    case EPROTONOSUPPORT:
+        return device_error(error, DPT_E_UNSUPPORTED,
+                            "this kernel has no CAN: load it by sudo modprobe -a can can_raw");
+    case ENODEV:
+    case ENXIO:
+        return device_error(error, DPT_E_DEVICE,
+                            "no interface %.20s: is the adapter plugged in? dynpoint device list "
+                            "shows those that there are",
+                            name);
+    case ENETDOWN:
+        return device_error(
+            error, DPT_E_DEVICE,
+            "%.20s is down: sudo ip link set %.20s up type can bitrate 1000000 (vcan: up alone)",
+            name, name);
+    case EPERM:
+    case EACCES:
+        return device_error(error, DPT_E_PERMISSION, "no permission for %.20s: %.60s", name,
+                            strerror(reason));
+    default:
+        return device_error(error, DPT_E_SYSTEM, "%.20s: %.80s", name, strerror(reason));
+    }
+}
+
+static int set_up(int fd, uint64_t nodes)
+{
+    struct can_filter filters[64];
+    socklen_t count = 0;
+    for (uint32_t node = 0; node < 64; node++)
+        if (nodes >> node & 1) {
+            filters[count].can_id = node << 5;
+            filters[count++].can_mask = CAN_EFF_FLAG | (CAN_SFF_MASK & ~31u);
+        }
+    const can_err_mask_t errors = CAN_ERR_MASK;
+    const int on = 1, bytes = KEPT_BYTES;
+    /* More room only where the system grants it; the rest is needed. */
+    setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &bytes, sizeof bytes);
+    return setsockopt(fd, SOL_CAN_RAW, CAN_RAW_FILTER, filters,
+                      count * (socklen_t)sizeof *filters) ||
+           setsockopt(fd, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, &errors, sizeof errors) ||
+           setsockopt(fd, SOL_CAN_RAW, CAN_RAW_RECV_OWN_MSGS, &on, sizeof on) ||
+           setsockopt(fd, SOL_SOCKET, SO_RXQ_OVFL, &on, sizeof on) ||
+           setsockopt(fd, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on);
+}
+
+static dpt_result attach(struct can_line *line, int fd, const char *name, uint64_t nodes,
+                         dpt_device_error *error)
+{
+    struct ifreq request;
+    struct sockaddr_can address;
+    memset(&request, 0, sizeof request);
+    memset(&address, 0, sizeof address);
+    strcpy(request.ifr_name, name);
+    if (ioctl(fd, SIOCGIFINDEX, &request))
+        return refuse(name, errno, error);
+    address.can_family = AF_CAN;
+    address.can_ifindex = line->index = request.ifr_ifindex;
+    if (ioctl(fd, SIOCGIFHWADDR, &request))
+        return refuse(name, errno, error);
+    if (request.ifr_hwaddr.sa_family != ARPHRD_CAN)
+        return device_error(error, DPT_E_DEVICE, "%.20s is no CAN interface", name);
+    if (ioctl(fd, SIOCGIFFLAGS, &request))
+        return refuse(name, errno, error);
+    if (!(request.ifr_flags & IFF_UP))
+        return refuse(name, ENETDOWN, error);
+    if (set_up(fd, nodes) || bind(fd, (const struct sockaddr *)&address, sizeof address))
+        return refuse(name, errno, error);
+    return DPT_OK;
+}
+
+/* A call failed: what that says of the line. */
+static void blame(struct can_line *line, int reason)
+{
+    switch (reason) {
+    case EAGAIN:
+    case EINTR:
+    case ENOBUFS:
+    case ENOMEM:
+        break;
+    case ENETDOWN:
+        line->is_down = 1;
+        break;
+    default:
+        line->is_gone = 1;
+    }
+}
+
+static void take_error(struct can_line *line, const struct can_frame *frame)
+{
+    if (frame->can_id & CAN_ERR_RESTARTED)
+        line->is_off = line->is_passive = 0;
+    if (frame->can_id & CAN_ERR_BUSOFF)
+        line->is_off = 1;
+    if (frame->can_id & CAN_ERR_CRTL) {
+        const uint8_t state = frame->data[1];
+        if (state & (CAN_ERR_CRTL_RX_PASSIVE | CAN_ERR_CRTL_TX_PASSIVE))
+            line->is_passive = 1;
+        else if (state & (CAN_ERR_CRTL_ACTIVE | CAN_ERR_CRTL_RX_WARNING | CAN_ERR_CRTL_TX_WARNING))
+            line->is_passive = 0;
+        if (state & CAN_ERR_CRTL_RX_OVERFLOW)
+            line->overruns++;
+    }
+}
+
+/* The attribute of this kind within `bytes` of them, NULL when there is none. */
+static const struct rtattr *find_attribute(const struct rtattr *at, size_t bytes, unsigned kind)
+{
+    size_t left = bytes;
+    while (left >= sizeof *at && at->rta_len >= sizeof *at && at->rta_len <= left) {
+        if ((at->rta_type & NLA_TYPE_MASK) == kind)
+            return at;
+        const size_t step = RTA_ALIGN(at->rta_len);
+        if (step > left)
+            break;
+        left -= step;
+        at = (const struct rtattr *)(const void *)((const char *)at + step);
+    }
+    return NULL;
+}
+
+static const struct rtattr *within_attribute(const struct rtattr *at, unsigned kind)
+{
+    return at ? find_attribute(RTA_DATA(at), RTA_PAYLOAD(at), kind) : NULL;
+}
+
+static void take_link(struct can_line *line, const struct nlmsghdr *head, size_t size)
+{
+    const size_t before = NLMSG_LENGTH(sizeof(struct ifinfomsg));
+    if (size < before || head->nlmsg_type != RTM_NEWLINK)
+        return;
+    const struct rtattr *info = find_attribute(
+        (const void *)((const char *)head + NLMSG_ALIGN(before)), size - before, IFLA_LINKINFO);
+    const struct rtattr *kind = within_attribute(info, IFLA_INFO_KIND);
+    /* With its zero or without. */
+    if (!kind || RTA_PAYLOAD(kind) < 3 || RTA_PAYLOAD(kind) > 4 ||
+        memcmp(RTA_DATA(kind), "can", RTA_PAYLOAD(kind)))
+        return;
+    const struct rtattr *data = within_attribute(info, IFLA_INFO_DATA);
+    const struct rtattr *state = within_attribute(data, IFLA_CAN_STATE);
+    const struct rtattr *timing = within_attribute(data, IFLA_CAN_BITTIMING);
+    uint32_t is = CAN_STATE_ERROR_ACTIVE;
+    struct can_bittiming bits;
+    if (state && RTA_PAYLOAD(state) >= sizeof is) {
+        memcpy(&is, RTA_DATA(state), sizeof is);
+        line->is_passive = is == CAN_STATE_ERROR_PASSIVE;
+        line->is_off = is == CAN_STATE_BUS_OFF;
+    }
+    if (timing && RTA_PAYLOAD(timing) >= sizeof bits) {
+        memcpy(&bits, RTA_DATA(timing), sizeof bits);
+        line->bitrate = bits.bitrate;
+    }
+}
+
+void can_line_ask(struct can_line *line)
+{
+    struct {
+        struct nlmsghdr head;
+        struct ifinfomsg link;
+    } request;
+    union {
+        struct nlmsghdr head;
+        char bytes[8192];
+    } answer;
+    const int fd = socket(AF_NETLINK, SOCK_RAW | SOCK_CLOEXEC, NETLINK_ROUTE);
+    if (fd < 0)
+        return;
+    memset(&request, 0, sizeof request);
+    request.head.nlmsg_len = sizeof request;
+    request.head.nlmsg_type = RTM_GETLINK;
+    request.head.nlmsg_flags = NLM_F_REQUEST;
+    request.link.ifi_index = line->index;
+    struct pollfd waiting = { fd, POLLIN, 0 };
+    if (send(fd, &request, sizeof request, MSG_DONTWAIT) == (ssize_t)sizeof request &&
+        poll(&waiting, 1, 100) > 0) {
+        const ssize_t size = recv(fd, &answer, sizeof answer, MSG_DONTWAIT);
+        if (size >= (ssize_t)sizeof answer.head)
+            take_link(line, &answer.head, (size_t)size);
+    }
+    close(fd);
+}
+
+dpt_result can_line_open(struct can_line *line, const char *name, uint64_t nodes,
+                         dpt_device_error *error)
+{
+    memset(line, 0, sizeof *line);
+    line->fd = -1;
+    if (!name[0] || strlen(name) >= IFNAMSIZ)
+        return device_error(error, DPT_E_SETTING, "'%.20s' is no name of an interface, as can0 is",
+                            name);
+    const int fd = socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW);
+    if (fd < 0)
+        return refuse(name, errno, error);
+    const dpt_result result = attach(line, fd, name, nodes, error);
+    if (result == DPT_OK) {
+        line->fd = fd;
+        can_line_ask(line);
+    } else {
+        close(fd);
+    }
+    return result;
+}
+
+/* What comes with a frame, aligned as the system wants it. */
+#define CONTROL_BYTES (CMSG_SPACE(sizeof(struct timespec)) + CMSG_SPACE(sizeof(uint32_t)))
+#define CONTROL_WORDS ((CONTROL_BYTES + 7) / 8)
+
+/* When a frame came, on the monotonic clock, and how many were dropped before it. */
+static uint64_t read_control(struct can_line *line, struct msghdr *header, uint64_t now,
+                             uint64_t wall)
+{
+    uint64_t time = now;
+    for (struct cmsghdr *at = CMSG_FIRSTHDR(header); at; at = CMSG_NXTHDR(header, at)) {
+        if (at->cmsg_level != SOL_SOCKET)
+            continue;
+        if (at->cmsg_type == SO_RXQ_OVFL) {
+            uint32_t dropped;
+            memcpy(&dropped, CMSG_DATA(at), sizeof dropped);
+            if ((int32_t)(dropped - line->dropped) > 0)
+                line->dropped = dropped;
+        } else if (at->cmsg_type == SO_TIMESTAMPNS) {
+            struct timespec stamp;
+            memcpy(&stamp, CMSG_DATA(at), sizeof stamp);
+            const uint64_t stamped = (uint64_t)stamp.tv_sec * 1000000000u + (uint64_t)stamp.tv_nsec;
+            /* The wall's clock may have been set meanwhile: an age that cannot be is none. */
+            if (stamped < wall && wall - stamped < 1000000000u)
+                time = now - (wall - stamped);
+        }
+    }
+    return time;
+}
+
+int can_line_receive(struct can_line *line, struct can_message *messages)
+{
+    struct can_frame frames[CAN_LINE_BATCH];
+    struct iovec parts[CAN_LINE_BATCH];
+    struct mmsghdr headers[CAN_LINE_BATCH];
+    uint64_t controls[CAN_LINE_BATCH][CONTROL_WORDS];
+    line->is_empty = 1;
+    if (line->fd < 0 || line->is_gone)
+        return 0;
+    memset(headers, 0, sizeof headers);
+    for (int i = 0; i < CAN_LINE_BATCH; i++) {
+        parts[i].iov_base = &frames[i];
+        parts[i].iov_len = sizeof frames[i];
+        headers[i].msg_hdr.msg_iov = &parts[i];
+        headers[i].msg_hdr.msg_iovlen = 1;
+        headers[i].msg_hdr.msg_control = controls[i];
+        headers[i].msg_hdr.msg_controllen = sizeof controls[i];
+    }
+    const int count = recvmmsg(line->fd, headers, CAN_LINE_BATCH, MSG_DONTWAIT, NULL);
+    if (count < 0) {
+        blame(line, errno);
+        return 0;
+    }
+    line->is_empty = count < CAN_LINE_BATCH;
+    const uint64_t wall = clock_ns(CLOCK_REALTIME), now = can_line_now();
+    int taken = 0;
+    for (int i = 0; i < count; i++) {
+        const struct can_frame *frame = &frames[i];
+        const uint64_t time = read_control(line, &headers[i].msg_hdr, now, wall);
+        if (headers[i].msg_len != sizeof *frame || frame->can_dlc > 8)
+            continue;
+        if (frame->can_id & CAN_ERR_FLAG) {
+            take_error(line, frame);
+            continue;
+        }
+        struct can_message *message = &messages[taken++];
+        message->time_ns = time;
+        message->id = (uint16_t)(frame->can_id & CAN_SFF_MASK);
+        message->size = frame->can_dlc;
+        message->flags =
+            (uint8_t)((frame->can_id & CAN_RTR_FLAG ? CAN_MESSAGE_REMOTE : 0) |
+                      (headers[i].msg_hdr.msg_flags & MSG_CONFIRM ? CAN_MESSAGE_OWN : 0));
+        memcpy(message->data, frame->data, 8);
+    }
+    return taken;
+}
+
+int can_line_send(struct can_line *line, const struct can_message *messages, int count)
+{
+    struct can_frame frames[CAN_LINE_BATCH];
+    struct iovec parts[CAN_LINE_BATCH];
+    struct mmsghdr headers[CAN_LINE_BATCH];
+    if (line->fd < 0 || line->is_gone || count <= 0)
+        return 0;
+    memset(headers, 0, sizeof headers);
+    memset(frames, 0, sizeof frames);
+    for (int i = 0; i < count; i++) {
+        frames[i].can_id =
+            messages[i].id | (messages[i].flags & CAN_MESSAGE_REMOTE ? CAN_RTR_FLAG : 0);
+        frames[i].can_dlc = messages[i].size;
+        memcpy(frames[i].data, messages[i].data, 8);
+        parts[i].iov_base = &frames[i];
+        parts[i].iov_len = sizeof frames[i];
+        headers[i].msg_hdr.msg_iov = &parts[i];
+        headers[i].msg_hdr.msg_iovlen = 1;
+    }
+    const int sent = sendmmsg(line->fd, headers, (unsigned)count, MSG_DONTWAIT);
+    if (sent < 0)
+        blame(line, errno);
+    return sent > 0 ? sent : 0;
+}
+
+void can_line_wait(const struct can_line *line, uint64_t deadline)
+{
+    const uint64_t now = can_line_now();
+    const uint64_t left = deadline > now ? (deadline - now) / 1000000 + 1 : 0;
+    struct pollfd waiting = { line->fd, POLLIN, 0 };
+    poll(&waiting, 1, left < 20 ? (int)left : 20);
+}
+
+void can_line_close(struct can_line *line)
+{
+    if (line->fd >= 0)
+        close(line->fd);
+    line->fd = -1;
+}
+
+void can_line_find(void (*found)(void *user, const char *name, const char *about), void *user)
+{
+    DIR *folder = opendir("/sys/class/net");
+    if (!folder)
+        return;
+    for (const struct dirent *entry; (entry = readdir(folder)) != NULL;) {
+        char path[300];
+        int type = 0;
+        snprintf(path, sizeof path, "/sys/class/net/%s/type", entry->d_name);
+        FILE *file = entry->d_name[0] == '.' ? NULL : fopen(path, "r");
+        if (file && fscanf(file, "%d", &type) == 1 && type == ARPHRD_CAN)
+            found(user, entry->d_name,
+                  "CAN interface; settings are needed: ?arm=FILE.dpa&gear=...");
+        if (file)
+            fclose(file);
+    }
+    closedir(folder);
+}
+
+#else
+
+dpt_result can_line_open(struct can_line *line, const char *name, uint64_t nodes,
+                         dpt_device_error *error)
+{
+    (void)name, (void)nodes;
+    line->fd = -1;
+    return device_error(error, DPT_E_UNSUPPORTED, "SocketCAN is a part of Linux alone");
+}
+
+void can_line_ask(struct can_line *line)
+{
+    (void)line;
+}
+
+int can_line_receive(struct can_line *line, struct can_message *messages)
+{
+    (void)line, (void)messages;
+    return 0;
+}
+
+int can_line_send(struct can_line *line, const struct can_message *messages, int count)
+{
+    (void)line, (void)messages, (void)count;
+    return 0;
+}
+
+void can_line_wait(const struct can_line *line, uint64_t deadline)
+{
+    (void)line, (void)deadline;
+}
+
+void can_line_close(struct can_line *line)
+{
+    (void)line;
+}
+
+void can_line_find(void (*found)(void *user, const char *name, const char *about), void *user)
+{
+    (void)found, (void)user;
+}
+
+#endif

@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Numbers in a CSV file: a header line, then rows of as many. LF or CRLF; blank lines and those with '#' are skipped. */
+#ifndef DPT_DRIVERS_CSV_H
+#define DPT_DRIVERS_CSV_H
+
+#include "dynpoint/driver.h"
+
+struct table {
+    double *values; /* rows * columns */
+    size_t rows, columns;
+    uint32_t header; /* which */
+};
+
+/* What a file may hold, and the reasons that are given where it does not. */
+struct table_form {
+    const char *const *headers; /* those that are known, ended by NULL */
+    const char *wrong_header;
+    /* NULL, or what is wrong with a row; its numbers may be infinite. */
+    const char *(*wrong_row)(const double *row, size_t columns);
+};
+
+/*
+ * The text from `at` to `end` into an empty table. The first column must increase from row to row, and no row is an
+ * error: DPT_E_SYNTAX, or DPT_E_MEMORY, with the reason in *wrong and the line in *line, counted on from its value. What
+ * was read until then is to be freed in either case.
+ */
+dpt_result table_parse(struct table *table, const char *at, const char *end,
+                       const struct table_form *form, uint64_t *line, const char **wrong);
+
+/* The same of a file; nothing is to be freed on error. `error` names file and line. */
+dpt_result table_read(struct table *table, const char *path, const struct table_form *form,
+                      dpt_device_error *error);
+void table_free(struct table *table);
+
+static inline const double *table_row(const struct table *table, size_t row)
+{
+    return table->values + row * table->columns;
+}
+
+#endif

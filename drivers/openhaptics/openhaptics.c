@@ -1,0 +1,566 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Touch and Phantom devices by OpenHaptics: "openhaptics", "openhaptics:Left Device?rate=1000" (docs/drivers.md). */
+#define _POSIX_C_SOURCE 200809L
+#include <math.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/wrench_limit.h"
+#include "dynpoint/openhaptics.h"
+#include "openhaptics/openhaptics_servo.h"
+#include "settings.h"
+
+typedef char joints_fit[(int)SERVO_JOINTS <= DPT_JOINTS_MAX ? 1 : -1];
+
+enum { ANSWER_MS = 1000, CALIBRATED_MS = 300, PORTS = 16 };
+
+static const double RAMP = 0.1; /* s, from no force to all of it */
+static const uint64_t SECOND = 1000000000u;
+
+struct haptics {
+    dpt_device base;
+    struct servo servo;
+    struct servo_sample last; /* that was read */
+    char name[64], library[256];
+    double rate, watchdog, silent_after; /* 0: as the device likes */
+    int is_open;                         /* in the library */
+    uint64_t sequence_read;
+    uint32_t lost; /* why, from the first read that found it so until it is cleared */
+    dpt_device_info info;
+    dpt_device_counts counts;
+    struct haptics *next; /* of those that are left behind */
+};
+
+/* The library is one for the process, and so are its scheduler and its errors. */
+static pthread_mutex_t one_at_a_time = PTHREAD_MUTEX_INITIALIZER;
+static double common_rate;          /* of the scheduler, as long as devices are open */
+static double asked_rate;           /* that it was last told; it keeps it */
+static struct haptics *left_behind; /* closed while the scheduler's thread hung */
+
+static int went_well(const struct hd_library *hd)
+{
+    return hd_take_error(hd).code == HD_SUCCESS;
+}
+
+/* A port of the vendor's that this user may not open; 0 when there is none. */
+static int is_forbidden(char path[32])
+{
+    static const char *const classes[] = { "tty/ttyACM", "hidraw/hidraw" };
+    for (int i = 0; i < 2 * PORTS; i++) {
+        char about[64], text[512];
+        snprintf(about, sizeof about, "/sys/class/%s%d/device/uevent", classes[i % 2], i / 2);
+        snprintf(path, 32, "/dev/%s%d", strchr(classes[i % 2], '/') + 1, i / 2);
+        FILE *file = fopen(about, "r");
+        if (!file)
+            continue;
+        text[fread(text, 1, sizeof text - 1, file)] = '\0';
+        fclose(file);
+        if ((strstr(text, "PRODUCT=2988/") || strstr(text, ":00002988:")) &&
+            access(path, R_OK | W_OK) != 0)
+            return 1;
+    }
+    return 0;
+}
+
+static dpt_result no_answer(const struct haptics *device, dpt_device_error *error)
+{
+    char path[32];
+    if (is_forbidden(path))
+        return device_error(error, DPT_E_PERMISSION,
+                            "this user may not use %s: sudo usermod -aG dialout,plugdev $USER and "
+                            "log in again; for a hidraw port see docs/drivers.md",
+                            path);
+    if (device->name[0])
+        return device_error(error, DPT_E_DEVICE,
+                            "no device of the name '%.40s' answers: is it the name in the vendor's "
+                            "Touch_Setup? Its driver of 2022 knows no names: try openhaptics alone",
+                            device->name);
+    return device_error(error, DPT_E_DEVICE,
+                        "no device answers: has it power and cable, does the vendor's "
+                        "Touch_Diagnostic see it, may this user open its port?%s",
+                        getenv("GTDD_HOME") ? ""
+                                            : " GTDD_HOME is not set: log in again after the "
+                                              "driver was installed");
+}
+
+static dpt_result explain(const struct haptics *device, hd_error why, dpt_device_error *error)
+{
+    switch (why.code) {
+    case HD_DEVICE_FAULT:
+        return no_answer(device, error);
+    case HD_DEVICE_ALREADY_INITIATED:
+        return device_error(error, DPT_E_DEVICE,
+                            "the device is open already: close it there, or name another one as in "
+                            "openhaptics:NAME");
+    case HD_COMM_ERROR:
+    case HD_COMM_CONFIG_ERROR:
+        return device_error(error, DPT_E_DEVICE,
+                            "the line to the device fails (0x%x, %d): try another port and cable, "
+                            "no hub; pair one at Ethernet again in Touch_Setup",
+                            why.code, why.internal);
+    case HD_TIMER_ERROR:
+    case HD_INVALID_PRIORITY:
+    case HD_SCHEDULER_FULL:
+        return device_error(error, DPT_E_DEVICE,
+                            "the scheduler of OpenHaptics has no room or does not start (0x%x, "
+                            "%d): close other devices and programs that use it",
+                            why.code, why.internal);
+    case HD_INVALID_LICENSE:
+        return device_error(error, DPT_E_UNSUPPORTED,
+                            "OpenHaptics finds no valid licence: install its developer edition "
+                            "anew, or the licence that the vendor gave for this machine");
+    default:
+        return device_error(error, DPT_E_DEVICE, "OpenHaptics says %.80s (0x%x, %d)",
+                            device->servo.hd->hdGetErrorString(why.code), why.code, why.internal);
+    }
+}
+
+static int ask_number(const struct hd_library *hd, unsigned what, double *value)
+{
+    double number = 0.0;
+    hd->hdGetDoublev(what, &number);
+    if (!went_well(hd) || !(number >= 0.0 && number <= 1e6))
+        return 0;
+    *value = number;
+    return 1;
+}
+
+static int ask_count(const struct hd_library *hd, unsigned what, int *value)
+{
+    int number = 0;
+    hd->hdGetIntegerv(what, &number);
+    if (!went_well(hd))
+        return 0;
+    *value = number;
+    return 1;
+}
+
+static void ask_text(const struct hd_library *hd, unsigned what, char out[48])
+{
+    const char *text = hd->hdGetString(what);
+    if (!went_well(hd) || !text)
+        return;
+    for (int i = 0; i < 47 && text[i]; i++)
+        out[i] = text[i] >= ' ' && text[i] <= '~' ? text[i] : '?';
+}
+
+static int ask_workspace(const struct hd_library *hd, unsigned what, double box[6])
+{
+    for (int i = 0; i < 6; i++)
+        box[i] = 0.0;
+    hd->hdGetDoublev(what, box);
+    int is_box = went_well(hd);
+    for (int i = 0; i < 3; i++)
+        is_box &= box[i] < box[3 + i] && within(box[i], 1e5) && within(box[3 + i], 1e5);
+    return is_box;
+}
+
+/* The ways to calibrate that it knows, and the best of them. */
+static unsigned ask_styles(const struct hd_library *hd)
+{
+    int known = 0;
+    if (ask_count(hd, HD_CALIBRATION_STYLE, &known) || !hd->hdCheckCalibrationStyle)
+        return (unsigned)known;
+    const unsigned styles = hd->hdCheckCalibrationStyle();
+    return went_well(hd) ? styles : 0;
+}
+
+static unsigned best_of(unsigned styles)
+{
+    return styles & HD_CALIBRATION_AUTO      ? HD_CALIBRATION_AUTO
+           : styles & HD_CALIBRATION_INKWELL ? HD_CALIBRATION_INKWELL
+                                             : styles & HD_CALIBRATION_ENCODER_RESET;
+}
+
+/* What the device says of itself. What it does not say is 0 or left out; without the rest it cannot be used. */
+static dpt_result learn(struct haptics *device, dpt_device_error *error)
+{
+    struct servo *servo = &device->servo;
+    const struct hd_library *hd = servo->hd;
+    dpt_device_info *info = &device->info;
+    int inputs = 0, outputs = 0, rate = 0;
+    double stiffness = 0.0, torque = 0.0, box[6];
+    const int is_known = ask_count(hd, HD_INPUT_DOF, &inputs) &&
+                         ask_count(hd, HD_OUTPUT_DOF, &outputs) &&
+                         ask_number(hd, HD_NOMINAL_MAX_FORCE, &info->force_max) &&
+                         (ask_workspace(hd, HD_USABLE_WORKSPACE_DIMENSIONS, box) ||
+                          ask_workspace(hd, HD_MAX_WORKSPACE_DIMENSIONS, box));
+    if (!is_known || inputs < 3 || info->force_max <= 0.0)
+        return device_error(error, DPT_E_DEVICE,
+                            "the device does not say what it can do: OpenHaptics and the device "
+                            "driver must be of one version, and Touch_Diagnostic see it");
+    ask_number(hd, HD_NOMINAL_MAX_CONTINUOUS_FORCE, &info->force_continuous);
+    ask_number(hd, HD_NOMINAL_MAX_STIFFNESS, &stiffness);
+    if (outputs >= 6)
+        ask_number(hd, HD_NOMINAL_MAX_TORQUE_FORCE, &torque);
+    ask_text(hd, HD_DEVICE_MODEL_TYPE, info->name);
+    ask_text(hd, HD_DEVICE_SERIAL_NUMBER, info->serial);
+    const unsigned styles = ask_styles(hd);
+    servo->has_inkwell = (styles & HD_CALIBRATION_INKWELL) != 0;
+    servo->temperatures = outputs < 3 ? 3 : outputs < SERVO_MOTORS ? outputs : SERVO_MOTORS;
+    servo->style = best_of(styles);
+    servo->inputs = inputs >= 6 ? 6 : 3;
+    servo->outputs = torque > 0.0 ? 6 : outputs >= 3 ? 3 : 0;
+
+    ask_count(hd, HD_UPDATE_RATE, &rate);
+    info->rate = rate >= 100 && rate <= 100000 ? rate : 1000;
+    if (!info->name[0])
+        snprintf(info->name, sizeof info->name, "OpenHaptics device");
+    info->pose_dofs = (uint32_t)servo->inputs;
+    info->wrench_dofs = (uint32_t)servo->outputs;
+    info->torque_max = torque / 1000.0;
+    info->stiffness_max = stiffness * 1000.0;
+    info->watchdog = device->watchdog;
+    for (int k = 0; k < 3; k++) {
+        servo->middle[k] = 0.5 * (box[k] + box[3 + k]);
+        info->workspace_min[k] = (box[k] - servo->middle[k]) / 1000.0;
+        info->workspace_max[k] = (box[3 + k] - servo->middle[k]) / 1000.0;
+    }
+    return DPT_OK;
+}
+
+/* Where the device has to be held in a place that only a person knows, this is the moment. */
+static dpt_result calibrate(const struct haptics *device, dpt_device_error *error)
+{
+    const struct hd_library *hd = device->servo.hd;
+    if (device->servo.style != HD_CALIBRATION_ENCODER_RESET ||
+        hd->hdCheckCalibration() == HD_CALIBRATION_OK)
+        return DPT_OK;
+    hd->hdUpdateCalibration(HD_CALIBRATION_ENCODER_RESET);
+    const unsigned is = hd->hdCheckCalibration();
+    if (went_well(hd) && is == HD_CALIBRATION_OK)
+        return DPT_OK;
+    return device_error(error, DPT_E_NOT_READY,
+                        "not calibrated: hold the device in its reset position (its manual shows "
+                        "it; most often all links at right angles) and open it again");
+}
+
+static dpt_result set_rate(struct haptics *device, dpt_device_error *error)
+{
+    const struct hd_library *hd = device->servo.hd;
+    if (scheduler_devices() > 0 && device->rate != 0.0 && device->rate != common_rate)
+        return device_error(error, DPT_E_SETTING,
+                            "all devices share one scheduler, which runs at %g Hz: leave rate= "
+                            "out, or close the others first",
+                            common_rate);
+    if (scheduler_devices() == 0) {
+        common_rate = device->rate != 0.0 ? device->rate
+                      : asked_rate != 0.0 ? asked_rate
+                                          : device->info.rate;
+        if (device->rate != 0.0)
+            hd->hdSetSchedulerRate((unsigned long)device->rate);
+        if (!went_well(hd))
+            return device_error(error, DPT_E_SETTING,
+                                "OpenHaptics refuses %g Hz: 500, 1000 or 2000 is usual, at "
+                                "FireWire 8000 / N; without rate= it takes its own",
+                                device->rate);
+        asked_rate = device->rate != 0.0 ? device->rate : asked_rate;
+    }
+    device->info.rate = common_rate;
+    device->servo.ramp = (uint32_t)(RAMP * common_rate + 0.5);
+    return DPT_OK;
+}
+
+/* On the device, with the scheduler at rest. */
+static dpt_result prepare(struct haptics *device, dpt_device_error *error)
+{
+    const struct hd_library *hd = device->servo.hd;
+    device->servo.device = hd->hdInitDevice(device->name[0] ? device->name : NULL);
+    const hd_error why = hd_take_error(hd);
+    if (why.code != HD_SUCCESS)
+        return explain(device, why, error);
+    if (device->servo.device > HD_HANDLE_MOST)
+        return device_error(error, DPT_E_DEVICE,
+                            "OpenHaptics gave 0x%x, which is no device, as it does after an open "
+                            "that failed: end this program and start it again",
+                            device->servo.device);
+    device->is_open = 1;
+    hd->hdMakeCurrentDevice(device->servo.device);
+    hd->hdEnable(HD_FORCE_OUTPUT);
+    hd->hdEnable(HD_MAX_FORCE_CLAMPING);
+    hd->hdEnable(HD_FORCE_RAMPING);
+    hd_take_error(hd);
+    dpt_result result = learn(device, error);
+    if (result == DPT_OK)
+        result = set_rate(device, error);
+    return result == DPT_OK ? calibrate(device, error) : result;
+}
+
+static void take_sample(struct haptics *device)
+{
+    if (latest_take(&device->servo.samples))
+        device->last = device->servo.sample[device->servo.samples.reading];
+}
+
+/* Its first sample, and for a moment the end of a calibration that needs nobody. */
+static dpt_result hear(struct haptics *device, dpt_device_error *error)
+{
+    const uint64_t before = device->last.sequence;
+    for (int i = 0; i < ANSWER_MS && device->last.status != DPT_DEVICE_LOST; i++) {
+        take_sample(device);
+        if (device->last.sequence != before &&
+            (i >= CALIBRATED_MS || !(device->last.reasons & DPT_REASON_UNCALIBRATED)))
+            return DPT_OK;
+        servo_wait();
+    }
+    const hd_error why = { .code = device->last.code };
+    if (device->last.status == DPT_DEVICE_LOST)
+        return explain(device, why, error);
+    return device_error(error, DPT_E_DEVICE,
+                        "the device is open, but no sample comes within %g s: does another program "
+                        "use it?",
+                        ANSWER_MS * 1e-3);
+}
+
+/* 0 when the scheduler's thread hangs and may still use the device. */
+static int disconnect(struct haptics *device)
+{
+    if (!scheduler_leave(&device->servo))
+        return 0;
+    if (device->is_open) {
+        if (!scheduler_pause(device->servo.hd))
+            return 0;
+        device->servo.hd->hdDisableDevice(device->servo.device);
+        scheduler_resume(NULL);
+        device->is_open = 0;
+    }
+    return 1;
+}
+
+/* Freed as soon as no other thread can use it. */
+static void let_go(struct haptics *device)
+{
+    if (disconnect(device)) {
+        free(device);
+        return;
+    }
+    device->next = left_behind;
+    left_behind = device;
+}
+
+static void let_go_of_those_behind(void)
+{
+    struct haptics *device = left_behind, *next;
+    left_behind = NULL;
+    for (; device; device = next) {
+        next = device->next;
+        let_go(device);
+    }
+}
+
+static dpt_result connect_device(struct haptics *device, dpt_device_error *error)
+{
+    struct servo_sample *last = &device->last;
+    const struct hd_library *hd = device->servo.hd;
+    const struct servo fresh = { .hd = hd,
+                                 .watchdog_ns = (uint64_t)(device->watchdog * 1e9),
+                                 .last.sequence = last->sequence,
+                                 .last.missed = last->missed };
+    device->servo = fresh;
+    memset(&device->info, 0, sizeof device->info);
+    last->status = DPT_DEVICE_UNREADY;
+    last->code = 0;
+    if (!scheduler_pause(hd))
+        return device_error(error, DPT_E_DEVICE,
+                            "the thread of OpenHaptics that serves all its devices hangs: end this "
+                            "program and start it again");
+    hd_take_error(hd);
+    dpt_result result = prepare(device, error);
+    const hd_error why = scheduler_resume(result == DPT_OK ? &device->servo : NULL);
+    if (result == DPT_OK && why.code != HD_SUCCESS)
+        result = explain(device, why, error);
+    if (result == DPT_OK)
+        result = hear(device, error);
+    if (result != DPT_OK)
+        return result;
+    device->info.joints = (uint32_t)device->servo.joints;
+    device->info.buttons = (uint32_t)device->servo.buttons;
+    device->lost = 0;
+    return DPT_OK;
+}
+
+/* What is still to be done before there is force. */
+static void advise(const struct haptics *device, dpt_device_error *error)
+{
+    const uint32_t reasons = device->last.reasons;
+    if (reasons & DPT_REASON_UNCALIBRATED && device->servo.style == HD_CALIBRATION_INKWELL)
+        device_error(error, DPT_OK,
+                     "not calibrated, no force yet: put the stylus into the inkwell for "
+                     "a moment, then take it out");
+    else if (reasons & DPT_REASON_UNCALIBRATED)
+        device_error(error, DPT_OK,
+                     "not calibrated, no force yet: move it slowly through its workspace, or run "
+                     "the vendor's Touch_Diagnostic");
+    else if (reasons & DPT_REASON_DOCKED)
+        device_error(error, DPT_OK,
+                     "the stylus is in the inkwell, no force there: take it out and hold it");
+    else if (device->last.status == DPT_DEVICE_FAULT)
+        device_error(error, DPT_OK,
+                     "the device has a fault, no force (0x%x): let it rest, and open it again",
+                     device->last.code);
+}
+
+static dpt_result openhaptics_open(const dpt_driver *driver, const char *where, dpt_device **opened,
+                                   dpt_device_error *error)
+{
+    (void)driver;
+    struct haptics *device = calloc(1, sizeof *device);
+    if (!device)
+        return device_error(error, DPT_E_MEMORY, "no memory");
+    device->watchdog = 0.01;
+    device->silent_after = 0.1;
+    const struct setting settings[] = {
+        { .name = "library", .text = device->library, .room = sizeof device->library },
+        { .name = "rate", .number = &device->rate, .least = 100, .most = 1e5 },
+        { .name = "watchdog", .number = &device->watchdog, .least = 0.002, .most = 1 },
+        { .name = "silent", .number = &device->silent_after, .least = 0.01, .most = 60 },
+    };
+    pthread_mutex_lock(&one_at_a_time);
+    let_go_of_those_behind();
+    dpt_result result = settings_read(where, device->name, sizeof device->name, settings,
+                                      sizeof settings / sizeof *settings, error);
+    if (result == DPT_OK)
+        result = hd_library_load(device->library, &device->servo.hd, error);
+    if (result == DPT_OK)
+        result = connect_device(device, error);
+    if (result != DPT_OK)
+        let_go(device);
+    pthread_mutex_unlock(&one_at_a_time);
+    if (result != DPT_OK)
+        return result;
+    advise(device, error);
+    *opened = &device->base;
+    return DPT_OK;
+}
+
+static void openhaptics_info(const dpt_device *base, dpt_device_info *info)
+{
+    *info = ((const struct haptics *)base)->info;
+}
+
+/* Why nothing is heard, or 0. It stays, also when samples come again: time has passed of which nothing is known. */
+static uint32_t why_lost(struct haptics *device)
+{
+    if (device->lost || scheduler_is_paused())
+        return device->lost;
+    if (device->last.status == DPT_DEVICE_LOST)
+        return device->lost = device->last.reasons;
+    const uint64_t since = scheduler_since(), sampled = device->last.time_ns;
+    const int64_t age = (int64_t)(servo_now() - (sampled > since ? sampled : since));
+    if (age > (int64_t)(device->silent_after * (double)SECOND) ||
+        (age > (int64_t)device->servo.watchdog_ns && scheduler_is_dead()))
+        device->lost = DPT_REASON_SILENT;
+    return device->lost;
+}
+
+static dpt_result openhaptics_read(dpt_device *base, dpt_device_state *state)
+{
+    struct haptics *device = (struct haptics *)base;
+    take_sample(device);
+    const struct servo_sample *last = &device->last;
+    const uint64_t fresh = last->sequence - device->sequence_read;
+    device->sequence_read = last->sequence;
+    state->status = last->status;
+    state->reasons = last->reasons;
+    state->code = last->code;
+    state->buttons = last->buttons;
+    state->fresh = fresh < UINT32_MAX ? (uint32_t)fresh : UINT32_MAX;
+    state->sequence = last->sequence;
+    state->time_ns = last->time_ns;
+    state->pose = last->pose;
+    memcpy(state->velocity, last->velocity, sizeof state->velocity);
+    memcpy(state->spin, last->spin, sizeof state->spin);
+    memset(state->joint, 0, sizeof state->joint);
+    memcpy(state->joint, last->joint, sizeof last->joint);
+    state->temperature = last->temperature;
+    const uint32_t lost = why_lost(device);
+    if (lost == 0)
+        return DPT_OK;
+    state->status = DPT_DEVICE_LOST;
+    state->reasons = lost;
+    state->fresh = 0;
+    return DPT_E_LOST;
+}
+
+static dpt_result openhaptics_write(dpt_device *base, const dpt_wrench *wrench)
+{
+    struct haptics *device = (struct haptics *)base;
+    take_sample(device);
+    if (why_lost(device))
+        return DPT_E_LOST;
+    if (device->last.status != DPT_DEVICE_READY)
+        return DPT_E_NOT_READY;
+    struct servo *servo = &device->servo;
+    struct servo_command *command = &servo->command[servo->commands.writing];
+    command->wrench = *wrench;
+    limit_length(command->wrench.force, device->info.force_max);
+    limit_length(command->wrench.torque, device->info.torque_max);
+    command->time_ns = servo_now();
+    latest_hand(&servo->commands);
+    device->counts.commands++;
+    return DPT_OK;
+}
+
+static dpt_result openhaptics_clear(dpt_device *base)
+{
+    struct haptics *device = (struct haptics *)base;
+    struct servo *servo = &device->servo;
+    const dpt_device_info info = device->info;
+    dpt_result result = DPT_OK;
+    take_sample(device);
+    pthread_mutex_lock(&one_at_a_time);
+    if (why_lost(device)) {
+        result = disconnect(device) ? connect_device(device, NULL) : DPT_E_LOST;
+        if (result != DPT_OK) {
+            disconnect(device);
+            device->info = info;
+            device->lost = device->lost ? device->lost : DPT_REASON_SILENT;
+        }
+        device->counts.resets += result == DPT_OK;
+    } else {
+        const uint32_t clears = servo->clears + 1;
+        __atomic_store_n(&servo->clears, clears, __ATOMIC_RELAXED);
+        for (int i = 0; i < ANSWER_MS && device->last.clears != clears; i++) {
+            servo_wait();
+            take_sample(device);
+        }
+        if (device->last.clears != clears && !device->lost)
+            device->lost = DPT_REASON_SILENT;
+    }
+    pthread_mutex_unlock(&one_at_a_time);
+    if (result != DPT_OK || why_lost(device))
+        return DPT_E_LOST;
+    return device->last.status == DPT_DEVICE_READY ? DPT_OK : DPT_E_NOT_READY;
+}
+
+static void openhaptics_counts(const dpt_device *base, dpt_device_counts *counts)
+{
+    const struct haptics *device = (const struct haptics *)base;
+    *counts = device->counts;
+    counts->samples = device->last.sequence;
+    counts->missed = device->last.missed;
+}
+
+static void openhaptics_close(dpt_device *base)
+{
+    pthread_mutex_lock(&one_at_a_time);
+    let_go((struct haptics *)base);
+    pthread_mutex_unlock(&one_at_a_time);
+}
+
+const dpt_driver openhaptics_driver = {
+    .size = sizeof openhaptics_driver,
+    .version = DPT_DRIVER_VERSION,
+    .name = "openhaptics",
+    .about = "Touch and Phantom devices by the vendor's library, if there: openhaptics:NAME",
+    .open = openhaptics_open,
+    .info = openhaptics_info,
+    .read = openhaptics_read,
+    .write = openhaptics_write,
+    .clear = openhaptics_clear,
+    .counts = openhaptics_counts,
+    .close = openhaptics_close,
+};

@@ -1,0 +1,141 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#define _POSIX_C_SOURCE 200809L
+#include "openhaptics/openhaptics_library.h"
+
+#include <dlfcn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "settings.h"
+
+/* What packagers look for: https://uapi-group.org/specifications/specs/elf_dlopen_metadata/ */
+#ifdef __ELF__
+#define NOTE                                                                                       \
+    "[{\"feature\":\"openhaptics\",\"description\":\"Touch and Phantom haptic devices\","          \
+    "\"priority\":\"suggested\",\"soname\":[\"libHD.so.3.4\",\"libHD.so.3.0\",\"libHD.so\"]}]"
+static const struct {
+    uint32_t owner_size, text_size, type;
+    char owner[4];
+    char text[sizeof NOTE];
+} note __attribute__((used, aligned(4), section(".note.dlopen"))) = { 4, sizeof NOTE, 0x407c0c0a,
+                                                                      "FDO", NOTE };
+#endif
+
+enum { ERRORS_MOST = 256 };
+
+static struct {
+    struct hd_library library;
+    char name[256]; /* "" before there is one */
+} loaded;
+
+static const struct {
+    const char *name;
+    size_t at;
+    int is_optional;
+} functions[] = {
+#define REQUIRED(result, name, arguments) { #name, offsetof(struct hd_library, name), 0 },
+#define OPTIONAL(result, name, arguments) { #name, offsetof(struct hd_library, name), 1 },
+    HD_FUNCTIONS(REQUIRED, OPTIONAL)
+#undef REQUIRED
+#undef OPTIONAL
+};
+
+/* The file itself is not there, or one that it needs: the C library names it first. */
+static int is_missing(const char *file, const char *text)
+{
+    const size_t length = strlen(file);
+    return !strncmp(text, file, length) && text[length] == ':' &&
+           strstr(text, "No such file or directory");
+}
+
+static dpt_result explain(const char *name, const char *text, dpt_device_error *error)
+{
+    const size_t length = strcspn(text, ":");
+    if (is_missing(name, text))
+        return device_error(error, DPT_E_UNSUPPORTED,
+                            "there is no library %.100s: leave library= and DPT_HD_LIBRARY out, or "
+                            "name that of OpenHaptics",
+                            name);
+    char needed[64];
+    snprintf(needed, sizeof needed, "%.*s", (int)(length < 60 ? length : 60), text);
+    if (is_missing(needed, text)) {
+        const char *what =
+            strstr(needed, "PHANToMIO") || strstr(needed, "PhantomIO")
+                ? "the device driver of 3D Systems that belongs to it"
+                : (strstr(needed, "libncurses") ? "the package libncurses5 of your system"
+                                                : "the package that has it");
+        return device_error(error, DPT_E_UNSUPPORTED,
+                            "%.60s is here, but not %.60s, which it needs: install %s", name,
+                            needed, what);
+    }
+    if (strstr(text, "undefined symbol"))
+        return device_error(error, DPT_E_UNSUPPORTED,
+                            "OpenHaptics and the device driver are not of one version (%.100s): "
+                            "install two that belong together",
+                            text);
+    return device_error(error, DPT_E_UNSUPPORTED, "%.60s cannot be loaded: %.150s", name, text);
+}
+
+static dpt_result find_functions(void *handle, const char *name, dpt_device_error *error)
+{
+    for (size_t i = 0; i < sizeof functions / sizeof *functions; i++) {
+        void *symbol = dlsym(handle, functions[i].name);
+        if (!symbol && !functions[i].is_optional)
+            return device_error(error, DPT_E_UNSUPPORTED,
+                                "%.60s has no %s: it is not OpenHaptics, or older than 3.0", name,
+                                functions[i].name);
+        memcpy((char *)&loaded.library + functions[i].at, &symbol, sizeof symbol);
+    }
+    return DPT_OK;
+}
+
+hd_error hd_take_error(const struct hd_library *library)
+{
+    const hd_error last = library->hdGetError();
+    for (int i = 0; i < ERRORS_MOST && library->hdGetError().code != HD_SUCCESS; i++)
+        continue;
+    return last;
+}
+
+dpt_result hd_library_load(const char *name, const struct hd_library **library,
+                           dpt_device_error *error)
+{
+    static const char *const usual[] = { "libHD.so", "libHD.so.3.4", "libHD.so.3.0" };
+    const char *asked = *name ? name : getenv("DPT_HD_LIBRARY");
+    asked = asked && *asked ? asked : NULL;
+    *library = &loaded.library;
+    if (loaded.name[0] && (!asked || !strcmp(asked, loaded.name)))
+        return DPT_OK;
+    if (loaded.name[0])
+        return device_error(error, DPT_E_SETTING,
+                            "this program has loaded %.60s, and can have only one: leave library= "
+                            "out, or start another program for %.60s",
+                            loaded.name, asked);
+    const size_t count = asked ? 1 : sizeof usual / sizeof *usual;
+    const char *const *names = asked ? &asked : usual;
+    const char *failed = NULL;
+    char text[256];
+    void *handle = NULL;
+    size_t i = 0;
+    for (; i < count && !handle; i++) {
+        handle = dlopen(names[i], RTLD_NOW | RTLD_GLOBAL);
+        const char *reason = handle ? NULL : dlerror();
+        if (!reason || failed || (!asked && is_missing(names[i], reason)))
+            continue;
+        failed = names[i];
+        snprintf(text, sizeof text, "%s", reason);
+    }
+    if (!handle && failed)
+        return explain(failed, text, error);
+    if (!handle)
+        return device_error(error, DPT_E_UNSUPPORTED,
+                            "OpenHaptics is not installed (no libHD.so, .3.4 or .3.0): get its "
+                            "developer edition and the Touch device driver from 3D Systems, or say "
+                            "where it is by ?library= or DPT_HD_LIBRARY");
+    const char *found = names[i - 1];
+    const dpt_result result = find_functions(handle, found, error);
+    if (result == DPT_OK)
+        snprintf(loaded.name, sizeof loaded.name, "%s", found);
+    return result;
+}

@@ -1,0 +1,279 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A recorded motion as a device (docs/drivers.md, "replay"): a trace, tick,ax,ay,az,bx,by,bz. */
+#define _POSIX_C_SOURCE 200809L
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "base/angle.h"
+#include "base/vec3.h"
+#include "settings.h"
+#include "trace.h"
+
+/* 2^63 ns are 292 years; it may begin again. */
+static const double SECONDS_MOST = 100.0 * 365.0 * 86400.0;
+
+struct replay {
+    dpt_device device;
+    double rate, live, again;
+    struct table table;
+    size_t row; /* that is now */
+    int has_begun, has_ended;
+    uint64_t laps; /* ticks of those that are over */
+    uint64_t began_ns, read_sequence;
+    int was_read;
+    dpt_device_state sample;
+    dpt_device_counts counts;
+};
+
+static uint64_t tick_at(const struct replay *replay, size_t row)
+{
+    return (uint64_t)(table_row(&replay->table, row)[0] - table_row(&replay->table, 0)[0]);
+}
+
+static uint64_t ticks_of(const struct replay *replay)
+{
+    return tick_at(replay, replay->table.rows - 1) + 1;
+}
+
+/* The shortest turn from one direction to another, both of unit length. */
+static void shortest_turn(vec3 from, vec3 to, double *q)
+{
+    double w = 1.0 + dot(from, to);
+    vec3 axis = cross(from, to);
+    if (w < 1e-12) {
+        w = 0.0;
+        axis = fabs(from.x) < 0.7 ? cross(from, (vec3){ 1.0, 0.0, 0.0 })
+                                  : cross(from, (vec3){ 0.0, 1.0, 0.0 });
+    }
+    double size = sqrt(w * w + dot(axis, axis));
+    q[0] = w / size;
+    vec3_store(scaled(axis, 1.0 / size), q + 1);
+}
+
+/* The tool's own axis, z, in the world. */
+static vec3 axis_of(const double *q)
+{
+    return (vec3){ 2.0 * (q[1] * q[3] + q[0] * q[2]), 2.0 * (q[2] * q[3] - q[0] * q[1]),
+                   1.0 - 2.0 * (q[1] * q[1] + q[2] * q[2]) };
+}
+
+static void product(const double *a, const double *b, double *out)
+{
+    const double q[4] = { a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
+                          a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+                          a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
+                          a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0] };
+    double size = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+    for (int i = 0; i < 4; i++)
+        out[i] = q[i] / size;
+}
+
+/* The origin is A and z points to B. From row to row it turns no more than it must; after a jump there is no before. */
+static void take_sample(struct replay *replay, int jumps)
+{
+    dpt_device_state *sample = &replay->sample;
+    const double *ends = table_row(&replay->table, replay->row) + 1;
+    vec3 a = vec3_of(ends), along_tool = sub(vec3_of(ends + 3), a), before = { 0.0, 0.0, 1.0 };
+    double size = length(along_tool), turn[4];
+    static const double identity[4] = { 1.0, 0.0, 0.0, 0.0 };
+    memset(sample->velocity, 0, sizeof sample->velocity);
+    memset(sample->spin, 0, sizeof sample->spin);
+    if (jumps)
+        memcpy(sample->pose.orientation, identity, sizeof identity);
+    else
+        vec3_store(scaled(sub(a, vec3_of(sample->pose.position)), replay->rate), sample->velocity);
+    vec3_store(a, sample->pose.position);
+    sample->sequence = replay->laps + tick_at(replay, replay->row);
+    sample->time_ns =
+        replay->began_ns + (uint64_t)((double)sample->sequence * 1e9 / replay->rate + 0.5);
+    sample->temperature = -1.0;
+    if (size == 0.0)
+        return;
+    vec3 way = scaled(along_tool, 1.0 / size);
+    before = axis_of(sample->pose.orientation);
+    shortest_turn(before, way, turn);
+    const double half_sine = length(vec3_of(turn + 1));
+    if (!jumps && half_sine > 0.0)
+        vec3_store(scaled(vec3_of(turn + 1), replay->rate * angle_between(before, way) / half_sine),
+                   sample->spin);
+    product(turn, sample->pose.orientation, sample->pose.orientation);
+}
+
+static void go_on(struct replay *replay)
+{
+    if (replay->row + 1 < replay->table.rows) {
+        replay->row++;
+        take_sample(replay, trace_jumps(&replay->table, replay->row));
+    } else if (replay->again != 0.0) {
+        replay->laps += ticks_of(replay);
+        replay->row = 0;
+        take_sample(replay, 1);
+    } else {
+        replay->has_ended = 1;
+    }
+}
+
+static uint64_t next_sequence(const struct replay *replay)
+{
+    return replay->row + 1 < replay->table.rows ? replay->laps + tick_at(replay, replay->row + 1)
+                                                : replay->laps + ticks_of(replay);
+}
+
+static dpt_result catch_up(struct replay *replay)
+{
+    struct timespec time;
+    if (clock_gettime(CLOCK_MONOTONIC, &time) != 0)
+        return DPT_E_SYSTEM;
+    uint64_t now = (uint64_t)time.tv_sec * 1000000000u + (uint64_t)time.tv_nsec;
+    if (!replay->has_begun) {
+        replay->began_ns = now;
+        take_sample(replay, 1);
+    }
+    uint64_t sequence = (uint64_t)((double)(now - replay->began_ns) * replay->rate * 1e-9);
+    while (!replay->has_ended && next_sequence(replay) <= sequence)
+        go_on(replay);
+    return DPT_OK;
+}
+
+static dpt_result replay_read(dpt_device *device, dpt_device_state *state)
+{
+    struct replay *replay = (struct replay *)device;
+    dpt_result result = DPT_OK;
+    if (replay->live != 0.0)
+        result = catch_up(replay);
+    else if (replay->has_begun && !replay->has_ended)
+        go_on(replay);
+    replay->has_begun = 1;
+    *state = replay->sample;
+    state->status = replay->has_ended ? DPT_DEVICE_LOST : DPT_DEVICE_READY;
+    state->reasons = replay->has_ended ? DPT_REASON_UNPLUGGED : 0;
+    if (replay->has_ended || result != DPT_OK)
+        return replay->has_ended ? DPT_E_LOST : result;
+    uint64_t passed = replay->was_read ? state->sequence - replay->read_sequence : 1;
+    state->fresh = passed < UINT32_MAX ? (uint32_t)passed : UINT32_MAX;
+    replay->was_read = 1;
+    replay->read_sequence = state->sequence;
+    return DPT_OK;
+}
+
+static dpt_result replay_write(dpt_device *device, const dpt_wrench *wrench)
+{
+    struct replay *replay = (struct replay *)device;
+    (void)wrench;
+    if (replay->has_ended)
+        return DPT_E_LOST;
+    replay->counts.commands++;
+    return DPT_OK;
+}
+
+static void rewind_to_start(struct replay *replay)
+{
+    replay->row = 0;
+    replay->laps = 0;
+    replay->has_begun = replay->has_ended = replay->was_read = 0;
+    take_sample(replay, 1);
+}
+
+static dpt_result replay_clear(dpt_device *device)
+{
+    struct replay *replay = (struct replay *)device;
+    if (!replay->has_ended)
+        return DPT_OK;
+    replay->counts.resets++;
+    rewind_to_start(replay);
+    return DPT_OK;
+}
+
+static void replay_counts(const dpt_device *device, dpt_device_counts *counts)
+{
+    const struct replay *replay = (const struct replay *)device;
+    *counts = replay->counts;
+    counts->samples = replay->has_begun ? replay->sample.sequence + 1 : 0;
+}
+
+static void replay_info(const dpt_device *device, dpt_device_info *info)
+{
+    const struct replay *replay = (const struct replay *)device;
+    *info = (dpt_device_info){ .pose_dofs = 6,
+                               .wrench_dofs = 6,
+                               .flags = DPT_DEVICE_SIMULATED |
+                                        (replay->live != 0.0 ? 0 : DPT_DEVICE_DETERMINISTIC),
+                               .rate = replay->rate,
+                               .force_max = 1000.0,
+                               .torque_max = 1000.0,
+                               .name = "recorded motion" };
+    for (int k = 0; k < 3; k++) {
+        info->workspace_min[k] = info->workspace_max[k] = replay->table.values[1 + k];
+        for (size_t row = 0; row < replay->table.rows; row++) {
+            double value = table_row(&replay->table, row)[1 + k];
+            info->workspace_min[k] = smaller(info->workspace_min[k], value);
+            info->workspace_max[k] = larger(info->workspace_max[k], value);
+        }
+    }
+}
+
+static void replay_close(dpt_device *device)
+{
+    struct replay *replay = (struct replay *)device;
+    table_free(&replay->table);
+    free(replay);
+}
+
+static dpt_result check_length(const struct replay *replay, const char *path,
+                               dpt_device_error *error)
+{
+    const struct table *table = &replay->table;
+    const double ticks = table_row(table, table->rows - 1)[0] - table_row(table, 0)[0];
+    if (ticks > SECONDS_MOST * replay->rate)
+        return device_error(error, DPT_E_LIMIT,
+                            "%.160s: its ticks, at %g Hz, are more than 100 years", path,
+                            replay->rate);
+    return DPT_OK;
+}
+
+static dpt_result replay_open(const dpt_driver *driver, const char *where, dpt_device **device,
+                              dpt_device_error *error)
+{
+    (void)driver;
+    char path[1024];
+    struct replay *replay = calloc(1, sizeof *replay);
+    if (!replay)
+        return device_error(error, DPT_E_MEMORY, "memory ran out");
+    replay->rate = 1000.0;
+    const struct setting settings[] = {
+        { .name = "rate", .number = &replay->rate, .least = 1.0, .most = 1e5 },
+        { .name = "live", .number = &replay->live, .most = 1.0 },
+        { .name = "again", .number = &replay->again, .most = 1.0 },
+    };
+    dpt_result result = settings_read(where, path, sizeof path, settings,
+                                      sizeof settings / sizeof *settings, error);
+    if (result == DPT_OK && !path[0])
+        result = device_error(error, DPT_E_SETTING, "name a trace, as in replay:slide.csv");
+    if (result == DPT_OK)
+        result = table_read(&replay->table, path, &trace_form, error);
+    if (result == DPT_OK)
+        result = check_length(replay, path, error);
+    if (result != DPT_OK) {
+        replay_close(&replay->device);
+        return result;
+    }
+    rewind_to_start(replay);
+    *device = &replay->device;
+    return DPT_OK;
+}
+
+const dpt_driver replay_driver = {
+    .size = sizeof(dpt_driver),
+    .version = DPT_DRIVER_VERSION,
+    .name = "replay",
+    .about = "a recorded motion; what is written to it has no effect",
+    .open = replay_open,
+    .info = replay_info,
+    .read = replay_read,
+    .write = replay_write,
+    .clear = replay_clear,
+    .counts = replay_counts,
+    .close = replay_close,
+};

@@ -1,0 +1,572 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Devices of our own protocol (wire.h) at a serial line: "serial:/dev/ttyACM0?speed=1000000". */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/wrench_limit.h"
+#include "serial/serial_line.h"
+#include "serial/wire.h"
+#include "settings.h"
+
+/* wire.h numbers them once more, as firmware has no other header of ours. */
+typedef char status_is_the_same[(int)WIRE_STATUS_READY == (int)DPT_DEVICE_READY ? 1 : -1];
+typedef char reasons_are_the_same[(int)WIRE_REASON_DEVICE == (int)DPT_REASON_DEVICE ? 1 : -1];
+typedef char joints_are_the_same[WIRE_JOINTS_MAX == DPT_JOINTS_MAX ? 1 : -1];
+
+#define SECOND         1000000000u
+#define HELLO_EVERY    (SECOND / 10)
+#define ORDER_EVERY    (SECOND / 20)
+#define ORDER_WITHIN   SECOND
+#define LIFE_EVERY     (SECOND / 10)
+#define READ_AT_ONCE   1024
+#define READS          4
+#define DRIFT_PER_TICK 200 /* ns a sample that two clocks may drift apart: 200 ppm at 1 kHz */
+
+struct serial_device {
+    dpt_device base;
+    char path[256];
+    double speed, answer_within, silent_after;
+    int fd;
+    struct wire_reader reader;
+    struct wire_order samples;
+    struct wire_info info;
+    struct wire_state last; /* of the device's samples, the newest */
+    uint16_t session;       /* 0: the device has forgotten us */
+    uint8_t greeted, sampled, gone;
+    uint32_t lost;     /* why, from the first read that found it so until it is cleared */
+    uint32_t command;  /* number of the last one */
+    uint64_t sequence; /* of the newest sample, and of the last one that was read */
+    uint64_t sequence_read;
+    uint64_t heard_ns; /* when the newest sample came, and when anything was sent */
+    uint64_t sent_ns;
+    uint64_t device_ns;   /* the device's clock at the newest sample, counted on */
+    int64_t clock_offset; /* from there to the host's */
+    uint64_t time_ns;
+    uint32_t damaged_before; /* the reader's, at the newest sample */
+    uint32_t foreign_before;
+    dpt_device_counts counts;
+    uint8_t rest[WIRE_FRAME_MAX]; /* of a frame that did not fit at once */
+    size_t rest_at, rest_size;
+    char log[WIRE_LOG_MAX + 1];
+};
+
+static uint64_t seconds(double time)
+{
+    return (uint64_t)(time * SECOND);
+}
+
+static void lose(struct serial_device *device)
+{
+    device->gone = 1;
+    device->session = 0;
+}
+
+/*
+ * The host's time of a sample: when a line is as quick as it gets, the difference of the clocks is what it was then.
+ * The least difference seen counts, let grow a little each time, so that it follows clocks that drift.
+ */
+static void keep_time(struct serial_device *device, uint32_t device_us, uint64_t now)
+{
+    if (!device->sampled)
+        device->device_ns = 0;
+    else
+        device->device_ns += (uint64_t)(uint32_t)(device_us - device->last.time) * 1000u;
+    const int64_t offset = (int64_t)(now - device->device_ns);
+    device->clock_offset += DRIFT_PER_TICK;
+    if (!device->sampled || offset < device->clock_offset)
+        device->clock_offset = offset;
+    const uint64_t time = device->device_ns + (uint64_t)device->clock_offset;
+    device->time_ns = time > device->time_ns ? time : device->time_ns + 1;
+}
+
+static void take_state(struct serial_device *device, const struct wire_state *state)
+{
+    if (!device->greeted || state->pose_dofs != device->info.pose_dofs ||
+        state->joints != device->info.joints)
+        return;
+    if (!device->sampled) {
+        wire_order_start(&device->samples, state->sequence - 1);
+        memset(&device->last, 0, sizeof device->last);
+        device->last.sequence = state->sequence - 1;
+    }
+    const struct wire_order was = device->samples;
+    const int newer = wire_order_take(&device->samples, state->sequence);
+    /* Counts that may fall again: what was missed and comes late is reordered, and no longer lost. */
+    device->counts.lost += (uint64_t)(int64_t)(int32_t)(device->samples.lost - was.lost);
+    device->counts.reordered += device->samples.reordered - was.reordered;
+    if (!newer)
+        return;
+    device->heard_ns = serial_now();
+    keep_time(device, state->time, device->heard_ns);
+    device->sequence += state->sequence - device->last.sequence;
+    device->counts.samples += state->sequence - device->last.sequence;
+    device->counts.missed += (uint64_t)(int64_t)(int16_t)(state->lost - device->last.lost);
+    device->counts.missed += (uint64_t)(int64_t)(int16_t)(state->late - device->last.late);
+    device->counts.missed += (uint64_t)(int64_t)(int8_t)(state->reordered - device->last.reordered);
+    device->last = *state;
+    device->sampled = 1;
+    device->damaged_before = device->reader.damaged;
+    device->foreign_before = device->reader.foreign;
+}
+
+static void take(struct serial_device *device, const struct wire_message *message)
+{
+    switch (message->type) {
+    case WIRE_INFO:
+        if (message->session == device->session && !device->greeted) {
+            device->info = message->as.info;
+            device->greeted = 1;
+        }
+        break;
+    case WIRE_STATE:
+        if (message->session == device->session && device->session != 0)
+            take_state(device, &message->as.state);
+        break;
+    case WIRE_HEARTBEAT:
+        if (message->session != 0 || !device->sampled || device->session == 0)
+            break;
+        /* It has no session: it forgot ours, or began anew. */
+        if (message->as.heartbeat.sequence - device->last.sequence >= 0x80000000u)
+            device->counts.resets++;
+        device->session = 0;
+        break;
+    case WIRE_LOG:
+        memcpy(device->log, message->as.log.text, message->as.log.size);
+        device->log[message->as.log.size] = '\0';
+        for (char *c = device->log; *c; c++)
+            if (*c < ' ' || *c > '~')
+                *c = '?';
+        break;
+    default:
+        break;
+    }
+}
+
+/* All that has come, but no more than a few reads of it. */
+static void pump(struct serial_device *device)
+{
+    uint8_t bytes[READ_AT_ONCE];
+    struct wire_message message;
+    for (int i = 0; i < READS && !device->gone && device->fd >= 0; i++) {
+        const long count = serial_line_read(device->fd, bytes, sizeof bytes);
+        if (count < 0)
+            lose(device);
+        for (long k = 0; k < count; k++)
+            switch (wire_read(&device->reader, bytes[k], &message)) {
+            case WIRE_MESSAGE:
+                take(device, &message);
+                break;
+            case WIRE_DAMAGED:
+            case WIRE_FOREIGN:
+                device->counts.damaged++;
+            }
+        /* A short read is not the last one: the system may bring more, the newest, when asked again. */
+        if (count <= 0)
+            break;
+    }
+}
+
+/*
+ * 1: sent, 0: there is no room. Of a frame that fits in part the rest goes first next time, as the device could not
+ * tell a piece from damage.
+ */
+static int send_bytes(struct serial_device *device, const uint8_t *bytes, size_t size)
+{
+    if (device->rest_at < device->rest_size) {
+        const long count = serial_line_write(device->fd, device->rest + device->rest_at,
+                                             device->rest_size - device->rest_at);
+        if (count < 0)
+            lose(device);
+        device->rest_at += count > 0 ? (size_t)count : 0;
+        if (device->rest_at < device->rest_size)
+            return 0;
+    }
+    const long count = serial_line_write(device->fd, bytes, size);
+    if (count < 0)
+        lose(device);
+    if (count <= 0)
+        return 0;
+    device->rest_at = 0;
+    device->rest_size = size - (size_t)count;
+    memcpy(device->rest, bytes + count, device->rest_size);
+    device->sent_ns = serial_now();
+    return 1;
+}
+
+static int send(struct serial_device *device, struct wire_message *message)
+{
+    uint8_t frame[WIRE_FRAME_MAX];
+    message->session = device->session;
+    const size_t size = wire_encode(message, frame);
+    return size > 0 && send_bytes(device, frame, size);
+}
+
+static void send_order(struct serial_device *device, uint8_t order)
+{
+    struct wire_message message = { .type = WIRE_ORDER };
+    message.as.order = order;
+    send(device, &message);
+}
+
+/* A session of a new number, until the device has told what it is, and its first sample came. */
+static int greet(struct serial_device *device)
+{
+    static const uint8_t zero;
+    const uint64_t start = serial_now(), deadline = start + seconds(device->answer_within);
+    const uint16_t before = device->session;
+    device->session = (uint16_t)(start >> 10 ^ start >> 26);
+    if (device->session == 0 || device->session == before)
+        device->session = (uint16_t)(before + 1) ? (uint16_t)(before + 1) : 1;
+    device->greeted = device->sampled = 0;
+    device->command = 0;
+    device->rest_at = device->rest_size = 0;
+    uint64_t now = start, next = start;
+    while (!device->sampled && !device->gone && (now = serial_now()) < deadline) {
+        if (now >= next) {
+            struct wire_message hello = { .type = WIRE_HELLO };
+            /* What is left of an earlier host's frame ends here. */
+            send_bytes(device, &zero, 1);
+            send(device, &hello);
+            next = now + HELLO_EVERY;
+        }
+        serial_line_wait(device->fd, next);
+        pump(device);
+    }
+    return device->sampled;
+}
+
+/* Repeats an order for as long as the device's status is `status`, but not for ever. */
+static void insist(struct serial_device *device, uint8_t order, uint32_t status)
+{
+    uint64_t now = serial_now(), next = now;
+    const uint64_t deadline = now + ORDER_WITHIN;
+    while (device->last.status == status && !device->gone && device->session != 0 &&
+           (now = serial_now()) < deadline) {
+        if (now >= next) {
+            send_order(device, order);
+            next = now + ORDER_EVERY;
+        }
+        serial_line_wait(device->fd, next);
+        pump(device);
+    }
+}
+
+static int makes_sense(const struct wire_info *info)
+{
+    const float least[] = { info->force_max,     info->force_continuous, info->torque_max,
+                            info->stiffness_max, info->position_step,    info->watchdog };
+    for (size_t i = 0; i < sizeof least / sizeof *least; i++)
+        if (least[i] < 0.0f)
+            return 0;
+    for (int i = 0; i < 3; i++)
+        if (info->workspace_min[i] > info->workspace_max[i])
+            return 0;
+    return (info->pose_dofs == 3 || info->pose_dofs == 6) && info->joints <= WIRE_JOINTS_MAX &&
+           (info->wrench_dofs == 0 || info->wrench_dofs == 3 || info->wrench_dofs == 6) &&
+           info->buttons <= 16 && info->rate > 0.0f && info->rate <= 1e5f;
+}
+
+static dpt_result refuse_answer(const struct serial_device *device, dpt_device_error *error)
+{
+    const struct wire_reader *reader = &device->reader;
+    if (device->gone)
+        return device_error(error, DPT_E_LOST, "%.60s went away while it was asked", device->path);
+    if (reader->foreign > 0)
+        return device_error(
+            error, DPT_E_PROTOCOL,
+            "%.60s speaks version %u of the protocol, this library %u: renew the older "
+            "one of firmware and library",
+            device->path, reader->version, WIRE_VERSION);
+    if (reader->damaged > 0 || reader->count > 0)
+        return device_error(error, DPT_E_DEVICE,
+                            "%.60s sends what is none of ours at %u baud: is it another device, or "
+                            "another speed (?speed=)?",
+                            device->path, (unsigned)device->speed);
+    return device_error(
+        error, DPT_E_DEVICE,
+        "no answer from %.60s at %u baud within %g s: is it the right port and speed "
+        "(?speed=), and has the device power?%s%.80s",
+        device->path, (unsigned)device->speed, device->answer_within,
+        device->log[0] ? " It says: " : "", device->log);
+}
+
+static dpt_result check_info(const struct serial_device *device, dpt_device_error *error)
+{
+    if (!makes_sense(&device->info))
+        return device_error(error, DPT_E_DEVICE,
+                            "what %.60s says of itself makes no sense: repair its firmware",
+                            device->path);
+    const double needed = 10.0 * device->info.rate *
+                          (double)wire_state_bytes(device->info.pose_dofs, device->info.joints);
+    if (needed > device->speed)
+        return device_error(
+            error, DPT_E_SETTING,
+            "%.60s needs at least %.0f baud for its %g samples a second: set a higher "
+            "?speed=, also where the line is USB and ignores it",
+            device->path, needed, (double)device->info.rate);
+    return DPT_OK;
+}
+
+static dpt_result connect_line(struct serial_device *device, dpt_device_error *error)
+{
+    dpt_result result = serial_line_open(device->path, (uint32_t)device->speed, &device->fd, error);
+    if (result != DPT_OK)
+        return result;
+    device->gone = 0;
+    memset(&device->reader, 0, sizeof device->reader);
+    const uint64_t damaged = device->counts.damaged;
+    result = greet(device) ? check_info(device, error) : refuse_answer(device, error);
+    /* What came while the two made acquaintance is no damage. */
+    device->counts.damaged = damaged;
+    if (result == DPT_OK) {
+        device->lost = 0;
+        insist(device, WIRE_ENABLE, DPT_DEVICE_UNREADY);
+    } else {
+        device->session = 0;
+    }
+    return result;
+}
+
+static void keep_first(void *user, const char *path, const char *about)
+{
+    struct serial_device *device = user;
+    (void)about;
+    if (!device->path[0])
+        snprintf(device->path, sizeof device->path, "%s", path);
+}
+
+static dpt_result serial_open(const dpt_driver *driver, const char *where, dpt_device **opened,
+                              dpt_device_error *error)
+{
+    (void)driver;
+    struct serial_device *device = calloc(1, sizeof *device);
+    if (!device)
+        return device_error(error, DPT_E_MEMORY, "no memory");
+    device->fd = -1;
+    device->speed = 1e6;
+    device->answer_within = 3.0;
+    device->silent_after = 0.1;
+    const struct setting settings[] = {
+        { .name = "speed", .number = &device->speed, .least = 1200, .most = 4e6 },
+        { .name = "answer", .number = &device->answer_within, .least = 0.01, .most = 60 },
+        { .name = "silent", .number = &device->silent_after, .least = 0.001, .most = 60 },
+    };
+    dpt_result result = settings_read(where, device->path, sizeof device->path, settings,
+                                      sizeof settings / sizeof *settings, error);
+    if (result == DPT_OK && !device->path[0])
+        serial_line_find(keep_first, device);
+    if (result == DPT_OK && !device->path[0])
+        result =
+            device_error(error, DPT_E_DEVICE,
+                         "no serial port is there: is the device plugged in? Others are named as "
+                         "in serial:/dev/ttyS0");
+    if (result == DPT_OK)
+        result = connect_line(device, error);
+    if (result == DPT_OK) {
+        *opened = &device->base;
+        return DPT_OK;
+    }
+    if (device->fd >= 0)
+        serial_line_close(device->fd);
+    free(device);
+    return result;
+}
+
+static void copy_text(char out[48], const char *text)
+{
+    for (int i = 0; i < 47 && text[i]; i++)
+        out[i] = text[i] >= ' ' && text[i] <= '~' ? text[i] : '?';
+}
+
+static void serial_info(const dpt_device *base, dpt_device_info *info)
+{
+    const struct wire_info *from = &((const struct serial_device *)base)->info;
+    info->pose_dofs = from->pose_dofs;
+    info->wrench_dofs = from->wrench_dofs;
+    info->joints = from->joints;
+    info->buttons = from->buttons;
+    /* Its time is the host's, whatever it says: a loop would not wait for it. */
+    info->flags = from->flags & (DPT_DEVICE_SIMULATED | DPT_DEVICE_ARM);
+    info->rate = from->rate;
+    info->force_max = from->force_max;
+    info->force_continuous = from->force_continuous;
+    info->torque_max = from->torque_max;
+    info->stiffness_max = from->stiffness_max;
+    info->position_step = from->position_step;
+    info->watchdog = from->watchdog;
+    for (int i = 0; i < 3; i++) {
+        info->workspace_min[i] = from->workspace_min[i];
+        info->workspace_max[i] = from->workspace_max[i];
+    }
+    copy_text(info->name, from->name);
+    copy_text(info->serial, from->serial);
+}
+
+static void show_pose(const struct wire_state *from, dpt_device_state *state)
+{
+    static const dpt_pose identity = DPT_POSE_IDENTITY;
+    state->pose = identity;
+    for (int i = 0; i < 3; i++) {
+        state->pose.position[i] = from->position[i];
+        state->velocity[i] = from->velocity[i];
+        state->spin[i] = from->spin[i];
+    }
+    if (from->pose_dofs == 6) {
+        double square = 0.0;
+        for (int i = 0; i < 4; i++)
+            square += (double)from->orientation[i] * from->orientation[i];
+        for (int i = 0; i < 4; i++)
+            state->pose.orientation[i] = from->orientation[i] / sqrt(square);
+    }
+    for (int i = 0; i < WIRE_JOINTS_MAX; i++)
+        state->joint[i] = from->joint[i];
+}
+
+/* Why nothing is heard, or 0. It stays, also when samples come again: time has passed of which nothing is known. */
+static uint32_t why_lost(struct serial_device *device)
+{
+    if (device->gone) {
+        device->lost = DPT_REASON_UNPLUGGED;
+    } else if (device->session == 0 ||
+               serial_now() - device->heard_ns > seconds(device->silent_after)) {
+        device->lost |= DPT_REASON_SILENT;
+        if (device->reader.damaged != device->damaged_before)
+            device->lost |= DPT_REASON_LINK;
+        if (device->reader.foreign != device->foreign_before)
+            device->lost |= DPT_REASON_VERSION;
+    }
+    return device->lost;
+}
+
+static dpt_result serial_read(dpt_device *base, dpt_device_state *state)
+{
+    struct serial_device *device = (struct serial_device *)base;
+    pump(device);
+    if (!device->gone && device->session != 0 && serial_now() - device->sent_ns > LIFE_EVERY) {
+        struct wire_message life = { .type = WIRE_HEARTBEAT };
+        life.as.heartbeat.sequence = device->last.sequence;
+        send(device, &life);
+    }
+    const struct wire_state *last = &device->last;
+    const uint64_t fresh = device->sequence - device->sequence_read;
+    device->sequence_read = device->sequence;
+    state->status = last->status;
+    state->reasons = last->status == DPT_DEVICE_READY ? 0 : last->reasons;
+    state->code = last->code;
+    state->buttons = last->buttons;
+    state->fresh = fresh < UINT32_MAX ? (uint32_t)fresh : UINT32_MAX;
+    state->sequence = device->sequence;
+    state->time_ns = device->time_ns;
+    state->temperature = last->temperature == WIRE_TEMPERATURE_UNKNOWN
+                             ? -1.0
+                             : (double)last->temperature / WIRE_TEMPERATURE_LIMIT;
+    show_pose(last, state);
+    const uint32_t lost = why_lost(device);
+    if (lost == 0)
+        return DPT_OK;
+    state->status = DPT_DEVICE_LOST;
+    state->reasons = lost;
+    state->fresh = 0;
+    return DPT_E_LOST;
+}
+
+static dpt_result serial_write(dpt_device *base, const dpt_wrench *wrench)
+{
+    struct serial_device *device = (struct serial_device *)base;
+    if (why_lost(device))
+        return DPT_E_LOST;
+    if (device->last.status != DPT_DEVICE_READY)
+        return DPT_E_NOT_READY;
+    dpt_wrench limited = *wrench;
+    limit_length(limited.force, device->info.wrench_dofs >= 3 ? (double)device->info.force_max : 0);
+    limit_length(limited.torque,
+                 device->info.wrench_dofs >= 6 ? (double)device->info.torque_max : 0);
+    struct wire_message message = { .type = WIRE_COMMAND };
+    message.as.command.sequence = device->command + 1;
+    message.as.command.answers = device->last.sequence;
+    for (int i = 0; i < 3; i++) {
+        message.as.command.force[i] = (float)limited.force[i];
+        message.as.command.torque[i] = (float)limited.torque[i];
+    }
+    device->counts.commands++;
+    if (send(device, &message)) {
+        device->command++;
+        return DPT_OK;
+    }
+    device->counts.refused++;
+    return device->gone ? DPT_E_LOST : DPT_E_BUSY;
+}
+
+static dpt_result serial_clear(dpt_device *base)
+{
+    struct serial_device *device = (struct serial_device *)base;
+    pump(device);
+    if (why_lost(device)) {
+        const struct wire_info info = device->info;
+        if (device->fd >= 0)
+            serial_line_close(device->fd);
+        lose(device);
+        if (connect_line(device, NULL) != DPT_OK) {
+            device->info = info;
+            return DPT_E_LOST;
+        }
+        device->counts.resets++;
+    }
+    insist(device, WIRE_CLEAR, DPT_DEVICE_FAULT);
+    insist(device, WIRE_ENABLE, DPT_DEVICE_UNREADY);
+    if (why_lost(device))
+        return DPT_E_LOST;
+    return device->last.status == DPT_DEVICE_READY ? DPT_OK : DPT_E_NOT_READY;
+}
+
+static void serial_counts(const dpt_device *base, dpt_device_counts *counts)
+{
+    const struct serial_device *device = (const struct serial_device *)base;
+    *counts = device->counts;
+    counts->size = sizeof *counts;
+}
+
+static void serial_close(dpt_device *base)
+{
+    struct serial_device *device = (struct serial_device *)base;
+    if (device->fd >= 0) {
+        insist(device, WIRE_STOP, DPT_DEVICE_READY);
+        serial_line_close(device->fd);
+    }
+    free(device);
+}
+
+struct finding {
+    const dpt_driver *driver;
+    dpt_device_found *found;
+    void *user;
+};
+
+static void pass_on(void *user, const char *path, const char *about)
+{
+    const struct finding *finding = user;
+    finding->found(finding->user, finding->driver, path, about);
+}
+
+static void serial_find(const dpt_driver *driver, dpt_device_found *found, void *user)
+{
+    struct finding finding = { driver, found, user };
+    serial_line_find(pass_on, &finding);
+}
+
+const dpt_driver serial_driver = {
+    .size = sizeof serial_driver,
+    .version = DPT_DRIVER_VERSION,
+    .name = "serial",
+    .about = "devices of our own protocol at a serial line: serial:/dev/ttyACM0?speed=1000000",
+    .open = serial_open,
+    .info = serial_info,
+    .read = serial_read,
+    .write = serial_write,
+    .clear = serial_clear,
+    .counts = serial_counts,
+    .close = serial_close,
+    .find = serial_find,
+};

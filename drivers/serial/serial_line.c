@@ -1,0 +1,258 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#ifdef __linux__
+#define _GNU_SOURCE
+#endif
+#include "serial/serial_line.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/ioctl.h>
+#include <termios.h>
+#include <time.h>
+#include <unistd.h>
+#ifdef __linux__
+#include <linux/serial.h>
+#endif
+
+#include "settings.h"
+
+#define SPEED(baud) { baud, B##baud },
+static const struct {
+    uint32_t baud;
+    speed_t code;
+} speeds[] = {
+    /* clang-format off */
+    SPEED(1200) SPEED(2400) SPEED(4800) SPEED(9600) SPEED(19200) SPEED(38400)
+#ifdef B57600
+    SPEED(57600) SPEED(115200)
+#endif
+#ifdef B230400
+    SPEED(230400)
+#endif
+#ifdef B460800
+    SPEED(460800)
+#endif
+#ifdef B500000
+    SPEED(500000)
+#endif
+#ifdef B576000
+    SPEED(576000)
+#endif
+#ifdef B921600
+    SPEED(921600)
+#endif
+#ifdef B1000000
+    SPEED(1000000) SPEED(1152000) SPEED(1500000) SPEED(2000000)
+#endif
+#ifdef B2500000
+    SPEED(2500000) SPEED(3000000) SPEED(3500000) SPEED(4000000)
+#endif
+    /* clang-format on */
+};
+#define SPEEDS (sizeof speeds / sizeof *speeds)
+
+static uint32_t baud_of(speed_t code)
+{
+    for (size_t i = 0; i < SPEEDS; i++)
+        if (speeds[i].code == code)
+            return speeds[i].baud;
+    return 0;
+}
+
+uint64_t serial_now(void)
+{
+    struct timespec now = { 0, 0 };
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
+}
+
+static dpt_result refuse_open(const char *path, int reason, dpt_device_error *error)
+{
+    switch (reason) {
+    case ENOENT:
+    case ENODEV:
+    case ENXIO:
+    case EIO:
+        return device_error(
+            error, DPT_E_DEVICE,
+            "%.60s is not there: is the device plugged in and switched on? Ports are "
+            "/dev/ttyACM*, /dev/ttyUSB* and /dev/serial/by-id/*",
+            path);
+    case EACCES:
+    case EPERM:
+        return device_error(error, DPT_E_PERMISSION,
+                            "no permission for %.60s: join its group and log in again: "
+                            "sudo usermod -aG dialout $USER",
+                            path);
+    case EBUSY:
+    case EWOULDBLOCK:
+        return device_error(error, DPT_E_SYSTEM,
+                            "%.60s is in use by another program: end that one first; "
+                            "fuser -v %.60s names it",
+                            path, path);
+    default:
+        return device_error(error, DPT_E_SYSTEM, "%.60s: %.80s", path, strerror(reason));
+    }
+}
+
+/* What a pty and many USB adapters do not have: nothing is lost without it. */
+static int is_needless(int reason)
+{
+    return reason == ENOTTY || reason == EINVAL || reason == EOPNOTSUPP || reason == ENOSYS ||
+           reason == EPERM || reason == EACCES;
+}
+
+/* The lines that say that a host is there, without which many boards do not send; and no waiting for more bytes. */
+static int set_extras(int fd)
+{
+    int lines = TIOCM_DTR | TIOCM_RTS;
+    if (ioctl(fd, TIOCMBIS, &lines) && !is_needless(errno))
+        return -1;
+#ifdef __linux__
+    struct serial_struct serial;
+    if (ioctl(fd, TIOCGSERIAL, &serial))
+        return is_needless(errno) ? 0 : -1;
+    serial.flags = (int)((unsigned)serial.flags | ASYNC_LOW_LATENCY);
+    if (ioctl(fd, TIOCSSERIAL, &serial))
+        return is_needless(errno) ? 0 : -1;
+#endif
+    return 0;
+}
+
+static void make_raw(struct termios *settings)
+{
+    settings->c_iflag = IGNBRK;
+    settings->c_oflag = 0;
+    settings->c_lflag = 0;
+    settings->c_cflag = CS8 | CREAD | CLOCAL;
+    /* With 0 a line without bytes reads like one that is unplugged. */
+    settings->c_cc[VMIN] = 1;
+    settings->c_cc[VTIME] = 0;
+}
+
+static dpt_result set_up(int fd, const char *path, size_t speed, dpt_device_error *error)
+{
+    struct termios settings, now;
+    if (tcgetattr(fd, &settings))
+        return errno == ENOTTY || errno == EINVAL
+                   ? device_error(error, DPT_E_DEVICE, "%.60s is not a serial port", path)
+                   : refuse_open(path, errno, error);
+    /* The lock holds against other hosts that ask, root's as well; TIOCEXCL against everyone else's open. */
+    if ((flock(fd, LOCK_EX | LOCK_NB) && !is_needless(errno)) ||
+        (ioctl(fd, TIOCEXCL) && !is_needless(errno)))
+        return refuse_open(path, errno, error);
+    make_raw(&settings);
+    const uint32_t baud = speeds[speed].baud;
+    if (cfsetispeed(&settings, speeds[speed].code) || cfsetospeed(&settings, speeds[speed].code) ||
+        tcsetattr(fd, TCSANOW, &settings))
+        return device_error(error, DPT_E_SYSTEM,
+                            "%.60s does not take %u baud (%.60s): choose another by ?speed=, "
+                            "the same as the device's",
+                            path, (unsigned)baud, strerror(errno));
+    if (tcgetattr(fd, &now))
+        return refuse_open(path, errno, error);
+    if (cfgetospeed(&now) != speeds[speed].code || cfgetispeed(&now) != speeds[speed].code)
+        return device_error(error, DPT_E_SYSTEM,
+                            "%.60s runs at %u baud where %u were asked for: it does not have that "
+                            "speed; choose one by ?speed=, the same as the device's",
+                            path, (unsigned)baud_of(cfgetospeed(&now)), (unsigned)baud);
+    if ((now.c_cflag & (CSIZE | PARENB | CSTOPB)) != CS8 || now.c_iflag & (ISTRIP | IXON | ICRNL) ||
+        now.c_lflag & (ICANON | ECHO) || now.c_oflag & OPOST)
+        return device_error(error, DPT_E_SYSTEM, "%.60s does not carry plain bytes of 8 bits",
+                            path);
+    if (set_extras(fd) || (tcflush(fd, TCIOFLUSH) && !is_needless(errno)))
+        return refuse_open(path, errno, error);
+    return DPT_OK;
+}
+
+dpt_result serial_line_open(const char *path, uint32_t speed, int *fd, dpt_device_error *error)
+{
+    *fd = -1;
+    size_t index = 0;
+    while (index < SPEEDS && speeds[index].baud != speed)
+        index++;
+    if (index == SPEEDS)
+        return device_error(error, DPT_E_SETTING,
+                            "%u baud is not a speed that this system has; 115200, 921600 and "
+                            "1000000 are common",
+                            (unsigned)speed);
+    const int opened = open(path, O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+    if (opened < 0)
+        return refuse_open(path, errno, error);
+    const dpt_result result = set_up(opened, path, index, error);
+    if (result == DPT_OK)
+        *fd = opened;
+    else
+        close(opened);
+    return result;
+}
+
+static int is_passing(int reason)
+{
+    return reason == EAGAIN || reason == EWOULDBLOCK || reason == EINTR;
+}
+
+long serial_line_read(int fd, void *bytes, size_t size)
+{
+    const ssize_t count = read(fd, bytes, size);
+    if (count > 0)
+        return (long)count;
+    if (count < 0)
+        return is_passing(errno) ? 0 : -1;
+    struct pollfd line = { fd, POLLIN, 0 };
+    if (poll(&line, 1, 0) < 0)
+        return is_passing(errno) ? 0 : -1;
+    return line.revents & (POLLHUP | POLLERR | POLLNVAL) ? -1 : 0;
+}
+
+long serial_line_write(int fd, const void *bytes, size_t size)
+{
+    const ssize_t count = write(fd, bytes, size);
+    if (count >= 0)
+        return (long)count;
+    return is_passing(errno) ? 0 : -1;
+}
+
+void serial_line_wait(int fd, uint64_t deadline)
+{
+    const uint64_t now = serial_now();
+    const uint64_t left = deadline > now ? (deadline - now) / 1000000 + 1 : 0;
+    struct pollfd line = { fd, POLLIN, 0 };
+    poll(&line, 1, left < 20 ? (int)left : 20);
+}
+
+void serial_line_close(int fd)
+{
+    tcflush(fd, TCIOFLUSH);
+    ioctl(fd, TIOCNXCL);
+    close(fd);
+}
+
+static const struct {
+    const char *prefix;
+    const char *about;
+} ports[] = {
+    { "ttyACM", "USB device with a serial line of its own" },
+    { "ttyUSB", "USB adapter to a serial line" },
+    { "cu.usb", "USB serial line" },
+};
+
+void serial_line_find(void (*found)(void *user, const char *path, const char *about), void *user)
+{
+    DIR *folder = opendir("/dev");
+    if (!folder)
+        return;
+    for (const struct dirent *entry; (entry = readdir(folder)) != NULL;)
+        for (size_t i = 0; i < sizeof ports / sizeof *ports; i++)
+            if (!strncmp(entry->d_name, ports[i].prefix, strlen(ports[i].prefix))) {
+                char path[300];
+                snprintf(path, sizeof path, "/dev/%s", entry->d_name);
+                found(user, path, ports[i].about);
+            }
+    closedir(folder);
+}

@@ -1,0 +1,434 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * A device without a device: a mass with viscous damping on each degree of freedom, in a hand that pulls it by a spring
+ * or pushes it, with encoder steps and zero-order hold (docs/drivers.md, "sim").
+ */
+#define _POSIX_C_SOURCE 200809L
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "base/sincos.h"
+#include "base/wrench_limit.h"
+#include "settings.h"
+#include "sim/sim_hand.h"
+#include "text/parse_number.h"
+
+enum { DOFS = 6, DELAY_MOST = 15, CATCH_UP_MOST = 10000, PERIODS_TO_LOST = 10 };
+
+/*
+ * What a period does to one mass m in a spring k that pulls to h, with damping c and a constant force f:
+ *     x' = h + xx (x - h) + xv v + xf f        v' = vx (x - h) + vv v + vf f
+ */
+struct law {
+    double xx, xv, xf, vx, vv, vf;
+};
+
+struct sim {
+    dpt_device device;
+    double mass, damping, grip, inertia, turn_damping, turn_grip;
+    double step, turn_step, rate, force_max, torque_max, watchdog;
+    double delay, dofs, live, reach, cycle;
+    char script[256], fault[32];
+    struct hand hand;
+    struct law pulled[2], pushed[2]; /* of places, of angles: with the hand's spring, without */
+    uint64_t period;                 /* that is now */
+    double x[DOFS], v[DOFS];
+    double seen[DOFS], last[DOFS]; /* what the encoders say, now and a period before */
+    double written[DELAY_MOST + 1][DOFS];
+    int has_begun, has_command, is_armed;
+    uint64_t quiet; /* periods without a command */
+    uint64_t began_ns;
+    dpt_device_state sample;
+    int has_sample, was_read;
+    uint64_t read_period;
+    uint32_t reason; /* of the fault that was asked for; 0: of none */
+    double fault_time;
+    int is_broken;
+    uint64_t broken_period;
+    dpt_device_counts counts;
+};
+
+/* A Taylor series over a fraction of the period, and squares of it. Time is in periods, force in m per period^2. */
+static struct law law_of(double mass, double damping, double spring, double period)
+{
+    double k = spring * period * period / mass, c = damping * period / mass;
+    double sum[2][3] = { { 1.0, 0.0, 0.0 }, { 0.0, 1.0, 0.0 } };
+    double term[2][3] = { { 1.0, 0.0, 0.0 }, { 0.0, 1.0, 0.0 } }, force[3] = { 0.0, 0.0, 1.0 };
+    double part = 1.0;
+    int halvings = 0;
+    for (double norm = 1.0 + k + c; norm * part > 0.25; part *= 0.5)
+        halvings++;
+    /* Columns: of the place, of the speed, of the force, whose own row is (0, 0, 1). */
+    for (int i = 1; i <= 14; i++) {
+        for (int column = 0; column < 3; column++) {
+            double x = term[0][column], v = term[1][column], scale = part / i;
+            term[0][column] = v * scale;
+            term[1][column] = (force[column] - k * x - c * v) * scale;
+            sum[0][column] += term[0][column];
+            sum[1][column] += term[1][column];
+        }
+        force[2] = 0.0;
+    }
+    for (; halvings > 0; halvings--) {
+        double once[2][3];
+        memcpy(once, sum, sizeof once);
+        for (int row = 0; row < 2; row++) {
+            for (int column = 0; column < 3; column++)
+                sum[row][column] = once[row][0] * once[0][column] + once[row][1] * once[1][column];
+            sum[row][2] += once[row][2];
+        }
+    }
+    double push = period * period / mass;
+    return (struct law){ .xx = sum[0][0],
+                         .xv = sum[0][1] * period,
+                         .xf = sum[0][2] * push,
+                         .vx = sum[1][0] / period,
+                         .vv = sum[1][1],
+                         .vf = sum[1][2] * push / period };
+}
+
+static double on_grid(double value, double step)
+{
+    return step > 0.0 ? step * floor(value / step + 0.5) : value;
+}
+
+static double time_of(const struct sim *sim, uint64_t period)
+{
+    return (double)period / sim->rate;
+}
+
+static uint64_t ns_of(const struct sim *sim, uint64_t period)
+{
+    return (uint64_t)((double)period * 1e9 / sim->rate + 0.5);
+}
+
+/* What commands came to in the period that ends now; the next one begins with the same. */
+static void applied_force(struct sim *sim, double *force)
+{
+    uint64_t slots = DELAY_MOST + 1, slot = sim->period % slots;
+    if (sim->has_command || !sim->is_armed || sim->is_broken) {
+        sim->quiet = 0;
+    } else {
+        sim->counts.missed++;
+        sim->quiet++;
+    }
+    sim->has_command = 0;
+    int is_off = sim->watchdog > 0.0 && (double)sim->quiet / sim->rate >= sim->watchdog;
+    if (is_off || sim->is_broken)
+        memset(sim->written, 0, sizeof sim->written);
+    memcpy(force, sim->written[(slot + slots - (uint64_t)sim->delay) % slots],
+           sizeof sim->written[slot]);
+    memcpy(sim->written[(slot + 1) % slots], sim->written[slot], sizeof sim->written[slot]);
+}
+
+static void break_down(struct sim *sim)
+{
+    if (!sim->reason || sim->is_broken || time_of(sim, sim->period) < sim->fault_time)
+        return;
+    sim->is_broken = 1;
+    sim->broken_period = sim->period;
+}
+
+static uint32_t status_of(const struct sim *sim)
+{
+    if (!sim->is_broken)
+        return DPT_DEVICE_READY;
+    switch (sim->reason) {
+    case DPT_REASON_UNPLUGGED:
+        return DPT_DEVICE_LOST;
+    case DPT_REASON_SILENT:
+        return sim->period - sim->broken_period < PERIODS_TO_LOST ? DPT_DEVICE_READY
+                                                                  : DPT_DEVICE_LOST;
+    case DPT_REASON_UNCALIBRATED:
+    case DPT_REASON_VERSION:
+    case DPT_REASON_DOCKED:
+        return DPT_DEVICE_UNREADY;
+    default:
+        return DPT_DEVICE_FAULT;
+    }
+}
+
+static void turn_to_quaternion(const double *turn, double *q)
+{
+    double angle = length(vec3_of(turn)), sine, cosine;
+    turn_sincos(angle * (0.5 / 6.283185307179586), &sine, &cosine);
+    double scale = angle > 1e-8 ? sine / angle : 0.5;
+    q[0] = cosine;
+    vec3_store(scaled(vec3_of(turn), scale), q + 1);
+}
+
+static void take_sample(struct sim *sim)
+{
+    dpt_device_state *sample = &sim->sample;
+    double speed[DOFS];
+    for (int i = 0; i < DOFS; i++) {
+        double step = i < 3 ? sim->step : sim->turn_step;
+        speed[i] = step > 0.0 ? (sim->seen[i] - sim->last[i]) * sim->rate : sim->v[i];
+    }
+    sample->sequence = sim->period;
+    sample->time_ns = sim->began_ns + ns_of(sim, sim->period);
+    memcpy(sample->pose.position, sim->seen, sizeof sample->pose.position);
+    turn_to_quaternion(sim->seen + 3, sample->pose.orientation);
+    memcpy(sample->velocity, speed, sizeof sample->velocity);
+    memcpy(sample->spin, speed + 3, sizeof sample->spin);
+    memcpy(sample->joint, sim->seen, sizeof sim->seen);
+    sample->temperature = -1.0;
+}
+
+/* One period of the masses, and the encoders at its end. */
+static void go_on(struct sim *sim)
+{
+    double force[DOFS];
+    struct grip grip;
+    hand_at(&sim->hand, time_of(sim, sim->period), &grip);
+    applied_force(sim, force);
+    memcpy(sim->last, sim->seen, sizeof sim->seen);
+    for (int i = 0; i < (int)sim->dofs; i++) {
+        const struct law *law = grip.pulls ? &sim->pulled[i / 3] : &sim->pushed[i / 3];
+        double home = grip.pulls ? grip.at[i] : 0.0;
+        double push = force[i] + (grip.pulls ? 0.0 : grip.at[i]);
+        double x = sim->x[i] - home, v = sim->v[i];
+        sim->x[i] = home + (law->xx * x + law->xv * v + law->xf * push);
+        sim->v[i] = law->vx * x + law->vv * v + law->vf * push;
+        sim->seen[i] = on_grid(sim->x[i], i < 3 ? sim->step : sim->turn_step);
+    }
+    sim->period++;
+    hand_at(&sim->hand, time_of(sim, sim->period), &grip);
+    sim->sample.buttons = grip.buttons;
+    break_down(sim);
+}
+
+/* A live one catches up with the clock; what is too far behind, after a computer slept, is left out. */
+static dpt_result catch_up(struct sim *sim)
+{
+    struct timespec time;
+    if (clock_gettime(CLOCK_MONOTONIC, &time) != 0)
+        return DPT_E_SYSTEM;
+    uint64_t now = (uint64_t)time.tv_sec * 1000000000u + (uint64_t)time.tv_nsec;
+    if (!sim->has_begun) {
+        sim->has_begun = 1;
+        sim->began_ns = now;
+    }
+    uint64_t period = (uint64_t)((double)(now - sim->began_ns) * sim->rate * 1e-9);
+    for (int i = 0; i < CATCH_UP_MOST && sim->period < period; i++)
+        go_on(sim);
+    if (sim->period < period) {
+        sim->counts.lost += period - sim->period;
+        sim->period = period;
+    }
+    return DPT_OK;
+}
+
+static dpt_result sim_read(dpt_device *device, dpt_device_state *state)
+{
+    struct sim *sim = (struct sim *)device;
+    dpt_result result = DPT_OK;
+    if (sim->live != 0.0)
+        result = catch_up(sim);
+    else if (sim->has_begun)
+        go_on(sim);
+    sim->has_begun = 1;
+    uint32_t status = status_of(sim);
+    int is_silent =
+        sim->is_broken && (status == DPT_DEVICE_LOST || sim->reason == DPT_REASON_SILENT);
+    uint32_t fresh = 0;
+    if (result == DPT_OK && !is_silent) {
+        uint64_t passed = sim->was_read ? sim->period - sim->read_period : 1;
+        fresh = passed < UINT32_MAX ? (uint32_t)passed : UINT32_MAX;
+        sim->was_read = 1;
+        sim->read_period = sim->period;
+        take_sample(sim);
+    }
+    *state = sim->sample;
+    state->fresh = fresh;
+    state->status = status;
+    state->reasons = status == DPT_DEVICE_READY ? 0 : sim->reason;
+    state->code = state->reasons == DPT_REASON_DEVICE ? 1 : 0;
+    return status == DPT_DEVICE_LOST ? DPT_E_LOST : result;
+}
+
+static dpt_result sim_write(dpt_device *device, const dpt_wrench *wrench)
+{
+    struct sim *sim = (struct sim *)device;
+    dpt_result result = sim->live != 0.0 ? catch_up(sim) : DPT_OK;
+    uint32_t status = status_of(sim);
+    if (status != DPT_DEVICE_READY)
+        return status == DPT_DEVICE_LOST ? DPT_E_LOST : DPT_E_NOT_READY;
+    double *written = sim->written[sim->period % (DELAY_MOST + 1)];
+    memcpy(written, wrench->force, sizeof wrench->force);
+    memcpy(written + 3, wrench->torque, sizeof wrench->torque);
+    limit_length(written, sim->force_max);
+    limit_length(written + 3, sim->torque_max);
+    sim->has_command = sim->is_armed = 1;
+    sim->counts.commands++;
+    return result;
+}
+
+static dpt_result sim_clear(dpt_device *device)
+{
+    struct sim *sim = (struct sim *)device;
+    if (!sim->is_broken)
+        return DPT_OK;
+    sim->counts.resets += status_of(sim) == DPT_DEVICE_LOST;
+    sim->is_broken = sim->is_armed = 0;
+    sim->reason = 0;
+    memset(sim->written, 0, sizeof sim->written);
+    return DPT_OK;
+}
+
+static void sim_counts(const dpt_device *device, dpt_device_counts *counts)
+{
+    const struct sim *sim = (const struct sim *)device;
+    *counts = sim->counts;
+    counts->samples = sim->has_begun ? sim->period + 1 : 0;
+}
+
+static void sim_info(const dpt_device *device, dpt_device_info *info)
+{
+    const struct sim *sim = (const struct sim *)device;
+    *info = (dpt_device_info){ .pose_dofs = (uint32_t)sim->dofs,
+                               .wrench_dofs = (uint32_t)sim->dofs,
+                               .joints = (uint32_t)sim->dofs,
+                               .buttons = 32,
+                               .flags = DPT_DEVICE_SIMULATED |
+                                        (sim->live != 0.0 ? 0 : DPT_DEVICE_DETERMINISTIC),
+                               .rate = sim->rate,
+                               .force_max = sim->force_max,
+                               .force_continuous = sim->force_max,
+                               .torque_max = sim->dofs > 3.0 ? sim->torque_max : 0.0,
+                               .position_step = sim->step,
+                               .watchdog = sim->watchdog,
+                               .workspace_min = { -0.2, -0.2, -0.2 },
+                               .workspace_max = { 0.2, 0.2, 0.2 },
+                               .name = "simulated device" };
+}
+
+static void sim_close(dpt_device *device)
+{
+    struct sim *sim = (struct sim *)device;
+    hand_close(&sim->hand);
+    free(sim);
+}
+
+/* "overheated@2.5": the fault that is to come, and when. */
+static dpt_result plan_fault(struct sim *sim, dpt_device_error *error)
+{
+    char *at = strchr(sim->fault, '@');
+    if (!sim->fault[0])
+        return DPT_OK;
+    if (at) {
+        *at++ = '\0';
+        const char *end = at + strlen(at);
+        for (uint32_t bit = 1; dpt_device_reason_name(bit); bit <<= 1)
+            if (!strcmp(dpt_device_reason_name(bit), sim->fault))
+                sim->reason = bit;
+        if (sim->reason && parse_double(at, end, &sim->fault_time) == end && sim->fault_time >= 0.0)
+            return DPT_OK;
+    }
+    return device_error(error, DPT_E_SETTING, "fault is not a reason and a time, as estop@1.5");
+}
+
+static dpt_result prepare(struct sim *sim, dpt_device_error *error)
+{
+    if ((sim->dofs != 3.0 && sim->dofs != 6.0) || sim->live != floor(sim->live) ||
+        sim->delay != floor(sim->delay))
+        return device_error(error, DPT_E_SETTING, "dofs is 3 or 6, live 0 or 1, delay an integer");
+    double period = 1.0 / sim->rate;
+    sim->pulled[0] = law_of(sim->mass, sim->damping, sim->grip, period);
+    sim->pushed[0] = law_of(sim->mass, sim->damping, 0.0, period);
+    sim->pulled[1] = law_of(sim->inertia, sim->turn_damping, sim->turn_grip, period);
+    sim->pushed[1] = law_of(sim->inertia, sim->turn_damping, 0.0, period);
+    dpt_result result = plan_fault(sim, error);
+    if (result == DPT_OK)
+        result = hand_open(&sim->hand, sim->script, sim->reach, sim->cycle, error);
+    if (result != DPT_OK)
+        return result;
+    struct grip grip;
+    hand_at(&sim->hand, 0.0, &grip);
+    for (int i = 0; i < (int)sim->dofs; i++)
+        sim->x[i] = grip.pulls ? grip.at[i] : 0.0;
+    for (int i = 0; i < DOFS; i++)
+        sim->seen[i] = sim->last[i] = on_grid(sim->x[i], i < 3 ? sim->step : sim->turn_step);
+    sim->sample.buttons = grip.buttons;
+    take_sample(sim);
+    break_down(sim);
+    return DPT_OK;
+}
+
+static dpt_result sim_open(const dpt_driver *driver, const char *where, dpt_device **device,
+                           dpt_device_error *error)
+{
+    (void)driver;
+    struct sim *sim = calloc(1, sizeof *sim);
+    if (!sim)
+        return device_error(error, DPT_E_MEMORY, "memory ran out");
+    sim->mass = 0.1;
+    sim->damping = 0.5;
+    sim->grip = 200.0;
+    sim->inertia = 1e-4;
+    sim->turn_damping = 1e-3;
+    sim->turn_grip = 0.2;
+    sim->rate = 1000.0;
+    sim->dofs = 3.0;
+    sim->force_max = 8.0;
+    sim->torque_max = 0.2;
+    sim->watchdog = 0.01;
+    sim->reach = 0.03;
+    sim->cycle = 4.0;
+    const struct setting settings[] = {
+        { .name = "mass", .number = &sim->mass, .least = 1e-4, .most = 100.0 },
+        { .name = "damping", .number = &sim->damping, .most = 1e3 },
+        { .name = "grip", .number = &sim->grip, .most = 1e5 },
+        { .name = "inertia", .number = &sim->inertia, .least = 1e-8, .most = 10.0 },
+        { .name = "turn_damping", .number = &sim->turn_damping, .most = 10.0 },
+        { .name = "turn_grip", .number = &sim->turn_grip, .most = 1e3 },
+        { .name = "step", .number = &sim->step, .most = 0.01 },
+        { .name = "turn_step", .number = &sim->turn_step, .most = 0.1 },
+        { .name = "rate", .number = &sim->rate, .least = 1.0, .most = 1e5 },
+        { .name = "dofs", .number = &sim->dofs, .least = 3.0, .most = 6.0 },
+        { .name = "force", .number = &sim->force_max, .most = 1e3 },
+        { .name = "torque", .number = &sim->torque_max, .most = 1e3 },
+        { .name = "watchdog", .number = &sim->watchdog, .most = 10.0 },
+        { .name = "delay", .number = &sim->delay, .most = DELAY_MOST },
+        { .name = "live", .number = &sim->live, .most = 1.0 },
+        { .name = "hand", .text = sim->script, .room = sizeof sim->script },
+        { .name = "reach", .number = &sim->reach, .most = 1.0 },
+        { .name = "cycle", .number = &sim->cycle, .least = 0.01, .most = 1e3 },
+        { .name = "fault", .text = sim->fault, .room = sizeof sim->fault },
+    };
+    char place[64];
+    dpt_result result = settings_read(where, place, sizeof place, settings,
+                                      sizeof settings / sizeof *settings, error);
+    if (result == DPT_OK && place[0])
+        result = device_error(error, DPT_E_SETTING, "only settings, as in sim:?live=1");
+    if (result == DPT_OK)
+        result = prepare(sim, error);
+    if (result != DPT_OK) {
+        sim_close(&sim->device);
+        return result;
+    }
+    *device = &sim->device;
+    return DPT_OK;
+}
+
+static void sim_find(const dpt_driver *driver, dpt_device_found *found, void *user)
+{
+    found(user, driver, "?live=1&hand=press", "simulated: a hand presses down and lets go");
+}
+
+const dpt_driver sim_driver = {
+    .size = sizeof(dpt_driver),
+    .version = DPT_DRIVER_VERSION,
+    .name = "sim",
+    .about = "simulated masses in a scripted hand",
+    .open = sim_open,
+    .info = sim_info,
+    .read = sim_read,
+    .write = sim_write,
+    .clear = sim_clear,
+    .counts = sim_counts,
+    .close = sim_close,
+    .find = sim_find,
+};

@@ -1,0 +1,89 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "sim/sim_hand.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "settings.h"
+
+static const char *const names[] = { "", "hold", "press", "wipe", NULL };
+
+static const char *const headers[] = {
+    "t,x,y,z",    "t,x,y,z,rx,ry,rz",    "t,x,y,z,buttons",    "t,x,y,z,rx,ry,rz,buttons",
+    "t,fx,fy,fz", "t,fx,fy,fz,tx,ty,tz", "t,fx,fy,fz,buttons", "t,fx,fy,fz,tx,ty,tz,buttons",
+    NULL
+};
+enum { FIRST_OF_FORCES = 4 };
+
+static const char *wrong_row(const double *row, size_t columns)
+{
+    for (size_t i = 0; i < columns; i++)
+        if (!(fabs(row[i]) < 0x1p53))
+            return "a number is too large";
+    return NULL;
+}
+
+static const struct table_form form = {
+    .headers = headers,
+    .wrong_header = "the header is not one that is known",
+    .wrong_row = wrong_row,
+};
+
+dpt_result hand_open(struct hand *hand, const char *script, double reach, double cycle,
+                     dpt_device_error *error)
+{
+    *hand = (struct hand){ .reach = reach, .cycle = cycle };
+    for (int i = 0; names[i]; i++) {
+        if (strcmp(script, names[i]))
+            continue;
+        hand->kind = (enum hand_kind)i;
+        return DPT_OK;
+    }
+    hand->kind = HAND_TABLE;
+    return table_read(&hand->table, script, &form, error);
+}
+
+void hand_close(struct hand *hand)
+{
+    table_free(&hand->table);
+}
+
+/* From 0 to 1 and back once in each unit of t, at rest at both ends. */
+static double to_and_fro(double t)
+{
+    double s = 1.0 - fabs(2.0 * (t - floor(t)) - 1.0);
+    return s * s * (3.0 - 2.0 * s);
+}
+
+static void read_table(struct hand *hand, double time, struct grip *grip)
+{
+    const struct table *table = &hand->table;
+    size_t columns = table->columns, numbers = columns < 7 ? 3 : 6;
+    while (hand->row + 1 < table->rows && table->values[(hand->row + 1) * columns] <= time)
+        hand->row++;
+    const double *row = table->values + hand->row * columns, *next = row;
+    double part = 0.0;
+    if (hand->row + 1 < table->rows && time > row[0]) {
+        next = row + columns;
+        part = (time - row[0]) / (next[0] - row[0]);
+    }
+    for (size_t i = 0; i < numbers; i++)
+        grip->at[i] = row[1 + i] + part * (next[1 + i] - row[1 + i]);
+    if (columns == numbers + 2 && row[columns - 1] >= 0.0 && row[columns - 1] <= 0xffffffffu)
+        grip->buttons = (uint32_t)row[columns - 1];
+    grip->pulls = table->header < FIRST_OF_FORCES;
+}
+
+void hand_at(struct hand *hand, double time, struct grip *grip)
+{
+    *grip = (struct grip){ .pulls = hand->kind != HAND_NONE };
+    if (hand->kind == HAND_TABLE)
+        read_table(hand, time, grip);
+    if (hand->kind == HAND_PRESS)
+        grip->at[1] = -hand->reach * to_and_fro(time / hand->cycle);
+    if (hand->kind == HAND_WIPE) {
+        grip->at[1] =
+            -hand->reach * to_and_fro(time < hand->cycle ? 0.5 * time / hand->cycle : 0.5);
+        grip->at[0] = hand->reach * (2.0 * to_and_fro(0.5 * time / hand->cycle + 0.25) - 1.0);
+    }
+}

@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * The hand on a simulated device: a script of forces, or of places that a spring pulls to. Between rows values change
+ * linearly, before the first and behind the last they stay; buttons stay until the next row.
+ */
+#ifndef DPT_DRIVERS_SIM_HAND_H
+#define DPT_DRIVERS_SIM_HAND_H
+
+#include "csv.h"
+
+enum hand_kind { HAND_NONE, HAND_HOLD, HAND_PRESS, HAND_WIPE, HAND_TABLE };
+
+struct hand {
+    enum hand_kind kind;
+    double reach, cycle; /* of HAND_PRESS and HAND_WIPE: m, s */
+    struct table table;
+    size_t row; /* the last one that was in use */
+};
+
+/* Of one moment: a place (m and a rotation vector, rad) or a force (N, Nm). */
+struct grip {
+    int pulls; /* 1: `at` is a place; 0: it is a force */
+    double at[6];
+    uint32_t buttons;
+};
+
+/* `script` is "", the name of one that is built in, or a file's. */
+dpt_result hand_open(struct hand *hand, const char *script, double reach, double cycle,
+                     dpt_device_error *error);
+void hand_close(struct hand *hand);
+
+/* Time goes on from call to call. */
+void hand_at(struct hand *hand, double time, struct grip *grip);
+
+#endif

@@ -1,0 +1,303 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * Verify once, trust afterwards, as mesh_open.c does for meshes: whatever the checksums say, a file that opens has every
+ * index within its array and every number within its range.
+ */
+#include "arm/arm_format.h"
+#include "base/return_if_error.h"
+#include "base/vec3.h"
+
+/* Of what is said to be of unit length; the compiler makes it so within a few roundings. */
+#define SQUARE_OFF 1e-12
+
+/* Of limits of speed and effort, and of losses: as good as none. */
+#define LIMIT_MAX 1e300
+
+static dpt_result fail(dpt_mesh_fault *fault, dpt_result code, uint64_t byte, int section)
+{
+    static const char names[][16] = {
+        "header", "joints", "links", "segments", "bodies", "padding"
+    };
+    if (fault) {
+        fault->code = code;
+        fault->byte = byte;
+        memcpy(fault->section, names[section], sizeof fault->section);
+    }
+    return code;
+}
+
+/* `field` lies in the file. */
+static dpt_result fail_at(dpt_mesh_fault *fault, dpt_result code, const struct dpt_arm *arm,
+                          int section, const void *field)
+{
+    return fail(fault, code, (uint64_t)((const char *)field - (const char *)arm), section);
+}
+
+/* Version, lengths and counts of a header that is in the host's byte order. */
+static dpt_result check_header(const struct dpt_arm *arm, size_t size, dpt_mesh_fault *fault)
+{
+    if (arm->version > ARM_VERSION)
+        return fail_at(fault, DPT_E_VERSION, arm, ARM_HEADER, &arm->version);
+    if (arm->version == 0)
+        return fail_at(fault, DPT_E_LAYOUT, arm, ARM_HEADER, &arm->version);
+    if (size < sizeof *arm)
+        return fail(fault, DPT_E_TRUNCATED, size, ARM_HEADER);
+    if (arm->header_bytes != sizeof *arm)
+        return fail_at(fault, DPT_E_LAYOUT, arm, ARM_HEADER, &arm->header_bytes);
+    if (size < arm->bytes)
+        return fail(fault, DPT_E_TRUNCATED, size, ARM_HEADER);
+    if (size > arm->bytes)
+        return fail(fault, DPT_E_TRAILING, arm->bytes, ARM_HEADER);
+    if (arm->joints < 1 || arm->joints > DPT_JOINTS_MAX)
+        return fail_at(fault, DPT_E_LAYOUT, arm, ARM_HEADER, &arm->joints);
+    if (arm->links < 1 || arm->links > DPT_ARM_LINKS_MAX)
+        return fail_at(fault, DPT_E_LAYOUT, arm, ARM_HEADER, &arm->links);
+    if (arm->segments > DPT_ARM_SEGMENTS_MAX)
+        return fail_at(fault, DPT_E_LAYOUT, arm, ARM_HEADER, &arm->segments);
+    if (arm->bodies > DPT_ARM_BODIES_MAX)
+        return fail_at(fault, DPT_E_LAYOUT, arm, ARM_HEADER, &arm->bodies);
+    if (arm->bytes < arm_records_end(arm))
+        return fail_at(fault, DPT_E_LAYOUT, arm, ARM_HEADER, &arm->bytes);
+    return DPT_OK;
+}
+
+/* `arm` is the header in the host's order, `bytes` the file as it lies. */
+static dpt_result check_crc(const struct dpt_arm *arm, const void *bytes, dpt_mesh_fault *fault)
+{
+    if (arm_crc(bytes, (size_t)arm->bytes) != arm->crc32)
+        return fail_at(fault, DPT_E_CHECKSUM, arm, ARM_HEADER, &arm->crc32);
+    return DPT_OK;
+}
+
+/* Meshes follow the records and each other without overlap, gap or anything between but zeros. */
+static dpt_result check_meshes_place(const struct dpt_arm *arm, dpt_mesh_fault *fault)
+{
+    uint64_t end = arm_records_end(arm);
+    for (uint32_t i = 0; i < arm->bodies; i++) {
+        const struct arm_body *body = &arm_bodies(arm)[i];
+        if (body->mesh_offset != mesh_aligned(end) || body->mesh_offset > arm->bytes)
+            return fail_at(fault, DPT_E_LAYOUT, arm, ARM_BODIES, &body->mesh_offset);
+        if (body->mesh_bytes > arm->bytes - body->mesh_offset)
+            return fail_at(fault, DPT_E_LAYOUT, arm, ARM_BODIES, &body->mesh_bytes);
+        for (; end < body->mesh_offset; end++)
+            if (((const char *)arm)[end])
+                return fail(fault, DPT_E_LAYOUT, end, ARM_PADDING);
+        end += body->mesh_bytes;
+    }
+    if (end != arm->bytes)
+        return fail(fault, DPT_E_LAYOUT, end, ARM_HEADER);
+    return DPT_OK;
+}
+
+static dpt_result check_range(const struct dpt_arm *arm, int section, const double *number,
+                              int count, double least, double most, dpt_mesh_fault *fault)
+{
+    for (int i = 0; i < count; i++)
+        if (!(number[i] >= least && number[i] <= most))
+            return fail_at(fault, DPT_E_FINITE, arm, section, &number[i]);
+    return DPT_OK;
+}
+
+/* Coordinates, in m or rad. */
+static dpt_result check_lengths(const struct dpt_arm *arm, int section, const double *number,
+                                int count, dpt_mesh_fault *fault)
+{
+    return check_range(arm, section, number, count, -DPT_COORDINATE_MAX, DPT_COORDINATE_MAX, fault);
+}
+
+static dpt_result check_unit(const struct dpt_arm *arm, int section, const double *number,
+                             int count, dpt_mesh_fault *fault)
+{
+    double square = 0.0;
+    for (int i = 0; i < count; i++)
+        square += number[i] * number[i];
+    if (!within(square - 1.0, SQUARE_OFF))
+        return fail_at(fault, DPT_E_POSE, arm, section, number);
+    return DPT_OK;
+}
+
+static dpt_result check_pose(const struct dpt_arm *arm, int section, const dpt_pose *pose,
+                             dpt_mesh_fault *fault)
+{
+    DPT_TRY(check_lengths(arm, section, pose->position, 3, fault));
+    return check_unit(arm, section, pose->orientation, 4, fault);
+}
+
+/* Ends in a zero, behind which are zeros only: the same name is the same bytes. */
+static dpt_result check_name(const struct dpt_arm *arm, int section, const char *name,
+                             dpt_mesh_fault *fault)
+{
+    int ended = 0;
+    for (int i = 0; i < DPT_ARM_NAME; i++) {
+        if (ended ? name[i] != 0 : i == DPT_ARM_NAME - 1 && name[i] != 0)
+            return fail_at(fault, DPT_E_LAYOUT, arm, section, name);
+        ended = name[i] == 0;
+    }
+    return DPT_OK;
+}
+
+static dpt_result check_joint(const struct dpt_arm *arm, const dpt_arm_joint *joint,
+                              dpt_mesh_fault *fault)
+{
+    if (joint->size != sizeof *joint)
+        return fail_at(fault, DPT_E_LAYOUT, arm, ARM_JOINTS, &joint->size);
+    if (joint->kind > DPT_JOINT_PRISMATIC)
+        return fail_at(fault, DPT_E_INDEX, arm, ARM_JOINTS, &joint->kind);
+    DPT_TRY(check_lengths(arm, ARM_JOINTS, &joint->lower, 1, fault));
+    DPT_TRY(
+        check_range(arm, ARM_JOINTS, &joint->upper, 1, joint->lower, DPT_COORDINATE_MAX, fault));
+    if (joint->kind == DPT_JOINT_CONTINUOUS && (joint->lower != 0.0 || joint->upper != 0.0))
+        return fail_at(fault, DPT_E_FINITE, arm, ARM_JOINTS, &joint->lower);
+    DPT_TRY(check_range(arm, ARM_JOINTS, &joint->velocity, 1, 0.0, LIMIT_MAX, fault));
+    DPT_TRY(check_range(arm, ARM_JOINTS, &joint->effort, 1, 0.0, LIMIT_MAX, fault));
+    DPT_TRY(check_range(arm, ARM_JOINTS, &joint->damping, 1, 0.0, LIMIT_MAX, fault));
+    DPT_TRY(check_range(arm, ARM_JOINTS, &joint->friction, 1, 0.0, LIMIT_MAX, fault));
+    return check_name(arm, ARM_JOINTS, joint->name, fault);
+}
+
+static dpt_result check_link(const struct dpt_arm *arm, uint32_t index, dpt_mesh_fault *fault)
+{
+    const dpt_arm_link *link = &arm_links(arm)[index];
+    if (link->size != sizeof *link)
+        return fail_at(fault, DPT_E_LAYOUT, arm, ARM_LINKS, &link->size);
+    if (link->parent != DPT_NONE && link->parent >= index)
+        return fail_at(fault, DPT_E_INDEX, arm, ARM_LINKS, &link->parent);
+    if (link->joint >= arm->joints)
+        return fail_at(fault, DPT_E_INDEX, arm, ARM_LINKS, &link->joint);
+    if (link->slides > 1)
+        return fail_at(fault, DPT_E_INDEX, arm, ARM_LINKS, &link->slides);
+    DPT_TRY(check_pose(arm, ARM_LINKS, &link->pose, fault));
+    DPT_TRY(check_unit(arm, ARM_LINKS, link->axis, 3, fault));
+    DPT_TRY(check_lengths(arm, ARM_LINKS, &link->factor, 1, fault));
+    if (link->factor == 0.0)
+        return fail_at(fault, DPT_E_FINITE, arm, ARM_LINKS, &link->factor);
+    DPT_TRY(check_lengths(arm, ARM_LINKS, &link->offset, 1, fault));
+    DPT_TRY(check_range(arm, ARM_LINKS, &link->mass, 1, 0.0, DPT_COORDINATE_MAX, fault));
+    return check_lengths(arm, ARM_LINKS, link->centre, 3, fault);
+}
+
+/* Those that lead to the tool come first, in their order; and each moves a link as its kind says. */
+static dpt_result check_order(const struct dpt_arm *arm, dpt_mesh_fault *fault)
+{
+    const dpt_arm_link *links = arm_links(arm);
+    uint8_t path[DPT_ARM_LINKS_MAX];
+    uint32_t count = arm_path(arm, arm->tool_link, path), met = 0, moved = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        const dpt_arm_link *link = &links[path[i]];
+        if (link->joint > met)
+            return fail_at(fault, DPT_E_INDEX, arm, ARM_LINKS, &link->joint);
+        met += link->joint == met;
+    }
+    for (uint32_t i = 0; i < arm->links; i++)
+        if (links[i].slides == (arm_joints(arm)[links[i].joint].kind == DPT_JOINT_PRISMATIC))
+            moved |= 1u << links[i].joint;
+    for (uint32_t i = 0; i < arm->joints; i++)
+        if (!(moved >> i & 1))
+            return fail_at(fault, DPT_E_INDEX, arm, ARM_JOINTS, &arm_joints(arm)[i]);
+    return DPT_OK;
+}
+
+/* All behind the lengths, of a file in the host's byte order. */
+static dpt_result check_content(const struct dpt_arm *arm, dpt_mesh_fault *fault)
+{
+    DPT_TRY(check_meshes_place(arm, fault));
+    for (uint32_t i = 0; i < arm->joints; i++)
+        DPT_TRY(check_joint(arm, &arm_joints(arm)[i], fault));
+    for (uint32_t i = 0; i < arm->links; i++)
+        DPT_TRY(check_link(arm, i, fault));
+    if (arm->tool_link >= arm->links)
+        return fail_at(fault, DPT_E_INDEX, arm, ARM_HEADER, &arm->tool_link);
+    DPT_TRY(check_order(arm, fault));
+    DPT_TRY(check_pose(arm, ARM_HEADER, &arm->tool, fault));
+    DPT_TRY(check_name(arm, ARM_HEADER, arm->name, fault));
+    DPT_TRY(check_name(arm, ARM_HEADER, arm->root_name, fault));
+    DPT_TRY(check_name(arm, ARM_HEADER, arm->tool_name, fault));
+    for (uint32_t i = 0; i < arm->segments; i++) {
+        const dpt_segment *segment = &arm_segments(arm)[i];
+        DPT_TRY(check_lengths(arm, ARM_SEGMENTS, segment->a, 3, fault));
+        DPT_TRY(check_lengths(arm, ARM_SEGMENTS, segment->b, 3, fault));
+        DPT_TRY(
+            check_range(arm, ARM_SEGMENTS, &segment->radius, 1, 0.0, DPT_COORDINATE_MAX, fault));
+    }
+    for (uint32_t i = 0; i < arm->bodies; i++) {
+        DPT_TRY(check_pose(arm, ARM_BODIES, &arm_bodies(arm)[i].pose, fault));
+        DPT_TRY(check_name(arm, ARM_BODIES, arm_bodies(arm)[i].name, fault));
+    }
+    return DPT_OK;
+}
+
+/* Each mesh, converted where `bytes` may be written. A fault's byte is the arm's, its section the mesh's. */
+static dpt_result check_meshes(const struct dpt_arm *arm, void *bytes, dpt_mesh_fault *fault)
+{
+    for (uint32_t i = 0; i < arm->bodies; i++) {
+        const uint64_t at = arm_bodies(arm)[i].mesh_offset;
+        const size_t size = (size_t)arm_bodies(arm)[i].mesh_bytes;
+        dpt_result result = bytes ? dpt_mesh_convert((char *)bytes + at, size, fault)
+                                  : dpt_mesh_verify((const char *)arm + at, size, fault);
+        if (result != DPT_OK && fault)
+            fault->byte += at;
+        DPT_TRY(result);
+    }
+    return DPT_OK;
+}
+
+/* As far as the byte order; `arm` gets the header as it lies, behind a short file's end zeros. */
+static dpt_result begin(const void *bytes, size_t size, struct dpt_arm *arm, dpt_mesh_fault *fault)
+{
+    const size_t known = sizeof arm->magic + 8;
+    if (!bytes)
+        return DPT_E_ARGUMENT;
+    if (fault && fault->size < sizeof *fault)
+        return DPT_E_SIZE;
+    if ((uintptr_t)bytes % 8)
+        return fail(fault, DPT_E_ALIGN, 0, ARM_HEADER);
+    if (memcmp(bytes, ARM_MAGIC, size < 8 ? size : 8))
+        return fail(fault, DPT_E_MAGIC, 0, ARM_HEADER);
+    if (size < known)
+        return fail(fault, DPT_E_TRUNCATED, size, ARM_HEADER);
+    memset(arm, 0, sizeof *arm);
+    memcpy(arm, bytes, size < sizeof *arm ? size : sizeof *arm);
+    if (arm->byte_order != MESH_BYTE_ORDER && arm->byte_order != MESH_BYTE_ORDER_SWAPPED)
+        return fail_at(fault, DPT_E_LAYOUT, arm, ARM_HEADER, &arm->byte_order);
+    return DPT_OK;
+}
+
+dpt_result dpt_arm_verify(const void *bytes, size_t size, dpt_mesh_fault *fault)
+{
+    struct dpt_arm header;
+    DPT_TRY(begin(bytes, size, &header, fault));
+    if (header.byte_order == MESH_BYTE_ORDER_SWAPPED)
+        return fail_at(fault, DPT_E_BYTE_ORDER, &header, ARM_HEADER, &header.byte_order);
+    DPT_TRY(check_header(&header, size, fault));
+    DPT_TRY(check_crc(&header, bytes, fault));
+    DPT_TRY(check_content(bytes, fault));
+    return check_meshes(bytes, NULL, fault);
+}
+
+dpt_result dpt_arm_open(const void *bytes, size_t size, const dpt_arm **arm)
+{
+    if (!arm)
+        return DPT_E_ARGUMENT;
+    DPT_TRY(dpt_arm_verify(bytes, size, NULL));
+    *arm = bytes;
+    return DPT_OK;
+}
+
+dpt_result dpt_arm_convert(void *bytes, size_t size, dpt_mesh_fault *fault)
+{
+    struct dpt_arm header;
+    DPT_TRY(begin(bytes, size, &header, fault));
+    if (header.byte_order != MESH_BYTE_ORDER_SWAPPED)
+        return dpt_arm_verify(bytes, size, fault);
+
+    arm_swap_header(&header);
+    DPT_TRY(check_header(&header, size, fault));
+    DPT_TRY(check_crc(&header, bytes, fault));
+    arm_swap_records(&header, bytes);
+    memcpy(bytes, &header, sizeof header);
+    DPT_TRY(check_content(bytes, fault));
+    DPT_TRY(check_meshes(bytes, bytes, fault));
+    header.crc32 = arm_crc(bytes, size);
+    memcpy(bytes, &header, sizeof header);
+    return DPT_OK;
+}

@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Angles in double without the C library, so that every machine gives the same bits. */
+#ifndef DPT_ANGLE_H
+#define DPT_ANGLE_H
+
+#include "base/vec3.h"
+
+#define ANGLE_TURN 6.28318530717958647692
+
+/* atan of 0..1 by two half-angle steps and the series up to z^17; error below 1e-14. */
+static inline double arctangent(double z)
+{
+    for (int i = 0; i < 2; i++)
+        z = z / (1.0 + sqrt(1.0 + z * z));
+    double w = z * z, sum = 0.0;
+    for (int k = 17; k >= 1; k -= 2)
+        sum = 1.0 / k - w * sum;
+    return 4.0 * z * sum;
+}
+
+/* Between two unit vectors, 0..pi (Kahan): good for small and for straight angles. */
+static inline double angle_between(vec3 a, vec3 b)
+{
+    double chord = length(sub(a, b)), sum = length(add(a, b));
+    if (chord <= sum)
+        return chord > 0.0 ? 2.0 * arctangent(chord / sum) : 0.0;
+    return 0.5 * ANGLE_TURN - 2.0 * arctangent(sum / chord);
+}
+
+/*
+ * How much of a turn round x the triangle of a, b, c, all seen from x, fills: its solid angle over 4 pi, -1/2..1/2
+ * (Van Oosterom and Strackee 1983). Positive where it turns its back to x, 0 where x lies in its plane.
+ */
+static inline double solid_turns(vec3 a, vec3 b, vec3 c)
+{
+    double la = length(a), lb = length(b), lc = length(c);
+    double volume = dot(a, cross(b, c));
+    double sides = la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb;
+    double height = fabs(volume), wide = fabs(sides);
+    if (!(height > 0.0))
+        return 0.0;
+    double angle =
+        height > wide ? 0.25 * ANGLE_TURN - arctangent(wide / height) : arctangent(height / wide);
+    if (sides < 0.0)
+        angle = 0.5 * ANGLE_TURN - angle;
+    return (volume < 0.0 ? -angle : angle) / ANGLE_TURN;
+}
+
+#endif

@@ -1,0 +1,118 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * Three numbers, in double. By value, all inline; only + - * / and sqrt, so that every machine gives
+ * the same bits.
+ */
+#ifndef DPT_VEC3_H
+#define DPT_VEC3_H
+
+#include <float.h>
+#include <math.h>
+#include <stdint.h>
+
+#if FLT_EVAL_METHOD != 0
+#error "dynpoint needs arithmetic without excess precision (FLT_EVAL_METHOD == 0)"
+#endif
+
+typedef struct vec3 {
+    double x, y, z;
+} vec3;
+
+static inline vec3 vec3_of(const double *v)
+{
+    return (vec3){ v[0], v[1], v[2] };
+}
+
+static inline vec3 vec3_of_float(const float *v)
+{
+    return (vec3){ v[0], v[1], v[2] };
+}
+
+static inline void vec3_store(vec3 v, double *out)
+{
+    out[0] = v.x;
+    out[1] = v.y;
+    out[2] = v.z;
+}
+
+static inline vec3 add(vec3 a, vec3 b)
+{
+    return (vec3){ a.x + b.x, a.y + b.y, a.z + b.z };
+}
+
+static inline vec3 sub(vec3 a, vec3 b)
+{
+    return (vec3){ a.x - b.x, a.y - b.y, a.z - b.z };
+}
+
+static inline vec3 scaled(vec3 a, double k)
+{
+    return (vec3){ a.x * k, a.y * k, a.z * k };
+}
+
+/* a + k b */
+static inline vec3 along(vec3 a, double k, vec3 b)
+{
+    return (vec3){ a.x + k * b.x, a.y + k * b.y, a.z + k * b.z };
+}
+
+static inline double dot(vec3 a, vec3 b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+static inline vec3 cross(vec3 a, vec3 b)
+{
+    return (vec3){ a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x };
+}
+
+static inline double length(vec3 a)
+{
+    return sqrt(dot(a, a));
+}
+
+/* Of length 1; zero stays zero. */
+static inline vec3 unit_of(vec3 a)
+{
+    double size = length(a);
+    return size > 0.0 ? scaled(a, 1.0 / size) : (vec3){ 0.0, 0.0, 0.0 };
+}
+
+static inline double larger(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+static inline double smaller(double a, double b)
+{
+    return a < b ? a : b;
+}
+
+/* The largest |coordinate|. */
+static inline double extent_of(vec3 a)
+{
+    return larger(fabs(a.x), larger(fabs(a.y), fabs(a.z)));
+}
+
+/*
+ * 0 for NaN: 0 / 0 stands for "anywhere", and 0 is as good as any. Two independent choices, of which compilers make no branch:
+ * where a nearest point lies cannot be foreseen.
+ */
+static inline double clamp01(double t)
+{
+    double low = t < 1.0 ? t : 1.0;
+    return t > 0.0 ? low : 0.0;
+}
+
+/* A finite number of at most `limit` in size; false for NaN. */
+static inline int within(double value, double limit)
+{
+    return fabs(value) <= limit;
+}
+
+static inline int vec3_within(const double *v, double limit)
+{
+    return within(v[0], limit) && within(v[1], limit) && within(v[2], limit);
+}
+
+#endif

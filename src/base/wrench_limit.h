@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Wrenches that may be sent. */
+#ifndef DPT_WRENCH_LIMIT_H
+#define DPT_WRENCH_LIMIT_H
+
+#include "base/vec3.h"
+#include "dynpoint/types.h"
+
+static inline int wrench_is_finite(const dpt_wrench *wrench)
+{
+    return vec3_within(wrench->force, DBL_MAX) && vec3_within(wrench->torque, DBL_MAX);
+}
+
+/* Scale `v` down to a length of at most `most`, as length() measures it. 1 where that changed it. */
+static inline int limit_length(double *v, double most)
+{
+    double extent = extent_of(vec3_of(v));
+    if (extent == 0.0 || (most > 0.0 && length(vec3_of(v)) <= most))
+        return 0;
+    vec3 unit = { v[0] / extent, v[1] / extent, v[2] / extent };
+    vec3_store(scaled(unit, most / length(unit) * (1.0 - 4.0 * DBL_EPSILON)), v);
+    return 1;
+}
+
+#endif

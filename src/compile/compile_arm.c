@@ -1,0 +1,301 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * An arm's arrays to the bytes of its file (arm_format.h). What a number may be, the reader alone knows (arm_open.c): it
+ * is asked about the bytes, and what it refuses is said in words.
+ */
+#include "arm/arm_format.h"
+#include "base/return_if_error.h"
+#include "base/vec3.h"
+#include "compile/model.h"
+#include "compile/text.h"
+
+static const source_place nowhere = { 0, 0 };
+
+/* What is wrong where the reader found something: at this field of a record, or behind it. */
+static const struct reason {
+    const char *section;
+    size_t field;
+    const char *text;
+} reasons[] = {
+    { "header", offsetof(struct dpt_arm, tool_link), "tool_link is no link" },
+    { "header", offsetof(struct dpt_arm, tool.position), "its position is not within 1e6 m" },
+    { "header", offsetof(struct dpt_arm, tool.orientation),
+      "its orientation is not of unit length" },
+    { "joints", 0, "no link moves by it as its kind says" },
+    { "joints", offsetof(dpt_arm_joint, kind), "there is no such kind" },
+    { "joints", offsetof(dpt_arm_joint, lower),
+      "its lower limit is not within 1e6, or not 0 though it is continuous" },
+    { "joints", offsetof(dpt_arm_joint, upper),
+      "its upper limit is below the lower, or above 1e6" },
+    { "joints", offsetof(dpt_arm_joint, velocity), "its velocity is negative or not finite" },
+    { "joints", offsetof(dpt_arm_joint, effort), "its effort is negative or not finite" },
+    { "joints", offsetof(dpt_arm_joint, damping), "its damping is negative or not finite" },
+    { "joints", offsetof(dpt_arm_joint, friction), "its friction is negative or not finite" },
+    { "links", offsetof(dpt_arm_link, parent), "its parent is no link before it" },
+    { "links", offsetof(dpt_arm_link, joint),
+      "its joint is not there, or comes too early on the way to the tool" },
+    { "links", offsetof(dpt_arm_link, slides), "slides is neither 0 nor 1" },
+    { "links", offsetof(dpt_arm_link, pose.position), "its position is not within 1e6 m" },
+    { "links", offsetof(dpt_arm_link, pose.orientation), "its orientation is not of unit length" },
+    { "links", offsetof(dpt_arm_link, axis), "its axis is not of unit length" },
+    { "links", offsetof(dpt_arm_link, factor), "its factor is 0 or not within 1e6" },
+    { "links", offsetof(dpt_arm_link, offset), "its offset is not within 1e6" },
+    { "links", offsetof(dpt_arm_link, mass), "its mass is negative, or above 1e6 kg" },
+    { "links", offsetof(dpt_arm_link, centre), "its centre is not within 1e6 m" },
+    { "segments", offsetof(dpt_segment, a), "an end is not within 1e6 m" },
+    { "segments", offsetof(dpt_segment, radius), "its radius is negative, or above 1e6 m" },
+    { "bodies", offsetof(struct arm_body, pose.position), "its position is not within 1e6 m" },
+    { "bodies", offsetof(struct arm_body, pose.orientation),
+      "its orientation is not of unit length" },
+};
+
+static const char *reason_at(const char *section, size_t field)
+{
+    const char *text = "it is damaged";
+    for (size_t i = 0; i < sizeof reasons / sizeof *reasons; i++)
+        if (!strcmp(reasons[i].section, section) && reasons[i].field <= field)
+            text = reasons[i].text;
+    return text;
+}
+
+/* Of record `index`; of a link, its joint's. */
+static const char *name_of(const struct dpt_arm *arm, const char *section, size_t index)
+{
+    if (!strcmp(section, "joints"))
+        return arm_joints(arm)[index].name;
+    if (!strcmp(section, "bodies"))
+        return arm_bodies(arm)[index].name;
+    if (strcmp(section, "links") || arm_links(arm)[index].joint >= arm->joints)
+        return "";
+    return arm_joints(arm)[arm_links(arm)[index].joint].name;
+}
+
+/* The reader's answer about `arm`, which lies in the host's byte order, in words. */
+static dpt_result refuse(soup *source, const struct dpt_arm *arm, const dpt_mesh_fault *fault)
+{
+    const struct {
+        const char *section, *what;
+        size_t count, width;
+    } records[] = { { "joints", "joint", arm->joints, sizeof(dpt_arm_joint) },
+                    { "links", "link", arm->links, sizeof(dpt_arm_link) },
+                    { "segments", "segment", arm->segments, sizeof(dpt_segment) },
+                    { "bodies", "body", arm->bodies, sizeof(struct arm_body) } };
+    uint64_t byte = fault->byte;
+    if (byte < sizeof *arm)
+        return soup_fail(source, fault->code, nowhere, "the tool: %s",
+                         reason_at("header", (size_t)byte));
+    byte -= sizeof *arm;
+    for (size_t i = 0; i < sizeof records / sizeof *records; i++) {
+        const size_t bytes = records[i].count * records[i].width;
+        if (byte < bytes) {
+            const size_t index = (size_t)byte / records[i].width;
+            const char *name = name_of(arm, records[i].section, index);
+            char shown[WORD_SHOWN];
+            return soup_fail(source, fault->code, nowhere, "%s %zu%s%s: %s", records[i].what, index,
+                             *name ? ", " : "",
+                             word_show(&(source_word){ name, name + strlen(name) }, shown),
+                             reason_at(records[i].section, (size_t)byte % records[i].width));
+        }
+        byte -= bytes;
+    }
+    return soup_fail(source, fault->code, nowhere, "a body's mesh is damaged");
+}
+
+/* The counts, and what lies behind the pointers as far as its sizes tell. */
+static dpt_result check_def(soup *source, const dpt_arm_def *def)
+{
+    const struct {
+        const char *what;
+        uint32_t count, least, most;
+        const void *array;
+    } arrays[] = {
+        { "joints", def->joint_count, 1, DPT_JOINTS_MAX, def->joints },
+        { "links", def->link_count, 1, DPT_ARM_LINKS_MAX, def->links },
+        { "segments", def->segment_count, 0, DPT_ARM_SEGMENTS_MAX, def->segments },
+        { "bodies", def->body_count, 0, DPT_ARM_BODIES_MAX, def->bodies },
+    };
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++) {
+        if (arrays[i].count < arrays[i].least || arrays[i].count > arrays[i].most)
+            return soup_fail(source, DPT_E_LIMIT, nowhere, "%u %s: an arm has %u to %u",
+                             arrays[i].count, arrays[i].what, arrays[i].least, arrays[i].most);
+        if (arrays[i].count && !arrays[i].array)
+            return soup_fail(source, DPT_E_ARGUMENT, nowhere, "no array of %s", arrays[i].what);
+    }
+    for (uint32_t i = 0; i < def->joint_count; i++)
+        if (def->joints[i].size < sizeof *def->joints)
+            return soup_fail(source, DPT_E_SIZE, nowhere, "joint %u: its size is not set", i);
+    for (uint32_t i = 0; i < def->link_count; i++)
+        if (def->links[i].size < sizeof *def->links)
+            return soup_fail(source, DPT_E_SIZE, nowhere, "link %u: its size is not set", i);
+    for (uint32_t i = 0; i < def->body_count; i++) {
+        if (def->bodies[i].size < sizeof *def->bodies)
+            return soup_fail(source, DPT_E_SIZE, nowhere, "body %u: its size is not set", i);
+        if (!def->bodies[i].mesh)
+            return soup_fail(source, DPT_E_ARGUMENT, nowhere, "body %u: it has no mesh", i);
+    }
+    return DPT_OK;
+}
+
+/* Zeros behind it, as the file has it; 0 when it is too long. */
+static int put_name(char to[DPT_ARM_NAME], const char *name)
+{
+    size_t length = 0;
+    while (name && length < DPT_ARM_NAME && name[length])
+        length++;
+    memset(to, 0, DPT_ARM_NAME);
+    if (length && length < DPT_ARM_NAME)
+        memcpy(to, name, length);
+    return length < DPT_ARM_NAME;
+}
+
+static dpt_result name_too_long(soup *source, const char *what, uint32_t index)
+{
+    return soup_fail(source, DPT_E_LIMIT, nowhere, "%s %u: its name has more than %d bytes", what,
+                     index, DPT_ARM_NAME - 1);
+}
+
+/* To unit length what is so within 1e-6; the reader refuses the rest. */
+static void make_unit(double *number, int count)
+{
+    double square = 0.0;
+    for (int i = 0; i < count; i++)
+        square += number[i] * number[i];
+    for (int i = 0; i < count && within(square - 1.0, 2e-6); i++)
+        number[i] /= sqrt(square);
+}
+
+static dpt_result put_records(soup *source, const dpt_arm_def *def, struct dpt_arm *arm)
+{
+    dpt_arm_joint *joints = (void *)(arm + 1);
+    dpt_arm_link *links = (void *)(joints + arm->joints);
+    dpt_segment *segments = (void *)(links + arm->links);
+    struct arm_body *bodies = (void *)(segments + arm->segments);
+    uint64_t end = arm_records_end(arm);
+    for (uint32_t i = 0; i < arm->joints; i++) {
+        joints[i] = def->joints[i];
+        joints[i].size = sizeof *joints;
+        if (!put_name(joints[i].name, def->joints[i].name))
+            return name_too_long(source, "joint", i);
+    }
+    for (uint32_t i = 0; i < arm->links; i++) {
+        links[i] = def->links[i];
+        links[i].size = sizeof *links;
+        make_unit(links[i].pose.orientation, 4);
+        make_unit(links[i].axis, 3);
+    }
+    if (arm->segments)
+        memcpy(segments, def->segments, arm->segments * sizeof *segments);
+    for (uint32_t i = 0; i < arm->bodies; i++) {
+        const struct dpt_mesh *mesh = def->bodies[i].mesh;
+        bodies[i].mesh_offset = mesh_aligned(end);
+        bodies[i].mesh_bytes = mesh->bytes;
+        bodies[i].pose = def->bodies[i].pose;
+        make_unit(bodies[i].pose.orientation, 4);
+        if (!put_name(bodies[i].name, def->bodies[i].name))
+            return name_too_long(source, "body", i);
+        memcpy((char *)arm + bodies[i].mesh_offset, mesh, (size_t)mesh->bytes);
+        end = bodies[i].mesh_offset + mesh->bytes;
+    }
+    return DPT_OK;
+}
+
+static dpt_result put_header(soup *source, const dpt_arm_def *def, struct dpt_arm *arm)
+{
+    memcpy(arm->magic, ARM_MAGIC, sizeof arm->magic);
+    arm->byte_order = MESH_BYTE_ORDER;
+    arm->version = ARM_VERSION;
+    arm->header_bytes = sizeof *arm;
+    arm->writer_version = DPT_VERSION_MAJOR << 16 | DPT_VERSION_MINOR << 8 | DPT_VERSION_PATCH;
+    arm->joints = def->joint_count;
+    arm->links = def->link_count;
+    arm->segments = def->segment_count;
+    arm->bodies = def->body_count;
+    arm->tool_link = def->tool_link;
+    arm->source_bytes = def->source_bytes;
+    arm->source_hash = def->source_hash;
+    arm->tool = def->tool;
+    make_unit(arm->tool.orientation, 4);
+    if (!put_name(arm->name, def->name) || !put_name(arm->root_name, def->root_name) ||
+        !put_name(arm->tool_name, def->tool_name))
+        return soup_fail(source, DPT_E_LIMIT, nowhere,
+                         "name, root_name or tool_name has more than %d bytes", DPT_ARM_NAME - 1);
+    arm->bytes = arm_records_end(arm);
+    for (uint32_t i = 0; i < arm->bodies; i++)
+        arm->bytes = mesh_aligned(arm->bytes) + def->bodies[i].mesh->bytes;
+    return DPT_OK;
+}
+
+/* A mesh in the host's byte order to the file's, where they differ. */
+static void turn_mesh(struct dpt_mesh *mesh)
+{
+    const uint32_t version = mesh->version, header_bytes = mesh->header_bytes;
+    struct crc32 crc;
+    crc32_init(&crc);
+    for (uint32_t id = 0; id < mesh->section_count; id++) {
+        struct mesh_section *section = &mesh->section[id];
+        char *content = (char *)mesh + section->offset;
+        mesh_swap4(content, section->bytes / 4);
+        section->crc32 = crc32_of(&crc, content, (size_t)section->bytes);
+    }
+    mesh->header_crc32 = 0;
+    mesh_swap_header(mesh, version);
+    mesh->header_crc32 = crc32_of(&crc, mesh, header_bytes);
+    mesh_swap4(&mesh->header_crc32, 1);
+}
+
+/* All of it, likewise. */
+static void turn_arm(struct dpt_arm *arm)
+{
+    const struct dpt_arm header = *arm;
+    for (uint32_t i = 0; i < header.bodies; i++)
+        turn_mesh((void *)((char *)arm + arm_bodies(arm)[i].mesh_offset));
+    arm_swap_records(&header, arm);
+    arm_swap_header(arm);
+    arm->crc32 = arm_crc(arm, (size_t)header.bytes);
+    mesh_swap4(&arm->crc32, 1);
+}
+
+static dpt_result compile_arm(soup *source, const dpt_arm_def *def, dpt_compiled *out)
+{
+    struct dpt_arm header = { .bytes = 0 };
+    dpt_mesh_fault fault = { .size = sizeof fault };
+    DPT_TRY(check_def(source, def));
+    DPT_TRY(put_header(source, def, &header));
+    struct dpt_arm *arm =
+        header.bytes <= SIZE_MAX / 2 ? (void *)compiled_block((size_t)header.bytes) : NULL;
+    if (!arm)
+        return soup_fail(source, DPT_E_MEMORY, nowhere, "memory ran out");
+    *out = (dpt_compiled){ arm, (size_t)header.bytes };
+    *arm = header;
+    DPT_TRY(put_records(source, def, arm));
+    arm->crc32 = arm_crc(arm, out->size);
+    if (dpt_arm_verify(arm, out->size, &fault) != DPT_OK)
+        return refuse(source, arm, &fault);
+    if (!mesh_host_is_little())
+        turn_arm(arm);
+    return DPT_OK;
+}
+
+dpt_result dpt_compile_arm(const dpt_arm_def *def, dpt_compiled *out, dpt_diag *diag)
+{
+    soup source;
+    dpt_diag spare = { .size = sizeof spare };
+    if (!out)
+        return DPT_E_ARGUMENT;
+    *out = (dpt_compiled){ NULL, 0 };
+    if (diag && diag->size < sizeof *diag)
+        return DPT_E_SIZE;
+    if (diag)
+        *diag = (dpt_diag){ .size = diag->size };
+    soup_init(&source, NULL, diag ? diag : &spare);
+    if (!def)
+        return soup_fail(&source, DPT_E_ARGUMENT, nowhere, "no def");
+    if (def->size < sizeof *def)
+        return soup_fail(&source, DPT_E_SIZE, nowhere, "the def's size field is not set");
+    if (def->reserved)
+        return soup_fail(&source, DPT_E_ARGUMENT, nowhere, "the def's reserved field is not NULL");
+    dpt_result result = compile_arm(&source, def, out);
+    if (result != DPT_OK)
+        dpt_compiled_free(out);
+    return result;
+}

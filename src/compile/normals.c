@@ -1,0 +1,153 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * What a tick would have to walk a vertex's triangles for: its normal, and which of its edges are borders or creases.
+ * Linear in the triangles.
+ */
+#include <stdlib.h>
+
+#include "base/angle.h"
+#include "compile/cluster.h"
+#include "compile/parallel.h"
+#include "mesh/mesh_format.h"
+
+/* A sum of normals that is shorter than this, per angle of its triangles, tells no direction. */
+#define NORMAL_LEAST 0x1p-20
+
+struct normals {
+    struct model *model;
+    vec3 *faces;    /* unit normals of the triangles */
+    double *angles; /* of their corners */
+    uint8_t *edges; /* of a vertex: DPT_EDGE_... that meet there */
+    double cosine;  /* of the crease */
+};
+
+static void measure_faces(void *context, size_t first, size_t end)
+{
+    const struct normals *all = context;
+    for (size_t t = first; t < end; t++) {
+        vec3 c[3], edge[3];
+        model_corners(all->model, (uint32_t)t, c);
+        all->faces[t] = unit_of(cross(sub(c[1], c[0]), sub(c[2], c[0])));
+        for (int k = 0; k < 3; k++)
+            edge[k] = unit_of(sub(c[(k + 1) % 3], c[k]));
+        for (size_t k = 0; k < 3; k++)
+            all->angles[3 * t + k] = angle_between(edge[k], scaled(edge[(k + 2) % 3], -1.0));
+    }
+}
+
+/* Of 0..pi, by the series of an eighth of it: the same bits on every machine. */
+static double cosine_of(double angle)
+{
+    double x = angle / 8.0, x2 = x * x, cosine = 1.0;
+    for (int k = 14; k > 0; k -= 2)
+        cosine = 1.0 - x2 / ((k - 1) * k) * cosine;
+    for (int i = 0; i < 3; i++)
+        cosine = 2.0 * cosine * cosine - 1.0;
+    return cosine;
+}
+
+/* Do they meet at more than the limit? Of two that are wound against each other the one counts as turned. */
+static int is_crease(const struct normals *all, uint32_t half)
+{
+    uint32_t n = all->model->neighbours[half];
+    double both = dot(all->faces[half / 3], all->faces[n]);
+    return (model_wound_against(all->model, half, n) ? -both : both) < all->cosine;
+}
+
+static void flag_edges(void *context, size_t first, size_t end)
+{
+    const struct normals *all = context;
+    for (size_t t = first; t < end; t++) {
+        uint32_t flags = 0;
+        for (uint32_t k = 0; k < 3; k++) {
+            uint32_t half = 3 * (uint32_t)t + k, n = all->model->neighbours[half], edge = 0;
+            if (n == MESH_EDGE_OPEN)
+                edge = DPT_EDGE_BORDER;
+            else if (n == MESH_EDGE_MANY)
+                edge = DPT_EDGE_NONMANIFOLD;
+            else if (is_crease(all, half))
+                edge = DPT_EDGE_CREASE;
+            flags |= edge << k;
+        }
+        all->model->flags[t] = flags;
+    }
+}
+
+/* A vertex's normal from its triangles, in the order of the fan; none where parts share it. */
+static void add_normals(void *context, size_t first, size_t end)
+{
+    const uint32_t edge_bits = DPT_EDGE_BORDER | DPT_EDGE_NONMANIFOLD | DPT_EDGE_CREASE;
+    const struct normals *all = context;
+    const struct model *model = all->model;
+    for (size_t v = first; v < end; v++) {
+        const uint32_t *fan = model->fans + model->fan_first[v];
+        const uint32_t *fan_end = model->fans + model->fan_first[v + 1];
+        const uint32_t part = model->part_of[*fan];
+        vec3 sum = { 0.0, 0.0, 0.0 };
+        double angles = 0.0;
+        uint32_t edges = 0;
+        int shared = 0;
+        for (; fan < fan_end; fan++) {
+            const uint32_t *corner = model->corners + 3 * (size_t)*fan;
+            uint32_t k = corner[0] == v ? 0 : corner[1] == v ? 1 : 2;
+            double angle = all->angles[3 * (size_t)*fan + k];
+            sum = along(sum, angle, all->faces[*fan]);
+            angles += angle;
+            edges |= model->flags[*fan] >> k | model->flags[*fan] >> (k + 2) % 3;
+            shared |= model->part_of[*fan] != part;
+        }
+        int none = shared || !(length(sum) > NORMAL_LEAST * angles);
+        vec3 n = none ? (vec3){ 0.0, 0.0, 0.0 } : unit_of(sum);
+        all->edges[v] = (uint8_t)(edges & edge_bits);
+        model->normals[3 * v] = (float)n.x;
+        model->normals[3 * v + 1] = (float)n.y;
+        model->normals[3 * v + 2] = (float)n.z;
+    }
+}
+
+/* A corner's bit is as far from its edge's as DPT_CORNER_BORDER from DPT_EDGE_BORDER. */
+static void flag_corners(void *context, size_t first, size_t end)
+{
+    const uint32_t corner = DPT_CORNER_BORDER / DPT_EDGE_BORDER;
+    const struct normals *all = context;
+    for (size_t t = first; t < end; t++)
+        for (uint32_t k = 0; k < 3; k++)
+            all->model->flags[t] |= all->edges[all->model->corners[3 * t + k]] * corner << k;
+}
+
+static void count_found(struct model *model)
+{
+    for (uint32_t half = 0; half < 3 * model->triangle_count; half++)
+        model->crease_edges += (model->flags[half / 3] >> half % 3 & DPT_EDGE_CREASE) != 0 &&
+                               half / 3 < model->neighbours[half];
+    for (uint32_t v = 0; v < model->vertex_count; v++) {
+        const float *n = model->normals + 3 * (size_t)v;
+        model->normalless_vertices += n[0] == 0.0f && n[1] == 0.0f && n[2] == 0.0f;
+    }
+}
+
+dpt_result model_normals(struct model *model, soup *source, double crease)
+{
+    const uint32_t threads = source->threads, triangles = model->triangle_count;
+    struct normals all = { .model = model };
+    all.faces = model_array(source, triangles, sizeof *all.faces);
+    all.angles = model_array(source, triangles, 3 * sizeof *all.angles);
+    all.edges = model_array(source, model->vertex_count, sizeof *all.edges);
+    all.cosine = crease < 0.5 * ANGLE_TURN ? cosine_of(crease) : -2.0;
+    model->flags = model_array(source, triangles, sizeof *model->flags);
+    model->normals = model_array(source, model->vertex_count, 3 * sizeof *model->normals);
+    dpt_result result = DPT_E_MEMORY;
+    model->crease = crease;
+    if (all.faces && all.angles && all.edges && model->flags && model->normals) {
+        parallel_for(threads, triangles, PARALLEL_LEAST, measure_faces, &all);
+        parallel_for(threads, triangles, PARALLEL_LEAST, flag_edges, &all);
+        parallel_for(threads, model->vertex_count, PARALLEL_LEAST, add_normals, &all);
+        parallel_for(threads, triangles, PARALLEL_LEAST, flag_corners, &all);
+        count_found(model);
+        result = DPT_OK;
+    }
+    free(all.faces);
+    free(all.angles);
+    free(all.edges);
+    return result;
+}

@@ -1,0 +1,147 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Where the axis of a profile goes through the surface, and where it is within reach. */
+#include "contact/distance_profile.h"
+#include "nearest/range_search.h"
+
+static uint32_t flags_of(const struct profile *profile, uint32_t part)
+{
+    return mesh_part_flags(profile->tree->mesh, part);
+}
+
+static void put_crossing(struct profile *profile, uint32_t triangle, const pair *found)
+{
+    uint32_t i = profile->crossings;
+    if (i == PROFILE_CROSSINGS) {
+        profile->full = 1;
+        return;
+    }
+    for (; i && profile->crossing[i - 1].s > found->s; i--)
+        profile->crossing[i] = profile->crossing[i - 1];
+    struct crossing *crossing = &profile->crossing[i];
+    *crossing = (struct crossing){ .s = found->s, .triangle = triangle };
+    memcpy(crossing->weight, found->weight, sizeof crossing->weight);
+    profile->crossings++;
+    vec3 normal = profile_way_out(profile, triangle, found->weight);
+    double along_axis = dot(normal, profile->axis->u);
+    int on_face = found->weight[0] > 0.0 && found->weight[1] > 0.0 && found->weight[2] > 0.0;
+    if (on_face && fabs(along_axis) > 1e-6 * profile->size) {
+        uint32_t flags = flags_of(profile, side_part(profile->tree, triangle));
+        crossing->after = along_axis > 0.0 ? 1 : -1;
+        crossing->before = -crossing->after;
+        if (flags & MESH_PART_BURIED)
+            crossing->before = crossing->after = -1;
+    }
+}
+
+/* An edge is met with both its triangles, a vertex with all of its fan: one crossing, of unknown sides. */
+static void join_crossings(struct profile *profile)
+{
+    double near = 4.0 * profile->axis->error;
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < profile->crossings; i++) {
+        const struct crossing *crossing = &profile->crossing[i];
+        struct crossing *last = &profile->crossing[kept ? kept - 1 : 0];
+        if (kept && (crossing->s - last->s) * profile->size <= near)
+            last->before = last->after = 0;
+        else
+            profile->crossing[kept++] = *crossing;
+    }
+    profile->crossings = kept;
+}
+
+/* The stretch of the axis that a triangle within reach can be within reach of; `room`: the reach, in s. */
+static void put_zone(struct profile *profile, uint32_t triangle, double per_uu, double room)
+{
+    const struct tree *tree = profile->tree;
+    const struct axis *axis = profile->axis;
+    const uint32_t *corner = tree->corners + 3 * (size_t)triangle;
+    double from = HUGE_VAL, to = -HUGE_VAL;
+    for (int k = 0; k < 3; k++) {
+        vec3 c = vec3_of_float(tree->positions + 3 * (size_t)corner[k]);
+        double s = dot(sub(c, axis->local_a), axis->u) * per_uu;
+        from = smaller(from, s);
+        to = larger(to, s);
+    }
+    from = clamp01(from - room);
+    to = to + room < 1.0 ? clamp01(to + room) : 1.0;
+    for (uint32_t i = 0; i < profile->zones; i++)
+        if (profile->zone_from[i] <= from && profile->zone_to[i] >= to)
+            return;
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < profile->zones; i++) {
+        if (profile->zone_to[i] < from || profile->zone_from[i] > to) {
+            profile->zone_from[kept] = profile->zone_from[i];
+            profile->zone_to[kept++] = profile->zone_to[i];
+        } else {
+            from = smaller(from, profile->zone_from[i]);
+            to = larger(to, profile->zone_to[i]);
+        }
+    }
+    if (kept == PROFILE_ZONES) {
+        kept--;
+        from = smaller(from, profile->zone_from[kept]);
+        to = larger(to, profile->zone_to[kept]);
+    }
+    profile->zone_from[kept] = from;
+    profile->zone_to[kept] = to;
+    profile->zones = kept + 1;
+}
+
+/*
+ * It comes out on the other side. At an edge or a vertex an axis may come as near as rounding and stay on its side; there the
+ * surface is asked a little way before and after.
+ */
+static int goes_through(const struct profile *profile, const struct crossing *crossing)
+{
+    vec3 u = profile->axis->u;
+    double weight[3];
+    int corners = 0;
+    for (int k = 0; k < 3; k++) {
+        weight[k] = crossing->weight[k] > 1e-12 ? crossing->weight[k] : 0.0;
+        corners += weight[k] > 0.0;
+    }
+    if (corners == 3 || profile->size == 0.0)
+        return 1;
+    return side_of_way(profile->tree, crossing->triangle, weight, u) !=
+           side_of_way(profile->tree, crossing->triangle, weight, scaled(u, -1.0));
+}
+
+/* It goes through an open sheet of which no side is kept. */
+static int is_sideless(const struct profile *profile)
+{
+    for (uint32_t k = 0; k < profile->crossings; k++) {
+        uint32_t part = side_part(profile->tree, profile->crossing[k].triangle);
+        uint32_t flags = flags_of(profile, part);
+        if (!(flags & (MESH_PART_SOLID | MESH_PART_BURIED)) && (flags & MESH_PART_MANIFOLD) &&
+            !sides_get(profile->sides, part) && goes_through(profile, &profile->crossing[k]))
+            return 1;
+    }
+    return 0;
+}
+
+void profile_cross(struct profile *profile)
+{
+    const struct axis *axis = profile->axis;
+    struct range range;
+    int meets;
+    if (!profile_spare(profile)) {
+        profile->cut = 1;
+        return;
+    }
+    double per_uu = profile->size > 0.0 ? 1.0 / dot(axis->u, axis->u) : 0.0;
+    double room = profile->size > 0.0 ? profile->reach / profile->size : 1.0;
+    range_begin(&range, profile->tree, profile->kernel, axis->local_a, axis->u, profile->reach,
+                profile_spare(profile));
+    for (uint32_t t; (t = range_next(&range, &meets)) != DPT_NONE;) {
+        put_zone(profile, t, per_uu, room);
+        if (!meets)
+            continue;
+        pair found = tree_pair(profile->tree, t, axis->local_a, axis->u);
+        if (found.distance2 == 0.0)
+            put_crossing(profile, t, &found);
+    }
+    profile->work += range.work;
+    profile->cut |= range.work >= range.most;
+    join_crossings(profile);
+    profile->sideless = (uint32_t)is_sideless(profile);
+}

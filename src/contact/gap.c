@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "contact/gap.h"
+
+uint32_t contact_of_gap(double gap, double error)
+{
+    if (fabs(gap) <= error)
+        return DPT_CONTACT_TOUCHING;
+    return gap > 0.0 ? DPT_CONTACT_SEPARATED : DPT_CONTACT_PENETRATING;
+}
+
+void contact_set_gap(dpt_hit *hit, double gap, double error)
+{
+    hit->flags |= DPT_HIT_GAP;
+    hit->gap = gap;
+    hit->depth = gap < 0.0 ? -gap : 0.0;
+    hit->contact = contact_of_gap(gap, error);
+}
+
+/* Of the axis' ends, the lower one's height over the plane of the triangle. */
+static double lower_end(const struct axis *axis, const struct nearest *nearest, vec3 normal)
+{
+    double height_a = -nearest->pair.s * dot(axis->u, normal);
+    double height_b = (1.0 - nearest->pair.s) * dot(axis->u, normal);
+    return smaller(height_a, height_b);
+}
+
+int contact_find(struct profile *profile, const struct nearest *nearest, const struct seed *seeds,
+                 uint32_t seed_count, double radius, double *gap)
+{
+    *gap = sqrt(nearest->pair.distance2) - radius;
+    if (!profile_make(profile, nearest, seeds, seed_count))
+        return CONTACT_NONE;
+    if (profile->full || profile->cut || profile->sideless)
+        return CONTACT_UNKNOWN;
+    if (profile->sample[profile->deepest].height < 0.0)
+        *gap = profile->sample[profile->deepest].height - radius;
+    return CONTACT_PROFILE;
+}
+
+vec3 contact_normal(const struct profile *profile, const struct sample *sample, uint32_t smooth)
+{
+    if (!smooth)
+        return sample->normal;
+    vec3 normal = side_smooth_normal(profile->tree, sample->triangle, sample->weight);
+    double along_true = dot(normal, sample->normal);
+    return along_true != 0.0 ? scaled(normal, along_true < 0.0 ? -1.0 : 1.0) : sample->normal;
+}
+
+struct push contact_push(const struct profile *profile, const struct frame *body, double gap,
+                         uint32_t smooth)
+{
+    const struct axis *axis = profile->axis;
+    const struct sample *deepest = &profile->sample[profile->deepest];
+    return (struct push){ frame_turn(body, contact_normal(profile, deepest, smooth)),
+                          along(axis->a, deepest->s, sub(axis->b, axis->a)), larger(0.0, -gap) };
+}
+
+void contact_of(const struct tree *tree, const struct kernel *kernel, const struct axis *axis,
+                const struct nearest *nearest, double radius, dpt_hit *hit)
+{
+    const struct sides none = { .count = 0 };
+    struct profile profile;
+    double gap;
+    profile.tree = tree;
+    profile.kernel = kernel;
+    profile.axis = axis;
+    profile.sides = &none;
+    profile.memo = NULL;
+    profile.regions = 0;
+    profile.reach = radius;
+    profile.tolerance = PROFILE_DEPTH_SHARE * tree_diagonal(tree);
+    profile.most = UINT32_MAX;
+    if (contact_find(&profile, nearest, NULL, 0, radius, &gap) == CONTACT_UNKNOWN)
+        hit->contact = DPT_CONTACT_UNKNOWN;
+    else
+        contact_set_gap(hit, gap, hit->error_bound);
+}
+
+double contact_paper(const struct tree *tree, const struct frame *body, const struct axis *part,
+                     const struct nearest *nearest, double radius, struct push *push)
+{
+    vec3 normal = side_face_normal(tree, nearest->triangle);
+    double distance = sqrt(nearest->pair.distance2), gap;
+    if (distance == 0.0) {
+        gap = lower_end(part, nearest, normal) - radius;
+        push->direction = normal;
+    } else {
+        double side = dot(nearest->pair.gap, normal) < 0.0 ? -1.0 : 1.0;
+        gap = side * distance - radius;
+        push->direction = scaled(nearest->pair.gap, side / distance);
+    }
+    push->direction = frame_turn(body, push->direction);
+    push->at = along(part->a, nearest->pair.s, sub(part->b, part->a));
+    push->depth = larger(0.0, -gap);
+    return gap;
+}

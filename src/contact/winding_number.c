@@ -1,0 +1,125 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "contact/winding_number.h"
+
+#include "base/angle.h"
+
+/* Of WINDING_ERROR the part of the series; the rest is for rounding. */
+#define SERIES_ERROR (0.9 * WINDING_ERROR)
+
+/*
+ * What one set of triangles may be wrong by at first, over the levels: of a smooth surface each level adds about as
+ * much. Where the sum is too much, all is looked at again, for less; of the surface that is left the sum falls as a
+ * root of it, or a little faster.
+ */
+#define FIRST_DOUBT 5e-4f
+#define LESS        0.25f
+#define PASSES      8
+
+/* Beyond that, in half widths of the mesh, what is left of the winding number is below 1e-9. */
+#define FAR 0x1p20
+
+struct view {
+    const struct tree *tree;
+    const struct kernel *kernel;
+    const float *moments;
+    const uint32_t *solid; /* a word a leaf: lanes that count */
+    vec3 x;
+    float at[3]; /* x in the filter's frame */
+    float winding[LANES], doubt[LANES];
+    double exact; /* sum over the triangles that were evaluated in double */
+    uint32_t work, most;
+};
+
+static double sum_of(const float *lanes)
+{
+    double sum = 0.0;
+    for (int i = 0; i < LANES; i++)
+        sum += (double)lanes[i];
+    return sum;
+}
+
+static vec3 seen(const struct view *view, uint32_t triangle, uint32_t k)
+{
+    uint32_t v = view->tree->corners[3 * (size_t)triangle + k];
+    return sub(vec3_of_float(view->tree->positions + 3 * (size_t)v), view->x);
+}
+
+static void look_at_leaf(struct view *view, uint32_t leaf)
+{
+    uint32_t lanes = view->solid[leaf];
+    if (!lanes)
+        return;
+    const float *rows = view->tree->leaves + (size_t)leaf * MESH_LEAF_WORDS;
+    uint32_t open = view->kernel->angles(rows, view->at, lanes, view->winding);
+    view->work++;
+    for (; open; open &= open - 1) {
+        uint32_t t = leaf * LANES + (uint32_t)__builtin_ctz(open);
+        view->exact += solid_turns(seen(view, t, 0), seen(view, t, 1), seen(view, t, 2));
+    }
+}
+
+/* The children that must be looked into; the others are added. */
+static uint32_t look_at_node(struct view *view, uint32_t level, uint32_t node, float most)
+{
+    const struct tree *tree = view->tree;
+    size_t row = tree->first[level] - tree->first[1] + node;
+    uint32_t children = mesh_lanes(tree->count[level - 1] - node * LANES);
+    view->work++;
+    return children & view->kernel->moments(view->moments + row * MESH_MOMENT_WORDS, view->at, most,
+                                            view->winding, view->doubt);
+}
+
+static double look(struct view *view, float most)
+{
+    uint32_t node[MESH_LEVELS_MAX + 1], open[MESH_LEVELS_MAX + 1];
+    uint32_t top = view->tree->levels, level = top;
+    memset(view->winding, 0, sizeof view->winding);
+    memset(view->doubt, 0, sizeof view->doubt);
+    view->exact = 0.0;
+    node[level] = 0;
+    open[level] = look_at_node(view, level, 0, most);
+    while (level <= top) {
+        if (view->work >= view->most)
+            return HUGE_VAL;
+        if (!open[level]) {
+            level++;
+            continue;
+        }
+        uint32_t child = node[level] * LANES + (uint32_t)__builtin_ctz(open[level]);
+        open[level] &= open[level] - 1;
+        if (level == 1) {
+            look_at_leaf(view, child);
+        } else {
+            node[--level] = child;
+            open[level] = look_at_node(view, level, child, most);
+        }
+    }
+    return sum_of(view->doubt);
+}
+
+/* Comparisons are such that NaN, which a forged file can yield, ends as 0. */
+double winding_number(const struct tree *tree, const struct kernel *kernel, vec3 x, uint32_t most,
+                      uint32_t *work)
+{
+    const struct dpt_mesh *mesh = tree->mesh;
+    struct view view = { .tree = tree, .kernel = kernel, .x = x, .most = most };
+    view.moments = mesh_moments(mesh, &view.solid);
+    vec3 at = scaled(sub(x, vec3_of(mesh->filter_centre)), mesh->filter_scale);
+    if (!view.moments || !within(at.x, FAR) || !within(at.y, FAR) || !within(at.z, FAR))
+        return 0.0;
+    view.at[0] = (float)at.x;
+    view.at[1] = (float)at.y;
+    view.at[2] = (float)at.z;
+    float most_doubt = FIRST_DOUBT / (float)tree->levels;
+    double doubt = look(&view, most_doubt);
+    for (int pass = 1; !(doubt <= SERIES_ERROR) && pass < PASSES && view.work < view.most; pass++) {
+        float share = (float)(SERIES_ERROR / doubt);
+        most_doubt *= share * share < LESS ? share * share : LESS;
+        doubt = look(&view, most_doubt);
+    }
+    *work += view.work;
+    if (view.work >= view.most)
+        return HUGE_VAL;
+    double winding = sum_of(view.winding) + view.exact;
+    return fabs(winding) <= (double)mesh->triangles ? winding : 0.0;
+}

@@ -1,0 +1,18 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* From contact to force. */
+#ifndef DPT_PENALTY_H
+#define DPT_PENALTY_H
+
+#include "contact/gap.h"
+
+/* The wrench of one push about `origin`: docs/algorithms/penalty.md. */
+static inline void respond_penalty(const struct push *push, double stiffness, vec3 origin,
+                                   dpt_wrench *sum)
+{
+    vec3 force = scaled(push->direction, stiffness * push->depth);
+    vec3 torque = cross(sub(push->at, origin), force);
+    vec3_store(add(vec3_of(sum->force), force), sum->force);
+    vec3_store(add(vec3_of(sum->torque), torque), sum->torque);
+}
+
+#endif

@@ -1,0 +1,527 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * The loops of kernel_ops.h, once for all instruction sets. The file that includes this defines
+ *     KERNEL(name)                 the function's name
+ *     KERNEL_TARGET                its target attribute, or nothing
+ *     KERNEL_OPEN(bound, limit)    the lanes whose bound is not above the limit, as bits; optional
+ * Straight-line code without calls, so that the compiler turns 16 iterations into vectors; no operation
+ * may be fused or reordered, or the bits would differ from machine to machine.
+ */
+#include <math.h>
+
+#include "kernel/kernel_ops.h"
+
+/* Compared so that NaN gives the limit: 0 / 0 stands for "anywhere". */
+#define AT_LEAST(value, limit) ((value) > (limit) ? (value) : (limit))
+#define AT_MOST(value, limit)  ((value) < (limit) ? (value) : (limit))
+#define CLAMP(value, high)     AT_MOST(AT_LEAST(value, 0.0f), high)
+
+/* Below that a root is not exact enough to make a direction about unit length: no direction at all then. */
+#define PER_ROOT(square) ((square) > 0x1p-100f ? 1.0f / sqrtf(square) : NAN)
+
+/* How far the three corners of a triangle are along (x, y, z): n0, n1 and n2 for the name n. */
+#define CORNERS_ALONG(n, x, y, z)                                                                  \
+    float n##0 = x * block[i] + y * block[LANES + i] + z * block[2 * LANES + i];                   \
+    float n##1 = x * block[3 * LANES + i] + y * block[4 * LANES + i] + z * block[5 * LANES + i];   \
+    float n##2 = x * block[6 * LANES + i] + y * block[7 * LANES + i] + z * block[8 * LANES + i];
+
+/* Each lane's bit; a table, because not every instruction set shifts lanes by different amounts. */
+static const uint32_t KERNEL(bit)[LANES] = {
+    1u << 0, 1u << 1, 1u << 2,  1u << 3,  1u << 4,  1u << 5,  1u << 6,  1u << 7,
+    1u << 8, 1u << 9, 1u << 10, 1u << 11, 1u << 12, 1u << 13, 1u << 14, 1u << 15,
+};
+
+/* One instruction where there is one for it; C has no words for that, and compilers do not find it. */
+#ifndef KERNEL_OPEN
+#define KERNEL_OPEN(bound, limit) KERNEL(open)(bound, limit)
+KERNEL_TARGET static inline uint32_t KERNEL(open)(const float *bound, float limit)
+{
+    uint32_t open = 0;
+    for (int i = 0; i < LANES; i++)
+        open |= KERNEL(bit)[i] & (0u - (uint32_t) !(bound[i] > limit));
+    return open;
+}
+#endif
+
+/*
+ * Kept planes, at another pose. The point of the tool nearest to any point v of the piece is at x.(v - a)
+ * along it, clamped to its ends: it lies within the piece's own range from..to, and only there must the
+ * tool be before the plane. A long tool that turns by d swings its ends by half its length times d across
+ * a plane made beside it, but by next to nothing what is near the piece.
+ */
+#define LOCAL_BOUND(from, to)                                                                      \
+    float nx = planes->x[i], ny = planes->y[i], nz = planes->z[i];                                 \
+    float at_a = nx * ax + ny * ay + nz * az;                                                      \
+    float rise = nx * ux + ny * uy + nz * uz;                                                      \
+    float least = CLAMP(from, length) * rise, most = CLAMP(to, length) * rise;                     \
+    float here = planes->support[i] - at_a - AT_LEAST(least, most);
+
+KERNEL_TARGET uint32_t KERNEL(held_boxes)(const float *restrict block,
+                                          const struct probe *restrict probe,
+                                          const struct planes *restrict planes,
+                                          float *restrict bound)
+{
+    const float ax = probe->a[0], ay = probe->a[1], az = probe->a[2];
+    const float ux = probe->x[0], uy = probe->x[1], uz = probe->x[2];
+    const float wx = fabsf(ux), wy = fabsf(uy), wz = fabsf(uz);
+    const float length = probe->length, limit = probe->limit;
+
+    for (int i = 0; i < LANES; i++) {
+        float dx = block[i] - ax, dy = block[LANES + i] - ay, dz = block[2 * LANES + i] - az;
+        float s = dx * ux + dy * uy + dz * uz;
+        float half =
+            wx * block[3 * LANES + i] + wy * block[4 * LANES + i] + wz * block[5 * LANES + i];
+        float from = s - half, to = s + half;
+        LOCAL_BOUND(from, to)
+        bound[i] = here;
+    }
+    return KERNEL_OPEN(bound, limit);
+}
+
+/* Of a triangle also the plane that is turned to be parallel to the axis, with a support of its own. */
+KERNEL_TARGET uint32_t KERNEL(held_triangles)(const float *restrict block,
+                                              const struct probe *restrict probe,
+                                              const struct planes *restrict planes,
+                                              float *restrict bound)
+{
+    const float ax = probe->a[0], ay = probe->a[1], az = probe->a[2];
+    const float ux = probe->x[0], uy = probe->x[1], uz = probe->x[2];
+    const float length = probe->length, limit = probe->limit;
+    const float at_0 = ax * ux + ay * uy + az * uz;
+
+    for (int i = 0; i < LANES; i++) {
+        CORNERS_ALONG(s, ux, uy, uz)
+        float from = AT_MOST(AT_MOST(s0, s1), s2) - at_0;
+        float to = AT_LEAST(AT_LEAST(s0, s1), s2) - at_0;
+        LOCAL_BOUND(from, to)
+        float tx = nx - rise * ux, ty = ny - rise * uy, tz = nz - rise * uz;
+        CORNERS_ALONG(n, tx, ty, tz)
+        float turned = AT_MOST(AT_MOST(n0, n1), n2) - (tx * ax + ty * ay + tz * az);
+        here = AT_LEAST(here, turned);
+        bound[i] = here;
+    }
+    return KERNEL_OPEN(bound, limit);
+}
+
+/* Lane i gets the plane (nx, ny, nz; low). */
+#define PUT_PLANE                                                                                  \
+    {                                                                                              \
+        float at_a = nx * ax + ny * ay + nz * az;                                                  \
+        float at_b = nx * bx + ny * by + nz * bz;                                                  \
+        float here = low - AT_LEAST(at_a, at_b);                                                   \
+        planes->x[i] = nx;                                                                         \
+        planes->y[i] = ny;                                                                         \
+        planes->z[i] = nz;                                                                         \
+        planes->support[i] = low;                                                                  \
+        bound[i] = here;                                                                           \
+    }
+
+/* The direction is from the segment's point nearest to the box's centre to that centre. */
+KERNEL_TARGET uint32_t KERNEL(boxes)(const float *restrict block,
+                                     const struct probe *restrict probe,
+                                     struct planes *restrict planes, float *restrict bound)
+{
+    const float ax = probe->a[0], ay = probe->a[1], az = probe->a[2];
+    const float bx = probe->b[0], by = probe->b[1], bz = probe->b[2];
+    const float ux = probe->x[0], uy = probe->x[1], uz = probe->x[2];
+    const float length = probe->length, limit = probe->limit;
+
+    for (int i = 0; i < LANES; i++) {
+        float cx = block[i], cy = block[LANES + i], cz = block[2 * LANES + i];
+        float dx = cx - ax, dy = cy - ay, dz = cz - az;
+        float s = dx * ux + dy * uy + dz * uz;
+        s = CLAMP(s, length);
+        float nx = dx - s * ux, ny = dy - s * uy, nz = dz - s * uz;
+        float unit = PER_ROOT(nx * nx + ny * ny + nz * nz);
+        nx *= unit;
+        ny *= unit;
+        nz *= unit;
+        float low = nx * cx + ny * cy + nz * cz -
+                    (fabsf(nx) * block[3 * LANES + i] + fabsf(ny) * block[4 * LANES + i] +
+                     fabsf(nz) * block[5 * LANES + i]);
+        PUT_PLANE
+    }
+    return KERNEL_OPEN(bound, limit);
+}
+
+/*
+ * One edge from p along e against the segment 0..length on the x axis: keep the direction and squared
+ * length of the shortest connection. Beside the segment the distance to it is that to its line, which
+ * is two-dimensional; beyond an end it is that to the end.
+ */
+#define EDGE(px, py, pz, ex, ey, ez)                                                               \
+    {                                                                                              \
+        float flat = ey * ey + ez * ez;                                                            \
+        float lean = -(py * ey + pz * ez);                                                         \
+        float t = CLAMP(lean / flat, 1.0f);                                                        \
+        float x = px + t * ex;                                                                     \
+        float end = CLAMP(x, length);                                                              \
+        float t_end = CLAMP((lean + (end - px) * ex) / (flat + ex * ex), 1.0f);                    \
+        t = x == end ? t : t_end;                                                                  \
+        float qx = px + t * ex, qy = py + t * ey, qz = pz + t * ez;                                \
+        qx = qx - CLAMP(qx, length);                                                               \
+        float square = qx * qx + qy * qy + qz * qz;                                                \
+        int nearer = square < least;                                                               \
+        least = nearer ? square : least;                                                           \
+        nx = nearer ? qx : nx;                                                                     \
+        ny = nearer ? qy : ny;                                                                     \
+        nz = nearer ? qz : nz;                                                                     \
+    }
+
+/* n . ((p - s) x (q - s)), s on the x axis: which side of edge pq the projection of s lies on. */
+#define SIDE(px, py, pz, qx, qy, qz)                                                               \
+    (fx * (py * qz - pz * qy) + fy * (pz * (qx - s) - (px - s) * qz) +                             \
+     fz * ((px - s) * qy - py * (qx - s)))
+
+/* An edge from (p, q) along (e, f), across the axis: keep the shortest way to it from the axis' line, and its square. */
+#define EDGE_BESIDE(p, q, e, f)                                                                    \
+    {                                                                                              \
+        float t = CLAMP(-(p * e + q * f) / (e * e + f * f), 1.0f);                                 \
+        float py = p + t * e, pz = q + t * f, square = py * py + pz * pz;                          \
+        int nearer = square < least;                                                               \
+        least = nearer ? square : least;                                                           \
+        y = nearer ? py : y;                                                                       \
+        z = nearer ? pz : z;                                                                       \
+    }
+
+/* Where the axis is as good as its line, all is two-dimensional, and a face is nearest only where it is crossed. */
+KERNEL_TARGET static uint32_t KERNEL(triangles_beside)(const float *restrict block,
+                                                       const struct probe *restrict probe,
+                                                       struct planes *restrict planes,
+                                                       float *restrict bound)
+{
+    const float ax = probe->a[0], ay = probe->a[1], az = probe->a[2];
+    const float bx = probe->b[0], by = probe->b[1], bz = probe->b[2];
+    const float yx = probe->y[0], yy = probe->y[1], yz = probe->y[2];
+    const float zx = probe->z[0], zy = probe->z[1], zz = probe->z[2];
+    const float at_y = yx * ax + yy * ay + yz * az, at_z = zx * ax + zy * ay + zz * az;
+    const float limit = probe->limit;
+
+    for (int i = 0; i < LANES; i++) {
+        CORNERS_ALONG(y, yx, yy, yz)
+        CORNERS_ALONG(z, zx, zy, zz)
+        float y = 0.0f, z = 0.0f, least = HUGE_VALF;
+        y0 -= at_y, y1 -= at_y, y2 -= at_y;
+        z0 -= at_z, z1 -= at_z, z2 -= at_z;
+        EDGE_BESIDE(y0, z0, (y1 - y0), (z1 - z0))
+        EDGE_BESIDE(y1, z1, (y2 - y1), (z2 - z1))
+        EDGE_BESIDE(y2, z2, (y0 - y2), (z0 - z2))
+        float unit = PER_ROOT(least);
+        y *= unit;
+        z *= unit;
+        float nx = y * yx + z * zx, ny = y * yy + z * zy, nz = y * yz + z * zz;
+        CORNERS_ALONG(n, nx, ny, nz)
+        float low = AT_MOST(AT_MOST(n0, n1), n2);
+        PUT_PLANE
+    }
+    return KERNEL_OPEN(bound, limit);
+}
+
+KERNEL_TARGET uint32_t KERNEL(triangles)(const float *restrict block,
+                                         const struct probe *restrict probe,
+                                         struct planes *restrict planes, float *restrict bound)
+{
+    const float ax = probe->a[0], ay = probe->a[1], az = probe->a[2];
+    const float bx = probe->b[0], by = probe->b[1], bz = probe->b[2];
+    const float xx = probe->x[0], xy = probe->x[1], xz = probe->x[2];
+    const float yx = probe->y[0], yy = probe->y[1], yz = probe->y[2];
+    const float zx = probe->z[0], zy = probe->z[1], zz = probe->z[2];
+    const float length = probe->length, limit = probe->limit;
+    const float at_x = xx * ax + xy * ay + xz * az;
+    float room[LANES];
+
+    for (int i = 0; i < LANES; i++) {
+        CORNERS_ALONG(s, xx, xy, xz)
+        float before = AT_MOST(AT_MOST(s0, s1), s2) - at_x;
+        float behind = length + at_x - AT_LEAST(AT_LEAST(s0, s1), s2);
+        room[i] = AT_MOST(before, behind);
+    }
+    if (!KERNEL_OPEN(room, 0.0f))
+        return KERNEL(triangles_beside)(block, probe, planes, bound);
+    for (int i = 0; i < LANES; i++) {
+        float dx, dy, dz;
+        dx = block[i] - ax, dy = block[LANES + i] - ay, dz = block[2 * LANES + i] - az;
+        float ax0 = dx * xx + dy * xy + dz * xz;
+        float ay0 = dx * yx + dy * yy + dz * yz;
+        float az0 = dx * zx + dy * zy + dz * zz;
+        dx = block[3 * LANES + i] - ax, dy = block[4 * LANES + i] - ay;
+        dz = block[5 * LANES + i] - az;
+        float ax1 = dx * xx + dy * xy + dz * xz;
+        float ay1 = dx * yx + dy * yy + dz * yz;
+        float az1 = dx * zx + dy * zy + dz * zz;
+        dx = block[6 * LANES + i] - ax, dy = block[7 * LANES + i] - ay;
+        dz = block[8 * LANES + i] - az;
+        float ax2 = dx * xx + dy * xy + dz * xz;
+        float ay2 = dx * yx + dy * yy + dz * yz;
+        float az2 = dx * zx + dy * zy + dz * zz;
+
+        float ex0 = ax1 - ax0, ey0 = ay1 - ay0, ez0 = az1 - az0;
+        float ex1 = ax2 - ax1, ey1 = ay2 - ay1, ez1 = az2 - az1;
+        float ex2 = ax0 - ax2, ey2 = ay0 - ay2, ez2 = az0 - az2;
+        float nx = 0.0f, ny = 0.0f, nz = 0.0f, least = HUGE_VALF;
+        EDGE(ax0, ay0, az0, ex0, ey0, ez0)
+        EDGE(ax1, ay1, az1, ex1, ey1, ez1)
+        EDGE(ax2, ay2, az2, ex2, ey2, ez2)
+
+        /* The face counts when the point nearest to its plane projects into it. */
+        float fx = ey2 * ez0 - ez2 * ey0, fy = ez2 * ex0 - ex2 * ez0, fz = ex2 * ey0 - ey2 * ex0;
+        float height = fx * ax0 + fy * ay0 + fz * az0;
+        float s = CLAMP(height / fx, length);
+        float above = height - fx * s;
+        int inside = (SIDE(ax0, ay0, az0, ax1, ay1, az1) > 0.0f) &
+                     (SIDE(ax1, ay1, az1, ax2, ay2, az2) > 0.0f) &
+                     (SIDE(ax2, ay2, az2, ax0, ay0, az0) > 0.0f);
+        float turn = above < 0.0f ? -1.0f : 1.0f;
+        nx = inside ? turn * fx : nx;
+        ny = inside ? turn * fy : ny;
+        nz = inside ? turn * fz : nz;
+
+        /* Back into the filter's frame, where the plane stays. */
+        float unit = PER_ROOT(nx * nx + ny * ny + nz * nz);
+        float tx = nx * unit, ty = ny * unit, tz = nz * unit;
+        nx = tx * xx + ty * yx + tz * zx;
+        ny = tx * xy + ty * yy + tz * zy;
+        nz = tx * xz + ty * yz + tz * zz;
+        CORNERS_ALONG(n, nx, ny, nz)
+        float low = AT_MOST(AT_MOST(n0, n1), n2);
+        PUT_PLANE
+    }
+    return KERNEL_OPEN(bound, limit);
+}
+
+/* Take over the planes that are better, and their bounds: they will last longer. */
+KERNEL_TARGET void KERNEL(better)(const struct planes *restrict made,
+                                  const float *restrict made_bound, struct planes *restrict planes,
+                                  float *restrict bound)
+{
+    for (int i = 0; i < LANES; i++) {
+        int better = (made_bound[i] > bound[i]) | (bound[i] != bound[i]);
+        planes->x[i] = better ? made->x[i] : planes->x[i];
+        planes->y[i] = better ? made->y[i] : planes->y[i];
+        planes->z[i] = better ? made->z[i] : planes->z[i];
+        planes->support[i] = better ? made->support[i] : planes->support[i];
+        bound[i] = better ? made_bound[i] : bound[i];
+    }
+}
+
+KERNEL_TARGET uint32_t KERNEL(point_boxes)(const float *restrict block, const float *restrict at,
+                                           float limit, float *restrict bound)
+{
+    const float ax = at[0], ay = at[1], az = at[2];
+
+    for (int i = 0; i < LANES; i++) {
+        float dx = AT_LEAST(fabsf(block[i] - ax) - block[3 * LANES + i], 0.0f);
+        float dy = AT_LEAST(fabsf(block[LANES + i] - ay) - block[4 * LANES + i], 0.0f);
+        float dz = AT_LEAST(fabsf(block[2 * LANES + i] - az) - block[5 * LANES + i], 0.0f);
+        bound[i] = dx * dx + dy * dy + dz * dz;
+    }
+    return KERNEL_OPEN(bound, limit);
+}
+
+/* An edge from p along e, seen from the point: keep the shortest way to it, and its square. */
+#define POINT_EDGE(px, py, pz, ex, ey, ez)                                                         \
+    {                                                                                              \
+        float lean = -(px * ex + py * ey + pz * ez);                                               \
+        float t = CLAMP(lean / (ex * ex + ey * ey + ez * ez), 1.0f);                               \
+        float qx = px + t * ex, qy = py + t * ey, qz = pz + t * ez;                                \
+        float square = qx * qx + qy * qy + qz * qz;                                                \
+        int nearer = square < least;                                                               \
+        least = nearer ? square : least;                                                           \
+        nx = nearer ? qx : nx;                                                                     \
+        ny = nearer ? qy : ny;                                                                     \
+        nz = nearer ? qz : nz;                                                                     \
+    }
+
+/* f . (p x q): which side of edge pq the point lies on, seen along f. */
+#define POINT_SIDE(px, py, pz, qx, qy, qz)                                                         \
+    (fx * (py * qz - pz * qy) + fy * (pz * qx - px * qz) + fz * (px * qy - py * qx))
+
+/* Any direction bounds the distance, so that n need not be of unit length, only be long enough to divide by. */
+KERNEL_TARGET uint32_t KERNEL(point_triangles)(const float *restrict block,
+                                               const float *restrict at, float limit,
+                                               float *restrict bound)
+{
+    const float ax = at[0], ay = at[1], az = at[2];
+
+    for (int i = 0; i < LANES; i++) {
+        float ax0 = block[i] - ax, ay0 = block[LANES + i] - ay, az0 = block[2 * LANES + i] - az;
+        float ax1 = block[3 * LANES + i] - ax, ay1 = block[4 * LANES + i] - ay;
+        float az1 = block[5 * LANES + i] - az;
+        float ax2 = block[6 * LANES + i] - ax, ay2 = block[7 * LANES + i] - ay;
+        float az2 = block[8 * LANES + i] - az;
+        float nx = ax0 + ax1 + ax2, ny = ay0 + ay1 + ay2, nz = az0 + az1 + az2;
+        float n0 = nx * ax0 + ny * ay0 + nz * az0, n1 = nx * ax1 + ny * ay1 + nz * az1;
+        float n2 = nx * ax2 + ny * ay2 + nz * az2;
+        float low = AT_MOST(AT_MOST(n0, n1), n2);
+        low = AT_LEAST(low, 0.0f);
+        float square = nx * nx + ny * ny + nz * nz;
+        bound[i] = low * low / (square > 0x1p-100f ? square : NAN);
+    }
+    if (!KERNEL_OPEN(bound, limit))
+        return 0;
+    for (int i = 0; i < LANES; i++) {
+        float ax0 = block[i] - ax, ay0 = block[LANES + i] - ay, az0 = block[2 * LANES + i] - az;
+        float ax1 = block[3 * LANES + i] - ax, ay1 = block[4 * LANES + i] - ay;
+        float az1 = block[5 * LANES + i] - az;
+        float ax2 = block[6 * LANES + i] - ax, ay2 = block[7 * LANES + i] - ay;
+        float az2 = block[8 * LANES + i] - az;
+        float ex0 = ax1 - ax0, ey0 = ay1 - ay0, ez0 = az1 - az0;
+        float ex1 = ax2 - ax1, ey1 = ay2 - ay1, ez1 = az2 - az1;
+        float ex2 = ax0 - ax2, ey2 = ay0 - ay2, ez2 = az0 - az2;
+        float nx = 0.0f, ny = 0.0f, nz = 0.0f, least = HUGE_VALF;
+        POINT_EDGE(ax0, ay0, az0, ex0, ey0, ez0)
+        POINT_EDGE(ax1, ay1, az1, ex1, ey1, ez1)
+        POINT_EDGE(ax2, ay2, az2, ex2, ey2, ez2)
+
+        float fx = ey2 * ez0 - ez2 * ey0, fy = ez2 * ex0 - ex2 * ez0, fz = ex2 * ey0 - ey2 * ex0;
+        int inside = (POINT_SIDE(ax0, ay0, az0, ax1, ay1, az1) > 0.0f) &
+                     (POINT_SIDE(ax1, ay1, az1, ax2, ay2, az2) > 0.0f) &
+                     (POINT_SIDE(ax2, ay2, az2, ax0, ay0, az0) > 0.0f);
+        nx = inside ? fx : nx;
+        ny = inside ? fy : ny;
+        nz = inside ? fz : nz;
+
+        float n0 = nx * ax0 + ny * ay0 + nz * az0, n1 = nx * ax1 + ny * ay1 + nz * az1;
+        float n2 = nx * ax2 + ny * ay2 + nz * az2;
+        float front = AT_MOST(AT_MOST(n0, n1), n2), back = AT_MOST(AT_MOST(-n0, -n1), -n2);
+        float low = AT_LEAST(front, back);
+        low = AT_LEAST(low, 0.0f);
+        float square = nx * nx + ny * ny + nz * nz;
+        bound[i] = low * low / (square > 0x1p-100f ? square : NAN);
+    }
+    return KERNEL_OPEN(bound, limit);
+}
+
+KERNEL_TARGET uint32_t KERNEL(common_boxes)(const float *restrict block, const float normal[3],
+                                            float beyond, float *restrict low)
+{
+    const float nx = normal[0], ny = normal[1], nz = normal[2];
+    const float wx = fabsf(nx), wy = fabsf(ny), wz = fabsf(nz);
+
+    for (int i = 0; i < LANES; i++) {
+        float here =
+            nx * block[i] + ny * block[LANES + i] + nz * block[2 * LANES + i] -
+            (wx * block[3 * LANES + i] + wy * block[4 * LANES + i] + wz * block[5 * LANES + i]);
+        low[i] = here;
+    }
+    return KERNEL_OPEN(low, beyond);
+}
+
+KERNEL_TARGET uint32_t KERNEL(common_triangles)(const float *restrict block, const float normal[3],
+                                                float beyond, float *restrict low)
+{
+    const float nx = normal[0], ny = normal[1], nz = normal[2];
+
+    for (int i = 0; i < LANES; i++) {
+        CORNERS_ALONG(n, nx, ny, nz)
+        float here = AT_MOST(AT_MOST(n0, n1), n2);
+        low[i] = here;
+    }
+    return KERNEL_OPEN(low, beyond);
+}
+
+/* The box around a hull as numbers that stay in registers. */
+#define SWATH                                                                                      \
+    const float ox = swath->centre[0], oy = swath->centre[1], oz = swath->centre[2];               \
+    const float xx = swath->axis[0][0], xy = swath->axis[0][1], xz = swath->axis[0][2];            \
+    const float yx = swath->axis[1][0], yy = swath->axis[1][1], yz = swath->axis[1][2];            \
+    const float zx = swath->axis[2][0], zy = swath->axis[2][1], zz = swath->axis[2][2];            \
+    const float wx = swath->half[0], wy = swath->half[1], wz = swath->half[2];                     \
+    const float limit = swath->limit;
+
+/* n: the direction from the nearest point of that box to (cx, cy, cz); no number inside of it. */
+#define AWAY_FROM_SWATH(cx, cy, cz)                                                                \
+    float dx = (cx)-ox, dy = (cy)-oy, dz = (cz)-oz;                                                \
+    float px = dx * xx + dy * xy + dz * xz;                                                        \
+    float py = dx * yx + dy * yy + dz * yz;                                                        \
+    float pz = dx * zx + dy * zy + dz * zz;                                                        \
+    px -= AT_MOST(AT_LEAST(px, -wx), wx);                                                          \
+    py -= AT_MOST(AT_LEAST(py, -wy), wy);                                                          \
+    pz -= AT_MOST(AT_LEAST(pz, -wz), wz);                                                          \
+    float nx = px * xx + py * yx + pz * zx;                                                        \
+    float ny = px * xy + py * yy + pz * zy;                                                        \
+    float nz = px * xz + py * yz + pz * zz;                                                        \
+    float unit = PER_ROOT(nx * nx + ny * ny + nz * nz);                                            \
+    nx *= unit;                                                                                    \
+    ny *= unit;                                                                                    \
+    nz *= unit;
+
+/* How far the four ends are along (x, y, z): n_0 to n_3 for the name n, of which these are the extremes. */
+#define END_ALONG(e, x, y, z) ((x)*swath->end[e][0] + (y)*swath->end[e][1] + (z)*swath->end[e][2])
+#define ENDS_ALONG(n, x, y, z)                                                                     \
+    float n##_0 = END_ALONG(0, x, y, z), n##_1 = END_ALONG(1, x, y, z);                            \
+    float n##_2 = END_ALONG(2, x, y, z), n##_3 = END_ALONG(3, x, y, z);
+#define LOWEST_END(n)  AT_MOST(AT_MOST(n##_0, n##_1), AT_MOST(n##_2, n##_3))
+#define HIGHEST_END(n) AT_LEAST(AT_LEAST(n##_0, n##_1), AT_LEAST(n##_2, n##_3))
+
+/* Besides, the plane of the motion: of what a tool that slides by leaves behind, most lies beyond it. */
+KERNEL_TARGET uint32_t KERNEL(swept_boxes)(const float *restrict block,
+                                           const struct swath *restrict swath,
+                                           float *restrict bound)
+{
+    SWATH
+    ENDS_ALONG(z, zx, zy, zz)
+    const float z_low = LOWEST_END(z), z_high = HIGHEST_END(z);
+
+    for (int i = 0; i < LANES; i++) {
+        float cx = block[i], cy = block[LANES + i], cz = block[2 * LANES + i];
+        float hx = block[3 * LANES + i], hy = block[4 * LANES + i], hz = block[5 * LANES + i];
+        AWAY_FROM_SWATH(cx, cy, cz)
+        ENDS_ALONG(n, nx, ny, nz)
+        float here = nx * cx + ny * cy + nz * cz -
+                     (fabsf(nx) * hx + fabsf(ny) * hy + fabsf(nz) * hz) - HIGHEST_END(n);
+        float at = zx * cx + zy * cy + zz * cz;
+        float half = fabsf(zx) * hx + fabsf(zy) * hy + fabsf(zz) * hz;
+        float above = at - half - z_high, below = z_low - (at + half);
+        float across = AT_LEAST(above, below);
+        here = AT_LEAST(here, across);
+        bound[i] = here;
+    }
+    return KERNEL_OPEN(bound, limit);
+}
+
+/* And the triangle's own plane. */
+KERNEL_TARGET uint32_t KERNEL(swept_triangles)(const float *restrict block,
+                                               const struct swath *restrict swath,
+                                               float *restrict bound)
+{
+    const float third = 1.0f / 3.0f;
+    SWATH
+    ENDS_ALONG(z, zx, zy, zz)
+    const float z_low = LOWEST_END(z), z_high = HIGHEST_END(z);
+
+    for (int i = 0; i < LANES; i++) {
+        float ax = block[i], ay = block[LANES + i], az = block[2 * LANES + i];
+        float bx = block[3 * LANES + i], by = block[4 * LANES + i], bz = block[5 * LANES + i];
+        float cx = block[6 * LANES + i], cy = block[7 * LANES + i], cz = block[8 * LANES + i];
+        AWAY_FROM_SWATH((ax + bx + cx) * third, (ay + by + cy) * third, (az + bz + cz) * third)
+        CORNERS_ALONG(n, nx, ny, nz)
+        ENDS_ALONG(n, nx, ny, nz)
+        float here = AT_MOST(AT_MOST(n0, n1), n2) - HIGHEST_END(n);
+
+        CORNERS_ALONG(z, zx, zy, zz)
+        float above = AT_MOST(AT_MOST(z0, z1), z2) - z_high;
+        float below = z_low - AT_LEAST(AT_LEAST(z0, z1), z2);
+        float across = AT_LEAST(above, below);
+
+        float ex = bx - ax, ey = by - ay, ez = bz - az;
+        float gx = cx - ax, gy = cy - ay, gz = cz - az;
+        float fx = ey * gz - ez * gy, fy = ez * gx - ex * gz, fz = ex * gy - ey * gx;
+        float flat = PER_ROOT(fx * fx + fy * fy + fz * fz);
+        fx *= flat;
+        fy *= flat;
+        fz *= flat;
+        CORNERS_ALONG(f, fx, fy, fz)
+        ENDS_ALONG(f, fx, fy, fz)
+        float front = AT_MOST(AT_MOST(f0, f1), f2) - HIGHEST_END(f);
+        float back = LOWEST_END(f) - AT_LEAST(AT_LEAST(f0, f1), f2);
+        float face = AT_LEAST(front, back);
+        here = AT_LEAST(here, across);
+        face = AT_LEAST(face, across);
+        here = AT_LEAST(here, face);
+        bound[i] = here;
+    }
+    return KERNEL_OPEN(bound, limit);
+}
+
+#include "kernel/kernel_winding.h"

@@ -1,0 +1,101 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "kernel/kernel_ops.h"
+
+#if defined(__x86_64__) && !defined(DPT_SCALAR)
+#define KERNELS_X86 1
+#include <cpuid.h>
+#elif defined(__aarch64__) && !defined(DPT_SCALAR)
+#define KERNELS_ARM 1
+#endif
+
+const char *dpt_kernel_name(uint32_t id)
+{
+    switch (id) {
+    case DPT_KERNEL_SCALAR:
+        return "scalar";
+    case DPT_KERNEL_SSE2:
+        return "sse2";
+    case DPT_KERNEL_AVX2:
+        return "avx2";
+    case DPT_KERNEL_AVX512:
+        return "avx512";
+    case DPT_KERNEL_NEON:
+        return "neon";
+    default:
+        return "none";
+    }
+}
+
+#ifdef KERNELS_X86
+/* Which register sets the operating system saves; asks the processor, not the compiler's runtime. */
+static uint32_t saved_registers(void)
+{
+    uint32_t low, high;
+    __asm__ volatile("xgetbv" : "=a"(low), "=d"(high) : "c"(0));
+    return low;
+}
+
+uint32_t dpt_kernel_best(void)
+{
+    enum { OSXSAVE = 1 << 27, YMM = 0x06, ZMM = 0xe6 };
+    enum { AVX2 = 1 << 5, AVX512F = 1 << 16, AVX512DQ = 1 << 17 };
+    const uint32_t avx512vl = 1u << 31;
+    uint32_t a, b, c, d;
+    if (!__get_cpuid(1, &a, &b, &c, &d) || !(c & OSXSAVE))
+        return DPT_KERNEL_SSE2;
+    uint32_t saved = saved_registers();
+    if (!__get_cpuid_count(7, 0, &a, &b, &c, &d) || (saved & YMM) != YMM || !(b & AVX2))
+        return DPT_KERNEL_SSE2;
+    if ((saved & ZMM) == ZMM && (b & AVX512F) && (b & AVX512DQ) && (b & avx512vl))
+        return DPT_KERNEL_AVX512;
+    return DPT_KERNEL_AVX2;
+}
+#elif defined(KERNELS_ARM)
+uint32_t dpt_kernel_best(void)
+{
+    return DPT_KERNEL_NEON;
+}
+#else
+uint32_t dpt_kernel_best(void)
+{
+    return DPT_KERNEL_SCALAR;
+}
+#endif
+
+#define KERNEL_TABLE(set)                                                                          \
+    (struct kernel)                                                                                \
+    {                                                                                              \
+        kernel_##set##_held_boxes, kernel_##set##_held_triangles, kernel_##set##_boxes,            \
+            kernel_##set##_triangles, kernel_##set##_better, kernel_##set##_common_boxes,          \
+            kernel_##set##_common_triangles, kernel_##set##_swept_boxes,                           \
+            kernel_##set##_swept_triangles, kernel_##set##_point_boxes,                            \
+            kernel_##set##_point_triangles, kernel_##set##_moments, kernel_##set##_angles          \
+    }
+
+int kernel_get(uint32_t id, struct kernel *kernel, uint32_t *chosen)
+{
+    *chosen = id == DPT_KERNEL_AUTO ? dpt_kernel_best() : id;
+    switch (*chosen) {
+    case DPT_KERNEL_SCALAR:
+        *kernel = KERNEL_TABLE(scalar);
+        return 1;
+#ifdef KERNELS_X86
+    case DPT_KERNEL_SSE2:
+        *kernel = KERNEL_TABLE(sse2);
+        return 1;
+    case DPT_KERNEL_AVX2:
+        *kernel = KERNEL_TABLE(avx2);
+        return id == DPT_KERNEL_AUTO || dpt_kernel_best() >= DPT_KERNEL_AVX2;
+    case DPT_KERNEL_AVX512:
+        *kernel = KERNEL_TABLE(avx512);
+        return id == DPT_KERNEL_AUTO || dpt_kernel_best() == DPT_KERNEL_AVX512;
+#endif
+#ifdef KERNELS_ARM
+    case DPT_KERNEL_NEON:
+        *kernel = KERNEL_TABLE(neon);
+        return 1;
+#endif
+    default:
+        return 0;
+    }
+}

@@ -1,0 +1,298 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * Verify once, trust afterwards: everything that a search indexes with is checked here, whether or not
+ * the checksums match, so that a forged file can give wrong answers but never a wrong read.
+ */
+#include "base/crc32.h"
+#include "base/return_if_error.h"
+#include "base/vec3.h"
+#include "dynpoint/mesh.h"
+#include "mesh/mesh_format.h"
+
+static dpt_result fail(dpt_mesh_fault *fault, dpt_result code, uint64_t byte, int section)
+{
+    if (fault) {
+        fault->code = code;
+        fault->byte = byte;
+        mesh_section_name(section, fault->section);
+    }
+    return code;
+}
+
+static dpt_result fail_at(dpt_mesh_fault *fault, dpt_result code, const struct dpt_mesh *mesh,
+                          int id, uint64_t word)
+{
+    return fail(fault, code, mesh->section[id].offset + 4 * word, id);
+}
+
+/* Version and lengths of a header that is in the host's byte order. */
+static dpt_result check_header(const struct dpt_mesh *mesh, size_t size, dpt_mesh_fault *fault)
+{
+    if (mesh->version > MESH_VERSION)
+        return fail(fault, DPT_E_VERSION, offsetof(struct dpt_mesh, version), MESH_HEADER);
+    if (mesh->version == 0)
+        return fail(fault, DPT_E_LAYOUT, offsetof(struct dpt_mesh, version), MESH_HEADER);
+    if (size < mesh_header_bytes(mesh->version))
+        return fail(fault, DPT_E_TRUNCATED, size, MESH_HEADER);
+    if (mesh->header_bytes != mesh_header_bytes(mesh->version))
+        return fail(fault, DPT_E_LAYOUT, offsetof(struct dpt_mesh, header_bytes), MESH_HEADER);
+    if (mesh->section_count != mesh_section_count(mesh->version))
+        return fail(fault, DPT_E_LAYOUT, offsetof(struct dpt_mesh, section_count), MESH_HEADER);
+    if (mesh->reserved)
+        return fail(fault, DPT_E_LAYOUT, offsetof(struct dpt_mesh, reserved), MESH_HEADER);
+    if (size < mesh->bytes)
+        return fail(fault, DPT_E_TRUNCATED, size, MESH_HEADER);
+    if (size > mesh->bytes)
+        return fail(fault, DPT_E_TRAILING, mesh->bytes, MESH_HEADER);
+    return DPT_OK;
+}
+
+/* Sections follow each other without gap or overlap, and are as long as the counts say. */
+static dpt_result check_layout(const struct dpt_mesh *mesh, dpt_mesh_fault *fault)
+{
+    uint32_t count[MESH_LEVELS_MAX + 1];
+    uint64_t nodes, end = mesh->header_bytes;
+    uint64_t leaves = ((uint64_t)mesh->triangles + LANES - 1) / LANES;
+    if (!mesh->triangles || mesh->leaves != leaves || mesh->triangles > mesh->source_triangles ||
+        mesh->triangles > UINT32_MAX / 3 || mesh->vertices > INT32_MAX ||
+        mesh->levels != mesh_levels(mesh->leaves, count, &nodes))
+        return fail(fault, DPT_E_LAYOUT, offsetof(struct dpt_mesh, triangles), MESH_HEADER);
+    for (int id = 0; id < (int)mesh->section_count; id++) {
+        const struct mesh_section *section = &mesh->section[id];
+        uint64_t at = (uint64_t)((const char *)section - (const char *)mesh);
+        char name[16];
+        mesh_section_name(id, name);
+        if (memcmp(section->name, name, sizeof name) || section->offset != mesh_aligned(end) ||
+            section->bytes != 4 * mesh_section_words(mesh, id, nodes) || section->reserved[0] ||
+            section->reserved[1] || section->reserved[2])
+            return fail(fault, DPT_E_LAYOUT, at, id);
+        end = section->offset + section->bytes;
+        if (end > mesh->bytes)
+            return fail(fault, DPT_E_TRUNCATED, mesh->bytes, id);
+    }
+    if (end != mesh->bytes)
+        return fail(fault, DPT_E_LAYOUT, end, MESH_HEADER);
+    return DPT_OK;
+}
+
+/* `bytes` is the file as it lies, its header `size` bytes long. */
+static dpt_result check_header_crc(const void *bytes, size_t size, const struct crc32 *crc,
+                                   uint32_t expected, dpt_mesh_fault *fault)
+{
+    struct dpt_mesh header;
+    memcpy(&header, bytes, size);
+    header.header_crc32 = 0;
+    if (crc32_of(crc, &header, size) != expected)
+        return fail(fault, DPT_E_CHECKSUM, 0, MESH_HEADER);
+    return DPT_OK;
+}
+
+/* `mesh` is the header in the host's order, `bytes` the file as it lies. */
+static dpt_result check_sections_crc(const struct dpt_mesh *mesh, const unsigned char *bytes,
+                                     const struct crc32 *crc, dpt_mesh_fault *fault)
+{
+    uint64_t end = mesh->header_bytes;
+    for (int id = 0; id < (int)mesh->section_count; id++) {
+        const struct mesh_section *section = &mesh->section[id];
+        for (; end < section->offset; end++)
+            if (bytes[end])
+                return fail(fault, DPT_E_LAYOUT, end, MESH_PADDING);
+        if (crc32_of(crc, bytes + section->offset, (size_t)section->bytes) != section->crc32)
+            return fail_at(fault, DPT_E_CHECKSUM, mesh, id, 0);
+        end = section->offset + section->bytes;
+    }
+    return DPT_OK;
+}
+
+/* Every word of a section is below `limit`, or at least `codes` (codes that stand for no index). */
+static dpt_result check_indices(const struct dpt_mesh *mesh, int id, uint64_t limit, uint32_t codes,
+                                dpt_mesh_fault *fault)
+{
+    const uint32_t *word = mesh_words(mesh, id);
+    uint64_t count = mesh->section[id].bytes / 4;
+    for (uint64_t i = 0; i < count; i++)
+        if (word[i] >= limit && (!codes || word[i] < codes))
+            return fail_at(fault, DPT_E_INDEX, mesh, id, i);
+    return DPT_OK;
+}
+
+static dpt_result check_fans(const struct dpt_mesh *mesh, dpt_mesh_fault *fault)
+{
+    const uint32_t *first = mesh_words(mesh, MESH_FAN_FIRST);
+    for (uint32_t v = 0; v < mesh->vertices; v++)
+        if (first[v] > first[v + 1])
+            return fail_at(fault, DPT_E_INDEX, mesh, MESH_FAN_FIRST, v + 1);
+    if (first[0] != 0)
+        return fail_at(fault, DPT_E_INDEX, mesh, MESH_FAN_FIRST, 0);
+    if (first[mesh->vertices] != 3 * (uint64_t)mesh->triangles)
+        return fail_at(fault, DPT_E_INDEX, mesh, MESH_FAN_FIRST, mesh->vertices);
+    return DPT_OK;
+}
+
+/* A triangle's number in the source leads back to it: what a search answers may be asked for again. */
+static dpt_result check_sources(const struct dpt_mesh *mesh, dpt_mesh_fault *fault)
+{
+    const uint32_t *source = mesh_words(mesh, MESH_SOURCES);
+    const uint32_t *place = mesh_words(mesh, MESH_PLACES);
+    for (uint32_t t = 0; t < mesh->triangles; t++)
+        if (place[source[t]] != t)
+            return fail_at(fault, DPT_E_INDEX, mesh, MESH_PLACES, source[t]);
+    return DPT_OK;
+}
+
+/* The first `count` words of a section are finite. */
+static dpt_result check_some_floats(const struct dpt_mesh *mesh, int id, uint64_t count,
+                                    float limit, dpt_mesh_fault *fault)
+{
+    const float *word = mesh_floats(mesh, id);
+    for (uint64_t i = 0; i < count; i++)
+        if (!(fabsf(word[i]) <= limit))
+            return fail_at(fault, DPT_E_FINITE, mesh, id, i);
+    return DPT_OK;
+}
+
+static dpt_result check_floats(const struct dpt_mesh *mesh, int id, float limit,
+                               dpt_mesh_fault *fault)
+{
+    return check_some_floats(mesh, id, mesh->section[id].bytes / 4, limit, fault);
+}
+
+/* All vertices are in the header's box: what may be rounding is judged by it. */
+static dpt_result check_box(const struct dpt_mesh *mesh, dpt_mesh_fault *fault)
+{
+    const float *word = mesh_floats(mesh, MESH_VERTICES);
+    for (size_t i = 0; i < 3 * (size_t)mesh->vertices; i++)
+        if (!(word[i] >= mesh->box_min[i % 3] && word[i] <= mesh->box_max[i % 3]))
+            return fail_at(fault, DPT_E_FINITE, mesh, MESH_VERTICES, i);
+    return DPT_OK;
+}
+
+/* Behind the floats a word a leaf names lanes that hold a triangle. */
+static dpt_result check_moments(const struct dpt_mesh *mesh, dpt_mesh_fault *fault)
+{
+    const uint32_t *lanes;
+    if (!mesh_moments(mesh, &lanes))
+        return DPT_OK;
+    uint64_t floats = mesh->section[MESH_MOMENTS].bytes / 4 - mesh->leaves;
+    DPT_TRY(check_some_floats(mesh, MESH_MOMENTS, floats, 1e30f, fault));
+    for (uint32_t leaf = 0; leaf < mesh->leaves; leaf++)
+        if (lanes[leaf] & ~mesh_lanes(mesh->triangles - leaf * LANES))
+            return fail_at(fault, DPT_E_INDEX, mesh, MESH_MOMENTS, floats + leaf);
+    return DPT_OK;
+}
+
+static dpt_result check_numbers(const struct dpt_mesh *mesh, dpt_mesh_fault *fault)
+{
+    const double largest = 2.0 * DPT_COORDINATE_MAX;
+    const struct mesh_tail tail = mesh_tail(mesh);
+    if (!vec3_within(mesh->box_min, largest) || !vec3_within(mesh->box_max, largest) ||
+        !vec3_within(mesh->filter_centre, largest) || !within(mesh->filter_scale, 1e300) ||
+        !(mesh->filter_scale > 0.0) || !within(mesh->scale, 1e300) ||
+        !within(mesh->rounding, 1e300))
+        return fail(fault, DPT_E_FINITE, offsetof(struct dpt_mesh, scale), MESH_HEADER);
+    if (!(tail.crease >= 0.0 && tail.crease <= 4.0))
+        return fail(fault, DPT_E_FINITE, offsetof(struct dpt_mesh, tail.crease), MESH_HEADER);
+    return DPT_OK;
+}
+
+static dpt_result check_content(const struct dpt_mesh *mesh, dpt_mesh_fault *fault)
+{
+    DPT_TRY(check_numbers(mesh, fault));
+    DPT_TRY(check_floats(mesh, MESH_VERTICES, (float)DPT_COORDINATE_MAX, fault));
+    DPT_TRY(check_box(mesh, fault));
+    DPT_TRY(check_indices(mesh, MESH_TRIANGLES, mesh->vertices, 0, fault));
+    DPT_TRY(check_indices(mesh, MESH_NEIGHBOURS, mesh->triangles, MESH_EDGE_MANY, fault));
+    DPT_TRY(check_fans(mesh, fault));
+    DPT_TRY(check_indices(mesh, MESH_FANS, mesh->triangles, 0, fault));
+    DPT_TRY(check_indices(mesh, MESH_PARTS, mesh->parts, 0, fault));
+    DPT_TRY(check_indices(mesh, MESH_SOURCES, mesh->source_triangles, 0, fault));
+    DPT_TRY(check_indices(mesh, MESH_PLACES, mesh->triangles, MESH_DROPPED_DUPLICATE, fault));
+    DPT_TRY(check_sources(mesh, fault));
+    DPT_TRY(check_floats(mesh, MESH_BOXES, 1e30f, fault));
+    DPT_TRY(check_floats(mesh, MESH_LEAVES, 1e30f, fault));
+    DPT_TRY(check_moments(mesh, fault));
+    if (mesh_stores_normals(mesh))
+        DPT_TRY(check_floats(mesh, MESH_NORMALS, 1.0f, fault));
+    return mesh_flags(mesh) ? check_indices(mesh, MESH_FLAGS, MESH_FLAGS_END, 0, fault) : DPT_OK;
+}
+
+static dpt_result begin(const void *bytes, size_t size, dpt_mesh_fault *fault)
+{
+    const size_t known = sizeof((struct dpt_mesh *)0)->magic + 8;
+    if (!bytes)
+        return DPT_E_ARGUMENT;
+    if (fault && fault->size < sizeof *fault)
+        return DPT_E_SIZE;
+    if ((uintptr_t)bytes % 8)
+        return fail(fault, DPT_E_ALIGN, 0, MESH_HEADER);
+    size_t magic = size < 8 ? size : 8;
+    if (size == 0 || memcmp(bytes, MESH_MAGIC, magic))
+        return fail(fault, size == 0 ? DPT_E_TRUNCATED : DPT_E_MAGIC, 0, MESH_HEADER);
+    if (size < known)
+        return fail(fault, DPT_E_TRUNCATED, size, MESH_HEADER);
+    return DPT_OK;
+}
+
+/*
+ * All of a file against `header`, which is its header in the host's byte order. Short files are read no
+ * further than they reach.
+ */
+static dpt_result check_file(const struct dpt_mesh *header, const void *bytes, size_t size,
+                             const struct crc32 *crc, dpt_mesh_fault *fault)
+{
+    DPT_TRY(check_header(header, size, fault));
+    DPT_TRY(check_header_crc(bytes, header->header_bytes, crc, header->header_crc32, fault));
+    DPT_TRY(check_layout(header, fault));
+    return check_sections_crc(header, bytes, crc, fault);
+}
+
+dpt_result dpt_mesh_verify(const void *bytes, size_t size, dpt_mesh_fault *fault)
+{
+    DPT_TRY(begin(bytes, size, fault));
+    struct dpt_mesh header = { .bytes = 0 };
+    memcpy(&header, bytes, size < sizeof header ? size : sizeof header);
+    const uint64_t order_at = offsetof(struct dpt_mesh, byte_order);
+    if (header.byte_order == MESH_BYTE_ORDER_SWAPPED)
+        return fail(fault, DPT_E_BYTE_ORDER, order_at, MESH_HEADER);
+    if (header.byte_order != MESH_BYTE_ORDER)
+        return fail(fault, DPT_E_LAYOUT, order_at, MESH_HEADER);
+    struct crc32 crc;
+    crc32_init(&crc);
+    DPT_TRY(check_file(&header, bytes, size, &crc, fault));
+    return check_content(bytes, fault);
+}
+
+dpt_result dpt_mesh_open(const void *bytes, size_t size, const dpt_mesh **mesh)
+{
+    if (!mesh)
+        return DPT_E_ARGUMENT;
+    DPT_TRY(dpt_mesh_verify(bytes, size, NULL));
+    *mesh = bytes;
+    return DPT_OK;
+}
+
+dpt_result dpt_mesh_convert(void *bytes, size_t size, dpt_mesh_fault *fault)
+{
+    DPT_TRY(begin(bytes, size, fault));
+    struct dpt_mesh header = { .bytes = 0 };
+    memcpy(&header, bytes, size < sizeof header ? size : sizeof header);
+    if (header.byte_order != MESH_BYTE_ORDER_SWAPPED)
+        return dpt_mesh_verify(bytes, size, fault);
+
+    struct crc32 crc;
+    crc32_init(&crc);
+    uint32_t version = header.version;
+    mesh_swap4(&version, 1);
+    mesh_swap_header(&header, version);
+    DPT_TRY(check_file(&header, bytes, size, &crc, fault));
+    for (uint32_t id = 0; id < header.section_count; id++) {
+        struct mesh_section *section = &header.section[id];
+        unsigned char *content = (unsigned char *)bytes + section->offset;
+        mesh_swap4(content, section->bytes / 4);
+        section->crc32 = crc32_of(&crc, content, (size_t)section->bytes);
+    }
+    header.header_crc32 = 0;
+    header.header_crc32 = crc32_of(&crc, &header, header.header_bytes);
+    memcpy(bytes, &header, header.header_bytes);
+    return check_content(bytes, fault);
+}

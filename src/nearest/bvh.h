@@ -1,0 +1,151 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Nearest pair of one axis and one mesh, exact: by the box tree, or by brute force. */
+#ifndef DPT_BVH_H
+#define DPT_BVH_H
+
+#include "mesh/mesh_format.h"
+#include "nearest/plane_cache.h"
+#include "nearest/segment_triangle.h"
+
+/* A mesh as the search reads it: pointers into the file's bytes, found once. */
+struct tree {
+    const struct dpt_mesh *mesh;
+    const float *positions;
+    const uint32_t *corners;
+    const uint32_t *sources;
+    const float *leaves;
+    const float *level[MESH_LEVELS_MAX + 1]; /* level 1: the parents of the leaves */
+    uint32_t count[MESH_LEVELS_MAX + 1];     /* nodes of a level; level 0: leaves */
+    uint32_t first[MESH_LEVELS_MAX + 1];     /* number of a level's first node; leaves from 0 */
+    uint32_t levels;
+};
+
+#define NEAREST_TRIED 16
+
+/*
+ * The plane through a pair's point on the mesh, across the connection. What is wholly beyond it is no nearer.
+ * The axis may lean towards it: by no more than rounding where the pair is not at its end, but over its
+ * whole length that is more than the rounding of a distance. The point of the axis nearest to an x of the mesh is
+ * no farther from the pair's than x is from the mesh's, so it is the lean over that way which counts.
+ */
+struct front {
+    vec3 normal;  /* unit, away from the axis */
+    vec3 at;      /* the pair's point on the mesh */
+    double lean2; /* square of the axis' rise along the normal, per length */
+    double slack;
+};
+
+/* The best pair so far, and what it cost. */
+struct nearest {
+    pair pair;         /* in the mesh's frame */
+    uint32_t triangle; /* place in the mesh, or DPT_NONE */
+    uint32_t work;     /* 16-lane blocks */
+    uint32_t most;     /* a walk stops before it costs more; 0: it may cost what it takes */
+    uint32_t front_of; /* the triangle, from 1, to whose pair the front belongs; 0: there is none */
+    struct front front;
+    uint32_t tried_count;
+    uint32_t tried[NEAREST_TRIED]; /* triangles that are no nearer, as is known without a search */
+};
+
+/* Before a search: all but the pair. The triangle is the pair's, or DPT_NONE. */
+static inline void nearest_begin(struct nearest *nearest, uint32_t triangle)
+{
+    nearest->triangle = triangle;
+    nearest->work = nearest->most = nearest->front_of = nearest->tried_count = 0;
+}
+
+/* A node that is being looked into: its children's bounds, and those still to be visited. */
+struct visit {
+    float bound[LANES];
+    uint32_t lanes;
+    uint32_t node;
+    uint32_t found; /* something below it was open to the end */
+    float least;    /* a bound of all of it, from the nodes above */
+};
+
+/* Where a search stands: a path of nodes from the root down to `at`. */
+struct walk {
+    struct visit level[MESH_LEVELS_MAX + 1];
+    uint32_t at; /* level; 0: not begun */
+};
+
+void tree_of_mesh(const struct dpt_mesh *mesh, struct tree *tree);
+
+/*
+ * Make its front, if it is another pair's: of the axis a + s u, at a positive distance. What is nearer by less than
+ * `slack` counts as no nearer.
+ */
+void nearest_front(struct nearest *nearest, vec3 a, vec3 u, double slack);
+
+/* All of a triangle lies beyond. */
+int tree_is_beyond(const struct tree *tree, const struct front *front, uint32_t triangle);
+
+static inline void tree_corners(const struct tree *tree, uint32_t triangle, vec3 v[3])
+{
+    const uint32_t *corner = tree->corners + 3 * (size_t)triangle;
+    for (int k = 0; k < 3; k++)
+        v[k] = vec3_of_float(tree->positions + 3 * (size_t)corner[k]);
+}
+
+/* The pair of the axis a + s u and one triangle, by its place. */
+pair tree_pair(const struct tree *tree, uint32_t triangle, vec3 a, vec3 u);
+
+/* The same of a point x. */
+void tree_point(const struct tree *tree, uint32_t triangle, vec3 x, pair *found);
+
+/* How the axis goes through the plane of one. */
+static inline struct pierce tree_pierce(const struct tree *tree, uint32_t triangle, vec3 a, vec3 u)
+{
+    vec3 v[3];
+    tree_corners(tree, triangle, v);
+    const vec3 edge[3] = { sub(v[1], v[0]), sub(v[2], v[1]), sub(v[0], v[2]) };
+    const vec3 from[3] = { sub(a, v[0]), sub(a, v[1]), sub(a, v[2]) };
+    return pierce_of(u, from, edge);
+}
+
+/* Take that pair if it is nearer, or as near with a lower source number: 1. */
+int tree_try_point(const struct tree *tree, uint32_t triangle, vec3 x, struct nearest *nearest);
+
+/*
+ * Look for what is nearer than nearest->pair.distance2, or as near with a lower source number; put it
+ * into `nearest`. Stops at the first pair that meets. nearest->triangle stays when there is none.
+ * `keeper` holds planes of earlier searches and keeps those of this one; NULL keeps nothing.
+ *
+ * With `slack` > 0, a triangle that is nearer by less than that, a distance, need not be found.
+ */
+void tree_search(const struct tree *tree, const struct kernel *kernel, const struct keeper *keeper,
+                 vec3 a, vec3 u, double slack, struct nearest *nearest);
+
+/*
+ * The same in pieces: 1 when it is done, and the walk is not begun again; 0 when nearest->most was reached.
+ * The next call goes on there, at the same place of the axis, or after walk_drift.
+ */
+int tree_walk(const struct tree *tree, const struct kernel *kernel, const struct keeper *keeper,
+              vec3 a, vec3 u, double slack, struct walk *walk, struct nearest *nearest);
+
+/* The ends of the axis, that now is a + s u, moved by at most `motion` since the walk stopped. */
+void walk_drift(struct walk *walk, const struct tree *tree, double motion);
+
+/* A lower bound of the axis' distance to all that a walk that has begun has not yet visited. */
+double walk_ahead(const struct walk *walk, const struct tree *tree, vec3 a, vec3 u);
+
+/* The same over every triangle, in double, without a filter; never stops early. */
+void tree_brute(const struct tree *tree, vec3 a, vec3 u, struct nearest *nearest);
+
+/*
+ * The most by which a reported distance is wrong, per unit of the largest coordinate that entered, in
+ * the world and in the mesh's frame: half for the rounding of the pair (32 * 2^-53, docs/algorithms/
+ * distance.md) and of the transformation into the mesh's frame, three eighths for history (track_settle), one
+ * eighth for triangles that touch the plane through the best pair and are not evaluated (tree_search).
+ */
+#define TREE_ERROR   (128.0 * 0x1p-53)
+#define TREE_HISTORY 0.375
+#define TREE_SLACK   0.125
+
+/* From corner to corner of the mesh's box. */
+double tree_diagonal(const struct tree *tree);
+
+/* The largest coordinate of the mesh, in its own frame. */
+double tree_extent(const struct tree *tree);
+
+#endif

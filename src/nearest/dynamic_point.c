@@ -1,0 +1,190 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "nearest/dynamic_point.h"
+
+#include "nearest/point_search.h"
+
+void track_once(const struct tree *tree, const struct kernel *kernel, uint32_t method,
+                const struct axis *axis, uint32_t hint, struct nearest *nearest)
+{
+    *nearest = (struct nearest){ .pair = { .distance2 = HUGE_VAL }, .triangle = DPT_NONE };
+    if (method == DPT_METHOD_BRUTE) {
+        tree_brute(tree, axis->local_a, axis->u, nearest);
+        return;
+    }
+    if (hint != DPT_NONE)
+        nearest->pair.distance2 = tree_pair(tree, hint, axis->local_a, axis->u).distance2;
+    struct walk walk;
+    walk.at = 0;
+    if (extent_of(axis->u) > 0.0)
+        tree_search(tree, kernel, NULL, axis->local_a, axis->u, 0.0, nearest);
+    else
+        point_search(tree, kernel, axis->local_a, &walk, nearest);
+}
+
+/* At most so many triangles around a vertex are tried: hubs have thousands. */
+enum { SLIDE_FAN = 16 };
+
+/* What is not noted is asked again. */
+static void note_tried(struct nearest *nearest, uint32_t triangle)
+{
+    if (nearest->tried_count < NEAREST_TRIED)
+        nearest->tried[nearest->tried_count++] = triangle;
+}
+
+/* 1 when the triangle is nearer, and taken. */
+static int try_neighbour(const struct tree *tree, const struct axis *axis, uint32_t triangle,
+                         struct nearest *nearest)
+{
+    if (triangle >= tree->mesh->triangles || triangle == nearest->triangle)
+        return 0;
+    if (!tree_is_beyond(tree, &nearest->front, triangle)) {
+        pair found = tree_pair(tree, triangle, axis->local_a, axis->u);
+        if (found.distance2 < nearest->pair.distance2) {
+            note_tried(nearest, nearest->triangle);
+            nearest->pair = found;
+            nearest->triangle = triangle;
+            __builtin_prefetch(&tree->sources[triangle]);
+            return 1;
+        }
+    }
+    note_tried(nearest, triangle);
+    return 0;
+}
+
+/* Around a vertex: 1 when one of its triangles is nearer, and taken. */
+static int try_fan(const struct tree *tree, const struct axis *axis, uint32_t vertex,
+                   struct nearest *nearest)
+{
+    const uint32_t *first = mesh_words(tree->mesh, MESH_FAN_FIRST) + vertex;
+    const uint32_t *fans = mesh_words(tree->mesh, MESH_FANS);
+    uint32_t end = first[1] - first[0] > SLIDE_FAN ? first[0] + SLIDE_FAN : first[1];
+    for (uint32_t i = first[0]; i < end; i++)
+        if (try_neighbour(tree, axis, fans[i], nearest))
+            return 1;
+    return 0;
+}
+
+void track_slide(const struct tree *tree, const struct axis *axis, struct nearest *nearest)
+{
+    int moved = 1;
+    while (moved && nearest->pair.distance2 > 0.0 &&
+           (!nearest->most || nearest->work < nearest->most)) {
+        const double *weight = nearest->pair.weight;
+        size_t here = nearest->triangle;
+        int zeros = (weight[0] <= 0.0) + (weight[1] <= 0.0) + (weight[2] <= 0.0);
+        if (!zeros)
+            return;
+        nearest_front(nearest, axis->local_a, axis->u, TREE_SLACK * axis->error);
+        nearest->work++;
+        if (zeros == 1) {
+            uint32_t edge = weight[0] <= 0.0 ? 1 : weight[1] <= 0.0 ? 2 : 0;
+            uint32_t other = mesh_words(tree->mesh, MESH_NEIGHBOURS)[3 * here + edge];
+            moved = try_neighbour(tree, axis, other, nearest);
+        } else {
+            uint32_t corner = weight[0] > 0.0 ? 0 : weight[1] > 0.0 ? 1 : 2;
+            moved = try_fan(tree, axis, tree->corners[3 * here + corner], nearest);
+        }
+    }
+}
+
+/*
+ * From a triangle over the edge beside which the axis goes through its plane, and on, to one that the axis goes
+ * through: 1. No distance is computed on the way.
+ */
+static int walk_through(const struct tree *tree, const struct axis *axis, uint32_t triangle,
+                        struct nearest *nearest)
+{
+    enum { WALK_MOST = 8 };
+    const uint32_t *neighbours = mesh_words(tree->mesh, MESH_NEIGHBOURS);
+    for (int i = 0; i < WALK_MOST && triangle < tree->mesh->triangles; i++) {
+        __builtin_prefetch(&neighbours[3 * (size_t)triangle]);
+        __builtin_prefetch(&tree->sources[triangle]);
+        struct pierce pierce = tree_pierce(tree, triangle, axis->local_a, axis->u);
+        int misses = pierce_misses(&pierce);
+        pair found;
+        if (!misses && !pair_on_pierced(&found, &pierce))
+            found = tree_pair(tree, triangle, axis->local_a, axis->u); /* a sliver, perhaps */
+        if (!misses && found.distance2 == 0.0) {
+            nearest->pair = found;
+            nearest->triangle = triangle;
+            return 1;
+        }
+        if (!misses || (nearest->most && nearest->work >= nearest->most))
+            return 0;
+        const double *side = pierce.side;
+        uint32_t least = side[0] < side[1] ? 0u : 1u;
+        least = side[2] < side[least] ? 2 : least;
+        triangle = neighbours[3 * (size_t)triangle + (least + 1) % 3];
+        nearest->work++;
+    }
+    return 0;
+}
+
+void track_begin(struct track *track, const struct tree *tree, uint32_t last, double limit2,
+                 enum slide slide, uint32_t most)
+{
+    struct nearest *nearest = &track->nearest;
+    const struct axis *axis = &track->axis;
+    nearest->pair.distance2 = limit2;
+    nearest->triangle = DPT_NONE;
+    nearest->work = nearest->tried_count = nearest->front_of = 0;
+    nearest->most = most;
+    track->last = last;
+    if (last == DPT_NONE && limit2 < HUGE_VAL)
+        return;
+    uint32_t triangle = last == DPT_NONE ? 0 : last;
+    if (slide == TRACK_CROSSED && last != DPT_NONE && walk_through(tree, axis, last, nearest)) {
+        track->old = (pair){ .distance2 = HUGE_VAL };
+        return;
+    }
+    __builtin_prefetch(&mesh_words(tree->mesh, MESH_NEIGHBOURS)[3 * (size_t)triangle]);
+    track->old = tree_pair(tree, triangle, axis->local_a, axis->u);
+    if (!(track->old.distance2 < limit2)) {
+        track->last = DPT_NONE;
+        return;
+    }
+    nearest->pair = track->old;
+    nearest->triangle = triangle;
+    if (slide != TRACK_STAYS && last != DPT_NONE)
+        track_slide(tree, axis, nearest);
+}
+
+int track_prove(struct track *track, const struct tree *tree, const struct kernel *kernel,
+                const struct keeper *keeper, struct walk *walk)
+{
+    double slack = track->last == DPT_NONE ? 0.0 : TREE_SLACK * track->axis.error;
+    return track->nearest.pair.distance2 == 0.0 ||
+           tree_walk(tree, kernel, keeper, track->axis.local_a, track->axis.u, slack, walk,
+                     &track->nearest);
+}
+
+void track_settle(struct track *track)
+{
+    struct nearest *nearest = &track->nearest;
+    if (track->last == DPT_NONE || nearest->triangle == track->last ||
+        nearest->triangle == DPT_NONE)
+        return;
+    if (sqrt(track->old.distance2) <=
+        sqrt(nearest->pair.distance2) + TREE_HISTORY * track->axis.error) {
+        nearest->pair = track->old;
+        nearest->triangle = track->last;
+    }
+}
+
+void track_hit(const struct tree *tree, const struct axis *axis, const struct frame *body,
+               const struct nearest *nearest, dpt_hit *hit)
+{
+    const pair *found = &nearest->pair;
+    vec3 p = along(axis->a, found->s, sub(axis->b, axis->a));
+    vec3 q = sub(p, frame_turn(body, found->gap));
+    hit->status = DPT_STATUS_EXACT;
+    hit->flags = found->distance2 == 0.0 ? DPT_HIT_CROSSING : 0;
+    hit->triangle = tree->sources[nearest->triangle];
+    hit->work = nearest->work;
+    hit->distance = sqrt(found->distance2);
+    hit->s = found->s;
+    vec3_store(p, hit->p);
+    vec3_store(q, hit->q);
+    hit->error_bound = axis->error;
+    hit->lower_bound = larger(0.0, hit->distance - axis->error);
+}

@@ -1,0 +1,76 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The nearest pair of one tool axis and one body, in world coordinates, with its error bound. */
+#ifndef DPT_DYNAMIC_POINT_H
+#define DPT_DYNAMIC_POINT_H
+
+#include "base/frame.h"
+#include "nearest/bvh.h"
+
+/* An axis in the world and in the body's frame. */
+struct axis {
+    vec3 a, b;       /* world */
+    vec3 local_a, u; /* body: local_a + s u */
+    double error;    /* the error bound of a distance from here */
+};
+
+static inline void axis_of(const struct tree *tree, const struct frame *body, vec3 a, vec3 b,
+                           struct axis *axis)
+{
+    axis->a = a;
+    axis->b = b;
+    axis->local_a = frame_to_local(body, a);
+    vec3 local_b = frame_to_local(body, b);
+    axis->u = sub(local_b, axis->local_a);
+    double reach = larger(larger(extent_of(a), extent_of(b)), extent_of(body->origin));
+    reach = larger(reach, larger(extent_of(axis->local_a), extent_of(local_b)));
+    axis->error = TREE_ERROR * larger(reach, tree_extent(tree));
+}
+
+/*
+ * Stateless: `hint` (a place, or DPT_NONE) only makes it faster. `nearest` is written anew; its
+ * triangle is DPT_NONE only where a forged file's boxes hide every triangle.
+ */
+void track_once(const struct tree *tree, const struct kernel *kernel, uint32_t method,
+                const struct axis *axis, uint32_t hint, struct nearest *nearest);
+
+/* With history: one axis and one body, this tick. */
+struct track {
+    struct axis axis;
+    struct nearest nearest;
+    uint32_t last; /* last tick's triangle, a place, while it may be the answer; or DPT_NONE */
+    pair old;      /* the axis and that triangle */
+};
+
+/* What the dynamic point does. */
+enum slide {
+    TRACK_STAYS,
+    TRACK_SLIDES, /* it moves to what is nearer around it */
+    TRACK_CROSSED /* the same; and as its triangle was crossed, first to one that still is */
+};
+
+/*
+ * The dynamic point of last tick, where it is now, or has moved to. Nothing
+ * at or beyond `limit2`, a squared distance, need be found: nearest.triangle is DPT_NONE then. Where there was
+ * no last tick and is no limit, any triangle is a beginning. `axis` is there already; `most` as in nearest.
+ */
+void track_begin(struct track *track, const struct tree *tree, uint32_t last, double limit2,
+                 enum slide slide, uint32_t most);
+
+/*
+ * The dynamic point moves: over the edge, or around the vertex, on which the nearest point of its triangle
+ * lies, to a triangle that is nearer; until there is none. Of the axis its local_a, u and error count.
+ */
+void track_slide(const struct tree *tree, const struct axis *axis, struct nearest *nearest);
+
+/* Prove or correct it; 0 if nearest.most ended that, as tree_walk, whose walk and keeper these are. */
+int track_prove(struct track *track, const struct tree *tree, const struct kernel *kernel,
+                const struct keeper *keeper, struct walk *walk);
+
+/* Last tick's triangle stays the answer while it is within TREE_HISTORY of the error bound of the best. */
+void track_settle(struct track *track);
+
+/* Write what is known of the nearest pair; contact, gap and depth stay. */
+void track_hit(const struct tree *tree, const struct axis *axis, const struct frame *body,
+               const struct nearest *nearest, dpt_hit *hit);
+
+#endif

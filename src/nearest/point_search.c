@@ -1,0 +1,107 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * As bvh_search.c, with squares: of a point a box' distance is three differences, and so no direction need be guessed. A search that
+ * begins with a triangle, beside its end, takes boxes as they lie: it has little to gain from the nearest first.
+ */
+#include "nearest/point_search.h"
+
+#include "nearest/filter_segment.h"
+
+struct search {
+    const struct tree *tree;
+    const struct kernel *kernel;
+    struct nearest *nearest;
+    vec3 x;
+    float at[3];
+    float limit; /* the square of a bound beyond which nothing is nearer */
+    float margin;
+    struct walk *walk;
+};
+
+/* The factor stands for the rounding of squares. */
+static void set_limit(struct search *search)
+{
+    double distance = sqrt(search->nearest->pair.distance2);
+    double limit = distance * search->tree->mesh->filter_scale + (double)search->margin;
+    search->limit = (float)(limit * limit * (1.0 + 4.0 * KERNEL_STRETCH));
+}
+
+static uint32_t lanes_of(uint32_t count)
+{
+    return count < LANES ? (1u << count) - 1 : 0xffff;
+}
+
+static void look_into_boxes(struct search *search, uint32_t level, uint32_t node)
+{
+    const struct tree *tree = search->tree;
+    struct visit *visit = &search->walk->level[level];
+    search->nearest->work++;
+    search->walk->at = level;
+    visit->node = node;
+    visit->lanes = lanes_of(tree->count[level - 1] - node * LANES) &
+                   search->kernel->point_boxes(tree->level[level] + (size_t)node * MESH_BOX_WORDS,
+                                               search->at, search->limit, visit->bound);
+}
+
+static void look_into_leaf(struct search *search, uint32_t leaf)
+{
+    const struct tree *tree = search->tree;
+    struct nearest *nearest = search->nearest;
+    uint32_t first = leaf * LANES, lanes = lanes_of(tree->mesh->triangles - first);
+    float bound[LANES];
+    if (nearest->triangle - first < LANES)
+        lanes &= ~(1u << (nearest->triangle - first));
+    nearest->work++;
+    lanes &= search->kernel->point_triangles(tree->leaves + (size_t)leaf * MESH_LEAF_WORDS,
+                                             search->at, search->limit, bound);
+    while (lanes) {
+        uint32_t lane = least_lane(bound, lanes);
+        lanes &= ~(1u << lane);
+        if (bound[lane] > search->limit)
+            return;
+        if (tree_try_point(tree, first + lane, search->x, nearest))
+            set_limit(search);
+    }
+}
+
+int point_search(const struct tree *tree, const struct kernel *kernel, vec3 x, struct walk *walk,
+                 struct nearest *nearest)
+{
+    struct search search;
+    int beside = nearest->triangle != DPT_NONE;
+    vec3 at = scaled(sub(x, vec3_of(tree->mesh->filter_centre)), tree->mesh->filter_scale);
+    search.tree = tree;
+    search.kernel = kernel;
+    search.nearest = nearest;
+    search.walk = walk;
+    search.x = x;
+    put_float(at, search.at);
+    search.margin = (float)kernel_margin(length(at), length(at));
+    set_limit(&search);
+    if (!walk->at)
+        look_into_boxes(&search, tree->levels, 0);
+    while (walk->at <= tree->levels &&
+           (nearest->pair.distance2 > 0.0 || nearest->triangle == DPT_NONE)) {
+        struct visit *visit = &walk->level[walk->at];
+        if (!visit->lanes) {
+            walk->at++;
+            continue;
+        }
+        uint32_t lane =
+            beside ? (uint32_t)__builtin_ctz(visit->lanes) : least_lane(visit->bound, visit->lanes);
+        uint32_t rest = visit->lanes & ~(1u << lane);
+        if (visit->bound[lane] > search.limit) {
+            visit->lanes = beside ? rest : 0;
+            continue;
+        }
+        if (nearest->most && nearest->work >= nearest->most)
+            return 0;
+        visit->lanes = rest;
+        uint32_t child = visit->node * LANES + lane;
+        if (walk->at == 1)
+            look_into_leaf(&search, child);
+        else
+            look_into_boxes(&search, walk->at - 1, child);
+    }
+    return 1;
+}

@@ -1,0 +1,72 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "nearest/range_search.h"
+
+#include "nearest/filter_segment.h"
+
+/* All of a leaf is out of reach to one side or another: so it is with most that their boxes let through. */
+static int is_beside(const struct range *range, const float *rows, uint32_t lanes)
+{
+    float low[LANES];
+    for (int i = 0; i < 4 && lanes; i++)
+        lanes &= range->kernel->common_triangles(rows, range->across[i], range->beyond[i], low);
+    return !lanes;
+}
+
+static void look_at(struct range *range, uint32_t level, uint32_t node)
+{
+    const struct tree *tree = range->tree;
+    uint32_t below = level ? tree->count[level - 1] : tree->mesh->triangles;
+    uint32_t count = below - node * LANES, all = count < LANES ? (1u << count) - 1 : 0xffff;
+    const float *rows = level ? tree->level[level] + (size_t)node * MESH_BOX_WORDS
+                              : tree->leaves + (size_t)node * MESH_LEAF_WORDS;
+    kernel_renew *look = level ? range->kernel->boxes : range->kernel->triangles;
+    struct planes planes;
+    range->work++;
+    range->level = level;
+    range->node[level] = node;
+    range->lanes[level] = 0;
+    if (level || !is_beside(range, rows, all))
+        range->lanes[level] = all & look(rows, &range->probe, &planes, range->bound);
+}
+
+void range_begin(struct range *range, const struct tree *tree, const struct kernel *kernel, vec3 a,
+                 vec3 u, double reach, uint32_t most)
+{
+    range->tree = tree;
+    range->kernel = kernel;
+    range->work = 0;
+    range->most = most;
+    vec3 x = probe_axis(&range->probe, tree->mesh, a, u);
+    probe_frame(&range->probe, x);
+    probe_limit(&range->probe, tree->mesh, reach);
+    for (int i = 0; i < 4; i++) {
+        const float *way = i % 2 ? range->probe.z : range->probe.y;
+        for (int k = 0; k < 3; k++)
+            range->across[i][k] = i < 2 ? way[k] : -way[k];
+        range->beyond[i] = probe_reach(&range->probe, range->across[i]) + range->probe.limit;
+    }
+    look_at(range, tree->levels, 0);
+}
+
+uint32_t range_next(struct range *range, int *meets)
+{
+    while (range->level <= range->tree->levels) {
+        uint32_t level = range->level;
+        if (!range->lanes[level]) {
+            range->level++;
+            continue;
+        }
+        uint32_t lane = (uint32_t)__builtin_ctz(range->lanes[level]);
+        range->lanes[level] &= range->lanes[level] - 1;
+        uint32_t child = range->node[level] * LANES + lane;
+        if (level && range->work >= range->most)
+            return DPT_NONE;
+        if (level) {
+            look_at(range, level - 1, child);
+            continue;
+        }
+        *meets = !(range->bound[lane] > range->probe.margin);
+        return child;
+    }
+    return DPT_NONE;
+}

@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* All triangles that may be within reach of an axis, one after another, through the box tree. */
+#ifndef DPT_RANGE_SEARCH_H
+#define DPT_RANGE_SEARCH_H
+
+#include "nearest/bvh.h"
+
+struct range {
+    const struct tree *tree;
+    const struct kernel *kernel;
+    struct probe probe;
+    float across[4][3]; /* four ways, each a quarter turn about the axis from the last */
+    float beyond[4];    /* what is that far along one of them is beyond reach */
+    uint32_t level;     /* where it stands; above tree->levels: at the end */
+    uint32_t node[MESH_LEVELS_MAX + 1];
+    uint32_t lanes[MESH_LEVELS_MAX + 1]; /* still to come; level 0: triangles of a leaf */
+    float bound[LANES];                  /* of those triangles */
+    uint32_t work;                       /* 16-lane blocks */
+    uint32_t most;                       /* and how many it may look at; UINT32_MAX: all */
+};
+
+/* The axis a + s u, in the mesh's frame; `reach` >= 0, a distance; at least one block is looked at. */
+void range_begin(struct range *range, const struct tree *tree, const struct kernel *kernel, vec3 a,
+                 vec3 u, double reach, uint32_t most);
+
+/*
+ * The next triangle, by its place, or DPT_NONE. None within reach is left out; some beyond it may come.
+ * `meets`: it may be at distance 0. When range->work is range->most, there may be more.
+ */
+uint32_t range_next(struct range *range, int *meets);
+
+#endif

@@ -1,0 +1,268 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * Exact distance of one segment and one triangle, in double (docs/algorithms/distance.md).
+ *
+ * Against the face only one point of the segment matters, the one nearest to the triangle's plane. Where
+ * that projects into the triangle, it is the nearest pair: the distance is convex, and no motion along
+ * the segment or the face shortens it. Otherwise the nearest pair lies on one of the three edges.
+ *
+ * Each candidate is a real pair of points, so no answer is ever below the true distance by more than
+ * rounding; a candidate that degenerates (0 / 0) only loses, it never wins wrongly.
+ */
+#ifndef DPT_SEGMENT_TRIANGLE_H
+#define DPT_SEGMENT_TRIANGLE_H
+
+#include "base/vec3.h"
+
+/* A nearest pair: p = a + s u on the axis, q = corners weighted by `weight` on the triangle. */
+typedef struct pair {
+    double distance2;
+    double s;
+    double weight[3]; /* barycentric, of the corners; 0 exactly on the opposite edge */
+    vec3 gap;         /* p - q */
+} pair;
+
+/*
+ * Where a + s u, s in 0..1, is nearest to the edge v + t e, t in 0..1. The angle enters through the
+ * cross product, not through the determinant of the normal equations, whose error grows with the
+ * square of the inverse angle (tests/nearest/test_pair.c, nearly parallel families).
+ */
+static inline void segment_edge(vec3 u, double per_uu, vec3 from_v, vec3 e, double *s, double *t)
+{
+    vec3 n = cross(u, e);
+    *s = clamp01(dot(cross(e, from_v), n) / dot(n, n));
+    *t = clamp01(dot(along(from_v, *s, u), e) / dot(e, e));
+    *s = clamp01(dot(sub(scaled(e, *t), from_v), u) * per_uu);
+}
+
+/* Returns where on the axis that is. */
+static inline double pair_try_edge(pair *best, vec3 u, double per_uu, vec3 from_v, vec3 e,
+                                   int corner)
+{
+    double s, t;
+    segment_edge(u, per_uu, from_v, e, &s, &t);
+    vec3 gap = sub(along(from_v, s, u), scaled(e, t));
+    double distance2 = dot(gap, gap);
+    if (distance2 < best->distance2) {
+        best->distance2 = distance2;
+        best->s = s;
+        best->gap = gap;
+        best->weight[corner] = 1.0 - t;
+        best->weight[(corner + 1) % 3] = t;
+        best->weight[(corner + 2) % 3] = 0.0;
+    }
+    return s;
+}
+
+/*
+ * The triangle in a frame of its own: x is the longer of two edges, from `corner`, and so at least half
+ * of the longest; y is orthogonal to x and leads to the height of the third corner, which lies at
+ * apex x + y; z = x cross y. Orthogonal axes move the corners by a few roundings of the edge's length,
+ * however thin the triangle is; a normal from two edges does not (tests/nearest/test_pair.c, slivers).
+ */
+typedef struct flat {
+    int corner;
+    vec3 x, y, z;
+    double per_xx, per_yy;
+    double apex;
+} flat;
+
+/* 0 for a triangle thinner than rounding, or than 1e-60 m: its edges are all there is. */
+static inline int flatten(const vec3 edge[3], flat *f)
+{
+    f->corner = dot(edge[1], edge[1]) > dot(edge[0], edge[0]);
+    f->x = edge[f->corner];
+    double xx = dot(f->x, f->x);
+    f->per_xx = 1.0 / xx;
+    vec3 to_apex = scaled(edge[(f->corner + 2) % 3], -1.0);
+    f->apex = dot(to_apex, f->x) * f->per_xx;
+    f->y = along(to_apex, -f->apex, f->x);
+    f->y = along(f->y, -dot(f->y, f->x) * f->per_xx, f->x);
+    double yy = dot(f->y, f->y);
+    f->per_yy = 1.0 / yy;
+    f->z = cross(f->x, f->y);
+    return yy > 0x1p-100 * xx && yy > 1e-120;
+}
+
+/* 1, and the answer, where w, so high above the triangle's plane, projects into it. */
+static inline int pair_above(pair *best, const flat *f, vec3 w, double height, double s)
+{
+    double x = dot(w, f->x) * f->per_xx, y = dot(w, f->y) * f->per_yy;
+    const double weight[3] = { 1.0 - x - (1.0 - f->apex) * y, x - f->apex * y, y };
+    if (!(weight[0] >= 0.0 && weight[1] >= 0.0 && weight[2] >= 0.0))
+        return 0;
+    double per_zz = f->per_xx * f->per_yy;
+    best->distance2 = height * (height * per_zz);
+    best->s = s;
+    best->gap = scaled(f->z, height * per_zz);
+    for (int k = 0; k < 3; k++)
+        best->weight[(f->corner + k) % 3] = weight[k];
+    return 1;
+}
+
+/* 1, and the answer, where the face holds the nearest point. */
+static inline int pair_on_face(pair *best, vec3 u, const vec3 from[3], const vec3 edge[3])
+{
+    flat f;
+    if (!flatten(edge, &f))
+        return 0;
+    vec3 a = from[f.corner];
+    double height_a = dot(a, f.z);
+    double height_b = height_a + dot(u, f.z);
+    double s = clamp01(height_a / (height_a - height_b));
+    return pair_above(best, &f, along(a, s, u), height_a + s * (height_b - height_a), s);
+}
+
+/*
+ * The axis' line against the triangle's plane, by triple products: how high its ends are above the plane, and how far
+ * within each edge it passes, as volumes. Rounding is less than a fifth of the noise (docs/algorithms/distance.md).
+ */
+struct pierce {
+    double height_a, height_b;
+    double side[3]; /* of the edge opposite to each corner, positive within */
+    double height_noise, side_noise;
+    int is_seen; /* the line rises through the plane by more than noise: sides have the right sign */
+    int is_flat; /* no sliver: twice its area is at least a quarter of the square of its size */
+};
+
+static inline struct pierce pierce_of(vec3 u, const vec3 from[3], const vec3 edge[3])
+{
+    struct pierce p;
+    vec3 n = cross(edge[2], edge[0]), q = cross(from[0], u);
+    double rise = dot(n, u), turn = rise < 0.0 ? -1.0 : 1.0;
+    double size = larger(extent_of(edge[0]), extent_of(edge[2])), square = size * size;
+    double reach = extent_of(from[0]), way = extent_of(u);
+    p.height_a = dot(n, from[0]);
+    p.height_b = p.height_a + rise;
+    p.side[1] = turn * dot(edge[2], q);
+    p.side[2] = turn * dot(edge[0], q);
+    p.side[0] = turn * rise - p.side[1] - p.side[2];
+    p.height_noise = 0x1p-44 * square * (reach + way);
+    p.side_noise = 0x1p-44 * size * way * (size + reach);
+    p.is_seen = fabs(rise) > 0x1p-44 * square * way;
+    p.is_flat = dot(n, n) > 0x1p-4 * (square * square);
+    return p;
+}
+
+/* The ends are on different sides of the plane, beyond doubt. */
+static inline int pierce_parts(const struct pierce *p)
+{
+    double low = smaller(p->height_a, p->height_b), high = larger(p->height_a, p->height_b);
+    return (low < -p->height_noise) & (high > p->height_noise);
+}
+
+/* The axis goes through the plane outside of the triangle, beyond doubt: it is an edge that is nearest. */
+static inline int pierce_misses(const struct pierce *p)
+{
+    double least = smaller(p->side[0], smaller(p->side[1], p->side[2]));
+    return (least < -p->side_noise) & pierce_parts(p);
+}
+
+/*
+ * 1, and the answer, where the axis passes beside the triangle and the nearest pair is not at its end. Seen along the
+ * axis its line is a point outside of the triangle; what is nearest to that lies on an edge that it is outside of.
+ */
+static inline int pair_beside(pair *best, const struct pierce *p, vec3 u, double per_uu,
+                              const vec3 from[3], const vec3 edge[3])
+{
+    double least = smaller(p->side[0], smaller(p->side[1], p->side[2]));
+    int inner = (least < -p->side_noise) & p->is_seen;
+    for (int corner = 0; corner < 3 && inner; corner++)
+        if (!(p->side[(corner + 2) % 3] > p->side_noise)) {
+            double s = pair_try_edge(best, u, per_uu, from[corner], edge[corner], corner);
+            inner = (s > 0.0) & (s < 1.0);
+        }
+    return inner;
+}
+
+/* 1, and the answer, where the axis goes through the inside of a triangle that is no sliver, beyond doubt. */
+static inline int pair_on_pierced(pair *best, const struct pierce *p)
+{
+    double least = smaller(p->side[0], smaller(p->side[1], p->side[2]));
+    if (!((least > p->side_noise) & p->is_flat & pierce_parts(p)))
+        return 0;
+    double rise = p->height_b - p->height_a, per = 1.0 / fabs(rise);
+    best->distance2 = 0.0;
+    best->s = clamp01(-p->height_a / rise);
+    for (int k = 0; k < 3; k++)
+        best->weight[k] = p->side[k] * per;
+    best->gap = (vec3){ 0.0, 0.0, 0.0 };
+    return 1;
+}
+
+/* What is left between a pair that meets is rounding. */
+static inline void pair_settle(pair *best, double reach)
+{
+    double noise = 4.0 * 0x1p-53 * reach;
+    if (best->distance2 <= noise * noise) {
+        best->distance2 = 0.0;
+        best->gap = (vec3){ 0.0, 0.0, 0.0 };
+    }
+}
+
+/* Of a point, the nearest edge, the first of those as near: which it is, no branch could foresee. */
+static inline void point_on_edges(pair *found, const vec3 from[3], const vec3 edge[3])
+{
+    double t[3], square[3];
+    for (int k = 0; k < 3; k++) {
+        t[k] = clamp01(dot(from[k], edge[k]) / dot(edge[k], edge[k]));
+        vec3 gap = sub(from[k], scaled(edge[k], t[k]));
+        square[k] = dot(gap, gap);
+    }
+    int k = square[1] < square[0];
+    k = square[2] < square[k] ? 2 : k;
+    found->distance2 = smaller(square[k], HUGE_VAL);
+    found->s = 0.0;
+    found->gap = sub(from[k], scaled(edge[k], t[k]));
+    found->weight[k] = 1.0 - t[k];
+    found->weight[(k + 1) % 3] = t[k];
+    found->weight[(k + 2) % 3] = 0.0;
+}
+
+/* The same for a point x, an axis without length; its s is 1 in front of the face, else 0. */
+static inline void point_triangle(vec3 x, const vec3 v[3], pair *found)
+{
+    flat f;
+    const vec3 edge[3] = { sub(v[1], v[0]), sub(v[2], v[1]), sub(v[0], v[2]) };
+    const vec3 from[3] = { sub(x, v[0]), sub(x, v[1]), sub(x, v[2]) };
+    int is_flat = flatten(edge, &f);
+    double height = dot(from[f.corner], f.z);
+    if (!(is_flat && pair_above(found, &f, from[f.corner], height, height > 0.0)))
+        point_on_edges(found, from, edge);
+    pair_settle(found, extent_of(from[0]) + extent_of(edge[0]) + extent_of(edge[2]));
+}
+
+/* How far x is from a point of the triangle that is the nearest but for rounding: never less than the distance. */
+static inline double point_reach(vec3 x, vec3 v0, vec3 v1, vec3 v2)
+{
+    vec3 e = sub(v1, v0), f = sub(v2, v0), w = sub(x, v0);
+    double ee = dot(e, e), ef = dot(e, f), ff = dot(f, f), we = dot(w, e), wf = dot(w, f);
+    double all = ee * ff - ef * ef, b = ff * we - ef * wf, c = ee * wf - ef * we;
+    if ((b >= 0.0) & (c >= 0.0) & (b + c <= all) & (all > 0.0))
+        return length(along(along(w, -b / all, e), -c / all, f));
+    vec3 g = sub(f, e), to = sub(w, e);
+    vec3 by_e = sub(w, scaled(e, clamp01(we / ee))), by_f = sub(w, scaled(f, clamp01(wf / ff)));
+    vec3 by_g = sub(to, scaled(g, clamp01(dot(to, g) / dot(g, g))));
+    return sqrt(smaller(dot(by_e, by_e), smaller(dot(by_f, by_f), dot(by_g, by_g))));
+}
+
+/* The axis is a + s u, s in 0..1. */
+static inline pair segment_triangle(vec3 a, vec3 u, vec3 v0, vec3 v1, vec3 v2)
+{
+    pair best = { .distance2 = HUGE_VAL };
+    const vec3 edge[3] = { sub(v1, v0), sub(v2, v1), sub(v0, v2) };
+    const vec3 from[3] = { sub(a, v0), sub(a, v1), sub(a, v2) };
+    struct pierce pierce = pierce_of(u, from, edge);
+    if (pair_on_pierced(&best, &pierce))
+        return best;
+    double per_uu = 1.0 / dot(u, u);
+    if (!pair_beside(&best, &pierce, u, per_uu, from, edge) &&
+        (pierce_misses(&pierce) || !pair_on_face(&best, u, from, edge))) {
+        for (int corner = 0; corner < 3; corner++)
+            pair_try_edge(&best, u, per_uu, from[corner], edge[corner], corner);
+    }
+    pair_settle(&best, extent_of(from[0]) + extent_of(u) + extent_of(edge[0]) + extent_of(edge[2]));
+    return best;
+}
+
+#endif

@@ -1,0 +1,106 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "dynpoint/query.h"
+
+#include "base/return_if_error.h"
+#include "contact/gap.h"
+
+/* Fourth powers of lengths are formed. */
+#define PAIR_COORDINATE_MAX 1e60
+
+double dpt_segment_triangle(const double segment[6], const double triangle[9], double *s,
+                            double p[3], double q[3])
+{
+    pair found = { .distance2 = HUGE_VAL };
+    vec3 at_p = { 0.0, 0.0, 0.0 };
+    if (segment && triangle && vec3_within(segment, PAIR_COORDINATE_MAX) &&
+        vec3_within(segment + 3, PAIR_COORDINATE_MAX) &&
+        vec3_within(triangle, PAIR_COORDINATE_MAX) &&
+        vec3_within(triangle + 3, PAIR_COORDINATE_MAX) &&
+        vec3_within(triangle + 6, PAIR_COORDINATE_MAX)) {
+        vec3 a = vec3_of(segment), u = sub(vec3_of(segment + 3), a);
+        found =
+            segment_triangle(a, u, vec3_of(triangle), vec3_of(triangle + 3), vec3_of(triangle + 6));
+        at_p = along(a, found.s, u);
+    }
+    if (s)
+        *s = found.s;
+    if (p)
+        vec3_store(at_p, p);
+    if (q)
+        vec3_store(sub(at_p, found.gap), q);
+    return sqrt(found.distance2);
+}
+
+struct query {
+    struct tree tree;
+    struct frame body;
+    struct kernel kernel;
+    uint32_t method;
+};
+
+static dpt_result prepare(struct query *query, const dpt_mesh *mesh, const dpt_pose *pose, size_t n,
+                          const dpt_query_def *def)
+{
+    if (def && def->size < sizeof *def)
+        return DPT_E_SIZE;
+    if (def && def->reserved)
+        return DPT_E_ARGUMENT;
+    uint32_t method = def ? def->method : DPT_METHOD_EXACT;
+    uint32_t kernel = def ? def->kernel : DPT_KERNEL_AUTO;
+    uint32_t chosen;
+    if (method > DPT_METHOD_BRUTE)
+        return DPT_E_ARGUMENT;
+    /* To ask the processor takes longer than a query: for a few, the kernel that is always there. */
+    if (kernel == DPT_KERNEL_AUTO && n < LANES)
+        kernel = DPT_KERNEL_ALWAYS;
+    if (!kernel_get(kernel, &query->kernel, &chosen))
+        return DPT_E_UNSUPPORTED;
+    DPT_TRY(frame_of_pose(pose, &query->body));
+    query->method = method == DPT_METHOD_BRUTE ? method : DPT_METHOD_TREE;
+    tree_of_mesh(mesh, &query->tree);
+    return DPT_OK;
+}
+
+static dpt_result answer(const struct query *query, const double *ends, double radius,
+                         uint32_t *hint, dpt_hit *hit)
+{
+    uint32_t size = hit->size;
+    *hit = (dpt_hit){ .size = size, .status = DPT_STATUS_STALE, .triangle = DPT_NONE };
+    if (!vec3_within(ends, DPT_COORDINATE_MAX) || !vec3_within(ends + 3, DPT_COORDINATE_MAX) ||
+        !(radius >= 0.0 && radius <= DPT_COORDINATE_MAX))
+        return DPT_E_FINITE;
+    struct axis axis;
+    struct nearest nearest;
+    axis_of(&query->tree, &query->body, vec3_of(ends), vec3_of(ends + 3), &axis);
+    track_once(&query->tree, &query->kernel, query->method, &axis, *hint, &nearest);
+    if (nearest.triangle == DPT_NONE)
+        return DPT_E_LAYOUT;
+    track_hit(&query->tree, &axis, &query->body, &nearest, hit);
+    contact_of(&query->tree, &query->kernel, &axis, &nearest, radius, hit);
+    *hint = nearest.triangle;
+    return DPT_OK;
+}
+
+dpt_result dpt_query_segments(const dpt_mesh *mesh, const dpt_pose *pose, const double *ends,
+                              const double *radii, size_t n, dpt_hit *hits,
+                              const dpt_query_def *def)
+{
+    struct query query;
+    if (n == 0)
+        return mesh ? DPT_OK : DPT_E_ARGUMENT;
+    if (!mesh || !ends || !hits)
+        return DPT_E_ARGUMENT;
+    uint32_t size = hits[0].size;
+    if (size < sizeof *hits || size % 8)
+        return DPT_E_SIZE;
+    DPT_TRY(prepare(&query, mesh, pose, n, def));
+    dpt_result result = DPT_OK;
+    uint32_t hint = DPT_NONE;
+    for (size_t i = 0; i < n; i++) {
+        dpt_hit *hit = (void *)((char *)hits + i * size);
+        hit->size = size;
+        dpt_result one = answer(&query, ends + 6 * i, radii ? radii[i] : 0.0, &hint, hit);
+        result = one == DPT_OK ? result : one;
+    }
+    return result;
+}

@@ -1,0 +1,100 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* How a tool stands to each triangle of a strip. */
+#include "base/frame.h"
+#include "base/return_if_error.h"
+#include "nearest/side.h"
+#include "strip/strip_state.h"
+
+/* Distance of the axis to the triangle after it has been moved against its normal; `rise`: by how much that grows. */
+static double distance_when_moved(const struct tree *tree, uint32_t place, vec3 a, vec3 u,
+                                  vec3 normal, double way, double *rise)
+{
+    pair found = tree_pair(tree, place, along(a, way, normal), u);
+    double distance = sqrt(found.distance2);
+    *rise = dot(found.gap, normal) / distance;
+    return distance;
+}
+
+/*
+ * The least way against its normal that frees the triangle of the tool. The distance is a convex function of the way:
+ * from where the triangle is wholly below, Newton's method comes down on the last touch and never passes it; where there
+ * is none the distance begins to grow again, or the way is over.
+ */
+static double way_to_free(const struct tree *tree, uint32_t place, vec3 a, vec3 u, double radius,
+                          vec3 normal, double height)
+{
+    double way = radius - height, fine = 1e-12 * (fabs(way) + radius + length(u));
+    for (int i = 0; i < 64 && way > 0.0; i++) {
+        double rise, apart = distance_when_moved(tree, place, a, u, normal, way, &rise) - radius;
+        if (!(apart > fine))
+            return way;
+        if (!(rise > 0.0))
+            return 0.0;
+        way -= apart / rise;
+    }
+    return larger(0.0, way);
+}
+
+static void overlap_of(const struct tree *tree, const struct frame *frame, vec3 a, vec3 u,
+                       double radius, double side, uint32_t place, dpt_overlap *overlap)
+{
+    pair found = tree_pair(tree, place, a, u);
+    vec3 normal = scaled(side_face_normal(tree, place), side);
+    vec3 q = sub(along(a, found.s, u), found.gap);
+    vec3 corner = vec3_of_float(tree->positions + 3 * (size_t)tree->corners[3 * (size_t)place]);
+    double height = smaller(dot(sub(a, corner), normal), dot(sub(add(a, u), corner), normal));
+    double distance = sqrt(found.distance2);
+    double way = way_to_free(tree, place, a, u, radius, normal, height);
+    *overlap = (dpt_overlap){
+        .size = overlap->size,
+        .triangle = tree->sources[place],
+        .flags = distance > 0.0 ? 0u : DPT_OVERLAP_CROSSING,
+        .distance = distance,
+        .s = found.s,
+        .gap = way > 0.0 ? -way : larger(0.0, distance - radius),
+        .overlap = way,
+    };
+    vec3_store(frame_to_world(frame, q), overlap->q);
+    for (int k = 0; k < 3; k++)
+        overlap->weight[k] = found.weight[k];
+}
+
+void strip_overlaps(const struct dpt_strip *strip, const struct tree *tree,
+                    const struct frame *frame, vec3 a, vec3 u, double radius, int32_t side,
+                    dpt_overlap *overlaps, uint32_t capacity)
+{
+    uint32_t count = strip->count < capacity ? strip->count : capacity;
+    const uint32_t size = count ? overlaps[0].size : 0;
+    const uint32_t *places = count ? mesh_words(strip->mesh, MESH_PLACES) : NULL;
+    for (uint32_t i = 0; i < count; i++) {
+        dpt_overlap *overlap = (void *)((char *)overlaps + (size_t)i * size);
+        overlap->size = size;
+        overlap_of(tree, frame, a, u, radius, side, places[strip->triangles[i]], overlap);
+    }
+}
+
+dpt_result dpt_strip_overlaps(const dpt_strip *strip, const dpt_mesh *mesh, const dpt_pose *pose,
+                              const dpt_segment *segment, int32_t side, dpt_overlap *overlaps,
+                              uint32_t capacity, uint32_t *count)
+{
+    if (count)
+        *count = 0;
+    if (!strip || !mesh || !segment || !count || (!overlaps && capacity) ||
+        (side != 1 && side != -1) || (strip->count && strip->mesh != mesh))
+        return DPT_E_ARGUMENT;
+    if (capacity && (overlaps[0].size < sizeof *overlaps || overlaps[0].size % 8))
+        return DPT_E_SIZE;
+    if (!vec3_within(segment->a, DPT_COORDINATE_MAX) ||
+        !vec3_within(segment->b, DPT_COORDINATE_MAX) ||
+        !(segment->radius >= 0.0 && segment->radius <= DPT_COORDINATE_MAX))
+        return DPT_E_FINITE;
+    struct tree tree;
+    struct frame frame;
+    DPT_TRY(frame_of_pose(pose, &frame));
+    tree_of_mesh(mesh, &tree);
+    vec3 a = frame_to_local(&frame, vec3_of(segment->a));
+    vec3 u = sub(frame_to_local(&frame, vec3_of(segment->b)), a);
+    strip_overlaps(strip, &tree, &frame, a, u, segment->radius, side, overlaps, capacity);
+    *count = strip->count;
+    return DPT_OK;
+}

@@ -1,0 +1,275 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * Triangles t and w that share no vertex are 1 + d apart when the nearest of their vertices are d edges apart: so the
+ * search goes over vertices, which are half as many and have half as many neighbours, and looks into each fan once.
+ * It goes from both ends, a whole ring at a time, on the side whose ring is cheaper, until an edge leads from the one to
+ * the other. Then those vertices of the near side that lie on a shortest way are marked, back from where they met, and
+ * the route is picked triangle by triangle among the fans of marked vertices.
+ */
+#include "strip/route.h"
+
+#include <string.h>
+
+#include "base/return_if_error.h"
+#include "mesh/corners.h"
+
+enum {
+    ROUTE_GOAL = 1, /* reached from the goal */
+    ROUTE_WAY = 2,  /* reached from the start, and on a shortest way */
+    ROUTE_STEP = 4
+};
+
+struct finder {
+    struct search *search;
+    const uint32_t *corners, *fan_first, *fans, *sources;
+    uint32_t ring[2];  /* steps of the outermost ring from the start and from the goal */
+    uint32_t begin[2]; /* where it begins in its queue */
+    uint32_t sides;    /* of a vertex' triangles to look along: 1 or 2 */
+    uint32_t way;      /* edges between the two triangles, once known */
+};
+
+static const uint32_t *corners_of(const struct finder *f, uint32_t triangle)
+{
+    return f->corners + 3 * (size_t)triangle;
+}
+
+/* Eight vertices that follow each other lie in one line of the cache, as they mostly do on the surface. */
+static struct reached *slot_of(const struct search *search, uint32_t vertex)
+{
+    uint32_t mask = search->slot_count - 1;
+    uint32_t at = ((vertex >> 3) * 0x9e3779b1u >> 7 << 3) + (vertex & 7);
+    while (search->slots[at & mask].vertex && search->slots[at & mask].vertex != vertex + 1)
+        at++;
+    return &search->slots[at & mask];
+}
+
+/* The filled slot, from the front of the queue or from its back. */
+static struct reached *queued(const struct search *search, int side, uint32_t index)
+{
+    return &search->slots[search->queue[side ? search->room - 1 - index : index]];
+}
+
+static void clear(struct search *search)
+{
+    for (int side = 0; side < 2; side++) {
+        for (uint32_t i = 0; i < search->used[side]; i++)
+            *queued(search, side, i) = (struct reached){ 0, 0 };
+        search->used[side] = 0;
+    }
+}
+
+static dpt_result put(struct search *search, struct reached *slot, uint32_t vertex, int side,
+                      uint32_t mark)
+{
+    if (search->used[0] + search->used[1] == search->room)
+        return DPT_E_FULL;
+    uint32_t index = search->used[side]++;
+    *slot = (struct reached){ vertex + 1, mark };
+    search->queue[side ? search->room - 1 - index : index] = (uint32_t)(slot - search->slots);
+    return DPT_OK;
+}
+
+/* The first ring: the corners of a triangle. */
+static dpt_result begin(const struct finder *f, int side, uint32_t triangle)
+{
+    for (int k = 0; k < 3; k++) {
+        uint32_t vertex = corners_of(f, triangle)[k];
+        DPT_TRY(put(f->search, slot_of(f->search, vertex), vertex, side, side ? ROUTE_GOAL : 0));
+    }
+    return DPT_OK;
+}
+
+/*
+ * Every vertex next to `at`, at least once. Of a triangle that is the corner after it, for the one before comes after it
+ * in the triangle beyond that edge, where all parts are closed; else both.
+ */
+#define FOR_NEXT_TO(f, at, next)                                                                   \
+    for (uint32_t fan_ = (f)->fan_first[at]; fan_ < (f)->fan_first[(at) + 1]; fan_++)              \
+        for (uint32_t k_ = 1, next; k_ <= (f)->sides; k_++)                                        \
+            if (((next) = corner_after(corners_of(f, (f)->fans[fan_]), at, k_)), 1)
+
+/* The first or second corner after one. */
+static uint32_t corner_after(const uint32_t *corners, uint32_t vertex, uint32_t places)
+{
+    uint32_t k = places + (corners[1] == vertex) + 2 * (uint32_t)(corners[2] == vertex);
+    return corners[k < 3 ? k : k - 3];
+}
+
+/* From one vertex of the ring on. What leads over to the other side is marked there, or here, on the start's side. */
+static dpt_result expand_vertex(struct finder *f, int side, struct reached *slot, int *met)
+{
+    const uint32_t vertex = slot->vertex - 1;
+    const uint32_t mark = (f->ring[side] + 1) * ROUTE_STEP + (side ? ROUTE_GOAL : 0);
+    FOR_NEXT_TO(f, vertex, next)
+    {
+        struct reached *other = slot_of(f->search, next);
+        if (!other->vertex) {
+            DPT_TRY(put(f->search, other, next, side, mark));
+        } else if ((other->mark & ROUTE_GOAL) != (mark & ROUTE_GOAL)) {
+            *met = 1;
+            if (side)
+                other->mark |= ROUTE_WAY;
+            else
+                slot->mark |= ROUTE_WAY;
+        }
+    }
+    return DPT_OK;
+}
+
+static uint64_t cost_of_ring(const struct finder *f, int side)
+{
+    uint64_t cost = 0;
+    for (uint32_t i = f->begin[side]; i < f->search->used[side]; i++) {
+        uint32_t vertex = queued(f->search, side, i)->vertex - 1;
+        cost += f->fan_first[vertex + 1] - f->fan_first[vertex];
+    }
+    return cost;
+}
+
+/* The next ring of the cheaper side, until the two meet. */
+static dpt_result meet(struct finder *f)
+{
+    struct search *search = f->search;
+    uint64_t cost[2] = { cost_of_ring(f, 0), cost_of_ring(f, 1) };
+    for (int met = 0; !met;) {
+        int side = cost[1] < cost[0];
+        uint32_t end = search->used[side];
+        if (f->begin[side] == end)
+            return DPT_E_UNREACHABLE;
+        for (uint32_t i = f->begin[side]; i < end; i++)
+            DPT_TRY(expand_vertex(f, side, queued(search, side, i), &met));
+        if (met) {
+            f->way = f->ring[0] + f->ring[1] + 1;
+        } else {
+            f->begin[side] = end;
+            f->ring[side]++;
+            cost[side] = cost_of_ring(f, side);
+        }
+    }
+    return DPT_OK;
+}
+
+/* Mark the start's vertices that lie on a shortest way, from the outermost ring inwards. */
+static void mark_way(const struct finder *f)
+{
+    for (uint32_t i = f->search->used[0]; i-- > 0;) {
+        const struct reached *slot = queued(f->search, 0, i);
+        if (!(slot->mark & ROUTE_WAY) || slot->mark < ROUTE_STEP)
+            continue;
+        const uint32_t vertex = slot->vertex - 1, before = slot->mark / ROUTE_STEP - 1;
+        FOR_NEXT_TO(f, vertex, next)
+        {
+            struct reached *other = slot_of(f->search, next);
+            if (other->vertex && other->mark == before * ROUTE_STEP)
+                other->mark |= ROUTE_WAY;
+        }
+    }
+}
+
+/* Edges from a vertex to the goal, as far as it is known to lie on a shortest way or near the goal. */
+static uint32_t steps_to_goal(const struct finder *f, uint32_t vertex)
+{
+    const struct reached *slot = slot_of(f->search, vertex);
+    if (!slot->vertex)
+        return UINT32_MAX;
+    if (slot->mark & ROUTE_GOAL)
+        return slot->mark / ROUTE_STEP;
+    return slot->mark & ROUTE_WAY ? f->way - slot->mark / ROUTE_STEP : UINT32_MAX;
+}
+
+/*
+ * The triangle after `here`, whose nearest vertex is `steps` from the goal: one with a vertex a step nearer. DPT_NONE
+ * in a forged mesh.
+ */
+static uint32_t next_triangle(const struct finder *f, uint32_t here, uint32_t steps)
+{
+    const uint32_t *own = corners_of(f, here);
+    uint32_t best = DPT_NONE;
+    int best_shared = 0;
+    for (int k = 0; k < 3; k++) {
+        if (steps_to_goal(f, own[k]) != steps)
+            continue;
+        for (uint32_t i = f->fan_first[own[k]]; i < f->fan_first[own[k] + 1]; i++) {
+            uint32_t triangle = f->fans[i];
+            const uint32_t *corners = corners_of(f, triangle);
+            int shared = shared_corners(own, 3, corners), nearer = 0;
+            if (!shared || (shared < best_shared && shared < 2))
+                continue; /* none is shared in a forged mesh alone */
+            for (int c = 0; c < 3; c++)
+                nearer |= steps_to_goal(f, corners[c]) == steps - 1;
+            shared = shared > 2 ? 2 : shared;
+            if (nearer && (shared > best_shared ||
+                           (shared == best_shared && f->sources[triangle] < f->sources[best]))) {
+                best = triangle;
+                best_shared = shared;
+            }
+        }
+    }
+    return best;
+}
+
+/* 0 when it is the other route's as well; `left` triangles come after it. */
+static int add(struct route *route, uint32_t place, uint32_t left)
+{
+    const struct route *other = route->other;
+    if (other && left < other->count) {
+        uint32_t same = other->count - 1 - left;
+        if (same < other->room && other->places[same] == place)
+            return 0;
+    }
+    if (route->count < route->room)
+        route->places[route->count] = place;
+    route->count++;
+    return 1;
+}
+
+/* Triangle by triangle, as long as they are the route's own. */
+static dpt_result follow(const struct finder *f, uint32_t from, uint32_t to, struct route *route)
+{
+    uint32_t here = from;
+    for (uint32_t steps = f->way; add(route, here, steps + 1); steps--) {
+        if (!steps) {
+            add(route, to, 0);
+            break;
+        }
+        here = next_triangle(f, here, steps);
+        if (here == DPT_NONE)
+            return DPT_E_LAYOUT;
+    }
+    return DPT_OK;
+}
+
+dpt_result route_find(struct search *search, const struct dpt_mesh *mesh, uint32_t from,
+                      uint32_t to, struct route *route)
+{
+    struct finder f = {
+        .search = search,
+        .corners = mesh_words(mesh, MESH_TRIANGLES),
+        .fan_first = mesh_words(mesh, MESH_FAN_FIRST),
+        .fans = mesh_words(mesh, MESH_FANS),
+        .sources = mesh_words(mesh, MESH_SOURCES),
+        .sides = mesh->closed_components == mesh->parts ? 1 : 2,
+    };
+    const uint32_t *goal = corners_of(&f, to);
+    route->count = 0;
+    if (from == to) {
+        add(route, to, 0);
+        return DPT_OK;
+    }
+    int touch = 0;
+    for (int k = 0; k < 3; k++)
+        touch |= has_corner(corners_of(&f, from), goal[k]);
+    if (touch)
+        return follow(&f, from, to, route);
+    dpt_result result = search->room ? begin(&f, 0, from) : DPT_E_FULL;
+    if (result == DPT_OK)
+        result = begin(&f, 1, to);
+    if (result == DPT_OK)
+        result = meet(&f);
+    if (result == DPT_OK) {
+        mark_way(&f);
+        result = follow(&f, from, to, route);
+    }
+    clear(search);
+    return result;
+}

@@ -1,0 +1,134 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The paper's adjacency structure: every traversal distance, looked up. */
+#include <string.h>
+
+#include "base/return_if_error.h"
+#include "mesh/corners.h"
+#include "strip/strip_state.h"
+
+enum { TABLE_TRIANGLES_MOST = 10000, TABLE_UNREACHABLE = UINT16_MAX };
+
+struct dpt_route_table {
+    const struct dpt_mesh *mesh;
+    const uint16_t *steps; /* a row for each goal */
+};
+
+static uint64_t bytes_of_steps(const struct dpt_mesh *mesh)
+{
+    return mesh_aligned(2 * (uint64_t)mesh->triangles * mesh->triangles);
+}
+
+size_t dpt_route_table_bytes(const dpt_mesh *mesh)
+{
+    if (!mesh || mesh->triangles > TABLE_TRIANGLES_MOST)
+        return 0;
+    uint64_t bytes = mesh_aligned(sizeof(dpt_route_table)) + bytes_of_steps(mesh) +
+                     4 * ((uint64_t)mesh->triangles + mesh->vertices);
+    return bytes <= SIZE_MAX ? (size_t)bytes : 0;
+}
+
+/* One row, breadth first; each fan is looked into once. `seen` of a vertex is one more than the last goal. */
+static void fill_row(const struct dpt_mesh *mesh, uint32_t goal, uint16_t *steps, uint32_t *queue,
+                     uint32_t *seen)
+{
+    const uint32_t *corners = mesh_words(mesh, MESH_TRIANGLES);
+    const uint32_t *fan_first = mesh_words(mesh, MESH_FAN_FIRST);
+    const uint32_t *fans = mesh_words(mesh, MESH_FANS);
+    uint32_t head = 0, tail = 0;
+    for (uint32_t t = 0; t < mesh->triangles; t++)
+        steps[t] = TABLE_UNREACHABLE;
+    steps[goal] = 0;
+    queue[tail++] = goal;
+    while (head < tail) {
+        uint32_t here = queue[head++];
+        for (int k = 0; k < 3; k++) {
+            uint32_t vertex = corners[3 * (size_t)here + (size_t)k];
+            if (seen[vertex] == goal + 1)
+                continue;
+            seen[vertex] = goal + 1;
+            for (uint32_t i = fan_first[vertex]; i < fan_first[vertex + 1]; i++)
+                if (steps[fans[i]] == TABLE_UNREACHABLE) {
+                    steps[fans[i]] = (uint16_t)(steps[here] + 1);
+                    queue[tail++] = fans[i];
+                }
+        }
+    }
+}
+
+dpt_result dpt_route_table_create(void *block, size_t bytes, const dpt_mesh *mesh,
+                                  const dpt_route_table **table)
+{
+    if (!block || !mesh || !table)
+        return DPT_E_ARGUMENT;
+    if ((uintptr_t)block % 8)
+        return DPT_E_ALIGN;
+    size_t needed = dpt_route_table_bytes(mesh);
+    if (!needed)
+        return DPT_E_UNSUPPORTED;
+    if (bytes < needed)
+        return DPT_E_MEMORY;
+    struct dpt_route_table *made = block;
+    char *at = (char *)block + mesh_aligned(sizeof *made);
+    uint16_t *steps = (void *)at;
+    uint32_t *queue = (void *)(at + bytes_of_steps(mesh));
+    uint32_t *seen = queue + mesh->triangles;
+    memset(seen, 0, 4 * (size_t)mesh->vertices);
+    for (uint32_t goal = 0; goal < mesh->triangles; goal++)
+        fill_row(mesh, goal, steps + (size_t)goal * mesh->triangles, queue, seen);
+    *made = (struct dpt_route_table){ mesh, steps };
+    *table = made;
+    return DPT_OK;
+}
+
+/* Of the triangles about `here` that are nearer to the goal of a row, the one that the rule prefers. */
+static uint32_t next_triangle(const struct dpt_mesh *mesh, const uint16_t *steps, uint32_t here)
+{
+    const uint32_t *corners = mesh_words(mesh, MESH_TRIANGLES);
+    const uint32_t *fan_first = mesh_words(mesh, MESH_FAN_FIRST);
+    const uint32_t *fans = mesh_words(mesh, MESH_FANS);
+    const uint32_t *sources = mesh_words(mesh, MESH_SOURCES);
+    const uint32_t *own = corners + 3 * (size_t)here;
+    uint32_t best = DPT_NONE;
+    int best_close = 0;
+    for (int k = 0; k < 3; k++)
+        for (uint32_t i = fan_first[own[k]]; i < fan_first[own[k] + 1]; i++) {
+            uint32_t triangle = fans[i];
+            if (steps[triangle] + 1 != steps[here])
+                continue;
+            const uint32_t *corner = corners + 3 * (size_t)triangle;
+            int close = shared_corners(own, 3, corner) >= 2;
+            if (best == DPT_NONE || close > best_close ||
+                (close == best_close && sources[triangle] < sources[best])) {
+                best = triangle;
+                best_close = close;
+            }
+        }
+    return best;
+}
+
+dpt_result dpt_strip_route_by_table(dpt_strip *strip, const dpt_route_table *table, uint32_t from,
+                                    uint32_t to)
+{
+    if (!strip)
+        return DPT_E_ARGUMENT;
+    strip_clear(strip, table ? table->mesh : NULL);
+    if (!table)
+        return DPT_E_ARGUMENT;
+    const struct dpt_mesh *mesh = table->mesh;
+    uint32_t here, goal;
+    DPT_TRY(strip_place(mesh, from, &here));
+    DPT_TRY(strip_place(mesh, to, &goal));
+    const uint16_t *steps = table->steps + (size_t)goal * mesh->triangles;
+    if (steps[here] == TABLE_UNREACHABLE)
+        return DPT_E_UNREACHABLE;
+    strip_add(strip, here);
+    while (here != goal) {
+        here = next_triangle(mesh, steps, here);
+        if (here == DPT_NONE) {
+            strip_clear(strip, mesh);
+            return DPT_E_LAYOUT;
+        }
+        strip_add(strip, here);
+    }
+    return DPT_OK;
+}

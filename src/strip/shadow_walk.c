@@ -1,0 +1,234 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * Breadth first from the start, over every edge that meets the shadow. A triangle that is entered brings one corner, the
+ * one off that edge; corners are not joined, for a strip is long and thin and has few twice.
+ */
+#include "strip/shadow_walk.h"
+
+#include <string.h>
+
+#include "mesh/corners.h"
+
+#define LINE_WORDS 16 /* of a cache line, mostly */
+
+/* Slabs go side by side: so the bits are as wide as the numbers, and the loop must not be taken apart before that is seen. */
+static inline void measure(const struct shade *shade, const float *at, struct shadow_vertex *vertex)
+{
+    static const uint64_t below[SHADE_SLABS] = { 1, 4, 16, 64 };
+    static const uint64_t above[SHADE_SLABS] = { 2, 8, 32, 128 };
+    double x = at[0] - shade->a.x, y = at[1] - shade->a.y, z = at[2] - shade->a.z;
+    uint64_t outside = 0;
+#pragma GCC unroll 1
+    for (int k = 0; k < SHADE_SLABS; k++) {
+        double value = x * shade->normal[0][k] + y * shade->normal[1][k] + z * shade->normal[2][k];
+        vertex->value[k] = value;
+        outside |= (value < shade->low[k] ? below[k] : 0) | (value > shade->high[k] ? above[k] : 0);
+    }
+    vertex->outside = (uint32_t)outside;
+}
+
+/* The stretch of an edge that is left between the planes, which its ends are on both sides of, is not empty. */
+static int edge_is_left(const struct shade *shade, const struct shadow_vertex *a,
+                        const struct shadow_vertex *b)
+{
+    double from = 0.0, to = 1.0;
+    for (int k = 0; k < SHADE_SLABS; k++) {
+        if (!((a->outside | b->outside) >> 2 * k & 3))
+            continue;
+        double per = 1.0 / (b->value[k] - a->value[k]);
+        double low = (shade->low[k] - a->value[k]) * per;
+        double high = (shade->high[k] - a->value[k]) * per;
+        from = larger(from, smaller(low, high));
+        to = smaller(to, larger(low, high));
+    }
+    return from <= to;
+}
+
+static inline int edge_meets(const struct shade *shade, const struct shadow_vertex *a,
+                             const struct shadow_vertex *b)
+{
+    uint32_t any = a->outside | b->outside;
+    if (a->outside & b->outside)
+        return 0;
+    /* Outside of one slab alone, to both sides or at one end: a stretch is left. */
+    if (!(any & ~3u) || !(any & ~12u) || !a->outside || !b->outside)
+        return 1;
+    return edge_is_left(shade, a, b);
+}
+
+/* The slot of a triangle, or the free one where it would be. */
+static inline struct shadow_slot *slot_of(const struct shadow_walk *walk, uint32_t place)
+{
+    uint32_t mask = walk->slot_count - 1;
+    for (uint32_t at = ((place >> 3) * 0x9e3779b1u >> 7 << 3) + (place & 7);; at++) {
+        struct shadow_slot *slot = &walk->slots[at & mask];
+        if (slot->stamp != walk->stamp || slot->place == place)
+            return slot;
+    }
+}
+
+static void forget(struct shadow_walk *walk)
+{
+    if (!++walk->stamp) {
+        memset(walk->slots, 0, walk->slot_count * sizeof *walk->slots);
+        walk->stamp = 1;
+    }
+    walk->triangle_count = walk->vertex_count = 0;
+    walk->flags = 0;
+    walk->leaf = DPT_NONE;
+}
+
+/* Triangles that follow each other lie together: those of a leaf will mostly be asked for. */
+static void fetch_leaf(struct shadow_walk *walk, uint32_t leaf)
+{
+    const size_t first = 3 * LANES * (size_t)leaf;
+    for (size_t line = 0; line < 3 * LANES; line += LINE_WORDS) {
+        __builtin_prefetch(walk->corners + first + line);
+        __builtin_prefetch(walk->neighbours + first + line);
+    }
+    __builtin_prefetch(walk->sources + LANES * (size_t)leaf);
+    walk->leaf = leaf;
+}
+
+/* Each triangle has one and the first has three; in a forged mesh, where they may not touch, the last is overwritten. */
+static inline uint32_t new_vertex(struct shadow_walk *walk, uint32_t number)
+{
+    uint32_t made = walk->vertex_count;
+    if (made < walk->room + 2)
+        walk->vertex_count++;
+    else
+        made--;
+    struct shadow_vertex *vertex = &walk->vertices[made];
+    vertex->number = number;
+    measure(&walk->shade, walk->positions + 3 * (size_t)number, vertex);
+    return made;
+}
+
+static const uint32_t AFTER[3] = { 1, 2, 0 };
+
+/* A triangle, over its edge between two vertices of the walk. What is across, and which way round, as numbers: it is as good as random. */
+static inline void enter(struct shadow_walk *walk, uint32_t place, uint32_t from, uint32_t to)
+{
+    struct shadow_slot *slot = slot_of(walk, place);
+    if (slot->stamp == walk->stamp)
+        return;
+    if (walk->triangle_count == walk->room) {
+        walk->flags |= DPT_STRIP_FULL;
+        return;
+    }
+    if (place / LANES != walk->leaf)
+        fetch_leaf(walk, place / LANES);
+    *slot = (struct shadow_slot){ place, walk->stamp };
+    const uint32_t *corners = walk->corners + 3 * (size_t)place;
+    const uint32_t a = walk->vertices[from].number, b = walk->vertices[to].number;
+    const uint32_t is_1 = (corners[1] != a) & (corners[1] != b);
+    const uint32_t is_2 = (corners[2] != a) & (corners[2] != b) & !is_1;
+    const uint32_t apex = is_1 + 2 * is_2;
+    const uint32_t turned = corners[AFTER[apex]] != a;
+    struct shadow_triangle *triangle = &walk->triangles[walk->triangle_count++];
+    *triangle = (struct shadow_triangle){
+        place, apex, { new_vertex(walk, corners[apex]), turned ? to : from, turned ? from : to }
+    };
+}
+
+/* Over an edge of three triangles or more: to all that have both its ends. */
+static void cross_many(struct shadow_walk *walk, uint32_t from, uint32_t to)
+{
+    const uint32_t *first = mesh_words(walk->mesh, MESH_FAN_FIRST);
+    const uint32_t *fans = mesh_words(walk->mesh, MESH_FANS);
+    const uint32_t ends[2] = { walk->vertices[from].number, walk->vertices[to].number };
+    int less = first[ends[1] + 1] - first[ends[1]] < first[ends[0] + 1] - first[ends[0]];
+    uint32_t hub = ends[less], other = ends[!less];
+    walk->flags |= DPT_STRIP_NONMANIFOLD;
+    for (uint32_t i = first[hub]; i < first[hub + 1]; i++)
+        if (has_corner(walk->corners + 3 * (size_t)fans[i], other))
+            enter(walk, fans[i], from, to);
+}
+
+/* The i-th edge of a triangle from its apex, behind its corner k; 1 if it meets the shadow. */
+static inline int cross_edge(struct shadow_walk *walk, const struct shadow_triangle *here,
+                             uint32_t i, uint32_t k)
+{
+    const uint32_t from = here->corner[i], to = here->corner[AFTER[i]];
+    if (!edge_meets(&walk->shade, &walk->vertices[from], &walk->vertices[to]))
+        return 0;
+    const uint32_t next = walk->neighbours[3 * (size_t)here->place + k];
+    if (next == MESH_EDGE_OPEN)
+        walk->flags |= DPT_STRIP_BORDER;
+    else if (next == MESH_EDGE_MANY)
+        cross_many(walk, from, to);
+    else
+        enter(walk, next, from, to);
+    return 1;
+}
+
+/* The first triangle, with all of its edges; 1 if one of them meets the shadow. */
+static int begin(struct shadow_walk *walk, uint32_t start)
+{
+    const uint32_t *corners = walk->corners + 3 * (size_t)start;
+    *slot_of(walk, start) = (struct shadow_slot){ start, walk->stamp };
+    struct shadow_triangle first = { .place = start };
+    for (uint32_t k = 0; k < 3; k++)
+        first.corner[k] = new_vertex(walk, corners[k]);
+    walk->triangles[walk->triangle_count++] = first;
+    int any = 0;
+    for (uint32_t k = 0; k < 3; k++)
+        any |= cross_edge(walk, &first, k, k);
+    return any;
+}
+
+/* What is left of the first triangle between the planes, cut by one after the other, is not nothing. */
+static int first_meets(const struct shadow_walk *walk)
+{
+    const struct shade *shade = &walk->shade;
+    double from[2 * SHADE_SLABS + 3][SHADE_SLABS], to[2 * SHADE_SLABS + 3][SHADE_SLABS];
+    int count = 3;
+    for (int k = 0; k < 3; k++)
+        memcpy(from[k], walk->vertices[k].value, sizeof from[k]);
+    for (int cut = 0; cut < 2 * SHADE_SLABS && count; cut++) {
+        int k = cut / 2, left = 0;
+        double sign = cut % 2 ? -1.0 : 1.0;
+        double limit = cut % 2 ? -shade->high[k] : shade->low[k];
+        for (int i = 0; i < count; i++) {
+            const double *a = from[i], *b = from[i + 1 < count ? i + 1 : 0];
+            double beyond_a = sign * a[k] - limit, beyond_b = sign * b[k] - limit;
+            if (beyond_a >= 0.0)
+                memcpy(to[left++], a, sizeof to[0]);
+            if ((beyond_a >= 0.0) != (beyond_b >= 0.0)) {
+                double t = beyond_a / (beyond_a - beyond_b);
+                for (int c = 0; c < SHADE_SLABS; c++)
+                    to[left][c] = a[c] + t * (b[c] - a[c]);
+                to[left++][k] = sign * limit;
+            }
+        }
+        memcpy(from, to, sizeof from);
+        count = left;
+    }
+    return count > 0;
+}
+
+void shadow_walk(struct shadow_walk *walk, const struct dpt_mesh *mesh, const struct shade *shade,
+                 uint32_t start)
+{
+    if (walk->mesh == mesh && walk->crc32 == mesh->header_crc32 && walk->start == start &&
+        !memcmp(&walk->shade, shade, sizeof *shade))
+        return;
+    forget(walk);
+    walk->mesh = mesh;
+    walk->crc32 = mesh->header_crc32;
+    walk->start = start;
+    walk->shade = *shade;
+    walk->corners = mesh_words(mesh, MESH_TRIANGLES);
+    walk->neighbours = mesh_words(mesh, MESH_NEIGHBOURS);
+    walk->sources = mesh_words(mesh, MESH_SOURCES);
+    walk->positions = mesh_floats(mesh, MESH_VERTICES);
+    if (!begin(walk, start) && !first_meets(walk)) {
+        forget(walk);
+        return;
+    }
+    for (uint32_t i = 1; i < walk->triangle_count; i++) {
+        const struct shadow_triangle here = walk->triangles[i];
+        cross_edge(walk, &here, 0, here.apex);
+        cross_edge(walk, &here, 2, AFTER[AFTER[here.apex]]);
+    }
+}

@@ -1,0 +1,248 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "strip/strip_state.h"
+
+#include "base/frame.h"
+#include "base/return_if_error.h"
+#include "nearest/segment_triangle.h"
+#include "nearest/side.h"
+
+enum { CAPACITY_MOST = 1 << 20, SEARCH_MOST = 1 << 28 };
+
+static uint64_t power_of_two_from(uint64_t least)
+{
+    uint64_t power = 16;
+    while (power < least)
+        power *= 2;
+    return power;
+}
+
+/* The arrays, in the order in which they lie in the block. */
+struct shares {
+    uint64_t triangles, walked, vertices, walk_slots, slots, queue, all;
+};
+
+static uint64_t share(uint64_t *at, uint64_t count, uint64_t width)
+{
+    uint64_t begin = *at;
+    *at = mesh_aligned(begin + count * width);
+    return begin;
+}
+
+static uint64_t search_slots(const dpt_strip_def *def)
+{
+    return def->search ? power_of_two_from(2 * (uint64_t)def->search) : 0;
+}
+
+static struct shares shares_of(const dpt_strip_def *def)
+{
+    struct shares s;
+    uint64_t at = mesh_aligned(sizeof(struct dpt_strip)), room = def->capacity;
+    s.triangles = share(&at, room, sizeof(uint32_t));
+    s.walked = share(&at, room, sizeof(struct shadow_triangle));
+    s.vertices = share(&at, room + 2, sizeof(struct shadow_vertex));
+    s.walk_slots = share(&at, power_of_two_from(2 * room), sizeof(struct shadow_slot));
+    s.slots = share(&at, search_slots(def), sizeof(struct reached));
+    s.queue = share(&at, def->search, sizeof(uint32_t));
+    s.all = at;
+    return s;
+}
+
+static dpt_result take_def(const dpt_strip_def *def)
+{
+    if (!def)
+        return DPT_E_ARGUMENT;
+    if (def->size != sizeof *def)
+        return DPT_E_SIZE;
+    if (!def->capacity || def->capacity > CAPACITY_MOST || def->search > SEARCH_MOST ||
+        def->reserved)
+        return DPT_E_ARGUMENT;
+    return DPT_OK;
+}
+
+size_t dpt_strip_bytes(const dpt_strip_def *def)
+{
+    if (take_def(def) != DPT_OK)
+        return 0;
+    uint64_t bytes = shares_of(def).all;
+    return bytes <= SIZE_MAX ? (size_t)bytes : 0;
+}
+
+dpt_result dpt_strip_create(void *block, size_t bytes, const dpt_strip_def *def, dpt_strip **strip)
+{
+    if (!block || !strip)
+        return DPT_E_ARGUMENT;
+    DPT_TRY(take_def(def));
+    if ((uintptr_t)block % 8)
+        return DPT_E_ALIGN;
+    const struct shares s = shares_of(def);
+    if (bytes < s.all)
+        return DPT_E_MEMORY;
+    memset(block, 0, (size_t)s.all);
+    struct dpt_strip *made = block;
+    char *base = block;
+    made->def = *def;
+    made->triangles = (void *)(base + s.triangles);
+    made->walk.triangles = (void *)(base + s.walked);
+    made->walk.vertices = (void *)(base + s.vertices);
+    made->walk.slots = (void *)(base + s.walk_slots);
+    made->walk.slot_count = (uint32_t)power_of_two_from(2 * (uint64_t)def->capacity);
+    made->walk.room = def->capacity;
+    made->search.slots = (void *)(base + s.slots);
+    made->search.queue = (void *)(base + s.queue);
+    made->search.slot_count = (uint32_t)search_slots(def);
+    made->search.room = def->search;
+    *strip = made;
+    return DPT_OK;
+}
+
+void strip_clear(struct dpt_strip *strip, const struct dpt_mesh *mesh)
+{
+    strip->mesh = mesh;
+    strip->count = 0;
+    strip->flags = 0;
+}
+
+void strip_add(struct dpt_strip *strip, uint32_t place)
+{
+    if (strip->count < strip->def.capacity)
+        strip->triangles[strip->count++] = mesh_words(strip->mesh, MESH_SOURCES)[place];
+    else
+        strip->flags |= DPT_STRIP_FULL;
+}
+
+void strip_forget(struct dpt_strip *strip)
+{
+    strip->walk.mesh = NULL;
+}
+
+void strip_set_full(struct dpt_strip *strip)
+{
+    strip->flags |= DPT_STRIP_FULL;
+}
+
+dpt_result strip_place(const struct dpt_mesh *mesh, uint32_t number, uint32_t *place)
+{
+    if (number >= mesh->source_triangles)
+        return DPT_E_ARGUMENT;
+    *place = mesh_words(mesh, MESH_PLACES)[number];
+    return *place < mesh->triangles ? DPT_OK : DPT_E_DROPPED;
+}
+
+const uint32_t *dpt_strip_triangles(const dpt_strip *strip, uint32_t *count, uint32_t *flags)
+{
+    if (count)
+        *count = strip ? strip->count : 0;
+    if (flags)
+        *flags = strip ? strip->flags : 0;
+    return strip ? strip->triangles : NULL;
+}
+
+/* The route's places, as far as there is room, behind the strip's triangles; how many it has. */
+static dpt_result find_route(struct dpt_strip *strip, uint32_t from, uint32_t to,
+                             struct route *route)
+{
+    uint32_t start, goal;
+    DPT_TRY(strip_place(strip->mesh, from, &start));
+    DPT_TRY(strip_place(strip->mesh, to, &goal));
+    route->places = strip->triangles + strip->count;
+    route->room = strip->def.capacity - strip->count;
+    return route_find(&strip->search, strip->mesh, start, goal, route);
+}
+
+/* A route's triangles become the strip's. */
+static void take_route(struct dpt_strip *strip, const struct route *route)
+{
+    const uint32_t *sources = mesh_words(strip->mesh, MESH_SOURCES);
+    uint32_t count = route->count < route->room ? route->count : route->room;
+    if (count < route->count)
+        strip->flags |= DPT_STRIP_FULL;
+    for (uint32_t i = 0; i < count; i++)
+        route->places[i] = sources[route->places[i]];
+    strip->count += count;
+}
+
+dpt_result dpt_strip_route(dpt_strip *strip, const dpt_mesh *mesh, uint32_t from, uint32_t to)
+{
+    struct route route = { .other = NULL };
+    if (!strip)
+        return DPT_E_ARGUMENT;
+    strip_clear(strip, mesh);
+    if (!mesh)
+        return DPT_E_ARGUMENT;
+    DPT_TRY(find_route(strip, from, to, &route));
+    take_route(strip, &route);
+    return DPT_OK;
+}
+
+dpt_result dpt_strip_routes(dpt_strip *strip, const dpt_mesh *mesh, uint32_t a, uint32_t b,
+                            uint32_t p)
+{
+    struct route first = { .other = NULL }, second = { .other = &first };
+    if (!strip)
+        return DPT_E_ARGUMENT;
+    strip_clear(strip, mesh);
+    if (!mesh)
+        return DPT_E_ARGUMENT;
+    DPT_TRY(find_route(strip, a, p, &first));
+    strip->count = first.count < first.room ? first.count : first.room;
+    dpt_result result = find_route(strip, b, p, &second);
+    strip->count = 0;
+    DPT_TRY(result);
+    take_route(strip, &first);
+    take_route(strip, &second);
+    return DPT_OK;
+}
+
+void strip_shadow(struct dpt_strip *strip, const struct dpt_mesh *mesh, const struct shade *shade,
+                  uint32_t place)
+{
+    strip_clear(strip, mesh);
+    shadow_walk(&strip->walk, mesh, shade, place);
+    const uint32_t *sources = mesh_words(mesh, MESH_SOURCES);
+    for (uint32_t i = 0; i < strip->walk.triangle_count; i++)
+        strip->triangles[i] = sources[strip->walk.triangles[i].place];
+    strip->count = strip->walk.triangle_count;
+    strip->flags = strip->walk.flags;
+}
+
+/* Of a direction, so that its square can be formed. */
+static const double LENGTH_LEAST = 1e-100, LENGTH_MOST = 1e100;
+
+static dpt_result check_shadow(const dpt_shadow *shadow)
+{
+    const dpt_segment *segment = &shadow->segment;
+    if (!vec3_within(segment->a, DPT_COORDINATE_MAX) ||
+        !vec3_within(segment->b, DPT_COORDINATE_MAX) ||
+        !(segment->radius >= 0.0 && segment->radius <= DPT_COORDINATE_MAX) ||
+        !vec3_within(shadow->direction, LENGTH_MOST) ||
+        !within(shadow->width, DPT_COORDINATE_MAX) || !within(shadow->depth, DPT_COORDINATE_MAX))
+        return DPT_E_FINITE;
+    if (!(shadow->width >= 0.0) || !(shadow->depth >= 0.0) ||
+        extent_of(vec3_of(shadow->direction)) < LENGTH_LEAST)
+        return DPT_E_ARGUMENT;
+    return DPT_OK;
+}
+
+dpt_result dpt_strip_shadow(dpt_strip *strip, const dpt_mesh *mesh, const dpt_pose *pose,
+                            const dpt_shadow *shadow)
+{
+    if (!strip)
+        return DPT_E_ARGUMENT;
+    strip_clear(strip, mesh);
+    if (!mesh || !shadow)
+        return DPT_E_ARGUMENT;
+    if (shadow->size != sizeof *shadow)
+        return DPT_E_SIZE;
+    uint32_t place;
+    struct frame frame;
+    struct shade shade;
+    DPT_TRY(check_shadow(shadow));
+    DPT_TRY(frame_of_pose(pose, &frame));
+    DPT_TRY(strip_place(mesh, shadow->triangle, &place));
+    vec3 a = frame_to_local(&frame, vec3_of(shadow->segment.a));
+    vec3 b = frame_to_local(&frame, vec3_of(shadow->segment.b));
+    shade_of(a, sub(b, a), frame_turn_back(&frame, vec3_of(shadow->direction)),
+             shadow->segment.radius + shadow->width, shadow->depth, &shade);
+    strip_shadow(strip, mesh, &shade, place);
+    return DPT_OK;
+}

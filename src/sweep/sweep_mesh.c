@@ -1,0 +1,196 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * The first touch of a mesh: depth first through the box tree, nearest to the swept hull first, the
+ * time shrinking with each hit (docs/algorithms/sweep.md). Float bounds say which triangles need
+ * not be asked, sweep_pair answers.
+ */
+#include "sweep/sweep_mesh.h"
+
+#include "nearest/filter_segment.h"
+
+/* One call of sweep_mesh. */
+struct hunt {
+    const struct tree *tree;
+    const struct kernel *kernel;
+    const struct sweep *sweep;
+    double from; /* what is searched: from here to progress->to */
+    uint32_t work;
+    struct swath swath;
+    struct sweep_progress *progress;
+};
+
+static uint32_t lanes_of(uint32_t count)
+{
+    return count < LANES ? (1u << count) - 1 : 0xffff;
+}
+
+/*
+ * The axes of a box around what the axis sweeps: of ends in the filter's frame, at both times. The
+ * last one makes bounds and so must be of unit length: what is too short to have a direction gets
+ * any.
+ */
+static void swath_box(const vec3 end[4], vec3 axis[3])
+{
+    const double least = 1e-100;
+    vec3 u = add(sub(end[1], end[0]), sub(end[3], end[2]));
+    vec3 way = add(sub(end[2], end[0]), sub(end[3], end[1]));
+    double uu = dot(u, u);
+    vec3 x = uu > least ? scaled(u, 1.0 / sqrt(uu)) : (vec3){ 1.0, 0.0, 0.0 };
+    vec3 y = along(way, -dot(way, x), x);
+    y = along(y, -dot(y, x), x);
+    double yy = dot(y, y);
+    if (!(yy > 0x1p-60 * dot(way, way) && yy > least)) {
+        struct probe any;
+        probe_frame(&any, x);
+        y = vec3_of_float(any.y);
+        yy = dot(y, y);
+    }
+    axis[0] = x;
+    axis[1] = scaled(y, 1.0 / sqrt(yy));
+    axis[2] = cross(axis[0], axis[1]);
+}
+
+static void swath_of(const struct hunt *hunt, struct swath *swath)
+{
+    const struct dpt_mesh *mesh = hunt->tree->mesh;
+    const double scale = mesh->filter_scale, times[2] = { hunt->from, hunt->progress->to };
+    vec3 end[4], axis[3];
+    double far = 0.0;
+    for (int k = 0; k < 2; k++) {
+        vec3 a, u;
+        sweep_axis(hunt->sweep, times[k], &a, &u);
+        end[2 * k] = scaled(sub(a, vec3_of(mesh->filter_centre)), scale);
+        end[2 * k + 1] = along(end[2 * k], scale, u);
+    }
+    for (int k = 0; k < 4; k++) {
+        put_float(end[k], swath->end[k]);
+        far = larger(far, dot(end[k], end[k]));
+    }
+    swath_box(end, axis);
+    vec3 centre = { 0.0, 0.0, 0.0 };
+    for (int k = 0; k < 3; k++) {
+        double low = HUGE_VAL, high = -HUGE_VAL;
+        for (int e = 0; e < 4; e++) {
+            low = smaller(low, dot(end[e], axis[k]));
+            high = larger(high, dot(end[e], axis[k]));
+        }
+        centre = along(centre, 0.5 * (low + high), axis[k]);
+        swath->half[k] = (float)(0.5 * (high - low));
+        put_float(axis[k], swath->axis[k]);
+    }
+    put_float(centre, swath->centre);
+    double limit = hunt->sweep->beyond * scale * (1.0 + KERNEL_STRETCH);
+    swath->limit = (float)(limit + kernel_margin(sqrt(far), sqrt(far)));
+}
+
+/* One triangle, in double. */
+static void ask(struct hunt *hunt, uint32_t triangle)
+{
+    const struct tree *tree = hunt->tree;
+    struct sweep_progress *progress = hunt->progress;
+    const uint32_t *of = tree->corners + 3 * (size_t)triangle;
+    const vec3 corner[3] = { vec3_of_float(tree->positions + 3 * (size_t)of[0]),
+                             vec3_of_float(tree->positions + 3 * (size_t)of[1]),
+                             vec3_of_float(tree->positions + 3 * (size_t)of[2]) };
+    double time;
+    uint32_t asked = 0;
+    hunt->work++;
+    if (sweep_pair(hunt->sweep, corner, progress->to, &time, &asked) != SWEEP_HIT ||
+        (time == progress->to && progress->triangle != DPT_NONE &&
+         tree->sources[triangle] >= tree->sources[progress->triangle]))
+        return;
+    int sooner = time < progress->to;
+    progress->to = time;
+    progress->triangle = triangle;
+    if (sooner)
+        swath_of(hunt, &hunt->swath);
+}
+
+/* A leaf is of level 0, and its children are triangles. */
+static void open_node(struct hunt *hunt, uint32_t level, uint32_t node)
+{
+    const struct tree *tree = hunt->tree;
+    struct sweep_node *opened = &hunt->progress->path[level];
+    uint32_t children = level ? tree->count[level - 1] : tree->mesh->triangles;
+    hunt->work++;
+    hunt->progress->level = level;
+    opened->node = node;
+    opened->lanes = lanes_of(children - node * LANES);
+    if (level)
+        opened->lanes &= hunt->kernel->swept_boxes(
+            tree->level[level] + (size_t)node * MESH_BOX_WORDS, &hunt->swath, opened->bound);
+    else
+        opened->lanes &= hunt->kernel->swept_triangles(
+            tree->leaves + (size_t)node * MESH_LEAF_WORDS, &hunt->swath, opened->bound);
+}
+
+/* Above the root is a node of which it is the one child. */
+static void begin(struct hunt *hunt, uint32_t hint)
+{
+    struct sweep_progress *progress = hunt->progress;
+    progress->begun = 1;
+    progress->hint = hint;
+    progress->triangle = DPT_NONE;
+    progress->to = 1.0;
+    progress->level = hunt->tree->levels + 1;
+    progress->path[progress->level] = (struct sweep_node){ .lanes = 1 };
+    swath_of(hunt, &hunt->swath);
+    if (hint < hunt->tree->mesh->triangles)
+        ask(hunt, hint);
+}
+
+/* 0 when the work allowed ran out. */
+static int go_on(struct hunt *hunt, uint32_t most)
+{
+    struct sweep_progress *progress = hunt->progress;
+    for (;;) {
+        struct sweep_node *opened = &progress->path[progress->level];
+        if (!opened->lanes) {
+            if (progress->level > hunt->tree->levels)
+                return 1;
+            progress->level++;
+            continue;
+        }
+        if (hunt->work >= most)
+            return 0;
+        uint32_t lane = least_lane(opened->bound, opened->lanes);
+        uint32_t child = opened->node * LANES + lane;
+        opened->lanes &= ~(1u << lane);
+        if (progress->level)
+            open_node(hunt, progress->level - 1, child);
+        else if (child != progress->hint)
+            ask(hunt, child);
+    }
+}
+
+int sweep_mesh(const struct tree *tree, const struct kernel *kernel, const struct sweep *sweep,
+               double from, uint32_t hint, uint32_t most, struct sweep_progress *progress,
+               struct strike *first, uint32_t *work)
+{
+    struct hunt hunt;
+    hunt.tree = tree;
+    hunt.kernel = kernel;
+    hunt.sweep = sweep;
+    hunt.from = from;
+    hunt.work = 0;
+    hunt.progress = progress;
+    *first = (struct strike){ .time = 1.0, .triangle = DPT_NONE };
+    if (from >= 1.0)
+        return SWEEP_FREE;
+    if (progress->begun)
+        swath_of(&hunt, &hunt.swath);
+    else
+        begin(&hunt, hint);
+    int done = go_on(&hunt, most ? most : UINT32_MAX);
+    *work += hunt.work;
+    progress->begun = !done;
+    first->time = done ? progress->to : from;
+    if (!done || progress->triangle == DPT_NONE)
+        return done ? SWEEP_FREE : SWEEP_UNFINISHED;
+    vec3 a, u;
+    sweep_axis(sweep, progress->to, &a, &u);
+    first->triangle = progress->triangle;
+    first->pair = tree_pair(tree, progress->triangle, a, u);
+    first->q = sub(along(a, first->pair.s, u), first->pair.gap);
+    return SWEEP_HIT;
+}

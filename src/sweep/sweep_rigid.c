@@ -1,0 +1,176 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * A turn is cut in halves until each piece is so nearly straight that the radius can take up the difference. Most ticks
+ * end before that: what is farther from the axis, before and after, than the motion is long cannot have been met.
+ */
+#include "sweep/sweep_rigid.h"
+
+#include "nearest/side.h"
+
+enum { HALVES_MOST = 10 };
+
+struct ends {
+    vec3 a, b;
+};
+
+/* In the world. */
+static struct ends tool_ends(const struct moment *moment)
+{
+    struct frame tool;
+    frame_of_pose(&moment->tool, &tool);
+    return (struct ends){ frame_to_world(&tool, moment->a), frame_to_world(&tool, moment->b) };
+}
+
+/* In the body's frame. */
+static struct ends ends_at(const struct moment *moment)
+{
+    struct ends ends = tool_ends(moment);
+    struct frame body;
+    frame_of_pose(&moment->body, &body);
+    return (struct ends){ frame_to_local(&body, ends.a), frame_to_local(&body, ends.b) };
+}
+
+static struct moment middle_of(const struct moment *from, const struct moment *to)
+{
+    return (struct moment){ pose_middle(&from->tool, &to->tool),
+                            pose_middle(&from->body, &to->body), scaled(add(from->a, to->a), 0.5),
+                            scaled(add(from->b, to->b), 0.5) };
+}
+
+static double faster(vec3 da, vec3 db)
+{
+    return larger(length(da), length(db));
+}
+
+static struct ends between(const struct ends *from, const struct ends *to)
+{
+    return (struct ends){ scaled(add(from->a, to->a), 0.5), scaled(add(from->b, to->b), 0.5) };
+}
+
+/* How far the way bends away from the straight one, with a quarter to spare for what is not an even arc. */
+static double bend_of(const struct ends *from, const struct ends *middle, const struct ends *to)
+{
+    struct ends straight = between(from, to);
+    return 1.25 * faster(sub(middle->a, straight.a), sub(middle->b, straight.b));
+}
+
+/* The cosine of half of what a body may turn, 0.25, before its way is cut whatever the bend. */
+#define TURN_COSINE 0.9922
+
+static double body_turn_cosine(const struct moment *from, const struct moment *to)
+{
+    double cosine = 0.0;
+    for (int k = 0; k < 4; k++)
+        cosine += from->body.orientation[k] * to->body.orientation[k];
+    return fabs(cosine);
+}
+
+/*
+ * The same of one part of a tour. A turn of the tool alone is an arc, farthest off in the middle; seen from a body that
+ * turns, a straight way can bend to one side and back, so it is looked at in the quarters too.
+ */
+static double bend_between(const struct moment *from, const struct ends *at_from,
+                           const struct moment *middle, const struct ends *at_middle,
+                           const struct moment *to, const struct ends *at_to)
+{
+    double bend = bend_of(at_from, at_middle, at_to);
+    int turns = 0;
+    for (int k = 0; k < 4; k++)
+        turns |= from->body.orientation[k] != to->body.orientation[k];
+    if (!turns)
+        return bend;
+    struct ends straight = between(at_from, at_to);
+    for (int half = 0; half < 2; half++) {
+        struct moment quarter = half ? middle_of(middle, to) : middle_of(from, middle);
+        struct ends at_quarter = ends_at(&quarter);
+        struct ends chord = between(&straight, half ? at_to : at_from);
+        double off = faster(sub(at_quarter.a, chord.a), sub(at_quarter.b, chord.b));
+        bend = larger(bend, 1.25 * off);
+    }
+    return bend;
+}
+
+static int sweep_straight(struct tour *tour, const struct ends *from, const struct ends *to,
+                          double bend, double t0, double t1)
+{
+    const struct tree *tree = tour->tree;
+    struct passage *passage = &tour->passage;
+    struct sweep sweep;
+    passage->motion = (struct motion){ from->a, from->b, sub(to->a, from->a), sub(to->b, from->b) };
+    sweep_begin(&sweep, &passage->motion, tour->radius + bend, tour->tolerance, tree_extent(tree));
+    double start = t0 > 0.0 ? 0.0 : sweep_start(&sweep, tour->far);
+    int result = sweep_mesh(tree, tour->kernel, &sweep, start, tour->hint,
+                            tour->most ? tour->most - tour->work : 0, &tour->progress->sweep,
+                            &passage->strike, &tour->work);
+    passage->time = t0 + passage->strike.time * (t1 - t0);
+    if (result == SWEEP_FREE)
+        tour->progress->free_until = t1;
+    return result;
+}
+
+/* From one moment to another, whose ends these are; what is behind is not swept again. */
+static int sweep_between(struct tour *tour, const struct moment *from, const struct ends *at_from,
+                         const struct moment *to, const struct ends *at_to, double t0, double t1,
+                         int halves)
+{
+    if (t1 <= tour->progress->free_until)
+        return SWEEP_FREE;
+    struct moment middle = middle_of(from, to);
+    struct ends at_middle = ends_at(&middle);
+    double bend = bend_between(from, at_from, &middle, &at_middle, to, at_to);
+    int straight = bend <= 0.5 * tour->tolerance && body_turn_cosine(from, to) >= TURN_COSINE;
+    if (straight || halves == 0)
+        return sweep_straight(tour, at_from, at_to, bend, t0, t1);
+    double half = 0.5 * (t0 + t1);
+    int result = sweep_between(tour, from, at_from, &middle, &at_middle, t0, half, halves - 1);
+    if (result != SWEEP_FREE)
+        return result;
+    if (tour->most && tour->work >= tour->most)
+        return SWEEP_UNFINISHED;
+    return sweep_between(tour, &middle, &at_middle, to, at_to, half, t1, halves - 1);
+}
+
+int tour_sweep(struct tour *tour, const struct moment *from, const struct moment *to)
+{
+    struct ends at_from = ends_at(from), at_to = ends_at(to);
+    tour->passage.time = tour->progress->free_until;
+    return sweep_between(tour, from, &at_from, to, &at_to, 0.0, 1.0, HALVES_MOST);
+}
+
+int tour_is_beyond(const struct tour *tour, const struct moment *from, const struct moment *to,
+                   double after)
+{
+    struct moment middle = middle_of(from, to);
+    struct ends at_from = ends_at(from), at_to = ends_at(to), at_middle = ends_at(&middle);
+    double motion = faster(sub(at_to.a, at_from.a), sub(at_to.b, at_from.b));
+    double bend = bend_between(from, &at_from, &middle, &at_middle, to, &at_to);
+    if (motion == 0.0 && bend == 0.0)
+        return 1;
+    return body_turn_cosine(from, to) >= TURN_COSINE &&
+           tour->far + after > motion + 2.0 * (bend + tour->radius + 2.0 * tour->tolerance);
+}
+
+int tour_side_before(const struct tour *tour)
+{
+    const struct strike *strike = &tour->passage.strike;
+    const struct motion *motion = &tour->passage.motion;
+    vec3 way = along(motion->da, strike->pair.s, sub(motion->db, motion->da));
+    vec3 back = along(strike->pair.gap, -strike->time, way);
+    return side_of_way(tour->tree, strike->triangle, strike->pair.weight, back);
+}
+
+int tour_began_through(const struct tour *tour)
+{
+    return tour->passage.time == 0.0 && tour->far == 0.0;
+}
+
+double tour_way(const struct moment *from, const struct moment *to)
+{
+    const dpt_pose middle_pose = pose_middle(&from->tool, &to->tool);
+    const struct moment middle = { .tool = middle_pose,
+                                   .a = scaled(add(from->a, to->a), 0.5),
+                                   .b = scaled(add(from->b, to->b), 0.5) };
+    struct ends at_first = tool_ends(from), at_last = tool_ends(to), at_middle = tool_ends(&middle);
+    return faster(sub(at_last.a, at_first.a), sub(at_last.b, at_first.b)) +
+           bend_of(&at_first, &at_middle, &at_last);
+}

@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * A segment on its way past one body, within a tick: ends that move along straight lines, a rigid tool and a body that turn
+ * along the shortest arc. docs/algorithms/travel.md.
+ */
+#ifndef DPT_SWEEP_RIGID_H
+#define DPT_SWEEP_RIGID_H
+
+#include "base/frame.h"
+#include "sweep/sweep_mesh.h"
+
+/* Of the mesh's diagonal: half for the sweep, a quarter for the arcs, which grows the radius, and as much by which they
+ * are truly off. */
+#define TOUR_TOLERANCE 1e-6
+
+/* A tool and a body at one time. */
+struct moment {
+    dpt_pose tool, body;
+    vec3 a, b; /* in the tool's frame */
+};
+
+/* How far a tour has come: up to a time it is free, then comes what `sweep` is of. Zeros: it begins. */
+struct tour_progress {
+    double free_until;
+    struct sweep_progress sweep;
+};
+
+/* What a tour came to. */
+struct passage {
+    struct strike strike;
+    struct motion motion; /* in which it was */
+    double time;          /* of it, or up to which it is free */
+};
+
+struct tour {
+    const struct tree *tree; /* of the body */
+    const struct kernel *kernel;
+    double radius;
+    double far; /* nothing of the body is nearer than that to the axis where the tour begins */
+    double tolerance; /* half of what a hit may be off */
+    uint32_t hint;
+    uint32_t most; /* units of work; 0: what it takes */
+    uint32_t work;
+    struct tour_progress *progress;
+    struct passage passage;
+};
+
+/* SWEEP_...; after SWEEP_UNFINISHED the same tour between the same moments goes on where it ended. */
+int tour_sweep(struct tour *tour, const struct moment *from, const struct moment *to);
+
+/* Nothing was met: what is nowhere nearer, before and `after`, than half of the way. */
+int tour_is_beyond(const struct tour *tour, const struct moment *from, const struct moment *to,
+                   double after);
+
+/* After a hit: the side of the struck feature on which the point that struck it was when its motion began. */
+int tour_side_before(const struct tour *tour);
+
+/*
+ * After a hit: the axis touched already when the tour began, and nobody knew. Whether it went through the struck triangle does
+ * not tell: one beside that is as near.
+ */
+int tour_began_through(const struct tour *tour);
+
+/* No point of the tool was farther away from where it is at last than that, the arc of a turn included. */
+double tour_way(const struct moment *from, const struct moment *to);
+
+#endif

@@ -1,0 +1,161 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * Decimal numbers (parse_number.h). Most numbers of a mesh file have few digits and a small exponent: for
+ * them one multiplication or division of two exact doubles rounds once, and so correctly. The rest
+ * goes through strtod, written anew as an integer with an exponent, in which no locale has a say.
+ */
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "text/parse_number.h"
+
+/* All powers of ten that a double holds exactly. */
+static const double powers_of_ten[23] = { 1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
+                                          1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
+                                          1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22 };
+
+enum {
+    MANTISSA_DIGITS = 19, /* as many as surely fit in 64 bits */
+    /* A point half-way between two doubles has at most 767 significant digits: what comes after
+     * these decides only by being zero or not. */
+    DECIDING_DIGITS = 800
+};
+
+#define EXPONENT_FAR 20000 /* from here on all of DECIDING_DIGITS give zero or infinity */
+
+/* A number's digits as they stand in the text, and what was learnt on the way through them. */
+typedef struct decimal {
+    const char *digits, *digits_end; /* with the point, if any */
+    uint64_t mantissa;               /* the first MANTISSA_DIGITS significant ones */
+    int64_t exponent;                /* the number is all its digits as an integer, times 10^this */
+    size_t significant;
+} decimal;
+
+static bool is_digit(char c)
+{
+    return c >= '0' && c <= '9';
+}
+
+static const char *parse_sign(const char *text, const char *end, bool *negative)
+{
+    *negative = text < end && *text == '-';
+    return text < end && (*text == '-' || *text == '+') ? text + 1 : text;
+}
+
+static const char *scan_digits(const char *at, const char *end, decimal *number)
+{
+    bool point = false, any = false;
+    number->digits = at;
+    for (; at < end; at++) {
+        if (*at == '.' && !point) {
+            point = true;
+            continue;
+        }
+        if (!is_digit(*at))
+            break;
+        any = true;
+        number->exponent -= point;
+        if (*at == '0' && number->significant == 0)
+            continue;
+        if (number->significant++ < MANTISSA_DIGITS)
+            number->mantissa = number->mantissa * 10 + (uint64_t)(*at - '0');
+    }
+    number->digits_end = at;
+    return any ? at : NULL;
+}
+
+/* The e that is followed by no digit is not part of the number. */
+static const char *scan_exponent(const char *at, const char *end, decimal *number)
+{
+    if (at == end || (*at != 'e' && *at != 'E'))
+        return at;
+    bool negative;
+    const char *digit = parse_sign(at + 1, end, &negative);
+    if (digit == end || !is_digit(*digit))
+        return at;
+    int64_t exponent = 0;
+    for (; digit < end && is_digit(*digit); digit++) {
+        if (exponent < INT64_MAX / 100)
+            exponent = exponent * 10 + (*digit - '0');
+    }
+    number->exponent += negative ? -exponent : exponent;
+    return digit;
+}
+
+static bool convert_exact(const decimal *number, double *value)
+{
+    if (number->mantissa == 0) {
+        *value = 0.0;
+        return true;
+    }
+    if (number->significant > MANTISSA_DIGITS || number->mantissa > (UINT64_C(1) << 53) ||
+        number->exponent < -22 || number->exponent > 22)
+        return false;
+    if (number->exponent < 0)
+        *value = (double)number->mantissa / powers_of_ten[-number->exponent];
+    else
+        *value = (double)number->mantissa * powers_of_ten[number->exponent];
+    return true;
+}
+
+static double convert_any(const decimal *number)
+{
+    char buffer[DECIDING_DIGITS + 32];
+    size_t length = 0;
+    int64_t dropped = 0;
+    bool sticky = false;
+    for (const char *at = number->digits; at < number->digits_end; at++) {
+        if (*at == '.' || (*at == '0' && length == 0))
+            continue;
+        if (length < DECIDING_DIGITS) {
+            buffer[length++] = *at;
+            continue;
+        }
+        dropped++;
+        sticky = sticky || *at != '0';
+    }
+    if (sticky) {
+        buffer[length++] = '1';
+        dropped--;
+    }
+    int64_t exponent = number->exponent + dropped;
+    if (exponent > EXPONENT_FAR)
+        exponent = EXPONENT_FAR;
+    if (exponent < -EXPONENT_FAR)
+        exponent = -EXPONENT_FAR;
+    snprintf(buffer + length, sizeof buffer - length, "e%d", (int)exponent);
+    return strtod(buffer, NULL);
+}
+
+const char *parse_double(const char *text, const char *end, double *value)
+{
+    decimal number = { NULL, NULL, 0, 0, 0 };
+    bool negative;
+    const char *at = scan_digits(parse_sign(text, end, &negative), end, &number);
+    if (at == NULL)
+        return NULL;
+    at = scan_exponent(at, end, &number);
+    if (!convert_exact(&number, value))
+        *value = convert_any(&number);
+    if (negative)
+        *value = -*value;
+    return at;
+}
+
+const char *parse_int(const char *text, const char *end, int64_t *value)
+{
+    bool negative;
+    int64_t number = 0;
+    const char *at = parse_sign(text, end, &negative);
+    if (at == end || !is_digit(*at))
+        return NULL;
+    for (; at < end && is_digit(*at); at++) {
+        int digit = *at - '0';
+        if (number > (INT64_MAX - digit) / 10)
+            return NULL;
+        number = number * 10 + digit;
+    }
+    *value = negative ? -number : number;
+    return at;
+}

@@ -1,0 +1,139 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The wall: C outside, C++ inside, and no exception through. */
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <new>
+
+#include "urdf/urdf_scene.h"
+
+namespace
+{
+
+const size_t bytes_most = static_cast<size_t>(64) << 20;
+
+/* FNV-1a, 64 bits, as of a mesh's source. */
+uint64_t hash_of(const std::string &bytes)
+{
+    uint64_t hash = 0xcbf29ce484222325u;
+    for (char c : bytes)
+        hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
+    return hash;
+}
+
+struct File {
+    std::FILE *file;
+
+    ~File()
+    {
+        if (file)
+            std::fclose(file);
+    }
+};
+
+std::string read_all(const char *path)
+{
+    File in = { std::fopen(path, "rb") };
+    if (!in.file)
+        refuse(DPT_E_OPEN, 0, "it cannot be opened: %s", std::strerror(errno));
+    std::string bytes;
+    char part[4096];
+    while (size_t got = std::fread(part, 1, sizeof part, in.file)) {
+        bytes.append(part, got);
+        if (bytes.size() > bytes_most)
+            refuse(DPT_E_LIMIT, 0, "it is longer than 64 MiB");
+    }
+    if (std::ferror(in.file))
+        refuse(DPT_E_OPEN, 0, "it cannot be read: %s", std::strerror(errno));
+    return bytes;
+}
+
+void compile(const char *path, const dpt_urdf_def &def, dpt_compiled *out)
+{
+    Notes notes;
+    const std::string bytes = read_all(path);
+    const Robot robot = read_robot(bytes, notes);
+    const Chain chain = chain_of(robot, def.tool, notes);
+    std::stable_sort(notes.list.begin(), notes.list.end(),
+                     [](const Note &a, const Note &b) { return a.line < b.line; });
+    Scene scene;
+    read_scene(robot, chain, path, def.packages, def.mesh, &scene);
+
+    char name[DPT_ARM_NAME], root[DPT_ARM_NAME], tool[DPT_ARM_NAME];
+    put_name(name, robot.name, "robot", 0);
+    put_name(root, robot.links[robot.root].name, "link", robot.links[robot.root].line);
+    put_name(tool, robot.links[chain.tool].name, "link", robot.links[chain.tool].line);
+    dpt_arm_def arm = {};
+    arm.size = sizeof arm;
+    arm.joint_count = static_cast<uint32_t>(chain.joints.size());
+    arm.link_count = static_cast<uint32_t>(chain.links.size());
+    arm.segment_count = static_cast<uint32_t>(chain.segments.size());
+    arm.body_count = static_cast<uint32_t>(scene.bodies.size());
+    arm.tool_link = static_cast<uint32_t>(chain.placed[chain.tool].on);
+    arm.tool = pose_of(chain.placed[chain.tool].place);
+    arm.joints = chain.joints.data();
+    arm.links = chain.links.data();
+    arm.segments = chain.segments.data();
+    arm.bodies = scene.bodies.data();
+    arm.name = name;
+    arm.root_name = root;
+    arm.tool_name = tool;
+    arm.source_bytes = bytes.size();
+    arm.source_hash = hash_of(bytes);
+    dpt_diag diag = {};
+    diag.size = sizeof diag;
+    dpt_result result = dpt_compile_arm(&arm, out, &diag);
+    if (result != DPT_OK)
+        refuse(result, 0, "%s", diag.text);
+    for (const Note &note : notes.list)
+        if (def.note)
+            def.note(def.user, note.line, note.text.c_str());
+}
+
+dpt_result tell(dpt_diag *diag, dpt_result code, size_t line, const char *text)
+{
+    if (diag) {
+        diag->code = code;
+        diag->line = line;
+        diag->byte = 0;
+        std::snprintf(diag->text, sizeof diag->text, "%s", text);
+    }
+    return code;
+}
+
+} // namespace
+
+extern "C" dpt_result dpt_urdf_compile_file(const char *path, const dpt_urdf_def *def,
+                                            dpt_compiled *out, dpt_diag *diag)
+{
+    if (!out)
+        return DPT_E_ARGUMENT;
+    out->bytes = NULL;
+    out->size = 0;
+    if (diag && diag->size < sizeof *diag)
+        return DPT_E_SIZE;
+    const dpt_urdf_def defaults = { sizeof defaults, 0, NULL, NULL, NULL, NULL, NULL };
+    if (!def)
+        def = &defaults;
+    if (def->size < sizeof *def)
+        return tell(diag, DPT_E_SIZE, 0, "the def's size field is not set");
+    if (def->mesh && def->mesh->size < offsetof(dpt_compile_def, crease))
+        return tell(diag, DPT_E_SIZE, 0, "the size field of the def for meshes is not set");
+    if (def->reserved)
+        return tell(diag, DPT_E_ARGUMENT, 0, "the def's reserved field is not 0");
+    if (!path)
+        return tell(diag, DPT_E_ARGUMENT, 0, "no name of a file");
+    try {
+        compile(path, *def, out);
+        return DPT_OK;
+    } catch (const Fault &fault) {
+        return tell(diag, fault.code, fault.line, fault.text.c_str());
+    } catch (const std::bad_alloc &) {
+        return tell(diag, DPT_E_MEMORY, 0, "memory ran out");
+    } catch (const std::exception &failure) {
+        return tell(diag, DPT_E_SYNTAX, 0, failure.what());
+    } catch (...) {
+        return tell(diag, DPT_E_SYNTAX, 0, "urdfdom failed");
+    }
+}

@@ -1,0 +1,137 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "urdf/urdf_scene.h"
+
+#include <algorithm>
+#include <cinttypes>
+#include <cstring>
+
+namespace
+{
+
+struct Builder {
+    const Robot &robot;
+    const Chain &chain;
+    const std::string &file;
+    const char *packages;
+    const dpt_compile_def *mesh;
+    Scene *scene;
+
+    dpt_compile_def def(double scale) const;
+    void add(const Link &link, const Frame &place, const dpt_compiled &compiled);
+    void add_box(const Link &link, const Frame &place, const Shape &shape);
+    void add_mesh(const Link &link, const Frame &place, const Shape &shape);
+};
+
+/* The caller's, whatever size it has. */
+dpt_compile_def Builder::def(double scale) const
+{
+    dpt_compile_def def = {};
+    if (mesh)
+        std::memcpy(&def, mesh, std::min<size_t>(mesh->size, sizeof def));
+    else
+        def.size = sizeof def;
+    def.scale = scale;
+    return def;
+}
+
+void Builder::add(const Link &link, const Frame &place, const dpt_compiled &compiled)
+{
+    scene->meshes.back() = compiled;
+    if (scene->bodies.size() == DPT_ARM_BODIES_MAX)
+        refuse(DPT_E_LIMIT, link.line, "link %s: the scene has more than %d meshes and boxes",
+               quoted(link.name).c_str(), DPT_ARM_BODIES_MAX);
+    dpt_arm_body body = {};
+    body.size = sizeof body;
+    body.pose = pose_of(place);
+    put_name(body.name, link.name, "link", link.line);
+    dpt_result result = dpt_mesh_convert(compiled.bytes, compiled.size, NULL);
+    if (result == DPT_OK)
+        result = dpt_mesh_open(compiled.bytes, compiled.size, &body.mesh);
+    if (result != DPT_OK)
+        refuse(result, link.line, "link %s: %s", quoted(link.name).c_str(),
+               dpt_result_text(result));
+    scene->bodies.push_back(body);
+}
+
+void Builder::add_box(const Link &link, const Frame &place, const Shape &shape)
+{
+    static const uint32_t corners[36] = { 0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
+                                          2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5 };
+    double vertices[24];
+    for (int i = 0; i < 8; i++) {
+        vertices[3 * i] = (i & 1 ? 0.5 : -0.5) * shape.size.x;
+        vertices[3 * i + 1] = (i & 2 ? 0.5 : -0.5) * shape.size.y;
+        vertices[3 * i + 2] = (i & 4 ? 0.5 : -0.5) * shape.size.z;
+    }
+    if (!(shape.size.x > 0.0 && shape.size.y > 0.0 && shape.size.z > 0.0))
+        refuse(DPT_E_SYNTAX, link.line, "link %s: a box of the scene has no volume",
+               quoted(link.name).c_str());
+    dpt_compile_def with = def(1.0);
+    dpt_compiled compiled;
+    dpt_diag diag = {};
+    diag.size = sizeof diag;
+    scene->meshes.push_back(dpt_compiled());
+    dpt_result result = dpt_compile_arrays(vertices, 8, corners, 12, &with, &compiled, &diag);
+    if (result != DPT_OK)
+        refuse(result, link.line, "link %s: a box: %s", quoted(link.name).c_str(), diag.text);
+    add(link, place, compiled);
+}
+
+void Builder::add_mesh(const Link &link, const Frame &place, const Shape &shape)
+{
+    const std::string owner = "link " + quoted(link.name);
+    const std::string path = mesh_path(shape.file, file, packages, link.line, owner);
+    const std::string shown = quoted(shape.file);
+    const Vec &scale = shape.size;
+    if (!(scale.x > 0.0 && scale.x == scale.y && scale.x == scale.z))
+        refuse(DPT_E_UNSUPPORTED, link.line,
+               "%s: the scale of %s must be one positive number three times: scale the mesh itself",
+               owner.c_str(), shown.c_str());
+    size_t dot = shape.file.rfind('.');
+    std::string ending = dot == std::string::npos ? "" : shape.file.substr(dot + 1);
+    for (char &c : ending)
+        c = static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
+    if (ending == "dae")
+        refuse(DPT_E_UNSUPPORTED, link.line,
+               "%s: %s is COLLADA: convert it to STL, OBJ, PLY or OFF", owner.c_str(),
+               quoted(shape.file).c_str());
+    dpt_compile_def with = def((mesh && mesh->scale > 0.0 ? mesh->scale : 1.0) * scale.x);
+    dpt_compiled compiled;
+    dpt_diag diag = {};
+    diag.size = sizeof diag;
+    scene->meshes.push_back(dpt_compiled());
+    dpt_result result = dpt_compile_file(path.c_str(), &with, &compiled, &diag);
+    if (result != DPT_OK) {
+        std::string where = diag.line   ? line_of_text(": line %" PRIu64, diag.line)
+                            : diag.byte ? line_of_text(": byte %" PRIu64, diag.byte)
+                                        : "";
+        refuse(result, link.line, "%s: %s%s: %s", owner.c_str(), shown.c_str(), where.c_str(),
+               diag.text);
+    }
+    add(link, place, compiled);
+}
+
+} // namespace
+
+Scene::~Scene()
+{
+    for (dpt_compiled &mesh : meshes)
+        dpt_compiled_free(&mesh);
+}
+
+void read_scene(const Robot &robot, const Chain &chain, const std::string &file,
+                const char *packages, const dpt_compile_def *mesh, Scene *scene)
+{
+    Builder builder = { robot, chain, file, packages, mesh, scene };
+    for (size_t i = 0; i < robot.links.size(); i++) {
+        if (chain.placed[i].set != robot.root)
+            continue;
+        for (const Shape &shape : robot.links[i].shapes) {
+            const Frame place = chain.placed[i].place * shape.place;
+            if (shape.kind == Shape::BOX)
+                builder.add_box(robot.links[i], place, shape);
+            if (shape.kind == Shape::MESH)
+                builder.add_mesh(robot.links[i], place, shape);
+        }
+    }
+}

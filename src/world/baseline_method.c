@@ -1,0 +1,83 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "world/baseline_method.h"
+
+#include "nearest/paper_descent.h"
+
+/* Sums up what the parts on all bodies found. */
+struct gathered {
+    struct push push; /* of the part with the least gap */
+    int any;
+    double gap;
+    dpt_hit *hit;
+    uint32_t work;
+};
+
+/* This tick's dynamic point: a full search where there is none yet. */
+static void dynamic_point(const struct dpt_world *world, const struct tree *tree,
+                          const struct axis *part, uint32_t *last, struct nearest *nearest)
+{
+    *nearest = (struct nearest){ .pair = { .distance2 = HUGE_VAL }, .triangle = *last };
+    if (*last == DPT_NONE)
+        tree_search(tree, &world->kernel, NULL, part->local_a, part->u, 0.0, nearest);
+    else
+        descend(tree, &world->kernel, part->local_a, part->u, world->def.one_step != 0, nearest);
+    *last = nearest->triangle;
+}
+
+static void take_part(struct gathered *sum, const struct dpt_world *world, const struct body *body,
+                      uint32_t index, const struct axis *part, const struct nearest *nearest,
+                      double radius)
+{
+    struct push push;
+    double gap = contact_paper(&body->tree, &body->frame, part, nearest, radius, &push);
+    double distance = sqrt(nearest->pair.distance2);
+    int lower = gap < sum->gap;
+    if (!sum->any || distance < sum->hit->distance || (distance == sum->hit->distance && lower)) {
+        track_hit(&body->tree, part, &body->frame, nearest, sum->hit);
+        sum->hit->s = (index + nearest->pair.s) / world->def.parts;
+        sum->hit->body = body->id;
+    }
+    if (!sum->any || lower) {
+        sum->gap = gap;
+        sum->push = push;
+        sum->any = 1;
+    }
+}
+
+static void take_body(struct gathered *sum, struct dpt_world *world, uint32_t segment,
+                      const struct body *body, vec3 a, vec3 u)
+{
+    uint32_t parts = world->def.parts;
+    uint32_t *last = world_last(world, segment, handle_index(body->id));
+    for (uint32_t k = 0; k < parts; k++) {
+        struct axis part;
+        struct nearest nearest;
+        axis_of(&body->tree, &body->frame, along(a, (double)k / parts, u),
+                along(a, (double)(k + 1) / parts, u), &part);
+        dynamic_point(world, &body->tree, &part, &last[k], &nearest);
+        sum->work += nearest.work;
+        if (nearest.triangle != DPT_NONE)
+            take_part(sum, world, body, k, &part, &nearest, world->segments[segment].radius);
+    }
+}
+
+struct push paper_segment(struct dpt_world *world, uint32_t segment, vec3 a, vec3 b, dpt_hit *hit)
+{
+    struct gathered sum = { .hit = hit };
+    vec3 u = sub(b, a);
+    for (uint32_t i = 0; i < world->body_end; i++)
+        if (world->bodies[i].slot.used)
+            take_body(&sum, world, segment, &world->bodies[i], a, u);
+    hit->work = sum.work;
+    if (!sum.any)
+        return sum.push;
+
+    /* Between 0 and what was found: that is all that a search without proof knows. */
+    double rounding = hit->error_bound;
+    hit->status = DPT_STATUS_LOCAL;
+    hit->error_bound = hit->distance + rounding;
+    hit->lower_bound = 0.0;
+    if (world->def.until != DPT_UNTIL_TRACK)
+        contact_set_gap(hit, sum.gap, rounding);
+    return sum.push;
+}

@@ -1,0 +1,461 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * The body that was nearest last tick is followed first: how far it is bounds all that comes after. Then
+ * each body that may be as near is asked for a proof. A budget may end that; the next tick goes on where
+ * this one stopped, and what was proven stays proven, less what the axis moved (docs/algorithms/budget.md).
+ */
+#include "world/body_search.h"
+
+/* So few bodies are all near: a list of them would cost more than it saves. */
+enum { BODIES_FEW = 4 };
+
+struct hunt {
+    struct dpt_world *world;
+    uint32_t segment;
+    const vec3 *a, *b; /* the axis */
+    struct box box;    /* of it */
+    struct found *best;
+    double distance;   /* of the best */
+    uint32_t followed; /* body whose dynamic point was followed */
+    double moved;      /* the axis, in its frame */
+    uint32_t is_new;   /* there was no last tick: planes of the past are another place's */
+    uint32_t next;     /* body that the budget did not reach, or DPT_NONE */
+};
+
+static int is_spent(const struct hunt *hunt)
+{
+    return hunt->world->def.budget && !hunt->world->left;
+}
+
+static void charge(struct hunt *hunt, struct nearest *nearest)
+{
+    hunt->best->work += nearest->work;
+    if (hunt->world->def.budget)
+        hunt->world->left -= nearest->work;
+    nearest->work = 0;
+}
+
+static void axis_in(const struct hunt *hunt, const struct body *body, struct axis *axis)
+{
+    axis_of(&body->tree, &body->frame, *hunt->a, *hunt->b, axis);
+}
+
+/* What a search of a body found, if it is nearer than the rest. */
+static void take(struct hunt *hunt, const struct body *body, const struct track *track)
+{
+    struct found *best = hunt->best;
+    if (track->nearest.triangle == DPT_NONE)
+        return;
+    if (track != &best->track && best->body &&
+        track->nearest.pair.distance2 >= best->track.nearest.pair.distance2)
+        return;
+    *world_last(hunt->world, hunt->segment, handle_index(body->id)) = track->nearest.triangle;
+    if (track != &best->track)
+        best->track = *track;
+    best->body = body;
+    hunt->distance = sqrt(track->nearest.pair.distance2);
+}
+
+/* Methods without memory: every body, in full. */
+static void ask_plainly(struct hunt *hunt, uint32_t index)
+{
+    struct dpt_world *world = hunt->world;
+    const struct body *body = &world->bodies[index];
+    struct found *best = hunt->best;
+    double limit2 = best->body ? best->track.nearest.pair.distance2 : HUGE_VAL;
+    struct track track;
+    axis_in(hunt, body, &track.axis);
+    if (world->def.method == DPT_METHOD_BRUTE) {
+        track.nearest = (struct nearest){ .pair = { .distance2 = limit2 }, .triangle = DPT_NONE };
+        tree_brute(&body->tree, track.axis.local_a, track.axis.u, &track.nearest);
+    } else {
+        struct walk walk;
+        walk.at = 0;
+        track_begin(&track, &body->tree, *world_last(world, hunt->segment, index), limit2,
+                    TRACK_STAYS, 0);
+        track_prove(&track, &body->tree, &world->kernel, NULL, &walk);
+        track_settle(&track);
+    }
+    best->error = larger(best->error, track.axis.error);
+    charge(hunt, &track.nearest);
+    take(hunt, body, &track);
+}
+
+/* How far the ends moved, in the body's frame; exactly 0 for nothing. */
+static double moved_since(const struct proof *proof, const struct axis *axis)
+{
+    vec3 b = add(axis->local_a, axis->u);
+    double moved = larger(length(sub(axis->local_a, proof->a)), length(sub(b, proof->b)));
+    return moved > 0.0 ? moved + axis->error : 0.0;
+}
+
+/* Of what is left, the dynamic point may take half; its proof needs the rest. */
+static uint32_t most_slide(const struct dpt_world *world)
+{
+    return world->left / 2;
+}
+
+/* What a search that was stopped has proven, at the place where its body's proof was brought up to date. */
+static double floor_so_far(const struct pause *pause, const struct tree *tree,
+                           const struct proof *proof)
+{
+    if (!pause->walk.at)
+        return 0.0;
+    return smaller(pause->floor, walk_ahead(&pause->walk, tree, proof->a, sub(proof->b, proof->a)));
+}
+
+/* A search is given up: what it has proven stays. */
+static void give_up(struct dpt_world *world, uint32_t segment, struct pause *pause)
+{
+    struct proof *proof = world_proof(world, segment, pause->body);
+    const struct tree *tree = &world->bodies[pause->body].tree;
+    proof->floor = larger(proof->floor, floor_so_far(pause, tree, proof));
+    pause->walk.at = 0;
+}
+
+/*
+ * Bring what is proven of a body up to date; returns how far the ends moved. A search that was stopped stays valid
+ * when the axis moves, but its answer will only be bounded. One at rest ends with the rest; that of the motion before
+ * waits for the motion after, which may come with the next tick: of a device that is slower than the loop.
+ */
+static double update(struct dpt_world *world, uint32_t segment, uint32_t index,
+                     const struct axis *axis)
+{
+    struct proof *proof = world_proof(world, segment, index);
+    struct pause *moving = world_pause(world, segment, 0),
+                 *resting = world_pause(world, segment, 1);
+    double moved = moved_since(proof, axis);
+    if (moved > 0.0 && resting->body == index && resting->walk.at)
+        give_up(world, segment, resting);
+    if (moved == 0.0)
+        proof->rested = world->ticks;
+    proof->floor = larger(0.0, proof->floor - moved);
+    proof->a = axis->local_a;
+    proof->b = add(axis->local_a, axis->u);
+    if (moved > 0.0 && moving->body == index && moving->walk.at) {
+        walk_drift(&moving->walk, &world->bodies[index].tree, moved);
+        moving->floor -= moved;
+    }
+    return moved;
+}
+
+/* The dynamic point on the body that was nearest. A resting one has nowhere to go. */
+static void follow(struct hunt *hunt, uint32_t index)
+{
+    struct dpt_world *world = hunt->world;
+    const struct body *body = &world->bodies[index];
+    struct track *track = &hunt->best->track;
+    axis_in(hunt, body, &track->axis);
+    hunt->followed = index;
+    hunt->moved = 1.0;
+    if (world->def.budget)
+        hunt->moved = update(world, hunt->segment, index, &track->axis);
+    enum slide slide = TRACK_STAYS;
+    if (hunt->moved > 0.0 && (!world->def.budget || most_slide(world)))
+        slide = track->nearest.pair.distance2 == 0.0 ? TRACK_CROSSED : TRACK_SLIDES;
+    track_begin(track, &body->tree, *world_last(world, hunt->segment, index), HUGE_VAL, slide,
+                most_slide(world));
+    hunt->is_new = track->last == DPT_NONE;
+    hunt->best->error = track->axis.error;
+    charge(hunt, &track->nearest);
+    take(hunt, body, track);
+}
+
+/* Nothing is nearer than the best, but for what the error bound allows. */
+static int is_proven(const struct hunt *hunt, double floor)
+{
+    return floor >= hunt->distance - TREE_HISTORY * hunt->best->track.axis.error;
+}
+
+/* Search a body; what was visited is no nearer than `floor`. 0 if the budget ended that. */
+static int prove(struct hunt *hunt, uint32_t index, struct track *track, int slide, int anew,
+                 struct walk *walk, double *floor)
+{
+    struct dpt_world *world = hunt->world;
+    const struct body *body = &world->bodies[index];
+    if (track != &hunt->best->track)
+        track_begin(track, &body->tree, *world_last(world, hunt->segment, index),
+                    hunt->best->track.nearest.pair.distance2, slide ? TRACK_SLIDES : TRACK_STAYS,
+                    most_slide(world));
+    track->nearest.most = world->left;
+    const struct keeper keeper =
+        keeper_of(&world->certificate, world_owner(world, hunt->segment, index), anew);
+    int done = track_prove(track, &body->tree, &world->kernel, &keeper, walk);
+    *floor = sqrt(track->nearest.pair.distance2);
+    charge(hunt, &track->nearest);
+    track_settle(track);
+    take(hunt, body, track);
+    return done;
+}
+
+/* All that is proven of a body, by searches that ended and by those that were stopped. */
+static double proven_floor(const struct hunt *hunt, uint32_t index)
+{
+    const struct dpt_world *world = hunt->world;
+    const struct proof *proof = world_proof(world, hunt->segment, index);
+    double floor = proof->floor;
+    for (int rests = 0; rests < 2; rests++) {
+        const struct pause *pause = world_pause(world, hunt->segment, rests);
+        if (pause->body == index)
+            floor = larger(floor, floor_so_far(pause, &world->bodies[index].tree, proof));
+    }
+    return floor;
+}
+
+/* Prove as much as the budget allows, unless enough is proven; note what is. The boxes are `apart`. */
+static void ask_in_pieces(struct hunt *hunt, uint32_t index, double apart, struct track *track)
+{
+    struct dpt_world *world = hunt->world;
+    struct proof *proof = world_proof(world, hunt->segment, index);
+    double moved = hunt->moved;
+    int done = 0;
+    if (index != hunt->followed)
+        moved = update(world, hunt->segment, index, &track->axis);
+    int anew = moved == 0.0 || hunt->is_new;
+    struct pause *pause = world_pause(world, hunt->segment, anew);
+    proof->floor = larger(proof->floor, apart);
+    if (!is_proven(hunt, proven_floor(hunt, index)) && !is_spent(hunt)) {
+        double floor;
+        if (pause->body != index || !pause->walk.at) {
+            give_up(world, hunt->segment, pause);
+            pause->body = index;
+            pause->floor = HUGE_VAL;
+        }
+        done =
+            prove(hunt, index, track, moved > 0.0 && most_slide(world), anew, &pause->walk, &floor);
+        pause->floor = smaller(pause->floor, floor);
+        if (done)
+            proof->floor = larger(proof->floor, pause->floor);
+    }
+    double floor = proven_floor(hunt, index);
+    if (!done && hunt->next == DPT_NONE && !is_proven(hunt, floor))
+        hunt->next = index;
+    hunt->best->lower = smaller(hunt->best->lower, floor);
+}
+
+static void ask(struct hunt *hunt, uint32_t index)
+{
+    struct dpt_world *world = hunt->world;
+    const struct body *body = &world->bodies[index];
+    struct found *best = hunt->best;
+    int is_best = body == best->body;
+    struct track other, *track = is_best ? &best->track : &other;
+    if (!body->slot.used || hunt->distance == 0.0)
+        return;
+    double apart = is_best ? 0.0 : box_distance(&hunt->box, &world->boxes[index]);
+    if (apart >= hunt->distance)
+        return;
+    if (!is_best)
+        axis_in(hunt, body, &other.axis);
+    best->error = larger(best->error, track->axis.error);
+    if (world->def.budget) {
+        ask_in_pieces(hunt, index, apart, track);
+    } else {
+        struct walk walk;
+        double floor;
+        walk.at = 0;
+        prove(hunt, index, track, 1, (int)hunt->is_new, &walk, &floor);
+    }
+}
+
+/* In the order of slots. */
+static void put_on_list(const struct dpt_world *world, uint32_t segment, struct home *home,
+                        uint32_t index)
+{
+    uint32_t *list = world_near(world, segment, home->which), at = home->listed;
+    while (at > 0 && list[at - 1] > index)
+        at--;
+    if (at > 0 && list[at - 1] == index)
+        return;
+    memmove(list + at + 1, list + at, (home->listed - at) * sizeof *list);
+    list[at] = index;
+    home->listed++;
+}
+
+/* Go on with the list of the next home. */
+static void scan(struct hunt *hunt, struct near *near)
+{
+    struct dpt_world *world = hunt->world;
+    struct home *home = &near->next;
+    uint32_t *list = world_near(world, hunt->segment, home->which);
+    while (near->scanned < world->body_end && !is_spent(hunt)) {
+        struct nearest unit = { .work = 1 };
+        charge(hunt, &unit);
+        for (int i = 0; i < LANES && near->scanned < world->body_end; i++) {
+            uint32_t index = near->scanned++;
+            if (world->bodies[index].slot.used && box_meets(&home->box, &world->boxes[index]))
+                list[home->listed++] = index;
+        }
+    }
+    if (near->scanned == world->body_end)
+        near_arrive(near);
+}
+
+/* All bodies that may be near are listed, or it is noted how near others may be. */
+static void list_near(struct hunt *hunt, struct near *near)
+{
+    if (!near->scanning && !(near->now.room > 0.0 && near_reach(near) >= hunt->distance))
+        near_settle(near, hunt->distance);
+    if (near->scanning)
+        scan(hunt, near);
+    if (near_reach(near) < hunt->distance)
+        hunt->best->lower = near_reach(near);
+}
+
+/* When all is proven, and the budget has room for a whole scan: for the ticks to come. */
+static void tidy_near(struct hunt *hunt, struct near *near)
+{
+    const struct dpt_world *world = hunt->world;
+    uint32_t units = (world->body_end + LANES - 1) / LANES;
+    if (!near_is_wide(near, hunt->distance) || (world->def.budget && world->left < units))
+        return;
+    near_settle(near, hunt->distance);
+    scan(hunt, near);
+}
+
+/* The bodies that may be near, by place on the list. */
+static uint32_t near_count(const struct hunt *hunt)
+{
+    const struct dpt_world *world = hunt->world;
+    return world->body_end <= BODIES_FEW ? world->body_end
+                                         : world->segments[hunt->segment].near.now.listed;
+}
+
+static uint32_t near_at(const struct hunt *hunt, uint32_t place)
+{
+    const struct dpt_world *world = hunt->world;
+    uint32_t which = world->segments[hunt->segment].near.now.which;
+    return world->body_end <= BODIES_FEW ? place : world_near(world, hunt->segment, which)[place];
+}
+
+/* Where nothing is known, the body whose box is nearest is the best to begin with. */
+static uint32_t nearest_box(const struct hunt *hunt)
+{
+    uint32_t best = DPT_NONE;
+    double least = HUGE_VAL;
+    for (uint32_t i = 0; i < near_count(hunt); i++) {
+        uint32_t index = near_at(hunt, i);
+        double apart = box_distance(&hunt->box, &hunt->world->boxes[index]);
+        if (hunt->world->bodies[index].slot.used && apart < least) {
+            least = apart;
+            best = index;
+        }
+    }
+    return best;
+}
+
+/* Each of them, from `first` on. */
+static void ask_near(struct hunt *hunt, uint32_t first)
+{
+    uint32_t count = near_count(hunt), begin = 0;
+    while (begin < count && near_at(hunt, begin) != first)
+        begin++;
+    for (uint32_t i = 0; i < count; i++)
+        ask(hunt, near_at(hunt, begin + i < count ? begin + i : begin + i - count));
+}
+
+static void find_exact(struct hunt *hunt)
+{
+    struct dpt_world *world = hunt->world;
+    struct segment *segment = &world->segments[hunt->segment];
+    uint32_t first = segment->last_body;
+    for (uint32_t i = 0; first == DPT_NONE && i < world->body_end; i++)
+        if (world->bodies[i].slot.used)
+            first = i;
+    if (first == DPT_NONE)
+        return;
+    int many = world->body_end > BODIES_FEW;
+    if (many)
+        near_move(&segment->near, *hunt->a, *hunt->b);
+    follow(hunt, first);
+    if (hunt->distance == 0.0)
+        return; /* nothing is nearer */
+    hunt->box = box_of_axis(*hunt->a, *hunt->b);
+    if (many)
+        list_near(hunt, &segment->near);
+    /* In motion all bodies get their turn; a first search, and one at rest, begins where it costs least. */
+    uint32_t begin = hunt->is_new ? nearest_box(hunt) : first;
+    if (world->def.budget) {
+        uint32_t *next = &world_pause(world, hunt->segment, 0)->next;
+        int goes_on = hunt->moved > 0.0 || world_pause(world, hunt->segment, 1)->walk.at;
+        if (*next != DPT_NONE && goes_on)
+            begin = *next;
+        else if (hunt->moved == 0.0)
+            begin = nearest_box(hunt);
+        ask_near(hunt, begin);
+        *next = hunt->next;
+    } else {
+        ask_near(hunt, begin);
+    }
+    if (many && hunt->moved > 0.0 && is_proven(hunt, hunt->best->lower))
+        tidy_near(hunt, &segment->near);
+}
+
+void bodies_find(struct dpt_world *world, uint32_t segment, const vec3 *a, const vec3 *b,
+                 struct found *best)
+{
+    struct hunt hunt = {
+        .world = world, .segment = segment, .a = a, .b = b, .best = best, .next = DPT_NONE
+    };
+    best->body = NULL;
+    best->lower = HUGE_VAL;
+    best->error = 0.0;
+    best->work = 0;
+    if (world->def.method == DPT_METHOD_EXACT) {
+        find_exact(&hunt);
+    } else {
+        for (uint32_t i = 0; i < world->body_end; i++)
+            if (world->bodies[i].slot.used)
+                ask_plainly(&hunt, i);
+    }
+    best->exact = best->body && is_proven(&hunt, best->lower);
+}
+
+uint32_t bodies_within(struct dpt_world *world, uint32_t segment, double reach,
+                       const uint32_t **list)
+{
+    struct near *near = &world->segments[segment].near;
+    *list = NULL;
+    if (world->body_end <= BODIES_FEW || world->def.method != DPT_METHOD_EXACT)
+        return world->body_end;
+    if (near_reach(near) < reach && !world->def.budget) {
+        struct found none = { .work = 0 };
+        struct hunt hunt = { .world = world, .segment = segment, .best = &none };
+        near_settle(near, reach);
+        scan(&hunt, near);
+    }
+    if (near_reach(near) < reach)
+        return world->body_end;
+    *list = world_near(world, segment, near->now.which);
+    return near->now.listed;
+}
+
+void bodies_hit(const struct found *best, dpt_hit *hit)
+{
+    const struct body *body = best->body;
+    track_hit(&body->tree, &best->track.axis, &body->frame, &best->track.nearest, hit);
+    hit->body = body->id;
+    hit->work = best->work;
+    hit->error_bound = best->error;
+    hit->lower_bound = larger(0.0, hit->distance - best->error);
+    if (!best->exact) {
+        hit->status = DPT_STATUS_BOUNDED;
+        hit->lower_bound = larger(0.0, best->lower - best->error);
+        hit->error_bound = hit->distance - hit->lower_bound;
+    }
+}
+
+void bodies_place(struct dpt_world *world, uint32_t index)
+{
+    const struct body *body = &world->bodies[index];
+    const struct dpt_mesh *mesh = body->tree.mesh;
+    struct box *box = &world->boxes[index];
+    *box = box_in_world(vec3_of(mesh->box_min), vec3_of(mesh->box_max), &body->frame);
+    for (uint32_t s = 0; world->body_end > BODIES_FEW && s < world->segment_count; s++) {
+        struct near *near = &world->segments[s].near;
+        if (near->now.room > 0.0 && box_meets(&near->now.box, box))
+            put_on_list(world, s, &near->now, index);
+        if (near->scanning && index < near->scanned && box_meets(&near->next.box, box))
+            put_on_list(world, s, &near->next, index);
+    }
+}

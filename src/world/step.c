@@ -1,0 +1,293 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * One tick:
+ *
+ *     for each segment of each tool
+ *         track      the nearest pair over all bodies
+ *     for each of them
+ *         travel     what it met on its way from the last tick
+ *         contact    regions, sides, gap and the way out
+ *         strip      the triangles under it
+ *         respond    the penalty force
+ *     for each tool
+ *         the sum of its segments
+ */
+#include "base/return_if_error.h"
+#include "force/penalty.h"
+#include "world/baseline_method.h"
+#include "world/contacts.h"
+#include "world/swept_motion.h"
+#include "world/tool_strips.h"
+#include "world/world_state.h"
+
+static int is_active(const struct dpt_world *world, const struct tool *tool)
+{
+    return tool->slot.used && tool->valid && !world->invalid;
+}
+
+/* What the torque is about. */
+static vec3 origin_of(const struct dpt_world *world, const struct tool *tool)
+{
+    return tool->free ? world->segments[tool->first].a : tool->frame.origin;
+}
+
+/* The segment's nearest pair; by the paper's method also its contact. */
+static void track_segment(struct dpt_world *world, uint32_t index)
+{
+    struct segment *segment = &world->segments[index];
+    const struct tool *tool = &world->tools[segment->tool];
+    segment->found.body = NULL;
+    if (!is_active(world, tool)) {
+        segment->near.known = 0;
+        return;
+    }
+    vec3 a = frame_to_world(&tool->frame, segment->a);
+    vec3 b = frame_to_world(&tool->frame, segment->b);
+    if (world->def.method == DPT_METHOD_PAPER) {
+        segment->push = paper_segment(world, index, a, b, &segment->hit);
+        return;
+    }
+    bodies_find(world, index, &a, &b, &segment->found);
+    if (!segment->found.body)
+        return;
+    segment->last_body = handle_index(segment->found.body->id);
+    bodies_hit(&segment->found, &segment->hit);
+}
+
+static void contact_segment(struct dpt_world *world, uint32_t index)
+{
+    struct segment *segment = &world->segments[index];
+    int swept = segment->found.body && travel_find(world, index);
+    if (swept && segment->found.exact)
+        contacts_find(world, index, &segment->found, &segment->hit, &segment->push);
+    else
+        contacts_keep(world, index);
+    travel_end(world, index);
+}
+
+static void respond_segment(struct dpt_world *world, uint32_t index)
+{
+    struct segment *segment = &world->segments[index];
+    if (segment->push.depth > 0.0)
+        respond_penalty(&segment->push, world->def.stiffness,
+                        origin_of(world, &world->tools[segment->tool]), &segment->wrench);
+}
+
+/*
+ * All segments share the budget: first for their nearest pairs, then what is left for their contacts. Every other
+ * tick begins with the first segment that the one before left undone; in between they take turns, or one that moves,
+ * and is never done, would leave nothing to the others.
+ */
+static void step_segments(struct dpt_world *world)
+{
+    uint32_t count = world->segment_count, tick = world->ticks++;
+    uint32_t first = tick % 2 && count > 1 ? tick / 2 % count : world->turn;
+    first = first < count ? first : 0;
+    int waits = 0;
+    world->left = world->def.budget;
+    world->memo.tick = tick;
+    contacts_turn(world);
+    for (uint32_t i = 0; i < count; i++)
+        track_segment(world, (first + i) % count);
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t index = (first + i) % count;
+        if (world->def.until != DPT_UNTIL_TRACK && world->def.method != DPT_METHOD_PAPER)
+            contact_segment(world, index);
+        if (world->def.strip && world->def.until != DPT_UNTIL_TRACK)
+            strips_find(world, index);
+        if (world->def.until == DPT_UNTIL_RESPOND)
+            respond_segment(world, index);
+        const dpt_hit *hit = &world->segments[index].hit;
+        if (!waits && world->def.budget &&
+            (hit->status == DPT_STATUS_BOUNDED ||
+             (hit->status == DPT_STATUS_EXACT && hit->contact == DPT_CONTACT_UNKNOWN))) {
+            world->turn = index;
+            waits = 1;
+        }
+    }
+}
+
+static double surface_distance(const struct segment *segment)
+{
+    return segment->hit.distance - segment->radius;
+}
+
+static void sum_up(struct dpt_world *world, struct tool *tool)
+{
+    const struct segment *segments = &world->segments[tool->first];
+    vec3 force = { 0.0, 0.0, 0.0 }, torque = force;
+    for (uint32_t i = 0; i < tool->count; i++) {
+        force = add(force, vec3_of(segments[i].wrench.force));
+        torque = add(torque, vec3_of(segments[i].wrench.torque));
+        if (surface_distance(&segments[i]) < surface_distance(&segments[tool->nearest]))
+            tool->nearest = i;
+    }
+    vec3_store(force, tool->wrench.force);
+    vec3_store(torque, tool->wrench.torque);
+}
+
+/* How grave a contact is: penetrating before touching before unknown before separated. */
+static int gravity(uint32_t contact)
+{
+    switch (contact) {
+    case DPT_CONTACT_PENETRATING:
+        return 3;
+    case DPT_CONTACT_TOUCHING:
+        return 2;
+    case DPT_CONTACT_UNKNOWN:
+        return 1;
+    default:
+        return 0;
+    }
+}
+
+/* The size that the first release gave its step. */
+enum { STEP_SIZE_FIRST = 24 };
+
+static void report(const struct dpt_world *world, dpt_step *to)
+{
+    int any = 0;
+    dpt_step step = { .size = to->size }, *out = &step;
+    out->status = DPT_STATUS_EXACT;
+    out->contact = DPT_CONTACT_SEPARATED;
+    out->work = 0;
+    out->distance = 0.0;
+    out->contacts = 0;
+    out->flags = world->contacts_full ? DPT_STEP_CONTACTS_FULL : 0;
+    for (uint32_t i = 0; i < world->holds[world->holds_at].count; i++)
+        out->contacts += !world->holds[world->holds_at].hold[i].unseen;
+    for (uint32_t t = 0; t < world->tool_end; t++) {
+        const struct tool *tool = &world->tools[t];
+        for (uint32_t i = 0; tool->slot.used && i < tool->count; i++) {
+            const dpt_hit *hit = &world->segments[tool->first + i].hit;
+            out->work += hit->work;
+            if (hit->status < out->status)
+                out->status = hit->status;
+            if (gravity(hit->contact) > gravity(out->contact))
+                out->contact = hit->contact;
+            if (hit->status != DPT_STATUS_STALE && (!any || hit->distance < out->distance)) {
+                out->distance = hit->distance;
+                any = 1;
+            }
+        }
+    }
+    if (!any) {
+        out->status = DPT_STATUS_STALE;
+        out->contact = DPT_CONTACT_UNKNOWN;
+    }
+    memcpy(to, out, to->size < sizeof *out ? to->size : sizeof *out);
+}
+
+dpt_result dpt_world_step(dpt_world *world, double dt, dpt_step *out)
+{
+    if (!world)
+        return DPT_E_ARGUMENT;
+    int only_track = world->def.until == DPT_UNTIL_TRACK && world->def.method != DPT_METHOD_PAPER;
+    dpt_result result = DPT_OK;
+    if (!(dt > 0.0 && within(dt, 1e6)))
+        result = DPT_E_ARGUMENT;
+    else if (out && out->size < STEP_SIZE_FIRST)
+        result = DPT_E_SIZE;
+    for (uint32_t t = 0; t < world->tool_end; t++)
+        if (world->tools[t].slot.used)
+            (only_track ? tool_clear_hits : tool_clear)(world, &world->tools[t]);
+    if (result == DPT_OK)
+        step_segments(world);
+    for (uint32_t t = 0; t < world->tool_end; t++)
+        if (world->tools[t].slot.used && result == DPT_OK && !world->invalid)
+            sum_up(world, &world->tools[t]);
+    if (out && result != DPT_E_SIZE)
+        report(world, out);
+    return result;
+}
+
+static dpt_result find_segment(const dpt_world *world, dpt_tool tool, uint32_t segment,
+                               const struct segment **found)
+{
+    const struct tool *asked = world_tool(world, tool);
+    if (!asked)
+        return DPT_E_HANDLE;
+    if (segment >= asked->count)
+        return DPT_E_ARGUMENT;
+    *found = &world->segments[asked->first + segment];
+    return DPT_OK;
+}
+
+dpt_result dpt_tool_get_segment_hit(const dpt_world *world, dpt_tool tool, uint32_t segment,
+                                    dpt_hit *hit)
+{
+    const struct segment *found;
+    if (!world || !hit)
+        return DPT_E_ARGUMENT;
+    uint32_t size = hit->size;
+    if (size < sizeof *hit)
+        return DPT_E_SIZE;
+    *hit = (dpt_hit){ .size = size, .status = DPT_STATUS_STALE, .triangle = DPT_NONE };
+    DPT_TRY(find_segment(world, tool, segment, &found));
+    *hit = found->hit;
+    hit->size = size;
+    return DPT_OK;
+}
+
+dpt_result dpt_tool_get_hit(const dpt_world *world, dpt_tool tool, dpt_hit *hit)
+{
+    const struct tool *asked = world ? world_tool(world, tool) : NULL;
+    return dpt_tool_get_segment_hit(world, tool, asked ? asked->nearest : 0, hit);
+}
+
+dpt_result dpt_tool_get_contacts(const dpt_world *world, dpt_tool tool, dpt_contact *contacts,
+                                 uint32_t capacity, uint32_t *count)
+{
+    if (count)
+        *count = 0;
+    if (!world || !count || (!contacts && capacity))
+        return DPT_E_ARGUMENT;
+    uint32_t size = capacity ? contacts[0].size : 0, found = 0;
+    if (capacity && (size < sizeof *contacts || size % 8))
+        return DPT_E_SIZE;
+    const struct tool *asked = world_tool(world, tool);
+    if (!asked)
+        return DPT_E_HANDLE;
+    const struct holds *holds = &world->holds[world->holds_at];
+    for (uint32_t s = asked->first; s < asked->first + asked->count; s++)
+        for (uint32_t i = 0; i < holds->count; i++) {
+            if (holds->hold[i].segment != s || holds->hold[i].unseen)
+                continue;
+            if (found < capacity) {
+                dpt_contact *contact = (void *)((char *)contacts + (size_t)found * size);
+                *contact = holds->hold[i].contact;
+                contact->size = size;
+            }
+            found++;
+        }
+    *count = found;
+    return DPT_OK;
+}
+
+dpt_result dpt_tool_get_sweep(const dpt_world *world, dpt_tool tool, uint32_t segment,
+                              dpt_sweep *sweep)
+{
+    const struct segment *found;
+    if (!world || !sweep)
+        return DPT_E_ARGUMENT;
+    uint32_t size = sweep->size;
+    if (size < sizeof *sweep)
+        return DPT_E_SIZE;
+    *sweep = (dpt_sweep){ .size = size, .triangle = DPT_NONE };
+    DPT_TRY(find_segment(world, tool, segment, &found));
+    *sweep = found->sweep;
+    sweep->size = size;
+    return DPT_OK;
+}
+
+dpt_result dpt_tool_get_wrench(const dpt_world *world, dpt_tool tool, dpt_wrench *wrench)
+{
+    if (!wrench)
+        return DPT_E_ARGUMENT;
+    memset(wrench, 0, sizeof *wrench);
+    const struct tool *asked = world ? world_tool(world, tool) : NULL;
+    if (!asked)
+        return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
+    *wrench = asked->wrench;
+    return DPT_OK;
+}

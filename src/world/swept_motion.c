@@ -1,0 +1,352 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * A tick's motion is a leg: most are over at a look, as nothing was near. With a budget a leg may take several ticks; those
+ * that come meanwhile wait in a voyage, each as it was. What that has no room for is given up.
+ */
+#include "world/swept_motion.h"
+
+#include "world/body_search.h"
+#include "world/contacts.h"
+
+static struct was place_of(const struct dpt_world *world, const struct segment *segment)
+{
+    const struct tool *tool = &world->tools[segment->tool];
+    const dpt_hit *hit = &segment->hit;
+    const dpt_pose identity = DPT_POSE_IDENTITY;
+    double least = segment->found.exact ? hit->lower_bound : hit->distance;
+    return (struct was){ .pose = tool->free ? identity : tool->pose,
+                         .a = segment->a,
+                         .b = segment->b,
+                         .distance = hit->lower_bound,
+                         .known = segment->found.body != NULL,
+                         .through = least == 0.0 };
+}
+
+/* How far the ends are apart in the tool's frame: not at all, unless it is free or its segments changed. */
+static double differ(const struct was *from, const struct was *to)
+{
+    return length(sub(from->a, to->a)) + length(sub(from->b, to->b));
+}
+
+static int is_same(const struct was *from, const struct was *to)
+{
+    return differ(from, to) == 0.0 && pose_is_same(&from->pose, &to->pose);
+}
+
+static struct moment in_world(const struct was *was)
+{
+    const dpt_pose identity = DPT_POSE_IDENTITY;
+    struct frame frame;
+    frame_of_pose(&was->pose, &frame);
+    return (struct moment){ .tool = identity,
+                            .a = frame_to_world(&frame, was->a),
+                            .b = frame_to_world(&frame, was->b) };
+}
+
+/* From one place to another: with the tool's pose or, where its segments are others, in the world. */
+static void moments_of(const struct was *was, const struct was *is, struct moment *from,
+                       struct moment *to)
+{
+    *from = (struct moment){ .tool = was->pose, .a = was->a, .b = was->b };
+    *to = (struct moment){ .tool = is->pose, .a = is->a, .b = is->b };
+    if (differ(was, is) == 0.0)
+        return;
+    *from = in_world(was);
+    *to = in_world(is);
+}
+
+static double way_between(const struct was *was, const struct was *is)
+{
+    struct moment from, to;
+    moments_of(was, is, &from, &to);
+    return tour_way(&from, &to);
+}
+
+static void tell(const struct tour *tour, const struct body *body, struct segment *segment)
+{
+    const struct strike *strike = &tour->passage.strike;
+    const struct tree *tree = tour->tree;
+    int side = tour_side_before(tour);
+    vec3 normal = side_feature_normal(tree, strike->triangle, strike->pair.weight);
+    double size = length(normal);
+    dpt_sweep *sweep = &segment->sweep;
+    sweep->status = DPT_SWEEP_HIT;
+    sweep->time = tour->passage.time;
+    sweep->body = body->id;
+    sweep->triangle = tree->sources[strike->triangle];
+    sweep->s = strike->pair.s;
+    vec3_store(frame_to_world(&body->frame, strike->q), sweep->q);
+    vec3_store(scaled(frame_turn(&body->frame, normal), size > 0.0 ? side / size : 0.0),
+               sweep->normal);
+}
+
+/* The side from which the axis came through a sheet. */
+static void keep_side(struct dpt_world *world, uint32_t index, const struct body *body,
+                      const struct tour *tour)
+{
+    const struct strike *strike = &tour->passage.strike;
+    uint32_t part = side_part(tour->tree, strike->triangle);
+    const struct seed seed = { strike->pair.s, strike->triangle, 1.0f };
+    if (side_is_sheet(tour->tree, part) &&
+        !side_is_border(tour->tree, strike->triangle, strike->pair.weight))
+        contacts_meet(world, index, body, part, tour_side_before(tour), &seed);
+}
+
+/* Within what is left of the budget. */
+static int take_tour(struct dpt_world *world, struct segment *segment, struct tour *tour,
+                     const struct moment *from, const struct moment *to)
+{
+    int result = SWEEP_UNFINISHED;
+    tour->most = world->left;
+    tour->work = 0;
+    if (!world->def.budget || world->left)
+        result = tour_sweep(tour, from, to);
+    segment->hit.work += tour->work;
+    if (world->def.budget)
+        world->left -= tour->work;
+    return result;
+}
+
+static void begin_tour(struct voyage *voyage, uint32_t on_axis)
+{
+    voyage->on_axis = on_axis;
+    voyage->progress.free_until = 0.0;
+    voyage->progress.sweep.begun = 0;
+}
+
+enum { LEG_STOPPED, LEG_GOES_ON, LEG_BEGAN_THROUGH };
+
+/* Here the budget ended. */
+static int stop(struct segment *segment, struct voyage *voyage, const struct body *body)
+{
+    voyage->body = body->id;
+    voyage->sweep = segment->sweep;
+    voyage->passed = segment->passed;
+    return LEG_STOPPED;
+}
+
+/* One body: what met it before segment->sweep.time, and whether the axis went through. */
+static int pass_body(struct dpt_world *world, uint32_t index, const struct body *body,
+                     struct voyage *voyage, struct moment *from, struct moment *to)
+{
+    struct segment *segment = &world->segments[index];
+    double far = body->added == world->ticks ? 0.0 : segment->was.distance;
+    struct tour tour = { .tree = &body->tree,
+                         .kernel = &world->kernel,
+                         .radius = far > segment->radius ? segment->radius : 0.0,
+                         .far = far,
+                         .tolerance = 0.5 * TOUR_TOLERANCE * tree_diagonal(&body->tree),
+                         .hint = *world_last(world, index, handle_index(body->id)),
+                         .progress = &voyage->progress };
+    from->body = body->moved == world->ticks ? body->before : body->pose;
+    to->body = body->pose;
+    if (voyage->body != body->id) {
+        if (tour_is_beyond(&tour, from, to, voyage->way[0].distance))
+            return LEG_GOES_ON;
+        begin_tour(voyage, 0);
+    }
+    int result = SWEEP_HIT;
+    if (voyage->on_axis)
+        tour.passage = voyage->surface;
+    else
+        result = take_tour(world, segment, &tour, from, to);
+    if (result == SWEEP_FREE)
+        return LEG_GOES_ON;
+    if (result == SWEEP_UNFINISHED)
+        return stop(segment, voyage, body);
+    if (tour_began_through(&tour))
+        return LEG_BEGAN_THROUGH;
+    struct tour axis = tour;
+    axis.radius = 0.0;
+    if (tour.radius > 0.0) {
+        voyage->surface = tour.passage;
+        if (!voyage->on_axis)
+            begin_tour(voyage, 1);
+        result = take_tour(world, segment, &axis, from, to);
+    }
+    if (result == SWEEP_UNFINISHED)
+        return stop(segment, voyage, body);
+    if (tour.passage.time < segment->sweep.time)
+        tell(&tour, body, segment);
+    if (result == SWEEP_HIT) {
+        segment->passed = 1;
+        keep_side(world, index, body, &axis);
+    }
+    return LEG_GOES_ON;
+}
+
+/* The bodies that a motion may have met. */
+struct around {
+    const struct dpt_world *world;
+    struct box box;
+    double reach;
+    const uint32_t *list; /* of slots, in their order, or NULL: all of them */
+    uint32_t count;
+    uint32_t next; /* place on the list */
+};
+
+static const struct body *next_body(struct around *around)
+{
+    const struct dpt_world *world = around->world;
+    while (around->next < around->count) {
+        uint32_t slot = around->list ? around->list[around->next] : around->next;
+        const struct body *body = &world->bodies[slot];
+        double way = body->moved == world->ticks ? body->travelled : 0.0;
+        around->next++;
+        if (body->slot.used &&
+            box_distance(&around->box, &world->boxes[slot]) <= around->reach + way)
+            return body;
+    }
+    return NULL;
+}
+
+static struct around around_of(struct dpt_world *world, uint32_t index, double reach)
+{
+    const struct track *track = &world->segments[index].found.track;
+    double moved = world->travelled_at == world->ticks ? world->travelled : 0.0;
+    struct around around = { .world = world, .reach = reach, .count = world->body_end };
+    around.box = box_of_axis(track->axis.a, track->axis.b);
+    if (around.count > 1)
+        around.count = bodies_within(world, index, reach + moved, &around.list);
+    return around;
+}
+
+static void no_sweep(struct segment *segment, uint32_t status)
+{
+    segment->sweep = (dpt_sweep){ .size = sizeof segment->sweep,
+                                  .status = status,
+                                  .segment = segment->sweep.segment,
+                                  .triangle = DPT_NONE };
+    segment->passed |= status == DPT_SWEEP_NONE;
+}
+
+/* The voyage's first leg, from its beginning or from where it was stopped; 0 where the budget ended. */
+static int take_leg(struct dpt_world *world, uint32_t index, struct around around,
+                    struct voyage *voyage)
+{
+    struct segment *segment = &world->segments[index];
+    struct moment from, to;
+    const struct body *body;
+    moments_of(&segment->was, &voyage->way[0], &from, &to);
+    segment->sweep.status = DPT_SWEEP_FREE;
+    segment->sweep.time = 1.0;
+    if (voyage->body) {
+        segment->sweep = voyage->sweep;
+        segment->passed |= voyage->passed;
+    }
+    int result = LEG_GOES_ON;
+    while (result == LEG_GOES_ON && (body = next_body(&around)) != NULL) {
+        if (voyage->body && handle_index(body->id) < handle_index(voyage->body))
+            continue;
+        result = pass_body(world, index, body, voyage, &from, &to);
+    }
+    if (result != LEG_STOPPED)
+        voyage->body = 0;
+    if (result == LEG_BEGAN_THROUGH)
+        no_sweep(segment, DPT_SWEEP_NONE);
+    return result != LEG_STOPPED;
+}
+
+/* What cannot be followed is as a teleport to where the segment is now. */
+static void give_up(struct dpt_world *world, uint32_t index, struct voyage *voyage)
+{
+    voyage->count = voyage->body = 0;
+    no_sweep(&world->segments[index], DPT_SWEEP_NONE);
+    contacts_forget_sides(world, index);
+}
+
+/* How far away is what any leg, and `now` if it is not NULL, may have met. */
+static double reach_of(const struct segment *segment, const struct voyage *voyage,
+                       const struct was *now)
+{
+    double reach = segment->radius;
+    const struct was *last = &segment->was;
+    for (uint32_t i = 0; i < voyage->count; last = &voyage->way[i++])
+        reach += way_between(last, &voyage->way[i]);
+    return now ? reach + way_between(last, now) : reach;
+}
+
+/* Bodies that have moved, or come, since the last tick: a leg past them is of this tick alone. */
+static int meets_others(struct dpt_world *world, uint32_t index, double reach)
+{
+    struct around around = around_of(world, index, reach);
+    const struct body *body = next_body(&around);
+    while (body && body->moved != world->ticks && body->added != world->ticks)
+        body = next_body(&around);
+    return body != NULL;
+}
+
+/* Legs that wait, before this tick's joins them: is the way known on which they are, and is there room for one more? */
+static int is_followed(struct dpt_world *world, uint32_t index, const struct voyage *voyage,
+                       const struct was *now)
+{
+    double reach = reach_of(&world->segments[index], voyage, now);
+    return !voyage->lost && !meets_others(world, index, reach) &&
+           (voyage->count < WAY_MOST || is_same(&voyage->way[voyage->count - 1], now));
+}
+
+/* This tick's motion cannot have met anything. */
+static int is_free(const struct dpt_world *world, const struct segment *segment, double reach)
+{
+    double moved = world->travelled_at == world->ticks ? world->travelled : 0.0;
+    return segment->hit.lower_bound > reach + moved + segment->hit.error_bound;
+}
+
+/* Leg by leg, up to the first that meets something or the end of the budget. 0 unless that was all. */
+static int take_legs(struct dpt_world *world, uint32_t index, struct voyage *voyage)
+{
+    struct segment *segment = &world->segments[index];
+    while (voyage->count) {
+        double reach = reach_of(segment, voyage, NULL);
+        if (!take_leg(world, index, around_of(world, index, reach), voyage)) {
+            no_sweep(segment, DPT_SWEEP_UNFINISHED);
+            voyage->lost |= (uint32_t)meets_others(world, index, reach);
+            return 0;
+        }
+        segment->was = voyage->way[0];
+        voyage->count--;
+        memmove(voyage->way, voyage->way + 1, voyage->count * sizeof *voyage->way);
+        if (segment->sweep.status == DPT_SWEEP_HIT)
+            break;
+    }
+    return !voyage->count;
+}
+
+int travel_find(struct dpt_world *world, uint32_t index)
+{
+    struct segment *segment = &world->segments[index];
+    struct voyage fresh, *voyage = world->def.budget ? &world->voyages[index] : &fresh;
+    if (!world->def.budget || !segment->was.known)
+        voyage->count = voyage->body = 0;
+    if (!segment->was.known)
+        return 1;
+    const struct was now = place_of(world, segment);
+    if (voyage->count && !is_followed(world, index, voyage, &now)) {
+        give_up(world, index, voyage);
+        return 1;
+    }
+    if (!voyage->count) {
+        voyage->lost = 0;
+        voyage->radius = segment->radius;
+        if (segment->was.through)
+            return 1;
+        double reach = way_between(&segment->was, &now) + segment->radius;
+        segment->sweep.status = DPT_SWEEP_FREE;
+        segment->sweep.time = 1.0;
+        if (is_free(world, segment, reach))
+            return 1;
+    }
+    if (!voyage->count || !is_same(&voyage->way[voyage->count - 1], &now))
+        voyage->count++;
+    voyage->way[voyage->count - 1] = now; /* of the same place more may be known now */
+    if (voyage->radius != segment->radius)
+        voyage->body = 0;
+    voyage->radius = segment->radius;
+    return take_legs(world, index, voyage);
+}
+
+void travel_end(struct dpt_world *world, uint32_t index)
+{
+    if (!world->def.budget || !world->voyages[index].count)
+        world->segments[index].was = place_of(world, &world->segments[index]);
+}

@@ -1,0 +1,150 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "world/tool_strips.h"
+
+#include "base/return_if_error.h"
+#include "nearest/side.h"
+
+void strips_forget(struct dpt_world *world, uint32_t first, uint32_t end)
+{
+    for (uint32_t i = first; world->def.strip && i < end; i++) {
+        struct laid *laid = &world->laid[i];
+        strip_clear(laid->strip, NULL);
+        strip_forget(laid->strip);
+        laid->end[0] = laid->end[1] = DPT_NONE;
+        laid->body = DPT_NONE;
+    }
+}
+
+void strips_forget_body(struct dpt_world *world, uint32_t body)
+{
+    for (uint32_t i = 0; world->def.strip && i < world->segment_count; i++)
+        if (world->laid[i].body == body)
+            strips_forget(world, i, i + 1);
+}
+
+void strips_remove(struct dpt_world *world, uint32_t first, uint32_t end, uint32_t moved)
+{
+    if (!world->def.strip)
+        return;
+    strips_forget(world, first, end);
+    for (uint32_t i = 0; i < moved; i++) {
+        const struct laid up = world->laid[end + i];
+        world->laid[end + i] = world->laid[first + i];
+        world->laid[first + i] = up;
+    }
+}
+
+/* From the nearest point to the axis, or where that crosses along its push; in the mesh's frame. */
+static vec3 way_to_axis(const struct segment *segment, const struct laid *laid, uint32_t place)
+{
+    const dpt_hit *hit = &segment->hit;
+    if (hit->distance > 0.0)
+        return sub(frame_to_local(&laid->frame, vec3_of(hit->p)),
+                   frame_to_local(&laid->frame, vec3_of(hit->q)));
+    vec3 push = frame_turn_back(&laid->frame, segment->push.direction);
+    return dot(push, push) > 0.0 ? push : side_face_normal(&laid->tree, place);
+}
+
+/* Of an open sheet, that to which the tool would be pushed, or on which it is. */
+static int32_t side_of_tool(const struct segment *segment, const struct laid *laid, uint32_t place,
+                            vec3 to_axis)
+{
+    if (!side_is_sheet(&laid->tree, side_part(&laid->tree, place)))
+        return 1;
+    vec3 out = frame_turn_back(&laid->frame, segment->push.direction);
+    if (!(dot(out, out) > 0.0))
+        out = to_axis;
+    return dot(out, side_face_normal(&laid->tree, place)) < 0.0 ? -1 : 1;
+}
+
+static void lay_shadow(const struct dpt_world *world, struct laid *laid, vec3 way, uint32_t place)
+{
+    const dpt_world_def *def = &world->def;
+    double depth = def->strip_depth;
+    if (depth == 0.0)
+        depth = 0.25 * length(laid->u) + laid->radius + def->margin;
+    if (!(dot(way, way) > 0.0))
+        return;
+    struct shade shade;
+    shade_of(laid->a, laid->u, way, laid->radius + def->strip_width, depth, &shade);
+    strip_shadow(laid->strip, laid->tree.mesh, &shade, place);
+}
+
+/* The triangle nearest to an end of the axis. */
+static uint32_t nearest_to_end(const struct dpt_world *world, const struct laid *laid, int end)
+{
+    struct axis axis;
+    struct nearest nearest;
+    vec3 at = frame_to_world(&laid->frame, end ? add(laid->a, laid->u) : laid->a);
+    axis_of(&laid->tree, &laid->frame, at, at, &axis);
+    track_once(&laid->tree, &world->kernel, DPT_METHOD_TREE, &axis, laid->end[end], &nearest);
+    return nearest.triangle;
+}
+
+/* Nothing where no route leads there, as when an end is nearest to another part; full where the search is too small. */
+static void lay_routes(const struct dpt_world *world, struct laid *laid, uint32_t place)
+{
+    const uint32_t *sources = laid->tree.sources;
+    for (int end = 0; end < 2; end++)
+        laid->end[end] = nearest_to_end(world, laid, end);
+    if (laid->end[0] == DPT_NONE || laid->end[1] == DPT_NONE)
+        return;
+    if (dpt_strip_routes(laid->strip, laid->tree.mesh, sources[laid->end[0]], sources[laid->end[1]],
+                         sources[place]) == DPT_E_FULL)
+        strip_set_full(laid->strip);
+}
+
+void strips_find(struct dpt_world *world, uint32_t index)
+{
+    const struct segment *segment = &world->segments[index];
+    const struct tool *tool = &world->tools[segment->tool];
+    const dpt_hit *hit = &segment->hit;
+    struct laid *laid = &world->laid[index];
+    if (hit->status == DPT_STATUS_STALE || hit->triangle == DPT_NONE)
+        return;
+    if (hit->contact != DPT_CONTACT_PENETRATING &&
+        !(hit->distance - segment->radius <= world->def.margin))
+        return;
+    const struct body *body = &world->bodies[handle_index(hit->body)];
+    if (laid->body != handle_index(hit->body))
+        laid->end[0] = laid->end[1] = DPT_NONE;
+    laid->body = handle_index(hit->body);
+    laid->tree = body->tree;
+    laid->frame = body->frame;
+    laid->radius = segment->radius;
+    laid->a = frame_to_local(&body->frame, frame_to_world(&tool->frame, segment->a));
+    laid->u = sub(frame_to_local(&body->frame, frame_to_world(&tool->frame, segment->b)), laid->a);
+    uint32_t place = mesh_words(body->tree.mesh, MESH_PLACES)[hit->triangle];
+    vec3 to_axis = way_to_axis(segment, laid, place);
+    laid->side = side_of_tool(segment, laid, place, to_axis);
+    if (world->def.strip == DPT_STRIP_SHADOW)
+        lay_shadow(world, laid, to_axis, place);
+    else
+        lay_routes(world, laid, place);
+}
+
+dpt_result dpt_tool_get_strip(const dpt_world *world, dpt_tool tool, uint32_t segment,
+                              dpt_overlap *overlaps, uint32_t capacity, uint32_t *count,
+                              uint32_t *flags)
+{
+    if (count)
+        *count = 0;
+    if (flags)
+        *flags = 0;
+    if (!world || !count || (!overlaps && capacity))
+        return DPT_E_ARGUMENT;
+    if (capacity && (overlaps[0].size < sizeof *overlaps || overlaps[0].size % 8))
+        return DPT_E_SIZE;
+    const struct tool *asked = world_tool(world, tool);
+    if (!asked)
+        return DPT_E_HANDLE;
+    if (segment >= asked->count)
+        return DPT_E_ARGUMENT;
+    if (!world->def.strip)
+        return DPT_OK;
+    const struct laid *laid = &world->laid[asked->first + segment];
+    dpt_strip_triangles(laid->strip, count, flags);
+    strip_overlaps(laid->strip, &laid->tree, &laid->frame, laid->a, laid->u, laid->radius,
+                   laid->side, overlaps, capacity);
+    return DPT_OK;
+}

@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The strip of each segment of a world. docs/algorithms/strip.md. */
+#ifndef DPT_TOOL_STRIPS_H
+#define DPT_TOOL_STRIPS_H
+
+#include "world/world_state.h"
+
+/* A segment's strip, from its nearest pair and its push; empty where it is not within the margin. */
+void strips_find(struct dpt_world *world, uint32_t segment);
+
+/* Empty those of the segments from `first` to before `end`, and forget what they remember. */
+void strips_forget(struct dpt_world *world, uint32_t first, uint32_t end);
+
+/* Empty those that lie on a body. */
+void strips_forget_body(struct dpt_world *world, uint32_t body);
+
+/* The segments from `first` to before `end` are gone, and `moved` behind them move up. */
+void strips_remove(struct dpt_world *world, uint32_t first, uint32_t end, uint32_t moved);
+
+#endif

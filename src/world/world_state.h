@@ -1,0 +1,220 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What lies in the caller's block. */
+#ifndef DPT_WORLD_STATE_H
+#define DPT_WORLD_STATE_H
+
+#include "base/frame.h"
+#include "base/handle.h"
+#include "contact/gap.h"
+#include "dynpoint/world.h"
+#include "nearest/bvh.h"
+#include "nearest/dynamic_point.h"
+#include "strip/strip_state.h"
+#include "sweep/sweep_rigid.h"
+#include "world/broad_phase.h"
+
+struct body {
+    struct tree tree;
+    struct frame frame;
+    dpt_pose pose;    /* what the frame is made of */
+    dpt_pose before;  /* that of the last tick, if it has moved since */
+    double travelled; /* by how far any of its points may have moved then */
+    struct slot slot;
+    uint32_t id;
+    uint32_t moved; /* the tick before which it last moved; 0: never */
+    uint32_t added; /* the tick before which it came */
+    uint32_t valid; /* 0 after a pose that could not be used: every answer is stale then */
+};
+
+struct tool {
+    struct frame frame;
+    dpt_pose pose; /* of a rigid one */
+    dpt_wrench wrench;
+    struct slot slot;
+    uint32_t first; /* its segments in the world's list */
+    uint32_t count;
+    uint32_t nearest; /* the segment that speaks for the tool, from 0 */
+    uint32_t valid;
+    uint32_t free; /* segments are in the world; torque is about the first one's end a */
+};
+
+/* The best answer over all bodies. */
+struct found {
+    const struct body *body; /* NULL: there is none */
+    struct track track;
+    double lower; /* what is not proven to be as far is no nearer than this */
+    double error; /* the error bound, of all bodies that were asked */
+    uint32_t exact;
+    uint32_t work;
+};
+
+/* Where a segment was in the last tick. */
+struct was {
+    dpt_pose pose;    /* of its tool; the identity for a free one */
+    vec3 a, b;        /* in the tool's frame */
+    double distance;  /* nothing was nearer to its axis */
+    uint32_t known;   /* 0: it was nowhere */
+    uint32_t through; /* its axis went through something */
+};
+
+#define WAY_MOST 8
+
+/*
+ * With a budget: legs of one tick each that are still to be swept, and how far the first of them has come. `body` is the id of
+ * the one at which it was stopped, or 0; those in slots before it are done.
+ */
+struct voyage {
+    struct was way[WAY_MOST]; /* where the segment was at the end of each */
+    uint32_t count;
+    uint32_t body;
+    uint32_t on_axis; /* the body was met by the surface: now the axis is swept */
+    uint32_t passed;  /* the axis may have gone through one that is done */
+    uint32_t lost;    /* a body moved meanwhile: it cannot be gone on with */
+    uint32_t reserved;
+    double radius;   /* with which it was begun */
+    dpt_sweep sweep; /* what was met of those that are done */
+    struct passage surface;
+    struct tour_progress progress;
+};
+
+struct segment {
+    vec3 a, b; /* in the tool's frame */
+    double radius;
+    dpt_hit hit;
+    dpt_wrench wrench;
+    struct near near;
+    struct found found; /* this tick's */
+    struct push push;
+    struct was was;
+    dpt_sweep sweep;
+    uint32_t passed;    /* on this tick's way the axis may have gone through something */
+    uint32_t last_body; /* slot of the body that was nearest, or DPT_NONE */
+    uint32_t tool;      /* slot of its tool */
+    uint32_t reserved;
+};
+
+/* With a budget: what is proven of a segment and a body. */
+struct proof {
+    vec3 a, b;       /* the axis, in the body's frame, when this was last brought up to date */
+    double floor;    /* nothing of the body was nearer to it than that */
+    uint32_t rested; /* the last tick to which it had not moved */
+    uint32_t reserved;
+};
+
+/* With a budget: a segment's search that it stopped. There are two, one for motion and one for rest. */
+struct pause {
+    struct walk walk;
+    double floor;  /* nothing that was visited is nearer */
+    uint32_t body; /* slot that it searches */
+    uint32_t next; /* slot of the body to go on with, or DPT_NONE; in the first of the two */
+};
+
+#define HOLD_SEEDS 24
+
+/* A region of contact, and what the next tick takes over from it. */
+struct hold {
+    dpt_contact contact;
+    uint32_t segment; /* in the world's list */
+    uint32_t part;    /* of the body's mesh */
+    int32_t side;     /* of an open sheet, or 0 */
+    uint32_t unseen;  /* it is kept, but this tick does not know it */
+    uint32_t front;   /* of the sheet whose side it has: all of the axis is known to be there */
+    uint32_t seed_count;
+    struct seed seed[HOLD_SEEDS];
+};
+
+struct holds {
+    struct hold *hold;
+    uint32_t count;
+    uint32_t reserved;
+};
+
+/* A segment's strip and where it lies, as of this tick. */
+struct laid {
+    struct dpt_strip *strip;
+    struct tree tree; /* of the body */
+    struct frame frame;
+    vec3 a, u; /* the axis in the body's frame */
+    double radius;
+    uint32_t body;   /* slot, or DPT_NONE */
+    int32_t side;    /* of its triangles on which the tool is: +1, -1 */
+    uint32_t end[2]; /* places nearest to the ends, of a strip of routes; or DPT_NONE */
+};
+
+struct dpt_world {
+    dpt_world_def def;
+    struct kernel kernel;
+    uint32_t kernel_id;
+    uint32_t body_end; /* slots from here on were never used */
+    uint32_t tool_end;
+    uint32_t segment_count;
+    uint32_t invalid;       /* bodies without a valid pose */
+    uint32_t left;          /* of this tick's budget */
+    uint32_t turn;          /* the segment that the budget did not reach */
+    uint32_t ticks;         /* since the last reset; may wrap */
+    uint32_t travelled_at;  /* the tick before which a body last moved */
+    double travelled;       /* the most that one moved then */
+    uint32_t holds_at;      /* which of the two is this tick's */
+    uint32_t contact_id;    /* the last one that was given */
+    uint32_t contacts_full; /* this tick had more regions than there is room for */
+    struct body *bodies;
+    struct box *boxes; /* of the bodies, in the world */
+    struct tool *tools;
+    struct segment *segments;
+    struct certificate certificate;
+    uint32_t *last; /* per segment, body slot and part: the place of the last answer, or DPT_NONE */
+    uint32_t *near; /* per segment: the slots of the bodies on its two lists */
+    struct pause *pauses;   /* per segment two; only with a budget, as the proofs */
+    struct proof *proofs;   /* per segment and body slot */
+    struct voyage *voyages; /* per segment */
+    struct memo memo;       /* only with a budget */
+    struct holds holds[2];  /* this tick's and the last one's */
+    struct laid *laid;      /* per segment; only with strips */
+    struct profile profile; /* of the segment and body that are being looked at */
+};
+
+/* How many places are kept of one segment. */
+static inline size_t world_lasts(const struct dpt_world *world)
+{
+    return (size_t)world->def.max_bodies * world->def.parts;
+}
+
+/* The places of a segment's parts on a body. */
+static inline uint32_t *world_last(const struct dpt_world *world, uint32_t segment, uint32_t body)
+{
+    return world->last + world_lasts(world) * segment + (size_t)body * world->def.parts;
+}
+
+/* A segment's two lists, of at most max_bodies slots each. */
+static inline uint32_t *world_near(const struct dpt_world *world, uint32_t segment, uint32_t which)
+{
+    return world->near + (size_t)world->def.max_bodies * (2 * (size_t)segment + which);
+}
+
+/* For motion the first, for rest the second. */
+static inline struct pause *world_pause(const struct dpt_world *world, uint32_t segment, int rests)
+{
+    return &world->pauses[2 * (size_t)segment + (rests != 0)];
+}
+
+static inline struct proof *world_proof(const struct dpt_world *world, uint32_t segment,
+                                        uint32_t body)
+{
+    return world->proofs + (size_t)world->def.max_bodies * segment + body;
+}
+
+/* By what name the certificate knows a segment and a body; not 0. */
+static inline uint32_t world_owner(const struct dpt_world *world, uint32_t segment, uint32_t body)
+{
+    return segment * world->def.max_bodies + body + 1;
+}
+
+struct tool *world_tool(const struct dpt_world *world, dpt_tool tool);
+
+/* Nothing is known: stale, no force. */
+void tool_clear(struct dpt_world *world, struct tool *tool);
+
+/* The same of a tool whose contacts no step has ever computed. */
+void tool_clear_hits(struct dpt_world *world, struct tool *tool);
+
+#endif

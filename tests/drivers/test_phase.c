@@ -1,0 +1,176 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * Where the loop's deadlines come to lie between a device's samples, on a clock that is made up: the linker puts ours
+ * between the loop and the C library (tests.mk). Wakes are late by up to 60 us, samples by up to 40.
+ */
+#include <time.h>
+
+#include "dynpoint/loop.h"
+#include "lib/check.h"
+#include "lib/random.h"
+
+enum { PERIOD = 1000000, TICKS = 4000 };
+
+static uint64_t now = 1000 * (uint64_t)PERIOD, seed = 1;
+
+int __wrap_clock_gettime(clockid_t clock, struct timespec *time);
+int __wrap_clock_gettime(clockid_t clock, struct timespec *time)
+{
+    (void)clock;
+    now += 200;
+    *time = (struct timespec){ (time_t)(now / 1000000000u), (long)(now % 1000000000u) };
+    return 0;
+}
+
+int __wrap_clock_nanosleep(clockid_t clock, int flags, const struct timespec *until,
+                           struct timespec *left);
+int __wrap_clock_nanosleep(clockid_t clock, int flags, const struct timespec *until,
+                           struct timespec *left)
+{
+    uint64_t end = (uint64_t)until->tv_sec * 1000000000u + (uint64_t)until->tv_nsec;
+    (void)clock, (void)flags, (void)left;
+    now = (end > now ? end : now) + (uint64_t)random_in(&seed, 0.0, 60000.0);
+    return 0;
+}
+
+/* Samples every `period`, from `offset` on, each a little late. */
+static struct device {
+    dpt_device device;
+    uint64_t offset, period, number, arrives, before;
+} made;
+
+static dpt_result open_made(const dpt_driver *driver, const char *where, dpt_device **device,
+                            dpt_device_error *error)
+{
+    (void)driver, (void)where, (void)error;
+    *device = &made.device;
+    return DPT_OK;
+}
+
+static void info_of_made(const dpt_device *device, dpt_device_info *info)
+{
+    (void)device;
+    info->pose_dofs = info->wrench_dofs = 3;
+    info->rate = 1000.0;
+    info->force_max = 5.0;
+}
+
+static dpt_result read_made(dpt_device *device, dpt_device_state *state)
+{
+    (void)device;
+    uint64_t before = made.number;
+    while (made.arrives <= now) {
+        made.before = made.arrives;
+        made.number++;
+        made.arrives =
+            made.offset + made.number * made.period + (uint64_t)random_in(&seed, 0.0, 40000.0);
+    }
+    state->status = DPT_DEVICE_READY;
+    state->fresh = (uint32_t)(made.number - before);
+    state->sequence = made.number;
+    state->time_ns = made.before;
+    state->pose.orientation[0] = 1.0;
+    return DPT_OK;
+}
+
+static dpt_result write_made(dpt_device *device, const dpt_wrench *wrench)
+{
+    (void)device, (void)wrench;
+    return DPT_OK;
+}
+
+static dpt_result clear_made(dpt_device *device)
+{
+    (void)device;
+    return DPT_OK;
+}
+
+static void counts_of_made(const dpt_device *device, dpt_device_counts *counts)
+{
+    (void)device, (void)counts;
+}
+
+static void close_made(dpt_device *device)
+{
+    (void)device;
+}
+
+static const dpt_driver driver = { .size = sizeof driver,
+                                   .version = DPT_DRIVER_VERSION,
+                                   .name = "made",
+                                   .about = "made up",
+                                   .open = open_made,
+                                   .info = info_of_made,
+                                   .read = read_made,
+                                   .write = write_made,
+                                   .clear = clear_made,
+                                   .counts = counts_of_made,
+                                   .close = close_made };
+
+static dpt_result nothing(void *user, const dpt_device_state *state, double dt, dpt_wrench *wrench)
+{
+    (void)user, (void)state, (void)dt, (void)wrench;
+    return DPT_OK;
+}
+
+/* How many of the ticks had no fresh sample, or too many. */
+static uint64_t bad_ticks(uint64_t offset, uint64_t period, double rate)
+{
+    dpt_device *device;
+    dpt_loop_def def;
+    dpt_loop *loop;
+    dpt_loop_stats stats = { .size = sizeof stats };
+    made.offset = made.arrives = now + PERIOD + offset;
+    made.period = period;
+    made.number = 0;
+    CHECK(dpt_device_open_with(&driver, NULL, &device, NULL) == DPT_OK, "open");
+    dpt_loop_def_init(&def);
+    def.tick = nothing;
+    def.ticks = TICKS;
+    def.rate = rate;
+    def.priority = def.lock = 0;
+    CHECK(dpt_loop_create(device, &def, &loop) == DPT_OK, "loop");
+    CHECK(dpt_loop_run(loop, &stats) == DPT_OK && stats.ticks == TICKS, "run");
+    CHECK(stats.missed == 0, "%llu missed", (unsigned long long)stats.missed);
+    dpt_loop_free(loop);
+    dpt_device_close(device);
+    return stats.stale + stats.skipped;
+}
+
+static void deadlines_stay_between_samples(void)
+{
+    uint64_t worst = 0;
+    for (uint64_t offset = 0; offset < PERIOD; offset += PERIOD / 32) {
+        uint64_t bad = bad_ticks(offset, PERIOD, 0.0);
+        worst = bad > worst ? bad : worst;
+    }
+    CHECK(worst <= TICKS / 100, "%llu of %d", (unsigned long long)worst, TICKS);
+}
+
+/* A device's clock is off by a thousandth, either way: its samples drift through a whole period and more. */
+static void deadlines_follow_a_clock_that_drifts(void)
+{
+    for (int sign = -1; sign <= 1; sign += 2) {
+        uint64_t bad = bad_ticks(0, (uint64_t)(PERIOD + sign * PERIOD / 1000), 0.0);
+        CHECK(bad <= TICKS / 100, "%llu of %d", (unsigned long long)bad, TICKS);
+    }
+}
+
+/* What it is for: at a rate of one's own the worst place costs many. */
+static void a_rate_of_its_own_is_kept(void)
+{
+    uint64_t worst = 0;
+    for (uint64_t offset = 0; offset < PERIOD; offset += PERIOD / 32) {
+        uint64_t bad = bad_ticks(offset, PERIOD, 1000.0);
+        worst = bad > worst ? bad : worst;
+    }
+    CHECK(worst > TICKS / 5, "%llu of %d", (unsigned long long)worst, TICKS);
+}
+
+int main(void)
+{
+    TEST(deadlines_stay_between_samples);
+    TEST(deadlines_follow_a_clock_that_drifts);
+    TEST(a_rate_of_its_own_is_kept);
+    return check_report();
+}

@@ -1,0 +1,395 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * The sweep of meshes: the float bounds of a swept hull; whole meshes against the sweep of every
+ * triangle, with every kernel, hint and budget; sheets crossed from all sides at up to 20 m/s.
+ *
+ * Usage: test_sweep_mesh [sheets crossed = 200000] [seed = 1].
+ */
+#include "lib/fixture.h"
+#include "nearest/filter_segment.h"
+#include "sweep/sweep_scene.h"
+
+#define COUNT(array) (sizeof(array) / sizeof((array)[0]))
+
+static unsigned long crossing_count = 200000;
+static uint64_t rng = 1;
+
+/* A mesh that is swept, and what its bounds and numbers are. */
+struct body {
+    struct fixture fixture;
+    struct tree tree;
+    double diagonal;
+};
+
+static int body_of(struct body *body)
+{
+    const struct dpt_mesh *mesh = body->fixture.mesh;
+    if (!mesh)
+        return 0;
+    tree_of_mesh(mesh, &body->tree);
+    body->diagonal = length(sub(vec3_of(mesh->box_max), vec3_of(mesh->box_min)));
+    return 1;
+}
+
+/* Triangles of all kinds about the origin: large, small, slivers, doubled in part. */
+static int soup_of(struct body *body)
+{
+    enum { TRIANGLES = 700 };
+    static double vertices[9 * TRIANGLES];
+    static uint32_t corners[3 * TRIANGLES];
+    for (uint32_t t = 0; t < TRIANGLES; t++) {
+        struct scene scene;
+        make_any(&rng, t % 3 ? SMALL : t % 2 ? SLIVER : ANY, &scene);
+        vec3 off = any_in(&rng, 0.5);
+        for (uint32_t k = 0; k < 3; k++) {
+            vec3_store(add(scaled(scene.corner[k], 0.3), off), vertices + 9 * t + 3 * k);
+            corners[3 * t + k] = 3 * t + k;
+        }
+    }
+    return fixture_from_arrays(&body->fixture, vertices, 3 * TRIANGLES, corners, TRIANGLES) &&
+           body_of(body);
+}
+
+/* About the body; of a third, fast, slow, or not at all; from a length of 0 to the diagonal. */
+static void motion_near(const struct body *body, struct motion *m)
+{
+    const struct tree *tree = &body->tree;
+    uint32_t v = tree->corners[random_bits(&rng) % (3 * (uint64_t)tree->mesh->triangles)];
+    double size = body->diagonal, far = power_in(&rng, -5.0, -0.5);
+    vec3 at = vec3_of_float(tree->positions + 3 * (size_t)v), u = scaled(any_in(&rng, 1.0), size);
+    if (one_in(&rng, 4))
+        u = scaled(u, one_in(&rng, 2) ? 0.0 : 1e-3);
+    if (one_in(&rng, 4))
+        u.z = 0.0;
+    at = add(at, scaled(any_in(&rng, size), far));
+    m->a = along(at, -random_in(&rng, 0.0, 1.0), u);
+    m->b = add(m->a, u);
+    double fast = one_in(&rng, 8) ? 0.0 : power_in(&rng, -4.0, -0.3);
+    m->da = scaled(any_in(&rng, size), fast);
+    m->db = one_in(&rng, 3) ? m->da : scaled(any_in(&rng, size), fast);
+}
+
+/* Every triangle, one after the other. */
+static struct strike brute_sweep(const struct tree *tree, const struct sweep *sweep)
+{
+    struct strike first = { .time = 1.0, .triangle = DPT_NONE };
+    for (uint32_t t = 0; t < tree->mesh->triangles; t++) {
+        const uint32_t *of = tree->corners + 3 * (size_t)t;
+        const vec3 corner[3] = { vec3_of_float(tree->positions + 3 * (size_t)of[0]),
+                                 vec3_of_float(tree->positions + 3 * (size_t)of[1]),
+                                 vec3_of_float(tree->positions + 3 * (size_t)of[2]) };
+        uint32_t asked = 0;
+        double time;
+        if (sweep_pair(sweep, corner, first.time, &time, &asked) != SWEEP_HIT)
+            continue;
+        if (time < first.time || first.triangle == DPT_NONE ||
+            tree->sources[t] < tree->sources[first.triangle]) {
+            first.time = time;
+            first.triangle = t;
+        }
+    }
+    return first;
+}
+
+static void check_strike(const char *what, const struct strike *found, const struct strike *truth,
+                         int result)
+{
+    CHECK(result == (truth->triangle == DPT_NONE ? SWEEP_FREE : SWEEP_HIT), "%s: result %d", what,
+          result);
+    CHECK(found->time == truth->time && found->triangle == truth->triangle,
+          "%s: %u at %.17g, not %u at %.17g", what, found->triangle, found->time, truth->triangle,
+          truth->time);
+}
+
+/* All at once, in one call. */
+static int sweep_whole(const struct body *body, const struct kernel *kernel,
+                       const struct sweep *sweep, double from, uint32_t hint, struct strike *found,
+                       uint32_t *work)
+{
+    struct sweep_progress progress;
+    progress.begun = 0;
+    int result = sweep_mesh(&body->tree, kernel, sweep, from, hint, 0, &progress, found, work);
+    CHECK(result != SWEEP_UNFINISHED, "%u units, of any number", *work);
+    return result;
+}
+
+/*
+ * With little work at a time, gone on with until it is done: no more than allowed in any call, nothing said that is not
+ * so, no unit spent twice, and in the end the truth. How often it was ended.
+ */
+static uint32_t check_budget(const struct body *body, const struct kernel *kernel,
+                             const struct sweep *sweep, double from, uint32_t hint,
+                             const struct strike *truth, uint32_t full)
+{
+    uint32_t all = 0, ends = 0;
+    int result;
+    struct strike found;
+    struct sweep_progress progress;
+    progress.begun = 0;
+    do {
+        uint32_t most = 1 + (uint32_t)(random_bits(&rng) % full), work = 5;
+        most = one_in(&rng, 4) ? 1 : most;
+        result = sweep_mesh(&body->tree, kernel, sweep, from, hint, most, &progress, &found, &work);
+        CHECK(work - 5 <= most, "%u of %u units", work - 5, most);
+        all += work - 5;
+        if (result != SWEEP_UNFINISHED)
+            break;
+        CHECK(work - 5 == most, "%u of %u units, unfinished", work - 5, most);
+        CHECK(found.triangle == DPT_NONE && found.time == from, "%u at %g", found.triangle,
+              found.time);
+        ends++;
+    } while (all <= full);
+    check_strike("budget", &found, truth, result);
+    CHECK(all == full, "%u units in %u calls, %u in one", all, ends + 1, full);
+    return ends;
+}
+
+/* From a distance that is known; no touch is before the time that it gives. */
+static double check_start(const struct body *body, const struct sweep *sweep,
+                          const struct strike *truth)
+{
+    struct nearest nearest = { .pair.distance2 = HUGE_VAL, .triangle = DPT_NONE };
+    tree_brute(&body->tree, sweep->a, sweep->u, &nearest);
+    double from = sweep_start(sweep, sqrt(nearest.pair.distance2));
+    CHECK(from >= 0.0 && from <= 1.0, "%g", from);
+    CHECK(truth->triangle == DPT_NONE || from < truth->time || from == 0.0, "%.17g, hit at %.17g",
+          from, truth->time);
+    return from;
+}
+
+static void check_pair_of(const struct body *body, const struct sweep *sweep,
+                          const struct strike *found, double tolerance)
+{
+    vec3 a, u;
+    sweep_axis(sweep, found->time, &a, &u);
+    pair expected = tree_pair(&body->tree, found->triangle, a, u);
+    CHECK(expected.distance2 == found->pair.distance2 && expected.s == found->pair.s, "pair");
+    CHECK(sqrt(expected.distance2) <= sweep->radius + tolerance, "off");
+    vec3 off = sub(sub(along(a, found->pair.s, u), found->q), found->pair.gap);
+    CHECK(length(off) <= 1e-14, "q is %g off", length(off));
+}
+
+static void sweep_body(const char *name, struct body *body, int motions)
+{
+    struct kernel kernel[8];
+    uint32_t kernels = 0, chosen, hits = 0, unfinished = 0, most = 0, later = 0;
+    for (uint32_t id = DPT_KERNEL_SCALAR; id <= DPT_KERNEL_NEON; id++)
+        kernels += (uint32_t)kernel_get(id, &kernel[kernels], &chosen);
+    for (int i = 0; i < motions; i++) {
+        struct motion motion;
+        struct sweep sweep;
+        struct strike found;
+        double tolerance = body->diagonal * (one_in(&rng, 2) ? 1e-6 : power_in(&rng, -11.0, -5.0));
+        double radius = one_in(&rng, 2) ? 0.0 : body->diagonal * power_in(&rng, -5.0, -1.0);
+        uint32_t work = 0, full = 0;
+        motion_near(body, &motion);
+        sweep_begin(&sweep, &motion, radius, tolerance, tree_extent(&body->tree));
+        struct strike truth = brute_sweep(&body->tree, &sweep);
+        for (uint32_t k = 0; k < kernels; k++) {
+            uint32_t before = full;
+            full = 0;
+            int result = sweep_whole(body, &kernel[k], &sweep, 0.0, DPT_NONE, &found, &full);
+            check_strike(name, &found, &truth, result);
+            CHECK(k == 0 || full == before, "%s: %u units, not %u", name, full, before);
+        }
+        most = full > most ? full : most;
+        unfinished += check_budget(body, &kernel[0], &sweep, 0.0, DPT_NONE, &truth, full);
+        double from = check_start(body, &sweep, &truth);
+        uint32_t hint = (uint32_t)(random_bits(&rng) % body->tree.mesh->triangles);
+        hint = one_in(&rng, 2) ? truth.triangle : hint;
+        int result = sweep_whole(body, &kernel[0], &sweep, from, hint, &found, &work);
+        check_strike("hint", &found, &truth, result);
+        if (result == SWEEP_HIT)
+            check_pair_of(body, &sweep, &found, tolerance);
+        if (from < 1.0)
+            check_budget(body, &kernel[0], &sweep, from, hint, &truth, work);
+        hits += truth.triangle != DPT_NONE;
+        later += from > 0.0;
+    }
+    printf("    %-10s %5d motions, %4u hits, %4u begun later, %4u ended, work at most %5u\n", name,
+           motions, hits, later, unfinished, most);
+    CHECK(hits > (uint32_t)motions / 10, "%u hits", hits);
+}
+
+static void meshes_are_met_as_their_triangles_are(void)
+{
+    static const struct {
+        const char *shape;
+        uint32_t count;
+        int motions;
+    } c[] = { { "membrane", 512, 1500 },
+              { "cloth", 3200, 400 },
+              { "liver", 5000, 300 },
+              { "star", 2400, 300 },
+              { NULL, 0, 1500 } };
+    for (size_t i = 0; i < COUNT(c); i++) {
+        struct body body;
+        if (c[i].shape ? fixture_from_shape(&body.fixture, c[i].shape, c[i].count) && body_of(&body)
+                       : soup_of(&body))
+            sweep_body(c[i].shape ? c[i].shape : "soup", &body, c[i].motions);
+        fixture_free(&body.fixture);
+    }
+}
+
+/* A hull of four points, at the origin or far from it, and a box that is about right, or not. */
+static void any_swath(struct swath *swath, vec3 end[4])
+{
+    double reach = one_in(&rng, 8) ? 50.0 : 1.5, span = power_in(&rng, -3.0, 0.0);
+    vec3 about = any_in(&rng, reach), x = any_in(&rng, 1.0), y;
+    swath->limit = (float)power_in(&rng, -4.0, 0.0);
+    for (int e = 0; e < 4; e++) {
+        end[e] = add(about, any_in(&rng, span));
+        put_float(end[e], swath->end[e]);
+    }
+    x = scaled(x, 1.0 / length(x));
+    y = across_in(&rng, x);
+    put_float(x, swath->axis[0]);
+    put_float(y, swath->axis[1]);
+    put_float(cross(x, y), swath->axis[2]);
+    put_float(about, swath->centre);
+    for (int k = 0; k < 3; k++)
+        swath->half[k] = (float)(random_in(&rng, 0.0, 1.0) * span);
+}
+
+/* By how many margins a bound is above the distance of a triangle to a segment within the hull. */
+static double excess(const float *rows, int lane, float bound, const vec3 end[4])
+{
+    double s = random_in(&rng, 0.0, 1.0), t = random_in(&rng, 0.0, 1.0), far = 0.0;
+    vec3 a = along(end[0], t, sub(end[2], end[0])), b = along(end[1], t, sub(end[3], end[1])), v[3];
+    if (one_in(&rng, 3))
+        a = end[random_bits(&rng) % 4], b = end[random_bits(&rng) % 4];
+    a = along(a, one_in(&rng, 2) ? s : 0.0, sub(b, a));
+    for (int k = 0; k < 3; k++)
+        v[k] = (vec3){ rows[3 * k * LANES + lane], rows[(3 * k + 1) * LANES + lane],
+                       rows[(3 * k + 2) * LANES + lane] };
+    for (int e = 0; e < 4; e++)
+        far = larger(far, length(end[e]));
+    double distance = sqrt(segment_triangle(a, sub(b, a), v[0], v[1], v[2]).distance2);
+    return ((double)bound - distance) / kernel_margin(far, far);
+}
+
+static void swept_bounds_are_sound(void)
+{
+    struct body body;
+    struct kernel kernel[8];
+    uint32_t kernels = 0, chosen, closed = 0;
+    double worst = -HUGE_VAL;
+    if (!soup_of(&body))
+        return;
+    for (uint32_t id = DPT_KERNEL_SCALAR; id <= DPT_KERNEL_NEON; id++)
+        kernels += (uint32_t)kernel_get(id, &kernel[kernels], &chosen);
+    for (int i = 0; i < 10000; i++) {
+        struct swath swath;
+        vec3 end[4];
+        any_swath(&swath, end);
+        uint32_t leaf = (uint32_t)(random_bits(&rng) % body.tree.mesh->leaves), lanes[2] = { 0, 0 };
+        const float *rows = body.tree.leaves + (size_t)leaf * MESH_LEAF_WORDS;
+        const float *boxes = body.tree.level[1] + (size_t)(leaf / LANES) * MESH_BOX_WORDS;
+        float first[2][LANES], bound[2][LANES];
+        for (uint32_t k = 0; k < kernels; k++) {
+            uint32_t open = kernel[k].swept_triangles(rows, &swath, bound[0]);
+            uint32_t open_boxes = kernel[k].swept_boxes(boxes, &swath, bound[1]);
+            if (k == 0) {
+                memcpy(first, bound, sizeof first);
+                lanes[0] = open, lanes[1] = open_boxes;
+            }
+            CHECK(open == lanes[0] && open_boxes == lanes[1], "lanes of kernel %u", k);
+            CHECK(!memcmp(bound, first, sizeof bound), "bounds of kernel %u", k);
+        }
+        closed += lanes[0] != 0xffff;
+        for (int lane = 0; lane < LANES; lane++) {
+            double over = excess(rows, lane, first[0][lane], end);
+            worst = larger(worst, larger(over, excess(rows, lane, first[1][leaf % LANES], end)));
+            CHECK(first[0][lane] <= swath.limit || !(lanes[0] >> lane & 1), "lane %d", lane);
+        }
+        CHECK(worst <= 1.0, "%g margins above the distance", worst);
+    }
+    printf("    above the distance by at most %.3f margins\n", worst);
+    CHECK(closed > 1000, "%u closed", closed);
+    fixture_free(&body.fixture);
+}
+
+/*
+ * One end goes through `through`, in a flat sheet z = 0, at the time t, by up to 20 mm a tick,
+ * steeply or nearly in the sheet; the other one stays behind. Returns t.
+ */
+static double make_crossing(vec3 *way, struct motion *m)
+{
+    vec3 through = any_in(&rng, 0.0999), u = any_in(&rng, 1.0);
+    *way = any_in(&rng, 1.0);
+    through.z = 0.0;
+    if (one_in(&rng, 3))
+        way->z *= power_in(&rng, -6.0, 0.0);
+    if (one_in(&rng, 3))
+        u.z *= power_in(&rng, -9.0, 0.0);
+    if (one_in(&rng, 3)) { /* over a vertex or an edge of the grid */
+        through.x = 0.0125 * whole_in(&rng, -7, 7);
+        through.y = one_in(&rng, 2) ? through.x : through.y;
+    }
+    *way = scaled(*way, 0.02 * power_in(&rng, -3.0, 0.0) / length(*way));
+    u = scaled(u, one_in(&rng, 8) ? 0.0 : power_in(&rng, -3.0, -0.5) / length(u));
+    u.z = way->z > 0.0 ? -fabs(u.z) : fabs(u.z);
+    double t = one_in(&rng, 4) ? whole_in(&rng, 0, 1) : random_in(&rng, 0.0, 1.0);
+    m->a = along(through, -t, *way);
+    m->b = add(m->a, u);
+    m->da = *way;
+    m->db = add(*way, scaled(u, random_in(&rng, 0.0, 1e-2)));
+    if (one_in(&rng, 2))
+        *m = (struct motion){ m->b, m->a, m->db, m->da };
+    return t;
+}
+
+/*
+ * It is met no later than t. A quarter of them are beside the sheet; a hit there, or off the axis,
+ * is invented.
+ */
+static void sheets_are_crossed_at_any_speed(void)
+{
+    struct body body;
+    struct kernel kernel;
+    uint32_t chosen;
+    unsigned long missed = 0, invented = 0, free = 0;
+    if (!fixture_from_shape(&body.fixture, "membrane", 512) || !body_of(&body))
+        return;
+    kernel_get(DPT_KERNEL_AUTO, &kernel, &chosen);
+    for (unsigned long i = 0; i < crossing_count; i++) {
+        struct motion m;
+        vec3 way;
+        double t = make_crossing(&way, &m);
+        int crosses = i % 4 != 0;
+        if (!crosses) {
+            m.a.z += way.z > 0.0 ? -0.5 : 0.5;
+            m.b.z += way.z > 0.0 ? -0.5 : 0.5;
+        }
+        struct sweep sweep;
+        struct strike found;
+        uint32_t work = 0;
+        double tolerance = body.diagonal * (one_in(&rng, 2) ? 1e-6 : 1e-11);
+        sweep_begin(&sweep, &m, 0.0, tolerance, tree_extent(&body.tree));
+        int hit = sweep_whole(&body, &kernel, &sweep, 0.0, DPT_NONE, &found, &work) == SWEEP_HIT;
+        missed += crosses && !(hit && found.time <= t + 1e-12);
+        CHECK(!crosses || (hit && found.time <= t + 1e-12), "missed: result %d at %.17g, not %.17g",
+              hit, found.time, t);
+        vec3 a, axis;
+        sweep_axis(&sweep, found.time, &a, &axis);
+        int off = hit && sqrt(tree_pair(&body.tree, found.triangle, a, axis).distance2) > tolerance;
+        invented += (unsigned)off + (!crosses && hit);
+        CHECK(!off && !(hit && !crosses), "invented at %.17g", found.time);
+        free += !hit;
+    }
+    printf("    %lu motions, %lu missed, %lu invented, %lu free\n", crossing_count, missed,
+           invented, free);
+    fixture_free(&body.fixture);
+}
+
+int main(int argc, char **argv)
+{
+    if (argc > 1)
+        crossing_count = strtoul(argv[1], NULL, 10);
+    if (argc > 2)
+        rng = strtoull(argv[2], NULL, 10);
+    TEST(swept_bounds_are_sound);
+    TEST(meshes_are_met_as_their_triangles_are);
+    TEST(sheets_are_crossed_at_any_speed);
+    return check_report();
+}

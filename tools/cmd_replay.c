@@ -1,0 +1,369 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* dynpoint replay: a recorded motion through a world, tick by tick. */
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "command_options.h"
+#include "commands.h"
+#include "dynpoint/loop.h"
+#include "replay_report.h"
+#include "trace.h"
+
+static const char help[] =
+    "usage: dynpoint replay FILE.dpa TRACE.csv -o OUT.csv [options]\n"
+    "\n"
+    "Moves a tool along a trace (tick,ax,ay,az,bx,by,bz in m) and writes, for every tick, the "
+    "nearest\n"
+    "pair, its proof, contact and force. Ticks are integers that increase, within 2^53; one that "
+    "is not\n"
+    "the last one plus 1 is a jump. One of the inputs may be -, standard input.\n"
+    "\n"
+    "  -o FILE              OUT.csv; - is standard output\n"
+    "  --method M           exact (default), tree, brute; paper: dynamic points by neighbour "
+    "descent\n"
+    "  --parts K            pieces of the tool, each with its own dynamic point (paper); default "
+    "1\n"
+    "  --budget N           at most N blocks of work a tick (exact); what is not proven then is "
+    "bounded;\n"
+    "                       default 0: unlimited\n"
+    "  --certificate-bytes N  of memory for what was proven in earlier ticks; less costs time, "
+    "never\n"
+    "                       truth; default 1048576\n"
+    "  --one-step           one move of the descent a tick (paper)\n"
+    "  --radius R           of the tool, m; default 0: a line\n"
+    "  --stiffness K        of the penalty force, N/m; default 500\n"
+    "  --strip KIND         lay a strip under the tool where it is within the margin: shadow, or "
+    "routes\n"
+    "  --strip-width W      beside the radius, m; default 0\n"
+    "  --limit              the wrench as a device's guard would let it through, not as it is\n"
+    "  --until STAGE        track, contact or respond (default): how far a step goes\n"
+    "  --dt T               length of a tick, s; default 0.001\n"
+    "  --kernel K           auto (default), scalar, sse2, avx2, avx512, neon: same answers, other "
+    "speed\n"
+    "  --repeat N           passes; the least time of each tick counts; default 1\n"
+    "  --against M          compare every distance with another method's; exit status 1 if they "
+    "differ\n"
+    "                       by more than 1e-9 of the mesh's diagonal\n"
+    "  --every N            with --against: only each Nth tick\n"
+    "  --json               the summary as one JSON object on standard output\n";
+
+static const char *const methods[] = { "exact", "tree", "brute", "paper", NULL };
+static const char *const stages[] = { "respond", "track", "contact", NULL };
+static const char *const kernels[] = { "auto", "scalar", "sse2", "avx2", "avx512", "neon", NULL };
+
+static const char *const strips[] = { "none", "shadow", "routes", NULL };
+
+/* More than any count that an option takes. */
+#define NOT_GIVEN UINT64_MAX
+
+struct settings {
+    dpt_world_def def;
+    double radius, dt;
+    uint64_t repeat, every, parts, budget;
+    int against; /* a method, or -1 */
+    int json, one_step, limit;
+    const char *mesh, *trace, *out;
+};
+
+/* A world with one body and one tool, and the block it lives in. */
+struct stage {
+    void *block;
+    dpt_world *world;
+    dpt_tool tool;
+    size_t bytes;
+};
+
+static double now_ns(void)
+{
+    struct timespec time;
+    clock_gettime(CLOCK_MONOTONIC, &time);
+    return 1e9 * (double)time.tv_sec + (double)time.tv_nsec;
+}
+
+static dpt_segment segment_of(const struct table *trace, size_t row, double radius)
+{
+    const double *ends = table_row(trace, row) + 1;
+    dpt_segment segment;
+    memcpy(segment.a, ends, sizeof segment.a);
+    memcpy(segment.b, ends + 3, sizeof segment.b);
+    segment.radius = radius;
+    return segment;
+}
+
+static int stage_open(struct stage *stage, const dpt_world_def *def, const dpt_mesh *mesh,
+                      const dpt_segment *segment)
+{
+    dpt_body body;
+    stage->bytes = dpt_world_bytes(def);
+    stage->block = malloc(stage->bytes ? stage->bytes : 1);
+    if (!stage->block)
+        return complain("replay", "memory ran out");
+    dpt_result result = dpt_world_create(stage->block, stage->bytes, def, &stage->world);
+    if (result == DPT_E_UNSUPPORTED)
+        return complain("replay", "--kernel %s: %s", kernels[def->kernel], dpt_result_text(result));
+    if (result == DPT_OK)
+        result = dpt_body_add(stage->world, mesh, NULL, &body);
+    if (result == DPT_OK)
+        result = dpt_tool_add(stage->world, segment, 1, &stage->tool);
+    return result == DPT_OK ? 0 : complain("replay", "%s", dpt_result_text(result));
+}
+
+/* Place the tool for a row; a jump forgets the past. */
+static void place(struct stage *stage, const struct table *trace, size_t row, double radius)
+{
+    const dpt_pose identity = DPT_POSE_IDENTITY;
+    dpt_segment segment = segment_of(trace, row, radius);
+    if (trace_jumps(trace, row))
+        dpt_tool_teleport(stage->world, stage->tool, &identity);
+    dpt_tool_set_segments(stage->world, stage->tool, &segment, 1);
+}
+
+/* What leaves a guard on a clock of ticks; a tick without an answer has no command. */
+static void limit_wrench(dpt_guard *guard, uint64_t row, double dt, struct replayed_tick *tick)
+{
+    const dpt_wrench command = tick->wrench;
+    const uint64_t now = (uint64_t)((double)row * dt * 1e9 + 0.5);
+    dpt_guard_step(guard, now, &command, tick->hit.status != DPT_STATUS_STALE, &tick->wrench);
+}
+
+static void run_pass(struct stage *stage, const struct settings *settings,
+                     struct replayed *replayed, int first)
+{
+    struct meter meter = { .began = 0 };
+    dpt_guard guard = { .size = sizeof guard };
+    dpt_guard_init(&guard, NULL);
+    dpt_world_reset(stage->world);
+    for (size_t i = 0; i < replayed->trace->rows; i++) {
+        if (i % 256 == 0)
+            meter_show(&meter, "replay", (double)i / (double)replayed->trace->rows);
+        struct replayed_tick *tick = &replayed->ticks[i];
+        place(stage, replayed->trace, i, settings->radius);
+        double begin = now_ns();
+        dpt_world_step(stage->world, settings->dt, NULL);
+        double ns = now_ns() - begin;
+        tick->ns = first || ns < tick->ns ? ns : tick->ns;
+        tick->hit.size = sizeof tick->hit;
+        dpt_tool_get_hit(stage->world, stage->tool, &tick->hit);
+        dpt_tool_get_wrench(stage->world, stage->tool, &tick->wrench);
+        if (settings->limit)
+            limit_wrench(&guard, i, settings->dt, tick);
+        dpt_tool_get_strip(stage->world, stage->tool, 0, NULL, 0, &tick->strip, &tick->strip_flags);
+    }
+    meter_show(&meter, "", 1.0);
+}
+
+static int compare(const struct settings *settings, const dpt_mesh *mesh, struct replayed *replayed)
+{
+    struct comparison *against = &replayed->against;
+    const struct table *trace = replayed->trace;
+    struct stage stage = { .block = NULL };
+    struct meter meter = { .began = 0 };
+    dpt_world_def def = settings->def;
+    def.method = (uint32_t)settings->against;
+    def.parts = 1;
+    def.one_step = 0;
+    def.budget = 0;
+    def.until = DPT_UNTIL_TRACK;
+    dpt_segment segment = segment_of(trace, 0, settings->radius);
+    double *ns = malloc(trace->rows * sizeof *ns);
+    int status =
+        ns ? stage_open(&stage, &def, mesh, &segment) : complain("replay", "memory ran out");
+    for (size_t i = 0; status == 0 && i < trace->rows; i += settings->every) {
+        dpt_hit hit = DPT_HIT_INIT;
+        if (against->ticks % 64 == 0)
+            meter_show(&meter, "compare", (double)i / (double)trace->rows);
+        place(&stage, trace, i, settings->radius);
+        double begin = now_ns();
+        dpt_world_step(stage.world, settings->dt, NULL);
+        ns[against->ticks++] = now_ns() - begin;
+        dpt_tool_get_hit(stage.world, stage.tool, &hit);
+        double error = fabs(hit.distance - replayed->ticks[i].hit.distance);
+        against->wrong += error <= against->tolerance ? 0 : 1;
+        against->largest_error = fmax(against->largest_error, error);
+        against->missed += hit.distance == 0.0 && error > against->tolerance;
+    }
+    meter_show(&meter, "", 1.0);
+    if (ns) {
+        sort_numbers(ns, against->ticks);
+        against->ns = percentile(ns, against->ticks, 0.5);
+    }
+    against->method = methods[settings->against];
+    free(stage.block);
+    free(ns);
+    return status;
+}
+
+static int write_results(const struct settings *settings, const struct replayed *replayed)
+{
+    struct output output;
+    int status = output_open(&output, "replay", settings->out);
+    if (status)
+        return status;
+    replay_write_csv(output.file, replayed);
+    status = output_complete(&output, "replay");
+    if (status)
+        return status;
+    if (settings->json)
+        replay_print_json(stdout, replayed);
+    else if (strcmp(settings->out, "-") != 0)
+        replay_print_table(stdout, replayed);
+    status = output_keep(&output, "replay");
+    return status ? status : replayed->against.wrong ? 1 : 0;
+}
+
+static int run(const struct settings *settings, const dpt_mesh *mesh, const struct table *trace)
+{
+    dpt_mesh_info info = { .size = sizeof info };
+    struct stage stage = { .block = NULL };
+    struct replayed replayed = { .trace = trace,
+                                 .until = settings->def.until,
+                                 .strips = settings->def.strip };
+    dpt_segment segment = segment_of(trace, 0, settings->radius);
+    replayed.ticks = calloc(trace->rows, sizeof *replayed.ticks);
+    int status = replayed.ticks ? stage_open(&stage, &settings->def, mesh, &segment)
+                                : complain("replay", "memory ran out");
+    if (status == 0) {
+        dpt_mesh_get_info(mesh, &info);
+        for (int k = 0; k < 3; k++)
+            replayed.diagonal += pow(info.box_max[k] - info.box_min[k], 2.0);
+        replayed.diagonal = sqrt(replayed.diagonal);
+        replayed.against.tolerance = 1e-9 * replayed.diagonal;
+        replayed.mesh_bytes = info.bytes;
+        replayed.world_bytes = stage.bytes;
+        replayed.kernel = dpt_world_kernel(stage.world);
+        replayed.method = methods[settings->def.method];
+        for (uint64_t pass = 0; pass < settings->repeat; pass++)
+            run_pass(&stage, settings, &replayed, pass == 0);
+        if (settings->against >= 0)
+            status = compare(settings, mesh, &replayed);
+    }
+    if (status == 0)
+        status = write_results(settings, &replayed);
+    free(stage.block);
+    free(replayed.ticks);
+    return status;
+}
+
+/* -1 to go on, else the exit status. */
+static int take_settings(int argc, char **argv, struct settings *settings)
+{
+    const char *operand[2], *method = "exact", *until = "respond", *kernel = "auto";
+    const char *against = NULL, *strip = "none";
+    size_t operands;
+    const struct option_def options[] = {
+        { .name = "-o", .text = &settings->out },
+        { .name = "--method", .text = &method },
+        { .name = "--radius", .number = &settings->radius },
+        { .name = "--stiffness", .number = &settings->def.stiffness },
+        { .name = "--until", .text = &until },
+        { .name = "--dt", .number = &settings->dt },
+        { .name = "--kernel", .text = &kernel },
+        { .name = "--repeat", .count = &settings->repeat },
+        { .name = "--against", .text = &against },
+        { .name = "--every", .count = &settings->every },
+        { .name = "--json", .flag = &settings->json },
+        { .name = "--parts", .count = &settings->parts },
+        { .name = "--budget", .count = &settings->budget },
+        { .name = "--certificate-bytes", .count = &settings->def.certificate_bytes },
+        { .name = "--one-step", .flag = &settings->one_step },
+        { .name = "--limit", .flag = &settings->limit },
+        { .name = "--strip", .text = &strip },
+        { .name = "--strip-width", .number = &settings->def.strip_width },
+    };
+    int status = parse_options(argc, argv, options, sizeof options / sizeof *options, help, operand,
+                               2, &operands);
+    if (status >= 0)
+        return status;
+    if (operands != 2 || !settings->out)
+        return complain("replay", "FILE.dpa, TRACE.csv and -o OUT.csv are needed (see --help)");
+    settings->mesh = operand[0];
+    settings->trace = operand[1];
+    if (output_check("replay", settings->out,
+                     (const char *const[]){ settings->mesh, settings->trace, NULL }))
+        return 2;
+    int chosen[4] = { word_index(method, methods), word_index(until, stages),
+                      word_index(kernel, kernels), against ? word_index(against, methods) : -1 };
+    if (chosen[0] < 0 || (against && chosen[3] < 0))
+        return complain("replay", "the methods are exact, tree, brute and paper");
+    if (chosen[1] < 0)
+        return complain("replay", "--until takes track, contact or respond");
+    if (chosen[2] < 0)
+        return complain("replay", "the kernels are auto, scalar, sse2, avx2, avx512 and neon");
+    if (word_index(strip, strips) < 0)
+        return complain("replay", "--strip takes shadow or routes");
+    settings->def.strip = (uint32_t)word_index(strip, strips);
+    settings->def.method = (uint32_t)chosen[0];
+    settings->def.until = (uint32_t)chosen[1];
+    settings->def.kernel = (uint32_t)chosen[2];
+    settings->against = chosen[3];
+    if (settings->parts < 1 || settings->parts > 64)
+        return complain("replay", "--parts must be 1 to 64");
+    if (settings->def.method != DPT_METHOD_PAPER && (settings->parts > 1 || settings->one_step))
+        return complain("replay", "--parts and --one-step are for --method paper");
+    if (settings->def.method != DPT_METHOD_EXACT && settings->budget)
+        return complain("replay", "--budget is for --method exact");
+    if (settings->def.certificate_bytes > (uint64_t)1 << 40)
+        return complain("replay", "--certificate-bytes must be 0 to 2^40");
+    if (settings->budget > UINT32_MAX)
+        return complain("replay", "--budget must be 0 to %u", (unsigned)UINT32_MAX);
+    settings->def.parts = (uint32_t)settings->parts;
+    settings->def.budget = (uint32_t)settings->budget;
+    settings->def.one_step = (uint32_t)settings->one_step;
+    if (!(settings->radius >= 0.0 && settings->radius <= DPT_COORDINATE_MAX))
+        return complain("replay", "--radius must be 0 to 1e6");
+    if (!(settings->def.stiffness >= 0.0 && settings->def.stiffness <= 1e9))
+        return complain("replay", "--stiffness must be 0 to 1e9");
+    if (!(settings->def.strip_width >= 0.0 && settings->def.strip_width <= DPT_COORDINATE_MAX))
+        return complain("replay", "--strip-width must be 0 to 1e6");
+    if (!(settings->dt > 0.0 && settings->dt <= 1e6))
+        return complain("replay", "--dt must be above 0, at most 1e6");
+    if (!against && settings->every != NOT_GIVEN)
+        return complain("replay", "--every is for --against");
+    if (settings->every == NOT_GIVEN)
+        settings->every = 1;
+    if (!settings->repeat || !settings->every)
+        return complain("replay", "--repeat and --every must be 1 or more");
+    if (settings->json && strcmp(settings->out, "-") == 0)
+        return complain("replay", "--json and -o - both want standard output");
+    return -1;
+}
+
+static int read_trace(struct table *trace, const char *path)
+{
+    size_t size;
+    uint64_t line = 0;
+    const char *wrong;
+    *trace = (struct table){ .rows = 0 };
+    char *text = load_file("replay", path, &size);
+    if (!text)
+        return 2;
+    dpt_result result = table_parse(trace, text, text + size, &trace_form, &line, &wrong);
+    free(text);
+    return result == DPT_OK
+               ? 0
+               : complain("replay", "%s:%" PRIu64 ": %s", path, line ? line : 1, wrong);
+}
+
+int command_replay(int argc, char **argv)
+{
+    struct settings settings = { .dt = 1e-3, .repeat = 1, .every = NOT_GIVEN, .parts = 1 };
+    struct table trace;
+    void *bytes;
+    dpt_world_def_init(&settings.def);
+    settings.def.max_bodies = settings.def.max_tools = settings.def.max_segments = 1;
+    int status = take_settings(argc, argv, &settings);
+    if (status >= 0)
+        return status;
+    const dpt_mesh *mesh = load_mesh("replay", settings.mesh, &bytes);
+    if (!mesh)
+        return 2;
+    status = read_trace(&trace, settings.trace);
+    if (status == 0)
+        status = run(&settings, mesh, &trace);
+    table_free(&trace);
+    free(bytes);
+    return status;
+}

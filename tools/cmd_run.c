@@ -1,0 +1,333 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* dynpoint run: the whole tick, live, on any device. */
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "command_options.h"
+#include "commands.h"
+#include "open_device.h"
+#include "scene.h"
+#include "stop.h"
+
+static const char help[] =
+    "usage: dynpoint run MESH.dpa|ARM.dpa --device NAME [options]\n"
+    "\n"
+    "Feel a mesh, or the scene of an arm, with a haptic device: DRIVER or DRIVER:WHERE, as sim or\n"
+    "serial:/dev/ttyACM0. The tool is a stylus, a capsule from the device's point along its z "
+    "axis, or\n"
+    "that of an arm. Ends on an interrupt, after --for or --ticks, or when the device is lost; "
+    "always\n"
+    "with zero force. Then says how it went.\n"
+    "\n"
+    "  --device NAME    which one\n"
+    "  --at X,Y,Z       where the device's origin lies in the mesh's frame, m; default: 5 mm above "
+    "the\n"
+    "                   middle of the top of its box, y being up. Of an arm's scene, whose z is "
+    "up, in the\n"
+    "                   root's frame; default: where the tool is in the middle of the joints' "
+    "limits. A\n"
+    "                   device that is the arm needs neither this nor --zoom: its joints tell\n"
+    "  --tool ARM.dpa   the tool is that of an arm\n"
+    "  --zoom Z         metres of the mesh for one of the hand; forces are those of the mesh; "
+    "default 1\n"
+    "  --length L       of the stylus, m of the mesh; default 0.1\n"
+    "  --radius R       of it; default 0.002\n"
+    "  --stiffness K    of the penalty force, N/m; default 500\n"
+    "  --force-max F    N; default the guard's, 5, or the device's if that is less\n"
+    "  --rate HZ        of the loop; default the device's\n"
+    "  --for S          seconds of the clock\n"
+    "  --ticks N        or so many ticks\n"
+    "  --record F.csv   what the tool did, a trace for dynpoint replay; needs --ticks\n"
+    "  --json           what is said at the end as one JSON object\n";
+
+struct settings {
+    struct scene_def scene;
+    const char *device, *record;
+    double force_max, rate, seconds; /* force_max NAN, rate 0: not given */
+    uint64_t ticks;
+    int json;
+};
+
+/* What a tick needs, and what it counts. */
+struct session {
+    struct scene scene;
+    uint64_t contacts, penetrating, unknown;
+    uint32_t reasons; /* why the device was not ready */
+    double deepest, strongest;
+    double *rows; /* of the record, six a tick, or NULL */
+    uint64_t recorded, room;
+    struct output record; /* opened before anything moves: what cannot be written is said at once */
+};
+
+static void record(struct session *session, const dpt_segment *stylus)
+{
+    if (session->recorded == session->room)
+        return;
+    double *row = session->rows + 6 * session->recorded++;
+    memcpy(row, stylus->a, sizeof stylus->a);
+    memcpy(row + 3, stylus->b, sizeof stylus->b);
+}
+
+static dpt_result feel(void *user, const dpt_device_state *state, double dt, dpt_wrench *wrench)
+{
+    struct session *session = user;
+    dpt_hit hit = DPT_HIT_INIT;
+    double square = 0.0;
+    dpt_result result = scene_feel(&session->scene, state, dt, wrench);
+    if (result != DPT_OK)
+        return result;
+    record(session, &session->scene.stylus);
+    dpt_tool_get_hit(session->scene.world, session->scene.tool, &hit);
+    session->reasons |= state->reasons;
+    session->contacts += hit.contact != DPT_CONTACT_SEPARATED;
+    session->penetrating += hit.contact == DPT_CONTACT_PENETRATING;
+    session->unknown += hit.contact == DPT_CONTACT_UNKNOWN;
+    for (int k = 0; k < 3; k++)
+        square += wrench->force[k] * wrench->force[k];
+    session->deepest = fmax(session->deepest, hit.depth);
+    session->strongest = fmax(session->strongest, sqrt(square));
+    return DPT_OK;
+}
+
+static int open_record(const struct settings *settings, struct session *session)
+{
+    if (!settings->record)
+        return 0;
+    if (!session->scene.has_stylus)
+        return complain("run", "--record needs the stylus: a trace has one segment");
+    session->room = settings->ticks;
+    session->rows = calloc(session->room, 6 * sizeof *session->rows);
+    if (!session->rows)
+        return complain("run", "memory ran out");
+    return output_open(&session->record, "run", settings->record);
+}
+
+static int write_record(struct session *session)
+{
+    struct output output = session->record;
+    FILE *file = output.file;
+    session->record.file = NULL;
+    fputs("tick,ax,ay,az,bx,by,bz\n", file);
+    for (uint64_t i = 0; i < session->recorded; i++) {
+        fprintf(file, "%" PRIu64, i);
+        for (int k = 0; k < 6; k++)
+            fprintf(file, ",%.17g", session->rows[6 * i + (uint64_t)k]);
+        fputc('\n', file);
+    }
+    return output_close(&output, "run");
+}
+
+static void close_record(struct session *session)
+{
+    if (session->record.file) {
+        fclose(session->record.file);
+        output_drop(&session->record);
+    }
+    free(session->rows);
+}
+
+static void print_json(const struct session *session, const dpt_loop_stats *s,
+                       const dpt_device_counts *counts)
+{
+    const struct {
+        const char *name;
+        uint64_t value;
+    } numbers[] = { { "ticks", s->ticks },
+                    { "fresh", s->fresh },
+                    { "stale", s->stale },
+                    { "failed", s->failed },
+                    { "not_ready", s->not_ready },
+                    { "lost", s->lost },
+                    { "skipped", s->skipped },
+                    { "reordered", s->reordered },
+                    { "sent", s->sent },
+                    { "refused", s->refused },
+                    { "missed", s->missed },
+                    { "losses", s->losses },
+                    { "stops", s->stops },
+                    { "clamped", s->clamped },
+                    { "slewed", s->slewed },
+                    { "not_finite", s->not_finite },
+                    { "device_samples", counts->samples },
+                    { "device_lost", counts->lost },
+                    { "device_damaged", counts->damaged },
+                    { "device_missed", counts->missed },
+                    { "contacts", session->contacts },
+                    { "penetrating", session->penetrating },
+                    { "unknown", session->unknown } };
+    putchar('{');
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
+        printf("%s\"%s\":%" PRIu64, i ? "," : "", numbers[i].name, numbers[i].value);
+    printf(",\"deepest\":%.17g,\"strongest\":%.17g", session->deepest, session->strongest);
+    const struct {
+        const char *name;
+        const uint64_t *bins;
+        double most;
+    } times[] = { { "late", s->late, s->late_max }, { "took", s->took, s->took_max } };
+    for (int i = 0; i < 2; i++)
+        printf(",\"%s_us\":{\"median\":%.1f,\"p99\":%.1f,\"max\":%.1f}", times[i].name,
+               1e6 * dpt_loop_quantile(times[i].bins, 0.5),
+               1e6 * dpt_loop_quantile(times[i].bins, 0.99), 1e6 * times[i].most);
+    printf(",\"real_time\":%s,\"locked\":%s}\n", s->notes & DPT_LOOP_NO_PRIORITY ? "false" : "true",
+           s->notes & DPT_LOOP_NO_LOCK ? "false" : "true");
+}
+
+static void print_times(const char *what, const uint64_t *bins, double most)
+{
+    printf("  %-28s %9.1f %9.1f %9.1f\n", what, 1e6 * dpt_loop_quantile(bins, 0.5),
+           1e6 * dpt_loop_quantile(bins, 0.99), 1e6 * most);
+}
+
+static void print_report(const struct session *session, const dpt_loop_stats *s,
+                         const dpt_device_counts *counts)
+{
+    printf("%" PRIu64 " ticks: %" PRIu64 " with a fresh sample, %" PRIu64 " without, %" PRIu64
+           " not ready, %" PRIu64 " lost\n",
+           s->ticks, s->fresh + s->failed, s->stale, s->not_ready, s->lost);
+    if (session->reasons) {
+        fputs("  not ready:", stdout);
+        for (uint32_t left = session->reasons; left; left &= left - 1)
+            printf(" %s", dpt_device_reason_name(left));
+        putchar('\n');
+    }
+    printf("  in contact on %" PRIu64 ", deepest %.2f mm, strongest %.2f N before the guard\n",
+           session->contacts, 1e3 * session->deepest, session->strongest);
+    printf("  guard: %" PRIu64 " clamped, %" PRIu64 " slewed, %" PRIu64 " stops\n", s->clamped,
+           s->slewed, s->stops);
+    printf("  device: %" PRIu64 " samples, %" PRIu64 " lost, %" PRIu64 " damaged, %" PRIu64
+           " commands missed\n",
+           counts->samples, counts->lost, counts->damaged, counts->missed);
+    printf("  %-28s %9s %9s %9s\n", "microseconds", "median", "99 %", "worst");
+    print_times("late", s->late, s->late_max);
+    print_times("a tick's work", s->took, s->took_max);
+    printf("  %" PRIu64 " deadlines missed\n", s->missed);
+    if (s->notes & DPT_LOOP_NO_PRIORITY)
+        puts("  without real-time priority, which was not permitted");
+    if (s->notes & DPT_LOOP_NO_LOCK)
+        puts("  without locked memory, which was not permitted");
+}
+
+static int serve(dpt_device *device, struct session *session, const struct settings *settings)
+{
+    dpt_loop_def def;
+    dpt_loop *loop;
+    dpt_loop_stats stats = { .size = sizeof stats };
+    dpt_device_counts counts = { .size = sizeof counts };
+    dpt_device_info info = { .size = sizeof info };
+    dpt_device_get_info(device, &info);
+    scene_take_device(&session->scene, device);
+    dpt_loop_def_init(&def);
+    def.tick = feel;
+    def.user = session;
+    def.rate = settings->rate;
+    def.ticks = settings->ticks;
+    def.guard.hold = fmax(def.guard.hold, 3.0 / (def.rate > 0.0 ? def.rate : info.rate));
+    if (!isnan(settings->force_max))
+        def.guard.force_max = settings->force_max;
+    dpt_result result = dpt_loop_create(device, &def, &loop);
+    if (result != DPT_OK)
+        return complain("run", "%s", dpt_result_text(result));
+    stop_watch(loop, settings->seconds);
+    result = dpt_loop_run(loop, &stats);
+    stop_watch(NULL, HUGE_VAL);
+    dpt_loop_free(loop);
+    dpt_device_get_counts(device, &counts);
+    (settings->json ? print_json : print_report)(session, &stats, &counts);
+    if (result != DPT_OK)
+        return complain("run", "%s", dpt_result_text(result));
+    return settings->record ? write_record(session) : 0;
+}
+
+/* A device's name has files in it, too: its place, and what its settings are. */
+static int check_record(const struct settings *settings)
+{
+    char piece[1024];
+    const char *const inputs[] = { settings->scene.path, settings->scene.tool, NULL };
+    int status = 0;
+    if (!strcmp(settings->record, "-"))
+        return complain("run",
+                        "--record needs a file: what is said at the end is on standard output");
+    if (output_check("run", settings->record, inputs))
+        return 2;
+    for (const char *at = strchr(settings->device, ':'); at && *at && !status;) {
+        const size_t length = strcspn(++at, "?&=");
+        snprintf(piece, sizeof piece, "%.*s", (int)length, at);
+        status = output_check("run", settings->record, (const char *const[]){ piece, NULL });
+        at += length;
+    }
+    return status;
+}
+
+static int take_settings(int argc, char **argv, struct settings *settings)
+{
+    size_t operands;
+    const struct option_def options[] = {
+        { .name = "--device", .text = &settings->device },
+        { .name = "--at", .text = &settings->scene.at },
+        { .name = "--tool", .text = &settings->scene.tool },
+        { .name = "--zoom", .number = &settings->scene.zoom },
+        { .name = "--length", .number = &settings->scene.length },
+        { .name = "--radius", .number = &settings->scene.radius },
+        { .name = "--stiffness", .number = &settings->scene.stiffness },
+        { .name = "--force-max", .number = &settings->force_max },
+        { .name = "--rate", .number = &settings->rate },
+        { .name = "--for", .number = &settings->seconds },
+        { .name = "--ticks", .count = &settings->ticks },
+        { .name = "--record", .text = &settings->record },
+        { .name = "--json", .flag = &settings->json },
+    };
+    int status = parse_options(argc, argv, options, sizeof options / sizeof *options, help,
+                               &settings->scene.path, 1, &operands);
+    if (status >= 0)
+        return status;
+    if (operands != 1 || !settings->device)
+        return complain("run", "MESH.dpa or ARM.dpa, and --device NAME are needed (see --help)");
+    if (settings->record && check_record(settings))
+        return 2;
+    if (!(settings->scene.zoom > 0.0 && settings->scene.zoom <= 1000.0))
+        return complain("run", "--zoom must be positive, at most 1000");
+    if (!(settings->scene.length >= 0.0 && settings->scene.length <= 10.0) ||
+        !(settings->scene.radius >= 0.0 && settings->scene.radius <= 1.0))
+        return complain("run", "--length must be 0 to 10, --radius 0 to 1");
+    if (!(settings->scene.stiffness >= 0.0 && settings->scene.stiffness <= 1e9))
+        return complain("run", "--stiffness must be 0 to 1e9");
+    if (settings->force_max < 0.0 || settings->force_max > 1000.0)
+        return complain("run", "--force-max must be 0 to 1000");
+    if (settings->rate != 0.0 && !(settings->rate >= 1.0 && settings->rate <= 1e5))
+        return complain("run", "--rate must be 1 to 100000");
+    if (!(settings->seconds > 0.0))
+        return complain("run", "--for must be positive");
+    if (settings->record && !(settings->ticks && settings->ticks <= 100000000))
+        return complain("run", "--record needs --ticks, at most 100000000");
+    return -1;
+}
+
+int command_run(int argc, char **argv)
+{
+    struct settings settings = {
+        .scene = { .zoom = 1.0, .length = 0.1, .radius = 0.002, .stiffness = 500.0 },
+        .force_max = NAN,
+        .seconds = HUGE_VAL
+    };
+    struct session session = { .recorded = 0 };
+    int status = take_settings(argc, argv, &settings);
+    if (status >= 0)
+        return status;
+    status = scene_open(&session.scene, &settings.scene);
+    if (status == 0)
+        status = open_record(&settings, &session);
+    if (status == 0) {
+        dpt_device *device;
+        status = open_device("run", settings.device, &device);
+        if (status == 0) {
+            status = end_fault("run", settings.device, device);
+            status = status ? status : serve(device, &session, &settings);
+            dpt_device_close(device);
+        }
+    }
+    close_record(&session);
+    scene_close(&session.scene);
+    return status;
+}

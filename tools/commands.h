@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * The sub-commands of the program dynpoint. argv[0] is the command's own name ("make", "trace",
+ * "compile", ...), its arguments follow.
+ *
+ * Each returns the exit status: 0 done; 1 done, and the answer is no; 2 usage, input or system
+ * error, after one line on standard error.
+ */
+#ifndef DPT_TOOLS_COMMANDS_H
+#define DPT_TOOLS_COMMANDS_H
+
+int command_make(int argc, char **argv);
+int command_make_trace(int argc, char **argv);
+int command_compile(int argc, char **argv);
+int command_info(int argc, char **argv);
+int command_replay(int argc, char **argv);
+int command_device(int argc, char **argv);
+int command_run(int argc, char **argv);
+
+/* dynpoint device simulate. */
+int device_simulate(const char *what, double swing, double seconds);
+
+#endif

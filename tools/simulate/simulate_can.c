@@ -1,0 +1,274 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#define _POSIX_C_SOURCE 200809L
+#include "simulate/simulate_can.h"
+
+#include <string.h>
+
+#include "base/vec3.h"
+#include "settings.h"
+#include "simulate/sim_clock.h"
+
+#define RECEIVES 16
+#define PARTS    4
+
+static void say(struct simulate_can *simulated, const struct simulate_can_node *node,
+                struct odrive_message message)
+{
+    message.node = node->node;
+    for (uint32_t i = 0; i < node->copies && !node->is_dumb; i++) {
+        if (simulated->count == CAN_LINE_BATCH) {
+            const int sent = can_line_send(&simulated->line, simulated->out, simulated->count);
+            simulated->unsent += (uint64_t)(simulated->count - sent);
+            simulated->count = 0;
+        }
+        if (odrive_encode(&message, node->generation, &simulated->out[simulated->count]))
+            simulated->count++;
+    }
+}
+
+static uint32_t watchdog_error(const struct simulate_can_node *node)
+{
+    return node->generation == ODRIVE_0_5 ? 0x800 : 0x1000000;
+}
+
+static uint32_t estop_error(const struct simulate_can_node *node)
+{
+    return node->generation == ODRIVE_0_5 ? 0x4000 : 0x2000000;
+}
+
+static void say_beat(struct simulate_can *simulated, const struct simulate_can_node *node)
+{
+    struct odrive_message message = { .command = ODRIVE_HEARTBEAT };
+    message.as.heartbeat.errors = node->errors;
+    message.as.heartbeat.state = node->state;
+    message.as.heartbeat.is_done = node->is_done;
+    message.as.heartbeat.failed = node->motor_errors ? ODRIVE_FAILED_MOTOR : 0;
+    say(simulated, node, message);
+}
+
+static void say_estimates(struct simulate_can *simulated, uint32_t index)
+{
+    const struct can_arm *arm = &simulated->arm;
+    struct odrive_message message = { .command = ODRIVE_ESTIMATES };
+    message.as.estimates.position =
+        (float)((simulated->joint[index] - arm->zero[index]) / arm->per_turn[index]);
+    message.as.estimates.velocity = (float)(simulated->speed[index] / arm->per_turn[index]);
+    say(simulated, &simulated->node[index], message);
+}
+
+static void answer(struct simulate_can *simulated, uint32_t index, unsigned command)
+{
+    struct simulate_can_node *node = &simulated->node[index];
+    struct odrive_message message = { .command = (uint8_t)command };
+    switch (command) {
+    case ODRIVE_VERSION:
+        message.as.version.protocol = 2;
+        message.as.version.firmware[1] = 6;
+        message.as.version.firmware[2] = 10;
+        break;
+    case ODRIVE_HEARTBEAT:
+        say_beat(simulated, node);
+        return;
+    case ODRIVE_ESTIMATES:
+        say_estimates(simulated, index);
+        return;
+    case ODRIVE_ERROR:
+        message.as.error.active =
+            node->generation == ODRIVE_0_5 ? node->motor_errors : node->errors;
+        break;
+    case ODRIVE_ADDRESS:
+        /* Each of two nodes of one number has its own. */
+        message.as.address.node = node->node;
+        for (uint32_t i = 0, copies = node->copies; i < copies; i++) {
+            message.as.address.serial = node->serial + i;
+            node->copies = 1;
+            say(simulated, node, message);
+            node->copies = copies;
+        }
+        return;
+    default:
+        break;
+    }
+    say(simulated, node, message);
+}
+
+static void fail(struct simulate_can_node *node, uint32_t errors)
+{
+    node->errors |= errors;
+    if (node->errors)
+        node->state = ODRIVE_STATE_IDLE;
+}
+
+static void take(struct simulate_can *simulated, const struct can_message *frame)
+{
+    struct odrive_message said;
+    uint32_t index = 0;
+    while (index < simulated->arm.joints && simulated->node[index].node != frame->id >> 5)
+        index++;
+    if (index == simulated->arm.joints || frame->flags & CAN_MESSAGE_OWN)
+        return;
+    struct simulate_can_node *node = &simulated->node[index];
+    node->heard_tick = simulated->ticks;
+    /* What a host must not do: 0.5 takes it for an order, and a frame without data for the number 0. */
+    if (node->generation == ODRIVE_0_5 && (frame->id & 31) == ODRIVE_ADDRESS)
+        node->node = frame->data[0];
+    if (odrive_decode(frame, node->generation, &said) != ODRIVE_MESSAGE)
+        return;
+    if (said.asks) {
+        answer(simulated, index, said.command);
+        return;
+    }
+    switch (said.command) {
+    case ODRIVE_ESTOP:
+        fail(node, estop_error(node));
+        break;
+    case ODRIVE_SET_STATE:
+        if (said.as.state == ODRIVE_STATE_IDLE ||
+            (said.as.state == ODRIVE_STATE_CLOSED_LOOP && !node->errors && !node->motor_errors))
+            node->state = (uint8_t)said.as.state;
+        break;
+    case ODRIVE_SET_MODE:
+        node->is_in_torque = said.as.mode.control == ODRIVE_CONTROL_TORQUE &&
+                             said.as.mode.input == ODRIVE_INPUT_PASSTHROUGH;
+        break;
+    case ODRIVE_SET_TORQUE:
+        node->torque = said.as.torque;
+        node->taken++;
+        break;
+    case ODRIVE_CLEAR_ERRORS:
+        node->errors = node->causes;
+        node->motor_errors = 0;
+        break;
+    default:
+        break;
+    }
+}
+
+/* One period of each joint by itself, pushed by its motor and by what pulls at the tool. */
+static void move(struct simulate_can *simulated)
+{
+    const struct can_arm *arm = &simulated->arm;
+    const double h = 1.0 / (PARTS * simulated->settings.rate);
+    double efforts[DPT_JOINTS_MAX], weight[DPT_JOINTS_MAX] = { 0.0 };
+    dpt_device_state state;
+    if (simulated->swing > 0.0) {
+        const double turns =
+            (double)simulated->ticks / simulated->settings.rate / simulated->swing_period;
+        simulated->hand[1] = simulated->swing * (fabs(4.0 * (turns - floor(turns)) - 2.0) - 1.0);
+    }
+    for (int part = 0; part < PARTS; part++) {
+        dpt_wrench pull = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0 } };
+        double device[3];
+        if (can_arm_pose(arm, simulated->joint, simulated->speed, &state) != DPT_OK)
+            return;
+        for (int i = 0; i < 3; i++)
+            device[i] = simulated->hand_stiffness * (simulated->hand[i] - state.pose.position[i]) -
+                        simulated->hand_damping * state.velocity[i];
+        can_arm_to_root(arm, device, pull.force);
+        dpt_arm_efforts(arm->arm, simulated->joint, &pull, efforts);
+        dpt_arm_weight(arm->arm, simulated->joint, arm->gravity, weight);
+        for (uint32_t i = 0; i < arm->joints; i++) {
+            const struct simulate_can_node *node = &simulated->node[i];
+            const double motor = node->state == ODRIVE_STATE_CLOSED_LOOP && node->is_in_torque
+                                     ? (double)node->torque / arm->per_force[i]
+                                     : 0.0;
+            const double sum =
+                motor + efforts[i] - weight[i] - simulated->damping[i] * simulated->speed[i];
+            simulated->speed[i] += sum / simulated->inertia[i] * h;
+            simulated->joint[i] += simulated->speed[i] * h;
+        }
+    }
+}
+
+void simulate_can_tick(struct simulate_can *simulated)
+{
+    struct can_message in[CAN_LINE_BATCH];
+    int calls = 0;
+    simulated->ticks++;
+    do {
+        const int count = can_line_receive(&simulated->line, in);
+        for (int k = 0; k < count; k++)
+            take(simulated, &in[k]);
+    } while (!simulated->line.is_empty && ++calls < RECEIVES);
+    if (!simulated->is_led)
+        move(simulated);
+    for (uint32_t i = 0; i < simulated->arm.joints; i++) {
+        struct simulate_can_node *node = &simulated->node[i];
+        if (node->watchdog > 0.0 && (double)(simulated->ticks - node->heard_tick) >
+                                        node->watchdog * simulated->settings.rate)
+            fail(node, watchdog_error(node));
+        if (node->causes & ~node->errors)
+            fail(node, node->causes);
+        if (node->motor_errors)
+            node->state = ODRIVE_STATE_IDLE;
+        for (uint32_t k = 0; k < node->babble; k++)
+            answer(simulated, i, ODRIVE_ERROR);
+        if (node->estimates_each && simulated->ticks % node->estimates_each == 0)
+            say_estimates(simulated, i);
+        if (node->beats_each && simulated->ticks % node->beats_each == 0)
+            say_beat(simulated, node);
+    }
+    const int sent = can_line_send(&simulated->line, simulated->out, simulated->count);
+    simulated->unsent += (uint64_t)(simulated->count - sent);
+    simulated->count = 0;
+}
+
+dpt_result simulate_can_start(struct simulate_can *simulated, const char *where,
+                              dpt_device_error *error)
+{
+    uint64_t nodes = 0;
+    memset(simulated, 0, sizeof *simulated);
+    simulated->line.fd = -1;
+    dpt_result result = can_settings_read(where, &simulated->settings, error);
+    if (result == DPT_OK)
+        result = can_arm_open(&simulated->arm, &simulated->settings, error);
+    if (result != DPT_OK)
+        return result;
+    for (uint32_t i = 0; i < simulated->arm.joints; i++) {
+        struct simulate_can_node *node = &simulated->node[i];
+        node->node = simulated->arm.nodes[i];
+        node->generation = simulated->settings.firmware[2] == '5' ? ODRIVE_0_5 : ODRIVE_0_6;
+        node->serial = 0x300000000000u + i;
+        node->watchdog = simulated->settings.watchdog;
+        node->estimates_each = simulated->settings.request == 0.0;
+        node->beats_each =
+            (uint32_t)(simulated->settings.heartbeat * simulated->settings.rate + 0.5);
+        simulated->inertia[i] = simulated->arm.slides[i] ? 0.2 : 0.005;
+        simulated->damping[i] = simulated->arm.slides[i] ? 1.0 : 0.02;
+        simulated->joint[i] = simulated->arm.middle[i];
+        nodes |= (uint64_t)1 << node->node;
+        simulate_can_reboot(node);
+    }
+    simulated->hand_stiffness = 150.0;
+    simulated->hand_damping = 5.0;
+    simulated->swing_period = 4.0;
+    result = can_line_open(&simulated->line, simulated->settings.interface, nodes, error);
+    if (result != DPT_OK)
+        can_arm_close(&simulated->arm);
+    return result;
+}
+
+void simulate_can_reboot(struct simulate_can_node *node)
+{
+    node->state = ODRIVE_STATE_IDLE;
+    node->errors = node->motor_errors = 0;
+    node->is_in_torque = 0;
+    node->torque = 0.0f;
+    node->copies = node->is_done = 1;
+}
+
+static void tick(void *user)
+{
+    simulate_can_tick(user);
+}
+
+void simulate_can_run(struct simulate_can *simulated, const volatile int *stop)
+{
+    pace(simulated->settings.rate, tick, simulated, stop);
+}
+
+void simulate_can_end(struct simulate_can *simulated)
+{
+    can_line_close(&simulated->line);
+    can_arm_close(&simulated->arm);
+}

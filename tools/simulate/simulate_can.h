@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * Motor controllers that are not there: the nodes of an arm on a CAN interface, as firmware 0.5 or 0.6 answers, and a mechanism
+ * between their motors and a hand that holds the tool. It takes the name that the driver takes, so that both know
+ * the same arm; the loop is closed on one machine.
+ *
+ *     simulate_can_start(&simulated, "vcan0?arm=arm.dpa&gear=8,8,8", &error);
+ *     simulate_can_run(&simulated, &stop);
+ *     simulate_can_end(&simulated);
+ */
+#ifndef DPT_TOOLS_SIMULATE_CAN_H
+#define DPT_TOOLS_SIMULATE_CAN_H
+
+#include "can/can_monitor.h"
+#include "can/socketcan.h"
+
+struct simulate_can_node {
+    uint8_t node, generation, state;
+    uint8_t is_done;         /* a trajectory: of 0.5 this bit gives the firmware away */
+    uint8_t is_in_torque;    /* torque control, passed through */
+    uint32_t errors;         /* of the axis */
+    uint32_t motor_errors;   /* 0.5 */
+    uint32_t causes;         /* errors that clearing does not end */
+    float torque;            /* Nm of the motor, as it was set last; it acts in closed loop */
+    uint64_t taken;          /* torques that came */
+    uint64_t heard_tick;     /* of the last frame to this node */
+    uint64_t serial;         /* 0.6 */
+    double watchdog;         /* s, 0: none */
+    uint32_t estimates_each; /* ticks, 0: never but when asked */
+    uint32_t beats_each;
+    uint32_t copies; /* nodes of this number, 1 */
+    uint32_t babble; /* frames more a tick */
+    uint8_t is_dumb; /* it says nothing */
+};
+
+struct simulate_can {
+    struct can_settings settings;
+    struct can_arm arm;
+    struct can_line line;
+    struct simulate_can_node node[DPT_JOINTS_MAX];
+    uint64_t ticks;
+    double inertia[DPT_JOINTS_MAX]; /* kg m^2 or kg, of each joint alone */
+    double damping[DPT_JOINTS_MAX]; /* Nms/rad or Ns/m */
+    double joint[DPT_JOINTS_MAX];   /* rad or m */
+    double speed[DPT_JOINTS_MAX];
+    double hand[3];        /* where the hand wants the tool to be, in the device's frame, m */
+    double hand_stiffness; /* N/m; 0: nobody holds it */
+    double hand_damping;   /* Ns/m */
+    double swing;          /* m, how far up and down the hand goes */
+    double swing_period;   /* s */
+    uint8_t is_led;        /* 1: joints are where they are put, there is no mechanism */
+    uint64_t unsent;       /* frames for which the line had no room */
+    int count;             /* of `out` */
+    struct can_message out[CAN_LINE_BATCH];
+};
+
+/* Idle nodes, the tool in the middle of its workspace. On failure nothing stays open. */
+dpt_result simulate_can_start(struct simulate_can *simulated, const char *where,
+                              dpt_device_error *error);
+
+/* One period of the setting `rate`: takes what has come, moves the mechanism, sends. No clock but for the line's own. */
+void simulate_can_tick(struct simulate_can *simulated);
+
+/* Ticks at its rate, until *stop is not 0. */
+void simulate_can_run(struct simulate_can *simulated, const volatile int *stop);
+
+/* As cutting the controllers' power. */
+void simulate_can_end(struct simulate_can *simulated);
+
+/* As switching one off and on again. */
+void simulate_can_reboot(struct simulate_can_node *node);
+
+#endif
