@@ -34,7 +34,7 @@ mkdir -p "$out"
 echo '#include <string.h>' | ${cross}gcc -mcpu=cortex-m7 -E -x c - >"$out/log" 2>&1 || skip "firmware: no newlib for ${cross}gcc"
 
 exact=$(sed -n 's/^EXACT := //p' Makefile)
-flags="-std=gnu99 -O2 $exact -Wall -Wextra -Wshadow -Wconversion -Werror -ffunction-sections -fdata-sections -Iinclude -Isrc -Idrivers -Itests"
+flags="-std=gnu99 -O2 $exact -Wall -Wextra -Wshadow -Wconversion -Werror -ffunction-sections -fdata-sections -Iinclude -Isrc -Idrivers -Itools -Itests"
 machine="-mcpu=cortex-m7 -mthumb -mfloat-abi=hard -mfpu=fpv5-d16"
 link="-T tests/firmware/m7.ld -nostartfiles -Wl,--gc-sections --specs=nosys.specs -lm"
 run="qemu-system-arm -M mps2-an500 -display none -monitor none -semihosting-config enable=on,target=native"
