@@ -12,7 +12,7 @@
 
 #include "base/crc32.h"
 #include "dynpoint/kinematics.h"
-#include "mesh/mesh_format.h"
+#include "mesh/mesh_swap.h"
 
 /* As a mesh's, but for the fourth byte. */
 #define ARM_MAGIC   "\211DPK\r\n\032\n"

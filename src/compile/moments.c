@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "base/angle.h"
-#include "kernel/kernel_ops.h"
+#include "mesh/mesh_format.h"
 
 #define PER_SPHERE (1.0 / (2.0 * ANGLE_TURN)) /* 1 / (4 pi) */
 
@@ -147,7 +147,7 @@ void moment_put(const struct moment *m, float *block)
     const double third = (q[0] + q[1] + q[2]) / 3.0;
     const double tx = (o[0] + o[5] + o[7]) / 5.0, ty = (o[1] + o[3] + o[8]) / 5.0,
                  tz = (o[2] + o[4] + o[6]) / 5.0;
-    const double rows[KERNEL_MOMENT_ROWS] = {
+    const double rows[MESH_MOMENT_ROWS] = {
         PER_SPHERE * m->normal.x,
         PER_SPHERE * m->normal.y,
         PER_SPHERE * m->normal.z,
@@ -169,6 +169,6 @@ void moment_put(const struct moment *m, float *block)
         PER_SPHERE * cube_of(m),
         m->area > 0.0 ? m->radius : -1.0,
     };
-    for (int k = 0; k < KERNEL_MOMENT_ROWS; k++)
+    for (int k = 0; k < MESH_MOMENT_ROWS; k++)
         block[k * LANES] = (float)rows[k];
 }

@@ -34,7 +34,7 @@ struct moment moment_of_sets(const struct moment *sets, uint32_t count);
  */
 double moment_winding(const struct moment *moment, vec3 x, double *error);
 
-/* Into a lane of a block of KERNEL_MOMENT_ROWS rows of 16, `block` at the lane. */
+/* Into a lane of a block of MESH_MOMENT_ROWS rows of 16, `block` at the lane. */
 void moment_put(const struct moment *moment, float *block);
 
 #endif

@@ -7,10 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/lanes.h"
 #include "base/return_if_error.h"
 #include "compile/model.h"
 #include "compile/parallel.h"
-#include "kernel/kernel_ops.h"
 
 struct item {
     float centre[3]; /* sum of the corners: three times the centroid */

@@ -9,7 +9,7 @@
 #include "compile/model.h"
 #include "compile/moments.h"
 #include "compile/parallel.h"
-#include "mesh/mesh_format.h"
+#include "mesh/mesh_swap.h"
 
 /* Of this many leaves, or bytes of sections, a thread is worth making. */
 #define LEAVES_LEAST  256u

@@ -149,7 +149,7 @@ static double turn_between(const struct profile *profile, const struct sample *f
     if (reach > least + error)
         return 0.0;
     pair found;
-    tree_point(profile->tree, was, profile_point(profile, s), &found);
+    tree_point(profile->surface, was, profile_point(profile, s), &found);
     double distance = sqrt(found.distance2);
     if (!(distance > error && distance < least))
         return 0.0;
@@ -331,7 +331,7 @@ static int refine(struct profile *profile)
 static uint32_t part_of(const struct profile *profile, uint32_t i)
 {
     uint32_t triangle = profile->sample[i].triangle;
-    return triangle == DPT_NONE ? DPT_NONE : side_part(profile->tree, triangle);
+    return triangle == DPT_NONE ? DPT_NONE : surface_part(profile->surface, triangle);
 }
 
 /* Regions as they are taken, one piece after another. */

@@ -5,7 +5,7 @@
 
 static uint32_t flags_of(const struct profile *profile, uint32_t part)
 {
-    return mesh_part_flags(profile->tree->mesh, part);
+    return surface_part_flags(profile->surface, part);
 }
 
 static void put_crossing(struct profile *profile, uint32_t triangle, const pair *found)
@@ -25,7 +25,7 @@ static void put_crossing(struct profile *profile, uint32_t triangle, const pair 
     double along_axis = dot(normal, profile->axis->u);
     int on_face = found->weight[0] > 0.0 && found->weight[1] > 0.0 && found->weight[2] > 0.0;
     if (on_face && fabs(along_axis) > 1e-6 * profile->size) {
-        uint32_t flags = flags_of(profile, side_part(profile->tree, triangle));
+        uint32_t flags = flags_of(profile, surface_part(profile->surface, triangle));
         crossing->after = along_axis > 0.0 ? 1 : -1;
         crossing->before = -crossing->after;
         if (flags & MESH_PART_BURIED)
@@ -52,12 +52,12 @@ static void join_crossings(struct profile *profile)
 /* The stretch of the axis that a triangle within reach can be within reach of; `room`: the reach, in s. */
 static void put_zone(struct profile *profile, uint32_t triangle, double per_uu, double room)
 {
-    const struct tree *tree = profile->tree;
+    const struct surface *surface = profile->surface;
     const struct axis *axis = profile->axis;
-    const uint32_t *corner = tree->corners + 3 * (size_t)triangle;
+    const uint32_t *corner = surface->corners + 3 * (size_t)triangle;
     double from = HUGE_VAL, to = -HUGE_VAL;
     for (int k = 0; k < 3; k++) {
-        vec3 c = vec3_of_float(tree->positions + 3 * (size_t)corner[k]);
+        vec3 c = vec3_of_float(surface->positions + 3 * (size_t)corner[k]);
         double s = dot(sub(c, axis->local_a), axis->u) * per_uu;
         from = smaller(from, s);
         to = larger(to, s);
@@ -102,15 +102,15 @@ static int goes_through(const struct profile *profile, const struct crossing *cr
     }
     if (corners == 3 || profile->size == 0.0)
         return 1;
-    return side_of_way(profile->tree, crossing->triangle, weight, u) !=
-           side_of_way(profile->tree, crossing->triangle, weight, scaled(u, -1.0));
+    return side_of_way(profile->surface, crossing->triangle, weight, u) !=
+           side_of_way(profile->surface, crossing->triangle, weight, scaled(u, -1.0));
 }
 
 /* It goes through an open sheet of which no side is kept. */
 static int is_sideless(const struct profile *profile)
 {
     for (uint32_t k = 0; k < profile->crossings; k++) {
-        uint32_t part = side_part(profile->tree, profile->crossing[k].triangle);
+        uint32_t part = surface_part(profile->surface, profile->crossing[k].triangle);
         uint32_t flags = flags_of(profile, part);
         if (!(flags & (MESH_PART_SOLID | MESH_PART_BURIED)) && (flags & MESH_PART_MANIFOLD) &&
             !sides_get(profile->sides, part) && goes_through(profile, &profile->crossing[k]))
@@ -130,13 +130,13 @@ void profile_cross(struct profile *profile)
     }
     double per_uu = profile->size > 0.0 ? 1.0 / dot(axis->u, axis->u) : 0.0;
     double room = profile->size > 0.0 ? profile->reach / profile->size : 1.0;
-    range_begin(&range, profile->tree, profile->kernel, axis->local_a, axis->u, profile->reach,
+    range_begin(&range, profile->surface, profile->kernel, axis->local_a, axis->u, profile->reach,
                 profile_spare(profile));
     for (uint32_t t; (t = range_next(&range, &meets)) != DPT_NONE;) {
         put_zone(profile, t, per_uu, room);
         if (!meets)
             continue;
-        pair found = tree_pair(profile->tree, t, axis->local_a, axis->u);
+        pair found = tree_pair(profile->surface, t, axis->local_a, axis->u);
         if (found.distance2 == 0.0)
             put_crossing(profile, t, &found);
     }

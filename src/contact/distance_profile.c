@@ -6,17 +6,17 @@
 
 double profile_reach(const struct profile *profile, uint32_t triangle, double s)
 {
-    const struct tree *tree = profile->tree;
-    const uint32_t *corner = tree->corners + 3 * (size_t)triangle;
+    const struct surface *surface = profile->surface;
+    const uint32_t *corner = surface->corners + 3 * (size_t)triangle;
     return point_reach(profile_point(profile, s),
-                       vec3_of_float(tree->positions + 3 * (size_t)corner[0]),
-                       vec3_of_float(tree->positions + 3 * (size_t)corner[1]),
-                       vec3_of_float(tree->positions + 3 * (size_t)corner[2]));
+                       vec3_of_float(surface->positions + 3 * (size_t)corner[0]),
+                       vec3_of_float(surface->positions + 3 * (size_t)corner[1]),
+                       vec3_of_float(surface->positions + 3 * (size_t)corner[2]));
 }
 
 static uint32_t flags_of(const struct profile *profile, uint32_t part)
 {
-    return mesh_part_flags(profile->tree->mesh, part);
+    return surface_part_flags(profile->surface, part);
 }
 
 int32_t sides_get(const struct sides *sides, uint32_t part)
@@ -37,8 +37,8 @@ void sides_put(struct sides *sides, uint32_t part, int32_t side)
 
 vec3 profile_way_out(const struct profile *profile, uint32_t triangle, const double weight[3])
 {
-    uint32_t part = side_part(profile->tree, triangle);
-    vec3 normal = side_feature_normal(profile->tree, triangle, weight);
+    uint32_t part = surface_part(profile->surface, triangle);
+    vec3 normal = surface_feature_normal(profile->surface, triangle, weight);
     double size = length(normal);
     double side = sides_get(profile->sides, part);
     if (side == 0.0 && (flags_of(profile, part) & MESH_PART_SOLID))
@@ -49,10 +49,10 @@ vec3 profile_way_out(const struct profile *profile, uint32_t triangle, const dou
 /* A point outside of the box sees all of the mesh in one half of its view. */
 static int is_inside_by_winding(struct profile *profile, double s)
 {
-    const struct dpt_mesh *mesh = profile->tree->mesh;
+    const struct surface *surface = profile->surface;
     vec3 x = profile_point(profile, s);
-    if (x.x < mesh->box_min[0] || x.y < mesh->box_min[1] || x.z < mesh->box_min[2] ||
-        x.x > mesh->box_max[0] || x.y > mesh->box_max[1] || x.z > mesh->box_max[2])
+    if (x.x < surface->box_min.x || x.y < surface->box_min.y || x.z < surface->box_min.z ||
+        x.x > surface->box_max.x || x.y > surface->box_max.y || x.z > surface->box_max.z)
         return 0;
     const struct memo_entry *known =
         profile->memo ? memo_find(profile->memo, profile->body, x) : NULL;
@@ -60,7 +60,7 @@ static int is_inside_by_winding(struct profile *profile, double s)
         return known->side < 0;
     double winding = HUGE_VAL;
     if (profile_spare(profile))
-        winding = winding_number(profile->tree, profile->kernel, x, profile_spare(profile),
+        winding = winding_number(profile->surface, profile->kernel, x, profile_spare(profile),
                                  &profile->work);
     profile->cut |= winding == HUGE_VAL;
     struct memo_entry *entry =
@@ -73,17 +73,17 @@ static int is_inside_by_winding(struct profile *profile, double s)
 /* Of a point of the axis whose nearest pair this is: +1 outside, -1 inside. */
 static int side_of(struct profile *profile, double s, uint32_t triangle, const pair *found)
 {
-    uint32_t part = side_part(profile->tree, triangle), flags = flags_of(profile, part);
+    uint32_t part = surface_part(profile->surface, triangle), flags = flags_of(profile, part);
     int kept = sides_get(profile->sides, part);
-    if (kept && side_is_border(profile->tree, triangle, found->weight))
+    if (kept && side_is_border(profile->surface, triangle, found->weight))
         return 1;
     if (kept)
-        return kept * side_of_pair(profile->tree, triangle, found);
+        return kept * side_of_pair(profile->surface, triangle, found);
     if (flags & MESH_PART_WINDING)
         return is_inside_by_winding(profile, s) ? -1 : 1;
     if (flags & MESH_PART_BURIED)
         return -1;
-    return flags & MESH_PART_SOLID ? side_of_pair(profile->tree, triangle, found) : 1;
+    return flags & MESH_PART_SOLID ? side_of_pair(profile->surface, triangle, found) : 1;
 }
 
 /* Begin a search within what work there is left, or none. */
@@ -100,7 +100,7 @@ static int take_nearer(const struct profile *profile, vec3 x, uint32_t triangle,
                        struct nearest *nearest)
 {
     pair found;
-    tree_point(profile->tree, triangle, x, &found);
+    tree_point(profile->surface, triangle, x, &found);
     if (found.distance2 > nearest->pair.distance2)
         return 0;
     nearest->pair = found;
@@ -123,7 +123,7 @@ static void search(struct profile *profile, vec3 x, struct nearest *nearest)
         return;
     if (memo && memo_resume(memo, profile->body, x, &triangle, &walk))
         take_nearer(profile, x, triangle, nearest);
-    int done = point_search(profile->tree, profile->kernel, x, &walk, nearest);
+    int done = point_search(profile->surface, profile->kernel, x, &walk, nearest);
     profile->work += nearest->work;
     profile->cut |= !done;
     if (memo && !done)
@@ -142,7 +142,7 @@ static void descend(struct profile *profile, const struct axis *point, struct ne
                   take_nearer(profile, point->local_a, entry->descent, nearest);
     if (!begin(profile, nearest))
         return;
-    track_slide(profile->tree, point, nearest);
+    track_slide(profile->surface, point, nearest);
     profile->work += nearest->work;
     profile->cut |= nearest->most && nearest->work >= nearest->most;
     if (entry && (goes_on || entry->descent == DPT_NONE))
@@ -169,7 +169,7 @@ static void take_sample(struct profile *profile, double s, uint32_t triangle, in
     point.u = (vec3){ 0.0, 0.0, 0.0 };
     point.error = profile->axis->error;
     nearest_begin(&nearest, triangle);
-    tree_point(profile->tree, triangle, point.local_a, &nearest.pair);
+    tree_point(profile->surface, triangle, point.local_a, &nearest.pair);
     improve(profile, &point, exact, &nearest);
     const pair *found = &nearest.pair;
     double distance = sqrt(found->distance2);
@@ -389,7 +389,7 @@ uint32_t profile_approach(struct profile *profile, double from, double to, doubl
     nearest.pair.distance2 = reach * reach;
     walk.at = 0;
     if (begin(profile, &nearest)) {
-        profile->cut |= !tree_walk(profile->tree, profile->kernel, NULL, piece.local_a, piece.u,
+        profile->cut |= !tree_walk(profile->surface, profile->kernel, NULL, piece.local_a, piece.u,
                                    0.0, &walk, &nearest);
         profile->work += nearest.work;
     }
@@ -428,8 +428,7 @@ int profile_make(struct profile *profile, const struct nearest *nearest, const s
     profile->count = 0;
     profile->deepest = 0;
     profile->same = 0;
-    const uint32_t *lanes;
-    profile->winding = mesh_moments(profile->tree->mesh, &lanes) != NULL;
+    profile->winding = profile->surface->moments != NULL;
     int is_far = distance > profile->reach;
     if (is_far && !profile->sides->count && is_outside(profile, nearest))
         return 0;

@@ -84,7 +84,7 @@ int32_t sides_get(const struct sides *sides, uint32_t part);
 void sides_put(struct sides *sides, uint32_t part, int32_t side);
 
 struct profile {
-    const struct tree *tree;
+    const struct surface *surface;
     const struct kernel *kernel;
     const struct axis *axis;
     const struct sides *sides;

@@ -41,7 +41,7 @@ vec3 contact_normal(const struct profile *profile, const struct sample *sample, 
 {
     if (!smooth)
         return sample->normal;
-    vec3 normal = side_smooth_normal(profile->tree, sample->triangle, sample->weight);
+    vec3 normal = surface_smooth_normal(profile->surface, sample->triangle, sample->weight);
     double along_true = dot(normal, sample->normal);
     return along_true != 0.0 ? scaled(normal, along_true < 0.0 ? -1.0 : 1.0) : sample->normal;
 }
@@ -55,20 +55,20 @@ struct push contact_push(const struct profile *profile, const struct frame *body
                           along(axis->a, deepest->s, sub(axis->b, axis->a)), larger(0.0, -gap) };
 }
 
-void contact_of(const struct tree *tree, const struct kernel *kernel, const struct axis *axis,
+void contact_of(const struct surface *surface, const struct kernel *kernel, const struct axis *axis,
                 const struct nearest *nearest, double radius, dpt_hit *hit)
 {
     const struct sides none = { .count = 0 };
     struct profile profile;
     double gap;
-    profile.tree = tree;
+    profile.surface = surface;
     profile.kernel = kernel;
     profile.axis = axis;
     profile.sides = &none;
     profile.memo = NULL;
     profile.regions = 0;
     profile.reach = radius;
-    profile.tolerance = PROFILE_DEPTH_SHARE * tree_diagonal(tree);
+    profile.tolerance = PROFILE_DEPTH_SHARE * surface_diagonal(surface);
     profile.most = UINT32_MAX;
     if (contact_find(&profile, nearest, NULL, 0, radius, &gap) == CONTACT_UNKNOWN)
         hit->contact = DPT_CONTACT_UNKNOWN;
@@ -76,10 +76,11 @@ void contact_of(const struct tree *tree, const struct kernel *kernel, const stru
         contact_set_gap(hit, gap, hit->error_bound);
 }
 
-double contact_paper(const struct tree *tree, const struct frame *body, const struct axis *part,
-                     const struct nearest *nearest, double radius, struct push *push)
+double contact_paper(const struct surface *surface, const struct frame *body,
+                     const struct axis *part, const struct nearest *nearest, double radius,
+                     struct push *push)
 {
-    vec3 normal = side_face_normal(tree, nearest->triangle);
+    vec3 normal = surface_face_normal(surface, nearest->triangle);
     double distance = sqrt(nearest->pair.distance2), gap;
     if (distance == 0.0) {
         gap = lower_end(part, nearest, normal) - radius;

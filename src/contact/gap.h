@@ -34,7 +34,7 @@ struct push contact_push(const struct profile *profile, const struct frame *body
                          uint32_t smooth);
 
 /* Contact, gap and depth of one axis and one body without a past, for a hit that track_hit has written. */
-void contact_of(const struct tree *tree, const struct kernel *kernel, const struct axis *axis,
+void contact_of(const struct surface *surface, const struct kernel *kernel, const struct axis *axis,
                 const struct nearest *nearest, double radius, dpt_hit *hit);
 
 /* Of a gap that is known within `error`. */
@@ -44,8 +44,9 @@ uint32_t contact_of_gap(double gap, double error);
  * The paper's signed gap of one part of a segment and its push in the world (docs/algorithms/paper.md): the sign is
  * that of the triangle's own plane; a part that crosses is as deep as its lower end is under it.
  */
-double contact_paper(const struct tree *tree, const struct frame *body, const struct axis *part,
-                     const struct nearest *nearest, double radius, struct push *push);
+double contact_paper(const struct surface *surface, const struct frame *body,
+                     const struct axis *part, const struct nearest *nearest, double radius,
+                     struct push *push);
 
 /* Fill contact, flags, gap and depth for a gap that is known. */
 void contact_set_gap(dpt_hit *hit, double gap, double error);

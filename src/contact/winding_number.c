@@ -19,7 +19,7 @@
 #define FAR 0x1p20
 
 struct view {
-    const struct tree *tree;
+    const struct surface *surface;
     const struct kernel *kernel;
     const float *moments;
     const uint32_t *solid; /* a word a leaf: lanes that count */
@@ -40,8 +40,8 @@ static double sum_of(const float *lanes)
 
 static vec3 seen(const struct view *view, uint32_t triangle, uint32_t k)
 {
-    uint32_t v = view->tree->corners[3 * (size_t)triangle + k];
-    return sub(vec3_of_float(view->tree->positions + 3 * (size_t)v), view->x);
+    uint32_t v = view->surface->corners[3 * (size_t)triangle + k];
+    return sub(vec3_of_float(view->surface->positions + 3 * (size_t)v), view->x);
 }
 
 static void look_at_leaf(struct view *view, uint32_t leaf)
@@ -49,11 +49,11 @@ static void look_at_leaf(struct view *view, uint32_t leaf)
     uint32_t lanes = view->solid[leaf];
     if (!lanes)
         return;
-    const float *rows = view->tree->leaves + (size_t)leaf * MESH_LEAF_WORDS;
+    const float *rows = view->surface->leaves + (size_t)leaf * MESH_LEAF_WORDS;
     uint32_t open = view->kernel->angles(rows, view->at, lanes, view->winding);
     view->work++;
     for (; open; open &= open - 1) {
-        uint32_t t = leaf * LANES + (uint32_t)__builtin_ctz(open);
+        uint32_t t = leaf * LANES + first_lane(open);
         view->exact += solid_turns(seen(view, t, 0), seen(view, t, 1), seen(view, t, 2));
     }
 }
@@ -61,9 +61,9 @@ static void look_at_leaf(struct view *view, uint32_t leaf)
 /* The children that must be looked into; the others are added. */
 static uint32_t look_at_node(struct view *view, uint32_t level, uint32_t node, float most)
 {
-    const struct tree *tree = view->tree;
-    size_t row = tree->first[level] - tree->first[1] + node;
-    uint32_t children = mesh_lanes(tree->count[level - 1] - node * LANES);
+    const struct surface *surface = view->surface;
+    size_t row = surface->first[level] - surface->first[1] + node;
+    uint32_t children = lanes_of(surface->count[level - 1] - node * LANES);
     view->work++;
     return children & view->kernel->moments(view->moments + row * MESH_MOMENT_WORDS, view->at, most,
                                             view->winding, view->doubt);
@@ -72,7 +72,7 @@ static uint32_t look_at_node(struct view *view, uint32_t level, uint32_t node, f
 static double look(struct view *view, float most)
 {
     uint32_t node[MESH_LEVELS_MAX + 1], open[MESH_LEVELS_MAX + 1];
-    uint32_t top = view->tree->levels, level = top;
+    uint32_t top = view->surface->levels, level = top;
     memset(view->winding, 0, sizeof view->winding);
     memset(view->doubt, 0, sizeof view->doubt);
     view->exact = 0.0;
@@ -85,7 +85,7 @@ static double look(struct view *view, float most)
             level++;
             continue;
         }
-        uint32_t child = node[level] * LANES + (uint32_t)__builtin_ctz(open[level]);
+        uint32_t child = node[level] * LANES + first_lane(open[level]);
         open[level] &= open[level] - 1;
         if (level == 1) {
             look_at_leaf(view, child);
@@ -98,19 +98,18 @@ static double look(struct view *view, float most)
 }
 
 /* Comparisons are such that NaN, which a forged file can yield, ends as 0. */
-double winding_number(const struct tree *tree, const struct kernel *kernel, vec3 x, uint32_t most,
-                      uint32_t *work)
+double winding_number(const struct surface *surface, const struct kernel *kernel, vec3 x,
+                      uint32_t most, uint32_t *work)
 {
-    const struct dpt_mesh *mesh = tree->mesh;
-    struct view view = { .tree = tree, .kernel = kernel, .x = x, .most = most };
-    view.moments = mesh_moments(mesh, &view.solid);
-    vec3 at = scaled(sub(x, vec3_of(mesh->filter_centre)), mesh->filter_scale);
+    struct view view = { .surface = surface, .kernel = kernel, .x = x, .most = most };
+    view.moments = surface_moments(surface, &view.solid);
+    vec3 at = scaled(sub(x, surface->filter_centre), surface->filter_scale);
     if (!view.moments || !within(at.x, FAR) || !within(at.y, FAR) || !within(at.z, FAR))
         return 0.0;
     view.at[0] = (float)at.x;
     view.at[1] = (float)at.y;
     view.at[2] = (float)at.z;
-    float most_doubt = FIRST_DOUBT / (float)tree->levels;
+    float most_doubt = FIRST_DOUBT / (float)surface->levels;
     double doubt = look(&view, most_doubt);
     for (int pass = 1; !(doubt <= SERIES_ERROR) && pass < PASSES && view.work < view.most; pass++) {
         float share = (float)(SERIES_ERROR / doubt);
@@ -121,5 +120,5 @@ double winding_number(const struct tree *tree, const struct kernel *kernel, vec3
     if (view.work >= view.most)
         return HUGE_VAL;
     double winding = sum_of(view.winding) + view.exact;
-    return fabs(winding) <= (double)mesh->triangles ? winding : 0.0;
+    return fabs(winding) <= (double)surface_triangles(surface) ? winding : 0.0;
 }

@@ -13,9 +13,8 @@
 #ifndef DPT_KERNEL_OPS_H
 #define DPT_KERNEL_OPS_H
 
+#include "base/lanes.h"
 #include "dynpoint/types.h"
-
-#define LANES 16
 
 /*
  * A bound that is reported may lie above the true distance by at most kernel_margin(|A|, |B|), in the filter's
@@ -104,17 +103,6 @@ typedef uint32_t kernel_angles(const float *block, const float at[3], uint32_t l
  */
 #define KERNEL_ANGLE_OPEN 0x1p-4f
 #define KERNEL_ANGLE_NEAR 0x1p-24f
-
-/* Of 16 children: area vector, its place, quadrupole, octupole, remainder, radius; a radius of -1 stands for none. */
-enum {
-    KERNEL_MOMENT_AREA = 0, /* x, y, z */
-    KERNEL_MOMENT_AT = 3,   /* x, y, z */
-    KERNEL_MOMENT_QUAD = 6, /* xx, yy, xy, xz, yz */
-    KERNEL_MOMENT_OCT = 11, /* xxx, yyy, xxy, yyx, xxz, yyz, xyz */
-    KERNEL_MOMENT_REMAINDER = 18,
-    KERNEL_MOMENT_RADIUS = 19,
-    KERNEL_MOMENT_ROWS = 20
-};
 
 struct kernel {
     kernel_held *held_boxes;

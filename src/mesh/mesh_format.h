@@ -15,8 +15,8 @@
 #include <stdint.h>
 #include <string.h>
 
+#include "base/lanes.h"
 #include "dynpoint/mesh.h"
-#include "kernel/kernel_ops.h"
 
 /* 89 44 50 41 0d 0a 1a 0a: like PNG's, survives no text-mode transfer, and no text begins so. */
 #define MESH_MAGIC              "\211DPA\r\n\032\n"
@@ -74,7 +74,18 @@ enum { MESH_HEADER = MESH_SECTION_COUNT, MESH_PADDING };
 
 #define MESH_BOX_WORDS    (6u * LANES)
 #define MESH_LEAF_WORDS   (9u * LANES)
-#define MESH_MOMENT_WORDS (KERNEL_MOMENT_ROWS * LANES)
+#define MESH_MOMENT_WORDS (MESH_MOMENT_ROWS * LANES)
+
+/* A block of moments, of 16 children: area vector, its place, quadrupole, octupole, remainder, radius; a radius of -1 stands for none. */
+enum {
+    MESH_MOMENT_AREA = 0, /* x, y, z */
+    MESH_MOMENT_AT = 3,   /* x, y, z */
+    MESH_MOMENT_QUAD = 6, /* xx, yy, xy, xz, yz */
+    MESH_MOMENT_OCT = 11, /* xxx, yyy, xxy, yyx, xxz, yyz, xyz */
+    MESH_MOMENT_REMAINDER = 18,
+    MESH_MOMENT_RADIUS = 19,
+    MESH_MOMENT_ROWS = 20
+};
 
 struct mesh_section {
     char name[16]; /* filled up with zeros */
@@ -228,7 +239,7 @@ static inline uint64_t mesh_section_words(const struct dpt_mesh *mesh, int id, u
 
 /*
  * The moments of a file that has some, else NULL: of each node, in the order of the boxes, 16 children as
- * kernel_moments reads them; `lanes` gets the words behind, of each leaf the triangles of solid parts as bits.
+ * kernel_moments (kernel_ops.h) reads them; `lanes` gets the words behind, of each leaf the triangles of solid parts as bits.
  */
 static inline const float *mesh_moments(const struct dpt_mesh *mesh, const uint32_t **lanes)
 {
@@ -277,12 +288,6 @@ static inline uint32_t mesh_levels(uint32_t leaves, uint32_t count[MESH_LEVELS_M
     return level;
 }
 
-/* The lanes of a block that `count` items from its first on fill, as bits. */
-static inline uint32_t mesh_lanes(uint32_t count)
-{
-    return count < LANES ? (1u << count) - 1 : (1u << LANES) - 1;
-}
-
 static inline uint64_t mesh_aligned(uint64_t offset)
 {
     return (offset + MESH_ALIGN - 1) & ~(uint64_t)(MESH_ALIGN - 1);
@@ -305,59 +310,6 @@ static inline void mesh_section_name(int id, char out[16])
         memset(out, 0, 16);
     }
 #undef MESH_SECTION_NAME
-}
-
-static inline void mesh_swap4(void *words, uint64_t count)
-{
-    unsigned char *b = words;
-    for (; count; count--, b += 4) {
-        unsigned char t = b[0];
-        b[0] = b[3];
-        b[3] = t;
-        t = b[1];
-        b[1] = b[2];
-        b[2] = t;
-    }
-}
-
-static inline void mesh_swap8(void *words, uint64_t count)
-{
-    unsigned char *b = words;
-    for (; count; count--, b += 8)
-        for (int i = 0; i < 4; i++) {
-            unsigned char t = b[i];
-            b[i] = b[7 - i];
-            b[7 - i] = t;
-        }
-}
-
-/* Swap the numbers of a header of `version`, the section table included; its own inverse. */
-static inline void mesh_swap_header(struct dpt_mesh *mesh, uint32_t version)
-{
-    const uint32_t sections = mesh_section_count(version);
-    size_t first4 = offsetof(struct dpt_mesh, byte_order);
-    size_t first8 = offsetof(struct dpt_mesh, bytes);
-    size_t table = offsetof(struct dpt_mesh, section);
-    mesh_swap4((char *)mesh + first4, (first8 - first4) / 4);
-    mesh_swap8((char *)mesh + first8, (table - first8) / 8);
-    for (uint32_t i = 0; i < sections; i++) {
-        mesh_swap8(&mesh->section[i].offset, 2);
-        mesh_swap4(&mesh->section[i].crc32, 4);
-    }
-    char *tail = (char *)mesh + mesh_tail_offset(version);
-    size_t bytes = mesh_tail_bytes(version), crease = offsetof(struct mesh_tail, crease);
-    mesh_swap4(tail, (bytes < crease ? bytes : crease) / 4);
-    if (bytes > crease)
-        mesh_swap8(tail + crease, (bytes - crease) / 8);
-}
-
-/* 1 where the host is little-endian, as the file is. */
-static inline int mesh_host_is_little(void)
-{
-    const uint32_t one = 1;
-    unsigned char first;
-    memcpy(&first, &one, 1);
-    return first == 1;
 }
 
 #endif

@@ -3,7 +3,7 @@
 #include "dynpoint/mesh.h"
 
 #include "base/vec3.h"
-#include "nearest/side.h"
+#include "mesh/surface_normal.h"
 
 dpt_result dpt_mesh_get_info(const dpt_mesh *mesh, dpt_mesh_info *info)
 {
@@ -90,10 +90,10 @@ dpt_result dpt_mesh_vertex_normals(const dpt_mesh *mesh, uint32_t number, double
     uint32_t place = place_of(mesh, number);
     if (place == DPT_NONE || !normals)
         return DPT_E_ARGUMENT;
-    struct tree tree;
-    tree_of_mesh(mesh, &tree);
+    struct surface surface;
+    surface_of_mesh(mesh, &surface);
     for (int k = 0; k < 3; k++)
-        vec3_store(unit_of(side_vertex_normal(&tree, place, k)), normals + 3 * k);
+        vec3_store(unit_of(surface_vertex_normal(&surface, place, k)), normals + 3 * k);
     return DPT_OK;
 }
 

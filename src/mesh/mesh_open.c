@@ -7,7 +7,7 @@
 #include "base/return_if_error.h"
 #include "base/vec3.h"
 #include "dynpoint/mesh.h"
-#include "mesh/mesh_format.h"
+#include "mesh/mesh_swap.h"
 
 static dpt_result fail(dpt_mesh_fault *fault, dpt_result code, uint64_t byte, int section)
 {
@@ -176,7 +176,7 @@ static dpt_result check_moments(const struct dpt_mesh *mesh, dpt_mesh_fault *fau
     uint64_t floats = mesh->section[MESH_MOMENTS].bytes / 4 - mesh->leaves;
     DPT_TRY(check_some_floats(mesh, MESH_MOMENTS, floats, 1e30f, fault));
     for (uint32_t leaf = 0; leaf < mesh->leaves; leaf++)
-        if (lanes[leaf] & ~mesh_lanes(mesh->triangles - leaf * LANES))
+        if (lanes[leaf] & ~lanes_of(mesh->triangles - leaf * LANES))
             return fail_at(fault, DPT_E_INDEX, mesh, MESH_MOMENTS, floats + leaf);
     return DPT_OK;
 }

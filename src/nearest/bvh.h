@@ -3,22 +3,9 @@
 #ifndef DPT_BVH_H
 #define DPT_BVH_H
 
-#include "mesh/mesh_format.h"
+#include "mesh/surface.h"
 #include "nearest/plane_cache.h"
 #include "nearest/segment_triangle.h"
-
-/* A mesh as the search reads it: pointers into the file's bytes, found once. */
-struct tree {
-    const struct dpt_mesh *mesh;
-    const float *positions;
-    const uint32_t *corners;
-    const uint32_t *sources;
-    const float *leaves;
-    const float *level[MESH_LEVELS_MAX + 1]; /* level 1: the parents of the leaves */
-    uint32_t count[MESH_LEVELS_MAX + 1];     /* nodes of a level; level 0: leaves */
-    uint32_t first[MESH_LEVELS_MAX + 1];     /* number of a level's first node; leaves from 0 */
-    uint32_t levels;
-};
 
 #define NEAREST_TRIED 16
 
@@ -69,8 +56,6 @@ struct walk {
     uint32_t at; /* level; 0: not begun */
 };
 
-void tree_of_mesh(const struct dpt_mesh *mesh, struct tree *tree);
-
 /*
  * Make its front, if it is another pair's: of the axis a + s u, at a positive distance. What is nearer by less than
  * `slack` counts as no nearer.
@@ -78,33 +63,28 @@ void tree_of_mesh(const struct dpt_mesh *mesh, struct tree *tree);
 void nearest_front(struct nearest *nearest, vec3 a, vec3 u, double slack);
 
 /* All of a triangle lies beyond. */
-int tree_is_beyond(const struct tree *tree, const struct front *front, uint32_t triangle);
-
-static inline void tree_corners(const struct tree *tree, uint32_t triangle, vec3 v[3])
-{
-    const uint32_t *corner = tree->corners + 3 * (size_t)triangle;
-    for (int k = 0; k < 3; k++)
-        v[k] = vec3_of_float(tree->positions + 3 * (size_t)corner[k]);
-}
+int tree_is_beyond(const struct surface *surface, const struct front *front, uint32_t triangle);
 
 /* The pair of the axis a + s u and one triangle, by its place. */
-pair tree_pair(const struct tree *tree, uint32_t triangle, vec3 a, vec3 u);
+pair tree_pair(const struct surface *surface, uint32_t triangle, vec3 a, vec3 u);
 
 /* The same of a point x. */
-void tree_point(const struct tree *tree, uint32_t triangle, vec3 x, pair *found);
+void tree_point(const struct surface *surface, uint32_t triangle, vec3 x, pair *found);
 
 /* How the axis goes through the plane of one. */
-static inline struct pierce tree_pierce(const struct tree *tree, uint32_t triangle, vec3 a, vec3 u)
+static inline struct pierce tree_pierce(const struct surface *surface, uint32_t triangle, vec3 a,
+                                        vec3 u)
 {
     vec3 v[3];
-    tree_corners(tree, triangle, v);
+    surface_corners(surface, triangle, v);
     const vec3 edge[3] = { sub(v[1], v[0]), sub(v[2], v[1]), sub(v[0], v[2]) };
     const vec3 from[3] = { sub(a, v[0]), sub(a, v[1]), sub(a, v[2]) };
     return pierce_of(u, from, edge);
 }
 
 /* Take that pair if it is nearer, or as near with a lower source number: 1. */
-int tree_try_point(const struct tree *tree, uint32_t triangle, vec3 x, struct nearest *nearest);
+int tree_try_point(const struct surface *surface, uint32_t triangle, vec3 x,
+                   struct nearest *nearest);
 
 /*
  * Look for what is nearer than nearest->pair.distance2, or as near with a lower source number; put it
@@ -113,24 +93,26 @@ int tree_try_point(const struct tree *tree, uint32_t triangle, vec3 x, struct ne
  *
  * With `slack` > 0, a triangle that is nearer by less than that, a distance, need not be found.
  */
-void tree_search(const struct tree *tree, const struct kernel *kernel, const struct keeper *keeper,
-                 vec3 a, vec3 u, double slack, struct nearest *nearest);
+void tree_search(const struct surface *surface, const struct kernel *kernel,
+                 const struct keeper *keeper, vec3 a, vec3 u, double slack,
+                 struct nearest *nearest);
 
 /*
  * The same in pieces: 1 when it is done, and the walk is not begun again; 0 when nearest->most was reached.
  * The next call goes on there, at the same place of the axis, or after walk_drift.
  */
-int tree_walk(const struct tree *tree, const struct kernel *kernel, const struct keeper *keeper,
-              vec3 a, vec3 u, double slack, struct walk *walk, struct nearest *nearest);
+int tree_walk(const struct surface *surface, const struct kernel *kernel,
+              const struct keeper *keeper, vec3 a, vec3 u, double slack, struct walk *walk,
+              struct nearest *nearest);
 
 /* The ends of the axis, that now is a + s u, moved by at most `motion` since the walk stopped. */
-void walk_drift(struct walk *walk, const struct tree *tree, double motion);
+void walk_drift(struct walk *walk, const struct surface *surface, double motion);
 
 /* A lower bound of the axis' distance to all that a walk that has begun has not yet visited. */
-double walk_ahead(const struct walk *walk, const struct tree *tree, vec3 a, vec3 u);
+double walk_ahead(const struct walk *walk, const struct surface *surface, vec3 a, vec3 u);
 
 /* The same over every triangle, in double, without a filter; never stops early. */
-void tree_brute(const struct tree *tree, vec3 a, vec3 u, struct nearest *nearest);
+void tree_brute(const struct surface *surface, vec3 a, vec3 u, struct nearest *nearest);
 
 /*
  * The most by which a reported distance is wrong, per unit of the largest coordinate that entered, in
@@ -141,11 +123,5 @@ void tree_brute(const struct tree *tree, vec3 a, vec3 u, struct nearest *nearest
 #define TREE_ERROR   (128.0 * 0x1p-53)
 #define TREE_HISTORY 0.375
 #define TREE_SLACK   0.125
-
-/* From corner to corner of the mesh's box. */
-double tree_diagonal(const struct tree *tree);
-
-/* The largest coordinate of the mesh, in its own frame. */
-double tree_extent(const struct tree *tree);
 
 #endif

@@ -16,7 +16,7 @@ struct kept {
 };
 
 struct search {
-    const struct tree *tree;
+    const struct surface *surface;
     const struct kernel *kernel;
     struct keeper keeper;
     struct nearest *nearest;
@@ -29,40 +29,10 @@ struct search {
     struct walk *walk;
 };
 
-void tree_of_mesh(const struct dpt_mesh *mesh, struct tree *tree)
-{
-    uint64_t nodes;
-    tree->mesh = mesh;
-    tree->positions = mesh_floats(mesh, MESH_VERTICES);
-    tree->corners = mesh_words(mesh, MESH_TRIANGLES);
-    tree->sources = mesh_words(mesh, MESH_SOURCES);
-    tree->leaves = mesh_floats(mesh, MESH_LEAVES);
-    tree->levels = mesh_levels(mesh->leaves, tree->count, &nodes);
-    tree->level[0] = NULL;
-    const float *level = mesh_floats(mesh, MESH_BOXES);
-    for (uint32_t l = 1; l <= tree->levels; l++) {
-        tree->level[l] = level;
-        level += (size_t)tree->count[l] * MESH_BOX_WORDS;
-    }
-    tree->first[0] = 0;
-    for (uint32_t l = 1; l <= tree->levels; l++)
-        tree->first[l] = tree->first[l - 1] + tree->count[l - 1];
-}
-
-double tree_extent(const struct tree *tree)
-{
-    return larger(extent_of(vec3_of(tree->mesh->box_min)), extent_of(vec3_of(tree->mesh->box_max)));
-}
-
-double tree_diagonal(const struct tree *tree)
-{
-    return length(sub(vec3_of(tree->mesh->box_max), vec3_of(tree->mesh->box_min)));
-}
-
-pair tree_pair(const struct tree *tree, uint32_t triangle, vec3 a, vec3 u)
+pair tree_pair(const struct surface *surface, uint32_t triangle, vec3 a, vec3 u)
 {
     vec3 v[3];
-    tree_corners(tree, triangle, v);
+    surface_corners(surface, triangle, v);
     if (extent_of(u) > 0.0)
         return segment_triangle(a, u, v[0], v[1], v[2]);
     pair found;
@@ -70,10 +40,10 @@ pair tree_pair(const struct tree *tree, uint32_t triangle, vec3 a, vec3 u)
     return found;
 }
 
-void tree_point(const struct tree *tree, uint32_t triangle, vec3 x, pair *found)
+void tree_point(const struct surface *surface, uint32_t triangle, vec3 x, pair *found)
 {
     vec3 v[3];
-    tree_corners(tree, triangle, v);
+    surface_corners(surface, triangle, v);
     point_triangle(x, v, found);
 }
 
@@ -94,12 +64,12 @@ void nearest_front(struct nearest *nearest, vec3 a, vec3 u, double slack)
 }
 
 /* height >= lean |c - at| - slack is concave along a triangle: where its corners hold it, all of it does. */
-int tree_is_beyond(const struct tree *tree, const struct front *front, uint32_t triangle)
+int tree_is_beyond(const struct surface *surface, const struct front *front, uint32_t triangle)
 {
-    const uint32_t *corner = tree->corners + 3 * (size_t)triangle;
+    const uint32_t *corner = surface->corners + 3 * (size_t)triangle;
     int beyond = 1;
     for (int k = 0; k < 3; k++) {
-        vec3 c = sub(vec3_of_float(tree->positions + 3 * (size_t)corner[k]), front->at);
+        vec3 c = sub(vec3_of_float(surface->positions + 3 * (size_t)corner[k]), front->at);
         double height = dot(front->normal, c) + front->slack;
         beyond &= (height >= 0.0) & (height * height >= front->lean2 * dot(c, c));
     }
@@ -107,32 +77,33 @@ int tree_is_beyond(const struct tree *tree, const struct front *front, uint32_t 
 }
 
 /* As near, the lower source number wins: the same answer in whatever order triangles are tried. */
-static int take_pair(const struct tree *tree, uint32_t triangle, const pair *found,
+static int take_pair(const struct surface *surface, uint32_t triangle, const pair *found,
                      struct nearest *nearest)
 {
     if (found->distance2 > nearest->pair.distance2 ||
         (found->distance2 == nearest->pair.distance2 && nearest->triangle != DPT_NONE &&
-         tree->sources[triangle] >= tree->sources[nearest->triangle]))
+         surface->sources[triangle] >= surface->sources[nearest->triangle]))
         return 0;
     nearest->pair = *found;
     nearest->triangle = triangle;
     return 1;
 }
 
-int tree_try_point(const struct tree *tree, uint32_t triangle, vec3 x, struct nearest *nearest)
+int tree_try_point(const struct surface *surface, uint32_t triangle, vec3 x,
+                   struct nearest *nearest)
 {
     pair found;
-    tree_point(tree, triangle, x, &found);
-    return take_pair(tree, triangle, &found, nearest);
+    tree_point(surface, triangle, x, &found);
+    return take_pair(surface, triangle, &found, nearest);
 }
 
-void tree_brute(const struct tree *tree, vec3 a, vec3 u, struct nearest *nearest)
+void tree_brute(const struct surface *surface, vec3 a, vec3 u, struct nearest *nearest)
 {
-    for (uint32_t t = 0; t < tree->mesh->triangles; t++) {
-        pair found = tree_pair(tree, t, a, u);
-        take_pair(tree, t, &found, nearest);
+    for (uint32_t t = 0; t < surface_triangles(surface); t++) {
+        pair found = tree_pair(surface, t, a, u);
+        take_pair(surface, t, &found, nearest);
     }
-    nearest->work += tree->mesh->leaves;
+    nearest->work += surface->mesh->leaves;
 }
 
 /*
@@ -144,18 +115,13 @@ static void set_limit(struct search *search)
     struct nearest *nearest = search->nearest;
     struct probe *probe = &search->probe;
     double distance = sqrt(nearest->pair.distance2);
-    probe_limit(probe, search->tree->mesh, distance);
+    probe_limit(probe, search->surface, distance);
     search->has_plane = nearest->triangle != DPT_NONE && distance > 0.0;
     if (!search->has_plane)
         return;
     nearest_front(nearest, search->a, search->u, search->slack);
     put_float(nearest->front.normal, probe->normal);
     probe->height = probe_reach(probe, probe->normal);
-}
-
-static uint32_t lanes_of(uint32_t count)
-{
-    return count < LANES ? (1u << count) - 1 : 0xffff;
 }
 
 /* How many blocks may still be looked at. */
@@ -231,14 +197,14 @@ static void put_plane(struct block *block, uint32_t lane, const float normal[3],
 /* The support along n of what lies below a lane of a node: of its triangles, or of its children's boxes. */
 static float support_below(struct search *search, uint32_t level, size_t child, const float n[3])
 {
-    const struct tree *tree = search->tree;
+    const struct surface *surface = search->surface;
     const struct kernel *kernel = search->kernel;
     float low[LANES];
     search->nearest->work++;
     if (level == 1)
-        kernel->common_triangles(tree->leaves + child * MESH_LEAF_WORDS, n, 0.0f, low);
+        kernel->common_triangles(surface->leaves + child * MESH_LEAF_WORDS, n, 0.0f, low);
     else
-        kernel->common_boxes(tree->level[level - 1] + child * MESH_BOX_WORDS, n, 0.0f, low);
+        kernel->common_boxes(surface->level[level - 1] + child * MESH_BOX_WORDS, n, 0.0f, low);
     return least_of(low);
 }
 
@@ -250,7 +216,7 @@ static int refine(struct search *search, uint32_t level, uint32_t node, uint32_t
                   struct block *block)
 {
     const struct probe *p = &search->probe;
-    const float *box = search->tree->level[level] + (size_t)node * MESH_BOX_WORDS + lane;
+    const float *box = search->surface->level[level] + (size_t)node * MESH_BOX_WORDS + lane;
     float n[3], s = 0.0f, square = 0.0f;
     for (int k = 0; k < 3; k++)
         s += (box[k * LANES] - p->a[k]) * p->x[k];
@@ -279,7 +245,7 @@ static uint32_t refine_leaves(struct search *search, uint32_t node, uint32_t lan
     const struct probe *p = &search->probe;
     uint32_t closed = 0;
     for (uint32_t rest = lanes; rest && spare(search); rest &= rest - 1) {
-        uint32_t lane = (uint32_t)__builtin_ctz(rest);
+        uint32_t lane = first_lane(rest);
         float support = support_below(search, 1, (size_t)node * LANES + lane, p->normal);
         if (support - p->height > p->limit) {
             put_plane(block, lane, p->normal, support);
@@ -303,7 +269,7 @@ static void close_whole(struct search *search, struct block *block, uint32_t lev
         return;
     }
     uint32_t node = child / LANES, lane = child % LANES;
-    struct block *parent = keeper_own(&search->keeper, search->tree->first[level] + node);
+    struct block *parent = keeper_own(&search->keeper, search->surface->first[level] + node);
     if (!parent || !(parent->open >> lane & 1))
         return;
     uint32_t pause = 2u * block->pause + 1;
@@ -315,7 +281,7 @@ static void close_whole(struct search *search, struct block *block, uint32_t lev
 /* The plane through the best pair, for a whole leaf: its parent keeps it. */
 static void close_leaf(const struct search *search, uint32_t leaf, const float *low)
 {
-    struct block *parent = keeper_own(&search->keeper, search->tree->first[1] + leaf / LANES);
+    struct block *parent = keeper_own(&search->keeper, search->surface->first[1] + leaf / LANES);
     if (parent)
         put_plane(parent, leaf % LANES, search->probe.normal, least_of(low));
 }
@@ -325,7 +291,7 @@ static void close_triangle(const struct search *search, uint32_t leaf, uint32_t 
                            const pair *found)
 {
     struct block *block = keeper_own(&search->keeper, leaf);
-    const float *rows = search->tree->leaves + (size_t)leaf * MESH_LEAF_WORDS + lane;
+    const float *rows = search->surface->leaves + (size_t)leaf * MESH_LEAF_WORDS + lane;
     float n[3], low = HUGE_VALF;
     if (!block)
         return;
@@ -346,7 +312,7 @@ static void close_triangle(const struct search *search, uint32_t leaf, uint32_t 
 static uint32_t open_triangles(struct search *search, uint32_t leaf, const struct kept *kept,
                                uint32_t lanes, int wanted, float *bound)
 {
-    const float *rows = search->tree->leaves + (size_t)leaf * MESH_LEAF_WORDS;
+    const float *rows = search->surface->leaves + (size_t)leaf * MESH_LEAF_WORDS;
     const struct probe *probe = &search->probe;
     float low[LANES];
     if (!kept->empty) {
@@ -362,7 +328,7 @@ static uint32_t open_triangles(struct search *search, uint32_t leaf, const struc
         if (!open && wanted)
             close_leaf(search, leaf, low);
         for (uint32_t rest = kept->empty ? 0 : lanes & ~open; rest; rest &= rest - 1) {
-            uint32_t i = (uint32_t)__builtin_ctz(rest);
+            uint32_t i = first_lane(rest);
             put_plane(kept->block, i, probe->normal, low[i]);
         }
         lanes &= open;
@@ -394,9 +360,9 @@ static uint32_t unknown_triangles(const struct nearest *nearest, uint32_t first,
 static void look_into_leaf(struct search *search, uint32_t leaf)
 {
     float bound[LANES];
-    const struct tree *tree = search->tree;
+    const struct surface *surface = search->surface;
     uint32_t first = leaf * LANES;
-    uint32_t all = lanes_of(tree->mesh->triangles - first);
+    uint32_t all = lanes_of(surface_triangles(surface) - first);
     uint32_t lanes = unknown_triangles(search->nearest, first, all);
     struct kept kept = find(search, leaf);
     int near = lanes != all;
@@ -411,10 +377,10 @@ static void look_into_leaf(struct search *search, uint32_t leaf)
         if (bound[lane] > search->probe.limit)
             return;
         if (search->slack > 0.0 && search->has_plane &&
-            tree_is_beyond(tree, &search->nearest->front, first + lane))
+            tree_is_beyond(surface, &search->nearest->front, first + lane))
             continue;
-        pair found = tree_pair(tree, first + lane, search->a, search->u);
-        if (take_pair(tree, first + lane, &found, search->nearest))
+        pair found = tree_pair(surface, first + lane, search->a, search->u);
+        if (take_pair(surface, first + lane, &found, search->nearest))
             set_limit(search);
         else
             close_triangle(search, leaf, lane, &found);
@@ -425,7 +391,7 @@ static void look_into_leaf(struct search *search, uint32_t leaf)
 static uint32_t close_boxes(struct search *search, uint32_t level, uint32_t node,
                             const struct kept *kept, uint32_t lanes, float *bound)
 {
-    const float *rows = search->tree->level[level] + (size_t)node * MESH_BOX_WORDS;
+    const float *rows = search->surface->level[level] + (size_t)node * MESH_BOX_WORDS;
     uint32_t lost = kept->empty ? lanes : lanes & ~kept->block->open;
     uint32_t but_one = lost & (lost - 1);
     int few = !(but_one & (but_one - 1));
@@ -437,7 +403,7 @@ static uint32_t close_boxes(struct search *search, uint32_t level, uint32_t node
         lost &= ~closed;
     }
     for (; lost && spare(search); lost &= lost - 1) {
-        uint32_t lane = (uint32_t)__builtin_ctz(lost);
+        uint32_t lane = first_lane(lost);
         if (refine(search, level, node, lane, kept->block))
             lanes &= ~(1u << lane);
     }
@@ -448,7 +414,7 @@ static uint32_t close_boxes(struct search *search, uint32_t level, uint32_t node
 static void leave_boxes(struct search *search, struct block *block, uint32_t level)
 {
     const struct visit *visit = &search->walk->level[level];
-    if (level == search->tree->levels)
+    if (level == search->surface->levels)
         return;
     if (visit->found)
         search->walk->level[level + 1].found = 1;
@@ -460,10 +426,10 @@ static void leave_boxes(struct search *search, struct block *block, uint32_t lev
 static int look_into_boxes(struct search *search, uint32_t level, uint32_t node, uint32_t but)
 {
     struct visit *visit = &search->walk->level[level];
-    const struct tree *tree = search->tree;
-    const float *rows = tree->level[level] + (size_t)node * MESH_BOX_WORDS;
-    struct kept kept = find(search, tree->first[level] + node);
-    uint32_t lanes = lanes_of(tree->count[level - 1] - node * LANES) & ~but;
+    const struct surface *surface = search->surface;
+    const float *rows = surface->level[level] + (size_t)node * MESH_BOX_WORDS;
+    struct kept kept = find(search, surface->first[level] + node);
+    uint32_t lanes = lanes_of(surface->count[level - 1] - node * LANES) & ~but;
     if (!kept.empty)
         lanes &= look_at_planes(search, search->kernel->held_boxes, rows, &kept, visit->bound);
     lanes = close_boxes(search, level, node, &kept, lanes, visit->bound);
@@ -485,7 +451,7 @@ static int look_into_boxes(struct search *search, uint32_t level, uint32_t node,
  */
 static uint32_t begin(struct search *search)
 {
-    uint32_t level = search->tree->levels, known = search->nearest->triangle;
+    uint32_t level = search->surface->levels, known = search->nearest->triangle;
     if (!search->keeper.count || search->keeper.anew || search->slack == 0.0 || known == DPT_NONE ||
         spare(search) < 4 * (level + 1)) {
         return look_into_boxes(search, level, 0, 0) ? level : level + 1;
@@ -509,7 +475,7 @@ static uint32_t next_lane(const struct search *search, const struct visit *visit
     for (int i = 0; i < 4; i++)
         many &= many - 1;
     int any = !many && search->slack > 0.0 && !search->keeper.anew;
-    return any ? (uint32_t)__builtin_ctz(visit->lanes) : least_lane(visit->bound, visit->lanes);
+    return any ? first_lane(visit->lanes) : least_lane(visit->bound, visit->lanes);
 }
 
 static int meets(const struct nearest *nearest)
@@ -517,11 +483,12 @@ static int meets(const struct nearest *nearest)
     return nearest->pair.distance2 == 0.0 && nearest->triangle != DPT_NONE;
 }
 
-int tree_walk(const struct tree *tree, const struct kernel *kernel, const struct keeper *keeper,
-              vec3 a, vec3 u, double slack, struct walk *walk, struct nearest *nearest)
+int tree_walk(const struct surface *surface, const struct kernel *kernel,
+              const struct keeper *keeper, vec3 a, vec3 u, double slack, struct walk *walk,
+              struct nearest *nearest)
 {
     struct search search;
-    search.tree = tree;
+    search.surface = surface;
     search.kernel = kernel;
     search.keeper = keeper ? *keeper : (struct keeper){ .count = 0 };
     search.nearest = nearest;
@@ -531,15 +498,15 @@ int tree_walk(const struct tree *tree, const struct kernel *kernel, const struct
     search.most = nearest->most ? nearest->most : UINT32_MAX;
     search.has_frame = 0;
     search.walk = walk;
-    search.x = probe_axis(&search.probe, tree->mesh, a, u);
+    search.x = probe_axis(&search.probe, surface, a, u);
     set_limit(&search);
     uint32_t level = walk->at;
     if (!level && spare(&search))
         level = begin(&search);
-    while (level && level <= tree->levels && !meets(nearest)) {
+    while (level && level <= surface->levels && !meets(nearest)) {
         struct visit *visit = &walk->level[level];
         if (!visit->lanes) {
-            leave_boxes(&search, keeper_own(&search.keeper, tree->first[level] + visit->node),
+            leave_boxes(&search, keeper_own(&search.keeper, surface->first[level] + visit->node),
                         level);
             level++;
             continue;
@@ -560,24 +527,24 @@ int tree_walk(const struct tree *tree, const struct kernel *kernel, const struct
                 walk->level[--level].least = least;
         }
     }
-    int done = level > tree->levels || meets(nearest);
+    int done = level > surface->levels || meets(nearest);
     walk->at = done ? 0 : level;
     return done;
 }
 
-void tree_search(const struct tree *tree, const struct kernel *kernel, const struct keeper *keeper,
-                 vec3 a, vec3 u, double slack, struct nearest *nearest)
+void tree_search(const struct surface *surface, const struct kernel *kernel,
+                 const struct keeper *keeper, vec3 a, vec3 u, double slack, struct nearest *nearest)
 {
     struct walk walk;
     walk.at = 0;
-    tree_walk(tree, kernel, keeper, a, u, slack, &walk, nearest);
+    tree_walk(surface, kernel, keeper, a, u, slack, &walk, nearest);
 }
 
 /* That a margin grows with the ends, and rounding here, is in the factors. */
-void walk_drift(struct walk *walk, const struct tree *tree, double motion)
+void walk_drift(struct walk *walk, const struct surface *surface, double motion)
 {
-    float drop = (float)(motion * tree->mesh->filter_scale * (1.0 + 0x1p-16));
-    for (uint32_t l = walk->at; l && l <= tree->levels; l++) {
+    float drop = (float)(motion * surface->filter_scale * (1.0 + 0x1p-16));
+    for (uint32_t l = walk->at; l && l <= surface->levels; l++) {
         float *bound = walk->level[l].bound;
         walk->level[l].least -= drop + 0x1p-22f * fabsf(walk->level[l].least);
         for (int i = 0; i < LANES; i++)
@@ -585,12 +552,12 @@ void walk_drift(struct walk *walk, const struct tree *tree, double motion)
     }
 }
 
-double walk_ahead(const struct walk *walk, const struct tree *tree, vec3 a, vec3 u)
+double walk_ahead(const struct walk *walk, const struct surface *surface, vec3 a, vec3 u)
 {
     struct probe probe;
-    probe_axis(&probe, tree->mesh, a, u);
+    probe_axis(&probe, surface, a, u);
     double least = HUGE_VAL;
-    for (uint32_t l = walk->at; l <= tree->levels; l++) {
+    for (uint32_t l = walk->at; l <= surface->levels; l++) {
         const struct visit *visit = &walk->level[l];
         if (!visit->lanes)
             continue;
@@ -601,5 +568,5 @@ double walk_ahead(const struct walk *walk, const struct tree *tree, vec3 a, vec3
             return 0.0;
         least = smaller(least, ahead);
     }
-    return least / tree->mesh->filter_scale;
+    return least / surface->filter_scale;
 }

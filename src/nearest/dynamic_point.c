@@ -3,22 +3,22 @@
 
 #include "nearest/point_search.h"
 
-void track_once(const struct tree *tree, const struct kernel *kernel, uint32_t method,
+void track_once(const struct surface *surface, const struct kernel *kernel, uint32_t method,
                 const struct axis *axis, uint32_t hint, struct nearest *nearest)
 {
     *nearest = (struct nearest){ .pair = { .distance2 = HUGE_VAL }, .triangle = DPT_NONE };
     if (method == DPT_METHOD_BRUTE) {
-        tree_brute(tree, axis->local_a, axis->u, nearest);
+        tree_brute(surface, axis->local_a, axis->u, nearest);
         return;
     }
     if (hint != DPT_NONE)
-        nearest->pair.distance2 = tree_pair(tree, hint, axis->local_a, axis->u).distance2;
+        nearest->pair.distance2 = tree_pair(surface, hint, axis->local_a, axis->u).distance2;
     struct walk walk;
     walk.at = 0;
     if (extent_of(axis->u) > 0.0)
-        tree_search(tree, kernel, NULL, axis->local_a, axis->u, 0.0, nearest);
+        tree_search(surface, kernel, NULL, axis->local_a, axis->u, 0.0, nearest);
     else
-        point_search(tree, kernel, axis->local_a, &walk, nearest);
+        point_search(surface, kernel, axis->local_a, &walk, nearest);
 }
 
 /* At most so many triangles around a vertex are tried: hubs have thousands. */
@@ -32,18 +32,18 @@ static void note_tried(struct nearest *nearest, uint32_t triangle)
 }
 
 /* 1 when the triangle is nearer, and taken. */
-static int try_neighbour(const struct tree *tree, const struct axis *axis, uint32_t triangle,
+static int try_neighbour(const struct surface *surface, const struct axis *axis, uint32_t triangle,
                          struct nearest *nearest)
 {
-    if (triangle >= tree->mesh->triangles || triangle == nearest->triangle)
+    if (triangle >= surface_triangles(surface) || triangle == nearest->triangle)
         return 0;
-    if (!tree_is_beyond(tree, &nearest->front, triangle)) {
-        pair found = tree_pair(tree, triangle, axis->local_a, axis->u);
+    if (!tree_is_beyond(surface, &nearest->front, triangle)) {
+        pair found = tree_pair(surface, triangle, axis->local_a, axis->u);
         if (found.distance2 < nearest->pair.distance2) {
             note_tried(nearest, nearest->triangle);
             nearest->pair = found;
             nearest->triangle = triangle;
-            __builtin_prefetch(&tree->sources[triangle]);
+            __builtin_prefetch(&surface->sources[triangle]);
             return 1;
         }
     }
@@ -52,19 +52,19 @@ static int try_neighbour(const struct tree *tree, const struct axis *axis, uint3
 }
 
 /* Around a vertex: 1 when one of its triangles is nearer, and taken. */
-static int try_fan(const struct tree *tree, const struct axis *axis, uint32_t vertex,
+static int try_fan(const struct surface *surface, const struct axis *axis, uint32_t vertex,
                    struct nearest *nearest)
 {
-    const uint32_t *first = mesh_words(tree->mesh, MESH_FAN_FIRST) + vertex;
-    const uint32_t *fans = mesh_words(tree->mesh, MESH_FANS);
-    uint32_t end = first[1] - first[0] > SLIDE_FAN ? first[0] + SLIDE_FAN : first[1];
-    for (uint32_t i = first[0]; i < end; i++)
-        if (try_neighbour(tree, axis, fans[i], nearest))
+    const uint32_t *first, *fans = surface_fans(surface, &first);
+    uint32_t begin = first[vertex], end = first[vertex + 1];
+    end = end - begin > SLIDE_FAN ? begin + SLIDE_FAN : end;
+    for (uint32_t i = begin; i < end; i++)
+        if (try_neighbour(surface, axis, fans[i], nearest))
             return 1;
     return 0;
 }
 
-void track_slide(const struct tree *tree, const struct axis *axis, struct nearest *nearest)
+void track_slide(const struct surface *surface, const struct axis *axis, struct nearest *nearest)
 {
     int moved = 1;
     while (moved && nearest->pair.distance2 > 0.0 &&
@@ -78,11 +78,11 @@ void track_slide(const struct tree *tree, const struct axis *axis, struct neares
         nearest->work++;
         if (zeros == 1) {
             uint32_t edge = weight[0] <= 0.0 ? 1 : weight[1] <= 0.0 ? 2 : 0;
-            uint32_t other = mesh_words(tree->mesh, MESH_NEIGHBOURS)[3 * here + edge];
-            moved = try_neighbour(tree, axis, other, nearest);
+            uint32_t other = surface_neighbours(surface)[3 * here + edge];
+            moved = try_neighbour(surface, axis, other, nearest);
         } else {
             uint32_t corner = weight[0] > 0.0 ? 0 : weight[1] > 0.0 ? 1 : 2;
-            moved = try_fan(tree, axis, tree->corners[3 * here + corner], nearest);
+            moved = try_fan(surface, axis, surface->corners[3 * here + corner], nearest);
         }
     }
 }
@@ -91,19 +91,19 @@ void track_slide(const struct tree *tree, const struct axis *axis, struct neares
  * From a triangle over the edge beside which the axis goes through its plane, and on, to one that the axis goes
  * through: 1. No distance is computed on the way.
  */
-static int walk_through(const struct tree *tree, const struct axis *axis, uint32_t triangle,
+static int walk_through(const struct surface *surface, const struct axis *axis, uint32_t triangle,
                         struct nearest *nearest)
 {
     enum { WALK_MOST = 8 };
-    const uint32_t *neighbours = mesh_words(tree->mesh, MESH_NEIGHBOURS);
-    for (int i = 0; i < WALK_MOST && triangle < tree->mesh->triangles; i++) {
+    const uint32_t *neighbours = surface_neighbours(surface);
+    for (int i = 0; i < WALK_MOST && triangle < surface_triangles(surface); i++) {
         __builtin_prefetch(&neighbours[3 * (size_t)triangle]);
-        __builtin_prefetch(&tree->sources[triangle]);
-        struct pierce pierce = tree_pierce(tree, triangle, axis->local_a, axis->u);
+        __builtin_prefetch(&surface->sources[triangle]);
+        struct pierce pierce = tree_pierce(surface, triangle, axis->local_a, axis->u);
         int misses = pierce_misses(&pierce);
         pair found;
         if (!misses && !pair_on_pierced(&found, &pierce))
-            found = tree_pair(tree, triangle, axis->local_a, axis->u); /* a sliver, perhaps */
+            found = tree_pair(surface, triangle, axis->local_a, axis->u); /* a sliver, perhaps */
         if (!misses && found.distance2 == 0.0) {
             nearest->pair = found;
             nearest->triangle = triangle;
@@ -120,7 +120,7 @@ static int walk_through(const struct tree *tree, const struct axis *axis, uint32
     return 0;
 }
 
-void track_begin(struct track *track, const struct tree *tree, uint32_t last, double limit2,
+void track_begin(struct track *track, const struct surface *surface, uint32_t last, double limit2,
                  enum slide slide, uint32_t most)
 {
     struct nearest *nearest = &track->nearest;
@@ -133,12 +133,12 @@ void track_begin(struct track *track, const struct tree *tree, uint32_t last, do
     if (last == DPT_NONE && limit2 < HUGE_VAL)
         return;
     uint32_t triangle = last == DPT_NONE ? 0 : last;
-    if (slide == TRACK_CROSSED && last != DPT_NONE && walk_through(tree, axis, last, nearest)) {
+    if (slide == TRACK_CROSSED && last != DPT_NONE && walk_through(surface, axis, last, nearest)) {
         track->old = (pair){ .distance2 = HUGE_VAL };
         return;
     }
-    __builtin_prefetch(&mesh_words(tree->mesh, MESH_NEIGHBOURS)[3 * (size_t)triangle]);
-    track->old = tree_pair(tree, triangle, axis->local_a, axis->u);
+    __builtin_prefetch(&surface_neighbours(surface)[3 * (size_t)triangle]);
+    track->old = tree_pair(surface, triangle, axis->local_a, axis->u);
     if (!(track->old.distance2 < limit2)) {
         track->last = DPT_NONE;
         return;
@@ -146,15 +146,15 @@ void track_begin(struct track *track, const struct tree *tree, uint32_t last, do
     nearest->pair = track->old;
     nearest->triangle = triangle;
     if (slide != TRACK_STAYS && last != DPT_NONE)
-        track_slide(tree, axis, nearest);
+        track_slide(surface, axis, nearest);
 }
 
-int track_prove(struct track *track, const struct tree *tree, const struct kernel *kernel,
+int track_prove(struct track *track, const struct surface *surface, const struct kernel *kernel,
                 const struct keeper *keeper, struct walk *walk)
 {
     double slack = track->last == DPT_NONE ? 0.0 : TREE_SLACK * track->axis.error;
     return track->nearest.pair.distance2 == 0.0 ||
-           tree_walk(tree, kernel, keeper, track->axis.local_a, track->axis.u, slack, walk,
+           tree_walk(surface, kernel, keeper, track->axis.local_a, track->axis.u, slack, walk,
                      &track->nearest);
 }
 
@@ -171,7 +171,7 @@ void track_settle(struct track *track)
     }
 }
 
-void track_hit(const struct tree *tree, const struct axis *axis, const struct frame *body,
+void track_hit(const struct surface *surface, const struct axis *axis, const struct frame *body,
                const struct nearest *nearest, dpt_hit *hit)
 {
     const pair *found = &nearest->pair;
@@ -179,7 +179,7 @@ void track_hit(const struct tree *tree, const struct axis *axis, const struct fr
     vec3 q = sub(p, frame_turn(body, found->gap));
     hit->status = DPT_STATUS_EXACT;
     hit->flags = found->distance2 == 0.0 ? DPT_HIT_CROSSING : 0;
-    hit->triangle = tree->sources[nearest->triangle];
+    hit->triangle = surface->sources[nearest->triangle];
     hit->work = nearest->work;
     hit->distance = sqrt(found->distance2);
     hit->s = found->s;

@@ -13,7 +13,7 @@ struct axis {
     double error;    /* the error bound of a distance from here */
 };
 
-static inline void axis_of(const struct tree *tree, const struct frame *body, vec3 a, vec3 b,
+static inline void axis_of(const struct surface *surface, const struct frame *body, vec3 a, vec3 b,
                            struct axis *axis)
 {
     axis->a = a;
@@ -23,14 +23,14 @@ static inline void axis_of(const struct tree *tree, const struct frame *body, ve
     axis->u = sub(local_b, axis->local_a);
     double reach = larger(larger(extent_of(a), extent_of(b)), extent_of(body->origin));
     reach = larger(reach, larger(extent_of(axis->local_a), extent_of(local_b)));
-    axis->error = TREE_ERROR * larger(reach, tree_extent(tree));
+    axis->error = TREE_ERROR * larger(reach, surface_extent(surface));
 }
 
 /*
  * Stateless: `hint` (a place, or DPT_NONE) only makes it faster. `nearest` is written anew; its
  * triangle is DPT_NONE only where a forged file's boxes hide every triangle.
  */
-void track_once(const struct tree *tree, const struct kernel *kernel, uint32_t method,
+void track_once(const struct surface *surface, const struct kernel *kernel, uint32_t method,
                 const struct axis *axis, uint32_t hint, struct nearest *nearest);
 
 /* With history: one axis and one body, this tick. */
@@ -53,24 +53,24 @@ enum slide {
  * at or beyond `limit2`, a squared distance, need be found: nearest.triangle is DPT_NONE then. Where there was
  * no last tick and is no limit, any triangle is a beginning. `axis` is there already; `most` as in nearest.
  */
-void track_begin(struct track *track, const struct tree *tree, uint32_t last, double limit2,
+void track_begin(struct track *track, const struct surface *surface, uint32_t last, double limit2,
                  enum slide slide, uint32_t most);
 
 /*
  * The dynamic point moves: over the edge, or around the vertex, on which the nearest point of its triangle
  * lies, to a triangle that is nearer; until there is none. Of the axis its local_a, u and error count.
  */
-void track_slide(const struct tree *tree, const struct axis *axis, struct nearest *nearest);
+void track_slide(const struct surface *surface, const struct axis *axis, struct nearest *nearest);
 
 /* Prove or correct it; 0 if nearest.most ended that, as tree_walk, whose walk and keeper these are. */
-int track_prove(struct track *track, const struct tree *tree, const struct kernel *kernel,
+int track_prove(struct track *track, const struct surface *surface, const struct kernel *kernel,
                 const struct keeper *keeper, struct walk *walk);
 
 /* Last tick's triangle stays the answer while it is within TREE_HISTORY of the error bound of the best. */
 void track_settle(struct track *track);
 
 /* Write what is known of the nearest pair; contact, gap and depth stay. */
-void track_hit(const struct tree *tree, const struct axis *axis, const struct frame *body,
+void track_hit(const struct surface *surface, const struct axis *axis, const struct frame *body,
                const struct nearest *nearest, dpt_hit *hit);
 
 #endif

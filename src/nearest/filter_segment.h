@@ -3,9 +3,8 @@
 #ifndef DPT_FILTER_SEGMENT_H
 #define DPT_FILTER_SEGMENT_H
 
-#include "base/vec3.h"
 #include "kernel/kernel_ops.h"
-#include "mesh/mesh_format.h"
+#include "mesh/surface.h"
 
 static inline void put_float(vec3 v, float out[3])
 {
@@ -15,10 +14,10 @@ static inline void put_float(vec3 v, float out[3])
 }
 
 /* The axis a + s u, in the mesh's frame; returns the unit vector along it. Frame and limit are for later. */
-static inline vec3 probe_axis(struct probe *probe, const struct dpt_mesh *mesh, vec3 a, vec3 u)
+static inline vec3 probe_axis(struct probe *probe, const struct surface *surface, vec3 a, vec3 u)
 {
-    double scale = mesh->filter_scale, size = length(u);
-    vec3 from = scaled(sub(a, vec3_of(mesh->filter_centre)), scale);
+    double scale = surface->filter_scale, size = length(u);
+    vec3 from = scaled(sub(a, surface->filter_centre), scale);
     vec3 to = along(from, scale, u);
     vec3 x = size > 0.0 ? scaled(u, 1.0 / size) : (vec3){ 1.0, 0.0, 0.0 };
     put_float(from, probe->a);
@@ -41,9 +40,9 @@ static inline void probe_frame(struct probe *probe, vec3 x)
 }
 
 /* A bound beyond the limit belongs to what is farther than the distance, not as far. */
-static inline void probe_limit(struct probe *probe, const struct dpt_mesh *mesh, double distance)
+static inline void probe_limit(struct probe *probe, const struct surface *surface, double distance)
 {
-    double stretched = distance * mesh->filter_scale * (1.0 + KERNEL_STRETCH);
+    double stretched = distance * surface->filter_scale * (1.0 + KERNEL_STRETCH);
     probe->limit = (float)stretched + probe->margin;
 }
 
@@ -53,18 +52,6 @@ static inline float probe_reach(const struct probe *probe, const float n[3])
     float at_a = n[0] * probe->a[0] + n[1] * probe->a[1] + n[2] * probe->a[2];
     float at_b = n[0] * probe->b[0] + n[1] * probe->b[1] + n[2] * probe->b[2];
     return at_a > at_b ? at_a : at_b;
-}
-
-/* The lane with the least bound of those in `lanes`; one that is no number comes first. */
-static inline uint32_t least_lane(const float *bound, uint32_t lanes)
-{
-    uint32_t best = (uint32_t)__builtin_ctz(lanes);
-    for (uint32_t rest = lanes & (lanes - 1); rest; rest &= rest - 1) {
-        uint32_t lane = (uint32_t)__builtin_ctz(rest);
-        if (bound[lane] < bound[best] || bound[lane] != bound[lane])
-            best = lane;
-    }
-    return best;
 }
 
 #endif

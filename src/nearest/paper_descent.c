@@ -10,7 +10,7 @@
 #include "nearest/filter_segment.h"
 
 struct descent {
-    const struct tree *tree;
+    const struct surface *surface;
     const struct kernel *kernel;
     struct nearest *best;
     vec3 a, u;
@@ -24,22 +24,22 @@ struct descent {
 
 static void try_neighbour(struct descent *d, uint32_t neighbour)
 {
-    const struct tree *tree = d->tree;
+    const struct surface *surface = d->surface;
     struct nearest *best = d->best;
-    pair found = tree_pair(tree, neighbour, d->a, d->u);
+    pair found = tree_pair(surface, neighbour, d->a, d->u);
     if (found.distance2 > best->pair.distance2)
         return;
-    int shared = shared_corners(d->here, 3, tree->corners + 3 * (size_t)neighbour);
+    int shared = shared_corners(d->here, 3, surface->corners + 3 * (size_t)neighbour);
     if (found.distance2 == best->pair.distance2) {
         if (shared < d->shared)
             return;
-        if (shared == d->shared && tree->sources[neighbour] > tree->sources[best->triangle])
+        if (shared == d->shared && surface->sources[neighbour] > surface->sources[best->triangle])
             return;
     }
     best->pair = found;
     best->triangle = neighbour;
     d->shared = shared;
-    probe_limit(&d->probe, tree->mesh, sqrt(found.distance2));
+    probe_limit(&d->probe, surface, sqrt(found.distance2));
 }
 
 /* Lanes from `count` on hold what was there before: kernels read them, no one asks for their bounds. */
@@ -62,7 +62,7 @@ static void try_block(struct descent *d)
 
 static void put_neighbour(struct descent *d, uint32_t neighbour)
 {
-    const float *leaf = d->tree->leaves + (size_t)(neighbour / LANES) * MESH_LEAF_WORDS;
+    const float *leaf = d->surface->leaves + (size_t)(neighbour / LANES) * MESH_LEAF_WORDS;
     for (uint32_t row = 0; row < MESH_LEAF_WORDS; row += LANES)
         d->rows[row + d->count] = leaf[row + neighbour % LANES];
     d->place[d->count++] = neighbour;
@@ -73,17 +73,16 @@ static void put_neighbour(struct descent *d, uint32_t neighbour)
 /* To the nearest neighbour, if it is nearer: 1. Nothing is nearer than a triangle that the axis crosses. */
 static int move(struct descent *d)
 {
-    const uint32_t *first = mesh_words(d->tree->mesh, MESH_FAN_FIRST);
-    const uint32_t *fans = mesh_words(d->tree->mesh, MESH_FANS);
+    const uint32_t *first, *fans = surface_fans(d->surface, &first);
     uint32_t from = d->best->triangle;
-    const uint32_t *here = d->tree->corners + 3 * (size_t)from;
+    const uint32_t *here = d->surface->corners + 3 * (size_t)from;
     if (d->best->pair.distance2 == 0.0)
         return 0;
     d->here = here;
     d->shared = 4; /* to stay wins every tie */
     for (int k = 0; k < 3; k++)
         for (uint32_t i = first[here[k]]; i < first[here[k] + 1]; i++) {
-            const uint32_t *there = d->tree->corners + 3 * (size_t)fans[i];
+            const uint32_t *there = d->surface->corners + 3 * (size_t)fans[i];
             if (fans[i] == from || shared_corners(here, k, there))
                 continue; /* itself, or met in the fan of an earlier corner */
             put_neighbour(d, fans[i]);
@@ -93,22 +92,22 @@ static int move(struct descent *d)
     return d->best->triangle != from;
 }
 
-void descend(const struct tree *tree, const struct kernel *kernel, vec3 a, vec3 u, int one_step,
-             struct nearest *nearest)
+void descend(const struct surface *surface, const struct kernel *kernel, vec3 a, vec3 u,
+             int one_step, struct nearest *nearest)
 {
-    nearest->pair = tree_pair(tree, nearest->triangle, a, u);
+    nearest->pair = tree_pair(surface, nearest->triangle, a, u);
     if (nearest->pair.distance2 == 0.0)
         return;
     struct descent d;
-    d.tree = tree;
+    d.surface = surface;
     d.kernel = kernel;
     d.best = nearest;
     d.a = a;
     d.u = u;
     d.count = 0;
     memset(d.rows, 0, sizeof d.rows);
-    probe_frame(&d.probe, probe_axis(&d.probe, tree->mesh, a, u));
-    probe_limit(&d.probe, tree->mesh, sqrt(nearest->pair.distance2));
+    probe_frame(&d.probe, probe_axis(&d.probe, surface, a, u));
+    probe_limit(&d.probe, surface, sqrt(nearest->pair.distance2));
     while (move(&d) && !one_step)
         ;
 }

@@ -8,7 +8,7 @@
 #include "nearest/filter_segment.h"
 
 struct search {
-    const struct tree *tree;
+    const struct surface *surface;
     const struct kernel *kernel;
     struct nearest *nearest;
     vec3 x;
@@ -22,55 +22,51 @@ struct search {
 static void set_limit(struct search *search)
 {
     double distance = sqrt(search->nearest->pair.distance2);
-    double limit = distance * search->tree->mesh->filter_scale + (double)search->margin;
+    double limit = distance * search->surface->filter_scale + (double)search->margin;
     search->limit = (float)(limit * limit * (1.0 + 4.0 * KERNEL_STRETCH));
-}
-
-static uint32_t lanes_of(uint32_t count)
-{
-    return count < LANES ? (1u << count) - 1 : 0xffff;
 }
 
 static void look_into_boxes(struct search *search, uint32_t level, uint32_t node)
 {
-    const struct tree *tree = search->tree;
+    const struct surface *surface = search->surface;
     struct visit *visit = &search->walk->level[level];
     search->nearest->work++;
     search->walk->at = level;
     visit->node = node;
-    visit->lanes = lanes_of(tree->count[level - 1] - node * LANES) &
-                   search->kernel->point_boxes(tree->level[level] + (size_t)node * MESH_BOX_WORDS,
-                                               search->at, search->limit, visit->bound);
+    visit->lanes =
+        lanes_of(surface->count[level - 1] - node * LANES) &
+        search->kernel->point_boxes(surface->level[level] + (size_t)node * MESH_BOX_WORDS,
+                                    search->at, search->limit, visit->bound);
 }
 
 static void look_into_leaf(struct search *search, uint32_t leaf)
 {
-    const struct tree *tree = search->tree;
+    const struct surface *surface = search->surface;
     struct nearest *nearest = search->nearest;
-    uint32_t first = leaf * LANES, lanes = lanes_of(tree->mesh->triangles - first);
+    uint32_t first = leaf * LANES, lanes = lanes_of(surface_triangles(surface) - first);
     float bound[LANES];
     if (nearest->triangle - first < LANES)
         lanes &= ~(1u << (nearest->triangle - first));
     nearest->work++;
-    lanes &= search->kernel->point_triangles(tree->leaves + (size_t)leaf * MESH_LEAF_WORDS,
+    lanes &= search->kernel->point_triangles(surface->leaves + (size_t)leaf * MESH_LEAF_WORDS,
                                              search->at, search->limit, bound);
     while (lanes) {
         uint32_t lane = least_lane(bound, lanes);
         lanes &= ~(1u << lane);
         if (bound[lane] > search->limit)
             return;
-        if (tree_try_point(tree, first + lane, search->x, nearest))
+        if (tree_try_point(surface, first + lane, search->x, nearest))
             set_limit(search);
     }
 }
 
-int point_search(const struct tree *tree, const struct kernel *kernel, vec3 x, struct walk *walk,
-                 struct nearest *nearest)
+int point_search(const struct surface *surface, const struct kernel *kernel, vec3 x,
+                 struct walk *walk, struct nearest *nearest)
 {
     struct search search;
     int beside = nearest->triangle != DPT_NONE;
-    vec3 at = scaled(sub(x, vec3_of(tree->mesh->filter_centre)), tree->mesh->filter_scale);
-    search.tree = tree;
+    vec3 at = scaled(sub(x, surface->filter_centre), surface->filter_scale);
+    search.surface = surface;
     search.kernel = kernel;
     search.nearest = nearest;
     search.walk = walk;
@@ -79,16 +75,15 @@ int point_search(const struct tree *tree, const struct kernel *kernel, vec3 x, s
     search.margin = (float)kernel_margin(length(at), length(at));
     set_limit(&search);
     if (!walk->at)
-        look_into_boxes(&search, tree->levels, 0);
-    while (walk->at <= tree->levels &&
+        look_into_boxes(&search, surface->levels, 0);
+    while (walk->at <= surface->levels &&
            (nearest->pair.distance2 > 0.0 || nearest->triangle == DPT_NONE)) {
         struct visit *visit = &walk->level[walk->at];
         if (!visit->lanes) {
             walk->at++;
             continue;
         }
-        uint32_t lane =
-            beside ? (uint32_t)__builtin_ctz(visit->lanes) : least_lane(visit->bound, visit->lanes);
+        uint32_t lane = beside ? first_lane(visit->lanes) : least_lane(visit->bound, visit->lanes);
         uint32_t rest = visit->lanes & ~(1u << lane);
         if (visit->bound[lane] > search.limit) {
             visit->lanes = beside ? rest : 0;

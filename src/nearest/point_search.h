@@ -10,7 +10,7 @@
  * `nearest`; stops at the first pair that meets. From where the walk stands. 0: nearest->most ended that; the walk may go
  * on from there, with a pair that is no farther.
  */
-int point_search(const struct tree *tree, const struct kernel *kernel, vec3 x, struct walk *walk,
-                 struct nearest *nearest);
+int point_search(const struct surface *surface, const struct kernel *kernel, vec3 x,
+                 struct walk *walk, struct nearest *nearest);
 
 #endif

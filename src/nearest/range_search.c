@@ -14,11 +14,11 @@ static int is_beside(const struct range *range, const float *rows, uint32_t lane
 
 static void look_at(struct range *range, uint32_t level, uint32_t node)
 {
-    const struct tree *tree = range->tree;
-    uint32_t below = level ? tree->count[level - 1] : tree->mesh->triangles;
-    uint32_t count = below - node * LANES, all = count < LANES ? (1u << count) - 1 : 0xffff;
-    const float *rows = level ? tree->level[level] + (size_t)node * MESH_BOX_WORDS
-                              : tree->leaves + (size_t)node * MESH_LEAF_WORDS;
+    const struct surface *surface = range->surface;
+    uint32_t below = level ? surface->count[level - 1] : surface_triangles(surface);
+    uint32_t all = lanes_of(below - node * LANES);
+    const float *rows = level ? surface->level[level] + (size_t)node * MESH_BOX_WORDS
+                              : surface->leaves + (size_t)node * MESH_LEAF_WORDS;
     kernel_renew *look = level ? range->kernel->boxes : range->kernel->triangles;
     struct planes planes;
     range->work++;
@@ -29,34 +29,34 @@ static void look_at(struct range *range, uint32_t level, uint32_t node)
         range->lanes[level] = all & look(rows, &range->probe, &planes, range->bound);
 }
 
-void range_begin(struct range *range, const struct tree *tree, const struct kernel *kernel, vec3 a,
-                 vec3 u, double reach, uint32_t most)
+void range_begin(struct range *range, const struct surface *surface, const struct kernel *kernel,
+                 vec3 a, vec3 u, double reach, uint32_t most)
 {
-    range->tree = tree;
+    range->surface = surface;
     range->kernel = kernel;
     range->work = 0;
     range->most = most;
-    vec3 x = probe_axis(&range->probe, tree->mesh, a, u);
+    vec3 x = probe_axis(&range->probe, surface, a, u);
     probe_frame(&range->probe, x);
-    probe_limit(&range->probe, tree->mesh, reach);
+    probe_limit(&range->probe, surface, reach);
     for (int i = 0; i < 4; i++) {
         const float *way = i % 2 ? range->probe.z : range->probe.y;
         for (int k = 0; k < 3; k++)
             range->across[i][k] = i < 2 ? way[k] : -way[k];
         range->beyond[i] = probe_reach(&range->probe, range->across[i]) + range->probe.limit;
     }
-    look_at(range, tree->levels, 0);
+    look_at(range, surface->levels, 0);
 }
 
 uint32_t range_next(struct range *range, int *meets)
 {
-    while (range->level <= range->tree->levels) {
+    while (range->level <= range->surface->levels) {
         uint32_t level = range->level;
         if (!range->lanes[level]) {
             range->level++;
             continue;
         }
-        uint32_t lane = (uint32_t)__builtin_ctz(range->lanes[level]);
+        uint32_t lane = first_lane(range->lanes[level]);
         range->lanes[level] &= range->lanes[level] - 1;
         uint32_t child = range->node[level] * LANES + lane;
         if (level && range->work >= range->most)

@@ -6,7 +6,7 @@
 #include "nearest/bvh.h"
 
 struct range {
-    const struct tree *tree;
+    const struct surface *surface;
     const struct kernel *kernel;
     struct probe probe;
     float across[4][3]; /* four ways, each a quarter turn about the axis from the last */
@@ -20,8 +20,8 @@ struct range {
 };
 
 /* The axis a + s u, in the mesh's frame; `reach` >= 0, a distance; at least one block is looked at. */
-void range_begin(struct range *range, const struct tree *tree, const struct kernel *kernel, vec3 a,
-                 vec3 u, double reach, uint32_t most);
+void range_begin(struct range *range, const struct surface *surface, const struct kernel *kernel,
+                 vec3 a, vec3 u, double reach, uint32_t most);
 
 /*
  * The next triangle, by its place, or DPT_NONE. None within reach is left out; some beyond it may come.

@@ -32,7 +32,7 @@ double dpt_segment_triangle(const double segment[6], const double triangle[9], d
 }
 
 struct query {
-    struct tree tree;
+    struct surface surface;
     struct frame body;
     struct kernel kernel;
     uint32_t method;
@@ -57,7 +57,7 @@ static dpt_result prepare(struct query *query, const dpt_mesh *mesh, const dpt_p
         return DPT_E_UNSUPPORTED;
     DPT_TRY(frame_of_pose(pose, &query->body));
     query->method = method == DPT_METHOD_BRUTE ? method : DPT_METHOD_TREE;
-    tree_of_mesh(mesh, &query->tree);
+    surface_of_mesh(mesh, &query->surface);
     return DPT_OK;
 }
 
@@ -71,12 +71,12 @@ static dpt_result answer(const struct query *query, const double *ends, double r
         return DPT_E_FINITE;
     struct axis axis;
     struct nearest nearest;
-    axis_of(&query->tree, &query->body, vec3_of(ends), vec3_of(ends + 3), &axis);
-    track_once(&query->tree, &query->kernel, query->method, &axis, *hint, &nearest);
+    axis_of(&query->surface, &query->body, vec3_of(ends), vec3_of(ends + 3), &axis);
+    track_once(&query->surface, &query->kernel, query->method, &axis, *hint, &nearest);
     if (nearest.triangle == DPT_NONE)
         return DPT_E_LAYOUT;
-    track_hit(&query->tree, &axis, &query->body, &nearest, hit);
-    contact_of(&query->tree, &query->kernel, &axis, &nearest, radius, hit);
+    track_hit(&query->surface, &axis, &query->body, &nearest, hit);
+    contact_of(&query->surface, &query->kernel, &axis, &nearest, radius, hit);
     *hint = nearest.triangle;
     return DPT_OK;
 }

@@ -6,10 +6,10 @@
 #include "strip/strip_state.h"
 
 /* Distance of the axis to the triangle after it has been moved against its normal; `rise`: by how much that grows. */
-static double distance_when_moved(const struct tree *tree, uint32_t place, vec3 a, vec3 u,
+static double distance_when_moved(const struct surface *surface, uint32_t place, vec3 a, vec3 u,
                                   vec3 normal, double way, double *rise)
 {
-    pair found = tree_pair(tree, place, along(a, way, normal), u);
+    pair found = tree_pair(surface, place, along(a, way, normal), u);
     double distance = sqrt(found.distance2);
     *rise = dot(found.gap, normal) / distance;
     return distance;
@@ -20,12 +20,12 @@ static double distance_when_moved(const struct tree *tree, uint32_t place, vec3 
  * from where the triangle is wholly below, Newton's method comes down on the last touch and never passes it; where there
  * is none the distance begins to grow again, or the way is over.
  */
-static double way_to_free(const struct tree *tree, uint32_t place, vec3 a, vec3 u, double radius,
-                          vec3 normal, double height)
+static double way_to_free(const struct surface *surface, uint32_t place, vec3 a, vec3 u,
+                          double radius, vec3 normal, double height)
 {
     double way = radius - height, fine = 1e-12 * (fabs(way) + radius + length(u));
     for (int i = 0; i < 64 && way > 0.0; i++) {
-        double rise, apart = distance_when_moved(tree, place, a, u, normal, way, &rise) - radius;
+        double rise, apart = distance_when_moved(surface, place, a, u, normal, way, &rise) - radius;
         if (!(apart > fine))
             return way;
         if (!(rise > 0.0))
@@ -35,19 +35,20 @@ static double way_to_free(const struct tree *tree, uint32_t place, vec3 a, vec3 
     return larger(0.0, way);
 }
 
-static void overlap_of(const struct tree *tree, const struct frame *frame, vec3 a, vec3 u,
+static void overlap_of(const struct surface *surface, const struct frame *frame, vec3 a, vec3 u,
                        double radius, double side, uint32_t place, dpt_overlap *overlap)
 {
-    pair found = tree_pair(tree, place, a, u);
-    vec3 normal = scaled(side_face_normal(tree, place), side);
+    pair found = tree_pair(surface, place, a, u);
+    vec3 normal = scaled(surface_face_normal(surface, place), side);
     vec3 q = sub(along(a, found.s, u), found.gap);
-    vec3 corner = vec3_of_float(tree->positions + 3 * (size_t)tree->corners[3 * (size_t)place]);
+    vec3 corner =
+        vec3_of_float(surface->positions + 3 * (size_t)surface->corners[3 * (size_t)place]);
     double height = smaller(dot(sub(a, corner), normal), dot(sub(add(a, u), corner), normal));
     double distance = sqrt(found.distance2);
-    double way = way_to_free(tree, place, a, u, radius, normal, height);
+    double way = way_to_free(surface, place, a, u, radius, normal, height);
     *overlap = (dpt_overlap){
         .size = overlap->size,
-        .triangle = tree->sources[place],
+        .triangle = surface->sources[place],
         .flags = distance > 0.0 ? 0u : DPT_OVERLAP_CROSSING,
         .distance = distance,
         .s = found.s,
@@ -59,7 +60,7 @@ static void overlap_of(const struct tree *tree, const struct frame *frame, vec3 
         overlap->weight[k] = found.weight[k];
 }
 
-void strip_overlaps(const struct dpt_strip *strip, const struct tree *tree,
+void strip_overlaps(const struct dpt_strip *strip, const struct surface *surface,
                     const struct frame *frame, vec3 a, vec3 u, double radius, int32_t side,
                     dpt_overlap *overlaps, uint32_t capacity)
 {
@@ -69,7 +70,7 @@ void strip_overlaps(const struct dpt_strip *strip, const struct tree *tree,
     for (uint32_t i = 0; i < count; i++) {
         dpt_overlap *overlap = (void *)((char *)overlaps + (size_t)i * size);
         overlap->size = size;
-        overlap_of(tree, frame, a, u, radius, side, places[strip->triangles[i]], overlap);
+        overlap_of(surface, frame, a, u, radius, side, places[strip->triangles[i]], overlap);
     }
 }
 
@@ -88,13 +89,13 @@ dpt_result dpt_strip_overlaps(const dpt_strip *strip, const dpt_mesh *mesh, cons
         !vec3_within(segment->b, DPT_COORDINATE_MAX) ||
         !(segment->radius >= 0.0 && segment->radius <= DPT_COORDINATE_MAX))
         return DPT_E_FINITE;
-    struct tree tree;
+    struct surface surface;
     struct frame frame;
     DPT_TRY(frame_of_pose(pose, &frame));
-    tree_of_mesh(mesh, &tree);
+    surface_of_mesh(mesh, &surface);
     vec3 a = frame_to_local(&frame, vec3_of(segment->a));
     vec3 u = sub(frame_to_local(&frame, vec3_of(segment->b)), a);
-    strip_overlaps(strip, &tree, &frame, a, u, segment->radius, side, overlaps, capacity);
+    strip_overlaps(strip, &surface, &frame, a, u, segment->radius, side, overlaps, capacity);
     *count = strip->count;
     return DPT_OK;
 }

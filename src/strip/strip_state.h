@@ -39,7 +39,7 @@ void strip_shadow(struct dpt_strip *strip, const struct dpt_mesh *mesh, const st
                   uint32_t place);
 
 /* dpt_strip_overlaps of the axis a + s u in the mesh's frame, of what is valid. */
-void strip_overlaps(const struct dpt_strip *strip, const struct tree *tree,
+void strip_overlaps(const struct dpt_strip *strip, const struct surface *surface,
                     const struct frame *frame, vec3 a, vec3 u, double radius, int32_t side,
                     dpt_overlap *overlaps, uint32_t capacity);
 

@@ -10,7 +10,7 @@
 
 /* One call of sweep_mesh. */
 struct hunt {
-    const struct tree *tree;
+    const struct surface *surface;
     const struct kernel *kernel;
     const struct sweep *sweep;
     double from; /* what is searched: from here to progress->to */
@@ -18,11 +18,6 @@ struct hunt {
     struct swath swath;
     struct sweep_progress *progress;
 };
-
-static uint32_t lanes_of(uint32_t count)
-{
-    return count < LANES ? (1u << count) - 1 : 0xffff;
-}
 
 /*
  * The axes of a box around what the axis sweeps: of ends in the filter's frame, at both times. The
@@ -52,14 +47,14 @@ static void swath_box(const vec3 end[4], vec3 axis[3])
 
 static void swath_of(const struct hunt *hunt, struct swath *swath)
 {
-    const struct dpt_mesh *mesh = hunt->tree->mesh;
-    const double scale = mesh->filter_scale, times[2] = { hunt->from, hunt->progress->to };
+    const struct surface *surface = hunt->surface;
+    const double scale = surface->filter_scale, times[2] = { hunt->from, hunt->progress->to };
     vec3 end[4], axis[3];
     double far = 0.0;
     for (int k = 0; k < 2; k++) {
         vec3 a, u;
         sweep_axis(hunt->sweep, times[k], &a, &u);
-        end[2 * k] = scaled(sub(a, vec3_of(mesh->filter_centre)), scale);
+        end[2 * k] = scaled(sub(a, surface->filter_centre), scale);
         end[2 * k + 1] = along(end[2 * k], scale, u);
     }
     for (int k = 0; k < 4; k++) {
@@ -86,18 +81,18 @@ static void swath_of(const struct hunt *hunt, struct swath *swath)
 /* One triangle, in double. */
 static void ask(struct hunt *hunt, uint32_t triangle)
 {
-    const struct tree *tree = hunt->tree;
+    const struct surface *surface = hunt->surface;
     struct sweep_progress *progress = hunt->progress;
-    const uint32_t *of = tree->corners + 3 * (size_t)triangle;
-    const vec3 corner[3] = { vec3_of_float(tree->positions + 3 * (size_t)of[0]),
-                             vec3_of_float(tree->positions + 3 * (size_t)of[1]),
-                             vec3_of_float(tree->positions + 3 * (size_t)of[2]) };
+    const uint32_t *of = surface->corners + 3 * (size_t)triangle;
+    const vec3 corner[3] = { vec3_of_float(surface->positions + 3 * (size_t)of[0]),
+                             vec3_of_float(surface->positions + 3 * (size_t)of[1]),
+                             vec3_of_float(surface->positions + 3 * (size_t)of[2]) };
     double time;
     uint32_t asked = 0;
     hunt->work++;
     if (sweep_pair(hunt->sweep, corner, progress->to, &time, &asked) != SWEEP_HIT ||
         (time == progress->to && progress->triangle != DPT_NONE &&
-         tree->sources[triangle] >= tree->sources[progress->triangle]))
+         surface->sources[triangle] >= surface->sources[progress->triangle]))
         return;
     int sooner = time < progress->to;
     progress->to = time;
@@ -109,19 +104,19 @@ static void ask(struct hunt *hunt, uint32_t triangle)
 /* A leaf is of level 0, and its children are triangles. */
 static void open_node(struct hunt *hunt, uint32_t level, uint32_t node)
 {
-    const struct tree *tree = hunt->tree;
+    const struct surface *surface = hunt->surface;
     struct sweep_node *opened = &hunt->progress->path[level];
-    uint32_t children = level ? tree->count[level - 1] : tree->mesh->triangles;
+    uint32_t children = level ? surface->count[level - 1] : surface_triangles(surface);
     hunt->work++;
     hunt->progress->level = level;
     opened->node = node;
     opened->lanes = lanes_of(children - node * LANES);
     if (level)
         opened->lanes &= hunt->kernel->swept_boxes(
-            tree->level[level] + (size_t)node * MESH_BOX_WORDS, &hunt->swath, opened->bound);
+            surface->level[level] + (size_t)node * MESH_BOX_WORDS, &hunt->swath, opened->bound);
     else
         opened->lanes &= hunt->kernel->swept_triangles(
-            tree->leaves + (size_t)node * MESH_LEAF_WORDS, &hunt->swath, opened->bound);
+            surface->leaves + (size_t)node * MESH_LEAF_WORDS, &hunt->swath, opened->bound);
 }
 
 /* Above the root is a node of which it is the one child. */
@@ -132,10 +127,10 @@ static void begin(struct hunt *hunt, uint32_t hint)
     progress->hint = hint;
     progress->triangle = DPT_NONE;
     progress->to = 1.0;
-    progress->level = hunt->tree->levels + 1;
+    progress->level = hunt->surface->levels + 1;
     progress->path[progress->level] = (struct sweep_node){ .lanes = 1 };
     swath_of(hunt, &hunt->swath);
-    if (hint < hunt->tree->mesh->triangles)
+    if (hint < surface_triangles(hunt->surface))
         ask(hunt, hint);
 }
 
@@ -146,7 +141,7 @@ static int go_on(struct hunt *hunt, uint32_t most)
     for (;;) {
         struct sweep_node *opened = &progress->path[progress->level];
         if (!opened->lanes) {
-            if (progress->level > hunt->tree->levels)
+            if (progress->level > hunt->surface->levels)
                 return 1;
             progress->level++;
             continue;
@@ -163,12 +158,12 @@ static int go_on(struct hunt *hunt, uint32_t most)
     }
 }
 
-int sweep_mesh(const struct tree *tree, const struct kernel *kernel, const struct sweep *sweep,
-               double from, uint32_t hint, uint32_t most, struct sweep_progress *progress,
-               struct strike *first, uint32_t *work)
+int sweep_mesh(const struct surface *surface, const struct kernel *kernel,
+               const struct sweep *sweep, double from, uint32_t hint, uint32_t most,
+               struct sweep_progress *progress, struct strike *first, uint32_t *work)
 {
     struct hunt hunt;
-    hunt.tree = tree;
+    hunt.surface = surface;
     hunt.kernel = kernel;
     hunt.sweep = sweep;
     hunt.from = from;
@@ -190,7 +185,7 @@ int sweep_mesh(const struct tree *tree, const struct kernel *kernel, const struc
     vec3 a, u;
     sweep_axis(sweep, progress->to, &a, &u);
     first->triangle = progress->triangle;
-    first->pair = tree_pair(tree, progress->triangle, a, u);
+    first->pair = tree_pair(surface, progress->triangle, a, u);
     first->q = sub(along(a, first->pair.s, u), first->pair.gap);
     return SWEEP_HIT;
 }

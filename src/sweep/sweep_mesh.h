@@ -37,7 +37,7 @@ struct sweep {
 
 /*
  * Coordinates are finite and, like radius and tolerance, at most 1e6 m; `extent` is the largest
- * |coordinate| of what is to be met (tree_extent). A tolerance below 2^-42 of the radius and the
+ * |coordinate| of what is to be met (surface_extent). A tolerance below 2^-42 of the radius and the
  * largest coordinate of all, the motion's four end points included, is raised to that: what is left
  * would be rounding. Ends that are known rounded, such as b + db where db was a difference, may be
  * off by an ulp and are not missed either.
@@ -102,8 +102,8 @@ struct sweep_progress {
  *          and time is `from`, up to which the motion is free
  *   work   grows by the units spent, no more than `most`
  */
-int sweep_mesh(const struct tree *tree, const struct kernel *kernel, const struct sweep *sweep,
-               double from, uint32_t hint, uint32_t most, struct sweep_progress *progress,
-               struct strike *first, uint32_t *work);
+int sweep_mesh(const struct surface *surface, const struct kernel *kernel,
+               const struct sweep *sweep, double from, uint32_t hint, uint32_t most,
+               struct sweep_progress *progress, struct strike *first, uint32_t *work);
 
 #endif

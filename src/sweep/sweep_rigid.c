@@ -93,13 +93,14 @@ static double bend_between(const struct moment *from, const struct ends *at_from
 static int sweep_straight(struct tour *tour, const struct ends *from, const struct ends *to,
                           double bend, double t0, double t1)
 {
-    const struct tree *tree = tour->tree;
+    const struct surface *surface = tour->surface;
     struct passage *passage = &tour->passage;
     struct sweep sweep;
     passage->motion = (struct motion){ from->a, from->b, sub(to->a, from->a), sub(to->b, from->b) };
-    sweep_begin(&sweep, &passage->motion, tour->radius + bend, tour->tolerance, tree_extent(tree));
+    sweep_begin(&sweep, &passage->motion, tour->radius + bend, tour->tolerance,
+                surface_extent(surface));
     double start = t0 > 0.0 ? 0.0 : sweep_start(&sweep, tour->far);
-    int result = sweep_mesh(tree, tour->kernel, &sweep, start, tour->hint,
+    int result = sweep_mesh(surface, tour->kernel, &sweep, start, tour->hint,
                             tour->most ? tour->most - tour->work : 0, &tour->progress->sweep,
                             &passage->strike, &tour->work);
     passage->time = t0 + passage->strike.time * (t1 - t0);
@@ -156,7 +157,7 @@ int tour_side_before(const struct tour *tour)
     const struct motion *motion = &tour->passage.motion;
     vec3 way = along(motion->da, strike->pair.s, sub(motion->db, motion->da));
     vec3 back = along(strike->pair.gap, -strike->time, way);
-    return side_of_way(tour->tree, strike->triangle, strike->pair.weight, back);
+    return side_of_way(tour->surface, strike->triangle, strike->pair.weight, back);
 }
 
 int tour_began_through(const struct tour *tour)

@@ -33,7 +33,7 @@ struct passage {
 };
 
 struct tour {
-    const struct tree *tree; /* of the body */
+    const struct surface *surface; /* of the body */
     const struct kernel *kernel;
     double radius;
     double far; /* nothing of the body is nearer than that to the axis where the tour begins */

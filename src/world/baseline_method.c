@@ -13,14 +13,14 @@ struct gathered {
 };
 
 /* This tick's dynamic point: a full search where there is none yet. */
-static void dynamic_point(const struct dpt_world *world, const struct tree *tree,
+static void dynamic_point(const struct dpt_world *world, const struct surface *surface,
                           const struct axis *part, uint32_t *last, struct nearest *nearest)
 {
     *nearest = (struct nearest){ .pair = { .distance2 = HUGE_VAL }, .triangle = *last };
     if (*last == DPT_NONE)
-        tree_search(tree, &world->kernel, NULL, part->local_a, part->u, 0.0, nearest);
+        tree_search(surface, &world->kernel, NULL, part->local_a, part->u, 0.0, nearest);
     else
-        descend(tree, &world->kernel, part->local_a, part->u, world->def.one_step != 0, nearest);
+        descend(surface, &world->kernel, part->local_a, part->u, world->def.one_step != 0, nearest);
     *last = nearest->triangle;
 }
 
@@ -29,11 +29,11 @@ static void take_part(struct gathered *sum, const struct dpt_world *world, const
                       double radius)
 {
     struct push push;
-    double gap = contact_paper(&body->tree, &body->frame, part, nearest, radius, &push);
+    double gap = contact_paper(&body->surface, &body->frame, part, nearest, radius, &push);
     double distance = sqrt(nearest->pair.distance2);
     int lower = gap < sum->gap;
     if (!sum->any || distance < sum->hit->distance || (distance == sum->hit->distance && lower)) {
-        track_hit(&body->tree, part, &body->frame, nearest, sum->hit);
+        track_hit(&body->surface, part, &body->frame, nearest, sum->hit);
         sum->hit->s = (index + nearest->pair.s) / world->def.parts;
         sum->hit->body = body->id;
     }
@@ -52,9 +52,9 @@ static void take_body(struct gathered *sum, struct dpt_world *world, uint32_t se
     for (uint32_t k = 0; k < parts; k++) {
         struct axis part;
         struct nearest nearest;
-        axis_of(&body->tree, &body->frame, along(a, (double)k / parts, u),
+        axis_of(&body->surface, &body->frame, along(a, (double)k / parts, u),
                 along(a, (double)(k + 1) / parts, u), &part);
-        dynamic_point(world, &body->tree, &part, &last[k], &nearest);
+        dynamic_point(world, &body->surface, &part, &last[k], &nearest);
         sum->work += nearest.work;
         if (nearest.triangle != DPT_NONE)
             take_part(sum, world, body, k, &part, &nearest, world->segments[segment].radius);

@@ -37,7 +37,7 @@ static void charge(struct hunt *hunt, struct nearest *nearest)
 
 static void axis_in(const struct hunt *hunt, const struct body *body, struct axis *axis)
 {
-    axis_of(&body->tree, &body->frame, *hunt->a, *hunt->b, axis);
+    axis_of(&body->surface, &body->frame, *hunt->a, *hunt->b, axis);
 }
 
 /* What a search of a body found, if it is nearer than the rest. */
@@ -67,13 +67,13 @@ static void ask_plainly(struct hunt *hunt, uint32_t index)
     axis_in(hunt, body, &track.axis);
     if (world->def.method == DPT_METHOD_BRUTE) {
         track.nearest = (struct nearest){ .pair = { .distance2 = limit2 }, .triangle = DPT_NONE };
-        tree_brute(&body->tree, track.axis.local_a, track.axis.u, &track.nearest);
+        tree_brute(&body->surface, track.axis.local_a, track.axis.u, &track.nearest);
     } else {
         struct walk walk;
         walk.at = 0;
-        track_begin(&track, &body->tree, *world_last(world, hunt->segment, index), limit2,
+        track_begin(&track, &body->surface, *world_last(world, hunt->segment, index), limit2,
                     TRACK_STAYS, 0);
-        track_prove(&track, &body->tree, &world->kernel, NULL, &walk);
+        track_prove(&track, &body->surface, &world->kernel, NULL, &walk);
         track_settle(&track);
     }
     best->error = larger(best->error, track.axis.error);
@@ -96,20 +96,21 @@ static uint32_t most_slide(const struct dpt_world *world)
 }
 
 /* What a search that was stopped has proven, at the place where its body's proof was brought up to date. */
-static double floor_so_far(const struct pause *pause, const struct tree *tree,
+static double floor_so_far(const struct pause *pause, const struct surface *surface,
                            const struct proof *proof)
 {
     if (!pause->walk.at)
         return 0.0;
-    return smaller(pause->floor, walk_ahead(&pause->walk, tree, proof->a, sub(proof->b, proof->a)));
+    return smaller(pause->floor,
+                   walk_ahead(&pause->walk, surface, proof->a, sub(proof->b, proof->a)));
 }
 
 /* A search is given up: what it has proven stays. */
 static void give_up(struct dpt_world *world, uint32_t segment, struct pause *pause)
 {
     struct proof *proof = world_proof(world, segment, pause->body);
-    const struct tree *tree = &world->bodies[pause->body].tree;
-    proof->floor = larger(proof->floor, floor_so_far(pause, tree, proof));
+    const struct surface *surface = &world->bodies[pause->body].surface;
+    proof->floor = larger(proof->floor, floor_so_far(pause, surface, proof));
     pause->walk.at = 0;
 }
 
@@ -133,7 +134,7 @@ static double update(struct dpt_world *world, uint32_t segment, uint32_t index,
     proof->a = axis->local_a;
     proof->b = add(axis->local_a, axis->u);
     if (moved > 0.0 && moving->body == index && moving->walk.at) {
-        walk_drift(&moving->walk, &world->bodies[index].tree, moved);
+        walk_drift(&moving->walk, &world->bodies[index].surface, moved);
         moving->floor -= moved;
     }
     return moved;
@@ -153,7 +154,7 @@ static void follow(struct hunt *hunt, uint32_t index)
     enum slide slide = TRACK_STAYS;
     if (hunt->moved > 0.0 && (!world->def.budget || most_slide(world)))
         slide = track->nearest.pair.distance2 == 0.0 ? TRACK_CROSSED : TRACK_SLIDES;
-    track_begin(track, &body->tree, *world_last(world, hunt->segment, index), HUGE_VAL, slide,
+    track_begin(track, &body->surface, *world_last(world, hunt->segment, index), HUGE_VAL, slide,
                 most_slide(world));
     hunt->is_new = track->last == DPT_NONE;
     hunt->best->error = track->axis.error;
@@ -174,13 +175,13 @@ static int prove(struct hunt *hunt, uint32_t index, struct track *track, int sli
     struct dpt_world *world = hunt->world;
     const struct body *body = &world->bodies[index];
     if (track != &hunt->best->track)
-        track_begin(track, &body->tree, *world_last(world, hunt->segment, index),
+        track_begin(track, &body->surface, *world_last(world, hunt->segment, index),
                     hunt->best->track.nearest.pair.distance2, slide ? TRACK_SLIDES : TRACK_STAYS,
                     most_slide(world));
     track->nearest.most = world->left;
     const struct keeper keeper =
         keeper_of(&world->certificate, world_owner(world, hunt->segment, index), anew);
-    int done = track_prove(track, &body->tree, &world->kernel, &keeper, walk);
+    int done = track_prove(track, &body->surface, &world->kernel, &keeper, walk);
     *floor = sqrt(track->nearest.pair.distance2);
     charge(hunt, &track->nearest);
     track_settle(track);
@@ -197,7 +198,7 @@ static double proven_floor(const struct hunt *hunt, uint32_t index)
     for (int rests = 0; rests < 2; rests++) {
         const struct pause *pause = world_pause(world, hunt->segment, rests);
         if (pause->body == index)
-            floor = larger(floor, floor_so_far(pause, &world->bodies[index].tree, proof));
+            floor = larger(floor, floor_so_far(pause, &world->bodies[index].surface, proof));
     }
     return floor;
 }
@@ -433,7 +434,7 @@ uint32_t bodies_within(struct dpt_world *world, uint32_t segment, double reach,
 void bodies_hit(const struct found *best, dpt_hit *hit)
 {
     const struct body *body = best->body;
-    track_hit(&body->tree, &best->track.axis, &body->frame, &best->track.nearest, hit);
+    track_hit(&body->surface, &best->track.axis, &body->frame, &best->track.nearest, hit);
     hit->body = body->id;
     hit->work = best->work;
     hit->error_bound = best->error;
@@ -448,9 +449,8 @@ void bodies_hit(const struct found *best, dpt_hit *hit)
 void bodies_place(struct dpt_world *world, uint32_t index)
 {
     const struct body *body = &world->bodies[index];
-    const struct dpt_mesh *mesh = body->tree.mesh;
     struct box *box = &world->boxes[index];
-    *box = box_in_world(vec3_of(mesh->box_min), vec3_of(mesh->box_max), &body->frame);
+    *box = box_in_world(body->surface.box_min, body->surface.box_max, &body->frame);
     for (uint32_t s = 0; world->body_end > BODIES_FEW && s < world->segment_count; s++) {
         struct near *near = &world->segments[s].near;
         if (near->now.room > 0.0 && box_meets(&near->now.box, box))

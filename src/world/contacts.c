@@ -210,24 +210,24 @@ static const struct hold *same_region(const struct meeting *meeting, const struc
 static double side_limit(const struct meeting *meeting)
 {
     double limit = meeting->world->def.side_limit;
-    return limit > 0.0 ? limit : 0.25 * tree_diagonal(&meeting->body->tree);
+    return limit > 0.0 ? limit : 0.25 * surface_diagonal(&meeting->body->surface);
 }
 
 /* The side of an open sheet that a region keeps for the next tick, or 0. */
 static int32_t side_of_region(const struct meeting *meeting, const struct region *region,
                               double gap)
 {
-    const struct tree *tree = &meeting->body->tree;
+    const struct surface *surface = &meeting->body->surface;
     const struct sample *deepest = &meeting->profile->sample[region->deepest];
-    if (!side_is_sheet(tree, region->part) || -gap > side_limit(meeting) ||
-        side_is_border(tree, deepest->triangle, deepest->weight))
+    if (!side_is_sheet(surface, region->part) || -gap > side_limit(meeting) ||
+        side_is_border(surface, deepest->triangle, deepest->weight))
         return 0;
     int32_t kept = sides_get(&meeting->sides, region->part);
     if (kept || deepest->height == 0.0)
         return kept;
     const pair found = { .weight = { deepest->weight[0], deepest->weight[1], deepest->weight[2] },
                          .gap = deepest->gap };
-    return side_of_pair(tree, deepest->triangle, &found);
+    return side_of_pair(surface, deepest->triangle, &found);
 }
 
 static int goes_through(const struct profile *profile, const struct region *region)
@@ -250,7 +250,7 @@ static void write_contact(const struct meeting *meeting, const struct region *re
     contact->size = sizeof *contact;
     contact->body = meeting->body->id;
     contact->segment = meeting->segment - meeting->world->tools[segment->tool].first;
-    contact->triangle = meeting->body->tree.sources[deepest->triangle];
+    contact->triangle = meeting->body->surface.sources[deepest->triangle];
     contact->gap = deepest->height - meeting->radius;
     contact->contact = contact_of_gap(contact->gap, axis->error);
     contact->flags = (goes_through(meeting->profile, region) ? DPT_REGION_CROSSING : 0u) |
@@ -322,7 +322,7 @@ static const struct sample *lowest_on(const struct profile *profile, uint32_t pa
     for (uint32_t i = 0; i < profile->count; i++) {
         const struct sample *sample = &profile->sample[i];
         if (sample->height < (lowest ? lowest->height : 0.0) &&
-            side_part(profile->tree, sample->triangle) == part)
+            surface_part(profile->surface, sample->triangle) == part)
             lowest = sample;
     }
     return lowest;
@@ -335,14 +335,14 @@ static const struct sample *lowest_on(const struct profile *profile, uint32_t pa
  */
 static void take_side(const struct meeting *meeting, struct hold *hold)
 {
-    const struct tree *tree = &meeting->body->tree;
+    const struct surface *surface = &meeting->body->surface;
     const struct nearest *nearest = &meeting->nearest;
     const double *weight = nearest->pair.weight;
     if (!hold->side || nearest->pair.distance2 == 0.0 ||
-        side_part(tree, nearest->triangle) != hold->part)
+        surface_part(surface, nearest->triangle) != hold->part)
         return;
-    int border = side_is_border(tree, nearest->triangle, weight);
-    int front = hold->side * side_of_pair(tree, nearest->triangle, &nearest->pair) > 0;
+    int border = side_is_border(surface, nearest->triangle, weight);
+    int front = hold->side * side_of_pair(surface, nearest->triangle, &nearest->pair) > 0;
     if (border ? !lowest_on(meeting->profile, hold->part) : hold->front && !front)
         hold->side = 0;
     else if (!border)
@@ -451,7 +451,7 @@ static int meet(struct meeting *meeting, double *gap)
     struct seed seeds[PROFILE_SEEDS];
     struct region regions[REGION_MOST];
     uint32_t seed_count = recall(meeting, seeds), count;
-    profile->tree = &meeting->body->tree;
+    profile->surface = &meeting->body->surface;
     profile->kernel = &world->kernel;
     profile->axis = &meeting->axis;
     profile->sides = &meeting->sides;
@@ -459,7 +459,7 @@ static int meet(struct meeting *meeting, double *gap)
     profile->regions = world->def.max_contacts && !world->def.budget;
     profile->body = handle_index(meeting->body->id);
     profile->reach = meeting->radius + (world->def.max_contacts ? world->def.margin : 0.0);
-    profile->tolerance = PROFILE_DEPTH_SHARE * tree_diagonal(profile->tree);
+    profile->tolerance = PROFILE_DEPTH_SHARE * surface_diagonal(profile->surface);
     int found = look(meeting, seeds, seed_count, regions, &count, gap);
     int dropped = found == CONTACT_PROFILE && drop_sides(meeting, regions, count);
     if (dropped)
@@ -475,7 +475,7 @@ static int meet(struct meeting *meeting, double *gap)
 static int search_other(struct meeting *meeting, vec3 a, vec3 b, dpt_hit *hit)
 {
     struct dpt_world *world = meeting->world;
-    const struct tree *tree = &meeting->body->tree;
+    const struct surface *surface = &meeting->body->surface;
     const struct axis *axis = &meeting->axis;
     struct nearest *nearest = &meeting->nearest;
     uint32_t *last = world_last(world, meeting->segment, handle_index(meeting->body->id));
@@ -483,12 +483,13 @@ static int search_other(struct meeting *meeting, vec3 a, vec3 b, dpt_hit *hit)
     walk.at = 0;
     if (world->def.budget && !world->left)
         return 0;
-    axis_of(tree, &meeting->body->frame, a, b, &meeting->axis);
-    *nearest = (struct nearest){ .pair = tree_pair(tree, *last == DPT_NONE ? 0 : *last,
+    axis_of(surface, &meeting->body->frame, a, b, &meeting->axis);
+    *nearest = (struct nearest){ .pair = tree_pair(surface, *last == DPT_NONE ? 0 : *last,
                                                    axis->local_a, axis->u),
                                  .triangle = *last == DPT_NONE ? 0 : *last,
                                  .most = world->left };
-    int done = tree_walk(tree, &world->kernel, NULL, axis->local_a, axis->u, 0.0, &walk, nearest);
+    int done =
+        tree_walk(surface, &world->kernel, NULL, axis->local_a, axis->u, 0.0, &walk, nearest);
     *last = nearest->triangle;
     hit->work += nearest->work;
     if (world->def.budget)

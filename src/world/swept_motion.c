@@ -65,15 +65,15 @@ static double way_between(const struct was *was, const struct was *is)
 static void tell(const struct tour *tour, const struct body *body, struct segment *segment)
 {
     const struct strike *strike = &tour->passage.strike;
-    const struct tree *tree = tour->tree;
+    const struct surface *surface = tour->surface;
     int side = tour_side_before(tour);
-    vec3 normal = side_feature_normal(tree, strike->triangle, strike->pair.weight);
+    vec3 normal = surface_feature_normal(surface, strike->triangle, strike->pair.weight);
     double size = length(normal);
     dpt_sweep *sweep = &segment->sweep;
     sweep->status = DPT_SWEEP_HIT;
     sweep->time = tour->passage.time;
     sweep->body = body->id;
-    sweep->triangle = tree->sources[strike->triangle];
+    sweep->triangle = surface->sources[strike->triangle];
     sweep->s = strike->pair.s;
     vec3_store(frame_to_world(&body->frame, strike->q), sweep->q);
     vec3_store(scaled(frame_turn(&body->frame, normal), size > 0.0 ? side / size : 0.0),
@@ -85,10 +85,10 @@ static void keep_side(struct dpt_world *world, uint32_t index, const struct body
                       const struct tour *tour)
 {
     const struct strike *strike = &tour->passage.strike;
-    uint32_t part = side_part(tour->tree, strike->triangle);
+    uint32_t part = surface_part(tour->surface, strike->triangle);
     const struct seed seed = { strike->pair.s, strike->triangle, 1.0f };
-    if (side_is_sheet(tour->tree, part) &&
-        !side_is_border(tour->tree, strike->triangle, strike->pair.weight))
+    if (side_is_sheet(tour->surface, part) &&
+        !side_is_border(tour->surface, strike->triangle, strike->pair.weight))
         contacts_meet(world, index, body, part, tour_side_before(tour), &seed);
 }
 
@@ -131,11 +131,11 @@ static int pass_body(struct dpt_world *world, uint32_t index, const struct body 
 {
     struct segment *segment = &world->segments[index];
     double far = body->added == world->ticks ? 0.0 : segment->was.distance;
-    struct tour tour = { .tree = &body->tree,
+    struct tour tour = { .surface = &body->surface,
                          .kernel = &world->kernel,
                          .radius = far > segment->radius ? segment->radius : 0.0,
                          .far = far,
-                         .tolerance = 0.5 * TOUR_TOLERANCE * tree_diagonal(&body->tree),
+                         .tolerance = 0.5 * TOUR_TOLERANCE * surface_diagonal(&body->surface),
                          .hint = *world_last(world, index, handle_index(body->id)),
                          .progress = &voyage->progress };
     from->body = body->moved == world->ticks ? body->before : body->pose;

@@ -42,19 +42,19 @@ static vec3 way_to_axis(const struct segment *segment, const struct laid *laid, 
         return sub(frame_to_local(&laid->frame, vec3_of(hit->p)),
                    frame_to_local(&laid->frame, vec3_of(hit->q)));
     vec3 push = frame_turn_back(&laid->frame, segment->push.direction);
-    return dot(push, push) > 0.0 ? push : side_face_normal(&laid->tree, place);
+    return dot(push, push) > 0.0 ? push : surface_face_normal(&laid->surface, place);
 }
 
 /* Of an open sheet, that to which the tool would be pushed, or on which it is. */
 static int32_t side_of_tool(const struct segment *segment, const struct laid *laid, uint32_t place,
                             vec3 to_axis)
 {
-    if (!side_is_sheet(&laid->tree, side_part(&laid->tree, place)))
+    if (!side_is_sheet(&laid->surface, surface_part(&laid->surface, place)))
         return 1;
     vec3 out = frame_turn_back(&laid->frame, segment->push.direction);
     if (!(dot(out, out) > 0.0))
         out = to_axis;
-    return dot(out, side_face_normal(&laid->tree, place)) < 0.0 ? -1 : 1;
+    return dot(out, surface_face_normal(&laid->surface, place)) < 0.0 ? -1 : 1;
 }
 
 static void lay_shadow(const struct dpt_world *world, struct laid *laid, vec3 way, uint32_t place)
@@ -67,7 +67,7 @@ static void lay_shadow(const struct dpt_world *world, struct laid *laid, vec3 wa
         return;
     struct shade shade;
     shade_of(laid->a, laid->u, way, laid->radius + def->strip_width, depth, &shade);
-    strip_shadow(laid->strip, laid->tree.mesh, &shade, place);
+    strip_shadow(laid->strip, laid->surface.mesh, &shade, place);
 }
 
 /* The triangle nearest to an end of the axis. */
@@ -76,21 +76,21 @@ static uint32_t nearest_to_end(const struct dpt_world *world, const struct laid 
     struct axis axis;
     struct nearest nearest;
     vec3 at = frame_to_world(&laid->frame, end ? add(laid->a, laid->u) : laid->a);
-    axis_of(&laid->tree, &laid->frame, at, at, &axis);
-    track_once(&laid->tree, &world->kernel, DPT_METHOD_TREE, &axis, laid->end[end], &nearest);
+    axis_of(&laid->surface, &laid->frame, at, at, &axis);
+    track_once(&laid->surface, &world->kernel, DPT_METHOD_TREE, &axis, laid->end[end], &nearest);
     return nearest.triangle;
 }
 
 /* Nothing where no route leads there, as when an end is nearest to another part; full where the search is too small. */
 static void lay_routes(const struct dpt_world *world, struct laid *laid, uint32_t place)
 {
-    const uint32_t *sources = laid->tree.sources;
+    const uint32_t *sources = laid->surface.sources;
     for (int end = 0; end < 2; end++)
         laid->end[end] = nearest_to_end(world, laid, end);
     if (laid->end[0] == DPT_NONE || laid->end[1] == DPT_NONE)
         return;
-    if (dpt_strip_routes(laid->strip, laid->tree.mesh, sources[laid->end[0]], sources[laid->end[1]],
-                         sources[place]) == DPT_E_FULL)
+    if (dpt_strip_routes(laid->strip, laid->surface.mesh, sources[laid->end[0]],
+                         sources[laid->end[1]], sources[place]) == DPT_E_FULL)
         strip_set_full(laid->strip);
 }
 
@@ -109,12 +109,12 @@ void strips_find(struct dpt_world *world, uint32_t index)
     if (laid->body != handle_index(hit->body))
         laid->end[0] = laid->end[1] = DPT_NONE;
     laid->body = handle_index(hit->body);
-    laid->tree = body->tree;
+    laid->surface = body->surface;
     laid->frame = body->frame;
     laid->radius = segment->radius;
     laid->a = frame_to_local(&body->frame, frame_to_world(&tool->frame, segment->a));
     laid->u = sub(frame_to_local(&body->frame, frame_to_world(&tool->frame, segment->b)), laid->a);
-    uint32_t place = mesh_words(body->tree.mesh, MESH_PLACES)[hit->triangle];
+    uint32_t place = mesh_words(body->surface.mesh, MESH_PLACES)[hit->triangle];
     vec3 to_axis = way_to_axis(segment, laid, place);
     laid->side = side_of_tool(segment, laid, place, to_axis);
     if (world->def.strip == DPT_STRIP_SHADOW)
@@ -144,7 +144,7 @@ dpt_result dpt_tool_get_strip(const dpt_world *world, dpt_tool tool, uint32_t se
         return DPT_OK;
     const struct laid *laid = &world->laid[asked->first + segment];
     dpt_strip_triangles(laid->strip, count, flags);
-    strip_overlaps(laid->strip, &laid->tree, &laid->frame, laid->a, laid->u, laid->radius,
+    strip_overlaps(laid->strip, &laid->surface, &laid->frame, laid->a, laid->u, laid->radius,
                    laid->side, overlaps, capacity);
     return DPT_OK;
 }

@@ -375,7 +375,7 @@ dpt_result dpt_body_add(dpt_world *world, const dpt_mesh *mesh, const dpt_pose *
     made->moved = 0;
     made->added = world->ticks + 1;
     made->valid = 1;
-    tree_of_mesh(mesh, &made->tree);
+    surface_of_mesh(mesh, &made->surface);
     for (uint32_t s = 0; s < world->segment_count; s++)
         memset(world_last(world, s, index), 0xff, world->def.parts * sizeof *world->last);
     forget_planes(world, 0, world->segment_count, index);
@@ -409,7 +409,7 @@ dpt_result dpt_body_remove(dpt_world *world, dpt_body body)
 static double way_of(const struct body *body)
 {
     const double *from = body->before.orientation, *to = body->pose.orientation;
-    vec3 low = vec3_of(body->tree.mesh->box_min), high = vec3_of(body->tree.mesh->box_max);
+    vec3 low = body->surface.box_min, high = body->surface.box_max;
     double farthest = 0.5 * (length(add(low, high)) + length(sub(high, low)));
     double same = 0.0, opposite = 0.0;
     for (int k = 0; k < 4; k++) {

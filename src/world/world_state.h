@@ -14,7 +14,7 @@
 #include "world/broad_phase.h"
 
 struct body {
-    struct tree tree;
+    struct surface surface;
     struct frame frame;
     dpt_pose pose;    /* what the frame is made of */
     dpt_pose before;  /* that of the last tick, if it has moved since */
@@ -132,7 +132,7 @@ struct holds {
 /* A segment's strip and where it lies, as of this tick. */
 struct laid {
     struct dpt_strip *strip;
-    struct tree tree; /* of the body */
+    struct surface surface; /* of the body */
     struct frame frame;
     vec3 a, u; /* the axis in the body's frame */
     double radius;

@@ -92,7 +92,7 @@ static void series_keep_their_bound(void)
     double worst = 0.0;
     kernel_get(DPT_KERNEL_AUTO, &kernel, &chosen);
     for (int i = 0; i < 2000; i++) {
-        float block[KERNEL_MOMENT_ROWS * LANES], sums[LANES] = { 0.0f }, doubts[LANES] = { 0.0f };
+        float block[MESH_MOMENT_ROWS * LANES], sums[LANES] = { 0.0f }, doubts[LANES] = { 0.0f };
         double truth[LANES], errors[LANES];
         const float at[3] = { (float)random_in(&random, -1, 1), (float)random_in(&random, -1, 1),
                               (float)random_in(&random, -1, 1) };
@@ -227,7 +227,7 @@ static void public_meshes_are_what_they_seem(void)
               "%s: %u solid, %u cavities, %u by winding, %u buried", wanted->path,
               info->solid_components, info->cavities, info->winding_components,
               info->buried_components);
-        tree_of_mesh(scene.mesh, &scene.tree);
+        surface_of_mesh(scene.mesh, &scene.tree);
         kernel_get(DPT_KERNEL_AUTO, &scene.kernel, &chosen);
         if (info->winding_components)
             check_against_brute(strrchr(wanted->path, '/') + 1, &scene, 60);

@@ -13,7 +13,7 @@
 #include "base/crc32.h"
 #include "dynpoint/compile.h"
 #include "fuzz/target.h"
-#include "mesh/mesh_format.h"
+#include "mesh/mesh_swap.h"
 #include "shape.h"
 
 enum { REPAIR_INDICES = 1, REPAIR_FLOATS = 2, OTHER_ORDER = 4, ASKED_SHIFT = 3 };
@@ -183,7 +183,7 @@ static void repair_indices(struct dpt_mesh *mesh)
     first[mesh->vertices] = 3 * mesh->triangles;
     if (mesh_moments(mesh, &lanes))
         for (uint32_t leaf = 0; leaf < mesh->leaves; leaf++)
-            ((uint32_t *)lanes)[leaf] &= mesh_lanes(mesh->triangles - leaf * LANES);
+            ((uint32_t *)lanes)[leaf] &= lanes_of(mesh->triangles - leaf * LANES);
 }
 
 static void repair_some_floats(float *floats, size_t count, float limit)

@@ -8,6 +8,7 @@
 #include "base/angle.h"
 #include "kernel/kernel_ops.h"
 #include "lib/check.h"
+#include "mesh/mesh_format.h"
 #include "nearest/segment_triangle.h"
 
 #define BLOCKS 20000
@@ -643,21 +644,21 @@ static void all_kernels_give_the_same_bits(void)
 }
 
 /* Rows of moments as any triangles may give them, some lanes empty; at times the point lies on one. */
-static void make_moments(uint64_t *random, float block[KERNEL_MOMENT_ROWS * LANES], float at[3])
+static void make_moments(uint64_t *random, float block[MESH_MOMENT_ROWS * LANES], float at[3])
 {
-    for (int row = 0; row < KERNEL_MOMENT_ROWS; row++)
+    for (int row = 0; row < MESH_MOMENT_ROWS; row++)
         for (int lane = 0; lane < LANES; lane++)
             block[row * LANES + lane] = coordinate(random);
     for (int lane = 0; lane < LANES; lane++) {
         const double size = pow(10.0, random_in(random, -4.0, 0.0));
-        block[KERNEL_MOMENT_REMAINDER * LANES + lane] = (float)(size * size * size);
-        block[KERNEL_MOMENT_RADIUS * LANES + lane] = (float)size;
-        for (int row = 0; row < KERNEL_MOMENT_ROWS && random_bits(random) % 8 == 0; row++)
-            block[row * LANES + lane] = row == KERNEL_MOMENT_RADIUS ? -1.0f : 0.0f;
+        block[MESH_MOMENT_REMAINDER * LANES + lane] = (float)(size * size * size);
+        block[MESH_MOMENT_RADIUS * LANES + lane] = (float)size;
+        for (int row = 0; row < MESH_MOMENT_ROWS && random_bits(random) % 8 == 0; row++)
+            block[row * LANES + lane] = row == MESH_MOMENT_RADIUS ? -1.0f : 0.0f;
     }
     for (int k = 0; k < 3; k++)
         at[k] = random_bits(random) % 16 ? 2.0f * coordinate(random)
-                                         : block[(KERNEL_MOMENT_AT + k) * LANES + 3];
+                                         : block[(MESH_MOMENT_AT + k) * LANES + 3];
 }
 
 /* Triangles seen from near one of them, from a corner, from afar. */
@@ -686,7 +687,7 @@ static void all_kernels_give_the_same_windings(void)
             continue;
         }
         for (int i = 0; i < BLOCKS; i++) {
-            float block[KERNEL_MOMENT_ROWS * LANES], at[3];
+            float block[MESH_MOMENT_ROWS * LANES], at[3];
             float sums[2][LANES], doubts[2][LANES];
             for (int lane = 0; lane < LANES; lane++) {
                 sums[0][lane] = sums[1][lane] = coordinate(&random);

@@ -16,6 +16,7 @@
 
 #include "lib/dpa.h"
 #include "lib/sites.h"
+#include "mesh/mesh_swap.h"
 
 static const char *reader = "src/mesh/mesh_open.c";
 

@@ -376,7 +376,7 @@ static void use(const dpt_mesh *mesh, uint64_t *random)
 {
     static double block[12288];
     double ends[6 * 4];
-    struct tree tree;
+    struct surface surface;
     struct kernel kernel;
     uint32_t work = 0, chosen;
     dpt_hit hits[4] = { DPT_HIT_INIT };
@@ -387,10 +387,10 @@ static void use(const dpt_mesh *mesh, uint64_t *random)
     dpt_tool tool;
     for (int i = 0; i < 24; i++)
         ends[i] = random_in(random, -0.15, 0.15);
-    tree_of_mesh(mesh, &tree);
+    surface_of_mesh(mesh, &surface);
     kernel_get(DPT_KERNEL_AUTO, &kernel, &chosen);
     for (int i = 0; i < 8; i++)
-        CHECK(isfinite(winding_number(&tree, &kernel, vec3_of(ends + 3 * i), UINT32_MAX, &work)),
+        CHECK(isfinite(winding_number(&surface, &kernel, vec3_of(ends + 3 * i), UINT32_MAX, &work)),
               "a winding number that is none");
     for (query.method = 0; query.method <= DPT_METHOD_BRUTE; query.method++) {
         dpt_query_segments(mesh, NULL, ends, NULL, 4, hits, &query);

@@ -14,7 +14,7 @@ struct scene {
     struct file file;
     const dpt_mesh *mesh;
     dpt_mesh_info info;
-    struct tree tree;
+    struct surface surface;
     double (*corner)[9]; /* of each triangle by its source number */
 };
 
@@ -26,7 +26,7 @@ static void open_scene(struct scene *scene, dpt_compiled *compiled)
     dpt_mesh_convert(scene->file.bytes, scene->file.size, NULL);
     CHECK(dpt_mesh_open(scene->file.bytes, scene->file.size, &scene->mesh) == DPT_OK, "no mesh");
     dpt_mesh_get_info(scene->mesh, &scene->info);
-    tree_of_mesh(scene->mesh, &scene->tree);
+    surface_of_mesh(scene->mesh, &scene->surface);
     scene->corner = calloc(scene->info.source_triangles, sizeof *scene->corner);
     for (uint32_t t = 0; t < scene->info.source_triangles; t++)
         dpt_mesh_triangle(scene->mesh, t, scene->corner[t]);
@@ -378,7 +378,7 @@ static void sides_at_vertices_do_not_turn(void)
         struct scene scene;
         scene_of_shape(&scene, shapes[s].name, shapes[s].count, 0.0);
         for (uint32_t place = 0; place < scene.info.triangles; place += 7) {
-            uint32_t t = scene.tree.sources[place];
+            uint32_t t = scene.surface.sources[place];
             for (int k = 0; k < 3; k++) {
                 real n[3], r[3], side[3];
                 double weight[3] = { 0.0, 0.0, 0.0 };
@@ -399,7 +399,7 @@ static void sides_at_vertices_do_not_turn(void)
                     if (fabsl(rise) < 1e-13L * size)
                         continue;
                     near += fabsl(rise) < 0x1p-25L * size;
-                    CHECK(side_of_pair(&scene.tree, place, &found) == (rise < 0 ? -1 : 1),
+                    CHECK(side_of_pair(&scene.surface, place, &found) == (rise < 0 ? -1 : 1),
                           "%s, triangle %u, lean %Lg", shapes[s].name, t, lean);
                 }
             }
@@ -433,7 +433,8 @@ static void scene_of_cylinder(struct scene *scene, double crease)
 static vec3 smooth_at(const struct scene *scene, uint32_t source, double a, double b)
 {
     const double weight[3] = { a, b, 1.0 - a - b };
-    return side_smooth_normal(&scene->tree, mesh_words(scene->mesh, MESH_PLACES)[source], weight);
+    return surface_smooth_normal(&scene->surface, mesh_words(scene->mesh, MESH_PLACES)[source],
+                                 weight);
 }
 
 /* Round along the side, flat on the lids, sharp between them; all round where no edge is a crease. */
@@ -485,29 +486,29 @@ static void hubs_cost_no_fan(void)
     forged = scene;
     forged.file = file;
     CHECK(dpt_mesh_open(file.bytes, file.size, &forged.mesh) == DPT_OK, "does not open");
-    tree_of_mesh(forged.mesh, &forged.tree);
+    surface_of_mesh(forged.mesh, &forged.surface);
     uint64_t random = 2;
     for (uint32_t place = 0; place < COUNT; place += 331) {
         double weight[3] = { 0.0, 0.0, 0.0 };
         int k = 0;
-        while (k < 2 && scene.tree.corners[3 * place + (uint32_t)k] != hub)
+        while (k < 2 && scene.surface.corners[3 * place + (uint32_t)k] != hub)
             k++;
         weight[k] = 1.0;
         pair found = { .weight = { weight[0], weight[1], weight[2] } };
         found.gap = (vec3){ random_in(&random, -1.0, 1.0), random_in(&random, -1.0, 1.0),
                             random_in(&random, 0.1, 1.0) };
-        vec3 n = side_feature_normal(&scene.tree, place, weight);
-        vec3 m = side_feature_normal(&forged.tree, place, weight);
+        vec3 n = surface_feature_normal(&scene.surface, place, weight);
+        vec3 m = surface_feature_normal(&forged.surface, place, weight);
         CHECK(!memcmp(&n, &m, sizeof n), "another normal");
-        n = side_smooth_normal(&scene.tree, place, weight);
-        m = side_smooth_normal(&forged.tree, place, weight);
+        n = surface_smooth_normal(&scene.surface, place, weight);
+        m = surface_smooth_normal(&forged.surface, place, weight);
         CHECK(!memcmp(&n, &m, sizeof n), "another smooth normal");
-        CHECK(side_of_pair(&scene.tree, place, &found) == side_of_pair(&forged.tree, place, &found),
+        CHECK(side_of_pair(&scene.surface, place, &found) == side_of_pair(&forged.surface, place, &found),
               "another side");
-        CHECK(!side_is_border(&forged.tree, place, weight), "the hub is no border");
+        CHECK(!side_is_border(&forged.surface, place, weight), "the hub is no border");
         weight[k] = 0.0;
         weight[(k + 1) % 3] = 1.0;
-        CHECK(side_is_border(&forged.tree, place, weight), "its rim is one");
+        CHECK(side_is_border(&forged.surface, place, weight), "its rim is one");
     }
     free(file.bytes);
     close_scene(&scene);
@@ -525,7 +526,7 @@ static void borders_cost_no_fan(void)
     for (uint32_t place = 0; place < scene.info.triangles; place++)
         for (int k = 0; k < 3; k++) {
             double weight[3] = { 0.0, 0.0, 0.0 };
-            uint32_t t = scene.tree.sources[place], flags, wanted = 0;
+            uint32_t t = scene.surface.sources[place], flags, wanted = 0;
             dpt_mesh_triangle_flags(scene.mesh, t, &flags);
             weight[k] = 1.0;
             for (uint32_t u = 0; u < scene.info.triangles && !wanted; u++)
@@ -535,7 +536,7 @@ static void borders_cost_no_fan(void)
                             (edge_by_all(&scene, u, i) | edge_by_all(&scene, u, (i + 2) % 3)) &
                             DPT_EDGE_BORDER;
             alone += wanted && !(flags & 7u);
-            CHECK(side_is_border(&scene.tree, place, weight) == (int)wanted, "triangle %u", t);
+            CHECK(side_is_border(&scene.surface, place, weight) == (int)wanted, "triangle %u", t);
         }
     CHECK(alone > 10, "only %u touch the border in a point", alone);
     close_scene(&scene);

@@ -17,7 +17,7 @@ static uint64_t rng = 1;
 /* A mesh that is swept, and what its bounds and numbers are. */
 struct body {
     struct fixture fixture;
-    struct tree tree;
+    struct surface tree;
     double diagonal;
 };
 
@@ -26,7 +26,7 @@ static int body_of(struct body *body)
     const struct dpt_mesh *mesh = body->fixture.mesh;
     if (!mesh)
         return 0;
-    tree_of_mesh(mesh, &body->tree);
+    surface_of_mesh(mesh, &body->tree);
     body->diagonal = length(sub(vec3_of(mesh->box_max), vec3_of(mesh->box_min)));
     return 1;
 }
@@ -53,7 +53,7 @@ static int soup_of(struct body *body)
 /* About the body; of a third, fast, slow, or not at all; from a length of 0 to the diagonal. */
 static void motion_near(const struct body *body, struct motion *m)
 {
-    const struct tree *tree = &body->tree;
+    const struct surface *tree = &body->tree;
     uint32_t v = tree->corners[random_bits(&rng) % (3 * (uint64_t)tree->mesh->triangles)];
     double size = body->diagonal, far = power_in(&rng, -5.0, -0.5);
     vec3 at = vec3_of_float(tree->positions + 3 * (size_t)v), u = scaled(any_in(&rng, 1.0), size);
@@ -70,7 +70,7 @@ static void motion_near(const struct body *body, struct motion *m)
 }
 
 /* Every triangle, one after the other. */
-static struct strike brute_sweep(const struct tree *tree, const struct sweep *sweep)
+static struct strike brute_sweep(const struct surface *tree, const struct sweep *sweep)
 {
     struct strike first = { .time = 1.0, .triangle = DPT_NONE };
     for (uint32_t t = 0; t < tree->mesh->triangles; t++) {
@@ -183,7 +183,7 @@ static void sweep_body(const char *name, struct body *body, int motions)
         double radius = one_in(&rng, 2) ? 0.0 : body->diagonal * power_in(&rng, -5.0, -1.0);
         uint32_t work = 0, full = 0;
         motion_near(body, &motion);
-        sweep_begin(&sweep, &motion, radius, tolerance, tree_extent(&body->tree));
+        sweep_begin(&sweep, &motion, radius, tolerance, surface_extent(&body->tree));
         struct strike truth = brute_sweep(&body->tree, &sweep);
         for (uint32_t k = 0; k < kernels; k++) {
             uint32_t before = full;
@@ -365,7 +365,7 @@ static void sheets_are_crossed_at_any_speed(void)
         struct strike found;
         uint32_t work = 0;
         double tolerance = body.diagonal * (one_in(&rng, 2) ? 1e-6 : 1e-11);
-        sweep_begin(&sweep, &m, 0.0, tolerance, tree_extent(&body.tree));
+        sweep_begin(&sweep, &m, 0.0, tolerance, surface_extent(&body.tree));
         int hit = sweep_whole(&body, &kernel, &sweep, 0.0, DPT_NONE, &found, &work) == SWEEP_HIT;
         missed += crosses && !(hit && found.time <= t + 1e-12);
         CHECK(!crosses || (hit && found.time <= t + 1e-12), "missed: result %d at %.17g, not %.17g",

@@ -1,0 +1,61 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A .dpa file's numbers from one byte order to the other. */
+#ifndef DPT_MESH_SWAP_H
+#define DPT_MESH_SWAP_H
+
+#include "mesh/mesh_format.h"
+
+static inline void mesh_swap4(void *words, uint64_t count)
+{
+    unsigned char *b = words;
+    for (; count; count--, b += 4) {
+        unsigned char t = b[0];
+        b[0] = b[3];
+        b[3] = t;
+        t = b[1];
+        b[1] = b[2];
+        b[2] = t;
+    }
+}
+
+static inline void mesh_swap8(void *words, uint64_t count)
+{
+    unsigned char *b = words;
+    for (; count; count--, b += 8)
+        for (int i = 0; i < 4; i++) {
+            unsigned char t = b[i];
+            b[i] = b[7 - i];
+            b[7 - i] = t;
+        }
+}
+
+/* Swap the numbers of a header of `version`, the section table included; its own inverse. */
+static inline void mesh_swap_header(struct dpt_mesh *mesh, uint32_t version)
+{
+    const uint32_t sections = mesh_section_count(version);
+    size_t first4 = offsetof(struct dpt_mesh, byte_order);
+    size_t first8 = offsetof(struct dpt_mesh, bytes);
+    size_t table = offsetof(struct dpt_mesh, section);
+    mesh_swap4((char *)mesh + first4, (first8 - first4) / 4);
+    mesh_swap8((char *)mesh + first8, (table - first8) / 8);
+    for (uint32_t i = 0; i < sections; i++) {
+        mesh_swap8(&mesh->section[i].offset, 2);
+        mesh_swap4(&mesh->section[i].crc32, 4);
+    }
+    char *tail = (char *)mesh + mesh_tail_offset(version);
+    size_t bytes = mesh_tail_bytes(version), crease = offsetof(struct mesh_tail, crease);
+    mesh_swap4(tail, (bytes < crease ? bytes : crease) / 4);
+    if (bytes > crease)
+        mesh_swap8(tail + crease, (bytes - crease) / 8);
+}
+
+/* 1 where the host is little-endian, as the file is. */
+static inline int mesh_host_is_little(void)
+{
+    const uint32_t one = 1;
+    unsigned char first;
+    memcpy(&first, &one, 1);
+    return first == 1;
+}
+
+#endif

@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "mesh/surface.h"
+
+void surface_of_mesh(const struct dpt_mesh *mesh, struct surface *surface)
+{
+    uint64_t nodes;
+    const uint32_t *lanes;
+    surface->mesh = mesh;
+    surface->corners = mesh_words(mesh, MESH_TRIANGLES);
+    surface->sources = mesh_words(mesh, MESH_SOURCES);
+    surface->levels = mesh_levels(mesh->leaves, surface->count, &nodes);
+    surface->positions = mesh_floats(mesh, MESH_VERTICES);
+    surface->normals = mesh_normals(mesh);
+    surface->leaves = mesh_floats(mesh, MESH_LEAVES);
+    surface->moments = mesh_moments(mesh, &lanes);
+    surface->level[0] = NULL;
+    surface->first[0] = 0;
+    const float *level = mesh_floats(mesh, MESH_BOXES);
+    for (uint32_t l = 1; l <= surface->levels; l++) {
+        surface->level[l] = level;
+        surface->first[l] = surface->first[l - 1] + surface->count[l - 1];
+        level += (size_t)surface->count[l] * MESH_BOX_WORDS;
+    }
+    surface->box_min = vec3_of(mesh->box_min);
+    surface->box_max = vec3_of(mesh->box_max);
+    surface->filter_centre = vec3_of(mesh->filter_centre);
+    surface->filter_scale = mesh->filter_scale;
+}
+
+double surface_extent(const struct surface *surface)
+{
+    return larger(extent_of(surface->box_min), extent_of(surface->box_max));
+}
+
+double surface_diagonal(const struct surface *surface)
+{
+    return length(sub(surface->box_max, surface->box_min));
+}

@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "mesh/surface_normal.h"
+
+#include "base/angle.h"
+
+vec3 surface_face_normal(const struct surface *surface, uint32_t triangle)
+{
+    vec3 a = surface_corner_point(surface, triangle, 0);
+    return unit_of(cross(sub(surface_corner_point(surface, triangle, 1), a),
+                         sub(surface_corner_point(surface, triangle, 2), a)));
+}
+
+/* What a triangle adds to the normal of its corner's vertex: that of its plane, by its angle there. */
+static vec3 weighted_normal(const struct surface *surface, uint32_t triangle, int k)
+{
+    vec3 here = surface_corner_point(surface, triangle, k);
+    double angle =
+        angle_between(unit_of(sub(surface_corner_point(surface, triangle, k + 1), here)),
+                      unit_of(sub(surface_corner_point(surface, triangle, k + 2), here)));
+    return scaled(surface_face_normal(surface, triangle), angle);
+}
+
+static int corner_at(const struct surface *surface, uint32_t triangle, uint32_t vertex)
+{
+    int k = 0;
+    while (k < 2 && surface_corner(surface, triangle, (uint32_t)k) != vertex)
+        k++;
+    return k;
+}
+
+vec3 surface_fan_normal(const struct surface *surface, uint32_t triangle, int k)
+{
+    const uint32_t *first, *fans = surface_fans(surface, &first);
+    uint32_t v = surface_corner(surface, triangle, (uint32_t)k);
+    const uint32_t part = surface_part(surface, triangle);
+    vec3 normal = { 0.0, 0.0, 0.0 };
+    for (uint32_t i = first[v]; i < first[v + 1]; i++)
+        if (surface_part(surface, fans[i]) == part)
+            normal = add(normal, weighted_normal(surface, fans[i], corner_at(surface, fans[i], v)));
+    return normal;
+}
+
+vec3 surface_vertex_normal(const struct surface *surface, uint32_t triangle, int k)
+{
+    const float *normals = surface->normals;
+    if (normals) {
+        uint32_t v = surface_corner(surface, triangle, (uint32_t)k);
+        vec3 n = vec3_of_float(normals + 3 * (size_t)v);
+        if (n.x != 0.0 || n.y != 0.0 || n.z != 0.0)
+            return n;
+    }
+    return surface_fan_normal(surface, triangle, k);
+}
+
+static vec3 edge_normal(const struct surface *surface, uint32_t triangle, int k)
+{
+    uint32_t other = surface_neighbours(surface)[3 * (size_t)triangle + (size_t)k];
+    vec3 normal = surface_face_normal(surface, triangle);
+    return other < surface_triangles(surface) ? add(normal, surface_face_normal(surface, other))
+                                              : normal;
+}
+
+vec3 surface_feature_normal(const struct surface *surface, uint32_t triangle,
+                            const double weight[3])
+{
+    int corner = surface_lone_corner(weight);
+    if (corner >= 0)
+        return surface_vertex_normal(surface, triangle, corner);
+    for (int k = 0; k < 3; k++)
+        if (!(weight[(k + 2) % 3] > 0.0))
+            return edge_normal(surface, triangle, k);
+    return surface_face_normal(surface, triangle);
+}
+
+/* Of a crease's side no more triangles are asked, each way: a hub may have any number. */
+#define SECTOR_MOST 64
+
+/* Over the triangles round the vertex up to the next crease either way, or where they end. */
+static vec3 sector_normal(const struct surface *surface, uint32_t triangle, int k)
+{
+    const uint32_t *flags = surface_flags(surface);
+    const uint32_t *neighbours = surface_neighbours(surface);
+    uint32_t v = surface_corner(surface, triangle, (uint32_t)k);
+    vec3 normal = weighted_normal(surface, triangle, k);
+    for (int way = 0; way < 2; way++) {
+        uint32_t t = triangle;
+        int edge = way ? (k + 2) % 3 : k;
+        for (int i = 0; i < SECTOR_MOST; i++) {
+            uint32_t next = neighbours[3 * (size_t)t + (size_t)edge];
+            if (flags[t] & (uint32_t)DPT_EDGE_CREASE << edge || next >= surface_triangles(surface))
+                break;
+            if (next == triangle)
+                return normal;
+            int at = corner_at(surface, next, v), before = (at + 2) % 3;
+            edge = neighbours[3 * (size_t)next + (size_t)before] == t ? at : before;
+            t = next;
+            normal = add(normal, weighted_normal(surface, t, at));
+        }
+    }
+    return normal;
+}
+
+vec3 surface_smooth_normal(const struct surface *surface, uint32_t triangle, const double weight[3])
+{
+    const uint32_t *flags = surface_flags(surface);
+    const uint32_t ends = DPT_CORNER_CREASE | DPT_CORNER_NONMANIFOLD;
+    vec3 normal = { 0.0, 0.0, 0.0 };
+    for (int k = 0; k < 3; k++) {
+        int ended = flags && (flags[triangle] & ends << k);
+        vec3 corner = ended ? sector_normal(surface, triangle, k)
+                            : surface_vertex_normal(surface, triangle, k);
+        normal = along(normal, weight[k], unit_of(corner));
+    }
+    return unit_of(normal);
+}
