@@ -1,12 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Where the axis of a profile goes through the surface, and where it is within reach. */
-#include "contact/distance_profile.h"
-#include "nearest/range_search.h"
+#include "contact/crossings.h"
 
-static uint32_t flags_of(const struct profile *profile, uint32_t part)
-{
-    return surface_part_flags(profile->surface, part);
-}
+#include "nearest/range_search.h"
 
 static void put_crossing(struct profile *profile, uint32_t triangle, const pair *found)
 {
@@ -25,7 +20,8 @@ static void put_crossing(struct profile *profile, uint32_t triangle, const pair 
     double along_axis = dot(normal, profile->axis->u);
     int on_face = found->weight[0] > 0.0 && found->weight[1] > 0.0 && found->weight[2] > 0.0;
     if (on_face && fabs(along_axis) > 1e-6 * profile->size) {
-        uint32_t flags = flags_of(profile, surface_part(profile->surface, triangle));
+        uint32_t flags =
+            surface_part_flags(profile->surface, surface_part(profile->surface, triangle));
         crossing->after = along_axis > 0.0 ? 1 : -1;
         crossing->before = -crossing->after;
         if (flags & MESH_PART_BURIED)
@@ -111,7 +107,7 @@ static int is_sideless(const struct profile *profile)
 {
     for (uint32_t k = 0; k < profile->crossings; k++) {
         uint32_t part = surface_part(profile->surface, profile->crossing[k].triangle);
-        uint32_t flags = flags_of(profile, part);
+        uint32_t flags = surface_part_flags(profile->surface, part);
         if (!(flags & (MESH_PART_SOLID | MESH_PART_BURIED)) && (flags & MESH_PART_MANIFOLD) &&
             !sides_get(profile->sides, part) && goes_through(profile, &profile->crossing[k]))
             return 1;

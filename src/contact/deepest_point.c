@@ -9,7 +9,7 @@
  * four evaluations that bound a whole stretch without a search. Stretches whose bound is not above the deepest
  * sample by more than the tolerance are done; of the others the one with the largest bound is split there.
  */
-#include "contact/distance_profile.h"
+#include "contact/deepest_point.h"
 
 struct bend profile_bend(const struct profile *profile, const struct sample *from,
                          const struct sample *to)

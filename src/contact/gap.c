@@ -16,14 +16,6 @@ void contact_set_gap(dpt_hit *hit, double gap, double error)
     hit->contact = contact_of_gap(gap, error);
 }
 
-/* Of the axis' ends, the lower one's height over the plane of the triangle. */
-static double lower_end(const struct axis *axis, const struct nearest *nearest, vec3 normal)
-{
-    double height_a = -nearest->pair.s * dot(axis->u, normal);
-    double height_b = (1.0 - nearest->pair.s) * dot(axis->u, normal);
-    return smaller(height_a, height_b);
-}
-
 int contact_find(struct profile *profile, const struct nearest *nearest, const struct seed *seeds,
                  uint32_t seed_count, double radius, double *gap)
 {
@@ -74,24 +66,4 @@ void contact_of(const struct surface *surface, const struct kernel *kernel, cons
         hit->contact = DPT_CONTACT_UNKNOWN;
     else
         contact_set_gap(hit, gap, hit->error_bound);
-}
-
-double contact_paper(const struct surface *surface, const struct frame *body,
-                     const struct axis *part, const struct nearest *nearest, double radius,
-                     struct push *push)
-{
-    vec3 normal = surface_face_normal(surface, nearest->triangle);
-    double distance = sqrt(nearest->pair.distance2), gap;
-    if (distance == 0.0) {
-        gap = lower_end(part, nearest, normal) - radius;
-        push->direction = normal;
-    } else {
-        double side = dot(nearest->pair.gap, normal) < 0.0 ? -1.0 : 1.0;
-        gap = side * distance - radius;
-        push->direction = scaled(nearest->pair.gap, side / distance);
-    }
-    push->direction = frame_turn(body, push->direction);
-    push->at = along(part->a, nearest->pair.s, sub(part->b, part->a));
-    push->depth = larger(0.0, -gap);
-    return gap;
 }

@@ -6,14 +6,8 @@
 #ifndef DPT_GAP_H
 #define DPT_GAP_H
 
+#include "base/penetration.h"
 #include "contact/distance_profile.h"
-
-/* Where and how a force would push the tool. */
-struct push {
-    vec3 direction; /* unit, the way out; zero where it is not known */
-    vec3 at;        /* the point of the axis */
-    double depth;   /* how far, >= 0 */
-};
 
 /* What a profile tells of one body. */
 enum {
@@ -39,14 +33,6 @@ void contact_of(const struct surface *surface, const struct kernel *kernel, cons
 
 /* Of a gap that is known within `error`. */
 uint32_t contact_of_gap(double gap, double error);
-
-/*
- * The paper's signed gap of one part of a segment and its push in the world (docs/algorithms/paper.md): the sign is
- * that of the triangle's own plane; a part that crosses is as deep as its lower end is under it.
- */
-double contact_paper(const struct surface *surface, const struct frame *body,
-                     const struct axis *part, const struct nearest *nearest, double radius,
-                     struct push *push);
 
 /* Fill contact, flags, gap and depth for a gap that is known. */
 void contact_set_gap(dpt_hit *hit, double gap, double error);

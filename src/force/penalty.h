@@ -3,7 +3,8 @@
 #ifndef DPT_PENALTY_H
 #define DPT_PENALTY_H
 
-#include "contact/gap.h"
+#include "base/penetration.h"
+#include "dynpoint/types.h"
 
 /* The wrench of one push about `origin`: docs/algorithms/penalty.md. */
 static inline void respond_penalty(const struct push *push, double stiffness, vec3 origin,

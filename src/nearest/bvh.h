@@ -3,43 +3,9 @@
 #ifndef DPT_BVH_H
 #define DPT_BVH_H
 
-#include "mesh/surface.h"
+#include "kernel/kernel_ops.h"
+#include "nearest/nearest_pair.h"
 #include "nearest/plane_cache.h"
-#include "nearest/segment_triangle.h"
-
-#define NEAREST_TRIED 16
-
-/*
- * The plane through a pair's point on the mesh, across the connection. What is wholly beyond it is no nearer.
- * The axis may lean towards it: by no more than rounding where the pair is not at its end, but over its
- * whole length that is more than the rounding of a distance. The point of the axis nearest to an x of the mesh is
- * no farther from the pair's than x is from the mesh's, so it is the lean over that way which counts.
- */
-struct front {
-    vec3 normal;  /* unit, away from the axis */
-    vec3 at;      /* the pair's point on the mesh */
-    double lean2; /* square of the axis' rise along the normal, per length */
-    double slack;
-};
-
-/* The best pair so far, and what it cost. */
-struct nearest {
-    pair pair;         /* in the mesh's frame */
-    uint32_t triangle; /* place in the mesh, or DPT_NONE */
-    uint32_t work;     /* 16-lane blocks */
-    uint32_t most;     /* a walk stops before it costs more; 0: it may cost what it takes */
-    uint32_t front_of; /* the triangle, from 1, to whose pair the front belongs; 0: there is none */
-    struct front front;
-    uint32_t tried_count;
-    uint32_t tried[NEAREST_TRIED]; /* triangles that are no nearer, as is known without a search */
-};
-
-/* Before a search: all but the pair. The triangle is the pair's, or DPT_NONE. */
-static inline void nearest_begin(struct nearest *nearest, uint32_t triangle)
-{
-    nearest->triangle = triangle;
-    nearest->work = nearest->most = nearest->front_of = nearest->tried_count = 0;
-}
 
 /* A node that is being looked into: its children's bounds, and those still to be visited. */
 struct visit {
@@ -55,36 +21,6 @@ struct walk {
     struct visit level[MESH_LEVELS_MAX + 1];
     uint32_t at; /* level; 0: not begun */
 };
-
-/*
- * Make its front, if it is another pair's: of the axis a + s u, at a positive distance. What is nearer by less than
- * `slack` counts as no nearer.
- */
-void nearest_front(struct nearest *nearest, vec3 a, vec3 u, double slack);
-
-/* All of a triangle lies beyond. */
-int tree_is_beyond(const struct surface *surface, const struct front *front, uint32_t triangle);
-
-/* The pair of the axis a + s u and one triangle, by its place. */
-pair tree_pair(const struct surface *surface, uint32_t triangle, vec3 a, vec3 u);
-
-/* The same of a point x. */
-void tree_point(const struct surface *surface, uint32_t triangle, vec3 x, pair *found);
-
-/* How the axis goes through the plane of one. */
-static inline struct pierce tree_pierce(const struct surface *surface, uint32_t triangle, vec3 a,
-                                        vec3 u)
-{
-    vec3 v[3];
-    surface_corners(surface, triangle, v);
-    const vec3 edge[3] = { sub(v[1], v[0]), sub(v[2], v[1]), sub(v[0], v[2]) };
-    const vec3 from[3] = { sub(a, v[0]), sub(a, v[1]), sub(a, v[2]) };
-    return pierce_of(u, from, edge);
-}
-
-/* Take that pair if it is nearer, or as near with a lower source number: 1. */
-int tree_try_point(const struct surface *surface, uint32_t triangle, vec3 x,
-                   struct nearest *nearest);
 
 /*
  * Look for what is nearer than nearest->pair.distance2, or as near with a lower source number; put it
@@ -113,15 +49,5 @@ double walk_ahead(const struct walk *walk, const struct surface *surface, vec3 a
 
 /* The same over every triangle, in double, without a filter; never stops early. */
 void tree_brute(const struct surface *surface, vec3 a, vec3 u, struct nearest *nearest);
-
-/*
- * The most by which a reported distance is wrong, per unit of the largest coordinate that entered, in
- * the world and in the mesh's frame: half for the rounding of the pair (32 * 2^-53, docs/algorithms/
- * distance.md) and of the transformation into the mesh's frame, three eighths for history (track_settle), one
- * eighth for triangles that touch the plane through the best pair and are not evaluated (tree_search).
- */
-#define TREE_ERROR   (128.0 * 0x1p-53)
-#define TREE_HISTORY 0.375
-#define TREE_SLACK   0.125
 
 #endif

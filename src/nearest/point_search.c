@@ -7,7 +7,7 @@
 
 #include "nearest/filter_segment.h"
 
-struct search {
+struct point_search_state {
     const struct surface *surface;
     const struct kernel *kernel;
     struct nearest *nearest;
@@ -19,14 +19,14 @@ struct search {
 };
 
 /* The factor stands for the rounding of squares. */
-static void set_limit(struct search *search)
+static void set_limit(struct point_search_state *search)
 {
     double distance = sqrt(search->nearest->pair.distance2);
     double limit = distance * search->surface->filter_scale + (double)search->margin;
     search->limit = (float)(limit * limit * (1.0 + 4.0 * KERNEL_STRETCH));
 }
 
-static void look_into_boxes(struct search *search, uint32_t level, uint32_t node)
+static void look_into_boxes(struct point_search_state *search, uint32_t level, uint32_t node)
 {
     const struct surface *surface = search->surface;
     struct visit *visit = &search->walk->level[level];
@@ -39,7 +39,7 @@ static void look_into_boxes(struct search *search, uint32_t level, uint32_t node
                                     search->at, search->limit, visit->bound);
 }
 
-static void look_into_leaf(struct search *search, uint32_t leaf)
+static void look_into_leaf(struct point_search_state *search, uint32_t leaf)
 {
     const struct surface *surface = search->surface;
     struct nearest *nearest = search->nearest;
@@ -63,7 +63,7 @@ static void look_into_leaf(struct search *search, uint32_t leaf)
 int point_search(const struct surface *surface, const struct kernel *kernel, vec3 x,
                  struct walk *walk, struct nearest *nearest)
 {
-    struct search search;
+    struct point_search_state search;
     int beside = nearest->triangle != DPT_NONE;
     vec3 at = scaled(sub(x, surface->filter_centre), surface->filter_scale);
     search.surface = surface;

@@ -20,7 +20,7 @@ enum {
 };
 
 struct finder {
-    struct search *search;
+    struct route_search *search;
     const uint32_t *corners, *fan_first, *fans, *sources;
     uint32_t ring[2];  /* steps of the outermost ring from the start and from the goal */
     uint32_t begin[2]; /* where it begins in its queue */
@@ -34,7 +34,7 @@ static const uint32_t *corners_of(const struct finder *f, uint32_t triangle)
 }
 
 /* Eight vertices that follow each other lie in one line of the cache, as they mostly do on the surface. */
-static struct reached *slot_of(const struct search *search, uint32_t vertex)
+static struct reached *slot_of(const struct route_search *search, uint32_t vertex)
 {
     uint32_t mask = search->slot_count - 1;
     uint32_t at = ((vertex >> 3) * 0x9e3779b1u >> 7 << 3) + (vertex & 7);
@@ -44,12 +44,12 @@ static struct reached *slot_of(const struct search *search, uint32_t vertex)
 }
 
 /* The filled slot, from the front of the queue or from its back. */
-static struct reached *queued(const struct search *search, int side, uint32_t index)
+static struct reached *queued(const struct route_search *search, int side, uint32_t index)
 {
     return &search->slots[search->queue[side ? search->room - 1 - index : index]];
 }
 
-static void clear(struct search *search)
+static void clear(struct route_search *search)
 {
     for (int side = 0; side < 2; side++) {
         for (uint32_t i = 0; i < search->used[side]; i++)
@@ -58,7 +58,7 @@ static void clear(struct search *search)
     }
 }
 
-static dpt_result put(struct search *search, struct reached *slot, uint32_t vertex, int side,
+static dpt_result put(struct route_search *search, struct reached *slot, uint32_t vertex, int side,
                       uint32_t mark)
 {
     if (search->used[0] + search->used[1] == search->room)
@@ -129,7 +129,7 @@ static uint64_t cost_of_ring(const struct finder *f, int side)
 /* The next ring of the cheaper side, until the two meet. */
 static dpt_result meet(struct finder *f)
 {
-    struct search *search = f->search;
+    struct route_search *search = f->search;
     uint64_t cost[2] = { cost_of_ring(f, 0), cost_of_ring(f, 1) };
     for (int met = 0; !met;) {
         int side = cost[1] < cost[0];
@@ -239,7 +239,7 @@ static dpt_result follow(const struct finder *f, uint32_t from, uint32_t to, str
     return DPT_OK;
 }
 
-dpt_result route_find(struct search *search, const struct dpt_mesh *mesh, uint32_t from,
+dpt_result route_find(struct route_search *search, const struct dpt_mesh *mesh, uint32_t from,
                       uint32_t to, struct route *route)
 {
     struct finder f = {

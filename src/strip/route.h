@@ -13,7 +13,7 @@ struct reached {
 };
 
 /* The memory of a search. All free between two of them. */
-struct search {
+struct route_search {
     struct reached *slots; /* open addressing */
     uint32_t *
         queue; /* slots that were filled: those from the start, and, from the back, from the goal */
@@ -34,7 +34,7 @@ struct route {
 };
 
 /* Both are places in the mesh. */
-dpt_result route_find(struct search *search, const struct dpt_mesh *mesh, uint32_t from,
+dpt_result route_find(struct route_search *search, const struct dpt_mesh *mesh, uint32_t from,
                       uint32_t to, struct route *route);
 
 #endif

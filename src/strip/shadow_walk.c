@@ -207,10 +207,12 @@ static int first_meets(const struct shadow_walk *walk)
     return count > 0;
 }
 
-void shadow_walk(struct shadow_walk *walk, const struct dpt_mesh *mesh, const struct shade *shade,
+void shadow_walk(struct shadow_walk *walk, const struct surface *surface, const struct shade *shade,
                  uint32_t start)
 {
-    if (walk->mesh == mesh && walk->crc32 == mesh->header_crc32 && walk->start == start &&
+    const struct dpt_mesh *mesh = surface->mesh;
+    if (walk->mesh == mesh && walk->crc32 == mesh->header_crc32 &&
+        walk->positions == surface->positions && walk->start == start &&
         !memcmp(&walk->shade, shade, sizeof *shade))
         return;
     forget(walk);
@@ -218,10 +220,10 @@ void shadow_walk(struct shadow_walk *walk, const struct dpt_mesh *mesh, const st
     walk->crc32 = mesh->header_crc32;
     walk->start = start;
     walk->shade = *shade;
-    walk->corners = mesh_words(mesh, MESH_TRIANGLES);
-    walk->neighbours = mesh_words(mesh, MESH_NEIGHBOURS);
-    walk->sources = mesh_words(mesh, MESH_SOURCES);
-    walk->positions = mesh_floats(mesh, MESH_VERTICES);
+    walk->corners = surface->corners;
+    walk->neighbours = surface_neighbours(surface);
+    walk->sources = surface->sources;
+    walk->positions = surface->positions;
     if (!begin(walk, start) && !first_meets(walk)) {
         forget(walk);
         return;

@@ -4,7 +4,7 @@
 #define DPT_SHADOW_WALK_H
 
 #include "dynpoint/strip.h"
-#include "mesh/mesh_format.h"
+#include "mesh/surface.h"
 #include "strip/shadow_volume.h"
 
 struct shadow_vertex {
@@ -44,7 +44,7 @@ struct shadow_walk {
 };
 
 /* The triangles of the piece that holds `start`, a place, into walk->triangles. */
-void shadow_walk(struct shadow_walk *walk, const struct dpt_mesh *mesh, const struct shade *shade,
+void shadow_walk(struct shadow_walk *walk, const struct surface *surface, const struct shade *shade,
                  uint32_t start);
 
 #endif

@@ -193,14 +193,13 @@ dpt_result dpt_strip_routes(dpt_strip *strip, const dpt_mesh *mesh, uint32_t a, 
     return DPT_OK;
 }
 
-void strip_shadow(struct dpt_strip *strip, const struct dpt_mesh *mesh, const struct shade *shade,
+void strip_shadow(struct dpt_strip *strip, const struct surface *surface, const struct shade *shade,
                   uint32_t place)
 {
-    strip_clear(strip, mesh);
-    shadow_walk(&strip->walk, mesh, shade, place);
-    const uint32_t *sources = mesh_words(mesh, MESH_SOURCES);
+    strip_clear(strip, surface->mesh);
+    shadow_walk(&strip->walk, surface, shade, place);
     for (uint32_t i = 0; i < strip->walk.triangle_count; i++)
-        strip->triangles[i] = sources[strip->walk.triangles[i].place];
+        strip->triangles[i] = surface->sources[strip->walk.triangles[i].place];
     strip->count = strip->walk.triangle_count;
     strip->flags = strip->walk.flags;
 }
@@ -236,6 +235,7 @@ dpt_result dpt_strip_shadow(dpt_strip *strip, const dpt_mesh *mesh, const dpt_po
     uint32_t place;
     struct frame frame;
     struct shade shade;
+    struct surface surface;
     DPT_TRY(check_shadow(shadow));
     DPT_TRY(frame_of_pose(pose, &frame));
     DPT_TRY(strip_place(mesh, shadow->triangle, &place));
@@ -243,6 +243,7 @@ dpt_result dpt_strip_shadow(dpt_strip *strip, const dpt_mesh *mesh, const dpt_po
     vec3 b = frame_to_local(&frame, vec3_of(shadow->segment.b));
     shade_of(a, sub(b, a), frame_turn_back(&frame, vec3_of(shadow->direction)),
              shadow->segment.radius + shadow->width, shadow->depth, &shade);
-    strip_shadow(strip, mesh, &shade, place);
+    surface_of_mesh(mesh, &surface);
+    strip_shadow(strip, &surface, &shade, place);
     return DPT_OK;
 }

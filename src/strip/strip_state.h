@@ -15,7 +15,7 @@ struct dpt_strip {
     uint32_t *triangles;         /* by number in the source */
     uint32_t count;
     uint32_t flags;
-    struct search search;
+    struct route_search search;
     struct shadow_walk walk;
 };
 
@@ -35,7 +35,7 @@ void strip_add(struct dpt_strip *strip, uint32_t place);
 dpt_result strip_place(const struct dpt_mesh *mesh, uint32_t number, uint32_t *place);
 
 /* As dpt_strip_shadow, with the segment, the direction and the first triangle's place in the mesh's frame. */
-void strip_shadow(struct dpt_strip *strip, const struct dpt_mesh *mesh, const struct shade *shade,
+void strip_shadow(struct dpt_strip *strip, const struct surface *surface, const struct shade *shade,
                   uint32_t place);
 
 /* dpt_strip_overlaps of the axis a + s u in the mesh's frame, of what is valid. */

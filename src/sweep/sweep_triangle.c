@@ -5,7 +5,7 @@
  * until then the motion is free. Where an end that has nothing to do with the triangle makes that
  * soon, the axis is cut in two.
  */
-#include "sweep/sweep_mesh.h"
+#include "sweep/sweep_triangle.h"
 
 /* Of the axis, from one s to another: free before `time`. */
 struct piece {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "world/baseline_method.h"
 
+#include "contact/paper_gap.h"
 #include "nearest/paper_descent.h"
 
 /* Sums up what the parts on all bodies found. */

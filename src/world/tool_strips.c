@@ -67,7 +67,7 @@ static void lay_shadow(const struct dpt_world *world, struct laid *laid, vec3 wa
         return;
     struct shade shade;
     shade_of(laid->a, laid->u, way, laid->radius + def->strip_width, depth, &shade);
-    strip_shadow(laid->strip, laid->surface.mesh, &shade, place);
+    strip_shadow(laid->strip, &laid->surface, &shade, place);
 }
 
 /* The triangle nearest to an end of the axis. */
