@@ -120,6 +120,8 @@ run "test_wire, sanitize" build/sanitize/tests/test_wire 16
 run "test_wire_device, sanitize" build/sanitize/tests/test_wire_device
 run "test_silent, scalar" build/scalar/tests/test_silent
 run "the libraries" sh tests/abi/check.sh build
+run "the layers" sh tests/layers.sh build
+run "the layers' own test" sh tests/layers_test.sh build
 if command -v python3 >/dev/null 2>&1; then run "other languages" python3 tests/ffi/touch.py build; else skip "other languages" "no python3"; fi
 run "other machines" sh tests/cross.sh
 [ -x build/tests/test_sweep_exact ] || skip "test_sweep_exact" "no g++ with gmpxx"
