@@ -9,9 +9,9 @@
 #include <string.h>
 
 #include "base/return_if_error.h"
+#include "compile/grow.h"
 #include "compile/parallel.h"
 #include "compile/soup.h"
-#include "compile/text.h"
 
 #define CREASE_DEFAULT 1.0471975511965976 /* 60 degrees */
 

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/return_if_error.h"
+#include "compile/grow.h"
 #include "compile/text.h"
 #include "text/parse_number.h"
 
@@ -196,19 +197,6 @@ dpt_result text_vertex(source_text *text)
     for (int i = 0; i < 3; i++)
         DPT_TRY(text_double(text, names[i], &position[i]));
     return soup_vertex(text->source, position[0], position[1], position[2], text_place(text));
-}
-
-void *grown(void *array, size_t *room, size_t need, size_t item_size)
-{
-    size_t wanted = *room < 32 ? 64 : *room > SIZE_MAX / 2 ? SIZE_MAX : *room * 2;
-    if (wanted < need)
-        wanted = need;
-    if (wanted > SIZE_MAX / item_size)
-        return NULL;
-    void *bigger = realloc(array, wanted * item_size);
-    if (bigger != NULL)
-        *room = wanted;
-    return bigger;
 }
 
 dpt_result corner_list_add(corner_list *list, soup *source, uint32_t number)

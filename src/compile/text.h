@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * What the readers share: lines, words and numbers of a text that is not zero-terminated, and
- * arrays that grow. A line ends in LF, CR LF or CR; words are separated by blanks, tabs and form
+ * What the readers share: lines, words and numbers of a text that is not zero-terminated. A line ends in LF, CR LF or CR; words are separated by blanks, tabs and form
  * feeds.
  */
 #ifndef DPT_COMPILE_TEXT_H
@@ -55,12 +54,6 @@ bool word_is_any_case(const source_word *word, const char *name);
 /* The word for a message: cut, and without bytes that are not printable ASCII. */
 enum { WORD_SHOWN = 32 };
 const char *word_show(const source_word *word, char shown[WORD_SHOWN]);
-
-/*
- * `array` with room for at least `need` items, and twice what it had; NULL, and all as it was, when
- * there is no memory.
- */
-void *grown(void *array, size_t *room, size_t need, size_t item_size);
 
 /* The corners of one polygon while it is read. */
 typedef struct corner_list {

@@ -6,8 +6,81 @@
  */
 #include "world/body_search.h"
 
+#include "world/distance_bounds.h"
+
 /* So few bodies are all near: a list of them would cost more than it saves. */
 enum { BODIES_FEW = 4 };
+
+/*
+ * A share of dpt_world_bytes: the last answers of each segment's parts on each body, its two lists of bodies, and the
+ * planes that are kept of all of them, in whole blocks.
+ */
+static uint64_t bytes_last(const dpt_world_def *def)
+{
+    return mesh_aligned(4 * (uint64_t)def->max_segments * def->max_bodies * def->parts);
+}
+
+static uint64_t bytes_near(const dpt_world_def *def)
+{
+    return mesh_aligned(8 * (uint64_t)def->max_segments * def->max_bodies);
+}
+
+uint64_t bodies_bytes(const dpt_world_def *def)
+{
+    return bytes_last(def) + bytes_near(def) + mesh_aligned(def->certificate_bytes);
+}
+
+char *bodies_place_memory(struct dpt_world *world, char *at)
+{
+    world->last = (void *)at;
+    world->near = (void *)(at + bytes_last(&world->def));
+    at += bytes_last(&world->def) + bytes_near(&world->def);
+    world->certificate.blocks = (void *)at;
+    world->certificate.count = (uint32_t)(world->def.certificate_bytes / sizeof(struct block));
+    return at + mesh_aligned(world->def.certificate_bytes);
+}
+
+void bodies_forget_planes(struct dpt_world *world, uint32_t first, uint32_t end, uint32_t body)
+{
+    const struct certificate *c = &world->certificate;
+    for (uint32_t i = 0; i < c->count; i++) {
+        uint32_t owner = (uint32_t)(c->blocks[i].key >> 32);
+        if (!owner)
+            continue;
+        uint32_t segment = (owner - 1) / world->def.max_bodies;
+        if (segment >= first && segment < end &&
+            (body == DPT_NONE || (owner - 1) % world->def.max_bodies == body))
+            c->blocks[i].key = 0;
+    }
+}
+
+void bodies_forget(struct dpt_world *world, uint32_t segment)
+{
+    struct segment *s = &world->segments[segment];
+    memset(world_last(world, segment, 0), 0xff, world_lasts(world) * sizeof *world->last);
+    memset(&s->near, 0, sizeof s->near);
+    s->last_body = DPT_NONE;
+}
+
+void bodies_forget_body(struct dpt_world *world, uint32_t body)
+{
+    for (uint32_t s = 0; s < world->segment_count; s++) {
+        memset(world_last(world, s, body), 0xff, world->def.parts * sizeof *world->last);
+        if (world->segments[s].last_body == body)
+            world->segments[s].last_body = DPT_NONE;
+    }
+    bodies_forget_planes(world, 0, world->segment_count, body);
+}
+
+void bodies_remove(struct dpt_world *world, uint32_t first, uint32_t end)
+{
+    size_t moved = world->segment_count - end, bodies = world->def.max_bodies;
+    bodies_forget_planes(world, first, world->segment_count, DPT_NONE);
+    memmove(world_last(world, first, 0), world_last(world, end, 0),
+            moved * world_lasts(world) * sizeof *world->last);
+    memmove(world_near(world, first, 0), world_near(world, end, 0),
+            moved * 2 * bodies * sizeof *world->near);
+}
 
 struct hunt {
     struct dpt_world *world;
@@ -81,63 +154,10 @@ static void ask_plainly(struct hunt *hunt, uint32_t index)
     take(hunt, body, &track);
 }
 
-/* How far the ends moved, in the body's frame; exactly 0 for nothing. */
-static double moved_since(const struct proof *proof, const struct axis *axis)
-{
-    vec3 b = add(axis->local_a, axis->u);
-    double moved = larger(length(sub(axis->local_a, proof->a)), length(sub(b, proof->b)));
-    return moved > 0.0 ? moved + axis->error : 0.0;
-}
-
 /* Of what is left, the dynamic point may take half; its proof needs the rest. */
 static uint32_t most_slide(const struct dpt_world *world)
 {
     return world->left / 2;
-}
-
-/* What a search that was stopped has proven, at the place where its body's proof was brought up to date. */
-static double floor_so_far(const struct pause *pause, const struct surface *surface,
-                           const struct proof *proof)
-{
-    if (!pause->walk.at)
-        return 0.0;
-    return smaller(pause->floor,
-                   walk_ahead(&pause->walk, surface, proof->a, sub(proof->b, proof->a)));
-}
-
-/* A search is given up: what it has proven stays. */
-static void give_up(struct dpt_world *world, uint32_t segment, struct pause *pause)
-{
-    struct proof *proof = world_proof(world, segment, pause->body);
-    const struct surface *surface = &world->bodies[pause->body].surface;
-    proof->floor = larger(proof->floor, floor_so_far(pause, surface, proof));
-    pause->walk.at = 0;
-}
-
-/*
- * Bring what is proven of a body up to date; returns how far the ends moved. A search that was stopped stays valid
- * when the axis moves, but its answer will only be bounded. One at rest ends with the rest; that of the motion before
- * waits for the motion after, which may come with the next tick: of a device that is slower than the loop.
- */
-static double update(struct dpt_world *world, uint32_t segment, uint32_t index,
-                     const struct axis *axis)
-{
-    struct proof *proof = world_proof(world, segment, index);
-    struct pause *moving = world_pause(world, segment, 0),
-                 *resting = world_pause(world, segment, 1);
-    double moved = moved_since(proof, axis);
-    if (moved > 0.0 && resting->body == index && resting->walk.at)
-        give_up(world, segment, resting);
-    if (moved == 0.0)
-        proof->rested = world->ticks;
-    proof->floor = larger(0.0, proof->floor - moved);
-    proof->a = axis->local_a;
-    proof->b = add(axis->local_a, axis->u);
-    if (moved > 0.0 && moving->body == index && moving->walk.at) {
-        walk_drift(&moving->walk, &world->bodies[index].surface, moved);
-        moving->floor -= moved;
-    }
-    return moved;
 }
 
 /* The dynamic point on the body that was nearest. A resting one has nowhere to go. */
@@ -150,7 +170,7 @@ static void follow(struct hunt *hunt, uint32_t index)
     hunt->followed = index;
     hunt->moved = 1.0;
     if (world->def.budget)
-        hunt->moved = update(world, hunt->segment, index, &track->axis);
+        hunt->moved = bounds_update(world, hunt->segment, index, &track->axis);
     enum slide slide = TRACK_STAYS;
     if (hunt->moved > 0.0 && (!world->def.budget || most_slide(world)))
         slide = track->nearest.pair.distance2 == 0.0 ? TRACK_CROSSED : TRACK_SLIDES;
@@ -189,20 +209,6 @@ static int prove(struct hunt *hunt, uint32_t index, struct track *track, int sli
     return done;
 }
 
-/* All that is proven of a body, by searches that ended and by those that were stopped. */
-static double proven_floor(const struct hunt *hunt, uint32_t index)
-{
-    const struct dpt_world *world = hunt->world;
-    const struct proof *proof = world_proof(world, hunt->segment, index);
-    double floor = proof->floor;
-    for (int rests = 0; rests < 2; rests++) {
-        const struct pause *pause = world_pause(world, hunt->segment, rests);
-        if (pause->body == index)
-            floor = larger(floor, floor_so_far(pause, &world->bodies[index].surface, proof));
-    }
-    return floor;
-}
-
 /* Prove as much as the budget allows, unless enough is proven; note what is. The boxes are `apart`. */
 static void ask_in_pieces(struct hunt *hunt, uint32_t index, double apart, struct track *track)
 {
@@ -211,14 +217,14 @@ static void ask_in_pieces(struct hunt *hunt, uint32_t index, double apart, struc
     double moved = hunt->moved;
     int done = 0;
     if (index != hunt->followed)
-        moved = update(world, hunt->segment, index, &track->axis);
+        moved = bounds_update(world, hunt->segment, index, &track->axis);
     int anew = moved == 0.0 || hunt->is_new;
     struct pause *pause = world_pause(world, hunt->segment, anew);
     proof->floor = larger(proof->floor, apart);
-    if (!is_proven(hunt, proven_floor(hunt, index)) && !is_spent(hunt)) {
+    if (!is_proven(hunt, bounds_proven(world, hunt->segment, index)) && !is_spent(hunt)) {
         double floor;
         if (pause->body != index || !pause->walk.at) {
-            give_up(world, hunt->segment, pause);
+            bounds_give_up(world, hunt->segment, pause);
             pause->body = index;
             pause->floor = HUGE_VAL;
         }
@@ -228,7 +234,7 @@ static void ask_in_pieces(struct hunt *hunt, uint32_t index, double apart, struc
         if (done)
             proof->floor = larger(proof->floor, pause->floor);
     }
-    double floor = proven_floor(hunt, index);
+    double floor = bounds_proven(world, hunt->segment, index);
     if (!done && hunt->next == DPT_NONE && !is_proven(hunt, floor))
         hunt->next = index;
     hunt->best->lower = smaller(hunt->best->lower, floor);

@@ -3,8 +3,28 @@
 #ifndef DPT_BODY_SEARCH_H
 #define DPT_BODY_SEARCH_H
 
-#include "nearest/dynamic_point.h"
 #include "world/world_state.h"
+
+/* The share of dpt_world_bytes of what a search keeps for the next one. */
+uint64_t bodies_bytes(const dpt_world_def *def);
+
+/* Its memory begins at `at`; returns where it ends. */
+char *bodies_place_memory(struct dpt_world *world, char *at);
+
+/* Nothing is known of a segment's last tick. */
+void bodies_forget(struct dpt_world *world, uint32_t segment);
+
+/* Nothing is known of what was in a body's slot. */
+void bodies_forget_body(struct dpt_world *world, uint32_t body);
+
+/*
+ * Empty the blocks of some segments, from `first` to before `end`, on one body or, with DPT_NONE, on all:
+ * before a number of theirs means another.
+ */
+void bodies_forget_planes(struct dpt_world *world, uint32_t first, uint32_t end, uint32_t body);
+
+/* The segments from `first` to before `end` go, and those behind them move up. */
+void bodies_remove(struct dpt_world *world, uint32_t first, uint32_t end);
 
 /* `exact`: what is kept helps, only near bodies are asked, and the world's budget ends it. */
 void bodies_find(struct dpt_world *world, uint32_t segment, const vec3 *a, const vec3 *b,

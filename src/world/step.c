@@ -16,7 +16,9 @@
 #include "force/penalty.h"
 #include "world/baseline_method.h"
 #include "world/contacts.h"
-#include "world/swept_motion.h"
+#include "world/motion_backlog.h"
+#include "world/persistent_contacts.h"
+#include "world/tool_results.h"
 #include "world/tool_strips.h"
 #include "world/world_state.h"
 
@@ -199,95 +201,4 @@ dpt_result dpt_world_step(dpt_world *world, double dt, dpt_step *out)
     if (out && result != DPT_E_SIZE)
         report(world, out);
     return result;
-}
-
-static dpt_result find_segment(const dpt_world *world, dpt_tool tool, uint32_t segment,
-                               const struct segment **found)
-{
-    const struct tool *asked = world_tool(world, tool);
-    if (!asked)
-        return DPT_E_HANDLE;
-    if (segment >= asked->count)
-        return DPT_E_ARGUMENT;
-    *found = &world->segments[asked->first + segment];
-    return DPT_OK;
-}
-
-dpt_result dpt_tool_get_segment_hit(const dpt_world *world, dpt_tool tool, uint32_t segment,
-                                    dpt_hit *hit)
-{
-    const struct segment *found;
-    if (!world || !hit)
-        return DPT_E_ARGUMENT;
-    uint32_t size = hit->size;
-    if (size < sizeof *hit)
-        return DPT_E_SIZE;
-    *hit = (dpt_hit){ .size = size, .status = DPT_STATUS_STALE, .triangle = DPT_NONE };
-    DPT_TRY(find_segment(world, tool, segment, &found));
-    *hit = found->hit;
-    hit->size = size;
-    return DPT_OK;
-}
-
-dpt_result dpt_tool_get_hit(const dpt_world *world, dpt_tool tool, dpt_hit *hit)
-{
-    const struct tool *asked = world ? world_tool(world, tool) : NULL;
-    return dpt_tool_get_segment_hit(world, tool, asked ? asked->nearest : 0, hit);
-}
-
-dpt_result dpt_tool_get_contacts(const dpt_world *world, dpt_tool tool, dpt_contact *contacts,
-                                 uint32_t capacity, uint32_t *count)
-{
-    if (count)
-        *count = 0;
-    if (!world || !count || (!contacts && capacity))
-        return DPT_E_ARGUMENT;
-    uint32_t size = capacity ? contacts[0].size : 0, found = 0;
-    if (capacity && (size < sizeof *contacts || size % 8))
-        return DPT_E_SIZE;
-    const struct tool *asked = world_tool(world, tool);
-    if (!asked)
-        return DPT_E_HANDLE;
-    const struct holds *holds = &world->holds[world->holds_at];
-    for (uint32_t s = asked->first; s < asked->first + asked->count; s++)
-        for (uint32_t i = 0; i < holds->count; i++) {
-            if (holds->hold[i].segment != s || holds->hold[i].unseen)
-                continue;
-            if (found < capacity) {
-                dpt_contact *contact = (void *)((char *)contacts + (size_t)found * size);
-                *contact = holds->hold[i].contact;
-                contact->size = size;
-            }
-            found++;
-        }
-    *count = found;
-    return DPT_OK;
-}
-
-dpt_result dpt_tool_get_sweep(const dpt_world *world, dpt_tool tool, uint32_t segment,
-                              dpt_sweep *sweep)
-{
-    const struct segment *found;
-    if (!world || !sweep)
-        return DPT_E_ARGUMENT;
-    uint32_t size = sweep->size;
-    if (size < sizeof *sweep)
-        return DPT_E_SIZE;
-    *sweep = (dpt_sweep){ .size = size, .triangle = DPT_NONE };
-    DPT_TRY(find_segment(world, tool, segment, &found));
-    *sweep = found->sweep;
-    sweep->size = size;
-    return DPT_OK;
-}
-
-dpt_result dpt_tool_get_wrench(const dpt_world *world, dpt_tool tool, dpt_wrench *wrench)
-{
-    if (!wrench)
-        return DPT_E_ARGUMENT;
-    memset(wrench, 0, sizeof *wrench);
-    const struct tool *asked = world ? world_tool(world, tool) : NULL;
-    if (!asked)
-        return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
-    *wrench = asked->wrench;
-    return DPT_OK;
 }

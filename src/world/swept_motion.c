@@ -1,14 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/*
- * A tick's motion is a leg: most are over at a look, as nothing was near. With a budget a leg may take several ticks; those
- * that come meanwhile wait in a voyage, each as it was. What that has no room for is given up.
- */
 #include "world/swept_motion.h"
 
 #include "world/body_search.h"
-#include "world/contacts.h"
+#include "world/persistent_contacts.h"
 
-static struct was place_of(const struct dpt_world *world, const struct segment *segment)
+struct was motion_place(const struct dpt_world *world, const struct segment *segment)
 {
     const struct tool *tool = &world->tools[segment->tool];
     const dpt_hit *hit = &segment->hit;
@@ -28,7 +24,7 @@ static double differ(const struct was *from, const struct was *to)
     return length(sub(from->a, to->a)) + length(sub(from->b, to->b));
 }
 
-static int is_same(const struct was *from, const struct was *to)
+int motion_is_same(const struct was *from, const struct was *to)
 {
     return differ(from, to) == 0.0 && pose_is_same(&from->pose, &to->pose);
 }
@@ -55,7 +51,7 @@ static void moments_of(const struct was *was, const struct was *is, struct momen
     *to = in_world(is);
 }
 
-static double way_between(const struct was *was, const struct was *is)
+double motion_between(const struct was *was, const struct was *is)
 {
     struct moment from, to;
     moments_of(was, is, &from, &to);
@@ -175,17 +171,7 @@ static int pass_body(struct dpt_world *world, uint32_t index, const struct body 
     return LEG_GOES_ON;
 }
 
-/* The bodies that a motion may have met. */
-struct around {
-    const struct dpt_world *world;
-    struct box box;
-    double reach;
-    const uint32_t *list; /* of slots, in their order, or NULL: all of them */
-    uint32_t count;
-    uint32_t next; /* place on the list */
-};
-
-static const struct body *next_body(struct around *around)
+const struct body *motion_next_body(struct around *around)
 {
     const struct dpt_world *world = around->world;
     while (around->next < around->count) {
@@ -200,7 +186,7 @@ static const struct body *next_body(struct around *around)
     return NULL;
 }
 
-static struct around around_of(struct dpt_world *world, uint32_t index, double reach)
+struct around motion_around(struct dpt_world *world, uint32_t index, double reach)
 {
     const struct track *track = &world->segments[index].found.track;
     double moved = world->travelled_at == world->ticks ? world->travelled : 0.0;
@@ -211,7 +197,7 @@ static struct around around_of(struct dpt_world *world, uint32_t index, double r
     return around;
 }
 
-static void no_sweep(struct segment *segment, uint32_t status)
+void motion_no_sweep(struct segment *segment, uint32_t status)
 {
     segment->sweep = (dpt_sweep){ .size = sizeof segment->sweep,
                                   .status = status,
@@ -220,8 +206,7 @@ static void no_sweep(struct segment *segment, uint32_t status)
     segment->passed |= status == DPT_SWEEP_NONE;
 }
 
-/* The voyage's first leg, from its beginning or from where it was stopped; 0 where the budget ended. */
-static int take_leg(struct dpt_world *world, uint32_t index, struct around around,
+int motion_take_leg(struct dpt_world *world, uint32_t index, struct around around,
                     struct voyage *voyage)
 {
     struct segment *segment = &world->segments[index];
@@ -235,7 +220,7 @@ static int take_leg(struct dpt_world *world, uint32_t index, struct around aroun
         segment->passed |= voyage->passed;
     }
     int result = LEG_GOES_ON;
-    while (result == LEG_GOES_ON && (body = next_body(&around)) != NULL) {
+    while (result == LEG_GOES_ON && (body = motion_next_body(&around)) != NULL) {
         if (voyage->body && handle_index(body->id) < handle_index(voyage->body))
             continue;
         result = pass_body(world, index, body, voyage, &from, &to);
@@ -243,110 +228,6 @@ static int take_leg(struct dpt_world *world, uint32_t index, struct around aroun
     if (result != LEG_STOPPED)
         voyage->body = 0;
     if (result == LEG_BEGAN_THROUGH)
-        no_sweep(segment, DPT_SWEEP_NONE);
+        motion_no_sweep(segment, DPT_SWEEP_NONE);
     return result != LEG_STOPPED;
-}
-
-/* What cannot be followed is as a teleport to where the segment is now. */
-static void give_up(struct dpt_world *world, uint32_t index, struct voyage *voyage)
-{
-    voyage->count = voyage->body = 0;
-    no_sweep(&world->segments[index], DPT_SWEEP_NONE);
-    contacts_forget_sides(world, index);
-}
-
-/* How far away is what any leg, and `now` if it is not NULL, may have met. */
-static double reach_of(const struct segment *segment, const struct voyage *voyage,
-                       const struct was *now)
-{
-    double reach = segment->radius;
-    const struct was *last = &segment->was;
-    for (uint32_t i = 0; i < voyage->count; last = &voyage->way[i++])
-        reach += way_between(last, &voyage->way[i]);
-    return now ? reach + way_between(last, now) : reach;
-}
-
-/* Bodies that have moved, or come, since the last tick: a leg past them is of this tick alone. */
-static int meets_others(struct dpt_world *world, uint32_t index, double reach)
-{
-    struct around around = around_of(world, index, reach);
-    const struct body *body = next_body(&around);
-    while (body && body->moved != world->ticks && body->added != world->ticks)
-        body = next_body(&around);
-    return body != NULL;
-}
-
-/* Legs that wait, before this tick's joins them: is the way known on which they are, and is there room for one more? */
-static int is_followed(struct dpt_world *world, uint32_t index, const struct voyage *voyage,
-                       const struct was *now)
-{
-    double reach = reach_of(&world->segments[index], voyage, now);
-    return !voyage->lost && !meets_others(world, index, reach) &&
-           (voyage->count < WAY_MOST || is_same(&voyage->way[voyage->count - 1], now));
-}
-
-/* This tick's motion cannot have met anything. */
-static int is_free(const struct dpt_world *world, const struct segment *segment, double reach)
-{
-    double moved = world->travelled_at == world->ticks ? world->travelled : 0.0;
-    return segment->hit.lower_bound > reach + moved + segment->hit.error_bound;
-}
-
-/* Leg by leg, up to the first that meets something or the end of the budget. 0 unless that was all. */
-static int take_legs(struct dpt_world *world, uint32_t index, struct voyage *voyage)
-{
-    struct segment *segment = &world->segments[index];
-    while (voyage->count) {
-        double reach = reach_of(segment, voyage, NULL);
-        if (!take_leg(world, index, around_of(world, index, reach), voyage)) {
-            no_sweep(segment, DPT_SWEEP_UNFINISHED);
-            voyage->lost |= (uint32_t)meets_others(world, index, reach);
-            return 0;
-        }
-        segment->was = voyage->way[0];
-        voyage->count--;
-        memmove(voyage->way, voyage->way + 1, voyage->count * sizeof *voyage->way);
-        if (segment->sweep.status == DPT_SWEEP_HIT)
-            break;
-    }
-    return !voyage->count;
-}
-
-int travel_find(struct dpt_world *world, uint32_t index)
-{
-    struct segment *segment = &world->segments[index];
-    struct voyage fresh, *voyage = world->def.budget ? &world->voyages[index] : &fresh;
-    if (!world->def.budget || !segment->was.known)
-        voyage->count = voyage->body = 0;
-    if (!segment->was.known)
-        return 1;
-    const struct was now = place_of(world, segment);
-    if (voyage->count && !is_followed(world, index, voyage, &now)) {
-        give_up(world, index, voyage);
-        return 1;
-    }
-    if (!voyage->count) {
-        voyage->lost = 0;
-        voyage->radius = segment->radius;
-        if (segment->was.through)
-            return 1;
-        double reach = way_between(&segment->was, &now) + segment->radius;
-        segment->sweep.status = DPT_SWEEP_FREE;
-        segment->sweep.time = 1.0;
-        if (is_free(world, segment, reach))
-            return 1;
-    }
-    if (!voyage->count || !is_same(&voyage->way[voyage->count - 1], &now))
-        voyage->count++;
-    voyage->way[voyage->count - 1] = now; /* of the same place more may be known now */
-    if (voyage->radius != segment->radius)
-        voyage->body = 0;
-    voyage->radius = segment->radius;
-    return take_legs(world, index, voyage);
-}
-
-void travel_end(struct dpt_world *world, uint32_t index)
-{
-    if (!world->def.budget || !world->voyages[index].count)
-        world->segments[index].was = place_of(world, &world->segments[index]);
 }

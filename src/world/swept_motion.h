@@ -1,17 +1,39 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What a segment met on its way from the last tick to this one: docs/algorithms/travel.md. */
+/* A segment's motion from one place to another, past all bodies that it may have met: docs/algorithms/travel.md. */
 #ifndef DPT_SWEPT_MOTION_H
 #define DPT_SWEPT_MOTION_H
 
 #include "world/world_state.h"
 
-/*
- * Sweep a segment whose nearest pair is known, this tick. Fills segment->sweep and segment->passed; the sides from which open
- * sheets were met go to the regions of the last tick. 0: a part of the way is still to be swept, in the next tick.
- */
-int travel_find(struct dpt_world *world, uint32_t segment);
+/* Where a segment is now, and what is known of it there. */
+struct was motion_place(const struct dpt_world *world, const struct segment *segment);
 
-/* The tick ends: the next motion begins here, or nowhere if there is no valid answer. */
-void travel_end(struct dpt_world *world, uint32_t segment);
+int motion_is_same(const struct was *from, const struct was *to);
+
+/* No point of the segment moves by more. */
+double motion_between(const struct was *was, const struct was *is);
+
+/* The bodies that a motion may have met. */
+struct around {
+    const struct dpt_world *world;
+    struct box box;
+    double reach;
+    const uint32_t *list; /* of slots, in their order, or NULL: all of them */
+    uint32_t count;
+    uint32_t next; /* place on the list */
+};
+
+/* Those within reach of a segment where it is now, and those whose own motion may have brought them there. */
+struct around motion_around(struct dpt_world *world, uint32_t index, double reach);
+
+/* The next of them, or NULL. */
+const struct body *motion_next_body(struct around *around);
+
+/* No sweep, and why: DPT_SWEEP_... */
+void motion_no_sweep(struct segment *segment, uint32_t status);
+
+/* The voyage's first leg, from its beginning or from where it was stopped; 0 where the budget ended. */
+int motion_take_leg(struct dpt_world *world, uint32_t index, struct around around,
+                    struct voyage *voyage);
 
 #endif

@@ -4,6 +4,38 @@
 #include "base/return_if_error.h"
 #include "nearest/side.h"
 
+/* A share of dpt_world_bytes. */
+enum { BYTES_LAID = 512 };
+typedef char laid_fits[sizeof(struct laid) <= BYTES_LAID ? 1 : -1];
+
+dpt_strip_def strips_def(const dpt_world_def *def)
+{
+    return (dpt_strip_def){ .size = sizeof(dpt_strip_def),
+                            .capacity = def->strip_capacity,
+                            .search = def->strip == DPT_STRIP_ROUTES ? def->strip_search : 0 };
+}
+
+uint64_t strips_bytes(const dpt_world_def *def)
+{
+    const dpt_strip_def strip = strips_def(def);
+    return def->strip ? (BYTES_LAID + (uint64_t)dpt_strip_bytes(&strip)) * def->max_segments : 0;
+}
+
+/* The strips of all segments, behind the list of them. */
+char *strips_place(struct dpt_world *world, char *at)
+{
+    const dpt_strip_def def = strips_def(&world->def);
+    if (!world->def.strip)
+        return at;
+    const size_t bytes = dpt_strip_bytes(&def);
+    world->laid = (void *)at;
+    at += BYTES_LAID * (size_t)world->def.max_segments;
+    for (uint32_t i = 0; i < world->def.max_segments; i++, at += bytes)
+        dpt_strip_create(at, bytes, &def, &world->laid[i].strip);
+    strips_forget(world, 0, world->def.max_segments);
+    return at;
+}
+
 void strips_forget(struct dpt_world *world, uint32_t first, uint32_t end)
 {
     for (uint32_t i = first; world->def.strip && i < end; i++) {
@@ -22,8 +54,9 @@ void strips_forget_body(struct dpt_world *world, uint32_t body)
             strips_forget(world, i, i + 1);
 }
 
-void strips_remove(struct dpt_world *world, uint32_t first, uint32_t end, uint32_t moved)
+void strips_remove(struct dpt_world *world, uint32_t first, uint32_t end)
 {
+    uint32_t moved = world->segment_count - end;
     if (!world->def.strip)
         return;
     strips_forget(world, first, end);
@@ -135,7 +168,7 @@ dpt_result dpt_tool_get_strip(const dpt_world *world, dpt_tool tool, uint32_t se
         return DPT_E_ARGUMENT;
     if (capacity && (overlaps[0].size < sizeof *overlaps || overlaps[0].size % 8))
         return DPT_E_SIZE;
-    const struct tool *asked = world_tool(world, tool);
+    const struct tool *asked = world_find_tool(world, tool);
     if (!asked)
         return DPT_E_HANDLE;
     if (segment >= asked->count)

@@ -209,12 +209,21 @@ static inline uint32_t world_owner(const struct dpt_world *world, uint32_t segme
     return segment * world->def.max_bodies + body + 1;
 }
 
-struct tool *world_tool(const struct dpt_world *world, dpt_tool tool);
+/* What an id names, or NULL. */
+static inline struct tool *world_find_tool(const struct dpt_world *world, dpt_tool tool)
+{
+    uint32_t index = handle_index(tool);
+    if (index >= world->tool_end || !handle_fits(tool, HANDLE_TOOL, &world->tools[index].slot))
+        return NULL;
+    return &world->tools[index];
+}
 
-/* Nothing is known: stale, no force. */
-void tool_clear(struct dpt_world *world, struct tool *tool);
-
-/* The same of a tool whose contacts no step has ever computed. */
-void tool_clear_hits(struct dpt_world *world, struct tool *tool);
+static inline struct body *world_find_body(const struct dpt_world *world, dpt_body body)
+{
+    uint32_t index = handle_index(body);
+    if (index >= world->body_end || !handle_fits(body, HANDLE_BODY, &world->bodies[index].slot))
+        return NULL;
+    return &world->bodies[index];
+}
 
 #endif

@@ -1,0 +1,108 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "base/return_if_error.h"
+#include "world/body_search.h"
+#include "world/distance_bounds.h"
+#include "world/motion_backlog.h"
+#include "world/persistent_contacts.h"
+#include "world/tool_strips.h"
+
+dpt_result dpt_body_add(dpt_world *world, const dpt_mesh *mesh, const dpt_pose *pose,
+                        dpt_body *body)
+{
+    struct frame frame;
+    if (!world || !mesh || !body)
+        return DPT_E_ARGUMENT;
+    DPT_TRY(frame_of_pose(pose, &frame));
+    uint32_t index = 0;
+    while (index < world->body_end && !slot_is_free(&world->bodies[index].slot))
+        index++;
+    if (index == world->def.max_bodies)
+        return DPT_E_FULL;
+    struct body *made = &world->bodies[index];
+    if (index == world->body_end) {
+        world->body_end++;
+        made->slot.generation = 1;
+    }
+    made->slot.used = 1;
+    made->id = handle_make(HANDLE_BODY, &made->slot, index);
+    const dpt_pose identity = DPT_POSE_IDENTITY;
+    made->frame = frame;
+    made->pose = pose ? *pose : identity;
+    made->moved = 0;
+    made->added = world->ticks + 1;
+    made->valid = 1;
+    surface_of_mesh(mesh, &made->surface);
+    bodies_place(world, index);
+    *body = made->id;
+    return DPT_OK;
+}
+
+dpt_result dpt_body_remove(dpt_world *world, dpt_body body)
+{
+    struct body *old = world ? world_find_body(world, body) : NULL;
+    if (!old)
+        return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
+    slot_release(&old->slot);
+    world->invalid -= !old->valid;
+    contacts_forget(world, 0, world->segment_count, handle_index(body));
+    memo_forget(&world->memo, handle_index(body));
+    strips_forget_body(world, handle_index(body));
+    for (uint32_t s = 0; s < world->segment_count; s++)
+        bounds_forget(world, s, handle_index(body));
+    backlog_restart(world);
+    bodies_forget_body(world, handle_index(body));
+    return DPT_OK;
+}
+
+/*
+ * At most so far has any point of it moved: with the origin, and by the angle around that, which is 4 asin(c / 2), c
+ * being how far the quaternions are apart.
+ */
+static double way_of(const struct body *body)
+{
+    const double *from = body->before.orientation, *to = body->pose.orientation;
+    vec3 low = body->surface.box_min, high = body->surface.box_max;
+    double farthest = 0.5 * (length(add(low, high)) + length(sub(high, low)));
+    double same = 0.0, opposite = 0.0;
+    for (int k = 0; k < 4; k++) {
+        same += (to[k] - from[k]) * (to[k] - from[k]);
+        opposite += (to[k] + from[k]) * (to[k] + from[k]);
+    }
+    double square = smaller(same, opposite);
+    /* Quaternions may be off unit length by 1e-6. */
+    double angle = sqrt(square) * (2.0 + 0.3 * square) + 1e-5;
+    return length(sub(vec3_of(body->pose.position), vec3_of(body->before.position))) +
+           angle * farthest;
+}
+
+/* Where the body was in the last tick stays known until the next one. */
+static void move_body(struct dpt_world *world, struct body *body, const dpt_pose *pose,
+                      const struct frame *frame)
+{
+    if (body->moved != world->ticks + 1)
+        body->before = body->pose;
+    body->moved = world->ticks + 1;
+    body->pose = *pose;
+    body->frame = *frame;
+    body->travelled = way_of(body);
+    if (world->travelled_at != body->moved)
+        world->travelled = 0.0;
+    world->travelled_at = body->moved;
+    world->travelled = larger(world->travelled, body->travelled);
+    bodies_place(world, handle_index(body->id));
+}
+
+dpt_result dpt_body_set_pose(dpt_world *world, dpt_body body, const dpt_pose *pose)
+{
+    struct body *moved = world ? world_find_body(world, body) : NULL;
+    if (!moved)
+        return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
+    struct frame frame = moved->frame;
+    dpt_result result = pose ? frame_of_pose(pose, &frame) : DPT_E_ARGUMENT;
+    world->invalid -= !moved->valid;
+    moved->valid = result == DPT_OK;
+    world->invalid += !moved->valid;
+    if (moved->valid && !pose_is_same(&moved->pose, pose))
+        move_body(world, moved, pose, &frame);
+    return result;
+}

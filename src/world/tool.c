@@ -1,0 +1,142 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "world/tool.h"
+
+#include "base/return_if_error.h"
+#include "world/body_search.h"
+#include "world/distance_bounds.h"
+#include "world/motion_backlog.h"
+#include "world/persistent_contacts.h"
+#include "world/tool_results.h"
+#include "world/tool_strips.h"
+
+/* What the last ticks left of a segment. */
+static void forget_segment(struct dpt_world *world, uint32_t segment)
+{
+    bodies_forget(world, segment);
+    bounds_forget(world, segment, DPT_NONE);
+    backlog_forget(world, segment);
+    contacts_forget(world, segment, segment + 1, DPT_NONE);
+    strips_forget(world, segment, segment + 1);
+}
+
+void tool_forget(struct dpt_world *world, struct tool *tool)
+{
+    for (uint32_t i = 0; i < tool->count; i++)
+        forget_segment(world, tool->first + i);
+    tool_clear(world, tool);
+}
+
+static dpt_result check_segments(const dpt_segment *segments, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++)
+        if (!vec3_within(segments[i].a, DPT_COORDINATE_MAX) ||
+            !vec3_within(segments[i].b, DPT_COORDINATE_MAX) ||
+            !(segments[i].radius >= 0.0 && segments[i].radius <= DPT_COORDINATE_MAX))
+            return DPT_E_FINITE;
+    return DPT_OK;
+}
+
+static void put_segments(struct dpt_world *world, const struct tool *tool,
+                         const dpt_segment *segments)
+{
+    uint32_t index = (uint32_t)(tool - world->tools);
+    for (uint32_t i = 0; i < tool->count; i++) {
+        struct segment *to = &world->segments[tool->first + i];
+        to->a = vec3_of(segments[i].a);
+        to->b = vec3_of(segments[i].b);
+        to->radius = segments[i].radius;
+        to->tool = index;
+    }
+}
+
+dpt_result dpt_tool_add(dpt_world *world, const dpt_segment *segments, uint32_t count,
+                        dpt_tool *tool)
+{
+    if (!world || !segments || !tool || count == 0)
+        return DPT_E_ARGUMENT;
+    DPT_TRY(check_segments(segments, count));
+    uint32_t index = 0;
+    while (index < world->tool_end && !slot_is_free(&world->tools[index].slot))
+        index++;
+    if (index == world->def.max_tools || count > world->def.max_segments - world->segment_count)
+        return DPT_E_FULL;
+    struct tool *made = &world->tools[index];
+    if (index == world->tool_end) {
+        world->tool_end++;
+        made->slot.generation = 1;
+    }
+    made->slot.used = 1;
+    const dpt_pose identity = DPT_POSE_IDENTITY;
+    made->frame = frame_identity;
+    made->pose = identity;
+    made->valid = 1;
+    made->free = 0;
+    made->first = world->segment_count;
+    made->count = count;
+    world->segment_count += count;
+    put_segments(world, made, segments);
+    tool_forget(world, made);
+    *tool = handle_make(HANDLE_TOOL, &made->slot, index);
+    return DPT_OK;
+}
+
+/* The segments of all tools lie close together: those behind the removed ones move up. */
+dpt_result dpt_tool_remove(dpt_world *world, dpt_tool tool)
+{
+    struct tool *old = world ? world_find_tool(world, tool) : NULL;
+    if (!old)
+        return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
+    uint32_t behind = old->first + old->count;
+    memmove(&world->segments[old->first], &world->segments[behind],
+            (world->segment_count - behind) * sizeof *world->segments);
+    bodies_remove(world, old->first, behind);
+    bounds_remove(world, old->first, behind);
+    backlog_remove(world, old->first, behind);
+    contacts_remove(world, old->first, behind);
+    strips_remove(world, old->first, behind);
+    world->turn = 0;
+    for (uint32_t t = 0; t < world->tool_end; t++)
+        if (world->tools[t].slot.used && world->tools[t].first >= behind)
+            world->tools[t].first -= old->count;
+    world->segment_count -= old->count;
+    slot_release(&old->slot);
+    return DPT_OK;
+}
+
+dpt_result dpt_tool_set_pose(dpt_world *world, dpt_tool tool, const dpt_pose *pose)
+{
+    struct tool *moved = world ? world_find_tool(world, tool) : NULL;
+    if (!moved)
+        return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
+    dpt_result result = pose ? frame_of_pose(pose, &moved->frame) : DPT_E_ARGUMENT;
+    moved->valid = result == DPT_OK;
+    if (moved->valid)
+        moved->pose = *pose;
+    moved->free = 0;
+    return result;
+}
+
+dpt_result dpt_tool_teleport(dpt_world *world, dpt_tool tool, const dpt_pose *pose)
+{
+    dpt_result result = dpt_tool_set_pose(world, tool, pose);
+    if (result == DPT_OK)
+        tool_forget(world, world_find_tool(world, tool));
+    return result;
+}
+
+dpt_result dpt_tool_set_segments(dpt_world *world, dpt_tool tool, const dpt_segment *segments,
+                                 uint32_t count)
+{
+    struct tool *moved = world ? world_find_tool(world, tool) : NULL;
+    if (!moved)
+        return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
+    dpt_result result =
+        segments && count == moved->count ? check_segments(segments, count) : DPT_E_ARGUMENT;
+    moved->valid = result == DPT_OK;
+    if (result != DPT_OK)
+        return result;
+    moved->free = 1;
+    moved->frame = frame_identity;
+    put_segments(world, moved, segments);
+    return DPT_OK;
+}

@@ -1,0 +1,14 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What users are told of a tool: nearest pairs, contacts, sweeps, the wrench. */
+#ifndef DPT_TOOL_RESULTS_H
+#define DPT_TOOL_RESULTS_H
+
+#include "world/world_state.h"
+
+/* Nothing is known: stale, no force. */
+void tool_clear(struct dpt_world *world, struct tool *tool);
+
+/* The same of a tool whose contacts no step has ever computed. */
+void tool_clear_hits(struct dpt_world *world, struct tool *tool);
+
+#endif

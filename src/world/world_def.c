@@ -1,0 +1,77 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "world/world_def.h"
+
+#include "world/tool_strips.h"
+
+/* The size that the first release gave its def, and one that none will ever reach. */
+enum { DEF_SIZE_FIRST = 48, DEF_SIZE_MOST = 4096 };
+typedef char def_has_first_size[sizeof(dpt_world_def) >= DEF_SIZE_FIRST ? 1 : -1];
+
+void dpt_world_def_defaults(dpt_world_def *def, size_t size)
+{
+    const dpt_world_def defaults = {
+        .size = (uint32_t)size,
+        .max_bodies = 16,
+        .max_tools = 4,
+        .max_segments = 16,
+        .parts = 1,
+        .stiffness = 500.0,
+        .certificate_bytes = 1 << 20,
+        .margin = 0.001,
+        .max_contacts = 32,
+        .strip_capacity = 1024,
+        .strip_search = 16384,
+    };
+    if (!def || size < sizeof defaults.size || size > DEF_SIZE_MOST)
+        return;
+    memset(def, 0, size);
+    memcpy(def, &defaults, size < sizeof defaults ? size : sizeof defaults);
+}
+
+/* Where the number of blocks still fits into 32 bits. */
+static const uint64_t CERTIFICATE_BYTES_MOST = (uint64_t)1 << 40;
+
+static int count_is_valid(uint32_t count)
+{
+    return count >= 1 && count <= 0xffff;
+}
+
+dpt_result world_def_take(const dpt_world_def *given, dpt_world_def *def)
+{
+    if (!given)
+        return DPT_E_ARGUMENT;
+    uint32_t size = given->size;
+    if (size < DEF_SIZE_FIRST || size > DEF_SIZE_MOST)
+        return DPT_E_SIZE;
+    for (uint32_t i = sizeof *def; i < size; i++)
+        if (((const char *)given)[i])
+            return DPT_E_SIZE;
+    dpt_world_def_defaults(def, sizeof *def);
+    memcpy(def, given, size < sizeof *def ? size : sizeof *def);
+    def->size = sizeof *def;
+    return DPT_OK;
+}
+
+static int strips_are_valid(const dpt_world_def *def)
+{
+    const dpt_strip_def strip = strips_def(def);
+    if (def->strip > DPT_STRIP_ROUTES || def->reserved)
+        return 0;
+    return !def->strip ||
+           (dpt_strip_bytes(&strip) && def->strip_width >= 0.0 && def->strip_depth >= 0.0 &&
+            within(def->strip_width, DPT_COORDINATE_MAX) &&
+            within(def->strip_depth, DPT_COORDINATE_MAX));
+}
+
+int world_def_is_valid(const dpt_world_def *def)
+{
+    return count_is_valid(def->max_bodies) && count_is_valid(def->max_tools) &&
+           count_is_valid(def->max_segments) && def->method <= DPT_METHOD_PAPER &&
+           def->until <= DPT_UNTIL_CONTACT && def->parts >= 1 &&
+           def->parts <= (def->method == DPT_METHOD_PAPER ? 64u : 1u) && def->one_step <= 1 &&
+           (def->budget == 0 || def->method == DPT_METHOD_EXACT) && def->stiffness >= 0.0 &&
+           within(def->stiffness, 1e9) && def->certificate_bytes <= CERTIFICATE_BYTES_MOST &&
+           def->margin >= 0.0 && within(def->margin, DPT_COORDINATE_MAX) &&
+           def->side_limit >= 0.0 && within(def->side_limit, DPT_COORDINATE_MAX) &&
+           def->max_contacts <= 0xffff && def->smooth_normals <= 1 && strips_are_valid(def);
+}

@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What a caller asks of a world. */
+#ifndef DPT_WORLD_DEF_H
+#define DPT_WORLD_DEF_H
+
+#include "world/world_state.h"
+
+/*
+ * A caller's def, which may be older and shorter than ours (the rest gets defaults) or newer and longer
+ * (then what we do not know must be 0).
+ */
+dpt_result world_def_take(const dpt_world_def *given, dpt_world_def *def);
+
+int world_def_is_valid(const dpt_world_def *def);
+
+#endif

@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "world/world_layout.h"
+
+#include "world/body_search.h"
+#include "world/distance_bounds.h"
+#include "world/motion_backlog.h"
+#include "world/persistent_contacts.h"
+#include "world/tool_strips.h"
+
+/* Shares of dpt_world_bytes; a struct that outgrows its own fails to compile. Each part has the rest of its own. */
+enum {
+    BYTES_WORLD = 24576, /* with room for one profile */
+    BYTES_BODY = 576,    /* with its box */
+    BYTES_TOOL = 256,
+    BYTES_SEGMENT = 1408,
+    BYTES_MEMO = 21504, /* and for each segment BYTES_MEMO_MORE */
+    BYTES_MEMO_MORE = 3072
+};
+typedef char world_fits[sizeof(struct dpt_world) <= BYTES_WORLD ? 1 : -1];
+typedef char body_fits[sizeof(struct body) + sizeof(struct box) <= BYTES_BODY ? 1 : -1];
+typedef char tool_fits[sizeof(struct tool) <= BYTES_TOOL ? 1 : -1];
+typedef char segment_fits[sizeof(struct segment) <= BYTES_SEGMENT ? 1 : -1];
+
+static uint64_t bytes_memo(const dpt_world_def *def)
+{
+    return def->budget ? BYTES_MEMO + BYTES_MEMO_MORE * (uint64_t)def->max_segments : 0;
+}
+
+size_t world_layout_bytes(const dpt_world_def *def)
+{
+    uint64_t bytes = BYTES_WORLD + BYTES_BODY * (uint64_t)def->max_bodies +
+                     BYTES_TOOL * (uint64_t)def->max_tools +
+                     BYTES_SEGMENT * (uint64_t)def->max_segments + bytes_memo(def) +
+                     bounds_bytes(def) + backlog_bytes(def) + contacts_bytes(def) +
+                     strips_bytes(def) + bodies_bytes(def);
+    return bytes <= SIZE_MAX ? (size_t)bytes : 0;
+}
+
+void world_layout_place(struct dpt_world *world)
+{
+    const dpt_world_def *def = &world->def;
+    char *at = (char *)world + BYTES_WORLD;
+    world->bodies = (void *)at;
+    world->boxes = (void *)(world->bodies + def->max_bodies);
+    at += BYTES_BODY * (size_t)def->max_bodies;
+    world->tools = (void *)at;
+    at += BYTES_TOOL * (size_t)def->max_tools;
+    world->segments = (void *)at;
+    at += BYTES_SEGMENT * (size_t)def->max_segments;
+    world->memo.entries = (void *)at;
+    world->memo.sets = (uint32_t)(bytes_memo(def) / (MEMO_WAYS * sizeof *world->memo.entries));
+    at += bytes_memo(def);
+    at = bounds_place(world, at);
+    at = backlog_place(world, at);
+    at = contacts_place(world, at);
+    at = strips_place(world, at);
+    bodies_place_memory(world, at);
+}
