@@ -222,8 +222,8 @@ static double ask_where(const struct profile *profile, uint32_t i, const struct 
  */
 static int is_tired(const struct profile *profile)
 {
-    uint32_t more = profile->work < SAMPLE_CHEAP * profile->count ? PROFILE_WORK / 2 : 0;
-    return profile->cut || profile->work >= PROFILE_WORK + more;
+    uint32_t more = profile->work.done < SAMPLE_CHEAP * profile->count ? PROFILE_WORK / 2 : 0;
+    return profile->cut || profile->work.done >= PROFILE_WORK + more;
 }
 
 /* Samples by descent that count for much are searched for: descent may have been trapped. */

@@ -120,14 +120,14 @@ void profile_cross(struct profile *profile)
     const struct axis *axis = profile->axis;
     struct range range;
     int meets;
-    if (!profile_spare(profile)) {
+    if (work_is_spent(&profile->work)) {
         profile->cut = 1;
         return;
     }
     double per_uu = profile->size > 0.0 ? 1.0 / dot(axis->u, axis->u) : 0.0;
     double room = profile->size > 0.0 ? profile->reach / profile->size : 1.0;
     range_begin(&range, profile->surface, profile->kernel, axis->local_a, axis->u, profile->reach,
-                profile_spare(profile));
+                &profile->work);
     for (uint32_t t; (t = range_next(&range, &meets)) != DPT_NONE;) {
         put_zone(profile, t, per_uu, room);
         if (!meets)
@@ -136,8 +136,7 @@ void profile_cross(struct profile *profile)
         if (found.distance2 == 0.0)
             put_crossing(profile, t, &found);
     }
-    profile->work += range.work;
-    profile->cut |= range.work >= range.most;
+    profile->cut |= (uint32_t)work_is_spent(&profile->work);
     join_crossings(profile);
     profile->sideless = (uint32_t)is_sideless(profile);
 }

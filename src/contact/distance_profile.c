@@ -100,7 +100,6 @@ int profile_make(struct profile *profile, const struct nearest *nearest, const s
     const struct axis *axis = profile->axis;
     double distance = sqrt(nearest->pair.distance2);
     profile->size = length(axis->u);
-    profile->work = 0;
     profile->full = 0;
     profile->cut = 0;
     profile->sideless = 0;
@@ -133,7 +132,7 @@ int profile_make(struct profile *profile, const struct nearest *nearest, const s
         if (sign > 0 && !in_zone(profile, seeds[i].s))
             continue;
         /* A budget is for the depth first: regions search for those that count. */
-        int counts = seeds[i].share > PROFILE_SHARE && profile->work < PROFILE_WORK;
+        int counts = seeds[i].share > PROFILE_SHARE && profile->work.done < PROFILE_WORK;
         int exact = profile->winding || (counts && !profile->memo);
         struct sample sample;
         profile_take_sample(profile, seeds[i].s, seeds[i].triangle, exact, &sample);

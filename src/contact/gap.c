@@ -61,7 +61,7 @@ void contact_of(const struct surface *surface, const struct kernel *kernel, cons
     profile.regions = 0;
     profile.reach = radius;
     profile.tolerance = PROFILE_DEPTH_SHARE * surface_diagonal(surface);
-    profile.most = UINT32_MAX;
+    profile.work = work_of(WORK_UNLIMITED);
     if (contact_find(&profile, nearest, NULL, 0, radius, &gap) == CONTACT_UNKNOWN)
         hit->contact = DPT_CONTACT_UNKNOWN;
     else

@@ -53,9 +53,8 @@ int profile_is_inside(struct profile *profile, double s)
     if (known && known->side)
         return known->side < 0;
     double winding = HUGE_VAL;
-    if (profile_spare(profile))
-        winding = winding_number(profile->surface, profile->kernel, x, profile_spare(profile),
-                                 &profile->work);
+    if (!work_is_spent(&profile->work))
+        winding = winding_number(profile->surface, profile->kernel, x, &profile->work);
     profile->cut |= winding == HUGE_VAL;
     struct memo_entry *entry =
         profile->memo && winding != HUGE_VAL ? memo_put(profile->memo, profile->body, x) : NULL;
@@ -80,13 +79,11 @@ int profile_side_of(struct profile *profile, double s, uint32_t triangle, const 
     return flags & MESH_PART_SOLID ? side_of_pair(profile->surface, triangle, found) : 1;
 }
 
-/* Begin a search within what work there is left, or none. */
-static int begin(struct profile *profile, struct nearest *nearest)
+/* There is work left for a search. */
+static int may_begin(struct profile *profile)
 {
-    uint32_t left = profile_spare(profile);
-    nearest->most = profile->most == UINT32_MAX ? 0 : left;
-    profile->cut |= !left;
-    return left > 0;
+    profile->cut |= (uint32_t)work_is_spent(&profile->work);
+    return !work_is_spent(&profile->work);
 }
 
 /* A triangle that was found before, unless another is nearer: then 0. */
@@ -113,12 +110,11 @@ static void search(struct profile *profile, vec3 x, struct nearest *nearest)
         take_nearer(profile, x, known->triangle, nearest);
         return;
     }
-    if (!begin(profile, nearest))
+    if (!may_begin(profile))
         return;
     if (memo && memo_resume(memo, profile->body, x, &triangle, &walk))
         take_nearer(profile, x, triangle, nearest);
-    int done = point_search(profile->surface, profile->kernel, x, &walk, nearest);
-    profile->work += nearest->work;
+    int done = point_search(profile->surface, profile->kernel, x, &walk, &profile->work, nearest);
     profile->cut |= !done;
     if (memo && !done)
         memo_pause(memo, profile->body, x, nearest->triangle, &walk);
@@ -134,11 +130,10 @@ static void descend(struct profile *profile, const struct axis *point, struct ne
         profile->memo ? memo_put(profile->memo, profile->body, point->local_a) : NULL;
     int goes_on = entry && entry->descent != DPT_NONE &&
                   take_nearer(profile, point->local_a, entry->descent, nearest);
-    if (!begin(profile, nearest))
+    if (!may_begin(profile))
         return;
-    track_slide(profile->surface, point, nearest);
-    profile->work += nearest->work;
-    profile->cut |= nearest->most && nearest->work >= nearest->most;
+    track_slide(profile->surface, point, &profile->work, nearest);
+    profile->cut |= (uint32_t)work_is_spent(&profile->work);
     if (entry && (goes_on || entry->descent == DPT_NONE))
         entry->descent = nearest->triangle;
 }
@@ -301,10 +296,9 @@ uint32_t profile_approach(struct profile *profile, double from, double to, doubl
     nearest_begin(&nearest, DPT_NONE);
     nearest.pair.distance2 = reach * reach;
     walk.at = 0;
-    if (begin(profile, &nearest)) {
+    if (may_begin(profile)) {
         profile->cut |= !tree_walk(profile->surface, profile->kernel, NULL, piece.local_a, piece.u,
-                                   0.0, &walk, &nearest);
-        profile->work += nearest.work;
+                                   0.0, &walk, &profile->work, &nearest);
     }
     if (nearest.triangle == DPT_NONE || profile->cut)
         return DPT_NONE;

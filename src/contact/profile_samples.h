@@ -94,8 +94,7 @@ struct profile {
     double size;       /* length of the axis */
     double reach;      /* surface farther than that from the axis does not count */
     double tolerance;  /* of the depth */
-    uint32_t work;     /* 16-lane blocks */
-    uint32_t most;     /* and how many it may look at; UINT32_MAX: what it takes */
+    struct work work;  /* of this profile alone */
     uint32_t cut;      /* that was not enough */
     uint32_t winding;  /* the mesh has parts whose inside the winding number tells */
     uint32_t full;     /* more crossings than there is room for: what is known is not all */
@@ -132,11 +131,6 @@ static inline uint32_t profile_stretch(const struct profile *profile, double s)
     while (k < profile->crossings && profile->crossing[k].s < s)
         k++;
     return k;
-}
-
-static inline uint32_t profile_spare(const struct profile *profile)
-{
-    return profile->work < profile->most ? profile->most - profile->work : 0;
 }
 
 /* The way out, at a crossing or a pair, by the triangle that it is on; zero where there is none. */

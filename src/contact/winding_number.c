@@ -27,7 +27,7 @@ struct view {
     float at[3]; /* x in the filter's frame */
     float winding[LANES], doubt[LANES];
     double exact; /* sum over the triangles that were evaluated in double */
-    uint32_t work, most;
+    struct work *work;
 };
 
 static double sum_of(const float *lanes)
@@ -51,7 +51,7 @@ static void look_at_leaf(struct view *view, uint32_t leaf)
         return;
     const float *rows = view->surface->leaves + (size_t)leaf * MESH_LEAF_WORDS;
     uint32_t open = view->kernel->angles(rows, view->at, lanes, view->winding);
-    view->work++;
+    work_spend(view->work, 1);
     for (; open; open &= open - 1) {
         uint32_t t = leaf * LANES + first_lane(open);
         view->exact += solid_turns(seen(view, t, 0), seen(view, t, 1), seen(view, t, 2));
@@ -64,7 +64,7 @@ static uint32_t look_at_node(struct view *view, uint32_t level, uint32_t node, f
     const struct surface *surface = view->surface;
     size_t row = surface->first[level] - surface->first[1] + node;
     uint32_t children = lanes_of(surface->count[level - 1] - node * LANES);
-    view->work++;
+    work_spend(view->work, 1);
     return children & view->kernel->moments(view->moments + row * MESH_MOMENT_WORDS, view->at, most,
                                             view->winding, view->doubt);
 }
@@ -79,7 +79,7 @@ static double look(struct view *view, float most)
     node[level] = 0;
     open[level] = look_at_node(view, level, 0, most);
     while (level <= top) {
-        if (view->work >= view->most)
+        if (work_is_spent(view->work))
             return HUGE_VAL;
         if (!open[level]) {
             level++;
@@ -99,9 +99,9 @@ static double look(struct view *view, float most)
 
 /* Comparisons are such that NaN, which a forged file can yield, ends as 0. */
 double winding_number(const struct surface *surface, const struct kernel *kernel, vec3 x,
-                      uint32_t most, uint32_t *work)
+                      struct work *work)
 {
-    struct view view = { .surface = surface, .kernel = kernel, .x = x, .most = most };
+    struct view view = { .surface = surface, .kernel = kernel, .x = x, .work = work };
     view.moments = surface_moments(surface, &view.solid);
     vec3 at = scaled(sub(x, surface->filter_centre), surface->filter_scale);
     if (!view.moments || !within(at.x, FAR) || !within(at.y, FAR) || !within(at.z, FAR))
@@ -111,13 +111,12 @@ double winding_number(const struct surface *surface, const struct kernel *kernel
     view.at[2] = (float)at.z;
     float most_doubt = FIRST_DOUBT / (float)surface->levels;
     double doubt = look(&view, most_doubt);
-    for (int pass = 1; !(doubt <= SERIES_ERROR) && pass < PASSES && view.work < view.most; pass++) {
+    for (int pass = 1; !(doubt <= SERIES_ERROR) && pass < PASSES && !work_is_spent(work); pass++) {
         float share = (float)(SERIES_ERROR / doubt);
         most_doubt *= share * share < LESS ? share * share : LESS;
         doubt = look(&view, most_doubt);
     }
-    *work += view.work;
-    if (view.work >= view.most)
+    if (work_is_spent(work))
         return HUGE_VAL;
     double winding = sum_of(view.winding) + view.exact;
     return fabs(winding) <= (double)surface_triangles(surface) ? winding : 0.0;

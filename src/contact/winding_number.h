@@ -12,13 +12,12 @@
  * the material it is above 1/2, where a closed part is alone 1, outside 0, near a hole between.
  *
  *   x      in the mesh's frame, m
- *   most   16-lane blocks: HUGE_VAL where so many do not suffice; UINT32_MAX: what it takes
- *   work   gets those that were looked at added
+ *   work   16-lane blocks; HUGE_VAL where those that are left do not suffice
  *
  * Wrong by at most WINDING_ERROR. 0 for a mesh without moments, which is one without a part that is
  * MESH_PART_WINDING, and for an x that is not finite. Time grows with the logarithm of the triangles.
  */
 double winding_number(const struct surface *surface, const struct kernel *kernel, vec3 x,
-                      uint32_t most, uint32_t *work);
+                      struct work *work);
 
 #endif

@@ -3,6 +3,7 @@
 #ifndef DPT_BVH_H
 #define DPT_BVH_H
 
+#include "base/work.h"
 #include "kernel/kernel_ops.h"
 #include "nearest/nearest_pair.h"
 #include "nearest/plane_cache.h"
@@ -30,16 +31,16 @@ struct walk {
  * With `slack` > 0, a triangle that is nearer by less than that, a distance, need not be found.
  */
 void tree_search(const struct surface *surface, const struct kernel *kernel,
-                 const struct keeper *keeper, vec3 a, vec3 u, double slack,
+                 const struct keeper *keeper, vec3 a, vec3 u, double slack, struct work *work,
                  struct nearest *nearest);
 
 /*
- * The same in pieces: 1 when it is done, and the walk is not begun again; 0 when nearest->most was reached.
+ * The same in pieces: 1 when it is done, and the walk is not begun again; 0 when the work was spent.
  * The next call goes on there, at the same place of the axis, or after walk_drift.
  */
 int tree_walk(const struct surface *surface, const struct kernel *kernel,
               const struct keeper *keeper, vec3 a, vec3 u, double slack, struct walk *walk,
-              struct nearest *nearest);
+              struct work *work, struct nearest *nearest);
 
 /* The ends of the axis, that now is a + s u, moved by at most `motion` since the walk stopped. */
 void walk_drift(struct walk *walk, const struct surface *surface, double motion);
@@ -48,6 +49,7 @@ void walk_drift(struct walk *walk, const struct surface *surface, double motion)
 double walk_ahead(const struct walk *walk, const struct surface *surface, vec3 a, vec3 u);
 
 /* The same over every triangle, in double, without a filter; never stops early. */
-void tree_brute(const struct surface *surface, vec3 a, vec3 u, struct nearest *nearest);
+void tree_brute(const struct surface *surface, vec3 a, vec3 u, struct work *work,
+                struct nearest *nearest);
 
 #endif

@@ -11,7 +11,7 @@ static uint32_t renew(struct bvh_search *search, kernel_renew *make, const float
 {
     struct planes made;
     float made_bound[LANES];
-    search->nearest->work++;
+    work_spend(search->work, 1);
     if (kept->empty) {
         lanes &= make(rows, &search->probe, kept->block ? &kept->block->planes : &made, bound);
         if (kept->block) {
@@ -52,7 +52,7 @@ static float support_below(struct bvh_search *search, uint32_t level, size_t chi
     const struct surface *surface = search->surface;
     const struct kernel *kernel = search->kernel;
     float low[LANES];
-    search->nearest->work++;
+    work_spend(search->work, 1);
     if (level == 1)
         kernel->common_triangles(surface->leaves + child * MESH_LEAF_WORDS, n, 0.0f, low);
     else
@@ -96,7 +96,7 @@ static uint32_t refine_leaves(struct bvh_search *search, uint32_t node, uint32_t
 {
     const struct probe *p = &search->probe;
     uint32_t closed = 0;
-    for (uint32_t rest = lanes; rest && bvh_spare(search); rest &= rest - 1) {
+    for (uint32_t rest = lanes; rest && !work_is_spent(search->work); rest &= rest - 1) {
         uint32_t lane = first_lane(rest);
         float support = support_below(search, 1, (size_t)node * LANES + lane, p->normal);
         if (support - p->height > p->limit) {
@@ -110,7 +110,7 @@ static uint32_t refine_leaves(struct bvh_search *search, uint32_t node, uint32_t
 void bvh_close_whole(struct bvh_search *search, struct block *block, uint32_t level, uint32_t child)
 {
     enum { PAUSE_MOST = 15 };
-    if (search->keeper.anew || !bvh_spare(search))
+    if (search->keeper.anew || work_is_spent(search->work))
         return;
     if (block->wait) {
         block->wait--;
@@ -165,8 +165,8 @@ uint32_t bvh_open_triangles(struct bvh_search *search, uint32_t leaf,
         if (!lanes && !wanted)
             return 0;
     }
-    if (search->has_plane && !search->keeper.anew && bvh_spare(search) > 1) {
-        search->nearest->work++;
+    if (search->has_plane && !search->keeper.anew && work_left(search->work) > 1) {
+        work_spend(search->work, 1);
         uint32_t open = search->kernel->common_triangles(rows, probe->normal,
                                                          probe->height + probe->limit, low);
         if (!open && wanted)
@@ -204,7 +204,7 @@ uint32_t bvh_close_boxes(struct bvh_search *search, uint32_t level, uint32_t nod
         lanes &= ~closed;
         lost &= ~closed;
     }
-    for (; lost && bvh_spare(search); lost &= lost - 1) {
+    for (; lost && !work_is_spent(search->work); lost &= lost - 1) {
         uint32_t lane = first_lane(lost);
         if (refine(search, level, node, lane, kept->block))
             lanes &= ~(1u << lane);

@@ -21,8 +21,8 @@ struct bvh_search {
     const struct kernel *kernel;
     struct keeper keeper;
     struct nearest *nearest;
-    uint32_t most; /* work */
-    vec3 a, u, x;  /* x: unit, along u */
+    struct work *work;
+    vec3 a, u, x; /* x: unit, along u */
     double slack;
     struct probe probe;
     int has_frame; /* the probe's y and z, made when first needed */
@@ -30,17 +30,11 @@ struct bvh_search {
     struct walk *walk;
 };
 
-/* How many blocks may still be looked at. */
-static inline uint32_t bvh_spare(const struct bvh_search *search)
-{
-    return search->most - search->nearest->work;
-}
-
 /* With one block left to look at, what is kept is left alone. */
 static inline struct node_planes bvh_planes_of(const struct bvh_search *search, uint32_t number)
 {
     const struct keeper *keeper = &search->keeper;
-    struct block *block = bvh_spare(search) > 1 ? keeper_block(keeper, number) : NULL;
+    struct block *block = work_left(search->work) > 1 ? keeper_block(keeper, number) : NULL;
     int empty = !block || block->key != keeper_key(keeper, number);
     if (!empty && keeper->anew)
         return (struct node_planes){ NULL, number, 1 };
@@ -57,7 +51,7 @@ static inline uint32_t bvh_look_at_planes(struct bvh_search *search, kernel_held
                                           const float *rows, const struct node_planes *kept,
                                           float *bound)
 {
-    search->nearest->work++;
+    work_spend(search->work, 1);
     return held(rows, &search->probe, &kept->block->planes, bound);
 }
 

@@ -109,7 +109,7 @@ static uint32_t begin(struct bvh_search *search)
 {
     uint32_t level = search->surface->levels, known = search->nearest->triangle;
     if (!search->keeper.count || search->keeper.anew || search->slack == 0.0 || known == DPT_NONE ||
-        bvh_spare(search) < 4 * (level + 1)) {
+        work_left(search->work) < 4 * (level + 1)) {
         return look_into_boxes(search, level, 0, 0) ? level : level + 1;
     }
     for (; level >= 1; level--) {
@@ -141,7 +141,7 @@ static int meets(const struct nearest *nearest)
 
 int tree_walk(const struct surface *surface, const struct kernel *kernel,
               const struct keeper *keeper, vec3 a, vec3 u, double slack, struct walk *walk,
-              struct nearest *nearest)
+              struct work *work, struct nearest *nearest)
 {
     struct bvh_search search;
     search.surface = surface;
@@ -151,13 +151,13 @@ int tree_walk(const struct surface *surface, const struct kernel *kernel,
     search.a = a;
     search.u = u;
     search.slack = slack;
-    search.most = nearest->most ? nearest->most : UINT32_MAX;
+    search.work = work;
     search.has_frame = 0;
     search.walk = walk;
     search.x = probe_axis(&search.probe, surface, a, u);
     set_limit(&search);
     uint32_t level = walk->at;
-    if (!level && bvh_spare(&search))
+    if (!level && !work_is_spent(search.work))
         level = begin(&search);
     while (level && level <= surface->levels && !meets(nearest)) {
         struct visit *visit = &walk->level[level];
@@ -169,7 +169,7 @@ int tree_walk(const struct surface *surface, const struct kernel *kernel,
         }
         uint32_t lane = next_lane(&search, visit);
         int closed = visit->bound[lane] > search.probe.limit;
-        if (!closed && !bvh_spare(&search))
+        if (!closed && work_is_spent(search.work))
             break;
         visit->lanes &= ~(1u << lane);
         if (closed)
@@ -189,11 +189,12 @@ int tree_walk(const struct surface *surface, const struct kernel *kernel,
 }
 
 void tree_search(const struct surface *surface, const struct kernel *kernel,
-                 const struct keeper *keeper, vec3 a, vec3 u, double slack, struct nearest *nearest)
+                 const struct keeper *keeper, vec3 a, vec3 u, double slack, struct work *work,
+                 struct nearest *nearest)
 {
     struct walk walk;
     walk.at = 0;
-    tree_walk(surface, kernel, keeper, a, u, slack, &walk, nearest);
+    tree_walk(surface, kernel, keeper, a, u, slack, &walk, work, nearest);
 }
 
 /* That a margin grows with the ends, and rounding here, is in the factors. */

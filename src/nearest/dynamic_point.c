@@ -4,11 +4,11 @@
 #include "nearest/point_search.h"
 
 void track_once(const struct surface *surface, const struct kernel *kernel, uint32_t method,
-                const struct axis *axis, uint32_t hint, struct nearest *nearest)
+                const struct axis *axis, uint32_t hint, struct work *work, struct nearest *nearest)
 {
     *nearest = (struct nearest){ .pair = { .distance2 = HUGE_VAL }, .triangle = DPT_NONE };
     if (method == DPT_METHOD_BRUTE) {
-        tree_brute(surface, axis->local_a, axis->u, nearest);
+        tree_brute(surface, axis->local_a, axis->u, work, nearest);
         return;
     }
     if (hint != DPT_NONE)
@@ -16,9 +16,9 @@ void track_once(const struct surface *surface, const struct kernel *kernel, uint
     struct walk walk;
     walk.at = 0;
     if (extent_of(axis->u) > 0.0)
-        tree_search(surface, kernel, NULL, axis->local_a, axis->u, 0.0, nearest);
+        tree_search(surface, kernel, NULL, axis->local_a, axis->u, 0.0, work, nearest);
     else
-        point_search(surface, kernel, axis->local_a, &walk, nearest);
+        point_search(surface, kernel, axis->local_a, &walk, work, nearest);
 }
 
 /* At most so many triangles around a vertex are tried: hubs have thousands. */
@@ -64,18 +64,18 @@ static int try_fan(const struct surface *surface, const struct axis *axis, uint3
     return 0;
 }
 
-void track_slide(const struct surface *surface, const struct axis *axis, struct nearest *nearest)
+void track_slide(const struct surface *surface, const struct axis *axis, struct work *work,
+                 struct nearest *nearest)
 {
     int moved = 1;
-    while (moved && nearest->pair.distance2 > 0.0 &&
-           (!nearest->most || nearest->work < nearest->most)) {
+    while (moved && nearest->pair.distance2 > 0.0 && !work_is_spent(work)) {
         const double *weight = nearest->pair.weight;
         size_t here = nearest->triangle;
         int zeros = (weight[0] <= 0.0) + (weight[1] <= 0.0) + (weight[2] <= 0.0);
         if (!zeros)
             return;
         nearest_front(nearest, axis->local_a, axis->u, TREE_SLACK * axis->error);
-        nearest->work++;
+        work_spend(work, 1);
         if (zeros == 1) {
             uint32_t edge = weight[0] <= 0.0 ? 1 : weight[1] <= 0.0 ? 2 : 0;
             uint32_t other = surface_neighbours(surface)[3 * here + edge];
@@ -92,7 +92,7 @@ void track_slide(const struct surface *surface, const struct axis *axis, struct 
  * through: 1. No distance is computed on the way.
  */
 static int walk_through(const struct surface *surface, const struct axis *axis, uint32_t triangle,
-                        struct nearest *nearest)
+                        struct work *work, struct nearest *nearest)
 {
     enum { WALK_MOST = 8 };
     const uint32_t *neighbours = surface_neighbours(surface);
@@ -109,31 +109,31 @@ static int walk_through(const struct surface *surface, const struct axis *axis, 
             nearest->triangle = triangle;
             return 1;
         }
-        if (!misses || (nearest->most && nearest->work >= nearest->most))
+        if (!misses || work_is_spent(work))
             return 0;
         const double *side = pierce.side;
         uint32_t least = side[0] < side[1] ? 0u : 1u;
         least = side[2] < side[least] ? 2 : least;
         triangle = neighbours[3 * (size_t)triangle + (least + 1) % 3];
-        nearest->work++;
+        work_spend(work, 1);
     }
     return 0;
 }
 
 void track_begin(struct track *track, const struct surface *surface, uint32_t last, double limit2,
-                 enum slide slide, uint32_t most)
+                 enum slide slide, struct work *work)
 {
     struct nearest *nearest = &track->nearest;
     const struct axis *axis = &track->axis;
     nearest->pair.distance2 = limit2;
     nearest->triangle = DPT_NONE;
-    nearest->work = nearest->tried_count = nearest->front_of = 0;
-    nearest->most = most;
+    nearest->tried_count = nearest->front_of = 0;
     track->last = last;
     if (last == DPT_NONE && limit2 < HUGE_VAL)
         return;
     uint32_t triangle = last == DPT_NONE ? 0 : last;
-    if (slide == TRACK_CROSSED && last != DPT_NONE && walk_through(surface, axis, last, nearest)) {
+    if (slide == TRACK_CROSSED && last != DPT_NONE &&
+        walk_through(surface, axis, last, work, nearest)) {
         track->old = (pair){ .distance2 = HUGE_VAL };
         return;
     }
@@ -146,15 +146,15 @@ void track_begin(struct track *track, const struct surface *surface, uint32_t la
     nearest->pair = track->old;
     nearest->triangle = triangle;
     if (slide != TRACK_STAYS && last != DPT_NONE)
-        track_slide(surface, axis, nearest);
+        track_slide(surface, axis, work, nearest);
 }
 
 int track_prove(struct track *track, const struct surface *surface, const struct kernel *kernel,
-                const struct keeper *keeper, struct walk *walk)
+                const struct keeper *keeper, struct walk *walk, struct work *work)
 {
     double slack = track->last == DPT_NONE ? 0.0 : TREE_SLACK * track->axis.error;
     return track->nearest.pair.distance2 == 0.0 ||
-           tree_walk(surface, kernel, keeper, track->axis.local_a, track->axis.u, slack, walk,
+           tree_walk(surface, kernel, keeper, track->axis.local_a, track->axis.u, slack, walk, work,
                      &track->nearest);
 }
 
@@ -180,7 +180,6 @@ void track_hit(const struct surface *surface, const struct axis *axis, const str
     hit->status = DPT_STATUS_EXACT;
     hit->flags = found->distance2 == 0.0 ? DPT_HIT_CROSSING : 0;
     hit->triangle = surface->sources[nearest->triangle];
-    hit->work = nearest->work;
     hit->distance = sqrt(found->distance2);
     hit->s = found->s;
     vec3_store(p, hit->p);

@@ -31,7 +31,7 @@ static inline void axis_of(const struct surface *surface, const struct frame *bo
  * triangle is DPT_NONE only where a forged file's boxes hide every triangle.
  */
 void track_once(const struct surface *surface, const struct kernel *kernel, uint32_t method,
-                const struct axis *axis, uint32_t hint, struct nearest *nearest);
+                const struct axis *axis, uint32_t hint, struct work *work, struct nearest *nearest);
 
 /* With history: one axis and one body, this tick. */
 struct track {
@@ -51,20 +51,21 @@ enum slide {
 /*
  * The dynamic point of last tick, where it is now, or has moved to. Nothing
  * at or beyond `limit2`, a squared distance, need be found: nearest.triangle is DPT_NONE then. Where there was
- * no last tick and is no limit, any triangle is a beginning. `axis` is there already; `most` as in nearest.
+ * no last tick and is no limit, any triangle is a beginning. `axis` is there already.
  */
 void track_begin(struct track *track, const struct surface *surface, uint32_t last, double limit2,
-                 enum slide slide, uint32_t most);
+                 enum slide slide, struct work *work);
 
 /*
  * The dynamic point moves: over the edge, or around the vertex, on which the nearest point of its triangle
  * lies, to a triangle that is nearer; until there is none. Of the axis its local_a, u and error count.
  */
-void track_slide(const struct surface *surface, const struct axis *axis, struct nearest *nearest);
+void track_slide(const struct surface *surface, const struct axis *axis, struct work *work,
+                 struct nearest *nearest);
 
-/* Prove or correct it; 0 if nearest.most ended that, as tree_walk, whose walk and keeper these are. */
+/* Prove or correct it; 0 if the work was spent, as tree_walk, whose walk and keeper these are. */
 int track_prove(struct track *track, const struct surface *surface, const struct kernel *kernel,
-                const struct keeper *keeper, struct walk *walk);
+                const struct keeper *keeper, struct walk *walk, struct work *work);
 
 /* Last tick's triangle stays the answer while it is within TREE_HISTORY of the error bound of the best. */
 void track_settle(struct track *track);

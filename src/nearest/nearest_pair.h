@@ -31,12 +31,10 @@ struct front {
     double slack;
 };
 
-/* The best pair so far, and what it cost. */
+/* The best pair so far. */
 struct nearest {
     pair pair;         /* in the mesh's frame */
     uint32_t triangle; /* place in the mesh, or DPT_NONE */
-    uint32_t work;     /* 16-lane blocks */
-    uint32_t most;     /* a walk stops before it costs more; 0: it may cost what it takes */
     uint32_t front_of; /* the triangle, from 1, to whose pair the front belongs; 0: there is none */
     struct front front;
     uint32_t tried_count;
@@ -47,7 +45,7 @@ struct nearest {
 static inline void nearest_begin(struct nearest *nearest, uint32_t triangle)
 {
     nearest->triangle = triangle;
-    nearest->work = nearest->most = nearest->front_of = nearest->tried_count = 0;
+    nearest->front_of = nearest->tried_count = 0;
 }
 
 /*

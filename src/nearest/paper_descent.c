@@ -13,6 +13,7 @@ struct descent {
     const struct surface *surface;
     const struct kernel *kernel;
     struct nearest *best;
+    struct work *work;
     vec3 a, u;
     const uint32_t *here; /* corners of the triangle that is left */
     int shared;           /* vertices that the best has in common with it */
@@ -49,7 +50,7 @@ static void try_block(struct descent *d)
     float bound[LANES];
     uint32_t lanes = (1u << d->count) - 1;
     lanes &= d->kernel->triangles(d->rows, &d->probe, &planes, bound);
-    d->best->work++;
+    work_spend(d->work, 1);
     d->count = 0;
     while (lanes) {
         uint32_t lane = least_lane(bound, lanes);
@@ -93,7 +94,7 @@ static int move(struct descent *d)
 }
 
 void descend(const struct surface *surface, const struct kernel *kernel, vec3 a, vec3 u,
-             int one_step, struct nearest *nearest)
+             int one_step, struct work *work, struct nearest *nearest)
 {
     nearest->pair = tree_pair(surface, nearest->triangle, a, u);
     if (nearest->pair.distance2 == 0.0)
@@ -102,6 +103,7 @@ void descend(const struct surface *surface, const struct kernel *kernel, vec3 a,
     d.surface = surface;
     d.kernel = kernel;
     d.best = nearest;
+    d.work = work;
     d.a = a;
     d.u = u;
     d.count = 0;

@@ -14,6 +14,6 @@
  * nearest->triangle is where to start; nearest is where it ended, its pair for the axis a + s u.
  */
 void descend(const struct surface *surface, const struct kernel *kernel, vec3 a, vec3 u,
-             int one_step, struct nearest *nearest);
+             int one_step, struct work *work, struct nearest *nearest);
 
 #endif

@@ -11,6 +11,7 @@ struct point_search_state {
     const struct surface *surface;
     const struct kernel *kernel;
     struct nearest *nearest;
+    struct work *work;
     vec3 x;
     float at[3];
     float limit; /* the square of a bound beyond which nothing is nearer */
@@ -30,7 +31,7 @@ static void look_into_boxes(struct point_search_state *search, uint32_t level, u
 {
     const struct surface *surface = search->surface;
     struct visit *visit = &search->walk->level[level];
-    search->nearest->work++;
+    work_spend(search->work, 1);
     search->walk->at = level;
     visit->node = node;
     visit->lanes =
@@ -47,7 +48,7 @@ static void look_into_leaf(struct point_search_state *search, uint32_t leaf)
     float bound[LANES];
     if (nearest->triangle - first < LANES)
         lanes &= ~(1u << (nearest->triangle - first));
-    nearest->work++;
+    work_spend(search->work, 1);
     lanes &= search->kernel->point_triangles(surface->leaves + (size_t)leaf * MESH_LEAF_WORDS,
                                              search->at, search->limit, bound);
     while (lanes) {
@@ -61,7 +62,7 @@ static void look_into_leaf(struct point_search_state *search, uint32_t leaf)
 }
 
 int point_search(const struct surface *surface, const struct kernel *kernel, vec3 x,
-                 struct walk *walk, struct nearest *nearest)
+                 struct walk *walk, struct work *work, struct nearest *nearest)
 {
     struct point_search_state search;
     int beside = nearest->triangle != DPT_NONE;
@@ -70,6 +71,7 @@ int point_search(const struct surface *surface, const struct kernel *kernel, vec
     search.kernel = kernel;
     search.nearest = nearest;
     search.walk = walk;
+    search.work = work;
     search.x = x;
     put_float(at, search.at);
     search.margin = (float)kernel_margin(length(at), length(at));
@@ -89,7 +91,7 @@ int point_search(const struct surface *surface, const struct kernel *kernel, vec
             visit->lanes = beside ? rest : 0;
             continue;
         }
-        if (nearest->most && nearest->work >= nearest->most)
+        if (work_is_spent(work))
             return 0;
         visit->lanes = rest;
         uint32_t child = visit->node * LANES + lane;

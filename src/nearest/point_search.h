@@ -7,10 +7,10 @@
 
 /*
  * What is nearer to x, in the mesh's frame, than nearest->pair.distance2, or as near with a lower source number, into
- * `nearest`; stops at the first pair that meets. From where the walk stands. 0: nearest->most ended that; the walk may go
+ * `nearest`; stops at the first pair that meets. From where the walk stands. 0: the work was spent; the walk may go
  * on from there, with a pair that is no farther.
  */
 int point_search(const struct surface *surface, const struct kernel *kernel, vec3 x,
-                 struct walk *walk, struct nearest *nearest);
+                 struct walk *walk, struct work *work, struct nearest *nearest);
 
 #endif

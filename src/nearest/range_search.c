@@ -21,7 +21,7 @@ static void look_at(struct range *range, uint32_t level, uint32_t node)
                               : surface->leaves + (size_t)node * MESH_LEAF_WORDS;
     kernel_renew *look = level ? range->kernel->boxes : range->kernel->triangles;
     struct planes planes;
-    range->work++;
+    work_spend(range->work, 1);
     range->level = level;
     range->node[level] = node;
     range->lanes[level] = 0;
@@ -30,12 +30,11 @@ static void look_at(struct range *range, uint32_t level, uint32_t node)
 }
 
 void range_begin(struct range *range, const struct surface *surface, const struct kernel *kernel,
-                 vec3 a, vec3 u, double reach, uint32_t most)
+                 vec3 a, vec3 u, double reach, struct work *work)
 {
     range->surface = surface;
     range->kernel = kernel;
-    range->work = 0;
-    range->most = most;
+    range->work = work;
     vec3 x = probe_axis(&range->probe, surface, a, u);
     probe_frame(&range->probe, x);
     probe_limit(&range->probe, surface, reach);
@@ -59,7 +58,7 @@ uint32_t range_next(struct range *range, int *meets)
         uint32_t lane = first_lane(range->lanes[level]);
         range->lanes[level] &= range->lanes[level] - 1;
         uint32_t child = range->node[level] * LANES + lane;
-        if (level && range->work >= range->most)
+        if (level && work_is_spent(range->work))
             return DPT_NONE;
         if (level) {
             look_at(range, level - 1, child);

@@ -15,17 +15,16 @@ struct range {
     uint32_t node[MESH_LEVELS_MAX + 1];
     uint32_t lanes[MESH_LEVELS_MAX + 1]; /* still to come; level 0: triangles of a leaf */
     float bound[LANES];                  /* of those triangles */
-    uint32_t work;                       /* 16-lane blocks */
-    uint32_t most;                       /* and how many it may look at; UINT32_MAX: all */
+    struct work *work;
 };
 
 /* The axis a + s u, in the mesh's frame; `reach` >= 0, a distance; at least one block is looked at. */
 void range_begin(struct range *range, const struct surface *surface, const struct kernel *kernel,
-                 vec3 a, vec3 u, double reach, uint32_t most);
+                 vec3 a, vec3 u, double reach, struct work *work);
 
 /*
  * The next triangle, by its place, or DPT_NONE. None within reach is left out; some beyond it may come.
- * `meets`: it may be at distance 0. When range->work is range->most, there may be more.
+ * `meets`: it may be at distance 0. When the work is spent, there may be more.
  */
 uint32_t range_next(struct range *range, int *meets);
 

@@ -14,7 +14,7 @@ struct hunt {
     const struct kernel *kernel;
     const struct sweep *sweep;
     double from; /* what is searched: from here to progress->to */
-    uint32_t work;
+    struct work *work;
     struct swath swath;
     struct sweep_progress *progress;
 };
@@ -89,7 +89,7 @@ static void ask(struct hunt *hunt, uint32_t triangle)
                              vec3_of_float(surface->positions + 3 * (size_t)of[2]) };
     double time;
     uint32_t asked = 0;
-    hunt->work++;
+    work_spend(hunt->work, 1);
     if (sweep_pair(hunt->sweep, corner, progress->to, &time, &asked) != SWEEP_HIT ||
         (time == progress->to && progress->triangle != DPT_NONE &&
          surface->sources[triangle] >= surface->sources[progress->triangle]))
@@ -107,7 +107,7 @@ static void open_node(struct hunt *hunt, uint32_t level, uint32_t node)
     const struct surface *surface = hunt->surface;
     struct sweep_node *opened = &hunt->progress->path[level];
     uint32_t children = level ? surface->count[level - 1] : surface_triangles(surface);
-    hunt->work++;
+    work_spend(hunt->work, 1);
     hunt->progress->level = level;
     opened->node = node;
     opened->lanes = lanes_of(children - node * LANES);
@@ -134,8 +134,8 @@ static void begin(struct hunt *hunt, uint32_t hint)
         ask(hunt, hint);
 }
 
-/* 0 when the work allowed ran out. */
-static int go_on(struct hunt *hunt, uint32_t most)
+/* 0 when the work is spent. */
+static int go_on(struct hunt *hunt)
 {
     struct sweep_progress *progress = hunt->progress;
     for (;;) {
@@ -146,7 +146,7 @@ static int go_on(struct hunt *hunt, uint32_t most)
             progress->level++;
             continue;
         }
-        if (hunt->work >= most)
+        if (work_is_spent(hunt->work))
             return 0;
         uint32_t lane = least_lane(opened->bound, opened->lanes);
         uint32_t child = opened->node * LANES + lane;
@@ -159,15 +159,15 @@ static int go_on(struct hunt *hunt, uint32_t most)
 }
 
 int sweep_mesh(const struct surface *surface, const struct kernel *kernel,
-               const struct sweep *sweep, double from, uint32_t hint, uint32_t most,
-               struct sweep_progress *progress, struct strike *first, uint32_t *work)
+               const struct sweep *sweep, double from, uint32_t hint, struct work *work,
+               struct sweep_progress *progress, struct strike *first)
 {
     struct hunt hunt;
     hunt.surface = surface;
     hunt.kernel = kernel;
     hunt.sweep = sweep;
     hunt.from = from;
-    hunt.work = 0;
+    hunt.work = work;
     hunt.progress = progress;
     *first = (struct strike){ .time = 1.0, .triangle = DPT_NONE };
     if (from >= 1.0)
@@ -176,8 +176,7 @@ int sweep_mesh(const struct surface *surface, const struct kernel *kernel,
         swath_of(&hunt, &hunt.swath);
     else
         begin(&hunt, hint);
-    int done = go_on(&hunt, most ? most : UINT32_MAX);
-    *work += hunt.work;
+    int done = go_on(&hunt);
     progress->begun = !done;
     first->time = done ? progress->to : from;
     if (!done || progress->triangle == DPT_NONE)

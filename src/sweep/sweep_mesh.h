@@ -38,16 +38,14 @@ struct sweep_progress {
  *   from   as sweep_start told of a distance to this mesh; 0: nothing is known
  *   hint   a triangle, by its place, that is likely to be hit, such as the one last nearest: saves
  *          work and changes nothing else. DPT_NONE: none
- *   most   units of work allowed, 0: what it takes. A unit is one block of 16 lanes, or one
- *          triangle that is asked in double
+ *   work   a unit is one block of 16 lanes, or one triangle that is asked in double
  *   progress  begun 0: begin. After SWEEP_UNFINISHED: another call with the same mesh, sweep and
  *          `from` goes on
  *   first  SWEEP_HIT: all of it. SWEEP_FREE: time 1 and no triangle. SWEEP_UNFINISHED: no triangle,
  *          and time is `from`, up to which the motion is free
- *   work   grows by the units spent, no more than `most`
  */
 int sweep_mesh(const struct surface *surface, const struct kernel *kernel,
-               const struct sweep *sweep, double from, uint32_t hint, uint32_t most,
-               struct sweep_progress *progress, struct strike *first, uint32_t *work);
+               const struct sweep *sweep, double from, uint32_t hint, struct work *work,
+               struct sweep_progress *progress, struct strike *first);
 
 #endif

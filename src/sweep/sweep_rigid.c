@@ -100,9 +100,8 @@ static int sweep_straight(struct tour *tour, const struct ends *from, const stru
     sweep_begin(&sweep, &passage->motion, tour->radius + bend, tour->tolerance,
                 surface_extent(surface));
     double start = t0 > 0.0 ? 0.0 : sweep_start(&sweep, tour->far);
-    int result = sweep_mesh(surface, tour->kernel, &sweep, start, tour->hint,
-                            tour->most ? tour->most - tour->work : 0, &tour->progress->sweep,
-                            &passage->strike, &tour->work);
+    int result = sweep_mesh(surface, tour->kernel, &sweep, start, tour->hint, tour->work,
+                            &tour->progress->sweep, &passage->strike);
     passage->time = t0 + passage->strike.time * (t1 - t0);
     if (result == SWEEP_FREE)
         tour->progress->free_until = t1;
@@ -126,7 +125,7 @@ static int sweep_between(struct tour *tour, const struct moment *from, const str
     int result = sweep_between(tour, from, at_from, &middle, &at_middle, t0, half, halves - 1);
     if (result != SWEEP_FREE)
         return result;
-    if (tour->most && tour->work >= tour->most)
+    if (work_is_spent(tour->work))
         return SWEEP_UNFINISHED;
     return sweep_between(tour, &middle, &at_middle, to, at_to, half, t1, halves - 1);
 }

@@ -39,8 +39,7 @@ struct tour {
     double far; /* nothing of the body is nearer than that to the axis where the tour begins */
     double tolerance; /* half of what a hit may be off */
     uint32_t hint;
-    uint32_t most; /* units of work; 0: what it takes */
-    uint32_t work;
+    struct work *work;
     struct tour_progress *progress;
     struct passage passage;
 };

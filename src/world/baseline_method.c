@@ -10,18 +10,19 @@ struct gathered {
     int any;
     double gap;
     dpt_hit *hit;
-    uint32_t work;
 };
 
 /* This tick's dynamic point: a full search where there is none yet. */
 static void dynamic_point(const struct dpt_world *world, const struct surface *surface,
-                          const struct axis *part, uint32_t *last, struct nearest *nearest)
+                          const struct axis *part, uint32_t *last, struct work *work,
+                          struct nearest *nearest)
 {
     *nearest = (struct nearest){ .pair = { .distance2 = HUGE_VAL }, .triangle = *last };
     if (*last == DPT_NONE)
-        tree_search(surface, &world->kernel, NULL, part->local_a, part->u, 0.0, nearest);
+        tree_search(surface, &world->kernel, NULL, part->local_a, part->u, 0.0, work, nearest);
     else
-        descend(surface, &world->kernel, part->local_a, part->u, world->def.one_step != 0, nearest);
+        descend(surface, &world->kernel, part->local_a, part->u, world->def.one_step != 0, work,
+                nearest);
     *last = nearest->triangle;
 }
 
@@ -55,8 +56,7 @@ static void take_body(struct gathered *sum, struct dpt_world *world, uint32_t se
         struct nearest nearest;
         axis_of(&body->surface, &body->frame, along(a, (double)k / parts, u),
                 along(a, (double)(k + 1) / parts, u), &part);
-        dynamic_point(world, &body->surface, &part, &last[k], &nearest);
-        sum->work += nearest.work;
+        dynamic_point(world, &body->surface, &part, &last[k], &world->work, &nearest);
         if (nearest.triangle != DPT_NONE)
             take_part(sum, world, body, k, &part, &nearest, world->segments[segment].radius);
     }
@@ -65,11 +65,12 @@ static void take_body(struct gathered *sum, struct dpt_world *world, uint32_t se
 struct push paper_segment(struct dpt_world *world, uint32_t segment, vec3 a, vec3 b, dpt_hit *hit)
 {
     struct gathered sum = { .hit = hit };
+    const uint32_t before = world->work.done;
     vec3 u = sub(b, a);
     for (uint32_t i = 0; i < world->body_end; i++)
         if (world->bodies[i].slot.used)
             take_body(&sum, world, segment, &world->bodies[i], a, u);
-    hit->work = sum.work;
+    hit->work = world->work.done - before;
     if (!sum.any)
         return sum.push;
 

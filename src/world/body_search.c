@@ -95,19 +95,6 @@ struct hunt {
     uint32_t next;     /* body that the budget did not reach, or DPT_NONE */
 };
 
-static int is_spent(const struct hunt *hunt)
-{
-    return hunt->world->def.budget && !hunt->world->left;
-}
-
-static void charge(struct hunt *hunt, struct nearest *nearest)
-{
-    hunt->best->work += nearest->work;
-    if (hunt->world->def.budget)
-        hunt->world->left -= nearest->work;
-    nearest->work = 0;
-}
-
 static void axis_in(const struct hunt *hunt, const struct body *body, struct axis *axis)
 {
     axis_of(&body->surface, &body->frame, *hunt->a, *hunt->b, axis);
@@ -140,24 +127,33 @@ static void ask_plainly(struct hunt *hunt, uint32_t index)
     axis_in(hunt, body, &track.axis);
     if (world->def.method == DPT_METHOD_BRUTE) {
         track.nearest = (struct nearest){ .pair = { .distance2 = limit2 }, .triangle = DPT_NONE };
-        tree_brute(&body->surface, track.axis.local_a, track.axis.u, &track.nearest);
+        tree_brute(&body->surface, track.axis.local_a, track.axis.u, &world->work, &track.nearest);
     } else {
         struct walk walk;
         walk.at = 0;
         track_begin(&track, &body->surface, *world_last(world, hunt->segment, index), limit2,
-                    TRACK_STAYS, 0);
-        track_prove(&track, &body->surface, &world->kernel, NULL, &walk);
+                    TRACK_STAYS, &world->work);
+        track_prove(&track, &body->surface, &world->kernel, NULL, &walk, &world->work);
         track_settle(&track);
     }
     best->error = larger(best->error, track.axis.error);
-    charge(hunt, &track.nearest);
     take(hunt, body, &track);
 }
 
 /* Of what is left, the dynamic point may take half; its proof needs the rest. */
-static uint32_t most_slide(const struct dpt_world *world)
+static uint32_t slide_share(const struct dpt_world *world)
 {
-    return world->left / 2;
+    return work_left(&world->work) / 2;
+}
+
+static void begin_track(struct hunt *hunt, uint32_t index, double limit2, enum slide slide,
+                        struct track *track)
+{
+    struct dpt_world *world = hunt->world;
+    struct work share = work_of(slide_share(world));
+    track_begin(track, &world->bodies[index].surface, *world_last(world, hunt->segment, index),
+                limit2, slide, &share);
+    work_spend(&world->work, share.done);
 }
 
 /* The dynamic point on the body that was nearest. A resting one has nowhere to go. */
@@ -172,13 +168,11 @@ static void follow(struct hunt *hunt, uint32_t index)
     if (world->def.budget)
         hunt->moved = bounds_update(world, hunt->segment, index, &track->axis);
     enum slide slide = TRACK_STAYS;
-    if (hunt->moved > 0.0 && (!world->def.budget || most_slide(world)))
+    if (hunt->moved > 0.0 && slide_share(world))
         slide = track->nearest.pair.distance2 == 0.0 ? TRACK_CROSSED : TRACK_SLIDES;
-    track_begin(track, &body->surface, *world_last(world, hunt->segment, index), HUGE_VAL, slide,
-                most_slide(world));
+    begin_track(hunt, index, HUGE_VAL, slide, track);
     hunt->is_new = track->last == DPT_NONE;
     hunt->best->error = track->axis.error;
-    charge(hunt, &track->nearest);
     take(hunt, body, track);
 }
 
@@ -195,15 +189,12 @@ static int prove(struct hunt *hunt, uint32_t index, struct track *track, int sli
     struct dpt_world *world = hunt->world;
     const struct body *body = &world->bodies[index];
     if (track != &hunt->best->track)
-        track_begin(track, &body->surface, *world_last(world, hunt->segment, index),
-                    hunt->best->track.nearest.pair.distance2, slide ? TRACK_SLIDES : TRACK_STAYS,
-                    most_slide(world));
-    track->nearest.most = world->left;
+        begin_track(hunt, index, hunt->best->track.nearest.pair.distance2,
+                    slide ? TRACK_SLIDES : TRACK_STAYS, track);
     const struct keeper keeper =
         keeper_of(&world->certificate, world_owner(world, hunt->segment, index), anew);
-    int done = track_prove(track, &body->surface, &world->kernel, &keeper, walk);
+    int done = track_prove(track, &body->surface, &world->kernel, &keeper, walk, &world->work);
     *floor = sqrt(track->nearest.pair.distance2);
-    charge(hunt, &track->nearest);
     track_settle(track);
     take(hunt, body, track);
     return done;
@@ -221,15 +212,16 @@ static void ask_in_pieces(struct hunt *hunt, uint32_t index, double apart, struc
     int anew = moved == 0.0 || hunt->is_new;
     struct pause *pause = world_pause(world, hunt->segment, anew);
     proof->floor = larger(proof->floor, apart);
-    if (!is_proven(hunt, bounds_proven(world, hunt->segment, index)) && !is_spent(hunt)) {
+    if (!is_proven(hunt, bounds_proven(world, hunt->segment, index)) &&
+        !work_is_spent(&hunt->world->work)) {
         double floor;
         if (pause->body != index || !pause->walk.at) {
             bounds_give_up(world, hunt->segment, pause);
             pause->body = index;
             pause->floor = HUGE_VAL;
         }
-        done =
-            prove(hunt, index, track, moved > 0.0 && most_slide(world), anew, &pause->walk, &floor);
+        done = prove(hunt, index, track, moved > 0.0 && slide_share(world), anew, &pause->walk,
+                     &floor);
         pause->floor = smaller(pause->floor, floor);
         if (done)
             proof->floor = larger(proof->floor, pause->floor);
@@ -285,9 +277,8 @@ static void scan(struct hunt *hunt, struct near *near)
     struct dpt_world *world = hunt->world;
     struct home *home = &near->next;
     uint32_t *list = world_near(world, hunt->segment, home->which);
-    while (near->scanned < world->body_end && !is_spent(hunt)) {
-        struct nearest unit = { .work = 1 };
-        charge(hunt, &unit);
+    while (near->scanned < world->body_end && !work_is_spent(&hunt->world->work)) {
+        work_spend(&world->work, 1);
         for (int i = 0; i < LANES && near->scanned < world->body_end; i++) {
             uint32_t index = near->scanned++;
             if (world->bodies[index].slot.used && box_meets(&home->box, &world->boxes[index]))
@@ -314,7 +305,7 @@ static void tidy_near(struct hunt *hunt, struct near *near)
 {
     const struct dpt_world *world = hunt->world;
     uint32_t units = (world->body_end + LANES - 1) / LANES;
-    if (!near_is_wide(near, hunt->distance) || (world->def.budget && world->left < units))
+    if (!near_is_wide(near, hunt->distance) || work_left(&world->work) < units)
         return;
     near_settle(near, hunt->distance);
     scan(hunt, near);
@@ -407,7 +398,7 @@ void bodies_find(struct dpt_world *world, uint32_t segment, const vec3 *a, const
     best->body = NULL;
     best->lower = HUGE_VAL;
     best->error = 0.0;
-    best->work = 0;
+    const uint32_t before = world->work.done;
     if (world->def.method == DPT_METHOD_EXACT) {
         find_exact(&hunt);
     } else {
@@ -416,6 +407,7 @@ void bodies_find(struct dpt_world *world, uint32_t segment, const vec3 *a, const
                 ask_plainly(&hunt, i);
     }
     best->exact = best->body && is_proven(&hunt, best->lower);
+    best->work = world->work.done - before;
 }
 
 uint32_t bodies_within(struct dpt_world *world, uint32_t segment, double reach,
@@ -426,8 +418,7 @@ uint32_t bodies_within(struct dpt_world *world, uint32_t segment, double reach,
     if (world->body_end <= BODIES_FEW || world->def.method != DPT_METHOD_EXACT)
         return world->body_end;
     if (near_reach(near) < reach && !world->def.budget) {
-        struct found none = { .work = 0 };
-        struct hunt hunt = { .world = world, .segment = segment, .best = &none };
+        struct hunt hunt = { .world = world, .segment = segment };
         near_settle(near, reach);
         scan(&hunt, near);
     }

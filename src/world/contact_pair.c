@@ -266,22 +266,20 @@ static int look(struct meeting *meeting, const struct seed *seeds, uint32_t seed
 {
     struct dpt_world *world = meeting->world;
     struct profile *profile = meeting->profile;
-    profile->most = world->def.budget ? world->left : UINT32_MAX;
+    profile->work = work_of(work_left(&world->work));
     int found = contact_find(profile, &meeting->nearest, seeds, seed_count, meeting->radius, gap);
     *count = 0;
     if (found == CONTACT_PROFILE && world->def.max_contacts) {
         /* Integrals leave half to the segments that come after: their gaps count for more. */
         if (world->def.budget && world->segment_count > 1)
-            profile->most -= profile_spare(profile) / 2;
+            profile->work.limit -= work_left(&profile->work) / 2;
         *count = region_all(profile, regions);
         take_deepest(meeting, regions, *count, gap);
         /* Where each sample has a side of its own, what is deepest is found with the regions. */
         if (profile->cut && profile_by_sample(profile))
             found = CONTACT_UNKNOWN;
     }
-    meeting->work += profile->work;
-    if (world->def.budget)
-        world->left -= profile->work < world->left ? profile->work : world->left;
+    work_spend(&world->work, profile->work.done);
     return found;
 }
 

@@ -15,7 +15,6 @@ struct meeting {
     struct nearest nearest;
     struct sides sides;
     struct profile *profile;
-    uint32_t work; /* 16-lane blocks */
 };
 
 /* What it adds to the segment's gap; its regions into the world. CONTACT_... */

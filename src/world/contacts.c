@@ -13,19 +13,15 @@ static int search_other(struct meeting *meeting, vec3 a, vec3 b, dpt_hit *hit)
     uint32_t *last = world_last(world, meeting->segment, handle_index(meeting->body->id));
     struct walk walk;
     walk.at = 0;
-    if (world->def.budget && !world->left)
+    if (work_is_spent(&world->work))
         return 0;
     axis_of(surface, &meeting->body->frame, a, b, &meeting->axis);
     *nearest = (struct nearest){ .pair = tree_pair(surface, *last == DPT_NONE ? 0 : *last,
                                                    axis->local_a, axis->u),
-                                 .triangle = *last == DPT_NONE ? 0 : *last,
-                                 .most = world->left };
-    int done =
-        tree_walk(surface, &world->kernel, NULL, axis->local_a, axis->u, 0.0, &walk, nearest);
+                                 .triangle = *last == DPT_NONE ? 0 : *last };
+    int done = tree_walk(surface, &world->kernel, NULL, axis->local_a, axis->u, 0.0, &walk,
+                         &world->work, nearest);
     *last = nearest->triangle;
-    hit->work += nearest->work;
-    if (world->def.budget)
-        world->left -= nearest->work;
     return done;
 }
 
@@ -49,9 +45,7 @@ static void meet_body(struct meeting *meeting, const struct found *best, dpt_hit
         ready = search_other(meeting, best->track.axis.a, best->track.axis.b, hit);
     }
     if (ready) {
-        meeting->work = 0;
         found = contact_pair_meet(meeting, &gap);
-        hit->work += meeting->work;
     } else {
         contacts_keep_body(meeting->world, meeting->segment, meeting->body);
     }

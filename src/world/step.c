@@ -59,11 +59,13 @@ static void track_segment(struct dpt_world *world, uint32_t index)
 static void contact_segment(struct dpt_world *world, uint32_t index)
 {
     struct segment *segment = &world->segments[index];
+    const uint32_t before = world->work.done;
     int swept = segment->found.body && travel_find(world, index);
     if (swept && segment->found.exact)
         contacts_find(world, index, &segment->found, &segment->hit, &segment->push);
     else
         contacts_keep(world, index);
+    segment->hit.work += world->work.done - before;
     travel_end(world, index);
 }
 
@@ -86,7 +88,7 @@ static void step_segments(struct dpt_world *world)
     uint32_t first = tick % 2 && count > 1 ? tick / 2 % count : world->turn;
     first = first < count ? first : 0;
     int waits = 0;
-    world->left = world->def.budget;
+    world->work = work_of(world->def.budget ? world->def.budget : WORK_UNLIMITED);
     world->memo.tick = tick;
     contacts_turn(world);
     for (uint32_t i = 0; i < count; i++)

@@ -88,19 +88,10 @@ static void keep_side(struct dpt_world *world, uint32_t index, const struct body
         contacts_meet(world, index, body, part, tour_side_before(tour), &seed);
 }
 
-/* Within what is left of the budget. */
-static int take_tour(struct dpt_world *world, struct segment *segment, struct tour *tour,
-                     const struct moment *from, const struct moment *to)
+/* As far as there is work left for it. */
+static int take_tour(struct tour *tour, const struct moment *from, const struct moment *to)
 {
-    int result = SWEEP_UNFINISHED;
-    tour->most = world->left;
-    tour->work = 0;
-    if (!world->def.budget || world->left)
-        result = tour_sweep(tour, from, to);
-    segment->hit.work += tour->work;
-    if (world->def.budget)
-        world->left -= tour->work;
-    return result;
+    return work_is_spent(tour->work) ? SWEEP_UNFINISHED : tour_sweep(tour, from, to);
 }
 
 static void begin_tour(struct voyage *voyage, uint32_t on_axis)
@@ -133,6 +124,7 @@ static int pass_body(struct dpt_world *world, uint32_t index, const struct body 
                          .far = far,
                          .tolerance = 0.5 * TOUR_TOLERANCE * surface_diagonal(&body->surface),
                          .hint = *world_last(world, index, handle_index(body->id)),
+                         .work = &world->work,
                          .progress = &voyage->progress };
     from->body = body->moved == world->ticks ? body->before : body->pose;
     to->body = body->pose;
@@ -143,9 +135,9 @@ static int pass_body(struct dpt_world *world, uint32_t index, const struct body 
     }
     int result = SWEEP_HIT;
     if (voyage->on_axis)
-        tour.passage = voyage->surface;
+        tour.passage = voyage->by_surface;
     else
-        result = take_tour(world, segment, &tour, from, to);
+        result = take_tour(&tour, from, to);
     if (result == SWEEP_FREE)
         return LEG_GOES_ON;
     if (result == SWEEP_UNFINISHED)
@@ -155,10 +147,10 @@ static int pass_body(struct dpt_world *world, uint32_t index, const struct body 
     struct tour axis = tour;
     axis.radius = 0.0;
     if (tour.radius > 0.0) {
-        voyage->surface = tour.passage;
+        voyage->by_surface = tour.passage;
         if (!voyage->on_axis)
             begin_tour(voyage, 1);
-        result = take_tour(world, segment, &axis, from, to);
+        result = take_tour(&axis, from, to);
     }
     if (result == SWEEP_UNFINISHED)
         return stop(segment, voyage, body);

@@ -108,9 +108,11 @@ static uint32_t nearest_to_end(const struct dpt_world *world, const struct laid 
 {
     struct axis axis;
     struct nearest nearest;
+    struct work work = work_of(WORK_UNLIMITED); /* no budget counts strips */
     vec3 at = frame_to_world(&laid->frame, end ? add(laid->a, laid->u) : laid->a);
     axis_of(&laid->surface, &laid->frame, at, at, &axis);
-    track_once(&laid->surface, &world->kernel, DPT_METHOD_TREE, &axis, laid->end[end], &nearest);
+    track_once(&laid->surface, &world->kernel, DPT_METHOD_TREE, &axis, laid->end[end], &work,
+               &nearest);
     return nearest.triangle;
 }
 

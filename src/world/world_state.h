@@ -73,7 +73,7 @@ struct voyage {
     uint32_t reserved;
     double radius;   /* with which it was begun */
     dpt_sweep sweep; /* what was met of those that are done */
-    struct passage surface;
+    struct passage by_surface;
     struct tour_progress progress;
 };
 
@@ -149,7 +149,7 @@ struct dpt_world {
     uint32_t tool_end;
     uint32_t segment_count;
     uint32_t invalid;       /* bodies without a valid pose */
-    uint32_t left;          /* of this tick's budget */
+    struct work work;       /* of this tick, and its budget */
     uint32_t turn;          /* the segment that the budget did not reach */
     uint32_t ticks;         /* since the last reset; may wrap */
     uint32_t travelled_at;  /* the tick before which a body last moved */

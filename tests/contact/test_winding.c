@@ -18,21 +18,22 @@ static double check_against_brute(const char *name, const struct scene *scene, i
     uint32_t chosen, most_work = 0;
     double worst = 0.0;
     for (int i = 0; i < 2 * points; i++) {
-        uint32_t place = (uint32_t)(random_bits(&random) % scene->info.triangles), work = 0;
+        uint32_t place = (uint32_t)(random_bits(&random) % scene->info.triangles);
+        struct work work = work_of(WORK_UNLIMITED);
         vec3 x = i % 2 ? point_in_box(scene, &random) : point_off(scene, place, shares[i / 2 % 5]);
-        double winding = winding_number(&scene->tree, &scene->kernel, x, UINT32_MAX, &work);
+        double winding = winding_number(&scene->surface, &scene->kernel, x, &work);
         double error = fabs(winding - brute_at(scene, x));
         CHECK(error <= WINDING_ERROR, "%s: off by %g at %g %g %g", name, error, x.x, x.y, x.z);
         worst = larger(worst, error);
-        most_work = work > most_work ? work : most_work;
+        most_work = work.done > most_work ? work.done : most_work;
         for (uint32_t id = DPT_KERNEL_SCALAR; id <= DPT_KERNEL_NEON; id++) {
             struct kernel other;
-            uint32_t again = 0;
+            struct work again = work_of(WORK_UNLIMITED);
             if (!kernel_get(id, &other, &chosen))
                 continue;
-            double same = winding_number(&scene->tree, &other, x, UINT32_MAX, &again);
-            CHECK(!memcmp(&same, &winding, sizeof same) && again == work, "%s: %s says %g, not %g",
-                  name, dpt_kernel_name(id), same, winding);
+            double same = winding_number(&scene->surface, &other, x, &again);
+            CHECK(!memcmp(&same, &winding, sizeof same) && again.done == work.done,
+                  "%s: %s says %g, not %g", name, dpt_kernel_name(id), same, winding);
         }
     }
     printf("    %-12s %7u triangles: off by at most %.1e, work at most %u\n", name,
@@ -144,9 +145,9 @@ static void check_sides(uint64_t triangles)
             asked++;
             bad += !(fabs(step - 1.0) < 0.1);
             /* By a vertex, and by an edge. */
-            const uint32_t *corner = scene.tree.corners + 3 * (size_t)place;
-            const float *p = scene.tree.positions + 3 * (size_t)corner[0];
-            const float *q = scene.tree.positions + 3 * (size_t)corner[i % 2];
+            const uint32_t *corner = scene.surface.corners + 3 * (size_t)place;
+            const float *p = scene.surface.positions + 3 * (size_t)corner[0];
+            const float *q = scene.surface.positions + 3 * (size_t)corner[i % 2];
             const vec3 on = scaled(add(vec3_of_float(p), vec3_of_float(q)), 0.5);
             const vec3 way = { random_in(&random, -1, 1), random_in(&random, -1, 1),
                                random_in(&random, -1, 1) };
@@ -157,7 +158,7 @@ static void check_sides(uint64_t triangles)
                      fabs(winding_at(&scene, out.x, out.y, out.z) - brute_at(&scene, out)) < 0.001);
         }
         CHECK(bad == 0 && asked > 1000, "%d of %d", bad, asked);
-        const float *v = scene.tree.positions;
+        const float *v = scene.surface.positions;
         double on = winding_at(&scene, v[0], v[1], v[2]);
         CHECK(on > -0.1 && on < 1.1, "at a vertex %g", on);
         vec3 face = point_off(&scene, 77, 0.0);
@@ -227,7 +228,7 @@ static void public_meshes_are_what_they_seem(void)
               "%s: %u solid, %u cavities, %u by winding, %u buried", wanted->path,
               info->solid_components, info->cavities, info->winding_components,
               info->buried_components);
-        surface_of_mesh(scene.mesh, &scene.tree);
+        surface_of_mesh(scene.mesh, &scene.surface);
         kernel_get(DPT_KERNEL_AUTO, &scene.kernel, &chosen);
         if (info->winding_components)
             check_against_brute(strrchr(wanted->path, '/') + 1, &scene, 60);

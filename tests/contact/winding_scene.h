@@ -22,7 +22,7 @@ struct scene {
     dpt_compiled compiled;
     const dpt_mesh *mesh;
     dpt_mesh_info info;
-    struct surface tree;
+    struct surface surface;
     struct kernel kernel;
 };
 
@@ -124,7 +124,7 @@ static inline int scene_open(struct scene *scene)
     if (result != DPT_OK)
         return 0;
     dpt_mesh_get_info(scene->mesh, &scene->info);
-    surface_of_mesh(scene->mesh, &scene->tree);
+    surface_of_mesh(scene->mesh, &scene->surface);
     kernel_get(DPT_KERNEL_AUTO, &scene->kernel, &chosen);
     return 1;
 }
@@ -138,8 +138,8 @@ static inline void scene_close(struct scene *scene)
 
 static inline double winding_at(const struct scene *scene, double x, double y, double z)
 {
-    uint32_t work = 0;
-    return winding_number(&scene->tree, &scene->kernel, (vec3){ x, y, z }, UINT32_MAX, &work);
+    struct work work = work_of(WORK_UNLIMITED);
+    return winding_number(&scene->surface, &scene->kernel, (vec3){ x, y, z }, &work);
 }
 
 /* The flags of the part of a source triangle. */
@@ -183,7 +183,7 @@ static inline vec3 point_in_box(const struct scene *scene, uint64_t *random)
 /* Off the middle of a triangle by a share of the diagonal, along its normal. */
 static inline vec3 point_off(const struct scene *scene, uint32_t place, double share)
 {
-    const struct surface *tree = &scene->tree;
+    const struct surface *tree = &scene->surface;
     const double *low = scene->info.box_min, *high = scene->info.box_max;
     vec3 c[3];
     for (uint32_t k = 0; k < 3; k++)

@@ -378,7 +378,8 @@ static void use(const dpt_mesh *mesh, uint64_t *random)
     double ends[6 * 4];
     struct surface surface;
     struct kernel kernel;
-    uint32_t work = 0, chosen;
+    struct work work = work_of(WORK_UNLIMITED);
+    uint32_t chosen;
     dpt_hit hits[4] = { DPT_HIT_INIT };
     dpt_query_def query = { .size = sizeof query };
     dpt_world_def def;
@@ -390,7 +391,7 @@ static void use(const dpt_mesh *mesh, uint64_t *random)
     surface_of_mesh(mesh, &surface);
     kernel_get(DPT_KERNEL_AUTO, &kernel, &chosen);
     for (int i = 0; i < 8; i++)
-        CHECK(isfinite(winding_number(&surface, &kernel, vec3_of(ends + 3 * i), UINT32_MAX, &work)),
+        CHECK(isfinite(winding_number(&surface, &kernel, vec3_of(ends + 3 * i), &work)),
               "a winding number that is none");
     for (query.method = 0; query.method <= DPT_METHOD_BRUTE; query.method++) {
         dpt_query_segments(mesh, NULL, ends, NULL, 4, hits, &query);

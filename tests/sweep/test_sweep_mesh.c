@@ -17,7 +17,7 @@ static uint64_t rng = 1;
 /* A mesh that is swept, and what its bounds and numbers are. */
 struct body {
     struct fixture fixture;
-    struct surface tree;
+    struct surface surface;
     double diagonal;
 };
 
@@ -26,7 +26,7 @@ static int body_of(struct body *body)
     const struct dpt_mesh *mesh = body->fixture.mesh;
     if (!mesh)
         return 0;
-    surface_of_mesh(mesh, &body->tree);
+    surface_of_mesh(mesh, &body->surface);
     body->diagonal = length(sub(vec3_of(mesh->box_max), vec3_of(mesh->box_min)));
     return 1;
 }
@@ -53,7 +53,7 @@ static int soup_of(struct body *body)
 /* About the body; of a third, fast, slow, or not at all; from a length of 0 to the diagonal. */
 static void motion_near(const struct body *body, struct motion *m)
 {
-    const struct surface *tree = &body->tree;
+    const struct surface *tree = &body->surface;
     uint32_t v = tree->corners[random_bits(&rng) % (3 * (uint64_t)tree->mesh->triangles)];
     double size = body->diagonal, far = power_in(&rng, -5.0, -0.5);
     vec3 at = vec3_of_float(tree->positions + 3 * (size_t)v), u = scaled(any_in(&rng, 1.0), size);
@@ -108,7 +108,9 @@ static int sweep_whole(const struct body *body, const struct kernel *kernel,
 {
     struct sweep_progress progress;
     progress.begun = 0;
-    int result = sweep_mesh(&body->tree, kernel, sweep, from, hint, 0, &progress, found, work);
+    struct work meter = { *work, WORK_UNLIMITED };
+    int result = sweep_mesh(&body->surface, kernel, sweep, from, hint, &meter, &progress, found);
+    *work = meter.done;
     CHECK(result != SWEEP_UNFINISHED, "%u units, of any number", *work);
     return result;
 }
@@ -127,14 +129,16 @@ static uint32_t check_budget(const struct body *body, const struct kernel *kerne
     struct sweep_progress progress;
     progress.begun = 0;
     do {
-        uint32_t most = 1 + (uint32_t)(random_bits(&rng) % full), work = 5;
+        uint32_t most = 1 + (uint32_t)(random_bits(&rng) % full);
         most = one_in(&rng, 4) ? 1 : most;
-        result = sweep_mesh(&body->tree, kernel, sweep, from, hint, most, &progress, &found, &work);
-        CHECK(work - 5 <= most, "%u of %u units", work - 5, most);
-        all += work - 5;
+        struct work meter = { 5, 5 + most };
+        result = sweep_mesh(&body->surface, kernel, sweep, from, hint, &meter, &progress, &found);
+        const uint32_t spent = meter.done - 5;
+        CHECK(spent <= most, "%u of %u units", spent, most);
+        all += spent;
         if (result != SWEEP_UNFINISHED)
             break;
-        CHECK(work - 5 == most, "%u of %u units, unfinished", work - 5, most);
+        CHECK(spent == most, "%u of %u units, unfinished", spent, most);
         CHECK(found.triangle == DPT_NONE && found.time == from, "%u at %g", found.triangle,
               found.time);
         ends++;
@@ -149,7 +153,7 @@ static double check_start(const struct body *body, const struct sweep *sweep,
                           const struct strike *truth)
 {
     struct nearest nearest = { .pair.distance2 = HUGE_VAL, .triangle = DPT_NONE };
-    tree_brute(&body->tree, sweep->a, sweep->u, &nearest);
+    tree_brute(&body->surface, sweep->a, sweep->u, &(struct work){ 0, WORK_UNLIMITED }, &nearest);
     double from = sweep_start(sweep, sqrt(nearest.pair.distance2));
     CHECK(from >= 0.0 && from <= 1.0, "%g", from);
     CHECK(truth->triangle == DPT_NONE || from < truth->time || from == 0.0, "%.17g, hit at %.17g",
@@ -162,7 +166,7 @@ static void check_pair_of(const struct body *body, const struct sweep *sweep,
 {
     vec3 a, u;
     sweep_axis(sweep, found->time, &a, &u);
-    pair expected = tree_pair(&body->tree, found->triangle, a, u);
+    pair expected = tree_pair(&body->surface, found->triangle, a, u);
     CHECK(expected.distance2 == found->pair.distance2 && expected.s == found->pair.s, "pair");
     CHECK(sqrt(expected.distance2) <= sweep->radius + tolerance, "off");
     vec3 off = sub(sub(along(a, found->pair.s, u), found->q), found->pair.gap);
@@ -183,8 +187,8 @@ static void sweep_body(const char *name, struct body *body, int motions)
         double radius = one_in(&rng, 2) ? 0.0 : body->diagonal * power_in(&rng, -5.0, -1.0);
         uint32_t work = 0, full = 0;
         motion_near(body, &motion);
-        sweep_begin(&sweep, &motion, radius, tolerance, surface_extent(&body->tree));
-        struct strike truth = brute_sweep(&body->tree, &sweep);
+        sweep_begin(&sweep, &motion, radius, tolerance, surface_extent(&body->surface));
+        struct strike truth = brute_sweep(&body->surface, &sweep);
         for (uint32_t k = 0; k < kernels; k++) {
             uint32_t before = full;
             full = 0;
@@ -195,7 +199,7 @@ static void sweep_body(const char *name, struct body *body, int motions)
         most = full > most ? full : most;
         unfinished += check_budget(body, &kernel[0], &sweep, 0.0, DPT_NONE, &truth, full);
         double from = check_start(body, &sweep, &truth);
-        uint32_t hint = (uint32_t)(random_bits(&rng) % body->tree.mesh->triangles);
+        uint32_t hint = (uint32_t)(random_bits(&rng) % body->surface.mesh->triangles);
         hint = one_in(&rng, 2) ? truth.triangle : hint;
         int result = sweep_whole(body, &kernel[0], &sweep, from, hint, &found, &work);
         check_strike("hint", &found, &truth, result);
@@ -282,9 +286,10 @@ static void swept_bounds_are_sound(void)
         struct swath swath;
         vec3 end[4];
         any_swath(&swath, end);
-        uint32_t leaf = (uint32_t)(random_bits(&rng) % body.tree.mesh->leaves), lanes[2] = { 0, 0 };
-        const float *rows = body.tree.leaves + (size_t)leaf * MESH_LEAF_WORDS;
-        const float *boxes = body.tree.level[1] + (size_t)(leaf / LANES) * MESH_BOX_WORDS;
+        uint32_t leaf = (uint32_t)(random_bits(&rng) % body.surface.mesh->leaves),
+                 lanes[2] = { 0, 0 };
+        const float *rows = body.surface.leaves + (size_t)leaf * MESH_LEAF_WORDS;
+        const float *boxes = body.surface.level[1] + (size_t)(leaf / LANES) * MESH_BOX_WORDS;
         float first[2][LANES], bound[2][LANES];
         for (uint32_t k = 0; k < kernels; k++) {
             uint32_t open = kernel[k].swept_triangles(rows, &swath, bound[0]);
@@ -365,14 +370,15 @@ static void sheets_are_crossed_at_any_speed(void)
         struct strike found;
         uint32_t work = 0;
         double tolerance = body.diagonal * (one_in(&rng, 2) ? 1e-6 : 1e-11);
-        sweep_begin(&sweep, &m, 0.0, tolerance, surface_extent(&body.tree));
+        sweep_begin(&sweep, &m, 0.0, tolerance, surface_extent(&body.surface));
         int hit = sweep_whole(&body, &kernel, &sweep, 0.0, DPT_NONE, &found, &work) == SWEEP_HIT;
         missed += crosses && !(hit && found.time <= t + 1e-12);
         CHECK(!crosses || (hit && found.time <= t + 1e-12), "missed: result %d at %.17g, not %.17g",
               hit, found.time, t);
         vec3 a, axis;
         sweep_axis(&sweep, found.time, &a, &axis);
-        int off = hit && sqrt(tree_pair(&body.tree, found.triangle, a, axis).distance2) > tolerance;
+        int off =
+            hit && sqrt(tree_pair(&body.surface, found.triangle, a, axis).distance2) > tolerance;
         invented += (unsigned)off + (!crosses && hit);
         CHECK(!off && !(hit && !crosses), "invented at %.17g", found.time);
         free += !hit;
