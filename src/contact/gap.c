@@ -1,21 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "contact/gap.h"
 
-uint32_t contact_of_gap(double gap, double error)
-{
-    if (fabs(gap) <= error)
-        return DPT_CONTACT_TOUCHING;
-    return gap > 0.0 ? DPT_CONTACT_SEPARATED : DPT_CONTACT_PENETRATING;
-}
-
-void contact_set_gap(dpt_hit *hit, double gap, double error)
-{
-    hit->flags |= DPT_HIT_GAP;
-    hit->gap = gap;
-    hit->depth = gap < 0.0 ? -gap : 0.0;
-    hit->contact = contact_of_gap(gap, error);
-}
-
 int contact_find(struct profile *profile, const struct nearest *nearest, const struct seed *seeds,
                  uint32_t seed_count, double radius, double *gap)
 {
@@ -48,7 +33,7 @@ struct push contact_push(const struct profile *profile, const struct frame *body
 }
 
 void contact_of(const struct surface *surface, const struct kernel *kernel, const struct axis *axis,
-                const struct nearest *nearest, double radius, dpt_hit *hit)
+                const struct nearest *nearest, double radius, struct segment_result *result)
 {
     const struct sides none = { .count = 0 };
     struct profile profile;
@@ -62,8 +47,6 @@ void contact_of(const struct surface *surface, const struct kernel *kernel, cons
     profile.reach = radius;
     profile.tolerance = PROFILE_DEPTH_SHARE * surface_diagonal(surface);
     profile.work = work_of(WORK_UNLIMITED);
-    if (contact_find(&profile, nearest, NULL, 0, radius, &gap) == CONTACT_UNKNOWN)
-        hit->contact = DPT_CONTACT_UNKNOWN;
-    else
-        contact_set_gap(hit, gap, hit->error_bound);
+    if (contact_find(&profile, nearest, NULL, 0, radius, &gap) != CONTACT_UNKNOWN)
+        segment_result_set_gap(result, gap, result->error_bound);
 }

@@ -8,6 +8,7 @@
 
 #include "base/penetration.h"
 #include "contact/distance_profile.h"
+#include "contact/segment_result.h"
 
 /* What a profile tells of one body. */
 enum {
@@ -27,14 +28,8 @@ vec3 contact_normal(const struct profile *profile, const struct sample *sample, 
 struct push contact_push(const struct profile *profile, const struct frame *body, double gap,
                          uint32_t smooth);
 
-/* Contact, gap and depth of one axis and one body without a past, for a hit that track_hit has written. */
+/* Contact and gap of one axis and one body without a past, into a result that has the pair. */
 void contact_of(const struct surface *surface, const struct kernel *kernel, const struct axis *axis,
-                const struct nearest *nearest, double radius, dpt_hit *hit);
-
-/* Of a gap that is known within `error`. */
-uint32_t contact_of_gap(double gap, double error);
-
-/* Fill contact, flags, gap and depth for a gap that is known. */
-void contact_set_gap(dpt_hit *hit, double gap, double error);
+                const struct nearest *nearest, double radius, struct segment_result *result);
 
 #endif

@@ -170,20 +170,3 @@ void track_settle(struct track *track)
         nearest->triangle = track->last;
     }
 }
-
-void track_hit(const struct surface *surface, const struct axis *axis, const struct frame *body,
-               const struct nearest *nearest, dpt_hit *hit)
-{
-    const pair *found = &nearest->pair;
-    vec3 p = along(axis->a, found->s, sub(axis->b, axis->a));
-    vec3 q = sub(p, frame_turn(body, found->gap));
-    hit->status = DPT_STATUS_EXACT;
-    hit->flags = found->distance2 == 0.0 ? DPT_HIT_CROSSING : 0;
-    hit->triangle = surface->sources[nearest->triangle];
-    hit->distance = sqrt(found->distance2);
-    hit->s = found->s;
-    vec3_store(p, hit->p);
-    vec3_store(q, hit->q);
-    hit->error_bound = axis->error;
-    hit->lower_bound = larger(0.0, hit->distance - axis->error);
-}

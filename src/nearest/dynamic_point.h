@@ -70,8 +70,4 @@ int track_prove(struct track *track, const struct surface *surface, const struct
 /* Last tick's triangle stays the answer while it is within TREE_HISTORY of the error bound of the best. */
 void track_settle(struct track *track);
 
-/* Write what is known of the nearest pair; contact, gap and depth stay. */
-void track_hit(const struct surface *surface, const struct axis *axis, const struct frame *body,
-               const struct nearest *nearest, dpt_hit *hit);
-
 #endif

@@ -71,14 +71,16 @@ static dpt_result answer(const struct query *query, const double *ends, double r
         return DPT_E_FINITE;
     struct axis axis;
     struct nearest nearest;
+    struct segment_result result;
     struct work work = work_of(WORK_UNLIMITED);
     axis_of(&query->surface, &query->body, vec3_of(ends), vec3_of(ends + 3), &axis);
     track_once(&query->surface, &query->kernel, query->method, &axis, *hint, &work, &nearest);
     if (nearest.triangle == DPT_NONE)
         return DPT_E_LAYOUT;
-    track_hit(&query->surface, &axis, &query->body, &nearest, hit);
-    hit->work = work.done;
-    contact_of(&query->surface, &query->kernel, &axis, &nearest, radius, hit);
+    segment_result_of_pair(&axis, &nearest.pair, &result);
+    result.work = work.done;
+    contact_of(&query->surface, &query->kernel, &axis, &nearest, radius, &result);
+    segment_result_write(&result, &query->surface, &query->body, 0, &nearest, hit);
     *hint = nearest.triangle;
     return DPT_OK;
 }

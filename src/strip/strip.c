@@ -138,12 +138,9 @@ const uint32_t *dpt_strip_triangles(const dpt_strip *strip, uint32_t *count, uin
 }
 
 /* The route's places, as far as there is room, behind the strip's triangles; how many it has. */
-static dpt_result find_route(struct dpt_strip *strip, uint32_t from, uint32_t to,
+static dpt_result find_route(struct dpt_strip *strip, uint32_t start, uint32_t goal,
                              struct route *route)
 {
-    uint32_t start, goal;
-    DPT_TRY(strip_place(strip->mesh, from, &start));
-    DPT_TRY(strip_place(strip->mesh, to, &goal));
     route->places = strip->triangles + strip->count;
     route->room = strip->def.capacity - strip->count;
     return route_find(&strip->search, strip->mesh, start, goal, route);
@@ -164,25 +161,24 @@ static void take_route(struct dpt_strip *strip, const struct route *route)
 dpt_result dpt_strip_route(dpt_strip *strip, const dpt_mesh *mesh, uint32_t from, uint32_t to)
 {
     struct route route = { .other = NULL };
+    uint32_t start, goal;
     if (!strip)
         return DPT_E_ARGUMENT;
     strip_clear(strip, mesh);
     if (!mesh)
         return DPT_E_ARGUMENT;
-    DPT_TRY(find_route(strip, from, to, &route));
+    DPT_TRY(strip_place(mesh, from, &start));
+    DPT_TRY(strip_place(mesh, to, &goal));
+    DPT_TRY(find_route(strip, start, goal, &route));
     take_route(strip, &route);
     return DPT_OK;
 }
 
-dpt_result dpt_strip_routes(dpt_strip *strip, const dpt_mesh *mesh, uint32_t a, uint32_t b,
-                            uint32_t p)
+dpt_result strip_routes(struct dpt_strip *strip, const struct dpt_mesh *mesh, uint32_t a,
+                        uint32_t b, uint32_t p)
 {
     struct route first = { .other = NULL }, second = { .other = &first };
-    if (!strip)
-        return DPT_E_ARGUMENT;
     strip_clear(strip, mesh);
-    if (!mesh)
-        return DPT_E_ARGUMENT;
     DPT_TRY(find_route(strip, a, p, &first));
     strip->count = first.count < first.room ? first.count : first.room;
     dpt_result result = find_route(strip, b, p, &second);
@@ -191,6 +187,21 @@ dpt_result dpt_strip_routes(dpt_strip *strip, const dpt_mesh *mesh, uint32_t a, 
     take_route(strip, &first);
     take_route(strip, &second);
     return DPT_OK;
+}
+
+dpt_result dpt_strip_routes(dpt_strip *strip, const dpt_mesh *mesh, uint32_t a, uint32_t b,
+                            uint32_t p)
+{
+    uint32_t start[2], goal;
+    if (!strip)
+        return DPT_E_ARGUMENT;
+    strip_clear(strip, mesh);
+    if (!mesh)
+        return DPT_E_ARGUMENT;
+    DPT_TRY(strip_place(mesh, a, &start[0]));
+    DPT_TRY(strip_place(mesh, p, &goal));
+    DPT_TRY(strip_place(mesh, b, &start[1]));
+    return strip_routes(strip, mesh, start[0], start[1], goal);
 }
 
 void strip_shadow(struct dpt_strip *strip, const struct surface *surface, const struct shade *shade,

@@ -38,6 +38,10 @@ dpt_result strip_place(const struct dpt_mesh *mesh, uint32_t number, uint32_t *p
 void strip_shadow(struct dpt_strip *strip, const struct surface *surface, const struct shade *shade,
                   uint32_t place);
 
+/* As dpt_strip_routes, of places. */
+dpt_result strip_routes(struct dpt_strip *strip, const struct dpt_mesh *mesh, uint32_t a,
+                        uint32_t b, uint32_t p);
+
 /* dpt_strip_overlaps of the axis a + s u in the mesh's frame, of what is valid. */
 void strip_overlaps(const struct dpt_strip *strip, const struct surface *surface,
                     const struct frame *frame, vec3 a, vec3 u, double radius, int32_t side,

@@ -9,7 +9,8 @@ struct gathered {
     struct push push; /* of the part with the least gap */
     int any;
     double gap;
-    dpt_hit *hit;
+    struct found *found;
+    struct segment_result *result;
 };
 
 /* This tick's dynamic point: a full search where there is none yet. */
@@ -34,10 +35,12 @@ static void take_part(struct gathered *sum, const struct dpt_world *world, const
     double gap = contact_paper(&body->surface, &body->frame, part, nearest, radius, &push);
     double distance = sqrt(nearest->pair.distance2);
     int lower = gap < sum->gap;
-    if (!sum->any || distance < sum->hit->distance || (distance == sum->hit->distance && lower)) {
-        track_hit(&body->surface, part, &body->frame, nearest, sum->hit);
-        sum->hit->s = (index + nearest->pair.s) / world->def.parts;
-        sum->hit->body = body->id;
+    if (!sum->any || distance < sum->result->distance ||
+        (distance == sum->result->distance && lower)) {
+        segment_result_of_pair(part, &nearest->pair, sum->result);
+        sum->result->s = (index + nearest->pair.s) / world->def.parts;
+        sum->found->body = body;
+        sum->found->track.nearest = *nearest;
     }
     if (!sum->any || lower) {
         sum->gap = gap;
@@ -62,24 +65,28 @@ static void take_body(struct gathered *sum, struct dpt_world *world, uint32_t se
     }
 }
 
-struct push paper_segment(struct dpt_world *world, uint32_t segment, vec3 a, vec3 b, dpt_hit *hit)
+struct push paper_segment(struct dpt_world *world, uint32_t index, vec3 a, vec3 b)
 {
-    struct gathered sum = { .hit = hit };
+    struct segment *segment = &world->segments[index];
+    struct found *found = &segment->found;
+    struct segment_result *result = &segment->result;
+    struct gathered sum = { .found = found, .result = result };
     const uint32_t before = world->work.done;
     vec3 u = sub(b, a);
     for (uint32_t i = 0; i < world->body_end; i++)
         if (world->bodies[i].slot.used)
-            take_body(&sum, world, segment, &world->bodies[i], a, u);
-    hit->work = world->work.done - before;
+            take_body(&sum, world, index, &world->bodies[i], a, u);
     if (!sum.any)
         return sum.push;
 
+    axis_of(&found->body->surface, &found->body->frame, a, b, &found->track.axis);
     /* Between 0 and what was found: that is all that a search without proof knows. */
-    double rounding = hit->error_bound;
-    hit->status = DPT_STATUS_LOCAL;
-    hit->error_bound = hit->distance + rounding;
-    hit->lower_bound = 0.0;
+    double rounding = result->error_bound;
+    result->work = world->work.done - before;
+    result->status = DPT_STATUS_LOCAL;
+    result->error_bound = result->distance + rounding;
+    result->lower_bound = 0.0;
     if (world->def.until != DPT_UNTIL_TRACK)
-        contact_set_gap(hit, sum.gap, rounding);
+        segment_result_set_gap(result, sum.gap, rounding);
     return sum.push;
 }

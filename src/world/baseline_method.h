@@ -7,9 +7,9 @@
 #include "world/world_state.h"
 
 /*
- * The nearest of all dynamic points into `hit`, with the least gap of all; returns the push of the part
- * with that gap.
+ * The nearest of all dynamic points becomes the segment's found and result, with the least gap of all; returns the push
+ * of the part with that gap.
  */
-struct push paper_segment(struct dpt_world *world, uint32_t segment, vec3 a, vec3 b, dpt_hit *hit);
+struct push paper_segment(struct dpt_world *world, uint32_t index, vec3 a, vec3 b);
 
 #endif

@@ -410,36 +410,39 @@ void bodies_find(struct dpt_world *world, uint32_t segment, const vec3 *a, const
     best->work = world->work.done - before;
 }
 
-uint32_t bodies_within(struct dpt_world *world, uint32_t segment, double reach,
-                       const uint32_t **list)
+const struct nearby *bodies_within(struct dpt_world *world, uint32_t segment, double reach)
 {
     struct near *near = &world->segments[segment].near;
-    *list = NULL;
+    struct nearby *nearby = &world->nearby;
+    if (nearby->reach >= reach)
+        return nearby;
+    nearby->reach = larger(reach, world->segments[segment].radius + world->def.margin);
+    nearby->list = NULL;
+    nearby->count = world->body_end;
     if (world->body_end <= BODIES_FEW || world->def.method != DPT_METHOD_EXACT)
-        return world->body_end;
-    if (near_reach(near) < reach && !world->def.budget) {
+        return nearby;
+    if (near_reach(near) < nearby->reach && !world->def.budget) {
         struct hunt hunt = { .world = world, .segment = segment };
-        near_settle(near, reach);
+        near_settle(near, nearby->reach);
         scan(&hunt, near);
     }
-    if (near_reach(near) < reach)
-        return world->body_end;
-    *list = world_near(world, segment, near->now.which);
-    return near->now.listed;
+    if (near_reach(near) >= nearby->reach) {
+        nearby->list = world_near(world, segment, near->now.which);
+        nearby->count = near->now.listed;
+    }
+    return nearby;
 }
 
-void bodies_hit(const struct found *best, dpt_hit *hit)
+void bodies_result(const struct found *best, struct segment_result *result)
 {
-    const struct body *body = best->body;
-    track_hit(&body->surface, &best->track.axis, &body->frame, &best->track.nearest, hit);
-    hit->body = body->id;
-    hit->work = best->work;
-    hit->error_bound = best->error;
-    hit->lower_bound = larger(0.0, hit->distance - best->error);
+    segment_result_of_pair(&best->track.axis, &best->track.nearest.pair, result);
+    result->work = best->work;
+    result->error_bound = best->error;
+    result->lower_bound = larger(0.0, result->distance - best->error);
     if (!best->exact) {
-        hit->status = DPT_STATUS_BOUNDED;
-        hit->lower_bound = larger(0.0, best->lower - best->error);
-        hit->error_bound = hit->distance - hit->lower_bound;
+        result->status = DPT_STATUS_BOUNDED;
+        result->lower_bound = larger(0.0, best->lower - best->error);
+        result->error_bound = result->distance - result->lower_bound;
     }
 }
 

@@ -31,16 +31,15 @@ void bodies_find(struct dpt_world *world, uint32_t segment, const vec3 *a, const
                  struct found *best);
 
 /*
- * The slots of the bodies whose boxes may be within reach of a segment, after bodies_find: `*list`, or where that is
- * NULL all of so many.
+ * The bodies whose boxes may be within reach of a segment, after bodies_find. They are looked for once: with the first
+ * reach that is asked for, or that of its contact, whichever is larger. world->nearby.reach is negative before.
  */
-uint32_t bodies_within(struct dpt_world *world, uint32_t segment, double reach,
-                       const uint32_t **list);
+const struct nearby *bodies_within(struct dpt_world *world, uint32_t segment, double reach);
 
 /* A body is there, or its pose has changed: its box, and who has it on its list. */
 void bodies_place(struct dpt_world *world, uint32_t index);
 
-/* Write the answer: exact, or bounded with what is proven. best->body is there. */
-void bodies_hit(const struct found *best, dpt_hit *hit);
+/* The result so far: exact, or bounded with what is proven. best->body is there. */
+void bodies_result(const struct found *best, struct segment_result *result);
 
 #endif

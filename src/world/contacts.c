@@ -4,7 +4,7 @@
 #include "world/contact_pair.h"
 
 /* The nearest pair with another body than the nearest: in full, as it is needed rarely. 0: the budget ended that. */
-static int search_other(struct meeting *meeting, vec3 a, vec3 b, dpt_hit *hit)
+static int search_other(struct meeting *meeting, vec3 a, vec3 b)
 {
     struct dpt_world *world = meeting->world;
     const struct surface *surface = &meeting->body->surface;
@@ -32,8 +32,7 @@ struct sum {
     int known;
 };
 
-static void meet_body(struct meeting *meeting, const struct found *best, dpt_hit *hit,
-                      struct sum *sum)
+static void meet_body(struct meeting *meeting, const struct found *best, struct sum *sum)
 {
     int found = CONTACT_UNKNOWN;
     double gap = HUGE_VAL;
@@ -42,7 +41,7 @@ static void meet_body(struct meeting *meeting, const struct found *best, dpt_hit
         meeting->axis = best->track.axis;
         meeting->nearest = best->track.nearest;
     } else {
-        ready = search_other(meeting, best->track.axis.a, best->track.axis.b, hit);
+        ready = search_other(meeting, best->track.axis.a, best->track.axis.b);
     }
     if (ready) {
         found = contact_pair_meet(meeting, &gap);
@@ -58,7 +57,7 @@ static void meet_body(struct meeting *meeting, const struct found *best, dpt_hit
 }
 
 void contacts_find(struct dpt_world *world, uint32_t segment, const struct found *best,
-                   dpt_hit *hit, struct push *push)
+                   struct segment_result *result, struct push *push)
 {
     struct meeting meeting = { .world = world,
                                .segment = segment,
@@ -68,19 +67,17 @@ void contacts_find(struct dpt_world *world, uint32_t segment, const struct found
     struct box box = box_of_axis(best->track.axis.a, best->track.axis.b);
     double reach = meeting.radius + world->def.margin;
     struct sum sum = { .gap = HUGE_VAL, .known = 1 };
-    const uint32_t *list = NULL;
-    uint32_t count = world->body_end;
-    if (count > 1)
-        count = bodies_within(world, segment, reach, &list);
-    for (uint32_t i = 0; i < count; i++) {
-        uint32_t slot = list ? list[i] : i;
+    const struct nearby *nearby = bodies_within(world, segment, reach);
+    for (uint32_t i = 0; i < nearby->count; i++) {
+        uint32_t slot = nearby->list ? nearby->list[i] : i;
         meeting.body = &world->bodies[slot];
         int near = meeting.body == best->body || box_distance(&box, &world->boxes[slot]) <= reach;
         if (meeting.body->slot.used && near)
-            meet_body(&meeting, best, hit, &sum);
+            meet_body(&meeting, best, &sum);
     }
     if (!sum.known)
         return;
-    contact_set_gap(hit, smaller(sum.gap, hit->distance - meeting.radius), hit->error_bound);
+    segment_result_set_gap(result, smaller(sum.gap, result->distance - meeting.radius),
+                           result->error_bound);
     *push = sum.push;
 }

@@ -6,10 +6,10 @@
 #include "world/body_search.h"
 
 /*
- * Contact, gap and depth of a segment whose nearest pair `best` is exact, into `hit`, and the push at its deepest point;
- * its regions into the world.
+ * Contact and gap of a segment whose nearest pair `best` is exact, into `result`, and the push at its deepest
+ * point; its regions into the world.
  */
 void contacts_find(struct dpt_world *world, uint32_t segment, const struct found *best,
-                   dpt_hit *hit, struct push *push);
+                   struct segment_result *result, struct push *push);
 
 #endif

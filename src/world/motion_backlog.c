@@ -85,7 +85,7 @@ static int is_followed(struct dpt_world *world, uint32_t index, const struct voy
 static int is_free(const struct dpt_world *world, const struct segment *segment, double reach)
 {
     double moved = world->travelled_at == world->ticks ? world->travelled : 0.0;
-    return segment->hit.lower_bound > reach + moved + segment->hit.error_bound;
+    return segment->result.lower_bound > reach + moved + segment->result.error_bound;
 }
 
 /* Leg by leg, up to the first that meets something or the end of the budget. 0 unless that was all. */

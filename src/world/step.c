@@ -39,6 +39,7 @@ static void track_segment(struct dpt_world *world, uint32_t index)
     struct segment *segment = &world->segments[index];
     const struct tool *tool = &world->tools[segment->tool];
     segment->found.body = NULL;
+    segment->result = (struct segment_result){ .status = DPT_STATUS_STALE };
     if (!is_active(world, tool)) {
         segment->near.known = 0;
         return;
@@ -46,26 +47,27 @@ static void track_segment(struct dpt_world *world, uint32_t index)
     vec3 a = frame_to_world(&tool->frame, segment->a);
     vec3 b = frame_to_world(&tool->frame, segment->b);
     if (world->def.method == DPT_METHOD_PAPER) {
-        segment->push = paper_segment(world, index, a, b, &segment->hit);
+        segment->push = paper_segment(world, index, a, b);
         return;
     }
     bodies_find(world, index, &a, &b, &segment->found);
     if (!segment->found.body)
         return;
     segment->last_body = handle_index(segment->found.body->id);
-    bodies_hit(&segment->found, &segment->hit);
+    bodies_result(&segment->found, &segment->result);
 }
 
 static void contact_segment(struct dpt_world *world, uint32_t index)
 {
     struct segment *segment = &world->segments[index];
     const uint32_t before = world->work.done;
+    world->nearby.reach = -1.0;
     int swept = segment->found.body && travel_find(world, index);
     if (swept && segment->found.exact)
-        contacts_find(world, index, &segment->found, &segment->hit, &segment->push);
+        contacts_find(world, index, &segment->found, &segment->result, &segment->push);
     else
         contacts_keep(world, index);
-    segment->hit.work += world->work.done - before;
+    segment->result.work += world->work.done - before;
     travel_end(world, index);
 }
 
@@ -101,10 +103,11 @@ static void step_segments(struct dpt_world *world)
             strips_find(world, index);
         if (world->def.until == DPT_UNTIL_RESPOND)
             respond_segment(world, index);
-        const dpt_hit *hit = &world->segments[index].hit;
+        tool_write_hit(&world->segments[index]);
+        const struct segment_result *result = &world->segments[index].result;
         if (!waits && world->def.budget &&
-            (hit->status == DPT_STATUS_BOUNDED ||
-             (hit->status == DPT_STATUS_EXACT && hit->contact == DPT_CONTACT_UNKNOWN))) {
+            (result->status == DPT_STATUS_BOUNDED ||
+             (result->status == DPT_STATUS_EXACT && result->contact == DPT_CONTACT_UNKNOWN))) {
             world->turn = index;
             waits = 1;
         }

@@ -7,13 +7,13 @@
 struct was motion_place(const struct dpt_world *world, const struct segment *segment)
 {
     const struct tool *tool = &world->tools[segment->tool];
-    const dpt_hit *hit = &segment->hit;
+    const struct segment_result *result = &segment->result;
     const dpt_pose identity = DPT_POSE_IDENTITY;
-    double least = segment->found.exact ? hit->lower_bound : hit->distance;
+    double least = segment->found.exact ? result->lower_bound : result->distance;
     return (struct was){ .pose = tool->free ? identity : tool->pose,
                          .a = segment->a,
                          .b = segment->b,
-                         .distance = hit->lower_bound,
+                         .distance = result->lower_bound,
                          .known = segment->found.body != NULL,
                          .through = least == 0.0 };
 }
@@ -166,8 +166,8 @@ static int pass_body(struct dpt_world *world, uint32_t index, const struct body 
 const struct body *motion_next_body(struct around *around)
 {
     const struct dpt_world *world = around->world;
-    while (around->next < around->count) {
-        uint32_t slot = around->list ? around->list[around->next] : around->next;
+    while (around->next < around->nearby->count) {
+        uint32_t slot = around->nearby->list ? around->nearby->list[around->next] : around->next;
         const struct body *body = &world->bodies[slot];
         double way = body->moved == world->ticks ? body->travelled : 0.0;
         around->next++;
@@ -182,11 +182,10 @@ struct around motion_around(struct dpt_world *world, uint32_t index, double reac
 {
     const struct track *track = &world->segments[index].found.track;
     double moved = world->travelled_at == world->ticks ? world->travelled : 0.0;
-    struct around around = { .world = world, .reach = reach, .count = world->body_end };
-    around.box = box_of_axis(track->axis.a, track->axis.b);
-    if (around.count > 1)
-        around.count = bodies_within(world, index, reach + moved, &around.list);
-    return around;
+    return (struct around){ .world = world,
+                            .box = box_of_axis(track->axis.a, track->axis.b),
+                            .reach = reach,
+                            .nearby = bodies_within(world, index, reach + moved) };
 }
 
 void motion_no_sweep(struct segment *segment, uint32_t status)

@@ -18,9 +18,8 @@ struct around {
     const struct dpt_world *world;
     struct box box;
     double reach;
-    const uint32_t *list; /* of slots, in their order, or NULL: all of them */
-    uint32_t count;
-    uint32_t next; /* place on the list */
+    const struct nearby *nearby;
+    uint32_t next; /* place on its list */
 };
 
 /* Those within reach of a segment where it is now, and those whose own motion may have brought them there. */

@@ -3,6 +3,14 @@
 
 #include "base/return_if_error.h"
 
+void tool_write_hit(struct segment *segment)
+{
+    const struct body *body = segment->found.body;
+    if (body)
+        segment_result_write(&segment->result, &body->surface, &body->frame, body->id,
+                             &segment->found.track.nearest, &segment->hit);
+}
+
 void tool_clear_hits(struct dpt_world *world, struct tool *tool)
 {
     for (uint32_t i = 0; i < tool->count; i++)

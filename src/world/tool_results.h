@@ -5,6 +5,9 @@
 
 #include "world/world_state.h"
 
+/* The hit of a segment whose result is known; of another it stays. */
+void tool_write_hit(struct segment *segment);
+
 /* Nothing is known: stale, no force. */
 void tool_clear(struct dpt_world *world, struct tool *tool);
 

@@ -67,15 +67,14 @@ void strips_remove(struct dpt_world *world, uint32_t first, uint32_t end)
     }
 }
 
-/* From the nearest point to the axis, or where that crosses along its push; in the mesh's frame. */
-static vec3 way_to_axis(const struct segment *segment, const struct laid *laid, uint32_t place)
+/* From the nearest point to the axis, or where that crosses along its push; in the body's frame. */
+static vec3 way_to_axis(const struct segment *segment, const struct laid *laid)
 {
-    const dpt_hit *hit = &segment->hit;
-    if (hit->distance > 0.0)
-        return sub(frame_to_local(&laid->frame, vec3_of(hit->p)),
-                   frame_to_local(&laid->frame, vec3_of(hit->q)));
+    const struct nearest *nearest = &segment->found.track.nearest;
+    if (nearest->pair.distance2 > 0.0)
+        return nearest->pair.gap;
     vec3 push = frame_turn_back(&laid->frame, segment->push.direction);
-    return dot(push, push) > 0.0 ? push : surface_face_normal(&laid->surface, place);
+    return dot(push, push) > 0.0 ? push : surface_face_normal(&laid->surface, nearest->triangle);
 }
 
 /* Of an open sheet, that to which the tool would be pushed, or on which it is. */
@@ -106,12 +105,10 @@ static void lay_shadow(const struct dpt_world *world, struct laid *laid, vec3 wa
 /* The triangle nearest to an end of the axis. */
 static uint32_t nearest_to_end(const struct dpt_world *world, const struct laid *laid, int end)
 {
-    struct axis axis;
+    const struct axis point = { .local_a = end ? add(laid->a, laid->u) : laid->a };
     struct nearest nearest;
     struct work work = work_of(WORK_UNLIMITED); /* no budget counts strips */
-    vec3 at = frame_to_world(&laid->frame, end ? add(laid->a, laid->u) : laid->a);
-    axis_of(&laid->surface, &laid->frame, at, at, &axis);
-    track_once(&laid->surface, &world->kernel, DPT_METHOD_TREE, &axis, laid->end[end], &work,
+    track_once(&laid->surface, &world->kernel, DPT_METHOD_TREE, &point, laid->end[end], &work,
                &nearest);
     return nearest.triangle;
 }
@@ -119,38 +116,36 @@ static uint32_t nearest_to_end(const struct dpt_world *world, const struct laid 
 /* Nothing where no route leads there, as when an end is nearest to another part; full where the search is too small. */
 static void lay_routes(const struct dpt_world *world, struct laid *laid, uint32_t place)
 {
-    const uint32_t *sources = laid->surface.sources;
     for (int end = 0; end < 2; end++)
         laid->end[end] = nearest_to_end(world, laid, end);
     if (laid->end[0] == DPT_NONE || laid->end[1] == DPT_NONE)
         return;
-    if (dpt_strip_routes(laid->strip, laid->surface.mesh, sources[laid->end[0]],
-                         sources[laid->end[1]], sources[place]) == DPT_E_FULL)
+    if (strip_routes(laid->strip, laid->surface.mesh, laid->end[0], laid->end[1], place) ==
+        DPT_E_FULL)
         strip_set_full(laid->strip);
 }
 
 void strips_find(struct dpt_world *world, uint32_t index)
 {
     const struct segment *segment = &world->segments[index];
-    const struct tool *tool = &world->tools[segment->tool];
-    const dpt_hit *hit = &segment->hit;
+    const struct segment_result *result = &segment->result;
+    const struct body *body = segment->found.body;
     struct laid *laid = &world->laid[index];
-    if (hit->status == DPT_STATUS_STALE || hit->triangle == DPT_NONE)
+    if (!body)
         return;
-    if (hit->contact != DPT_CONTACT_PENETRATING &&
-        !(hit->distance - segment->radius <= world->def.margin))
+    if (result->contact != DPT_CONTACT_PENETRATING &&
+        !(result->distance - segment->radius <= world->def.margin))
         return;
-    const struct body *body = &world->bodies[handle_index(hit->body)];
-    if (laid->body != handle_index(hit->body))
+    if (laid->body != handle_index(body->id))
         laid->end[0] = laid->end[1] = DPT_NONE;
-    laid->body = handle_index(hit->body);
+    laid->body = handle_index(body->id);
     laid->surface = body->surface;
     laid->frame = body->frame;
     laid->radius = segment->radius;
-    laid->a = frame_to_local(&body->frame, frame_to_world(&tool->frame, segment->a));
-    laid->u = sub(frame_to_local(&body->frame, frame_to_world(&tool->frame, segment->b)), laid->a);
-    uint32_t place = mesh_words(body->surface.mesh, MESH_PLACES)[hit->triangle];
-    vec3 to_axis = way_to_axis(segment, laid, place);
+    laid->a = segment->found.track.axis.local_a;
+    laid->u = segment->found.track.axis.u;
+    const uint32_t place = segment->found.track.nearest.triangle;
+    vec3 to_axis = way_to_axis(segment, laid);
     laid->side = side_of_tool(segment, laid, place, to_axis);
     if (world->def.strip == DPT_STRIP_SHADOW)
         lay_shadow(world, laid, to_axis, place);

@@ -38,7 +38,7 @@ struct tool {
     uint32_t free; /* segments are in the world; torque is about the first one's end a */
 };
 
-/* The best answer over all bodies. */
+/* The nearest pair over all bodies, and what is proven of it. */
 struct found {
     const struct body *body; /* NULL: there is none */
     struct track track;
@@ -80,10 +80,11 @@ struct voyage {
 struct segment {
     vec3 a, b; /* in the tool's frame */
     double radius;
-    dpt_hit hit;
+    dpt_hit hit; /* what users get of the result, written when the tick has no more to add */
     dpt_wrench wrench;
     struct near near;
     struct found found; /* this tick's */
+    struct segment_result result;
     struct push push;
     struct was was;
     dpt_sweep sweep;
@@ -141,6 +142,14 @@ struct laid {
     uint32_t end[2]; /* places nearest to the ends, of a strip of routes; or DPT_NONE */
 };
 
+/* Bodies that may be within reach of a segment. */
+struct nearby {
+    const uint32_t *list; /* of their slots, in order; or NULL: all of so many */
+    uint32_t count;
+    uint32_t reserved;
+    double reach; /* negative: not looked for yet */
+};
+
 struct dpt_world {
     dpt_world_def def;
     struct kernel kernel;
@@ -170,7 +179,8 @@ struct dpt_world {
     struct memo memo;       /* only with a budget */
     struct holds holds[2];  /* this tick's and the last one's */
     struct laid *laid;      /* per segment; only with strips */
-    struct profile profile; /* of the segment and body that are being looked at */
+    struct nearby nearby;   /* of the segment that is being looked at */
+    struct profile profile; /* of that and the body that is being looked at */
 };
 
 /* How many places are kept of one segment. */
