@@ -92,7 +92,7 @@ static int is_as_near(const struct profile *profile, const struct sample *of,
     double reach = fabs(at->height) + profile->axis->error;
     double tangent = of->height + of->rise * (at->s - of->s);
     return !((of->height < 0.0 ? -tangent : tangent) > reach) &&
-           profile_reach(profile, of->triangle, at->s) <= reach;
+           dpti_profile_reach(profile, of->triangle, at->s) <= reach;
 }
 
 /* One triangle is nearest at both samples: between them the way out turns evenly, or at the sample where others are as near. */
@@ -106,7 +106,7 @@ static int is_one_wall(const struct profile *profile, const struct sample *from,
 static void span_between(const struct profile *profile, const struct sample *from,
                          const struct sample *to, struct span *span)
 {
-    struct bend bend = profile_bend(profile, from, to);
+    struct bend bend = dpti_profile_bend(profile, from, to);
     double width = to->s - from->s, w0 = profile->reach - from->height;
     double w1 = profile->reach - to->height, tangent = profile->reach - bend.height;
     double part = width > 0.0 ? (bend.s - from->s) / width : 0.0;
@@ -142,14 +142,14 @@ static double turn_between(const struct profile *profile, const struct sample *f
     if (was == from->triangle || was == to->triangle)
         return 0.0;
     double s = from->span.s, error = profile->axis->error;
-    double reach = profile_reach(profile, was, s);
+    double reach = dpti_profile_reach(profile, was, s);
     const uint32_t own[2] = { from->triangle, to->triangle };
     for (int k = 0; k < 2 && reach <= least + error; k++)
-        least = smaller(least, profile_reach(profile, own[k], s));
+        least = smaller(least, dpti_profile_reach(profile, own[k], s));
     if (reach > least + error)
         return 0.0;
     pair found;
-    tree_point(profile->surface, was, profile_point(profile, s), &found);
+    dpti_tree_point(profile->surface, was, profile_point(profile, s), &found);
     double distance = sqrt(found.distance2);
     if (!(distance > error && distance < least))
         return 0.0;
@@ -238,7 +238,7 @@ static void confirm(struct profile *profile)
         double to = i + 1 < profile->count ? sample[1].s : sample->s;
         double share = 0.5 * (profile->reach - sample->height) * (to - from);
         if (!sample->exact && sample->triangle != DPT_NONE && share > PROFILE_SHARE * sum)
-            profile_ask(profile, sample->s, 1);
+            dpti_profile_ask(profile, sample->s, 1);
     }
 }
 
@@ -317,13 +317,13 @@ static int refine(struct profile *profile)
         const struct tally all = tally_spans(profile, before);
         if (!find_ask(profile, &all, &ask))
             return 1;
-        int told = ask.wide != DPT_NONE && !profile_is_blind(profile, ask.wide, &from, &to);
-        uint32_t at = profile_ask(profile, ask.s, 1);
+        int told = ask.wide != DPT_NONE && !dpti_profile_is_blind(profile, ask.wide, &from, &to);
+        uint32_t at = dpti_profile_ask(profile, ask.s, 1);
         if (at == DPT_NONE)
             return 0;
         /* The surface does not go on as a sample told: what is beyond was not looked into. */
         if (told && profile->sample[at].height >= profile->reach)
-            profile_look(profile, profile->sample[at - 1].s, profile->sample[at + 1].s);
+            dpti_profile_look(profile, profile->sample[at - 1].s, profile->sample[at + 1].s);
     }
     return 0;
 }
@@ -395,10 +395,10 @@ static void prove(struct profile *profile, const struct region *region)
 {
     struct sample *deepest = &profile->sample[region->deepest];
     if (deepest->height < 0.0) {
-        profile_prove(profile, region->from, region->to);
+        dpti_profile_prove(profile, region->from, region->to);
         return;
     }
-    uint32_t nearer = profile_approach(profile, region->from, region->to, deepest->height);
+    uint32_t nearer = dpti_profile_approach(profile, region->from, region->to, deepest->height);
     if (profile->cut)
         return;
     if (nearer != DPT_NONE)
@@ -412,7 +412,7 @@ static int improve_one(struct profile *profile, const struct region *regions, ui
     for (uint32_t i = 0; i < count; i++) {
         double middle = 0.5 * (regions[i].from + regions[i].to);
         if (!is_seen(profile, &regions[i]))
-            return profile_ask(profile, middle, 1) != DPT_NONE;
+            return dpti_profile_ask(profile, middle, 1) != DPT_NONE;
         if (!profile->sample[regions[i].deepest].proven) {
             prove(profile, &regions[i]);
             return 1;
@@ -421,9 +421,9 @@ static int improve_one(struct profile *profile, const struct region *regions, ui
     return 0;
 }
 
-uint32_t region_all(struct profile *profile, struct region regions[REGION_MOST])
+uint32_t dpti_region_all(struct profile *profile, struct region regions[REGION_MOST])
 {
-    profile_enclose(profile);
+    dpti_profile_enclose(profile);
     profile->coarse = !refine(profile);
     uint32_t count = take_all(profile, regions), seen = 0;
     for (int asked = 0; asked < 2 * REGION_MOST && !profile->cut; asked++) {
@@ -494,8 +494,8 @@ static uint32_t seeds_worth(const struct profile *profile, const struct region *
     return count;
 }
 
-uint32_t region_seeds(const struct profile *profile, const struct region *region,
-                      struct seed *seeds, uint32_t most)
+uint32_t dpti_region_seeds(const struct profile *profile, const struct region *region,
+                           struct seed *seeds, uint32_t most)
 {
     enum { COARSER_MOST = 32 };
     double ignored = profile->size > 0.0 ? DOUBT_IGNORED * region->overlap / profile->size : 0.0;

@@ -28,10 +28,10 @@ struct region {
  * Refine the profile for its integrals, and take them. Returns how many regions there are, at most REGION_MOST. Where
  * that cuts the profile, they are of the samples that there are, all true, and what is deepest in a region is not proven.
  */
-uint32_t region_all(struct profile *profile, struct region regions[REGION_MOST]);
+uint32_t dpti_region_all(struct profile *profile, struct region regions[REGION_MOST]);
 
 /* The samples from which a later tick should begin: at most `most` of a region's, in order. Returns how many. */
-uint32_t region_seeds(const struct profile *profile, const struct region *region,
-                      struct seed *seeds, uint32_t most);
+uint32_t dpti_region_seeds(const struct profile *profile, const struct region *region,
+                           struct seed *seeds, uint32_t most);
 
 #endif

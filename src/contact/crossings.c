@@ -16,7 +16,7 @@ static void put_crossing(struct profile *profile, uint32_t triangle, const pair 
     *crossing = (struct crossing){ .s = found->s, .triangle = triangle };
     memcpy(crossing->weight, found->weight, sizeof crossing->weight);
     profile->crossings++;
-    vec3 normal = profile_way_out(profile, triangle, found->weight);
+    vec3 normal = dpti_profile_way_out(profile, triangle, found->weight);
     double along_axis = dot(normal, profile->axis->u);
     int on_face = found->weight[0] > 0.0 && found->weight[1] > 0.0 && found->weight[2] > 0.0;
     if (on_face && fabs(along_axis) > 1e-6 * profile->size) {
@@ -98,8 +98,8 @@ static int goes_through(const struct profile *profile, const struct crossing *cr
     }
     if (corners == 3 || profile->size == 0.0)
         return 1;
-    return side_of_way(profile->surface, crossing->triangle, weight, u) !=
-           side_of_way(profile->surface, crossing->triangle, weight, scaled(u, -1.0));
+    return dpti_side_of_way(profile->surface, crossing->triangle, weight, u) !=
+           dpti_side_of_way(profile->surface, crossing->triangle, weight, scaled(u, -1.0));
 }
 
 /* It goes through an open sheet of which no side is kept. */
@@ -109,13 +109,13 @@ static int is_sideless(const struct profile *profile)
         uint32_t part = surface_part(profile->surface, profile->crossing[k].triangle);
         uint32_t flags = surface_part_flags(profile->surface, part);
         if (!(flags & (MESH_PART_SOLID | MESH_PART_BURIED)) && (flags & MESH_PART_MANIFOLD) &&
-            !sides_get(profile->sides, part) && goes_through(profile, &profile->crossing[k]))
+            !dpti_sides_get(profile->sides, part) && goes_through(profile, &profile->crossing[k]))
             return 1;
     }
     return 0;
 }
 
-void profile_cross(struct profile *profile)
+void dpti_profile_cross(struct profile *profile)
 {
     const struct axis *axis = profile->axis;
     struct range range;
@@ -126,13 +126,13 @@ void profile_cross(struct profile *profile)
     }
     double per_uu = profile->size > 0.0 ? 1.0 / dot(axis->u, axis->u) : 0.0;
     double room = profile->size > 0.0 ? profile->reach / profile->size : 1.0;
-    range_begin(&range, profile->surface, profile->kernel, axis->local_a, axis->u, profile->reach,
-                &profile->work);
-    for (uint32_t t; (t = range_next(&range, &meets)) != DPT_NONE;) {
+    dpti_range_begin(&range, profile->surface, profile->kernel, axis->local_a, axis->u,
+                     profile->reach, &profile->work);
+    for (uint32_t t; (t = dpti_range_next(&range, &meets)) != DPT_NONE;) {
         put_zone(profile, t, per_uu, room);
         if (!meets)
             continue;
-        pair found = tree_pair(profile->surface, t, axis->local_a, axis->u);
+        pair found = dpti_tree_pair(profile->surface, t, axis->local_a, axis->u);
         if (found.distance2 == 0.0)
             put_crossing(profile, t, &found);
     }

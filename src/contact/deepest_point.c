@@ -11,8 +11,8 @@
  */
 #include "contact/deepest_point.h"
 
-struct bend profile_bend(const struct profile *profile, const struct sample *from,
-                         const struct sample *to)
+struct bend dpti_profile_bend(const struct profile *profile, const struct sample *from,
+                              const struct sample *to)
 {
     double width = to->s - from->s, turn = to->rise - from->rise;
     double s = fabs(turn) * width > profile->axis->error
@@ -38,18 +38,18 @@ static struct deep deep_between(const struct profile *profile, uint32_t i, doubl
         return (struct deep){ ends, middle, 0, 0 };
     double bound = HUGE_VAL, s = middle;
     if (from->height > 0.0) {
-        bound = profile_reach(profile, to->triangle, from->s);
+        bound = dpti_profile_reach(profile, to->triangle, from->s);
     } else if (to->height > 0.0) {
-        bound = profile_reach(profile, from->triangle, to->s);
+        bound = dpti_profile_reach(profile, from->triangle, to->s);
     } else {
-        double at = profile_bend(profile, from, to).s;
+        double at = dpti_profile_bend(profile, from, to).s;
         double square =
             larger(profile_square_to(profile, from, at), profile_square_to(profile, to, at));
         if (square <= least * least)
             return (struct deep){ larger(ends, sqrt(square)), at, 1, 0 };
         for (int tries = 0; tries < 3 && bound > least; tries++) {
-            double by_from = profile_reach(profile, from->triangle, at);
-            double by_to = by_from < bound ? profile_reach(profile, to->triangle, at) : 0.0;
+            double by_from = dpti_profile_reach(profile, from->triangle, at);
+            double by_to = by_from < bound ? dpti_profile_reach(profile, to->triangle, at) : 0.0;
             if (larger(by_from, by_to) < bound) {
                 bound = larger(by_from, by_to);
                 s = at;
@@ -111,7 +111,7 @@ static const struct sample *deepest_stretch(struct profile *profile, double leas
     return most;
 }
 
-uint32_t profile_prove(struct profile *profile, double from, double to)
+uint32_t dpti_profile_prove(struct profile *profile, double from, double to)
 {
     enum { DESCENTS = 16 };
     uint32_t low = lowest(profile, from, to, 0);
@@ -127,9 +127,9 @@ uint32_t profile_prove(struct profile *profile, double from, double to)
          */
         int exact = profile->winding || profile->regions || asked >= DESCENTS;
         if (most)
-            full = profile_ask(profile, most->deep.s, exact) == DPT_NONE;
+            full = dpti_profile_ask(profile, most->deep.s, exact) == DPT_NONE;
         else if (!profile->sample[low].exact)
-            profile_ask(profile, profile->sample[low].s, 1);
+            dpti_profile_ask(profile, profile->sample[low].s, 1);
         else
             break;
         low = lowest(profile, from, to, 0);

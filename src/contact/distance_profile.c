@@ -20,7 +20,7 @@ static void find_sides(struct profile *profile, const struct nearest *nearest)
         return;
     if (!profile->crossings) {
         profile->sign[0] =
-            profile_side_of(profile, nearest->pair.s, nearest->triangle, &nearest->pair);
+            dpti_profile_side_of(profile, nearest->pair.s, nearest->triangle, &nearest->pair);
         return;
     }
     for (uint32_t k = 0; k <= profile->crossings; k++) {
@@ -30,7 +30,7 @@ static void find_sides(struct profile *profile, const struct nearest *nearest)
         int sign = before ? before : after;
         if (before * after < 0 || !sign) {
             struct sample middle;
-            profile_take_sample(profile, 0.5 * (from + to), nearest->triangle, 1, &middle);
+            dpti_profile_take_sample(profile, 0.5 * (from + to), nearest->triangle, 1, &middle);
             sign = middle.height < 0.0 ? -1 : 1;
         }
         profile->sign[k] = sign;
@@ -45,9 +45,9 @@ static void put_crossing_samples(struct profile *profile)
             .s = crossing->s, .triangle = crossing->triangle, .was = crossing->triangle, .exact = 1
         };
         memcpy(sample.weight, crossing->weight, sizeof sample.weight);
-        sample.normal = profile_way_out(profile, crossing->triangle, crossing->weight);
+        sample.normal = dpti_profile_way_out(profile, crossing->triangle, crossing->weight);
         sample.rise = dot(sample.normal, profile->axis->u);
-        profile_put_sample(profile, &sample);
+        dpti_profile_put_sample(profile, &sample);
     }
 }
 
@@ -58,7 +58,7 @@ static void put_winding_samples(struct profile *profile)
     for (int i = 1; i < PIECES && profile->winding; i++) {
         double s = (double)i / PIECES;
         if (!profile->sign[profile_stretch(profile, s)])
-            profile_ask(profile, s, 1);
+            dpti_profile_ask(profile, s, 1);
     }
 }
 
@@ -74,11 +74,11 @@ static void put_inner_samples(struct profile *profile)
         for (uint32_t i = 0; i < profile->count; i++)
             any |= profile->sample[i].s > from && profile->sample[i].s < to;
         if (!k && !(any && profile->sample[0].s == 0.0))
-            profile_ask(profile, 0.0, 1);
+            dpti_profile_ask(profile, 0.0, 1);
         if (!any && to > from)
-            profile_ask(profile, 0.5 * (from + to), 1);
+            dpti_profile_ask(profile, 0.5 * (from + to), 1);
         if (k == profile->crossings && profile->sample[profile->count - 1].s < 1.0)
-            profile_ask(profile, 1.0, 1);
+            dpti_profile_ask(profile, 1.0, 1);
     }
 }
 
@@ -88,14 +88,14 @@ static void put_inner_samples(struct profile *profile)
  */
 static int is_outside(struct profile *profile, const struct nearest *nearest)
 {
-    if (profile_side_of(profile, nearest->pair.s, nearest->triangle, &nearest->pair) < 0)
+    if (dpti_profile_side_of(profile, nearest->pair.s, nearest->triangle, &nearest->pair) < 0)
         return 0;
     return !profile->winding ||
-           !(profile_is_inside(profile, 0.0) || profile_is_inside(profile, 1.0));
+           !(dpti_profile_is_inside(profile, 0.0) || dpti_profile_is_inside(profile, 1.0));
 }
 
-int profile_make(struct profile *profile, const struct nearest *nearest, const struct seed *seeds,
-                 uint32_t seed_count)
+int dpti_profile_make(struct profile *profile, const struct nearest *nearest,
+                      const struct seed *seeds, uint32_t seed_count)
 {
     const struct axis *axis = profile->axis;
     double distance = sqrt(nearest->pair.distance2);
@@ -115,7 +115,7 @@ int profile_make(struct profile *profile, const struct nearest *nearest, const s
     if (is_far && !profile_by_sample(profile)) {
         profile->sign[0] = -1;
     } else {
-        profile_cross(profile);
+        dpti_profile_cross(profile);
         if (profile->full || profile->cut || profile->sideless)
             return 1;
         find_sides(profile, nearest);
@@ -123,9 +123,9 @@ int profile_make(struct profile *profile, const struct nearest *nearest, const s
     put_crossing_samples(profile);
     if (!profile->crossings) {
         struct sample sample;
-        profile_take_sample(profile, nearest->pair.s, nearest->triangle, 0, &sample);
+        dpti_profile_take_sample(profile, nearest->pair.s, nearest->triangle, 0, &sample);
         sample.exact = 1;
-        profile_put_sample(profile, &sample);
+        dpti_profile_put_sample(profile, &sample);
     }
     for (uint32_t i = 0; i < seed_count; i++) {
         int sign = profile->sign[profile_stretch(profile, seeds[i].s)];
@@ -135,16 +135,16 @@ int profile_make(struct profile *profile, const struct nearest *nearest, const s
         int counts = seeds[i].share > PROFILE_SHARE && profile->work.done < PROFILE_WORK;
         int exact = profile->winding || (counts && !profile->memo);
         struct sample sample;
-        profile_take_sample(profile, seeds[i].s, seeds[i].triangle, exact, &sample);
-        profile_put_sample(profile, &sample);
+        dpti_profile_take_sample(profile, seeds[i].s, seeds[i].triangle, exact, &sample);
+        dpti_profile_put_sample(profile, &sample);
     }
     for (uint32_t i = 1; i < profile->count; i++)
-        profile_tell(profile, i, profile->sample[i - 1].triangle);
+        dpti_profile_tell(profile, i, profile->sample[i - 1].triangle);
     for (uint32_t i = profile->count - 1; i > 0; i--)
-        profile_tell(profile, i - 1, profile->sample[i].triangle);
+        dpti_profile_tell(profile, i - 1, profile->sample[i].triangle);
     put_inner_samples(profile);
     put_winding_samples(profile);
-    profile->deepest = profile_prove(profile, 0.0, 1.0);
+    profile->deepest = dpti_profile_prove(profile, 0.0, 1.0);
     return 1;
 }
 
@@ -158,7 +158,7 @@ static double way_beyond(const struct profile *profile, const struct sample *sam
     return rise > 0.0 ? larger(room / profile->size, 1.5 * left / rise) : HUGE_VAL;
 }
 
-int profile_is_blind(const struct profile *profile, uint32_t i, double *from, double *to)
+int dpti_profile_is_blind(const struct profile *profile, uint32_t i, double *from, double *to)
 {
     const struct sample *left = &profile->sample[i], *right = left + 1;
     double middle = 0.5 * (left->s + right->s);
@@ -170,7 +170,7 @@ int profile_is_blind(const struct profile *profile, uint32_t i, double *from, do
 }
 
 /* First those that have nothing in them, then what is beside a sample that is within reach. */
-void profile_look(struct profile *profile, double first, double last)
+void dpti_profile_look(struct profile *profile, double first, double last)
 {
     enum { BLIND_MOST = 16 };
     uint32_t asked = 0;
@@ -180,15 +180,15 @@ void profile_look(struct profile *profile, double first, double last)
             const struct sample *here = &profile->sample[i];
             int in = here->height < profile->reach || here[1].height < profile->reach;
             int blind = in == beside && here->s >= first && here[1].s <= last &&
-                        profile_is_blind(profile, i, &from, &to);
+                        dpti_profile_is_blind(profile, i, &from, &to);
             asked += (uint32_t)blind;
-            if (!blind || profile_approach(profile, from, to, profile->reach) == DPT_NONE)
+            if (!blind || dpti_profile_approach(profile, from, to, profile->reach) == DPT_NONE)
                 i++;
         }
 }
 
 /* Outside of the zones an axis that is outside is beyond reach. Where a side is each sample's own, samples tell. */
-void profile_enclose(struct profile *profile)
+void dpti_profile_enclose(struct profile *profile)
 {
     struct sample beyond = { .height = profile->reach, .triangle = DPT_NONE };
     for (uint32_t i = 0; i < profile->zones; i++) {
@@ -197,10 +197,10 @@ void profile_enclose(struct profile *profile)
             int sign = profile->sign[profile_stretch(profile, ends[k])];
             beyond.s = ends[k];
             if (ends[k] <= 0.0 || ends[k] >= 1.0 || !sign)
-                profile_ask(profile, ends[k], 1);
+                dpti_profile_ask(profile, ends[k], 1);
             else if (sign > 0)
-                profile_put_sample(profile, &beyond);
+                dpti_profile_put_sample(profile, &beyond);
         }
     }
-    profile_look(profile, 0.0, 1.0);
+    dpti_profile_look(profile, 0.0, 1.0);
 }

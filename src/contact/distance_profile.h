@@ -16,16 +16,16 @@
  *
  * First the caller sets tree, kernel, axis, sides, memo, regions, body, reach, tolerance and work.
  */
-int profile_make(struct profile *profile, const struct nearest *nearest, const struct seed *seeds,
-                 uint32_t seed_count);
+int dpti_profile_make(struct profile *profile, const struct nearest *nearest,
+                      const struct seed *seeds, uint32_t seed_count);
 
 /* Mark where the surface comes within reach and goes out of it, so that samples are wherever it is within. */
-void profile_enclose(struct profile *profile);
+void dpti_profile_enclose(struct profile *profile);
 
 /* Search between two samples for surface within reach that no sample tells of, where the axis is outside. */
-void profile_look(struct profile *profile, double first, double last);
+void dpti_profile_look(struct profile *profile, double first, double last);
 
 /* Outside, and within a zone: between sample i and the next there is a stretch of which the two do not tell. Which. */
-int profile_is_blind(const struct profile *profile, uint32_t i, double *from, double *to);
+int dpti_profile_is_blind(const struct profile *profile, uint32_t i, double *from, double *to);
 
 #endif

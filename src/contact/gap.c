@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "contact/gap.h"
 
-int contact_find(struct profile *profile, const struct nearest *nearest, const struct seed *seeds,
-                 uint32_t seed_count, double radius, double *gap)
+int dpti_contact_find(struct profile *profile, const struct nearest *nearest,
+                      const struct seed *seeds, uint32_t seed_count, double radius, double *gap)
 {
     *gap = sqrt(nearest->pair.distance2) - radius;
-    if (!profile_make(profile, nearest, seeds, seed_count))
+    if (!dpti_profile_make(profile, nearest, seeds, seed_count))
         return CONTACT_NONE;
     if (profile->full || profile->cut || profile->sideless)
         return CONTACT_UNKNOWN;
@@ -14,26 +14,28 @@ int contact_find(struct profile *profile, const struct nearest *nearest, const s
     return CONTACT_PROFILE;
 }
 
-vec3 contact_normal(const struct profile *profile, const struct sample *sample, uint32_t smooth)
+vec3 dpti_contact_normal(const struct profile *profile, const struct sample *sample,
+                         uint32_t smooth)
 {
     if (!smooth)
         return sample->normal;
-    vec3 normal = surface_smooth_normal(profile->surface, sample->triangle, sample->weight);
+    vec3 normal = dpti_surface_smooth_normal(profile->surface, sample->triangle, sample->weight);
     double along_true = dot(normal, sample->normal);
     return along_true != 0.0 ? scaled(normal, along_true < 0.0 ? -1.0 : 1.0) : sample->normal;
 }
 
-struct push contact_push(const struct profile *profile, const struct frame *body, double gap,
-                         uint32_t smooth)
+struct push dpti_contact_push(const struct profile *profile, const struct frame *body, double gap,
+                              uint32_t smooth)
 {
     const struct axis *axis = profile->axis;
     const struct sample *deepest = &profile->sample[profile->deepest];
-    return (struct push){ frame_turn(body, contact_normal(profile, deepest, smooth)),
+    return (struct push){ frame_turn(body, dpti_contact_normal(profile, deepest, smooth)),
                           along(axis->a, deepest->s, sub(axis->b, axis->a)), larger(0.0, -gap) };
 }
 
-void contact_of(const struct surface *surface, const struct kernel *kernel, const struct axis *axis,
-                const struct nearest *nearest, double radius, struct segment_result *result)
+void dpti_contact_of(const struct surface *surface, const struct kernel *kernel,
+                     const struct axis *axis, const struct nearest *nearest, double radius,
+                     struct segment_result *result)
 {
     const struct sides none = { .count = 0 };
     struct profile profile;
@@ -45,8 +47,8 @@ void contact_of(const struct surface *surface, const struct kernel *kernel, cons
     profile.memo = NULL;
     profile.regions = 0;
     profile.reach = radius;
-    profile.tolerance = PROFILE_DEPTH_SHARE * surface_diagonal(surface);
+    profile.tolerance = PROFILE_DEPTH_SHARE * dpti_surface_diagonal(surface);
     profile.work = work_of(WORK_UNLIMITED);
-    if (contact_find(&profile, nearest, NULL, 0, radius, &gap) != CONTACT_UNKNOWN)
-        segment_result_set_gap(result, gap, result->error_bound);
+    if (dpti_contact_find(&profile, nearest, NULL, 0, radius, &gap) != CONTACT_UNKNOWN)
+        dpti_segment_result_set_gap(result, gap, result->error_bound);
 }

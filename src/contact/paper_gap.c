@@ -11,11 +11,11 @@ static double lower_end(const struct axis *axis, const struct nearest *nearest, 
     return smaller(height_a, height_b);
 }
 
-double contact_paper(const struct surface *surface, const struct frame *body,
-                     const struct axis *part, const struct nearest *nearest, double radius,
-                     struct push *push)
+double dpti_contact_paper(const struct surface *surface, const struct frame *body,
+                          const struct axis *part, const struct nearest *nearest, double radius,
+                          struct push *push)
 {
-    vec3 normal = surface_face_normal(surface, nearest->triangle);
+    vec3 normal = dpti_surface_face_normal(surface, nearest->triangle);
     double distance = sqrt(nearest->pair.distance2), gap;
     if (distance == 0.0) {
         gap = lower_end(part, nearest, normal) - radius;

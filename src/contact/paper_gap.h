@@ -9,8 +9,8 @@
  * The paper's signed gap of one part of a segment and its push in the world (docs/algorithms/paper.md): the sign is
  * that of the triangle's own plane; a part that crosses is as deep as its lower end is under it.
  */
-double contact_paper(const struct surface *surface, const struct frame *body,
-                     const struct axis *part, const struct nearest *nearest, double radius,
-                     struct push *push);
+double dpti_contact_paper(const struct surface *surface, const struct frame *body,
+                          const struct axis *part, const struct nearest *nearest, double radius,
+                          struct push *push);
 
 #endif

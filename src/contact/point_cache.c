@@ -37,7 +37,7 @@ static struct memo_entry *bring_forward(const struct memo *memo, struct memo_ent
     return set;
 }
 
-const struct memo_entry *memo_find(const struct memo *memo, uint32_t body, vec3 x)
+const struct memo_entry *dpti_memo_find(const struct memo *memo, uint32_t body, vec3 x)
 {
     struct memo_entry *set = set_of(memo, body, x);
     for (int i = 0; i < MEMO_WAYS; i++)
@@ -46,7 +46,7 @@ const struct memo_entry *memo_find(const struct memo *memo, uint32_t body, vec3 
     return NULL;
 }
 
-struct memo_entry *memo_put(const struct memo *memo, uint32_t body, vec3 x)
+struct memo_entry *dpti_memo_put(const struct memo *memo, uint32_t body, vec3 x)
 {
     struct memo_entry *set = set_of(memo, body, x);
     for (int i = 0; i < MEMO_WAYS; i++)
@@ -62,8 +62,8 @@ struct memo_entry *memo_put(const struct memo *memo, uint32_t body, vec3 x)
     return set;
 }
 
-int memo_resume(const struct memo *memo, uint32_t body, vec3 x, uint32_t *triangle,
-                struct walk *walk)
+int dpti_memo_resume(const struct memo *memo, uint32_t body, vec3 x, uint32_t *triangle,
+                     struct walk *walk)
 {
     if (memo->body != body + 1 || !is_same(memo->x, x))
         return 0;
@@ -72,8 +72,8 @@ int memo_resume(const struct memo *memo, uint32_t body, vec3 x, uint32_t *triang
     return 1;
 }
 
-void memo_pause(struct memo *memo, uint32_t body, vec3 x, uint32_t triangle,
-                const struct walk *walk)
+void dpti_memo_pause(struct memo *memo, uint32_t body, vec3 x, uint32_t triangle,
+                     const struct walk *walk)
 {
     memo->body = body + 1;
     memo->x = x;
@@ -81,7 +81,7 @@ void memo_pause(struct memo *memo, uint32_t body, vec3 x, uint32_t triangle,
     memo->walk = *walk;
 }
 
-void memo_forget(struct memo *memo, uint32_t body)
+void dpti_memo_forget(struct memo *memo, uint32_t body)
 {
     for (size_t i = 0; i < MEMO_WAYS * (size_t)memo->sets; i++)
         if (body == DPT_NONE || memo->entries[i].body == body + 1)

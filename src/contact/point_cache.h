@@ -34,23 +34,23 @@ struct memo {
 };
 
 /* What is known of x, or NULL. */
-const struct memo_entry *memo_find(const struct memo *memo, uint32_t body, vec3 x);
+const struct memo_entry *dpti_memo_find(const struct memo *memo, uint32_t body, vec3 x);
 
 /*
  * Its entry, to be filled in: a new one takes the place of its set's oldest, but of none that this tick asked for, or what a
  * tick begins with would make room for what it ends with. NULL: there is no room.
  */
-struct memo_entry *memo_put(const struct memo *memo, uint32_t body, vec3 x);
+struct memo_entry *dpti_memo_put(const struct memo *memo, uint32_t body, vec3 x);
 
 /* Take up the search for x where it was ended, with the nearest so far; 0 if it is not that one. */
-int memo_resume(const struct memo *memo, uint32_t body, vec3 x, uint32_t *triangle,
-                struct walk *walk);
+int dpti_memo_resume(const struct memo *memo, uint32_t body, vec3 x, uint32_t *triangle,
+                     struct walk *walk);
 
 /* A search was ended. */
-void memo_pause(struct memo *memo, uint32_t body, vec3 x, uint32_t triangle,
-                const struct walk *walk);
+void dpti_memo_pause(struct memo *memo, uint32_t body, vec3 x, uint32_t triangle,
+                     const struct walk *walk);
 
 /* All of a body, or with DPT_NONE everything: before its slot means another. */
-void memo_forget(struct memo *memo, uint32_t body);
+void dpti_memo_forget(struct memo *memo, uint32_t body);
 
 #endif

@@ -4,7 +4,7 @@
 #include "contact/winding_number.h"
 #include "nearest/point_search.h"
 
-double profile_reach(const struct profile *profile, uint32_t triangle, double s)
+double dpti_profile_reach(const struct profile *profile, uint32_t triangle, double s)
 {
     const struct surface *surface = profile->surface;
     const uint32_t *corner = surface->corners + 3 * (size_t)triangle;
@@ -14,7 +14,7 @@ double profile_reach(const struct profile *profile, uint32_t triangle, double s)
                        vec3_of_float(surface->positions + 3 * (size_t)corner[2]));
 }
 
-int32_t sides_get(const struct sides *sides, uint32_t part)
+int32_t dpti_sides_get(const struct sides *sides, uint32_t part)
 {
     for (uint32_t i = 0; i < sides->count; i++)
         if (sides->part[i] == part)
@@ -22,26 +22,26 @@ int32_t sides_get(const struct sides *sides, uint32_t part)
     return 0;
 }
 
-void sides_put(struct sides *sides, uint32_t part, int32_t side)
+void dpti_sides_put(struct sides *sides, uint32_t part, int32_t side)
 {
-    if (sides->count == SIDES_MOST || sides_get(sides, part))
+    if (sides->count == SIDES_MOST || dpti_sides_get(sides, part))
         return;
     sides->part[sides->count] = part;
     sides->side[sides->count++] = side;
 }
 
-vec3 profile_way_out(const struct profile *profile, uint32_t triangle, const double weight[3])
+vec3 dpti_profile_way_out(const struct profile *profile, uint32_t triangle, const double weight[3])
 {
     uint32_t part = surface_part(profile->surface, triangle);
-    vec3 normal = surface_feature_normal(profile->surface, triangle, weight);
+    vec3 normal = dpti_surface_feature_normal(profile->surface, triangle, weight);
     double size = length(normal);
-    double side = sides_get(profile->sides, part);
+    double side = dpti_sides_get(profile->sides, part);
     if (side == 0.0 && (surface_part_flags(profile->surface, part) & MESH_PART_SOLID))
         side = 1.0;
     return size > 0.0 ? scaled(normal, side / size) : (vec3){ 0.0, 0.0, 0.0 };
 }
 
-int profile_is_inside(struct profile *profile, double s)
+int dpti_profile_is_inside(struct profile *profile, double s)
 {
     const struct surface *surface = profile->surface;
     vec3 x = profile_point(profile, s);
@@ -49,34 +49,35 @@ int profile_is_inside(struct profile *profile, double s)
         x.x > surface->box_max.x || x.y > surface->box_max.y || x.z > surface->box_max.z)
         return 0;
     const struct memo_entry *known =
-        profile->memo ? memo_find(profile->memo, profile->body, x) : NULL;
+        profile->memo ? dpti_memo_find(profile->memo, profile->body, x) : NULL;
     if (known && known->side)
         return known->side < 0;
     double winding = HUGE_VAL;
     if (!work_is_spent(&profile->work))
-        winding = winding_number(profile->surface, profile->kernel, x, &profile->work);
+        winding = dpti_winding_number(profile->surface, profile->kernel, x, &profile->work);
     profile->cut |= winding == HUGE_VAL;
-    struct memo_entry *entry =
-        profile->memo && winding != HUGE_VAL ? memo_put(profile->memo, profile->body, x) : NULL;
+    struct memo_entry *entry = profile->memo && winding != HUGE_VAL
+                                   ? dpti_memo_put(profile->memo, profile->body, x)
+                                   : NULL;
     if (entry)
         entry->side = winding > 0.5 ? -1 : 1;
     return winding > 0.5;
 }
 
-int profile_side_of(struct profile *profile, double s, uint32_t triangle, const pair *found)
+int dpti_profile_side_of(struct profile *profile, double s, uint32_t triangle, const pair *found)
 {
     uint32_t part = surface_part(profile->surface, triangle),
              flags = surface_part_flags(profile->surface, part);
-    int kept = sides_get(profile->sides, part);
-    if (kept && side_is_border(profile->surface, triangle, found->weight))
+    int kept = dpti_sides_get(profile->sides, part);
+    if (kept && dpti_side_is_border(profile->surface, triangle, found->weight))
         return 1;
     if (kept)
-        return kept * side_of_pair(profile->surface, triangle, found);
+        return kept * dpti_side_of_pair(profile->surface, triangle, found);
     if (flags & MESH_PART_WINDING)
-        return profile_is_inside(profile, s) ? -1 : 1;
+        return dpti_profile_is_inside(profile, s) ? -1 : 1;
     if (flags & MESH_PART_BURIED)
         return -1;
-    return flags & MESH_PART_SOLID ? side_of_pair(profile->surface, triangle, found) : 1;
+    return flags & MESH_PART_SOLID ? dpti_side_of_pair(profile->surface, triangle, found) : 1;
 }
 
 /* There is work left for a search. */
@@ -91,7 +92,7 @@ static int take_nearer(const struct profile *profile, vec3 x, uint32_t triangle,
                        struct nearest *nearest)
 {
     pair found;
-    tree_point(profile->surface, triangle, x, &found);
+    dpti_tree_point(profile->surface, triangle, x, &found);
     if (found.distance2 > nearest->pair.distance2)
         return 0;
     nearest->pair = found;
@@ -102,7 +103,7 @@ static int take_nearer(const struct profile *profile, vec3 x, uint32_t triangle,
 static void search(struct profile *profile, vec3 x, struct nearest *nearest)
 {
     struct memo *memo = profile->memo;
-    const struct memo_entry *known = memo ? memo_find(memo, profile->body, x) : NULL;
+    const struct memo_entry *known = memo ? dpti_memo_find(memo, profile->body, x) : NULL;
     struct walk walk;
     uint32_t triangle;
     walk.at = 0;
@@ -112,27 +113,28 @@ static void search(struct profile *profile, vec3 x, struct nearest *nearest)
     }
     if (!may_begin(profile))
         return;
-    if (memo && memo_resume(memo, profile->body, x, &triangle, &walk))
+    if (memo && dpti_memo_resume(memo, profile->body, x, &triangle, &walk))
         take_nearer(profile, x, triangle, nearest);
-    int done = point_search(profile->surface, profile->kernel, x, &walk, &profile->work, nearest);
+    int done =
+        dpti_point_search(profile->surface, profile->kernel, x, &walk, &profile->work, nearest);
     profile->cut |= !done;
     if (memo && !done)
-        memo_pause(memo, profile->body, x, nearest->triangle, &walk);
-    struct memo_entry *entry = memo && done ? memo_put(memo, profile->body, x) : NULL;
+        dpti_memo_pause(memo, profile->body, x, nearest->triangle, &walk);
+    struct memo_entry *entry = memo && done ? dpti_memo_put(memo, profile->body, x) : NULL;
     if (entry)
         entry->triangle = nearest->triangle;
 }
 
 /* Of the descents to a point the first is kept, so that what follows from it is the same in the next tick. */
-static void descend(struct profile *profile, const struct axis *point, struct nearest *nearest)
+static void dpti_descend(struct profile *profile, const struct axis *point, struct nearest *nearest)
 {
     struct memo_entry *entry =
-        profile->memo ? memo_put(profile->memo, profile->body, point->local_a) : NULL;
+        profile->memo ? dpti_memo_put(profile->memo, profile->body, point->local_a) : NULL;
     int goes_on = entry && entry->descent != DPT_NONE &&
                   take_nearer(profile, point->local_a, entry->descent, nearest);
     if (!may_begin(profile))
         return;
-    track_slide(profile->surface, point, &profile->work, nearest);
+    dpti_track_slide(profile->surface, point, &profile->work, nearest);
     profile->cut |= (uint32_t)work_is_spent(&profile->work);
     if (entry && (goes_on || entry->descent == DPT_NONE))
         entry->descent = nearest->triangle;
@@ -145,11 +147,11 @@ static void improve(struct profile *profile, const struct axis *point, int exact
     if (exact)
         search(profile, point->local_a, nearest);
     else
-        descend(profile, point, nearest);
+        dpti_descend(profile, point, nearest);
 }
 
-void profile_take_sample(struct profile *profile, double s, uint32_t triangle, int exact,
-                         struct sample *sample)
+void dpti_profile_take_sample(struct profile *profile, double s, uint32_t triangle, int exact,
+                              struct sample *sample)
 {
     struct axis point;
     struct nearest nearest;
@@ -157,16 +159,16 @@ void profile_take_sample(struct profile *profile, double s, uint32_t triangle, i
     point.u = (vec3){ 0.0, 0.0, 0.0 };
     point.error = profile->axis->error;
     nearest_begin(&nearest, triangle);
-    tree_point(profile->surface, triangle, point.local_a, &nearest.pair);
+    dpti_tree_point(profile->surface, triangle, point.local_a, &nearest.pair);
     improve(profile, &point, exact, &nearest);
     const pair *found = &nearest.pair;
     double distance = sqrt(found->distance2);
     int sign = profile->sign[profile_stretch(profile, s)];
     if (!sign)
-        sign = profile_side_of(profile, s, nearest.triangle, found);
+        sign = dpti_profile_side_of(profile, s, nearest.triangle, found);
     vec3 normal = distance > 1e3 * point.error
                       ? scaled(found->gap, sign / distance)
-                      : profile_way_out(profile, nearest.triangle, found->weight);
+                      : dpti_profile_way_out(profile, nearest.triangle, found->weight);
     sample->s = s;
     sample->height = sign * distance;
     sample->normal = normal;
@@ -211,7 +213,7 @@ static int drop_sample(struct profile *profile)
     return 1;
 }
 
-uint32_t profile_put_sample(struct profile *profile, const struct sample *sample)
+uint32_t dpti_profile_put_sample(struct profile *profile, const struct sample *sample)
 {
     uint32_t i = profile->count;
     while (i > 0 && profile->sample[i - 1].s >= sample->s)
@@ -229,7 +231,7 @@ uint32_t profile_put_sample(struct profile *profile, const struct sample *sample
         return i;
     }
     if (profile->count == PROFILE_SAMPLES)
-        return drop_sample(profile) ? profile_put_sample(profile, sample) : DPT_NONE;
+        return drop_sample(profile) ? dpti_profile_put_sample(profile, sample) : DPT_NONE;
     if (i)
         here[-1].bounded = here[-1].spanned = 0;
     note_change(profile, i);
@@ -257,35 +259,36 @@ static uint32_t nearest_triangle(const struct profile *profile, double s)
     return right < profile->count ? sample[right].triangle : 0;
 }
 
-int profile_tell(struct profile *profile, uint32_t i, uint32_t triangle)
+int dpti_profile_tell(struct profile *profile, uint32_t i, uint32_t triangle)
 {
     struct sample *sample = &profile->sample[i];
     if (sample->exact || sample->triangle == DPT_NONE || sample->triangle == triangle ||
-        !(profile_reach(profile, triangle, sample->s) < fabs(sample->height)))
+        !(dpti_profile_reach(profile, triangle, sample->s) < fabs(sample->height)))
         return 0;
     struct sample better;
-    profile_take_sample(profile, sample->s, triangle, 0, &better);
+    dpti_profile_take_sample(profile, sample->s, triangle, 0, &better);
     if (profile->cut)
         return 0;
-    profile_put_sample(profile, &better);
+    dpti_profile_put_sample(profile, &better);
     return 1;
 }
 
-uint32_t profile_ask(struct profile *profile, double s, int exact)
+uint32_t dpti_profile_ask(struct profile *profile, double s, int exact)
 {
     struct sample sample;
-    profile_take_sample(profile, s, nearest_triangle(profile, s), exact, &sample);
-    uint32_t at = profile->cut ? DPT_NONE : profile_put_sample(profile, &sample);
+    dpti_profile_take_sample(profile, s, nearest_triangle(profile, s), exact, &sample);
+    uint32_t at = profile->cut ? DPT_NONE : dpti_profile_put_sample(profile, &sample);
     if (at == DPT_NONE)
         return at;
-    for (uint32_t i = at; i > 0 && profile_tell(profile, i - 1, sample.triangle); i--)
+    for (uint32_t i = at; i > 0 && dpti_profile_tell(profile, i - 1, sample.triangle); i--)
         ;
-    for (uint32_t i = at + 1; i < profile->count && profile_tell(profile, i, sample.triangle); i++)
+    for (uint32_t i = at + 1; i < profile->count && dpti_profile_tell(profile, i, sample.triangle);
+         i++)
         ;
     return at;
 }
 
-uint32_t profile_approach(struct profile *profile, double from, double to, double reach)
+uint32_t dpti_profile_approach(struct profile *profile, double from, double to, double reach)
 {
     const struct axis *axis = profile->axis;
     struct axis piece = { .local_a = profile_point(profile, from),
@@ -297,13 +300,14 @@ uint32_t profile_approach(struct profile *profile, double from, double to, doubl
     nearest.pair.distance2 = reach * reach;
     walk.at = 0;
     if (may_begin(profile)) {
-        profile->cut |= !tree_walk(profile->surface, profile->kernel, NULL, piece.local_a, piece.u,
-                                   0.0, &walk, &profile->work, &nearest);
+        profile->cut |= !dpti_tree_walk(profile->surface, profile->kernel, NULL, piece.local_a,
+                                        piece.u, 0.0, &walk, &profile->work, &nearest);
     }
     if (nearest.triangle == DPT_NONE || profile->cut)
         return DPT_NONE;
     struct sample sample;
-    profile_take_sample(profile, from + nearest.pair.s * (to - from), nearest.triangle, 0, &sample);
+    dpti_profile_take_sample(profile, from + nearest.pair.s * (to - from), nearest.triangle, 0,
+                             &sample);
     sample.exact = 1;
-    return profile_put_sample(profile, &sample);
+    return dpti_profile_put_sample(profile, &sample);
 }

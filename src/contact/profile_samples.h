@@ -37,7 +37,7 @@ struct sample {
     double weight[3];
     uint32_t triangle; /* DPT_NONE: nothing is within reach here, height is the reach */
     uint32_t exact;    /* no triangle is nearer */
-    uint32_t proven;   /* it is the lowest around, of its region or by profile_prove */
+    uint32_t proven;   /* it is the lowest around, of its region or by dpti_profile_prove */
     uint32_t was;      /* the triangle that it began with */
     uint32_t bounded;  /* `deep` is known */
     uint32_t spanned;  /* `span` is known */
@@ -77,10 +77,10 @@ struct sides {
 };
 
 /* Of a part, or 0. */
-int32_t sides_get(const struct sides *sides, uint32_t part);
+int32_t dpti_sides_get(const struct sides *sides, uint32_t part);
 
 /* The first one that is put stays; where there is no room, none is kept. */
-void sides_put(struct sides *sides, uint32_t part, int32_t side);
+void dpti_sides_put(struct sides *sides, uint32_t part, int32_t side);
 
 struct profile {
     const struct surface *surface;
@@ -134,10 +134,10 @@ static inline uint32_t profile_stretch(const struct profile *profile, double s)
 }
 
 /* The way out, at a crossing or a pair, by the triangle that it is on; zero where there is none. */
-vec3 profile_way_out(const struct profile *profile, uint32_t triangle, const double weight[3]);
+vec3 dpti_profile_way_out(const struct profile *profile, uint32_t triangle, const double weight[3]);
 
 /* How far a point of the axis is from a triangle: no less, and no more than rounding above it. */
-double profile_reach(const struct profile *profile, uint32_t triangle, double s);
+double dpti_profile_reach(const struct profile *profile, uint32_t triangle, double s);
 
 /* Sides may change without a crossing: each sample has its own. */
 static inline int profile_by_sample(const struct profile *profile)
@@ -146,25 +146,25 @@ static inline int profile_by_sample(const struct profile *profile)
 }
 
 /* By the winding number: 1 inside. A point outside of the box sees all of the mesh in one half of its view. */
-int profile_is_inside(struct profile *profile, double s);
+int dpti_profile_is_inside(struct profile *profile, double s);
 
 /* Of a point of the axis whose nearest pair this is: +1 outside, -1 inside. */
-int profile_side_of(struct profile *profile, double s, uint32_t triangle, const pair *found);
+int dpti_profile_side_of(struct profile *profile, double s, uint32_t triangle, const pair *found);
 
 /* From a triangle near a point of the axis, by descent; `exact` by search. What is cached of it is not cleared: flags tell. */
-void profile_take_sample(struct profile *profile, double s, uint32_t triangle, int exact,
-                         struct sample *sample);
+void dpti_profile_take_sample(struct profile *profile, double s, uint32_t triangle, int exact,
+                              struct sample *sample);
 
 /* In order of s; of two at one place the exact one, or the newer, stays. Returns its index, or DPT_NONE. */
-uint32_t profile_put_sample(struct profile *profile, const struct sample *sample);
+uint32_t dpti_profile_put_sample(struct profile *profile, const struct sample *sample);
 
 /* Is the triangle of a new sample nearer to the one at i than its own? Then that one begins there. */
-int profile_tell(struct profile *profile, uint32_t i, uint32_t triangle);
+int dpti_profile_tell(struct profile *profile, uint32_t i, uint32_t triangle);
 
 /* One more sample, by a search or by descent from those beside it; its index, or DPT_NONE without room or work for it. */
-uint32_t profile_ask(struct profile *profile, double s, int exact);
+uint32_t dpti_profile_ask(struct profile *profile, double s, int exact);
 
 /* Outside: the nearest point of the axis from one place to another, if it is nearer than `reach`; else DPT_NONE. */
-uint32_t profile_approach(struct profile *profile, double from, double to, double reach);
+uint32_t dpti_profile_approach(struct profile *profile, double from, double to, double reach);
 
 #endif

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "contact/segment_result.h"
 
-void segment_result_of_pair(const struct axis *axis, const pair *found,
-                            struct segment_result *result)
+void dpti_segment_result_of_pair(const struct axis *axis, const pair *found,
+                                 struct segment_result *result)
 {
     const double distance = sqrt(found->distance2);
     *result = (struct segment_result){
@@ -16,23 +16,23 @@ void segment_result_of_pair(const struct axis *axis, const pair *found,
     };
 }
 
-uint32_t contact_of_gap(double gap, double error)
+uint32_t dpti_contact_of_gap(double gap, double error)
 {
     if (fabs(gap) <= error)
         return DPT_CONTACT_TOUCHING;
     return gap > 0.0 ? DPT_CONTACT_SEPARATED : DPT_CONTACT_PENETRATING;
 }
 
-void segment_result_set_gap(struct segment_result *result, double gap, double error)
+void dpti_segment_result_set_gap(struct segment_result *result, double gap, double error)
 {
     result->has_gap = 1;
     result->gap = gap;
-    result->contact = contact_of_gap(gap, error);
+    result->contact = dpti_contact_of_gap(gap, error);
 }
 
-void segment_result_write(const struct segment_result *result, const struct surface *surface,
-                          const struct frame *body, uint32_t id, const struct nearest *nearest,
-                          dpt_hit *hit)
+void dpti_segment_result_write(const struct segment_result *result, const struct surface *surface,
+                               const struct frame *body, uint32_t id, const struct nearest *nearest,
+                               dpt_hit *hit)
 {
     hit->status = result->status;
     hit->contact = result->contact;

@@ -21,18 +21,18 @@ struct segment_result {
 };
 
 /* Of a nearest pair that is exact, within the axis' error bound: no contact yet, and no work. */
-void segment_result_of_pair(const struct axis *axis, const pair *found,
-                            struct segment_result *result);
+void dpti_segment_result_of_pair(const struct axis *axis, const pair *found,
+                                 struct segment_result *result);
 
 /* Its gap, known within `error`. */
-void segment_result_set_gap(struct segment_result *result, double gap, double error);
+void dpti_segment_result_set_gap(struct segment_result *result, double gap, double error);
 
 /* DPT_CONTACT_... of a gap that is known within `error`. */
-uint32_t contact_of_gap(double gap, double error);
+uint32_t dpti_contact_of_gap(double gap, double error);
 
 /* Into a hit, all but its size and segment. The pair is with `surface`, whose body has this frame and id. */
-void segment_result_write(const struct segment_result *result, const struct surface *surface,
-                          const struct frame *body, uint32_t id, const struct nearest *nearest,
-                          dpt_hit *hit);
+void dpti_segment_result_write(const struct segment_result *result, const struct surface *surface,
+                               const struct frame *body, uint32_t id, const struct nearest *nearest,
+                               dpt_hit *hit);
 
 #endif

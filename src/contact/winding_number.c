@@ -98,8 +98,8 @@ static double look(struct view *view, float most)
 }
 
 /* Comparisons are such that NaN, which a forged file can yield, ends as 0. */
-double winding_number(const struct surface *surface, const struct kernel *kernel, vec3 x,
-                      struct work *work)
+double dpti_winding_number(const struct surface *surface, const struct kernel *kernel, vec3 x,
+                           struct work *work)
 {
     struct view view = { .surface = surface, .kernel = kernel, .x = x, .work = work };
     view.moments = surface_moments(surface, &view.solid);

@@ -2,7 +2,7 @@
 #if defined(__x86_64__) && !defined(DPT_SCALAR)
 #include <immintrin.h>
 
-#define KERNEL(name)  kernel_avx2_##name
+#define KERNEL(name)  dpti_kernel_avx2_##name
 #define KERNEL_TARGET __attribute__((target("avx2")))
 #define EIGHT(bound, limit)                                                                        \
     (uint32_t) _mm256_movemask_ps(                                                                 \

@@ -2,7 +2,7 @@
 #if defined(__x86_64__) && !defined(DPT_SCALAR)
 #include <immintrin.h>
 
-#define KERNEL(name) kernel_avx512_##name
+#define KERNEL(name) dpti_kernel_avx512_##name
 #define KERNEL_OPEN(bound, limit)                                                                  \
     (uint32_t) _mm512_cmp_ps_mask(_mm512_loadu_ps(bound), _mm512_set1_ps(limit), _CMP_NGT_UQ)
 #if defined(__clang__)

@@ -65,14 +65,15 @@ uint32_t dpt_kernel_best(void)
 #define KERNEL_TABLE(set)                                                                          \
     (struct kernel)                                                                                \
     {                                                                                              \
-        kernel_##set##_held_boxes, kernel_##set##_held_triangles, kernel_##set##_boxes,            \
-            kernel_##set##_triangles, kernel_##set##_better, kernel_##set##_common_boxes,          \
-            kernel_##set##_common_triangles, kernel_##set##_swept_boxes,                           \
-            kernel_##set##_swept_triangles, kernel_##set##_point_boxes,                            \
-            kernel_##set##_point_triangles, kernel_##set##_moments, kernel_##set##_angles          \
+        dpti_kernel_##set##_held_boxes, dpti_kernel_##set##_held_triangles,                        \
+            dpti_kernel_##set##_boxes, dpti_kernel_##set##_triangles, dpti_kernel_##set##_better,  \
+            dpti_kernel_##set##_common_boxes, dpti_kernel_##set##_common_triangles,                \
+            dpti_kernel_##set##_swept_boxes, dpti_kernel_##set##_swept_triangles,                  \
+            dpti_kernel_##set##_point_boxes, dpti_kernel_##set##_point_triangles,                  \
+            dpti_kernel_##set##_moments, dpti_kernel_##set##_angles                                \
     }
 
-int kernel_get(uint32_t id, struct kernel *kernel, uint32_t *chosen)
+int dpti_kernel_get(uint32_t id, struct kernel *kernel, uint32_t *chosen)
 {
     *chosen = id == DPT_KERNEL_AUTO ? dpt_kernel_best() : id;
     switch (*chosen) {

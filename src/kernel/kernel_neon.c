@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #if defined(__aarch64__) && !defined(DPT_SCALAR)
-#define KERNEL(name) kernel_neon_##name
+#define KERNEL(name) dpti_kernel_neon_##name
 #define KERNEL_TARGET
 #include "kernel/kernel_body.h"
 #else

@@ -132,17 +132,17 @@ struct kernel {
 #endif
 
 /* DPT_KERNEL_AUTO gives the best one. Nonzero when this build and machine have it. */
-int kernel_get(uint32_t id, struct kernel *kernel, uint32_t *chosen);
+int dpti_kernel_get(uint32_t id, struct kernel *kernel, uint32_t *chosen);
 
 #define KERNEL_DECLARE(set)                                                                        \
-    kernel_held kernel_##set##_held_boxes, kernel_##set##_held_triangles;                          \
-    kernel_renew kernel_##set##_boxes, kernel_##set##_triangles;                                   \
-    kernel_better kernel_##set##_better;                                                           \
-    kernel_common kernel_##set##_common_boxes, kernel_##set##_common_triangles;                    \
-    kernel_swept kernel_##set##_swept_boxes, kernel_##set##_swept_triangles;                       \
-    kernel_point kernel_##set##_point_boxes, kernel_##set##_point_triangles;                       \
-    kernel_moments kernel_##set##_moments;                                                         \
-    kernel_angles kernel_##set##_angles;
+    kernel_held dpti_kernel_##set##_held_boxes, dpti_kernel_##set##_held_triangles;                \
+    kernel_renew dpti_kernel_##set##_boxes, dpti_kernel_##set##_triangles;                         \
+    kernel_better dpti_kernel_##set##_better;                                                      \
+    kernel_common dpti_kernel_##set##_common_boxes, dpti_kernel_##set##_common_triangles;          \
+    kernel_swept dpti_kernel_##set##_swept_boxes, dpti_kernel_##set##_swept_triangles;             \
+    kernel_point dpti_kernel_##set##_point_boxes, dpti_kernel_##set##_point_triangles;             \
+    kernel_moments dpti_kernel_##set##_moments;                                                    \
+    kernel_angles dpti_kernel_##set##_angles;
 KERNEL_DECLARE(scalar)
 KERNEL_DECLARE(sse2)
 KERNEL_DECLARE(avx2)

@@ -2,7 +2,7 @@
 #if defined(__x86_64__) && !defined(DPT_SCALAR)
 #include <emmintrin.h>
 
-#define KERNEL(name) kernel_sse2_##name
+#define KERNEL(name) dpti_kernel_sse2_##name
 #define KERNEL_TARGET
 #define FOUR(bound, limit)                                                                         \
     (uint32_t) _mm_movemask_ps(_mm_cmpngt_ps(_mm_loadu_ps(bound), _mm_set1_ps(limit)))

@@ -91,9 +91,9 @@ dpt_result dpt_mesh_vertex_normals(const dpt_mesh *mesh, uint32_t number, double
     if (place == DPT_NONE || !normals)
         return DPT_E_ARGUMENT;
     struct surface surface;
-    surface_of_mesh(mesh, &surface);
+    dpti_surface_of_mesh(mesh, &surface);
     for (int k = 0; k < 3; k++)
-        vec3_store(unit_of(surface_vertex_normal(&surface, place, k)), normals + 3 * k);
+        vec3_store(unit_of(dpti_surface_vertex_normal(&surface, place, k)), normals + 3 * k);
     return DPT_OK;
 }
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "mesh/surface.h"
 
-void surface_of_mesh(const struct dpt_mesh *mesh, struct surface *surface)
+void dpti_surface_of_mesh(const struct dpt_mesh *mesh, struct surface *surface)
 {
     uint64_t nodes;
     const uint32_t *lanes;
@@ -27,12 +27,12 @@ void surface_of_mesh(const struct dpt_mesh *mesh, struct surface *surface)
     surface->filter_scale = mesh->filter_scale;
 }
 
-double surface_extent(const struct surface *surface)
+double dpti_surface_extent(const struct surface *surface)
 {
     return larger(extent_of(surface->box_min), extent_of(surface->box_max));
 }
 
-double surface_diagonal(const struct surface *surface)
+double dpti_surface_diagonal(const struct surface *surface)
 {
     return length(sub(surface->box_max, surface->box_min));
 }

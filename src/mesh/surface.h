@@ -34,13 +34,13 @@ struct surface {
 };
 
 /* That of a mesh that nothing has deformed. */
-void surface_of_mesh(const struct dpt_mesh *mesh, struct surface *surface);
+void dpti_surface_of_mesh(const struct dpt_mesh *mesh, struct surface *surface);
 
 /* From corner to corner of its box. */
-double surface_diagonal(const struct surface *surface);
+double dpti_surface_diagonal(const struct surface *surface);
 
 /* Its largest coordinate. */
-double surface_extent(const struct surface *surface);
+double dpti_surface_extent(const struct surface *surface);
 
 static inline vec3 surface_vertex(const struct surface *surface, uint32_t vertex)
 {

@@ -3,7 +3,7 @@
 
 #include "base/angle.h"
 
-vec3 surface_face_normal(const struct surface *surface, uint32_t triangle)
+vec3 dpti_surface_face_normal(const struct surface *surface, uint32_t triangle)
 {
     vec3 a = surface_corner_point(surface, triangle, 0);
     return unit_of(cross(sub(surface_corner_point(surface, triangle, 1), a),
@@ -17,7 +17,7 @@ static vec3 weighted_normal(const struct surface *surface, uint32_t triangle, in
     double angle =
         angle_between(unit_of(sub(surface_corner_point(surface, triangle, k + 1), here)),
                       unit_of(sub(surface_corner_point(surface, triangle, k + 2), here)));
-    return scaled(surface_face_normal(surface, triangle), angle);
+    return scaled(dpti_surface_face_normal(surface, triangle), angle);
 }
 
 static int corner_at(const struct surface *surface, uint32_t triangle, uint32_t vertex)
@@ -28,7 +28,7 @@ static int corner_at(const struct surface *surface, uint32_t triangle, uint32_t 
     return k;
 }
 
-vec3 surface_fan_normal(const struct surface *surface, uint32_t triangle, int k)
+vec3 dpti_surface_fan_normal(const struct surface *surface, uint32_t triangle, int k)
 {
     const uint32_t *first, *fans = surface_fans(surface, &first);
     uint32_t v = surface_corner(surface, triangle, (uint32_t)k);
@@ -40,7 +40,7 @@ vec3 surface_fan_normal(const struct surface *surface, uint32_t triangle, int k)
     return normal;
 }
 
-vec3 surface_vertex_normal(const struct surface *surface, uint32_t triangle, int k)
+vec3 dpti_surface_vertex_normal(const struct surface *surface, uint32_t triangle, int k)
 {
     const float *normals = surface->normals;
     if (normals) {
@@ -49,27 +49,28 @@ vec3 surface_vertex_normal(const struct surface *surface, uint32_t triangle, int
         if (n.x != 0.0 || n.y != 0.0 || n.z != 0.0)
             return n;
     }
-    return surface_fan_normal(surface, triangle, k);
+    return dpti_surface_fan_normal(surface, triangle, k);
 }
 
 static vec3 edge_normal(const struct surface *surface, uint32_t triangle, int k)
 {
     uint32_t other = surface_neighbours(surface)[3 * (size_t)triangle + (size_t)k];
-    vec3 normal = surface_face_normal(surface, triangle);
-    return other < surface_triangles(surface) ? add(normal, surface_face_normal(surface, other))
-                                              : normal;
+    vec3 normal = dpti_surface_face_normal(surface, triangle);
+    return other < surface_triangles(surface)
+               ? add(normal, dpti_surface_face_normal(surface, other))
+               : normal;
 }
 
-vec3 surface_feature_normal(const struct surface *surface, uint32_t triangle,
-                            const double weight[3])
+vec3 dpti_surface_feature_normal(const struct surface *surface, uint32_t triangle,
+                                 const double weight[3])
 {
     int corner = surface_lone_corner(weight);
     if (corner >= 0)
-        return surface_vertex_normal(surface, triangle, corner);
+        return dpti_surface_vertex_normal(surface, triangle, corner);
     for (int k = 0; k < 3; k++)
         if (!(weight[(k + 2) % 3] > 0.0))
             return edge_normal(surface, triangle, k);
-    return surface_face_normal(surface, triangle);
+    return dpti_surface_face_normal(surface, triangle);
 }
 
 /* Of a crease's side no more triangles are asked, each way: a hub may have any number. */
@@ -100,7 +101,8 @@ static vec3 sector_normal(const struct surface *surface, uint32_t triangle, int 
     return normal;
 }
 
-vec3 surface_smooth_normal(const struct surface *surface, uint32_t triangle, const double weight[3])
+vec3 dpti_surface_smooth_normal(const struct surface *surface, uint32_t triangle,
+                                const double weight[3])
 {
     const uint32_t *flags = surface_flags(surface);
     const uint32_t ends = DPT_CORNER_CREASE | DPT_CORNER_NONMANIFOLD;
@@ -108,7 +110,7 @@ vec3 surface_smooth_normal(const struct surface *surface, uint32_t triangle, con
     for (int k = 0; k < 3; k++) {
         int ended = flags && (flags[triangle] & ends << k);
         vec3 corner = ended ? sector_normal(surface, triangle, k)
-                            : surface_vertex_normal(surface, triangle, k);
+                            : dpti_surface_vertex_normal(surface, triangle, k);
         normal = along(normal, weight[k], unit_of(corner));
     }
     return unit_of(normal);

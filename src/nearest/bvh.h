@@ -30,26 +30,26 @@ struct walk {
  *
  * With `slack` > 0, a triangle that is nearer by less than that, a distance, need not be found.
  */
-void tree_search(const struct surface *surface, const struct kernel *kernel,
-                 const struct keeper *keeper, vec3 a, vec3 u, double slack, struct work *work,
-                 struct nearest *nearest);
+void dpti_tree_search(const struct surface *surface, const struct kernel *kernel,
+                      const struct keeper *keeper, vec3 a, vec3 u, double slack, struct work *work,
+                      struct nearest *nearest);
 
 /*
  * The same in pieces: 1 when it is done, and the walk is not begun again; 0 when the work was spent.
  * The next call goes on there, at the same place of the axis, or after walk_drift.
  */
-int tree_walk(const struct surface *surface, const struct kernel *kernel,
-              const struct keeper *keeper, vec3 a, vec3 u, double slack, struct walk *walk,
-              struct work *work, struct nearest *nearest);
+int dpti_tree_walk(const struct surface *surface, const struct kernel *kernel,
+                   const struct keeper *keeper, vec3 a, vec3 u, double slack, struct walk *walk,
+                   struct work *work, struct nearest *nearest);
 
 /* The ends of the axis, that now is a + s u, moved by at most `motion` since the walk stopped. */
-void walk_drift(struct walk *walk, const struct surface *surface, double motion);
+void dpti_walk_drift(struct walk *walk, const struct surface *surface, double motion);
 
 /* A lower bound of the axis' distance to all that a walk that has begun has not yet visited. */
-double walk_ahead(const struct walk *walk, const struct surface *surface, vec3 a, vec3 u);
+double dpti_walk_ahead(const struct walk *walk, const struct surface *surface, vec3 a, vec3 u);
 
 /* The same over every triangle, in double, without a filter; never stops early. */
-void tree_brute(const struct surface *surface, vec3 a, vec3 u, struct work *work,
-                struct nearest *nearest);
+void dpti_tree_brute(const struct surface *surface, vec3 a, vec3 u, struct work *work,
+                     struct nearest *nearest);
 
 #endif

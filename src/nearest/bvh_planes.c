@@ -107,7 +107,8 @@ static uint32_t refine_leaves(struct bvh_search *search, uint32_t node, uint32_t
     return closed;
 }
 
-void bvh_close_whole(struct bvh_search *search, struct block *block, uint32_t level, uint32_t child)
+void dpti_bvh_close_whole(struct bvh_search *search, struct block *block, uint32_t level,
+                          uint32_t child)
 {
     enum { PAUSE_MOST = 15 };
     if (search->keeper.anew || work_is_spent(search->work))
@@ -134,8 +135,8 @@ static void close_leaf(const struct bvh_search *search, uint32_t leaf, const flo
         put_plane(parent, leaf % LANES, search->probe.normal, least_of(low));
 }
 
-void bvh_close_triangle(const struct bvh_search *search, uint32_t leaf, uint32_t lane,
-                        const pair *found)
+void dpti_bvh_close_triangle(const struct bvh_search *search, uint32_t leaf, uint32_t lane,
+                             const pair *found)
 {
     struct block *block = keeper_own(&search->keeper, leaf);
     const float *rows = search->surface->leaves + (size_t)leaf * MESH_LEAF_WORDS + lane;
@@ -152,9 +153,9 @@ void bvh_close_triangle(const struct bvh_search *search, uint32_t leaf, uint32_t
         put_plane(block, lane, n, low);
 }
 
-uint32_t bvh_open_triangles(struct bvh_search *search, uint32_t leaf,
-                            const struct node_planes *kept, uint32_t lanes, int wanted,
-                            float *bound)
+uint32_t dpti_bvh_open_triangles(struct bvh_search *search, uint32_t leaf,
+                                 const struct node_planes *kept, uint32_t lanes, int wanted,
+                                 float *bound)
 {
     const float *rows = search->surface->leaves + (size_t)leaf * MESH_LEAF_WORDS;
     const struct probe *probe = &search->probe;
@@ -190,8 +191,8 @@ uint32_t bvh_open_triangles(struct bvh_search *search, uint32_t leaf,
     return lanes;
 }
 
-uint32_t bvh_close_boxes(struct bvh_search *search, uint32_t level, uint32_t node,
-                         const struct node_planes *kept, uint32_t lanes, float *bound)
+uint32_t dpti_bvh_close_boxes(struct bvh_search *search, uint32_t level, uint32_t node,
+                              const struct node_planes *kept, uint32_t lanes, float *bound)
 {
     const float *rows = search->surface->level[level] + (size_t)node * MESH_BOX_WORDS;
     uint32_t lost = kept->empty ? lanes : lanes & ~kept->block->open;

@@ -59,23 +59,23 @@ static inline uint32_t bvh_look_at_planes(struct bvh_search *search, kernel_held
  * The triangles of a leaf that may be nearer: those that neither their own planes nor the plane through the best
  * pair rules out. `wanted`: where that plane rules out all of them, the parent is to have it.
  */
-uint32_t bvh_open_triangles(struct bvh_search *search, uint32_t leaf,
-                            const struct node_planes *kept, uint32_t lanes, int wanted,
-                            float *bound);
+uint32_t dpti_bvh_open_triangles(struct bvh_search *search, uint32_t leaf,
+                                 const struct node_planes *kept, uint32_t lanes, int wanted,
+                                 float *bound);
 
 /* A triangle was evaluated and is farther: the plane across its own connection is the best there is. */
-void bvh_close_triangle(const struct bvh_search *search, uint32_t leaf, uint32_t lane,
-                        const pair *found);
+void dpti_bvh_close_triangle(const struct bvh_search *search, uint32_t leaf, uint32_t lane,
+                             const pair *found);
 
 /* New planes for those of these lanes that lost theirs: for a few, better ones. Returns all that are still open. */
-uint32_t bvh_close_boxes(struct bvh_search *search, uint32_t level, uint32_t node,
-                         const struct node_planes *kept, uint32_t lanes, float *bound);
+uint32_t dpti_bvh_close_boxes(struct bvh_search *search, uint32_t level, uint32_t node,
+                              const struct node_planes *kept, uint32_t lanes, float *bound);
 
 /*
  * A node or leaf, the child of a lane of a node of this level, was looked into and nothing in it was open: that
  * lane's plane is lost, or was too weak. Try another; after each failure wait longer. `block` is the child's own.
  */
-void bvh_close_whole(struct bvh_search *search, struct block *block, uint32_t level,
-                     uint32_t child);
+void dpti_bvh_close_whole(struct bvh_search *search, struct block *block, uint32_t level,
+                          uint32_t child);
 
 #endif

@@ -19,7 +19,7 @@ static void set_limit(struct bvh_search *search)
     search->has_plane = nearest->triangle != DPT_NONE && distance > 0.0;
     if (!search->has_plane)
         return;
-    nearest_front(nearest, search->a, search->u, search->slack);
+    dpti_nearest_front(nearest, search->a, search->u, search->slack);
     put_float(nearest->front.normal, probe->normal);
     probe->height = probe_reach(probe, probe->normal);
 }
@@ -44,24 +44,24 @@ static void look_into_leaf(struct bvh_search *search, uint32_t leaf)
     uint32_t lanes = unknown_triangles(search->nearest, first, all);
     struct node_planes kept = bvh_planes_of(search, leaf);
     int near = lanes != all;
-    lanes = bvh_open_triangles(search, leaf, &kept, lanes, !near, bound);
+    lanes = dpti_bvh_open_triangles(search, leaf, &kept, lanes, !near, bound);
     if (lanes || near)
         search->walk->level[1].found = 1;
     else if (bvh_is_own(search, &kept))
-        bvh_close_whole(search, kept.block, 1, leaf);
+        dpti_bvh_close_whole(search, kept.block, 1, leaf);
     while (lanes) {
         uint32_t lane = least_lane(bound, lanes);
         lanes &= ~(1u << lane);
         if (bound[lane] > search->probe.limit)
             return;
         if (search->slack > 0.0 && search->has_plane &&
-            tree_is_beyond(surface, &search->nearest->front, first + lane))
+            dpti_tree_is_beyond(surface, &search->nearest->front, first + lane))
             continue;
-        pair found = tree_pair(surface, first + lane, search->a, search->u);
+        pair found = dpti_tree_pair(surface, first + lane, search->a, search->u);
         if (nearest_take(surface, first + lane, &found, search->nearest))
             set_limit(search);
         else
-            bvh_close_triangle(search, leaf, lane, &found);
+            dpti_bvh_close_triangle(search, leaf, lane, &found);
     }
 }
 
@@ -74,7 +74,7 @@ static void leave_boxes(struct bvh_search *search, struct block *block, uint32_t
     if (visit->found)
         search->walk->level[level + 1].found = 1;
     else if (block)
-        bvh_close_whole(search, block, level + 1, visit->node);
+        dpti_bvh_close_whole(search, block, level + 1, visit->node);
 }
 
 /* Look at all children but those of the lanes `but`, which are looked into anyway. 0: nothing is left to look into. */
@@ -88,7 +88,7 @@ static int look_into_boxes(struct bvh_search *search, uint32_t level, uint32_t n
     if (!kept.empty)
         lanes &= bvh_look_at_planes(search, search->kernel->held_boxes, rows, &kept, visit->bound);
     if (kept.empty || lanes & ~kept.block->open)
-        lanes = bvh_close_boxes(search, level, node, &kept, lanes, visit->bound);
+        lanes = dpti_bvh_close_boxes(search, level, node, &kept, lanes, visit->bound);
     if (kept.block)
         kept.block->open = lanes | but;
     visit->node = node;
@@ -139,9 +139,9 @@ static int meets(const struct nearest *nearest)
     return nearest->pair.distance2 == 0.0 && nearest->triangle != DPT_NONE;
 }
 
-int tree_walk(const struct surface *surface, const struct kernel *kernel,
-              const struct keeper *keeper, vec3 a, vec3 u, double slack, struct walk *walk,
-              struct work *work, struct nearest *nearest)
+int dpti_tree_walk(const struct surface *surface, const struct kernel *kernel,
+                   const struct keeper *keeper, vec3 a, vec3 u, double slack, struct walk *walk,
+                   struct work *work, struct nearest *nearest)
 {
     struct bvh_search search;
     search.surface = surface;
@@ -188,17 +188,17 @@ int tree_walk(const struct surface *surface, const struct kernel *kernel,
     return done;
 }
 
-void tree_search(const struct surface *surface, const struct kernel *kernel,
-                 const struct keeper *keeper, vec3 a, vec3 u, double slack, struct work *work,
-                 struct nearest *nearest)
+void dpti_tree_search(const struct surface *surface, const struct kernel *kernel,
+                      const struct keeper *keeper, vec3 a, vec3 u, double slack, struct work *work,
+                      struct nearest *nearest)
 {
     struct walk walk;
     walk.at = 0;
-    tree_walk(surface, kernel, keeper, a, u, slack, &walk, work, nearest);
+    dpti_tree_walk(surface, kernel, keeper, a, u, slack, &walk, work, nearest);
 }
 
 /* That a margin grows with the ends, and rounding here, is in the factors. */
-void walk_drift(struct walk *walk, const struct surface *surface, double motion)
+void dpti_walk_drift(struct walk *walk, const struct surface *surface, double motion)
 {
     float drop = (float)(motion * surface->filter_scale * (1.0 + 0x1p-16));
     for (uint32_t l = walk->at; l && l <= surface->levels; l++) {
@@ -209,7 +209,7 @@ void walk_drift(struct walk *walk, const struct surface *surface, double motion)
     }
 }
 
-double walk_ahead(const struct walk *walk, const struct surface *surface, vec3 a, vec3 u)
+double dpti_walk_ahead(const struct walk *walk, const struct surface *surface, vec3 a, vec3 u)
 {
     struct probe probe;
     probe_axis(&probe, surface, a, u);

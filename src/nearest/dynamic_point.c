@@ -3,22 +3,23 @@
 
 #include "nearest/point_search.h"
 
-void track_once(const struct surface *surface, const struct kernel *kernel, uint32_t method,
-                const struct axis *axis, uint32_t hint, struct work *work, struct nearest *nearest)
+void dpti_track_once(const struct surface *surface, const struct kernel *kernel, uint32_t method,
+                     const struct axis *axis, uint32_t hint, struct work *work,
+                     struct nearest *nearest)
 {
     *nearest = (struct nearest){ .pair = { .distance2 = HUGE_VAL }, .triangle = DPT_NONE };
     if (method == DPT_METHOD_BRUTE) {
-        tree_brute(surface, axis->local_a, axis->u, work, nearest);
+        dpti_tree_brute(surface, axis->local_a, axis->u, work, nearest);
         return;
     }
     if (hint != DPT_NONE)
-        nearest->pair.distance2 = tree_pair(surface, hint, axis->local_a, axis->u).distance2;
+        nearest->pair.distance2 = dpti_tree_pair(surface, hint, axis->local_a, axis->u).distance2;
     struct walk walk;
     walk.at = 0;
     if (extent_of(axis->u) > 0.0)
-        tree_search(surface, kernel, NULL, axis->local_a, axis->u, 0.0, work, nearest);
+        dpti_tree_search(surface, kernel, NULL, axis->local_a, axis->u, 0.0, work, nearest);
     else
-        point_search(surface, kernel, axis->local_a, &walk, work, nearest);
+        dpti_point_search(surface, kernel, axis->local_a, &walk, work, nearest);
 }
 
 /* At most so many triangles around a vertex are tried: hubs have thousands. */
@@ -37,8 +38,8 @@ static int try_neighbour(const struct surface *surface, const struct axis *axis,
 {
     if (triangle >= surface_triangles(surface) || triangle == nearest->triangle)
         return 0;
-    if (!tree_is_beyond(surface, &nearest->front, triangle)) {
-        pair found = tree_pair(surface, triangle, axis->local_a, axis->u);
+    if (!dpti_tree_is_beyond(surface, &nearest->front, triangle)) {
+        pair found = dpti_tree_pair(surface, triangle, axis->local_a, axis->u);
         if (found.distance2 < nearest->pair.distance2) {
             note_tried(nearest, nearest->triangle);
             nearest->pair = found;
@@ -64,8 +65,8 @@ static int try_fan(const struct surface *surface, const struct axis *axis, uint3
     return 0;
 }
 
-void track_slide(const struct surface *surface, const struct axis *axis, struct work *work,
-                 struct nearest *nearest)
+void dpti_track_slide(const struct surface *surface, const struct axis *axis, struct work *work,
+                      struct nearest *nearest)
 {
     int moved = 1;
     while (moved && nearest->pair.distance2 > 0.0 && !work_is_spent(work)) {
@@ -74,7 +75,7 @@ void track_slide(const struct surface *surface, const struct axis *axis, struct 
         int zeros = (weight[0] <= 0.0) + (weight[1] <= 0.0) + (weight[2] <= 0.0);
         if (!zeros)
             return;
-        nearest_front(nearest, axis->local_a, axis->u, TREE_SLACK * axis->error);
+        dpti_nearest_front(nearest, axis->local_a, axis->u, TREE_SLACK * axis->error);
         work_spend(work, 1);
         if (zeros == 1) {
             uint32_t edge = weight[0] <= 0.0 ? 1 : weight[1] <= 0.0 ? 2 : 0;
@@ -103,7 +104,8 @@ static int walk_through(const struct surface *surface, const struct axis *axis, 
         int misses = pierce_misses(&pierce);
         pair found;
         if (!misses && !pair_on_pierced(&found, &pierce))
-            found = tree_pair(surface, triangle, axis->local_a, axis->u); /* a sliver, perhaps */
+            found =
+                dpti_tree_pair(surface, triangle, axis->local_a, axis->u); /* a sliver, perhaps */
         if (!misses && found.distance2 == 0.0) {
             nearest->pair = found;
             nearest->triangle = triangle;
@@ -120,8 +122,8 @@ static int walk_through(const struct surface *surface, const struct axis *axis, 
     return 0;
 }
 
-void track_begin(struct track *track, const struct surface *surface, uint32_t last, double limit2,
-                 enum slide slide, struct work *work)
+void dpti_track_begin(struct track *track, const struct surface *surface, uint32_t last,
+                      double limit2, enum slide slide, struct work *work)
 {
     struct nearest *nearest = &track->nearest;
     const struct axis *axis = &track->axis;
@@ -138,7 +140,7 @@ void track_begin(struct track *track, const struct surface *surface, uint32_t la
         return;
     }
     __builtin_prefetch(&surface_neighbours(surface)[3 * (size_t)triangle]);
-    track->old = tree_pair(surface, triangle, axis->local_a, axis->u);
+    track->old = dpti_tree_pair(surface, triangle, axis->local_a, axis->u);
     if (!(track->old.distance2 < limit2)) {
         track->last = DPT_NONE;
         return;
@@ -146,19 +148,20 @@ void track_begin(struct track *track, const struct surface *surface, uint32_t la
     nearest->pair = track->old;
     nearest->triangle = triangle;
     if (slide != TRACK_STAYS && last != DPT_NONE)
-        track_slide(surface, axis, work, nearest);
+        dpti_track_slide(surface, axis, work, nearest);
 }
 
-int track_prove(struct track *track, const struct surface *surface, const struct kernel *kernel,
-                const struct keeper *keeper, struct walk *walk, struct work *work)
+int dpti_track_prove(struct track *track, const struct surface *surface,
+                     const struct kernel *kernel, const struct keeper *keeper, struct walk *walk,
+                     struct work *work)
 {
     double slack = track->last == DPT_NONE ? 0.0 : TREE_SLACK * track->axis.error;
     return track->nearest.pair.distance2 == 0.0 ||
-           tree_walk(surface, kernel, keeper, track->axis.local_a, track->axis.u, slack, walk, work,
-                     &track->nearest);
+           dpti_tree_walk(surface, kernel, keeper, track->axis.local_a, track->axis.u, slack, walk,
+                          work, &track->nearest);
 }
 
-void track_settle(struct track *track)
+void dpti_track_settle(struct track *track)
 {
     struct nearest *nearest = &track->nearest;
     if (track->last == DPT_NONE || nearest->triangle == track->last ||

@@ -23,15 +23,16 @@ static inline void axis_of(const struct surface *surface, const struct frame *bo
     axis->u = sub(local_b, axis->local_a);
     double reach = larger(larger(extent_of(a), extent_of(b)), extent_of(body->origin));
     reach = larger(reach, larger(extent_of(axis->local_a), extent_of(local_b)));
-    axis->error = TREE_ERROR * larger(reach, surface_extent(surface));
+    axis->error = TREE_ERROR * larger(reach, dpti_surface_extent(surface));
 }
 
 /*
  * Stateless: `hint` (a place, or DPT_NONE) only makes it faster. `nearest` is written anew; its
  * triangle is DPT_NONE only where a forged file's boxes hide every triangle.
  */
-void track_once(const struct surface *surface, const struct kernel *kernel, uint32_t method,
-                const struct axis *axis, uint32_t hint, struct work *work, struct nearest *nearest);
+void dpti_track_once(const struct surface *surface, const struct kernel *kernel, uint32_t method,
+                     const struct axis *axis, uint32_t hint, struct work *work,
+                     struct nearest *nearest);
 
 /* With history: one axis and one body, this tick. */
 struct track {
@@ -53,21 +54,22 @@ enum slide {
  * at or beyond `limit2`, a squared distance, need be found: nearest.triangle is DPT_NONE then. Where there was
  * no last tick and is no limit, any triangle is a beginning. `axis` is there already.
  */
-void track_begin(struct track *track, const struct surface *surface, uint32_t last, double limit2,
-                 enum slide slide, struct work *work);
+void dpti_track_begin(struct track *track, const struct surface *surface, uint32_t last,
+                      double limit2, enum slide slide, struct work *work);
 
 /*
  * The dynamic point moves: over the edge, or around the vertex, on which the nearest point of its triangle
  * lies, to a triangle that is nearer; until there is none. Of the axis its local_a, u and error count.
  */
-void track_slide(const struct surface *surface, const struct axis *axis, struct work *work,
-                 struct nearest *nearest);
+void dpti_track_slide(const struct surface *surface, const struct axis *axis, struct work *work,
+                      struct nearest *nearest);
 
-/* Prove or correct it; 0 if the work was spent, as tree_walk, whose walk and keeper these are. */
-int track_prove(struct track *track, const struct surface *surface, const struct kernel *kernel,
-                const struct keeper *keeper, struct walk *walk, struct work *work);
+/* Prove or correct it; 0 if the work was spent, as dpti_tree_walk, whose walk and keeper these are. */
+int dpti_track_prove(struct track *track, const struct surface *surface,
+                     const struct kernel *kernel, const struct keeper *keeper, struct walk *walk,
+                     struct work *work);
 
 /* Last tick's triangle stays the answer while it is within TREE_HISTORY of the error bound of the best. */
-void track_settle(struct track *track);
+void dpti_track_settle(struct track *track);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "nearest/nearest_pair.h"
 
-pair tree_pair(const struct surface *surface, uint32_t triangle, vec3 a, vec3 u)
+pair dpti_tree_pair(const struct surface *surface, uint32_t triangle, vec3 a, vec3 u)
 {
     vec3 v[3];
     surface_corners(surface, triangle, v);
@@ -12,14 +12,14 @@ pair tree_pair(const struct surface *surface, uint32_t triangle, vec3 a, vec3 u)
     return found;
 }
 
-void tree_point(const struct surface *surface, uint32_t triangle, vec3 x, pair *found)
+void dpti_tree_point(const struct surface *surface, uint32_t triangle, vec3 x, pair *found)
 {
     vec3 v[3];
     surface_corners(surface, triangle, v);
     point_triangle(x, v, found);
 }
 
-void nearest_front(struct nearest *nearest, vec3 a, vec3 u, double slack)
+void dpti_nearest_front(struct nearest *nearest, vec3 a, vec3 u, double slack)
 {
     const pair *found = &nearest->pair;
     if (nearest->front_of == nearest->triangle + 1)
@@ -36,7 +36,7 @@ void nearest_front(struct nearest *nearest, vec3 a, vec3 u, double slack)
 }
 
 /* height >= lean |c - at| - slack is concave along a triangle: where its corners hold it, all of it does. */
-int tree_is_beyond(const struct surface *surface, const struct front *front, uint32_t triangle)
+int dpti_tree_is_beyond(const struct surface *surface, const struct front *front, uint32_t triangle)
 {
     const uint32_t *corner = surface->corners + 3 * (size_t)triangle;
     int beyond = 1;
@@ -48,10 +48,10 @@ int tree_is_beyond(const struct surface *surface, const struct front *front, uin
     return beyond;
 }
 
-int tree_try_point(const struct surface *surface, uint32_t triangle, vec3 x,
-                   struct nearest *nearest)
+int dpti_tree_try_point(const struct surface *surface, uint32_t triangle, vec3 x,
+                        struct nearest *nearest)
 {
     pair found;
-    tree_point(surface, triangle, x, &found);
+    dpti_tree_point(surface, triangle, x, &found);
     return nearest_take(surface, triangle, &found, nearest);
 }

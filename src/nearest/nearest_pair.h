@@ -9,8 +9,8 @@
 /*
  * The most by which a reported distance is wrong, per unit of the largest coordinate that entered, in
  * the world and in the mesh's frame: half for the rounding of the pair (32 * 2^-53, docs/algorithms/
- * distance.md) and of the transformation into the mesh's frame, three eighths for history (track_settle), one
- * eighth for triangles that touch the plane through the best pair and are not evaluated (tree_search).
+ * distance.md) and of the transformation into the mesh's frame, three eighths for history (dpti_track_settle), one
+ * eighth for triangles that touch the plane through the best pair and are not evaluated (dpti_tree_search).
  */
 #define TREE_ERROR   (128.0 * 0x1p-53)
 #define TREE_HISTORY 0.375
@@ -52,16 +52,17 @@ static inline void nearest_begin(struct nearest *nearest, uint32_t triangle)
  * Make its front, if it is another pair's: of the axis a + s u, at a positive distance. What is nearer by less than
  * `slack` counts as no nearer.
  */
-void nearest_front(struct nearest *nearest, vec3 a, vec3 u, double slack);
+void dpti_nearest_front(struct nearest *nearest, vec3 a, vec3 u, double slack);
 
 /* All of a triangle lies beyond. */
-int tree_is_beyond(const struct surface *surface, const struct front *front, uint32_t triangle);
+int dpti_tree_is_beyond(const struct surface *surface, const struct front *front,
+                        uint32_t triangle);
 
 /* The pair of the axis a + s u and one triangle, by its place. */
-pair tree_pair(const struct surface *surface, uint32_t triangle, vec3 a, vec3 u);
+pair dpti_tree_pair(const struct surface *surface, uint32_t triangle, vec3 a, vec3 u);
 
 /* The same of a point x. */
-void tree_point(const struct surface *surface, uint32_t triangle, vec3 x, pair *found);
+void dpti_tree_point(const struct surface *surface, uint32_t triangle, vec3 x, pair *found);
 
 /* How the axis goes through the plane of one. */
 static inline struct pierce tree_pierce(const struct surface *surface, uint32_t triangle, vec3 a,
@@ -88,7 +89,7 @@ static inline int nearest_take(const struct surface *surface, uint32_t triangle,
 }
 
 /* Take that pair if it is nearer, or as near with a lower source number: 1. */
-int tree_try_point(const struct surface *surface, uint32_t triangle, vec3 x,
-                   struct nearest *nearest);
+int dpti_tree_try_point(const struct surface *surface, uint32_t triangle, vec3 x,
+                        struct nearest *nearest);
 
 #endif

@@ -27,7 +27,7 @@ static void try_neighbour(struct descent *d, uint32_t neighbour)
 {
     const struct surface *surface = d->surface;
     struct nearest *best = d->best;
-    pair found = tree_pair(surface, neighbour, d->a, d->u);
+    pair found = dpti_tree_pair(surface, neighbour, d->a, d->u);
     if (found.distance2 > best->pair.distance2)
         return;
     int shared = shared_corners(d->here, 3, surface->corners + 3 * (size_t)neighbour);
@@ -93,10 +93,10 @@ static int move(struct descent *d)
     return d->best->triangle != from;
 }
 
-void descend(const struct surface *surface, const struct kernel *kernel, vec3 a, vec3 u,
-             int one_step, struct work *work, struct nearest *nearest)
+void dpti_descend(const struct surface *surface, const struct kernel *kernel, vec3 a, vec3 u,
+                  int one_step, struct work *work, struct nearest *nearest)
 {
-    nearest->pair = tree_pair(surface, nearest->triangle, a, u);
+    nearest->pair = dpti_tree_pair(surface, nearest->triangle, a, u);
     if (nearest->pair.distance2 == 0.0)
         return;
     struct descent d;

@@ -56,13 +56,13 @@ static void look_into_leaf(struct point_search_state *search, uint32_t leaf)
         lanes &= ~(1u << lane);
         if (bound[lane] > search->limit)
             return;
-        if (tree_try_point(surface, first + lane, search->x, nearest))
+        if (dpti_tree_try_point(surface, first + lane, search->x, nearest))
             set_limit(search);
     }
 }
 
-int point_search(const struct surface *surface, const struct kernel *kernel, vec3 x,
-                 struct walk *walk, struct work *work, struct nearest *nearest)
+int dpti_point_search(const struct surface *surface, const struct kernel *kernel, vec3 x,
+                      struct walk *walk, struct work *work, struct nearest *nearest)
 {
     struct point_search_state search;
     int beside = nearest->triangle != DPT_NONE;

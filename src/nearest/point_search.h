@@ -10,7 +10,7 @@
  * `nearest`; stops at the first pair that meets. From where the walk stands. 0: the work was spent; the walk may go
  * on from there, with a pair that is no farther.
  */
-int point_search(const struct surface *surface, const struct kernel *kernel, vec3 x,
-                 struct walk *walk, struct work *work, struct nearest *nearest);
+int dpti_point_search(const struct surface *surface, const struct kernel *kernel, vec3 x,
+                      struct walk *walk, struct work *work, struct nearest *nearest);
 
 #endif

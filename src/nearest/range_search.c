@@ -29,8 +29,8 @@ static void look_at(struct range *range, uint32_t level, uint32_t node)
         range->lanes[level] = all & look(rows, &range->probe, &planes, range->bound);
 }
 
-void range_begin(struct range *range, const struct surface *surface, const struct kernel *kernel,
-                 vec3 a, vec3 u, double reach, struct work *work)
+void dpti_range_begin(struct range *range, const struct surface *surface,
+                      const struct kernel *kernel, vec3 a, vec3 u, double reach, struct work *work)
 {
     range->surface = surface;
     range->kernel = kernel;
@@ -47,7 +47,7 @@ void range_begin(struct range *range, const struct surface *surface, const struc
     look_at(range, surface->levels, 0);
 }
 
-uint32_t range_next(struct range *range, int *meets)
+uint32_t dpti_range_next(struct range *range, int *meets)
 {
     while (range->level <= range->surface->levels) {
         uint32_t level = range->level;

@@ -19,13 +19,13 @@ struct range {
 };
 
 /* The axis a + s u, in the mesh's frame; `reach` >= 0, a distance; at least one block is looked at. */
-void range_begin(struct range *range, const struct surface *surface, const struct kernel *kernel,
-                 vec3 a, vec3 u, double reach, struct work *work);
+void dpti_range_begin(struct range *range, const struct surface *surface,
+                      const struct kernel *kernel, vec3 a, vec3 u, double reach, struct work *work);
 
 /*
  * The next triangle, by its place, or DPT_NONE. None within reach is left out; some beyond it may come.
  * `meets`: it may be at distance 0. When the work is spent, there may be more.
  */
-uint32_t range_next(struct range *range, int *meets);
+uint32_t dpti_range_next(struct range *range, int *meets);
 
 #endif

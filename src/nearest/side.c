@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "nearest/side.h"
 
-int side_is_sheet(const struct surface *surface, uint32_t part)
+int dpti_side_is_sheet(const struct surface *surface, uint32_t part)
 {
     uint32_t flags = surface_part_flags(surface, part);
     return !(flags & (MESH_PART_SOLID | MESH_PART_BURIED)) && (flags & MESH_PART_MANIFOLD) &&
            (flags & MESH_PART_WOUND);
 }
 
-int side_is_border(const struct surface *surface, uint32_t triangle, const double weight[3])
+int dpti_side_is_border(const struct surface *surface, uint32_t triangle, const double weight[3])
 {
     const uint32_t *neighbour = surface_neighbours(surface);
     const uint32_t *first, *fans = surface_fans(surface, &first);
@@ -38,26 +38,27 @@ int side_is_border(const struct surface *surface, uint32_t triangle, const doubl
  */
 #define STORED_ERROR 0x1p-23
 
-int side_of_pair(const struct surface *surface, uint32_t triangle, const pair *found)
+int dpti_side_of_pair(const struct surface *surface, uint32_t triangle, const pair *found)
 {
-    double rise = dot(surface_feature_normal(surface, triangle, found->weight), found->gap);
+    double rise = dot(dpti_surface_feature_normal(surface, triangle, found->weight), found->gap);
     int corner = surface_lone_corner(found->weight);
     if (corner >= 0 && fabs(rise) <= STORED_ERROR * length(found->gap))
-        rise = dot(surface_fan_normal(surface, triangle, corner), found->gap);
+        rise = dot(dpti_surface_fan_normal(surface, triangle, corner), found->gap);
     return rise < 0.0 ? -1 : 1;
 }
 
 /* Of an edge, how far back one looks. */
 #define SIDE_BACK 1e-3
 
-int side_of_way(const struct surface *surface, uint32_t triangle, const double weight[3], vec3 back)
+int dpti_side_of_way(const struct surface *surface, uint32_t triangle, const double weight[3],
+                     vec3 back)
 {
     const uint32_t *first, *fans = surface_fans(surface, &first);
     int most = weight[1] > weight[0] ? 1 : 0;
     most = weight[2] > weight[most] ? 2 : most;
     double size = length(back);
     if ((weight[0] > 0.0 && weight[1] > 0.0 && weight[2] > 0.0) || !(size > 0.0))
-        return dot(surface_face_normal(surface, triangle), back) < 0.0 ? -1 : 1;
+        return dot(dpti_surface_face_normal(surface, triangle), back) < 0.0 ? -1 : 1;
     vec3 q = { 0.0, 0.0, 0.0 };
     for (int k = 0; k < 3; k++)
         q = along(q, weight[k], surface_corner_point(surface, triangle, k));
@@ -66,13 +67,13 @@ int side_of_way(const struct surface *surface, uint32_t triangle, const double w
     vec3 x = along(q, smaller(SIDE_BACK * edge, size) / size, back);
     uint32_t v = surface->corners[3 * (size_t)triangle + (size_t)most], nearest = triangle;
     pair best, found;
-    tree_point(surface, triangle, x, &best);
+    dpti_tree_point(surface, triangle, x, &best);
     for (uint32_t i = first[v]; i < first[v + 1]; i++) {
-        tree_point(surface, fans[i], x, &found);
+        dpti_tree_point(surface, fans[i], x, &found);
         if (found.distance2 < best.distance2) {
             best = found;
             nearest = fans[i];
         }
     }
-    return side_of_pair(surface, nearest, &best);
+    return dpti_side_of_pair(surface, nearest, &best);
 }

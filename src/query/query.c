@@ -53,11 +53,11 @@ static dpt_result prepare(struct query *query, const dpt_mesh *mesh, const dpt_p
     /* To ask the processor takes longer than a query: for a few, the kernel that is always there. */
     if (kernel == DPT_KERNEL_AUTO && n < LANES)
         kernel = DPT_KERNEL_ALWAYS;
-    if (!kernel_get(kernel, &query->kernel, &chosen))
+    if (!dpti_kernel_get(kernel, &query->kernel, &chosen))
         return DPT_E_UNSUPPORTED;
     DPT_TRY(frame_of_pose(pose, &query->body));
     query->method = method == DPT_METHOD_BRUTE ? method : DPT_METHOD_TREE;
-    surface_of_mesh(mesh, &query->surface);
+    dpti_surface_of_mesh(mesh, &query->surface);
     return DPT_OK;
 }
 
@@ -74,13 +74,13 @@ static dpt_result answer(const struct query *query, const double *ends, double r
     struct segment_result result;
     struct work work = work_of(WORK_UNLIMITED);
     axis_of(&query->surface, &query->body, vec3_of(ends), vec3_of(ends + 3), &axis);
-    track_once(&query->surface, &query->kernel, query->method, &axis, *hint, &work, &nearest);
+    dpti_track_once(&query->surface, &query->kernel, query->method, &axis, *hint, &work, &nearest);
     if (nearest.triangle == DPT_NONE)
         return DPT_E_LAYOUT;
-    segment_result_of_pair(&axis, &nearest.pair, &result);
+    dpti_segment_result_of_pair(&axis, &nearest.pair, &result);
     result.work = work.done;
-    contact_of(&query->surface, &query->kernel, &axis, &nearest, radius, &result);
-    segment_result_write(&result, &query->surface, &query->body, 0, &nearest, hit);
+    dpti_contact_of(&query->surface, &query->kernel, &axis, &nearest, radius, &result);
+    dpti_segment_result_write(&result, &query->surface, &query->body, 0, &nearest, hit);
     *hint = nearest.triangle;
     return DPT_OK;
 }

@@ -9,7 +9,7 @@
 static double distance_when_moved(const struct surface *surface, uint32_t place, vec3 a, vec3 u,
                                   vec3 normal, double way, double *rise)
 {
-    pair found = tree_pair(surface, place, along(a, way, normal), u);
+    pair found = dpti_tree_pair(surface, place, along(a, way, normal), u);
     double distance = sqrt(found.distance2);
     *rise = dot(found.gap, normal) / distance;
     return distance;
@@ -38,8 +38,8 @@ static double way_to_free(const struct surface *surface, uint32_t place, vec3 a,
 static void overlap_of(const struct surface *surface, const struct frame *frame, vec3 a, vec3 u,
                        double radius, double side, uint32_t place, dpt_overlap *overlap)
 {
-    pair found = tree_pair(surface, place, a, u);
-    vec3 normal = scaled(surface_face_normal(surface, place), side);
+    pair found = dpti_tree_pair(surface, place, a, u);
+    vec3 normal = scaled(dpti_surface_face_normal(surface, place), side);
     vec3 q = sub(along(a, found.s, u), found.gap);
     vec3 corner =
         vec3_of_float(surface->positions + 3 * (size_t)surface->corners[3 * (size_t)place]);
@@ -60,9 +60,9 @@ static void overlap_of(const struct surface *surface, const struct frame *frame,
         overlap->weight[k] = found.weight[k];
 }
 
-void strip_overlaps(const struct dpt_strip *strip, const struct surface *surface,
-                    const struct frame *frame, vec3 a, vec3 u, double radius, int32_t side,
-                    dpt_overlap *overlaps, uint32_t capacity)
+void dpti_strip_overlaps(const struct dpt_strip *strip, const struct surface *surface,
+                         const struct frame *frame, vec3 a, vec3 u, double radius, int32_t side,
+                         dpt_overlap *overlaps, uint32_t capacity)
 {
     uint32_t count = strip->count < capacity ? strip->count : capacity;
     const uint32_t size = count ? overlaps[0].size : 0;
@@ -92,10 +92,10 @@ dpt_result dpt_strip_overlaps(const dpt_strip *strip, const dpt_mesh *mesh, cons
     struct surface surface;
     struct frame frame;
     DPT_TRY(frame_of_pose(pose, &frame));
-    surface_of_mesh(mesh, &surface);
+    dpti_surface_of_mesh(mesh, &surface);
     vec3 a = frame_to_local(&frame, vec3_of(segment->a));
     vec3 u = sub(frame_to_local(&frame, vec3_of(segment->b)), a);
-    strip_overlaps(strip, &surface, &frame, a, u, segment->radius, side, overlaps, capacity);
+    dpti_strip_overlaps(strip, &surface, &frame, a, u, segment->radius, side, overlaps, capacity);
     *count = strip->count;
     return DPT_OK;
 }

@@ -239,8 +239,8 @@ static dpt_result follow(const struct finder *f, uint32_t from, uint32_t to, str
     return DPT_OK;
 }
 
-dpt_result route_find(struct route_search *search, const struct dpt_mesh *mesh, uint32_t from,
-                      uint32_t to, struct route *route)
+dpt_result dpti_route_find(struct route_search *search, const struct dpt_mesh *mesh, uint32_t from,
+                           uint32_t to, struct route *route)
 {
     struct finder f = {
         .search = search,

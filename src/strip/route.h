@@ -34,7 +34,7 @@ struct route {
 };
 
 /* Both are places in the mesh. */
-dpt_result route_find(struct route_search *search, const struct dpt_mesh *mesh, uint32_t from,
-                      uint32_t to, struct route *route);
+dpt_result dpti_route_find(struct route_search *search, const struct dpt_mesh *mesh, uint32_t from,
+                           uint32_t to, struct route *route);
 
 #endif

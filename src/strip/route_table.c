@@ -111,24 +111,24 @@ dpt_result dpt_strip_route_by_table(dpt_strip *strip, const dpt_route_table *tab
 {
     if (!strip)
         return DPT_E_ARGUMENT;
-    strip_clear(strip, table ? table->mesh : NULL);
+    dpti_strip_clear(strip, table ? table->mesh : NULL);
     if (!table)
         return DPT_E_ARGUMENT;
     const struct dpt_mesh *mesh = table->mesh;
     uint32_t here, goal;
-    DPT_TRY(strip_place(mesh, from, &here));
-    DPT_TRY(strip_place(mesh, to, &goal));
+    DPT_TRY(dpti_strip_place(mesh, from, &here));
+    DPT_TRY(dpti_strip_place(mesh, to, &goal));
     const uint16_t *steps = table->steps + (size_t)goal * mesh->triangles;
     if (steps[here] == TABLE_UNREACHABLE)
         return DPT_E_UNREACHABLE;
-    strip_add(strip, here);
+    dpti_strip_add(strip, here);
     while (here != goal) {
         here = next_triangle(mesh, steps, here);
         if (here == DPT_NONE) {
-            strip_clear(strip, mesh);
+            dpti_strip_clear(strip, mesh);
             return DPT_E_LAYOUT;
         }
-        strip_add(strip, here);
+        dpti_strip_add(strip, here);
     }
     return DPT_OK;
 }

@@ -23,7 +23,7 @@ static void put(struct shade *shade, int k, vec3 normal, double low, double high
     shade->high[k] = high;
 }
 
-void shade_of(vec3 a, vec3 u, vec3 direction, double half, double depth, struct shade *shade)
+void dpti_shade_of(vec3 a, vec3 u, vec3 direction, double half, double depth, struct shade *shade)
 {
     vec3 d = unit(direction), side = cross(d, u);
     int is_line = length(side) > 1e-9 * length(u);

@@ -22,6 +22,6 @@ struct shade {
 };
 
 /* `direction` need not be unit. */
-void shade_of(vec3 a, vec3 u, vec3 direction, double half, double depth, struct shade *shade);
+void dpti_shade_of(vec3 a, vec3 u, vec3 direction, double half, double depth, struct shade *shade);
 
 #endif

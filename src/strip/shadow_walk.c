@@ -207,8 +207,8 @@ static int first_meets(const struct shadow_walk *walk)
     return count > 0;
 }
 
-void shadow_walk(struct shadow_walk *walk, const struct surface *surface, const struct shade *shade,
-                 uint32_t start)
+void dpti_shadow_walk(struct shadow_walk *walk, const struct surface *surface,
+                      const struct shade *shade, uint32_t start)
 {
     const struct dpt_mesh *mesh = surface->mesh;
     if (walk->mesh == mesh && walk->crc32 == mesh->header_crc32 &&

@@ -44,7 +44,7 @@ struct shadow_walk {
 };
 
 /* The triangles of the piece that holds `start`, a place, into walk->triangles. */
-void shadow_walk(struct shadow_walk *walk, const struct surface *surface, const struct shade *shade,
-                 uint32_t start);
+void dpti_shadow_walk(struct shadow_walk *walk, const struct surface *surface,
+                      const struct shade *shade, uint32_t start);
 
 #endif

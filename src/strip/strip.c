@@ -95,14 +95,14 @@ dpt_result dpt_strip_create(void *block, size_t bytes, const dpt_strip_def *def,
     return DPT_OK;
 }
 
-void strip_clear(struct dpt_strip *strip, const struct dpt_mesh *mesh)
+void dpti_strip_clear(struct dpt_strip *strip, const struct dpt_mesh *mesh)
 {
     strip->mesh = mesh;
     strip->count = 0;
     strip->flags = 0;
 }
 
-void strip_add(struct dpt_strip *strip, uint32_t place)
+void dpti_strip_add(struct dpt_strip *strip, uint32_t place)
 {
     if (strip->count < strip->def.capacity)
         strip->triangles[strip->count++] = mesh_words(strip->mesh, MESH_SOURCES)[place];
@@ -110,17 +110,17 @@ void strip_add(struct dpt_strip *strip, uint32_t place)
         strip->flags |= DPT_STRIP_FULL;
 }
 
-void strip_forget(struct dpt_strip *strip)
+void dpti_strip_forget(struct dpt_strip *strip)
 {
     strip->walk.mesh = NULL;
 }
 
-void strip_set_full(struct dpt_strip *strip)
+void dpti_strip_set_full(struct dpt_strip *strip)
 {
     strip->flags |= DPT_STRIP_FULL;
 }
 
-dpt_result strip_place(const struct dpt_mesh *mesh, uint32_t number, uint32_t *place)
+dpt_result dpti_strip_place(const struct dpt_mesh *mesh, uint32_t number, uint32_t *place)
 {
     if (number >= mesh->source_triangles)
         return DPT_E_ARGUMENT;
@@ -143,7 +143,7 @@ static dpt_result find_route(struct dpt_strip *strip, uint32_t start, uint32_t g
 {
     route->places = strip->triangles + strip->count;
     route->room = strip->def.capacity - strip->count;
-    return route_find(&strip->search, strip->mesh, start, goal, route);
+    return dpti_route_find(&strip->search, strip->mesh, start, goal, route);
 }
 
 /* A route's triangles become the strip's. */
@@ -164,21 +164,21 @@ dpt_result dpt_strip_route(dpt_strip *strip, const dpt_mesh *mesh, uint32_t from
     uint32_t start, goal;
     if (!strip)
         return DPT_E_ARGUMENT;
-    strip_clear(strip, mesh);
+    dpti_strip_clear(strip, mesh);
     if (!mesh)
         return DPT_E_ARGUMENT;
-    DPT_TRY(strip_place(mesh, from, &start));
-    DPT_TRY(strip_place(mesh, to, &goal));
+    DPT_TRY(dpti_strip_place(mesh, from, &start));
+    DPT_TRY(dpti_strip_place(mesh, to, &goal));
     DPT_TRY(find_route(strip, start, goal, &route));
     take_route(strip, &route);
     return DPT_OK;
 }
 
-dpt_result strip_routes(struct dpt_strip *strip, const struct dpt_mesh *mesh, uint32_t a,
-                        uint32_t b, uint32_t p)
+dpt_result dpti_strip_routes(struct dpt_strip *strip, const struct dpt_mesh *mesh, uint32_t a,
+                             uint32_t b, uint32_t p)
 {
     struct route first = { .other = NULL }, second = { .other = &first };
-    strip_clear(strip, mesh);
+    dpti_strip_clear(strip, mesh);
     DPT_TRY(find_route(strip, a, p, &first));
     strip->count = first.count < first.room ? first.count : first.room;
     dpt_result result = find_route(strip, b, p, &second);
@@ -195,20 +195,20 @@ dpt_result dpt_strip_routes(dpt_strip *strip, const dpt_mesh *mesh, uint32_t a, 
     uint32_t start[2], goal;
     if (!strip)
         return DPT_E_ARGUMENT;
-    strip_clear(strip, mesh);
+    dpti_strip_clear(strip, mesh);
     if (!mesh)
         return DPT_E_ARGUMENT;
-    DPT_TRY(strip_place(mesh, a, &start[0]));
-    DPT_TRY(strip_place(mesh, p, &goal));
-    DPT_TRY(strip_place(mesh, b, &start[1]));
-    return strip_routes(strip, mesh, start[0], start[1], goal);
+    DPT_TRY(dpti_strip_place(mesh, a, &start[0]));
+    DPT_TRY(dpti_strip_place(mesh, p, &goal));
+    DPT_TRY(dpti_strip_place(mesh, b, &start[1]));
+    return dpti_strip_routes(strip, mesh, start[0], start[1], goal);
 }
 
-void strip_shadow(struct dpt_strip *strip, const struct surface *surface, const struct shade *shade,
-                  uint32_t place)
+void dpti_strip_shadow(struct dpt_strip *strip, const struct surface *surface,
+                       const struct shade *shade, uint32_t place)
 {
-    strip_clear(strip, surface->mesh);
-    shadow_walk(&strip->walk, surface, shade, place);
+    dpti_strip_clear(strip, surface->mesh);
+    dpti_shadow_walk(&strip->walk, surface, shade, place);
     for (uint32_t i = 0; i < strip->walk.triangle_count; i++)
         strip->triangles[i] = surface->sources[strip->walk.triangles[i].place];
     strip->count = strip->walk.triangle_count;
@@ -238,7 +238,7 @@ dpt_result dpt_strip_shadow(dpt_strip *strip, const dpt_mesh *mesh, const dpt_po
 {
     if (!strip)
         return DPT_E_ARGUMENT;
-    strip_clear(strip, mesh);
+    dpti_strip_clear(strip, mesh);
     if (!mesh || !shadow)
         return DPT_E_ARGUMENT;
     if (shadow->size != sizeof *shadow)
@@ -249,12 +249,12 @@ dpt_result dpt_strip_shadow(dpt_strip *strip, const dpt_mesh *mesh, const dpt_po
     struct surface surface;
     DPT_TRY(check_shadow(shadow));
     DPT_TRY(frame_of_pose(pose, &frame));
-    DPT_TRY(strip_place(mesh, shadow->triangle, &place));
+    DPT_TRY(dpti_strip_place(mesh, shadow->triangle, &place));
     vec3 a = frame_to_local(&frame, vec3_of(shadow->segment.a));
     vec3 b = frame_to_local(&frame, vec3_of(shadow->segment.b));
-    shade_of(a, sub(b, a), frame_turn_back(&frame, vec3_of(shadow->direction)),
-             shadow->segment.radius + shadow->width, shadow->depth, &shade);
-    surface_of_mesh(mesh, &surface);
-    strip_shadow(strip, &surface, &shade, place);
+    dpti_shade_of(a, sub(b, a), frame_turn_back(&frame, vec3_of(shadow->direction)),
+                  shadow->segment.radius + shadow->width, shadow->depth, &shade);
+    dpti_surface_of_mesh(mesh, &surface);
+    dpti_strip_shadow(strip, &surface, &shade, place);
     return DPT_OK;
 }

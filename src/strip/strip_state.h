@@ -20,31 +20,31 @@ struct dpt_strip {
 };
 
 /* Empty it, to be filled with triangles of a mesh. */
-void strip_clear(struct dpt_strip *strip, const struct dpt_mesh *mesh);
+void dpti_strip_clear(struct dpt_strip *strip, const struct dpt_mesh *mesh);
 
 /* Forget the last shadow. */
-void strip_forget(struct dpt_strip *strip);
+void dpti_strip_forget(struct dpt_strip *strip);
 
 /* There is more than it can tell. */
-void strip_set_full(struct dpt_strip *strip);
+void dpti_strip_set_full(struct dpt_strip *strip);
 
 /* Put a triangle at its end, by its place; a full one is flagged. */
-void strip_add(struct dpt_strip *strip, uint32_t place);
+void dpti_strip_add(struct dpt_strip *strip, uint32_t place);
 
 /* The place of a triangle by its number. */
-dpt_result strip_place(const struct dpt_mesh *mesh, uint32_t number, uint32_t *place);
+dpt_result dpti_strip_place(const struct dpt_mesh *mesh, uint32_t number, uint32_t *place);
 
 /* As dpt_strip_shadow, with the segment, the direction and the first triangle's place in the mesh's frame. */
-void strip_shadow(struct dpt_strip *strip, const struct surface *surface, const struct shade *shade,
-                  uint32_t place);
+void dpti_strip_shadow(struct dpt_strip *strip, const struct surface *surface,
+                       const struct shade *shade, uint32_t place);
 
 /* As dpt_strip_routes, of places. */
-dpt_result strip_routes(struct dpt_strip *strip, const struct dpt_mesh *mesh, uint32_t a,
-                        uint32_t b, uint32_t p);
+dpt_result dpti_strip_routes(struct dpt_strip *strip, const struct dpt_mesh *mesh, uint32_t a,
+                             uint32_t b, uint32_t p);
 
 /* dpt_strip_overlaps of the axis a + s u in the mesh's frame, of what is valid. */
-void strip_overlaps(const struct dpt_strip *strip, const struct surface *surface,
-                    const struct frame *frame, vec3 a, vec3 u, double radius, int32_t side,
-                    dpt_overlap *overlaps, uint32_t capacity);
+void dpti_strip_overlaps(const struct dpt_strip *strip, const struct surface *surface,
+                         const struct frame *frame, vec3 a, vec3 u, double radius, int32_t side,
+                         dpt_overlap *overlaps, uint32_t capacity);
 
 #endif

@@ -2,7 +2,7 @@
 /*
  * The first touch of a mesh: depth first through the box tree, nearest to the swept hull first, the
  * time shrinking with each hit (docs/algorithms/sweep.md). Float bounds say which triangles need
- * not be asked, sweep_pair answers.
+ * not be asked, dpti_sweep_pair answers.
  */
 #include "sweep/sweep_mesh.h"
 
@@ -53,7 +53,7 @@ static void swath_of(const struct hunt *hunt, struct swath *swath)
     double far = 0.0;
     for (int k = 0; k < 2; k++) {
         vec3 a, u;
-        sweep_axis(hunt->sweep, times[k], &a, &u);
+        dpti_sweep_axis(hunt->sweep, times[k], &a, &u);
         end[2 * k] = scaled(sub(a, surface->filter_centre), scale);
         end[2 * k + 1] = along(end[2 * k], scale, u);
     }
@@ -90,7 +90,7 @@ static void ask(struct hunt *hunt, uint32_t triangle)
     double time;
     uint32_t asked = 0;
     work_spend(hunt->work, 1);
-    if (sweep_pair(hunt->sweep, corner, progress->to, &time, &asked) != SWEEP_HIT ||
+    if (dpti_sweep_pair(hunt->sweep, corner, progress->to, &time, &asked) != SWEEP_HIT ||
         (time == progress->to && progress->triangle != DPT_NONE &&
          surface->sources[triangle] >= surface->sources[progress->triangle]))
         return;
@@ -158,9 +158,9 @@ static int go_on(struct hunt *hunt)
     }
 }
 
-int sweep_mesh(const struct surface *surface, const struct kernel *kernel,
-               const struct sweep *sweep, double from, uint32_t hint, struct work *work,
-               struct sweep_progress *progress, struct strike *first)
+int dpti_sweep_mesh(const struct surface *surface, const struct kernel *kernel,
+                    const struct sweep *sweep, double from, uint32_t hint, struct work *work,
+                    struct sweep_progress *progress, struct strike *first)
 {
     struct hunt hunt;
     hunt.surface = surface;
@@ -182,9 +182,9 @@ int sweep_mesh(const struct surface *surface, const struct kernel *kernel,
     if (!done || progress->triangle == DPT_NONE)
         return done ? SWEEP_FREE : SWEEP_UNFINISHED;
     vec3 a, u;
-    sweep_axis(sweep, progress->to, &a, &u);
+    dpti_sweep_axis(sweep, progress->to, &a, &u);
     first->triangle = progress->triangle;
-    first->pair = tree_pair(surface, progress->triangle, a, u);
+    first->pair = dpti_tree_pair(surface, progress->triangle, a, u);
     first->q = sub(along(a, first->pair.s, u), first->pair.gap);
     return SWEEP_HIT;
 }

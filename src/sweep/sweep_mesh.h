@@ -33,9 +33,9 @@ struct sweep_progress {
 
 /*
  * The whole mesh: the first touch in 0..1, of equal times the least source number. It is what
- * sweep_pair over all triangles gives.
+ * dpti_sweep_pair over all triangles gives.
  *
- *   from   as sweep_start told of a distance to this mesh; 0: nothing is known
+ *   from   as dpti_sweep_start told of a distance to this mesh; 0: nothing is known
  *   hint   a triangle, by its place, that is likely to be hit, such as the one last nearest: saves
  *          work and changes nothing else. DPT_NONE: none
  *   work   a unit is one block of 16 lanes, or one triangle that is asked in double
@@ -44,8 +44,8 @@ struct sweep_progress {
  *   first  SWEEP_HIT: all of it. SWEEP_FREE: time 1 and no triangle. SWEEP_UNFINISHED: no triangle,
  *          and time is `from`, up to which the motion is free
  */
-int sweep_mesh(const struct surface *surface, const struct kernel *kernel,
-               const struct sweep *sweep, double from, uint32_t hint, struct work *work,
-               struct sweep_progress *progress, struct strike *first);
+int dpti_sweep_mesh(const struct surface *surface, const struct kernel *kernel,
+                    const struct sweep *sweep, double from, uint32_t hint, struct work *work,
+                    struct sweep_progress *progress, struct strike *first);
 
 #endif

@@ -97,11 +97,11 @@ static int sweep_straight(struct tour *tour, const struct ends *from, const stru
     struct passage *passage = &tour->passage;
     struct sweep sweep;
     passage->motion = (struct motion){ from->a, from->b, sub(to->a, from->a), sub(to->b, from->b) };
-    sweep_begin(&sweep, &passage->motion, tour->radius + bend, tour->tolerance,
-                surface_extent(surface));
-    double start = t0 > 0.0 ? 0.0 : sweep_start(&sweep, tour->far);
-    int result = sweep_mesh(surface, tour->kernel, &sweep, start, tour->hint, tour->work,
-                            &tour->progress->sweep, &passage->strike);
+    dpti_sweep_begin(&sweep, &passage->motion, tour->radius + bend, tour->tolerance,
+                     dpti_surface_extent(surface));
+    double start = t0 > 0.0 ? 0.0 : dpti_sweep_start(&sweep, tour->far);
+    int result = dpti_sweep_mesh(surface, tour->kernel, &sweep, start, tour->hint, tour->work,
+                                 &tour->progress->sweep, &passage->strike);
     passage->time = t0 + passage->strike.time * (t1 - t0);
     if (result == SWEEP_FREE)
         tour->progress->free_until = t1;
@@ -130,15 +130,15 @@ static int sweep_between(struct tour *tour, const struct moment *from, const str
     return sweep_between(tour, &middle, &at_middle, to, at_to, half, t1, halves - 1);
 }
 
-int tour_sweep(struct tour *tour, const struct moment *from, const struct moment *to)
+int dpti_tour_sweep(struct tour *tour, const struct moment *from, const struct moment *to)
 {
     struct ends at_from = ends_at(from), at_to = ends_at(to);
     tour->passage.time = tour->progress->free_until;
     return sweep_between(tour, from, &at_from, to, &at_to, 0.0, 1.0, HALVES_MOST);
 }
 
-int tour_is_beyond(const struct tour *tour, const struct moment *from, const struct moment *to,
-                   double after)
+int dpti_tour_is_beyond(const struct tour *tour, const struct moment *from, const struct moment *to,
+                        double after)
 {
     struct moment middle = middle_of(from, to);
     struct ends at_from = ends_at(from), at_to = ends_at(to), at_middle = ends_at(&middle);
@@ -150,21 +150,21 @@ int tour_is_beyond(const struct tour *tour, const struct moment *from, const str
            tour->far + after > motion + 2.0 * (bend + tour->radius + 2.0 * tour->tolerance);
 }
 
-int tour_side_before(const struct tour *tour)
+int dpti_tour_side_before(const struct tour *tour)
 {
     const struct strike *strike = &tour->passage.strike;
     const struct motion *motion = &tour->passage.motion;
     vec3 way = along(motion->da, strike->pair.s, sub(motion->db, motion->da));
     vec3 back = along(strike->pair.gap, -strike->time, way);
-    return side_of_way(tour->surface, strike->triangle, strike->pair.weight, back);
+    return dpti_side_of_way(tour->surface, strike->triangle, strike->pair.weight, back);
 }
 
-int tour_began_through(const struct tour *tour)
+int dpti_tour_began_through(const struct tour *tour)
 {
     return tour->passage.time == 0.0 && tour->far == 0.0;
 }
 
-double tour_way(const struct moment *from, const struct moment *to)
+double dpti_tour_way(const struct moment *from, const struct moment *to)
 {
     const dpt_pose middle_pose = pose_middle(&from->tool, &to->tool);
     const struct moment middle = { .tool = middle_pose,

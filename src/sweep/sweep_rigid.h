@@ -45,22 +45,22 @@ struct tour {
 };
 
 /* SWEEP_...; after SWEEP_UNFINISHED the same tour between the same moments goes on where it ended. */
-int tour_sweep(struct tour *tour, const struct moment *from, const struct moment *to);
+int dpti_tour_sweep(struct tour *tour, const struct moment *from, const struct moment *to);
 
 /* Nothing was met: what is nowhere nearer, before and `after`, than half of the way. */
-int tour_is_beyond(const struct tour *tour, const struct moment *from, const struct moment *to,
-                   double after);
+int dpti_tour_is_beyond(const struct tour *tour, const struct moment *from, const struct moment *to,
+                        double after);
 
 /* After a hit: the side of the struck feature on which the point that struck it was when its motion began. */
-int tour_side_before(const struct tour *tour);
+int dpti_tour_side_before(const struct tour *tour);
 
 /*
  * After a hit: the axis touched already when the tour began, and nobody knew. Whether it went through the struck triangle does
  * not tell: one beside that is as near.
  */
-int tour_began_through(const struct tour *tour);
+int dpti_tour_began_through(const struct tour *tour);
 
 /* No point of the tool was farther away from where it is at last than that, the arc of a turn included. */
-double tour_way(const struct moment *from, const struct moment *to);
+double dpti_tour_way(const struct moment *from, const struct moment *to);
 
 #endif

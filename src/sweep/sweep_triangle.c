@@ -25,8 +25,8 @@ struct face {
     int is;
 };
 
-void sweep_begin(struct sweep *sweep, const struct motion *motion, double radius, double tolerance,
-                 double extent)
+void dpti_sweep_begin(struct sweep *sweep, const struct motion *motion, double radius,
+                      double tolerance, double extent)
 {
     const double unit = 0x1p-53;
     extent = larger(extent, larger(extent_of(motion->a), extent_of(motion->b)));
@@ -46,13 +46,13 @@ void sweep_begin(struct sweep *sweep, const struct motion *motion, double radius
     sweep->middle = size > 1e-120 ? scaled(middle, 1.0 / size) : (vec3){ 0.0, 0.0, 0.0 };
 }
 
-void sweep_axis(const struct sweep *sweep, double time, vec3 *a, vec3 *u)
+void dpti_sweep_axis(const struct sweep *sweep, double time, vec3 *a, vec3 *u)
 {
     *a = along(sweep->a, time, sweep->da);
     *u = along(sweep->u, time, sweep->du);
 }
 
-double sweep_start(const struct sweep *sweep, double distance)
+double dpti_sweep_start(const struct sweep *sweep, double distance)
 {
     vec3 db = add(sweep->da, sweep->du);
     double fastest = sqrt(larger(dot(sweep->da, sweep->da), dot(db, db)));
@@ -63,7 +63,7 @@ double sweep_start(const struct sweep *sweep, double distance)
 static struct stretch stretch_of(const struct sweep *sweep, const struct piece *piece)
 {
     vec3 a, u;
-    sweep_axis(sweep, piece->time, &a, &u);
+    dpti_sweep_axis(sweep, piece->time, &a, &u);
     return (struct stretch){ along(a, piece->from, u), along(a, piece->to, u),
                              along(sweep->da, piece->from, sweep->du),
                              along(sweep->da, piece->to, sweep->du) };
@@ -194,8 +194,8 @@ static int advance(const struct sweep *sweep, const vec3 corner[3], const struct
            (fabs(fall_b - fall_a) * rest > sweep->touch - sweep->clear || 2.0 * high < room);
 }
 
-int sweep_pair(const struct sweep *sweep, const vec3 corner[3], double until, double *time,
-               uint32_t *asked)
+int dpti_sweep_pair(const struct sweep *sweep, const vec3 corner[3], double until, double *time,
+                    uint32_t *asked)
 {
     enum { PIECES = 64 };
     struct piece pieces[PIECES];

@@ -37,29 +37,29 @@ struct sweep {
 
 /*
  * Coordinates are finite and, like radius and tolerance, at most 1e6 m; `extent` is the largest
- * |coordinate| of what is to be met (surface_extent). A tolerance below 2^-42 of the radius and the
+ * |coordinate| of what is to be met (dpti_surface_extent). A tolerance below 2^-42 of the radius and the
  * largest coordinate of all, the motion's four end points included, is raised to that: what is left
  * would be rounding. Ends that are known rounded, such as b + db where db was a difference, may be
  * off by an ulp and are not missed either.
  */
-void sweep_begin(struct sweep *sweep, const struct motion *motion, double radius, double tolerance,
-                 double extent);
+void dpti_sweep_begin(struct sweep *sweep, const struct motion *motion, double radius,
+                      double tolerance, double extent);
 
 /* The ends' line at a time: the axis *a + s *u. */
-void sweep_axis(const struct sweep *sweep, double time, vec3 *a, vec3 *u);
+void dpti_sweep_axis(const struct sweep *sweep, double time, vec3 *a, vec3 *u);
 
 /*
  * A time, at most 1, up to which nothing can be touched that is at least `distance` from the axis
  * at time 0: it depends on the faster end alone. 1: nothing need be asked.
  */
-double sweep_start(const struct sweep *sweep, double distance);
+double dpti_sweep_start(const struct sweep *sweep, double distance);
 
 /*
  * One triangle, of any shape, that is within the extent: the first touch in 0..until, the ends
  * included. On SWEEP_HIT *time is that; it does not depend on `until`. *asked grows by the
  * distances evaluated.
  */
-int sweep_pair(const struct sweep *sweep, const vec3 corner[3], double until, double *time,
-               uint32_t *asked);
+int dpti_sweep_pair(const struct sweep *sweep, const vec3 corner[3], double until, double *time,
+                    uint32_t *asked);
 
 #endif

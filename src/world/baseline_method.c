@@ -20,10 +20,10 @@ static void dynamic_point(const struct dpt_world *world, const struct surface *s
 {
     *nearest = (struct nearest){ .pair = { .distance2 = HUGE_VAL }, .triangle = *last };
     if (*last == DPT_NONE)
-        tree_search(surface, &world->kernel, NULL, part->local_a, part->u, 0.0, work, nearest);
+        dpti_tree_search(surface, &world->kernel, NULL, part->local_a, part->u, 0.0, work, nearest);
     else
-        descend(surface, &world->kernel, part->local_a, part->u, world->def.one_step != 0, work,
-                nearest);
+        dpti_descend(surface, &world->kernel, part->local_a, part->u, world->def.one_step != 0,
+                     work, nearest);
     *last = nearest->triangle;
 }
 
@@ -32,12 +32,12 @@ static void take_part(struct gathered *sum, const struct dpt_world *world, const
                       double radius)
 {
     struct push push;
-    double gap = contact_paper(&body->surface, &body->frame, part, nearest, radius, &push);
+    double gap = dpti_contact_paper(&body->surface, &body->frame, part, nearest, radius, &push);
     double distance = sqrt(nearest->pair.distance2);
     int lower = gap < sum->gap;
     if (!sum->any || distance < sum->result->distance ||
         (distance == sum->result->distance && lower)) {
-        segment_result_of_pair(part, &nearest->pair, sum->result);
+        dpti_segment_result_of_pair(part, &nearest->pair, sum->result);
         sum->result->s = (index + nearest->pair.s) / world->def.parts;
         sum->found->body = body;
         sum->found->track.nearest = *nearest;
@@ -65,7 +65,7 @@ static void take_body(struct gathered *sum, struct dpt_world *world, uint32_t se
     }
 }
 
-struct push paper_segment(struct dpt_world *world, uint32_t index, vec3 a, vec3 b)
+struct push dpti_paper_segment(struct dpt_world *world, uint32_t index, vec3 a, vec3 b)
 {
     struct segment *segment = &world->segments[index];
     struct found *found = &segment->found;
@@ -87,6 +87,6 @@ struct push paper_segment(struct dpt_world *world, uint32_t index, vec3 a, vec3 
     result->error_bound = result->distance + rounding;
     result->lower_bound = 0.0;
     if (world->def.until != DPT_UNTIL_TRACK)
-        segment_result_set_gap(result, sum.gap, rounding);
+        dpti_segment_result_set_gap(result, sum.gap, rounding);
     return sum.push;
 }

@@ -31,8 +31,8 @@ dpt_result dpt_body_add(dpt_world *world, const dpt_mesh *mesh, const dpt_pose *
     made->moved = 0;
     made->added = world->ticks + 1;
     made->valid = 1;
-    surface_of_mesh(mesh, &made->surface);
-    bodies_place(world, index);
+    dpti_surface_of_mesh(mesh, &made->surface);
+    dpti_bodies_place(world, index);
     *body = made->id;
     return DPT_OK;
 }
@@ -44,13 +44,13 @@ dpt_result dpt_body_remove(dpt_world *world, dpt_body body)
         return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
     slot_release(&old->slot);
     world->invalid -= !old->valid;
-    contacts_forget(world, 0, world->segment_count, handle_index(body));
-    memo_forget(&world->memo, handle_index(body));
-    strips_forget_body(world, handle_index(body));
+    dpti_contacts_forget(world, 0, world->segment_count, handle_index(body));
+    dpti_memo_forget(&world->memo, handle_index(body));
+    dpti_strips_forget_body(world, handle_index(body));
     for (uint32_t s = 0; s < world->segment_count; s++)
-        bounds_forget(world, s, handle_index(body));
-    backlog_restart(world);
-    bodies_forget_body(world, handle_index(body));
+        dpti_bounds_forget(world, s, handle_index(body));
+    dpti_backlog_restart(world);
+    dpti_bodies_forget_body(world, handle_index(body));
     return DPT_OK;
 }
 
@@ -89,7 +89,7 @@ static void move_body(struct dpt_world *world, struct body *body, const dpt_pose
         world->travelled = 0.0;
     world->travelled_at = body->moved;
     world->travelled = larger(world->travelled, body->travelled);
-    bodies_place(world, handle_index(body->id));
+    dpti_bodies_place(world, handle_index(body->id));
 }
 
 dpt_result dpt_body_set_pose(dpt_world *world, dpt_body body, const dpt_pose *pose)

@@ -25,12 +25,12 @@ static uint64_t bytes_near(const dpt_world_def *def)
     return mesh_aligned(8 * (uint64_t)def->max_segments * def->max_bodies);
 }
 
-uint64_t bodies_bytes(const dpt_world_def *def)
+uint64_t dpti_bodies_bytes(const dpt_world_def *def)
 {
     return bytes_last(def) + bytes_near(def) + mesh_aligned(def->certificate_bytes);
 }
 
-char *bodies_place_memory(struct dpt_world *world, char *at)
+char *dpti_bodies_place_memory(struct dpt_world *world, char *at)
 {
     world->last = (void *)at;
     world->near = (void *)(at + bytes_last(&world->def));
@@ -40,7 +40,7 @@ char *bodies_place_memory(struct dpt_world *world, char *at)
     return at + mesh_aligned(world->def.certificate_bytes);
 }
 
-void bodies_forget_planes(struct dpt_world *world, uint32_t first, uint32_t end, uint32_t body)
+void dpti_bodies_forget_planes(struct dpt_world *world, uint32_t first, uint32_t end, uint32_t body)
 {
     const struct certificate *c = &world->certificate;
     for (uint32_t i = 0; i < c->count; i++) {
@@ -54,7 +54,7 @@ void bodies_forget_planes(struct dpt_world *world, uint32_t first, uint32_t end,
     }
 }
 
-void bodies_forget(struct dpt_world *world, uint32_t segment)
+void dpti_bodies_forget(struct dpt_world *world, uint32_t segment)
 {
     struct segment *s = &world->segments[segment];
     memset(world_last(world, segment, 0), 0xff, world_lasts(world) * sizeof *world->last);
@@ -62,20 +62,20 @@ void bodies_forget(struct dpt_world *world, uint32_t segment)
     s->last_body = DPT_NONE;
 }
 
-void bodies_forget_body(struct dpt_world *world, uint32_t body)
+void dpti_bodies_forget_body(struct dpt_world *world, uint32_t body)
 {
     for (uint32_t s = 0; s < world->segment_count; s++) {
         memset(world_last(world, s, body), 0xff, world->def.parts * sizeof *world->last);
         if (world->segments[s].last_body == body)
             world->segments[s].last_body = DPT_NONE;
     }
-    bodies_forget_planes(world, 0, world->segment_count, body);
+    dpti_bodies_forget_planes(world, 0, world->segment_count, body);
 }
 
-void bodies_remove(struct dpt_world *world, uint32_t first, uint32_t end)
+void dpti_bodies_remove(struct dpt_world *world, uint32_t first, uint32_t end)
 {
     size_t moved = world->segment_count - end, bodies = world->def.max_bodies;
-    bodies_forget_planes(world, first, world->segment_count, DPT_NONE);
+    dpti_bodies_forget_planes(world, first, world->segment_count, DPT_NONE);
     memmove(world_last(world, first, 0), world_last(world, end, 0),
             moved * world_lasts(world) * sizeof *world->last);
     memmove(world_near(world, first, 0), world_near(world, end, 0),
@@ -127,14 +127,15 @@ static void ask_plainly(struct hunt *hunt, uint32_t index)
     axis_in(hunt, body, &track.axis);
     if (world->def.method == DPT_METHOD_BRUTE) {
         track.nearest = (struct nearest){ .pair = { .distance2 = limit2 }, .triangle = DPT_NONE };
-        tree_brute(&body->surface, track.axis.local_a, track.axis.u, &world->work, &track.nearest);
+        dpti_tree_brute(&body->surface, track.axis.local_a, track.axis.u, &world->work,
+                        &track.nearest);
     } else {
         struct walk walk;
         walk.at = 0;
-        track_begin(&track, &body->surface, *world_last(world, hunt->segment, index), limit2,
-                    TRACK_STAYS, &world->work);
-        track_prove(&track, &body->surface, &world->kernel, NULL, &walk, &world->work);
-        track_settle(&track);
+        dpti_track_begin(&track, &body->surface, *world_last(world, hunt->segment, index), limit2,
+                         TRACK_STAYS, &world->work);
+        dpti_track_prove(&track, &body->surface, &world->kernel, NULL, &walk, &world->work);
+        dpti_track_settle(&track);
     }
     best->error = larger(best->error, track.axis.error);
     take(hunt, body, &track);
@@ -151,8 +152,8 @@ static void begin_track(struct hunt *hunt, uint32_t index, double limit2, enum s
 {
     struct dpt_world *world = hunt->world;
     struct work share = work_of(slide_share(world));
-    track_begin(track, &world->bodies[index].surface, *world_last(world, hunt->segment, index),
-                limit2, slide, &share);
+    dpti_track_begin(track, &world->bodies[index].surface, *world_last(world, hunt->segment, index),
+                     limit2, slide, &share);
     work_spend(&world->work, share.done);
 }
 
@@ -166,7 +167,7 @@ static void follow(struct hunt *hunt, uint32_t index)
     hunt->followed = index;
     hunt->moved = 1.0;
     if (world->def.budget)
-        hunt->moved = bounds_update(world, hunt->segment, index, &track->axis);
+        hunt->moved = dpti_bounds_update(world, hunt->segment, index, &track->axis);
     enum slide slide = TRACK_STAYS;
     if (hunt->moved > 0.0 && slide_share(world))
         slide = track->nearest.pair.distance2 == 0.0 ? TRACK_CROSSED : TRACK_SLIDES;
@@ -193,9 +194,9 @@ static int prove(struct hunt *hunt, uint32_t index, struct track *track, int sli
                     slide ? TRACK_SLIDES : TRACK_STAYS, track);
     const struct keeper keeper =
         keeper_of(&world->certificate, world_owner(world, hunt->segment, index), anew);
-    int done = track_prove(track, &body->surface, &world->kernel, &keeper, walk, &world->work);
+    int done = dpti_track_prove(track, &body->surface, &world->kernel, &keeper, walk, &world->work);
     *floor = sqrt(track->nearest.pair.distance2);
-    track_settle(track);
+    dpti_track_settle(track);
     take(hunt, body, track);
     return done;
 }
@@ -208,15 +209,15 @@ static void ask_in_pieces(struct hunt *hunt, uint32_t index, double apart, struc
     double moved = hunt->moved;
     int done = 0;
     if (index != hunt->followed)
-        moved = bounds_update(world, hunt->segment, index, &track->axis);
+        moved = dpti_bounds_update(world, hunt->segment, index, &track->axis);
     int anew = moved == 0.0 || hunt->is_new;
     struct pause *pause = world_pause(world, hunt->segment, anew);
     proof->floor = larger(proof->floor, apart);
-    if (!is_proven(hunt, bounds_proven(world, hunt->segment, index)) &&
+    if (!is_proven(hunt, dpti_bounds_proven(world, hunt->segment, index)) &&
         !work_is_spent(&hunt->world->work)) {
         double floor;
         if (pause->body != index || !pause->walk.at) {
-            bounds_give_up(world, hunt->segment, pause);
+            dpti_bounds_give_up(world, hunt->segment, pause);
             pause->body = index;
             pause->floor = HUGE_VAL;
         }
@@ -226,7 +227,7 @@ static void ask_in_pieces(struct hunt *hunt, uint32_t index, double apart, struc
         if (done)
             proof->floor = larger(proof->floor, pause->floor);
     }
-    double floor = bounds_proven(world, hunt->segment, index);
+    double floor = dpti_bounds_proven(world, hunt->segment, index);
     if (!done && hunt->next == DPT_NONE && !is_proven(hunt, floor))
         hunt->next = index;
     hunt->best->lower = smaller(hunt->best->lower, floor);
@@ -286,18 +287,18 @@ static void scan(struct hunt *hunt, struct near *near)
         }
     }
     if (near->scanned == world->body_end)
-        near_arrive(near);
+        dpti_near_arrive(near);
 }
 
 /* All bodies that may be near are listed, or it is noted how near others may be. */
 static void list_near(struct hunt *hunt, struct near *near)
 {
-    if (!near->scanning && !(near->now.room > 0.0 && near_reach(near) >= hunt->distance))
-        near_settle(near, hunt->distance);
+    if (!near->scanning && !(near->now.room > 0.0 && dpti_near_reach(near) >= hunt->distance))
+        dpti_near_settle(near, hunt->distance);
     if (near->scanning)
         scan(hunt, near);
-    if (near_reach(near) < hunt->distance)
-        hunt->best->lower = near_reach(near);
+    if (dpti_near_reach(near) < hunt->distance)
+        hunt->best->lower = dpti_near_reach(near);
 }
 
 /* When all is proven, and the budget has room for a whole scan: for the ticks to come. */
@@ -305,9 +306,9 @@ static void tidy_near(struct hunt *hunt, struct near *near)
 {
     const struct dpt_world *world = hunt->world;
     uint32_t units = (world->body_end + LANES - 1) / LANES;
-    if (!near_is_wide(near, hunt->distance) || work_left(&world->work) < units)
+    if (!dpti_near_is_wide(near, hunt->distance) || work_left(&world->work) < units)
         return;
-    near_settle(near, hunt->distance);
+    dpti_near_settle(near, hunt->distance);
     scan(hunt, near);
 }
 
@@ -364,7 +365,7 @@ static void find_exact(struct hunt *hunt)
         return;
     int many = world->body_end > BODIES_FEW;
     if (many)
-        near_move(&segment->near, *hunt->a, *hunt->b);
+        dpti_near_move(&segment->near, *hunt->a, *hunt->b);
     follow(hunt, first);
     if (hunt->distance == 0.0)
         return; /* nothing is nearer */
@@ -389,8 +390,8 @@ static void find_exact(struct hunt *hunt)
         tidy_near(hunt, &segment->near);
 }
 
-void bodies_find(struct dpt_world *world, uint32_t segment, const vec3 *a, const vec3 *b,
-                 struct found *best)
+void dpti_bodies_find(struct dpt_world *world, uint32_t segment, const vec3 *a, const vec3 *b,
+                      struct found *best)
 {
     struct hunt hunt = {
         .world = world, .segment = segment, .a = a, .b = b, .best = best, .next = DPT_NONE
@@ -410,7 +411,7 @@ void bodies_find(struct dpt_world *world, uint32_t segment, const vec3 *a, const
     best->work = world->work.done - before;
 }
 
-const struct nearby *bodies_within(struct dpt_world *world, uint32_t segment, double reach)
+const struct nearby *dpti_bodies_within(struct dpt_world *world, uint32_t segment, double reach)
 {
     struct near *near = &world->segments[segment].near;
     struct nearby *nearby = &world->nearby;
@@ -421,21 +422,21 @@ const struct nearby *bodies_within(struct dpt_world *world, uint32_t segment, do
     nearby->count = world->body_end;
     if (world->body_end <= BODIES_FEW || world->def.method != DPT_METHOD_EXACT)
         return nearby;
-    if (near_reach(near) < nearby->reach && !world->def.budget) {
+    if (dpti_near_reach(near) < nearby->reach && !world->def.budget) {
         struct hunt hunt = { .world = world, .segment = segment };
-        near_settle(near, nearby->reach);
+        dpti_near_settle(near, nearby->reach);
         scan(&hunt, near);
     }
-    if (near_reach(near) >= nearby->reach) {
+    if (dpti_near_reach(near) >= nearby->reach) {
         nearby->list = world_near(world, segment, near->now.which);
         nearby->count = near->now.listed;
     }
     return nearby;
 }
 
-void bodies_result(const struct found *best, struct segment_result *result)
+void dpti_bodies_result(const struct found *best, struct segment_result *result)
 {
-    segment_result_of_pair(&best->track.axis, &best->track.nearest.pair, result);
+    dpti_segment_result_of_pair(&best->track.axis, &best->track.nearest.pair, result);
     result->work = best->work;
     result->error_bound = best->error;
     result->lower_bound = larger(0.0, result->distance - best->error);
@@ -446,11 +447,11 @@ void bodies_result(const struct found *best, struct segment_result *result)
     }
 }
 
-void bodies_place(struct dpt_world *world, uint32_t index)
+void dpti_bodies_place(struct dpt_world *world, uint32_t index)
 {
     const struct body *body = &world->bodies[index];
     struct box *box = &world->boxes[index];
-    *box = box_in_world(body->surface.box_min, body->surface.box_max, &body->frame);
+    *box = dpti_box_in_world(body->surface.box_min, body->surface.box_max, &body->frame);
     for (uint32_t s = 0; world->body_end > BODIES_FEW && s < world->segment_count; s++) {
         struct near *near = &world->segments[s].near;
         if (near->now.room > 0.0 && box_meets(&near->now.box, box))

@@ -6,40 +6,41 @@
 #include "world/world_state.h"
 
 /* The share of dpt_world_bytes of what a search keeps for the next one. */
-uint64_t bodies_bytes(const dpt_world_def *def);
+uint64_t dpti_bodies_bytes(const dpt_world_def *def);
 
 /* Its memory begins at `at`; returns where it ends. */
-char *bodies_place_memory(struct dpt_world *world, char *at);
+char *dpti_bodies_place_memory(struct dpt_world *world, char *at);
 
 /* Nothing is known of a segment's last tick. */
-void bodies_forget(struct dpt_world *world, uint32_t segment);
+void dpti_bodies_forget(struct dpt_world *world, uint32_t segment);
 
 /* Nothing is known of what was in a body's slot. */
-void bodies_forget_body(struct dpt_world *world, uint32_t body);
+void dpti_bodies_forget_body(struct dpt_world *world, uint32_t body);
 
 /*
  * Empty the blocks of some segments, from `first` to before `end`, on one body or, with DPT_NONE, on all:
  * before a number of theirs means another.
  */
-void bodies_forget_planes(struct dpt_world *world, uint32_t first, uint32_t end, uint32_t body);
+void dpti_bodies_forget_planes(struct dpt_world *world, uint32_t first, uint32_t end,
+                               uint32_t body);
 
 /* The segments from `first` to before `end` go, and those behind them move up. */
-void bodies_remove(struct dpt_world *world, uint32_t first, uint32_t end);
+void dpti_bodies_remove(struct dpt_world *world, uint32_t first, uint32_t end);
 
 /* `exact`: what is kept helps, only near bodies are asked, and the world's budget ends it. */
-void bodies_find(struct dpt_world *world, uint32_t segment, const vec3 *a, const vec3 *b,
-                 struct found *best);
+void dpti_bodies_find(struct dpt_world *world, uint32_t segment, const vec3 *a, const vec3 *b,
+                      struct found *best);
 
 /*
  * The bodies whose boxes may be within reach of a segment, after bodies_find. They are looked for once: with the first
  * reach that is asked for, or that of its contact, whichever is larger. world->nearby.reach is negative before.
  */
-const struct nearby *bodies_within(struct dpt_world *world, uint32_t segment, double reach);
+const struct nearby *dpti_bodies_within(struct dpt_world *world, uint32_t segment, double reach);
 
 /* A body is there, or its pose has changed: its box, and who has it on its list. */
-void bodies_place(struct dpt_world *world, uint32_t index);
+void dpti_bodies_place(struct dpt_world *world, uint32_t index);
 
 /* The result so far: exact, or bounded with what is proven. best->body is there. */
-void bodies_result(const struct found *best, struct segment_result *result);
+void dpti_bodies_result(const struct found *best, struct segment_result *result);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "world/broad_phase.h"
 
-struct box box_in_world(vec3 low, vec3 high, const struct frame *frame)
+struct box dpti_box_in_world(vec3 low, vec3 high, const struct frame *frame)
 {
     vec3 half = scaled(sub(high, low), 0.5);
     vec3 centre = frame_to_world(frame, scaled(add(low, high), 0.5));
@@ -14,7 +14,7 @@ struct box box_in_world(vec3 low, vec3 high, const struct frame *frame)
     return (struct box){ sub(centre, wide), add(centre, wide) };
 }
 
-void near_move(struct near *near, vec3 a, vec3 b)
+void dpti_near_move(struct near *near, vec3 a, vec3 b)
 {
     /* Forgotten within some hundred ticks: a list should not be made anew at each stop. */
     near->speed *= 1.0 - 1.0 / 256.0;
@@ -27,7 +27,7 @@ void near_move(struct near *near, vec3 a, vec3 b)
     near->known = 1;
 }
 
-double near_reach(const struct near *near)
+double dpti_near_reach(const struct near *near)
 {
     struct box axis = box_of_axis(near->a, near->b);
     const struct box *home = &near->now.box;
@@ -46,12 +46,12 @@ static double wanted(const struct near *near, double distance)
     return distance + 0.125 * (distance + size) + 128.0 * near->speed;
 }
 
-int near_is_wide(const struct near *near, double distance)
+int dpti_near_is_wide(const struct near *near, double distance)
 {
     return near->now.room > 4.0 * wanted(near, distance);
 }
 
-void near_settle(struct near *near, double distance)
+void dpti_near_settle(struct near *near, double distance)
 {
     struct box axis = box_of_axis(near->a, near->b);
     double room = wanted(near, distance);
@@ -63,7 +63,7 @@ void near_settle(struct near *near, double distance)
     near->scanned = 0;
 }
 
-void near_arrive(struct near *near)
+void dpti_near_arrive(struct near *near)
 {
     near->now = near->next;
     near->scanning = 0;

@@ -40,7 +40,7 @@ static inline struct box box_of_axis(vec3 a, vec3 b)
 }
 
 /* The box, in the world, of a box in a body's frame; a little larger than rounding may make it. */
-struct box box_in_world(vec3 low, vec3 high, const struct frame *frame);
+struct box dpti_box_in_world(vec3 low, vec3 high, const struct frame *frame);
 
 /* A lower bound of the distance of what the boxes hold. */
 static inline double box_distance(const struct box *a, const struct box *b)
@@ -59,18 +59,18 @@ static inline int box_meets(const struct box *a, const struct box *b)
 }
 
 /* A tick begins: the axis is here now. */
-void near_move(struct near *near, vec3 a, vec3 b);
+void dpti_near_move(struct near *near, vec3 a, vec3 b);
 
 /* All that is not on the list is at least so far away. */
-double near_reach(const struct near *near);
+double dpti_near_reach(const struct near *near);
 
 /* The home is far larger than it would be made now. */
-int near_is_wide(const struct near *near, double distance);
+int dpti_near_is_wide(const struct near *near, double distance);
 
 /* Begin a new home, for an axis whose nearest body is at `distance`. */
-void near_settle(struct near *near, double distance);
+void dpti_near_settle(struct near *near, double distance);
 
 /* All slots are scanned: move. */
-void near_arrive(struct near *near);
+void dpti_near_arrive(struct near *near);
 
 #endif

@@ -21,7 +21,7 @@ static uint32_t recall(struct meeting *meeting, struct seed seeds[PROFILE_SEEDS]
             seeds[count++] = hold->seed[k];
         /* What was in front, and went through nothing, is in front now, wherever it is, and if it went round a border. */
         if (hold->side && !hold->front)
-            sides_put(&meeting->sides, hold->part, hold->side);
+            dpti_sides_put(&meeting->sides, hold->part, hold->side);
     }
     return count;
 }
@@ -52,7 +52,7 @@ static const struct hold *same_region(const struct meeting *meeting, const struc
 static double side_limit(const struct meeting *meeting)
 {
     double limit = meeting->world->def.side_limit;
-    return limit > 0.0 ? limit : 0.25 * surface_diagonal(&meeting->body->surface);
+    return limit > 0.0 ? limit : 0.25 * dpti_surface_diagonal(&meeting->body->surface);
 }
 
 /* The side of an open sheet that a region keeps for the next tick, or 0. */
@@ -61,15 +61,15 @@ static int32_t side_of_region(const struct meeting *meeting, const struct region
 {
     const struct surface *surface = &meeting->body->surface;
     const struct sample *deepest = &meeting->profile->sample[region->deepest];
-    if (!side_is_sheet(surface, region->part) || -gap > side_limit(meeting) ||
-        side_is_border(surface, deepest->triangle, deepest->weight))
+    if (!dpti_side_is_sheet(surface, region->part) || -gap > side_limit(meeting) ||
+        dpti_side_is_border(surface, deepest->triangle, deepest->weight))
         return 0;
-    int32_t kept = sides_get(&meeting->sides, region->part);
+    int32_t kept = dpti_sides_get(&meeting->sides, region->part);
     if (kept || deepest->height == 0.0)
         return kept;
     const pair found = { .weight = { deepest->weight[0], deepest->weight[1], deepest->weight[2] },
                          .gap = deepest->gap };
-    return side_of_pair(surface, deepest->triangle, &found);
+    return dpti_side_of_pair(surface, deepest->triangle, &found);
 }
 
 static int goes_through(const struct profile *profile, const struct region *region)
@@ -94,7 +94,7 @@ static void write_contact(const struct meeting *meeting, const struct region *re
     contact->segment = meeting->segment - meeting->world->tools[segment->tool].first;
     contact->triangle = meeting->body->surface.sources[deepest->triangle];
     contact->gap = deepest->height - meeting->radius;
-    contact->contact = contact_of_gap(contact->gap, axis->error);
+    contact->contact = dpti_contact_of_gap(contact->gap, axis->error);
     contact->flags = (goes_through(meeting->profile, region) ? DPT_REGION_CROSSING : 0u) |
                      (hold->side ? DPT_REGION_SIDED : 0u) |
                      (meeting->profile->coarse ? DPT_REGION_COARSE : 0u);
@@ -104,7 +104,7 @@ static void write_contact(const struct meeting *meeting, const struct region *re
     vec3_store(p, contact->p);
     vec3_store(sub(p, frame_turn(frame, deepest->gap)), contact->q);
     uint32_t smooth = meeting->world->def.smooth_normals;
-    vec3_store(frame_turn(frame, contact_normal(meeting->profile, deepest, smooth)),
+    vec3_store(frame_turn(frame, dpti_contact_normal(meeting->profile, deepest, smooth)),
                contact->normal);
     memcpy(contact->weight, deepest->weight, sizeof contact->weight);
     contact->overlap = region->overlap;
@@ -133,7 +133,7 @@ static void put_seeds(const struct meeting *meeting, const struct region *region
                       const struct hold *before, struct hold *hold)
 {
     if (!rests(meeting)) {
-        hold->seed_count = region_seeds(meeting->profile, region, hold->seed, HOLD_SEEDS);
+        hold->seed_count = dpti_region_seeds(meeting->profile, region, hold->seed, HOLD_SEEDS);
     } else if (before) {
         hold->seed_count = before->seed_count;
         memcpy(hold->seed, before->seed, sizeof hold->seed);
@@ -143,7 +143,7 @@ static void put_seeds(const struct meeting *meeting, const struct region *region
 static void hold_region(struct meeting *meeting, const struct region *region)
 {
     const struct hold *before = same_region(meeting, region);
-    struct hold *hold = contacts_put(meeting->world);
+    struct hold *hold = dpti_contacts_put(meeting->world);
     if (!hold)
         return;
     memset(hold, 0, sizeof *hold);
@@ -153,7 +153,7 @@ static void hold_region(struct meeting *meeting, const struct region *region)
     hold->side = side_of_region(meeting, region,
                                 meeting->profile->sample[region->deepest].height - meeting->radius);
     put_seeds(meeting, region, before, hold);
-    hold->contact.id = before ? before->contact.id : contacts_new_id(meeting->world);
+    hold->contact.id = before ? before->contact.id : dpti_contacts_new_id(meeting->world);
     write_contact(meeting, region, hold, &hold->contact);
 }
 
@@ -183,8 +183,8 @@ static void take_side(const struct meeting *meeting, struct hold *hold)
     if (!hold->side || nearest->pair.distance2 == 0.0 ||
         surface_part(surface, nearest->triangle) != hold->part)
         return;
-    int border = side_is_border(surface, nearest->triangle, weight);
-    int front = hold->side * side_of_pair(surface, nearest->triangle, &nearest->pair) > 0;
+    int border = dpti_side_is_border(surface, nearest->triangle, weight);
+    int front = hold->side * dpti_side_of_pair(surface, nearest->triangle, &nearest->pair) > 0;
     if (border ? !lowest_on(meeting->profile, hold->part) : hold->front && !front)
         hold->side = 0;
     else if (!border)
@@ -206,9 +206,9 @@ static void take_seeds(const struct meeting *meeting, const struct region *regio
             (!best || shared(hold, &regions[k]) > shared(hold, best)))
             best = &regions[k];
     if (best)
-        hold->seed_count = region_seeds(meeting->profile, best, hold->seed, HOLD_SEEDS);
+        hold->seed_count = dpti_region_seeds(meeting->profile, best, hold->seed, HOLD_SEEDS);
     else if (lowest)
-        hold_put_seed(hold, &(struct seed){ lowest->s, lowest->triangle, 1.0f });
+        dpti_hold_put_seed(hold, &(struct seed){ lowest->s, lowest->triangle, 1.0f });
 }
 
 static void keep_undecided(struct meeting *meeting, const struct region *regions, uint32_t count,
@@ -219,12 +219,12 @@ static void keep_undecided(struct meeting *meeting, const struct region *regions
         struct hold *hold = &before->hold[i];
         if (!hold_is_of(hold, meeting->segment, meeting->body))
             continue;
-        if (dropped && !sides_get(&meeting->sides, hold->part))
+        if (dropped && !dpti_sides_get(&meeting->sides, hold->part))
             hold->side = 0;
         take_side(meeting, hold);
         if (!rests(meeting))
             take_seeds(meeting, regions, count, hold);
-        contacts_keep_one(meeting->world, hold);
+        dpti_contacts_keep_one(meeting->world, hold);
     }
 }
 
@@ -253,7 +253,7 @@ static int drop_sides(struct meeting *meeting, const struct region *regions, uin
             deep |= regions[i].part == sides->part[k] &&
                     -meeting->profile->sample[regions[i].deepest].height > limit;
         if (!deep)
-            sides_put(&kept, sides->part[k], sides->side[k]);
+            dpti_sides_put(&kept, sides->part[k], sides->side[k]);
     }
     int dropped = kept.count < sides->count;
     *sides = kept;
@@ -267,13 +267,14 @@ static int look(struct meeting *meeting, const struct seed *seeds, uint32_t seed
     struct dpt_world *world = meeting->world;
     struct profile *profile = meeting->profile;
     profile->work = work_of(work_left(&world->work));
-    int found = contact_find(profile, &meeting->nearest, seeds, seed_count, meeting->radius, gap);
+    int found =
+        dpti_contact_find(profile, &meeting->nearest, seeds, seed_count, meeting->radius, gap);
     *count = 0;
     if (found == CONTACT_PROFILE && world->def.max_contacts) {
         /* Integrals leave half to the segments that come after: their gaps count for more. */
         if (world->def.budget && world->segment_count > 1)
             profile->work.limit -= work_left(&profile->work) / 2;
-        *count = region_all(profile, regions);
+        *count = dpti_region_all(profile, regions);
         take_deepest(meeting, regions, *count, gap);
         /* Where each sample has a side of its own, what is deepest is found with the regions. */
         if (profile->cut && profile_by_sample(profile))
@@ -283,7 +284,7 @@ static int look(struct meeting *meeting, const struct seed *seeds, uint32_t seed
     return found;
 }
 
-int contact_pair_meet(struct meeting *meeting, double *gap)
+int dpti_contact_pair_meet(struct meeting *meeting, double *gap)
 {
     struct dpt_world *world = meeting->world;
     struct profile *profile = meeting->profile;
@@ -298,7 +299,7 @@ int contact_pair_meet(struct meeting *meeting, double *gap)
     profile->regions = world->def.max_contacts && !world->def.budget;
     profile->body = handle_index(meeting->body->id);
     profile->reach = meeting->radius + (world->def.max_contacts ? world->def.margin : 0.0);
-    profile->tolerance = PROFILE_DEPTH_SHARE * surface_diagonal(profile->surface);
+    profile->tolerance = PROFILE_DEPTH_SHARE * dpti_surface_diagonal(profile->surface);
     int found = look(meeting, seeds, seed_count, regions, &count, gap);
     int dropped = found == CONTACT_PROFILE && drop_sides(meeting, regions, count);
     if (dropped)

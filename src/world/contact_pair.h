@@ -18,6 +18,6 @@ struct meeting {
 };
 
 /* What it adds to the segment's gap; its regions into the world. CONTACT_... */
-int contact_pair_meet(struct meeting *meeting, double *gap);
+int dpti_contact_pair_meet(struct meeting *meeting, double *gap);
 
 #endif

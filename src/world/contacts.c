@@ -16,11 +16,11 @@ static int search_other(struct meeting *meeting, vec3 a, vec3 b)
     if (work_is_spent(&world->work))
         return 0;
     axis_of(surface, &meeting->body->frame, a, b, &meeting->axis);
-    *nearest = (struct nearest){ .pair = tree_pair(surface, *last == DPT_NONE ? 0 : *last,
-                                                   axis->local_a, axis->u),
+    *nearest = (struct nearest){ .pair = dpti_tree_pair(surface, *last == DPT_NONE ? 0 : *last,
+                                                        axis->local_a, axis->u),
                                  .triangle = *last == DPT_NONE ? 0 : *last };
-    int done = tree_walk(surface, &world->kernel, NULL, axis->local_a, axis->u, 0.0, &walk,
-                         &world->work, nearest);
+    int done = dpti_tree_walk(surface, &world->kernel, NULL, axis->local_a, axis->u, 0.0, &walk,
+                              &world->work, nearest);
     *last = nearest->triangle;
     return done;
 }
@@ -44,30 +44,30 @@ static void meet_body(struct meeting *meeting, const struct found *best, struct 
         ready = search_other(meeting, best->track.axis.a, best->track.axis.b);
     }
     if (ready) {
-        found = contact_pair_meet(meeting, &gap);
+        found = dpti_contact_pair_meet(meeting, &gap);
     } else {
-        contacts_keep_body(meeting->world, meeting->segment, meeting->body);
+        dpti_contacts_keep_body(meeting->world, meeting->segment, meeting->body);
     }
     sum->known &= found != CONTACT_UNKNOWN;
     if (found == CONTACT_PROFILE && gap < sum->gap) {
-        sum->push = contact_push(meeting->profile, &meeting->body->frame, gap,
-                                 meeting->world->def.smooth_normals);
+        sum->push = dpti_contact_push(meeting->profile, &meeting->body->frame, gap,
+                                      meeting->world->def.smooth_normals);
         sum->gap = gap;
     }
 }
 
-void contacts_find(struct dpt_world *world, uint32_t segment, const struct found *best,
-                   struct segment_result *result, struct push *push)
+void dpti_contacts_find(struct dpt_world *world, uint32_t segment, const struct found *best,
+                        struct segment_result *result, struct push *push)
 {
     struct meeting meeting = { .world = world,
                                .segment = segment,
                                .radius = world->segments[segment].radius,
                                .profile = &world->profile };
-    contacts_take_way(world, segment);
+    dpti_contacts_take_way(world, segment);
     struct box box = box_of_axis(best->track.axis.a, best->track.axis.b);
     double reach = meeting.radius + world->def.margin;
     struct sum sum = { .gap = HUGE_VAL, .known = 1 };
-    const struct nearby *nearby = bodies_within(world, segment, reach);
+    const struct nearby *nearby = dpti_bodies_within(world, segment, reach);
     for (uint32_t i = 0; i < nearby->count; i++) {
         uint32_t slot = nearby->list ? nearby->list[i] : i;
         meeting.body = &world->bodies[slot];
@@ -77,7 +77,7 @@ void contacts_find(struct dpt_world *world, uint32_t segment, const struct found
     }
     if (!sum.known)
         return;
-    segment_result_set_gap(result, smaller(sum.gap, result->distance - meeting.radius),
-                           result->error_bound);
+    dpti_segment_result_set_gap(result, smaller(sum.gap, result->distance - meeting.radius),
+                                result->error_bound);
     *push = sum.push;
 }

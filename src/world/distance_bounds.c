@@ -6,20 +6,20 @@ enum { BYTES_PAUSE = 1536, BYTES_PROOF = 64 };
 typedef char pause_fits[2 * sizeof(struct pause) <= BYTES_PAUSE ? 1 : -1];
 typedef char proof_fits[sizeof(struct proof) <= BYTES_PROOF ? 1 : -1];
 
-uint64_t bounds_bytes(const dpt_world_def *def)
+uint64_t dpti_bounds_bytes(const dpt_world_def *def)
 {
     const uint64_t segments = def->max_segments;
     return def->budget ? (BYTES_PAUSE + BYTES_PROOF * (uint64_t)def->max_bodies) * segments : 0;
 }
 
-char *bounds_place(struct dpt_world *world, char *at)
+char *dpti_bounds_place(struct dpt_world *world, char *at)
 {
     world->pauses = (void *)at;
     world->proofs = (void *)(at + BYTES_PAUSE * (size_t)world->def.max_segments);
-    return at + bounds_bytes(&world->def);
+    return at + dpti_bounds_bytes(&world->def);
 }
 
-void bounds_forget(struct dpt_world *world, uint32_t segment, uint32_t body)
+void dpti_bounds_forget(struct dpt_world *world, uint32_t segment, uint32_t body)
 {
     if (!world->def.budget)
         return;
@@ -34,7 +34,7 @@ void bounds_forget(struct dpt_world *world, uint32_t segment, uint32_t body)
     }
 }
 
-void bounds_remove(struct dpt_world *world, uint32_t first, uint32_t end)
+void dpti_bounds_remove(struct dpt_world *world, uint32_t first, uint32_t end)
 {
     if (!world->def.budget)
         return;
@@ -60,10 +60,10 @@ static double bounds_so_far(const struct pause *pause, const struct surface *sur
     if (!pause->walk.at)
         return 0.0;
     return smaller(pause->floor,
-                   walk_ahead(&pause->walk, surface, proof->a, sub(proof->b, proof->a)));
+                   dpti_walk_ahead(&pause->walk, surface, proof->a, sub(proof->b, proof->a)));
 }
 
-void bounds_give_up(struct dpt_world *world, uint32_t segment, struct pause *pause)
+void dpti_bounds_give_up(struct dpt_world *world, uint32_t segment, struct pause *pause)
 {
     struct proof *proof = world_proof(world, segment, pause->body);
     const struct surface *surface = &world->bodies[pause->body].surface;
@@ -71,28 +71,28 @@ void bounds_give_up(struct dpt_world *world, uint32_t segment, struct pause *pau
     pause->walk.at = 0;
 }
 
-double bounds_update(struct dpt_world *world, uint32_t segment, uint32_t index,
-                     const struct axis *axis)
+double dpti_bounds_update(struct dpt_world *world, uint32_t segment, uint32_t index,
+                          const struct axis *axis)
 {
     struct proof *proof = world_proof(world, segment, index);
     struct pause *moving = world_pause(world, segment, 0),
                  *resting = world_pause(world, segment, 1);
     double moved = moved_since(proof, axis);
     if (moved > 0.0 && resting->body == index && resting->walk.at)
-        bounds_give_up(world, segment, resting);
+        dpti_bounds_give_up(world, segment, resting);
     if (moved == 0.0)
         proof->rested = world->ticks;
     proof->floor = larger(0.0, proof->floor - moved);
     proof->a = axis->local_a;
     proof->b = add(axis->local_a, axis->u);
     if (moved > 0.0 && moving->body == index && moving->walk.at) {
-        walk_drift(&moving->walk, &world->bodies[index].surface, moved);
+        dpti_walk_drift(&moving->walk, &world->bodies[index].surface, moved);
         moving->floor -= moved;
     }
     return moved;
 }
 
-double bounds_proven(const struct dpt_world *world, uint32_t segment, uint32_t index)
+double dpti_bounds_proven(const struct dpt_world *world, uint32_t segment, uint32_t index)
 {
     const struct proof *proof = world_proof(world, segment, index);
     double floor = proof->floor;

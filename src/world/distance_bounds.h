@@ -9,29 +9,29 @@
 #include "world/world_state.h"
 
 /* Their share of dpt_world_bytes. */
-uint64_t bounds_bytes(const dpt_world_def *def);
+uint64_t dpti_bounds_bytes(const dpt_world_def *def);
 
 /* Their memory begins at `at`; returns where it ends. */
-char *bounds_place(struct dpt_world *world, char *at);
+char *dpti_bounds_place(struct dpt_world *world, char *at);
 
 /* Nothing is proven of a segment and a body or, with DPT_NONE, of any, and no search waits. */
-void bounds_forget(struct dpt_world *world, uint32_t segment, uint32_t body);
+void dpti_bounds_forget(struct dpt_world *world, uint32_t segment, uint32_t body);
 
 /* The segments from `first` to before `end` go, and those behind them move up. */
-void bounds_remove(struct dpt_world *world, uint32_t first, uint32_t end);
+void dpti_bounds_remove(struct dpt_world *world, uint32_t first, uint32_t end);
 
 /* A search is given up: what it has proven stays. */
-void bounds_give_up(struct dpt_world *world, uint32_t segment, struct pause *pause);
+void dpti_bounds_give_up(struct dpt_world *world, uint32_t segment, struct pause *pause);
 
 /*
  * Bring what is proven of a body up to date; returns how far the ends moved. A search that was stopped stays valid
  * when the axis moves, but its answer will only be bounded. One at rest ends with the rest; that of the motion before
  * waits for the motion after, which may come with the next tick: of a device that is slower than the loop.
  */
-double bounds_update(struct dpt_world *world, uint32_t segment, uint32_t index,
-                     const struct axis *axis);
+double dpti_bounds_update(struct dpt_world *world, uint32_t segment, uint32_t index,
+                          const struct axis *axis);
 
 /* All that is proven of a body. */
-double bounds_proven(const struct dpt_world *world, uint32_t segment, uint32_t index);
+double dpti_bounds_proven(const struct dpt_world *world, uint32_t segment, uint32_t index);
 
 #endif

@@ -12,31 +12,31 @@
 enum { BYTES_VOYAGE = 2048 };
 typedef char voyage_fits[sizeof(struct voyage) <= BYTES_VOYAGE ? 1 : -1];
 
-uint64_t backlog_bytes(const dpt_world_def *def)
+uint64_t dpti_backlog_bytes(const dpt_world_def *def)
 {
     return def->budget ? BYTES_VOYAGE * (uint64_t)def->max_segments : 0;
 }
 
-char *backlog_place(struct dpt_world *world, char *at)
+char *dpti_backlog_place(struct dpt_world *world, char *at)
 {
     world->voyages = (void *)at;
-    return at + backlog_bytes(&world->def);
+    return at + dpti_backlog_bytes(&world->def);
 }
 
-void backlog_forget(struct dpt_world *world, uint32_t segment)
+void dpti_backlog_forget(struct dpt_world *world, uint32_t segment)
 {
     world->segments[segment].was.known = 0;
     if (world->def.budget)
         world->voyages[segment].count = world->voyages[segment].body = 0;
 }
 
-void backlog_restart(struct dpt_world *world)
+void dpti_backlog_restart(struct dpt_world *world)
 {
     for (uint32_t s = 0; world->def.budget && s < world->segment_count; s++)
         world->voyages[s].body = 0;
 }
 
-void backlog_remove(struct dpt_world *world, uint32_t first, uint32_t end)
+void dpti_backlog_remove(struct dpt_world *world, uint32_t first, uint32_t end)
 {
     if (world->def.budget)
         memmove(&world->voyages[first], &world->voyages[end],
@@ -47,8 +47,8 @@ void backlog_remove(struct dpt_world *world, uint32_t first, uint32_t end)
 static void give_up(struct dpt_world *world, uint32_t index, struct voyage *voyage)
 {
     voyage->count = voyage->body = 0;
-    motion_no_sweep(&world->segments[index], DPT_SWEEP_NONE);
-    contacts_forget_sides(world, index);
+    dpti_motion_no_sweep(&world->segments[index], DPT_SWEEP_NONE);
+    dpti_contacts_forget_sides(world, index);
 }
 
 /* How far away is what any leg, and `now` if it is not NULL, may have met. */
@@ -58,17 +58,17 @@ static double reach_of(const struct segment *segment, const struct voyage *voyag
     double reach = segment->radius;
     const struct was *last = &segment->was;
     for (uint32_t i = 0; i < voyage->count; last = &voyage->way[i++])
-        reach += motion_between(last, &voyage->way[i]);
-    return now ? reach + motion_between(last, now) : reach;
+        reach += dpti_motion_between(last, &voyage->way[i]);
+    return now ? reach + dpti_motion_between(last, now) : reach;
 }
 
 /* Bodies that have moved, or come, since the last tick: a leg past them is of this tick alone. */
 static int meets_others(struct dpt_world *world, uint32_t index, double reach)
 {
-    struct around around = motion_around(world, index, reach);
-    const struct body *body = motion_next_body(&around);
+    struct around around = dpti_motion_around(world, index, reach);
+    const struct body *body = dpti_motion_next_body(&around);
     while (body && body->moved != world->ticks && body->added != world->ticks)
-        body = motion_next_body(&around);
+        body = dpti_motion_next_body(&around);
     return body != NULL;
 }
 
@@ -78,7 +78,7 @@ static int is_followed(struct dpt_world *world, uint32_t index, const struct voy
 {
     double reach = reach_of(&world->segments[index], voyage, now);
     return !voyage->lost && !meets_others(world, index, reach) &&
-           (voyage->count < WAY_MOST || motion_is_same(&voyage->way[voyage->count - 1], now));
+           (voyage->count < WAY_MOST || dpti_motion_is_same(&voyage->way[voyage->count - 1], now));
 }
 
 /* This tick's motion cannot have met anything. */
@@ -94,8 +94,8 @@ static int take_legs(struct dpt_world *world, uint32_t index, struct voyage *voy
     struct segment *segment = &world->segments[index];
     while (voyage->count) {
         double reach = reach_of(segment, voyage, NULL);
-        if (!motion_take_leg(world, index, motion_around(world, index, reach), voyage)) {
-            motion_no_sweep(segment, DPT_SWEEP_UNFINISHED);
+        if (!dpti_motion_take_leg(world, index, dpti_motion_around(world, index, reach), voyage)) {
+            dpti_motion_no_sweep(segment, DPT_SWEEP_UNFINISHED);
             voyage->lost |= (uint32_t)meets_others(world, index, reach);
             return 0;
         }
@@ -108,7 +108,7 @@ static int take_legs(struct dpt_world *world, uint32_t index, struct voyage *voy
     return !voyage->count;
 }
 
-int travel_find(struct dpt_world *world, uint32_t index)
+int dpti_travel_find(struct dpt_world *world, uint32_t index)
 {
     struct segment *segment = &world->segments[index];
     struct voyage fresh, *voyage = world->def.budget ? &world->voyages[index] : &fresh;
@@ -116,7 +116,7 @@ int travel_find(struct dpt_world *world, uint32_t index)
         voyage->count = voyage->body = 0;
     if (!segment->was.known)
         return 1;
-    const struct was now = motion_place(world, segment);
+    const struct was now = dpti_motion_place(world, segment);
     if (voyage->count && !is_followed(world, index, voyage, &now)) {
         give_up(world, index, voyage);
         return 1;
@@ -126,13 +126,13 @@ int travel_find(struct dpt_world *world, uint32_t index)
         voyage->radius = segment->radius;
         if (segment->was.through)
             return 1;
-        double reach = motion_between(&segment->was, &now) + segment->radius;
+        double reach = dpti_motion_between(&segment->was, &now) + segment->radius;
         segment->sweep.status = DPT_SWEEP_FREE;
         segment->sweep.time = 1.0;
         if (is_free(world, segment, reach))
             return 1;
     }
-    if (!voyage->count || !motion_is_same(&voyage->way[voyage->count - 1], &now))
+    if (!voyage->count || !dpti_motion_is_same(&voyage->way[voyage->count - 1], &now))
         voyage->count++;
     voyage->way[voyage->count - 1] = now; /* of the same place more may be known now */
     if (voyage->radius != segment->radius)
@@ -141,8 +141,8 @@ int travel_find(struct dpt_world *world, uint32_t index)
     return take_legs(world, index, voyage);
 }
 
-void travel_end(struct dpt_world *world, uint32_t index)
+void dpti_travel_end(struct dpt_world *world, uint32_t index)
 {
     if (!world->def.budget || !world->voyages[index].count)
-        world->segments[index].was = motion_place(world, &world->segments[index]);
+        world->segments[index].was = dpti_motion_place(world, &world->segments[index]);
 }

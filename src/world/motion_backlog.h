@@ -9,27 +9,27 @@
 #include "world/world_state.h"
 
 /* Their share of dpt_world_bytes. */
-uint64_t backlog_bytes(const dpt_world_def *def);
+uint64_t dpti_backlog_bytes(const dpt_world_def *def);
 
 /* Their memory begins at `at`; returns where it ends. */
-char *backlog_place(struct dpt_world *world, char *at);
+char *dpti_backlog_place(struct dpt_world *world, char *at);
 
 /* Where a segment was is not known, and no motion of it waits. */
-void backlog_forget(struct dpt_world *world, uint32_t segment);
+void dpti_backlog_forget(struct dpt_world *world, uint32_t segment);
 
 /* A body is gone: the motion that each segment is at begins anew. */
-void backlog_restart(struct dpt_world *world);
+void dpti_backlog_restart(struct dpt_world *world);
 
 /* The segments from `first` to before `end` go, and those behind them move up. */
-void backlog_remove(struct dpt_world *world, uint32_t first, uint32_t end);
+void dpti_backlog_remove(struct dpt_world *world, uint32_t first, uint32_t end);
 
 /*
  * Sweep a segment whose nearest pair is known, this tick. Fills segment->sweep and segment->passed; the sides from which open
  * sheets were met go to the regions of the last tick. 0: a part of the way is still to be swept, in the next tick.
  */
-int travel_find(struct dpt_world *world, uint32_t segment);
+int dpti_travel_find(struct dpt_world *world, uint32_t segment);
 
 /* The tick ends: the next motion begins here, or nowhere if there is no valid answer. */
-void travel_end(struct dpt_world *world, uint32_t segment);
+void dpti_travel_end(struct dpt_world *world, uint32_t segment);
 
 #endif

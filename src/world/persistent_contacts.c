@@ -5,26 +5,26 @@
 enum { BYTES_CONTACT = 1408 };
 typedef char contact_fits[2 * sizeof(struct hold) <= BYTES_CONTACT ? 1 : -1];
 
-uint64_t contacts_bytes(const dpt_world_def *def)
+uint64_t dpti_contacts_bytes(const dpt_world_def *def)
 {
     return BYTES_CONTACT * (uint64_t)def->max_contacts;
 }
 
-char *contacts_place(struct dpt_world *world, char *at)
+char *dpti_contacts_place(struct dpt_world *world, char *at)
 {
     for (int i = 0; i < 2; i++, at += BYTES_CONTACT / 2 * (size_t)world->def.max_contacts)
         world->holds[i].hold = (void *)at;
     return at;
 }
 
-void contacts_turn(struct dpt_world *world)
+void dpti_contacts_turn(struct dpt_world *world)
 {
     world->holds_at = 1 - world->holds_at;
     holds_now(world)->count = 0;
     world->contacts_full = 0;
 }
 
-void contacts_forget(struct dpt_world *world, uint32_t first, uint32_t end, uint32_t body)
+void dpti_contacts_forget(struct dpt_world *world, uint32_t first, uint32_t end, uint32_t body)
 {
     struct holds *holds = holds_now(world);
     uint32_t kept = 0;
@@ -38,16 +38,16 @@ void contacts_forget(struct dpt_world *world, uint32_t first, uint32_t end, uint
     holds->count = kept;
 }
 
-void contacts_remove(struct dpt_world *world, uint32_t first, uint32_t end)
+void dpti_contacts_remove(struct dpt_world *world, uint32_t first, uint32_t end)
 {
     struct holds *holds = holds_now(world);
-    contacts_forget(world, first, end, DPT_NONE);
+    dpti_contacts_forget(world, first, end, DPT_NONE);
     for (uint32_t i = 0; i < holds->count; i++)
         if (holds->hold[i].segment >= end)
             holds->hold[i].segment -= end - first;
 }
 
-struct hold *contacts_put(struct dpt_world *world)
+struct hold *dpti_contacts_put(struct dpt_world *world)
 {
     struct holds *now = holds_now(world);
     if (now->count == world->def.max_contacts) {
@@ -57,13 +57,13 @@ struct hold *contacts_put(struct dpt_world *world)
     return &now->hold[now->count++];
 }
 
-uint32_t contacts_new_id(struct dpt_world *world)
+uint32_t dpti_contacts_new_id(struct dpt_world *world)
 {
     world->contact_id += world->contact_id == UINT32_MAX ? 2u : 1u;
     return world->contact_id;
 }
 
-void contacts_take_way(struct dpt_world *world, uint32_t index)
+void dpti_contacts_take_way(struct dpt_world *world, uint32_t index)
 {
     const struct segment *segment = &world->segments[index];
     const struct holds *before = holds_before(world);
@@ -74,30 +74,30 @@ void contacts_take_way(struct dpt_world *world, uint32_t index)
             before->hold[i].front = 0;
 }
 
-void contacts_keep_one(struct dpt_world *world, const struct hold *before)
+void dpti_contacts_keep_one(struct dpt_world *world, const struct hold *before)
 {
-    struct hold *hold = contacts_put(world);
+    struct hold *hold = dpti_contacts_put(world);
     if (!hold)
         return;
     *hold = *before;
     hold->unseen = 1;
 }
 
-void contacts_keep_body(struct dpt_world *world, uint32_t segment, const struct body *body)
+void dpti_contacts_keep_body(struct dpt_world *world, uint32_t segment, const struct body *body)
 {
     const struct holds *before = holds_before(world);
     for (uint32_t i = 0; i < before->count; i++)
         if (hold_is_of(&before->hold[i], segment, body))
-            contacts_keep_one(world, &before->hold[i]);
+            dpti_contacts_keep_one(world, &before->hold[i]);
 }
 
-void contacts_keep(struct dpt_world *world, uint32_t segment)
+void dpti_contacts_keep(struct dpt_world *world, uint32_t segment)
 {
-    contacts_take_way(world, segment);
-    contacts_keep_body(world, segment, NULL);
+    dpti_contacts_take_way(world, segment);
+    dpti_contacts_keep_body(world, segment, NULL);
 }
 
-void hold_put_seed(struct hold *hold, const struct seed *seed)
+void dpti_hold_put_seed(struct hold *hold, const struct seed *seed)
 {
     uint32_t last = 0;
     while (last < hold->seed_count && hold->seed[last].s != seed->s)
@@ -109,8 +109,8 @@ void hold_put_seed(struct hold *hold, const struct seed *seed)
 }
 
 /* What went through is behind, though all around it may be in front, beyond a border: so it is a sample. */
-void contacts_meet(struct dpt_world *world, uint32_t segment, const struct body *body,
-                   uint32_t part, int side, const struct seed *seed)
+void dpti_contacts_meet(struct dpt_world *world, uint32_t segment, const struct body *body,
+                        uint32_t part, int side, const struct seed *seed)
 {
     struct holds *before = holds_before(world);
     uint32_t i = 0;
@@ -126,14 +126,14 @@ void contacts_meet(struct dpt_world *world, uint32_t segment, const struct body 
     if (i == before->count) {
         before->count++;
         *hold = (struct hold){ .segment = segment, .part = part, .side = side };
-        hold->contact.id = contacts_new_id(world);
+        hold->contact.id = dpti_contacts_new_id(world);
         hold->contact.body = body->id;
         hold->contact.s0 = hold->contact.s1 = seed->s;
     }
-    hold_put_seed(hold, seed);
+    dpti_hold_put_seed(hold, seed);
 }
 
-void contacts_forget_sides(struct dpt_world *world, uint32_t segment)
+void dpti_contacts_forget_sides(struct dpt_world *world, uint32_t segment)
 {
     struct holds *before = holds_before(world);
     for (uint32_t i = 0; i < before->count; i++)

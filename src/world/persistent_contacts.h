@@ -6,10 +6,10 @@
 #include "world/world_state.h"
 
 /* Their share of dpt_world_bytes. */
-uint64_t contacts_bytes(const dpt_world_def *def);
+uint64_t dpti_contacts_bytes(const dpt_world_def *def);
 
 /* Their memory begins at `at`; returns where it ends. */
-char *contacts_place(struct dpt_world *world, char *at);
+char *dpti_contacts_place(struct dpt_world *world, char *at);
 
 static inline struct holds *holds_now(struct dpt_world *world)
 {
@@ -27,43 +27,43 @@ static inline int hold_is_of(const struct hold *hold, uint32_t segment, const st
 }
 
 /* A tick begins: what was now is before. */
-void contacts_turn(struct dpt_world *world);
+void dpti_contacts_turn(struct dpt_world *world);
 
 /*
  * On this tick's way the axis may have gone through something; then nobody knows that it is in front. A way that is not
  * finished tells in a later tick.
  */
-void contacts_take_way(struct dpt_world *world, uint32_t index);
+void dpti_contacts_take_way(struct dpt_world *world, uint32_t index);
 
 /* A segment of which nothing is known this tick: its regions live on, unseen. */
-void contacts_keep(struct dpt_world *world, uint32_t segment);
+void dpti_contacts_keep(struct dpt_world *world, uint32_t segment);
 
 /* `body`, or with NULL all of them: nothing is known of them in this tick. */
-void contacts_keep_body(struct dpt_world *world, uint32_t segment, const struct body *body);
+void dpti_contacts_keep_body(struct dpt_world *world, uint32_t segment, const struct body *body);
 
 /* One of them lives on, unseen. */
-void contacts_keep_one(struct dpt_world *world, const struct hold *before);
+void dpti_contacts_keep_one(struct dpt_world *world, const struct hold *before);
 
 /* A new one, not yet filled in; NULL where there is no room. */
-struct hold *contacts_put(struct dpt_world *world);
+struct hold *dpti_contacts_put(struct dpt_world *world);
 
 /* A number that no other has. */
-uint32_t contacts_new_id(struct dpt_world *world);
+uint32_t dpti_contacts_new_id(struct dpt_world *world);
 
 /* Before the others; of two at one place the new one stays, and where there is no room the last one goes. */
-void hold_put_seed(struct hold *hold, const struct seed *seed);
+void dpti_hold_put_seed(struct hold *hold, const struct seed *seed);
 
-/* The motion met a sheet from this side: it is kept where none is of that part. Before contacts_find or contacts_keep. */
-void contacts_meet(struct dpt_world *world, uint32_t segment, const struct body *body,
-                   uint32_t part, int side, const struct seed *seed);
+/* The motion met a sheet from this side: it is kept where none is of that part. Before dpti_contacts_find or contacts_keep. */
+void dpti_contacts_meet(struct dpt_world *world, uint32_t segment, const struct body *body,
+                        uint32_t part, int side, const struct seed *seed);
 
 /* As by a teleport: the sides of a segment's regions of the last tick. */
-void contacts_forget_sides(struct dpt_world *world, uint32_t segment);
+void dpti_contacts_forget_sides(struct dpt_world *world, uint32_t segment);
 
 /* Forget those of the segments from `first` to before `end`, and of a body or, with DPT_NONE, of all. */
-void contacts_forget(struct dpt_world *world, uint32_t first, uint32_t end, uint32_t body);
+void dpti_contacts_forget(struct dpt_world *world, uint32_t first, uint32_t end, uint32_t body);
 
 /* The same, and the segments behind them move up. */
-void contacts_remove(struct dpt_world *world, uint32_t first, uint32_t end);
+void dpti_contacts_remove(struct dpt_world *world, uint32_t first, uint32_t end);
 
 #endif

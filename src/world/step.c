@@ -47,14 +47,14 @@ static void track_segment(struct dpt_world *world, uint32_t index)
     vec3 a = frame_to_world(&tool->frame, segment->a);
     vec3 b = frame_to_world(&tool->frame, segment->b);
     if (world->def.method == DPT_METHOD_PAPER) {
-        segment->push = paper_segment(world, index, a, b);
+        segment->push = dpti_paper_segment(world, index, a, b);
         return;
     }
-    bodies_find(world, index, &a, &b, &segment->found);
+    dpti_bodies_find(world, index, &a, &b, &segment->found);
     if (!segment->found.body)
         return;
     segment->last_body = handle_index(segment->found.body->id);
-    bodies_result(&segment->found, &segment->result);
+    dpti_bodies_result(&segment->found, &segment->result);
 }
 
 static void contact_segment(struct dpt_world *world, uint32_t index)
@@ -62,13 +62,13 @@ static void contact_segment(struct dpt_world *world, uint32_t index)
     struct segment *segment = &world->segments[index];
     const uint32_t before = world->work.done;
     world->nearby.reach = -1.0;
-    int swept = segment->found.body && travel_find(world, index);
+    int swept = segment->found.body && dpti_travel_find(world, index);
     if (swept && segment->found.exact)
-        contacts_find(world, index, &segment->found, &segment->result, &segment->push);
+        dpti_contacts_find(world, index, &segment->found, &segment->result, &segment->push);
     else
-        contacts_keep(world, index);
+        dpti_contacts_keep(world, index);
     segment->result.work += world->work.done - before;
-    travel_end(world, index);
+    dpti_travel_end(world, index);
 }
 
 static void respond_segment(struct dpt_world *world, uint32_t index)
@@ -92,7 +92,7 @@ static void step_segments(struct dpt_world *world)
     int waits = 0;
     world->work = work_of(world->def.budget ? world->def.budget : WORK_UNLIMITED);
     world->memo.tick = tick;
-    contacts_turn(world);
+    dpti_contacts_turn(world);
     for (uint32_t i = 0; i < count; i++)
         track_segment(world, (first + i) % count);
     for (uint32_t i = 0; i < count; i++) {
@@ -100,10 +100,10 @@ static void step_segments(struct dpt_world *world)
         if (world->def.until != DPT_UNTIL_TRACK && world->def.method != DPT_METHOD_PAPER)
             contact_segment(world, index);
         if (world->def.strip && world->def.until != DPT_UNTIL_TRACK)
-            strips_find(world, index);
+            dpti_strips_find(world, index);
         if (world->def.until == DPT_UNTIL_RESPOND)
             respond_segment(world, index);
-        tool_write_hit(&world->segments[index]);
+        dpti_tool_write_hit(&world->segments[index]);
         const struct segment_result *result = &world->segments[index].result;
         if (!waits && world->def.budget &&
             (result->status == DPT_STATUS_BOUNDED ||
@@ -197,7 +197,7 @@ dpt_result dpt_world_step(dpt_world *world, double dt, dpt_step *out)
         result = DPT_E_SIZE;
     for (uint32_t t = 0; t < world->tool_end; t++)
         if (world->tools[t].slot.used)
-            (only_track ? tool_clear_hits : tool_clear)(world, &world->tools[t]);
+            (only_track ? dpti_tool_clear_hits : dpti_tool_clear)(world, &world->tools[t]);
     if (result == DPT_OK)
         step_segments(world);
     for (uint32_t t = 0; t < world->tool_end; t++)

@@ -4,7 +4,7 @@
 #include "world/body_search.h"
 #include "world/persistent_contacts.h"
 
-struct was motion_place(const struct dpt_world *world, const struct segment *segment)
+struct was dpti_motion_place(const struct dpt_world *world, const struct segment *segment)
 {
     const struct tool *tool = &world->tools[segment->tool];
     const struct segment_result *result = &segment->result;
@@ -24,7 +24,7 @@ static double differ(const struct was *from, const struct was *to)
     return length(sub(from->a, to->a)) + length(sub(from->b, to->b));
 }
 
-int motion_is_same(const struct was *from, const struct was *to)
+int dpti_motion_is_same(const struct was *from, const struct was *to)
 {
     return differ(from, to) == 0.0 && pose_is_same(&from->pose, &to->pose);
 }
@@ -51,19 +51,19 @@ static void moments_of(const struct was *was, const struct was *is, struct momen
     *to = in_world(is);
 }
 
-double motion_between(const struct was *was, const struct was *is)
+double dpti_motion_between(const struct was *was, const struct was *is)
 {
     struct moment from, to;
     moments_of(was, is, &from, &to);
-    return tour_way(&from, &to);
+    return dpti_tour_way(&from, &to);
 }
 
 static void tell(const struct tour *tour, const struct body *body, struct segment *segment)
 {
     const struct strike *strike = &tour->passage.strike;
     const struct surface *surface = tour->surface;
-    int side = tour_side_before(tour);
-    vec3 normal = surface_feature_normal(surface, strike->triangle, strike->pair.weight);
+    int side = dpti_tour_side_before(tour);
+    vec3 normal = dpti_surface_feature_normal(surface, strike->triangle, strike->pair.weight);
     double size = length(normal);
     dpt_sweep *sweep = &segment->sweep;
     sweep->status = DPT_SWEEP_HIT;
@@ -83,15 +83,15 @@ static void keep_side(struct dpt_world *world, uint32_t index, const struct body
     const struct strike *strike = &tour->passage.strike;
     uint32_t part = surface_part(tour->surface, strike->triangle);
     const struct seed seed = { strike->pair.s, strike->triangle, 1.0f };
-    if (side_is_sheet(tour->surface, part) &&
-        !side_is_border(tour->surface, strike->triangle, strike->pair.weight))
-        contacts_meet(world, index, body, part, tour_side_before(tour), &seed);
+    if (dpti_side_is_sheet(tour->surface, part) &&
+        !dpti_side_is_border(tour->surface, strike->triangle, strike->pair.weight))
+        dpti_contacts_meet(world, index, body, part, dpti_tour_side_before(tour), &seed);
 }
 
 /* As far as there is work left for it. */
 static int take_tour(struct tour *tour, const struct moment *from, const struct moment *to)
 {
-    return work_is_spent(tour->work) ? SWEEP_UNFINISHED : tour_sweep(tour, from, to);
+    return work_is_spent(tour->work) ? SWEEP_UNFINISHED : dpti_tour_sweep(tour, from, to);
 }
 
 static void begin_tour(struct voyage *voyage, uint32_t on_axis)
@@ -122,14 +122,14 @@ static int pass_body(struct dpt_world *world, uint32_t index, const struct body 
                          .kernel = &world->kernel,
                          .radius = far > segment->radius ? segment->radius : 0.0,
                          .far = far,
-                         .tolerance = 0.5 * TOUR_TOLERANCE * surface_diagonal(&body->surface),
+                         .tolerance = 0.5 * TOUR_TOLERANCE * dpti_surface_diagonal(&body->surface),
                          .hint = *world_last(world, index, handle_index(body->id)),
                          .work = &world->work,
                          .progress = &voyage->progress };
     from->body = body->moved == world->ticks ? body->before : body->pose;
     to->body = body->pose;
     if (voyage->body != body->id) {
-        if (tour_is_beyond(&tour, from, to, voyage->way[0].distance))
+        if (dpti_tour_is_beyond(&tour, from, to, voyage->way[0].distance))
             return LEG_GOES_ON;
         begin_tour(voyage, 0);
     }
@@ -142,7 +142,7 @@ static int pass_body(struct dpt_world *world, uint32_t index, const struct body 
         return LEG_GOES_ON;
     if (result == SWEEP_UNFINISHED)
         return stop(segment, voyage, body);
-    if (tour_began_through(&tour))
+    if (dpti_tour_began_through(&tour))
         return LEG_BEGAN_THROUGH;
     struct tour axis = tour;
     axis.radius = 0.0;
@@ -163,7 +163,7 @@ static int pass_body(struct dpt_world *world, uint32_t index, const struct body 
     return LEG_GOES_ON;
 }
 
-const struct body *motion_next_body(struct around *around)
+const struct body *dpti_motion_next_body(struct around *around)
 {
     const struct dpt_world *world = around->world;
     while (around->next < around->nearby->count) {
@@ -178,17 +178,17 @@ const struct body *motion_next_body(struct around *around)
     return NULL;
 }
 
-struct around motion_around(struct dpt_world *world, uint32_t index, double reach)
+struct around dpti_motion_around(struct dpt_world *world, uint32_t index, double reach)
 {
     const struct track *track = &world->segments[index].found.track;
     double moved = world->travelled_at == world->ticks ? world->travelled : 0.0;
     return (struct around){ .world = world,
                             .box = box_of_axis(track->axis.a, track->axis.b),
                             .reach = reach,
-                            .nearby = bodies_within(world, index, reach + moved) };
+                            .nearby = dpti_bodies_within(world, index, reach + moved) };
 }
 
-void motion_no_sweep(struct segment *segment, uint32_t status)
+void dpti_motion_no_sweep(struct segment *segment, uint32_t status)
 {
     segment->sweep = (dpt_sweep){ .size = sizeof segment->sweep,
                                   .status = status,
@@ -197,8 +197,8 @@ void motion_no_sweep(struct segment *segment, uint32_t status)
     segment->passed |= status == DPT_SWEEP_NONE;
 }
 
-int motion_take_leg(struct dpt_world *world, uint32_t index, struct around around,
-                    struct voyage *voyage)
+int dpti_motion_take_leg(struct dpt_world *world, uint32_t index, struct around around,
+                         struct voyage *voyage)
 {
     struct segment *segment = &world->segments[index];
     struct moment from, to;
@@ -211,7 +211,7 @@ int motion_take_leg(struct dpt_world *world, uint32_t index, struct around aroun
         segment->passed |= voyage->passed;
     }
     int result = LEG_GOES_ON;
-    while (result == LEG_GOES_ON && (body = motion_next_body(&around)) != NULL) {
+    while (result == LEG_GOES_ON && (body = dpti_motion_next_body(&around)) != NULL) {
         if (voyage->body && handle_index(body->id) < handle_index(voyage->body))
             continue;
         result = pass_body(world, index, body, voyage, &from, &to);
@@ -219,6 +219,6 @@ int motion_take_leg(struct dpt_world *world, uint32_t index, struct around aroun
     if (result != LEG_STOPPED)
         voyage->body = 0;
     if (result == LEG_BEGAN_THROUGH)
-        motion_no_sweep(segment, DPT_SWEEP_NONE);
+        dpti_motion_no_sweep(segment, DPT_SWEEP_NONE);
     return result != LEG_STOPPED;
 }

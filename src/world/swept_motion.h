@@ -6,12 +6,12 @@
 #include "world/world_state.h"
 
 /* Where a segment is now, and what is known of it there. */
-struct was motion_place(const struct dpt_world *world, const struct segment *segment);
+struct was dpti_motion_place(const struct dpt_world *world, const struct segment *segment);
 
-int motion_is_same(const struct was *from, const struct was *to);
+int dpti_motion_is_same(const struct was *from, const struct was *to);
 
 /* No point of the segment moves by more. */
-double motion_between(const struct was *was, const struct was *is);
+double dpti_motion_between(const struct was *was, const struct was *is);
 
 /* The bodies that a motion may have met. */
 struct around {
@@ -23,16 +23,16 @@ struct around {
 };
 
 /* Those within reach of a segment where it is now, and those whose own motion may have brought them there. */
-struct around motion_around(struct dpt_world *world, uint32_t index, double reach);
+struct around dpti_motion_around(struct dpt_world *world, uint32_t index, double reach);
 
 /* The next of them, or NULL. */
-const struct body *motion_next_body(struct around *around);
+const struct body *dpti_motion_next_body(struct around *around);
 
 /* No sweep, and why: DPT_SWEEP_... */
-void motion_no_sweep(struct segment *segment, uint32_t status);
+void dpti_motion_no_sweep(struct segment *segment, uint32_t status);
 
 /* The voyage's first leg, from its beginning or from where it was stopped; 0 where the budget ended. */
-int motion_take_leg(struct dpt_world *world, uint32_t index, struct around around,
-                    struct voyage *voyage);
+int dpti_motion_take_leg(struct dpt_world *world, uint32_t index, struct around around,
+                         struct voyage *voyage);
 
 #endif

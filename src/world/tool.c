@@ -12,18 +12,18 @@
 /* What the last ticks left of a segment. */
 static void forget_segment(struct dpt_world *world, uint32_t segment)
 {
-    bodies_forget(world, segment);
-    bounds_forget(world, segment, DPT_NONE);
-    backlog_forget(world, segment);
-    contacts_forget(world, segment, segment + 1, DPT_NONE);
-    strips_forget(world, segment, segment + 1);
+    dpti_bodies_forget(world, segment);
+    dpti_bounds_forget(world, segment, DPT_NONE);
+    dpti_backlog_forget(world, segment);
+    dpti_contacts_forget(world, segment, segment + 1, DPT_NONE);
+    dpti_strips_forget(world, segment, segment + 1);
 }
 
-void tool_forget(struct dpt_world *world, struct tool *tool)
+void dpti_tool_forget(struct dpt_world *world, struct tool *tool)
 {
     for (uint32_t i = 0; i < tool->count; i++)
         forget_segment(world, tool->first + i);
-    tool_clear(world, tool);
+    dpti_tool_clear(world, tool);
 }
 
 static dpt_result check_segments(const dpt_segment *segments, uint32_t count)
@@ -75,7 +75,7 @@ dpt_result dpt_tool_add(dpt_world *world, const dpt_segment *segments, uint32_t 
     made->count = count;
     world->segment_count += count;
     put_segments(world, made, segments);
-    tool_forget(world, made);
+    dpti_tool_forget(world, made);
     *tool = handle_make(HANDLE_TOOL, &made->slot, index);
     return DPT_OK;
 }
@@ -89,11 +89,11 @@ dpt_result dpt_tool_remove(dpt_world *world, dpt_tool tool)
     uint32_t behind = old->first + old->count;
     memmove(&world->segments[old->first], &world->segments[behind],
             (world->segment_count - behind) * sizeof *world->segments);
-    bodies_remove(world, old->first, behind);
-    bounds_remove(world, old->first, behind);
-    backlog_remove(world, old->first, behind);
-    contacts_remove(world, old->first, behind);
-    strips_remove(world, old->first, behind);
+    dpti_bodies_remove(world, old->first, behind);
+    dpti_bounds_remove(world, old->first, behind);
+    dpti_backlog_remove(world, old->first, behind);
+    dpti_contacts_remove(world, old->first, behind);
+    dpti_strips_remove(world, old->first, behind);
     world->turn = 0;
     for (uint32_t t = 0; t < world->tool_end; t++)
         if (world->tools[t].slot.used && world->tools[t].first >= behind)
@@ -120,7 +120,7 @@ dpt_result dpt_tool_teleport(dpt_world *world, dpt_tool tool, const dpt_pose *po
 {
     dpt_result result = dpt_tool_set_pose(world, tool, pose);
     if (result == DPT_OK)
-        tool_forget(world, world_find_tool(world, tool));
+        dpti_tool_forget(world, world_find_tool(world, tool));
     return result;
 }
 

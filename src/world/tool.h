@@ -5,6 +5,6 @@
 #include "world/world_state.h"
 
 /* What the last ticks left of a tool, and its answers. */
-void tool_forget(struct dpt_world *world, struct tool *tool);
+void dpti_tool_forget(struct dpt_world *world, struct tool *tool);
 
 #endif

@@ -3,15 +3,15 @@
 
 #include "base/return_if_error.h"
 
-void tool_write_hit(struct segment *segment)
+void dpti_tool_write_hit(struct segment *segment)
 {
     const struct body *body = segment->found.body;
     if (body)
-        segment_result_write(&segment->result, &body->surface, &body->frame, body->id,
-                             &segment->found.track.nearest, &segment->hit);
+        dpti_segment_result_write(&segment->result, &body->surface, &body->frame, body->id,
+                                  &segment->found.track.nearest, &segment->hit);
 }
 
-void tool_clear_hits(struct dpt_world *world, struct tool *tool)
+void dpti_tool_clear_hits(struct dpt_world *world, struct tool *tool)
 {
     for (uint32_t i = 0; i < tool->count; i++)
         world->segments[tool->first + i].hit = (dpt_hit){
@@ -20,9 +20,9 @@ void tool_clear_hits(struct dpt_world *world, struct tool *tool)
     tool->nearest = 0;
 }
 
-void tool_clear(struct dpt_world *world, struct tool *tool)
+void dpti_tool_clear(struct dpt_world *world, struct tool *tool)
 {
-    tool_clear_hits(world, tool);
+    dpti_tool_clear_hits(world, tool);
     for (uint32_t i = 0; i < tool->count; i++) {
         struct segment *segment = &world->segments[tool->first + i];
         memset(&segment->wrench, 0, sizeof segment->wrench);
@@ -31,7 +31,7 @@ void tool_clear(struct dpt_world *world, struct tool *tool)
         segment->sweep =
             (dpt_sweep){ .size = sizeof segment->sweep, .triangle = DPT_NONE, .segment = i };
         if (world->def.strip)
-            strip_clear(world->laid[tool->first + i].strip, NULL);
+            dpti_strip_clear(world->laid[tool->first + i].strip, NULL);
     }
     memset(&tool->wrench, 0, sizeof tool->wrench);
 }

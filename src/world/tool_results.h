@@ -6,12 +6,12 @@
 #include "world/world_state.h"
 
 /* The hit of a segment whose result is known; of another it stays. */
-void tool_write_hit(struct segment *segment);
+void dpti_tool_write_hit(struct segment *segment);
 
 /* Nothing is known: stale, no force. */
-void tool_clear(struct dpt_world *world, struct tool *tool);
+void dpti_tool_clear(struct dpt_world *world, struct tool *tool);
 
 /* The same of a tool whose contacts no step has ever computed. */
-void tool_clear_hits(struct dpt_world *world, struct tool *tool);
+void dpti_tool_clear_hits(struct dpt_world *world, struct tool *tool);
 
 #endif

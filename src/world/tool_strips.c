@@ -8,23 +8,23 @@
 enum { BYTES_LAID = 512 };
 typedef char laid_fits[sizeof(struct laid) <= BYTES_LAID ? 1 : -1];
 
-dpt_strip_def strips_def(const dpt_world_def *def)
+dpt_strip_def dpti_strips_def(const dpt_world_def *def)
 {
     return (dpt_strip_def){ .size = sizeof(dpt_strip_def),
                             .capacity = def->strip_capacity,
                             .search = def->strip == DPT_STRIP_ROUTES ? def->strip_search : 0 };
 }
 
-uint64_t strips_bytes(const dpt_world_def *def)
+uint64_t dpti_strips_bytes(const dpt_world_def *def)
 {
-    const dpt_strip_def strip = strips_def(def);
+    const dpt_strip_def strip = dpti_strips_def(def);
     return def->strip ? (BYTES_LAID + (uint64_t)dpt_strip_bytes(&strip)) * def->max_segments : 0;
 }
 
 /* The strips of all segments, behind the list of them. */
-char *strips_place(struct dpt_world *world, char *at)
+char *dpti_strips_place(struct dpt_world *world, char *at)
 {
-    const dpt_strip_def def = strips_def(&world->def);
+    const dpt_strip_def def = dpti_strips_def(&world->def);
     if (!world->def.strip)
         return at;
     const size_t bytes = dpt_strip_bytes(&def);
@@ -32,34 +32,34 @@ char *strips_place(struct dpt_world *world, char *at)
     at += BYTES_LAID * (size_t)world->def.max_segments;
     for (uint32_t i = 0; i < world->def.max_segments; i++, at += bytes)
         dpt_strip_create(at, bytes, &def, &world->laid[i].strip);
-    strips_forget(world, 0, world->def.max_segments);
+    dpti_strips_forget(world, 0, world->def.max_segments);
     return at;
 }
 
-void strips_forget(struct dpt_world *world, uint32_t first, uint32_t end)
+void dpti_strips_forget(struct dpt_world *world, uint32_t first, uint32_t end)
 {
     for (uint32_t i = first; world->def.strip && i < end; i++) {
         struct laid *laid = &world->laid[i];
-        strip_clear(laid->strip, NULL);
-        strip_forget(laid->strip);
+        dpti_strip_clear(laid->strip, NULL);
+        dpti_strip_forget(laid->strip);
         laid->end[0] = laid->end[1] = DPT_NONE;
         laid->body = DPT_NONE;
     }
 }
 
-void strips_forget_body(struct dpt_world *world, uint32_t body)
+void dpti_strips_forget_body(struct dpt_world *world, uint32_t body)
 {
     for (uint32_t i = 0; world->def.strip && i < world->segment_count; i++)
         if (world->laid[i].body == body)
-            strips_forget(world, i, i + 1);
+            dpti_strips_forget(world, i, i + 1);
 }
 
-void strips_remove(struct dpt_world *world, uint32_t first, uint32_t end)
+void dpti_strips_remove(struct dpt_world *world, uint32_t first, uint32_t end)
 {
     uint32_t moved = world->segment_count - end;
     if (!world->def.strip)
         return;
-    strips_forget(world, first, end);
+    dpti_strips_forget(world, first, end);
     for (uint32_t i = 0; i < moved; i++) {
         const struct laid up = world->laid[end + i];
         world->laid[end + i] = world->laid[first + i];
@@ -74,19 +74,20 @@ static vec3 way_to_axis(const struct segment *segment, const struct laid *laid)
     if (nearest->pair.distance2 > 0.0)
         return nearest->pair.gap;
     vec3 push = frame_turn_back(&laid->frame, segment->push.direction);
-    return dot(push, push) > 0.0 ? push : surface_face_normal(&laid->surface, nearest->triangle);
+    return dot(push, push) > 0.0 ? push
+                                 : dpti_surface_face_normal(&laid->surface, nearest->triangle);
 }
 
 /* Of an open sheet, that to which the tool would be pushed, or on which it is. */
 static int32_t side_of_tool(const struct segment *segment, const struct laid *laid, uint32_t place,
                             vec3 to_axis)
 {
-    if (!side_is_sheet(&laid->surface, surface_part(&laid->surface, place)))
+    if (!dpti_side_is_sheet(&laid->surface, surface_part(&laid->surface, place)))
         return 1;
     vec3 out = frame_turn_back(&laid->frame, segment->push.direction);
     if (!(dot(out, out) > 0.0))
         out = to_axis;
-    return dot(out, surface_face_normal(&laid->surface, place)) < 0.0 ? -1 : 1;
+    return dot(out, dpti_surface_face_normal(&laid->surface, place)) < 0.0 ? -1 : 1;
 }
 
 static void lay_shadow(const struct dpt_world *world, struct laid *laid, vec3 way, uint32_t place)
@@ -98,8 +99,8 @@ static void lay_shadow(const struct dpt_world *world, struct laid *laid, vec3 wa
     if (!(dot(way, way) > 0.0))
         return;
     struct shade shade;
-    shade_of(laid->a, laid->u, way, laid->radius + def->strip_width, depth, &shade);
-    strip_shadow(laid->strip, &laid->surface, &shade, place);
+    dpti_shade_of(laid->a, laid->u, way, laid->radius + def->strip_width, depth, &shade);
+    dpti_strip_shadow(laid->strip, &laid->surface, &shade, place);
 }
 
 /* The triangle nearest to an end of the axis. */
@@ -108,8 +109,8 @@ static uint32_t nearest_to_end(const struct dpt_world *world, const struct laid 
     const struct axis point = { .local_a = end ? add(laid->a, laid->u) : laid->a };
     struct nearest nearest;
     struct work work = work_of(WORK_UNLIMITED); /* no budget counts strips */
-    track_once(&laid->surface, &world->kernel, DPT_METHOD_TREE, &point, laid->end[end], &work,
-               &nearest);
+    dpti_track_once(&laid->surface, &world->kernel, DPT_METHOD_TREE, &point, laid->end[end], &work,
+                    &nearest);
     return nearest.triangle;
 }
 
@@ -120,12 +121,12 @@ static void lay_routes(const struct dpt_world *world, struct laid *laid, uint32_
         laid->end[end] = nearest_to_end(world, laid, end);
     if (laid->end[0] == DPT_NONE || laid->end[1] == DPT_NONE)
         return;
-    if (strip_routes(laid->strip, laid->surface.mesh, laid->end[0], laid->end[1], place) ==
+    if (dpti_strip_routes(laid->strip, laid->surface.mesh, laid->end[0], laid->end[1], place) ==
         DPT_E_FULL)
-        strip_set_full(laid->strip);
+        dpti_strip_set_full(laid->strip);
 }
 
-void strips_find(struct dpt_world *world, uint32_t index)
+void dpti_strips_find(struct dpt_world *world, uint32_t index)
 {
     const struct segment *segment = &world->segments[index];
     const struct segment_result *result = &segment->result;
@@ -174,7 +175,7 @@ dpt_result dpt_tool_get_strip(const dpt_world *world, dpt_tool tool, uint32_t se
         return DPT_OK;
     const struct laid *laid = &world->laid[asked->first + segment];
     dpt_strip_triangles(laid->strip, count, flags);
-    strip_overlaps(laid->strip, &laid->surface, &laid->frame, laid->a, laid->u, laid->radius,
-                   laid->side, overlaps, capacity);
+    dpti_strip_overlaps(laid->strip, &laid->surface, &laid->frame, laid->a, laid->u, laid->radius,
+                        laid->side, overlaps, capacity);
     return DPT_OK;
 }

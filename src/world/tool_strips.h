@@ -6,24 +6,24 @@
 #include "world/world_state.h"
 
 /* The def of each strip of a world. */
-dpt_strip_def strips_def(const dpt_world_def *def);
+dpt_strip_def dpti_strips_def(const dpt_world_def *def);
 
 /* Their share of dpt_world_bytes. */
-uint64_t strips_bytes(const dpt_world_def *def);
+uint64_t dpti_strips_bytes(const dpt_world_def *def);
 
 /* Their memory begins at `at`; returns where it ends. */
-char *strips_place(struct dpt_world *world, char *at);
+char *dpti_strips_place(struct dpt_world *world, char *at);
 
 /* A segment's strip, from its nearest pair and its push; empty where it is not within the margin. */
-void strips_find(struct dpt_world *world, uint32_t segment);
+void dpti_strips_find(struct dpt_world *world, uint32_t segment);
 
 /* Empty those of the segments from `first` to before `end`, and forget what they remember. */
-void strips_forget(struct dpt_world *world, uint32_t first, uint32_t end);
+void dpti_strips_forget(struct dpt_world *world, uint32_t first, uint32_t end);
 
 /* Empty those that lie on a body. */
-void strips_forget_body(struct dpt_world *world, uint32_t body);
+void dpti_strips_forget_body(struct dpt_world *world, uint32_t body);
 
 /* The segments from `first` to before `end` go, and those behind them move up. */
-void strips_remove(struct dpt_world *world, uint32_t first, uint32_t end);
+void dpti_strips_remove(struct dpt_world *world, uint32_t first, uint32_t end);
 
 #endif

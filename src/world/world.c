@@ -9,9 +9,9 @@
 size_t dpt_world_bytes(const dpt_world_def *given)
 {
     dpt_world_def def;
-    if (world_def_take(given, &def) != DPT_OK || !world_def_is_valid(&def))
+    if (dpti_world_def_take(given, &def) != DPT_OK || !dpti_world_def_is_valid(&def))
         return 0;
-    return world_layout_bytes(&def);
+    return dpti_world_layout_bytes(&def);
 }
 
 dpt_result dpt_world_create(void *block, size_t bytes, const dpt_world_def *given,
@@ -20,21 +20,21 @@ dpt_result dpt_world_create(void *block, size_t bytes, const dpt_world_def *give
     dpt_world_def def;
     if (!block || !world)
         return DPT_E_ARGUMENT;
-    DPT_TRY(world_def_take(given, &def));
-    if (!world_def_is_valid(&def))
+    DPT_TRY(dpti_world_def_take(given, &def));
+    if (!dpti_world_def_is_valid(&def))
         return DPT_E_ARGUMENT;
     if ((uintptr_t)block % 8)
         return DPT_E_ALIGN;
-    size_t needed = world_layout_bytes(&def);
+    size_t needed = dpti_world_layout_bytes(&def);
     if (!needed || bytes < needed)
         return DPT_E_MEMORY;
 
     memset(block, 0, needed);
     struct dpt_world *made = block;
     made->def = def;
-    if (!kernel_get(def.kernel, &made->kernel, &made->kernel_id))
+    if (!dpti_kernel_get(def.kernel, &made->kernel, &made->kernel_id))
         return DPT_E_UNSUPPORTED;
-    world_layout_place(made);
+    dpti_world_layout_place(made);
     *world = made;
     return DPT_OK;
 }
@@ -50,9 +50,9 @@ dpt_result dpt_world_reset(dpt_world *world)
         return DPT_E_ARGUMENT;
     for (uint32_t t = 0; t < world->tool_end; t++)
         if (world->tools[t].slot.used)
-            tool_forget(world, &world->tools[t]);
-    bodies_forget_planes(world, 0, world->segment_count, DPT_NONE);
-    memo_forget(&world->memo, DPT_NONE);
+            dpti_tool_forget(world, &world->tools[t]);
+    dpti_bodies_forget_planes(world, 0, world->segment_count, DPT_NONE);
+    dpti_memo_forget(&world->memo, DPT_NONE);
     for (uint32_t i = 0; i < world->body_end; i++)
         world->bodies[i].moved = world->bodies[i].added = 0;
     world->turn = 0;

@@ -36,7 +36,7 @@ static int count_is_valid(uint32_t count)
     return count >= 1 && count <= 0xffff;
 }
 
-dpt_result world_def_take(const dpt_world_def *given, dpt_world_def *def)
+dpt_result dpti_world_def_take(const dpt_world_def *given, dpt_world_def *def)
 {
     if (!given)
         return DPT_E_ARGUMENT;
@@ -54,7 +54,7 @@ dpt_result world_def_take(const dpt_world_def *given, dpt_world_def *def)
 
 static int strips_are_valid(const dpt_world_def *def)
 {
-    const dpt_strip_def strip = strips_def(def);
+    const dpt_strip_def strip = dpti_strips_def(def);
     if (def->strip > DPT_STRIP_ROUTES || def->reserved)
         return 0;
     return !def->strip ||
@@ -63,7 +63,7 @@ static int strips_are_valid(const dpt_world_def *def)
             within(def->strip_depth, DPT_COORDINATE_MAX));
 }
 
-int world_def_is_valid(const dpt_world_def *def)
+int dpti_world_def_is_valid(const dpt_world_def *def)
 {
     return count_is_valid(def->max_bodies) && count_is_valid(def->max_tools) &&
            count_is_valid(def->max_segments) && def->method <= DPT_METHOD_PAPER &&

@@ -9,8 +9,8 @@
  * A caller's def, which may be older and shorter than ours (the rest gets defaults) or newer and longer
  * (then what we do not know must be 0).
  */
-dpt_result world_def_take(const dpt_world_def *given, dpt_world_def *def);
+dpt_result dpti_world_def_take(const dpt_world_def *given, dpt_world_def *def);
 
-int world_def_is_valid(const dpt_world_def *def);
+int dpti_world_def_is_valid(const dpt_world_def *def);
 
 #endif

@@ -26,17 +26,17 @@ static uint64_t bytes_memo(const dpt_world_def *def)
     return def->budget ? BYTES_MEMO + BYTES_MEMO_MORE * (uint64_t)def->max_segments : 0;
 }
 
-size_t world_layout_bytes(const dpt_world_def *def)
+size_t dpti_world_layout_bytes(const dpt_world_def *def)
 {
     uint64_t bytes = BYTES_WORLD + BYTES_BODY * (uint64_t)def->max_bodies +
                      BYTES_TOOL * (uint64_t)def->max_tools +
                      BYTES_SEGMENT * (uint64_t)def->max_segments + bytes_memo(def) +
-                     bounds_bytes(def) + backlog_bytes(def) + contacts_bytes(def) +
-                     strips_bytes(def) + bodies_bytes(def);
+                     dpti_bounds_bytes(def) + dpti_backlog_bytes(def) + dpti_contacts_bytes(def) +
+                     dpti_strips_bytes(def) + dpti_bodies_bytes(def);
     return bytes <= SIZE_MAX ? (size_t)bytes : 0;
 }
 
-void world_layout_place(struct dpt_world *world)
+void dpti_world_layout_place(struct dpt_world *world)
 {
     const dpt_world_def *def = &world->def;
     char *at = (char *)world + BYTES_WORLD;
@@ -50,9 +50,9 @@ void world_layout_place(struct dpt_world *world)
     world->memo.entries = (void *)at;
     world->memo.sets = (uint32_t)(bytes_memo(def) / (MEMO_WAYS * sizeof *world->memo.entries));
     at += bytes_memo(def);
-    at = bounds_place(world, at);
-    at = backlog_place(world, at);
-    at = contacts_place(world, at);
-    at = strips_place(world, at);
-    bodies_place_memory(world, at);
+    at = dpti_bounds_place(world, at);
+    at = dpti_backlog_place(world, at);
+    at = dpti_contacts_place(world, at);
+    at = dpti_strips_place(world, at);
+    dpti_bodies_place_memory(world, at);
 }

@@ -6,9 +6,9 @@
 #include "world/world_state.h"
 
 /* dpt_world_bytes of a valid def. */
-size_t world_layout_bytes(const dpt_world_def *def);
+size_t dpti_world_layout_bytes(const dpt_world_def *def);
 
 /* The arrays of a world whose def is set, in its block, which is all zeros. */
-void world_layout_place(struct dpt_world *world);
+void dpti_world_layout_place(struct dpt_world *world);
 
 #endif

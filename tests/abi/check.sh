@@ -40,6 +40,18 @@ for lib in libdynpoint libdynpoint_compile libdynpoint_drivers $urdf; do
     verdict $? "$lib.a shows no other name"
 done
 
+# An archive of -flto has its names local only when a program is linked: what crosses files within the core says whose it is.
+lto=$scratch/lto
+if command -v gcc-nm >/dev/null 2>&1 && ${CC:-cc} --version | grep -qi 'gcc\|Free Software Foundation'; then
+    make -s B="$lto" CFLAGS='-O3 -flto' "$lto/libdynpoint.a" &&
+        gcc-nm -g --defined-only "$lto/libdynpoint.a" | awk 'NF == 3 { print $3 }' | LC_ALL=C sort >"$scratch/lto.symbols" &&
+        grep '^dpt_' "$scratch/lto.symbols" | diff "$here/libdynpoint.symbols" - &&
+        grep -q '^dpti_' "$scratch/lto.symbols" && ! grep -v '^dpti\{0,1\}_' "$scratch/lto.symbols"
+    verdict $? "libdynpoint.a of -flto shows dpt_ and dpti_ alone"
+else
+    skip "libdynpoint.a of -flto: no gcc-nm, or another compiler"
+fi
+
 nm -u "$build/libdynpoint.o" | awk '{ print $2 }' | grep -vxE 'sqrt|mem(cpy|set|move|cmp)|_GLOBAL_OFFSET_TABLE_|__stack_chk_fail' >"$scratch/imports"
 [ ! -s "$scratch/imports" ]
 verdict $? "the core imports sqrt and mem* only $(tr '\n' ' ' <"$scratch/imports")"

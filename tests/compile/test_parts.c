@@ -131,7 +131,7 @@ static void closed_meshes_carry_no_moments(void)
               "%s of %u bytes", section.name, (unsigned)section.bytes);
         CHECK(scene.info.solid_components == 2 && scene.info.inward_components == 1, "%u solid",
               scene.info.solid_components);
-        CHECK(winding_number(&scene.surface, &scene.kernel, (vec3){ 0.0, 0.0, 0.0 }, &work) ==
+        CHECK(dpti_winding_number(&scene.surface, &scene.kernel, (vec3){ 0.0, 0.0, 0.0 }, &work) ==
                       0.0 &&
                   work.done == 0,
               "work %u", work.done);

@@ -11,21 +11,21 @@ static void a_tick_keeps_its_points(void)
     struct memo memo = { .entries = entries, .sets = 1, .tick = 1 };
     const vec3 point = { 0.5, -0.0, 1.0 }, beside = { 0.5, 0.0, 1.0 + 0x1p-52 };
     for (uint32_t i = 0; i < MEMO_WAYS; i++) {
-        struct memo_entry *entry = memo_put(&memo, i, point);
+        struct memo_entry *entry = dpti_memo_put(&memo, i, point);
         CHECK(entry && entry->triangle == DPT_NONE && !entry->side, "%u", i);
         entry->triangle = 10 + i;
     }
-    CHECK(!memo_put(&memo, MEMO_WAYS, point), "it makes room for a fifth in one tick");
-    CHECK(!memo_find(&memo, 0, beside), "another point");
+    CHECK(!dpti_memo_put(&memo, MEMO_WAYS, point), "it makes room for a fifth in one tick");
+    CHECK(!dpti_memo_find(&memo, 0, beside), "another point");
     memo.tick = 2;
-    CHECK(memo_find(&memo, 0, point)->triangle == 10, "the first");
-    CHECK(memo_put(&memo, MEMO_WAYS, point) && !memo_find(&memo, 1, point) &&
-              memo_find(&memo, 0, point) && memo_find(&memo, 2, point),
+    CHECK(dpti_memo_find(&memo, 0, point)->triangle == 10, "the first");
+    CHECK(dpti_memo_put(&memo, MEMO_WAYS, point) && !dpti_memo_find(&memo, 1, point) &&
+              dpti_memo_find(&memo, 0, point) && dpti_memo_find(&memo, 2, point),
           "not the oldest was given up");
-    memo_forget(&memo, 0);
-    CHECK(!memo_find(&memo, 0, point) && memo_find(&memo, 2, point), "of one body");
-    memo_forget(&memo, DPT_NONE);
-    CHECK(!memo_find(&memo, 2, point), "of all");
+    dpti_memo_forget(&memo, 0);
+    CHECK(!dpti_memo_find(&memo, 0, point) && dpti_memo_find(&memo, 2, point), "of one body");
+    dpti_memo_forget(&memo, DPT_NONE);
+    CHECK(!dpti_memo_find(&memo, 2, point), "of all");
 }
 
 int main(void)

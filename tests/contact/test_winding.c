@@ -21,7 +21,7 @@ static double check_against_brute(const char *name, const struct scene *scene, i
         uint32_t place = (uint32_t)(random_bits(&random) % scene->info.triangles);
         struct work work = work_of(WORK_UNLIMITED);
         vec3 x = i % 2 ? point_in_box(scene, &random) : point_off(scene, place, shares[i / 2 % 5]);
-        double winding = winding_number(&scene->surface, &scene->kernel, x, &work);
+        double winding = dpti_winding_number(&scene->surface, &scene->kernel, x, &work);
         double error = fabs(winding - brute_at(scene, x));
         CHECK(error <= WINDING_ERROR, "%s: off by %g at %g %g %g", name, error, x.x, x.y, x.z);
         worst = larger(worst, error);
@@ -29,9 +29,9 @@ static double check_against_brute(const char *name, const struct scene *scene, i
         for (uint32_t id = DPT_KERNEL_SCALAR; id <= DPT_KERNEL_NEON; id++) {
             struct kernel other;
             struct work again = work_of(WORK_UNLIMITED);
-            if (!kernel_get(id, &other, &chosen))
+            if (!dpti_kernel_get(id, &other, &chosen))
                 continue;
-            double same = winding_number(&scene->surface, &other, x, &again);
+            double same = dpti_winding_number(&scene->surface, &other, x, &again);
             CHECK(!memcmp(&same, &winding, sizeof same) && again.done == work.done,
                   "%s: %s says %g, not %g", name, dpt_kernel_name(id), same, winding);
         }
@@ -91,7 +91,7 @@ static void series_keep_their_bound(void)
     struct kernel kernel;
     uint32_t chosen;
     double worst = 0.0;
-    kernel_get(DPT_KERNEL_AUTO, &kernel, &chosen);
+    dpti_kernel_get(DPT_KERNEL_AUTO, &kernel, &chosen);
     for (int i = 0; i < 2000; i++) {
         float block[MESH_MOMENT_ROWS * LANES], sums[LANES] = { 0.0f }, doubts[LANES] = { 0.0f };
         double truth[LANES], errors[LANES];
@@ -228,8 +228,8 @@ static void public_meshes_are_what_they_seem(void)
               "%s: %u solid, %u cavities, %u by winding, %u buried", wanted->path,
               info->solid_components, info->cavities, info->winding_components,
               info->buried_components);
-        surface_of_mesh(scene.mesh, &scene.surface);
-        kernel_get(DPT_KERNEL_AUTO, &scene.kernel, &chosen);
+        dpti_surface_of_mesh(scene.mesh, &scene.surface);
+        dpti_kernel_get(DPT_KERNEL_AUTO, &scene.kernel, &chosen);
         if (info->winding_components)
             check_against_brute(strrchr(wanted->path, '/') + 1, &scene, 60);
         scene_close(&scene);

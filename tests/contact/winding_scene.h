@@ -124,8 +124,8 @@ static inline int scene_open(struct scene *scene)
     if (result != DPT_OK)
         return 0;
     dpt_mesh_get_info(scene->mesh, &scene->info);
-    surface_of_mesh(scene->mesh, &scene->surface);
-    kernel_get(DPT_KERNEL_AUTO, &scene->kernel, &chosen);
+    dpti_surface_of_mesh(scene->mesh, &scene->surface);
+    dpti_kernel_get(DPT_KERNEL_AUTO, &scene->kernel, &chosen);
     return 1;
 }
 
@@ -139,7 +139,7 @@ static inline void scene_close(struct scene *scene)
 static inline double winding_at(const struct scene *scene, double x, double y, double z)
 {
     struct work work = work_of(WORK_UNLIMITED);
-    return winding_number(&scene->surface, &scene->kernel, (vec3){ x, y, z }, &work);
+    return dpti_winding_number(&scene->surface, &scene->kernel, (vec3){ x, y, z }, &work);
 }
 
 /* The flags of the part of a source triangle. */

@@ -220,7 +220,7 @@ static struct kernel best_kernel(void)
 {
     struct kernel kernel;
     uint32_t chosen;
-    kernel_get(DPT_KERNEL_AUTO, &kernel, &chosen);
+    dpti_kernel_get(DPT_KERNEL_AUTO, &kernel, &chosen);
     return kernel;
 }
 
@@ -462,7 +462,7 @@ static void zero_planes_close_nothing(void)
     uint32_t chosen;
     struct kernel kernel;
     for (uint32_t id = DPT_KERNEL_SCALAR; id <= DPT_KERNEL_NEON; id++) {
-        if (!kernel_get(id, &kernel, &chosen))
+        if (!dpti_kernel_get(id, &kernel, &chosen))
             continue;
         for (uint32_t i = 0; i < BLOCKS; i++) {
             float bound[LANES];
@@ -507,7 +507,7 @@ static void bounds_that_are_no_number_leave_lanes_open(void)
     uint32_t chosen, closed = 0;
     struct kernel kernel;
     for (uint32_t id = DPT_KERNEL_SCALAR; id <= DPT_KERNEL_NEON; id++) {
-        if (!kernel_get(id, &kernel, &chosen))
+        if (!dpti_kernel_get(id, &kernel, &chosen))
             continue;
         for (int i = 0; i < BLOCKS / 4; i++) {
             float content[9 * LANES], block[6 * LANES], bound[LANES];
@@ -557,7 +557,7 @@ static void the_better_planes_are_kept(void)
     uint32_t chosen, taken = 0;
     struct kernel kernel;
     for (uint32_t id = DPT_KERNEL_SCALAR; id <= DPT_KERNEL_NEON; id++) {
-        if (!kernel_get(id, &kernel, &chosen))
+        if (!dpti_kernel_get(id, &kernel, &chosen))
             continue;
         for (int i = 0; i < BLOCKS / 10; i++) {
             struct planes kept, made, after;
@@ -598,10 +598,10 @@ static void all_kernels_give_the_same_bits(void)
     uint64_t random = 3;
     uint32_t chosen, compared = 0;
     struct kernel plain, other;
-    kernel_get(DPT_KERNEL_SCALAR, &plain, &chosen);
+    dpti_kernel_get(DPT_KERNEL_SCALAR, &plain, &chosen);
     for (uint32_t id = DPT_KERNEL_SSE2; id <= DPT_KERNEL_NEON; id++) {
         const char *name = dpt_kernel_name(id);
-        if (!kernel_get(id, &other, &chosen)) {
+        if (!dpti_kernel_get(id, &other, &chosen)) {
             SKIP(name, "not on this machine or in this build");
             continue;
         }
@@ -679,10 +679,10 @@ static void all_kernels_give_the_same_windings(void)
     uint64_t random = 29;
     uint32_t chosen;
     struct kernel plain, other;
-    kernel_get(DPT_KERNEL_SCALAR, &plain, &chosen);
+    dpti_kernel_get(DPT_KERNEL_SCALAR, &plain, &chosen);
     for (uint32_t id = DPT_KERNEL_SSE2; id <= DPT_KERNEL_NEON; id++) {
         const char *name = dpt_kernel_name(id);
-        if (!kernel_get(id, &other, &chosen)) {
+        if (!dpti_kernel_get(id, &other, &chosen)) {
             SKIP(name, "not on this machine or in this build");
             continue;
         }
@@ -771,10 +771,10 @@ static void best_kernel_is_to_be_had(void)
 {
     struct kernel kernel;
     uint32_t chosen;
-    CHECK(kernel_get(DPT_KERNEL_AUTO, &kernel, &chosen), "auto");
+    CHECK(dpti_kernel_get(DPT_KERNEL_AUTO, &kernel, &chosen), "auto");
     CHECK(chosen == dpt_kernel_best(), "%u", chosen);
-    CHECK(kernel_get(DPT_KERNEL_ALWAYS, &kernel, &chosen), "always");
-    CHECK(!kernel_get(99, &kernel, &chosen), "no such kernel");
+    CHECK(dpti_kernel_get(DPT_KERNEL_ALWAYS, &kernel, &chosen), "always");
+    CHECK(!dpti_kernel_get(99, &kernel, &chosen), "no such kernel");
     CHECK(strcmp(dpt_kernel_name(99), "none") == 0, "%s", dpt_kernel_name(99));
 }
 

@@ -388,10 +388,10 @@ static void use(const dpt_mesh *mesh, uint64_t *random)
     dpt_tool tool;
     for (int i = 0; i < 24; i++)
         ends[i] = random_in(random, -0.15, 0.15);
-    surface_of_mesh(mesh, &surface);
-    kernel_get(DPT_KERNEL_AUTO, &kernel, &chosen);
+    dpti_surface_of_mesh(mesh, &surface);
+    dpti_kernel_get(DPT_KERNEL_AUTO, &kernel, &chosen);
     for (int i = 0; i < 8; i++)
-        CHECK(isfinite(winding_number(&surface, &kernel, vec3_of(ends + 3 * i), &work)),
+        CHECK(isfinite(dpti_winding_number(&surface, &kernel, vec3_of(ends + 3 * i), &work)),
               "a winding number that is none");
     for (query.method = 0; query.method <= DPT_METHOD_BRUTE; query.method++) {
         dpt_query_segments(mesh, NULL, ends, NULL, 4, hits, &query);

@@ -26,7 +26,7 @@ static void open_scene(struct scene *scene, dpt_compiled *compiled)
     dpt_mesh_convert(scene->file.bytes, scene->file.size, NULL);
     CHECK(dpt_mesh_open(scene->file.bytes, scene->file.size, &scene->mesh) == DPT_OK, "no mesh");
     dpt_mesh_get_info(scene->mesh, &scene->info);
-    surface_of_mesh(scene->mesh, &scene->surface);
+    dpti_surface_of_mesh(scene->mesh, &scene->surface);
     scene->corner = calloc(scene->info.source_triangles, sizeof *scene->corner);
     for (uint32_t t = 0; t < scene->info.source_triangles; t++)
         dpt_mesh_triangle(scene->mesh, t, scene->corner[t]);
@@ -399,7 +399,7 @@ static void sides_at_vertices_do_not_turn(void)
                     if (fabsl(rise) < 1e-13L * size)
                         continue;
                     near += fabsl(rise) < 0x1p-25L * size;
-                    CHECK(side_of_pair(&scene.surface, place, &found) == (rise < 0 ? -1 : 1),
+                    CHECK(dpti_side_of_pair(&scene.surface, place, &found) == (rise < 0 ? -1 : 1),
                           "%s, triangle %u, lean %Lg", shapes[s].name, t, lean);
                 }
             }
@@ -433,8 +433,8 @@ static void scene_of_cylinder(struct scene *scene, double crease)
 static vec3 smooth_at(const struct scene *scene, uint32_t source, double a, double b)
 {
     const double weight[3] = { a, b, 1.0 - a - b };
-    return surface_smooth_normal(&scene->surface, mesh_words(scene->mesh, MESH_PLACES)[source],
-                                 weight);
+    return dpti_surface_smooth_normal(&scene->surface, mesh_words(scene->mesh, MESH_PLACES)[source],
+                                      weight);
 }
 
 /* Round along the side, flat on the lids, sharp between them; all round where no edge is a crease. */
@@ -486,7 +486,7 @@ static void hubs_cost_no_fan(void)
     forged = scene;
     forged.file = file;
     CHECK(dpt_mesh_open(file.bytes, file.size, &forged.mesh) == DPT_OK, "does not open");
-    surface_of_mesh(forged.mesh, &forged.surface);
+    dpti_surface_of_mesh(forged.mesh, &forged.surface);
     uint64_t random = 2;
     for (uint32_t place = 0; place < COUNT; place += 331) {
         double weight[3] = { 0.0, 0.0, 0.0 };
@@ -497,18 +497,19 @@ static void hubs_cost_no_fan(void)
         pair found = { .weight = { weight[0], weight[1], weight[2] } };
         found.gap = (vec3){ random_in(&random, -1.0, 1.0), random_in(&random, -1.0, 1.0),
                             random_in(&random, 0.1, 1.0) };
-        vec3 n = surface_feature_normal(&scene.surface, place, weight);
-        vec3 m = surface_feature_normal(&forged.surface, place, weight);
+        vec3 n = dpti_surface_feature_normal(&scene.surface, place, weight);
+        vec3 m = dpti_surface_feature_normal(&forged.surface, place, weight);
         CHECK(!memcmp(&n, &m, sizeof n), "another normal");
-        n = surface_smooth_normal(&scene.surface, place, weight);
-        m = surface_smooth_normal(&forged.surface, place, weight);
+        n = dpti_surface_smooth_normal(&scene.surface, place, weight);
+        m = dpti_surface_smooth_normal(&forged.surface, place, weight);
         CHECK(!memcmp(&n, &m, sizeof n), "another smooth normal");
-        CHECK(side_of_pair(&scene.surface, place, &found) == side_of_pair(&forged.surface, place, &found),
+        CHECK(dpti_side_of_pair(&scene.surface, place, &found) ==
+                  dpti_side_of_pair(&forged.surface, place, &found),
               "another side");
-        CHECK(!side_is_border(&forged.surface, place, weight), "the hub is no border");
+        CHECK(!dpti_side_is_border(&forged.surface, place, weight), "the hub is no border");
         weight[k] = 0.0;
         weight[(k + 1) % 3] = 1.0;
-        CHECK(side_is_border(&forged.surface, place, weight), "its rim is one");
+        CHECK(dpti_side_is_border(&forged.surface, place, weight), "its rim is one");
     }
     free(file.bytes);
     close_scene(&scene);
@@ -536,7 +537,8 @@ static void borders_cost_no_fan(void)
                             (edge_by_all(&scene, u, i) | edge_by_all(&scene, u, (i + 2) % 3)) &
                             DPT_EDGE_BORDER;
             alone += wanted && !(flags & 7u);
-            CHECK(side_is_border(&scene.surface, place, weight) == (int)wanted, "triangle %u", t);
+            CHECK(dpti_side_is_border(&scene.surface, place, weight) == (int)wanted, "triangle %u",
+                  t);
         }
     CHECK(alone > 10, "only %u touch the border in a point", alone);
     close_scene(&scene);

@@ -18,9 +18,9 @@ static int sweep_scene(const struct scene *scene, double radius, double toleranc
                        uint32_t *asked)
 {
     struct sweep sweep;
-    sweep_begin(&sweep, &scene->motion, radius, tolerance, scene_extent(scene));
+    dpti_sweep_begin(&sweep, &scene->motion, radius, tolerance, scene_extent(scene));
     *asked = 0;
-    return sweep_pair(&sweep, scene->corner, 1.0, time, asked);
+    return dpti_sweep_pair(&sweep, scene->corner, 1.0, time, asked);
 }
 
 /* The truth, or what test_pair.c holds against it, which is fifty times as fast. */

@@ -26,7 +26,7 @@ static int body_of(struct body *body)
     const struct dpt_mesh *mesh = body->fixture.mesh;
     if (!mesh)
         return 0;
-    surface_of_mesh(mesh, &body->surface);
+    dpti_surface_of_mesh(mesh, &body->surface);
     body->diagonal = length(sub(vec3_of(mesh->box_max), vec3_of(mesh->box_min)));
     return 1;
 }
@@ -80,7 +80,7 @@ static struct strike brute_sweep(const struct surface *tree, const struct sweep 
                                  vec3_of_float(tree->positions + 3 * (size_t)of[2]) };
         uint32_t asked = 0;
         double time;
-        if (sweep_pair(sweep, corner, first.time, &time, &asked) != SWEEP_HIT)
+        if (dpti_sweep_pair(sweep, corner, first.time, &time, &asked) != SWEEP_HIT)
             continue;
         if (time < first.time || first.triangle == DPT_NONE ||
             tree->sources[t] < tree->sources[first.triangle]) {
@@ -109,7 +109,8 @@ static int sweep_whole(const struct body *body, const struct kernel *kernel,
     struct sweep_progress progress;
     progress.begun = 0;
     struct work meter = { *work, WORK_UNLIMITED };
-    int result = sweep_mesh(&body->surface, kernel, sweep, from, hint, &meter, &progress, found);
+    int result =
+        dpti_sweep_mesh(&body->surface, kernel, sweep, from, hint, &meter, &progress, found);
     *work = meter.done;
     CHECK(result != SWEEP_UNFINISHED, "%u units, of any number", *work);
     return result;
@@ -132,7 +133,8 @@ static uint32_t check_budget(const struct body *body, const struct kernel *kerne
         uint32_t most = 1 + (uint32_t)(random_bits(&rng) % full);
         most = one_in(&rng, 4) ? 1 : most;
         struct work meter = { 5, 5 + most };
-        result = sweep_mesh(&body->surface, kernel, sweep, from, hint, &meter, &progress, &found);
+        result =
+            dpti_sweep_mesh(&body->surface, kernel, sweep, from, hint, &meter, &progress, &found);
         const uint32_t spent = meter.done - 5;
         CHECK(spent <= most, "%u of %u units", spent, most);
         all += spent;
@@ -153,8 +155,9 @@ static double check_start(const struct body *body, const struct sweep *sweep,
                           const struct strike *truth)
 {
     struct nearest nearest = { .pair.distance2 = HUGE_VAL, .triangle = DPT_NONE };
-    tree_brute(&body->surface, sweep->a, sweep->u, &(struct work){ 0, WORK_UNLIMITED }, &nearest);
-    double from = sweep_start(sweep, sqrt(nearest.pair.distance2));
+    dpti_tree_brute(&body->surface, sweep->a, sweep->u, &(struct work){ 0, WORK_UNLIMITED },
+                    &nearest);
+    double from = dpti_sweep_start(sweep, sqrt(nearest.pair.distance2));
     CHECK(from >= 0.0 && from <= 1.0, "%g", from);
     CHECK(truth->triangle == DPT_NONE || from < truth->time || from == 0.0, "%.17g, hit at %.17g",
           from, truth->time);
@@ -165,8 +168,8 @@ static void check_pair_of(const struct body *body, const struct sweep *sweep,
                           const struct strike *found, double tolerance)
 {
     vec3 a, u;
-    sweep_axis(sweep, found->time, &a, &u);
-    pair expected = tree_pair(&body->surface, found->triangle, a, u);
+    dpti_sweep_axis(sweep, found->time, &a, &u);
+    pair expected = dpti_tree_pair(&body->surface, found->triangle, a, u);
     CHECK(expected.distance2 == found->pair.distance2 && expected.s == found->pair.s, "pair");
     CHECK(sqrt(expected.distance2) <= sweep->radius + tolerance, "off");
     vec3 off = sub(sub(along(a, found->pair.s, u), found->q), found->pair.gap);
@@ -178,7 +181,7 @@ static void sweep_body(const char *name, struct body *body, int motions)
     struct kernel kernel[8];
     uint32_t kernels = 0, chosen, hits = 0, unfinished = 0, most = 0, later = 0;
     for (uint32_t id = DPT_KERNEL_SCALAR; id <= DPT_KERNEL_NEON; id++)
-        kernels += (uint32_t)kernel_get(id, &kernel[kernels], &chosen);
+        kernels += (uint32_t)dpti_kernel_get(id, &kernel[kernels], &chosen);
     for (int i = 0; i < motions; i++) {
         struct motion motion;
         struct sweep sweep;
@@ -187,7 +190,7 @@ static void sweep_body(const char *name, struct body *body, int motions)
         double radius = one_in(&rng, 2) ? 0.0 : body->diagonal * power_in(&rng, -5.0, -1.0);
         uint32_t work = 0, full = 0;
         motion_near(body, &motion);
-        sweep_begin(&sweep, &motion, radius, tolerance, surface_extent(&body->surface));
+        dpti_sweep_begin(&sweep, &motion, radius, tolerance, dpti_surface_extent(&body->surface));
         struct strike truth = brute_sweep(&body->surface, &sweep);
         for (uint32_t k = 0; k < kernels; k++) {
             uint32_t before = full;
@@ -281,7 +284,7 @@ static void swept_bounds_are_sound(void)
     if (!soup_of(&body))
         return;
     for (uint32_t id = DPT_KERNEL_SCALAR; id <= DPT_KERNEL_NEON; id++)
-        kernels += (uint32_t)kernel_get(id, &kernel[kernels], &chosen);
+        kernels += (uint32_t)dpti_kernel_get(id, &kernel[kernels], &chosen);
     for (int i = 0; i < 10000; i++) {
         struct swath swath;
         vec3 end[4];
@@ -356,7 +359,7 @@ static void sheets_are_crossed_at_any_speed(void)
     unsigned long missed = 0, invented = 0, free = 0;
     if (!fixture_from_shape(&body.fixture, "membrane", 512) || !body_of(&body))
         return;
-    kernel_get(DPT_KERNEL_AUTO, &kernel, &chosen);
+    dpti_kernel_get(DPT_KERNEL_AUTO, &kernel, &chosen);
     for (unsigned long i = 0; i < crossing_count; i++) {
         struct motion m;
         vec3 way;
@@ -370,15 +373,15 @@ static void sheets_are_crossed_at_any_speed(void)
         struct strike found;
         uint32_t work = 0;
         double tolerance = body.diagonal * (one_in(&rng, 2) ? 1e-6 : 1e-11);
-        sweep_begin(&sweep, &m, 0.0, tolerance, surface_extent(&body.surface));
+        dpti_sweep_begin(&sweep, &m, 0.0, tolerance, dpti_surface_extent(&body.surface));
         int hit = sweep_whole(&body, &kernel, &sweep, 0.0, DPT_NONE, &found, &work) == SWEEP_HIT;
         missed += crosses && !(hit && found.time <= t + 1e-12);
         CHECK(!crosses || (hit && found.time <= t + 1e-12), "missed: result %d at %.17g, not %.17g",
               hit, found.time, t);
         vec3 a, axis;
-        sweep_axis(&sweep, found.time, &a, &axis);
-        int off =
-            hit && sqrt(tree_pair(&body.surface, found.triangle, a, axis).distance2) > tolerance;
+        dpti_sweep_axis(&sweep, found.time, &a, &axis);
+        int off = hit && sqrt(dpti_tree_pair(&body.surface, found.triangle, a, axis).distance2) >
+                             tolerance;
         invented += (unsigned)off + (!crosses && hit);
         CHECK(!off && !(hit && !crosses), "invented at %.17g", found.time);
         free += !hit;

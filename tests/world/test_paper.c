@@ -228,7 +228,7 @@ static void no_kernel_hides_a_neighbour(void)
     for (uint32_t kernel = DPT_KERNEL_SCALAR; kernel <= DPT_KERNEL_NEON; kernel++) {
         struct kernel here;
         uint32_t chosen;
-        if (!kernel_get(kernel, &here, &chosen))
+        if (!dpti_kernel_get(kernel, &here, &chosen))
             continue;
         for (size_t i = 0; i < sizeof courses / sizeof *courses; i++) {
             struct course course = courses[i];
