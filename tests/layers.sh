@@ -275,10 +275,20 @@ END {
     for (at = 1; at <= circles; at++) find("circle", "a circle in " folder_of(member[at]) ": " said[at])
 }' "$scratch/nm" >>"$scratch/findings" || exit 2
 
+# Paths that pages and file comments name. NAME stands for any; what an include begins with is the include rule's.
+for page in README.md docs include src drivers tools tests; do [ ! -e $page ] || echo $page; done >"$scratch/places"
+grep -rnoE '(^|[^A-Za-z0-9_./-])((\.\./)*)(src|drivers|tools|tests|include)/[A-Za-z0-9_./-]*\.(c|h|cc|cpp|sh|py|md|mk|txt)\b' \
+    --include='*.md' --include='*.[ch]' --include='*.cc' --include='*.mk' $(cat "$scratch/places") 2>/dev/null |
+    grep -vE '[^:]*:[0-9]*:"|NAME|include/HD/' | sed -E 's/^([^:]*:[0-9]*):[^A-Za-z.]?(\.\.\/)*/\1 /' |
+    while read -r where path; do
+        [ -e "$path" ] || echo "path: $where names $path, which is not there"
+    done >>"$scratch/findings"
+
 report folder "each folder of src/ has its place: $folders, and those around them"
 report root "each include begins at a root, and is there"
 report include "each includes only what it may use"
 report name "a file name occurs once"
+report path "each path that a page or a comment names is there"
 report long "no source is longer than 600 lines"
 report object "each source has its object"
 report call "each calls only what it may use"

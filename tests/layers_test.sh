@@ -68,7 +68,7 @@ includes() {
 }
 
 : >"$scratch/put"
-cp -r include src drivers tools Makefile "$tree" &&
+cp -r include src drivers tools tests Makefile "$tree" &&
     cp -r "$build/src" "$build/drivers" "$build/tools" "$tree/build"
 verdict $? "a copy of the tree and its objects"
 # By the objects of the copy: the check of the tree itself may run at the same time, and writes below its own build.
@@ -184,6 +184,8 @@ put_object src/query/made_3.c 'int dpti_made_3(void); int dpti_made_1(void); int
 put_object src/query/made_4.c 'int dpti_made_4(void); int dpti_made_1(void); int dpti_made_4(void) { return dpti_made_1(); }'
 says "a circle in src/query: made_1.o calls dpti_made_2 of made_2.o, made_2.o calls dpti_made_3 of made_3.o, made_3.o calls dpti_made_1 of made_1.o"
 
+put docs/made.md 'See [made](../src/mesh/made.c), src/mesh/NAME.c and include/dynpoint.h.'
+says 'docs/made.md:1 names src/mesh/made.c, which is not there'
 look after
 diff "$scratch/before" "$scratch/after"
 verdict $? "with nothing added it is as before"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# The tests: a program a noun, tests/TOPIC/test_NOUN.c, which ends in "N passed, M failed, K skipped". All programs lie
+# The tests: a program a noun, tests/NAME/test_NAME.c, which ends in "N passed, M failed, K skipped". All programs lie
 # in $(B)/tests.
 
 # Those of other folders are linked in a way of their own, below.
