@@ -8,13 +8,13 @@
 /* The share of dpt_world_bytes of what a search keeps for the next one. */
 uint64_t dpti_bodies_bytes(const dpt_world_def *def);
 
-/* Its memory begins at `at`; returns where it ends. */
+/* Place its memory at `at`; returns where it ends. */
 char *dpti_bodies_place_memory(struct dpt_world *world, char *at);
 
-/* Nothing is known of a segment's last tick. */
+/* Forget a segment's last tick. */
 void dpti_bodies_forget(struct dpt_world *world, uint32_t segment);
 
-/* Nothing is known of what was in a body's slot. */
+/* Forget the body in a slot. */
 void dpti_bodies_forget_body(struct dpt_world *world, uint32_t body);
 
 /*
@@ -24,7 +24,7 @@ void dpti_bodies_forget_body(struct dpt_world *world, uint32_t body);
 void dpti_bodies_forget_planes(struct dpt_world *world, uint32_t first, uint32_t end,
                                uint32_t body);
 
-/* The segments from `first` to before `end` go, and those behind them move up. */
+/* Remove the segments from `first` up to, not including, `end`: those behind them move up. */
 void dpti_bodies_remove(struct dpt_world *world, uint32_t first, uint32_t end);
 
 /* `exact`: what is kept helps, only near bodies are asked, and the world's budget ends it. */

@@ -8,16 +8,16 @@
 
 #include "world/world_state.h"
 
-/* Their share of dpt_world_bytes. */
+/* Its share of dpt_world_bytes. */
 uint64_t dpti_bounds_bytes(const dpt_world_def *def);
 
-/* Their memory begins at `at`; returns where it ends. */
+/* Place its memory at `at`; returns where it ends. */
 char *dpti_bounds_place(struct dpt_world *world, char *at);
 
-/* Nothing is proven of a segment and a body or, with DPT_NONE, of any, and no search waits. */
+/* Forget what is proven of a segment and a body or, with DPT_NONE, all bodies, and the searches that wait. */
 void dpti_bounds_forget(struct dpt_world *world, uint32_t segment, uint32_t body);
 
-/* The segments from `first` to before `end` go, and those behind them move up. */
+/* Remove the segments from `first` up to, not including, `end`: those behind them move up. */
 void dpti_bounds_remove(struct dpt_world *world, uint32_t first, uint32_t end);
 
 /* A search is given up: what it has proven stays. */

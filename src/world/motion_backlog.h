@@ -8,19 +8,19 @@
 
 #include "world/world_state.h"
 
-/* Their share of dpt_world_bytes. */
+/* Its share of dpt_world_bytes. */
 uint64_t dpti_backlog_bytes(const dpt_world_def *def);
 
-/* Their memory begins at `at`; returns where it ends. */
+/* Place its memory at `at`; returns where it ends. */
 char *dpti_backlog_place(struct dpt_world *world, char *at);
 
-/* Where a segment was is not known, and no motion of it waits. */
+/* Forget where a segment was, and its motions that wait. */
 void dpti_backlog_forget(struct dpt_world *world, uint32_t segment);
 
-/* A body is gone: the motion that each segment is at begins anew. */
+/* A body was removed: the motion that is being swept starts again, of each segment. */
 void dpti_backlog_restart(struct dpt_world *world);
 
-/* The segments from `first` to before `end` go, and those behind them move up. */
+/* Remove the segments from `first` up to, not including, `end`: those behind them move up. */
 void dpti_backlog_remove(struct dpt_world *world, uint32_t first, uint32_t end);
 
 /*

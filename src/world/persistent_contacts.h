@@ -5,10 +5,10 @@
 
 #include "world/world_state.h"
 
-/* Their share of dpt_world_bytes. */
+/* Its share of dpt_world_bytes. */
 uint64_t dpti_contacts_bytes(const dpt_world_def *def);
 
-/* Their memory begins at `at`; returns where it ends. */
+/* Place its memory at `at`; returns where it ends. */
 char *dpti_contacts_place(struct dpt_world *world, char *at);
 
 static inline struct holds *holds_now(struct dpt_world *world)
@@ -41,13 +41,13 @@ void dpti_contacts_keep(struct dpt_world *world, uint32_t segment);
 /* `body`, or with NULL all of them: nothing is known of them in this tick. */
 void dpti_contacts_keep_body(struct dpt_world *world, uint32_t segment, const struct body *body);
 
-/* One of them lives on, unseen. */
+/* Keep one of them, unseen. */
 void dpti_contacts_keep_one(struct dpt_world *world, const struct hold *before);
 
 /* A new one, not yet filled in; NULL where there is no room. */
 struct hold *dpti_contacts_put(struct dpt_world *world);
 
-/* A number that no other has. */
+/* A number for a new one. */
 uint32_t dpti_contacts_new_id(struct dpt_world *world);
 
 /* Before the others; of two at one place the new one stays, and where there is no room the last one goes. */

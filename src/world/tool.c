@@ -9,7 +9,7 @@
 #include "world/tool_results.h"
 #include "world/tool_strips.h"
 
-/* What the last ticks left of a segment. */
+/* Forget what earlier ticks left of a segment. */
 static void forget_segment(struct dpt_world *world, uint32_t segment)
 {
     dpti_bodies_forget(world, segment);

@@ -5,13 +5,13 @@
 
 #include "world/world_state.h"
 
-/* The hit of a segment whose result is known; of another it stays. */
+/* Write the hit of a segment whose result is known; that of another stays as it is. */
 void dpti_tool_write_hit(struct segment *segment);
 
 /* Nothing is known: stale, no force. */
 void dpti_tool_clear(struct dpt_world *world, struct tool *tool);
 
-/* The same of a tool whose contacts no step has ever computed. */
+/* The same, for a tool whose contacts no step has computed. */
 void dpti_tool_clear_hits(struct dpt_world *world, struct tool *tool);
 
 #endif

@@ -8,10 +8,10 @@
 /* The def of each strip of a world. */
 dpt_strip_def dpti_strips_def(const dpt_world_def *def);
 
-/* Their share of dpt_world_bytes. */
+/* Its share of dpt_world_bytes. */
 uint64_t dpti_strips_bytes(const dpt_world_def *def);
 
-/* Their memory begins at `at`; returns where it ends. */
+/* Place its memory at `at`; returns where it ends. */
 char *dpti_strips_place(struct dpt_world *world, char *at);
 
 /* A segment's strip, from its nearest pair and its push; empty where it is not within the margin. */
@@ -23,7 +23,7 @@ void dpti_strips_forget(struct dpt_world *world, uint32_t first, uint32_t end);
 /* Empty those that lie on a body. */
 void dpti_strips_forget_body(struct dpt_world *world, uint32_t body);
 
-/* The segments from `first` to before `end` go, and those behind them move up. */
+/* Remove the segments from `first` up to, not including, `end`: those behind them move up. */
 void dpti_strips_remove(struct dpt_world *world, uint32_t first, uint32_t end);
 
 #endif

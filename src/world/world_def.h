@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What a caller asks of a world. */
+/* A world's def: its defaults, its versions by size, and whether it is valid. */
 #ifndef DPT_WORLD_DEF_H
 #define DPT_WORLD_DEF_H
 
