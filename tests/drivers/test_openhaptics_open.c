@@ -106,7 +106,8 @@ static void libraries_that_do_not_load(void)
                   { "libHD-lonely.so", "but not libPHANToMIO.so.4", "install the device driver" },
                   { "libHD-mismatched.so", "phantom_driver_of_another_version", "belong together" },
                   { "libHD-none.so", "there is no library", "leave library=" },
-                  { "test_openhaptics_open.o", "cannot be loaded", "test_openhaptics_open.o" } };
+                  { "drivers/test_openhaptics_open.o", "cannot be loaded",
+                    "test_openhaptics_open.o" } };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char name[512];
         snprintf(name, sizeof name, "openhaptics:?library=%s", beside(program, cases[i].file));
