@@ -10,6 +10,7 @@
 #define DYNPOINT_H
 
 #include "dynpoint/base.h"
+#include "dynpoint/guard.h"
 #include "dynpoint/kinematics.h"
 #include "dynpoint/mesh.h"
 #include "dynpoint/query.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The servo loop, and the guard that stands between any host and a device's motors (docs/drivers.md).
+ * The servo loop that serves a device, with the guard (guard.h) between the host and the motors (docs/drivers.md).
  *
  *     dpt_loop_def_init(&def);
  *     def.tick = feel;    dpt_result feel(void *user, const dpt_device_state *state, double dt, dpt_wrench *wrench)
@@ -13,80 +13,9 @@
 #define DYNPOINT_LOOP_H
 
 #include "dynpoint/driver.h"
+#include "dynpoint/guard.h"
 
 DPT_BEGIN
-
-/* What the guard allows. Times in s; dpt_guard_def_init fills in the defaults, given last. */
-typedef struct dpt_guard_def {
-    uint32_t size;      /* sizeof(dpt_guard_def), set by dpt_guard_def_init */
-    uint32_t reserved;  /* 0 */
-    double force_max;   /* N, of the vector's length, 0..1000; 5 */
-    double torque_max;  /* Nm, likewise; 0.2 */
-    double force_slew;  /* N/s, how fast the vector may change; 0: as it likes; 2000 */
-    double torque_slew; /* Nm/s, likewise; 80 */
-    double hold;        /* that a command counts without a fresh one, 0..10; 0.003 */
-    double stop;        /* of the ramp to zero after that, 0..10; 0.002: in sum 5 ticks of 1 kHz */
-    double start;       /* of the ramp from zero to all of a command on the way back, 0..100; 0.1 */
-} dpt_guard_def;
-
-/*
- *                 fresh command                       ramp over
- *       OFF ------------------------> STARTING ----------------------> RUNNING
- *        ^                             |    ^                             |
- *        | ramp over        silence    |    | fresh command               | silence
- *        |                  > hold     v    | (from where the ramp is)    v > hold
- *        +-------------------------- STOPPING <---------------------------+
- *
- *       and from all of them to OFF, with zero force at once: not ready, or a command that is not finite
- */
-enum { DPT_GUARD_OFF = 0, DPT_GUARD_STARTING = 1, DPT_GUARD_RUNNING = 2, DPT_GUARD_STOPPING = 3 };
-
-/* Its memory, and what it had to do. For reading only. */
-typedef struct dpt_guard {
-    uint32_t size;       /* sizeof(dpt_guard), set by the caller */
-    uint32_t state;      /* DPT_GUARD_OFF ... */
-    uint64_t stops;      /* how often it left STARTING or RUNNING */
-    uint64_t clamped;    /* commands that were too strong */
-    uint64_t slewed;     /* steps on which the wrench changed less than was asked for */
-    uint64_t not_finite; /* commands */
-    uint64_t hold_ns;
-    uint64_t stop_ns;
-    uint64_t now_ns;   /* of the last step */
-    uint64_t fresh_ns; /* of the last command */
-    double force_max;
-    double torque_max;
-    double force_slew;
-    double torque_slew;
-    double start;
-    double gain;        /* 0..1, of the ramp */
-    double stop_gain;   /* that the ramp to zero began with */
-    dpt_wrench command; /* the last one, clamped */
-    dpt_wrench held;    /* what the ramp to zero began with */
-    dpt_wrench sent;    /* what left last */
-} dpt_guard;
-
-/* Fill in the first `size` bytes; what dpt_guard_def_init calls with its own caller's sizeof. */
-DPT_API void dpt_guard_def_defaults(dpt_guard_def *def, size_t size);
-
-static inline void dpt_guard_def_init(dpt_guard_def *def)
-{
-    dpt_guard_def_defaults(def, sizeof *def);
-}
-
-/* OFF, with all counts 0. `def` NULL: the defaults. */
-DPT_API dpt_result dpt_guard_init(dpt_guard *guard, const dpt_guard_def *def);
-
-/*
- * What to send now; to be called each tick, also when nothing came. Pure: no clock, no system. What leaves is finite and
- * within the limits; it changes no faster than the slew but for a stop; it is zero hold + stop after the last fresh
- * command at the latest (with a stop of 0 as soon as hold is over), and at once when that is asked for.
- *   now_ns   of any clock; one that goes back stands still
- *   command  a fresh one, or NULL
- *   ready    0: the device or its pose cannot be trusted
- *   out      all zero for a guard that is NULL or was not initialised
- */
-DPT_API void dpt_guard_step(dpt_guard *guard, uint64_t now_ns, const dpt_wrench *command, int ready,
-                            dpt_wrench *out);
 
 /*
  * One tick of the host: from a fresh sample to a wrench, in the device's frame.

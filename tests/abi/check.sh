@@ -212,7 +212,8 @@ if command -v pkg-config >/dev/null 2>&1; then
     verdict $? "the compiler's .pc asks for threads, the core's does not"
 
     echo '#include <dynpoint/loop.h>
-int main(void) { dpt_device *d; return dpt_device_open("sim", &d, NULL) || (dpt_device_close(d), 0); }' >"$scratch/host.c"
+int main(void) { dpt_device *d; dpt_guard g = { .size = sizeof g };
+    return dpt_guard_init(&g, NULL) || dpt_device_open("sim", &d, NULL) || (dpt_device_close(d), 0); }' >"$scratch/host.c"
     ${CC:-cc} -std=c99 "$scratch/host.c" $(pkg-config --cflags --libs libdynpoint_drivers) -o "$scratch/host" &&
         LD_LIBRARY_PATH="$root/opt/dp/lib64" "$scratch/host" &&
         ${CC:-cc} -std=c99 "$scratch/host.c" -I"$root/opt/dp/include" "$root/opt/dp/lib64/libdynpoint_drivers.a" \

@@ -131,7 +131,7 @@ check("of the top, 0.05 m deep", deepest.triangle == contact.triangle and is_nea
 
 device, state, guard, sent = c_void_p(), State(size=sizeof(State)), Guard(size=sizeof(Guard)), Wrench()
 check("open a device", drivers.dpt_device_open(b"sim:?hand=press", byref(device), None) == 0)
-check("a guard", drivers.dpt_guard_init(byref(guard), None) == 0)
+check("a guard", core.dpt_guard_init(byref(guard), None) == 0)
 touched = 0
 for tick in range(3000):  # the hand presses 3 cm down in 2 s; the mesh's top is 1 cm below where it begins
     check_read = drivers.dpt_device_read(device, byref(state))
@@ -142,7 +142,7 @@ for tick in range(3000):  # the hand presses 3 cm down in 2 s; the mesh's top is
     core.dpt_tool_get_wrench(world, tool, byref(wrench))
     x, y, z = wrench.force
     wrench.force[:] = (x, z, -y)
-    drivers.dpt_guard_step(byref(guard), c_uint64(state.time_ns), byref(wrench), state.status == 3, byref(sent))
+    core.dpt_guard_step(byref(guard), c_uint64(state.time_ns), byref(wrench), state.status == 3, byref(sent))
     touched += check_read == 0 and drivers.dpt_device_write(device, byref(sent)) == 0 and sent.force[1] > 1
 check("it is felt, and holds the hand off", touched > 500 and guard.stops == 0 and state.pose.position[1] < 0)
 drivers.dpt_device_close(device)

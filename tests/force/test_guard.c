@@ -5,7 +5,7 @@
  */
 #include <math.h>
 
-#include "dynpoint/loop.h"
+#include "dynpoint/guard.h"
 #include "lib/check.h"
 
 static const uint64_t MS = 1000000u;

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The guard (loop.h): a ramp up, a ramp down, limits. */
+/* The guard (guard.h): a ramp up, a ramp down, limits. */
 #include <string.h>
 
 #include "base/wrench_limit.h"
-#include "dynpoint/loop.h"
+#include "dynpoint/guard.h"
 
 enum { DEF_SIZE_MOST = 4096 };
 
