@@ -69,8 +69,8 @@ URDF_CFLAGS := $(shell pkg-config --cflags urdfdom console_bridge expat)
 URDF_LIBS := -Wl,--as-needed $(shell pkg-config --libs urdfdom console_bridge expat) -lstdc++
 endif
 TOOLS := $(call objects,tools/*.c)
-# The other ends of a line, for `device simulate` and the tests.
-SIMULATE := $(call objects,tools/simulate/*.c) $(WIRE_DEVICE)
+# The other ends of a line, for `device simulate` and the tests: of the back ends that were chosen.
+SIMULATE := $(call objects,$(DRIVERS:%=tools/simulate/simulate_%.c)) $(if $(filter serial,$(DRIVERS)),$(WIRE_DEVICE))
 LIBS := $(B)/libdynpoint $(B)/libdynpoint_compile $(B)/libdynpoint_drivers $(if $(URDF_PARTS),$(B)/libdynpoint_urdf)
 
 .PHONY: all force demo check firmware vm bench charts soak fuzz deps install uninstall help clean
@@ -85,24 +85,21 @@ $(B)/%.o: %.cc
 	@mkdir -p $(@D)
 	$(CXX) -std=c++11 $(CFLAGS) $(EXACT) -Wall -Wextra -fPIC -fvisibility=hidden -MMD -MP $(INCLUDES) $(URDF_CFLAGS) $(CONFIG_CFLAGS) $(CFLAGS_EXTRA) -c $< -o $@
 
-$(B)/tools/arm_file.o: CONFIG_CFLAGS += $(if $(URDF_PARTS),-DDPT_URDF)
-$(B)/tools/arm_file.o: $(B)/urdf
-$(B)/urdf: force
-	@mkdir -p $(@D)
-	@echo $(URDF) | cmp -s - $@ || echo $(URDF) >$@
-
 $(B)/src/kernel/kernel_scalar.o: CONFIG_CFLAGS += -fno-tree-vectorize
 
 $(B)/drivers/%.o: INCLUDES += -Idrivers
 $(B)/tools/%.o: INCLUDES += -Idrivers -Itools
 
-# list.h names the back ends; it changes only when they do.
-$(B)/drivers/device.o: INCLUDES += -I$(B)/drivers
-$(B)/drivers/device.o: $(B)/drivers/list.h
-$(B)/drivers/list.h: force
+# built_with.h says what was chosen for this build; it changes only when that does.
+CHOOSERS := $(B)/drivers/device.o $(B)/tools/arm_file.o $(B)/tools/cmd_device_simulate.o
+$(CHOOSERS): INCLUDES += -I$(B)
+$(CHOOSERS): $(B)/built_with.h
+$(B)/built_with.h: force
 	@mkdir -p $(@D)
-	@echo '#define DPT_DRIVERS $(patsubst %,DRIVER(%),$(DRIVERS))' | cmp -s - $@ || \
-	  echo '#define DPT_DRIVERS $(patsubst %,DRIVER(%),$(DRIVERS))' >$@
+	@{ echo '#define DPT_DRIVERS $(patsubst %,DRIVER(%),$(DRIVERS))'; \
+	   for part in $(DRIVERS) $(if $(URDF_PARTS),urdf); do \
+	     echo "#define DPT_HAS_$$(echo $$part | tr a-z A-Z)"; done; } >$@.now
+	@cmp -s $@.now $@ && rm $@.now || mv $@.now $@
 
 # One object a library, its inner symbols local: a static library meets no one else's names.
 $(B)/libdynpoint.o: $(CORE)

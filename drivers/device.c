@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Which drivers are built in (the Makefile's DRIVERS, as list.h), and what holds for devices of all of them. */
+/* Which drivers are built in (the Makefile's DRIVERS, by built_with.h), and what holds for devices of all of them. */
 #include <string.h>
 
 #include "base/wrench_limit.h"
-#include "list.h"
+#include "built_with.h"
 #include "settings.h"
 
 /* All that have a name. */

@@ -5,7 +5,9 @@
 #include <inttypes.h>
 #include <string.h>
 
-#ifdef DPT_URDF
+#include "built_with.h"
+
+#ifdef DPT_HAS_URDF
 #include "dynpoint/urdf.h"
 #endif
 
@@ -34,7 +36,7 @@ int is_urdf_text(const char *text)
     return *at == '<' && strstr(at, "<robot");
 }
 
-#ifdef DPT_URDF
+#ifdef DPT_HAS_URDF
 
 static void show_note(void *user, uint64_t line, const char *text)
 {

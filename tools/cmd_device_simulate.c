@@ -2,11 +2,16 @@
 /* dynpoint device simulate: the other end of a line, with dynamics, so that the loop closes on one machine. */
 #include <string.h>
 
+#include "built_with.h"
 #include "command_options.h"
 #include "commands.h"
 #include "simulate/simulate_can.h"
 #include "simulate/simulate_serial.h"
 #include "stop.h"
+
+#define LEFT_OUT "simulate: this build has no back end '%s': run make again with it among DRIVERS"
+
+#ifdef DPT_HAS_SERIAL
 
 static int simulate_serial(double swing, double seconds)
 {
@@ -23,6 +28,18 @@ static int simulate_serial(double swing, double seconds)
     return 0;
 }
 
+#else
+
+static int simulate_serial(double swing, double seconds)
+{
+    (void)swing, (void)seconds;
+    return complain("device", LEFT_OUT, "serial");
+}
+
+#endif
+
+#ifdef DPT_HAS_CAN
+
 static int simulate_can(const char *where, double swing, double seconds)
 {
     static struct simulate_can simulated;
@@ -37,6 +54,16 @@ static int simulate_can(const char *where, double swing, double seconds)
     simulate_can_end(&simulated);
     return 0;
 }
+
+#else
+
+static int simulate_can(const char *where, double swing, double seconds)
+{
+    (void)where, (void)swing, (void)seconds;
+    return complain("device", LEFT_OUT, "can");
+}
+
+#endif
 
 int device_simulate(const char *what, double swing, double seconds)
 {

@@ -126,7 +126,7 @@ done
 exact=$(sed -n 's/^EXACT := //p' Makefile)
 strict=0
 for source in $(find src drivers -name '*.c'); do
-    ${CC:-cc} $c99 -Iinclude -Isrc -Idrivers -I"$build/drivers" -O1 $exact -fPIC -c "$source" -o "$scratch/strict.o" || strict=1
+    ${CC:-cc} $c99 -Iinclude -Isrc -Idrivers -I"$build" -O1 $exact -fPIC -c "$source" -o "$scratch/strict.o" || strict=1
 done
 verdict $strict "every source is pedantic C99"
 
@@ -150,6 +150,43 @@ verdict $? "DRIVERS= builds one without any"
 make -s B="$few" DRIVERS=nonesuch "$few/libdynpoint_drivers.so.0" >/dev/null 2>&1
 [ $? -eq 2 ]
 verdict $? "and an unknown one is an error"
+
+# A back end that is left out is needed by nothing: neither its headers, nor the kernel's, nor its code.
+back_ends=$(sed -n 's/^BACK_ENDS := //p' Makefile)
+foreign=0 choices=1
+for name in $back_ends; do
+    choices=$((choices * 2))
+    grep -rl "^#include \"$name/" drivers tools | grep -v -e "^drivers/$name/" -e "^tools/simulate/simulate_$name\." && foreign=1
+done
+verdict $foreign "a back end's headers are included by itself and by its end in tools/simulate only"
+mkdir -p "$scratch/hidden/linux"
+echo '#error "not outside of drivers/can and tools/simulate/simulate_can.c"' >"$scratch/hidden/linux/can.h"
+hidden=0
+for source in $(find src drivers tools -name '*.c' ! -path 'drivers/can/*' ! -path tools/simulate/simulate_can.c); do
+    ${CC:-cc} -std=gnu99 -I"$scratch/hidden" -Iinclude -Isrc -Idrivers -Itools -I"$build" -fsyntax-only "$source" || hidden=1
+done
+verdict $hidden "no source but those of CAN needs linux/can.h"
+# simulates NAME: 0 as well when it fails for another reason than that the back end is left out.
+simulates() {
+    timeout 10 "$few/dynpoint" device simulate "$1" --for 0.001 >"$scratch/said" 2>"$scratch/says"
+    [ $? -ne 2 ] || ! grep -q "this build has no back end" "$scratch/says" || [ "$(wc -l <"$scratch/says")" -ne 1 ]
+}
+wrong=0 number=0
+while [ $number -lt $choices ]; do
+    chosen= left=$number is=0
+    for name in $back_ends; do
+        [ $((left % 2)) -eq 0 ] || chosen="$chosen$name "
+        left=$((left / 2))
+    done
+    make -s -j2 B="$few" URDF=no DRIVERS="$chosen" LDFLAGS=-Wl,--no-undefined "$few/libdynpoint_drivers.so.0" "$few/dynpoint" &&
+        [ "$("$few/dynpoint" device list | sed -n 's/^\([a-z][a-z]*\) .*/\1/p' | tr '\n' ' ')" = "$chosen" ] || is=1
+    case $chosen in *serial*) simulates serial ;; *) ! simulates serial ;; esac || is=1
+    case $chosen in *can*) simulates can: ;; *) ! simulates can: ;; esac || is=1
+    [ $is -eq 0 ] || echo "  DRIVERS=\"$chosen\""
+    wrong=$((wrong + is)) number=$((number + 1))
+done
+[ $choices -gt 1 ] && [ $wrong -eq 0 ]
+verdict $? "each of the $choices choices of back ends builds a library and a program that have these and need no other"
 
 # Without urdfdom the program says so.
 make -s B="$few" URDF=no "$few/dynpoint" &&
