@@ -1,14 +1,19 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
  * A device's side of the protocol, for firmware and for what pretends to be a device: session, watchdog, latched faults,
- * and what the motors may do. As wire.c it makes no call and knows no clock: time passes by samples.
+ * and what the motors may do.
  *
- *     wire_device_init(&device, &info);
+ * Firmware copies four files into one folder: wire.c, wire.h, wire_device.c and wire_device.h. They need no other file of
+ * dynpoint, and of the C library only mem*, strlen and sqrt. They allocate nothing, make no system call and read no
+ * clock: time passes by samples. No library of dynpoint contains wire_device.c, as no host needs it.
+ *
+ *     wire_device_init(&device, &info);      once
+ *     wire_device_log(&device, "hello");     where there is something to say to people
  *     each byte that comes:   wire_device_take(&device, byte);
  *     each sample:            n = wire_device_sample(&device, &sample, out);
  *                             send out[0..n), all or nothing; the motors do device.force and device.torque
  *
- * Both must not run at the same time: an interrupt puts bytes into a queue, the servo loop takes them.
+ * The calls must not run at the same time: an interrupt puts bytes into a queue, the servo loop takes them.
  *
  * The wrench is zero unless the device is ready and the last command is younger than info.watchdog. The watchdog runs
  * from the first command on; when it finds none, the fault stays until the host clears it, and then the host must

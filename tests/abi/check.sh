@@ -130,6 +130,14 @@ for source in $(find src drivers -name '*.c'); do
 done
 verdict $strict "every source is pedantic C99"
 
+# Firmware takes four files and nothing else (docs/wire.md).
+mkdir -p "$scratch/copied"
+cp drivers/serial/wire.[ch] drivers/serial/wire_device.[ch] "$scratch/copied"
+(cd "$scratch/copied" && ${CC:-cc} $c99 -c wire.c wire_device.c) &&
+    ! nm -u "$scratch/copied/wire.o" "$scratch/copied/wire_device.o" |
+    grep ' U ' | grep -vE ' U (wire_[a-z_]*|mem(cpy|set|move|cmp)|strlen|sqrt|_GLOBAL_OFFSET_TABLE_|__stack_chk_fail)$'
+verdict $? "wire.[ch] and wire_device.[ch] compile alone, and call only mem*, strlen and sqrt"
+
 # Any choice of back ends builds, and is what the library then has.
 few=$scratch/few
 make -s B="$few" DRIVERS=replay "$few/libdynpoint_drivers.so.0" &&
