@@ -12,6 +12,7 @@
 
 #include "base/return_if_error.h"
 #include "base/vec3.h"
+#include "clock.h"
 #include "dynpoint/loop.h"
 
 enum { DEF_SIZE_MOST = 4096, FAREWELLS = 10 };
@@ -98,15 +99,6 @@ void dpt_loop_stop(dpt_loop *loop)
 static int must_stop(const dpt_loop *loop)
 {
     return __atomic_load_n(&loop->stop, __ATOMIC_RELAXED);
-}
-
-static dpt_result clock_read(uint64_t *now)
-{
-    struct timespec time;
-    if (clock_gettime(CLOCK_MONOTONIC, &time) != 0)
-        return DPT_E_SYSTEM;
-    *now = (uint64_t)time.tv_sec * SECOND + (uint64_t)time.tv_nsec;
-    return DPT_OK;
 }
 
 static dpt_result sleep_until(const dpt_loop *loop, uint64_t deadline)

@@ -4,8 +4,8 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
+#include "clock.h"
 #include "command_options.h"
 #include "commands.h"
 #include "dynpoint/loop.h"
@@ -76,13 +76,6 @@ struct stage {
     size_t bytes;
 };
 
-static double now_ns(void)
-{
-    struct timespec time;
-    clock_gettime(CLOCK_MONOTONIC, &time);
-    return 1e9 * (double)time.tv_sec + (double)time.tv_nsec;
-}
-
 static dpt_segment segment_of(const struct table *trace, size_t row, double radius)
 {
     const double *ends = table_row(trace, row) + 1;
@@ -141,9 +134,9 @@ static void run_pass(struct stage *stage, const struct settings *settings,
             meter_show(&meter, "replay", (double)i / (double)replayed->trace->rows);
         struct replayed_tick *tick = &replayed->ticks[i];
         place(stage, replayed->trace, i, settings->radius);
-        double begin = now_ns();
+        const uint64_t begin = clock_now();
         dpt_world_step(stage->world, settings->dt, NULL);
-        double ns = now_ns() - begin;
+        double ns = (double)(clock_now() - begin);
         tick->ns = first || ns < tick->ns ? ns : tick->ns;
         tick->hit.size = sizeof tick->hit;
         dpt_tool_get_hit(stage->world, stage->tool, &tick->hit);
@@ -176,9 +169,9 @@ static int compare(const struct settings *settings, const dpt_mesh *mesh, struct
         if (against->ticks % 64 == 0)
             meter_show(&meter, "compare", (double)i / (double)trace->rows);
         place(&stage, trace, i, settings->radius);
-        double begin = now_ns();
+        const uint64_t begin = clock_now();
         dpt_world_step(stage.world, settings->dt, NULL);
-        ns[against->ticks++] = now_ns() - begin;
+        ns[against->ticks++] = (double)(clock_now() - begin);
         dpt_tool_get_hit(stage.world, stage.tool, &hit);
         double error = fabs(hit.distance - replayed->ticks[i].hit.distance);
         against->wrong += error <= against->tolerance ? 0 : 1;

@@ -6,6 +6,8 @@
 #include <sys/time.h>
 #include <time.h>
 
+#include "clock.h"
+
 static volatile int asked;
 static dpt_loop *volatile running;
 
@@ -51,9 +53,7 @@ void stop_watch(dpt_loop *loop, double seconds)
 
 double seconds_now(void)
 {
-    struct timespec time;
-    clock_gettime(CLOCK_MONOTONIC, &time);
-    return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
+    return 1e-9 * (double)clock_now();
 }
 
 void sleep_seconds(double seconds)

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "can/can_session.h"
+#include "clock.h"
 #include "settings.h"
 
 #define MS         1000000u
@@ -154,7 +155,7 @@ static dpt_result can_read(dpt_device *base, dpt_device_state *state)
     struct can_device *device = (struct can_device *)base;
     struct can_nodes *nodes = &device->host.nodes;
     const int is_all = can_host_pump(&device->host);
-    const uint64_t now = can_line_now();
+    const uint64_t now = clock_now();
     can_nodes_judge(nodes, now, is_all);
     const uint64_t fresh = nodes->sequence - device->sequence_read;
     if (fresh)
@@ -189,7 +190,7 @@ static dpt_result can_write(dpt_device *base, const dpt_wrench *wrench)
     float torques[DPT_JOINTS_MAX];
     if (nodes->status != DPT_DEVICE_READY)
         return nodes->status == DPT_DEVICE_LOST ? DPT_E_LOST : DPT_E_NOT_READY;
-    const uint64_t now = can_line_now();
+    const uint64_t now = clock_now();
     if (!device->is_driving) {
         device->is_driving = 1;
         device->driving_ns = now;
@@ -243,15 +244,15 @@ static void can_counts(const dpt_device *base, dpt_device_counts *counts)
 static void can_close(dpt_device *base)
 {
     struct can_device *device = (struct can_device *)base;
-    const uint64_t deadline = can_line_now() + END_IN;
+    const uint64_t deadline = clock_now() + END_IN;
     uint32_t active = device->host.nodes.count;
     device->host.nodes.is_armed = 0;
     while (active && device->host.line.fd >= 0 && !can_host_is_dead(&device->host) &&
-           can_line_now() < deadline) {
+           clock_now() < deadline) {
         can_host_say_all(&device->host, can_no_torque);
         can_host_say_all(&device->host, can_idle);
         can_host_send(&device->host);
-        can_host_wait(&device->host, can_line_now() + STOP_EVERY);
+        can_host_wait(&device->host, clock_now() + STOP_EVERY);
         active = 0;
         for (uint32_t i = 0; i < device->host.nodes.count; i++)
             active += device->host.nodes.at[i].beat.state == ODRIVE_STATE_CLOSED_LOOP;

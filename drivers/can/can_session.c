@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "clock.h"
 #include "settings.h"
 
 #define MS           1000000u
@@ -40,7 +41,7 @@ int can_host_send(struct can_host *host)
     if (count == 0)
         return 1;
     host->count = 0;
-    const uint64_t now = can_line_now();
+    const uint64_t now = clock_now();
     can_nodes_tried(&host->nodes, now);
     const int sent = can_line_send(&host->line, host->out, count);
     for (int i = 0; i < sent; i++) {
@@ -97,7 +98,7 @@ void can_host_wait(struct can_host *host, uint64_t deadline)
     do {
         can_line_wait(&host->line, deadline);
         can_host_pump(host);
-    } while (can_line_now() < deadline && !can_host_is_dead(host));
+    } while (clock_now() < deadline && !can_host_is_dead(host));
 }
 
 static const char *line_trouble(const struct can_host *host)
@@ -161,20 +162,20 @@ static void find_generation(struct can_host *host, struct can_node *node, uint64
         return;
     if (strcmp(host->settings.firmware, "auto"))
         node->generation = host->settings.firmware[2] == '5' ? ODRIVE_0_5 : ODRIVE_0_6;
-    else if (node->has_beaten && can_line_now() - heard > SETTLE)
+    else if (node->has_beaten && clock_now() - heard > SETTLE)
         node->generation = ODRIVE_0_5;
 }
 
 /* Each node is heard, and known for what it is. */
 static dpt_result meet(struct can_host *host, dpt_device_error *error)
 {
-    const uint64_t start = can_line_now();
+    const uint64_t start = clock_now();
     const uint64_t deadline = start + (uint64_t)(1e9 * host->settings.answer);
     uint64_t heard[DPT_JOINTS_MAX] = { 0 }; /* first, and so can have been asked since */
     uint64_t next = start, now = start;
     uint32_t met = 0;
     while (met < host->nodes.count && !can_host_is_dead(host)) {
-        if ((now = can_line_now()) >= deadline)
+        if ((now = clock_now()) >= deadline)
             return refuse_silence(host, error);
         met = 0;
         for (uint32_t i = 0; i < host->nodes.count; i++) {
@@ -211,7 +212,7 @@ static dpt_result check_nodes(const struct can_host *host, uint32_t asked, dpt_d
         const double heard = node->seen > 1 && seconds > 0.0 ? (node->seen - 1) / seconds : 0.0;
         const double beats = (double)node->pulses;
         const double expected =
-            1.0 + 1e-9 * (double)(can_line_now() - host->asked_ns) / host->settings.heartbeat;
+            1.0 + 1e-9 * (double)(clock_now() - host->asked_ns) / host->settings.heartbeat;
         if (node->is_doubtful || beats > 1.4 * expected)
             return device_error(error, DPT_E_DEVICE,
                                 "there are two controllers with the number %u: give each its own "
@@ -270,14 +271,14 @@ static dpt_result listen_to(struct can_host *host, dpt_device_error *error)
     can_host_pump(host);
     can_nodes_count(&host->nodes);
     host->nodes.strangers = 0;
-    host->asked_ns = can_line_now();
+    host->asked_ns = clock_now();
     /* On 0.5 the same id would set the node's number: what the setting says is no proof. */
     for (uint32_t i = 0; i < host->nodes.count; i++)
         if (host->nodes.at[i].told == ODRIVE_0_6)
             can_host_say(host, i, address);
     can_host_send(host);
     const uint64_t deadline = host->asked_ns + (uint64_t)(1e9 * seconds);
-    for (uint64_t now; (now = can_line_now()) < deadline && !can_host_is_dead(host);) {
+    for (uint64_t now; (now = clock_now()) < deadline && !can_host_is_dead(host);) {
         if (host->settings.request != 0.0) {
             can_host_say_all(host, can_where);
             asked += can_host_send(host) != 0;
@@ -312,7 +313,7 @@ dpt_result can_host_switch_on(struct can_host *host, dpt_device_error *error)
                                 loop = { .command = ODRIVE_SET_STATE,
                                          .as.state = ODRIVE_STATE_CLOSED_LOOP };
     struct can_nodes *nodes = &host->nodes;
-    const uint64_t start = can_line_now(), deadline = start + SWITCH_IN;
+    const uint64_t start = clock_now(), deadline = start + SWITCH_IN;
     uint64_t next[DPT_JOINTS_MAX], now = start;
     uint32_t active = 0;
     nodes->parts = 0;
@@ -321,7 +322,7 @@ dpt_result can_host_switch_on(struct can_host *host, dpt_device_error *error)
         nodes->at[i].has_beaten = nodes->at[i].is_fresh = 0;
         memset(nodes->at[i].errors, 0, sizeof nodes->at[i].errors);
     }
-    while (active < nodes->count && (now = can_line_now()) < deadline && !can_host_is_dead(host)) {
+    while (active < nodes->count && (now = clock_now()) < deadline && !can_host_is_dead(host)) {
         active = 0;
         for (uint32_t i = 0; i < nodes->count; i++) {
             struct can_node *node = &nodes->at[i];
@@ -358,17 +359,17 @@ dpt_result can_host_switch_on(struct can_host *host, dpt_device_error *error)
 
 dpt_result can_host_first_sample(struct can_host *host, dpt_device_error *error)
 {
-    const uint64_t deadline = can_line_now() + host->nodes.silent_ns + 20 * MS;
-    while (!host->nodes.sample_ns && can_line_now() < deadline && !can_host_is_dead(host)) {
+    const uint64_t deadline = clock_now() + host->nodes.silent_ns + 20 * MS;
+    while (!host->nodes.sample_ns && clock_now() < deadline && !can_host_is_dead(host)) {
         if (host->settings.request != 0.0)
             can_host_say_all(host, can_where);
         can_host_say_all(host, can_no_torque);
         can_host_send(host);
-        can_host_wait(host, can_line_now() + FEED_EVERY);
+        can_host_wait(host, clock_now() + FEED_EVERY);
     }
     if (host->nodes.sample_ns)
         return DPT_OK;
-    can_nodes_judge(&host->nodes, can_line_now(), 1);
+    can_nodes_judge(&host->nodes, clock_now(), 1);
     can_host_say_all(host, can_idle);
     can_host_send(host);
     return refuse_silence(host, error);

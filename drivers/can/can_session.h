@@ -40,7 +40,7 @@ void can_host_look(struct can_host *host);
 /* The line takes nothing any more: gone, shut, or off the bus. */
 int can_host_is_dead(const struct can_host *host);
 
-/* Take what comes until a time of can_line_now. */
+/* Take what comes until a time of clock_now. */
 void can_host_wait(struct can_host *host, uint64_t deadline);
 
 /*

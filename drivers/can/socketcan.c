@@ -4,21 +4,8 @@
 #endif
 #include "can/socketcan.h"
 
-#include <time.h>
-
+#include "clock.h"
 #include "settings.h"
-
-static uint64_t clock_ns(clockid_t clock)
-{
-    struct timespec now = { 0, 0 };
-    clock_gettime(clock, &now);
-    return (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
-}
-
-uint64_t can_line_now(void)
-{
-    return clock_ns(CLOCK_MONOTONIC);
-}
 
 #ifdef __linux__
 
@@ -37,6 +24,7 @@ uint64_t can_line_now(void)
 #include <string.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
+#include <time.h>
 #include <unistd.h>
 
 #define KEPT_BYTES (1 << 20) /* asked for, so that a host may stand still for a while */
@@ -299,7 +287,7 @@ int can_line_receive(struct can_line *line, struct can_message *messages)
         return 0;
     }
     line->is_empty = count < CAN_LINE_BATCH;
-    const uint64_t wall = clock_ns(CLOCK_REALTIME), now = can_line_now();
+    const uint64_t wall = clock_wall(), now = clock_now();
     int taken = 0;
     for (int i = 0; i < count; i++) {
         const struct can_frame *frame = &frames[i];
@@ -349,7 +337,7 @@ int can_line_send(struct can_line *line, const struct can_message *messages, int
 
 void can_line_wait(const struct can_line *line, uint64_t deadline)
 {
-    const uint64_t now = can_line_now();
+    const uint64_t now = clock_now();
     const uint64_t left = deadline > now ? (deadline - now) / 1000000 + 1 : 0;
     struct pollfd waiting = { line->fd, POLLIN, 0 };
     poll(&waiting, 1, left < 20 ? (int)left : 20);

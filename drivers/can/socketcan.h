@@ -49,15 +49,12 @@ int can_line_receive(struct can_line *line, struct can_message *messages);
 /* How many of them went, in one system call; the others had no room, or the line is down. At most CAN_LINE_BATCH. */
 int can_line_send(struct can_line *line, const struct can_message *messages, int count);
 
-/* Until something can be received, or a time of can_line_now; at most 20 ms. */
+/* Until something can be received, or a time of clock_now; at most 20 ms. */
 void can_line_wait(const struct can_line *line, uint64_t deadline);
 
 void can_line_close(struct can_line *line);
 
 /* The CAN interfaces that there are, each with a line about it. */
 void can_line_find(void (*found)(void *user, const char *name, const char *about), void *user);
-
-/* The monotonic clock, ns. */
-uint64_t can_line_now(void);
 
 #endif

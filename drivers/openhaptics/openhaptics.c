@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "base/wrench_limit.h"
+#include "clock.h"
 #include "dynpoint/openhaptics.h"
 #include "openhaptics/openhaptics_servo.h"
 #include "settings.h"
@@ -449,7 +450,7 @@ static uint32_t why_lost(struct haptics *device)
     if (device->last.status == DPT_DEVICE_LOST)
         return device->lost = device->last.reasons;
     const uint64_t since = scheduler_since(), sampled = device->last.time_ns;
-    const int64_t age = (int64_t)(servo_now() - (sampled > since ? sampled : since));
+    const int64_t age = (int64_t)(clock_now() - (sampled > since ? sampled : since));
     if (age > (int64_t)(device->silent_after * (double)SECOND) ||
         (age > (int64_t)device->servo.watchdog_ns && scheduler_is_dead()))
         device->lost = DPT_REASON_SILENT;
@@ -498,7 +499,7 @@ static dpt_result openhaptics_write(dpt_device *base, const dpt_wrench *wrench)
     command->wrench = *wrench;
     limit_length(command->wrench.force, device->info.force_max);
     limit_length(command->wrench.torque, device->info.torque_max);
-    command->time_ns = servo_now();
+    command->time_ns = clock_now();
     latest_hand(&servo->commands);
     device->counts.commands++;
     return DPT_OK;

@@ -6,6 +6,7 @@
 #include <time.h>
 
 #include "base/vec3.h"
+#include "clock.h"
 #include "dynpoint/openhaptics.h"
 
 enum { CALIBRATE_EVERY = 50, ERRORS_A_TICK = 32, START_MS = 100, LEAVE_MS = 1000 };
@@ -26,14 +27,6 @@ static struct {
     int rest;          /* resting, it sends zero to all */
     int errors_are_of; /* who takes them from the stack */
 } scheduler;
-
-uint64_t servo_now(void)
-{
-    struct timespec time;
-    if (clock_gettime(CLOCK_MONOTONIC, &time) != 0)
-        return 0;
-    return (uint64_t)time.tv_sec * 1000000000u + (uint64_t)time.tv_nsec;
-}
 
 void servo_wait(void)
 {
@@ -284,7 +277,7 @@ static unsigned serve(void *unused)
     const int rests = __atomic_load_n(&scheduler.rest, __ATOMIC_RELAXED) != DRIVES;
     struct servo *servos[SERVOS_MOST];
     struct servo_sample next[SERVOS_MOST];
-    const uint64_t now = servo_now();
+    const uint64_t now = clock_now();
     if (!take_errors(SERVO))
         return HD_CALLBACK_CONTINUE;
     for (int i = 0; i < SERVOS_MOST; i++) {
@@ -436,7 +429,7 @@ hd_error scheduler_resume(struct servo *servo)
     why = hd_take_error(hd);
     if (why.code == HD_SUCCESS) {
         why = start(hd);
-        __atomic_store_n(&scheduler.since_ns, servo_now(), __ATOMIC_RELAXED);
+        __atomic_store_n(&scheduler.since_ns, clock_now(), __ATOMIC_RELAXED);
         set_state(RUNNING);
     }
     if (why.code == HD_SUCCESS)

@@ -54,8 +54,6 @@ struct servo {
     uint64_t fault_ns;    /* when it was last heard of */
 };
 
-/* CLOCK_MONOTONIC; 0 when it fails. */
-uint64_t servo_now(void);
 void servo_wait(void); /* a millisecond */
 
 /* The scheduler; all of it is for one thread at a time. */

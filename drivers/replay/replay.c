@@ -4,10 +4,11 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "base/angle.h"
+#include "base/return_if_error.h"
 #include "base/vec3.h"
+#include "clock.h"
 #include "settings.h"
 #include "trace.h"
 
@@ -123,10 +124,8 @@ static uint64_t next_sequence(const struct replay *replay)
 
 static dpt_result catch_up(struct replay *replay)
 {
-    struct timespec time;
-    if (clock_gettime(CLOCK_MONOTONIC, &time) != 0)
-        return DPT_E_SYSTEM;
-    uint64_t now = (uint64_t)time.tv_sec * 1000000000u + (uint64_t)time.tv_nsec;
+    uint64_t now;
+    DPT_TRY(clock_read(&now));
     if (!replay->has_begun) {
         replay->began_ns = now;
         take_sample(replay, 1);

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/wrench_limit.h"
+#include "clock.h"
 #include "serial/serial_line.h"
 #include "serial/wire.h"
 #include "settings.h"
@@ -98,7 +99,7 @@ static void take_state(struct serial_device *device, const struct wire_state *st
     device->counts.reordered += device->samples.reordered - was.reordered;
     if (!newer)
         return;
-    device->heard_ns = serial_now();
+    device->heard_ns = clock_now();
     keep_time(device, state->time, device->heard_ns);
     device->sequence += state->sequence - device->last.sequence;
     device->counts.samples += state->sequence - device->last.sequence;
@@ -191,7 +192,7 @@ static int send_bytes(struct serial_device *device, const uint8_t *bytes, size_t
     device->rest_at = 0;
     device->rest_size = size - (size_t)count;
     memcpy(device->rest, bytes + count, device->rest_size);
-    device->sent_ns = serial_now();
+    device->sent_ns = clock_now();
     return 1;
 }
 
@@ -214,7 +215,7 @@ static void send_order(struct serial_device *device, uint8_t order)
 static int greet(struct serial_device *device)
 {
     static const uint8_t zero;
-    const uint64_t start = serial_now(), deadline = start + seconds(device->answer_within);
+    const uint64_t start = clock_now(), deadline = start + seconds(device->answer_within);
     const uint16_t before = device->session;
     device->session = (uint16_t)(start >> 10 ^ start >> 26);
     if (device->session == 0 || device->session == before)
@@ -223,7 +224,7 @@ static int greet(struct serial_device *device)
     device->command = 0;
     device->rest_at = device->rest_size = 0;
     uint64_t now = start, next = start;
-    while (!device->sampled && !device->gone && (now = serial_now()) < deadline) {
+    while (!device->sampled && !device->gone && (now = clock_now()) < deadline) {
         if (now >= next) {
             struct wire_message hello = { .type = WIRE_HELLO };
             /* What is left of an earlier host's frame ends here. */
@@ -240,10 +241,10 @@ static int greet(struct serial_device *device)
 /* Repeats an order for as long as the device's status is `status`, but not for ever. */
 static void insist(struct serial_device *device, uint8_t order, uint32_t status)
 {
-    uint64_t now = serial_now(), next = now;
+    uint64_t now = clock_now(), next = now;
     const uint64_t deadline = now + ORDER_WITHIN;
     while (device->last.status == status && !device->gone && device->session != 0 &&
-           (now = serial_now()) < deadline) {
+           (now = clock_now()) < deadline) {
         if (now >= next) {
             send_order(device, order);
             next = now + ORDER_EVERY;
@@ -430,7 +431,7 @@ static uint32_t why_lost(struct serial_device *device)
     if (device->gone) {
         device->lost = DPT_REASON_UNPLUGGED;
     } else if (device->session == 0 ||
-               serial_now() - device->heard_ns > seconds(device->silent_after)) {
+               clock_now() - device->heard_ns > seconds(device->silent_after)) {
         device->lost |= DPT_REASON_SILENT;
         if (device->reader.damaged != device->damaged_before)
             device->lost |= DPT_REASON_LINK;
@@ -444,7 +445,7 @@ static dpt_result serial_read(dpt_device *base, dpt_device_state *state)
 {
     struct serial_device *device = (struct serial_device *)base;
     pump(device);
-    if (!device->gone && device->session != 0 && serial_now() - device->sent_ns > LIFE_EVERY) {
+    if (!device->gone && device->session != 0 && clock_now() - device->sent_ns > LIFE_EVERY) {
         struct wire_message life = { .type = WIRE_HEARTBEAT };
         life.as.heartbeat.sequence = device->last.sequence;
         send(device, &life);

@@ -13,12 +13,12 @@
 #include <sys/file.h>
 #include <sys/ioctl.h>
 #include <termios.h>
-#include <time.h>
 #include <unistd.h>
 #ifdef __linux__
 #include <linux/serial.h>
 #endif
 
+#include "clock.h"
 #include "settings.h"
 
 #define SPEED(baud) { baud, B##baud },
@@ -62,13 +62,6 @@ static uint32_t baud_of(speed_t code)
         if (speeds[i].code == code)
             return speeds[i].baud;
     return 0;
-}
-
-uint64_t serial_now(void)
-{
-    struct timespec now = { 0, 0 };
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
 }
 
 static dpt_result refuse_open(const char *path, int reason, dpt_device_error *error)
@@ -220,7 +213,7 @@ long serial_line_write(int fd, const void *bytes, size_t size)
 
 void serial_line_wait(int fd, uint64_t deadline)
 {
-    const uint64_t now = serial_now();
+    const uint64_t now = clock_now();
     const uint64_t left = deadline > now ? (deadline - now) / 1000000 + 1 : 0;
     struct pollfd line = { fd, POLLIN, 0 };
     poll(&line, 1, left < 20 ? (int)left : 20);

@@ -16,7 +16,7 @@ dpt_result serial_line_open(const char *path, uint32_t speed, int *fd, dpt_devic
 long serial_line_read(int fd, void *bytes, size_t size);
 long serial_line_write(int fd, const void *bytes, size_t size);
 
-/* Until something can be read, a time in serial_now's, or, at most, 20 ms later. */
+/* Until something can be read, or a time of clock_now; at most 20 ms. */
 void serial_line_wait(int fd, uint64_t deadline);
 
 /* Drops what was not sent yet, so that it does not wait for a line that is stuck. */
@@ -24,8 +24,5 @@ void serial_line_close(int fd);
 
 /* The ports that there are; each with a line about it. */
 void serial_line_find(void (*found)(void *user, const char *path, const char *about), void *user);
-
-/* The monotonic clock, ns. */
-uint64_t serial_now(void);
 
 #endif

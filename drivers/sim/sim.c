@@ -7,10 +7,11 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
+#include "base/return_if_error.h"
 #include "base/sincos.h"
 #include "base/wrench_limit.h"
+#include "clock.h"
 #include "settings.h"
 #include "sim/sim_hand.h"
 #include "text/parse_number.h"
@@ -203,10 +204,8 @@ static void go_on(struct sim *sim)
 /* A live one catches up with the clock; what is too far behind, after a computer slept, is left out. */
 static dpt_result catch_up(struct sim *sim)
 {
-    struct timespec time;
-    if (clock_gettime(CLOCK_MONOTONIC, &time) != 0)
-        return DPT_E_SYSTEM;
-    uint64_t now = (uint64_t)time.tv_sec * 1000000000u + (uint64_t)time.tv_nsec;
+    uint64_t now;
+    DPT_TRY(clock_read(&now));
     if (!sim->has_begun) {
         sim->has_begun = 1;
         sim->began_ns = now;

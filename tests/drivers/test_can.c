@@ -7,6 +7,7 @@
  */
 #include "drivers/can_fixture.h"
 
+#include "clock.h"
 #include "simulate/simulate_serial.h"
 
 static char gantry_path[64];
@@ -60,7 +61,7 @@ static void opens_and_tells(void)
                 can_tick();
                 CHECK(dpt_device_read(device, &state) == DPT_OK && state.fresh == 1 &&
                           state.sequence == sequence + 1 && state.time_ns > time &&
-                          state.time_ns <= can_line_now(),
+                          state.time_ns <= clock_now(),
                       "%u fresh", state.fresh);
                 time = state.time_ns;
                 CHECK(dpt_device_read(device, &state) == DPT_OK && state.fresh == 0 &&
@@ -295,12 +296,12 @@ static int choose_fate(int fd, const struct can_frame *frame)
     if (is_torque(fd, frame)) {
         const uint32_t node = frame->can_id >> 5, number = truth.count[node]++;
         memcpy(&truth.bits[node][number], frame->data, 4);
-        truth.sent_ns[node][number] = can_line_now();
+        truth.sent_ns[node][number] = clock_now();
     } else if (!is_estimate(fd, frame)) {
         return CAN_PASS;
     }
     /* Now and then all are held, and come together. */
-    const uint64_t turn = can_line_now() / 1000000 % 997;
+    const uint64_t turn = clock_now() / 1000000 % 997;
     if (truth.is_rough && turn < 6)
         return 6 - (int)turn;
     const uint64_t dice = truth.is_rough ? random_bits(&truth.seed) % 1000 : 1000;
@@ -317,13 +318,13 @@ static void keep_truth(int fd, const struct can_frame *frame)
     const uint32_t node = frame->can_id >> 5;
     if (is_estimate(fd, frame)) {
         truth.is_fresh[node] = 1;
-        truth.said_ns[node] = can_line_now();
+        truth.said_ns[node] = clock_now();
         for (int k = 0; k < 3; k++) /* what is older than five periods is no part of a sample */
-            truth.is_fresh[k] &= can_line_now() - truth.said_ns[k] <= 5000000;
+            truth.is_fresh[k] &= clock_now() - truth.said_ns[k] <= 5000000;
         if (!(truth.is_fresh[0] && truth.is_fresh[1] && truth.is_fresh[2]))
             return;
         memset(truth.is_fresh, 0, sizeof truth.is_fresh);
-        truth.last_ns = can_line_now();
+        truth.last_ns = clock_now();
         if (truth.sets++ == 0)
             truth.first_ns = truth.last_ns;
     }
@@ -335,7 +336,7 @@ static void keep_truth(int fd, const struct can_frame *frame)
     truth.is_carried[node][number] = 1;
     if (number < truth.newest[node])
         truth.reordered++;
-    else if (can_line_now() - truth.sent_ns[node][number] > 2000000)
+    else if (clock_now() - truth.sent_ns[node][number] > 2000000)
         truth.late++;
     truth.newest[node] = number > truth.newest[node] ? number : truth.newest[node];
 }
@@ -496,7 +497,7 @@ static void the_clock_may_be_set(void)
         can_tick();
         can_wall_ns = i % 2 ? 1000000000000u : 4600000000000u;
         CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_READY &&
-                  state.fresh == 1 && state.time_ns > last && state.time_ns <= can_line_now(),
+                  state.fresh == 1 && state.time_ns > last && state.time_ns <= clock_now(),
               "%u: %x, %u fresh", state.status, state.code, state.fresh);
     }
     finish();

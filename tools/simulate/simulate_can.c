@@ -2,6 +2,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "simulate/simulate_can.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "base/vec3.h"
