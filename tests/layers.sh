@@ -89,7 +89,7 @@ function find(rule, sentence) { print rule ": " sentence }
 '
 
 generated=
-[ ! -e "$build/drivers/list.h" ] || generated=list.h
+[ ! -e "$build/built_with.h" ] || generated=built_with.h
 awk -v folders="$folders" -v generated="$generated" "$rules"'
 # What a header declares that is not static: a name, or "" if all is inline.
 function not_inline(path, line, text, depth, i, c, statement, skipping, name)
@@ -148,7 +148,7 @@ function resolve(file, name, quoted, place, folder)
         if (file ~ /^(drivers|tools)\// && (place = "drivers/" name) in exists) return place
         if (file ~ /^tools\// && (place = "tools/" name) in exists) return place
     }
-    if (!quoted || (file ~ /^drivers\// && name == generated)) return ""
+    if (!quoted || (file ~ /^(drivers|tools)\// && name == generated)) return ""
     if ((place = folder "/" name) in exists) {
         sub(/^[a-z]*\//, "", place)
         find("root", file " includes " name ": write " place)
