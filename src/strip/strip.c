@@ -192,6 +192,7 @@ dpt_result dpti_strip_routes(struct dpt_strip *strip, const struct dpt_mesh *mes
 dpt_result dpt_strip_routes(dpt_strip *strip, const dpt_mesh *mesh, uint32_t a, uint32_t b,
                             uint32_t p)
 {
+    struct route first = { .other = NULL };
     uint32_t start[2], goal;
     if (!strip)
         return DPT_E_ARGUMENT;
@@ -200,8 +201,12 @@ dpt_result dpt_strip_routes(dpt_strip *strip, const dpt_mesh *mesh, uint32_t a, 
         return DPT_E_ARGUMENT;
     DPT_TRY(dpti_strip_place(mesh, a, &start[0]));
     DPT_TRY(dpti_strip_place(mesh, p, &goal));
-    DPT_TRY(dpti_strip_place(mesh, b, &start[1]));
-    return dpti_strip_routes(strip, mesh, start[0], start[1], goal);
+    dpt_result result = dpti_strip_place(mesh, b, &start[1]);
+    if (result == DPT_OK)
+        return dpti_strip_routes(strip, mesh, start[0], start[1], goal);
+    /* What is wrong with the first route is told first. */
+    DPT_TRY(find_route(strip, start[0], goal, &first));
+    return result;
 }
 
 void dpti_strip_shadow(struct dpt_strip *strip, const struct surface *surface,
