@@ -126,7 +126,7 @@ static void search(struct profile *profile, vec3 x, struct nearest *nearest)
 }
 
 /* Of the descents to a point the first is kept, so that what follows from it is the same in the next tick. */
-static void dpti_descend(struct profile *profile, const struct axis *point, struct nearest *nearest)
+static void descend_to(struct profile *profile, const struct axis *point, struct nearest *nearest)
 {
     struct memo_entry *entry =
         profile->memo ? dpti_memo_put(profile->memo, profile->body, point->local_a) : NULL;
@@ -147,7 +147,7 @@ static void improve(struct profile *profile, const struct axis *point, int exact
     if (exact)
         search(profile, point->local_a, nearest);
     else
-        dpti_descend(profile, point, nearest);
+        descend_to(profile, point, nearest);
 }
 
 void dpti_profile_take_sample(struct profile *profile, double s, uint32_t triangle, int exact,
@@ -310,4 +310,16 @@ uint32_t dpti_profile_approach(struct profile *profile, double from, double to, 
                              &sample);
     sample.exact = 1;
     return dpti_profile_put_sample(profile, &sample);
+}
+
+const struct sample *dpti_profile_lowest_on(const struct profile *profile, uint32_t part)
+{
+    const struct sample *lowest = NULL;
+    for (uint32_t i = 0; i < profile->count; i++) {
+        const struct sample *sample = &profile->sample[i];
+        if (sample->height < (lowest ? lowest->height : 0.0) &&
+            surface_part(profile->surface, sample->triangle) == part)
+            lowest = sample;
+    }
+    return lowest;
 }

@@ -167,4 +167,7 @@ uint32_t dpti_profile_ask(struct profile *profile, double s, int exact);
 /* Outside: the nearest point of the axis from one place to another, if it is nearer than `reach`; else DPT_NONE. */
 uint32_t dpti_profile_approach(struct profile *profile, double from, double to, double reach);
 
+/* The lowest of the samples on a part, if it is inside or behind. */
+const struct sample *dpti_profile_lowest_on(const struct profile *profile, uint32_t part);
+
 #endif

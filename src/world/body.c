@@ -32,7 +32,7 @@ dpt_result dpt_body_add(dpt_world *world, const dpt_mesh *mesh, const dpt_pose *
     made->added = world->ticks + 1;
     made->valid = 1;
     dpti_surface_of_mesh(mesh, &made->surface);
-    dpti_bodies_place(world, index);
+    dpti_near_put_body(world, index);
     *body = made->id;
     return DPT_OK;
 }
@@ -89,7 +89,7 @@ static void move_body(struct dpt_world *world, struct body *body, const dpt_pose
         world->travelled = 0.0;
     world->travelled_at = body->moved;
     world->travelled = larger(world->travelled, body->travelled);
-    dpti_bodies_place(world, handle_index(body->id));
+    dpti_near_put_body(world, handle_index(body->id));
 }
 
 dpt_result dpt_body_set_pose(dpt_world *world, dpt_body body, const dpt_pose *pose)

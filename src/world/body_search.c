@@ -8,33 +8,24 @@
 
 #include "world/distance_bounds.h"
 
-/* So few bodies are all near: a list of them would cost more than it saves. */
-enum { BODIES_FEW = 4 };
-
 /*
- * A share of dpt_world_bytes: the last answers of each segment's parts on each body, its two lists of bodies, and the
- * planes that are kept of all of them, in whole blocks.
+ * A share of dpt_world_bytes: the last answers of each segment's parts on each body, and the planes that are kept of all
+ * of them, in whole blocks.
  */
 static uint64_t bytes_last(const dpt_world_def *def)
 {
     return mesh_aligned(4 * (uint64_t)def->max_segments * def->max_bodies * def->parts);
 }
 
-static uint64_t bytes_near(const dpt_world_def *def)
-{
-    return mesh_aligned(8 * (uint64_t)def->max_segments * def->max_bodies);
-}
-
 uint64_t dpti_bodies_bytes(const dpt_world_def *def)
 {
-    return bytes_last(def) + bytes_near(def) + mesh_aligned(def->certificate_bytes);
+    return bytes_last(def) + mesh_aligned(def->certificate_bytes);
 }
 
-char *dpti_bodies_place_memory(struct dpt_world *world, char *at)
+char *dpti_bodies_place(struct dpt_world *world, char *at)
 {
     world->last = (void *)at;
-    world->near = (void *)(at + bytes_last(&world->def));
-    at += bytes_last(&world->def) + bytes_near(&world->def);
+    at += bytes_last(&world->def);
     world->certificate.blocks = (void *)at;
     world->certificate.count = (uint32_t)(world->def.certificate_bytes / sizeof(struct block));
     return at + mesh_aligned(world->def.certificate_bytes);
@@ -58,7 +49,6 @@ void dpti_bodies_forget(struct dpt_world *world, uint32_t segment)
 {
     struct segment *s = &world->segments[segment];
     memset(world_last(world, segment, 0), 0xff, world_lasts(world) * sizeof *world->last);
-    memset(&s->near, 0, sizeof s->near);
     s->last_body = DPT_NONE;
 }
 
@@ -74,12 +64,10 @@ void dpti_bodies_forget_body(struct dpt_world *world, uint32_t body)
 
 void dpti_bodies_remove(struct dpt_world *world, uint32_t first, uint32_t end)
 {
-    size_t moved = world->segment_count - end, bodies = world->def.max_bodies;
+    size_t moved = world->segment_count - end;
     dpti_bodies_forget_planes(world, first, world->segment_count, DPT_NONE);
     memmove(world_last(world, first, 0), world_last(world, end, 0),
             moved * world_lasts(world) * sizeof *world->last);
-    memmove(world_near(world, first, 0), world_near(world, end, 0),
-            moved * 2 * bodies * sizeof *world->near);
 }
 
 struct hunt {
@@ -258,73 +246,19 @@ static void ask(struct hunt *hunt, uint32_t index)
     }
 }
 
-/* In the order of slots. */
-static void put_on_list(const struct dpt_world *world, uint32_t segment, struct home *home,
-                        uint32_t index)
-{
-    uint32_t *list = world_near(world, segment, home->which), at = home->listed;
-    while (at > 0 && list[at - 1] > index)
-        at--;
-    if (at > 0 && list[at - 1] == index)
-        return;
-    memmove(list + at + 1, list + at, (home->listed - at) * sizeof *list);
-    list[at] = index;
-    home->listed++;
-}
-
-/* Go on with the list of the next home. */
-static void scan(struct hunt *hunt, struct near *near)
-{
-    struct dpt_world *world = hunt->world;
-    struct home *home = &near->next;
-    uint32_t *list = world_near(world, hunt->segment, home->which);
-    while (near->scanned < world->body_end && !work_is_spent(&hunt->world->work)) {
-        work_spend(&world->work, 1);
-        for (int i = 0; i < LANES && near->scanned < world->body_end; i++) {
-            uint32_t index = near->scanned++;
-            if (world->bodies[index].slot.used && box_meets(&home->box, &world->boxes[index]))
-                list[home->listed++] = index;
-        }
-    }
-    if (near->scanned == world->body_end)
-        dpti_near_arrive(near);
-}
-
-/* All bodies that may be near are listed, or it is noted how near others may be. */
-static void list_near(struct hunt *hunt, struct near *near)
-{
-    if (!near->scanning && !(near->now.room > 0.0 && dpti_near_reach(near) >= hunt->distance))
-        dpti_near_settle(near, hunt->distance);
-    if (near->scanning)
-        scan(hunt, near);
-    if (dpti_near_reach(near) < hunt->distance)
-        hunt->best->lower = dpti_near_reach(near);
-}
-
-/* When all is proven, and the budget has room for a whole scan: for the ticks to come. */
-static void tidy_near(struct hunt *hunt, struct near *near)
-{
-    const struct dpt_world *world = hunt->world;
-    uint32_t units = (world->body_end + LANES - 1) / LANES;
-    if (!dpti_near_is_wide(near, hunt->distance) || work_left(&world->work) < units)
-        return;
-    dpti_near_settle(near, hunt->distance);
-    scan(hunt, near);
-}
-
 /* The bodies that may be near, by place on the list. */
 static uint32_t near_count(const struct hunt *hunt)
 {
     const struct dpt_world *world = hunt->world;
-    return world->body_end <= BODIES_FEW ? world->body_end
-                                         : world->segments[hunt->segment].near.now.listed;
+    return world->body_end <= NEAR_FEW ? world->body_end
+                                       : world->segments[hunt->segment].near.now.listed;
 }
 
 static uint32_t near_at(const struct hunt *hunt, uint32_t place)
 {
     const struct dpt_world *world = hunt->world;
     uint32_t which = world->segments[hunt->segment].near.now.which;
-    return world->body_end <= BODIES_FEW ? place : world_near(world, hunt->segment, which)[place];
+    return world->body_end <= NEAR_FEW ? place : world_near(world, hunt->segment, which)[place];
 }
 
 /* Where nothing is known, the body whose box is nearest is the best to begin with. */
@@ -363,15 +297,18 @@ static void find_exact(struct hunt *hunt)
             first = i;
     if (first == DPT_NONE)
         return;
-    int many = world->body_end > BODIES_FEW;
+    int many = world->body_end > NEAR_FEW;
     if (many)
         dpti_near_move(&segment->near, *hunt->a, *hunt->b);
     follow(hunt, first);
     if (hunt->distance == 0.0)
         return; /* nothing is nearer */
     hunt->box = box_of_axis(*hunt->a, *hunt->b);
-    if (many)
-        list_near(hunt, &segment->near);
+    if (many) {
+        double reach = dpti_near_list(world, hunt->segment, hunt->distance);
+        if (reach < hunt->distance)
+            hunt->best->lower = reach;
+    }
     /* In motion all bodies get their turn; a first search, and one at rest, begins where it costs least. */
     uint32_t begin = hunt->is_new ? nearest_box(hunt) : first;
     if (world->def.budget) {
@@ -387,7 +324,7 @@ static void find_exact(struct hunt *hunt)
         ask_near(hunt, begin);
     }
     if (many && hunt->moved > 0.0 && is_proven(hunt, hunt->best->lower))
-        tidy_near(hunt, &segment->near);
+        dpti_near_tidy(world, hunt->segment, hunt->distance);
 }
 
 void dpti_bodies_find(struct dpt_world *world, uint32_t segment, const vec3 *a, const vec3 *b,
@@ -411,29 +348,6 @@ void dpti_bodies_find(struct dpt_world *world, uint32_t segment, const vec3 *a, 
     best->work = world->work.done - before;
 }
 
-const struct nearby *dpti_bodies_within(struct dpt_world *world, uint32_t segment, double reach)
-{
-    struct near *near = &world->segments[segment].near;
-    struct nearby *nearby = &world->nearby;
-    if (nearby->reach >= reach)
-        return nearby;
-    nearby->reach = larger(reach, world->segments[segment].radius + world->def.margin);
-    nearby->list = NULL;
-    nearby->count = world->body_end;
-    if (world->body_end <= BODIES_FEW || world->def.method != DPT_METHOD_EXACT)
-        return nearby;
-    if (dpti_near_reach(near) < nearby->reach && !world->def.budget) {
-        struct hunt hunt = { .world = world, .segment = segment };
-        dpti_near_settle(near, nearby->reach);
-        scan(&hunt, near);
-    }
-    if (dpti_near_reach(near) >= nearby->reach) {
-        nearby->list = world_near(world, segment, near->now.which);
-        nearby->count = near->now.listed;
-    }
-    return nearby;
-}
-
 void dpti_bodies_result(const struct found *best, struct segment_result *result)
 {
     dpti_segment_result_of_pair(&best->track.axis, &best->track.nearest.pair, result);
@@ -444,19 +358,5 @@ void dpti_bodies_result(const struct found *best, struct segment_result *result)
         result->status = DPT_STATUS_BOUNDED;
         result->lower_bound = larger(0.0, best->lower - best->error);
         result->error_bound = result->distance - result->lower_bound;
-    }
-}
-
-void dpti_bodies_place(struct dpt_world *world, uint32_t index)
-{
-    const struct body *body = &world->bodies[index];
-    struct box *box = &world->boxes[index];
-    *box = dpti_box_in_world(body->surface.box_min, body->surface.box_max, &body->frame);
-    for (uint32_t s = 0; world->body_end > BODIES_FEW && s < world->segment_count; s++) {
-        struct near *near = &world->segments[s].near;
-        if (near->now.room > 0.0 && box_meets(&near->now.box, box))
-            put_on_list(world, s, &near->now, index);
-        if (near->scanning && index < near->scanned && box_meets(&near->next.box, box))
-            put_on_list(world, s, &near->next, index);
     }
 }

@@ -9,7 +9,7 @@
 uint64_t dpti_bodies_bytes(const dpt_world_def *def);
 
 /* Place its memory at `at`; returns where it ends. */
-char *dpti_bodies_place_memory(struct dpt_world *world, char *at);
+char *dpti_bodies_place(struct dpt_world *world, char *at);
 
 /* Forget a segment's last tick. */
 void dpti_bodies_forget(struct dpt_world *world, uint32_t segment);
@@ -30,15 +30,6 @@ void dpti_bodies_remove(struct dpt_world *world, uint32_t first, uint32_t end);
 /* `exact`: what is kept helps, only near bodies are asked, and the world's budget ends it. */
 void dpti_bodies_find(struct dpt_world *world, uint32_t segment, const vec3 *a, const vec3 *b,
                       struct found *best);
-
-/*
- * The bodies whose boxes may be within reach of a segment, after bodies_find. They are looked for once: with the first
- * reach that is asked for, or that of its contact, whichever is larger. world->nearby.reach is negative before.
- */
-const struct nearby *dpti_bodies_within(struct dpt_world *world, uint32_t segment, double reach);
-
-/* A body is there, or its pose has changed: its box, and who has it on its list. */
-void dpti_bodies_place(struct dpt_world *world, uint32_t index);
 
 /* The result so far: exact, or bounded with what is proven. best->body is there. */
 void dpti_bodies_result(const struct found *best, struct segment_result *result);

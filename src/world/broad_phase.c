@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "world/broad_phase.h"
+#include "world/world_state.h"
 
-struct box dpti_box_in_world(vec3 low, vec3 high, const struct frame *frame)
+static struct box box_in_world(vec3 low, vec3 high, const struct frame *frame)
 {
     vec3 half = scaled(sub(high, low), 0.5);
     vec3 centre = frame_to_world(frame, scaled(add(low, high), 0.5));
@@ -27,7 +27,7 @@ void dpti_near_move(struct near *near, vec3 a, vec3 b)
     near->known = 1;
 }
 
-double dpti_near_reach(const struct near *near)
+static double reach_of(const struct near *near)
 {
     struct box axis = box_of_axis(near->a, near->b);
     const struct box *home = &near->now.box;
@@ -46,12 +46,12 @@ static double wanted(const struct near *near, double distance)
     return distance + 0.125 * (distance + size) + 128.0 * near->speed;
 }
 
-int dpti_near_is_wide(const struct near *near, double distance)
+static int is_wide(const struct near *near, double distance)
 {
     return near->now.room > 4.0 * wanted(near, distance);
 }
 
-void dpti_near_settle(struct near *near, double distance)
+static void settle(struct near *near, double distance)
 {
     struct box axis = box_of_axis(near->a, near->b);
     double room = wanted(near, distance);
@@ -63,8 +63,118 @@ void dpti_near_settle(struct near *near, double distance)
     near->scanned = 0;
 }
 
-void dpti_near_arrive(struct near *near)
+static void arrive(struct near *near)
 {
     near->now = near->next;
     near->scanning = 0;
+}
+
+uint64_t dpti_near_bytes(const dpt_world_def *def)
+{
+    return mesh_aligned(8 * (uint64_t)def->max_segments * def->max_bodies);
+}
+
+char *dpti_near_place(struct dpt_world *world, char *at)
+{
+    world->near = (void *)at;
+    return at + dpti_near_bytes(&world->def);
+}
+
+void dpti_near_forget(struct dpt_world *world, uint32_t segment)
+{
+    memset(&world->segments[segment].near, 0, sizeof world->segments[segment].near);
+}
+
+void dpti_near_remove(struct dpt_world *world, uint32_t first, uint32_t end)
+{
+    memmove(world_near(world, first, 0), world_near(world, end, 0),
+            (world->segment_count - end) * 2 * (size_t)world->def.max_bodies * sizeof *world->near);
+}
+
+/* In the order of slots. */
+static void put_on_list(const struct dpt_world *world, uint32_t segment, struct home *home,
+                        uint32_t index)
+{
+    uint32_t *list = world_near(world, segment, home->which), at = home->listed;
+    while (at > 0 && list[at - 1] > index)
+        at--;
+    if (at > 0 && list[at - 1] == index)
+        return;
+    memmove(list + at + 1, list + at, (home->listed - at) * sizeof *list);
+    list[at] = index;
+    home->listed++;
+}
+
+/* Go on with the list of the next home. */
+static void scan(struct dpt_world *world, uint32_t segment)
+{
+    struct near *near = &world->segments[segment].near;
+    struct home *home = &near->next;
+    uint32_t *list = world_near(world, segment, home->which);
+    while (near->scanned < world->body_end && !work_is_spent(&world->work)) {
+        work_spend(&world->work, 1);
+        for (int i = 0; i < LANES && near->scanned < world->body_end; i++) {
+            uint32_t index = near->scanned++;
+            if (world->bodies[index].slot.used && box_meets(&home->box, &world->boxes[index]))
+                list[home->listed++] = index;
+        }
+    }
+    if (near->scanned == world->body_end)
+        arrive(near);
+}
+
+double dpti_near_list(struct dpt_world *world, uint32_t segment, double distance)
+{
+    struct near *near = &world->segments[segment].near;
+    if (!near->scanning && !(near->now.room > 0.0 && reach_of(near) >= distance))
+        settle(near, distance);
+    if (near->scanning)
+        scan(world, segment);
+    return reach_of(near);
+}
+
+void dpti_near_tidy(struct dpt_world *world, uint32_t segment, double distance)
+{
+    struct near *near = &world->segments[segment].near;
+    uint32_t units = (world->body_end + LANES - 1) / LANES;
+    if (!is_wide(near, distance) || work_left(&world->work) < units)
+        return;
+    settle(near, distance);
+    scan(world, segment);
+}
+
+const struct nearby *dpti_near_within(struct dpt_world *world, uint32_t segment, double reach)
+{
+    struct near *near = &world->segments[segment].near;
+    struct nearby *nearby = &world->nearby;
+    if (nearby->reach >= reach)
+        return nearby;
+    nearby->reach = larger(reach, world->segments[segment].radius + world->def.margin);
+    nearby->list = NULL;
+    nearby->count = world->body_end;
+    if (world->body_end <= NEAR_FEW || world->def.method != DPT_METHOD_EXACT)
+        return nearby;
+    if (reach_of(near) < nearby->reach && !world->def.budget) {
+        settle(near, nearby->reach);
+        scan(world, segment);
+    }
+    if (reach_of(near) >= nearby->reach) {
+        nearby->list = world_near(world, segment, near->now.which);
+        nearby->count = near->now.listed;
+    }
+    return nearby;
+}
+
+void dpti_near_put_body(struct dpt_world *world, uint32_t index)
+{
+    const struct body *body = &world->bodies[index];
+    struct box *box = &world->boxes[index];
+    *box = box_in_world(body->surface.box_min, body->surface.box_max, &body->frame);
+    for (uint32_t s = 0; world->body_end > NEAR_FEW && s < world->segment_count; s++) {
+        struct near *near = &world->segments[s].near;
+        if (near->now.room > 0.0 && box_meets(&near->now.box, box))
+            put_on_list(world, s, &near->now, index);
+        if (near->scanning && index < near->scanned && box_meets(&near->next.box, box))
+            put_on_list(world, s, &near->next, index);
+    }
 }

@@ -8,6 +8,7 @@
 #define DPT_BROAD_PHASE_H
 
 #include "base/frame.h"
+#include "dynpoint/world.h"
 
 struct box {
     vec3 low, high;
@@ -32,15 +33,23 @@ struct near {
     uint32_t reserved;
 };
 
+/* So few bodies are all near: a list of them would cost more than it saves. */
+enum { NEAR_FEW = 4 };
+
+/* Bodies that may be within reach of a segment. */
+struct nearby {
+    const uint32_t *list; /* of their slots, in order; or NULL: all of so many */
+    uint32_t count;
+    uint32_t reserved;
+    double reach; /* negative: not looked for yet */
+};
+
 /* The box of an axis. */
 static inline struct box box_of_axis(vec3 a, vec3 b)
 {
     return (struct box){ { smaller(a.x, b.x), smaller(a.y, b.y), smaller(a.z, b.z) },
                          { larger(a.x, b.x), larger(a.y, b.y), larger(a.z, b.z) } };
 }
-
-/* The box, in the world, of a box in a body's frame; a little larger than rounding may make it. */
-struct box dpti_box_in_world(vec3 low, vec3 high, const struct frame *frame);
 
 /* A lower bound of the distance of what the boxes hold. */
 static inline double box_distance(const struct box *a, const struct box *b)
@@ -58,19 +67,38 @@ static inline int box_meets(const struct box *a, const struct box *b)
            b->low.y <= a->high.y && a->low.z <= b->high.z && b->low.z <= a->high.z;
 }
 
+/* Its share of dpt_world_bytes: each segment's two lists of bodies. */
+uint64_t dpti_near_bytes(const dpt_world_def *def);
+
+/* Place its memory at `at`; returns where it ends. */
+char *dpti_near_place(struct dpt_world *world, char *at);
+
+/* Forget what is near a segment. */
+void dpti_near_forget(struct dpt_world *world, uint32_t segment);
+
+/* Remove the segments from `first` up to, not including, `end`: those behind them move up. */
+void dpti_near_remove(struct dpt_world *world, uint32_t first, uint32_t end);
+
+/* A body is there, or its pose has changed: its box, and the lists that it belongs on. */
+void dpti_near_put_body(struct dpt_world *world, uint32_t index);
+
 /* A tick begins: the axis is here now. */
 void dpti_near_move(struct near *near, vec3 a, vec3 b);
 
-/* All that is not on the list is at least so far away. */
-double dpti_near_reach(const struct near *near);
+/*
+ * List the bodies that may be as near to a segment as `distance`, that of the nearest so far, within the budget. Returns
+ * how near those that are not listed may be.
+ */
+double dpti_near_list(struct dpt_world *world, uint32_t segment, double distance);
 
-/* The home is far larger than it would be made now. */
-int dpti_near_is_wide(const struct near *near, double distance);
+/* All is proven: where a list is far longer than it need be, and there is work left for a whole scan, make it anew. */
+void dpti_near_tidy(struct dpt_world *world, uint32_t segment, double distance);
 
-/* Begin a new home, for an axis whose nearest body is at `distance`. */
-void dpti_near_settle(struct near *near, double distance);
-
-/* All slots are scanned: move. */
-void dpti_near_arrive(struct near *near);
+/*
+ * The bodies whose boxes may be within reach of a segment, after its nearest pair was searched for. They are looked for
+ * once: with the first reach that is asked for, or that of its contact, whichever is larger. world->nearby.reach is
+ * negative before.
+ */
+const struct nearby *dpti_near_within(struct dpt_world *world, uint32_t segment, double reach);
 
 #endif

@@ -5,7 +5,7 @@
  */
 #include "world/contact_pair.h"
 
-#include "contact/contact_integrals.h"
+#include "world/sheet_sides.h"
 
 /* Sides that are kept, and where the samples of the last tick were. */
 static uint32_t recall(struct meeting *meeting, struct seed seeds[PROFILE_SEEDS])
@@ -46,30 +46,6 @@ static const struct hold *same_region(const struct meeting *meeting, const struc
             best = hold;
     }
     return best;
-}
-
-/* Deeper than that a tool is no longer behind the sheet that it came through. */
-static double side_limit(const struct meeting *meeting)
-{
-    double limit = meeting->world->def.side_limit;
-    return limit > 0.0 ? limit : 0.25 * dpti_surface_diagonal(&meeting->body->surface);
-}
-
-/* The side of an open sheet that a region keeps for the next tick, or 0. */
-static int32_t side_of_region(const struct meeting *meeting, const struct region *region,
-                              double gap)
-{
-    const struct surface *surface = &meeting->body->surface;
-    const struct sample *deepest = &meeting->profile->sample[region->deepest];
-    if (!dpti_side_is_sheet(surface, region->part) || -gap > side_limit(meeting) ||
-        dpti_side_is_border(surface, deepest->triangle, deepest->weight))
-        return 0;
-    int32_t kept = dpti_sides_get(&meeting->sides, region->part);
-    if (kept || deepest->height == 0.0)
-        return kept;
-    const pair found = { .weight = { deepest->weight[0], deepest->weight[1], deepest->weight[2] },
-                         .gap = deepest->gap };
-    return dpti_side_of_pair(surface, deepest->triangle, &found);
 }
 
 static int goes_through(const struct profile *profile, const struct region *region)
@@ -150,45 +126,11 @@ static void hold_region(struct meeting *meeting, const struct region *region)
     hold->segment = meeting->segment;
     hold->part = region->part;
     hold->front = meeting->profile->sample[region->deepest].height > 0.0;
-    hold->side = side_of_region(meeting, region,
-                                meeting->profile->sample[region->deepest].height - meeting->radius);
+    hold->side = dpti_sheet_side_of_region(
+        meeting, region, meeting->profile->sample[region->deepest].height - meeting->radius);
     put_seeds(meeting, region, before, hold);
     hold->contact.id = before ? before->contact.id : dpti_contacts_new_id(meeting->world);
     write_contact(meeting, region, hold, &hold->contact);
-}
-
-/* The lowest of the samples on a part, if it is inside or behind. */
-static const struct sample *lowest_on(const struct profile *profile, uint32_t part)
-{
-    const struct sample *lowest = NULL;
-    for (uint32_t i = 0; i < profile->count; i++) {
-        const struct sample *sample = &profile->sample[i];
-        if (sample->height < (lowest ? lowest->height : 0.0) &&
-            surface_part(profile->surface, sample->triangle) == part)
-            lowest = sample;
-    }
-    return lowest;
-}
-
-/*
- * Of a sheet whose contact the budget left undecided: what the nearest pair tells of the axis' side. At a border it tells none,
- * and then, unless there is a point behind, the axis may go round it. One that was in front, and went through nothing, has
- * gone round it when it is behind.
- */
-static void take_side(const struct meeting *meeting, struct hold *hold)
-{
-    const struct surface *surface = &meeting->body->surface;
-    const struct nearest *nearest = &meeting->nearest;
-    const double *weight = nearest->pair.weight;
-    if (!hold->side || nearest->pair.distance2 == 0.0 ||
-        surface_part(surface, nearest->triangle) != hold->part)
-        return;
-    int border = dpti_side_is_border(surface, nearest->triangle, weight);
-    int front = hold->side * dpti_side_of_pair(surface, nearest->triangle, &nearest->pair) > 0;
-    if (border ? !lowest_on(meeting->profile, hold->part) : hold->front && !front)
-        hold->side = 0;
-    else if (!border)
-        hold->front = (uint32_t)front;
 }
 
 /*
@@ -199,7 +141,7 @@ static void take_side(const struct meeting *meeting, struct hold *hold)
 static void take_seeds(const struct meeting *meeting, const struct region *regions, uint32_t count,
                        struct hold *hold)
 {
-    const struct sample *lowest = lowest_on(meeting->profile, hold->part);
+    const struct sample *lowest = dpti_profile_lowest_on(meeting->profile, hold->part);
     const struct region *best = NULL;
     for (uint32_t k = 0; k < count; k++)
         if (regions[k].part == hold->part &&
@@ -221,7 +163,7 @@ static void keep_undecided(struct meeting *meeting, const struct region *regions
             continue;
         if (dropped && !dpti_sides_get(&meeting->sides, hold->part))
             hold->side = 0;
-        take_side(meeting, hold);
+        dpti_sheet_keep_side(meeting, hold);
         if (!rests(meeting))
             take_seeds(meeting, regions, count, hold);
         dpti_contacts_keep_one(meeting->world, hold);
@@ -240,24 +182,6 @@ static void take_deepest(struct meeting *meeting, const struct region *regions, 
             *gap = deepest->height - meeting->radius;
         }
     }
-}
-
-/* Sides of sheets that it is too deep behind are dropped; 1 if there was one. */
-static int drop_sides(struct meeting *meeting, const struct region *regions, uint32_t count)
-{
-    struct sides *sides = &meeting->sides, kept = { .count = 0 };
-    double limit = side_limit(meeting) - meeting->radius;
-    for (uint32_t k = 0; k < sides->count; k++) {
-        int deep = 0;
-        for (uint32_t i = 0; i < count; i++)
-            deep |= regions[i].part == sides->part[k] &&
-                    -meeting->profile->sample[regions[i].deepest].height > limit;
-        if (!deep)
-            dpti_sides_put(&kept, sides->part[k], sides->side[k]);
-    }
-    int dropped = kept.count < sides->count;
-    *sides = kept;
-    return dropped;
 }
 
 /* Gap and regions with the sides that are kept; CONTACT_... */
@@ -301,7 +225,7 @@ int dpti_contact_pair_meet(struct meeting *meeting, double *gap)
     profile->reach = meeting->radius + (world->def.max_contacts ? world->def.margin : 0.0);
     profile->tolerance = PROFILE_DEPTH_SHARE * dpti_surface_diagonal(profile->surface);
     int found = look(meeting, seeds, seed_count, regions, &count, gap);
-    int dropped = found == CONTACT_PROFILE && drop_sides(meeting, regions, count);
+    int dropped = found == CONTACT_PROFILE && dpti_sheet_drop_sides(meeting, regions, count);
     if (dropped)
         found = look(meeting, seeds, seed_count, regions, &count, gap);
     if (found == CONTACT_UNKNOWN)

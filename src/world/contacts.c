@@ -2,6 +2,7 @@
 #include "world/contacts.h"
 
 #include "world/contact_pair.h"
+#include "world/persistent_contacts.h"
 
 /* The nearest pair with another body than the nearest: in full, as it is needed rarely. 0: the budget ended that. */
 static int search_other(struct meeting *meeting, vec3 a, vec3 b)
@@ -67,7 +68,7 @@ void dpti_contacts_find(struct dpt_world *world, uint32_t segment, const struct 
     struct box box = box_of_axis(best->track.axis.a, best->track.axis.b);
     double reach = meeting.radius + world->def.margin;
     struct sum sum = { .gap = HUGE_VAL, .known = 1 };
-    const struct nearby *nearby = dpti_bodies_within(world, segment, reach);
+    const struct nearby *nearby = dpti_near_within(world, segment, reach);
     for (uint32_t i = 0; i < nearby->count; i++) {
         uint32_t slot = nearby->list ? nearby->list[i] : i;
         meeting.body = &world->bodies[slot];

@@ -185,7 +185,7 @@ struct around dpti_motion_around(struct dpt_world *world, uint32_t index, double
     return (struct around){ .world = world,
                             .box = box_of_axis(track->axis.a, track->axis.b),
                             .reach = reach,
-                            .nearby = dpti_bodies_within(world, index, reach + moved) };
+                            .nearby = dpti_near_within(world, index, reach + moved) };
 }
 
 void dpti_motion_no_sweep(struct segment *segment, uint32_t status)

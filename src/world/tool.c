@@ -13,6 +13,7 @@
 static void forget_segment(struct dpt_world *world, uint32_t segment)
 {
     dpti_bodies_forget(world, segment);
+    dpti_near_forget(world, segment);
     dpti_bounds_forget(world, segment, DPT_NONE);
     dpti_backlog_forget(world, segment);
     dpti_contacts_forget(world, segment, segment + 1, DPT_NONE);
@@ -90,6 +91,7 @@ dpt_result dpt_tool_remove(dpt_world *world, dpt_tool tool)
     memmove(&world->segments[old->first], &world->segments[behind],
             (world->segment_count - behind) * sizeof *world->segments);
     dpti_bodies_remove(world, old->first, behind);
+    dpti_near_remove(world, old->first, behind);
     dpti_bounds_remove(world, old->first, behind);
     dpti_backlog_remove(world, old->first, behind);
     dpti_contacts_remove(world, old->first, behind);

@@ -32,7 +32,7 @@ size_t dpti_world_layout_bytes(const dpt_world_def *def)
                      BYTES_TOOL * (uint64_t)def->max_tools +
                      BYTES_SEGMENT * (uint64_t)def->max_segments + bytes_memo(def) +
                      dpti_bounds_bytes(def) + dpti_backlog_bytes(def) + dpti_contacts_bytes(def) +
-                     dpti_strips_bytes(def) + dpti_bodies_bytes(def);
+                     dpti_strips_bytes(def) + dpti_near_bytes(def) + dpti_bodies_bytes(def);
     return bytes <= SIZE_MAX ? (size_t)bytes : 0;
 }
 
@@ -54,5 +54,6 @@ void dpti_world_layout_place(struct dpt_world *world)
     at = dpti_backlog_place(world, at);
     at = dpti_contacts_place(world, at);
     at = dpti_strips_place(world, at);
-    dpti_bodies_place_memory(world, at);
+    at = dpti_near_place(world, at);
+    dpti_bodies_place(world, at);
 }

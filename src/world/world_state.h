@@ -130,6 +130,18 @@ struct holds {
     uint32_t reserved;
 };
 
+/* One segment and one body, this tick. */
+struct meeting {
+    struct dpt_world *world;
+    const struct body *body;
+    uint32_t segment;
+    double radius;
+    struct axis axis;
+    struct nearest nearest;
+    struct sides sides;
+    struct profile *profile;
+};
+
 /* A segment's strip and where it lies, as of this tick. */
 struct laid {
     struct dpt_strip *strip;
@@ -140,14 +152,6 @@ struct laid {
     uint32_t body;   /* slot, or DPT_NONE */
     int32_t side;    /* of its triangles on which the tool is: +1, -1 */
     uint32_t end[2]; /* places nearest to the ends, of a strip of routes; or DPT_NONE */
-};
-
-/* Bodies that may be within reach of a segment. */
-struct nearby {
-    const uint32_t *list; /* of their slots, in order; or NULL: all of so many */
-    uint32_t count;
-    uint32_t reserved;
-    double reach; /* negative: not looked for yet */
 };
 
 struct dpt_world {

@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * From which side a tool came to an open sheet: what a region keeps of it for the next tick, and where it is dropped.
+ * docs/algorithms/sign.md.
+ */
+#ifndef DPT_SHEET_SIDES_H
+#define DPT_SHEET_SIDES_H
+
+#include "contact/contact_integrals.h"
+#include "world/persistent_contacts.h"
+
+/* The side of an open sheet that a region keeps for the next tick, or 0. */
+int32_t dpti_sheet_side_of_region(const struct meeting *meeting, const struct region *region,
+                                  double gap);
+
+/* Sides of sheets that it is too deep behind are dropped; 1 if there was one. */
+int dpti_sheet_drop_sides(struct meeting *meeting, const struct region *regions, uint32_t count);
+
+/*
+ * Of a sheet whose contact the budget left undecided: what the nearest pair tells of the axis' side. At a border it tells none,
+ * and then, unless there is a point behind, the axis may go round it. One that was in front, and went through nothing, has
+ * gone round it when it is behind.
+ */
+void dpti_sheet_keep_side(const struct meeting *meeting, struct hold *hold);
+
+#endif
