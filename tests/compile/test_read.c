@@ -687,7 +687,7 @@ static void check_data(const expected *e, const unsigned char *bytes, size_t siz
 static void public_meshes(void)
 {
     char tests[1024];
-    snprintf(tests, sizeof tests, "%s/..", golden);
+    snprintf(tests, sizeof tests, "%s/../data", golden);
     int count = visit_files(tests, "data-counts.txt", getenv("DPT_DATA"), check_data);
     CHECK(count > 0, "no table in %s", tests);
 }

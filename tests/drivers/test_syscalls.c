@@ -296,7 +296,8 @@ static void ticks_ask_little(void)
         CHECK(outcome.stats.ticks == 320, "scenario %d: %d ticks", s, (int)outcome.stats.ticks);
         for (enum call call = MALLOC; call <= READ; call++)
             CHECK(plan.made[call] == made[call], "scenario %d: %s in a tick", s, call_names[call]);
-        CHECK(plan.made[CLOCK] - made[CLOCK] <= 5 * 300 * longer.is_live,
+        /* One that finds nothing fresh asks once less: on a busy machine any of the first 20. */
+        CHECK(plan.made[CLOCK] - made[CLOCK] <= (5 * 300 + 20) * longer.is_live,
               "scenario %d: the clock %d times in 300 ticks", s, plan.made[CLOCK] - made[CLOCK]);
     }
 }
