@@ -24,6 +24,21 @@ void dpti_contacts_turn(struct dpt_world *world)
     world->contacts_full = 0;
 }
 
+void dpti_contacts_hide(struct dpt_world *world)
+{
+    struct holds *holds = holds_now(world);
+    for (uint32_t i = 0; i < holds->count; i++)
+        holds->hold[i].unseen = 1;
+    world->contacts_full = 0;
+}
+
+void dpti_contacts_reset(struct dpt_world *world)
+{
+    world->holds[0].count = world->holds[1].count = 0;
+    world->contact_id = 0;
+    world->contacts_full = 0;
+}
+
 void dpti_contacts_forget(struct dpt_world *world, uint32_t first, uint32_t end, uint32_t body)
 {
     struct holds *holds = holds_now(world);

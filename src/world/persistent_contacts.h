@@ -29,6 +29,12 @@ static inline int hold_is_of(const struct hold *hold, uint32_t segment, const st
 /* A tick begins: what was now is before. */
 void dpti_contacts_turn(struct dpt_world *world);
 
+/* A tick without an answer: none is seen. The next one takes them up again. */
+void dpti_contacts_hide(struct dpt_world *world);
+
+/* All of them, and the numbers that they were given. */
+void dpti_contacts_reset(struct dpt_world *world);
+
 /*
  * On this tick's way the axis may have gone through something; then nobody knows that it is in front. A way that is not
  * finished tells in a later tick.

@@ -200,6 +200,8 @@ dpt_result dpt_world_step(dpt_world *world, double dt, dpt_step *out)
             (only_track ? dpti_tool_clear_hits : dpti_tool_clear)(world, &world->tools[t]);
     if (result == DPT_OK)
         step_segments(world);
+    else
+        dpti_contacts_hide(world);
     for (uint32_t t = 0; t < world->tool_end; t++)
         if (world->tools[t].slot.used && result == DPT_OK && !world->invalid)
             sum_up(world, &world->tools[t]);

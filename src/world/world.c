@@ -2,6 +2,7 @@
 /* Life of worlds; that of bodies and tools is in body.c and tool.c, the tick in step.c. */
 #include "base/return_if_error.h"
 #include "world/body_search.h"
+#include "world/persistent_contacts.h"
 #include "world/tool.h"
 #include "world/world_def.h"
 #include "world/world_layout.h"
@@ -53,8 +54,13 @@ dpt_result dpt_world_reset(dpt_world *world)
             dpti_tool_forget(world, &world->tools[t]);
     dpti_bodies_forget_planes(world, 0, world->segment_count, DPT_NONE);
     dpti_memo_forget(&world->memo, DPT_NONE);
-    for (uint32_t i = 0; i < world->body_end; i++)
+    dpti_contacts_reset(world);
+    for (uint32_t i = 0; i < world->body_end; i++) {
         world->bodies[i].moved = world->bodies[i].added = 0;
+        world->bodies[i].travelled = 0.0;
+    }
+    world->travelled_at = 0;
+    world->travelled = 0.0;
     world->turn = 0;
     world->ticks = 0;
     return DPT_OK;
