@@ -3,7 +3,7 @@
 # in $(B)/tests.
 
 # Those of other folders are linked in a way of their own, below.
-TOPICS := mesh compile kernel nearest sweep contact strip query force world arm drivers tools fuzz
+TOPICS := base mesh compile kernel nearest sweep contact strip query force world arm drivers tools fuzz
 TEST_SOURCES := $(filter-out %/test_sweep_exact.c,$(wildcard $(TOPICS:%=tests/%/test_*.c)))
 TESTS := $(addprefix $(B)/tests/,$(basename $(notdir $(TEST_SOURCES))))
 TEST_PARTS := $(call objects,tests/oracle/*.c tests/data/*.c) \

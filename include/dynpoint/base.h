@@ -3,8 +3,15 @@
  * Version, linkage and the rules that hold for every header.
  *
  * Stability: until 1.0 the soname is 0 and the list of exported symbols only grows. A struct that may
- * grow begins with `uint32_t size`, which the caller sets to sizeof; the library reads and writes no
- * more than that many bytes of it. All other structs are frozen.
+ * grow begins with `uint32_t size`, which the caller sets to sizeof; of an array the first item's counts for all, and
+ * is a multiple of 8. All other structs are frozen. A caller may be older or newer than the library:
+ *
+ *     size                       an input                                       an output
+ *     below the first release's  DPT_E_SIZE                                     DPT_E_SIZE
+ *     up to the library's        what is missing has its default                filled as far as it goes
+ *     above it                   the rest must be zero, else DPT_E_UNSUPPORTED  the rest is zeroed
+ *
+ * A size above 4096 is DPT_E_SIZE: it was never set.
  *
  * Every public function is total: NULL, NaN, stale ids and wrong sizes give a code (result.h), and
  * outputs are left as they were or written safe. No NaN leaves the library.

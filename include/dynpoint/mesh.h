@@ -79,10 +79,7 @@ typedef struct dpt_mesh_info {
     double crease;                /* between face normals, in rad */
 } dpt_mesh_info;
 
-/*
- * Fill `info`, whose size field is set; one that ends before solid_components or before crease_edges is filled as far
- * as it goes.
- */
+/* Fill `info`, whose size field is set. */
 DPT_API dpt_result dpt_mesh_get_info(const dpt_mesh *mesh, dpt_mesh_info *info);
 
 /* One section of the file, from 0 until the call returns DPT_E_ARGUMENT. */

@@ -4,8 +4,7 @@
  * core's reader. `struct dpt_arm` is the file's first bytes; behind it lie joints, links, segments and bodies, then the
  * bodies' meshes, each a file of its own (mesh_format.h) at a multiple of 64 with less than 64 zero bytes before it.
  *
- * Little-endian; every number is 4 or 8 bytes wide, every record a multiple of 8 bytes. The records of joints, links and
- * segments are the public structs as they are in this version, their `size` included.
+ * Little-endian; every number is 4 or 8 bytes wide, every record a multiple of 8 bytes.
  */
 #ifndef DPT_ARM_FORMAT_H
 #define DPT_ARM_FORMAT_H
@@ -17,6 +16,32 @@
 /* As a mesh's, but for the fourth byte. */
 #define ARM_MAGIC   "\211DPK\r\n\032\n"
 #define ARM_VERSION 1u
+
+/* As dpt_arm_joint and dpt_arm_link of kinematics.h. */
+struct arm_joint {
+    uint32_t bytes; /* of the record */
+    uint32_t kind;
+    double lower;
+    double upper;
+    double velocity;
+    double effort;
+    double damping;
+    double friction;
+    char name[DPT_ARM_NAME];
+};
+
+struct arm_link {
+    uint32_t bytes; /* of the record */
+    uint32_t parent;
+    uint32_t joint;
+    uint32_t slides;
+    dpt_pose pose;
+    double axis[3];
+    double factor;
+    double offset;
+    double mass;
+    double centre[3];
+};
 
 struct arm_body {
     uint64_t mesh_offset;
@@ -48,20 +73,20 @@ struct dpt_arm {
 };
 
 typedef char arm_header_keeps_its_size[sizeof(struct dpt_arm) == 320 ? 1 : -1];
-typedef char arm_joint_keeps_its_size[sizeof(dpt_arm_joint) == 120 ? 1 : -1];
-typedef char arm_link_keeps_its_size[sizeof(dpt_arm_link) == 144 ? 1 : -1];
+typedef char arm_joint_keeps_its_size[sizeof(struct arm_joint) == 120 ? 1 : -1];
+typedef char arm_link_keeps_its_size[sizeof(struct arm_link) == 144 ? 1 : -1];
 typedef char arm_segment_keeps_its_size[sizeof(dpt_segment) == 56 ? 1 : -1];
 typedef char arm_body_keeps_its_size[sizeof(struct arm_body) == 136 ? 1 : -1];
 
 /* Places in a file, to name what is damaged. */
 enum { ARM_HEADER, ARM_JOINTS, ARM_LINKS, ARM_SEGMENTS, ARM_BODIES, ARM_PADDING };
 
-static inline const dpt_arm_joint *arm_joints(const struct dpt_arm *arm)
+static inline const struct arm_joint *arm_joints(const struct dpt_arm *arm)
 {
     return (const void *)(arm + 1);
 }
 
-static inline const dpt_arm_link *arm_links(const struct dpt_arm *arm)
+static inline const struct arm_link *arm_links(const struct dpt_arm *arm)
 {
     return (const void *)(arm_joints(arm) + arm->joints);
 }
@@ -79,8 +104,9 @@ static inline const struct arm_body *arm_bodies(const struct dpt_arm *arm)
 /* Where the records end, by the header's counts. */
 static inline uint64_t arm_records_end(const struct dpt_arm *arm)
 {
-    return sizeof *arm + arm->joints * sizeof(dpt_arm_joint) + arm->links * sizeof(dpt_arm_link) +
-           arm->segments * sizeof(dpt_segment) + arm->bodies * sizeof(struct arm_body);
+    return sizeof *arm + arm->joints * sizeof(struct arm_joint) +
+           arm->links * sizeof(struct arm_link) + arm->segments * sizeof(dpt_segment) +
+           arm->bodies * sizeof(struct arm_body);
 }
 
 /* The checksum of a file as it lies. */
@@ -99,7 +125,7 @@ static inline uint32_t arm_crc(const void *bytes, size_t size)
 static inline uint32_t arm_path(const struct dpt_arm *arm, uint32_t link,
                                 uint8_t path[DPT_ARM_LINKS_MAX])
 {
-    const dpt_arm_link *links = arm_links(arm);
+    const struct arm_link *links = arm_links(arm);
     uint32_t count = 0, at = 0;
     for (uint32_t i = link; i != DPT_NONE; i = links[i].parent)
         count++;
@@ -120,15 +146,16 @@ static inline void arm_swap_header(struct dpt_arm *arm)
 /* And those of the records behind it; `arm` is the header in the host's order, `bytes` the file. */
 static inline void arm_swap_records(const struct dpt_arm *arm, void *bytes)
 {
-    const size_t first4 = offsetof(dpt_arm_joint, lower), first8 = offsetof(dpt_arm_link, pose);
+    const size_t first4 = offsetof(struct arm_joint, lower),
+                 first8 = offsetof(struct arm_link, pose);
     char *at = (char *)bytes + sizeof *arm;
-    for (uint32_t i = 0; i < arm->joints; i++, at += sizeof(dpt_arm_joint)) {
+    for (uint32_t i = 0; i < arm->joints; i++, at += sizeof(struct arm_joint)) {
         mesh_swap4(at, first4 / 4);
-        mesh_swap8(at + first4, (offsetof(dpt_arm_joint, name) - first4) / 8);
+        mesh_swap8(at + first4, (offsetof(struct arm_joint, name) - first4) / 8);
     }
-    for (uint32_t i = 0; i < arm->links; i++, at += sizeof(dpt_arm_link)) {
+    for (uint32_t i = 0; i < arm->links; i++, at += sizeof(struct arm_link)) {
         mesh_swap4(at, first8 / 4);
-        mesh_swap8(at + first8, (sizeof(dpt_arm_link) - first8) / 8);
+        mesh_swap8(at + first8, (sizeof(struct arm_link) - first8) / 8);
     }
     for (uint32_t i = 0; i < arm->segments; i++, at += sizeof(dpt_segment))
         mesh_swap8(at, sizeof(dpt_segment) / 8);

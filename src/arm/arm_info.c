@@ -1,30 +1,32 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What an open arm tells of itself. */
 #include "arm/arm_format.h"
+#include "base/return_if_error.h"
+#include "base/sized.h"
 
 dpt_result dpt_arm_get_info(const dpt_arm *arm, dpt_arm_info *info)
 {
     if (!arm || !info)
         return DPT_E_ARGUMENT;
-    if (info->size < sizeof *info)
-        return DPT_E_SIZE;
-    info->format_version = arm->version;
-    info->joints = arm->joints;
-    info->links = arm->links;
-    info->segments = arm->segments;
-    info->bodies = arm->bodies;
-    info->tool_link = arm->tool_link;
-    info->reserved = 0;
-    info->mass = 0.0;
+    DPT_TRY(sized_check(info, sizeof *info, 0));
+    dpt_arm_info own = {
+        .format_version = arm->version,
+        .joints = arm->joints,
+        .links = arm->links,
+        .segments = arm->segments,
+        .bodies = arm->bodies,
+        .tool_link = arm->tool_link,
+        .tool = arm->tool,
+        .source_bytes = arm->source_bytes,
+        .source_hash = arm->source_hash,
+        .bytes = arm->bytes,
+    };
     for (uint32_t i = 0; i < arm->links; i++)
-        info->mass += arm_links(arm)[i].mass;
-    info->tool = arm->tool;
-    info->source_bytes = arm->source_bytes;
-    info->source_hash = arm->source_hash;
-    info->bytes = arm->bytes;
-    memcpy(info->name, arm->name, sizeof info->name);
-    memcpy(info->root_name, arm->root_name, sizeof info->root_name);
-    memcpy(info->tool_name, arm->tool_name, sizeof info->tool_name);
+        own.mass += arm_links(arm)[i].mass;
+    memcpy(own.name, arm->name, sizeof own.name);
+    memcpy(own.root_name, arm->root_name, sizeof own.root_name);
+    memcpy(own.tool_name, arm->tool_name, sizeof own.tool_name);
+    sized_write(info, info->size, &own, sizeof own);
     return DPT_OK;
 }
 
@@ -32,11 +34,19 @@ dpt_result dpt_arm_get_joint(const dpt_arm *arm, uint32_t index, dpt_arm_joint *
 {
     if (!arm || !joint || index >= arm->joints)
         return DPT_E_ARGUMENT;
-    if (joint->size < sizeof *joint)
-        return DPT_E_SIZE;
-    const uint32_t size = joint->size;
-    *joint = arm_joints(arm)[index];
-    joint->size = size;
+    DPT_TRY(sized_check(joint, sizeof *joint, 0));
+    const struct arm_joint *record = &arm_joints(arm)[index];
+    dpt_arm_joint own = {
+        .kind = record->kind,
+        .lower = record->lower,
+        .upper = record->upper,
+        .velocity = record->velocity,
+        .effort = record->effort,
+        .damping = record->damping,
+        .friction = record->friction,
+    };
+    memcpy(own.name, record->name, sizeof own.name);
+    sized_write(joint, joint->size, &own, sizeof own);
     return DPT_OK;
 }
 
@@ -44,11 +54,20 @@ dpt_result dpt_arm_get_link(const dpt_arm *arm, uint32_t index, dpt_arm_link *li
 {
     if (!arm || !link || index >= arm->links)
         return DPT_E_ARGUMENT;
-    if (link->size < sizeof *link)
-        return DPT_E_SIZE;
-    const uint32_t size = link->size;
-    *link = arm_links(arm)[index];
-    link->size = size;
+    DPT_TRY(sized_check(link, sizeof *link, 0));
+    const struct arm_link *record = &arm_links(arm)[index];
+    dpt_arm_link own = {
+        .parent = record->parent,
+        .joint = record->joint,
+        .slides = record->slides,
+        .pose = record->pose,
+        .factor = record->factor,
+        .offset = record->offset,
+        .mass = record->mass,
+    };
+    memcpy(own.axis, record->axis, sizeof own.axis);
+    memcpy(own.centre, record->centre, sizeof own.centre);
+    sized_write(link, link->size, &own, sizeof own);
     return DPT_OK;
 }
 
@@ -56,14 +75,13 @@ dpt_result dpt_arm_get_body(const dpt_arm *arm, uint32_t index, dpt_arm_body *bo
 {
     if (!arm || !body || index >= arm->bodies)
         return DPT_E_ARGUMENT;
-    if (body->size < sizeof *body)
-        return DPT_E_SIZE;
+    DPT_TRY(sized_check(body, sizeof *body, 0));
     const struct arm_body *record = &arm_bodies(arm)[index];
-    body->reserved = 0;
-    body->pose = record->pose;
-    body->mesh = (const void *)((const char *)arm + record->mesh_offset);
-    body->mesh_bytes = (size_t)record->mesh_bytes;
-    memcpy(body->name, record->name, sizeof body->name);
+    dpt_arm_body own = { .pose = record->pose,
+                         .mesh = (const void *)((const char *)arm + record->mesh_offset),
+                         .mesh_bytes = (size_t)record->mesh_bytes };
+    memcpy(own.name, record->name, sizeof own.name);
+    sized_write(body, body->size, &own, sizeof own);
     return DPT_OK;
 }
 

@@ -51,7 +51,7 @@ static void shift(struct moving *frame, uint32_t joints, vec3 step)
 }
 
 /* From the parent's frame to the link's. */
-static void follow(struct moving *frame, uint32_t joints, const dpt_arm_link *link, double joint)
+static void follow(struct moving *frame, uint32_t joints, const struct arm_link *link, double joint)
 {
     const double motion = link->factor * joint + link->offset;
     shift(frame, joints, turned(frame->turn, vec3_of(link->pose.position)));
@@ -77,7 +77,7 @@ static void find_frame(const struct dpt_arm *arm, const double *joints, uint32_t
     const uint32_t count = arm_path(arm, link, path);
     *frame = (struct moving){ .turn = { .w = 1.0 } };
     for (uint32_t i = 0; i < count; i++) {
-        const dpt_arm_link *next = &arm_links(arm)[path[i]];
+        const struct arm_link *next = &arm_links(arm)[path[i]];
         follow(frame, moves, next, joints[next->joint]);
     }
     shift(frame, moves, turned(frame->turn, vec3_of(point)));
@@ -173,7 +173,7 @@ dpt_result dpt_arm_weight(const dpt_arm *arm, const double *joints, const double
     double sum[DPT_JOINTS_MAX] = { 0.0 };
     struct moving frame;
     for (uint32_t i = 0; i < arm->links; i++) {
-        const dpt_arm_link *link = &arm_links(arm)[i];
+        const struct arm_link *link = &arm_links(arm)[i];
         if (link->mass == 0.0)
             continue;
         find_frame(arm, joints, arm->joints, i, link->centre, &frame);

@@ -5,6 +5,7 @@
  */
 #include "arm/arm_format.h"
 #include "base/return_if_error.h"
+#include "base/sized.h"
 #include "base/vec3.h"
 
 /* Of what is said to be of unit length; the compiler makes it so within a few roundings. */
@@ -19,9 +20,9 @@ static dpt_result fail(dpt_mesh_fault *fault, dpt_result code, uint64_t byte, in
         "header", "joints", "links", "segments", "bodies", "padding"
     };
     if (fault) {
-        fault->code = code;
-        fault->byte = byte;
-        memcpy(fault->section, names[section], sizeof fault->section);
+        dpt_mesh_fault own = { .code = code, .byte = byte };
+        memcpy(own.section, names[section], sizeof own.section);
+        sized_write(fault, fault->size, &own, sizeof own);
     }
     return code;
 }
@@ -136,11 +137,11 @@ static dpt_result check_name(const struct dpt_arm *arm, int section, const char 
     return DPT_OK;
 }
 
-static dpt_result check_joint(const struct dpt_arm *arm, const dpt_arm_joint *joint,
+static dpt_result check_joint(const struct dpt_arm *arm, const struct arm_joint *joint,
                               dpt_mesh_fault *fault)
 {
-    if (joint->size != sizeof *joint)
-        return fail_at(fault, DPT_E_LAYOUT, arm, ARM_JOINTS, &joint->size);
+    if (joint->bytes != sizeof *joint)
+        return fail_at(fault, DPT_E_LAYOUT, arm, ARM_JOINTS, &joint->bytes);
     if (joint->kind > DPT_JOINT_PRISMATIC)
         return fail_at(fault, DPT_E_INDEX, arm, ARM_JOINTS, &joint->kind);
     DPT_TRY(check_lengths(arm, ARM_JOINTS, &joint->lower, 1, fault));
@@ -157,9 +158,9 @@ static dpt_result check_joint(const struct dpt_arm *arm, const dpt_arm_joint *jo
 
 static dpt_result check_link(const struct dpt_arm *arm, uint32_t index, dpt_mesh_fault *fault)
 {
-    const dpt_arm_link *link = &arm_links(arm)[index];
-    if (link->size != sizeof *link)
-        return fail_at(fault, DPT_E_LAYOUT, arm, ARM_LINKS, &link->size);
+    const struct arm_link *link = &arm_links(arm)[index];
+    if (link->bytes != sizeof *link)
+        return fail_at(fault, DPT_E_LAYOUT, arm, ARM_LINKS, &link->bytes);
     if (link->parent != DPT_NONE && link->parent >= index)
         return fail_at(fault, DPT_E_INDEX, arm, ARM_LINKS, &link->parent);
     if (link->joint >= arm->joints)
@@ -179,11 +180,11 @@ static dpt_result check_link(const struct dpt_arm *arm, uint32_t index, dpt_mesh
 /* Those that lead to the tool come first, in their order; and each moves a link as its kind says. */
 static dpt_result check_order(const struct dpt_arm *arm, dpt_mesh_fault *fault)
 {
-    const dpt_arm_link *links = arm_links(arm);
+    const struct arm_link *links = arm_links(arm);
     uint8_t path[DPT_ARM_LINKS_MAX];
     uint32_t count = arm_path(arm, arm->tool_link, path), met = 0, moved = 0;
     for (uint32_t i = 0; i < count; i++) {
-        const dpt_arm_link *link = &links[path[i]];
+        const struct arm_link *link = &links[path[i]];
         if (link->joint > met)
             return fail_at(fault, DPT_E_INDEX, arm, ARM_LINKS, &link->joint);
         met += link->joint == met;
@@ -247,8 +248,8 @@ static dpt_result begin(const void *bytes, size_t size, struct dpt_arm *arm, dpt
     const size_t known = sizeof arm->magic + 8;
     if (!bytes)
         return DPT_E_ARGUMENT;
-    if (fault && fault->size < sizeof *fault)
-        return DPT_E_SIZE;
+    if (fault)
+        DPT_TRY(sized_check(fault, sizeof *fault, 0));
     if ((uintptr_t)bytes % 8)
         return fail(fault, DPT_E_ALIGN, 0, ARM_HEADER);
     if (memcmp(bytes, ARM_MAGIC, size < 8 ? size : 8))

@@ -5,6 +5,7 @@
  */
 #include "arm/arm_format.h"
 #include "base/return_if_error.h"
+#include "base/sized.h"
 #include "base/vec3.h"
 #include "compile/model.h"
 #include "compile/text.h"
@@ -22,26 +23,27 @@ static const struct reason {
     { "header", offsetof(struct dpt_arm, tool.orientation),
       "its orientation is not of unit length" },
     { "joints", 0, "no link moves by it as its kind says" },
-    { "joints", offsetof(dpt_arm_joint, kind), "there is no such kind" },
-    { "joints", offsetof(dpt_arm_joint, lower),
+    { "joints", offsetof(struct arm_joint, kind), "there is no such kind" },
+    { "joints", offsetof(struct arm_joint, lower),
       "its lower limit is not within 1e6, or not 0 though it is continuous" },
-    { "joints", offsetof(dpt_arm_joint, upper),
+    { "joints", offsetof(struct arm_joint, upper),
       "its upper limit is below the lower, or above 1e6" },
-    { "joints", offsetof(dpt_arm_joint, velocity), "its velocity is negative or not finite" },
-    { "joints", offsetof(dpt_arm_joint, effort), "its effort is negative or not finite" },
-    { "joints", offsetof(dpt_arm_joint, damping), "its damping is negative or not finite" },
-    { "joints", offsetof(dpt_arm_joint, friction), "its friction is negative or not finite" },
-    { "links", offsetof(dpt_arm_link, parent), "its parent is no link before it" },
-    { "links", offsetof(dpt_arm_link, joint),
+    { "joints", offsetof(struct arm_joint, velocity), "its velocity is negative or not finite" },
+    { "joints", offsetof(struct arm_joint, effort), "its effort is negative or not finite" },
+    { "joints", offsetof(struct arm_joint, damping), "its damping is negative or not finite" },
+    { "joints", offsetof(struct arm_joint, friction), "its friction is negative or not finite" },
+    { "links", offsetof(struct arm_link, parent), "its parent is no link before it" },
+    { "links", offsetof(struct arm_link, joint),
       "its joint is not there, or comes too early on the way to the tool" },
-    { "links", offsetof(dpt_arm_link, slides), "slides is neither 0 nor 1" },
-    { "links", offsetof(dpt_arm_link, pose.position), "its position is not within 1e6 m" },
-    { "links", offsetof(dpt_arm_link, pose.orientation), "its orientation is not of unit length" },
-    { "links", offsetof(dpt_arm_link, axis), "its axis is not of unit length" },
-    { "links", offsetof(dpt_arm_link, factor), "its factor is 0 or not within 1e6" },
-    { "links", offsetof(dpt_arm_link, offset), "its offset is not within 1e6" },
-    { "links", offsetof(dpt_arm_link, mass), "its mass is negative, or above 1e6 kg" },
-    { "links", offsetof(dpt_arm_link, centre), "its centre is not within 1e6 m" },
+    { "links", offsetof(struct arm_link, slides), "slides is neither 0 nor 1" },
+    { "links", offsetof(struct arm_link, pose.position), "its position is not within 1e6 m" },
+    { "links", offsetof(struct arm_link, pose.orientation),
+      "its orientation is not of unit length" },
+    { "links", offsetof(struct arm_link, axis), "its axis is not of unit length" },
+    { "links", offsetof(struct arm_link, factor), "its factor is 0 or not within 1e6" },
+    { "links", offsetof(struct arm_link, offset), "its offset is not within 1e6" },
+    { "links", offsetof(struct arm_link, mass), "its mass is negative, or above 1e6 kg" },
+    { "links", offsetof(struct arm_link, centre), "its centre is not within 1e6 m" },
     { "segments", offsetof(dpt_segment, a), "an end is not within 1e6 m" },
     { "segments", offsetof(dpt_segment, radius), "its radius is negative, or above 1e6 m" },
     { "bodies", offsetof(struct arm_body, pose.position), "its position is not within 1e6 m" },
@@ -76,8 +78,8 @@ static dpt_result refuse(soup *source, const struct dpt_arm *arm, const dpt_mesh
     const struct {
         const char *section, *what;
         size_t count, width;
-    } records[] = { { "joints", "joint", arm->joints, sizeof(dpt_arm_joint) },
-                    { "links", "link", arm->links, sizeof(dpt_arm_link) },
+    } records[] = { { "joints", "joint", arm->joints, sizeof(struct arm_joint) },
+                    { "links", "link", arm->links, sizeof(struct arm_link) },
                     { "segments", "segment", arm->segments, sizeof(dpt_segment) },
                     { "bodies", "body", arm->bodies, sizeof(struct arm_body) } };
     uint64_t byte = fault->byte;
@@ -101,6 +103,36 @@ static dpt_result refuse(soup *source, const struct dpt_arm *arm, const dpt_mesh
     return soup_fail(source, fault->code, nowhere, "a body's mesh is damaged");
 }
 
+/* Item i of an array of the def's, by the rule of base/sized.h. */
+static dpt_result take(soup *source, const char *what, const void *array, uint32_t i, void *own,
+                       size_t today)
+{
+    const uint32_t size = sized_of(array);
+    dpt_result result =
+        size % 8 ? DPT_E_SIZE : sized_take(sized_item(array, i), size, today, own, today);
+    if (result == DPT_E_UNSUPPORTED)
+        return soup_fail(source, result, nowhere, "%s %u: it has fields of a newer version", what,
+                         i);
+    if (result != DPT_OK)
+        return soup_fail(source, result, nowhere, "%s 0: its size is not set", what);
+    return DPT_OK;
+}
+
+static dpt_result take_joint(soup *source, const dpt_arm_def *def, uint32_t i, dpt_arm_joint *joint)
+{
+    return take(source, "joint", def->joints, i, joint, sizeof *joint);
+}
+
+static dpt_result take_link(soup *source, const dpt_arm_def *def, uint32_t i, dpt_arm_link *link)
+{
+    return take(source, "link", def->links, i, link, sizeof *link);
+}
+
+static dpt_result take_body(soup *source, const dpt_arm_def *def, uint32_t i, dpt_arm_body *body)
+{
+    return take(source, "body", def->bodies, i, body, sizeof *body);
+}
+
 /* The counts, and what lies behind the pointers as far as its sizes tell. */
 static dpt_result check_def(soup *source, const dpt_arm_def *def)
 {
@@ -121,16 +153,10 @@ static dpt_result check_def(soup *source, const dpt_arm_def *def)
         if (arrays[i].count && !arrays[i].array)
             return soup_fail(source, DPT_E_ARGUMENT, nowhere, "no array of %s", arrays[i].what);
     }
-    for (uint32_t i = 0; i < def->joint_count; i++)
-        if (def->joints[i].size < sizeof *def->joints)
-            return soup_fail(source, DPT_E_SIZE, nowhere, "joint %u: its size is not set", i);
-    for (uint32_t i = 0; i < def->link_count; i++)
-        if (def->links[i].size < sizeof *def->links)
-            return soup_fail(source, DPT_E_SIZE, nowhere, "link %u: its size is not set", i);
     for (uint32_t i = 0; i < def->body_count; i++) {
-        if (def->bodies[i].size < sizeof *def->bodies)
-            return soup_fail(source, DPT_E_SIZE, nowhere, "body %u: its size is not set", i);
-        if (!def->bodies[i].mesh)
+        dpt_arm_body body;
+        DPT_TRY(take_body(source, def, i, &body));
+        if (!body.mesh)
             return soup_fail(source, DPT_E_ARGUMENT, nowhere, "body %u: it has no mesh", i);
     }
     return DPT_OK;
@@ -166,32 +192,52 @@ static void make_unit(double *number, int count)
 
 static dpt_result put_records(soup *source, const dpt_arm_def *def, struct dpt_arm *arm)
 {
-    dpt_arm_joint *joints = (void *)(arm + 1);
-    dpt_arm_link *links = (void *)(joints + arm->joints);
+    struct arm_joint *joints = (void *)(arm + 1);
+    struct arm_link *links = (void *)(joints + arm->joints);
     dpt_segment *segments = (void *)(links + arm->links);
     struct arm_body *bodies = (void *)(segments + arm->segments);
     uint64_t end = arm_records_end(arm);
     for (uint32_t i = 0; i < arm->joints; i++) {
-        joints[i] = def->joints[i];
-        joints[i].size = sizeof *joints;
-        if (!put_name(joints[i].name, def->joints[i].name))
+        dpt_arm_joint from;
+        DPT_TRY(take_joint(source, def, i, &from));
+        joints[i] = (struct arm_joint){ .bytes = sizeof *joints,
+                                        .kind = from.kind,
+                                        .lower = from.lower,
+                                        .upper = from.upper,
+                                        .velocity = from.velocity,
+                                        .effort = from.effort,
+                                        .damping = from.damping,
+                                        .friction = from.friction };
+        if (!put_name(joints[i].name, from.name))
             return name_too_long(source, "joint", i);
     }
     for (uint32_t i = 0; i < arm->links; i++) {
-        links[i] = def->links[i];
-        links[i].size = sizeof *links;
+        dpt_arm_link from;
+        DPT_TRY(take_link(source, def, i, &from));
+        links[i] = (struct arm_link){ .bytes = sizeof *links,
+                                      .parent = from.parent,
+                                      .joint = from.joint,
+                                      .slides = from.slides,
+                                      .pose = from.pose,
+                                      .factor = from.factor,
+                                      .offset = from.offset,
+                                      .mass = from.mass };
+        memcpy(links[i].axis, from.axis, sizeof from.axis);
+        memcpy(links[i].centre, from.centre, sizeof from.centre);
         make_unit(links[i].pose.orientation, 4);
         make_unit(links[i].axis, 3);
     }
     if (arm->segments)
         memcpy(segments, def->segments, arm->segments * sizeof *segments);
     for (uint32_t i = 0; i < arm->bodies; i++) {
-        const struct dpt_mesh *mesh = def->bodies[i].mesh;
+        dpt_arm_body from;
+        DPT_TRY(take_body(source, def, i, &from));
+        const struct dpt_mesh *mesh = from.mesh;
         bodies[i].mesh_offset = mesh_aligned(end);
         bodies[i].mesh_bytes = mesh->bytes;
-        bodies[i].pose = def->bodies[i].pose;
+        bodies[i].pose = from.pose;
         make_unit(bodies[i].pose.orientation, 4);
-        if (!put_name(bodies[i].name, def->bodies[i].name))
+        if (!put_name(bodies[i].name, from.name))
             return name_too_long(source, "body", i);
         memcpy((char *)arm + bodies[i].mesh_offset, mesh, (size_t)mesh->bytes);
         end = bodies[i].mesh_offset + mesh->bytes;
@@ -220,8 +266,11 @@ static dpt_result put_header(soup *source, const dpt_arm_def *def, struct dpt_ar
         return soup_fail(source, DPT_E_LIMIT, nowhere,
                          "name, root_name or tool_name has more than %d bytes", DPT_ARM_NAME - 1);
     arm->bytes = arm_records_end(arm);
-    for (uint32_t i = 0; i < arm->bodies; i++)
-        arm->bytes = mesh_aligned(arm->bytes) + def->bodies[i].mesh->bytes;
+    for (uint32_t i = 0; i < arm->bodies; i++) {
+        dpt_arm_body body;
+        DPT_TRY(take_body(source, def, i, &body));
+        arm->bytes = mesh_aligned(arm->bytes) + body.mesh->bytes;
+    }
     return DPT_OK;
 }
 
@@ -283,18 +332,22 @@ dpt_result dpt_compile_arm(const dpt_arm_def *def, dpt_compiled *out, dpt_diag *
     if (!out)
         return DPT_E_ARGUMENT;
     *out = (dpt_compiled){ NULL, 0 };
-    if (diag && diag->size < sizeof *diag)
-        return DPT_E_SIZE;
     if (diag)
-        *diag = (dpt_diag){ .size = diag->size };
+        DPT_TRY(sized_check(diag, sizeof *diag, 0));
+    if (diag)
+        sized_write(diag, diag->size, &spare, sizeof spare);
     soup_init(&source, NULL, diag ? diag : &spare);
     if (!def)
         return soup_fail(&source, DPT_E_ARGUMENT, nowhere, "no def");
-    if (def->size < sizeof *def)
-        return soup_fail(&source, DPT_E_SIZE, nowhere, "the def's size field is not set");
-    if (def->reserved)
+    dpt_arm_def own;
+    dpt_result result = sized_read(def, sizeof own, &own, sizeof own);
+    if (result == DPT_E_UNSUPPORTED)
+        return soup_fail(&source, result, nowhere, "the def has fields of a newer version");
+    if (result != DPT_OK)
+        return soup_fail(&source, result, nowhere, "the def's size field is not set");
+    if (own.reserved)
         return soup_fail(&source, DPT_E_ARGUMENT, nowhere, "the def's reserved field is not NULL");
-    dpt_result result = compile_arm(&source, def, out);
+    result = compile_arm(&source, &own, out);
     if (result != DPT_OK)
         dpt_compiled_free(out);
     return result;

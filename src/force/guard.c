@@ -2,15 +2,14 @@
 /* The guard (guard.h): a ramp up, a ramp down, limits. */
 #include <string.h>
 
+#include "base/return_if_error.h"
+#include "base/sized.h"
 #include "base/wrench_limit.h"
 #include "dynpoint/guard.h"
-
-enum { DEF_SIZE_MOST = 4096 };
 
 void dpt_guard_def_defaults(dpt_guard_def *def, size_t size)
 {
     const dpt_guard_def defaults = {
-        .size = (uint32_t)size,
         .force_max = 5.0,
         .torque_max = 0.2,
         .force_slew = 2000.0,
@@ -19,10 +18,7 @@ void dpt_guard_def_defaults(dpt_guard_def *def, size_t size)
         .stop = 0.002,
         .start = 0.1,
     };
-    if (!def || size < sizeof defaults.size || size > DEF_SIZE_MOST)
-        return;
-    memset(def, 0, size);
-    memcpy(def, &defaults, size < sizeof defaults ? size : sizeof defaults);
+    sized_defaults(def, size, &defaults, sizeof defaults);
 }
 
 static int in_range(double value, double most)
@@ -30,32 +26,35 @@ static int in_range(double value, double most)
     return value >= 0.0 && value <= most;
 }
 
-dpt_result dpt_guard_init(dpt_guard *guard, const dpt_guard_def *def)
+static int def_is_valid(const dpt_guard_def *def)
 {
-    dpt_guard_def defaults;
+    return in_range(def->force_max, 1000.0) && in_range(def->torque_max, 1000.0) &&
+           in_range(def->force_slew, DBL_MAX) && in_range(def->torque_slew, DBL_MAX) &&
+           in_range(def->hold, 10.0) && in_range(def->stop, 10.0) && in_range(def->start, 100.0) &&
+           !def->reserved;
+}
+
+dpt_result dpt_guard_init(dpt_guard *guard, const dpt_guard_def *given)
+{
+    dpt_guard_def def;
     if (!guard)
         return DPT_E_ARGUMENT;
-    if (guard->size != sizeof *guard)
-        return DPT_E_SIZE;
-    memset(guard, 0, sizeof *guard);
-    dpt_guard_def_init(&defaults);
-    if (!def)
-        def = &defaults;
-    if (def->size != sizeof *def)
-        return DPT_E_SIZE;
-    if (!in_range(def->force_max, 1000.0) || !in_range(def->torque_max, 1000.0) ||
-        !in_range(def->force_slew, DBL_MAX) || !in_range(def->torque_slew, DBL_MAX) ||
-        !in_range(def->hold, 10.0) || !in_range(def->stop, 10.0) || !in_range(def->start, 100.0) ||
-        def->reserved)
+    DPT_TRY(sized_check(guard, sizeof *guard, 0));
+    const uint32_t size = guard->size;
+    memset(guard, 0, size); /* a guard that could not be made has no size, and gives no force */
+    dpt_guard_def_init(&def);
+    if (given)
+        DPT_TRY(sized_read(given, sizeof *given, &def, sizeof def));
+    if (!def_is_valid(&def))
         return DPT_E_ARGUMENT;
-    guard->size = sizeof *guard;
-    guard->hold_ns = (uint64_t)(def->hold * 1e9 + 0.5);
-    guard->stop_ns = (uint64_t)(def->stop * 1e9 + 0.5);
-    guard->force_max = def->force_max;
-    guard->torque_max = def->torque_max;
-    guard->force_slew = def->force_slew;
-    guard->torque_slew = def->torque_slew;
-    guard->start = def->start;
+    guard->size = size;
+    guard->hold_ns = (uint64_t)(def.hold * 1e9 + 0.5);
+    guard->stop_ns = (uint64_t)(def.stop * 1e9 + 0.5);
+    guard->force_max = def.force_max;
+    guard->torque_max = def.torque_max;
+    guard->force_slew = def.force_slew;
+    guard->torque_slew = def.torque_slew;
+    guard->start = def.start;
     return DPT_OK;
 }
 
@@ -140,7 +139,7 @@ void dpt_guard_step(dpt_guard *guard, uint64_t now_ns, const dpt_wrench *command
 {
     if (out)
         memset(out, 0, sizeof *out);
-    if (!guard || guard->size != sizeof *guard)
+    if (!guard || guard->size < sizeof *guard)
         return;
     double dt = 0.0;
     if (now_ns > guard->now_ns) {

@@ -2,6 +2,8 @@
 /* What an open mesh tells of itself. */
 #include "dynpoint/mesh.h"
 
+#include "base/return_if_error.h"
+#include "base/sized.h"
 #include "base/vec3.h"
 #include "mesh/surface_normal.h"
 
@@ -9,45 +11,42 @@ dpt_result dpt_mesh_get_info(const dpt_mesh *mesh, dpt_mesh_info *info)
 {
     if (!mesh || !info)
         return DPT_E_ARGUMENT;
-    const size_t older = offsetof(dpt_mesh_info, solid_components);
-    if (info->size < older)
-        return DPT_E_SIZE;
-    info->format_version = mesh->version;
-    info->triangles = mesh->triangles;
-    info->vertices = mesh->vertices;
-    info->source_triangles = mesh->source_triangles;
-    info->source_vertices = mesh->source_vertices;
-    info->dropped_degenerate = mesh->dropped_degenerate;
-    info->dropped_duplicate = mesh->dropped_duplicate;
-    info->unused_vertices = mesh->unused_vertices;
-    info->concave_polygons = mesh->concave_polygons;
-    info->open_edges = mesh->open_edges;
-    info->nonmanifold_edges = mesh->nonmanifold_edges;
-    info->wrong_way_edges = mesh->wrong_way_edges;
-    info->components = mesh->parts;
-    info->closed_components = mesh->closed_components;
-    info->inward_components = mesh->inward_components;
-    info->turned_triangles = mesh->turned_triangles;
-    info->tree_levels = mesh->levels;
-    info->scale = mesh->scale;
-    info->rounding = mesh->rounding;
-    memcpy(info->box_min, mesh->box_min, sizeof info->box_min);
-    memcpy(info->box_max, mesh->box_max, sizeof info->box_max);
-    info->source_bytes = mesh->source_bytes;
-    info->source_hash = mesh->source_hash;
-    info->bytes = mesh->bytes;
+    DPT_TRY(sized_check(info, SIZED_FIRST(dpt_mesh_info, solid_components), 0));
     const struct mesh_tail tail = mesh_tail(mesh);
-    if (info->size < offsetof(dpt_mesh_info, crease_edges))
-        return DPT_OK;
-    info->solid_components = tail.solid_components;
-    info->cavities = tail.cavities;
-    info->winding_components = tail.winding_components;
-    info->buried_components = tail.buried_components;
-    if (info->size < sizeof *info)
-        return DPT_OK;
-    info->crease_edges = tail.crease_edges;
-    info->normalless_vertices = tail.normalless_vertices;
-    info->crease = tail.crease;
+    dpt_mesh_info own = {
+        .format_version = mesh->version,
+        .triangles = mesh->triangles,
+        .vertices = mesh->vertices,
+        .source_triangles = mesh->source_triangles,
+        .source_vertices = mesh->source_vertices,
+        .dropped_degenerate = mesh->dropped_degenerate,
+        .dropped_duplicate = mesh->dropped_duplicate,
+        .unused_vertices = mesh->unused_vertices,
+        .concave_polygons = mesh->concave_polygons,
+        .open_edges = mesh->open_edges,
+        .nonmanifold_edges = mesh->nonmanifold_edges,
+        .wrong_way_edges = mesh->wrong_way_edges,
+        .components = mesh->parts,
+        .closed_components = mesh->closed_components,
+        .inward_components = mesh->inward_components,
+        .turned_triangles = mesh->turned_triangles,
+        .tree_levels = mesh->levels,
+        .scale = mesh->scale,
+        .rounding = mesh->rounding,
+        .source_bytes = mesh->source_bytes,
+        .source_hash = mesh->source_hash,
+        .bytes = mesh->bytes,
+        .solid_components = tail.solid_components,
+        .cavities = tail.cavities,
+        .winding_components = tail.winding_components,
+        .buried_components = tail.buried_components,
+        .crease_edges = tail.crease_edges,
+        .normalless_vertices = tail.normalless_vertices,
+        .crease = tail.crease,
+    };
+    memcpy(own.box_min, mesh->box_min, sizeof own.box_min);
+    memcpy(own.box_max, mesh->box_max, sizeof own.box_max);
+    sized_write(info, info->size, &own, sizeof own);
     return DPT_OK;
 }
 
@@ -55,12 +54,13 @@ dpt_result dpt_mesh_get_section(const dpt_mesh *mesh, uint32_t index, dpt_mesh_s
 {
     if (!mesh || !section || index >= mesh->section_count)
         return DPT_E_ARGUMENT;
-    if (section->size < sizeof *section)
-        return DPT_E_SIZE;
-    section->crc32 = mesh->section[index].crc32;
-    section->offset = mesh->section[index].offset;
-    section->bytes = mesh->section[index].bytes;
-    memcpy(section->name, mesh->section[index].name, sizeof section->name);
+    DPT_TRY(sized_check(section, sizeof *section, 0));
+    const struct mesh_section *record = &mesh->section[index];
+    dpt_mesh_section own = { .crc32 = record->crc32,
+                             .offset = record->offset,
+                             .bytes = record->bytes };
+    memcpy(own.name, record->name, sizeof own.name);
+    sized_write(section, section->size, &own, sizeof own);
     return DPT_OK;
 }
 

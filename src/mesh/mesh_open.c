@@ -5,6 +5,7 @@
  */
 #include "base/crc32.h"
 #include "base/return_if_error.h"
+#include "base/sized.h"
 #include "base/vec3.h"
 #include "dynpoint/mesh.h"
 #include "mesh/mesh_swap.h"
@@ -12,9 +13,9 @@
 static dpt_result fail(dpt_mesh_fault *fault, dpt_result code, uint64_t byte, int section)
 {
     if (fault) {
-        fault->code = code;
-        fault->byte = byte;
-        mesh_section_name(section, fault->section);
+        dpt_mesh_fault own = { .code = code, .byte = byte };
+        mesh_section_name(section, own.section);
+        sized_write(fault, fault->size, &own, sizeof own);
     }
     return code;
 }
@@ -221,8 +222,8 @@ static dpt_result begin(const void *bytes, size_t size, dpt_mesh_fault *fault)
     const size_t known = sizeof((struct dpt_mesh *)0)->magic + 8;
     if (!bytes)
         return DPT_E_ARGUMENT;
-    if (fault && fault->size < sizeof *fault)
-        return DPT_E_SIZE;
+    if (fault)
+        DPT_TRY(sized_check(fault, sizeof *fault, 0));
     if ((uintptr_t)bytes % 8)
         return fail(fault, DPT_E_ALIGN, 0, MESH_HEADER);
     size_t magic = size < 8 ? size : 8;

@@ -2,6 +2,7 @@
 #include "dynpoint/query.h"
 
 #include "base/return_if_error.h"
+#include "base/sized.h"
 #include "contact/gap.h"
 
 /* Fourth powers of lengths are formed. */
@@ -41,13 +42,12 @@ struct query {
 static dpt_result prepare(struct query *query, const dpt_mesh *mesh, const dpt_pose *pose, size_t n,
                           const dpt_query_def *def)
 {
-    if (def && def->size < sizeof *def)
-        return DPT_E_SIZE;
-    if (def && def->reserved)
+    dpt_query_def own = { .method = DPT_METHOD_EXACT, .kernel = DPT_KERNEL_AUTO };
+    if (def)
+        DPT_TRY(sized_read(def, sizeof *def, &own, sizeof own));
+    if (own.reserved)
         return DPT_E_ARGUMENT;
-    uint32_t method = def ? def->method : DPT_METHOD_EXACT;
-    uint32_t kernel = def ? def->kernel : DPT_KERNEL_AUTO;
-    uint32_t chosen;
+    uint32_t method = own.method, kernel = own.kernel, chosen;
     if (method > DPT_METHOD_BRUTE)
         return DPT_E_ARGUMENT;
     /* To ask the processor takes longer than a query: for a few, the kernel that is always there. */
@@ -64,8 +64,7 @@ static dpt_result prepare(struct query *query, const dpt_mesh *mesh, const dpt_p
 static dpt_result answer(const struct query *query, const double *ends, double radius,
                          uint32_t *hint, dpt_hit *hit)
 {
-    uint32_t size = hit->size;
-    *hit = (dpt_hit){ .size = size, .status = DPT_STATUS_STALE, .triangle = DPT_NONE };
+    *hit = (dpt_hit){ .status = DPT_STATUS_STALE, .triangle = DPT_NONE };
     if (!vec3_within(ends, DPT_COORDINATE_MAX) || !vec3_within(ends + 3, DPT_COORDINATE_MAX) ||
         !(radius >= 0.0 && radius <= DPT_COORDINATE_MAX))
         return DPT_E_FINITE;
@@ -94,16 +93,15 @@ dpt_result dpt_query_segments(const dpt_mesh *mesh, const dpt_pose *pose, const 
         return mesh ? DPT_OK : DPT_E_ARGUMENT;
     if (!mesh || !ends || !hits)
         return DPT_E_ARGUMENT;
-    uint32_t size = hits[0].size;
-    if (size < sizeof *hits || size % 8)
-        return DPT_E_SIZE;
+    DPT_TRY(sized_check(hits, sizeof *hits, 1));
+    const uint32_t size = hits[0].size;
     DPT_TRY(prepare(&query, mesh, pose, n, def));
     dpt_result result = DPT_OK;
     uint32_t hint = DPT_NONE;
     for (size_t i = 0; i < n; i++) {
-        dpt_hit *hit = (void *)((char *)hits + i * size);
-        hit->size = size;
-        dpt_result one = answer(&query, ends + 6 * i, radii ? radii[i] : 0.0, &hint, hit);
+        dpt_hit hit;
+        dpt_result one = answer(&query, ends + 6 * i, radii ? radii[i] : 0.0, &hint, &hit);
+        sized_write((char *)hits + i * size, size, &hit, sizeof hit);
         result = one == DPT_OK ? result : one;
     }
     return result;

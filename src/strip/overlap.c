@@ -2,6 +2,7 @@
 /* How a tool stands to each triangle of a strip. */
 #include "base/frame.h"
 #include "base/return_if_error.h"
+#include "base/sized.h"
 #include "nearest/side.h"
 #include "strip/strip_state.h"
 
@@ -47,7 +48,6 @@ static void overlap_of(const struct surface *surface, const struct frame *frame,
     double distance = sqrt(found.distance2);
     double way = way_to_free(surface, place, a, u, radius, normal, height);
     *overlap = (dpt_overlap){
-        .size = overlap->size,
         .triangle = surface->sources[place],
         .flags = distance > 0.0 ? 0u : DPT_OVERLAP_CROSSING,
         .distance = distance,
@@ -68,9 +68,9 @@ void dpti_strip_overlaps(const struct dpt_strip *strip, const struct surface *su
     const uint32_t size = count ? overlaps[0].size : 0;
     const uint32_t *places = count ? mesh_words(strip->mesh, MESH_PLACES) : NULL;
     for (uint32_t i = 0; i < count; i++) {
-        dpt_overlap *overlap = (void *)((char *)overlaps + (size_t)i * size);
-        overlap->size = size;
-        overlap_of(surface, frame, a, u, radius, side, places[strip->triangles[i]], overlap);
+        dpt_overlap overlap;
+        overlap_of(surface, frame, a, u, radius, side, places[strip->triangles[i]], &overlap);
+        sized_write((char *)overlaps + (size_t)i * size, size, &overlap, sizeof overlap);
     }
 }
 
@@ -83,8 +83,8 @@ dpt_result dpt_strip_overlaps(const dpt_strip *strip, const dpt_mesh *mesh, cons
     if (!strip || !mesh || !segment || !count || (!overlaps && capacity) ||
         (side != 1 && side != -1) || (strip->count && strip->mesh != mesh))
         return DPT_E_ARGUMENT;
-    if (capacity && (overlaps[0].size < sizeof *overlaps || overlaps[0].size % 8))
-        return DPT_E_SIZE;
+    if (capacity)
+        DPT_TRY(sized_check(overlaps, sizeof *overlaps, 1));
     if (!vec3_within(segment->a, DPT_COORDINATE_MAX) ||
         !vec3_within(segment->b, DPT_COORDINATE_MAX) ||
         !(segment->radius >= 0.0 && segment->radius <= DPT_COORDINATE_MAX))

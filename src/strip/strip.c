@@ -3,6 +3,7 @@
 
 #include "base/frame.h"
 #include "base/return_if_error.h"
+#include "base/sized.h"
 #include "nearest/segment_triangle.h"
 #include "nearest/side.h"
 
@@ -47,50 +48,53 @@ static struct shares shares_of(const dpt_strip_def *def)
     return s;
 }
 
-static dpt_result take_def(const dpt_strip_def *def)
+static dpt_result take_def(const dpt_strip_def *given, dpt_strip_def *def)
 {
-    if (!def)
+    *def = (dpt_strip_def){ .size = sizeof *def };
+    if (!given)
         return DPT_E_ARGUMENT;
-    if (def->size != sizeof *def)
-        return DPT_E_SIZE;
+    DPT_TRY(sized_read(given, sizeof *def, def, sizeof *def));
     if (!def->capacity || def->capacity > CAPACITY_MOST || def->search > SEARCH_MOST ||
         def->reserved)
         return DPT_E_ARGUMENT;
     return DPT_OK;
 }
 
-size_t dpt_strip_bytes(const dpt_strip_def *def)
+size_t dpt_strip_bytes(const dpt_strip_def *given)
 {
-    if (take_def(def) != DPT_OK)
+    dpt_strip_def def;
+    if (take_def(given, &def) != DPT_OK)
         return 0;
-    uint64_t bytes = shares_of(def).all;
+    uint64_t bytes = shares_of(&def).all;
     return bytes <= SIZE_MAX ? (size_t)bytes : 0;
 }
 
-dpt_result dpt_strip_create(void *block, size_t bytes, const dpt_strip_def *def, dpt_strip **strip)
+dpt_result dpt_strip_create(void *block, size_t bytes, const dpt_strip_def *given,
+                            dpt_strip **strip)
 {
+    dpt_strip_def def;
     if (!block || !strip)
         return DPT_E_ARGUMENT;
-    DPT_TRY(take_def(def));
+    DPT_TRY(take_def(given, &def));
     if ((uintptr_t)block % 8)
         return DPT_E_ALIGN;
-    const struct shares s = shares_of(def);
+    const struct shares s = shares_of(&def);
     if (bytes < s.all)
         return DPT_E_MEMORY;
     memset(block, 0, (size_t)s.all);
     struct dpt_strip *made = block;
     char *base = block;
-    made->def = *def;
+    made->def = def;
     made->triangles = (void *)(base + s.triangles);
     made->walk.triangles = (void *)(base + s.walked);
     made->walk.vertices = (void *)(base + s.vertices);
     made->walk.slots = (void *)(base + s.walk_slots);
-    made->walk.slot_count = (uint32_t)power_of_two_from(2 * (uint64_t)def->capacity);
-    made->walk.room = def->capacity;
+    made->walk.slot_count = (uint32_t)power_of_two_from(2 * (uint64_t)def.capacity);
+    made->walk.room = def.capacity;
     made->search.slots = (void *)(base + s.slots);
     made->search.queue = (void *)(base + s.queue);
-    made->search.slot_count = (uint32_t)search_slots(def);
-    made->search.room = def->search;
+    made->search.slot_count = (uint32_t)search_slots(&def);
+    made->search.room = def.search;
     *strip = made;
     return DPT_OK;
 }
@@ -246,8 +250,9 @@ dpt_result dpt_strip_shadow(dpt_strip *strip, const dpt_mesh *mesh, const dpt_po
     dpti_strip_clear(strip, mesh);
     if (!mesh || !shadow)
         return DPT_E_ARGUMENT;
-    if (shadow->size != sizeof *shadow)
-        return DPT_E_SIZE;
+    dpt_shadow own;
+    DPT_TRY(sized_read(shadow, sizeof own, &own, sizeof own));
+    shadow = &own;
     uint32_t place;
     struct frame frame;
     struct shade shade;

@@ -13,6 +13,7 @@
  *         the sum of its segments
  */
 #include "base/return_if_error.h"
+#include "base/sized.h"
 #include "force/penalty.h"
 #include "world/baseline_method.h"
 #include "world/contacts.h"
@@ -148,13 +149,10 @@ static int gravity(uint32_t contact)
     }
 }
 
-/* The size that the first release gave its step. */
-enum { STEP_SIZE_FIRST = 24 };
-
 static void report(const struct dpt_world *world, dpt_step *to)
 {
     int any = 0;
-    dpt_step step = { .size = to->size }, *out = &step;
+    dpt_step step = { .work = 0 }, *out = &step;
     out->status = DPT_STATUS_EXACT;
     out->contact = DPT_CONTACT_SEPARATED;
     out->work = 0;
@@ -182,7 +180,7 @@ static void report(const struct dpt_world *world, dpt_step *to)
         out->status = DPT_STATUS_STALE;
         out->contact = DPT_CONTACT_UNKNOWN;
     }
-    memcpy(to, out, to->size < sizeof *out ? to->size : sizeof *out);
+    sized_write(to, to->size, &step, sizeof step);
 }
 
 dpt_result dpt_world_step(dpt_world *world, double dt, dpt_step *out)
@@ -190,11 +188,10 @@ dpt_result dpt_world_step(dpt_world *world, double dt, dpt_step *out)
     if (!world)
         return DPT_E_ARGUMENT;
     int only_track = world->def.until == DPT_UNTIL_TRACK && world->def.method != DPT_METHOD_PAPER;
-    dpt_result result = DPT_OK;
-    if (!(dt > 0.0 && within(dt, 1e6)))
+    dpt_result result = out ? sized_check(out, SIZED_FIRST(dpt_step, contacts), 0) : DPT_OK;
+    const int is_told = out && result == DPT_OK;
+    if (result == DPT_OK && !(dt > 0.0 && within(dt, 1e6)))
         result = DPT_E_ARGUMENT;
-    else if (out && out->size < STEP_SIZE_FIRST)
-        result = DPT_E_SIZE;
     for (uint32_t t = 0; t < world->tool_end; t++)
         if (world->tools[t].slot.used)
             (only_track ? dpti_tool_clear_hits : dpti_tool_clear)(world, &world->tools[t]);
@@ -205,7 +202,7 @@ dpt_result dpt_world_step(dpt_world *world, double dt, dpt_step *out)
     for (uint32_t t = 0; t < world->tool_end; t++)
         if (world->tools[t].slot.used && result == DPT_OK && !world->invalid)
             sum_up(world, &world->tools[t]);
-    if (out && result != DPT_E_SIZE)
+    if (is_told)
         report(world, out);
     return result;
 }

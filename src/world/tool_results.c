@@ -2,6 +2,7 @@
 #include "world/tool_results.h"
 
 #include "base/return_if_error.h"
+#include "base/sized.h"
 
 void dpti_tool_write_hit(struct segment *segment)
 {
@@ -54,13 +55,11 @@ dpt_result dpt_tool_get_segment_hit(const dpt_world *world, dpt_tool tool, uint3
     const struct segment *found;
     if (!world || !hit)
         return DPT_E_ARGUMENT;
-    uint32_t size = hit->size;
-    if (size < sizeof *hit)
-        return DPT_E_SIZE;
-    *hit = (dpt_hit){ .size = size, .status = DPT_STATUS_STALE, .triangle = DPT_NONE };
+    const dpt_hit stale = { .status = DPT_STATUS_STALE, .triangle = DPT_NONE };
+    DPT_TRY(sized_check(hit, sizeof *hit, 0));
+    sized_write(hit, hit->size, &stale, sizeof stale);
     DPT_TRY(find_segment(world, tool, segment, &found));
-    *hit = found->hit;
-    hit->size = size;
+    sized_write(hit, hit->size, &found->hit, sizeof found->hit);
     return DPT_OK;
 }
 
@@ -77,9 +76,10 @@ dpt_result dpt_tool_get_contacts(const dpt_world *world, dpt_tool tool, dpt_cont
         *count = 0;
     if (!world || !count || (!contacts && capacity))
         return DPT_E_ARGUMENT;
-    uint32_t size = capacity ? contacts[0].size : 0, found = 0;
-    if (capacity && (size < sizeof *contacts || size % 8))
-        return DPT_E_SIZE;
+    if (capacity)
+        DPT_TRY(sized_check(contacts, sizeof *contacts, 1));
+    const uint32_t size = capacity ? contacts[0].size : 0;
+    uint32_t found = 0;
     const struct tool *asked = world_find_tool(world, tool);
     if (!asked)
         return DPT_E_HANDLE;
@@ -88,11 +88,9 @@ dpt_result dpt_tool_get_contacts(const dpt_world *world, dpt_tool tool, dpt_cont
         for (uint32_t i = 0; i < holds->count; i++) {
             if (holds->hold[i].segment != s || holds->hold[i].unseen)
                 continue;
-            if (found < capacity) {
-                dpt_contact *contact = (void *)((char *)contacts + (size_t)found * size);
-                *contact = holds->hold[i].contact;
-                contact->size = size;
-            }
+            if (found < capacity)
+                sized_write((char *)contacts + (size_t)found * size, size, &holds->hold[i].contact,
+                            sizeof(dpt_contact));
             found++;
         }
     *count = found;
@@ -105,13 +103,11 @@ dpt_result dpt_tool_get_sweep(const dpt_world *world, dpt_tool tool, uint32_t se
     const struct segment *found;
     if (!world || !sweep)
         return DPT_E_ARGUMENT;
-    uint32_t size = sweep->size;
-    if (size < sizeof *sweep)
-        return DPT_E_SIZE;
-    *sweep = (dpt_sweep){ .size = size, .triangle = DPT_NONE };
+    const dpt_sweep none = { .triangle = DPT_NONE };
+    DPT_TRY(sized_check(sweep, sizeof *sweep, 0));
+    sized_write(sweep, sweep->size, &none, sizeof none);
     DPT_TRY(find_segment(world, tool, segment, &found));
-    *sweep = found->sweep;
-    sweep->size = size;
+    sized_write(sweep, sweep->size, &found->sweep, sizeof found->sweep);
     return DPT_OK;
 }
 

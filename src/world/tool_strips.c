@@ -2,6 +2,7 @@
 #include "world/tool_strips.h"
 
 #include "base/return_if_error.h"
+#include "base/sized.h"
 #include "nearest/side.h"
 
 /* A share of dpt_world_bytes. */
@@ -164,8 +165,8 @@ dpt_result dpt_tool_get_strip(const dpt_world *world, dpt_tool tool, uint32_t se
         *flags = 0;
     if (!world || !count || (!overlaps && capacity))
         return DPT_E_ARGUMENT;
-    if (capacity && (overlaps[0].size < sizeof *overlaps || overlaps[0].size % 8))
-        return DPT_E_SIZE;
+    if (capacity)
+        DPT_TRY(sized_check(overlaps, sizeof *overlaps, 1));
     const struct tool *asked = world_find_tool(world, tool);
     if (!asked)
         return DPT_E_HANDLE;

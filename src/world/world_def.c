@@ -1,16 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "world/world_def.h"
 
+#include "base/sized.h"
 #include "world/tool_strips.h"
-
-/* The size that the first release gave its def, and one that none will ever reach. */
-enum { DEF_SIZE_FIRST = 48, DEF_SIZE_MOST = 4096 };
-typedef char def_has_first_size[sizeof(dpt_world_def) >= DEF_SIZE_FIRST ? 1 : -1];
 
 void dpt_world_def_defaults(dpt_world_def *def, size_t size)
 {
     const dpt_world_def defaults = {
-        .size = (uint32_t)size,
         .max_bodies = 16,
         .max_tools = 4,
         .max_segments = 16,
@@ -22,10 +18,7 @@ void dpt_world_def_defaults(dpt_world_def *def, size_t size)
         .strip_capacity = 1024,
         .strip_search = 16384,
     };
-    if (!def || size < sizeof defaults.size || size > DEF_SIZE_MOST)
-        return;
-    memset(def, 0, size);
-    memcpy(def, &defaults, size < sizeof defaults ? size : sizeof defaults);
+    sized_defaults(def, size, &defaults, sizeof defaults);
 }
 
 /* Where the number of blocks still fits into 32 bits. */
@@ -40,16 +33,8 @@ dpt_result dpti_world_def_take(const dpt_world_def *given, dpt_world_def *def)
 {
     if (!given)
         return DPT_E_ARGUMENT;
-    uint32_t size = given->size;
-    if (size < DEF_SIZE_FIRST || size > DEF_SIZE_MOST)
-        return DPT_E_SIZE;
-    for (uint32_t i = sizeof *def; i < size; i++)
-        if (((const char *)given)[i])
-            return DPT_E_SIZE;
     dpt_world_def_defaults(def, sizeof *def);
-    memcpy(def, given, size < sizeof *def ? size : sizeof *def);
-    def->size = sizeof *def;
-    return DPT_OK;
+    return sized_read(given, SIZED_FIRST(dpt_world_def, certificate_bytes), def, sizeof *def);
 }
 
 static int strips_are_valid(const dpt_world_def *def)

@@ -5,10 +5,7 @@
 
 #include "world/world_state.h"
 
-/*
- * A caller's def, which may be older and shorter than ours (the rest gets defaults) or newer and longer
- * (then what we do not know must be 0).
- */
+/* A caller's def, by the rule of base/sized.h. */
 dpt_result dpti_world_def_take(const dpt_world_def *given, dpt_world_def *def);
 
 int dpti_world_def_is_valid(const dpt_world_def *def);

@@ -188,6 +188,7 @@ static void room_for_overlaps(void)
         dpt_overlap overlap;
         double newer[2];
     } longer[4];
+    static const double zeros[2];
     dpt_overlap two[3], all_of_it[64];
     uint32_t n = 0, told = 77;
     if (!subject_from_shape(&subject, "membrane", 200))
@@ -223,7 +224,7 @@ static void room_for_overlaps(void)
         CHECK(longer[i].overlap.triangle == all_of_it[i].triangle &&
                   longer[i].overlap.gap == all_of_it[i].gap &&
                   longer[i].overlap.size == sizeof *longer &&
-                  memcmp(longer[i].newer, longer[3].newer, sizeof longer[3].newer) == 0,
+                  memcmp(longer[i].newer, zeros, sizeof zeros) == 0,
               "longer %d", i);
     CHECK(longer[3].overlap.size == 0x5a5a5a5a, "wrote beyond");
     two[0].size = 8;

@@ -1,0 +1,440 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * Structs that begin with their size, of callers that are older or newer than the library: every function of the core
+ * and of the arms' compiler that takes or fills one, with the first release's size, today's, and 8 bytes more. What the
+ * fields mean is for other tests.
+ */
+#include <stddef.h>
+
+#include "lib/fixture.h"
+
+enum { ROOM = 1024, FAR_TOO_LARGE = 4104 };
+
+/* What every case asks of. */
+static struct fixture fixture;
+static dpt_compiled arm_bytes;
+static const dpt_arm *arm;
+static dpt_world *world;
+static dpt_tool tool;
+static dpt_strip *strip;
+
+struct sized {
+    const char *name;
+    size_t first, today;
+    dpt_result (*call)(void *given);
+};
+
+/* ---- what the library fills ---- */
+
+static dpt_result mesh_info(void *out)
+{
+    return dpt_mesh_get_info(fixture.mesh, out);
+}
+
+static dpt_result mesh_section(void *out)
+{
+    return dpt_mesh_get_section(fixture.mesh, 1, out);
+}
+
+/* Damaged: the answer is in the fault, and the code is that of the damage. */
+static dpt_result damaged(dpt_result result)
+{
+    return result == DPT_E_MAGIC ? DPT_OK : result;
+}
+
+static dpt_result mesh_fault(void *out)
+{
+    static const uint64_t bytes[8] = { 1 };
+    return damaged(dpt_mesh_verify(bytes, sizeof bytes, out));
+}
+
+static dpt_result arm_fault(void *out)
+{
+    static const uint64_t bytes[8] = { 1 };
+    return damaged(dpt_arm_verify(bytes, sizeof bytes, out));
+}
+
+static dpt_result arm_info(void *out)
+{
+    return dpt_arm_get_info(arm, out);
+}
+
+static dpt_result arm_joint(void *out)
+{
+    return dpt_arm_get_joint(arm, 0, out);
+}
+
+static dpt_result arm_link(void *out)
+{
+    return dpt_arm_get_link(arm, 0, out);
+}
+
+static dpt_result arm_body(void *out)
+{
+    return dpt_arm_get_body(arm, 0, out);
+}
+
+static dpt_result step(void *out)
+{
+    return dpt_world_step(world, 0.001, out);
+}
+
+static dpt_result hit(void *out)
+{
+    return dpt_tool_get_hit(world, tool, out);
+}
+
+static dpt_result contact(void *out)
+{
+    uint32_t count;
+    return dpt_tool_get_contacts(world, tool, out, 1, &count);
+}
+
+static dpt_result sweep(void *out)
+{
+    return dpt_tool_get_sweep(world, tool, 0, out);
+}
+
+static dpt_result tool_overlap(void *out)
+{
+    uint32_t count;
+    return dpt_tool_get_strip(world, tool, 0, out, 1, &count, NULL);
+}
+
+/* Through the middle of the mesh's box. */
+static dpt_segment segment;
+
+static dpt_result overlap(void *out)
+{
+    uint32_t count;
+    return dpt_strip_overlaps(strip, fixture.mesh, NULL, &segment, 1, out, 1, &count);
+}
+
+static dpt_result query_hit(void *out)
+{
+    const double ends[6] = { 2.0, 0.0, 0.0, 3.0, 0.0, 0.0 };
+    return dpt_query_segments(fixture.mesh, NULL, ends, NULL, 1, out, NULL);
+}
+
+static dpt_result guard(void *out)
+{
+    return dpt_guard_init(out, NULL);
+}
+
+static const struct sized outputs[] = {
+    { "dpt_mesh_info", offsetof(dpt_mesh_info, solid_components), sizeof(dpt_mesh_info),
+      mesh_info },
+    { "dpt_mesh_section", sizeof(dpt_mesh_section), sizeof(dpt_mesh_section), mesh_section },
+    { "dpt_mesh_fault", sizeof(dpt_mesh_fault), sizeof(dpt_mesh_fault), mesh_fault },
+    { "dpt_mesh_fault of an arm", sizeof(dpt_mesh_fault), sizeof(dpt_mesh_fault), arm_fault },
+    { "dpt_arm_info", sizeof(dpt_arm_info), sizeof(dpt_arm_info), arm_info },
+    { "dpt_arm_joint", sizeof(dpt_arm_joint), sizeof(dpt_arm_joint), arm_joint },
+    { "dpt_arm_link", sizeof(dpt_arm_link), sizeof(dpt_arm_link), arm_link },
+    { "dpt_arm_body", sizeof(dpt_arm_body), sizeof(dpt_arm_body), arm_body },
+    { "dpt_step", offsetof(dpt_step, contacts), sizeof(dpt_step), step },
+    { "dpt_hit", sizeof(dpt_hit), sizeof(dpt_hit), hit },
+    { "dpt_contact", sizeof(dpt_contact), sizeof(dpt_contact), contact },
+    { "dpt_sweep", sizeof(dpt_sweep), sizeof(dpt_sweep), sweep },
+    { "dpt_overlap of a tool", sizeof(dpt_overlap), sizeof(dpt_overlap), tool_overlap },
+    { "dpt_overlap", sizeof(dpt_overlap), sizeof(dpt_overlap), overlap },
+    { "dpt_guard", sizeof(dpt_guard), sizeof(dpt_guard), guard },
+    { "dpt_hit of a query", sizeof(dpt_hit), sizeof(dpt_hit), query_hit },
+};
+
+/* A block of `size` bytes that count, all of them 0x5a but the size. */
+static dpt_result fill(const struct sized *of, unsigned char block[ROOM], uint32_t size)
+{
+    memset(block, 0x5a, ROOM);
+    memcpy(block, &size, sizeof size);
+    return of->call(block);
+}
+
+static int all_are(const unsigned char *bytes, size_t from, size_t to, unsigned char value)
+{
+    for (size_t i = from; i < to; i++)
+        if (bytes[i] != value)
+            return 0;
+    return 1;
+}
+
+static void outputs_are_filled_as_far_as_they_go(void)
+{
+    _Alignas(8) unsigned char whole[ROOM], block[ROOM];
+    for (size_t i = 0; i < sizeof outputs / sizeof *outputs; i++) {
+        const struct sized *of = &outputs[i];
+        const uint32_t first = (uint32_t)of->first, today = (uint32_t)of->today;
+        CHECK(fill(of, whole, today) == DPT_OK, "%s: %s", of->name,
+              dpt_result_name(fill(of, whole, today)));
+        CHECK(!all_are(whole, sizeof first, today, 0x5a), "%s: nothing was filled in", of->name);
+        CHECK(fill(of, block, first - 8) == DPT_E_SIZE && all_are(block, 4, ROOM, 0x5a),
+              "%s: before the first release", of->name);
+        CHECK(fill(of, block, 0) == DPT_E_SIZE && fill(of, block, FAR_TOO_LARGE) == DPT_E_SIZE,
+              "%s: a size that is none", of->name);
+        CHECK(fill(of, block, first) == DPT_OK && all_are(block, first, ROOM, 0x5a) &&
+                  !memcmp(block + 4, whole + 4, first - 4),
+              "%s: of the first release", of->name);
+        CHECK(fill(of, block, today + 8) == DPT_OK && all_are(block, today, today + 8, 0) &&
+                  all_are(block, today + 8, ROOM, 0x5a) && !memcmp(block + 4, whole + 4, today - 4),
+              "%s: of a newer caller", of->name);
+        uint32_t size;
+        memcpy(&size, block, sizeof size);
+        CHECK(size == today + 8, "%s: its size became %u", of->name, size);
+    }
+}
+
+/* ---- what the library takes ---- */
+
+static dpt_result world_def(void *given)
+{
+    static uint64_t block[1 << 18];
+    dpt_world *made;
+    const size_t bytes = dpt_world_bytes(given);
+    dpt_result result = dpt_world_create(block, sizeof block, given, &made);
+    CHECK((result == DPT_OK) == (bytes > 0 && bytes <= sizeof block), "%zu bytes, %s", bytes,
+          dpt_result_name(result));
+    return result;
+}
+
+static dpt_result strip_def(void *given)
+{
+    static uint64_t block[1 << 13];
+    dpt_strip *made;
+    const size_t bytes = dpt_strip_bytes(given);
+    dpt_result result = dpt_strip_create(block, sizeof block, given, &made);
+    CHECK((result == DPT_OK) == (bytes > 0), "%zu bytes", bytes);
+    return result;
+}
+
+static dpt_result guard_def(void *given)
+{
+    dpt_guard made = { .size = sizeof made };
+    return dpt_guard_init(&made, given);
+}
+
+static dpt_result shadow(void *given)
+{
+    return dpt_strip_shadow(strip, fixture.mesh, NULL, given);
+}
+
+static dpt_result query_def(void *given)
+{
+    const double ends[6] = { 2.0, 0.0, 0.0, 3.0, 0.0, 0.0 };
+    dpt_hit answer = DPT_HIT_INIT;
+    return dpt_query_segments(fixture.mesh, NULL, ends, NULL, 1, &answer, given);
+}
+
+static dpt_arm_def arm_of(const dpt_arm_joint *joint, const dpt_arm_link *link,
+                          const dpt_arm_body *body)
+{
+    const dpt_pose identity = DPT_POSE_IDENTITY;
+    return (dpt_arm_def){ .size = sizeof(dpt_arm_def),
+                          .joint_count = 1,
+                          .link_count = 1,
+                          .body_count = 1,
+                          .tool = identity,
+                          .joints = joint,
+                          .links = link,
+                          .bodies = body };
+}
+
+static dpt_arm_joint a_joint;
+static dpt_arm_link a_link;
+static dpt_arm_body a_body;
+
+static dpt_result compile_arm(const dpt_arm_def *def)
+{
+    dpt_compiled out;
+    dpt_result result = dpt_compile_arm(def, &out, NULL);
+    dpt_compiled_free(&out);
+    return result;
+}
+
+static dpt_result arm_def(void *given)
+{
+    return compile_arm(given);
+}
+
+static dpt_result given_joint(void *given)
+{
+    const dpt_arm_def def = arm_of(given, &a_link, &a_body);
+    return compile_arm(&def);
+}
+
+static dpt_result given_link(void *given)
+{
+    const dpt_arm_def def = arm_of(&a_joint, given, &a_body);
+    return compile_arm(&def);
+}
+
+static dpt_result given_body(void *given)
+{
+    const dpt_arm_def def = arm_of(&a_joint, &a_link, given);
+    return compile_arm(&def);
+}
+
+static dpt_world_def a_world_def, defaults;
+static const dpt_strip_def a_strip_def = { sizeof a_strip_def, 64, 0, 0 };
+static dpt_guard_def a_guard_def;
+static const dpt_query_def a_query_def = { .size = sizeof a_query_def };
+static dpt_shadow a_shadow;
+static dpt_arm_def an_arm_def;
+
+static const struct {
+    struct sized of;
+    const void *good;
+} inputs[] = {
+    { { "dpt_world_def", offsetof(dpt_world_def, certificate_bytes), sizeof(dpt_world_def),
+        world_def },
+      &a_world_def },
+    { { "dpt_strip_def", sizeof(dpt_strip_def), sizeof(dpt_strip_def), strip_def }, &a_strip_def },
+    { { "dpt_guard_def", sizeof(dpt_guard_def), sizeof(dpt_guard_def), guard_def }, &a_guard_def },
+    { { "dpt_shadow", sizeof(dpt_shadow), sizeof(dpt_shadow), shadow }, &a_shadow },
+    { { "dpt_query_def", sizeof(dpt_query_def), sizeof(dpt_query_def), query_def }, &a_query_def },
+    { { "dpt_arm_def", sizeof(dpt_arm_def), sizeof(dpt_arm_def), arm_def }, &an_arm_def },
+    { { "dpt_arm_joint", sizeof(dpt_arm_joint), sizeof(dpt_arm_joint), given_joint }, &a_joint },
+    { { "dpt_arm_link", sizeof(dpt_arm_link), sizeof(dpt_arm_link), given_link }, &a_link },
+    { { "dpt_arm_body", sizeof(dpt_arm_body), sizeof(dpt_arm_body), given_body }, &a_body },
+};
+
+/* That input with another size; what lies behind what it has is `behind`. */
+static dpt_result give(const struct sized *of, const void *good, uint32_t size,
+                       unsigned char behind)
+{
+    _Alignas(8) unsigned char block[FAR_TOO_LARGE];
+    const size_t known = size < of->today ? size : of->today;
+    memset(block, behind, sizeof block);
+    memcpy(block, good, known);
+    memcpy(block, &size, sizeof size);
+    return of->call(block);
+}
+
+static void inputs_are_taken_as_far_as_they_go(void)
+{
+    for (size_t i = 0; i < sizeof inputs / sizeof *inputs; i++) {
+        const struct sized *of = &inputs[i].of;
+        const void *good = inputs[i].good;
+        const uint32_t first = (uint32_t)of->first, today = (uint32_t)of->today;
+        CHECK(give(of, good, today, 0x5a) == DPT_OK, "%s: %s", of->name,
+              dpt_result_name(give(of, good, today, 0x5a)));
+        CHECK(give(of, good, first, 0x5a) == DPT_OK, "%s: of the first release", of->name);
+        CHECK(give(of, good, first - 8, 0) == DPT_E_SIZE && give(of, good, 0, 0) == DPT_E_SIZE &&
+                  give(of, good, FAR_TOO_LARGE, 0) == DPT_E_SIZE,
+              "%s: a size that is none", of->name);
+        CHECK(give(of, good, today + 8, 0) == DPT_OK, "%s: newer, and zero", of->name);
+        CHECK(give(of, good, today + 8, 1) == DPT_E_UNSUPPORTED, "%s: newer, and not zero",
+              of->name);
+    }
+}
+
+/* An array's first size is its stride, and what lies in an item behind what we know must be zero in each. */
+static void arrays_go_by_the_first_size(void)
+{
+    struct {
+        dpt_arm_joint joint;
+        double newer;
+    } joints[2] = { { .joint = a_joint }, { .joint = a_joint } };
+    dpt_arm_link links[2] = { a_link, a_link };
+    links[1].parent = 0;
+    links[1].joint = 1;
+    joints[0].joint.size = sizeof joints[0];
+    joints[1].joint.size = 77; /* is not looked at */
+    dpt_arm_def def = arm_of(&joints[0].joint, links, &a_body);
+    def.joint_count = def.link_count = 2;
+    def.tool_link = 1;
+    CHECK(compile_arm(&def) == DPT_OK, "%s", dpt_result_name(compile_arm(&def)));
+    joints[1].newer = 1.0;
+    CHECK(compile_arm(&def) == DPT_E_UNSUPPORTED, "%s", dpt_result_name(compile_arm(&def)));
+}
+
+/* ---- defaults ---- */
+
+static void defaults_fill_what_fits(void)
+{
+    _Alignas(8) unsigned char block[ROOM];
+    dpt_world_def *def = (void *)block;
+    const uint32_t today = sizeof(dpt_world_def);
+    for (uint32_t size = 0; size <= today + 64; size += 4) {
+        memset(block, 0x5a, sizeof block);
+        dpt_world_def_defaults(def, size);
+        CHECK(all_are(block, size, ROOM, 0x5a), "size %u: more was written", size);
+        if (size >= 4)
+            CHECK(def->size == size, "size %u became %u", size, def->size);
+        const size_t known = size < today ? size : today;
+        if (known > 4)
+            CHECK(!memcmp(block + 4, (const unsigned char *)&defaults + 4, known - 4),
+                  "size %u: other defaults", size);
+        if (size > today)
+            CHECK(all_are(block, today, size, 0), "size %u: not zero behind", size);
+    }
+    dpt_world_def_defaults(NULL, today);
+    memset(block, 0x5a, sizeof block);
+    dpt_world_def_defaults(def, FAR_TOO_LARGE);
+    CHECK(all_are(block, 0, ROOM, 0x5a), "a size that is none");
+}
+
+/* Where the shadow begins: at the nearest triangle. */
+static int find_triangle(void)
+{
+    dpt_hit nearest = DPT_HIT_INIT;
+    dpt_result result = dpt_tool_get_hit(world, tool, &nearest);
+    a_shadow.triangle = nearest.triangle;
+    return result == DPT_OK;
+}
+
+static int open_all(void)
+{
+    static uint64_t block[1 << 18], strip_block[1 << 13];
+    const dpt_pose identity = DPT_POSE_IDENTITY;
+    dpt_body body;
+    dpt_mesh_info info = { .size = sizeof info };
+    if (!fixture_from_shape(&fixture, "box", 12) ||
+        dpt_mesh_get_info(fixture.mesh, &info) != DPT_OK)
+        return 0;
+    for (int k = 0; k < 3; k++) {
+        segment.a[k] = 0.5 * (info.box_min[k] + info.box_max[k]);
+        segment.b[k] = segment.a[k] + (k == 2 ? info.box_max[k] - info.box_min[k] : 0.001);
+    }
+    segment.radius = 0.001;
+    dpt_guard_def_init(&a_guard_def);
+    dpt_world_def_init(&defaults);
+    dpt_world_def_init(&a_world_def);
+    a_world_def.strip = DPT_STRIP_SHADOW;
+    a_world_def.max_segments = 1;
+    a_world_def.certificate_bytes = 4096;
+    a_shadow = (dpt_shadow){
+        .size = sizeof a_shadow, .segment = segment, .direction = { 0, 0, 1 }, .depth = 1.0
+    };
+    a_joint = (dpt_arm_joint){ .size = sizeof a_joint, .kind = DPT_JOINT_CONTINUOUS };
+    a_link = (dpt_arm_link){ .size = sizeof a_link,
+                             .parent = DPT_NONE,
+                             .pose = identity,
+                             .axis = { 0, 0, 1 },
+                             .factor = 1.0 };
+    a_body = (dpt_arm_body){ .size = sizeof a_body, .pose = identity, .mesh = fixture.mesh };
+    an_arm_def = arm_of(&a_joint, &a_link, &a_body);
+    return dpt_compile_arm(&an_arm_def, &arm_bytes, NULL) == DPT_OK &&
+           dpt_arm_open(arm_bytes.bytes, arm_bytes.size, &arm) == DPT_OK &&
+           dpt_world_bytes(&a_world_def) <= sizeof block &&
+           dpt_world_create(block, sizeof block, &a_world_def, &world) == DPT_OK &&
+           dpt_body_add(world, fixture.mesh, NULL, &body) == DPT_OK &&
+           dpt_tool_add(world, &segment, 1, &tool) == DPT_OK &&
+           dpt_world_step(world, 0.001, NULL) == DPT_OK && find_triangle() &&
+           dpt_strip_create(strip_block, sizeof strip_block, &a_strip_def, &strip) == DPT_OK &&
+           dpt_strip_shadow(strip, fixture.mesh, NULL, &a_shadow) == DPT_OK;
+}
+
+int main(void)
+{
+    if (!open_all()) {
+        puts("  FAIL nothing to ask");
+        check_failed++;
+        return check_report();
+    }
+    TEST(outputs_are_filled_as_far_as_they_go);
+    TEST(inputs_are_taken_as_far_as_they_go);
+    TEST(arrays_go_by_the_first_size);
+    TEST(defaults_fill_what_fits);
+    dpt_compiled_free(&arm_bytes);
+    fixture_free(&fixture);
+    return check_report();
+}
