@@ -26,8 +26,9 @@ DPT_BEGIN
 typedef struct dpt_world dpt_world;
 
 /*
- * Ids: kind, generation and slot in one number; 0 is null. A removed thing's id stays invalid, and so a slot is used
- * 4,095 times in a world's life, also over resets; when all are used up, adding gives DPT_E_FULL.
+ * Ids: kind, generation and slot in one number; 0 is null. The slot that was freed longest ago is used first, and its
+ * generations come round: a removed body's id is DPT_E_HANDLE for the next 4,094 bodies that are added, at least, and
+ * so is a tool's for tools. There may be any number of them in a world's life.
  */
 typedef uint32_t dpt_body;
 typedef uint32_t dpt_tool;

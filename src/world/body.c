@@ -13,9 +13,8 @@ dpt_result dpt_body_add(dpt_world *world, const dpt_mesh *mesh, const dpt_pose *
     if (!world || !mesh || !body)
         return DPT_E_ARGUMENT;
     DPT_TRY(frame_of_pose(pose, &frame));
-    uint32_t index = 0;
-    while (index < world->body_end && !slot_is_free(&world->bodies[index].slot))
-        index++;
+    uint32_t index =
+        slot_to_use(&world->bodies->slot, sizeof *world->bodies, world->body_end, world->freed[0]);
     if (index == world->def.max_bodies)
         return DPT_E_FULL;
     struct body *made = &world->bodies[index];
@@ -30,7 +29,7 @@ dpt_result dpt_body_add(dpt_world *world, const dpt_mesh *mesh, const dpt_pose *
     made->pose = pose ? *pose : identity;
     made->moved = 0;
     made->added = world->ticks + 1;
-    made->valid = 1;
+    made->slot.valid = 1;
     dpti_surface_of_mesh(mesh, &made->surface);
     dpti_near_put_body(world, index);
     *body = made->id;
@@ -42,8 +41,8 @@ dpt_result dpt_body_remove(dpt_world *world, dpt_body body)
     struct body *old = world ? world_find_body(world, body) : NULL;
     if (!old)
         return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
-    slot_release(&old->slot);
-    world->invalid -= !old->valid;
+    slot_release(&old->slot, &world->freed[0]);
+    world->invalid -= !old->slot.valid;
     dpti_contacts_forget(world, 0, world->segment_count, handle_index(body));
     dpti_memo_forget(&world->memo, handle_index(body));
     dpti_strips_forget_body(world, handle_index(body));
@@ -99,10 +98,10 @@ dpt_result dpt_body_set_pose(dpt_world *world, dpt_body body, const dpt_pose *po
         return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
     struct frame frame = moved->frame;
     dpt_result result = pose ? frame_of_pose(pose, &frame) : DPT_E_ARGUMENT;
-    world->invalid -= !moved->valid;
-    moved->valid = result == DPT_OK;
-    world->invalid += !moved->valid;
-    if (moved->valid && !pose_is_same(&moved->pose, pose))
+    world->invalid -= !moved->slot.valid;
+    moved->slot.valid = result == DPT_OK;
+    world->invalid += !moved->slot.valid;
+    if (moved->slot.valid && !pose_is_same(&moved->pose, pose))
         move_body(world, moved, pose, &frame);
     return result;
 }

@@ -25,7 +25,7 @@
 
 static int is_active(const struct dpt_world *world, const struct tool *tool)
 {
-    return tool->slot.used && tool->valid && !world->invalid;
+    return tool->slot.used && tool->slot.valid && !world->invalid;
 }
 
 /* What the torque is about. */

@@ -56,9 +56,8 @@ dpt_result dpt_tool_add(dpt_world *world, const dpt_segment *segments, uint32_t 
     if (!world || !segments || !tool || count == 0)
         return DPT_E_ARGUMENT;
     DPT_TRY(check_segments(segments, count));
-    uint32_t index = 0;
-    while (index < world->tool_end && !slot_is_free(&world->tools[index].slot))
-        index++;
+    uint32_t index =
+        slot_to_use(&world->tools->slot, sizeof *world->tools, world->tool_end, world->freed[1]);
     if (index == world->def.max_tools || count > world->def.max_segments - world->segment_count)
         return DPT_E_FULL;
     struct tool *made = &world->tools[index];
@@ -70,7 +69,7 @@ dpt_result dpt_tool_add(dpt_world *world, const dpt_segment *segments, uint32_t 
     const dpt_pose identity = DPT_POSE_IDENTITY;
     made->frame = frame_identity;
     made->pose = identity;
-    made->valid = 1;
+    made->slot.valid = 1;
     made->free = 0;
     made->first = world->segment_count;
     made->count = count;
@@ -101,7 +100,7 @@ dpt_result dpt_tool_remove(dpt_world *world, dpt_tool tool)
         if (world->tools[t].slot.used && world->tools[t].first >= behind)
             world->tools[t].first -= old->count;
     world->segment_count -= old->count;
-    slot_release(&old->slot);
+    slot_release(&old->slot, &world->freed[1]);
     return DPT_OK;
 }
 
@@ -111,8 +110,8 @@ dpt_result dpt_tool_set_pose(dpt_world *world, dpt_tool tool, const dpt_pose *po
     if (!moved)
         return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
     dpt_result result = pose ? frame_of_pose(pose, &moved->frame) : DPT_E_ARGUMENT;
-    moved->valid = result == DPT_OK;
-    if (moved->valid)
+    moved->slot.valid = result == DPT_OK;
+    if (moved->slot.valid)
         moved->pose = *pose;
     moved->free = 0;
     return result;
@@ -134,7 +133,7 @@ dpt_result dpt_tool_set_segments(dpt_world *world, dpt_tool tool, const dpt_segm
         return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
     dpt_result result =
         segments && count == moved->count ? check_segments(segments, count) : DPT_E_ARGUMENT;
-    moved->valid = result == DPT_OK;
+    moved->slot.valid = result == DPT_OK;
     if (result != DPT_OK)
         return result;
     moved->free = 1;

@@ -23,7 +23,6 @@ struct body {
     uint32_t id;
     uint32_t moved; /* the tick before which it last moved; 0: never */
     uint32_t added; /* the tick before which it came */
-    uint32_t valid; /* 0 after a pose that could not be used: every answer is stale then */
 };
 
 struct tool {
@@ -34,8 +33,7 @@ struct tool {
     uint32_t first; /* its segments in the world's list */
     uint32_t count;
     uint32_t nearest; /* the segment that speaks for the tool, from 0 */
-    uint32_t valid;
-    uint32_t free; /* segments are in the world; torque is about the first one's end a */
+    uint32_t free;    /* segments are in the world; torque is about the first one's end a */
 };
 
 /* The nearest pair over all bodies, and what is proven of it. */
@@ -161,7 +159,8 @@ struct dpt_world {
     uint32_t body_end; /* slots from here on were never used */
     uint32_t tool_end;
     uint32_t segment_count;
-    uint32_t invalid;       /* bodies without a valid pose */
+    uint32_t freed[2];      /* how many slots of bodies and of tools were freed; may wrap */
+    uint32_t invalid;       /* bodies without a valid pose: every answer is stale then */
     struct work work;       /* of this tick, and its budget */
     uint32_t turn;          /* the segment that the budget did not reach */
     uint32_t ticks;         /* since the last reset; may wrap */

@@ -141,16 +141,50 @@ static void ids_die_with_their_things(void)
         if (id != again)
             CHECK(dpt_body_set_pose(lab.world, id, &pose) == DPT_E_HANDLE, "id %08x", id);
     }
-    for (int i = 0; i < 5000; i++) { /* use up the generations of a slot */
-        dpt_tool other;
-        if (dpt_tool_add(lab.world, &line, 1, &other) != DPT_OK)
-            break;
-        CHECK(other != tool, "an id came back");
-        dpt_tool_remove(lab.world, other);
-    }
     for (int i = 1; i < 4; i++)
         CHECK(dpt_body_add(lab.world, box.mesh, NULL, &body) == DPT_OK, "body %d", i);
     CHECK(dpt_body_add(lab.world, box.mesh, NULL, &body) == DPT_E_FULL, "five bodies in four");
+    free(lab.block);
+    fixture_free(&box);
+}
+
+/* A simulator that adds and removes for ever: 3 rounds of a slot's generations, and the oldest of several slots first. */
+static void slots_are_used_for_ever(void)
+{
+    enum { GENERATIONS = 4095, ROUNDS = 3, BODIES = 4 };
+    static dpt_body gone[GENERATIONS * ROUNDS];
+    struct fixture box;
+    struct lab lab;
+    dpt_world_def def = small_def();
+    dpt_segment line = capsule(0, 0, 1, 0, 0, 2, 0);
+    dpt_pose pose = DPT_POSE_IDENTITY;
+    dpt_body body[BODIES], next;
+    dpt_tool tool;
+    if (!fixture_from_shape(&box, "box", 12))
+        return;
+    lab_open(&lab, &def);
+    for (int i = 0; i < GENERATIONS * ROUNDS; i++) {
+        CHECK(dpt_body_add(lab.world, box.mesh, NULL, &gone[i]) == DPT_OK, "body %d", i);
+        CHECK(dpt_tool_add(lab.world, &line, 1, &tool) == DPT_OK &&
+                  dpt_tool_remove(lab.world, tool) == DPT_OK &&
+                  dpt_tool_remove(lab.world, tool) == DPT_E_HANDLE,
+              "tool %d", i);
+        for (int k = i > GENERATIONS - 1 ? i - (GENERATIONS - 1) : 0; k < i; k += 97)
+            CHECK(dpt_body_set_pose(lab.world, gone[k], &pose) == DPT_E_HANDLE,
+                  "body %d is there after %d", k, i - k);
+        CHECK(dpt_body_remove(lab.world, gone[i]) == DPT_OK, "body %d", i);
+    }
+    CHECK(gone[0] == gone[GENERATIONS] && gone[0] != gone[1], "generations come round");
+    for (int i = 0; i < BODIES; i++)
+        CHECK(dpt_body_add(lab.world, box.mesh, NULL, &body[i]) == DPT_OK, "body %d", i);
+    static const int order[BODIES] = { 2, 0, 3, 1 };
+    for (int i = 0; i < BODIES; i++)
+        dpt_body_remove(lab.world, body[order[i]]);
+    for (int i = 0; i < BODIES; i++) {
+        CHECK(dpt_body_add(lab.world, box.mesh, NULL, &next) == DPT_OK, "body %d", i);
+        CHECK((next & 0xffff) == (body[order[i]] & 0xffff), "slot %u, not %u", next & 0xffff,
+              body[order[i]] & 0xffff);
+    }
     free(lab.block);
     fixture_free(&box);
 }
@@ -618,6 +652,7 @@ int main(void)
     TEST(memory_is_what_it_says);
     TEST(defs_are_checked);
     TEST(ids_die_with_their_things);
+    TEST(slots_are_used_for_ever);
     TEST(segments_are_shared_out);
     TEST(many_bodies_and_segments);
     TEST(penalty_on_a_plane);
