@@ -160,7 +160,8 @@ deps: ## install what the tests can use beside a compiler (apt-get)
 test-programs: all $(TESTS) $(VM_TESTS) $(B)/tests/firmware/link $(B)/tests/bench/dump_mesh $(B)/tests/bench/strips $(B)/tests/bench/budgets $(B)/tests/bench/recall
 .PHONY: test-programs
 -include $(TEST_SOURCES:%.c=$(B)/%.d) $(VM_TESTS:=.d) $(patsubst %.o,%.d,$(VM_PARTS) $(TEST_PARTS) $(FUZZ_PARTS))
--include $(wildcard $(B)/tests/sweep/test_sweep_exact.d $(B)/tests/urdf/*.d)
+-include $(wildcard $(B)/tests/sweep/test_sweep_exact.d $(B)/tests/urdf/*.d $(B)/tests/*/*_sites.d $(B)/tests/bench/*.d \
+           $(B)/tests/firmware/*.d $(B)/tests/oracle/*.d $(B)/tests/drivers/hd/*.d)
 
 $(B)/tests/bench/dump_mesh: $(B)/tests/bench/dump_mesh.o $(B)/tools/command_options.o $(TEXT) $(COMPILE) $(CORE)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) -o $@

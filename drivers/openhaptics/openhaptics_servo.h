@@ -2,7 +2,7 @@
 /*
  * The side of OpenHaptics that its own thread sees. The library has one scheduler for all devices, and so there is one
  * callback of ours, which gives each device a frame a tick: sample, force, errors. With the threads of the hosts it shares
- * the latest sample and the latest command of each device (latest.h), and nothing waits.
+ * the latest sample and the latest command of each device (latest_value.h), and nothing waits.
  */
 #ifndef DPT_DRIVERS_OPENHAPTICS_SERVO_H
 #define DPT_DRIVERS_OPENHAPTICS_SERVO_H

@@ -14,7 +14,7 @@
  * NULL. `seeds` are places of an earlier tick. Returns 0 when the axis is outside and nothing is within reach:
  * there is no contact then. Where it is cut, full or sideless, it may have no samples.
  *
- * First the caller sets tree, kernel, axis, sides, memo, regions, body, reach, tolerance and work.
+ * First the caller sets surface, kernel, axis, sides, memo, regions, body, reach, tolerance and work.
  */
 int dpti_profile_make(struct profile *profile, const struct nearest *nearest,
                       const struct seed *seeds, uint32_t seed_count);

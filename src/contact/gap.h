@@ -17,7 +17,7 @@ enum {
     CONTACT_UNKNOWN /* it goes through an open sheet of which no side is kept, or more often than can be told */
 };
 
-/* The gap of a capsule of this radius, in *gap; the rest as profile_make. */
+/* The gap of a capsule of this radius, in *gap; the rest as dpti_profile_make. */
 int dpti_contact_find(struct profile *profile, const struct nearest *nearest,
                       const struct seed *seeds, uint32_t seed_count, double radius, double *gap);
 

@@ -36,7 +36,7 @@ void dpti_tree_search(const struct surface *surface, const struct kernel *kernel
 
 /*
  * The same in pieces: 1 when it is done, and the walk is not begun again; 0 when the work was spent.
- * The next call goes on there, at the same place of the axis, or after walk_drift.
+ * The next call goes on there, at the same place of the axis, or after dpti_walk_drift.
  */
 int dpti_tree_walk(const struct surface *surface, const struct kernel *kernel,
                    const struct keeper *keeper, vec3 a, vec3 u, double slack, struct walk *walk,

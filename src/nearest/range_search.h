@@ -11,7 +11,7 @@ struct range {
     struct probe probe;
     float across[4][3]; /* four ways, each a quarter turn about the axis from the last */
     float beyond[4];    /* what is that far along one of them is beyond reach */
-    uint32_t level;     /* where it stands; above tree->levels: at the end */
+    uint32_t level;     /* where it stands; above surface->levels: at the end */
     uint32_t node[MESH_LEVELS_MAX + 1];
     uint32_t lanes[MESH_LEVELS_MAX + 1]; /* still to come; level 0: triangles of a leaf */
     float bound[LANES];                  /* of those triangles */

@@ -8,7 +8,7 @@
 
 #include "nearest/filter_segment.h"
 
-/* One call of sweep_mesh. */
+/* One call of dpti_sweep_mesh. */
 struct hunt {
     const struct surface *surface;
     const struct kernel *kernel;

@@ -39,6 +39,12 @@ static double reach_of(const struct near *near)
     return larger(0.0, least);
 }
 
+/* Those within `reach` are on the list. Where the axis is not within a home, not even those that it touches. */
+static int is_listed(const struct near *near, double reach)
+{
+    return reach_of(near) > 0.0 && reach_of(near) >= reach;
+}
+
 /* Room for 128 ticks of the present motion, and for some that begins from rest. */
 static double wanted(const struct near *near, double distance)
 {
@@ -154,11 +160,11 @@ const struct nearby *dpti_near_within(struct dpt_world *world, uint32_t segment,
     nearby->count = world->body_end;
     if (world->body_end <= NEAR_FEW || world->def.method != DPT_METHOD_EXACT)
         return nearby;
-    if (reach_of(near) < nearby->reach && !world->def.budget) {
+    if (!is_listed(near, nearby->reach) && !world->def.budget) {
         settle(near, nearby->reach);
         scan(world, segment);
     }
-    if (reach_of(near) >= nearby->reach) {
+    if (is_listed(near, nearby->reach)) {
         nearby->list = world_near(world, segment, near->now.which);
         nearby->count = near->now.listed;
     }

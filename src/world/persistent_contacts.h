@@ -59,7 +59,7 @@ uint32_t dpti_contacts_new_id(struct dpt_world *world);
 /* Before the others; of two at one place the new one stays, and where there is no room the last one goes. */
 void dpti_hold_put_seed(struct hold *hold, const struct seed *seed);
 
-/* The motion met a sheet from this side: it is kept where none is of that part. Before dpti_contacts_find or contacts_keep. */
+/* The motion met a sheet from this side: it is kept where none is of that part. Before dpti_contacts_find or dpti_contacts_keep. */
 void dpti_contacts_meet(struct dpt_world *world, uint32_t segment, const struct body *body,
                         uint32_t part, int side, const struct seed *seed);
 

@@ -492,6 +492,62 @@ static void far_bodies_cost_nothing(void)
     }
 }
 
+/*
+ * A line that crosses a body all the way has no need of a list; into a second body, of a margin of 0, it slides out of the
+ * list that it once had. The gap is the least over both.
+ */
+static void a_line_without_a_margin_meets_them_all(void)
+{
+    enum { OTHERS = 5, STEPS = 400 };
+    struct fixture ball;
+    void *block[2];
+    dpt_world *world[2];
+    dpt_tool tool[2];
+    int both = 0;
+    if (!fixture_from_shape(&ball, "sphere", 1280))
+        return;
+    dpt_mesh_info info = { .size = sizeof info };
+    dpt_mesh_get_info(ball.mesh, &info);
+    const double radius = 0.5 * (info.box_max[0] - info.box_min[0]);
+    for (int side = 0; side < 2; side++) {
+        const dpt_segment line = { { 0.9 * radius, 0, 0 }, { 1.1 * radius, 0, 0 }, 0.0 };
+        dpt_world_def def;
+        dpt_body body;
+        dpt_world_def_init(&def);
+        def.margin = 0.0;
+        def.method = side ? DPT_METHOD_TREE : DPT_METHOD_EXACT;
+        block[side] = malloc(dpt_world_bytes(&def));
+        dpt_world_create(block[side], dpt_world_bytes(&def), &def, &world[side]);
+        for (int i = 0; i <= OTHERS; i++) {
+            dpt_pose pose = DPT_POSE_IDENTITY;
+            pose.position[0] = i == 1 ? -1.5 * radius : -30.0 * i * radius;
+            CHECK(dpt_body_add(world[side], ball.mesh, &pose, &body) == DPT_OK, "body %d", i);
+        }
+        dpt_tool_add(world[side], &line, 1, &tool[side]);
+    }
+    for (int i = 0; i < STEPS; i++) {
+        /* From outside into the first ball, then about its middle to where the second one is. */
+        const double in = i < 30 ? 0.105 * radius * (1.0 - i / 29.0) : 0.0;
+        const double turn = i < 30 ? 0.0 : 3.14159 * (i - 30) / (STEPS - 31);
+        const dpt_pose pose = { { in, 0, 0 }, { cos(0.5 * turn), 0, 0, sin(0.5 * turn) } };
+        dpt_hit hit[2] = { DPT_HIT_INIT, DPT_HIT_INIT };
+        for (int side = 0; side < 2; side++) {
+            dpt_tool_set_pose(world[side], tool[side], &pose);
+            dpt_world_step(world[side], 0.001, NULL);
+            dpt_tool_get_hit(world[side], tool[side], &hit[side]);
+        }
+        CHECK(hit[0].status == DPT_STATUS_EXACT && hit[0].contact == hit[1].contact &&
+                  fabs(hit[0].gap - hit[1].gap) <= 1e-4 * radius,
+              "step %d: contact %u, gap %g, not %u, %g", i, hit[0].contact, hit[0].gap,
+              hit[1].contact, hit[1].gap);
+        both += hit[1].gap < -0.2 * radius;
+    }
+    CHECK(both > 10, "%d steps in both", both);
+    for (int side = 0; side < 2; side++)
+        free(block[side]);
+    fixture_free(&ball);
+}
+
 int main(int argc, char **argv)
 {
     static const char *const names[MESHES] = { "torus", "box", "membrane", "sphere" };
@@ -506,6 +562,7 @@ int main(int argc, char **argv)
     TEST(next_body_is_just_outside);
     TEST(what_is_known_moves_up);
     TEST(far_bodies_cost_nothing);
+    TEST(a_line_without_a_margin_meets_them_all);
     for (int m = 0; m < MESHES; m++)
         fixture_free(&meshes[m]);
     return check_report();
