@@ -57,6 +57,9 @@ DPT_BEGIN
 /* The version of the library that runs, as DPT_VERSION_STRING was when it was built. */
 DPT_API const char *dpt_version(void);
 
+/* The same as major << 16 | minor << 8 | patch, to compare. */
+DPT_API uint32_t dpt_version_number(void);
+
 DPT_END
 
 #endif

@@ -101,6 +101,17 @@ DPT_API dpt_result dpt_mesh_get_section(const dpt_mesh *mesh, uint32_t index,
 DPT_API dpt_result dpt_mesh_triangle(const dpt_mesh *mesh, uint32_t number, double corners[9]);
 
 /*
+ * All of them at once, where they lie in the mesh's bytes: for a viewer, or a copy of one's own.
+ *
+ *   xyz       *count vertices, 3 floats each, in m
+ *   corners   *count triangles, 3 vertices each, in the order of the box tree; wound as above
+ *   numbers   of each its source number; NULL: not asked for
+ */
+DPT_API dpt_result dpt_mesh_get_vertices(const dpt_mesh *mesh, const float **xyz, uint32_t *count);
+DPT_API dpt_result dpt_mesh_get_triangles(const dpt_mesh *mesh, const uint32_t **corners,
+                                          const uint32_t **numbers, uint32_t *count);
+
+/*
  * The angle-weighted normals of those three corners' vertices, over all triangles of the same part there: unit, along
  * the side that is outside or in front; zero where they cancel. As the file holds them, in float; where it holds none
  * (an older file, loose triangles, a vertex that parts share) worked out, in time with the vertex's triangles. Of the

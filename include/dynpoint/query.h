@@ -10,12 +10,17 @@
 
 DPT_BEGIN
 
-/* How to answer. Zeros are the defaults. */
+/*
+ * How to answer. Zeros are the defaults.
+ *
+ *   pair  1: the nearest pair alone, many times cheaper; contact is DPT_CONTACT_UNKNOWN, gap and depth are 0.
+ *         0: gap and depth too
+ */
 typedef struct dpt_query_def {
     uint32_t size;   /* sizeof(dpt_query_def) */
     uint32_t method; /* DPT_METHOD_...; default DPT_METHOD_EXACT */
     uint32_t kernel; /* DPT_KERNEL_...; default DPT_KERNEL_AUTO */
-    uint32_t reserved;
+    uint32_t pair;
 } dpt_query_def;
 
 /*

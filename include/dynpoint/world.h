@@ -109,14 +109,8 @@ static inline void dpt_world_def_init(dpt_world_def *def)
 }
 
 /*
- * The bytes that a world of this def needs:
- *     24576 + 576 max_bodies + 256 max_tools + 1408 max_segments
- *         + (budget ? 21504 + 6656 max_segments + 64 max_segments max_bodies : 0)
- *         + 1408 max_contacts
- *         + (strip ? max_segments (512 + dpt_strip_bytes) : 0)
- *         + 4 max_segments max_bodies parts + 8 max_segments max_bodies + certificate_bytes,
- * each of the last three terms rounded up to a multiple of 64. 0 for a def that is not valid; whether its kernel is
- * there, dpt_world_create tells.
+ * The bytes that a world of this def needs, in this version of the library; docs/performance.md says what they come to.
+ * 0 for a def that is not valid; whether its kernel is there, dpt_world_create tells.
  */
 DPT_API size_t dpt_world_bytes(const dpt_world_def *def);
 
@@ -130,19 +124,48 @@ DPT_API dpt_result dpt_world_create(void *block, size_t bytes, const dpt_world_d
 /* Forget what was learnt from earlier ticks: every tool is as if just added. Poses stay. */
 DPT_API dpt_result dpt_world_reset(dpt_world *world);
 
+/*
+ * What a world has held, and what it can hold (its def): to choose capacities by. Each is the most at one time since the
+ * world was created; dpt_world_reset leaves it.
+ *   contacts   regions that one step wanted room for, those that did not fit too
+ *   strip      triangles of one segment's strip; as many as strip_capacity, and there may have been more
+ */
+typedef struct dpt_world_usage {
+    uint32_t size; /* sizeof(dpt_world_usage), set by the caller */
+    uint32_t bodies;
+    uint32_t tools;
+    uint32_t segments;
+    uint32_t contacts;
+    uint32_t strip;
+    uint32_t work; /* 16-lane blocks in one step */
+    uint32_t reserved;
+} dpt_world_usage;
+
+DPT_API dpt_result dpt_world_get_usage(const dpt_world *world, dpt_world_usage *usage);
+
 /* The kernel that the world uses, DPT_KERNEL_...; DPT_KERNEL_AUTO for NULL. */
 DPT_API uint32_t dpt_world_kernel(const dpt_world *world);
 
 /*
  * A rigid body: a mesh at a pose (NULL: identity). The mesh is kept, not copied, and never owned.
  *
- * dpt_body_set_pose: a pose that cannot be used, NULL too, makes every answer of the world stale until the
- * body has a valid one or is removed: nobody knows what the tools would meet.
+ * dpt_body_set_pose moves the body: tools that it passes are swept. dpt_body_teleport jumps: as if the body were removed
+ * and added at once, with the same id. A pose that cannot be used, NULL too, makes every answer of the world stale until
+ * the body has a valid one or is removed: nobody knows what the tools would meet.
+ *
+ * dpt_body_get_pose gives the last one that could be used. `user` is the caller's own, 0 at first.
  */
 DPT_API dpt_result dpt_body_add(dpt_world *world, const dpt_mesh *mesh, const dpt_pose *pose,
                                 dpt_body *body);
 DPT_API dpt_result dpt_body_remove(dpt_world *world, dpt_body body);
 DPT_API dpt_result dpt_body_set_pose(dpt_world *world, dpt_body body, const dpt_pose *pose);
+DPT_API dpt_result dpt_body_teleport(dpt_world *world, dpt_body body, const dpt_pose *pose);
+DPT_API dpt_result dpt_body_get_pose(const dpt_world *world, dpt_body body, dpt_pose *pose);
+DPT_API dpt_result dpt_body_set_user(dpt_world *world, dpt_body body, uint64_t user);
+DPT_API dpt_result dpt_body_get_user(const dpt_world *world, dpt_body body, uint64_t *user);
+
+/* 1 for the id of a body that is there; any number may be asked about, and any world but one that is gone. */
+DPT_API int dpt_body_is_valid(const dpt_world *world, dpt_body body);
 
 /*
  * A tool of `count` segments, given in its own frame, at the identity pose. Set the pose of a rigid
@@ -150,7 +173,11 @@ DPT_API dpt_result dpt_body_set_pose(dpt_world *world, dpt_body body, const dpt_
  * be used makes the tool stale, its force zero, until valid input comes.
  *
  * dpt_tool_set_segments: as many as the tool has, in the world; radii may change too. Torque is then
- * about the first segment's end a.
+ * about the first segment's end a. dpt_tool_set_pose makes it rigid again: the segments given last are those of its own
+ * frame then.
+ *
+ * dpt_tool_get_pose gives the last one that could be used; the identity while the segments are in the world. `user` is
+ * the caller's own, 0 at first.
  */
 DPT_API dpt_result dpt_tool_add(dpt_world *world, const dpt_segment *segments, uint32_t count,
                                 dpt_tool *tool);
@@ -159,6 +186,12 @@ DPT_API dpt_result dpt_tool_set_pose(dpt_world *world, dpt_tool tool, const dpt_
 DPT_API dpt_result dpt_tool_set_segments(dpt_world *world, dpt_tool tool,
                                          const dpt_segment *segments, uint32_t count);
 DPT_API dpt_result dpt_tool_teleport(dpt_world *world, dpt_tool tool, const dpt_pose *pose);
+DPT_API dpt_result dpt_tool_get_pose(const dpt_world *world, dpt_tool tool, dpt_pose *pose);
+DPT_API dpt_result dpt_tool_set_user(dpt_world *world, dpt_tool tool, uint64_t user);
+DPT_API dpt_result dpt_tool_get_user(const dpt_world *world, dpt_tool tool, uint64_t *user);
+
+/* As dpt_body_is_valid. */
+DPT_API int dpt_tool_is_valid(const dpt_world *world, dpt_tool tool);
 
 /* What one tick found, over all tools. */
 typedef struct dpt_step {

@@ -6,6 +6,11 @@ const char *dpt_version(void)
     return DPT_VERSION_STRING;
 }
 
+uint32_t dpt_version_number(void)
+{
+    return DPT_VERSION_MAJOR << 16 | DPT_VERSION_MINOR << 8 | DPT_VERSION_PATCH;
+}
+
 const char *dpt_result_text(dpt_result code)
 {
 #define RESULT_TEXT(name, value, text)                                                             \

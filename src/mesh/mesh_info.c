@@ -85,6 +85,27 @@ dpt_result dpt_mesh_triangle(const dpt_mesh *mesh, uint32_t number, double corne
     return DPT_OK;
 }
 
+dpt_result dpt_mesh_get_vertices(const dpt_mesh *mesh, const float **xyz, uint32_t *count)
+{
+    if (!mesh || !xyz || !count)
+        return DPT_E_ARGUMENT;
+    *xyz = mesh_floats(mesh, MESH_VERTICES);
+    *count = mesh->vertices;
+    return DPT_OK;
+}
+
+dpt_result dpt_mesh_get_triangles(const dpt_mesh *mesh, const uint32_t **corners,
+                                  const uint32_t **numbers, uint32_t *count)
+{
+    if (!mesh || !corners || !count)
+        return DPT_E_ARGUMENT;
+    *corners = mesh_words(mesh, MESH_TRIANGLES);
+    if (numbers)
+        *numbers = mesh_words(mesh, MESH_SOURCES);
+    *count = mesh->triangles;
+    return DPT_OK;
+}
+
 dpt_result dpt_mesh_vertex_normals(const dpt_mesh *mesh, uint32_t number, double normals[9])
 {
     uint32_t place = place_of(mesh, number);

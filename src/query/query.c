@@ -37,6 +37,7 @@ struct query {
     struct frame body;
     struct kernel kernel;
     uint32_t method;
+    int pair_alone;
 };
 
 static dpt_result prepare(struct query *query, const dpt_mesh *mesh, const dpt_pose *pose, size_t n,
@@ -45,8 +46,9 @@ static dpt_result prepare(struct query *query, const dpt_mesh *mesh, const dpt_p
     dpt_query_def own = { .method = DPT_METHOD_EXACT, .kernel = DPT_KERNEL_AUTO };
     if (def)
         DPT_TRY(sized_read(def, sizeof *def, &own, sizeof own));
-    if (own.reserved)
+    if (own.pair > 1)
         return DPT_E_ARGUMENT;
+    query->pair_alone = (int)own.pair;
     uint32_t method = own.method, kernel = own.kernel, chosen;
     if (method > DPT_METHOD_BRUTE)
         return DPT_E_ARGUMENT;
@@ -78,7 +80,8 @@ static dpt_result answer(const struct query *query, const double *ends, double r
         return DPT_E_LAYOUT;
     dpti_segment_result_of_pair(&axis, &nearest.pair, &result);
     result.work = work.done;
-    dpti_contact_of(&query->surface, &query->kernel, &axis, &nearest, radius, &result);
+    if (!query->pair_alone)
+        dpti_contact_of(&query->surface, &query->kernel, &axis, &nearest, radius, &result);
     dpti_segment_result_write(&result, &query->surface, &query->body, 0, &nearest, hit);
     *hint = nearest.triangle;
     return DPT_OK;

@@ -6,6 +6,26 @@
 #include "world/persistent_contacts.h"
 #include "world/tool_strips.h"
 
+/* What the tools' last ticks know of a body. */
+static void forget(struct dpt_world *world, uint32_t index)
+{
+    dpti_contacts_forget(world, 0, world->segment_count, index);
+    dpti_memo_forget(&world->memo, index);
+    dpti_strips_forget_body(world, index);
+    for (uint32_t s = 0; s < world->segment_count; s++)
+        dpti_bounds_forget(world, s, index);
+    dpti_backlog_restart(world);
+    dpti_bodies_forget_body(world, index);
+}
+
+static void note_usage(struct dpt_world *world)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < world->body_end; i++)
+        count += world->bodies[i].slot.used;
+    world->usage.bodies = count > world->usage.bodies ? count : world->usage.bodies;
+}
+
 dpt_result dpt_body_add(dpt_world *world, const dpt_mesh *mesh, const dpt_pose *pose,
                         dpt_body *body)
 {
@@ -27,9 +47,11 @@ dpt_result dpt_body_add(dpt_world *world, const dpt_mesh *mesh, const dpt_pose *
     const dpt_pose identity = DPT_POSE_IDENTITY;
     made->frame = frame;
     made->pose = pose ? *pose : identity;
+    made->user = 0;
     made->moved = 0;
     made->added = world->ticks + 1;
     made->slot.valid = 1;
+    note_usage(world);
     dpti_surface_of_mesh(mesh, &made->surface);
     dpti_near_put_body(world, index);
     *body = made->id;
@@ -43,13 +65,7 @@ dpt_result dpt_body_remove(dpt_world *world, dpt_body body)
         return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
     slot_release(&old->slot, &world->freed[0]);
     world->invalid -= !old->slot.valid;
-    dpti_contacts_forget(world, 0, world->segment_count, handle_index(body));
-    dpti_memo_forget(&world->memo, handle_index(body));
-    dpti_strips_forget_body(world, handle_index(body));
-    for (uint32_t s = 0; s < world->segment_count; s++)
-        dpti_bounds_forget(world, s, handle_index(body));
-    dpti_backlog_restart(world);
-    dpti_bodies_forget_body(world, handle_index(body));
+    forget(world, handle_index(body));
     return DPT_OK;
 }
 
@@ -104,4 +120,50 @@ dpt_result dpt_body_set_pose(dpt_world *world, dpt_body body, const dpt_pose *po
     if (moved->slot.valid && !pose_is_same(&moved->pose, pose))
         move_body(world, moved, pose, &frame);
     return result;
+}
+
+dpt_result dpt_body_teleport(dpt_world *world, dpt_body body, const dpt_pose *pose)
+{
+    dpt_result result = dpt_body_set_pose(world, body, pose);
+    if (result != DPT_OK)
+        return result;
+    struct body *moved = world_find_body(world, body);
+    forget(world, handle_index(body));
+    moved->moved = 0;
+    moved->travelled = 0.0;
+    moved->added = world->ticks + 1;
+    return DPT_OK;
+}
+
+int dpt_body_is_valid(const dpt_world *world, dpt_body body)
+{
+    return world && world_find_body(world, body) != NULL;
+}
+
+dpt_result dpt_body_get_pose(const dpt_world *world, dpt_body body, dpt_pose *pose)
+{
+    const dpt_pose identity = DPT_POSE_IDENTITY;
+    if (!world || !pose)
+        return DPT_E_ARGUMENT;
+    const struct body *asked = world_find_body(world, body);
+    *pose = asked ? asked->pose : identity;
+    return asked ? DPT_OK : DPT_E_HANDLE;
+}
+
+dpt_result dpt_body_set_user(dpt_world *world, dpt_body body, uint64_t user)
+{
+    struct body *asked = world ? world_find_body(world, body) : NULL;
+    if (!asked)
+        return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
+    asked->user = user;
+    return DPT_OK;
+}
+
+dpt_result dpt_body_get_user(const dpt_world *world, dpt_body body, uint64_t *user)
+{
+    if (!world || !user)
+        return DPT_E_ARGUMENT;
+    const struct body *asked = world_find_body(world, body);
+    *user = asked ? asked->user : 0;
+    return asked ? DPT_OK : DPT_E_HANDLE;
 }

@@ -22,6 +22,7 @@ void dpti_contacts_turn(struct dpt_world *world)
     world->holds_at = 1 - world->holds_at;
     holds_now(world)->count = 0;
     world->contacts_full = 0;
+    world->contacts_wanted = 0;
 }
 
 void dpti_contacts_hide(struct dpt_world *world)
@@ -65,6 +66,7 @@ void dpti_contacts_remove(struct dpt_world *world, uint32_t first, uint32_t end)
 struct hold *dpti_contacts_put(struct dpt_world *world)
 {
     struct holds *now = holds_now(world);
+    world->contacts_wanted++;
     if (now->count == world->def.max_contacts) {
         world->contacts_full = 1;
         return NULL;

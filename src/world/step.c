@@ -183,6 +183,20 @@ static void report(const struct dpt_world *world, dpt_step *to)
     sized_write(to, to->size, &step, sizeof step);
 }
 
+static uint32_t most_of(uint32_t a, uint32_t b)
+{
+    return a > b ? a : b;
+}
+
+static void note_usage(struct dpt_world *world)
+{
+    dpt_world_usage *usage = &world->usage;
+    usage->contacts = most_of(usage->contacts, world->contacts_wanted);
+    usage->work = most_of(usage->work, world->work.done);
+    for (uint32_t i = 0; world->def.strip && i < world->segment_count; i++)
+        usage->strip = most_of(usage->strip, world->laid[i].strip->count);
+}
+
 dpt_result dpt_world_step(dpt_world *world, double dt, dpt_step *out)
 {
     if (!world)
@@ -202,6 +216,8 @@ dpt_result dpt_world_step(dpt_world *world, double dt, dpt_step *out)
     for (uint32_t t = 0; t < world->tool_end; t++)
         if (world->tools[t].slot.used && result == DPT_OK && !world->invalid)
             sum_up(world, &world->tools[t]);
+    if (result == DPT_OK)
+        note_usage(world);
     if (is_told)
         report(world, out);
     return result;

@@ -50,6 +50,16 @@ static void put_segments(struct dpt_world *world, const struct tool *tool,
     }
 }
 
+static void note_usage(struct dpt_world *world)
+{
+    uint32_t count = 0;
+    for (uint32_t t = 0; t < world->tool_end; t++)
+        count += world->tools[t].slot.used;
+    world->usage.tools = count > world->usage.tools ? count : world->usage.tools;
+    world->usage.segments =
+        world->segment_count > world->usage.segments ? world->segment_count : world->usage.segments;
+}
+
 dpt_result dpt_tool_add(dpt_world *world, const dpt_segment *segments, uint32_t count,
                         dpt_tool *tool)
 {
@@ -70,11 +80,13 @@ dpt_result dpt_tool_add(dpt_world *world, const dpt_segment *segments, uint32_t 
     made->frame = frame_identity;
     made->pose = identity;
     made->slot.valid = 1;
+    made->user = 0;
     made->free = 0;
     made->first = world->segment_count;
     made->count = count;
     world->segment_count += count;
     put_segments(world, made, segments);
+    note_usage(world);
     dpti_tool_forget(world, made);
     *tool = handle_make(HANDLE_TOOL, &made->slot, index);
     return DPT_OK;
@@ -137,7 +149,42 @@ dpt_result dpt_tool_set_segments(dpt_world *world, dpt_tool tool, const dpt_segm
     if (result != DPT_OK)
         return result;
     moved->free = 1;
+    const dpt_pose identity = DPT_POSE_IDENTITY;
     moved->frame = frame_identity;
+    moved->pose = identity;
     put_segments(world, moved, segments);
     return DPT_OK;
+}
+
+int dpt_tool_is_valid(const dpt_world *world, dpt_tool tool)
+{
+    return world && world_find_tool(world, tool) != NULL;
+}
+
+dpt_result dpt_tool_get_pose(const dpt_world *world, dpt_tool tool, dpt_pose *pose)
+{
+    const dpt_pose identity = DPT_POSE_IDENTITY;
+    if (!world || !pose)
+        return DPT_E_ARGUMENT;
+    const struct tool *asked = world_find_tool(world, tool);
+    *pose = asked ? asked->pose : identity;
+    return asked ? DPT_OK : DPT_E_HANDLE;
+}
+
+dpt_result dpt_tool_set_user(dpt_world *world, dpt_tool tool, uint64_t user)
+{
+    struct tool *asked = world ? world_find_tool(world, tool) : NULL;
+    if (!asked)
+        return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
+    asked->user = user;
+    return DPT_OK;
+}
+
+dpt_result dpt_tool_get_user(const dpt_world *world, dpt_tool tool, uint64_t *user)
+{
+    if (!world || !user)
+        return DPT_E_ARGUMENT;
+    const struct tool *asked = world_find_tool(world, tool);
+    *user = asked ? asked->user : 0;
+    return asked ? DPT_OK : DPT_E_HANDLE;
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Life of worlds; that of bodies and tools is in body.c and tool.c, the tick in step.c. */
 #include "base/return_if_error.h"
+#include "base/sized.h"
 #include "world/body_search.h"
 #include "world/persistent_contacts.h"
 #include "world/tool.h"
@@ -63,5 +64,14 @@ dpt_result dpt_world_reset(dpt_world *world)
     world->travelled = 0.0;
     world->turn = 0;
     world->ticks = 0;
+    return DPT_OK;
+}
+
+dpt_result dpt_world_get_usage(const dpt_world *world, dpt_world_usage *usage)
+{
+    if (!world || !usage)
+        return DPT_E_ARGUMENT;
+    DPT_TRY(sized_check(usage, sizeof *usage, 0));
+    sized_write(usage, usage->size, &world->usage, sizeof world->usage);
     return DPT_OK;
 }

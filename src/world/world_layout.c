@@ -10,7 +10,7 @@
 /* Shares of dpt_world_bytes; a struct that outgrows its own fails to compile. Each part has the rest of its own. */
 enum {
     BYTES_WORLD = 24576, /* with room for one profile */
-    BYTES_BODY = 576,    /* with its box */
+    BYTES_BODY = 640,    /* with its box */
     BYTES_TOOL = 256,
     BYTES_SEGMENT = 1408,
     BYTES_MEMO = 21504, /* and for each segment BYTES_MEMO_MORE */

@@ -16,6 +16,7 @@
 struct body {
     struct surface surface;
     struct frame frame;
+    uint64_t user;
     dpt_pose pose;    /* what the frame is made of */
     dpt_pose before;  /* that of the last tick, if it has moved since */
     double travelled; /* by how far any of its points may have moved then */
@@ -27,6 +28,7 @@ struct body {
 
 struct tool {
     struct frame frame;
+    uint64_t user;
     dpt_pose pose; /* of a rigid one */
     dpt_wrench wrench;
     struct slot slot;
@@ -159,15 +161,18 @@ struct dpt_world {
     uint32_t body_end; /* slots from here on were never used */
     uint32_t tool_end;
     uint32_t segment_count;
-    uint32_t freed[2];      /* how many slots of bodies and of tools were freed; may wrap */
-    uint32_t invalid;       /* bodies without a valid pose: every answer is stale then */
-    struct work work;       /* of this tick, and its budget */
-    uint32_t turn;          /* the segment that the budget did not reach */
-    uint32_t ticks;         /* since the last reset; may wrap */
-    uint32_t travelled_at;  /* the tick before which a body last moved */
-    double travelled;       /* the most that one moved then */
-    uint32_t holds_at;      /* which of the two is this tick's */
-    uint32_t contact_id;    /* the last one that was given */
+    uint32_t freed[2]; /* how many slots of bodies and of tools were freed; may wrap */
+    uint32_t invalid;  /* bodies without a valid pose: every answer is stale then */
+    struct work work;  /* of this tick, and its budget */
+    uint32_t turn;     /* the segment that the budget did not reach */
+    dpt_world_usage usage;
+    uint32_t ticks;        /* since the last reset; may wrap */
+    uint32_t travelled_at; /* the tick before which a body last moved */
+    double travelled;      /* the most that one moved then */
+    uint32_t holds_at;     /* which of the two is this tick's */
+    uint32_t contact_id;   /* the last one that was given */
+    uint32_t
+        contacts_wanted; /* this tick's regions, those that are kept and those without room too */
     uint32_t contacts_full; /* this tick had more regions than there is room for */
     struct body *bodies;
     struct box *boxes; /* of the bodies, in the world */

@@ -79,6 +79,11 @@ static dpt_result step(void *out)
     return dpt_world_step(world, 0.001, out);
 }
 
+static dpt_result usage(void *out)
+{
+    return dpt_world_get_usage(world, out);
+}
+
 static dpt_result hit(void *out)
 {
     return dpt_tool_get_hit(world, tool, out);
@@ -132,6 +137,7 @@ static const struct sized outputs[] = {
     { "dpt_arm_link", sizeof(dpt_arm_link), sizeof(dpt_arm_link), arm_link },
     { "dpt_arm_body", sizeof(dpt_arm_body), sizeof(dpt_arm_body), arm_body },
     { "dpt_step", offsetof(dpt_step, contacts), sizeof(dpt_step), step },
+    { "dpt_world_usage", sizeof(dpt_world_usage), sizeof(dpt_world_usage), usage },
     { "dpt_hit", sizeof(dpt_hit), sizeof(dpt_hit), hit },
     { "dpt_contact", sizeof(dpt_contact), sizeof(dpt_contact), contact },
     { "dpt_sweep", sizeof(dpt_sweep), sizeof(dpt_sweep), sweep },

@@ -372,8 +372,8 @@ static void refuses_what_it_cannot(void)
     CHECK(dpt_query_segments(mesh, NULL, ends, NULL, 1, &hit, &def) == DPT_E_ARGUMENT, "method");
     def = (dpt_query_def){ .size = sizeof def, .kernel = 77 };
     CHECK(dpt_query_segments(mesh, NULL, ends, NULL, 1, &hit, &def) == DPT_E_UNSUPPORTED, "kernel");
-    def = (dpt_query_def){ .size = sizeof def, .reserved = 1 };
-    CHECK(dpt_query_segments(mesh, NULL, ends, NULL, 1, &hit, &def) == DPT_E_ARGUMENT, "reserved");
+    def = (dpt_query_def){ .size = sizeof def, .pair = 2 };
+    CHECK(dpt_query_segments(mesh, NULL, ends, NULL, 1, &hit, &def) == DPT_E_ARGUMENT, "pair");
     def = (dpt_query_def){ .size = 4 };
     CHECK(dpt_query_segments(mesh, NULL, ends, NULL, 1, &hit, &def) == DPT_E_SIZE, "def size");
     dpt_pose pose = DPT_POSE_IDENTITY;
