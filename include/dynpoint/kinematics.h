@@ -2,7 +2,7 @@
 /*
  * An arm: links that joints move, with a tool at one of them, compiled offline from a URDF (urdf.h) or from arrays
  * (dpt_compile_arm); the content of a .dpa file (docs/format.md), used where its bytes lie. The bytes must outlive the
- * arm and stay unchanged.
+ * arm and stay as they were when they were opened; mesh.h says why, and what to do with files that others can write.
  *
  * The root's frame is the frame of all answers. Joint coordinates are rad or m, in the order of dpt_arm_get_joint, and
  * may lie outside of their limits: what is asked is answered there too. Every function that takes them takes

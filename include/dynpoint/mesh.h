@@ -1,8 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
  * A compiled mesh, the content of a .dpa file (docs/format.md), used where its bytes lie: nothing is
- * parsed, copied or allocated. The bytes may be mapped from a file, held in an array or in flash; they
- * must outlive the mesh and stay unchanged.
+ * parsed, copied or allocated. The bytes may be held in memory, in an array or in flash, or be mapped from a file; they
+ * must outlive the mesh.
+ *
+ * They must stay as they were when they were opened: the indices in them are checked then, and never again. So read a
+ * file that another user or program can write into memory of your own, and open that. A mapped file that is changed
+ * gives wild reads; one that is cut short ends the program with SIGBUS.
  */
 #ifndef DYNPOINT_MESH_H
 #define DYNPOINT_MESH_H
