@@ -193,7 +193,8 @@ enum {
  * its axis. Ends move along straight lines, rigid tools and bodies along the shortest turn. None is missed; a hit may
  * be within 1e-6 of the mesh's diagonal of a touch.
  *
- *   time      0..1 of the step, or of the earlier one that a budget had left unfinished and that is told of now
+ *   time      0..1 of the step that is told of
+ *   age       how many steps ago that was; 0 is this one. A budget may leave motions unfinished: the oldest is told first
  *   s         of the point of the axis that met
  *   q         where on the mesh, in the world, with the body where it is now
  *   normal    unit, of the mesh there, on the side that the tool came from
@@ -204,7 +205,7 @@ typedef struct dpt_sweep {
     uint32_t segment;
     uint32_t body;
     uint32_t triangle;
-    uint32_t reserved;
+    uint32_t age;
     double time;
     double s;
     double q[3];

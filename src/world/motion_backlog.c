@@ -9,7 +9,7 @@
 #include "world/swept_motion.h"
 
 /* A share of dpt_world_bytes. */
-enum { BYTES_VOYAGE = 2048 };
+enum { BYTES_VOYAGE = 2112 };
 typedef char voyage_fits[sizeof(struct voyage) <= BYTES_VOYAGE ? 1 : -1];
 
 uint64_t dpti_backlog_bytes(const dpt_world_def *def)
@@ -93,12 +93,15 @@ static int take_legs(struct dpt_world *world, uint32_t index, struct voyage *voy
 {
     struct segment *segment = &world->segments[index];
     while (voyage->count) {
+        const uint32_t age = (uint32_t)world->ticks - voyage->way[0].tick;
         double reach = reach_of(segment, voyage, NULL);
         if (!dpti_motion_take_leg(world, index, dpti_motion_around(world, index, reach), voyage)) {
             dpti_motion_no_sweep(segment, DPT_SWEEP_UNFINISHED);
+            segment->sweep.age = age;
             voyage->lost |= (uint32_t)meets_others(world, index, reach);
             return 0;
         }
+        segment->sweep.age = age;
         segment->was = voyage->way[0];
         voyage->count--;
         memmove(voyage->way, voyage->way + 1, voyage->count * sizeof *voyage->way);
@@ -116,7 +119,7 @@ int dpti_travel_find(struct dpt_world *world, uint32_t index)
         voyage->count = voyage->body = 0;
     if (!segment->was.known)
         return 1;
-    const struct was now = dpti_motion_place(world, segment);
+    struct was now = dpti_motion_place(world, segment);
     if (voyage->count && !is_followed(world, index, voyage, &now)) {
         give_up(world, index, voyage);
         return 1;
@@ -134,6 +137,8 @@ int dpti_travel_find(struct dpt_world *world, uint32_t index)
     }
     if (!voyage->count || !dpti_motion_is_same(&voyage->way[voyage->count - 1], &now))
         voyage->count++;
+    else
+        now.tick = voyage->way[voyage->count - 1].tick;
     voyage->way[voyage->count - 1] = now; /* of the same place more may be known now */
     if (voyage->radius != segment->radius)
         voyage->body = 0;

@@ -15,7 +15,8 @@ struct was dpti_motion_place(const struct dpt_world *world, const struct segment
                          .b = segment->b,
                          .distance = result->lower_bound,
                          .known = segment->found.body != NULL,
-                         .through = least == 0.0 };
+                         .through = least == 0.0,
+                         .tick = (uint32_t)world->ticks };
 }
 
 /* How far the ends are apart in the tool's frame: not at all, unless it is free or its segments changed. */

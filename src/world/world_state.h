@@ -55,6 +55,8 @@ struct was {
     double distance;  /* nothing was nearer to its axis */
     uint32_t known;   /* 0: it was nowhere */
     uint32_t through; /* its axis went through something */
+    uint32_t tick;    /* when it came there */
+    uint32_t reserved;
 };
 
 #define WAY_MOST 8

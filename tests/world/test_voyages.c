@@ -165,6 +165,9 @@ static void any_budget_comes_to_the_same(void)
             tick(&small, &sweep, &work);
             CHECK(work <= budget, "%u units of %u", work, budget);
             all += work;
+            CHECK(sweep.status == DPT_SWEEP_NONE || sweep.age == ticks ||
+                      (sweep.status == DPT_SWEEP_UNFINISHED && sweep.age > ticks),
+                  "told %u steps late, not %u", sweep.age, ticks);
             unfinished += sweep.status == DPT_SWEEP_UNFINISHED;
         } while (sweep.status == DPT_SWEEP_UNFINISHED && ++ticks < MOST && all <= most);
         check_same(&sweep, &truth, budget);
@@ -193,7 +196,7 @@ static void a_tool_that_goes_on_misses_nothing(void)
     unsigned long behind = 0, late = 0, given_up = 0;
     for (unsigned long i = 0; i < motion_count; i++) {
         uint32_t budget = 2 + below(8), steps = ASIDE + below(20), work, told = 0, none = 0,
-                 ticks = 0;
+                 ticks = 0, met_at = 0;
         double side = below(2) ? 1.0 : -1.0, way = any(0.002, 0.02), from = any(0.001, 0.02);
         int crosses = below(2) != 0;
         dpt_segment segment = { .a = { 0.0, 0.0, 0.0 },
@@ -219,6 +222,9 @@ static void a_tool_that_goes_on_misses_nothing(void)
             dpt_tool_set_pose(scene.world, scene.tool, &pose);
             tick(&scene, &sweep, &work);
             int hit = sweep.status == DPT_SWEEP_HIT;
+            met_at = met_at || side * pose.position[2] > 0.0 ? met_at : k;
+            CHECK(!hit || sweep.age == k - met_at, "told %u steps late, not %u", sweep.age,
+                  k - met_at);
             told += (uint32_t)hit;
             none += sweep.status == DPT_SWEEP_NONE && !told;
             late += hit && (side * pose.position[2] < -way / steps);
