@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* dynpoint compile: a mesh or a robot's description in, a .dpa file out. */
 #include <inttypes.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -12,16 +13,19 @@
 #include "compile/soup.h"
 #include "dynpoint/compile.h"
 #include "mesh_file.h"
+#include "mesh_size.h"
 
 static const char help[] =
-    "usage: dynpoint compile IN -o OUT.dpa [--scale X] [--crease DEGREES]\n"
+    "usage: dynpoint compile IN -o OUT.dpa [--unit UNIT | --scale X] [--crease DEGREES]\n"
     "                        [--c-array NAME] [-j N] [--tool LINK] [--packages DIRS]\n"
     "\n"
     "Compiles an OBJ, STL, PLY or OFF mesh into a file that is used in place, by mmap or from "
     "flash.\n"
     "Joins equal vertices, drops degenerate and duplicate triangles, turns closed parts outward; "
     "says\n"
-    "what it found. Anything else compiles as it is. IN may be a pipe; - is standard input.\n"
+    "how large it is and what it found. Anything else compiles as it is. IN may be a pipe; - is "
+    "standard\n"
+    "input.\n"
     "\n"
     "Or a URDF, by its ending .urdf or .xml or by its <robot>: the arm between the root and the "
     "tool,\n"
@@ -30,7 +34,10 @@ static const char help[] =
     "standard error.\n"
     "\n"
     "  -o FILE         where to; - is standard output\n"
-    "  --scale X       metres per unit of the source (0.001 for millimetres); default 1\n"
+    "  --unit UNIT     of the source: mm, cm, m or in; default m. A largest side outside of 5 mm "
+    "to 3 m\n"
+    "                  is noted on standard error\n"
+    "  --scale X       any other unit: metres of one; --unit mm is --scale 0.001\n"
     "  --crease A      edges bent by more than A degrees are creases: sharp; default 60, 180 is "
     "none\n"
     "  --c-array NAME  write C source that holds the bytes in an array of that name\n"
@@ -118,18 +125,23 @@ static void write_c_array(FILE *file, const char *name, const char *kind,
     fputs("\n};\n", file);
 }
 
-static void report_mesh(FILE *file, const dpt_compiled *compiled, const char *out)
+static dpt_mesh_info info_of(const dpt_compiled *compiled)
 {
     const dpt_mesh *mesh;
     dpt_mesh_info info = { .size = sizeof info };
-    if (dpt_mesh_open(compiled->bytes, compiled->size, &mesh) != DPT_OK ||
-        dpt_mesh_get_info(mesh, &info) != DPT_OK)
-        return;
+    if (dpt_mesh_open(compiled->bytes, compiled->size, &mesh) == DPT_OK)
+        dpt_mesh_get_info(mesh, &info);
+    return info;
+}
+
+static void report_mesh(FILE *file, const dpt_compiled *compiled, const char *out)
+{
+    const dpt_mesh_info info = info_of(compiled);
     fprintf(file,
             "%s: %" PRIu32 " triangles, %" PRIu32 " vertices, %" PRIu32 " part%s (%" PRIu32
-            " closed), %.1f MB\n",
+            " closed), %.1f MB\n  box %s\n",
             out, info.triangles, info.vertices, info.components, info.components == 1 ? "" : "s",
-            info.closed_components, (double)info.bytes / 1e6);
+            info.closed_components, (double)info.bytes / 1e6, size_text(&info).text);
     const struct {
         const char *what;
         uint32_t count;
@@ -147,6 +159,14 @@ static void report_mesh(FILE *file, const dpt_compiled *compiled, const char *ou
     for (size_t i = 0; i < sizeof found / sizeof *found; i++)
         if (found[i].count)
             fprintf(file, "  %8" PRIu32 " %s\n", found[i].count, found[i].what);
+}
+
+static void note_size(const dpt_compiled *compiled, const char *in)
+{
+    const dpt_mesh_info info = info_of(compiled);
+    const char *hint = size_hint(&info);
+    if (hint)
+        fprintf(stderr, "%s: note: its box is %s: %s\n", in, size_text(&info).text, hint);
 }
 
 static int compile_mesh(const char *in, const void *bytes, size_t size, dpt_compile_def *def,
@@ -195,11 +215,13 @@ static int compile_input(const char *in, dpt_compile_def *def, const char *tool,
 int command_compile(int argc, char **argv)
 {
     const char *in, *out = NULL, *array = NULL, *tool = NULL, *packages = NULL;
-    double scale = 1.0, crease = 60.0;
+    const char *unit = NULL;
+    double scale = NAN, crease = 60.0;
     uint64_t threads = 1;
     size_t operands;
     const struct option_def options[] = { { .name = "-o", .text = &out },
                                           { .name = "-j", .count = &threads },
+                                          { .name = "--unit", .text = &unit },
                                           { .name = "--scale", .number = &scale },
                                           { .name = "--crease", .number = &crease },
                                           { .name = "--c-array", .text = &array },
@@ -219,6 +241,12 @@ int command_compile(int argc, char **argv)
                         out);
     if (!threads)
         return complain("compile", "-j must be 1 or more");
+    if (unit && !isnan(scale))
+        return complain("compile", "--unit and --scale say the same: give one of them");
+    if (unit && !(unit_metres(unit) > 0.0))
+        return complain("compile", "--unit: '%s' is not mm, cm, m or in", unit);
+    if (isnan(scale))
+        scale = unit ? unit_metres(unit) : 1.0;
     if (!(scale > 0.0 && scale <= 1e30))
         return complain("compile", "--scale must be above 0, at most 1e30");
     if (!(crease > 0.0 && crease <= 180.0))
@@ -252,6 +280,8 @@ int command_compile(int argc, char **argv)
             (arm ? report_arm : report_mesh)(strcmp(out, "-") ? stdout : stderr, &compiled, out);
             status = output_keep(&output, "compile");
         }
+        if (status == 0 && !arm)
+            note_size(&compiled, in);
     }
     dpt_compiled_free(&compiled);
     return status;

@@ -7,6 +7,7 @@
 #include "arm_file.h"
 #include "command_options.h"
 #include "commands.h"
+#include "mesh_size.h"
 
 static const char help[] =
     "usage: dynpoint info FILE.dpa [--json] [--verify]\n"
@@ -95,6 +96,8 @@ static void print_text(const char *path, const dpt_mesh *mesh, const dpt_mesh_in
            info->box_max[0] - info->box_min[0], info->box_max[1] - info->box_min[1],
            info->box_max[2] - info->box_min[2], info->box_min[0], info->box_min[1],
            info->box_min[2]);
+    if (size_hint(info))
+        printf("  %-24s %s, of dynpoint compile\n", "", size_hint(info));
     if (info->crease > 0.0)
         printf("  %-24s %10.6g degrees\n", "crease",
                info->crease * (180.0 / 3.14159265358979323846));

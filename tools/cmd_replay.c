@@ -9,6 +9,7 @@
 #include "command_options.h"
 #include "commands.h"
 #include "dynpoint/loop.h"
+#include "mesh_size.h"
 #include "replay_report.h"
 #include "trace.h"
 
@@ -207,6 +208,19 @@ static int write_results(const struct settings *settings, const struct replayed 
     return status ? status : replayed->against.wrong ? 1 : 0;
 }
 
+static void note_lengths(const struct settings *settings, const dpt_mesh_info *info)
+{
+    const struct {
+        const char *name;
+        double length;
+    } lengths[] = { { "--radius", settings->radius },
+                    { "--strip-width", settings->def.strip_width } };
+    for (size_t i = 0; i < sizeof lengths / sizeof *lengths; i++)
+        if (lengths[i].length > 0.5 * box_diagonal(info))
+            fprintf(stderr, "%s: note: %s %g m is much for its box of %s\n", settings->mesh,
+                    lengths[i].name, lengths[i].length, size_text(info).text);
+}
+
 static int run(const struct settings *settings, const dpt_mesh *mesh, const struct table *trace)
 {
     dpt_mesh_info info = { .size = sizeof info };
@@ -220,9 +234,8 @@ static int run(const struct settings *settings, const dpt_mesh *mesh, const stru
                                 : complain("replay", "memory ran out");
     if (status == 0) {
         dpt_mesh_get_info(mesh, &info);
-        for (int k = 0; k < 3; k++)
-            replayed.diagonal += pow(info.box_max[k] - info.box_min[k], 2.0);
-        replayed.diagonal = sqrt(replayed.diagonal);
+        note_lengths(settings, &info);
+        replayed.diagonal = box_diagonal(&info);
         replayed.against.tolerance = 1e-9 * replayed.diagonal;
         replayed.mesh_bytes = info.bytes;
         replayed.world_bytes = stage.bytes;

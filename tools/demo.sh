@@ -29,4 +29,4 @@ awk -F, 'NR > 1 && $5 != "" && $5 < -0.001 {
     exit
 }' "$dir/answers.csv"
 
-say "Next: $dynpoint compile YOUR.stl -o your.dpa --scale 0.001   (millimetres; see README.md)"
+say "Next: $dynpoint compile YOUR.stl -o your.dpa --unit mm   (see README.md)"

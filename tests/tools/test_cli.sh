@@ -84,6 +84,18 @@ refuses()
     rm -rf out && mkdir out
 }
 
+# notes WHAT TEXT ARGUMENT...: done, with TEXT in the one line on standard error; no TEXT, no line
+notes()
+{
+    what=$1 expected=$2
+    shift 2
+    succeeds "$what" "$@"
+    if [ -z "$expected" ]; then
+        check "$what: $(cat stderr)" test ! -s stderr
+    elif [ "$(wc -l <stderr)" -eq 1 ] && grep -qF -e "$expected" stderr; then ok
+    else bad "$what: no '$expected' in: $(cat stderr)"; fi
+}
+
 # A number of `info --json` that stands at its beginning: triangles, vertices, ...
 info_count()
 {
@@ -914,6 +926,48 @@ devices()
     check 'with many fresh samples' awk -F'[:,]' '{ exit $4 < 200 }' stdout
 }
 
+# vertices FILE FACTOR: the corners of a box of 181 x 120 x 90 units, times FACTOR
+vertices()
+{
+    awk -v f="$2" 'BEGIN { for (i = 0; i < 8; i++)
+        printf "v %.17g %.17g %.17g\n", f * 181 * (i % 2), f * 120 * (int(i / 2) % 2), f * 90 * int(i / 4)
+        print "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6" }' >"$1"
+}
+
+# A mesh in another unit than its user thinks, and lengths that do not go with it.
+units()
+{
+    vertices mm.obj 1
+    notes 'millimetres taken for metres' 'mm.obj: note: its box is 181 x 120 x 90 m: is it in millimetres? --unit mm' \
+        compile mm.obj -o large.dpa
+    check "compile: its box: $(cat stdout)" grep -q '^  box 181 x 120 x 90 m$' stdout
+    succeeds 'info of it' info large.dpa
+    check "info: the hint: $(cat stdout)" grep -q 'is it in millimetres? --unit mm' stdout
+    notes '--unit mm' '' compile mm.obj -o unit.dpa --unit mm
+    check "compile: its box in m: $(cat stdout)" grep -q '^  box 0.181 x 0.12 x 0.09 m$' stdout
+    run info unit.dpa
+    check 'info: a hint that is not needed' test "$(grep -c 'is it in' stdout)" -eq 0
+    for pair in mm:0.001 cm:0.01 m:1 in:0.0254; do
+        succeeds "--unit ${pair%:*}" compile mm.obj -o unit.dpa --unit ${pair%:*}
+        succeeds "--scale ${pair#*:}" compile mm.obj -o scale.dpa --scale ${pair#*:}
+        check "--unit ${pair%:*}: other bytes" cmp -s unit.dpa scale.dpa
+    done
+    vertices m.obj 0.001
+    notes 'metres taken for millimetres' 'm.obj: note: its box is 0.000181 x 0.00012 x 9e-05 m: is it in metres? --unit m' \
+        compile m.obj -o small.dpa --unit mm
+    vertices far.obj 1000
+    notes 'metres taken for micrometres' 'which unit is it in?' compile far.obj -o far.dpa
+    refuses 'two scales' '--unit and --scale' compile mm.obj -o out/x --unit mm --scale 0.001
+    for value in '' MM inch 0.001; do
+        refuses "--unit '$value'" "--unit: '$value' is not mm, cm, m or in" compile mm.obj -o out/x --unit "$value"
+    done
+    notes 'a radius in metres' '' replay box.dpa box.csv -o o.csv --radius 0.08 --strip-width 0.08
+    for option in --radius --strip-width; do
+        notes "$option in another unit" "box.dpa: note: $option 2 m is much for its box of 0.12 x 0.1 x 0.08 m" \
+            replay box.dpa box.csv -o o.csv $option 2
+    done
+}
+
 # Robots' descriptions, and arms.
 descriptions()
 {
@@ -1058,6 +1112,7 @@ shapes
 json
 devices
 c_array
+units
 descriptions
 echo "$passed passed, $failed failed, $skipped skipped"
 [ $failed -eq 0 ]
