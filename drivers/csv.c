@@ -12,42 +12,17 @@
 #include "settings.h"
 #include "text/parse_number.h"
 
-struct text {
-    char *bytes;
-    size_t count, room;
+/* What is read. A line may be a comment, but has an end: a file without any is refused before memory ends. */
+static const uint64_t TEXT_MOST = (uint64_t)1 << 30;
+static const size_t LINE_MOST = (size_t)1 << 20;
+
+struct parser {
+    struct table *table;
+    const struct table_form *form;
+    size_t room; /* rows */
+    uint64_t line;
+    const char *wrong;
 };
-
-static const size_t TEXT_MOST = (size_t)1 << 30;
-
-static int make_room(struct text *text)
-{
-    if (text->count < text->room)
-        return 1;
-    size_t room = text->room ? 2 * text->room : (size_t)1 << 16;
-    char *grown = realloc(text->bytes, room);
-    if (!grown)
-        return 0;
-    text->bytes = grown;
-    text->room = room;
-    return 1;
-}
-
-static dpt_result read_all(struct text *text, int file)
-{
-    for (;;) {
-        if (text->count > TEXT_MOST)
-            return DPT_E_LIMIT;
-        if (!make_room(text))
-            return DPT_E_MEMORY;
-        ssize_t got = read(file, text->bytes + text->count, text->room - text->count);
-        if (got == 0)
-            return DPT_OK;
-        if (got > 0)
-            text->count += (size_t)got;
-        else if (errno != EINTR)
-            return DPT_E_OPEN;
-    }
-}
 
 static const char *skip_blanks(const char *at, const char *end)
 {
@@ -86,86 +61,178 @@ static const char *parse_row(const char *at, const char *end, double *row, size_
     return at == end ? NULL : "there are too many fields";
 }
 
-static int add_row(struct table *table, size_t *room)
+static int add_row(struct parser *parser)
 {
-    if (table->rows < *room)
+    struct table *table = parser->table;
+    if (table->rows < parser->room)
         return 1;
-    size_t more = *room ? 2 * *room : 256;
+    size_t more = parser->room ? 2 * parser->room : 256;
     double *grown = realloc(table->values, more * table->columns * sizeof *grown);
     if (!grown)
         return 0;
     table->values = grown;
-    *room = more;
+    parser->room = more;
     return 1;
+}
+
+static dpt_result take_header(struct parser *parser, const char *at, const char *end)
+{
+    struct table *table = parser->table;
+    int index = header_index(at, end, parser->form->headers);
+    if (index < 0) {
+        parser->wrong = parser->form->wrong_header;
+        return DPT_E_SYNTAX;
+    }
+    table->header = (uint32_t)index;
+    table->columns = commas_in(parser->form->headers[index]) + 1;
+    return DPT_OK;
+}
+
+/* From `at` to before its line feed. */
+static dpt_result take_line(struct parser *parser, const char *at, const char *end)
+{
+    struct table *table = parser->table;
+    end -= end > at && end[-1] == '\r';
+    ++parser->line;
+    const char *word = skip_blanks(at, end);
+    if (word == end || *word == '#')
+        return DPT_OK;
+    if (!table->columns)
+        return take_header(parser, at, end);
+    if (!add_row(parser)) {
+        parser->wrong = "memory ran out";
+        return DPT_E_MEMORY;
+    }
+    double *row = table->values + table->rows * table->columns;
+    parser->wrong = parse_row(at, end, row, table->columns);
+    if (!parser->wrong)
+        parser->wrong = parser->form->wrong_row(row, table->columns);
+    if (!parser->wrong && table->rows && row[0] <= row[-(ptrdiff_t)table->columns])
+        parser->wrong = "the first column does not increase";
+    if (parser->wrong)
+        return DPT_E_SYNTAX;
+    table->rows++;
+    return DPT_OK;
+}
+
+/* All lines that end before `end`; *at is then where the next one begins. */
+static dpt_result take_lines(struct parser *parser, const char **at, const char *end)
+{
+    dpt_result result = DPT_OK;
+    const char *stop;
+    while (result == DPT_OK && (stop = memchr(*at, '\n', (size_t)(end - *at)))) {
+        result = take_line(parser, *at, stop);
+        *at = stop + 1;
+    }
+    return result;
+}
+
+/* The last line needs no line feed. */
+static dpt_result take_rest(struct parser *parser, const char *at, const char *end)
+{
+    dpt_result result = at < end ? take_line(parser, at, end) : DPT_OK;
+    if (result == DPT_OK && !parser->table->rows) {
+        parser->wrong = "there are no rows";
+        result = DPT_E_SYNTAX;
+    }
+    return result;
 }
 
 dpt_result table_parse(struct table *table, const char *at, const char *end,
                        const struct table_form *form, uint64_t *line, const char **wrong)
 {
-    size_t room = 0;
-    for (const char *next; at < end; at = next) {
-        const char *stop = memchr(at, '\n', (size_t)(end - at));
-        next = stop ? stop + 1 : end;
-        stop = stop ? stop : end;
-        stop -= stop > at && stop[-1] == '\r';
-        ++*line;
-        const char *word = skip_blanks(at, stop);
-        if (word == stop || *word == '#')
-            continue;
-        if (!table->columns) {
-            int index = header_index(at, stop, form->headers);
-            if (index < 0) {
-                *wrong = form->wrong_header;
-                return DPT_E_SYNTAX;
-            }
-            table->header = (uint32_t)index;
-            table->columns = commas_in(form->headers[index]) + 1;
-            continue;
-        }
-        if (!add_row(table, &room)) {
-            *wrong = "memory ran out";
-            return DPT_E_MEMORY;
-        }
-        double *row = table->values + table->rows * table->columns;
-        *wrong = parse_row(at, stop, row, table->columns);
-        if (!*wrong)
-            *wrong = form->wrong_row(row, table->columns);
-        if (!*wrong && table->rows && row[0] <= row[-(ptrdiff_t)table->columns])
-            *wrong = "the first column does not increase";
-        if (*wrong)
-            return DPT_E_SYNTAX;
-        table->rows++;
+    struct parser parser = { .table = table, .form = form };
+    dpt_result result = take_lines(&parser, &at, end);
+    if (result == DPT_OK)
+        result = take_rest(&parser, at, end);
+    *line = parser.line;
+    *wrong = parser.wrong;
+    return result;
+}
+
+/* What is read and not yet parsed: the beginning of a line. */
+struct text {
+    char *bytes;
+    size_t count, room;
+};
+
+static dpt_result make_room(struct parser *parser, struct text *text)
+{
+    if (text->count < text->room)
+        return DPT_OK;
+    if (text->room >= LINE_MOST) {
+        ++parser->line;
+        parser->wrong = "the line is longer than 1 MiB";
+        return DPT_E_SYNTAX;
     }
-    *wrong = table->rows ? NULL : "there are no rows";
-    return *wrong ? DPT_E_SYNTAX : DPT_OK;
+    size_t room = text->room ? 2 * text->room : (size_t)1 << 16;
+    char *grown = realloc(text->bytes, room);
+    if (!grown)
+        return DPT_E_MEMORY;
+    text->bytes = grown;
+    text->room = room;
+    return DPT_OK;
+}
+
+static dpt_result take_text(struct parser *parser, struct text *text)
+{
+    const char *at = text->bytes, *end = text->bytes + text->count;
+    dpt_result result = take_lines(parser, &at, end);
+    text->count = (size_t)(end - at);
+    memmove(text->bytes, at, text->count);
+    return result;
+}
+
+dpt_result table_stream(struct table *table, int file, uint64_t most, const struct table_form *form,
+                        uint64_t *line, const char **wrong)
+{
+    struct parser parser = { .table = table, .form = form };
+    struct text text = { .count = 0 };
+    uint64_t total = 0;
+    ssize_t got = 1;
+    dpt_result result = DPT_OK;
+    while (result == DPT_OK && got != 0) {
+        result = make_room(&parser, &text);
+        if (result != DPT_OK)
+            break;
+        got = read(file, text.bytes + text.count, text.room - text.count);
+        if (got < 0 && errno != EINTR)
+            result = DPT_E_OPEN;
+        if (got <= 0)
+            continue;
+        text.count += (size_t)got;
+        total += (uint64_t)got;
+        result = total > most ? DPT_E_LIMIT : take_text(&parser, &text);
+    }
+    if (result == DPT_OK)
+        result = take_rest(&parser, text.bytes, text.bytes + text.count);
+    const int reason = errno;
+    free(text.bytes);
+    errno = reason;
+    *line = parser.line;
+    *wrong = parser.wrong;
+    return result;
 }
 
 dpt_result table_read(struct table *table, const char *path, const struct table_form *form,
                       dpt_device_error *error)
 {
-    struct text text = { .count = 0 };
+    uint64_t line;
+    const char *wrong;
     *table = (struct table){ .rows = 0 };
     int file = open(path, O_RDONLY | O_CLOEXEC);
     if (file < 0)
         return device_error(error, DPT_E_OPEN, "%.160s: %s", path, strerror(errno));
-    dpt_result result = read_all(&text, file);
-    int reason = errno;
+    dpt_result result = table_stream(table, file, TEXT_MOST, form, &line, &wrong);
+    const int reason = errno;
     close(file);
-    if (result == DPT_E_OPEN)
-        device_error(error, result, "%.160s: %s", path, strerror(reason));
-    else if (result != DPT_OK)
-        device_error(error, result, "%.160s: %s", path, dpt_result_text(result));
-    if (result == DPT_OK) {
-        uint64_t line = 0;
-        const char *wrong;
-        result = table_parse(table, text.bytes, text.bytes + text.count, form, &line, &wrong);
-        if (result != DPT_OK)
-            device_error(error, result, "%.160s:%" PRIu64 ": %s", path, line ? line : 1, wrong);
-    }
-    free(text.bytes);
-    if (result != DPT_OK)
-        table_free(table);
-    return result;
+    if (result == DPT_OK)
+        return DPT_OK;
+    table_free(table);
+    if (wrong)
+        return device_error(error, result, "%.160s:%" PRIu64 ": %s", path, line ? line : 1, wrong);
+    return device_error(error, result, "%.160s: %s", path,
+                        result == DPT_E_OPEN ? strerror(reason) : dpt_result_text(result));
 }
 
 void table_free(struct table *table)

@@ -21,13 +21,21 @@ struct table_form {
 
 /*
  * The text from `at` to `end` into an empty table. The first column must increase from row to row, and no row is an
- * error: DPT_E_SYNTAX, or DPT_E_MEMORY, with the reason in *wrong and the line in *line, counted on from its value. What
- * was read until then is to be freed in either case.
+ * error: DPT_E_SYNTAX, or DPT_E_MEMORY, with the reason in *wrong and the line in *line. What was read until then is to
+ * be freed in either case.
  */
 dpt_result table_parse(struct table *table, const char *at, const char *end,
                        const struct table_form *form, uint64_t *line, const char **wrong);
 
-/* The same of a file; nothing is to be freed on error. `error` names file and line. */
+/*
+ * The same of an open file, which may be a pipe: each row is checked when its line is there, and what is wrong in it
+ * ends the reading, whatever may follow. A line is at most 1 MiB, all at most `most` bytes (DPT_E_LIMIT). Where *wrong is
+ * NULL the error is of no line; DPT_E_OPEN: errno says why it cannot be read.
+ */
+dpt_result table_stream(struct table *table, int file, uint64_t most, const struct table_form *form,
+                        uint64_t *line, const char **wrong);
+
+/* The same of a file of 1 GiB at most; nothing is to be freed on error. `error` names file and line. */
 dpt_result table_read(struct table *table, const char *path, const struct table_form *form,
                       dpt_device_error *error);
 void table_free(struct table *table);

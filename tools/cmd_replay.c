@@ -1,9 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* dynpoint replay: a recorded motion through a world, tick by tick. */
+#include <errno.h>
+#include <fcntl.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "clock.h"
 #include "command_options.h"
@@ -339,18 +342,22 @@ static int take_settings(int argc, char **argv, struct settings *settings)
 
 static int read_trace(struct table *trace, const char *path)
 {
-    size_t size;
-    uint64_t line = 0;
+    uint64_t line;
     const char *wrong;
     *trace = (struct table){ .rows = 0 };
-    char *text = load_file("replay", path, &size);
-    if (!text)
-        return 2;
-    dpt_result result = table_parse(trace, text, text + size, &trace_form, &line, &wrong);
-    free(text);
-    return result == DPT_OK
-               ? 0
-               : complain("replay", "%s:%" PRIu64 ": %s", path, line ? line : 1, wrong);
+    const int file = strcmp(path, "-") ? open(path, O_RDONLY) : STDIN_FILENO;
+    if (file < 0)
+        return complain("replay", "%s: cannot be opened: %s", path, strerror(errno));
+    dpt_result result = table_stream(trace, file, UINT64_MAX, &trace_form, &line, &wrong);
+    const int reason = errno;
+    if (file != STDIN_FILENO)
+        close(file);
+    if (result == DPT_OK)
+        return 0;
+    if (wrong)
+        return complain("replay", "%s:%" PRIu64 ": %s", path, line ? line : 1, wrong);
+    return complain("replay", "%s: cannot be read: %s", path,
+                    result == DPT_E_OPEN ? strerror(reason) : dpt_result_text(result));
 }
 
 int command_replay(int argc, char **argv)

@@ -245,6 +245,31 @@ bad_traces()
     refuses 'trace: no row' rowless.csv replay box.dpa rowless.csv -o out/x
     refuses 'trace: missing' none.csv replay box.dpa none.csv -o out/x
     refuses 'trace: a mesh' box.dpa replay box.dpa box.dpa -o out/x
+    refuses 'trace: a folder' 'out: cannot be read' replay box.dpa out -o out/x
+    { echo $header; head -c 1100000 /dev/zero | tr '\0' 7; } >wide.csv
+    refuses 'trace: a line without end' 'wide.csv:2: the line is longer than 1 MiB' replay box.dpa wide.csv -o out/x
+    refuses 'trace: a line without end' 'wide.csv:2: the line is longer than 1 MiB' \
+        device watch replay:wide.csv
+}
+
+# What is wrong ends a pipe that does not end, and one that waits: no second row is needed, nor memory.
+endless_traces()
+{
+    rm -f pipe && mkfifo pipe
+    trace twice.csv 0,1,2,3,4,5,6 0,1,2,3,4,5,6
+    for rest in 'yes 5,1,2,3,4,5,6' 'sleep 60'; do
+        for reader in 'replay box.dpa pipe -o out/x' 'device watch replay:pipe'; do
+            # shellcheck disable=SC2086
+            { cat twice.csv; exec $rest; } >pipe 2>pipe.log &
+            # shellcheck disable=SC2086
+            timeout 20 "$program" $reader >stdout 2>stderr </dev/null
+            status=$?
+            if is_refusal 'pipe:3: the first column does not increase'; then ok
+            else bad "trace: $rest, $reader: $reason"; fi
+            { kill $! && wait $!; } 2>/dev/null
+        done
+    done
+    rm -f pipe
 }
 
 good_traces()
@@ -260,6 +285,12 @@ good_traces()
         succeeds "trace: $form" replay box.dpa $form.csv -o $form.out
         check "trace: $form differs" cmp -s plain.out $form.out
     done
+    # Byte by byte, with a comment that is longer than what is read at once.
+    { head -c 100000 /dev/zero | tr '\0' '#'; echo; cat plain.csv; } >long.csv
+    succeeds 'trace: a long comment' replay box.dpa long.csv -o long.out
+    check 'trace: a long comment differs' cmp -s plain.out long.out
+    dd if=comments.csv bs=1 2>dd.log | "$program" replay box.dpa - -o bytes.out >stdout 2>stderr
+    check "trace: byte by byte: $(cat stderr)" cmp -s plain.out bytes.out
     # On a face's diagonal either triangle is nearest: history decides, and a teleport forgets it.
     trace fresh.csv 0,0.07,0,0,0.08,0,0
     succeeds 'trace: fresh' replay box.dpa fresh.csv -o fresh.out
@@ -1101,6 +1132,7 @@ prepare
 help_and_version
 usage_errors
 bad_traces
+endless_traces
 good_traces
 bad_inputs
 pipes
