@@ -93,7 +93,8 @@ static dpt_result take_line(struct parser *parser, const char *at, const char *e
 {
     struct table *table = parser->table;
     end -= end > at && end[-1] == '\r';
-    ++parser->line;
+    if (++parser->line == 1 && end - at >= 3 && memcmp(at, "\xef\xbb\xbf", 3) == 0)
+        at += 3;
     const char *word = skip_blanks(at, end);
     if (word == end || *word == '#')
         return DPT_OK;

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Numbers in a CSV file: a header line, then rows of as many. LF or CRLF; blank lines and those with '#' are skipped. */
+/*
+ * Numbers in a CSV file: a header line, then rows of as many. LF or CRLF; blank lines and those with '#' are skipped, a
+ * byte order mark too.
+ */
 #ifndef DPT_DRIVERS_CSV_H
 #define DPT_DRIVERS_CSV_H
 

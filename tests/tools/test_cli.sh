@@ -236,6 +236,8 @@ bad_traces()
     refuses 'trace: below blank lines' below.csv:6: replay box.dpa below.csv -o out/x
     echo 0,1,2,3,4,5,6 >headless.csv
     refuses 'trace: no header' headless.csv:1: replay box.dpa headless.csv -o out/x
+    { echo $header; printf '\357\273\2770,1,2,3,4,5,6\n'; } >marked.csv
+    refuses 'trace: a byte order mark that is none' marked.csv:2: replay box.dpa marked.csv -o out/x
     printf 'time,ax,ay,az,bx,by,bz\n0,1,2,3,4,5,6\n' >other.csv
     refuses 'trace: wrong header' 'other.csv:1: the header is not tick,ax,ay,az,bx,by,bz' \
         replay box.dpa other.csv -o out/x
@@ -281,7 +283,10 @@ good_traces()
         >comments.csv
     printf %s "$(cat plain.csv)" >unended.csv
     sed 's/,/ , /g; 1s/ //g' plain.csv >blanks.csv
-    for form in crlf comments unended blanks; do
+    for form in plain crlf comments; do
+        { printf '\357\273\277'; cat $form.csv; } >marked_$form.csv
+    done
+    for form in crlf comments unended blanks marked_plain marked_crlf marked_comments; do
         succeeds "trace: $form" replay box.dpa $form.csv -o $form.out
         check "trace: $form differs" cmp -s plain.out $form.out
     done
@@ -476,7 +481,7 @@ outputs()
     overwrites torus.dpa make trace --mesh torus.dpa -o torus.dpa
     overwrites box.dpa run box.dpa --device sim --ticks 5 --record box.dpa
     overwrites box.csv run box.dpa --device 'replay:./box.csv?rate=500' --ticks 2 --record box.csv
-    printf 't,x,y,z\n0,0,0,0\n' >hand.csv
+    printf '\357\273\277t,x,y,z\n0,0,0,0\n' >hand.csv
     overwrites hand.csv run box.dpa --device 'sim:?dofs=3&hand=hand.csv' --ticks 5 --record hand.csv
     refuses 'a record beside the report' '--record needs a file' run box.dpa --device sim --ticks 5 --record -
     refuses 'a record nowhere, before anything is felt' 'nowhere/r.csv: cannot be written' \
