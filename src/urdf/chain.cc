@@ -79,7 +79,8 @@ void Builder::find_tool(const char *name)
         std::string some = quoted(robot.links[ends[0]].name);
         for (size_t i = 1; i < ends.size() && i < 3; i++)
             some += ", " + quoted(robot.links[ends[i]].name);
-        refuse(DPT_E_ARGUMENT, 0, "%zu links have no children: %s%s: name the one that is the tool (--tool)",
+        refuse(DPT_E_ARGUMENT, 0,
+               "%zu links have no children: %s%s: name the one that is the tool (--tool)",
                ends.size(), some.c_str(), ends.size() > 3 ? " ..." : "");
     }
     chain.tool = ends[0];

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "urdf/fault.h"
 
+#include <algorithm>
 #include <cstdarg>
 #include <cstdio>
 
@@ -40,13 +41,39 @@ void refuse(dpt_result code, size_t line, const char *format, ...)
     throw fault;
 }
 
+/* Within a character of UTF-8. */
+static bool is_within(const std::string &text, size_t at)
+{
+    return at < text.size() && (static_cast<unsigned char>(text[at]) & 0xc0) == 0x80;
+}
+
+/* `head` and `tail` bytes of it at most; what is between them is cut. */
+static std::string cut(const std::string &text, size_t head, size_t tail)
+{
+    if (text.size() <= head + tail)
+        return "'" + one_line(text) + "'";
+    while (head && is_within(text, head))
+        head--;
+    size_t from = text.size() - tail;
+    while (is_within(text, from))
+        from++;
+    return "'" + one_line(text.substr(0, head)) + "..." + one_line(text.substr(from)) + "'";
+}
+
 std::string quoted(const std::string &name)
 {
-    const size_t room = 40;
-    if (name.size() <= room)
-        return "'" + one_line(name) + "'";
-    size_t end = room;
-    while (end && (static_cast<unsigned char>(name[end]) & 0xc0) == 0x80)
-        end--;
-    return "'" + one_line(name.substr(0, end)) + "...'";
+    return cut(name, 40, 0);
+}
+
+void refuse_path(dpt_result code, size_t line, const std::string &owner, const std::string &path,
+                 const std::string &reason)
+{
+    const size_t least = 32;
+    size_t room = sizeof(dpt_diag::text) - sizeof "'...'";
+    std::string whose = owner + ": ";
+    if (whose.size() + least + reason.size() > room)
+        whose.clear();
+    room -= std::min(room - least, whose.size() + reason.size());
+    refuse(code, line, "%s%s%s", whose.c_str(), cut(path, room / 3, room - room / 3).c_str(),
+           reason.c_str());
 }

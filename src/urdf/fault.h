@@ -26,6 +26,13 @@ std::string line_of_text(const char *format, ...) __attribute__((format(printf, 
 /* A name between quotes, control characters '?', cut where it would fill the line. */
 std::string quoted(const std::string &name);
 
+/*
+ * "OWNER: 'PATH'REASON". Where a dpt_diag has no room for all of it, the path is cut in its middle: its end and the
+ * reason are told. A long reason goes without the owner, which the line names too.
+ */
+[[noreturn]] void refuse_path(dpt_result code, size_t line, const std::string &owner,
+                              const std::string &path, const std::string &reason);
+
 /* What was left out or held still, until it is certain that there is an arm. */
 struct Note {
     size_t line;

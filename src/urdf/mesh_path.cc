@@ -46,8 +46,8 @@ std::string decoded(const std::string &text, size_t line, const std::string &own
         int high = i + 2 < text.size() ? hex(text[i + 1]) : -1,
             low = i + 2 < text.size() ? hex(text[i + 2]) : -1;
         if (high < 0 || low < 0 || 16 * high + low < 0x20)
-            refuse(DPT_E_SYNTAX, line, "%s: %s: '%%' is not followed by two digits of a character",
-                   owner.c_str(), quoted(text).c_str());
+            refuse_path(DPT_E_SYNTAX, line, owner, text,
+                        ": '%' is not followed by two digits of a character");
         plain += static_cast<char>(16 * high + low);
         i += 2;
     }
@@ -61,8 +61,7 @@ std::string in_package(const std::string &rest, const std::string &file, const c
     size_t slash = rest.find('/');
     std::string name = rest.substr(0, slash);
     if (slash == std::string::npos || name.empty() || name == "." || name == "..")
-        refuse(DPT_E_SYNTAX, line, "%s: package://%s names no package and file", owner.c_str(),
-               rest.c_str());
+        refuse_path(DPT_E_SYNTAX, line, owner, "package://" + rest, " names no package and file");
     for (const char *at = packages; at && *at;) {
         size_t length = std::strcspn(at, ":");
         std::string folder(at, length);
@@ -96,8 +95,7 @@ std::string mesh_path(const std::string &name, const std::string &file, const ch
     if (begins(name, "file://localhost/"))
         return decoded(name.substr(16), line, owner);
     if (name.find("://") != std::string::npos)
-        refuse(DPT_E_UNSUPPORTED, line,
-               "%s: %s: only package://NAME/..., file:///... and plain names are taken",
-               owner.c_str(), quoted(name).c_str());
+        refuse_path(DPT_E_UNSUPPORTED, line, owner, name,
+                    ": only package://NAME/..., file:///... and plain names are taken");
     return name[0] == '/' ? name : folder_of(file) + name;
 }

@@ -81,20 +81,17 @@ void Builder::add_mesh(const Link &link, const Frame &place, const Shape &shape)
 {
     const std::string owner = "link " + quoted(link.name);
     const std::string path = mesh_path(shape.file, file, packages, link.line, owner);
-    const std::string shown = quoted(shape.file);
     const Vec &scale = shape.size;
     if (!(scale.x > 0.0 && scale.x == scale.y && scale.x == scale.z))
-        refuse(DPT_E_UNSUPPORTED, link.line,
-               "%s: the scale of %s must be one positive number three times: scale the mesh itself",
-               owner.c_str(), shown.c_str());
+        refuse_path(DPT_E_UNSUPPORTED, link.line, owner, shape.file,
+                    ": its scale must be one positive number three times: scale the mesh itself");
     size_t dot = shape.file.rfind('.');
     std::string ending = dot == std::string::npos ? "" : shape.file.substr(dot + 1);
     for (char &c : ending)
         c = static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
     if (ending == "dae")
-        refuse(DPT_E_UNSUPPORTED, link.line,
-               "%s: %s is COLLADA: convert it to STL, OBJ, PLY or OFF", owner.c_str(),
-               quoted(shape.file).c_str());
+        refuse_path(DPT_E_UNSUPPORTED, link.line, owner, shape.file,
+                    " is COLLADA: convert it to STL, OBJ, PLY or OFF");
     dpt_compile_def with = def((mesh && mesh->scale > 0.0 ? mesh->scale : 1.0) * scale.x);
     dpt_compiled compiled;
     dpt_diag diag = {};
@@ -105,8 +102,7 @@ void Builder::add_mesh(const Link &link, const Frame &place, const Shape &shape)
         std::string where = diag.line   ? line_of_text(": line %" PRIu64, diag.line)
                             : diag.byte ? line_of_text(": byte %" PRIu64, diag.byte)
                                         : "";
-        refuse(result, link.line, "%s: %s%s: %s", owner.c_str(), shown.c_str(), where.c_str(),
-               diag.text);
+        refuse_path(result, link.line, owner, shape.file, where + ": " + diag.text);
     }
     add(link, place, compiled);
 }

@@ -375,6 +375,68 @@ static void a_capsule_of_urdf_1_1(void)
     dpt_compiled_free(&compiled);
 }
 
+/* Of a mesh that is called `name`; whether the reason ends in `ending`. */
+static int mesh_is_refused(const char *link, const char *name, const char *ending, dpt_diag *diag)
+{
+    char path[128];
+    dpt_compiled compiled;
+    snprintf(path, sizeof path, "%s/robots/plate.urdf", scratch);
+    FILE *file = fopen(path, "w");
+    fprintf(file,
+            "<robot name=\"r\"><link name=\"%s\"><collision><geometry><mesh filename=\"%s\"/>"
+            "</geometry></collision></link><link name=\"tip\"/><joint name=\"j\" "
+            "type=\"continuous\"><parent link=\"%s\"/><child link=\"tip\"/></joint></robot>\n",
+            link, name, link);
+    fclose(file);
+    *diag = (dpt_diag){ .size = sizeof *diag };
+    dpt_result result = dpt_urdf_compile_file(path, NULL, &compiled, diag);
+    size_t length = strlen(diag->text), end = strlen(ending);
+    return result != DPT_OK && length >= end && !strcmp(diag->text + length - end, ending);
+}
+
+/* No character of UTF-8 is cut. */
+static int is_whole(const char *text)
+{
+    int more = 0;
+    for (; *text; text++) {
+        const unsigned char c = (unsigned char)*text;
+        if ((c & 0xc0) == 0x80 ? more-- == 0 : more != 0)
+            return 0;
+        if (c >= 0xc0)
+            more = c >= 0xe0 ? 2 : 1;
+    }
+    return more == 0;
+}
+
+/* The whole path, or both of its ends: neither the reason is cut nor the file's own name. */
+static void a_long_path_is_told(void)
+{
+    static const char *const reasons[][2] = {
+        { "plate.obj", ": it cannot be opened: No such file or directory" },
+        { "plate.dae", " is COLLADA: convert it to STL, OBJ, PLY or OFF" },
+        { "plate.obj%", ": '%' is not followed by two digits of a character" },
+    };
+    static const char *const links[] = { "base", "a_link_whose_name_is_longer_than_forty_bytes" };
+    static const char *const folders[] = { "a_folder_of_many/words/for/all/organs/meshes/",
+                                           "b\xe2\x82\xac\xe2\x82\xac\xc3\xa4/" };
+    char name[1024], wanted[1200];
+    dpt_diag diag;
+    for (int i = 0; i < 3 * 2 * 2 * 20; i++) {
+        const char *const *reason = reasons[i % 3];
+        strcpy(name, i % 3 == 2 ? "package://p/" : "");
+        for (int k = 0; k < i / 12; k++)
+            strcat(name, folders[i / 6 % 2]);
+        strcat(name, reason[0]);
+        snprintf(wanted, sizeof wanted, "%s'%s", reason[0], reason[1]);
+        CHECK(mesh_is_refused(links[i / 3 % 2], name, wanted, &diag) && is_whole(diag.text),
+              "%s: %s", name, diag.text);
+        CHECK(i / 3 % 2 || !strstr(diag.text, "...") || strlen(diag.text) > 150, "%s", diag.text);
+    }
+    snprintf(name, sizeof name, "%s%s", folders[0], "meshes/of/patients/plate.obj");
+    snprintf(wanted, sizeof wanted, "link 'base': '%s'%s", name, reasons[0][1]);
+    CHECK(mesh_is_refused("base", name, wanted, &diag), "%s", diag.text);
+}
+
 /* A plate of the scene, by its file's name; its edge in metres, 0 when the compiler refuses. */
 static double plate(const char *name, const char *more, const char *packages, double scale)
 {
@@ -515,6 +577,7 @@ int main(void)
     TEST(capsules);
     TEST(a_capsule_of_urdf_1_1);
     TEST(where_meshes_are);
+    TEST(a_long_path_is_told);
     TEST(the_scene);
     char command[128];
     snprintf(command, sizeof command, "rm -rf '%s'", scratch);
