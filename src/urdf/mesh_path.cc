@@ -54,6 +54,14 @@ std::string decoded(const std::string &text, size_t line, const std::string &own
     return plain;
 }
 
+/* Of a folder that may begin with a drive, C:/ros: its length to the next ':'; 0 where there is no drive. */
+size_t with_drive(const char *at)
+{
+    const bool letter = (*at >= 'a' && *at <= 'z') || (*at >= 'A' && *at <= 'Z');
+    return letter && at[1] == ':' && (at[2] == '/' || at[2] == '\\') ? 2 + std::strcspn(at + 2, ":")
+                                                                     : 0;
+}
+
 /* `rest` is NAME/... */
 std::string in_package(const std::string &rest, const std::string &file, const char *packages,
                        size_t line, const std::string &owner)
@@ -63,10 +71,12 @@ std::string in_package(const std::string &rest, const std::string &file, const c
     if (slash == std::string::npos || name.empty() || name == "." || name == "..")
         refuse_path(DPT_E_SYNTAX, line, owner, "package://" + rest, " names no package and file");
     for (const char *at = packages; at && *at;) {
-        size_t length = std::strcspn(at, ":");
-        std::string folder(at, length);
-        if (length && is_there(folder + "/" + rest))
-            return folder + "/" + rest;
+        size_t length = std::strcspn(at, ":"), drive = with_drive(at);
+        for (size_t count : { drive, length }) {
+            std::string folder(at, count);
+            if (count && is_there(folder + "/" + rest))
+                return folder + "/" + rest;
+        }
         at += length + (at[length] == ':');
     }
     /* "./" first, so that a name without a folder has one above. */

@@ -482,6 +482,9 @@ outputs()
     overwrites box.dpa run box.dpa --device sim --ticks 5 --record box.dpa
     overwrites box.csv run box.dpa --device 'replay:./box.csv?rate=500' --ticks 2 --record box.csv
     printf '\357\273\277t,x,y,z\n0,0,0,0\n' >hand.csv
+    mkdir -p C:
+    cp box.csv C:/record.csv
+    overwrites C:/record.csv run box.dpa --device 'replay:C:/record.csv?rate=500' --ticks 2 --record C:/record.csv
     overwrites hand.csv run box.dpa --device 'sim:?dofs=3&hand=hand.csv' --ticks 5 --record hand.csv
     refuses 'a record beside the report' '--record needs a file' run box.dpa --device sim --ticks 5 --record -
     refuses 'a record nowhere, before anything is felt' 'nowhere/r.csv: cannot be written' \
@@ -1076,6 +1079,21 @@ sys.exit(json.load(open("stdout"))["joints"][2]["name"] != "e\"l\\b")'
     refuses 'a package that is not found' "link 'b': 'package://plates" compile plate.urdf -o out/x
     succeeds '--packages' compile plate.urdf -o plate.dpa --packages "$golden/packages" --scale 0.5
     check "--packages: $(cat stdout)" grep -q ' 1 body' stdout
+    # A ':' behind a drive's letter is no end of a path, and one letter is a folder too.
+    mkdir -p C:/ros c && cp -r "$golden/packages/plates" C:/ros && cp -r "$golden/packages/plates" c && cp arm.dpa C:/
+    for folders in C:/ros nowhere:C:/ros "C:/ros:$golden" "C:/nowhere:$golden/packages" "c:$golden" "c:/nowhere"; do
+        succeeds "--packages $folders" compile plate.urdf -o plate.dpa --packages "$folders"
+    done
+    cp box.csv C:/box.csv
+    run device watch 'replay:C:/box.csv'
+    check "a device of a drive's file: $(cat stderr)" grep -q '^0,ready,0.062,' stdout
+    run device watch 'replay:C:/nowhere.csv'
+    check "a drive's file: $(cat stderr)" grep -q 'C:/nowhere.csv: C:/nowhere.csv: No such file' stderr
+    run run box.dpa --device 'can:nowhere?arm=C:/nowhere.dpa&gear=8,8,8' --ticks 5
+    check "a setting with a drive: $(cat stderr)" grep -qF 'C:/nowhere.dpa: ' stderr
+    run run box.dpa --device 'can:nowhere?arm=C:/arm.dpa&gear=8,8,8' --ticks 5
+    check "a setting with a drive: $(cat stderr)" test $status -eq 2 -a "$(grep -c 'No such file' stderr)" -eq 0
+    succeeds 'a tool on a drive' run box.dpa --tool C:/arm.dpa --device 'sim:?hand=press' --ticks 5
 
     # The desk's top is at 0, y of the device is up there: the capsule, 4 mm thick, lies along the device's z.
     run run arm.dpa --device sim --at 0.2,0,0.003 --ticks 1 --json
