@@ -273,14 +273,20 @@ void Builder::weigh()
         chain.links[at.on].mass += robot.links[i].mass;
         moments[at.on] = moments[at.on] + robot.links[i].mass * (at.place * robot.links[i].centre);
     }
+    double mass = 0.0;
     for (size_t i = 0; i < chain.links.size(); i++) {
         dpt_arm_link &link = chain.links[i];
+        mass += link.mass;
         if (!(link.mass > 0.0))
             continue;
         link.centre[0] = moments[i].x / link.mass;
         link.centre[1] = moments[i].y / link.mass;
         link.centre[2] = moments[i].z / link.mass;
     }
+    if (!(mass > 0.0))
+        notes.say(robot.joints[chain.coordinates[0]].line,
+                  "no link from " + joint_called(robot.joints[chain.coordinates[0]]) +
+                      " on has a mass: the arm is not held up against its weight");
 }
 
 /* Its capsule, along z of its frame. */

@@ -198,7 +198,8 @@ struct Builder {
 
     Shape shape(const urdf::Collision &collision, const Link &link);
     void link(size_t index);
-    void limits(const urdf::Joint &from, Joint *joint);
+    void limits(const urdf::Joint &from, size_t element, Joint *joint);
+    void missing_limits(const Joint &joint, size_t element);
     void axis(const urdf::Joint &from, Joint *joint);
     void joint(size_t index);
     void tree();
@@ -253,7 +254,24 @@ void Builder::link(size_t index)
     robot.links.push_back(link);
 }
 
-void Builder::limits(const urdf::Joint &from, Joint *joint)
+/* What <limit> does not say is 0 to urdfdom. What is in an element stands behind it, before all else. */
+void Builder::missing_limits(const Joint &joint, size_t element)
+{
+    for (size_t i = element + 1;
+         i < outline.elements.size() && outline.elements[i].parent >= element; i++) {
+        const Element &limit = outline.elements[i];
+        if (limit.parent != element || limit.tag != "limit")
+            continue;
+        const bool lower = limit.attribute("lower"), upper = limit.attribute("upper");
+        if (!lower || !upper)
+            notes.say(joint.line, "joint " + quoted(joint.name) + " has no " +
+                                      (lower   ? "upper limit: it is 0"
+                                       : upper ? "lower limit: it is 0"
+                                               : "lower and upper limit: they are 0"));
+    }
+}
+
+void Builder::limits(const urdf::Joint &from, size_t element, Joint *joint)
 {
     const std::string owner = "joint " + quoted(joint->name);
     if (from.limits) {
@@ -269,6 +287,8 @@ void Builder::limits(const urdf::Joint &from, Joint *joint)
         notes.say(joint->line, owner + " is continuous: its lower and upper limit are left out");
     if (joint->kind == Joint::CONTINUOUS)
         joint->lower = joint->upper = 0.0;
+    else
+        missing_limits(*joint, element);
     if (from.dynamics) {
         joint->damping = positive(from.dynamics->damping, joint->line, owner, "its damping");
         joint->friction = positive(from.dynamics->friction, joint->line, owner, "its friction");
@@ -329,7 +349,7 @@ void Builder::joint(size_t index)
     if (joint.kind == Joint::REVOLUTE || joint.kind == Joint::CONTINUOUS ||
         joint.kind == Joint::PRISMATIC) {
         axis(*from, &joint);
-        limits(*from, &joint);
+        limits(*from, outline.joints[index], &joint);
     }
     if (from->mimic) {
         joint.mimics = joint_index(from->mimic->joint_name);

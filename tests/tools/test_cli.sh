@@ -1069,6 +1069,13 @@ sys.exit(json.load(open("stdout"))["joints"][2]["name"] != "e\"l\\b")'
     succeeds 'notes' compile "$golden/extensions.urdf" -o noted.dpa
     check "notes: $(cat stderr)" grep -q \
         'extensions.urdf:[0-9]*: note: <transmission> in <robot> is left out, 2 times' stderr
+    run compile "$golden/limit_without_upper.urdf" -o noted.dpa
+    check "a joint without upper: $(cat stderr)" grep -q \
+        "limit_without_upper.urdf:14: note: joint 'elbow' has no upper limit: it is 0" stderr
+    check "an arm without masses: $(cat stderr)" grep -q \
+        "limit_without_upper.urdf:8: note: no link from joint 'shoulder' on has a mass" stderr
+    check 'and it is compiled' test $status -eq 0
+    notes 'an arm with masses and limits' '' compile "$golden/masses.urdf" -o noted.dpa
     succeeds 'another tool' compile "$sample" -o forearm.dpa --tool upper_arm
     check "another tool: $(cat stdout)" grep -q ' 2 joints, tool upper_arm of 0 capsules' stdout
     printf '<robot name="r"><link name="b"><collision><geometry><mesh filename="%s"/></geometry>' \
