@@ -219,6 +219,12 @@ static int is_inside(const dpt_device_info *info, const dpt_device_state *state)
     return inside;
 }
 
+/* About z: no turn with w last. */
+static int is_half_a_turn(const double *q)
+{
+    return fabs(q[0]) < 1e-6 && fabs(q[1]) < 1e-6 && fabs(q[2]) < 1e-6;
+}
+
 /* Gentle: of the greatest force so much, for so long. */
 static const double PUSH = 0.05, PUSH_SECONDS = 0.05;
 
@@ -276,6 +282,9 @@ static int selftest(dpt_device *device, int may_move)
     result = dpt_device_write(device, &bad);
     verdict(&verdicts, result == DPT_E_FINITE, "a force that is not finite is refused", result,
             "(code)");
+    if (is_half_a_turn(observed.last.pose.orientation))
+        puts("  --   turned by half a turn about z: is it sent as x, y, z, w? The order is w, x, "
+             "y, z");
     if (info.wrench_dofs && may_move)
         test_force(device, &info, &verdicts);
     else

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The words of a URDF, as far as an arm is told by them. */
+#include <cmath>
 #include <cstring>
+#include <locale>
+#include <sstream>
 
 #include "urdf/outline.h"
 
@@ -90,6 +93,7 @@ struct Left {
 
 struct Checker {
     Outline *outline;
+    Notes *notes;
     bool capsules;                    /* known to urdfdom */
     bool recent;                      /* and to this file's version */
     std::vector<std::string> paths;   /* of each element; empty: within what is not looked at */
@@ -117,12 +121,30 @@ struct Checker {
         left[what].count++;
     }
 
+    void quaternion(size_t index, const std::string &value);
     void attributes(size_t index, const Word &word);
     void named(size_t index, std::vector<size_t> *list, std::map<std::string, size_t> *by_name);
     void repeated(size_t index);
     void capsule(size_t index);
     void look(size_t index);
 };
+
+/* Its order is not that of every library: no turn, written w first, is half a turn about x. */
+void Checker::quaternion(size_t index, const std::string &value)
+{
+    const size_t line = outline->elements[index].line;
+    std::istringstream in(value);
+    in.imbue(std::locale::classic());
+    double q[4] = { 0.0, 0.0, 0.0, 0.0 };
+    for (double &number : q)
+        in >> number;
+    if (!in || !(in >> std::ws).eof())
+        refuse(DPT_E_SYNTAX, line, "%s: quat_xyzw %s is not four numbers, x y z w",
+               owner(index).c_str(), quoted(value).c_str());
+    if (std::fabs(q[0]) > 0.0 && q[1] == 0.0 && q[2] == 0.0 && q[3] == 0.0)
+        notes->say(line, owner(index) + ": quat_xyzw " + quoted(value) +
+                             " is half a turn about x: the order is x y z w, no turn is 0 0 0 1");
+}
 
 void Checker::attributes(size_t index, const Word &word)
 {
@@ -135,8 +157,10 @@ void Checker::attributes(size_t index, const Word &word)
                    owner(index).c_str(), quoted(a.value).c_str());
         if (lists(word.attributes, a.name) || a.name.compare(0, 6, "xmlns:") == 0)
             continue;
-        if (recent && a.name == "quat_xyzw" && e.tag == "origin")
+        if (recent && a.name == "quat_xyzw" && e.tag == "origin") {
+            quaternion(index, a.value);
             continue;
+        }
         if (word.strict && !has_all(e, word.attributes))
             refuse(DPT_E_SYNTAX, e.line, "%s: <%s> has no attribute %s, only: %s",
                    owner(index).c_str(), e.tag.c_str(), quoted(a.name).c_str(), word.attributes);
@@ -231,9 +255,10 @@ void outline_check(Outline *outline, bool capsules, Notes &notes)
     check_name(root);
     const std::string *version = root.attribute("version");
     const bool recent = capsules && version && *version != "1.0";
-    Checker checker = { outline, capsules,
-                        recent,  std::vector<std::string>(outline->elements.size()),
-                        {},      {} };
+    Checker checker = {
+        outline, &notes, capsules, recent, std::vector<std::string>(outline->elements.size()),
+        {},      {}
+    };
     for (size_t i = 0; i < outline->elements.size(); i++) {
         checker.look(i);
         if (outline->links.size() > most)

@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "urdf/surroundings.h"
 
+#include <cstdio>
 #include <cstdlib>
 #include <locale>
 #include <new>
 
 #include <console_bridge/console.h>
+
+#include "urdf/outline.h"
 
 namespace
 {
@@ -51,6 +54,24 @@ __thread long allocations_left = -1;
 __thread long blocks_in_c;
 
 extern "C" {
+
+int notes_on_quaternion(const char *value, char *text, unsigned long room)
+{
+    Notes notes;
+    text[0] = 0;
+    try {
+        Outline outline = outline_of(
+            std::string("<robot version=\"1.1\"><joint name=\"j\"><origin quat_xyzw=\"") + value +
+            "\"/></joint></robot>");
+        outline_check(&outline, true, notes);
+    } catch (const Fault &fault) {
+        std::snprintf(text, room, "%s", fault.text.c_str());
+        return -1;
+    }
+    for (const Note &note : notes.list)
+        std::snprintf(text, room, "%s", note.text.c_str());
+    return static_cast<int>(notes.list.size());
+}
 void *__real_malloc(std::size_t size);
 void *__real_calloc(std::size_t count, std::size_t size);
 void *__real_realloc(void *block, std::size_t size);

@@ -22,6 +22,12 @@ int log_end(void);
 void log_something(void);
 
 /*
+ * What is said of the origin's quaternion of a joint, by an urdfdom that has them or not: notes, or -1 for a refusal;
+ * the last one's text.
+ */
+int notes_on_quaternion(const char *value, char *text, unsigned long room);
+
+/*
  * So many allocations of this thread succeed from now on, in C++ and in our C; -1: all. Meanwhile leaks of C++ are not reported:
  * TinyXML 2.6 has some.
  */

@@ -159,6 +159,27 @@ static void each_file_is_listed(void)
         closedir(folder);
 }
 
+/* Whatever urdfdom is here: the order is told where it is likely to be the other one, or refused. */
+static void quaternions_say_their_order(void)
+{
+    static const struct {
+        const char *value;
+        int notes;
+    } cases[] = {
+        { "0 0 0 1", 0 },   { "0 0 0 -1", 0 },   { "0.5 0.5 0.5 0.5", 0 },    { "0 1 0 0", 0 },
+        { "0 0 1 0", 0 },   { "1 0 0 0", 1 },    { " -1.0  0 -0.0 0e3 ", 1 }, { "", -1 },
+        { "1 0 0", -1 },    { "1 0 0 0 0", -1 }, { "1 0 0 x", -1 },           { "1,0,0,0", -1 },
+        { "1 0 0 nan", -1 }
+    };
+    char text[512];
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        int notes = notes_on_quaternion(cases[i].value, text, sizeof text);
+        CHECK(notes == cases[i].notes, "'%s': %d, %s", cases[i].value, notes, text);
+        CHECK(!notes || (strstr(text, "joint 'j': quat_xyzw '") && strstr(text, "x y z w")), "%s",
+              text);
+    }
+}
+
 static void compile_all(void)
 {
     FILE *list = fopen(FOLDER "expected.txt", "r");
@@ -513,6 +534,7 @@ int main(int argc, char **argv)
     }
     TEST(each_file_comes_to_what_is_expected);
     TEST(each_file_is_listed);
+    TEST(quaternions_say_their_order);
     if (getenv("DPT_DATA"))
         TEST(robots_of_others);
     else
