@@ -3,17 +3,15 @@
 #define _POSIX_C_SOURCE 200809L
 #include <errno.h>
 #include <math.h>
-#include <pthread.h>
-#include <sched.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
 #include <time.h>
 
 #include "base/return_if_error.h"
 #include "base/vec3.h"
 #include "clock.h"
 #include "dynpoint/loop.h"
+#include "urgent.h"
 
 enum { DEF_SIZE_MOST = 4096, FAREWELLS = 10 };
 
@@ -326,34 +324,13 @@ static dpt_result send_zero(struct run *run)
     return result;
 }
 
-struct scheduling {
-    int is_changed;
-    int policy;
-    struct sched_param param;
-};
-
-static void become_urgent(struct run *run, struct scheduling *before)
-{
-    const dpt_loop_def *def = &run->loop->def;
-    if (def->lock && mlockall(MCL_CURRENT | MCL_FUTURE) != 0)
-        run->stats.notes |= DPT_LOOP_NO_LOCK;
-    if (!def->priority)
-        return;
-    struct sched_param param = { .sched_priority = (int)def->priority };
-    if (pthread_getschedparam(pthread_self(), &before->policy, &before->param) == 0 &&
-        pthread_setschedparam(pthread_self(), SCHED_FIFO, &param) == 0)
-        before->is_changed = 1;
-    else
-        run->stats.notes |= DPT_LOOP_NO_PRIORITY;
-}
-
 dpt_result dpt_loop_run(dpt_loop *loop, dpt_loop_stats *stats)
 {
     if (!loop)
         return DPT_E_ARGUMENT;
     if (stats && stats->size != sizeof *stats)
         return DPT_E_SIZE;
-    struct scheduling before = { .is_changed = 0 };
+    struct urgent before;
     struct run run = { .loop = loop };
     run.stats.size = sizeof run.stats;
     run.state.size = sizeof run.state;
@@ -361,12 +338,11 @@ dpt_result dpt_loop_run(dpt_loop *loop, dpt_loop_stats *stats)
     dpt_guard_init(&run.guard, &loop->def.guard);
 
     if (!loop->has_own_time)
-        become_urgent(&run, &before);
+        run.stats.notes = urgent_begin(&before, loop->def.priority, loop->def.lock);
     dpt_result result = loop->has_own_time ? run_by_device(&run) : run_by_clock(&run);
     dpt_result last = send_zero(&run);
-    if (before.is_changed &&
-        pthread_setschedparam(pthread_self(), before.policy, &before.param) != 0)
-        run.stats.notes |= DPT_LOOP_NO_RETURN;
+    if (!loop->has_own_time)
+        run.stats.notes |= urgent_end(&before);
 
     run.stats.stops = run.guard.stops;
     run.stats.clamped = run.guard.clamped;

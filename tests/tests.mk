@@ -50,8 +50,8 @@ fuzz-programs: $(FUZZ_TARGETS:%=$(B)/tests/fuzz/fuzz_%)
 .PHONY: fuzz-programs
 
 # Calls of the system that the test lets fail.
-WRAPPED := malloc calloc realloc free open read close clock_gettime clock_nanosleep nanosleep mlockall \
-           pthread_getschedparam pthread_setschedparam
+WRAPPED := malloc calloc realloc free open read close clock_gettime clock_nanosleep nanosleep getrlimit \
+           mlockall munlockall pthread_getschedparam pthread_setschedparam
 $(B)/tests/test_syscalls: private LDLIBS = $(WRAPPED:%=-Wl,--wrap=%)
 $(B)/tests/test_phase: private LDLIBS = -Wl,--wrap=clock_gettime,--wrap=clock_nanosleep
 SERIAL_WRAPPED := open close read write poll ioctl flock tcgetattr tcsetattr tcflush calloc

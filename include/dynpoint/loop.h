@@ -33,7 +33,7 @@ typedef dpt_result dpt_loop_tick(void *user, const dpt_device_state *state, doub
 typedef struct dpt_loop_def {
     uint32_t size;     /* sizeof(dpt_loop_def), set by dpt_loop_def_init */
     uint32_t priority; /* of the thread, by SCHED_FIFO, 1..99; 0: as it is; 80 */
-    uint32_t lock;     /* 1: keep all of the process in memory, from now on; 1 */
+    uint32_t lock;     /* 1: keep the process in memory while it runs, see dpt_loop_run; 1 */
     uint32_t reopen; /* 1: dpt_device_clear a device that is lost, once a second; 0: end then; 0 */
     double rate;     /* Hz, 1..100000; 0: the device's own, half way between its samples; 0 */
     uint64_t ticks;  /* 0: until dpt_loop_stop; 0 */
@@ -100,6 +100,13 @@ DPT_API dpt_result dpt_loop_create(dpt_device *device, const dpt_loop_def *def, 
  * time: no one waits, the thread and memory stay as they are, nothing is late. Ends after `ticks`, on dpt_loop_stop, or
  * when the device is lost; always with zero force, and the thread's scheduling as it was.
  *   stats   may be NULL
+ *
+ * Memory is locked only where that costs the host nothing: where RLIMIT_MEMLOCK is unlimited, or the process is privileged
+ * (CAP_IPC_LOCK). Under a finite limit the host could then create no thread and allocate nothing: nothing is locked, and
+ * the notes say DPT_LOOP_NO_LOCK. The lock is of the whole process (mlockall). The last of several loops ends it
+ * (munlockall), for what the host locked meanwhile too. It stays where the host had locked memory before the first loop, and
+ * where the system does not tell (other than Linux).
+ *
  * DPT_E_LOST: the device was lost. DPT_E_SYSTEM: there is no clock to go by. Else what the device answered to the last
  * command, that of zero force.
  */

@@ -10,6 +10,7 @@
 #include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
 #include <time.h>
 
 #include "drivers/open_device.h"
@@ -23,6 +24,7 @@ enum call {
     READ,
     CLOCK,
     SLEEP,
+    GET_LIMIT,
     LOCK,
     GET_SCHED,
     SET_SCHED,
@@ -37,6 +39,7 @@ static const char *const call_names[CALLS] = { "none",
                                                "read",
                                                "clock_gettime",
                                                "clock_nanosleep",
+                                               "getrlimit",
                                                "mlockall",
                                                "pthread_getschedparam",
                                                "pthread_setschedparam" };
@@ -48,7 +51,7 @@ static struct {
     int made[CALLS];
     int blocks, files; /* that are held */
     int short_reads;
-    int policy, priority, locks;
+    int policy, priority, locks, unlocks;
 } plan;
 
 /* The error that this call is to fail with; 0: it is to be made. */
@@ -141,6 +144,18 @@ WRAP(int, mlockall, int flags)
     return failure_of(LOCK) ? -1 : 0;
 }
 
+WRAP(int, munlockall, void)
+{
+    plan.unlocks++;
+    return 0;
+}
+
+WRAP(int, getrlimit, int resource, struct rlimit *limit)
+{
+    *limit = (struct rlimit){ RLIM_INFINITY, RLIM_INFINITY };
+    return resource == RLIMIT_MEMLOCK && failure_of(GET_LIMIT) ? -1 : 0;
+}
+
 WRAP(int, pthread_getschedparam, pthread_t thread, int *policy, struct sched_param *param)
 {
     int error = failure_of(GET_SCHED);
@@ -194,7 +209,8 @@ static struct outcome host_runs(const char *name, uint64_t ticks)
     dpt_loop *loop = NULL;
     dpt_loop_def def;
     memset(plan.made, 0, sizeof plan.made);
-    plan.did_fail = plan.blocks = plan.files = plan.policy = plan.priority = plan.locks = 0;
+    plan.did_fail = plan.blocks = plan.files = plan.policy = plan.priority = plan.locks =
+        plan.unlocks = 0;
     plan.is_armed = 1;
     outcome.opened = dpt_device_open(name, &device, &outcome.error);
     if (outcome.opened == DPT_OK) {
@@ -267,7 +283,7 @@ static void without_failures_all_is_well(void)
         CHECK((plan.made[CLOCK] > 40) == scenarios[s].is_live &&
                   (plan.made[SLEEP] >= 20) == scenarios[s].is_live,
               "scenario %d: %d clocks", s, plan.made[CLOCK]);
-        CHECK(plan.locks == scenarios[s].is_live &&
+        CHECK(plan.locks == scenarios[s].is_live && plan.unlocks == plan.locks &&
                   plan.made[SET_SCHED] == 2 * scenarios[s].is_live,
               "scenario %d: %d locks", s, plan.locks);
         CHECK((outcome.was_urgent > 0) == scenarios[s].is_live && plan.policy != SCHED_FIFO,
@@ -340,9 +356,10 @@ static void check_outcome(const struct outcome *outcome, const char *what)
         CHECK(plan.error != EINTR || (stats->ticks == 20 && plan.made[SLEEP] == 21),
               "%s: %d ticks, %d sleeps", what, (int)stats->ticks, plan.made[SLEEP]);
         break;
+    case GET_LIMIT:
     case LOCK:
-        CHECK(outcome->ran == DPT_OK && stats->notes == DPT_LOOP_NO_LOCK, "%s: notes %u", what,
-              stats->notes);
+        CHECK(outcome->ran == DPT_OK && stats->notes == DPT_LOOP_NO_LOCK && !plan.unlocks,
+              "%s: notes %u", what, stats->notes);
         break;
     case GET_SCHED:
     case SET_SCHED:
@@ -363,13 +380,13 @@ static void every_call_fails_in_its_turn(void)
         enum call call;
         int error, onwards;
     } kinds[] = {
-        { MALLOC, ENOMEM, 0 },   { MALLOC, ENOMEM, 1 },   { CALLOC, ENOMEM, 0 },
-        { CALLOC, ENOMEM, 1 },   { REALLOC, ENOMEM, 0 },  { REALLOC, ENOMEM, 1 },
-        { OPEN, EACCES, 0 },     { OPEN, EMFILE, 1 },     { READ, EIO, 0 },
-        { READ, EIO, 1 },        { READ, EINTR, 0 },      { CLOCK, EINVAL, 0 },
-        { CLOCK, EINVAL, 1 },    { SLEEP, EINVAL, 0 },    { SLEEP, EINVAL, 1 },
-        { SLEEP, EINTR, 0 },     { LOCK, EPERM, 0 },      { GET_SCHED, EPERM, 0 },
-        { SET_SCHED, EPERM, 0 }, { SET_SCHED, EPERM, 1 },
+        { MALLOC, ENOMEM, 0 },   { MALLOC, ENOMEM, 1 },    { CALLOC, ENOMEM, 0 },
+        { CALLOC, ENOMEM, 1 },   { REALLOC, ENOMEM, 0 },   { REALLOC, ENOMEM, 1 },
+        { OPEN, EACCES, 0 },     { OPEN, EMFILE, 1 },      { READ, EIO, 0 },
+        { READ, EIO, 1 },        { READ, EINTR, 0 },       { CLOCK, EINVAL, 0 },
+        { CLOCK, EINVAL, 1 },    { SLEEP, EINVAL, 0 },     { SLEEP, EINVAL, 1 },
+        { SLEEP, EINTR, 0 },     { GET_LIMIT, EINVAL, 0 }, { LOCK, EPERM, 0 },
+        { GET_SCHED, EPERM, 0 }, { SET_SCHED, EPERM, 0 },  { SET_SCHED, EPERM, 1 },
     };
     int walked = 0;
     for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++)

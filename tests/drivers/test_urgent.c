@@ -1,0 +1,189 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * What a loop asks of the system for the time that it runs, and that it gives it back: locked memory, which must not
+ * take a host its threads and its memory. Each test is a process of its own.
+ */
+#define _DEFAULT_SOURCE
+#include <grp.h>
+#include <pthread.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+
+#include "drivers/open_device.h"
+
+enum { NOBODY = 65534, CANNOT = 77, USUAL_LIMIT = 8 << 20, MUCH = 64 << 20 };
+
+/* 0: it holds; CANNOT: it could not be tried here. */
+static int in_a_process(void (*test)(void))
+{
+    int status = 1;
+    fflush(stdout);
+    const pid_t child = fork();
+    if (child == 0) {
+        test();
+        fflush(stdout);
+        _exit(check_bad ? 1 : 0);
+    }
+    CHECK(child > 0 && waitpid(child, &status, 0) == child, "no process");
+    const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 1;
+    CHECK(code == 0 || code == CANNOT, "it failed with status %d", status);
+    return code;
+}
+
+static dpt_loop_stats run_loop(dpt_loop_tick *tick, uint32_t lock)
+{
+    dpt_device *device = device_named("sim:?hand=press&live=1");
+    dpt_loop_stats stats = { .size = sizeof stats };
+    dpt_loop_def def;
+    dpt_loop *loop;
+    dpt_loop_def_init(&def);
+    def.tick = tick;
+    def.ticks = 20;
+    def.priority = 0;
+    def.lock = lock;
+    CHECK(dpt_loop_create(device, &def, &loop) == DPT_OK, "no loop");
+    CHECK(dpt_loop_run(loop, &stats) == DPT_OK, "the run failed");
+    dpt_loop_free(loop);
+    dpt_device_close(device);
+    return stats;
+}
+
+static void *nothing(void *user)
+{
+    return user;
+}
+
+/* A host's other work: a thread, and memory. */
+static int can_work(void)
+{
+    pthread_t thread;
+    if (pthread_create(&thread, NULL, nothing, NULL) != 0)
+        return 0;
+    pthread_join(thread, NULL);
+    char *block = malloc(MUCH);
+    if (!block)
+        return 0;
+    memset(block, 1, MUCH);
+    const int is_written = block[MUCH / 2] == 1;
+    free(block);
+    return is_written;
+}
+
+static int could_work, ticks;
+
+static dpt_result work(void *user, const dpt_device_state *state, double dt, dpt_wrench *wrench)
+{
+    (void)user, (void)state, (void)dt, (void)wrench;
+    if (ticks++ == 5)
+        could_work = can_work();
+    return DPT_OK;
+}
+
+static void work_under_the_usual_limit(void)
+{
+    const struct rlimit usual = { USUAL_LIMIT, USUAL_LIMIT };
+    if (setrlimit(RLIMIT_MEMLOCK, &usual) != 0 ||
+        (geteuid() == 0 && (setgroups(0, NULL) != 0 || setgid(NOBODY) != 0 || setuid(NOBODY) != 0)))
+        _exit(CANNOT);
+    const dpt_loop_stats stats = run_loop(work, 1);
+    CHECK(ticks > 5 && could_work, "no thread or no memory while it runs");
+    CHECK(can_work(), "no thread or no memory after it");
+    CHECK(stats.notes == DPT_LOOP_NO_LOCK, "notes %u", stats.notes);
+}
+
+static void an_unprivileged_host_keeps_threads_and_memory(void)
+{
+    if (in_a_process(work_under_the_usual_limit) == CANNOT)
+        SKIP("the usual limit of locked memory", "this user cannot become another one");
+}
+
+/* Of this process; -1: not told. */
+static long locked_kilobytes(void)
+{
+    char line[128];
+    long kilobytes = -1;
+    FILE *status = fopen("/proc/self/status", "r");
+    while (status && kilobytes < 0 && fgets(line, sizeof line, status))
+        if (sscanf(line, "VmLck: %ld", &kilobytes) != 1)
+            kilobytes = -1;
+    if (status)
+        fclose(status);
+    return kilobytes;
+}
+
+static long locked_inside, locked_between;
+
+static dpt_result look(void *user, const dpt_device_state *state, double dt, dpt_wrench *wrench)
+{
+    (void)user, (void)state, (void)dt, (void)wrench;
+    locked_inside = locked_kilobytes();
+    return DPT_OK;
+}
+
+static dpt_result look_around_another(void *user, const dpt_device_state *state, double dt,
+                                      dpt_wrench *wrench)
+{
+    if (ticks++ == 5) {
+        run_loop(look, 1);
+        locked_between = locked_kilobytes();
+    }
+    return look(user, state, dt, wrench);
+}
+
+static char page[4096];
+
+static void lock_and_unlock(void)
+{
+    CHECK(run_loop(look, 0).notes == 0 && locked_inside == 0, "locked unasked");
+    CHECK(run_loop(look, 1).notes == 0 && locked_inside > 1000, "%ld kB locked", locked_inside);
+    CHECK(locked_kilobytes() == 0, "%ld kB stay locked", locked_kilobytes());
+    ticks = 0;
+    CHECK(run_loop(look_around_another, 1).notes == 0 && locked_between > 1000 &&
+              locked_inside > 1000,
+          "%ld kB after another loop", locked_between);
+    CHECK(locked_kilobytes() == 0, "%ld kB stay locked after two", locked_kilobytes());
+    /* What the host locked is the host's. */
+    CHECK(mlock(page, sizeof page) == 0, "mlock");
+    run_loop(look, 1);
+    CHECK(locked_kilobytes() > 0, "the host's page is unlocked");
+}
+
+static void lock_without_a_limit(void)
+{
+    const struct rlimit none = { RLIM_INFINITY, RLIM_INFINITY };
+    if (setrlimit(RLIMIT_MEMLOCK, &none) != 0 || locked_kilobytes() != 0 ||
+        mlock(page, sizeof page) != 0 || locked_kilobytes() == 0)
+        _exit(CANNOT);
+    munlock(page, sizeof page);
+    lock_and_unlock();
+}
+
+/* With a limit of 0 only the privileged can lock a page. */
+static void lock_above_the_limit(void)
+{
+    struct rlimit limit;
+    if (getrlimit(RLIMIT_MEMLOCK, &limit) != 0)
+        _exit(CANNOT);
+    limit.rlim_cur = 0;
+    if (setrlimit(RLIMIT_MEMLOCK, &limit) != 0 || locked_kilobytes() != 0 ||
+        mlock(page, sizeof page) != 0 || locked_kilobytes() == 0)
+        _exit(CANNOT);
+    munlock(page, sizeof page);
+    lock_and_unlock();
+}
+
+static void memory_is_locked_for_as_long_as_it_runs(void)
+{
+    const int unlimited = in_a_process(lock_without_a_limit);
+    const int privileged = in_a_process(lock_above_the_limit);
+    if (unlimited == CANNOT && privileged == CANNOT)
+        SKIP("locked memory", "not permitted, not told, or a sanitizer leaves it out");
+}
+
+int main(void)
+{
+    TEST(an_unprivileged_host_keeps_threads_and_memory);
+    TEST(memory_is_locked_for_as_long_as_it_runs);
+    return check_report();
+}
