@@ -7,6 +7,9 @@
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
+#ifdef __linux__
+#include <sys/prctl.h>
+#endif
 
 #include "dynpoint/loop.h"
 
@@ -83,6 +86,25 @@ static void unlock_memory(void)
     pthread_mutex_unlock(&memory.mutex);
 }
 
+/* By how much, in ns, the system may let this thread's timers be late. Without effect in a thread with a priority. */
+static int timer_slack(void)
+{
+#ifdef __linux__
+    return prctl(PR_GET_TIMERSLACK, 0, 0, 0, 0);
+#else
+    return 0;
+#endif
+}
+
+static void set_timer_slack(int slack)
+{
+#ifdef __linux__
+    prctl(PR_SET_TIMERSLACK, slack, 0, 0, 0);
+#else
+    (void)slack;
+#endif
+}
+
 uint32_t urgent_begin(struct urgent *before, uint32_t priority, uint32_t lock)
 {
     uint32_t notes = 0;
@@ -91,6 +113,10 @@ uint32_t urgent_begin(struct urgent *before, uint32_t priority, uint32_t lock)
         before->holds_lock = lock_memory();
         notes |= before->holds_lock ? 0 : DPT_LOOP_NO_LOCK;
     }
+    const int slack = timer_slack();
+    before->slack = slack > 0 ? slack : 0;
+    if (before->slack)
+        set_timer_slack(1);
     if (!priority)
         return notes;
     const struct sched_param param = { .sched_priority = (int)priority };
@@ -108,6 +134,9 @@ uint32_t urgent_end(const struct urgent *before)
     if (before->is_scheduled &&
         pthread_setschedparam(pthread_self(), before->policy, &before->param) != 0)
         notes |= DPT_LOOP_NO_RETURN;
+    /* After the priority: giving that back may set a slack of the system's own. */
+    if (before->slack)
+        set_timer_slack(before->slack);
     if (before->holds_lock)
         unlock_memory();
     return notes;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What a loop asks of the system while it runs: priority, and memory that is not paged out. */
+/* What a loop asks of the system while it runs: priority, wakes without slack, memory that is not paged out. */
 #ifndef DPT_DRIVERS_URGENT_H
 #define DPT_DRIVERS_URGENT_H
 
@@ -9,6 +9,7 @@
 /* How the calling thread was before. */
 struct urgent {
     int holds_lock;
+    int slack; /* of its timers, ns; 0: not changed */
     int is_scheduled;
     int policy;
     struct sched_param param;

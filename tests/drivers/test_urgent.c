@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
  * What a loop asks of the system for the time that it runs, and that it gives it back: locked memory, which must not
- * take a host its threads and its memory. Each test is a process of its own.
+ * take a host its threads and its memory, and timers without slack. Each test is a process of its own.
  */
 #define _DEFAULT_SOURCE
 #include <grp.h>
@@ -9,10 +9,13 @@
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
+#ifdef __linux__
+#include <sys/prctl.h>
+#endif
 
 #include "drivers/open_device.h"
 
-enum { NOBODY = 65534, CANNOT = 77, USUAL_LIMIT = 8 << 20, MUCH = 64 << 20 };
+enum { NOBODY = 65534, CANNOT = 77, USUAL_LIMIT = 8 << 20, MUCH = 64 << 20, SLACK = 70000 };
 
 /* 0: it holds; CANNOT: it could not be tried here. */
 static int in_a_process(void (*test)(void))
@@ -31,7 +34,7 @@ static int in_a_process(void (*test)(void))
     return code;
 }
 
-static dpt_loop_stats run_loop(dpt_loop_tick *tick, uint32_t lock)
+static dpt_loop_stats run_loop(dpt_loop_tick *tick, uint32_t priority, uint32_t lock)
 {
     dpt_device *device = device_named("sim:?hand=press&live=1");
     dpt_loop_stats stats = { .size = sizeof stats };
@@ -40,7 +43,7 @@ static dpt_loop_stats run_loop(dpt_loop_tick *tick, uint32_t lock)
     dpt_loop_def_init(&def);
     def.tick = tick;
     def.ticks = 20;
-    def.priority = 0;
+    def.priority = priority;
     def.lock = lock;
     CHECK(dpt_loop_create(device, &def, &loop) == DPT_OK, "no loop");
     CHECK(dpt_loop_run(loop, &stats) == DPT_OK, "the run failed");
@@ -86,7 +89,7 @@ static void work_under_the_usual_limit(void)
     if (setrlimit(RLIMIT_MEMLOCK, &usual) != 0 ||
         (geteuid() == 0 && (setgroups(0, NULL) != 0 || setgid(NOBODY) != 0 || setuid(NOBODY) != 0)))
         _exit(CANNOT);
-    const dpt_loop_stats stats = run_loop(work, 1);
+    const dpt_loop_stats stats = run_loop(work, 0, 1);
     CHECK(ticks > 5 && could_work, "no thread or no memory while it runs");
     CHECK(can_work(), "no thread or no memory after it");
     CHECK(stats.notes == DPT_LOOP_NO_LOCK, "notes %u", stats.notes);
@@ -125,7 +128,7 @@ static dpt_result look_around_another(void *user, const dpt_device_state *state,
                                       dpt_wrench *wrench)
 {
     if (ticks++ == 5) {
-        run_loop(look, 1);
+        run_loop(look, 0, 1);
         locked_between = locked_kilobytes();
     }
     return look(user, state, dt, wrench);
@@ -135,17 +138,17 @@ static char page[4096];
 
 static void lock_and_unlock(void)
 {
-    CHECK(run_loop(look, 0).notes == 0 && locked_inside == 0, "locked unasked");
-    CHECK(run_loop(look, 1).notes == 0 && locked_inside > 1000, "%ld kB locked", locked_inside);
+    CHECK(run_loop(look, 0, 0).notes == 0 && locked_inside == 0, "locked unasked");
+    CHECK(run_loop(look, 0, 1).notes == 0 && locked_inside > 1000, "%ld kB locked", locked_inside);
     CHECK(locked_kilobytes() == 0, "%ld kB stay locked", locked_kilobytes());
     ticks = 0;
-    CHECK(run_loop(look_around_another, 1).notes == 0 && locked_between > 1000 &&
+    CHECK(run_loop(look_around_another, 0, 1).notes == 0 && locked_between > 1000 &&
               locked_inside > 1000,
           "%ld kB after another loop", locked_between);
     CHECK(locked_kilobytes() == 0, "%ld kB stay locked after two", locked_kilobytes());
     /* What the host locked is the host's. */
     CHECK(mlock(page, sizeof page) == 0, "mlock");
-    run_loop(look, 1);
+    run_loop(look, 0, 1);
     CHECK(locked_kilobytes() > 0, "the host's page is unlocked");
 }
 
@@ -181,9 +184,45 @@ static void memory_is_locked_for_as_long_as_it_runs(void)
         SKIP("locked memory", "not permitted, not told, or a sanitizer leaves it out");
 }
 
+#ifdef __linux__
+static int slack_inside = -1;
+
+static dpt_result look_at_slack(void *user, const dpt_device_state *state, double dt,
+                                dpt_wrench *wrench)
+{
+    (void)user, (void)state, (void)dt, (void)wrench;
+    slack_inside = prctl(PR_GET_TIMERSLACK, 0, 0, 0, 0);
+    return DPT_OK;
+}
+
+static void ask_for_slack(void)
+{
+    if (prctl(PR_SET_TIMERSLACK, SLACK, 0, 0, 0) != 0 ||
+        prctl(PR_GET_TIMERSLACK, 0, 0, 0, 0) != SLACK)
+        _exit(CANNOT);
+    for (uint32_t priority = 0; priority <= 80; priority += 80) {
+        run_loop(look_at_slack, priority, 0);
+        /* A thread with a priority has none; newer kernels say so. */
+        CHECK(slack_inside == 1 || (priority && slack_inside == 0), "%d ns at priority %u",
+              slack_inside, priority);
+        const int slack = prctl(PR_GET_TIMERSLACK, 0, 0, 0, 0);
+        CHECK(slack == SLACK, "%d ns after priority %u", slack, priority);
+    }
+}
+#endif
+
+static void timers_have_no_slack_while_it_runs(void)
+{
+#ifdef __linux__
+    if (in_a_process(ask_for_slack) == CANNOT)
+#endif
+        SKIP("timer slack", "the system has none");
+}
+
 int main(void)
 {
     TEST(an_unprivileged_host_keeps_threads_and_memory);
     TEST(memory_is_locked_for_as_long_as_it_runs);
+    TEST(timers_have_no_slack_while_it_runs);
     return check_report();
 }
