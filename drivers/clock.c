@@ -4,6 +4,8 @@
 
 #include <time.h>
 
+#include "base/return_if_error.h"
+
 static dpt_result read_ns(clockid_t clock, uint64_t *ns)
 {
     struct timespec time;
@@ -16,6 +18,21 @@ static dpt_result read_ns(clockid_t clock, uint64_t *ns)
 dpt_result clock_read(uint64_t *now)
 {
     return read_ns(CLOCK_MONOTONIC, now);
+}
+
+dpt_result clock_read_ahead(uint64_t *now, int64_t *ahead)
+{
+    *ahead = 0;
+#if defined(__linux__) && defined(CLOCK_BOOTTIME)
+    uint64_t boot;
+    const int has_boot = read_ns(CLOCK_BOOTTIME, &boot) == DPT_OK;
+    DPT_TRY(clock_read(now));
+    if (has_boot)
+        *ahead = (int64_t)(boot - *now);
+    return DPT_OK;
+#else
+    return clock_read(now);
+#endif
 }
 
 uint64_t clock_now(void)

@@ -33,6 +33,7 @@ struct run {
     dpt_guard guard;
     dpt_device_state state;
     uint64_t now;
+    int64_t ahead; /* of the monotonic clock: the most that was seen */
     int has_sample;
     uint64_t sequence; /* of the last sample */
     int has_ticked;
@@ -206,6 +207,21 @@ static void send(struct run *run, const dpt_wrench *wrench)
         run->stats.refused++;
 }
 
+/*
+ * Read the clock. It stands still while the machine is suspended, so the guard sees no silence and is told by hand. A
+ * pause between the two readings makes `ahead` too small, so it is compared with the largest one before.
+ */
+static dpt_result look_at_clocks(struct run *run)
+{
+    int64_t ahead;
+    dpt_wrench none;
+    DPT_TRY(clock_read_ahead(&run->now, &ahead));
+    if (ahead > run->ahead + (int64_t)run->loop->period_ns)
+        dpt_guard_step(&run->guard, run->now, NULL, 0, &none);
+    run->ahead = ahead > run->ahead ? ahead : run->ahead;
+    return DPT_OK;
+}
+
 static dpt_result tick(struct run *run)
 {
     dpt_wrench command = { { 0.0 }, { 0.0 } }, wrench;
@@ -236,10 +252,10 @@ static dpt_result tick(struct run *run)
             run->stats.fresh++;
         else if (is_ready)
             run->stats.failed++;
-        /* A command counts from when it is there: one that took long begins a new ramp. */
-        if (!run->loop->has_own_time)
-            DPT_TRY(clock_read(&run->now));
     }
+    /* A command counts from when it is there: one that took long begins a new ramp. */
+    if (!run->loop->has_own_time)
+        DPT_TRY(look_at_clocks(run));
     dpt_guard_step(&run->guard, run->now, has_command ? &command : NULL, is_ready, &wrench);
     if (state->status == DPT_DEVICE_READY)
         send(run, &wrench);
@@ -277,7 +293,7 @@ static int64_t way_to_middle(const struct run *run, uint64_t stale, uint64_t dea
 static dpt_result run_by_clock(struct run *run)
 {
     uint64_t period = run->loop->period_ns, deadline, begin, end;
-    DPT_TRY(clock_read(&deadline));
+    DPT_TRY(clock_read_ahead(&deadline, &run->ahead));
     while (!has_ended(run)) {
         DPT_TRY(sleep_until(run->loop, deadline));
         if (must_stop(run->loop))

@@ -99,6 +99,7 @@ DPT_API dpt_result dpt_loop_create(dpt_device *device, const dpt_loop_def *def, 
  * Serve the device in this thread, at absolute deadlines: read, tick, guard, write. A deterministic device has its own
  * time: no one waits, the thread and memory stay as they are, nothing is late. Ends after `ticks`, on dpt_loop_stop, or
  * when the device is lost; always with zero force, and the thread's scheduling and timer slack as they were.
+ * Where the machine was suspended in between the guard starts anew, with its ramp (Linux).
  *   stats   may be NULL
  *
  * Memory is locked only where that costs the host nothing: where RLIMIT_MEMLOCK is unlimited, or the process is privileged

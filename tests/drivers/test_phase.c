@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Where the loop's deadlines come to lie between a device's samples, on a clock that is made up: the linker puts ours
- * between the loop and the C library (tests.mk). Wakes are late by up to 60 us, samples by up to 40.
+ * Where the loop's deadlines come to lie between a device's samples, and what it does when the machine was suspended, on
+ * clocks that are made up: the linker puts ours between the loop and the C library (tests.mk). Wakes are late by up to
+ * 60 us, samples by up to 40.
  */
 #include <time.h>
 
@@ -13,12 +14,19 @@ enum { PERIOD = 1000000, TICKS = 4000 };
 
 static uint64_t now = 1000 * (uint64_t)PERIOD, seed = 1;
 
+/* While suspended the monotonic clock stands still, that since boot goes on. */
+static uint64_t suspended, boot_reads, pauses;
+
 int __wrap_clock_gettime(clockid_t clock, struct timespec *time);
 int __wrap_clock_gettime(clockid_t clock, struct timespec *time)
 {
-    (void)clock;
     now += 200;
-    *time = (struct timespec){ (time_t)(now / 1000000000u), (long)(now % 1000000000u) };
+    uint64_t told = now;
+    if (clock != CLOCK_MONOTONIC) {
+        told += suspended;
+        now += pauses && ++boot_reads % pauses == 0 ? 3 * PERIOD / 2 : 0;
+    }
+    *time = (struct timespec){ (time_t)(told / 1000000000u), (long)(told % 1000000000u) };
     return 0;
 }
 
@@ -73,9 +81,14 @@ static dpt_result read_made(dpt_device *device, dpt_device_state *state)
     return DPT_OK;
 }
 
+static double written[TICKS + 1];
+static int writes;
+
 static dpt_result write_made(dpt_device *device, const dpt_wrench *wrench)
 {
-    (void)device, (void)wrench;
+    (void)device;
+    if (writes <= TICKS)
+        written[writes++] = wrench->force[0];
     return DPT_OK;
 }
 
@@ -113,8 +126,7 @@ static dpt_result nothing(void *user, const dpt_device_state *state, double dt, 
     return DPT_OK;
 }
 
-/* How many of the ticks had no fresh sample, or too many. */
-static uint64_t bad_ticks(uint64_t offset, uint64_t period, double rate)
+static dpt_loop_stats run_made(uint64_t offset, uint64_t period, double rate, dpt_loop_tick *tick)
 {
     dpt_device *device;
     dpt_loop_def def;
@@ -123,17 +135,25 @@ static uint64_t bad_ticks(uint64_t offset, uint64_t period, double rate)
     made.offset = made.arrives = now + PERIOD + offset;
     made.period = period;
     made.number = 0;
+    writes = 0;
     CHECK(dpt_device_open_with(&driver, NULL, &device, NULL) == DPT_OK, "open");
     dpt_loop_def_init(&def);
-    def.tick = nothing;
+    def.tick = tick;
     def.ticks = TICKS;
     def.rate = rate;
     def.priority = def.lock = 0;
     CHECK(dpt_loop_create(device, &def, &loop) == DPT_OK, "loop");
     CHECK(dpt_loop_run(loop, &stats) == DPT_OK && stats.ticks == TICKS, "run");
-    CHECK(stats.missed == 0, "%llu missed", (unsigned long long)stats.missed);
     dpt_loop_free(loop);
     dpt_device_close(device);
+    return stats;
+}
+
+/* How many of the ticks had no fresh sample, or too many. */
+static uint64_t bad_ticks(uint64_t offset, uint64_t period, double rate)
+{
+    const dpt_loop_stats stats = run_made(offset, period, rate, nothing);
+    CHECK(stats.missed == 0, "%llu missed", (unsigned long long)stats.missed);
     return stats.stale + stats.skipped;
 }
 
@@ -167,10 +187,52 @@ static void a_rate_of_its_own_is_kept(void)
     CHECK(worst > TICKS / 5, "%llu of %d", (unsigned long long)worst, TICKS);
 }
 
+enum { SLEEPS_AT = 2000, RAMP = 100 };
+static int suspends;
+
+static dpt_result push(void *user, const dpt_device_state *state, double dt, dpt_wrench *wrench)
+{
+    (void)user, (void)state, (void)dt;
+    wrench->force[0] = 1.0;
+    suspended += suspends && writes == SLEEPS_AT ? 5 * (uint64_t)PERIOD : 0;
+    return DPT_OK;
+}
+
+/* The tick during which it sleeps sends nothing, and the force comes back by the start ramp. */
+static void a_machine_that_was_suspended_starts_anew(void)
+{
+#ifdef CLOCK_BOOTTIME
+    suspends = 1;
+    dpt_loop_stats stats = run_made(PERIOD / 2, PERIOD, 1000.0, push);
+    suspends = 0;
+    CHECK(stats.stops == 1, "%d stops", (int)stats.stops);
+    CHECK(written[SLEEPS_AT - 1] == 1.0 && written[SLEEPS_AT] == 0.0, "%g N, then %g N",
+          written[SLEEPS_AT - 1], written[SLEEPS_AT]);
+    for (int i = SLEEPS_AT + 1; i < SLEEPS_AT + RAMP - 5; i++)
+        CHECK(written[i] > written[i - 1] && written[i] < 0.015 * (i - SLEEPS_AT),
+              "%g N in tick %d after it", written[i], i - SLEEPS_AT);
+    CHECK(written[SLEEPS_AT + RAMP + 5] == 1.0, "it does not come back");
+#else
+    SKIP("a suspended machine", "there is no clock that goes on");
+#endif
+}
+
+/* A thread may be interrupted between the two clocks: that is no sleep. */
+static void a_pause_between_the_clocks_is_no_sleep(void)
+{
+    pauses = 10;
+    dpt_loop_stats stats = run_made(PERIOD / 2, PERIOD, 1000.0, push);
+    pauses = 0;
+    CHECK(boot_reads > TICKS && stats.stops == 0 && written[TICKS - 1] == 1.0, "%d stops",
+          (int)stats.stops);
+}
+
 int main(void)
 {
     TEST(deadlines_stay_between_samples);
     TEST(deadlines_follow_a_clock_that_drifts);
     TEST(a_rate_of_its_own_is_kept);
+    TEST(a_machine_that_was_suspended_starts_anew);
+    TEST(a_pause_between_the_clocks_is_no_sleep);
     return check_report();
 }

@@ -23,6 +23,7 @@ enum call {
     OPEN,
     READ,
     CLOCK,
+    BOOT_CLOCK,
     SLEEP,
     GET_LIMIT,
     LOCK,
@@ -38,6 +39,7 @@ static const char *const call_names[CALLS] = { "none",
                                                "open",
                                                "read",
                                                "clock_gettime",
+                                               "clock_gettime, since boot",
                                                "clock_nanosleep",
                                                "getrlimit",
                                                "mlockall",
@@ -123,7 +125,9 @@ WRAP(ssize_t, read, int file, void *bytes, size_t size)
 
 WRAP(int, clock_gettime, clockid_t clock, struct timespec *time)
 {
-    return failure_of(CLOCK) ? -1 : __real_clock_gettime(clock, time);
+    return failure_of(clock == CLOCK_MONOTONIC ? CLOCK : BOOT_CLOCK)
+               ? -1
+               : __real_clock_gettime(clock, time);
 }
 
 WRAP(int, clock_nanosleep, clockid_t clock, int flags, const struct timespec *until,
@@ -313,6 +317,9 @@ static void ticks_ask_little(void)
         for (enum call call = MALLOC; call <= READ; call++)
             CHECK(plan.made[call] == made[call], "scenario %d: %s in a tick", s, call_names[call]);
         /* One that finds nothing fresh asks once less: on a busy machine any of the first 20. */
+        CHECK(plan.made[BOOT_CLOCK] - made[BOOT_CLOCK] <= 300 * longer.is_live,
+              "scenario %d: the clock since boot %d times in 300 ticks", s,
+              plan.made[BOOT_CLOCK] - made[BOOT_CLOCK]);
         CHECK(plan.made[CLOCK] - made[CLOCK] <= (5 * 300 + 20) * longer.is_live,
               "scenario %d: the clock %d times in 300 ticks", s, plan.made[CLOCK] - made[CLOCK]);
     }
@@ -350,6 +357,9 @@ static void check_outcome(const struct outcome *outcome, const char *what)
         CHECK(outcome->ran == DPT_E_SYSTEM || stats->stale + stats->refused > 0, "%s: not noticed",
               what);
         break;
+    case BOOT_CLOCK:
+        CHECK(outcome->ran == DPT_OK, "%s: %d", what, outcome->ran);
+        break;
     case SLEEP:
         CHECK(outcome->ran == (plan.error == EINTR ? DPT_OK : DPT_E_SYSTEM), "%s: %d", what,
               outcome->ran);
@@ -380,13 +390,14 @@ static void every_call_fails_in_its_turn(void)
         enum call call;
         int error, onwards;
     } kinds[] = {
-        { MALLOC, ENOMEM, 0 },   { MALLOC, ENOMEM, 1 },    { CALLOC, ENOMEM, 0 },
-        { CALLOC, ENOMEM, 1 },   { REALLOC, ENOMEM, 0 },   { REALLOC, ENOMEM, 1 },
-        { OPEN, EACCES, 0 },     { OPEN, EMFILE, 1 },      { READ, EIO, 0 },
-        { READ, EIO, 1 },        { READ, EINTR, 0 },       { CLOCK, EINVAL, 0 },
-        { CLOCK, EINVAL, 1 },    { SLEEP, EINVAL, 0 },     { SLEEP, EINVAL, 1 },
-        { SLEEP, EINTR, 0 },     { GET_LIMIT, EINVAL, 0 }, { LOCK, EPERM, 0 },
-        { GET_SCHED, EPERM, 0 }, { SET_SCHED, EPERM, 0 },  { SET_SCHED, EPERM, 1 },
+        { MALLOC, ENOMEM, 0 },    { MALLOC, ENOMEM, 1 },     { CALLOC, ENOMEM, 0 },
+        { CALLOC, ENOMEM, 1 },    { REALLOC, ENOMEM, 0 },    { REALLOC, ENOMEM, 1 },
+        { OPEN, EACCES, 0 },      { OPEN, EMFILE, 1 },       { READ, EIO, 0 },
+        { READ, EIO, 1 },         { READ, EINTR, 0 },        { CLOCK, EINVAL, 0 },
+        { CLOCK, EINVAL, 1 },     { BOOT_CLOCK, EINVAL, 0 }, { BOOT_CLOCK, EINVAL, 1 },
+        { SLEEP, EINVAL, 0 },     { SLEEP, EINVAL, 1 },      { SLEEP, EINTR, 0 },
+        { GET_LIMIT, EINVAL, 0 }, { LOCK, EPERM, 0 },        { GET_SCHED, EPERM, 0 },
+        { SET_SCHED, EPERM, 0 },  { SET_SCHED, EPERM, 1 },
     };
     int walked = 0;
     for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++)
