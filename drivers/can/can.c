@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Arms of ODrive motor controllers on a CAN bus: "can:can0?arm=arm.dpa&nodes=0,1,2&gear=8,-8,10". */
+/* Arms of ODrive motor controllers on a CAN bus: "can:can0?arm=arm.dpa&nodes=0,1,2&gear=8,-8,10&watchdog=0.05". */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -57,8 +57,9 @@ static dpt_result can_open(const dpt_driver *driver, const char *place, dpt_devi
     device->host.line.fd = -1;
     dpt_result result = can_settings_read(place, &device->host.settings, error);
     if (result == DPT_OK && !device->host.settings.interface[0])
-        result = device_error(error, DPT_E_SETTING,
-                              "which interface? As in can:can0?arm=arm.dpa&gear=8,-8,10");
+        result =
+            device_error(error, DPT_E_SETTING,
+                         "which interface? As in can:can0?arm=arm.dpa&gear=8,-8,10&watchdog=0.05");
     if (result == DPT_OK)
         result = can_arm_open(&device->host.arm, &device->host.settings, error);
     if (result == DPT_OK) {
@@ -69,7 +70,12 @@ static dpt_result can_open(const dpt_driver *driver, const char *place, dpt_devi
         device->host.nodes.sequence = device->host.nodes.counts.samples = 1;
         begin(device);
         *opened = &device->base;
-        return DPT_OK;
+        if (device->host.settings.gives_force)
+            return DPT_OK;
+        return device_error(error, DPT_OK,
+                            "it gives no force: without a watchdog its motors keep their last "
+                            "torque when the host dies. Say ?watchdog=0.05, the time that is "
+                            "configured at the controllers, or at your own risk ?watchdog=none");
     }
     can_line_close(&device->host.line);
     can_arm_close(&device->host.arm);
@@ -82,12 +88,14 @@ static void can_info(const dpt_device *base, dpt_device_info *info)
     const struct can_device *device = (const struct can_device *)base;
     const struct can_node *first = &device->host.nodes.at[0];
     info->pose_dofs = 6;
-    info->wrench_dofs = device->host.arm.wrench_dofs;
     info->joints = device->host.arm.joints;
     info->flags = DPT_DEVICE_ARM;
     info->rate = device->host.settings.rate;
-    info->force_max = device->host.arm.force_max;
-    info->torque_max = device->host.arm.torque_max;
+    if (device->host.settings.gives_force) {
+        info->wrench_dofs = device->host.arm.wrench_dofs;
+        info->force_max = device->host.arm.force_max;
+        info->torque_max = device->host.arm.torque_max;
+    }
     info->watchdog = device->host.settings.watchdog;
     memcpy(info->workspace_min, device->host.arm.workspace_min, sizeof info->workspace_min);
     memcpy(info->workspace_max, device->host.arm.workspace_max, sizeof info->workspace_max);
@@ -185,6 +193,7 @@ static dpt_result can_read(dpt_device *base, dpt_device_state *state)
 
 static dpt_result can_write(dpt_device *base, const dpt_wrench *wrench)
 {
+    static const dpt_wrench no_force;
     struct can_device *device = (struct can_device *)base;
     struct can_nodes *nodes = &device->host.nodes;
     float torques[DPT_JOINTS_MAX];
@@ -197,8 +206,13 @@ static dpt_result can_write(dpt_device *base, const dpt_wrench *wrench)
     }
     device->written_ns = now;
     const double held = (double)(now - device->driving_ns) / RAMP;
-    const dpt_result result = can_arm_torques(&device->host.arm, device->joints, wrench,
-                                              held < 1.0 ? held : 1.0, torques);
+    double share = held < 1.0 ? held : 1.0;
+    if (!device->host.settings.gives_force) {
+        wrench = &no_force;
+        share = 0.0;
+    }
+    const dpt_result result =
+        can_arm_torques(&device->host.arm, device->joints, wrench, share, torques);
     if (result != DPT_OK)
         return result;
     for (uint32_t i = 0; i < nodes->count; i++) {
@@ -284,7 +298,8 @@ const dpt_driver can_driver = {
     .size = sizeof can_driver,
     .version = DPT_DRIVER_VERSION,
     .name = "can",
-    .about = "arms of ODrive motor controllers on a CAN bus: can:can0?arm=arm.dpa&gear=8,-8,10",
+    .about = "arms of ODrive motor controllers on a CAN bus: "
+             "can:can0?arm=arm.dpa&gear=8,-8,10&watchdog=0.05",
     .open = can_open,
     .info = can_info,
     .read = can_read,

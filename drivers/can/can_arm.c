@@ -16,6 +16,22 @@
 #define LARGEST_FILE (64l << 20)
 #define FORCE_MOST   1e6 /* beyond it efforts might not be finite */
 
+/* A number of seconds, or "none"; "" where it was not given. */
+static dpt_result read_watchdog(struct can_settings *settings, const char *text,
+                                dpt_device_error *error)
+{
+    const char *end = text + strlen(text);
+    settings->gives_force = *text != '\0';
+    if (!settings->gives_force || !strcmp(text, "none"))
+        return DPT_OK;
+    if (parse_double(text, end, &settings->watchdog) != end ||
+        !(settings->watchdog > 0.0 && settings->watchdog <= 10.0))
+        return device_error(error, DPT_E_SETTING,
+                            "watchdog is the time that is configured at the controllers, in s, at "
+                            "most 10, or none where they have none");
+    return DPT_OK;
+}
+
 dpt_result can_settings_read(const char *where, struct can_settings *s, dpt_device_error *error)
 {
     const struct can_settings usual = { .axes = "-y+z-x",
@@ -25,6 +41,7 @@ dpt_result can_settings_read(const char *where, struct can_settings *s, dpt_devi
                                         .answer = 2.0,
                                         .silent = 0.05,
                                         .heartbeat = 0.1 };
+    char watchdog[32] = "";
     *s = usual;
     const struct setting settings[] = {
         { .name = "arm", .text = s->arm, .room = sizeof s->arm },
@@ -41,7 +58,7 @@ dpt_result can_settings_read(const char *where, struct can_settings *s, dpt_devi
         { .name = "answer", .number = &s->answer, .least = 0.2, .most = 60 },
         { .name = "silent", .number = &s->silent, .least = 0.002, .most = 10 },
         { .name = "heartbeat", .number = &s->heartbeat, .least = 0.001, .most = 1 },
-        { .name = "watchdog", .number = &s->watchdog, .most = 10 },
+        { .name = "watchdog", .text = watchdog, .room = sizeof watchdog },
     };
     const dpt_result result = settings_read(where, s->interface, sizeof s->interface, settings,
                                             sizeof settings / sizeof *settings, error);
@@ -53,7 +70,7 @@ dpt_result can_settings_read(const char *where, struct can_settings *s, dpt_devi
         return device_error(error, DPT_E_SETTING, "weight and request are 0 or 1");
     if (s->silent * s->rate < 3.0)
         return device_error(error, DPT_E_SETTING, "silent is less than three periods of rate");
-    return DPT_OK;
+    return read_watchdog(s, watchdog, error);
 }
 
 /* "8,-8,10": `count` numbers, or those of `numbers` that were there before when the text is empty. */

@@ -21,6 +21,7 @@ struct can_settings {
     double silent;    /* s without an estimate, then it is lost */
     double heartbeat; /* s, their period as it is configured */
     double watchdog;  /* s, likewise; 0: none */
+    int gives_force;  /* the controllers have a watchdog, or it was said that they have none */
 };
 
 struct can_arm {

@@ -134,7 +134,7 @@ static inline int is_pushing(void)
     return 0;
 }
 
-#define ELBOW "gear=8,-8,10&weight=0"
+#define ELBOW "gear=8,-8,10&weight=0&watchdog=none"
 
 static inline int push_until_it_fails(int limit)
 {

@@ -147,7 +147,7 @@ static void closes_the_loop(void)
 /* Nobody holds the arm, and it stays; and what the weight takes of a joint's strength is not there for forces. */
 static void its_weight_is_held_up(void)
 {
-    start(elbow_path, "gear=8,-8,10");
+    start(elbow_path, "gear=8,-8,10&watchdog=none");
     simulated.hand_stiffness = simulated.hand_damping = 0.0;
     double fallen = 0.0;
     const double before = state.pose.position[1];
@@ -176,7 +176,7 @@ static void its_weight_is_held_up(void)
               "joint %d is above its limit", k);
     finish();
     /* An arm that is too weak for itself. */
-    start(elbow_path, "gear=8,-8,10&torque=1,0.1,0.1");
+    start(elbow_path, "gear=8,-8,10&watchdog=none&torque=1,0.1,0.1");
     for (int i = 0; i < 100; i++) {
         CHECK(write_force(0.1, 0.1, 0.1) == DPT_OK, "write");
         can_tick();
@@ -195,7 +195,8 @@ static void check_frame(const int from[3], const int sign[3], const char *axes)
     static const double places[3] = { 0.125, -0.0625, 0.03125 }, speeds[3] = { 1, -2, 4 };
     static const double centre[3] = { 0.0625, 0.0, -0.125 };
     char settings[160];
-    snprintf(settings, sizeof settings, "gear=128,128,-64&centre=0.0625,0,-0.125%s", axes);
+    snprintf(settings, sizeof settings, "gear=128,128,-64&watchdog=none&centre=0.0625,0,-0.125%s",
+             axes);
     simulate(gantry_path, settings);
     simulated.is_led = 1;
     memcpy(simulated.joint, places, sizeof places);
@@ -653,7 +654,7 @@ static void wires_give_the_same_bits(void)
     can_each_ms = each_ms_at_port;
     snprintf(name, sizeof name, "serial:%s?silent=30", at_port.path);
     CHECK(dpt_device_open(name, &port, &error) == DPT_OK, "%s", error.text);
-    start(gantry_path, "gear=1024,1024,1024&axes=xyz&rate=1000");
+    start(gantry_path, "gear=1024,1024,1024&watchdog=none&axes=xyz&rate=1000");
     simulated.is_led = 1;
     uint64_t seen = 0;
     for (int i = 0; i < STEPS; i++) {
@@ -704,7 +705,7 @@ static void wires_give_the_same_bits(void)
 static void efforts_come_back_exactly(void)
 {
     uint64_t random = 5;
-    start(elbow_path, "gear=8,-8,16&weight=0");
+    start(elbow_path, "gear=8,-8,16&weight=0&watchdog=none");
     simulated.is_led = 1;
     for (int i = 0; i < 2000; i++) {
         dpt_wrench root = { { 0 }, { 0 } }, wrench = { { 0 }, { 0 } };

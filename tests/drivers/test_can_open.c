@@ -33,6 +33,9 @@ static void settings_are_checked(void)
         { "silent=0.0029", "three periods" },
         { "spede=1", "spede" },
         { "heartbeat=1e999", "heartbeat" },
+        { "watchdog=0", "none" },
+        { "watchdog=11", "none" },
+        { "watchdog=off", "none" },
     };
     char where[256];
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++)
@@ -311,6 +314,39 @@ static void every_call_may_fail(void)
     printf("    %d calls failed, %d opens were refused\n", walked, refusals);
 }
 
+/* Motors keep their last torque when the host dies: none is given to those of which nothing is known. */
+static void without_a_watchdog_there_is_no_force(void)
+{
+    static const struct {
+        const char *settings;
+        int gives_force;
+    } cases[] = { { "gear=8,-8,10", 0 },
+                  { "gear=8,-8,10&watchdog=none", 1 },
+                  { "gear=8,-8,10&watchdog=0.02", 1 } };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        dpt_device_info info = { .size = sizeof info };
+        int pushed = 0;
+        start(elbow_path, cases[i].settings);
+        CHECK(error.code == DPT_OK &&
+                  (strstr(error.text, "?watchdog=none") == NULL) == cases[i].gives_force,
+              "%s: '%s'", cases[i].settings, error.text);
+        dpt_device_get_info(device, &info);
+        CHECK(info.wrench_dofs == (cases[i].gives_force ? 3 : 0) &&
+                  (info.force_max > 0.0) == cases[i].gives_force,
+              "%s: %u freedoms, %g N", cases[i].settings, info.wrench_dofs, info.force_max);
+        for (int k = 0; k < 200; k++) {
+            CHECK(write_up(1.0) == DPT_OK, "write");
+            can_tick();
+            CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_READY,
+                  "%s: %u", cases[i].settings, state.status);
+            pushed += is_pushing();
+        }
+        CHECK((pushed > 150) == cases[i].gives_force && (pushed > 0) == cases[i].gives_force,
+              "%s: it pushes in %d periods of 200", cases[i].settings, pushed);
+        finish();
+    }
+}
+
 int main(void)
 {
     arm_file(elbow_path, elbow, 3, elbow_tool);
@@ -322,6 +358,7 @@ int main(void)
     TEST(motors_that_are_on_are_told_their_mode);
     TEST(what_was_switched_on_in_vain_is_switched_off);
     TEST(every_call_may_fail);
+    TEST(without_a_watchdog_there_is_no_force);
     unlink(elbow_path);
     unlink(gantry_path);
     return check_report();

@@ -201,7 +201,7 @@ static void someone_elses_controllers_are_moved(void)
     error.size = sizeof error;
     state.size = sizeof state;
     snprintf(name, sizeof name,
-             "can:%s?arm=%s&nodes=0,1&gear=%g,-%g&weight=0&axes=xyz&rate=100&silent=1", bus_name,
+             "can:%s?arm=%s&nodes=0,1&gear=%g,-%g&weight=0&watchdog=none&axes=xyz&rate=100&silent=1", bus_name,
              cross_path, gear, gear);
     const dpt_result opened = open_patiently(name);
     CHECK(opened == DPT_OK, "%s", error.text);
