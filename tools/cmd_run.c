@@ -209,6 +209,14 @@ static void print_report(const struct session *session, const dpt_loop_stats *s,
         puts("  without locked memory, which was not permitted");
 }
 
+/* Who gives neither an end nor the clock's speed wants to feel something, and would wait for it. */
+static void hint_at_clock(const dpt_device *device, const dpt_device_info *info)
+{
+    if (info->flags & DPT_DEVICE_DETERMINISTIC && !strcmp(device->driver->name, "sim"))
+        complain("run", "sim: its time passes as fast as this machine can. By the clock, with a "
+                        "hand: --device 'sim:?hand=press&live=1'; or give --ticks");
+}
+
 static int serve(dpt_device *device, struct session *session, const struct settings *settings)
 {
     dpt_loop_def def;
@@ -223,6 +231,8 @@ static int serve(dpt_device *device, struct session *session, const struct setti
     def.user = session;
     def.rate = settings->rate;
     def.ticks = settings->ticks;
+    if (!def.ticks)
+        hint_at_clock(device, &info);
     def.guard.hold = fmax(def.guard.hold, 3.0 / (def.rate > 0.0 ? def.rate : info.rate));
     if (!isnan(settings->force_max))
         def.guard.force_max = settings->force_max;

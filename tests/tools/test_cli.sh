@@ -872,6 +872,15 @@ devices()
     in_contact=$(column o.csv 3 | grep -c penetrating)
     run run torus.dpa --device 'sim:?hand=press' --ticks 4000 --json
     check 'as many ticks in contact' grep -q "\"penetrating\":$in_contact," stdout
+    run run box.dpa --device sim --for 0.05 --json
+    check 'a sim that does not wait' test $status -eq 0
+    check 'says so, in a line, and what to do' test "$(grep -c "'sim:?hand=press&live=1'" stderr),$(wc -l <stderr)" = 1,1
+    check 'and nothing else changes' grep -q '^{"ticks":[0-9]*,.*}$' stdout
+    for told in 'sim --ticks 5' 'sim:?live=1 --for 0.05' "replay:./box.csv --for 1"; do
+        # shellcheck disable=SC2086
+        run run box.dpa --device $told
+        check "nothing of it with $told" test "$(grep -c 'live=1' stderr)" -eq 0
+    done
     run run torus.dpa --device 'sim:?live=1&hand=press' --for 0.5 --json
     check 'a live run ends' test $status -eq 0
     mv stdout run.json
