@@ -40,7 +40,13 @@ static const char help[] =
     "  --for S          seconds of the clock\n"
     "  --ticks N        or so many ticks\n"
     "  --record F.csv   what the tool did, a trace for dynpoint replay; needs --ticks\n"
+    "                   or --for. A device with a time of its own, as sim, then runs for S of "
+    "that\n"
     "  --json           what is said at the end as one JSON object\n";
+
+/* Deadlines that follow a device's samples come by this much more often than its rate says, at most. */
+#define FOLLOWS     (16.0 / 15.0)
+#define RECORD_MOST 100000000
 
 struct settings {
     struct scene_def scene;
@@ -97,11 +103,26 @@ static int open_record(const struct settings *settings, struct session *session)
         return 0;
     if (!session->scene.has_stylus)
         return complain("run", "--record needs the stylus: a trace has one segment");
-    session->room = settings->ticks;
-    session->rows = calloc(session->room, 6 * sizeof *session->rows);
-    if (!session->rows)
-        return complain("run", "memory ran out");
     return output_open(&session->record, "run", settings->record);
+}
+
+/*
+ * All of the record's memory, as a tick allocates none: for --ticks, or for as many as --for has. By the clock that is a
+ * second more than it has: its timer ends the run before.
+ */
+static int make_room(struct session *session, const struct settings *settings,
+                     const dpt_device_info *info)
+{
+    const double rate = settings->rate > 0.0 ? settings->rate : info->rate;
+    const double ticks = info->flags & DPT_DEVICE_DETERMINISTIC
+                             ? ceil(settings->seconds * info->rate)
+                             : ceil((settings->seconds * FOLLOWS + 1.0) * rate);
+    if (!settings->ticks && !(ticks <= RECORD_MOST))
+        return complain("run", "--record: at most %d ticks; --for %g has %.0f", RECORD_MOST,
+                        settings->seconds, ticks);
+    session->room = settings->ticks ? settings->ticks : (uint64_t)ticks;
+    session->rows = calloc(session->room, 6 * sizeof *session->rows);
+    return session->rows ? 0 : complain("run", "memory ran out");
 }
 
 static int write_record(struct session *session)
@@ -230,7 +251,9 @@ static int serve(dpt_device *device, struct session *session, const struct setti
     def.tick = feel;
     def.user = session;
     def.rate = settings->rate;
-    def.ticks = settings->ticks;
+    if (settings->record && make_room(session, settings, &info))
+        return 2;
+    def.ticks = settings->record ? session->room : settings->ticks;
     if (!def.ticks)
         hint_at_clock(device, &info);
     def.guard.hold = fmax(def.guard.hold, 3.0 / (def.rate > 0.0 ? def.rate : info.rate));
@@ -309,8 +332,10 @@ static int take_settings(int argc, char **argv, struct settings *settings)
         return complain("run", "--rate must be 1 to 100000");
     if (!(settings->seconds > 0.0))
         return complain("run", "--for must be positive");
-    if (settings->record && !(settings->ticks && settings->ticks <= 100000000))
-        return complain("run", "--record needs --ticks, at most 100000000");
+    if (settings->record && settings->ticks > RECORD_MOST)
+        return complain("run", "--record: at most %d --ticks", RECORD_MOST);
+    if (settings->record && !settings->ticks && !(settings->seconds < HUGE_VAL))
+        return complain("run", "--record needs --ticks or --for");
     return -1;
 }
 

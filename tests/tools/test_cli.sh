@@ -859,7 +859,7 @@ devices()
     refuses 'no such verb' 'is needed' device look sim
     refuses 'no device' '--device NAME are needed' run box.dpa
     refuses 'a device that is not there' 'nothing' run box.dpa --device nothing
-    refuses 'a record without an end' '--record needs --ticks' \
+    refuses 'a record without an end' '--record needs --ticks or --for' \
         run box.dpa --device sim --record out/r.csv
     refuses 'a place of two numbers' '--at takes three numbers' \
         run box.dpa --device sim --ticks 5 --at 1,2
@@ -868,6 +868,17 @@ devices()
     check 'it touches' grep -q '^  in contact on [1-9]' stdout
     succeeds 'run again' run torus.dpa --device 'sim:?hand=press' --ticks 4000 --record again.csv
     check 'the same motion, bit for bit' cmp -s lived.csv again.csv
+    run run torus.dpa --device 'sim:?hand=press' --for 4 --record again.csv
+    check 'four seconds of its own time are as many' cmp -s lived.csv again.csv
+    check 'and no one needs a hint' test $status,"$(wc -l <stderr)" = 0,0
+    run run torus.dpa --device 'sim:?live=1&hand=press' --for 0.5 --record live.csv --json
+    check "--for is enough for a record: $(cat stderr)" test $status -eq 0
+    check 'which has all of it' test "$(grep -c '^[0-9]' live.csv)" = "$(sed 's/.*"fresh":\([0-9]*\),.*/\1/' stdout)"
+    check 'and some' test "$(grep -c '^[0-9]' live.csv)" -gt 100
+    refuses 'too long a record' '--record: at most' \
+        run torus.dpa --device 'sim:?live=1' --for 1e6 --record out/r.csv
+    refuses 'too many ticks for one' '--record: at most' \
+        run torus.dpa --device sim --ticks 100000001 --record out/r.csv
     succeeds 'what was lived, replayed' replay torus.dpa lived.csv -o o.csv --radius 0.002
     in_contact=$(column o.csv 3 | grep -c penetrating)
     run run torus.dpa --device 'sim:?hand=press' --ticks 4000 --json
