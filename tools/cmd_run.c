@@ -37,6 +37,10 @@ static const char help[] =
     "  --stiffness K    of the penalty force, N/m; default 500\n"
     "  --force-max F    N; default the guard's, 5, or the device's if that is less\n"
     "  --rate HZ        of the loop; default the device's\n"
+    "  --budget N       at most N units of work a tick, 0: unlimited; what is not decided then is\n"
+    "                   unknown, without force; default 3000 at 1 kHz, in proportion to the "
+    "period,\n"
+    "                   so that a tick keeps within one\n"
     "  --for S          seconds of the clock\n"
     "  --ticks N        or so many ticks\n"
     "  --record F.csv   what the tool did, a trace for dynpoint replay; needs --ticks\n"
@@ -48,11 +52,16 @@ static const char help[] =
 #define FOLLOWS     (16.0 / 15.0)
 #define RECORD_MOST 100000000
 
+/* Units of work a second: docs/drivers.md has what one takes. With less than the least a tool at rest may stay undecided. */
+#define BUDGET_RATE    3e6
+#define BUDGET_LEAST   200.0
+#define BUDGET_BY_RATE UINT64_MAX
+
 struct settings {
     struct scene_def scene;
     const char *device, *record;
     double force_max, rate, seconds; /* force_max NAN, rate 0: not given */
-    uint64_t ticks;
+    uint64_t ticks, budget;          /* BUDGET_BY_RATE: not given */
     int json;
 };
 
@@ -60,6 +69,7 @@ struct settings {
 struct session {
     struct scene scene;
     uint64_t contacts, penetrating, unknown;
+    uint32_t budget;
     uint32_t reasons; /* why the device was not ready */
     double deepest, strongest;
     double *rows; /* of the record, six a tick, or NULL */
@@ -191,8 +201,9 @@ static void print_json(const struct session *session, const dpt_loop_stats *s,
         printf(",\"%s_us\":{\"median\":%.1f,\"p99\":%.1f,\"max\":%.1f}", times[i].name,
                1e6 * dpt_loop_quantile(times[i].bins, 0.5),
                1e6 * dpt_loop_quantile(times[i].bins, 0.99), 1e6 * times[i].most);
-    printf(",\"real_time\":%s,\"locked\":%s}\n", s->notes & DPT_LOOP_NO_PRIORITY ? "false" : "true",
-           s->notes & DPT_LOOP_NO_LOCK ? "false" : "true");
+    printf(",\"real_time\":%s,\"locked\":%s,\"budget\":%" PRIu32 "}\n",
+           s->notes & DPT_LOOP_NO_PRIORITY ? "false" : "true",
+           s->notes & DPT_LOOP_NO_LOCK ? "false" : "true", session->budget);
 }
 
 static void print_times(const char *what, const uint64_t *bins, double most)
@@ -215,6 +226,9 @@ static void print_report(const struct session *session, const dpt_loop_stats *s,
     }
     printf("  in contact on %" PRIu64 ", deepest %.2f mm, strongest %.2f N before the guard\n",
            session->contacts, 1e3 * session->deepest, session->strongest);
+    if (session->unknown)
+        printf("  unknown on %" PRIu64 ", with --budget %" PRIu32 "\n", session->unknown,
+               session->budget);
     printf("  guard: %" PRIu64 " clamped, %" PRIu64 " slewed, %" PRIu64 " stops\n", s->clamped,
            s->slewed, s->stops);
     printf("  device: %" PRIu64 " samples, %" PRIu64 " lost, %" PRIu64 " damaged, %" PRIu64
@@ -246,7 +260,12 @@ static int serve(dpt_device *device, struct session *session, const struct setti
     dpt_device_counts counts = { .size = sizeof counts };
     dpt_device_info info = { .size = sizeof info };
     dpt_device_get_info(device, &info);
-    scene_take_device(&session->scene, device);
+    const double rate = settings->rate > 0.0 ? settings->rate : info.rate;
+    session->budget = settings->budget == BUDGET_BY_RATE
+                          ? (uint32_t)fmax(BUDGET_RATE / rate, BUDGET_LEAST)
+                          : (uint32_t)settings->budget;
+    if (scene_make_world(&session->scene, device, session->budget))
+        return 2;
     dpt_loop_def_init(&def);
     def.tick = feel;
     def.user = session;
@@ -256,7 +275,7 @@ static int serve(dpt_device *device, struct session *session, const struct setti
     def.ticks = settings->record ? session->room : settings->ticks;
     if (!def.ticks)
         hint_at_clock(device, &info);
-    def.guard.hold = fmax(def.guard.hold, 3.0 / (def.rate > 0.0 ? def.rate : info.rate));
+    def.guard.hold = fmax(def.guard.hold, 3.0 / rate);
     if (!isnan(settings->force_max))
         def.guard.force_max = settings->force_max;
     dpt_result result = dpt_loop_create(device, &def, &loop);
@@ -306,6 +325,7 @@ static int take_settings(int argc, char **argv, struct settings *settings)
         { .name = "--stiffness", .number = &settings->scene.stiffness },
         { .name = "--force-max", .number = &settings->force_max },
         { .name = "--rate", .number = &settings->rate },
+        { .name = "--budget", .count = &settings->budget },
         { .name = "--for", .number = &settings->seconds },
         { .name = "--ticks", .count = &settings->ticks },
         { .name = "--record", .text = &settings->record },
@@ -330,6 +350,8 @@ static int take_settings(int argc, char **argv, struct settings *settings)
         return complain("run", "--force-max must be 0 to 1000");
     if (settings->rate != 0.0 && !(settings->rate >= 1.0 && settings->rate <= 1e5))
         return complain("run", "--rate must be 1 to 100000");
+    if (settings->budget > UINT32_MAX && settings->budget != BUDGET_BY_RATE)
+        return complain("run", "--budget must be 0 to %u", (unsigned)UINT32_MAX);
     if (!(settings->seconds > 0.0))
         return complain("run", "--for must be positive");
     if (settings->record && settings->ticks > RECORD_MOST)
@@ -344,7 +366,8 @@ int command_run(int argc, char **argv)
     struct settings settings = {
         .scene = { .zoom = 1.0, .length = 0.1, .radius = 0.002, .stiffness = 500.0 },
         .force_max = NAN,
-        .seconds = HUGE_VAL
+        .seconds = HUGE_VAL,
+        .budget = BUDGET_BY_RATE
     };
     struct session session = { .recorded = 0 };
     int status = take_settings(argc, argv, &settings);

@@ -81,36 +81,38 @@ static uint32_t tool_of(const dpt_arm *arm, dpt_segment *segments)
     return count;
 }
 
-static dpt_result add_bodies(struct scene *scene, const dpt_mesh *mesh)
+static dpt_result add_bodies(struct scene *scene)
 {
     dpt_body body;
     dpt_arm_body from = { .size = sizeof from };
-    if (mesh)
-        return dpt_body_add(scene->world, mesh, NULL, &body);
+    if (scene->mesh)
+        return dpt_body_add(scene->world, scene->mesh, NULL, &body);
     dpt_result result = DPT_OK;
     for (uint32_t i = 0; result == DPT_OK && dpt_arm_get_body(scene->arm, i, &from) == DPT_OK; i++)
         result = dpt_body_add(scene->world, from.mesh, &from.pose, &body);
     return result;
 }
 
-static int make_world(struct scene *scene, const struct scene_def *def, const dpt_mesh *mesh,
-                      const dpt_segment *segments, uint32_t count)
+int scene_make_world(struct scene *scene, const dpt_device *device, uint32_t budget)
 {
     dpt_world_def world;
+    scene->device.size = sizeof scene->device;
+    dpt_device_get_info(device, &scene->device);
     dpt_world_def_init(&world);
-    world.max_bodies = mesh ? 1 : DPT_ARM_BODIES_MAX;
+    world.max_bodies = scene->mesh ? 1 : DPT_ARM_BODIES_MAX;
     world.max_tools = 1;
-    world.max_segments = count;
-    world.stiffness = def->stiffness;
+    world.max_segments = scene->count;
+    world.stiffness = scene->stiffness;
+    world.budget = budget;
     scene->block = malloc(dpt_world_bytes(&world));
     if (!scene->block)
         return complain("run", "memory ran out");
     dpt_result result =
         dpt_world_create(scene->block, dpt_world_bytes(&world), &world, &scene->world);
     if (result == DPT_OK)
-        result = add_bodies(scene, mesh);
+        result = add_bodies(scene);
     if (result == DPT_OK)
-        result = dpt_tool_add(scene->world, segments, count, &scene->tool);
+        result = dpt_tool_add(scene->world, scene->segments, scene->count, &scene->tool);
     return result == DPT_OK ? 0 : complain("run", "%s", dpt_result_text(result));
 }
 
@@ -141,25 +143,24 @@ static uint32_t find_tool(struct scene *scene, const struct scene_def *def, dpt_
 int scene_open(struct scene *scene, const struct scene_def *def)
 {
     static const double as_it_is[4] = { 1.0, 0.0, 0.0, 0.0 };
-    dpt_segment segments[DPT_ARM_SEGMENTS_MAX];
     dpt_arm_info info = { .size = sizeof info };
-    const dpt_mesh *mesh = NULL;
     size_t size = 0;
     memset(scene, 0, sizeof *scene);
     scene->zoom = def->zoom;
     scene->length = def->length;
+    scene->stiffness = def->stiffness;
     scene->bytes = load_file("run", def->path, &size);
     if (!scene->bytes)
         return 2;
     if (is_arm(scene->bytes, size))
         scene->arm = open_arm("run", def->path, scene->bytes, size);
     else
-        mesh = open_mesh("run", def->path, scene->bytes, size);
-    if (!mesh && !scene->arm)
+        scene->mesh = open_mesh("run", def->path, scene->bytes, size);
+    if (!scene->mesh && !scene->arm)
         return 2;
-    memcpy(scene->turn, mesh ? as_it_is : device_to_root, sizeof scene->turn);
-    if (mesh)
-        above(mesh, def->radius + 0.005, scene->origin);
+    memcpy(scene->turn, scene->mesh ? as_it_is : device_to_root, sizeof scene->turn);
+    if (scene->mesh)
+        above(scene->mesh, def->radius + 0.005, scene->origin);
     else if (dpt_arm_get_info(scene->arm, &info) != DPT_OK || info.bodies == 0)
         return complain("run",
                         "%s: an arm whose scene has no body: name a mesh, and this one as --tool",
@@ -168,8 +169,8 @@ int scene_open(struct scene *scene, const struct scene_def *def)
         return complain("run", "%s: the arm's joints have no middle", def->path);
     if (def->at && !take_place(def->at, scene->origin))
         return complain("run", "--at takes three numbers, X,Y,Z");
-    const uint32_t count = find_tool(scene, def, segments);
-    return count ? make_world(scene, def, mesh, segments, count) : 2;
+    scene->count = find_tool(scene, def, scene->segments);
+    return scene->count ? 0 : 2;
 }
 
 void scene_close(struct scene *scene)
@@ -177,12 +178,6 @@ void scene_close(struct scene *scene)
     free(scene->block);
     free(scene->bytes);
     free(scene->tool_bytes);
-}
-
-void scene_take_device(struct scene *scene, const dpt_device *device)
-{
-    scene->device.size = sizeof scene->device;
-    dpt_device_get_info(device, &scene->device);
 }
 
 /* A device that is the arm tells by its joints where the tool is, in whatever frame it gives its pose. */

@@ -24,7 +24,11 @@ struct scene_def {
 struct scene {
     dpt_world *world;
     dpt_tool tool;
-    const dpt_arm *arm; /* that the scene is of; NULL: of a mesh */
+    const dpt_arm *arm;                         /* that the scene is of; NULL: of a mesh */
+    const dpt_mesh *mesh;                       /* likewise; NULL: of an arm */
+    dpt_segment segments[DPT_ARM_SEGMENTS_MAX]; /* of the tool, in its own frame */
+    uint32_t count;
+    double stiffness;
     int has_stylus;     /* the tool is the stylus: free, so that a trace of it can be replayed */
     dpt_segment stylus; /* of the scene's frame, as it was moved last */
     double length;
@@ -35,12 +39,15 @@ struct scene {
     void *block, *bytes, *tool_bytes;
 };
 
-/* 0, or 2 after a complaint. On failure too scene_close is to be called. */
+/* Read the files. 0, or 2 after a complaint. On failure too scene_close is to be called. */
 int scene_open(struct scene *scene, const struct scene_def *def);
 void scene_close(struct scene *scene);
 
-/* Which device it will be. */
-void scene_take_device(struct scene *scene, const dpt_device *device);
+/*
+ * Make the world, which this device will move in. 0, or 2 after a complaint.
+ *   budget  of a step, units of work; 0: unlimited
+ */
+int scene_make_world(struct scene *scene, const dpt_device *device, uint32_t budget);
 
 /* Move the tool to where the hand is, take a step; the wrench is in the device's axes. */
 dpt_result scene_feel(struct scene *scene, const dpt_device_state *state, double dt,

@@ -879,7 +879,17 @@ devices()
         run torus.dpa --device 'sim:?live=1' --for 1e6 --record out/r.csv
     refuses 'too many ticks for one' '--record: at most' \
         run torus.dpa --device sim --ticks 100000001 --record out/r.csv
-    succeeds 'what was lived, replayed' replay torus.dpa lived.csv -o o.csv --radius 0.002
+    for budget in "3000 sim" "1500 sim:?rate=2000" "200 sim:?rate=50000" "0 sim --budget 0" "7 sim --budget 7"; do
+        # shellcheck disable=SC2086
+        run run torus.dpa --ticks 5 --json --device ${budget#* }
+        check "a budget of $budget" grep -q "\"budget\":${budget%% *}}" stdout
+    done
+    run run torus.dpa --device 'sim:?hand=press' --ticks 4000 --budget 7
+    check 'what so little leaves undecided is told' grep -q '^  unknown on [1-9][0-9]*, with --budget 7$' stdout
+    refuses 'too large a budget' '--budget must be 0 to' run torus.dpa --device sim --ticks 5 --budget 4294967296
+    succeeds 'without a budget' run torus.dpa --device 'sim:?hand=press' --ticks 4000 --budget 0 --record again.csv
+    check 'the usual one is not reached' cmp -s lived.csv again.csv
+    succeeds 'what was lived, replayed' replay torus.dpa lived.csv -o o.csv --radius 0.002 --budget 3000
     in_contact=$(column o.csv 3 | grep -c penetrating)
     run run torus.dpa --device 'sim:?hand=press' --ticks 4000 --json
     check 'as many ticks in contact' grep -q "\"penetrating\":$in_contact," stdout
