@@ -85,8 +85,12 @@ static dpt_result work(void *user, const dpt_device_state *state, double dt, dpt
 
 static void work_under_the_usual_limit(void)
 {
-    const struct rlimit usual = { USUAL_LIMIT, USUAL_LIMIT };
-    if (setrlimit(RLIMIT_MEMLOCK, &usual) != 0 ||
+    struct rlimit limit = { 0, 0 };
+    getrlimit(RLIMIT_MEMLOCK, &limit);
+    if (limit.rlim_max > USUAL_LIMIT)
+        limit.rlim_max = USUAL_LIMIT;
+    limit.rlim_cur = limit.rlim_max;
+    if (setrlimit(RLIMIT_MEMLOCK, &limit) != 0 ||
         (geteuid() == 0 && (setgroups(0, NULL) != 0 || setgid(NOBODY) != 0 || setuid(NOBODY) != 0)))
         _exit(CANNOT);
     const dpt_loop_stats stats = run_loop(work, 0, 1);

@@ -200,9 +200,10 @@ static void someone_elses_controllers_are_moved(void)
     CHECK(setsockopt(listener, SOL_SOCKET, SO_RCVBUFFORCE, &room, sizeof room) == 0, "room");
     error.size = sizeof error;
     state.size = sizeof state;
-    snprintf(name, sizeof name,
-             "can:%s?arm=%s&nodes=0,1&gear=%g,-%g&weight=0&watchdog=none&axes=xyz&rate=100&silent=1", bus_name,
-             cross_path, gear, gear);
+    snprintf(
+        name, sizeof name,
+        "can:%s?arm=%s&nodes=0,1&gear=%g,-%g&weight=0&watchdog=none&axes=xyz&rate=100&silent=1",
+        bus_name, cross_path, gear, gear);
     const dpt_result opened = open_patiently(name);
     CHECK(opened == DPT_OK, "%s", error.text);
     if (opened != DPT_OK)
