@@ -15,7 +15,7 @@
     X(DPT_E_ARGUMENT,            -1, "an argument is NULL or outside its stated range")            \
     X(DPT_E_SIZE,                -2, "a struct's size field is not one that this library knows")   \
     X(DPT_E_FINITE,              -3, "a number is not finite or outside its range")                \
-    X(DPT_E_POSE,                -4, "a pose's quaternion or an axis is not of unit length")       \
+    X(DPT_E_POSE,                -4, "a quaternion (w, x, y, z) or an axis is not of unit length") \
     X(DPT_E_ALIGN,               -5, "a block of memory is not aligned to 8 bytes")                \
     X(DPT_E_MEMORY,              -6, "the block is too small, or memory ran out")                  \
     X(DPT_E_FULL,                -7, "the fixed capacity is used up")                              \

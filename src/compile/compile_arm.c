@@ -21,7 +21,7 @@ static const struct reason {
     { "header", offsetof(struct dpt_arm, tool_link), "tool_link is no link" },
     { "header", offsetof(struct dpt_arm, tool.position), "its position is not within 1e6 m" },
     { "header", offsetof(struct dpt_arm, tool.orientation),
-      "its orientation is not of unit length" },
+      "its orientation (w, x, y, z) is not of unit length" },
     { "joints", 0, "no link moves by it as its kind says" },
     { "joints", offsetof(struct arm_joint, kind), "there is no such kind" },
     { "joints", offsetof(struct arm_joint, lower),
@@ -38,7 +38,7 @@ static const struct reason {
     { "links", offsetof(struct arm_link, slides), "slides is neither 0 nor 1" },
     { "links", offsetof(struct arm_link, pose.position), "its position is not within 1e6 m" },
     { "links", offsetof(struct arm_link, pose.orientation),
-      "its orientation is not of unit length" },
+      "its orientation (w, x, y, z) is not of unit length" },
     { "links", offsetof(struct arm_link, axis), "its axis is not of unit length" },
     { "links", offsetof(struct arm_link, factor), "its factor is 0 or not within 1e6" },
     { "links", offsetof(struct arm_link, offset), "its offset is not within 1e6" },
@@ -48,7 +48,7 @@ static const struct reason {
     { "segments", offsetof(dpt_segment, radius), "its radius is negative, or above 1e6 m" },
     { "bodies", offsetof(struct arm_body, pose.position), "its position is not within 1e6 m" },
     { "bodies", offsetof(struct arm_body, pose.orientation),
-      "its orientation is not of unit length" },
+      "its orientation (w, x, y, z) is not of unit length" },
 };
 
 static const char *reason_at(const char *section, size_t field)
