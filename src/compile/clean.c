@@ -31,6 +31,9 @@ void model_free(struct model *model)
     free(model->part_of);
     free(model->parts);
     free(model->turn);
+    free(model->part_list);
+    free(model->part_first);
+    free(model->cuts_itself);
     free(model->normals);
     free(model->flags);
     memset(model, 0, sizeof *model);

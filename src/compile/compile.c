@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The compiler from end to end: read, clean, order, adjacency, solid, write. */
+/* The compiler from end to end: read, clean, order, adjacency, intersections, solid, write. */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -44,6 +44,10 @@ static dpt_result build(soup *source, uint64_t source_size, uint64_t source_hash
         result = soup_progress(source, "adjacency", 0.0);
     if (result == DPT_OK)
         result = model_adjacency(&model, source);
+    if (result == DPT_OK)
+        result = soup_progress(source, "intersections", 0.0);
+    if (result == DPT_OK)
+        result = model_intersections(&model, source);
     if (result == DPT_OK)
         result = soup_progress(source, "solid", 0.0);
     if (result == DPT_OK)

@@ -44,6 +44,14 @@ struct model {
     uint32_t closed_parts;
     uint8_t *turn; /* a triangle's corners are to be swapped: 1 */
 
+    /* model_intersections */
+    uint32_t *part_list; /* triangles by part, each part's in their order */
+    uint32_t *part_first;
+    uint8_t *cuts_itself; /* a part's: its triangles cut each other, or may do so: 1 */
+    uint32_t self_intersections;
+    uint32_t self_intersections_more; /* there may be more: 1 */
+    uint32_t self_intersection[2];    /* by numbers of the source */
+
     /* model_solid */
     uint32_t inward_parts;
     uint32_t turned_triangles;
@@ -70,6 +78,9 @@ dpt_result model_order(struct model *model, soup *source);
 
 /* Edge neighbours, fans and parts; find what to turn so that parts are wound one way. */
 dpt_result model_adjacency(struct model *model, soup *source);
+
+/* Which triangles cut each other (triangle_pair.h). */
+dpt_result model_intersections(struct model *model, soup *source);
 
 /* Which parts have an inside, and on which side of them it is; turn triangles. */
 dpt_result model_solid(struct model *model, soup *source);

@@ -49,7 +49,7 @@
 
 struct solid {
     uint32_t part;
-    uint32_t first; /* of its triangles in `list` */
+    uint32_t first; /* of its triangles in the list */
     uint32_t count;
     int closed;
     int is_solid;
@@ -71,34 +71,14 @@ struct inside {
 struct solids {
     struct model *model;
     soup *source;
-    uint32_t *list; /* triangles by part, each in their order */
-    uint32_t *first;
+    const uint32_t *list; /* the model's, by part */
+    const uint32_t *first;
     struct solid *solids; /* by rank: the largest first */
     uint32_t count;
     struct inside *inside;
     size_t inside_count, inside_room;
     double reach; /* what is nearer touches */
 };
-
-static dpt_result list_parts(struct solids *all)
-{
-    const struct model *model = all->model;
-    all->list = model_array(all->source, model->triangle_count, sizeof *all->list);
-    all->first = model_array(all->source, (size_t)model->part_count + 1, sizeof *all->first);
-    if (!all->list || !all->first)
-        return DPT_E_MEMORY;
-    uint32_t end = 0;
-    for (uint32_t p = 0; p < model->part_count; p++) {
-        all->first[p] = end;
-        end += model->parts[p].triangles;
-    }
-    for (uint32_t t = 0; t < model->triangle_count; t++)
-        all->list[all->first[model->part_of[t]]++] = t;
-    for (uint32_t p = model->part_count; p > 0; p--)
-        all->first[p] = all->first[p - 1];
-    all->first[0] = 0;
-    return DPT_OK;
-}
 
 /* The volume that it encloses, as its triangles will agree, its box, and how many triangles are to be turned. */
 static uint32_t measure(const struct solids *all, struct solid *solid)
@@ -243,7 +223,8 @@ static dpt_result find_solids(struct solids *all)
                 (struct solid){ .part = p,
                                 .first = all->first[p],
                                 .count = part->triangles,
-                                .closed = (part->flags & MESH_PART_CLOSED) != 0 };
+                                .closed = (part->flags & MESH_PART_CLOSED) != 0,
+                                .winding = model->cuts_itself[p] };
     }
     parallel_for(threads, candidates, 1, weigh, all);
     for (uint32_t i = 0; i < candidates; i++)
@@ -537,9 +518,9 @@ static double touching(const struct model *model)
 dpt_result model_solid(struct model *model, soup *source)
 {
     struct solids all = { .model = model, .source = source, .reach = touching(model) };
-    dpt_result result = list_parts(&all);
-    if (result == DPT_OK)
-        result = find_solids(&all);
+    all.list = model->part_list;
+    all.first = model->part_first;
+    dpt_result result = find_solids(&all);
     if (result == DPT_OK)
         result = relate_all(&all);
     if (result == DPT_OK) {
@@ -554,7 +535,5 @@ dpt_result model_solid(struct model *model, soup *source)
         cluster_free(&all.solids[i].cluster);
     free(all.solids);
     free(all.inside);
-    free(all.list);
-    free(all.first);
     return result;
 }

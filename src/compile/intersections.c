@@ -1,0 +1,472 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * Which triangles cut each other, first within each part, then those of different parts (docs/algorithms/compile.md).
+ * A tree over the triangles in their order, which is that of the box tree: leaves of 16, then nodes of 16. Each leaf is
+ * searched for by itself, so that the result does not depend on the threads.
+ */
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/lanes.h"
+#include "base/return_if_error.h"
+#include "compile/model.h"
+#include "compile/parallel.h"
+#include "compile/triangle_pair.h"
+#include "mesh/mesh_format.h"
+
+/*
+ * Work is counted in tests of a box against 16 boxes and in pairs of triangles. A leaf may take LEAF_WORK; leaves that do
+ * not come to an end share, in their order, what the mesh has beyond that. Organs take 3 to 10 a triangle.
+ */
+#define LEAF_WORK    1024u
+#define SHARED_WORK  64u                 /* a triangle */
+#define SHARED_LEAST ((uint64_t)1 << 22) /* suffices for all pairs of 2,800 triangles */
+
+/* Of this many leaves or vertices a thread is worth making. */
+#define LEAVES_LEAST   256u
+#define VERTICES_LEAST 2048u
+
+/* Margins of the star's test, far above the rounding of what they are for. */
+#define STAR_MARGIN 0x1p-40
+
+/* The boxes of 16 triangles or nodes; one that is not there meets nothing. */
+struct block {
+    float low[3][LANES], high[3][LANES];
+};
+
+/* Of a leaf. */
+struct outcome {
+    uint32_t pairs;
+    uint32_t example[2];
+    int stopped;
+};
+
+struct tree {
+    const struct model *model;
+    const uint32_t *triangles; /* borrowed */
+    uint32_t triangle_count;
+    uint32_t levels; /* 0 are the leaves */
+    uint32_t count[MESH_LEVELS_MAX + 1], first[MESH_LEVELS_MAX + 1];
+    struct block *blocks;
+    uint32_t *
+        labels; /* of a leaf or node: pairs within those of one label are passed over; DPT_NONE: none */
+    struct outcome *outcomes;
+    const uint8_t *plain; /* a vertex's star is */
+    int between;          /* pairs of different parts, not within one */
+};
+
+struct search {
+    const struct tree *tree;
+    uint32_t leaf;
+    uint64_t work, most;
+    struct outcome *outcome;
+};
+
+static void load_facet(const struct model *model, uint32_t triangle, struct facet *facet)
+{
+    const uint32_t *corner = model->corners + 3 * (size_t)triangle;
+    for (int k = 0; k < 3; k++)
+        facet->corner[k] =
+            (struct corner){ vec3_of_float(model->positions + 3 * (size_t)corner[k]), corner[k] };
+    facet_finish(facet);
+}
+
+/* A triangle at a vertex, as its part will be wound: from the vertex to the next corner and to the last one. */
+static void find_wedge(const struct model *model, uint32_t triangle, uint32_t vertex, vec3 *next,
+                       vec3 *last)
+{
+    const uint32_t *corner = model->corners + 3 * (size_t)triangle;
+    const int k = corner[0] == vertex ? 0 : corner[1] == vertex ? 1 : 2;
+    const int turned = model->turn[triangle];
+    const vec3 x = vec3_of_float(model->positions + 3 * (size_t)vertex);
+    *next = sub(vec3_of_float(model->positions + 3 * (size_t)corner[(k + 1 + turned) % 3]), x);
+    *last = sub(vec3_of_float(model->positions + 3 * (size_t)corner[(k + 2 - turned) % 3]), x);
+}
+
+/* Both edges at the vertex lead to a second triangle, which is wound alike. */
+static int is_surrounded(const struct model *model, uint32_t triangle, uint32_t vertex)
+{
+    const uint32_t *corner = model->corners + 3 * (size_t)triangle;
+    const uint32_t *neighbour = model->neighbours + 3 * (size_t)triangle;
+    const int k = corner[0] == vertex ? 0 : corner[1] == vertex ? 1 : 2;
+    return neighbour[k] < MESH_EDGE_MANY && neighbour[(k + 2) % 3] < MESH_EDGE_MANY &&
+           model->parts[model->part_of[triangle]].flags & MESH_PART_WOUND;
+}
+
+/*
+ * Seen from some direction, the triangles at a vertex lie round it side by side, once: then no two of them cut each other.
+ * `across` leads to a side of a line through the vertex: going round once comes to that side once.
+ */
+static int star_is_plain(const struct model *model, uint32_t vertex)
+{
+    static const vec3 guides[2] = { { 0.31, 0.57, 0.76 }, { 0.76, -0.31, 0.57 } };
+    const uint32_t first = model->fan_first[vertex], end = model->fan_first[vertex + 1];
+    vec3 direction = { 0.0, 0.0, 0.0 }, next, last;
+    for (uint32_t i = first; i < end; i++) {
+        if (!is_surrounded(model, model->fans[i], vertex))
+            return 0;
+        find_wedge(model, model->fans[i], vertex, &next, &last);
+        direction = add(direction, cross(next, last));
+    }
+    vec3 across = cross(direction, guides[0]);
+    if (dot(across, across) < 0.01 * dot(direction, direction))
+        across = cross(direction, guides[1]);
+    const vec3 most = scaled(sizes_of(direction), STAR_MARGIN);
+    const double least = STAR_MARGIN * extent_of(across);
+    uint32_t rounds = 0;
+    for (uint32_t i = first; i < end; i++) {
+        find_wedge(model, model->fans[i], vertex, &next, &last);
+        const double here = dot(across, next);
+        if (!(dot(cross(next, last), direction) > dot(products_of(next, last), most)) ||
+            !(fabs(here) > least * extent_of(next)))
+            return 0;
+        rounds += here < 0.0 && dot(across, last) > 0.0;
+    }
+    return rounds == 1;
+}
+
+struct stars {
+    const struct model *model;
+    uint8_t *plain;
+};
+
+static void judge_stars(void *context, size_t first, size_t end)
+{
+    const struct stars *stars = context;
+    for (size_t v = first; v < end; v++)
+        stars->plain[v] = (uint8_t)star_is_plain(stars->model, (uint32_t)v);
+}
+
+/* An empty lane meets nothing. */
+static void clear_block(struct block *block)
+{
+    for (int axis = 0; axis < 3; axis++)
+        for (uint32_t lane = 0; lane < LANES; lane++) {
+            block->low[axis][lane] = HUGE_VALF;
+            block->high[axis][lane] = -HUGE_VALF;
+        }
+}
+
+/* Wider than flat, so that what lies in one plane meets, and what only touches does not. */
+static void put_triangle(struct block *block, uint32_t lane, const struct model *model,
+                         uint32_t triangle)
+{
+    const uint32_t *corner = model->corners + 3 * (size_t)triangle;
+    for (uint32_t axis = 0; axis < 3; axis++) {
+        const float a = model->positions[3 * (size_t)corner[0] + axis];
+        const float b = model->positions[3 * (size_t)corner[1] + axis];
+        const float c = model->positions[3 * (size_t)corner[2] + axis];
+        float low = a < b ? a : b, high = a < b ? b : a;
+        low = c < low ? c : low;
+        high = c > high ? c : high;
+        block->low[axis][lane] = low < high ? low : nextafterf(low, -HUGE_VALF);
+        block->high[axis][lane] = low < high ? high : nextafterf(high, HUGE_VALF);
+    }
+}
+
+/* Of 16 boxes. */
+static void put_block(struct block *block, uint32_t lane, const struct block *child)
+{
+    for (int axis = 0; axis < 3; axis++) {
+        float low = HUGE_VALF, high = -HUGE_VALF;
+        for (uint32_t k = 0; k < LANES; k++) {
+            low = child->low[axis][k] < low ? child->low[axis][k] : low;
+            high = child->high[axis][k] > high ? child->high[axis][k] : high;
+        }
+        block->low[axis][lane] = low;
+        block->high[axis][lane] = high;
+    }
+}
+
+static int has_vertex(const struct model *model, uint32_t triangle, uint32_t vertex)
+{
+    const uint32_t *corner = model->corners + 3 * (size_t)triangle;
+    return corner[0] == vertex || corner[1] == vertex || corner[2] == vertex;
+}
+
+static int label_holds(const struct tree *tree, uint32_t label, uint32_t triangle)
+{
+    return tree->between ? tree->model->part_of[triangle] == label
+                         : has_vertex(tree->model, triangle, label);
+}
+
+/* What all of a leaf's triangles share: their part, or a vertex with a plain star. */
+static uint32_t leaf_label(const struct tree *tree, const uint32_t *triangles, uint32_t count)
+{
+    uint32_t candidates[3], n = 0;
+    const uint32_t *corner = tree->model->corners + 3 * (size_t)triangles[0];
+    if (tree->between)
+        candidates[n++] = tree->model->part_of[triangles[0]];
+    for (int k = 0; !tree->between && k < 3; k++)
+        if (tree->plain[corner[k]])
+            candidates[n++] = corner[k];
+    for (uint32_t i = 0; i < n; i++) {
+        uint32_t held = 1;
+        while (held < count && label_holds(tree, candidates[i], triangles[held]))
+            held++;
+        if (held == count)
+            return candidates[i];
+    }
+    return DPT_NONE;
+}
+
+static void fill_leaves(void *context, size_t first, size_t end)
+{
+    const struct tree *tree = context;
+    for (size_t leaf = first; leaf < end; leaf++) {
+        const uint32_t *triangles = tree->triangles + leaf * LANES;
+        const uint32_t rest = tree->triangle_count - (uint32_t)leaf * LANES;
+        const uint32_t count = rest < LANES ? rest : LANES;
+        clear_block(&tree->blocks[leaf]);
+        for (uint32_t lane = 0; lane < count; lane++)
+            put_triangle(&tree->blocks[leaf], lane, tree->model, triangles[lane]);
+        tree->labels[leaf] = leaf_label(tree, triangles, count);
+    }
+}
+
+static void fill_level(const struct tree *tree, uint32_t level)
+{
+    for (uint32_t node = 0; node < tree->count[level]; node++) {
+        const uint32_t at = tree->first[level] + node;
+        const uint32_t below = tree->first[level - 1] + node * LANES;
+        const uint32_t rest = tree->count[level - 1] - node * LANES;
+        clear_block(&tree->blocks[at]);
+        tree->labels[at] = tree->labels[below];
+        for (uint32_t lane = 0; lane < LANES && lane < rest; lane++) {
+            put_block(&tree->blocks[at], lane, &tree->blocks[below + lane]);
+            if (tree->labels[below + lane] != tree->labels[at])
+                tree->labels[at] = DPT_NONE;
+        }
+    }
+}
+
+static void fill_tree(struct tree *tree, const uint32_t *triangles, uint32_t count,
+                      uint32_t threads)
+{
+    uint64_t nodes;
+    tree->triangles = triangles;
+    tree->triangle_count = count;
+    tree->levels = mesh_levels((count + LANES - 1) / LANES, tree->count, &nodes);
+    tree->first[0] = 0;
+    for (uint32_t level = 1; level <= tree->levels; level++)
+        tree->first[level] = tree->first[level - 1] + tree->count[level - 1];
+    parallel_for(threads, tree->count[0], LEAVES_LEAST, fill_leaves, tree);
+    for (uint32_t level = 1; level <= tree->levels; level++)
+        fill_level(tree, level);
+}
+
+/* Which of 16 boxes meet a lane's. */
+static uint32_t meeting(const struct block *block, const struct block *of, uint32_t lane)
+{
+    static const uint32_t bit[LANES] = {
+        0x1,   0x2,   0x4,   0x8,   0x10,   0x20,   0x40,   0x80,
+        0x100, 0x200, 0x400, 0x800, 0x1000, 0x2000, 0x4000, 0x8000
+    };
+    const float low[3] = { of->low[0][lane], of->low[1][lane], of->low[2][lane] };
+    const float high[3] = { of->high[0][lane], of->high[1][lane], of->high[2][lane] };
+    uint32_t met = 0;
+    for (uint32_t k = 0; k < LANES; k++) {
+        const int hit = (block->low[0][k] < high[0]) & (low[0] < block->high[0][k]) &
+                        (block->low[1][k] < high[1]) & (low[1] < block->high[1][k]) &
+                        (block->low[2][k] < high[2]) & (low[2] < block->high[2][k]);
+        met |= bit[k] & (uint32_t)-hit;
+    }
+    return met;
+}
+
+static int is_spent(struct search *search)
+{
+    search->outcome->stopped |= search->work >= search->most;
+    return search->outcome->stopped;
+}
+
+/* Two triangles of which it is known without looking. */
+static int is_passed_over(const struct tree *tree, uint32_t a, uint32_t b)
+{
+    const uint32_t *corner = tree->model->corners + 3 * (size_t)a;
+    if (tree->between)
+        return tree->model->part_of[a] == tree->model->part_of[b];
+    for (int k = 0; k < 3; k++)
+        if (has_vertex(tree->model, b, corner[k]) && tree->plain[corner[k]])
+            return 1;
+    return 0;
+}
+
+static void try_pair(struct search *search, uint32_t a, const struct facet *one, uint32_t b)
+{
+    const struct model *model = search->tree->model;
+    struct outcome *outcome = search->outcome;
+    struct facet two;
+    load_facet(model, b, &two);
+    if (!facets_cut(one, &two, &search->work))
+        return;
+    if (!outcome->pairs++) {
+        outcome->example[0] = model->sources[a];
+        outcome->example[1] = model->sources[b];
+    }
+}
+
+/* The leaf's triangles against those of another one, or of itself, whose box lies in a lane of its parent. */
+static void search_leaf(struct search *search, uint32_t other, const struct block *parent,
+                        uint32_t lane)
+{
+    const struct tree *tree = search->tree;
+    const struct block *own = &tree->blocks[search->leaf], *block = &tree->blocks[other];
+    const struct block *own_parent = &tree->blocks[tree->first[1] + search->leaf / LANES];
+    const uint32_t columns = meeting(block, own_parent, search->leaf % LANES);
+    for (uint32_t rows = meeting(own, parent, lane); rows; rows &= rows - 1) {
+        const uint32_t row = first_lane(rows), a = tree->triangles[search->leaf * LANES + row];
+        uint32_t lanes = meeting(block, own, row) & columns;
+        struct facet facet;
+        int loaded = 0;
+        search->work++;
+        if (other == search->leaf)
+            lanes &= ~lanes_of(row + 1);
+        for (; lanes && !is_spent(search); lanes &= lanes - 1) {
+            const uint32_t b = tree->triangles[other * LANES + first_lane(lanes)];
+            if (is_passed_over(tree, a, b))
+                continue;
+            if (!loaded)
+                load_facet(tree->model, a, &facet);
+            loaded = 1;
+            try_pair(search, a, &facet, b);
+        }
+    }
+}
+
+/* What is below a node, but for leaves before this one: they have looked for themselves. */
+static void search_node(struct search *search, uint32_t level, uint32_t node)
+{
+    const struct tree *tree = search->tree;
+    const struct block *own_parent = &tree->blocks[tree->first[1] + search->leaf / LANES];
+    const struct block *block = &tree->blocks[tree->first[level] + node];
+    const uint32_t label = tree->labels[search->leaf];
+    search->work++;
+    for (uint32_t lanes = meeting(block, own_parent, search->leaf % LANES);
+         lanes && !is_spent(search); lanes &= lanes - 1) {
+        const uint32_t lane = first_lane(lanes), child = node * LANES + lane;
+        if (child < search->leaf >> 4 * (level - 1))
+            continue;
+        if (label != DPT_NONE && label == tree->labels[tree->first[level - 1] + child])
+            continue;
+        if (level == 1)
+            search_leaf(search, child, block, lane);
+        else
+            search_node(search, level - 1, child);
+    }
+}
+
+/* From the root. Returns the work. */
+static uint64_t search_for(const struct tree *tree, uint32_t leaf, uint64_t most)
+{
+    struct search search = { .tree = tree, .leaf = leaf, .most = most };
+    search.outcome = &tree->outcomes[leaf];
+    *search.outcome = (struct outcome){ .pairs = 0 };
+    search_node(&search, tree->levels, 0);
+    return search.work;
+}
+
+static void search_leaves(void *context, size_t first, size_t end)
+{
+    for (size_t leaf = first; leaf < end; leaf++)
+        search_for(context, (uint32_t)leaf, LEAF_WORK);
+}
+
+static void note_outcome(struct model *model, const struct outcome *outcome)
+{
+    const uint32_t room = MESH_SELF_INTERSECTIONS_MOST - model->self_intersections;
+    if (outcome->pairs && model->self_intersection[0] == DPT_NONE)
+        memcpy(model->self_intersection, outcome->example, sizeof outcome->example);
+    if (outcome->stopped || outcome->pairs >= room)
+        model->self_intersections_more = 1;
+    model->self_intersections += outcome->pairs < room ? outcome->pairs : room;
+}
+
+/* What was found in all leaves, added to the model's; returns whether there is anything, or may be. */
+static int search_tree(struct tree *tree, struct model *model, uint32_t threads, uint64_t *shared)
+{
+    int any = 0;
+    parallel_for(threads, tree->count[0], LEAVES_LEAST, search_leaves, tree);
+    for (uint32_t leaf = 0; leaf < tree->count[0]; leaf++) {
+        const struct outcome *outcome = &tree->outcomes[leaf];
+        if (outcome->stopped && *shared > 0) {
+            const uint64_t work = search_for(tree, leaf, *shared);
+            *shared -= work < *shared ? work : *shared;
+        }
+        any |= outcome->pairs || outcome->stopped;
+        note_outcome(model, outcome);
+    }
+    return any;
+}
+
+/* By part, each part's in their order. */
+static dpt_result list_parts(struct model *model, soup *source)
+{
+    uint32_t *list = model->part_list =
+        model_array(source, model->triangle_count, sizeof *model->part_list);
+    uint32_t *first = model->part_first =
+        model_array(source, (size_t)model->part_count + 1, sizeof *model->part_first);
+    if (!list || !first)
+        return DPT_E_MEMORY;
+    uint32_t end = 0;
+    for (uint32_t p = 0; p < model->part_count; p++) {
+        first[p] = end;
+        end += model->parts[p].triangles;
+    }
+    for (uint32_t t = 0; t < model->triangle_count; t++)
+        list[first[model->part_of[t]]++] = t;
+    for (uint32_t p = model->part_count; p > 0; p--)
+        first[p] = first[p - 1];
+    first[0] = 0;
+    return DPT_OK;
+}
+
+/* All parts, to mark those that cut themselves; then between them, unless there are pairs enough. */
+static void search_all(struct tree *tree, struct model *model, uint32_t *all, uint32_t threads)
+{
+    uint64_t shared = SHARED_LEAST + SHARED_WORK * (uint64_t)model->triangle_count;
+    for (uint32_t p = 0; p < model->part_count; p++) {
+        const uint32_t count = model->parts[p].triangles;
+        fill_tree(tree, model->part_list + model->part_first[p], count, threads);
+        model->cuts_itself[p] = (uint8_t)search_tree(tree, model, threads, &shared);
+    }
+    if (model->part_count == 1 || model->self_intersections == MESH_SELF_INTERSECTIONS_MOST)
+        return;
+    for (uint32_t t = 0; t < model->triangle_count; t++)
+        all[t] = t;
+    tree->between = 1;
+    fill_tree(tree, all, model->triangle_count, threads);
+    search_tree(tree, model, threads, &shared);
+}
+
+dpt_result model_intersections(struct model *model, soup *source)
+{
+    const size_t count = model->triangle_count;
+    uint32_t levels[MESH_LEVELS_MAX + 1];
+    uint64_t nodes;
+    mesh_levels((uint32_t)((count + LANES - 1) / LANES), levels, &nodes);
+    nodes += levels[0];
+    struct tree tree = { .model = model };
+    struct stars stars = { model, model_array(source, model->vertex_count, 1) };
+    uint32_t *all = model_array(source, model->part_count > 1 ? count : 0, sizeof *all);
+    model->cuts_itself = model_array(source, model->part_count, 1);
+    tree.plain = stars.plain;
+    tree.blocks = model_array(source, nodes, sizeof *tree.blocks);
+    tree.labels = model_array(source, nodes, sizeof *tree.labels);
+    tree.outcomes = model_array(source, levels[0], sizeof *tree.outcomes);
+    dpt_result result = list_parts(model, source);
+    if (!stars.plain || !all || !model->cuts_itself || !tree.blocks || !tree.labels ||
+        !tree.outcomes)
+        result = DPT_E_MEMORY;
+    model->self_intersection[0] = model->self_intersection[1] = DPT_NONE;
+    if (result == DPT_OK) {
+        parallel_for(source->threads, model->vertex_count, VERTICES_LEAST, judge_stars, &stars);
+        search_all(&tree, model, all, source->threads);
+    }
+    free(stars.plain);
+    free(all);
+    free(tree.blocks);
+    free(tree.labels);
+    free(tree.outcomes);
+    return result;
+}

@@ -1,0 +1,260 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * Sides of planes by determinants in double, with Shewchuk's bounds (1997): of the volume (7 + 56 e) e times the sum of its
+ * products' sizes, of the area (3 + 16 e) e, e being 2^-53; taken as 8 e. Products of three floats neither
+ * underflow nor overflow in double.
+ */
+#include "compile/triangle_pair.h"
+
+#define ROUNDING 0x1p-50
+
+/* An exact sign takes about as long as so many pairs. */
+#define EXACT_WORK 16u
+
+enum { UNSURE = 2 };
+
+/* A sum without rounding: terms that do not overlap, from the least to the largest. */
+struct sum {
+    double term[48];
+    int count;
+};
+
+static void sum_add(struct sum *sum, double value)
+{
+    int kept = 0;
+    for (int i = 0; i < sum->count; i++) {
+        const double term = sum->term[i], total = value + term, virtually = total - value;
+        const double rest = (value - (total - virtually)) + (term - virtually);
+        if (rest != 0.0)
+            sum->term[kept++] = rest;
+        value = total;
+    }
+    if (value != 0.0)
+        sum->term[kept++] = value;
+    sum->count = kept;
+}
+
+static int sum_sign(const struct sum *sum)
+{
+    return sum->count == 0 ? 0 : sum->term[sum->count - 1] > 0.0 ? 1 : -1;
+}
+
+/* Of floats: two of them have a product of 48 bits, each half of which times the third is exact again. */
+static void add_product(struct sum *sum, double a, double b, double c)
+{
+    const double product = a * b, far = 0x1.0000002p27 * product, upper = far - (far - product);
+    sum_add(sum, upper * c);
+    sum_add(sum, (product - upper) * c);
+}
+
+static void add_volume(struct sum *sum, double sign, vec3 a, vec3 b, vec3 c)
+{
+    add_product(sum, sign * a.x, b.y, c.z);
+    add_product(sum, -sign * a.x, b.z, c.y);
+    add_product(sum, sign * a.y, b.z, c.x);
+    add_product(sum, -sign * a.y, b.x, c.z);
+    add_product(sum, sign * a.z, b.x, c.y);
+    add_product(sum, -sign * a.z, b.y, c.x);
+}
+
+static int exact_volume_sign(vec3 p, vec3 q, vec3 r, vec3 x)
+{
+    struct sum sum = { .count = 0 };
+    add_volume(&sum, 1.0, q, r, x);
+    add_volume(&sum, -1.0, p, r, x);
+    add_volume(&sum, 1.0, p, q, x);
+    add_volume(&sum, -1.0, p, q, r);
+    return sum_sign(&sum);
+}
+
+static int sign_or_unsure(double value, double bound)
+{
+    return value > bound ? 1 : value < -bound ? -1 : bound == 0.0 ? 0 : UNSURE;
+}
+
+void facet_finish(struct facet *facet)
+{
+    const vec3 p = facet->corner[0].at;
+    const vec3 u = sub(facet->corner[1].at, p), v = sub(facet->corner[2].at, p);
+    facet->normal = cross(u, v);
+    facet->most = products_of(u, v);
+}
+
+/* On which side of a facet's plane the other's corners are. */
+static void find_sides(const struct facet *facet, const struct facet *other, int side[3])
+{
+    const struct corner *own = facet->corner;
+    for (int k = 0; k < 3; k++) {
+        const uint32_t vertex = other->corner[k].vertex;
+        const vec3 w = sub(other->corner[k].at, own[0].at);
+        side[k] =
+            vertex == own[0].vertex || vertex == own[1].vertex || vertex == own[2].vertex
+                ? 0
+                : sign_or_unsure(dot(facet->normal, w), ROUNDING * dot(facet->most, sizes_of(w)));
+    }
+}
+
+static void settle_sides(const struct facet *facet, const struct facet *other, int side[3],
+                         uint64_t *work)
+{
+    const struct corner *own = facet->corner;
+    for (int k = 0; k < 3; k++)
+        if (side[k] == UNSURE) {
+            side[k] = exact_volume_sign(own[0].at, own[1].at, own[2].at, other->corner[k].at);
+            *work += EXACT_WORK;
+        }
+}
+
+static int any_is(const int side[3], int value)
+{
+    return side[0] == value || side[1] == value || side[2] == value;
+}
+
+/* A triangle beside a plane: its interior has no point in it. */
+static int is_beside(const int side[3])
+{
+    return !any_is(side, UNSURE) && any_is(side, 1) != any_is(side, -1);
+}
+
+/* The other's corners are beyond an edge, for certain. */
+static int edge_separates(const struct facet *facet, int edge, const struct facet *other)
+{
+    const vec3 from = facet->corner[edge].at;
+    const vec3 out = cross(sub(facet->corner[(edge + 1) % 3].at, from), facet->normal);
+    const vec3 size = sizes_of(out);
+    double own = -HUGE_VAL, least = HUGE_VAL;
+    for (int k = 0; k < 3; k++) {
+        const vec3 w = sub(facet->corner[k].at, from), x = sub(other->corner[k].at, from);
+        own = larger(own, dot(out, w) + ROUNDING * dot(size, sizes_of(w)));
+        least = smaller(least, dot(out, x) - ROUNDING * dot(size, sizes_of(x)));
+    }
+    return least > own;
+}
+
+static int are_separate(const struct facet *a, const struct facet *b)
+{
+    for (int edge = 0; edge < 3; edge++)
+        if (edge_separates(a, edge, b) || edge_separates(b, edge, a))
+            return 1;
+    return 0;
+}
+
+static double coordinate(vec3 v, int axis)
+{
+    return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
+}
+
+/* Of three points as seen along an axis: counterclockwise, clockwise or in line. */
+static int area_sign(vec3 p, vec3 q, vec3 r, int axis, uint64_t *work)
+{
+    const vec3 at[3] = { p, q, r };
+    const int i = (axis + 1) % 3, j = (axis + 2) % 3;
+    double x[3], y[3];
+    for (int k = 0; k < 3; k++) {
+        x[k] = coordinate(at[k], i);
+        y[k] = coordinate(at[k], j);
+    }
+    const double one = (x[1] - x[0]) * (y[2] - y[0]), two = (y[1] - y[0]) * (x[2] - x[0]);
+    const int sign = sign_or_unsure(one - two, ROUNDING * (fabs(one) + fabs(two)));
+    if (sign != UNSURE)
+        return sign;
+    struct sum sum = { .count = 0 };
+    for (int k = 0; k < 3; k++) {
+        sum_add(&sum, x[k] * y[(k + 1) % 3]);
+        sum_add(&sum, -y[k] * x[(k + 1) % 3]);
+    }
+    *work += EXACT_WORK;
+    return sum_sign(&sum);
+}
+
+/* Of two triangles in a plane: no corner of the other is within this edge. */
+static int edge_excludes(const struct facet *facet, int edge, const struct facet *other, int axis,
+                         int round, uint64_t *work)
+{
+    for (int k = 0; k < 3; k++)
+        if (area_sign(facet->corner[edge].at, facet->corner[(edge + 1) % 3].at, other->corner[k].at,
+                      axis, work) == round)
+            return 0;
+    return 1;
+}
+
+static int overlap_in_plane(const struct facet *a, const struct facet *b, uint64_t *work)
+{
+    int axis = 0, round_a = 0, round_b = 0;
+    for (; axis < 3 && !round_a; axis++)
+        round_a = area_sign(a->corner[0].at, a->corner[1].at, a->corner[2].at, axis, work);
+    axis--;
+    if (round_a)
+        round_b = area_sign(b->corner[0].at, b->corner[1].at, b->corner[2].at, axis, work);
+    if (!round_b)
+        return 0;
+    for (int edge = 0; edge < 3; edge++)
+        if (edge_excludes(a, edge, b, axis, round_a, work) ||
+            edge_excludes(b, edge, a, axis, round_b, work))
+            return 0;
+    return 1;
+}
+
+static int volume_sign(const struct corner *p, const struct corner *q, const struct corner *r,
+                       const struct corner *x, uint64_t *work)
+{
+    if (p->vertex == r->vertex || p->vertex == x->vertex || q->vertex == r->vertex ||
+        q->vertex == x->vertex)
+        return 0;
+    const vec3 u = sub(q->at, p->at), v = sub(r->at, p->at), w = sub(x->at, p->at);
+    const int sign =
+        sign_or_unsure(dot(cross(u, v), w), ROUNDING * dot(products_of(u, v), sizes_of(w)));
+    if (sign != UNSURE)
+        return sign;
+    *work += EXACT_WORK;
+    return exact_volume_sign(p->at, q->at, r->at, x->at);
+}
+
+/* The corner that is alone on its side of a plane that goes through the triangle. */
+static int lone_corner(const int side[3])
+{
+    const int above = (side[0] > 0) + (side[1] > 0) + (side[2] > 0);
+    const int sign = above == 1 ? 1 : -1;
+    return side[0] == sign ? 0 : side[1] == sign ? 1 : 2;
+}
+
+/*
+ * Each goes through the other's plane, along a stretch of the line where the planes meet. Turn both so that their first
+ * corner is alone, and in front of the other's plane: then the stretches overlap if each begins before the other ends
+ * (Guigue and Devillers 2003).
+ */
+static int stretches_overlap(const struct facet *a, const struct facet *b, const int side_a[3],
+                             const int side_b[3], uint64_t *work)
+{
+    const int i = lone_corner(side_a), j = lone_corner(side_b);
+    const int turn_a = side_b[j] < 0, turn_b = side_a[i] < 0;
+    const struct corner *p = &a->corner[i], *x = &b->corner[j];
+    const struct corner *q = &a->corner[(i + 1 + turn_a) % 3],
+                        *r = &a->corner[(i + 2 - turn_a) % 3];
+    const struct corner *y = &b->corner[(j + 1 + turn_b) % 3],
+                        *z = &b->corner[(j + 2 - turn_b) % 3];
+    return volume_sign(p, q, x, y, work) < 0 && volume_sign(p, r, x, z, work) > 0;
+}
+
+int facets_cut(const struct facet *a, const struct facet *b, uint64_t *work)
+{
+    int side_a[3], side_b[3];
+    ++*work;
+    find_sides(a, b, side_b);
+    if (is_beside(side_b))
+        return 0;
+    find_sides(b, a, side_a);
+    if (is_beside(side_a))
+        return 0;
+    if (any_is(side_a, UNSURE) || any_is(side_b, UNSURE)) {
+        if (are_separate(a, b))
+            return 0;
+        settle_sides(a, b, side_b, work);
+        settle_sides(b, a, side_a, work);
+        if (is_beside(side_a) || is_beside(side_b))
+            return 0;
+    }
+    if (!any_is(side_a, 1) || !any_is(side_b, 1))
+        return !any_is(side_a, 1) && !any_is(side_b, 1) && overlap_in_plane(a, b, work);
+    return stretches_overlap(a, b, side_a, side_b, work);
+}
