@@ -81,9 +81,19 @@ typedef struct dpt_mesh_info {
     uint32_t crease_edges;        /* with two triangles that meet at more than `crease` */
     uint32_t normalless_vertices; /* where parts meet in a point, or face normals cancel */
     double crease;                /* between face normals, in rad */
+    /* From here on since format 4; DPT_NONE, 0 and DPT_NONE of an older file: not known. */
+    uint32_t self_intersections;      /* pairs of triangles that cut each other; 10,000 at most */
+    uint32_t self_intersections_more; /* 1: the search stopped, there may be more */
+    uint32_t self_intersection[2];    /* one such pair, by source numbers; DPT_NONE: none */
 } dpt_mesh_info;
 
-/* Fill `info`, whose size field is set. */
+/*
+ * Fill `info`, whose size field is set.
+ *
+ * Two triangles cut each other when their interiors have a point in common: they cross, or overlap in one plane. What
+ * touches along edges or at corners does not cut. A closed part that cuts itself is one of winding_components; so is
+ * one that was not searched to the end, which adds self_intersections_more.
+ */
 DPT_API dpt_result dpt_mesh_get_info(const dpt_mesh *mesh, dpt_mesh_info *info);
 
 /* One section of the file, from 0 until the call returns DPT_E_ARGUMENT. */

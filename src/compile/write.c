@@ -90,7 +90,10 @@ static void set_counts(struct dpt_mesh *mesh, const struct model *model, const s
                                      .buried_components = model->buried_parts,
                                      .crease_edges = model->crease_edges,
                                      .normalless_vertices = model->normalless_vertices,
-                                     .crease = model->crease };
+                                     .crease = model->crease,
+                                     .self_intersections = model->self_intersections,
+                                     .self_intersections_more = model->self_intersections_more };
+    memcpy(mesh->tail.self_intersection, model->self_intersection, sizeof model->self_intersection);
     mesh->scale = source->scale;
     mesh->rounding = source->rounding;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The layout of a .dpa file, version 3: the single source of docs/format.md, of the compiler's writer
+ * The layout of a .dpa file, version 4: the single source of docs/format.md, of the compiler's writer
  * and of the core's reader. `struct dpt_mesh` is the file's first bytes; an older file has fewer sections, and so
  * begins what follows them, if it has that at all, earlier: read it by mesh_tail.
  *
@@ -22,7 +22,7 @@
 #define MESH_MAGIC              "\211DPA\r\n\032\n"
 #define MESH_BYTE_ORDER         0x01020304u
 #define MESH_BYTE_ORDER_SWAPPED 0x04030201u
-#define MESH_VERSION            3u
+#define MESH_VERSION            4u
 #define MESH_ALIGN              64u
 #define MESH_LEVELS_MAX         8u /* 16^8 is more leaves than 2^32 triangles can fill */
 
@@ -97,7 +97,7 @@ struct mesh_section {
     uint32_t reserved[3];
 };
 
-/* What stands behind the section table: nothing in version 1, four words in version 2. */
+/* What stands behind the section table: nothing in version 1, four words in version 2, up to the crease in version 3. */
 struct mesh_tail {
     uint32_t solid_components;
     uint32_t cavities;
@@ -105,12 +105,15 @@ struct mesh_tail {
     uint32_t buried_components;
     uint32_t crease_edges;
     uint32_t normalless_vertices;
-    double crease; /* rad */
+    double crease;                    /* rad */
+    uint32_t self_intersections;      /* pairs of triangles; DPT_NONE: not known */
+    uint32_t self_intersections_more; /* the search stopped, there may be more: 1 */
+    uint32_t self_intersection[2];    /* one pair, by numbers of the source, or DPT_NONE twice */
 };
 
 /*
  * Offsets are part of the format. After `magic` come 4-byte words up to `bytes`, then 8-byte words up
- * to `section`; the tail is words of 4 bytes, and from the crease on of 8.
+ * to `section`; the tail is words of 4 bytes, but for the crease.
  */
 struct dpt_mesh {
     char magic[8];
@@ -161,6 +164,7 @@ static inline size_t mesh_tail_bytes(uint32_t version)
 {
     return version == 1   ? 0
            : version == 2 ? offsetof(struct mesh_tail, crease_edges)
+           : version == 3 ? offsetof(struct mesh_tail, self_intersections)
                           : sizeof(struct mesh_tail);
 }
 
@@ -175,10 +179,12 @@ static inline uint32_t mesh_header_bytes(uint32_t version)
     return (uint32_t)(mesh_tail_offset(version) + mesh_tail_bytes(version));
 }
 
-/* As far as the file's version has it, else zeros; what is closed is solid in version 1 too. */
+/* As far as the file's version has it, else zeros or not known; what is closed is solid in version 1 too. */
 static inline struct mesh_tail mesh_tail(const struct dpt_mesh *mesh)
 {
-    struct mesh_tail tail = { .solid_components = mesh->closed_components };
+    struct mesh_tail tail = { .solid_components = mesh->closed_components,
+                              .self_intersections = DPT_NONE,
+                              .self_intersection = { DPT_NONE, DPT_NONE } };
     memcpy(&tail, (const char *)mesh + mesh_tail_offset(mesh->version),
            mesh_tail_bytes(mesh->version));
     return tail;

@@ -43,7 +43,10 @@ dpt_result dpt_mesh_get_info(const dpt_mesh *mesh, dpt_mesh_info *info)
         .crease_edges = tail.crease_edges,
         .normalless_vertices = tail.normalless_vertices,
         .crease = tail.crease,
+        .self_intersections = tail.self_intersections,
+        .self_intersections_more = tail.self_intersections_more,
     };
+    memcpy(own.self_intersection, tail.self_intersection, sizeof own.self_intersection);
     memcpy(own.box_min, mesh->box_min, sizeof own.box_min);
     memcpy(own.box_max, mesh->box_max, sizeof own.box_max);
     sized_write(info, info->size, &own, sizeof own);

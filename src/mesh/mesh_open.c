@@ -196,9 +196,21 @@ static dpt_result check_numbers(const struct dpt_mesh *mesh, dpt_mesh_fault *fau
     return DPT_OK;
 }
 
+/* The example of triangles that cut each other: two numbers of the source, or none. */
+static dpt_result check_example(const struct dpt_mesh *mesh, dpt_mesh_fault *fault)
+{
+    const struct mesh_tail tail = mesh_tail(mesh);
+    const uint32_t *pair = tail.self_intersection, count = mesh->source_triangles;
+    if ((pair[0] >= count || pair[1] >= count) && (pair[0] & pair[1]) != DPT_NONE)
+        return fail(fault, DPT_E_INDEX, offsetof(struct dpt_mesh, tail.self_intersection),
+                    MESH_HEADER);
+    return DPT_OK;
+}
+
 static dpt_result check_content(const struct dpt_mesh *mesh, dpt_mesh_fault *fault)
 {
     DPT_TRY(check_numbers(mesh, fault));
+    DPT_TRY(check_example(mesh, fault));
     DPT_TRY(check_floats(mesh, MESH_VERTICES, (float)DPT_COORDINATE_MAX, fault));
     DPT_TRY(check_box(mesh, fault));
     DPT_TRY(check_indices(mesh, MESH_TRIANGLES, mesh->vertices, 0, fault));

@@ -45,8 +45,10 @@ static inline void mesh_swap_header(struct dpt_mesh *mesh, uint32_t version)
     char *tail = (char *)mesh + mesh_tail_offset(version);
     size_t bytes = mesh_tail_bytes(version), crease = offsetof(struct mesh_tail, crease);
     mesh_swap4(tail, (bytes < crease ? bytes : crease) / 4);
-    if (bytes > crease)
-        mesh_swap8(tail + crease, (bytes - crease) / 8);
+    if (bytes > crease) {
+        mesh_swap8(tail + crease, 1);
+        mesh_swap4(tail + crease + 8, (bytes - crease - 8) / 4);
+    }
 }
 
 /* 1 where the host is little-endian, as the file is. */

@@ -181,6 +181,10 @@ static void repair_indices(struct dpt_mesh *mesh)
                    : first[v] < first[v - 1]      ? first[v - 1]
                                                   : first[v];
     first[mesh->vertices] = 3 * mesh->triangles;
+    uint32_t *example = mesh->tail.self_intersection;
+    if (mesh->version > 3 &&
+        (example[0] >= mesh->source_triangles || example[1] >= mesh->source_triangles))
+        example[0] = example[1] = DPT_NONE;
     if (mesh_moments(mesh, &lanes))
         for (uint32_t leaf = 0; leaf < mesh->leaves; leaf++)
             ((uint32_t *)lanes)[leaf] &= lanes_of(mesh->triangles - leaf * LANES);

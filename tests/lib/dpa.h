@@ -75,7 +75,10 @@ static inline struct dpt_mesh header_of(const struct file *file)
 /* By the version alone: other numbers may be forged. */
 static inline size_t header_bytes_of(const struct dpt_mesh *header)
 {
-    return header->version == 1 ? 752 : header->version == 2 ? 816 : 928;
+    return header->version == 1   ? 752
+           : header->version == 2 ? 816
+           : header->version == 3 ? 928
+                                  : 944;
 }
 
 static inline int sections_of(const struct dpt_mesh *header)
@@ -158,6 +161,8 @@ static inline struct file other_order(const struct file *file)
     if (sections == 14) {
         reverse(bytes + 896, 4, 6);
         reverse(bytes + 920, 8, 1);
+        if (length == 944)
+            reverse(bytes + 928, 4, 4);
     }
     header.header_crc32 = crc_of(bytes, length);
     reverse((unsigned char *)&header.header_crc32, 4, 1);

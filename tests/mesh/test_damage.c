@@ -178,6 +178,10 @@ static void each_check_has_its_damage(void)
           AT(tail.crease) },
         { PLAIN, SET, MESH_HEADER, AT(tail.crease) + upper, 0xbff00000, HEADER, finite, NULL,
           AT(tail.crease) },
+        /* check_example: one of two, and a number that there is not */
+        { PLAIN, SET, MESH_HEADER, AT(tail.self_intersection), 0, HEADER, index, NULL, THERE },
+        { PLAIN, SET, MESH_HEADER, AT(tail.self_intersection) + 4, t, HEADER, index, NULL,
+          AT(tail.self_intersection) },
         /* check_some_floats, by section */
         { PLAIN, SET, MESH_VERTICES, 7, nan, ALL, finite, NULL, THERE },
         { PLAIN, SET, MESH_BOXES, -1, nan, ALL, finite, NULL, THERE },
@@ -216,7 +220,7 @@ static void each_check_has_its_damage(void)
 
 static void no_check_is_forgotten(void)
 {
-    site_expect_all(reader, 26);
+    site_expect_all(reader, 27);
 }
 
 static void whole_files_pass_all(void)

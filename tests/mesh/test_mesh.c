@@ -8,9 +8,9 @@
  * GOLDEN is the folder golden; from the top of the tree it is found without. Its files were made by
  *
  *     build/dynpoint make torus 96 -o tests/golden/torus.ply
- *     build/dynpoint compile tests/golden/torus.ply -o tests/golden/torus_3.dpa
+ *     build/dynpoint compile tests/golden/torus.ply -o tests/golden/torus_4.dpa
  *
- * torus.dpa and torus_2.dpa by compilers of versions 1 and 2. They are to be kept: a new format gets a new file beside them,
+ * torus.dpa, torus_2.dpa and torus_3.dpa by compilers of versions 1 to 3. They are to be kept: a new format gets a new file beside them,
  * for every version must always open.
  *
  * All tests start from a file in the host's byte order, and so hold on every machine.
@@ -70,7 +70,7 @@ static void whole_files_open(void)
         CHECK(fault_of(files[i]).code == DPT_OK, "file %d", i);
         CHECK(dpt_mesh_get_info(mesh, &info) == DPT_OK, "file %d", i);
         CHECK(info.bytes == files[i]->size && info.triangles == (i ? 600 : 40) &&
-                  info.tree_levels == 1u + (uint32_t)i && info.format_version == 3,
+                  info.tree_levels == 1u + (uint32_t)i && info.format_version == MESH_VERSION,
               "%u triangles, %u levels", info.triangles, info.tree_levels);
         for (; dpt_mesh_get_section(mesh, id, &section) == DPT_OK; id++) {
             CHECK(section.offset == header.section[id].offset && section.offset % 64 == 0 &&
@@ -182,7 +182,7 @@ static void other_files_are_refused(void)
 
 static void newer_versions_are_refused(void)
 {
-    const uint32_t versions[] = { 4, 5, 256, UINT32_MAX };
+    const uint32_t versions[] = { MESH_VERSION + 1, MESH_VERSION + 2, 256, UINT32_MAX };
     for (int i = 0; i < 4; i++) {
         struct file file = copy_of(&small);
         memcpy(file.bytes + offsetof(struct dpt_mesh, version), &versions[i], 4);
@@ -491,6 +491,10 @@ static void wrong_arguments_are_refused(void)
     CHECK(dpt_mesh_get_info(mesh, &info) == DPT_OK && info.solid_components == 1 &&
               info.crease == 77.0,
           "info of 176 bytes");
+    info = (dpt_mesh_info){ .size = 192, .self_intersections = 77 };
+    CHECK(dpt_mesh_get_info(mesh, &info) == DPT_OK && info.crease > 0.0 &&
+              info.self_intersections == 77,
+          "info of 192 bytes");
     info.size = sizeof info;
     CHECK(dpt_mesh_get_info(mesh, &info) == DPT_OK && info.crease == 3.14159265358979323846 / 3.0,
           "creases of %.17g", info.crease);
@@ -588,7 +592,7 @@ static struct file read_golden(const char *name)
 /* The compiler writes the same bytes, but for its own version. */
 static void golden_file_is_what_we_write(void)
 {
-    struct file source = read_golden("torus.ply"), kept = read_golden("torus_3.dpa");
+    struct file source = read_golden("torus.ply"), kept = read_golden("torus_4.dpa");
     dpt_compiled compiled;
     if (source.size && kept.size > sizeof(struct dpt_mesh) &&
         dpt_compile_bytes(source.bytes, source.size, NULL, &compiled, NULL) == DPT_OK) {
@@ -635,6 +639,10 @@ static void answer_alike(const struct file *old, const struct file *today, uint3
           "version %u, %u solid", info.format_version, info.solid_components);
     CHECK((info.crease > 0.0) == (version > 2), "version %u has creases of %g", version,
           info.crease);
+    CHECK(info.self_intersections == (version > 3 ? 0 : DPT_NONE) &&
+              !info.self_intersections_more && info.self_intersection[0] == DPT_NONE &&
+              info.self_intersection[1] == DPT_NONE,
+          "version %u has %u self-intersections", version, info.self_intersections);
     CHECK(mesh_part_flags(meshes[0], 0) == 15 && mesh_part_flags(meshes[1], 0) == 15,
           "flags %u, %u", mesh_part_flags(meshes[0], 0), mesh_part_flags(meshes[1], 0));
     CHECK(dpt_mesh_get_section(meshes[0], sections - 1, &section) == DPT_OK &&
@@ -665,9 +673,9 @@ static void answer_alike(const struct file *old, const struct file *today, uint3
 /* Every version opens forever, in either byte order, and is checked as today's is. */
 static void all_versions_open(void)
 {
-    const char *const names[] = { "torus.dpa", "torus_2.dpa", "torus_3.dpa" };
+    const char *const names[] = { "torus.dpa", "torus_2.dpa", "torus_3.dpa", "torus_4.dpa" };
     struct file today = file_of_shape("torus", 96);
-    for (uint32_t version = 1; version <= 3; version++) {
+    for (uint32_t version = 1; version <= 4; version++) {
         struct file old = read_golden(names[version - 1]);
         dpt_mesh_convert(old.bytes, old.size, NULL);
         CHECK(fault_of(&old).code == DPT_OK, "does not open");

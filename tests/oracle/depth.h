@@ -7,8 +7,9 @@
  * are halved there until the bound and the deepest point that was seen are `tolerance` apart, so that nothing deeper
  * can be passed over and nothing needs to be sampled densely.
  *
- * Good within 1e-12 of the largest coordinate, as brute.h. It cannot judge meshes that are open or cut themselves,
- * nor on which side a point within 1e-10 of the largest coordinate of the surface is.
+ * Good within 1e-12 of the largest coordinate, as brute.h. It cannot judge meshes that are open, or that go round a point
+ * the wrong way where they cut themselves, nor on which side a point within 1e-10 of the largest coordinate of the
+ * surface is.
  */
 #ifndef DPT_TESTS_ORACLE_DEPTH_H
 #define DPT_TESTS_ORACLE_DEPTH_H
