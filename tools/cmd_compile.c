@@ -159,6 +159,15 @@ static void report_mesh(FILE *file, const dpt_compiled *compiled, const char *ou
     for (size_t i = 0; i < sizeof found / sizeof *found; i++)
         if (found[i].count)
             fprintf(file, "  %8" PRIu32 " %s\n", found[i].count, found[i].what);
+    const char *more = info.self_intersections_more ? " or more" : "";
+    if (info.self_intersections)
+        fprintf(file,
+                "  self-intersections: %" PRIu32 "%s pairs of triangles, one is %" PRIu32
+                " and %" PRIu32 "\n",
+                info.self_intersections, more, info.self_intersection[0],
+                info.self_intersection[1]);
+    else if (info.self_intersections_more)
+        fputs("  self-intersections: none found, but the search stopped before its end\n", file);
 }
 
 static void note_size(const dpt_compiled *compiled, const char *in)

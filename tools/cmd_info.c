@@ -44,6 +44,11 @@ static void print_json(const dpt_mesh *mesh, const dpt_mesh_info *info)
            info->box_min[2], info->box_max[0], info->box_max[1], info->box_max[2]);
     printf("\"crease_edges\":%" PRIu32 ",\"normalless_vertices\":%" PRIu32 ",\"crease\":%.17g,",
            info->crease_edges, info->normalless_vertices, info->crease);
+    if (info->self_intersections == DPT_NONE)
+        printf("\"self_intersections\":null,\"self_intersections_more\":null,");
+    else
+        printf("\"self_intersections\":%" PRIu32 ",\"self_intersections_more\":%s,",
+               info->self_intersections, info->self_intersections_more ? "true" : "false");
     printf("\"format\":%" PRIu32 ",\"tree_levels\":%" PRIu32 ",\"bytes\":%" PRIu64
            ",\"sections\":[",
            info->format_version, info->tree_levels, info->bytes);
@@ -83,6 +88,11 @@ static void print_counts(const dpt_mesh_info *info)
     };
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
         printf("  %-24s %10" PRIu32 "\n", rows[i].name, rows[i].count);
+    if (info->self_intersections == DPT_NONE)
+        printf("  %-24s %10s\n", "self-intersections", "not known");
+    else
+        printf("  %-24s %10" PRIu32 "%s\n", "self-intersections", info->self_intersections,
+               info->self_intersections_more ? " or more" : "");
 }
 
 static void print_text(const char *path, const dpt_mesh *mesh, const dpt_mesh_info *info)

@@ -735,7 +735,7 @@ json()
     run info box.dpa --json
     mv stdout info.json
     check "info --json: $(tail -n 1 python.log)" has_keys info.json triangles vertices scale \
-        rounding open_edges nonmanifold_edges crease_edges crease components dropped dropped.degenerate \
+        rounding open_edges nonmanifold_edges crease_edges crease self_intersections self_intersections_more components dropped dropped.degenerate \
         dropped.duplicate sections
     times=
     for name in ns ns_crossing ns_other; do
