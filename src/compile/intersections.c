@@ -16,11 +16,11 @@
 
 /*
  * Work is counted in tests of a box against 16 boxes and in pairs of triangles. A leaf may take LEAF_WORK; leaves that do
- * not come to an end share, in their order, what the mesh has beyond that. Organs take 3 to 10 a triangle.
+ * not come to an end share, in their order, what the mesh has beyond that. Organs take 2 to 9 a triangle.
  */
 #define LEAF_WORK    1024u
 #define SHARED_WORK  64u                 /* a triangle */
-#define SHARED_LEAST ((uint64_t)1 << 22) /* suffices for all pairs of 2,800 triangles */
+#define SHARED_LEAST ((uint64_t)1 << 23) /* suffices for all pairs of 4,000 triangles */
 
 /* Of this many leaves or vertices a thread is worth making. */
 #define LEAVES_LEAST   256u
