@@ -7,8 +7,8 @@
  *     test_arm write FILE
  *
  * GOLDEN is the folder golden, ARM_OPEN the source of the reader (sites.h); from the top of the tree they are found
- * without. golden/arm_1.dpa is what `write` wrote, `whole_arm` below, and is to be kept: a new format gets a file
- * beside it.
+ * without. golden/arm_1_mesh_4.dpa is what `write` wrote, `whole_arm` below; arm_1.dpa the same when meshes were of
+ * version 3. They are to be kept: a new format, of an arm or of a mesh, gets a file beside them.
  */
 #include "arm/arm_format.h"
 #include "lib/arm_random.h"
@@ -539,13 +539,13 @@ static void meshes_are_no_arms(void)
           "a fault of 4 bytes");
 }
 
-/* The compiler writes the same bytes, but for its own version. */
-static void golden_file_is_what_we_write(void)
+/* Opens, in either byte order; the caller frees it. */
+static struct file read_golden(const char *name)
 {
     char path[512];
     struct file kept = { calloc(1, 1 << 14), 0 };
     dpt_mesh_fault fault = { .size = sizeof fault };
-    snprintf(path, sizeof path, "%s/arm_1.dpa", golden);
+    snprintf(path, sizeof path, "%s/%s", golden, name);
     FILE *stream = fopen(path, "rb");
     if (stream) {
         kept.size = fread(kept.bytes, 1, 1 << 14, stream);
@@ -556,6 +556,19 @@ static void golden_file_is_what_we_write(void)
           "%s as it lies", path);
     CHECK(dpt_arm_convert(kept.bytes, kept.size, &fault) == DPT_OK, "%s: %s at %llu (%s)", path,
           dpt_result_name(fault.code), (unsigned long long)fault.byte, fault.section);
+    return kept;
+}
+
+static void arms_with_older_meshes_open(void)
+{
+    struct file kept = read_golden("arm_1.dpa");
+    free(kept.bytes);
+}
+
+/* The compiler writes the same bytes, but for its own version. */
+static void golden_file_is_what_we_write(void)
+{
+    struct file kept = read_golden("arm_1_mesh_4.dpa");
     CHECK(kept.size == whole.size, "%zu bytes, not %zu", whole.size, kept.size);
     if (kept.size == whole.size) {
         memcpy(kept.bytes + H(writer_version), whole.bytes + H(writer_version), 4);
@@ -789,6 +802,7 @@ int main(int argc, char **argv)
     TEST(either_byte_order_converts);
     TEST(other_order_is_checked_first);
     TEST(meshes_are_no_arms);
+    TEST(arms_with_older_meshes_open);
     TEST(golden_file_is_what_we_write);
     TEST(refusals_name_what_is_wrong);
     TEST(nearly_right_is_made_right);
