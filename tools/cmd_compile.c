@@ -159,13 +159,16 @@ static void report_mesh(FILE *file, const dpt_compiled *compiled, const char *ou
     for (size_t i = 0; i < sizeof found / sizeof *found; i++)
         if (found[i].count)
             fprintf(file, "  %8" PRIu32 " %s\n", found[i].count, found[i].what);
-    const char *more = info.self_intersections_more ? " or more" : "";
-    if (info.self_intersections)
+    const uint32_t pairs = info.self_intersections, *pair = info.self_intersection;
+    const int one = pairs == 1 && !info.self_intersections_more;
+    if (pairs)
         fprintf(file,
-                "  self-intersections: %" PRIu32 "%s pairs of triangles, one is %" PRIu32
-                " and %" PRIu32 "\n",
-                info.self_intersections, more, info.self_intersection[0],
-                info.self_intersection[1]);
+                "  self-intersections: %" PRIu32 "%s of triangles, %s%" PRIu32 " and %" PRIu32 "\n",
+                pairs,
+                one                            ? " pair"
+                : info.self_intersections_more ? " or more pairs"
+                                               : " pairs",
+                one ? "" : "such as ", pair[0], pair[1]);
     else if (info.self_intersections_more)
         fputs("  self-intersections: none found, but the search stopped before its end\n", file);
 }

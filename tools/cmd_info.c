@@ -33,6 +33,11 @@ static void print_json(const dpt_mesh *mesh, const dpt_mesh_info *info)
         info->open_edges, info->nonmanifold_edges, info->wrong_way_edges, info->components,
         info->closed_components, info->inward_components, info->turned_triangles,
         info->solid_components, info->cavities, info->winding_components, info->buried_components);
+    if (info->self_intersections == DPT_NONE)
+        printf("\"self_intersections\":null,\"self_intersections_more\":null,");
+    else
+        printf("\"self_intersections\":%" PRIu32 ",\"self_intersections_more\":%s,",
+               info->self_intersections, info->self_intersections_more ? "true" : "false");
     printf("\"dropped\":{\"degenerate\":%" PRIu32 ",\"duplicate\":%" PRIu32 "},",
            info->dropped_degenerate, info->dropped_duplicate);
     printf("\"unused_vertices\":%" PRIu32 ",\"concave_polygons\":%" PRIu32
@@ -44,11 +49,6 @@ static void print_json(const dpt_mesh *mesh, const dpt_mesh_info *info)
            info->box_min[2], info->box_max[0], info->box_max[1], info->box_max[2]);
     printf("\"crease_edges\":%" PRIu32 ",\"normalless_vertices\":%" PRIu32 ",\"crease\":%.17g,",
            info->crease_edges, info->normalless_vertices, info->crease);
-    if (info->self_intersections == DPT_NONE)
-        printf("\"self_intersections\":null,\"self_intersections_more\":null,");
-    else
-        printf("\"self_intersections\":%" PRIu32 ",\"self_intersections_more\":%s,",
-               info->self_intersections, info->self_intersections_more ? "true" : "false");
     printf("\"format\":%" PRIu32 ",\"tree_levels\":%" PRIu32 ",\"bytes\":%" PRIu64
            ",\"sections\":[",
            info->format_version, info->tree_levels, info->bytes);

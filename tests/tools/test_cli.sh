@@ -366,6 +366,25 @@ bad_inputs()
     check "info --verify --json: exit $status" test $status -eq 0
 }
 
+# Two triangles that cross, two that touch; a file that does not tell.
+self_intersections()
+{
+    printf 'v 0 0 0\nv 2 0 0\nv 0 2 0\nv 0.5 0.5 %s\nv 0.5 0.5 1\nv 1 1 1\nf 1 2 3\nf 4 5 6\n' -1 >cross.obj
+    sed 's/-1/0/' cross.obj >touch.obj
+    succeeds 'compile: two that cross' compile cross.obj -o cross.dpa
+    check "compile: $(cat stdout)" grep -q 'self-intersections: 1 pair of triangles, 0 and 1$' stdout
+    run info cross.dpa
+    check "info: two that cross" grep -q '^  self-intersections *1$' stdout
+    check 'info --json: two that cross' test "$(info_count cross.dpa self_intersections)" = 1
+    succeeds 'compile: two that touch' compile touch.obj -o touch.dpa
+    check "compile: $(cat stdout)" test "$(grep -c self stdout)" -eq 0
+    check 'info --json: two that touch' test "$(info_count touch.dpa self_intersections)" = 0
+    run info "$tests/golden/torus_3.dpa"
+    check "info: format 3" grep -q '^  self-intersections *not known$' stdout
+    run info "$tests/golden/torus_3.dpa" --json
+    check "info --json: format 3" grep -q '"self_intersections":null,' stdout
+}
+
 # damage FROM TO AT VALUE: a copy with one byte changed; the value is used, or the one above it
 damage()
 {
@@ -1199,6 +1218,7 @@ bad_traces
 endless_traces
 good_traces
 bad_inputs
+self_intersections
 pipes
 golden_files
 outputs
