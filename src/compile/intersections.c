@@ -26,7 +26,7 @@
 #define LEAVES_LEAST   256u
 #define VERTICES_LEAST 2048u
 
-/* Margins of the star's test, far above the rounding of what they are for. */
+/* Far above the rounding of what it is for. */
 #define STAR_MARGIN 0x1p-40
 
 /* The boxes of 16 triangles or nodes; one that is not there meets nothing. */
@@ -71,58 +71,89 @@ static void load_facet(const struct model *model, uint32_t triangle, struct face
     facet_finish(facet);
 }
 
-/* A triangle at a vertex, as its part will be wound: from the vertex to the next corner and to the last one. */
-static void find_wedge(const struct model *model, uint32_t triangle, uint32_t vertex, vec3 *next,
-                       vec3 *last)
-{
-    const uint32_t *corner = model->corners + 3 * (size_t)triangle;
-    const int k = corner[0] == vertex ? 0 : corner[1] == vertex ? 1 : 2;
-    const int turned = model->turn[triangle];
-    const vec3 x = vec3_of_float(model->positions + 3 * (size_t)vertex);
-    *next = sub(vec3_of_float(model->positions + 3 * (size_t)corner[(k + 1 + turned) % 3]), x);
-    *last = sub(vec3_of_float(model->positions + 3 * (size_t)corner[(k + 2 - turned) % 3]), x);
-}
+/* A triangle at a vertex, as its part will be wound: from the vertex to its next corner and to its last one. */
+struct wedge {
+    vec3 next, last;
+    uint32_t over_next, over_last; /* neighbours */
+};
 
-/* Both edges at the vertex lead to a second triangle, which is wound alike. */
-static int is_surrounded(const struct model *model, uint32_t triangle, uint32_t vertex)
+static struct wedge wedge_of(const struct model *model, uint32_t triangle, uint32_t vertex)
 {
     const uint32_t *corner = model->corners + 3 * (size_t)triangle;
     const uint32_t *neighbour = model->neighbours + 3 * (size_t)triangle;
-    const int k = corner[0] == vertex ? 0 : corner[1] == vertex ? 1 : 2;
-    return neighbour[k] < MESH_EDGE_MANY && neighbour[(k + 2) % 3] < MESH_EDGE_MANY &&
-           model->parts[model->part_of[triangle]].flags & MESH_PART_WOUND;
+    const int k = corner[0] == vertex ? 0 : corner[1] == vertex ? 1 : 2, last = (k + 2) % 3;
+    const vec3 x = vec3_of_float(model->positions + 3 * (size_t)vertex);
+    const vec3 a = sub(vec3_of_float(model->positions + 3 * (size_t)corner[(k + 1) % 3]), x);
+    const vec3 b = sub(vec3_of_float(model->positions + 3 * (size_t)corner[last]), x);
+    return model->turn[triangle] ? (struct wedge){ b, a, neighbour[last], neighbour[k] }
+                                 : (struct wedge){ a, b, neighbour[k], neighbour[last] };
+}
+
+/* Going round a vertex as seen along a direction; `across` leads to one side of a line through it. */
+struct turning {
+    vec3 direction, across;
+    int uneven;      /* not each step goes forward by less than half a turn, beyond rounding */
+    uint32_t rounds; /* steps to that side from the other one */
+};
+
+static void turn_by(struct turning *turning, vec3 from, vec3 to)
+{
+    const vec3 d = turning->direction, across = turning->across;
+    const double here = dot(across, from);
+    turning->uneven |=
+        !(dot(cross(from, to), d) > STAR_MARGIN * dot(products_of(from, to), sizes_of(d))) ||
+        !(fabs(here) > STAR_MARGIN * extent_of(across) * extent_of(from));
+    turning->rounds += here < 0.0 && dot(across, to) > 0.0;
+}
+
+/* On from the end of an open fan to its beginning, through what is free. */
+static void close_up(struct turning *turning, vec3 end, vec3 begin)
+{
+    const vec3 d = turning->direction, quarter = scaled(cross(d, end), 1.0 / length(d));
+    const vec3 way[3] = { end, quarter, scaled(end, -1.0) };
+    const double beside = dot(cross(end, begin), d) * length(d);
+    const double along_it = dot(cross(d, end), cross(d, begin));
+    /* Less than half a turn, about half, or more. */
+    const int steps = fabs(beside) < -along_it ? 1 : beside > 0.0 ? 0 : 2;
+    for (int i = 0; i < steps; i++)
+        turn_by(turning, way[i], way[i + 1]);
+    turn_by(turning, way[steps], begin);
 }
 
 /*
- * Seen from some direction, the triangles at a vertex lie round it side by side, once: then no two of them cut each other.
- * `across` leads to a side of a line through the vertex: going round once comes to that side once.
+ * Seen from some direction, the triangles at a vertex lie round it side by side, once at most: then no two of them cut
+ * each other.
  */
 static int star_is_plain(const struct model *model, uint32_t vertex)
 {
     static const vec3 guides[2] = { { 0.31, 0.57, 0.76 }, { 0.76, -0.31, 0.57 } };
     const uint32_t first = model->fan_first[vertex], end = model->fan_first[vertex + 1];
-    vec3 direction = { 0.0, 0.0, 0.0 }, next, last;
+    struct turning turning = { .rounds = 0 };
+    vec3 open_next = { 0.0, 0.0, 0.0 }, open_last = open_next;
+    uint32_t begins = 0, ends = 0;
     for (uint32_t i = first; i < end; i++) {
-        if (!is_surrounded(model, model->fans[i], vertex))
+        const uint32_t t = model->fans[i];
+        const struct wedge wedge = wedge_of(model, t, vertex);
+        if (wedge.over_next == MESH_EDGE_MANY || wedge.over_last == MESH_EDGE_MANY ||
+            !(model->parts[model->part_of[t]].flags & MESH_PART_WOUND))
             return 0;
-        find_wedge(model, model->fans[i], vertex, &next, &last);
-        direction = add(direction, cross(next, last));
+        turning.direction = add(turning.direction, cross(wedge.next, wedge.last));
+        begins += wedge.over_next == MESH_EDGE_OPEN;
+        ends += wedge.over_last == MESH_EDGE_OPEN;
+        open_next = wedge.over_next == MESH_EDGE_OPEN ? wedge.next : open_next;
+        open_last = wedge.over_last == MESH_EDGE_OPEN ? wedge.last : open_last;
     }
-    vec3 across = cross(direction, guides[0]);
-    if (dot(across, across) < 0.01 * dot(direction, direction))
-        across = cross(direction, guides[1]);
-    const vec3 most = scaled(sizes_of(direction), STAR_MARGIN);
-    const double least = STAR_MARGIN * extent_of(across);
-    uint32_t rounds = 0;
-    for (uint32_t i = first; i < end; i++) {
-        find_wedge(model, model->fans[i], vertex, &next, &last);
-        const double here = dot(across, next);
-        if (!(dot(cross(next, last), direction) > dot(products_of(next, last), most)) ||
-            !(fabs(here) > least * extent_of(next)))
-            return 0;
-        rounds += here < 0.0 && dot(across, last) > 0.0;
+    const vec3 d = turning.direction;
+    turning.across = cross(d, guides[0]);
+    if (dot(turning.across, turning.across) < 0.01 * dot(d, d))
+        turning.across = cross(d, guides[1]);
+    for (uint32_t i = first; i < end && !turning.uneven; i++) {
+        const struct wedge wedge = wedge_of(model, model->fans[i], vertex);
+        turn_by(&turning, wedge.next, wedge.last);
     }
-    return rounds == 1;
+    if (begins > 0 && begins + ends == 2 && !turning.uneven)
+        close_up(&turning, open_last, open_next);
+    return !turning.uneven && turning.rounds == 1 && begins < 2;
 }
 
 struct stars {

@@ -8,7 +8,8 @@
 
 #define ROUNDING 0x1p-50
 
-/* An exact sign takes about as long as so many pairs. */
+/* What takes about as long as so many pairs that lie beside each other's plane: to look within a plane, and an exact sign. */
+#define PLANE_WORK 4u
 #define EXACT_WORK 16u
 
 enum { UNSURE = 2 };
@@ -181,6 +182,7 @@ static int edge_excludes(const struct facet *facet, int edge, const struct facet
 static int overlap_in_plane(const struct facet *a, const struct facet *b, uint64_t *work)
 {
     int axis = 0, round_a = 0, round_b = 0;
+    *work += PLANE_WORK;
     for (; axis < 3 && !round_a; axis++)
         round_a = area_sign(a->corner[0].at, a->corner[1].at, a->corner[2].at, axis, work);
     axis--;
@@ -247,6 +249,7 @@ int facets_cut(const struct facet *a, const struct facet *b, uint64_t *work)
     if (is_beside(side_a))
         return 0;
     if (any_is(side_a, UNSURE) || any_is(side_b, UNSURE)) {
+        *work += PLANE_WORK;
         if (are_separate(a, b))
             return 0;
         settle_sides(a, b, side_b, work);

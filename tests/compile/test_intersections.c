@@ -221,6 +221,28 @@ static void crumpled_meshes_agree_with_brute_force(void)
     CHECK(least == 0 && most > 1000, "from %u to %u pairs", least, most);
 }
 
+/* Triangles round a vertex, flat or not, open or closed, that go round it up to twice: those past the first round overlap. */
+static void fans_agree_with_brute_force(void)
+{
+    static const int degrees[] = { 5, 80, 100, 175, 180, 185, 265, 275, 355, 361, 370, 500, 715 };
+    for (int run = 0; run < 60; run++) {
+        const int closed = run >= 52, steps = 12 + run % 7, ring = closed ? steps : steps + 1;
+        const double turn = closed ? 2.0 * (1 + run % 2) : degrees[run % 13] / 180.0;
+        struct scene scene = { .vertices = NULL };
+        scene_room(&scene, 21, 20);
+        add_vertex(&scene, 3.0, -2.0, 1.0);
+        for (int i = 0; i < ring; i++) {
+            const double at = 0.3 * run + turn * PI * i / steps, high = run % 3 * 0.1 * (i % 4);
+            add_vertex(&scene, 3.0 + cos(at), sin(at) - 2.0, 1.0 + high + run % 2 * 0.4 * cos(at));
+        }
+        for (size_t i = 1; i <= (size_t)steps; i++)
+            add_triangle(&scene, 0, i, i % (size_t)ring + 1, run % 5 == 0);
+        for (size_t i = 0; i < 3 * scene.vertex_count; i++)
+            scene.vertices[i] = 0x1p-12 * floor(0x1p12 * scene.vertices[i]);
+        expect_brute_count(&scene, 0x1p-12, "fan", run);
+    }
+}
+
 /* Balls that cut, touch in a point of both, and stand beside each other. */
 static void parts_count_too(void)
 {
@@ -555,6 +577,7 @@ int main(void)
     TEST(soups_on_a_grid_agree_with_brute_force);
     TEST(nearly_touching_triangles_agree_with_brute_force);
     TEST(crumpled_meshes_agree_with_brute_force);
+    TEST(fans_agree_with_brute_force);
     TEST(parts_count_too);
     TEST(shapes_do_not_cut_themselves);
     TEST(closed_parts_that_cut_themselves_have_an_inside);
