@@ -26,6 +26,9 @@
 #define LEAVES_LEAST   256u
 #define VERTICES_LEAST 2048u
 
+/* So many leaves are searched before their pairs are counted. */
+#define BATCH 4096u
+
 /* Far above the rounding of what it is for. */
 #define STAR_MARGIN 0x1p-40
 
@@ -397,10 +400,17 @@ static uint64_t search_for(const struct tree *tree, uint32_t leaf, uint64_t most
     return search.work;
 }
 
-static void search_leaves(void *context, size_t first, size_t end)
+/* Leaves from `first` on. */
+struct batch {
+    const struct tree *tree;
+    uint32_t first;
+};
+
+static void search_batch(void *context, size_t first, size_t end)
 {
-    for (size_t leaf = first; leaf < end; leaf++)
-        search_for(context, (uint32_t)leaf, LEAF_WORK);
+    const struct batch *batch = context;
+    for (size_t i = first; i < end; i++)
+        search_for(batch->tree, batch->first + (uint32_t)i, LEAF_WORK);
 }
 
 static void note_outcome(struct model *model, const struct outcome *outcome)
@@ -413,19 +423,28 @@ static void note_outcome(struct model *model, const struct outcome *outcome)
     model->self_intersections += outcome->pairs < room ? outcome->pairs : room;
 }
 
-/* What was found in all leaves, added to the model's; returns whether there is anything, or may be. */
+/*
+ * What is found is added to the model's; returns whether there is anything, or may be. Where that is known, and pairs are
+ * enough, the next batch is not searched.
+ */
 static int search_tree(struct tree *tree, struct model *model, uint32_t threads, uint64_t *shared)
 {
+    const uint32_t leaves = tree->count[0];
     int any = 0;
-    parallel_for(threads, tree->count[0], LEAVES_LEAST, search_leaves, tree);
-    for (uint32_t leaf = 0; leaf < tree->count[0]; leaf++) {
-        const struct outcome *outcome = &tree->outcomes[leaf];
-        if (outcome->stopped && *shared > 0) {
-            const uint64_t work = search_for(tree, leaf, *shared);
-            *shared -= work < *shared ? work : *shared;
+    for (struct batch batch = { tree, 0 }; batch.first < leaves; batch.first += BATCH) {
+        const uint32_t rest = leaves - batch.first, count = rest < BATCH ? rest : BATCH;
+        if (any && model->self_intersections == MESH_SELF_INTERSECTIONS_MOST)
+            break;
+        parallel_for(threads, count, LEAVES_LEAST, search_batch, &batch);
+        for (uint32_t leaf = batch.first; leaf < batch.first + count; leaf++) {
+            const struct outcome *outcome = &tree->outcomes[leaf];
+            if (outcome->stopped && *shared > 0) {
+                const uint64_t work = search_for(tree, leaf, *shared);
+                *shared -= work < *shared ? work : *shared;
+            }
+            any |= outcome->pairs || outcome->stopped;
+            note_outcome(model, outcome);
         }
-        any |= outcome->pairs || outcome->stopped;
-        note_outcome(model, outcome);
     }
     return any;
 }
