@@ -46,6 +46,8 @@ work()
         "$@" compile "$out/liver.obj" -o "$out/liver.dpa" --scale 0.7 &&
         "$@" make stomach 2001 -o "$out/open.obj" &&
         "$@" compile "$out/open.obj" -o "$out/open.dpa" &&
+        awk '/^v /{ printf "v %.2f %.2f %.2f\n", $2, $3, $4; next } 1' "$out/liver.obj" >"$out/coarse.obj" && # cuts itself
+        "$@" compile "$out/coarse.obj" -o "$out/coarse.dpa" &&
         "$@" info "$out/torus.dpa" --verify >"$out/verified" &&
         "$@" compile "$out/torus.ply" -o "$out/torus.c" --c-array torus &&
         "$@" make trace --mesh "$out/torus.dpa" --ticks 500 -o "$out/torus.csv" &&
@@ -82,7 +84,7 @@ try()
     [ -x "$folder/dynpoint" ] || return
     check "$machine: warnings, see $log" test "$(grep -c warning: "$log")" -eq 0
     check "$machine: it runs, see $log" work "qemu-$machine-static" "$folder/dynpoint"
-    for name in torus.ply liver.obj torus.dpa liver.dpa open.dpa torus.c torus.csv liver.csv torus.out brute.out \
+    for name in torus.ply liver.obj torus.dpa liver.dpa open.dpa coarse.dpa torus.c torus.csv liver.csv torus.out brute.out \
         liver.out; do
         check "$machine: other bytes in $name" cmp -s "$native/cross/$name" "$out/$name"
     done
