@@ -6,7 +6,7 @@
 #ifndef DPT_DRIVERS_CSV_H
 #define DPT_DRIVERS_CSV_H
 
-#include "dynpoint/driver.h"
+#include "dynpoint/device.h"
 
 struct table {
     double *values; /* rows * columns */

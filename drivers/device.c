@@ -4,6 +4,7 @@
 
 #include "base/wrench_limit.h"
 #include "built_with.h"
+#include "dynpoint/driver.h"
 #include "settings.h"
 
 /* All that have a name. */
@@ -114,7 +115,7 @@ dpt_result dpt_device_read(dpt_device *device, dpt_device_state *state)
     if (result != DPT_OK)
         state->fresh = 0;
     if (result == DPT_E_LOST)
-        state->status = DPT_DEVICE_LOST;
+        state->status = DPT_DEVICE_STATUS_LOST;
     return result;
 }
 

@@ -68,7 +68,7 @@ dpt_result dpt_loop_create(dpt_device *device, const dpt_loop_def *def, dpt_loop
         return DPT_E_ARGUMENT;
     loop.period = 1.0 / rate;
     loop.period_ns = (uint64_t)(1e9 / rate + 0.5);
-    loop.has_own_time = (info.flags & DPT_DEVICE_DETERMINISTIC) != 0;
+    loop.has_own_time = (info.flags & DPT_DEVICE_FLAG_DETERMINISTIC) != 0;
     dpt_guard guard = { .size = sizeof guard };
     DPT_TRY(dpt_guard_init(&guard, &def->guard));
     if (guard.hold_ns < loop.period_ns)
@@ -233,14 +233,14 @@ static dpt_result tick(struct run *run)
     if (run->loop->has_own_time)
         run->now = is_fresh && state->time_ns > run->now ? state->time_ns
                                                          : run->now + run->loop->period_ns;
-    if (result == DPT_E_LOST || state->status == DPT_DEVICE_LOST) {
+    if (result == DPT_E_LOST || state->status == DPT_DEVICE_STATUS_LOST) {
         device_is_lost(run);
         dpt_guard_step(&run->guard, run->now, NULL, 0, &wrench);
         return DPT_OK;
     }
     run->stats.reopened += (uint64_t)run->is_lost;
     run->is_lost = 0;
-    int is_ready = state->status == DPT_DEVICE_READY && pose_is_sound(&state->pose);
+    int is_ready = state->status == DPT_DEVICE_STATUS_READY && pose_is_sound(&state->pose);
     int has_command = 0;
     if (!is_fresh)
         run->stats.stale++;
@@ -257,7 +257,7 @@ static dpt_result tick(struct run *run)
     if (!run->loop->has_own_time)
         DPT_TRY(look_at_clocks(run));
     dpt_guard_step(&run->guard, run->now, has_command ? &command : NULL, is_ready, &wrench);
-    if (state->status == DPT_DEVICE_READY)
+    if (state->status == DPT_DEVICE_STATUS_READY)
         send(run, &wrench);
     return DPT_OK;
 }

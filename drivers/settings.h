@@ -3,7 +3,7 @@
 #ifndef DPT_DRIVERS_SETTINGS_H
 #define DPT_DRIVERS_SETTINGS_H
 
-#include "dynpoint/driver.h"
+#include "dynpoint/device.h"
 
 /* One setting that is known. Exactly one of the pointers is set; what is not named stays as it is. */
 struct setting {

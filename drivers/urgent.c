@@ -111,7 +111,7 @@ uint32_t urgent_begin(struct urgent *before, uint32_t priority, uint32_t lock)
     memset(before, 0, sizeof *before);
     if (lock) {
         before->holds_lock = lock_memory();
-        notes |= before->holds_lock ? 0 : DPT_LOOP_NO_LOCK;
+        notes |= before->holds_lock ? 0 : DPT_LOOP_NOTE_NO_LOCK;
     }
     const int slack = timer_slack();
     before->slack = slack > 0 ? slack : 0;
@@ -124,7 +124,7 @@ uint32_t urgent_begin(struct urgent *before, uint32_t priority, uint32_t lock)
         pthread_setschedparam(pthread_self(), SCHED_FIFO, &param) == 0)
         before->is_scheduled = 1;
     else
-        notes |= DPT_LOOP_NO_PRIORITY;
+        notes |= DPT_LOOP_NOTE_NO_PRIORITY;
     return notes;
 }
 
@@ -133,7 +133,7 @@ uint32_t urgent_end(const struct urgent *before)
     uint32_t notes = 0;
     if (before->is_scheduled &&
         pthread_setschedparam(pthread_self(), before->policy, &before->param) != 0)
-        notes |= DPT_LOOP_NO_RETURN;
+        notes |= DPT_LOOP_NOTE_NO_RETURN;
     /* After the priority: giving that back may set a slack of the system's own. */
     if (before->slack)
         set_timer_slack(before->slack);

@@ -9,9 +9,11 @@
 #ifndef DYNPOINT_H
 #define DYNPOINT_H
 
+#include "dynpoint/arm.h"
 #include "dynpoint/base.h"
+#include "dynpoint/contact.h"
 #include "dynpoint/guard.h"
-#include "dynpoint/kinematics.h"
+#include "dynpoint/kernel.h"
 #include "dynpoint/mesh.h"
 #include "dynpoint/query.h"
 #include "dynpoint/result.h"

@@ -8,6 +8,7 @@
 
 #include "command_options.h"
 #include "commands.h"
+#include "dynpoint/driver.h"
 #include "open_device.h"
 #include "stop.h"
 
@@ -60,7 +61,7 @@ static int list(void)
 static void print_info(const dpt_device_info *info)
 {
     printf("%s%s%s%s\n", info->name, info->serial[0] ? ", " : "", info->serial,
-           info->flags & DPT_DEVICE_SIMULATED ? " (simulated)" : "");
+           info->flags & DPT_DEVICE_FLAG_SIMULATED ? " (simulated)" : "");
     printf("  senses %" PRIu32 " degrees of freedom, gives %" PRIu32 "; %" PRIu32
            " joints, %" PRIu32 " buttons; %g Hz\n",
            info->pose_dofs, info->wrench_dofs, info->joints, info->buttons, info->rate);
@@ -174,7 +175,7 @@ static dpt_result observe(dpt_device *device, const dpt_device_info *info, doubl
                           const dpt_wrench *wrench, struct observed *observed)
 {
     const dpt_wrench zero = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0 } };
-    const int waits = !(info->flags & DPT_DEVICE_DETERMINISTIC);
+    const int waits = !(info->flags & DPT_DEVICE_FLAG_DETERMINISTIC);
     const double period = 1.0 / info->rate, begin = seconds_now();
     dpt_result result = DPT_OK;
     double now = 0.0;
@@ -195,7 +196,7 @@ static dpt_result observe(dpt_device *device, const dpt_device_info *info, doubl
         observed->skipped += state->fresh > 1 && observed->fresh > 1 ? state->fresh - 1 : 0;
         if (state->fresh && observed->fresh > 1)
             observed->farthest = fmax(observed->farthest, sqrt(way));
-        observed->is_ready &= state->status == DPT_DEVICE_READY;
+        observed->is_ready &= state->status == DPT_DEVICE_STATUS_READY;
         if (result == DPT_OK)
             result = dpt_device_write(device, wrench);
         result = result == DPT_E_BUSY ? DPT_OK : result;

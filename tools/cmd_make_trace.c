@@ -67,7 +67,7 @@ static vec3 drop_on_mesh(const struct hand *hand, vec3 x, vec3 *normal)
     double corners[9] = { 0 };
     const double ends[6] = { x.x, x.y, x.z, x.x, x.y, x.z };
     dpt_query_segments(hand->mesh, NULL, ends, NULL, 1, &hit, NULL);
-    dpt_mesh_triangle(hand->mesh, hit.triangle, corners);
+    dpt_mesh_get_triangle(hand->mesh, hit.triangle, corners);
     vec3 a = vec3_of(corners);
     vec3 n = cross(sub(vec3_of(corners + 3), a), sub(vec3_of(corners + 6), a));
     *normal = unit_or(n, (vec3){ 0.0, 0.0, 1.0 });

@@ -11,6 +11,7 @@
 #include "clock.h"
 #include "command_options.h"
 #include "commands.h"
+#include "dynpoint/baseline.h"
 #include "dynpoint/loop.h"
 #include "mesh_size.h"
 #include "replay_report.h"
@@ -65,6 +66,7 @@ static const char *const strips[] = { "none", "shadow", "routes", NULL };
 
 struct settings {
     dpt_world_def def;
+    dpt_baseline_def baseline;
     double radius, dt;
     uint64_t repeat, every, parts, budget;
     int against; /* a method, or -1 */
@@ -160,8 +162,7 @@ static int compare(const struct settings *settings, const dpt_mesh *mesh, struct
     struct meter meter = { .began = 0 };
     dpt_world_def def = settings->def;
     def.method = (uint32_t)settings->against;
-    def.parts = 1;
-    def.one_step = 0;
+    def.baseline = NULL;
     def.budget = 0;
     def.until = DPT_UNTIL_TRACK;
     dpt_segment segment = segment_of(trace, 0, settings->radius);
@@ -242,7 +243,7 @@ static int run(const struct settings *settings, const dpt_mesh *mesh, const stru
         replayed.against.tolerance = 1e-9 * replayed.diagonal;
         replayed.mesh_bytes = info.bytes;
         replayed.world_bytes = stage.bytes;
-        replayed.kernel = dpt_world_kernel(stage.world);
+        replayed.kernel = dpt_world_get_kernel(stage.world);
         replayed.method = methods[settings->def.method];
         for (uint64_t pass = 0; pass < settings->repeat; pass++)
             run_pass(&stage, settings, &replayed, pass == 0);
@@ -318,9 +319,10 @@ static int take_settings(int argc, char **argv, struct settings *settings)
         return complain("replay", "--certificate-bytes must be 0 to 2^40");
     if (settings->budget > UINT32_MAX)
         return complain("replay", "--budget must be 0 to %u", (unsigned)UINT32_MAX);
-    settings->def.parts = (uint32_t)settings->parts;
     settings->def.budget = (uint32_t)settings->budget;
-    settings->def.one_step = (uint32_t)settings->one_step;
+    settings->baseline.parts = (uint32_t)settings->parts;
+    settings->baseline.one_step = (uint32_t)settings->one_step;
+    settings->def.baseline = &settings->baseline;
     if (!(settings->radius >= 0.0 && settings->radius <= DPT_COORDINATE_MAX))
         return complain("replay", "--radius must be 0 to 1e6");
     if (!(settings->def.stiffness >= 0.0 && settings->def.stiffness <= 1e9))
@@ -366,6 +368,7 @@ int command_replay(int argc, char **argv)
     struct table trace;
     void *bytes;
     dpt_world_def_init(&settings.def);
+    dpt_baseline_def_init(&settings.baseline);
     settings.def.max_bodies = settings.def.max_tools = settings.def.max_segments = 1;
     int status = take_settings(argc, argv, &settings);
     if (status >= 0)

@@ -7,6 +7,7 @@
 
 #include "command_options.h"
 #include "commands.h"
+#include "dynpoint/driver.h"
 #include "open_device.h"
 #include "scene.h"
 #include "stop.h"
@@ -124,7 +125,7 @@ static int make_room(struct session *session, const struct settings *settings,
                      const dpt_device_info *info)
 {
     const double rate = settings->rate > 0.0 ? settings->rate : info->rate;
-    const double ticks = info->flags & DPT_DEVICE_DETERMINISTIC
+    const double ticks = info->flags & DPT_DEVICE_FLAG_DETERMINISTIC
                              ? ceil(settings->seconds * info->rate)
                              : ceil((settings->seconds * FOLLOWS + 1.0) * rate);
     if (!settings->ticks && !(ticks <= RECORD_MOST))
@@ -202,8 +203,8 @@ static void print_json(const struct session *session, const dpt_loop_stats *s,
                1e6 * dpt_loop_quantile(times[i].bins, 0.5),
                1e6 * dpt_loop_quantile(times[i].bins, 0.99), 1e6 * times[i].most);
     printf(",\"real_time\":%s,\"locked\":%s,\"budget\":%" PRIu32 "}\n",
-           s->notes & DPT_LOOP_NO_PRIORITY ? "false" : "true",
-           s->notes & DPT_LOOP_NO_LOCK ? "false" : "true", session->budget);
+           s->notes & DPT_LOOP_NOTE_NO_PRIORITY ? "false" : "true",
+           s->notes & DPT_LOOP_NOTE_NO_LOCK ? "false" : "true", session->budget);
 }
 
 static void print_times(const char *what, const uint64_t *bins, double most)
@@ -238,16 +239,16 @@ static void print_report(const struct session *session, const dpt_loop_stats *s,
     print_times("late", s->late, s->late_max);
     print_times("a tick's work", s->took, s->took_max);
     printf("  %" PRIu64 " deadlines missed\n", s->missed);
-    if (s->notes & DPT_LOOP_NO_PRIORITY)
+    if (s->notes & DPT_LOOP_NOTE_NO_PRIORITY)
         puts("  without real-time priority, which was not permitted");
-    if (s->notes & DPT_LOOP_NO_LOCK)
+    if (s->notes & DPT_LOOP_NOTE_NO_LOCK)
         puts("  without locked memory, which was not permitted");
 }
 
 /* Who gives neither an end nor the clock's speed wants to feel something, and would wait for it. */
 static void hint_at_clock(const dpt_device *device, const dpt_device_info *info)
 {
-    if (info->flags & DPT_DEVICE_DETERMINISTIC && !strcmp(device->driver->name, "sim"))
+    if (info->flags & DPT_DEVICE_FLAG_DETERMINISTIC && !strcmp(device->driver->name, "sim"))
         complain("run", "sim: its time passes as fast as this machine can. By the clock, with a "
                         "hand: --device 'sim:?hand=press&live=1'; or give --ticks");
 }

@@ -20,8 +20,8 @@ int end_fault(const char *command, const char *name, dpt_device *device)
     dpt_device_info info = { .size = sizeof info };
     dpt_device_state state = { .size = sizeof state };
     dpt_device_get_info(device, &info);
-    if (info.flags & DPT_DEVICE_DETERMINISTIC || dpt_device_read(device, &state) != DPT_OK ||
-        state.status != DPT_DEVICE_FAULT)
+    if (info.flags & DPT_DEVICE_FLAG_DETERMINISTIC || dpt_device_read(device, &state) != DPT_OK ||
+        state.status != DPT_DEVICE_STATUS_FAULT)
         return 0;
     const char *reason = dpt_device_reason_name(state.reasons);
     reason = reason ? reason : "no reason";

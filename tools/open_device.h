@@ -3,7 +3,7 @@
 #ifndef DPT_TOOLS_OPEN_DEVICE_H
 #define DPT_TOOLS_OPEN_DEVICE_H
 
-#include "dynpoint/driver.h"
+#include "dynpoint/device.h"
 
 /* 0, or 2 after the complaint; what is still to be done before there is force is printed too. */
 int open_device(const char *command, const char *name, dpt_device **device);

@@ -42,7 +42,7 @@ static void write_row(FILE *file, const struct replayed *replayed, size_t i)
             status_words[hit->status],
             replayed->until == DPT_UNTIL_TRACK ? "" : contact_words[hit->contact]);
     write_numbers(file, &hit->distance, 1);
-    if (hit->flags & DPT_HIT_GAP)
+    if (hit->flags & DPT_HIT_FLAG_GAP)
         fprintf(file, ",%.17g,%.17g", hit->gap, hit->depth);
     else
         fputs(",,", file);
@@ -95,7 +95,7 @@ static int summarise(const struct replayed *replayed, struct summary *summary)
         summary->contact[tick->hit.contact]++;
         if (tick->strip)
             summary->strip[summary->strips++] = tick->strip;
-        summary->strips_full += (tick->strip_flags & DPT_STRIP_FULL) != 0;
+        summary->strips_full += (tick->strip_flags & DPT_STRIP_FLAG_FULL) != 0;
         if (i == 0)
             continue;
         summary->work[summary->count] = tick->hit.work;

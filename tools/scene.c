@@ -184,8 +184,9 @@ void scene_close(struct scene *scene)
 static int is_the_arm(const struct scene *scene)
 {
     dpt_arm_info info = { .size = sizeof info };
-    return scene->arm && scene->device.flags & DPT_DEVICE_ARM && scene->device.pose_dofs == 6 &&
-           dpt_arm_get_info(scene->arm, &info) == DPT_OK && info.joints == scene->device.joints;
+    return scene->arm && scene->device.flags & DPT_DEVICE_FLAG_ARM &&
+           scene->device.pose_dofs == 6 && dpt_arm_get_info(scene->arm, &info) == DPT_OK &&
+           info.joints == scene->device.joints;
 }
 
 /* The tool's frame in the scene, and how the scene's axes are turned against the device's. */

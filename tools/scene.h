@@ -7,7 +7,7 @@
 #define DPT_TOOLS_SCENE_H
 
 #include "dynpoint.h"
-#include "dynpoint/driver.h"
+#include "dynpoint/device.h"
 
 struct scene_def {
     const char *path; /* of a compiled mesh or arm */

@@ -5,6 +5,7 @@
  *
  *     cc own_driver.c $(pkg-config --cflags --libs libdynpoint_drivers)
  */
+#include <dynpoint/driver.h>
 #include <dynpoint/loop.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -38,7 +39,7 @@ static void rest_info(const dpt_device *device, dpt_device_info *info)
 {
     (void)device;
     info->pose_dofs = info->wrench_dofs = 3;
-    info->flags = DPT_DEVICE_SIMULATED | DPT_DEVICE_DETERMINISTIC;
+    info->flags = DPT_DEVICE_FLAG_SIMULATED | DPT_DEVICE_FLAG_DETERMINISTIC;
     info->rate = 1000.0;
     info->force_max = 2.0;
     strcpy(info->name, "a thing at rest");
@@ -48,7 +49,7 @@ static dpt_result rest_read(dpt_device *device, dpt_device_state *state)
 {
     struct rest *rest = (struct rest *)device;
     memset(state, 0, sizeof *state);
-    state->status = DPT_DEVICE_READY;
+    state->status = DPT_DEVICE_STATUS_READY;
     state->fresh = 1;
     state->sequence = rest->sample;
     state->time_ns = 1000000 * rest->sample++;

@@ -6,6 +6,7 @@
 
 #include "can/can_session.h"
 #include "clock.h"
+#include "dynpoint/driver.h"
 #include "settings.h"
 
 #define MS         1000000u
@@ -35,7 +36,7 @@ static void look(struct can_device *device)
     double speeds[DPT_JOINTS_MAX];
     can_arm_joints(&host->arm, host->nodes.position, host->nodes.velocity, device->joints, speeds);
     if (can_arm_pose(&host->arm, device->joints, speeds, &device->last) != DPT_OK)
-        can_nodes_blame(&host->nodes, DPT_DEVICE_FAULT, DPT_REASON_UNCALIBRATED, 0);
+        can_nodes_blame(&host->nodes, DPT_DEVICE_STATUS_FAULT, DPT_REASON_UNCALIBRATED, 0);
 }
 
 /* Connected, or switched on again: what came meanwhile is one sample, that has not been read. */
@@ -89,7 +90,7 @@ static void can_info(const dpt_device *base, dpt_device_info *info)
     const struct can_node *first = &device->host.nodes.at[0];
     info->pose_dofs = 6;
     info->joints = device->host.arm.joints;
-    info->flags = DPT_DEVICE_ARM;
+    info->flags = DPT_DEVICE_FLAG_ARM;
     info->rate = device->host.settings.rate;
     if (device->host.settings.gives_force) {
         info->wrench_dofs = device->host.arm.wrench_dofs;
@@ -116,7 +117,7 @@ static void stop_all(struct can_device *device, uint64_t now)
     device->stopped_ns = now;
     can_host_say_all(&device->host, can_no_torque);
     can_host_say_all(&device->host,
-                     device->host.nodes.status == DPT_DEVICE_LOST ? can_estop : can_idle);
+                     device->host.nodes.status == DPT_DEVICE_STATUS_LOST ? can_estop : can_idle);
 }
 
 /* While no host writes: zero torque, as watchdogs want to be fed. */
@@ -168,7 +169,7 @@ static dpt_result can_read(dpt_device *base, dpt_device_state *state)
     const uint64_t fresh = nodes->sequence - device->sequence_read;
     if (fresh)
         look(device);
-    if (nodes->status != DPT_DEVICE_READY)
+    if (nodes->status != DPT_DEVICE_STATUS_READY)
         stop_all(device, now);
     else
         keep_alive(device, now);
@@ -185,7 +186,7 @@ static dpt_result can_read(dpt_device *base, dpt_device_state *state)
     device->last.reasons = nodes->reasons;
     device->last.code = nodes->code;
     *state = device->last;
-    if (nodes->status != DPT_DEVICE_LOST)
+    if (nodes->status != DPT_DEVICE_STATUS_LOST)
         return DPT_OK;
     state->fresh = 0;
     return DPT_E_LOST;
@@ -197,8 +198,8 @@ static dpt_result can_write(dpt_device *base, const dpt_wrench *wrench)
     struct can_device *device = (struct can_device *)base;
     struct can_nodes *nodes = &device->host.nodes;
     float torques[DPT_JOINTS_MAX];
-    if (nodes->status != DPT_DEVICE_READY)
-        return nodes->status == DPT_DEVICE_LOST ? DPT_E_LOST : DPT_E_NOT_READY;
+    if (nodes->status != DPT_DEVICE_STATUS_READY)
+        return nodes->status == DPT_DEVICE_STATUS_LOST ? DPT_E_LOST : DPT_E_NOT_READY;
     const uint64_t now = clock_now();
     if (!device->is_driving) {
         device->is_driving = 1;
@@ -225,7 +226,7 @@ static dpt_result can_write(dpt_device *base, const dpt_wrench *wrench)
         return DPT_OK;
     nodes->counts.refused++;
     can_host_look(&device->host);
-    return nodes->status == DPT_DEVICE_LOST ? DPT_E_LOST : DPT_E_BUSY;
+    return nodes->status == DPT_DEVICE_STATUS_LOST ? DPT_E_LOST : DPT_E_BUSY;
 }
 
 static dpt_result can_clear(dpt_device *base)
@@ -233,10 +234,10 @@ static dpt_result can_clear(dpt_device *base)
     struct can_device *device = (struct can_device *)base;
     struct can_nodes *nodes = &device->host.nodes;
     can_host_pump(&device->host);
-    if (nodes->status == DPT_DEVICE_READY)
+    if (nodes->status == DPT_DEVICE_STATUS_READY)
         return DPT_OK;
     can_line_ask(&device->host.line);
-    if (nodes->status == DPT_DEVICE_LOST) {
+    if (nodes->status == DPT_DEVICE_STATUS_LOST) {
         can_line_close(&device->host.line);
         device->host.is_ours = 1;
         if (can_host_connect(&device->host, NULL) != DPT_OK)
@@ -278,7 +279,7 @@ static void can_close(dpt_device *base)
 
 struct finding {
     const dpt_driver *driver;
-    dpt_device_found *found;
+    dpt_device_found_fn *found;
     void *user;
 };
 
@@ -288,7 +289,7 @@ static void pass_on(void *user, const char *name, const char *about)
     finding->found(finding->user, finding->driver, name, about);
 }
 
-static void can_find(const dpt_driver *driver, dpt_device_found *found, void *user)
+static void can_find(const dpt_driver *driver, dpt_device_found_fn *found, void *user)
 {
     struct finding finding = { driver, found, user };
     can_line_find(pass_on, &finding);

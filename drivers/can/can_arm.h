@@ -6,8 +6,8 @@
 #ifndef DPT_DRIVERS_CAN_ARM_H
 #define DPT_DRIVERS_CAN_ARM_H
 
-#include "dynpoint/driver.h"
-#include "dynpoint/kinematics.h"
+#include "dynpoint/arm.h"
+#include "dynpoint/device.h"
 
 /* The settings, as the table in docs/drivers.md has them. */
 struct can_settings {

@@ -90,7 +90,7 @@ static void run_ahead(struct can_nodes *nodes, const struct can_node *node, int6
     *ahead = *ahead > -limit ? *ahead : -limit;
     if (*ahead > limit) {
         *ahead = 0;
-        can_nodes_blame(nodes, DPT_DEVICE_FAULT, DPT_REASON_LINK,
+        can_nodes_blame(nodes, DPT_DEVICE_STATUS_FAULT, DPT_REASON_LINK,
                         CAN_CODE(CAN_CODE_DUPLICATE, node->node));
     }
 }
@@ -99,7 +99,7 @@ static void count_frame(struct can_nodes *nodes, struct can_node *node, uint64_t
 {
     const uint64_t window = larger_time(WINDOW, WINDOW_PERIODS * nodes->period_ns);
     if (++node->frames * nodes->period_ns > 4 * window)
-        can_nodes_blame(nodes, DPT_DEVICE_FAULT, DPT_REASON_LINK,
+        can_nodes_blame(nodes, DPT_DEVICE_STATUS_FAULT, DPT_REASON_LINK,
                         CAN_CODE(CAN_CODE_BABBLES, node->node));
     if (time - node->window_ns >= window) {
         node->window_ns = time;
@@ -133,11 +133,11 @@ static void take_beat(struct can_nodes *nodes, struct can_node *node,
         return;
     const uint32_t reasons = reasons_of(node);
     if (reasons || beat->failed)
-        can_nodes_blame(nodes, DPT_DEVICE_FAULT, reasons ? reasons : DPT_REASON_DEVICE,
+        can_nodes_blame(nodes, DPT_DEVICE_STATUS_FAULT, reasons ? reasons : DPT_REASON_DEVICE,
                         beat->errors);
-    else if (nodes->status == DPT_DEVICE_READY) {
+    else if (nodes->status == DPT_DEVICE_STATUS_READY) {
         nodes->counts.resets++;
-        can_nodes_blame(nodes, DPT_DEVICE_FAULT, DPT_REASON_DEVICE,
+        can_nodes_blame(nodes, DPT_DEVICE_STATUS_FAULT, DPT_REASON_DEVICE,
                         CAN_CODE(CAN_CODE_BEGAN, node->node));
     }
 }
@@ -151,7 +151,7 @@ static void find_jump(struct can_nodes *nodes, const struct can_node *node, floa
     const double speed =
         node->quickest + larger(fabs((double)velocity), fabs((double)node->velocity));
     if (fabs((double)position - (double)node->position) > speed * seconds)
-        can_nodes_blame(nodes, DPT_DEVICE_FAULT, DPT_REASON_UNCALIBRATED,
+        can_nodes_blame(nodes, DPT_DEVICE_STATUS_FAULT, DPT_REASON_UNCALIBRATED,
                         CAN_CODE(CAN_CODE_JUMPED, node->node));
 }
 
@@ -227,7 +227,7 @@ static void take_own(struct can_nodes *nodes, struct can_node *node,
 static void take_order(struct can_nodes *nodes, const struct can_node *node, unsigned command)
 {
     nodes->strangers++;
-    can_nodes_blame(nodes, DPT_DEVICE_FAULT,
+    can_nodes_blame(nodes, DPT_DEVICE_STATUS_FAULT,
                     command == ODRIVE_ESTOP ? DPT_REASON_ESTOP : DPT_REASON_LINK,
                     CAN_CODE(CAN_CODE_STRANGER, node->node));
 }
@@ -239,7 +239,7 @@ static void take_errors(struct can_nodes *nodes, struct can_node *node, unsigned
     node->errors[word] = errors;
     if (!errors)
         return;
-    can_nodes_blame(nodes, DPT_DEVICE_FAULT, odrive_reasons(word, errors), (uint32_t)errors);
+    can_nodes_blame(nodes, DPT_DEVICE_STATUS_FAULT, odrive_reasons(word, errors), (uint32_t)errors);
     /* Of 0.5 the heartbeat had only that there are some. */
     nodes->code = nodes->code ? nodes->code : (uint32_t)errors;
 }
@@ -294,7 +294,7 @@ void can_nodes_take(struct can_nodes *nodes, const struct can_message *message)
     case ODRIVE_ADDRESS:
         if (node->serial && node->serial != said.as.address.serial) {
             node->is_doubtful = 1;
-            can_nodes_blame(nodes, DPT_DEVICE_FAULT, DPT_REASON_LINK,
+            can_nodes_blame(nodes, DPT_DEVICE_STATUS_FAULT, DPT_REASON_LINK,
                             CAN_CODE(CAN_CODE_DUPLICATE, node->node));
         }
         node->serial = said.as.address.serial;
@@ -351,14 +351,14 @@ void can_nodes_judge(struct can_nodes *nodes, uint64_t now, int is_all)
             forget_sent(node, 0);
         }
         if ((int64_t)(now - node->estimate_ns) > (int64_t)nodes->silent_ns)
-            can_nodes_blame(nodes, DPT_DEVICE_LOST, DPT_REASON_SILENT,
+            can_nodes_blame(nodes, DPT_DEVICE_STATUS_LOST, DPT_REASON_SILENT,
                             CAN_CODE(CAN_CODE_SILENT, node->node));
         if ((int64_t)(now - node->beat_ns) > (int64_t)(5 * nodes->heartbeat_ns))
-            can_nodes_blame(nodes, DPT_DEVICE_LOST, DPT_REASON_SILENT,
+            can_nodes_blame(nodes, DPT_DEVICE_STATUS_LOST, DPT_REASON_SILENT,
                             CAN_CODE(CAN_CODE_PULSELESS, node->node));
     }
     if (nodes->waiting_ns && (int64_t)(now - nodes->waiting_ns) > (int64_t)nodes->silent_ns)
-        can_nodes_blame(nodes, DPT_DEVICE_LOST, DPT_REASON_LINK,
+        can_nodes_blame(nodes, DPT_DEVICE_STATUS_LOST, DPT_REASON_LINK,
                         CAN_CODE(CAN_CODE_STUCK, CAN_CODE_BUS));
 }
 

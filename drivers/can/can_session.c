@@ -59,19 +59,19 @@ void can_host_look(struct can_host *host)
     struct can_nodes *nodes = &host->nodes;
     const uint32_t dropped = line->dropped + line->overruns;
     if (line->is_gone)
-        can_nodes_blame(nodes, DPT_DEVICE_LOST, DPT_REASON_UNPLUGGED,
+        can_nodes_blame(nodes, DPT_DEVICE_STATUS_LOST, DPT_REASON_UNPLUGGED,
                         CAN_CODE(CAN_CODE_GONE, CAN_CODE_BUS));
     if (line->is_down)
-        can_nodes_blame(nodes, DPT_DEVICE_LOST, DPT_REASON_LINK,
+        can_nodes_blame(nodes, DPT_DEVICE_STATUS_LOST, DPT_REASON_LINK,
                         CAN_CODE(CAN_CODE_DOWN, CAN_CODE_BUS));
     if (line->is_off)
-        can_nodes_blame(nodes, DPT_DEVICE_LOST, DPT_REASON_LINK,
+        can_nodes_blame(nodes, DPT_DEVICE_STATUS_LOST, DPT_REASON_LINK,
                         CAN_CODE(CAN_CODE_OFF, CAN_CODE_BUS));
     if (line->is_passive)
-        can_nodes_blame(nodes, DPT_DEVICE_FAULT, DPT_REASON_LINK,
+        can_nodes_blame(nodes, DPT_DEVICE_STATUS_FAULT, DPT_REASON_LINK,
                         CAN_CODE(CAN_CODE_PASSIVE, CAN_CODE_BUS));
     if (dropped != host->dropped)
-        can_nodes_blame(nodes, DPT_DEVICE_FAULT, DPT_REASON_LINK,
+        can_nodes_blame(nodes, DPT_DEVICE_STATUS_FAULT, DPT_REASON_LINK,
                         CAN_CODE(CAN_CODE_DROPPED, CAN_CODE_BUS));
     host->dropped = dropped;
 }
@@ -350,7 +350,7 @@ dpt_result can_host_switch_on(struct can_host *host, dpt_device_error *error)
         can_host_send(host);
         return refuse_switch(host, error);
     }
-    nodes->status = DPT_DEVICE_READY;
+    nodes->status = DPT_DEVICE_STATUS_READY;
     nodes->reasons = nodes->code = 0;
     nodes->waiting_ns = nodes->sample_ns = 0;
     nodes->is_armed = 1;

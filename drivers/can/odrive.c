@@ -4,7 +4,7 @@
 #include <stddef.h>
 #include <string.h>
 
-#include "dynpoint/driver.h"
+#include "dynpoint/device.h"
 
 enum { TO_CONTROLLER = 1, TO_HOST = 2, ONLY_0_5 = 4, ONLY_0_6 = 8 };
 

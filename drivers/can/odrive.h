@@ -119,7 +119,7 @@ enum {
  */
 const char *odrive_error_name(unsigned word, uint64_t errors);
 
-/* What they come to, DPT_REASON_... of dynpoint/driver.h; DPT_REASON_DEVICE for a bit that has no name. */
+/* What they come to, DPT_REASON_... of dynpoint/device.h; DPT_REASON_DEVICE for a bit that has no name. */
 uint32_t odrive_reasons(unsigned word, uint64_t errors);
 
 /* "IDLE", "CLOSED_LOOP_CONTROL" ...; "unknown" for a number that is none. */

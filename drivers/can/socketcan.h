@@ -10,7 +10,7 @@
 #define DPT_DRIVERS_SOCKETCAN_H
 
 #include "can/can_message.h"
-#include "dynpoint/driver.h"
+#include "dynpoint/device.h"
 
 #define CAN_LINE_BATCH 64
 

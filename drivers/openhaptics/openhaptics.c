@@ -10,6 +10,7 @@
 
 #include "base/wrench_limit.h"
 #include "clock.h"
+#include "dynpoint/driver.h"
 #include "dynpoint/openhaptics.h"
 #include "openhaptics/openhaptics_servo.h"
 #include "settings.h"
@@ -300,7 +301,7 @@ static void take_sample(struct haptics *device)
 static dpt_result hear(struct haptics *device, dpt_device_error *error)
 {
     const uint64_t before = device->last.sequence;
-    for (int i = 0; i < ANSWER_MS && device->last.status != DPT_DEVICE_LOST; i++) {
+    for (int i = 0; i < ANSWER_MS && device->last.status != DPT_DEVICE_STATUS_LOST; i++) {
         take_sample(device);
         if (device->last.sequence != before &&
             (i >= CALIBRATED_MS || !(device->last.reasons & DPT_REASON_UNCALIBRATED)))
@@ -308,7 +309,7 @@ static dpt_result hear(struct haptics *device, dpt_device_error *error)
         servo_wait();
     }
     const hd_error why = { .code = device->last.code };
-    if (device->last.status == DPT_DEVICE_LOST)
+    if (device->last.status == DPT_DEVICE_STATUS_LOST)
         return explain(device, why, error);
     return device_error(error, DPT_E_DEVICE,
                         "the device is open, but no sample comes within %g s: does another program "
@@ -362,7 +363,7 @@ static dpt_result connect_device(struct haptics *device, dpt_device_error *error
                                  .last.missed = last->missed };
     device->servo = fresh;
     memset(&device->info, 0, sizeof device->info);
-    last->status = DPT_DEVICE_UNREADY;
+    last->status = DPT_DEVICE_STATUS_UNREADY;
     last->code = 0;
     if (!scheduler_pause(hd))
         return device_error(error, DPT_E_DEVICE,
@@ -398,7 +399,7 @@ static void advise(const struct haptics *device, dpt_device_error *error)
     else if (reasons & DPT_REASON_DOCKED)
         device_error(error, DPT_OK,
                      "the stylus is in the inkwell, no force there: take it out and hold it");
-    else if (device->last.status == DPT_DEVICE_FAULT)
+    else if (device->last.status == DPT_DEVICE_STATUS_FAULT)
         device_error(error, DPT_OK,
                      "the device has a fault, no force (0x%x): let it rest, and open it again",
                      device->last.code);
@@ -447,7 +448,7 @@ static uint32_t why_lost(struct haptics *device)
 {
     if (device->lost || scheduler_is_paused())
         return device->lost;
-    if (device->last.status == DPT_DEVICE_LOST)
+    if (device->last.status == DPT_DEVICE_STATUS_LOST)
         return device->lost = device->last.reasons;
     const uint64_t since = scheduler_since(), sampled = device->last.time_ns;
     const int64_t age = (int64_t)(clock_now() - (sampled > since ? sampled : since));
@@ -480,7 +481,7 @@ static dpt_result openhaptics_read(dpt_device *base, dpt_device_state *state)
     const uint32_t lost = why_lost(device);
     if (lost == 0)
         return DPT_OK;
-    state->status = DPT_DEVICE_LOST;
+    state->status = DPT_DEVICE_STATUS_LOST;
     state->reasons = lost;
     state->fresh = 0;
     return DPT_E_LOST;
@@ -492,7 +493,7 @@ static dpt_result openhaptics_write(dpt_device *base, const dpt_wrench *wrench)
     take_sample(device);
     if (why_lost(device))
         return DPT_E_LOST;
-    if (device->last.status != DPT_DEVICE_READY)
+    if (device->last.status != DPT_DEVICE_STATUS_READY)
         return DPT_E_NOT_READY;
     struct servo *servo = &device->servo;
     struct servo_command *command = &servo->command[servo->commands.writing];
@@ -534,7 +535,7 @@ static dpt_result openhaptics_clear(dpt_device *base)
     pthread_mutex_unlock(&one_at_a_time);
     if (result != DPT_OK || why_lost(device))
         return DPT_E_LOST;
-    return device->last.status == DPT_DEVICE_READY ? DPT_OK : DPT_E_NOT_READY;
+    return device->last.status == DPT_DEVICE_STATUS_READY ? DPT_OK : DPT_E_NOT_READY;
 }
 
 static void openhaptics_counts(const dpt_device *base, dpt_device_counts *counts)

@@ -3,7 +3,7 @@
 #ifndef DPT_DRIVERS_OPENHAPTICS_LIBRARY_H
 #define DPT_DRIVERS_OPENHAPTICS_LIBRARY_H
 
-#include "dynpoint/driver.h"
+#include "dynpoint/device.h"
 #include "openhaptics/hd_api.h"
 
 /* Its functions. Those that are optional may be NULL. */

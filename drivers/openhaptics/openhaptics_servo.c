@@ -253,10 +253,10 @@ static void hand_over(struct servo *servo, uint64_t now)
         clear_fault(servo, now);
     last->code = servo->fault;
     last->reasons = reasons_of(servo);
-    last->status = servo->is_lost  ? DPT_DEVICE_LOST
-                   : servo->fault  ? DPT_DEVICE_FAULT
-                   : last->reasons ? DPT_DEVICE_UNREADY
-                                   : DPT_DEVICE_READY;
+    last->status = servo->is_lost  ? DPT_DEVICE_STATUS_LOST
+                   : servo->fault  ? DPT_DEVICE_STATUS_FAULT
+                   : last->reasons ? DPT_DEVICE_STATUS_UNREADY
+                                   : DPT_DEVICE_STATUS_READY;
     servo->sample[servo->samples.writing] = *last;
     latest_hand(&servo->samples);
 }

@@ -9,6 +9,7 @@
 #include "base/return_if_error.h"
 #include "base/vec3.h"
 #include "clock.h"
+#include "dynpoint/driver.h"
 #include "settings.h"
 #include "trace.h"
 
@@ -146,7 +147,7 @@ static dpt_result replay_read(dpt_device *device, dpt_device_state *state)
         go_on(replay);
     replay->has_begun = 1;
     *state = replay->sample;
-    state->status = replay->has_ended ? DPT_DEVICE_LOST : DPT_DEVICE_READY;
+    state->status = replay->has_ended ? DPT_DEVICE_STATUS_LOST : DPT_DEVICE_STATUS_READY;
     state->reasons = replay->has_ended ? DPT_REASON_UNPLUGGED : 0;
     if (replay->has_ended || result != DPT_OK)
         return replay->has_ended ? DPT_E_LOST : result;
@@ -197,8 +198,8 @@ static void replay_info(const dpt_device *device, dpt_device_info *info)
     const struct replay *replay = (const struct replay *)device;
     *info = (dpt_device_info){ .pose_dofs = 6,
                                .wrench_dofs = 6,
-                               .flags = DPT_DEVICE_SIMULATED |
-                                        (replay->live != 0.0 ? 0 : DPT_DEVICE_DETERMINISTIC),
+                               .flags = DPT_DEVICE_FLAG_SIMULATED |
+                                        (replay->live != 0.0 ? 0 : DPT_DEVICE_FLAG_DETERMINISTIC),
                                .rate = replay->rate,
                                .force_max = 1000.0,
                                .torque_max = 1000.0,

@@ -7,12 +7,13 @@
 
 #include "base/wrench_limit.h"
 #include "clock.h"
+#include "dynpoint/driver.h"
 #include "serial/serial_line.h"
 #include "serial/wire.h"
 #include "settings.h"
 
 /* wire.h numbers them once more, as firmware has no other header of ours. */
-typedef char status_is_the_same[(int)WIRE_STATUS_READY == (int)DPT_DEVICE_READY ? 1 : -1];
+typedef char status_is_the_same[(int)WIRE_STATUS_READY == (int)DPT_DEVICE_STATUS_READY ? 1 : -1];
 typedef char reasons_are_the_same[(int)WIRE_REASON_DEVICE == (int)DPT_REASON_DEVICE ? 1 : -1];
 typedef char joints_are_the_same[WIRE_JOINTS_MAX == DPT_JOINTS_MAX ? 1 : -1];
 
@@ -323,7 +324,7 @@ static dpt_result connect_line(struct serial_device *device, dpt_device_error *e
     device->counts.damaged = damaged;
     if (result == DPT_OK) {
         device->lost = 0;
-        insist(device, WIRE_ENABLE, DPT_DEVICE_UNREADY);
+        insist(device, WIRE_ENABLE, DPT_DEVICE_STATUS_UNREADY);
     } else {
         device->session = 0;
     }
@@ -389,7 +390,7 @@ static void serial_info(const dpt_device *base, dpt_device_info *info)
     info->joints = from->joints;
     info->buttons = from->buttons;
     /* Its time is the host's, whatever it says: a loop would not wait for it. */
-    info->flags = from->flags & (DPT_DEVICE_SIMULATED | DPT_DEVICE_ARM);
+    info->flags = from->flags & (DPT_DEVICE_FLAG_SIMULATED | DPT_DEVICE_FLAG_ARM);
     info->rate = from->rate;
     info->force_max = from->force_max;
     info->force_continuous = from->force_continuous;
@@ -454,7 +455,7 @@ static dpt_result serial_read(dpt_device *base, dpt_device_state *state)
     const uint64_t fresh = device->sequence - device->sequence_read;
     device->sequence_read = device->sequence;
     state->status = last->status;
-    state->reasons = last->status == DPT_DEVICE_READY ? 0 : last->reasons;
+    state->reasons = last->status == DPT_DEVICE_STATUS_READY ? 0 : last->reasons;
     state->code = last->code;
     state->buttons = last->buttons;
     state->fresh = fresh < UINT32_MAX ? (uint32_t)fresh : UINT32_MAX;
@@ -467,7 +468,7 @@ static dpt_result serial_read(dpt_device *base, dpt_device_state *state)
     const uint32_t lost = why_lost(device);
     if (lost == 0)
         return DPT_OK;
-    state->status = DPT_DEVICE_LOST;
+    state->status = DPT_DEVICE_STATUS_LOST;
     state->reasons = lost;
     state->fresh = 0;
     return DPT_E_LOST;
@@ -478,7 +479,7 @@ static dpt_result serial_write(dpt_device *base, const dpt_wrench *wrench)
     struct serial_device *device = (struct serial_device *)base;
     if (why_lost(device))
         return DPT_E_LOST;
-    if (device->last.status != DPT_DEVICE_READY)
+    if (device->last.status != DPT_DEVICE_STATUS_READY)
         return DPT_E_NOT_READY;
     dpt_wrench limited = *wrench;
     limit_length(limited.force, device->info.wrench_dofs >= 3 ? (double)device->info.force_max : 0);
@@ -515,11 +516,11 @@ static dpt_result serial_clear(dpt_device *base)
         }
         device->counts.resets++;
     }
-    insist(device, WIRE_CLEAR, DPT_DEVICE_FAULT);
-    insist(device, WIRE_ENABLE, DPT_DEVICE_UNREADY);
+    insist(device, WIRE_CLEAR, DPT_DEVICE_STATUS_FAULT);
+    insist(device, WIRE_ENABLE, DPT_DEVICE_STATUS_UNREADY);
     if (why_lost(device))
         return DPT_E_LOST;
-    return device->last.status == DPT_DEVICE_READY ? DPT_OK : DPT_E_NOT_READY;
+    return device->last.status == DPT_DEVICE_STATUS_READY ? DPT_OK : DPT_E_NOT_READY;
 }
 
 static void serial_counts(const dpt_device *base, dpt_device_counts *counts)
@@ -533,7 +534,7 @@ static void serial_close(dpt_device *base)
 {
     struct serial_device *device = (struct serial_device *)base;
     if (device->fd >= 0) {
-        insist(device, WIRE_STOP, DPT_DEVICE_READY);
+        insist(device, WIRE_STOP, DPT_DEVICE_STATUS_READY);
         serial_line_close(device->fd);
     }
     free(device);
@@ -541,7 +542,7 @@ static void serial_close(dpt_device *base)
 
 struct finding {
     const dpt_driver *driver;
-    dpt_device_found *found;
+    dpt_device_found_fn *found;
     void *user;
 };
 
@@ -551,7 +552,7 @@ static void pass_on(void *user, const char *path, const char *about)
     finding->found(finding->user, finding->driver, path, about);
 }
 
-static void serial_find(const dpt_driver *driver, dpt_device_found *found, void *user)
+static void serial_find(const dpt_driver *driver, dpt_device_found_fn *found, void *user)
 {
     struct finding finding = { driver, found, user };
     serial_line_find(pass_on, &finding);

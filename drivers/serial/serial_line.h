@@ -3,7 +3,7 @@
 #ifndef DPT_DRIVERS_SERIAL_LINE_H
 #define DPT_DRIVERS_SERIAL_LINE_H
 
-#include "dynpoint/driver.h"
+#include "dynpoint/device.h"
 
 /*
  * Open for this program alone, at `speed` baud, 8 bits, no parity, one stop bit, no flow control; what waits in it is thrown

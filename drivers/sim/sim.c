@@ -12,6 +12,7 @@
 #include "base/sincos.h"
 #include "base/wrench_limit.h"
 #include "clock.h"
+#include "dynpoint/driver.h"
 #include "settings.h"
 #include "sim/sim_hand.h"
 #include "text/parse_number.h"
@@ -135,19 +136,19 @@ static void break_down(struct sim *sim)
 static uint32_t status_of(const struct sim *sim)
 {
     if (!sim->is_broken)
-        return DPT_DEVICE_READY;
+        return DPT_DEVICE_STATUS_READY;
     switch (sim->reason) {
     case DPT_REASON_UNPLUGGED:
-        return DPT_DEVICE_LOST;
+        return DPT_DEVICE_STATUS_LOST;
     case DPT_REASON_SILENT:
-        return sim->period - sim->broken_period < PERIODS_TO_LOST ? DPT_DEVICE_READY
-                                                                  : DPT_DEVICE_LOST;
+        return sim->period - sim->broken_period < PERIODS_TO_LOST ? DPT_DEVICE_STATUS_READY
+                                                                  : DPT_DEVICE_STATUS_LOST;
     case DPT_REASON_UNCALIBRATED:
     case DPT_REASON_VERSION:
     case DPT_REASON_DOCKED:
-        return DPT_DEVICE_UNREADY;
+        return DPT_DEVICE_STATUS_UNREADY;
     default:
-        return DPT_DEVICE_FAULT;
+        return DPT_DEVICE_STATUS_FAULT;
     }
 }
 
@@ -231,7 +232,7 @@ static dpt_result sim_read(dpt_device *device, dpt_device_state *state)
     sim->has_begun = 1;
     uint32_t status = status_of(sim);
     int is_silent =
-        sim->is_broken && (status == DPT_DEVICE_LOST || sim->reason == DPT_REASON_SILENT);
+        sim->is_broken && (status == DPT_DEVICE_STATUS_LOST || sim->reason == DPT_REASON_SILENT);
     uint32_t fresh = 0;
     if (result == DPT_OK && !is_silent) {
         uint64_t passed = sim->was_read ? sim->period - sim->read_period : 1;
@@ -243,9 +244,9 @@ static dpt_result sim_read(dpt_device *device, dpt_device_state *state)
     *state = sim->sample;
     state->fresh = fresh;
     state->status = status;
-    state->reasons = status == DPT_DEVICE_READY ? 0 : sim->reason;
+    state->reasons = status == DPT_DEVICE_STATUS_READY ? 0 : sim->reason;
     state->code = state->reasons == DPT_REASON_DEVICE ? 1 : 0;
-    return status == DPT_DEVICE_LOST ? DPT_E_LOST : result;
+    return status == DPT_DEVICE_STATUS_LOST ? DPT_E_LOST : result;
 }
 
 static dpt_result sim_write(dpt_device *device, const dpt_wrench *wrench)
@@ -253,8 +254,8 @@ static dpt_result sim_write(dpt_device *device, const dpt_wrench *wrench)
     struct sim *sim = (struct sim *)device;
     dpt_result result = sim->live != 0.0 ? catch_up(sim) : DPT_OK;
     uint32_t status = status_of(sim);
-    if (status != DPT_DEVICE_READY)
-        return status == DPT_DEVICE_LOST ? DPT_E_LOST : DPT_E_NOT_READY;
+    if (status != DPT_DEVICE_STATUS_READY)
+        return status == DPT_DEVICE_STATUS_LOST ? DPT_E_LOST : DPT_E_NOT_READY;
     double *written = sim->written[sim->period % (DELAY_MOST + 1)];
     memcpy(written, wrench->force, sizeof wrench->force);
     memcpy(written + 3, wrench->torque, sizeof wrench->torque);
@@ -270,7 +271,7 @@ static dpt_result sim_clear(dpt_device *device)
     struct sim *sim = (struct sim *)device;
     if (!sim->is_broken)
         return DPT_OK;
-    sim->counts.resets += status_of(sim) == DPT_DEVICE_LOST;
+    sim->counts.resets += status_of(sim) == DPT_DEVICE_STATUS_LOST;
     sim->is_broken = sim->is_armed = 0;
     sim->reason = 0;
     memset(sim->written, 0, sizeof sim->written);
@@ -291,8 +292,8 @@ static void sim_info(const dpt_device *device, dpt_device_info *info)
                                .wrench_dofs = (uint32_t)sim->dofs,
                                .joints = (uint32_t)sim->dofs,
                                .buttons = 32,
-                               .flags = DPT_DEVICE_SIMULATED |
-                                        (sim->live != 0.0 ? 0 : DPT_DEVICE_DETERMINISTIC),
+                               .flags = DPT_DEVICE_FLAG_SIMULATED |
+                                        (sim->live != 0.0 ? 0 : DPT_DEVICE_FLAG_DETERMINISTIC),
                                .rate = sim->rate,
                                .force_max = sim->force_max,
                                .force_continuous = sim->force_max,
@@ -412,7 +413,7 @@ static dpt_result sim_open(const dpt_driver *driver, const char *where, dpt_devi
     return DPT_OK;
 }
 
-static void sim_find(const dpt_driver *driver, dpt_device_found *found, void *user)
+static void sim_find(const dpt_driver *driver, dpt_device_found_fn *found, void *user)
 {
     found(user, driver, "?live=1&hand=press", "simulated: a hand presses down and lets go");
 }

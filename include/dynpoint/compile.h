@@ -16,7 +16,7 @@
 #ifndef DYNPOINT_COMPILE_H
 #define DYNPOINT_COMPILE_H
 
-#include "dynpoint/kinematics.h"
+#include "dynpoint/arm.h"
 
 DPT_BEGIN
 
@@ -41,13 +41,13 @@ typedef struct dpt_diag {
  * Called now and then from within the compiler: which step, and how much of it is done (0..1).
  * Return 0 to go on; anything else stops it with DPT_E_CANCELLED.
  */
-typedef int dpt_progress(void *user, const char *step, double done);
+typedef int dpt_progress_fn(void *user, const char *step, double done);
 
 typedef struct dpt_compile_def {
     uint32_t size;   /* sizeof(dpt_compile_def) */
     uint32_t format; /* DPT_FORMAT_... */
     double scale;    /* metres per unit of the source; 0 means 1; must be positive */
-    dpt_progress *progress;
+    dpt_progress_fn *progress;
     void *user;
     /* A def that ends here is taken too. */
     double
@@ -83,7 +83,7 @@ DPT_API dpt_result dpt_compile_arrays(const double *vertices, size_t vertex_coun
                                       dpt_diag *diag);
 
 /*
- * An arm from arrays; the fields are those of kinematics.h, and their sizes are set. A link comes after its parent, each
+ * An arm from arrays; the fields are those of arm.h, and their sizes are set. A link comes after its parent, each
  * joint moves a link (one at least in the way that its kind says), and the joints that lead to the tool come first, in
  * their order from the root on. Quaternions and axes are of unit length within 1e-6, and made so; lengths, limits of position,
  * factors and masses are at most DPT_COORDINATE_MAX. `mesh` of a body is an open mesh, and is copied; its `mesh_bytes`

@@ -1,133 +1,25 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * libdynpoint_drivers: haptic devices behind one contract. The loop that serves them is in loop.h.
+ * Drivers: what a kind of device has to do, for those who write one (docs/drivers.md, "Writing a driver"). A driver is a
+ * struct of functions for one kind of device; a device is one that is open. Those that are built in are listed by
+ * dpt_driver_at; one from outside is used through the same struct.
  *
- *     dpt_device_error error = { .size = sizeof error };
- *     dpt_device_state state = { .size = sizeof state };
- *     if (dpt_device_open("sim:?hand=press&live=1", &device, &error) != DPT_OK)
- *         complain(error.text);
- *     while (dpt_device_read(device, &state) == DPT_OK) { ... dpt_device_write(device, &wrench); ... }
- *     dpt_device_close(device);
- *
- * A driver is a struct of functions for one kind of device; a device is one that is open. The drivers that are built
- * in are listed by dpt_driver_at; one from outside is used through the same struct (docs/drivers.md, "Writing a driver").
- *
- * Units are SI. The device's frame is right-handed, x to the right, y up, z towards the user, its origin in the middle
- * of the workspace. A device and all calls on it belong to one thread at a time; different devices may be served by
- * different threads.
+ * Threads: `open` and `find` may be called from several threads at once; the rest as device.h says.
  */
 #ifndef DYNPOINT_DRIVER_H
 #define DYNPOINT_DRIVER_H
 
-#include "dynpoint/types.h"
+#include "dynpoint/device.h"
 
 #define DPT_DRIVER_VERSION 1 /* of struct dpt_driver; a driver of another version is refused */
 
 DPT_BEGIN
 
-/* What a device is and can do; fixed while it is open. */
-typedef struct dpt_device_info {
-    uint32_t size;           /* sizeof(dpt_device_info), set by the caller */
-    uint32_t pose_dofs;      /* 3: position alone, the orientation is the identity; 6: both */
-    uint32_t wrench_dofs;    /* 0: it only senses; 3: force; 6: force and torque */
-    uint32_t joints;         /* in the state, 0..DPT_JOINTS_MAX */
-    uint32_t buttons;        /* 0..32 */
-    uint32_t flags;          /* DPT_DEVICE_SIMULATED ... */
-    double rate;             /* at which it samples and wants commands, Hz */
-    double force_max;        /* N, of the vector's length */
-    double force_continuous; /* N, that it can hold for ever; 0: not known */
-    double torque_max;       /* Nm, of the vector's length */
-    double stiffness_max;    /* N/m, that its maker states; 0: not known */
-    double position_step;    /* m, the least that it can tell; 0: not known */
-    double watchdog;         /* s without a command, then it gives no force; 0: it has none */
-    double workspace_min[3]; /* m */
-    double workspace_max[3];
-    char name[48];   /* of the kind, for people */
-    char serial[48]; /* of this one, or empty */
-} dpt_device_info;
-
-/* Bits of dpt_device_info.flags. */
-enum {
-    DPT_DEVICE_SIMULATED = 1,     /* there is no hand on it */
-    DPT_DEVICE_DETERMINISTIC = 2, /* time passes by reads: each is one period later than the last */
-    DPT_DEVICE_ARM =
-        4 /* it is an arm: `joint` are coordinates as those of kinematics.h, the pose is its tool's */
-};
-
-/* How a device is. */
-enum {
-    DPT_DEVICE_LOST = 0,  /* unplugged, or it does not answer; dpt_device_clear when it is back */
-    DPT_DEVICE_FAULT = 1, /* it stopped itself and gives no force until dpt_device_clear */
-    DPT_DEVICE_UNREADY =
-        2, /* not calibrated, or its motors are off: poses may be wrong, no force */
-    DPT_DEVICE_READY = 3
-};
-
-/* Why a device is not ready; bits of dpt_device_state.reasons. A driver's that are none of these become DPT_REASON_DEVICE. */
-enum {
-    DPT_REASON_UNPLUGGED = 1,
-    DPT_REASON_SILENT = 2,   /* no sample within its time */
-    DPT_REASON_WATCHDOG = 4, /* its own watchdog missed our commands */
-    DPT_REASON_OVERHEATED = 8,
-    DPT_REASON_OVERLOADED = 16, /* force, current or velocity above what it allows */
-    DPT_REASON_UNCALIBRATED = 32,
-    DPT_REASON_ESTOP = 64,
-    DPT_REASON_LINK = 128,    /* the line is damaged: too many bad frames, bus off */
-    DPT_REASON_VERSION = 256, /* it speaks another version of the protocol */
-    DPT_REASON_DEVICE = 512,  /* its own fault, `code` says which */
-    DPT_REASON_DOCKED =
-        1024 /* it lies in its holder (an inkwell, a dock), where it gives no force */
-};
-
-/* One sample. */
-typedef struct dpt_device_state {
-    uint32_t size;    /* sizeof(dpt_device_state), set by the caller */
-    uint32_t status;  /* DPT_DEVICE_READY ... */
-    uint32_t reasons; /* DPT_REASON_..., while it is not ready */
-    uint32_t code;    /* the device's own number of its fault */
-    uint32_t buttons; /* bit k: button k is down */
-    uint32_t
-        fresh; /* samples since the last read. 0: this one was read before; 2: one was never seen */
-    uint64_t sequence; /* of the sample, by the device's count; it grows by 1 */
-    uint64_t
-        time_ns; /* when it was taken, on the host's monotonic clock; a deterministic one's own time */
-    dpt_pose pose;
-    double velocity[3];           /* m/s */
-    double spin[3];               /* rad/s; zero with 3 pose_dofs */
-    double joint[DPT_JOINTS_MAX]; /* rad, or m of a slider */
-    double temperature;           /* of the hottest motor: 0 cold, 1 its limit; -1: not known */
-} dpt_device_state;
-
-/* Counts since the device was opened. */
-typedef struct dpt_device_counts {
-    uint32_t size; /* sizeof(dpt_device_counts), set by the caller */
-    uint32_t reserved;
-    uint64_t samples;   /* taken by the device, as its numbers tell */
-    uint64_t lost;      /* of them that never arrived */
-    uint64_t reordered; /* of them that arrived after a later one, and were dropped */
-    uint64_t damaged;   /* frames that were refused: checksum, length, unknown */
-    uint64_t commands;  /* written, those with DPT_E_BUSY too */
-    uint64_t refused;   /* of them that the line had no room for */
-    uint64_t missed;    /* that the device wanted and had not got, as it says */
-    uint64_t resets; /* times that the device began anew, or was opened again by dpt_device_clear */
-} dpt_device_counts;
-
-/*
- * Why an open failed, for a person: what was tried and what to do; one line, without the driver's name. After one that
- * did not, `code` is DPT_OK, and text what a person has still to do before there is force, or "".
- */
-typedef struct dpt_device_error {
-    uint32_t size; /* sizeof(dpt_device_error), set by the caller */
-    int32_t code;
-    char text[240];
-} dpt_device_error;
-
-typedef struct dpt_device dpt_device;
 typedef struct dpt_driver dpt_driver;
 
 /* Called for each device that a driver finds, with what `open` takes as `where` and a line about it. */
-typedef void dpt_device_found(void *user, const dpt_driver *driver, const char *where,
-                              const char *about);
+typedef void dpt_device_found_fn(void *user, const dpt_driver *driver, const char *where,
+                                 const char *about);
 
 /*
  * The contract. A driver's own device begins with a struct dpt_device, which dpt_device_open fills in. Arguments are
@@ -164,7 +56,7 @@ struct dpt_driver {
     dpt_result (*clear)(dpt_device *device);
     void (*counts)(const dpt_device *device, dpt_device_counts *counts);
     void (*close)(dpt_device *device);
-    void (*find)(const dpt_driver *driver, dpt_device_found *found, void *user);
+    void (*find)(const dpt_driver *driver, dpt_device_found_fn *found, void *user);
 };
 
 struct dpt_device {
@@ -178,45 +70,11 @@ DPT_API const dpt_driver *dpt_driver_at(uint32_t index);
 DPT_API const dpt_driver *dpt_driver_named(const char *name);
 
 /*
- * Open a device by a name as people type it: "DRIVER" or "DRIVER:WHERE", as in "serial:/dev/ttyACM0".
- * dpt_device_open_with takes a driver from anywhere; one of another version or without a function is
- * DPT_E_UNSUPPORTED.
- *   error   may be NULL
+ * As dpt_device_open, with a driver from anywhere; one of another version or without a function is DPT_E_UNSUPPORTED.
+ *   where, error   may be NULL
  */
-DPT_API dpt_result dpt_device_open(const char *name, dpt_device **device, dpt_device_error *error);
 DPT_API dpt_result dpt_device_open_with(const dpt_driver *driver, const char *where,
                                         dpt_device **device, dpt_device_error *error);
-
-/*
- * As the driver's functions. NULL is DPT_E_ARGUMENT, or nothing where nothing is returned. A wrench that is not finite
- * writes zero and is DPT_E_FINITE.
- */
-DPT_API dpt_result dpt_device_get_info(const dpt_device *device, dpt_device_info *info);
-DPT_API dpt_result dpt_device_read(dpt_device *device, dpt_device_state *state);
-DPT_API dpt_result dpt_device_write(dpt_device *device, const dpt_wrench *wrench);
-DPT_API dpt_result dpt_device_clear(dpt_device *device);
-DPT_API dpt_result dpt_device_get_counts(const dpt_device *device, dpt_device_counts *counts);
-DPT_API void dpt_device_close(dpt_device *device);
-
-/*
- * How a model's box is reached as a whole from the device's workspace, middle on middle: a point p of the device is at
- * offset + scale p in the model. Forces stay as they are.
- *   scale    m of the model for one of the hand; 1 for a box that is a point
- *   DPT_E_FINITE  a number is not finite or too large, or the device tells no workspace
- *   DPT_E_ARGUMENT  box_max is below box_min
- */
-DPT_API dpt_result dpt_device_map(const dpt_device_info *info, const double box_min[3],
-                                  const double box_max[3], double *scale, double offset[3]);
-
-/* "ready", "fault" ...; "?" for a number that is none. */
-DPT_API const char *dpt_device_status_name(uint32_t status);
-
-/*
- * The name of the lowest bit, "overheated"; NULL for 0 and for bits that are none. All of them:
- *     for (uint32_t left = state.reasons; left; left &= left - 1)
- *         puts(dpt_device_reason_name(left));
- */
-DPT_API const char *dpt_device_reason_name(uint32_t reasons);
 
 DPT_END
 

@@ -6,6 +6,8 @@
  * Pure, and part of the core: no device, no clock, no POSIX, all memory the caller's. So firmware and hosts in other
  * languages use it as it is; the loop (loop.h) has one in it.
  *
+ * Threads: a guard belongs to one thread at a time; different guards may be used by different threads.
+ *
  *     dpt_guard guard = { .size = sizeof guard };
  *     dpt_guard_init(&guard, NULL);
  *     each tick:    dpt_guard_step(&guard, now_ns, fresh ? &wrench : NULL, ready, &sent);

@@ -8,11 +8,15 @@
  *     dpt_loop_create(device, &def, &loop);
  *     dpt_loop_run(loop, &stats);    until dpt_loop_stop(loop)
  *     dpt_loop_free(loop);
+ *
+ * Threads: a loop, its device and the tick belong to the thread that runs it; dpt_loop_stop alone may be called from any
+ * other. Different loops may run in different threads. What a tick shares with other threads is the host's to guard: a
+ * tick that waits for a lock is late.
  */
 #ifndef DYNPOINT_LOOP_H
 #define DYNPOINT_LOOP_H
 
-#include "dynpoint/driver.h"
+#include "dynpoint/device.h"
 #include "dynpoint/guard.h"
 
 DPT_BEGIN
@@ -26,8 +30,8 @@ DPT_BEGIN
  * Anything but DPT_OK, and there is no fresh command. While a tick takes its time nothing is sent: only a device's own
  * watchdog ends the force of a tick that hangs.
  */
-typedef dpt_result dpt_loop_tick(void *user, const dpt_device_state *state, double dt,
-                                 dpt_wrench *wrench);
+typedef dpt_result dpt_loop_tick_fn(void *user, const dpt_device_state *state, double dt,
+                                    dpt_wrench *wrench);
 
 /* dpt_loop_def_init fills in the defaults, given last. */
 typedef struct dpt_loop_def {
@@ -37,9 +41,9 @@ typedef struct dpt_loop_def {
     uint32_t reopen; /* 1: dpt_device_clear a device that is lost, once a second; 0: end then; 0 */
     double rate;     /* Hz, 1..100000; 0: the device's own, half way between its samples; 0 */
     uint64_t ticks;  /* 0: until dpt_loop_stop; 0 */
-    dpt_loop_tick *tick; /* not NULL */
-    void *user;          /* its first argument; NULL */
-    dpt_guard_def guard; /* its defaults */
+    dpt_loop_tick_fn *tick; /* not NULL */
+    void *user;             /* its first argument; NULL */
+    dpt_guard_def guard;    /* its defaults */
 } dpt_loop_def;
 
 /* Bin k of a histogram counts what took 2^(k/4) us up to 2^((k+1)/4) us; the first also less, the last also more. */
@@ -47,9 +51,9 @@ typedef struct dpt_loop_def {
 
 /* What was not permitted: bits of dpt_loop_stats.notes. */
 enum {
-    DPT_LOOP_NO_PRIORITY = 1, /* the scheduler stayed as it was */
-    DPT_LOOP_NO_LOCK = 2,     /* memory may be paged out */
-    DPT_LOOP_NO_RETURN = 4    /* the thread kept the loop's priority at the end */
+    DPT_LOOP_NOTE_NO_PRIORITY = 1, /* the scheduler stayed as it was */
+    DPT_LOOP_NOTE_NO_LOCK = 2,     /* memory may be paged out */
+    DPT_LOOP_NOTE_NO_RETURN = 4    /* the thread kept the loop's priority at the end */
 };
 
 typedef struct dpt_loop_stats {
@@ -104,7 +108,7 @@ DPT_API dpt_result dpt_loop_create(dpt_device *device, const dpt_loop_def *def, 
  *
  * Memory is locked only where that costs the host nothing: where RLIMIT_MEMLOCK is unlimited, or the process is privileged
  * (CAP_IPC_LOCK). Under a finite limit the host could then create no thread and allocate nothing: nothing is locked, and
- * the notes say DPT_LOOP_NO_LOCK. The lock is of the whole process (mlockall). The last of several loops ends it
+ * the notes say DPT_LOOP_NOTE_NO_LOCK. The lock is of the whole process (mlockall). The last of several loops ends it
  * (munlockall), for what the host locked meanwhile too. It stays where the host had locked memory before the first loop, and
  * where the system does not tell (other than Linux).
  *

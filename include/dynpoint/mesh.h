@@ -7,6 +7,9 @@
  * They must stay as they were when they were opened: the indices in them are checked then, and never again. So read a
  * file that another user or program can write into memory of your own, and open that. A mapped file that is changed
  * gives wild reads; one that is cut short ends the program with SIGBUS.
+ *
+ * Threads: an open mesh is read-only; every function that takes one may be called from several threads at once.
+ * dpt_mesh_convert writes to its bytes, which no other thread may use meanwhile.
  */
 #ifndef DYNPOINT_MESH_H
 #define DYNPOINT_MESH_H
@@ -112,7 +115,7 @@ DPT_API dpt_result dpt_mesh_get_section(const dpt_mesh *mesh, uint32_t index,
  * The three corners (x, y, z each, 9 numbers) of a triangle by its source number, wound as the
  * compiler left it. DPT_E_ARGUMENT when there is no such number or it was dropped.
  */
-DPT_API dpt_result dpt_mesh_triangle(const dpt_mesh *mesh, uint32_t number, double corners[9]);
+DPT_API dpt_result dpt_mesh_get_triangle(const dpt_mesh *mesh, uint32_t number, double corners[9]);
 
 /*
  * All of them at once, where they lie in the mesh's bytes: for a viewer, or a copy of one's own.
@@ -131,24 +134,23 @@ DPT_API dpt_result dpt_mesh_get_triangles(const dpt_mesh *mesh, const uint32_t *
  * (an older file, loose triangles, a vertex that parts share) worked out, in time with the vertex's triangles. Of the
  * mesh as it was compiled.
  */
-DPT_API dpt_result dpt_mesh_vertex_normals(const dpt_mesh *mesh, uint32_t number,
-                                           double normals[9]);
+DPT_API dpt_result dpt_mesh_get_vertex_normals(const dpt_mesh *mesh, uint32_t number,
+                                               double normals[9]);
 
 /*
  * What is special about edge and corner k of a triangle: the bit below shifted left by k = 0, 1, 2. Edge k runs from
- * corner k to the next one, as dpt_mesh_triangle gives them; a corner has a bit when any edge at its vertex has it.
+ * corner k to the next one, as dpt_mesh_get_triangle gives them; a corner has a bit when any edge at its vertex has it.
  */
 enum {
     DPT_EDGE_BORDER = 0x1,      /* no second triangle */
     DPT_EDGE_NONMANIFOLD = 0x8, /* three triangles or more */
-    DPT_EDGE_CREASE = 0x40,     /* two, whose normals differ by more than dpt_mesh_info's crease */
-    DPT_CORNER_BORDER = 0x200,
-    DPT_CORNER_NONMANIFOLD = 0x1000,
-    DPT_CORNER_CREASE = 0x8000
+    DPT_EDGE_CREASE = 0x40      /* two, whose normals differ by more than dpt_mesh_info's crease */
 };
+enum { DPT_CORNER_BORDER = 0x200, DPT_CORNER_NONMANIFOLD = 0x1000, DPT_CORNER_CREASE = 0x8000 };
 
 /* Those bits. DPT_E_UNSUPPORTED of a file before format 3. */
-DPT_API dpt_result dpt_mesh_triangle_flags(const dpt_mesh *mesh, uint32_t number, uint32_t *flags);
+DPT_API dpt_result dpt_mesh_get_triangle_flags(const dpt_mesh *mesh, uint32_t number,
+                                               uint32_t *flags);
 
 DPT_END
 

@@ -6,6 +6,8 @@
  *
  * OpenHaptics measures in mm, mm/s, N and mNm. A transform is 16 doubles, column by column: three axes and the position,
  * each with a fourth number behind it (0, 0, 0, 1).
+ *
+ * Threads: stateless; every function may be called from any thread.
  */
 #ifndef DYNPOINT_OPENHAPTICS_H
 #define DYNPOINT_OPENHAPTICS_H

@@ -1,10 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Nearest pairs without a world: n segments in, n exact answers out. Stateless and thread-safe.
+ * Nearest pairs without a world: n segments in, n exact answers out.
+ *
+ * Threads: stateless; every function may be called from several threads at once.
  */
 #ifndef DYNPOINT_QUERY_H
 #define DYNPOINT_QUERY_H
 
+#include "dynpoint/kernel.h"
 #include "dynpoint/mesh.h"
 #include "dynpoint/types.h"
 

@@ -2,6 +2,8 @@
 /*
  * Result codes. Every function that can fail returns a dpt_result: 0 is success, errors are negative.
  * The values never change; a family of errors leaves room for more of its kind.
+ *
+ * Threads: every function may be called from any thread.
  */
 #ifndef DYNPOINT_RESULT_H
 #define DYNPOINT_RESULT_H

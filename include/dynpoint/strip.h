@@ -3,7 +3,9 @@
  * Strips: the triangles under a tool, in a buffer of fixed capacity. Two kinds: the paper's, made of routes from
  * triangle to triangle (docs/algorithms/routes.md), and the shadow of the tool (docs/algorithms/strip.md). Triangles
  * are named by their numbers in the source. In a world, dpt_world_def.strip does this for every segment in each tick;
- * here it is done without one, in the caller's memory, by any thread that owns the strip.
+ * here it is done without one, in the caller's memory.
+ *
+ * Threads: a strip belongs to one thread at a time; the meshes that it is filled from may be shared.
  */
 #ifndef DYNPOINT_STRIP_H
 #define DYNPOINT_STRIP_H
@@ -33,9 +35,9 @@ DPT_API dpt_result dpt_strip_create(void *block, size_t bytes, const dpt_strip_d
 
 /* Bits of a strip's flags. */
 enum {
-    DPT_STRIP_FULL = 1,   /* there is more of it than its capacity */
-    DPT_STRIP_BORDER = 2, /* a shadow: it ends at an open edge */
-    DPT_STRIP_NONMANIFOLD =
+    DPT_STRIP_FLAG_FULL = 1,   /* there is more of it than its capacity */
+    DPT_STRIP_FLAG_BORDER = 2, /* a shadow: it ends at an open edge */
+    DPT_STRIP_FLAG_NONMANIFOLD =
         4 /* a shadow: it goes on over an edge of three triangles or more, to all of them */
 };
 
@@ -43,8 +45,8 @@ enum {
  * The triangles of a strip, *count of them; valid until it is filled anew. NULL, and 0, for NULL.
  *   flags   DPT_STRIP_..., may be NULL
  */
-DPT_API const uint32_t *dpt_strip_triangles(const dpt_strip *strip, uint32_t *count,
-                                            uint32_t *flags);
+DPT_API const uint32_t *dpt_strip_get_triangles(const dpt_strip *strip, uint32_t *count,
+                                                uint32_t *flags);
 
 /*
  * The route from one triangle to another, both included: a shortest one over triangles that share a vertex, so that
@@ -69,21 +71,6 @@ DPT_API dpt_result dpt_strip_route(dpt_strip *strip, const dpt_mesh *mesh, uint3
  */
 DPT_API dpt_result dpt_strip_routes(dpt_strip *strip, const dpt_mesh *mesh, uint32_t a, uint32_t b,
                                     uint32_t p);
-
-/*
- * The traversal distances of all pairs of triangles, for meshes of up to 10,000 of them: the paper's table, as a
- * yardstick. About 2 bytes a pair, and seconds to fill.
- *   bytes   0 for a mesh with more triangles, and for NULL
- */
-typedef struct dpt_route_table dpt_route_table;
-
-DPT_API size_t dpt_route_table_bytes(const dpt_mesh *mesh);
-DPT_API dpt_result dpt_route_table_create(void *block, size_t bytes, const dpt_mesh *mesh,
-                                          const dpt_route_table **table);
-
-/* As dpt_strip_route, by the table; def.search may be 0. */
-DPT_API dpt_result dpt_strip_route_by_table(dpt_strip *strip, const dpt_route_table *table,
-                                            uint32_t from, uint32_t to);
 
 /*
  * The shadow of a segment AB: all points
@@ -115,7 +102,7 @@ DPT_API dpt_result dpt_strip_shadow(dpt_strip *strip, const dpt_mesh *mesh, cons
                                     const dpt_shadow *shadow);
 
 /* Bits of dpt_overlap.flags. */
-enum { DPT_OVERLAP_CROSSING = 1 /* the axis goes through the triangle */ };
+enum { DPT_OVERLAP_FLAG_CROSSING = 1 /* the axis goes through the triangle */ };
 
 /*
  * How a segment stands to one triangle.

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The nouns that all calls share. SI units (m, kg, s, N, Nm, rad), right-handed frames, world axes
+ * The nouns that all calls share: plain values, without functions. SI units (m, kg, s, N, Nm, rad), right-handed frames, world axes
  * unless a field says otherwise.
  */
 #ifndef DYNPOINT_TYPES_H
@@ -76,8 +76,8 @@ enum {
 
 /* Bits of dpt_hit.flags. */
 enum {
-    DPT_HIT_GAP = 1,     /* `gap` and `depth` are known */
-    DPT_HIT_CROSSING = 2 /* the axis crosses the mesh: distance 0, p = q */
+    DPT_HIT_FLAG_GAP = 1,     /* `gap` and `depth` are known */
+    DPT_HIT_FLAG_CROSSING = 2 /* the axis crosses the mesh: distance 0, p = q */
 };
 
 /*
@@ -89,7 +89,7 @@ enum {
  *   triangle     the source file's number of the triangle that holds q
  *   gap          signed distance of the capsule's surface: the least of sd - radius along the axis, sd being
  *                the distance of a point to the mesh, negative inside a part that has an inside and behind an
- *                open sheet of which a side is kept; where DPT_HIT_GAP is set. Within error_bound while the axis is
+ *                open sheet of which a side is kept; where DPT_HIT_FLAG_GAP is set. Within error_bound while the axis is
  *                outside, else within 1e-5 of the mesh's diagonal; at a part with holes an inside that an axis enters and
  *                leaves through holes, between two of at least nine samples, may be missed
  *   depth        max(0, -gap)
@@ -124,112 +124,5 @@ typedef struct dpt_hit {
 #define DPT_HIT_INIT { .size = (uint32_t)sizeof(dpt_hit) }
 #endif
 /* clang-format on */
-
-/* Bits of dpt_contact.flags. */
-enum {
-    DPT_REGION_CROSSING = 1, /* the axis goes through the surface */
-    DPT_REGION_SIDED =
-        2, /* an open sheet: the gap is counted from the side that the tool was first on */
-    DPT_REGION_COARSE = 4 /* room or work for samples ended before its integrals were as right as
-                             usual, or the pair was proven the deepest of the region */
-};
-
-/*
- * One region of contact: a stretch of a segment's axis where its surface is within the world's margin of a body,
- * or inside it (docs/algorithms/regions.md). Vectors are in world axes.
- *
- *   id          the same from tick to tick while the region lives; never 0
- *   triangle    of the deepest pair: the source file's number
- *   contact     DPT_CONTACT_... of its gap
- *   s0, s1      the stretch, in 0..1 of the segment
- *   s, p, q     the deepest pair: p on the axis, q on the mesh nearest to it
- *   weight      of the triangle's corners, as dpt_mesh_triangle has them, at q: sum 1
- *   normal      unit, the way out at q: from q to p outside, from p to q inside; or smoothed, as the world's def asks.
- *               Zero where there is none
- *   gap         signed distance of the tool's surface at p
- *
- * Integrals over the length of the stretch. With w = margin - gap(s), which is 0 at its ends, and n(s) the way out:
- *   overlap     of w, in m^2
- *   moment      of s w, in m^2: moment / overlap is where the region's middle is
- *   thrust      of w n, in m^2
- *   thrust_moment  of s w n, in m^2
- * They stay continuous in the motion, where a nearest point jumps; when regions join, theirs add up.
- */
-typedef struct dpt_contact {
-    uint32_t
-        size; /* the caller's sizeof(dpt_contact); of an array, the first one's counts for all */
-    uint32_t id;
-    uint32_t body;
-    uint32_t segment;
-    uint32_t triangle;
-    uint32_t contact;
-    uint32_t flags;
-    uint32_t reserved;
-    double s0;
-    double s1;
-    double s;
-    double gap;
-    double p[3];
-    double q[3];
-    double normal[3];
-    double weight[3];
-    double overlap;
-    double moment;
-    double thrust[3];
-    double thrust_moment[3];
-} dpt_contact;
-
-/* What is known of a motion between two steps. */
-enum {
-    DPT_SWEEP_NONE =
-        0, /* there was none: a first step, a teleport, a way given up, or the axis was through already */
-    DPT_SWEEP_FREE = 1,      /* nothing was met */
-    DPT_SWEEP_HIT = 2,       /* met, at `time` */
-    DPT_SWEEP_UNFINISHED = 3 /* the budget ended it; the next step goes on with it */
-};
-
-/*
- * What a segment met first on its way from the last step to this one: its surface or, where that was in contact before,
- * its axis. Ends move along straight lines, rigid tools and bodies along the shortest turn. None is missed; a hit may
- * be within 1e-6 of the mesh's diagonal of a touch.
- *
- *   time      0..1 of the step that is told of
- *   age       how many steps ago that was; 0 is this one. A budget may leave motions unfinished: the oldest is told first
- *   s         of the point of the axis that met
- *   q         where on the mesh, in the world, with the body where it is now
- *   normal    unit, of the mesh there, on the side that the tool came from
- */
-typedef struct dpt_sweep {
-    uint32_t size; /* sizeof(dpt_sweep), set by the caller */
-    uint32_t status;
-    uint32_t segment;
-    uint32_t body;
-    uint32_t triangle;
-    uint32_t age;
-    double time;
-    double s;
-    double q[3];
-    double normal[3];
-} dpt_sweep;
-
-/* Instruction sets of the inner loops. All give the same bits; they differ in speed alone. */
-enum {
-    DPT_KERNEL_AUTO = 0, /* the widest that this machine has */
-    DPT_KERNEL_SCALAR = 1,
-    DPT_KERNEL_SSE2 = 2,
-    DPT_KERNEL_AVX2 = 3,
-    DPT_KERNEL_AVX512 = 4,
-    DPT_KERNEL_NEON = 5
-};
-
-DPT_BEGIN
-
-/* The kernel's name, "avx2"; "none" for a number that is no kernel. */
-DPT_API const char *dpt_kernel_name(uint32_t kernel);
-
-/* What DPT_KERNEL_AUTO comes to on this machine. */
-DPT_API uint32_t dpt_kernel_best(void);
-
-DPT_END
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * libdynpoint_urdf: a robot's description (URDF) compiled to the bytes of an arm (kinematics.h); docs/urdf.md. Reads
+ * libdynpoint_urdf: a robot's description (URDF) compiled to the bytes of an arm (arm.h); docs/urdf.md. Reads
  * through urdfdom; needs libdynpoint_compile. Allocates from the heap, prints nothing, may be called from any thread: one
  * reads at a time. What urdfdom complains of is an error here; numbers are read without regard to the locale.
  *
@@ -26,7 +26,7 @@ DPT_BEGIN
  * place is not a line. Called from within dpt_urdf_compile_file, in the order of lines, before it returns DPT_OK; what is
  * refused has no notes.
  */
-typedef void dpt_urdf_note(void *user, uint64_t line, const char *text);
+typedef void dpt_urdf_note_fn(void *user, uint64_t line, const char *text);
 
 typedef struct dpt_urdf_def {
     uint32_t size; /* sizeof(dpt_urdf_def) */
@@ -38,7 +38,7 @@ typedef struct dpt_urdf_def {
      */
     const char *packages;
     const dpt_compile_def *mesh; /* for collision meshes; NULL: the defaults. Scales multiply */
-    dpt_urdf_note *note;
+    dpt_urdf_note_fn *note;
     void *user; /* of note */
 } dpt_urdf_def;
 

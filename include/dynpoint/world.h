@@ -13,10 +13,15 @@
  *         dpt_tool_set_pose(world, tool, &device_pose);
  *         dpt_world_step(world, dt, &out);
  *         dpt_tool_get_wrench(world, tool, &wrench);
+ *
+ * Threads: a world and all calls on it belong to one thread at a time, getters too. Different worlds may run in different
+ * threads, and share meshes. dpt_world_def_defaults and dpt_world_bytes may be called from any thread.
  */
 #ifndef DYNPOINT_WORLD_H
 #define DYNPOINT_WORLD_H
 
+#include "dynpoint/contact.h"
+#include "dynpoint/kernel.h"
 #include "dynpoint/mesh.h"
 #include "dynpoint/strip.h"
 #include "dynpoint/types.h"
@@ -24,6 +29,7 @@
 DPT_BEGIN
 
 typedef struct dpt_world dpt_world;
+typedef struct dpt_baseline_def dpt_baseline_def;
 
 /*
  * Ids: kind, generation and slot in one number; 0 is null. The slot that was freed longest ago is used first, and its
@@ -41,7 +47,7 @@ enum {
 };
 
 /* Which triangles a segment's strip holds. */
-enum { DPT_STRIP_NONE = 0, DPT_STRIP_SHADOW = 1, DPT_STRIP_ROUTES = 2 };
+enum { DPT_STRIP_KIND_NONE = 0, DPT_STRIP_KIND_SHADOW = 1, DPT_STRIP_KIND_ROUTES = 2 };
 
 /*
  * What a world can hold and how it answers. dpt_world_def_init fills in the defaults, given last.
@@ -50,7 +56,8 @@ enum { DPT_STRIP_NONE = 0, DPT_STRIP_SHADOW = 1, DPT_STRIP_ROUTES = 2 };
  * search, the answer is DPT_STATUS_BOUNDED: the best pair so far and a lower bound that is true; contact is
  * unknown and the force zero. What was proven is kept and the next step goes on from there, so that a tool at
  * rest, while no other moves, has its exact answer after as many steps as the budget goes into a search. Contact gets
- * what a step has left: first the gap and the force, then the regions, which are DPT_REGION_COARSE where that ends them.
+ * what a step has left: first the gap and the force, then the contacts, which are DPT_CONTACT_FLAG_COARSE where that ends
+ * them.
  * A tool at rest comes to both after some steps, from a budget of about 200 on; with less, contact may stay unknown
  * and the force zero beside a pair that is exact. Beside the budget there are a triangle a segment and body, and what
  * docs/algorithms/budget.md names.
@@ -63,33 +70,26 @@ typedef struct dpt_world_def {
     uint32_t method;       /* DPT_METHOD_...; DPT_METHOD_EXACT */
     uint32_t kernel;       /* DPT_KERNEL_...; DPT_KERNEL_AUTO */
     uint32_t until;        /* DPT_UNTIL_...; DPT_UNTIL_RESPOND */
-    uint32_t parts;        /* pieces of a segment, DPT_METHOD_PAPER only, 1..64; 1 */
-    uint32_t one_step;     /* of the paper's descent a tick, not all of it; 0 */
     uint32_t budget;       /* of a step, DPT_METHOD_EXACT only, see above; 0: unlimited */
-    double stiffness;      /* of the penalty force, N/m, 0..1e9; 500 */
+    double stiffness;      /* of new tools, see dpt_tool_settings; 500 */
     /*
      * DPT_METHOD_EXACT's memory of what it proved in earlier ticks, 272 bytes for 16 separating planes; all
      * tools and bodies share it. Too little costs time, never truth; 0 keeps nothing; at most 2^40; 1 MiB.
      */
     uint64_t certificate_bytes;
-    double margin; /* within which a surface counts as in contact, m, >= 0; 0.001 */
+    double margin;         /* within which a surface counts as in contact, m, >= 0; 0.001 */
+    double side_limit;     /* of new bodies, see dpt_body_settings; 0 */
+    uint32_t max_contacts; /* of all tools together, 0..65535; 0: depth alone, no sides; 32 */
     /*
-     * How deep a tool may be behind an open sheet before the side it came from is forgotten, m; 0 is a quarter of
-     * each body's diagonal.
-     */
-    double side_limit;
-    uint32_t
-        max_contacts; /* regions of all tools together, 0..65535; 0: depth alone, and no sides; 32 */
-    /*
-     * 1: the way out of a region's deepest pair, and of the force, is interpolated from the normals at the triangle's
+     * 1: the way out of a contact's deepest pair, and of the force, is interpolated from the normals at the triangle's
      * corners, so that facets are not felt; distances and contact are the same. 0: the true one.
      */
     uint32_t smooth_normals;
     /*
      * Each segment within the margin of its nearest body has a strip of that body's triangles in each tick, if this
-     * is not DPT_STRIP_NONE: of up to `strip_capacity` triangles, 1024. DPT_STRIP_SHADOW: those under the segment, widened by
+     * is not DPT_STRIP_KIND_NONE: of up to `strip_capacity` triangles, 1024. DPT_STRIP_KIND_SHADOW: those under the segment, widened by
      * `strip_width` beyond its radius, along its way to the surface, to `strip_depth`; 0 is a quarter of its length,
-     * its radius and the margin. DPT_STRIP_ROUTES: the paper's, from the triangles nearest to its ends; each search may
+     * its radius and the margin. DPT_STRIP_KIND_ROUTES: the paper's, from the triangles nearest to its ends; each search may
      * visit `strip_search` vertices, 16384. Strips are no part of the budget.
      */
     uint32_t strip;
@@ -98,6 +98,9 @@ typedef struct dpt_world_def {
     uint32_t reserved;  /* 0 */
     double strip_width; /* m, >= 0; 0 */
     double strip_depth; /* m, >= 0; 0 */
+    const dpt_baseline_def
+        *baseline;                /* of DPT_METHOD_PAPER (baseline.h); NULL: its defaults; NULL */
+    const void *reserved_pointer; /* NULL */
 } dpt_world_def;
 
 /* Fill in the first `size` bytes; what dpt_world_def_init calls with its own caller's sizeof. */
@@ -127,7 +130,7 @@ DPT_API dpt_result dpt_world_reset(dpt_world *world);
 /*
  * What a world has held, and what it can hold (its def): to choose capacities by. Each is the most at one time since the
  * world was created; dpt_world_reset leaves it.
- *   contacts   regions that one step wanted room for, those that did not fit too
+ *   contacts   those that one step wanted room for, those that did not fit too
  *   strip      triangles of one segment's strip; as many as strip_capacity, and there may have been more
  */
 typedef struct dpt_world_usage {
@@ -144,7 +147,7 @@ typedef struct dpt_world_usage {
 DPT_API dpt_result dpt_world_get_usage(const dpt_world *world, dpt_world_usage *usage);
 
 /* The kernel that the world uses, DPT_KERNEL_...; DPT_KERNEL_AUTO for NULL. */
-DPT_API uint32_t dpt_world_kernel(const dpt_world *world);
+DPT_API uint32_t dpt_world_get_kernel(const dpt_world *world);
 
 /*
  * A rigid body: a mesh at a pose (NULL: identity). The mesh is kept, not copied, and never owned.
@@ -163,6 +166,26 @@ DPT_API dpt_result dpt_body_teleport(dpt_world *world, dpt_body body, const dpt_
 DPT_API dpt_result dpt_body_get_pose(const dpt_world *world, dpt_body body, dpt_pose *pose);
 DPT_API dpt_result dpt_body_set_user(dpt_world *world, dpt_body body, uint64_t user);
 DPT_API dpt_result dpt_body_get_user(const dpt_world *world, dpt_body body, uint64_t *user);
+
+/*
+ * What may be set of a body at any time. dpt_body_get_settings fills in what counts now, so that a field can be changed
+ * and the rest kept; a body that is added has what its world's def says. What is out of range is DPT_E_ARGUMENT, and
+ * changes nothing.
+ */
+typedef struct dpt_body_settings {
+    uint32_t size;     /* sizeof(dpt_body_settings), set by the caller */
+    uint32_t reserved; /* 0 */
+    /*
+     * How deep a tool may be behind an open sheet of the body before the side it came from is forgotten, m,
+     * 0..DPT_COORDINATE_MAX; 0: a quarter of the body's diagonal.
+     */
+    double side_limit;
+} dpt_body_settings;
+
+DPT_API dpt_result dpt_body_set_settings(dpt_world *world, dpt_body body,
+                                         const dpt_body_settings *settings);
+DPT_API dpt_result dpt_body_get_settings(const dpt_world *world, dpt_body body,
+                                         dpt_body_settings *settings);
 
 /* 1 for the id of a body that is there; any number may be asked about, and any world but one that is gone. */
 DPT_API int dpt_body_is_valid(const dpt_world *world, dpt_body body);
@@ -190,6 +213,18 @@ DPT_API dpt_result dpt_tool_get_pose(const dpt_world *world, dpt_tool tool, dpt_
 DPT_API dpt_result dpt_tool_set_user(dpt_world *world, dpt_tool tool, uint64_t user);
 DPT_API dpt_result dpt_tool_get_user(const dpt_world *world, dpt_tool tool, uint64_t *user);
 
+/* What may be set of a tool at any time; as dpt_body_settings. */
+typedef struct dpt_tool_settings {
+    uint32_t size;     /* sizeof(dpt_tool_settings), set by the caller */
+    uint32_t reserved; /* 0 */
+    double stiffness;  /* of the penalty force, N/m, 0..1e9 */
+} dpt_tool_settings;
+
+DPT_API dpt_result dpt_tool_set_settings(dpt_world *world, dpt_tool tool,
+                                         const dpt_tool_settings *settings);
+DPT_API dpt_result dpt_tool_get_settings(const dpt_world *world, dpt_tool tool,
+                                         dpt_tool_settings *settings);
+
 /* As dpt_body_is_valid. */
 DPT_API int dpt_tool_is_valid(const dpt_world *world, dpt_tool tool);
 
@@ -201,14 +236,14 @@ typedef struct dpt_step {
         contact; /* the gravest DPT_CONTACT_... of any tool: penetrating, touching, unknown, ... */
     uint32_t work;     /* 16-lane blocks looked at; at most the budget, if there is one */
     double distance;   /* the least of any tool; 0 when no tool has an answer */
-    uint32_t contacts; /* regions, of all tools */
+    uint32_t contacts; /* of all tools */
     uint32_t flags;    /* DPT_STEP_... */
 } dpt_step;
 
 /* Bits of dpt_step.flags. */
 enum {
-    DPT_STEP_CONTACTS_FULL =
-        1 /* there are more regions than max_contacts; forces and depths count all */
+    /* there are more contacts than max_contacts; forces and depths count all */
+    DPT_STEP_FLAG_CONTACTS_FULL = 1
 };
 
 /*
@@ -225,7 +260,7 @@ DPT_API dpt_result dpt_tool_get_segment_hit(const dpt_world *world, dpt_tool too
                                             dpt_hit *hit);
 
 /*
- * The tool's regions of contact, from the last step: up to `capacity`, the segments in order, along each from its
+ * The tool's contacts, from the last step: up to `capacity`, the segments in order, along each from its
  * end a. *count is how many there are, which may be more than fit. contacts[0].size must be set unless capacity is 0;
  * contacts may be NULL then.
  */
@@ -240,7 +275,7 @@ DPT_API dpt_result dpt_tool_get_sweep(const dpt_world *world, dpt_tool tool, uin
  * The triangles of a segment's strip, from 0, of the last step, and how the segment stands to each: as
  * dpt_strip_overlaps, the tool's side being that on which it is. None where the segment was not within the margin, or the
  * world has no strips; of routes none where no way leads from an end's triangle to that of the nearest point.
- *   flags   DPT_STRIP_FULL, ...; may be NULL
+ *   flags   DPT_STRIP_FLAG_FULL, ...; may be NULL
  */
 DPT_API dpt_result dpt_tool_get_strip(const dpt_world *world, dpt_tool tool, uint32_t segment,
                                       dpt_overlap *overlaps, uint32_t capacity, uint32_t *count,

@@ -10,14 +10,14 @@
 #define DPT_ARM_FORMAT_H
 
 #include "base/crc32.h"
-#include "dynpoint/kinematics.h"
+#include "dynpoint/arm.h"
 #include "mesh/mesh_swap.h"
 
 /* As a mesh's, but for the fourth byte. */
 #define ARM_MAGIC   "\211DPK\r\n\032\n"
 #define ARM_VERSION 1u
 
-/* As dpt_arm_joint and dpt_arm_link of kinematics.h. */
+/* As dpt_arm_joint and dpt_arm_link of arm.h. */
 struct arm_joint {
     uint32_t bytes; /* of the record */
     uint32_t kind;

@@ -36,8 +36,8 @@ void dpti_segment_result_write(const struct segment_result *result, const struct
 {
     hit->status = result->status;
     hit->contact = result->contact;
-    hit->flags = (nearest->pair.distance2 == 0.0 ? DPT_HIT_CROSSING : 0u) |
-                 (result->has_gap ? DPT_HIT_GAP : 0u);
+    hit->flags = (nearest->pair.distance2 == 0.0 ? DPT_HIT_FLAG_CROSSING : 0u) |
+                 (result->has_gap ? DPT_HIT_FLAG_GAP : 0u);
     hit->body = id;
     hit->triangle = surface->sources[nearest->triangle];
     hit->work = result->work;

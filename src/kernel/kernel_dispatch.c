@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+#include "dynpoint/kernel.h"
 #include "kernel/kernel_ops.h"
 
 #if defined(__x86_64__) && !defined(DPT_SCALAR)

@@ -14,6 +14,7 @@
 #define DPT_KERNEL_OPS_H
 
 #include "base/lanes.h"
+#include "dynpoint/kernel.h"
 #include "dynpoint/types.h"
 
 /*

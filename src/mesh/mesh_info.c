@@ -76,7 +76,7 @@ static uint32_t place_of(const dpt_mesh *mesh, uint32_t number)
     return place < mesh->triangles ? place : DPT_NONE;
 }
 
-dpt_result dpt_mesh_triangle(const dpt_mesh *mesh, uint32_t number, double corners[9])
+dpt_result dpt_mesh_get_triangle(const dpt_mesh *mesh, uint32_t number, double corners[9])
 {
     uint32_t place = place_of(mesh, number);
     if (place == DPT_NONE || !corners)
@@ -109,7 +109,7 @@ dpt_result dpt_mesh_get_triangles(const dpt_mesh *mesh, const uint32_t **corners
     return DPT_OK;
 }
 
-dpt_result dpt_mesh_vertex_normals(const dpt_mesh *mesh, uint32_t number, double normals[9])
+dpt_result dpt_mesh_get_vertex_normals(const dpt_mesh *mesh, uint32_t number, double normals[9])
 {
     uint32_t place = place_of(mesh, number);
     if (place == DPT_NONE || !normals)
@@ -121,7 +121,7 @@ dpt_result dpt_mesh_vertex_normals(const dpt_mesh *mesh, uint32_t number, double
     return DPT_OK;
 }
 
-dpt_result dpt_mesh_triangle_flags(const dpt_mesh *mesh, uint32_t number, uint32_t *flags)
+dpt_result dpt_mesh_get_triangle_flags(const dpt_mesh *mesh, uint32_t number, uint32_t *flags)
 {
     uint32_t place = place_of(mesh, number);
     if (place == DPT_NONE || !flags)

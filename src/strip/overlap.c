@@ -49,7 +49,7 @@ static void overlap_of(const struct surface *surface, const struct frame *frame,
     double way = way_to_free(surface, place, a, u, radius, normal, height);
     *overlap = (dpt_overlap){
         .triangle = surface->sources[place],
-        .flags = distance > 0.0 ? 0u : DPT_OVERLAP_CROSSING,
+        .flags = distance > 0.0 ? 0u : DPT_OVERLAP_FLAG_CROSSING,
         .distance = distance,
         .s = found.s,
         .gap = way > 0.0 ? -way : larger(0.0, distance - radius),

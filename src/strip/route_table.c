@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "base/return_if_error.h"
+#include "dynpoint/baseline.h"
 #include "mesh/corners.h"
 #include "strip/strip_state.h"
 

@@ -113,7 +113,7 @@ static inline void enter(struct shadow_walk *walk, uint32_t place, uint32_t from
     if (slot->stamp == walk->stamp)
         return;
     if (walk->triangle_count == walk->room) {
-        walk->flags |= DPT_STRIP_FULL;
+        walk->flags |= DPT_STRIP_FLAG_FULL;
         return;
     }
     if (place / LANES != walk->leaf)
@@ -139,7 +139,7 @@ static void cross_many(struct shadow_walk *walk, uint32_t from, uint32_t to)
     const uint32_t ends[2] = { walk->vertices[from].number, walk->vertices[to].number };
     int less = first[ends[1] + 1] - first[ends[1]] < first[ends[0] + 1] - first[ends[0]];
     uint32_t hub = ends[less], other = ends[!less];
-    walk->flags |= DPT_STRIP_NONMANIFOLD;
+    walk->flags |= DPT_STRIP_FLAG_NONMANIFOLD;
     for (uint32_t i = first[hub]; i < first[hub + 1]; i++)
         if (has_corner(walk->corners + 3 * (size_t)fans[i], other))
             enter(walk, fans[i], from, to);
@@ -154,7 +154,7 @@ static inline int cross_edge(struct shadow_walk *walk, const struct shadow_trian
         return 0;
     const uint32_t next = walk->neighbours[3 * (size_t)here->place + k];
     if (next == MESH_EDGE_OPEN)
-        walk->flags |= DPT_STRIP_BORDER;
+        walk->flags |= DPT_STRIP_FLAG_BORDER;
     else if (next == MESH_EDGE_MANY)
         cross_many(walk, from, to);
     else

@@ -111,7 +111,7 @@ void dpti_strip_add(struct dpt_strip *strip, uint32_t place)
     if (strip->count < strip->def.capacity)
         strip->triangles[strip->count++] = mesh_words(strip->mesh, MESH_SOURCES)[place];
     else
-        strip->flags |= DPT_STRIP_FULL;
+        strip->flags |= DPT_STRIP_FLAG_FULL;
 }
 
 void dpti_strip_forget(struct dpt_strip *strip)
@@ -121,7 +121,7 @@ void dpti_strip_forget(struct dpt_strip *strip)
 
 void dpti_strip_set_full(struct dpt_strip *strip)
 {
-    strip->flags |= DPT_STRIP_FULL;
+    strip->flags |= DPT_STRIP_FLAG_FULL;
 }
 
 dpt_result dpti_strip_place(const struct dpt_mesh *mesh, uint32_t number, uint32_t *place)
@@ -132,7 +132,7 @@ dpt_result dpti_strip_place(const struct dpt_mesh *mesh, uint32_t number, uint32
     return *place < mesh->triangles ? DPT_OK : DPT_E_DROPPED;
 }
 
-const uint32_t *dpt_strip_triangles(const dpt_strip *strip, uint32_t *count, uint32_t *flags)
+const uint32_t *dpt_strip_get_triangles(const dpt_strip *strip, uint32_t *count, uint32_t *flags)
 {
     if (count)
         *count = strip ? strip->count : 0;
@@ -156,7 +156,7 @@ static void take_route(struct dpt_strip *strip, const struct route *route)
     const uint32_t *sources = mesh_words(strip->mesh, MESH_SOURCES);
     uint32_t count = route->count < route->room ? route->count : route->room;
     if (count < route->count)
-        strip->flags |= DPT_STRIP_FULL;
+        strip->flags |= DPT_STRIP_FLAG_FULL;
     for (uint32_t i = 0; i < count; i++)
         route->places[i] = sources[route->places[i]];
     strip->count += count;

@@ -22,8 +22,8 @@ static void dynamic_point(const struct dpt_world *world, const struct surface *s
     if (*last == DPT_NONE)
         dpti_tree_search(surface, &world->kernel, NULL, part->local_a, part->u, 0.0, work, nearest);
     else
-        dpti_descend(surface, &world->kernel, part->local_a, part->u, world->def.one_step != 0,
-                     work, nearest);
+        dpti_descend(surface, &world->kernel, part->local_a, part->u,
+                     world->def.baseline->one_step != 0, work, nearest);
     *last = nearest->triangle;
 }
 
@@ -38,7 +38,7 @@ static void take_part(struct gathered *sum, const struct dpt_world *world, const
     if (!sum->any || distance < sum->result->distance ||
         (distance == sum->result->distance && lower)) {
         dpti_segment_result_of_pair(part, &nearest->pair, sum->result);
-        sum->result->s = (index + nearest->pair.s) / world->def.parts;
+        sum->result->s = (index + nearest->pair.s) / world->def.baseline->parts;
         sum->found->body = body;
         sum->found->track.nearest = *nearest;
     }
@@ -52,7 +52,7 @@ static void take_part(struct gathered *sum, const struct dpt_world *world, const
 static void take_body(struct gathered *sum, struct dpt_world *world, uint32_t segment,
                       const struct body *body, vec3 a, vec3 u)
 {
-    uint32_t parts = world->def.parts;
+    uint32_t parts = world->def.baseline->parts;
     uint32_t *last = world_last(world, segment, handle_index(body->id));
     for (uint32_t k = 0; k < parts; k++) {
         struct axis part;

@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "base/return_if_error.h"
+#include "base/sized.h"
 #include "world/body_search.h"
 #include "world/distance_bounds.h"
 #include "world/motion_backlog.h"
 #include "world/persistent_contacts.h"
 #include "world/tool_strips.h"
+#include "world/world_def.h"
 
 /* What the tools' last ticks know of a body. */
 static void forget(struct dpt_world *world, uint32_t index)
@@ -16,14 +18,6 @@ static void forget(struct dpt_world *world, uint32_t index)
         dpti_bounds_forget(world, s, index);
     dpti_backlog_restart(world);
     dpti_bodies_forget_body(world, index);
-}
-
-static void note_usage(struct dpt_world *world)
-{
-    uint32_t count = 0;
-    for (uint32_t i = 0; i < world->body_end; i++)
-        count += world->bodies[i].slot.used;
-    world->usage.bodies = count > world->usage.bodies ? count : world->usage.bodies;
 }
 
 dpt_result dpt_body_add(dpt_world *world, const dpt_mesh *mesh, const dpt_pose *pose,
@@ -48,10 +42,11 @@ dpt_result dpt_body_add(dpt_world *world, const dpt_mesh *mesh, const dpt_pose *
     made->frame = frame;
     made->pose = pose ? *pose : identity;
     made->user = 0;
+    made->side_limit = world->def.side_limit;
     made->moved = 0;
     made->added = world->ticks + 1;
     made->slot.valid = 1;
-    note_usage(world);
+    world_note_max(&world->usage.bodies, ++world->body_count);
     dpti_surface_of_mesh(mesh, &made->surface);
     dpti_near_put_body(world, index);
     *body = made->id;
@@ -64,6 +59,7 @@ dpt_result dpt_body_remove(dpt_world *world, dpt_body body)
     if (!old)
         return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
     slot_release(&old->slot, &world->freed[0]);
+    world->body_count--;
     world->invalid -= !old->slot.valid;
     forget(world, handle_index(body));
     return DPT_OK;
@@ -165,5 +161,33 @@ dpt_result dpt_body_get_user(const dpt_world *world, dpt_body body, uint64_t *us
         return DPT_E_ARGUMENT;
     const struct body *asked = world_find_body(world, body);
     *user = asked ? asked->user : 0;
+    return asked ? DPT_OK : DPT_E_HANDLE;
+}
+
+dpt_result dpt_body_set_settings(dpt_world *world, dpt_body body, const dpt_body_settings *given)
+{
+    if (!world || !given)
+        return DPT_E_ARGUMENT;
+    struct body *asked = world_find_body(world, body);
+    if (!asked)
+        return DPT_E_HANDLE;
+    dpt_body_settings settings = { .size = sizeof settings };
+    DPT_TRY(sized_read(given, sizeof settings, &settings, sizeof settings));
+    if (settings.reserved || !dpti_side_limit_is_valid(settings.side_limit))
+        return DPT_E_ARGUMENT;
+    asked->side_limit = settings.side_limit;
+    return DPT_OK;
+}
+
+dpt_result dpt_body_get_settings(const dpt_world *world, dpt_body body, dpt_body_settings *settings)
+{
+    if (!world || !settings)
+        return DPT_E_ARGUMENT;
+    dpt_body_settings now = { .size = sizeof now };
+    DPT_TRY(sized_check(settings, sizeof now, 0));
+    const struct body *asked = world_find_body(world, body);
+    if (asked)
+        now.side_limit = asked->side_limit;
+    sized_write(settings, settings->size, &now, sizeof now);
     return asked ? DPT_OK : DPT_E_HANDLE;
 }

@@ -14,7 +14,7 @@
  */
 static uint64_t bytes_last(const dpt_world_def *def)
 {
-    return mesh_aligned(4 * (uint64_t)def->max_segments * def->max_bodies * def->parts);
+    return mesh_aligned(4 * (uint64_t)def->max_segments * def->max_bodies * def->baseline->parts);
 }
 
 uint64_t dpti_bodies_bytes(const dpt_world_def *def)
@@ -55,7 +55,7 @@ void dpti_bodies_forget(struct dpt_world *world, uint32_t segment)
 void dpti_bodies_forget_body(struct dpt_world *world, uint32_t body)
 {
     for (uint32_t s = 0; s < world->segment_count; s++) {
-        memset(world_last(world, s, body), 0xff, world->def.parts * sizeof *world->last);
+        memset(world_last(world, s, body), 0xff, world->def.baseline->parts * sizeof *world->last);
         if (world->segments[s].last_body == body)
             world->segments[s].last_body = DPT_NONE;
     }

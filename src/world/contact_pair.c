@@ -71,9 +71,9 @@ static void write_contact(const struct meeting *meeting, const struct region *re
     contact->triangle = meeting->body->surface.sources[deepest->triangle];
     contact->gap = deepest->height - meeting->radius;
     contact->contact = dpti_contact_of_gap(contact->gap, axis->error);
-    contact->flags = (goes_through(meeting->profile, region) ? DPT_REGION_CROSSING : 0u) |
-                     (hold->side ? DPT_REGION_SIDED : 0u) |
-                     (meeting->profile->coarse ? DPT_REGION_COARSE : 0u);
+    contact->flags = (goes_through(meeting->profile, region) ? DPT_CONTACT_FLAG_CROSSING : 0u) |
+                     (hold->side ? DPT_CONTACT_FLAG_SIDED : 0u) |
+                     (meeting->profile->coarse ? DPT_CONTACT_FLAG_COARSE : 0u);
     contact->s0 = region->from;
     contact->s1 = region->to;
     contact->s = deepest->s;

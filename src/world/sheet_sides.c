@@ -4,7 +4,7 @@
 /* Deeper than that a tool is no longer behind the sheet that it came through. */
 static double side_limit(const struct meeting *meeting)
 {
-    double limit = meeting->world->def.side_limit;
+    double limit = meeting->body->side_limit;
     return limit > 0.0 ? limit : 0.25 * dpti_surface_diagonal(&meeting->body->surface);
 }
 

@@ -75,9 +75,9 @@ static void contact_segment(struct dpt_world *world, uint32_t index)
 static void respond_segment(struct dpt_world *world, uint32_t index)
 {
     struct segment *segment = &world->segments[index];
+    const struct tool *tool = &world->tools[segment->tool];
     if (segment->push.depth > 0.0)
-        respond_penalty(&segment->push, world->def.stiffness,
-                        origin_of(world, &world->tools[segment->tool]), &segment->wrench);
+        respond_penalty(&segment->push, tool->stiffness, origin_of(world, tool), &segment->wrench);
 }
 
 /*
@@ -158,7 +158,7 @@ static void report(const struct dpt_world *world, dpt_step *to)
     out->work = 0;
     out->distance = 0.0;
     out->contacts = 0;
-    out->flags = world->contacts_full ? DPT_STEP_CONTACTS_FULL : 0;
+    out->flags = world->contacts_full ? DPT_STEP_FLAG_CONTACTS_FULL : 0;
     for (uint32_t i = 0; i < world->holds[world->holds_at].count; i++)
         out->contacts += !world->holds[world->holds_at].hold[i].unseen;
     for (uint32_t t = 0; t < world->tool_end; t++) {
@@ -183,18 +183,13 @@ static void report(const struct dpt_world *world, dpt_step *to)
     sized_write(to, to->size, &step, sizeof step);
 }
 
-static uint32_t most_of(uint32_t a, uint32_t b)
-{
-    return a > b ? a : b;
-}
-
 static void note_usage(struct dpt_world *world)
 {
     dpt_world_usage *usage = &world->usage;
-    usage->contacts = most_of(usage->contacts, world->contacts_wanted);
-    usage->work = most_of(usage->work, world->work.done);
+    world_note_max(&usage->contacts, world->contacts_wanted);
+    world_note_max(&usage->work, world->work.done);
     for (uint32_t i = 0; world->def.strip && i < world->segment_count; i++)
-        usage->strip = most_of(usage->strip, world->laid[i].strip->count);
+        world_note_max(&usage->strip, world->laid[i].strip->count);
 }
 
 dpt_result dpt_world_step(dpt_world *world, double dt, dpt_step *out)

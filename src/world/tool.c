@@ -2,12 +2,14 @@
 #include "world/tool.h"
 
 #include "base/return_if_error.h"
+#include "base/sized.h"
 #include "world/body_search.h"
 #include "world/distance_bounds.h"
 #include "world/motion_backlog.h"
 #include "world/persistent_contacts.h"
 #include "world/tool_results.h"
 #include "world/tool_strips.h"
+#include "world/world_def.h"
 
 /* Forget what earlier ticks left of a segment. */
 static void forget_segment(struct dpt_world *world, uint32_t segment)
@@ -50,16 +52,6 @@ static void put_segments(struct dpt_world *world, const struct tool *tool,
     }
 }
 
-static void note_usage(struct dpt_world *world)
-{
-    uint32_t count = 0;
-    for (uint32_t t = 0; t < world->tool_end; t++)
-        count += world->tools[t].slot.used;
-    world->usage.tools = count > world->usage.tools ? count : world->usage.tools;
-    world->usage.segments =
-        world->segment_count > world->usage.segments ? world->segment_count : world->usage.segments;
-}
-
 dpt_result dpt_tool_add(dpt_world *world, const dpt_segment *segments, uint32_t count,
                         dpt_tool *tool)
 {
@@ -81,12 +73,14 @@ dpt_result dpt_tool_add(dpt_world *world, const dpt_segment *segments, uint32_t 
     made->pose = identity;
     made->slot.valid = 1;
     made->user = 0;
+    made->stiffness = world->def.stiffness;
     made->free = 0;
     made->first = world->segment_count;
     made->count = count;
     world->segment_count += count;
     put_segments(world, made, segments);
-    note_usage(world);
+    world_note_max(&world->usage.tools, ++world->tool_count);
+    world_note_max(&world->usage.segments, world->segment_count);
     dpti_tool_forget(world, made);
     *tool = handle_make(HANDLE_TOOL, &made->slot, index);
     return DPT_OK;
@@ -113,6 +107,7 @@ dpt_result dpt_tool_remove(dpt_world *world, dpt_tool tool)
             world->tools[t].first -= old->count;
     world->segment_count -= old->count;
     slot_release(&old->slot, &world->freed[1]);
+    world->tool_count--;
     return DPT_OK;
 }
 
@@ -186,5 +181,33 @@ dpt_result dpt_tool_get_user(const dpt_world *world, dpt_tool tool, uint64_t *us
         return DPT_E_ARGUMENT;
     const struct tool *asked = world_find_tool(world, tool);
     *user = asked ? asked->user : 0;
+    return asked ? DPT_OK : DPT_E_HANDLE;
+}
+
+dpt_result dpt_tool_set_settings(dpt_world *world, dpt_tool tool, const dpt_tool_settings *given)
+{
+    if (!world || !given)
+        return DPT_E_ARGUMENT;
+    struct tool *asked = world_find_tool(world, tool);
+    if (!asked)
+        return DPT_E_HANDLE;
+    dpt_tool_settings settings = { .size = sizeof settings };
+    DPT_TRY(sized_read(given, sizeof settings, &settings, sizeof settings));
+    if (settings.reserved || !dpti_stiffness_is_valid(settings.stiffness))
+        return DPT_E_ARGUMENT;
+    asked->stiffness = settings.stiffness;
+    return DPT_OK;
+}
+
+dpt_result dpt_tool_get_settings(const dpt_world *world, dpt_tool tool, dpt_tool_settings *settings)
+{
+    if (!world || !settings)
+        return DPT_E_ARGUMENT;
+    dpt_tool_settings now = { .size = sizeof now };
+    DPT_TRY(sized_check(settings, sizeof now, 0));
+    const struct tool *asked = world_find_tool(world, tool);
+    if (asked)
+        now.stiffness = asked->stiffness;
+    sized_write(settings, settings->size, &now, sizeof now);
     return asked ? DPT_OK : DPT_E_HANDLE;
 }

@@ -13,7 +13,7 @@ dpt_strip_def dpti_strips_def(const dpt_world_def *def)
 {
     return (dpt_strip_def){ .size = sizeof(dpt_strip_def),
                             .capacity = def->strip_capacity,
-                            .search = def->strip == DPT_STRIP_ROUTES ? def->strip_search : 0 };
+                            .search = def->strip == DPT_STRIP_KIND_ROUTES ? def->strip_search : 0 };
 }
 
 uint64_t dpti_strips_bytes(const dpt_world_def *def)
@@ -149,7 +149,7 @@ void dpti_strips_find(struct dpt_world *world, uint32_t index)
     const uint32_t place = segment->found.track.nearest.triangle;
     vec3 to_axis = way_to_axis(segment, laid);
     laid->side = side_of_tool(segment, laid, place, to_axis);
-    if (world->def.strip == DPT_STRIP_SHADOW)
+    if (world->def.strip == DPT_STRIP_KIND_SHADOW)
         lay_shadow(world, laid, to_axis, place);
     else
         lay_routes(world, laid, place);
@@ -175,7 +175,7 @@ dpt_result dpt_tool_get_strip(const dpt_world *world, dpt_tool tool, uint32_t se
     if (!world->def.strip)
         return DPT_OK;
     const struct laid *laid = &world->laid[asked->first + segment];
-    dpt_strip_triangles(laid->strip, count, flags);
+    dpt_strip_get_triangles(laid->strip, count, flags);
     dpti_strip_overlaps(laid->strip, &laid->surface, &laid->frame, laid->a, laid->u, laid->radius,
                         laid->side, overlaps, capacity);
     return DPT_OK;

@@ -11,7 +11,8 @@
 size_t dpt_world_bytes(const dpt_world_def *given)
 {
     dpt_world_def def;
-    if (dpti_world_def_take(given, &def) != DPT_OK || !dpti_world_def_is_valid(&def))
+    dpt_baseline_def baseline;
+    if (dpti_world_def_take(given, &def, &baseline) != DPT_OK || !dpti_world_def_is_valid(&def))
         return 0;
     return dpti_world_layout_bytes(&def);
 }
@@ -20,9 +21,10 @@ dpt_result dpt_world_create(void *block, size_t bytes, const dpt_world_def *give
                             dpt_world **world)
 {
     dpt_world_def def;
+    dpt_baseline_def baseline;
     if (!block || !world)
         return DPT_E_ARGUMENT;
-    DPT_TRY(dpti_world_def_take(given, &def));
+    DPT_TRY(dpti_world_def_take(given, &def, &baseline));
     if (!dpti_world_def_is_valid(&def))
         return DPT_E_ARGUMENT;
     if ((uintptr_t)block % 8)
@@ -34,6 +36,8 @@ dpt_result dpt_world_create(void *block, size_t bytes, const dpt_world_def *give
     memset(block, 0, needed);
     struct dpt_world *made = block;
     made->def = def;
+    made->baseline = baseline;
+    made->def.baseline = &made->baseline;
     if (!dpti_kernel_get(def.kernel, &made->kernel, &made->kernel_id))
         return DPT_E_UNSUPPORTED;
     dpti_world_layout_place(made);
@@ -41,7 +45,7 @@ dpt_result dpt_world_create(void *block, size_t bytes, const dpt_world_def *give
     return DPT_OK;
 }
 
-uint32_t dpt_world_kernel(const dpt_world *world)
+uint32_t dpt_world_get_kernel(const dpt_world *world)
 {
     return world ? world->kernel_id : DPT_KERNEL_AUTO;
 }

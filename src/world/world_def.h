@@ -5,9 +5,14 @@
 
 #include "world/world_state.h"
 
-/* A caller's def, by the rule of base/sized.h. */
-dpt_result dpti_world_def_take(const dpt_world_def *given, dpt_world_def *def);
+/* A caller's def and what it points to, by the rule of base/sized.h; `def` points to `baseline` then. */
+dpt_result dpti_world_def_take(const dpt_world_def *given, dpt_world_def *def,
+                               dpt_baseline_def *baseline);
 
 int dpti_world_def_is_valid(const dpt_world_def *def);
+
+/* What the settings of tools and bodies allow, too. */
+int dpti_stiffness_is_valid(double stiffness);
+int dpti_side_limit_is_valid(double limit);
 
 #endif

@@ -6,6 +6,7 @@
 #include "base/frame.h"
 #include "base/handle.h"
 #include "contact/gap.h"
+#include "dynpoint/baseline.h"
 #include "dynpoint/world.h"
 #include "nearest/bvh.h"
 #include "nearest/dynamic_point.h"
@@ -20,6 +21,7 @@ struct body {
     dpt_pose pose;    /* what the frame is made of */
     dpt_pose before;  /* that of the last tick, if it has moved since */
     double travelled; /* by how far any of its points may have moved then */
+    double side_limit;
     struct slot slot;
     uint32_t id;
     uint32_t moved; /* the tick before which it last moved; 0: never */
@@ -31,6 +33,7 @@ struct tool {
     uint64_t user;
     dpt_pose pose; /* of a rigid one */
     dpt_wrench wrench;
+    double stiffness;
     struct slot slot;
     uint32_t first; /* its segments in the world's list */
     uint32_t count;
@@ -157,25 +160,27 @@ struct laid {
 };
 
 struct dpt_world {
-    dpt_world_def def;
+    dpt_world_def def; /* its `baseline` is the next one */
+    dpt_baseline_def baseline;
     struct kernel kernel;
     uint32_t kernel_id;
     uint32_t body_end; /* slots from here on were never used */
     uint32_t tool_end;
+    uint32_t body_count;
+    uint32_t tool_count;
     uint32_t segment_count;
     uint32_t freed[2]; /* how many slots of bodies and of tools were freed; may wrap */
     uint32_t invalid;  /* bodies without a valid pose: every answer is stale then */
     struct work work;  /* of this tick, and its budget */
     uint32_t turn;     /* the segment that the budget did not reach */
     dpt_world_usage usage;
-    uint32_t ticks;        /* since the last reset; may wrap */
-    uint32_t travelled_at; /* the tick before which a body last moved */
-    double travelled;      /* the most that one moved then */
-    uint32_t holds_at;     /* which of the two is this tick's */
-    uint32_t contact_id;   /* the last one that was given */
-    uint32_t
-        contacts_wanted; /* this tick's regions, those that are kept and those without room too */
-    uint32_t contacts_full; /* this tick had more regions than there is room for */
+    uint32_t ticks;           /* since the last reset; may wrap */
+    uint32_t travelled_at;    /* the tick before which a body last moved */
+    double travelled;         /* the most that one moved then */
+    uint32_t holds_at;        /* which of the two is this tick's */
+    uint32_t contact_id;      /* the last one that was given */
+    uint32_t contacts_wanted; /* this tick's, kept ones and those without room among them */
+    uint32_t contacts_full;   /* this tick had more than there is room for */
     struct body *bodies;
     struct box *boxes; /* of the bodies, in the world */
     struct tool *tools;
@@ -193,16 +198,23 @@ struct dpt_world {
     struct profile profile; /* of that and the body that is being looked at */
 };
 
+/* A high-water mark of dpt_world_usage. */
+static inline void world_note_max(uint32_t *mark, uint32_t count)
+{
+    if (*mark < count)
+        *mark = count;
+}
+
 /* How many places are kept of one segment. */
 static inline size_t world_lasts(const struct dpt_world *world)
 {
-    return (size_t)world->def.max_bodies * world->def.parts;
+    return (size_t)world->def.max_bodies * world->def.baseline->parts;
 }
 
 /* The places of a segment's parts on a body. */
 static inline uint32_t *world_last(const struct dpt_world *world, uint32_t segment, uint32_t body)
 {
-    return world->last + world_lasts(world) * segment + (size_t)body * world->def.parts;
+    return world->last + world_lasts(world) * segment + (size_t)body * world->def.baseline->parts;
 }
 
 /* A segment's two lists, of at most max_bodies slots each. */

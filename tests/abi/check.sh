@@ -92,6 +92,10 @@ for header in include/dynpoint.h include/dynpoint/*.h; do
     fi
 done
 ok "headers compile alone"
+lacking=$(grep -Li 'thread' include/dynpoint/[!t]*.h)
+[ -z "$lacking" ] || printf '  %s\n' $lacking
+[ -z "$lacking" ]
+verdict $? "each header says which threads may call it (types.h has no functions)"
 # The initialisers as well, where a missing field is a warning.
 initialisers='#include <dynpoint.h>
 int main(void) { dpt_hit hit = DPT_HIT_INIT; dpt_pose pose = DPT_POSE_IDENTITY;
@@ -107,12 +111,28 @@ c99="-std=c99 -pedantic -Wall -Wextra -Werror"
 ${CC:-cc} $c99 -Iinclude "$here/layout.c" -o "$scratch/layout" && "$scratch/layout"
 verdict $? "structs and constants are what $here/layouts.txt says, on this machine"
 # What the list does not name: a field shows as a gap in its struct, the rest in the preprocessed headers.
-printf '#include <dynpoint.h>\n#include <dynpoint/compile.h>\n#include <dynpoint/loop.h>\n#include <dynpoint/urdf.h>\n' | ${CC:-cc} -E -P -Iinclude - |
-    grep -oE 'DPT_[A-Z0-9_]+|struct dpt_[a-z0-9_]+ \{' | sed 's/^struct //; s/ {$//' |
+for header in include/dynpoint/*.h; do
+    echo "#include <dynpoint/$(basename "$header")>"
+done | ${CC:-cc} -E -P -Iinclude - >"$scratch/public.h"
+grep -oE 'DPT_[A-Z0-9_]+|struct dpt_[a-z0-9_]+ \{' "$scratch/public.h" | sed 's/^struct //; s/ {$//' |
     LC_ALL=C sort -u >"$scratch/public"
 sed -n 's/^VALUE(\([^,]*\),.*/\1/p; s/^STRUCT(\(.*\))/\1/p' "$here/layouts.txt" | LC_ALL=C sort -u >"$scratch/listed"
 diff "$scratch/listed" "$scratch/public"
 verdict $? "it names every public struct and constant"
+# An enum's names begin alike, and no name of another enum so, but for bits of flags, DPT_..._FLAG_.
+tr '\n' ' ' <"$scratch/public.h" | grep -oE 'enum \{[^}]*\}' | grep -v DPT_OK | awk '
+    function common(a, b,   i) { for (i = 1; i <= length(a) && substr(a, i, 1) == substr(b, i, 1); i++) {} return substr(a, 1, i - 1) }
+    { rest = $0; count = 0
+      while (match(rest, /DPT_[A-Z0-9_]+/)) {
+          name = substr(rest, RSTART, RLENGTH); rest = substr(rest, RSTART + RLENGTH)
+          owner[name] = NR; all = count++ ? common(all, name) : name }
+      if (count == 1) sub(/[^_]*$/, "", all)
+      sub(/[^_]*$/, "", all); prefix[NR] = all }
+    END { for (e in prefix) for (name in owner)
+              if (owner[name] != e && index(name, prefix[e]) == 1 && substr(name, length(prefix[e]) + 1) !~ /^FLAG_/) {
+                  print "  " name " begins as the names of another enum, " prefix[e]; bad = 1 }
+          exit bad }'
+verdict $? "enums share no prefix"
 for machine in aarch64-linux-gnu arm-linux-gnueabihf s390x-linux-gnu; do
     if command -v "$machine-gcc" >/dev/null 2>&1; then
         "$machine-gcc" $c99 -Iinclude -ffreestanding -fsyntax-only "$here/layout.c"

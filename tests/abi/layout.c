@@ -6,7 +6,9 @@
  * checked too.
  */
 #include <dynpoint.h>
+#include <dynpoint/baseline.h>
 #include <dynpoint/compile.h>
+#include <dynpoint/driver.h>
 #include <dynpoint/loop.h>
 #include <dynpoint/urdf.h>
 

@@ -6,6 +6,7 @@
  */
 #include <stddef.h>
 
+#include "dynpoint/baseline.h"
 #include "lib/fixture.h"
 
 enum { ROOM = 1024, FAR_TOO_LARGE = 4104 };
@@ -16,6 +17,7 @@ static dpt_compiled arm_bytes;
 static const dpt_arm *arm;
 static dpt_world *world;
 static dpt_tool tool;
+static dpt_body body;
 static dpt_strip *strip;
 
 struct sized {
@@ -121,6 +123,16 @@ static dpt_result query_hit(void *out)
     return dpt_query_segments(fixture.mesh, NULL, ends, NULL, 1, out, NULL);
 }
 
+static dpt_result body_settings(void *out)
+{
+    return dpt_body_get_settings(world, body, out);
+}
+
+static dpt_result tool_settings(void *out)
+{
+    return dpt_tool_get_settings(world, tool, out);
+}
+
 static dpt_result guard(void *out)
 {
     return dpt_guard_init(out, NULL);
@@ -144,6 +156,8 @@ static const struct sized outputs[] = {
     { "dpt_overlap of a tool", sizeof(dpt_overlap), sizeof(dpt_overlap), tool_overlap },
     { "dpt_overlap", sizeof(dpt_overlap), sizeof(dpt_overlap), overlap },
     { "dpt_guard", sizeof(dpt_guard), sizeof(dpt_guard), guard },
+    { "dpt_body_settings", sizeof(dpt_body_settings), sizeof(dpt_body_settings), body_settings },
+    { "dpt_tool_settings", sizeof(dpt_tool_settings), sizeof(dpt_tool_settings), tool_settings },
     { "dpt_hit of a query", sizeof(dpt_hit), sizeof(dpt_hit), query_hit },
 };
 
@@ -201,6 +215,24 @@ static dpt_result world_def(void *given)
     return result;
 }
 
+static dpt_result baseline_def(void *given)
+{
+    dpt_world_def def;
+    dpt_world_def_init(&def);
+    def.baseline = given;
+    return world_def(&def);
+}
+
+static dpt_result set_body(void *given)
+{
+    return dpt_body_set_settings(world, body, given);
+}
+
+static dpt_result set_tool(void *given)
+{
+    return dpt_tool_set_settings(world, tool, given);
+}
+
 static dpt_result strip_def(void *given)
 {
     static uint64_t block[1 << 13];
@@ -230,7 +262,7 @@ static dpt_result query_def(void *given)
 }
 
 static dpt_arm_def arm_of(const dpt_arm_joint *joint, const dpt_arm_link *link,
-                          const dpt_arm_body *body)
+                          const dpt_arm_body *scene)
 {
     const dpt_pose identity = DPT_POSE_IDENTITY;
     return (dpt_arm_def){ .size = sizeof(dpt_arm_def),
@@ -240,7 +272,7 @@ static dpt_arm_def arm_of(const dpt_arm_joint *joint, const dpt_arm_link *link,
                           .tool = identity,
                           .joints = joint,
                           .links = link,
-                          .bodies = body };
+                          .bodies = scene };
 }
 
 static dpt_arm_joint a_joint;
@@ -280,6 +312,9 @@ static dpt_result given_body(void *given)
 
 static dpt_world_def a_world_def, defaults;
 static const dpt_strip_def a_strip_def = { sizeof a_strip_def, 64, 0, 0 };
+static const dpt_baseline_def a_baseline_def = { sizeof a_baseline_def, 1, 0, 0 };
+static const dpt_body_settings a_body_settings = { sizeof a_body_settings, 0, 0.01 };
+static const dpt_tool_settings a_tool_settings = { sizeof a_tool_settings, 0, 300.0 };
 static dpt_guard_def a_guard_def;
 static const dpt_query_def a_query_def = { .size = sizeof a_query_def };
 static dpt_shadow a_shadow;
@@ -289,9 +324,13 @@ static const struct {
     struct sized of;
     const void *good;
 } inputs[] = {
-    { { "dpt_world_def", offsetof(dpt_world_def, certificate_bytes), sizeof(dpt_world_def),
-        world_def },
-      &a_world_def },
+    { { "dpt_world_def", sizeof(dpt_world_def), sizeof(dpt_world_def), world_def }, &a_world_def },
+    { { "dpt_baseline_def", sizeof(dpt_baseline_def), sizeof(dpt_baseline_def), baseline_def },
+      &a_baseline_def },
+    { { "dpt_body_settings", sizeof(dpt_body_settings), sizeof(dpt_body_settings), set_body },
+      &a_body_settings },
+    { { "dpt_tool_settings", sizeof(dpt_tool_settings), sizeof(dpt_tool_settings), set_tool },
+      &a_tool_settings },
     { { "dpt_strip_def", sizeof(dpt_strip_def), sizeof(dpt_strip_def), strip_def }, &a_strip_def },
     { { "dpt_guard_def", sizeof(dpt_guard_def), sizeof(dpt_guard_def), guard_def }, &a_guard_def },
     { { "dpt_shadow", sizeof(dpt_shadow), sizeof(dpt_shadow), shadow }, &a_shadow },
@@ -391,7 +430,6 @@ static int open_all(void)
 {
     static uint64_t block[1 << 18], strip_block[1 << 13];
     const dpt_pose identity = DPT_POSE_IDENTITY;
-    dpt_body body;
     dpt_mesh_info info = { .size = sizeof info };
     if (!fixture_from_shape(&fixture, "box", 12) ||
         dpt_mesh_get_info(fixture.mesh, &info) != DPT_OK)
@@ -404,7 +442,7 @@ static int open_all(void)
     dpt_guard_def_init(&a_guard_def);
     dpt_world_def_init(&defaults);
     dpt_world_def_init(&a_world_def);
-    a_world_def.strip = DPT_STRIP_SHADOW;
+    a_world_def.strip = DPT_STRIP_KIND_SHADOW;
     a_world_def.max_segments = 1;
     a_world_def.certificate_bytes = 4096;
     a_shadow = (dpt_shadow){

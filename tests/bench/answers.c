@@ -348,9 +348,9 @@ static void mesh_content(const struct subject *subject)
     for (uint32_t i = 0; i <= info.source_triangles; i++) {
         double corners[9] = { 0 }, normals[9] = { 0 };
         uint32_t flags = 0;
-        const int32_t results[3] = { (int32_t)dpt_mesh_triangle(mesh, i, corners),
-                                     (int32_t)dpt_mesh_vertex_normals(mesh, i, normals),
-                                     (int32_t)dpt_mesh_triangle_flags(mesh, i, &flags) };
+        const int32_t results[3] = { (int32_t)dpt_mesh_get_triangle(mesh, i, corners),
+                                     (int32_t)dpt_mesh_get_vertex_normals(mesh, i, normals),
+                                     (int32_t)dpt_mesh_get_triangle_flags(mesh, i, &flags) };
         hash = hash_bytes(hash, results, sizeof results);
         hash = hash_bytes(hash, corners, sizeof corners);
         hash = hash_bytes(hash, normals, sizeof normals);
@@ -372,7 +372,7 @@ static int draw_triangle(const struct subject *subject, uint32_t *number, double
 {
     for (int i = 0; i < 50; i++) {
         *number = below(subject->info.source_triangles);
-        if (dpt_mesh_triangle(subject->mesh, *number, corners) == DPT_OK)
+        if (dpt_mesh_get_triangle(subject->mesh, *number, corners) == DPT_OK)
             return 1;
     }
     return 0;
@@ -461,7 +461,7 @@ static void mesh_queries(const struct subject *subject, int rounds)
 static void put_triangles(const char *what, dpt_result result, const dpt_strip *strip)
 {
     uint32_t count = 0, flags = 0;
-    const uint32_t *triangles = dpt_strip_triangles(strip, &count, &flags);
+    const uint32_t *triangles = dpt_strip_get_triangles(strip, &count, &flags);
     begin(what);
     put_code("result", (int32_t)result);
     put_count("count", count);
@@ -479,7 +479,7 @@ static void strip_stands(const struct subject *subject, const dpt_strip *strip,
                          const dpt_pose *pose, const dpt_segment *segment)
 {
     uint32_t count = 0, flags = 0;
-    dpt_strip_triangles(strip, &count, &flags);
+    dpt_strip_get_triangles(strip, &count, &flags);
     memset(overlaps, 0, sizeof overlaps);
     overlaps[0].size = sizeof overlaps[0];
     count = 0;
@@ -661,12 +661,14 @@ static dpt_world_def draw_def(double scale, int small)
     static const uint32_t untils[] = { DPT_UNTIL_RESPOND, DPT_UNTIL_RESPOND, DPT_UNTIL_RESPOND,
                                        DPT_UNTIL_RESPOND, DPT_UNTIL_RESPOND, DPT_UNTIL_CONTACT,
                                        DPT_UNTIL_TRACK };
-    static const uint32_t strips[] = { DPT_STRIP_NONE, DPT_STRIP_NONE, DPT_STRIP_SHADOW,
-                                       DPT_STRIP_SHADOW, DPT_STRIP_ROUTES };
+    static const uint32_t strips[] = { DPT_STRIP_KIND_NONE, DPT_STRIP_KIND_NONE,
+                                       DPT_STRIP_KIND_SHADOW, DPT_STRIP_KIND_SHADOW,
+                                       DPT_STRIP_KIND_ROUTES };
     static const uint32_t capacities[] = { 5, 64, 1024, 1024 };
     static const uint64_t memories[] = { 0, 2720, 272 * 64, 1 << 20, 1 << 20, 1 << 20 };
     static const double margins[] = { 0.0, 0.003, 0.01, 0.03 };
     dpt_world_def def;
+    dpt_baseline_def baseline;
     dpt_world_def_init(&def);
     def.max_bodies = BODIES_MOST;
     def.max_tools = TOOLS_MOST;
@@ -677,8 +679,8 @@ static dpt_world_def draw_def(double scale, int small)
     def.kernel = kernels[below(kernel_count)];
     def.until = ONE_OF(untils);
     if (def.method == DPT_METHOD_PAPER) {
-        def.parts = 1 + below(4);
-        def.one_step = below(2);
+        const uint32_t parts = 1 + below(4);
+        set_baseline(&def, &baseline, parts, below(2));
     }
     if (def.method == DPT_METHOD_EXACT)
         def.budget = ONE_OF(budgets);
@@ -898,7 +900,7 @@ static int put_tool(const struct scene *scene, const struct moving_tool *tool)
         put_segment(scene, tool->id, i);
     }
     *more = 0;
-    return (hit.flags & DPT_HIT_CROSSING) != 0;
+    return (hit.flags & DPT_HIT_FLAG_CROSSING) != 0;
 }
 
 static void scene_change(struct scene *scene, uint32_t tick, int small)
@@ -951,7 +953,7 @@ static void world_run(uint32_t number, uint32_t ticks)
     put_count("bytes", bytes);
     put_count("method", scene.def.method);
     put_count("budget", scene.def.budget);
-    put_count("kernel", dpt_world_kernel(scene.world));
+    put_count("kernel", dpt_world_get_kernel(scene.world));
     end();
     if (result != DPT_OK) {
         free(scene.block);

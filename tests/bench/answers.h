@@ -17,6 +17,40 @@
 #include "dynpoint/compile.h"
 #include "dynpoint/loop.h"
 
+/* Of commits before 0.2, by the names of now. */
+#if __has_include("dynpoint/baseline.h")
+#include "dynpoint/baseline.h"
+
+static inline void set_baseline(dpt_world_def *def, dpt_baseline_def *baseline, uint32_t parts,
+                                uint32_t one_step)
+{
+    dpt_baseline_def_init(baseline);
+    baseline->parts = parts;
+    baseline->one_step = one_step;
+    def->baseline = baseline;
+}
+#else
+typedef int dpt_baseline_def;
+
+static inline void set_baseline(dpt_world_def *def, dpt_baseline_def *baseline, uint32_t parts,
+                                uint32_t one_step)
+{
+    (void)baseline;
+    def->parts = parts;
+    def->one_step = one_step;
+}
+
+#define DPT_HIT_FLAG_CROSSING       DPT_HIT_CROSSING
+#define DPT_STRIP_KIND_NONE         DPT_STRIP_NONE
+#define DPT_STRIP_KIND_ROUTES       DPT_STRIP_ROUTES
+#define DPT_STRIP_KIND_SHADOW       DPT_STRIP_SHADOW
+#define dpt_mesh_get_triangle       dpt_mesh_triangle
+#define dpt_mesh_get_triangle_flags dpt_mesh_triangle_flags
+#define dpt_mesh_get_vertex_normals dpt_mesh_vertex_normals
+#define dpt_strip_get_triangles     dpt_strip_triangles
+#define dpt_world_get_kernel        dpt_world_kernel
+#endif
+
 static char out_text[1 << 16];
 static size_t out_used;
 static uint64_t out_lines, out_values;

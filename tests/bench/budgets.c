@@ -69,7 +69,7 @@ static void ask(const dpt_world *world, dpt_tool tool, struct felt *felt)
     felt->regions = felt->known ? count : 0;
     for (uint32_t i = 0; i < felt->regions; i++) {
         felt->overlap += contacts[i].overlap;
-        felt->coarse |= contacts[i].flags & DPT_REGION_COARSE;
+        felt->coarse |= contacts[i].flags & DPT_CONTACT_FLAG_COARSE;
         for (int k = 0; k < 3; k++)
             felt->thrust[k] += contacts[i].thrust[k];
     }

@@ -38,7 +38,7 @@ int main(int argc, char **argv)
     put_word(output.file, 3 * info.triangles);
     put_word(output.file, info.triangles);
     for (uint32_t t = 0; t < info.source_triangles; t++)
-        if (dpt_mesh_triangle(mesh, t, corners) == DPT_OK)
+        if (dpt_mesh_get_triangle(mesh, t, corners) == DPT_OK)
             for (int i = 0; i < 9; i++)
                 put_float(output.file, corners[i]);
     for (uint32_t c = 0; c < 3 * info.triangles; c++)

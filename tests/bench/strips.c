@@ -96,7 +96,7 @@ static struct place lie(const dpt_mesh *mesh, uint32_t triangles, double size)
 {
     struct place place;
     double c[9], e[2][3], n[3], way[3], square = 0.0, area = 0.0;
-    while (dpt_mesh_triangle(mesh, (uint32_t)random_in(0.0, triangles), c) != DPT_OK)
+    while (dpt_mesh_get_triangle(mesh, (uint32_t)random_in(0.0, triangles), c) != DPT_OK)
         ;
     for (int k = 0; k < 3; k++) {
         e[0][k] = c[3 + k] - c[k];
@@ -130,7 +130,7 @@ static dpt_shadow shadow_of(const struct place *place, double size, double width
     memcpy(shadow.segment.b, place->ends + 3, sizeof shadow.segment.b);
     for (int k = 0; k < 3; k++)
         shadow.direction[k] = place->hit.q[k] - place->hit.p[k];
-    if (place->hit.flags & DPT_HIT_CROSSING)
+    if (place->hit.flags & DPT_HIT_FLAG_CROSSING)
         shadow.direction[2] = 1.0;
     return shadow;
 }
@@ -140,7 +140,7 @@ static double mean_edge(const dpt_mesh *mesh, uint32_t triangles)
     double sum = 0.0;
     for (int i = 0; i < 1000; i++) {
         double c[9], square = 0.0;
-        if (dpt_mesh_triangle(mesh, (uint32_t)random_in(0.0, triangles), c) != DPT_OK)
+        if (dpt_mesh_get_triangle(mesh, (uint32_t)random_in(0.0, triangles), c) != DPT_OK)
             continue;
         for (int k = 0; k < 3; k++)
             square += (c[3 + k] - c[k]) * (c[3 + k] - c[k]);
@@ -160,7 +160,7 @@ static void time_shadows(const dpt_mesh *mesh, dpt_strip *strip, uint32_t triang
         double begin = now();
         dpt_strip_shadow(strip, mesh, NULL, &shadow);
         cold[i] = now() - begin;
-        dpt_strip_triangles(strip, &count, &flags);
+        dpt_strip_get_triangles(strip, &count, &flags);
         held[i] = count;
         begin = now();
         dpt_strip_shadow(strip, mesh, NULL, &shadow);
@@ -205,7 +205,7 @@ static void time_routes(const dpt_mesh *mesh, dpt_strip *strip, uint32_t triangl
         double begin = now();
         dpt_strip_route(strip, mesh, place.from, place.to);
         found[i] = now() - begin;
-        dpt_strip_triangles(strip, &count, NULL);
+        dpt_strip_get_triangles(strip, &count, NULL);
         begin = now();
         uint32_t way = search(&y, places[place.from], places[place.to], 1, ++stamp);
         both[i] = now() - begin;

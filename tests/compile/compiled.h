@@ -142,7 +142,7 @@ static inline void check_triangles(const struct source *source, const struct sec
     uint32_t degenerate = 0, duplicate = 0, kept = 0, flipped = 0;
     for (uint32_t t = 0; t < source->triangle_count; t++) {
         double corners[9] = { 77.0 };
-        dpt_result result = dpt_mesh_triangle(s->mesh, t, corners);
+        dpt_result result = dpt_mesh_get_triangle(s->mesh, t, corners);
         uint32_t place = s->places[t];
         if (is_degenerate(source, t) || is_duplicate(source, t)) {
             uint32_t code =
@@ -307,7 +307,7 @@ static inline double volume_of(const struct sections *s, uint32_t part)
     double volume = 0.0, c[9];
     const double *o = s->info.box_min;
     for (uint32_t t = 0; t < s->info.triangles; t++) {
-        if (s->parts[t] != part || dpt_mesh_triangle(s->mesh, s->sources[t], c) != DPT_OK)
+        if (s->parts[t] != part || dpt_mesh_get_triangle(s->mesh, s->sources[t], c) != DPT_OK)
             continue;
         for (int i = 0; i < 9; i++)
             c[i] -= o[i % 3];

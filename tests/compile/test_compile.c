@@ -149,7 +149,7 @@ static void bad_triangles_are_dropped(void)
     CHECK(dpt_mesh_convert(compiled.bytes, compiled.size, NULL) == DPT_OK, "not opened");
     CHECK(dpt_mesh_open(compiled.bytes, compiled.size, &mesh) == DPT_OK, "not opened");
     for (uint32_t t = 0; t < 10; t++)
-        CHECK(dpt_mesh_triangle(mesh, t, at) == (t == 2 || t == 7 ? DPT_OK : DPT_E_ARGUMENT),
+        CHECK(dpt_mesh_get_triangle(mesh, t, at) == (t == 2 || t == 7 ? DPT_OK : DPT_E_ARGUMENT),
               "triangle %u", t);
     for (int method = 0; method <= DPT_METHOD_BRUTE; method++)
         for (int i = 0; i < 100; i++) {

@@ -93,7 +93,7 @@ static uint32_t brute_count(const struct scene *scene, double step)
     uint32_t kept = 0, pairs = 0;
     for (uint32_t t = 0; t < count; t++) {
         double at[9];
-        if (dpt_mesh_triangle(scene->mesh, t, at) != DPT_OK)
+        if (dpt_mesh_get_triangle(scene->mesh, t, at) != DPT_OK)
             continue;
         for (int k = 0; k < 3; k++)
             corners[3 * kept + (uint32_t)k] =
@@ -120,8 +120,8 @@ static void expect_brute_count(struct scene *scene, double step, const char *wha
         double a[9], b[9];
         if (wanted) {
             struct whole one[3], two[3];
-            CHECK(dpt_mesh_triangle(scene->mesh, first, a) == DPT_OK &&
-                      dpt_mesh_triangle(scene->mesh, second, b) == DPT_OK && first != second,
+            CHECK(dpt_mesh_get_triangle(scene->mesh, first, a) == DPT_OK &&
+                      dpt_mesh_get_triangle(scene->mesh, second, b) == DPT_OK && first != second,
                   "%s %d: %u and %u", what, which, first, second);
             for (int k = 0; k < 3; k++) {
                 one[k] = (struct whole){ (wide)(a[3 * k] / step), (wide)(a[3 * k + 1] / step),
@@ -366,7 +366,8 @@ static struct judge judge_of(const struct scene *scene)
     judge.corners = malloc(9 * (size_t)count * sizeof *judge.corners);
     uint32_t *numbers = malloc(3 * (size_t)count * sizeof *numbers);
     for (uint32_t t = 0; t < count; t++)
-        CHECK(dpt_mesh_triangle(scene->mesh, t, judge.corners + 9 * (size_t)t) == DPT_OK, "%u", t);
+        CHECK(dpt_mesh_get_triangle(scene->mesh, t, judge.corners + 9 * (size_t)t) == DPT_OK, "%u",
+              t);
     for (size_t i = 0; i < 9 * (size_t)count; i++)
         points[i] = (float)judge.corners[i];
     for (uint32_t i = 0; i < 3 * count; i++)

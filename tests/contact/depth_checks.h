@@ -27,8 +27,8 @@ static inline const char *text_of(const struct solid *solid, const char *by, con
 static inline void check_form(const char *text, const dpt_hit *hit)
 {
     CHECK(isfinite(hit->gap + hit->depth), "%s", text);
-    CHECK(hit->status == DPT_STATUS_EXACT && (hit->flags & DPT_HIT_GAP), "flags %u: %s", hit->flags,
-          text);
+    CHECK(hit->status == DPT_STATUS_EXACT && (hit->flags & DPT_HIT_FLAG_GAP), "flags %u: %s",
+          hit->flags, text);
     CHECK(hit->depth == fmax(0, -hit->gap), "depth %.9g: %s", hit->depth, text);
     CHECK(hit->contact == (hit->gap > hit->error_bound    ? DPT_CONTACT_SEPARATED
                            : hit->gap < -hit->error_bound ? DPT_CONTACT_PENETRATING

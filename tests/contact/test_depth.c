@@ -268,7 +268,7 @@ static void two_bodies(void)
         for (uint32_t e = 0; e < 2; e++) {
             dpt_tool_get_segment_hit(stage.world, stage.tool, e, &hit);
             const double gap = fmin(hits[0][e].gap, hits[1][e].gap);
-            CHECK((hit.flags & DPT_HIT_GAP) && fabs(hit.gap - gap) <= 2e-5 * solid[1].diagonal,
+            CHECK((hit.flags & DPT_HIT_FLAG_GAP) && fabs(hit.gap - gap) <= 2e-5 * solid[1].diagonal,
                   "gap %.9g, not the less of %.9g and %.9g: %s", hit.gap, hits[0][e].gap,
                   hits[1][e].gap, text_of(&solid[0], "query", ends + 6 * e, radii[e], &hit));
         }
@@ -328,12 +328,12 @@ static void try_distance(const struct solid *solid)
                             went * (1 + 1e-12) + bound + hits[w].error_bound,
                   "from %.9g within %g: %s", last[w], went, text);
             CHECK(isfinite(hits[w].gap + hits[w].depth), "%s", text);
-            CHECK(!(hits[w].flags & DPT_HIT_GAP) || hits[w].depth == fmax(0, -hits[w].gap), "%s",
-                  text);
-            CHECK((hits[w].flags & DPT_HIT_GAP) || hits[w].contact == DPT_CONTACT_UNKNOWN,
+            CHECK(!(hits[w].flags & DPT_HIT_FLAG_GAP) || hits[w].depth == fmax(0, -hits[w].gap),
+                  "%s", text);
+            CHECK((hits[w].flags & DPT_HIT_FLAG_GAP) || hits[w].contact == DPT_CONTACT_UNKNOWN,
                   "contact %u without a gap: %s", hits[w].contact, text);
             /* No axis is nearer, or deeper, than its distance: but for the radius, gap is within it. */
-            CHECK(!(hits[w].flags & DPT_HIT_GAP) ||
+            CHECK(!(hits[w].flags & DPT_HIT_FLAG_GAP) ||
                       hits[w].gap + radius <= hits[w].distance + hits[w].error_bound,
                   "%s", text);
             last[w] = hits[w].distance;

@@ -136,7 +136,7 @@ static void room_for_contacts(void)
         lower_to_bumps(&stage, 100);
         for (int k = 0; k < 3; k++) {
             const dpt_hit hit = stage_tick(&stage, ends, 0.003);
-            const int full = (stage.step.flags & DPT_STEP_CONTACTS_FULL) != 0;
+            const int full = (stage.step.flags & DPT_STEP_FLAG_CONTACTS_FULL) != 0;
             const uint32_t count = stage_contacts(&stage, c), fit = room[i] < 2 ? room[i] : 2;
             if (!i && !k)
                 gap = hit.gap;
@@ -211,7 +211,7 @@ static void press_to_the_limit(const struct solid *solid, double up, double radi
         const double ends[6] = { 0.0113, 0.0071, up * z, 0.0113, 0.0071, up * z };
         const dpt_hit hit = stage_tick(&stage, ends, radius);
         if (gap > -limit)
-            CHECK((hit.flags & DPT_HIT_GAP) && fabs(hit.gap - gap) <= 1e-9,
+            CHECK((hit.flags & DPT_HIT_FLAG_GAP) && fabs(hit.gap - gap) <= 1e-9,
                   "gap %.9g, not %.9g, from %g", hit.gap, gap, up);
         else if (gap < -limit - 2 * step)
             CHECK(fabs(hit.gap - (-z - radius)) <= 1e-9,
@@ -279,12 +279,12 @@ static void a_first_tick_that_crosses(const struct solid *solid)
         const dpt_hit hit = stage_tick(&stage, ends, radius);
         dpt_tool_get_wrench(stage.world, stage.tool, &wrench);
         if (i < 49) {
-            CHECK(hit.contact == DPT_CONTACT_UNKNOWN && !(hit.flags & DPT_HIT_GAP),
+            CHECK(hit.contact == DPT_CONTACT_UNKNOWN && !(hit.flags & DPT_HIT_FLAG_GAP),
                   "tick %d: contact %u, gap %g", i, hit.contact, hit.gap);
             CHECK(is_zero(&wrench), "tick %d: force %g", i, wrench.force[2]);
         }
         if (i > 51) {
-            CHECK((hit.flags & DPT_HIT_GAP) && fabs(hit.gap - (z - radius)) <= 1e-9,
+            CHECK((hit.flags & DPT_HIT_FLAG_GAP) && fabs(hit.gap - (z - radius)) <= 1e-9,
                   "tick %d: gap %.9g, not %.9g", i, hit.gap, z - radius);
             CHECK(z >= radius ? is_zero(&wrench) : wrench.force[2] > 0, "tick %d: force %g at %g",
                   i, wrench.force[2], z);

@@ -71,8 +71,8 @@ static void check_region(struct scene *scene, const double ends[6],
     CHECK(apart(p, c->p) <= tiny, "p: %s", text);
     CHECK(fabs(c->weight[0] + c->weight[1] + c->weight[2] - 1) <= 1e-12, "weights: %s", text);
     CHECK(fmin(c->weight[0], fmin(c->weight[1], c->weight[2])) >= 0, "weights: %s", text);
-    CHECK(dpt_mesh_triangle(scene->solid->mesh, c->triangle, corners) == DPT_OK, "triangle %u: %s",
-          c->triangle, text);
+    CHECK(dpt_mesh_get_triangle(scene->solid->mesh, c->triangle, corners) == DPT_OK,
+          "triangle %u: %s", c->triangle, text);
     for (int i = 0; i < 9; i++)
         q[i % 3] += c->weight[i / 3] * corners[i];
     /* A pose keeps distances; without one q is where the weights say. */

@@ -9,6 +9,7 @@
 #include "contact/winding_number.h"
 
 #include "dynpoint/compile.h"
+#include "dynpoint/kernel.h"
 #include "lib/check.h"
 #include "shape.h"
 
@@ -155,7 +156,7 @@ static inline double brute_at(const struct scene *scene, vec3 x)
     double sum = 0.0, at[3] = { x.x, x.y, x.z };
     for (uint32_t t = 0; t < scene->info.source_triangles; t++) {
         double c[9], r[3], product[3];
-        if (dpt_mesh_triangle(scene->mesh, t, c) != DPT_OK ||
+        if (dpt_mesh_get_triangle(scene->mesh, t, c) != DPT_OK ||
             !(flags_of(scene, t) & MESH_PART_SOLID))
             continue;
         for (int k = 0; k < 9; k++)

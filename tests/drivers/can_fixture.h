@@ -142,7 +142,7 @@ static inline int push_until_it_fails(int limit)
         write_up(1.0);
         can_tick();
         dpt_device_read(device, &state);
-        if (state.status != DPT_DEVICE_READY)
+        if (state.status != DPT_DEVICE_STATUS_READY)
             return i;
     }
     return limit + 1;

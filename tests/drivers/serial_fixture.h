@@ -17,7 +17,7 @@
 #include <sys/ioctl.h>
 #include <time.h>
 
-#include "dynpoint/driver.h"
+#include "dynpoint/device.h"
 #include "lib/check.h"
 #include "serial/serial_line.h"
 #include "simulate/simulate_serial.h"

@@ -33,7 +33,8 @@ static void opens_and_tells(void)
                 return;
             CHECK(dpt_device_get_info(device, &info) == DPT_OK, "info");
             CHECK(info.pose_dofs == 6 && info.wrench_dofs == 3 && info.joints == 3 &&
-                      info.rate == 1000.0 && info.watchdog == 0.02 && info.flags == DPT_DEVICE_ARM,
+                      info.rate == 1000.0 && info.watchdog == 0.02 &&
+                      info.flags == DPT_DEVICE_FLAG_ARM,
                   "%u %u %u", info.pose_dofs, info.wrench_dofs, info.joints);
             CHECK(strstr(info.name, firmware[i]), "%s", info.name);
             CHECK(!strcmp(info.serial, i ? "300000000000" : ""), "%s", info.serial);
@@ -43,8 +44,9 @@ static void opens_and_tells(void)
                 CHECK(info.workspace_min[k] < -0.05 && info.workspace_max[k] > 0.05 &&
                           info.workspace_max[k] - info.workspace_min[k] < 0.81,
                       "%g to %g m", info.workspace_min[k], info.workspace_max[k]);
-            CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_READY &&
-                      state.reasons == 0 && state.code == 0 && state.temperature == -1.0,
+            CHECK(dpt_device_read(device, &state) == DPT_OK &&
+                      state.status == DPT_DEVICE_STATUS_READY && state.reasons == 0 &&
+                      state.code == 0 && state.temperature == -1.0,
                   "%u %u", state.status, state.reasons);
             CHECK(vec3_within(state.pose.position, 1e-6), "%g %g %g off the middle",
                   state.pose.position[0], state.pose.position[1], state.pose.position[2]);
@@ -374,7 +376,7 @@ static void no_command_is_lost_late_or_reordered_unnoticed(void)
                         random_in(&truth.seed, -0.5, 0.5));
         CHECK(written == DPT_OK, "write in cycle %d: %d", i, written);
         can_tick();
-        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_READY,
+        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY,
               "cycle %d: %u, %x", i, state.status, state.code);
         fresh += state.fresh;
     }
@@ -455,7 +457,7 @@ static void quick_hands_are_no_fault(void)
         simulated.speed[1] = told ? way * speeds[1] : 0.0;
         simulated.node[1].is_dumb = i % 20 > 2 && i % 20 < 18;
         can_tick();
-        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_READY,
+        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY,
               "%d: %x", i, state.code);
     }
     finish();
@@ -497,8 +499,9 @@ static void the_clock_may_be_set(void)
         const uint64_t last = state.time_ns;
         can_tick();
         can_wall_ns = i % 2 ? 1000000000000u : 4600000000000u;
-        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_READY &&
-                  state.fresh == 1 && state.time_ns > last && state.time_ns <= clock_now(),
+        CHECK(dpt_device_read(device, &state) == DPT_OK &&
+                  state.status == DPT_DEVICE_STATUS_READY && state.fresh == 1 &&
+                  state.time_ns > last && state.time_ns <= clock_now(),
               "%u: %x, %u fresh", state.status, state.code, state.fresh);
     }
     finish();
@@ -526,7 +529,8 @@ static void clocks_may_differ(void)
         const uint64_t lost = counts.lost, samples = counts.samples;
         for (int i = 0; i < 8000; i++) {
             can_tick();
-            CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_READY,
+            CHECK(dpt_device_read(device, &state) == DPT_OK &&
+                      state.status == DPT_DEVICE_STATUS_READY,
                   "%d Hz, cycle %d: %x", rate, i, state.code);
             fresh += state.fresh;
         }
@@ -553,8 +557,8 @@ static void estimates_can_be_asked_for(void)
     for (int i = 0; i < 1000; i++) {
         CHECK(write_up(1.0) == DPT_OK, "write");
         can_tick();
-        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_READY, "%u",
-              state.status);
+        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY,
+              "%u", state.status);
     }
     CHECK(state.sequence - sequence == 1000, "%u samples of 1000",
           (unsigned)(state.sequence - sequence));
@@ -571,8 +575,8 @@ static void a_host_that_reads_is_there(void)
     start(elbow_path, ELBOW "&watchdog=0.02");
     for (int i = 0; i < 1000; i++) {
         can_tick();
-        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_READY, "%x",
-              state.reasons);
+        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY,
+              "%x", state.reasons);
         CHECK(!is_pushing(), "it pushes by itself");
     }
     finish();
@@ -582,7 +586,7 @@ static void a_host_that_reads_is_there(void)
     int pushes = 0;
     for (int i = 0; i < 500; i++) {
         can_tick();
-        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_READY,
+        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY,
               "read");
         pushes += is_pushing();
     }
@@ -675,7 +679,8 @@ static void wires_give_the_same_bits(void)
         dpt_device_read(port, &state);
         can_each_ms = each_ms;
         can_tick();
-        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_READY, "can");
+        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY,
+              "can");
         CHECK(!memcmp(&state.pose, &poses[i], sizeof poses[i]), "can: pose %d", i);
         for (int k = 0; k < 3; k++)
             wrench.force[k] = 0.37 - 41.7 * state.pose.position[k];

@@ -207,28 +207,28 @@ static const struct fault {
     int settles;     /* ms until that is no longer all that is known */
 } faults[] = {
     /* clang-format off */
-    { "bus-off", go_off, come_on, DPT_DEVICE_LOST, DPT_REASON_LINK, CAN_CODE(CAN_CODE_OFF, 0xff), 1, 1, 0, 0, 0 },
-    { "error-passive until restarted", become_passive, come_on, DPT_DEVICE_FAULT, DPT_REASON_LINK, CAN_CODE(CAN_CODE_PASSIVE, 0xff), 1, 1, 1, 0, 0 },
-    { "error-passive", become_passive, become_active, DPT_DEVICE_FAULT, DPT_REASON_LINK, CAN_CODE(CAN_CODE_PASSIVE, 0xff), 1, 1, 1, 0, 0 },
-    { "ENOBUFS", fill_up, empty, DPT_DEVICE_LOST, DPT_REASON_LINK, CAN_CODE(CAN_CODE_STUCK, 0xff), 60, 1, 1, 1, 60 },
-    { "interface down", shut, mend, DPT_DEVICE_LOST, DPT_REASON_LINK, CAN_CODE(CAN_CODE_DOWN, 0xff), 1, 1, 1, 1, 0 },
-    { "interface gone", unplug, mend, DPT_DEVICE_LOST, DPT_REASON_UNPLUGGED, CAN_CODE(CAN_CODE_GONE, 0xff), 1, 1, 1, 1, 0 },
-    { "kernel drops", stand_still, NULL, DPT_DEVICE_FAULT, DPT_REASON_LINK, CAN_CODE(CAN_CODE_DROPPED, 0xff), 10, 1, 0, 0, 0 },
-    { "controller overruns", overrun, NULL, DPT_DEVICE_FAULT, DPT_REASON_LINK, CAN_CODE(CAN_CODE_DROPPED, 0xff), 1, 1, 0, 0, 0 },
-    { "babbling", babble, be_quiet, DPT_DEVICE_FAULT, DPT_REASON_LINK, CAN_CODE(CAN_CODE_BABBLES, 1), 100, 0, 0, 0, 0 },
-    { "duplicate", double_node, single_node, DPT_DEVICE_FAULT, DPT_REASON_LINK, CAN_CODE(CAN_CODE_DUPLICATE, 1), 220, 0, 0, 0, 0 },
-    { "two serial numbers", other_serial, NULL, DPT_DEVICE_FAULT, DPT_REASON_LINK, CAN_CODE(CAN_CODE_DUPLICATE, 1), 2, 0, 0, 0, 0 },
-    { "silent", fall_silent, speak, DPT_DEVICE_LOST, DPT_REASON_SILENT, CAN_CODE(CAN_CODE_SILENT, 2), 52, 0, 1, 0, 0 },
-    { "no heartbeat", stop_beating, beat, DPT_DEVICE_LOST, DPT_REASON_SILENT, CAN_CODE(CAN_CODE_PULSELESS, 2), 502, 0, 1, 0, 0 },
-    { "reboot", reboot, NULL, DPT_DEVICE_FAULT, DPT_REASON_DEVICE, CAN_CODE(CAN_CODE_BEGAN, 0), 101, 0, 0, 0, 0 },
-    { "too hot", overheat, cool_down, DPT_DEVICE_FAULT, DPT_REASON_OVERHEATED, 0x6000, 102, 0, 1, 0, 0 },
-    { "too hot, and says so", overheat_and_tell, cool_down, DPT_DEVICE_FAULT, DPT_REASON_OVERHEATED, 0x6000, 1, 0, 1, 0, 0 },
-    { "estop", press_button, release_button, DPT_DEVICE_FAULT, DPT_REASON_ESTOP, 0x2000000, 102, 0, 1, 0, 0 },
-    { "watchdog", hang, NULL, DPT_DEVICE_FAULT, DPT_REASON_WATCHDOG, 0x1000000, 102, 0, 0, 0, 0 },
-    { "estop by frame", panel_stops, NULL, DPT_DEVICE_FAULT, DPT_REASON_ESTOP, CAN_CODE(CAN_CODE_STRANGER, 1), 1, 0, 0, 0, 0 },
-    { "another host", other_host, NULL, DPT_DEVICE_FAULT, DPT_REASON_LINK, CAN_CODE(CAN_CODE_STRANGER, 1), 1, 0, 0, 0, 0 },
-    { "a place it cannot have come to", jump, jump_back, DPT_DEVICE_FAULT, DPT_REASON_UNCALIBRATED, CAN_CODE(CAN_CODE_JUMPED, 1), 1, 0, 0, 0, 0 },
-    { "not a number", go_mad, come_to_its_senses, DPT_DEVICE_LOST, DPT_REASON_SILENT, CAN_CODE(CAN_CODE_SILENT, 1), 52, 0, 1, 0, 0 },
+    { "bus-off", go_off, come_on, DPT_DEVICE_STATUS_LOST, DPT_REASON_LINK, CAN_CODE(CAN_CODE_OFF, 0xff), 1, 1, 0, 0, 0 },
+    { "error-passive until restarted", become_passive, come_on, DPT_DEVICE_STATUS_FAULT, DPT_REASON_LINK, CAN_CODE(CAN_CODE_PASSIVE, 0xff), 1, 1, 1, 0, 0 },
+    { "error-passive", become_passive, become_active, DPT_DEVICE_STATUS_FAULT, DPT_REASON_LINK, CAN_CODE(CAN_CODE_PASSIVE, 0xff), 1, 1, 1, 0, 0 },
+    { "ENOBUFS", fill_up, empty, DPT_DEVICE_STATUS_LOST, DPT_REASON_LINK, CAN_CODE(CAN_CODE_STUCK, 0xff), 60, 1, 1, 1, 60 },
+    { "interface down", shut, mend, DPT_DEVICE_STATUS_LOST, DPT_REASON_LINK, CAN_CODE(CAN_CODE_DOWN, 0xff), 1, 1, 1, 1, 0 },
+    { "interface gone", unplug, mend, DPT_DEVICE_STATUS_LOST, DPT_REASON_UNPLUGGED, CAN_CODE(CAN_CODE_GONE, 0xff), 1, 1, 1, 1, 0 },
+    { "kernel drops", stand_still, NULL, DPT_DEVICE_STATUS_FAULT, DPT_REASON_LINK, CAN_CODE(CAN_CODE_DROPPED, 0xff), 10, 1, 0, 0, 0 },
+    { "controller overruns", overrun, NULL, DPT_DEVICE_STATUS_FAULT, DPT_REASON_LINK, CAN_CODE(CAN_CODE_DROPPED, 0xff), 1, 1, 0, 0, 0 },
+    { "babbling", babble, be_quiet, DPT_DEVICE_STATUS_FAULT, DPT_REASON_LINK, CAN_CODE(CAN_CODE_BABBLES, 1), 100, 0, 0, 0, 0 },
+    { "duplicate", double_node, single_node, DPT_DEVICE_STATUS_FAULT, DPT_REASON_LINK, CAN_CODE(CAN_CODE_DUPLICATE, 1), 220, 0, 0, 0, 0 },
+    { "two serial numbers", other_serial, NULL, DPT_DEVICE_STATUS_FAULT, DPT_REASON_LINK, CAN_CODE(CAN_CODE_DUPLICATE, 1), 2, 0, 0, 0, 0 },
+    { "silent", fall_silent, speak, DPT_DEVICE_STATUS_LOST, DPT_REASON_SILENT, CAN_CODE(CAN_CODE_SILENT, 2), 52, 0, 1, 0, 0 },
+    { "no heartbeat", stop_beating, beat, DPT_DEVICE_STATUS_LOST, DPT_REASON_SILENT, CAN_CODE(CAN_CODE_PULSELESS, 2), 502, 0, 1, 0, 0 },
+    { "reboot", reboot, NULL, DPT_DEVICE_STATUS_FAULT, DPT_REASON_DEVICE, CAN_CODE(CAN_CODE_BEGAN, 0), 101, 0, 0, 0, 0 },
+    { "too hot", overheat, cool_down, DPT_DEVICE_STATUS_FAULT, DPT_REASON_OVERHEATED, 0x6000, 102, 0, 1, 0, 0 },
+    { "too hot, and says so", overheat_and_tell, cool_down, DPT_DEVICE_STATUS_FAULT, DPT_REASON_OVERHEATED, 0x6000, 1, 0, 1, 0, 0 },
+    { "estop", press_button, release_button, DPT_DEVICE_STATUS_FAULT, DPT_REASON_ESTOP, 0x2000000, 102, 0, 1, 0, 0 },
+    { "watchdog", hang, NULL, DPT_DEVICE_STATUS_FAULT, DPT_REASON_WATCHDOG, 0x1000000, 102, 0, 0, 0, 0 },
+    { "estop by frame", panel_stops, NULL, DPT_DEVICE_STATUS_FAULT, DPT_REASON_ESTOP, CAN_CODE(CAN_CODE_STRANGER, 1), 1, 0, 0, 0, 0 },
+    { "another host", other_host, NULL, DPT_DEVICE_STATUS_FAULT, DPT_REASON_LINK, CAN_CODE(CAN_CODE_STRANGER, 1), 1, 0, 0, 0, 0 },
+    { "a place it cannot have come to", jump, jump_back, DPT_DEVICE_STATUS_FAULT, DPT_REASON_UNCALIBRATED, CAN_CODE(CAN_CODE_JUMPED, 1), 1, 0, 0, 0, 0 },
+    { "not a number", go_mad, come_to_its_senses, DPT_DEVICE_STATUS_LOST, DPT_REASON_SILENT, CAN_CODE(CAN_CODE_SILENT, 1), 52, 0, 1, 0, 0 },
     /* clang-format on */
 };
 
@@ -247,7 +247,7 @@ static void provoke(const struct fault *fault)
     CHECK(state.status == fault->status && state.code == fault->code, "%s: status %u, code %x",
           fault->name, state.status, state.code);
     CHECK((state.reasons & fault->reasons) == fault->reasons, "%s: %x", fault->name, state.reasons);
-    const dpt_result code = fault->status == DPT_DEVICE_LOST ? DPT_E_LOST : DPT_E_NOT_READY;
+    const dpt_result code = fault->status == DPT_DEVICE_STATUS_LOST ? DPT_E_LOST : DPT_E_NOT_READY;
     CHECK(write_up(1.0) == code, "%s: it takes a force", fault->name);
     /* What read sent at once is there by now. */
     pass_ms(fault->keeps_force ? 30 : 1);
@@ -258,12 +258,13 @@ static void provoke(const struct fault *fault)
                   state.status == fault->status && write_up(1.0) == code && !is_pushing(),
               "%s: it comes back by itself", fault->name);
     }
-    const int is_estop = fault->status == DPT_DEVICE_LOST || fault->reasons == DPT_REASON_ESTOP;
+    const int is_estop =
+        fault->status == DPT_DEVICE_STATUS_LOST || fault->reasons == DPT_REASON_ESTOP;
     for (uint32_t i = 0; i < 3 && !fault->keeps_force; i++) {
         CHECK(simulated.node[i].torque == 0.0f, "%s: motor %u was not told zero", fault->name, i);
         CHECK(is_estop || !(simulated.node[i].errors & 0x2000000), "%s: motor %u has an estop",
               fault->name, i);
-        CHECK(fault->status != DPT_DEVICE_LOST || simulated.node[i].errors & 0x2000000,
+        CHECK(fault->status != DPT_DEVICE_STATUS_LOST || simulated.node[i].errors & 0x2000000,
               "%s: motor %u has no estop", fault->name, i);
     }
     dpt_device_get_counts(device, &counts);
@@ -288,9 +289,9 @@ static void provoke(const struct fault *fault)
     dpt_device_read(device, &state);
     CHECK(state.fresh <= 2 && state.sequence > sequence, "%s: %u fresh", fault->name, state.fresh);
     dpt_device_get_counts(device, &counts);
-    CHECK(fault->status == DPT_DEVICE_FAULT || counts.lost <= lost + 1,
+    CHECK(fault->status == DPT_DEVICE_STATUS_FAULT || counts.lost <= lost + 1,
           "%s: %u lost while it was opened", fault->name, (unsigned)(counts.lost - lost));
-    CHECK(counts.resets == (fault->cause == reboot || fault->status == DPT_DEVICE_LOST),
+    CHECK(counts.resets == (fault->cause == reboot || fault->status == DPT_DEVICE_STATUS_LOST),
           "%s: %u resets", fault->name, (unsigned)counts.resets);
     CHECK(!is_pushing(), "%s: it pushes before it is told to", fault->name);
     CHECK(push_until_it_fails(600) > 600 && is_pushing() && state.reasons == 0 && state.code == 0,
@@ -327,11 +328,11 @@ static void stopping_is_tried_again(void)
     simulated.node[0].causes = 0x2000;
     frames_lost = 1000000;
     can_fate = lose_orders;
-    for (int i = 0; i < 150 && state.status == DPT_DEVICE_READY; i++) {
+    for (int i = 0; i < 150 && state.status == DPT_DEVICE_STATUS_READY; i++) {
         can_tick();
         dpt_device_read(device, &state);
     }
-    CHECK(state.status == DPT_DEVICE_FAULT && is_pushing(), "%u", state.status);
+    CHECK(state.status == DPT_DEVICE_STATUS_FAULT && is_pushing(), "%u", state.status);
     /* A stop is two frames for each of three. */
     frames_lost = 12;
     int after = 0;
@@ -359,7 +360,7 @@ static void stopping_is_never_given_up(void)
         can_tick();
         dpt_device_read(device, &state);
     }
-    CHECK(state.status == DPT_DEVICE_LOST && is_pushing(), "%u", state.status);
+    CHECK(state.status == DPT_DEVICE_STATUS_LOST && is_pushing(), "%u", state.status);
     for (int i = 0; i < 3; i++)
         simulated.node[i].is_dumb = 0;
     can_fate = NULL;
@@ -385,7 +386,8 @@ static void clearing_begins_with_a_stop(void)
     start(elbow_path, ELBOW);
     CHECK(push_until_it_fails(20) > 20, "begin");
     shut();
-    CHECK(push_until_it_fails(2) <= 2 && state.status == DPT_DEVICE_LOST, "%u", state.status);
+    CHECK(push_until_it_fails(2) <= 2 && state.status == DPT_DEVICE_STATUS_LOST, "%u",
+          state.status);
     pass_ms(1);
     CHECK(is_pushing(), "it can be told to stop");
     mend();
@@ -406,8 +408,8 @@ static void a_fault_is_not_taken_for_silence(void)
     uint32_t fresh = 0;
     for (int i = 0; i < 200; i++) {
         can_tick();
-        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_FAULT &&
-                  state.code == 0x2000 && !is_pushing(),
+        CHECK(dpt_device_read(device, &state) == DPT_OK &&
+                  state.status == DPT_DEVICE_STATUS_FAULT && state.code == 0x2000 && !is_pushing(),
               "%d ms: status %u, code %x", i, state.status, state.code);
         fresh += state.fresh;
     }
@@ -445,7 +447,7 @@ static void parts_are_asked_for_their_errors(void)
     CHECK(push_until_it_fails(20) > 20, "begin");
     simulated.node[1].motor_errors = 0x1000;
     CHECK(push_until_it_fails(101) <= 101, "not found");
-    CHECK(state.status == DPT_DEVICE_FAULT && state.reasons & DPT_REASON_DEVICE, "%x",
+    CHECK(state.status == DPT_DEVICE_STATUS_FAULT && state.reasons & DPT_REASON_DEVICE, "%x",
           state.reasons);
     for (int i = 0; i < 3; i++) {
         can_tick();
@@ -468,7 +470,7 @@ static void a_storm_of_errors_hides_nothing(void)
         CHECK(write_up(1.0) == DPT_OK, "write");
         can_tick();
         CHECK(dpt_device_read(device, &state) == DPT_OK && state.fresh == 1 &&
-                  state.status == DPT_DEVICE_READY,
+                  state.status == DPT_DEVICE_STATUS_READY,
               "%u fresh, %x", state.fresh, state.code);
     }
     finish();
@@ -497,10 +499,10 @@ static void nonsense_does_no_harm(void)
         CHECK(vec3_within(state.pose.position, 1.0) && vec3_within(state.velocity, 1e300) &&
                   fabs(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] - 1.0) < 1e-9,
               "cycle %d: a pose that cannot be", i);
-        CHECK(state.status <= DPT_DEVICE_READY &&
-                  !state.reasons == (state.status == DPT_DEVICE_READY),
+        CHECK(state.status <= DPT_DEVICE_STATUS_READY &&
+                  !state.reasons == (state.status == DPT_DEVICE_STATUS_READY),
               "cycle %d: %u, %x", i, state.status, state.reasons);
-        if (state.status == DPT_DEVICE_READY)
+        if (state.status == DPT_DEVICE_STATUS_READY)
             continue;
         failed++;
         come_to_its_senses();

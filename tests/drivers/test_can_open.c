@@ -256,7 +256,7 @@ static void what_was_switched_on_in_vain_is_switched_off(void)
     can_each_ms = each_ms;
     simulated.node[1].estimates_each = 1;
     dpt_device_read(device, &state);
-    CHECK(state.status == DPT_DEVICE_LOST, "%u, %x", state.status, state.code);
+    CHECK(state.status == DPT_DEVICE_STATUS_LOST, "%u, %x", state.status, state.code);
     CHECK(clear() == DPT_OK && push_until_it_fails(20) > 20, "clear");
     finish();
 }
@@ -337,7 +337,8 @@ static void without_a_watchdog_there_is_no_force(void)
         for (int k = 0; k < 200; k++) {
             CHECK(write_up(1.0) == DPT_OK, "write");
             can_tick();
-            CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_READY,
+            CHECK(dpt_device_read(device, &state) == DPT_OK &&
+                      state.status == DPT_DEVICE_STATUS_READY,
                   "%s: %u", cases[i].settings, state.status);
             pushed += is_pushing();
         }

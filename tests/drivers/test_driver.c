@@ -2,6 +2,7 @@
 /* The registry, drivers from outside, wrong arguments, and that docs/drivers.md leaves no reason out. */
 #include <math.h>
 
+#include "dynpoint/driver.h"
 #include "drivers/open_device.h"
 
 /* A driver that remembers how it was called. */
@@ -40,7 +41,7 @@ static dpt_result probe_read(dpt_device *device, dpt_device_state *state)
     (void)device;
     memset(state, 0, sizeof *state);
     state->fresh = 3;
-    state->status = DPT_DEVICE_READY;
+    state->status = DPT_DEVICE_STATUS_READY;
     state->reasons = probe.reasons;
     return probe.answer;
 }
@@ -117,8 +118,8 @@ static void a_driver_from_outside_is_used(void)
         wrench.torque[2] = 0.0;
         CHECK(dpt_device_read(device, &state) == answers[i] && state.fresh == 0, "fresh with %d",
               answers[i]);
-        CHECK((state.status == DPT_DEVICE_LOST) == (answers[i] == DPT_E_LOST), "status with %d",
-              answers[i]);
+        CHECK((state.status == DPT_DEVICE_STATUS_LOST) == (answers[i] == DPT_E_LOST),
+              "status with %d", answers[i]);
         CHECK(dpt_device_write(device, &wrench) == answers[i] &&
                   dpt_device_clear(device) == answers[i],
               "%d", answers[i]);
@@ -227,8 +228,8 @@ static void wrong_arguments_are_codes(void)
               dpt_device_clear(NULL) == DPT_E_ARGUMENT,
           "counts, clear");
     dpt_device_close(device);
-    CHECK(!strcmp(dpt_device_status_name(DPT_DEVICE_READY), "ready") &&
-              !strcmp(dpt_device_status_name(DPT_DEVICE_LOST), "lost") &&
+    CHECK(!strcmp(dpt_device_status_name(DPT_DEVICE_STATUS_READY), "ready") &&
+              !strcmp(dpt_device_status_name(DPT_DEVICE_STATUS_LOST), "lost") &&
               !strcmp(dpt_device_status_name(4), "?"),
           "names of statuses");
     CHECK(!dpt_device_reason_name(0) && !dpt_device_reason_name(1u << 31), "names of no reason");
@@ -319,7 +320,7 @@ static int has_row(char *text, const char *name)
 /* The header's names, not a list of them here: a new bit without a row fails. */
 static void the_fault_table_has_every_reason(void)
 {
-    char *header = whole_file("include/dynpoint/driver.h"), *page = whole_file("docs/drivers.md");
+    char *header = whole_file("include/dynpoint/device.h"), *page = whole_file("docs/drivers.md");
     int count = 0;
     for (char *at = header; at && page && (at = strstr(at, "    DPT_REASON_")) != NULL; at++) {
         char name[64] = "";

@@ -5,7 +5,7 @@
 #include <sched.h>
 
 #include "drivers/hd/function_table.h"
-#include "dynpoint/driver.h"
+#include "dynpoint/device.h"
 #include "dynpoint/openhaptics.h"
 #include "exchange/latest_value.h"
 #include "lib/check.h"

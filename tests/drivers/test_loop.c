@@ -11,6 +11,7 @@
 #include <time.h>
 
 #include "drivers/open_device.h"
+#include "dynpoint/driver.h"
 
 /* What can be done to a read or a write. */
 enum trouble { NONE, REPEAT, SKIP, OLD, ERROR, UNPLUG, FAULT, BAD_POSE, BUSY, TROUBLES };
@@ -97,7 +98,7 @@ static dpt_result flaky_read(dpt_device *device, dpt_device_state *state)
     flaky->skipped += trouble == SKIP ? 2 : 0;
     flaky->last = *state;
     if (trouble == FAULT)
-        state->status = flaky->did[FAULT] % 2 ? DPT_DEVICE_FAULT : DPT_DEVICE_UNREADY;
+        state->status = flaky->did[FAULT] % 2 ? DPT_DEVICE_STATUS_FAULT : DPT_DEVICE_STATUS_UNREADY;
     if (trouble == BAD_POSE)
         state->pose.orientation[flaky->did[BAD_POSE] % 4] =
             flaky->did[BAD_POSE] % 8 < 4 ? NAN : 2.0;
@@ -173,16 +174,16 @@ static dpt_result feel(void *user, const dpt_device_state *state, double dt, dpt
     if (host->stop_at && host->ticks == host->stop_at)
         dpt_loop_stop(host->loop);
     host->not_zero += wrench->force[0] != 0.0 || wrench->torque[2] != 0.0;
-    host->not_ready += state->status != DPT_DEVICE_READY;
+    host->not_ready += state->status != DPT_DEVICE_STATUS_READY;
     if (host->flaky && host->flaky->share > 0.0 && host->ticks % 97 == 0) {
-        host->failures += state->status == DPT_DEVICE_READY;
+        host->failures += state->status == DPT_DEVICE_STATUS_READY;
         wrench->force[0] = 1e3;
         return DPT_E_ARGUMENT;
     }
-    host->commands += state->status == DPT_DEVICE_READY;
+    host->commands += state->status == DPT_DEVICE_STATUS_READY;
     wrench->force[0] = host->force > 0.0 ? host->force : 1e-6 * (double)host->ticks;
     if (host->flaky && host->flaky->share > 0.0 && host->ticks % 89 == 0 &&
-        state->status == DPT_DEVICE_READY) {
+        state->status == DPT_DEVICE_STATUS_READY) {
         host->nans++;
         wrench->torque[1] = NAN;
     }
@@ -374,8 +375,8 @@ static void no_late_tick_goes_unnoticed(void)
            "stops%s%s\n",
            1e6 * dpt_loop_quantile(stats.late, 0.5), 1e6 * dpt_loop_quantile(stats.late, 0.99),
            1e6 * stats.late_max, (int)stats.missed, (int)(stats.missed + stats.ticks),
-           (int)stats.stops, stats.notes & DPT_LOOP_NO_PRIORITY ? "; no priority" : "",
-           stats.notes & DPT_LOOP_NO_LOCK ? "; no lock" : "");
+           (int)stats.stops, stats.notes & DPT_LOOP_NOTE_NO_PRIORITY ? "; no priority" : "",
+           stats.notes & DPT_LOOP_NOTE_NO_LOCK ? "; no lock" : "");
     dpt_loop_free(loop);
     dpt_device_close(&flaky->device);
 }
@@ -442,7 +443,7 @@ static dpt_result press(void *user, const dpt_device_state *state, double dt, dp
         patient->v[state->sequence] = state->velocity[0];
     patient->count = state->sequence + 1;
     patient->reasons |= state->reasons;
-    patient->unready += state->status != DPT_DEVICE_READY;
+    patient->unready += state->status != DPT_DEVICE_STATUS_READY;
     if (patient->clears && patient->unready == 100)
         dpt_device_clear(patient->device);
     wrench->force[0] = 1.0;

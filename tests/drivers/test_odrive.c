@@ -7,7 +7,7 @@
 
 #include <math.h>
 
-#include "dynpoint/driver.h"
+#include "dynpoint/device.h"
 #include "lib/check.h"
 
 static struct can_message frame_of(uint16_t id, const char *hex)

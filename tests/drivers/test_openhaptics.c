@@ -31,7 +31,7 @@ static void opens_and_tells(void)
               "workspace");
     CHECK(!strcmp(info.name, "stand-in") && !strcmp(info.serial, "A0"), "%s", info.name);
     CHECK(there->enabled == 7, "%x: output, clamping and ramping are on", there->enabled);
-    CHECK(state.status == DPT_DEVICE_READY && state.reasons == 0 && state.code == 0, "%s",
+    CHECK(state.status == DPT_DEVICE_STATUS_READY && state.reasons == 0 && state.code == 0, "%s",
           dpt_device_status_name(state.status));
     CHECK(force_of(there) == 0.0, "it pushes before it was told to");
     const unsigned long frames = there->frames;
@@ -109,7 +109,7 @@ static void samples_are_in_our_units(void)
         for (int i = 0; i < 11; i++)
             there->transform[i] += i % 4 < 3 ? random_in(&seed, -blur, blur) : 0.0;
         tick(1);
-        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_READY,
+        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY,
               "sample %d: %s", n, dpt_device_status_name(state.status));
         double square = 0.0;
         for (int k = 0; k < 4; k++)
@@ -272,8 +272,8 @@ static void two_devices_share_the_scheduler(void)
     tick(1);
     dpt_device_read(device, &state);
     dpt_device_read(other, &other_state);
-    CHECK(state.status == DPT_DEVICE_READY && other_state.status == DPT_DEVICE_FAULT, "%u, %u",
-          state.status, other_state.status);
+    CHECK(state.status == DPT_DEVICE_STATUS_READY && other_state.status == DPT_DEVICE_STATUS_FAULT,
+          "%u, %u", state.status, other_state.status);
     tick(1);
     CHECK(force_of(there) == 1.0 && force_of(left) == 0.0, "%g, %g", force_of(there),
           force_of(left));
@@ -291,8 +291,8 @@ static void two_devices_share_the_scheduler(void)
     tick(1);
     dpt_device_read(device, &state);
     dpt_device_read(other, &other_state);
-    CHECK(state.status == DPT_DEVICE_FAULT && other_state.status == DPT_DEVICE_FAULT, "%u, %u",
-          state.status, other_state.status);
+    CHECK(state.status == DPT_DEVICE_STATUS_FAULT && other_state.status == DPT_DEVICE_STATUS_FAULT,
+          "%u, %u", state.status, other_state.status);
     tick(120);
     CHECK(clear_device(device) == DPT_OK && clear_device(other) == DPT_OK, "clear");
 

@@ -20,7 +20,8 @@ static void numbers_that_are_none_are_not_trusted(void)
         *places[i] = wrong[i];
         tick(1);
         CHECK(force_of(there) == 0.0, "case %d: force", i);
-        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_UNREADY &&
+        CHECK(dpt_device_read(device, &state) == DPT_OK &&
+                  state.status == DPT_DEVICE_STATUS_UNREADY &&
                   state.reasons == DPT_REASON_UNCALIBRATED && state.fresh == 1,
               "case %d: %s", i, dpt_device_status_name(state.status));
         CHECK(!memcmp(&state.pose, &was.pose, sizeof was.pose) &&
@@ -54,7 +55,7 @@ static void silence_of_the_host_ends_the_force(void)
     CHECK(counts.missed == 22, "%d ticks missed a command", (int)counts.missed);
     serve(1, 1.0);
     CHECK(fabs(force_of(there) - 0.01) < 1e-15, "it kicks: %g", force_of(there));
-    CHECK(state.status == DPT_DEVICE_READY, "%s", dpt_device_status_name(state.status));
+    CHECK(state.status == DPT_DEVICE_STATUS_READY, "%s", dpt_device_status_name(state.status));
     finish();
     start("&watchdog=0.05");
     serve(200, 1.0);
@@ -119,14 +120,14 @@ static void warm_motors_give_less(void)
         serve(1, 2.0);
         const double expected = heat <= 0.7 ? 2.0 : 2.0 * (1.0 - heat) / 0.3;
         CHECK(fabs(force_of(there) - expected) < 1e-12, "at %g: %g N", heat, force_of(there));
-        CHECK(state.temperature == heat && state.status == DPT_DEVICE_READY, "%g",
+        CHECK(state.temperature == heat && state.status == DPT_DEVICE_STATUS_READY, "%g",
               state.temperature);
     }
     there->temperature[0] = there->temperature[1] = there->temperature[2] = 1.0;
     tick(1);
     CHECK(force_of(there) == 0.0, "hot, and %g N", force_of(there));
     tick(1);
-    CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_FAULT &&
+    CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_FAULT &&
               state.reasons == DPT_REASON_OVERHEATED && state.code == HD_WARM_MOTORS,
           "%s, %x", dpt_device_status_name(state.status), state.code);
     CHECK(clear_device(device) == DPT_E_NOT_READY, "cleared while it is hot");
@@ -174,8 +175,9 @@ static void force_errors_are_faults(void)
         lib->raise_more = 2;
         push(device, 1.0);
         tick(1);
-        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_FAULT &&
-                  state.reasons == kinds[i].reason && state.code == kinds[i].code,
+        CHECK(dpt_device_read(device, &state) == DPT_OK &&
+                  state.status == DPT_DEVICE_STATUS_FAULT && state.reasons == kinds[i].reason &&
+                  state.code == kinds[i].code,
               "%x: %s, %u, %x", kinds[i].code, dpt_device_status_name(state.status), state.reasons,
               state.code);
         CHECK(push(device, 1.0) == DPT_E_NOT_READY, "%x: it takes force", kinds[i].code);
@@ -183,8 +185,8 @@ static void force_errors_are_faults(void)
         CHECK(force_of(there) == 0.0, "%x: %g N", kinds[i].code, force_of(there));
         tick(20);
         CHECK(lib->errors() == 0, "%x: %d are left", kinds[i].code, lib->errors());
-        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_FAULT &&
-                  state.fresh == 21,
+        CHECK(dpt_device_read(device, &state) == DPT_OK &&
+                  state.status == DPT_DEVICE_STATUS_FAULT && state.fresh == 21,
               "%x: gone by itself", kinds[i].code);
         CHECK(clear_device(device) == DPT_E_NOT_READY, "%x: cleared at once", kinds[i].code);
         tick(100);
@@ -237,9 +239,9 @@ static void scheduler_errors_are_loss(void)
         tick(2);
         const unsigned long frames = there->frames;
         CHECK(force_of(there) == 0.0, "%x: %g N", kinds[i].code, force_of(there));
-        CHECK(dpt_device_read(device, &state) == DPT_E_LOST && state.status == DPT_DEVICE_LOST &&
-                  state.reasons == kinds[i].reason && state.code == kinds[i].code &&
-                  state.fresh == 0,
+        CHECK(dpt_device_read(device, &state) == DPT_E_LOST &&
+                  state.status == DPT_DEVICE_STATUS_LOST && state.reasons == kinds[i].reason &&
+                  state.code == kinds[i].code && state.fresh == 0,
               "%x: %s, %u, %x", kinds[i].code, dpt_device_status_name(state.status), state.reasons,
               state.code);
         CHECK(!memcmp(&state.pose, &pose, sizeof pose), "%x: a pose of a lost device",
@@ -302,7 +304,7 @@ static void a_second_frame_is_a_fault_with_its_number(void)
     memcpy(&schedule, &symbol, sizeof schedule);
     schedule(steal_a_frame, NULL, 0);
     tick(2);
-    CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_FAULT &&
+    CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_FAULT &&
               state.reasons == DPT_REASON_DEVICE && state.code == HD_ILLEGAL_BEGIN,
           "%s, %x", dpt_device_status_name(state.status), state.code);
     tick(200);
@@ -317,7 +319,7 @@ static void the_inkwell_gives_no_force(void)
     there->in_inkwell = 1;
     tick(1);
     CHECK(force_of(there) == 0.0, "%g N in the inkwell", force_of(there));
-    CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_UNREADY &&
+    CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_UNREADY &&
               state.reasons == DPT_REASON_DOCKED && state.fresh == 1,
           "%s, %u", dpt_device_status_name(state.status), state.reasons);
     CHECK(!strcmp(dpt_device_reason_name(state.reasons), "docked"), "the name");
@@ -333,7 +335,7 @@ static void the_inkwell_gives_no_force(void)
     there->styles = HD_CALIBRATION_AUTO;
     there->in_inkwell = 1;
     start("");
-    CHECK(state.status == DPT_DEVICE_READY, "%s", dpt_device_status_name(state.status));
+    CHECK(state.status == DPT_DEVICE_STATUS_READY, "%s", dpt_device_status_name(state.status));
     finish();
 }
 
@@ -344,8 +346,8 @@ static void calibration_comes_at_its_moment(void)
     start("");
     CHECK(strstr(error.text, "put the stylus into the inkwell") && error.code == DPT_OK, "%s",
           error.text);
-    CHECK(state.status == DPT_DEVICE_UNREADY && state.reasons == DPT_REASON_UNCALIBRATED, "%u",
-          state.reasons);
+    CHECK(state.status == DPT_DEVICE_STATUS_UNREADY && state.reasons == DPT_REASON_UNCALIBRATED,
+          "%u", state.reasons);
     CHECK(push(device, 1.0) == DPT_E_NOT_READY, "it takes force");
     there->in_inkwell = 1;
     tick(60);
@@ -354,23 +356,24 @@ static void calibration_comes_at_its_moment(void)
           "%u, %lu updates", state.reasons, there->updates);
     there->in_inkwell = 0;
     tick(1);
-    CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_READY, "%u",
-          state.reasons);
+    CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY,
+          "%u", state.reasons);
     finish();
 
     /* By itself, at open; later, but never under force. The best style is chosen. */
     there->styles = HD_CALIBRATION_AUTO | HD_CALIBRATION_INKWELL | HD_CALIBRATION_ENCODER_RESET;
     there->calibration = HD_CALIBRATION_NEEDS_UPDATE;
     start("");
-    CHECK(error.text[0] == '\0' && state.status == DPT_DEVICE_READY && there->updates == 1, "%s",
-          error.text);
+    CHECK(error.text[0] == '\0' && state.status == DPT_DEVICE_STATUS_READY && there->updates == 1,
+          "%s", error.text);
     serve(150, 1.0);
     there->calibration = HD_CALIBRATION_NEEDS_UPDATE;
     serve(200, 1.0);
-    CHECK(there->updates == 1 && state.status == DPT_DEVICE_READY && force_of(there) == 1.0,
+    CHECK(there->updates == 1 && state.status == DPT_DEVICE_STATUS_READY && force_of(there) == 1.0,
           "%lu updates, %g N", there->updates, force_of(there));
     serve(60, 0.0);
-    CHECK(there->updates == 2 && state.status == DPT_DEVICE_READY, "%lu updates", there->updates);
+    CHECK(there->updates == 2 && state.status == DPT_DEVICE_STATUS_READY, "%lu updates",
+          there->updates);
     serve(1, 1.0);
     CHECK(force_of(there) < 0.7, "the ramp goes on as if nothing had been: %g", force_of(there));
     serve(100, 1.0);
@@ -390,11 +393,11 @@ static void calibration_comes_at_its_moment(void)
     there->transform[12] = 5.0;
     start("");
     there->calibration = HD_CALIBRATION_NEEDS_UPDATE;
-    for (int n = 0; n < 60 && state.status != DPT_DEVICE_READY; n++) {
+    for (int n = 0; n < 60 && state.status != DPT_DEVICE_STATUS_READY; n++) {
         tick(1);
         dpt_device_read(device, &state);
     }
-    CHECK(state.status == DPT_DEVICE_READY && state.pose.position[0] == 0.005 &&
+    CHECK(state.status == DPT_DEVICE_STATUS_READY && state.pose.position[0] == 0.005 &&
               state.pose.position[1] == 0.0,
           "%s at %g, %g m", dpt_device_status_name(state.status), state.pose.position[0],
           state.pose.position[1]);
@@ -404,11 +407,13 @@ static void calibration_comes_at_its_moment(void)
     there->styles = HD_CALIBRATION_ENCODER_RESET;
     there->calibration = HD_CALIBRATION_NEEDS_MANUAL_INPUT;
     start("");
-    CHECK(there->updates == 1 && state.status == DPT_DEVICE_READY, "%lu updates", there->updates);
+    CHECK(there->updates == 1 && state.status == DPT_DEVICE_STATUS_READY, "%lu updates",
+          there->updates);
     finish();
     there->styles = HD_CALIBRATION_ENCODER_RESET;
     start("");
-    CHECK(there->updates == 0 && state.status == DPT_DEVICE_READY, "%lu updates", there->updates);
+    CHECK(there->updates == 0 && state.status == DPT_DEVICE_STATUS_READY, "%lu updates",
+          there->updates);
     finish();
 }
 
@@ -534,7 +539,7 @@ static void a_start_is_no_fault_of_others(void)
     lib->in_start = raise_in_the_first_frame;
     CHECK(open_at(&meanwhile_opened, "Left Device", "") == DPT_OK, "%s", error.text);
     dpt_device_get_info(meanwhile_opened, &info);
-    CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_FAULT &&
+    CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_FAULT &&
               state.code == HD_INVALID_ENUM && info.joints == 0,
           "%s, %x, %u joints", dpt_device_status_name(state.status), state.code, info.joints);
     close_one(meanwhile_opened);

@@ -150,7 +150,8 @@ static void an_older_library_will_do(void)
         const dpt_result result = dpt_device_open("openhaptics", &device, &error);
         CHECK(result == DPT_OK && strstr(host.tried, path), "%s", error.text);
         if (result == DPT_OK) {
-            CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_READY,
+            CHECK(dpt_device_read(device, &state) == DPT_OK &&
+                      state.status == DPT_DEVICE_STATUS_READY,
                   "%s", dpt_device_status_name(state.status));
             dpt_device_close(device);
         }
@@ -288,7 +289,8 @@ static void what_is_not_told_is_left_out(void)
     there->in_inkwell = 1;
     start("");
     dpt_device_get_info(device, &info);
-    CHECK(info.workspace_max[0] == 0.08 && info.rate == 1000.0 && state.status == DPT_DEVICE_READY,
+    CHECK(info.workspace_max[0] == 0.08 && info.rate == 1000.0 &&
+              state.status == DPT_DEVICE_STATUS_READY,
           "%g", info.workspace_max[0]);
     finish();
     lib->unsupported[0] = HD_CURRENT_GIMBAL_ANGLES;
@@ -299,21 +301,21 @@ static void what_is_not_told_is_left_out(void)
     start("");
     dpt_device_get_info(device, &info);
     CHECK(info.joints == 3 && info.buttons == 0 && info.pose_dofs == 6, "%u joints", info.joints);
-    CHECK(state.status == DPT_DEVICE_READY && state.joint[0] == 1.0 && state.joint[3] == 0.0 &&
-              state.spin[0] == 0.0 && state.buttons == 0,
+    CHECK(state.status == DPT_DEVICE_STATUS_READY && state.joint[0] == 1.0 &&
+              state.joint[3] == 0.0 && state.spin[0] == 0.0 && state.buttons == 0,
           "%s", dpt_device_status_name(state.status));
     finish();
     lib->unsupported[0] = HD_CURRENT_JOINT_ANGLES;
     start("");
     dpt_device_get_info(device, &info);
-    CHECK(info.joints == 0 && state.status == DPT_DEVICE_READY, "%u joints", info.joints);
+    CHECK(info.joints == 0 && state.status == DPT_DEVICE_STATUS_READY, "%u joints", info.joints);
     finish();
     /* An error from before is not of what is asked. */
     lib->raise = HD_INVALID_OPERATION;
     start("");
     dpt_device_get_info(device, &info);
-    CHECK(info.buttons == 4 && info.joints == 6 && state.status == DPT_DEVICE_FAULT, "%u buttons",
-          info.buttons);
+    CHECK(info.buttons == 4 && info.joints == 6 && state.status == DPT_DEVICE_STATUS_FAULT,
+          "%u buttons", info.buttons);
     finish();
     snprintf(there->model, sizeof there->model, "Touch \x81 X");
     start("");
@@ -339,7 +341,7 @@ static void a_note_says_what_is_left_to_do(void)
     start("");
     CHECK(error.code == DPT_OK && strstr(error.text, "a fault, no force (0x200)"), "%s",
           error.text);
-    CHECK(state.status == DPT_DEVICE_FAULT, "%s", dpt_device_status_name(state.status));
+    CHECK(state.status == DPT_DEVICE_STATUS_FAULT, "%s", dpt_device_status_name(state.status));
     finish();
     start("");
     CHECK(error.code == DPT_OK && !error.text[0], "%s", error.text);

@@ -6,6 +6,7 @@
  */
 #include <time.h>
 
+#include "dynpoint/driver.h"
 #include "dynpoint/loop.h"
 #include "lib/check.h"
 #include "lib/random.h"
@@ -73,7 +74,7 @@ static dpt_result read_made(dpt_device *device, dpt_device_state *state)
         made.arrives =
             made.offset + made.number * made.period + (uint64_t)random_in(&seed, 0.0, 40000.0);
     }
-    state->status = DPT_DEVICE_READY;
+    state->status = DPT_DEVICE_STATUS_READY;
     state->fresh = (uint32_t)(made.number - before);
     state->sequence = made.number;
     state->time_ns = made.before;
@@ -126,7 +127,8 @@ static dpt_result nothing(void *user, const dpt_device_state *state, double dt, 
     return DPT_OK;
 }
 
-static dpt_loop_stats run_made(uint64_t offset, uint64_t period, double rate, dpt_loop_tick *tick)
+static dpt_loop_stats run_made(uint64_t offset, uint64_t period, double rate,
+                               dpt_loop_tick_fn *tick)
 {
     dpt_device *device;
     dpt_loop_def def;

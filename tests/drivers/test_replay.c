@@ -66,7 +66,7 @@ static void rows_are_samples(void)
             state = state_of(device);
             check_row(&motion, &state, row);
             uint64_t ticks = (uint64_t)(motion.tick[row] - motion.tick[0]);
-            CHECK(state.status == DPT_DEVICE_READY && state.sequence == ticks &&
+            CHECK(state.status == DPT_DEVICE_STATUS_READY && state.sequence == ticks &&
                       state.time_ns == ticks * 1000000u,
                   "row %d: sample %d", row, (int)state.sequence);
             CHECK(state.fresh == (row == GAP_AT ? GAP + 1 : 1), "row %d: fresh %u", row,
@@ -92,8 +92,8 @@ static void rows_are_samples(void)
         }
         for (int i = 0; i < 3; i++) {
             CHECK(dpt_device_read(device, &state) == DPT_E_LOST && state.fresh == 0, "it goes on");
-            CHECK(state.status == DPT_DEVICE_LOST && state.reasons == DPT_REASON_UNPLUGGED, "%u",
-                  state.reasons);
+            CHECK(state.status == DPT_DEVICE_STATUS_LOST && state.reasons == DPT_REASON_UNPLUGGED,
+                  "%u", state.reasons);
             CHECK(!memcmp(&state.pose, &before.pose, sizeof state.pose),
                   "the last pose is forgotten");
         }
@@ -115,7 +115,7 @@ static void again_begins_anew(void)
     dpt_device *device = device_named("replay:%s?again=1&rate=500", file.path);
     dpt_device_info info = { .size = sizeof info };
     CHECK(dpt_device_get_info(device, &info) == DPT_OK && info.rate == 500.0 &&
-              info.flags == (DPT_DEVICE_SIMULATED | DPT_DEVICE_DETERMINISTIC) &&
+              info.flags == (DPT_DEVICE_FLAG_SIMULATED | DPT_DEVICE_FLAG_DETERMINISTIC) &&
               info.workspace_max[0] == 0.1 && info.workspace_min[2] == 0.0 &&
               info.workspace_max[2] == 1.0,
           "info");
@@ -150,7 +150,7 @@ static void live_keeps_time(void)
         reads++;
         nanosleep(&nap, NULL);
     }
-    CHECK(state.status == DPT_DEVICE_LOST && reads > 5, "%d reads", (int)reads);
+    CHECK(state.status == DPT_DEVICE_STATUS_LOST && reads > 5, "%d reads", (int)reads);
     dpt_device_close(device);
     unlink(motion.file.path);
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The driver for serial lines (drivers/serial/serial.c) with a device that is well, on lines that are good, bad and full. */
 #include "drivers/serial_fixture.h"
+#include "dynpoint/driver.h"
 
 #include <math.h>
 
@@ -15,13 +16,13 @@ static void opens_and_tells(void)
     CHECK(dpt_device_get_info(device, &info) == DPT_OK, "info");
     CHECK(info.pose_dofs == 3 && info.wrench_dofs == 3 && info.joints == 0 && info.buttons == 1,
           "dofs");
-    CHECK(info.flags == DPT_DEVICE_SIMULATED && info.rate == 1000 && info.force_max == 5 &&
+    CHECK(info.flags == DPT_DEVICE_FLAG_SIMULATED && info.rate == 1000 && info.force_max == 5 &&
               info.watchdog == (double)0.02f && info.workspace_max[1] == (double)0.1f,
           "numbers");
     CHECK(strcmp(info.name, "simulated serial device") == 0 && strcmp(info.serial, "0") == 0, "%s",
           info.name);
-    CHECK(state.status == DPT_DEVICE_READY && state.reasons == 0 && state.temperature == -1, "%u",
-          state.status);
+    CHECK(state.status == DPT_DEVICE_STATUS_READY && state.reasons == 0 && state.temperature == -1,
+          "%u", state.status);
     CHECK(simulated.device.force[1] == 0, "it pushes before it was told to");
     simulated.buttons = 1;
     uint64_t time = 0;
@@ -78,7 +79,7 @@ static void six_freedoms_and_joints(void)
     start(&info, "?silent=30");
     dpt_device_info told = { .size = sizeof told };
     CHECK(dpt_device_get_info(device, &told) == DPT_OK &&
-              told.flags == (DPT_DEVICE_SIMULATED | DPT_DEVICE_ARM),
+              told.flags == (DPT_DEVICE_FLAG_SIMULATED | DPT_DEVICE_FLAG_ARM),
           "flags %x: a loop does not wait for a device that has its own time", told.flags);
     const dpt_wrench wrench = { { 3, 4, 12 }, { 0, 0.3, 0.4 } };
     CHECK(dpt_device_write(device, &wrench) == DPT_OK, "write");
@@ -229,7 +230,7 @@ static void all_that_goes_wrong_is_counted_on_both_sides(void)
         cycle();
         CHECK(dpt_device_read(device, &state) == DPT_OK, "read in cycle %d", i);
         fresh += state.fresh;
-        if (state.status == DPT_DEVICE_FAULT) {
+        if (state.status == DPT_DEVICE_STATUS_FAULT) {
             CHECK(state.reasons == DPT_REASON_WATCHDOG, "%u", state.reasons);
             faults++;
             cycle_while(clear, "clear");
@@ -292,7 +293,8 @@ static void a_host_that_reads_is_there(void)
         pause_ms(5);
     }
     halt();
-    CHECK(state.status == DPT_DEVICE_READY && simulated.device.session != 0, "%u", state.status);
+    CHECK(state.status == DPT_DEVICE_STATUS_READY && simulated.device.session != 0, "%u",
+          state.status);
     finish();
 }
 

@@ -15,7 +15,7 @@ static void silence_is_loss_and_can_be_cleared(void)
     pause_ms(300);
     CHECK(dpt_device_read(device, &state) == DPT_OK, "a sample that waits is no silence");
     pause_ms(300);
-    CHECK(dpt_device_read(device, &state) == DPT_E_LOST && state.status == DPT_DEVICE_LOST &&
+    CHECK(dpt_device_read(device, &state) == DPT_E_LOST && state.status == DPT_DEVICE_STATUS_LOST &&
               state.reasons == DPT_REASON_SILENT && state.fresh == 0,
           "%u %u", state.status, state.reasons);
     CHECK(write_force(1) == DPT_E_LOST, "write");
@@ -30,7 +30,8 @@ static void silence_is_loss_and_can_be_cleared(void)
     CHECK(clear() == DPT_OK, "clear");
     halt();
     simulate_serial_tick(&simulated);
-    CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_READY, "read");
+    CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY,
+          "read");
     CHECK(state.sequence > sequence, "its numbers begin anew");
     dpt_device_get_counts(device, &counts);
     CHECK(counts.resets == 1 && counts.damaged == 0, "%u", (unsigned)counts.resets);
@@ -44,7 +45,7 @@ static void faults_are_cleared(void)
     CHECK(write_force(1) == DPT_OK, "write");
     for (int i = 0; i < 25; i++)
         simulate_serial_tick(&simulated);
-    CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_FAULT &&
+    CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_FAULT &&
               state.reasons == DPT_REASON_WATCHDOG,
           "%u %u", state.status, state.reasons);
     CHECK(write_force(1) == DPT_E_NOT_READY && simulated.device.force[1] == 0, "write");
@@ -55,14 +56,14 @@ static void faults_are_cleared(void)
         pause_ms(1);
         CHECK(dpt_device_read(device, &state) == DPT_OK, "read");
     }
-    CHECK(state.status == DPT_DEVICE_FAULT && state.reasons == DPT_REASON_ESTOP, "%u",
+    CHECK(state.status == DPT_DEVICE_STATUS_FAULT && state.reasons == DPT_REASON_ESTOP, "%u",
           state.reasons);
     CHECK(clear() == DPT_E_NOT_READY, "clear");
     simulated.causes = 0;
     CHECK(clear() == DPT_OK, "clear");
     halt();
     dpt_device_read(device, &state);
-    CHECK(state.status == DPT_DEVICE_READY && state.reasons == 0, "%u", state.reasons);
+    CHECK(state.status == DPT_DEVICE_STATUS_READY && state.reasons == 0, "%u", state.reasons);
     dpt_device_get_counts(device, &counts);
     CHECK(counts.resets == 0, "%u", (unsigned)counts.resets);
     finish();
@@ -107,7 +108,8 @@ static void a_device_that_begins_anew_is_noticed(void)
     go();
     CHECK(clear() == DPT_OK, "clear");
     halt();
-    CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_READY, "read");
+    CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY,
+          "read");
     finish();
 }
 
@@ -163,8 +165,8 @@ static void unplugged_and_plugged_in_again(void)
     CHECK(clear() == DPT_OK, "clear");
     halt();
     simulate_serial_tick(&simulated);
-    CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_READY, "%u",
-          state.status);
+    CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY,
+          "%u", state.status);
     finish();
     unlink(link);
 }

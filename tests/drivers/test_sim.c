@@ -392,7 +392,7 @@ static void faults_come_when_asked_for(void)
             int is_silent = bit == DPT_REASON_SILENT && n >= 50 && n < 60;
             int is_lost = bit == DPT_REASON_UNPLUGGED || bit == DPT_REASON_SILENT;
             if (n < 50 || is_silent) {
-                CHECK(result == DPT_OK && state.status == DPT_DEVICE_READY && !state.reasons,
+                CHECK(result == DPT_OK && state.status == DPT_DEVICE_STATUS_READY && !state.reasons,
                       "%s, period %d: %s", name, n, dpt_device_status_name(state.status));
                 CHECK(state.fresh == !is_silent, "%s, period %d: fresh %u", name, n, state.fresh);
                 CHECK(dpt_device_write(device, &wrench) == DPT_OK, "%s, period %d: write", name, n);
@@ -401,9 +401,10 @@ static void faults_come_when_asked_for(void)
             }
             CHECK(result == (is_lost ? DPT_E_LOST : DPT_OK), "%s: %s", name,
                   dpt_result_name(result));
-            CHECK(state.reasons == bit && state.status != DPT_DEVICE_READY, "%s: %u", name,
+            CHECK(state.reasons == bit && state.status != DPT_DEVICE_STATUS_READY, "%s: %u", name,
                   state.reasons);
-            CHECK((state.status == DPT_DEVICE_LOST) == is_lost && (state.fresh == 0) == is_lost,
+            CHECK((state.status == DPT_DEVICE_STATUS_LOST) == is_lost &&
+                      (state.fresh == 0) == is_lost,
                   "%s: %s", name, dpt_device_status_name(state.status));
             CHECK((state.code != 0) == (bit == DPT_REASON_DEVICE), "%s: code %u", name, state.code);
             CHECK(dpt_device_write(device, &wrench) == (is_lost ? DPT_E_LOST : DPT_E_NOT_READY),
@@ -414,7 +415,7 @@ static void faults_come_when_asked_for(void)
         CHECK(counts_of(device).missed == 0, "%s: it misses commands that it does not take", name);
         CHECK(dpt_device_clear(device) == DPT_OK, "%s: not cleared", name);
         state = state_of(device);
-        CHECK(state.status == DPT_DEVICE_READY && state.reasons == 0 && state.fresh > 0,
+        CHECK(state.status == DPT_DEVICE_STATUS_READY && state.reasons == 0 && state.fresh > 0,
               "%s: %s after clear", name, dpt_device_status_name(state.status));
         double v = state.velocity[0];
         CHECK(fabs(state_of(device).velocity[0] - v) < 1e-15, "%s: force without a command", name);

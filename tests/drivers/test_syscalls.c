@@ -368,15 +368,15 @@ static void check_outcome(const struct outcome *outcome, const char *what)
         break;
     case GET_LIMIT:
     case LOCK:
-        CHECK(outcome->ran == DPT_OK && stats->notes == DPT_LOOP_NO_LOCK && !plan.unlocks,
+        CHECK(outcome->ran == DPT_OK && stats->notes == DPT_LOOP_NOTE_NO_LOCK && !plan.unlocks,
               "%s: notes %u", what, stats->notes);
         break;
     case GET_SCHED:
     case SET_SCHED:
-        CHECK(outcome->ran == DPT_OK &&
-                  (stats->notes == DPT_LOOP_NO_PRIORITY || stats->notes == DPT_LOOP_NO_RETURN),
+        CHECK(outcome->ran == DPT_OK && (stats->notes == DPT_LOOP_NOTE_NO_PRIORITY ||
+                                         stats->notes == DPT_LOOP_NOTE_NO_RETURN),
               "%s: notes %u", what, stats->notes);
-        CHECK((stats->notes == DPT_LOOP_NO_RETURN) == (plan.call == SET_SCHED && plan.at == 2),
+        CHECK((stats->notes == DPT_LOOP_NOTE_NO_RETURN) == (plan.call == SET_SCHED && plan.at == 2),
               "%s: notes %u", what, stats->notes);
         break;
     default:

@@ -34,7 +34,7 @@ static int in_a_process(void (*test)(void))
     return code;
 }
 
-static dpt_loop_stats run_loop(dpt_loop_tick *tick, uint32_t priority, uint32_t lock)
+static dpt_loop_stats run_loop(dpt_loop_tick_fn *tick, uint32_t priority, uint32_t lock)
 {
     dpt_device *device = device_named("sim:?hand=press&live=1");
     dpt_loop_stats stats = { .size = sizeof stats };
@@ -96,7 +96,7 @@ static void work_under_the_usual_limit(void)
     const dpt_loop_stats stats = run_loop(work, 0, 1);
     CHECK(ticks > 5 && could_work, "no thread or no memory while it runs");
     CHECK(can_work(), "no thread or no memory after it");
-    CHECK(stats.notes == DPT_LOOP_NO_LOCK, "notes %u", stats.notes);
+    CHECK(stats.notes == DPT_LOOP_NOTE_NO_LOCK, "notes %u", stats.notes);
 }
 
 static void an_unprivileged_host_keeps_threads_and_memory(void)

@@ -26,10 +26,10 @@ Hit = struct("dpt_hit", (c_uint32, "size status contact flags triangle segment b
              (c_double, "distance gap depth s"), (double3, "p q"),
              (c_double, "error_bound lower_bound"))
 WorldDef = struct("dpt_world_def", (c_uint32, "size max_bodies max_tools max_segments method kernel"
-                                    " until parts one_step budget"), (c_double, "stiffness"),
+                                    " until budget"), (c_double, "stiffness"),
                   (c_uint64, "certificate_bytes"), (c_double, "margin side_limit"),
                   (c_uint32, "max_contacts smooth_normals strip strip_capacity strip_search reserved"),
-                  (c_double, "strip_width strip_depth"))
+                  (c_double, "strip_width strip_depth"), (c_void_p, "baseline reserved_pointer"))
 Step = struct("dpt_step", (c_uint32, "size status contact work"), (c_double, "distance"),
               (c_uint32, "contacts flags"))
 Contact = struct("dpt_contact", (c_uint32, "size id body segment triangle contact flags reserved"),
@@ -89,9 +89,9 @@ mesh = c_void_p()  # looks into file.bytes: keep them until the mesh is no longe
 check("open", core.dpt_mesh_open(c_void_p(file.bytes), c_size_t(file.size), byref(mesh)) == 0)
 
 flags, normals = c_uint32(), (c_double * 9)()
-check("flags", core.dpt_mesh_triangle_flags(mesh, c_uint32(2), byref(flags)) == 0)
+check("flags", core.dpt_mesh_get_triangle_flags(mesh, c_uint32(2), byref(flags)) == 0)
 check("two creases and a diagonal", bin(flags.value).count("1") == 5 and flags.value & 0x1c0)
-check("normals", core.dpt_mesh_vertex_normals(mesh, c_uint32(2), normals) == 0)
+check("normals", core.dpt_mesh_get_vertex_normals(mesh, c_uint32(2), normals) == 0)
 check("upward at the top's corners", all(0.5 < z < 0.6 for z in normals[2::3]))
 
 ends = (c_double * 6)(0.3, 0.2, 1.5, 0.3, 0.2, 2.5)
@@ -102,7 +102,7 @@ check("exact, on the top", hit.status == 3 and triangles[hit.triangle] in ((4, 5
 
 definition, world, body, tool = WorldDef(), c_void_p(), c_uint32(), c_uint32()
 core.dpt_world_def_defaults(byref(definition), c_size_t(sizeof(definition)))
-definition.strip, definition.strip_width = 1, 0.05  # DPT_STRIP_SHADOW
+definition.strip, definition.strip_width = 1, 0.05  # DPT_STRIP_KIND_SHADOW
 need = core.dpt_world_bytes(byref(definition))
 block = (c_double * (need // 8 + 1))()  # doubles, so that the block is aligned to 8
 check("create", core.dpt_world_create(block, c_size_t(need), byref(definition), byref(world)) == 0)

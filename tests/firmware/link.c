@@ -13,7 +13,7 @@
 #include <sys/wait.h>
 #include <time.h>
 
-#include "dynpoint/driver.h"
+#include "dynpoint/device.h"
 #include "lib/check.h"
 
 enum { GOOD, DAMAGED, CUT };
@@ -110,17 +110,17 @@ static int go_on(double force, int (*enough)(void))
 
 static int is_ready(void)
 {
-    return state.status == DPT_DEVICE_READY && state.fresh > 0;
+    return state.status == DPT_DEVICE_STATUS_READY && state.fresh > 0;
 }
 
 static int is_fault(void)
 {
-    return state.status == DPT_DEVICE_FAULT;
+    return state.status == DPT_DEVICE_STATUS_FAULT;
 }
 
 static int is_lost(void)
 {
-    return state.status == DPT_DEVICE_LOST;
+    return state.status == DPT_DEVICE_STATUS_LOST;
 }
 
 static int is_settled(void)
@@ -164,7 +164,7 @@ static void damage_is_counted_on_both_sides(void)
     for (int i = 0; i < 500; i++) {
         const dpt_wrench wrench = { { 1.5, 0, 0 }, { 0, 0, 0 } };
         CHECK(dpt_device_read(device, &state) == DPT_OK, "read");
-        if (state.status == DPT_DEVICE_FAULT)
+        if (state.status == DPT_DEVICE_STATUS_FAULT)
             CHECK(dpt_device_clear(device) == DPT_OK, "clear");
         if (state.fresh > 0)
             dpt_device_write(device, &wrench);
@@ -191,8 +191,8 @@ static void a_cut_on_the_way_there_trips_the_watchdog(void)
         const dpt_wrench wrench = { { 1.5, 0, 0 }, { 0, 0, 0 } };
         const dpt_result written = dpt_device_write(device, &wrench);
         CHECK(written == DPT_E_NOT_READY, "%d", written);
-        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_FAULT, "%u",
-              state.status);
+        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_FAULT,
+              "%u", state.status);
         pause_ms(1);
     }
     CHECK(fabs(state.pose.position[0]) < 1e-4, "at %g m", state.pose.position[0]);

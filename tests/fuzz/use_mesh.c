@@ -2,6 +2,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "dynpoint/baseline.h"
 #include "fuzz/target.h"
 
 enum { SEGMENTS = 4, TICKS = 4, CONTACTS = 4, STRIP = 24, SEARCH = 200 };
@@ -23,13 +24,13 @@ static uint32_t ask_triangles(const dpt_mesh *mesh, const dpt_mesh_info *info)
     double corners[9];
     uint32_t found = 0;
     for (uint32_t number = 0; number < info->source_triangles; number++) {
-        if (dpt_mesh_triangle(mesh, number, corners) != DPT_OK)
+        if (dpt_mesh_get_triangle(mesh, number, corners) != DPT_OK)
             continue;
         found++;
         for (int i = 0; i < 9; i++)
             MUST(fabs(corners[i]) <= DPT_COORDINATE_MAX);
     }
-    MUST(dpt_mesh_triangle(mesh, info->source_triangles, corners) == DPT_E_ARGUMENT);
+    MUST(dpt_mesh_get_triangle(mesh, info->source_triangles, corners) == DPT_E_ARGUMENT);
     return found;
 }
 
@@ -63,7 +64,7 @@ static void check_pair(const dpt_mesh *mesh, const double ends[6], const dpt_hit
 {
     double corners[9];
     MUST(hit->status == DPT_STATUS_EXACT);
-    MUST(dpt_mesh_triangle(mesh, hit->triangle, corners) == DPT_OK);
+    MUST(dpt_mesh_get_triangle(mesh, hit->triangle, corners) == DPT_OK);
     double distance = dpt_segment_triangle(ends, corners, NULL, NULL, NULL);
     MUST(fabs(distance - hit->distance) <= hit->error_bound);
     MUST(hit->lower_bound <= distance + hit->error_bound);
@@ -158,7 +159,8 @@ static int corners_shared(const dpt_mesh *mesh, uint32_t one, uint32_t other)
 {
     double a[9], b[9];
     int shared = 0;
-    MUST(dpt_mesh_triangle(mesh, one, a) == DPT_OK && dpt_mesh_triangle(mesh, other, b) == DPT_OK);
+    MUST(dpt_mesh_get_triangle(mesh, one, a) == DPT_OK &&
+         dpt_mesh_get_triangle(mesh, other, b) == DPT_OK);
     for (int i = 0; i < 9; i += 3)
         for (int k = 0; k < 9; k += 3)
             shared += !memcmp(a + i, b + k, 3 * sizeof *a);
@@ -170,13 +172,13 @@ static void check_route(const dpt_mesh *mesh, const dpt_strip *strip, dpt_result
                         uint32_t from, uint32_t to, int origin)
 {
     uint32_t count, flags;
-    const uint32_t *triangles = dpt_strip_triangles(strip, &count, &flags);
+    const uint32_t *triangles = dpt_strip_get_triangles(strip, &count, &flags);
     MUST(result == DPT_OK || count == 0);
     MUST(count <= STRIP);
     if (origin != FUZZ_COMPILED || result != DPT_OK)
         return;
     MUST(count > 0 && triangles[0] == from);
-    MUST((flags & DPT_STRIP_FULL) || triangles[count - 1] == to);
+    MUST((flags & DPT_STRIP_FLAG_FULL) || triangles[count - 1] == to);
     for (uint32_t i = 1; i < count; i++)
         MUST(corners_shared(mesh, triangles[i - 1], triangles[i]) > 0);
 }
@@ -194,12 +196,12 @@ static void ask_routes(const dpt_mesh *mesh, dpt_strip *strip, const dpt_mesh_in
         dpt_result result = dpt_strip_route(strip, mesh, from, to);
         uint32_t direct[STRIP], count, again;
         check_route(mesh, strip, result, from, to, origin);
-        const uint32_t *triangles = dpt_strip_triangles(strip, &count, NULL);
+        const uint32_t *triangles = dpt_strip_get_triangles(strip, &count, NULL);
         memcpy(direct, triangles, count * sizeof *direct);
         if (!table)
             continue;
         dpt_result by_table = dpt_strip_route_by_table(strip, table, from, to);
-        triangles = dpt_strip_triangles(strip, &again, NULL);
+        triangles = dpt_strip_get_triangles(strip, &again, NULL);
         MUST(origin != FUZZ_COMPILED || result == DPT_E_FULL ||
              (result == by_table && count == again &&
               !memcmp(direct, triangles, count * sizeof *direct)));
@@ -260,7 +262,7 @@ static void ask_world(const dpt_mesh *mesh, const double ends[6 * SEGMENTS], dou
         MUST(result == DPT_OK || result == DPT_E_LAYOUT);
         MUST(isfinite(step.distance) && step.status <= DPT_STATUS_EXACT);
         ask_tool(world, tool);
-        if (strip != DPT_STRIP_NONE)
+        if (strip != DPT_STRIP_KIND_NONE)
             ask_tool_strips(world, tool);
     }
 }
@@ -278,11 +280,13 @@ void fuzz_use_mesh(const dpt_mesh *mesh, int origin, int asked)
     if (asked & FUZZ_QUERY)
         ask_queries(mesh, ends, radius, origin);
     if (asked & FUZZ_TICK)
-        ask_world(mesh, ends, radius, DPT_METHOD_EXACT, 0, DPT_KERNEL_AUTO, DPT_STRIP_NONE);
+        ask_world(mesh, ends, radius, DPT_METHOD_EXACT, 0, DPT_KERNEL_AUTO, DPT_STRIP_KIND_NONE);
     if (asked & FUZZ_BUDGET)
-        ask_world(mesh, ends, radius, DPT_METHOD_EXACT, 2, DPT_KERNEL_SCALAR, DPT_STRIP_SHADOW);
+        ask_world(mesh, ends, radius, DPT_METHOD_EXACT, 2, DPT_KERNEL_SCALAR,
+                  DPT_STRIP_KIND_SHADOW);
     if (asked & FUZZ_PAPER)
-        ask_world(mesh, ends, radius, DPT_METHOD_PAPER, 0, DPT_KERNEL_SCALAR, DPT_STRIP_ROUTES);
+        ask_world(mesh, ends, radius, DPT_METHOD_PAPER, 0, DPT_KERNEL_SCALAR,
+                  DPT_STRIP_KIND_ROUTES);
     if (asked & FUZZ_STRIP)
         ask_strips(mesh, &info, ends, radius, origin);
 }

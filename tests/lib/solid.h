@@ -46,7 +46,7 @@ static inline int solid_open(struct solid *solid)
     solid->corners = malloc(9 * (count + 1) * sizeof *solid->corners);
     for (uint32_t i = 0; i < solid->info.source_triangles && kept < count; i++) {
         double corners[9];
-        if (dpt_mesh_triangle(solid->mesh, i, corners) != DPT_OK)
+        if (dpt_mesh_get_triangle(solid->mesh, i, corners) != DPT_OK)
             continue;
         for (int k = 0; k < 9; k++)
             solid->corners[9 * (size_t)kept + (size_t)k] = (float)corners[k];

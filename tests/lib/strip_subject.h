@@ -42,7 +42,7 @@ static inline int subject_open(struct subject *subject)
     double *corners = calloc(9 * (size_t)count, sizeof *corners);
     unsigned char *there = calloc(count, 1);
     for (uint32_t i = 0; i < count; i++)
-        there[i] = dpt_mesh_triangle(subject->mesh, i, corners + 9 * (size_t)i) == DPT_OK;
+        there[i] = dpt_mesh_get_triangle(subject->mesh, i, corners + 9 * (size_t)i) == DPT_OK;
     const int failed = oracle_surface_open(&subject->surface, corners, there, count);
     CHECK(!failed, "%s: memory", subject->name);
     CHECK(subject->surface.vertices == subject->info.vertices, "%s: %u vertices, not %u",

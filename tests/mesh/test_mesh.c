@@ -501,15 +501,16 @@ static void wrong_arguments_are_refused(void)
     for (uint32_t t = 0; t < 43; t += t < 39 ? 39 : 1) {
         uint32_t flags = 77;
         dpt_result wanted = t < 40 ? DPT_OK : DPT_E_ARGUMENT;
-        CHECK(dpt_mesh_triangle_flags(mesh, t, &flags) == wanted && (flags == 77) == (t >= 40) &&
-                  dpt_mesh_vertex_normals(mesh, t, corners) == wanted,
+        CHECK(dpt_mesh_get_triangle_flags(mesh, t, &flags) == wanted &&
+                  (flags == 77) == (t >= 40) &&
+                  dpt_mesh_get_vertex_normals(mesh, t, corners) == wanted,
               "triangle %u", t);
     }
     uint32_t flags;
-    CHECK(dpt_mesh_triangle_flags(NULL, 0, &flags) == DPT_E_ARGUMENT &&
-              dpt_mesh_triangle_flags(mesh, 0, NULL) == DPT_E_ARGUMENT &&
-              dpt_mesh_vertex_normals(NULL, 0, corners) == DPT_E_ARGUMENT &&
-              dpt_mesh_vertex_normals(mesh, 0, NULL) == DPT_E_ARGUMENT,
+    CHECK(dpt_mesh_get_triangle_flags(NULL, 0, &flags) == DPT_E_ARGUMENT &&
+              dpt_mesh_get_triangle_flags(mesh, 0, NULL) == DPT_E_ARGUMENT &&
+              dpt_mesh_get_vertex_normals(NULL, 0, corners) == DPT_E_ARGUMENT &&
+              dpt_mesh_get_vertex_normals(mesh, 0, NULL) == DPT_E_ARGUMENT,
           "NULL");
     corners[0] = 77.0;
     CHECK(dpt_mesh_get_section(NULL, 0, &section) == DPT_E_ARGUMENT, "no mesh");
@@ -518,10 +519,10 @@ static void wrong_arguments_are_refused(void)
     section.size = sizeof section;
     CHECK(dpt_mesh_get_section(mesh, 14, &section) == DPT_E_ARGUMENT, "there are 14 sections");
     CHECK(dpt_mesh_get_section(mesh, UINT32_MAX, &section) == DPT_E_ARGUMENT, "no such section");
-    CHECK(dpt_mesh_triangle(NULL, 0, corners) == DPT_E_ARGUMENT, "no mesh");
-    CHECK(dpt_mesh_triangle(mesh, 0, NULL) == DPT_E_ARGUMENT, "no corners");
-    CHECK(dpt_mesh_triangle(mesh, 40, corners) == DPT_E_ARGUMENT, "there are 40 triangles");
-    CHECK(dpt_mesh_triangle(mesh, UINT32_MAX, corners) == DPT_E_ARGUMENT, "no such triangle");
+    CHECK(dpt_mesh_get_triangle(NULL, 0, corners) == DPT_E_ARGUMENT, "no mesh");
+    CHECK(dpt_mesh_get_triangle(mesh, 0, NULL) == DPT_E_ARGUMENT, "no corners");
+    CHECK(dpt_mesh_get_triangle(mesh, 40, corners) == DPT_E_ARGUMENT, "there are 40 triangles");
+    CHECK(dpt_mesh_get_triangle(mesh, UINT32_MAX, corners) == DPT_E_ARGUMENT, "no such triangle");
     CHECK(corners[0] == 77.0, "a refused call wrote");
 }
 
@@ -648,13 +649,14 @@ static void answer_alike(const struct file *old, const struct file *today, uint3
     CHECK(dpt_mesh_get_section(meshes[0], sections - 1, &section) == DPT_OK &&
               dpt_mesh_get_section(meshes[0], sections, &section) == DPT_E_ARGUMENT,
           "version %u has not %u sections", version, sections);
-    CHECK(dpt_mesh_triangle_flags(meshes[0], 0, &flags) ==
+    CHECK(dpt_mesh_get_triangle_flags(meshes[0], 0, &flags) ==
               (version > 2 ? DPT_OK : DPT_E_UNSUPPORTED),
           "flags of version %u", version);
     for (uint32_t t = 0; t < info.triangles; t++) {
         double normals[2][9];
         for (int m = 0; m < 2; m++)
-            CHECK(dpt_mesh_vertex_normals(meshes[m], t, normals[m]) == DPT_OK, "triangle %u", t);
+            CHECK(dpt_mesh_get_vertex_normals(meshes[m], t, normals[m]) == DPT_OK, "triangle %u",
+                  t);
         for (int i = 0; i < 9; i++)
             CHECK(fabs(normals[0][i] - normals[1][i]) < 0x1p-24, "normal %d of triangle %u", i, t);
     }

@@ -29,7 +29,7 @@ static void open_scene(struct scene *scene, dpt_compiled *compiled)
     dpti_surface_of_mesh(scene->mesh, &scene->surface);
     scene->corner = calloc(scene->info.source_triangles, sizeof *scene->corner);
     for (uint32_t t = 0; t < scene->info.source_triangles; t++)
-        dpt_mesh_triangle(scene->mesh, t, scene->corner[t]);
+        dpt_mesh_get_triangle(scene->mesh, t, scene->corner[t]);
 }
 
 static void close_scene(struct scene *scene)
@@ -132,7 +132,7 @@ static void normals_are_angle_weighted(void)
         CHECK(mesh_normals(scene.mesh) != NULL, "%s stores none", shapes[s].name);
         for (uint32_t t = 0; t < scene.info.source_triangles; t++) {
             double normals[9];
-            CHECK(dpt_mesh_vertex_normals(scene.mesh, t, normals) == DPT_OK, "triangle %u", t);
+            CHECK(dpt_mesh_get_vertex_normals(scene.mesh, t, normals) == DPT_OK, "triangle %u", t);
             for (int k = 0; k < 3; k++) {
                 real n[3];
                 normal_by_all(&scene, scene.corner[t] + 3 * k, n);
@@ -200,7 +200,7 @@ static void check_flags(const struct scene *scene, const char *name)
           scene->info.crease_edges, creases / 2);
     for (uint32_t t = 0; t < count; t++) {
         uint32_t flags = 0, wanted = 0;
-        CHECK(dpt_mesh_triangle_flags(scene->mesh, t, &flags) == DPT_OK, "%s: %u", name, t);
+        CHECK(dpt_mesh_get_triangle_flags(scene->mesh, t, &flags) == DPT_OK, "%s: %u", name, t);
         for (int k = 0; k < 3; k++) {
             wanted |= edge[t][k] << k;
             for (uint32_t u = 0; u < count; u++)
@@ -292,7 +292,7 @@ static void limits_are_met_to_the_hair(void)
         for (int i = 0; i < 2; i++) {
             struct scene at;
             scene_of_shape(&at, "liver", 500, angle + (i ? 1e-12 : -1e-12));
-            dpt_mesh_triangle_flags(at.mesh, t, &flags[i]);
+            dpt_mesh_get_triangle_flags(at.mesh, t, &flags[i]);
             close_scene(&at);
         }
         CHECK((flags[0] & DPT_EDGE_CREASE) && !(flags[1] & DPT_EDGE_CREASE), "triangle %u at %g", t,
@@ -319,7 +319,7 @@ static void parts_that_share_a_vertex_have_two_normals(void)
         for (int k = 0; k < 3; k++) {
             if (!same_point(scene.corner[t] + 3 * k, vertices))
                 continue;
-            dpt_mesh_vertex_normals(scene.mesh, t, normals);
+            dpt_mesh_get_vertex_normals(scene.mesh, t, normals);
             const double *n = normals + 3 * k;
             CHECK(fabs(n[2] - (t < 4 ? -1.0 : 1.0)) < 0.2, "triangle %u: %g %g %g", t, n[0], n[1],
                   n[2]);
@@ -358,7 +358,7 @@ static void loose_triangles_store_none(void)
         double normals[9];
         real plane[3];
         plane_of(scene.corner[t], 0, plane);
-        dpt_mesh_vertex_normals(scene.mesh, t, normals);
+        dpt_mesh_get_vertex_normals(scene.mesh, t, normals);
         for (int i = 0; i < 9; i++)
             CHECK(fabs(normals[i] - (double)plane[i % 3]) < 1e-12, "triangle %u", t);
     }
@@ -528,7 +528,7 @@ static void borders_cost_no_fan(void)
         for (int k = 0; k < 3; k++) {
             double weight[3] = { 0.0, 0.0, 0.0 };
             uint32_t t = scene.surface.sources[place], flags, wanted = 0;
-            dpt_mesh_triangle_flags(scene.mesh, t, &flags);
+            dpt_mesh_get_triangle_flags(scene.mesh, t, &flags);
             weight[k] = 1.0;
             for (uint32_t u = 0; u < scene.info.triangles && !wanted; u++)
                 for (int i = 0; i < 3; i++)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Where an arm's links are, from the definition in dynpoint/kinematics.h alone: 4x4 matrices in long double, libm's sine
+ * Where an arm's links are, from the definition in dynpoint/arm.h alone: 4x4 matrices in long double, libm's sine
  * and cosine, and no derivative that is not a difference. Reads the arrays that an arm is compiled from. Of a joint's
  * coordinate differentiate by `step`: the error is of its square.
  */

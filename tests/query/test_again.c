@@ -218,7 +218,7 @@ static void as_deep_as_its_regions(void)
             contacts[0].size = sizeof *contacts;
             dpt_tool_get_hit(world, tool, &hit);
             dpt_tool_get_contacts(world, tool, contacts, 8, &count);
-            for (uint32_t i = 0; i < count && i < 8 && hit.flags & DPT_HIT_GAP; i++)
+            for (uint32_t i = 0; i < count && i < 8 && hit.flags & DPT_HIT_FLAG_GAP; i++)
                 CHECK(hit.gap <= contacts[i].gap + hit.error_bound, "%d, %d: %.9g, a region %.9g",
                       run, tick, hit.gap, contacts[i].gap);
             pressed += hit.contact == DPT_CONTACT_PENETRATING;

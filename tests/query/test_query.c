@@ -75,7 +75,7 @@ static void points_on_the_mesh(void)
         return;
     for (int i = 0; i < COUNT; i++) {
         double corners[9];
-        dpt_mesh_triangle(fixture.mesh, (uint32_t)i / 3 % 12, corners);
+        dpt_mesh_get_triangle(fixture.mesh, (uint32_t)i / 3 % 12, corners);
         for (int k = 0; k < 3; k++)
             ends[6 * i + k] = ends[6 * i + 3 + k] = corners[3 * (i % 3) + k];
     }
@@ -195,8 +195,8 @@ static void sign_and_gap_of_a_box(void)
                 : 2e-5 * sqrt(half[0] * half[0] + half[1] * half[1] + half[2] * half[2]);
         inside += hit.distance > 0.0 && gap + radius < 0.0;
         crossing += hit.distance == 0.0;
-        CHECK(hit.flags == (DPT_HIT_GAP | (hit.distance == 0.0 ? DPT_HIT_CROSSING : 0)), "flags %u",
-              hit.flags);
+        CHECK(hit.flags == (DPT_HIT_FLAG_GAP | (hit.distance == 0.0 ? DPT_HIT_FLAG_CROSSING : 0)),
+              "flags %u", hit.flags);
         CHECK(fabs(hit.gap - gap) <= allowed, "gap %.17g, not %.17g", hit.gap, gap);
         CHECK(hit.depth == fmax(0.0, -hit.gap), "depth %.17g", hit.depth);
         if (fabs(gap) < allowed + hit.error_bound)
@@ -236,7 +236,7 @@ static double winding_number(const dpt_mesh *mesh, uint32_t triangles, const dou
     double sum = 0.0;
     for (uint32_t t = 0; t < triangles; t++) {
         double c[9], size[3], d[3];
-        dpt_mesh_triangle(mesh, t, c);
+        dpt_mesh_get_triangle(mesh, t, c);
         for (int k = 0; k < 9; k++)
             c[k] -= x[k % 3];
         for (int k = 0; k < 3; k++) {
@@ -265,7 +265,8 @@ static void sign_is_the_winding_number(void)
     for (int i = 0; i < count; i++) {
         double corners[9], ends[6], share = i % 2 ? 0.0 : random_in(&random, 0.0, 1.0);
         dpt_hit hit = DPT_HIT_INIT;
-        dpt_mesh_triangle(fixture.mesh, (uint32_t)(random_bits(&random) % info.triangles), corners);
+        dpt_mesh_get_triangle(fixture.mesh, (uint32_t)(random_bits(&random) % info.triangles),
+                              corners);
         for (int k = 0; k < 3; k++)
             ends[k] = ends[3 + k] = corners[k] + share * (corners[3 + k] - corners[k]) +
                                     random_in(&random, -0.004, 0.004);
@@ -288,7 +289,7 @@ static void crossing_without_an_inside(void)
     if (fixture_from_shape(&fixture, "membrane", 0)) {
         dpt_query_segments(fixture.mesh, NULL, ends, &radius, 1, &hit, NULL);
         CHECK(hit.distance == 0.0 && hit.contact == DPT_CONTACT_UNKNOWN, "contact %u", hit.contact);
-        CHECK(hit.flags == DPT_HIT_CROSSING && hit.gap == 0.0, "flags %u", hit.flags);
+        CHECK(hit.flags == DPT_HIT_FLAG_CROSSING && hit.gap == 0.0, "flags %u", hit.flags);
         fixture_free(&fixture);
     }
     /* Three triangles on one edge: not a manifold. */
@@ -299,8 +300,8 @@ static void crossing_without_an_inside(void)
         dpt_query_segments(fixture.mesh, NULL, through, &radius, 1, &hit, NULL);
         CHECK(hit.distance == 0.0 && hit.contact == DPT_CONTACT_PENETRATING, "contact %u",
               hit.contact);
-        CHECK(hit.flags == (DPT_HIT_CROSSING | DPT_HIT_GAP) && hit.gap == -radius, "gap %g",
-              hit.gap);
+        CHECK(hit.flags == (DPT_HIT_FLAG_CROSSING | DPT_HIT_FLAG_GAP) && hit.gap == -radius,
+              "gap %g", hit.gap);
         fixture_free(&fixture);
     }
 }

@@ -3,7 +3,7 @@
 #ifndef DPT_TESTS_ROUTE_WALK_H
 #define DPT_TESTS_ROUTE_WALK_H
 
-#include "dynpoint/strip.h"
+#include "dynpoint/baseline.h"
 #include "lib/strip_subject.h"
 #include "oracle/route.h"
 
@@ -51,7 +51,7 @@ static inline dpt_result due(const struct walk *walk, uint32_t from, uint32_t to
 static inline int holds(const dpt_strip *strip, const uint32_t *route, uint32_t length)
 {
     uint32_t count = 0, flags = 0;
-    const uint32_t *triangles = dpt_strip_triangles(strip, &count, &flags);
+    const uint32_t *triangles = dpt_strip_get_triangles(strip, &count, &flags);
     return count == length && flags == 0 &&
            (!length || memcmp(triangles, route, length * sizeof *route) == 0);
 }
@@ -60,7 +60,7 @@ static inline const char *text_of(const dpt_strip *strip)
 {
     static char text[256];
     uint32_t count = 0, flags = 0;
-    const uint32_t *triangles = dpt_strip_triangles(strip, &count, &flags);
+    const uint32_t *triangles = dpt_strip_get_triangles(strip, &count, &flags);
     int length = snprintf(text, sizeof text, "flags %u, %u triangles:", flags, count);
     for (uint32_t i = 0; i < count && length < 240; i++)
         length += snprintf(text + length, sizeof text - (size_t)length, " %u", triangles[i]);
@@ -86,7 +86,7 @@ static inline uint32_t length_of(const struct walk *walk, uint32_t from, uint32_
 {
     uint32_t count = 0;
     const dpt_result result = dpt_strip_route(walk->strip, walk->subject->mesh, from, to);
-    dpt_strip_triangles(walk->strip, &count, NULL);
+    dpt_strip_get_triangles(walk->strip, &count, NULL);
     return result == DPT_OK ? count : 0;
 }
 

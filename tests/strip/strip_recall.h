@@ -68,8 +68,8 @@ static inline void recall_pose(struct scene *scene, const double ends[6], double
         CHECK(result == DPT_OK || (kind == RECALL_ROUTES && result == DPT_E_UNREACHABLE), "%s: %s",
               scene->subject->name, dpt_result_name(result));
         recall->apart += result == DPT_E_UNREACHABLE;
-        const uint32_t *triangles = dpt_strip_triangles(strip, &count, &flags);
-        CHECK(!(flags & DPT_STRIP_FULL), "%s: full", scene->subject->name);
+        const uint32_t *triangles = dpt_strip_get_triangles(strip, &count, &flags);
+        CHECK(!(flags & DPT_STRIP_FLAG_FULL), "%s: full", scene->subject->name);
         for (uint32_t i = 0; i < count; i++)
             scene->mark[triangles[i]] |= (unsigned char)(1 << kind);
         recall->size[kind] += count;

@@ -79,7 +79,7 @@ static inline void scene_triangle(const struct scene *scene, uint32_t triangle, 
 {
     double local[9];
     long double q[4] = { 1, 0, 0, 0 }, x[3], square = 0;
-    dpt_mesh_triangle(scene->subject->mesh, triangle, local);
+    dpt_mesh_get_triangle(scene->subject->mesh, triangle, local);
     memcpy(corners, local, sizeof local);
     if (!scene->pose)
         return;

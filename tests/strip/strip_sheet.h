@@ -16,8 +16,8 @@ static struct tally {
 /* The oracle's flags in the library's bits. */
 static inline uint32_t bits_of(uint32_t flags)
 {
-    return (flags & 1 ? (uint32_t)DPT_STRIP_BORDER : 0u) |
-           (flags & 2 ? (uint32_t)DPT_STRIP_NONMANIFOLD : 0u);
+    return (flags & 1 ? (uint32_t)DPT_STRIP_FLAG_BORDER : 0u) |
+           (flags & 2 ? (uint32_t)DPT_STRIP_FLAG_NONMANIFOLD : 0u);
 }
 
 /* A strip that is filled and not full, against the sheet that the oracle found. */
@@ -27,7 +27,7 @@ static inline void check_sheet(const struct scene *scene, const dpt_shadow *shad
     const struct oracle_sheet *sheet = &scene->sheet;
     const int clear = !scene->shadow.any && shadow->depth + scene->shadow.sure_reach > 0;
     uint32_t count = 0, flags = 0, sure = 0;
-    const uint32_t *triangles = dpt_strip_triangles(strip, &count, &flags);
+    const uint32_t *triangles = dpt_strip_get_triangles(strip, &count, &flags);
     for (uint32_t i = 0; i < count; i++) {
         const uint32_t t = triangles[i];
         CHECK(t < sheet->surface->triangles && sheet->in[t] != ORACLE_OUT, "%u is not of it: %s", t,
@@ -55,16 +55,16 @@ static inline void check_sheet(const struct scene *scene, const dpt_shadow *shad
     all.triangles += count;
     all.clear += clear ? count : 0;
     all.doubts += clear ? sheet->maybe - sheet->sure : 0;
-    all.borders += (flags & DPT_STRIP_BORDER) != 0;
-    all.nonmanifold += (flags & DPT_STRIP_NONMANIFOLD) != 0;
+    all.borders += (flags & DPT_STRIP_FLAG_BORDER) != 0;
+    all.nonmanifold += (flags & DPT_STRIP_FLAG_NONMANIFOLD) != 0;
 }
 
 /* Two strips hold the same triangles, in whatever order, and the same flags. */
 static inline int are_alike(const struct scene *scene, const dpt_strip *one, const dpt_strip *other)
 {
     uint32_t m = 0, n = 0, m_flags = 0, n_flags = 0, found = 0;
-    const uint32_t *a = dpt_strip_triangles(one, &m, &m_flags);
-    const uint32_t *b = dpt_strip_triangles(other, &n, &n_flags);
+    const uint32_t *a = dpt_strip_get_triangles(one, &m, &m_flags);
+    const uint32_t *b = dpt_strip_get_triangles(other, &n, &n_flags);
     for (uint32_t i = 0; i < m; i++)
         scene->mark[a[i]] = 1;
     for (uint32_t i = 0; i < n; i++)

@@ -65,7 +65,7 @@ static void check_overlap(const struct scene *scene, const dpt_shadow *shadow, i
     scene_triangle(scene, o->triangle, c);
     const double truth = dpt_segment_triangle(ends, c, &s, p, q);
     const double near = 1e-12 * (most_of(ends, 6) + most_of(c, 9) + 4 * scene->subject->diagonal);
-    const int crosses = (o->flags & DPT_OVERLAP_CROSSING) != 0;
+    const int crosses = (o->flags & DPT_OVERLAP_FLAG_CROSSING) != 0;
     CHECK(fabs(o->distance - truth) <= near, "%u: %.17g, not %.17g: %s", o->triangle, o->distance,
           truth, text_of(scene, shadow));
     CHECK(crosses == (o->distance == 0) && (o->flags & ~1u) == 0 && o->reserved == 0,
@@ -129,7 +129,7 @@ static void try_overlaps(const struct subject *subject, int count, uint64_t seed
         }
         random_shadow(&scene, &seed, &shadow);
         fill(&scene, &shadow, strip);
-        const uint32_t *triangles = dpt_strip_triangles(strip, &n, NULL);
+        const uint32_t *triangles = dpt_strip_get_triangles(strip, &n, NULL);
         memset(overlaps, 0x5a, (n + 1) * sizeof *overlaps);
         overlaps[0].size = sizeof *overlaps;
         const dpt_result result = dpt_strip_overlaps(strip, subject->mesh, scene.pose,
@@ -200,7 +200,7 @@ static void room_for_overlaps(void)
     shadow_below(&scene, ends, 0.002, &shadow);
     shadow.depth = 0.01;
     fill(&scene, &shadow, strip);
-    dpt_strip_triangles(strip, &n, NULL);
+    dpt_strip_get_triangles(strip, &n, NULL);
     CHECK(n > 4 && n < 64, "%u", n);
     const dpt_mesh *mesh = subject.mesh;
     const dpt_segment *segment = &shadow.segment;

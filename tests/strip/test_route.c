@@ -211,7 +211,7 @@ static void compare_oracles(const struct subject *subject)
     double *corners = calloc(9 * (size_t)count, sizeof *corners);
     uint32_t *tau = malloc(count * sizeof *tau), *plain = malloc(count * sizeof *plain);
     for (uint32_t i = 0; i < count; i++)
-        dpt_mesh_triangle(subject->mesh, i, corners + 9 * (size_t)i);
+        dpt_mesh_get_triangle(subject->mesh, i, corners + 9 * (size_t)i);
     for (uint32_t i = 0; i < count; i++)
         for (uint32_t j = 0; j < count; j++)
             if (is_there(subject, i) && is_there(subject, j))

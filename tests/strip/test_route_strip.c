@@ -95,9 +95,9 @@ static void check_cut(const struct walk *walk, uint32_t from, uint32_t to, uint3
         uint32_t count = 0, flags = 0;
         dpt_strip *strip = hold_strip(&held, capacity, walk->subject->info.vertices);
         const dpt_result result = dpt_strip_route(strip, walk->subject->mesh, from, to);
-        const uint32_t *triangles = dpt_strip_triangles(strip, &count, &flags);
+        const uint32_t *triangles = dpt_strip_get_triangles(strip, &count, &flags);
         CHECK(result == DPT_OK && count == held_count &&
-                  flags == (capacity < length ? DPT_STRIP_FULL : 0u),
+                  flags == (capacity < length ? DPT_STRIP_FLAG_FULL : 0u),
               "%s, %u to %u, of %u in room for %u: %s, %u, flags %u", walk->subject->name, from, to,
               length, capacity, dpt_result_name(result), count, flags);
         CHECK(count <= length && memcmp(triangles, walk->route, count * sizeof *triangles) == 0,
@@ -193,7 +193,7 @@ static void two_routes(void)
                 *once = 1;
             }
             const dpt_result result = dpt_strip_routes(walk.strip, subject.mesh, a, b, p);
-            const uint32_t *got = dpt_strip_triangles(walk.strip, &count, &flags);
+            const uint32_t *got = dpt_strip_get_triangles(walk.strip, &count, &flags);
             CHECK(result == DPT_OK && count == both && flags == 0,
                   "%s, %u and %u to %u: %s, %u triangles, not %u, flags %u", subject.name, a, b, p,
                   dpt_result_name(result), count, both, flags);
@@ -203,9 +203,9 @@ static void two_routes(void)
                 wanted[got[k]] = 2;
             }
             const dpt_result cut_result = dpt_strip_routes(few, subject.mesh, a, b, p);
-            got = dpt_strip_triangles(few, &count, &flags);
+            got = dpt_strip_get_triangles(few, &count, &flags);
             CHECK(cut_result == DPT_OK && count == (both < 5 ? both : 5) &&
-                      flags == (both > 5 ? DPT_STRIP_FULL : 0u),
+                      flags == (both > 5 ? DPT_STRIP_FLAG_FULL : 0u),
                   "%s, %u and %u to %u, of %u: %s, %u triangles, flags %u", subject.name, a, b, p,
                   both, dpt_result_name(cut_result), count, flags);
             for (uint32_t k = 0; k < count; k++) {
@@ -279,8 +279,8 @@ static void bad_arguments(void)
     if (!subject_from_shape(&subject, "torus", 200))
         return;
     dpt_strip *strip = hold_strip(&held, 200, 200);
-    CHECK(dpt_strip_triangles(NULL, &count, &flags) == NULL && count == 0, "%u of none", count);
-    CHECK(dpt_strip_triangles(NULL, NULL, NULL) == NULL, "nothing of none");
+    CHECK(dpt_strip_get_triangles(NULL, &count, &flags) == NULL && count == 0, "%u of none", count);
+    CHECK(dpt_strip_get_triangles(NULL, NULL, NULL) == NULL, "nothing of none");
     const struct {
         dpt_strip *strip;
         const dpt_mesh *mesh;

@@ -18,7 +18,7 @@ static void check_capacity(const struct scene *scene, const dpt_shadow *shadow,
                            const dpt_strip *whole)
 {
     uint32_t n = 0;
-    const uint32_t *all_of_it = dpt_strip_triangles(whole, &n, NULL);
+    const uint32_t *all_of_it = dpt_strip_get_triangles(whole, &n, NULL);
     const uint32_t tries[] = { 1, 2, n / 3, n - 1, n, n + 1 };
     for (size_t i = 0; n && i < sizeof tries / sizeof *tries; i++) {
         struct held_strip held;
@@ -26,7 +26,7 @@ static void check_capacity(const struct scene *scene, const dpt_shadow *shadow,
         uint32_t count = 0, flags = 0, inside = 0, first = 0;
         dpt_strip *strip = hold_strip(&held, capacity, 0);
         fill(scene, shadow, strip);
-        const uint32_t *triangles = dpt_strip_triangles(strip, &count, &flags);
+        const uint32_t *triangles = dpt_strip_get_triangles(strip, &count, &flags);
         for (uint32_t k = 0; k < n; k++)
             scene->mark[all_of_it[k]] = 1;
         for (uint32_t k = 0; k < count; k++) {
@@ -37,7 +37,7 @@ static void check_capacity(const struct scene *scene, const dpt_shadow *shadow,
         for (uint32_t k = 0; k < n; k++)
             scene->mark[all_of_it[k]] = 0;
         CHECK(count == (capacity < n ? capacity : n) && inside == count && first &&
-                  ((flags & DPT_STRIP_FULL) != 0) == (capacity < n),
+                  ((flags & DPT_STRIP_FLAG_FULL) != 0) == (capacity < n),
               "of %u in room for %u: %u, %u of it, flags %u: %s", n, capacity, count, inside, flags,
               text_of(scene, shadow));
         all.full += capacity < n;
@@ -223,13 +223,13 @@ static void a_flat_sheet_by_hand(void)
         shadow.width = wide ? 0.01 : 0;
         uint32_t count = 0, flags = 0, wanted = 0;
         fill(&scene, &shadow, strip);
-        dpt_strip_triangles(strip, &count, &flags);
+        dpt_strip_get_triangles(strip, &count, &flags);
         /* The rectangle against each triangle: both lie in a plane, so by the sides of each. */
         const double x = 0.023 + 0.002 + shadow.width, y = 0.002 + shadow.width;
         for (uint32_t t = 0; t < 800; t++) {
             double c[9], box[4] = { 1, -1, 1, -1 };
             int out = 0;
-            dpt_mesh_triangle(subject.mesh, t, c);
+            dpt_mesh_get_triangle(subject.mesh, t, c);
             for (int i = 0; i < 3; i++) {
                 box[0] = fmin(box[0], c[3 * i]);
                 box[1] = fmax(box[1], c[3 * i]);
@@ -289,7 +289,7 @@ static void mere_lines(void)
         if (subject_from_arrays(&subject, "triangle", vertices, 3, corners, 1)) {
             uint32_t count = 0;
             const dpt_result result = dpt_strip_shadow(strip, subject.mesh, NULL, &shadow);
-            dpt_strip_triangles(strip, &count, NULL);
+            dpt_strip_get_triangles(strip, &count, NULL);
             CHECK(result == DPT_OK, "%s", dpt_result_name(result));
             missed[i % 4] += count != 1;
         }
@@ -385,10 +385,10 @@ static void folds(void)
             fill(&scene, &shadow, strip);
             ask_oracle(&scene, &shadow);
             check_sheet(&scene, &shadow, strip);
-            const uint32_t *triangles = dpt_strip_triangles(strip, &count, NULL);
+            const uint32_t *triangles = dpt_strip_get_triangles(strip, &count, NULL);
             for (uint32_t k = 0; k < count; k++) {
                 double c[9];
-                dpt_mesh_triangle(subject.mesh, triangles[k], c);
+                dpt_mesh_get_triangle(subject.mesh, triangles[k], c);
                 below += fmin(c[2], fmin(c[5], c[8])) < -0.5 * between;
                 third += fmin(c[2], fmin(c[5], c[8])) < -1.5 * between;
             }
@@ -449,9 +449,9 @@ static void bad_arguments(void)
         const dpt_pose bent = { { 0, 0, 0 }, { 1, 1, 0, 0 } };
         const dpt_pose far = { { NAN, 0, 0 }, { 1, 0, 0, 0 } };
         uint32_t count = 0, flags = 0;
-        dpt_strip_triangles(strip, &count, NULL);
+        dpt_strip_get_triangles(strip, &count, NULL);
         CHECK(dpt_strip_shadow(strip, subject.mesh, NULL, &good) == DPT_OK, "%d", i);
-        dpt_strip_triangles(strip, &count, &flags);
+        dpt_strip_get_triangles(strip, &count, &flags);
         CHECK(count == 1 && flags == 0, "%u triangles, flags %u", count, flags);
         const dpt_result result = i < BAD    ? dpt_strip_shadow(strip, subject.mesh, NULL, &bad[i])
                                   : i == BAD ? dpt_strip_shadow(strip, NULL, NULL, &good)
@@ -463,7 +463,7 @@ static void bad_arguments(void)
                                   : i < BAD + 2  ? DPT_E_ARGUMENT
                                   : i == BAD + 2 ? DPT_E_POSE
                                                  : DPT_E_FINITE;
-        dpt_strip_triangles(strip, &count, &flags);
+        dpt_strip_get_triangles(strip, &count, &flags);
         /* Of a radius below 0 the header does not say which. */
         CHECK((result == wanted || (i == 10 && result == DPT_E_FINITE)) && count == 0 && flags == 0,
               "%d: %s, not %s; %u triangles", i, dpt_result_name(result), dpt_result_name(wanted),

@@ -33,7 +33,7 @@ static void course_tick(struct course *course, const double ends[6], double radi
     CHECK(are_alike(&course->scene, course->kept.strip, fresh.strip),
           "tick %zu: a fresh strip has others: %s", course->ticks,
           text_of(&course->scene, &shadow));
-    dpt_strip_triangles(fresh.strip, &count, NULL);
+    dpt_strip_get_triangles(fresh.strip, &count, NULL);
     drop_strip(&fresh);
     course->ticks++;
     course->triangles += count;
@@ -226,7 +226,7 @@ static void in_anothers_place(void)
         CHECK(dpt_mesh_open(place, compiled->size, &mesh) == DPT_OK &&
                   dpt_strip_shadow(strip, mesh, NULL, &shadow) == DPT_OK,
               "%d", i);
-        dpt_strip_triangles(strip, &count, NULL);
+        dpt_strip_get_triangles(strip, &count, NULL);
         CHECK(count == !(i % 2), "%u triangles of mesh %d", count, i % 2);
     }
     drop_strip(&held);

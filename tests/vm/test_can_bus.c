@@ -5,6 +5,7 @@
  * tests/drivers/test_can_faults.c have the rest, on the same kernel with a simulated clock (test_can.sh, test_can_faults.sh). For
  * tests/vm/run.sh.
  */
+#include "dynpoint/driver.h"
 #include "vm/can_socket.h"
 
 #include <math.h>
@@ -135,8 +136,8 @@ static void the_loop_is_closed_by_the_clock(void)
           "run");
     dpt_loop_free(loop);
     dpt_device_get_counts(device, &counts);
-    CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_READY, "%x %x",
-          state.reasons, state.code);
+    CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY,
+          "%x %x", state.reasons, state.code);
     CHECK(stats.fresh + stats.stale == stats.ticks && stats.fresh > stats.ticks / 2 &&
               stats.lost == 0 && stats.not_ready == 0,
           "%u fresh, %u stale, %u lost of %u", (unsigned)stats.fresh, (unsigned)stats.stale,
@@ -215,7 +216,7 @@ static void someone_elses_controllers_are_moved(void)
         CHECK(dpt_device_write(device, &wrench) == DPT_OK, "write");
         pause_ms(10);
         listen_in();
-        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_READY,
+        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY,
               "%u: %x, %x", state.status, state.reasons, state.code);
         samples += state.fresh;
         if (i == 0)
@@ -274,7 +275,7 @@ static void push_until_it_fails(void)
         write_up(1.0);
         pause_ms(PERIOD);
         dpt_device_read(device, &state);
-        after -= state.status != DPT_DEVICE_READY;
+        after -= state.status != DPT_DEVICE_STATUS_READY;
     }
     /* Where nothing can be sent, the controllers' watchdogs end it. */
     pause_ms(WATCHDOG);
@@ -285,9 +286,9 @@ static void push(int cycles)
     for (int i = 0; i < cycles; i++) {
         CHECK(write_up(1.0) == DPT_OK, "write");
         pause_ms(PERIOD);
-        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_READY,
+        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY,
               "%u: %x, %x", state.status, state.reasons, state.code);
-        if (state.status != DPT_DEVICE_READY)
+        if (state.status != DPT_DEVICE_STATUS_READY)
             return;
     }
 }
@@ -303,7 +304,7 @@ static void check_fault(const char *name, uint32_t status, uint32_t reasons, uin
     halt();
     CHECK(!is_pushing(), "%s: a motor pushes", name);
     go();
-    const dpt_result code = status == DPT_DEVICE_LOST ? DPT_E_LOST : DPT_E_NOT_READY;
+    const dpt_result code = status == DPT_DEVICE_STATUS_LOST ? DPT_E_LOST : DPT_E_NOT_READY;
     CHECK(write_up(1.0) == code, "%s: it takes a force", name);
     CHECK(dpt_device_clear(device) == code, "%s: cleared in spite of its cause", name);
 }
@@ -335,13 +336,13 @@ static void an_adapter_at_a_serial_line(void)
           "%s", error.text);
 
     slcan_say(&adapter, "sp128000");
-    check_fault("error-passive", DPT_DEVICE_FAULT, DPT_REASON_LINK, CAN_CODE_PASSIVE);
+    check_fault("error-passive", DPT_DEVICE_STATUS_FAULT, DPT_REASON_LINK, CAN_CODE_PASSIVE);
     slcan_say(&adapter, "sa000000");
     pause_ms(20);
     check_cured("error-passive");
 
     slcan_say(&adapter, "sb256000");
-    check_fault("bus-off", DPT_DEVICE_LOST, DPT_REASON_LINK, CAN_CODE_OFF);
+    check_fault("bus-off", DPT_DEVICE_STATUS_LOST, DPT_REASON_LINK, CAN_CODE_OFF);
     CHECK(net_down(adapter.name) == 0, "down");
     slcan_say(&adapter, "sa000000");
     CHECK(net_up(adapter.name) == 0, "up");
@@ -349,8 +350,8 @@ static void an_adapter_at_a_serial_line(void)
 
     slcan_hang(&adapter, 1);
     push_until_it_fails();
-    CHECK(state.status == DPT_DEVICE_LOST && state.reasons & DPT_REASON_LINK, "full: %u, %x, %x",
-          state.status, state.reasons, state.code);
+    CHECK(state.status == DPT_DEVICE_STATUS_LOST && state.reasons & DPT_REASON_LINK,
+          "full: %u, %x, %x", state.status, state.reasons, state.code);
     dpt_device_counts counts = { .size = sizeof counts };
     dpt_device_get_counts(device, &counts);
     CHECK(counts.refused > 0, "an adapter that hangs takes all");
@@ -359,14 +360,14 @@ static void an_adapter_at_a_serial_line(void)
     check_cured("full");
 
     CHECK(net_down(adapter.name) == 0, "down");
-    check_fault("down", DPT_DEVICE_LOST, DPT_REASON_LINK, CAN_CODE_DOWN);
+    check_fault("down", DPT_DEVICE_STATUS_LOST, DPT_REASON_LINK, CAN_CODE_DOWN);
     CHECK(net_up(adapter.name) == 0, "up");
     check_cured("down");
 
     char before[16];
     strcpy(before, adapter.name);
     slcan_unplug(&adapter);
-    check_fault("unplugged", DPT_DEVICE_LOST, DPT_REASON_UNPLUGGED, CAN_CODE_GONE);
+    check_fault("unplugged", DPT_DEVICE_STATUS_LOST, DPT_REASON_UNPLUGGED, CAN_CODE_GONE);
     CHECK(slcan_plug(&adapter, can_socket(bus_name)) == 0 && !strcmp(adapter.name, before),
           "it comes back as %s", adapter.name);
     check_cured("unplugged");
@@ -386,7 +387,7 @@ static void frames_that_the_kernel_drops(void)
     for (int i = 0; i < 3000; i++)
         can_send(other, &frame);
     push_until_it_fails();
-    CHECK(state.status == DPT_DEVICE_FAULT && state.reasons & DPT_REASON_LINK, "%u, %x, %x",
+    CHECK(state.status == DPT_DEVICE_STATUS_FAULT && state.reasons & DPT_REASON_LINK, "%u, %x, %x",
           state.status, state.reasons, state.code);
     close(other);
     halt();

@@ -162,7 +162,7 @@ static inline void check_said(const char *name, const struct said *said)
     CHECK(hit->status == DPT_STATUS_EXACT || hit->status == DPT_STATUS_BOUNDED, "%s: status %u",
           name, hit->status);
     CHECK(hit->contact <= DPT_CONTACT_PENETRATING, "%s: contact %u", name, hit->contact);
-    CHECK((hit->contact != DPT_CONTACT_UNKNOWN) == ((hit->flags & DPT_HIT_GAP) != 0),
+    CHECK((hit->contact != DPT_CONTACT_UNKNOWN) == ((hit->flags & DPT_HIT_FLAG_GAP) != 0),
           "%s: contact %u, flags %u", name, hit->contact, hit->flags);
     CHECK(hit->depth == fmax(0.0, -hit->gap) || hit->contact == DPT_CONTACT_UNKNOWN,
           "%s: depth %g of gap %g", name, hit->depth, hit->gap);

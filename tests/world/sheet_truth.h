@@ -259,7 +259,7 @@ static inline int sheet_of(struct sheet *sheet, const char *name)
     for (uint32_t t = 0; t < sheet->info.source_triangles && sheet->count < room; t++) {
         double *c = sheet->corners + 9 * (size_t)sheet->count;
         double *ball = sheet->balls + 4 * (size_t)sheet->count;
-        if (dpt_mesh_triangle(sheet->fixture.mesh, t, c) != DPT_OK)
+        if (dpt_mesh_get_triangle(sheet->fixture.mesh, t, c) != DPT_OK)
             continue;
         for (int k = 0; k < 3; k++)
             ball[k] = (c[k] + c[3 + k] + c[6 + k]) / 3.0;

@@ -293,7 +293,7 @@ static void pair_is_real(const struct run *run, const dpt_hit *hit, uint32_t i, 
     CHECK(fabs(gap_of(hit->p, hit->q) - hit->distance) <= tight, "%s: |p - q|", run->what);
     turned(&place[b].pose, -1.0, from, q);
     memcpy(q + 3, q, 3 * sizeof *q);
-    CHECK(dpt_mesh_triangle(place[b].mesh, hit->triangle, corners) == DPT_OK &&
+    CHECK(dpt_mesh_get_triangle(place[b].mesh, hit->triangle, corners) == DPT_OK &&
               dpt_segment_triangle(q, corners, NULL, NULL, NULL) <= tight,
           "%s, tick %u: q is not on triangle %u", run->what, run->tick, hit->triangle);
 }
@@ -320,15 +320,16 @@ static void answer_is_true(struct run *run, uint32_t i, int rests)
           truth->distance);
     CHECK(hit->error_bound <= most, "%s, tick %u, segment %u: error bound %g, may be %g", what,
           run->tick, i, hit->error_bound, most);
-    CHECK(!(hit->flags & DPT_HIT_CROSSING) == (hit->distance > 0.0), "%s: crossing", what);
-    CHECK(!(hit->flags & DPT_HIT_CROSSING) || truth->distance <= tiny, "%s: none crosses", what);
+    CHECK(!(hit->flags & DPT_HIT_FLAG_CROSSING) == (hit->distance > 0.0), "%s: crossing", what);
+    CHECK(!(hit->flags & DPT_HIT_FLAG_CROSSING) || truth->distance <= tiny, "%s: none crosses",
+          what);
     CHECK(!rests || (hit->lower_bound >= run->before[i] && hit->distance <= run->after[i]),
           "%s, tick %u, segment %u rests: %.17g to %.17g was %.17g to %.17g", what, run->tick, i,
           hit->lower_bound, hit->distance, run->before[i], run->after[i]);
     run->before[i] = hit->lower_bound;
     run->after[i] = hit->distance;
     if (hit->status == DPT_STATUS_BOUNDED) {
-        CHECK(hit->contact == DPT_CONTACT_UNKNOWN && !(hit->flags & DPT_HIT_GAP),
+        CHECK(hit->contact == DPT_CONTACT_UNKNOWN && !(hit->flags & DPT_HIT_FLAG_GAP),
               "%s, tick %u: contact %u, flags %u", what, run->tick, hit->contact, hit->flags);
         if (run->moved[i] > 0.0 && run->moved[i] < HUGE_VAL)
             all.loosest = fmax(all.loosest, hit->error_bound / most);

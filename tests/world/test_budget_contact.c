@@ -55,7 +55,7 @@ static void side_step(struct side *side)
     dpt_tool_get_contacts(side->world, side->tool, side->contacts, 16, &side->count);
     side->coarse = 0;
     for (uint32_t i = 0; i < side->count; i++)
-        side->coarse |= side->contacts[i].flags & DPT_REGION_COARSE;
+        side->coarse |= side->contacts[i].flags & DPT_CONTACT_FLAG_COARSE;
 }
 
 static int is_known(const struct side *side)
@@ -121,7 +121,7 @@ static void contact_is_real(const struct subject *subject, const dpt_segment *ax
                             const dpt_contact *contact)
 {
     double corners[9], s, p[3], q[3], off[3] = { 0.0 }, gap[3];
-    dpt_mesh_triangle(subject->mesh, contact->triangle, corners);
+    dpt_mesh_get_triangle(subject->mesh, contact->triangle, corners);
     for (int k = 0; k < 3; k++) {
         off[0] =
             fmax(off[0], fabs(axis->a[k] + contact->s * (axis->b[k] - axis->a[k]) - contact->p[k]));

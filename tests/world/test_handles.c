@@ -237,7 +237,7 @@ static void a_lack_is_told(void)
     dpt_tool_set_pose(of.world, of.tool, &inside);
     dpt_world_step(of.world, 0.001, &step);
     const dpt_world_usage usage = usage_of(&of);
-    CHECK(step.contacts == 1 && (step.flags & DPT_STEP_CONTACTS_FULL), "no lack: %u",
+    CHECK(step.contacts == 1 && (step.flags & DPT_STEP_FLAG_CONTACTS_FULL), "no lack: %u",
           step.contacts);
     CHECK(usage.contacts == 4, "%u regions wanted", usage.contacts);
     free(of.block);
@@ -263,10 +263,10 @@ static void the_pair_alone_is_the_same_pair(void)
         CHECK(a->triangle == b->triangle && a->distance == b->distance && a->s == b->s &&
                   !memcmp(a->p, b->p, sizeof a->p) && !memcmp(a->q, b->q, sizeof a->q),
               "segment %u: %g and %g", i, a->distance, b->distance);
-        CHECK(b->contact == DPT_CONTACT_UNKNOWN && !(b->flags & DPT_HIT_GAP) && b->gap == 0.0 &&
-                  b->depth == 0.0,
+        CHECK(b->contact == DPT_CONTACT_UNKNOWN && !(b->flags & DPT_HIT_FLAG_GAP) &&
+                  b->gap == 0.0 && b->depth == 0.0,
               "segment %u has a contact", i);
-        gaps += a->flags & DPT_HIT_GAP ? 1 : 0;
+        gaps += a->flags & DPT_HIT_FLAG_GAP ? 1 : 0;
     }
     CHECK(gaps == ASKED, "%u of %u have a gap", gaps, (unsigned)ASKED);
 }
@@ -284,7 +284,8 @@ static void all_triangles_at_once(void)
     CHECK(vertices == info.vertices && triangles == info.triangles, "%u, %u", vertices, triangles);
     for (uint32_t t = 0; t < triangles; t++) {
         double one[9];
-        CHECK(dpt_mesh_triangle(fixture.mesh, numbers[t], one) == DPT_OK, "number %u", numbers[t]);
+        CHECK(dpt_mesh_get_triangle(fixture.mesh, numbers[t], one) == DPT_OK, "number %u",
+              numbers[t]);
         for (uint32_t i = 0; i < 9; i++)
             CHECK(one[i] == (double)xyz[3 * corners[3 * t + i / 3] + i % 3], "triangle %u", t);
     }

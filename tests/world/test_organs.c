@@ -54,7 +54,7 @@ static int open_oracle(struct subject *subject)
     subject->corners = malloc(9 * (size_t)subject->info.triangles * sizeof *subject->corners);
     for (uint32_t i = 0; numbers && subject->corners && i < count; i++) {
         double corners[9];
-        const int there = dpt_mesh_triangle(subject->mesh, i, corners) == DPT_OK;
+        const int there = dpt_mesh_get_triangle(subject->mesh, i, corners) == DPT_OK;
         for (uint32_t k = 0; k < 3; k++)
             numbers[3 * (size_t)i + k] = there ? 3 * kept + k : UINT32_MAX;
         CHECK(!there || kept < subject->info.triangles, "%s: too many", subject->name);
@@ -128,7 +128,7 @@ static int is_repeated(const struct subject *subject, const float *corners, uint
 {
     double earlier[9];
     for (uint32_t i = 0; i < number; i++) {
-        if (dpt_mesh_triangle(subject->mesh, i, earlier) == DPT_OK &&
+        if (dpt_mesh_get_triangle(subject->mesh, i, earlier) == DPT_OK &&
             same_corners(corners, earlier))
             return 1;
     }
@@ -163,7 +163,7 @@ static void compare_with_file(const struct subject *subject, const char *path, d
         double ours[9];
         for (int k = 0; k < 9; k++)
             corners[k] = float_at(bytes + 12 + 4 * k, scale);
-        if (dpt_mesh_triangle(subject->mesh, i, ours) == DPT_OK)
+        if (dpt_mesh_get_triangle(subject->mesh, i, ours) == DPT_OK)
             CHECK(same_corners(corners, ours), "%s: triangle %u", subject->name, i);
         else
             CHECK(!has_area(corners) || is_repeated(subject, corners, i), "%s: %u was dropped",
@@ -223,14 +223,14 @@ static void check_form(const struct asked *asked, const dpt_hit *hit)
     CHECK(fabs(apart - hit->distance) <= hit->error_bound, "%.17g %s", apart, text_of(asked, hit));
     CHECK(hit->error_bound > 0 && hit->error_bound <= 1e-9 * asked->subject->diagonal, "%g %s",
           hit->error_bound, text_of(asked, hit));
-    const int crosses = (hit->flags & DPT_HIT_CROSSING) != 0;
+    const int crosses = (hit->flags & DPT_HIT_FLAG_CROSSING) != 0;
     CHECK(crosses == (hit->distance == 0), "flags %s", text_of(asked, hit));
     CHECK(!crosses || memcmp(hit->p, hit->q, sizeof hit->p) == 0, "p, q %s", text_of(asked, hit));
     /* How deep an axis inside is, is for test_depth; here, that it is as deep as its nearest point at least. */
-    CHECK(crosses || ((hit->flags & DPT_HIT_GAP) &&
+    CHECK(crosses || ((hit->flags & DPT_HIT_FLAG_GAP) &&
                       (hit->gap == hit->distance || hit->gap <= hit->error_bound - hit->distance)),
           "gap %s", text_of(asked, hit));
-    CHECK(!(hit->flags & DPT_HIT_GAP) || hit->depth == fmax(0, -hit->gap), "depth %s",
+    CHECK(!(hit->flags & DPT_HIT_FLAG_GAP) || hit->depth == fmax(0, -hit->gap), "depth %s",
           text_of(asked, hit));
 }
 

@@ -7,6 +7,7 @@
  */
 #include <math.h>
 
+#include "dynpoint/baseline.h"
 #include "kernel/kernel_ops.h"
 #include "lib/fixture.h"
 #include "nearest/segment_triangle.h"
@@ -26,7 +27,7 @@ static void oracle_open(struct oracle *oracle, const dpt_mesh *mesh)
     oracle->corners = malloc(info.source_triangles * sizeof *oracle->corners);
     for (uint32_t t = 0; t < oracle->count; t++) {
         double c[9];
-        CHECK(dpt_mesh_triangle(mesh, t, c) == DPT_OK, "triangle %u", t);
+        CHECK(dpt_mesh_get_triangle(mesh, t, c) == DPT_OK, "triangle %u", t);
         for (int k = 0; k < 3; k++)
             oracle->corners[t][k] = vec3_of(c + 3 * k);
     }
@@ -78,11 +79,14 @@ static void lab_open_with(struct lab *lab, const dpt_mesh *mesh, uint32_t parts,
                           uint32_t kernel)
 {
     dpt_world_def def;
+    dpt_baseline_def baseline;
     dpt_segment any = { { 0, 0, 0 }, { 0, 0, 0 }, 0 };
     dpt_world_def_init(&def);
     def.method = DPT_METHOD_PAPER;
-    def.parts = parts;
-    def.one_step = one_step;
+    dpt_baseline_def_init(&baseline);
+    baseline.parts = parts;
+    baseline.one_step = one_step;
+    def.baseline = &baseline;
     def.kernel = kernel;
     lab->block = malloc(dpt_world_bytes(&def));
     dpt_result result = dpt_world_create(lab->block, dpt_world_bytes(&def), &def, &lab->world);
@@ -191,7 +195,7 @@ static void follow(const struct course *course)
     }
     printf("    %-9s K %u%s, %g x %g, %s: %d moves in %d ticks, %d of them not the nearest pair\n",
            shape, parts, one_step ? ", one step" : "", course->reach, course->stretch,
-           dpt_kernel_name(dpt_world_kernel(lab.world)), moved, ticks, local);
+           dpt_kernel_name(dpt_world_get_kernel(lab.world)), moved, ticks, local);
     CHECK(moved > ticks / 30, "only %d moves", moved);
     free(oracle.corners);
     free(lab.block);

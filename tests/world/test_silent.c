@@ -11,6 +11,7 @@
 #include <errno.h>
 #include <math.h>
 
+#include "dynpoint/baseline.h"
 #include "lib/fixture.h"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -99,13 +100,13 @@ static const struct scene {
     uint64_t certificate_bytes;
     uint32_t ticks, strip;
 } scenes[] = {
-    { DPT_METHOD_EXACT, DPT_UNTIL_RESPOND, 1, 0, 1 << 20, 2000, DPT_STRIP_SHADOW },
+    { DPT_METHOD_EXACT, DPT_UNTIL_RESPOND, 1, 0, 1 << 20, 2000, DPT_STRIP_KIND_SHADOW },
     { DPT_METHOD_EXACT, DPT_UNTIL_CONTACT, 1, 0, 3 * 264, 1000,
       0 }, /* planes push each other out */
     { DPT_METHOD_EXACT, DPT_UNTIL_TRACK, 1, 0, 0, 1000, 0 },
-    { DPT_METHOD_TREE, DPT_UNTIL_RESPOND, 1, 0, 0, 1000, DPT_STRIP_ROUTES },
-    { DPT_METHOD_PAPER, DPT_UNTIL_RESPOND, 1, 1, 0, 1000, DPT_STRIP_ROUTES },
-    { DPT_METHOD_PAPER, DPT_UNTIL_CONTACT, 7, 0, 0, 200, DPT_STRIP_SHADOW },
+    { DPT_METHOD_TREE, DPT_UNTIL_RESPOND, 1, 0, 0, 1000, DPT_STRIP_KIND_ROUTES },
+    { DPT_METHOD_PAPER, DPT_UNTIL_RESPOND, 1, 1, 0, 1000, DPT_STRIP_KIND_ROUTES },
+    { DPT_METHOD_PAPER, DPT_UNTIL_CONTACT, 7, 0, 0, 200, DPT_STRIP_KIND_SHADOW },
     { DPT_METHOD_BRUTE, DPT_UNTIL_RESPOND, 1, 0, 0, 20, 0 },
 };
 enum { SCENES = sizeof scenes / sizeof *scenes };
@@ -187,15 +188,18 @@ static void add_tool(struct lab *lab, int which)
 static int open_lab(struct lab *lab, const struct scene *scene, uint32_t kernel)
 {
     dpt_world_def def;
+    dpt_baseline_def baseline;
     dpt_world_def_init(&def);
+    dpt_baseline_def_init(&baseline);
     def.max_bodies = BODIES;
     def.max_tools = TOOLS;
     def.max_segments = SEGMENTS;
     def.method = scene->method;
     def.kernel = kernel;
     def.until = scene->until;
-    def.parts = scene->parts;
-    def.one_step = scene->one_step;
+    baseline.parts = scene->parts;
+    baseline.one_step = scene->one_step;
+    def.baseline = &baseline;
     def.certificate_bytes = scene->certificate_bytes;
     def.strip = scene->strip;
     def.margin = 0.01;
@@ -290,7 +294,7 @@ static void read_answers(struct lab *lab)
         lab->tally.stale += hit.status == DPT_STATUS_STALE;
         lab->tally.local += hit.status == DPT_STATUS_LOCAL;
         lab->tally.exact += hit.status == DPT_STATUS_EXACT;
-        lab->tally.crossing += (hit.flags & DPT_HIT_CROSSING) != 0;
+        lab->tally.crossing += (hit.flags & DPT_HIT_FLAG_CROSSING) != 0;
         lab->tally.forces += wrench.force[0] != 0.0;
     }
 }
@@ -310,7 +314,7 @@ static void query(struct lab *lab, uint32_t tick)
     result_is(lab, dpt_query_segments(mesh, tick % 5 ? &pose : NULL, ends, tick % 7 ? radii : NULL,
                                       QUERIES, hits, &def));
     answer_is(lab, hits, sizeof hits);
-    result_is(lab, dpt_mesh_triangle(mesh, tick, corners));
+    result_is(lab, dpt_mesh_get_triangle(mesh, tick, corners));
     double distance = dpt_segment_triangle(ends, ends + 9, &s, p, q);
     answer_is(lab, &distance, sizeof distance);
 }
@@ -560,10 +564,13 @@ static int prepare(void)
         uint64_t triangles;
     } shapes[BODIES] = { { "torus", 1000 }, { "liver", 2000 }, { "membrane", 0 } };
     dpt_world_def def;
+    dpt_baseline_def baseline;
     dpt_world_def_init(&def); /* larger in all but the parts */
+    dpt_baseline_def_init(&baseline);
     def.method = DPT_METHOD_PAPER;
-    def.parts = 16;
-    def.strip = DPT_STRIP_ROUTES;
+    def.baseline = &baseline;
+    baseline.parts = 16;
+    def.strip = DPT_STRIP_KIND_ROUTES;
     room_bytes = dpt_world_bytes(&def);
     room = malloc(room_bytes);
     for (int i = 0; i < BODIES; i++)

@@ -122,7 +122,7 @@ static void a_step_that_fails_leaves_no_answer(void)
     struct scene scene;
     struct answers before, answers;
     int felt = 0;
-    scene_open(&scene, 0, DPT_STRIP_SHADOW);
+    scene_open(&scene, 0, DPT_STRIP_KIND_SHADOW);
     for (int tick = 0; tick < TICKS; tick++) {
         move(&scene, tick);
         CHECK(step(&scene, 0.001, &before) == DPT_OK, "tick %d", tick);
@@ -152,8 +152,8 @@ static void a_reset_world_is_a_new_one(void)
     for (uint32_t i = 0; i < 3; i++) {
         struct scene used, fresh;
         struct answers one, other;
-        scene_open(&used, budgets[i], DPT_STRIP_ROUTES);
-        scene_open(&fresh, budgets[i], DPT_STRIP_ROUTES);
+        scene_open(&used, budgets[i], DPT_STRIP_KIND_ROUTES);
+        scene_open(&fresh, budgets[i], DPT_STRIP_KIND_ROUTES);
         for (int tick = 0; tick < TICKS - 7; tick++) {
             move(&used, tick);
             step(&used, 0.001, &one);

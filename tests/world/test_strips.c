@@ -92,7 +92,7 @@ static void check_same(const struct lab *lab, const dpt_strip *strip, const char
     static dpt_overlap overlaps[CAPACITY];
     static uint32_t sorted[CAPACITY];
     uint32_t count, wanted, same = 0;
-    const uint32_t *triangles = dpt_strip_triangles(strip, &wanted, NULL);
+    const uint32_t *triangles = dpt_strip_get_triangles(strip, &wanted, NULL);
     memcpy(sorted, triangles, wanted * sizeof *sorted);
     qsort(sorted, wanted, sizeof *sorted, by_number);
     count = strip_of(lab, lab->tool, overlaps);
@@ -105,7 +105,7 @@ static void check_same(const struct lab *lab, const dpt_strip *strip, const char
 
 static void shadow_is_that_of_the_nearest_pair(void)
 {
-    dpt_world_def def = def_with(DPT_STRIP_SHADOW);
+    dpt_world_def def = def_with(DPT_STRIP_KIND_SHADOW);
     def.strip_width = 0.002;
     const dpt_pose pose = { { 0.1, -0.2, 0.3 }, { 0.8, 0.0, 0.6, 0.0 } };
     struct lab lab;
@@ -121,7 +121,7 @@ static void shadow_is_that_of_the_nearest_pair(void)
         dpt_hit hit = DPT_HIT_INIT;
         if (tick % 50 == 0) {
             double corners[9];
-            dpt_mesh_triangle(liver.mesh, (uint32_t)random_in(&random, 0.0, 5568.0), corners);
+            dpt_mesh_get_triangle(liver.mesh, (uint32_t)random_in(&random, 0.0, 5568.0), corners);
             double x = corners[0] * 0.28 + corners[2] * 0.96,
                    z = corners[2] * 0.28 - corners[0] * 0.96;
             const double at[3] = { x + 0.1, corners[1] - 0.2, z + 0.3 };
@@ -179,7 +179,7 @@ static uint32_t nearest_to(const dpt_mesh *mesh, const double point[3])
 
 static void routes_lead_from_the_ends(void)
 {
-    const dpt_world_def def = def_with(DPT_STRIP_ROUTES);
+    const dpt_world_def def = def_with(DPT_STRIP_KIND_ROUTES);
     struct lab lab;
     void *block;
     dpt_segment segment = lying(0.003);
@@ -202,7 +202,7 @@ static void routes_lead_from_the_ends(void)
 
 static void overlaps_are_on_the_side_of_the_tool(void)
 {
-    const dpt_world_def def = def_with(DPT_STRIP_SHADOW);
+    const dpt_world_def def = def_with(DPT_STRIP_KIND_SHADOW);
     dpt_overlap overlaps[CAPACITY];
     /* From in front and from behind, free first; then so deep. */
     for (double side = -1.0; side <= 1.0; side += 2.0)
@@ -221,7 +221,7 @@ static void overlaps_are_on_the_side_of_the_tool(void)
                 CHECK(overlaps[i].overlap == fmax(0.0, -overlaps[i].gap), "overlap");
                 least = fmin(least, overlaps[i].gap);
             }
-            CHECK((hit.flags & DPT_HIT_GAP) && fabs(least - hit.gap) < 1e-9,
+            CHECK((hit.flags & DPT_HIT_FLAG_GAP) && fabs(least - hit.gap) < 1e-9,
                   "side %g, height %g: %g, not %g", side, height, least, hit.gap);
             lab_close(&lab);
         }
@@ -229,7 +229,7 @@ static void overlaps_are_on_the_side_of_the_tool(void)
 
 static void nothing_under_the_tool_is_no_strip(void)
 {
-    dpt_world_def def = def_with(DPT_STRIP_SHADOW);
+    dpt_world_def def = def_with(DPT_STRIP_KIND_SHADOW);
     dpt_overlap overlaps[CAPACITY];
     struct lab lab;
     dpt_segment near = lying(0.004), far = lying(0.1);
@@ -258,7 +258,7 @@ static void nothing_under_the_tool_is_no_strip(void)
     CHECK(strip_of(&lab, lab.tool, overlaps) == 0, "no contact is asked for");
     lab_close(&lab);
 
-    def = def_with(DPT_STRIP_NONE);
+    def = def_with(DPT_STRIP_KIND_NONE);
     lab_open(&lab, &def, "membrane", 0, NULL, &near);
     step(&lab, &near);
     CHECK(strip_of(&lab, lab.tool, overlaps) == 0, "none is asked for");
@@ -267,7 +267,7 @@ static void nothing_under_the_tool_is_no_strip(void)
 
 static void a_removed_tool_leaves_the_others_theirs(void)
 {
-    const dpt_world_def def = def_with(DPT_STRIP_SHADOW);
+    const dpt_world_def def = def_with(DPT_STRIP_KIND_SHADOW);
     static dpt_overlap before[3][CAPACITY], after[CAPACITY];
     const dpt_segment first = lying(0.001);
     dpt_tool tool[3];
@@ -311,13 +311,13 @@ static void walks_are_counted_from_1_again(void)
     dpt_strip *strip = alone(&blocks[0], 0), *other = alone(&blocks[1], 0);
     uint32_t counts[3];
     CHECK(dpt_strip_shadow(strip, fixture.mesh, NULL, &shadow) == DPT_OK, "first");
-    dpt_strip_triangles(strip, &counts[0], NULL);
+    dpt_strip_get_triangles(strip, &counts[0], NULL);
     shadow.width = 0.049;
     strip->walk.stamp = UINT32_MAX;
     CHECK(dpt_strip_shadow(strip, fixture.mesh, NULL, &shadow) == DPT_OK, "again");
     CHECK(dpt_strip_shadow(other, fixture.mesh, NULL, &shadow) == DPT_OK, "alone");
-    dpt_strip_triangles(strip, &counts[1], NULL);
-    dpt_strip_triangles(other, &counts[2], NULL);
+    dpt_strip_get_triangles(strip, &counts[1], NULL);
+    dpt_strip_get_triangles(other, &counts[2], NULL);
     CHECK(counts[0] > 50 && counts[1] == counts[2] && counts[2] > 50, "%u, %u, %u", counts[0],
           counts[1], counts[2]);
     free(blocks[0]);
@@ -327,7 +327,7 @@ static void walks_are_counted_from_1_again(void)
 
 static void defs_and_arguments_are_checked(void)
 {
-    dpt_world_def def = def_with(DPT_STRIP_ROUTES), none = def_with(DPT_STRIP_NONE);
+    dpt_world_def def = def_with(DPT_STRIP_KIND_ROUTES), none = def_with(DPT_STRIP_KIND_NONE);
     const dpt_strip_def strip = { .size = sizeof strip,
                                   .capacity = CAPACITY,
                                   .search = def.strip_search };
@@ -338,7 +338,7 @@ static void defs_and_arguments_are_checked(void)
     CHECK(dpt_world_bytes(&none) + 16 * dpt_strip_bytes(&strip) < dpt_world_bytes(&def),
           "what is not asked for costs nothing");
 #define REFUSED(field, value)                                                                      \
-    def = def_with(DPT_STRIP_SHADOW);                                                              \
+    def = def_with(DPT_STRIP_KIND_SHADOW);                                                         \
     def.field = value;                                                                             \
     CHECK(dpt_world_bytes(&def) == 0, #field " = " #value)
     REFUSED(strip, 3);
@@ -349,7 +349,7 @@ static void defs_and_arguments_are_checked(void)
     REFUSED(strip_depth, INFINITY);
     REFUSED(reserved, 1);
 #undef REFUSED
-    def = def_with(DPT_STRIP_SHADOW);
+    def = def_with(DPT_STRIP_KIND_SHADOW);
     struct lab lab;
     dpt_segment near = lying(0.004);
     dpt_overlap overlap = { .size = sizeof overlap };

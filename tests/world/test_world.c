@@ -6,6 +6,7 @@
  */
 #include <math.h>
 
+#include "dynpoint/baseline.h"
 #include "lib/fixture.h"
 
 struct lab {
@@ -74,9 +75,26 @@ static void defs_are_checked(void)
     REFUSED(max_tools, 0);
     REFUSED(max_segments, 0);
     REFUSED(method, 4);
-    REFUSED(parts, 0);
-    REFUSED(parts, 2);
-    REFUSED(one_step, 2);
+    dpt_baseline_def paper, wrong;
+    dpt_baseline_def_init(&paper);
+    REFUSED(reserved_pointer, &paper);
+#define REFUSED_BASELINE(field, value)                                                             \
+    wrong = paper;                                                                                 \
+    wrong.field = value;                                                                           \
+    REFUSED(baseline, &wrong)
+    REFUSED_BASELINE(size, 8);
+    REFUSED_BASELINE(parts, 0);
+    REFUSED_BASELINE(parts, 2); /* of another method than the paper's */
+    REFUSED_BASELINE(one_step, 2);
+    REFUSED_BASELINE(reserved, 1);
+#undef REFUSED_BASELINE
+    def = good;
+    def.method = DPT_METHOD_PAPER;
+    def.baseline = &paper;
+    paper.parts = 64;
+    CHECK(dpt_world_bytes(&def) > dpt_world_bytes(&good), "64 parts");
+    paper.parts = 65;
+    CHECK(dpt_world_bytes(&def) == 0, "65 parts");
     REFUSED(until, 3);
     def = good;
     def.method = DPT_METHOD_TREE;
@@ -564,9 +582,10 @@ static void a_step_goes_as_far_as_asked(void)
         dpt_world_step(lab.world, 1e-3, NULL);
         dpt_hit crossing = DPT_HIT_INIT;
         dpt_tool_get_hit(lab.world, tool, &crossing);
-        CHECK(crossing.distance == 0.0 && (crossing.flags & DPT_HIT_CROSSING), "until %u: crossing",
-              until);
-        CHECK((hit.flags & DPT_HIT_GAP) == (until == DPT_UNTIL_TRACK ? 0 : DPT_HIT_GAP), "gap");
+        CHECK(crossing.distance == 0.0 && (crossing.flags & DPT_HIT_FLAG_CROSSING),
+              "until %u: crossing", until);
+        CHECK((hit.flags & DPT_HIT_FLAG_GAP) == (until == DPT_UNTIL_TRACK ? 0 : DPT_HIT_FLAG_GAP),
+              "gap");
         CHECK((force > 0.0) == (until == DPT_UNTIL_RESPOND), "force %g", force);
         free(lab.block);
     }

@@ -18,7 +18,7 @@ void simulate_serial_info(struct wire_info *info)
         .pose_dofs = 3,
         .wrench_dofs = 3,
         .buttons = 1,
-        .flags = 1, /* DPT_DEVICE_SIMULATED */
+        .flags = 1, /* DPT_DEVICE_FLAG_SIMULATED */
         .rate = 1000,
         .force_max = 5,
         .force_continuous = 2,

@@ -10,8 +10,8 @@
  * above DPT_COORDINATE_MAX, and then leaves its output alone. All are stateless and thread-safe, allocate nothing, and
  * give the same bits on every machine.
  */
-#ifndef DYNPOINT_KINEMATICS_H
-#define DYNPOINT_KINEMATICS_H
+#ifndef DYNPOINT_ARM_H
+#define DYNPOINT_ARM_H
 
 #include "dynpoint/mesh.h"
 
