@@ -91,7 +91,7 @@ for program in build/tests/test_*; do
     is_timed "${program#build/tests/test_}" || run "$(basename "$program")" "$program"
 done
 for config in scalar sanitize; do
-    for name in read compile parallel mesh damage arm kinematics normal winding parts kernel query world stale handles settings sizes region region_forms paper shape budget near sweep_mesh voyages way_sides route_strip strips guard sim replay driver syscalls urgent odrive can can_faults can_open; do
+    for name in read compile parallel mesh damage arm kinematics normal winding parts kernel query world stale handles settings trial sizes region region_forms paper shape budget near sweep_mesh voyages way_sides route_strip strips guard sim replay driver syscalls urgent odrive can can_faults can_open; do
         program=build/$config/tests/test_$name
         [ -x "$program" ] && run "test_$name, $config" "$program"
     done

@@ -213,6 +213,26 @@ DPT_API dpt_result dpt_tool_get_pose(const dpt_world *world, dpt_tool tool, dpt_
 DPT_API dpt_result dpt_tool_set_user(dpt_world *world, dpt_tool tool, uint64_t user);
 DPT_API dpt_result dpt_tool_get_user(const dpt_world *world, dpt_tool tool, uint64_t *user);
 
+/*
+ * Try a motion and stop at the first touch, without moving: from where the tool was last set to `pose`, or to those
+ * segments in the world, as in a step; bodies rest where they were last set. The world stays as it is, and nothing of its
+ * budget is spent: a long turn near a large mesh takes milliseconds.
+ *
+ *   clearance  a touch is a surface within the tool's radius and this; m. Where the two add up to less than 0: the axis
+ *   first      what was met first, as in dpt_tool_get_sweep; may be NULL. DPT_SWEEP_HIT at time 0 where something
+ *              touches already: its normal is zero if the axis is through. DPT_SWEEP_FREE: nothing, and time is 1.
+ *              DPT_SWEEP_NONE, and time 0: the tool's or a body's pose is not valid, nobody knows
+ *   reached    where the tool is at that time: farther from all bodies than a touch if the time is not 0; may be NULL.
+ *              Of segments `count`, and `segments` itself may be given
+ *
+ * Errors are those of dpt_tool_set_pose and dpt_tool_set_segments, and leave outputs and the tool as they were.
+ */
+DPT_API dpt_result dpt_tool_try_pose(const dpt_world *world, dpt_tool tool, const dpt_pose *pose,
+                                     double clearance, dpt_sweep *first, dpt_pose *reached);
+DPT_API dpt_result dpt_tool_try_segments(const dpt_world *world, dpt_tool tool,
+                                         const dpt_segment *segments, uint32_t count,
+                                         double clearance, dpt_sweep *first, dpt_segment *reached);
+
 /* What may be set of a tool at any time; as dpt_body_settings. */
 typedef struct dpt_tool_settings {
     uint32_t size;     /* sizeof(dpt_tool_settings), set by the caller */

@@ -174,3 +174,30 @@ double dpti_tour_way(const struct moment *from, const struct moment *to)
     return faster(sub(at_last.a, at_first.a), sub(at_last.b, at_first.b)) +
            bend_of(&at_first, &at_middle, &at_last);
 }
+
+dpt_pose dpti_tour_pose(const dpt_pose *from, const dpt_pose *to, double time)
+{
+    dpt_pose low = *from, high = *to, pose;
+    double t0 = 0.0, t1 = 1.0, cosine = 0.0, square = 0.0;
+    if (time <= 0.0 || time >= 1.0)
+        return time <= 0.0 ? *from : *to;
+    for (int k = 0; k < HALVES_MOST; k++) {
+        const double half = 0.5 * (t0 + t1);
+        const dpt_pose middle = pose_middle(&low, &high);
+        *(time < half ? &t1 : &t0) = half;
+        *(time < half ? &high : &low) = middle;
+    }
+    const double part = (time - t0) / (t1 - t0);
+    for (int k = 0; k < 3; k++)
+        pose.position[k] = low.position[k] + part * (high.position[k] - low.position[k]);
+    for (int k = 0; k < 4; k++)
+        cosine += low.orientation[k] * high.orientation[k];
+    for (int k = 0; k < 4; k++) {
+        const double end = (cosine < 0.0 ? -1.0 : 1.0) * high.orientation[k];
+        pose.orientation[k] = low.orientation[k] + part * (end - low.orientation[k]);
+        square += pose.orientation[k] * pose.orientation[k];
+    }
+    for (int k = 0; k < 4; k++)
+        pose.orientation[k] /= sqrt(square);
+    return pose;
+}

@@ -60,6 +60,9 @@ int dpti_tour_side_before(const struct tour *tour);
  */
 int dpti_tour_began_through(const struct tour *tour);
 
+/* Where a tool of such a motion is at a time, 0..1. */
+dpt_pose dpti_tour_pose(const dpt_pose *from, const dpt_pose *to, double time);
+
 /* No point of the tool was farther away from where it is at last than that, the arc of a turn included. */
 double dpti_tour_way(const struct moment *from, const struct moment *to);
 

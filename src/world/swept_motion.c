@@ -59,14 +59,13 @@ double dpti_motion_between(const struct was *was, const struct was *is)
     return dpti_tour_way(&from, &to);
 }
 
-static void tell(const struct tour *tour, const struct body *body, struct segment *segment)
+void dpti_motion_tell(const struct tour *tour, const struct body *body, dpt_sweep *sweep)
 {
     const struct strike *strike = &tour->passage.strike;
     const struct surface *surface = tour->surface;
     int side = dpti_tour_side_before(tour);
     vec3 normal = dpti_surface_feature_normal(surface, strike->triangle, strike->pair.weight);
     double size = length(normal);
-    dpt_sweep *sweep = &segment->sweep;
     sweep->status = DPT_SWEEP_HIT;
     sweep->time = tour->passage.time;
     sweep->body = body->id;
@@ -156,7 +155,7 @@ static int pass_body(struct dpt_world *world, uint32_t index, const struct body 
     if (result == SWEEP_UNFINISHED)
         return stop(segment, voyage, body);
     if (tour.passage.time < segment->sweep.time)
-        tell(&tour, body, segment);
+        dpti_motion_tell(&tour, body, &segment->sweep);
     if (result == SWEEP_HIT) {
         segment->passed = 1;
         keep_side(world, index, body, &axis);

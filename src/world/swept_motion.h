@@ -28,6 +28,9 @@ struct around dpti_motion_around(struct dpt_world *world, uint32_t index, double
 /* The next of them, or NULL. */
 const struct body *dpti_motion_next_body(struct around *around);
 
+/* A tour that met a body, as users get it; the segment and the age are left alone. */
+void dpti_motion_tell(const struct tour *tour, const struct body *body, dpt_sweep *sweep);
+
 /* No sweep, and why: DPT_SWEEP_... */
 void dpti_motion_no_sweep(struct segment *segment, uint32_t status);
 

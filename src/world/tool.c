@@ -29,7 +29,7 @@ void dpti_tool_forget(struct dpt_world *world, struct tool *tool)
     dpti_tool_clear(world, tool);
 }
 
-static dpt_result check_segments(const dpt_segment *segments, uint32_t count)
+dpt_result dpti_tool_check_segments(const dpt_segment *segments, uint32_t count)
 {
     for (uint32_t i = 0; i < count; i++)
         if (!vec3_within(segments[i].a, DPT_COORDINATE_MAX) ||
@@ -57,7 +57,7 @@ dpt_result dpt_tool_add(dpt_world *world, const dpt_segment *segments, uint32_t 
 {
     if (!world || !segments || !tool || count == 0)
         return DPT_E_ARGUMENT;
-    DPT_TRY(check_segments(segments, count));
+    DPT_TRY(dpti_tool_check_segments(segments, count));
     uint32_t index =
         slot_to_use(&world->tools->slot, sizeof *world->tools, world->tool_end, world->freed[1]);
     if (index == world->def.max_tools || count > world->def.max_segments - world->segment_count)
@@ -138,8 +138,9 @@ dpt_result dpt_tool_set_segments(dpt_world *world, dpt_tool tool, const dpt_segm
     struct tool *moved = world ? world_find_tool(world, tool) : NULL;
     if (!moved)
         return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
-    dpt_result result =
-        segments && count == moved->count ? check_segments(segments, count) : DPT_E_ARGUMENT;
+    dpt_result result = segments && count == moved->count
+                            ? dpti_tool_check_segments(segments, count)
+                            : DPT_E_ARGUMENT;
     moved->slot.valid = result == DPT_OK;
     if (result != DPT_OK)
         return result;

@@ -8,4 +8,7 @@
 /* Forget what earlier ticks left of a tool, and its answers. */
 void dpti_tool_forget(struct dpt_world *world, struct tool *tool);
 
+/* May they be a tool's? */
+dpt_result dpti_tool_check_segments(const dpt_segment *segments, uint32_t count);
+
 #endif

@@ -1,0 +1,139 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A motion that is tried: the sweep of a tick, without the tick. The world stays as it is. */
+#include "base/return_if_error.h"
+#include "base/sized.h"
+#include "world/swept_motion.h"
+#include "world/tool.h"
+
+struct trial {
+    const struct dpt_world *world;
+    double clearance;
+    dpt_sweep first;
+};
+
+/* What one body meets first of one segment, if that is before all else so far. */
+static void try_body(struct trial *trial, const struct body *body, double radius, uint32_t segment,
+                     struct moment *from, struct moment *to)
+{
+    struct tour_progress progress = { .free_until = 0.0 };
+    struct work work = work_of(WORK_UNLIMITED);
+    struct tour tour = { .surface = &body->surface,
+                         .kernel = &trial->world->kernel,
+                         .radius = radius,
+                         .tolerance = 0.5 * TOUR_TOLERANCE * dpti_surface_diagonal(&body->surface),
+                         .hint = DPT_NONE,
+                         .work = &work,
+                         .progress = &progress };
+    from->body = to->body = body->pose;
+    if (dpti_tour_sweep(&tour, from, to) != SWEEP_HIT ||
+        (trial->first.status == DPT_SWEEP_HIT && tour.passage.time >= trial->first.time))
+        return;
+    trial->first.segment = segment;
+    dpti_motion_tell(&tour, body, &trial->first);
+    if (tour.passage.time == 0.0 && tour.passage.strike.pair.distance2 == 0.0)
+        memset(trial->first.normal, 0, sizeof trial->first.normal);
+}
+
+static void try_segment(struct trial *trial, const struct segment *segment, uint32_t number,
+                        struct moment *from, struct moment *to)
+{
+    const struct dpt_world *world = trial->world;
+    const double radius = larger(0.0, segment->radius + trial->clearance);
+    const double reach = radius + dpti_tour_way(from, to);
+    struct frame frame;
+    frame_of_pose(&to->tool, &frame);
+    const struct box box =
+        box_of_axis(frame_to_world(&frame, to->a), frame_to_world(&frame, to->b));
+    for (uint32_t i = 0; i < world->body_end; i++)
+        if (world->bodies[i].slot.used && box_distance(&box, &world->boxes[i]) <= reach)
+            try_body(trial, &world->bodies[i], radius, number, from, to);
+}
+
+static dpt_result begin(struct trial *trial, const dpt_world *world, dpt_tool id, double clearance,
+                        const dpt_sweep *first, const struct tool **tool)
+{
+    if (!world)
+        return DPT_E_ARGUMENT;
+    if (first)
+        DPT_TRY(sized_check(first, sizeof *first, 0));
+    *tool = world_find_tool(world, id);
+    if (!*tool)
+        return DPT_E_HANDLE;
+    if (!within(clearance, DPT_COORDINATE_MAX))
+        return DPT_E_FINITE;
+    const int is_known = (*tool)->slot.valid && !world->invalid;
+    *trial = (struct trial){ .world = world,
+                             .clearance = clearance,
+                             .first = { .status = is_known ? DPT_SWEEP_FREE : DPT_SWEEP_NONE,
+                                        .triangle = DPT_NONE,
+                                        .time = is_known } };
+    return DPT_OK;
+}
+
+static void end(const struct trial *trial, dpt_sweep *first)
+{
+    if (first)
+        sized_write(first, first->size, &trial->first, sizeof trial->first);
+}
+
+dpt_result dpt_tool_try_pose(const dpt_world *world, dpt_tool tool, const dpt_pose *pose,
+                             double clearance, dpt_sweep *first, dpt_pose *reached)
+{
+    struct trial trial;
+    struct frame frame;
+    const struct tool *tried;
+    if (!pose)
+        return DPT_E_ARGUMENT;
+    DPT_TRY(begin(&trial, world, tool, clearance, first, &tried));
+    DPT_TRY(frame_of_pose(pose, &frame));
+    for (uint32_t i = 0; trial.first.status != DPT_SWEEP_NONE && i < tried->count; i++) {
+        const struct segment *segment = &world->segments[tried->first + i];
+        struct moment from = { .tool = tried->pose, .a = segment->a, .b = segment->b };
+        struct moment to = { .tool = *pose, .a = segment->a, .b = segment->b };
+        try_segment(&trial, segment, i, &from, &to);
+    }
+    end(&trial, first);
+    if (reached)
+        *reached = dpti_tour_pose(&tried->pose, pose, trial.first.time);
+    return DPT_OK;
+}
+
+dpt_result dpt_tool_try_segments(const dpt_world *world, dpt_tool tool, const dpt_segment *segments,
+                                 uint32_t count, double clearance, dpt_sweep *first,
+                                 dpt_segment *reached)
+{
+    struct trial trial;
+    const struct tool *tried;
+    const dpt_pose identity = DPT_POSE_IDENTITY;
+    if (!segments)
+        return DPT_E_ARGUMENT;
+    DPT_TRY(begin(&trial, world, tool, clearance, first, &tried));
+    if (count != tried->count)
+        return DPT_E_ARGUMENT;
+    DPT_TRY(dpti_tool_check_segments(segments, count));
+    for (uint32_t i = 0; trial.first.status != DPT_SWEEP_NONE && i < count; i++) {
+        struct segment segment = world->segments[tried->first + i];
+        struct moment from = { .tool = identity,
+                               .a = frame_to_world(&tried->frame, segment.a),
+                               .b = frame_to_world(&tried->frame, segment.b) };
+        struct moment to = { .tool = identity,
+                             .a = vec3_of(segments[i].a),
+                             .b = vec3_of(segments[i].b) };
+        segment.radius = segments[i].radius;
+        try_segment(&trial, &segment, i, &from, &to);
+    }
+    end(&trial, first);
+    for (uint32_t i = 0; reached && i < count; i++) {
+        const struct segment *segment = &world->segments[tried->first + i];
+        const vec3 a = frame_to_world(&tried->frame, segment->a);
+        const vec3 b = frame_to_world(&tried->frame, segment->b);
+        const double time = trial.first.time;
+        dpt_segment at = segments[i];
+        if (time < 1.0) {
+            vec3_store(along(a, time, sub(vec3_of(at.a), a)), at.a);
+            vec3_store(along(b, time, sub(vec3_of(at.b), b)), at.b);
+        }
+        reached[i] = at;
+    }
+    return DPT_OK;
+}

@@ -1,0 +1,348 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * Motions that are tried. The oracle walks the motion in 1,000 steps and asks for the nearest pair at each, without a
+ * world: it cannot judge a touch between two of its steps that is nearer than their length, so it allows that.
+ */
+#include <math.h>
+
+#include "lib/arm_random.h"
+#include "lib/fixture.h"
+#include "lib/random.h"
+
+enum { BODIES = 3, SEGMENTS = 2, STEPS = 1000 };
+
+static struct fixture meshes[BODIES];
+static double diagonal[BODIES];
+
+struct scene {
+    void *block;
+    size_t bytes;
+    dpt_world *world;
+    dpt_body body[BODIES];
+    dpt_pose pose[BODIES];
+    dpt_tool tool;
+    dpt_segment segment[SEGMENTS];
+};
+
+static void scene_open(struct scene *scene, uint64_t *random)
+{
+    dpt_world_def def;
+    dpt_world_def_init(&def);
+    def.budget = random_bits(random) % 2 ? 50 : 0;
+    scene->bytes = dpt_world_bytes(&def);
+    scene->block = malloc(scene->bytes);
+    CHECK(dpt_world_create(scene->block, scene->bytes, &def, &scene->world) == DPT_OK, "create");
+    for (int i = 0; i < BODIES; i++) {
+        scene->pose[i] = pose_random(random, 0.1);
+        dpt_body_add(scene->world, meshes[i].mesh, &scene->pose[i], &scene->body[i]);
+    }
+    for (int i = 0; i < SEGMENTS; i++) {
+        for (int k = 0; k < 3; k++) {
+            scene->segment[i].a[k] = random_in(random, -0.05, 0.05);
+            scene->segment[i].b[k] = random_in(random, -0.05, 0.05);
+        }
+        scene->segment[i].radius = i ? random_in(random, 0.0, 0.01) : 0.0;
+    }
+    dpt_tool_add(scene->world, scene->segment, SEGMENTS, &scene->tool);
+}
+
+/* Where a point of a frame is. */
+static void place(const dpt_pose *pose, const double x[3], double out[3])
+{
+    const double *q = pose->orientation;
+    const double w = q[0], v[3] = { q[1], q[2], q[3] };
+    const double t[3] = { 2.0 * (v[1] * x[2] - v[2] * x[1]), 2.0 * (v[2] * x[0] - v[0] * x[2]),
+                          2.0 * (v[0] * x[1] - v[1] * x[0]) };
+    out[0] = pose->position[0] + x[0] + w * t[0] + v[1] * t[2] - v[2] * t[1];
+    out[1] = pose->position[1] + x[1] + w * t[1] + v[2] * t[0] - v[0] * t[2];
+    out[2] = pose->position[2] + x[2] + w * t[2] + v[0] * t[1] - v[1] * t[0];
+}
+
+static void ends_of(const dpt_pose *pose, const dpt_segment *segment, double ends[6])
+{
+    place(pose, segment->a, ends);
+    place(pose, segment->b, ends + 3);
+}
+
+/* The gap of those ends to the nearest body, from their axis. */
+static double nearest(const struct scene *scene, const double ends[6], uint32_t *body)
+{
+    const dpt_query_def pair = { .size = sizeof pair, .pair = 1 };
+    double least = HUGE_VAL;
+    for (uint32_t i = 0; i < BODIES; i++) {
+        dpt_hit hit = DPT_HIT_INIT;
+        dpt_query_segments(meshes[i].mesh, &scene->pose[i], ends, NULL, 1, &hit, &pair);
+        if (hit.distance < least) {
+            least = hit.distance;
+            *body = scene->body[i];
+        }
+    }
+    return least;
+}
+
+/* The shortest turn, by sines: another way than the library's halving. */
+static dpt_pose between(const dpt_pose *from, const dpt_pose *to, double t)
+{
+    dpt_pose pose;
+    double cosine = 0.0, sign = 1.0, p = 1.0 - t, q = t;
+    for (int k = 0; k < 4; k++)
+        cosine += from->orientation[k] * to->orientation[k];
+    if (cosine < 0.0)
+        sign = -1.0;
+    const double angle = acos(fmin(1.0, fabs(cosine)));
+    if (angle > 1e-8) {
+        p = sin((1.0 - t) * angle) / sin(angle);
+        q = sin(t * angle) / sin(angle);
+    }
+    for (int k = 0; k < 3; k++)
+        pose.position[k] = from->position[k] + t * (to->position[k] - from->position[k]);
+    for (int k = 0; k < 4; k++)
+        pose.orientation[k] = p * from->orientation[k] + sign * q * to->orientation[k];
+    return pose;
+}
+
+static double largest_diagonal(void)
+{
+    return fmax(diagonal[0], fmax(diagonal[1], diagonal[2]));
+}
+
+/* How near the tool comes to a touch on the way up to `until`, negative if it goes past one. */
+static double least_gap_until(const struct scene *scene, const dpt_pose *from, const dpt_pose *to,
+                              double until, double clearance, double *step)
+{
+    double least = HUGE_VAL, before[6], ends[6];
+    uint32_t body;
+    *step = 0.0;
+    for (int i = 0; i < SEGMENTS; i++)
+        for (int k = 0; k <= STEPS; k++) {
+            const dpt_pose pose = between(from, to, until * k / STEPS);
+            const double size = fmax(0.0, scene->segment[i].radius + clearance);
+            ends_of(&pose, &scene->segment[i], ends);
+            if (k > 0)
+                for (int e = 0; e < 6; e += 3)
+                    *step = fmax(*step, sqrt(pow(ends[e] - before[e], 2.0) +
+                                             pow(ends[e + 1] - before[e + 1], 2.0) +
+                                             pow(ends[e + 2] - before[e + 2], 2.0)));
+            memcpy(before, ends, sizeof ends);
+            if (k < STEPS || until == 1.0)
+                least = fmin(least, nearest(scene, ends, &body) - size);
+        }
+    return least;
+}
+
+static void a_trial_stops_at_the_first_touch(void)
+{
+    uint64_t random = 11;
+    int hits = 0, frees = 0, starts = 0, farthest = 0;
+    const double tolerance = 1e-6 * largest_diagonal();
+    for (int round = 0; round < 400; round++) {
+        struct scene of;
+        scene_open(&of, &random);
+        const dpt_pose from = pose_random(&random, 0.15);
+        dpt_pose to = pose_random(&random, 0.15), reached;
+        const double share = round % 3 ? 0.1 : 1.0; /* short motions too */
+        to = between(&from, &to, share);
+        const double clearance = round % 4 ? random_in(&random, -0.004, 0.004) : 0.0;
+        dpt_sweep first = { .size = sizeof first };
+        dpt_tool_set_pose(of.world, of.tool, &from);
+        void *copy = malloc(of.bytes);
+        memcpy(copy, of.block, of.bytes);
+        CHECK(dpt_tool_try_pose(of.world, of.tool, &to, clearance, &first, &reached) == DPT_OK,
+              "try");
+        CHECK(!memcmp(copy, of.block, of.bytes), "a trial changed the world");
+        free(copy);
+        double step, gap = HUGE_VAL;
+        uint32_t body = 0;
+        const double way = least_gap_until(&of, &from, &to, first.time, clearance, &step);
+        CHECK(way > -tolerance || first.time == 0.0, "round %d: %g m past a touch before time %g",
+              round, -way, first.time);
+        for (int i = 0; i < SEGMENTS; i++) {
+            double ends[6];
+            uint32_t at = 0;
+            ends_of(&reached, &of.segment[i], ends);
+            const double here =
+                nearest(&of, ends, &at) - fmax(0.0, of.segment[i].radius + clearance);
+            if (here < gap) {
+                gap = here;
+                body = at;
+            }
+        }
+        if (first.status == DPT_SWEEP_FREE) {
+            CHECK(first.time == 1.0 && !memcmp(&reached, &to, sizeof to) &&
+                      first.triangle == DPT_NONE,
+                  "round %d: free, and not there", round);
+            frees++;
+        } else if (first.time == 0.0) {
+            CHECK(gap <= tolerance && !memcmp(&reached, &from, sizeof from),
+                  "round %d: a touch at the beginning, %g m away", round, gap);
+            starts++;
+        } else {
+            hits++;
+            CHECK(first.status == DPT_SWEEP_HIT && gap > 0.0 && gap <= tolerance,
+                  "round %d: stopped %g m before the touch", round, gap);
+            CHECK(first.body == body, "round %d: another body", round);
+            const double normal = sqrt(pow(first.normal[0], 2.0) + pow(first.normal[1], 2.0) +
+                                       pow(first.normal[2], 2.0));
+            CHECK(fabs(normal - 1.0) < 1e-9 && first.age == 0, "round %d: normal %g", round,
+                  normal);
+            farthest += first.segment == 1;
+        }
+        free(of.block);
+    }
+    CHECK(hits > 60 && frees > 30 && starts > 30 && farthest > 10 && farthest < hits,
+          "%d hits, %d free, %d at the beginning, %d of the second segment", hits, frees, starts,
+          farthest);
+}
+
+/* What a step says of the same motion. */
+static void a_step_meets_the_same(void)
+{
+    uint64_t random = 21;
+    int met = 0;
+    for (int round = 0; round < 400; round++) {
+        struct scene of;
+        scene_open(&of, &random);
+        const dpt_pose from = pose_random(&random, 0.15);
+        dpt_pose to = pose_random(&random, 0.15);
+        to = between(&from, &to, 0.2);
+        dpt_tool_set_pose(of.world, of.tool, &from);
+        dpt_world_step(of.world, 0.001, NULL);
+        dpt_world_step(of.world, 0.001, NULL);
+        dpt_sweep first = { .size = sizeof first };
+        dpt_hit hit = DPT_HIT_INIT;
+        int is_free = 1;
+        for (uint32_t i = 0; i < SEGMENTS; i++) {
+            dpt_tool_get_segment_hit(of.world, of.tool, i, &hit);
+            is_free &= hit.status == DPT_STATUS_EXACT && hit.distance > of.segment[i].radius;
+        }
+        dpt_tool_try_pose(of.world, of.tool, &to, 0.0, &first, NULL);
+        dpt_tool_set_pose(of.world, of.tool, &to);
+        dpt_world_step(of.world, 0.001, NULL);
+        double time = 1.0;
+        int told = 1;
+        for (uint32_t i = 0; i < SEGMENTS; i++) {
+            dpt_sweep sweep = { .size = sizeof sweep };
+            dpt_tool_get_sweep(of.world, of.tool, i, &sweep);
+            told &= sweep.status == DPT_SWEEP_FREE || sweep.status == DPT_SWEEP_HIT;
+            if (sweep.status == DPT_SWEEP_HIT)
+                time = fmin(time, sweep.time);
+        }
+        if (is_free && told) {
+            met += first.status == DPT_SWEEP_HIT;
+            CHECK(fabs(first.time - time) < 1e-3, "round %d: %.9g, the step says %.9g", round,
+                  first.time, time);
+        }
+        free(of.block);
+    }
+    CHECK(met > 20, "%d met something", met);
+}
+
+static void free_segments_too(void)
+{
+    uint64_t random = 31;
+    int hits = 0;
+    for (int round = 0; round < 200; round++) {
+        struct scene of;
+        dpt_segment from[SEGMENTS], to[SEGMENTS], reached[SEGMENTS];
+        dpt_sweep first = { .size = sizeof first };
+        scene_open(&of, &random);
+        const dpt_pose at = pose_random(&random, 0.15), there = pose_random(&random, 0.15);
+        for (int i = 0; i < SEGMENTS; i++) {
+            from[i] = to[i] = of.segment[i];
+            place(&at, of.segment[i].a, from[i].a);
+            place(&at, of.segment[i].b, from[i].b);
+            place(&there, of.segment[i].a, to[i].a);
+            place(&there, of.segment[i].b, to[i].b);
+        }
+        dpt_tool_set_segments(of.world, of.tool, from, SEGMENTS);
+        memcpy(reached, to, sizeof to);
+        CHECK(dpt_tool_try_segments(of.world, of.tool, reached, SEGMENTS, 0.001, &first, reached) ==
+                  DPT_OK,
+              "try");
+        if (first.status == DPT_SWEEP_FREE)
+            CHECK(!memcmp(reached, to, sizeof to), "round %d: not there", round);
+        if (first.status == DPT_SWEEP_HIT && first.time > 0.0) {
+            const dpt_segment *touched = &reached[first.segment];
+            double ends[6];
+            uint32_t body = 0;
+            memcpy(ends, touched->a, 3 * sizeof *ends);
+            memcpy(ends + 3, touched->b, 3 * sizeof *ends);
+            const double gap = nearest(&of, ends, &body) - touched->radius - 0.001;
+            CHECK(gap > 0.0 && gap < 1e-6 * largest_diagonal() && body == first.body,
+                  "round %d: %g m before the touch", round, gap);
+            hits++;
+        }
+        free(of.block);
+    }
+    CHECK(hits > 30, "%d hits", hits);
+}
+
+static void what_cannot_be_tried(void)
+{
+    uint64_t random = 41;
+    struct scene of;
+    scene_open(&of, &random);
+    const dpt_pose far = { { 5.0, 0.0, 0.0 }, { 1.0, 0.0, 0.0, 0.0 } };
+    dpt_pose wrong = far, reached = far;
+    dpt_sweep first = { .size = sizeof first, .status = 77 };
+    dpt_segment segments[SEGMENTS];
+    memcpy(segments, of.segment, sizeof segments);
+    dpt_tool_set_pose(of.world, of.tool, &far);
+    wrong.orientation[0] = 2.0;
+#define REFUSED(call, code) CHECK((call) == (code) && first.status == 77, #call)
+    REFUSED(dpt_tool_try_pose(of.world, of.tool, &wrong, 0.0, &first, NULL), DPT_E_POSE);
+    wrong.position[1] = NAN;
+    REFUSED(dpt_tool_try_pose(of.world, of.tool, &wrong, 0.0, &first, NULL), DPT_E_FINITE);
+    REFUSED(dpt_tool_try_pose(of.world, of.tool, NULL, 0.0, &first, NULL), DPT_E_ARGUMENT);
+    REFUSED(dpt_tool_try_pose(NULL, of.tool, &far, 0.0, &first, NULL), DPT_E_ARGUMENT);
+    REFUSED(dpt_tool_try_pose(of.world, of.body[0], &far, 0.0, &first, NULL), DPT_E_HANDLE);
+    REFUSED(dpt_tool_try_pose(of.world, of.tool, &far, NAN, &first, NULL), DPT_E_FINITE);
+    REFUSED(dpt_tool_try_segments(of.world, of.tool, segments, 1, 0.0, &first, NULL),
+            DPT_E_ARGUMENT);
+    REFUSED(dpt_tool_try_segments(of.world, of.tool, NULL, SEGMENTS, 0.0, &first, NULL),
+            DPT_E_ARGUMENT);
+    segments[1].radius = -1.0;
+    REFUSED(dpt_tool_try_segments(of.world, of.tool, segments, SEGMENTS, 0.0, &first, NULL),
+            DPT_E_FINITE);
+    CHECK(dpt_tool_try_pose(of.world, of.tool, &far, 0.0, NULL, NULL) == DPT_OK, "no outputs");
+
+    /* Nobody knows where a body is. */
+    dpt_body_set_pose(of.world, of.body[1], &wrong);
+    CHECK(dpt_tool_try_pose(of.world, of.tool, &of.pose[0], 0.0, &first, &reached) == DPT_OK &&
+              first.status == DPT_SWEEP_NONE && first.time == 0.0 &&
+              !memcmp(&reached, &far, sizeof far),
+          "a body's pose is not valid: %u", first.status);
+    dpt_body_remove(of.world, of.body[1]);
+    CHECK(dpt_tool_try_pose(of.world, of.tool, &far, 0.0, &first, &reached) == DPT_OK &&
+              first.status == DPT_SWEEP_FREE && first.time == 1.0,
+          "it is gone: %u", first.status);
+    dpt_tool_set_pose(of.world, of.tool, &wrong);
+    CHECK(dpt_tool_try_pose(of.world, of.tool, &far, 0.0, &first, NULL) == DPT_OK &&
+              first.status == DPT_SWEEP_NONE,
+          "the tool's pose is not valid: %u", first.status);
+    free(of.block);
+}
+
+int main(void)
+{
+    static const struct {
+        const char *name;
+        uint64_t triangles;
+    } shapes[BODIES] = { { "torus", 1000 }, { "membrane", 0 }, { "box", 12 } };
+    for (int i = 0; i < BODIES; i++) {
+        dpt_mesh_info info = { .size = sizeof info };
+        if (!fixture_from_shape(&meshes[i], shapes[i].name, shapes[i].triangles))
+            return 2;
+        dpt_mesh_get_info(meshes[i].mesh, &info);
+        for (int k = 0; k < 3; k++)
+            diagonal[i] += pow(info.box_max[k] - info.box_min[k], 2.0);
+        diagonal[i] = sqrt(diagonal[i]);
+    }
+    TEST(a_trial_stops_at_the_first_touch);
+    TEST(a_step_meets_the_same);
+    TEST(free_segments_too);
+    TEST(what_cannot_be_tried);
+    for (int i = 0; i < BODIES; i++)
+        fixture_free(&meshes[i]);
+    return check_report();
+}
