@@ -2,9 +2,10 @@
 /*
  * Version, linkage and the rules that hold for every header.
  *
- * Stability: until 1.0 the soname is 0 and the list of exported symbols only grows. A struct that may
- * grow begins with `uint32_t size`, which the caller sets to sizeof; of an array the first item's counts for all, and
- * is a multiple of 8. All other structs are frozen. A caller may be older or newer than the library:
+ * Stability: until 1.0 the soname is 0. Since 0.2 exported symbols, constants and structs only grow; baseline.h alone is
+ * experimental. A program that was linked to 0.1 is refused when it is loaded. A struct that may grow begins with
+ * `uint32_t size`, which the caller sets to sizeof; of an array the first item's counts for all, and is a multiple of 8.
+ * All other structs are frozen. A caller may be older or newer than the library:
  *
  *     size                       an input                                       an output
  *     below the first release's  DPT_E_SIZE                                     DPT_E_SIZE
@@ -26,9 +27,9 @@
 #include <stdint.h>
 
 #define DPT_VERSION_MAJOR  0
-#define DPT_VERSION_MINOR  1
+#define DPT_VERSION_MINOR  2
 #define DPT_VERSION_PATCH  0
-#define DPT_VERSION_STRING "0.1.0"
+#define DPT_VERSION_STRING "0.2.0"
 
 #if defined(_WIN32)
 #if defined(DPT_BUILD_SHARED)

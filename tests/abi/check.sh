@@ -33,12 +33,24 @@ for lib in libdynpoint libdynpoint_compile libdynpoint_drivers $urdf; do
     awk '$2 != "A" { sub(/@.*/, "", $3); print $3 }' "$scratch/$lib.versions" | LC_ALL=C sort >"$scratch/$lib.symbols"
     diff "$here/$lib.symbols" "$scratch/$lib.symbols"
     verdict $? "$lib exports what $here/$lib.symbols lists"
-    ! grep -v ' A ' "$scratch/$lib.versions" | grep -qv '@@DYNPOINT_0$'
-    verdict $? "each under the version DYNPOINT_0"
+    ! grep -v ' A ' "$scratch/$lib.versions" | grep -qv '@@DYNPOINT_0_2$'
+    verdict $? "each under the version DYNPOINT_0_2"
     nm -g --defined-only "$build/$lib.a" | awk 'NF == 3 { print $3 }' | LC_ALL=C sort >"$scratch/$lib.archive"
     diff "$here/$lib.symbols" "$scratch/$lib.archive"
     verdict $? "$lib.a shows no other name"
 done
+
+# A program that was linked to 0.1 says so, and is refused before it runs.
+mkdir "$scratch/old"
+echo 'const char *dpt_version(void) { return "0.1.0"; }' >"$scratch/old.c"
+echo 'DYNPOINT_0 { global: dpt_*; local: *; };' >"$scratch/old.map"
+echo 'const char *dpt_version(void); int main(void) { return dpt_version()[0] != 48; }' >"$scratch/linked.c"
+${CC:-cc} -shared -fPIC "$scratch/old.c" -Wl,--version-script="$scratch/old.map" -Wl,-soname,libdynpoint.so.0 \
+    -o "$scratch/old/libdynpoint.so.0" &&
+    ${CC:-cc} "$scratch/linked.c" "$scratch/old/libdynpoint.so.0" -o "$scratch/linked" &&
+    LD_LIBRARY_PATH="$scratch/old" "$scratch/linked" && ! LD_LIBRARY_PATH="$build" "$scratch/linked" 2>"$scratch/refused" &&
+    grep -q DYNPOINT_0 "$scratch/refused"
+verdict $? "a program linked to 0.1 is refused when it is loaded"
 
 # An archive of -flto has its names local only when a program is linked: what crosses files within the core says whose it is.
 lto=$scratch/lto

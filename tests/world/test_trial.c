@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Motions that are tried. The oracle walks the motion in 1,000 steps and asks for the nearest pair at each, without a
+ * Motions that are tried. The oracle walks the motion in 300 steps and asks for the nearest pair at each, without a
  * world: it cannot judge a touch between two of its steps that is nearer than their length, so it allows that.
  */
 #include <math.h>
@@ -9,7 +9,7 @@
 #include "lib/fixture.h"
 #include "lib/random.h"
 
-enum { BODIES = 3, SEGMENTS = 2, STEPS = 1000 };
+enum { BODIES = 3, SEGMENTS = 2, STEPS = 300 };
 
 static struct fixture meshes[BODIES];
 static double diagonal[BODIES];
