@@ -86,6 +86,14 @@ static double way_of(const struct body *body)
            angle * farthest;
 }
 
+static void put_body(struct dpt_world *world, struct body *body, const dpt_pose *pose,
+                     const struct frame *frame)
+{
+    body->pose = *pose;
+    body->frame = *frame;
+    dpti_near_put_body(world, handle_index(body->id));
+}
+
 /* Where the body was in the last tick stays known until the next one. */
 static void move_body(struct dpt_world *world, struct body *body, const dpt_pose *pose,
                       const struct frame *frame)
@@ -93,37 +101,45 @@ static void move_body(struct dpt_world *world, struct body *body, const dpt_pose
     if (body->moved != world->ticks + 1)
         body->before = body->pose;
     body->moved = world->ticks + 1;
-    body->pose = *pose;
-    body->frame = *frame;
+    put_body(world, body, pose, frame);
     body->travelled = way_of(body);
     if (world->travelled_at != body->moved)
         world->travelled = 0.0;
     world->travelled_at = body->moved;
     world->travelled = larger(world->travelled, body->travelled);
-    dpti_near_put_body(world, handle_index(body->id));
+}
+
+/* While a body has no pose that can be used, every answer of the world is stale. */
+static dpt_result take_pose(struct dpt_world *world, struct body *body, const dpt_pose *pose,
+                            struct frame *frame)
+{
+    dpt_result result = pose ? frame_of_pose(pose, frame) : DPT_E_ARGUMENT;
+    world->invalid -= !body->slot.valid;
+    body->slot.valid = result == DPT_OK;
+    world->invalid += !body->slot.valid;
+    return result;
 }
 
 dpt_result dpt_body_set_pose(dpt_world *world, dpt_body body, const dpt_pose *pose)
 {
     struct body *moved = world ? world_find_body(world, body) : NULL;
+    struct frame frame;
     if (!moved)
         return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
-    struct frame frame = moved->frame;
-    dpt_result result = pose ? frame_of_pose(pose, &frame) : DPT_E_ARGUMENT;
-    world->invalid -= !moved->slot.valid;
-    moved->slot.valid = result == DPT_OK;
-    world->invalid += !moved->slot.valid;
-    if (moved->slot.valid && !pose_is_same(&moved->pose, pose))
+    DPT_TRY(take_pose(world, moved, pose, &frame));
+    if (!pose_is_same(&moved->pose, pose))
         move_body(world, moved, pose, &frame);
-    return result;
+    return DPT_OK;
 }
 
 dpt_result dpt_body_teleport(dpt_world *world, dpt_body body, const dpt_pose *pose)
 {
-    dpt_result result = dpt_body_set_pose(world, body, pose);
-    if (result != DPT_OK)
-        return result;
-    struct body *moved = world_find_body(world, body);
+    struct body *moved = world ? world_find_body(world, body) : NULL;
+    struct frame frame;
+    if (!moved)
+        return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
+    DPT_TRY(take_pose(world, moved, pose, &frame));
+    put_body(world, moved, pose, &frame);
     forget(world, handle_index(body));
     moved->moved = 0;
     moved->travelled = 0.0;
