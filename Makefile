@@ -73,7 +73,7 @@ TOOLS := $(call objects,tools/*.c)
 SIMULATE := $(call objects,$(DRIVERS:%=tools/simulate/simulate_%.c)) $(if $(filter serial,$(DRIVERS)),$(WIRE_DEVICE))
 LIBS := $(B)/libdynpoint $(B)/libdynpoint_compile $(B)/libdynpoint_drivers $(if $(URDF_PARTS),$(B)/libdynpoint_urdf)
 
-.PHONY: all force demo check firmware vm bench charts soak fuzz deps install uninstall help clean
+.PHONY: all force demo test check firmware vm bench charts soak fuzz deps install uninstall help clean
 .SECONDARY:
 all: $(B)/dynpoint $(LIBS:%=%.a) $(LIBS:%=%.so.$(SOVERSION)) ## the program and the libraries (default)
 

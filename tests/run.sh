@@ -1,12 +1,17 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# make check: builds and runs every test in its configurations and adds up their last lines. What was
-# skipped is named above the sum. DPT_DATA names the folder of real meshes; STRICT=1 lets skips fail.
+# Builds and runs tests and adds up their last lines; what was skipped is named above the sum. programs.txt says which
+# program runs where, and how much of it.
+#
+#     run.sh test     the release build, nothing installed, a part of each program: about a minute on two cores
+#     run.sh check    all, in three configurations. DPT_DATA names the folder of real meshes; STRICT=1 lets skips fail
 set -u
+whole=$1
+[ "$whole" = check ] || [ "$whole" = test ] || { echo "usage: run.sh test|check" >&2; exit 2; }
 passed=0 failed=0 skipped=0
-log=build/check.log
-names=build/check.skipped
-dir=build/check
+log=build/$whole.log
+names=build/$whole.skipped
+dir=build/$whole
 count=0 next=1
 rm -rf "$dir"
 mkdir -p "$dir"
@@ -64,84 +69,88 @@ add_up() {
     done
 }
 
-# -Werror only here: a warning of a newer compiler must not stop a user.
+# Only in the whole: a warning of a newer compiler must not stop a user.
+werror=
+[ "$whole" = test ] || werror=CFLAGS_EXTRA=-Werror
 build() {
     echo "== build $*"
-    if make -j"$jobs" CFLAGS_EXTRA=-Werror "$@" >build/check.out 2>&1; then
+    if make -j"$jobs" $werror "$@" >build/$whole.out 2>&1; then
         passed=$((passed + 1))
     else
-        tail -n 40 build/check.out
+        tail -n 40 build/$whole.out
         fail "build $*"
     fi
 }
 
-sh tests/deps.sh
-build all test-programs
-build CONFIG=scalar all test-programs
-build CONFIG=sanitize all test-programs
-sh tests/oracle/inside.sh build
+# The table's programs of one column that run beside others, or those that run alone.
+programs() { # column config beside|alone
+    if [ "$2" = release ]; then tests=build/tests title= ; else tests=build/$2/tests title=", $2"; fi
+    while read -r name test release scalar sanitize alone; do
+        case $name in '' | '#'*) continue ;; esac
+        eval "count_of=\$$1"
+        [ "$count_of" != - ] && [ "$3" = "${alone:-beside}" ] || continue
+        program=$tests/test_$name
+        [ -x "$program" ] || continue
+        case $count_of in
+        all) run "test_$name$title" "$program" ;;
+        bare) run "test_$name$title" env -u DPT_DATA "$program" ;;
+        *) run "test_$name$title" "$program" "$count_of" ;;
+        esac
+    done <tests/programs.txt
+}
 
-# What looks at the clock, or compares times, runs alone at the end.
-timed="nasty loop serial serial_faults openhaptics openhaptics_faults openhaptics_open hd_stand_in"
-is_timed() { case " $timed " in *" $1 "*) ;; *) false ;; esac; }
-
-for program in build/tests/test_*; do
-    [ -x "$program" ] && [ ! -d "$program" ] || continue
-    case $program in *.o | *.d) continue ;; esac
-    is_timed "${program#build/tests/test_}" || run "$(basename "$program")" "$program"
-done
-for config in scalar sanitize; do
-    for name in read compile parallel mesh damage arm kinematics normal winding parts kernel query world stale handles settings trial sizes region region_forms paper shape budget near sweep_mesh voyages way_sides route_strip strips guard sim replay driver syscalls urgent odrive can can_faults can_open; do
-        program=build/$config/tests/test_$name
-        [ -x "$program" ] && run "test_$name, $config" "$program"
-    done
-    run "test_pair, $config" build/$config/tests/test_pair 100000
-    for name in sheets sheet_touches walks; do
-        run "test_$name, $config" build/$config/tests/test_$name 2000
-    done
-    run "test_sweep, $config" build/$config/tests/test_sweep 2000
-    run "test_depth, $config" build/$config/tests/test_depth 20
-    run "test_depth_forms, $config" build/$config/tests/test_depth_forms 20
-    run "test_region_integrals, $config" build/$config/tests/test_region_integrals 30
-    run "test_route, $config" env -u DPT_DATA build/$config/tests/test_route
-done
-for name in strip strip_memory overlap recall; do
-    run "test_$name, sanitize" env -u DPT_DATA build/sanitize/tests/test_$name
-done
-run "test_fuzz, sanitize" build/sanitize/tests/test_fuzz 100000
-if [ -x build/tests/test_urdf_golden ]; then
-    run "test_urdf_golden, sanitize" build/sanitize/tests/test_urdf_golden 5000
-    run "test_urdf_arm, sanitize" build/sanitize/tests/test_urdf_arm
-else
-    skip "robots' descriptions" "no urdfdom with g++"
+# Every program has its line in the table, and the other way round.
+lines_and_programs() {
+    find tests -name 'test_*.c' ! -path 'tests/vm/*' | sed 's,.*/test_,,; s,\.c$,,' | LC_ALL=C sort >"$dir/sources"
+    sed -n 's/^\([a-z][a-z0-9_]*\) .*/\1/p' tests/programs.txt | LC_ALL=C sort >"$dir/lines"
+    diff "$dir/lines" "$dir/sources"
+}
+if ! lines_and_programs; then
+    fail "tests/programs.txt does not list the test programs that there are"
 fi
-run "robots' kinematics" sh tests/oracle/urdf.sh build
-run "test_wire, sanitize" build/sanitize/tests/test_wire 16
-run "test_wire_device, sanitize" build/sanitize/tests/test_wire_device
-run "test_silent, scalar" build/scalar/tests/test_silent
-run "the libraries" sh tests/abi/check.sh build
-run "the layers" sh tests/layers.sh build
-run "the layers' own test" sh tests/layers_test.sh build
-if command -v python3 >/dev/null 2>&1; then run "other languages" python3 tests/ffi/touch.py build; else skip "other languages" "no python3"; fi
-run "other machines" sh tests/cross.sh
-[ -x build/tests/test_sweep_exact ] || skip "test_sweep_exact" "no g++ with gmpxx"
-go "$jobs"
 
-for name in $timed; do
-    run "test_$name" build/tests/test_$name
-done
-run "test_loop, scalar" build/scalar/tests/test_loop
-run "test_loop, sanitize" build/sanitize/tests/test_loop
-for name in serial serial_faults openhaptics openhaptics_faults openhaptics_open hd_units hd_stand_in; do
-    run "test_$name, sanitize" build/sanitize/tests/test_$name
-done
-run "the program" sh tests/tools/test_cli.sh build
-run "the program, sanitize" sh tests/tools/test_cli.sh build/sanitize
-run "firmware" sh tests/firmware/run.sh build
-run "a real kernel" sh tests/vm/check.sh build build/sanitize
-run "the peer" sh tests/bench/check.sh build
-go 1
-add_up
+if [ "$whole" = test ]; then
+    build all test-programs
+    run "the program" sh tests/tools/test_cli.sh build
+    DPT_DATA=
+    unset DPT_DATA
+    programs test release beside
+    programs test release alone
+    run "the layers" sh tests/layers.sh build
+    [ -x "$(command -v python3)" ] && run "other languages" python3 tests/ffi/touch.py build
+    go $((jobs + 1))
+    add_up
+else
+    sh tests/deps.sh
+    build all test-programs
+    build CONFIG=scalar all test-programs
+    build CONFIG=sanitize all test-programs
+    sh tests/oracle/inside.sh build
+    for config in release scalar sanitize; do
+        programs $config $config beside
+    done
+    [ -x build/tests/test_urdf_golden ] || skip "robots' descriptions" "no urdfdom with g++"
+    run "robots' kinematics" sh tests/oracle/urdf.sh build
+    run "the libraries" sh tests/abi/check.sh build
+    run "the layers" sh tests/layers.sh build
+    run "the layers' own test" sh tests/layers_test.sh build
+    if command -v python3 >/dev/null 2>&1; then run "other languages" python3 tests/ffi/touch.py build; else skip "other languages" "no python3"; fi
+    run "other machines" sh tests/cross.sh
+    [ -x build/tests/test_sweep_exact ] || skip "test_sweep_exact" "no g++ with gmpxx"
+    go "$jobs"
+
+    # What looks at the clock, or compares times.
+    for config in release scalar sanitize; do
+        programs $config $config alone
+    done
+    run "the program" sh tests/tools/test_cli.sh build
+    run "the program, sanitize" sh tests/tools/test_cli.sh build/sanitize
+    run "firmware" sh tests/firmware/run.sh build
+    run "a real kernel" sh tests/vm/check.sh build build/sanitize
+    run "the peer" sh tests/bench/check.sh build
+    go 1
+    add_up
+fi
 
 echo
 if [ -s "$names" ]; then

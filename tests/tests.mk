@@ -120,8 +120,11 @@ vm: all $(VM_TESTS) $(B)/tests/test_can $(B)/tests/test_can_faults ## the tests 
 firmware: all $(B)/tests/firmware/link ## the driver against a Cortex-M7 in QEMU, and what a tick takes there
 	@sh tests/firmware/run.sh $(B)
 
+test: ## a part of every test in about a minute: no network, nothing installed
+	@sh tests/run.sh test
+
 check: ## all tests; DEPS=no installs nothing, STRICT=1 lets skips fail
-	@sh tests/run.sh
+	@sh tests/run.sh check
 
 SOAKED := organs certificate budget near sheets sheet_touches walks depth depth_forms region region_forms region_integrals route route_strip strip strip_memory loop
 soak: all $(SOAKED:%=$(B)/tests/test_%) ## 10^8 ticks against the tree; all of DPT_DATA against brute force
@@ -139,7 +142,7 @@ soak: all $(SOAKED:%=$(B)/tests/test_%) ## 10^8 ticks against the tree; all of D
 	@$(B)/tests/test_region_integrals 2000
 	@$(B)/tests/test_route 20
 	@$(B)/tests/test_route_strip
-	@$(B)/tests/test_strip 40
+	@$(B)/tests/test_strip 4000
 	@$(B)/tests/test_strip_memory 40
 	@$(B)/tests/test_loop 60000
 	@$(B)/tests/test_organs soak

@@ -47,6 +47,30 @@ static int check_passed, check_failed, check_skipped, check_bad;
             check_passed++;                                                                        \
     } while (0)
 
+/*
+ * How much of its random cases a program runs, in per cent: its first argument. A program that takes one asks part_of of
+ * each count that may be cut.
+ */
+static unsigned check_percent = 100;
+
+static inline void take_percent(int argc, char **argv)
+{
+    if (argc > 1)
+        check_percent = (unsigned)strtoul(argv[1], NULL, 10);
+}
+
+static inline uint64_t part_of(uint64_t cases)
+{
+    const uint64_t share = cases * check_percent / 100;
+    return share ? share : 1;
+}
+
+/* That so many were seen is asked of a whole run; of a part, that there was one. */
+static inline uint64_t least_seen(uint64_t seen)
+{
+    return check_percent < 100 ? 0 : seen;
+}
+
 /* Name what could not be tested here, and why. */
 #define SKIP(what, why)                                                                            \
     do {                                                                                           \

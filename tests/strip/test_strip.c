@@ -12,7 +12,6 @@
 #include "strip/strip_sheet.h"
 
 static const char *data;
-static uint64_t factor = 1;
 
 static void check_capacity(const struct scene *scene, const dpt_shadow *shadow,
                            const dpt_strip *whole)
@@ -53,7 +52,7 @@ static void try_shadows(const struct subject *subject, uint64_t shadows, uint64_
     const struct tally before = all;
     scene_open(&scene, subject);
     dpt_strip *strip = hold_strip(&held, room_for(subject), 0);
-    for (uint64_t i = 0; i < factor * shadows; i++) {
+    for (uint64_t i = 0; i < part_of(shadows); i++) {
         dpt_shadow shadow;
         if (i % 16 == 8) {
             dpt_pose pose;
@@ -328,7 +327,8 @@ static void random_lattices(void)
             try_shadows(&subject, 200, seed);
         subject_close(&subject);
     }
-    CHECK(all.borders - before.borders > 200 && all.nonmanifold - before.nonmanifold > 200,
+    CHECK(all.borders - before.borders > least_seen(200) &&
+              all.nonmanifold - before.nonmanifold > least_seen(200),
           "%zu borders, %zu nonmanifold", all.borders - before.borders,
           all.nonmanifold - before.nonmanifold);
 }
@@ -357,8 +357,9 @@ static void shadows_of_all_kinds(void)
         all.triangles);
     CHECK(all.empty * 50 > all.shadows && all.empty * 2 < all.shadows, "%zu of %zu empty",
           all.empty, all.shadows);
-    CHECK(all.borders > 300 && all.nonmanifold > 150 && all.full > 1000, "%zu, %zu, %zu",
-          all.borders, all.nonmanifold, all.full);
+    CHECK(all.borders > least_seen(300) && all.nonmanifold > least_seen(150) &&
+              all.full > least_seen(1000),
+          "%zu, %zu, %zu", all.borders, all.nonmanifold, all.full);
     CHECK(all.doubts * 200 < all.clear, "%zu of %zu in doubt", all.doubts, all.clear);
 }
 
@@ -478,12 +479,7 @@ int main(int argc, char **argv)
 {
     setvbuf(stdout, NULL, _IOLBF, 0);
     data = getenv("DPT_DATA");
-    if (argc > 1)
-        factor = strtoull(argv[1], NULL, 10);
-    if (factor < 1 || factor > 10000) {
-        printf("test_strip: from 1 to 10000 times as many shadows\n");
-        return 2;
-    }
+    take_percent(argc, argv);
     TEST(verdicts_have_proofs);
     TEST(a_flat_sheet_by_hand);
     TEST(mere_lines);

@@ -373,7 +373,7 @@ static struct tally run(enum offence offence, int report)
         for (int i = 0; i < SCENES; i++)
             if ((offence == NONE || lab.tally.ticks <= OFFENCE_AT) &&
                 open_lab(&lab, &scenes[i], kernel))
-                run_ticks(&lab, 0, scenes[i].ticks);
+                run_ticks(&lab, 0, (uint32_t)part_of(scenes[i].ticks));
     lab.tally.allocations = allocations - before;
     return lab.tally;
 }
@@ -384,7 +384,7 @@ static struct tally usual; /* without an offence, calls allowed */
 static void the_run_walks_every_path(void)
 {
     uint64_t answers = TOOLS * usual.ticks;
-    CHECK(usual.ticks >= 5000, "%llu ticks", (unsigned long long)usual.ticks);
+    CHECK(usual.ticks >= part_of(5000), "%llu ticks", (unsigned long long)usual.ticks);
     CHECK(usual.unmade == 0, "%llu worlds not made", (unsigned long long)usual.unmade);
     CHECK(usual.stale > answers / 100 && usual.stale < answers / 5, "%llu of %llu stale",
           (unsigned long long)usual.stale, (unsigned long long)answers);
@@ -579,8 +579,9 @@ static int prepare(void)
     return room != NULL;
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
+    take_percent(argc, argv);
     int ready = prepare();
     CHECK(ready, "no meshes or no memory");
     if (!ready) {
