@@ -34,7 +34,7 @@
 
 /*
  * Where the boxes of all parts meet, their pairs are the square of their number. So much work a triangle goes into
- * them, in boxes compared, of which a triangle of the smaller part is worth some; 48 parts that meet each other.
+ * them, in boxes compared, of which a triangle of the smaller part is worth some; 96 parts that meet each other.
  */
 #define RELATE_WORK     3072u
 #define RELATE_TRIANGLE 64u
