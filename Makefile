@@ -18,7 +18,7 @@ LIBDIR ?= $(PREFIX)/lib
 INCLUDEDIR ?= $(PREFIX)/include
 PKGCONFIGDIR ?= $(LIBDIR)/pkgconfig
 
-# SPEC 6: the same bits everywhere. gcc 12's straight-line vectoriser fuses multiply and add in spite of
+# The same bits everywhere. gcc 12's straight-line vectoriser fuses multiply and add in spite of
 # -ffp-contract=off where the target has FMA, so it stays off; tests/abi looks at the objects.
 WARNINGS := -Wall -Wextra -Wshadow -Wconversion
 EXACT := -fno-math-errno -fno-trapping-math -ffp-contract=off -fno-tree-slp-vectorize

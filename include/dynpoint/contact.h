@@ -67,8 +67,8 @@ typedef struct dpt_contact {
 
 /* What is known of a motion between two steps. */
 enum {
-    DPT_SWEEP_NONE =
-        0, /* there was none: a first step, a teleport, a way given up, or the axis was through already */
+    /* There is none: a first step, a teleport, a motion that was given up, or the axis was through something already. */
+    DPT_SWEEP_NONE = 0,
     DPT_SWEEP_FREE = 1,      /* nothing was met */
     DPT_SWEEP_HIT = 2,       /* met, at `time` */
     DPT_SWEEP_UNFINISHED = 3 /* the budget ended it; the next step goes on with it */

@@ -42,19 +42,19 @@ enum {
 };
 
 /*
- * The triangles of a strip, *count of them; valid until it is filled anew. NULL, and 0, for NULL.
+ * The triangles of a strip, *count of them; valid until the strip is filled again. For NULL: NULL, and *count is 0.
  *   flags   DPT_STRIP_..., may be NULL
  */
 DPT_API const uint32_t *dpt_strip_get_triangles(const dpt_strip *strip, uint32_t *count,
                                                 uint32_t *flags);
 
 /*
- * The route from one triangle to another, both included: a shortest one over triangles that share a vertex, so that
- * its length less one is the traversal distance. From triangle c on, of its neighbours that are nearer to `to`
- * those that share two vertices or three with c come first, of them the least number (SPEC 8; the paper's Figure 6).
- * A route is directed: that back may be another.
+ * The route from one triangle to another, both included. It is a shortest path over triangles that share a vertex; its
+ * length less one is the paper's traversal distance. At triangle c the next one is a neighbour that is one step nearer
+ * to `to`: first those that share two vertices or three with c, among them the one with the least number (the paper's
+ * Figure 6). A route is directed: the way back may be another one.
  *
- * The search goes from both ends over the vertices about them; no table is needed.
+ * The search starts from both ends and follows the vertices around them. It needs no table.
  *
  *   DPT_E_DROPPED      the compiler dropped one of the two
  *   DPT_E_UNREACHABLE  no triangles lead from one to the other
@@ -66,8 +66,8 @@ DPT_API dpt_result dpt_strip_route(dpt_strip *strip, const dpt_mesh *mesh, uint3
                                    uint32_t to);
 
 /*
- * The paper's strip: the route from a to p and that from b to p, each triangle once. a and b are those nearest to the
- * tool's ends, p the one nearest to the tool.
+ * The paper's strip: the route from a to p and the route from b to p, each triangle once. Give the triangles nearest to
+ * the tool's ends as a and b, and the triangle nearest to the tool as p.
  */
 DPT_API dpt_result dpt_strip_routes(dpt_strip *strip, const dpt_mesh *mesh, uint32_t a, uint32_t b,
                                     uint32_t p);
@@ -77,12 +77,12 @@ DPT_API dpt_result dpt_strip_routes(dpt_strip *strip, const dpt_mesh *mesh, uint
  *
  *     A + t (B - A) + x e + y w + z d,   t in 0..1,  |x|, |y| <= radius + width,  |z| <= depth
  *
- * d is the unit `direction`, e the unit part of B - A across it, w = d x e. Where B - A has no part across d, by
- * 1e-9 of its length, e is any unit vector across.
+ * d is `direction`, made unit. e is the unit vector along the part of B - A that is orthogonal to d, and w = d x e. If
+ * that part is shorter than 1e-9 of B - A, e is any unit vector orthogonal to d.
  */
 typedef struct dpt_shadow {
     uint32_t size;       /* sizeof(dpt_shadow) */
-    uint32_t triangle;   /* where the strip begins: that of the nearest point */
+    uint32_t triangle;   /* where the strip begins: the one that holds the nearest point */
     dpt_segment segment; /* in the world */
     double direction[3]; /* from the tool to the mesh, or back; of a length from 1e-100 to 1e100 */
     double width;        /* beside the radius, m, >= 0 */
@@ -90,11 +90,11 @@ typedef struct dpt_shadow {
 } dpt_shadow;
 
 /*
- * The triangles that have a point in common with the connected piece of the surface within the shadow that holds the
- * first triangle: from triangle to triangle over edges that meet the shadow. Empty when the first one does not meet it.
- * Each triangle once, in no stated order; a full strip keeps those that were reached first.
+ * The triangles under the shadow: starting from the first triangle, all that are reached over edges that meet the shadow.
+ * Empty if the first triangle does not meet it. Each triangle once, in no stated order; a full strip holds those that
+ * were reached first.
  *
- * A strip that is filled again for the very shadow that it holds is left as it is.
+ * Filling a strip again for the same shadow costs nothing but the comparison.
  *
  *   pose   of the mesh in the world; NULL is the identity
  */
@@ -110,9 +110,9 @@ enum { DPT_OVERLAP_FLAG_CROSSING = 1 /* the axis goes through the triangle */ };
  *   distance   unsigned, from the axis; 0 when it crosses
  *   s          in 0..1, of the nearest point p of the axis
  *   q          the nearest point of the triangle, in the world; `weight` of its corners, sum 1
- *   overlap    how far the triangle must be moved against its normal on the tool's side, so that the tool lies free on
- *              it; 0 where it does not touch it. Also of a tool that has gone through: what counts is what lies over the
- *              triangle, along that normal
+ *   overlap    how far the triangle must be moved, against its normal on the tool's side, until the tool lies free on
+ *              it; 0 if it does not touch. Also for a tool that has gone through: the part of the tool that lies over
+ *              the triangle, along that normal, counts
  *   gap        -overlap; or, where that is 0, the distance less the radius
  */
 typedef struct dpt_overlap {
@@ -130,8 +130,8 @@ typedef struct dpt_overlap {
 } dpt_overlap;
 
 /*
- * The pairs of a segment and the first *count or `capacity` triangles of a strip, in the strip's order.
- *   side     +1: the tool's side is that which the triangles' normals show to; -1: the other one, of an open sheet
+ * How a segment stands to the triangles of a strip, in the strip's order, up to `capacity` of them.
+ *   side     +1: the tool is on the side that the triangles' normals point to; -1: on the other one, of an open sheet
  *   count    gets how many there are, which may be more than fit
  */
 DPT_API dpt_result dpt_strip_overlaps(const dpt_strip *strip, const dpt_mesh *mesh,

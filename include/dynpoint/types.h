@@ -11,10 +11,10 @@
 /* No coordinate, length or radius may exceed this, in metres. */
 #define DPT_COORDINATE_MAX 1e6
 
-/* Written where there is no triangle, vertex, body or segment to name. */
+/* In place of a triangle, vertex, body or segment where there is none. */
 #define DPT_NONE UINT32_MAX
 
-/* Of an arm, and of a device. */
+/* At most so many joints has an arm, or a device. */
 #define DPT_JOINTS_MAX 8
 
 /*
@@ -66,9 +66,11 @@ enum {
 
 /* How the tool's surface stands to the mesh. */
 enum {
-    DPT_CONTACT_UNKNOWN =
-        0, /* not decided: by the budget, on an open sheet of which no side is known, on an axis that crosses more
-              than 31 times, or without a mesh */
+    /*
+     * Not decided: the budget ended before, no side of an open sheet is known, the axis crosses more than 31 times, or
+     * there is no mesh.
+     */
+    DPT_CONTACT_UNKNOWN = 0,
     DPT_CONTACT_SEPARATED = 1,  /* gap > error_bound */
     DPT_CONTACT_TOUCHING = 2,   /* |gap| <= error_bound */
     DPT_CONTACT_PENETRATING = 3 /* gap < -error_bound */
@@ -90,8 +92,8 @@ enum {
  *   gap          signed distance of the capsule's surface: the least of sd - radius along the axis, sd being
  *                the distance of a point to the mesh, negative inside a part that has an inside and behind an
  *                open sheet of which a side is kept; where DPT_HIT_FLAG_GAP is set. Within error_bound while the axis is
- *                outside, else within 1e-5 of the mesh's diagonal; at a part with holes an inside that an axis enters and
- *                leaves through holes, between two of at least nine samples, may be missed
+ *                outside, else within 1e-5 of the mesh's diagonal. Where a part has holes, an axis may enter and leave
+ *                its inside through them between two samples (nine at least): then that inside is missed
  *   depth        max(0, -gap)
  *   error_bound  |distance - true distance| <= error_bound
  *   lower_bound  <= true distance
