@@ -13,11 +13,10 @@ DPT_BEGIN
 /* Bits of dpt_contact.flags. */
 enum {
     DPT_CONTACT_FLAG_CROSSING = 1, /* the axis goes through the surface */
-    DPT_CONTACT_FLAG_SIDED =
-        2, /* an open sheet: the gap is counted from the side that the tool was first on */
-    DPT_CONTACT_FLAG_COARSE =
-        4 /* room or work for samples ended before its integrals were as right as
-                             usual, or the pair was proven the deepest of the contact */
+    /* an open sheet: the gap is counted from the side on which the tool was first */
+    DPT_CONTACT_FLAG_SIDED = 2,
+    /* its integrals or its deepest pair are less accurate than usual: memory or work for samples ended before */
+    DPT_CONTACT_FLAG_COARSE = 4
 };
 
 /*
