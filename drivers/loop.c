@@ -71,7 +71,7 @@ dpt_result dpt_loop_create(dpt_device *device, const dpt_loop_def *def, dpt_loop
     loop.has_own_time = (info.flags & DPT_DEVICE_FLAG_DETERMINISTIC) != 0;
     dpt_guard guard = { .size = sizeof guard };
     DPT_TRY(dpt_guard_init(&guard, &def->guard));
-    if (guard.hold_ns < loop.period_ns)
+    if ((uint64_t)(def->guard.hold * 1e9 + 0.5) < loop.period_ns)
         return DPT_E_ARGUMENT;
     double force = info.wrench_dofs < 3 ? 0.0 : info.force_max;
     double torque = info.wrench_dofs < 6 ? 0.0 : info.torque_max;
@@ -360,10 +360,12 @@ dpt_result dpt_loop_run(dpt_loop *loop, dpt_loop_stats *stats)
     if (!loop->has_own_time)
         run.stats.notes |= urgent_end(&before);
 
-    run.stats.stops = run.guard.stops;
-    run.stats.clamped = run.guard.clamped;
-    run.stats.slewed = run.guard.slewed;
-    run.stats.not_finite = run.guard.not_finite;
+    dpt_guard_info guard = { .size = sizeof guard };
+    dpt_guard_get_info(&run.guard, &guard);
+    run.stats.stops = guard.stops;
+    run.stats.clamped = guard.clamped;
+    run.stats.slewed = guard.slewed;
+    run.stats.not_finite = guard.not_finite;
     if (stats)
         *stats = run.stats;
     __atomic_store_n(&loop->stop, 0, __ATOMIC_RELAXED);

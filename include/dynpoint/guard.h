@@ -44,29 +44,31 @@ typedef struct dpt_guard_def {
  */
 enum { DPT_GUARD_OFF = 0, DPT_GUARD_STARTING = 1, DPT_GUARD_RUNNING = 2, DPT_GUARD_STOPPING = 3 };
 
-/* Its memory, and what it had to do. For reading only. */
+/*
+ * A guard's memory: 512 bytes, for the stack, a static variable or a struct of the caller's own; copied, it is another
+ * guard. What is in it is the library's, and may change with each release; dpt_guard_get_info tells what it did. This
+ * size stays: today's state takes 280 bytes of it.
+ */
 typedef struct dpt_guard {
-    uint32_t size;       /* sizeof(dpt_guard), set by the caller */
+    uint32_t size; /* sizeof(dpt_guard), set by the caller */
+    uint32_t reserved;
+    uint64_t opaque[63];
+} dpt_guard;
+
+/* What a guard had to do since dpt_guard_init, and what it does now. */
+typedef struct dpt_guard_info {
+    uint32_t size;       /* sizeof(dpt_guard_info), set by the caller */
     uint32_t state;      /* DPT_GUARD_OFF ... */
     uint64_t stops;      /* how often it left STARTING or RUNNING */
     uint64_t clamped;    /* commands that were too strong */
     uint64_t slewed;     /* steps on which the wrench changed less than was asked for */
     uint64_t not_finite; /* commands */
-    uint64_t hold_ns;
-    uint64_t stop_ns;
-    uint64_t now_ns;   /* of the last step */
-    uint64_t fresh_ns; /* of the last command */
-    double force_max;
-    double torque_max;
-    double force_slew;
-    double torque_slew;
-    double start;
-    double gain;        /* 0..1, of the ramp */
-    double stop_gain;   /* that the ramp to zero began with */
-    dpt_wrench command; /* the last one, clamped */
-    dpt_wrench held;    /* what the ramp to zero began with */
-    dpt_wrench sent;    /* what left last */
-} dpt_guard;
+    uint64_t now_ns;     /* of the last step */
+    uint64_t fresh_ns;   /* of the last command; 0: none yet */
+    double gain;         /* 0..1, of the ramp */
+    dpt_wrench command;  /* the last one, clamped */
+    dpt_wrench sent;     /* what left last */
+} dpt_guard_info;
 
 /* Fill in the first `size` bytes; what dpt_guard_def_init calls with its own caller's sizeof. */
 DPT_API void dpt_guard_def_defaults(dpt_guard_def *def, size_t size);
@@ -76,8 +78,11 @@ static inline void dpt_guard_def_init(dpt_guard_def *def)
     dpt_guard_def_defaults(def, sizeof *def);
 }
 
-/* OFF, with all counts 0. `def` NULL: the defaults. */
+/* OFF, with all counts 0. `def` NULL: the defaults. A guard that could not be made gives no force. */
 DPT_API dpt_result dpt_guard_init(dpt_guard *guard, const dpt_guard_def *def);
+
+/* DPT_E_ARGUMENT, and all zero, of a guard that was not initialised. */
+DPT_API dpt_result dpt_guard_get_info(const dpt_guard *guard, dpt_guard_info *info);
 
 /*
  * What to send now; to be called each tick, also when nothing came. Pure: no clock, no system. What leaves is finite and
@@ -86,7 +91,7 @@ DPT_API dpt_result dpt_guard_init(dpt_guard *guard, const dpt_guard_def *def);
  *   now_ns   of any clock; one that goes back stands still
  *   command  a fresh one, or NULL
  *   ready    0: the device or its pose cannot be trusted
- *   out      all zero for a guard that is NULL or was not initialised
+ *   out      all zero for a guard that is NULL or was not initialised, whatever its memory holds
  */
 DPT_API void dpt_guard_step(dpt_guard *guard, uint64_t now_ns, const dpt_wrench *command, int ready,
                             dpt_wrench *out);

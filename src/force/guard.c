@@ -7,6 +7,38 @@
 #include "base/wrench_limit.h"
 #include "dynpoint/guard.h"
 
+/* What is in a dpt_guard. It is copied out of and into that, which is an object of another type. */
+struct guard {
+    uint64_t mark; /* MADE, or it was never initialised */
+    uint64_t stops, clamped, slewed, not_finite;
+    uint64_t hold_ns, stop_ns, now_ns, fresh_ns;
+    uint32_t state, reserved;
+    double force_max, torque_max, force_slew, torque_slew, start;
+    double gain;
+    double stop_gain;   /* that the ramp to zero began with */
+    dpt_wrench command; /* the last one, clamped */
+    dpt_wrench held;    /* what the ramp to zero began with */
+    dpt_wrench sent;
+};
+
+typedef char guard_fits[sizeof(struct guard) <= sizeof((dpt_guard *)0)->opaque ? 1 : -1];
+
+/* No memory that was not initialised holds this but by chance, once in 2^64. */
+static const uint64_t MADE = 0x6775617264206f6eu;
+
+static int load(const dpt_guard *from, struct guard *guard)
+{
+    if (!from || from->size < sizeof *from)
+        return 0;
+    memcpy(guard, from->opaque, sizeof *guard);
+    return guard->mark == MADE;
+}
+
+static void store(const struct guard *guard, dpt_guard *to)
+{
+    memcpy(to->opaque, guard, sizeof *guard);
+}
+
 void dpt_guard_def_defaults(dpt_guard_def *def, size_t size)
 {
     const dpt_guard_def defaults = {
@@ -34,36 +66,64 @@ static int def_is_valid(const dpt_guard_def *def)
            !def->reserved;
 }
 
-dpt_result dpt_guard_init(dpt_guard *guard, const dpt_guard_def *given)
+dpt_result dpt_guard_init(dpt_guard *to, const dpt_guard_def *given)
 {
     dpt_guard_def def;
-    if (!guard)
+    if (!to)
         return DPT_E_ARGUMENT;
-    DPT_TRY(sized_check(guard, sizeof *guard, 0));
-    const uint32_t size = guard->size;
-    memset(guard, 0, size); /* a guard that could not be made has no size, and gives no force */
+    DPT_TRY(sized_check(to, sizeof *to, 0));
+    const uint32_t size = to->size;
+    memset(to, 0, size);
     dpt_guard_def_init(&def);
     if (given)
         DPT_TRY(sized_read(given, sizeof *given, &def, sizeof def));
     if (!def_is_valid(&def))
         return DPT_E_ARGUMENT;
-    guard->size = size;
-    guard->hold_ns = (uint64_t)(def.hold * 1e9 + 0.5);
-    guard->stop_ns = (uint64_t)(def.stop * 1e9 + 0.5);
-    guard->force_max = def.force_max;
-    guard->torque_max = def.torque_max;
-    guard->force_slew = def.force_slew;
-    guard->torque_slew = def.torque_slew;
-    guard->start = def.start;
+    const struct guard guard = {
+        .mark = MADE,
+        .hold_ns = (uint64_t)(def.hold * 1e9 + 0.5),
+        .stop_ns = (uint64_t)(def.stop * 1e9 + 0.5),
+        .force_max = def.force_max,
+        .torque_max = def.torque_max,
+        .force_slew = def.force_slew,
+        .torque_slew = def.torque_slew,
+        .start = def.start,
+    };
+    to->size = size;
+    store(&guard, to);
     return DPT_OK;
 }
 
-static int is_on(const dpt_guard *guard)
+dpt_result dpt_guard_get_info(const dpt_guard *from, dpt_guard_info *info)
+{
+    struct guard guard;
+    dpt_guard_info own = { .size = sizeof own };
+    if (!info)
+        return DPT_E_ARGUMENT;
+    DPT_TRY(sized_check(info, sizeof *info, 0));
+    const int is_made = load(from, &guard);
+    if (is_made) {
+        own.state = guard.state;
+        own.stops = guard.stops;
+        own.clamped = guard.clamped;
+        own.slewed = guard.slewed;
+        own.not_finite = guard.not_finite;
+        own.now_ns = guard.now_ns;
+        own.fresh_ns = guard.fresh_ns;
+        own.gain = guard.gain;
+        own.command = guard.command;
+        own.sent = guard.sent;
+    }
+    sized_write(info, info->size, &own, sizeof own);
+    return is_made ? DPT_OK : DPT_E_ARGUMENT;
+}
+
+static int is_on(const struct guard *guard)
 {
     return guard->state == DPT_GUARD_STARTING || guard->state == DPT_GUARD_RUNNING;
 }
 
-static void go_off(dpt_guard *guard)
+static void go_off(struct guard *guard)
 {
     guard->stops += (uint64_t)is_on(guard);
     guard->state = DPT_GUARD_OFF;
@@ -72,7 +132,7 @@ static void go_off(dpt_guard *guard)
 }
 
 /* Where the ramp to zero is depends on the silence alone, not on how often it was looked at. */
-static void watch_silence(dpt_guard *guard)
+static void watch_silence(struct guard *guard)
 {
     uint64_t silence = guard->now_ns - guard->fresh_ns;
     if (is_on(guard) && silence > guard->hold_ns) {
@@ -93,7 +153,7 @@ static void watch_silence(dpt_guard *guard)
     vec3_store(scaled(vec3_of(guard->held.torque), left), guard->sent.torque);
 }
 
-static void accept(dpt_guard *guard, const dpt_wrench *command)
+static void accept(struct guard *guard, const dpt_wrench *command)
 {
     guard->fresh_ns = guard->now_ns;
     guard->command = *command;
@@ -104,7 +164,7 @@ static void accept(dpt_guard *guard, const dpt_wrench *command)
         guard->state = DPT_GUARD_STARTING;
 }
 
-static void ramp_up(dpt_guard *guard, double dt)
+static void ramp_up(struct guard *guard, double dt)
 {
     guard->gain = guard->start > 0.0 ? guard->gain + dt / guard->start : 1.0;
     if (guard->gain < 1.0)
@@ -125,7 +185,7 @@ static int approach(double *sent, const double *command, double gain, double mos
     return slewed;
 }
 
-static void move(dpt_guard *guard, double dt)
+static void move(struct guard *guard, double dt)
 {
     int slewed = approach(guard->sent.force, guard->command.force, guard->gain,
                           guard->force_slew * dt, guard->force_slew > 0.0, guard->force_max);
@@ -134,13 +194,9 @@ static void move(dpt_guard *guard, double dt)
     guard->slewed += (uint64_t)slewed;
 }
 
-void dpt_guard_step(dpt_guard *guard, uint64_t now_ns, const dpt_wrench *command, int ready,
-                    dpt_wrench *out)
+/* One step of a guard that was made; what leaves is in `sent`, or it is off. */
+static void step(struct guard *guard, uint64_t now_ns, const dpt_wrench *command, int ready)
 {
-    if (out)
-        memset(out, 0, sizeof *out);
-    if (!guard || guard->size < sizeof *guard)
-        return;
     double dt = 0.0;
     if (now_ns > guard->now_ns) {
         dt = (double)(now_ns - guard->now_ns) * 1e-9;
@@ -165,6 +221,18 @@ void dpt_guard_step(dpt_guard *guard, uint64_t now_ns, const dpt_wrench *command
         ramp_up(guard, 0.0);
     if (is_on(guard))
         move(guard, dt);
+}
+
+void dpt_guard_step(dpt_guard *at, uint64_t now_ns, const dpt_wrench *command, int ready,
+                    dpt_wrench *out)
+{
+    struct guard guard;
     if (out)
-        *out = guard->sent;
+        memset(out, 0, sizeof *out);
+    if (!load(at, &guard))
+        return;
+    step(&guard, now_ns, command, ready);
+    store(&guard, at);
+    if (out)
+        *out = guard.sent;
 }

@@ -138,6 +138,13 @@ static dpt_result guard(void *out)
     return dpt_guard_init(out, NULL);
 }
 
+static dpt_guard a_guard;
+
+static dpt_result guard_info(void *out)
+{
+    return dpt_guard_get_info(&a_guard, out);
+}
+
 static const struct sized outputs[] = {
     { "dpt_mesh_info", offsetof(dpt_mesh_info, solid_components), sizeof(dpt_mesh_info),
       mesh_info },
@@ -156,6 +163,7 @@ static const struct sized outputs[] = {
     { "dpt_overlap of a tool", sizeof(dpt_overlap), sizeof(dpt_overlap), tool_overlap },
     { "dpt_overlap", sizeof(dpt_overlap), sizeof(dpt_overlap), overlap },
     { "dpt_guard", sizeof(dpt_guard), sizeof(dpt_guard), guard },
+    { "dpt_guard_info", sizeof(dpt_guard_info), sizeof(dpt_guard_info), guard_info },
     { "dpt_body_settings", sizeof(dpt_body_settings), sizeof(dpt_body_settings), body_settings },
     { "dpt_tool_settings", sizeof(dpt_tool_settings), sizeof(dpt_tool_settings), tool_settings },
     { "dpt_hit of a query", sizeof(dpt_hit), sizeof(dpt_hit), query_hit },
@@ -393,28 +401,48 @@ static void arrays_go_by_the_first_size(void)
 
 /* ---- defaults ---- */
 
-static void defaults_fill_what_fits(void)
+/* Of a size that is none nothing is written; of any other the def is taken. */
+static void check_defaults(const char *name, void (*fill_in)(void *, size_t), const void *whole,
+                           uint32_t today, dpt_result (*take)(void *))
 {
     _Alignas(8) unsigned char block[ROOM];
-    dpt_world_def *def = (void *)block;
-    const uint32_t today = sizeof(dpt_world_def);
     for (uint32_t size = 0; size <= today + 64; size += 4) {
+        uint32_t stamped;
         memset(block, 0x5a, sizeof block);
-        dpt_world_def_defaults(def, size);
-        CHECK(all_are(block, size, ROOM, 0x5a), "size %u: more was written", size);
+        fill_in(block, size);
+        memcpy(&stamped, block, sizeof stamped);
+        CHECK(all_are(block, size, ROOM, 0x5a), "%s, size %u: more was written", name, size);
         if (size >= 4)
-            CHECK(def->size == size, "size %u became %u", size, def->size);
+            CHECK(stamped == size, "%s, size %u became %u", name, size, stamped);
         const size_t known = size < today ? size : today;
         if (known > 4)
-            CHECK(!memcmp(block + 4, (const unsigned char *)&defaults + 4, known - 4),
-                  "size %u: other defaults", size);
+            CHECK(!memcmp(block + 4, (const unsigned char *)whole + 4, known - 4),
+                  "%s, size %u: other defaults", name, size);
         if (size > today)
-            CHECK(all_are(block, today, size, 0), "size %u: not zero behind", size);
+            CHECK(all_are(block, today, size, 0), "%s, size %u: not zero behind", name, size);
+        if (size >= today)
+            CHECK(take(block) == DPT_OK, "%s, size %u: its own defaults are refused", name, size);
     }
-    dpt_world_def_defaults(NULL, today);
+    fill_in(NULL, today);
     memset(block, 0x5a, sizeof block);
-    dpt_world_def_defaults(def, FAR_TOO_LARGE);
-    CHECK(all_are(block, 0, ROOM, 0x5a), "a size that is none");
+    fill_in(block, FAR_TOO_LARGE);
+    CHECK(all_are(block, 0, ROOM, 0x5a), "%s: a size that is none", name);
+}
+
+static void world_defaults(void *def, size_t size)
+{
+    dpt_world_def_defaults(def, size);
+}
+
+static void guard_defaults(void *def, size_t size)
+{
+    dpt_guard_def_defaults(def, size);
+}
+
+static void defaults_fill_what_fits(void)
+{
+    check_defaults("dpt_world_def", world_defaults, &defaults, sizeof defaults, world_def);
+    check_defaults("dpt_guard_def", guard_defaults, &a_guard_def, sizeof a_guard_def, guard_def);
 }
 
 /* Where the shadow begins: at the nearest triangle. */
@@ -440,6 +468,7 @@ static int open_all(void)
     }
     segment.radius = 0.001;
     dpt_guard_def_init(&a_guard_def);
+    a_guard.size = sizeof a_guard;
     dpt_world_def_init(&defaults);
     dpt_world_def_init(&a_world_def);
     a_world_def.strip = DPT_STRIP_KIND_SHADOW;
@@ -456,7 +485,8 @@ static int open_all(void)
                              .factor = 1.0 };
     a_body = (dpt_arm_body){ .size = sizeof a_body, .pose = identity, .mesh = fixture.mesh };
     an_arm_def = arm_of(&a_joint, &a_link, &a_body);
-    return dpt_compile_arm(&an_arm_def, &arm_bytes, NULL) == DPT_OK &&
+    return dpt_guard_init(&a_guard, &a_guard_def) == DPT_OK &&
+           dpt_compile_arm(&an_arm_def, &arm_bytes, NULL) == DPT_OK &&
            dpt_arm_open(arm_bytes.bytes, arm_bytes.size, &arm) == DPT_OK &&
            dpt_world_bytes(&a_world_def) <= sizeof block &&
            dpt_world_create(block, sizeof block, &a_world_def, &world) == DPT_OK &&

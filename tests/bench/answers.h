@@ -347,15 +347,21 @@ static inline void put_info(dpt_result result, const dpt_mesh_info *info)
 
 static inline void put_guard(const dpt_guard *guard)
 {
+#ifdef BEFORE_GUARD_INFO
+    const dpt_guard info = *guard;
+#else
+    dpt_guard_info info = { .size = sizeof info };
+    dpt_guard_get_info(guard, &info);
+#endif
     begin("guard");
-    put_count("state", guard->state);
-    put_count("stops", guard->stops);
-    put_count("clamped", guard->clamped);
-    put_count("slewed", guard->slewed);
-    put_count("not_finite", guard->not_finite);
-    put_number("gain", guard->gain);
-    put_numbers("sent", guard->sent.force, 3);
-    put_numbers("sent_torque", guard->sent.torque, 3);
+    put_count("state", info.state);
+    put_count("stops", info.stops);
+    put_count("clamped", info.clamped);
+    put_count("slewed", info.slewed);
+    put_count("not_finite", info.not_finite);
+    put_number("gain", info.gain);
+    put_numbers("sent", info.sent.force, 3);
+    put_numbers("sent_torque", info.sent.torque, 3);
     end();
 }
 

@@ -40,10 +40,10 @@ Overlap = struct("dpt_overlap", (c_uint32, "size triangle flags reserved"), (c_d
 State = struct("dpt_device_state", (c_uint32, "size status reasons code buttons fresh"),
                (c_uint64, "sequence time_ns"), (Pose, "pose"), (double3, "velocity spin"),
                (c_double * 8, "joint"), (c_double, "temperature"))
-Guard = struct("dpt_guard", (c_uint32, "size state"), (c_uint64, "stops clamped slewed not_finite hold_ns"
-                                                      " stop_ns now_ns fresh_ns"),
-               (c_double, "force_max torque_max force_slew torque_slew start gain stop_gain"),
-               (Wrench, "command held sent"))
+Guard = struct("dpt_guard", (c_uint32, "size reserved"), (c_uint64 * 63, "opaque"))
+GuardInfo = struct("dpt_guard_info", (c_uint32, "size state"),
+                   (c_uint64, "stops clamped slewed not_finite now_ns fresh_ns"), (c_double, "gain"),
+                   (Wrench, "command sent"))
 Compiled = struct("dpt_compiled", (c_void_p, "bytes"), (c_size_t, "size"))
 Joint = struct("dpt_arm_joint", (c_uint32, "size kind"), (c_double, "lower upper velocity effort damping friction"),
                (c_char * 64, "name"))
@@ -72,7 +72,7 @@ def is_near(number, wanted):
 column = 0 if sizeof(c_void_p) == 8 else 1
 sizes = re.findall(r"SIZE\((\w+), (\d+), (\d+)\)", open(sys.path[0] + "/../abi/layouts.txt").read())
 sizes = {name: int(bytes[column]) for name, *bytes in sizes}
-for kind in (Pose, Segment, Wrench, Hit, Contact, Overlap, WorldDef, Step, State, Guard, Compiled, Joint, Link,
+for kind in (Pose, Segment, Wrench, Hit, Contact, Overlap, WorldDef, Step, State, Guard, GuardInfo, Compiled, Joint, Link,
              ArmBody, ArmDef):
     check(kind.__name__ + " has its size", sizeof(kind) == sizes[kind.__name__])
 
@@ -144,7 +144,9 @@ for tick in range(3000):  # the hand presses 3 cm down in 2 s; the mesh's top is
     wrench.force[:] = (x, z, -y)
     core.dpt_guard_step(byref(guard), c_uint64(state.time_ns), byref(wrench), state.status == 3, byref(sent))
     touched += check_read == 0 and drivers.dpt_device_write(device, byref(sent)) == 0 and sent.force[1] > 1
-check("it is felt, and holds the hand off", touched > 500 and guard.stops == 0 and state.pose.position[1] < 0)
+did = GuardInfo(size=sizeof(GuardInfo))
+check("what the guard did", core.dpt_guard_get_info(byref(guard), byref(did)) == 0 and did.state == 2)
+check("it is felt, and holds the hand off", touched > 500 and did.stops == 0 and state.pose.position[1] < 0)
 drivers.dpt_device_close(device)
 
 # An arm of two links in a plane, 0.3 m and 0.2 m, with the box beside it.

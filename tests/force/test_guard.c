@@ -39,12 +39,19 @@ static dpt_guard guard_of(const dpt_guard_def *def)
     return guard;
 }
 
+static dpt_guard_info info_of(const dpt_guard *guard)
+{
+    dpt_guard_info info = { .size = sizeof info };
+    CHECK(dpt_guard_get_info(guard, &info) == DPT_OK, "no info");
+    return info;
+}
+
 /* Ticks of 1 ms with fresh commands until it runs; the time of the last. */
 static uint64_t bring_to_run(dpt_guard *guard, const dpt_wrench *command)
 {
     uint64_t now = BEGIN;
     dpt_wrench out;
-    for (int i = 0; i < 1000 && guard->state != DPT_GUARD_RUNNING; i++)
+    for (int i = 0; i < 1000 && info_of(guard).state != DPT_GUARD_RUNNING; i++)
         dpt_guard_step(guard, now += MS, command, 1, &out);
     return now;
 }
@@ -62,7 +69,7 @@ static uint64_t bring_to(dpt_guard *guard, uint32_t state, const dpt_wrench *com
         now = bring_to_run(guard, command);
     if (state == DPT_GUARD_STOPPING)
         dpt_guard_step(guard, now + 4 * MS, NULL, 1, &out);
-    CHECK(guard->state == state, "in %u, not in %u", guard->state, state);
+    CHECK(info_of(guard).state == state, "in %u, not in %u", info_of(guard).state, state);
     return now;
 }
 
@@ -112,7 +119,7 @@ static void every_state_meets_every_event(void)
             dpt_guard guard;
             uint64_t fresh = bring_to(&guard, state, &command);
             uint64_t base = state == DPT_GUARD_STOPPING ? fresh + 4 * MS : fresh;
-            dpt_wrench out, before = guard.sent;
+            dpt_wrench out, before = info_of(&guard).sent;
             uint64_t at[EVENTS];
             for (int i = 0; i < EVENTS; i++)
                 at[i] = base + 1;
@@ -134,25 +141,26 @@ static void every_state_meets_every_event(void)
                 given = &infinite;
             dpt_guard_step(&guard, at[event], given, event != NOT_READY && event != NOT_READY_FRESH,
                            &out);
-            CHECK(letters[guard.state] == *expected, "%u, %s: %c, not %c", state,
-                  event_names[event], letters[guard.state], *expected);
+            const dpt_guard_info after = info_of(&guard);
+            CHECK(letters[after.state] == *expected, "%u, %s: %c, not %c", state,
+                  event_names[event], letters[after.state], *expected);
             if (expected[1] == '*')
                 CHECK(is_zero(&out), "%u, %s: %g N", state, event_names[event], size_of(out.force));
-            CHECK(is_same(&out, &guard.sent), "%u, %s: another wrench is kept", state,
+            CHECK(is_same(&out, &after.sent), "%u, %s: another wrench is kept", state,
                   event_names[event]);
             CHECK(size_of(out.force) <= 5.0 && size_of(out.torque) <= 0.2, "%u, %s: too strong",
                   state, event_names[event]);
             if (event == NOTHING && state == DPT_GUARD_RUNNING)
                 CHECK(is_same(&out, &before), "a command does not hold");
-            CHECK((guard.not_finite == 1) == (event == NOT_A_NUMBER || event == INFINITE),
-                  "%u, %s: %d not finite", state, event_names[event], (int)guard.not_finite);
-            CHECK((guard.clamped == 1) == (event == TOO_STRONG || event == TOO_TWISTED),
-                  "%u, %s: %d clamped", state, event_names[event], (int)guard.clamped);
+            CHECK((after.not_finite == 1) == (event == NOT_A_NUMBER || event == INFINITE),
+                  "%u, %s: %d not finite", state, event_names[event], (int)after.not_finite);
+            CHECK((after.clamped == 1) == (event == TOO_STRONG || event == TOO_TWISTED),
+                  "%u, %s: %d clamped", state, event_names[event], (int)after.clamped);
             int was_on = state == DPT_GUARD_STARTING || state == DPT_GUARD_RUNNING;
             int stops = expected[0] == 'O' || expected[0] == 'D' || event == LATE_FRESH;
             uint64_t earlier = state == DPT_GUARD_STOPPING;
-            CHECK(guard.stops == earlier + (uint64_t)(was_on && stops), "%u, %s: %d stops", state,
-                  event_names[event], (int)guard.stops);
+            CHECK(after.stops == earlier + (uint64_t)(was_on && stops), "%u, %s: %d stops", state,
+                  event_names[event], (int)after.stops);
             expected += strcspn(expected, " ");
             expected += *expected == ' ';
         }
@@ -165,7 +173,7 @@ static void silence_ends_in_five_ticks(void)
     const dpt_wrench command = push(2.0);
     dpt_guard guard;
     uint64_t now = bring_to(&guard, DPT_GUARD_RUNNING, &command);
-    dpt_wrench out, before = guard.sent;
+    dpt_wrench out, before = info_of(&guard).sent;
     for (int tick = 1; tick <= 20; tick++) {
         dpt_guard_step(&guard, now += MS, NULL, 1, &out);
         if (tick <= 3)
@@ -175,7 +183,8 @@ static void silence_ends_in_five_ticks(void)
         if (tick >= 5)
             CHECK(is_zero(&out), "tick %d: %g N", tick, size_of(out.force));
     }
-    CHECK(guard.stops == 1 && guard.state == DPT_GUARD_OFF, "%d stops", (int)guard.stops);
+    CHECK(info_of(&guard).stops == 1 && info_of(&guard).state == DPT_GUARD_OFF, "%d stops",
+          (int)info_of(&guard).stops);
 }
 
 /* The ramp to zero is a matter of time: seldom or often looked at, the same force at the same moment. */
@@ -209,14 +218,14 @@ static void start_is_a_ramp(void)
         CHECK(fabs(size_of(out.force) - 2.0 * part) < 1e-12, "tick %d: %g N", (int)tick,
               size_of(out.force));
     }
-    CHECK(is_same(&out, &command) && guard.slewed == 0, "it does not get there");
+    CHECK(is_same(&out, &command) && info_of(&guard).slewed == 0, "it does not get there");
     uint64_t now = BEGIN + 150 * MS + 4 * MS + MS / 2;
     for (uint64_t tick = 0; tick < 20; tick++) {
         dpt_guard_step(&guard, now + tick * MS, &command, 1, &out);
         CHECK(fabs(size_of(out.force) - 2.0 * (0.25 + 0.01 * (double)tick)) < 1e-12,
               "tick %d after a stop: %g N", (int)tick, size_of(out.force));
     }
-    CHECK(guard.state == DPT_GUARD_STARTING, "it has not started again");
+    CHECK(info_of(&guard).state == DPT_GUARD_STARTING, "it has not started again");
 }
 
 static void slew_is_a_straight_line(void)
@@ -281,7 +290,7 @@ static void random_schedules_keep_the_promises(void)
             int back = what < 0.005;
             uint64_t last = now;
             now = back ? now : now + passed;
-            int was_stopping = guard.state == DPT_GUARD_STOPPING;
+            int was_stopping = info_of(&guard).state == DPT_GUARD_STOPPING;
             int gives = random_in(&random, 0.0, 1.0) < 0.2 + 0.8 * calm;
             int ready = random_in(&random, 0.0, 1.0) > 0.003;
             int finite = 1;
@@ -317,8 +326,9 @@ static void random_schedules_keep_the_promises(void)
                 change[k] = out.force[k] - before.force[k];
                 turn[k] = out.torque[k] - before.torque[k];
             }
-            int stopped = was_stopping || guard.stops != earlier_stops ||
-                          guard.state == DPT_GUARD_STOPPING || guard.state == DPT_GUARD_OFF;
+            int stopped = was_stopping || info_of(&guard).stops != earlier_stops ||
+                          info_of(&guard).state == DPT_GUARD_STOPPING ||
+                          info_of(&guard).state == DPT_GUARD_OFF;
             double force_step = def.force_slew * dt, torque_step = def.torque_slew * dt;
             if (!stopped && def.force_slew > 0.0)
                 CHECK(size_of(change) <= force_step * (1.0 + 1e-12) + 1e-14,
@@ -332,15 +342,35 @@ static void random_schedules_keep_the_promises(void)
             steps++;
             zero += (uint64_t)is_zero(&out);
             at_limit += force > 0.999 * def.force_max;
-            full += guard.state == DPT_GUARD_RUNNING && gives && is_same(&out, &command);
-            earlier_stops = guard.stops;
+            full += info_of(&guard).state == DPT_GUARD_RUNNING && gives && is_same(&out, &command);
+            earlier_stops = info_of(&guard).stops;
             before = out;
         }
-        stops += guard.stops;
+        stops += info_of(&guard).stops;
     }
     CHECK(zero > steps / 20 && at_limit > steps / 100 && full > steps / 100 && stops > 1000,
           "the schedules are too tame: of %d steps %d zero, %d at the limit, %d as asked, %d stops",
           (int)steps, (int)zero, (int)at_limit, (int)full, (int)stops);
+}
+
+/* Of the last command and of what left: clamped, and on its ramp. */
+static void it_tells_what_it_did(void)
+{
+    const dpt_wrench command = push(20.0);
+    dpt_guard guard = guard_of(NULL);
+    dpt_wrench out;
+    dpt_guard_info before = info_of(&guard);
+    CHECK(before.state == DPT_GUARD_OFF && !before.fresh_ns && is_zero(&before.command),
+          "at first");
+    for (uint64_t tick = 0; tick <= 50; tick++)
+        dpt_guard_step(&guard, BEGIN + tick * MS, &command, 1, &out);
+    dpt_guard_step(&guard, BEGIN + 51 * MS, NULL, 1, &out);
+    const dpt_guard_info after = info_of(&guard);
+    CHECK(fabs(size_of(after.command.force) - 5.0) < 1e-12 && is_same(&after.sent, &out),
+          "commanded %g N, sent %g N", size_of(after.command.force), size_of(after.sent.force));
+    CHECK(after.clamped == 51 && after.now_ns == BEGIN + 51 * MS &&
+              after.fresh_ns == BEGIN + 50 * MS && fabs(after.gain - 0.51) < 1e-12,
+          "%d clamped, gain %g", (int)after.clamped, after.gain);
 }
 
 static void is_total(void)
@@ -350,14 +380,21 @@ static void is_total(void)
     dpt_guard_def def;
     dpt_guard_step(NULL, BEGIN, &command, 1, &out);
     CHECK(is_zero(&out), "no guard, %g N", size_of(out.force));
-    memset(&guard, 0, sizeof guard);
-    out = push(1.0);
-    dpt_guard_step(&guard, BEGIN, &command, 1, &out);
-    CHECK(is_zero(&out), "a guard of zeros, %g N", size_of(out.force));
-    guard.size = sizeof guard;
-    out = push(1.0);
-    dpt_guard_step(&guard, BEGIN, &command, 1, &out);
-    CHECK(is_zero(&out), "one that only knows its size, %g N", size_of(out.force));
+    for (int filled = 0; filled < 256; filled++) {
+        dpt_guard_info info = { .size = sizeof info, .state = 7, .sent = push(1.0) };
+        memset(&guard, filled, sizeof guard);
+        for (int knows_size = 0; knows_size < 2; knows_size++) {
+            out = push(1.0);
+            dpt_guard_step(&guard, BEGIN, &command, 1, &out);
+            CHECK(is_zero(&out), "memory of %02x, size %u: %g N", (unsigned)filled, guard.size,
+                  size_of(out.force));
+            CHECK(dpt_guard_get_info(&guard, &info) == DPT_E_ARGUMENT &&
+                      info.state == DPT_GUARD_OFF && is_zero(&info.sent),
+                  "memory of %02x: what it did is told", (unsigned)filled);
+            guard.size = sizeof guard;
+        }
+    }
+    CHECK(dpt_guard_get_info(NULL, NULL) == DPT_E_ARGUMENT, "no guard");
     CHECK(dpt_guard_init(NULL, NULL) == DPT_E_ARGUMENT, "NULL");
     guard.size = 8;
     CHECK(dpt_guard_init(&guard, NULL) == DPT_E_SIZE, "a size that is not known");
@@ -384,7 +421,7 @@ static void is_total(void)
     dpt_guard_def_defaults(NULL, 8);
     guard = guard_of(NULL);
     dpt_guard_step(&guard, BEGIN, &command, 1, NULL);
-    CHECK(guard.state == DPT_GUARD_STARTING, "without a place to write to");
+    CHECK(info_of(&guard).state == DPT_GUARD_STARTING, "without a place to write to");
 }
 
 int main(void)
@@ -395,6 +432,7 @@ int main(void)
     TEST(start_is_a_ramp);
     TEST(slew_is_a_straight_line);
     TEST(random_schedules_keep_the_promises);
+    TEST(it_tells_what_it_did);
     TEST(is_total);
     return check_report();
 }
