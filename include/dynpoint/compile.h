@@ -43,19 +43,27 @@ typedef struct dpt_diag {
  */
 typedef int dpt_progress_fn(void *user, const char *step, double done);
 
+/* Zeros are the defaults, but for the size; dpt_compile_def_init says them in numbers. */
 typedef struct dpt_compile_def {
     uint32_t size;   /* sizeof(dpt_compile_def) */
     uint32_t format; /* DPT_FORMAT_... */
     double scale;    /* metres per unit of the source; 0 means 1; must be positive */
     dpt_progress_fn *progress;
     void *user;
-    /* A def that ends here is taken too. */
+    /* A def that ends here is taken too; so it was in 0.1. */
     double
         crease; /* normals of two triangles that differ by more make a crease; rad, 0 means pi / 3; pi: none is */
-    /* And one that ends here. */
     uint32_t threads;  /* at most so many, the calling one among them, and 64; 0 means 1 */
     uint32_t reserved; /* 0 */
 } dpt_compile_def;
+
+/* Fill in the first `size` bytes; what dpt_compile_def_init calls with its own caller's sizeof. */
+DPT_API void dpt_compile_def_defaults(dpt_compile_def *def, size_t size);
+
+static inline void dpt_compile_def_init(dpt_compile_def *def)
+{
+    dpt_compile_def_defaults(def, sizeof *def);
+}
 
 /* The bytes of a .dpa file, owned by whoever asked; give them back with dpt_compiled_free. */
 typedef struct dpt_compiled {
@@ -69,7 +77,7 @@ typedef struct dpt_compiled {
  *   path      opened and read once, so it may be a pipe; NULL is DPT_E_ARGUMENT
  *   def       NULL for the defaults
  *   out       written on success; {NULL, 0} on error
- *   diag      may be NULL; on error tells where and why
+ *   diag      may be NULL; on error tells where and why, else its code is DPT_OK
  *   vertices  vertex_count times x, y, z
  *   corners   triangle_count times three vertex numbers, from 0
  */

@@ -28,6 +28,7 @@ DPT_BEGIN
  */
 typedef void dpt_urdf_note_fn(void *user, uint64_t line, const char *text);
 
+/* Zeros are the defaults, but for the size. */
 typedef struct dpt_urdf_def {
     uint32_t size; /* sizeof(dpt_urdf_def) */
     uint32_t reserved;
@@ -42,10 +43,19 @@ typedef struct dpt_urdf_def {
     void *user; /* of note */
 } dpt_urdf_def;
 
+/* Fill in the first `size` bytes; what dpt_urdf_def_init calls with its own caller's sizeof. */
+DPT_API void dpt_urdf_def_defaults(dpt_urdf_def *def, size_t size);
+
+static inline void dpt_urdf_def_init(dpt_urdf_def *def)
+{
+    dpt_urdf_def_defaults(def, sizeof *def);
+}
+
 /*
  * def   NULL for the defaults
  * out   written on success; {NULL, 0} on error. dpt_compiled_free gives it back
- * diag  may be NULL; on error tells which link or joint, or which mesh file, and why; `line` is the URDF's
+ * diag  may be NULL; on error tells which link or joint, or which mesh file, and why; `line` is the URDF's; else its
+ *       code is DPT_OK
  *
  * DPT_E_OPEN     the file, or a mesh of the scene, cannot be read
  * DPT_E_FORMAT   no XML, no URDF, or xacro

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/return_if_error.h"
+#include "base/sized.h"
 #include "base/vec3.h"
 #include "compile/model.h"
 #include "compile/parallel.h"
@@ -64,37 +65,56 @@ static dpt_result build(soup *source, uint64_t source_size, uint64_t source_hash
     return result;
 }
 
-/*
- * What every entry shares: check the arguments, set the outputs to nothing. `spare` serves a caller who
- * wants no diag.
- */
-static dpt_result enter(soup *source, const dpt_compile_def *def, dpt_compiled *out, dpt_diag *diag,
-                        dpt_diag *spare)
+void dpt_compile_def_defaults(dpt_compile_def *def, size_t size)
 {
+    const dpt_compile_def defaults = { .scale = 1.0, .crease = CREASE_DEFAULT, .threads = 1 };
+    sized_defaults(def, size, &defaults, sizeof defaults);
+}
+
+/* What every entry has of its own: the def and the diag as this library knows them. */
+struct call {
+    soup source;
+    dpt_compile_def def;
+    dpt_diag diag;
+};
+
+static dpt_result enter(struct call *call, const dpt_compile_def *given, dpt_compiled *out,
+                        const dpt_diag *diag)
+{
+    soup *source = &call->source;
+    dpt_compile_def *def = &call->def;
+    memset(call, 0, sizeof *call);
+    soup_init(source, NULL, &call->diag);
+    if (out)
+        *out = (dpt_compiled){ NULL, 0 };
+    if (diag)
+        DPT_TRY(sized_check(diag, sizeof *diag, 0));
     if (!out)
-        return DPT_E_ARGUMENT;
-    out->bytes = NULL;
-    out->size = 0;
-    int sized = !def || def->size >= offsetof(dpt_compile_def, crease),
-        has_room = !diag || diag->size >= sizeof *diag;
-    dpt_diag *used = diag && has_room ? diag : spare;
-    uint32_t size = used == diag ? diag->size : (uint32_t)sizeof *spare;
-    memset(used, 0, sizeof *used);
-    used->size = size;
-    soup_init(source, sized ? def : NULL, used);
-    if (!has_room)
-        return DPT_E_SIZE;
-    if (!sized)
-        return soup_fail(source, DPT_E_SIZE, nowhere, "the def's size field is not set");
-    if (def && def->size >= sizeof *def && def->reserved)
+        return soup_fail(source, DPT_E_ARGUMENT, nowhere, "no place for the bytes");
+    dpt_result result =
+        given ? sized_read(given, SIZED_FIRST(dpt_compile_def, crease), def, sizeof *def) : DPT_OK;
+    if (result == DPT_E_UNSUPPORTED)
+        return soup_fail(source, result, nowhere, "the def has fields of a newer version");
+    if (result != DPT_OK)
+        return soup_fail(source, result, nowhere, "the def's size field is not set");
+    soup_init(source, def, &call->diag);
+    if (def->reserved)
         return soup_fail(source, DPT_E_ARGUMENT, nowhere, "the def's reserved field is not 0");
-    if (def && def->format > DPT_FORMAT_OFF)
+    if (def->format > DPT_FORMAT_OFF)
         return soup_fail(source, DPT_E_ARGUMENT, nowhere, "no such format");
-    if (def && (def->scale < 0.0 || !within(def->scale, 1e30)))
+    if (def->scale < 0.0 || !within(def->scale, 1e30))
         return soup_fail(source, DPT_E_ARGUMENT, nowhere, "the scale must be positive");
     if (!(source->crease > 0.0 && source->crease <= CREASE_MOST))
         return soup_fail(source, DPT_E_ARGUMENT, nowhere, "the crease must be 0..pi");
     return DPT_OK;
+}
+
+static dpt_result leave(struct call *call, dpt_result result, dpt_diag *diag)
+{
+    soup_free(&call->source);
+    if (diag && sized_check(diag, sizeof *diag, 0) == DPT_OK)
+        sized_write(diag, diag->size, &call->diag, sizeof call->diag);
+    return result;
 }
 
 /* A file's bytes, read and hashed side by side. */
@@ -117,10 +137,11 @@ static void read_and_hash(void *context, size_t first, size_t end)
         reading->hash = hash_of(reading->bytes, reading->size);
 }
 
-static dpt_result compile_bytes(soup *source, const char *path, const unsigned char *bytes,
-                                size_t size, const dpt_compile_def *def, dpt_compiled *out)
+static dpt_result compile_bytes(struct call *call, const char *path, const unsigned char *bytes,
+                                size_t size, dpt_compiled *out)
 {
-    uint32_t format = def ? def->format : DPT_FORMAT_AUTO;
+    soup *source = &call->source;
+    uint32_t format = call->def.format;
     if (format == DPT_FORMAT_AUTO)
         format = source_format(path, bytes, size);
     DPT_TRY(soup_progress(source, "read", 0.0));
@@ -133,16 +154,13 @@ static dpt_result compile_bytes(soup *source, const char *path, const unsigned c
 dpt_result dpt_compile_bytes(const void *bytes, size_t size, const dpt_compile_def *def,
                              dpt_compiled *out, dpt_diag *diag)
 {
-    soup source;
-    dpt_diag spare;
-    dpt_result result = enter(&source, def, out, diag, &spare);
+    struct call call;
+    dpt_result result = enter(&call, def, out, diag);
     if (result == DPT_OK && !bytes && size)
-        result = soup_fail(&source, DPT_E_ARGUMENT, nowhere, "no bytes");
+        result = soup_fail(&call.source, DPT_E_ARGUMENT, nowhere, "no bytes");
     if (result == DPT_OK)
-        result = compile_bytes(&source, NULL, size ? bytes : (const void *)"", size, def, out);
-    if (out)
-        soup_free(&source);
-    return result;
+        result = compile_bytes(&call, NULL, size ? bytes : (const void *)"", size, out);
+    return leave(&call, result, diag);
 }
 
 /* All of a file, growing as it comes: pipes have no length. */
@@ -170,47 +188,41 @@ static dpt_result read_all(soup *source, FILE *file, unsigned char **bytes, size
 dpt_result dpt_compile_file(const char *path, const dpt_compile_def *def, dpt_compiled *out,
                             dpt_diag *diag)
 {
-    soup source;
-    dpt_diag spare;
+    struct call call;
     unsigned char *bytes = NULL;
     size_t size = 0;
-    dpt_result result = enter(&source, def, out, diag, &spare);
+    dpt_result result = enter(&call, def, out, diag);
     if (result == DPT_OK && !path)
-        result = soup_fail(&source, DPT_E_ARGUMENT, nowhere, "no name of a file");
+        result = soup_fail(&call.source, DPT_E_ARGUMENT, nowhere, "no name of a file");
     FILE *file = result == DPT_OK ? fopen(path, "rb") : NULL;
     if (result == DPT_OK && !file)
-        result =
-            soup_fail(&source, DPT_E_OPEN, nowhere, "it cannot be opened: %s", strerror(errno));
+        result = soup_fail(&call.source, DPT_E_OPEN, nowhere, "it cannot be opened: %s",
+                           strerror(errno));
     if (result == DPT_OK)
-        result = read_all(&source, file, &bytes, &size);
+        result = read_all(&call.source, file, &bytes, &size);
     if (result == DPT_OK)
-        result = compile_bytes(&source, path, bytes, size, def, out);
+        result = compile_bytes(&call, path, bytes, size, out);
     if (file)
         fclose(file);
     free(bytes);
-    if (out)
-        soup_free(&source);
-    return result;
+    return leave(&call, result, diag);
 }
 
 dpt_result dpt_compile_arrays(const double *vertices, size_t vertex_count, const uint32_t *corners,
                               size_t triangle_count, const dpt_compile_def *def, dpt_compiled *out,
                               dpt_diag *diag)
 {
-    soup source;
-    dpt_diag spare;
-    dpt_result result = enter(&source, def, out, diag, &spare);
+    struct call call;
+    dpt_result result = enter(&call, def, out, diag);
     if (result == DPT_OK && ((!vertices && vertex_count) || (!corners && triangle_count)))
-        result = soup_fail(&source, DPT_E_ARGUMENT, nowhere, "no vertices or no corners");
+        result = soup_fail(&call.source, DPT_E_ARGUMENT, nowhere, "no vertices or no corners");
     for (size_t v = 0; result == DPT_OK && v < vertex_count; v++)
-        result = soup_vertex(&source, vertices[3 * v], vertices[3 * v + 1], vertices[3 * v + 2],
-                             (source_place){ 0, 3 * sizeof *vertices * v });
+        result = soup_vertex(&call.source, vertices[3 * v], vertices[3 * v + 1],
+                             vertices[3 * v + 2], (source_place){ 0, 3 * sizeof *vertices * v });
     for (size_t t = 0; result == DPT_OK && t < triangle_count; t++)
-        result =
-            soup_polygon(&source, corners + 3 * t, 3, (source_place){ 0, 3 * sizeof *corners * t });
+        result = soup_polygon(&call.source, corners + 3 * t, 3,
+                              (source_place){ 0, 3 * sizeof *corners * t });
     if (result == DPT_OK)
-        result = build(&source, 0, 0, out);
-    if (out)
-        soup_free(&source);
-    return result;
+        result = build(&call.source, 0, 0, out);
+    return leave(&call, result, diag);
 }

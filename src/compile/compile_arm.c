@@ -325,30 +325,38 @@ static dpt_result compile_arm(soup *source, const dpt_arm_def *def, dpt_compiled
     return DPT_OK;
 }
 
-dpt_result dpt_compile_arm(const dpt_arm_def *def, dpt_compiled *out, dpt_diag *diag)
+static dpt_result enter(soup *source, const dpt_arm_def *given, dpt_arm_def *def, dpt_compiled *out)
+{
+    if (!out)
+        return soup_fail(source, DPT_E_ARGUMENT, nowhere, "no place for the bytes");
+    if (!given)
+        return soup_fail(source, DPT_E_ARGUMENT, nowhere, "no def");
+    dpt_result result = sized_read(given, sizeof *def, def, sizeof *def);
+    if (result == DPT_E_UNSUPPORTED)
+        return soup_fail(source, result, nowhere, "the def has fields of a newer version");
+    if (result != DPT_OK)
+        return soup_fail(source, result, nowhere, "the def's size field is not set");
+    if (def->reserved)
+        return soup_fail(source, DPT_E_ARGUMENT, nowhere, "the def's reserved field is not NULL");
+    return DPT_OK;
+}
+
+dpt_result dpt_compile_arm(const dpt_arm_def *given, dpt_compiled *out, dpt_diag *diag)
 {
     soup source;
-    dpt_diag spare = { .size = sizeof spare };
-    if (!out)
-        return DPT_E_ARGUMENT;
-    *out = (dpt_compiled){ NULL, 0 };
+    dpt_arm_def def;
+    dpt_diag own = { .size = sizeof own };
+    if (out)
+        *out = (dpt_compiled){ NULL, 0 };
     if (diag)
         DPT_TRY(sized_check(diag, sizeof *diag, 0));
-    if (diag)
-        sized_write(diag, diag->size, &spare, sizeof spare);
-    soup_init(&source, NULL, diag ? diag : &spare);
-    if (!def)
-        return soup_fail(&source, DPT_E_ARGUMENT, nowhere, "no def");
-    dpt_arm_def own;
-    dpt_result result = sized_read(def, sizeof own, &own, sizeof own);
-    if (result == DPT_E_UNSUPPORTED)
-        return soup_fail(&source, result, nowhere, "the def has fields of a newer version");
-    if (result != DPT_OK)
-        return soup_fail(&source, result, nowhere, "the def's size field is not set");
-    if (own.reserved)
-        return soup_fail(&source, DPT_E_ARGUMENT, nowhere, "the def's reserved field is not NULL");
-    result = compile_arm(&source, &own, out);
+    soup_init(&source, NULL, &own);
+    dpt_result result = enter(&source, given, &def, out);
+    if (result == DPT_OK)
+        result = compile_arm(&source, &def, out);
     if (result != DPT_OK)
         dpt_compiled_free(out);
+    if (diag)
+        sized_write(diag, diag->size, &own, sizeof own);
     return result;
 }

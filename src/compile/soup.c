@@ -13,21 +13,17 @@
 #include "compile/parallel.h"
 #include "compile/soup.h"
 
-#define CREASE_DEFAULT 1.0471975511965976 /* 60 degrees */
-
 #define COUNT_MAX     ((size_t)INT32_MAX)
 #define TRIANGLES_MAX ((size_t)UINT32_MAX / 3) /* half-edges are numbered in 32 bits */
 
 void soup_init(soup *source, const dpt_compile_def *def, dpt_diag *diag)
 {
     memset(source, 0, sizeof *source);
-    source->scale = def != NULL && def->scale != 0.0 ? def->scale : 1.0;
-    source->crease = CREASE_DEFAULT;
-    source->threads = 1;
-    if (def != NULL && def->size >= offsetof(dpt_compile_def, threads) && def->crease != 0.0)
-        source->crease = def->crease;
-    if (def != NULL && def->size >= sizeof *def && def->threads != 0)
-        source->threads = def->threads < PARALLEL_MOST ? def->threads : PARALLEL_MOST;
+    source->scale = def && def->scale != 0.0 ? def->scale : 1.0;
+    source->crease = def && def->crease != 0.0 ? def->crease : CREASE_DEFAULT;
+    source->threads = def && def->threads ? def->threads : 1;
+    if (source->threads > PARALLEL_MOST)
+        source->threads = PARALLEL_MOST;
     source->def = def;
     source->diag = diag;
 }

@@ -14,6 +14,8 @@
 
 #include "dynpoint/compile.h"
 
+#define CREASE_DEFAULT 1.0471975511965976 /* pi / 3 */
+
 /* A place in the source: a line from 1, or (line 0) a byte offset from 0. */
 typedef struct source_place {
     uint64_t line;

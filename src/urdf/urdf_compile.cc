@@ -6,6 +6,7 @@
 #include <cstring>
 #include <new>
 
+#include "base/sized.h"
 #include "urdf/urdf_scene.h"
 
 namespace
@@ -49,7 +50,8 @@ std::string read_all(const char *path)
     return bytes;
 }
 
-void compile(const char *path, const dpt_urdf_def &def, dpt_compiled *out)
+void compile(const char *path, const dpt_urdf_def &def, const dpt_compile_def &mesh,
+             dpt_compiled *out)
 {
     Notes notes;
     const std::string bytes = read_all(path);
@@ -58,7 +60,7 @@ void compile(const char *path, const dpt_urdf_def &def, dpt_compiled *out)
     std::stable_sort(notes.list.begin(), notes.list.end(),
                      [](const Note &a, const Note &b) { return a.line < b.line; });
     Scene scene;
-    read_scene(robot, chain, path, def.packages, def.mesh, &scene);
+    read_scene(robot, chain, path, def.packages, mesh, &scene);
 
     char name[DPT_ARM_NAME], root[DPT_ARM_NAME], tool[DPT_ARM_NAME];
     put_name(name, robot.name, "robot", 0);
@@ -94,39 +96,63 @@ void compile(const char *path, const dpt_urdf_def &def, dpt_compiled *out)
 dpt_result tell(dpt_diag *diag, dpt_result code, size_t line, const char *text)
 {
     if (diag) {
-        diag->code = code;
-        diag->line = line;
-        diag->byte = 0;
-        std::snprintf(diag->text, sizeof diag->text, "%s", text);
+        dpt_diag own = {};
+        own.code = code;
+        own.line = line;
+        std::snprintf(own.text, sizeof own.text, "%s", text);
+        sized_write(diag, diag->size, &own, sizeof own);
     }
     return code;
 }
 
+/* The caller's def, and that of its meshes, as this library knows them. */
+void take_defs(const dpt_urdf_def *given, dpt_urdf_def *def, dpt_compile_def *mesh)
+{
+    dpt_result result = given ? sized_read(given, sizeof *def, def, sizeof *def) : DPT_OK;
+    if (result == DPT_E_UNSUPPORTED)
+        refuse(result, 0, "the def has fields of a newer version");
+    if (result != DPT_OK)
+        refuse(result, 0, "the def's size field is not set");
+    if (def->reserved)
+        refuse(DPT_E_ARGUMENT, 0, "the def's reserved field is not 0");
+    if (def->mesh)
+        result = sized_read(def->mesh, SIZED_FIRST(dpt_compile_def, crease), mesh, sizeof *mesh);
+    if (result == DPT_E_UNSUPPORTED)
+        refuse(result, 0, "the def for meshes has fields of a newer version");
+    if (result != DPT_OK)
+        refuse(result, 0, "the size field of the def for meshes is not set");
+    if (!(mesh->scale >= 0.0))
+        refuse(DPT_E_ARGUMENT, 0, "the scale of the def for meshes must be positive");
+}
+
 } // namespace
 
-extern "C" dpt_result dpt_urdf_compile_file(const char *path, const dpt_urdf_def *def,
+extern "C" void dpt_urdf_def_defaults(dpt_urdf_def *def, size_t size)
+{
+    const dpt_urdf_def defaults = {};
+    sized_defaults(def, size, &defaults, sizeof defaults);
+}
+
+extern "C" dpt_result dpt_urdf_compile_file(const char *path, const dpt_urdf_def *given,
                                             dpt_compiled *out, dpt_diag *diag)
 {
-    if (!out)
-        return DPT_E_ARGUMENT;
-    out->bytes = NULL;
-    out->size = 0;
-    if (diag && diag->size < sizeof *diag)
+    if (out) {
+        out->bytes = NULL;
+        out->size = 0;
+    }
+    if (diag && sized_check(diag, sizeof *diag, 0) != DPT_OK)
         return DPT_E_SIZE;
-    const dpt_urdf_def defaults = { sizeof defaults, 0, NULL, NULL, NULL, NULL, NULL };
-    if (!def)
-        def = &defaults;
-    if (def->size < sizeof *def)
-        return tell(diag, DPT_E_SIZE, 0, "the def's size field is not set");
-    if (def->mesh && def->mesh->size < offsetof(dpt_compile_def, crease))
-        return tell(diag, DPT_E_SIZE, 0, "the size field of the def for meshes is not set");
-    if (def->reserved)
-        return tell(diag, DPT_E_ARGUMENT, 0, "the def's reserved field is not 0");
-    if (!path)
-        return tell(diag, DPT_E_ARGUMENT, 0, "no name of a file");
+    if (!out)
+        return tell(diag, DPT_E_ARGUMENT, 0, "no place for the bytes");
     try {
-        compile(path, *def, out);
-        return DPT_OK;
+        dpt_urdf_def def = {};
+        dpt_compile_def mesh = {};
+        mesh.size = sizeof mesh;
+        take_defs(given, &def, &mesh);
+        if (!path)
+            refuse(DPT_E_ARGUMENT, 0, "no name of a file");
+        compile(path, def, mesh, out);
+        return tell(diag, DPT_OK, 0, "");
     } catch (const Fault &fault) {
         return tell(diag, fault.code, fault.line, fault.text.c_str());
     } catch (const std::bad_alloc &) {

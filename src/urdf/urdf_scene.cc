@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "urdf/urdf_scene.h"
 
-#include <algorithm>
 #include <cinttypes>
-#include <cstring>
 
 namespace
 {
@@ -13,7 +11,7 @@ struct Builder {
     const Chain &chain;
     const std::string &file;
     const char *packages;
-    const dpt_compile_def *mesh;
+    const dpt_compile_def &mesh;
     Scene *scene;
 
     dpt_compile_def def(double scale) const;
@@ -22,14 +20,9 @@ struct Builder {
     void add_mesh(const Link &link, const Frame &place, const Shape &shape);
 };
 
-/* The caller's, whatever size it has. */
 dpt_compile_def Builder::def(double scale) const
 {
-    dpt_compile_def def = {};
-    if (mesh)
-        std::memcpy(&def, mesh, std::min<size_t>(mesh->size, sizeof def));
-    else
-        def.size = sizeof def;
+    dpt_compile_def def = mesh;
     def.scale = scale;
     return def;
 }
@@ -92,7 +85,7 @@ void Builder::add_mesh(const Link &link, const Frame &place, const Shape &shape)
     if (ending == "dae")
         refuse_path(DPT_E_UNSUPPORTED, link.line, owner, shape.file,
                     " is COLLADA: convert it to STL, OBJ, PLY or OFF");
-    dpt_compile_def with = def((mesh && mesh->scale > 0.0 ? mesh->scale : 1.0) * scale.x);
+    dpt_compile_def with = def((mesh.scale > 0.0 ? mesh.scale : 1.0) * scale.x);
     dpt_compiled compiled;
     dpt_diag diag = {};
     diag.size = sizeof diag;
@@ -116,7 +109,7 @@ Scene::~Scene()
 }
 
 void read_scene(const Robot &robot, const Chain &chain, const std::string &file,
-                const char *packages, const dpt_compile_def *mesh, Scene *scene)
+                const char *packages, const dpt_compile_def &mesh, Scene *scene)
 {
     Builder builder = { robot, chain, file, packages, mesh, scene };
     for (size_t i = 0; i < robot.links.size(); i++) {

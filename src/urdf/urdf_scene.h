@@ -17,9 +17,9 @@ struct Scene {
     Scene &operator=(const Scene &) = delete;
 };
 
-/* `file`: of the URDF; `packages` and `mesh` as in dpt_urdf_def. */
+/* `file`: of the URDF; `packages` and `mesh` as in dpt_urdf_def, `mesh` whole. */
 void read_scene(const Robot &robot, const Chain &chain, const std::string &file,
-                const char *packages, const dpt_compile_def *mesh, Scene *scene);
+                const char *packages, const dpt_compile_def &mesh, Scene *scene);
 
 /* The file that a mesh's name means, as urdf.h says; it need not be there. A fault for what names none. */
 std::string mesh_path(const std::string &name, const std::string &file, const char *packages,

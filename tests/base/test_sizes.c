@@ -8,8 +8,7 @@
 
 #include "dynpoint/baseline.h"
 #include "lib/fixture.h"
-
-enum { ROOM = 1024, FAR_TOO_LARGE = 4104 };
+#include "lib/size_checks.h"
 
 /* What every case asks of. */
 static struct fixture fixture;
@@ -19,12 +18,6 @@ static dpt_world *world;
 static dpt_tool tool;
 static dpt_body body;
 static dpt_strip *strip;
-
-struct sized {
-    const char *name;
-    size_t first, today;
-    dpt_result (*call)(void *given);
-};
 
 /* ---- what the library fills ---- */
 
@@ -169,45 +162,10 @@ static const struct sized outputs[] = {
     { "dpt_hit of a query", sizeof(dpt_hit), sizeof(dpt_hit), query_hit },
 };
 
-/* A block of `size` bytes that count, all of them 0x5a but the size. */
-static dpt_result fill(const struct sized *of, unsigned char block[ROOM], uint32_t size)
-{
-    memset(block, 0x5a, ROOM);
-    memcpy(block, &size, sizeof size);
-    return of->call(block);
-}
-
-static int all_are(const unsigned char *bytes, size_t from, size_t to, unsigned char value)
-{
-    for (size_t i = from; i < to; i++)
-        if (bytes[i] != value)
-            return 0;
-    return 1;
-}
-
 static void outputs_are_filled_as_far_as_they_go(void)
 {
-    _Alignas(8) unsigned char whole[ROOM], block[ROOM];
-    for (size_t i = 0; i < sizeof outputs / sizeof *outputs; i++) {
-        const struct sized *of = &outputs[i];
-        const uint32_t first = (uint32_t)of->first, today = (uint32_t)of->today;
-        CHECK(fill(of, whole, today) == DPT_OK, "%s: %s", of->name,
-              dpt_result_name(fill(of, whole, today)));
-        CHECK(!all_are(whole, sizeof first, today, 0x5a), "%s: nothing was filled in", of->name);
-        CHECK(fill(of, block, first - 8) == DPT_E_SIZE && all_are(block, 4, ROOM, 0x5a),
-              "%s: before the first release", of->name);
-        CHECK(fill(of, block, 0) == DPT_E_SIZE && fill(of, block, FAR_TOO_LARGE) == DPT_E_SIZE,
-              "%s: a size that is none", of->name);
-        CHECK(fill(of, block, first) == DPT_OK && all_are(block, first, ROOM, 0x5a) &&
-                  !memcmp(block + 4, whole + 4, first - 4),
-              "%s: of the first release", of->name);
-        CHECK(fill(of, block, today + 8) == DPT_OK && all_are(block, today, today + 8, 0) &&
-                  all_are(block, today + 8, ROOM, 0x5a) && !memcmp(block + 4, whole + 4, today - 4),
-              "%s: of a newer caller", of->name);
-        uint32_t size;
-        memcpy(&size, block, sizeof size);
-        CHECK(size == today + 8, "%s: its size became %u", of->name, size);
-    }
+    for (size_t i = 0; i < sizeof outputs / sizeof *outputs; i++)
+        check_output(&outputs[i]);
 }
 
 /* ---- what the library takes ---- */
@@ -349,34 +307,10 @@ static const struct {
     { { "dpt_arm_body", sizeof(dpt_arm_body), sizeof(dpt_arm_body), given_body }, &a_body },
 };
 
-/* That input with another size; what lies behind what it has is `behind`. */
-static dpt_result give(const struct sized *of, const void *good, uint32_t size,
-                       unsigned char behind)
-{
-    _Alignas(8) unsigned char block[FAR_TOO_LARGE];
-    const size_t known = size < of->today ? size : of->today;
-    memset(block, behind, sizeof block);
-    memcpy(block, good, known);
-    memcpy(block, &size, sizeof size);
-    return of->call(block);
-}
-
 static void inputs_are_taken_as_far_as_they_go(void)
 {
-    for (size_t i = 0; i < sizeof inputs / sizeof *inputs; i++) {
-        const struct sized *of = &inputs[i].of;
-        const void *good = inputs[i].good;
-        const uint32_t first = (uint32_t)of->first, today = (uint32_t)of->today;
-        CHECK(give(of, good, today, 0x5a) == DPT_OK, "%s: %s", of->name,
-              dpt_result_name(give(of, good, today, 0x5a)));
-        CHECK(give(of, good, first, 0x5a) == DPT_OK, "%s: of the first release", of->name);
-        CHECK(give(of, good, first - 8, 0) == DPT_E_SIZE && give(of, good, 0, 0) == DPT_E_SIZE &&
-                  give(of, good, FAR_TOO_LARGE, 0) == DPT_E_SIZE,
-              "%s: a size that is none", of->name);
-        CHECK(give(of, good, today + 8, 0) == DPT_OK, "%s: newer, and zero", of->name);
-        CHECK(give(of, good, today + 8, 1) == DPT_E_UNSUPPORTED, "%s: newer, and not zero",
-              of->name);
-    }
+    for (size_t i = 0; i < sizeof inputs / sizeof *inputs; i++)
+        check_input(&inputs[i].of, inputs[i].good);
 }
 
 /* An array's first size is its stride, and what lies in an item behind what we know must be zero in each. */
@@ -401,34 +335,6 @@ static void arrays_go_by_the_first_size(void)
 
 /* ---- defaults ---- */
 
-/* Of a size that is none nothing is written; of any other the def is taken. */
-static void check_defaults(const char *name, void (*fill_in)(void *, size_t), const void *whole,
-                           uint32_t today, dpt_result (*take)(void *))
-{
-    _Alignas(8) unsigned char block[ROOM];
-    for (uint32_t size = 0; size <= today + 64; size += 4) {
-        uint32_t stamped;
-        memset(block, 0x5a, sizeof block);
-        fill_in(block, size);
-        memcpy(&stamped, block, sizeof stamped);
-        CHECK(all_are(block, size, ROOM, 0x5a), "%s, size %u: more was written", name, size);
-        if (size >= 4)
-            CHECK(stamped == size, "%s, size %u became %u", name, size, stamped);
-        const size_t known = size < today ? size : today;
-        if (known > 4)
-            CHECK(!memcmp(block + 4, (const unsigned char *)whole + 4, known - 4),
-                  "%s, size %u: other defaults", name, size);
-        if (size > today)
-            CHECK(all_are(block, today, size, 0), "%s, size %u: not zero behind", name, size);
-        if (size >= today)
-            CHECK(take(block) == DPT_OK, "%s, size %u: its own defaults are refused", name, size);
-    }
-    fill_in(NULL, today);
-    memset(block, 0x5a, sizeof block);
-    fill_in(block, FAR_TOO_LARGE);
-    CHECK(all_are(block, 0, ROOM, 0x5a), "%s: a size that is none", name);
-}
-
 static void world_defaults(void *def, size_t size)
 {
     dpt_world_def_defaults(def, size);
@@ -441,8 +347,10 @@ static void guard_defaults(void *def, size_t size)
 
 static void defaults_fill_what_fits(void)
 {
-    check_defaults("dpt_world_def", world_defaults, &defaults, sizeof defaults, world_def);
-    check_defaults("dpt_guard_def", guard_defaults, &a_guard_def, sizeof a_guard_def, guard_def);
+    const struct sized of_world = { "dpt_world_def", 0, sizeof defaults, world_def };
+    const struct sized of_guard = { "dpt_guard_def", 0, sizeof a_guard_def, guard_def };
+    check_defaults(&of_world, world_defaults, &defaults);
+    check_defaults(&of_guard, guard_defaults, &a_guard_def);
 }
 
 /* Where the shadow begins: at the nearest triangle. */

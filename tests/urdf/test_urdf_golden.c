@@ -5,13 +5,14 @@
  */
 #include <dirent.h>
 #include <locale.h>
+#include <math.h>
 #include <pthread.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "dynpoint.h"
 #include "dynpoint/urdf.h"
-#include "lib/check.h"
+#include "lib/size_checks.h"
 #include "urdf/surroundings.h"
 
 #define FOLDER "tests/golden-urdf/"
@@ -243,6 +244,53 @@ static void paths_that_are_no_files(void)
               cases[i].path ? cases[i].path : "NULL", o.diag.text);
         check_sane("path", &o);
     }
+}
+
+static dpt_result take_def(void *given)
+{
+    dpt_compiled compiled;
+    dpt_result result = dpt_urdf_compile_file(FOLDER "two.urdf", given, &compiled, NULL);
+    dpt_compiled_free(&compiled);
+    return result;
+}
+
+static dpt_result take_mesh_def(void *given)
+{
+    const dpt_urdf_def def = { .size = sizeof def, .mesh = given };
+    return take_def((void *)&def);
+}
+
+static dpt_result fill_diag(void *out)
+{
+    dpt_compiled compiled;
+    dpt_result result = dpt_urdf_compile_file(FOLDER "nonesuch.urdf", NULL, &compiled, out);
+    return result == DPT_E_OPEN ? DPT_OK : result;
+}
+
+static void defaults(void *def, size_t size)
+{
+    dpt_urdf_def_defaults(def, size);
+}
+
+static void structs_of_any_size(void)
+{
+    const struct sized def = { "dpt_urdf_def", sizeof(dpt_urdf_def), sizeof(dpt_urdf_def),
+                               take_def };
+    const struct sized mesh = { "its dpt_compile_def", offsetof(dpt_compile_def, crease),
+                                sizeof(dpt_compile_def), take_mesh_def };
+    const struct sized diag = { "dpt_diag", sizeof(dpt_diag), sizeof(dpt_diag), fill_diag };
+    dpt_urdf_def good;
+    dpt_compile_def good_mesh;
+    dpt_urdf_def_init(&good);
+    dpt_compile_def_init(&good_mesh);
+    check_input(&def, &good);
+    check_input(&mesh, &good_mesh);
+    check_output(&diag);
+    check_defaults(&def, defaults, &good);
+    good_mesh.scale = -1.0;
+    CHECK(take_mesh_def(&good_mesh) == DPT_E_ARGUMENT, "a negative scale");
+    good_mesh.scale = NAN;
+    CHECK(take_mesh_def(&good_mesh) == DPT_E_ARGUMENT, "no scale");
 }
 
 static void arguments_are_checked(void)
@@ -542,6 +590,7 @@ int main(int argc, char **argv)
     TEST(nothing_is_printed);
     TEST(a_programs_log_is_left_alone);
     TEST(paths_that_are_no_files);
+    TEST(structs_of_any_size);
     TEST(arguments_are_checked);
     TEST(bytes_do_not_depend_on_the_locale);
     TEST(cut_files);
