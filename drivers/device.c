@@ -2,6 +2,8 @@
 /* Which drivers are built in (the Makefile's DRIVERS, by built_with.h), and what holds for devices of all of them. */
 #include <string.h>
 
+#include "base/return_if_error.h"
+#include "base/sized.h"
 #include "base/wrench_limit.h"
 #include "built_with.h"
 #include "dynpoint/driver.h"
@@ -36,21 +38,40 @@ const dpt_driver *dpt_driver_named(const char *name)
     return name ? named(name, strlen(name)) : NULL;
 }
 
+/* The first release's driver ends with what there is today. */
 static int is_complete(const dpt_driver *driver)
 {
-    return driver->size == sizeof *driver && driver->version == DPT_DRIVER_VERSION &&
-           driver->name && driver->open && driver->info && driver->read && driver->write &&
-           driver->clear && driver->counts && driver->close;
+    return driver->size >= sizeof *driver && driver->size <= SIZED_MAX &&
+           driver->version == DPT_DRIVER_VERSION && driver->name && driver->open && driver->info &&
+           driver->read && driver->write && driver->clear && driver->counts && driver->close;
 }
 
-dpt_result dpt_device_open_with(const dpt_driver *driver, const char *where, dpt_device **device,
-                                dpt_device_error *error)
+/* What a driver fills in: ours, or with the fields of a newer library behind. */
+enum { DRIVERS_ROOM = 1024 };
+
+#define WITH_ROOM(type)                                                                            \
+    union {                                                                                        \
+        type own;                                                                                  \
+        unsigned char room[DRIVERS_ROOM];                                                          \
+    }
+
+/* Give the caller, whose size was checked, what is known of a failure, or what is still to be done. */
+static dpt_result answer(dpt_result result, dpt_device_error *own, dpt_device_error *error)
 {
-    if (error && error->size != sizeof *error)
-        return DPT_E_SIZE;
+    own->code = result;
+    own->text[sizeof own->text - 1] = '\0';
+    if (result != DPT_OK && !own->text[0])
+        device_error(own, result, "%s", dpt_result_text(result));
+    if (error)
+        sized_write(error, error->size, own, sizeof *own);
+    return result;
+}
+
+static dpt_result open_with(const dpt_driver *driver, const char *where, dpt_device **device,
+                            dpt_device_error *error)
+{
     if (!device)
         return device_error(error, DPT_E_ARGUMENT, "there is no place for the device");
-    *device = NULL;
     if (!driver)
         return device_error(error, DPT_E_ARGUMENT, "there is no driver");
     if (!is_complete(driver))
@@ -59,63 +80,72 @@ dpt_result dpt_device_open_with(const dpt_driver *driver, const char *where, dpt
     if (where && !*where)
         where = NULL;
     dpt_device *opened = NULL;
-    device_error(error, DPT_OK, "%s", "");
-    dpt_result result = driver->open(driver, where, &opened, error);
-    if (result == DPT_OK && !opened)
+    DPT_TRY(driver->open(driver, where, &opened, error));
+    if (!opened)
         return device_error(error, DPT_E_DEVICE, "the driver gave no device");
-    if (result != DPT_OK) {
-        if (error && !error->text[0])
-            device_error(error, result, "%s", dpt_result_text(result));
-        return result;
-    }
-    opened->driver = driver;
+    *opened = (dpt_device){ .driver = driver };
     *device = opened;
     return DPT_OK;
 }
 
-dpt_result dpt_device_open(const char *name, dpt_device **device, dpt_device_error *error)
+dpt_result dpt_device_open_with(const dpt_driver *driver, const char *where, dpt_device **device,
+                                dpt_device_error *error)
 {
-    if (error && error->size != sizeof *error)
-        return DPT_E_SIZE;
+    WITH_ROOM(dpt_device_error) out = { .own = { .size = sizeof out.own } };
     if (device)
         *device = NULL;
+    if (error)
+        DPT_TRY(sized_check(error, sizeof *error, 0));
+    return answer(open_with(driver, where, device, &out.own), &out.own, error);
+}
+
+dpt_result dpt_device_open(const char *name, dpt_device **device, dpt_device_error *error)
+{
+    dpt_device_error own = { .size = sizeof own };
+    if (device)
+        *device = NULL;
+    if (error)
+        DPT_TRY(sized_check(error, sizeof *error, 0));
     if (!name)
-        return device_error(error, DPT_E_ARGUMENT, "there is no name");
+        return answer(device_error(&own, DPT_E_ARGUMENT, "there is no name"), &own, error);
     size_t length = strcspn(name, ":");
     const dpt_driver *driver = named(name, length);
-    if (!driver)
-        return device_error(error, DPT_E_UNSUPPORTED, "this build has no driver '%.*s'",
-                            (int)(length < 60 ? length : 60), name);
-    return dpt_device_open_with(driver, name[length] ? name + length + 1 : NULL, device, error);
+    if (driver)
+        return dpt_device_open_with(driver, name[length] ? name + length + 1 : NULL, device, error);
+    return answer(device_error(&own, DPT_E_UNSUPPORTED, "this build has no driver '%.*s'",
+                               (int)(length < 60 ? length : 60), name),
+                  &own, error);
 }
 
 dpt_result dpt_device_get_info(const dpt_device *device, dpt_device_info *info)
 {
+    WITH_ROOM(dpt_device_info) out = { .own = { .size = sizeof out.own } };
     if (!device || !info)
         return DPT_E_ARGUMENT;
-    if (info->size != sizeof *info)
-        return DPT_E_SIZE;
-    memset(info, 0, sizeof *info);
-    info->size = sizeof *info;
-    device->driver->info(device, info);
-    info->size = sizeof *info;
+    DPT_TRY(sized_check(info, sizeof *info, 0));
+    device->driver->info(device, &out.own);
+    sized_write(info, info->size, &out.own, sizeof out.own);
     return DPT_OK;
 }
 
 dpt_result dpt_device_read(dpt_device *device, dpt_device_state *state)
 {
+    WITH_ROOM(dpt_device_state) out;
     if (!device || !state)
         return DPT_E_ARGUMENT;
-    if (state->size != sizeof *state)
-        return DPT_E_SIZE;
-    dpt_result result = device->driver->read(device, state);
-    state->size = sizeof *state;
-    if (state->reasons & ~REASONS)
-        state->reasons = (state->reasons & REASONS) | DPT_REASON_DEVICE;
+    DPT_TRY(sized_check(state, sizeof *state, 0));
+    memset(&out.own, 0, sizeof out.own);
+    memcpy(&out.own, state, state->size < sizeof out.own ? state->size : sizeof out.own);
+    out.own.size = sizeof out.own;
+    memset(out.own.reserved, 0, sizeof out.own.reserved);
+    dpt_result result = device->driver->read(device, &out.own);
+    if (out.own.reasons & ~REASONS)
+        out.own.reasons = (out.own.reasons & REASONS) | DPT_REASON_DEVICE;
     if (result != DPT_OK)
-        state->fresh = 0;
+        out.own.fresh = 0;
     if (result == DPT_E_LOST)
-        state->status = DPT_DEVICE_STATUS_LOST;
+        out.own.status = DPT_DEVICE_STATUS_LOST;
+    sized_write(state, state->size, &out.own, sizeof out.own);
     return result;
 }
 
@@ -138,14 +168,12 @@ dpt_result dpt_device_clear(dpt_device *device)
 
 dpt_result dpt_device_get_counts(const dpt_device *device, dpt_device_counts *counts)
 {
+    WITH_ROOM(dpt_device_counts) out = { .own = { .size = sizeof out.own } };
     if (!device || !counts)
         return DPT_E_ARGUMENT;
-    if (counts->size != sizeof *counts)
-        return DPT_E_SIZE;
-    memset(counts, 0, sizeof *counts);
-    counts->size = sizeof *counts;
-    device->driver->counts(device, counts);
-    counts->size = sizeof *counts;
+    DPT_TRY(sized_check(counts, sizeof *counts, 0));
+    device->driver->counts(device, &out.own);
+    sized_write(counts, counts->size, &out.own, sizeof out.own);
     return DPT_OK;
 }
 
@@ -155,14 +183,14 @@ void dpt_device_close(dpt_device *device)
         device->driver->close(device);
 }
 
-dpt_result dpt_device_map(const dpt_device_info *info, const double box_min[3],
+dpt_result dpt_device_map(const dpt_device_info *given, const double box_min[3],
                           const double box_max[3], double *scale, double offset[3])
 {
-    if (!info || !box_min || !box_max || !scale || !offset)
+    dpt_device_info info = { .size = sizeof info };
+    if (!given || !box_min || !box_max || !scale || !offset)
         return DPT_E_ARGUMENT;
-    if (info->size != sizeof *info)
-        return DPT_E_SIZE;
-    const double *from = info->workspace_min, *to = info->workspace_max;
+    DPT_TRY(sized_read(given, sizeof info, &info, sizeof info));
+    const double *from = info.workspace_min, *to = info.workspace_max;
     double most = 0.0, middle[3];
     if (!vec3_within(box_min, DPT_COORDINATE_MAX) || !vec3_within(box_max, DPT_COORDINATE_MAX) ||
         !vec3_within(from, DPT_COORDINATE_MAX) || !vec3_within(to, DPT_COORDINATE_MAX))

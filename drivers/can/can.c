@@ -103,6 +103,7 @@ static void can_info(const dpt_device *base, dpt_device_info *info)
     snprintf(info->name, sizeof info->name, "arm of ODrives, firmware 0.%u", first->generation);
     if (first->serial)
         snprintf(info->serial, sizeof info->serial, "%012llX", (unsigned long long)first->serial);
+    dynamics_tell(&device->host.settings.dynamics, info);
 }
 
 /* Once more while an axis may still give force: of a line that is bad some frames get through. */

@@ -60,8 +60,9 @@ dpt_result can_settings_read(const char *where, struct can_settings *s, dpt_devi
         { .name = "heartbeat", .number = &s->heartbeat, .least = 0.001, .most = 1 },
         { .name = "watchdog", .text = watchdog, .room = sizeof watchdog },
     };
-    const dpt_result result = settings_read(where, s->interface, sizeof s->interface, settings,
-                                            sizeof settings / sizeof *settings, error);
+    const dpt_result result =
+        settings_read(where, s->interface, sizeof s->interface, settings,
+                      sizeof settings / sizeof *settings, &s->dynamics, error);
     if (result != DPT_OK)
         return result;
     if (strcmp(s->firmware, "auto") && strcmp(s->firmware, "0.5") && strcmp(s->firmware, "0.6"))

@@ -8,6 +8,7 @@
 
 #include "dynpoint/arm.h"
 #include "dynpoint/device.h"
+#include "settings.h"
 
 /* The settings, as the table in docs/drivers.md has them. */
 struct can_settings {
@@ -21,7 +22,8 @@ struct can_settings {
     double silent;    /* s without an estimate, then it is lost */
     double heartbeat; /* s, their period as it is configured */
     double watchdog;  /* s, likewise; 0: none */
-    int gives_force;  /* the controllers have a watchdog, or it was said that they have none */
+    struct dynamics dynamics;
+    int gives_force; /* the controllers have a watchdog, or it was said that they have none */
 };
 
 struct can_arm {

@@ -28,7 +28,8 @@ struct haptics {
     struct servo_sample last; /* that was read */
     char name[64], library[256];
     double rate, watchdog, silent_after; /* 0: as the device likes */
-    int is_open;                         /* in the library */
+    struct dynamics dynamics;
+    int is_open; /* in the library */
     uint64_t sequence_read;
     uint32_t lost; /* why, from the first read that found it so until it is cleared */
     dpt_device_info info;
@@ -423,7 +424,7 @@ static dpt_result openhaptics_open(const dpt_driver *driver, const char *where, 
     pthread_mutex_lock(&one_at_a_time);
     let_go_of_those_behind();
     dpt_result result = settings_read(where, device->name, sizeof device->name, settings,
-                                      sizeof settings / sizeof *settings, error);
+                                      sizeof settings / sizeof *settings, &device->dynamics, error);
     if (result == DPT_OK)
         result = hd_library_load(device->library, &device->servo.hd, error);
     if (result == DPT_OK)
@@ -441,6 +442,7 @@ static dpt_result openhaptics_open(const dpt_driver *driver, const char *where, 
 static void openhaptics_info(const dpt_device *base, dpt_device_info *info)
 {
     *info = ((const struct haptics *)base)->info;
+    dynamics_tell(&((const struct haptics *)base)->dynamics, info);
 }
 
 /* Why nothing is heard, or 0. It stays, also when samples come again: time has passed of which nothing is known. */

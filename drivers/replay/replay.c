@@ -19,6 +19,7 @@ static const double SECONDS_MOST = 100.0 * 365.0 * 86400.0;
 struct replay {
     dpt_device device;
     double rate, live, again;
+    struct dynamics dynamics;
     struct table table;
     size_t row; /* that is now */
     int has_begun, has_ended;
@@ -204,6 +205,7 @@ static void replay_info(const dpt_device *device, dpt_device_info *info)
                                .force_max = 1000.0,
                                .torque_max = 1000.0,
                                .name = "recorded motion" };
+    dynamics_tell(&replay->dynamics, info);
     for (int k = 0; k < 3; k++) {
         info->workspace_min[k] = info->workspace_max[k] = replay->table.values[1 + k];
         for (size_t row = 0; row < replay->table.rows; row++) {
@@ -248,7 +250,7 @@ static dpt_result replay_open(const dpt_driver *driver, const char *where, dpt_d
         { .name = "again", .number = &replay->again, .most = 1.0 },
     };
     dpt_result result = settings_read(where, path, sizeof path, settings,
-                                      sizeof settings / sizeof *settings, error);
+                                      sizeof settings / sizeof *settings, &replay->dynamics, error);
     if (result == DPT_OK && !path[0])
         result = device_error(error, DPT_E_SETTING, "name a trace, as in replay:slide.csv");
     if (result == DPT_OK)

@@ -30,6 +30,7 @@ struct serial_device {
     dpt_device base;
     char path[256];
     double speed, answer_within, silent_after;
+    struct dynamics dynamics;
     int fd;
     struct wire_reader reader;
     struct wire_order samples;
@@ -356,7 +357,7 @@ static dpt_result serial_open(const dpt_driver *driver, const char *where, dpt_d
         { .name = "silent", .number = &device->silent_after, .least = 0.001, .most = 60 },
     };
     dpt_result result = settings_read(where, device->path, sizeof device->path, settings,
-                                      sizeof settings / sizeof *settings, error);
+                                      sizeof settings / sizeof *settings, &device->dynamics, error);
     if (result == DPT_OK && !device->path[0])
         serial_line_find(keep_first, device);
     if (result == DPT_OK && !device->path[0])
@@ -404,6 +405,7 @@ static void serial_info(const dpt_device *base, dpt_device_info *info)
     }
     copy_text(info->name, from->name);
     copy_text(info->serial, from->serial);
+    dynamics_tell(&((const struct serial_device *)base)->dynamics, info);
 }
 
 static void show_pose(const struct wire_state *from, dpt_device_state *state)

@@ -288,6 +288,7 @@ static void sim_counts(const dpt_device *device, dpt_device_counts *counts)
 static void sim_info(const dpt_device *device, dpt_device_info *info)
 {
     const struct sim *sim = (const struct sim *)device;
+    const int turns = sim->dofs > 3.0;
     *info = (dpt_device_info){ .pose_dofs = (uint32_t)sim->dofs,
                                .wrench_dofs = (uint32_t)sim->dofs,
                                .joints = (uint32_t)sim->dofs,
@@ -297,8 +298,14 @@ static void sim_info(const dpt_device *device, dpt_device_info *info)
                                .rate = sim->rate,
                                .force_max = sim->force_max,
                                .force_continuous = sim->force_max,
-                               .torque_max = sim->dofs > 3.0 ? sim->torque_max : 0.0,
+                               .torque_max = turns ? sim->torque_max : 0.0,
                                .position_step = sim->step,
+                               .angle_step = turns ? sim->turn_step : 0.0,
+                               .mass = sim->mass,
+                               .inertia = turns ? sim->inertia : 0.0,
+                               .damping = sim->damping,
+                               .spin_damping = turns ? sim->turn_damping : 0.0,
+                               .delay = sim->delay / sim->rate,
                                .watchdog = sim->watchdog,
                                .workspace_min = { -0.2, -0.2, -0.2 },
                                .workspace_max = { 0.2, 0.2, 0.2 },
@@ -400,7 +407,7 @@ static dpt_result sim_open(const dpt_driver *driver, const char *where, dpt_devi
     };
     char place[64];
     dpt_result result = settings_read(where, place, sizeof place, settings,
-                                      sizeof settings / sizeof *settings, error);
+                                      sizeof settings / sizeof *settings, NULL, error);
     if (result == DPT_OK && place[0])
         result = device_error(error, DPT_E_SETTING, "only settings, as in sim:?live=1");
     if (result == DPT_OK)

@@ -24,7 +24,11 @@ DPT_BEGIN
 
 typedef struct dpt_device dpt_device;
 
-/* What a device is and can do; fixed while it is open. */
+/*
+ * What a device is and can do; fixed while it is open. From mass to delay: what a coupling is computed from. Of what its
+ * maker does not tell, whoever opens it may: settings of these names, as in "serial:/dev/ttyACM0?mass=0.1&damping=0.5"
+ * (docs/drivers.md).
+ */
 typedef struct dpt_device_info {
     uint32_t size;           /* sizeof(dpt_device_info), set by the caller */
     uint32_t pose_dofs;      /* 3: position alone, the orientation is the identity; 6: both */
@@ -38,7 +42,15 @@ typedef struct dpt_device_info {
     double torque_max;       /* Nm, of the vector's length */
     double stiffness_max;    /* N/m, that its maker states; 0: not known */
     double position_step;    /* m, the least that it can tell; 0: not known */
-    double watchdog;         /* s without a command, then it gives no force; 0: it has none */
+    double angle_step;       /* rad, likewise */
+    double mass;             /* kg, that the hand moves; 0: not known, as all below */
+    double inertia;          /* kg m2, that it turns */
+    double damping;          /* Ns/m, viscous */
+    double spin_damping;     /* Nms/rad */
+    double friction;         /* N, Coulomb */
+    double spin_friction;    /* Nm */
+    double delay;    /* s, from a sample to the command that it caused, beyond the loop's own */
+    double watchdog; /* s without a command, then it gives no force; 0: it has none */
     double workspace_min[3]; /* m */
     double workspace_max[3];
     char name[48];   /* of the kind, for people */
@@ -80,7 +92,11 @@ enum {
         1024 /* it lies in its holder (an inkwell, a dock), where it gives no force */
 };
 
-/* One sample. */
+/*
+ * One sample. `joint` stays the last field, so that DPT_JOINTS_MAX may grow: a caller whose struct is shorter gets as many
+ * as it has room for, and dpt_device_info.joints says how many there are. What else a sample may gain takes the place of
+ * `reserved`.
+ */
 typedef struct dpt_device_state {
     uint32_t size;    /* sizeof(dpt_device_state), set by the caller */
     uint32_t status;  /* DPT_DEVICE_STATUS_READY ... */
@@ -95,8 +111,9 @@ typedef struct dpt_device_state {
     dpt_pose pose;
     double velocity[3];           /* m/s */
     double spin[3];               /* rad/s; zero with 3 pose_dofs */
-    double joint[DPT_JOINTS_MAX]; /* rad, or m of a slider */
     double temperature;           /* of the hottest motor: 0 cold, 1 its limit; -1: not known */
+    double reserved[6];           /* 0 */
+    double joint[DPT_JOINTS_MAX]; /* rad, or m of a slider; zero behind the last one */
 } dpt_device_state;
 
 /* Counts since the device was opened. */

@@ -11,7 +11,13 @@
 
 #include "dynpoint/device.h"
 
-#define DPT_DRIVER_VERSION 1 /* of struct dpt_driver; a driver of another version is refused */
+/*
+ * Of the contract below. It grows only where a driver of before would be served wrongly: a library refuses drivers of a
+ * version above its own, and serves older ones, but for 1, of release 0.1. What is merely added does not change it: a
+ * function is optional then and stands behind those of before, where `size` tells whether a driver has it; a library that
+ * is older than a driver does not call it.
+ */
+#define DPT_DRIVER_VERSION 2
 
 DPT_BEGIN
 
@@ -23,12 +29,14 @@ typedef void dpt_device_found_fn(void *user, const dpt_driver *driver, const cha
 
 /*
  * The contract. A driver's own device begins with a struct dpt_device, which dpt_device_open fills in. Arguments are
- * checked before a driver sees them: none is NULL but those that are said to be, sizes are right, wrenches are finite;
- * `size` is filled in after it. What info and counts leave alone is 0.
+ * checked before a driver sees them: none is NULL but those that are said to be, wrenches are finite. Structs to be
+ * filled in are the library's own, of the size that their first field says, and with room for 1024 bytes: a driver fills
+ * in those of its own headers, whole, be it older or newer, and the caller gets as much as it has room for. What info
+ * and counts leave alone is 0, what read does stays as it was.
  *
  * open    May block, some seconds at most. `where` is in the driver's own notation, NULL for the first or only one;
  *         settings follow a '?', as in "/dev/ttyACM0?rate=1000". On success the device has answered, gives no force,
- *         and *device is set; on failure nothing stays open and `error`, which may be NULL, says why.
+ *         and *device is set; on failure nothing stays open and the text of `error` says why. Its code is filled in.
  * info    Never blocks or fails.
  * read    Never blocks, makes a bounded number of system calls, allocates nothing. Fills `state` with the latest
  *         sample, also if that was read before (fresh = 0). DPT_E_LOST when the device is gone: status LOST, fresh 0,
@@ -44,7 +52,7 @@ typedef void dpt_device_found_fn(void *user, const dpt_driver *driver, const cha
  * find    May block. NULL where devices cannot be found.
  */
 struct dpt_driver {
-    uint32_t size;     /* sizeof(dpt_driver) */
+    uint32_t size;     /* sizeof(dpt_driver), of the driver's headers */
     uint32_t version;  /* DPT_DRIVER_VERSION */
     const char *name;  /* a word: "sim", "serial" */
     const char *about; /* a line for people */
@@ -59,8 +67,10 @@ struct dpt_driver {
     void (*find)(const dpt_driver *driver, dpt_device_found_fn *found, void *user);
 };
 
+/* It never grows, as a driver's own fields follow. */
 struct dpt_device {
     const dpt_driver *driver;
+    void *reserved[3]; /* the library's */
 };
 
 /* The drivers that are built in, from 0; NULL behind the last one. */
@@ -70,7 +80,8 @@ DPT_API const dpt_driver *dpt_driver_at(uint32_t index);
 DPT_API const dpt_driver *dpt_driver_named(const char *name);
 
 /*
- * As dpt_device_open, with a driver from anywhere; one of another version or without a function is DPT_E_UNSUPPORTED.
+ * As dpt_device_open, with a driver from anywhere; one of a version or size that is not served (above), or without a
+ * function, is DPT_E_UNSUPPORTED.
  *   where, error   may be NULL
  */
 DPT_API dpt_result dpt_device_open_with(const dpt_driver *driver, const char *where,

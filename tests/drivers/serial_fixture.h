@@ -173,7 +173,7 @@ static inline void pause_ms(long milliseconds)
 
 static inline dpt_result open_at(const char *path, const char *settings)
 {
-    char name[128];
+    char name[512];
     snprintf(name, sizeof name, "serial:%s%s", path, settings);
     error.size = sizeof error;
     state.size = sizeof state;

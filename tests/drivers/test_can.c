@@ -6,6 +6,7 @@
  *     test_can [CYCLES]
  */
 #include "drivers/can_fixture.h"
+#include "drivers/dynamics_checks.h"
 
 #include "clock.h"
 #include "simulate/simulate_serial.h"
@@ -18,10 +19,10 @@ static void opens_and_tells(void)
     static const char *const firmware[] = { "0.5", "0.6" };
     for (int ambiguous = 0; ambiguous < 2; ambiguous++)
         for (int i = 0; i < 2; i++) {
-            char settings[128];
+            char settings[320];
             dpt_device_info info = { .size = sizeof info };
-            snprintf(settings, sizeof settings, ELBOW "&nodes=5,63,0&watchdog=0.02&firmware=%s",
-                     firmware[i]);
+            snprintf(settings, sizeof settings, ELBOW "&nodes=5,63,0&watchdog=0.02%s&firmware=%s",
+                     ambiguous ? "&" DYNAMICS : "", firmware[i]);
             error.size = sizeof error;
             simulate(elbow_path, settings);
             for (uint32_t k = 0; k < 3; k++)
@@ -31,6 +32,7 @@ static void opens_and_tells(void)
             CHECK(open_at(where_of(elbow_path, settings)) == DPT_OK, "%s", error.text);
             if (!device)
                 return;
+            (ambiguous ? check_dynamics : check_no_dynamics)(device);
             CHECK(dpt_device_get_info(device, &info) == DPT_OK, "info");
             CHECK(info.pose_dofs == 6 && info.wrench_dofs == 3 && info.joints == 3 &&
                       info.rate == 1000.0 && info.watchdog == 0.02 &&

@@ -6,6 +6,8 @@
  */
 #include "drivers/hd/host.h"
 
+#include "drivers/dynamics_checks.h"
+
 #include <pthread.h>
 
 #include "dynpoint/openhaptics.h"
@@ -29,6 +31,7 @@ static void opens_and_tells(void)
         CHECK(info.workspace_min[k] == workspace[k] / 1000.0 &&
                   info.workspace_max[k] == workspace[3 + k] / 1000.0,
               "workspace");
+    check_no_dynamics(device);
     CHECK(!strcmp(info.name, "stand-in") && !strcmp(info.serial, "A0"), "%s", info.name);
     CHECK(there->enabled == 7, "%x: output, clamping and ramping are on", there->enabled);
     CHECK(state.status == DPT_DEVICE_STATUS_READY && state.reasons == 0 && state.code == 0, "%s",

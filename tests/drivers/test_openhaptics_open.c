@@ -5,6 +5,8 @@
  */
 #include "drivers/hd/host.h"
 
+#include "drivers/dynamics_checks.h"
+
 #include <sys/wait.h>
 
 static const char *program;
@@ -354,6 +356,7 @@ static void settings_are_checked(void)
     refused("", "&watchdog=0.0001", DPT_E_SETTING, "watchdog", "0.002");
     refused("", "&watchdog=2", DPT_E_SETTING, "watchdog", "");
     refused("", "&silent=0", DPT_E_SETTING, "silent", "");
+    refused("", "&mass=101", DPT_E_SETTING, "mass is not within 0 and 100", "");
     refused("", "&force=1", DPT_E_SETTING, "no setting 'force'", "");
     char name[200];
     memset(name, 'n', sizeof name - 1);
@@ -361,7 +364,8 @@ static void settings_are_checked(void)
     refused(name, "", DPT_E_SETTING, "too long", "");
     refused_by("openhaptics:?library=/elsewhere/libHD.so", DPT_E_SETTING, "has loaded",
                "start another program");
-    start("&rate=500&watchdog=0.02");
+    start("&rate=500&watchdog=0.02&" DYNAMICS);
+    check_dynamics(device);
     dpt_device_info info = { .size = sizeof info };
     dpt_device_get_info(device, &info);
     CHECK(info.rate == 500.0 && info.watchdog == 0.02 && lib->rate == 500, "%g Hz", info.rate);

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <time.h>
 
+#include "drivers/dynamics_checks.h"
 #include "drivers/open_device.h"
 
 enum { ROWS = 500, GAP_AT = 200, GAP = 7 };
@@ -107,6 +108,47 @@ static void rows_are_samples(void)
     unlink(motion.file.path);
 }
 
+/* Each setting from nothing to the most that it may be, and no further. */
+static void what_a_maker_does_not_tell_can_be_named(void)
+{
+    static const struct {
+        const char *name;
+        double most;
+    } settings[] = { { "mass", 100 },        { "inertia", 10 },         { "damping", 1000 },
+                     { "spin_damping", 10 }, { "friction", 100 },       { "spin_friction", 10 },
+                     { "delay", 1 },         { "position_step", 0.01 }, { "angle_step", 0.1 } };
+    struct small_file file = file_with("tick,ax,ay,az,bx,by,bz\n0,0,0,0,0,0,1\n");
+    dpt_device *device = device_named("replay:%s?rate=500&" DYNAMICS, file.path);
+    check_dynamics(device);
+    dpt_device_close(device);
+    device = device_named("replay:%s", file.path);
+    check_no_dynamics(device);
+    dpt_device_close(device);
+    for (size_t i = 0; i < sizeof settings / sizeof *settings; i++) {
+        const struct {
+            const char *factor;
+            dpt_result result;
+        } cases[] = { { "0", DPT_OK },
+                      { "", DPT_OK },
+                      { "-1e-9", DPT_E_SETTING },
+                      { "nan", DPT_E_SETTING },
+                      { "1001", DPT_E_SETTING } };
+        for (int k = 0; k < 5; k++) {
+            char name[128], text[32];
+            dpt_device_error error = { .size = sizeof error };
+            snprintf(text, sizeof text, "%g", settings[i].most);
+            snprintf(name, sizeof name, "replay:%s?%s=%s", file.path, settings[i].name,
+                     *cases[k].factor ? cases[k].factor : text);
+            CHECK(dpt_device_open(name, &device, &error) == cases[k].result, "%s: %s", name,
+                  error.text);
+            CHECK(cases[k].result == DPT_OK || strstr(error.text, settings[i].name), "%s",
+                  error.text);
+            dpt_device_close(device);
+        }
+    }
+    unlink(file.path);
+}
+
 static void again_begins_anew(void)
 {
     struct small_file file =
@@ -195,6 +237,7 @@ static void wrong_traces_are_refused(void)
 int main(void)
 {
     TEST(rows_are_samples);
+    TEST(what_a_maker_does_not_tell_can_be_named);
     TEST(again_begins_anew);
     TEST(live_keeps_time);
     TEST(wrong_traces_are_refused);

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The driver for serial lines (drivers/serial/serial.c) with a device that is well, on lines that are good, bad and full. */
 #include "drivers/serial_fixture.h"
+
+#include "drivers/dynamics_checks.h"
 #include "dynpoint/driver.h"
 
 #include <math.h>
@@ -11,7 +13,8 @@ static void opens_and_tells(void)
 {
     dpt_device_info info = { .size = sizeof info };
     not_a_tty = 0;
-    start(NULL, "?silent=30");
+    start(NULL, "?silent=30&" DYNAMICS);
+    check_dynamics(device);
     CHECK(not_a_tty == 1, "a pty has modem lines: then this shows nothing");
     CHECK(dpt_device_get_info(device, &info) == DPT_OK, "info");
     CHECK(info.pose_dofs == 3 && info.wrench_dofs == 3 && info.joints == 0 && info.buttons == 1,
@@ -77,6 +80,7 @@ static void six_freedoms_and_joints(void)
     info.torque_max = 0.1f;
     info.flags = 0xffffffffu;
     start(&info, "?silent=30");
+    check_no_dynamics(device);
     dpt_device_info told = { .size = sizeof told };
     CHECK(dpt_device_get_info(device, &told) == DPT_OK &&
               told.flags == (DPT_DEVICE_FLAG_SIMULATED | DPT_DEVICE_FLAG_ARM),

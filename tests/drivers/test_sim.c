@@ -199,6 +199,27 @@ static void turns_as_it_moves(void)
     dpt_device_close(device);
 }
 
+/* What a coupling is computed from, as the model has it; a device that does not turn has none of the turns'. */
+static void it_tells_its_dynamics(void)
+{
+    static const char numbers[] = "mass=0.25&damping=0.75&inertia=3e-4&turn_damping=2e-3&step=1e-5&"
+                                  "turn_step=2e-5&delay=3&rate=2000";
+    for (int dofs = 3; dofs <= 6; dofs += 3) {
+        dpt_device *device = device_named("sim:?dofs=%d&%s", dofs, numbers);
+        dpt_device_info info = { .size = sizeof info };
+        const double turns = dofs == 6;
+        CHECK(dpt_device_get_info(device, &info) == DPT_OK && info.mass == 0.25 &&
+                  info.damping == 0.75 && info.position_step == 1e-5 && info.delay == 0.0015 &&
+                  info.friction == 0.0 && info.spin_friction == 0.0,
+              "%g kg, %g Ns/m, %g s", info.mass, info.damping, info.delay);
+        CHECK(info.inertia == 3e-4 * turns && info.spin_damping == 2e-3 * turns &&
+                  info.angle_step == 2e-5 * turns,
+              "%d: %g kg m2, %g Nms, %g rad", dofs, info.inertia, info.spin_damping,
+              info.angle_step);
+        dpt_device_close(device);
+    }
+}
+
 static void encoders_round(void)
 {
     const double step = 5e-4;
@@ -448,6 +469,7 @@ static void wrong_names_are_refused(void)
         { "dofs=4", "", DPT_E_SETTING, "dofs is 3 or 6" },
         { "live=0.5", "", DPT_E_SETTING, "live 0 or 1" },
         { "delay=16", "", DPT_E_SETTING, "delay" },
+        { "friction=0.1", "", DPT_E_SETTING, "no setting 'friction'" },
         { "fault=estop", "", DPT_E_SETTING, "estop@1.5" },
         { "fault=tired@1", "", DPT_E_SETTING, "estop@1.5" },
         { "fault=estop@soon", "", DPT_E_SETTING, "estop@1.5" },
@@ -496,6 +518,7 @@ int main(int argc, char **argv)
     TEST(resonance);
     TEST(energy_is_kept_or_lost_but_never_made);
     TEST(turns_as_it_moves);
+    TEST(it_tells_its_dynamics);
     TEST(encoders_round);
     TEST(delay_is_a_shift);
     TEST(watchdog_ends_the_force);

@@ -39,7 +39,7 @@ Overlap = struct("dpt_overlap", (c_uint32, "size triangle flags reserved"), (c_d
                  (double3, "q weight"), (c_double, "gap overlap"))
 State = struct("dpt_device_state", (c_uint32, "size status reasons code buttons fresh"),
                (c_uint64, "sequence time_ns"), (Pose, "pose"), (double3, "velocity spin"),
-               (c_double * 8, "joint"), (c_double, "temperature"))
+               (c_double, "temperature"), (c_double * 6, "reserved"), (c_double * 8, "joint"))
 Guard = struct("dpt_guard", (c_uint32, "size reserved"), (c_uint64 * 63, "opaque"))
 GuardInfo = struct("dpt_guard_info", (c_uint32, "size state"),
                    (c_uint64, "stops clamped slewed not_finite now_ns fresh_ns"), (c_double, "gain"),

@@ -1,0 +1,287 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * Structs of devices, drivers and loops, of callers that are older or newer than the library; and drivers from outside
+ * that are older or newer than it.
+ */
+#include "drivers/open_device.h"
+#include "dynpoint/driver.h"
+#include "lib/size_checks.h"
+
+/* A driver whose headers are newer: its structs go on where the library's end. */
+struct newer_info {
+    dpt_device_info now;
+    double later[4];
+};
+struct newer_state {
+    dpt_device_state now;
+    double later[8]; /* more joints, say */
+};
+struct newer_counts {
+    dpt_device_counts now;
+    uint64_t later[4];
+};
+struct newer_error {
+    dpt_device_error now;
+    char later[256];
+};
+
+struct still {
+    dpt_device device;
+    uint64_t sample, sizes; /* calls whose struct's size was not the library's own */
+};
+
+static struct still still;
+static int is_newer;
+static dpt_result opening;
+
+static dpt_result still_open(const dpt_driver *driver, const char *where, dpt_device **device,
+                             dpt_device_error *error)
+{
+    (void)driver, (void)where;
+    if (opening == DPT_OK) {
+        still = (struct still){ .sizes = 0 };
+        memset(&still.device, 0x5a, sizeof still.device);
+    }
+    still.sizes += error->size != sizeof *error;
+    if (is_newer) {
+        struct newer_error all = { .now = { .size = sizeof all } };
+        memset(all.now.text, 'x', sizeof all.now.text);
+        memset(all.later, 'y', sizeof all.later);
+        memcpy(error, &all, sizeof all);
+    } else {
+        snprintf(error->text, sizeof error->text, "it was opened");
+    }
+    *device = &still.device;
+    return opening;
+}
+
+static void still_info(const dpt_device *device, dpt_device_info *info)
+{
+    struct newer_info all = {
+        .now = { .size = sizeof all, .rate = 1000.0, .workspace_max = { 1, 1, 1 } },
+        .later = { 7, 7, 7, 7 }
+    };
+    still.sizes += info->size != sizeof *info || device != &still.device;
+    memcpy(info, &all, is_newer ? sizeof all : sizeof *info);
+}
+
+static dpt_result still_read(dpt_device *device, dpt_device_state *state)
+{
+    struct newer_state all = { .now = { .size = sizeof all, .status = DPT_DEVICE_STATUS_READY } };
+    still.sizes += state->size != sizeof *state || device != &still.device;
+    all.now.sequence = still.sample;
+    all.now.time_ns = 1000000 * still.sample++;
+    all.now.fresh = 1;
+    all.now.pose.orientation[0] = 1.0;
+    for (int i = 0; i < DPT_JOINTS_MAX; i++)
+        all.now.joint[i] = 1.0 + i;
+    for (int i = 0; i < 8; i++)
+        all.later[i] = 7.0;
+    memcpy(state, &all, is_newer ? sizeof all : sizeof *state);
+    return DPT_OK;
+}
+
+static dpt_result still_write(dpt_device *device, const dpt_wrench *wrench)
+{
+    (void)device, (void)wrench;
+    return DPT_OK;
+}
+
+static dpt_result still_clear(dpt_device *device)
+{
+    (void)device;
+    return DPT_OK;
+}
+
+static void still_counts(const dpt_device *device, dpt_device_counts *counts)
+{
+    struct newer_counts all = { .now = { .size = sizeof all, .samples = 3, .resets = 9 } };
+    still.sizes += counts->size != sizeof *counts || device != &still.device;
+    memset(all.later, 0x77, sizeof all.later);
+    memcpy(counts, &all, is_newer ? sizeof all : sizeof *counts);
+}
+
+static void still_close(dpt_device *device)
+{
+    (void)device;
+}
+
+static const dpt_driver still_driver = {
+    .size = sizeof(dpt_driver),
+    .version = DPT_DRIVER_VERSION,
+    .name = "still",
+    .about = "a test's own",
+    .open = still_open,
+    .info = still_info,
+    .read = still_read,
+    .write = still_write,
+    .clear = still_clear,
+    .counts = still_counts,
+    .close = still_close,
+};
+
+static dpt_device *device;
+
+static dpt_result info(void *out)
+{
+    return dpt_device_get_info(device, out);
+}
+
+/* The same sample each time, so that two answers can be compared. */
+static dpt_result state(void *out)
+{
+    still.sample = 5;
+    return dpt_device_read(device, out);
+}
+
+static dpt_result counts(void *out)
+{
+    return dpt_device_get_counts(device, out);
+}
+
+/* What is refused fills the error, and says so by its code. */
+static dpt_result error_of_a_name(void *out)
+{
+    dpt_device *none;
+    dpt_result result = dpt_device_open("nonesuch", &none, out);
+    return result == DPT_E_UNSUPPORTED ? DPT_OK : result;
+}
+
+static dpt_result error_of_no_name(void *out)
+{
+    dpt_device *none;
+    dpt_result result = dpt_device_open(NULL, &none, out);
+    return result == DPT_E_ARGUMENT ? DPT_OK : result;
+}
+
+static dpt_result error_of_no_driver(void *out)
+{
+    dpt_device *none;
+    dpt_result result = dpt_device_open_with(NULL, NULL, &none, out);
+    return result == DPT_E_ARGUMENT ? DPT_OK : result;
+}
+
+static dpt_result error_of_a_driver(void *out)
+{
+    dpt_device *none;
+    opening = DPT_E_PERMISSION;
+    dpt_result result = dpt_device_open_with(&still_driver, NULL, &none, out);
+    opening = DPT_OK;
+    CHECK(result != DPT_E_PERMISSION || !none, "refused, with a device");
+    return result == DPT_E_PERMISSION ? DPT_OK : result;
+}
+
+#define WHOLE(type) sizeof(type), sizeof(type)
+
+static const struct sized outputs[] = {
+    { "dpt_device_info", WHOLE(dpt_device_info), info },
+    { "dpt_device_state", WHOLE(dpt_device_state), state },
+    { "dpt_device_counts", WHOLE(dpt_device_counts), counts },
+    { "dpt_device_error of a name", WHOLE(dpt_device_error), error_of_a_name },
+    { "dpt_device_error of no name", WHOLE(dpt_device_error), error_of_no_name },
+    { "dpt_device_error of no driver", WHOLE(dpt_device_error), error_of_no_driver },
+    { "dpt_device_error of a driver", WHOLE(dpt_device_error), error_of_a_driver },
+};
+
+/* ---- what the library takes ---- */
+
+static dpt_result map(void *given)
+{
+    const double from[3] = { 0, 0, 0 }, to[3] = { 1, 1, 1 };
+    double scale, offset[3];
+    return dpt_device_map(given, from, to, &scale, offset);
+}
+
+static void structs_of_any_size(void)
+{
+    dpt_device_info good = { .size = sizeof good, .workspace_max = { 1, 1, 1 } };
+    const struct sized of_map = { "dpt_device_info to map", WHOLE(dpt_device_info), map };
+    for (is_newer = 0; is_newer < 2; is_newer++) {
+        CHECK(dpt_device_open_with(&still_driver, NULL, &device, NULL) == DPT_OK, "open");
+        for (size_t i = 0; i < sizeof outputs / sizeof *outputs; i++)
+            check_output(&outputs[i]);
+        CHECK(still.sizes == 0, "%d calls with another size than the library's", (int)still.sizes);
+        dpt_device_close(device);
+    }
+    is_newer = 0;
+    check_input(&of_map, &good);
+}
+
+/* Whatever headers a driver has, its caller gets what both know. */
+static void drivers_fill_in_their_own_structs(void)
+{
+    for (is_newer = 0; is_newer < 2; is_newer++) {
+        dpt_device_error error = { .size = sizeof error };
+        dpt_device_info told = { .size = sizeof told };
+        dpt_device_counts counted = { .size = sizeof counted };
+        CHECK(dpt_device_open_with(&still_driver, NULL, &device, &error) == DPT_OK &&
+                  error.code == DPT_OK && error.size == sizeof error,
+              "open");
+        CHECK(strlen(error.text) == (is_newer ? sizeof error.text - 1 : strlen("it was opened")),
+              "%d characters", (int)strlen(error.text));
+        const dpt_device_state sample = state_of(device);
+        CHECK(sample.size == sizeof sample && sample.fresh == 1 && sample.joint[0] == 1.0 &&
+                  sample.joint[DPT_JOINTS_MAX - 1] == DPT_JOINTS_MAX,
+              "a sample");
+        CHECK(dpt_device_get_info(device, &told) == DPT_OK && told.rate == 1000.0 &&
+                  told.size == sizeof told,
+              "info");
+        CHECK(dpt_device_get_counts(device, &counted) == DPT_OK && counted.resets == 9 &&
+                  counted.size == sizeof counted,
+              "counts");
+        dpt_device_close(device);
+    }
+    is_newer = 0;
+}
+
+static void the_librarys_part_of_a_device_is_its_own(void)
+{
+    CHECK(dpt_device_open_with(&still_driver, NULL, &device, NULL) == DPT_OK, "open");
+    CHECK(device->driver == &still_driver && !device->reserved[0] && !device->reserved[1] &&
+              !device->reserved[2],
+          "what the driver left there stays");
+    dpt_device_close(device);
+}
+
+/* Functions that a newer version adds are optional: a library that does not know them serves the driver without. */
+static void drivers_of_any_size(void)
+{
+    struct {
+        dpt_driver now;
+        void (*later[4])(void);
+    } newer = { .now = still_driver };
+    memset((void *)newer.later, 0x5a, sizeof newer.later);
+    const struct {
+        uint32_t size, version;
+        dpt_result result;
+    } cases[] = {
+        { sizeof(dpt_driver), DPT_DRIVER_VERSION, DPT_OK },
+        { sizeof newer, DPT_DRIVER_VERSION, DPT_OK },
+        { 4096, DPT_DRIVER_VERSION, DPT_OK },
+        { 4097, DPT_DRIVER_VERSION, DPT_E_UNSUPPORTED },
+        { sizeof(dpt_driver) - 8, DPT_DRIVER_VERSION, DPT_E_UNSUPPORTED },
+        { 0, DPT_DRIVER_VERSION, DPT_E_UNSUPPORTED },
+        { sizeof(dpt_driver), 0, DPT_E_UNSUPPORTED },
+        { sizeof(dpt_driver), 1, DPT_E_UNSUPPORTED },
+        { sizeof(dpt_driver), DPT_DRIVER_VERSION + 1, DPT_E_UNSUPPORTED },
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        dpt_device_error error = { .size = sizeof error };
+        newer.now.size = cases[i].size;
+        newer.now.version = cases[i].version;
+        dpt_result result = dpt_device_open_with(&newer.now, NULL, &device, &error);
+        CHECK(result == cases[i].result && error.code == result, "size %u, version %u: %s",
+              cases[i].size, cases[i].version, dpt_result_name(result));
+        if (result == DPT_OK)
+            CHECK(state_of(device).fresh == 1, "size %u: no sample", cases[i].size);
+    }
+}
+
+int main(void)
+{
+    TEST(structs_of_any_size);
+    TEST(drivers_fill_in_their_own_structs);
+    TEST(the_librarys_part_of_a_device_is_its_own);
+    TEST(drivers_of_any_size);
+    return check_report();
+}
