@@ -126,19 +126,18 @@ static void what_a_maker_does_not_tell_can_be_named(void)
     dpt_device_close(device);
     for (size_t i = 0; i < sizeof settings / sizeof *settings; i++) {
         const struct {
-            const char *factor;
+            double value;
             dpt_result result;
-        } cases[] = { { "0", DPT_OK },
-                      { "", DPT_OK },
-                      { "-1e-9", DPT_E_SETTING },
-                      { "nan", DPT_E_SETTING },
-                      { "1001", DPT_E_SETTING } };
+        } cases[] = { { 0.0, DPT_OK },
+                      { settings[i].most, DPT_OK },
+                      { 1.001 * settings[i].most, DPT_E_SETTING },
+                      { -1e-9, DPT_E_SETTING },
+                      { NAN, DPT_E_SETTING } };
         for (int k = 0; k < 5; k++) {
-            char name[128], text[32];
+            char name[128];
             dpt_device_error error = { .size = sizeof error };
-            snprintf(text, sizeof text, "%g", settings[i].most);
-            snprintf(name, sizeof name, "replay:%s?%s=%s", file.path, settings[i].name,
-                     *cases[k].factor ? cases[k].factor : text);
+            snprintf(name, sizeof name, "replay:%s?%s=%.17g", file.path, settings[i].name,
+                     cases[k].value);
             CHECK(dpt_device_open(name, &device, &error) == cases[k].result, "%s: %s", name,
                   error.text);
             CHECK(cases[k].result == DPT_OK || strstr(error.text, settings[i].name), "%s",
