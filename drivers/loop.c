@@ -8,18 +8,21 @@
 #include <time.h>
 
 #include "base/return_if_error.h"
+#include "base/sized.h"
 #include "base/vec3.h"
 #include "clock.h"
 #include "dynpoint/loop.h"
 #include "urgent.h"
 
-enum { DEF_SIZE_MOST = 4096, FAREWELLS = 10 };
+enum { FAREWELLS = 10 };
 
 static const uint64_t SECOND = 1000000000u;
 
 struct dpt_loop {
     dpt_device *device;
-    dpt_loop_def def;
+    dpt_device_info info;
+    dpt_loop_def def; /* but for the guard's */
+    dpt_guard_def guard;
     double period;
     uint64_t period_ns;
     int has_own_time;
@@ -32,6 +35,7 @@ struct run {
     dpt_loop_stats stats;
     dpt_guard guard;
     dpt_device_state state;
+    dpt_loop_sample sample;
     uint64_t now;
     int64_t ahead; /* of the monotonic clock: the most that was seen */
     int has_sample;
@@ -44,39 +48,48 @@ struct run {
 
 void dpt_loop_def_defaults(dpt_loop_def *def, size_t size)
 {
-    dpt_loop_def defaults = { .size = (uint32_t)size, .priority = 80, .lock = 1 };
-    if (!def || size < sizeof defaults.size || size > DEF_SIZE_MOST)
-        return;
-    dpt_guard_def_init(&defaults.guard);
-    memset(def, 0, size);
-    memcpy(def, &defaults, size < sizeof defaults ? size : sizeof defaults);
+    const dpt_loop_def defaults = { .priority = 80, .lock = 1 };
+    sized_defaults(def, size, &defaults, sizeof defaults);
 }
 
-dpt_result dpt_loop_create(dpt_device *device, const dpt_loop_def *def, dpt_loop **out)
+/* The guard of a loop: the host's, within what the device can do. */
+static dpt_result take_guard(const dpt_guard_def *given, struct dpt_loop *loop)
 {
+    const dpt_device_info *info = &loop->info;
+    dpt_guard_def *def = &loop->guard;
+    dpt_guard guard = { .size = sizeof guard };
+    dpt_guard_def_init(def);
+    if (given)
+        DPT_TRY(sized_read(given, sizeof *given, def, sizeof *def));
+    DPT_TRY(dpt_guard_init(&guard, def));
+    if ((uint64_t)(def->hold * 1e9 + 0.5) < loop->period_ns)
+        return DPT_E_ARGUMENT;
+    const double force = info->wrench_dofs < 3 ? 0.0 : info->force_max;
+    const double torque = info->wrench_dofs < 6 ? 0.0 : info->torque_max;
+    def->force_max = smaller(def->force_max, larger(force, 0.0));
+    def->torque_max = smaller(def->torque_max, larger(torque, 0.0));
+    return DPT_OK;
+}
+
+dpt_result dpt_loop_create(dpt_device *device, const dpt_loop_def *given, dpt_loop **out)
+{
+    dpt_loop loop = { .device = device, .info.size = sizeof loop.info };
     if (out)
         *out = NULL;
-    if (!device || !def || !out)
+    if (!device || !given || !out)
         return DPT_E_ARGUMENT;
-    if (def->size != sizeof *def)
-        return DPT_E_SIZE;
-    dpt_device_info info = { .size = sizeof info };
-    dpt_device_get_info(device, &info);
-    dpt_loop loop = { .device = device, .def = *def };
-    double rate = def->rate != 0.0 ? def->rate : info.rate;
-    if (!def->tick || def->priority > 99 || !(rate >= 1.0 && rate <= 100000.0))
+    dpt_loop_def_init(&loop.def);
+    DPT_TRY(sized_read(given, sizeof loop.def, &loop.def, sizeof loop.def));
+    DPT_TRY(dpt_device_get_info(device, &loop.info));
+    const double rate = loop.def.rate != 0.0 ? loop.def.rate : loop.info.rate;
+    if (!loop.def.tick || loop.def.reserved_pointer || loop.def.priority > 99 ||
+        !(rate >= 1.0 && rate <= 100000.0))
         return DPT_E_ARGUMENT;
     loop.period = 1.0 / rate;
     loop.period_ns = (uint64_t)(1e9 / rate + 0.5);
-    loop.has_own_time = (info.flags & DPT_DEVICE_FLAG_DETERMINISTIC) != 0;
-    dpt_guard guard = { .size = sizeof guard };
-    DPT_TRY(dpt_guard_init(&guard, &def->guard));
-    if ((uint64_t)(def->guard.hold * 1e9 + 0.5) < loop.period_ns)
-        return DPT_E_ARGUMENT;
-    double force = info.wrench_dofs < 3 ? 0.0 : info.force_max;
-    double torque = info.wrench_dofs < 6 ? 0.0 : info.torque_max;
-    loop.def.guard.force_max = smaller(def->guard.force_max, larger(force, 0.0));
-    loop.def.guard.torque_max = smaller(def->guard.torque_max, larger(torque, 0.0));
+    loop.has_own_time = (loop.info.flags & DPT_DEVICE_FLAG_DETERMINISTIC) != 0;
+    DPT_TRY(take_guard(loop.def.guard, &loop));
+    loop.def.guard = NULL;
     *out = malloc(sizeof loop);
     if (!*out)
         return DPT_E_MEMORY;
@@ -187,24 +200,41 @@ static void device_is_lost(struct run *run)
     dpt_device_clear(run->loop->device);
 }
 
+/* The device gives no force until it takes the next command. */
+static void nothing_acts(struct run *run)
+{
+    static const dpt_wrench zero;
+    run->sample.sent = zero;
+    run->sample.sent_ns = 0;
+}
+
 /* The host's turn. */
 static dpt_result ask(struct run *run, dpt_wrench *command)
 {
     const dpt_loop *loop = run->loop;
-    double dt = loop->period;
+    run->sample.dt = loop->period;
     if (run->has_ticked && run->state.time_ns > run->ticked_ns)
-        dt = (double)(run->state.time_ns - run->ticked_ns) * 1e-9;
+        run->sample.dt = (double)(run->state.time_ns - run->ticked_ns) * 1e-9;
     run->has_ticked = 1;
     run->ticked_ns = run->state.time_ns;
-    return loop->def.tick(loop->def.user, &run->state, dt, command);
+    const dpt_result result = loop->def.tick(loop->def.user, &run->sample, command);
+    run->sample.commands = 0;
+    return result;
 }
 
 static void send(struct run *run, const dpt_wrench *wrench)
 {
-    if (dpt_device_write(run->loop->device, wrench) == DPT_OK)
+    const dpt_result result = dpt_device_write(run->loop->device, wrench);
+    if (result == DPT_OK) {
         run->stats.sent++;
-    else
-        run->stats.refused++;
+        run->sample.commands++;
+        run->sample.sent = *wrench;
+        run->sample.sent_ns = run->loop->has_own_time ? run->state.time_ns : run->now;
+        return;
+    }
+    run->stats.refused++;
+    if (result == DPT_E_NOT_READY || result == DPT_E_LOST)
+        nothing_acts(run);
 }
 
 /*
@@ -235,6 +265,7 @@ static dpt_result tick(struct run *run)
                                                          : run->now + run->loop->period_ns;
     if (result == DPT_E_LOST || state->status == DPT_DEVICE_STATUS_LOST) {
         device_is_lost(run);
+        nothing_acts(run);
         dpt_guard_step(&run->guard, run->now, NULL, 0, &wrench);
         return DPT_OK;
     }
@@ -259,6 +290,8 @@ static dpt_result tick(struct run *run)
     dpt_guard_step(&run->guard, run->now, has_command ? &command : NULL, is_ready, &wrench);
     if (state->status == DPT_DEVICE_STATUS_READY)
         send(run, &wrench);
+    else
+        nothing_acts(run);
     return DPT_OK;
 }
 
@@ -344,14 +377,17 @@ dpt_result dpt_loop_run(dpt_loop *loop, dpt_loop_stats *stats)
 {
     if (!loop)
         return DPT_E_ARGUMENT;
-    if (stats && stats->size != sizeof *stats)
-        return DPT_E_SIZE;
+    if (stats)
+        DPT_TRY(sized_check(stats, sizeof *stats, 0));
     struct urgent before;
     struct run run = { .loop = loop };
     run.stats.size = sizeof run.stats;
     run.state.size = sizeof run.state;
     run.guard.size = sizeof run.guard;
-    dpt_guard_init(&run.guard, &loop->def.guard);
+    run.sample.size = sizeof run.sample;
+    run.sample.state = &run.state;
+    run.sample.info = &loop->info;
+    dpt_guard_init(&run.guard, &loop->guard);
 
     if (!loop->has_own_time)
         run.stats.notes = urgent_begin(&before, loop->def.priority, loop->def.lock);
@@ -367,7 +403,7 @@ dpt_result dpt_loop_run(dpt_loop *loop, dpt_loop_stats *stats)
     run.stats.slewed = guard.slewed;
     run.stats.not_finite = guard.not_finite;
     if (stats)
-        *stats = run.stats;
+        sized_write(stats, stats->size, &run.stats, sizeof run.stats);
     __atomic_store_n(&loop->stop, 0, __ATOMIC_RELAXED);
     if (result != DPT_OK)
         return result;

@@ -87,17 +87,17 @@ static void record(struct session *session, const dpt_segment *stylus)
     memcpy(row + 3, stylus->b, sizeof stylus->b);
 }
 
-static dpt_result feel(void *user, const dpt_device_state *state, double dt, dpt_wrench *wrench)
+static dpt_result feel(void *user, const dpt_loop_sample *sample, dpt_wrench *wrench)
 {
     struct session *session = user;
     dpt_hit hit = DPT_HIT_INIT;
     double square = 0.0;
-    dpt_result result = scene_feel(&session->scene, state, dt, wrench);
+    dpt_result result = scene_feel(&session->scene, sample->state, sample->dt, wrench);
     if (result != DPT_OK)
         return result;
     record(session, &session->scene.stylus);
     dpt_tool_get_hit(session->scene.world, session->scene.tool, &hit);
-    session->reasons |= state->reasons;
+    session->reasons |= sample->state->reasons;
     session->contacts += hit.contact != DPT_CONTACT_SEPARATED;
     session->penetrating += hit.contact == DPT_CONTACT_PENETRATING;
     session->unknown += hit.contact == DPT_CONTACT_UNKNOWN;
@@ -256,6 +256,7 @@ static void hint_at_clock(const dpt_device *device, const dpt_device_info *info)
 static int serve(dpt_device *device, struct session *session, const struct settings *settings)
 {
     dpt_loop_def def;
+    dpt_guard_def guard;
     dpt_loop *loop;
     dpt_loop_stats stats = { .size = sizeof stats };
     dpt_device_counts counts = { .size = sizeof counts };
@@ -276,9 +277,11 @@ static int serve(dpt_device *device, struct session *session, const struct setti
     def.ticks = settings->record ? session->room : settings->ticks;
     if (!def.ticks)
         hint_at_clock(device, &info);
-    def.guard.hold = fmax(def.guard.hold, 3.0 / rate);
+    dpt_guard_def_init(&guard);
+    guard.hold = fmax(guard.hold, 3.0 / rate);
     if (!isnan(settings->force_max))
-        def.guard.force_max = settings->force_max;
+        guard.force_max = settings->force_max;
+    def.guard = &guard;
     dpt_result result = dpt_loop_create(device, &def, &loop);
     if (result != DPT_OK)
         return complain("run", "%s", dpt_result_text(result));

@@ -24,8 +24,7 @@ static dpt_result rest_open(const dpt_driver *driver, const char *where, dpt_dev
     struct rest *rest;
     (void)driver;
     if (where) {
-        if (error)
-            strcpy(error->text, "it is in one place only: leave the name's second part out");
+        strcpy(error->text, "it is in one place only: leave the name's second part out");
         return DPT_E_SETTING;
     }
     rest = calloc(1, sizeof *rest);
@@ -93,12 +92,11 @@ static const dpt_driver rest_driver = {
 };
 
 /* A wall of 500 N/m at the height 0, for whoever is below. */
-static dpt_result feel(void *user, const dpt_device_state *state, double dt, dpt_wrench *wrench)
+static dpt_result feel(void *user, const dpt_loop_sample *sample, dpt_wrench *wrench)
 {
     (void)user;
-    (void)dt;
-    if (state->pose.position[1] < 0.0)
-        wrench->force[1] = -500.0 * state->pose.position[1];
+    if (sample->state->pose.position[1] < 0.0)
+        wrench->force[1] = -500.0 * sample->state->pose.position[1];
     return DPT_OK;
 }
 

@@ -64,7 +64,7 @@ typedef struct dpt_guard_info {
     uint64_t slewed;     /* steps on which the wrench changed less than was asked for */
     uint64_t not_finite; /* commands */
     uint64_t now_ns;     /* of the last step */
-    uint64_t fresh_ns;   /* of the last command; 0: none yet */
+    uint64_t fresh_ns;   /* of the last command */
     double gain;         /* 0..1, of the ramp */
     dpt_wrench command;  /* the last one, clamped */
     dpt_wrench sent;     /* what left last */

@@ -3,7 +3,7 @@
  * The servo loop that serves a device, with the guard (guard.h) between the host and the motors (docs/drivers.md).
  *
  *     dpt_loop_def_init(&def);
- *     def.tick = feel;    dpt_result feel(void *user, const dpt_device_state *state, double dt, dpt_wrench *wrench)
+ *     def.tick = feel;    dpt_result feel(void *user, const dpt_loop_sample *sample, dpt_wrench *wrench)
  *     def.user = &scene;
  *     dpt_loop_create(device, &def, &loop);
  *     dpt_loop_run(loop, &stats);    until dpt_loop_stop(loop)
@@ -22,16 +22,37 @@
 DPT_BEGIN
 
 /*
- * One tick of the host: from a fresh sample to a wrench, in the device's frame.
- *   state   status and reasons too: it is called for samples of a device that is not ready, to be seen; its wrench is
- *           not used then. It may call dpt_device_clear
- *   dt      since the sample of the last call, s; one period at first
+ * What a tick is told. The library fills it in; its size is that of the library that runs, and a field of a later release
+ * is there where the size says so. What it points to is the loop's, for the time of the call: the state, which is fresh
+ * and whose pose is sound, but whose status and reasons are to be looked at; and the info, as it was at dpt_loop_create.
+ *
+ * `sent` is the wrench that has acted since the sample before this one, as an observer of energy needs it: what the device
+ * took last, after the guard. A command that the device had no room for (DPT_E_BUSY, or a call that failed) is dropped,
+ * and the one before acts on: `sent` stays. A device that is not ready, or lost, gives no force: its first such sample is
+ * still told what acted before it, from then on `sent` is zero until the device takes a command again. So it is before
+ * the first command of a run.
+ *
+ * `commands` is how many the device took since the last call: 1 as a rule; 0 and `sent` is older than that; of more, as
+ * where samples were late, `sent` is the last.
+ */
+typedef struct dpt_loop_sample {
+    uint32_t size;
+    uint32_t commands;
+    const dpt_device_state *state;
+    const dpt_device_info *info;
+    double dt;        /* since the sample of the last call, s; one period at first */
+    uint64_t sent_ns; /* when the device took `sent`, on the clock of state->time_ns; 0 before */
+    dpt_wrench sent;  /* in the device's frame */
+} dpt_loop_sample;
+
+/*
+ * One tick of the host: from a fresh sample to a wrench, in the device's frame. It is called for samples of a device that
+ * is not ready, too, to be seen; its wrench is not used then. It may call dpt_device_clear.
  *   wrench  zero before the call
  * Anything but DPT_OK, and there is no fresh command. While a tick takes its time nothing is sent: only a device's own
  * watchdog ends the force of a tick that hangs.
  */
-typedef dpt_result dpt_loop_tick_fn(void *user, const dpt_device_state *state, double dt,
-                                    dpt_wrench *wrench);
+typedef dpt_result dpt_loop_tick_fn(void *user, const dpt_loop_sample *sample, dpt_wrench *wrench);
 
 /* dpt_loop_def_init fills in the defaults, given last. */
 typedef struct dpt_loop_def {
@@ -41,9 +62,10 @@ typedef struct dpt_loop_def {
     uint32_t reopen; /* 1: dpt_device_clear a device that is lost, once a second; 0: end then; 0 */
     double rate;     /* Hz, 1..100000; 0: the device's own, half way between its samples; 0 */
     uint64_t ticks;  /* 0: until dpt_loop_stop; 0 */
-    dpt_loop_tick_fn *tick; /* not NULL */
-    void *user;             /* its first argument; NULL */
-    dpt_guard_def guard;    /* its defaults */
+    dpt_loop_tick_fn *tick;       /* not NULL */
+    void *user;                   /* its first argument; NULL */
+    const dpt_guard_def *guard;   /* read by dpt_loop_create; NULL: its defaults; NULL */
+    const void *reserved_pointer; /* NULL */
 } dpt_loop_def;
 
 /* Bin k of a histogram counts what took 2^(k/4) us up to 2^((k+1)/4) us; the first also less, the last also more. */

@@ -1166,22 +1166,22 @@ struct feeling {
     double scale, offset[3];
 };
 
-static dpt_result feel(void *user, const dpt_device_state *sample, double dt, dpt_wrench *wrench)
+static dpt_result feel_at(struct feeling *feeling, const dpt_device_state *state, double dt,
+                          dpt_wrench *wrench)
 {
-    struct feeling *feeling = user;
-    dpt_pose pose = sample->pose;
+    dpt_pose pose = state->pose;
     for (int i = 0; i < 3; i++)
         pose.position[i] = feeling->offset[i] + feeling->scale * pose.position[i];
     begin("sample");
-    put_count("status", sample->status);
-    put_count("reasons", sample->reasons);
-    put_count("sequence", sample->sequence);
-    put_count("time_ns", sample->time_ns);
+    put_count("status", state->status);
+    put_count("reasons", state->reasons);
+    put_count("sequence", state->sequence);
+    put_count("time_ns", state->time_ns);
     put_number("dt", dt);
-    put_numbers("position", sample->pose.position, 3);
-    put_numbers("orientation", sample->pose.orientation, 4);
-    put_numbers("velocity", sample->velocity, 3);
-    put_numbers("spin", sample->spin, 3);
+    put_numbers("position", state->pose.position, 3);
+    put_numbers("orientation", state->pose.orientation, 4);
+    put_numbers("velocity", state->velocity, 3);
+    put_numbers("spin", state->spin, 3);
     end();
     dpt_tool_set_pose(feeling->world, feeling->tool, &pose);
     dpt_result result = dpt_world_step(feeling->world, dt, NULL);
@@ -1189,6 +1189,18 @@ static dpt_result feel(void *user, const dpt_device_state *sample, double dt, dp
     put_wrench("feels", result, wrench);
     return result;
 }
+
+#ifdef BEFORE_SAMPLES
+static dpt_result feel(void *user, const dpt_device_state *state, double dt, dpt_wrench *wrench)
+{
+    return feel_at(user, state, dt, wrench);
+}
+#else
+static dpt_result feel(void *user, const dpt_loop_sample *sample, dpt_wrench *wrench)
+{
+    return feel_at(user, sample->state, sample->dt, wrench);
+}
+#endif
 
 static void loop_run(uint32_t number, const char *name, const struct subject *subject)
 {

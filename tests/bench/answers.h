@@ -51,6 +51,11 @@ static inline void set_baseline(dpt_world_def *def, dpt_baseline_def *baseline, 
 #define dpt_world_get_kernel        dpt_world_kernel
 #endif
 
+/* Of commits whose guards were open, and whose ticks were told a state and dt. */
+#if !__has_include("dynpoint/selftest.h")
+#define BEFORE_SAMPLES
+#endif
+
 static char out_text[1 << 16];
 static size_t out_used;
 static uint64_t out_lines, out_values;
@@ -347,7 +352,7 @@ static inline void put_info(dpt_result result, const dpt_mesh_info *info)
 
 static inline void put_guard(const dpt_guard *guard)
 {
-#ifdef BEFORE_GUARD_INFO
+#ifdef BEFORE_SAMPLES
     const dpt_guard info = *guard;
 #else
     dpt_guard_info info = { .size = sizeof info };

@@ -173,6 +173,54 @@ static dpt_result error_of_a_driver(void *out)
 
 #define WHOLE(type) sizeof(type), sizeof(type)
 
+static dpt_result tick(void *user, const dpt_loop_sample *sample, dpt_wrench *wrench)
+{
+    (void)user, (void)sample;
+    wrench->force[0] = 1.0;
+    return DPT_OK;
+}
+
+/* The loop and its guard, of which nothing is counted in one tick but that. */
+static dpt_result loop_of(void *loop_def, dpt_loop_stats *stats)
+{
+    dpt_loop *loop;
+    dpt_device *sim = device_named("sim:");
+    dpt_result result = dpt_loop_create(sim, loop_def, &loop);
+    if (result == DPT_OK && stats)
+        result = dpt_loop_run(loop, stats);
+    CHECK((loop != NULL) == (result == DPT_OK || stats), "%s", dpt_result_name(result));
+    dpt_loop_free(loop);
+    dpt_device_close(sim);
+    return result;
+}
+
+static dpt_loop_def a_loop_def(void)
+{
+    dpt_loop_def def;
+    dpt_loop_def_init(&def);
+    def.tick = tick;
+    def.ticks = 5;
+    return def;
+}
+
+static dpt_result loop_stats(void *out)
+{
+    dpt_loop_def def = a_loop_def();
+    return loop_of(&def, out);
+}
+
+static dpt_result loop_def(void *given)
+{
+    return loop_of(given, NULL);
+}
+
+static dpt_result guard_def_of_a_loop(void *given)
+{
+    dpt_loop_def def = a_loop_def();
+    def.guard = given;
+    return loop_of(&def, NULL);
+}
+
 static const struct sized outputs[] = {
     { "dpt_device_info", WHOLE(dpt_device_info), info },
     { "dpt_device_state", WHOLE(dpt_device_state), state },
@@ -181,6 +229,7 @@ static const struct sized outputs[] = {
     { "dpt_device_error of no name", WHOLE(dpt_device_error), error_of_no_name },
     { "dpt_device_error of no driver", WHOLE(dpt_device_error), error_of_no_driver },
     { "dpt_device_error of a driver", WHOLE(dpt_device_error), error_of_a_driver },
+    { "dpt_loop_stats", WHOLE(dpt_loop_stats), loop_stats },
 };
 
 /* ---- what the library takes ---- */
@@ -205,6 +254,30 @@ static void structs_of_any_size(void)
     }
     is_newer = 0;
     check_input(&of_map, &good);
+}
+
+static void loop_defaults(void *def, size_t size)
+{
+    dpt_loop_def_defaults(def, size);
+}
+
+static void loops_of_any_size(void)
+{
+    const struct sized of_def = { "dpt_loop_def", WHOLE(dpt_loop_def), loop_def };
+    const struct sized of_guard = { "dpt_guard_def of a loop", WHOLE(dpt_guard_def),
+                                    guard_def_of_a_loop };
+    const struct sized of_defaults = { "dpt_loop_def", WHOLE(dpt_loop_def), NULL };
+    const dpt_loop_def good = a_loop_def();
+    dpt_loop_def defaults;
+    dpt_guard_def guard;
+    dpt_loop_def_init(&defaults);
+    dpt_guard_def_init(&guard);
+    CHECK(defaults.size == sizeof defaults && defaults.priority == 80 && defaults.lock == 1 &&
+              !defaults.guard,
+          "priority %u, lock %u", defaults.priority, defaults.lock);
+    check_input(&of_def, &good);
+    check_input(&of_guard, &guard);
+    check_defaults(&of_defaults, loop_defaults, &defaults);
 }
 
 /* Whatever headers a driver has, its caller gets what both know. */
@@ -280,6 +353,7 @@ static void drivers_of_any_size(void)
 int main(void)
 {
     TEST(structs_of_any_size);
+    TEST(loops_of_any_size);
     TEST(drivers_fill_in_their_own_structs);
     TEST(the_librarys_part_of_a_device_is_its_own);
     TEST(drivers_of_any_size);

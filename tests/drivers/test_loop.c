@@ -26,6 +26,9 @@ struct flaky {
     uint64_t did[TROUBLES], skipped, losses, cleared, writes;
     double strongest;
     dpt_wrench written;
+    dpt_wrench acts; /* what it gives: the last that it took; nothing while it is not ready */
+    uint64_t taken, taken_ns;   /* how many it took; the time of the sample before the last one */
+    int is_off;                 /* the last read said so */
     uint64_t first_ns, last_ns; /* of writes, by the clock */
 };
 
@@ -72,9 +75,15 @@ static enum trouble next_trouble(struct flaky *flaky)
     return NONE;
 }
 
-static dpt_result flaky_read(dpt_device *device, dpt_device_state *state)
+static void stop_acting(struct flaky *flaky)
 {
-    struct flaky *flaky = (struct flaky *)device;
+    static const dpt_wrench zero;
+    flaky->acts = zero;
+    flaky->taken_ns = 0;
+}
+
+static dpt_result read_in_trouble(struct flaky *flaky, dpt_device_state *state)
+{
     enum trouble trouble = flaky->last.sequence ? next_trouble(flaky) : NONE;
     if (flaky->is_out)
         trouble = UNPLUG;
@@ -105,6 +114,17 @@ static dpt_result flaky_read(dpt_device *device, dpt_device_state *state)
     return result;
 }
 
+/* What is not ready has stopped by itself: its next sample is of a time without force. */
+static dpt_result flaky_read(dpt_device *device, dpt_device_state *state)
+{
+    struct flaky *flaky = (struct flaky *)device;
+    if (flaky->is_off)
+        stop_acting(flaky);
+    const dpt_result result = read_in_trouble(flaky, state);
+    flaky->is_off = result == DPT_E_LOST || state->status != DPT_DEVICE_STATUS_READY;
+    return result;
+}
+
 static dpt_result flaky_write(dpt_device *device, const dpt_wrench *wrench)
 {
     struct flaky *flaky = (struct flaky *)device;
@@ -112,12 +132,21 @@ static dpt_result flaky_write(dpt_device *device, const dpt_wrench *wrench)
     flaky->last_ns = clock_ns();
     flaky->first_ns = flaky->first_ns ? flaky->first_ns : flaky->last_ns;
     if (flaky->share > 0.0 && random_in(&flaky->random, 0.0, 1.0) < flaky->share) {
-        flaky->did[BUSY]++;
-        return DPT_E_BUSY;
+        static const dpt_result refusals[] = { DPT_E_BUSY, DPT_E_SYSTEM, DPT_E_NOT_READY };
+        const dpt_result refusal = refusals[flaky->did[BUSY]++ % 3];
+        if (refusal == DPT_E_NOT_READY)
+            stop_acting(flaky);
+        return refusal;
     }
     flaky->written = *wrench;
     flaky->strongest = fmax(flaky->strongest, wrench->force[0]);
-    return dpt_device_write(flaky->inner, wrench);
+    const dpt_result result = dpt_device_write(flaky->inner, wrench);
+    if (result != DPT_OK)
+        return result;
+    flaky->acts = *wrench;
+    flaky->taken++;
+    flaky->taken_ns = flaky->last.time_ns;
+    return DPT_OK;
 }
 
 static dpt_result flaky_clear(dpt_device *device)
@@ -155,20 +184,40 @@ static struct flaky *flaky_over(const char *name)
 struct host {
     struct flaky *flaky;
     uint64_t ticks, commands, failures, nans, not_ready, wrong_dt, not_zero;
-    uint64_t seen_ns;
+    uint64_t wrong_sent, wrong_count, acted, kept, several, off; /* of what it is told was sent */
+    uint64_t seen_ns, seen_taken;
     double force;
     double slow; /* s that every 50th tick takes longer */
     dpt_loop *loop;
     uint64_t stop_at;
 };
 
-static dpt_result feel(void *user, const dpt_device_state *state, double dt, dpt_wrench *wrench)
+/* What the loop says was sent is what the device has, and no other. */
+static void compare_sent(struct host *host, const dpt_loop_sample *sample)
+{
+    static const dpt_wrench zero;
+    const struct flaky *flaky = host->flaky;
+    host->wrong_sent += memcmp(&sample->sent, &flaky->acts, sizeof flaky->acts) != 0;
+    if (sample->info->flags & DPT_DEVICE_FLAG_DETERMINISTIC)
+        host->wrong_sent += sample->sent_ns != flaky->taken_ns;
+    host->wrong_count += sample->commands != flaky->taken - host->seen_taken;
+    host->acted += memcmp(&sample->sent, &zero, sizeof zero) != 0;
+    host->kept += sample->commands == 0 && memcmp(&sample->sent, &zero, sizeof zero) != 0;
+    host->several += sample->commands > 1;
+    host->off += sample->commands > 0 && memcmp(&sample->sent, &zero, sizeof zero) == 0;
+    host->seen_taken = flaky->taken;
+}
+
+static dpt_result feel(void *user, const dpt_loop_sample *sample, dpt_wrench *wrench)
 {
     struct host *host = user;
+    const dpt_device_state *state = sample->state;
     double passed = host->seen_ns ? (double)(state->time_ns - host->seen_ns) * 1e-9 : 0.001;
-    host->wrong_dt += fabs(dt - passed) > 1e-12;
+    host->wrong_dt += fabs(sample->dt - passed) > 1e-12;
     host->seen_ns = state->time_ns;
     host->ticks++;
+    if (host->flaky)
+        compare_sent(host, sample);
     if (host->slow > 0.0 && host->ticks % 50 == 0)
         rest(host->slow);
     if (host->stop_at && host->ticks == host->stop_at)
@@ -198,6 +247,15 @@ static dpt_loop_def def_for(struct host *host)
     def.user = host;
     def.lock = 0;
     def.priority = 0;
+    return def;
+}
+
+static dpt_guard_def guard_without_ramps(double force_max)
+{
+    dpt_guard_def def;
+    dpt_guard_def_init(&def);
+    def.force_max = force_max;
+    def.force_slew = def.torque_slew = def.start = 0.0;
     return def;
 }
 
@@ -260,9 +318,8 @@ static void every_trouble_is_counted(void)
     flaky->random = 5;
     def.ticks = 60000;
     def.reopen = 1;
-    def.guard.start = 0.0;
-    def.guard.force_slew = 0.0;
-    def.guard.force_max = 1000.0;
+    const dpt_guard_def guard = guard_without_ramps(1000.0);
+    def.guard = &guard;
     dpt_loop *loop = loop_of(&flaky->device, &def);
     dpt_loop_stats stats = { .size = sizeof stats };
     dpt_result result = dpt_loop_run(loop, &stats);
@@ -292,6 +349,12 @@ static void every_trouble_is_counted(void)
     CHECK(stats.sent + stats.refused < flaky->writes &&
               flaky->writes < stats.sent + stats.refused + 11,
           "%d writes for %d", (int)flaky->writes, (int)(stats.sent + stats.refused));
+    CHECK(host.wrong_sent == 0 && host.wrong_count == 0,
+          "%d ticks were told of another wrench, %d of another number", (int)host.wrong_sent,
+          (int)host.wrong_count);
+    CHECK(host.acted > 5000 && host.kept > 20 && host.several > 100 && host.off > 100,
+          "%d with force, %d with an older one, %d after several, %d after none", (int)host.acted,
+          (int)host.kept, (int)host.several, (int)host.off);
     for (int trouble = REPEAT; trouble < TROUBLES; trouble++)
         CHECK(did[trouble] > 20, "trouble %d only %d times", trouble, (int)did[trouble]);
     CHECK(stats.stops > flaky->losses && flaky->written.force[0] == 0.0, "%d stops",
@@ -306,13 +369,14 @@ struct order {
     uint64_t wrong;
 };
 
-static dpt_result number(void *user, const dpt_device_state *state, double dt, dpt_wrench *wrench)
+static dpt_result number(void *user, const dpt_loop_sample *sample, dpt_wrench *wrench)
 {
     struct order *order = user;
-    (void)dt;
-    double expected = state->sequence ? 1e-6 * (double)state->sequence : 0.0;
+    double expected = sample->state->sequence ? 1e-6 * (double)sample->state->sequence : 0.0;
     order->wrong += order->host.flaky->written.force[1] != expected;
-    wrench->force[1] = 1e-6 * (double)(state->sequence + 1);
+    order->wrong += sample->sent.force[1] != expected || sample->commands != (expected > 0.0);
+    order->wrong += sample->size != sizeof *sample || sample->info->rate != 1000.0;
+    wrench->force[1] = 1e-6 * (double)(sample->state->sequence + 1);
     return DPT_OK;
 }
 
@@ -324,8 +388,8 @@ static void commands_arrive_in_turn(void)
     def.tick = number;
     def.user = &order;
     def.ticks = 60000;
-    def.guard.start = 0.0;
-    def.guard.force_slew = 0.0;
+    const dpt_guard_def guard = guard_without_ramps(5.0);
+    def.guard = &guard;
     dpt_loop *loop = loop_of(&flaky->device, &def);
     dpt_loop_stats stats = { .size = sizeof stats };
     CHECK(dpt_loop_run(loop, &stats) == DPT_OK && stats.sent == 60000, "%d sent", (int)stats.sent);
@@ -371,6 +435,9 @@ static void no_late_tick_goes_unnoticed(void)
           (int)stats.skipped);
     CHECK(counts.commands == flaky->writes && host.wrong_dt == 0, "%d commands of %d",
           (int)counts.commands, (int)flaky->writes);
+    CHECK(host.wrong_sent == 0 && host.wrong_count == 0 && host.acted > 0,
+          "%d ticks were told of another wrench, %d of another number", (int)host.wrong_sent,
+          (int)host.wrong_count);
     printf("    late: median %.3g us, 99 %% %.3g us, most %.3g us; %d of %d deadlines missed, %d "
            "stops%s%s\n",
            1e6 * dpt_loop_quantile(stats.late, 0.5), 1e6 * dpt_loop_quantile(stats.late, 0.99),
@@ -388,18 +455,16 @@ struct hang {
     int ticks;
 };
 
-static dpt_result hang_once(void *user, const dpt_device_state *state, double dt,
-                            dpt_wrench *wrench)
+static dpt_result hang_once(void *user, const dpt_loop_sample *sample, dpt_wrench *wrench)
 {
     struct hang *hang = user;
-    (void)dt;
     hang->ticks++;
     if (hang->ticks == 300) {
-        hang->before = state->velocity[0];
+        hang->before = sample->state->velocity[0];
         rest(0.2);
     }
     if (hang->ticks == 301) {
-        hang->after = state->velocity[0];
+        hang->after = sample->state->velocity[0];
         hang->sent = hang->flaky->written.force[0];
     }
     wrench->force[0] = 1.0;
@@ -435,10 +500,10 @@ struct patient {
     int clears;
 };
 
-static dpt_result press(void *user, const dpt_device_state *state, double dt, dpt_wrench *wrench)
+static dpt_result press(void *user, const dpt_loop_sample *sample, dpt_wrench *wrench)
 {
     struct patient *patient = user;
-    (void)dt;
+    const dpt_device_state *state = sample->state;
     if (state->sequence < 1200)
         patient->v[state->sequence] = state->velocity[0];
     patient->count = state->sequence + 1;
@@ -651,8 +716,8 @@ static void limits_are_the_lesser(void)
         struct flaky *flaky = flaky_over(cases[i].name);
         struct host host = { .flaky = flaky, .force = 100.0 };
         dpt_loop_def def = def_for(&host);
-        def.guard.force_max = cases[i].guard;
-        def.guard.start = 0.0;
+        const dpt_guard_def guard = guard_without_ramps(cases[i].guard);
+        def.guard = &guard;
         dpt_loop *loop = loop_of(&flaky->device, &def);
         host.loop = loop;
         dpt_loop_stats stats = { .size = sizeof stats };
@@ -686,13 +751,16 @@ static void wrong_defs_are_refused(void)
         def = good, def.rate = rates[i];
         CHECK(dpt_loop_create(device, &def, &loop) == DPT_E_ARGUMENT, "rate %g", rates[i]);
     }
-    def = good, def.guard.hold = NAN;
+    dpt_guard_def guard = guard_without_ramps(5.0);
+    def = good, def.guard = &guard, guard.hold = NAN;
     CHECK(dpt_loop_create(device, &def, &loop) == DPT_E_ARGUMENT, "hold NaN");
-    def = good, def.guard.size = 0;
+    def = good, def.reserved_pointer = &def;
+    CHECK(dpt_loop_create(device, &def, &loop) == DPT_E_ARGUMENT, "a reserved pointer");
+    def = good, def.guard = &guard, guard.hold = 0.003, guard.size = 0;
     CHECK(dpt_loop_create(device, &def, &loop) == DPT_E_SIZE, "a guard without a size");
     CHECK(dpt_loop_create(slow, &good, &loop) == DPT_E_ARGUMENT,
           "4 ms a tick, and commands hold for 3");
-    def = good, def.guard.hold = 0.01;
+    def = good, def.guard = &guard, guard.size = sizeof guard, guard.hold = 0.01;
     CHECK(dpt_loop_create(slow, &def, &loop) == DPT_OK, "and for 10");
     CHECK(dpt_loop_run(NULL, &stats) == DPT_E_ARGUMENT && dpt_loop_run(loop, &stats) == DPT_E_SIZE,
           "run");

@@ -515,10 +515,10 @@ static void the_same_motion_gives_the_same_force(void)
 }
 
 /* The loop and its guard, by the clock, and a fault in between. */
-static dpt_result press(void *user, const dpt_device_state *now, double dt, dpt_wrench *wrench)
+static dpt_result press(void *user, const dpt_loop_sample *sample, dpt_wrench *wrench)
 {
     int *count = user;
-    (void)now, (void)dt;
+    (void)sample;
     if (++*count == 400)
         __atomic_store_n(&lib->raise, HD_EXCEEDED_MAX_VELOCITY, __ATOMIC_RELAXED);
     wrench->force[1] = 1.0;

@@ -121,9 +121,9 @@ static const dpt_driver driver = { .size = sizeof driver,
                                    .counts = counts_of_made,
                                    .close = close_made };
 
-static dpt_result nothing(void *user, const dpt_device_state *state, double dt, dpt_wrench *wrench)
+static dpt_result nothing(void *user, const dpt_loop_sample *sample, dpt_wrench *wrench)
 {
-    (void)user, (void)state, (void)dt, (void)wrench;
+    (void)user, (void)sample, (void)wrench;
     return DPT_OK;
 }
 
@@ -192,9 +192,9 @@ static void a_rate_of_its_own_is_kept(void)
 enum { SLEEPS_AT = 2000, RAMP = 100 };
 static int suspends;
 
-static dpt_result push(void *user, const dpt_device_state *state, double dt, dpt_wrench *wrench)
+static dpt_result push(void *user, const dpt_loop_sample *sample, dpt_wrench *wrench)
 {
-    (void)user, (void)state, (void)dt;
+    (void)user, (void)sample;
     wrench->force[0] = 1.0;
     suspended += suspends && writes == SLEEPS_AT ? 5 * (uint64_t)PERIOD : 0;
     return DPT_OK;

@@ -185,10 +185,10 @@ struct outcome {
     int ends_with_force, was_urgent;
 };
 
-static dpt_result hold(void *user, const dpt_device_state *state, double dt, dpt_wrench *wrench)
+static dpt_result hold(void *user, const dpt_loop_sample *sample, dpt_wrench *wrench)
 {
     struct outcome *outcome = user;
-    (void)state, (void)dt;
+    (void)sample;
     outcome->was_urgent += plan.policy == SCHED_FIFO && plan.priority == 80;
     wrench->force[0] = 1.0;
     return DPT_OK;
@@ -212,6 +212,7 @@ static struct outcome host_runs(const char *name, uint64_t ticks)
     dpt_device *device = NULL;
     dpt_loop *loop = NULL;
     dpt_loop_def def;
+    dpt_guard_def guard;
     memset(plan.made, 0, sizeof plan.made);
     plan.did_fail = plan.blocks = plan.files = plan.policy = plan.priority = plan.locks =
         plan.unlocks = 0;
@@ -222,7 +223,9 @@ static struct outcome host_runs(const char *name, uint64_t ticks)
         def.tick = hold;
         def.user = &outcome;
         def.ticks = ticks;
-        def.guard.start = 0.0;
+        dpt_guard_def_init(&guard);
+        guard.start = 0.0;
+        def.guard = &guard;
         outcome.created = dpt_loop_create(device, &def, &loop);
         if (outcome.created == DPT_OK)
             outcome.ran = dpt_loop_run(loop, &outcome.stats);

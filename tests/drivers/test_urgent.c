@@ -75,9 +75,9 @@ static int can_work(void)
 
 static int could_work, ticks;
 
-static dpt_result work(void *user, const dpt_device_state *state, double dt, dpt_wrench *wrench)
+static dpt_result work(void *user, const dpt_loop_sample *sample, dpt_wrench *wrench)
 {
-    (void)user, (void)state, (void)dt, (void)wrench;
+    (void)user, (void)sample, (void)wrench;
     if (ticks++ == 5)
         could_work = can_work();
     return DPT_OK;
@@ -121,21 +121,20 @@ static long locked_kilobytes(void)
 
 static long locked_inside, locked_between;
 
-static dpt_result look(void *user, const dpt_device_state *state, double dt, dpt_wrench *wrench)
+static dpt_result look(void *user, const dpt_loop_sample *sample, dpt_wrench *wrench)
 {
-    (void)user, (void)state, (void)dt, (void)wrench;
+    (void)user, (void)sample, (void)wrench;
     locked_inside = locked_kilobytes();
     return DPT_OK;
 }
 
-static dpt_result look_around_another(void *user, const dpt_device_state *state, double dt,
-                                      dpt_wrench *wrench)
+static dpt_result look_around_another(void *user, const dpt_loop_sample *sample, dpt_wrench *wrench)
 {
     if (ticks++ == 5) {
         run_loop(look, 0, 1);
         locked_between = locked_kilobytes();
     }
-    return look(user, state, dt, wrench);
+    return look(user, sample, wrench);
 }
 
 static char page[4096];
@@ -191,10 +190,9 @@ static void memory_is_locked_for_as_long_as_it_runs(void)
 #ifdef __linux__
 static int slack_inside = -1;
 
-static dpt_result look_at_slack(void *user, const dpt_device_state *state, double dt,
-                                dpt_wrench *wrench)
+static dpt_result look_at_slack(void *user, const dpt_loop_sample *sample, dpt_wrench *wrench)
 {
-    (void)user, (void)state, (void)dt, (void)wrench;
+    (void)user, (void)sample, (void)wrench;
     slack_inside = prctl(PR_GET_TIMERSLACK, 0, 0, 0, 0);
     return DPT_OK;
 }

@@ -112,10 +112,10 @@ static void finish(void)
     simulate_can_end(&simulated);
 }
 
-static dpt_result feel(void *user, const dpt_device_state *at, double dt, dpt_wrench *wrench)
+static dpt_result feel(void *user, const dpt_loop_sample *sample, dpt_wrench *wrench)
 {
-    (void)user, (void)dt;
-    wrench->force[1] = -60.0 * at->pose.position[1];
+    (void)user;
+    wrench->force[1] = -60.0 * sample->state->pose.position[1];
     return DPT_OK;
 }
 
@@ -123,6 +123,7 @@ static dpt_result feel(void *user, const dpt_device_state *at, double dt, dpt_wr
 static void the_loop_is_closed_by_the_clock(void)
 {
     dpt_loop_def def;
+    dpt_guard_def guard;
     dpt_loop *loop;
     dpt_loop_stats stats = { .size = sizeof stats };
     dpt_device_counts counts = { .size = sizeof counts };
@@ -131,7 +132,9 @@ static void the_loop_is_closed_by_the_clock(void)
     dpt_loop_def_init(&def);
     def.tick = feel;
     def.ticks = 600;
-    def.guard.hold = 0.5;
+    dpt_guard_def_init(&guard);
+    guard.hold = 0.5;
+    def.guard = &guard;
     CHECK(dpt_loop_create(device, &def, &loop) == DPT_OK && dpt_loop_run(loop, &stats) == DPT_OK,
           "run");
     dpt_loop_free(loop);
