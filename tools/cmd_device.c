@@ -8,7 +8,7 @@
 
 #include "command_options.h"
 #include "commands.h"
-#include "dynpoint/driver.h"
+#include "dynpoint/selftest.h"
 #include "open_device.h"
 #include "stop.h"
 
@@ -58,6 +58,31 @@ static int list(void)
     return 0;
 }
 
+/* What a coupling is computed from, as far as it is known. */
+static void print_dynamics(const dpt_device_info *info)
+{
+    const struct {
+        const char *name, *unit;
+        double value;
+    } numbers[] = { { "mass", "kg", info->mass },
+                    { "damping", "Ns/m", info->damping },
+                    { "friction", "N", info->friction },
+                    { "inertia", "kg m2", info->inertia },
+                    { "spin damping", "Nms/rad", info->spin_damping },
+                    { "spin friction", "Nm", info->spin_friction },
+                    { "delay", "s", info->delay },
+                    { "steps of", "m", info->position_step },
+                    { "steps of", "rad", info->angle_step } };
+    const char *between = "  ";
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
+        if (numbers[i].value > 0.0) {
+            printf("%s%s %g %s", between, numbers[i].name, numbers[i].value, numbers[i].unit);
+            between = ", ";
+        }
+    if (*between == ',')
+        putchar('\n');
+}
+
 static void print_info(const dpt_device_info *info)
 {
     printf("%s%s%s%s\n", info->name, info->serial[0] ? ", " : "", info->serial,
@@ -72,6 +97,7 @@ static void print_info(const dpt_device_info *info)
         printf("; stops by itself after %g ms without a command\n", 1e3 * info->watchdog);
     else
         puts("; no watchdog of its own");
+    print_dynamics(info);
     printf("  workspace");
     for (int k = 0; k < 3; k++)
         printf(" %c %g to %g%s", "xyz"[k], info -> workspace_min[k], info -> workspace_max[k],
@@ -150,148 +176,32 @@ static int watch(dpt_device *device, double seconds)
     }
 }
 
-/* What a self-test found, one line each. */
-struct verdicts {
-    int failed;
-};
-
-static void verdict(struct verdicts *verdicts, int is_so, const char *what, double value,
-                    const char *unit)
+static int print_verdict(void *user, const dpt_selftest_line *line)
 {
-    printf("  %s %-44s %.4g %s\n", is_so ? "ok  " : "FAIL", what, value, unit);
-    verdicts->failed += !is_so;
-}
-
-struct observed {
-    dpt_device_state last;
-    uint64_t reads, fresh, skipped;
-    double seconds, farthest; /* of the way from the first sample */
-    double first[3];
-    int is_finite, is_ready;
-};
-
-/* Read for a while, and give a force meanwhile; zero before it returns. */
-static dpt_result observe(dpt_device *device, const dpt_device_info *info, double seconds,
-                          const dpt_wrench *wrench, struct observed *observed)
-{
-    const dpt_wrench zero = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0 } };
-    const int waits = !(info->flags & DPT_DEVICE_FLAG_DETERMINISTIC);
-    const double period = 1.0 / info->rate, begin = seconds_now();
-    dpt_result result = DPT_OK;
-    double now = 0.0;
-    *observed = (struct observed){ .is_finite = 1, .is_ready = 1 };
-    observed->last.size = sizeof observed->last;
-    while (now < seconds && result == DPT_OK && !stop_asked()) {
-        dpt_device_state *state = &observed->last;
-        result = dpt_device_read(device, state);
-        if (!observed->fresh && state->fresh)
-            memcpy(observed->first, state->pose.position, sizeof observed->first);
-        double way = 0.0;
-        for (int k = 0; k < 3; k++) {
-            way += pow(state->pose.position[k] - observed->first[k], 2.0);
-            observed->is_finite &= isfinite(state->pose.position[k]) != 0;
-        }
-        observed->reads++;
-        observed->fresh += state->fresh > 0;
-        observed->skipped += state->fresh > 1 && observed->fresh > 1 ? state->fresh - 1 : 0;
-        if (state->fresh && observed->fresh > 1)
-            observed->farthest = fmax(observed->farthest, sqrt(way));
-        observed->is_ready &= state->status == DPT_DEVICE_STATUS_READY;
-        if (result == DPT_OK)
-            result = dpt_device_write(device, wrench);
-        result = result == DPT_E_BUSY ? DPT_OK : result;
-        if (waits)
-            sleep_seconds(0.5 * period);
-        now = waits ? seconds_now() - begin : now + period;
-    }
-    dpt_device_write(device, &zero);
-    observed->seconds = now;
-    return result;
-}
-
-static int is_inside(const dpt_device_info *info, const dpt_device_state *state)
-{
-    int inside = 1;
-    for (int k = 0; k < 3; k++) {
-        double slack = 0.1 * (info->workspace_max[k] - info->workspace_min[k]);
-        inside &= state->pose.position[k] >= info->workspace_min[k] - slack &&
-                  state->pose.position[k] <= info->workspace_max[k] + slack;
-    }
-    return inside;
-}
-
-/* About z: no turn with w last. */
-static int is_half_a_turn(const double *q)
-{
-    return fabs(q[0]) < 1e-6 && fabs(q[1]) < 1e-6 && fabs(q[2]) < 1e-6;
-}
-
-/* Gentle: of the greatest force so much, for so long. */
-static const double PUSH = 0.05, PUSH_SECONDS = 0.05;
-
-static void test_force(dpt_device *device, const dpt_device_info *info, struct verdicts *verdicts)
-{
-    for (int k = 0; k < 3; k++)
-        for (double sign = 1.0; sign >= -1.0; sign -= 2.0) {
-            dpt_wrench push = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0 } };
-            struct observed still, pushed;
-            char what[64];
-            push.force[k] = sign * PUSH * info->force_max;
-            const dpt_wrench zero = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0 } };
-            observe(device, info, 0.2, &zero, &still);
-            dpt_result result = observe(device, info, PUSH_SECONDS, &push, &pushed);
-            double way = sign * (pushed.last.pose.position[k] - pushed.first[k]);
-            snprintf(what, sizeof what, "%.2g N along %c%c moves the hand that way",
-                     PUSH * info->force_max, sign > 0.0 ? '+' : '-', "xyz"[k]);
-            verdict(verdicts, result == DPT_OK && way > 0.0, what, 1e3 * way, "mm");
-        }
+    (void)user;
+    if (line->verdict == DPT_SELFTEST_NOTE)
+        printf("  --   %s\n", line->what);
+    else
+        printf("  %s %-44s %.4g %s\n", line->verdict == DPT_SELFTEST_PASSED ? "ok  " : "FAIL",
+               line->what, line->measured, line->unit);
+    return stop_asked();
 }
 
 static int selftest(dpt_device *device, int may_move)
 {
-    const dpt_wrench zero = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0 } };
-    dpt_wrench bad = zero;
     dpt_device_info info = { .size = sizeof info };
-    dpt_device_counts counts = { .size = sizeof counts };
-    struct verdicts verdicts = { 0 };
-    struct observed observed;
+    dpt_selftest_def def;
+    dpt_selftest_counts counts = { .size = sizeof counts };
     stop_watch(NULL, HUGE_VAL);
     dpt_device_get_info(device, &info);
     print_info(&info);
-    verdict(&verdicts,
-            (info.pose_dofs == 3 || info.pose_dofs == 6) &&
-                (info.wrench_dofs == 0 || info.wrench_dofs == 3 || info.wrench_dofs == 6),
-            "degrees of freedom are 3 or 6", info.pose_dofs, "");
-    verdict(&verdicts, info.rate >= 100.0 && info.rate <= 1e5, "a rate of a haptic loop", info.rate,
-            "Hz");
-    if (verdicts.failed)
-        return 1;
-    dpt_result result = observe(device, &info, 1.0, &zero, &observed);
-    verdict(&verdicts, result == DPT_OK, "reads and writes for a second", observed.seconds, "s");
-    verdict(&verdicts, observed.is_ready, "ready all the time", (double)observed.last.reasons,
-            "reasons");
-    double rate = (double)(observed.fresh + observed.skipped) / observed.seconds;
-    verdict(&verdicts, rate > 0.9 * info.rate && rate < 1.1 * info.rate, "samples at its rate",
-            rate, "Hz");
-    verdict(&verdicts, observed.is_finite && is_inside(&info, &observed.last),
-            "within its workspace", observed.last.pose.position[0], "m in x");
-    dpt_device_get_counts(device, &counts);
-    verdict(&verdicts, counts.damaged == 0, "no frame damaged", (double)counts.damaged, "frames");
-    verdict(&verdicts, counts.lost * 100 <= counts.samples, "at most 1 % of samples lost",
-            (double)counts.lost, "samples");
-    bad.force[1] = NAN;
-    result = dpt_device_write(device, &bad);
-    verdict(&verdicts, result == DPT_E_FINITE, "a force that is not finite is refused", result,
-            "(code)");
-    if (is_half_a_turn(observed.last.pose.orientation))
-        puts("  --   turned by half a turn about z: is it sent as x, y, z, w? The order is w, x, "
-             "y, z");
-    if (info.wrench_dofs && may_move)
-        test_force(device, &info, &verdicts);
-    else
-        puts(info.wrench_dofs ? "  --   its forces are not tested without --move"
-                              : "  --   it gives no force");
-    return verdicts.failed ? 1 : 0;
+    dpt_selftest_def_init(&def);
+    def.may_move = may_move != 0;
+    def.report = print_verdict;
+    const dpt_result result = dpt_device_selftest(device, &def, &counts);
+    if (result != DPT_OK && result != DPT_E_CANCELLED)
+        return complain("device", "%s", dpt_result_text(result));
+    return result != DPT_OK || counts.failed ? 1 : 0;
 }
 
 int command_device(int argc, char **argv)

@@ -10,6 +10,7 @@
 #include <dynpoint/compile.h>
 #include <dynpoint/driver.h>
 #include <dynpoint/loop.h>
+#include <dynpoint/selftest.h>
 #include <dynpoint/urdf.h>
 
 #define PICK(lp64, ilp32)  (sizeof(void *) == 8 ? (size_t)(lp64) : (size_t)(ilp32))

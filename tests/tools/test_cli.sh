@@ -860,7 +860,7 @@ devices()
     check 'device list names replay' grep -q '^replay ' stdout
     check 'device list names openhaptics' grep -q '^openhaptics ' stdout
     succeeds 'selftest of a sound device' device selftest sim
-    check 'without consent nothing is pushed' grep -q 'not tested without --move' stdout
+    check 'without consent nothing is pushed' grep -q 'not tested without may_move, --move' stdout
     check 'no turn is none' test "$(grep -c 'w, x, y, z' stdout)" -eq 0
     { echo t,x,y,z,rx,ry,rz; echo 0,0,0,0,0,0,3.14159265358979312; } >turned.csv
     run device selftest 'sim:?dofs=6&hand=turned.csv'

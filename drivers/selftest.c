@@ -1,0 +1,503 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The self-test of a device (selftest.h): what it says while it is read, and how it moves when it is pushed. */
+#define _POSIX_C_SOURCE 200809L
+#include "dynpoint/selftest.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+
+#include "base/return_if_error.h"
+#include "base/sized.h"
+#include "base/vec3.h"
+#include "clock.h"
+
+/* A watchdog that is slower would push the hand too far. */
+static const double WATCHDOG_MOST = 0.1;
+
+/* A motion of less tells nothing of velocities. */
+static const double LEAST_WAY = 1e-3, LEAST_TURN = 0.02;
+
+static const dpt_wrench zero;
+
+struct selftest {
+    dpt_device *device;
+    dpt_device_info info;
+    dpt_selftest_def def;
+    dpt_selftest_counts counts;
+    dpt_result result; /* DPT_OK: go on */
+    /* Of all motions: the farthest, and how far off its velocity says. */
+    double way, way_off, turn, turn_off;
+};
+
+/* ---- the report ---- */
+
+static void say(struct selftest *test, uint32_t verdict, const char *what, double measured,
+                const char *unit)
+{
+    const dpt_selftest_line line = {
+        .size = sizeof line, .verdict = verdict, .measured = measured, .what = what, .unit = unit
+    };
+    if (test->result != DPT_OK)
+        return;
+    test->counts.passed += verdict == DPT_SELFTEST_PASSED;
+    test->counts.failed += verdict == DPT_SELFTEST_FAILED;
+    test->counts.notes += verdict == DPT_SELFTEST_NOTE;
+    if (test->def.report && test->def.report(test->def.user, &line))
+        test->result = DPT_E_CANCELLED;
+}
+
+static void judge(struct selftest *test, int is_so, const char *what, double measured,
+                  const char *unit)
+{
+    say(test, is_so ? DPT_SELFTEST_PASSED : DPT_SELFTEST_FAILED, what, measured, unit);
+}
+
+static void note(struct selftest *test, const char *what)
+{
+    say(test, DPT_SELFTEST_NOTE, what, 0.0, "");
+}
+
+/* ---- a motion, and what the device says of it ---- */
+
+/* From sample to sample: where it is, and where its velocity leads to. */
+struct motion {
+    double way[3], led[3], turn[3], led_turn[3];
+    double farthest, off, widest, off_turn;
+};
+
+static double size_of(const double *v)
+{
+    return length(vec3_of(v));
+}
+
+static double difference(const double *a, const double *b)
+{
+    return length(sub(vec3_of(a), vec3_of(b)));
+}
+
+/* The rotation from one orientation to the next, as a vector in the device's frame. */
+static void turn_between(const double *from, const double *to, double *turn)
+{
+    const vec3 u = vec3_of(from + 1), v = vec3_of(to + 1);
+    const double w = to[0] * from[0] + dot(v, u);
+    const vec3 axis = sub(sub(scaled(v, from[0]), scaled(u, to[0])), cross(v, u));
+    const double sine = length(axis), sign = w < 0.0 ? -1.0 : 1.0;
+    const double angle = 2.0 * atan2(sine, fabs(w));
+    vec3_store(scaled(axis, sine > 0.0 ? sign * angle / sine : 0.0), turn);
+}
+
+static void follow(struct motion *motion, const dpt_device_state *from, const dpt_device_state *to)
+{
+    const double dt = (double)(int64_t)(to->time_ns - from->time_ns) * 1e-9;
+    double turn[3];
+    turn_between(from->pose.orientation, to->pose.orientation, turn);
+    for (int k = 0; k < 3; k++) {
+        motion->way[k] += to->pose.position[k] - from->pose.position[k];
+        motion->led[k] += 0.5 * dt * (from->velocity[k] + to->velocity[k]);
+        motion->turn[k] += turn[k];
+        motion->led_turn[k] += 0.5 * dt * (from->spin[k] + to->spin[k]);
+    }
+    motion->farthest = fmax(motion->farthest, size_of(motion->way));
+    motion->off = fmax(motion->off, difference(motion->way, motion->led));
+    motion->widest = fmax(motion->widest, size_of(motion->turn));
+    motion->off_turn = fmax(motion->off_turn, difference(motion->turn, motion->led_turn));
+}
+
+/* What was seen in a while. */
+struct observed {
+    dpt_result result;
+    dpt_device_state first, last; /* fresh ones */
+    uint64_t reads, fresh, skipped, misnumbered, not_finite, slow_reads, slow_writes;
+    double seconds, misshapen; /* how far a quaternion is from unit length */
+    double age;                /* of the last sample, s */
+    int is_ready;
+    struct motion motion;
+};
+
+static int numbers_are_finite(const dpt_device_state *state)
+{
+    double sum = 0.0;
+    for (int k = 0; k < 3; k++)
+        sum += 0.0 * state->pose.position[k] + 0.0 * state->velocity[k] + 0.0 * state->spin[k];
+    for (int k = 0; k < 4; k++)
+        sum += 0.0 * state->pose.orientation[k];
+    return sum == 0.0;
+}
+
+static double from_unit_length(const double *q)
+{
+    return fabs(sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]) - 1.0);
+}
+
+/* `now` and what the last sample was before it. */
+static void look_at(struct observed *seen, const dpt_device_state *now)
+{
+    const dpt_device_state *before = &seen->last;
+    if (!numbers_are_finite(now)) {
+        seen->not_finite++;
+        return;
+    }
+    seen->misshapen = fmax(seen->misshapen, from_unit_length(now->pose.orientation));
+    if (seen->fresh) {
+        seen->misnumbered += now->sequence - before->sequence != now->fresh;
+        seen->misnumbered += now->fresh > 0 && now->time_ns < before->time_ns;
+    }
+    if (!now->fresh)
+        return;
+    if (seen->fresh) {
+        seen->skipped += now->fresh - 1;
+        follow(&seen->motion, before, now);
+    } else {
+        seen->first = *now;
+    }
+    seen->fresh++;
+    seen->last = *now;
+}
+
+static void rest(double seconds)
+{
+    const struct timespec time = { .tv_sec = (time_t)seconds,
+                                   .tv_nsec = (long)(1e9 * (seconds - floor(seconds))) };
+    nanosleep(&time, NULL);
+}
+
+/* Read for a while, and give that wrench meanwhile; NULL: write nothing. */
+static void observe(struct selftest *test, double seconds, const dpt_wrench *wrench,
+                    struct observed *seen)
+{
+    const int waits = !(test->info.flags & DPT_DEVICE_FLAG_DETERMINISTIC);
+    const double period = 1.0 / test->info.rate;
+    const double pause = test->def.rate > 0.0 ? 1.0 / test->def.rate : 0.5 * period;
+    const uint64_t slow = (uint64_t)(fmax(0.25 * period, 20e-6) * 1e9);
+    dpt_device_state now = { .size = sizeof now };
+    uint64_t begin = 0, before = 0, between = 0, after = 0;
+    memset(seen, 0, sizeof *seen);
+    seen->is_ready = 1;
+    if (test->result == DPT_OK)
+        test->result = clock_read(&begin);
+    while (test->result == DPT_OK && seen->seconds < seconds && seen->result == DPT_OK) {
+        test->result = clock_read(&before);
+        seen->result = dpt_device_read(test->device, &now);
+        between = clock_now();
+        look_at(seen, &now);
+        seen->age = (double)(int64_t)(between - now.time_ns) * 1e-9;
+        seen->is_ready &= now.status == DPT_DEVICE_STATUS_READY;
+        if (wrench && seen->result == DPT_OK)
+            seen->result = dpt_device_write(test->device, wrench);
+        after = clock_now();
+        seen->result = seen->result == DPT_E_BUSY ? DPT_OK : seen->result;
+        seen->reads++;
+        seen->slow_reads += between - before > slow;
+        seen->slow_writes += after - between > slow;
+        seen->seconds = waits ? (double)(between - begin) * 1e-9 : seen->seconds + period;
+        if (waits)
+            rest(pause);
+    }
+    test->way_off = fmax(test->way_off, seen->motion.off);
+    test->way = fmax(test->way, seen->motion.farthest);
+    test->turn_off = fmax(test->turn_off, seen->motion.off_turn);
+    test->turn = fmax(test->turn, seen->motion.widest);
+}
+
+/* ---- what it says while nothing pushes ---- */
+
+static int is_inside(const dpt_device_info *info, const dpt_device_state *state)
+{
+    int inside = 1;
+    for (int k = 0; k < 3; k++) {
+        const double slack = 0.1 * (info->workspace_max[k] - info->workspace_min[k]);
+        inside &= state->pose.position[k] >= info->workspace_min[k] - slack &&
+                  state->pose.position[k] <= info->workspace_max[k] + slack;
+    }
+    return inside;
+}
+
+/* About z: no turn with w last. */
+static int is_half_a_turn(const double *q)
+{
+    return fabs(q[0]) < 1e-6 && fabs(q[1]) < 1e-6 && fabs(q[2]) < 1e-6;
+}
+
+/* 0: the rest makes no sense. */
+static int test_info(struct selftest *test)
+{
+    const dpt_device_info *info = &test->info;
+    const uint32_t failed = test->counts.failed;
+    judge(test,
+          (info->pose_dofs == 3 || info->pose_dofs == 6) &&
+              (info->wrench_dofs == 0 || info->wrench_dofs == 3 || info->wrench_dofs == 6),
+          "degrees of freedom are 3 or 6", info->pose_dofs, "");
+    judge(test, info->rate >= 100.0 && info->rate <= 1e5, "a rate of a haptic loop", info->rate,
+          "Hz");
+    return test->counts.failed == failed;
+}
+
+static void test_times(struct selftest *test, const struct observed *seen)
+{
+    const double rate = test->info.rate;
+    const double steps = (double)(seen->last.sequence - seen->first.sequence);
+    const double by_time =
+        1e9 * steps / fmax((double)(int64_t)(seen->last.time_ns - seen->first.time_ns), 1.0);
+    judge(test, seen->misnumbered == 0, "samples are numbered as `fresh` says",
+          (double)seen->misnumbered, "are not");
+    judge(test, by_time > 0.9 * rate && by_time < 1.1 * rate, "its rate by time_ns too", by_time,
+          "Hz");
+    if (!(test->info.flags & DPT_DEVICE_FLAG_DETERMINISTIC))
+        judge(test, fabs(seen->age) < 1.0, "time_ns is of the monotonic clock", seen->age, "s old");
+}
+
+static void test_orientation(struct selftest *test, const struct observed *seen)
+{
+    const double *q = seen->last.pose.orientation;
+    judge(test, seen->misshapen < 1e-6, "quaternions of unit length", seen->misshapen, "off");
+    if (test->info.pose_dofs == 3)
+        judge(test, fabs(q[0] - 1.0) < 1e-6, "no orientation with 3 degrees of freedom", q[0],
+              "is w");
+}
+
+static void test_waiting(struct selftest *test, const struct observed *seen)
+{
+    const double percent = 100.0 / fmax((double)seen->reads, 1.0);
+    judge(test, 2 * seen->slow_reads <= seen->reads, "reads do not wait",
+          percent * (double)seen->slow_reads, "% took a quarter of a period");
+    judge(test, 2 * seen->slow_writes <= seen->reads, "writes do not wait",
+          percent * (double)seen->slow_writes, "% took a quarter of a period");
+}
+
+static void test_samples(struct selftest *test)
+{
+    const dpt_wrench bad = { { 0.0, NAN, 0.0 }, { 0.0, 0.0, 0.0 } };
+    const double rate = test->info.rate;
+    dpt_device_counts counts = { .size = sizeof counts };
+    struct observed seen;
+    observe(test, test->def.seconds, &zero, &seen);
+    judge(test, seen.result == DPT_OK, "reads and writes for a second", seen.seconds, "s");
+    judge(test, seen.is_ready, "ready all the time", (double)seen.last.reasons, "reasons");
+    const double measured = (double)(seen.fresh + seen.skipped) / fmax(seen.seconds, 1e-9);
+    judge(test, measured > 0.9 * rate && measured < 1.1 * rate, "samples at its rate", measured,
+          "Hz");
+    test_times(test, &seen);
+    judge(test, seen.not_finite == 0, "each number of a sample is finite", (double)seen.not_finite,
+          "samples are not");
+    judge(test, seen.fresh && is_inside(&test->info, &seen.last), "within its workspace",
+          seen.last.pose.position[0], "m in x");
+    test_orientation(test, &seen);
+    test_waiting(test, &seen);
+    dpt_device_get_counts(test->device, &counts);
+    judge(test, counts.damaged == 0, "no frame damaged", (double)counts.damaged, "frames");
+    judge(test, counts.lost * 100 <= counts.samples, "at most 1 % of samples lost",
+          (double)counts.lost, "samples");
+    const dpt_result result = dpt_device_write(test->device, &bad);
+    judge(test, result == DPT_E_FINITE, "a force that is not finite is refused", result, "(code)");
+    if (is_half_a_turn(seen.last.pose.orientation))
+        note(test, "turned by half a turn about z: is it sent as x, y, z, w? The order is w, x, "
+                   "y, z");
+}
+
+/* ---- how it moves ---- */
+
+/* Along an axis, beyond what the velocity at the beginning leads to: what a force did. */
+static double driven(const struct observed *seen, int axis)
+{
+    const double time = (double)(int64_t)(seen->last.time_ns - seen->first.time_ns) * 1e-9;
+    return seen->last.pose.position[axis] - seen->first.pose.position[axis] -
+           seen->first.velocity[axis] * time;
+}
+
+static dpt_wrench push_along(const struct selftest *test, int axis, double sign)
+{
+    dpt_wrench push = zero;
+    push.force[axis] = sign * test->def.push * test->info.force_max;
+    return push;
+}
+
+static void test_pushes(struct selftest *test)
+{
+    for (int axis = 0; axis < 3; axis++)
+        for (double sign = 1.0; sign >= -1.0 && test->result == DPT_OK; sign -= 2.0) {
+            const dpt_wrench push = push_along(test, axis, sign);
+            struct observed still, pushed;
+            char what[64];
+            observe(test, 0.2, &zero, &still);
+            observe(test, test->def.push_seconds, &push, &pushed);
+            dpt_device_write(test->device, &zero);
+            /* By the place alone where a hand holds it, beyond the velocity where nothing brakes it. */
+            const double way =
+                sign * (pushed.last.pose.position[axis] - pushed.first.pose.position[axis]);
+            const double moved = fmax(way, sign * driven(&pushed, axis));
+            snprintf(what, sizeof what, "%.2g N along %c%c moves the hand that way",
+                     test->def.push * test->info.force_max, sign > 0.0 ? '+' : '-', "xyz"[axis]);
+            judge(test, pushed.result == DPT_OK && moved > 0.0, what, 1e3 * moved, "mm");
+        }
+}
+
+/* To the right until it moves, then in silence; `still` is what happens `later` s after the last command. */
+static double push_and_wait(struct selftest *test, double later, struct observed *still)
+{
+    const dpt_wrench push = push_along(test, 0, 1.0);
+    struct observed seen;
+    observe(test, 0.2, &zero, &seen);
+    observe(test, test->def.push_seconds, &push, &seen);
+    const double pushed = driven(&seen, 0);
+    if (later > 0.0)
+        observe(test, later, NULL, &seen);
+    if (still)
+        observe(test, test->def.push_seconds, NULL, still);
+    return pushed;
+}
+
+static void test_watchdog(struct selftest *test)
+{
+    const double watchdog = test->info.watchdog;
+    struct observed still;
+    if (!(watchdog > 0.0)) {
+        note(test, "it has no watchdog: its force stays when commands end");
+        return;
+    }
+    if (watchdog > WATCHDOG_MOST) {
+        note(test, "its watchdog is slower than 0.1 s, and is not tested");
+        return;
+    }
+    const double pushed = push_and_wait(test, 1.5 * watchdog + 5.0 / test->info.rate, &still);
+    const double goes_on = driven(&still, 0);
+    if (dpt_device_write(test->device, &zero) == DPT_E_NOT_READY)
+        dpt_device_clear(test->device);
+    judge(test, pushed > 0.0 && goes_on < 0.5 * pushed,
+          "without commands its watchdog ends a force", 1e3 * goes_on, "mm driven on");
+}
+
+/* By all that was seen of its motions. */
+static void test_velocity(struct selftest *test)
+{
+    const double way = fmax(LEAST_WAY, 10.0 * test->info.position_step);
+    const double turn = fmax(LEAST_TURN, 10.0 * test->info.angle_step);
+    if (test->way > way)
+        judge(test, test->way_off < 0.3 * test->way, "moves as its velocity says",
+              1e3 * test->way_off, "mm off");
+    else
+        note(test, "it did not move by a millimetre: its velocity is not tested");
+    if (test->info.pose_dofs == 6 && test->turn > turn)
+        judge(test, test->turn_off < 0.3 * test->turn, "turns as its spin says", test->turn_off,
+              "rad off");
+    else if (test->info.pose_dofs == 6)
+        note(test, "it did not turn by a degree: neither its spin nor the order of its quaternions "
+                   "is tested");
+}
+
+static int gives_force(const struct selftest *test)
+{
+    return test->info.wrench_dofs >= 3 && test->info.force_max > 0.0;
+}
+
+/* All that is asked of an open device. 0 where the rest makes no sense. */
+static int test_device(struct selftest *test)
+{
+    test->info = (dpt_device_info){ .size = sizeof test->info };
+    dpt_device_get_info(test->device, &test->info);
+    if (!test_info(test))
+        return 0;
+    test_samples(test);
+    if (test->result == DPT_OK && gives_force(test) && test->def.may_move) {
+        test_pushes(test);
+        test_watchdog(test);
+    } else {
+        note(test, gives_force(test) ? "its forces are not tested without may_move, --move"
+                                     : "it gives no force");
+    }
+    test_velocity(test);
+    dpt_device_write(test->device, &zero);
+    return 1;
+}
+
+/* ---- from open to close ---- */
+
+static dpt_result open_device(struct selftest *test, const dpt_driver *driver, const char *where,
+                              const char *what)
+{
+    dpt_device_error error = { .size = sizeof error };
+    const dpt_result result = dpt_device_open_with(driver, where, &test->device, &error);
+    judge(test, result == DPT_OK, result == DPT_OK ? what : error.text, result, "(code)");
+    return result;
+}
+
+/* With a force that is given, where it may move; then it must not go on. */
+static dpt_result test_close(struct selftest *test, const dpt_driver *driver, const char *where)
+{
+    const int pushes = test->result == DPT_OK && gives_force(test) && test->def.may_move;
+    struct observed after;
+    const double pushed = pushes ? push_and_wait(test, 0.0, NULL) : 0.0;
+    dpt_device_close(test->device);
+    test->device = NULL;
+    if (test->result != DPT_OK)
+        return test->result;
+    DPT_TRY(open_device(test, driver, where, "opens again"));
+    if (pushes) {
+        observe(test, test->def.push_seconds, NULL, &after);
+        const double goes_on = driven(&after, 0);
+        judge(test, pushed > 0.0 && goes_on < 0.5 * pushed, "gives no force after close",
+              1e3 * goes_on, "mm driven on");
+    }
+    dpt_device_close(test->device);
+    return test->result;
+}
+
+/* ---- the two calls ---- */
+
+void dpt_selftest_def_defaults(dpt_selftest_def *def, size_t size)
+{
+    const dpt_selftest_def defaults = { .seconds = 1.0, .push = 0.05, .push_seconds = 0.05 };
+    sized_defaults(def, size, &defaults, sizeof defaults);
+}
+
+static int in_range(double value, double least, double most)
+{
+    return value >= least && value <= most;
+}
+
+static dpt_result begin(struct selftest *test, const dpt_selftest_def *given,
+                        const dpt_selftest_counts *counts)
+{
+    dpt_selftest_def *def = &test->def;
+    memset(test, 0, sizeof *test);
+    test->counts.size = sizeof test->counts;
+    if (!counts)
+        return DPT_E_ARGUMENT;
+    DPT_TRY(sized_check(counts, sizeof *counts, 0));
+    dpt_selftest_def_init(def);
+    if (given)
+        DPT_TRY(sized_read(given, sizeof *def, def, sizeof *def));
+    return def->may_move <= 1 && in_range(def->seconds, 0.1, 3600.0) &&
+                   (def->rate == 0.0 || in_range(def->rate, 1.0, 1e6)) &&
+                   in_range(def->push, 0.001, 1.0) && in_range(def->push_seconds, 0.01, 1.0)
+               ? DPT_OK
+               : DPT_E_ARGUMENT;
+}
+
+dpt_result dpt_device_selftest(dpt_device *device, const dpt_selftest_def *def,
+                               dpt_selftest_counts *counts)
+{
+    struct selftest test;
+    DPT_TRY(begin(&test, def, counts));
+    if (!device)
+        return DPT_E_ARGUMENT;
+    test.device = device;
+    test_device(&test);
+    sized_write(counts, counts->size, &test.counts, sizeof test.counts);
+    return test.result;
+}
+
+dpt_result dpt_driver_selftest(const dpt_driver *driver, const char *where,
+                               const dpt_selftest_def *def, dpt_selftest_counts *counts)
+{
+    struct selftest test;
+    DPT_TRY(begin(&test, def, counts));
+    dpt_result result = open_device(&test, driver, where, "opens");
+    if (result == DPT_OK && test_device(&test))
+        result = test_close(&test, driver, where);
+    else if (result == DPT_OK)
+        dpt_device_close(test.device);
+    sized_write(counts, counts->size, &test.counts, sizeof test.counts);
+    return result != DPT_OK ? result : test.result;
+}
