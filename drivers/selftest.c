@@ -407,7 +407,6 @@ static int test_device(struct selftest *test)
                                      : "it gives no force");
     }
     test_velocity(test);
-    dpt_device_write(test->device, &zero);
     return 1;
 }
 

@@ -40,7 +40,8 @@ typedef struct dpt_urdf_def {
     const char *packages;
     const dpt_compile_def *mesh; /* for collision meshes; NULL: the defaults. Scales multiply */
     dpt_urdf_note_fn *note;
-    void *user; /* of note */
+    void *user;                   /* of note */
+    const void *reserved_pointer; /* NULL */
 } dpt_urdf_def;
 
 /* Fill in the first `size` bytes; what dpt_urdf_def_init calls with its own caller's sizeof. */

@@ -113,8 +113,8 @@ void take_defs(const dpt_urdf_def *given, dpt_urdf_def *def, dpt_compile_def *me
         refuse(result, 0, "the def has fields of a newer version");
     if (result != DPT_OK)
         refuse(result, 0, "the def's size field is not set");
-    if (def->reserved)
-        refuse(DPT_E_ARGUMENT, 0, "the def's reserved field is not 0");
+    if (def->reserved || def->reserved_pointer)
+        refuse(DPT_E_ARGUMENT, 0, "the def's reserved fields are not 0");
     if (def->mesh)
         result = sized_read(def->mesh, SIZED_FIRST(dpt_compile_def, crease), mesh, sizeof *mesh);
     if (result == DPT_E_UNSUPPORTED)

@@ -181,7 +181,7 @@ else:
     note = CFUNCTYPE(None, c_void_p, c_uint64, c_char_p)
     notes = []
     UrdfDef = struct("dpt_urdf_def", (c_uint32, "size reserved"), (c_char_p, "tool packages"), (c_void_p, "mesh"),
-                     (note, "note"), (c_void_p, "user"))
+                     (note, "note"), (c_void_p, "user reserved_pointer"))
     check("dpt_urdf_def has its size", sizeof(UrdfDef) == sizes["dpt_urdf_def"])
     check("compile a URDF", urdf.dpt_urdf_compile_file(b"docs/samples/arm.urdf", None, byref(arm_file), None) == 0)
     check("open it", core.dpt_arm_open(c_void_p(arm_file.bytes), c_size_t(arm_file.size), byref(arm)) == 0)

@@ -305,6 +305,8 @@ static void arguments_are_checked(void)
     CHECK(dpt_urdf_compile_file(good, &def, &compiled, NULL) == DPT_E_SIZE, "a short def");
     def = (dpt_urdf_def){ .size = sizeof def, .reserved = 1 };
     CHECK(dpt_urdf_compile_file(good, &def, &compiled, NULL) == DPT_E_ARGUMENT, "reserved");
+    def = (dpt_urdf_def){ .size = sizeof def, .reserved_pointer = &def };
+    CHECK(dpt_urdf_compile_file(good, &def, &compiled, NULL) == DPT_E_ARGUMENT, "a pointer");
     dpt_compile_def mesh = { .size = 8 };
     def = (dpt_urdf_def){ .size = sizeof def, .mesh = &mesh };
     CHECK(dpt_urdf_compile_file(good, &def, &compiled, NULL) == DPT_E_SIZE, "a short mesh def");
