@@ -15,8 +15,8 @@ struct setting {
 };
 
 /*
- * What a coupling is computed from and a maker may not tell: fields of dpt_device_info, 0 where nobody has named them. Each
- * is a setting of its own name.
+ * What a coupling is computed from and a maker may not tell: fields of dpt_device_info, 0 where nobody has named them.
+ * Each is a setting of its own name.
  */
 struct dynamics {
     double mass, inertia, damping, spin_damping, friction, spin_friction, delay;
@@ -28,8 +28,8 @@ void dynamics_tell(const struct dynamics *dynamics, dpt_device_info *info);
 
 /*
  * DPT_E_SETTING, and the reason in `error`, for what is unknown, no number or out of range. `place`, of `room` bytes,
- * is what stands before the '?', "" for a `where` that is NULL. `dynamics`, zero before, is NULL where a driver has such
- * settings of its own.
+ * is what stands before the '?', "" for a `where` that is NULL. `dynamics`, zero before, is NULL where a driver has
+ * such settings of its own.
  */
 dpt_result settings_read(const char *where, char *place, size_t room,
                          const struct setting *settings, size_t count, struct dynamics *dynamics,

@@ -25,9 +25,9 @@ DPT_BEGIN
 typedef struct dpt_device dpt_device;
 
 /*
- * What a device is and can do; fixed while it is open. From mass to delay: what a coupling is computed from. Of what its
- * maker does not tell, whoever opens it may: settings of these names, as in "serial:/dev/ttyACM0?mass=0.1&damping=0.5"
- * (docs/drivers.md).
+ * What a device is and can do; fixed while it is open. From mass to delay: what a coupling is computed from. Of what
+ * its maker does not tell, whoever opens it may: settings of these names, as in
+ * "serial:/dev/ttyACM0?mass=0.1&damping=0.5" (docs/drivers.md).
  */
 typedef struct dpt_device_info {
     uint32_t size;           /* sizeof(dpt_device_info), set by the caller */
@@ -93,9 +93,9 @@ enum {
 };
 
 /*
- * One sample. `joint` stays the last field, so that DPT_JOINTS_MAX may grow: a caller whose struct is shorter gets as many
- * as it has room for, and dpt_device_info.joints says how many there are. What else a sample may gain takes the place of
- * `reserved`.
+ * One sample. `joint` stays the last field, so that DPT_JOINTS_MAX may grow: a caller whose struct is shorter gets as
+ * many as it has room for, and dpt_device_info.joints says how many there are. What else a sample may gain takes the
+ * place of `reserved`.
  */
 typedef struct dpt_device_state {
     uint32_t size;    /* sizeof(dpt_device_state), set by the caller */

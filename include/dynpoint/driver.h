@@ -14,8 +14,8 @@
 /*
  * Of the contract below. It grows only where a driver of before would be served wrongly: a library refuses drivers of a
  * version above its own, and serves older ones, but for 1, of release 0.1. What is merely added does not change it: a
- * function is optional then and stands behind those of before, where `size` tells whether a driver has it; a library that
- * is older than a driver does not call it.
+ * function is optional then and stands behind those of before, where `size` tells whether a driver has it; a library
+ * that is older than a driver does not call it.
  */
 #define DPT_DRIVER_VERSION 2
 
@@ -30,9 +30,9 @@ typedef void dpt_device_found_fn(void *user, const dpt_driver *driver, const cha
 /*
  * The contract. A driver's own device begins with a struct dpt_device, which dpt_device_open fills in. Arguments are
  * checked before a driver sees them: none is NULL but those that are said to be, wrenches are finite. Structs to be
- * filled in are the library's own, of the size that their first field says, and with room for 1024 bytes: a driver fills
- * in those of its own headers, whole, be it older or newer, and the caller gets as much as it has room for. What info
- * and counts leave alone is 0, what read does stays as it was.
+ * filled in are the library's own, of the size that their first field says, and with room for 1024 bytes: a driver
+ * fills in those of its own headers, whole, be it older or newer, and the caller gets as much as it has room for. What
+ * info and counts leave alone is 0, what read does stays as it was.
  *
  * open    May block, some seconds at most. `where` is in the driver's own notation, NULL for the first or only one;
  *         settings follow a '?', as in "/dev/ttyACM0?rate=1000". On success the device has answered, gives no force,

@@ -22,15 +22,16 @@
 DPT_BEGIN
 
 /*
- * What a tick is told. The library fills it in; its size is that of the library that runs, and a field of a later release
- * is there where the size says so. What it points to is the loop's, for the time of the call: the state, which is fresh
- * and whose pose is sound, but whose status and reasons are to be looked at; and the info, as it was at dpt_loop_create.
+ * What a tick is told. The library fills it in; its size is that of the library that runs, and a field of a later
+ * release is there where the size says so. What it points to is the loop's, for the time of the call: the state, which
+ * is fresh and whose pose is sound, but whose status and reasons are to be looked at; and the info, as it was at
+ * dpt_loop_create.
  *
- * `sent` is the wrench that has acted since the sample before this one, as an observer of energy needs it: what the device
- * took last, after the guard. A command that the device had no room for (DPT_E_BUSY, or a call that failed) is dropped,
- * and the one before acts on: `sent` stays. A device that is not ready, or lost, gives no force: its first such sample is
- * still told what acted before it, from then on `sent` is zero until the device takes a command again. So it is before
- * the first command of a run.
+ * `sent` is the wrench that has acted since the sample before this one, as an observer of energy needs it: what the
+ * device took last, after the guard. A command that the device had no room for (DPT_E_BUSY, or a call that failed) is
+ * dropped, and the one before acts on: `sent` stays. A device that is not ready, or lost, gives no force: its first
+ * such sample is still told what acted before it, from then on `sent` is zero until the device takes a command again.
+ * So it is before the first command of a run.
  *
  * `commands` is how many the device took since the last call: 1 as a rule; 0 and `sent` is older than that; of more, as
  * where samples were late, `sent` is the last.
@@ -46,8 +47,8 @@ typedef struct dpt_loop_sample {
 } dpt_loop_sample;
 
 /*
- * One tick of the host: from a fresh sample to a wrench, in the device's frame. It is called for samples of a device that
- * is not ready, too, to be seen; its wrench is not used then. It may call dpt_device_clear.
+ * One tick of the host: from a fresh sample to a wrench, in the device's frame. It is called for samples of a device
+ * that is not ready, too, to be seen; its wrench is not used then. It may call dpt_device_clear.
  *   wrench  zero before the call
  * Anything but DPT_OK, and there is no fresh command. While a tick takes its time nothing is sent: only a device's own
  * watchdog ends the force of a tick that hangs.

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
  * The self-test: whether a device, and the driver behind it, keep the contract of driver.h as far as that shows from
- * outside. For those who write a driver or firmware; `dynpoint device selftest` is this. docs/drivers.md, "Self-test", has
- * what each line asks and what it cannot find.
+ * outside. For those who write a driver or firmware; `dynpoint device selftest` is this. docs/drivers.md, "Self-test",
+ * has what each line asks and what it cannot find.
  *
  *     dpt_selftest_def def;
  *     dpt_selftest_counts counts = { .size = sizeof counts };
@@ -70,7 +70,8 @@ static inline void dpt_selftest_def_init(dpt_selftest_def *def)
 }
 
 /*
- * Test a device that is open, and ready; it stays open, without force. Takes def->seconds, and 2 s more where it may move.
+ * Test a device that is open, and ready; it stays open, without force. Takes def->seconds, and 2 s more where it may
+ * move.
  *   def     NULL: the defaults
  *   counts  what the test came to: it is passed when none failed
  *
@@ -82,8 +83,8 @@ DPT_API dpt_result dpt_device_selftest(dpt_device *device, const dpt_selftest_de
                                        dpt_selftest_counts *counts);
 
 /*
- * The same from open to close, by the driver: also that it opens again, and where it may move, that a close ends a force
- * that is given.
+ * The same from open to close, by the driver: also that it opens again, and where it may move, that a close ends a
+ * force that is given.
  *   where   may be NULL
  *
  * What dpt_device_open_with answered, when the device does not open: then that is the last line, as failed.

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The self-test, on a driver that breaks what it is told to. Behind it is a mass that is still there after a close: each
- * fault must be found, by the line that is about it, and a sound device passes whole.
+ * The self-test, on a driver that breaks what it is told to. Behind it is a mass that is still there after a close:
+ * each fault must be found, by the line that is about it, and a sound device passes whole.
  */
 #include <math.h>
 #include <time.h>
