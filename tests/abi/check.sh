@@ -131,6 +131,15 @@ grep -oE 'DPT_[A-Z0-9_]+|struct dpt_[a-z0-9_]+ \{' "$scratch/public.h" | sed 's/
 sed -n 's/^VALUE(\([^,]*\),.*/\1/p; s/^STRUCT(\(.*\))/\1/p' "$here/layouts.txt" | LC_ALL=C sort -u >"$scratch/listed"
 diff "$scratch/listed" "$scratch/public"
 verdict $? "it names every public struct and constant"
+# Those that begin with their size are in a table of tests/lib/size_checks.h; but for what the library hands to callbacks.
+awk '/^typedef struct dpt_[a-z_]+ {$|^struct dpt_[a-z_]+ {$/ { sub(/ {$/, ""); sub(/.* /, ""); name = $0; next }
+    name != "" && /^ *uint32_t size;/ { print name } { name = "" }' "$scratch/public.h" >"$scratch/sized"
+for name in $(grep -vxE 'dpt_loop_sample|dpt_selftest_line|dpt_driver' "$scratch/sized"); do
+    grep -rqE "\"(its )?$name[ \"]" tests/base tests/compile tests/drivers tests/urdf || echo "  $name"
+done >"$scratch/unasked"
+cat "$scratch/unasked"
+[ "$(wc -l <"$scratch/sized")" -gt 30 ] && [ ! -s "$scratch/unasked" ]
+verdict $? "each struct that begins with its size is asked for older and newer callers"
 # An enum's names begin alike, and no name of another enum so, but for bits of flags, DPT_..._FLAG_.
 tr '\n' ' ' <"$scratch/public.h" | grep -oE 'enum \{[^}]*\}' | grep -v DPT_OK | awk '
     function common(a, b,   i) { for (i = 1; i <= length(a) && substr(a, i, 1) == substr(b, i, 1); i++) {} return substr(a, 1, i - 1) }

@@ -324,14 +324,14 @@ static dpt_result run(struct heard *heard, dpt_selftest_counts *counts)
 
 static void a_sound_device_passes(void)
 {
-    for (int kind = 0; kind < 6; kind++) {
+    for (int kind = 0; kind < 4; kind++) {
         struct heard heard = { .lines = 0 };
         dpt_selftest_counts counts;
-        start(SOUND, kind % 3 ? 6 : 3, kind % 3 == 2, kind >= 3);
+        start(SOUND, kind ? 6 : 3, kind >= 2, kind == 3);
         CHECK(run(&heard, &counts) == DPT_OK && counts.failed == 0, "kind %d: %s", kind,
               heard.failed);
-        CHECK(counts.passed >= 26 && counts.notes == (kind % 3 == 1), "kind %d: %u passed, %s",
-              kind, counts.passed, heard.noted);
+        CHECK(counts.passed >= 26 && counts.notes == (kind == 1), "kind %d: %u passed, %s", kind,
+              counts.passed, heard.noted);
         for (int k = 0; k < 3; k++)
             CHECK(machine.force[k] == 0.0, "kind %d: %g N are left", kind, machine.force[k]);
     }
