@@ -861,12 +861,14 @@ devices()
     check 'device list names openhaptics' grep -q '^openhaptics ' stdout
     succeeds 'selftest of a sound device' device selftest sim
     check 'without consent nothing is pushed' grep -q 'not tested without may_move, --move' stdout
+    check 'what a coupling is computed from is shown' grep -q '^  mass 0.1 kg, damping 0.5 Ns/m$' stdout
     check 'no turn is none' test "$(grep -c 'w, x, y, z' stdout)" -eq 0
     { echo t,x,y,z,rx,ry,rz; echo 0,0,0,0,0,0,3.14159265358979312; } >turned.csv
     run device selftest 'sim:?dofs=6&hand=turned.csv'
     check "no turn with w last: $(cat stdout)" grep -q 'is it sent as x, y, z, w? The order is w, x, y, z' stdout
     succeeds 'selftest with consent' device selftest sim --move
     check 'six pushes' test "$(grep -c 'moves the hand that way' stdout)" -eq 6
+    check 'a watchdog is asked' grep -q 'ok   without commands its watchdog ends a force' stdout
     run device selftest 'sim:?fault=estop@0.3'
     check 'selftest of one that stops' test $status -eq 1
     check 'says what fails' grep -q 'FAIL ready all the time' stdout
