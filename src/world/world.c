@@ -32,14 +32,18 @@ dpt_result dpt_world_create(void *block, size_t bytes, const dpt_world_def *give
     size_t needed = dpti_world_layout_bytes(&def);
     if (!needed || bytes < needed)
         return DPT_E_MEMORY;
+    struct kernel kernel;
+    uint32_t kernel_id;
+    if (!dpti_kernel_get(def.kernel, &kernel, &kernel_id))
+        return DPT_E_UNSUPPORTED;
 
     memset(block, 0, needed);
     struct dpt_world *made = block;
     made->def = def;
     made->baseline = baseline;
     made->def.baseline = &made->baseline;
-    if (!dpti_kernel_get(def.kernel, &made->kernel, &made->kernel_id))
-        return DPT_E_UNSUPPORTED;
+    made->kernel = kernel;
+    made->kernel_id = kernel_id;
     dpti_world_layout_place(made);
     *world = made;
     return DPT_OK;

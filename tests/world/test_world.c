@@ -118,7 +118,12 @@ static void defs_are_checked(void)
     size_t bytes = dpt_world_bytes(&def);
     void *block = malloc(bytes);
     dpt_world *world;
+    memset(block, 0xa5, bytes);
     CHECK(dpt_world_create(block, bytes, &def, &world) == DPT_E_UNSUPPORTED, "kernel");
+    size_t same = 0;
+    while (same < bytes && ((unsigned char *)block)[same] == 0xa5)
+        same++;
+    CHECK(same == bytes, "a block that was refused is written at %zu", same);
     free(block);
     memset(&longer, 0x55, sizeof longer);
     dpt_world_def_defaults(&longer.def, sizeof longer);
