@@ -137,6 +137,8 @@ void dpti_contacts_meet(struct dpt_world *world, uint32_t segment, const struct 
         i++;
     if (i == world->def.max_contacts) {
         world->contacts_full |= i > 0;
+        if (i > 0)
+            world_note_max(&world->usage.contacts, i + 1);
         return;
     }
     struct hold *hold = &before->hold[i];

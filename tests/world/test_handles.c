@@ -243,6 +243,36 @@ static void a_lack_is_told(void)
     free(of.block);
 }
 
+/* So does one whose side was to be remembered when two lines flew through a sheet at once, to beyond its side limit. */
+static void a_lack_of_room_for_sides_is_told(void)
+{
+    struct fixture sheet;
+    if (!fixture_from_shape(&sheet, "membrane", 18))
+        return;
+    dpt_world_def def;
+    dpt_world_def_init(&def);
+    def.max_contacts = 1;
+    def.side_limit = 0.01;
+    size_t bytes = dpt_world_bytes(&def);
+    struct scene of = { .block = malloc(bytes) };
+    CHECK(dpt_world_create(of.block, bytes, &def, &of.world) == DPT_OK, "create");
+    const dpt_segment two[2] = { { { -0.02, 0.01, 0 }, { -0.02, 0.03, 0 }, 0.0 },
+                                 { { 0.02, 0.01, 0 }, { 0.02, 0.03, 0 }, 0.0 } };
+    dpt_body_add(of.world, sheet.mesh, NULL, &of.body);
+    dpt_tool_add(of.world, two, 2, &of.tool);
+    dpt_step step = { .size = sizeof step };
+    for (int i = 0; i < 2; i++) {
+        const dpt_pose pose = { { 0.0, 0.0, i ? -0.05 : 0.05 }, { 1.0, 0.0, 0.0, 0.0 } };
+        dpt_tool_set_pose(of.world, of.tool, &pose);
+        dpt_world_step(of.world, 0.001, &step);
+    }
+    const dpt_world_usage usage = usage_of(&of);
+    CHECK(step.flags & DPT_STEP_FLAG_CONTACTS_FULL, "no lack");
+    CHECK(usage.contacts == 2, "%u wanted", usage.contacts);
+    free(of.block);
+    fixture_free(&sheet);
+}
+
 static void the_pair_alone_is_the_same_pair(void)
 {
     enum { ASKED = 400 };
@@ -312,6 +342,7 @@ int main(void)
     TEST(a_jump_is_not_a_motion);
     TEST(the_most_in_use_is_told);
     TEST(a_lack_is_told);
+    TEST(a_lack_of_room_for_sides_is_told);
     TEST(the_pair_alone_is_the_same_pair);
     TEST(all_triangles_at_once);
     TEST(the_version_is_a_number_too);
