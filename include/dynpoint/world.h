@@ -262,12 +262,13 @@ typedef struct dpt_step {
 
 /* Bits of dpt_step.flags. */
 enum {
-    /* there are more contacts than max_contacts; forces and depths count all */
+    /* more contacts wanted room than max_contacts, those that live on while nothing is known of them among
+       them; forces and depths count all */
     DPT_STEP_FLAG_CONTACTS_FULL = 1
 };
 
 /*
- * One tick of `dt` seconds (> 0). With an error the wrenches are zero and every answer is stale.
+ * One tick of `dt` seconds, above 0 and at most 1e6. With an error the wrenches are zero and every answer is stale.
  *   out   may be NULL
  */
 DPT_API dpt_result dpt_world_step(dpt_world *world, double dt, dpt_step *out);
@@ -280,9 +281,9 @@ DPT_API dpt_result dpt_tool_get_segment_hit(const dpt_world *world, dpt_tool too
                                             dpt_hit *hit);
 
 /*
- * The tool's contacts, from the last step: up to `capacity`, the segments in order, along each from its
- * end a. *count is how many there are, which may be more than fit. contacts[0].size must be set unless capacity is 0;
- * contacts may be NULL then.
+ * The tool's contacts, from the last step: up to `capacity`, the segments in order; of a segment the bodies one after
+ * another, in no stated order, along each from the segment's end a. *count is how many there are, which may be more
+ * than fit. contacts[0].size must be set unless capacity is 0; contacts may be NULL then.
  */
 DPT_API dpt_result dpt_tool_get_contacts(const dpt_world *world, dpt_tool tool,
                                          dpt_contact *contacts, uint32_t capacity, uint32_t *count);
