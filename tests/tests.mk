@@ -39,6 +39,13 @@ $(B)/tests/test_organs: | $(B)/dynpoint
 FUZZ_PARTS := $(filter-out $(B)/tests/fuzz/test_fuzz.o,$(call objects,tests/fuzz/*.c))
 $(B)/tests/test_fuzz: $(FUZZ_PARTS)
 
+# Random calls of everything public; what its own code takes from the heap is counted.
+CALLS_PARTS := $(call objects,tests/fuzz/calls/*.c)
+$(B)/tests/test_calls: $(CALLS_PARTS) $(TEST_PARTS)
+	$(LINK_TEST)
+$(B)/tests/test_calls: private LDLIBS = -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free
+TESTS += $(B)/tests/test_calls
+
 # With CONFIG=fuzz or fuzz-fast alone: each target as a program of libFuzzer's.
 FUZZ_TARGETS := obj stl ply off trace mesh forged arm wire
 FUZZ_SHARED := $(filter-out $(FUZZ_TARGETS:%=$(B)/tests/fuzz/%.o) $(B)/tests/fuzz/mutate.o,$(FUZZ_PARTS)) \
@@ -147,7 +154,8 @@ soak: all $(SOAKED:%=$(B)/tests/test_%) ## 10^8 ticks against the tree; all of D
 	@$(B)/tests/test_loop 60000
 	@$(B)/tests/test_organs soak
 
-fuzz: ## 10^8 executions (FUZZ_RUNS) of the fuzz targets by libFuzzer
+fuzz: ## 10^8 random calls (CALLS_RUNS), then 10^8 executions (FUZZ_RUNS) of the fuzz targets by libFuzzer
+	@sh tests/fuzz/calls.sh
 	@sh tests/fuzz/fuzz.sh
 
 bench: all $(B)/tests/bench/dump_mesh $(B)/tests/bench/strips $(B)/tests/bench/budgets $(B)/tests/bench/recall ## time against peers, those whose packages are here
@@ -162,7 +170,7 @@ deps: ## install what the tests can use beside a compiler (apt-get)
 
 test-programs: all $(TESTS) $(VM_TESTS) $(B)/tests/firmware/link $(B)/tests/bench/dump_mesh $(B)/tests/bench/strips $(B)/tests/bench/budgets $(B)/tests/bench/recall
 .PHONY: test-programs
--include $(TEST_SOURCES:%.c=$(B)/%.d) $(VM_TESTS:=.d) $(patsubst %.o,%.d,$(VM_PARTS) $(TEST_PARTS) $(FUZZ_PARTS))
+-include $(TEST_SOURCES:%.c=$(B)/%.d) $(VM_TESTS:=.d) $(patsubst %.o,%.d,$(VM_PARTS) $(TEST_PARTS) $(FUZZ_PARTS) $(CALLS_PARTS))
 -include $(wildcard $(B)/tests/sweep/test_sweep_exact.d $(B)/tests/urdf/*.d $(B)/tests/*/*_sites.d $(B)/tests/bench/*.d \
            $(B)/tests/firmware/*.d $(B)/tests/oracle/*.d $(B)/tests/drivers/hd/*.d)
 

@@ -1,0 +1,313 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "fuzz/calls/rules.h"
+
+/* Roundings of the test's own sums, per metre of the largest coordinate. */
+static const double ROUNDING = 1e-13;
+
+double apart(const double a[3], const double b[3])
+{
+    const double x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
+    return sqrt(x * x + y * y + z * z);
+}
+
+static double extent_of(const double x[3])
+{
+    return fmax(fabs(x[0]), fmax(fabs(x[1]), fabs(x[2])));
+}
+
+/* What sums over this segment and all bodies may be off by. */
+static double slack_of(const struct scene *scene, const dpt_segment *segment)
+{
+    double extent = 1.0 + fmax(extent_of(segment->a), extent_of(segment->b));
+    for (uint32_t i = 0; i < scene->then_count; i++)
+        extent = fmax(extent, extent_of(scene->then[i].pose.position));
+    return ROUNDING * extent;
+}
+
+void triangle_must_be_there(const struct subject *subject, uint32_t triangle)
+{
+    double corners[9];
+    HOLDS(dpt_mesh_get_triangle(subject->mesh, triangle, corners) == DPT_OK,
+          "the %s has no triangle %u", subject->name, triangle);
+}
+
+void hit_must_be_stale(const dpt_hit *hit)
+{
+    HOLDS(hit->status == DPT_STATUS_STALE && hit->contact == DPT_CONTACT_UNKNOWN && !hit->flags &&
+              hit->triangle == DPT_NONE,
+          "status %u, contact %u, flags %x, triangle %u", hit->status, hit->contact, hit->flags,
+          hit->triangle);
+}
+
+static void status_must_hold(const dpt_world_def *def, const dpt_hit *hit)
+{
+    if (def->method == DPT_METHOD_PAPER)
+        HOLDS(hit->status == DPT_STATUS_LOCAL && hit->lower_bound == 0.0, "status %u, bound %g",
+              hit->status, hit->lower_bound);
+    else
+        HOLDS(hit->status == DPT_STATUS_EXACT ||
+                  (hit->status == DPT_STATUS_BOUNDED && def->budget != 0),
+              "status %u of method %u, budget %u", hit->status, def->method, def->budget);
+}
+
+static void gap_must_hold(const dpt_world_def *def, const dpt_hit *hit, double radius, double slack)
+{
+    const int is_paper = def->method == DPT_METHOD_PAPER;
+    HOLDS(hit->contact <= DPT_CONTACT_PENETRATING && hit->flags <= 3, "contact %u, flags %x",
+          hit->contact, hit->flags);
+    HOLDS(hit->depth == fmax(0.0, -hit->gap), "gap %g, depth %g", hit->gap, hit->depth);
+    if (!(hit->flags & DPT_HIT_FLAG_GAP)) {
+        HOLDS(hit->gap == 0.0 && hit->contact == DPT_CONTACT_UNKNOWN,
+              "contact %u, gap %g that is not known", hit->contact, hit->gap);
+        return;
+    }
+    HOLDS(def->until != DPT_UNTIL_TRACK, "a gap, though the step goes no farther than the pair");
+    HOLDS(is_paper || hit->gap <= hit->distance - radius + slack, "gap %g, distance %g, radius %g",
+          hit->gap, hit->distance, radius);
+    const uint32_t expected = fabs(hit->gap) <= hit->error_bound ? DPT_CONTACT_TOUCHING
+                              : hit->gap > 0.0                   ? DPT_CONTACT_SEPARATED
+                                                                 : DPT_CONTACT_PENETRATING;
+    HOLDS(is_paper || hit->contact == expected, "contact %u of a gap of %g within %g", hit->contact,
+          hit->gap, hit->error_bound);
+}
+
+/* Its own calls are not counted. */
+/* p is on the axis, q on the triangle, and they are as far apart as is said. */
+static void pair_must_hold(const struct scene *scene, const dpt_segment *at, const dpt_hit *hit,
+                           double slack)
+{
+    const struct body_then *body = scene_body_then(scene, hit->body);
+    HOLDS(body, "body %x was not there at the last step", hit->body);
+    HOLDS(hit->s >= 0.0 && hit->s <= 1.0, "s = %g", hit->s);
+    HOLDS(hit->distance >= 0.0 && hit->lower_bound >= 0.0 && hit->error_bound >= 0.0 &&
+              hit->lower_bound <= hit->distance,
+          "distance %g, lower_bound %g, error_bound %g", hit->distance, hit->lower_bound,
+          hit->error_bound);
+    HOLDS(!(hit->flags & DPT_HIT_FLAG_CROSSING) == (hit->distance > 0.0), "flags %x, distance %g",
+          hit->flags, hit->distance);
+    double p[3], q[6], corners[9];
+    for (int k = 0; k < 3; k++)
+        p[k] = at->a[k] + hit->s * (at->b[k] - at->a[k]);
+    HOLDS(apart(p, hit->p) <= slack, "p is %g m from the axis at s", apart(p, hit->p));
+    HOLDS(fabs(apart(hit->p, hit->q) - hit->distance) <= slack, "p and q are %g apart, and not %g",
+          apart(hit->p, hit->q), hit->distance);
+    triangle_must_be_there(body->subject, hit->triangle);
+    dpt_mesh_get_triangle(body->subject->mesh, hit->triangle, corners);
+    to_frame(&body->pose, hit->q, q);
+    memcpy(q + 3, q, 3 * sizeof *q);
+    const double off = dpt_segment_triangle(q, corners, NULL, NULL, NULL);
+    HOLDS(off <= slack, "q is %g m from triangle %u", off, hit->triangle);
+}
+
+void hit_must_hold(const struct scene *scene, const struct model_tool *tool, uint32_t segment,
+                   const dpt_hit *hit)
+{
+    HOLDS(segment < tool->count && hit->segment == segment, "segment %u, and not %u", hit->segment,
+          segment);
+    if (tool->answers == ANSWERS_NONE ||
+        (tool->answers == ANSWERS_EITHER && hit->status == DPT_STATUS_STALE)) {
+        hit_must_be_stale(hit);
+        met[MET_STALE]++;
+        return;
+    }
+    const dpt_segment *at = &tool->at[segment];
+    const double slack = slack_of(scene, at);
+    met[hit->status == DPT_STATUS_EXACT     ? MET_EXACT
+        : hit->status == DPT_STATUS_BOUNDED ? MET_BOUNDED
+                                            : MET_LOCAL]++;
+    met[MET_CROSSING] += hit->flags & DPT_HIT_FLAG_CROSSING ? 1 : 0;
+    met[MET_TOUCHING] += hit->contact == DPT_CONTACT_TOUCHING;
+    met[MET_PENETRATING] += hit->contact == DPT_CONTACT_PENETRATING;
+    met[MET_UNKNOWN] += hit->contact == DPT_CONTACT_UNKNOWN;
+    status_must_hold(&scene->def, hit);
+    pair_must_hold(scene, at, hit, slack);
+    gap_must_hold(&scene->def, hit, at->radius, slack);
+}
+
+/* The least distance of a segment to all that was there. */
+static double true_distance(const struct scene *scene, const dpt_segment *at)
+{
+    double least = INFINITY, corners[9];
+    for (uint32_t i = 0; i < scene->then_count; i++) {
+        const struct body_then *body = &scene->then[i];
+        double local[6];
+        to_frame(&body->pose, at->a, local);
+        to_frame(&body->pose, at->b, local + 3);
+        for (uint32_t t = 0; t < body->subject->source_triangles; t++)
+            if (dpt_mesh_get_triangle(body->subject->mesh, t, corners) == DPT_OK)
+                least = fmin(least, dpt_segment_triangle(local, corners, NULL, NULL, NULL));
+    }
+    return least;
+}
+
+void hit_must_be_true(const struct scene *scene, const struct model_tool *tool, const dpt_hit *hit)
+{
+    if (hit->status == DPT_STATUS_STALE)
+        return;
+    met[MET_TRUE]++;
+    const dpt_segment *at = &tool->at[hit->segment];
+    const double slack = slack_of(scene, at), distance = true_distance(scene, at);
+    HOLDS(hit->lower_bound <= distance + slack, "lower_bound %.17g, and the distance is %.17g",
+          hit->lower_bound, distance);
+    HOLDS(hit->distance >= distance - slack, "distance %.17g, and it is %.17g", hit->distance,
+          distance);
+    if (hit->status != DPT_STATUS_BOUNDED)
+        HOLDS(fabs(hit->distance - distance) <= hit->error_bound + slack,
+              "distance %.17g within %g, and it is %.17g", hit->distance, hit->error_bound,
+              distance);
+}
+
+int all_are_solid(const struct scene *scene)
+{
+    int solid = 1;
+    for (uint32_t i = 0; i < scene->then_count; i++)
+        solid &= scene->then[i].subject->is_solid;
+    return solid;
+}
+
+/* The solid angle of a triangle seen from the origin, signed (van Oosterom and Strackee). */
+static double solid_angle(const double a[3], const double b[3], const double c[3])
+{
+    const double zero[3] = { 0.0, 0.0, 0.0 };
+    const double la = apart(a, zero), lb = apart(b, zero), lc = apart(c, zero);
+    const double det = a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
+                       a[2] * (b[0] * c[1] - b[1] * c[0]);
+    double ab = 0.0, bc = 0.0, ca = 0.0;
+    for (int k = 0; k < 3; k++) {
+        ab += a[k] * b[k];
+        bc += b[k] * c[k];
+        ca += c[k] * a[k];
+    }
+    return 2.0 * atan2(det, la * lb * lc + ab * lc + bc * la + ca * lb);
+}
+
+/* How often a point is within a body: 0 or 1, but for rounding. */
+static double times_inside(const struct body_then *body, const double x[3])
+{
+    double local[3], corners[9], sum = 0.0;
+    to_frame(&body->pose, x, local);
+    for (uint32_t t = 0; t < body->subject->source_triangles; t++) {
+        if (dpt_mesh_get_triangle(body->subject->mesh, t, corners) != DPT_OK)
+            continue;
+        for (int k = 0; k < 9; k++)
+            corners[k] -= local[k % 3];
+        sum += solid_angle(corners, corners + 3, corners + 6);
+    }
+    return sum / 12.566370614359172;
+}
+
+void gap_must_be_true(const struct scene *scene, const struct model_tool *tool, const dpt_hit *hit)
+{
+    const dpt_segment *at = &tool->at[hit->segment];
+    const double slack = slack_of(scene, at);
+    double inside = 0.0;
+    if (hit->status == DPT_STATUS_STALE || scene->def.method == DPT_METHOD_PAPER ||
+        !(hit->flags & DPT_HIT_FLAG_GAP) || !all_are_solid(scene) || hit->distance < 1e-6)
+        return;
+    for (uint32_t i = 0; i < scene->then_count; i++)
+        inside = fmax(inside, fabs(times_inside(&scene->then[i], at->a)));
+    met[MET_INSIDE] += inside > 0.5;
+    if (inside > 0.5)
+        HOLDS(hit->gap <= -hit->distance - at->radius + slack,
+              "gap %g, inside, %g from the surface, radius %g", hit->gap, hit->distance,
+              at->radius);
+    else
+        HOLDS(fabs(hit->gap - (hit->distance - at->radius)) <= hit->error_bound + slack,
+              "gap %g, outside, %g from the surface, radius %g", hit->gap, hit->distance,
+              at->radius);
+}
+
+static void contact_must_hold(const struct scene *scene, const struct model_tool *tool,
+                              const dpt_contact *contact)
+{
+    const struct body_then *body = scene_body_then(scene, contact->body);
+    HOLDS(contact->id != 0, "a contact without a number");
+    HOLDS(body, "body %x was not there at the last step", contact->body);
+    HOLDS(contact->segment < tool->count, "segment %u of %u", contact->segment, tool->count);
+    triangle_must_be_there(body->subject, contact->triangle);
+    HOLDS(contact->contact <= DPT_CONTACT_PENETRATING && contact->flags <= 7 && !contact->reserved,
+          "contact %u, flags %x", contact->contact, contact->flags);
+    HOLDS(contact->s0 >= 0.0 && contact->s0 <= contact->s1 && contact->s1 <= 1.0 &&
+              contact->s >= contact->s0 && contact->s <= contact->s1,
+          "s %.17g in %.17g to %.17g", contact->s, contact->s0, contact->s1);
+    const dpt_segment *at = &tool->at[contact->segment];
+    const double slack = slack_of(scene, at), *weight = contact->weight;
+    double p[3];
+    const double zero[3] = { 0.0, 0.0, 0.0 };
+    for (int k = 0; k < 3; k++)
+        p[k] = at->a[k] + contact->s * (at->b[k] - at->a[k]);
+    HOLDS(apart(p, contact->p) <= slack, "p is %g m from the axis at s", apart(p, contact->p));
+    HOLDS(fabs(weight[0] + weight[1] + weight[2] - 1.0) <= 1e-9 && weight[0] >= -1e-9 &&
+              weight[1] >= -1e-9 && weight[2] >= -1e-9,
+          "weights %g, %g, %g", weight[0], weight[1], weight[2]);
+    const double normal = apart(contact->normal, zero);
+    HOLDS(normal == 0.0 || fabs(normal - 1.0) <= 1e-6, "a normal of length %g", normal);
+    HOLDS(contact->gap <= scene->def.margin + 1e-5 + slack, "gap %g beyond the margin of %g",
+          contact->gap, scene->def.margin);
+    HOLDS(contact->contact == DPT_CONTACT_TOUCHING ||
+              (contact->contact == DPT_CONTACT_PENETRATING) == (contact->gap < 0.0),
+          "contact %u of a gap of %g", contact->contact, contact->gap);
+}
+
+void contacts_must_hold(const struct scene *scene, const struct model_tool *tool,
+                        const dpt_contact *contacts, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        contact_must_hold(scene, tool, &contacts[i]);
+        met[MET_CONTACT]++;
+        met[MET_SIDED] += contacts[i].flags & DPT_CONTACT_FLAG_SIDED ? 1 : 0;
+        for (uint32_t k = 0; k < i; k++)
+            HOLDS(contacts[k].id != contacts[i].id, "two contacts of number %u", contacts[i].id);
+        for (uint32_t k = 0; k < i; k++)
+            HOLDS(contacts[k].segment < contacts[i].segment ||
+                      (contacts[k].segment == contacts[i].segment &&
+                       (contacts[k].body != contacts[i].body ||
+                        (contacts[k].s0 <= contacts[i].s0 &&
+                         contacts[k].body == contacts[i - 1].body))),
+                  "contact %u of segment %u and body %x from %g on comes behind that of segment %u "
+                  "and body %x from %g on",
+                  i, contacts[i].segment, contacts[i].body, contacts[i].s0, contacts[k].segment,
+                  contacts[k].body, contacts[k].s0);
+    }
+}
+
+void sweep_must_hold(const struct scene *scene, const struct model_tool *tool, uint32_t segment,
+                     const dpt_sweep *sweep)
+{
+    const double zero[3] = { 0.0, 0.0, 0.0 };
+    HOLDS(sweep->segment == segment && sweep->status <= DPT_SWEEP_UNFINISHED,
+          "segment %u, status %u", sweep->segment, sweep->status);
+    if (tool->answers == ANSWERS_NONE)
+        HOLDS(sweep->status == DPT_SWEEP_NONE, "status %u without a step", sweep->status);
+    HOLDS(scene->def.budget || (sweep->status != DPT_SWEEP_UNFINISHED && sweep->age == 0),
+          "status %u, age %u without a budget", sweep->status, sweep->age);
+    met[MET_UNFINISHED] += sweep->status == DPT_SWEEP_UNFINISHED;
+    if (sweep->status != DPT_SWEEP_HIT)
+        return;
+    met[MET_SWEEP_HIT]++;
+    const struct body_then *body = scene_body_then(scene, sweep->body);
+    HOLDS(body, "body %x was not there at the last step", sweep->body);
+    triangle_must_be_there(body->subject, sweep->triangle);
+    HOLDS(sweep->time >= 0.0 && sweep->time <= 1.0 && sweep->s >= 0.0 && sweep->s <= 1.0,
+          "time %g, s %g", sweep->time, sweep->s);
+    HOLDS(fabs(apart(sweep->normal, zero) - 1.0) <= 1e-6, "a normal of length %g",
+          apart(sweep->normal, zero));
+}
+
+void overlaps_must_hold(const dpt_overlap *overlaps, uint32_t count, double radius)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        const dpt_overlap *o = &overlaps[i];
+        met[MET_OVERLAP] += o->overlap > 0.0;
+        HOLDS(o->s >= 0.0 && o->s <= 1.0 && o->distance >= 0.0 && o->overlap >= 0.0 && !o->reserved,
+              "s %g, distance %g, overlap %g", o->s, o->distance, o->overlap);
+        HOLDS(fabs(o->weight[0] + o->weight[1] + o->weight[2] - 1.0) <= 1e-9, "weights %g, %g, %g",
+              o->weight[0], o->weight[1], o->weight[2]);
+        HOLDS(o->flags == (o->distance > 0.0 ? 0u : DPT_OVERLAP_FLAG_CROSSING), "flags %x, %g m",
+              o->flags, o->distance);
+        HOLDS(o->gap == (o->overlap > 0.0 ? -o->overlap : fmax(0.0, o->distance - radius)),
+              "gap %g, overlap %g, distance %g", o->gap, o->overlap, o->distance);
+        for (uint32_t k = 0; k < i; k++)
+            HOLDS(overlaps[k].triangle != o->triangle, "triangle %u is there twice", o->triangle);
+    }
+}

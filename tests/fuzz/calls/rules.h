@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What must hold of every answer of a world: rules.c, and the one of the wrench in wrench_rule.c. */
+#ifndef DPT_TESTS_CALLS_RULES_H
+#define DPT_TESTS_CALLS_RULES_H
+
+#include "fuzz/calls/world_model.h"
+
+/* Of one segment, or of the tool: then `segment` is what the hit says. */
+void hit_must_hold(const struct scene *scene, const struct model_tool *tool, uint32_t segment,
+                   const dpt_hit *hit);
+
+/* The same against every triangle of every body. */
+void hit_must_be_true(const struct scene *scene, const struct model_tool *tool, const dpt_hit *hit);
+
+/* Where all bodies are solid: the gap's sign is that of a sum of solid angles. */
+void gap_must_be_true(const struct scene *scene, const struct model_tool *tool, const dpt_hit *hit);
+
+/* Every body at the last step was closed. */
+int all_are_solid(const struct scene *scene);
+
+/* Of `count` of them. */
+void contacts_must_hold(const struct scene *scene, const struct model_tool *tool,
+                        const dpt_contact *contacts, uint32_t count);
+
+void sweep_must_hold(const struct scene *scene, const struct model_tool *tool, uint32_t segment,
+                     const dpt_sweep *sweep);
+
+/* Of a strip on a mesh: of a segment of that radius. */
+void overlaps_must_hold(const dpt_overlap *overlaps, uint32_t count, double radius);
+
+/* `hits` are those of all of the tool's segments. */
+void wrench_must_hold(const struct scene *scene, const struct model_tool *tool, const dpt_hit *hits,
+                      const dpt_wrench *wrench);
+
+/* An answer without input. */
+void hit_must_be_stale(const dpt_hit *hit);
+
+/* The triangle counts: it is in the mesh, and was not dropped. */
+void triangle_must_be_there(const struct subject *subject, uint32_t triangle);
+
+double apart(const double a[3], const double b[3]);
+
+#endif

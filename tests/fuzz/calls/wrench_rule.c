@@ -1,0 +1,50 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * The wrench, in one place (docs/algorithms/penalty.md): nothing without a depth; with one at most stiffness times
+ * depth of each segment, about the tool's origin.
+ */
+#include "fuzz/calls/rules.h"
+
+static double size_of(const double v[3])
+{
+    const double zero[3] = { 0.0, 0.0, 0.0 };
+    return apart(v, zero);
+}
+
+static int is_zero(const dpt_wrench *wrench)
+{
+    int zero = 1;
+    for (int k = 0; k < 3; k++)
+        zero &= wrench->force[k] == 0.0 && wrench->torque[k] == 0.0;
+    return zero;
+}
+
+void wrench_must_hold(const struct scene *scene, const struct model_tool *tool, const dpt_hit *hits,
+                      const dpt_wrench *wrench)
+{
+    double force = 0.0, torque = 0.0;
+    uint32_t pushes = 0;
+    const double slack = 1e-12 * (1.0 + size_of(tool->origin));
+    for (uint32_t i = 0; i < tool->count; i++) {
+        const double push = tool->stiffness_then * hits[i].depth;
+        force += push;
+        pushes += push > 1e-9;
+        torque +=
+            push * fmax(apart(tool->at[i].a, tool->origin), apart(tool->at[i].b, tool->origin));
+    }
+    if (tool->answers == ANSWERS_EITHER)
+        return;
+    if (tool->answers == ANSWERS_NONE || scene->def.until != DPT_UNTIL_RESPOND || force == 0.0)
+        HOLDS(is_zero(wrench), "a force of %g N, a torque of %g Nm without a cause",
+              size_of(wrench->force), size_of(wrench->torque));
+    met[MET_PUSH] += !is_zero(wrench);
+    HOLDS(size_of(wrench->force) <= force * (1.0 + 1e-9), "%g N, and not %g at most",
+          size_of(wrench->force), force);
+    HOLDS(size_of(wrench->torque) <= torque * (1.0 + 1e-6) + slack * force,
+          "%g Nm, and not %g at most", size_of(wrench->torque), torque);
+    /* A single push out of what is closed has a way out, and is all there is; what is below 1e-9 N may underflow. */
+    if (pushes == 1 && scene->def.until == DPT_UNTIL_RESPOND &&
+        scene->def.method != DPT_METHOD_PAPER && all_are_solid(scene))
+        HOLDS(size_of(wrench->force) >= force * (1.0 - 1e-6), "%g N, and not %g",
+              size_of(wrench->force), force);
+}
