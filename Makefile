@@ -73,9 +73,12 @@ TOOLS := $(call objects,tools/*.c)
 SIMULATE := $(call objects,$(DRIVERS:%=tools/simulate/simulate_%.c)) $(if $(filter serial,$(DRIVERS)),$(WIRE_DEVICE))
 LIBS := $(B)/libdynpoint $(B)/libdynpoint_compile $(B)/libdynpoint_drivers $(if $(URDF_PARTS),$(B)/libdynpoint_urdf)
 
+# For foreign-function interfaces: all headers, whichever libraries this build has (docs/ffi.md).
+CDEF := $(B)/include/dynpoint_cdef.h
+
 .PHONY: all force demo test check firmware vm bench charts soak fuzz deps install uninstall help clean
 .SECONDARY:
-all: $(B)/dynpoint $(LIBS:%=%.a) $(LIBS:%=%.so.$(SOVERSION)) ## the program and the libraries (default)
+all: $(B)/dynpoint $(LIBS:%=%.a) $(LIBS:%=%.so.$(SOVERSION)) $(CDEF) ## the program and the libraries (default)
 
 $(B)/%.o: %.c
 	@mkdir -p $(@D)
@@ -136,6 +139,14 @@ $(B)/libdynpoint_drivers.so.$(SOVERSION): $(DRIVER_PARTS) $(TEXT) $(B)/libdynpoi
 $(B)/dynpoint: $(TOOLS) $(SIMULATE) $(URDF_PARTS) $(COMPILE) $(TEXT) $(DRIVER_PARTS) $(CORE)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(DL) $(URDF_LIBS) -o $@
 
+comma := ,
+empty :=
+folders = $(subst $(empty) $(empty),$(comma),$(strip $1))
+$(CDEF): include/dynpoint.h $(wildcard include/dynpoint/*.h) tools/packaging/cdef.sh
+	@mkdir -p $(@D)
+	CC='$(CC)' sh tools/packaging/cdef.sh include $@ libdynpoint=$(call folders,$(FOLDERS:%=src/%)) \
+	  libdynpoint_compile=src/compile libdynpoint_drivers=drivers libdynpoint_urdf=src/urdf
+
 demo: ## build, make a liver, slide a tool over it, and prove every answer
 	@echo building ...
 	@$(MAKE) -s all
@@ -148,6 +159,7 @@ install: all ## into PREFIX, or DESTDIR and the directory variables
 	install -m 755 $(B)/dynpoint "$(DESTDIR)$(BINDIR)"
 	install -m 644 include/dynpoint.h "$(DESTDIR)$(INCLUDEDIR)"
 	install -m 644 include/dynpoint/*.h "$(DESTDIR)$(INCLUDEDIR)/dynpoint"
+	install -m 644 $(CDEF) "$(DESTDIR)$(INCLUDEDIR)"
 	for lib in $(notdir $(LIBS)); do \
 	  install -m 644 $(B)/$$lib.a "$(DESTDIR)$(LIBDIR)" && \
 	  install -m 755 $(B)/$$lib.so.$(SOVERSION) "$(DESTDIR)$(LIBDIR)" && \
@@ -164,7 +176,7 @@ install: all ## into PREFIX, or DESTDIR and the directory variables
 	done
 
 uninstall: ## what install put there
-	rm -f "$(DESTDIR)$(BINDIR)/dynpoint" "$(DESTDIR)$(INCLUDEDIR)/dynpoint.h"
+	rm -f "$(DESTDIR)$(BINDIR)/dynpoint" "$(DESTDIR)$(INCLUDEDIR)/dynpoint.h" "$(DESTDIR)$(INCLUDEDIR)/$(notdir $(CDEF))"
 	rm -f $(patsubst include/%,"$(DESTDIR)$(INCLUDEDIR)"/%,$(wildcard include/dynpoint/*.h))
 	for lib in $(notdir $(LIBS)) libdynpoint_urdf; do \
 	  rm -f "$(DESTDIR)$(LIBDIR)/$$lib.a" "$(DESTDIR)$(LIBDIR)/$$lib.so" "$(DESTDIR)$(LIBDIR)/$$lib.so.$(SOVERSION)" \

@@ -26,6 +26,7 @@ skip() {
 }
 verdict() { if [ "$1" -eq 0 ]; then ok "$2"; else bad "$2"; fi; }
 
+LC_ALL=C sort "$here"/*.symbols >"$scratch/all.symbols"
 urdf=
 [ ! -e "$build/libdynpoint_urdf.a" ] || urdf=libdynpoint_urdf
 for lib in libdynpoint libdynpoint_compile libdynpoint_drivers $urdf; do
@@ -122,6 +123,15 @@ fi
 c99="-std=c99 -pedantic -Wall -Wextra -Werror"
 ${CC:-cc} $c99 -Iinclude "$here/layout.c" -o "$scratch/layout" && "$scratch/layout"
 verdict $? "structs and constants are what $here/layouts.txt says, on this machine"
+# The declarations for other languages: those that a library exports, without a preprocessor's help (tests/ffi/cdef.py has
+# more, where cffi is).
+cdef=$build/include/dynpoint_cdef.h
+{ echo '#include <stddef.h>'; echo '#include <stdint.h>'; cat "$cdef"; } >"$scratch/cdef.c"
+${CC:-cc} $c99 -fsyntax-only "$scratch/cdef.c" && ! grep -nE '^ *#|__attribute__|DPT_API|inline' "$cdef" &&
+    ${CC:-cc} $c99 -DDPT_CDEF -I"$build/include" "$here/layout.c" -o "$scratch/layout_cdef" && "$scratch/layout_cdef"
+verdict $? "$cdef is plain C99, with the structs and constants of $here/layouts.txt"
+sed -n 's/^[^ ].*[ *]\(dpt_[a-z0-9_]*\)(.*;$/\1/p' "$cdef" | grep -v '_fn$' | LC_ALL=C sort | diff - "$scratch/all.symbols"
+verdict $? "it declares what the lists of symbols have, and nothing else"
 # What the list does not name: a field shows as a gap in its struct, the rest in the preprocessed headers.
 for header in include/dynpoint/*.h; do
     echo "#include <dynpoint/$(basename "$header")>"
@@ -244,10 +254,10 @@ make -s B="$few" URDF=no "$few/dynpoint" &&
     [ ! -e "$scratch/arm.dpa" ]
 verdict $? "URDF=no builds a program that says what is missing"
 
-# docs/ffi.md shows parts of a script that runs; a line of it that the script has no more is a lie.
-sed -n '/^```python/,/^```/p' docs/ffi.md | grep -v '^```' | grep -vxFf tests/ffi/touch.py
+# docs/ffi.md shows parts of scripts that run; a line of it that they have no more is a lie.
+sed -n '/^```python/,/^```/p' docs/ffi.md | grep -v '^```' | grep -vxF -f tests/ffi/touch.py -f tests/ffi/cdef.py
 [ $? -eq 1 ]
-verdict $? "docs/ffi.md shows lines of tests/ffi/touch.py"
+verdict $? "docs/ffi.md shows lines of tests/ffi"
 
 root=$PWD/$scratch/root
 make -s install DESTDIR="$root" PREFIX=/opt/dp LIBDIR=/opt/dp/lib64 >/dev/null

@@ -3,8 +3,14 @@
  * Holds the public headers against layouts.txt. A hosted compiler makes a program that says in
  * words what differs on this machine. A freestanding one (-ffreestanding -fsyntax-only) compiles
  * only when nothing does: so machines that cannot be run here, or have no C library here, are
- * checked too.
+ * checked too. With -DDPT_CDEF the hosted one holds dynpoint_cdef.h against it instead.
  */
+#ifdef DPT_CDEF
+#include <stddef.h>
+#include <stdint.h>
+
+#include "dynpoint_cdef.h"
+#else
 #include <dynpoint.h>
 #include <dynpoint/baseline.h>
 #include <dynpoint/compile.h>
@@ -12,6 +18,7 @@
 #include <dynpoint/loop.h>
 #include <dynpoint/selftest.h>
 #include <dynpoint/urdf.h>
+#endif
 
 #define PICK(lp64, ilp32)  (sizeof(void *) == 8 ? (size_t)(lp64) : (size_t)(ilp32))
 #define BYTES(type, field) sizeof(((type *)0)->field)
