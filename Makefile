@@ -76,7 +76,7 @@ LIBS := $(B)/libdynpoint $(B)/libdynpoint_compile $(B)/libdynpoint_drivers $(if 
 # For foreign-function interfaces: all headers, whichever libraries this build has (docs/ffi.md).
 CDEF := $(B)/include/dynpoint_cdef.h
 
-.PHONY: all force demo test check firmware vm bench charts soak fuzz deps install uninstall help clean
+.PHONY: all amalgamation force demo test check firmware vm bench charts soak fuzz deps install uninstall help clean
 .SECONDARY:
 all: $(B)/dynpoint $(LIBS:%=%.a) $(LIBS:%=%.so.$(SOVERSION)) $(CDEF) ## the program and the libraries (default)
 
@@ -147,6 +147,12 @@ $(CDEF): include/dynpoint.h $(wildcard include/dynpoint/*.h) tools/packaging/cde
 	CC='$(CC)' sh tools/packaging/cdef.sh include $@ libdynpoint=$(call folders,$(FOLDERS:%=src/%)) \
 	  libdynpoint_compile=src/compile libdynpoint_drivers=drivers libdynpoint_urdf=src/urdf
 
+amalgamation: ## the core and the compiler as single files, for firmware, crates, packages (needs python3)
+	@rm -rf $(B)/amalgamation && mkdir -p $(B)/amalgamation
+	@$(PYTHON) -B tools/packaging/amalgamate.py $(B)/amalgamation dynpoint=$(call folders,$(CORE:$(B)/%.o=%.c)) \
+	  dynpoint_compile=$(call folders,$(patsubst $(B)/%.o,%.c,$(COMPILE) $(TEXT)))
+	@cp LICENSE $(B)/amalgamation
+
 demo: ## build, make a liver, slide a tool over it, and prove every answer
 	@echo building ...
 	@$(MAKE) -s all
@@ -186,7 +192,7 @@ uninstall: ## what install put there
 
 help: ## this list
 	@echo 'make [TARGET] [CONFIG=release|scalar|sanitize|debug|coverage] [DRIVERS="$(BACK_ENDS)"] [URDF=no]'
-	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  \1\t\2/p' Makefile tests/tests.mk | expand -t 14
+	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  \1\t\2/p' Makefile tests/tests.mk | expand -t 16
 
 clean: ## remove build/
 	rm -rf build

@@ -3,7 +3,7 @@
 #
 # Other machines, the same bytes: the program for AArch64 and for s390x, which is big-endian, makes,
 # compiles and replays under qemu what the program of this machine does here, and all that it writes
-# is equal bit for bit. Kinematics on 32-bit ARM too.
+# is equal bit for bit. Kinematics on 32-bit ARM too, and the single files of `make amalgamation` on all of them.
 #
 #     sh tests/cross.sh [BUILD_DIR]
 #
@@ -67,6 +67,25 @@ build()
         "$folder/tests/test_arm" "$folder/tests/test_sim"
 }
 
+# single PREFIX QEMU: the files of `make amalgamation` for $machine; answers_hash.c is compiled as exactly as it asks others to be
+single()
+{
+    [ -s "$native/cross/hashes" ] || return
+    alone=$native/cross/single
+    rm -rf "$out/single"
+    mkdir -p "$out/single"
+    check "$machine: single files compile, see $log" "$1gcc" -O2 -Wall -Wextra -Werror -c "$alone/dynpoint.c" -o "$out/single/core.o"
+    check "$machine: and the compiler's, see $log" "$1gcc" -O2 -Wall -Wextra -Werror -c "$alone/dynpoint_compile.c" \
+        -o "$out/single/compile.o"
+    "$1objdump" -d "$out/single/core.o" "$out/single/compile.o" >"$out/single/code"
+    fused=$(grep -cE '[[:space:]](v?fn?m(add|sub|l[as])|vfn?m[as]\.|m[as][de]br?|wfn?m[as])[[:space:]]' "$out/single/code")
+    check "$machine: single files fuse $fused multiplies with an add" test "$fused" -eq 0
+    "$1gcc" -O1 -ffp-contract=off -static -I"$alone" tests/amalgamation/answers_hash.c "$out/single/core.o" \
+        "$out/single/compile.o" -lm -pthread -o "$out/single/hash" 2>>"$log"
+    "$2" "$out/single/hash" 30 >"$out/single/hashes" 2>>"$log"
+    check "$machine: single files answer otherwise, see $out/single/hashes" cmp "$native/cross/hashes" "$out/single/hashes"
+}
+
 # try MACHINE: as the names of its compiler and of qemu begin and end
 try()
 {
@@ -104,6 +123,8 @@ try()
     # Arms compile to the same bytes, open where they convert, and move to the same bits.
     check "$machine: test_kinematics, see $log" "qemu-$machine-static" "$folder/tests/test_kinematics" bits
     check "$machine: test_arm, see $log" "qemu-$machine-static" "$folder/tests/test_arm"
+    # The single files, by their compiler's plain flags, answer as the libraries here do.
+    single "$1-linux-gnu-" "qemu-$1-static"
     # A damaged file is refused at the same byte, whatever the byte order.
     head -c 9000 "$out/torus.dpa" >"$out/short.dpa"
     "qemu-$machine-static" "$folder/dynpoint" info "$out/short.dpa" >"$out/said" 2>&1
@@ -137,6 +158,15 @@ int main(int argc, char **argv)
     return dpt_mesh_convert(copy, size, NULL) || dpt_mesh_open(copy, size, &mesh) ? 3 : 0;
 }
 C
+if command -v python3 >/dev/null; then
+    check "single files are made" make -s amalgamation B="$native/cross"
+    mv "$native/cross/amalgamation" "$native/cross/single"
+    ${CC:-cc} -O1 -ffp-contract=off -I"$native/cross/single" tests/amalgamation/answers_hash.c "$native/libdynpoint_compile.a" \
+        "$native/libdynpoint.a" -lm -pthread -o "$native/cross/hash" 2>>"$log" && "$native/cross/hash" 30 >"$native/cross/hashes"
+    check "single files: the libraries here answer, see $log" test -s "$native/cross/hashes"
+else
+    skip "single files on other machines: no python3"
+fi
 try aarch64
 try s390x
 # A machine of 32 bits, as microcontrollers are: kinematics alone, which they are to compute.
@@ -148,6 +178,8 @@ if echo 'int main(void) { return 0; }' | arm-linux-gnueabihf-gcc -static -x c - 
         2>>"$log" && qemu-arm-static "$native/cross/arm_bits" bits >>"$log" 2>&1
     code=$?
     check "arm: kinematics differ, see $log" test $code -eq 0
+    machine=arm out=$native/cross/arm
+    single arm-linux-gnueabihf- qemu-arm-static
 else
     skip "arm: no arm-linux-gnueabihf-gcc with a C library, or no qemu-arm-static"
 fi

@@ -10,7 +10,7 @@ cd "$(dirname "$0")/../.." || exit 2
 build=${1:-build}
 out=$build/firmware
 cross=arm-none-eabi-
-passed=0 failed=0
+passed=0 failed=0 skipped=0
 
 ok() {
     echo "  ok   $1"
@@ -64,6 +64,24 @@ value() { sed -n "s/^$1 //p" "$out/measure.m7"; }
 sizes() { ${cross}size "$@" | awk 'NR > 1 { text += $1; data += $2 + $3 } END { print text, data }'; }
 [ -n "$(value bits)" ] && [ "$(value bits)" = "$(sed -n 's/^bits //p' "$out/measure.host")" ]
 verdict $? "frames, poses, efforts, distances and wrenches have the same bits on both"
+
+# The core as one file, by the compiler's plain -O2: in firmware that takes it so.
+if command -v python3 >/dev/null 2>&1; then
+    single=$out/single
+    make -s amalgamation B="$single" &&
+        ${cross}gcc -O2 $machine -Wall -Wextra -Werror -ffunction-sections -fdata-sections -c "$single/amalgamation/dynpoint.c" \
+            -o "$single/dynpoint.o" >>"$out/log" 2>&1 &&
+        ${cross}gcc $flags $machine tests/firmware/measure.c tests/firmware/board.c $wire "$single/dynpoint.o" "$out/mesh.c" "$out/arm.c" \
+            $link -o "$out/measure_single.elf" >>"$out/log" 2>&1 &&
+        timeout 120 $run -serial null -icount shift=0 -kernel "$out/measure_single.elf" >"$out/measure_single.m7" 2>&1
+    verdict $? "the core as one file is built for it without a warning, and runs"
+    [ "$(sed -n 's/^bits //p' "$out/measure_single.m7")" = "$(sed -n 's/^bits //p' "$out/measure.host")" ] &&
+        [ "$(${cross}objdump -d "$single/dynpoint.o" | grep -cE '[[:space:]]vfn?m[as]')" -eq 0 ]
+    verdict $? "it has the same bits, and fuses nothing; a tick: $(sed -n 's/^tick_median //p' "$out/measure_single.m7") instructions"
+else
+    echo "  skip firmware of one file: no python3"
+    skipped=1
+fi
 
 for source in $wire src/arm/arm_kinematics.c src/arm/arm_open.c; do
     ${cross}gcc $flags $machine -c $source -o "$out/$(basename $source .c).o"
@@ -133,5 +151,5 @@ if [ -x "$build/tests/firmware/link" ]; then
 else
     bad "no $build/tests/firmware/link"
 fi
-echo "$passed passed, $failed failed, 0 skipped"
+echo "$passed passed, $failed failed, $skipped skipped"
 [ "$failed" -eq 0 ]
