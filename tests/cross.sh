@@ -67,14 +67,15 @@ build()
         "$folder/tests/test_arm" "$folder/tests/test_sim"
 }
 
-# single PREFIX QEMU: the files of `make amalgamation` for $machine; answers_hash.c is compiled as exactly as it asks others to be
+# single PREFIX QEMU: the files of `make amalgamation` for $machine; answers_hash.c draws the same scenes everywhere
 single()
 {
     [ -s "$native/cross/hashes" ] || return
     alone=$native/cross/single
     rm -rf "$out/single"
     mkdir -p "$out/single"
-    check "$machine: single files compile, see $log" "$1gcc" -O2 -Wall -Wextra -Werror -c "$alone/dynpoint.c" -o "$out/single/core.o"
+    check "$machine: single files compile, see $log" "$1gcc" -O2 -Wall -Wextra -Werror -c "$alone/dynpoint.c" \
+        -o "$out/single/core.o"
     check "$machine: and the compiler's, see $log" "$1gcc" -O2 -Wall -Wextra -Werror -c "$alone/dynpoint_compile.c" \
         -o "$out/single/compile.o"
     "$1objdump" -d "$out/single/core.o" "$out/single/compile.o" >"$out/single/code"

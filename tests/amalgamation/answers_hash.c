@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Hashes of what the library answers, for machines that are to agree bit for bit (tests/amalgamation.sh, tests/cross.sh):
- * meshes compiled here, walks over them with every kernel of the machine, methods, budgets, contacts, sweeps and strips.
- * Prints a line a mesh and a scene; all kernels must come to the same. Public headers alone, and no function of the C
- * library that machines compute differently.
+ * Hashes of what the library answers, for machines that are to agree bit for bit (tests/amalgamation.sh,
+ * tests/cross.sh): meshes compiled here, walks over them with every kernel of the machine, methods, budgets, contacts,
+ * sweeps and strips. Prints a line a mesh and a scene; all kernels must come to the same. It uses the single files'
+ * headers, and no function of the C library that machines compute differently.
  */
 #include <dynpoint.h>
 #include <dynpoint_compile.h>

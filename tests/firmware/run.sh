@@ -69,10 +69,10 @@ verdict $? "frames, poses, efforts, distances and wrenches have the same bits on
 if command -v python3 >/dev/null 2>&1; then
     single=$out/single
     make -s amalgamation B="$single" &&
-        ${cross}gcc -O2 $machine -Wall -Wextra -Werror -ffunction-sections -fdata-sections -c "$single/amalgamation/dynpoint.c" \
-            -o "$single/dynpoint.o" >>"$out/log" 2>&1 &&
-        ${cross}gcc $flags $machine tests/firmware/measure.c tests/firmware/board.c $wire "$single/dynpoint.o" "$out/mesh.c" "$out/arm.c" \
-            $link -o "$out/measure_single.elf" >>"$out/log" 2>&1 &&
+        ${cross}gcc -O2 $machine -Wall -Wextra -Werror -ffunction-sections -fdata-sections \
+            -c "$single/amalgamation/dynpoint.c" -o "$single/dynpoint.o" >>"$out/log" 2>&1 &&
+        ${cross}gcc $flags $machine tests/firmware/measure.c tests/firmware/board.c $wire "$single/dynpoint.o" \
+            "$out/mesh.c" "$out/arm.c" $link -o "$out/measure_single.elf" >>"$out/log" 2>&1 &&
         timeout 120 $run -serial null -icount shift=0 -kernel "$out/measure_single.elf" >"$out/measure_single.m7" 2>&1
     verdict $? "the core as one file is built for it without a warning, and runs"
     [ "$(sed -n 's/^bits //p' "$out/measure_single.m7")" = "$(sed -n 's/^bits //p' "$out/measure.host")" ] &&

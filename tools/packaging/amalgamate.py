@@ -17,7 +17,7 @@ ROOTS = ("include", "src")
 
 
 class Source:
-    """A file: its tokens, what it includes and what it declares."""
+    """A file: its tokens, what it includes and its macros."""
 
     def __init__(self, path):
         self.path = path
@@ -142,7 +142,7 @@ def public_functions(source):
 
 
 def headers_of(tree, sources, taken):
-    """The headers that declare what the sources define and are not taken yet, the collection of all first."""
+    """The headers that declare what the sources define, but for those that are taken."""
     defined = set()
     for path in sources:
         for item in tree.items(path)[0]:
@@ -185,7 +185,6 @@ class Names:
 
     def __init__(self, tree, sources):
         self.tree = tree
-        self.sources = sources
         self.private = []
         for path in sources:
             for name in tree.seen(path) + [path]:
@@ -252,46 +251,34 @@ def all_tokens(tokens):
 
 
 def rename(tokens, names, path):
-    """Words and tags of one file. Members keep their names: behind a dot or an arrow, and where a struct declares them."""
-    before, opened, structs = "", [], 0
-    previous = before
+    """
+    Words and tags of one file. Members keep their names: behind a dot or an arrow, and where a struct declares them.
+    """
+    code = [token for token in tokens if token.is_code()]
+    opened = []  # of each open brace, whether it is a struct's
+    for i, token in enumerate(code):
+        last = [other.word for other in code[max(i - 2, 0) : i]]
+        if token.word == "{":
+            opened.append(bool({"struct", "union"} & set(last)))
+        elif token.word == "}":
+            opened.pop()
+        following = code[i + 1].word if i + 1 < len(code) else ""
+        if not (any(opened) and following in (";", ",", "[", ":")):
+            rename_token(token, last[-1:], following, names, path)
+    for directive in tokens:
+        if directive.kind == "directive" and words_of(directive)[1:2] != ["include"]:
+            code = [token for token in directive.inner if token.is_code()]
+            for i, token in enumerate(code):
+                following = code[i + 1].word if i + 1 < len(code) else ""
+                rename_token(token, [other.word for other in code[max(i - 1, 0) : i]], following, names, path)
 
-    def visit(part, in_directive):
-        nonlocal before, previous, structs
-        for token in part:
-            if token.inner is not None:
-                kept, before = before, ""
-                if words_of(token)[1:2] != ["include"]:
-                    visit(token.inner, True)
-                before = kept
-                continue
-            if not token.is_code():
-                continue
-            word = token.word
-            if token.kind == "name":
-                kind = "tag" if before in ("struct", "union", "enum") else "word"
-                is_member = before in (".", "->") or (structs and kind == "word" and is_declarator(part, token))
-                if (kind, word) in names and not is_member:
-                    if before == "##" or follows(part, token) == "##":
-                        sys.exit(f"amalgamate: {path}: {word} collides and is part of a name that is pasted")
-                    token.word = names[kind, word]
-            if not in_directive:
-                if word == "{":
-                    is_struct = before in ("struct", "union") or (previous in ("struct", "union"))
-                    opened.append(is_struct)
-                    structs += is_struct
-                elif word == "}":
-                    structs -= opened.pop()
-            previous, before = before, word
 
-    def follows(part, token):
-        code = [other for other in part[part.index(token) + 1 :] if other.is_code()]
-        return code[0].word if code else ""
-
-    def is_declarator(part, token):
-        return follows(part, token) in (";", ",", "[", ":")
-
-    visit(tokens, False)
+def rename_token(token, last, following, names, path):
+    kind = "tag" if last and last[0] in ("struct", "union", "enum") else "word"
+    if token.kind == "name" and (kind, token.word) in names and last not in (["."], ["->"]):
+        if "##" in (*last, following):
+            sys.exit(f"amalgamate: {path}: {token.word} collides and is part of a name that is pasted")
+        token.word = names[kind, token.word]
 
 
 # ---- sources ----

@@ -112,8 +112,9 @@ END {
     }
     print "/* SPDX-License-Identifier: BSD-3-Clause */"
     print "/*"
-    print " * dynpoint " version ": all that the libraries export, as plain C without a preprocessor, for foreign-function"
-    print " * interfaces. Made from the headers, which say what it means. A library needs its own section and those before it."
+    print " * dynpoint " version ": all that the libraries export, as plain C without a preprocessor, for"
+    print " * foreign-function interfaces. Made from the headers, which say what it means. A library needs its own section"
+    print " * and those before it."
     print " */"
     count = split(libraries, list, /[ \n]+/)
     for (l = 1; l <= count; l++) {
