@@ -103,6 +103,11 @@ try() {
     verdict $? "$name: the core keeps no data $(tr '\n' ' ' <data)"
     [ "$(objdump -d core.o compile.o | grep -cE '[[:space:]](v?fn?m(add|sub|l[as])|vfn?m[as]\.)')" -eq 0 ]
     verdict $? "$name: no multiply is fused with an add"
+    if [ "$(uname -m)" = x86_64 ]; then
+        objdump -d --no-show-raw-insn core.o | awk '/^[0-9a-f]+ </ { in_it = /_kernel_avx(2|512)_/ } in_it && /sqrtps .*%[yz]mm/ { n++ }
+            END { exit n < 8 }'
+        verdict $? "$name: the kernels are made of vectors"
+    fi
     $cc answers.o compile.o "$build/libdynpoint_drivers.a" core.o -lm -pthread -ldl -o other &&
         ./other --worlds 10 2>other.met | cksum | cmp - answers.cksum && cmp met other.met &&
         $cc hash.o compile.o core.o -lm -pthread -o other && ./other 80 | cmp - hash.wanted
