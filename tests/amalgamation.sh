@@ -175,7 +175,7 @@ if $cc --version | grep -qi 'gcc\|Free Software Foundation'; then
         refused $cc -O2 $flags
         verdict $? "$flags is refused"
     done
-    sed 's/"fp-contract=off"/"fp-contract=nonesuch"/' dynpoint.c >unknown.c
+    sed 's/"fp-contract=off"/"nonesuch-option"/' dynpoint.c >unknown.c
     cmp -s dynpoint.c unknown.c || ! $cc -O2 -fsyntax-only unknown.c 2>said
     verdict $? "a compiler that does not know the option stops"
 fi

@@ -71,7 +71,7 @@ build()
 single()
 {
     [ -s "$native/cross/hashes" ] || return
-    alone=$native/cross/single
+    alone=$native/cross/amalgamation
     rm -rf "$out/single"
     mkdir -p "$out/single"
     check "$machine: single files compile, see $log" "$1gcc" -O2 -Wall -Wextra -Werror -c "$alone/dynpoint.c" \
@@ -161,8 +161,7 @@ int main(int argc, char **argv)
 C
 if command -v python3 >/dev/null; then
     check "single files are made" make -s amalgamation B="$native/cross"
-    mv "$native/cross/amalgamation" "$native/cross/single"
-    ${CC:-cc} -O1 -ffp-contract=off -I"$native/cross/single" tests/amalgamation/answers_hash.c "$native/libdynpoint_compile.a" \
+    ${CC:-cc} -O1 -ffp-contract=off -I"$native/cross/amalgamation" tests/amalgamation/answers_hash.c "$native/libdynpoint_compile.a" \
         "$native/libdynpoint.a" -lm -pthread -o "$native/cross/hash" 2>>"$log" && "$native/cross/hash" 30 >"$native/cross/hashes"
     check "single files: the libraries here answer, see $log" test -s "$native/cross/hashes"
 else
