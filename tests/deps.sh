@@ -7,7 +7,7 @@
 set -u
 packages="python3 pkg-config g++ libfcl-dev libcgal-dev libgmp-dev gcc-aarch64-linux-gnu
 libc6-dev-arm64-cross gcc-arm-linux-gnueabihf libc6-dev-armhf-cross gcc-s390x-linux-gnu libc6-dev-s390x-cross qemu-user-static
-gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm qemu-system-x86 xz-utils python3-venv python3-cffi clang
+gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm qemu-system-x86 xz-utils python3-venv python3-cffi
 liburdfdom-dev libexpat1-dev"
 
 missing=

@@ -134,7 +134,13 @@ else
     run "the libraries" sh tests/abi/check.sh build
     run "the layers" sh tests/layers.sh build
     run "the layers' own test" sh tests/layers_test.sh build
-    if command -v python3 >/dev/null 2>&1; then run "other languages" python3 tests/ffi/touch.py build; else skip "other languages" "no python3"; fi
+    if command -v python3 >/dev/null 2>&1; then
+        run "other languages" python3 tests/ffi/touch.py build
+        run "declarations for other languages" python3 tests/ffi/cdef.py build
+    else
+        skip "other languages" "no python3"
+    fi
+    run "single files" sh tests/amalgamation.sh build
     run "other machines" sh tests/cross.sh
     [ -x build/tests/test_sweep_exact ] || skip "test_sweep_exact" "no g++ with gmpxx"
     go "$jobs"
