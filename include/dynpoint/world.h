@@ -77,8 +77,10 @@ typedef struct dpt_world_def {
      * tools and bodies share it. Too little costs time, never truth; 0 keeps nothing; at most 2^40; 1 MiB.
      */
     uint64_t certificate_bytes;
-    double margin;         /* within which a surface counts as in contact, m, >= 0; 0.001 */
-    double side_limit;     /* of new bodies, see dpt_body_settings; 0 */
+    double margin;     /* within which a surface counts as in contact, m, >= 0; 0.001 */
+    double side_limit; /* of new bodies, see dpt_body_settings; 0 */
+    double
+        fade; /* over which a force that a decision ends goes, s, 0..1, see dpt_tool_get_force; 0.002 */
     uint32_t max_contacts; /* of all tools together, 0..65535; 0: depth alone, no sides; 32 */
     /*
      * 1: the way out of a contact's deepest pair, and of the force, is interpolated from the normals at the triangle's
@@ -303,10 +305,66 @@ DPT_API dpt_result dpt_tool_get_strip(const dpt_world *world, dpt_tool tool, uin
                                       uint32_t *flags);
 
 /*
- * Force on the tool and torque about the origin of its frame, in world axes, before any limits. The
- * penalty of docs/algorithms/penalty.md, summed over the tool's segments. Zero where there is no
- * contact, no valid input, or no known direction: on error too.
+ * Why a tool feels no force, of the last step; the first of these that is so:
+ *   STALE      no step has answered: the tool was added or teleported, or the world reset, after the last one; that one
+ *              failed; the tool's or a body's input cannot be used
+ *   OFF        the world's `until` ends before the response, or the tool's stiffness is 0
+ *   ACTS       it feels one: a segment at least is pushed
+ *   UNDECIDED  a segment at least may touch something, but nobody knows which way it would be pushed: its contact is
+ *              DPT_CONTACT_UNKNOWN (the budget ended, it is in an open sheet of which no side is known, ...), or it goes
+ *              through a surface that has no sides
+ *   FREE       no segment is in anything; there may be no bodies
  */
+enum {
+    DPT_FORCE_ACTS = 0,
+    DPT_FORCE_FREE = 1,
+    DPT_FORCE_STALE = 2,
+    DPT_FORCE_UNDECIDED = 3,
+    DPT_FORCE_OFF = 4
+};
+
+/* Bits of dpt_tool_force.flags. */
+enum {
+    /* the wrench is on its way from that of an earlier step to what `reason` says, and so need not be zero */
+    DPT_FORCE_FLAG_FADING = 1,
+    /* DPT_FORCE_ACTS, but the share of another segment is missing: of that one it is undecided */
+    DPT_FORCE_FLAG_PARTIAL = 2
+};
+
+/*
+ * What a tool feels, of the last step.
+ *
+ *   wrench  force on the tool and torque about the origin of its frame, in world axes, before any limits: the penalty of
+ *           docs/algorithms/penalty.md, summed over the tool's segments. Zero where `reason` is not DPT_FORCE_ACTS and
+ *           DPT_FORCE_FLAG_FADING is not set
+ *   reason  DPT_FORCE_...
+ *   flags   DPT_FORCE_FLAG_...
+ *
+ * The push of a segment can end by a decision, not by motion: the side of an open sheet is given up (too deep for
+ * side_limit, a motion that was not followed, the end of the sheet's border, no room for the contact), or its contact is
+ * not known any more. Its share then goes in a straight line, in `fade` seconds of the steps' dt, from what was felt to
+ * what is true, which is zero while nothing is known. What is felt is always between the two, and each step takes the
+ * share of the way that it has of the time left; so where contact comes to be known again, what is true is felt when the
+ * rest of that time is over. Directions are the world's; torque goes as it was about the tool's origin, so that the line
+ * of action moves with the tool.
+ *
+ * Zero at once: after an error, a teleport, a reset, input that cannot be used, stiffness 0, and dpt_tool_set_segments of a
+ * tool that was rigid and the reverse, as the torque is about another origin then. The push of a body that is removed or
+ * teleported, too, also while it fades: what is no more there pushes no more. A push that ends because the tool moves away
+ * does not fade: it has come to zero by then.
+ */
+typedef struct dpt_tool_force {
+    uint32_t size; /* sizeof(dpt_tool_force), set by the caller */
+    uint32_t reason;
+    uint32_t flags;
+    uint32_t reserved;
+    dpt_wrench wrench;
+} dpt_tool_force;
+
+/* On error stale and zero. */
+DPT_API dpt_result dpt_tool_get_force(const dpt_world *world, dpt_tool tool, dpt_tool_force *force);
+
+/* Its wrench alone; zero on error. */
 DPT_API dpt_result dpt_tool_get_wrench(const dpt_world *world, dpt_tool tool, dpt_wrench *wrench);
 
 DPT_END

@@ -5,6 +5,7 @@
 #include "world/distance_bounds.h"
 #include "world/motion_backlog.h"
 #include "world/persistent_contacts.h"
+#include "world/tool_force.h"
 #include "world/tool_strips.h"
 #include "world/world_def.h"
 
@@ -17,6 +18,8 @@ static void forget(struct dpt_world *world, uint32_t index)
     for (uint32_t s = 0; s < world->segment_count; s++)
         dpti_bounds_forget(world, s, index);
     dpti_backlog_restart(world);
+    for (uint32_t s = 0; s < world->segment_count; s++)
+        dpti_force_forget_body(&world->segments[s], world->bodies[index].id);
     dpti_bodies_forget_body(world, index);
 }
 

@@ -3,6 +3,7 @@
 
 #include "world/contact_pair.h"
 #include "world/persistent_contacts.h"
+#include "world/sheet_sides.h"
 
 /* The nearest pair with another body than the nearest: in full, as it is needed rarely. 0: the budget ended that. */
 static int search_other(struct meeting *meeting, vec3 a, vec3 b)
@@ -29,9 +30,20 @@ static int search_other(struct meeting *meeting, vec3 a, vec3 b)
 /* What a segment meets, over all bodies. */
 struct sum {
     struct push push;
+    struct pusher pusher;
     double gap;
     int known;
+    int keeps; /* whose push it was in the last tick, behind a sheet, is met, and its side still counts */
 };
+
+static struct pusher pusher_of(const struct meeting *meeting)
+{
+    const struct profile *profile = meeting->profile;
+    const struct sample *deepest = &profile->sample[profile->deepest];
+    const uint32_t part = surface_part(profile->surface, deepest->triangle);
+    return (struct pusher){ meeting->body->id, part,
+                            deepest->height <= 0.0 && dpti_sides_get(&meeting->sides, part) };
+}
 
 static void meet_body(struct meeting *meeting, const struct found *best, struct sum *sum)
 {
@@ -49,10 +61,16 @@ static void meet_body(struct meeting *meeting, const struct found *best, struct 
     } else {
         dpti_contacts_keep_body(meeting->world, meeting->segment, meeting->body);
     }
+    struct segment *own = &meeting->world->segments[meeting->segment];
     sum->known &= found != CONTACT_UNKNOWN;
-    if (found == CONTACT_PROFILE && gap < sum->gap) {
-        sum->push = dpti_contact_push(meeting->profile, &meeting->body->frame, gap,
-                                      meeting->world->def.smooth_normals);
+    if (found == CONTACT_PROFILE && own->pusher_before.body == meeting->body->id)
+        sum->keeps = dpti_sheet_keeps_push(meeting, own->pusher_before.part);
+    if (found != CONTACT_PROFILE)
+        return;
+    const uint32_t smooth = meeting->world->def.smooth_normals;
+    if (gap < sum->gap) {
+        sum->push = dpti_contact_push(meeting->profile, &meeting->body->frame, gap, smooth);
+        sum->pusher = pusher_of(meeting);
         sum->gap = gap;
     }
 }
@@ -60,10 +78,10 @@ static void meet_body(struct meeting *meeting, const struct found *best, struct 
 void dpti_contacts_find(struct dpt_world *world, uint32_t segment, const struct found *best,
                         struct segment_result *result, struct push *push)
 {
-    struct meeting meeting = { .world = world,
-                               .segment = segment,
-                               .radius = world->segments[segment].radius,
-                               .profile = &world->profile };
+    struct segment *own = &world->segments[segment];
+    struct meeting meeting = {
+        .world = world, .segment = segment, .radius = own->radius, .profile = &world->profile
+    };
     dpti_contacts_take_way(world, segment);
     struct box box = box_of_axis(best->track.axis.a, best->track.axis.b);
     double reach = meeting.radius + world->def.margin;
@@ -81,4 +99,6 @@ void dpti_contacts_find(struct dpt_world *world, uint32_t segment, const struct 
     dpti_segment_result_set_gap(result, smaller(sum.gap, result->distance - meeting.radius),
                                 result->error_bound);
     *push = sum.push;
+    own->pusher = sum.pusher;
+    own->given_up = own->pusher_before.behind && !sum.keeps;
 }

@@ -56,3 +56,12 @@ int dpti_sheet_drop_sides(struct meeting *meeting, const struct region *regions,
     *sides = kept;
     return dropped;
 }
+
+int dpti_sheet_keeps_push(const struct meeting *meeting, uint32_t part)
+{
+    const struct profile *profile = meeting->profile;
+    const struct sample *deepest = &profile->sample[profile->deepest];
+    return dpti_sides_get(&meeting->sides, part) &&
+           (deepest->height <= 0.0 ||
+            !dpti_side_is_border(profile->surface, deepest->triangle, deepest->weight));
+}

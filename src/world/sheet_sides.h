@@ -17,6 +17,12 @@ int32_t dpti_sheet_side_of_region(const struct meeting *meeting, const struct re
 int dpti_sheet_drop_sides(struct meeting *meeting, const struct region *regions, uint32_t count);
 
 /*
+ * The tool was pushed back through this sheet in the last tick: is it still, or has it come away from it? Not where the side is
+ * dropped, nor where the axis has come off at a border.
+ */
+int dpti_sheet_keeps_push(const struct meeting *meeting, uint32_t part);
+
+/*
  * Of a sheet whose contact the budget left undecided: what the nearest pair tells of the axis' side. At a border it tells none,
  * and then, unless there is a point behind, the axis may go round it. One that was in front, and went through nothing, has
  * gone round it when it is behind.

@@ -10,15 +10,15 @@
  *         strip      the triangles under it
  *         respond    the penalty force
  *     for each tool
- *         the sum of its segments
+ *         the sum of its segments, and why it is zero
  */
 #include "base/return_if_error.h"
 #include "base/sized.h"
-#include "force/penalty.h"
 #include "world/baseline_method.h"
 #include "world/contacts.h"
 #include "world/motion_backlog.h"
 #include "world/persistent_contacts.h"
+#include "world/tool_force.h"
 #include "world/tool_results.h"
 #include "world/tool_strips.h"
 #include "world/world_state.h"
@@ -26,12 +26,6 @@
 static int is_active(const struct dpt_world *world, const struct tool *tool)
 {
     return tool->slot.used && tool->slot.valid && !world->invalid;
-}
-
-/* What the torque is about. */
-static vec3 origin_of(const struct dpt_world *world, const struct tool *tool)
-{
-    return tool->free ? world->segments[tool->first].a : tool->frame.origin;
 }
 
 /* The segment's nearest pair; by the paper's method also its contact. */
@@ -72,20 +66,12 @@ static void contact_segment(struct dpt_world *world, uint32_t index)
     dpti_travel_end(world, index);
 }
 
-static void respond_segment(struct dpt_world *world, uint32_t index)
-{
-    struct segment *segment = &world->segments[index];
-    const struct tool *tool = &world->tools[segment->tool];
-    if (segment->push.depth > 0.0)
-        respond_penalty(&segment->push, tool->stiffness, origin_of(world, tool), &segment->wrench);
-}
-
 /*
  * All segments share the budget: first for their nearest pairs, then what is left for their contacts. Every other
  * tick begins with the first segment that the one before left undone; in between they take turns, or one that moves,
  * and is never done, would leave nothing to the others.
  */
-static void step_segments(struct dpt_world *world)
+static void step_segments(struct dpt_world *world, double dt)
 {
     uint32_t count = world->segment_count, tick = world->ticks++;
     uint32_t first = tick % 2 && count > 1 ? tick / 2 % count : world->turn;
@@ -103,7 +89,7 @@ static void step_segments(struct dpt_world *world)
         if (world->def.strip && world->def.until != DPT_UNTIL_TRACK)
             dpti_strips_find(world, index);
         if (world->def.until == DPT_UNTIL_RESPOND)
-            respond_segment(world, index);
+            dpti_force_respond(world, index, dt);
         dpti_tool_write_hit(&world->segments[index]);
         const struct segment_result *result = &world->segments[index].result;
         if (!waits && world->def.budget &&
@@ -123,15 +109,11 @@ static double surface_distance(const struct segment *segment)
 static void sum_up(struct dpt_world *world, struct tool *tool)
 {
     const struct segment *segments = &world->segments[tool->first];
-    vec3 force = { 0.0, 0.0, 0.0 }, torque = force;
-    for (uint32_t i = 0; i < tool->count; i++) {
-        force = add(force, vec3_of(segments[i].wrench.force));
-        torque = add(torque, vec3_of(segments[i].wrench.torque));
+    for (uint32_t i = 0; i < tool->count; i++)
         if (surface_distance(&segments[i]) < surface_distance(&segments[tool->nearest]))
             tool->nearest = i;
-    }
-    vec3_store(force, tool->wrench.force);
-    vec3_store(torque, tool->wrench.torque);
+    if (is_active(world, tool))
+        dpti_force_sum(world, tool);
 }
 
 /* How grave a contact is: penetrating before touching before unknown before separated. */
@@ -192,6 +174,14 @@ static void note_usage(struct dpt_world *world)
         world_note_max(&usage->strip, world->laid[i].strip->count);
 }
 
+/* No answer of the last tick is one of this. */
+static void hide(struct dpt_world *world)
+{
+    dpti_contacts_hide(world);
+    for (uint32_t s = 0; s < world->segment_count; s++)
+        dpti_force_forget(&world->segments[s]);
+}
+
 dpt_result dpt_world_step(dpt_world *world, double dt, dpt_step *out)
 {
     if (!world)
@@ -205,9 +195,9 @@ dpt_result dpt_world_step(dpt_world *world, double dt, dpt_step *out)
         if (world->tools[t].slot.used)
             (only_track ? dpti_tool_clear_hits : dpti_tool_clear)(world, &world->tools[t]);
     if (result == DPT_OK)
-        step_segments(world);
+        step_segments(world, dt);
     else
-        dpti_contacts_hide(world);
+        hide(world);
     for (uint32_t t = 0; t < world->tool_end; t++)
         if (world->tools[t].slot.used && result == DPT_OK && !world->invalid)
             sum_up(world, &world->tools[t]);

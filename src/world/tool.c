@@ -7,6 +7,7 @@
 #include "world/distance_bounds.h"
 #include "world/motion_backlog.h"
 #include "world/persistent_contacts.h"
+#include "world/tool_force.h"
 #include "world/tool_results.h"
 #include "world/tool_strips.h"
 #include "world/world_def.h"
@@ -20,6 +21,7 @@ static void forget_segment(struct dpt_world *world, uint32_t segment)
     dpti_backlog_forget(world, segment);
     dpti_contacts_forget(world, segment, segment + 1, DPT_NONE);
     dpti_strips_forget(world, segment, segment + 1);
+    dpti_force_forget(&world->segments[segment]);
 }
 
 void dpti_tool_forget(struct dpt_world *world, struct tool *tool)
@@ -111,6 +113,14 @@ dpt_result dpt_tool_remove(dpt_world *world, dpt_tool tool)
     return DPT_OK;
 }
 
+/* A wrench about another origin is another one: what was felt does not fade then. */
+static void set_free(struct dpt_world *world, struct tool *tool, uint32_t is_free)
+{
+    for (uint32_t i = 0; i < tool->count && tool->free != is_free; i++)
+        dpti_force_forget(&world->segments[tool->first + i]);
+    tool->free = is_free;
+}
+
 dpt_result dpt_tool_set_pose(dpt_world *world, dpt_tool tool, const dpt_pose *pose)
 {
     struct tool *moved = world ? world_find_tool(world, tool) : NULL;
@@ -120,7 +130,7 @@ dpt_result dpt_tool_set_pose(dpt_world *world, dpt_tool tool, const dpt_pose *po
     moved->slot.valid = result == DPT_OK;
     if (moved->slot.valid)
         moved->pose = *pose;
-    moved->free = 0;
+    set_free(world, moved, 0);
     return result;
 }
 
@@ -144,7 +154,7 @@ dpt_result dpt_tool_set_segments(dpt_world *world, dpt_tool tool, const dpt_segm
     moved->slot.valid = result == DPT_OK;
     if (result != DPT_OK)
         return result;
-    moved->free = 1;
+    set_free(world, moved, 1);
     const dpt_pose identity = DPT_POSE_IDENTITY;
     moved->frame = frame_identity;
     moved->pose = identity;

@@ -28,13 +28,15 @@ void dpti_tool_clear(struct dpt_world *world, struct tool *tool)
         struct segment *segment = &world->segments[tool->first + i];
         memset(&segment->wrench, 0, sizeof segment->wrench);
         memset(&segment->push, 0, sizeof segment->push);
-        segment->passed = 0;
+        segment->passed = segment->given_up = 0;
         segment->sweep =
             (dpt_sweep){ .size = sizeof segment->sweep, .triangle = DPT_NONE, .segment = i };
         if (world->def.strip)
             dpti_strip_clear(world->laid[tool->first + i].strip, NULL);
     }
     memset(&tool->wrench, 0, sizeof tool->wrench);
+    tool->reason = DPT_FORCE_STALE;
+    tool->flags = 0;
 }
 
 static dpt_result find_segment(const dpt_world *world, dpt_tool tool, uint32_t segment,
@@ -121,4 +123,20 @@ dpt_result dpt_tool_get_wrench(const dpt_world *world, dpt_tool tool, dpt_wrench
         return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
     *wrench = asked->wrench;
     return DPT_OK;
+}
+
+dpt_result dpt_tool_get_force(const dpt_world *world, dpt_tool tool, dpt_tool_force *force)
+{
+    if (!force)
+        return DPT_E_ARGUMENT;
+    dpt_tool_force now = { .reason = DPT_FORCE_STALE };
+    DPT_TRY(sized_check(force, sizeof now, 0));
+    const struct tool *asked = world ? world_find_tool(world, tool) : NULL;
+    if (asked) {
+        now.reason = asked->reason;
+        now.flags = asked->flags;
+        now.wrench = asked->wrench;
+    }
+    sized_write(force, force->size, &now, sizeof now);
+    return asked ? DPT_OK : world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
 }

@@ -14,6 +14,7 @@ void dpt_world_def_defaults(dpt_world_def *def, size_t size)
         .stiffness = 500.0,
         .certificate_bytes = 1 << 20,
         .margin = 0.001,
+        .fade = 0.002,
         .max_contacts = 32,
         .strip_capacity = 1024,
         .strip_search = 16384,
@@ -85,6 +86,7 @@ int dpti_world_def_is_valid(const dpt_world_def *def)
            def->until <= DPT_UNTIL_CONTACT && baseline_is_valid(def) && !def->reserved_pointer &&
            (def->budget == 0 || def->method == DPT_METHOD_EXACT) &&
            dpti_stiffness_is_valid(def->stiffness) && dpti_side_limit_is_valid(def->side_limit) &&
+           def->fade >= 0.0 && def->fade <= 1.0 &&
            def->certificate_bytes <= CERTIFICATE_BYTES_MOST && def->margin >= 0.0 &&
            within(def->margin, DPT_COORDINATE_MAX) && def->max_contacts <= 0xffff &&
            def->smooth_normals <= 1 && strips_are_valid(def);

@@ -8,6 +8,7 @@
 #include "contact/gap.h"
 #include "dynpoint/baseline.h"
 #include "dynpoint/world.h"
+#include "force/fade.h"
 #include "nearest/bvh.h"
 #include "nearest/dynamic_point.h"
 #include "strip/strip_state.h"
@@ -34,6 +35,8 @@ struct tool {
     dpt_pose pose; /* of a rigid one */
     dpt_wrench wrench;
     double stiffness;
+    uint32_t reason; /* DPT_FORCE_... */
+    uint32_t flags;  /* DPT_FORCE_FLAG_... */
     struct slot slot;
     uint32_t first; /* its segments in the world's list */
     uint32_t count;
@@ -82,11 +85,24 @@ struct voyage {
     struct tour_progress progress;
 };
 
+/* Whose push it is. */
+struct pusher {
+    uint32_t body;   /* its id; 0: none */
+    uint32_t part;   /* of its mesh */
+    uint32_t behind; /* the part is an open sheet, and the tool behind it or through */
+};
+
 struct segment {
     vec3 a, b; /* in the tool's frame */
     double radius;
-    dpt_hit hit; /* what users get of the result, written when the tick has no more to add */
-    dpt_wrench wrench;
+    dpt_hit hit;       /* what users get of the result, written when the tick has no more to add */
+    dpt_wrench wrench; /* this tick's own */
+    struct fade fade;  /* what is felt of it */
+    struct pusher pusher; /* this tick's */
+    struct pusher pusher_before;
+    uint32_t fading;   /* id of the body whose push fades */
+    uint32_t reason;   /* DPT_FORCE_...; the last tick's, until this one responds */
+    uint32_t given_up; /* this tick a decision ended the push of the last one, not motion */
     struct near near;
     struct found found; /* this tick's */
     struct segment_result result;

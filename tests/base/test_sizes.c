@@ -126,6 +126,11 @@ static dpt_result tool_settings(void *out)
     return dpt_tool_get_settings(world, tool, out);
 }
 
+static dpt_result tool_force(void *out)
+{
+    return dpt_tool_get_force(world, tool, out);
+}
+
 static dpt_result guard(void *out)
 {
     return dpt_guard_init(out, NULL);
@@ -159,6 +164,7 @@ static const struct sized outputs[] = {
     { "dpt_guard_info", sizeof(dpt_guard_info), sizeof(dpt_guard_info), guard_info },
     { "dpt_body_settings", sizeof(dpt_body_settings), sizeof(dpt_body_settings), body_settings },
     { "dpt_tool_settings", sizeof(dpt_tool_settings), sizeof(dpt_tool_settings), tool_settings },
+    { "dpt_tool_force", sizeof(dpt_tool_force), sizeof(dpt_tool_force), tool_force },
     { "dpt_hit of a query", sizeof(dpt_hit), sizeof(dpt_hit), query_hit },
 };
 

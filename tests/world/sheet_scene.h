@@ -97,6 +97,7 @@ static inline int scene_begin(struct scene *scene, struct sheet *sheet, uint32_t
     def->side_limit = one_in(3) ? 0.02 * sheet->unit : 0.0;
     def->smooth_normals = (uint32_t)one_in(2);
     def->certificate_bytes = 1 << 16;
+    def->fade = 0.0; /* the force is of this tick alone */
     if (like)
         *def = like->def;
     def->budget = budget;

@@ -205,6 +205,7 @@ static void side_open(struct side *side, const struct stage *stage, uint32_t met
     def.method = method;
     def.budget = budget;
     def.certificate_bytes = bytes;
+    def.fade = 0.0; /* the force is of this tick alone */
     side->block = malloc(dpt_world_bytes(&def));
     if (dpt_world_create(side->block, dpt_world_bytes(&def), &def, &side->world) != DPT_OK)
         exit(2);

@@ -43,6 +43,7 @@ static int scene_begin(struct scene *scene, uint32_t budget, double radius)
     dpt_world_def_init(&def);
     def.budget = budget;
     def.certificate_bytes = 1 << 16;
+    def.fade = 0.0; /* the force is of this tick alone */
     *scene = (struct scene){ .block = malloc(dpt_world_bytes(&def)) };
     int made =
         scene->block &&

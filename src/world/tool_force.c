@@ -1,0 +1,87 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "world/tool_force.h"
+
+#include "force/penalty.h"
+
+/* What the torque is about. */
+static vec3 origin_of(const struct dpt_world *world, const struct tool *tool)
+{
+    return tool->free ? world->segments[tool->first].a : tool->frame.origin;
+}
+
+static int is_zero(vec3 v)
+{
+    return v.x == 0.0 && v.y == 0.0 && v.z == 0.0;
+}
+
+void dpti_force_forget(struct segment *segment)
+{
+    segment->fade = (struct fade){ .left = 0.0 };
+    segment->pusher = segment->pusher_before = (struct pusher){ .body = 0 };
+    segment->fading = 0;
+    segment->reason = DPT_FORCE_STALE;
+}
+
+void dpti_force_forget_body(struct segment *segment, uint32_t body)
+{
+    if ((segment->fade.left > 0.0 ? segment->fading : segment->pusher_before.body) == body)
+        dpti_force_forget(segment);
+}
+
+/* Of this tick, known but for its contact or not. */
+static uint32_t reason_of(const struct segment *segment)
+{
+    const struct push *push = &segment->push;
+    if (segment->found.body && !segment->result.has_gap)
+        return DPT_FORCE_UNDECIDED;
+    if (!(push->depth > 0.0))
+        return DPT_FORCE_FREE;
+    return is_zero(push->direction) ? DPT_FORCE_UNDECIDED : DPT_FORCE_ACTS;
+}
+
+void dpti_force_respond(struct dpt_world *world, uint32_t index, double dt)
+{
+    struct segment *segment = &world->segments[index];
+    const struct tool *tool = &world->tools[segment->tool];
+    if (!tool->slot.valid || world->invalid || tool->stiffness == 0.0) {
+        dpti_force_forget(segment);
+        return;
+    }
+    struct fade *fade = &segment->fade;
+    const uint32_t reason = reason_of(segment);
+    const int unknown = reason == DPT_FORCE_UNDECIDED && segment->reason != DPT_FORCE_UNDECIDED;
+    const int felt = !is_zero(vec3_of(fade->shown.force)) || !is_zero(vec3_of(fade->shown.torque));
+    if (segment->push.depth > 0.0)
+        respond_penalty(&segment->push, tool->stiffness, origin_of(world, tool), &segment->wrench);
+    if (felt && (unknown || segment->given_up)) {
+        if (!(fade->left > 0.0))
+            segment->fading = segment->pusher_before.body;
+        fade->left = world->def.fade;
+    }
+    fade_step(fade, &segment->wrench, dt);
+    segment->reason = reason;
+    segment->pusher_before = segment->pusher;
+    segment->pusher = (struct pusher){ .body = 0 };
+}
+
+void dpti_force_sum(const struct dpt_world *world, struct tool *tool)
+{
+    vec3 force = { 0.0, 0.0, 0.0 }, torque = force;
+    uint32_t acts = 0, undecided = 0, fades = 0;
+    for (uint32_t i = 0; i < tool->count; i++) {
+        const struct segment *segment = &world->segments[tool->first + i];
+        force = add(force, vec3_of(segment->fade.shown.force));
+        torque = add(torque, vec3_of(segment->fade.shown.torque));
+        acts |= segment->reason == DPT_FORCE_ACTS;
+        undecided |= segment->reason == DPT_FORCE_UNDECIDED;
+        fades |= segment->fade.left > 0.0;
+    }
+    vec3_store(force, tool->wrench.force);
+    vec3_store(torque, tool->wrench.torque);
+    if (world->def.until != DPT_UNTIL_RESPOND || tool->stiffness == 0.0)
+        tool->reason = DPT_FORCE_OFF;
+    else
+        tool->reason = acts ? DPT_FORCE_ACTS : undecided ? DPT_FORCE_UNDECIDED : DPT_FORCE_FREE;
+    tool->flags =
+        (fades ? DPT_FORCE_FLAG_FADING : 0u) | (acts && undecided ? DPT_FORCE_FLAG_PARTIAL : 0u);
+}
