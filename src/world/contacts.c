@@ -29,9 +29,11 @@ static int search_other(struct meeting *meeting, vec3 a, vec3 b)
 
 /* What a segment meets, over all bodies. */
 struct sum {
-    struct push push;
+    struct push push; /* of the least gap */
+    struct push felt; /* of the least as it counts */
     struct pusher pusher;
     double gap;
+    double least; /* its gap */
     int known;
     int keeps; /* whose push it was in the last tick, behind a sheet, is met, and its side still counts */
 };
@@ -68,10 +70,22 @@ static void meet_body(struct meeting *meeting, const struct found *best, struct 
     if (found != CONTACT_PROFILE)
         return;
     const uint32_t smooth = meeting->world->def.smooth_normals;
+    const struct pusher pusher = pusher_of(meeting);
+    struct push push = dpti_contact_push(meeting->profile, &meeting->body->frame, gap, smooth);
+    double least = gap;
     if (gap < sum->gap) {
-        sum->push = dpti_contact_push(meeting->profile, &meeting->body->frame, gap, smooth);
-        sum->pusher = pusher_of(meeting);
+        sum->push = push;
         sum->gap = gap;
+    }
+    if (pusher.behind && !(push.depth <= -sum->least)) {
+        dpti_sheet_border_weigh(meeting->profile, &meeting->body->frame, pusher.body,
+                                meeting->radius, smooth, &own->border, &push);
+        least = -push.depth;
+    }
+    if (least < sum->least) {
+        sum->felt = push;
+        sum->pusher = pusher;
+        sum->least = least;
     }
 }
 
@@ -85,7 +99,7 @@ void dpti_contacts_find(struct dpt_world *world, uint32_t segment, const struct 
     dpti_contacts_take_way(world, segment);
     struct box box = box_of_axis(best->track.axis.a, best->track.axis.b);
     double reach = meeting.radius + world->def.margin;
-    struct sum sum = { .gap = HUGE_VAL, .known = 1 };
+    struct sum sum = { .gap = HUGE_VAL, .least = HUGE_VAL, .known = 1 };
     const struct nearby *nearby = dpti_near_within(world, segment, reach);
     for (uint32_t i = 0; i < nearby->count; i++) {
         uint32_t slot = nearby->list ? nearby->list[i] : i;
@@ -99,6 +113,7 @@ void dpti_contacts_find(struct dpt_world *world, uint32_t segment, const struct 
     dpti_segment_result_set_gap(result, smaller(sum.gap, result->distance - meeting.radius),
                                 result->error_bound);
     *push = sum.push;
+    own->felt = sum.felt;
     own->pusher = sum.pusher;
     own->given_up = own->pusher_before.behind && !sum.keeps;
 }

@@ -42,7 +42,7 @@ static void track_segment(struct dpt_world *world, uint32_t index)
     vec3 a = frame_to_world(&tool->frame, segment->a);
     vec3 b = frame_to_world(&tool->frame, segment->b);
     if (world->def.method == DPT_METHOD_PAPER) {
-        segment->push = dpti_paper_segment(world, index, a, b);
+        segment->felt = segment->push = dpti_paper_segment(world, index, a, b);
         return;
     }
     dpti_bodies_find(world, index, &a, &b, &segment->found);

@@ -18,12 +18,15 @@ void dpti_force_forget(struct segment *segment)
 {
     segment->fade = (struct fade){ .left = 0.0 };
     segment->pusher = segment->pusher_before = (struct pusher){ .body = 0 };
+    segment->border.clear = 0.0;
     segment->fading = 0;
     segment->reason = DPT_FORCE_STALE;
 }
 
 void dpti_force_forget_body(struct segment *segment, uint32_t body)
 {
+    if (segment->border.body == body)
+        segment->border.clear = 0.0;
     if ((segment->fade.left > 0.0 ? segment->fading : segment->pusher_before.body) == body)
         dpti_force_forget(segment);
 }
@@ -31,7 +34,7 @@ void dpti_force_forget_body(struct segment *segment, uint32_t body)
 /* Of this tick, known but for its contact or not. */
 static uint32_t reason_of(const struct segment *segment)
 {
-    const struct push *push = &segment->push;
+    const struct push *push = &segment->felt;
     if (segment->found.body && !segment->result.has_gap)
         return DPT_FORCE_UNDECIDED;
     if (!(push->depth > 0.0))
@@ -48,17 +51,18 @@ void dpti_force_respond(struct dpt_world *world, uint32_t index, double dt)
         return;
     }
     struct fade *fade = &segment->fade;
+    dpt_wrench truth = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0 } };
     const uint32_t reason = reason_of(segment);
     const int unknown = reason == DPT_FORCE_UNDECIDED && segment->reason != DPT_FORCE_UNDECIDED;
     const int felt = !is_zero(vec3_of(fade->shown.force)) || !is_zero(vec3_of(fade->shown.torque));
-    if (segment->push.depth > 0.0)
-        respond_penalty(&segment->push, tool->stiffness, origin_of(world, tool), &segment->wrench);
+    if (segment->felt.depth > 0.0)
+        respond_penalty(&segment->felt, tool->stiffness, origin_of(world, tool), &truth);
     if (felt && (unknown || segment->given_up)) {
         if (!(fade->left > 0.0))
             segment->fading = segment->pusher_before.body;
         fade->left = world->def.fade;
     }
-    fade_step(fade, &segment->wrench, dt);
+    fade_step(fade, &truth, dt);
     segment->reason = reason;
     segment->pusher_before = segment->pusher;
     segment->pusher = (struct pusher){ .body = 0 };

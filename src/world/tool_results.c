@@ -26,8 +26,8 @@ void dpti_tool_clear(struct dpt_world *world, struct tool *tool)
     dpti_tool_clear_hits(world, tool);
     for (uint32_t i = 0; i < tool->count; i++) {
         struct segment *segment = &world->segments[tool->first + i];
-        memset(&segment->wrench, 0, sizeof segment->wrench);
         memset(&segment->push, 0, sizeof segment->push);
+        memset(&segment->felt, 0, sizeof segment->felt);
         segment->passed = segment->given_up = 0;
         segment->sweep =
             (dpt_sweep){ .size = sizeof segment->sweep, .triangle = DPT_NONE, .segment = i };

@@ -5,7 +5,7 @@
 
 #include "base/frame.h"
 #include "base/handle.h"
-#include "contact/gap.h"
+#include "contact/sheet_border.h"
 #include "dynpoint/baseline.h"
 #include "dynpoint/world.h"
 #include "force/fade.h"
@@ -95,18 +95,19 @@ struct pusher {
 struct segment {
     vec3 a, b; /* in the tool's frame */
     double radius;
-    dpt_hit hit;       /* what users get of the result, written when the tick has no more to add */
-    dpt_wrench wrench; /* this tick's own */
-    struct fade fade;  /* what is felt of it */
+    dpt_hit hit;      /* what users get of the result, written when the tick has no more to add */
+    struct fade fade; /* what is felt */
     struct pusher pusher; /* this tick's */
     struct pusher pusher_before;
+    struct border_view border;
     uint32_t fading;   /* id of the body whose push fades */
     uint32_t reason;   /* DPT_FORCE_...; the last tick's, until this one responds */
     uint32_t given_up; /* this tick a decision ended the push of the last one, not motion */
     struct near near;
     struct found found; /* this tick's */
     struct segment_result result;
-    struct push push;
+    struct push push; /* at its deepest point */
+    struct push felt; /* as it counts for the force */
     struct was was;
     dpt_sweep sweep;
     uint32_t passed;    /* on this tick's way the axis may have gone through something */

@@ -1,0 +1,348 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * A point behind a sheet, h from it, beside whose border the way back ends when that is as near as the sheet: b = h. So what
+ * pushes it is no deeper than b - h. Both are distances, so that this changes by no more than the point moves where
+ * the ways to sheet and border turn less than 60 degrees from each other; beyond, b > 2 h on a flat sheet, a slower rise keeps it
+ * so. A tool is pushed at the point of its axis that is deepest by that measure.
+ */
+#include "contact/sheet_border.h"
+
+#include "nearest/range_search.h"
+
+enum {
+    EDGES_MOST = 256,
+    BLOCKS_MOST = 1024, /* of a search for the border, beside the budget */
+    STEPS = 16,         /* of a stretch that is behind */
+    STEPS_AGAIN = 8,    /* of two of them */
+    CLIMB = 14          /* of a golden section: 7e-4 of its span */
+};
+
+#define GOLDEN    0.6180339887498949
+#define RISE_SLOW 0.8
+
+/* Edges of sheets' borders that may count. */
+struct border {
+    const struct surface *surface;
+    uint32_t count;
+    uint32_t stride; /* of so many only one was kept */
+    struct border_edge {
+        uint32_t from, to; /* vertices */
+        uint32_t part;
+    } edge[EDGES_MOST];
+};
+
+/* What a border at distance b leaves of the depth of a point that is h behind, or in front, at h = 0. */
+static double room_near(double h, double b)
+{
+    return larger(0.0, smaller(b - h, h + RISE_SLOW * (b - 2.0 * h)));
+}
+
+/* A border that is farther changes no point's depth that is as deep, or less. */
+static double reach_of(double h, double radius, double share)
+{
+    return 2.0 * h + ((h + radius) / share - h) / RISE_SLOW;
+}
+
+static double square_to_edge(const struct border *border, const struct border_edge *edge, vec3 x)
+{
+    vec3 from = surface_vertex(border->surface, edge->from);
+    vec3 along_edge = sub(surface_vertex(border->surface, edge->to), from), way = sub(x, from);
+    double size = dot(along_edge, along_edge);
+    vec3 off = along(way, size > 0.0 ? -clamp01(dot(way, along_edge) / size) : 0.0, along_edge);
+    return dot(off, off);
+}
+
+static double border_distance(const struct border *border, uint32_t part, vec3 x)
+{
+    double least = HUGE_VAL;
+    for (uint32_t i = 0; i < border->count; i++)
+        if (border->edge[i].part == part)
+            least = smaller(least, square_to_edge(border, &border->edge[i], x));
+    return sqrt(least);
+}
+
+/* Where there are too many, every other one does: each is short beside the reach then. */
+static void put_edge(struct border *border, uint32_t number, const struct border_edge *edge)
+{
+    if (number % border->stride)
+        return;
+    if (border->count == EDGES_MOST) {
+        for (uint32_t i = 0; i < EDGES_MOST / 2; i++)
+            border->edge[i] = border->edge[2 * i];
+        border->count = EDGES_MOST / 2;
+        border->stride *= 2;
+    }
+    border->edge[border->count++] = *edge;
+}
+
+/* Border edges of sheets with a side within reach of a piece of the axis; 0 where that was too much work. */
+static int gather(const struct profile *profile, double from, double to, double reach,
+                  struct border *border)
+{
+    const struct surface *surface = profile->surface;
+    const uint32_t *neighbour = surface_neighbours(surface);
+    struct work work = work_of(BLOCKS_MOST);
+    struct range range;
+    int meets;
+    border->surface = surface;
+    border->count = 0;
+    border->stride = 1;
+    dpti_range_begin(&range, surface, profile->kernel, profile_point(profile, from),
+                     scaled(profile->axis->u, to - from), reach, &work);
+    for (uint32_t t, n = 0; (t = dpti_range_next(&range, &meets)) != DPT_NONE;)
+        for (uint32_t k = 0; k < 3; k++)
+            if (neighbour[3 * (size_t)t + k] == MESH_EDGE_OPEN &&
+                dpti_sides_get(profile->sides, surface_part(surface, t)))
+                put_edge(border, n++,
+                         &(struct border_edge){ surface_corner(surface, t, k),
+                                                surface_corner(surface, t, (k + 1) % 3),
+                                                surface_part(surface, t) });
+    return !work_is_spent(&work);
+}
+
+/*
+ * Is there a border within reach of a sample? One looks twice as far, so as not to look again in each tick. Where that is too much
+ * work, none counts until the tool has gone on by a reach.
+ */
+static int is_near(const struct profile *profile, const struct sample *deepest, double reach,
+                   uint32_t id, struct border_view *view, struct border *border)
+{
+    const uint32_t part = surface_part(profile->surface, deepest->triangle);
+    vec3 x = profile_point(profile, deepest->s);
+    if (view->clear > 0.0 && view->body == id && view->part == part) {
+        double moved = length(sub(x, view->centre));
+        if (view->clear - moved > reach)
+            return 0;
+        if (view->found && view->clear + moved < reach)
+            return 1;
+    }
+    const int all = gather(profile, deepest->s, deepest->s, 2.0 * reach, border);
+    const double clear = all ? border_distance(border, part, x) : HUGE_VAL;
+    *view = (struct border_view){ .centre = x,
+                                  .clear = smaller(2.0 * reach, clear),
+                                  .body = id,
+                                  .part = part,
+                                  .found = clear < 2.0 * reach };
+    return clear <= reach;
+}
+
+/* A search for the deepest point of an axis. */
+struct quest {
+    struct profile *profile;
+    const struct border *border;
+    double radius;
+    /* Of the room that counts: more than all of a tool that has hardly come through, as for one in front there is no border. */
+    double share;
+    struct sample sample; /* the best so far */
+    double depth;
+};
+
+/*
+ * How deep a sample counts; not one beside the border, which would push another way than back through the sheet. In front of
+ * the sheet the border counts too: there it is that the rest of the axis is behind.
+ */
+static double depth_of(const struct quest *quest, const struct sample *sample)
+{
+    const struct profile *profile = quest->profile;
+    if (sample->triangle == DPT_NONE)
+        return -HUGE_VAL;
+    const uint32_t part = surface_part(profile->surface, sample->triangle);
+    const double depth = quest->radius - sample->height;
+    if (!dpti_sides_get(profile->sides, part))
+        return depth;
+    if (sample->height >= 0.0 &&
+        dpti_side_is_border(profile->surface, sample->triangle, sample->weight))
+        return -HUGE_VAL;
+    double b = border_distance(quest->border, part, profile_point(profile, sample->s));
+    return smaller(depth, quest->share * room_near(fabs(sample->height), b));
+}
+
+static double try_sample(struct quest *quest, const struct sample *sample)
+{
+    double depth = depth_of(quest, sample);
+    if (depth > quest->depth) {
+        quest->sample = *sample;
+        quest->depth = depth;
+    }
+    return depth;
+}
+
+static double try_at(struct quest *quest, double s, uint32_t triangle)
+{
+    struct sample sample;
+    dpti_profile_take_sample(quest->profile, s, triangle, 1, &sample);
+    return try_sample(quest, &sample);
+}
+
+/* The top of a hill, by a golden section. */
+static void climb(struct quest *quest, double from, double to, uint32_t triangle)
+{
+    double left = to - GOLDEN * (to - from), right = from + GOLDEN * (to - from);
+    double at_left = try_at(quest, left, triangle), at_right = try_at(quest, right, triangle);
+    for (int i = 0; i < CLIMB; i++) {
+        if (at_left > at_right) {
+            to = right;
+            right = left;
+            at_right = at_left;
+            left = to - GOLDEN * (to - from);
+            at_left = try_at(quest, left, triangle);
+        } else {
+            from = left;
+            left = right;
+            at_left = at_right;
+            right = from + GOLDEN * (to - from);
+            at_right = try_at(quest, right, triangle);
+        }
+    }
+}
+
+/* A stretch may have more than one hill, and what looks like one, two beside each other: so steps are taken twice. */
+static void search_stretch(struct quest *quest, double from, double to, uint32_t triangle,
+                           int steps)
+{
+    double depth[STEPS + 1], step = (to - from) / steps;
+    for (int i = 0; i <= steps; i++)
+        depth[i] = try_at(quest, from + i * step, triangle);
+    for (int i = 0; i <= steps; i++) {
+        double before = i ? depth[i - 1] : -HUGE_VAL, after = i < steps ? depth[i + 1] : -HUGE_VAL;
+        double left = larger(from, from + (i - 1) * step),
+               right = smaller(to, from + (i + 1) * step);
+        /* The depth changes by no more than twice the way. */
+        if (!(depth[i] >= before && depth[i] > after &&
+              depth[i] + 2.0 * step * quest->profile->size > quest->depth))
+            continue;
+        if (steps == STEPS)
+            search_stretch(quest, left, right, triangle, STEPS_AGAIN);
+        else
+            climb(quest, left, right, triangle);
+    }
+}
+
+static int is_border(const struct profile *profile, const struct sample *sample)
+{
+    return sample->triangle != DPT_NONE &&
+           dpti_side_is_border(profile->surface, sample->triangle, sample->weight);
+}
+
+/*
+ * Where a stretch that ends with a sample may go on to, towards the next one: to that, where it is beside the
+ * border; else until the tool's surface leaves the sheet, and half as far again.
+ */
+static double end_of(const struct quest *quest, const struct sample *last,
+                     const struct sample *next)
+{
+    const double way = next->s - last->s, rise = fabs(last->rise);
+    const double left = 1.5 * (quest->radius - last->height);
+    if (is_border(quest->profile, next) || rise * fabs(way) <= left)
+        return next->s;
+    return last->s + (way < 0.0 ? -left : left) / rise;
+}
+
+/* The tool's surface is within the sheet there, or it is behind. */
+static int is_in(const struct quest *quest, const struct sample *sample)
+{
+    return sample->height <= 0.0 ||
+           (sample->height < quest->radius && !is_border(quest->profile, sample));
+}
+
+/* The next stretch of which a part at least is behind, from sample *i on, which is moved past it; 0: there is none. */
+static int next_stretch(const struct quest *quest, uint32_t *i, double *from, double *to)
+{
+    const struct sample *sample = quest->profile->sample;
+    const uint32_t count = quest->profile->count;
+    while (*i < count) {
+        const uint32_t first = *i;
+        int behind = 0;
+        for (; *i < count && is_in(quest, &sample[*i]); ++*i)
+            behind |= sample[*i].height <= 0.0;
+        const uint32_t end = *i;
+        *i += end == first;
+        if (!behind)
+            continue;
+        *from = first ? end_of(quest, &sample[first], &sample[first - 1]) : sample[first].s;
+        *to = end < count ? end_of(quest, &sample[end - 1], &sample[end]) : sample[end - 1].s;
+        return 1;
+    }
+    return 0;
+}
+
+/* All of them as one: of that the border is asked for. */
+static int gather_stretches(const struct quest *quest, double reach, struct border *border)
+{
+    double from = 1.0, to = 0.0, first, last;
+    for (uint32_t i = 0; next_stretch(quest, &i, &first, &last);) {
+        from = smaller(from, first);
+        to = larger(to, last);
+    }
+    return from <= to && gather(quest->profile, from, to, reach, border);
+}
+
+/* No search puts a sample into the profile: it stays as it is. */
+static void search(struct quest *quest)
+{
+    const struct profile *profile = quest->profile;
+    double from, to;
+    for (uint32_t i = 0; i < profile->count; i++)
+        try_sample(quest, &profile->sample[i]);
+    for (uint32_t i = 0; next_stretch(quest, &i, &from, &to);)
+        search_stretch(quest, from, to, quest->sample.triangle, STEPS);
+}
+
+/*
+ * How far the search must look, or 0: no border can be near. The samples tell of it where they go on beside it in front; what is
+ * between such two may be deeper than both.
+ */
+static double depth_at_most(const struct profile *profile)
+{
+    double most = -profile->sample[profile->deepest].height;
+    for (uint32_t i = 0; i + 1 < profile->count; i++) {
+        const struct sample *low = &profile->sample[i], *high = low + 1;
+        if (low->height > high->height) {
+            low = high;
+            high = &profile->sample[i];
+        }
+        if (low->height <= 0.0 && high->height > most && is_border(profile, high))
+            most = high->height;
+    }
+    return most;
+}
+
+/* How far the axis has come through the sheet's plane, beside its border too. */
+static double depth_through(const struct profile *profile, const struct sample *deepest)
+{
+    vec3 a = along(deepest->gap, -deepest->s, profile->axis->u);
+    return larger(-dot(a, deepest->normal), -dot(add(a, profile->axis->u), deepest->normal));
+}
+
+void dpti_sheet_border_weigh(struct profile *profile, const struct frame *body, uint32_t id,
+                             double radius, uint32_t smooth, struct border_view *view,
+                             struct push *push)
+{
+    const struct sample deepest = profile->sample[profile->deepest];
+    const double most = depth_at_most(profile), through = depth_through(profile, &deepest);
+    const double share = larger(1.0, radius / larger(larger(most, through), DBL_MIN));
+    const double reach = reach_of(most, radius, share);
+    struct border border;
+    if (!(push->depth > 0.0) || !is_near(profile, &deepest, reach, id, view, &border))
+        return;
+    struct quest quest = {
+        .profile = profile, .border = &border, .radius = radius, .share = share, .sample = deepest
+    };
+    if (!gather_stretches(&quest, reach, &border))
+        return;
+    quest.depth = depth_of(&quest, &deepest) + profile->tolerance;
+    if (most == -deepest.height && quest.depth >= push->depth)
+        return;
+    const uint32_t cut = profile->cut;
+    const struct work work = profile->work;
+    struct memo *memo = profile->memo;
+    profile->memo = NULL;
+    profile->work = work_of(WORK_UNLIMITED);
+    search(&quest);
+    profile->memo = memo;
+    profile->work = work;
+    profile->cut = cut;
+    push->direction = frame_turn(body, dpti_contact_normal(profile, &quest.sample, smooth));
+    push->at = along(profile->axis->a, quest.sample.s, sub(profile->axis->b, profile->axis->a));
+    push->depth = larger(0.0, depth_of(&quest, &quest.sample));
+}
