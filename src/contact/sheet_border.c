@@ -314,9 +314,9 @@ static double depth_through(const struct profile *profile, const struct sample *
     return larger(-dot(a, deepest->normal), -dot(add(a, profile->axis->u), deepest->normal));
 }
 
-void dpti_sheet_border_weigh(struct profile *profile, const struct frame *body, uint32_t id,
-                             double radius, uint32_t smooth, struct border_view *view,
-                             struct push *push)
+int dpti_sheet_border_weigh(struct profile *profile, const struct frame *body, uint32_t id,
+                            double radius, uint32_t smooth, struct border_view *view,
+                            struct push *push, struct seed *found)
 {
     const struct sample deepest = profile->sample[profile->deepest];
     const double most = depth_at_most(profile), through = depth_through(profile, &deepest);
@@ -324,15 +324,15 @@ void dpti_sheet_border_weigh(struct profile *profile, const struct frame *body, 
     const double reach = reach_of(most, radius, share);
     struct border border;
     if (!(push->depth > 0.0) || !is_near(profile, &deepest, reach, id, view, &border))
-        return;
+        return 0;
     struct quest quest = {
         .profile = profile, .border = &border, .radius = radius, .share = share, .sample = deepest
     };
     if (!gather_stretches(&quest, reach, &border))
-        return;
+        return 0;
     quest.depth = depth_of(&quest, &deepest) + profile->tolerance;
     if (most == -deepest.height && quest.depth >= push->depth)
-        return;
+        return 0;
     const uint32_t cut = profile->cut;
     const struct work work = profile->work;
     struct memo *memo = profile->memo;
@@ -345,4 +345,6 @@ void dpti_sheet_border_weigh(struct profile *profile, const struct frame *body, 
     push->direction = frame_turn(body, dpti_contact_normal(profile, &quest.sample, smooth));
     push->at = along(profile->axis->a, quest.sample.s, sub(profile->axis->b, profile->axis->a));
     push->depth = larger(0.0, depth_of(&quest, &quest.sample));
+    *found = (struct seed){ quest.sample.s, quest.sample.triangle, 1.0f };
+    return 1;
 }

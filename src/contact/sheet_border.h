@@ -21,9 +21,10 @@ struct border_view {
 /*
  * A push that was made at the profile's deepest sample, behind a sheet whose side is kept. Away from its border it stays as it is,
  * bit for bit. `view` is of the last tick's, and of this one's then. Samples are taken; the profile stays as it was.
+ * 1 where a border was so near that the point was looked for: then `found` is where it is.
  */
-void dpti_sheet_border_weigh(struct profile *profile, const struct frame *body, uint32_t id,
-                             double radius, uint32_t smooth, struct border_view *view,
-                             struct push *push);
+int dpti_sheet_border_weigh(struct profile *profile, const struct frame *body, uint32_t id,
+                            double radius, uint32_t smooth, struct border_view *view,
+                            struct push *push, struct seed *found);
 
 #endif

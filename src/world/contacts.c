@@ -47,6 +47,21 @@ static struct pusher pusher_of(const struct meeting *meeting)
                             deepest->height <= 0.0 && dpti_sides_get(&meeting->sides, part) };
 }
 
+/*
+ * The next tick begins at the point that is pushed, too: beside a border the deepest points are the next to be in front, and what is
+ * behind between two that are would not be seen.
+ */
+static void keep_point(const struct meeting *meeting, uint32_t part, const struct seed *seed)
+{
+    struct holds *holds = holds_now(meeting->world);
+    for (uint32_t i = 0; i < holds->count; i++) {
+        struct hold *hold = &holds->hold[i];
+        if (hold_is_of(hold, meeting->segment, meeting->body) && hold->part == part &&
+            seed->s >= hold->contact.s0 && seed->s <= hold->contact.s1)
+            dpti_hold_put_seed(hold, seed);
+    }
+}
+
 static void meet_body(struct meeting *meeting, const struct found *best, struct sum *sum)
 {
     int found = CONTACT_UNKNOWN;
@@ -78,8 +93,10 @@ static void meet_body(struct meeting *meeting, const struct found *best, struct 
         sum->gap = gap;
     }
     if (pusher.behind && !(push.depth <= -sum->least)) {
-        dpti_sheet_border_weigh(meeting->profile, &meeting->body->frame, pusher.body,
-                                meeting->radius, smooth, &own->border, &push);
+        struct seed point;
+        if (dpti_sheet_border_weigh(meeting->profile, &meeting->body->frame, pusher.body,
+                                    meeting->radius, smooth, &own->border, &push, &point))
+            keep_point(meeting, pusher.part, &point);
         least = -push.depth;
     }
     if (least < sum->least) {

@@ -157,7 +157,7 @@ static void judge(struct slide *slide, const double end[2][3], double motion, st
     const struct truth truth = truth_of(end[0], end[1], slide->radius);
     int judged = truth.deepest > 1e-5;
     sums->ticks++;
-    /* Points behind that no sample of the gap shows: then the side is lost, and the push with it. */
+    /* It came behind past a border, that of the hole say: then there is no side, and no push. */
     if (judged && !(hit.flags & DPT_HIT_FLAG_GAP && hit.gap <= 2e-5 - slide->radius)) {
         sums->hidden++;
         judged = 0;
@@ -177,7 +177,7 @@ static void judge(struct slide *slide, const double end[2][3], double motion, st
             sums->weighed += force < 0.999 * STIFFNESS * hit.depth;
         }
     }
-    if ((judged && slide->was_judged) || (slide->radius == 0.0 && judged == slide->was_judged)) {
+    if ((judged && slide->was_judged) || slide->radius == 0.0) {
         const double rate = (jump - 2.0 * TOLERANCE * STIFFNESS) / (STIFFNESS * motion);
         const double most =
             slide->radius > slide->low ? 1.0 + 2.0 * slide->radius / slide->low : 1.0;
