@@ -54,7 +54,7 @@ enum { DPT_STRIP_KIND_NONE = 0, DPT_STRIP_KIND_SHADOW = 1, DPT_STRIP_KIND_ROUTES
  *
  * A budget bounds the work of a step, in 16-lane blocks, the same count on every machine. Where it ends a
  * search, the answer is DPT_STATUS_BOUNDED: the best pair so far and a lower bound that is true; contact is
- * unknown and the force zero. What was proven is kept and the next step goes on from there, so that a tool at
+ * unknown and the force fades to zero. What was proven is kept and the next step goes on from there, so that a tool at
  * rest, while no other moves, has its exact answer after as many steps as the budget goes into a search. Contact gets
  * what a step has left: first the gap and the force, then the contacts, which are DPT_CONTACT_FLAG_COARSE where that ends
  * them.
@@ -311,8 +311,8 @@ DPT_API dpt_result dpt_tool_get_strip(const dpt_world *world, dpt_tool tool, uin
  *   OFF        the world's `until` ends before the response, or the tool's stiffness is 0
  *   ACTS       it feels one: a segment at least is pushed
  *   UNDECIDED  a segment at least may touch something, but nobody knows which way it would be pushed: its contact is
- *              DPT_CONTACT_UNKNOWN (the budget ended, it is in an open sheet of which no side is known, ...), or it goes
- *              through a surface that has no sides
+ *              DPT_CONTACT_UNKNOWN (the budget ended, it goes through an open sheet of which no side is known, ...),
+ *              or it goes through a surface that has no sides
  *   FREE       no segment is in anything; there may be no bodies
  */
 enum {
@@ -334,24 +334,24 @@ enum {
 /*
  * What a tool feels, of the last step.
  *
- *   wrench  force on the tool and torque about the origin of its frame, in world axes, before any limits: the penalty of
- *           docs/algorithms/penalty.md, summed over the tool's segments. Zero where `reason` is not DPT_FORCE_ACTS and
- *           DPT_FORCE_FLAG_FADING is not set
+ *   wrench  force on the tool and torque about the origin of its frame, in world axes, before any limits: the
+ *           penalty of docs/algorithms/penalty.md, summed over the tool's segments. Zero where `reason` is not
+ *           DPT_FORCE_ACTS and DPT_FORCE_FLAG_FADING is not set
  *   reason  DPT_FORCE_...
  *   flags   DPT_FORCE_FLAG_...
  *
  * The push of a segment can end by a decision, not by motion: the side of an open sheet is given up (too deep for
- * side_limit, a motion that was not followed, the end of the sheet's border, no room for the contact), or its contact is
- * not known any more. Its share then goes in a straight line, in `fade` seconds of the steps' dt, from what was felt to
- * what is true, which is zero while nothing is known. What is felt is always between the two, and each step takes the
- * share of the way that it has of the time left; so where contact comes to be known again, what is true is felt when the
- * rest of that time is over. Directions are the world's; torque goes as it was about the tool's origin, so that the line
- * of action moves with the tool.
+ * side_limit, a motion that was not followed, the axis at the sheet's border, no room for the contact), or its
+ * contact is not known any more. Its share then goes in a straight line, in `fade` seconds of the steps' dt, from
+ * what was felt to what is true, which is zero while nothing is known. What is felt is always between the two, and
+ * each step takes the share of the way that it has of the time left; so where contact comes to be known again, what
+ * is true is felt when the rest of that time is over. A new decision begins anew. Directions are the world's; torque
+ * goes as it was about the tool's origin, so that the line of action moves with the tool.
  *
- * Zero at once: after an error, a teleport, a reset, input that cannot be used, stiffness 0, and dpt_tool_set_segments of a
- * tool that was rigid and the reverse, as the torque is about another origin then. The push of a body that is removed or
- * teleported, too, also while it fades: what is no more there pushes no more. A push that ends because the tool moves away
- * does not fade: it has come to zero by then.
+ * Zero at once: after an error, a teleport, a reset, input that cannot be used, stiffness 0, and
+ * dpt_tool_set_segments of a tool that was rigid or the reverse, as the torque is about another origin then. The push
+ * of a body that is removed or teleported, too, also while it fades: what is no more there pushes no more. A push
+ * that ends because the tool moves away does not fade: it has come to zero by then.
  */
 typedef struct dpt_tool_force {
     uint32_t size; /* sizeof(dpt_tool_force), set by the caller */

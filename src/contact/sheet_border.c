@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * A point behind a sheet, h from it, beside whose border the way back ends when that is as near as the sheet: b = h. So what
- * pushes it is no deeper than b - h. Both are distances, so that this changes by no more than the point moves where
- * the ways to sheet and border turn less than 60 degrees from each other; beyond, b > 2 h on a flat sheet, a slower rise keeps it
- * so. A tool is pushed at the point of its axis that is deepest by that measure.
+ * A point behind a sheet, h from it, beside whose border the way back ends when that is as near as the sheet: b = h.
+ * So what pushes it is no deeper than b - h. Both are distances, so that this changes by no more than the point moves
+ * where the ways to sheet and border turn less than 60 degrees from each other; beyond, b > 2 h on a flat sheet, a
+ * slower rise keeps it so. A tool is pushed at the point of its axis that is deepest by that measure.
  */
 #include "contact/sheet_border.h"
 
@@ -101,8 +101,8 @@ static int gather(const struct profile *profile, double from, double to, double 
 }
 
 /*
- * Is there a border within reach of a sample? One looks twice as far, so as not to look again in each tick. Where that is too much
- * work, none counts until the tool has gone on by a reach.
+ * Is there a border within reach of a sample? One looks twice as far, so as not to look again in each tick. Where
+ * that is too much work, none counts until the tool has gone on by a reach.
  */
 static int is_near(const struct profile *profile, const struct sample *deepest, double reach,
                    uint32_t id, struct border_view *view, struct border *border)
@@ -131,15 +131,18 @@ struct quest {
     struct profile *profile;
     const struct border *border;
     double radius;
-    /* Of the room that counts: more than all of a tool that has hardly come through, as for one in front there is no border. */
+    /*
+     * Of the room that counts: more than all of a tool that has hardly come through, as for one in front there is no
+     * border.
+     */
     double share;
     struct sample sample; /* the best so far */
     double depth;
 };
 
 /*
- * How deep a sample counts; not one beside the border, which would push another way than back through the sheet. In front of
- * the sheet the border counts too: there it is that the rest of the axis is behind.
+ * How deep a sample counts; not one beside the border, which would push another way than back through the sheet. In
+ * front of the sheet the border counts too: there it is that the rest of the axis is behind.
  */
 static double depth_of(const struct quest *quest, const struct sample *sample)
 {
@@ -289,8 +292,8 @@ static void search(struct quest *quest)
 }
 
 /*
- * How far the search must look, or 0: no border can be near. The samples tell of it where they go on beside it in front; what is
- * between such two may be deeper than both.
+ * How far the search must look, or 0: no border can be near. The samples tell of it where they go on beside it in
+ * front; what is between such two may be deeper than both.
  */
 static double depth_at_most(const struct profile *profile)
 {

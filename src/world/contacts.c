@@ -48,8 +48,8 @@ static struct pusher pusher_of(const struct meeting *meeting)
 }
 
 /*
- * The next tick begins at the point that is pushed, too: beside a border the deepest points are the next to be in front, and what is
- * behind between two that are would not be seen.
+ * The next tick begins at the point that is pushed, too: beside a border the deepest points are the next to be in
+ * front, and what is behind between two that are would not be seen.
  */
 static void keep_point(const struct meeting *meeting, uint32_t part, const struct seed *seed)
 {

@@ -17,8 +17,8 @@ int32_t dpti_sheet_side_of_region(const struct meeting *meeting, const struct re
 int dpti_sheet_drop_sides(struct meeting *meeting, const struct region *regions, uint32_t count);
 
 /*
- * The tool was pushed back through this sheet in the last tick: is it still, or has it come away from it? Not where the side is
- * dropped, nor where the axis has come off at a border.
+ * The tool was pushed back through this sheet in the last tick: is it still, or has it come away from it? Not where
+ * the side is dropped, nor where the axis has come off at a border.
  */
 int dpti_sheet_keeps_push(const struct meeting *meeting, uint32_t part);
 

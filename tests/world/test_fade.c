@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * A wrench that a decision ends fades, and says so: over a side that is given up, a motion that was not followed, contact
- * that is not known, a border; and only then. What ends for another reason is zero at once.
+ * A wrench that a decision ends fades, and says so: over a side that is given up, a motion that was not followed,
+ * contact that is not known, a border; and only then. What ends for another reason is zero at once.
  *
  * Usage: test_fade [ticks = 60000] of the random runs.
  */
@@ -100,8 +100,8 @@ static void moving_away_does_not_fade(void)
 }
 
 /*
- * With a budget that tool and sheet exceed as they move: contact is not known, then the way is given up, and known is that the
- * tool is free. One fade, that goes on meanwhile.
+ * With a budget that tool and sheet exceed as they move: contact is not known, then the way is given up, and known is
+ * that the tool is free. One fade, that goes on meanwhile.
  */
 static void a_way_that_is_given_up_fades(void)
 {
@@ -140,7 +140,10 @@ static void a_way_that_is_given_up_fades(void)
     printf("    given up with %u budgets\n", given_up);
 }
 
-/* Past the border, standing: the push through the sheet has ended by then, that of the border itself comes as in a fade. */
+/*
+ * Past the border, standing: the push through the sheet has ended by then, that of the border itself comes as in a
+ * fade.
+ */
 static void over_the_border_fades(void)
 {
     const dpt_segment standing = { { 0.0, 0.0, -0.02 }, { 0.0, 0.0, 0.05 }, 0.002 };
@@ -168,8 +171,8 @@ static void over_the_border_fades(void)
 }
 
 /*
- * Held in a torus, in motion, with budgets that do not always reach: what is felt follows what is true by the rule alone,
- * which fade_pair.h has.
+ * Held in a torus, in motion, with budgets that do not always reach: what is felt follows what is true by the rule
+ * alone, which fade_pair.h has.
  */
 static void unknown_contact_fades(void)
 {

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * A tool that is behind a sheet slides over its border, or a hole's: its push falls as penalty.md has it, with no jump above the
- * stiffness times the motion, and away from the border it is the depth's. The oracle takes thousands of points of the axis.
+ * A tool that is behind a sheet slides over its border, or a hole's: its push falls as penalty.md has it, with no
+ * jump above the stiffness times the motion, and away from the border it is the depth's. The oracle takes thousands
+ * of points of the axis.
  *
  * Usage: test_sheet_border [slides = 24] [seed = 1]
  */
@@ -13,8 +14,8 @@
 #define HOLE      0.0125 /* half of the hole's side */
 #define STIFFNESS 500.0
 /*
- * Of a depth: 1e-5 of the diagonal, and what the oracle leaves. A hill beside the highest one may be missed, where it is narrower
- * than a step of the search: in value, not in jumps.
+ * Of a depth: 1e-5 of the diagonal, and what the oracle leaves. A hill beside the highest one may be missed, where it
+ * is narrower than a step of the search: in value, not in jumps.
  */
 #define TOLERANCE 4e-6
 #define MISSED    1.5e-5
