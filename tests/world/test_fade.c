@@ -202,7 +202,8 @@ static void unknown_contact_fades(void)
         pair_close(&pair);
     }
     printf("    %u fades, %u ticks, %u taken up\n", begun, ticks, taken_up);
-    CHECK(begun > 100 && taken_up > 50, "%u fades, %u taken up", begun, taken_up);
+    CHECK(begun > tick_count / 600 && taken_up > tick_count / 1200, "%u fades, %u taken up", begun,
+          taken_up);
 }
 
 /* Sheets, at all speeds, with sides that are given up for any reason. */
@@ -233,7 +234,7 @@ static void sides_fade(void)
         pair_close(&pair);
     }
     printf("    %u fades, %u ticks\n", begun, ticks);
-    CHECK(begun > 100, "%u fades", begun);
+    CHECK(begun > tick_count / 600, "%u fades", begun);
 }
 
 /* Two segments, on two sheets: only the share fades whose side was given up. */
