@@ -7,11 +7,11 @@
  */
 #include "contact/sheet_border.h"
 
-#include "nearest/range_search.h"
+#include "nearest/filter_segment.h"
 
 enum {
     EDGES_MOST = 256,
-    BLOCKS_MOST = 1024, /* of a search for the border, beside the budget */
+    BLOCKS_MOST = 2048, /* of a search for the border, beside the budget */
     STEPS = 16,         /* of a stretch that is behind */
     STEPS_AGAIN = 8,    /* of two of them */
     CLIMB = 14          /* of a golden section: 7e-4 of its span */
@@ -75,29 +75,63 @@ static void put_edge(struct border *border, uint32_t number, const struct border
     border->edge[border->count++] = *edge;
 }
 
-/* Border edges of sheets with a side within reach of a piece of the axis; 0 where that was too much work. */
-static int gather(const struct profile *profile, double from, double to, double reach,
-                  struct border *border)
+/* Those of a leaf, of sheets with a side, that are within reach of a point; `number` counts all that were seen. */
+static void take_leaf(const struct profile *profile, uint32_t leaf, vec3 x, double reach,
+                      uint32_t *number, struct border *border)
 {
     const struct surface *surface = profile->surface;
     const uint32_t *neighbour = surface_neighbours(surface);
-    struct work work = work_of(BLOCKS_MOST);
-    struct range range;
-    int meets;
+    const uint32_t first = leaf * LANES, left = surface_triangles(surface) - first;
+    for (uint32_t i = 0; i < 3 * (left < LANES ? left : LANES); i++) {
+        const uint32_t t = first + i / 3, k = i % 3;
+        if (neighbour[3 * (size_t)first + i] != MESH_EDGE_OPEN)
+            continue;
+        const struct border_edge edge = { surface_corner(surface, t, k),
+                                          surface_corner(surface, t, (k + 1) % 3),
+                                          surface_part(surface, t) };
+        if (dpti_sides_get(profile->sides, edge.part) &&
+            square_to_edge(border, &edge, x) <= reach * reach)
+            put_edge(border, (*number)++, &edge);
+    }
+}
+
+/* Border edges within reach of a point; 0 where that was too much work. */
+static int gather(const struct profile *profile, vec3 x, double reach, struct border *border)
+{
+    const struct surface *surface = profile->surface;
+    const vec3 seen = scaled(sub(x, surface->filter_centre), surface->filter_scale);
+    const double far = reach * surface->filter_scale + kernel_margin(length(seen), length(seen));
+    const float limit = (float)(far * far * (1.0 + 4.0 * KERNEL_STRETCH));
+    uint32_t node[MESH_LEVELS_MAX + 1], lanes[MESH_LEVELS_MAX + 1], number = 0, blocks = 0;
+    uint32_t level = surface->levels;
+    float at[3], bound[LANES];
+    put_float(seen, at);
     border->surface = surface;
     border->count = 0;
     border->stride = 1;
-    dpti_range_begin(&range, surface, profile->kernel, profile_point(profile, from),
-                     scaled(profile->axis->u, to - from), reach, &work);
-    for (uint32_t t, n = 0; (t = dpti_range_next(&range, &meets)) != DPT_NONE;)
-        for (uint32_t k = 0; k < 3; k++)
-            if (neighbour[3 * (size_t)t + k] == MESH_EDGE_OPEN &&
-                dpti_sides_get(profile->sides, surface_part(surface, t)))
-                put_edge(border, n++,
-                         &(struct border_edge){ surface_corner(surface, t, k),
-                                                surface_corner(surface, t, (k + 1) % 3),
-                                                surface_part(surface, t) });
-    return !work_is_spent(&work);
+    node[level] = 0;
+    for (int is_new = 1; level <= surface->levels; is_new = 0) {
+        if (is_new || lanes[level] == UINT32_MAX)
+            lanes[level] =
+                lanes_of(surface->count[level - 1] - node[level] * LANES) &
+                profile->kernel->point_boxes(
+                    surface->level[level] + (size_t)node[level] * MESH_BOX_WORDS, at, limit, bound);
+        if (!lanes[level]) {
+            level++;
+            continue;
+        }
+        const uint32_t child = node[level] * LANES + first_lane(lanes[level]);
+        lanes[level] &= lanes[level] - 1;
+        if (++blocks > BLOCKS_MOST)
+            return 0;
+        if (level == 1) {
+            take_leaf(profile, child, x, reach, &number, border);
+        } else {
+            node[--level] = child;
+            lanes[level] = UINT32_MAX; /* not yet looked at */
+        }
+    }
+    return 1;
 }
 
 /*
@@ -116,7 +150,7 @@ static int is_near(const struct profile *profile, const struct sample *deepest, 
         if (view->found && view->clear + moved < reach)
             return 1;
     }
-    const int all = gather(profile, deepest->s, deepest->s, 2.0 * reach, border);
+    const int all = gather(profile, x, 2.0 * reach, border);
     const double clear = all ? border_distance(border, part, x) : HUGE_VAL;
     *view = (struct border_view){ .centre = x,
                                   .clear = smaller(2.0 * reach, clear),
@@ -136,6 +170,7 @@ struct quest {
      * border.
      */
     double share;
+    uint32_t last;        /* triangle of the last point that was tried */
     struct sample sample; /* the best so far */
     double depth;
 };
@@ -151,8 +186,8 @@ static double depth_of(const struct quest *quest, const struct sample *sample)
         return -HUGE_VAL;
     const uint32_t part = surface_part(profile->surface, sample->triangle);
     const double depth = quest->radius - sample->height;
-    if (!dpti_sides_get(profile->sides, part))
-        return depth;
+    if (depth <= quest->depth || !dpti_sides_get(profile->sides, part))
+        return depth; /* or less, which does not count */
     if (sample->height >= 0.0 &&
         dpti_side_is_border(profile->surface, sample->triangle, sample->weight))
         return -HUGE_VAL;
@@ -170,42 +205,67 @@ static double try_sample(struct quest *quest, const struct sample *sample)
     return depth;
 }
 
-static double try_at(struct quest *quest, double s, uint32_t triangle)
+/* By descent from where the last one was, which is near. */
+static double try_at(struct quest *quest, double s)
 {
     struct sample sample;
-    dpti_profile_take_sample(quest->profile, s, triangle, 1, &sample);
+    dpti_profile_take_sample(quest->profile, s, quest->last, 0, &sample);
+    quest->last = sample.triangle;
     return try_sample(quest, &sample);
 }
 
 /* The top of a hill, by a golden section. */
-static void climb(struct quest *quest, double from, double to, uint32_t triangle)
+static void climb(struct quest *quest, double from, double to)
 {
     double left = to - GOLDEN * (to - from), right = from + GOLDEN * (to - from);
-    double at_left = try_at(quest, left, triangle), at_right = try_at(quest, right, triangle);
+    double at_left = try_at(quest, left), at_right = try_at(quest, right);
     for (int i = 0; i < CLIMB; i++) {
         if (at_left > at_right) {
             to = right;
             right = left;
             at_right = at_left;
             left = to - GOLDEN * (to - from);
-            at_left = try_at(quest, left, triangle);
+            at_left = try_at(quest, left);
         } else {
             from = left;
             left = right;
             at_left = at_right;
             right = from + GOLDEN * (to - from);
-            at_right = try_at(quest, right, triangle);
+            at_right = try_at(quest, right);
         }
     }
 }
 
+static void search_stretch(struct quest *quest, double from, double to, int steps);
+
+/* A piece of a stretch, with those edges alone that may be nearest to a point of it. */
+static void search_window(struct quest *quest, double from, double to)
+{
+    const struct border *all = quest->border;
+    const double half = 0.5 * (to - from) * quest->profile->size;
+    const vec3 x = profile_point(quest->profile, 0.5 * (from + to));
+    struct border near = { .surface = all->surface };
+    uint32_t part = DPT_NONE;
+    double reach = 0.0;
+    for (uint32_t i = 0; i < all->count; i++) {
+        if (all->edge[i].part != part) {
+            part = all->edge[i].part;
+            reach = border_distance(all, part, x) + 2.0 * half;
+        }
+        if (square_to_edge(all, &all->edge[i], x) <= reach * reach)
+            near.edge[near.count++] = all->edge[i];
+    }
+    quest->border = &near;
+    search_stretch(quest, from, to, STEPS_AGAIN);
+    quest->border = all;
+}
+
 /* A stretch may have more than one hill, and what looks like one, two beside each other: so steps are taken twice. */
-static void search_stretch(struct quest *quest, double from, double to, uint32_t triangle,
-                           int steps)
+static void search_stretch(struct quest *quest, double from, double to, int steps)
 {
     double depth[STEPS + 1], step = (to - from) / steps;
     for (int i = 0; i <= steps; i++)
-        depth[i] = try_at(quest, from + i * step, triangle);
+        depth[i] = try_at(quest, from + i * step);
     for (int i = 0; i <= steps; i++) {
         double before = i ? depth[i - 1] : -HUGE_VAL, after = i < steps ? depth[i + 1] : -HUGE_VAL;
         double left = larger(from, from + (i - 1) * step),
@@ -215,9 +275,9 @@ static void search_stretch(struct quest *quest, double from, double to, uint32_t
               depth[i] + 2.0 * step * quest->profile->size > quest->depth))
             continue;
         if (steps == STEPS)
-            search_stretch(quest, left, right, triangle, STEPS_AGAIN);
+            search_window(quest, left, right);
         else
-            climb(quest, left, right, triangle);
+            climb(quest, left, right);
     }
 }
 
@@ -277,7 +337,9 @@ static int gather_stretches(const struct quest *quest, double reach, struct bord
         from = smaller(from, first);
         to = larger(to, last);
     }
-    return from <= to && gather(quest->profile, from, to, reach, border);
+    const double half = 0.5 * (to - from) * quest->profile->size;
+    return from <= to && gather(quest->profile, profile_point(quest->profile, 0.5 * (from + to)),
+                                half + reach, border);
 }
 
 /* No search puts a sample into the profile: it stays as it is. */
@@ -288,7 +350,7 @@ static void search(struct quest *quest)
     for (uint32_t i = 0; i < profile->count; i++)
         try_sample(quest, &profile->sample[i]);
     for (uint32_t i = 0; next_stretch(quest, &i, &from, &to);)
-        search_stretch(quest, from, to, quest->sample.triangle, STEPS);
+        search_stretch(quest, from, to, STEPS);
 }
 
 /*
@@ -328,20 +390,26 @@ int dpti_sheet_border_weigh(struct profile *profile, const struct frame *body, u
     struct border border;
     if (!(push->depth > 0.0) || !is_near(profile, &deepest, reach, id, view, &border))
         return 0;
-    struct quest quest = {
-        .profile = profile, .border = &border, .radius = radius, .share = share, .sample = deepest
-    };
+    struct quest quest = { .profile = profile,
+                           .border = &border,
+                           .radius = radius,
+                           .share = share,
+                           .last = deepest.triangle,
+                           .sample = deepest };
     if (!gather_stretches(&quest, reach, &border))
         return 0;
     quest.depth = depth_of(&quest, &deepest) + profile->tolerance;
+    *found = (struct seed){ deepest.s, deepest.triangle, 1.0f };
     if (most == -deepest.height && quest.depth >= push->depth)
-        return 0;
+        return 1;
     const uint32_t cut = profile->cut;
     const struct work work = profile->work;
     struct memo *memo = profile->memo;
     profile->memo = NULL;
     profile->work = work_of(WORK_UNLIMITED);
     search(&quest);
+    dpti_profile_take_sample(profile, quest.sample.s, quest.sample.triangle, 1, &quest.sample);
+    quest.depth = -HUGE_VAL;
     profile->memo = memo;
     profile->work = work;
     profile->cut = cut;

@@ -358,6 +358,11 @@ static void other_ends_are_at_once(void)
                       said.reason == reasons[how],
                   "end %d, fading %d: %g N, flags %u, reason %u", how, fading,
                   size_of_force(&said.wrench), said.flags, said.reason);
+            const dpt_pose still = DPT_POSE_IDENTITY;
+            if (how == NO_POSE)
+                dpt_tool_set_pose(world, pair.tool[FADES], &deeper);
+            if (how == BODY_IS_LOST)
+                dpt_body_set_pose(world, pair.body[FADES][0], &still);
             dpt_world_step(world, 1e-3, NULL);
             dpt_tool_get_force(world, pair.tool[FADES], &said);
             CHECK(size_of_force(&said.wrench) == 0.0 && said.flags == 0,
