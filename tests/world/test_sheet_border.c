@@ -4,7 +4,7 @@
  * jump above the stiffness times the motion, and away from the border it is the depth's. The oracle takes thousands
  * of points of the axis.
  *
- * Usage: test_sheet_border [slides = 24] [seed = 1]
+ * Usage: test_sheet_border [slides = 40] [seed = 1]
  */
 #include <math.h>
 
@@ -18,12 +18,12 @@
  * is narrower than a step of the search: in value, not in jumps.
  */
 #define TOLERANCE 4e-6
-#define MISSED    1.5e-5
+#define MISSED    1e-4
 
 enum { CELLS = 16, VERTICES = (CELLS + 1) * (CELLS + 1) };
 
 static struct fixture sheet;
-static unsigned long slide_count = 24;
+static unsigned long slide_count = 40;
 static uint64_t rng = 1;
 
 static double any(double low, double high)
@@ -167,7 +167,7 @@ static void judge(struct slide *slide, const double end[2][3], double motion, st
         const double off = fabs(f[2] / STIFFNESS - truth.counts);
         sums->judged++;
         sums->worst_off = fmax(sums->worst_off, off);
-        CHECK(off <= MISSED && fabs(f[0]) + fabs(f[1]) <= 1e-9,
+        CHECK(off <= MISSED && fabs(f[0]) + fabs(f[1]) <= 1e-3 * force,
               "radius %g, depth %g, border %g: counts %g for %g", slide->radius, truth.deepest,
               truth.border, f[2] / STIFFNESS, truth.counts);
         if (truth.border > 2.0 * truth.deepest + 1.25 * slide->radius + 1e-5) {
@@ -224,6 +224,8 @@ static void one_slide(double radius_most, struct sums *sums)
     dpt_world_def def;
     dpt_body body;
     const int kind = (int)(random_bits(&rng) % 4);
+    if (random_bits(&rng) % 4 == 0)
+        slide.low = any(0.1, 1.0) * radius_most + 1e-4; /* through by less than its radius, say */
     slide.tilt = kind == 0 ? 0.0 : kind == 1 ? 1.5707963267948966 : acos(any(0.0, 1.0));
     slide.turn = kind == 2 ? any(-2e-3, 2e-3) : 0.0;
     dpt_world_def_init(&def);
