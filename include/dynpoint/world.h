@@ -80,7 +80,7 @@ typedef struct dpt_world_def {
     double margin;     /* within which a surface counts as in contact, m, >= 0; 0.001 */
     double side_limit; /* of new bodies, see dpt_body_settings; 0 */
     double
-        fade; /* over which a force that a decision ends goes, s, 0..1, see dpt_tool_get_force; 0.002 */
+        fade; /* over which a force that a decision ends goes, s, 0..1, see dpt_tool_get_force_report; 0.002 */
     uint32_t max_contacts; /* of all tools together, 0..65535; 0: depth alone, no sides; 32 */
     /*
      * 1: the way out of a contact's deepest pair, and of the force, is interpolated from the normals at the triangle's
@@ -323,7 +323,7 @@ enum {
     DPT_FORCE_OFF = 4
 };
 
-/* Bits of dpt_tool_force.flags. */
+/* Bits of dpt_force_report.flags. */
 enum {
     /* the wrench is on its way from that of an earlier step to what `reason` says, and so need not be zero */
     DPT_FORCE_FLAG_FADING = 1,
@@ -353,16 +353,17 @@ enum {
  * of a body that is removed or teleported, too, also while it fades: what is no more there pushes no more. A push
  * that ends because the tool moves away does not fade: it has come to zero by then.
  */
-typedef struct dpt_tool_force {
-    uint32_t size; /* sizeof(dpt_tool_force), set by the caller */
+typedef struct dpt_force_report {
+    uint32_t size; /* sizeof(dpt_force_report), set by the caller */
     uint32_t reason;
     uint32_t flags;
     uint32_t reserved;
     dpt_wrench wrench;
-} dpt_tool_force;
+} dpt_force_report;
 
 /* On error stale and zero. */
-DPT_API dpt_result dpt_tool_get_force(const dpt_world *world, dpt_tool tool, dpt_tool_force *force);
+DPT_API dpt_result dpt_tool_get_force_report(const dpt_world *world, dpt_tool tool,
+                                             dpt_force_report *force);
 
 /* Its wrench alone; zero on error. */
 DPT_API dpt_result dpt_tool_get_wrench(const dpt_world *world, dpt_tool tool, dpt_wrench *wrench);

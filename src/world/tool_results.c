@@ -125,11 +125,11 @@ dpt_result dpt_tool_get_wrench(const dpt_world *world, dpt_tool tool, dpt_wrench
     return DPT_OK;
 }
 
-dpt_result dpt_tool_get_force(const dpt_world *world, dpt_tool tool, dpt_tool_force *force)
+dpt_result dpt_tool_get_force_report(const dpt_world *world, dpt_tool tool, dpt_force_report *force)
 {
     if (!force)
         return DPT_E_ARGUMENT;
-    dpt_tool_force now = { .reason = DPT_FORCE_STALE };
+    dpt_force_report now = { .reason = DPT_FORCE_STALE };
     DPT_TRY(sized_check(force, sizeof now, 0));
     const struct tool *asked = world ? world_find_tool(world, tool) : NULL;
     if (asked) {

@@ -128,7 +128,7 @@ static dpt_result tool_settings(void *out)
 
 static dpt_result tool_force(void *out)
 {
-    return dpt_tool_get_force(world, tool, out);
+    return dpt_tool_get_force_report(world, tool, out);
 }
 
 static dpt_result guard(void *out)
@@ -164,7 +164,7 @@ static const struct sized outputs[] = {
     { "dpt_guard_info", sizeof(dpt_guard_info), sizeof(dpt_guard_info), guard_info },
     { "dpt_body_settings", sizeof(dpt_body_settings), sizeof(dpt_body_settings), body_settings },
     { "dpt_tool_settings", sizeof(dpt_tool_settings), sizeof(dpt_tool_settings), tool_settings },
-    { "dpt_tool_force", sizeof(dpt_tool_force), sizeof(dpt_tool_force), tool_force },
+    { "dpt_force_report", sizeof(dpt_force_report), sizeof(dpt_force_report), tool_force },
     { "dpt_hit of a query", sizeof(dpt_hit), sizeof(dpt_hit), query_hit },
 };
 

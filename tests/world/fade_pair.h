@@ -18,7 +18,7 @@ struct pair {
     dpt_body body[2][BODIES];
     dpt_tool tool[2];
     double fade, dt;
-    dpt_tool_force said, truth; /* of the last step */
+    dpt_force_report said, truth; /* of the last step */
     dpt_hit hit;
     double left;       /* of the fade, as it must be */
     unsigned begun;    /* fades that began */
@@ -101,15 +101,15 @@ static inline dpt_body sided_body(const struct pair *pair, dpt_body of)
 /* A tick of both worlds. Of a tool of one segment. */
 static inline void pair_step(struct pair *pair)
 {
-    const dpt_tool_force was = pair->said;
+    const dpt_force_report was = pair->said;
     dpt_hit hit[2] = { DPT_HIT_INIT, DPT_HIT_INIT };
     dpt_step step = { .size = sizeof step };
     pair->said.size = pair->truth.size = sizeof pair->said;
     for (int w = 0; w < 2; w++) {
         dpt_world_step(pair->world[w], pair->dt, &step);
         dpt_tool_get_hit(pair->world[w], pair->tool[w], &hit[w]);
-        CHECK(dpt_tool_get_force(pair->world[w], pair->tool[w], w ? &pair->truth : &pair->said) ==
-                  DPT_OK,
+        CHECK(dpt_tool_get_force_report(pair->world[w], pair->tool[w],
+                                        w ? &pair->truth : &pair->said) == DPT_OK,
               "no force");
     }
     dpt_wrench alone;

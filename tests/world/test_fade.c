@@ -248,7 +248,7 @@ static void only_its_share_fades(void)
     if (!pair_open(&pair, &sheet, &other, both, 2, &def, 1e-3))
         return;
     dpt_world *world = pair.world[FADES];
-    dpt_tool_force said = { .size = sizeof said };
+    dpt_force_report said = { .size = sizeof said };
     const dpt_body_settings deep = { .size = sizeof deep, .side_limit = 0.05 };
     dpt_body_set_settings(world, pair.body[FADES][1], &deep);
     double last = 0.0;
@@ -257,7 +257,7 @@ static void only_its_share_fades(void)
         const dpt_pose pose = place(0.0, 0.0, z);
         dpt_tool_set_pose(world, pair.tool[FADES], &pose);
         dpt_world_step(world, 1e-3, NULL);
-        dpt_tool_get_force(world, pair.tool[FADES], &said);
+        dpt_tool_get_force_report(world, pair.tool[FADES], &said);
         const double own = depth > 0.0 ? 500.0 * depth : 0.0;
         if (depth <= 0.03 + 1e-9) {
             last = n;
@@ -343,7 +343,7 @@ static void other_ends_are_at_once(void)
         for (int fading = 0; fading < 2; fading++) {
             struct pair pair;
             const dpt_pose deeper = place(0.003, 0.002, -0.0285);
-            dpt_tool_force said = { .size = sizeof said };
+            dpt_force_report said = { .size = sizeof said };
             if (!begin_deep(&pair, 0.01, 1e-3))
                 return;
             dpt_world *world = pair.world[FADES];
@@ -353,7 +353,7 @@ static void other_ends_are_at_once(void)
             end_it(&pair, how);
             if (how != NO_STEP)
                 dpt_world_step(world, 1e-3, NULL);
-            dpt_tool_get_force(world, pair.tool[FADES], &said);
+            dpt_tool_get_force_report(world, pair.tool[FADES], &said);
             CHECK(size_of_force(&said.wrench) == 0.0 && said.flags == 0 &&
                       said.reason == reasons[how],
                   "end %d, fading %d: %g N, flags %u, reason %u", how, fading,
@@ -364,7 +364,7 @@ static void other_ends_are_at_once(void)
             if (how == BODY_IS_LOST)
                 dpt_body_set_pose(world, pair.body[FADES][0], &still);
             dpt_world_step(world, 1e-3, NULL);
-            dpt_tool_get_force(world, pair.tool[FADES], &said);
+            dpt_tool_get_force_report(world, pair.tool[FADES], &said);
             CHECK(size_of_force(&said.wrench) == 0.0 && said.flags == 0,
                   "after end %d, fading %d: %g N", how, fading, size_of_force(&said.wrench));
             pair_close(&pair);
@@ -393,10 +393,10 @@ static void a_body_ends_its_own_push_alone(void)
     pair_close(&pair);
 }
 
-static dpt_tool_force force_of(const struct pair *pair)
+static dpt_force_report force_of(const struct pair *pair)
 {
-    dpt_tool_force said = { .size = sizeof said, .reserved = 1 };
-    CHECK(dpt_tool_get_force(pair->world[FADES], pair->tool[FADES], &said) == DPT_OK &&
+    dpt_force_report said = { .size = sizeof said, .reserved = 1 };
+    CHECK(dpt_tool_get_force_report(pair->world[FADES], pair->tool[FADES], &said) == DPT_OK &&
               said.reserved == 0,
           "no force");
     return said;
@@ -410,7 +410,7 @@ static void a_zero_wrench_says_why(void)
     const dpt_pose far_off = place(0.0, 0.0, 1.0);
     dpt_world_def def = def_of(0.002);
     struct pair pair;
-    dpt_tool_force said;
+    dpt_force_report said;
 
     /* Added, and not yet stepped; then in the sheet without a side; then away from it. */
     if (!pair_open(&pair, &sheet, NULL, &through, 1, &def, 1e-3))
@@ -425,13 +425,16 @@ static void a_zero_wrench_says_why(void)
     said = force_of(&pair);
     CHECK(said.reason == DPT_FORCE_FREE && said.flags == 0, "far off: %u", said.reason);
     said.size = 8;
-    CHECK(dpt_tool_get_force(pair.world[FADES], pair.tool[FADES], &said) == DPT_E_SIZE, "size 8");
+    CHECK(dpt_tool_get_force_report(pair.world[FADES], pair.tool[FADES], &said) == DPT_E_SIZE,
+          "size 8");
     said.size = sizeof said;
-    CHECK(dpt_tool_get_force(pair.world[FADES], pair.body[FADES][0], &said) == DPT_E_HANDLE &&
+    CHECK(dpt_tool_get_force_report(pair.world[FADES], pair.body[FADES][0], &said) ==
+                  DPT_E_HANDLE &&
               said.reason == DPT_FORCE_STALE,
           "a body's id: %u", said.reason);
-    CHECK(dpt_tool_get_force(NULL, 0, &said) == DPT_E_ARGUMENT &&
-              dpt_tool_get_force(pair.world[FADES], pair.tool[FADES], NULL) == DPT_E_ARGUMENT,
+    CHECK(dpt_tool_get_force_report(NULL, 0, &said) == DPT_E_ARGUMENT &&
+              dpt_tool_get_force_report(pair.world[FADES], pair.tool[FADES], NULL) ==
+                  DPT_E_ARGUMENT,
           "nothing to ask");
     pair_close(&pair);
 

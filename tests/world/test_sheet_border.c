@@ -133,7 +133,7 @@ struct slide {
     dpt_tool tool;
     double radius, half, speed, way, turn, tilt, height, low; /* half the tool's length */
     double at[3];
-    dpt_tool_force last;
+    dpt_force_report last;
     double end[2][3];
     int was_judged;
 };
@@ -148,9 +148,9 @@ static void turned(const struct slide *slide, double heading, double u[3])
 static void judge(struct slide *slide, const double end[2][3], double motion, struct sums *sums)
 {
     dpt_hit hit = DPT_HIT_INIT;
-    dpt_tool_force said = { .size = sizeof said };
+    dpt_force_report said = { .size = sizeof said };
     dpt_tool_get_hit(slide->world, slide->tool, &hit);
-    dpt_tool_get_force(slide->world, slide->tool, &said);
+    dpt_tool_get_force_report(slide->world, slide->tool, &said);
     const double *f = said.wrench.force, *g = slide->last.wrench.force;
     const double force = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
     const double jump = sqrt((f[0] - g[0]) * (f[0] - g[0]) + (f[1] - g[1]) * (f[1] - g[1]) +
@@ -241,8 +241,8 @@ static void one_slide(double radius_most, struct sums *sums)
     double at[3] = { 0.055 * (random_bits(&rng) % 2 ? 1.0 : -1.0), any(-0.055, 0.055), 0.0 };
     for (at[2] = down + slide.radius + 0.002; at[2] > down - slide.low; at[2] -= 5e-4)
         go(&slide, at, heading, NULL);
-    slide.last = (dpt_tool_force){ .size = sizeof slide.last };
-    dpt_tool_get_force(slide.world, slide.tool, &slide.last);
+    slide.last = (dpt_force_report){ .size = sizeof slide.last };
+    dpt_tool_get_force_report(slide.world, slide.tool, &slide.last);
     const double to[2] = { cos(slide.way), sin(slide.way) };
     for (int n = 0; n < 1500 && fmax(fabs(at[0]), fabs(at[1])) < 0.15; n++) {
         at[0] += slide.speed * to[0];
