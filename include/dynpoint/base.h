@@ -12,13 +12,20 @@
  *     up to the library's        what is missing has its default                filled as far as it goes
  *     above it                   the rest must be zero, else DPT_E_UNSUPPORTED  the rest is zeroed
  *
- * A size above 4096 is DPT_E_SIZE: it was never set.
+ * A default is what the release without that field did; a field that is missing from settings (dpt_tool_settings and the
+ * like) stays as it is. A size above 4096 is DPT_E_SIZE; it usually means that the field was not set. Reserved fields of
+ * an input must be 0, else DPT_E_ARGUMENT; of an output they are 0. Character arrays end in 0 and never change their
+ * length. Enums may gain values, and flags bits: ignore what you do not know.
  *
- * Every public function is total: NULL, NaN, stale ids and wrong sizes give a code (result.h), and
- * outputs are left as they were or written safe. No NaN leaves the library.
+ * Every public function is total: NULL, NaN, stale ids and wrong sizes give a code (result.h), and outputs are left as
+ * they were or written safe. No NaN leaves the library. A call that fails changes nothing, unless its header says so.
  *
- * Threads: an open mesh is read-only and may be shared; different worlds may run in different
- * threads, one world in one thread at a time.
+ * Arithmetic: calls expect round to nearest, subnormals on (neither FTZ nor DAZ) and masked floating-point traps in the
+ * calling thread. "The same bits" means: the same calls to the same release give the same bits on every machine, with
+ * every kernel. Another release may differ within the stated bounds.
+ *
+ * Threads: an open mesh is read-only and may be shared; different worlds may run in different threads, one world in one
+ * thread at a time. A callback must return; it must not end or free what is calling it.
  */
 #ifndef DYNPOINT_BASE_H
 #define DYNPOINT_BASE_H
@@ -30,6 +37,8 @@
 #define DPT_VERSION_MINOR  2
 #define DPT_VERSION_PATCH  0
 #define DPT_VERSION_STRING "0.2.0"
+/* To compare: major << 16 | minor << 8 | patch. */
+#define DPT_VERSION_NUMBER (DPT_VERSION_MAJOR << 16 | DPT_VERSION_MINOR << 8 | DPT_VERSION_PATCH)
 
 #if defined(_WIN32)
 #if defined(DPT_BUILD_SHARED)
@@ -58,7 +67,7 @@ DPT_BEGIN
 /* The version of the library that runs, as DPT_VERSION_STRING was when it was built. */
 DPT_API const char *dpt_version(void);
 
-/* The same as major << 16 | minor << 8 | patch, to compare. */
+/* The same, as DPT_VERSION_NUMBER was. */
 DPT_API uint32_t dpt_version_number(void);
 
 DPT_END

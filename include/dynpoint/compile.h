@@ -50,7 +50,7 @@ typedef struct dpt_compile_def {
     double scale;    /* metres per unit of the source; 0 means 1; must be positive */
     dpt_progress_fn *progress;
     void *user;
-    /* A def that ends here is taken too; so it was in 0.1. */
+    /* A def that ends here is taken too. */
     double
         crease; /* normals of two triangles that differ by more make a crease; rad, 0 means pi / 3; pi: none is */
     uint32_t threads;  /* at most so many, the calling one among them, and 64; 0 means 1 */

@@ -33,7 +33,7 @@ enum {
  *               Zero where there is none
  *   gap         signed distance of the tool's surface at p
  *
- * Integrals over the length of the stretch. With w = margin - gap(s), which is 0 at its ends, and n(s) the way out:
+ * Integrals over the length of the stretch. With w(s) = max(0, margin - gap(s)) and n(s) the way out:
  *   overlap     of w, in m^2
  *   moment      of s w, in m^2: moment / overlap is where the contact's middle is
  *   thrust      of w n, in m^2

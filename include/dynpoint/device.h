@@ -93,9 +93,7 @@ enum {
 };
 
 /*
- * One sample. `joint` stays the last field, so that DPT_JOINTS_MAX may grow: a caller whose struct is shorter gets as
- * many as it has room for, and dpt_device_info.joints says how many there are. What else a sample may gain takes the
- * place of `reserved`.
+ * One sample. dpt_device_info.joints says how many of `joint` count.
  */
 typedef struct dpt_device_state {
     uint32_t size;    /* sizeof(dpt_device_state), set by the caller */

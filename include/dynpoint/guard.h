@@ -47,7 +47,7 @@ enum { DPT_GUARD_OFF = 0, DPT_GUARD_STARTING = 1, DPT_GUARD_RUNNING = 2, DPT_GUA
 /*
  * A guard's memory: 512 bytes, for the stack, a static variable or a struct of the caller's own; copied, it is another
  * guard. What is in it is the library's, and may change with each release; dpt_guard_get_info tells what it did. This
- * size stays: today's state takes 280 bytes of it.
+ * size stays.
  */
 typedef struct dpt_guard {
     uint32_t size; /* sizeof(dpt_guard), set by the caller */
@@ -91,7 +91,7 @@ DPT_API dpt_result dpt_guard_get_info(const dpt_guard *guard, dpt_guard_info *in
  *   now_ns   of any clock; one that goes back stands still
  *   command  a fresh one, or NULL
  *   ready    0: the device or its pose cannot be trusted
- *   out      all zero for a guard that is NULL or was not initialised, whatever its memory holds
+ *   out      all zero for a guard that is NULL or was not initialised, such as one of zeros
  */
 DPT_API void dpt_guard_step(dpt_guard *guard, uint64_t now_ns, const dpt_wrench *command, int ready,
                             dpt_wrench *out);

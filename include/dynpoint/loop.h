@@ -81,7 +81,7 @@ enum {
 
 typedef struct dpt_loop_stats {
     uint32_t size;      /* sizeof(dpt_loop_stats), set by the caller */
-    uint32_t notes;     /* DPT_LOOP_... */
+    uint32_t notes;     /* DPT_LOOP_NOTE_... */
     uint64_t ticks;     /* each of them is in one of the next five */
     uint64_t fresh;     /* with a fresh sample of a ready device, and a command from it */
     uint64_t failed;    /* likewise, but the host's tick gave no command */

@@ -31,7 +31,8 @@ typedef struct dpt_mesh_fault {
 
 /*
  * Check all of a file, once: magic, version, lengths, checksums, every index and coordinate. After
- * that the library indexes without checks. Reads each byte about twice.
+ * that the library indexes without checks. dpt_mesh_open gives the mesh; dpt_mesh_verify does the same checks and tells
+ * where they failed.
  *
  *   bytes   aligned to 8; 64 is only faster
  *   mesh    written on success only
@@ -121,7 +122,7 @@ DPT_API dpt_result dpt_mesh_get_triangle(const dpt_mesh *mesh, uint32_t number, 
  * All of them at once, where they lie in the mesh's bytes: for a viewer, or a copy of one's own.
  *
  *   xyz       *count vertices, 3 floats each, in m
- *   corners   *count triangles, 3 vertices each, in the order of the box tree; wound as above
+ *   corners   *count triangles, 3 vertices each, in no stated order; wound as above
  *   numbers   of each its source number; NULL: not asked for
  */
 DPT_API dpt_result dpt_mesh_get_vertices(const dpt_mesh *mesh, const float **xyz, uint32_t *count);

@@ -36,9 +36,8 @@ typedef struct dpt_query_def {
  *   hits   n answers; hits[0].size must be set, is their stride, and is written into all of them
  *   def    NULL for the defaults
  *
- * An answer depends on its own segment alone, never on its neighbours in the batch (`work`
- * apart): with equal
- * distances the least triangle number wins, of the triangles that the search had to look at.
+ * An answer depends on its own segment alone, never on the others in the batch (`work` apart). Of several triangles at
+ * equal distance any may be named.
  *
  * A segment that is not finite or beyond DPT_COORDINATE_MAX gets status stale, and the call returns
  * DPT_E_FINITE after it has answered all others. So it is with DPT_E_LAYOUT for a forged mesh whose boxes do
@@ -55,9 +54,9 @@ DPT_API dpt_result dpt_query_segments(const dpt_mesh *mesh, const dpt_pose *pose
  *   triangle  three corners, x, y, z each; any of them may coincide
  *   s, p, q   each may be NULL; as in dpt_hit, in the frame of the arguments
  *
- * Returns the distance, 0 when they meet (p = q then); infinity, and safe outputs, for an argument
- * that is NULL, not finite or beyond 1e60. Lengths below 1e-60 count as 0. Error below 32 * 2^-53 times the largest coordinate, slivers included:
- * docs/algorithms/distance.md, tests/nearest/test_pair.c.
+ * Returns the distance; 0 when they meet, and p = q then. For an argument that is NULL, not finite or beyond 1e60 it
+ * returns infinity and safe outputs. Lengths below 1e-60 count as 0. docs/algorithms/distance.md has the bound of its
+ * error, a few units in the last place of the largest coordinate.
  */
 DPT_API double dpt_segment_triangle(const double segment[6], const double triangle[9], double *s,
                                     double p[3], double q[3]);

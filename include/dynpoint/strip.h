@@ -26,7 +26,7 @@ typedef struct dpt_strip_def {
     uint32_t reserved; /* 0 */
 } dpt_strip_def;
 
-/* The bytes that a strip needs: at most 1024 + 96 capacity + 36 search. 0 for a def that is not valid. */
+/* The bytes that a strip needs, in this version of the library. 0 for a def that is not valid. */
 DPT_API size_t dpt_strip_bytes(const dpt_strip_def *def);
 
 /* Make an empty strip in `block`, aligned to 8 and of at least dpt_strip_bytes(def). */
@@ -43,7 +43,7 @@ enum {
 
 /*
  * The triangles of a strip, *count of them; valid until the strip is filled again. For NULL: NULL, and *count is 0.
- *   flags   DPT_STRIP_..., may be NULL
+ *   flags   DPT_STRIP_FLAG_..., may be NULL
  */
 DPT_API const uint32_t *dpt_strip_get_triangles(const dpt_strip *strip, uint32_t *count,
                                                 uint32_t *flags);
@@ -131,6 +131,7 @@ typedef struct dpt_overlap {
 
 /*
  * How a segment stands to the triangles of a strip, in the strip's order, up to `capacity` of them.
+ *   mesh     the one that the strip was filled from, else DPT_E_ARGUMENT; it must still be there
  *   side     +1: the tool is on the side that the triangles' normals point to; -1: on the other one, of an open sheet
  *   count    gets how many there are, which may be more than fit
  */

@@ -11,16 +11,17 @@
 /* No coordinate, length or radius may exceed this, in metres. */
 #define DPT_COORDINATE_MAX 1e6
 
-/* In place of a triangle, vertex, body or segment where there is none. */
+/* In place of a triangle, vertex, segment or link where there is none. No body or tool has the id 0. */
 #define DPT_NONE UINT32_MAX
 
-/* At most so many joints has an arm, or a device. */
+/* The most joints of an arm or a device. It never changes. */
 #define DPT_JOINTS_MAX 8
 
 /*
  * Position and orientation of a frame in the world. A point x of the frame is at
  * position + R(orientation) x in the world.
- *   orientation: quaternion (w, x, y, z), of unit length within 1e-6; it is normalised before use.
+ *   orientation: quaternion (w, x, y, z), of unit length within 1e-6; it is normalised before use. q and -q are the
+ *   same orientation.
  */
 typedef struct dpt_pose {
     double position[3];
@@ -67,8 +68,8 @@ enum {
 /* How the tool's surface stands to the mesh. */
 enum {
     /*
-     * Not decided: the budget ended before, no side of an open sheet is known, the axis crosses more than 31 times, or
-     * there is no mesh.
+     * Not decided: the budget ended before, no side of an open sheet is known, the axis crosses too often, or there is no
+     * mesh.
      */
     DPT_CONTACT_UNKNOWN = 0,
     DPT_CONTACT_SEPARATED = 1,  /* gap > error_bound */
@@ -93,7 +94,7 @@ enum {
  *                the distance of a point to the mesh, negative inside a part that has an inside and behind an
  *                open sheet of which a side is kept; where DPT_HIT_FLAG_GAP is set. Within error_bound while the axis is
  *                outside, else within 1e-5 of the mesh's diagonal. Where a part has holes, an axis may enter and leave
- *                its inside through them between two samples (nine at least): then that inside is missed
+ *                its inside through them between two samples: then that inside is missed
  *   depth        max(0, -gap)
  *   error_bound  |distance - true distance| <= error_bound
  *   lower_bound  <= true distance

@@ -190,7 +190,7 @@ dpt_result dpt_body_set_settings(dpt_world *world, dpt_body body, const dpt_body
     struct body *asked = world_find_body(world, body);
     if (!asked)
         return DPT_E_HANDLE;
-    dpt_body_settings settings = { .size = sizeof settings };
+    dpt_body_settings settings = { .size = sizeof settings, .side_limit = asked->side_limit };
     DPT_TRY(sized_read(given, sizeof settings, &settings, sizeof settings));
     if (settings.reserved || !dpti_side_limit_is_valid(settings.side_limit))
         return DPT_E_ARGUMENT;

@@ -202,7 +202,7 @@ dpt_result dpt_tool_set_settings(dpt_world *world, dpt_tool tool, const dpt_tool
     struct tool *asked = world_find_tool(world, tool);
     if (!asked)
         return DPT_E_HANDLE;
-    dpt_tool_settings settings = { .size = sizeof settings };
+    dpt_tool_settings settings = { .size = sizeof settings, .stiffness = asked->stiffness };
     DPT_TRY(sized_read(given, sizeof settings, &settings, sizeof settings));
     if (settings.reserved || !dpti_stiffness_is_valid(settings.stiffness))
         return DPT_E_ARGUMENT;
