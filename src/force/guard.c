@@ -28,7 +28,7 @@ static const uint64_t MADE = 0x6775617264206f6eu;
 
 static int load(const dpt_guard *from, struct guard *guard)
 {
-    if (!from || from->size < sizeof *from)
+    if (!from || sized_check(from, sizeof *from, 0) != DPT_OK)
         return 0;
     memcpy(guard, from->opaque, sizeof *guard);
     return guard->mark == MADE;

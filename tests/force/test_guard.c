@@ -418,6 +418,15 @@ static void is_total(void)
     def.size = 1;
     guard.size = sizeof guard;
     CHECK(dpt_guard_init(&guard, &def) == DPT_E_SIZE, "a def of another size");
+    dpt_guard_def_init(&def);
+    def.start = def.force_slew = 0.0;
+    guard = guard_of(&def);
+    dpt_guard_step(&guard, BEGIN, &command, 1, &out);
+    CHECK(!is_zero(&out), "a guard without a ramp gives nothing");
+    guard.size = 4104;
+    CHECK(dpt_guard_init(&guard, &def) == DPT_E_SIZE, "a size that was never set");
+    dpt_guard_step(&guard, BEGIN, &command, 1, &out);
+    CHECK(is_zero(&out), "a guard that was refused another time gives %g N", size_of(out.force));
     dpt_guard_def_defaults(NULL, 8);
     guard = guard_of(NULL);
     dpt_guard_step(&guard, BEGIN, &command, 1, NULL);
