@@ -126,10 +126,13 @@ dpt_result dpt_tool_set_pose(dpt_world *world, dpt_tool tool, const dpt_pose *po
     struct tool *moved = world ? world_find_tool(world, tool) : NULL;
     if (!moved)
         return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
-    dpt_result result = pose ? frame_of_pose(pose, &moved->frame) : DPT_E_ARGUMENT;
+    struct frame frame;
+    dpt_result result = pose ? frame_of_pose(pose, &frame) : DPT_E_ARGUMENT;
     moved->slot.valid = result == DPT_OK;
-    if (moved->slot.valid)
+    if (moved->slot.valid) {
+        moved->frame = frame;
         moved->pose = *pose;
+    }
     set_free(world, moved, 0);
     return result;
 }

@@ -320,6 +320,14 @@ static void what_cannot_be_tried(void)
     CHECK(dpt_tool_try_pose(of.world, of.tool, &far, 0.0, &first, NULL) == DPT_OK &&
               first.status == DPT_SWEEP_NONE,
           "the tool's pose is not valid: %u", first.status);
+
+    /* It is where it could be last. */
+    dpt_segment there[SEGMENTS];
+    CHECK(dpt_tool_try_segments(of.world, of.tool, of.segment, SEGMENTS, 0.0, &first, there) ==
+                  DPT_OK &&
+              first.status == DPT_SWEEP_NONE && first.time == 0.0 &&
+              there[0].a[0] == far.position[0] + of.segment[0].a[0],
+          "it is at x = %g", there[0].a[0]);
     free(of.block);
 }
 
