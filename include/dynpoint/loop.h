@@ -41,7 +41,7 @@ typedef struct dpt_loop_sample {
     uint32_t commands;
     const dpt_device_state *state;
     const dpt_device_info *info;
-    double dt;        /* since the sample of the last call, s; one period at first */
+    double dt; /* since the sample of the last call, s; one period at first, and after a loss */
     uint64_t sent_ns; /* when the device took `sent`, on the clock of state->time_ns; 0 before */
     dpt_wrench sent;  /* in the device's frame */
 } dpt_loop_sample;
