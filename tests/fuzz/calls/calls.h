@@ -126,6 +126,9 @@ enum { OUTPUTS = 8, OUTPUT_ROOM = 1 << 16 };
 /* `size` bytes that may be written, and not one more. */
 void *output_of(int slot, size_t size);
 
+/* What was taken last there. */
+void *output_at(int slot);
+
 /* Of a struct whose size is `size`: as many bytes as that may be. */
 void *output_sized(int slot, uint32_t size);
 
@@ -144,6 +147,15 @@ int output_is_untouched(int slot, size_t from);
  * whole.
  */
 int output_read(int slot, uint32_t size, size_t today, size_t doubles, void *copy);
+
+/*
+ * What a def's _defaults function left of that size in a slot: those of `whole`, of today's size, and zeros behind;
+ * nothing for a size that is none, or a def that is NULL.
+ */
+void defaults_must_hold(int slot, uint32_t size, int is_null, const void *whole, size_t today);
+
+/* Room for it. */
+void *output_of_defaults(int slot, uint32_t size);
 
 /* The numbers are finite. */
 void numbers_are_finite(const double *numbers, size_t count, const char *what);
@@ -205,7 +217,8 @@ struct noun {
 };
 
 extern const struct noun world_noun, body_noun, tool_noun, step_noun, result_noun, strip_noun,
-    query_noun, mesh_noun, arm_noun, compile_noun, guard_noun, device_noun, loop_noun, name_noun;
+    query_noun, mesh_noun, arm_noun, compile_noun, guard_noun, device_noun, loop_noun, name_noun,
+    trial_noun, selftest_noun;
 
 /* ---- what a run must have met, or it tests little ---- */
 
@@ -219,6 +232,13 @@ extern const struct noun world_noun, body_noun, tool_noun, step_noun, result_nou
     X(OVERLAP, "an overlap")             X(PUSH, "a wrench")           X(CONTACTS_FULL, "too many contacts") \
     X(TRUE, "a pair that was held against all triangles")             X(TWIN, "a twin's answer")   \
     X(INSIDE, "a depth of an axis inside")                                                         \
+    X(TRIED_FREE, "a trial that met nothing")                         X(TRIED_HIT, "a trial that met something") \
+    X(TRIED_START, "a trial that touched at once")                    X(TRIED_NONE, "a trial of which nobody knows") \
+    X(TRIED_AXIS, "a trial of an axis") \
+    X(STARTING, "a guard that starts")   X(RUNNING, "a guard that runs") X(STOPPING, "a guard that stops") \
+    X(CLAMPED, "a command that was clamped")                          X(SLEWED, "a wrench that was slewed") \
+    X(SENT, "a tick that is told what acted")                         X(DROPPED, "a command that was dropped") \
+    X(TESTED, "a self-test that came to its end") \
     X(REUSED, "an id that came round")   X(ANEW, "a world in a block in use")
 /* clang-format on */
 #define MET_ENUM(name, text) MET_##name,

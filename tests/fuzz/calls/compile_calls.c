@@ -30,14 +30,19 @@ struct given_def {
 static void draw_def(struct given_def *of)
 {
     const size_t first = offsetof(dpt_compile_def, crease);
-    *of = (struct given_def){ .def = { .format = draw_one_in(12) ? draw_below(7) : 0,
-                                       .crease = draw_one_in(2) ? 0.0 : draw_in(0.01, 3.1),
-                                       .threads = draw_below(3),
-                                       .reserved = draw_one_in(30) ? 1u : 0u } };
+    *of = (struct given_def){ .given = NULL };
     dpt_compile_def *def = &of->def;
     if (draw_one_in(3))
         return;
-    def->scale = draw_one_in(2) ? 0.0 : draw_in(0.1, 10.0);
+    if (draw_one_in(4)) {
+        CALL(dpt_compile_def_defaults, def, sizeof *def);
+    } else {
+        *def = (dpt_compile_def){ .format = draw_one_in(12) ? draw_below(7) : 0,
+                                  .crease = draw_one_in(2) ? 0.0 : draw_in(0.01, 3.1),
+                                  .threads = draw_below(3),
+                                  .reserved = draw_one_in(30) ? 1u : 0u };
+        def->scale = draw_one_in(2) ? 0.0 : draw_in(0.1, 10.0);
+    }
     if (draw_one_in(20))
         *(draw_one_in(2) ? &def->scale : &def->crease) = draw_odd_number();
     if (draw_one_in(3)) {
@@ -266,6 +271,51 @@ static void arm(void)
     HOLDS(!of.out.bytes && !of.out.size, "given back, and still there");
 }
 
+/* A source that is good, by a scale that is not: no other code will do. */
+static void scales(void)
+{
+    static const double vertices[] = { 0, 0, 0, 0.1, 0, 0, 0, 0.1, 0 };
+    static const uint32_t corners[] = { 0, 1, 2 };
+    static const char text[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    const double wrong[] = { NAN, -NAN, -1.0, -1e-300, -INFINITY, INFINITY, 1.0001e30 };
+    const double good[] = { 0.0, -0.0, 0.001, 25.4 };
+    const int is_wrong = draw_one_in(2);
+    struct outcome of = { .out = { NULL, 0 } };
+    dpt_compile_def def;
+    dpt_result result;
+    CALL(dpt_compile_def_defaults, &def, sizeof def);
+    def.scale = is_wrong ? wrong[draw_below(7)] : good[draw_below(4)];
+    output_of(0, 0);
+    switch (draw_below(3)) {
+    case 0:
+        result = RESULT(dpt_compile_file, obj_path, &def, &of.out, NULL);
+        break;
+    case 1:
+        result = RESULT(dpt_compile_bytes, text, sizeof text - 1, &def, &of.out, NULL);
+        break;
+    default:
+        result = RESULT(dpt_compile_arrays, vertices, 3, corners, 1, &def, &of.out, NULL);
+    }
+    HOLDS(result == (is_wrong ? DPT_E_ARGUMENT : DPT_OK), "%s by a scale of %g",
+          dpt_result_name(result), def.scale);
+    outcome_must_hold(&of, result, 0);
+    CALL(dpt_compiled_free, &of.out);
+}
+
+static void defaults(void)
+{
+    dpt_compile_def whole;
+    const uint32_t size = draw_size(offsetof(dpt_compile_def, crease), sizeof whole);
+    const int is_null = draw_one_in(20);
+    void *out = output_of_defaults(0, size);
+    CALL(dpt_compile_def_defaults, is_null ? NULL : out, size);
+    CALL(dpt_compile_def_defaults, &whole, sizeof whole);
+    defaults_must_hold(0, size, is_null, &whole, sizeof whole);
+    HOLDS(whole.scale == 1.0 && fabs(whole.crease - acos(0.5)) < 1e-15 && whole.threads == 1 &&
+              !whole.format && !whole.progress && !whole.user && !whole.reserved,
+          "scale %g, crease %g, %u threads", whole.scale, whole.crease, whole.threads);
+}
+
 static void free_nothing(void)
 {
     dpt_compiled nothing = { NULL, 0 };
@@ -279,10 +329,10 @@ static void end(void)
     memset(&subjects[MESHES], 0, sizeof subjects[MESHES]);
 }
 
-static const struct move moves[] = { { "arrays", arrays, 3 },
-                                     { "bytes", bytes, 1 },
-                                     { "arm", arm, 1 },
-                                     { "free nothing", free_nothing, 1 },
-                                     { NULL, NULL, 0 } };
+static const struct move moves[] = {
+    { "arrays", arrays, 3 }, { "bytes", bytes, 1 },       { "arm", arm, 1 },
+    { "scales", scales, 1 }, { "defaults", defaults, 1 }, { "free nothing", free_nothing, 1 },
+    { NULL, NULL, 0 }
+};
 
 const struct noun compile_noun = { "compile", NULL, end, moves };

@@ -71,14 +71,6 @@ static struct device_model *draw_device(void)
     return of->open ? of : NULL;
 }
 
-/* The drivers' structs have the very size of today. */
-static uint32_t draw_exact_size(size_t today, struct codes *codes)
-{
-    const uint32_t size = draw_one_in(20) ? (uint32_t)today - 8 : (uint32_t)today;
-    may_fail(codes, size != today, DPT_E_SIZE);
-    return size;
-}
-
 static void open(void)
 {
     struct device_model *of = &devices[draw_below(DEVICES)];
@@ -88,8 +80,11 @@ static void open(void)
     struct codes codes = { .count = 0 };
     dpt_device *made = NULL;
     const int has_error = draw_one_in(2);
-    dpt_device_error *error = output_of(0, sizeof *error);
-    error->size = has_error ? draw_exact_size(sizeof *error, &codes) : 0;
+    dpt_device_error told;
+    const uint32_t size = draw_size(sizeof told, sizeof told);
+    dpt_device_error *error = output_sized(0, size);
+    if (has_error)
+        size_codes_of_output(size, sizeof told, 0, &codes);
     CALL(dpt_device_close, of->open);
     *of = (struct device_model){ .open = NULL };
     may_fail(&codes, no_name || no_device, DPT_E_ARGUMENT);
@@ -100,10 +95,12 @@ static void open(void)
     expect(result, &codes);
     outputs_are_guarded(0, 1);
     HOLDS((result == DPT_OK) == (made != NULL), "%s", dpt_result_name(result));
-    HOLDS(!has_error || result == DPT_E_SIZE ||
-              (error->code == result && memchr(error->text, 0, sizeof error->text) &&
-               (result == DPT_OK || error->text[0])),
-          "code %d", error->code);
+    if (!has_error || output_is_untouched(0, sizeof size))
+        HOLDS(!has_error || result == DPT_E_SIZE, "nothing was told");
+    else if (output_read(0, size, sizeof told, sizeof told, &told))
+        HOLDS(told.code == result && memchr(told.text, 0, sizeof told.text) &&
+                  (result == DPT_OK || told.text[0]),
+              "code %d", told.code);
     of->open = made;
     of->is_replay = !strncmp(name, "replay", 6);
 }
@@ -142,33 +139,48 @@ static void drivers(void)
           "a name of none");
 }
 
+/* From its workspace to a box. */
+static void map(const struct device_model *of, const dpt_device_info *info)
+{
+    double scale = -1.0, offset[3];
+    const double low[3] = { -1, -2, -3 }, high[3] = { 1, draw_one_in(4) ? -3 : 2, 3 };
+    const int is_flat = of->is_replay, is_wrong = high[1] < low[1];
+    struct codes of_map = { .count = 0 };
+    const void *given = draw_input(1, info, draw_size(sizeof *info, sizeof *info), sizeof *info,
+                                   sizeof *info, &of_map);
+    may_fail(&of_map, is_flat, DPT_E_FINITE);
+    may_fail(&of_map, is_wrong, DPT_E_ARGUMENT);
+    expect(RESULT(dpt_device_map, given, low, high, &scale, offset), &of_map);
+    outputs_are_guarded(1, 1);
+    HOLDS(of_map.count || (scale > 0.0 && isfinite(scale)), "scale %g", scale);
+    HOLDS(RESULT(dpt_device_map, NULL, low, high, &scale, offset) == DPT_E_ARGUMENT, "no info");
+}
+
 static void info(void)
 {
     struct device_model *of = draw_device();
     struct codes codes = { .count = 0 };
     const int no_out = draw_one_in(30);
-    dpt_device_info *out = output_of(0, sizeof *out);
-    out->size = draw_exact_size(sizeof *out, &codes);
-    codes.count = no_out ? 0 : codes.count;
+    dpt_device_info now;
+    const uint32_t size = draw_size(sizeof now, sizeof now);
+    void *out = output_sized(0, size);
+    if (!no_out)
+        size_codes_of_output(size, sizeof now, 0, &codes);
     may_fail(&codes, !of || no_out, DPT_E_ARGUMENT);
     expect(RESULT(dpt_device_get_info, of ? of->open : NULL, no_out ? NULL : out), &codes);
     outputs_are_guarded(0, 1);
-    if (codes.count)
+    if (codes.count) {
+        HOLDS(output_is_untouched(0, sizeof size), "written on an error");
         return;
-    numbers_are_finite(&out->rate, 13, "a device's info");
-    HOLDS((out->pose_dofs == 3 || out->pose_dofs == 6) && out->joints <= DPT_JOINTS_MAX &&
-              out->wrench_dofs <= 6 && out->buttons <= 32 && out->rate > 0.0 &&
-              memchr(out->name, 0, sizeof out->name) && memchr(out->serial, 0, sizeof out->serial),
-          "%u dofs", out->pose_dofs);
-    double scale = -1.0, offset[3];
-    const double low[3] = { -1, -2, -3 }, high[3] = { 1, draw_one_in(4) ? -3 : 2, 3 };
-    const int is_flat = of->is_replay, is_wrong = high[1] < low[1];
-    struct codes of_map = { .count = 0 };
-    may_fail(&of_map, is_flat, DPT_E_FINITE);
-    may_fail(&of_map, is_wrong, DPT_E_ARGUMENT);
-    expect(RESULT(dpt_device_map, out, low, high, &scale, offset), &of_map);
-    HOLDS(of_map.count || (scale > 0.0 && isfinite(scale)), "scale %g", scale);
-    HOLDS(RESULT(dpt_device_map, NULL, low, high, &scale, offset) == DPT_E_ARGUMENT, "no info");
+    }
+    output_read(0, size, sizeof now, sizeof now, &now);
+    numbers_are_finite(&now.rate, 21, "a device's info");
+    HOLDS((now.pose_dofs == 3 || now.pose_dofs == 6) && now.joints <= DPT_JOINTS_MAX &&
+              now.wrench_dofs <= 6 && now.buttons <= 32 && now.rate > 0.0 &&
+              memchr(now.name, 0, sizeof now.name) && memchr(now.serial, 0, sizeof now.serial),
+          "%u dofs", now.pose_dofs);
+    now.size = sizeof now;
+    map(of, &now);
 }
 
 static void read(void)
@@ -176,9 +188,11 @@ static void read(void)
     struct device_model *of = draw_device();
     struct codes codes = { .count = 0 };
     const int no_out = draw_one_in(30);
-    dpt_device_state *out = output_of(0, sizeof *out);
-    out->size = draw_exact_size(sizeof *out, &codes);
-    codes.count = no_out ? 0 : codes.count;
+    dpt_device_state now;
+    const uint32_t size = draw_size(sizeof now, sizeof now);
+    dpt_device_state *out = output_sized(0, size);
+    if (!no_out)
+        size_codes_of_output(size, sizeof now, 0, &codes);
     may_fail(&codes, !of || no_out, DPT_E_ARGUMENT);
     const int is_refused = codes.count > 0;
     codes.or_done = !is_refused;
@@ -186,29 +200,29 @@ static void read(void)
     const dpt_result result = RESULT(dpt_device_read, of ? of->open : NULL, no_out ? NULL : out);
     expect(result, &codes);
     outputs_are_guarded(0, 1);
-    if (is_refused)
+    if (is_refused) {
+        HOLDS(output_is_untouched(0, sizeof size), "written on an error");
         return;
-    numbers_are_finite(out->pose.position, 7, "a pose");
-    numbers_are_finite(out->velocity, 6 + DPT_JOINTS_MAX + 1, "velocities and joints");
+    }
+    output_read(0, size, sizeof now, offsetof(dpt_device_state, pose), &now);
     struct codes of_pose = { .count = 0 };
-    pose_codes(&out->pose, &of_pose);
+    pose_codes(&now.pose, &of_pose);
     HOLDS(!of_pose.count, "a pose that cannot be used");
-    HOLDS(out->status <= DPT_DEVICE_STATUS_READY && out->reasons < 2 * DPT_REASON_DOCKED &&
-              (out->status != DPT_DEVICE_STATUS_READY || !out->reasons),
-          "status %u, reasons %x", out->status, out->reasons);
-    HOLDS((result == DPT_E_LOST) == (out->status == DPT_DEVICE_STATUS_LOST) &&
-              (result == DPT_OK || !out->fresh),
-          "%s, status %u, fresh %u", dpt_result_name(result), out->status, out->fresh);
-    HOLDS(!of->has_state || out->sequence >= of->sequence || of->is_lost, "sample %llu after %llu",
-          (unsigned long long)out->sequence, (unsigned long long)of->sequence);
-    HOLDS(!out->fresh || !of->has_state || of->is_lost || out->time_ns > of->time_ns,
-          "a fresh sample of %llu ns after %llu", (unsigned long long)out->time_ns,
+    HOLDS(now.status <= DPT_DEVICE_STATUS_READY && now.reasons < 2 * DPT_REASON_DOCKED &&
+              (now.status != DPT_DEVICE_STATUS_READY || !now.reasons),
+          "status %u, reasons %x", now.status, now.reasons);
+    HOLDS((result == DPT_E_LOST) == (now.status == DPT_DEVICE_STATUS_LOST) &&
+              (result == DPT_OK || !now.fresh),
+          "%s, status %u, fresh %u", dpt_result_name(result), now.status, now.fresh);
+    HOLDS(!of->has_state || now.sequence >= of->sequence || of->is_lost, "sample %llu after %llu",
+          (unsigned long long)now.sequence, (unsigned long long)of->sequence);
+    HOLDS(!now.fresh || !of->has_state || of->is_lost || now.time_ns > of->time_ns,
+          "a fresh sample of %llu ns after %llu", (unsigned long long)now.time_ns,
           (unsigned long long)of->time_ns);
-    game_digest(out, sizeof *out);
     of->has_state = 1;
     of->is_lost = result == DPT_E_LOST;
-    of->sequence = out->sequence;
-    of->time_ns = out->time_ns;
+    of->sequence = now.sequence;
+    of->time_ns = now.time_ns;
 }
 
 static void write(void)
@@ -247,14 +261,20 @@ static void counts(void)
 {
     struct device_model *of = draw_device();
     struct codes codes = { .count = 0 };
-    dpt_device_counts *out = output_of(0, sizeof *out);
-    out->size = draw_exact_size(sizeof *out, &codes);
+    dpt_device_counts now;
+    const uint32_t size = draw_size(sizeof now, sizeof now);
+    void *out = output_sized(0, size);
+    size_codes_of_output(size, sizeof now, 0, &codes);
     may_fail(&codes, !of, DPT_E_ARGUMENT);
     expect(RESULT(dpt_device_get_counts, of ? of->open : NULL, out), &codes);
     outputs_are_guarded(0, 1);
-    if (!codes.count)
-        HOLDS(out->refused <= out->commands && !out->reserved, "%llu refused",
-              (unsigned long long)out->refused);
+    if (codes.count) {
+        HOLDS(output_is_untouched(0, sizeof size), "written on an error");
+    } else {
+        output_read(0, size, sizeof now, sizeof now, &now);
+        HOLDS(now.refused <= now.commands && !now.reserved, "%llu refused",
+              (unsigned long long)now.refused);
+    }
     HOLDS(RESULT(dpt_device_get_counts, of ? of->open : NULL, NULL) == DPT_E_ARGUMENT, "nowhere");
 }
 

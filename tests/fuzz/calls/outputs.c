@@ -32,6 +32,11 @@ void *output_of(int slot, size_t size)
     return base_of(slot);
 }
 
+void *output_at(int slot)
+{
+    return base_of(slot);
+}
+
 void *output_sized(int slot, uint32_t size)
 {
     const size_t own = size < sizeof size ? sizeof size : size > SIZE_MOST ? 8 : size;
@@ -96,4 +101,33 @@ int output_read(int slot, uint32_t size, size_t today, size_t doubles, void *cop
     }
     game_digest(bytes, known);
     return size >= today;
+}
+
+static int is_size_of_defaults(uint32_t size)
+{
+    return size >= sizeof size && size <= SIZE_MOST;
+}
+
+void *output_of_defaults(int slot, uint32_t size)
+{
+    return output_of(slot, is_size_of_defaults(size) || size < sizeof size ? size : 8);
+}
+
+void defaults_must_hold(int slot, uint32_t size, int is_null, const void *whole, size_t today)
+{
+    const unsigned char *bytes = base_of(slot);
+    const size_t known = size < today ? size : today;
+    uint32_t now;
+    outputs_are_guarded(slot, 1);
+    if (is_null || !is_size_of_defaults(size)) {
+        HOLDS(output_is_untouched(slot, 0), "written with a size of %u", size);
+        return;
+    }
+    memcpy(&now, bytes, sizeof now);
+    HOLDS(now == size, "the size of %u became %u", size, now);
+    HOLDS(!memcmp(bytes + sizeof size, (const unsigned char *)whole + sizeof size,
+                  known - sizeof size),
+          "not the defaults, as far as %u bytes go", size);
+    for (size_t i = today; i < size; i++)
+        HOLDS(bytes[i] == 0, "byte %zu of size %u", i, size);
 }

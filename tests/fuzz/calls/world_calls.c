@@ -9,14 +9,9 @@ static int kernel_is_there[KERNELS], kernel_is_not[KERNELS];
 
 /* ---- the block, guarded on both sides ---- */
 
-static unsigned char *world_block(const struct scene *scene, int i)
-{
-    return scene->block[i] + scene->offset;
-}
-
 static void check_guards(const struct scene *scene, int i)
 {
-    const unsigned char *before = scene->block[i], *behind = world_block(scene, i) + scene->room;
+    const unsigned char *before = scene->block[i], *behind = scene_block(scene, i) + scene->room;
     for (size_t k = 0; k < GUARD; k++)
         HOLDS(before[k] == PATTERN && behind[k] == PATTERN,
               "something wrote about a world's block");
@@ -43,7 +38,7 @@ static void take_blocks(struct scene *scene, size_t room, int count)
         scene->block[i] = malloc(scene->offset + room + GUARD);
         HOLDS(scene->block[i], "memory ran out");
         memset(scene->block[i], PATTERN, scene->offset + room + GUARD);
-        memset(world_block(scene, i), i ? 0xff : 0x5c, room);
+        memset(scene_block(scene, i), i ? 0xff : 0x5c, room);
     }
 }
 
@@ -249,7 +244,7 @@ static void create_in_vain(struct scene *scene, const struct given_def *of, size
     const size_t given = draw_one_in(2) ? 0 : bytes - 1 - draw_below(8);
     const size_t off = is_off ? 1 + draw_below(7) : 0;
     unsigned char *block =
-        scene->block[0] ? world_block(scene, 0) + off : (unsigned char *)small + off;
+        scene->block[0] ? scene_block(scene, 0) + off : (unsigned char *)small + off;
     codes.or_done = 0;
     may_fail(&codes, no_block || no_world, DPT_E_ARGUMENT);
     may_fail(&codes, off != 0, DPT_E_ALIGN);
@@ -275,9 +270,9 @@ static dpt_result create_all(struct scene *scene, const struct given_def *of, in
         dpt_world *world = NULL;
         memcpy(def + offsetof(dpt_world_def, kernel), &kernel, sizeof kernel);
         if (i) /* of what was there before the first one has all, the second nothing */
-            memset(world_block(scene, i), 0xff, scene->room);
+            memset(scene_block(scene, i), 0xff, scene->room);
         call_with("a block of %llu bytes, kernel %llu", room, kernel, 0, 0);
-        result = RESULT(dpt_world_create, world_block(scene, i), room, of->given, &world);
+        result = RESULT(dpt_world_create, scene_block(scene, i), room, of->given, &world);
         note_kernel(kernel, result);
         HOLDS((result == DPT_OK) == (world != NULL), "%s", dpt_result_name(result));
         if (world)
@@ -325,22 +320,20 @@ static void create(void)
 static void defaults(void)
 {
     const uint32_t size = draw_size(sizeof(dpt_world_def), sizeof(dpt_world_def));
-    const int of_world = draw_one_in(2), is_null = draw_one_in(20);
-    const size_t today = of_world ? sizeof(dpt_world_def) : sizeof(dpt_baseline_def);
-    unsigned char *out = output_of(0, size > 4096 ? 8 : size);
+    const int is_null = draw_one_in(20);
+    void *out = output_of_defaults(0, size), *given = is_null ? NULL : out;
+    dpt_world_def world;
+    dpt_baseline_def baseline;
     call_with("size %llu", size, 0, 0, 0);
-    if (of_world)
-        CALL(dpt_world_def_defaults, is_null ? NULL : (void *)out, size);
-    else
-        CALL(dpt_baseline_def_defaults, is_null ? NULL : (void *)out, size);
-    outputs_are_guarded(0, 1);
-    if (is_null || size < 4 || size > 4096) {
-        HOLDS(output_is_untouched(0, 0), "size %u", size);
-        return;
+    if (draw_one_in(2)) {
+        CALL(dpt_world_def_defaults, given, size);
+        CALL(dpt_world_def_defaults, &world, sizeof world);
+        defaults_must_hold(0, size, is_null, &world, sizeof world);
+    } else {
+        CALL(dpt_baseline_def_defaults, given, size);
+        CALL(dpt_baseline_def_defaults, &baseline, sizeof baseline);
+        defaults_must_hold(0, size, is_null, &baseline, sizeof baseline);
     }
-    HOLDS(*(const uint32_t *)(const void *)out == size, "size %u was not kept", size);
-    for (size_t i = today; i < size; i++)
-        HOLDS(out[i] == 0, "byte %zu of size %u", i, size);
 }
 
 static void reset(void)

@@ -107,6 +107,12 @@ void tool_has_segments(struct scene *scene, struct model_tool *tool, const dpt_s
 void scene_remove_body(struct scene *scene, struct model_body *body);
 void scene_remove_tool(struct scene *scene, struct model_tool *tool);
 
+/* World i's memory, of scene->room bytes. */
+static inline unsigned char *scene_block(const struct scene *scene, int i)
+{
+    return scene->block[i] + scene->offset;
+}
+
 /* Something to feel, and something that feels: one to three, as far as they fit. */
 void scene_gets_bodies(struct scene *scene);
 void scene_gets_tools(struct scene *scene);
