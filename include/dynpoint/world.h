@@ -323,7 +323,7 @@ DPT_API dpt_result dpt_tool_get_strip(const dpt_world *world, dpt_tool tool, uin
  *   ACTS       it feels one: at least one segment is pushed
  *   UNDECIDED  at least one segment may touch something, but its direction is not known: its contact is
  *              DPT_CONTACT_UNKNOWN, or it goes through a surface that has no sides
- *   FREE       no segment is in anything
+ *   FREE       no segment is in anything, or there are no bodies
  */
 enum {
     DPT_FORCE_ACTS = 0,

@@ -19,6 +19,8 @@ void dpti_tool_clear_hits(struct dpt_world *world, struct tool *tool)
             .size = sizeof(dpt_hit), .status = DPT_STATUS_STALE, .triangle = DPT_NONE, .segment = i
         };
     tool->nearest = 0;
+    tool->reason = DPT_FORCE_STALE;
+    tool->flags = 0;
 }
 
 void dpti_tool_clear(struct dpt_world *world, struct tool *tool)
@@ -35,8 +37,6 @@ void dpti_tool_clear(struct dpt_world *world, struct tool *tool)
             dpti_strip_clear(world->laid[tool->first + i].strip, NULL);
     }
     memset(&tool->wrench, 0, sizeof tool->wrench);
-    tool->reason = DPT_FORCE_STALE;
-    tool->flags = 0;
 }
 
 static dpt_result find_segment(const dpt_world *world, dpt_tool tool, uint32_t segment,

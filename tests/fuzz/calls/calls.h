@@ -229,7 +229,7 @@ extern const struct noun world_noun, body_noun, tool_noun, step_noun, result_nou
     X(TOUCHING, "a touch")               X(UNKNOWN, "a contact that is unknown")                    \
     X(PENETRATING, "a depth")            X(CONTACT, "a contact")       X(SIDED, "a contact with a side") \
     X(SWEEP_HIT, "a swept hit")          X(UNFINISHED, "an unfinished sweep")                      \
-    X(OVERLAP, "an overlap")             X(PUSH, "a wrench")           X(CONTACTS_FULL, "too many contacts") \
+    X(OVERLAP, "an overlap")             X(PUSH, "a wrench")           X(FADE, "a wrench that fades")           X(CONTACTS_FULL, "too many contacts") \
     X(TRUE, "a pair that was held against all triangles")             X(TWIN, "a twin's answer")   \
     X(INSIDE, "a depth of an axis inside")                                                         \
     X(TRIED_FREE, "a trial that met nothing")                         X(TRIED_HIT, "a trial that met something") \

@@ -235,8 +235,34 @@ static void wrench(void)
     twins_agree(&of, 1);
 }
 
+static void force_report(void)
+{
+    struct question of;
+    dpt_force_report now;
+    if (!draw_question(&of))
+        return;
+    const uint32_t size = draw_size(sizeof now, sizeof now);
+    dpt_result result = DPT_OK;
+    if (!of.no_out)
+        size_codes_of_output(size, sizeof now, 0, &of.codes);
+    trace(&of, size);
+    EACH_WORLD(of.scene, i)
+    {
+        void *out = output_sized(i, size);
+        SAME_RESULT(i, result,
+                    RESULT(dpt_tool_get_force_report, world_or_null(of.scene, i, of.no_world),
+                           of.id, of.no_out ? NULL : out));
+    }
+    expect(result, &of.codes);
+    twins_agree(&of, 1);
+    if (result != DPT_OK || !output_read(0, size, sizeof now, 16, &now))
+        return;
+    report_must_hold(of.scene, of.tool, &now);
+}
+
 static const struct move moves[] = { { "hit", hit, 14 },      { "contacts", contacts, 8 },
                                      { "sweep", sweep, 6 },   { "strip", strip, 8 },
-                                     { "wrench", wrench, 8 }, { NULL, NULL, 0 } };
+                                     { "wrench", wrench, 8 }, { "force report", force_report, 4 },
+                                     { NULL, NULL, 0 } };
 
 const struct noun result_noun = { "result", NULL, NULL, moves };

@@ -28,9 +28,13 @@ void sweep_must_hold(const struct scene *scene, const struct model_tool *tool, u
 /* Of a strip on a mesh: of a segment of that radius. */
 void overlaps_must_hold(const dpt_overlap *overlaps, uint32_t count, double radius);
 
-/* `hits` are those of all of the tool's segments. */
+/* `hits` are those of all of the tool's segments, `report` tells of that wrench. */
 void wrench_must_hold(const struct scene *scene, const struct model_tool *tool, const dpt_hit *hits,
-                      const dpt_wrench *wrench);
+                      const dpt_wrench *wrench, const dpt_force_report *report);
+
+/* What every report must be, of a tool whose answers are so. */
+void report_must_hold(const struct scene *scene, const struct model_tool *tool,
+                      const dpt_force_report *report);
 
 /* An answer without input. */
 void hit_must_be_stale(const dpt_hit *hit);

@@ -101,7 +101,9 @@ static void read_tool(struct scene *scene, const struct model_tool *tool, struct
                   hits[i].distance - tool->at[i].radius,
               "segment %u is nearer than the tool", i);
     HOLDS(RESULT(dpt_tool_get_wrench, world, tool->id, &wrench) == DPT_OK, "no wrench");
-    wrench_must_hold(scene, tool, hits, &wrench);
+    dpt_force_report report = { .size = sizeof report };
+    HOLDS(RESULT(dpt_tool_get_force_report, world, tool->id, &report) == DPT_OK, "no report");
+    wrench_must_hold(scene, tool, hits, &wrench, &report);
     sum->contacts += read_contacts(scene, tool);
 }
 

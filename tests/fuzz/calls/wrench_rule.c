@@ -19,9 +19,40 @@ static int is_zero(const dpt_wrench *wrench)
     return zero;
 }
 
-void wrench_must_hold(const struct scene *scene, const struct model_tool *tool, const dpt_hit *hits,
-                      const dpt_wrench *wrench)
+void report_must_hold(const struct scene *scene, const struct model_tool *tool,
+                      const dpt_force_report *report)
 {
+    const int is_off = scene->def.until != DPT_UNTIL_RESPOND || tool->stiffness_then == 0.0;
+    const int fades = (report->flags & DPT_FORCE_FLAG_FADING) != 0;
+    HOLDS(report->reason <= DPT_FORCE_OFF && !report->reserved &&
+              !(report->flags & ~(uint32_t)(DPT_FORCE_FLAG_FADING | DPT_FORCE_FLAG_PARTIAL)),
+          "reason %u, flags %x", report->reason, report->flags);
+    HOLDS(report->reason == DPT_FORCE_ACTS || fades || is_zero(&report->wrench),
+          "a force of %g N, reason %u", size_of(report->wrench.force), report->reason);
+    HOLDS(!fades || scene->def.fade > 0.0, "it fades, in a world that does not");
+    /* Without bodies there is no hit, but the tool is free. */
+    if (tool->answers == ANSWERS_NONE && !scene->then_count)
+        HOLDS(report->reason != DPT_FORCE_ACTS && report->reason != DPT_FORCE_UNDECIDED,
+              "reason %u without bodies", report->reason);
+    else if (tool->answers == ANSWERS_NONE)
+        HOLDS(report->reason == DPT_FORCE_STALE && !report->flags && is_zero(&report->wrench),
+              "reason %u of a tool without answers", report->reason);
+    if (tool->answers == ANSWERS_THERE)
+        HOLDS((report->reason == DPT_FORCE_OFF) == is_off && report->reason != DPT_FORCE_STALE &&
+                  !(is_off && fades),
+              "reason %u of one with answers", report->reason);
+}
+
+/* A wrench that fades is that of an earlier step in part, which is not known here. */
+void wrench_must_hold(const struct scene *scene, const struct model_tool *tool, const dpt_hit *hits,
+                      const dpt_wrench *wrench, const dpt_force_report *report)
+{
+    report_must_hold(scene, tool, report);
+    HOLDS(!memcmp(wrench, &report->wrench, sizeof *wrench), "the report has another wrench");
+    if (report->flags & DPT_FORCE_FLAG_FADING) {
+        met[MET_FADE]++;
+        return;
+    }
     double force = 0.0, torque = 0.0;
     uint32_t pushes = 0;
     const double slack = 1e-12 * (1.0 + size_of(tool->origin));
