@@ -309,23 +309,69 @@ static void note_time(double *most, uint64_t *bins, uint64_t ns)
 }
 
 /*
- * By how much to move the deadlines, so that they stay in the middle between a device's samples: next to one, jitter alone
- * would make every other tick stale.
+ * Where deadlines lie behind a device's samples: as early as these allow, since what a command waits for is delay in the
+ * hand's loop. The youngest sample of some ticks is to be `lead` old. A tick without a fresh sample says that this was
+ * too early: then deadlines move, and the lead grows for a while.
  */
-static int64_t way_to_middle(const struct run *run, uint64_t stale, uint64_t deadline)
+struct phase {
+    int64_t lead;     /* ns */
+    int64_t youngest; /* of the ticks so far */
+    uint32_t ticks;
+    uint32_t quiet; /* ticks since the last one without a fresh sample */
+};
+
+enum { PHASE_TICKS = 32, PHASE_QUIET = 8192 };
+
+static void phase_begin(struct phase *phase, int64_t period)
 {
-    const dpt_loop *loop = run->loop;
-    const int64_t period = (int64_t)loop->period_ns;
-    int64_t age = (int64_t)(deadline - run->state.time_ns);
-    if (loop->def.rate != 0.0 || run->is_lost || run->stats.stale != stale || age >= period ||
-        age <= -period)
+    phase->youngest = period;
+    phase->ticks = 0;
+}
+
+static int64_t phase_stale(struct phase *phase, int64_t period)
+{
+    const int64_t shift =
+        phase->quiet ? period / 16 : 0; /* but no more while samples are missing */
+    if (phase->quiet >= PHASE_TICKS && phase->lead < period / 2)
+        phase->lead += period / 16;
+    phase->quiet = 0;
+    phase_begin(phase, period);
+    return shift;
+}
+
+/* By how much to move the deadlines, after a tick that read a sample of that age. */
+static int64_t phase_fresh(struct phase *phase, int64_t period, int64_t age)
+{
+    const int64_t step = period / 16;
+    if (++phase->quiet % PHASE_QUIET == 0 && phase->lead > period / 8)
+        phase->lead -= step;
+    phase->youngest = age < phase->youngest ? age : phase->youngest;
+    const int64_t shift = phase->lead - phase->youngest;
+    const int is_far = age < phase->lead / 2 || age > 3 * (period / 4);
+    if (++phase->ticks < PHASE_TICKS && !is_far)
         return 0;
-    return age < period / 4 ? period / 16 : age > 3 * (period / 4) ? -period / 16 : 0;
+    phase_begin(phase, period);
+    return is_far          ? (age < period / 2 ? step : -step)
+           : shift > step  ? step
+           : shift < -step ? -step
+                           : shift;
+}
+
+static int64_t phase_shift(struct run *run, struct phase *phase, int is_stale, uint64_t deadline)
+{
+    const int64_t period = (int64_t)run->loop->period_ns;
+    const int64_t age = (int64_t)(deadline - run->state.time_ns);
+    if (run->loop->def.rate != 0.0 || run->is_lost)
+        return 0;
+    if (is_stale)
+        return phase_stale(phase, period);
+    return age > -period && age < period ? phase_fresh(phase, period, age) : 0;
 }
 
 static dpt_result run_by_clock(struct run *run)
 {
     uint64_t period = run->loop->period_ns, deadline, begin, end;
+    struct phase phase = { .lead = (int64_t)period / 8, .youngest = (int64_t)period };
     DPT_TRY(clock_read_ahead(&deadline, &run->ahead));
     while (!has_ended(run)) {
         DPT_TRY(sleep_until(run->loop, deadline));
@@ -338,7 +384,8 @@ static dpt_result run_by_clock(struct run *run)
         DPT_TRY(tick(run));
         DPT_TRY(clock_read(&end));
         note_time(&run->stats.took_max, run->stats.took, end > begin ? end - begin : 0);
-        deadline += period + (uint64_t)way_to_middle(run, stale, deadline);
+        deadline +=
+            period + (uint64_t)phase_shift(run, &phase, run->stats.stale != stale, deadline);
         if (end < deadline)
             continue;
         uint64_t missed = (end - deadline) / period + 1;

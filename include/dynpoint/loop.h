@@ -61,7 +61,7 @@ typedef struct dpt_loop_def {
     uint32_t priority; /* of the thread, by SCHED_FIFO, 1..99; 0: as it is; 80 */
     uint32_t lock;     /* 1: keep the process in memory while it runs, see dpt_loop_run; 1 */
     uint32_t reopen; /* 1: dpt_device_clear a device that is lost, once a second; 0: end then; 0 */
-    double rate;     /* Hz, 1..100000; 0: the device's own, half way between its samples; 0 */
+    double rate;     /* Hz, 1..100000; 0: the device's own, soon after its samples; 0 */
     uint64_t ticks;  /* 0: until dpt_loop_stop; 0 */
     dpt_loop_tick_fn *tick;       /* not NULL */
     void *user;                   /* its first argument; NULL */

@@ -46,6 +46,8 @@ int __wrap_clock_nanosleep(clockid_t clock, int flags, const struct timespec *un
 static struct device {
     dpt_device device;
     uint64_t offset, period, number, arrives, before;
+    uint64_t transport; /* from when a sample is taken to when it can be read */
+    uint64_t late; /* of the first samples one in so many is a quarter of a period late; 0: none */
 } made;
 
 static dpt_result open_made(const dpt_driver *driver, const char *where, dpt_device **device,
@@ -73,11 +75,13 @@ static dpt_result read_made(dpt_device *device, dpt_device_state *state)
         made.number++;
         made.arrives =
             made.offset + made.number * made.period + (uint64_t)random_in(&seed, 0.0, 40000.0);
+        if (made.late && made.number < TICKS && random_bits(&seed) % made.late == 0)
+            made.arrives += PERIOD / 4;
     }
     state->status = DPT_DEVICE_STATUS_READY;
     state->fresh = (uint32_t)(made.number - before);
     state->sequence = made.number;
-    state->time_ns = made.before;
+    state->time_ns = made.before - made.transport;
     state->pose.orientation[0] = 1.0;
     return DPT_OK;
 }
@@ -121,9 +125,18 @@ static const dpt_driver driver = { .size = sizeof driver,
                                    .counts = counts_of_made,
                                    .close = close_made };
 
+static double ages, oldest; /* of samples when they are read, behind the first half of the ticks */
+static int aged, told, run_ticks = TICKS;
+
 static dpt_result nothing(void *user, const dpt_loop_sample *sample, dpt_wrench *wrench)
 {
-    (void)user, (void)sample, (void)wrench;
+    (void)user, (void)wrench;
+    if (++told > run_ticks / 2) {
+        const double age = (double)(now - sample->state->time_ns);
+        ages += age;
+        oldest = age > oldest ? age : oldest;
+        aged++;
+    }
     return DPT_OK;
 }
 
@@ -137,15 +150,16 @@ static dpt_loop_stats run_made(uint64_t offset, uint64_t period, double rate,
     made.offset = made.arrives = now + PERIOD + offset;
     made.period = period;
     made.number = 0;
-    writes = 0;
+    writes = aged = told = 0;
+    ages = oldest = 0.0;
     CHECK(dpt_device_open_with(&driver, NULL, &device, NULL) == DPT_OK, "open");
     dpt_loop_def_init(&def);
     def.tick = tick;
-    def.ticks = TICKS;
+    def.ticks = (uint64_t)run_ticks;
     def.rate = rate;
     def.priority = def.lock = 0;
     CHECK(dpt_loop_create(device, &def, &loop) == DPT_OK, "loop");
-    CHECK(dpt_loop_run(loop, &stats) == DPT_OK && stats.ticks == TICKS, "run");
+    CHECK(dpt_loop_run(loop, &stats) == DPT_OK && stats.ticks == def.ticks, "run");
     dpt_loop_free(loop);
     dpt_device_close(device);
     return stats;
@@ -167,6 +181,43 @@ static void deadlines_stay_between_samples(void)
         worst = bad > worst ? bad : worst;
     }
     CHECK(worst <= TICKS / 100, "%llu of %d", (unsigned long long)worst, TICKS);
+}
+
+/* A command waits for an eighth of a period and what jitter there is, wherever the deadlines began. */
+static void samples_are_served_soon(void)
+{
+    for (uint64_t offset = 0; offset < PERIOD; offset += PERIOD / 32) {
+        bad_ticks(offset, PERIOD, 0.0);
+        CHECK(aged > TICKS / 3 && ages / aged < PERIOD / 4.0 && oldest < PERIOD / 2.0,
+              "%.0f ns in the mean of %d, %.0f at most", ages / aged, aged, oldest);
+    }
+}
+
+/* A sample can be read some time after it was taken, and now and then one is late: few ticks go without. */
+static void samples_that_come_late_are_waited_for(void)
+{
+    for (uint64_t transport = 0; transport < 2 * PERIOD; transport += PERIOD / 8) {
+        made.transport = transport;
+        const uint64_t bad = bad_ticks(PERIOD / 3, PERIOD, 0.0);
+        CHECK(bad <= TICKS / 100, "%llu of %d", (unsigned long long)bad, TICKS);
+    }
+    made.transport = 0;
+    made.late = 200;
+    const uint64_t bad = bad_ticks(0, PERIOD, 0.0);
+    made.late = 0;
+    CHECK(bad <= TICKS / 200, "%llu of %d, where one sample in 200 is late",
+          (unsigned long long)bad, TICKS);
+}
+
+/* What was late once is forgotten: ten thousand ticks later samples are served soon again. */
+static void lateness_is_forgotten(void)
+{
+    run_ticks = 20 * TICKS;
+    made.late = 100;
+    bad_ticks(0, PERIOD, 0.0);
+    made.late = 0;
+    run_ticks = TICKS;
+    CHECK(ages / aged < PERIOD / 4.0, "%.0f ns in the mean of %d", ages / aged, aged);
 }
 
 /* A device's clock is off by a thousandth, either way: its samples drift through a whole period and more. */
@@ -232,6 +283,9 @@ static void a_pause_between_the_clocks_is_no_sleep(void)
 int main(void)
 {
     TEST(deadlines_stay_between_samples);
+    TEST(samples_are_served_soon);
+    TEST(samples_that_come_late_are_waited_for);
+    TEST(lateness_is_forgotten);
     TEST(deadlines_follow_a_clock_that_drifts);
     TEST(a_rate_of_its_own_is_kept);
     TEST(a_machine_that_was_suspended_starts_anew);
