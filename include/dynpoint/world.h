@@ -236,7 +236,8 @@ DPT_API dpt_result dpt_tool_get_user(const dpt_world *world, dpt_tool tool, uint
  *   reached    where the tool is at `time`; may be NULL. If that is not 0, the tool is free there. Of segments: `count`
  *              of them, and it may be the array `segments`
  *
- * Errors are those of dpt_tool_set_pose and dpt_tool_set_segments, and leave outputs and the tool as they were.
+ * Errors are those of dpt_tool_set_pose and dpt_tool_set_segments, and leave outputs and the tool as they were. A clearance
+ * that is not finite or beyond DPT_COORDINATE_MAX is DPT_E_FINITE.
  */
 DPT_API dpt_result dpt_tool_try_pose(const dpt_world *world, dpt_tool tool, const dpt_pose *pose,
                                      double clearance, dpt_sweep *first, dpt_pose *reached);
