@@ -38,7 +38,7 @@
 #define DPT_VERSION_PATCH  0
 #define DPT_VERSION_STRING "0.2.0"
 /* To compare: major << 16 | minor << 8 | patch. */
-#define DPT_VERSION_NUMBER (DPT_VERSION_MAJOR << 16 | DPT_VERSION_MINOR << 8 | DPT_VERSION_PATCH)
+#define DPT_VERSION_NUMBER 0x000200
 
 #if defined(_WIN32)
 #if defined(DPT_BUILD_SHARED)

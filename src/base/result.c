@@ -6,9 +6,14 @@ const char *dpt_version(void)
     return DPT_VERSION_STRING;
 }
 
+typedef char number_has_its_parts[DPT_VERSION_NUMBER == (DPT_VERSION_MAJOR << 16 |
+                                                         DPT_VERSION_MINOR << 8 | DPT_VERSION_PATCH)
+                                      ? 1
+                                      : -1];
+
 uint32_t dpt_version_number(void)
 {
-    return DPT_VERSION_MAJOR << 16 | DPT_VERSION_MINOR << 8 | DPT_VERSION_PATCH;
+    return DPT_VERSION_NUMBER;
 }
 
 const char *dpt_result_text(dpt_result code)

@@ -251,7 +251,7 @@ static dpt_result put_header(soup *source, const dpt_arm_def *def, struct dpt_ar
     arm->byte_order = MESH_BYTE_ORDER;
     arm->version = ARM_VERSION;
     arm->header_bytes = sizeof *arm;
-    arm->writer_version = DPT_VERSION_MAJOR << 16 | DPT_VERSION_MINOR << 8 | DPT_VERSION_PATCH;
+    arm->writer_version = DPT_VERSION_NUMBER;
     arm->joints = def->joint_count;
     arm->links = def->link_count;
     arm->segments = def->segment_count;

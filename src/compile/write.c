@@ -67,7 +67,7 @@ static void set_counts(struct dpt_mesh *mesh, const struct model *model, const s
     mesh->version = MESH_VERSION;
     mesh->header_bytes = mesh_header_bytes(MESH_VERSION);
     mesh->section_count = mesh_section_count(MESH_VERSION);
-    mesh->writer_version = DPT_VERSION_MAJOR << 16 | DPT_VERSION_MINOR << 8 | DPT_VERSION_PATCH;
+    mesh->writer_version = DPT_VERSION_NUMBER;
     mesh->triangles = model->triangle_count;
     mesh->vertices = model->vertex_count;
     mesh->source_triangles = model->source_triangle_count;
