@@ -126,12 +126,15 @@ else
     build CONFIG=scalar all test-programs
     build CONFIG=sanitize all test-programs
     sh tests/oracle/inside.sh build
+    # The longest first.
+    run "other machines" sh tests/cross.sh
+    run "the libraries" sh tests/abi/check.sh build
+    run "single files" sh tests/amalgamation.sh build
     for config in release scalar sanitize; do
         programs $config $config beside
     done
     [ -x build/tests/test_urdf_golden ] || skip "robots' descriptions" "no urdfdom with g++"
     run "robots' kinematics" sh tests/oracle/urdf.sh build
-    run "the libraries" sh tests/abi/check.sh build
     run "the layers" sh tests/layers.sh build
     run "the layers' own test" sh tests/layers_test.sh build
     if command -v python3 >/dev/null 2>&1; then
@@ -140,8 +143,6 @@ else
     else
         skip "other languages" "no python3"
     fi
-    run "single files" sh tests/amalgamation.sh build
-    run "other machines" sh tests/cross.sh
     [ -x build/tests/test_sweep_exact ] || skip "test_sweep_exact" "no g++ with gmpxx"
     go "$jobs"
 
