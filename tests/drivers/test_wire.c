@@ -5,6 +5,8 @@
  *
  *     test_wire [N]      with N, one of N double flips, bursts and bytes of noise
  */
+#include <ctype.h>
+
 #include "serial/wire.h"
 
 #include "drivers/wire_frame.h"
@@ -165,6 +167,7 @@ static void crc_is_the_known_one(void)
           (unsigned)frame_crc(digits, 9));
 }
 
+/* Its words with one space between them: a long frame has several lines. */
 static char *page_of(const char *path)
 {
     FILE *file = fopen(path, "rb");
@@ -173,6 +176,14 @@ static char *page_of(const char *path)
         page[0] = 0;
     if (file)
         fclose(file);
+    char *to = page;
+    for (const char *from = page; from && *from; from++)
+        if (!isspace((unsigned char)*from))
+            *to++ = *from;
+        else if (to > page && to[-1] != ' ')
+            *to++ = ' ';
+    if (to)
+        *to = 0;
     return page;
 }
 
