@@ -83,7 +83,7 @@ dpt_result dpt_loop_create(dpt_device *device, const dpt_loop_def *given, dpt_lo
     DPT_TRY(dpt_device_get_info(device, &loop.info));
     const double rate = loop.def.rate != 0.0 ? loop.def.rate : loop.info.rate;
     if (!loop.def.tick || loop.def.reserved_pointer || loop.def.priority > 99 ||
-        !(rate >= 1.0 && rate <= 100000.0))
+        loop.def.lock > 1 || loop.def.reopen > 1 || !(rate >= 1.0 && rate <= 100000.0))
         return DPT_E_ARGUMENT;
     loop.period = 1.0 / rate;
     loop.period_ns = (uint64_t)(1e9 / rate + 0.5);

@@ -746,6 +746,10 @@ static void wrong_defs_are_refused(void)
     CHECK(dpt_loop_create(device, &def, &loop) == DPT_E_ARGUMENT, "no tick");
     def = good, def.priority = 100;
     CHECK(dpt_loop_create(device, &def, &loop) == DPT_E_ARGUMENT, "priority 100");
+    def = good, def.lock = 2;
+    CHECK(dpt_loop_create(device, &def, &loop) == DPT_E_ARGUMENT, "lock 2");
+    def = good, def.reopen = 2;
+    CHECK(dpt_loop_create(device, &def, &loop) == DPT_E_ARGUMENT, "reopen 2");
     const double rates[] = { NAN, -1.0, 0.5, 1e6, INFINITY };
     for (int i = 0; i < 5; i++) {
         def = good, def.rate = rates[i];
