@@ -39,7 +39,7 @@ enum {
     WIRE_STOP = 3    /* motors off */
 };
 
-/* wire_state.status and .reasons are numbered as DPT_DEVICE_... and DPT_REASON_... of dynpoint/device.h. */
+/* wire_state.status and .reasons are numbered as DPT_DEVICE_STATUS_... and DPT_REASON_... of dynpoint/device.h. */
 enum { WIRE_STATUS_FAULT = 1, WIRE_STATUS_UNREADY = 2, WIRE_STATUS_READY = 3 };
 enum {
     WIRE_REASON_WATCHDOG = 4,
