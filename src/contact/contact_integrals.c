@@ -149,7 +149,7 @@ static double turn_between(const struct profile *profile, const struct sample *f
     if (reach > least + error)
         return 0.0;
     pair found;
-    dpti_tree_point(profile->surface, was, profile_point(profile, s), &found);
+    dpti_triangle_point_pair(profile->surface, was, profile_point(profile, s), &found);
     double distance = sqrt(found.distance2);
     if (!(distance > error && distance < least))
         return 0.0;

@@ -132,7 +132,7 @@ void dpti_profile_cross(struct profile *profile)
         put_zone(profile, t, per_uu, room);
         if (!meets)
             continue;
-        pair found = dpti_tree_pair(profile->surface, t, axis->local_a, axis->u);
+        pair found = dpti_triangle_pair(profile->surface, t, axis->local_a, axis->u);
         if (found.distance2 == 0.0)
             put_crossing(profile, t, &found);
     }

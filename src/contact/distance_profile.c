@@ -12,7 +12,7 @@ static int in_zone(const struct profile *profile, double s)
 }
 
 /* Which side each stretch between crossings is on. What its ends do not tell, a search in its middle does. */
-static void find_sides(struct profile *profile, const struct nearest *nearest)
+static void find_sides(struct profile *profile, const struct pair_search *nearest)
 {
     for (uint32_t k = 0; k <= profile->crossings; k++)
         profile->sign[k] = 0;
@@ -86,7 +86,7 @@ static void put_inner_samples(struct profile *profile)
  * An axis that is not within reach: outside as a whole, if its nearest point is. Through a hole in a part an end may be inside,
  * though; what passes two holes between its ends is taken for outside.
  */
-static int is_outside(struct profile *profile, const struct nearest *nearest)
+static int is_outside(struct profile *profile, const struct pair_search *nearest)
 {
     if (dpti_profile_side_of(profile, nearest->pair.s, nearest->triangle, &nearest->pair) < 0)
         return 0;
@@ -94,7 +94,7 @@ static int is_outside(struct profile *profile, const struct nearest *nearest)
            !(dpti_profile_is_inside(profile, 0.0) || dpti_profile_is_inside(profile, 1.0));
 }
 
-int dpti_profile_make(struct profile *profile, const struct nearest *nearest,
+int dpti_profile_make(struct profile *profile, const struct pair_search *nearest,
                       const struct seed *seeds, uint32_t seed_count)
 {
     const struct axis *axis = profile->axis;
@@ -133,7 +133,7 @@ int dpti_profile_make(struct profile *profile, const struct nearest *nearest,
             continue;
         /* A budget is for the depth first: regions search for those that count. */
         int counts = seeds[i].share > PROFILE_SHARE && profile->work.done < PROFILE_WORK;
-        int exact = profile->winding || (counts && !profile->memo);
+        int exact = profile->winding || (counts && !profile->point_cache);
         struct sample sample;
         dpti_profile_take_sample(profile, seeds[i].s, seeds[i].triangle, exact, &sample);
         dpti_profile_put_sample(profile, &sample);

@@ -16,7 +16,7 @@
  *
  * First the caller sets surface, kernel, axis, sides, memo, regions, body, reach, tolerance and work.
  */
-int dpti_profile_make(struct profile *profile, const struct nearest *nearest,
+int dpti_profile_make(struct profile *profile, const struct pair_search *nearest,
                       const struct seed *seeds, uint32_t seed_count);
 
 /* Mark where the surface comes within reach and goes out of it, so that samples are wherever it is within. */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "contact/gap.h"
 
-int dpti_contact_find(struct profile *profile, const struct nearest *nearest,
+int dpti_contact_find(struct profile *profile, const struct pair_search *nearest,
                       const struct seed *seeds, uint32_t seed_count, double radius, double *gap)
 {
     *gap = sqrt(nearest->pair.distance2) - radius;
@@ -34,7 +34,7 @@ struct push dpti_contact_push(const struct profile *profile, const struct frame 
 }
 
 void dpti_contact_of(const struct surface *surface, const struct kernel *kernel,
-                     const struct axis *axis, const struct nearest *nearest, double radius,
+                     const struct axis *axis, const struct pair_search *nearest, double radius,
                      struct segment_result *result)
 {
     const struct sides none = { .count = 0 };
@@ -44,7 +44,7 @@ void dpti_contact_of(const struct surface *surface, const struct kernel *kernel,
     profile.kernel = kernel;
     profile.axis = axis;
     profile.sides = &none;
-    profile.memo = NULL;
+    profile.point_cache = NULL;
     profile.regions = 0;
     profile.reach = radius;
     profile.tolerance = PROFILE_DEPTH_SHARE * dpti_surface_diagonal(surface);

@@ -18,7 +18,7 @@ enum {
 };
 
 /* The gap of a capsule of this radius, in *gap; the rest as dpti_profile_make. */
-int dpti_contact_find(struct profile *profile, const struct nearest *nearest,
+int dpti_contact_find(struct profile *profile, const struct pair_search *nearest,
                       const struct seed *seeds, uint32_t seed_count, double radius, double *gap);
 
 /* The way out at a sample, in the body's frame; `smooth` as dpt_world_def has it. */
@@ -31,7 +31,7 @@ struct push dpti_contact_push(const struct profile *profile, const struct frame 
 
 /* Contact and gap of one axis and one body without a past, into a result that has the pair. */
 void dpti_contact_of(const struct surface *surface, const struct kernel *kernel,
-                     const struct axis *axis, const struct nearest *nearest, double radius,
+                     const struct axis *axis, const struct pair_search *nearest, double radius,
                      struct segment_result *result);
 
 #endif

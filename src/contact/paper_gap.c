@@ -4,7 +4,7 @@
 #include "mesh/surface_normal.h"
 
 /* Of the axis' ends, the lower one's height over the plane of the triangle. */
-static double lower_end(const struct axis *axis, const struct nearest *nearest, vec3 normal)
+static double lower_end(const struct axis *axis, const struct pair_search *nearest, vec3 normal)
 {
     double height_a = -nearest->pair.s * dot(axis->u, normal);
     double height_b = (1.0 - nearest->pair.s) * dot(axis->u, normal);
@@ -12,7 +12,7 @@ static double lower_end(const struct axis *axis, const struct nearest *nearest, 
 }
 
 double dpti_contact_paper(const struct surface *surface, const struct frame *body,
-                          const struct axis *part, const struct nearest *nearest, double radius,
+                          const struct axis *part, const struct pair_search *nearest, double radius,
                           struct push *push)
 {
     vec3 normal = dpti_surface_face_normal(surface, nearest->triangle);

@@ -10,7 +10,7 @@
  * that of the triangle's own plane; a part that crosses is as deep as its lower end is under it.
  */
 double dpti_contact_paper(const struct surface *surface, const struct frame *body,
-                          const struct axis *part, const struct nearest *nearest, double radius,
+                          const struct axis *part, const struct pair_search *nearest, double radius,
                           struct push *push);
 
 #endif

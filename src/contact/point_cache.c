@@ -4,7 +4,7 @@
 #include <string.h>
 
 /* The set of a point. The same on every machine: it decides what is still known, and so the work. */
-static struct memo_entry *set_of(const struct memo *memo, uint32_t body, vec3 x)
+static struct cached_point *set_of(const struct point_cache *cache, uint32_t body, vec3 x)
 {
     const double at[3] = { x.x, x.y, x.z };
     uint64_t hash = body;
@@ -14,7 +14,7 @@ static struct memo_entry *set_of(const struct memo *memo, uint32_t body, vec3 x)
         hash = (hash ^ bits) * 0x9e3779b97f4a7c15u;
         hash ^= hash >> 32;
     }
-    return memo->entries + MEMO_WAYS * (size_t)(hash % memo->sets);
+    return cache->entries + POINT_CACHE_WAYS * (size_t)(hash % cache->sets);
 }
 
 static int is_same(vec3 x, vec3 y)
@@ -22,70 +22,72 @@ static int is_same(vec3 x, vec3 y)
     return x.x == y.x && x.y == y.y && x.z == y.z;
 }
 
-static int is_at(const struct memo_entry *entry, uint32_t body, vec3 x)
+static int is_at(const struct cached_point *entry, uint32_t body, vec3 x)
 {
     return entry->body == body + 1 && is_same(entry->x, x);
 }
 
 /* The entry behind its set's first `count` moves to the front, those up. */
-static struct memo_entry *bring_forward(const struct memo *memo, struct memo_entry *set, int count)
+static struct cached_point *bring_forward(const struct point_cache *cache, struct cached_point *set,
+                                          int count)
 {
-    struct memo_entry entry = set[count];
+    struct cached_point entry = set[count];
     memmove(set + 1, set, (size_t)count * sizeof *set);
-    entry.tick = memo->tick;
+    entry.tick = cache->tick;
     set[0] = entry;
     return set;
 }
 
-const struct memo_entry *dpti_memo_find(const struct memo *memo, uint32_t body, vec3 x)
+const struct cached_point *dpti_point_cache_find(const struct point_cache *cache, uint32_t body,
+                                                 vec3 x)
 {
-    struct memo_entry *set = set_of(memo, body, x);
-    for (int i = 0; i < MEMO_WAYS; i++)
+    struct cached_point *set = set_of(cache, body, x);
+    for (int i = 0; i < POINT_CACHE_WAYS; i++)
         if (is_at(&set[i], body, x))
-            return bring_forward(memo, set, i);
+            return bring_forward(cache, set, i);
     return NULL;
 }
 
-struct memo_entry *dpti_memo_put(const struct memo *memo, uint32_t body, vec3 x)
+struct cached_point *dpti_point_cache_put(const struct point_cache *cache, uint32_t body, vec3 x)
 {
-    struct memo_entry *set = set_of(memo, body, x);
-    for (int i = 0; i < MEMO_WAYS; i++)
+    struct cached_point *set = set_of(cache, body, x);
+    for (int i = 0; i < POINT_CACHE_WAYS; i++)
         if (is_at(&set[i], body, x))
-            return bring_forward(memo, set, i);
-    const struct memo_entry *oldest = &set[MEMO_WAYS - 1];
-    if (oldest->body && oldest->tick == memo->tick)
+            return bring_forward(cache, set, i);
+    const struct cached_point *oldest = &set[POINT_CACHE_WAYS - 1];
+    if (oldest->body && oldest->tick == cache->tick)
         return NULL;
-    bring_forward(memo, set, MEMO_WAYS - 1);
-    set[0] = (struct memo_entry){
-        .x = x, .body = body + 1, .triangle = DPT_NONE, .descent = DPT_NONE, .tick = memo->tick
+    bring_forward(cache, set, POINT_CACHE_WAYS - 1);
+    set[0] = (struct cached_point){
+        .x = x, .body = body + 1, .triangle = DPT_NONE, .descent = DPT_NONE, .tick = cache->tick
     };
     return set;
 }
 
-int dpti_memo_resume(const struct memo *memo, uint32_t body, vec3 x, uint32_t *triangle,
-                     struct walk *walk)
+int dpti_point_cache_resume(const struct point_cache *cache, uint32_t body, vec3 x,
+                            uint32_t *triangle, struct bvh_traversal *traversal)
 {
-    if (memo->body != body + 1 || !is_same(memo->x, x))
+    if (cache->body != body + 1 || !is_same(cache->x, x))
         return 0;
-    *triangle = memo->triangle;
-    *walk = memo->walk;
+    *triangle = cache->triangle;
+    *traversal = cache->traversal;
     return 1;
 }
 
-void dpti_memo_pause(struct memo *memo, uint32_t body, vec3 x, uint32_t triangle,
-                     const struct walk *walk)
+void dpti_point_cache_suspend(struct point_cache *cache, uint32_t body, vec3 x, uint32_t triangle,
+                              const struct bvh_traversal *traversal)
 {
-    memo->body = body + 1;
-    memo->x = x;
-    memo->triangle = triangle;
-    memo->walk = *walk;
+    cache->body = body + 1;
+    cache->x = x;
+    cache->triangle = triangle;
+    cache->traversal = *traversal;
 }
 
-void dpti_memo_forget(struct memo *memo, uint32_t body)
+void dpti_point_cache_forget(struct point_cache *cache, uint32_t body)
 {
-    for (size_t i = 0; i < MEMO_WAYS * (size_t)memo->sets; i++)
-        if (body == DPT_NONE || memo->entries[i].body == body + 1)
-            memo->entries[i].body = 0;
-    if (body == DPT_NONE || memo->body == body + 1)
-        memo->body = 0;
+    for (size_t i = 0; i < POINT_CACHE_WAYS * (size_t)cache->sets; i++)
+        if (body == DPT_NONE || cache->entries[i].body == body + 1)
+            cache->entries[i].body = 0;
+    if (body == DPT_NONE || cache->body == body + 1)
+        cache->body = 0;
 }

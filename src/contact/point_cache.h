@@ -9,10 +9,10 @@
 
 #include "nearest/bvh.h"
 
-enum { MEMO_WAYS = 4 };
+enum { POINT_CACHE_WAYS = 4 };
 
 /* A point of a body, exactly, and what is known of it. */
-struct memo_entry {
+struct cached_point {
     vec3 x;            /* in the body's frame */
     uint32_t body;     /* its slot + 1; 0: the entry is empty */
     uint32_t triangle; /* the nearest, or DPT_NONE: not known */
@@ -22,35 +22,36 @@ struct memo_entry {
     uint32_t reserved;
 };
 
-struct memo {
-    struct memo_entry *entries; /* MEMO_WAYS a set, the newest first */
+struct point_cache {
+    struct cached_point *entries; /* POINT_CACHE_WAYS a set, the newest first */
     uint32_t sets;
     uint32_t tick; /* this one */
     /* The search that the budget ended last. */
     uint32_t body;     /* slot + 1; 0: there is none */
     uint32_t triangle; /* the nearest so far */
     vec3 x;
-    struct walk walk;
+    struct bvh_traversal traversal;
 };
 
 /* What is known of x, or NULL. */
-const struct memo_entry *dpti_memo_find(const struct memo *memo, uint32_t body, vec3 x);
+const struct cached_point *dpti_point_cache_find(const struct point_cache *cache, uint32_t body,
+                                                 vec3 x);
 
 /*
  * Its entry, to be filled in: a new one takes the place of its set's oldest, but of none that this tick asked for, or what a
  * tick begins with would make room for what it ends with. NULL: there is no room.
  */
-struct memo_entry *dpti_memo_put(const struct memo *memo, uint32_t body, vec3 x);
+struct cached_point *dpti_point_cache_put(const struct point_cache *cache, uint32_t body, vec3 x);
 
 /* Take up the search for x where it was ended, with the nearest so far; 0 if it is not that one. */
-int dpti_memo_resume(const struct memo *memo, uint32_t body, vec3 x, uint32_t *triangle,
-                     struct walk *walk);
+int dpti_point_cache_resume(const struct point_cache *cache, uint32_t body, vec3 x,
+                            uint32_t *triangle, struct bvh_traversal *traversal);
 
 /* A search was ended. */
-void dpti_memo_pause(struct memo *memo, uint32_t body, vec3 x, uint32_t triangle,
-                     const struct walk *walk);
+void dpti_point_cache_suspend(struct point_cache *cache, uint32_t body, vec3 x, uint32_t triangle,
+                              const struct bvh_traversal *traversal);
 
 /* All of a body, or with DPT_NONE everything: before its slot means another. */
-void dpti_memo_forget(struct memo *memo, uint32_t body);
+void dpti_point_cache_forget(struct point_cache *cache, uint32_t body);
 
 #endif

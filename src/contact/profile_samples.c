@@ -48,17 +48,17 @@ int dpti_profile_is_inside(struct profile *profile, double s)
     if (x.x < surface->box_min.x || x.y < surface->box_min.y || x.z < surface->box_min.z ||
         x.x > surface->box_max.x || x.y > surface->box_max.y || x.z > surface->box_max.z)
         return 0;
-    const struct memo_entry *known =
-        profile->memo ? dpti_memo_find(profile->memo, profile->body, x) : NULL;
+    const struct cached_point *known =
+        profile->point_cache ? dpti_point_cache_find(profile->point_cache, profile->body, x) : NULL;
     if (known && known->side)
         return known->side < 0;
     double winding = HUGE_VAL;
     if (!work_is_spent(&profile->work))
         winding = dpti_winding_number(profile->surface, profile->kernel, x, &profile->work);
     profile->cut |= winding == HUGE_VAL;
-    struct memo_entry *entry = profile->memo && winding != HUGE_VAL
-                                   ? dpti_memo_put(profile->memo, profile->body, x)
-                                   : NULL;
+    struct cached_point *entry = profile->point_cache && winding != HUGE_VAL
+                                     ? dpti_point_cache_put(profile->point_cache, profile->body, x)
+                                     : NULL;
     if (entry)
         entry->side = winding > 0.5 ? -1 : 1;
     return winding > 0.5;
@@ -89,10 +89,10 @@ static int may_begin(struct profile *profile)
 
 /* A triangle that was found before, unless another is nearer: then 0. */
 static int take_nearer(const struct profile *profile, vec3 x, uint32_t triangle,
-                       struct nearest *nearest)
+                       struct pair_search *nearest)
 {
     pair found;
-    dpti_tree_point(profile->surface, triangle, x, &found);
+    dpti_triangle_point_pair(profile->surface, triangle, x, &found);
     if (found.distance2 > nearest->pair.distance2)
         return 0;
     nearest->pair = found;
@@ -100,41 +100,46 @@ static int take_nearer(const struct profile *profile, vec3 x, uint32_t triangle,
     return 1;
 }
 
-static void search(struct profile *profile, vec3 x, struct nearest *nearest)
+static void search(struct profile *profile, vec3 x, struct pair_search *nearest)
 {
-    struct memo *memo = profile->memo;
-    const struct memo_entry *known = memo ? dpti_memo_find(memo, profile->body, x) : NULL;
-    struct walk walk;
+    struct point_cache *cache = profile->point_cache;
+    const struct cached_point *known =
+        cache ? dpti_point_cache_find(cache, profile->body, x) : NULL;
+    struct bvh_traversal traversal;
     uint32_t triangle;
-    walk.at = 0;
+    traversal.depth = 0;
     if (known && known->triangle != DPT_NONE) {
         take_nearer(profile, x, known->triangle, nearest);
         return;
     }
     if (!may_begin(profile))
         return;
-    if (memo && dpti_memo_resume(memo, profile->body, x, &triangle, &walk))
+    if (cache && dpti_point_cache_resume(cache, profile->body, x, &triangle, &traversal))
         take_nearer(profile, x, triangle, nearest);
-    int done =
-        dpti_point_search(profile->surface, profile->kernel, x, &walk, &profile->work, nearest);
+    int done = dpti_point_search(profile->surface, profile->kernel, x, &traversal, &profile->work,
+                                 nearest);
     profile->cut |= !done;
-    if (memo && !done)
-        dpti_memo_pause(memo, profile->body, x, nearest->triangle, &walk);
-    struct memo_entry *entry = memo && done ? dpti_memo_put(memo, profile->body, x) : NULL;
+    if (cache && !done)
+        dpti_point_cache_suspend(cache, profile->body, x, nearest->triangle, &traversal);
+    struct cached_point *entry =
+        cache && done ? dpti_point_cache_put(cache, profile->body, x) : NULL;
     if (entry)
         entry->triangle = nearest->triangle;
 }
 
 /* Of the descents to a point the first is kept, so that what follows from it is the same in the next tick. */
-static void descend_to(struct profile *profile, const struct axis *point, struct nearest *nearest)
+static void descend_to(struct profile *profile, const struct axis *point,
+                       struct pair_search *nearest)
 {
-    struct memo_entry *entry =
-        profile->memo ? dpti_memo_put(profile->memo, profile->body, point->local_a) : NULL;
+    struct cached_point *entry =
+        profile->point_cache
+            ? dpti_point_cache_put(profile->point_cache, profile->body, point->local_a)
+            : NULL;
     int goes_on = entry && entry->descent != DPT_NONE &&
                   take_nearer(profile, point->local_a, entry->descent, nearest);
     if (!may_begin(profile))
         return;
-    dpti_track_slide(profile->surface, point, &profile->work, nearest);
+    dpti_track_descend(profile->surface, point, &profile->work, nearest);
     profile->cut |= (uint32_t)work_is_spent(&profile->work);
     if (entry && (goes_on || entry->descent == DPT_NONE))
         entry->descent = nearest->triangle;
@@ -142,7 +147,7 @@ static void descend_to(struct profile *profile, const struct axis *point, struct
 
 /* The nearest triangle of a point, by descent or by search, as far as there is work left for it. */
 static void improve(struct profile *profile, const struct axis *point, int exact,
-                    struct nearest *nearest)
+                    struct pair_search *nearest)
 {
     if (exact)
         search(profile, point->local_a, nearest);
@@ -154,12 +159,12 @@ void dpti_profile_take_sample(struct profile *profile, double s, uint32_t triang
                               struct sample *sample)
 {
     struct axis point;
-    struct nearest nearest;
+    struct pair_search nearest;
     point.local_a = profile_point(profile, s);
     point.u = (vec3){ 0.0, 0.0, 0.0 };
     point.error = profile->axis->error;
-    nearest_begin(&nearest, triangle);
-    dpti_tree_point(profile->surface, triangle, point.local_a, &nearest.pair);
+    pair_search_begin(&nearest, triangle);
+    dpti_triangle_point_pair(profile->surface, triangle, point.local_a, &nearest.pair);
     improve(profile, &point, exact, &nearest);
     const pair *found = &nearest.pair;
     double distance = sqrt(found->distance2);
@@ -294,14 +299,14 @@ uint32_t dpti_profile_approach(struct profile *profile, double from, double to, 
     struct axis piece = { .local_a = profile_point(profile, from),
                           .u = scaled(axis->u, to - from),
                           .error = axis->error };
-    struct nearest nearest;
-    struct walk walk;
-    nearest_begin(&nearest, DPT_NONE);
+    struct pair_search nearest;
+    struct bvh_traversal traversal;
+    pair_search_begin(&nearest, DPT_NONE);
     nearest.pair.distance2 = reach * reach;
-    walk.at = 0;
+    traversal.depth = 0;
     if (may_begin(profile)) {
-        profile->cut |= !dpti_tree_walk(profile->surface, profile->kernel, NULL, piece.local_a,
-                                        piece.u, 0.0, &walk, &profile->work, &nearest);
+        profile->cut |= !dpti_bvh_traverse(profile->surface, profile->kernel, NULL, piece.local_a,
+                                           piece.u, 0.0, &traversal, &profile->work, &nearest);
     }
     if (nearest.triangle == DPT_NONE || profile->cut)
         return DPT_NONE;

@@ -87,16 +87,16 @@ struct profile {
     const struct kernel *kernel;
     const struct axis *axis;
     const struct sides *sides;
-    struct memo *memo; /* NULL: without a budget */
-    uint32_t body;     /* slot, in the memo */
-    uint32_t regions;  /* they come after the depth, and no budget ends them */
-    uint32_t coarse;   /* its regions are of fewer samples than they should be */
-    double size;       /* length of the axis */
-    double reach;      /* surface farther than that from the axis does not count */
-    double tolerance;  /* of the depth */
-    struct work work;  /* of this profile alone */
-    uint32_t cut;      /* that was not enough */
-    uint32_t winding;  /* the mesh has parts whose inside the winding number tells */
+    struct point_cache *point_cache; /* NULL: without a budget */
+    uint32_t body;                   /* slot, in the memo */
+    uint32_t regions;                /* they come after the depth, and no budget ends them */
+    uint32_t coarse;                 /* its regions are of fewer samples than they should be */
+    double size;                     /* length of the axis */
+    double reach;                    /* surface farther than that from the axis does not count */
+    double tolerance;                /* of the depth */
+    struct work work;                /* of this profile alone */
+    uint32_t cut;                    /* that was not enough */
+    uint32_t winding;                /* the mesh has parts whose inside the winding number tells */
     uint32_t full;     /* more crossings than there is room for: what is known is not all */
     uint32_t sideless; /* it goes through an open sheet of which no side is kept */
     uint32_t crossings;

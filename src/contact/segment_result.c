@@ -31,8 +31,8 @@ void dpti_segment_result_set_gap(struct segment_result *result, double gap, doub
 }
 
 void dpti_segment_result_write(const struct segment_result *result, const struct surface *surface,
-                               const struct frame *body, uint32_t id, const struct nearest *nearest,
-                               dpt_hit *hit)
+                               const struct frame *body, uint32_t id,
+                               const struct pair_search *nearest, dpt_hit *hit)
 {
     hit->status = result->status;
     hit->contact = result->contact;

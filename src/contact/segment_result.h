@@ -32,7 +32,7 @@ uint32_t dpti_contact_of_gap(double gap, double error);
 
 /* Into a hit, all but its size and segment. The pair is with `surface`, whose body has this frame and id. */
 void dpti_segment_result_write(const struct segment_result *result, const struct surface *surface,
-                               const struct frame *body, uint32_t id, const struct nearest *nearest,
-                               dpt_hit *hit);
+                               const struct frame *body, uint32_t id,
+                               const struct pair_search *nearest, dpt_hit *hit);
 
 #endif

@@ -404,13 +404,13 @@ int dpti_sheet_border_weigh(struct profile *profile, const struct frame *body, u
         return 1;
     const uint32_t cut = profile->cut;
     const struct work work = profile->work;
-    struct memo *memo = profile->memo;
-    profile->memo = NULL;
+    struct point_cache *cache = profile->point_cache;
+    profile->point_cache = NULL;
     profile->work = work_of(WORK_UNLIMITED);
     search(&quest);
     dpti_profile_take_sample(profile, quest.sample.s, quest.sample.triangle, 1, &quest.sample);
     quest.depth = -HUGE_VAL;
-    profile->memo = memo;
+    profile->point_cache = cache;
     profile->work = work;
     profile->cut = cut;
     push->direction = frame_turn(body, dpti_contact_normal(profile, &quest.sample, smooth));

@@ -57,14 +57,14 @@ KERNEL_TARGET static inline uint32_t KERNEL(open)(const float *bound, float limi
     float here = planes->support[i] - at_a - AT_LEAST(least, most);
 
 KERNEL_TARGET uint32_t KERNEL(held_boxes)(const float *restrict block,
-                                          const struct probe *restrict probe,
+                                          const struct filter_segment *restrict segment,
                                           const struct planes *restrict planes,
                                           float *restrict bound)
 {
-    const float ax = probe->a[0], ay = probe->a[1], az = probe->a[2];
-    const float ux = probe->x[0], uy = probe->x[1], uz = probe->x[2];
+    const float ax = segment->a[0], ay = segment->a[1], az = segment->a[2];
+    const float ux = segment->x[0], uy = segment->x[1], uz = segment->x[2];
     const float wx = fabsf(ux), wy = fabsf(uy), wz = fabsf(uz);
-    const float length = probe->length, limit = probe->limit;
+    const float length = segment->length, limit = segment->limit;
 
     for (int i = 0; i < LANES; i++) {
         float dx = block[i] - ax, dy = block[LANES + i] - ay, dz = block[2 * LANES + i] - az;
@@ -80,13 +80,13 @@ KERNEL_TARGET uint32_t KERNEL(held_boxes)(const float *restrict block,
 
 /* Of a triangle also the plane that is turned to be parallel to the axis, with a support of its own. */
 KERNEL_TARGET uint32_t KERNEL(held_triangles)(const float *restrict block,
-                                              const struct probe *restrict probe,
+                                              const struct filter_segment *restrict segment,
                                               const struct planes *restrict planes,
                                               float *restrict bound)
 {
-    const float ax = probe->a[0], ay = probe->a[1], az = probe->a[2];
-    const float ux = probe->x[0], uy = probe->x[1], uz = probe->x[2];
-    const float length = probe->length, limit = probe->limit;
+    const float ax = segment->a[0], ay = segment->a[1], az = segment->a[2];
+    const float ux = segment->x[0], uy = segment->x[1], uz = segment->x[2];
+    const float length = segment->length, limit = segment->limit;
     const float at_0 = ax * ux + ay * uy + az * uz;
 
     for (int i = 0; i < LANES; i++) {
@@ -118,13 +118,13 @@ KERNEL_TARGET uint32_t KERNEL(held_triangles)(const float *restrict block,
 
 /* The direction is from the segment's point nearest to the box's centre to that centre. */
 KERNEL_TARGET uint32_t KERNEL(boxes)(const float *restrict block,
-                                     const struct probe *restrict probe,
+                                     const struct filter_segment *restrict segment,
                                      struct planes *restrict planes, float *restrict bound)
 {
-    const float ax = probe->a[0], ay = probe->a[1], az = probe->a[2];
-    const float bx = probe->b[0], by = probe->b[1], bz = probe->b[2];
-    const float ux = probe->x[0], uy = probe->x[1], uz = probe->x[2];
-    const float length = probe->length, limit = probe->limit;
+    const float ax = segment->a[0], ay = segment->a[1], az = segment->a[2];
+    const float bx = segment->b[0], by = segment->b[1], bz = segment->b[2];
+    const float ux = segment->x[0], uy = segment->x[1], uz = segment->x[2];
+    const float length = segment->length, limit = segment->limit;
 
     for (int i = 0; i < LANES; i++) {
         float cx = block[i], cy = block[LANES + i], cz = block[2 * LANES + i];
@@ -185,17 +185,16 @@ KERNEL_TARGET uint32_t KERNEL(boxes)(const float *restrict block,
     }
 
 /* Where the axis is as good as its line, all is two-dimensional, and a face is nearest only where it is crossed. */
-KERNEL_TARGET static uint32_t KERNEL(triangles_beside)(const float *restrict block,
-                                                       const struct probe *restrict probe,
-                                                       struct planes *restrict planes,
-                                                       float *restrict bound)
+KERNEL_TARGET static uint32_t
+KERNEL(triangles_beside)(const float *restrict block, const struct filter_segment *restrict segment,
+                         struct planes *restrict planes, float *restrict bound)
 {
-    const float ax = probe->a[0], ay = probe->a[1], az = probe->a[2];
-    const float bx = probe->b[0], by = probe->b[1], bz = probe->b[2];
-    const float yx = probe->y[0], yy = probe->y[1], yz = probe->y[2];
-    const float zx = probe->z[0], zy = probe->z[1], zz = probe->z[2];
+    const float ax = segment->a[0], ay = segment->a[1], az = segment->a[2];
+    const float bx = segment->b[0], by = segment->b[1], bz = segment->b[2];
+    const float yx = segment->y[0], yy = segment->y[1], yz = segment->y[2];
+    const float zx = segment->z[0], zy = segment->z[1], zz = segment->z[2];
     const float at_y = yx * ax + yy * ay + yz * az, at_z = zx * ax + zy * ay + zz * az;
-    const float limit = probe->limit;
+    const float limit = segment->limit;
 
     for (int i = 0; i < LANES; i++) {
         CORNERS_ALONG(y, yx, yy, yz)
@@ -218,15 +217,15 @@ KERNEL_TARGET static uint32_t KERNEL(triangles_beside)(const float *restrict blo
 }
 
 KERNEL_TARGET uint32_t KERNEL(triangles)(const float *restrict block,
-                                         const struct probe *restrict probe,
+                                         const struct filter_segment *restrict segment,
                                          struct planes *restrict planes, float *restrict bound)
 {
-    const float ax = probe->a[0], ay = probe->a[1], az = probe->a[2];
-    const float bx = probe->b[0], by = probe->b[1], bz = probe->b[2];
-    const float xx = probe->x[0], xy = probe->x[1], xz = probe->x[2];
-    const float yx = probe->y[0], yy = probe->y[1], yz = probe->y[2];
-    const float zx = probe->z[0], zy = probe->z[1], zz = probe->z[2];
-    const float length = probe->length, limit = probe->limit;
+    const float ax = segment->a[0], ay = segment->a[1], az = segment->a[2];
+    const float bx = segment->b[0], by = segment->b[1], bz = segment->b[2];
+    const float xx = segment->x[0], xy = segment->x[1], xz = segment->x[2];
+    const float yx = segment->y[0], yy = segment->y[1], yz = segment->y[2];
+    const float zx = segment->z[0], zy = segment->z[1], zz = segment->z[2];
+    const float length = segment->length, limit = segment->limit;
     const float at_x = xx * ax + xy * ay + xz * az;
     float room[LANES];
 
@@ -237,7 +236,7 @@ KERNEL_TARGET uint32_t KERNEL(triangles)(const float *restrict block,
         room[i] = AT_MOST(before, behind);
     }
     if (!KERNEL_OPEN(room, 0.0f))
-        return KERNEL(triangles_beside)(block, probe, planes, bound);
+        return KERNEL(triangles_beside)(block, segment, planes, bound);
     for (int i = 0; i < LANES; i++) {
         float dx, dy, dz;
         dx = block[i] - ax, dy = block[LANES + i] - ay, dz = block[2 * LANES + i] - az;
@@ -421,16 +420,16 @@ KERNEL_TARGET uint32_t KERNEL(common_triangles)(const float *restrict block, con
 }
 
 /* The box around a hull as numbers that stay in registers. */
-#define SWATH                                                                                      \
-    const float ox = swath->centre[0], oy = swath->centre[1], oz = swath->centre[2];               \
-    const float xx = swath->axis[0][0], xy = swath->axis[0][1], xz = swath->axis[0][2];            \
-    const float yx = swath->axis[1][0], yy = swath->axis[1][1], yz = swath->axis[1][2];            \
-    const float zx = swath->axis[2][0], zy = swath->axis[2][1], zz = swath->axis[2][2];            \
-    const float wx = swath->half[0], wy = swath->half[1], wz = swath->half[2];                     \
-    const float limit = swath->limit;
+#define HULL                                                                                       \
+    const float ox = hull->centre[0], oy = hull->centre[1], oz = hull->centre[2];                  \
+    const float xx = hull->axis[0][0], xy = hull->axis[0][1], xz = hull->axis[0][2];               \
+    const float yx = hull->axis[1][0], yy = hull->axis[1][1], yz = hull->axis[1][2];               \
+    const float zx = hull->axis[2][0], zy = hull->axis[2][1], zz = hull->axis[2][2];               \
+    const float wx = hull->half[0], wy = hull->half[1], wz = hull->half[2];                        \
+    const float limit = hull->limit;
 
 /* n: the direction from the nearest point of that box to (cx, cy, cz); no number inside of it. */
-#define AWAY_FROM_SWATH(cx, cy, cz)                                                                \
+#define AWAY_FROM_HULL(cx, cy, cz)                                                                 \
     float dx = (cx)-ox, dy = (cy)-oy, dz = (cz)-oz;                                                \
     float px = dx * xx + dy * xy + dz * xz;                                                        \
     float py = dx * yx + dy * yy + dz * yz;                                                        \
@@ -447,7 +446,7 @@ KERNEL_TARGET uint32_t KERNEL(common_triangles)(const float *restrict block, con
     nz *= unit;
 
 /* How far the four ends are along (x, y, z): n_0 to n_3 for the name n, of which these are the extremes. */
-#define END_ALONG(e, x, y, z) ((x)*swath->end[e][0] + (y)*swath->end[e][1] + (z)*swath->end[e][2])
+#define END_ALONG(e, x, y, z) ((x)*hull->end[e][0] + (y)*hull->end[e][1] + (z)*hull->end[e][2])
 #define ENDS_ALONG(n, x, y, z)                                                                     \
     float n##_0 = END_ALONG(0, x, y, z), n##_1 = END_ALONG(1, x, y, z);                            \
     float n##_2 = END_ALONG(2, x, y, z), n##_3 = END_ALONG(3, x, y, z);
@@ -456,17 +455,15 @@ KERNEL_TARGET uint32_t KERNEL(common_triangles)(const float *restrict block, con
 
 /* Besides, the plane of the motion: of what a tool that slides by leaves behind, most lies beyond it. */
 KERNEL_TARGET uint32_t KERNEL(swept_boxes)(const float *restrict block,
-                                           const struct swath *restrict swath,
+                                           const struct swept_hull *restrict hull,
                                            float *restrict bound)
 {
-    SWATH
-    ENDS_ALONG(z, zx, zy, zz)
-    const float z_low = LOWEST_END(z), z_high = HIGHEST_END(z);
+    HULL ENDS_ALONG(z, zx, zy, zz) const float z_low = LOWEST_END(z), z_high = HIGHEST_END(z);
 
     for (int i = 0; i < LANES; i++) {
         float cx = block[i], cy = block[LANES + i], cz = block[2 * LANES + i];
         float hx = block[3 * LANES + i], hy = block[4 * LANES + i], hz = block[5 * LANES + i];
-        AWAY_FROM_SWATH(cx, cy, cz)
+        AWAY_FROM_HULL(cx, cy, cz)
         ENDS_ALONG(n, nx, ny, nz)
         float here = nx * cx + ny * cy + nz * cz -
                      (fabsf(nx) * hx + fabsf(ny) * hy + fabsf(nz) * hz) - HIGHEST_END(n);
@@ -482,19 +479,17 @@ KERNEL_TARGET uint32_t KERNEL(swept_boxes)(const float *restrict block,
 
 /* And the triangle's own plane. */
 KERNEL_TARGET uint32_t KERNEL(swept_triangles)(const float *restrict block,
-                                               const struct swath *restrict swath,
+                                               const struct swept_hull *restrict hull,
                                                float *restrict bound)
 {
     const float third = 1.0f / 3.0f;
-    SWATH
-    ENDS_ALONG(z, zx, zy, zz)
-    const float z_low = LOWEST_END(z), z_high = HIGHEST_END(z);
+    HULL ENDS_ALONG(z, zx, zy, zz) const float z_low = LOWEST_END(z), z_high = HIGHEST_END(z);
 
     for (int i = 0; i < LANES; i++) {
         float ax = block[i], ay = block[LANES + i], az = block[2 * LANES + i];
         float bx = block[3 * LANES + i], by = block[4 * LANES + i], bz = block[5 * LANES + i];
         float cx = block[6 * LANES + i], cy = block[7 * LANES + i], cz = block[8 * LANES + i];
-        AWAY_FROM_SWATH((ax + bx + cx) * third, (ay + by + cy) * third, (az + bz + cz) * third)
+        AWAY_FROM_HULL((ax + bx + cx) * third, (ay + by + cy) * third, (az + bz + cz) * third)
         CORNERS_ALONG(n, nx, ny, nz)
         ENDS_ALONG(n, nx, ny, nz)
         float here = AT_MOST(AT_MOST(n0, n1), n2) - HIGHEST_END(n);

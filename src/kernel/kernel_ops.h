@@ -35,7 +35,7 @@ struct planes {
 };
 
 /* A tool axis in the filter's frame, and a right-handed frame with x along it (unit rows). */
-struct probe {
+struct filter_segment {
     float a[3], b[3];
     float limit;  /* a bound beyond it decides */
     float margin; /* by which a bound may be above the truth */
@@ -49,7 +49,7 @@ struct probe {
  * What an axis in motion covers: the four points where its ends are at two times span a hull that holds it all
  * along. The bounds are those of that hull, as sound as others by kernel_margin, twice with its farthest end.
  */
-struct swath {
+struct swept_hull {
     float end[4][3];
     float axis[3]
               [3]; /* orthonormal, of a box around them: along the tool, its motion, across both */
@@ -71,15 +71,15 @@ struct swath {
  *
  * Returns the lanes that are open: whose bound is not beyond the limit.
  */
-typedef uint32_t kernel_held(const float *block, const struct probe *probe,
-                             const struct planes *planes, float *bound);
-typedef uint32_t kernel_renew(const float *block, const struct probe *probe, struct planes *planes,
-                              float *bound);
+typedef uint32_t kernel_cached(const float *block, const struct filter_segment *segment,
+                               const struct planes *planes, float *bound);
+typedef uint32_t kernel_new_planes(const float *block, const struct filter_segment *segment,
+                                   struct planes *planes, float *bound);
 typedef void kernel_better(const struct planes *made, const float *made_bound,
                            struct planes *planes, float *bound);
 typedef uint32_t kernel_common(const float *block, const float normal[3], float beyond, float *low);
 
-typedef uint32_t kernel_swept(const float *block, const struct swath *swath, float *bound);
+typedef uint32_t kernel_swept(const float *block, const struct swept_hull *hull, float *bound);
 
 /* Of a tool without length: squares of the bounds, open where they are not above `limit`, a square too. */
 typedef uint32_t kernel_point(const float *block, const float at[3], float limit, float *bound);
@@ -106,10 +106,10 @@ typedef uint32_t kernel_angles(const float *block, const float at[3], uint32_t l
 #define KERNEL_ANGLE_NEAR 0x1p-24f
 
 struct kernel {
-    kernel_held *held_boxes;
-    kernel_held *held_triangles;
-    kernel_renew *boxes;
-    kernel_renew *triangles;
+    kernel_cached *cached_boxes;
+    kernel_cached *cached_triangles;
+    kernel_new_planes *boxes;
+    kernel_new_planes *triangles;
     kernel_better *better;
     kernel_common *common_boxes;
     kernel_common *common_triangles;
@@ -136,8 +136,8 @@ struct kernel {
 int dpti_kernel_get(uint32_t id, struct kernel *kernel, uint32_t *chosen);
 
 #define KERNEL_DECLARE(set)                                                                        \
-    kernel_held dpti_kernel_##set##_held_boxes, dpti_kernel_##set##_held_triangles;                \
-    kernel_renew dpti_kernel_##set##_boxes, dpti_kernel_##set##_triangles;                         \
+    kernel_cached dpti_kernel_##set##_held_boxes, dpti_kernel_##set##_held_triangles;              \
+    kernel_new_planes dpti_kernel_##set##_boxes, dpti_kernel_##set##_triangles;                    \
     kernel_better dpti_kernel_##set##_better;                                                      \
     kernel_common dpti_kernel_##set##_common_boxes, dpti_kernel_##set##_common_triangles;          \
     kernel_swept dpti_kernel_##set##_swept_boxes, dpti_kernel_##set##_swept_triangles;             \

@@ -9,7 +9,7 @@
 #include "nearest/plane_cache.h"
 
 /* A node that is being looked into: its children's bounds, and those still to be visited. */
-struct visit {
+struct path_entry {
     float bound[LANES];
     uint32_t lanes;
     uint32_t node;
@@ -18,9 +18,9 @@ struct visit {
 };
 
 /* Where a search stands: a path of nodes from the root down to `at`. */
-struct walk {
-    struct visit level[MESH_LEVELS_MAX + 1];
-    uint32_t at; /* level; 0: not begun */
+struct bvh_traversal {
+    struct path_entry path[MESH_LEVELS_MAX + 1];
+    uint32_t depth; /* level; 0: not begun */
 };
 
 /*
@@ -30,26 +30,29 @@ struct walk {
  *
  * With `slack` > 0, a triangle that is nearer by less than that, a distance, need not be found.
  */
-void dpti_tree_search(const struct surface *surface, const struct kernel *kernel,
-                      const struct keeper *keeper, vec3 a, vec3 u, double slack, struct work *work,
-                      struct nearest *nearest);
+void dpti_bvh_search(const struct surface *surface, const struct kernel *kernel,
+                     const struct plane_cache_view *cache, vec3 a, vec3 u, double slack,
+                     struct work *work, struct pair_search *nearest);
 
 /*
  * The same in pieces: 1 when it is done, and the walk is not begun again; 0 when the work was spent.
- * The next call goes on there, at the same place of the axis, or after dpti_walk_drift.
+ * The next call goes on there, at the same place of the axis, or after dpti_traversal_drift.
  */
-int dpti_tree_walk(const struct surface *surface, const struct kernel *kernel,
-                   const struct keeper *keeper, vec3 a, vec3 u, double slack, struct walk *walk,
-                   struct work *work, struct nearest *nearest);
+int dpti_bvh_traverse(const struct surface *surface, const struct kernel *kernel,
+                      const struct plane_cache_view *cache, vec3 a, vec3 u, double slack,
+                      struct bvh_traversal *traversal, struct work *work,
+                      struct pair_search *nearest);
 
 /* The ends of the axis, that now is a + s u, moved by at most `motion` since the walk stopped. */
-void dpti_walk_drift(struct walk *walk, const struct surface *surface, double motion);
+void dpti_traversal_drift(struct bvh_traversal *traversal, const struct surface *surface,
+                          double motion);
 
 /* A lower bound of the axis' distance to all that a walk that has begun has not yet visited. */
-double dpti_walk_ahead(const struct walk *walk, const struct surface *surface, vec3 a, vec3 u);
+double dpti_traversal_lower_bound(const struct bvh_traversal *traversal,
+                                  const struct surface *surface, vec3 a, vec3 u);
 
 /* The same over every triangle, in double, without a filter; never stops early. */
-void dpti_tree_brute(const struct surface *surface, vec3 a, vec3 u, struct work *work,
-                     struct nearest *nearest);
+void dpti_brute_search(const struct surface *surface, vec3 a, vec3 u, struct work *work,
+                       struct pair_search *nearest);
 
 #endif

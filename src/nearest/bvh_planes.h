@@ -10,49 +10,50 @@
 #include "nearest/filter_segment.h"
 
 /* A node's 16 planes, empty unless they are its own. */
-struct node_planes {
-    struct block *block; /* NULL: nothing is kept */
-    uint32_t number;     /* of the node */
+struct cached_planes {
+    struct plane_block *block; /* NULL: nothing is kept */
+    uint32_t number;           /* of the node */
     int empty;
 };
 
 struct bvh_search {
     const struct surface *surface;
     const struct kernel *kernel;
-    struct keeper keeper;
-    struct nearest *nearest;
+    struct plane_cache_view cache;
+    struct pair_search *nearest;
     struct work *work;
     vec3 a, u, x; /* x: unit, along u */
     double slack;
-    struct probe probe;
+    struct filter_segment segment;
     int has_frame; /* the probe's y and z, made when first needed */
     int has_plane;
-    struct walk *walk;
+    struct bvh_traversal *walk;
 };
 
 /* With one block left to look at, what is kept is left alone. */
-static inline struct node_planes bvh_planes_of(const struct bvh_search *search, uint32_t number)
+static inline struct cached_planes bvh_planes_of(const struct bvh_search *search, uint32_t number)
 {
-    const struct keeper *keeper = &search->keeper;
-    struct block *block = work_left(search->work) > 1 ? keeper_block(keeper, number) : NULL;
-    int empty = !block || block->key != keeper_key(keeper, number);
-    if (!empty && keeper->anew)
-        return (struct node_planes){ NULL, number, 1 };
-    return (struct node_planes){ block, number, empty };
+    const struct plane_cache_view *cache = &search->cache;
+    struct plane_block *block =
+        work_left(search->work) > 1 ? plane_cache_block(cache, number) : NULL;
+    int empty = !block || block->key != plane_cache_key(cache, number);
+    if (!empty && cache->anew)
+        return (struct cached_planes){ NULL, number, 1 };
+    return (struct cached_planes){ block, number, empty };
 }
 
 /* By now. */
-static inline int bvh_is_own(const struct bvh_search *search, const struct node_planes *kept)
+static inline int bvh_is_own(const struct bvh_search *search, const struct cached_planes *cached)
 {
-    return kept->block && kept->block->key == keeper_key(&search->keeper, kept->number);
+    return cached->block && cached->block->key == plane_cache_key(&search->cache, cached->number);
 }
 
-static inline uint32_t bvh_look_at_planes(struct bvh_search *search, kernel_held *held,
-                                          const float *rows, const struct node_planes *kept,
+static inline uint32_t bvh_look_at_planes(struct bvh_search *search, kernel_cached *held,
+                                          const float *rows, const struct cached_planes *cached,
                                           float *bound)
 {
     work_spend(search->work, 1);
-    return held(rows, &search->probe, &kept->block->planes, bound);
+    return held(rows, &search->segment, &cached->block->planes, bound);
 }
 
 /*
@@ -60,7 +61,7 @@ static inline uint32_t bvh_look_at_planes(struct bvh_search *search, kernel_held
  * pair rules out. `wanted`: where that plane rules out all of them, the parent is to have it.
  */
 uint32_t dpti_bvh_open_triangles(struct bvh_search *search, uint32_t leaf,
-                                 const struct node_planes *kept, uint32_t lanes, int wanted,
+                                 const struct cached_planes *cached, uint32_t lanes, int wanted,
                                  float *bound);
 
 /* A triangle was evaluated and is farther: the plane across its own connection is the best there is. */
@@ -69,13 +70,13 @@ void dpti_bvh_close_triangle(const struct bvh_search *search, uint32_t leaf, uin
 
 /* New planes for those of these lanes that lost theirs: for a few, better ones. Returns all that are still open. */
 uint32_t dpti_bvh_close_boxes(struct bvh_search *search, uint32_t level, uint32_t node,
-                              const struct node_planes *kept, uint32_t lanes, float *bound);
+                              const struct cached_planes *cached, uint32_t lanes, float *bound);
 
 /*
  * A node or leaf, the child of a lane of a node of this level, was looked into and nothing in it was open: that
  * lane's plane is lost, or was too weak. Try another; after each failure wait longer. `block` is the child's own.
  */
-void dpti_bvh_close_whole(struct bvh_search *search, struct block *block, uint32_t level,
+void dpti_bvh_close_whole(struct bvh_search *search, struct plane_block *block, uint32_t level,
                           uint32_t child);
 
 #endif

@@ -5,56 +5,57 @@
 
 void dpti_track_once(const struct surface *surface, const struct kernel *kernel, uint32_t method,
                      const struct axis *axis, uint32_t hint, struct work *work,
-                     struct nearest *nearest)
+                     struct pair_search *nearest)
 {
-    *nearest = (struct nearest){ .pair = { .distance2 = HUGE_VAL }, .triangle = DPT_NONE };
+    *nearest = (struct pair_search){ .pair = { .distance2 = HUGE_VAL }, .triangle = DPT_NONE };
     if (method == DPT_METHOD_BRUTE) {
-        dpti_tree_brute(surface, axis->local_a, axis->u, work, nearest);
+        dpti_brute_search(surface, axis->local_a, axis->u, work, nearest);
         return;
     }
     if (hint != DPT_NONE)
-        nearest->pair.distance2 = dpti_tree_pair(surface, hint, axis->local_a, axis->u).distance2;
-    struct walk walk;
-    walk.at = 0;
+        nearest->pair.distance2 =
+            dpti_triangle_pair(surface, hint, axis->local_a, axis->u).distance2;
+    struct bvh_traversal traversal;
+    traversal.depth = 0;
     if (extent_of(axis->u) > 0.0)
-        dpti_tree_search(surface, kernel, NULL, axis->local_a, axis->u, 0.0, work, nearest);
+        dpti_bvh_search(surface, kernel, NULL, axis->local_a, axis->u, 0.0, work, nearest);
     else
-        dpti_point_search(surface, kernel, axis->local_a, &walk, work, nearest);
+        dpti_point_search(surface, kernel, axis->local_a, &traversal, work, nearest);
 }
 
 /* At most so many triangles around a vertex are tried: hubs have thousands. */
 enum { SLIDE_FAN = 16 };
 
 /* What is not noted is asked again. */
-static void note_tried(struct nearest *nearest, uint32_t triangle)
+static void exclude_triangle(struct pair_search *nearest, uint32_t triangle)
 {
-    if (nearest->tried_count < NEAREST_TRIED)
-        nearest->tried[nearest->tried_count++] = triangle;
+    if (nearest->excluded_count < EXCLUDED_MAX)
+        nearest->excluded[nearest->excluded_count++] = triangle;
 }
 
 /* 1 when the triangle is nearer, and taken. */
 static int try_neighbour(const struct surface *surface, const struct axis *axis, uint32_t triangle,
-                         struct nearest *nearest)
+                         struct pair_search *nearest)
 {
     if (triangle >= surface_triangles(surface) || triangle == nearest->triangle)
         return 0;
-    if (!dpti_tree_is_beyond(surface, &nearest->front, triangle)) {
-        pair found = dpti_tree_pair(surface, triangle, axis->local_a, axis->u);
+    if (!dpti_triangle_is_beyond(surface, &nearest->plane, triangle)) {
+        pair found = dpti_triangle_pair(surface, triangle, axis->local_a, axis->u);
         if (found.distance2 < nearest->pair.distance2) {
-            note_tried(nearest, nearest->triangle);
+            exclude_triangle(nearest, nearest->triangle);
             nearest->pair = found;
             nearest->triangle = triangle;
             __builtin_prefetch(&surface->sources[triangle]);
             return 1;
         }
     }
-    note_tried(nearest, triangle);
+    exclude_triangle(nearest, triangle);
     return 0;
 }
 
 /* Around a vertex: 1 when one of its triangles is nearer, and taken. */
 static int try_fan(const struct surface *surface, const struct axis *axis, uint32_t vertex,
-                   struct nearest *nearest)
+                   struct pair_search *nearest)
 {
     const uint32_t *first, *fans = surface_fans(surface, &first);
     uint32_t begin = first[vertex], end = first[vertex + 1];
@@ -65,8 +66,8 @@ static int try_fan(const struct surface *surface, const struct axis *axis, uint3
     return 0;
 }
 
-void dpti_track_slide(const struct surface *surface, const struct axis *axis, struct work *work,
-                      struct nearest *nearest)
+void dpti_track_descend(const struct surface *surface, const struct axis *axis, struct work *work,
+                        struct pair_search *nearest)
 {
     int moved = 1;
     while (moved && nearest->pair.distance2 > 0.0 && !work_is_spent(work)) {
@@ -75,7 +76,8 @@ void dpti_track_slide(const struct surface *surface, const struct axis *axis, st
         int zeros = (weight[0] <= 0.0) + (weight[1] <= 0.0) + (weight[2] <= 0.0);
         if (!zeros)
             return;
-        dpti_nearest_front(nearest, axis->local_a, axis->u, TREE_SLACK * axis->error);
+        dpti_pair_search_update_plane(nearest, axis->local_a, axis->u,
+                                      DISTANCE_ERROR_SLACK * axis->error);
         work_spend(work, 1);
         if (zeros == 1) {
             uint32_t edge = weight[0] <= 0.0 ? 1 : weight[1] <= 0.0 ? 2 : 0;
@@ -93,19 +95,19 @@ void dpti_track_slide(const struct surface *surface, const struct axis *axis, st
  * through: 1. No distance is computed on the way.
  */
 static int walk_through(const struct surface *surface, const struct axis *axis, uint32_t triangle,
-                        struct work *work, struct nearest *nearest)
+                        struct work *work, struct pair_search *nearest)
 {
     enum { WALK_MOST = 8 };
     const uint32_t *neighbours = surface_neighbours(surface);
     for (int i = 0; i < WALK_MOST && triangle < surface_triangles(surface); i++) {
         __builtin_prefetch(&neighbours[3 * (size_t)triangle]);
         __builtin_prefetch(&surface->sources[triangle]);
-        struct pierce pierce = tree_pierce(surface, triangle, axis->local_a, axis->u);
+        struct pierce pierce = triangle_pierce(surface, triangle, axis->local_a, axis->u);
         int misses = pierce_misses(&pierce);
         pair found;
         if (!misses && !pair_on_pierced(&found, &pierce))
-            found =
-                dpti_tree_pair(surface, triangle, axis->local_a, axis->u); /* a sliver, perhaps */
+            found = dpti_triangle_pair(surface, triangle, axis->local_a,
+                                       axis->u); /* a sliver, perhaps */
         if (!misses && found.distance2 == 0.0) {
             nearest->pair = found;
             nearest->triangle = triangle;
@@ -123,53 +125,53 @@ static int walk_through(const struct surface *surface, const struct axis *axis, 
 }
 
 void dpti_track_begin(struct track *track, const struct surface *surface, uint32_t last,
-                      double limit2, enum slide slide, struct work *work)
+                      double limit2, enum descent_mode mode, struct work *work)
 {
-    struct nearest *nearest = &track->nearest;
+    struct pair_search *nearest = &track->nearest;
     const struct axis *axis = &track->axis;
     nearest->pair.distance2 = limit2;
     nearest->triangle = DPT_NONE;
-    nearest->tried_count = nearest->front_of = 0;
+    nearest->excluded_count = nearest->plane_of = 0;
     track->last = last;
     if (last == DPT_NONE && limit2 < HUGE_VAL)
         return;
     uint32_t triangle = last == DPT_NONE ? 0 : last;
-    if (slide == TRACK_CROSSED && last != DPT_NONE &&
+    if (mode == TRACK_CROSSED && last != DPT_NONE &&
         walk_through(surface, axis, last, work, nearest)) {
-        track->old = (pair){ .distance2 = HUGE_VAL };
+        track->last_pair = (pair){ .distance2 = HUGE_VAL };
         return;
     }
     __builtin_prefetch(&surface_neighbours(surface)[3 * (size_t)triangle]);
-    track->old = dpti_tree_pair(surface, triangle, axis->local_a, axis->u);
-    if (!(track->old.distance2 < limit2)) {
+    track->last_pair = dpti_triangle_pair(surface, triangle, axis->local_a, axis->u);
+    if (!(track->last_pair.distance2 < limit2)) {
         track->last = DPT_NONE;
         return;
     }
-    nearest->pair = track->old;
+    nearest->pair = track->last_pair;
     nearest->triangle = triangle;
-    if (slide != TRACK_STAYS && last != DPT_NONE)
-        dpti_track_slide(surface, axis, work, nearest);
+    if (mode != TRACK_STAYS && last != DPT_NONE)
+        dpti_track_descend(surface, axis, work, nearest);
 }
 
 int dpti_track_prove(struct track *track, const struct surface *surface,
-                     const struct kernel *kernel, const struct keeper *keeper, struct walk *walk,
-                     struct work *work)
+                     const struct kernel *kernel, const struct plane_cache_view *cache,
+                     struct bvh_traversal *traversal, struct work *work)
 {
-    double slack = track->last == DPT_NONE ? 0.0 : TREE_SLACK * track->axis.error;
+    double slack = track->last == DPT_NONE ? 0.0 : DISTANCE_ERROR_SLACK * track->axis.error;
     return track->nearest.pair.distance2 == 0.0 ||
-           dpti_tree_walk(surface, kernel, keeper, track->axis.local_a, track->axis.u, slack, walk,
-                          work, &track->nearest);
+           dpti_bvh_traverse(surface, kernel, cache, track->axis.local_a, track->axis.u, slack,
+                             traversal, work, &track->nearest);
 }
 
 void dpti_track_settle(struct track *track)
 {
-    struct nearest *nearest = &track->nearest;
+    struct pair_search *nearest = &track->nearest;
     if (track->last == DPT_NONE || nearest->triangle == track->last ||
         nearest->triangle == DPT_NONE)
         return;
-    if (sqrt(track->old.distance2) <=
-        sqrt(nearest->pair.distance2) + TREE_HISTORY * track->axis.error) {
-        nearest->pair = track->old;
+    if (sqrt(track->last_pair.distance2) <=
+        sqrt(nearest->pair.distance2) + DISTANCE_ERROR_HISTORY * track->axis.error) {
+        nearest->pair = track->last_pair;
         nearest->triangle = track->last;
     }
 }

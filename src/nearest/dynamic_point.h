@@ -23,7 +23,7 @@ static inline void axis_of(const struct surface *surface, const struct frame *bo
     axis->u = sub(local_b, axis->local_a);
     double reach = larger(larger(extent_of(a), extent_of(b)), extent_of(body->origin));
     reach = larger(reach, larger(extent_of(axis->local_a), extent_of(local_b)));
-    axis->error = TREE_ERROR * larger(reach, dpti_surface_extent(surface));
+    axis->error = DISTANCE_ERROR * larger(reach, dpti_surface_extent(surface));
 }
 
 /*
@@ -32,21 +32,21 @@ static inline void axis_of(const struct surface *surface, const struct frame *bo
  */
 void dpti_track_once(const struct surface *surface, const struct kernel *kernel, uint32_t method,
                      const struct axis *axis, uint32_t hint, struct work *work,
-                     struct nearest *nearest);
+                     struct pair_search *nearest);
 
 /* With history: one axis and one body, this tick. */
 struct track {
     struct axis axis;
-    struct nearest nearest;
-    uint32_t last; /* last tick's triangle, a place, while it may be the answer; or DPT_NONE */
-    pair old;      /* the axis and that triangle */
+    struct pair_search nearest;
+    uint32_t last;  /* last tick's triangle, a place, while it may be the answer; or DPT_NONE */
+    pair last_pair; /* the axis and that triangle */
 };
 
 /* What the dynamic point does. */
-enum slide {
+enum descent_mode {
     TRACK_STAYS,
-    TRACK_SLIDES, /* it moves to what is nearer around it */
-    TRACK_CROSSED /* the same; and as its triangle was crossed, first to one that still is */
+    TRACK_DESCENDS, /* it moves to what is nearer around it */
+    TRACK_CROSSED   /* the same; and as its triangle was crossed, first to one that still is */
 };
 
 /*
@@ -55,21 +55,21 @@ enum slide {
  * no last tick and is no limit, any triangle is a beginning. `axis` is there already.
  */
 void dpti_track_begin(struct track *track, const struct surface *surface, uint32_t last,
-                      double limit2, enum slide slide, struct work *work);
+                      double limit2, enum descent_mode mode, struct work *work);
 
 /*
  * The dynamic point moves: over the edge, or around the vertex, on which the nearest point of its triangle
  * lies, to a triangle that is nearer; until there is none. Of the axis its local_a, u and error count.
  */
-void dpti_track_slide(const struct surface *surface, const struct axis *axis, struct work *work,
-                      struct nearest *nearest);
+void dpti_track_descend(const struct surface *surface, const struct axis *axis, struct work *work,
+                        struct pair_search *nearest);
 
-/* Prove or correct it; 0 if the work was spent, as dpti_tree_walk, whose walk and keeper these are. */
+/* Prove or correct it; 0 if the work was spent, as dpti_bvh_traverse, whose walk and keeper these are. */
 int dpti_track_prove(struct track *track, const struct surface *surface,
-                     const struct kernel *kernel, const struct keeper *keeper, struct walk *walk,
-                     struct work *work);
+                     const struct kernel *kernel, const struct plane_cache_view *cache,
+                     struct bvh_traversal *traversal, struct work *work);
 
-/* Last tick's triangle stays the answer while it is within TREE_HISTORY of the error bound of the best. */
+/* Last tick's triangle stays the answer while it is within DISTANCE_ERROR_HISTORY of the error bound of the best. */
 void dpti_track_settle(struct track *track);
 
 #endif

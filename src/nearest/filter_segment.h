@@ -14,43 +14,45 @@ static inline void put_float(vec3 v, float out[3])
 }
 
 /* The axis a + s u, in the mesh's frame; returns the unit vector along it. Frame and limit are for later. */
-static inline vec3 probe_axis(struct probe *probe, const struct surface *surface, vec3 a, vec3 u)
+static inline vec3 filter_segment_set_axis(struct filter_segment *segment,
+                                           const struct surface *surface, vec3 a, vec3 u)
 {
     double scale = surface->filter_scale, size = length(u);
     vec3 from = scaled(sub(a, surface->filter_centre), scale);
     vec3 to = along(from, scale, u);
     vec3 x = size > 0.0 ? scaled(u, 1.0 / size) : (vec3){ 1.0, 0.0, 0.0 };
-    put_float(from, probe->a);
-    put_float(to, probe->b);
-    put_float(x, probe->x);
-    probe->length = (float)(size * scale);
-    probe->margin = (float)kernel_margin(length(from), length(to));
+    put_float(from, segment->a);
+    put_float(to, segment->b);
+    put_float(x, segment->x);
+    segment->length = (float)(size * scale);
+    segment->margin = (float)kernel_margin(length(from), length(to));
     return x;
 }
 
 /* Two unit vectors that make a right-handed frame with the unit vector x. */
-static inline void probe_frame(struct probe *probe, vec3 x)
+static inline void filter_segment_set_frame(struct filter_segment *segment, vec3 x)
 {
     double ax = fabs(x.x), ay = fabs(x.y), az = fabs(x.z);
     vec3 least = { ax <= ay && ax <= az, ay < ax && ay <= az, az < ax && az < ay };
     vec3 y = cross(least, x);
     y = scaled(y, 1.0 / length(y));
-    put_float(y, probe->y);
-    put_float(cross(x, y), probe->z);
+    put_float(y, segment->y);
+    put_float(cross(x, y), segment->z);
 }
 
 /* A bound beyond the limit belongs to what is farther than the distance, not as far. */
-static inline void probe_limit(struct probe *probe, const struct surface *surface, double distance)
+static inline void filter_segment_set_limit(struct filter_segment *segment,
+                                            const struct surface *surface, double distance)
 {
     double stretched = distance * surface->filter_scale * (1.0 + KERNEL_STRETCH);
-    probe->limit = (float)stretched + probe->margin;
+    segment->limit = (float)stretched + segment->margin;
 }
 
 /* How far along a normal the axis goes. */
-static inline float probe_reach(const struct probe *probe, const float n[3])
+static inline float filter_segment_support(const struct filter_segment *segment, const float n[3])
 {
-    float at_a = n[0] * probe->a[0] + n[1] * probe->a[1] + n[2] * probe->a[2];
-    float at_b = n[0] * probe->b[0] + n[1] * probe->b[1] + n[2] * probe->b[2];
+    float at_a = n[0] * segment->a[0] + n[1] * segment->a[1] + n[2] * segment->a[2];
+    float at_b = n[0] * segment->b[0] + n[1] * segment->b[1] + n[2] * segment->b[2];
     return at_a > at_b ? at_a : at_b;
 }
 

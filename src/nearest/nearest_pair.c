@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "nearest/nearest_pair.h"
 
-pair dpti_tree_pair(const struct surface *surface, uint32_t triangle, vec3 a, vec3 u)
+pair dpti_triangle_pair(const struct surface *surface, uint32_t triangle, vec3 a, vec3 u)
 {
     vec3 v[3];
     surface_corners(surface, triangle, v);
@@ -12,17 +12,17 @@ pair dpti_tree_pair(const struct surface *surface, uint32_t triangle, vec3 a, ve
     return found;
 }
 
-void dpti_tree_point(const struct surface *surface, uint32_t triangle, vec3 x, pair *found)
+void dpti_triangle_point_pair(const struct surface *surface, uint32_t triangle, vec3 x, pair *found)
 {
     vec3 v[3];
     surface_corners(surface, triangle, v);
     point_triangle(x, v, found);
 }
 
-void dpti_nearest_front(struct nearest *nearest, vec3 a, vec3 u, double slack)
+void dpti_pair_search_update_plane(struct pair_search *nearest, vec3 a, vec3 u, double slack)
 {
     const pair *found = &nearest->pair;
-    if (nearest->front_of == nearest->triangle + 1)
+    if (nearest->plane_of == nearest->triangle + 1)
         return;
     vec3 normal = scaled(found->gap, -1.0 / sqrt(found->distance2));
     double rise = dot(normal, u), uu = dot(u, u);
@@ -30,28 +30,29 @@ void dpti_nearest_front(struct nearest *nearest, vec3 a, vec3 u, double slack)
         rise = larger(rise, 0.0);
     else if (found->s >= 1.0)
         rise = smaller(rise, 0.0);
-    nearest->front = (struct front){ normal, sub(along(a, found->s, u), found->gap),
-                                     uu > 0.0 ? rise * rise / uu : 0.0, slack };
-    nearest->front_of = nearest->triangle + 1;
+    nearest->plane = (struct best_plane){ normal, sub(along(a, found->s, u), found->gap),
+                                          uu > 0.0 ? rise * rise / uu : 0.0, slack };
+    nearest->plane_of = nearest->triangle + 1;
 }
 
 /* height >= lean |c - at| - slack is concave along a triangle: where its corners hold it, all of it does. */
-int dpti_tree_is_beyond(const struct surface *surface, const struct front *front, uint32_t triangle)
+int dpti_triangle_is_beyond(const struct surface *surface, const struct best_plane *plane,
+                            uint32_t triangle)
 {
     const uint32_t *corner = surface->corners + 3 * (size_t)triangle;
     int beyond = 1;
     for (int k = 0; k < 3; k++) {
-        vec3 c = sub(vec3_of_float(surface->positions + 3 * (size_t)corner[k]), front->at);
-        double height = dot(front->normal, c) + front->slack;
-        beyond &= (height >= 0.0) & (height * height >= front->lean2 * dot(c, c));
+        vec3 c = sub(vec3_of_float(surface->positions + 3 * (size_t)corner[k]), plane->at);
+        double height = dot(plane->normal, c) + plane->slack;
+        beyond &= (height >= 0.0) & (height * height >= plane->lean2 * dot(c, c));
     }
     return beyond;
 }
 
-int dpti_tree_try_point(const struct surface *surface, uint32_t triangle, vec3 x,
-                        struct nearest *nearest)
+int dpti_pair_search_try_point(const struct surface *surface, uint32_t triangle, vec3 x,
+                               struct pair_search *nearest)
 {
     pair found;
-    dpti_tree_point(surface, triangle, x, &found);
-    return nearest_take(surface, triangle, &found, nearest);
+    dpti_triangle_point_pair(surface, triangle, x, &found);
+    return pair_search_take(surface, triangle, &found, nearest);
 }

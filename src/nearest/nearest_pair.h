@@ -10,13 +10,13 @@
  * The most by which a reported distance is wrong, per unit of the largest coordinate that entered, in
  * the world and in the mesh's frame: half for the rounding of the pair (32 * 2^-53, docs/algorithms/
  * distance.md) and of the transformation into the mesh's frame, three eighths for history (dpti_track_settle), one
- * eighth for triangles that touch the plane through the best pair and are not evaluated (dpti_tree_search).
+ * eighth for triangles that touch the plane through the best pair and are not evaluated (dpti_bvh_search).
  */
-#define TREE_ERROR   (128.0 * 0x1p-53)
-#define TREE_HISTORY 0.375
-#define TREE_SLACK   0.125
+#define DISTANCE_ERROR         (128.0 * 0x1p-53)
+#define DISTANCE_ERROR_HISTORY 0.375
+#define DISTANCE_ERROR_SLACK   0.125
 
-#define NEAREST_TRIED 16
+#define EXCLUDED_MAX 16
 
 /*
  * The plane through a pair's point on the mesh, across the connection. What is wholly beyond it is no nearer.
@@ -24,7 +24,7 @@
  * whole length that is more than the rounding of a distance. The point of the axis nearest to an x of the mesh is
  * no farther from the pair's than x is from the mesh's, so it is the lean over that way which counts.
  */
-struct front {
+struct best_plane {
     vec3 normal;  /* unit, away from the axis */
     vec3 at;      /* the pair's point on the mesh */
     double lean2; /* square of the axis' rise along the normal, per length */
@@ -32,41 +32,43 @@ struct front {
 };
 
 /* The best pair so far. */
-struct nearest {
+struct pair_search {
     pair pair;         /* in the mesh's frame */
     uint32_t triangle; /* place in the mesh, or DPT_NONE */
-    uint32_t front_of; /* the triangle, from 1, to whose pair the front belongs; 0: there is none */
-    struct front front;
-    uint32_t tried_count;
-    uint32_t tried[NEAREST_TRIED]; /* triangles that are no nearer, as is known without a search */
+    uint32_t plane_of; /* the triangle, from 1, to whose pair the front belongs; 0: there is none */
+    struct best_plane plane;
+    uint32_t excluded_count;
+    uint32_t
+        excluded[EXCLUDED_MAX]; /* triangles that are no nearer, as is known without a search */
 };
 
 /* Before a search: all but the pair. The triangle is the pair's, or DPT_NONE. */
-static inline void nearest_begin(struct nearest *nearest, uint32_t triangle)
+static inline void pair_search_begin(struct pair_search *nearest, uint32_t triangle)
 {
     nearest->triangle = triangle;
-    nearest->front_of = nearest->tried_count = 0;
+    nearest->plane_of = nearest->excluded_count = 0;
 }
 
 /*
  * Make its front, if it is another pair's: of the axis a + s u, at a positive distance. What is nearer by less than
  * `slack` counts as no nearer.
  */
-void dpti_nearest_front(struct nearest *nearest, vec3 a, vec3 u, double slack);
+void dpti_pair_search_update_plane(struct pair_search *nearest, vec3 a, vec3 u, double slack);
 
 /* All of a triangle lies beyond. */
-int dpti_tree_is_beyond(const struct surface *surface, const struct front *front,
-                        uint32_t triangle);
+int dpti_triangle_is_beyond(const struct surface *surface, const struct best_plane *plane,
+                            uint32_t triangle);
 
 /* The pair of the axis a + s u and one triangle, by its place. */
-pair dpti_tree_pair(const struct surface *surface, uint32_t triangle, vec3 a, vec3 u);
+pair dpti_triangle_pair(const struct surface *surface, uint32_t triangle, vec3 a, vec3 u);
 
 /* The same of a point x. */
-void dpti_tree_point(const struct surface *surface, uint32_t triangle, vec3 x, pair *found);
+void dpti_triangle_point_pair(const struct surface *surface, uint32_t triangle, vec3 x,
+                              pair *found);
 
 /* How the axis goes through the plane of one. */
-static inline struct pierce tree_pierce(const struct surface *surface, uint32_t triangle, vec3 a,
-                                        vec3 u)
+static inline struct pierce triangle_pierce(const struct surface *surface, uint32_t triangle,
+                                            vec3 a, vec3 u)
 {
     vec3 v[3];
     surface_corners(surface, triangle, v);
@@ -76,8 +78,8 @@ static inline struct pierce tree_pierce(const struct surface *surface, uint32_t 
 }
 
 /* As near, the lower source number wins: the same answer in whatever order triangles are tried. 1: the pair is taken. */
-static inline int nearest_take(const struct surface *surface, uint32_t triangle, const pair *found,
-                               struct nearest *nearest)
+static inline int pair_search_take(const struct surface *surface, uint32_t triangle,
+                                   const pair *found, struct pair_search *nearest)
 {
     if (found->distance2 > nearest->pair.distance2 ||
         (found->distance2 == nearest->pair.distance2 && nearest->triangle != DPT_NONE &&
@@ -89,7 +91,7 @@ static inline int nearest_take(const struct surface *surface, uint32_t triangle,
 }
 
 /* Take that pair if it is nearer, or as near with a lower source number: 1. */
-int dpti_tree_try_point(const struct surface *surface, uint32_t triangle, vec3 x,
-                        struct nearest *nearest);
+int dpti_pair_search_try_point(const struct surface *surface, uint32_t triangle, vec3 x,
+                               struct pair_search *nearest);
 
 #endif

@@ -12,12 +12,12 @@
 struct descent {
     const struct surface *surface;
     const struct kernel *kernel;
-    struct nearest *best;
+    struct pair_search *best;
     struct work *work;
     vec3 a, u;
     const uint32_t *here; /* corners of the triangle that is left */
     int shared;           /* vertices that the best has in common with it */
-    struct probe probe;
+    struct filter_segment probe;
     uint32_t count; /* triangles in the block, and their places */
     uint32_t place[LANES];
     float rows[MESH_LEAF_WORDS];
@@ -26,8 +26,8 @@ struct descent {
 static void try_neighbour(struct descent *d, uint32_t neighbour)
 {
     const struct surface *surface = d->surface;
-    struct nearest *best = d->best;
-    pair found = dpti_tree_pair(surface, neighbour, d->a, d->u);
+    struct pair_search *best = d->best;
+    pair found = dpti_triangle_pair(surface, neighbour, d->a, d->u);
     if (found.distance2 > best->pair.distance2)
         return;
     int shared = shared_corners(d->here, 3, surface->corners + 3 * (size_t)neighbour);
@@ -40,7 +40,7 @@ static void try_neighbour(struct descent *d, uint32_t neighbour)
     best->pair = found;
     best->triangle = neighbour;
     d->shared = shared;
-    probe_limit(&d->probe, surface, sqrt(found.distance2));
+    filter_segment_set_limit(&d->probe, surface, sqrt(found.distance2));
 }
 
 /* Lanes from `count` on hold what was there before: kernels read them, no one asks for their bounds. */
@@ -93,10 +93,10 @@ static int move(struct descent *d)
     return d->best->triangle != from;
 }
 
-void dpti_descend(const struct surface *surface, const struct kernel *kernel, vec3 a, vec3 u,
-                  int one_step, struct work *work, struct nearest *nearest)
+void dpti_paper_descend(const struct surface *surface, const struct kernel *kernel, vec3 a, vec3 u,
+                        int one_step, struct work *work, struct pair_search *nearest)
 {
-    nearest->pair = dpti_tree_pair(surface, nearest->triangle, a, u);
+    nearest->pair = dpti_triangle_pair(surface, nearest->triangle, a, u);
     if (nearest->pair.distance2 == 0.0)
         return;
     struct descent d;
@@ -108,8 +108,8 @@ void dpti_descend(const struct surface *surface, const struct kernel *kernel, ve
     d.u = u;
     d.count = 0;
     memset(d.rows, 0, sizeof d.rows);
-    probe_frame(&d.probe, probe_axis(&d.probe, surface, a, u));
-    probe_limit(&d.probe, surface, sqrt(nearest->pair.distance2));
+    filter_segment_set_frame(&d.probe, filter_segment_set_axis(&d.probe, surface, a, u));
+    filter_segment_set_limit(&d.probe, surface, sqrt(nearest->pair.distance2));
     while (move(&d) && !one_step)
         ;
 }

@@ -13,7 +13,7 @@
  * one that shares two vertices, then the lower source number. With `one_step`, one move at most.
  * nearest->triangle is where to start; nearest is where it ended, its pair for the axis a + s u.
  */
-void dpti_descend(const struct surface *surface, const struct kernel *kernel, vec3 a, vec3 u,
-                  int one_step, struct work *work, struct nearest *nearest);
+void dpti_paper_descend(const struct surface *surface, const struct kernel *kernel, vec3 a, vec3 u,
+                        int one_step, struct work *work, struct pair_search *nearest);
 
 #endif

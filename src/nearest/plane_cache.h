@@ -12,7 +12,7 @@
 
 #include "kernel/kernel_ops.h"
 
-struct block {
+struct plane_block {
     uint64_t key;         /* whose it is: owner << 32 | node; 0 is nobody's */
     uint32_t open;        /* lanes that new planes did not close when they were last made */
     uint16_t wait, pause; /* visits until one plane for all of it is tried again; the next wait */
@@ -20,53 +20,56 @@ struct block {
 };
 
 /* The caller's memory, shared by all axes and bodies of a world. */
-struct certificate {
-    struct block *blocks;
+struct plane_cache {
+    struct plane_block *blocks;
     uint32_t count;
 };
 
 /* One axis' and body's view of it. `owner` is not 0. */
-struct keeper {
-    struct block *blocks;
+struct plane_cache_view {
+    struct plane_block *blocks;
     uint32_t count; /* of blocks; 0: nothing is kept */
     uint32_t owner;
     uint32_t first; /* the block of its node 0 */
     int anew;       /* planes are made and kept, but those of before are not asked */
 };
 
-static inline struct keeper keeper_of(const struct certificate *certificate, uint32_t owner,
-                                      int anew)
+static inline struct plane_cache_view plane_cache_view_of(const struct plane_cache *cache,
+                                                          uint32_t owner, int anew)
 {
-    uint32_t count = certificate->count, spread = owner * 0x9e3779b1u;
-    return (struct keeper){ certificate->blocks, count, owner, count ? spread % count : 0, anew };
+    uint32_t count = cache->count, spread = owner * 0x9e3779b1u;
+    return (struct plane_cache_view){ cache->blocks, count, owner, count ? spread % count : 0,
+                                      anew };
 }
 
 /*
  * The block of a node, by its number in the tree; nodes that lie close together do not displace each other.
  * It may be another's, whose key differs. NULL where nothing is kept.
  */
-static inline struct block *keeper_block(const struct keeper *keeper, uint32_t node)
+static inline struct plane_block *plane_cache_block(const struct plane_cache_view *cache,
+                                                    uint32_t node)
 {
-    uint64_t at = (uint64_t)keeper->first + node;
-    at -= at >= keeper->count ? keeper->count : 0;
-    if (at >= keeper->count) {
-        if (!keeper->count)
+    uint64_t at = (uint64_t)cache->first + node;
+    at -= at >= cache->count ? cache->count : 0;
+    if (at >= cache->count) {
+        if (!cache->count)
             return NULL;
-        at %= keeper->count;
+        at %= cache->count;
     }
-    return &keeper->blocks[at];
+    return &cache->blocks[at];
 }
 
-static inline uint64_t keeper_key(const struct keeper *keeper, uint32_t node)
+static inline uint64_t plane_cache_key(const struct plane_cache_view *cache, uint32_t node)
 {
-    return (uint64_t)keeper->owner << 32 | node;
+    return (uint64_t)cache->owner << 32 | node;
 }
 
 /* Only if it is the node's own. */
-static inline struct block *keeper_own(const struct keeper *keeper, uint32_t node)
+static inline struct plane_block *plane_cache_own_block(const struct plane_cache_view *cache,
+                                                        uint32_t node)
 {
-    struct block *block = keeper_block(keeper, node);
-    return block && block->key == keeper_key(keeper, node) ? block : NULL;
+    struct plane_block *block = plane_cache_block(cache, node);
+    return block && block->key == plane_cache_key(cache, node) ? block : NULL;
 }
 
 static inline void planes_put(struct planes *planes, uint32_t lane, const float normal[3],

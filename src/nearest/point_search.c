@@ -10,13 +10,13 @@
 struct point_search_state {
     const struct surface *surface;
     const struct kernel *kernel;
-    struct nearest *nearest;
+    struct pair_search *nearest;
     struct work *work;
     vec3 x;
     float at[3];
     float limit; /* the square of a bound beyond which nothing is nearer */
     float margin;
-    struct walk *walk;
+    struct bvh_traversal *walk;
 };
 
 /* The factor stands for the rounding of squares. */
@@ -30,20 +30,20 @@ static void set_limit(struct point_search_state *search)
 static void look_into_boxes(struct point_search_state *search, uint32_t level, uint32_t node)
 {
     const struct surface *surface = search->surface;
-    struct visit *visit = &search->walk->level[level];
+    struct path_entry *entry = &search->walk->path[level];
     work_spend(search->work, 1);
-    search->walk->at = level;
-    visit->node = node;
-    visit->lanes =
+    search->walk->depth = level;
+    entry->node = node;
+    entry->lanes =
         lanes_of(surface->count[level - 1] - node * LANES) &
         search->kernel->point_boxes(surface->level[level] + (size_t)node * MESH_BOX_WORDS,
-                                    search->at, search->limit, visit->bound);
+                                    search->at, search->limit, entry->bound);
 }
 
 static void look_into_leaf(struct point_search_state *search, uint32_t leaf)
 {
     const struct surface *surface = search->surface;
-    struct nearest *nearest = search->nearest;
+    struct pair_search *nearest = search->nearest;
     uint32_t first = leaf * LANES, lanes = lanes_of(surface_triangles(surface) - first);
     float bound[LANES];
     if (nearest->triangle - first < LANES)
@@ -56,13 +56,14 @@ static void look_into_leaf(struct point_search_state *search, uint32_t leaf)
         lanes &= ~(1u << lane);
         if (bound[lane] > search->limit)
             return;
-        if (dpti_tree_try_point(surface, first + lane, search->x, nearest))
+        if (dpti_pair_search_try_point(surface, first + lane, search->x, nearest))
             set_limit(search);
     }
 }
 
 int dpti_point_search(const struct surface *surface, const struct kernel *kernel, vec3 x,
-                      struct walk *walk, struct work *work, struct nearest *nearest)
+                      struct bvh_traversal *traversal, struct work *work,
+                      struct pair_search *nearest)
 {
     struct point_search_state search;
     int beside = nearest->triangle != DPT_NONE;
@@ -70,35 +71,35 @@ int dpti_point_search(const struct surface *surface, const struct kernel *kernel
     search.surface = surface;
     search.kernel = kernel;
     search.nearest = nearest;
-    search.walk = walk;
+    search.walk = traversal;
     search.work = work;
     search.x = x;
     put_float(at, search.at);
     search.margin = (float)kernel_margin(length(at), length(at));
     set_limit(&search);
-    if (!walk->at)
+    if (!traversal->depth)
         look_into_boxes(&search, surface->levels, 0);
-    while (walk->at <= surface->levels &&
+    while (traversal->depth <= surface->levels &&
            (nearest->pair.distance2 > 0.0 || nearest->triangle == DPT_NONE)) {
-        struct visit *visit = &walk->level[walk->at];
-        if (!visit->lanes) {
-            walk->at++;
+        struct path_entry *entry = &traversal->path[traversal->depth];
+        if (!entry->lanes) {
+            traversal->depth++;
             continue;
         }
-        uint32_t lane = beside ? first_lane(visit->lanes) : least_lane(visit->bound, visit->lanes);
-        uint32_t rest = visit->lanes & ~(1u << lane);
-        if (visit->bound[lane] > search.limit) {
-            visit->lanes = beside ? rest : 0;
+        uint32_t lane = beside ? first_lane(entry->lanes) : least_lane(entry->bound, entry->lanes);
+        uint32_t rest = entry->lanes & ~(1u << lane);
+        if (entry->bound[lane] > search.limit) {
+            entry->lanes = beside ? rest : 0;
             continue;
         }
         if (work_is_spent(work))
             return 0;
-        visit->lanes = rest;
-        uint32_t child = visit->node * LANES + lane;
-        if (walk->at == 1)
+        entry->lanes = rest;
+        uint32_t child = entry->node * LANES + lane;
+        if (traversal->depth == 1)
             look_into_leaf(&search, child);
         else
-            look_into_boxes(&search, walk->at - 1, child);
+            look_into_boxes(&search, traversal->depth - 1, child);
     }
     return 1;
 }

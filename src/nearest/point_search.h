@@ -11,6 +11,7 @@
  * on from there, with a pair that is no farther.
  */
 int dpti_point_search(const struct surface *surface, const struct kernel *kernel, vec3 x,
-                      struct walk *walk, struct work *work, struct nearest *nearest);
+                      struct bvh_traversal *traversal, struct work *work,
+                      struct pair_search *nearest);
 
 #endif

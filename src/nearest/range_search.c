@@ -19,14 +19,14 @@ static void look_at(struct range *range, uint32_t level, uint32_t node)
     uint32_t all = lanes_of(below - node * LANES);
     const float *rows = level ? surface->level[level] + (size_t)node * MESH_BOX_WORDS
                               : surface->leaves + (size_t)node * MESH_LEAF_WORDS;
-    kernel_renew *look = level ? range->kernel->boxes : range->kernel->triangles;
+    kernel_new_planes *look = level ? range->kernel->boxes : range->kernel->triangles;
     struct planes planes;
     work_spend(range->work, 1);
     range->level = level;
     range->node[level] = node;
     range->lanes[level] = 0;
     if (level || !is_beside(range, rows, all))
-        range->lanes[level] = all & look(rows, &range->probe, &planes, range->bound);
+        range->lanes[level] = all & look(rows, &range->segment, &planes, range->bound);
 }
 
 void dpti_range_begin(struct range *range, const struct surface *surface,
@@ -35,14 +35,15 @@ void dpti_range_begin(struct range *range, const struct surface *surface,
     range->surface = surface;
     range->kernel = kernel;
     range->work = work;
-    vec3 x = probe_axis(&range->probe, surface, a, u);
-    probe_frame(&range->probe, x);
-    probe_limit(&range->probe, surface, reach);
+    vec3 x = filter_segment_set_axis(&range->segment, surface, a, u);
+    filter_segment_set_frame(&range->segment, x);
+    filter_segment_set_limit(&range->segment, surface, reach);
     for (int i = 0; i < 4; i++) {
-        const float *way = i % 2 ? range->probe.z : range->probe.y;
+        const float *way = i % 2 ? range->segment.z : range->segment.y;
         for (int k = 0; k < 3; k++)
             range->across[i][k] = i < 2 ? way[k] : -way[k];
-        range->beyond[i] = probe_reach(&range->probe, range->across[i]) + range->probe.limit;
+        range->beyond[i] =
+            filter_segment_support(&range->segment, range->across[i]) + range->segment.limit;
     }
     look_at(range, surface->levels, 0);
 }
@@ -64,7 +65,7 @@ uint32_t dpti_range_next(struct range *range, int *meets)
             look_at(range, level - 1, child);
             continue;
         }
-        *meets = !(range->bound[lane] > range->probe.margin);
+        *meets = !(range->bound[lane] > range->segment.margin);
         return child;
     }
     return DPT_NONE;

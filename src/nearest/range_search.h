@@ -8,7 +8,7 @@
 struct range {
     const struct surface *surface;
     const struct kernel *kernel;
-    struct probe probe;
+    struct filter_segment segment;
     float across[4][3]; /* four ways, each a quarter turn about the axis from the last */
     float beyond[4];    /* what is that far along one of them is beyond reach */
     uint32_t level;     /* where it stands; above surface->levels: at the end */

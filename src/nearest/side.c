@@ -67,9 +67,9 @@ int dpti_side_of_way(const struct surface *surface, uint32_t triangle, const dou
     vec3 x = along(q, smaller(SIDE_BACK * edge, size) / size, back);
     uint32_t v = surface->corners[3 * (size_t)triangle + (size_t)most], nearest = triangle;
     pair best, found;
-    dpti_tree_point(surface, triangle, x, &best);
+    dpti_triangle_point_pair(surface, triangle, x, &best);
     for (uint32_t i = first[v]; i < first[v + 1]; i++) {
-        dpti_tree_point(surface, fans[i], x, &found);
+        dpti_triangle_point_pair(surface, fans[i], x, &found);
         if (found.distance2 < best.distance2) {
             best = found;
             nearest = fans[i];

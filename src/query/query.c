@@ -71,7 +71,7 @@ static dpt_result answer(const struct query *query, const double *ends, double r
         !(radius >= 0.0 && radius <= DPT_COORDINATE_MAX))
         return DPT_E_FINITE;
     struct axis axis;
-    struct nearest nearest;
+    struct pair_search nearest;
     struct segment_result result;
     struct work work = work_of(WORK_UNLIMITED);
     axis_of(&query->surface, &query->body, vec3_of(ends), vec3_of(ends + 3), &axis);

@@ -10,7 +10,7 @@
 static double distance_when_moved(const struct surface *surface, uint32_t place, vec3 a, vec3 u,
                                   vec3 normal, double way, double *rise)
 {
-    pair found = dpti_tree_pair(surface, place, along(a, way, normal), u);
+    pair found = dpti_triangle_pair(surface, place, along(a, way, normal), u);
     double distance = sqrt(found.distance2);
     *rise = dot(found.gap, normal) / distance;
     return distance;
@@ -39,7 +39,7 @@ static double way_to_free(const struct surface *surface, uint32_t place, vec3 a,
 static void overlap_of(const struct surface *surface, const struct frame *frame, vec3 a, vec3 u,
                        double radius, double side, uint32_t place, dpt_overlap *overlap)
 {
-    pair found = dpti_tree_pair(surface, place, a, u);
+    pair found = dpti_triangle_pair(surface, place, a, u);
     vec3 normal = scaled(dpti_surface_face_normal(surface, place), side);
     vec3 q = sub(along(a, found.s, u), found.gap);
     vec3 corner =

@@ -15,7 +15,7 @@ struct hunt {
     const struct sweep *sweep;
     double from; /* what is searched: from here to progress->to */
     struct work *work;
-    struct swath swath;
+    struct swept_hull swath;
     struct sweep_progress *progress;
 };
 
@@ -24,7 +24,7 @@ struct hunt {
  * last one makes bounds and so must be of unit length: what is too short to have a direction gets
  * any.
  */
-static void swath_box(const vec3 end[4], vec3 axis[3])
+static void swept_hull_set_box(const vec3 end[4], vec3 axis[3])
 {
     const double least = 1e-100;
     vec3 u = add(sub(end[1], end[0]), sub(end[3], end[2]));
@@ -35,8 +35,8 @@ static void swath_box(const vec3 end[4], vec3 axis[3])
     y = along(y, -dot(y, x), x);
     double yy = dot(y, y);
     if (!(yy > 0x1p-60 * dot(way, way) && yy > least)) {
-        struct probe any;
-        probe_frame(&any, x);
+        struct filter_segment any;
+        filter_segment_set_frame(&any, x);
         y = vec3_of_float(any.y);
         yy = dot(y, y);
     }
@@ -45,7 +45,7 @@ static void swath_box(const vec3 end[4], vec3 axis[3])
     axis[2] = cross(axis[0], axis[1]);
 }
 
-static void swath_of(const struct hunt *hunt, struct swath *swath)
+static void swept_hull_of(const struct hunt *hunt, struct swept_hull *hull)
 {
     const struct surface *surface = hunt->surface;
     const double scale = surface->filter_scale, times[2] = { hunt->from, hunt->progress->to };
@@ -58,10 +58,10 @@ static void swath_of(const struct hunt *hunt, struct swath *swath)
         end[2 * k + 1] = along(end[2 * k], scale, u);
     }
     for (int k = 0; k < 4; k++) {
-        put_float(end[k], swath->end[k]);
+        put_float(end[k], hull->end[k]);
         far = larger(far, dot(end[k], end[k]));
     }
-    swath_box(end, axis);
+    swept_hull_set_box(end, axis);
     vec3 centre = { 0.0, 0.0, 0.0 };
     for (int k = 0; k < 3; k++) {
         double low = HUGE_VAL, high = -HUGE_VAL;
@@ -70,12 +70,12 @@ static void swath_of(const struct hunt *hunt, struct swath *swath)
             high = larger(high, dot(end[e], axis[k]));
         }
         centre = along(centre, 0.5 * (low + high), axis[k]);
-        swath->half[k] = (float)(0.5 * (high - low));
-        put_float(axis[k], swath->axis[k]);
+        hull->half[k] = (float)(0.5 * (high - low));
+        put_float(axis[k], hull->axis[k]);
     }
-    put_float(centre, swath->centre);
+    put_float(centre, hull->centre);
     double limit = hunt->sweep->beyond * scale * (1.0 + KERNEL_STRETCH);
-    swath->limit = (float)(limit + kernel_margin(sqrt(far), sqrt(far)));
+    hull->limit = (float)(limit + kernel_margin(sqrt(far), sqrt(far)));
 }
 
 /* One triangle, in double. */
@@ -98,7 +98,7 @@ static void ask(struct hunt *hunt, uint32_t triangle)
     progress->to = time;
     progress->triangle = triangle;
     if (sooner)
-        swath_of(hunt, &hunt->swath);
+        swept_hull_of(hunt, &hunt->swath);
 }
 
 /* A leaf is of level 0, and its children are triangles. */
@@ -129,7 +129,7 @@ static void begin(struct hunt *hunt, uint32_t hint)
     progress->to = 1.0;
     progress->level = hunt->surface->levels + 1;
     progress->path[progress->level] = (struct sweep_node){ .lanes = 1 };
-    swath_of(hunt, &hunt->swath);
+    swept_hull_of(hunt, &hunt->swath);
     if (hint < surface_triangles(hunt->surface))
         ask(hunt, hint);
 }
@@ -160,7 +160,7 @@ static int go_on(struct hunt *hunt)
 
 int dpti_sweep_mesh(const struct surface *surface, const struct kernel *kernel,
                     const struct sweep *sweep, double from, uint32_t hint, struct work *work,
-                    struct sweep_progress *progress, struct strike *first)
+                    struct sweep_progress *progress, struct impact *first)
 {
     struct hunt hunt;
     hunt.surface = surface;
@@ -169,11 +169,11 @@ int dpti_sweep_mesh(const struct surface *surface, const struct kernel *kernel,
     hunt.from = from;
     hunt.work = work;
     hunt.progress = progress;
-    *first = (struct strike){ .time = 1.0, .triangle = DPT_NONE };
+    *first = (struct impact){ .time = 1.0, .triangle = DPT_NONE };
     if (from >= 1.0)
         return SWEEP_FREE;
     if (progress->begun)
-        swath_of(&hunt, &hunt.swath);
+        swept_hull_of(&hunt, &hunt.swath);
     else
         begin(&hunt, hint);
     int done = go_on(&hunt);
@@ -184,7 +184,7 @@ int dpti_sweep_mesh(const struct surface *surface, const struct kernel *kernel,
     vec3 a, u;
     dpti_sweep_axis(sweep, progress->to, &a, &u);
     first->triangle = progress->triangle;
-    first->pair = dpti_tree_pair(surface, progress->triangle, a, u);
+    first->pair = dpti_triangle_pair(surface, progress->triangle, a, u);
     first->q = sub(along(a, first->pair.s, u), first->pair.gap);
     return SWEEP_HIT;
 }

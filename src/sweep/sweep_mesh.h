@@ -7,7 +7,7 @@
 #include "sweep/sweep_triangle.h"
 
 /* The first touch. */
-struct strike {
+struct impact {
     double time;
     pair pair;         /* of the axis at that time and the triangle, in the mesh's frame */
     vec3 q;            /* the pair's point on the mesh */
@@ -46,6 +46,6 @@ struct sweep_progress {
  */
 int dpti_sweep_mesh(const struct surface *surface, const struct kernel *kernel,
                     const struct sweep *sweep, double from, uint32_t hint, struct work *work,
-                    struct sweep_progress *progress, struct strike *first);
+                    struct sweep_progress *progress, struct impact *first);
 
 #endif

@@ -14,7 +14,7 @@ struct ends {
 };
 
 /* In the world. */
-static struct ends tool_ends(const struct moment *moment)
+static struct ends tool_ends(const struct placement *moment)
 {
     struct frame tool;
     frame_of_pose(&moment->tool, &tool);
@@ -22,7 +22,7 @@ static struct ends tool_ends(const struct moment *moment)
 }
 
 /* In the body's frame. */
-static struct ends ends_at(const struct moment *moment)
+static struct ends ends_at(const struct placement *moment)
 {
     struct ends ends = tool_ends(moment);
     struct frame body;
@@ -30,11 +30,11 @@ static struct ends ends_at(const struct moment *moment)
     return (struct ends){ frame_to_local(&body, ends.a), frame_to_local(&body, ends.b) };
 }
 
-static struct moment middle_of(const struct moment *from, const struct moment *to)
+static struct placement middle_of(const struct placement *from, const struct placement *to)
 {
-    return (struct moment){ pose_middle(&from->tool, &to->tool),
-                            pose_middle(&from->body, &to->body), scaled(add(from->a, to->a), 0.5),
-                            scaled(add(from->b, to->b), 0.5) };
+    return (struct placement){ pose_middle(&from->tool, &to->tool),
+                               pose_middle(&from->body, &to->body),
+                               scaled(add(from->a, to->a), 0.5), scaled(add(from->b, to->b), 0.5) };
 }
 
 static double faster(vec3 da, vec3 db)
@@ -57,7 +57,7 @@ static double bend_of(const struct ends *from, const struct ends *middle, const 
 /* The cosine of half of what a body may turn, 0.25, before its way is cut whatever the bend. */
 #define TURN_COSINE 0.9922
 
-static double body_turn_cosine(const struct moment *from, const struct moment *to)
+static double body_turn_cosine(const struct placement *from, const struct placement *to)
 {
     double cosine = 0.0;
     for (int k = 0; k < 4; k++)
@@ -69,9 +69,9 @@ static double body_turn_cosine(const struct moment *from, const struct moment *t
  * The same of one part of a tour. A turn of the tool alone is an arc, farthest off in the middle; seen from a body that
  * turns, a straight way can bend to one side and back, so it is looked at in the quarters too.
  */
-static double bend_between(const struct moment *from, const struct ends *at_from,
-                           const struct moment *middle, const struct ends *at_middle,
-                           const struct moment *to, const struct ends *at_to)
+static double bend_between(const struct placement *from, const struct ends *at_from,
+                           const struct placement *middle, const struct ends *at_middle,
+                           const struct placement *to, const struct ends *at_to)
 {
     double bend = bend_of(at_from, at_middle, at_to);
     int turns = 0;
@@ -81,7 +81,7 @@ static double bend_between(const struct moment *from, const struct ends *at_from
         return bend;
     struct ends straight = between(at_from, at_to);
     for (int half = 0; half < 2; half++) {
-        struct moment quarter = half ? middle_of(middle, to) : middle_of(from, middle);
+        struct placement quarter = half ? middle_of(middle, to) : middle_of(from, middle);
         struct ends at_quarter = ends_at(&quarter);
         struct ends chord = between(&straight, half ? at_to : at_from);
         double off = faster(sub(at_quarter.a, chord.a), sub(at_quarter.b, chord.b));
@@ -90,92 +90,93 @@ static double bend_between(const struct moment *from, const struct ends *at_from
     return bend;
 }
 
-static int sweep_straight(struct tour *tour, const struct ends *from, const struct ends *to,
+static int sweep_straight(struct rigid_sweep *sweep, const struct ends *from, const struct ends *to,
                           double bend, double t0, double t1)
 {
-    const struct surface *surface = tour->surface;
-    struct passage *passage = &tour->passage;
-    struct sweep sweep;
-    passage->motion = (struct motion){ from->a, from->b, sub(to->a, from->a), sub(to->b, from->b) };
-    dpti_sweep_begin(&sweep, &passage->motion, tour->radius + bend, tour->tolerance,
+    const struct surface *surface = sweep->surface;
+    struct rigid_sweep_result *result = &sweep->result;
+    struct sweep straight;
+    result->motion = (struct motion){ from->a, from->b, sub(to->a, from->a), sub(to->b, from->b) };
+    dpti_sweep_begin(&straight, &result->motion, sweep->radius + bend, sweep->tolerance,
                      dpti_surface_extent(surface));
-    double start = t0 > 0.0 ? 0.0 : dpti_sweep_start(&sweep, tour->far);
-    int result = dpti_sweep_mesh(surface, tour->kernel, &sweep, start, tour->hint, tour->work,
-                                 &tour->progress->sweep, &passage->strike);
-    passage->time = t0 + passage->strike.time * (t1 - t0);
-    if (result == SWEEP_FREE)
-        tour->progress->free_until = t1;
-    return result;
+    double start = t0 > 0.0 ? 0.0 : dpti_sweep_start(&straight, sweep->far);
+    int status = dpti_sweep_mesh(surface, sweep->kernel, &straight, start, sweep->hint, sweep->work,
+                                 &sweep->progress->sweep, &result->impact);
+    result->time = t0 + result->impact.time * (t1 - t0);
+    if (status == SWEEP_FREE)
+        sweep->progress->free_until = t1;
+    return status;
 }
 
 /* From one moment to another, whose ends these are; what is behind is not swept again. */
-static int sweep_between(struct tour *tour, const struct moment *from, const struct ends *at_from,
-                         const struct moment *to, const struct ends *at_to, double t0, double t1,
-                         int halves)
+static int sweep_between(struct rigid_sweep *sweep, const struct placement *from,
+                         const struct ends *at_from, const struct placement *to,
+                         const struct ends *at_to, double t0, double t1, int halves)
 {
-    if (t1 <= tour->progress->free_until)
+    if (t1 <= sweep->progress->free_until)
         return SWEEP_FREE;
-    struct moment middle = middle_of(from, to);
+    struct placement middle = middle_of(from, to);
     struct ends at_middle = ends_at(&middle);
     double bend = bend_between(from, at_from, &middle, &at_middle, to, at_to);
-    int straight = bend <= 0.5 * tour->tolerance && body_turn_cosine(from, to) >= TURN_COSINE;
+    int straight = bend <= 0.5 * sweep->tolerance && body_turn_cosine(from, to) >= TURN_COSINE;
     if (straight || halves == 0)
-        return sweep_straight(tour, at_from, at_to, bend, t0, t1);
+        return sweep_straight(sweep, at_from, at_to, bend, t0, t1);
     double half = 0.5 * (t0 + t1);
-    int result = sweep_between(tour, from, at_from, &middle, &at_middle, t0, half, halves - 1);
-    if (result != SWEEP_FREE)
-        return result;
-    if (work_is_spent(tour->work))
+    int status = sweep_between(sweep, from, at_from, &middle, &at_middle, t0, half, halves - 1);
+    if (status != SWEEP_FREE)
+        return status;
+    if (work_is_spent(sweep->work))
         return SWEEP_UNFINISHED;
-    return sweep_between(tour, &middle, &at_middle, to, at_to, half, t1, halves - 1);
+    return sweep_between(sweep, &middle, &at_middle, to, at_to, half, t1, halves - 1);
 }
 
-int dpti_tour_sweep(struct tour *tour, const struct moment *from, const struct moment *to)
+int dpti_rigid_sweep_find(struct rigid_sweep *sweep, const struct placement *from,
+                          const struct placement *to)
 {
     struct ends at_from = ends_at(from), at_to = ends_at(to);
-    tour->passage.time = tour->progress->free_until;
-    return sweep_between(tour, from, &at_from, to, &at_to, 0.0, 1.0, HALVES_MOST);
+    sweep->result.time = sweep->progress->free_until;
+    return sweep_between(sweep, from, &at_from, to, &at_to, 0.0, 1.0, HALVES_MOST);
 }
 
-int dpti_tour_is_beyond(const struct tour *tour, const struct moment *from, const struct moment *to,
-                        double after)
+int dpti_rigid_sweep_cannot_meet(const struct rigid_sweep *sweep, const struct placement *from,
+                                 const struct placement *to, double after)
 {
-    struct moment middle = middle_of(from, to);
+    struct placement middle = middle_of(from, to);
     struct ends at_from = ends_at(from), at_to = ends_at(to), at_middle = ends_at(&middle);
     double motion = faster(sub(at_to.a, at_from.a), sub(at_to.b, at_from.b));
     double bend = bend_between(from, &at_from, &middle, &at_middle, to, &at_to);
     if (motion == 0.0 && bend == 0.0)
         return 1;
     return body_turn_cosine(from, to) >= TURN_COSINE &&
-           tour->far + after > motion + 2.0 * (bend + tour->radius + 2.0 * tour->tolerance);
+           sweep->far + after > motion + 2.0 * (bend + sweep->radius + 2.0 * sweep->tolerance);
 }
 
-int dpti_tour_side_before(const struct tour *tour)
+int dpti_rigid_sweep_side_before(const struct rigid_sweep *sweep)
 {
-    const struct strike *strike = &tour->passage.strike;
-    const struct motion *motion = &tour->passage.motion;
-    vec3 way = along(motion->da, strike->pair.s, sub(motion->db, motion->da));
-    vec3 back = along(strike->pair.gap, -strike->time, way);
-    return dpti_side_of_way(tour->surface, strike->triangle, strike->pair.weight, back);
+    const struct impact *impact = &sweep->result.impact;
+    const struct motion *motion = &sweep->result.motion;
+    vec3 way = along(motion->da, impact->pair.s, sub(motion->db, motion->da));
+    vec3 back = along(impact->pair.gap, -impact->time, way);
+    return dpti_side_of_way(sweep->surface, impact->triangle, impact->pair.weight, back);
 }
 
-int dpti_tour_began_through(const struct tour *tour)
+int dpti_rigid_sweep_began_touching(const struct rigid_sweep *sweep)
 {
-    return tour->passage.time == 0.0 && tour->far == 0.0;
+    return sweep->result.time == 0.0 && sweep->far == 0.0;
 }
 
-double dpti_tour_way(const struct moment *from, const struct moment *to)
+double dpti_rigid_sweep_displacement(const struct placement *from, const struct placement *to)
 {
     const dpt_pose middle_pose = pose_middle(&from->tool, &to->tool);
-    const struct moment middle = { .tool = middle_pose,
-                                   .a = scaled(add(from->a, to->a), 0.5),
-                                   .b = scaled(add(from->b, to->b), 0.5) };
+    const struct placement middle = { .tool = middle_pose,
+                                      .a = scaled(add(from->a, to->a), 0.5),
+                                      .b = scaled(add(from->b, to->b), 0.5) };
     struct ends at_first = tool_ends(from), at_last = tool_ends(to), at_middle = tool_ends(&middle);
     return faster(sub(at_last.a, at_first.a), sub(at_last.b, at_first.b)) +
            bend_of(&at_first, &at_middle, &at_last);
 }
 
-dpt_pose dpti_tour_pose(const dpt_pose *from, const dpt_pose *to, double time)
+dpt_pose dpti_rigid_sweep_pose(const dpt_pose *from, const dpt_pose *to, double time)
 {
     dpt_pose low = *from, high = *to, pose;
     double t0 = 0.0, t1 = 1.0, cosine = 0.0, square = 0.0;

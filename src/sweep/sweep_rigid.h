@@ -11,28 +11,28 @@
 
 /* Of the mesh's diagonal: half for the sweep, a quarter for the arcs, which grows the radius, and as much by which they
  * are truly off. */
-#define TOUR_TOLERANCE 1e-6
+#define RIGID_SWEEP_TOLERANCE 1e-6
 
 /* A tool and a body at one time. */
-struct moment {
+struct placement {
     dpt_pose tool, body;
     vec3 a, b; /* in the tool's frame */
 };
 
 /* How far a tour has come: up to a time it is free, then comes what `sweep` is of. Zeros: it begins. */
-struct tour_progress {
+struct rigid_sweep_progress {
     double free_until;
     struct sweep_progress sweep;
 };
 
 /* What a tour came to. */
-struct passage {
-    struct strike strike;
+struct rigid_sweep_result {
+    struct impact impact;
     struct motion motion; /* in which it was */
     double time;          /* of it, or up to which it is free */
 };
 
-struct tour {
+struct rigid_sweep {
     const struct surface *surface; /* of the body */
     const struct kernel *kernel;
     double radius;
@@ -40,30 +40,31 @@ struct tour {
     double tolerance; /* half of what a hit may be off */
     uint32_t hint;
     struct work *work;
-    struct tour_progress *progress;
-    struct passage passage;
+    struct rigid_sweep_progress *progress;
+    struct rigid_sweep_result result;
 };
 
 /* SWEEP_...; after SWEEP_UNFINISHED the same tour between the same moments goes on where it ended. */
-int dpti_tour_sweep(struct tour *tour, const struct moment *from, const struct moment *to);
+int dpti_rigid_sweep_find(struct rigid_sweep *sweep, const struct placement *from,
+                          const struct placement *to);
 
 /* Nothing was met: what is nowhere nearer, before and `after`, than half of the way. */
-int dpti_tour_is_beyond(const struct tour *tour, const struct moment *from, const struct moment *to,
-                        double after);
+int dpti_rigid_sweep_cannot_meet(const struct rigid_sweep *sweep, const struct placement *from,
+                                 const struct placement *to, double after);
 
 /* After a hit: the side of the struck feature on which the point that struck it was when its motion began. */
-int dpti_tour_side_before(const struct tour *tour);
+int dpti_rigid_sweep_side_before(const struct rigid_sweep *sweep);
 
 /*
  * After a hit: the axis touched already when the tour began, and nobody knew. Whether it went through the struck triangle does
  * not tell: one beside that is as near.
  */
-int dpti_tour_began_through(const struct tour *tour);
+int dpti_rigid_sweep_began_touching(const struct rigid_sweep *sweep);
 
 /* Where a tool of such a motion is at a time, 0..1. */
-dpt_pose dpti_tour_pose(const dpt_pose *from, const dpt_pose *to, double time);
+dpt_pose dpti_rigid_sweep_pose(const dpt_pose *from, const dpt_pose *to, double time);
 
 /* No point of the tool was farther away from where it is at last than that, the arc of a turn included. */
-double dpti_tour_way(const struct moment *from, const struct moment *to);
+double dpti_rigid_sweep_displacement(const struct placement *from, const struct placement *to);
 
 #endif

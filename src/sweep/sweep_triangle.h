@@ -19,7 +19,7 @@ struct motion {
     vec3 da, db; /* m per tick */
 };
 
-enum sweep_result {
+enum sweep_status {
     SWEEP_FREE,      /* no touch up to the last time asked for, that included */
     SWEEP_HIT,       /* and the first one is told */
     SWEEP_UNFINISHED /* the work allowed did not suffice: it can be gone on with */

@@ -9,26 +9,26 @@ struct gathered {
     struct push push; /* of the part with the least gap */
     int any;
     double gap;
-    struct found *found;
+    struct body_answer *found;
     struct segment_result *result;
 };
 
 /* This tick's dynamic point: a full search where there is none yet. */
 static void dynamic_point(const struct dpt_world *world, const struct surface *surface,
                           const struct axis *part, uint32_t *last, struct work *work,
-                          struct nearest *nearest)
+                          struct pair_search *nearest)
 {
-    *nearest = (struct nearest){ .pair = { .distance2 = HUGE_VAL }, .triangle = *last };
+    *nearest = (struct pair_search){ .pair = { .distance2 = HUGE_VAL }, .triangle = *last };
     if (*last == DPT_NONE)
-        dpti_tree_search(surface, &world->kernel, NULL, part->local_a, part->u, 0.0, work, nearest);
+        dpti_bvh_search(surface, &world->kernel, NULL, part->local_a, part->u, 0.0, work, nearest);
     else
-        dpti_descend(surface, &world->kernel, part->local_a, part->u,
-                     world->def.baseline->one_step != 0, work, nearest);
+        dpti_paper_descend(surface, &world->kernel, part->local_a, part->u,
+                           world->def.baseline->one_step != 0, work, nearest);
     *last = nearest->triangle;
 }
 
 static void take_part(struct gathered *sum, const struct dpt_world *world, const struct body *body,
-                      uint32_t index, const struct axis *part, const struct nearest *nearest,
+                      uint32_t index, const struct axis *part, const struct pair_search *nearest,
                       double radius)
 {
     struct push push;
@@ -56,7 +56,7 @@ static void take_body(struct gathered *sum, struct dpt_world *world, uint32_t se
     uint32_t *last = world_last(world, segment, handle_index(body->id));
     for (uint32_t k = 0; k < parts; k++) {
         struct axis part;
-        struct nearest nearest;
+        struct pair_search nearest;
         axis_of(&body->surface, &body->frame, along(a, (double)k / parts, u),
                 along(a, (double)(k + 1) / parts, u), &part);
         dynamic_point(world, &body->surface, &part, &last[k], &world->work, &nearest);
@@ -68,7 +68,7 @@ static void take_body(struct gathered *sum, struct dpt_world *world, uint32_t se
 struct push dpti_paper_segment(struct dpt_world *world, uint32_t index, vec3 a, vec3 b)
 {
     struct segment *segment = &world->segments[index];
-    struct found *found = &segment->found;
+    struct body_answer *found = &segment->answer;
     struct segment_result *result = &segment->result;
     struct gathered sum = { .found = found, .result = result };
     const uint32_t before = world->work.done;

@@ -13,7 +13,7 @@
 static void forget(struct dpt_world *world, uint32_t index)
 {
     dpti_contacts_forget(world, 0, world->segment_count, index);
-    dpti_memo_forget(&world->memo, index);
+    dpti_point_cache_forget(&world->point_cache, index);
     dpti_strips_forget_body(world, index);
     for (uint32_t s = 0; s < world->segment_count; s++)
         dpti_bounds_forget(world, s, index);

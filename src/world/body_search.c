@@ -26,14 +26,15 @@ char *dpti_bodies_place(struct dpt_world *world, char *at)
 {
     world->last = (void *)at;
     at += bytes_last(&world->def);
-    world->certificate.blocks = (void *)at;
-    world->certificate.count = (uint32_t)(world->def.certificate_bytes / sizeof(struct block));
+    world->plane_cache.blocks = (void *)at;
+    world->plane_cache.count =
+        (uint32_t)(world->def.certificate_bytes / sizeof(struct plane_block));
     return at + mesh_aligned(world->def.certificate_bytes);
 }
 
 void dpti_bodies_forget_planes(struct dpt_world *world, uint32_t first, uint32_t end, uint32_t body)
 {
-    const struct certificate *c = &world->certificate;
+    const struct plane_cache *c = &world->plane_cache;
     for (uint32_t i = 0; i < c->count; i++) {
         uint32_t owner = (uint32_t)(c->blocks[i].key >> 32);
         if (!owner)
@@ -70,12 +71,12 @@ void dpti_bodies_remove(struct dpt_world *world, uint32_t first, uint32_t end)
             moved * world_lasts(world) * sizeof *world->last);
 }
 
-struct hunt {
+struct body_search {
     struct dpt_world *world;
     uint32_t segment;
     const vec3 *a, *b; /* the axis */
     struct box box;    /* of it */
-    struct found *best;
+    struct body_answer *best;
     double distance;   /* of the best */
     uint32_t followed; /* body whose dynamic point was followed */
     double moved;      /* the axis, in its frame */
@@ -83,193 +84,195 @@ struct hunt {
     uint32_t next;     /* body that the budget did not reach, or DPT_NONE */
 };
 
-static void axis_in(const struct hunt *hunt, const struct body *body, struct axis *axis)
+static void axis_in(const struct body_search *search, const struct body *body, struct axis *axis)
 {
-    axis_of(&body->surface, &body->frame, *hunt->a, *hunt->b, axis);
+    axis_of(&body->surface, &body->frame, *search->a, *search->b, axis);
 }
 
 /* What a search of a body found, if it is nearer than the rest. */
-static void take(struct hunt *hunt, const struct body *body, const struct track *track)
+static void take(struct body_search *search, const struct body *body, const struct track *track)
 {
-    struct found *best = hunt->best;
+    struct body_answer *best = search->best;
     if (track->nearest.triangle == DPT_NONE)
         return;
     if (track != &best->track && best->body &&
         track->nearest.pair.distance2 >= best->track.nearest.pair.distance2)
         return;
-    *world_last(hunt->world, hunt->segment, handle_index(body->id)) = track->nearest.triangle;
+    *world_last(search->world, search->segment, handle_index(body->id)) = track->nearest.triangle;
     if (track != &best->track)
         best->track = *track;
     best->body = body;
-    hunt->distance = sqrt(track->nearest.pair.distance2);
+    search->distance = sqrt(track->nearest.pair.distance2);
 }
 
 /* Methods without memory: every body, in full. */
-static void ask_plainly(struct hunt *hunt, uint32_t index)
+static void ask_plainly(struct body_search *search, uint32_t index)
 {
-    struct dpt_world *world = hunt->world;
+    struct dpt_world *world = search->world;
     const struct body *body = &world->bodies[index];
-    struct found *best = hunt->best;
+    struct body_answer *best = search->best;
     double limit2 = best->body ? best->track.nearest.pair.distance2 : HUGE_VAL;
     struct track track;
-    axis_in(hunt, body, &track.axis);
+    axis_in(search, body, &track.axis);
     if (world->def.method == DPT_METHOD_BRUTE) {
-        track.nearest = (struct nearest){ .pair = { .distance2 = limit2 }, .triangle = DPT_NONE };
-        dpti_tree_brute(&body->surface, track.axis.local_a, track.axis.u, &world->work,
-                        &track.nearest);
+        track.nearest =
+            (struct pair_search){ .pair = { .distance2 = limit2 }, .triangle = DPT_NONE };
+        dpti_brute_search(&body->surface, track.axis.local_a, track.axis.u, &world->work,
+                          &track.nearest);
     } else {
-        struct walk walk;
-        walk.at = 0;
-        dpti_track_begin(&track, &body->surface, *world_last(world, hunt->segment, index), limit2,
+        struct bvh_traversal walk;
+        walk.depth = 0;
+        dpti_track_begin(&track, &body->surface, *world_last(world, search->segment, index), limit2,
                          TRACK_STAYS, &world->work);
         dpti_track_prove(&track, &body->surface, &world->kernel, NULL, &walk, &world->work);
         dpti_track_settle(&track);
     }
     best->error = larger(best->error, track.axis.error);
-    take(hunt, body, &track);
+    take(search, body, &track);
 }
 
 /* Of what is left, the dynamic point may take half; its proof needs the rest. */
-static uint32_t slide_share(const struct dpt_world *world)
+static uint32_t descent_share(const struct dpt_world *world)
 {
     return work_left(&world->work) / 2;
 }
 
-static void begin_track(struct hunt *hunt, uint32_t index, double limit2, enum slide slide,
-                        struct track *track)
+static void begin_track(struct body_search *search, uint32_t index, double limit2,
+                        enum descent_mode mode, struct track *track)
 {
-    struct dpt_world *world = hunt->world;
-    struct work share = work_of(slide_share(world));
-    dpti_track_begin(track, &world->bodies[index].surface, *world_last(world, hunt->segment, index),
-                     limit2, slide, &share);
+    struct dpt_world *world = search->world;
+    struct work share = work_of(descent_share(world));
+    dpti_track_begin(track, &world->bodies[index].surface,
+                     *world_last(world, search->segment, index), limit2, mode, &share);
     work_spend(&world->work, share.done);
 }
 
 /* The dynamic point on the body that was nearest. A resting one has nowhere to go. */
-static void follow(struct hunt *hunt, uint32_t index)
+static void follow(struct body_search *search, uint32_t index)
 {
-    struct dpt_world *world = hunt->world;
+    struct dpt_world *world = search->world;
     const struct body *body = &world->bodies[index];
-    struct track *track = &hunt->best->track;
-    axis_in(hunt, body, &track->axis);
-    hunt->followed = index;
-    hunt->moved = 1.0;
+    struct track *track = &search->best->track;
+    axis_in(search, body, &track->axis);
+    search->followed = index;
+    search->moved = 1.0;
     if (world->def.budget)
-        hunt->moved = dpti_bounds_update(world, hunt->segment, index, &track->axis);
-    enum slide slide = TRACK_STAYS;
-    if (hunt->moved > 0.0 && slide_share(world))
-        slide = track->nearest.pair.distance2 == 0.0 ? TRACK_CROSSED : TRACK_SLIDES;
-    begin_track(hunt, index, HUGE_VAL, slide, track);
-    hunt->is_new = track->last == DPT_NONE;
-    hunt->best->error = track->axis.error;
-    take(hunt, body, track);
+        search->moved = dpti_bounds_update(world, search->segment, index, &track->axis);
+    enum descent_mode mode = TRACK_STAYS;
+    if (search->moved > 0.0 && descent_share(world))
+        mode = track->nearest.pair.distance2 == 0.0 ? TRACK_CROSSED : TRACK_DESCENDS;
+    begin_track(search, index, HUGE_VAL, mode, track);
+    search->is_new = track->last == DPT_NONE;
+    search->best->error = track->axis.error;
+    take(search, body, track);
 }
 
 /* Nothing is nearer than the best, but for what the error bound allows. */
-static int is_proven(const struct hunt *hunt, double floor)
+static int is_proven(const struct body_search *search, double floor)
 {
-    return floor >= hunt->distance - TREE_HISTORY * hunt->best->track.axis.error;
+    return floor >= search->distance - DISTANCE_ERROR_HISTORY * search->best->track.axis.error;
 }
 
 /* Search a body; what was visited is no nearer than `floor`. 0 if the budget ended that. */
-static int prove(struct hunt *hunt, uint32_t index, struct track *track, int slide, int anew,
-                 struct walk *walk, double *floor)
+static int prove(struct body_search *search, uint32_t index, struct track *track, int slide,
+                 int anew, struct bvh_traversal *walk, double *floor)
 {
-    struct dpt_world *world = hunt->world;
+    struct dpt_world *world = search->world;
     const struct body *body = &world->bodies[index];
-    if (track != &hunt->best->track)
-        begin_track(hunt, index, hunt->best->track.nearest.pair.distance2,
-                    slide ? TRACK_SLIDES : TRACK_STAYS, track);
-    const struct keeper keeper =
-        keeper_of(&world->certificate, world_owner(world, hunt->segment, index), anew);
-    int done = dpti_track_prove(track, &body->surface, &world->kernel, &keeper, walk, &world->work);
+    if (track != &search->best->track)
+        begin_track(search, index, search->best->track.nearest.pair.distance2,
+                    slide ? TRACK_DESCENDS : TRACK_STAYS, track);
+    const struct plane_cache_view cache =
+        plane_cache_view_of(&world->plane_cache, world_owner(world, search->segment, index), anew);
+    int done = dpti_track_prove(track, &body->surface, &world->kernel, &cache, walk, &world->work);
     *floor = sqrt(track->nearest.pair.distance2);
     dpti_track_settle(track);
-    take(hunt, body, track);
+    take(search, body, track);
     return done;
 }
 
 /* Prove as much as the budget allows, unless enough is proven; note what is. The boxes are `apart`. */
-static void ask_in_pieces(struct hunt *hunt, uint32_t index, double apart, struct track *track)
+static void ask_in_pieces(struct body_search *search, uint32_t index, double apart,
+                          struct track *track)
 {
-    struct dpt_world *world = hunt->world;
-    struct proof *proof = world_proof(world, hunt->segment, index);
-    double moved = hunt->moved;
+    struct dpt_world *world = search->world;
+    struct distance_bound *bound = world_distance_bound(world, search->segment, index);
+    double moved = search->moved;
     int done = 0;
-    if (index != hunt->followed)
-        moved = dpti_bounds_update(world, hunt->segment, index, &track->axis);
-    int anew = moved == 0.0 || hunt->is_new;
-    struct pause *pause = world_pause(world, hunt->segment, anew);
-    proof->floor = larger(proof->floor, apart);
-    if (!is_proven(hunt, dpti_bounds_proven(world, hunt->segment, index)) &&
-        !work_is_spent(&hunt->world->work)) {
+    if (index != search->followed)
+        moved = dpti_bounds_update(world, search->segment, index, &track->axis);
+    int anew = moved == 0.0 || search->is_new;
+    struct suspended_search *suspended = world_suspended_search(world, search->segment, anew);
+    bound->lower_bound = larger(bound->lower_bound, apart);
+    if (!is_proven(search, dpti_bounds_proven(world, search->segment, index)) &&
+        !work_is_spent(&search->world->work)) {
         double floor;
-        if (pause->body != index || !pause->walk.at) {
-            dpti_bounds_give_up(world, hunt->segment, pause);
-            pause->body = index;
-            pause->floor = HUGE_VAL;
+        if (suspended->body != index || !suspended->traversal.depth) {
+            dpti_bounds_give_up(world, search->segment, suspended);
+            suspended->body = index;
+            suspended->lower_bound = HUGE_VAL;
         }
-        done = prove(hunt, index, track, moved > 0.0 && slide_share(world), anew, &pause->walk,
-                     &floor);
-        pause->floor = smaller(pause->floor, floor);
+        done = prove(search, index, track, moved > 0.0 && descent_share(world), anew,
+                     &suspended->traversal, &floor);
+        suspended->lower_bound = smaller(suspended->lower_bound, floor);
         if (done)
-            proof->floor = larger(proof->floor, pause->floor);
+            bound->lower_bound = larger(bound->lower_bound, suspended->lower_bound);
     }
-    double floor = dpti_bounds_proven(world, hunt->segment, index);
-    if (!done && hunt->next == DPT_NONE && !is_proven(hunt, floor))
-        hunt->next = index;
-    hunt->best->lower = smaller(hunt->best->lower, floor);
+    double floor = dpti_bounds_proven(world, search->segment, index);
+    if (!done && search->next == DPT_NONE && !is_proven(search, floor))
+        search->next = index;
+    search->best->lower = smaller(search->best->lower, floor);
 }
 
-static void ask(struct hunt *hunt, uint32_t index)
+static void ask(struct body_search *search, uint32_t index)
 {
-    struct dpt_world *world = hunt->world;
+    struct dpt_world *world = search->world;
     const struct body *body = &world->bodies[index];
-    struct found *best = hunt->best;
+    struct body_answer *best = search->best;
     int is_best = body == best->body;
     struct track other, *track = is_best ? &best->track : &other;
-    if (!body->slot.used || hunt->distance == 0.0)
+    if (!body->slot.used || search->distance == 0.0)
         return;
-    double apart = is_best ? 0.0 : box_distance(&hunt->box, &world->boxes[index]);
-    if (apart >= hunt->distance)
+    double apart = is_best ? 0.0 : box_distance(&search->box, &world->boxes[index]);
+    if (apart >= search->distance)
         return;
     if (!is_best)
-        axis_in(hunt, body, &other.axis);
+        axis_in(search, body, &other.axis);
     best->error = larger(best->error, track->axis.error);
     if (world->def.budget) {
-        ask_in_pieces(hunt, index, apart, track);
+        ask_in_pieces(search, index, apart, track);
     } else {
-        struct walk walk;
+        struct bvh_traversal walk;
         double floor;
-        walk.at = 0;
-        prove(hunt, index, track, 1, (int)hunt->is_new, &walk, &floor);
+        walk.depth = 0;
+        prove(search, index, track, 1, (int)search->is_new, &walk, &floor);
     }
 }
 
 /* The bodies that may be near, by place on the list. */
-static uint32_t near_count(const struct hunt *hunt)
+static uint32_t near_count(const struct body_search *search)
 {
-    const struct dpt_world *world = hunt->world;
+    const struct dpt_world *world = search->world;
     return world->body_end <= NEAR_FEW ? world->body_end
-                                       : world->segments[hunt->segment].near.now.listed;
+                                       : world->segments[search->segment].near.now.listed;
 }
 
-static uint32_t near_at(const struct hunt *hunt, uint32_t place)
+static uint32_t near_at(const struct body_search *search, uint32_t place)
 {
-    const struct dpt_world *world = hunt->world;
-    uint32_t which = world->segments[hunt->segment].near.now.which;
-    return world->body_end <= NEAR_FEW ? place : world_near(world, hunt->segment, which)[place];
+    const struct dpt_world *world = search->world;
+    uint32_t which = world->segments[search->segment].near.now.which;
+    return world->body_end <= NEAR_FEW ? place : world_near(world, search->segment, which)[place];
 }
 
 /* Where nothing is known, the body whose box is nearest is the best to begin with. */
-static uint32_t nearest_box(const struct hunt *hunt)
+static uint32_t nearest_box(const struct body_search *search)
 {
     uint32_t best = DPT_NONE;
     double least = HUGE_VAL;
-    for (uint32_t i = 0; i < near_count(hunt); i++) {
-        uint32_t index = near_at(hunt, i);
-        double apart = box_distance(&hunt->box, &hunt->world->boxes[index]);
-        if (hunt->world->bodies[index].slot.used && apart < least) {
+    for (uint32_t i = 0; i < near_count(search); i++) {
+        uint32_t index = near_at(search, i);
+        double apart = box_distance(&search->box, &search->world->boxes[index]);
+        if (search->world->bodies[index].slot.used && apart < least) {
             least = apart;
             best = index;
         }
@@ -278,19 +281,19 @@ static uint32_t nearest_box(const struct hunt *hunt)
 }
 
 /* Each of them, from `first` on. */
-static void ask_near(struct hunt *hunt, uint32_t first)
+static void ask_near(struct body_search *search, uint32_t first)
 {
-    uint32_t count = near_count(hunt), begin = 0;
-    while (begin < count && near_at(hunt, begin) != first)
+    uint32_t count = near_count(search), begin = 0;
+    while (begin < count && near_at(search, begin) != first)
         begin++;
     for (uint32_t i = 0; i < count; i++)
-        ask(hunt, near_at(hunt, begin + i < count ? begin + i : begin + i - count));
+        ask(search, near_at(search, begin + i < count ? begin + i : begin + i - count));
 }
 
-static void find_exact(struct hunt *hunt)
+static void find_exact(struct body_search *search)
 {
-    struct dpt_world *world = hunt->world;
-    struct segment *segment = &world->segments[hunt->segment];
+    struct dpt_world *world = search->world;
+    struct segment *segment = &world->segments[search->segment];
     uint32_t first = segment->last_body;
     for (uint32_t i = 0; first == DPT_NONE && i < world->body_end; i++)
         if (world->bodies[i].slot.used)
@@ -299,38 +302,39 @@ static void find_exact(struct hunt *hunt)
         return;
     int many = world->body_end > NEAR_FEW;
     if (many)
-        dpti_near_move(&segment->near, *hunt->a, *hunt->b);
-    follow(hunt, first);
-    if (hunt->distance == 0.0)
+        dpti_near_move(&segment->near, *search->a, *search->b);
+    follow(search, first);
+    if (search->distance == 0.0)
         return; /* nothing is nearer */
-    hunt->box = box_of_axis(*hunt->a, *hunt->b);
+    search->box = box_of_axis(*search->a, *search->b);
     if (many) {
-        double reach = dpti_near_list(world, hunt->segment, hunt->distance);
-        if (reach < hunt->distance)
-            hunt->best->lower = reach;
+        double reach = dpti_near_list(world, search->segment, search->distance);
+        if (reach < search->distance)
+            search->best->lower = reach;
     }
     /* In motion all bodies get their turn; a first search, and one at rest, begins where it costs least. */
-    uint32_t begin = hunt->is_new ? nearest_box(hunt) : first;
+    uint32_t begin = search->is_new ? nearest_box(search) : first;
     if (world->def.budget) {
-        uint32_t *next = &world_pause(world, hunt->segment, 0)->next;
-        int goes_on = hunt->moved > 0.0 || world_pause(world, hunt->segment, 1)->walk.at;
+        uint32_t *next = &world_suspended_search(world, search->segment, 0)->next;
+        int goes_on = search->moved > 0.0 ||
+                      world_suspended_search(world, search->segment, 1)->traversal.depth;
         if (*next != DPT_NONE && goes_on)
             begin = *next;
-        else if (hunt->moved == 0.0)
-            begin = nearest_box(hunt);
-        ask_near(hunt, begin);
-        *next = hunt->next;
+        else if (search->moved == 0.0)
+            begin = nearest_box(search);
+        ask_near(search, begin);
+        *next = search->next;
     } else {
-        ask_near(hunt, begin);
+        ask_near(search, begin);
     }
-    if (many && hunt->moved > 0.0 && is_proven(hunt, hunt->best->lower))
-        dpti_near_tidy(world, hunt->segment, hunt->distance);
+    if (many && search->moved > 0.0 && is_proven(search, search->best->lower))
+        dpti_near_tidy(world, search->segment, search->distance);
 }
 
 void dpti_bodies_find(struct dpt_world *world, uint32_t segment, const vec3 *a, const vec3 *b,
-                      struct found *best)
+                      struct body_answer *best)
 {
-    struct hunt hunt = {
+    struct body_search search = {
         .world = world, .segment = segment, .a = a, .b = b, .best = best, .next = DPT_NONE
     };
     best->body = NULL;
@@ -338,17 +342,17 @@ void dpti_bodies_find(struct dpt_world *world, uint32_t segment, const vec3 *a, 
     best->error = 0.0;
     const uint32_t before = world->work.done;
     if (world->def.method == DPT_METHOD_EXACT) {
-        find_exact(&hunt);
+        find_exact(&search);
     } else {
         for (uint32_t i = 0; i < world->body_end; i++)
             if (world->bodies[i].slot.used)
-                ask_plainly(&hunt, i);
+                ask_plainly(&search, i);
     }
-    best->exact = best->body && is_proven(&hunt, best->lower);
+    best->exact = best->body && is_proven(&search, best->lower);
     best->work = world->work.done - before;
 }
 
-void dpti_bodies_result(const struct found *best, struct segment_result *result)
+void dpti_bodies_result(const struct body_answer *best, struct segment_result *result)
 {
     dpti_segment_result_of_pair(&best->track.axis, &best->track.nearest.pair, result);
     result->work = best->work;

@@ -29,9 +29,9 @@ void dpti_bodies_remove(struct dpt_world *world, uint32_t first, uint32_t end);
 
 /* `exact`: what is kept helps, only near bodies are asked, and the world's budget ends it. */
 void dpti_bodies_find(struct dpt_world *world, uint32_t segment, const vec3 *a, const vec3 *b,
-                      struct found *best);
+                      struct body_answer *best);
 
 /* The result so far: exact, or bounded with what is proven. best->body is there. */
-void dpti_bodies_result(const struct found *best, struct segment_result *result);
+void dpti_bodies_result(const struct body_answer *best, struct segment_result *result);
 
 #endif

@@ -31,7 +31,7 @@ static double reach_of(const struct near *near)
 {
     struct box axis = box_of_axis(near->a, near->b);
     const struct box *home = &near->now.box;
-    if (!(near->now.room > 0.0))
+    if (!(near->now.margin > 0.0))
         return 0.0;
     double least = smaller(axis.low.x - home->low.x, home->high.x - axis.high.x);
     least = smaller(least, smaller(axis.low.y - home->low.y, home->high.y - axis.high.y));
@@ -54,24 +54,24 @@ static double wanted(const struct near *near, double distance)
 
 static int is_wide(const struct near *near, double distance)
 {
-    return near->now.room > 4.0 * wanted(near, distance);
+    return near->now.margin > 4.0 * wanted(near, distance);
 }
 
-static void settle(struct near *near, double distance)
+static void begin_rebuild(struct near *near, double distance)
 {
     struct box axis = box_of_axis(near->a, near->b);
     double room = wanted(near, distance);
     vec3 all = { room, room, room };
-    near->next = (struct home){ .box = { sub(axis.low, all), add(axis.high, all) },
-                                .room = room,
-                                .which = 1 - near->now.which };
+    near->rebuilt = (struct fat_box){ .box = { sub(axis.low, all), add(axis.high, all) },
+                                      .margin = room,
+                                      .which = 1 - near->now.which };
     near->scanning = 1;
     near->scanned = 0;
 }
 
-static void arrive(struct near *near)
+static void finish_rebuild(struct near *near)
 {
-    near->now = near->next;
+    near->now = near->rebuilt;
     near->scanning = 0;
 }
 
@@ -98,42 +98,42 @@ void dpti_near_remove(struct dpt_world *world, uint32_t first, uint32_t end)
 }
 
 /* In the order of slots. */
-static void put_on_list(const struct dpt_world *world, uint32_t segment, struct home *home,
+static void put_on_list(const struct dpt_world *world, uint32_t segment, struct fat_box *fat,
                         uint32_t index)
 {
-    uint32_t *list = world_near(world, segment, home->which), at = home->listed;
+    uint32_t *list = world_near(world, segment, fat->which), at = fat->listed;
     while (at > 0 && list[at - 1] > index)
         at--;
     if (at > 0 && list[at - 1] == index)
         return;
-    memmove(list + at + 1, list + at, (home->listed - at) * sizeof *list);
+    memmove(list + at + 1, list + at, (fat->listed - at) * sizeof *list);
     list[at] = index;
-    home->listed++;
+    fat->listed++;
 }
 
 /* Go on with the list of the next home. */
 static void scan(struct dpt_world *world, uint32_t segment)
 {
     struct near *near = &world->segments[segment].near;
-    struct home *home = &near->next;
-    uint32_t *list = world_near(world, segment, home->which);
+    struct fat_box *fat = &near->rebuilt;
+    uint32_t *list = world_near(world, segment, fat->which);
     while (near->scanned < world->body_end && !work_is_spent(&world->work)) {
         work_spend(&world->work, 1);
         for (int i = 0; i < LANES && near->scanned < world->body_end; i++) {
             uint32_t index = near->scanned++;
-            if (world->bodies[index].slot.used && box_meets(&home->box, &world->boxes[index]))
-                list[home->listed++] = index;
+            if (world->bodies[index].slot.used && box_meets(&fat->box, &world->boxes[index]))
+                list[fat->listed++] = index;
         }
     }
     if (near->scanned == world->body_end)
-        arrive(near);
+        finish_rebuild(near);
 }
 
 double dpti_near_list(struct dpt_world *world, uint32_t segment, double distance)
 {
     struct near *near = &world->segments[segment].near;
-    if (!near->scanning && !(near->now.room > 0.0 && reach_of(near) >= distance))
-        settle(near, distance);
+    if (!near->scanning && !(near->now.margin > 0.0 && reach_of(near) >= distance))
+        begin_rebuild(near, distance);
     if (near->scanning)
         scan(world, segment);
     return reach_of(near);
@@ -145,7 +145,7 @@ void dpti_near_tidy(struct dpt_world *world, uint32_t segment, double distance)
     uint32_t units = (world->body_end + LANES - 1) / LANES;
     if (!is_wide(near, distance) || work_left(&world->work) < units)
         return;
-    settle(near, distance);
+    begin_rebuild(near, distance);
     scan(world, segment);
 }
 
@@ -161,7 +161,7 @@ const struct nearby *dpti_near_within(struct dpt_world *world, uint32_t segment,
     if (world->body_end <= NEAR_FEW || world->def.method != DPT_METHOD_EXACT)
         return nearby;
     if (!is_listed(near, nearby->reach) && !world->def.budget) {
-        settle(near, nearby->reach);
+        begin_rebuild(near, nearby->reach);
         scan(world, segment);
     }
     if (is_listed(near, nearby->reach)) {
@@ -178,9 +178,9 @@ void dpti_near_put_body(struct dpt_world *world, uint32_t index)
     *box = box_in_world(body->surface.box_min, body->surface.box_max, &body->frame);
     for (uint32_t s = 0; world->body_end > NEAR_FEW && s < world->segment_count; s++) {
         struct near *near = &world->segments[s].near;
-        if (near->now.room > 0.0 && box_meets(&near->now.box, box))
+        if (near->now.margin > 0.0 && box_meets(&near->now.box, box))
             put_on_list(world, s, &near->now, index);
-        if (near->scanning && index < near->scanned && box_meets(&near->next.box, box))
-            put_on_list(world, s, &near->next, index);
+        if (near->scanning && index < near->scanned && box_meets(&near->rebuilt.box, box))
+            put_on_list(world, s, &near->rebuilt, index);
     }
 }

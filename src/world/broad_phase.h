@@ -15,16 +15,16 @@ struct box {
 };
 
 /* A home, in the world, and how many bodies are on its list. */
-struct home {
+struct fat_box {
     struct box box;
-    double room;     /* from the axis to the faces, when it was made; 0: there is none */
+    double margin;   /* from the axis to the faces, when it was made; 0: there is none */
     uint32_t listed; /* bodies */
     uint32_t which;  /* of the segment's two lists */
 };
 
 /* One axis' surroundings. While a new home's list is made, the old one serves. */
 struct near {
-    struct home now, next;
+    struct fat_box now, rebuilt;
     vec3 a, b;         /* where the axis was last tick */
     double speed;      /* of the faster end, m a tick; slowly forgotten */
     uint32_t known;    /* 0: it was nowhere */

@@ -94,7 +94,8 @@ static int rests(const struct meeting *meeting)
 {
     const struct dpt_world *world = meeting->world;
     uint32_t nearest = world->segments[meeting->segment].last_body;
-    if (!world->def.budget || world_proof(world, meeting->segment, nearest)->rested != world->ticks)
+    if (!world->def.budget ||
+        world_distance_bound(world, meeting->segment, nearest)->rested != world->ticks)
         return 0;
     const struct body *body = &world->bodies[nearest];
     return meeting->body == body ||
@@ -219,7 +220,7 @@ int dpti_contact_pair_meet(struct meeting *meeting, double *gap)
     profile->kernel = &world->kernel;
     profile->axis = &meeting->axis;
     profile->sides = &meeting->sides;
-    profile->memo = world->def.budget ? &world->memo : NULL;
+    profile->point_cache = world->def.budget ? &world->point_cache : NULL;
     profile->regions = world->def.max_contacts && !world->def.budget;
     profile->body = handle_index(meeting->body->id);
     profile->reach = meeting->radius + (world->def.max_contacts ? world->def.margin : 0.0);

@@ -11,18 +11,19 @@ static int search_other(struct meeting *meeting, vec3 a, vec3 b)
     struct dpt_world *world = meeting->world;
     const struct surface *surface = &meeting->body->surface;
     const struct axis *axis = &meeting->axis;
-    struct nearest *nearest = &meeting->nearest;
+    struct pair_search *nearest = &meeting->nearest;
     uint32_t *last = world_last(world, meeting->segment, handle_index(meeting->body->id));
-    struct walk walk;
-    walk.at = 0;
+    struct bvh_traversal walk;
+    walk.depth = 0;
     if (work_is_spent(&world->work))
         return 0;
     axis_of(surface, &meeting->body->frame, a, b, &meeting->axis);
-    *nearest = (struct nearest){ .pair = dpti_tree_pair(surface, *last == DPT_NONE ? 0 : *last,
-                                                        axis->local_a, axis->u),
-                                 .triangle = *last == DPT_NONE ? 0 : *last };
-    int done = dpti_tree_walk(surface, &world->kernel, NULL, axis->local_a, axis->u, 0.0, &walk,
-                              &world->work, nearest);
+    *nearest =
+        (struct pair_search){ .pair = dpti_triangle_pair(surface, *last == DPT_NONE ? 0 : *last,
+                                                         axis->local_a, axis->u),
+                              .triangle = *last == DPT_NONE ? 0 : *last };
+    int done = dpti_bvh_traverse(surface, &world->kernel, NULL, axis->local_a, axis->u, 0.0, &walk,
+                                 &world->work, nearest);
     *last = nearest->triangle;
     return done;
 }
@@ -62,7 +63,7 @@ static void keep_point(const struct meeting *meeting, uint32_t part, const struc
     }
 }
 
-static void meet_body(struct meeting *meeting, const struct found *best, struct sum *sum)
+static void meet_body(struct meeting *meeting, const struct body_answer *best, struct sum *sum)
 {
     int found = CONTACT_UNKNOWN;
     double gap = HUGE_VAL;
@@ -106,7 +107,7 @@ static void meet_body(struct meeting *meeting, const struct found *best, struct 
     }
 }
 
-void dpti_contacts_find(struct dpt_world *world, uint32_t segment, const struct found *best,
+void dpti_contacts_find(struct dpt_world *world, uint32_t segment, const struct body_answer *best,
                         struct segment_result *result, struct push *push)
 {
     struct segment *own = &world->segments[segment];

@@ -21,7 +21,8 @@ void dpti_bounds_forget(struct dpt_world *world, uint32_t segment, uint32_t body
 void dpti_bounds_remove(struct dpt_world *world, uint32_t first, uint32_t end);
 
 /* A search is given up: what it has proven stays. */
-void dpti_bounds_give_up(struct dpt_world *world, uint32_t segment, struct pause *pause);
+void dpti_bounds_give_up(struct dpt_world *world, uint32_t segment,
+                         struct suspended_search *suspended);
 
 /*
  * Bring what is proven of a body up to date; returns how far the ends moved. A search that was stopped stays valid

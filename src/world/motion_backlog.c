@@ -10,7 +10,7 @@
 
 /* A share of dpt_world_bytes. */
 enum { BYTES_VOYAGE = 2112 };
-typedef char voyage_fits[sizeof(struct voyage) <= BYTES_VOYAGE ? 1 : -1];
+typedef char voyage_fits[sizeof(struct motion_backlog) <= BYTES_VOYAGE ? 1 : -1];
 
 uint64_t dpti_backlog_bytes(const dpt_world_def *def)
 {
@@ -19,66 +19,67 @@ uint64_t dpti_backlog_bytes(const dpt_world_def *def)
 
 char *dpti_backlog_place(struct dpt_world *world, char *at)
 {
-    world->voyages = (void *)at;
+    world->motion_backlogs = (void *)at;
     return at + dpti_backlog_bytes(&world->def);
 }
 
 void dpti_backlog_forget(struct dpt_world *world, uint32_t segment)
 {
-    world->segments[segment].was.known = 0;
+    world->segments[segment].previous.known = 0;
     if (world->def.budget)
-        world->voyages[segment].count = world->voyages[segment].body = 0;
+        world->motion_backlogs[segment].count = world->motion_backlogs[segment].body = 0;
 }
 
 void dpti_backlog_restart(struct dpt_world *world)
 {
     for (uint32_t s = 0; world->def.budget && s < world->segment_count; s++)
-        world->voyages[s].body = 0;
+        world->motion_backlogs[s].body = 0;
 }
 
 void dpti_backlog_remove(struct dpt_world *world, uint32_t first, uint32_t end)
 {
     if (world->def.budget)
-        memmove(&world->voyages[first], &world->voyages[end],
-                (world->segment_count - end) * sizeof *world->voyages);
+        memmove(&world->motion_backlogs[first], &world->motion_backlogs[end],
+                (world->segment_count - end) * sizeof *world->motion_backlogs);
 }
 
 /* What cannot be followed is as a teleport to where the segment is now. */
-static void give_up(struct dpt_world *world, uint32_t index, struct voyage *voyage)
+static void give_up(struct dpt_world *world, uint32_t index, struct motion_backlog *backlog)
 {
-    voyage->count = voyage->body = 0;
+    backlog->count = backlog->body = 0;
     dpti_motion_no_sweep(&world->segments[index], DPT_SWEEP_NONE);
     dpti_contacts_forget_sides(world, index);
 }
 
 /* How far away is what any leg, and `now` if it is not NULL, may have met. */
-static double reach_of(const struct segment *segment, const struct voyage *voyage,
-                       const struct was *now)
+static double reach_of(const struct segment *segment, const struct motion_backlog *backlog,
+                       const struct motion_state *now)
 {
     double reach = segment->radius;
-    const struct was *last = &segment->was;
-    for (uint32_t i = 0; i < voyage->count; last = &voyage->way[i++])
-        reach += dpti_motion_between(last, &voyage->way[i]);
-    return now ? reach + dpti_motion_between(last, now) : reach;
+    const struct motion_state *last = &segment->previous;
+    for (uint32_t i = 0; i < backlog->count; last = &backlog->state[i++])
+        reach += dpti_motion_displacement(last, &backlog->state[i]);
+    return now ? reach + dpti_motion_displacement(last, now) : reach;
 }
 
 /* Bodies that have moved, or come, since the last tick: a leg past them is of this tick alone. */
 static int meets_others(struct dpt_world *world, uint32_t index, double reach)
 {
-    struct around around = dpti_motion_around(world, index, reach);
-    const struct body *body = dpti_motion_next_body(&around);
+    struct swept_bodies bodies = dpti_motion_bodies(world, index, reach);
+    const struct body *body = dpti_motion_next_body(&bodies);
     while (body && body->moved != world->ticks && body->added != world->ticks)
-        body = dpti_motion_next_body(&around);
+        body = dpti_motion_next_body(&bodies);
     return body != NULL;
 }
 
 /* Legs that wait, before this tick's joins them: is the way known on which they are, and is there room for one more? */
-static int is_followed(struct dpt_world *world, uint32_t index, const struct voyage *voyage,
-                       const struct was *now)
+static int is_followed(struct dpt_world *world, uint32_t index,
+                       const struct motion_backlog *backlog, const struct motion_state *now)
 {
-    double reach = reach_of(&world->segments[index], voyage, now);
-    return !voyage->lost && !meets_others(world, index, reach) &&
-           (voyage->count < WAY_MOST || dpti_motion_is_same(&voyage->way[voyage->count - 1], now));
+    double reach = reach_of(&world->segments[index], backlog, now);
+    return !backlog->lost && !meets_others(world, index, reach) &&
+           (backlog->count < MOTION_STEPS_MAX ||
+            dpti_motion_is_same(&backlog->state[backlog->count - 1], now));
 }
 
 /* This tick's motion cannot have met anything. */
@@ -89,65 +90,67 @@ static int is_free(const struct dpt_world *world, const struct segment *segment,
 }
 
 /* Leg by leg, up to the first that meets something or the end of the budget. 0 unless that was all. */
-static int take_legs(struct dpt_world *world, uint32_t index, struct voyage *voyage)
+static int take_steps(struct dpt_world *world, uint32_t index, struct motion_backlog *backlog)
 {
     struct segment *segment = &world->segments[index];
-    while (voyage->count) {
-        const uint32_t age = (uint32_t)world->ticks - voyage->way[0].tick;
-        double reach = reach_of(segment, voyage, NULL);
-        if (!dpti_motion_take_leg(world, index, dpti_motion_around(world, index, reach), voyage)) {
+    while (backlog->count) {
+        const uint32_t age = (uint32_t)world->ticks - backlog->state[0].tick;
+        double reach = reach_of(segment, backlog, NULL);
+        if (!dpti_motion_take_step(world, index, dpti_motion_bodies(world, index, reach),
+                                   backlog)) {
             dpti_motion_no_sweep(segment, DPT_SWEEP_UNFINISHED);
             segment->sweep.age = age;
-            voyage->lost |= (uint32_t)meets_others(world, index, reach);
+            backlog->lost |= (uint32_t)meets_others(world, index, reach);
             return 0;
         }
         segment->sweep.age = age;
-        segment->was = voyage->way[0];
-        voyage->count--;
-        memmove(voyage->way, voyage->way + 1, voyage->count * sizeof *voyage->way);
+        segment->previous = backlog->state[0];
+        backlog->count--;
+        memmove(backlog->state, backlog->state + 1, backlog->count * sizeof *backlog->state);
         if (segment->sweep.status == DPT_SWEEP_HIT)
             break;
     }
-    return !voyage->count;
+    return !backlog->count;
 }
 
-int dpti_travel_find(struct dpt_world *world, uint32_t index)
+int dpti_backlog_sweep(struct dpt_world *world, uint32_t index)
 {
     struct segment *segment = &world->segments[index];
-    struct voyage fresh, *voyage = world->def.budget ? &world->voyages[index] : &fresh;
-    if (!world->def.budget || !segment->was.known)
-        voyage->count = voyage->body = 0;
-    if (!segment->was.known)
+    struct motion_backlog fresh,
+        *backlog = world->def.budget ? &world->motion_backlogs[index] : &fresh;
+    if (!world->def.budget || !segment->previous.known)
+        backlog->count = backlog->body = 0;
+    if (!segment->previous.known)
         return 1;
-    struct was now = dpti_motion_place(world, segment);
-    if (voyage->count && !is_followed(world, index, voyage, &now)) {
-        give_up(world, index, voyage);
+    struct motion_state now = dpti_motion_state_now(world, segment);
+    if (backlog->count && !is_followed(world, index, backlog, &now)) {
+        give_up(world, index, backlog);
         return 1;
     }
-    if (!voyage->count) {
-        voyage->lost = 0;
-        voyage->radius = segment->radius;
-        if (segment->was.through)
+    if (!backlog->count) {
+        backlog->lost = 0;
+        backlog->radius = segment->radius;
+        if (segment->previous.through)
             return 1;
-        double reach = dpti_motion_between(&segment->was, &now) + segment->radius;
+        double reach = dpti_motion_displacement(&segment->previous, &now) + segment->radius;
         segment->sweep.status = DPT_SWEEP_FREE;
         segment->sweep.time = 1.0;
         if (is_free(world, segment, reach))
             return 1;
     }
-    if (!voyage->count || !dpti_motion_is_same(&voyage->way[voyage->count - 1], &now))
-        voyage->count++;
+    if (!backlog->count || !dpti_motion_is_same(&backlog->state[backlog->count - 1], &now))
+        backlog->count++;
     else
-        now.tick = voyage->way[voyage->count - 1].tick;
-    voyage->way[voyage->count - 1] = now; /* of the same place more may be known now */
-    if (voyage->radius != segment->radius)
-        voyage->body = 0;
-    voyage->radius = segment->radius;
-    return take_legs(world, index, voyage);
+        now.tick = backlog->state[backlog->count - 1].tick;
+    backlog->state[backlog->count - 1] = now; /* of the same place more may be known now */
+    if (backlog->radius != segment->radius)
+        backlog->body = 0;
+    backlog->radius = segment->radius;
+    return take_steps(world, index, backlog);
 }
 
-void dpti_travel_end(struct dpt_world *world, uint32_t index)
+void dpti_backlog_end_tick(struct dpt_world *world, uint32_t index)
 {
-    if (!world->def.budget || !world->voyages[index].count)
-        world->segments[index].was = dpti_motion_place(world, &world->segments[index]);
+    if (!world->def.budget || !world->motion_backlogs[index].count)
+        world->segments[index].previous = dpti_motion_state_now(world, &world->segments[index]);
 }

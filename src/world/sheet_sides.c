@@ -27,7 +27,7 @@ int32_t dpti_sheet_side_of_region(const struct meeting *meeting, const struct re
 void dpti_sheet_keep_side(const struct meeting *meeting, struct hold *hold)
 {
     const struct surface *surface = &meeting->body->surface;
-    const struct nearest *nearest = &meeting->nearest;
+    const struct pair_search *nearest = &meeting->nearest;
     const double *weight = nearest->pair.weight;
     if (!hold->side || nearest->pair.distance2 == 0.0 ||
         surface_part(surface, nearest->triangle) != hold->part)

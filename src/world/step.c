@@ -33,7 +33,7 @@ static void track_segment(struct dpt_world *world, uint32_t index)
 {
     struct segment *segment = &world->segments[index];
     const struct tool *tool = &world->tools[segment->tool];
-    segment->found.body = NULL;
+    segment->answer.body = NULL;
     segment->result = (struct segment_result){ .status = DPT_STATUS_STALE };
     if (!is_active(world, tool)) {
         segment->near.known = 0;
@@ -45,11 +45,11 @@ static void track_segment(struct dpt_world *world, uint32_t index)
         segment->felt = segment->push = dpti_paper_segment(world, index, a, b);
         return;
     }
-    dpti_bodies_find(world, index, &a, &b, &segment->found);
-    if (!segment->found.body)
+    dpti_bodies_find(world, index, &a, &b, &segment->answer);
+    if (!segment->answer.body)
         return;
-    segment->last_body = handle_index(segment->found.body->id);
-    dpti_bodies_result(&segment->found, &segment->result);
+    segment->last_body = handle_index(segment->answer.body->id);
+    dpti_bodies_result(&segment->answer, &segment->result);
 }
 
 static void contact_segment(struct dpt_world *world, uint32_t index)
@@ -57,13 +57,13 @@ static void contact_segment(struct dpt_world *world, uint32_t index)
     struct segment *segment = &world->segments[index];
     const uint32_t before = world->work.done;
     world->nearby.reach = -1.0;
-    int swept = segment->found.body && dpti_travel_find(world, index);
-    if (swept && segment->found.exact)
-        dpti_contacts_find(world, index, &segment->found, &segment->result, &segment->push);
+    int swept = segment->answer.body && dpti_backlog_sweep(world, index);
+    if (swept && segment->answer.exact)
+        dpti_contacts_find(world, index, &segment->answer, &segment->result, &segment->push);
     else
         dpti_contacts_keep(world, index);
     segment->result.work += world->work.done - before;
-    dpti_travel_end(world, index);
+    dpti_backlog_end_tick(world, index);
 }
 
 /*
@@ -78,7 +78,7 @@ static void step_segments(struct dpt_world *world, double dt)
     first = first < count ? first : 0;
     int waits = 0;
     world->work = work_of(world->def.budget ? world->def.budget : WORK_UNLIMITED);
-    world->memo.tick = tick;
+    world->point_cache.tick = tick;
     dpti_contacts_turn(world);
     for (uint32_t i = 0; i < count; i++)
         track_segment(world, (first + i) % count);

@@ -6,15 +6,17 @@
 #include "world/world_state.h"
 
 /* Where a segment is now, and what is known of it there. */
-struct was dpti_motion_place(const struct dpt_world *world, const struct segment *segment);
+struct motion_state dpti_motion_state_now(const struct dpt_world *world,
+                                          const struct segment *segment);
 
-int dpti_motion_is_same(const struct was *from, const struct was *to);
+int dpti_motion_is_same(const struct motion_state *from, const struct motion_state *to);
 
 /* No point of the segment moves by more. */
-double dpti_motion_between(const struct was *was, const struct was *is);
+double dpti_motion_displacement(const struct motion_state *previous,
+                                const struct motion_state *now);
 
 /* The bodies that a motion may have met. */
-struct around {
+struct swept_bodies {
     const struct dpt_world *world;
     struct box box;
     double reach;
@@ -23,19 +25,20 @@ struct around {
 };
 
 /* Those within reach of a segment where it is now, and those whose own motion may have brought them there. */
-struct around dpti_motion_around(struct dpt_world *world, uint32_t index, double reach);
+struct swept_bodies dpti_motion_bodies(struct dpt_world *world, uint32_t index, double reach);
 
 /* The next of them, or NULL. */
-const struct body *dpti_motion_next_body(struct around *around);
+const struct body *dpti_motion_next_body(struct swept_bodies *bodies);
 
 /* A tour that met a body, as users get it; the segment and the age are left alone. */
-void dpti_motion_tell(const struct tour *tour, const struct body *body, dpt_sweep *sweep);
+void dpti_motion_write_sweep(const struct rigid_sweep *rigid, const struct body *body,
+                             dpt_sweep *sweep);
 
 /* No sweep, and why: DPT_SWEEP_... */
 void dpti_motion_no_sweep(struct segment *segment, uint32_t status);
 
 /* The voyage's first leg, from its beginning or from where it was stopped; 0 where the budget ended. */
-int dpti_motion_take_leg(struct dpt_world *world, uint32_t index, struct around around,
-                         struct voyage *voyage);
+int dpti_motion_take_step(struct dpt_world *world, uint32_t index, struct swept_bodies bodies,
+                          struct motion_backlog *backlog);
 
 #endif

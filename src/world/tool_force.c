@@ -35,7 +35,7 @@ void dpti_force_forget_body(struct segment *segment, uint32_t body)
 static uint32_t reason_of(const struct segment *segment)
 {
     const struct push *push = &segment->felt;
-    if (segment->found.body && !segment->result.has_gap)
+    if (segment->answer.body && !segment->result.has_gap)
         return DPT_FORCE_UNDECIDED;
     if (!(push->depth > 0.0))
         return DPT_FORCE_FREE;

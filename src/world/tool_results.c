@@ -6,10 +6,10 @@
 
 void dpti_tool_write_hit(struct segment *segment)
 {
-    const struct body *body = segment->found.body;
+    const struct body *body = segment->answer.body;
     if (body)
         dpti_segment_result_write(&segment->result, &body->surface, &body->frame, body->id,
-                                  &segment->found.track.nearest, &segment->hit);
+                                  &segment->answer.track.nearest, &segment->hit);
 }
 
 void dpti_tool_clear_hits(struct dpt_world *world, struct tool *tool)

@@ -71,7 +71,7 @@ void dpti_strips_remove(struct dpt_world *world, uint32_t first, uint32_t end)
 /* From the nearest point to the axis, or where that crosses along its push; in the body's frame. */
 static vec3 way_to_axis(const struct segment *segment, const struct laid *laid)
 {
-    const struct nearest *nearest = &segment->found.track.nearest;
+    const struct pair_search *nearest = &segment->answer.track.nearest;
     if (nearest->pair.distance2 > 0.0)
         return nearest->pair.gap;
     vec3 push = frame_turn_back(&laid->frame, segment->push.direction);
@@ -108,7 +108,7 @@ static void lay_shadow(const struct dpt_world *world, struct laid *laid, vec3 wa
 static uint32_t nearest_to_end(const struct dpt_world *world, const struct laid *laid, int end)
 {
     const struct axis point = { .local_a = end ? add(laid->a, laid->u) : laid->a };
-    struct nearest nearest;
+    struct pair_search nearest;
     struct work work = work_of(WORK_UNLIMITED); /* no budget counts strips */
     dpti_track_once(&laid->surface, &world->kernel, DPT_METHOD_TREE, &point, laid->end[end], &work,
                     &nearest);
@@ -131,7 +131,7 @@ void dpti_strips_find(struct dpt_world *world, uint32_t index)
 {
     const struct segment *segment = &world->segments[index];
     const struct segment_result *result = &segment->result;
-    const struct body *body = segment->found.body;
+    const struct body *body = segment->answer.body;
     struct laid *laid = &world->laid[index];
     if (!body)
         return;
@@ -144,9 +144,9 @@ void dpti_strips_find(struct dpt_world *world, uint32_t index)
     laid->surface = body->surface;
     laid->frame = body->frame;
     laid->radius = segment->radius;
-    laid->a = segment->found.track.axis.local_a;
-    laid->u = segment->found.track.axis.u;
-    const uint32_t place = segment->found.track.nearest.triangle;
+    laid->a = segment->answer.track.axis.local_a;
+    laid->u = segment->answer.track.axis.u;
+    const uint32_t place = segment->answer.track.nearest.triangle;
     vec3 to_axis = way_to_axis(segment, laid);
     laid->side = side_of_tool(segment, laid, place, to_axis);
     if (world->def.strip == DPT_STRIP_KIND_SHADOW)

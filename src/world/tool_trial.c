@@ -13,33 +13,34 @@ struct trial {
 
 /* What one body meets first of one segment, if that is before all else so far. */
 static void try_body(struct trial *trial, const struct body *body, double radius, uint32_t segment,
-                     struct moment *from, struct moment *to)
+                     struct placement *from, struct placement *to)
 {
-    struct tour_progress progress = { .free_until = 0.0 };
+    struct rigid_sweep_progress progress = { .free_until = 0.0 };
     struct work work = work_of(WORK_UNLIMITED);
-    struct tour tour = { .surface = &body->surface,
-                         .kernel = &trial->world->kernel,
-                         .radius = radius,
-                         .tolerance = 0.5 * TOUR_TOLERANCE * dpti_surface_diagonal(&body->surface),
-                         .hint = DPT_NONE,
-                         .work = &work,
-                         .progress = &progress };
+    struct rigid_sweep rigid = { .surface = &body->surface,
+                                 .kernel = &trial->world->kernel,
+                                 .radius = radius,
+                                 .tolerance = 0.5 * RIGID_SWEEP_TOLERANCE *
+                                              dpti_surface_diagonal(&body->surface),
+                                 .hint = DPT_NONE,
+                                 .work = &work,
+                                 .progress = &progress };
     from->body = to->body = body->pose;
-    if (dpti_tour_sweep(&tour, from, to) != SWEEP_HIT ||
-        (trial->first.status == DPT_SWEEP_HIT && tour.passage.time >= trial->first.time))
+    if (dpti_rigid_sweep_find(&rigid, from, to) != SWEEP_HIT ||
+        (trial->first.status == DPT_SWEEP_HIT && rigid.result.time >= trial->first.time))
         return;
     trial->first.segment = segment;
-    dpti_motion_tell(&tour, body, &trial->first);
-    if (tour.passage.time == 0.0 && tour.passage.strike.pair.distance2 == 0.0)
+    dpti_motion_write_sweep(&rigid, body, &trial->first);
+    if (rigid.result.time == 0.0 && rigid.result.impact.pair.distance2 == 0.0)
         memset(trial->first.normal, 0, sizeof trial->first.normal);
 }
 
 static void try_segment(struct trial *trial, const struct segment *segment, uint32_t number,
-                        struct moment *from, struct moment *to)
+                        struct placement *from, struct placement *to)
 {
     const struct dpt_world *world = trial->world;
     const double radius = larger(0.0, segment->radius + trial->clearance);
-    const double reach = radius + dpti_tour_way(from, to);
+    const double reach = radius + dpti_rigid_sweep_displacement(from, to);
     struct frame frame;
     frame_of_pose(&to->tool, &frame);
     const struct box box =
@@ -88,13 +89,13 @@ dpt_result dpt_tool_try_pose(const dpt_world *world, dpt_tool tool, const dpt_po
     DPT_TRY(frame_of_pose(pose, &frame));
     for (uint32_t i = 0; trial.first.status != DPT_SWEEP_NONE && i < tried->count; i++) {
         const struct segment *segment = &world->segments[tried->first + i];
-        struct moment from = { .tool = tried->pose, .a = segment->a, .b = segment->b };
-        struct moment to = { .tool = *pose, .a = segment->a, .b = segment->b };
+        struct placement from = { .tool = tried->pose, .a = segment->a, .b = segment->b };
+        struct placement to = { .tool = *pose, .a = segment->a, .b = segment->b };
         try_segment(&trial, segment, i, &from, &to);
     }
     end(&trial, first);
     if (reached)
-        *reached = dpti_tour_pose(&tried->pose, pose, trial.first.time);
+        *reached = dpti_rigid_sweep_pose(&tried->pose, pose, trial.first.time);
     return DPT_OK;
 }
 
@@ -113,12 +114,12 @@ dpt_result dpt_tool_try_segments(const dpt_world *world, dpt_tool tool, const dp
     DPT_TRY(dpti_tool_check_segments(segments, count));
     for (uint32_t i = 0; trial.first.status != DPT_SWEEP_NONE && i < count; i++) {
         struct segment segment = world->segments[tried->first + i];
-        struct moment from = { .tool = identity,
-                               .a = frame_to_world(&tried->frame, segment.a),
-                               .b = frame_to_world(&tried->frame, segment.b) };
-        struct moment to = { .tool = identity,
-                             .a = vec3_of(segments[i].a),
-                             .b = vec3_of(segments[i].b) };
+        struct placement from = { .tool = identity,
+                                  .a = frame_to_world(&tried->frame, segment.a),
+                                  .b = frame_to_world(&tried->frame, segment.b) };
+        struct placement to = { .tool = identity,
+                                .a = vec3_of(segments[i].a),
+                                .b = vec3_of(segments[i].b) };
         segment.radius = segments[i].radius;
         try_segment(&trial, &segment, i, &from, &to);
     }

@@ -62,7 +62,7 @@ dpt_result dpt_world_reset(dpt_world *world)
         if (world->tools[t].slot.used)
             dpti_tool_forget(world, &world->tools[t]);
     dpti_bodies_forget_planes(world, 0, world->segment_count, DPT_NONE);
-    dpti_memo_forget(&world->memo, DPT_NONE);
+    dpti_point_cache_forget(&world->point_cache, DPT_NONE);
     dpti_contacts_reset(world);
     for (uint32_t i = 0; i < world->body_end; i++) {
         world->bodies[i].moved = world->bodies[i].added = 0;

@@ -21,7 +21,7 @@ typedef char body_fits[sizeof(struct body) + sizeof(struct box) <= BYTES_BODY ? 
 typedef char tool_fits[sizeof(struct tool) <= BYTES_TOOL ? 1 : -1];
 typedef char segment_fits[sizeof(struct segment) <= BYTES_SEGMENT ? 1 : -1];
 
-static uint64_t bytes_memo(const dpt_world_def *def)
+static uint64_t point_cache_bytes(const dpt_world_def *def)
 {
     return def->budget ? BYTES_MEMO + BYTES_MEMO_MORE * (uint64_t)def->max_segments : 0;
 }
@@ -30,7 +30,7 @@ size_t dpti_world_layout_bytes(const dpt_world_def *def)
 {
     uint64_t bytes = BYTES_WORLD + BYTES_BODY * (uint64_t)def->max_bodies +
                      BYTES_TOOL * (uint64_t)def->max_tools +
-                     BYTES_SEGMENT * (uint64_t)def->max_segments + bytes_memo(def) +
+                     BYTES_SEGMENT * (uint64_t)def->max_segments + point_cache_bytes(def) +
                      dpti_bounds_bytes(def) + dpti_backlog_bytes(def) + dpti_contacts_bytes(def) +
                      dpti_strips_bytes(def) + dpti_near_bytes(def) + dpti_bodies_bytes(def);
     return bytes <= SIZE_MAX ? (size_t)bytes : 0;
@@ -47,9 +47,10 @@ void dpti_world_layout_place(struct dpt_world *world)
     at += BYTES_TOOL * (size_t)def->max_tools;
     world->segments = (void *)at;
     at += BYTES_SEGMENT * (size_t)def->max_segments;
-    world->memo.entries = (void *)at;
-    world->memo.sets = (uint32_t)(bytes_memo(def) / (MEMO_WAYS * sizeof *world->memo.entries));
-    at += bytes_memo(def);
+    world->point_cache.entries = (void *)at;
+    world->point_cache.sets = (uint32_t)(point_cache_bytes(def) /
+                                         (POINT_CACHE_WAYS * sizeof *world->point_cache.entries));
+    at += point_cache_bytes(def);
     at = dpti_bounds_place(world, at);
     at = dpti_backlog_place(world, at);
     at = dpti_contacts_place(world, at);

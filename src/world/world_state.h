@@ -45,7 +45,7 @@ struct tool {
 };
 
 /* The nearest pair over all bodies, and what is proven of it. */
-struct found {
+struct body_answer {
     const struct body *body; /* NULL: there is none */
     struct track track;
     double lower; /* what is not proven to be as far is no nearer than this */
@@ -55,7 +55,7 @@ struct found {
 };
 
 /* Where a segment was in the last tick. */
-struct was {
+struct motion_state {
     dpt_pose pose;    /* of its tool; the identity for a free one */
     vec3 a, b;        /* in the tool's frame */
     double distance;  /* nothing was nearer to its axis */
@@ -65,14 +65,14 @@ struct was {
     uint32_t reserved;
 };
 
-#define WAY_MOST 8
+#define MOTION_STEPS_MAX 8
 
 /*
  * With a budget: legs of one tick each that are still to be swept, and how far the first of them has come. `body` is the id of
  * the one at which it was stopped, or 0; those in slots before it are done.
  */
-struct voyage {
-    struct was way[WAY_MOST]; /* where the segment was at the end of each */
+struct motion_backlog {
+    struct motion_state state[MOTION_STEPS_MAX]; /* where the segment was at the end of each */
     uint32_t count;
     uint32_t body;
     uint32_t on_axis; /* the body was met by the surface: now the axis is swept */
@@ -81,8 +81,8 @@ struct voyage {
     uint32_t reserved;
     double radius;   /* with which it was begun */
     dpt_sweep sweep; /* what was met of those that are done */
-    struct passage by_surface;
-    struct tour_progress progress;
+    struct rigid_sweep_result surface_result;
+    struct rigid_sweep_progress progress;
 };
 
 /* Whose push it is. */
@@ -104,11 +104,11 @@ struct segment {
     uint32_t reason;   /* DPT_FORCE_...; the last tick's, until this one responds */
     uint32_t given_up; /* this tick a decision ended the push of the last one, not motion */
     struct near near;
-    struct found found; /* this tick's */
+    struct body_answer answer; /* this tick's */
     struct segment_result result;
     struct push push; /* at its deepest point */
     struct push felt; /* as it counts for the force */
-    struct was was;
+    struct motion_state previous;
     dpt_sweep sweep;
     uint32_t passed;    /* on this tick's way the axis may have gone through something */
     uint32_t last_body; /* slot of the body that was nearest, or DPT_NONE */
@@ -117,19 +117,19 @@ struct segment {
 };
 
 /* With a budget: what is proven of a segment and a body. */
-struct proof {
-    vec3 a, b;       /* the axis, in the body's frame, when this was last brought up to date */
-    double floor;    /* nothing of the body was nearer to it than that */
-    uint32_t rested; /* the last tick to which it had not moved */
+struct distance_bound {
+    vec3 a, b;          /* the axis, in the body's frame, when this was last brought up to date */
+    double lower_bound; /* nothing of the body was nearer to it than that */
+    uint32_t rested;    /* the last tick to which it had not moved */
     uint32_t reserved;
 };
 
 /* With a budget: a segment's search that it stopped. There are two, one for motion and one for rest. */
-struct pause {
-    struct walk walk;
-    double floor;  /* nothing that was visited is nearer */
-    uint32_t body; /* slot that it searches */
-    uint32_t next; /* slot of the body to go on with, or DPT_NONE; in the first of the two */
+struct suspended_search {
+    struct bvh_traversal traversal;
+    double lower_bound; /* nothing that was visited is nearer */
+    uint32_t body;      /* slot that it searches */
+    uint32_t next;      /* slot of the body to go on with, or DPT_NONE; in the first of the two */
 };
 
 #define HOLD_SEEDS 24
@@ -159,7 +159,7 @@ struct meeting {
     uint32_t segment;
     double radius;
     struct axis axis;
-    struct nearest nearest;
+    struct pair_search nearest;
     struct sides sides;
     struct profile *profile;
 };
@@ -202,17 +202,18 @@ struct dpt_world {
     struct box *boxes; /* of the bodies, in the world */
     struct tool *tools;
     struct segment *segments;
-    struct certificate certificate;
+    struct plane_cache plane_cache;
     uint32_t *last; /* per segment, body slot and part: the place of the last answer, or DPT_NONE */
     uint32_t *near; /* per segment: the slots of the bodies on its two lists */
-    struct pause *pauses;   /* per segment two; only with a budget, as the proofs */
-    struct proof *proofs;   /* per segment and body slot */
-    struct voyage *voyages; /* per segment */
-    struct memo memo;       /* only with a budget */
-    struct holds holds[2];  /* this tick's and the last one's */
-    struct laid *laid;      /* per segment; only with strips */
-    struct nearby nearby;   /* of the segment that is being looked at */
-    struct profile profile; /* of that and the body that is being looked at */
+    struct suspended_search
+        *suspended_searches;                /* per segment two; only with a budget, as the proofs */
+    struct distance_bound *distance_bounds; /* per segment and body slot */
+    struct motion_backlog *motion_backlogs; /* per segment */
+    struct point_cache point_cache;         /* only with a budget */
+    struct holds holds[2];                  /* this tick's and the last one's */
+    struct laid *laid;                      /* per segment; only with strips */
+    struct nearby nearby;                   /* of the segment that is being looked at */
+    struct profile profile;                 /* of that and the body that is being looked at */
 };
 
 /* A high-water mark of dpt_world_usage. */
@@ -241,15 +242,16 @@ static inline uint32_t *world_near(const struct dpt_world *world, uint32_t segme
 }
 
 /* For motion the first, for rest the second. */
-static inline struct pause *world_pause(const struct dpt_world *world, uint32_t segment, int rests)
+static inline struct suspended_search *world_suspended_search(const struct dpt_world *world,
+                                                              uint32_t segment, int rests)
 {
-    return &world->pauses[2 * (size_t)segment + (rests != 0)];
+    return &world->suspended_searches[2 * (size_t)segment + (rests != 0)];
 }
 
-static inline struct proof *world_proof(const struct dpt_world *world, uint32_t segment,
-                                        uint32_t body)
+static inline struct distance_bound *world_distance_bound(const struct dpt_world *world,
+                                                          uint32_t segment, uint32_t body)
 {
-    return world->proofs + (size_t)world->def.max_bodies * segment + body;
+    return world->distance_bounds + (size_t)world->def.max_bodies * segment + body;
 }
 
 /* By what name the certificate knows a segment and a body; not 0. */

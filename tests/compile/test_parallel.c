@@ -420,7 +420,8 @@ static void a_def_without_threads_makes_none(void)
         CHECK(dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners,
                                  shape.triangle_count, &def, &out, NULL) == DPT_OK,
               "size %zu", sizes[i]);
-        CHECK((asked > 0) == (sizes[i] > offsetof(dpt_compile_def, threads)), "%ld threads for size %zu", asked, sizes[i]);
+        CHECK((asked > 0) == (sizes[i] > offsetof(dpt_compile_def, threads)),
+              "%ld threads for size %zu", asked, sizes[i]);
         dpt_compiled_free(&out);
     }
     dpt_compiled out;

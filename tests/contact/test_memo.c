@@ -7,25 +7,28 @@
 /* Of one set: a new point takes the place of the one that was asked for longest ago, but not in this tick. */
 static void a_tick_keeps_its_points(void)
 {
-    struct memo_entry entries[MEMO_WAYS] = { { .body = 0 } };
-    struct memo memo = { .entries = entries, .sets = 1, .tick = 1 };
+    struct cached_point entries[POINT_CACHE_WAYS] = { { .body = 0 } };
+    struct point_cache cache = { .entries = entries, .sets = 1, .tick = 1 };
     const vec3 point = { 0.5, -0.0, 1.0 }, beside = { 0.5, 0.0, 1.0 + 0x1p-52 };
-    for (uint32_t i = 0; i < MEMO_WAYS; i++) {
-        struct memo_entry *entry = dpti_memo_put(&memo, i, point);
+    for (uint32_t i = 0; i < POINT_CACHE_WAYS; i++) {
+        struct cached_point *entry = dpti_point_cache_put(&cache, i, point);
         CHECK(entry && entry->triangle == DPT_NONE && !entry->side, "%u", i);
         entry->triangle = 10 + i;
     }
-    CHECK(!dpti_memo_put(&memo, MEMO_WAYS, point), "it makes room for a fifth in one tick");
-    CHECK(!dpti_memo_find(&memo, 0, beside), "another point");
-    memo.tick = 2;
-    CHECK(dpti_memo_find(&memo, 0, point)->triangle == 10, "the first");
-    CHECK(dpti_memo_put(&memo, MEMO_WAYS, point) && !dpti_memo_find(&memo, 1, point) &&
-              dpti_memo_find(&memo, 0, point) && dpti_memo_find(&memo, 2, point),
+    CHECK(!dpti_point_cache_put(&cache, POINT_CACHE_WAYS, point),
+          "it makes room for a fifth in one tick");
+    CHECK(!dpti_point_cache_find(&cache, 0, beside), "another point");
+    cache.tick = 2;
+    CHECK(dpti_point_cache_find(&cache, 0, point)->triangle == 10, "the first");
+    CHECK(dpti_point_cache_put(&cache, POINT_CACHE_WAYS, point) &&
+              !dpti_point_cache_find(&cache, 1, point) && dpti_point_cache_find(&cache, 0, point) &&
+              dpti_point_cache_find(&cache, 2, point),
           "not the oldest was given up");
-    dpti_memo_forget(&memo, 0);
-    CHECK(!dpti_memo_find(&memo, 0, point) && dpti_memo_find(&memo, 2, point), "of one body");
-    dpti_memo_forget(&memo, DPT_NONE);
-    CHECK(!dpti_memo_find(&memo, 2, point), "of all");
+    dpti_point_cache_forget(&cache, 0);
+    CHECK(!dpti_point_cache_find(&cache, 0, point) && dpti_point_cache_find(&cache, 2, point),
+          "of one body");
+    dpti_point_cache_forget(&cache, DPT_NONE);
+    CHECK(!dpti_point_cache_find(&cache, 2, point), "of all");
 }
 
 int main(void)

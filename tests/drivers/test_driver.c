@@ -2,8 +2,8 @@
 /* The registry, drivers from outside, wrong arguments, and that docs/drivers.md leaves no reason out. */
 #include <math.h>
 
-#include "dynpoint/driver.h"
 #include "drivers/open_device.h"
+#include "dynpoint/driver.h"
 
 /* A driver that remembers how it was called. */
 struct probe {

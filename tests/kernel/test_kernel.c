@@ -70,7 +70,7 @@ static void make_boxes(const float *content, float block[6 * LANES])
 struct tool {
     vec3 a, u;
     vec3 x; /* the direction of u, also where u is zero */
-    struct probe probe;
+    struct filter_segment probe;
 };
 
 static vec3 random_vec(uint64_t *random, double reach)
@@ -99,12 +99,12 @@ static float dot_float(const float n[3], const float p[3])
     return n[0] * p[0] + n[1] * p[1] + n[2] * p[2];
 }
 
-static void put_normal(vec3 normal, struct probe *probe)
+static void put_normal(vec3 normal, struct filter_segment *segment)
 {
-    put(normal, probe->normal);
-    float at_a = dot_float(probe->normal, probe->a);
-    float at_b = dot_float(probe->normal, probe->b);
-    probe->height = at_a > at_b ? at_a : at_b;
+    put(normal, segment->normal);
+    float at_a = dot_float(segment->normal, segment->a);
+    float at_b = dot_float(segment->normal, segment->b);
+    segment->height = at_a > at_b ? at_a : at_b;
 }
 
 static struct tool tool_at(uint64_t *random, vec3 a, vec3 x, double size)
@@ -388,7 +388,7 @@ static void common_supports_are_sound(void)
         tight += fabs((double)low[0] - (double)tool.probe.height - distance) <= margin_of(&tool);
         taken++;
         struct tool other = move_tool(&random, &tool);
-        kernel.held_triangles(block, &other.probe, &planes, bound);
+        kernel.cached_triangles(block, &other.probe, &planes, bound);
         moved = larger(check_sound("common, held", &other, block, bound), moved);
     }
     printf("    above the truth by at most %5.3f margins, held %5.3f; equal to it on its own lane "
@@ -401,7 +401,7 @@ static void common_supports_are_sound(void)
  * Planes bound the distance at whatever pose. `content` lies in what `planes` were made of, `block`; `made`
  * are the bounds that came with them, at the pose of `tool`. Held bounds are those, or better.
  */
-static void check_held(const char *what, kernel_held *held, uint64_t *random,
+static void check_held(const char *what, kernel_cached *held, uint64_t *random,
                        const struct tool *tool, const float *content, const float *block,
                        const struct planes *planes, const float *made, double *near_by,
                        double *elsewhere)
@@ -432,11 +432,11 @@ static void held_planes_are_sound_at_other_poses(void)
         make_boxes(content, block);
         struct tool tool = make_tool(&random, i % SHAPES);
         kernel.triangles(content, &tool.probe, &planes, bound);
-        check_held("triangles, held", kernel.held_triangles, &random, &tool, content, content,
+        check_held("triangles, held", kernel.cached_triangles, &random, &tool, content, content,
                    &planes, bound, &near_by[0], &elsewhere[0]);
         kernel.boxes(block, &tool.probe, &planes, bound);
-        check_held("boxes, held", kernel.held_boxes, &random, &tool, content, block, &planes, bound,
-                   &near_by[1], &elsewhere[1]);
+        check_held("boxes, held", kernel.cached_boxes, &random, &tool, content, block, &planes,
+                   bound, &near_by[1], &elsewhere[1]);
         kernel.common_boxes(block, tool.probe.normal, 0.0f, planes.support);
         for (int lane = 0; lane < LANES; lane++) {
             planes.x[lane] = tool.probe.normal[0];
@@ -444,7 +444,7 @@ static void held_planes_are_sound_at_other_poses(void)
             planes.z[lane] = tool.probe.normal[2];
             bound[lane] = planes.support[lane] - tool.probe.height;
         }
-        check_held("common, held", kernel.held_boxes, &random, &tool, content, block, &planes,
+        check_held("common, held", kernel.cached_boxes, &random, &tool, content, block, &planes,
                    bound, &near_by[1], &elsewhere[1]);
     }
     printf("    triangles: above the truth by at most %5.3f margins after a move, %5.3f anywhere\n",
@@ -471,10 +471,10 @@ static void zero_planes_close_nothing(void)
                 tool.probe.limit = limits[i / 2 % count];
             float block[9 * LANES];
             make_triangles(&random, ORDINARY, block);
-            uint32_t open = kernel.held_triangles(block, &tool.probe, &none, bound);
+            uint32_t open = kernel.cached_triangles(block, &tool.probe, &none, bound);
             CHECK(open == 0xffff, "%s: open %x, limit %g", dpt_kernel_name(id), open,
                   (double)tool.probe.limit);
-            open = kernel.held_boxes(block, &tool.probe, &none, bound);
+            open = kernel.cached_boxes(block, &tool.probe, &none, bound);
             CHECK(open == 0xffff, "%s: boxes open %x, limit %g", dpt_kernel_name(id), open,
                   (double)tool.probe.limit);
         }
@@ -491,10 +491,10 @@ static uint32_t degenerate_lanes(uint64_t *random, const struct tool *tool, floa
     return lanes;
 }
 
-static void check_no_number(const char *what, const struct probe *probe, const float *bound,
-                            uint32_t open, uint32_t degenerate)
+static void check_no_number(const char *what, const struct filter_segment *segment,
+                            const float *bound, uint32_t open, uint32_t degenerate)
 {
-    CHECK(open == not_beyond(bound, probe->limit), "%s: open %x", what, open);
+    CHECK(open == not_beyond(bound, segment->limit), "%s: open %x", what, open);
     CHECK((open & degenerate) == degenerate, "%s: open %x of %x", what, open, degenerate);
     for (int lane = 0; lane < LANES; lane++)
         if (degenerate >> lane & 1)
@@ -520,12 +520,12 @@ static void bounds_that_are_no_number_leave_lanes_open(void)
             open = kernel.triangles(content, &tool.probe, &planes, bound);
             check_no_number("triangles", &tool.probe, bound, open, degenerate);
             closed |= ~open & 0xffff;
-            open = kernel.held_triangles(content, &other.probe, &planes, bound);
+            open = kernel.cached_triangles(content, &other.probe, &planes, bound);
             check_no_number("triangles, held", &other.probe, bound, open, degenerate);
             open = kernel.boxes(block, &tool.probe, &planes, bound);
             check_no_number("boxes", &tool.probe, bound, open, degenerate);
             closed |= (~open & 0xffff) << LANES;
-            open = kernel.held_boxes(block, &other.probe, &planes, bound);
+            open = kernel.cached_boxes(block, &other.probe, &planes, bound);
             check_no_number("boxes, held", &other.probe, bound, open, degenerate);
         }
     }
@@ -533,14 +533,15 @@ static void bounds_that_are_no_number_leave_lanes_open(void)
 }
 
 /* Two kernels on one block of triangles or boxes: planes, bounds and lanes, made and held. */
-static void check_same_renewal(const char *what, kernel_held *plain, kernel_renew *one,
-                               kernel_held *wide, kernel_renew *two, const float *block,
-                               const struct probe *probe, const struct probe *later)
+static void check_same_renewal(const char *what, kernel_cached *plain, kernel_new_planes *one,
+                               kernel_cached *wide, kernel_new_planes *two, const float *block,
+                               const struct filter_segment *segment,
+                               const struct filter_segment *later)
 {
     struct planes expected_planes, planes;
     float expected[LANES], bound[LANES];
-    uint32_t expected_open = one(block, probe, &expected_planes, expected);
-    uint32_t open = two(block, probe, &planes, bound);
+    uint32_t expected_open = one(block, segment, &expected_planes, expected);
+    uint32_t open = two(block, segment, &planes, bound);
     CHECK(same_planes(&expected_planes, &planes), "%s: planes", what);
     CHECK(same_floats(expected, bound, LANES), "%s: bounds", what);
     CHECK(expected_open == open, "%s: open %x, not %x", what, open, expected_open);
@@ -613,8 +614,9 @@ static void all_kernels_give_the_same_bits(void)
             struct tool later = move_tool(&random, &tool);
             if (i % 16 == 0)
                 degenerate_lanes(&random, &tool, block);
-            check_same_renewal(name, plain.held_triangles, plain.triangles, other.held_triangles,
-                               other.triangles, block, &tool.probe, &later.probe);
+            check_same_renewal(name, plain.cached_triangles, plain.triangles,
+                               other.cached_triangles, other.triangles, block, &tool.probe,
+                               &later.probe);
             uint32_t expected_open =
                 plain.common_triangles(block, tool.probe.normal, tool.probe.height, expected);
             uint32_t open =
@@ -627,8 +629,8 @@ static void all_kernels_give_the_same_bits(void)
             CHECK(expected_open == open, "%s: point open %x, not %x", name, open, expected_open);
             for (int row = 3 * LANES; row < 6 * LANES; row++)
                 block[row] = fabsf(block[row]);
-            check_same_renewal(name, plain.held_boxes, plain.boxes, other.held_boxes, other.boxes,
-                               block, &tool.probe, &later.probe);
+            check_same_renewal(name, plain.cached_boxes, plain.boxes, other.cached_boxes,
+                               other.boxes, block, &tool.probe, &later.probe);
             const float *normal = tool.probe.normal;
             expected_open = plain.common_boxes(block, normal, tool.probe.height, expected);
             open = other.common_boxes(block, normal, tool.probe.height, low);

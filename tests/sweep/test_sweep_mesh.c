@@ -70,9 +70,9 @@ static void motion_near(const struct body *body, struct motion *m)
 }
 
 /* Every triangle, one after the other. */
-static struct strike brute_sweep(const struct surface *tree, const struct sweep *sweep)
+static struct impact brute_sweep(const struct surface *tree, const struct sweep *sweep)
 {
-    struct strike first = { .time = 1.0, .triangle = DPT_NONE };
+    struct impact first = { .time = 1.0, .triangle = DPT_NONE };
     for (uint32_t t = 0; t < tree->mesh->triangles; t++) {
         const uint32_t *of = tree->corners + 3 * (size_t)t;
         const vec3 corner[3] = { vec3_of_float(tree->positions + 3 * (size_t)of[0]),
@@ -91,7 +91,7 @@ static struct strike brute_sweep(const struct surface *tree, const struct sweep 
     return first;
 }
 
-static void check_strike(const char *what, const struct strike *found, const struct strike *truth,
+static void check_strike(const char *what, const struct impact *found, const struct impact *truth,
                          int result)
 {
     CHECK(result == (truth->triangle == DPT_NONE ? SWEEP_FREE : SWEEP_HIT), "%s: result %d", what,
@@ -103,7 +103,7 @@ static void check_strike(const char *what, const struct strike *found, const str
 
 /* All at once, in one call. */
 static int sweep_whole(const struct body *body, const struct kernel *kernel,
-                       const struct sweep *sweep, double from, uint32_t hint, struct strike *found,
+                       const struct sweep *sweep, double from, uint32_t hint, struct impact *found,
                        uint32_t *work)
 {
     struct sweep_progress progress;
@@ -122,11 +122,11 @@ static int sweep_whole(const struct body *body, const struct kernel *kernel,
  */
 static uint32_t check_budget(const struct body *body, const struct kernel *kernel,
                              const struct sweep *sweep, double from, uint32_t hint,
-                             const struct strike *truth, uint32_t full)
+                             const struct impact *truth, uint32_t full)
 {
     uint32_t all = 0, ends = 0;
     int result;
-    struct strike found;
+    struct impact found;
     struct sweep_progress progress;
     progress.begun = 0;
     do {
@@ -152,11 +152,11 @@ static uint32_t check_budget(const struct body *body, const struct kernel *kerne
 
 /* From a distance that is known; no touch is before the time that it gives. */
 static double check_start(const struct body *body, const struct sweep *sweep,
-                          const struct strike *truth)
+                          const struct impact *truth)
 {
-    struct nearest nearest = { .pair.distance2 = HUGE_VAL, .triangle = DPT_NONE };
-    dpti_tree_brute(&body->surface, sweep->a, sweep->u, &(struct work){ 0, WORK_UNLIMITED },
-                    &nearest);
+    struct pair_search nearest = { .pair.distance2 = HUGE_VAL, .triangle = DPT_NONE };
+    dpti_brute_search(&body->surface, sweep->a, sweep->u, &(struct work){ 0, WORK_UNLIMITED },
+                      &nearest);
     double from = dpti_sweep_start(sweep, sqrt(nearest.pair.distance2));
     CHECK(from >= 0.0 && from <= 1.0, "%g", from);
     CHECK(truth->triangle == DPT_NONE || from < truth->time || from == 0.0, "%.17g, hit at %.17g",
@@ -165,11 +165,11 @@ static double check_start(const struct body *body, const struct sweep *sweep,
 }
 
 static void check_pair_of(const struct body *body, const struct sweep *sweep,
-                          const struct strike *found, double tolerance)
+                          const struct impact *found, double tolerance)
 {
     vec3 a, u;
     dpti_sweep_axis(sweep, found->time, &a, &u);
-    pair expected = dpti_tree_pair(&body->surface, found->triangle, a, u);
+    pair expected = dpti_triangle_pair(&body->surface, found->triangle, a, u);
     CHECK(expected.distance2 == found->pair.distance2 && expected.s == found->pair.s, "pair");
     CHECK(sqrt(expected.distance2) <= sweep->radius + tolerance, "off");
     vec3 off = sub(sub(along(a, found->pair.s, u), found->q), found->pair.gap);
@@ -185,13 +185,13 @@ static void sweep_body(const char *name, struct body *body, int motions)
     for (int i = 0; i < motions; i++) {
         struct motion motion;
         struct sweep sweep;
-        struct strike found;
+        struct impact found;
         double tolerance = body->diagonal * (one_in(&rng, 2) ? 1e-6 : power_in(&rng, -11.0, -5.0));
         double radius = one_in(&rng, 2) ? 0.0 : body->diagonal * power_in(&rng, -5.0, -1.0);
         uint32_t work = 0, full = 0;
         motion_near(body, &motion);
         dpti_sweep_begin(&sweep, &motion, radius, tolerance, dpti_surface_extent(&body->surface));
-        struct strike truth = brute_sweep(&body->surface, &sweep);
+        struct impact truth = brute_sweep(&body->surface, &sweep);
         for (uint32_t k = 0; k < kernels; k++) {
             uint32_t before = full;
             full = 0;
@@ -239,23 +239,23 @@ static void meshes_are_met_as_their_triangles_are(void)
 }
 
 /* A hull of four points, at the origin or far from it, and a box that is about right, or not. */
-static void any_swath(struct swath *swath, vec3 end[4])
+static void any_swath(struct swept_hull *hull, vec3 end[4])
 {
     double reach = one_in(&rng, 8) ? 50.0 : 1.5, span = power_in(&rng, -3.0, 0.0);
     vec3 about = any_in(&rng, reach), x = any_in(&rng, 1.0), y;
-    swath->limit = (float)power_in(&rng, -4.0, 0.0);
+    hull->limit = (float)power_in(&rng, -4.0, 0.0);
     for (int e = 0; e < 4; e++) {
         end[e] = add(about, any_in(&rng, span));
-        put_float(end[e], swath->end[e]);
+        put_float(end[e], hull->end[e]);
     }
     x = scaled(x, 1.0 / length(x));
     y = across_in(&rng, x);
-    put_float(x, swath->axis[0]);
-    put_float(y, swath->axis[1]);
-    put_float(cross(x, y), swath->axis[2]);
-    put_float(about, swath->centre);
+    put_float(x, hull->axis[0]);
+    put_float(y, hull->axis[1]);
+    put_float(cross(x, y), hull->axis[2]);
+    put_float(about, hull->centre);
     for (int k = 0; k < 3; k++)
-        swath->half[k] = (float)(random_in(&rng, 0.0, 1.0) * span);
+        hull->half[k] = (float)(random_in(&rng, 0.0, 1.0) * span);
 }
 
 /* By how many margins a bound is above the distance of a triangle to a segment within the hull. */
@@ -286,17 +286,17 @@ static void swept_bounds_are_sound(void)
     for (uint32_t id = DPT_KERNEL_SCALAR; id <= DPT_KERNEL_NEON; id++)
         kernels += (uint32_t)dpti_kernel_get(id, &kernel[kernels], &chosen);
     for (int i = 0; i < 10000; i++) {
-        struct swath swath;
+        struct swept_hull hull;
         vec3 end[4];
-        any_swath(&swath, end);
+        any_swath(&hull, end);
         uint32_t leaf = (uint32_t)(random_bits(&rng) % body.surface.mesh->leaves),
                  lanes[2] = { 0, 0 };
         const float *rows = body.surface.leaves + (size_t)leaf * MESH_LEAF_WORDS;
         const float *boxes = body.surface.level[1] + (size_t)(leaf / LANES) * MESH_BOX_WORDS;
         float first[2][LANES], bound[2][LANES];
         for (uint32_t k = 0; k < kernels; k++) {
-            uint32_t open = kernel[k].swept_triangles(rows, &swath, bound[0]);
-            uint32_t open_boxes = kernel[k].swept_boxes(boxes, &swath, bound[1]);
+            uint32_t open = kernel[k].swept_triangles(rows, &hull, bound[0]);
+            uint32_t open_boxes = kernel[k].swept_boxes(boxes, &hull, bound[1]);
             if (k == 0) {
                 memcpy(first, bound, sizeof first);
                 lanes[0] = open, lanes[1] = open_boxes;
@@ -308,7 +308,7 @@ static void swept_bounds_are_sound(void)
         for (int lane = 0; lane < LANES; lane++) {
             double over = excess(rows, lane, first[0][lane], end);
             worst = larger(worst, larger(over, excess(rows, lane, first[1][leaf % LANES], end)));
-            CHECK(first[0][lane] <= swath.limit || !(lanes[0] >> lane & 1), "lane %d", lane);
+            CHECK(first[0][lane] <= hull.limit || !(lanes[0] >> lane & 1), "lane %d", lane);
         }
         CHECK(worst <= 1.0, "%g margins above the distance", worst);
     }
@@ -370,7 +370,7 @@ static void sheets_are_crossed_at_any_speed(void)
             m.b.z += way.z > 0.0 ? -0.5 : 0.5;
         }
         struct sweep sweep;
-        struct strike found;
+        struct impact found;
         uint32_t work = 0;
         double tolerance = body.diagonal * (one_in(&rng, 2) ? 1e-6 : 1e-11);
         dpti_sweep_begin(&sweep, &m, 0.0, tolerance, dpti_surface_extent(&body.surface));
@@ -380,8 +380,9 @@ static void sheets_are_crossed_at_any_speed(void)
               hit, found.time, t);
         vec3 a, axis;
         dpti_sweep_axis(&sweep, found.time, &a, &axis);
-        int off = hit && sqrt(dpti_tree_pair(&body.surface, found.triangle, a, axis).distance2) >
-                             tolerance;
+        int off =
+            hit &&
+            sqrt(dpti_triangle_pair(&body.surface, found.triangle, a, axis).distance2) > tolerance;
         invented += (unsigned)off + (!crosses && hit);
         CHECK(!off && !(hit && !crosses), "invented at %.17g", found.time);
         free += !hit;
