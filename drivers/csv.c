@@ -13,12 +13,12 @@
 #include "text/parse_number.h"
 
 /* What is read. A line may be a comment, but has an end: a file without any is refused before memory ends. */
-static const uint64_t TEXT_MOST = (uint64_t)1 << 30;
-static const size_t LINE_MOST = (size_t)1 << 20;
+static const uint64_t TEXT_MAX = (uint64_t)1 << 30;
+static const size_t LINE_MAX = (size_t)1 << 20;
 
 struct parser {
-    struct table *table;
-    const struct table_form *form;
+    struct csv_table *table;
+    const struct csv_format *form;
     size_t room; /* rows */
     uint64_t line;
     const char *wrong;
@@ -63,7 +63,7 @@ static const char *parse_row(const char *at, const char *end, double *row, size_
 
 static int add_row(struct parser *parser)
 {
-    struct table *table = parser->table;
+    struct csv_table *table = parser->table;
     if (table->rows < parser->room)
         return 1;
     size_t more = parser->room ? 2 * parser->room : 256;
@@ -77,7 +77,7 @@ static int add_row(struct parser *parser)
 
 static dpt_result take_header(struct parser *parser, const char *at, const char *end)
 {
-    struct table *table = parser->table;
+    struct csv_table *table = parser->table;
     int index = header_index(at, end, parser->form->headers);
     if (index < 0) {
         parser->wrong = parser->form->wrong_header;
@@ -91,7 +91,7 @@ static dpt_result take_header(struct parser *parser, const char *at, const char 
 /* From `at` to before its line feed. */
 static dpt_result take_line(struct parser *parser, const char *at, const char *end)
 {
-    struct table *table = parser->table;
+    struct csv_table *table = parser->table;
     end -= end > at && end[-1] == '\r';
     if (++parser->line == 1 && end - at >= 3 && memcmp(at, "\xef\xbb\xbf", 3) == 0)
         at += 3;
@@ -139,8 +139,8 @@ static dpt_result take_rest(struct parser *parser, const char *at, const char *e
     return result;
 }
 
-dpt_result table_parse(struct table *table, const char *at, const char *end,
-                       const struct table_form *form, uint64_t *line, const char **wrong)
+dpt_result csv_table_parse(struct csv_table *table, const char *at, const char *end,
+                           const struct csv_format *form, uint64_t *line, const char **wrong)
 {
     struct parser parser = { .table = table, .form = form };
     dpt_result result = take_lines(&parser, &at, end);
@@ -161,7 +161,7 @@ static dpt_result make_room(struct parser *parser, struct text *text)
 {
     if (text->count < text->room)
         return DPT_OK;
-    if (text->room >= LINE_MOST) {
+    if (text->room >= LINE_MAX) {
         ++parser->line;
         parser->wrong = "the line is longer than 1 MiB";
         return DPT_E_SYNTAX;
@@ -184,8 +184,8 @@ static dpt_result take_text(struct parser *parser, struct text *text)
     return result;
 }
 
-dpt_result table_stream(struct table *table, int file, uint64_t most, const struct table_form *form,
-                        uint64_t *line, const char **wrong)
+dpt_result csv_table_stream(struct csv_table *table, int file, uint64_t most,
+                            const struct csv_format *form, uint64_t *line, const char **wrong)
 {
     struct parser parser = { .table = table, .form = form };
     struct text text = { .count = 0 };
@@ -215,29 +215,29 @@ dpt_result table_stream(struct table *table, int file, uint64_t most, const stru
     return result;
 }
 
-dpt_result table_read(struct table *table, const char *path, const struct table_form *form,
-                      dpt_device_error *error)
+dpt_result csv_table_read(struct csv_table *table, const char *path, const struct csv_format *form,
+                          dpt_device_error *error)
 {
     uint64_t line;
     const char *wrong;
-    *table = (struct table){ .rows = 0 };
+    *table = (struct csv_table){ .rows = 0 };
     int file = open(path, O_RDONLY | O_CLOEXEC);
     if (file < 0)
         return device_error(error, DPT_E_OPEN, "%.160s: %s", path, strerror(errno));
-    dpt_result result = table_stream(table, file, TEXT_MOST, form, &line, &wrong);
+    dpt_result result = csv_table_stream(table, file, TEXT_MAX, form, &line, &wrong);
     const int reason = errno;
     close(file);
     if (result == DPT_OK)
         return DPT_OK;
-    table_free(table);
+    csv_table_free(table);
     if (wrong)
         return device_error(error, result, "%.160s:%" PRIu64 ": %s", path, line ? line : 1, wrong);
     return device_error(error, result, "%.160s: %s", path,
                         result == DPT_E_OPEN ? strerror(reason) : dpt_result_text(result));
 }
 
-void table_free(struct table *table)
+void csv_table_free(struct csv_table *table)
 {
     free(table->values);
-    *table = (struct table){ .rows = 0 };
+    *table = (struct csv_table){ .rows = 0 };
 }

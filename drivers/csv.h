@@ -8,14 +8,14 @@
 
 #include "dynpoint/device.h"
 
-struct table {
+struct csv_table {
     double *values; /* rows * columns */
     size_t rows, columns;
     uint32_t header; /* which */
 };
 
 /* What a file may hold, and the reasons that are given where it does not. */
-struct table_form {
+struct csv_format {
     const char *const *headers; /* those that are known, ended by NULL */
     const char *wrong_header;
     /* NULL, or what is wrong with a row; its numbers may be infinite. */
@@ -27,23 +27,23 @@ struct table_form {
  * error: DPT_E_SYNTAX, or DPT_E_MEMORY, with the reason in *wrong and the line in *line. What was read until then is to
  * be freed in either case.
  */
-dpt_result table_parse(struct table *table, const char *at, const char *end,
-                       const struct table_form *form, uint64_t *line, const char **wrong);
+dpt_result csv_table_parse(struct csv_table *table, const char *at, const char *end,
+                           const struct csv_format *form, uint64_t *line, const char **wrong);
 
 /*
  * The same of an open file, which may be a pipe: each row is checked when its line is there, and what is wrong in it
  * ends the reading, whatever may follow. A line is at most 1 MiB, all at most `most` bytes (DPT_E_LIMIT). Where *wrong is
  * NULL the error is of no line; DPT_E_OPEN: errno says why it cannot be read.
  */
-dpt_result table_stream(struct table *table, int file, uint64_t most, const struct table_form *form,
-                        uint64_t *line, const char **wrong);
+dpt_result csv_table_stream(struct csv_table *table, int file, uint64_t most,
+                            const struct csv_format *form, uint64_t *line, const char **wrong);
 
 /* The same of a file of 1 GiB at most; nothing is to be freed on error. `error` names file and line. */
-dpt_result table_read(struct table *table, const char *path, const struct table_form *form,
-                      dpt_device_error *error);
-void table_free(struct table *table);
+dpt_result csv_table_read(struct csv_table *table, const char *path, const struct csv_format *form,
+                          dpt_device_error *error);
+void csv_table_free(struct csv_table *table);
 
-static inline const double *table_row(const struct table *table, size_t row)
+static inline const double *csv_table_row(const struct csv_table *table, size_t row)
 {
     return table->values + row * table->columns;
 }

@@ -200,7 +200,7 @@ dpt_result dpt_device_map(const dpt_device_info *given, const double box_min[3],
             return DPT_E_ARGUMENT;
         if (!(to[k] - from[k] > 1e-6))
             return DPT_E_FINITE;
-        most = larger(most, (box_max[k] - box_min[k]) / (to[k] - from[k]));
+        most = max_of(most, (box_max[k] - box_min[k]) / (to[k] - from[k]));
         middle[k] = 0.5 * (from[k] + to[k]);
     }
     *scale = most > 0.0 ? most : 1.0;

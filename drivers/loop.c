@@ -66,8 +66,8 @@ static dpt_result take_guard(const dpt_guard_def *given, struct dpt_loop *loop)
         return DPT_E_ARGUMENT;
     const double force = info->wrench_dofs < 3 ? 0.0 : info->force_max;
     const double torque = info->wrench_dofs < 6 ? 0.0 : info->torque_max;
-    def->force_max = smaller(def->force_max, larger(force, 0.0));
-    def->torque_max = smaller(def->torque_max, larger(torque, 0.0));
+    def->force_max = min_of(def->force_max, max_of(force, 0.0));
+    def->torque_max = min_of(def->torque_max, max_of(torque, 0.0));
     return DPT_OK;
 }
 
@@ -304,7 +304,7 @@ static int has_ended(const struct run *run)
 
 static void note_time(double *most, uint64_t *bins, uint64_t ns)
 {
-    *most = larger(*most, (double)ns * 1e-9);
+    *most = max_of(*most, (double)ns * 1e-9);
     bins[bin_of(ns)]++;
 }
 

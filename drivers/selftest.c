@@ -14,10 +14,10 @@
 #include "clock.h"
 
 /* A watchdog that is slower would push the hand too far. */
-static const double WATCHDOG_MOST = 0.1;
+static const double WATCHDOG_MAX = 0.1;
 
 /* A motion of less tells nothing of velocities. */
-static const double LEAST_WAY = 1e-3, LEAST_TURN = 0.02;
+static const double DISPLACEMENT_MIN = 1e-3, TURN_MIN = 0.02;
 
 static const dpt_wrench zero;
 
@@ -62,7 +62,7 @@ static void note(struct selftest *test, const char *what)
 /* ---- a motion, and what the device says of it ---- */
 
 /* From sample to sample: where it is, and where its velocity leads to. */
-struct motion {
+struct selftest_motion {
     double way[3], led[3], turn[3], led_turn[3];
     double farthest, off, widest, off_turn;
 };
@@ -88,7 +88,8 @@ static void turn_between(const double *from, const double *to, double *turn)
     vec3_store(scaled(axis, sine > 0.0 ? sign * angle / sine : 0.0), turn);
 }
 
-static void follow(struct motion *motion, const dpt_device_state *from, const dpt_device_state *to)
+static void follow(struct selftest_motion *motion, const dpt_device_state *from,
+                   const dpt_device_state *to)
 {
     const double dt = (double)(int64_t)(to->time_ns - from->time_ns) * 1e-9;
     double turn[3];
@@ -113,7 +114,7 @@ struct observed {
     double seconds, misshapen; /* how far a quaternion is from unit length */
     double age;                /* of the last sample, s */
     int is_ready;
-    struct motion motion;
+    struct selftest_motion motion;
 };
 
 static int numbers_are_finite(const dpt_device_state *state)
@@ -356,7 +357,7 @@ static void test_watchdog(struct selftest *test)
         note(test, "it has no watchdog: its force stays when commands end");
         return;
     }
-    if (watchdog > WATCHDOG_MOST) {
+    if (watchdog > WATCHDOG_MAX) {
         note(test, "its watchdog is slower than 0.1 s, and is not tested");
         return;
     }
@@ -371,8 +372,8 @@ static void test_watchdog(struct selftest *test)
 /* By all that was seen of its motions. */
 static void test_velocity(struct selftest *test)
 {
-    const double way = fmax(LEAST_WAY, 10.0 * test->info.position_step);
-    const double turn = fmax(LEAST_TURN, 10.0 * test->info.angle_step);
+    const double way = fmax(DISPLACEMENT_MIN, 10.0 * test->info.position_step);
+    const double turn = fmax(TURN_MIN, 10.0 * test->info.angle_step);
     if (test->way > way)
         judge(test, test->way_off < 0.3 * test->way, "moves as its velocity says",
               1e3 * test->way_off, "mm off");

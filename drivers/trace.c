@@ -24,13 +24,13 @@ static const char *wrong_row(const double *row, size_t columns)
 
 static const char *const headers[] = { HEADER, NULL };
 
-const struct table_form trace_form = {
+const struct csv_format trace_form = {
     .headers = headers,
     .wrong_header = "the header is not " HEADER,
     .wrong_row = wrong_row,
 };
 
-int trace_jumps(const struct table *trace, size_t row)
+int trace_jumps(const struct csv_table *trace, size_t row)
 {
-    return row == 0 || table_row(trace, row)[0] != table_row(trace, row - 1)[0] + 1.0;
+    return row == 0 || csv_table_row(trace, row)[0] != csv_table_row(trace, row - 1)[0] + 1.0;
 }

@@ -8,9 +8,9 @@
 
 #include "csv.h"
 
-extern const struct table_form trace_form;
+extern const struct csv_format trace_form;
 
 /* A row that does not follow the one before by one tick jumps; the first row does. */
-int trace_jumps(const struct table *trace, size_t row);
+int trace_jumps(const struct csv_table *trace, size_t row);
 
 #endif

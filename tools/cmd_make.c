@@ -39,7 +39,7 @@ static void print_help(void)
         printf("  %-12s  %-6s  %5" PRIu32 "  %7s  %s\n", kind->name, counts_text[kind->counts],
                kind->least, usual, kind->help);
     }
-    printf("  %-12s  %-6s  %5d  %7d  %s\n", laparoscopic, "any", LAPAROSCOPIC_LEAST,
+    printf("  %-12s  %-6s  %5d  %7d  %s\n", laparoscopic, "any", LAPAROSCOPIC_MIN,
            LAPAROSCOPIC_TRIANGLES, "three files: FILE-liver, FILE-stomach, FILE-spleen");
 }
 

@@ -26,7 +26,7 @@ static const char help[] =
     "  --band B    how far above and below the surface it is held, m; default 0.005, scaled\n"
     "  --speed V   mean speed over the surface, m/s; default 0.3, scaled\n";
 
-struct hand {
+struct trace_hand {
     const dpt_mesh *mesh;
     uint64_t random;
     double length, band, speed;
@@ -36,7 +36,7 @@ struct hand {
     double phase[4]; /* of the slow changes, in turns */
 };
 
-static double random01(struct hand *hand)
+static double random01(struct trace_hand *hand)
 {
     hand->random = hand->random * 6364136223846793005u + 1442695040888963407u;
     return (double)(hand->random >> 11) * 0x1p-53;
@@ -61,7 +61,7 @@ static vec3 flattened(vec3 v, vec3 normal, double share)
 }
 
 /* The nearest point of the mesh, and its triangle's normal. */
-static vec3 drop_on_mesh(const struct hand *hand, vec3 x, vec3 *normal)
+static vec3 drop_on_mesh(const struct trace_hand *hand, vec3 x, vec3 *normal)
 {
     dpt_hit hit = DPT_HIT_INIT;
     double corners[9] = { 0 };
@@ -74,7 +74,7 @@ static vec3 drop_on_mesh(const struct hand *hand, vec3 x, vec3 *normal)
     return vec3_of(hit.q);
 }
 
-static void hand_begin(struct hand *hand, const dpt_mesh_info *info)
+static void hand_begin(struct trace_hand *hand, const dpt_mesh_info *info)
 {
     vec3 low = vec3_of(info->box_min), high = vec3_of(info->box_max);
     vec3 middle = scaled(add(low, high), 0.5), half = scaled(sub(high, low), 0.5);
@@ -88,7 +88,7 @@ static void hand_begin(struct hand *hand, const dpt_mesh_info *info)
     hand->axis = unit_or(cross(hand->heading, hand->normal), (vec3){ 0.0, 1.0, 0.0 });
 }
 
-static void hand_move(struct hand *hand, double time)
+static void hand_move(struct trace_hand *hand, double time)
 {
     vec3 face;
     double pace = hand->speed * (1.0 + 0.67 * wave(0.31 * time + hand->phase[0]));
@@ -104,7 +104,7 @@ static void hand_move(struct hand *hand, double time)
     hand->axis = unit_or(flattened(lifted, hand->normal, 0.02), drift);
 }
 
-static void hand_ends(const struct hand *hand, double time, double ends[6])
+static void hand_ends(const struct trace_hand *hand, double time, double ends[6])
 {
     double height = hand->band * (0.35 + 0.65 * wave(0.71 * time + hand->phase[3]));
     double share = 0.5 + 0.45 * wave(0.13 * time + hand->phase[1]);
@@ -113,7 +113,7 @@ static void hand_ends(const struct hand *hand, double time, double ends[6])
     vec3_store(along(touching, (1.0 - share) * hand->length, hand->axis), ends + 3);
 }
 
-static int write_trace(struct hand *hand, uint64_t ticks, const char *out)
+static int write_trace(struct trace_hand *hand, uint64_t ticks, const char *out)
 {
     struct output output;
     struct meter meter = { .began = 0 };
@@ -137,7 +137,7 @@ static int write_trace(struct hand *hand, uint64_t ticks, const char *out)
 int command_make_trace(int argc, char **argv)
 {
     const char *mesh_path = NULL, *out = NULL, *operand;
-    struct hand hand = { .length = 0.0 };
+    struct trace_hand hand = { .length = 0.0 };
     uint64_t ticks = 20000, seed = 1;
     size_t operands;
     static char whole_name[] = "make trace";

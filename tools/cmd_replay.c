@@ -64,7 +64,7 @@ static const char *const strips[] = { "none", "shadow", "routes", NULL };
 /* More than any count that an option takes. */
 #define NOT_GIVEN UINT64_MAX
 
-struct settings {
+struct replay_settings {
     dpt_world_def def;
     dpt_baseline_def baseline;
     double radius, dt;
@@ -82,9 +82,9 @@ struct stage {
     size_t bytes;
 };
 
-static dpt_segment segment_of(const struct table *trace, size_t row, double radius)
+static dpt_segment segment_of(const struct csv_table *trace, size_t row, double radius)
 {
-    const double *ends = table_row(trace, row) + 1;
+    const double *ends = csv_table_row(trace, row) + 1;
     dpt_segment segment;
     memcpy(segment.a, ends, sizeof segment.a);
     memcpy(segment.b, ends + 3, sizeof segment.b);
@@ -111,7 +111,7 @@ static int stage_open(struct stage *stage, const dpt_world_def *def, const dpt_m
 }
 
 /* Place the tool for a row; a jump forgets the past. */
-static void place(struct stage *stage, const struct table *trace, size_t row, double radius)
+static void place(struct stage *stage, const struct csv_table *trace, size_t row, double radius)
 {
     const dpt_pose identity = DPT_POSE_IDENTITY;
     dpt_segment segment = segment_of(trace, row, radius);
@@ -128,7 +128,7 @@ static void limit_wrench(dpt_guard *guard, uint64_t row, double dt, struct repla
     dpt_guard_step(guard, now, &command, tick->hit.status != DPT_STATUS_STALE, &tick->wrench);
 }
 
-static void run_pass(struct stage *stage, const struct settings *settings,
+static void run_pass(struct stage *stage, const struct replay_settings *settings,
                      struct replayed *replayed, int first)
 {
     struct meter meter = { .began = 0 };
@@ -154,10 +154,11 @@ static void run_pass(struct stage *stage, const struct settings *settings,
     meter_show(&meter, "", 1.0);
 }
 
-static int compare(const struct settings *settings, const dpt_mesh *mesh, struct replayed *replayed)
+static int compare(const struct replay_settings *settings, const dpt_mesh *mesh,
+                   struct replayed *replayed)
 {
     struct comparison *against = &replayed->against;
-    const struct table *trace = replayed->trace;
+    const struct csv_table *trace = replayed->trace;
     struct stage stage = { .block = NULL };
     struct meter meter = { .began = 0 };
     dpt_world_def def = settings->def;
@@ -194,7 +195,7 @@ static int compare(const struct settings *settings, const dpt_mesh *mesh, struct
     return status;
 }
 
-static int write_results(const struct settings *settings, const struct replayed *replayed)
+static int write_results(const struct replay_settings *settings, const struct replayed *replayed)
 {
     struct output output;
     int status = output_open(&output, "replay", settings->out);
@@ -212,7 +213,7 @@ static int write_results(const struct settings *settings, const struct replayed 
     return status ? status : replayed->against.wrong ? 1 : 0;
 }
 
-static void note_lengths(const struct settings *settings, const dpt_mesh_info *info)
+static void note_lengths(const struct replay_settings *settings, const dpt_mesh_info *info)
 {
     const struct {
         const char *name;
@@ -225,7 +226,8 @@ static void note_lengths(const struct settings *settings, const dpt_mesh_info *i
                     lengths[i].name, lengths[i].length, size_text(info).text);
 }
 
-static int run(const struct settings *settings, const dpt_mesh *mesh, const struct table *trace)
+static int run(const struct replay_settings *settings, const dpt_mesh *mesh,
+               const struct csv_table *trace)
 {
     dpt_mesh_info info = { .size = sizeof info };
     struct stage stage = { .block = NULL };
@@ -258,7 +260,7 @@ static int run(const struct settings *settings, const dpt_mesh *mesh, const stru
 }
 
 /* -1 to go on, else the exit status. */
-static int take_settings(int argc, char **argv, struct settings *settings)
+static int take_settings(int argc, char **argv, struct replay_settings *settings)
 {
     const char *operand[2], *method = "exact", *until = "respond", *kernel = "auto";
     const char *against = NULL, *strip = "none";
@@ -342,15 +344,15 @@ static int take_settings(int argc, char **argv, struct settings *settings)
     return -1;
 }
 
-static int read_trace(struct table *trace, const char *path)
+static int read_trace(struct csv_table *trace, const char *path)
 {
     uint64_t line;
     const char *wrong;
-    *trace = (struct table){ .rows = 0 };
+    *trace = (struct csv_table){ .rows = 0 };
     const int file = strcmp(path, "-") ? open(path, O_RDONLY) : STDIN_FILENO;
     if (file < 0)
         return complain("replay", "%s: cannot be opened: %s", path, strerror(errno));
-    dpt_result result = table_stream(trace, file, UINT64_MAX, &trace_form, &line, &wrong);
+    dpt_result result = csv_table_stream(trace, file, UINT64_MAX, &trace_form, &line, &wrong);
     const int reason = errno;
     if (file != STDIN_FILENO)
         close(file);
@@ -364,8 +366,8 @@ static int read_trace(struct table *trace, const char *path)
 
 int command_replay(int argc, char **argv)
 {
-    struct settings settings = { .dt = 1e-3, .repeat = 1, .every = NOT_GIVEN, .parts = 1 };
-    struct table trace;
+    struct replay_settings settings = { .dt = 1e-3, .repeat = 1, .every = NOT_GIVEN, .parts = 1 };
+    struct csv_table trace;
     void *bytes;
     dpt_world_def_init(&settings.def);
     dpt_baseline_def_init(&settings.baseline);
@@ -379,7 +381,7 @@ int command_replay(int argc, char **argv)
     status = read_trace(&trace, settings.trace);
     if (status == 0)
         status = run(&settings, mesh, &trace);
-    table_free(&trace);
+    csv_table_free(&trace);
     free(bytes);
     return status;
 }

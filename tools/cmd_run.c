@@ -50,15 +50,15 @@ static const char help[] =
     "  --json           what is said at the end as one JSON object\n";
 
 /* Deadlines that follow a device's samples come by this much more often than its rate says, at most. */
-#define FOLLOWS     (16.0 / 15.0)
-#define RECORD_MOST 100000000
+#define FOLLOWS    (16.0 / 15.0)
+#define RECORD_MAX 100000000
 
 /* Units of work a second: docs/drivers.md has what one takes. With less than the least a tool at rest may stay undecided. */
 #define BUDGET_RATE    3e6
-#define BUDGET_LEAST   200.0
+#define BUDGET_MIN     200.0
 #define BUDGET_BY_RATE UINT64_MAX
 
-struct settings {
+struct run_settings {
     struct scene_def scene;
     const char *device, *record;
     double force_max, rate, seconds; /* force_max NAN, rate 0: not given */
@@ -108,7 +108,7 @@ static dpt_result feel(void *user, const dpt_loop_sample *sample, dpt_wrench *wr
     return DPT_OK;
 }
 
-static int open_record(const struct settings *settings, struct session *session)
+static int open_record(const struct run_settings *settings, struct session *session)
 {
     if (!settings->record)
         return 0;
@@ -121,15 +121,15 @@ static int open_record(const struct settings *settings, struct session *session)
  * All of the record's memory, as a tick allocates none: for --ticks, or for as many as --for has. By the clock that is a
  * second more than it has: its timer ends the run before.
  */
-static int make_room(struct session *session, const struct settings *settings,
+static int make_room(struct session *session, const struct run_settings *settings,
                      const dpt_device_info *info)
 {
     const double rate = settings->rate > 0.0 ? settings->rate : info->rate;
     const double ticks = info->flags & DPT_DEVICE_FLAG_DETERMINISTIC
                              ? ceil(settings->seconds * info->rate)
                              : ceil((settings->seconds * FOLLOWS + 1.0) * rate);
-    if (!settings->ticks && !(ticks <= RECORD_MOST))
-        return complain("run", "--record: at most %d ticks; --for %g has %.0f", RECORD_MOST,
+    if (!settings->ticks && !(ticks <= RECORD_MAX))
+        return complain("run", "--record: at most %d ticks; --for %g has %.0f", RECORD_MAX,
                         settings->seconds, ticks);
     session->room = settings->ticks ? settings->ticks : (uint64_t)ticks;
     session->rows = calloc(session->room, 6 * sizeof *session->rows);
@@ -253,7 +253,7 @@ static void hint_at_clock(const dpt_device *device, const dpt_device_info *info)
                         "hand: --device 'sim:?hand=press&live=1'; or give --ticks");
 }
 
-static int serve(dpt_device *device, struct session *session, const struct settings *settings)
+static int serve(dpt_device *device, struct session *session, const struct run_settings *settings)
 {
     dpt_loop_def def;
     dpt_guard_def guard;
@@ -264,7 +264,7 @@ static int serve(dpt_device *device, struct session *session, const struct setti
     dpt_device_get_info(device, &info);
     const double rate = settings->rate > 0.0 ? settings->rate : info.rate;
     session->budget = settings->budget == BUDGET_BY_RATE
-                          ? (uint32_t)fmax(BUDGET_RATE / rate, BUDGET_LEAST)
+                          ? (uint32_t)fmax(BUDGET_RATE / rate, BUDGET_MIN)
                           : (uint32_t)settings->budget;
     if (scene_make_world(&session->scene, device, session->budget))
         return 2;
@@ -297,7 +297,7 @@ static int serve(dpt_device *device, struct session *session, const struct setti
 }
 
 /* A device's name has files in it, too: its place, and what its settings are. */
-static int check_record(const struct settings *settings)
+static int check_record(const struct run_settings *settings)
 {
     char piece[1024];
     const char *const inputs[] = { settings->scene.path, settings->scene.tool, NULL };
@@ -316,7 +316,7 @@ static int check_record(const struct settings *settings)
     return status;
 }
 
-static int take_settings(int argc, char **argv, struct settings *settings)
+static int take_settings(int argc, char **argv, struct run_settings *settings)
 {
     size_t operands;
     const struct option_def options[] = {
@@ -358,8 +358,8 @@ static int take_settings(int argc, char **argv, struct settings *settings)
         return complain("run", "--budget must be 0 to %u", (unsigned)UINT32_MAX);
     if (!(settings->seconds > 0.0))
         return complain("run", "--for must be positive");
-    if (settings->record && settings->ticks > RECORD_MOST)
-        return complain("run", "--record: at most %d --ticks", RECORD_MOST);
+    if (settings->record && settings->ticks > RECORD_MAX)
+        return complain("run", "--record: at most %d --ticks", RECORD_MAX);
     if (settings->record && !settings->ticks && !(settings->seconds < HUGE_VAL))
         return complain("run", "--record needs --ticks or --for");
     return -1;
@@ -367,7 +367,7 @@ static int take_settings(int argc, char **argv, struct settings *settings)
 
 int command_run(int argc, char **argv)
 {
-    struct settings settings = {
+    struct run_settings settings = {
         .scene = { .zoom = 1.0, .length = 0.1, .radius = 0.002, .stiffness = 500.0 },
         .force_max = NAN,
         .seconds = HUGE_VAL,

@@ -8,7 +8,7 @@
 #include "base/vec3.h"
 
 /* Of the largest side, m: what a hand can feel, from a tooth to a patient. */
-static const double LARGE_LEAST = 0.005, LARGE_MOST = 3.0;
+static const double LARGE_MIN = 0.005, LARGE_MAX = 3.0;
 
 static vec3 box_size(const dpt_mesh_info *info)
 {
@@ -30,7 +30,7 @@ double box_diagonal(const dpt_mesh_info *info)
 
 static int is_usual(double side)
 {
-    return side >= LARGE_LEAST && side <= LARGE_MOST;
+    return side >= LARGE_MIN && side <= LARGE_MAX;
 }
 
 const char *size_hint(const dpt_mesh_info *info)

@@ -38,7 +38,7 @@ static void write_row(FILE *file, const struct replayed *replayed, size_t i)
 {
     const struct replayed_tick *tick = &replayed->ticks[i];
     const dpt_hit *hit = &tick->hit;
-    fprintf(file, "%" PRId64 ",%s,%s", (int64_t)table_row(replayed->trace, i)[0],
+    fprintf(file, "%" PRId64 ",%s,%s", (int64_t)csv_table_row(replayed->trace, i)[0],
             status_words[hit->status],
             replayed->until == DPT_UNTIL_TRACK ? "" : contact_words[hit->contact]);
     write_numbers(file, &hit->distance, 1);
@@ -129,9 +129,9 @@ struct bins {
 static const struct bins ns_bins = { "ns_histogram", 16.0, 8, 16 };
 static const struct bins work_bins = { "work_histogram", 1.0, 4, 16 };
 
-enum { EDGES_MOST = 8 * 16 + 1 };
+enum { EDGES_MAX = 8 * 16 + 1 };
 
-static int make_edges(const struct bins *bins, double edges[EDGES_MOST])
+static int make_edges(const struct bins *bins, double edges[EDGES_MAX])
 {
     int count = 0;
     for (int i = 0; i <= bins->steps * bins->doublings; i++) {
@@ -148,7 +148,7 @@ static int make_edges(const struct bins *bins, double edges[EDGES_MOST])
  */
 static void json_histogram(FILE *file, const struct bins *bins, const double *sorted, size_t count)
 {
-    double edges[EDGES_MOST];
+    double edges[EDGES_MAX];
     int edge_count = make_edges(bins, edges);
     fprintf(file, ",\"%s\":{\"edges\":[", bins->name);
     for (int i = 0; i < edge_count; i++)

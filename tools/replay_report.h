@@ -28,7 +28,7 @@ struct comparison {
 };
 
 struct replayed {
-    const struct table *trace;
+    const struct csv_table *trace;
     struct replayed_tick *ticks;
     uint32_t until;
     uint32_t strips; /* DPT_STRIP_... */

@@ -479,9 +479,9 @@ int shape_make(const char *name, uint64_t count, uint64_t seed, struct shape *sh
     if (count == 0)
         count = kind->usual;
     const char *wrong = wrong_count(kind, count);
-    if (count != 0 && (count < kind->least || count > SHAPE_MOST_TRIANGLES))
+    if (count != 0 && (count < kind->least || count > SHAPE_TRIANGLES_MAX))
         snprintf(reason, SHAPE_REASON_BYTES, "%s has from %u to %u triangles", kind->name,
-                 (unsigned)kind->least, SHAPE_MOST_TRIANGLES);
+                 (unsigned)kind->least, SHAPE_TRIANGLES_MAX);
     else if (wrong)
         snprintf(reason, SHAPE_REASON_BYTES, "%s %s", kind->name, wrong);
     else if (kind->make((uint32_t)count, seed, shape))

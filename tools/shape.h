@@ -10,7 +10,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define SHAPE_MOST_TRIANGLES 10000000u
+#define SHAPE_TRIANGLES_MAX 10000000u
 
 struct shape {
     double *vertices; /* 3 per vertex */
@@ -61,7 +61,7 @@ int shape_make(const char *name, uint64_t count, uint64_t seed, struct shape *sh
  * The three bodies of the laparoscopic scene, `count` triangles in all. An odd count leaves the
  * stomach open at its inlet.
  */
-enum { LAPAROSCOPIC_BODIES = 3, LAPAROSCOPIC_TRIANGLES = 5387, LAPAROSCOPIC_LEAST = 1000 };
+enum { LAPAROSCOPIC_BODIES = 3, LAPAROSCOPIC_TRIANGLES = 5387, LAPAROSCOPIC_MIN = 1000 };
 extern const char *const laparoscopic_names[LAPAROSCOPIC_BODIES];
 int shape_make_laparoscopic(uint64_t count, uint64_t seed, struct shape bodies[LAPAROSCOPIC_BODIES],
                             shape_reason reason);

@@ -232,17 +232,17 @@ struct dent {
     double direction[3], edge, depth; /* cosine of its half-width; depth as a share of the radius */
 };
 
-enum { MOST_LOBES = 3, MOST_DENTS = 3, BUMPS = 14 };
+enum { LOBES_MAX = 3, DENTS_MAX = 3, BUMPS = 14 };
 
 struct organ {
     double place[3], stretch[3];
-    struct lobe lobes[MOST_LOBES];
-    struct dent dents[MOST_DENTS];
+    struct lobe lobes[LOBES_MAX];
+    struct dent dents[DENTS_MAX];
 };
 
 struct organ_surface {
     const struct organ *organ;
-    struct dent dents[MOST_DENTS + BUMPS];
+    struct dent dents[DENTS_MAX + BUMPS];
 };
 
 static void into_lobe(const struct lobe *lobe, const double v[3], double out[3])
@@ -266,11 +266,11 @@ static double organ_reach(const struct organ_surface *surface, const double dire
 {
     const struct organ *organ = surface->organ;
     double sum = 0.0, factor = 1.0;
-    for (int i = 0; i < MOST_LOBES; i++) {
+    for (int i = 0; i < LOBES_MAX; i++) {
         double reach = lobe_reach(&organ->lobes[i], direction), square = reach * reach;
         sum += square * square * square * square;
     }
-    for (int i = 0; i < MOST_DENTS + BUMPS; i++) {
+    for (int i = 0; i < DENTS_MAX + BUMPS; i++) {
         const struct dent *dent = &surface->dents[i];
         factor *= 1.0 - dent->depth * hill(direction, dent->direction, dent->edge);
     }
@@ -299,11 +299,11 @@ static int make_organ(const struct organ *organ, uint32_t count, uint64_t seed, 
 {
     struct organ_surface of = { .organ = organ };
     const struct shape_surface surface = { project_on_organ, &of };
-    for (int i = 0; i < MOST_DENTS; i++) {
+    for (int i = 0; i < DENTS_MAX; i++) {
         of.dents[i] = organ->dents[i];
         normalise(of.dents[i].direction);
     }
-    for (int i = MOST_DENTS; i < MOST_DENTS + BUMPS; i++) {
+    for (int i = DENTS_MAX; i < DENTS_MAX + BUMPS; i++) {
         random_direction(&seed, of.dents[i].direction);
         of.dents[i].edge = 0.75 + 0.2 * shape_random(&seed);
         of.dents[i].depth = 0.06 * shape_random(&seed) - 0.03;
@@ -372,9 +372,9 @@ int shape_make_laparoscopic(uint64_t count, uint64_t seed, struct shape bodies[L
     uint64_t liver_count = count / 4 * 2, spleen_count = count / 10 * 2;
     const uint64_t counts[] = { liver_count, count - liver_count - spleen_count, spleen_count };
     memset(bodies, 0, LAPAROSCOPIC_BODIES * sizeof *bodies);
-    if (count < LAPAROSCOPIC_LEAST || count > SHAPE_MOST_TRIANGLES) {
+    if (count < LAPAROSCOPIC_MIN || count > SHAPE_TRIANGLES_MAX) {
         snprintf(reason, SHAPE_REASON_BYTES, "laparoscopic has from %d to %u triangles",
-                 LAPAROSCOPIC_LEAST, SHAPE_MOST_TRIANGLES);
+                 LAPAROSCOPIC_MIN, SHAPE_TRIANGLES_MAX);
         return -1;
     }
     int failed = 0;

@@ -18,7 +18,7 @@
 
 struct can_device {
     dpt_device base;
-    struct can_host host;
+    struct can_session host;
     dpt_device_state last;
     double joints[DPT_JOINTS_MAX];
     uint64_t sequence_read;
@@ -32,11 +32,13 @@ struct can_device {
 /* Joints and pose of the newest sample. */
 static void look(struct can_device *device)
 {
-    struct can_host *host = &device->host;
+    struct can_session *session = &device->host;
     double speeds[DPT_JOINTS_MAX];
-    can_arm_joints(&host->arm, host->nodes.position, host->nodes.velocity, device->joints, speeds);
-    if (can_arm_pose(&host->arm, device->joints, speeds, &device->last) != DPT_OK)
-        can_nodes_blame(&host->nodes, DPT_DEVICE_STATUS_FAULT, DPT_REASON_UNCALIBRATED, 0);
+    can_arm_joints(&session->arm, session->monitor.position, session->monitor.velocity,
+                   device->joints, speeds);
+    if (can_arm_pose(&session->arm, device->joints, speeds, &device->last) != DPT_OK)
+        can_monitor_set_status(&session->monitor, DPT_DEVICE_STATUS_FAULT, DPT_REASON_UNCALIBRATED,
+                               0);
 }
 
 /* Connected, or switched on again: what came meanwhile is one sample, that has not been read. */
@@ -44,7 +46,7 @@ static void begin(struct can_device *device)
 {
     device->is_driving = 0;
     device->stopped_ns = 0;
-    device->sequence_read = device->host.nodes.sequence - 1;
+    device->sequence_read = device->host.monitor.sequence - 1;
     look(device);
 }
 
@@ -55,7 +57,7 @@ static dpt_result can_open(const dpt_driver *driver, const char *place, dpt_devi
     struct can_device *device = calloc(1, sizeof *device);
     if (!device)
         return device_error(error, DPT_E_MEMORY, "no memory");
-    device->host.line.fd = -1;
+    device->host.socketcan.fd = -1;
     dpt_result result = can_settings_read(place, &device->host.settings, error);
     if (result == DPT_OK && !device->host.settings.interface[0])
         result =
@@ -64,11 +66,11 @@ static dpt_result can_open(const dpt_driver *driver, const char *place, dpt_devi
     if (result == DPT_OK)
         result = can_arm_open(&device->host.arm, &device->host.settings, error);
     if (result == DPT_OK) {
-        can_nodes_init(&device->host.nodes, &device->host.arm, &device->host.settings);
-        result = can_host_connect(&device->host, error);
+        can_monitor_init(&device->host.monitor, &device->host.arm, &device->host.settings);
+        result = can_session_connect(&device->host, error);
     }
     if (result == DPT_OK) {
-        device->host.nodes.sequence = device->host.nodes.counts.samples = 1;
+        device->host.monitor.sequence = device->host.monitor.counts.samples = 1;
         begin(device);
         *opened = &device->base;
         if (device->host.settings.gives_force)
@@ -78,7 +80,7 @@ static dpt_result can_open(const dpt_driver *driver, const char *place, dpt_devi
                             "torque when the host dies. Say ?watchdog=0.05, the time that is "
                             "configured at the controllers, or at your own risk ?watchdog=none");
     }
-    can_line_close(&device->host.line);
+    socketcan_close(&device->host.socketcan);
     can_arm_close(&device->host.arm);
     free(device);
     return result;
@@ -87,7 +89,7 @@ static dpt_result can_open(const dpt_driver *driver, const char *place, dpt_devi
 static void can_info(const dpt_device *base, dpt_device_info *info)
 {
     const struct can_device *device = (const struct can_device *)base;
-    const struct can_node *first = &device->host.nodes.at[0];
+    const struct can_node *first = &device->host.monitor.at[0];
     info->pose_dofs = 6;
     info->joints = device->host.arm.joints;
     info->flags = DPT_DEVICE_FLAG_ARM;
@@ -110,21 +112,22 @@ static void can_info(const dpt_device *base, dpt_device_info *info)
 static void stop_all(struct can_device *device, uint64_t now)
 {
     uint32_t active = 0;
-    for (uint32_t i = 0; i < device->host.nodes.count; i++)
-        active += device->host.nodes.at[i].beat.state == ODRIVE_STATE_CLOSED_LOOP;
+    for (uint32_t i = 0; i < device->host.monitor.count; i++)
+        active += device->host.monitor.at[i].beat.state == ODRIVE_STATE_CLOSED_LOOP;
     device->is_driving = 0;
     if (device->stopped_ns && (now - device->stopped_ns < STOP_EVERY || !active))
         return;
     device->stopped_ns = now;
-    can_host_say_all(&device->host, can_no_torque);
-    can_host_say_all(&device->host,
-                     device->host.nodes.status == DPT_DEVICE_STATUS_LOST ? can_estop : can_idle);
+    can_session_put_all(&device->host, can_no_torque);
+    can_session_put_all(&device->host, device->host.monitor.status == DPT_DEVICE_STATUS_LOST
+                                           ? can_estop
+                                           : can_idle);
 }
 
 /* While no host writes: zero torque, as watchdogs want to be fed. */
 static void keep_alive(struct can_device *device, uint64_t now)
 {
-    const uint64_t period = device->host.nodes.period_ns;
+    const uint64_t period = device->host.monitor.period_ns;
     uint64_t feed = IDLE_FEED;
     if (device->host.settings.watchdog > 0.0 &&
         0.25e9 * device->host.settings.watchdog < (double)feed)
@@ -133,61 +136,61 @@ static void keep_alive(struct can_device *device, uint64_t now)
         device->is_driving = 0;
     if (!device->is_driving && now - device->fed_ns >= feed) {
         device->fed_ns = now;
-        can_host_say_all(&device->host, can_no_torque);
+        can_session_put_all(&device->host, can_no_torque);
     }
 }
 
 /* Of a device that has stopped, too: poses go on, and silence would be another fault. */
 static void ask_places(struct can_device *device, uint64_t now)
 {
-    const uint64_t period = device->host.nodes.period_ns;
+    const uint64_t period = device->host.monitor.period_ns;
     if (device->host.settings.request == 0.0 || now - device->host.asked_ns < period - period / 8)
         return;
     device->host.asked_ns = now;
-    can_host_say_all(&device->host, can_where);
+    can_session_put_all(&device->host, can_where);
 }
 
 /* Of which part 0.5 says only that it has errors: it is asked for them. */
 static void ask_parts(struct can_device *device)
 {
     static const uint8_t parts[] = { ODRIVE_ERROR, ODRIVE_ENCODER_ERROR, ODRIVE_CONTROLLER_ERROR };
-    for (uint32_t i = 0; i < device->host.nodes.count; i++)
-        for (int k = 0; k < 3 && device->host.nodes.parts >> i & 1; k++) {
+    for (uint32_t i = 0; i < device->host.monitor.count; i++)
+        for (int k = 0; k < 3 && device->host.monitor.parts >> i & 1; k++) {
             const struct odrive_message part = { .command = parts[k], .asks = 1 };
-            if (device->host.nodes.at[i].beat.failed >> k & 1)
-                can_host_say(&device->host, i, part);
+            if (device->host.monitor.at[i].beat.failed >> k & 1)
+                can_session_put(&device->host, i, part);
         }
-    device->host.nodes.parts = 0;
+    device->host.monitor.parts = 0;
 }
 
 static dpt_result can_read(dpt_device *base, dpt_device_state *state)
 {
     struct can_device *device = (struct can_device *)base;
-    struct can_nodes *nodes = &device->host.nodes;
-    const int is_all = can_host_pump(&device->host);
+    struct can_monitor *monitor = &device->host.monitor;
+    const int is_all = can_session_receive(&device->host);
     const uint64_t now = clock_now();
-    can_nodes_judge(nodes, now, is_all);
-    const uint64_t fresh = nodes->sequence - device->sequence_read;
+    can_monitor_check(monitor, now, is_all);
+    const uint64_t fresh = monitor->sequence - device->sequence_read;
     if (fresh)
         look(device);
-    if (nodes->status != DPT_DEVICE_STATUS_READY)
+    if (monitor->status != DPT_DEVICE_STATUS_READY)
         stop_all(device, now);
     else
         keep_alive(device, now);
     ask_places(device, now);
-    if (nodes->parts)
+    if (monitor->parts)
         ask_parts(device);
-    can_host_send(&device->host);
-    device->sequence_read = nodes->sequence;
+    can_session_send(&device->host);
+    device->sequence_read = monitor->sequence;
     device->last.fresh = fresh < UINT32_MAX ? (uint32_t)fresh : UINT32_MAX;
-    device->last.sequence = nodes->sequence;
-    device->last.time_ns = nodes->sample_ns;
+    device->last.sequence = monitor->sequence;
+    device->last.time_ns = monitor->sample_ns;
     device->last.temperature = -1.0;
-    device->last.status = nodes->status;
-    device->last.reasons = nodes->reasons;
-    device->last.code = nodes->code;
+    device->last.status = monitor->status;
+    device->last.reasons = monitor->reasons;
+    device->last.code = monitor->code;
     *state = device->last;
-    if (nodes->status != DPT_DEVICE_STATUS_LOST)
+    if (monitor->status != DPT_DEVICE_STATUS_LOST)
         return DPT_OK;
     state->fresh = 0;
     return DPT_E_LOST;
@@ -197,10 +200,10 @@ static dpt_result can_write(dpt_device *base, const dpt_wrench *wrench)
 {
     static const dpt_wrench no_force;
     struct can_device *device = (struct can_device *)base;
-    struct can_nodes *nodes = &device->host.nodes;
+    struct can_monitor *monitor = &device->host.monitor;
     float torques[DPT_JOINTS_MAX];
-    if (nodes->status != DPT_DEVICE_STATUS_READY)
-        return nodes->status == DPT_DEVICE_STATUS_LOST ? DPT_E_LOST : DPT_E_NOT_READY;
+    if (monitor->status != DPT_DEVICE_STATUS_READY)
+        return monitor->status == DPT_DEVICE_STATUS_LOST ? DPT_E_LOST : DPT_E_NOT_READY;
     const uint64_t now = clock_now();
     if (!device->is_driving) {
         device->is_driving = 1;
@@ -217,35 +220,36 @@ static dpt_result can_write(dpt_device *base, const dpt_wrench *wrench)
         can_arm_torques(&device->host.arm, device->joints, wrench, share, torques);
     if (result != DPT_OK)
         return result;
-    for (uint32_t i = 0; i < nodes->count; i++) {
+    for (uint32_t i = 0; i < monitor->count; i++) {
         const struct odrive_message command = { .command = ODRIVE_SET_TORQUE,
                                                 .as.torque = torques[i] };
-        can_host_say(&device->host, i, command);
+        can_session_put(&device->host, i, command);
     }
-    nodes->counts.commands++;
-    if (can_host_send(&device->host))
+    monitor->counts.commands++;
+    if (can_session_send(&device->host))
         return DPT_OK;
-    nodes->counts.refused++;
-    can_host_look(&device->host);
-    return nodes->status == DPT_DEVICE_STATUS_LOST ? DPT_E_LOST : DPT_E_BUSY;
+    monitor->counts.refused++;
+    can_session_check_line(&device->host);
+    return monitor->status == DPT_DEVICE_STATUS_LOST ? DPT_E_LOST : DPT_E_BUSY;
 }
 
 static dpt_result can_clear(dpt_device *base)
 {
     struct can_device *device = (struct can_device *)base;
-    struct can_nodes *nodes = &device->host.nodes;
-    can_host_pump(&device->host);
-    if (nodes->status == DPT_DEVICE_STATUS_READY)
+    struct can_monitor *monitor = &device->host.monitor;
+    can_session_receive(&device->host);
+    if (monitor->status == DPT_DEVICE_STATUS_READY)
         return DPT_OK;
-    can_line_ask(&device->host.line);
-    if (nodes->status == DPT_DEVICE_STATUS_LOST) {
-        can_line_close(&device->host.line);
+    socketcan_query(&device->host.socketcan);
+    if (monitor->status == DPT_DEVICE_STATUS_LOST) {
+        socketcan_close(&device->host.socketcan);
         device->host.is_ours = 1;
-        if (can_host_connect(&device->host, NULL) != DPT_OK)
+        if (can_session_connect(&device->host, NULL) != DPT_OK)
             return DPT_E_LOST;
-        nodes->counts.resets++;
-    } else if (device->host.line.is_passive || can_host_switch_on(&device->host, NULL) != DPT_OK ||
-               can_host_first_sample(&device->host, NULL) != DPT_OK) {
+        monitor->counts.resets++;
+    } else if (device->host.socketcan.is_passive ||
+               can_session_switch_on(&device->host, NULL) != DPT_OK ||
+               can_session_first_sample(&device->host, NULL) != DPT_OK) {
         return DPT_E_NOT_READY;
     }
     begin(device);
@@ -254,31 +258,31 @@ static dpt_result can_clear(dpt_device *base)
 
 static void can_counts(const dpt_device *base, dpt_device_counts *counts)
 {
-    *counts = ((const struct can_device *)base)->host.nodes.counts;
+    *counts = ((const struct can_device *)base)->host.monitor.counts;
 }
 
 static void can_close(dpt_device *base)
 {
     struct can_device *device = (struct can_device *)base;
     const uint64_t deadline = clock_now() + END_IN;
-    uint32_t active = device->host.nodes.count;
-    device->host.nodes.is_armed = 0;
-    while (active && device->host.line.fd >= 0 && !can_host_is_dead(&device->host) &&
+    uint32_t active = device->host.monitor.count;
+    device->host.monitor.is_armed = 0;
+    while (active && device->host.socketcan.fd >= 0 && !can_session_is_dead(&device->host) &&
            clock_now() < deadline) {
-        can_host_say_all(&device->host, can_no_torque);
-        can_host_say_all(&device->host, can_idle);
-        can_host_send(&device->host);
-        can_host_wait(&device->host, clock_now() + STOP_EVERY);
+        can_session_put_all(&device->host, can_no_torque);
+        can_session_put_all(&device->host, can_idle);
+        can_session_send(&device->host);
+        can_session_wait(&device->host, clock_now() + STOP_EVERY);
         active = 0;
-        for (uint32_t i = 0; i < device->host.nodes.count; i++)
-            active += device->host.nodes.at[i].beat.state == ODRIVE_STATE_CLOSED_LOOP;
+        for (uint32_t i = 0; i < device->host.monitor.count; i++)
+            active += device->host.monitor.at[i].beat.state == ODRIVE_STATE_CLOSED_LOOP;
     }
-    can_line_close(&device->host.line);
+    socketcan_close(&device->host.socketcan);
     can_arm_close(&device->host.arm);
     free(device);
 }
 
-struct finding {
+struct can_finder {
     const dpt_driver *driver;
     dpt_device_found_fn *found;
     void *user;
@@ -286,14 +290,14 @@ struct finding {
 
 static void pass_on(void *user, const char *name, const char *about)
 {
-    const struct finding *finding = user;
+    const struct can_finder *finding = user;
     finding->found(finding->user, finding->driver, name, about);
 }
 
 static void can_find(const dpt_driver *driver, dpt_device_found_fn *found, void *user)
 {
-    struct finding finding = { driver, found, user };
-    can_line_find(pass_on, &finding);
+    struct can_finder finding = { driver, found, user };
+    socketcan_find(pass_on, &finding);
 }
 
 const dpt_driver can_driver = {

@@ -14,7 +14,7 @@
 #define TURN         6.283185307179586476925
 #define GRAVITY      9.80665
 #define LARGEST_FILE (64l << 20)
-#define FORCE_MOST   1e6 /* beyond it efforts might not be finite */
+#define FORCE_MAX    1e6 /* beyond it efforts might not be finite */
 
 /* A number of seconds, or "none"; "" where it was not given. */
 static dpt_result read_watchdog(struct can_settings *settings, const char *text,
@@ -227,8 +227,8 @@ static void look_around(struct can_arm *arm, const dpt_arm_joint *joint)
             continue;
         place_of(arm, &tool, place);
         for (int k = 0; k < 3; k++) {
-            arm->workspace_min[k] = smaller(arm->workspace_min[k], place[k]);
-            arm->workspace_max[k] = larger(arm->workspace_max[k], place[k]);
+            arm->workspace_min[k] = min_of(arm->workspace_min[k], place[k]);
+            arm->workspace_max[k] = max_of(arm->workspace_max[k], place[k]);
         }
     }
 }
@@ -245,7 +245,7 @@ static double strength(const struct can_arm *arm, int is_torque)
             return 0.0;
         for (uint32_t k = 0; k < arm->joints; k++)
             if (fabs(efforts[k]) > 0.0)
-                least = smaller(least, arm->limit[k] / fabs(efforts[k]));
+                least = min_of(least, arm->limit[k] / fabs(efforts[k]));
     }
     return least;
 }
@@ -380,15 +380,15 @@ dpt_result can_arm_torques(const struct can_arm *arm, const double *joints,
     can_arm_to_root(arm, wrench->torque, root.torque);
     if (arm->wrench_dofs < 6)
         memset(root.torque, 0, sizeof root.torque);
-    limit_length(root.force, FORCE_MOST);
-    limit_length(root.torque, FORCE_MOST);
+    limit_length(root.force, FORCE_MAX);
+    limit_length(root.torque, FORCE_MAX);
     dpt_result result = dpt_arm_efforts(arm->arm, joints, &root, efforts);
     if (result == DPT_OK && extent_of(vec3_of(arm->gravity)) > 0.0)
         result = dpt_arm_weight(arm->arm, joints, arm->gravity, weight);
     for (uint32_t i = 0; i < arm->joints && result == DPT_OK; i++) {
         weight[i] *= share;
         held =
-            fabs(weight[i]) > arm->limit[i] ? smaller(held, arm->limit[i] / fabs(weight[i])) : held;
+            fabs(weight[i]) > arm->limit[i] ? min_of(held, arm->limit[i] / fabs(weight[i])) : held;
     }
     if (result != DPT_OK)
         return result;
@@ -396,7 +396,7 @@ dpt_result can_arm_torques(const struct can_arm *arm, const double *joints,
         weight[i] *= held;
         const double room = arm->limit[i] - (efforts[i] > 0.0 ? weight[i] : -weight[i]);
         if (fabs(efforts[i]) > room)
-            most = smaller(most, larger(room, 0.0) / fabs(efforts[i]));
+            most = min_of(most, max_of(room, 0.0) / fabs(efforts[i]));
     }
     for (uint32_t i = 0; i < arm->joints; i++)
         torques[i] = (float)((weight[i] + most * efforts[i]) * arm->per_force[i]);

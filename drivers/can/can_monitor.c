@@ -25,51 +25,52 @@ static uint64_t larger_time(uint64_t a, uint64_t b)
     return a > b ? a : b;
 }
 
-void can_nodes_init(struct can_nodes *nodes, const struct can_arm *arm,
-                    const struct can_settings *settings)
+void can_monitor_init(struct can_monitor *monitor, const struct can_arm *arm,
+                      const struct can_settings *settings)
 {
-    memset(nodes, 0, sizeof *nodes);
-    memset(nodes->index, 0xff, sizeof nodes->index);
-    nodes->count = arm->joints;
-    nodes->period_ns = (uint64_t)(1e9 / settings->rate);
-    nodes->heartbeat_ns = (uint64_t)(1e9 * settings->heartbeat);
-    nodes->silent_ns = (uint64_t)(1e9 * settings->silent);
-    for (uint32_t i = 0; i < nodes->count; i++) {
-        nodes->at[i].node = arm->nodes[i];
-        nodes->at[i].quickest = (arm->slides[i] ? SLIDES_AT : TURNS_AT) / fabs(arm->per_turn[i]);
-        nodes->index[arm->nodes[i]] = (uint8_t)i;
+    memset(monitor, 0, sizeof *monitor);
+    memset(monitor->index, 0xff, sizeof monitor->index);
+    monitor->count = arm->joints;
+    monitor->period_ns = (uint64_t)(1e9 / settings->rate);
+    monitor->heartbeat_ns = (uint64_t)(1e9 * settings->heartbeat);
+    monitor->silent_ns = (uint64_t)(1e9 * settings->silent);
+    for (uint32_t i = 0; i < monitor->count; i++) {
+        monitor->at[i].node = arm->nodes[i];
+        monitor->at[i].quickest = (arm->slides[i] ? SLIDES_AT : TURNS_AT) / fabs(arm->per_turn[i]);
+        monitor->index[arm->nodes[i]] = (uint8_t)i;
     }
-    can_nodes_forget(nodes);
+    can_monitor_forget(monitor);
 }
 
-void can_nodes_forget(struct can_nodes *nodes)
+void can_monitor_forget(struct can_monitor *monitor)
 {
-    for (uint32_t i = 0; i < nodes->count; i++) {
-        const struct can_node kept = { .node = nodes->at[i].node,
-                                       .generation = nodes->at[i].generation,
-                                       .quickest = nodes->at[i].quickest };
-        nodes->at[i] = kept;
+    for (uint32_t i = 0; i < monitor->count; i++) {
+        const struct can_node kept = { .node = monitor->at[i].node,
+                                       .generation = monitor->at[i].generation,
+                                       .quickest = monitor->at[i].quickest };
+        monitor->at[i] = kept;
     }
-    nodes->is_armed = nodes->has_confirmed = 0;
-    nodes->parts = nodes->strangers = nodes->dropped = 0;
-    nodes->waiting_ns = nodes->sample_ns = 0;
+    monitor->is_armed = monitor->has_confirmed = 0;
+    monitor->parts = monitor->strangers = monitor->dropped = 0;
+    monitor->waiting_ns = monitor->sample_ns = 0;
 }
 
-void can_nodes_count(struct can_nodes *nodes)
+void can_monitor_restart_counts(struct can_monitor *monitor)
 {
-    for (uint32_t i = 0; i < nodes->count; i++)
-        nodes->at[i].seen = nodes->at[i].pulses = 0;
+    for (uint32_t i = 0; i < monitor->count; i++)
+        monitor->at[i].seen = monitor->at[i].pulses = 0;
 }
 
-void can_nodes_blame(struct can_nodes *nodes, uint32_t status, uint32_t reasons, uint32_t code)
+void can_monitor_set_status(struct can_monitor *monitor, uint32_t status, uint32_t reasons,
+                            uint32_t code)
 {
-    if (!nodes->is_armed)
+    if (!monitor->is_armed)
         return;
-    if (status < nodes->status) {
-        nodes->status = status;
-        nodes->code = code;
+    if (status < monitor->status) {
+        monitor->status = status;
+        monitor->code = code;
     }
-    nodes->reasons |= reasons;
+    monitor->reasons |= reasons;
 }
 
 int can_node_is_active(const struct can_node *node)
@@ -82,7 +83,7 @@ int can_node_is_active(const struct can_node *node)
  * By how much a cyclic message is ahead of the clock. What stood still may catch up; what is a little too quick leaks away,
  * 1 / leak each time; two nodes of one number gain half a period each time.
  */
-static void run_ahead(struct can_nodes *nodes, const struct can_node *node, int64_t *ahead,
+static void run_ahead(struct can_monitor *monitor, const struct can_node *node, int64_t *ahead,
                       uint64_t passed, uint64_t period, int most, int leak)
 {
     const int64_t limit = most * (int64_t)period / 4;
@@ -90,17 +91,17 @@ static void run_ahead(struct can_nodes *nodes, const struct can_node *node, int6
     *ahead = *ahead > -limit ? *ahead : -limit;
     if (*ahead > limit) {
         *ahead = 0;
-        can_nodes_blame(nodes, DPT_DEVICE_STATUS_FAULT, DPT_REASON_LINK,
-                        CAN_CODE(CAN_CODE_DUPLICATE, node->node));
+        can_monitor_set_status(monitor, DPT_DEVICE_STATUS_FAULT, DPT_REASON_LINK,
+                               CAN_CODE(CAN_CODE_DUPLICATE, node->node));
     }
 }
 
-static void count_frame(struct can_nodes *nodes, struct can_node *node, uint64_t time)
+static void count_frame(struct can_monitor *monitor, struct can_node *node, uint64_t time)
 {
-    const uint64_t window = larger_time(WINDOW, WINDOW_PERIODS * nodes->period_ns);
-    if (++node->frames * nodes->period_ns > 4 * window)
-        can_nodes_blame(nodes, DPT_DEVICE_STATUS_FAULT, DPT_REASON_LINK,
-                        CAN_CODE(CAN_CODE_BABBLES, node->node));
+    const uint64_t window = larger_time(WINDOW, WINDOW_PERIODS * monitor->period_ns);
+    if (++node->frames * monitor->period_ns > 4 * window)
+        can_monitor_set_status(monitor, DPT_DEVICE_STATUS_FAULT, DPT_REASON_LINK,
+                               CAN_CODE(CAN_CODE_BABBLES, node->node));
     if (time - node->window_ns >= window) {
         node->window_ns = time;
         node->frames = 0;
@@ -115,11 +116,11 @@ static uint32_t reasons_of(const struct can_node *node)
     return reasons;
 }
 
-static void take_beat(struct can_nodes *nodes, struct can_node *node,
+static void take_beat(struct can_monitor *monitor, struct can_node *node,
                       const struct odrive_heartbeat *beat, uint64_t time)
 {
     if (node->has_beaten)
-        run_ahead(nodes, node, &node->beats_ahead, time - node->beat_ns, nodes->heartbeat_ns,
+        run_ahead(monitor, node, &node->beats_ahead, time - node->beat_ns, monitor->heartbeat_ns,
                   BEATS_AHEAD, BEATS_LEAK);
     node->beat = *beat;
     node->has_beaten = 1;
@@ -128,61 +129,61 @@ static void take_beat(struct can_nodes *nodes, struct can_node *node,
     node->errors[node->generation == ODRIVE_0_5 ? ODRIVE_AXIS_ERRORS : ODRIVE_ERRORS_0_6] =
         beat->errors;
     if (beat->failed)
-        nodes->parts |= 1u << (node - nodes->at);
-    if (!nodes->is_armed || can_node_is_active(node))
+        monitor->parts |= 1u << (node - monitor->at);
+    if (!monitor->is_armed || can_node_is_active(node))
         return;
     const uint32_t reasons = reasons_of(node);
     if (reasons || beat->failed)
-        can_nodes_blame(nodes, DPT_DEVICE_STATUS_FAULT, reasons ? reasons : DPT_REASON_DEVICE,
-                        beat->errors);
-    else if (nodes->status == DPT_DEVICE_STATUS_READY) {
-        nodes->counts.resets++;
-        can_nodes_blame(nodes, DPT_DEVICE_STATUS_FAULT, DPT_REASON_DEVICE,
-                        CAN_CODE(CAN_CODE_BEGAN, node->node));
+        can_monitor_set_status(monitor, DPT_DEVICE_STATUS_FAULT,
+                               reasons ? reasons : DPT_REASON_DEVICE, beat->errors);
+    else if (monitor->status == DPT_DEVICE_STATUS_READY) {
+        monitor->counts.resets++;
+        can_monitor_set_status(monitor, DPT_DEVICE_STATUS_FAULT, DPT_REASON_DEVICE,
+                               CAN_CODE(CAN_CODE_BEGAN, node->node));
     }
 }
 
 /* A place that it cannot have come to since the last one, which may have been late by two periods. */
-static void find_jump(struct can_nodes *nodes, const struct can_node *node, float position,
+static void find_jump(struct can_monitor *monitor, const struct can_node *node, float position,
                       float velocity, int64_t passed)
 {
     const double seconds =
-        1e-9 * ((passed > 0 ? (double)passed : 0.0) + 2.0 * (double)nodes->period_ns);
+        1e-9 * ((passed > 0 ? (double)passed : 0.0) + 2.0 * (double)monitor->period_ns);
     const double speed =
-        node->quickest + larger(fabs((double)velocity), fabs((double)node->velocity));
+        node->quickest + max_of(fabs((double)velocity), fabs((double)node->velocity));
     if (fabs((double)position - (double)node->position) > speed * seconds)
-        can_nodes_blame(nodes, DPT_DEVICE_STATUS_FAULT, DPT_REASON_UNCALIBRATED,
-                        CAN_CODE(CAN_CODE_JUMPED, node->node));
+        can_monitor_set_status(monitor, DPT_DEVICE_STATUS_FAULT, DPT_REASON_UNCALIBRATED,
+                               CAN_CODE(CAN_CODE_JUMPED, node->node));
 }
 
 /* All nodes have said where they are since the last sample, and lately: the next one. */
-static void take_sample(struct can_nodes *nodes, uint64_t time)
+static void take_sample(struct can_monitor *monitor, uint64_t time)
 {
-    for (uint32_t i = 0; i < nodes->count; i++)
-        if (!nodes->at[i].is_fresh ||
-            (int64_t)(time - nodes->at[i].estimate_ns) > OLD_PERIODS * (int64_t)nodes->period_ns)
+    for (uint32_t i = 0; i < monitor->count; i++)
+        if (!monitor->at[i].is_fresh || (int64_t)(time - monitor->at[i].estimate_ns) >
+                                            OLD_PERIODS * (int64_t)monitor->period_ns)
             return;
-    for (uint32_t i = 0; i < nodes->count; i++) {
-        nodes->position[i] = nodes->at[i].position;
-        nodes->velocity[i] = nodes->at[i].velocity;
-        nodes->at[i].is_fresh = 0;
+    for (uint32_t i = 0; i < monitor->count; i++) {
+        monitor->position[i] = monitor->at[i].position;
+        monitor->velocity[i] = monitor->at[i].velocity;
+        monitor->at[i].is_fresh = 0;
     }
-    if (!nodes->sample_ns)
-        nodes->expected_ns = time - nodes->period_ns;
+    if (!monitor->sample_ns)
+        monitor->expected_ns = time - monitor->period_ns;
     /* Periods, to the nearest; none when what had been late came with the next one: then it was not lost. */
-    const int64_t period = (int64_t)nodes->period_ns;
-    const int64_t behind = (int64_t)(time - nodes->expected_ns);
+    const int64_t period = (int64_t)monitor->period_ns;
+    const int64_t behind = (int64_t)(time - monitor->expected_ns);
     const int64_t passed = behind > 0 ? (behind + period / 2) / period : 0;
-    nodes->expected_ns += (uint64_t)(passed * period);
+    monitor->expected_ns += (uint64_t)(passed * period);
     /* The nodes' clocks and ours drift apart: follow them slowly, so that jitter does not count. */
-    nodes->expected_ns += (uint64_t)((int64_t)(time - nodes->expected_ns) / 16);
-    nodes->sample_ns = time > nodes->sample_ns ? time : nodes->sample_ns + 1;
-    nodes->sequence += passed > 0 ? (uint64_t)passed : 1;
-    nodes->counts.samples += (uint64_t)passed;
+    monitor->expected_ns += (uint64_t)((int64_t)(time - monitor->expected_ns) / 16);
+    monitor->sample_ns = time > monitor->sample_ns ? time : monitor->sample_ns + 1;
+    monitor->sequence += passed > 0 ? (uint64_t)passed : 1;
+    monitor->counts.samples += (uint64_t)passed;
     if (passed > 0)
-        nodes->counts.lost += (uint64_t)passed - 1;
+        monitor->counts.lost += (uint64_t)passed - 1;
     else
-        nodes->counts.lost -= nodes->counts.lost > 0;
+        monitor->counts.lost -= monitor->counts.lost > 0;
 }
 
 static void forget_sent(struct can_node *node, uint32_t at)
@@ -195,7 +196,7 @@ static void forget_sent(struct can_node *node, uint32_t at)
  * A torque of ours was on the bus: the first of its bits that is under way. Of equal ones in a row any may have come: it is late
  * when it is so for the last of them, and one that is lost stays over when the row ends.
  */
-static void confirm(struct can_nodes *nodes, struct can_node *node,
+static void confirm(struct can_monitor *monitor, struct can_node *node,
                     const struct can_message *message)
 {
     const uint32_t bits = (uint32_t)message->data[0] | (uint32_t)message->data[1] << 8 |
@@ -211,59 +212,61 @@ static void confirm(struct can_nodes *nodes, struct can_node *node,
     while (last + 1 < node->sent_count && node->sent[last + 1].bits == bits)
         last++;
     const int64_t late = (int64_t)(message->time_ns - node->sent[last].time_ns);
-    nodes->counts.missed += node->sent[at].is_overtaken || late > (int64_t)(2 * nodes->period_ns);
+    monitor->counts.missed +=
+        node->sent[at].is_overtaken || late > (int64_t)(2 * monitor->period_ns);
     forget_sent(node, at);
 }
 
-static void take_own(struct can_nodes *nodes, struct can_node *node,
+static void take_own(struct can_monitor *monitor, struct can_node *node,
                      const struct can_message *message)
 {
-    nodes->waiting_ns = 0;
-    nodes->has_confirmed = 1;
+    monitor->waiting_ns = 0;
+    monitor->has_confirmed = 1;
     if ((message->id & 31) == ODRIVE_SET_TORQUE && !(message->flags & CAN_MESSAGE_REMOTE))
-        confirm(nodes, node, message);
+        confirm(monitor, node, message);
 }
 
-static void take_order(struct can_nodes *nodes, const struct can_node *node, unsigned command)
+static void take_order(struct can_monitor *monitor, const struct can_node *node, unsigned command)
 {
-    nodes->strangers++;
-    can_nodes_blame(nodes, DPT_DEVICE_STATUS_FAULT,
-                    command == ODRIVE_ESTOP ? DPT_REASON_ESTOP : DPT_REASON_LINK,
-                    CAN_CODE(CAN_CODE_STRANGER, node->node));
+    monitor->strangers++;
+    can_monitor_set_status(monitor, DPT_DEVICE_STATUS_FAULT,
+                           command == ODRIVE_ESTOP ? DPT_REASON_ESTOP : DPT_REASON_LINK,
+                           CAN_CODE(CAN_CODE_STRANGER, node->node));
 }
 
 /* Asked for, or cyclic: then they are here before the next heartbeat. */
-static void take_errors(struct can_nodes *nodes, struct can_node *node, unsigned word,
+static void take_errors(struct can_monitor *monitor, struct can_node *node, unsigned word,
                         uint64_t errors)
 {
     node->errors[word] = errors;
     if (!errors)
         return;
-    can_nodes_blame(nodes, DPT_DEVICE_STATUS_FAULT, odrive_reasons(word, errors), (uint32_t)errors);
+    can_monitor_set_status(monitor, DPT_DEVICE_STATUS_FAULT, odrive_reasons(word, errors),
+                           (uint32_t)errors);
     /* Of 0.5 the heartbeat had only that there are some. */
-    nodes->code = nodes->code ? nodes->code : (uint32_t)errors;
+    monitor->code = monitor->code ? monitor->code : (uint32_t)errors;
 }
 
-void can_nodes_take(struct can_nodes *nodes, const struct can_message *message)
+void can_monitor_take(struct can_monitor *monitor, const struct can_message *message)
 {
     struct odrive_message said;
-    const uint8_t index = nodes->index[message->id >> 5 & (ODRIVE_NODES - 1)];
+    const uint8_t index = monitor->index[message->id >> 5 & (ODRIVE_NODES - 1)];
     if (index == 0xff)
         return;
-    struct can_node *node = &nodes->at[index];
+    struct can_node *node = &monitor->at[index];
     if (message->flags & CAN_MESSAGE_OWN) {
-        take_own(nodes, node, message);
+        take_own(monitor, node, message);
         return;
     }
-    count_frame(nodes, node, message->time_ns);
+    count_frame(monitor, node, message->time_ns);
     if (message->flags & CAN_MESSAGE_REMOTE)
         return;
     if (odrive_is_order(message->id & 31)) {
-        take_order(nodes, node, message->id & 31);
+        take_order(monitor, node, message->id & 31);
         return;
     }
     const int is = odrive_decode(message, node->generation, &said);
-    nodes->counts.damaged += is == ODRIVE_DAMAGED;
+    monitor->counts.damaged += is == ODRIVE_DAMAGED;
     if (is != ODRIVE_MESSAGE)
         return;
     switch (said.command) {
@@ -278,33 +281,33 @@ void can_nodes_take(struct can_nodes *nodes, const struct can_message *message)
         if (node->generation == ODRIVE_ANY)
             node->generation = node->told;
         odrive_decode(message, node->generation, &said);
-        take_beat(nodes, node, &said.as.heartbeat, message->time_ns);
+        take_beat(monitor, node, &said.as.heartbeat, message->time_ns);
         break;
     case ODRIVE_ERROR:
-        take_errors(nodes, node,
+        take_errors(monitor, node,
                     node->generation == ODRIVE_0_5 ? ODRIVE_MOTOR_ERRORS : ODRIVE_ERRORS_0_6,
                     said.as.error.active);
         break;
     case ODRIVE_ENCODER_ERROR:
-        take_errors(nodes, node, ODRIVE_ENCODER_ERRORS, said.as.error.active);
+        take_errors(monitor, node, ODRIVE_ENCODER_ERRORS, said.as.error.active);
         break;
     case ODRIVE_CONTROLLER_ERROR:
-        take_errors(nodes, node, ODRIVE_CONTROLLER_ERRORS, said.as.error.active);
+        take_errors(monitor, node, ODRIVE_CONTROLLER_ERRORS, said.as.error.active);
         break;
     case ODRIVE_ADDRESS:
         if (node->serial && node->serial != said.as.address.serial) {
             node->is_doubtful = 1;
-            can_nodes_blame(nodes, DPT_DEVICE_STATUS_FAULT, DPT_REASON_LINK,
-                            CAN_CODE(CAN_CODE_DUPLICATE, node->node));
+            can_monitor_set_status(monitor, DPT_DEVICE_STATUS_FAULT, DPT_REASON_LINK,
+                                   CAN_CODE(CAN_CODE_DUPLICATE, node->node));
         }
         node->serial = said.as.address.serial;
         break;
     case ODRIVE_ESTIMATES:
         if (node->has_estimate) {
             const uint64_t passed = message->time_ns - node->estimate_ns;
-            run_ahead(nodes, node, &node->ahead, passed, nodes->period_ns, SAMPLES_AHEAD,
+            run_ahead(monitor, node, &node->ahead, passed, monitor->period_ns, SAMPLES_AHEAD,
                       SAMPLES_LEAK);
-            find_jump(nodes, node, said.as.estimates.position, said.as.estimates.velocity,
+            find_jump(monitor, node, said.as.estimates.position, said.as.estimates.velocity,
                       (int64_t)passed);
         }
         node->position = said.as.estimates.position;
@@ -313,18 +316,18 @@ void can_nodes_take(struct can_nodes *nodes, const struct can_message *message)
         node->has_estimate = node->is_fresh = 1;
         if (node->seen++ == 0)
             node->first_ns = message->time_ns;
-        take_sample(nodes, message->time_ns);
+        take_sample(monitor, message->time_ns);
         break;
     default:
         break;
     }
 }
 
-void can_nodes_sent(struct can_nodes *nodes, uint32_t index, float torque, uint64_t now)
+void can_monitor_note_sent(struct can_monitor *monitor, uint32_t index, float torque, uint64_t now)
 {
-    struct can_node *node = &nodes->at[index];
+    struct can_node *node = &monitor->at[index];
     if (node->sent_count == CAN_SENT_MAX) {
-        nodes->counts.missed++;
+        monitor->counts.missed++;
         forget_sent(node, 0);
     }
     struct can_sent *sent = &node->sent[node->sent_count++];
@@ -333,33 +336,33 @@ void can_nodes_sent(struct can_nodes *nodes, uint32_t index, float torque, uint6
     sent->is_overtaken = 0;
 }
 
-void can_nodes_tried(struct can_nodes *nodes, uint64_t now)
+void can_monitor_note_tried(struct can_monitor *monitor, uint64_t now)
 {
-    if (!nodes->waiting_ns)
-        nodes->waiting_ns = now;
+    if (!monitor->waiting_ns)
+        monitor->waiting_ns = now;
 }
 
-void can_nodes_judge(struct can_nodes *nodes, uint64_t now, int is_all)
+void can_monitor_check(struct can_monitor *monitor, uint64_t now, int is_all)
 {
-    const uint64_t give_up = larger_time(LOST_AFTER, 5 * nodes->period_ns);
+    const uint64_t give_up = larger_time(LOST_AFTER, 5 * monitor->period_ns);
     if (!is_all)
         return;
-    for (uint32_t i = 0; i < nodes->count; i++) {
-        struct can_node *node = &nodes->at[i];
+    for (uint32_t i = 0; i < monitor->count; i++) {
+        struct can_node *node = &monitor->at[i];
         while (node->sent_count && (int64_t)(now - node->sent[0].time_ns) > (int64_t)give_up) {
-            nodes->counts.missed++;
+            monitor->counts.missed++;
             forget_sent(node, 0);
         }
-        if ((int64_t)(now - node->estimate_ns) > (int64_t)nodes->silent_ns)
-            can_nodes_blame(nodes, DPT_DEVICE_STATUS_LOST, DPT_REASON_SILENT,
-                            CAN_CODE(CAN_CODE_SILENT, node->node));
-        if ((int64_t)(now - node->beat_ns) > (int64_t)(5 * nodes->heartbeat_ns))
-            can_nodes_blame(nodes, DPT_DEVICE_STATUS_LOST, DPT_REASON_SILENT,
-                            CAN_CODE(CAN_CODE_PULSELESS, node->node));
+        if ((int64_t)(now - node->estimate_ns) > (int64_t)monitor->silent_ns)
+            can_monitor_set_status(monitor, DPT_DEVICE_STATUS_LOST, DPT_REASON_SILENT,
+                                   CAN_CODE(CAN_CODE_SILENT, node->node));
+        if ((int64_t)(now - node->beat_ns) > (int64_t)(5 * monitor->heartbeat_ns))
+            can_monitor_set_status(monitor, DPT_DEVICE_STATUS_LOST, DPT_REASON_SILENT,
+                                   CAN_CODE(CAN_CODE_PULSELESS, node->node));
     }
-    if (nodes->waiting_ns && (int64_t)(now - nodes->waiting_ns) > (int64_t)nodes->silent_ns)
-        can_nodes_blame(nodes, DPT_DEVICE_STATUS_LOST, DPT_REASON_LINK,
-                        CAN_CODE(CAN_CODE_STUCK, CAN_CODE_BUS));
+    if (monitor->waiting_ns && (int64_t)(now - monitor->waiting_ns) > (int64_t)monitor->silent_ns)
+        can_monitor_set_status(monitor, DPT_DEVICE_STATUS_LOST, DPT_REASON_LINK,
+                               CAN_CODE(CAN_CODE_STUCK, CAN_CODE_BUS));
 }
 
 void can_node_describe(const struct can_node *node, char *text, size_t size)

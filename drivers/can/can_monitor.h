@@ -58,13 +58,13 @@ struct can_node {
     int64_t beats_ahead;
     uint64_t window_ns; /* when `frames` was last 0 */
     uint32_t frames;
-    uint64_t first_ns;     /* since can_nodes_count: when the first estimate came */
+    uint64_t first_ns;     /* since can_monitor_restart_counts: when the first estimate came */
     uint32_t seen, pulses; /* estimates and heartbeats */
     uint32_t sent_count;
     struct can_sent sent[CAN_SENT_MAX];
 };
 
-struct can_nodes {
+struct can_monitor {
     struct can_node at[DPT_JOINTS_MAX];
     uint8_t index[ODRIVE_NODES]; /* into `at`; 0xff: none of ours */
     uint32_t count;
@@ -83,26 +83,27 @@ struct can_nodes {
     dpt_device_counts counts;
 };
 
-void can_nodes_init(struct can_nodes *nodes, const struct can_arm *arm,
-                    const struct can_settings *settings);
+void can_monitor_init(struct can_monitor *monitor, const struct can_arm *arm,
+                      const struct can_settings *settings);
 
 /* Forget what was said, but not the counts: the line was opened again. */
-void can_nodes_forget(struct can_nodes *nodes);
+void can_monitor_forget(struct can_monitor *monitor);
 
 /* Count `seen` and `pulses` anew. */
-void can_nodes_count(struct can_nodes *nodes);
+void can_monitor_restart_counts(struct can_monitor *monitor);
 
-void can_nodes_take(struct can_nodes *nodes, const struct can_message *message);
+void can_monitor_take(struct can_monitor *monitor, const struct can_message *message);
 
 /* A torque went out to node `index` of `at`; and a batch was tried, whether it went or not. */
-void can_nodes_sent(struct can_nodes *nodes, uint32_t index, float torque, uint64_t now);
-void can_nodes_tried(struct can_nodes *nodes, uint64_t now);
+void can_monitor_note_sent(struct can_monitor *monitor, uint32_t index, float torque, uint64_t now);
+void can_monitor_note_tried(struct can_monitor *monitor, uint64_t now);
 
 /* What has not happened in time. `is_all`: all that had come by `now` was taken. */
-void can_nodes_judge(struct can_nodes *nodes, uint64_t now, int is_all);
+void can_monitor_check(struct can_monitor *monitor, uint64_t now, int is_all);
 
 /* Worse than before, unless it is worse already: status, and why. Nothing while not armed. */
-void can_nodes_blame(struct can_nodes *nodes, uint32_t status, uint32_t reasons, uint32_t code);
+void can_monitor_set_status(struct can_monitor *monitor, uint32_t status, uint32_t reasons,
+                            uint32_t code);
 
 /* In closed loop and without an error, as far as heartbeats tell. */
 int can_node_is_active(const struct can_node *node);

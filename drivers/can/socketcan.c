@@ -77,7 +77,7 @@ static int set_up(int fd, uint64_t nodes)
            setsockopt(fd, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on);
 }
 
-static dpt_result attach(struct can_line *line, int fd, const char *name, uint64_t nodes,
+static dpt_result attach(struct socketcan *socketcan, int fd, const char *name, uint64_t nodes,
                          dpt_device_error *error)
 {
     struct ifreq request;
@@ -88,7 +88,7 @@ static dpt_result attach(struct can_line *line, int fd, const char *name, uint64
     if (ioctl(fd, SIOCGIFINDEX, &request))
         return refuse(name, errno, error);
     address.can_family = AF_CAN;
-    address.can_ifindex = line->index = request.ifr_ifindex;
+    address.can_ifindex = socketcan->index = request.ifr_ifindex;
     if (ioctl(fd, SIOCGIFHWADDR, &request))
         return refuse(name, errno, error);
     if (request.ifr_hwaddr.sa_family != ARPHRD_CAN)
@@ -103,7 +103,7 @@ static dpt_result attach(struct can_line *line, int fd, const char *name, uint64
 }
 
 /* A call failed: what that says of the line. */
-static void blame(struct can_line *line, int reason)
+static void blame(struct socketcan *socketcan, int reason)
 {
     switch (reason) {
     case EAGAIN:
@@ -112,27 +112,27 @@ static void blame(struct can_line *line, int reason)
     case ENOMEM:
         break;
     case ENETDOWN:
-        line->is_down = 1;
+        socketcan->is_down = 1;
         break;
     default:
-        line->is_gone = 1;
+        socketcan->is_gone = 1;
     }
 }
 
-static void take_error(struct can_line *line, const struct can_frame *frame)
+static void take_error(struct socketcan *socketcan, const struct can_frame *frame)
 {
     if (frame->can_id & CAN_ERR_RESTARTED)
-        line->is_off = line->is_passive = 0;
+        socketcan->is_off = socketcan->is_passive = 0;
     if (frame->can_id & CAN_ERR_BUSOFF)
-        line->is_off = 1;
+        socketcan->is_off = 1;
     if (frame->can_id & CAN_ERR_CRTL) {
         const uint8_t state = frame->data[1];
         if (state & (CAN_ERR_CRTL_RX_PASSIVE | CAN_ERR_CRTL_TX_PASSIVE))
-            line->is_passive = 1;
+            socketcan->is_passive = 1;
         else if (state & (CAN_ERR_CRTL_ACTIVE | CAN_ERR_CRTL_RX_WARNING | CAN_ERR_CRTL_TX_WARNING))
-            line->is_passive = 0;
+            socketcan->is_passive = 0;
         if (state & CAN_ERR_CRTL_RX_OVERFLOW)
-            line->overruns++;
+            socketcan->overruns++;
     }
 }
 
@@ -157,7 +157,7 @@ static const struct rtattr *within_attribute(const struct rtattr *at, unsigned k
     return at ? find_attribute(RTA_DATA(at), RTA_PAYLOAD(at), kind) : NULL;
 }
 
-static void take_link(struct can_line *line, const struct nlmsghdr *head, size_t size)
+static void take_link(struct socketcan *socketcan, const struct nlmsghdr *head, size_t size)
 {
     const size_t before = NLMSG_LENGTH(sizeof(struct ifinfomsg));
     if (size < before || head->nlmsg_type != RTM_NEWLINK)
@@ -176,16 +176,16 @@ static void take_link(struct can_line *line, const struct nlmsghdr *head, size_t
     struct can_bittiming bits;
     if (state && RTA_PAYLOAD(state) >= sizeof is) {
         memcpy(&is, RTA_DATA(state), sizeof is);
-        line->is_passive = is == CAN_STATE_ERROR_PASSIVE;
-        line->is_off = is == CAN_STATE_BUS_OFF;
+        socketcan->is_passive = is == CAN_STATE_ERROR_PASSIVE;
+        socketcan->is_off = is == CAN_STATE_BUS_OFF;
     }
     if (timing && RTA_PAYLOAD(timing) >= sizeof bits) {
         memcpy(&bits, RTA_DATA(timing), sizeof bits);
-        line->bitrate = bits.bitrate;
+        socketcan->bitrate = bits.bitrate;
     }
 }
 
-void can_line_ask(struct can_line *line)
+void socketcan_query(struct socketcan *socketcan)
 {
     struct {
         struct nlmsghdr head;
@@ -202,32 +202,32 @@ void can_line_ask(struct can_line *line)
     request.head.nlmsg_len = sizeof request;
     request.head.nlmsg_type = RTM_GETLINK;
     request.head.nlmsg_flags = NLM_F_REQUEST;
-    request.link.ifi_index = line->index;
+    request.link.ifi_index = socketcan->index;
     struct pollfd waiting = { fd, POLLIN, 0 };
     if (send(fd, &request, sizeof request, MSG_DONTWAIT) == (ssize_t)sizeof request &&
         poll(&waiting, 1, 100) > 0) {
         const ssize_t size = recv(fd, &answer, sizeof answer, MSG_DONTWAIT);
         if (size >= (ssize_t)sizeof answer.head)
-            take_link(line, &answer.head, (size_t)size);
+            take_link(socketcan, &answer.head, (size_t)size);
     }
     close(fd);
 }
 
-dpt_result can_line_open(struct can_line *line, const char *name, uint64_t nodes,
-                         dpt_device_error *error)
+dpt_result socketcan_open(struct socketcan *socketcan, const char *name, uint64_t nodes,
+                          dpt_device_error *error)
 {
-    memset(line, 0, sizeof *line);
-    line->fd = -1;
+    memset(socketcan, 0, sizeof *socketcan);
+    socketcan->fd = -1;
     if (!name[0] || strlen(name) >= IFNAMSIZ)
         return device_error(error, DPT_E_SETTING, "'%.20s' is no name of an interface, as can0 is",
                             name);
     const int fd = socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW);
     if (fd < 0)
         return refuse(name, errno, error);
-    const dpt_result result = attach(line, fd, name, nodes, error);
+    const dpt_result result = attach(socketcan, fd, name, nodes, error);
     if (result == DPT_OK) {
-        line->fd = fd;
-        can_line_ask(line);
+        socketcan->fd = fd;
+        socketcan_query(socketcan);
     } else {
         close(fd);
     }
@@ -239,7 +239,7 @@ dpt_result can_line_open(struct can_line *line, const char *name, uint64_t nodes
 #define CONTROL_WORDS ((CONTROL_BYTES + 7) / 8)
 
 /* When a frame came, on the monotonic clock, and how many were dropped before it. */
-static uint64_t read_control(struct can_line *line, struct msghdr *header, uint64_t now,
+static uint64_t read_control(struct socketcan *socketcan, struct msghdr *header, uint64_t now,
                              uint64_t wall)
 {
     uint64_t time = now;
@@ -249,8 +249,8 @@ static uint64_t read_control(struct can_line *line, struct msghdr *header, uint6
         if (at->cmsg_type == SO_RXQ_OVFL) {
             uint32_t dropped;
             memcpy(&dropped, CMSG_DATA(at), sizeof dropped);
-            if ((int32_t)(dropped - line->dropped) > 0)
-                line->dropped = dropped;
+            if ((int32_t)(dropped - socketcan->dropped) > 0)
+                socketcan->dropped = dropped;
         } else if (at->cmsg_type == SO_TIMESTAMPNS) {
             struct timespec stamp;
             memcpy(&stamp, CMSG_DATA(at), sizeof stamp);
@@ -263,17 +263,17 @@ static uint64_t read_control(struct can_line *line, struct msghdr *header, uint6
     return time;
 }
 
-int can_line_receive(struct can_line *line, struct can_message *messages)
+int socketcan_receive(struct socketcan *socketcan, struct can_message *messages)
 {
-    struct can_frame frames[CAN_LINE_BATCH];
-    struct iovec parts[CAN_LINE_BATCH];
-    struct mmsghdr headers[CAN_LINE_BATCH];
-    uint64_t controls[CAN_LINE_BATCH][CONTROL_WORDS];
-    line->is_empty = 1;
-    if (line->fd < 0 || line->is_gone)
+    struct can_frame frames[SOCKETCAN_BATCH];
+    struct iovec parts[SOCKETCAN_BATCH];
+    struct mmsghdr headers[SOCKETCAN_BATCH];
+    uint64_t controls[SOCKETCAN_BATCH][CONTROL_WORDS];
+    socketcan->is_empty = 1;
+    if (socketcan->fd < 0 || socketcan->is_gone)
         return 0;
     memset(headers, 0, sizeof headers);
-    for (int i = 0; i < CAN_LINE_BATCH; i++) {
+    for (int i = 0; i < SOCKETCAN_BATCH; i++) {
         parts[i].iov_base = &frames[i];
         parts[i].iov_len = sizeof frames[i];
         headers[i].msg_hdr.msg_iov = &parts[i];
@@ -281,21 +281,21 @@ int can_line_receive(struct can_line *line, struct can_message *messages)
         headers[i].msg_hdr.msg_control = controls[i];
         headers[i].msg_hdr.msg_controllen = sizeof controls[i];
     }
-    const int count = recvmmsg(line->fd, headers, CAN_LINE_BATCH, MSG_DONTWAIT, NULL);
+    const int count = recvmmsg(socketcan->fd, headers, SOCKETCAN_BATCH, MSG_DONTWAIT, NULL);
     if (count < 0) {
-        blame(line, errno);
+        blame(socketcan, errno);
         return 0;
     }
-    line->is_empty = count < CAN_LINE_BATCH;
+    socketcan->is_empty = count < SOCKETCAN_BATCH;
     const uint64_t wall = clock_wall(), now = clock_now();
     int taken = 0;
     for (int i = 0; i < count; i++) {
         const struct can_frame *frame = &frames[i];
-        const uint64_t time = read_control(line, &headers[i].msg_hdr, now, wall);
+        const uint64_t time = read_control(socketcan, &headers[i].msg_hdr, now, wall);
         if (headers[i].msg_len != sizeof *frame || frame->can_dlc > 8)
             continue;
         if (frame->can_id & CAN_ERR_FLAG) {
-            take_error(line, frame);
+            take_error(socketcan, frame);
             continue;
         }
         struct can_message *message = &messages[taken++];
@@ -310,12 +310,12 @@ int can_line_receive(struct can_line *line, struct can_message *messages)
     return taken;
 }
 
-int can_line_send(struct can_line *line, const struct can_message *messages, int count)
+int socketcan_send(struct socketcan *socketcan, const struct can_message *messages, int count)
 {
-    struct can_frame frames[CAN_LINE_BATCH];
-    struct iovec parts[CAN_LINE_BATCH];
-    struct mmsghdr headers[CAN_LINE_BATCH];
-    if (line->fd < 0 || line->is_gone || count <= 0)
+    struct can_frame frames[SOCKETCAN_BATCH];
+    struct iovec parts[SOCKETCAN_BATCH];
+    struct mmsghdr headers[SOCKETCAN_BATCH];
+    if (socketcan->fd < 0 || socketcan->is_gone || count <= 0)
         return 0;
     memset(headers, 0, sizeof headers);
     memset(frames, 0, sizeof frames);
@@ -329,28 +329,28 @@ int can_line_send(struct can_line *line, const struct can_message *messages, int
         headers[i].msg_hdr.msg_iov = &parts[i];
         headers[i].msg_hdr.msg_iovlen = 1;
     }
-    const int sent = sendmmsg(line->fd, headers, (unsigned)count, MSG_DONTWAIT);
+    const int sent = sendmmsg(socketcan->fd, headers, (unsigned)count, MSG_DONTWAIT);
     if (sent < 0)
-        blame(line, errno);
+        blame(socketcan, errno);
     return sent > 0 ? sent : 0;
 }
 
-void can_line_wait(const struct can_line *line, uint64_t deadline)
+void socketcan_wait(const struct socketcan *socketcan, uint64_t deadline)
 {
     const uint64_t now = clock_now();
     const uint64_t left = deadline > now ? (deadline - now) / 1000000 + 1 : 0;
-    struct pollfd waiting = { line->fd, POLLIN, 0 };
+    struct pollfd waiting = { socketcan->fd, POLLIN, 0 };
     poll(&waiting, 1, left < 20 ? (int)left : 20);
 }
 
-void can_line_close(struct can_line *line)
+void socketcan_close(struct socketcan *socketcan)
 {
-    if (line->fd >= 0)
-        close(line->fd);
-    line->fd = -1;
+    if (socketcan->fd >= 0)
+        close(socketcan->fd);
+    socketcan->fd = -1;
 }
 
-void can_line_find(void (*found)(void *user, const char *name, const char *about), void *user)
+void socketcan_find(void (*found)(void *user, const char *name, const char *about), void *user)
 {
     DIR *folder = opendir("/sys/class/net");
     if (!folder)
@@ -371,42 +371,42 @@ void can_line_find(void (*found)(void *user, const char *name, const char *about
 
 #else
 
-dpt_result can_line_open(struct can_line *line, const char *name, uint64_t nodes,
-                         dpt_device_error *error)
+dpt_result socketcan_open(struct can_line *line, const char *name, uint64_t nodes,
+                          dpt_device_error *error)
 {
     (void)name, (void)nodes;
     line->fd = -1;
     return device_error(error, DPT_E_UNSUPPORTED, "SocketCAN is a part of Linux alone");
 }
 
-void can_line_ask(struct can_line *line)
+void socketcan_query(struct can_line *line)
 {
     (void)line;
 }
 
-int can_line_receive(struct can_line *line, struct can_message *messages)
+int socketcan_receive(struct can_line *line, struct can_message *messages)
 {
     (void)line, (void)messages;
     return 0;
 }
 
-int can_line_send(struct can_line *line, const struct can_message *messages, int count)
+int socketcan_send(struct can_line *line, const struct can_message *messages, int count)
 {
     (void)line, (void)messages, (void)count;
     return 0;
 }
 
-void can_line_wait(const struct can_line *line, uint64_t deadline)
+void socketcan_wait(const struct can_line *line, uint64_t deadline)
 {
     (void)line, (void)deadline;
 }
 
-void can_line_close(struct can_line *line)
+void socketcan_close(struct can_line *line)
 {
     (void)line;
 }
 
-void can_line_find(void (*found)(void *user, const char *name, const char *about), void *user)
+void socketcan_find(void (*found)(void *user, const char *name, const char *about), void *user)
 {
     (void)found, (void)user;
 }

@@ -12,9 +12,9 @@
 #include "can/can_message.h"
 #include "dynpoint/device.h"
 
-#define CAN_LINE_BATCH 64
+#define SOCKETCAN_BATCH 64
 
-struct can_line {
+struct socketcan {
     int fd;
     int index;          /* of the interface */
     uint32_t bitrate;   /* bit/s; 0: it has none, as vcan, or it is not known */
@@ -31,30 +31,30 @@ struct can_line {
  * Open `name`, as "can0", for frames of the nodes whose bits are set (their ids are node << 5 and the 31 behind it)
  * and for errors. On failure fd is -1 and `error` says what to do.
  */
-dpt_result can_line_open(struct can_line *line, const char *name, uint64_t nodes,
-                         dpt_device_error *error);
+dpt_result socketcan_open(struct socketcan *socketcan, const char *name, uint64_t nodes,
+                          dpt_device_error *error);
 
 /*
  * Ask the kernel how the interface is, by rtnetlink; some milliseconds. Error frames that were dropped are made up for, and a
  * bus that was bad before the line was opened is found; where there is no answer all stays as it was.
  */
-void can_line_ask(struct can_line *line);
+void socketcan_query(struct socketcan *socketcan);
 
 /*
- * What has come, at most CAN_LINE_BATCH: how many, 0 for none. One system call and two looks at the clock. Errors of the bus
+ * What has come, at most SOCKETCAN_BATCH: how many, 0 for none. One system call and two looks at the clock. Errors of the bus
  * change the fields above and are no messages.
  */
-int can_line_receive(struct can_line *line, struct can_message *messages);
+int socketcan_receive(struct socketcan *socketcan, struct can_message *messages);
 
-/* How many of them went, in one system call; the others had no room, or the line is down. At most CAN_LINE_BATCH. */
-int can_line_send(struct can_line *line, const struct can_message *messages, int count);
+/* How many of them went, in one system call; the others had no room, or the line is down. At most SOCKETCAN_BATCH. */
+int socketcan_send(struct socketcan *socketcan, const struct can_message *messages, int count);
 
 /* Until something can be received, or a time of clock_now; at most 20 ms. */
-void can_line_wait(const struct can_line *line, uint64_t deadline);
+void socketcan_wait(const struct socketcan *socketcan, uint64_t deadline);
 
-void can_line_close(struct can_line *line);
+void socketcan_close(struct socketcan *socketcan);
 
 /* The CAN interfaces that there are, each with a line about it. */
-void can_line_find(void (*found)(void *user, const char *name, const char *about), void *user);
+void socketcan_find(void (*found)(void *user, const char *name, const char *about), void *user);
 
 #endif

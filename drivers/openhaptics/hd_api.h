@@ -111,7 +111,7 @@ typedef unsigned hd_callback(void *user);
     X(HD_CALIBRATION_INKWELL, 4)
 
 #define HD_CONSTANT(name, value) name = value,
-enum { HD_CONSTANTS(HD_CONSTANT) HD_HANDLE_MOST = 1024 /* what is above is none, but garbage */ };
+enum { HD_CONSTANTS(HD_CONSTANT) HD_HANDLE_MAX = 1024 /* what is above is none, but garbage */ };
 #undef HD_CONSTANT
 
 #endif

@@ -275,7 +275,7 @@ static dpt_result prepare(struct haptics *device, dpt_device_error *error)
     const hd_error why = hd_take_error(hd);
     if (why.code != HD_SUCCESS)
         return explain(device, why, error);
-    if (device->servo.device > HD_HANDLE_MOST)
+    if (device->servo.device > HD_HANDLE_MAX)
         return device_error(error, DPT_E_DEVICE,
                             "OpenHaptics gave 0x%x, which is no device, as it does after an open "
                             "that failed: end this program and start it again",
@@ -294,7 +294,7 @@ static dpt_result prepare(struct haptics *device, dpt_device_error *error)
 
 static void take_sample(struct haptics *device)
 {
-    if (latest_take(&device->servo.samples))
+    if (latest_value_take(&device->servo.samples))
         device->last = device->servo.sample[device->servo.samples.reading];
 }
 
@@ -503,7 +503,7 @@ static dpt_result openhaptics_write(dpt_device *base, const dpt_wrench *wrench)
     limit_length(command->wrench.force, device->info.force_max);
     limit_length(command->wrench.torque, device->info.torque_max);
     command->time_ns = clock_now();
-    latest_hand(&servo->commands);
+    latest_value_publish(&servo->commands);
     device->counts.commands++;
     return DPT_OK;
 }

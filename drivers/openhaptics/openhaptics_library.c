@@ -22,7 +22,7 @@ static const struct {
                                                                       "FDO", NOTE };
 #endif
 
-enum { ERRORS_MOST = 256 };
+enum { ERRORS_MAX = 256 };
 
 static struct {
     struct hd_library library;
@@ -93,7 +93,7 @@ static dpt_result find_functions(void *handle, const char *name, dpt_device_erro
 hd_error hd_take_error(const struct hd_library *library)
 {
     const hd_error last = library->hdGetError();
-    for (int i = 0; i < ERRORS_MOST && library->hdGetError().code != HD_SUCCESS; i++)
+    for (int i = 0; i < ERRORS_MAX && library->hdGetError().code != HD_SUCCESS; i++)
         continue;
     return last;
 }

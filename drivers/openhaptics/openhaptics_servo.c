@@ -20,7 +20,7 @@ enum { NOBODY, SERVO, HOST };
 
 static struct {
     const struct hd_library *hd;
-    struct servo *servos[SERVOS_MOST];
+    struct servo *servos[SERVOS_MAX];
     unsigned long callback;
     uint64_t since_ns;
     int state;
@@ -58,9 +58,9 @@ static void note(struct servo *servo, unsigned code, uint64_t now)
 static void give_to_whom_it_concerns(hd_error error, uint64_t now)
 {
     int is_known = 0;
-    for (int i = 0; i < SERVOS_MOST; i++)
+    for (int i = 0; i < SERVOS_MAX; i++)
         is_known |= servo_at(i) && servo_at(i)->device == error.device;
-    for (int i = 0; i < SERVOS_MOST; i++)
+    for (int i = 0; i < SERVOS_MAX; i++)
         if (servo_at(i) && (!is_known || servo_at(i)->device == error.device))
             note(servo_at(i), error.code, now);
 }
@@ -155,7 +155,7 @@ static void sense(struct servo *servo, struct servo_sample *sample, uint64_t now
         return;
     hd->hdGetDoublev(HD_MOTOR_TEMPERATURE, heat);
     for (int i = 0; i < servo->temperatures; i++)
-        sample->temperature = larger(heat[i], sample->temperature);
+        sample->temperature = max_of(heat[i], sample->temperature);
 }
 
 static int is_ready(const struct servo *servo)
@@ -177,7 +177,7 @@ static double share_of_heat(double temperature)
 static void drive(struct servo *servo, struct servo_sample *sample, uint64_t now, int rests)
 {
     static const double zero[3];
-    const int is_new = latest_take(&servo->commands);
+    const int is_new = latest_value_take(&servo->commands);
     const struct servo_command *command = &servo->command[servo->commands.reading];
     servo->is_armed = is_ready(servo) && (servo->is_armed || is_new);
     const int is_young =
@@ -258,7 +258,7 @@ static void hand_over(struct servo *servo, uint64_t now)
                    : last->reasons ? DPT_DEVICE_STATUS_UNREADY
                                    : DPT_DEVICE_STATUS_READY;
     servo->sample[servo->samples.writing] = *last;
-    latest_hand(&servo->samples);
+    latest_value_publish(&servo->samples);
 }
 
 /* They are of the thread that asks first after a start, as it would not be known whose call raised one. */
@@ -275,12 +275,12 @@ static unsigned serve(void *unused)
     (void)unused;
     const struct hd_library *hd = scheduler.hd;
     const int rests = __atomic_load_n(&scheduler.rest, __ATOMIC_RELAXED) != DRIVES;
-    struct servo *servos[SERVOS_MOST];
-    struct servo_sample next[SERVOS_MOST];
+    struct servo *servos[SERVOS_MAX];
+    struct servo_sample next[SERVOS_MAX];
     const uint64_t now = clock_now();
     if (!take_errors(SERVO))
         return HD_CALLBACK_CONTINUE;
-    for (int i = 0; i < SERVOS_MOST; i++) {
+    for (int i = 0; i < SERVOS_MAX; i++) {
         servos[i] = servo_at(i);
         if (!servos[i])
             continue;
@@ -301,7 +301,7 @@ static unsigned serve(void *unused)
         hd->hdEndFrame(servos[i]->device);
     }
     drain(now, 0);
-    for (int i = 0; i < SERVOS_MOST; i++) {
+    for (int i = 0; i < SERVOS_MAX; i++) {
         if (!servos[i])
             continue;
         if (!servos[i]->is_lost)
@@ -363,9 +363,9 @@ int scheduler_pause(const struct hd_library *hd)
 
 static int enter(struct servo *servo)
 {
-    latest_init(&servo->samples);
-    latest_init(&servo->commands);
-    for (int i = 0; i < SERVOS_MOST; i++)
+    latest_value_init(&servo->samples);
+    latest_value_init(&servo->commands);
+    for (int i = 0; i < SERVOS_MAX; i++)
         if (!servo_at(i)) {
             set_servo(i, servo);
             return 1;
@@ -376,14 +376,14 @@ static int enter(struct servo *servo)
 unsigned scheduler_devices(void)
 {
     unsigned count = 0;
-    for (int i = 0; i < SERVOS_MOST; i++)
+    for (int i = 0; i < SERVOS_MAX; i++)
         count += servo_at(i) != NULL;
     return count;
 }
 
 static void forget(const struct servo *servo)
 {
-    for (int i = 0; i < SERVOS_MOST; i++)
+    for (int i = 0; i < SERVOS_MAX; i++)
         if (servo && servo_at(i) == servo)
             set_servo(i, NULL);
 }
@@ -442,9 +442,9 @@ hd_error scheduler_resume(struct servo *servo)
 int scheduler_leave(struct servo *servo)
 {
     int at = 0;
-    while (at < SERVOS_MOST && servo_at(at) != servo)
+    while (at < SERVOS_MAX && servo_at(at) != servo)
         at++;
-    if (at == SERVOS_MOST)
+    if (at == SERVOS_MAX)
         return 1;
     __atomic_store_n(&servo->leaves, 1, __ATOMIC_RELAXED);
     for (int i = 0; i < LEAVE_MS && servo_at(at) == servo; i++) {

@@ -10,7 +10,7 @@
 #include "exchange/latest_value.h"
 #include "openhaptics/openhaptics_library.h"
 
-enum { SERVOS_MOST = 8, SERVO_JOINTS = 6, SERVO_MOTORS = 16 };
+enum { SERVOS_MAX = 8, SERVO_JOINTS = 6, SERVO_MOTORS = 16 };
 
 struct servo_sample {
     uint64_t sequence; /* grows by 1 a tick */
@@ -38,9 +38,9 @@ struct servo {
     uint32_t ramp; /* ticks from no force to all of it */
 
     /* Between the threads. */
-    struct latest samples, commands;
-    struct servo_sample sample[LATEST_PLACES];
-    struct servo_command command[LATEST_PLACES];
+    struct latest_value samples, commands;
+    struct servo_sample sample[LATEST_VALUE_PLACES];
+    struct servo_command command[LATEST_VALUE_PLACES];
     uint32_t clears; /* of faults, asked for by the host */
     uint32_t leaves;
 

@@ -14,13 +14,13 @@
 #include "trace.h"
 
 /* 2^63 ns are 292 years; it may begin again. */
-static const double SECONDS_MOST = 100.0 * 365.0 * 86400.0;
+static const double SECONDS_MAX = 100.0 * 365.0 * 86400.0;
 
 struct replay {
     dpt_device device;
     double rate, live, again;
     struct dynamics dynamics;
-    struct table table;
+    struct csv_table table;
     size_t row; /* that is now */
     int has_begun, has_ended;
     uint64_t laps; /* ticks of those that are over */
@@ -32,7 +32,7 @@ struct replay {
 
 static uint64_t tick_at(const struct replay *replay, size_t row)
 {
-    return (uint64_t)(table_row(&replay->table, row)[0] - table_row(&replay->table, 0)[0]);
+    return (uint64_t)(csv_table_row(&replay->table, row)[0] - csv_table_row(&replay->table, 0)[0]);
 }
 
 static uint64_t ticks_of(const struct replay *replay)
@@ -77,7 +77,7 @@ static void product(const double *a, const double *b, double *out)
 static void take_sample(struct replay *replay, int jumps)
 {
     dpt_device_state *sample = &replay->sample;
-    const double *ends = table_row(&replay->table, replay->row) + 1;
+    const double *ends = csv_table_row(&replay->table, replay->row) + 1;
     vec3 a = vec3_of(ends), along_tool = sub(vec3_of(ends + 3), a), before = { 0.0, 0.0, 1.0 };
     double size = length(along_tool), turn[4];
     static const double identity[4] = { 1.0, 0.0, 0.0, 0.0 };
@@ -209,9 +209,9 @@ static void replay_info(const dpt_device *device, dpt_device_info *info)
     for (int k = 0; k < 3; k++) {
         info->workspace_min[k] = info->workspace_max[k] = replay->table.values[1 + k];
         for (size_t row = 0; row < replay->table.rows; row++) {
-            double value = table_row(&replay->table, row)[1 + k];
-            info->workspace_min[k] = smaller(info->workspace_min[k], value);
-            info->workspace_max[k] = larger(info->workspace_max[k], value);
+            double value = csv_table_row(&replay->table, row)[1 + k];
+            info->workspace_min[k] = min_of(info->workspace_min[k], value);
+            info->workspace_max[k] = max_of(info->workspace_max[k], value);
         }
     }
 }
@@ -219,16 +219,16 @@ static void replay_info(const dpt_device *device, dpt_device_info *info)
 static void replay_close(dpt_device *device)
 {
     struct replay *replay = (struct replay *)device;
-    table_free(&replay->table);
+    csv_table_free(&replay->table);
     free(replay);
 }
 
 static dpt_result check_length(const struct replay *replay, const char *path,
                                dpt_device_error *error)
 {
-    const struct table *table = &replay->table;
-    const double ticks = table_row(table, table->rows - 1)[0] - table_row(table, 0)[0];
-    if (ticks > SECONDS_MOST * replay->rate)
+    const struct csv_table *table = &replay->table;
+    const double ticks = csv_table_row(table, table->rows - 1)[0] - csv_table_row(table, 0)[0];
+    if (ticks > SECONDS_MAX * replay->rate)
         return device_error(error, DPT_E_LIMIT,
                             "%.160s: its ticks, at %g Hz, are more than 100 years", path,
                             replay->rate);
@@ -254,7 +254,7 @@ static dpt_result replay_open(const dpt_driver *driver, const char *where, dpt_d
     if (result == DPT_OK && !path[0])
         result = device_error(error, DPT_E_SETTING, "name a trace, as in replay:slide.csv");
     if (result == DPT_OK)
-        result = table_read(&replay->table, path, &trace_form, error);
+        result = csv_table_read(&replay->table, path, &trace_form, error);
     if (result == DPT_OK)
         result = check_length(replay, path, error);
     if (result != DPT_OK) {

@@ -542,7 +542,7 @@ static void serial_close(dpt_device *base)
     free(device);
 }
 
-struct finding {
+struct serial_finder {
     const dpt_driver *driver;
     dpt_device_found_fn *found;
     void *user;
@@ -550,13 +550,13 @@ struct finding {
 
 static void pass_on(void *user, const char *path, const char *about)
 {
-    const struct finding *finding = user;
+    const struct serial_finder *finding = user;
     finding->found(finding->user, finding->driver, path, about);
 }
 
 static void serial_find(const dpt_driver *driver, dpt_device_found_fn *found, void *user)
 {
-    struct finding finding = { driver, found, user };
+    struct serial_finder finding = { driver, found, user };
     serial_line_find(pass_on, &finding);
 }
 

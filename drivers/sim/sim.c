@@ -17,7 +17,7 @@
 #include "sim/sim_hand.h"
 #include "text/parse_number.h"
 
-enum { DOFS = 6, DELAY_MOST = 15, CATCH_UP_MOST = 10000, PERIODS_TO_LOST = 10 };
+enum { DOFS = 6, DELAY_MAX = 15, CATCH_UP_MAX = 10000, PERIODS_TO_LOST = 10 };
 
 /*
  * What a period does to one mass m in a spring k that pulls to h, with damping c and a constant force f:
@@ -33,12 +33,12 @@ struct sim {
     double step, turn_step, rate, force_max, torque_max, watchdog;
     double delay, dofs, live, reach, cycle;
     char script[256], fault[32];
-    struct hand hand;
+    struct sim_hand hand;
     struct law pulled[2], pushed[2]; /* of places, of angles: with the hand's spring, without */
     uint64_t period;                 /* that is now */
     double x[DOFS], v[DOFS];
     double seen[DOFS], last[DOFS]; /* what the encoders say, now and a period before */
-    double written[DELAY_MOST + 1][DOFS];
+    double written[DELAY_MAX + 1][DOFS];
     int has_begun, has_command, is_armed;
     uint64_t quiet; /* periods without a command */
     uint64_t began_ns;
@@ -109,7 +109,7 @@ static uint64_t ns_of(const struct sim *sim, uint64_t period)
 /* What commands came to in the period that ends now; the next one begins with the same. */
 static void applied_force(struct sim *sim, double *force)
 {
-    uint64_t slots = DELAY_MOST + 1, slot = sim->period % slots;
+    uint64_t slots = DELAY_MAX + 1, slot = sim->period % slots;
     if (sim->has_command || !sim->is_armed || sim->is_broken) {
         sim->quiet = 0;
     } else {
@@ -183,8 +183,8 @@ static void take_sample(struct sim *sim)
 static void go_on(struct sim *sim)
 {
     double force[DOFS];
-    struct grip grip;
-    hand_at(&sim->hand, time_of(sim, sim->period), &grip);
+    struct hand_target grip;
+    sim_hand_at(&sim->hand, time_of(sim, sim->period), &grip);
     applied_force(sim, force);
     memcpy(sim->last, sim->seen, sizeof sim->seen);
     for (int i = 0; i < (int)sim->dofs; i++) {
@@ -197,7 +197,7 @@ static void go_on(struct sim *sim)
         sim->seen[i] = on_grid(sim->x[i], i < 3 ? sim->step : sim->turn_step);
     }
     sim->period++;
-    hand_at(&sim->hand, time_of(sim, sim->period), &grip);
+    sim_hand_at(&sim->hand, time_of(sim, sim->period), &grip);
     sim->sample.buttons = grip.buttons;
     break_down(sim);
 }
@@ -212,7 +212,7 @@ static dpt_result catch_up(struct sim *sim)
         sim->began_ns = now;
     }
     uint64_t period = (uint64_t)((double)(now - sim->began_ns) * sim->rate * 1e-9);
-    for (int i = 0; i < CATCH_UP_MOST && sim->period < period; i++)
+    for (int i = 0; i < CATCH_UP_MAX && sim->period < period; i++)
         go_on(sim);
     if (sim->period < period) {
         sim->counts.lost += period - sim->period;
@@ -256,7 +256,7 @@ static dpt_result sim_write(dpt_device *device, const dpt_wrench *wrench)
     uint32_t status = status_of(sim);
     if (status != DPT_DEVICE_STATUS_READY)
         return status == DPT_DEVICE_STATUS_LOST ? DPT_E_LOST : DPT_E_NOT_READY;
-    double *written = sim->written[sim->period % (DELAY_MOST + 1)];
+    double *written = sim->written[sim->period % (DELAY_MAX + 1)];
     memcpy(written, wrench->force, sizeof wrench->force);
     memcpy(written + 3, wrench->torque, sizeof wrench->torque);
     limit_length(written, sim->force_max);
@@ -315,7 +315,7 @@ static void sim_info(const dpt_device *device, dpt_device_info *info)
 static void sim_close(dpt_device *device)
 {
     struct sim *sim = (struct sim *)device;
-    hand_close(&sim->hand);
+    sim_hand_close(&sim->hand);
     free(sim);
 }
 
@@ -349,11 +349,11 @@ static dpt_result prepare(struct sim *sim, dpt_device_error *error)
     sim->pushed[1] = law_of(sim->inertia, sim->turn_damping, 0.0, period);
     dpt_result result = plan_fault(sim, error);
     if (result == DPT_OK)
-        result = hand_open(&sim->hand, sim->script, sim->reach, sim->cycle, error);
+        result = sim_hand_open(&sim->hand, sim->script, sim->reach, sim->cycle, error);
     if (result != DPT_OK)
         return result;
-    struct grip grip;
-    hand_at(&sim->hand, 0.0, &grip);
+    struct hand_target grip;
+    sim_hand_at(&sim->hand, 0.0, &grip);
     for (int i = 0; i < (int)sim->dofs; i++)
         sim->x[i] = grip.pulls ? grip.at[i] : 0.0;
     for (int i = 0; i < DOFS; i++)
@@ -398,7 +398,7 @@ static dpt_result sim_open(const dpt_driver *driver, const char *where, dpt_devi
         { .name = "force", .number = &sim->force_max, .most = 1e3 },
         { .name = "torque", .number = &sim->torque_max, .most = 1e3 },
         { .name = "watchdog", .number = &sim->watchdog, .most = 10.0 },
-        { .name = "delay", .number = &sim->delay, .most = DELAY_MOST },
+        { .name = "delay", .number = &sim->delay, .most = DELAY_MAX },
         { .name = "live", .number = &sim->live, .most = 1.0 },
         { .name = "hand", .text = sim->script, .room = sizeof sim->script },
         { .name = "reach", .number = &sim->reach, .most = 1.0 },

@@ -23,16 +23,16 @@ static const char *wrong_row(const double *row, size_t columns)
     return NULL;
 }
 
-static const struct table_form form = {
+static const struct csv_format form = {
     .headers = headers,
     .wrong_header = "the header is not one that is known",
     .wrong_row = wrong_row,
 };
 
-dpt_result hand_open(struct hand *hand, const char *script, double reach, double cycle,
-                     dpt_device_error *error)
+dpt_result sim_hand_open(struct sim_hand *hand, const char *script, double reach, double cycle,
+                         dpt_device_error *error)
 {
-    *hand = (struct hand){ .reach = reach, .cycle = cycle };
+    *hand = (struct sim_hand){ .reach = reach, .cycle = cycle };
     for (int i = 0; names[i]; i++) {
         if (strcmp(script, names[i]))
             continue;
@@ -40,12 +40,12 @@ dpt_result hand_open(struct hand *hand, const char *script, double reach, double
         return DPT_OK;
     }
     hand->kind = HAND_TABLE;
-    return table_read(&hand->table, script, &form, error);
+    return csv_table_read(&hand->table, script, &form, error);
 }
 
-void hand_close(struct hand *hand)
+void sim_hand_close(struct sim_hand *hand)
 {
-    table_free(&hand->table);
+    csv_table_free(&hand->table);
 }
 
 /* From 0 to 1 and back once in each unit of t, at rest at both ends. */
@@ -55,9 +55,9 @@ static double to_and_fro(double t)
     return s * s * (3.0 - 2.0 * s);
 }
 
-static void read_table(struct hand *hand, double time, struct grip *grip)
+static void read_table(struct sim_hand *hand, double time, struct hand_target *grip)
 {
-    const struct table *table = &hand->table;
+    const struct csv_table *table = &hand->table;
     size_t columns = table->columns, numbers = columns < 7 ? 3 : 6;
     while (hand->row + 1 < table->rows && table->values[(hand->row + 1) * columns] <= time)
         hand->row++;
@@ -74,9 +74,9 @@ static void read_table(struct hand *hand, double time, struct grip *grip)
     grip->pulls = table->header < FIRST_OF_FORCES;
 }
 
-void hand_at(struct hand *hand, double time, struct grip *grip)
+void sim_hand_at(struct sim_hand *hand, double time, struct hand_target *grip)
 {
-    *grip = (struct grip){ .pulls = hand->kind != HAND_NONE };
+    *grip = (struct hand_target){ .pulls = hand->kind != HAND_NONE };
     if (hand->kind == HAND_TABLE)
         read_table(hand, time, grip);
     if (hand->kind == HAND_PRESS)

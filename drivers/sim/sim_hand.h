@@ -10,26 +10,26 @@
 
 enum hand_kind { HAND_NONE, HAND_HOLD, HAND_PRESS, HAND_WIPE, HAND_TABLE };
 
-struct hand {
+struct sim_hand {
     enum hand_kind kind;
     double reach, cycle; /* of HAND_PRESS and HAND_WIPE: m, s */
-    struct table table;
+    struct csv_table table;
     size_t row; /* the last one that was in use */
 };
 
 /* Of one moment: a place (m and a rotation vector, rad) or a force (N, Nm). */
-struct grip {
+struct hand_target {
     int pulls; /* 1: `at` is a place; 0: it is a force */
     double at[6];
     uint32_t buttons;
 };
 
 /* `script` is "", the name of one that is built in, or a file's. */
-dpt_result hand_open(struct hand *hand, const char *script, double reach, double cycle,
-                     dpt_device_error *error);
-void hand_close(struct hand *hand);
+dpt_result sim_hand_open(struct sim_hand *hand, const char *script, double reach, double cycle,
+                         dpt_device_error *error);
+void sim_hand_close(struct sim_hand *hand);
 
 /* Time goes on from call to call. */
-void hand_at(struct hand *hand, double time, struct grip *grip);
+void sim_hand_at(struct sim_hand *hand, double time, struct hand_target *grip);
 
 #endif

@@ -23,7 +23,7 @@ static inline uint32_t first_lane(uint32_t lanes)
 }
 
 /* The lane with the least bound of a set that is not empty; a bound that is no number comes first. */
-static inline uint32_t least_lane(const float *bound, uint32_t lanes)
+static inline uint32_t lowest_lane(const float *bound, uint32_t lanes)
 {
     uint32_t best = first_lane(lanes);
     for (uint32_t rest = lanes & (lanes - 1); rest; rest &= rest - 1) {

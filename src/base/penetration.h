@@ -5,7 +5,7 @@
 
 #include "base/vec3.h"
 
-struct push {
+struct penetration {
     vec3 direction; /* unit, the way out; zero where it is not known */
     vec3 at;        /* the point of the axis */
     double depth;   /* how far, >= 0 */

@@ -78,12 +78,12 @@ static inline vec3 unit_of(vec3 a)
     return size > 0.0 ? scaled(a, 1.0 / size) : (vec3){ 0.0, 0.0, 0.0 };
 }
 
-static inline double larger(double a, double b)
+static inline double max_of(double a, double b)
 {
     return a > b ? a : b;
 }
 
-static inline double smaller(double a, double b)
+static inline double min_of(double a, double b)
 {
     return a < b ? a : b;
 }
@@ -91,7 +91,7 @@ static inline double smaller(double a, double b)
 /* The largest |coordinate|. */
 static inline double extent_of(vec3 a)
 {
-    return larger(fabs(a.x), larger(fabs(a.y), fabs(a.z)));
+    return max_of(fabs(a.x), max_of(fabs(a.y), fabs(a.z)));
 }
 
 /*

@@ -22,12 +22,12 @@ void model_corners(const struct model *model, uint32_t triangle, vec3 corners[3]
 
 static vec3 least_of(vec3 a, vec3 b)
 {
-    return (vec3){ smaller(a.x, b.x), smaller(a.y, b.y), smaller(a.z, b.z) };
+    return (vec3){ min_of(a.x, b.x), min_of(a.y, b.y), min_of(a.z, b.z) };
 }
 
 static vec3 most_of(vec3 a, vec3 b)
 {
-    return (vec3){ larger(a.x, b.x), larger(a.y, b.y), larger(a.z, b.z) };
+    return (vec3){ max_of(a.x, b.x), max_of(a.y, b.y), max_of(a.z, b.z) };
 }
 
 struct bounds bounds_of_corners(const vec3 c[3])
@@ -55,7 +55,7 @@ static uint32_t least_count(uint32_t count, uint32_t most)
 
 static void fill_leaf(struct cluster *cluster, uint32_t leaf)
 {
-    struct moment sets[LEAF];
+    struct winding_moment sets[LEAF];
     uint32_t first = leaf * LEAF, count = least_count(cluster->triangle_count - first, LEAF);
     for (uint32_t i = 0; i < count; i++) {
         vec3 c[3];

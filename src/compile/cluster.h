@@ -24,7 +24,7 @@ struct cluster {
         [CLUSTER_LEVELS]; /* sets of a level; level 0: of triangles; the last one has a single set */
     uint32_t first[CLUSTER_LEVELS];
     uint32_t levels;
-    struct moment *moments;
+    struct winding_moment *moments;
     struct bounds *boxes;
 };
 

@@ -14,10 +14,10 @@
 static const source_place nowhere = { 0, 0 };
 
 /* Pi, and its rounding in whatever unit it was asked for. */
-#define CREASE_MOST 3.1415926536
+#define CREASE_MAX 3.1415926536
 
 /* Of so many bytes the hash takes a tenth of a millisecond, and is worth a thread. */
-#define HASH_LEAST ((size_t)1 << 17)
+#define HASH_MIN ((size_t)1 << 17)
 
 /* FNV-1a, 64 bits: names a source, so that a stale .dpa can be told. */
 static uint64_t hash_of(const void *bytes, size_t size)
@@ -104,7 +104,7 @@ static dpt_result enter(struct call *call, const dpt_compile_def *given, dpt_com
         return soup_fail(source, DPT_E_ARGUMENT, nowhere, "no such format");
     if (def->scale < 0.0 || !within(def->scale, 1e30))
         return soup_fail(source, DPT_E_ARGUMENT, nowhere, "the scale must be positive");
-    if (!(source->crease > 0.0 && source->crease <= CREASE_MOST))
+    if (!(source->crease > 0.0 && source->crease <= CREASE_MAX))
         return soup_fail(source, DPT_E_ARGUMENT, nowhere, "the crease must be 0..pi");
     return DPT_OK;
 }
@@ -146,7 +146,7 @@ static dpt_result compile_bytes(struct call *call, const char *path, const unsig
         format = source_format(path, bytes, size);
     DPT_TRY(soup_progress(source, "read", 0.0));
     struct reading reading = { .source = source, .format = format, .bytes = bytes, .size = size };
-    parallel_for(size < HASH_LEAST ? 1 : source->threads, 2, 1, read_and_hash, &reading);
+    parallel_for(size < HASH_MIN ? 1 : source->threads, 2, 1, read_and_hash, &reading);
     DPT_TRY(reading.result);
     return build(source, size, reading.hash, out);
 }

@@ -18,13 +18,13 @@
  * Work is counted in tests of a box against 16 boxes and in pairs of triangles. A leaf may take LEAF_WORK; leaves that do
  * not come to an end share, in their order, what the mesh has beyond that. Organs take 2 to 9 a triangle.
  */
-#define LEAF_WORK    1024u
-#define SHARED_WORK  64u                 /* a triangle */
-#define SHARED_LEAST ((uint64_t)1 << 23) /* suffices for all pairs of 4,000 triangles */
+#define LEAF_WORK   1024u
+#define SHARED_WORK 64u                 /* a triangle */
+#define SHARED_MIN  ((uint64_t)1 << 23) /* suffices for all pairs of 4,000 triangles */
 
 /* Of this many leaves or vertices a thread is worth making. */
-#define LEAVES_LEAST   256u
-#define VERTICES_LEAST 2048u
+#define LEAVES_MIN   256u
+#define VERTICES_MIN 2048u
 
 /* So many leaves are searched before their pairs are counted. */
 #define BATCH 4096u
@@ -33,7 +33,7 @@
 #define STAR_MARGIN 0x1p-40
 
 /* The boxes of 16 triangles or nodes; one that is not there meets nothing. */
-struct block {
+struct exact_block {
     float low[3][LANES], high[3][LANES];
 };
 
@@ -50,7 +50,7 @@ struct tree {
     uint32_t triangle_count;
     uint32_t levels; /* 0 are the leaves */
     uint32_t count[MESH_LEVELS_MAX + 1], first[MESH_LEVELS_MAX + 1];
-    struct block *blocks;
+    struct exact_block *blocks;
     uint32_t *
         labels; /* of a leaf or node: pairs within those of one label are passed over; DPT_NONE: none */
     struct outcome *outcomes;
@@ -172,7 +172,7 @@ static void judge_stars(void *context, size_t first, size_t end)
 }
 
 /* An empty lane meets nothing. */
-static void clear_block(struct block *block)
+static void clear_block(struct exact_block *block)
 {
     for (int axis = 0; axis < 3; axis++)
         for (uint32_t lane = 0; lane < LANES; lane++) {
@@ -182,7 +182,7 @@ static void clear_block(struct block *block)
 }
 
 /* Wider than flat, so that what lies in one plane meets, and what only touches does not. */
-static void put_triangle(struct block *block, uint32_t lane, const struct model *model,
+static void put_triangle(struct exact_block *block, uint32_t lane, const struct model *model,
                          uint32_t triangle)
 {
     const uint32_t *corner = model->corners + 3 * (size_t)triangle;
@@ -199,7 +199,7 @@ static void put_triangle(struct block *block, uint32_t lane, const struct model 
 }
 
 /* Of 16 boxes. */
-static void put_block(struct block *block, uint32_t lane, const struct block *child)
+static void put_block(struct exact_block *block, uint32_t lane, const struct exact_block *child)
 {
     for (int axis = 0; axis < 3; axis++) {
         float low = HUGE_VALF, high = -HUGE_VALF;
@@ -284,13 +284,14 @@ static void fill_tree(struct tree *tree, const uint32_t *triangles, uint32_t cou
     tree->first[0] = 0;
     for (uint32_t level = 1; level <= tree->levels; level++)
         tree->first[level] = tree->first[level - 1] + tree->count[level - 1];
-    parallel_for(threads, tree->count[0], LEAVES_LEAST, fill_leaves, tree);
+    parallel_for(threads, tree->count[0], LEAVES_MIN, fill_leaves, tree);
     for (uint32_t level = 1; level <= tree->levels; level++)
         fill_level(tree, level);
 }
 
 /* Which of 16 boxes meet a lane's. */
-static uint32_t meeting(const struct block *block, const struct block *of, uint32_t lane)
+static uint32_t meeting(const struct exact_block *block, const struct exact_block *of,
+                        uint32_t lane)
 {
     static const uint32_t bit[LANES] = {
         0x1,   0x2,   0x4,   0x8,   0x10,   0x20,   0x40,   0x80,
@@ -341,12 +342,12 @@ static void try_pair(struct search *search, uint32_t a, const struct facet *one,
 }
 
 /* The leaf's triangles against those of another one, or of itself, whose box lies in a lane of its parent. */
-static void search_leaf(struct search *search, uint32_t other, const struct block *parent,
+static void search_leaf(struct search *search, uint32_t other, const struct exact_block *parent,
                         uint32_t lane)
 {
     const struct tree *tree = search->tree;
-    const struct block *own = &tree->blocks[search->leaf], *block = &tree->blocks[other];
-    const struct block *own_parent = &tree->blocks[tree->first[1] + search->leaf / LANES];
+    const struct exact_block *own = &tree->blocks[search->leaf], *block = &tree->blocks[other];
+    const struct exact_block *own_parent = &tree->blocks[tree->first[1] + search->leaf / LANES];
     const uint32_t columns = meeting(block, own_parent, search->leaf % LANES);
     for (uint32_t rows = meeting(own, parent, lane); rows; rows &= rows - 1) {
         const uint32_t row = first_lane(rows), a = tree->triangles[search->leaf * LANES + row];
@@ -372,8 +373,8 @@ static void search_leaf(struct search *search, uint32_t other, const struct bloc
 static void search_node(struct search *search, uint32_t level, uint32_t node)
 {
     const struct tree *tree = search->tree;
-    const struct block *own_parent = &tree->blocks[tree->first[1] + search->leaf / LANES];
-    const struct block *block = &tree->blocks[tree->first[level] + node];
+    const struct exact_block *own_parent = &tree->blocks[tree->first[1] + search->leaf / LANES];
+    const struct exact_block *block = &tree->blocks[tree->first[level] + node];
     const uint32_t label = tree->labels[search->leaf];
     search->work++;
     for (uint32_t lanes = meeting(block, own_parent, search->leaf % LANES);
@@ -415,7 +416,7 @@ static void search_batch(void *context, size_t first, size_t end)
 
 static void note_outcome(struct model *model, const struct outcome *outcome)
 {
-    const uint32_t room = MESH_SELF_INTERSECTIONS_MOST - model->self_intersections;
+    const uint32_t room = MESH_SELF_INTERSECTIONS_MAX - model->self_intersections;
     if (outcome->pairs && model->self_intersection[0] == DPT_NONE)
         memcpy(model->self_intersection, outcome->example, sizeof outcome->example);
     if (outcome->stopped || outcome->pairs >= room)
@@ -433,9 +434,9 @@ static int search_tree(struct tree *tree, struct model *model, uint32_t threads,
     int any = 0;
     for (struct batch batch = { tree, 0 }; batch.first < leaves; batch.first += BATCH) {
         const uint32_t rest = leaves - batch.first, count = rest < BATCH ? rest : BATCH;
-        if (any && model->self_intersections == MESH_SELF_INTERSECTIONS_MOST)
+        if (any && model->self_intersections == MESH_SELF_INTERSECTIONS_MAX)
             break;
-        parallel_for(threads, count, LEAVES_LEAST, search_batch, &batch);
+        parallel_for(threads, count, LEAVES_MIN, search_batch, &batch);
         for (uint32_t leaf = batch.first; leaf < batch.first + count; leaf++) {
             const struct outcome *outcome = &tree->outcomes[leaf];
             if (outcome->stopped && *shared > 0) {
@@ -474,13 +475,13 @@ static dpt_result list_parts(struct model *model, soup *source)
 /* All parts, to mark those that cut themselves; then between them, unless there are pairs enough. */
 static void search_all(struct tree *tree, struct model *model, uint32_t *all, uint32_t threads)
 {
-    uint64_t shared = SHARED_LEAST + SHARED_WORK * (uint64_t)model->triangle_count;
+    uint64_t shared = SHARED_MIN + SHARED_WORK * (uint64_t)model->triangle_count;
     for (uint32_t p = 0; p < model->part_count; p++) {
         const uint32_t count = model->parts[p].triangles;
         fill_tree(tree, model->part_list + model->part_first[p], count, threads);
         model->cuts_itself[p] = (uint8_t)search_tree(tree, model, threads, &shared);
     }
-    if (model->part_count == 1 || model->self_intersections == MESH_SELF_INTERSECTIONS_MOST)
+    if (model->part_count == 1 || model->self_intersections == MESH_SELF_INTERSECTIONS_MAX)
         return;
     for (uint32_t t = 0; t < model->triangle_count; t++)
         all[t] = t;
@@ -510,7 +511,7 @@ dpt_result model_intersections(struct model *model, soup *source)
         result = DPT_E_MEMORY;
     model->self_intersection[0] = model->self_intersection[1] = DPT_NONE;
     if (result == DPT_OK) {
-        parallel_for(source->threads, model->vertex_count, VERTICES_LEAST, judge_stars, &stars);
+        parallel_for(source->threads, model->vertex_count, VERTICES_MIN, judge_stars, &stars);
         search_all(&tree, model, all, source->threads);
     }
     free(stars.plain);

@@ -23,14 +23,14 @@ static double trace_of(const double tensor[6])
 }
 
 /* What is left of the series is at most this times area for a unit distance: the integral of |u|^3, or more. */
-static double cube_of(const struct moment *m)
+static double cube_of(const struct winding_moment *m)
 {
     return sqrt(trace_of(m->second) * m->fourth);
 }
 
-struct moment moment_of_triangle(vec3 a, vec3 b, vec3 c)
+struct winding_moment moment_of_triangle(vec3 a, vec3 b, vec3 c)
 {
-    struct moment m = { .area = 0.0 };
+    struct winding_moment m = { .area = 0.0 };
     m.normal = scaled(cross(sub(b, a), sub(c, a)), 0.5);
     m.area = length(m.normal);
     m.at = scaled(add(add(a, b), c), 1.0 / 3.0);
@@ -44,7 +44,7 @@ struct moment moment_of_triangle(vec3 a, vec3 b, vec3 c)
         double here = dot(corners[k], corners[k]);
         for (int i = 0; i < 3; i++)
             m.third[i] += m.area * here * u[i] / 30.0;
-        square = larger(square, here);
+        square = max_of(square, here);
     }
     for (int k = 0; k < 10; k++) {
         int x = oct_axes[k][0], y = oct_axes[k][1], z = oct_axes[k][2];
@@ -60,7 +60,7 @@ struct moment moment_of_triangle(vec3 a, vec3 b, vec3 c)
 }
 
 /* Add a set, its tensors moved by `by` to the common centre. */
-static void join(struct moment *sum, const struct moment *set, vec3 by)
+static void join(struct winding_moment *sum, const struct winding_moment *set, vec3 by)
 {
     const double n[3] = { set->normal.x, set->normal.y, set->normal.z };
     const double s[3] = { by.x, by.y, by.z };
@@ -89,19 +89,19 @@ static void join(struct moment *sum, const struct moment *set, vec3 by)
     }
     sum->fourth += set->fourth + 4.0 * third + 4.0 * along_s + 2.0 * square * spread +
                    set->area * square * square;
-    sum->radius = larger(sum->radius, sqrt(square) + set->radius);
+    sum->radius = max_of(sum->radius, sqrt(square) + set->radius);
 }
 
-struct moment moment_of_sets(const struct moment *sets, uint32_t count)
+struct winding_moment moment_of_sets(const struct winding_moment *sets, uint32_t count)
 {
-    struct moment sum = { .area = 0.0 };
+    struct winding_moment sum = { .area = 0.0 };
     for (uint32_t i = 0; i < count; i++) {
         sum.normal = add(sum.normal, sets[i].normal);
         sum.area += sets[i].area;
         sum.at = along(sum.at, sets[i].area, sets[i].at);
     }
     if (!(sum.area > 0.0))
-        return (struct moment){ .area = 0.0 };
+        return (struct winding_moment){ .area = 0.0 };
     sum.at = scaled(sum.at, 1.0 / sum.area);
     for (uint32_t i = 0; i < count; i++)
         if (sets[i].area > 0.0)
@@ -114,7 +114,7 @@ struct moment moment_of_sets(const struct moment *sets, uint32_t count)
  * unit of area at r (Bernstein's inequality); from l = 4 on they add up to r^3 (4 - 3 t) / (d^5 (1 - t)^2), t =
  * r / d, and r^3 is at most radius r^2.
  */
-double moment_winding(const struct moment *m, vec3 x, double *error)
+double moment_winding(const struct winding_moment *m, vec3 x, double *error)
 {
     vec3 d = sub(m->at, x);
     double distance = length(d), gap = distance - m->radius;
@@ -141,7 +141,7 @@ double moment_winding(const struct moment *m, vec3 x, double *error)
 }
 
 /* Without their traces, which are no part of a harmonic field, tensors need one component less for each axis. */
-void moment_put(const struct moment *m, float *block)
+void moment_put(const struct winding_moment *m, float *block)
 {
     const double *q = m->quad, *o = m->oct;
     const double third = (q[0] + q[1] + q[2]) / 3.0;

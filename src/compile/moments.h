@@ -8,7 +8,7 @@
 
 #include "base/vec3.h"
 
-struct moment {
+struct winding_moment {
     vec3 normal;    /* sum of the area vectors */
     vec3 at;        /* area-weighted centroid; what follows is about it */
     double area;    /* 0: an empty set, and all else is 0 */
@@ -23,18 +23,18 @@ struct moment {
 };
 
 /* One triangle, its area vector to the side that it is seen from counter-clockwise. */
-struct moment moment_of_triangle(vec3 a, vec3 b, vec3 c);
+struct winding_moment moment_of_triangle(vec3 a, vec3 b, vec3 c);
 
 /* Several sets as one. */
-struct moment moment_of_sets(const struct moment *sets, uint32_t count);
+struct winding_moment moment_of_sets(const struct winding_moment *sets, uint32_t count);
 
 /*
  * What a set adds to the winding number at x, and by how much that may be wrong: `error` is infinite where x is
  * within the radius.
  */
-double moment_winding(const struct moment *moment, vec3 x, double *error);
+double moment_winding(const struct winding_moment *moment, vec3 x, double *error);
 
 /* Into a lane of a block of MESH_MOMENT_ROWS rows of 16, `block` at the lane. */
-void moment_put(const struct moment *moment, float *block);
+void moment_put(const struct winding_moment *moment, float *block);
 
 #endif

@@ -11,7 +11,7 @@
 #include "mesh/mesh_format.h"
 
 /* A sum of normals that is shorter than this, per angle of its triangles, tells no direction. */
-#define NORMAL_LEAST 0x1p-20
+#define NORMAL_MIN 0x1p-20
 
 struct normals {
     struct model *model;
@@ -96,7 +96,7 @@ static void add_normals(void *context, size_t first, size_t end)
             edges |= model->flags[*fan] >> k | model->flags[*fan] >> (k + 2) % 3;
             shared |= model->part_of[*fan] != part;
         }
-        int none = shared || !(length(sum) > NORMAL_LEAST * angles);
+        int none = shared || !(length(sum) > NORMAL_MIN * angles);
         vec3 n = none ? (vec3){ 0.0, 0.0, 0.0 } : unit_of(sum);
         all->edges[v] = (uint8_t)(edges & edge_bits);
         model->normals[3 * v] = (float)n.x;
@@ -139,10 +139,10 @@ dpt_result model_normals(struct model *model, soup *source, double crease)
     dpt_result result = DPT_E_MEMORY;
     model->crease = crease;
     if (all.faces && all.angles && all.edges && model->flags && model->normals) {
-        parallel_for(threads, triangles, PARALLEL_LEAST, measure_faces, &all);
-        parallel_for(threads, triangles, PARALLEL_LEAST, flag_edges, &all);
-        parallel_for(threads, model->vertex_count, PARALLEL_LEAST, add_normals, &all);
-        parallel_for(threads, triangles, PARALLEL_LEAST, flag_corners, &all);
+        parallel_for(threads, triangles, PARALLEL_MIN, measure_faces, &all);
+        parallel_for(threads, triangles, PARALLEL_MIN, flag_edges, &all);
+        parallel_for(threads, model->vertex_count, PARALLEL_MIN, add_normals, &all);
+        parallel_for(threads, triangles, PARALLEL_MIN, flag_corners, &all);
         count_found(model);
         result = DPT_OK;
     }

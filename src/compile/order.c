@@ -18,8 +18,8 @@ struct item {
 };
 
 /* Of one thread. The pivots start anew below subtrees of so many: whoever orders them draws the same. */
-#define FORK_LEAST ((size_t)2 * PARALLEL_LEAST)
-#define SEED       1u
+#define FORK_MIN ((size_t)2 * PARALLEL_MIN)
+#define SEED     1u
 
 struct ordering {
     struct item *items;
@@ -150,7 +150,7 @@ static dpt_result split(struct ordering *order, size_t first, size_t count, size
     size_t subtrees = (count + capacity - 1) / capacity;
     size_t left = subtrees / 2 * capacity;
     select_rank(order, first, first + count, left, widest_axis(order->items + first, count));
-    if (count >= FORK_LEAST)
+    if (count >= FORK_MIN)
         return split_large(order, first, left, count - left, capacity);
     DPT_TRY(split(order, first, left, capacity));
     return split(order, first + left, count - left, capacity);
@@ -197,7 +197,7 @@ static dpt_result permute(struct model *model, soup *source, const struct item *
         free(to.sources);
         return DPT_E_MEMORY;
     }
-    parallel_for(source->threads, model->triangle_count, PARALLEL_LEAST, permute_triangles, &to);
+    parallel_for(source->threads, model->triangle_count, PARALLEL_MIN, permute_triangles, &to);
     free(model->corners);
     free(model->sources);
     model->corners = to.corners;

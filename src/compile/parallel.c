@@ -3,7 +3,7 @@
 
 #include <pthread.h>
 
-struct piece {
+struct parallel_piece {
     parallel_work *work;
     void *context;
     size_t first, end;
@@ -13,23 +13,23 @@ struct piece {
 
 static void *do_piece(void *argument)
 {
-    const struct piece *piece = argument;
+    const struct parallel_piece *piece = argument;
     piece->work(piece->context, piece->first, piece->end);
     return NULL;
 }
 
 void parallel_for(uint32_t threads, size_t count, size_t least, parallel_work *work, void *context)
 {
-    struct piece pieces[PARALLEL_MOST];
-    size_t most = threads < PARALLEL_MOST ? threads : PARALLEL_MOST;
+    struct parallel_piece pieces[PARALLEL_MAX];
+    size_t most = threads < PARALLEL_MAX ? threads : PARALLEL_MAX;
     size_t n = count / least < most ? count / least : most;
     if (n <= 1) {
         work(context, 0, count);
         return;
     }
     for (size_t i = 0; i < n; i++) {
-        struct piece *piece = &pieces[i];
-        *piece = (struct piece){ .work = work, .context = context };
+        struct parallel_piece *piece = &pieces[i];
+        *piece = (struct parallel_piece){ .work = work, .context = context };
         piece->first = (size_t)((uint64_t)count * i / n);
         piece->end = (size_t)((uint64_t)count * (i + 1) / n);
         piece->made = i > 0 && pthread_create(&piece->thread, NULL, do_piece, piece) == 0;

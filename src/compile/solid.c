@@ -12,14 +12,14 @@
 #include "mesh/mesh_format.h"
 
 /* A part with defects is solid when the rest of it goes round its triangles as often as that, on average. */
-#define SOLID_LEAST 0.44
+#define SOLID_MIN 0.44
 
 /* Coordinates are floats: of the largest one they tell so much. */
 #define RESOLUTION 0x1p-23
 
 /* Of a part's triangles so many are asked, spread evenly over them. */
-#define SAMPLES_LEAST 32u
-#define SAMPLES_MOST  1000u
+#define SAMPLES_MIN   32u
+#define SAMPLES_MAX   1000u
 #define SAMPLES_SHARE 16u
 
 /* Fewer where that costs more than so much a triangle, as at a hub, whose triangles are all near each other. */
@@ -43,7 +43,7 @@
  * What has no inside itself may lie within a solid. That is asked of so many triangles and, in a large mesh, of one in so
  * many, the first ones; so many boxes compared count as one.
  */
-#define BURY_LEAST 1024u
+#define BURY_MIN   1024u
 #define BURY_SHARE 64u
 #define BURY_BOXES 64u
 
@@ -106,7 +106,7 @@ static uint32_t measure(const struct solids *all, struct solid *solid)
 /* Thinner than its coordinates tell: what it encloses may be all rounding. */
 static int is_flat(const struct solid *solid)
 {
-    double extent = larger(extent_of(solid->box.low), extent_of(solid->box.high));
+    double extent = max_of(extent_of(solid->box.low), extent_of(solid->box.high));
     return fabs(solid->volume) <= RESOLUTION * extent * solid->area;
 }
 
@@ -142,13 +142,13 @@ static uint32_t sample(const struct solids *all, const struct solid *solid, uint
 static dpt_result judge(struct solids *all, struct solid *solid)
 {
     uint32_t samples = solid->count / SAMPLES_SHARE;
-    samples = samples < SAMPLES_LEAST ? SAMPLES_LEAST : samples;
-    samples = samples > SAMPLES_MOST ? SAMPLES_MOST : samples;
+    samples = samples < SAMPLES_MIN ? SAMPLES_MIN : samples;
+    samples = samples > SAMPLES_MAX ? SAMPLES_MAX : samples;
     samples = samples > solid->count ? solid->count : samples;
     uint64_t work = 0, most = (uint64_t)SAMPLES_WORK * solid->count;
     double sum = 0.0, total = 0.0;
     DPT_TRY(need_cluster(all, solid));
-    for (uint32_t k = 0; k < samples && (k < SAMPLES_LEAST / 2 || work < most); k++) {
+    for (uint32_t k = 0; k < samples && (k < SAMPLES_MIN / 2 || work < most); k++) {
         uint32_t t = sample(all, solid, k, samples);
         double area;
         vec3 x = centroid_of(all->model, t, &area);
@@ -156,7 +156,7 @@ static dpt_result judge(struct solids *all, struct solid *solid)
         sum += area * rest;
         total += area;
     }
-    solid->is_solid = fabs(sum) >= SOLID_LEAST * total && !is_flat(solid);
+    solid->is_solid = fabs(sum) >= SOLID_MIN * total && !is_flat(solid);
     solid->inward = sum < 0.0;
     return DPT_OK;
 }
@@ -209,7 +209,7 @@ static void weigh(void *context, size_t first, size_t end)
 static dpt_result find_solids(struct solids *all)
 {
     struct model *model = all->model;
-    const uint32_t threads = model->triangle_count < PARALLEL_LEAST ? 1 : all->source->threads;
+    const uint32_t threads = model->triangle_count < PARALLEL_MIN ? 1 : all->source->threads;
     uint32_t candidates = 0, found = 0;
     for (uint32_t p = 0; p < model->part_count; p++)
         candidates += (uint32_t)may_be_solid(&model->parts[p]);
@@ -460,7 +460,7 @@ static dpt_result is_buried(struct solids *all, struct solid *sheet, uint64_t *a
 static dpt_result bury_sheets(struct solids *all)
 {
     struct model *model = all->model;
-    uint64_t asked = 0, most = model->triangle_count / BURY_SHARE + BURY_LEAST;
+    uint64_t asked = 0, most = model->triangle_count / BURY_SHARE + BURY_MIN;
     for (uint32_t p = 0; all->count > 0 && p < model->part_count && asked < most; p++) {
         struct part *part = &model->parts[p];
         if (part->flags & MESH_PART_SOLID)

@@ -22,8 +22,8 @@ void soup_init(soup *source, const dpt_compile_def *def, dpt_diag *diag)
     source->scale = def && def->scale != 0.0 ? def->scale : 1.0;
     source->crease = def && def->crease != 0.0 ? def->crease : CREASE_DEFAULT;
     source->threads = def && def->threads ? def->threads : 1;
-    if (source->threads > PARALLEL_MOST)
-        source->threads = PARALLEL_MOST;
+    if (source->threads > PARALLEL_MAX)
+        source->threads = PARALLEL_MAX;
     source->def = def;
     source->diag = diag;
 }

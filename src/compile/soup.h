@@ -37,7 +37,7 @@ typedef struct soup {
     size_t polygon_count, polygon_room;
     double scale;
     double crease;              /* rad */
-    uint32_t threads;           /* 1..PARALLEL_MOST */
+    uint32_t threads;           /* 1..PARALLEL_MAX */
     double rounding;            /* largest |stored - scale * source| of a coordinate */
     uint32_t highest_corner;    /* the highest vertex number that a polygon named */
     source_place highest_place; /* and where: to name the line if there is no such vertex */

@@ -15,12 +15,12 @@
 enum { UNSURE = 2 };
 
 /* A sum without rounding: terms that do not overlap, from the least to the largest. */
-struct sum {
+struct exact_sum {
     double term[48];
     int count;
 };
 
-static void sum_add(struct sum *sum, double value)
+static void sum_add(struct exact_sum *sum, double value)
 {
     int kept = 0;
     for (int i = 0; i < sum->count; i++) {
@@ -35,20 +35,20 @@ static void sum_add(struct sum *sum, double value)
     sum->count = kept;
 }
 
-static int sum_sign(const struct sum *sum)
+static int sum_sign(const struct exact_sum *sum)
 {
     return sum->count == 0 ? 0 : sum->term[sum->count - 1] > 0.0 ? 1 : -1;
 }
 
 /* Of floats: two of them have a product of 48 bits, each half of which times the third is exact again. */
-static void add_product(struct sum *sum, double a, double b, double c)
+static void add_product(struct exact_sum *sum, double a, double b, double c)
 {
     const double product = a * b, far = 0x1.0000002p27 * product, upper = far - (far - product);
     sum_add(sum, upper * c);
     sum_add(sum, (product - upper) * c);
 }
 
-static void add_volume(struct sum *sum, double sign, vec3 a, vec3 b, vec3 c)
+static void add_volume(struct exact_sum *sum, double sign, vec3 a, vec3 b, vec3 c)
 {
     add_product(sum, sign * a.x, b.y, c.z);
     add_product(sum, -sign * a.x, b.z, c.y);
@@ -60,7 +60,7 @@ static void add_volume(struct sum *sum, double sign, vec3 a, vec3 b, vec3 c)
 
 static int exact_volume_sign(vec3 p, vec3 q, vec3 r, vec3 x)
 {
-    struct sum sum = { .count = 0 };
+    struct exact_sum sum = { .count = 0 };
     add_volume(&sum, 1.0, q, r, x);
     add_volume(&sum, -1.0, p, r, x);
     add_volume(&sum, 1.0, p, q, x);
@@ -126,8 +126,8 @@ static int edge_separates(const struct facet *facet, int edge, const struct face
     double own = -HUGE_VAL, least = HUGE_VAL;
     for (int k = 0; k < 3; k++) {
         const vec3 w = sub(facet->corner[k].at, from), x = sub(other->corner[k].at, from);
-        own = larger(own, dot(out, w) + ROUNDING * dot(size, sizes_of(w)));
-        least = smaller(least, dot(out, x) - ROUNDING * dot(size, sizes_of(x)));
+        own = max_of(own, dot(out, w) + ROUNDING * dot(size, sizes_of(w)));
+        least = min_of(least, dot(out, x) - ROUNDING * dot(size, sizes_of(x)));
     }
     return least > own;
 }
@@ -159,7 +159,7 @@ static int area_sign(vec3 p, vec3 q, vec3 r, int axis, uint64_t *work)
     const int sign = sign_or_unsure(one - two, ROUNDING * (fabs(one) + fabs(two)));
     if (sign != UNSURE)
         return sign;
-    struct sum sum = { .count = 0 };
+    struct exact_sum sum = { .count = 0 };
     for (int k = 0; k < 3; k++) {
         sum_add(&sum, x[k] * y[(k + 1) % 3]);
         sum_add(&sum, -y[k] * x[(k + 1) % 3]);

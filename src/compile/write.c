@@ -12,10 +12,10 @@
 #include "mesh/mesh_swap.h"
 
 /* Of this many leaves, or bytes of sections, a thread is worth making. */
-#define LEAVES_LEAST  256u
-#define SECTION_LEAST ((size_t)1 << 18)
+#define LEAVES_MIN  256u
+#define SECTION_MIN ((size_t)1 << 18)
 
-struct box {
+struct node_box {
     double low[3], high[3];
 };
 
@@ -24,26 +24,26 @@ struct writing {
     struct dpt_mesh mesh;
     const struct model *model;
     char *bytes;
-    struct box *boxes;
-    struct moment *sets;
+    struct node_box *boxes;
+    struct winding_moment *sets;
     struct crc32 crc;
 };
 
-static const struct box nothing = { { HUGE_VAL, HUGE_VAL, HUGE_VAL },
-                                    { -HUGE_VAL, -HUGE_VAL, -HUGE_VAL } };
+static const struct node_box nothing = { { HUGE_VAL, HUGE_VAL, HUGE_VAL },
+                                         { -HUGE_VAL, -HUGE_VAL, -HUGE_VAL } };
 
-static void box_add(struct box *box, const double *low, const double *high)
+static void box_add(struct node_box *box, const double *low, const double *high)
 {
     for (int k = 0; k < 3; k++) {
-        box->low[k] = smaller(box->low[k], low[k]);
-        box->high[k] = larger(box->high[k], high[k]);
+        box->low[k] = min_of(box->low[k], low[k]);
+        box->high[k] = max_of(box->high[k], high[k]);
     }
 }
 
 /* The filter's frame: the box's middle, and the power of two that brings its half width to 0.5..1. */
 static void set_frame(struct dpt_mesh *mesh, const struct model *model)
 {
-    struct box box = nothing;
+    struct node_box box = nothing;
     for (size_t v = 0; v < model->vertex_count; v++) {
         vec3 x = vec3_of_float(model->positions + 3 * v);
         box_add(&box, &x.x, &x.x);
@@ -53,7 +53,7 @@ static void set_frame(struct dpt_mesh *mesh, const struct model *model)
         mesh->box_min[k] = box.low[k];
         mesh->box_max[k] = box.high[k];
         mesh->filter_centre[k] = 0.5 * (box.low[k] + box.high[k]);
-        half = larger(half, 0.5 * (box.high[k] - box.low[k]));
+        half = max_of(half, 0.5 * (box.high[k] - box.low[k]));
     }
     int exponent;
     frexp(half, &exponent);
@@ -127,7 +127,7 @@ static void fill_leaves(void *context, size_t first, size_t end)
     float *leaves = (float *)(void *)(writing->bytes + mesh->section[MESH_LEAVES].offset);
     for (uint32_t leaf = (uint32_t)first; leaf < end; leaf++) {
         float *block = leaves + (size_t)leaf * MESH_LEAF_WORDS;
-        struct box box = nothing;
+        struct node_box box = nothing;
         for (uint32_t lane = 0; lane < LANES; lane++) {
             uint32_t t = leaf * LANES + lane;
             t = t < mesh->triangles ? t : mesh->triangles - 1;
@@ -144,11 +144,11 @@ static void fill_leaves(void *context, size_t first, size_t end)
 }
 
 /* Centre and half width in float, so that the box in float holds the box in double. */
-static void put_box(float *block, uint32_t lane, const struct box *box)
+static void put_box(float *block, uint32_t lane, const struct node_box *box)
 {
     for (uint32_t k = 0; k < 3; k++) {
         float centre = (float)(0.5 * (box->low[k] + box->high[k]));
-        double half = larger(box->high[k] - (double)centre, (double)centre - box->low[k]);
+        double half = max_of(box->high[k] - (double)centre, (double)centre - box->low[k]);
         float up = (float)half;
         block[k * LANES + lane] = centre;
         block[(3 + k) * LANES + lane] = (double)up < half ? nextafterf(up, HUGE_VALF) : up;
@@ -156,12 +156,12 @@ static void put_box(float *block, uint32_t lane, const struct box *box)
 }
 
 /* All levels, upward; `boxes` holds the level below and is folded in place. */
-static void fill_boxes(const struct dpt_mesh *mesh, float *nodes, struct box *boxes,
+static void fill_boxes(const struct dpt_mesh *mesh, float *nodes, struct node_box *boxes,
                        const uint32_t *count)
 {
     for (uint32_t level = 1; level <= mesh->levels; level++)
         for (uint32_t node = 0; node < count[level]; node++, nodes += MESH_BOX_WORDS) {
-            struct box whole = nothing;
+            struct node_box whole = nothing;
             for (uint32_t lane = 0; lane < LANES; lane++) {
                 uint32_t child = node * LANES + lane;
                 child = child < count[level - 1] ? child : count[level - 1] - 1;
@@ -174,9 +174,9 @@ static void fill_boxes(const struct dpt_mesh *mesh, float *nodes, struct box *bo
 
 /* The triangles of a leaf that belong to solid parts: as bits, and as one set. */
 static uint32_t solid_lanes(const struct dpt_mesh *mesh, const struct model *model, uint32_t leaf,
-                            struct moment *set)
+                            struct winding_moment *set)
 {
-    struct moment sets[LANES];
+    struct winding_moment sets[LANES];
     uint32_t lanes = 0, count = 0;
     for (uint32_t lane = 0; lane < LANES && leaf * LANES + lane < mesh->triangles; lane++) {
         uint32_t t = leaf * LANES + lane;
@@ -205,10 +205,10 @@ static void fill_solid_lanes(void *context, size_t first, size_t end)
 }
 
 /* As fill_boxes, from the sets of the leaves. */
-static void fill_moments(const struct dpt_mesh *mesh, float *nodes, struct moment *sets,
+static void fill_moments(const struct dpt_mesh *mesh, float *nodes, struct winding_moment *sets,
                          const uint32_t *count)
 {
-    const struct moment none = { .area = 0.0 };
+    const struct winding_moment none = { .area = 0.0 };
     for (uint32_t level = 1; level <= mesh->levels; level++)
         for (uint32_t node = 0; node < count[level]; node++, nodes += MESH_MOMENT_WORDS) {
             uint32_t first = node * LANES, children = count[level - 1] - first;
@@ -309,8 +309,8 @@ dpt_result model_write(const struct model *model, soup *source, uint64_t source_
     set_sections(mesh, nodes);
 
     const uint32_t threads = source->threads, winding = mesh->tail.winding_components;
-    struct box *boxes = writing.boxes = model_array(source, mesh->leaves, sizeof *boxes);
-    struct moment *sets = writing.sets =
+    struct node_box *boxes = writing.boxes = model_array(source, mesh->leaves, sizeof *boxes);
+    struct winding_moment *sets = writing.sets =
         model_array(source, winding ? mesh->leaves : 0, sizeof *sets);
     char *bytes =
         boxes && sets && mesh->bytes <= SIZE_MAX / 2 ? compiled_block((size_t)mesh->bytes) : NULL;
@@ -320,10 +320,10 @@ dpt_result model_write(const struct model *model, soup *source, uint64_t source_
         return soup_fail(source, DPT_E_MEMORY, (source_place){ 0, 0 }, "memory ran out");
     }
     writing.bytes = bytes;
-    parallel_for(threads, mesh->leaves, LEAVES_LEAST, fill_leaves, &writing);
+    parallel_for(threads, mesh->leaves, LEAVES_MIN, fill_leaves, &writing);
     fill_boxes(mesh, (float *)(void *)(bytes + mesh->section[MESH_BOXES].offset), boxes, count);
     if (winding) {
-        parallel_for(threads, mesh->leaves, LEAVES_LEAST, fill_solid_lanes, &writing);
+        parallel_for(threads, mesh->leaves, LEAVES_MIN, fill_solid_lanes, &writing);
         fill_moments(mesh, (float *)(void *)(bytes + mesh->section[MESH_MOMENTS].offset), sets,
                      count);
     }
@@ -331,7 +331,7 @@ dpt_result model_write(const struct model *model, soup *source, uint64_t source_
     free(sets);
     out->size = (size_t)mesh->bytes;
     crc32_init(&writing.crc);
-    parallel_for(threads, out->size, SECTION_LEAST, seal_sections, &writing);
+    parallel_for(threads, out->size, SECTION_MIN, seal_sections, &writing);
     seal_header(mesh, &writing.crc);
     memcpy(bytes, mesh, sizeof *mesh);
     out->bytes = bytes;

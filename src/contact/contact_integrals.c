@@ -24,17 +24,17 @@
 /* How far, of the reach, the surface may be from where a region ends. */
 #define END_LEFT 0.04
 
-enum { ASK_MOST = PROFILE_SAMPLES, SPANS_LEAST = 12, SAMPLE_CHEAP = 40 };
+enum { ASK_MAX = PROFILE_SAMPLES, SPANS_MIN = 12, SAMPLE_CHEAP = 40 };
 
 /* A piece of the profile on which the height is linear and the way out is one sample's. */
-struct piece {
+struct profile_piece {
     double s0, s1;
     double w0, w1; /* how far within reach */
     vec3 normal;
 };
 
 /* Cut off what is beyond reach; 0 if that is all. */
-static int clip(struct piece *piece)
+static int clip(struct profile_piece *piece)
 {
     double w0 = piece->w0, w1 = piece->w1;
     if (!(w0 > 0.0) && !(w1 > 0.0))
@@ -56,11 +56,11 @@ static inline double area_of(double s0, double w0, double s1, double w1)
 {
     if (w0 >= 0.0 && w1 >= 0.0)
         return 0.5 * (w0 + w1) * (s1 - s0);
-    struct piece piece = { s0, s1, w0, w1, { 0.0, 0.0, 0.0 } };
+    struct profile_piece piece = { s0, s1, w0, w1, { 0.0, 0.0, 0.0 } };
     return clip(&piece) ? 0.5 * (piece.w0 + piece.w1) * (piece.s1 - piece.s0) : 0.0;
 }
 
-static void add_piece(struct region *region, const struct piece *piece, double size)
+static void add_piece(struct region *region, const struct profile_piece *piece, double size)
 {
     double width = (piece->s1 - piece->s0) * size;
     double overlap = 0.5 * (piece->w0 + piece->w1) * width;
@@ -75,7 +75,7 @@ static void add_piece(struct region *region, const struct piece *piece, double s
 }
 
 /* Between a mark and a sample: how far the sample's tangent is within reach where the mark's meets it, or should. */
-static double from_mark(const struct profile *profile, const struct sample *from,
+static double from_mark(const struct distance_profile *profile, const struct sample *from,
                         const struct sample *to, double s)
 {
     const struct sample *seen = from->triangle == DPT_NONE ? to : from;
@@ -86,7 +86,7 @@ static double from_mark(const struct profile *profile, const struct sample *from
  * Where `at` is, the triangle of `of` is as near as its own. The distance to one triangle is convex along the axis and so no less
  * than its tangent, which mostly tells.
  */
-static int is_as_near(const struct profile *profile, const struct sample *of,
+static int is_as_near(const struct distance_profile *profile, const struct sample *of,
                       const struct sample *at)
 {
     double reach = fabs(at->height) + profile->axis->error;
@@ -96,14 +96,14 @@ static int is_as_near(const struct profile *profile, const struct sample *of,
 }
 
 /* One triangle is nearest at both samples: between them the way out turns evenly, or at the sample where others are as near. */
-static int is_one_wall(const struct profile *profile, const struct sample *from,
+static int is_one_wall(const struct distance_profile *profile, const struct sample *from,
                        const struct sample *to)
 {
     return from->triangle == to->triangle || is_as_near(profile, to, from) ||
            is_as_near(profile, from, to);
 }
 
-static void span_between(const struct profile *profile, const struct sample *from,
+static void span_between(const struct distance_profile *profile, const struct sample *from,
                          const struct sample *to, struct span *span)
 {
     struct bend bend = dpti_profile_bend(profile, from, to);
@@ -125,7 +125,7 @@ static void span_between(const struct profile *profile, const struct sample *fro
     span->w = w;
     span->w1 = w1;
     span->area = area;
-    span->doubt = marked ? doubt + 0.5 * area : doubt;
+    span->error_estimate = marked ? doubt + 0.5 * area : doubt;
     span->loose =
         width * profile->size > loose && (marked ? from_mark(profile, from, to, bend.s) > loose
                                                  : ends && fabs(tangent - chord) > loose);
@@ -136,7 +136,7 @@ static void span_between(const struct profile *profile, const struct sample *fro
  * far. How far the way out would turn between them, if `was` is that wall. `least`: no less than how far the samples'
  * triangles are there.
  */
-static double turn_between(const struct profile *profile, const struct sample *from,
+static double turn_between(const struct distance_profile *profile, const struct sample *from,
                            const struct sample *to, uint32_t was, double least)
 {
     if (was == from->triangle || was == to->triangle)
@@ -145,7 +145,7 @@ static double turn_between(const struct profile *profile, const struct sample *f
     double reach = dpti_profile_reach(profile, was, s);
     const uint32_t own[2] = { from->triangle, to->triangle };
     for (int k = 0; k < 2 && reach <= least + error; k++)
-        least = smaller(least, dpti_profile_reach(profile, own[k], s));
+        least = min_of(least, dpti_profile_reach(profile, own[k], s));
     if (reach > least + error)
         return 0.0;
     pair found;
@@ -155,43 +155,43 @@ static double turn_between(const struct profile *profile, const struct sample *f
         return 0.0;
     double sign = from->height + to->height < 0.0 ? -1.0 : 1.0;
     vec3 way = scaled(found.gap, sign / distance);
-    return larger(length(sub(way, from->normal)), length(sub(way, to->normal)));
+    return max_of(length(sub(way, from->normal)), length(sub(way, to->normal)));
 }
 
 /*
  * How far the way out may be off between a sample whose span is known and the next: most where the tangents are nearly one line,
  * and so do not tell where they meet.
  */
-static double doubt_of_way(const struct profile *profile, const struct sample *from,
+static double normal_error(const struct distance_profile *profile, const struct sample *from,
                            const struct sample *to)
 {
     double turn = length(sub(from->normal, to->normal)), share = 0.25;
     if (turn > TURN_SMALL && is_one_wall(profile, from, to))
         share = 0.03;
-    else if (turn > TURN_LARGE && from->span.doubt <= STRAIGHT * from->span.area)
+    else if (turn > TURN_LARGE && from->span.error_estimate <= STRAIGHT * from->span.area)
         share = 1.0;
     double doubt = share * turn;
     if (from->was != from->triangle || to->was != to->triangle) {
         double s = from->span.s;
         double least =
-            sqrt(smaller(profile_square_to(profile, from, s), profile_square_to(profile, to, s)));
-        doubt += 0.25 * larger(turn_between(profile, from, to, from->was, least),
+            sqrt(min_of(profile_square_to(profile, from, s), profile_square_to(profile, to, s)));
+        doubt += 0.25 * max_of(turn_between(profile, from, to, from->was, least),
                                turn_between(profile, from, to, to->was, least));
     }
     return doubt;
 }
 
-static void take_span(const struct profile *profile, struct sample *from)
+static void take_span(const struct distance_profile *profile, struct sample *from)
 {
     const struct sample *to = from + 1;
     span_between(profile, from, to, &from->span);
     if (from->span.area > 0.0 && from->triangle != DPT_NONE && to->triangle != DPT_NONE)
-        from->span.doubt += from->span.area * doubt_of_way(profile, from, to);
+        from->span.error_estimate += from->span.area * normal_error(profile, from, to);
     from->spanned = 1;
 }
 
 /* The same between sample i and the next, worked out once. */
-static inline const struct span *span_at(struct profile *profile, uint32_t i)
+static inline const struct span *span_at(struct distance_profile *profile, uint32_t i)
 {
     if (!profile->sample[i].spanned)
         take_span(profile, &profile->sample[i]);
@@ -199,15 +199,16 @@ static inline const struct span *span_at(struct profile *profile, uint32_t i)
 }
 
 /* Where another sample tells most: where the surface goes out of reach, or at the bend. */
-static double ask_where(const struct profile *profile, uint32_t i, const struct span *span)
+static double next_sample_place(const struct distance_profile *profile, uint32_t i,
+                                const struct span *span)
 {
     const struct sample *from = &profile->sample[i], *to = from + 1;
-    struct piece piece = { from->s, span->s, span->w0, span->w, { 0.0, 0.0, 0.0 } };
+    struct profile_piece piece = { from->s, span->s, span->w0, span->w, { 0.0, 0.0, 0.0 } };
     if (span->w0 < 0.0 && span->w > 0.0 && clip(&piece))
         return piece.s0;
     if (span->w0 > 0.0 && span->w < 0.0 && clip(&piece))
         return piece.s1;
-    piece = (struct piece){ span->s, to->s, span->w, span->w1, { 0.0, 0.0, 0.0 } };
+    piece = (struct profile_piece){ span->s, to->s, span->w, span->w1, { 0.0, 0.0, 0.0 } };
     if (span->w < 0.0 && span->w1 > 0.0 && clip(&piece))
         return piece.s0;
     if (span->w > 0.0 && span->w1 < 0.0 && clip(&piece))
@@ -220,14 +221,14 @@ static double ask_where(const struct profile *profile, uint32_t i, const struct 
  * Integrals are worth so much, and no more: in the middle of a thick or spiky body each search costs hundreds. Half as much
  * again where samples are cheap, as many are needed there.
  */
-static int is_tired(const struct profile *profile)
+static int is_tired(const struct distance_profile *profile)
 {
     uint32_t more = profile->work.done < SAMPLE_CHEAP * profile->count ? PROFILE_WORK / 2 : 0;
     return profile->cut || profile->work.done >= PROFILE_WORK + more;
 }
 
 /* Samples by descent that count for much are searched for: descent may have been trapped. */
-static void confirm(struct profile *profile)
+static void confirm(struct distance_profile *profile)
 {
     double sum = 0.0;
     for (uint32_t i = 0; i + 1 < profile->count; i++)
@@ -238,7 +239,7 @@ static void confirm(struct profile *profile)
         double to = i + 1 < profile->count ? sample[1].s : sample->s;
         double share = 0.5 * (profile->reach - sample->height) * (to - from);
         if (!sample->exact && sample->triangle != DPT_NONE && share > PROFILE_SHARE * sum)
-            dpti_profile_ask(profile, sample->s, 1);
+            dpti_profile_add_sample(profile, sample->s, 1);
     }
 }
 
@@ -246,7 +247,7 @@ static void confirm(struct profile *profile)
  * Where another sample is asked. Wide spans hide what their ends do not show: none wider than the reach, or a share of all that
  * is within it.
  */
-struct ask {
+struct next_sample {
     double s;
     uint32_t wide; /* the span that is too wide, or DPT_NONE */
 };
@@ -258,7 +259,8 @@ struct tally {
 };
 
 /* Of all. `before`: of those before each, made anew from the first that changed. */
-static struct tally tally_spans(struct profile *profile, struct tally before[PROFILE_SAMPLES])
+static struct tally tally_spans(struct distance_profile *profile,
+                                struct tally before[PROFILE_SAMPLES])
 {
     uint32_t first = profile->same ? profile->same - 1 : 0;
     struct tally all = first ? before[first] : (struct tally){ .end_at = DPT_NONE };
@@ -267,10 +269,10 @@ static struct tally tally_spans(struct profile *profile, struct tally before[PRO
         double width = profile->sample[i + 1].s - profile->sample[i].s;
         before[i] = all;
         all.sum += span->area;
-        all.doubt += span->doubt;
+        all.doubt += span->error_estimate;
         all.within += span->area > 0.0 ? width : 0.0;
-        if (span->doubt > all.most) {
-            all.most = span->doubt;
+        if (span->error_estimate > all.most) {
+            all.most = span->error_estimate;
             all.worst = i;
         }
         if (span->area > 0.0 && width > all.widest) {
@@ -287,18 +289,19 @@ static struct tally tally_spans(struct profile *profile, struct tally before[PRO
 }
 
 /* 0 where there is nothing to ask. */
-static int find_ask(const struct profile *profile, const struct tally *all, struct ask *ask)
+static int find_next_sample(const struct distance_profile *profile, const struct tally *all,
+                            struct next_sample *ask)
 {
     double reach = profile->size > 0.0 ? profile->reach / profile->size : 1.0;
     const struct sample *sample = profile->sample;
     ask->wide = DPT_NONE;
-    if (all->widest > larger(reach, all->within / SPANS_LEAST)) {
+    if (all->widest > max_of(reach, all->within / SPANS_MIN)) {
         ask->wide = all->wide_at;
         ask->s = 0.5 * (sample[all->wide_at].s + sample[all->wide_at + 1].s);
     } else if (all->end_at != DPT_NONE) {
-        ask->s = ask_where(profile, all->end_at, &sample[all->end_at].span);
+        ask->s = next_sample_place(profile, all->end_at, &sample[all->end_at].span);
     } else if (all->doubt > DOUBT_LEFT * all->sum || all->most > DOUBT_ONE * all->sum) {
-        ask->s = ask_where(profile, all->worst, &sample[all->worst].span);
+        ask->s = next_sample_place(profile, all->worst, &sample[all->worst].span);
     } else {
         return 0;
     }
@@ -306,29 +309,30 @@ static int find_ask(const struct profile *profile, const struct tally *all, stru
 }
 
 /* 0: work or room ended that. */
-static int refine(struct profile *profile)
+static int refine(struct distance_profile *profile)
 {
     struct tally before[PROFILE_SAMPLES];
-    struct ask ask;
+    struct next_sample ask;
     double from, to;
     confirm(profile);
     profile->same = 0;
-    for (int asked = 0; asked < ASK_MOST && !is_tired(profile); asked++) {
+    for (int asked = 0; asked < ASK_MAX && !is_tired(profile); asked++) {
         const struct tally all = tally_spans(profile, before);
-        if (!find_ask(profile, &all, &ask))
+        if (!find_next_sample(profile, &all, &ask))
             return 1;
         int told = ask.wide != DPT_NONE && !dpti_profile_is_blind(profile, ask.wide, &from, &to);
-        uint32_t at = dpti_profile_ask(profile, ask.s, 1);
+        uint32_t at = dpti_profile_add_sample(profile, ask.s, 1);
         if (at == DPT_NONE)
             return 0;
         /* The surface does not go on as a sample told: what is beyond was not looked into. */
         if (told && profile->sample[at].height >= profile->reach)
-            dpti_profile_look(profile, profile->sample[at - 1].s, profile->sample[at + 1].s);
+            dpti_profile_look_between(profile, profile->sample[at - 1].s,
+                                      profile->sample[at + 1].s);
     }
     return 0;
 }
 
-static uint32_t part_of(const struct profile *profile, uint32_t i)
+static uint32_t part_of(const struct distance_profile *profile, uint32_t i)
 {
     uint32_t triangle = profile->sample[i].triangle;
     return triangle == DPT_NONE ? DPT_NONE : surface_part(profile->surface, triangle);
@@ -336,15 +340,15 @@ static uint32_t part_of(const struct profile *profile, uint32_t i)
 
 /* Regions as they are taken, one piece after another. */
 struct taking {
-    const struct profile *profile;
+    const struct distance_profile *profile;
     struct region *regions;
     uint32_t count;
     int open; /* the last region goes on */
 };
 
-static void take_piece(struct taking *taking, uint32_t sample, struct piece piece)
+static void take_piece(struct taking *taking, uint32_t sample, struct profile_piece piece)
 {
-    const struct profile *profile = taking->profile;
+    const struct distance_profile *profile = taking->profile;
     uint32_t part = part_of(profile, sample);
     double from = piece.s0, to = piece.s1;
     if (!clip(&piece)) {
@@ -353,7 +357,7 @@ static void take_piece(struct taking *taking, uint32_t sample, struct piece piec
     }
     struct region *region = &taking->regions[taking->count ? taking->count - 1 : 0];
     if (!taking->open || piece.s0 > from || (part != DPT_NONE && part != region->part)) {
-        if (taking->count == REGION_MOST)
+        if (taking->count == REGION_MAX)
             return;
         region = &taking->regions[taking->count++];
         *region = (struct region){ .from = piece.s0, .deepest = sample, .part = part };
@@ -364,7 +368,7 @@ static void take_piece(struct taking *taking, uint32_t sample, struct piece piec
     taking->open = piece.s1 >= to;
 }
 
-static uint32_t take_all(struct profile *profile, struct region regions[REGION_MOST])
+static uint32_t take_all(struct distance_profile *profile, struct region regions[REGION_MAX])
 {
     struct taking taking = { .profile = profile, .regions = regions };
     for (uint32_t i = 0; i + 1 < profile->count; i++) {
@@ -372,18 +376,18 @@ static uint32_t take_all(struct profile *profile, struct region regions[REGION_M
         const struct span *span = span_at(profile, i);
         uint32_t left = from->triangle == DPT_NONE ? i + 1 : i;
         uint32_t right = to->triangle == DPT_NONE ? i : i + 1;
-        take_piece(
-            &taking, left,
-            (struct piece){ from->s, span->s, span->w0, span->w, profile->sample[left].normal });
-        take_piece(
-            &taking, right,
-            (struct piece){ span->s, to->s, span->w, span->w1, profile->sample[right].normal });
+        take_piece(&taking, left,
+                   (struct profile_piece){ from->s, span->s, span->w0, span->w,
+                                           profile->sample[left].normal });
+        take_piece(&taking, right,
+                   (struct profile_piece){ span->s, to->s, span->w, span->w1,
+                                           profile->sample[right].normal });
     }
     return taking.count;
 }
 
 /* A region that rests on a bend alone has no sample in it that is within reach. */
-static int is_seen(const struct profile *profile, const struct region *region)
+static int is_seen(const struct distance_profile *profile, const struct region *region)
 {
     const struct sample *deepest = &profile->sample[region->deepest];
     return deepest->s >= region->from && deepest->s <= region->to &&
@@ -391,11 +395,11 @@ static int is_seen(const struct profile *profile, const struct region *region)
 }
 
 /* Its deepest sample is the deepest point. */
-static void prove(struct profile *profile, const struct region *region)
+static void prove(struct distance_profile *profile, const struct region *region)
 {
     struct sample *deepest = &profile->sample[region->deepest];
     if (deepest->height < 0.0) {
-        dpti_profile_prove(profile, region->from, region->to);
+        dpti_profile_prove_deepest(profile, region->from, region->to);
         return;
     }
     uint32_t nearer = dpti_profile_approach(profile, region->from, region->to, deepest->height);
@@ -407,12 +411,13 @@ static void prove(struct profile *profile, const struct region *region)
 }
 
 /* See to the first that has no sample in it, or no proof. Returns 1 if there was one. */
-static int improve_one(struct profile *profile, const struct region *regions, uint32_t count)
+static int improve_one(struct distance_profile *profile, const struct region *regions,
+                       uint32_t count)
 {
     for (uint32_t i = 0; i < count; i++) {
         double middle = 0.5 * (regions[i].from + regions[i].to);
         if (!is_seen(profile, &regions[i]))
-            return dpti_profile_ask(profile, middle, 1) != DPT_NONE;
+            return dpti_profile_add_sample(profile, middle, 1) != DPT_NONE;
         if (!profile->sample[regions[i].deepest].proven) {
             prove(profile, &regions[i]);
             return 1;
@@ -421,12 +426,12 @@ static int improve_one(struct profile *profile, const struct region *regions, ui
     return 0;
 }
 
-uint32_t dpti_region_all(struct profile *profile, struct region regions[REGION_MOST])
+uint32_t dpti_contact_regions(struct distance_profile *profile, struct region regions[REGION_MAX])
 {
-    dpti_profile_enclose(profile);
+    dpti_profile_find_reach(profile);
     profile->coarse = !refine(profile);
     uint32_t count = take_all(profile, regions), seen = 0;
-    for (int asked = 0; asked < 2 * REGION_MOST && !profile->cut; asked++) {
+    for (int asked = 0; asked < 2 * REGION_MAX && !profile->cut; asked++) {
         if (!improve_one(profile, regions, count))
             break;
         count = take_all(profile, regions);
@@ -449,13 +454,14 @@ static vec3 thrust_between(const struct sample *from, const struct sample *to,
 }
 
 /* What a sample between these two tells, of the integral over s, is more than `ignored`. Regions were taken: spans are known. */
-static int is_worth(const struct profile *profile, const struct sample *before,
+static int is_worth(const struct distance_profile *profile, const struct sample *before,
                     const struct sample *sample, const struct sample *after, double ignored)
 {
     struct span both, made;
     const struct span *left = &before->span;
     span_between(profile, before, after, &both);
-    double doubt = both.doubt + 0.25 * length(sub(before->normal, after->normal)) * both.area;
+    double doubt =
+        both.error_estimate + 0.25 * length(sub(before->normal, after->normal)) * both.area;
     if (doubt > ignored)
         return 1;
     if (before + 1 != sample) {
@@ -468,8 +474,9 @@ static int is_worth(const struct profile *profile, const struct sample *before,
 }
 
 /* Those that are worth more than `ignored`; returns how many there are, which may be more than fit. */
-static uint32_t seeds_worth(const struct profile *profile, const struct region *region,
-                            double ignored, struct seed *seeds, uint32_t most)
+static uint32_t warm_starts_worth(const struct distance_profile *profile,
+                                  const struct region *region, double ignored,
+                                  struct warm_start *warm_starts, uint32_t most)
 {
     uint32_t count = 0;
     const struct sample *before = NULL;
@@ -487,22 +494,23 @@ static uint32_t seeds_worth(const struct profile *profile, const struct region *
         if (sample->s < region->from || sample->height == 0.0 || sample->triangle == DPT_NONE)
             continue;
         if (count < most)
-            seeds[count] =
-                (struct seed){ sample->s, sample->triangle, (float)(share * share_per_area) };
+            warm_starts[count] =
+                (struct warm_start){ sample->s, sample->triangle, (float)(share * share_per_area) };
         count++;
     }
     return count;
 }
 
-uint32_t dpti_region_seeds(const struct profile *profile, const struct region *region,
-                           struct seed *seeds, uint32_t most)
+uint32_t dpti_contact_region_warm_starts(const struct distance_profile *profile,
+                                         const struct region *region,
+                                         struct warm_start *warm_starts, uint32_t most)
 {
-    enum { COARSER_MOST = 32 };
+    enum { COARSER_MAX = 32 };
     double ignored = profile->size > 0.0 ? DOUBT_IGNORED * region->overlap / profile->size : 0.0;
-    uint32_t count = seeds_worth(profile, region, ignored, seeds, most);
-    for (int i = 0; i < COARSER_MOST && count > most; i++) {
+    uint32_t count = warm_starts_worth(profile, region, ignored, warm_starts, most);
+    for (int i = 0; i < COARSER_MAX && count > most; i++) {
         ignored *= 1.25;
-        count = seeds_worth(profile, region, ignored, seeds, most);
+        count = warm_starts_worth(profile, region, ignored, warm_starts, most);
     }
     return count < most ? count : most;
 }

@@ -8,7 +8,7 @@
 
 #include "contact/distance_profile.h"
 
-enum { REGION_MOST = 16 }; /* of one profile */
+enum { REGION_MAX = 16 }; /* of one profile */
 
 /*
  * Lengths along the axis are in m. With w(s) = reach - height(s), how far the surface is within reach, and n(s) the
@@ -25,13 +25,14 @@ struct region {
 };
 
 /*
- * Refine the profile for its integrals, and take them. Returns how many regions there are, at most REGION_MOST. Where
+ * Refine the profile for its integrals, and take them. Returns how many regions there are, at most REGION_MAX. Where
  * that cuts the profile, they are of the samples that there are, all true, and what is deepest in a region is not proven.
  */
-uint32_t dpti_region_all(struct profile *profile, struct region regions[REGION_MOST]);
+uint32_t dpti_contact_regions(struct distance_profile *profile, struct region regions[REGION_MAX]);
 
 /* The samples from which a later tick should begin: at most `most` of a region's, in order. Returns how many. */
-uint32_t dpti_region_seeds(const struct profile *profile, const struct region *region,
-                           struct seed *seeds, uint32_t most);
+uint32_t dpti_contact_region_warm_starts(const struct distance_profile *profile,
+                                         const struct region *region,
+                                         struct warm_start *warm_starts, uint32_t most);
 
 #endif

@@ -3,7 +3,7 @@
 
 #include "nearest/range_search.h"
 
-static void put_crossing(struct profile *profile, uint32_t triangle, const pair *found)
+static void put_crossing(struct distance_profile *profile, uint32_t triangle, const pair *found)
 {
     uint32_t i = profile->crossings;
     if (i == PROFILE_CROSSINGS) {
@@ -16,7 +16,7 @@ static void put_crossing(struct profile *profile, uint32_t triangle, const pair 
     *crossing = (struct crossing){ .s = found->s, .triangle = triangle };
     memcpy(crossing->weight, found->weight, sizeof crossing->weight);
     profile->crossings++;
-    vec3 normal = dpti_profile_way_out(profile, triangle, found->weight);
+    vec3 normal = dpti_profile_exit_direction(profile, triangle, found->weight);
     double along_axis = dot(normal, profile->axis->u);
     int on_face = found->weight[0] > 0.0 && found->weight[1] > 0.0 && found->weight[2] > 0.0;
     if (on_face && fabs(along_axis) > 1e-6 * profile->size) {
@@ -30,7 +30,7 @@ static void put_crossing(struct profile *profile, uint32_t triangle, const pair 
 }
 
 /* An edge is met with both its triangles, a vertex with all of its fan: one crossing, of unknown sides. */
-static void join_crossings(struct profile *profile)
+static void join_crossings(struct distance_profile *profile)
 {
     double near = 4.0 * profile->axis->error;
     uint32_t kept = 0;
@@ -46,7 +46,8 @@ static void join_crossings(struct profile *profile)
 }
 
 /* The stretch of the axis that a triangle within reach can be within reach of; `room`: the reach, in s. */
-static void put_zone(struct profile *profile, uint32_t triangle, double per_uu, double room)
+static void put_reach_interval(struct distance_profile *profile, uint32_t triangle, double per_uu,
+                               double room)
 {
     const struct surface *surface = profile->surface;
     const struct axis *axis = profile->axis;
@@ -55,39 +56,39 @@ static void put_zone(struct profile *profile, uint32_t triangle, double per_uu, 
     for (int k = 0; k < 3; k++) {
         vec3 c = vec3_of_float(surface->positions + 3 * (size_t)corner[k]);
         double s = dot(sub(c, axis->local_a), axis->u) * per_uu;
-        from = smaller(from, s);
-        to = larger(to, s);
+        from = min_of(from, s);
+        to = max_of(to, s);
     }
     from = clamp01(from - room);
     to = to + room < 1.0 ? clamp01(to + room) : 1.0;
-    for (uint32_t i = 0; i < profile->zones; i++)
-        if (profile->zone_from[i] <= from && profile->zone_to[i] >= to)
+    for (uint32_t i = 0; i < profile->reach_intervals; i++)
+        if (profile->reach_from[i] <= from && profile->reach_to[i] >= to)
             return;
     uint32_t kept = 0;
-    for (uint32_t i = 0; i < profile->zones; i++) {
-        if (profile->zone_to[i] < from || profile->zone_from[i] > to) {
-            profile->zone_from[kept] = profile->zone_from[i];
-            profile->zone_to[kept++] = profile->zone_to[i];
+    for (uint32_t i = 0; i < profile->reach_intervals; i++) {
+        if (profile->reach_to[i] < from || profile->reach_from[i] > to) {
+            profile->reach_from[kept] = profile->reach_from[i];
+            profile->reach_to[kept++] = profile->reach_to[i];
         } else {
-            from = smaller(from, profile->zone_from[i]);
-            to = larger(to, profile->zone_to[i]);
+            from = min_of(from, profile->reach_from[i]);
+            to = max_of(to, profile->reach_to[i]);
         }
     }
-    if (kept == PROFILE_ZONES) {
+    if (kept == PROFILE_REACH_INTERVALS) {
         kept--;
-        from = smaller(from, profile->zone_from[kept]);
-        to = larger(to, profile->zone_to[kept]);
+        from = min_of(from, profile->reach_from[kept]);
+        to = max_of(to, profile->reach_to[kept]);
     }
-    profile->zone_from[kept] = from;
-    profile->zone_to[kept] = to;
-    profile->zones = kept + 1;
+    profile->reach_from[kept] = from;
+    profile->reach_to[kept] = to;
+    profile->reach_intervals = kept + 1;
 }
 
 /*
  * It comes out on the other side. At an edge or a vertex an axis may come as near as rounding and stay on its side; there the
  * surface is asked a little way before and after.
  */
-static int goes_through(const struct profile *profile, const struct crossing *crossing)
+static int goes_through(const struct distance_profile *profile, const struct crossing *crossing)
 {
     vec3 u = profile->axis->u;
     double weight[3];
@@ -98,12 +99,12 @@ static int goes_through(const struct profile *profile, const struct crossing *cr
     }
     if (corners == 3 || profile->size == 0.0)
         return 1;
-    return dpti_side_of_way(profile->surface, crossing->triangle, weight, u) !=
-           dpti_side_of_way(profile->surface, crossing->triangle, weight, scaled(u, -1.0));
+    return dpti_side_of_arrival(profile->surface, crossing->triangle, weight, u) !=
+           dpti_side_of_arrival(profile->surface, crossing->triangle, weight, scaled(u, -1.0));
 }
 
 /* It goes through an open sheet of which no side is kept. */
-static int is_sideless(const struct profile *profile)
+static int is_sideless(const struct distance_profile *profile)
 {
     for (uint32_t k = 0; k < profile->crossings; k++) {
         uint32_t part = surface_part(profile->surface, profile->crossing[k].triangle);
@@ -115,7 +116,7 @@ static int is_sideless(const struct profile *profile)
     return 0;
 }
 
-void dpti_profile_cross(struct profile *profile)
+void dpti_profile_find_crossings(struct distance_profile *profile)
 {
     const struct axis *axis = profile->axis;
     struct range range;
@@ -129,7 +130,7 @@ void dpti_profile_cross(struct profile *profile)
     dpti_range_begin(&range, profile->surface, profile->kernel, axis->local_a, axis->u,
                      profile->reach, &profile->work);
     for (uint32_t t; (t = dpti_range_next(&range, &meets)) != DPT_NONE;) {
-        put_zone(profile, t, per_uu, room);
+        put_reach_interval(profile, t, per_uu, room);
         if (!meets)
             continue;
         pair found = dpti_triangle_pair(profile->surface, t, axis->local_a, axis->u);

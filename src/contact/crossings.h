@@ -9,6 +9,6 @@
  * All crossings and zones, as far as there is work left for them, and whether the axis goes through an open sheet without a
  * side.
  */
-void dpti_profile_cross(struct profile *profile);
+void dpti_profile_find_crossings(struct distance_profile *profile);
 
 #endif

@@ -11,7 +11,7 @@
  */
 #include "contact/deepest_point.h"
 
-struct bend dpti_profile_bend(const struct profile *profile, const struct sample *from,
+struct bend dpti_profile_bend(const struct distance_profile *profile, const struct sample *from,
                               const struct sample *to)
 {
     double width = to->s - from->s, turn = to->rise - from->rise;
@@ -21,19 +21,19 @@ struct bend dpti_profile_bend(const struct profile *profile, const struct sample
     /* Beside an end, the edge is at the end; far from both there is none between. */
     if (!(s > -0.25 * width && s < 1.25 * width))
         s = 0.5 * width;
-    s = larger(0.0, smaller(s, width));
+    s = max_of(0.0, min_of(s, width));
     return (struct bend){ from->s + s, from->height + from->rise * s };
 }
 
 /* How deep it can be between two samples of which one is inside; to know that it is not above `least` is enough. */
-static struct deep deep_between(const struct profile *profile, uint32_t i, double least)
+static struct deep deep_between(const struct distance_profile *profile, uint32_t i, double least)
 {
     const struct sample *from = &profile->sample[i], *to = from + 1;
     double width = (to->s - from->s) * profile->size, middle = 0.5 * (from->s + to->s);
     double slope = 0.5 * (width + fabs(from->height) + fabs(to->height));
     if (slope <= least)
         return (struct deep){ slope, middle, 1, 0 };
-    double ends = larger(-from->height, -to->height);
+    double ends = max_of(-from->height, -to->height);
     if (from->triangle == to->triangle)
         return (struct deep){ ends, middle, 0, 0 };
     double bound = HUGE_VAL, s = middle;
@@ -44,14 +44,14 @@ static struct deep deep_between(const struct profile *profile, uint32_t i, doubl
     } else {
         double at = dpti_profile_bend(profile, from, to).s;
         double square =
-            larger(profile_square_to(profile, from, at), profile_square_to(profile, to, at));
+            max_of(profile_square_to(profile, from, at), profile_square_to(profile, to, at));
         if (square <= least * least)
-            return (struct deep){ larger(ends, sqrt(square)), at, 1, 0 };
+            return (struct deep){ max_of(ends, sqrt(square)), at, 1, 0 };
         for (int tries = 0; tries < 3 && bound > least; tries++) {
             double by_from = dpti_profile_reach(profile, from->triangle, at);
             double by_to = by_from < bound ? dpti_profile_reach(profile, to->triangle, at) : 0.0;
-            if (larger(by_from, by_to) < bound) {
-                bound = larger(by_from, by_to);
+            if (max_of(by_from, by_to) < bound) {
+                bound = max_of(by_from, by_to);
                 s = at;
             }
             at = 0.5 * (at + (by_from > by_to ? from->s : to->s));
@@ -59,11 +59,12 @@ static struct deep deep_between(const struct profile *profile, uint32_t i, doubl
     }
     double edge = 0.125 * (to->s - from->s);
     s = s > from->s + edge && s < to->s - edge ? s : middle;
-    return (struct deep){ smaller(slope, larger(bound, ends)), s, 0, 0 };
+    return (struct deep){ min_of(slope, max_of(bound, ends)), s, 0, 0 };
 }
 
 /* The lowest sample from one place to another; of the exact ones, if `exact`. */
-static uint32_t lowest(const struct profile *profile, double from, double to, uint32_t exact)
+static uint32_t lowest(const struct distance_profile *profile, double from, double to,
+                       uint32_t exact)
 {
     uint32_t best = DPT_NONE;
     for (uint32_t i = 0; i < profile->count; i++) {
@@ -76,7 +77,7 @@ static uint32_t lowest(const struct profile *profile, double from, double to, ui
 }
 
 /* Between samples i and the next the axis is inside; where each sample has its own side, one of them, or the face where it comes or goes. */
-static int is_inner(const struct profile *profile, uint32_t i)
+static int is_inner(const struct distance_profile *profile, uint32_t i)
 {
     const struct sample *from = &profile->sample[i], *to = from + 1;
     uint32_t k = profile_stretch(profile, 0.5 * (from->s + to->s));
@@ -89,8 +90,8 @@ static int is_inner(const struct profile *profile, uint32_t i)
 }
 
 /* The stretch that can be deepest, if it can be deeper than `least`: of those that end and begin within the limits. */
-static const struct sample *deepest_stretch(struct profile *profile, double least_s, double most_s,
-                                            double least)
+static const struct sample *deepest_stretch(struct distance_profile *profile, double least_s,
+                                            double most_s, double least)
 {
     const struct sample *most = NULL;
     double bound = least;
@@ -111,7 +112,7 @@ static const struct sample *deepest_stretch(struct profile *profile, double leas
     return most;
 }
 
-uint32_t dpti_profile_prove(struct profile *profile, double from, double to)
+uint32_t dpti_profile_prove_deepest(struct distance_profile *profile, double from, double to)
 {
     enum { DESCENTS = 16 };
     uint32_t low = lowest(profile, from, to, 0);
@@ -125,11 +126,11 @@ uint32_t dpti_profile_prove(struct profile *profile, double from, double to)
          * Between samples descent tells enough; where it does not get on, a search does. What counts, regions would search for
          * after all.
          */
-        int exact = profile->winding || profile->regions || asked >= DESCENTS;
+        int exact = profile->winding || profile->contacts_wanted || asked >= DESCENTS;
         if (most)
-            full = dpti_profile_ask(profile, most->deep.s, exact) == DPT_NONE;
+            full = dpti_profile_add_sample(profile, most->deep.s, exact) == DPT_NONE;
         else if (!profile->sample[low].exact)
-            dpti_profile_ask(profile, profile->sample[low].s, 1);
+            dpti_profile_add_sample(profile, profile->sample[low].s, 1);
         else
             break;
         low = lowest(profile, from, to, 0);

@@ -9,13 +9,13 @@
  * From one place of the axis, inside, to another: split it until nothing can be deeper than the lowest sample by more than
  * the tolerance, and confirm that one by a search. Returns it, or DPT_NONE if there is no sample.
  */
-uint32_t dpti_profile_prove(struct profile *profile, double from, double to);
+uint32_t dpti_profile_prove_deepest(struct distance_profile *profile, double from, double to);
 
 /* What the profile is between two samples: the heights' two tangents meet at `s`, `height`. */
 struct bend {
     double s, height;
 };
-struct bend dpti_profile_bend(const struct profile *profile, const struct sample *from,
+struct bend dpti_profile_bend(const struct distance_profile *profile, const struct sample *from,
                               const struct sample *to);
 
 #endif

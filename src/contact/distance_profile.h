@@ -16,16 +16,17 @@
  *
  * First the caller sets surface, kernel, axis, sides, memo, regions, body, reach, tolerance and work.
  */
-int dpti_profile_make(struct profile *profile, const struct pair_search *nearest,
-                      const struct seed *seeds, uint32_t seed_count);
+int dpti_profile_make(struct distance_profile *profile, const struct pair_search *nearest,
+                      const struct warm_start *warm_starts, uint32_t warm_start_count);
 
 /* Mark where the surface comes within reach and goes out of it, so that samples are wherever it is within. */
-void dpti_profile_enclose(struct profile *profile);
+void dpti_profile_find_reach(struct distance_profile *profile);
 
 /* Search between two samples for surface within reach that no sample tells of, where the axis is outside. */
-void dpti_profile_look(struct profile *profile, double first, double last);
+void dpti_profile_look_between(struct distance_profile *profile, double first, double last);
 
 /* Outside, and within a zone: between sample i and the next there is a stretch of which the two do not tell. Which. */
-int dpti_profile_is_blind(const struct profile *profile, uint32_t i, double *from, double *to);
+int dpti_profile_is_blind(const struct distance_profile *profile, uint32_t i, double *from,
+                          double *to);
 
 #endif

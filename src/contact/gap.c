@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "contact/gap.h"
 
-int dpti_contact_find(struct profile *profile, const struct pair_search *nearest,
-                      const struct seed *seeds, uint32_t seed_count, double radius, double *gap)
+int dpti_contact_find(struct distance_profile *profile, const struct pair_search *nearest,
+                      const struct warm_start *warm_starts, uint32_t warm_start_count,
+                      double radius, double *gap)
 {
     *gap = sqrt(nearest->pair.distance2) - radius;
-    if (!dpti_profile_make(profile, nearest, seeds, seed_count))
+    if (!dpti_profile_make(profile, nearest, warm_starts, warm_start_count))
         return CONTACT_NONE;
     if (profile->full || profile->cut || profile->sideless)
         return CONTACT_UNKNOWN;
@@ -14,7 +15,7 @@ int dpti_contact_find(struct profile *profile, const struct pair_search *nearest
     return CONTACT_PROFILE;
 }
 
-vec3 dpti_contact_normal(const struct profile *profile, const struct sample *sample,
+vec3 dpti_contact_normal(const struct distance_profile *profile, const struct sample *sample,
                          uint32_t smooth)
 {
     if (!smooth)
@@ -24,13 +25,14 @@ vec3 dpti_contact_normal(const struct profile *profile, const struct sample *sam
     return along_true != 0.0 ? scaled(normal, along_true < 0.0 ? -1.0 : 1.0) : sample->normal;
 }
 
-struct push dpti_contact_push(const struct profile *profile, const struct frame *body, double gap,
-                              uint32_t smooth)
+struct penetration dpti_contact_penetration(const struct distance_profile *profile,
+                                            const struct frame *body, double gap, uint32_t smooth)
 {
     const struct axis *axis = profile->axis;
     const struct sample *deepest = &profile->sample[profile->deepest];
-    return (struct push){ frame_turn(body, dpti_contact_normal(profile, deepest, smooth)),
-                          along(axis->a, deepest->s, sub(axis->b, axis->a)), larger(0.0, -gap) };
+    return (struct penetration){ frame_turn(body, dpti_contact_normal(profile, deepest, smooth)),
+                                 along(axis->a, deepest->s, sub(axis->b, axis->a)),
+                                 max_of(0.0, -gap) };
 }
 
 void dpti_contact_of(const struct surface *surface, const struct kernel *kernel,
@@ -38,14 +40,14 @@ void dpti_contact_of(const struct surface *surface, const struct kernel *kernel,
                      struct segment_result *result)
 {
     const struct sides none = { .count = 0 };
-    struct profile profile;
+    struct distance_profile profile;
     double gap;
     profile.surface = surface;
     profile.kernel = kernel;
     profile.axis = axis;
     profile.sides = &none;
     profile.point_cache = NULL;
-    profile.regions = 0;
+    profile.contacts_wanted = 0;
     profile.reach = radius;
     profile.tolerance = PROFILE_DEPTH_SHARE * dpti_surface_diagonal(surface);
     profile.work = work_of(WORK_UNLIMITED);

@@ -18,16 +18,17 @@ enum {
 };
 
 /* The gap of a capsule of this radius, in *gap; the rest as dpti_profile_make. */
-int dpti_contact_find(struct profile *profile, const struct pair_search *nearest,
-                      const struct seed *seeds, uint32_t seed_count, double radius, double *gap);
+int dpti_contact_find(struct distance_profile *profile, const struct pair_search *nearest,
+                      const struct warm_start *warm_starts, uint32_t warm_start_count,
+                      double radius, double *gap);
 
 /* The way out at a sample, in the body's frame; `smooth` as dpt_world_def has it. */
-vec3 dpti_contact_normal(const struct profile *profile, const struct sample *sample,
+vec3 dpti_contact_normal(const struct distance_profile *profile, const struct sample *sample,
                          uint32_t smooth);
 
 /* The push at the profile's deepest sample, in the world. */
-struct push dpti_contact_push(const struct profile *profile, const struct frame *body, double gap,
-                              uint32_t smooth);
+struct penetration dpti_contact_penetration(const struct distance_profile *profile,
+                                            const struct frame *body, double gap, uint32_t smooth);
 
 /* Contact and gap of one axis and one body without a past, into a result that has the pair. */
 void dpti_contact_of(const struct surface *surface, const struct kernel *kernel,

@@ -8,25 +8,25 @@ static double lower_end(const struct axis *axis, const struct pair_search *neare
 {
     double height_a = -nearest->pair.s * dot(axis->u, normal);
     double height_b = (1.0 - nearest->pair.s) * dot(axis->u, normal);
-    return smaller(height_a, height_b);
+    return min_of(height_a, height_b);
 }
 
 double dpti_contact_paper(const struct surface *surface, const struct frame *body,
                           const struct axis *part, const struct pair_search *nearest, double radius,
-                          struct push *push)
+                          struct penetration *penetration)
 {
     vec3 normal = dpti_surface_face_normal(surface, nearest->triangle);
     double distance = sqrt(nearest->pair.distance2), gap;
     if (distance == 0.0) {
         gap = lower_end(part, nearest, normal) - radius;
-        push->direction = normal;
+        penetration->direction = normal;
     } else {
         double side = dot(nearest->pair.gap, normal) < 0.0 ? -1.0 : 1.0;
         gap = side * distance - radius;
-        push->direction = scaled(nearest->pair.gap, side / distance);
+        penetration->direction = scaled(nearest->pair.gap, side / distance);
     }
-    push->direction = frame_turn(body, push->direction);
-    push->at = along(part->a, nearest->pair.s, sub(part->b, part->a));
-    push->depth = larger(0.0, -gap);
+    penetration->direction = frame_turn(body, penetration->direction);
+    penetration->at = along(part->a, nearest->pair.s, sub(part->b, part->a));
+    penetration->depth = max_of(0.0, -gap);
     return gap;
 }

@@ -11,6 +11,6 @@
  */
 double dpti_contact_paper(const struct surface *surface, const struct frame *body,
                           const struct axis *part, const struct pair_search *nearest, double radius,
-                          struct push *push);
+                          struct penetration *penetration);
 
 #endif

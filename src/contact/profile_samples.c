@@ -4,7 +4,7 @@
 #include "contact/winding_number.h"
 #include "nearest/point_search.h"
 
-double dpti_profile_reach(const struct profile *profile, uint32_t triangle, double s)
+double dpti_profile_reach(const struct distance_profile *profile, uint32_t triangle, double s)
 {
     const struct surface *surface = profile->surface;
     const uint32_t *corner = surface->corners + 3 * (size_t)triangle;
@@ -24,13 +24,14 @@ int32_t dpti_sides_get(const struct sides *sides, uint32_t part)
 
 void dpti_sides_put(struct sides *sides, uint32_t part, int32_t side)
 {
-    if (sides->count == SIDES_MOST || dpti_sides_get(sides, part))
+    if (sides->count == SIDES_MAX || dpti_sides_get(sides, part))
         return;
     sides->part[sides->count] = part;
     sides->side[sides->count++] = side;
 }
 
-vec3 dpti_profile_way_out(const struct profile *profile, uint32_t triangle, const double weight[3])
+vec3 dpti_profile_exit_direction(const struct distance_profile *profile, uint32_t triangle,
+                                 const double weight[3])
 {
     uint32_t part = surface_part(profile->surface, triangle);
     vec3 normal = dpti_surface_feature_normal(profile->surface, triangle, weight);
@@ -41,7 +42,7 @@ vec3 dpti_profile_way_out(const struct profile *profile, uint32_t triangle, cons
     return size > 0.0 ? scaled(normal, side / size) : (vec3){ 0.0, 0.0, 0.0 };
 }
 
-int dpti_profile_is_inside(struct profile *profile, double s)
+int dpti_profile_is_inside(struct distance_profile *profile, double s)
 {
     const struct surface *surface = profile->surface;
     vec3 x = profile_point(profile, s);
@@ -64,7 +65,8 @@ int dpti_profile_is_inside(struct profile *profile, double s)
     return winding > 0.5;
 }
 
-int dpti_profile_side_of(struct profile *profile, double s, uint32_t triangle, const pair *found)
+int dpti_profile_side_of(struct distance_profile *profile, double s, uint32_t triangle,
+                         const pair *found)
 {
     uint32_t part = surface_part(profile->surface, triangle),
              flags = surface_part_flags(profile->surface, part);
@@ -81,14 +83,14 @@ int dpti_profile_side_of(struct profile *profile, double s, uint32_t triangle, c
 }
 
 /* There is work left for a search. */
-static int may_begin(struct profile *profile)
+static int may_begin(struct distance_profile *profile)
 {
     profile->cut |= (uint32_t)work_is_spent(&profile->work);
     return !work_is_spent(&profile->work);
 }
 
 /* A triangle that was found before, unless another is nearer: then 0. */
-static int take_nearer(const struct profile *profile, vec3 x, uint32_t triangle,
+static int take_nearer(const struct distance_profile *profile, vec3 x, uint32_t triangle,
                        struct pair_search *nearest)
 {
     pair found;
@@ -100,7 +102,7 @@ static int take_nearer(const struct profile *profile, vec3 x, uint32_t triangle,
     return 1;
 }
 
-static void search(struct profile *profile, vec3 x, struct pair_search *nearest)
+static void search(struct distance_profile *profile, vec3 x, struct pair_search *nearest)
 {
     struct point_cache *cache = profile->point_cache;
     const struct cached_point *known =
@@ -128,7 +130,7 @@ static void search(struct profile *profile, vec3 x, struct pair_search *nearest)
 }
 
 /* Of the descents to a point the first is kept, so that what follows from it is the same in the next tick. */
-static void descend_to(struct profile *profile, const struct axis *point,
+static void descend_to(struct distance_profile *profile, const struct axis *point,
                        struct pair_search *nearest)
 {
     struct cached_point *entry =
@@ -146,7 +148,7 @@ static void descend_to(struct profile *profile, const struct axis *point,
 }
 
 /* The nearest triangle of a point, by descent or by search, as far as there is work left for it. */
-static void improve(struct profile *profile, const struct axis *point, int exact,
+static void improve(struct distance_profile *profile, const struct axis *point, int exact,
                     struct pair_search *nearest)
 {
     if (exact)
@@ -155,8 +157,8 @@ static void improve(struct profile *profile, const struct axis *point, int exact
         descend_to(profile, point, nearest);
 }
 
-void dpti_profile_take_sample(struct profile *profile, double s, uint32_t triangle, int exact,
-                              struct sample *sample)
+void dpti_profile_take_sample(struct distance_profile *profile, double s, uint32_t triangle,
+                              int exact, struct sample *sample)
 {
     struct axis point;
     struct pair_search nearest;
@@ -173,7 +175,7 @@ void dpti_profile_take_sample(struct profile *profile, double s, uint32_t triang
         sign = dpti_profile_side_of(profile, s, nearest.triangle, found);
     vec3 normal = distance > 1e3 * point.error
                       ? scaled(found->gap, sign / distance)
-                      : dpti_profile_way_out(profile, nearest.triangle, found->weight);
+                      : dpti_profile_exit_direction(profile, nearest.triangle, found->weight);
     sample->s = s;
     sample->height = sign * distance;
     sample->normal = normal;
@@ -187,14 +189,14 @@ void dpti_profile_take_sample(struct profile *profile, double s, uint32_t triang
 }
 
 /* Sample i is another, and so is the span before it. */
-static void note_change(struct profile *profile, uint32_t i)
+static void note_change(struct distance_profile *profile, uint32_t i)
 {
     if (i < profile->same)
         profile->same = i;
 }
 
 /* Make room: of those between two of their own triangle, which tell least, the one whose neighbours are nearest. */
-static int drop_sample(struct profile *profile)
+static int drop_sample(struct distance_profile *profile)
 {
     double least = HUGE_VAL;
     uint32_t drop = DPT_NONE;
@@ -218,7 +220,7 @@ static int drop_sample(struct profile *profile)
     return 1;
 }
 
-uint32_t dpti_profile_put_sample(struct profile *profile, const struct sample *sample)
+uint32_t dpti_profile_put_sample(struct distance_profile *profile, const struct sample *sample)
 {
     uint32_t i = profile->count;
     while (i > 0 && profile->sample[i - 1].s >= sample->s)
@@ -248,7 +250,7 @@ uint32_t dpti_profile_put_sample(struct profile *profile, const struct sample *s
 }
 
 /* Of the sample beside s: where a search begins. */
-static uint32_t nearest_triangle(const struct profile *profile, double s)
+static uint32_t nearest_triangle(const struct distance_profile *profile, double s)
 {
     const struct sample *sample = profile->sample;
     uint32_t right = 0;
@@ -264,7 +266,7 @@ static uint32_t nearest_triangle(const struct profile *profile, double s)
     return right < profile->count ? sample[right].triangle : 0;
 }
 
-int dpti_profile_tell(struct profile *profile, uint32_t i, uint32_t triangle)
+int dpti_profile_share_triangle(struct distance_profile *profile, uint32_t i, uint32_t triangle)
 {
     struct sample *sample = &profile->sample[i];
     if (sample->exact || sample->triangle == DPT_NONE || sample->triangle == triangle ||
@@ -278,22 +280,24 @@ int dpti_profile_tell(struct profile *profile, uint32_t i, uint32_t triangle)
     return 1;
 }
 
-uint32_t dpti_profile_ask(struct profile *profile, double s, int exact)
+uint32_t dpti_profile_add_sample(struct distance_profile *profile, double s, int exact)
 {
     struct sample sample;
     dpti_profile_take_sample(profile, s, nearest_triangle(profile, s), exact, &sample);
     uint32_t at = profile->cut ? DPT_NONE : dpti_profile_put_sample(profile, &sample);
     if (at == DPT_NONE)
         return at;
-    for (uint32_t i = at; i > 0 && dpti_profile_tell(profile, i - 1, sample.triangle); i--)
+    for (uint32_t i = at; i > 0 && dpti_profile_share_triangle(profile, i - 1, sample.triangle);
+         i--)
         ;
-    for (uint32_t i = at + 1; i < profile->count && dpti_profile_tell(profile, i, sample.triangle);
-         i++)
+    for (uint32_t i = at + 1;
+         i < profile->count && dpti_profile_share_triangle(profile, i, sample.triangle); i++)
         ;
     return at;
 }
 
-uint32_t dpti_profile_approach(struct profile *profile, double from, double to, double reach)
+uint32_t dpti_profile_approach(struct distance_profile *profile, double from, double to,
+                               double reach)
 {
     const struct axis *axis = profile->axis;
     struct axis piece = { .local_a = profile_point(profile, from),
@@ -317,7 +321,7 @@ uint32_t dpti_profile_approach(struct profile *profile, double from, double to, 
     return dpti_profile_put_sample(profile, &sample);
 }
 
-const struct sample *dpti_profile_lowest_on(const struct profile *profile, uint32_t part)
+const struct sample *dpti_profile_lowest_on(const struct distance_profile *profile, uint32_t part)
 {
     const struct sample *lowest = NULL;
     for (uint32_t i = 0; i < profile->count; i++) {

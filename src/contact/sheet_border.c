@@ -10,11 +10,11 @@
 #include "nearest/filter_segment.h"
 
 enum {
-    EDGES_MOST = 256,
-    BLOCKS_MOST = 2048, /* of a search for the border, beside the budget */
-    STEPS = 16,         /* of a stretch that is behind */
-    STEPS_AGAIN = 8,    /* of two of them */
-    CLIMB = 14          /* of a golden section: 7e-4 of its span */
+    EDGES_MAX = 256,
+    BLOCKS_MAX = 2048, /* of a search for the border, beside the budget */
+    STEPS = 16,        /* of a stretch that is behind */
+    STEPS_AGAIN = 8,   /* of two of them */
+    CLIMB = 14         /* of a golden section: 7e-4 of its span */
 };
 
 #define GOLDEN    0.6180339887498949
@@ -28,13 +28,13 @@ struct border {
     struct border_edge {
         uint32_t from, to; /* vertices */
         uint32_t part;
-    } edge[EDGES_MOST];
+    } edge[EDGES_MAX];
 };
 
 /* What a border at distance b leaves of the depth of a point that is h behind, or in front, at h = 0. */
 static double room_near(double h, double b)
 {
-    return larger(0.0, smaller(b - h, h + RISE_SLOW * (b - 2.0 * h)));
+    return max_of(0.0, min_of(b - h, h + RISE_SLOW * (b - 2.0 * h)));
 }
 
 /* A border that is farther changes no point's depth that is as deep, or less. */
@@ -57,7 +57,7 @@ static double border_distance(const struct border *border, uint32_t part, vec3 x
     double least = HUGE_VAL;
     for (uint32_t i = 0; i < border->count; i++)
         if (border->edge[i].part == part)
-            least = smaller(least, square_to_edge(border, &border->edge[i], x));
+            least = min_of(least, square_to_edge(border, &border->edge[i], x));
     return sqrt(least);
 }
 
@@ -66,17 +66,17 @@ static void put_edge(struct border *border, uint32_t number, const struct border
 {
     if (number % border->stride)
         return;
-    if (border->count == EDGES_MOST) {
-        for (uint32_t i = 0; i < EDGES_MOST / 2; i++)
+    if (border->count == EDGES_MAX) {
+        for (uint32_t i = 0; i < EDGES_MAX / 2; i++)
             border->edge[i] = border->edge[2 * i];
-        border->count = EDGES_MOST / 2;
+        border->count = EDGES_MAX / 2;
         border->stride *= 2;
     }
     border->edge[border->count++] = *edge;
 }
 
 /* Those of a leaf, of sheets with a side, that are within reach of a point; `number` counts all that were seen. */
-static void take_leaf(const struct profile *profile, uint32_t leaf, vec3 x, double reach,
+static void take_leaf(const struct distance_profile *profile, uint32_t leaf, vec3 x, double reach,
                       uint32_t *number, struct border *border)
 {
     const struct surface *surface = profile->surface;
@@ -96,7 +96,8 @@ static void take_leaf(const struct profile *profile, uint32_t leaf, vec3 x, doub
 }
 
 /* Border edges within reach of a point; 0 where that was too much work. */
-static int gather(const struct profile *profile, vec3 x, double reach, struct border *border)
+static int gather(const struct distance_profile *profile, vec3 x, double reach,
+                  struct border *border)
 {
     const struct surface *surface = profile->surface;
     const vec3 seen = scaled(sub(x, surface->filter_centre), surface->filter_scale);
@@ -122,7 +123,7 @@ static int gather(const struct profile *profile, vec3 x, double reach, struct bo
         }
         const uint32_t child = node[level] * LANES + first_lane(lanes[level]);
         lanes[level] &= lanes[level] - 1;
-        if (++blocks > BLOCKS_MOST)
+        if (++blocks > BLOCKS_MAX)
             return 0;
         if (level == 1) {
             take_leaf(profile, child, x, reach, &number, border);
@@ -138,8 +139,8 @@ static int gather(const struct profile *profile, vec3 x, double reach, struct bo
  * Is there a border within reach of a sample? One looks twice as far, so as not to look again in each tick. Where
  * that is too much work, none counts until the tool has gone on by a reach.
  */
-static int is_near(const struct profile *profile, const struct sample *deepest, double reach,
-                   uint32_t id, struct border_view *view, struct border *border)
+static int is_near(const struct distance_profile *profile, const struct sample *deepest,
+                   double reach, uint32_t id, struct border_view *view, struct border *border)
 {
     const uint32_t part = surface_part(profile->surface, deepest->triangle);
     vec3 x = profile_point(profile, deepest->s);
@@ -153,7 +154,7 @@ static int is_near(const struct profile *profile, const struct sample *deepest, 
     const int all = gather(profile, x, 2.0 * reach, border);
     const double clear = all ? border_distance(border, part, x) : HUGE_VAL;
     *view = (struct border_view){ .centre = x,
-                                  .clear = smaller(2.0 * reach, clear),
+                                  .clear = min_of(2.0 * reach, clear),
                                   .body = id,
                                   .part = part,
                                   .found = clear < 2.0 * reach };
@@ -161,8 +162,8 @@ static int is_near(const struct profile *profile, const struct sample *deepest, 
 }
 
 /* A search for the deepest point of an axis. */
-struct quest {
-    struct profile *profile;
+struct border_search {
+    struct distance_profile *profile;
     const struct border *border;
     double radius;
     /*
@@ -179,9 +180,9 @@ struct quest {
  * How deep a sample counts; not one beside the border, which would push another way than back through the sheet. In
  * front of the sheet the border counts too: there it is that the rest of the axis is behind.
  */
-static double depth_of(const struct quest *quest, const struct sample *sample)
+static double depth_of(const struct border_search *quest, const struct sample *sample)
 {
-    const struct profile *profile = quest->profile;
+    const struct distance_profile *profile = quest->profile;
     if (sample->triangle == DPT_NONE)
         return -HUGE_VAL;
     const uint32_t part = surface_part(profile->surface, sample->triangle);
@@ -192,10 +193,10 @@ static double depth_of(const struct quest *quest, const struct sample *sample)
         dpti_side_is_border(profile->surface, sample->triangle, sample->weight))
         return -HUGE_VAL;
     double b = border_distance(quest->border, part, profile_point(profile, sample->s));
-    return smaller(depth, quest->share * room_near(fabs(sample->height), b));
+    return min_of(depth, quest->share * room_near(fabs(sample->height), b));
 }
 
-static double try_sample(struct quest *quest, const struct sample *sample)
+static double try_sample(struct border_search *quest, const struct sample *sample)
 {
     double depth = depth_of(quest, sample);
     if (depth > quest->depth) {
@@ -206,7 +207,7 @@ static double try_sample(struct quest *quest, const struct sample *sample)
 }
 
 /* By descent from where the last one was, which is near. */
-static double try_at(struct quest *quest, double s)
+static double try_at(struct border_search *quest, double s)
 {
     struct sample sample;
     dpti_profile_take_sample(quest->profile, s, quest->last, 0, &sample);
@@ -215,7 +216,7 @@ static double try_at(struct quest *quest, double s)
 }
 
 /* The top of a hill, by a golden section. */
-static void climb(struct quest *quest, double from, double to)
+static void climb(struct border_search *quest, double from, double to)
 {
     double left = to - GOLDEN * (to - from), right = from + GOLDEN * (to - from);
     double at_left = try_at(quest, left), at_right = try_at(quest, right);
@@ -236,10 +237,10 @@ static void climb(struct quest *quest, double from, double to)
     }
 }
 
-static void search_stretch(struct quest *quest, double from, double to, int steps);
+static void search_stretch(struct border_search *quest, double from, double to, int steps);
 
 /* A piece of a stretch, with those edges alone that may be nearest to a point of it. */
-static void search_window(struct quest *quest, double from, double to)
+static void search_window(struct border_search *quest, double from, double to)
 {
     const struct border *all = quest->border;
     const double half = 0.5 * (to - from) * quest->profile->size;
@@ -261,15 +262,15 @@ static void search_window(struct quest *quest, double from, double to)
 }
 
 /* A stretch may have more than one hill, and what looks like one, two beside each other: so steps are taken twice. */
-static void search_stretch(struct quest *quest, double from, double to, int steps)
+static void search_stretch(struct border_search *quest, double from, double to, int steps)
 {
     double depth[STEPS + 1], step = (to - from) / steps;
     for (int i = 0; i <= steps; i++)
         depth[i] = try_at(quest, from + i * step);
     for (int i = 0; i <= steps; i++) {
         double before = i ? depth[i - 1] : -HUGE_VAL, after = i < steps ? depth[i + 1] : -HUGE_VAL;
-        double left = larger(from, from + (i - 1) * step),
-               right = smaller(to, from + (i + 1) * step);
+        double left = max_of(from, from + (i - 1) * step),
+               right = min_of(to, from + (i + 1) * step);
         /* The depth changes by no more than twice the way. */
         if (!(depth[i] >= before && depth[i] > after &&
               depth[i] + 2.0 * step * quest->profile->size > quest->depth))
@@ -281,7 +282,7 @@ static void search_stretch(struct quest *quest, double from, double to, int step
     }
 }
 
-static int is_border(const struct profile *profile, const struct sample *sample)
+static int is_border(const struct distance_profile *profile, const struct sample *sample)
 {
     return sample->triangle != DPT_NONE &&
            dpti_side_is_border(profile->surface, sample->triangle, sample->weight);
@@ -291,7 +292,7 @@ static int is_border(const struct profile *profile, const struct sample *sample)
  * Where a stretch that ends with a sample may go on to, towards the next one: to that, where it is beside the
  * border; else until the tool's surface leaves the sheet, and half as far again.
  */
-static double end_of(const struct quest *quest, const struct sample *last,
+static double end_of(const struct border_search *quest, const struct sample *last,
                      const struct sample *next)
 {
     const double way = next->s - last->s, rise = fabs(last->rise);
@@ -302,14 +303,14 @@ static double end_of(const struct quest *quest, const struct sample *last,
 }
 
 /* The tool's surface is within the sheet there, or it is behind. */
-static int is_in(const struct quest *quest, const struct sample *sample)
+static int is_in(const struct border_search *quest, const struct sample *sample)
 {
     return sample->height <= 0.0 ||
            (sample->height < quest->radius && !is_border(quest->profile, sample));
 }
 
 /* The next stretch of which a part at least is behind, from sample *i on, which is moved past it; 0: there is none. */
-static int next_stretch(const struct quest *quest, uint32_t *i, double *from, double *to)
+static int next_stretch(const struct border_search *quest, uint32_t *i, double *from, double *to)
 {
     const struct sample *sample = quest->profile->sample;
     const uint32_t count = quest->profile->count;
@@ -330,12 +331,12 @@ static int next_stretch(const struct quest *quest, uint32_t *i, double *from, do
 }
 
 /* All of them as one: of that the border is asked for. */
-static int gather_stretches(const struct quest *quest, double reach, struct border *border)
+static int gather_stretches(const struct border_search *quest, double reach, struct border *border)
 {
     double from = 1.0, to = 0.0, first, last;
     for (uint32_t i = 0; next_stretch(quest, &i, &first, &last);) {
-        from = smaller(from, first);
-        to = larger(to, last);
+        from = min_of(from, first);
+        to = max_of(to, last);
     }
     const double half = 0.5 * (to - from) * quest->profile->size;
     return from <= to && gather(quest->profile, profile_point(quest->profile, 0.5 * (from + to)),
@@ -343,9 +344,9 @@ static int gather_stretches(const struct quest *quest, double reach, struct bord
 }
 
 /* No search puts a sample into the profile: it stays as it is. */
-static void search(struct quest *quest)
+static void search(struct border_search *quest)
 {
-    const struct profile *profile = quest->profile;
+    const struct distance_profile *profile = quest->profile;
     double from, to;
     for (uint32_t i = 0; i < profile->count; i++)
         try_sample(quest, &profile->sample[i]);
@@ -357,7 +358,7 @@ static void search(struct quest *quest)
  * How far the search must look, or 0: no border can be near. The samples tell of it where they go on beside it in
  * front; what is between such two may be deeper than both.
  */
-static double depth_at_most(const struct profile *profile)
+static double depth_at_most(const struct distance_profile *profile)
 {
     double most = -profile->sample[profile->deepest].height;
     for (uint32_t i = 0; i + 1 < profile->count; i++) {
@@ -373,34 +374,34 @@ static double depth_at_most(const struct profile *profile)
 }
 
 /* How far the axis has come through the sheet's plane, beside its border too. */
-static double depth_through(const struct profile *profile, const struct sample *deepest)
+static double depth_through(const struct distance_profile *profile, const struct sample *deepest)
 {
     vec3 a = along(deepest->gap, -deepest->s, profile->axis->u);
-    return larger(-dot(a, deepest->normal), -dot(add(a, profile->axis->u), deepest->normal));
+    return max_of(-dot(a, deepest->normal), -dot(add(a, profile->axis->u), deepest->normal));
 }
 
-int dpti_sheet_border_weigh(struct profile *profile, const struct frame *body, uint32_t id,
+int dpti_sheet_border_weigh(struct distance_profile *profile, const struct frame *body, uint32_t id,
                             double radius, uint32_t smooth, struct border_view *view,
-                            struct push *push, struct seed *found)
+                            struct penetration *penetration, struct warm_start *found)
 {
     const struct sample deepest = profile->sample[profile->deepest];
     const double most = depth_at_most(profile), through = depth_through(profile, &deepest);
-    const double share = larger(1.0, radius / larger(larger(most, through), DBL_MIN));
+    const double share = max_of(1.0, radius / max_of(max_of(most, through), DBL_MIN));
     const double reach = reach_of(most, radius, share);
     struct border border;
-    if (!(push->depth > 0.0) || !is_near(profile, &deepest, reach, id, view, &border))
+    if (!(penetration->depth > 0.0) || !is_near(profile, &deepest, reach, id, view, &border))
         return 0;
-    struct quest quest = { .profile = profile,
-                           .border = &border,
-                           .radius = radius,
-                           .share = share,
-                           .last = deepest.triangle,
-                           .sample = deepest };
+    struct border_search quest = { .profile = profile,
+                                   .border = &border,
+                                   .radius = radius,
+                                   .share = share,
+                                   .last = deepest.triangle,
+                                   .sample = deepest };
     if (!gather_stretches(&quest, reach, &border))
         return 0;
     quest.depth = depth_of(&quest, &deepest) + profile->tolerance;
-    *found = (struct seed){ deepest.s, deepest.triangle, 1.0f };
-    if (most == -deepest.height && quest.depth >= push->depth)
+    *found = (struct warm_start){ deepest.s, deepest.triangle, 1.0f };
+    if (most == -deepest.height && quest.depth >= penetration->depth)
         return 1;
     const uint32_t cut = profile->cut;
     const struct work work = profile->work;
@@ -413,9 +414,10 @@ int dpti_sheet_border_weigh(struct profile *profile, const struct frame *body, u
     profile->point_cache = cache;
     profile->work = work;
     profile->cut = cut;
-    push->direction = frame_turn(body, dpti_contact_normal(profile, &quest.sample, smooth));
-    push->at = along(profile->axis->a, quest.sample.s, sub(profile->axis->b, profile->axis->a));
-    push->depth = larger(0.0, depth_of(&quest, &quest.sample));
-    *found = (struct seed){ quest.sample.s, quest.sample.triangle, 1.0f };
+    penetration->direction = frame_turn(body, dpti_contact_normal(profile, &quest.sample, smooth));
+    penetration->at =
+        along(profile->axis->a, quest.sample.s, sub(profile->axis->b, profile->axis->a));
+    penetration->depth = max_of(0.0, depth_of(&quest, &quest.sample));
+    *found = (struct warm_start){ quest.sample.s, quest.sample.triangle, 1.0f };
     return 1;
 }

@@ -23,8 +23,8 @@ struct border_view {
  * stays as it is, bit for bit. `view` is of the last tick's, and of this one's then. Samples are taken; the profile
  * stays as it was. 1 where a border was so near that the point was looked for: then `found` is where it is.
  */
-int dpti_sheet_border_weigh(struct profile *profile, const struct frame *body, uint32_t id,
+int dpti_sheet_border_weigh(struct distance_profile *profile, const struct frame *body, uint32_t id,
                             double radius, uint32_t smooth, struct border_view *view,
-                            struct push *push, struct seed *found);
+                            struct penetration *penetration, struct warm_start *found);
 
 #endif

@@ -7,11 +7,11 @@
 #include "dynpoint/types.h"
 
 /* The wrench of one push about `origin`: docs/algorithms/penalty.md. */
-static inline void respond_penalty(const struct push *push, double stiffness, vec3 origin,
-                                   dpt_wrench *sum)
+static inline void respond_penalty(const struct penetration *penetration, double stiffness,
+                                   vec3 origin, dpt_wrench *sum)
 {
-    vec3 force = scaled(push->direction, stiffness * push->depth);
-    vec3 torque = cross(sub(push->at, origin), force);
+    vec3 force = scaled(penetration->direction, stiffness * penetration->depth);
+    vec3 torque = cross(sub(penetration->at, origin), force);
     vec3_store(add(vec3_of(sum->force), force), sum->force);
     vec3_store(add(vec3_of(sum->torque), torque), sum->torque);
 }

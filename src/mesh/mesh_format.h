@@ -26,7 +26,7 @@
 #define MESH_ALIGN              64u
 #define MESH_LEVELS_MAX         8u /* 16^8 is more leaves than 2^32 triangles can fill */
 
-#define MESH_SELF_INTERSECTIONS_MOST 10000u /* pairs that are counted */
+#define MESH_SELF_INTERSECTIONS_MAX 10000u /* pairs that are counted */
 
 /* Neighbour over an edge. */
 #define MESH_EDGE_OPEN UINT32_MAX

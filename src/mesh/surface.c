@@ -29,7 +29,7 @@ void dpti_surface_of_mesh(const struct dpt_mesh *mesh, struct surface *surface)
 
 double dpti_surface_extent(const struct surface *surface)
 {
-    return larger(extent_of(surface->box_min), extent_of(surface->box_max));
+    return max_of(extent_of(surface->box_min), extent_of(surface->box_max));
 }
 
 double dpti_surface_diagonal(const struct surface *surface)

@@ -74,7 +74,7 @@ vec3 dpti_surface_feature_normal(const struct surface *surface, uint32_t triangl
 }
 
 /* Of a crease's side no more triangles are asked, each way: a hub may have any number. */
-#define SECTOR_MOST 64
+#define SECTOR_MAX 64
 
 /* Over the triangles round the vertex up to the next crease either way, or where they end. */
 static vec3 sector_normal(const struct surface *surface, uint32_t triangle, int k)
@@ -86,7 +86,7 @@ static vec3 sector_normal(const struct surface *surface, uint32_t triangle, int 
     for (int way = 0; way < 2; way++) {
         uint32_t t = triangle;
         int edge = way ? (k + 2) % 3 : k;
-        for (int i = 0; i < SECTOR_MOST; i++) {
+        for (int i = 0; i < SECTOR_MAX; i++) {
             uint32_t next = neighbours[3 * (size_t)t + (size_t)edge];
             if (flags[t] & (uint32_t)DPT_EDGE_CREASE << edge || next >= surface_triangles(surface))
                 break;

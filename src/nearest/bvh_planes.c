@@ -112,7 +112,7 @@ static uint32_t refine_leaves(struct bvh_search *search, uint32_t node, uint32_t
 void dpti_bvh_close_whole(struct bvh_search *search, struct plane_block *block, uint32_t level,
                           uint32_t child)
 {
-    enum { PAUSE_MOST = 15 };
+    enum { PAUSE_MAX = 15 };
     if (search->cache.anew || work_is_spent(search->work))
         return;
     if (block->wait) {
@@ -127,7 +127,7 @@ void dpti_bvh_close_whole(struct bvh_search *search, struct plane_block *block, 
     uint32_t pause = 2u * block->pause + 1;
     if (refine(search, level, node, lane, parent))
         pause = 0;
-    block->pause = block->wait = (uint16_t)(pause < PAUSE_MOST ? pause : PAUSE_MOST);
+    block->pause = block->wait = (uint16_t)(pause < PAUSE_MAX ? pause : PAUSE_MAX);
 }
 
 /* The plane through the best pair, for a whole leaf: its parent keeps it. */

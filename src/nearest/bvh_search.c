@@ -50,7 +50,7 @@ static void look_into_leaf(struct bvh_search *search, uint32_t leaf)
     else if (bvh_is_own(search, &cached))
         dpti_bvh_close_whole(search, cached.block, 1, leaf);
     while (lanes) {
-        uint32_t lane = least_lane(bound, lanes);
+        uint32_t lane = lowest_lane(bound, lanes);
         lanes &= ~(1u << lane);
         if (bound[lane] > search->segment.limit)
             return;
@@ -132,7 +132,7 @@ static uint32_t next_lane(const struct bvh_search *search, const struct path_ent
     for (int i = 0; i < 4; i++)
         many &= many - 1;
     int any = !many && search->slack > 0.0 && !search->cache.anew;
-    return any ? first_lane(entry->lanes) : least_lane(entry->bound, entry->lanes);
+    return any ? first_lane(entry->lanes) : lowest_lane(entry->bound, entry->lanes);
 }
 
 static int meets(const struct pair_search *nearest)
@@ -223,12 +223,12 @@ double dpti_traversal_lower_bound(const struct bvh_traversal *traversal,
         const struct path_entry *entry = &traversal->path[l];
         if (!entry->lanes)
             continue;
-        double bound = entry->bound[least_lane(entry->bound, entry->lanes)];
-        bound = larger(entry->least, bound);
+        double bound = entry->bound[lowest_lane(entry->bound, entry->lanes)];
+        bound = max_of(entry->least, bound);
         double ahead = bound * (1.0 - KERNEL_STRETCH) - segment.margin;
         if (!(ahead > 0.0))
             return 0.0;
-        least = smaller(least, ahead);
+        least = min_of(least, ahead);
     }
     return least / surface->filter_scale;
 }

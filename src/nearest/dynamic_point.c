@@ -97,9 +97,9 @@ void dpti_track_descend(const struct surface *surface, const struct axis *axis, 
 static int walk_through(const struct surface *surface, const struct axis *axis, uint32_t triangle,
                         struct work *work, struct pair_search *nearest)
 {
-    enum { WALK_MOST = 8 };
+    enum { WALK_MAX = 8 };
     const uint32_t *neighbours = surface_neighbours(surface);
-    for (int i = 0; i < WALK_MOST && triangle < surface_triangles(surface); i++) {
+    for (int i = 0; i < WALK_MAX && triangle < surface_triangles(surface); i++) {
         __builtin_prefetch(&neighbours[3 * (size_t)triangle]);
         __builtin_prefetch(&surface->sources[triangle]);
         struct pierce pierce = triangle_pierce(surface, triangle, axis->local_a, axis->u);

@@ -21,9 +21,9 @@ static inline void axis_of(const struct surface *surface, const struct frame *bo
     axis->local_a = frame_to_local(body, a);
     vec3 local_b = frame_to_local(body, b);
     axis->u = sub(local_b, axis->local_a);
-    double reach = larger(larger(extent_of(a), extent_of(b)), extent_of(body->origin));
-    reach = larger(reach, larger(extent_of(axis->local_a), extent_of(local_b)));
-    axis->error = DISTANCE_ERROR * larger(reach, dpti_surface_extent(surface));
+    double reach = max_of(max_of(extent_of(a), extent_of(b)), extent_of(body->origin));
+    reach = max_of(reach, max_of(extent_of(axis->local_a), extent_of(local_b)));
+    axis->error = DISTANCE_ERROR * max_of(reach, dpti_surface_extent(surface));
 }
 
 /*

@@ -27,9 +27,9 @@ void dpti_pair_search_update_plane(struct pair_search *nearest, vec3 a, vec3 u, 
     vec3 normal = scaled(found->gap, -1.0 / sqrt(found->distance2));
     double rise = dot(normal, u), uu = dot(u, u);
     if (found->s <= 0.0)
-        rise = larger(rise, 0.0);
+        rise = max_of(rise, 0.0);
     else if (found->s >= 1.0)
-        rise = smaller(rise, 0.0);
+        rise = min_of(rise, 0.0);
     nearest->plane = (struct best_plane){ normal, sub(along(a, found->s, u), found->gap),
                                           uu > 0.0 ? rise * rise / uu : 0.0, slack };
     nearest->plane_of = nearest->triangle + 1;

@@ -53,7 +53,7 @@ static void try_block(struct descent *d)
     work_spend(d->work, 1);
     d->count = 0;
     while (lanes) {
-        uint32_t lane = least_lane(bound, lanes);
+        uint32_t lane = lowest_lane(bound, lanes);
         lanes &= ~(1u << lane);
         if (bound[lane] > d->probe.limit)
             return;

@@ -52,7 +52,7 @@ static void look_into_leaf(struct point_search_state *search, uint32_t leaf)
     lanes &= search->kernel->point_triangles(surface->leaves + (size_t)leaf * MESH_LEAF_WORDS,
                                              search->at, search->limit, bound);
     while (lanes) {
-        uint32_t lane = least_lane(bound, lanes);
+        uint32_t lane = lowest_lane(bound, lanes);
         lanes &= ~(1u << lane);
         if (bound[lane] > search->limit)
             return;
@@ -86,7 +86,7 @@ int dpti_point_search(const struct surface *surface, const struct kernel *kernel
             traversal->depth++;
             continue;
         }
-        uint32_t lane = beside ? first_lane(entry->lanes) : least_lane(entry->bound, entry->lanes);
+        uint32_t lane = beside ? first_lane(entry->lanes) : lowest_lane(entry->bound, entry->lanes);
         uint32_t rest = entry->lanes & ~(1u << lane);
         if (entry->bound[lane] > search.limit) {
             entry->lanes = beside ? rest : 0;

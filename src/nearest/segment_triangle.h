@@ -130,7 +130,7 @@ static inline struct pierce pierce_of(vec3 u, const vec3 from[3], const vec3 edg
     struct pierce p;
     vec3 n = cross(edge[2], edge[0]), q = cross(from[0], u);
     double rise = dot(n, u), turn = rise < 0.0 ? -1.0 : 1.0;
-    double size = larger(extent_of(edge[0]), extent_of(edge[2])), square = size * size;
+    double size = max_of(extent_of(edge[0]), extent_of(edge[2])), square = size * size;
     double reach = extent_of(from[0]), way = extent_of(u);
     p.height_a = dot(n, from[0]);
     p.height_b = p.height_a + rise;
@@ -147,14 +147,14 @@ static inline struct pierce pierce_of(vec3 u, const vec3 from[3], const vec3 edg
 /* The ends are on different sides of the plane, beyond doubt. */
 static inline int pierce_parts(const struct pierce *p)
 {
-    double low = smaller(p->height_a, p->height_b), high = larger(p->height_a, p->height_b);
+    double low = min_of(p->height_a, p->height_b), high = max_of(p->height_a, p->height_b);
     return (low < -p->height_noise) & (high > p->height_noise);
 }
 
 /* The axis goes through the plane outside of the triangle, beyond doubt: it is an edge that is nearest. */
 static inline int pierce_misses(const struct pierce *p)
 {
-    double least = smaller(p->side[0], smaller(p->side[1], p->side[2]));
+    double least = min_of(p->side[0], min_of(p->side[1], p->side[2]));
     return (least < -p->side_noise) & pierce_parts(p);
 }
 
@@ -165,7 +165,7 @@ static inline int pierce_misses(const struct pierce *p)
 static inline int pair_beside(pair *best, const struct pierce *p, vec3 u, double per_uu,
                               const vec3 from[3], const vec3 edge[3])
 {
-    double least = smaller(p->side[0], smaller(p->side[1], p->side[2]));
+    double least = min_of(p->side[0], min_of(p->side[1], p->side[2]));
     int inner = (least < -p->side_noise) & p->is_seen;
     for (int corner = 0; corner < 3 && inner; corner++)
         if (!(p->side[(corner + 2) % 3] > p->side_noise)) {
@@ -178,7 +178,7 @@ static inline int pair_beside(pair *best, const struct pierce *p, vec3 u, double
 /* 1, and the answer, where the axis goes through the inside of a triangle that is no sliver, beyond doubt. */
 static inline int pair_on_pierced(pair *best, const struct pierce *p)
 {
-    double least = smaller(p->side[0], smaller(p->side[1], p->side[2]));
+    double least = min_of(p->side[0], min_of(p->side[1], p->side[2]));
     if (!((least > p->side_noise) & p->is_flat & pierce_parts(p)))
         return 0;
     double rise = p->height_b - p->height_a, per = 1.0 / fabs(rise);
@@ -211,7 +211,7 @@ static inline void point_on_edges(pair *found, const vec3 from[3], const vec3 ed
     }
     int k = square[1] < square[0];
     k = square[2] < square[k] ? 2 : k;
-    found->distance2 = smaller(square[k], HUGE_VAL);
+    found->distance2 = min_of(square[k], HUGE_VAL);
     found->s = 0.0;
     found->gap = sub(from[k], scaled(edge[k], t[k]));
     found->weight[k] = 1.0 - t[k];
@@ -243,7 +243,7 @@ static inline double point_reach(vec3 x, vec3 v0, vec3 v1, vec3 v2)
     vec3 g = sub(f, e), to = sub(w, e);
     vec3 by_e = sub(w, scaled(e, clamp01(we / ee))), by_f = sub(w, scaled(f, clamp01(wf / ff)));
     vec3 by_g = sub(to, scaled(g, clamp01(dot(to, g) / dot(g, g))));
-    return sqrt(smaller(dot(by_e, by_e), smaller(dot(by_f, by_f), dot(by_g, by_g))));
+    return sqrt(min_of(dot(by_e, by_e), min_of(dot(by_f, by_f), dot(by_g, by_g))));
 }
 
 /* The axis is a + s u, s in 0..1. */

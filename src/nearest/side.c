@@ -50,8 +50,8 @@ int dpti_side_of_pair(const struct surface *surface, uint32_t triangle, const pa
 /* Of an edge, how far back one looks. */
 #define SIDE_BACK 1e-3
 
-int dpti_side_of_way(const struct surface *surface, uint32_t triangle, const double weight[3],
-                     vec3 back)
+int dpti_side_of_arrival(const struct surface *surface, uint32_t triangle, const double weight[3],
+                         vec3 back)
 {
     const uint32_t *first, *fans = surface_fans(surface, &first);
     int most = weight[1] > weight[0] ? 1 : 0;
@@ -64,7 +64,7 @@ int dpti_side_of_way(const struct surface *surface, uint32_t triangle, const dou
         q = along(q, weight[k], surface_corner_point(surface, triangle, k));
     double edge = length(sub(surface_corner_point(surface, triangle, most + 1),
                              surface_corner_point(surface, triangle, most)));
-    vec3 x = along(q, smaller(SIDE_BACK * edge, size) / size, back);
+    vec3 x = along(q, min_of(SIDE_BACK * edge, size) / size, back);
     uint32_t v = surface->corners[3 * (size_t)triangle + (size_t)most], nearest = triangle;
     pair best, found;
     dpti_triangle_point_pair(surface, triangle, x, &best);

@@ -19,7 +19,7 @@ int dpti_side_of_pair(const struct surface *surface, uint32_t triangle, const pa
  * The side from which a point came that touched there, `back` leading to where it was. At an edge or a vertex the plane
  * of its normal does not tell that: it is the side of a point a little way back.
  */
-int dpti_side_of_way(const struct surface *surface, uint32_t triangle, const double weight[3],
-                     vec3 back);
+int dpti_side_of_arrival(const struct surface *surface, uint32_t triangle, const double weight[3],
+                         vec3 back);
 
 #endif

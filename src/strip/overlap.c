@@ -21,8 +21,8 @@ static double distance_when_moved(const struct surface *surface, uint32_t place,
  * from where the triangle is wholly below, Newton's method comes down on the last touch and never passes it; where there
  * is none the distance begins to grow again, or the way is over.
  */
-static double way_to_free(const struct surface *surface, uint32_t place, vec3 a, vec3 u,
-                          double radius, vec3 normal, double height)
+static double exit_distance(const struct surface *surface, uint32_t place, vec3 a, vec3 u,
+                            double radius, vec3 normal, double height)
 {
     double way = radius - height, fine = 1e-12 * (fabs(way) + radius + length(u));
     for (int i = 0; i < 64 && way > 0.0; i++) {
@@ -33,7 +33,7 @@ static double way_to_free(const struct surface *surface, uint32_t place, vec3 a,
             return 0.0;
         way -= apart / rise;
     }
-    return larger(0.0, way);
+    return max_of(0.0, way);
 }
 
 static void overlap_of(const struct surface *surface, const struct frame *frame, vec3 a, vec3 u,
@@ -44,15 +44,15 @@ static void overlap_of(const struct surface *surface, const struct frame *frame,
     vec3 q = sub(along(a, found.s, u), found.gap);
     vec3 corner =
         vec3_of_float(surface->positions + 3 * (size_t)surface->corners[3 * (size_t)place]);
-    double height = smaller(dot(sub(a, corner), normal), dot(sub(add(a, u), corner), normal));
+    double height = min_of(dot(sub(a, corner), normal), dot(sub(add(a, u), corner), normal));
     double distance = sqrt(found.distance2);
-    double way = way_to_free(surface, place, a, u, radius, normal, height);
+    double way = exit_distance(surface, place, a, u, radius, normal, height);
     *overlap = (dpt_overlap){
         .triangle = surface->sources[place],
         .flags = distance > 0.0 ? 0u : DPT_OVERLAP_FLAG_CROSSING,
         .distance = distance,
         .s = found.s,
-        .gap = way > 0.0 ? -way : larger(0.0, distance - radius),
+        .gap = way > 0.0 ? -way : max_of(0.0, distance - radius),
         .overlap = way,
     };
     vec3_store(frame_to_world(frame, q), overlap->q);

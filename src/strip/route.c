@@ -34,7 +34,7 @@ static const uint32_t *corners_of(const struct finder *f, uint32_t triangle)
 }
 
 /* Eight vertices that follow each other lie in one line of the cache, as they mostly do on the surface. */
-static struct reached *slot_of(const struct route_search *search, uint32_t vertex)
+static struct visited_vertex *slot_of(const struct route_search *search, uint32_t vertex)
 {
     uint32_t mask = search->slot_count - 1;
     uint32_t at = ((vertex >> 3) * 0x9e3779b1u >> 7 << 3) + (vertex & 7);
@@ -44,28 +44,29 @@ static struct reached *slot_of(const struct route_search *search, uint32_t verte
 }
 
 /* The filled slot, from the front of the queue or from its back. */
-static struct reached *queued(const struct route_search *search, int side, uint32_t index)
+static struct visited_vertex *queued(const struct route_search *search, int side, uint32_t index)
 {
-    return &search->slots[search->queue[side ? search->room - 1 - index : index]];
+    return &search->slots[search->queue[side ? search->queue_capacity - 1 - index : index]];
 }
 
 static void clear(struct route_search *search)
 {
     for (int side = 0; side < 2; side++) {
         for (uint32_t i = 0; i < search->used[side]; i++)
-            *queued(search, side, i) = (struct reached){ 0, 0 };
+            *queued(search, side, i) = (struct visited_vertex){ 0, 0 };
         search->used[side] = 0;
     }
 }
 
-static dpt_result put(struct route_search *search, struct reached *slot, uint32_t vertex, int side,
-                      uint32_t mark)
+static dpt_result put(struct route_search *search, struct visited_vertex *slot, uint32_t vertex,
+                      int side, uint32_t mark)
 {
-    if (search->used[0] + search->used[1] == search->room)
+    if (search->used[0] + search->used[1] == search->queue_capacity)
         return DPT_E_FULL;
     uint32_t index = search->used[side]++;
-    *slot = (struct reached){ vertex + 1, mark };
-    search->queue[side ? search->room - 1 - index : index] = (uint32_t)(slot - search->slots);
+    *slot = (struct visited_vertex){ vertex + 1, mark };
+    search->queue[side ? search->queue_capacity - 1 - index : index] =
+        (uint32_t)(slot - search->slots);
     return DPT_OK;
 }
 
@@ -96,13 +97,13 @@ static uint32_t corner_after(const uint32_t *corners, uint32_t vertex, uint32_t 
 }
 
 /* From one vertex of the ring on. What leads over to the other side is marked there, or here, on the start's side. */
-static dpt_result expand_vertex(struct finder *f, int side, struct reached *slot, int *met)
+static dpt_result expand_vertex(struct finder *f, int side, struct visited_vertex *slot, int *met)
 {
     const uint32_t vertex = slot->vertex - 1;
     const uint32_t mark = (f->ring[side] + 1) * ROUTE_STEP + (side ? ROUTE_GOAL : 0);
     FOR_NEXT_TO(f, vertex, next)
     {
-        struct reached *other = slot_of(f->search, next);
+        struct visited_vertex *other = slot_of(f->search, next);
         if (!other->vertex) {
             DPT_TRY(put(f->search, other, next, side, mark));
         } else if ((other->mark & ROUTE_GOAL) != (mark & ROUTE_GOAL)) {
@@ -153,13 +154,13 @@ static dpt_result meet(struct finder *f)
 static void mark_way(const struct finder *f)
 {
     for (uint32_t i = f->search->used[0]; i-- > 0;) {
-        const struct reached *slot = queued(f->search, 0, i);
+        const struct visited_vertex *slot = queued(f->search, 0, i);
         if (!(slot->mark & ROUTE_WAY) || slot->mark < ROUTE_STEP)
             continue;
         const uint32_t vertex = slot->vertex - 1, before = slot->mark / ROUTE_STEP - 1;
         FOR_NEXT_TO(f, vertex, next)
         {
-            struct reached *other = slot_of(f->search, next);
+            struct visited_vertex *other = slot_of(f->search, next);
             if (other->vertex && other->mark == before * ROUTE_STEP)
                 other->mark |= ROUTE_WAY;
         }
@@ -169,7 +170,7 @@ static void mark_way(const struct finder *f)
 /* Edges from a vertex to the goal, as far as it is known to lie on a shortest way or near the goal. */
 static uint32_t steps_to_goal(const struct finder *f, uint32_t vertex)
 {
-    const struct reached *slot = slot_of(f->search, vertex);
+    const struct visited_vertex *slot = slot_of(f->search, vertex);
     if (!slot->vertex)
         return UINT32_MAX;
     if (slot->mark & ROUTE_GOAL)
@@ -214,10 +215,10 @@ static int add(struct route *route, uint32_t place, uint32_t left)
     const struct route *other = route->other;
     if (other && left < other->count) {
         uint32_t same = other->count - 1 - left;
-        if (same < other->room && other->places[same] == place)
+        if (same < other->capacity && other->places[same] == place)
             return 0;
     }
-    if (route->count < route->room)
+    if (route->count < route->capacity)
         route->places[route->count] = place;
     route->count++;
     return 1;
@@ -261,7 +262,7 @@ dpt_result dpti_route_find(struct route_search *search, const struct dpt_mesh *m
         touch |= has_corner(corners_of(&f, from), goal[k]);
     if (touch)
         return follow(&f, from, to, route);
-    dpt_result result = search->room ? begin(&f, 0, from) : DPT_E_FULL;
+    dpt_result result = search->queue_capacity ? begin(&f, 0, from) : DPT_E_FULL;
     if (result == DPT_OK)
         result = begin(&f, 1, to);
     if (result == DPT_OK)

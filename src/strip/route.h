@@ -7,18 +7,18 @@
 #include "mesh/mesh_format.h"
 
 /* A vertex that a search has come to. */
-struct reached {
+struct visited_vertex {
     uint32_t vertex; /* and one, so that 0 is a free slot */
     uint32_t mark;   /* steps from its end, times 4, and ROUTE_... */
 };
 
 /* The memory of a search. All free between two of them. */
 struct route_search {
-    struct reached *slots; /* open addressing */
+    struct visited_vertex *slots; /* open addressing */
     uint32_t *
         queue; /* slots that were filled: those from the start, and, from the back, from the goal */
-    uint32_t slot_count; /* a power of two */
-    uint32_t room;       /* of the queue */
+    uint32_t slot_count;     /* a power of two */
+    uint32_t queue_capacity; /* of the queue */
     uint32_t used[2];
 };
 
@@ -28,7 +28,7 @@ struct route_search {
  */
 struct route {
     uint32_t *places;
-    uint32_t room;
+    uint32_t capacity;
     uint32_t count;
     const struct route *other; /* or NULL */
 };

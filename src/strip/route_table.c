@@ -7,7 +7,7 @@
 #include "mesh/corners.h"
 #include "strip/strip_state.h"
 
-enum { TABLE_TRIANGLES_MOST = 10000, TABLE_UNREACHABLE = UINT16_MAX };
+enum { TABLE_TRIANGLES_MAX = 10000, TABLE_UNREACHABLE = UINT16_MAX };
 
 struct dpt_route_table {
     const struct dpt_mesh *mesh;
@@ -21,7 +21,7 @@ static uint64_t bytes_of_steps(const struct dpt_mesh *mesh)
 
 size_t dpt_route_table_bytes(const dpt_mesh *mesh)
 {
-    if (!mesh || mesh->triangles > TABLE_TRIANGLES_MOST)
+    if (!mesh || mesh->triangles > TABLE_TRIANGLES_MAX)
         return 0;
     uint64_t bytes = mesh_aligned(sizeof(dpt_route_table)) + bytes_of_steps(mesh) +
                      4 * ((uint64_t)mesh->triangles + mesh->vertices);

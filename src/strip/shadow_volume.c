@@ -14,16 +14,17 @@ static vec3 across(vec3 d)
     return unit(cross(d, axis));
 }
 
-static void put(struct shade *shade, int k, vec3 normal, double low, double high)
+static void put(struct shadow_volume *volume, int k, vec3 normal, double low, double high)
 {
-    shade->normal[0][k] = normal.x;
-    shade->normal[1][k] = normal.y;
-    shade->normal[2][k] = normal.z;
-    shade->low[k] = low;
-    shade->high[k] = high;
+    volume->normal[0][k] = normal.x;
+    volume->normal[1][k] = normal.y;
+    volume->normal[2][k] = normal.z;
+    volume->low[k] = low;
+    volume->high[k] = high;
 }
 
-void dpti_shade_of(vec3 a, vec3 u, vec3 direction, double half, double depth, struct shade *shade)
+void dpti_shadow_volume_of(vec3 a, vec3 u, vec3 direction, double half, double depth,
+                           struct shadow_volume *volume)
 {
     vec3 d = unit(direction), side = cross(d, u);
     int is_line = length(side) > 1e-9 * length(u);
@@ -32,13 +33,15 @@ void dpti_shade_of(vec3 a, vec3 u, vec3 direction, double half, double depth, st
     double size = sqrt(ue * ue + ud * ud);
     /* Where it is a mere line or plane, two pairs of planes may have nothing in common but for rounding. */
     double slack = 64.0 * 0x1p-53 * (extent_of(a) + size + half + depth);
-    *shade = (struct shade){ .a = a, .u = u, .d = d, .e = e, .w = w, .half = half, .depth = depth };
-    put(shade, 0, w, -half - slack, half + slack);
-    put(shade, 1, e, smaller(0.0, ue) - half - slack, larger(0.0, ue) + half + slack);
-    put(shade, 2, d, smaller(0.0, ud) - depth - slack, larger(0.0, ud) + depth + slack);
+    *volume = (struct shadow_volume){
+        .a = a, .u = u, .d = d, .e = e, .w = w, .half = half, .depth = depth
+    };
+    put(volume, 0, w, -half - slack, half + slack);
+    put(volume, 1, e, min_of(0.0, ue) - half - slack, max_of(0.0, ue) + half + slack);
+    put(volume, 2, d, min_of(0.0, ud) - depth - slack, max_of(0.0, ud) + depth + slack);
     if (size > 0.0) {
         double ne = ud / size, nd = -ue / size;
         double limit = half * fabs(ne) + depth * fabs(nd) + slack;
-        put(shade, 3, along(scaled(e, ne), nd, d), -limit, limit);
+        put(volume, 3, along(scaled(e, ne), nd, d), -limit, limit);
     }
 }

@@ -9,19 +9,20 @@
 
 #include "base/vec3.h"
 
-enum { SHADE_SLABS = 4 };
+enum { SHADOW_SLABS = 4 };
 
-struct shade {
+struct shadow_volume {
     vec3 a, u;    /* the axis, in the mesh's frame */
     vec3 d, e, w; /* unit */
     double half;  /* of its width */
     double depth;
-    double normal[3][SHADE_SLABS]; /* x, y, z of each */
-    double low[SHADE_SLABS];       /* of (x - a) . normal */
-    double high[SHADE_SLABS];
+    double normal[3][SHADOW_SLABS]; /* x, y, z of each */
+    double low[SHADOW_SLABS];       /* of (x - a) . normal */
+    double high[SHADOW_SLABS];
 };
 
 /* `direction` need not be unit. */
-void dpti_shade_of(vec3 a, vec3 u, vec3 direction, double half, double depth, struct shade *shade);
+void dpti_shadow_volume_of(vec3 a, vec3 u, vec3 direction, double half, double depth,
+                           struct shadow_volume *volume);
 
 #endif

@@ -12,39 +12,42 @@
 #define LINE_WORDS 16 /* of a cache line, mostly */
 
 /* Slabs go side by side: so the bits are as wide as the numbers, and the loop must not be taken apart before that is seen. */
-static inline void measure(const struct shade *shade, const float *at, struct shadow_vertex *vertex)
+static inline void measure(const struct shadow_volume *volume, const float *at,
+                           struct shadow_vertex *vertex)
 {
-    static const uint64_t below[SHADE_SLABS] = { 1, 4, 16, 64 };
-    static const uint64_t above[SHADE_SLABS] = { 2, 8, 32, 128 };
-    double x = at[0] - shade->a.x, y = at[1] - shade->a.y, z = at[2] - shade->a.z;
+    static const uint64_t below[SHADOW_SLABS] = { 1, 4, 16, 64 };
+    static const uint64_t above[SHADOW_SLABS] = { 2, 8, 32, 128 };
+    double x = at[0] - volume->a.x, y = at[1] - volume->a.y, z = at[2] - volume->a.z;
     uint64_t outside = 0;
 #pragma GCC unroll 1
-    for (int k = 0; k < SHADE_SLABS; k++) {
-        double value = x * shade->normal[0][k] + y * shade->normal[1][k] + z * shade->normal[2][k];
+    for (int k = 0; k < SHADOW_SLABS; k++) {
+        double value =
+            x * volume->normal[0][k] + y * volume->normal[1][k] + z * volume->normal[2][k];
         vertex->value[k] = value;
-        outside |= (value < shade->low[k] ? below[k] : 0) | (value > shade->high[k] ? above[k] : 0);
+        outside |=
+            (value < volume->low[k] ? below[k] : 0) | (value > volume->high[k] ? above[k] : 0);
     }
     vertex->outside = (uint32_t)outside;
 }
 
 /* The stretch of an edge that is left between the planes, which its ends are on both sides of, is not empty. */
-static int edge_is_left(const struct shade *shade, const struct shadow_vertex *a,
+static int edge_is_left(const struct shadow_volume *volume, const struct shadow_vertex *a,
                         const struct shadow_vertex *b)
 {
     double from = 0.0, to = 1.0;
-    for (int k = 0; k < SHADE_SLABS; k++) {
+    for (int k = 0; k < SHADOW_SLABS; k++) {
         if (!((a->outside | b->outside) >> 2 * k & 3))
             continue;
         double per = 1.0 / (b->value[k] - a->value[k]);
-        double low = (shade->low[k] - a->value[k]) * per;
-        double high = (shade->high[k] - a->value[k]) * per;
-        from = larger(from, smaller(low, high));
-        to = smaller(to, larger(low, high));
+        double low = (volume->low[k] - a->value[k]) * per;
+        double high = (volume->high[k] - a->value[k]) * per;
+        from = max_of(from, min_of(low, high));
+        to = min_of(to, max_of(low, high));
     }
     return from <= to;
 }
 
-static inline int edge_meets(const struct shade *shade, const struct shadow_vertex *a,
+static inline int edge_meets(const struct shadow_volume *volume, const struct shadow_vertex *a,
                              const struct shadow_vertex *b)
 {
     uint32_t any = a->outside | b->outside;
@@ -53,7 +56,7 @@ static inline int edge_meets(const struct shade *shade, const struct shadow_vert
     /* Outside of one slab alone, to both sides or at one end: a stretch is left. */
     if (!(any & ~3u) || !(any & ~12u) || !a->outside || !b->outside)
         return 1;
-    return edge_is_left(shade, a, b);
+    return edge_is_left(volume, a, b);
 }
 
 /* The slot of a triangle, or the free one where it would be. */
@@ -94,13 +97,13 @@ static void fetch_leaf(struct shadow_walk *walk, uint32_t leaf)
 static inline uint32_t new_vertex(struct shadow_walk *walk, uint32_t number)
 {
     uint32_t made = walk->vertex_count;
-    if (made < walk->room + 2)
+    if (made < walk->capacity + 2)
         walk->vertex_count++;
     else
         made--;
     struct shadow_vertex *vertex = &walk->vertices[made];
     vertex->number = number;
-    measure(&walk->shade, walk->positions + 3 * (size_t)number, vertex);
+    measure(&walk->volume, walk->positions + 3 * (size_t)number, vertex);
     return made;
 }
 
@@ -112,7 +115,7 @@ static inline void enter(struct shadow_walk *walk, uint32_t place, uint32_t from
     struct shadow_slot *slot = slot_of(walk, place);
     if (slot->stamp == walk->stamp)
         return;
-    if (walk->triangle_count == walk->room) {
+    if (walk->triangle_count == walk->capacity) {
         walk->flags |= DPT_STRIP_FLAG_FULL;
         return;
     }
@@ -150,7 +153,7 @@ static inline int cross_edge(struct shadow_walk *walk, const struct shadow_trian
                              uint32_t i, uint32_t k)
 {
     const uint32_t from = here->corner[i], to = here->corner[AFTER[i]];
-    if (!edge_meets(&walk->shade, &walk->vertices[from], &walk->vertices[to]))
+    if (!edge_meets(&walk->volume, &walk->vertices[from], &walk->vertices[to]))
         return 0;
     const uint32_t next = walk->neighbours[3 * (size_t)here->place + k];
     if (next == MESH_EDGE_OPEN)
@@ -180,15 +183,15 @@ static int begin(struct shadow_walk *walk, uint32_t start)
 /* What is left of the first triangle between the planes, cut by one after the other, is not nothing. */
 static int first_meets(const struct shadow_walk *walk)
 {
-    const struct shade *shade = &walk->shade;
-    double from[2 * SHADE_SLABS + 3][SHADE_SLABS], to[2 * SHADE_SLABS + 3][SHADE_SLABS];
+    const struct shadow_volume *volume = &walk->volume;
+    double from[2 * SHADOW_SLABS + 3][SHADOW_SLABS], to[2 * SHADOW_SLABS + 3][SHADOW_SLABS];
     int count = 3;
     for (int k = 0; k < 3; k++)
         memcpy(from[k], walk->vertices[k].value, sizeof from[k]);
-    for (int cut = 0; cut < 2 * SHADE_SLABS && count; cut++) {
+    for (int cut = 0; cut < 2 * SHADOW_SLABS && count; cut++) {
         int k = cut / 2, left = 0;
         double sign = cut % 2 ? -1.0 : 1.0;
-        double limit = cut % 2 ? -shade->high[k] : shade->low[k];
+        double limit = cut % 2 ? -volume->high[k] : volume->low[k];
         for (int i = 0; i < count; i++) {
             const double *a = from[i], *b = from[i + 1 < count ? i + 1 : 0];
             double beyond_a = sign * a[k] - limit, beyond_b = sign * b[k] - limit;
@@ -196,7 +199,7 @@ static int first_meets(const struct shadow_walk *walk)
                 memcpy(to[left++], a, sizeof to[0]);
             if ((beyond_a >= 0.0) != (beyond_b >= 0.0)) {
                 double t = beyond_a / (beyond_a - beyond_b);
-                for (int c = 0; c < SHADE_SLABS; c++)
+                for (int c = 0; c < SHADOW_SLABS; c++)
                     to[left][c] = a[c] + t * (b[c] - a[c]);
                 to[left++][k] = sign * limit;
             }
@@ -208,18 +211,18 @@ static int first_meets(const struct shadow_walk *walk)
 }
 
 void dpti_shadow_walk(struct shadow_walk *walk, const struct surface *surface,
-                      const struct shade *shade, uint32_t start)
+                      const struct shadow_volume *volume, uint32_t start)
 {
     const struct dpt_mesh *mesh = surface->mesh;
     if (walk->mesh == mesh && walk->crc32 == mesh->header_crc32 &&
         walk->positions == surface->positions && walk->start == start &&
-        !memcmp(&walk->shade, shade, sizeof *shade))
+        !memcmp(&walk->volume, volume, sizeof *volume))
         return;
     forget(walk);
     walk->mesh = mesh;
     walk->crc32 = mesh->header_crc32;
     walk->start = start;
-    walk->shade = *shade;
+    walk->volume = *volume;
     walk->corners = surface->corners;
     walk->neighbours = surface_neighbours(surface);
     walk->sources = surface->sources;

@@ -8,9 +8,9 @@
 #include "strip/shadow_volume.h"
 
 struct shadow_vertex {
-    double value[SHADE_SLABS]; /* of (x - a) . normal */
-    uint32_t outside;          /* two bits a slab: below, above */
-    uint32_t number;           /* in the mesh */
+    double value[SHADOW_SLABS]; /* of (x - a) . normal */
+    uint32_t outside;           /* two bits a slab: below, above */
+    uint32_t number;            /* in the mesh */
 };
 
 struct shadow_triangle {
@@ -29,12 +29,12 @@ struct shadow_walk {
     const struct dpt_mesh *mesh; /* NULL: there was none */
     uint32_t crc32; /* of its header, and so of all of it: another may come to lie there */
     uint32_t start;
-    struct shade shade;
+    struct shadow_volume volume;
     uint32_t flags; /* DPT_STRIP_... */
     struct shadow_triangle *triangles;
     struct shadow_vertex *vertices; /* room for two more */
     struct shadow_slot *slots;      /* open addressing, by place */
-    uint32_t room;                  /* for triangles */
+    uint32_t capacity;              /* for triangles */
     uint32_t slot_count;            /* a power of two */
     uint32_t stamp;                 /* of this walk, from 1 on */
     uint32_t triangle_count, vertex_count;
@@ -45,6 +45,6 @@ struct shadow_walk {
 
 /* The triangles of the piece that holds `start`, a place, into walk->triangles. */
 void dpti_shadow_walk(struct shadow_walk *walk, const struct surface *surface,
-                      const struct shade *shade, uint32_t start);
+                      const struct shadow_volume *volume, uint32_t start);
 
 #endif

@@ -7,7 +7,7 @@
 #include "nearest/segment_triangle.h"
 #include "nearest/side.h"
 
-enum { CAPACITY_MOST = 1 << 20, SEARCH_MOST = 1 << 28 };
+enum { CAPACITY_MAX = 1 << 20, SEARCH_MAX = 1 << 28 };
 
 static uint64_t power_of_two_from(uint64_t least)
 {
@@ -42,7 +42,7 @@ static struct shares shares_of(const dpt_strip_def *def)
     s.walked = share(&at, room, sizeof(struct shadow_triangle));
     s.vertices = share(&at, room + 2, sizeof(struct shadow_vertex));
     s.walk_slots = share(&at, power_of_two_from(2 * room), sizeof(struct shadow_slot));
-    s.slots = share(&at, search_slots(def), sizeof(struct reached));
+    s.slots = share(&at, search_slots(def), sizeof(struct visited_vertex));
     s.queue = share(&at, def->search, sizeof(uint32_t));
     s.all = at;
     return s;
@@ -54,8 +54,7 @@ static dpt_result take_def(const dpt_strip_def *given, dpt_strip_def *def)
     if (!given)
         return DPT_E_ARGUMENT;
     DPT_TRY(sized_read(given, sizeof *def, def, sizeof *def));
-    if (!def->capacity || def->capacity > CAPACITY_MOST || def->search > SEARCH_MOST ||
-        def->reserved)
+    if (!def->capacity || def->capacity > CAPACITY_MAX || def->search > SEARCH_MAX || def->reserved)
         return DPT_E_ARGUMENT;
     return DPT_OK;
 }
@@ -90,11 +89,11 @@ dpt_result dpt_strip_create(void *block, size_t bytes, const dpt_strip_def *give
     made->walk.vertices = (void *)(base + s.vertices);
     made->walk.slots = (void *)(base + s.walk_slots);
     made->walk.slot_count = (uint32_t)power_of_two_from(2 * (uint64_t)def.capacity);
-    made->walk.room = def.capacity;
+    made->walk.capacity = def.capacity;
     made->search.slots = (void *)(base + s.slots);
     made->search.queue = (void *)(base + s.queue);
     made->search.slot_count = (uint32_t)search_slots(&def);
-    made->search.room = def.search;
+    made->search.queue_capacity = def.search;
     *strip = made;
     return DPT_OK;
 }
@@ -146,7 +145,7 @@ static dpt_result find_route(struct dpt_strip *strip, uint32_t start, uint32_t g
                              struct route *route)
 {
     route->places = strip->triangles + strip->count;
-    route->room = strip->def.capacity - strip->count;
+    route->capacity = strip->def.capacity - strip->count;
     return dpti_route_find(&strip->search, strip->mesh, start, goal, route);
 }
 
@@ -154,7 +153,7 @@ static dpt_result find_route(struct dpt_strip *strip, uint32_t start, uint32_t g
 static void take_route(struct dpt_strip *strip, const struct route *route)
 {
     const uint32_t *sources = mesh_words(strip->mesh, MESH_SOURCES);
-    uint32_t count = route->count < route->room ? route->count : route->room;
+    uint32_t count = route->count < route->capacity ? route->count : route->capacity;
     if (count < route->count)
         strip->flags |= DPT_STRIP_FLAG_FULL;
     for (uint32_t i = 0; i < count; i++)
@@ -184,7 +183,7 @@ dpt_result dpti_strip_routes(struct dpt_strip *strip, const struct dpt_mesh *mes
     struct route first = { .other = NULL }, second = { .other = &first };
     dpti_strip_clear(strip, mesh);
     DPT_TRY(find_route(strip, a, p, &first));
-    strip->count = first.count < first.room ? first.count : first.room;
+    strip->count = first.count < first.capacity ? first.count : first.capacity;
     dpt_result result = find_route(strip, b, p, &second);
     strip->count = 0;
     DPT_TRY(result);
@@ -214,10 +213,10 @@ dpt_result dpt_strip_routes(dpt_strip *strip, const dpt_mesh *mesh, uint32_t a, 
 }
 
 void dpti_strip_shadow(struct dpt_strip *strip, const struct surface *surface,
-                       const struct shade *shade, uint32_t place)
+                       const struct shadow_volume *volume, uint32_t place)
 {
     dpti_strip_clear(strip, surface->mesh);
-    dpti_shadow_walk(&strip->walk, surface, shade, place);
+    dpti_shadow_walk(&strip->walk, surface, volume, place);
     for (uint32_t i = 0; i < strip->walk.triangle_count; i++)
         strip->triangles[i] = surface->sources[strip->walk.triangles[i].place];
     strip->count = strip->walk.triangle_count;
@@ -225,7 +224,7 @@ void dpti_strip_shadow(struct dpt_strip *strip, const struct surface *surface,
 }
 
 /* Of a direction, so that its square can be formed. */
-static const double LENGTH_LEAST = 1e-100, LENGTH_MOST = 1e100;
+static const double LENGTH_MIN = 1e-100, LENGTH_MAX = 1e100;
 
 static dpt_result check_shadow(const dpt_shadow *shadow)
 {
@@ -233,11 +232,11 @@ static dpt_result check_shadow(const dpt_shadow *shadow)
     if (!vec3_within(segment->a, DPT_COORDINATE_MAX) ||
         !vec3_within(segment->b, DPT_COORDINATE_MAX) ||
         !(segment->radius >= 0.0 && segment->radius <= DPT_COORDINATE_MAX) ||
-        !vec3_within(shadow->direction, LENGTH_MOST) ||
-        !within(shadow->width, DPT_COORDINATE_MAX) || !within(shadow->depth, DPT_COORDINATE_MAX))
+        !vec3_within(shadow->direction, LENGTH_MAX) || !within(shadow->width, DPT_COORDINATE_MAX) ||
+        !within(shadow->depth, DPT_COORDINATE_MAX))
         return DPT_E_FINITE;
     if (!(shadow->width >= 0.0) || !(shadow->depth >= 0.0) ||
-        extent_of(vec3_of(shadow->direction)) < LENGTH_LEAST)
+        extent_of(vec3_of(shadow->direction)) < LENGTH_MIN)
         return DPT_E_ARGUMENT;
     return DPT_OK;
 }
@@ -255,16 +254,16 @@ dpt_result dpt_strip_shadow(dpt_strip *strip, const dpt_mesh *mesh, const dpt_po
     shadow = &own;
     uint32_t place;
     struct frame frame;
-    struct shade shade;
+    struct shadow_volume volume;
     struct surface surface;
     DPT_TRY(check_shadow(shadow));
     DPT_TRY(frame_of_pose(pose, &frame));
     DPT_TRY(dpti_strip_place(mesh, shadow->triangle, &place));
     vec3 a = frame_to_local(&frame, vec3_of(shadow->segment.a));
     vec3 b = frame_to_local(&frame, vec3_of(shadow->segment.b));
-    dpti_shade_of(a, sub(b, a), frame_turn_back(&frame, vec3_of(shadow->direction)),
-                  shadow->segment.radius + shadow->width, shadow->depth, &shade);
+    dpti_shadow_volume_of(a, sub(b, a), frame_turn_back(&frame, vec3_of(shadow->direction)),
+                          shadow->segment.radius + shadow->width, shadow->depth, &volume);
     dpti_surface_of_mesh(mesh, &surface);
-    dpti_strip_shadow(strip, &surface, &shade, place);
+    dpti_strip_shadow(strip, &surface, &volume, place);
     return DPT_OK;
 }

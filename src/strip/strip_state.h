@@ -36,7 +36,7 @@ dpt_result dpti_strip_place(const struct dpt_mesh *mesh, uint32_t number, uint32
 
 /* As dpt_strip_shadow, with the segment, the direction and the first triangle's place in the mesh's frame. */
 void dpti_strip_shadow(struct dpt_strip *strip, const struct surface *surface,
-                       const struct shade *shade, uint32_t place);
+                       const struct shadow_volume *volume, uint32_t place);
 
 /* As dpt_strip_routes, of places. */
 dpt_result dpti_strip_routes(struct dpt_strip *strip, const struct dpt_mesh *mesh, uint32_t a,

@@ -7,7 +7,7 @@
 
 #include "nearest/side.h"
 
-enum { HALVES_MOST = 10 };
+enum { HALVES_MAX = 10 };
 
 struct ends {
     vec3 a, b;
@@ -39,7 +39,7 @@ static struct placement middle_of(const struct placement *from, const struct pla
 
 static double faster(vec3 da, vec3 db)
 {
-    return larger(length(da), length(db));
+    return max_of(length(da), length(db));
 }
 
 static struct ends between(const struct ends *from, const struct ends *to)
@@ -85,7 +85,7 @@ static double bend_between(const struct placement *from, const struct ends *at_f
         struct ends at_quarter = ends_at(&quarter);
         struct ends chord = between(&straight, half ? at_to : at_from);
         double off = faster(sub(at_quarter.a, chord.a), sub(at_quarter.b, chord.b));
-        bend = larger(bend, 1.25 * off);
+        bend = max_of(bend, 1.25 * off);
     }
     return bend;
 }
@@ -135,7 +135,7 @@ int dpti_rigid_sweep_find(struct rigid_sweep *sweep, const struct placement *fro
 {
     struct ends at_from = ends_at(from), at_to = ends_at(to);
     sweep->result.time = sweep->progress->free_until;
-    return sweep_between(sweep, from, &at_from, to, &at_to, 0.0, 1.0, HALVES_MOST);
+    return sweep_between(sweep, from, &at_from, to, &at_to, 0.0, 1.0, HALVES_MAX);
 }
 
 int dpti_rigid_sweep_cannot_meet(const struct rigid_sweep *sweep, const struct placement *from,
@@ -157,7 +157,7 @@ int dpti_rigid_sweep_side_before(const struct rigid_sweep *sweep)
     const struct motion *motion = &sweep->result.motion;
     vec3 way = along(motion->da, impact->pair.s, sub(motion->db, motion->da));
     vec3 back = along(impact->pair.gap, -impact->time, way);
-    return dpti_side_of_way(sweep->surface, impact->triangle, impact->pair.weight, back);
+    return dpti_side_of_arrival(sweep->surface, impact->triangle, impact->pair.weight, back);
 }
 
 int dpti_rigid_sweep_began_touching(const struct rigid_sweep *sweep)
@@ -182,7 +182,7 @@ dpt_pose dpti_rigid_sweep_pose(const dpt_pose *from, const dpt_pose *to, double 
     double t0 = 0.0, t1 = 1.0, cosine = 0.0, square = 0.0;
     if (time <= 0.0 || time >= 1.0)
         return time <= 0.0 ? *from : *to;
-    for (int k = 0; k < HALVES_MOST; k++) {
+    for (int k = 0; k < HALVES_MAX; k++) {
         const double half = 0.5 * (t0 + t1);
         const dpt_pose middle = pose_middle(&low, &high);
         *(time < half ? &t1 : &t0) = half;

@@ -8,7 +8,7 @@
 #include "sweep/sweep_triangle.h"
 
 /* Of the axis, from one s to another: free before `time`. */
-struct piece {
+struct motion_piece {
     double from, to;
     double time;
 };
@@ -29,10 +29,10 @@ void dpti_sweep_begin(struct sweep *sweep, const struct motion *motion, double r
                       double tolerance, double extent)
 {
     const double unit = 0x1p-53;
-    extent = larger(extent, larger(extent_of(motion->a), extent_of(motion->b)));
-    extent = larger(extent, extent_of(add(motion->a, motion->da)));
-    extent = larger(extent, extent_of(add(motion->b, motion->db)));
-    tolerance = larger(tolerance, 2048.0 * unit * (extent + radius));
+    extent = max_of(extent, max_of(extent_of(motion->a), extent_of(motion->b)));
+    extent = max_of(extent, extent_of(add(motion->a, motion->da)));
+    extent = max_of(extent, extent_of(add(motion->b, motion->db)));
+    tolerance = max_of(tolerance, 2048.0 * unit * (extent + radius));
     sweep->a = motion->a;
     sweep->u = sub(motion->b, motion->a);
     sweep->da = motion->da;
@@ -55,12 +55,12 @@ void dpti_sweep_axis(const struct sweep *sweep, double time, vec3 *a, vec3 *u)
 double dpti_sweep_start(const struct sweep *sweep, double distance)
 {
     vec3 db = add(sweep->da, sweep->du);
-    double fastest = sqrt(larger(dot(sweep->da, sweep->da), dot(db, db)));
+    double fastest = sqrt(max_of(dot(sweep->da, sweep->da), dot(db, db)));
     double room = distance - sweep->beyond;
-    return room > 0.0 ? smaller(room / fastest, 1.0) : 0.0;
+    return room > 0.0 ? min_of(room / fastest, 1.0) : 0.0;
 }
 
-static struct stretch stretch_of(const struct sweep *sweep, const struct piece *piece)
+static struct stretch stretch_of(const struct sweep *sweep, const struct motion_piece *piece)
 {
     vec3 a, u;
     dpti_sweep_axis(sweep, piece->time, &a, &u);
@@ -83,8 +83,8 @@ static struct face face_of(const vec3 corner[3])
     face.normal = scaled(f.z, 1.0 / length(f.z));
     double c0 = dot(face.normal, corner[0]), c1 = dot(face.normal, corner[1]);
     double c2 = dot(face.normal, corner[2]);
-    face.low = smaller(c0, smaller(c1, c2));
-    face.high = larger(c0, larger(c1, c2));
+    face.low = min_of(c0, min_of(c1, c2));
+    face.high = max_of(c0, max_of(c1, c2));
     return face;
 }
 
@@ -103,7 +103,7 @@ static double plane_lasts(const struct stretch *s, vec3 normal, double support, 
     if (fall_a > 0.0)
         lasts = a / fall_a;
     if (fall_b > 0.0)
-        lasts = smaller(lasts, b / fall_b);
+        lasts = min_of(lasts, b / fall_b);
     return lasts;
 }
 
@@ -111,7 +111,7 @@ static double face_lasts(const struct stretch *s, const struct face *face, doubl
 {
     if (!face->is)
         return 0.0;
-    return larger(plane_lasts(s, face->normal, face->high, clear),
+    return max_of(plane_lasts(s, face->normal, face->high, clear),
                   plane_lasts(s, scaled(face->normal, -1.0), -face->low, clear));
 }
 
@@ -120,23 +120,23 @@ static double face_lasts(const struct stretch *s, const struct face *face, doubl
  * the axis half way, is left out. A far end moves fast when the tool turns; it must not count. 0
  * when nothing is left.
  */
-static int trim(const struct sweep *sweep, const vec3 corner[3], struct piece *piece)
+static int trim(const struct sweep *sweep, const vec3 corner[3], struct motion_piece *piece)
 {
     vec3 x = sweep->middle, end = add(sweep->a, sweep->da), along_end = add(sweep->u, sweep->du);
     double c0 = dot(x, corner[0]), c1 = dot(x, corner[1]), c2 = dot(x, corner[2]);
     double margin = 2.0 * sweep->clear - sweep->radius;
-    double low = smaller(c0, smaller(c1, c2)) - margin, high = larger(c0, larger(c1, c2)) + margin;
+    double low = min_of(c0, min_of(c1, c2)) - margin, high = max_of(c0, max_of(c1, c2)) + margin;
     double grows = dot(x, sweep->u), grows_end = dot(x, along_end);
-    *piece = (struct piece){ 0.0, 1.0, 0.0 };
+    *piece = (struct motion_piece){ 0.0, 1.0, 0.0 };
     if (!(grows > 0.0 && grows_end > 0.0))
         return 1;
     double at = dot(x, sweep->a), at_end = dot(x, end);
-    double from = smaller((low - at) / grows, (low - at_end) / grows_end);
-    double to = larger((high - at) / grows, (high - at_end) / grows_end);
+    double from = min_of((low - at) / grows, (low - at_end) / grows_end);
+    double to = max_of((high - at) / grows, (high - at_end) / grows_end);
     if (from > 1.0 || to < 0.0 || from > to)
         return 0;
-    piece->from = larger(from, 0.0);
-    piece->to = smaller(to, 1.0);
+    piece->from = max_of(from, 0.0);
+    piece->to = min_of(to, 1.0);
     return 1;
 }
 
@@ -177,18 +177,18 @@ static vec3 normal_of(const struct stretch *s, const vec3 corner[3], const pair 
  * the piece.
  */
 static int advance(const struct sweep *sweep, const vec3 corner[3], const struct face *face,
-                   const struct stretch *s, const pair *found, struct piece *piece)
+                   const struct stretch *s, const pair *found, struct motion_piece *piece)
 {
     double room = sqrt(found->distance2) - sweep->clear;
     vec3 normal = normal_of(s, corner, found);
     double support =
-        larger(dot(normal, corner[0]), larger(dot(normal, corner[1]), dot(normal, corner[2])));
-    double high = smaller(dot(normal, s->a), dot(normal, s->b)) - support - sweep->clear;
+        max_of(dot(normal, corner[0]), max_of(dot(normal, corner[1]), dot(normal, corner[2])));
+    double high = min_of(dot(normal, s->a), dot(normal, s->b)) - support - sweep->clear;
     double fall_a = -dot(normal, s->va), fall_b = -dot(normal, s->vb);
     double fall = fall_a + found->s * (fall_b - fall_a), rest = 1.0 - piece->time;
-    double lasts = room / sqrt(larger(dot(s->va, s->va), dot(s->vb, s->vb)));
-    lasts = larger(lasts, plane_lasts(s, normal, support, sweep->clear));
-    lasts = larger(lasts, face_lasts(s, face, sweep->clear));
+    double lasts = room / sqrt(max_of(dot(s->va, s->va), dot(s->vb, s->vb)));
+    lasts = max_of(lasts, plane_lasts(s, normal, support, sweep->clear));
+    lasts = max_of(lasts, face_lasts(s, face, sweep->clear));
     piece->time += lasts;
     return 4.0 * lasts < rest && 2.0 * lasts * fall < room &&
            (fabs(fall_b - fall_a) * rest > sweep->touch - sweep->clear || 2.0 * high < room);
@@ -198,11 +198,11 @@ int dpti_sweep_pair(const struct sweep *sweep, const vec3 corner[3], double unti
                     uint32_t *asked)
 {
     enum { PIECES = 64 };
-    struct piece pieces[PIECES];
+    struct motion_piece pieces[PIECES];
     const struct face face = face_of(corner);
     int count = trim(sweep, corner, pieces), result = SWEEP_FREE;
     while (count) {
-        struct piece *piece = &pieces[count - 1];
+        struct motion_piece *piece = &pieces[count - 1];
         if (piece->time > until) {
             count--;
             continue;

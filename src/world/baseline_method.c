@@ -6,7 +6,7 @@
 
 /* Sums up what the parts on all bodies found. */
 struct gathered {
-    struct push push; /* of the part with the least gap */
+    struct penetration push; /* of the part with the least gap */
     int any;
     double gap;
     struct body_answer *found;
@@ -31,8 +31,9 @@ static void take_part(struct gathered *sum, const struct dpt_world *world, const
                       uint32_t index, const struct axis *part, const struct pair_search *nearest,
                       double radius)
 {
-    struct push push;
-    double gap = dpti_contact_paper(&body->surface, &body->frame, part, nearest, radius, &push);
+    struct penetration penetration;
+    double gap =
+        dpti_contact_paper(&body->surface, &body->frame, part, nearest, radius, &penetration);
     double distance = sqrt(nearest->pair.distance2);
     int lower = gap < sum->gap;
     if (!sum->any || distance < sum->result->distance ||
@@ -44,7 +45,7 @@ static void take_part(struct gathered *sum, const struct dpt_world *world, const
     }
     if (!sum->any || lower) {
         sum->gap = gap;
-        sum->push = push;
+        sum->push = penetration;
         sum->any = 1;
     }
 }
@@ -65,7 +66,7 @@ static void take_body(struct gathered *sum, struct dpt_world *world, uint32_t se
     }
 }
 
-struct push dpti_paper_segment(struct dpt_world *world, uint32_t index, vec3 a, vec3 b)
+struct penetration dpti_paper_segment(struct dpt_world *world, uint32_t index, vec3 a, vec3 b)
 {
     struct segment *segment = &world->segments[index];
     struct body_answer *found = &segment->answer;

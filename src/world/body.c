@@ -72,7 +72,7 @@ dpt_result dpt_body_remove(dpt_world *world, dpt_body body)
  * At most so far has any point of it moved: with the origin, and by the angle around that, which is 4 asin(c / 2), c
  * being how far the quaternions are apart.
  */
-static double way_of(const struct body *body)
+static double displacement_of(const struct body *body)
 {
     const double *from = body->before.orientation, *to = body->pose.orientation;
     vec3 low = body->surface.box_min, high = body->surface.box_max;
@@ -82,7 +82,7 @@ static double way_of(const struct body *body)
         same += (to[k] - from[k]) * (to[k] - from[k]);
         opposite += (to[k] + from[k]) * (to[k] + from[k]);
     }
-    double square = smaller(same, opposite);
+    double square = min_of(same, opposite);
     /* Quaternions may be off unit length by 1e-6. */
     double angle = sqrt(square) * (2.0 + 0.3 * square) + 1e-5;
     return length(sub(vec3_of(body->pose.position), vec3_of(body->before.position))) +
@@ -105,11 +105,11 @@ static void move_body(struct dpt_world *world, struct body *body, const dpt_pose
         body->before = body->pose;
     body->moved = world->ticks + 1;
     put_body(world, body, pose, frame);
-    body->travelled = way_of(body);
+    body->travelled = displacement_of(body);
     if (world->travelled_at != body->moved)
         world->travelled = 0.0;
     world->travelled_at = body->moved;
-    world->travelled = larger(world->travelled, body->travelled);
+    world->travelled = max_of(world->travelled, body->travelled);
 }
 
 /* While a body has no pose that can be used, every answer of the world is stale. */

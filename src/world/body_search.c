@@ -127,7 +127,7 @@ static void ask_plainly(struct body_search *search, uint32_t index)
         dpti_track_prove(&track, &body->surface, &world->kernel, NULL, &walk, &world->work);
         dpti_track_settle(&track);
     }
-    best->error = larger(best->error, track.axis.error);
+    best->error = max_of(best->error, track.axis.error);
     take(search, body, &track);
 }
 
@@ -203,7 +203,7 @@ static void ask_in_pieces(struct body_search *search, uint32_t index, double apa
         moved = dpti_bounds_update(world, search->segment, index, &track->axis);
     int anew = moved == 0.0 || search->is_new;
     struct suspended_search *suspended = world_suspended_search(world, search->segment, anew);
-    bound->lower_bound = larger(bound->lower_bound, apart);
+    bound->lower_bound = max_of(bound->lower_bound, apart);
     if (!is_proven(search, dpti_bounds_proven(world, search->segment, index)) &&
         !work_is_spent(&search->world->work)) {
         double floor;
@@ -214,14 +214,14 @@ static void ask_in_pieces(struct body_search *search, uint32_t index, double apa
         }
         done = prove(search, index, track, moved > 0.0 && descent_share(world), anew,
                      &suspended->traversal, &floor);
-        suspended->lower_bound = smaller(suspended->lower_bound, floor);
+        suspended->lower_bound = min_of(suspended->lower_bound, floor);
         if (done)
-            bound->lower_bound = larger(bound->lower_bound, suspended->lower_bound);
+            bound->lower_bound = max_of(bound->lower_bound, suspended->lower_bound);
     }
     double floor = dpti_bounds_proven(world, search->segment, index);
     if (!done && search->next == DPT_NONE && !is_proven(search, floor))
         search->next = index;
-    search->best->lower = smaller(search->best->lower, floor);
+    search->best->lower = min_of(search->best->lower, floor);
 }
 
 static void ask(struct body_search *search, uint32_t index)
@@ -238,7 +238,7 @@ static void ask(struct body_search *search, uint32_t index)
         return;
     if (!is_best)
         axis_in(search, body, &other.axis);
-    best->error = larger(best->error, track->axis.error);
+    best->error = max_of(best->error, track->axis.error);
     if (world->def.budget) {
         ask_in_pieces(search, index, apart, track);
     } else {
@@ -357,10 +357,10 @@ void dpti_bodies_result(const struct body_answer *best, struct segment_result *r
     dpti_segment_result_of_pair(&best->track.axis, &best->track.nearest.pair, result);
     result->work = best->work;
     result->error_bound = best->error;
-    result->lower_bound = larger(0.0, result->distance - best->error);
+    result->lower_bound = max_of(0.0, result->distance - best->error);
     if (!best->exact) {
         result->status = DPT_STATUS_BOUNDED;
-        result->lower_bound = larger(0.0, best->lower - best->error);
+        result->lower_bound = max_of(0.0, best->lower - best->error);
         result->error_bound = result->distance - result->lower_bound;
     }
 }

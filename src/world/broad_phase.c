@@ -19,8 +19,8 @@ void dpti_near_move(struct near *near, vec3 a, vec3 b)
     /* Forgotten within some hundred ticks: a list should not be made anew at each stop. */
     near->speed *= 1.0 - 1.0 / 256.0;
     if (near->known) {
-        double motion = larger(length(sub(a, near->a)), length(sub(b, near->b)));
-        near->speed = larger(near->speed, motion);
+        double motion = max_of(length(sub(a, near->a)), length(sub(b, near->b)));
+        near->speed = max_of(near->speed, motion);
     }
     near->a = a;
     near->b = b;
@@ -33,10 +33,10 @@ static double reach_of(const struct near *near)
     const struct box *home = &near->now.box;
     if (!(near->now.margin > 0.0))
         return 0.0;
-    double least = smaller(axis.low.x - home->low.x, home->high.x - axis.high.x);
-    least = smaller(least, smaller(axis.low.y - home->low.y, home->high.y - axis.high.y));
-    least = smaller(least, smaller(axis.low.z - home->low.z, home->high.z - axis.high.z));
-    return larger(0.0, least);
+    double least = min_of(axis.low.x - home->low.x, home->high.x - axis.high.x);
+    least = min_of(least, min_of(axis.low.y - home->low.y, home->high.y - axis.high.y));
+    least = min_of(least, min_of(axis.low.z - home->low.z, home->high.z - axis.high.z));
+    return max_of(0.0, least);
 }
 
 /* Those within `reach` are on the list. Where the axis is not within a home, not even those that it touches. */
@@ -155,7 +155,7 @@ const struct nearby *dpti_near_within(struct dpt_world *world, uint32_t segment,
     struct nearby *nearby = &world->nearby;
     if (nearby->reach >= reach)
         return nearby;
-    nearby->reach = larger(reach, world->segments[segment].radius + world->def.margin);
+    nearby->reach = max_of(reach, world->segments[segment].radius + world->def.margin);
     nearby->list = NULL;
     nearby->count = world->body_end;
     if (world->body_end <= NEAR_FEW || world->def.method != DPT_METHOD_EXACT)

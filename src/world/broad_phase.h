@@ -47,16 +47,16 @@ struct nearby {
 /* The box of an axis. */
 static inline struct box box_of_axis(vec3 a, vec3 b)
 {
-    return (struct box){ { smaller(a.x, b.x), smaller(a.y, b.y), smaller(a.z, b.z) },
-                         { larger(a.x, b.x), larger(a.y, b.y), larger(a.z, b.z) } };
+    return (struct box){ { min_of(a.x, b.x), min_of(a.y, b.y), min_of(a.z, b.z) },
+                         { max_of(a.x, b.x), max_of(a.y, b.y), max_of(a.z, b.z) } };
 }
 
 /* A lower bound of the distance of what the boxes hold. */
 static inline double box_distance(const struct box *a, const struct box *b)
 {
-    vec3 gap = { larger(0.0, larger(a->low.x - b->high.x, b->low.x - a->high.x)),
-                 larger(0.0, larger(a->low.y - b->high.y, b->low.y - a->high.y)),
-                 larger(0.0, larger(a->low.z - b->high.z, b->low.z - a->high.z)) };
+    vec3 gap = { max_of(0.0, max_of(a->low.x - b->high.x, b->low.x - a->high.x)),
+                 max_of(0.0, max_of(a->low.y - b->high.y, b->low.y - a->high.y)),
+                 max_of(0.0, max_of(a->low.z - b->high.z, b->low.z - a->high.z)) };
     return length(gap);
 }
 

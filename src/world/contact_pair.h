@@ -6,6 +6,6 @@
 #include "world/world_state.h"
 
 /* What it adds to the segment's gap; its regions into the world. CONTACT_... */
-int dpti_contact_pair_meet(struct meeting *meeting, double *gap);
+int dpti_contact_pair_find(struct contact_pair *contact_pair, double *gap);
 
 #endif

@@ -6,18 +6,18 @@
 #include "world/sheet_sides.h"
 
 /* The nearest pair with another body than the nearest: in full, as it is needed rarely. 0: the budget ended that. */
-static int search_other(struct meeting *meeting, vec3 a, vec3 b)
+static int search_other(struct contact_pair *contact_pair, vec3 a, vec3 b)
 {
-    struct dpt_world *world = meeting->world;
-    const struct surface *surface = &meeting->body->surface;
-    const struct axis *axis = &meeting->axis;
-    struct pair_search *nearest = &meeting->nearest;
-    uint32_t *last = world_last(world, meeting->segment, handle_index(meeting->body->id));
+    struct dpt_world *world = contact_pair->world;
+    const struct surface *surface = &contact_pair->body->surface;
+    const struct axis *axis = &contact_pair->axis;
+    struct pair_search *nearest = &contact_pair->nearest;
+    uint32_t *last = world_last(world, contact_pair->segment, handle_index(contact_pair->body->id));
     struct bvh_traversal walk;
     walk.depth = 0;
     if (work_is_spent(&world->work))
         return 0;
-    axis_of(surface, &meeting->body->frame, a, b, &meeting->axis);
+    axis_of(surface, &contact_pair->body->frame, a, b, &contact_pair->axis);
     *nearest =
         (struct pair_search){ .pair = dpti_triangle_pair(surface, *last == DPT_NONE ? 0 : *last,
                                                          axis->local_a, axis->u),
@@ -29,109 +29,117 @@ static int search_other(struct meeting *meeting, vec3 a, vec3 b)
 }
 
 /* What a segment meets, over all bodies. */
-struct sum {
-    struct push push; /* of the least gap */
-    struct push felt; /* of the least as it counts */
-    struct pusher pusher;
+struct force_sum {
+    struct penetration push; /* of the least gap */
+    struct penetration felt; /* of the least as it counts */
+    struct pushing_part pusher;
     double gap;
     double least; /* its gap */
     int known;
     int keeps; /* whose push it was in the last tick, behind a sheet, is met, and its side still counts */
 };
 
-static struct pusher pusher_of(const struct meeting *meeting)
+static struct pushing_part pushing_part_of(const struct contact_pair *contact_pair)
 {
-    const struct profile *profile = meeting->profile;
+    const struct distance_profile *profile = contact_pair->profile;
     const struct sample *deepest = &profile->sample[profile->deepest];
     const uint32_t part = surface_part(profile->surface, deepest->triangle);
-    return (struct pusher){ meeting->body->id, part,
-                            deepest->height <= 0.0 && dpti_sides_get(&meeting->sides, part) };
+    return (struct pushing_part){ contact_pair->body->id, part,
+                                  deepest->height <= 0.0 &&
+                                      dpti_sides_get(&contact_pair->sides, part) };
 }
 
 /*
  * The next tick begins at the point that is pushed, too: beside a border the deepest points are the next to be in
  * front, and what is behind between two that are would not be seen.
  */
-static void keep_point(const struct meeting *meeting, uint32_t part, const struct seed *seed)
+static void carry_over_penetration(const struct contact_pair *contact_pair, uint32_t part,
+                                   const struct warm_start *warm_start)
 {
-    struct holds *holds = holds_now(meeting->world);
+    struct persistent_contacts *holds = contacts_now(contact_pair->world);
     for (uint32_t i = 0; i < holds->count; i++) {
-        struct hold *hold = &holds->hold[i];
-        if (hold_is_of(hold, meeting->segment, meeting->body) && hold->part == part &&
-            seed->s >= hold->contact.s0 && seed->s <= hold->contact.s1)
-            dpti_hold_put_seed(hold, seed);
+        struct persistent_contact *persistent = &holds->at[i];
+        if (persistent_contact_is_of(persistent, contact_pair->segment, contact_pair->body) &&
+            persistent->part == part && warm_start->s >= persistent->contact.s0 &&
+            warm_start->s <= persistent->contact.s1)
+            dpti_persistent_contact_put_warm_start(persistent, warm_start);
     }
 }
 
-static void meet_body(struct meeting *meeting, const struct body_answer *best, struct sum *sum)
+static void find_contacts(struct contact_pair *contact_pair, const struct body_answer *best,
+                          struct force_sum *sum)
 {
     int found = CONTACT_UNKNOWN;
     double gap = HUGE_VAL;
-    int ready = meeting->body == best->body;
+    int ready = contact_pair->body == best->body;
     if (ready) {
-        meeting->axis = best->track.axis;
-        meeting->nearest = best->track.nearest;
+        contact_pair->axis = best->track.axis;
+        contact_pair->nearest = best->track.nearest;
     } else {
-        ready = search_other(meeting, best->track.axis.a, best->track.axis.b);
+        ready = search_other(contact_pair, best->track.axis.a, best->track.axis.b);
     }
     if (ready) {
-        found = dpti_contact_pair_meet(meeting, &gap);
+        found = dpti_contact_pair_find(contact_pair, &gap);
     } else {
-        dpti_contacts_keep_body(meeting->world, meeting->segment, meeting->body);
+        dpti_contacts_carry_over_body(contact_pair->world, contact_pair->segment,
+                                      contact_pair->body);
     }
-    struct segment *own = &meeting->world->segments[meeting->segment];
+    struct segment *own = &contact_pair->world->segments[contact_pair->segment];
     sum->known &= found != CONTACT_UNKNOWN;
-    if (found == CONTACT_PROFILE && own->pusher_before.body == meeting->body->id)
-        sum->keeps = dpti_sheet_keeps_push(meeting, own->pusher_before.part);
+    if (found == CONTACT_PROFILE && own->previous_pushing_part.body == contact_pair->body->id)
+        sum->keeps = dpti_sheet_keeps_push(contact_pair, own->previous_pushing_part.part);
     if (found != CONTACT_PROFILE)
         return;
-    const uint32_t smooth = meeting->world->def.smooth_normals;
-    const struct pusher pusher = pusher_of(meeting);
-    struct push push = dpti_contact_push(meeting->profile, &meeting->body->frame, gap, smooth);
+    const uint32_t smooth = contact_pair->world->def.smooth_normals;
+    const struct pushing_part pusher = pushing_part_of(contact_pair);
+    struct penetration penetration =
+        dpti_contact_penetration(contact_pair->profile, &contact_pair->body->frame, gap, smooth);
     double least = gap;
     if (gap < sum->gap) {
-        sum->push = push;
+        sum->push = penetration;
         sum->gap = gap;
     }
-    if (pusher.behind && !(push.depth <= -sum->least)) {
-        struct seed point;
-        if (dpti_sheet_border_weigh(meeting->profile, &meeting->body->frame, pusher.body,
-                                    meeting->radius, smooth, &own->border, &push, &point))
-            keep_point(meeting, pusher.part, &point);
-        least = -push.depth;
+    if (pusher.behind && !(penetration.depth <= -sum->least)) {
+        struct warm_start point;
+        if (dpti_sheet_border_weigh(contact_pair->profile, &contact_pair->body->frame, pusher.body,
+                                    contact_pair->radius, smooth, &own->border, &penetration,
+                                    &point))
+            carry_over_penetration(contact_pair, pusher.part, &point);
+        least = -penetration.depth;
     }
     if (least < sum->least) {
-        sum->felt = push;
+        sum->felt = penetration;
         sum->pusher = pusher;
         sum->least = least;
     }
 }
 
 void dpti_contacts_find(struct dpt_world *world, uint32_t segment, const struct body_answer *best,
-                        struct segment_result *result, struct push *push)
+                        struct segment_result *result, struct penetration *penetration)
 {
     struct segment *own = &world->segments[segment];
-    struct meeting meeting = {
+    struct contact_pair contact_pair = {
         .world = world, .segment = segment, .radius = own->radius, .profile = &world->profile
     };
-    dpti_contacts_take_way(world, segment);
+    dpti_contacts_note_motion(world, segment);
     struct box box = box_of_axis(best->track.axis.a, best->track.axis.b);
-    double reach = meeting.radius + world->def.margin;
-    struct sum sum = { .gap = HUGE_VAL, .least = HUGE_VAL, .known = 1 };
+    double reach = contact_pair.radius + world->def.margin;
+    struct force_sum sum = { .gap = HUGE_VAL, .least = HUGE_VAL, .known = 1 };
     const struct nearby *nearby = dpti_near_within(world, segment, reach);
     for (uint32_t i = 0; i < nearby->count; i++) {
         uint32_t slot = nearby->list ? nearby->list[i] : i;
-        meeting.body = &world->bodies[slot];
-        int near = meeting.body == best->body || box_distance(&box, &world->boxes[slot]) <= reach;
-        if (meeting.body->slot.used && near)
-            meet_body(&meeting, best, &sum);
+        contact_pair.body = &world->bodies[slot];
+        int near =
+            contact_pair.body == best->body || box_distance(&box, &world->boxes[slot]) <= reach;
+        if (contact_pair.body->slot.used && near)
+            find_contacts(&contact_pair, best, &sum);
     }
     if (!sum.known)
         return;
-    dpti_segment_result_set_gap(result, smaller(sum.gap, result->distance - meeting.radius),
+    dpti_segment_result_set_gap(result, min_of(sum.gap, result->distance - contact_pair.radius),
                                 result->error_bound);
-    *push = sum.push;
-    own->felt = sum.felt;
-    own->pusher = sum.pusher;
-    own->given_up = own->pusher_before.behind && !sum.keeps;
+    *penetration = sum.push;
+    own->felt_penetration = sum.felt;
+    own->pushing_part = sum.pusher;
+    own->given_up = own->previous_pushing_part.behind && !sum.keeps;
 }

@@ -10,6 +10,6 @@
  * point; its regions into the world.
  */
 void dpti_contacts_find(struct dpt_world *world, uint32_t segment, const struct body_answer *best,
-                        struct segment_result *result, struct push *push);
+                        struct segment_result *result, struct penetration *penetration);
 
 #endif

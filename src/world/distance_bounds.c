@@ -50,7 +50,7 @@ void dpti_bounds_remove(struct dpt_world *world, uint32_t first, uint32_t end)
 static double moved_since(const struct distance_bound *bound, const struct axis *axis)
 {
     vec3 b = add(axis->local_a, axis->u);
-    double moved = larger(length(sub(axis->local_a, bound->a)), length(sub(b, bound->b)));
+    double moved = max_of(length(sub(axis->local_a, bound->a)), length(sub(b, bound->b)));
     return moved > 0.0 ? moved + axis->error : 0.0;
 }
 
@@ -60,9 +60,9 @@ static double bounds_so_far(const struct suspended_search *suspended, const stru
 {
     if (!suspended->traversal.depth)
         return 0.0;
-    return smaller(suspended->lower_bound,
-                   dpti_traversal_lower_bound(&suspended->traversal, surface, bound->a,
-                                              sub(bound->b, bound->a)));
+    return min_of(suspended->lower_bound,
+                  dpti_traversal_lower_bound(&suspended->traversal, surface, bound->a,
+                                             sub(bound->b, bound->a)));
 }
 
 void dpti_bounds_give_up(struct dpt_world *world, uint32_t segment,
@@ -70,7 +70,7 @@ void dpti_bounds_give_up(struct dpt_world *world, uint32_t segment,
 {
     struct distance_bound *bound = world_distance_bound(world, segment, suspended->body);
     const struct surface *surface = &world->bodies[suspended->body].surface;
-    bound->lower_bound = larger(bound->lower_bound, bounds_so_far(suspended, surface, bound));
+    bound->lower_bound = max_of(bound->lower_bound, bounds_so_far(suspended, surface, bound));
     suspended->traversal.depth = 0;
 }
 
@@ -85,7 +85,7 @@ double dpti_bounds_update(struct dpt_world *world, uint32_t segment, uint32_t in
         dpti_bounds_give_up(world, segment, resting);
     if (moved == 0.0)
         bound->rested = world->ticks;
-    bound->lower_bound = larger(0.0, bound->lower_bound - moved);
+    bound->lower_bound = max_of(0.0, bound->lower_bound - moved);
     bound->a = axis->local_a;
     bound->b = add(axis->local_a, axis->u);
     if (moved > 0.0 && moving->body == index && moving->traversal.depth) {
@@ -102,7 +102,7 @@ double dpti_bounds_proven(const struct dpt_world *world, uint32_t segment, uint3
     for (int rests = 0; rests < 2; rests++) {
         const struct suspended_search *suspended = world_suspended_search(world, segment, rests);
         if (suspended->body == index)
-            floor = larger(floor, bounds_so_far(suspended, &world->bodies[index].surface, bound));
+            floor = max_of(floor, bounds_so_far(suspended, &world->bodies[index].surface, bound));
     }
     return floor;
 }

@@ -11,23 +11,24 @@ uint64_t dpti_contacts_bytes(const dpt_world_def *def);
 /* Place its memory at `at`; returns where it ends. */
 char *dpti_contacts_place(struct dpt_world *world, char *at);
 
-static inline struct holds *holds_now(struct dpt_world *world)
+static inline struct persistent_contacts *contacts_now(struct dpt_world *world)
 {
-    return &world->holds[world->holds_at];
+    return &world->contacts[world->contacts_at];
 }
 
-static inline struct holds *holds_before(struct dpt_world *world)
+static inline struct persistent_contacts *contacts_before(struct dpt_world *world)
 {
-    return &world->holds[1 - world->holds_at];
+    return &world->contacts[1 - world->contacts_at];
 }
 
-static inline int hold_is_of(const struct hold *hold, uint32_t segment, const struct body *body)
+static inline int persistent_contact_is_of(const struct persistent_contact *persistent,
+                                           uint32_t segment, const struct body *body)
 {
-    return hold->segment == segment && (!body || hold->contact.body == body->id);
+    return persistent->segment == segment && (!body || persistent->contact.body == body->id);
 }
 
 /* A tick begins: what was now is before. */
-void dpti_contacts_turn(struct dpt_world *world);
+void dpti_contacts_begin_tick(struct dpt_world *world);
 
 /* A tick without an answer: none is seen. The next one takes them up again. */
 void dpti_contacts_hide(struct dpt_world *world);
@@ -39,29 +40,31 @@ void dpti_contacts_reset(struct dpt_world *world);
  * On this tick's way the axis may have gone through something; then nobody knows that it is in front. A way that is not
  * finished tells in a later tick.
  */
-void dpti_contacts_take_way(struct dpt_world *world, uint32_t index);
+void dpti_contacts_note_motion(struct dpt_world *world, uint32_t index);
 
 /* A segment of which nothing is known this tick: its regions live on, unseen. */
-void dpti_contacts_keep(struct dpt_world *world, uint32_t segment);
+void dpti_contacts_carry_over(struct dpt_world *world, uint32_t segment);
 
 /* `body`, or with NULL all of them: nothing is known of them in this tick. */
-void dpti_contacts_keep_body(struct dpt_world *world, uint32_t segment, const struct body *body);
+void dpti_contacts_carry_over_body(struct dpt_world *world, uint32_t segment,
+                                   const struct body *body);
 
 /* Keep one of them, unseen. */
-void dpti_contacts_keep_one(struct dpt_world *world, const struct hold *before);
+void dpti_contacts_carry_over_one(struct dpt_world *world, const struct persistent_contact *before);
 
 /* A new one, not yet filled in; NULL where there is no room. */
-struct hold *dpti_contacts_put(struct dpt_world *world);
+struct persistent_contact *dpti_contacts_put(struct dpt_world *world);
 
 /* A number for a new one. */
 uint32_t dpti_contacts_new_id(struct dpt_world *world);
 
 /* Before the others; of two at one place the new one stays, and where there is no room the last one goes. */
-void dpti_hold_put_seed(struct hold *hold, const struct seed *seed);
+void dpti_persistent_contact_put_warm_start(struct persistent_contact *persistent,
+                                            const struct warm_start *warm_start);
 
-/* The motion met a sheet from this side: it is kept where none is of that part. Before dpti_contacts_find or dpti_contacts_keep. */
-void dpti_contacts_meet(struct dpt_world *world, uint32_t segment, const struct body *body,
-                        uint32_t part, int side, const struct seed *seed);
+/* The motion met a sheet from this side: it is kept where none is of that part. Before dpti_contacts_find or dpti_contacts_carry_over. */
+void dpti_contacts_put_side(struct dpt_world *world, uint32_t segment, const struct body *body,
+                            uint32_t part, int side, const struct warm_start *warm_start);
 
 /* As by a teleport: the sides of a segment's regions of the last tick. */
 void dpti_contacts_forget_sides(struct dpt_world *world, uint32_t segment);

@@ -42,7 +42,7 @@ static void track_segment(struct dpt_world *world, uint32_t index)
     vec3 a = frame_to_world(&tool->frame, segment->a);
     vec3 b = frame_to_world(&tool->frame, segment->b);
     if (world->def.method == DPT_METHOD_PAPER) {
-        segment->felt = segment->push = dpti_paper_segment(world, index, a, b);
+        segment->felt_penetration = segment->penetration = dpti_paper_segment(world, index, a, b);
         return;
     }
     dpti_bodies_find(world, index, &a, &b, &segment->answer);
@@ -59,9 +59,9 @@ static void contact_segment(struct dpt_world *world, uint32_t index)
     world->nearby.reach = -1.0;
     int swept = segment->answer.body && dpti_backlog_sweep(world, index);
     if (swept && segment->answer.exact)
-        dpti_contacts_find(world, index, &segment->answer, &segment->result, &segment->push);
+        dpti_contacts_find(world, index, &segment->answer, &segment->result, &segment->penetration);
     else
-        dpti_contacts_keep(world, index);
+        dpti_contacts_carry_over(world, index);
     segment->result.work += world->work.done - before;
     dpti_backlog_end_tick(world, index);
 }
@@ -79,7 +79,7 @@ static void step_segments(struct dpt_world *world, double dt)
     int waits = 0;
     world->work = work_of(world->def.budget ? world->def.budget : WORK_UNLIMITED);
     world->point_cache.tick = tick;
-    dpti_contacts_turn(world);
+    dpti_contacts_begin_tick(world);
     for (uint32_t i = 0; i < count; i++)
         track_segment(world, (first + i) % count);
     for (uint32_t i = 0; i < count; i++) {
@@ -141,8 +141,8 @@ static void report(const struct dpt_world *world, dpt_step *to)
     out->distance = 0.0;
     out->contacts = 0;
     out->flags = world->contacts_full ? DPT_STEP_FLAG_CONTACTS_FULL : 0;
-    for (uint32_t i = 0; i < world->holds[world->holds_at].count; i++)
-        out->contacts += !world->holds[world->holds_at].hold[i].unseen;
+    for (uint32_t i = 0; i < world->contacts[world->contacts_at].count; i++)
+        out->contacts += !world->contacts[world->contacts_at].at[i].unseen;
     for (uint32_t t = 0; t < world->tool_end; t++) {
         const struct tool *tool = &world->tools[t];
         for (uint32_t i = 0; tool->slot.used && i < tool->count; i++) {
@@ -171,7 +171,7 @@ static void note_usage(struct dpt_world *world)
     world_note_max(&usage->contacts, world->contacts_wanted);
     world_note_max(&usage->work, world->work.done);
     for (uint32_t i = 0; world->def.strip && i < world->segment_count; i++)
-        world_note_max(&usage->strip, world->laid[i].strip->count);
+        world_note_max(&usage->strip, world->segment_strips[i].strip->count);
 }
 
 /* No answer of the last tick is one of this. */

@@ -84,10 +84,11 @@ static void keep_side(struct dpt_world *world, uint32_t index, const struct body
 {
     const struct impact *impact = &rigid->result.impact;
     uint32_t part = surface_part(rigid->surface, impact->triangle);
-    const struct seed seed = { impact->pair.s, impact->triangle, 1.0f };
+    const struct warm_start warm_start = { impact->pair.s, impact->triangle, 1.0f };
     if (dpti_side_is_sheet(rigid->surface, part) &&
         !dpti_side_is_border(rigid->surface, impact->triangle, impact->pair.weight))
-        dpti_contacts_meet(world, index, body, part, dpti_rigid_sweep_side_before(rigid), &seed);
+        dpti_contacts_put_side(world, index, body, part, dpti_rigid_sweep_side_before(rigid),
+                               &warm_start);
 }
 
 /* As far as there is work left for it. */

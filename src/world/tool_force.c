@@ -17,7 +17,7 @@ static int is_zero(vec3 v)
 void dpti_force_forget(struct segment *segment)
 {
     segment->fade = (struct fade){ .left = 0.0 };
-    segment->pusher = segment->pusher_before = (struct pusher){ .body = 0 };
+    segment->pushing_part = segment->previous_pushing_part = (struct pushing_part){ .body = 0 };
     segment->border.clear = 0.0;
     segment->fading = 0;
     segment->reason = DPT_FORCE_STALE;
@@ -27,19 +27,19 @@ void dpti_force_forget_body(struct segment *segment, uint32_t body)
 {
     if (segment->border.body == body)
         segment->border.clear = 0.0;
-    if ((segment->fade.left > 0.0 ? segment->fading : segment->pusher_before.body) == body)
+    if ((segment->fade.left > 0.0 ? segment->fading : segment->previous_pushing_part.body) == body)
         dpti_force_forget(segment);
 }
 
 /* Of this tick, known but for its contact or not. */
 static uint32_t reason_of(const struct segment *segment)
 {
-    const struct push *push = &segment->felt;
+    const struct penetration *penetration = &segment->felt_penetration;
     if (segment->answer.body && !segment->result.has_gap)
         return DPT_FORCE_UNDECIDED;
-    if (!(push->depth > 0.0))
+    if (!(penetration->depth > 0.0))
         return DPT_FORCE_FREE;
-    return is_zero(push->direction) ? DPT_FORCE_UNDECIDED : DPT_FORCE_ACTS;
+    return is_zero(penetration->direction) ? DPT_FORCE_UNDECIDED : DPT_FORCE_ACTS;
 }
 
 void dpti_force_respond(struct dpt_world *world, uint32_t index, double dt)
@@ -55,17 +55,18 @@ void dpti_force_respond(struct dpt_world *world, uint32_t index, double dt)
     const uint32_t reason = reason_of(segment);
     const int unknown = reason == DPT_FORCE_UNDECIDED && segment->reason != DPT_FORCE_UNDECIDED;
     const int felt = !is_zero(vec3_of(fade->shown.force)) || !is_zero(vec3_of(fade->shown.torque));
-    if (segment->felt.depth > 0.0)
-        respond_penalty(&segment->felt, tool->stiffness, origin_of(world, tool), &truth);
+    if (segment->felt_penetration.depth > 0.0)
+        respond_penalty(&segment->felt_penetration, tool->stiffness, origin_of(world, tool),
+                        &truth);
     if (felt && (unknown || segment->given_up)) {
         if (!(fade->left > 0.0))
-            segment->fading = segment->pusher_before.body;
+            segment->fading = segment->previous_pushing_part.body;
         fade->left = world->def.fade;
     }
     fade_step(fade, &truth, dt);
     segment->reason = reason;
-    segment->pusher_before = segment->pusher;
-    segment->pusher = (struct pusher){ .body = 0 };
+    segment->previous_pushing_part = segment->pushing_part;
+    segment->pushing_part = (struct pushing_part){ .body = 0 };
 }
 
 void dpti_force_sum(const struct dpt_world *world, struct tool *tool)

@@ -28,13 +28,13 @@ void dpti_tool_clear(struct dpt_world *world, struct tool *tool)
     dpti_tool_clear_hits(world, tool);
     for (uint32_t i = 0; i < tool->count; i++) {
         struct segment *segment = &world->segments[tool->first + i];
-        memset(&segment->push, 0, sizeof segment->push);
-        memset(&segment->felt, 0, sizeof segment->felt);
+        memset(&segment->penetration, 0, sizeof segment->penetration);
+        memset(&segment->felt_penetration, 0, sizeof segment->felt_penetration);
         segment->passed = segment->given_up = 0;
         segment->sweep =
             (dpt_sweep){ .size = sizeof segment->sweep, .triangle = DPT_NONE, .segment = i };
         if (world->def.strip)
-            dpti_strip_clear(world->laid[tool->first + i].strip, NULL);
+            dpti_strip_clear(world->segment_strips[tool->first + i].strip, NULL);
     }
     memset(&tool->wrench, 0, sizeof tool->wrench);
 }
@@ -85,13 +85,13 @@ dpt_result dpt_tool_get_contacts(const dpt_world *world, dpt_tool tool, dpt_cont
     const struct tool *asked = world_find_tool(world, tool);
     if (!asked)
         return DPT_E_HANDLE;
-    const struct holds *holds = &world->holds[world->holds_at];
+    const struct persistent_contacts *holds = &world->contacts[world->contacts_at];
     for (uint32_t s = asked->first; s < asked->first + asked->count; s++)
         for (uint32_t i = 0; i < holds->count; i++) {
-            if (holds->hold[i].segment != s || holds->hold[i].unseen)
+            if (holds->at[i].segment != s || holds->at[i].unseen)
                 continue;
             if (found < capacity)
-                sized_write((char *)contacts + (size_t)found * size, size, &holds->hold[i].contact,
+                sized_write((char *)contacts + (size_t)found * size, size, &holds->at[i].contact,
                             sizeof(dpt_contact));
             found++;
         }

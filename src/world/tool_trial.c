@@ -39,7 +39,7 @@ static void try_segment(struct trial *trial, const struct segment *segment, uint
                         struct placement *from, struct placement *to)
 {
     const struct dpt_world *world = trial->world;
-    const double radius = larger(0.0, segment->radius + trial->clearance);
+    const double radius = max_of(0.0, segment->radius + trial->clearance);
     const double reach = radius + dpti_rigid_sweep_displacement(from, to);
     struct frame frame;
     frame_of_pose(&to->tool, &frame);

@@ -29,7 +29,7 @@ void dpt_baseline_def_defaults(dpt_baseline_def *def, size_t size)
 }
 
 /* Where the number of blocks still fits into 32 bits. */
-static const uint64_t CERTIFICATE_BYTES_MOST = (uint64_t)1 << 40;
+static const uint64_t CERTIFICATE_BYTES_MAX = (uint64_t)1 << 40;
 
 int dpti_stiffness_is_valid(double stiffness)
 {
@@ -87,7 +87,7 @@ int dpti_world_def_is_valid(const dpt_world_def *def)
            (def->budget == 0 || def->method == DPT_METHOD_EXACT) &&
            dpti_stiffness_is_valid(def->stiffness) && dpti_side_limit_is_valid(def->side_limit) &&
            def->fade >= 0.0 && def->fade <= 1.0 &&
-           def->certificate_bytes <= CERTIFICATE_BYTES_MOST && def->margin >= 0.0 &&
+           def->certificate_bytes <= CERTIFICATE_BYTES_MAX && def->margin >= 0.0 &&
            within(def->margin, DPT_COORDINATE_MAX) && def->max_contacts <= 0xffff &&
            def->smooth_normals <= 1 && strips_are_valid(def);
 }

@@ -86,7 +86,7 @@ struct motion_backlog {
 };
 
 /* Whose push it is. */
-struct pusher {
+struct pushing_part {
     uint32_t body;   /* its id; 0: none */
     uint32_t part;   /* of its mesh */
     uint32_t behind; /* the part is an open sheet, and the tool behind it or through */
@@ -97,8 +97,8 @@ struct segment {
     double radius;
     dpt_hit hit;      /* what users get of the result, written when the tick has no more to add */
     struct fade fade; /* what is felt */
-    struct pusher pusher; /* this tick's */
-    struct pusher pusher_before;
+    struct pushing_part pushing_part; /* this tick's */
+    struct pushing_part previous_pushing_part;
     struct border_view border;
     uint32_t fading;   /* id of the body whose push fades */
     uint32_t reason;   /* DPT_FORCE_...; the last tick's, until this one responds */
@@ -106,8 +106,8 @@ struct segment {
     struct near near;
     struct body_answer answer; /* this tick's */
     struct segment_result result;
-    struct push push; /* at its deepest point */
-    struct push felt; /* as it counts for the force */
+    struct penetration penetration;      /* at its deepest point */
+    struct penetration felt_penetration; /* as it counts for the force */
     struct motion_state previous;
     dpt_sweep sweep;
     uint32_t passed;    /* on this tick's way the axis may have gone through something */
@@ -132,28 +132,28 @@ struct suspended_search {
     uint32_t next;      /* slot of the body to go on with, or DPT_NONE; in the first of the two */
 };
 
-#define HOLD_SEEDS 24
+#define WARM_STARTS_MAX 24
 
 /* A region of contact, and what the next tick takes over from it. */
-struct hold {
+struct persistent_contact {
     dpt_contact contact;
     uint32_t segment; /* in the world's list */
     uint32_t part;    /* of the body's mesh */
     int32_t side;     /* of an open sheet, or 0 */
     uint32_t unseen;  /* it is kept, but this tick does not know it */
     uint32_t front;   /* of the sheet whose side it has: all of the axis is known to be there */
-    uint32_t seed_count;
-    struct seed seed[HOLD_SEEDS];
+    uint32_t warm_start_count;
+    struct warm_start warm_start[WARM_STARTS_MAX];
 };
 
-struct holds {
-    struct hold *hold;
+struct persistent_contacts {
+    struct persistent_contact *at;
     uint32_t count;
     uint32_t reserved;
 };
 
 /* One segment and one body, this tick. */
-struct meeting {
+struct contact_pair {
     struct dpt_world *world;
     const struct body *body;
     uint32_t segment;
@@ -161,11 +161,11 @@ struct meeting {
     struct axis axis;
     struct pair_search nearest;
     struct sides sides;
-    struct profile *profile;
+    struct distance_profile *profile;
 };
 
 /* A segment's strip and where it lies, as of this tick. */
-struct laid {
+struct segment_strip {
     struct dpt_strip *strip;
     struct surface surface; /* of the body */
     struct frame frame;
@@ -194,7 +194,7 @@ struct dpt_world {
     uint32_t ticks;           /* since the last reset; may wrap */
     uint32_t travelled_at;    /* the tick before which a body last moved */
     double travelled;         /* the most that one moved then */
-    uint32_t holds_at;        /* which of the two is this tick's */
+    uint32_t contacts_at;     /* which of the two is this tick's */
     uint32_t contact_id;      /* the last one that was given */
     uint32_t contacts_wanted; /* this tick's, kept ones and those without room among them */
     uint32_t contacts_full;   /* this tick had more than there is room for */
@@ -210,10 +210,10 @@ struct dpt_world {
     struct distance_bound *distance_bounds; /* per segment and body slot */
     struct motion_backlog *motion_backlogs; /* per segment */
     struct point_cache point_cache;         /* only with a budget */
-    struct holds holds[2];                  /* this tick's and the last one's */
-    struct laid *laid;                      /* per segment; only with strips */
+    struct persistent_contacts contacts[2]; /* this tick's and the last one's */
+    struct segment_strip *segment_strips;   /* per segment; only with strips */
     struct nearby nearby;                   /* of the segment that is being looked at */
-    struct profile profile;                 /* of that and the body that is being looked at */
+    struct distance_profile profile;        /* of that and the body that is being looked at */
 };
 
 /* A high-water mark of dpt_world_usage. */

@@ -116,8 +116,8 @@ struct subject {
     double diagonal;
 };
 
-enum { SUBJECTS_MOST = 64 };
-static struct subject subjects[SUBJECTS_MOST];
+enum { SUBJECTS_MAX = 64 };
+static struct subject subjects[SUBJECTS_MAX];
 static uint32_t subject_count;
 
 static int subject_open(struct subject *subject)
@@ -141,7 +141,7 @@ struct grid {
     size_t vertex_count, triangle_count;
 };
 
-enum { GRID_MOST = 64 };
+enum { GRID_MAX = 64 };
 
 /* How a grid of u, v in 0..1 becomes a surface. */
 enum form { SHEET, SPHERE, TORUS, CREASED, SLIVERS };
@@ -237,7 +237,7 @@ static void subject_compile(const char *name, struct grid *grid, double crease)
 
 static void subjects_make(void)
 {
-    const size_t room = 3 * 2 * GRID_MOST * GRID_MOST;
+    const size_t room = 3 * 2 * GRID_MAX * GRID_MAX;
     struct grid grid = { malloc(3 * room * sizeof(double)), malloc(3 * room * sizeof(uint32_t)), 0,
                          0 };
     state = 1;
@@ -301,7 +301,7 @@ static void subject_read(const char *path)
     subject->size = (size_t)size;
     snprintf(subject->name, sizeof subject->name, "%s", name ? name + 1 : path);
     snprintf(place, sizeof place, "mesh %.40s", subject->name);
-    if (subject_count + 1 < SUBJECTS_MOST && subject_open(subject))
+    if (subject_count + 1 < SUBJECTS_MAX && subject_open(subject))
         subject_count++;
 }
 
@@ -472,8 +472,8 @@ static void put_triangles(const char *what, dpt_result result, const dpt_strip *
     end();
 }
 
-enum { STRIP_MOST = 2048 };
-static dpt_overlap overlaps[STRIP_MOST];
+enum { STRIP_MAX = 2048 };
+static dpt_overlap overlaps[STRIP_MAX];
 
 static void strip_stands(const struct subject *subject, const dpt_strip *strip,
                          const dpt_pose *pose, const dpt_segment *segment)
@@ -484,9 +484,8 @@ static void strip_stands(const struct subject *subject, const dpt_strip *strip,
     overlaps[0].size = sizeof overlaps[0];
     count = 0;
     dpt_result result = dpt_strip_overlaps(strip, subject->mesh, pose, segment, once_in(3) ? -1 : 1,
-                                           overlaps, STRIP_MOST, &count);
-    put_overlaps("overlaps", result, overlaps, count < STRIP_MOST ? count : STRIP_MOST, count,
-                 flags);
+                                           overlaps, STRIP_MAX, &count);
+    put_overlaps("overlaps", result, overlaps, count < STRIP_MAX ? count : STRIP_MAX, count, flags);
 }
 
 static void mesh_shadow(const struct subject *subject, dpt_strip *strip)
@@ -618,7 +617,7 @@ static void pairs_alone(int rounds)
 
 /* ---- worlds ---- */
 
-enum { BODIES_MOST = 6, TOOLS_MOST = 4, SEGMENTS_MOST = 3, CONTACTS_MOST = 48 };
+enum { BODIES_MAX = 6, TOOLS_MAX = 4, SEGMENTS_MAX = 3, CONTACTS_MAX = 48 };
 
 struct moving_body {
     dpt_body id;
@@ -632,7 +631,7 @@ struct moving_tool {
     dpt_tool id;
     uint32_t count;
     int there, rigid;
-    dpt_segment segments[SEGMENTS_MOST];
+    dpt_segment segments[SEGMENTS_MAX];
     dpt_pose pose, from, to;
     uint32_t tick, ticks; /* of the way */
 };
@@ -642,8 +641,8 @@ struct scene {
     dpt_world *world;
     void *block;
     double scale;
-    struct moving_body bodies[BODIES_MOST];
-    struct moving_tool tools[TOOLS_MOST];
+    struct moving_body bodies[BODIES_MAX];
+    struct moving_tool tools[TOOLS_MAX];
 };
 
 static struct {
@@ -670,9 +669,9 @@ static dpt_world_def draw_def(double scale, int small)
     dpt_world_def def;
     dpt_baseline_def baseline;
     dpt_world_def_init(&def);
-    def.max_bodies = BODIES_MOST;
-    def.max_tools = TOOLS_MOST;
-    def.max_segments = TOOLS_MOST * SEGMENTS_MOST;
+    def.max_bodies = BODIES_MAX;
+    def.max_tools = TOOLS_MAX;
+    def.max_segments = TOOLS_MAX * SEGMENTS_MAX;
     def.method = ONE_OF(methods);
     if (def.method == DPT_METHOD_BRUTE && !small)
         def.method = DPT_METHOD_EXACT;
@@ -762,7 +761,7 @@ static void tool_aim(struct scene *scene, struct moving_tool *tool)
 {
     double corners[9], point[3], normal[3], up[3], to[3], anchor[3], turned[3];
     uint32_t number;
-    const struct moving_body *body = &scene->bodies[below(BODIES_MOST)];
+    const struct moving_body *body = &scene->bodies[below(BODIES_MAX)];
     tool->from = tool->pose;
     tool->tick = 0;
     tool->ticks = once_in(6) ? 1 + below(3) : 4 + below(50);
@@ -770,7 +769,7 @@ static void tool_aim(struct scene *scene, struct moving_tool *tool)
         return;
     tool->to = draw_pose(0.5 * scene->scale);
     for (int i = 0; i < 10 && !body->there; i++)
-        body = &scene->bodies[below(BODIES_MOST)];
+        body = &scene->bodies[below(BODIES_MAX)];
     if (!body->there || !draw_triangle(body->subject, &number, corners))
         return;
     const int dips = once_in(6);
@@ -798,7 +797,7 @@ static void tool_add(struct scene *scene, struct moving_tool *tool)
     const double radius = once_in(3) ? 0.0 : scene->scale * in(0.0, 0.02);
     const double size = once_in(3) ? 0.6 : 0.15;
     double at[3] = { 0, 0, 0 };
-    tool->count = 1 + below(SEGMENTS_MOST);
+    tool->count = 1 + below(SEGMENTS_MAX);
     tool->rigid = !once_in(3);
     for (uint32_t i = 0; i < tool->count; i++) { /* a chain */
         double along[3];
@@ -834,7 +833,7 @@ static void tool_move(struct scene *scene, struct moving_tool *tool)
                          : dpt_tool_set_pose(scene->world, tool->id, &given));
         return;
     }
-    dpt_segment segments[SEGMENTS_MOST];
+    dpt_segment segments[SEGMENTS_MAX];
     for (uint32_t i = 0; i < tool->count; i++) {
         apply(&given, tool->segments[i].a, segments[i].a);
         apply(&given, tool->segments[i].b, segments[i].b);
@@ -873,7 +872,7 @@ static void put_segment(const struct scene *scene, dpt_tool id, uint32_t segment
 /* All about a tool; 1 if it touches. */
 static int put_tool(const struct scene *scene, const struct moving_tool *tool)
 {
-    static dpt_contact contacts[CONTACTS_MOST];
+    static dpt_contact contacts[CONTACTS_MAX];
     dpt_hit hit = DPT_HIT_INIT;
     dpt_wrench wrench = { { 0 }, { 0 } };
     uint32_t count = 0;
@@ -887,12 +886,12 @@ static int put_tool(const struct scene *scene, const struct moving_tool *tool)
     put_wrench("wrench", result, &wrench);
     memset(contacts, 0, sizeof contacts);
     contacts[0].size = sizeof contacts[0];
-    result = dpt_tool_get_contacts(scene->world, tool->id, contacts, CONTACTS_MOST, &count);
+    result = dpt_tool_get_contacts(scene->world, tool->id, contacts, CONTACTS_MAX, &count);
     begin("contacts");
     put_code("result", (int32_t)result);
     put_count("count", count);
     end();
-    for (uint32_t i = 0; i < count && i < CONTACTS_MOST; i++)
+    for (uint32_t i = 0; i < count && i < CONTACTS_MAX; i++)
         put_contact(&contacts[i]);
     met.contacts += count;
     for (uint32_t i = 0; tool->there && i < tool->count; i++) {
@@ -905,7 +904,7 @@ static int put_tool(const struct scene *scene, const struct moving_tool *tool)
 
 static void scene_change(struct scene *scene, uint32_t tick, int small)
 {
-    for (int i = 0; i < BODIES_MOST; i++) {
+    for (int i = 0; i < BODIES_MAX; i++) {
         struct moving_body *body = &scene->bodies[i];
         if (body->there && !once_in(150)) {
             body_move(scene, body, tick);
@@ -916,7 +915,7 @@ static void scene_change(struct scene *scene, uint32_t tick, int small)
             body_add(scene, body, 0, small);
         }
     }
-    for (int i = 0; i < TOOLS_MOST; i++) {
+    for (int i = 0; i < TOOLS_MAX; i++) {
         struct moving_tool *tool = &scene->tools[i];
         if (tool->there && !once_in(120)) {
             tool_move(scene, tool);
@@ -976,7 +975,7 @@ static void world_run(uint32_t number, uint32_t ticks)
         scene_change(&scene, tick, small);
         result = dpt_world_step(scene.world, dt, &step);
         put_step(result, &step);
-        for (int i = 0; i < TOOLS_MOST; i++)
+        for (int i = 0; i < TOOLS_MAX; i++)
             if (scene.tools[i].there || once_in(20))
                 crossing |= put_tool(&scene, &scene.tools[i]);
         met.ticks++;

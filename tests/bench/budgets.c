@@ -14,7 +14,7 @@
 #include "bench/timing.h"
 #include "dynpoint.h"
 
-enum { TICKS_MOST = 100000, CONTACTS = 32, PASSES = 3 };
+enum { TICKS_MAX = 100000, CONTACTS = 32, PASSES = 3 };
 
 /* What is felt on a tick. */
 struct felt {
@@ -43,7 +43,7 @@ static size_t read_trace(const char *path, dpt_segment *segments)
     FILE *file = fopen(path, "r");
     char line[512];
     size_t ticks = 0;
-    while (file && ticks < TICKS_MOST && fgets(line, sizeof line, file)) {
+    while (file && ticks < TICKS_MAX && fgets(line, sizeof line, file)) {
         double *a = segments[ticks].a, *b = segments[ticks].b;
         segments[ticks].radius = 0.0;
         ticks +=
@@ -119,9 +119,9 @@ static int differs(const struct felt *felt, const struct felt *truth, double all
 int main(int argc, char **argv)
 {
     static const uint32_t budgets[] = { 25, 50, 100, 200, 400, 800, 1600, 3200, 0 };
-    static dpt_segment segments[TICKS_MOST];
-    static struct felt truth[TICKS_MOST], felt[TICKS_MOST];
-    static double ns[TICKS_MOST];
+    static dpt_segment segments[TICKS_MAX];
+    static struct felt truth[TICKS_MAX], felt[TICKS_MAX];
+    static double ns[TICKS_MAX];
     if (argc != 4) {
         fprintf(stderr, "usage: budgets NAME MESH.dpa TRACE.csv\n");
         return 2;

@@ -413,7 +413,7 @@ static void expect_signs(const struct judge *judge, const char *what)
         judged++;
         inside += wanted < 0.0;
         wrong += (hit.gap < 0.0) != (wanted < 0.0);
-        worst = larger(worst, fabs(hit.gap - wanted));
+        worst = max_of(worst, fabs(hit.gap - wanted));
     }
     CHECK(wrong == 0, "%s: %u of %u signs are wrong", what, wrong, judged);
     CHECK(worst <= 1e-12 * diagonal, "%s: off by %g of the diagonal", what, worst / diagonal);
@@ -427,7 +427,7 @@ static void expect_depths(const struct judge *judge, const char *what)
     const double *low = scene->info.box_min, *high = scene->info.box_max;
     const double diagonal = length(sub(vec3_of(high), vec3_of(low))), tolerance = 1e-5 * diagonal;
     const struct oracle_solid solid = { judge->mesh, judge->points, scene->info.triangles,
-                                        larger(extent_of(vec3_of(low)), extent_of(vec3_of(high))) };
+                                        max_of(extent_of(vec3_of(low)), extent_of(vec3_of(high))) };
     uint64_t random = 79;
     int deep = 0;
     for (int i = 0; i < 100; i++) {
@@ -436,9 +436,9 @@ static void expect_depths(const struct judge *judge, const char *what)
         dpt_hit hit = DPT_HIT_INIT;
         dpt_query_segments(scene->mesh, NULL, ends, NULL, 1, &hit, NULL);
         const struct oracle_least least = oracle_least(&solid, ends, 0.1 * tolerance);
-        const double depth = larger(0.0, -hit.gap);
-        CHECK(depth >= larger(0.0, -least.high) - tolerance &&
-                  depth <= larger(0.0, -least.low) + tolerance,
+        const double depth = max_of(0.0, -hit.gap);
+        CHECK(depth >= max_of(0.0, -least.high) - tolerance &&
+                  depth <= max_of(0.0, -least.low) + tolerance,
               "%s %d: %g deep, not %g to %g", what, i, depth, -least.high, -least.low);
         deep += least.high < -100.0 * tolerance;
     }

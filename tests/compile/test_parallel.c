@@ -253,11 +253,10 @@ static void bytes_do_not_depend_on_threads(void)
                   threads[n]);
             CHECK(alive == 0 && most_alive < most, "%ld threads at once with %u, %ld left",
                   most_alive + 1, threads[n], alive);
-            CHECK(shape.triangle_count < 1000
-                      ? asked == 0
-                      : shape.triangle_count < 2 * PARALLEL_LEAST || made > 0,
+            CHECK(shape.triangle_count < 1000 ? asked == 0
+                                              : shape.triangle_count < 2 * PARALLEL_MIN || made > 0,
                   "%s %u: %ld threads made", shapes[i].name, shapes[i].count, made);
-            CHECK(shape.triangle_count < 64 * PARALLEL_LEAST || most < 64 || most_alive == 63,
+            CHECK(shape.triangle_count < 64 * PARALLEL_MIN || most < 64 || most_alive == 63,
                   "%ld threads at once", most_alive + 1);
             dpt_compiled_free(&many);
         }

@@ -90,7 +90,7 @@ static void sheets_have_no_inside(void)
         for (uint32_t t = 0; t < count; t++) {
             const uint32_t place = mesh_words(scene.mesh, MESH_PLACES)[t];
             const vec3 x = point_off(&scene, place, 1e-5);
-            worst = larger(worst, fabs(winding_at(&scene, x.x, x.y, x.z)));
+            worst = max_of(worst, fabs(winding_at(&scene, x.x, x.y, x.z)));
         }
         CHECK(scene.info.winding_components == 1 && worst < 1e-3, "%u, %g",
               scene.info.winding_components, worst);

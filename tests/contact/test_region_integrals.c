@@ -19,7 +19,7 @@ struct worst {
     char text[512];
 };
 
-enum { OUTSIDE, BEYOND, MISSED, NOT_THERE, NOT_LEAST, KINDS };
+enum { OUTSIDE, BEYOND, MISSED, NOT_THERE, NOT_MIN, KINDS };
 static const char *const kinds[KINDS] = { "of the reach is outside of all regions",
                                           "of the peak is in a region, but beyond the margin",
                                           "of the peak is in no region",
@@ -96,7 +96,7 @@ static void check_region(struct scene *scene, const double ends[6],
     for (size_t i = 0; i < quadrature->count; i++)
         if (quadrature->s[i] >= c->s0 && quadrature->s[i] <= c->s1)
             least = fmin(least, quadrature->height[i] - scene->radius);
-    note(scene, NOT_LEAST, (c->gap - least) / scene->diagonal, ends);
+    note(scene, NOT_MIN, (c->gap - least) / scene->diagonal, ends);
     CHECK(c->contact == DPT_CONTACT_UNKNOWN ||
               (c->contact == DPT_CONTACT_PENETRATING) == (c->gap < -hit.error_bound) ||
               fabs(c->gap) < 1e-9 * scene->diagonal,

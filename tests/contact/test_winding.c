@@ -24,7 +24,7 @@ static double check_against_brute(const char *name, const struct scene *scene, i
         double winding = dpti_winding_number(&scene->surface, &scene->kernel, x, &work);
         double error = fabs(winding - brute_at(scene, x));
         CHECK(error <= WINDING_ERROR, "%s: off by %g at %g %g %g", name, error, x.x, x.y, x.z);
-        worst = larger(worst, error);
+        worst = max_of(worst, error);
         most_work = work.done > most_work ? work.done : most_work;
         for (uint32_t id = DPT_KERNEL_SCALAR; id <= DPT_KERNEL_NEON; id++) {
             struct kernel other;
@@ -55,7 +55,7 @@ static void windings_agree_with_brute_force(void)
         add_shape(&scene, shapes[i].name, shapes[i].count, (vec3){ 0.3, -0.2, 0.1 }, 1.0, 0, 1);
         if (scene_open(&scene)) {
             CHECK(scene.info.winding_components == 1, "%s has no moments", shapes[i].name);
-            worst = larger(worst, check_against_brute(shapes[i].name, &scene, 200));
+            worst = max_of(worst, check_against_brute(shapes[i].name, &scene, 200));
         }
         scene_close(&scene);
     }
@@ -63,9 +63,10 @@ static void windings_agree_with_brute_force(void)
 }
 
 /* Four sets of four triangles, joined twice, about `middle`; their true sum as seen from x. */
-static struct moment make_set(uint64_t *random, vec3 middle, double size, vec3 x, double *truth)
+static struct winding_moment make_set(uint64_t *random, vec3 middle, double size, vec3 x,
+                                      double *truth)
 {
-    struct moment sets[4], triangles[4];
+    struct winding_moment sets[4], triangles[4];
     vec3 c[3];
     *truth = 0.0;
     for (int s = 0; s < 4; s++) {
@@ -102,13 +103,13 @@ static void series_keep_their_bound(void)
         for (int lane = 0; lane < LANES; lane++) {
             const vec3 middle = { random_in(&random, -1, 1), random_in(&random, -1, 1),
                                   random_in(&random, -1, 1) };
-            struct moment set = make_set(&random, middle, size, x, &truth[lane]);
+            struct winding_moment set = make_set(&random, middle, size, x, &truth[lane]);
             double series = moment_winding(&set, x, &errors[lane]);
             moment_put(&set, block + lane);
             if (errors[lane] < HUGE_VAL) {
                 CHECK(fabs(series - truth[lane]) <= errors[lane] + 1e-15, "off by %g, bound %g",
                       series - truth[lane], errors[lane]);
-                worst = larger(worst, fabs(series - truth[lane]) / errors[lane]);
+                worst = max_of(worst, fabs(series - truth[lane]) / errors[lane]);
             }
         }
         const uint32_t open = kernel.moments(block, at, 1e-2f, sums, doubts);

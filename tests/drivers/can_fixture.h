@@ -158,14 +158,14 @@ static inline void refused(dpt_result result, dpt_result code, const char *word)
 }
 
 /* Someone else on the bus, with a socket of their own. */
-static struct can_line stranger;
+static struct socketcan stranger;
 
 static inline void someone_says(uint8_t node, uint8_t command, float torque)
 {
     const struct odrive_message message = { .node = node, .command = command, .as.torque = torque };
     struct can_message frame;
     CHECK(odrive_encode(&message, ODRIVE_0_6, &frame), "%x", command);
-    CHECK(can_line_send(&stranger, &frame, 1) == 1, "no room");
+    CHECK(socketcan_send(&stranger, &frame, 1) == 1, "no room");
 }
 
 #endif

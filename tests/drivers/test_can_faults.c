@@ -89,7 +89,7 @@ static void other_serial(void)
     const struct odrive_message asks = { .node = 1, .command = ODRIVE_ADDRESS, .asks = 1 };
     struct can_message frame;
     odrive_encode(&asks, ODRIVE_0_6, &frame);
-    can_line_send(&stranger, &frame, 1);
+    socketcan_send(&stranger, &frame, 1);
 }
 
 static void fall_silent(void)
@@ -130,7 +130,7 @@ static void overheat_and_tell(void)
     overheat();
     pass_ms(1);
     odrive_encode(&asks, ODRIVE_0_6, &frame);
-    can_line_send(&stranger, &frame, 1);
+    socketcan_send(&stranger, &frame, 1);
 }
 
 static void cool_down(void)
@@ -169,7 +169,7 @@ static void go_mad(void)
     const struct can_message frame = { .id = 1 << 5 | ODRIVE_ESTIMATES,
                                        .size = 8,
                                        .data = { 0, 0, 0xc0, 0x7f } };
-    can_line_send(&stranger, &frame, 1);
+    socketcan_send(&stranger, &frame, 1);
     simulated.joint[1] = NAN;
 }
 
@@ -235,7 +235,7 @@ static const struct fault {
 static void provoke(const struct fault *fault)
 {
     start(elbow_path, ELBOW "&nodes=0,1,2&watchdog=0.025&firmware=0.6");
-    CHECK(can_line_open(&stranger, interface(), 7, NULL) == DPT_OK, "no second socket");
+    CHECK(socketcan_open(&stranger, interface(), 7, NULL) == DPT_OK, "no second socket");
     CHECK(push_until_it_fails(50) > 50 && is_pushing(), "%s: it does not begin well", fault->name);
     fault->cause();
     const int after = push_until_it_fails(fault->within + 50);
@@ -296,7 +296,7 @@ static void provoke(const struct fault *fault)
     CHECK(!is_pushing(), "%s: it pushes before it is told to", fault->name);
     CHECK(push_until_it_fails(600) > 600 && is_pushing() && state.reasons == 0 && state.code == 0,
           "%s: it does not work afterwards: %x %x", fault->name, state.reasons, state.code);
-    can_line_close(&stranger);
+    socketcan_close(&stranger);
     finish();
 }
 

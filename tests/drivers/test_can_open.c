@@ -77,7 +77,7 @@ static void each_ms_with_a_twin(void)
     address.as.address.serial = 0x123456789abc;
     odrive_encode(&address, ODRIVE_0_6, &frame);
     if (simulated.ticks % 100 == 0)
-        can_line_send(&stranger, &frame, 1);
+        socketcan_send(&stranger, &frame, 1);
     each_ms();
 }
 
@@ -120,12 +120,12 @@ static void nodes_are_checked(void)
     node->beats_each = 1000;
     refused(open_at(where), DPT_E_DEVICE, "heartbeat less often");
     *node = sound;
-    CHECK(can_line_open(&stranger, interface(), 7, NULL) == DPT_OK, "no second socket");
+    CHECK(socketcan_open(&stranger, interface(), 7, NULL) == DPT_OK, "no second socket");
     can_each_ms = each_ms_with_another_host;
     refused(open_at(where), DPT_E_DEVICE, "someone else");
     can_each_ms = each_ms_with_a_twin;
     refused(open_at(where), DPT_E_DEVICE, "two controllers with the number 1");
-    can_line_close(&stranger);
+    socketcan_close(&stranger);
     can_each_ms = each_ms;
     node->causes = 0x40000000;
     refused(open_at(where), DPT_E_NOT_READY, "node 1: IDLE, CALIBRATION_ERROR");

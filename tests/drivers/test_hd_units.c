@@ -214,8 +214,8 @@ static void a_workspace_covers_a_model(void)
 /* One thread counts, in values of many words; the other sees whole ones, each later than the last, and the last. */
 enum { TAKEN = 50000, WORDS = 40 };
 
-static struct latest latest;
-static uint64_t places[LATEST_PLACES][WORDS], counted;
+static struct latest_value latest;
+static uint64_t places[LATEST_VALUE_PLACES][WORDS], counted;
 static int is_enough;
 
 static void *count(void *unused)
@@ -224,7 +224,7 @@ static void *count(void *unused)
         counted++;
         for (int i = 0; i < WORDS; i++)
             places[latest.writing][i] = counted;
-        latest_hand(&latest);
+        latest_value_publish(&latest);
         if (counted % 64 == 0)
             sched_yield();
     }
@@ -235,11 +235,11 @@ static void the_latest_value_is_whole_and_never_older(void)
 {
     pthread_t thread;
     uint64_t last = 0;
-    latest_init(&latest);
-    CHECK(!latest_take(&latest), "something before there is anything");
+    latest_value_init(&latest);
+    CHECK(!latest_value_take(&latest), "something before there is anything");
     CHECK(pthread_create(&thread, NULL, count, NULL) == 0, "no thread");
     for (int taken = 0; taken < TAKEN;) {
-        if (!latest_take(&latest)) {
+        if (!latest_value_take(&latest)) {
             sched_yield();
             continue;
         }
@@ -252,9 +252,9 @@ static void the_latest_value_is_whole_and_never_older(void)
     }
     __atomic_store_n(&is_enough, 1, __ATOMIC_RELAXED);
     pthread_join(thread, NULL);
-    CHECK(latest_take(&latest) == (last != counted) && places[latest.reading][0] == counted,
+    CHECK(latest_value_take(&latest) == (last != counted) && places[latest.reading][0] == counted,
           "the last is not the last");
-    CHECK(!latest_take(&latest), "something after the last");
+    CHECK(!latest_value_take(&latest), "something after the last");
 }
 
 int main(void)

@@ -8,24 +8,24 @@
 
 FUZZ_TARGET(trace)
 {
-    struct table trace = { .rows = 0 };
+    struct csv_table trace = { .rows = 0 };
     const char *text = (const char *)bytes;
     uint64_t line = 0;
     if (size == 0)
         return 0;
     const char *wrong = NULL;
-    dpt_result result = table_parse(&trace, text, text + size, &trace_form, &line, &wrong);
+    dpt_result result = csv_table_parse(&trace, text, text + size, &trace_form, &line, &wrong);
     MUST(line <= size);
     MUST(result == DPT_OK ? !wrong && trace.rows > 0 && trace.columns == 7 : wrong != NULL);
     for (size_t i = 0; i < trace.rows; i++) {
-        const double *row = table_row(&trace, i);
+        const double *row = csv_table_row(&trace, i);
         MUST(fabs(row[0]) < 0x1p53 && row[0] == floor(row[0]));
         for (int k = 1; k < 7; k++)
             MUST(fabs(row[k]) <= DPT_COORDINATE_MAX);
-        MUST(i == 0 || row[0] > table_row(&trace, i - 1)[0]);
+        MUST(i == 0 || row[0] > csv_table_row(&trace, i - 1)[0]);
         MUST(trace_jumps(&trace, i) || i > 0);
     }
     fuzz_accepted += result == DPT_OK;
-    table_free(&trace);
+    csv_table_free(&trace);
     return 0;
 }

@@ -188,7 +188,7 @@ static double check_sound(const char *what, const struct tool *tool, const float
         double over = ((double)bound[lane] - distance) / margin_of(tool);
         CHECK(!(over > 1.0), "%s: bound %.9g above %.17g by %.3g margins", what,
               (double)bound[lane], distance, over);
-        worst = larger(over, worst);
+        worst = max_of(over, worst);
     }
     return worst;
 }
@@ -247,7 +247,7 @@ static void bounds_of_triangles_are_sound(void)
             struct tool tool = i % 4 ? make_tool(&random, shape) : make_long_tool(&random);
             uint32_t open = kernel.triangles(block, &tool.probe, &planes, bound);
             CHECK(open == not_beyond(bound, tool.probe.limit), "%x", open);
-            worst = larger(check_sound(shape_names[shape], &tool, block, bound), worst);
+            worst = max_of(check_sound(shape_names[shape], &tool, block, bound), worst);
             for (int lane = 0; lane < LANES; lane++) {
                 double distance = sqrt(pair_of(&tool, block, lane).distance2);
                 if (!is_apart(&tool, distance))
@@ -279,7 +279,7 @@ static void bounds_of_boxes_are_sound(void)
             struct tool tool = make_tool(&random, shape);
             uint32_t open = kernel.boxes(block, &tool.probe, &planes, bound);
             CHECK(open == not_beyond(bound, tool.probe.limit), "%x", open);
-            worst = larger(check_sound(shape_names[shape], &tool, content, bound), worst);
+            worst = max_of(check_sound(shape_names[shape], &tool, content, bound), worst);
             for (int lane = 0; lane < LANES; lane++) {
                 vec3 centre = corner(block, 0, lane), half = corner(block, 1, lane);
                 pair truth = segment_triangle(tool.a, tool.u, centre, centre, centre);
@@ -318,15 +318,15 @@ static void bounds_of_points_are_sound(void)
             /* Where all are closed no bound need be tight. */
             for (int lane = 0; lane < LANES; lane++)
                 bound[0][lane] = sqrtf(bound[0][lane]);
-            worst[0] = larger(check_sound(shape_names[shape], &tool, content, bound[0]), worst[0]);
+            worst[0] = max_of(check_sound(shape_names[shape], &tool, content, bound[0]), worst[0]);
             kernel.point_triangles(content, tool.probe.a, HUGE_VALF, bound[0]);
             open = kernel.point_boxes(block, tool.probe.a, limit, bound[1]);
             CHECK(open == not_beyond(bound[1], limit), "boxes: %x", open);
             for (int lane = 0; lane < LANES; lane++) {
                 vec3 off = sub(tool.a, corner(block, 0, lane)), half = corner(block, 1, lane);
-                double box = length((vec3){ larger(fabs(off.x) - half.x, 0.0),
-                                            larger(fabs(off.y) - half.y, 0.0),
-                                            larger(fabs(off.z) - half.z, 0.0) });
+                double box = length((vec3){ max_of(fabs(off.x) - half.x, 0.0),
+                                            max_of(fabs(off.y) - half.y, 0.0),
+                                            max_of(fabs(off.z) - half.z, 0.0) });
                 double distance = sqrt(pair_of(&tool, content, lane).distance2);
                 for (int k = 0; k < 2; k++)
                     bound[k][lane] = sqrtf(bound[k][lane]);
@@ -339,7 +339,7 @@ static void bounds_of_points_are_sound(void)
             }
             for (int k = 0; k < 2; k++)
                 worst[k] =
-                    larger(check_sound(shape_names[shape], &tool, content, bound[k]), worst[k]);
+                    max_of(check_sound(shape_names[shape], &tool, content, bound[k]), worst[k]);
         }
         printf("    %-10s above the truth by at most %5.3f margins, boxes %5.3f; mean slack %.2g, "
                "boxes %.2g\n",
@@ -376,7 +376,7 @@ static void common_supports_are_sound(void)
             double there = sqrt(pair_of(&tool, block, lane).distance2);
             double over =
                 ((double)low[lane] - (double)tool.probe.height - there) / margin_of(&tool);
-            worst = larger(over, worst);
+            worst = max_of(over, worst);
             CHECK(!(over > 1.0), "common bound above the truth by %.3g margins", over);
             CHECK(open >> lane & 1 || there > (double)tool.probe.limit - margin_of(&tool),
                   "closed at %.9g, limit %.9g", there, (double)tool.probe.limit);
@@ -389,7 +389,7 @@ static void common_supports_are_sound(void)
         taken++;
         struct tool other = move_tool(&random, &tool);
         kernel.cached_triangles(block, &other.probe, &planes, bound);
-        moved = larger(check_sound("common, held", &other, block, bound), moved);
+        moved = max_of(check_sound("common, held", &other, block, bound), moved);
     }
     printf("    above the truth by at most %5.3f margins, held %5.3f; equal to it on its own lane "
            "%.1f %%\n",
@@ -416,7 +416,7 @@ static void check_held(const char *what, kernel_cached *held, uint64_t *random,
         double *worst = k < 2 ? near_by : elsewhere;
         open = held(block, &other.probe, planes, bound);
         CHECK(open == not_beyond(bound, other.probe.limit), "%s: open %x", what, open);
-        *worst = larger(check_sound(what, &other, content, bound), *worst);
+        *worst = max_of(check_sound(what, &other, content, bound), *worst);
     }
 }
 
@@ -734,7 +734,7 @@ static void angles_are_solid_angles(void)
                             sub(corner(block, 2, lane), x));
             const int added = ((lanes & ~open) >> lane & 1) != 0;
             open_lanes += (open >> lane & 1) != 0;
-            worst = larger(worst, added ? fabs((double)sums[lane] - turns) : 0.0);
+            worst = max_of(worst, added ? fabs((double)sums[lane] - turns) : 0.0);
             CHECK(added || sums[lane] == 0.0f, "lane %d of %x, open %x: %g", lane, lanes, open,
                   (double)sums[lane]);
             CHECK(added || !(lanes >> lane & 1) || open >> lane & 1, "lost");
@@ -764,7 +764,7 @@ static void turns_agree_with_the_c_library(void)
         double volume = dot(v[0], cross(v[1], v[2]));
         double sides = a * b * c + dot(v[0], v[1]) * c + dot(v[1], v[2]) * a + dot(v[2], v[0]) * b;
         double turns = volume != 0.0 ? atan2(volume, sides) / ANGLE_TURN : 0.0;
-        worst = larger(worst, fabs(solid_turns(v[0], v[1], v[2]) - turns));
+        worst = max_of(worst, fabs(solid_turns(v[0], v[1], v[2]) - turns));
     }
     CHECK(worst < 1e-14, "off by %g turns", worst);
 }

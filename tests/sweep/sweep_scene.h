@@ -49,7 +49,7 @@ static inline vec3 lattice_in(uint64_t *random, int reach)
 static inline vec3 across_in(uint64_t *random, vec3 along_it)
 {
     vec3 v = cross(along_it, any_in(random, 1.0));
-    return scaled(v, 1.0 / larger(length(v), 1e-300));
+    return scaled(v, 1.0 / max_of(length(v), 1e-300));
 }
 
 enum { LATTICE_ANY, LATTICE_FLAT, LATTICE_SHIFT, LATTICE_POINT, LATTICE_REST, LATTICE_NEEDLE };
@@ -175,10 +175,10 @@ static inline void make_any(uint64_t *random, int kind, struct scene *scene)
 static inline double scene_extent(const struct scene *scene)
 {
     const struct motion *m = &scene->motion;
-    double most = larger(extent_of(m->a), extent_of(m->b));
-    most = larger(most, larger(extent_of(add(m->a, m->da)), extent_of(add(m->b, m->db))));
+    double most = max_of(extent_of(m->a), extent_of(m->b));
+    most = max_of(most, max_of(extent_of(add(m->a, m->da)), extent_of(add(m->b, m->db))));
     for (int k = 0; k < 3; k++)
-        most = larger(most, extent_of(scene->corner[k]));
+        most = max_of(most, extent_of(scene->corner[k]));
     return most;
 }
 
@@ -191,7 +191,7 @@ static inline double scene_size(const struct scene *scene)
     };
     double most = 0.0;
     for (int k = 0; k < 6; k++)
-        most = larger(most, extent_of(sub(all[k], scene->corner[0])));
+        most = max_of(most, extent_of(sub(all[k], scene->corner[0])));
     return most;
 }
 
@@ -199,7 +199,7 @@ static inline double scene_size(const struct scene *scene)
 static inline double any_tolerance(uint64_t *random, const struct scene *scene)
 {
     double share = one_in(random, 2) ? 1e-6 : power_in(random, -11.0, -6.0);
-    return larger(share * scene_size(scene), 0x1p-42 * scene_extent(scene));
+    return max_of(share * scene_size(scene), 0x1p-42 * scene_extent(scene));
 }
 
 /* As exact numbers, to paste. */

@@ -49,7 +49,7 @@ static double touch_before(const struct scene *scene, double radius, double unti
     enum { DEPTH = 64, MOST = 4000 };
     double from[DEPTH], to[DEPTH];
     int depth = 1, asked = 0;
-    double speed = larger(length(scene->motion.da), length(scene->motion.db)) * (1.0 + 1e-12);
+    double speed = max_of(length(scene->motion.da), length(scene->motion.db)) * (1.0 + 1e-12);
     from[0] = 0.0;
     to[0] = until;
     while (depth && asked++ < MOST) {
@@ -104,7 +104,7 @@ struct tally {
 
 static void judge(const char *name, const struct scene *scene, unsigned long i, struct tally *tally)
 {
-    double radius = larger(any_radius(scene), 0.0), tolerance = any_tolerance(&rng, scene);
+    double radius = max_of(any_radius(scene), 0.0), tolerance = any_tolerance(&rng, scene);
     double time = -1.0, unsure = 64.0 * 0x1p-53 * scene_extent(scene) + 0.01 * tolerance;
     uint32_t asked;
     int slow = i % 100 == 0;

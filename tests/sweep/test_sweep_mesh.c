@@ -270,7 +270,7 @@ static double excess(const float *rows, int lane, float bound, const vec3 end[4]
         v[k] = (vec3){ rows[3 * k * LANES + lane], rows[(3 * k + 1) * LANES + lane],
                        rows[(3 * k + 2) * LANES + lane] };
     for (int e = 0; e < 4; e++)
-        far = larger(far, length(end[e]));
+        far = max_of(far, length(end[e]));
     double distance = sqrt(segment_triangle(a, sub(b, a), v[0], v[1], v[2]).distance2);
     return ((double)bound - distance) / kernel_margin(far, far);
 }
@@ -307,7 +307,7 @@ static void swept_bounds_are_sound(void)
         closed += lanes[0] != 0xffff;
         for (int lane = 0; lane < LANES; lane++) {
             double over = excess(rows, lane, first[0][lane], end);
-            worst = larger(worst, larger(over, excess(rows, lane, first[1][leaf % LANES], end)));
+            worst = max_of(worst, max_of(over, excess(rows, lane, first[1][leaf % LANES], end)));
             CHECK(first[0][lane] <= hull.limit || !(lanes[0] >> lane & 1), "lane %d", lane);
         }
         CHECK(worst <= 1.0, "%g margins above the distance", worst);

@@ -25,7 +25,7 @@ static uint32_t ticks = 20;
 static uint32_t ticks = 160;
 #endif
 
-enum { BODIES_MOST = 40, SEGMENTS_MOST = 12, SCENES = 6 };
+enum { BODIES_MAX = 40, SEGMENTS_MAX = 12, SCENES = 6 };
 enum motion { REST, SLIDE, SPIN, FLY, JUMP, MOVED, MOTIONS };
 static const char *const motions[MOTIONS] = { "rest", "slide", "spin", "fly", "jump", "moved" };
 
@@ -94,10 +94,10 @@ struct stage {
         const dpt_mesh *mesh;
         dpt_pose pose;
         int there;
-    } places[BODIES_MOST];
-    dpt_pose pose;                  /* of the tool */
-    dpt_segment own[SEGMENTS_MOST]; /* in its frame */
-    dpt_segment now[SEGMENTS_MOST]; /* in the world */
+    } places[BODIES_MAX];
+    dpt_pose pose;                 /* of the tool */
+    dpt_segment own[SEGMENTS_MAX]; /* in its frame */
+    dpt_segment now[SEGMENTS_MAX]; /* in the world */
     double way[3], turn[3];
     double moved; /* the most that an end moved in this tick */
 };
@@ -184,10 +184,10 @@ static void stage_move(struct stage *stage, int motion, const dpt_hit *near)
 struct side {
     void *block;
     dpt_world *world;
-    dpt_body body[BODIES_MOST];
+    dpt_body body[BODIES_MAX];
     dpt_tool tool;
     dpt_step step;
-    dpt_hit hits[SEGMENTS_MOST];
+    dpt_hit hits[SEGMENTS_MAX];
 };
 
 static void side_add_body(struct side *side, const struct stage *stage, uint32_t b)
@@ -247,16 +247,16 @@ struct run {
     struct side found, truth;
     uint32_t budget, tick;
     uint64_t bytes;
-    double moved[SEGMENTS_MOST];  /* since the segment was exact; beside a moving body HUGE_VAL */
-    double before[SEGMENTS_MOST]; /* its lower bound, a tick ago */
-    double after[SEGMENTS_MOST];  /* and its distance */
+    double moved[SEGMENTS_MAX];  /* since the segment was exact; beside a moving body HUGE_VAL */
+    double before[SEGMENTS_MAX]; /* its lower bound, a tick ago */
+    double after[SEGMENTS_MAX];  /* and its distance */
     char what[80];
 };
 
 /* Nothing that was proven need count any more. */
 static void run_forgets(struct run *run)
 {
-    for (uint32_t i = 0; i < SEGMENTS_MOST; i++)
+    for (uint32_t i = 0; i < SEGMENTS_MAX; i++)
         run->moved[i] = HUGE_VAL;
 }
 
@@ -560,7 +560,7 @@ static void half_of_the_need(void)
     for (uint32_t n = 0; n < 4; n++) {
         const struct scene *scene = &scenes[at[n]];
         uint64_t work = 0, exact = 0;
-        uint32_t waits[SEGMENTS_MOST] = { 0 }, longest = 0;
+        uint32_t waits[SEGMENTS_MAX] = { 0 }, longest = 0;
         double lost = 0.0, asked = (double)count * scene->segments;
         run.bytes = 1 << 20;
         for (int pass = 0; pass < 2; pass++) {
@@ -598,7 +598,7 @@ static void pauses_serve_every_segment(void)
 {
     static struct run run;
     enum { CYCLE = 4 };
-    uint32_t waits[SEGMENTS_MOST] = { 0 };
+    uint32_t waits[SEGMENTS_MAX] = { 0 };
     stage_start(&run.stage, &scenes[5], 9);
     run.bytes = 1 << 20;
     struct side fresh = first_step(&run);

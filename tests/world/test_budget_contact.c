@@ -8,7 +8,7 @@
 #include "lib/strip_subject.h"
 
 /* Enough for a crossing's triangles and the largest single search of these meshes. */
-enum { SMALL = 200, MOST_TICKS = 400 };
+enum { SMALL = 200, TICKS_MAX = 400 };
 
 #if defined(__SANITIZE_ADDRESS__)
 enum { RESTS = 60, POSES = 40, TICKS = 800 };
@@ -165,7 +165,7 @@ static void rest(const struct subject *subject, const dpt_segment *axis, uint32_
     side_open(&small, subject->mesh, axis, budget);
     side_step(&ample);
     if (ample.hit.distance == 0.0 && is_known(&ample)) {
-        for (uint32_t tick = 1; tick <= MOST_TICKS && !(fine && tick > fine + 5); tick++) {
+        for (uint32_t tick = 1; tick <= TICKS_MAX && !(fine && tick > fine + 5); tick++) {
             side_step(&small);
             CHECK(small.step.work <= budget, "%u of %u units", small.step.work, budget);
             if (!is_known(&small)) {
@@ -350,7 +350,7 @@ static void of_several_bodies(void)
         side_step(&ample);
         for (uint32_t k = 0; k < ample.count; k++)
             bodies |= 1u << (ample.contacts[k].body == body);
-        for (uint32_t tick = 1; tick <= MOST_TICKS && bodies == 3; tick++) {
+        for (uint32_t tick = 1; tick <= TICKS_MAX && bodies == 3; tick++) {
             side_step(&small);
             CHECK(is_known(&small) || !known, "tick %u: unknown, known at %u", tick, known);
             known = known || !is_known(&small) ? known : tick;

@@ -19,7 +19,7 @@ static uint32_t ticks = 16, slide_ticks = 200;
 static uint32_t ticks = 120, slide_ticks = 2000;
 #endif
 
-enum { BODIES_MOST = 1001, SEGMENTS_MOST = 6, MESHES = 4 };
+enum { BODIES_MAX = 1001, SEGMENTS_MAX = 6, MESHES = 4 };
 enum layout { CLOUD, GRID, PILE, FAR, LAYOUTS };
 static const char *const layouts[LAYOUTS] = { "cloud", "grid", "pile", "far" };
 static const uint32_t counts[] = { 1, 2, 3, 4, 5, 6, 17, 100, 1000 };
@@ -53,7 +53,7 @@ struct side {
     void *block;
     dpt_world *world;
     dpt_tool tools[2];
-    dpt_body body[BODIES_MOST];
+    dpt_body body[BODIES_MAX];
 };
 
 /* A rope, after a tool of one segment that comes and goes. */
@@ -63,11 +63,11 @@ struct run {
     uint32_t count, segments, budget, tick;
     int layout;
     double spread; /* how far bodies are from the origin */
-    dpt_pose pose[BODIES_MOST];
-    uint32_t mesh[BODIES_MOST];
-    char there[BODIES_MOST];
+    dpt_pose pose[BODIES_MAX];
+    uint32_t mesh[BODIES_MAX];
+    char there[BODIES_MAX];
     int has_first;
-    dpt_segment first, rope[SEGMENTS_MOST];
+    dpt_segment first, rope[SEGMENTS_MAX];
     double way[3];
     char what[80];
 };
@@ -306,7 +306,7 @@ static void near_bodies_are_all_bodies(void)
     uint32_t whole = ticks;
     for (uint32_t c = 0; c < COUNTS; c++)
         for (run.layout = 0; run.layout < LAYOUTS; run.layout++)
-            for (uint32_t segments = 1; segments <= SEGMENTS_MOST; segments += 5) {
+            for (uint32_t segments = 1; segments <= SEGMENTS_MAX; segments += 5) {
                 run.count = counts[c];
                 run.segments = segments;
                 run.random = 100 * c + segments;
@@ -424,18 +424,18 @@ static double seconds(void)
 /* A slide along one body, beside `far` others that are beyond 10 of its diagonals. */
 static struct cost slide_beside(uint32_t far, int they_move, uint32_t segments)
 {
-    enum { FAR_MOST = 1000 };
-    static dpt_body body[FAR_MOST];
-    static dpt_pose pose[FAR_MOST];
+    enum { FAR_MAX = 1000 };
+    static dpt_body body[FAR_MAX];
+    static dpt_pose pose[FAR_MAX];
     struct cost cost = { 0 };
-    dpt_segment rope[SEGMENTS_MOST];
+    dpt_segment rope[SEGMENTS_MAX];
     dpt_world_def def;
     dpt_world *world = NULL;
     dpt_body near;
     dpt_tool tool;
     uint64_t random = 3;
     dpt_world_def_init(&def);
-    def.max_bodies = FAR_MOST + 1;
+    def.max_bodies = FAR_MAX + 1;
     void *block = malloc(dpt_world_bytes(&def));
     CHECK(dpt_world_create(block, dpt_world_bytes(&def), &def, &world) == DPT_OK, "world");
     CHECK(dpt_body_add(world, meshes[0].mesh, NULL, &near) == DPT_OK, "body");
@@ -474,7 +474,7 @@ static struct cost slide_beside(uint32_t far, int they_move, uint32_t segments)
 
 static void far_bodies_cost_nothing(void)
 {
-    for (uint32_t segments = 1; segments <= SEGMENTS_MOST; segments += 5) {
+    for (uint32_t segments = 1; segments <= SEGMENTS_MAX; segments += 5) {
         struct cost alone = slide_beside(0, 0, segments);
         for (int they_move = 0; they_move < 2; they_move++) {
             struct cost beside = slide_beside(1000, they_move, segments);

@@ -12,7 +12,7 @@
 #include "lib/fixture.h"
 #include "nearest/segment_triangle.h"
 
-enum { MOST_PARTS = 8 };
+enum { PARTS_MAX = 8 };
 
 struct oracle {
     vec3 (*corners)[3]; /* by source number */
@@ -149,7 +149,7 @@ static void follow(const struct course *course)
     struct oracle oracle;
     struct lab lab;
     dpt_mesh_info info = { .size = sizeof info };
-    uint32_t place[MOST_PARTS];
+    uint32_t place[PARTS_MAX];
     int moved = 0, local = 0;
     if (!fixture_from_shape(&fixture, shape, course->count))
         return;

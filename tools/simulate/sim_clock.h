@@ -8,7 +8,8 @@
 #include "clock.h"
 
 /* Until *stop is not 0. Ticks that are more than 10 ms late are left out: a real device does not make up for them either. */
-static inline void pace(double rate, void (*tick)(void *user), void *user, const volatile int *stop)
+static inline void sim_clock_run(double rate, void (*tick)(void *user), void *user,
+                                 const volatile int *stop)
 {
     const uint64_t period = (uint64_t)(1e9 / rate);
     uint64_t next = clock_now();

@@ -17,8 +17,8 @@ static void say(struct simulate_can *simulated, const struct simulate_can_node *
 {
     message.node = node->node;
     for (uint32_t i = 0; i < node->copies && !node->is_dumb; i++) {
-        if (simulated->count == CAN_LINE_BATCH) {
-            const int sent = can_line_send(&simulated->line, simulated->out, simulated->count);
+        if (simulated->count == SOCKETCAN_BATCH) {
+            const int sent = socketcan_send(&simulated->line, simulated->out, simulated->count);
             simulated->unsent += (uint64_t)(simulated->count - sent);
             simulated->count = 0;
         }
@@ -183,11 +183,11 @@ static void move(struct simulate_can *simulated)
 
 void simulate_can_tick(struct simulate_can *simulated)
 {
-    struct can_message in[CAN_LINE_BATCH];
+    struct can_message in[SOCKETCAN_BATCH];
     int calls = 0;
     simulated->ticks++;
     do {
-        const int count = can_line_receive(&simulated->line, in);
+        const int count = socketcan_receive(&simulated->line, in);
         for (int k = 0; k < count; k++)
             take(simulated, &in[k]);
     } while (!simulated->line.is_empty && ++calls < RECEIVES);
@@ -209,7 +209,7 @@ void simulate_can_tick(struct simulate_can *simulated)
         if (node->beats_each && simulated->ticks % node->beats_each == 0)
             say_beat(simulated, node);
     }
-    const int sent = can_line_send(&simulated->line, simulated->out, simulated->count);
+    const int sent = socketcan_send(&simulated->line, simulated->out, simulated->count);
     simulated->unsent += (uint64_t)(simulated->count - sent);
     simulated->count = 0;
 }
@@ -243,7 +243,7 @@ dpt_result simulate_can_start(struct simulate_can *simulated, const char *where,
     simulated->hand_stiffness = 150.0;
     simulated->hand_damping = 5.0;
     simulated->swing_period = 4.0;
-    result = can_line_open(&simulated->line, simulated->settings.interface, nodes, error);
+    result = socketcan_open(&simulated->line, simulated->settings.interface, nodes, error);
     if (result != DPT_OK)
         can_arm_close(&simulated->arm);
     return result;
@@ -265,11 +265,11 @@ static void tick(void *user)
 
 void simulate_can_run(struct simulate_can *simulated, const volatile int *stop)
 {
-    pace(simulated->settings.rate, tick, simulated, stop);
+    sim_clock_run(simulated->settings.rate, tick, simulated, stop);
 }
 
 void simulate_can_end(struct simulate_can *simulated)
 {
-    can_line_close(&simulated->line);
+    socketcan_close(&simulated->line);
     can_arm_close(&simulated->arm);
 }

@@ -36,7 +36,7 @@ struct simulate_can_node {
 struct simulate_can {
     struct can_settings settings;
     struct can_arm arm;
-    struct can_line line;
+    struct socketcan line;
     struct simulate_can_node node[DPT_JOINTS_MAX];
     uint64_t ticks;
     double inertia[DPT_JOINTS_MAX]; /* kg m^2 or kg, of each joint alone */
@@ -51,7 +51,7 @@ struct simulate_can {
     uint8_t is_led;        /* 1: joints are where they are put, there is no mechanism */
     uint64_t unsent;       /* frames for which the line had no room */
     int count;             /* of `out` */
-    struct can_message out[CAN_LINE_BATCH];
+    struct can_message out[SOCKETCAN_BATCH];
 };
 
 /* Idle nodes, the tool in the middle of its workspace. On failure nothing stays open. */

@@ -124,7 +124,7 @@ static void tick(void *user)
 
 void simulate_serial_run(struct simulate_serial *simulated, const volatile int *stop)
 {
-    pace((double)simulated->device.info.rate, tick, simulated, stop);
+    sim_clock_run((double)simulated->device.info.rate, tick, simulated, stop);
 }
 
 void simulate_serial_end(struct simulate_serial *simulated)

@@ -2,7 +2,7 @@
 /* Bodies: added, removed, moved, asked, in every order and beyond every capacity. */
 #include "fuzz/calls/world_model.h"
 
-enum { CHURN_MOST = 4200 };
+enum { CHURN_MAX = 4200 };
 
 static void add_one(struct scene *scene, const struct subject *subject, const dpt_pose *pose,
                     int no_world, int no_out)
@@ -27,7 +27,7 @@ static void add_one(struct scene *scene, const struct subject *subject, const dp
         return;
     }
     HOLDS(scene->world_count < 2 || id[0] == id[1], "the twin has id %x, and not %x", id[1], id[0]);
-    HOLDS(scene->body_count < BODIES_MOST, "more than the model holds");
+    HOLDS(scene->body_count < BODIES_MAX, "more than the model holds");
     scene_takes_id(scene, &scene->removed_bodies, id[0]);
     const dpt_pose identity = DPT_POSE_IDENTITY;
     scene->body[scene->body_count++] = (struct model_body){ .id = id[0],
@@ -78,7 +78,7 @@ static void churn(void)
     struct scene *scene = draw_scene();
     if (!scene || scene->body_count == scene->def.max_bodies)
         return;
-    const uint32_t times = draw_one_in(40) ? CHURN_MOST : 1 + draw_below(20);
+    const uint32_t times = draw_one_in(40) ? CHURN_MAX : 1 + draw_below(20);
     const struct subject *subject = draw_subject();
     for (uint32_t i = 0; i < times; i++) {
         add_one(scene, subject, NULL, 0, 0);

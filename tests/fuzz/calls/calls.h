@@ -66,11 +66,11 @@ void call_fails(const char *file, int line, const char *condition, const char *f
 
 /* ---- which codes are allowed ---- */
 
-enum { CODES_MOST = 16 };
+enum { CODES_MAX = 16 };
 
 /* Each thing that is wrong with a call's arguments adds its code, once. None: the call must succeed. */
 struct codes {
-    dpt_result code[CODES_MOST];
+    dpt_result code[CODES_MAX];
     int count;
     int or_done; /* the headers leave it free whether it is refused */
 };
@@ -80,7 +80,7 @@ static inline void may_fail(struct codes *codes, int is_wrong, dpt_result code)
     for (int i = 0; i < codes->count; i++)
         if (codes->code[i] == code)
             return;
-    if (is_wrong && codes->count < CODES_MOST)
+    if (is_wrong && codes->count < CODES_MAX)
         codes->code[codes->count++] = code;
 }
 

@@ -4,7 +4,7 @@
 #include "fuzz/calls/calls.h"
 #include "lib/arm_random.h"
 
-enum { VERTICES_MOST = 24, TRIANGLES_MOST = 24 };
+enum { VERTICES_MAX = 24, TRIANGLES_MAX = 24 };
 
 static dpt_compiled adopted;
 
@@ -128,7 +128,7 @@ static void take(struct outcome *of, size_t triangles)
 /* Vertices at few places, so that some are equal. */
 static uint32_t draw_vertices(double *vertices)
 {
-    const uint32_t count = draw_one_in(20) ? 0 : 1 + draw_below(VERTICES_MOST);
+    const uint32_t count = draw_one_in(20) ? 0 : 1 + draw_below(VERTICES_MAX);
     const double scale = draw_one_in(20) ? 1e6 : 0.1;
     for (uint32_t i = 0; i < 3 * count; i++)
         vertices[i] = draw_one_in(2) ? scale * (draw_below(4) - 1.5) : draw_in(-scale, scale);
@@ -139,12 +139,12 @@ static uint32_t draw_vertices(double *vertices)
 
 static void arrays(void)
 {
-    double vertices[3 * VERTICES_MOST];
-    uint32_t corners[3 * TRIANGLES_MOST];
+    double vertices[3 * VERTICES_MAX];
+    uint32_t corners[3 * TRIANGLES_MAX];
     struct given_def def;
     struct outcome of = { .out = { NULL, 0 } };
     const uint32_t count = draw_vertices(vertices);
-    const uint32_t triangles = draw_one_in(20) ? 0 : 1 + draw_below(TRIANGLES_MOST);
+    const uint32_t triangles = draw_one_in(20) ? 0 : 1 + draw_below(TRIANGLES_MAX);
     for (uint32_t i = 0; i < 3 * triangles; i++)
         corners[i] = count ? draw_below(count) : 0;
     if (draw_one_in(16) && triangles)

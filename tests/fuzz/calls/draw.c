@@ -169,22 +169,22 @@ uint32_t draw_size(size_t first, size_t today)
     return draw_one_in(8) ? odd[draw_below(sizeof odd / sizeof *odd)] : high;
 }
 
-enum { SIZE_MOST = 4096 };
+enum { STRUCT_SIZE_MAX = 4096 };
 
 void size_codes_of_output(uint32_t size, size_t first, int stride, struct codes *codes)
 {
-    may_fail(codes, size < first || size > SIZE_MOST || (stride && size % 8), DPT_E_SIZE);
+    may_fail(codes, size < first || size > STRUCT_SIZE_MAX || (stride && size % 8), DPT_E_SIZE);
 }
 
 const void *draw_input(int slot, const void *good, uint32_t size, size_t first, size_t today,
                        struct codes *codes)
 {
-    const int is_size = size >= first && size <= SIZE_MOST;
+    const int is_size = size >= first && size <= STRUCT_SIZE_MAX;
     const int is_zero = size <= today || draw_one_in(2);
     may_fail(codes, !is_size, DPT_E_SIZE);
     may_fail(codes, is_size && !is_zero, DPT_E_UNSUPPORTED);
     unsigned char *given = output_sized(slot, size);
-    const size_t own = size < sizeof size ? sizeof size : size > SIZE_MOST ? 8 : size;
+    const size_t own = size < sizeof size ? sizeof size : size > STRUCT_SIZE_MAX ? 8 : size;
     const size_t known = own < today ? own : today;
     if (known > sizeof size)
         memcpy(given + sizeof size, (const unsigned char *)good + sizeof size, known - sizeof size);

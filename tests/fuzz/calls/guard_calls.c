@@ -5,7 +5,7 @@
  */
 #include "fuzz/calls/guard_model.h"
 
-enum { GUARDS = 2, SIZE_MOST = 4096 };
+enum { GUARDS = 2, STRUCT_SIZE_MAX = 4096 };
 
 /* A guard in a block of the very size that it says; of none that could be made, a whole dpt_guard's. */
 struct own_guard {
@@ -47,14 +47,14 @@ static dpt_guard *draw_block(struct own_guard *of)
 {
     uint32_t size = draw_size(sizeof(dpt_guard), sizeof(dpt_guard));
     if (!of->at || draw_one_in(2)) {
-        const int is_size = size >= sizeof(dpt_guard) && size <= SIZE_MOST;
+        const int is_size = size >= sizeof(dpt_guard) && size <= STRUCT_SIZE_MAX;
         free(of->at);
         of->room = is_size || size < sizeof(dpt_guard) ? size : sizeof(dpt_guard);
         of->room = of->room < sizeof size ? sizeof size : of->room;
         of->at = malloc(of->room);
         HOLDS(of->at, "memory ran out");
         memset(of->at, draw_one_in(2) ? 0x5c : 0, of->room);
-    } else if (size > of->room && (size <= SIZE_MOST || of->room < sizeof(dpt_guard))) {
+    } else if (size > of->room && (size <= STRUCT_SIZE_MAX || of->room < sizeof(dpt_guard))) {
         size = (uint32_t)of->room;
     }
     memcpy(of->at, &size, sizeof size);
@@ -220,7 +220,7 @@ static void info(void)
     expect(result, &codes);
     outputs_are_guarded(0, 1);
     if (no_out || output_is_untouched(0, sizeof size)) {
-        HOLDS(result != DPT_OK && (no_out || size < sizeof now || size > SIZE_MOST),
+        HOLDS(result != DPT_OK && (no_out || size < sizeof now || size > STRUCT_SIZE_MAX),
               "nothing was told");
         return;
     }

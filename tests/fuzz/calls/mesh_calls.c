@@ -2,9 +2,9 @@
 /* Compiled meshes: opened, verified and turned, whole and damaged; what they tell, in and out of range. */
 #include "fuzz/calls/rules.h"
 
-enum { DAMAGED_MOST = 1 << 15 };
+enum { DAMAGED_MAX = 1 << 15 };
 
-static uint64_t damaged[DAMAGED_MOST / 8 + 8];
+static uint64_t damaged[DAMAGED_MAX / 8 + 8];
 
 /*
  * dpt_mesh_open, _verify and _convert, or an arm's; of NULL, off by some bytes, cut, or with a byte that is
@@ -16,7 +16,7 @@ static void open(void)
     const int of_arm = draw_one_in(4);
     const struct arm_subject *arm = &arm_subjects[draw_below(ARMS)];
     const size_t whole = of_arm ? arm->size : mesh->size;
-    if (whole > DAMAGED_MOST)
+    if (whole > DAMAGED_MAX)
         return;
     const size_t off = draw_one_in(10) ? 1 + draw_below(7) : 0;
     const size_t size = draw_one_in(6) ? draw_below((uint32_t)whole) : whole;

@@ -12,7 +12,7 @@
 #define ASAN_UNPOISON_MEMORY_REGION(at, size) ((void)(at), (void)(size))
 #endif
 
-enum { PATTERN = 0xa5, GUARD = 64, SIZE_MOST = 4096 };
+enum { PATTERN = 0xa5, GUARD = 64, STRUCT_SIZE_MAX = 4096 };
 
 static _Alignas(64) unsigned char room[OUTPUTS][GUARD + OUTPUT_ROOM + GUARD];
 static size_t sizes[OUTPUTS];
@@ -39,7 +39,7 @@ void *output_at(int slot)
 
 void *output_sized(int slot, uint32_t size)
 {
-    const size_t own = size < sizeof size ? sizeof size : size > SIZE_MOST ? 8 : size;
+    const size_t own = size < sizeof size ? sizeof size : size > STRUCT_SIZE_MAX ? 8 : size;
     void *out = output_of(slot, own);
     memcpy(out, &size, sizeof size);
     return out;
@@ -105,7 +105,7 @@ int output_read(int slot, uint32_t size, size_t today, size_t doubles, void *cop
 
 static int is_size_of_defaults(uint32_t size)
 {
-    return size >= sizeof size && size <= SIZE_MOST;
+    return size >= sizeof size && size <= STRUCT_SIZE_MAX;
 }
 
 void *output_of_defaults(int slot, uint32_t size)

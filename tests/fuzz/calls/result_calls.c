@@ -22,7 +22,7 @@ static int draw_question(struct question *of)
     of->tool = scene_tool(of->scene, of->id);
     of->segment = of->tool ? draw_below(of->tool->count) : 0;
     if (draw_one_in(20))
-        of->segment = draw_one_in(2) ? draw_below(SEGMENTS_MOST) : (uint32_t)draw_bits();
+        of->segment = draw_one_in(2) ? draw_below(SEGMENTS_MAX) : (uint32_t)draw_bits();
     of->no_world = draw_one_in(60);
     of->no_out = draw_one_in(60);
     may_fail(&of->codes, of->no_world || of->no_out, DPT_E_ARGUMENT);

@@ -2,7 +2,7 @@
 /* The step, good and bad, and then all that a world tells of it. */
 #include "fuzz/calls/rules.h"
 
-enum { CONTACTS_MOST = 40, STRIP_MOST = 48 };
+enum { CONTACTS_MAX = 40, STRIP_MAX = 48 };
 
 /* What all segments came to, as dpt_step sums it up. */
 struct sum {
@@ -39,10 +39,10 @@ static void add_up(struct sum *sum, const dpt_hit *hit)
 
 static void read_strip(struct scene *scene, const struct model_tool *tool, uint32_t segment)
 {
-    static dpt_overlap overlaps[STRIP_MOST];
+    static dpt_overlap overlaps[STRIP_MAX];
     uint32_t count = 0, flags = 0;
     overlaps[0].size = sizeof *overlaps;
-    HOLDS(RESULT(dpt_tool_get_strip, scene->world[0], tool->id, segment, overlaps, STRIP_MOST,
+    HOLDS(RESULT(dpt_tool_get_strip, scene->world[0], tool->id, segment, overlaps, STRIP_MAX,
                  &count, &flags) == DPT_OK,
           "no strip of segment %u", segment);
     if (scene->least.strip < count)
@@ -57,10 +57,10 @@ static void read_strip(struct scene *scene, const struct model_tool *tool, uint3
 
 static uint32_t read_contacts(struct scene *scene, const struct model_tool *tool)
 {
-    static dpt_contact contacts[CONTACTS_MOST];
+    static dpt_contact contacts[CONTACTS_MAX];
     uint32_t count = 0;
     contacts[0].size = sizeof *contacts;
-    HOLDS(RESULT(dpt_tool_get_contacts, scene->world[0], tool->id, contacts, CONTACTS_MOST,
+    HOLDS(RESULT(dpt_tool_get_contacts, scene->world[0], tool->id, contacts, CONTACTS_MAX,
                  &count) == DPT_OK,
           "no contacts");
     HOLDS(count <= scene->def.max_contacts, "%u contacts of %u", count, scene->def.max_contacts);
@@ -74,7 +74,7 @@ static uint32_t read_contacts(struct scene *scene, const struct model_tool *tool
 
 static void read_tool(struct scene *scene, const struct model_tool *tool, struct sum *sum)
 {
-    dpt_hit hits[SEGMENTS_MOST], best = DPT_HIT_INIT;
+    dpt_hit hits[SEGMENTS_MAX], best = DPT_HIT_INIT;
     dpt_sweep sweep = { .size = sizeof sweep };
     dpt_wrench wrench;
     const dpt_world *world = scene->world[0];
@@ -261,7 +261,7 @@ static void touch(void)
         return;
     HOLDS(RESULT(dpt_tool_get_hit, scene->world[0], tool->id, &hit) == DPT_OK, "no hit");
     struct codes codes = { .count = 0 };
-    dpt_segment segments[SEGMENTS_MOST];
+    dpt_segment segments[SEGMENTS_MAX];
     memcpy(segments, tool->at, tool->count * sizeof *segments);
     segments[hit.segment].radius = hit.distance;
     for (uint32_t i = 0; i < tool->count; i++)

@@ -2,7 +2,7 @@
 /* Strips without a world: routes with and without a table, shadows, overlaps. */
 #include "fuzz/calls/rules.h"
 
-enum { STRIPS = 2, BLOCK = 1 << 16, TABLE_BLOCK = 1 << 18, OVERLAPS_MOST = 12 };
+enum { STRIPS = 2, BLOCK = 1 << 16, TABLE_BLOCK = 1 << 18, OVERLAPS_MAX = 12 };
 
 struct strip {
     dpt_strip *open;
@@ -285,7 +285,7 @@ static void overlaps(void)
     const int no_strip = draw_one_in(40), no_mesh = draw_one_in(40), no_pose = draw_one_in(3);
     const int no_segment = draw_one_in(40), no_array = draw_one_in(20), no_count = draw_one_in(40);
     const uint32_t size = draw_size(sizeof(dpt_overlap), sizeof(dpt_overlap));
-    const uint32_t capacity = draw_below(OVERLAPS_MOST), room = size > 4096 || size < 8 ? 8 : size;
+    const uint32_t capacity = draw_below(OVERLAPS_MAX), room = size > 4096 || size < 8 ? 8 : size;
     struct codes codes = { .count = 0 };
     uint32_t count = 77;
     may_fail(&codes,

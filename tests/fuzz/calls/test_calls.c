@@ -14,7 +14,7 @@
 #include "fuzz/calls/calls.h"
 #include "lib/check.h"
 
-enum { GAME_CALLS = 2000, MOVES_MOST = 160, TWICE_IN = 16 };
+enum { GAME_CALLS = 2000, MOVES_MAX = 160, TWICE_IN = 16 };
 
 static const struct noun *const nouns[] = {
     &world_noun, &body_noun, &tool_noun,  &step_noun,    &result_noun, &strip_noun,
@@ -23,7 +23,7 @@ static const struct noun *const nouns[] = {
 };
 enum { NOUNS = sizeof nouns / sizeof *nouns };
 
-static const struct move *all_moves[MOVES_MOST];
+static const struct move *all_moves[MOVES_MAX];
 static uint32_t all_weights;
 
 static const struct move *draw_move(void)
@@ -40,7 +40,7 @@ static void list_moves(void)
     size_t count = 0;
     for (size_t i = 0; i < NOUNS; i++)
         for (const struct move *move = nouns[i]->moves; move->make; move++) {
-            HOLDS(count < MOVES_MOST, "%zu moves", count);
+            HOLDS(count < MOVES_MAX, "%zu moves", count);
             all_moves[count++] = move;
             all_weights += move->weight;
         }

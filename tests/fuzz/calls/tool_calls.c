@@ -2,7 +2,7 @@
 /* Tools: added, removed, moved as rigid or free ones, asked, in every order and beyond every capacity. */
 #include "fuzz/calls/world_model.h"
 
-enum { CHURN_MOST = 4200 };
+enum { CHURN_MAX = 4200 };
 
 static void add_one(struct scene *scene, const dpt_segment *segments, uint32_t count, int no_world,
                     int no_out)
@@ -30,7 +30,7 @@ static void add_one(struct scene *scene, const dpt_segment *segments, uint32_t c
         return;
     }
     HOLDS(scene->world_count < 2 || id[0] == id[1], "the twin has id %x, and not %x", id[1], id[0]);
-    HOLDS(scene->tool_count < TOOLS_MOST && count <= SEGMENTS_MOST, "more than the model holds");
+    HOLDS(scene->tool_count < TOOLS_MAX && count <= SEGMENTS_MAX, "more than the model holds");
     scene_takes_id(scene, &scene->removed_tools, id[0]);
     struct model_tool *tool = &scene->tool[scene->tool_count++];
     *tool = (struct model_tool){ .id = id[0],
@@ -97,7 +97,7 @@ static void churn(void)
     if (!scene || scene->tool_count == scene->def.max_tools ||
         scene->segment_count == scene->def.max_segments)
         return;
-    const uint32_t times = draw_one_in(40) ? CHURN_MOST : 1 + draw_below(20);
+    const uint32_t times = draw_one_in(40) ? CHURN_MAX : 1 + draw_below(20);
     const dpt_segment segment = { { 0.0, 0.0, 0.0 }, { 0.1, 0.0, 0.0 }, 0.001 };
     for (uint32_t i = 0; i < times; i++) {
         add_one(scene, &segment, 1, 0, 0);

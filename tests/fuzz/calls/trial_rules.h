@@ -14,7 +14,7 @@ struct trial {
     double clearance;
     int by_pose; /* to `pose`, else to `segment` */
     dpt_pose pose;
-    dpt_segment segment[SEGMENTS_MOST];
+    dpt_segment segment[SEGMENTS_MAX];
 };
 
 /* Somebody knows: the tool has a place, and all bodies have. */

@@ -2,7 +2,7 @@
 /* Worlds: defs of all sorts, blocks that do and do not serve, a new world in a block in use, reset, usage. */
 #include "fuzz/calls/world_model.h"
 
-enum { GUARD = 64, PATTERN = 0xa5, BYTES_MOST = 3 << 20, KERNELS = 6 };
+enum { GUARD = 64, PATTERN = 0xa5, BYTES_MAX = 3 << 20, KERNELS = 6 };
 
 /* What this machine answered to each kernel: always the same. 0: not asked yet. */
 static int kernel_is_there[KERNELS], kernel_is_not[KERNELS];
@@ -52,8 +52,8 @@ static void draw_good_def(dpt_world_def *def, dpt_baseline_def *baseline)
     CALL(dpt_world_def_defaults, def, sizeof *def);
     CALL(dpt_baseline_def_defaults, baseline, sizeof *baseline);
     def->max_bodies = 1 + draw_below(draw_one_in(8) ? 20 : 4);
-    def->max_tools = 1 + draw_below(draw_one_in(8) ? TOOLS_MOST : 3);
-    def->max_segments = 1 + draw_below(draw_one_in(8) ? SEGMENTS_MOST : 6);
+    def->max_tools = 1 + draw_below(draw_one_in(8) ? TOOLS_MAX : 3);
+    def->max_segments = 1 + draw_below(draw_one_in(8) ? SEGMENTS_MAX : 6);
     def->method = draw_one_in(2) ? DPT_METHOD_EXACT : draw_below(4);
     def->until = draw_one_in(4) ? draw_below(3) : DPT_UNTIL_RESPOND;
     if (def->method == DPT_METHOD_EXACT && draw_one_in(2))
@@ -231,7 +231,7 @@ static void ask_bytes(void)
     const size_t bytes = CALL(dpt_world_bytes, of.given);
     if (!of.codes.or_done)
         HOLDS((bytes == 0) == (of.codes.count > 0), "%zu bytes", bytes);
-    if (bytes && bytes <= BYTES_MOST)
+    if (bytes && bytes <= BYTES_MAX)
         HOLDS(bytes == CALL(dpt_world_bytes, of.given), "another time otherwise");
     outputs_are_guarded(DEF_SLOT, 1);
 }
@@ -291,7 +291,7 @@ static void create(void)
     draw_def(scene, &of);
     const size_t bytes = CALL(dpt_world_bytes, of.given);
     HOLDS(of.codes.or_done || (bytes == 0) == (of.codes.count > 0), "%zu bytes", bytes);
-    if (!bytes || bytes > BYTES_MOST || draw_one_in(6)) {
+    if (!bytes || bytes > BYTES_MAX || draw_one_in(6)) {
         create_in_vain(scene, &of, bytes ? bytes : 64);
         return;
     }

@@ -10,7 +10,7 @@
 #include "dynpoint/baseline.h"
 #include "fuzz/calls/calls.h"
 
-enum { SCENES = 3, BODIES_MOST = 24, TOOLS_MOST = 12, SEGMENTS_MOST = 24 };
+enum { SCENES = 3, BODIES_MAX = 24, TOOLS_MAX = 12, SEGMENTS_MAX = 24 };
 
 /* A removed id is refused for so many adds, at least (world.h); of some more it is known when it comes round. */
 enum { REFUSED_FOR = 4094, REMEMBERED_FOR = REFUSED_FOR + 66 };
@@ -38,10 +38,10 @@ struct model_tool {
     uint64_t user;
     dpt_pose pose;
     double stiffness;
-    dpt_segment segment[SEGMENTS_MOST]; /* of a free one in the world, else in its frame */
+    dpt_segment segment[SEGMENTS_MAX]; /* of a free one in the world, else in its frame */
     enum answers answers;
-    dpt_segment at[SEGMENTS_MOST]; /* in the world, at the last step */
-    double origin[3];              /* what its torque is about, then */
+    dpt_segment at[SEGMENTS_MAX]; /* in the world, at the last step */
+    double origin[3];             /* what its torque is about, then */
     double stiffness_then;
 };
 
@@ -67,11 +67,11 @@ struct scene {
     size_t offset;           /* of the world in the block */
     dpt_world_def def;       /* as the library must understand it */
     dpt_baseline_def baseline;
-    struct model_body body[BODIES_MOST];
-    struct model_tool tool[TOOLS_MOST];
+    struct model_body body[BODIES_MAX];
+    struct model_tool tool[TOOLS_MAX];
     uint32_t body_count, tool_count, segment_count;
     struct removed removed_bodies, removed_tools;
-    struct body_then then[BODIES_MOST];
+    struct body_then then[BODIES_MAX];
     uint32_t then_count;
     int is_as_stepped;      /* nothing that answers depend on changed since the last step */
     uint32_t contacts_then; /* of all tools, as the last step said, or as counted */
