@@ -15,7 +15,7 @@ define TEST_PROGRAM
 $(B)/tests/$(basename $(notdir $1)): $(B)/$(1:.c=.o)
 endef
 $(foreach source,$(TEST_SOURCES),$(eval $(call TEST_PROGRAM,$(source))))
-SITED := $(B)/tests/test_damage $(B)/tests/test_arm
+SITED := $(B)/tests/test_damaged_files $(B)/tests/test_arm
 $(filter-out $(SITED),$(TESTS)): $(TEST_PARTS)
 	$(LINK_TEST)
 $(B)/tests/test_parallel: private LDLIBS = -Wl,--wrap=pthread_create,--wrap=pthread_join,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free
@@ -28,13 +28,13 @@ $(B)/tests/%_sites.c: src/%.c
 	  sed 's/return fail/return site = site ? site : __LINE__, fail/' $<; } >$@
 $(B)/tests/%_sites.o: $(B)/tests/%_sites.c
 	$(CC) $(ALL_CFLAGS) -c $< -o $@
-$(B)/tests/test_damage: $(B)/tests/mesh/mesh_open_sites.o $(filter-out $(B)/src/mesh/mesh_open.o,$(TEST_PARTS))
+$(B)/tests/test_damaged_files: $(B)/tests/mesh/mesh_open_sites.o $(filter-out $(B)/src/mesh/mesh_open.o,$(TEST_PARTS))
 $(B)/tests/test_arm: $(B)/tests/arm/arm_open_sites.o $(filter-out $(B)/src/arm/arm_open.o,$(TEST_PARTS))
 $(SITED):
 	$(LINK_TEST)
 $(B)/tests/test_arm: private LDLIBS = -Wl,--wrap=calloc
 
-$(B)/tests/test_organs: | $(B)/dynpoint
+$(B)/tests/test_exactness: | $(B)/dynpoint
 
 FUZZ_PARTS := $(filter-out $(B)/tests/fuzz/test_fuzz.o,$(call objects,tests/fuzz/*.c))
 $(B)/tests/test_fuzz: $(FUZZ_PARTS)
@@ -60,7 +60,7 @@ fuzz-programs: $(FUZZ_TARGETS:%=$(B)/tests/fuzz/fuzz_%)
 WRAPPED := malloc calloc realloc free open read close clock_gettime clock_nanosleep nanosleep getrlimit \
            mlockall munlockall pthread_getschedparam pthread_setschedparam
 $(B)/tests/test_syscalls: private LDLIBS = $(WRAPPED:%=-Wl,--wrap=%)
-$(B)/tests/test_phase: private LDLIBS = -Wl,--wrap=clock_gettime,--wrap=clock_nanosleep
+$(B)/tests/test_loop_phase: private LDLIBS = -Wl,--wrap=clock_gettime,--wrap=clock_nanosleep
 SERIAL_WRAPPED := open close read write poll ioctl flock tcgetattr tcsetattr tcflush calloc
 $(B)/tests/test_serial $(B)/tests/test_serial_faults: private LDLIBS = $(SERIAL_WRAPPED:%=-Wl,--wrap=%)
 CAN_WRAPPED := socket bind setsockopt ioctl recvmmsg sendmmsg poll close clock_gettime malloc calloc fopen fread
@@ -133,42 +133,42 @@ test: ## a part of every test in about a minute: no network, nothing installed
 check: ## all tests; DEPS=no installs nothing, STRICT=1 lets skips fail
 	@sh tests/run.sh check
 
-SOAKED := organs certificate budget near sheets sheet_touches walks depth depth_forms region region_forms region_integrals route route_strip strip strip_memory loop
+SOAKED := exactness certificate budget broad_phase sheets sheet_touches gap_continuity depth depth_forms contact_life contact_forms contact_integrals route route_strip strip strip_memory loop
 soak: all $(SOAKED:%=$(B)/tests/test_%) ## 10^8 ticks against the tree; all of DPT_DATA against brute force
 	@$(B)/tests/test_certificate 672000
 	@$(B)/tests/test_budget 8000
-	@$(B)/tests/test_near 8000
+	@$(B)/tests/test_broad_phase 8000
 	@$(B)/tests/test_sheets 10000000
 	@$(B)/tests/test_sheet_touches 10000000
-	@$(B)/tests/test_walks 10000000
+	@$(B)/tests/test_gap_continuity 10000000
 	@sh tests/oracle/inside.sh $(B)
 	@$(B)/tests/test_depth 1000
 	@$(B)/tests/test_depth_forms 1000
-	@$(B)/tests/test_region
-	@$(B)/tests/test_region_forms
-	@$(B)/tests/test_region_integrals 2000
+	@$(B)/tests/test_contact_life
+	@$(B)/tests/test_contact_forms
+	@$(B)/tests/test_contact_integrals 2000
 	@$(B)/tests/test_route 20
 	@$(B)/tests/test_route_strip
 	@$(B)/tests/test_strip 4000
 	@$(B)/tests/test_strip_memory 40
 	@$(B)/tests/test_loop 60000
-	@$(B)/tests/test_organs soak
+	@$(B)/tests/test_exactness soak
 
 fuzz: ## 10^8 random calls (CALLS_RUNS), then 10^8 executions (FUZZ_RUNS) of the fuzz targets by libFuzzer
 	@sh tests/fuzz/calls.sh
 	@sh tests/fuzz/fuzz.sh
 
-bench: all $(B)/tests/bench/dump_mesh $(B)/tests/bench/strips $(B)/tests/bench/budgets $(B)/tests/bench/recall ## time against peers, those whose packages are here
+bench: all $(B)/tests/bench/dump_mesh $(B)/tests/bench/strips $(B)/tests/bench/budgets $(B)/tests/bench/strip_coverage ## time against peers, those whose packages are here
 	@sh tests/bench/run.sh $(B)
 	@sh tests/bench/budgets.sh $(B)
 	@sh tests/bench/paper.sh $(B)
 	@sh tests/bench/strips.sh $(B)
-	@$(B)/tests/bench/recall >$(B)/bench/recall.csv
+	@$(B)/tests/bench/strip_coverage >$(B)/bench/strip_coverage.csv
 
 deps: ## install what the tests can use beside a compiler (apt-get)
 	@sh tests/deps.sh
 
-test-programs: all $(TESTS) $(VM_TESTS) $(B)/tests/firmware/link $(B)/tests/bench/dump_mesh $(B)/tests/bench/strips $(B)/tests/bench/budgets $(B)/tests/bench/recall
+test-programs: all $(TESTS) $(VM_TESTS) $(B)/tests/firmware/link $(B)/tests/bench/dump_mesh $(B)/tests/bench/strips $(B)/tests/bench/budgets $(B)/tests/bench/strip_coverage
 .PHONY: test-programs
 -include $(TEST_SOURCES:%.c=$(B)/%.d) $(VM_TESTS:=.d) $(patsubst %.o,%.d,$(VM_PARTS) $(TEST_PARTS) $(FUZZ_PARTS) $(CALLS_PARTS))
 -include $(wildcard $(B)/tests/sweep/test_sweep_exact.d $(B)/tests/urdf/*.d $(B)/tests/*/*_sites.d $(B)/tests/bench/*.d \
@@ -180,7 +180,7 @@ $(B)/tests/bench/dump_mesh: $(B)/tests/bench/dump_mesh.o $(B)/tools/command_opti
 $(B)/tests/bench/strips $(B)/tests/bench/budgets: %: %.o $(CORE)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -o $@
 
-$(B)/tests/bench/recall: $(B)/tests/bench/recall.o $(TEST_PARTS)
+$(B)/tests/bench/strip_coverage: $(B)/tests/bench/strip_coverage.o $(TEST_PARTS)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(DL) -o $@
 
 charts: bench ## draw docs/charts from the bench's results

@@ -21,7 +21,7 @@ enum {
 
 /*
  * A contact: a stretch of a segment's axis where its surface is within the world's margin of a body, or inside it
- * (docs/algorithms/regions.md). Vectors are in world axes.
+ * (docs/algorithms/contacts.md). Vectors are in world axes.
  *
  *   id          the same from tick to tick while the contact lives; never 0
  *   triangle    of the deepest pair: the source file's number

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
  * Regions: the pieces of a profile where the tool's surface is within the margin or inside, and the integrals over
- * them. docs/algorithms/regions.md.
+ * them. docs/algorithms/contacts.md.
  */
 #ifndef DPT_CONTACT_INTEGRALS_H
 #define DPT_CONTACT_INTEGRALS_H

@@ -2,7 +2,7 @@
 /*
  * How far a body's surface is from each point of an axis: the signed distance along the tool, as few samples as tell
  * its least value within DEPTH_SHARE of the mesh's diagonal, and its shape near the surface.
- * docs/algorithms/depth.md, docs/algorithms/regions.md.
+ * docs/algorithms/depth.md, docs/algorithms/contacts.md.
  */
 #ifndef DPT_DISTANCE_PROFILE_H
 #define DPT_DISTANCE_PROFILE_H

@@ -19,7 +19,7 @@
 
 /*
  * A bound that is reported may lie above the true distance by at most kernel_margin(|A|, |B|), in the filter's
- * frame, and by KERNEL_STRETCH of itself, since a direction may be longer than 1. docs/algorithms/tree.md adds
+ * frame, and by KERNEL_STRETCH of itself, since a direction may be longer than 1. docs/algorithms/bvh.md adds
  * up the terms: at most 47 + 20 |A| + |B| units of 2^-24, and 10 of the bound.
  */
 static inline double kernel_margin(double a, double b)

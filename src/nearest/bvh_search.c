@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Depth first, nearest child first, through a tree that is 16 wide (docs/algorithms/tree.md). Bounds
+ * Depth first, nearest child first, through a tree that is 16 wide (docs/algorithms/bvh.md). Bounds
  * are float and sound by kernel_margin; what they cannot rule out is evaluated in double. So float
  * decides how long it takes, never what the answer is.
  */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
  * A segment on its way past one body, within a tick: ends that move along straight lines, a rigid tool and a body that turn
- * along the shortest arc. docs/algorithms/travel.md.
+ * along the shortest arc. docs/algorithms/swept_motion.md.
  */
 #ifndef DPT_SWEEP_RIGID_H
 #define DPT_SWEEP_RIGID_H

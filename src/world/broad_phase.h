@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
  * Which bodies are near an axis, so that a tick costs what is near and not what is there
- * (docs/algorithms/near.md). Around the axis lies a home, a box with room to move in. Bodies whose own
+ * (docs/algorithms/broad_phase.md). Around the axis lies a home, a box with room to move in. Bodies whose own
  * boxes touch it are listed; all others are at least as far away as the home's faces.
  */
 #ifndef DPT_BROAD_PHASE_H

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
  * What a segment met on its way from the last tick to this one, and, with a budget, the motions that are still to be
- * swept: docs/algorithms/travel.md.
+ * swept: docs/algorithms/swept_motion.md.
  */
 #ifndef DPT_MOTION_BACKLOG_H
 #define DPT_MOTION_BACKLOG_H

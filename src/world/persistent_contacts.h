@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Regions of contact that live from tick to tick: docs/algorithms/regions.md. */
+/* Regions of contact that live from tick to tick: docs/algorithms/contacts.md. */
 #ifndef DPT_PERSISTENT_CONTACTS_H
 #define DPT_PERSISTENT_CONTACTS_H
 

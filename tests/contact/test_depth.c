@@ -81,7 +81,7 @@ static void random_axes(const struct solid *solid, uint64_t count)
     for (size_t i = 0; i < motion.count; i += 1 + motion.count / count) {
         dpt_hit hit = DPT_HIT_INIT;
         const double radius = radius_of(solid, random_bits(&seed));
-        /* A hundred diagonals away is for test_organs. */
+        /* A hundred diagonals away is for test_exactness. */
         dpt_query_segments(solid->mesh, NULL, motion.ends[i], &radius, 1, &hit, NULL);
         check_depth(solid, "query", motion.ends[i], radius, &hit);
         tally.axes++;

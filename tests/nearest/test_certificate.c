@@ -2,7 +2,7 @@
 /*
  * The certificate against the tree, which keeps nothing: every tick of a tool that rests, slides, spins, flies
  * and jumps near a mesh that may move too, with a cache of every size. The tree is held against brute force
- * on a sample here and on every tick in test_organs.c; what both share, the pair, test_pair.c judges.
+ * on a sample here and on every tick in test_exactness.c; what both share, the pair, test_pair.c judges.
  *
  *     test_certificate [TICKS]   of each mesh, motion and cache; the default is what make check runs
  */

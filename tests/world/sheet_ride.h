@@ -87,7 +87,7 @@ static inline void check_hit(struct ride *ride, const struct state *now, const d
     CHECK(c != NULL, "%s: triangle %u", sheet->name, sweep->triangle);
     if (!c)
         return;
-    /* Ten halvings of a turn are the most: docs/algorithms/travel.md. */
+    /* Ten halvings of a turn are the most: docs/algorithms/swept_motion.md. */
     double turn =
         (pose_angle(&ride->was.tool, &now->tool) + pose_angle(&ride->was.body, &now->body)) /
         1024.0;

@@ -2,7 +2,7 @@
 /*
  * Worlds: memory, ids, the tick over several bodies and segments, the penalty against closed forms, and
  * what happens when the input is not valid. That the nearest pair is right is for test_query and
- * test_organs; here it is compared with the stateless answer.
+ * test_exactness; here it is compared with the stateless answer.
  */
 #include <math.h>
 

@@ -8,7 +8,7 @@ static const double ROUNDING = 1e-13, TURNING = 1e-9;
 
 /*
  * A touch may be told that early, of a mesh's diagonal (contact.h). A turn is followed in at most 1024 straight pieces
- * (docs/algorithms/travel.md): of a long tool's turn each is farther off than that.
+ * (docs/algorithms/swept_motion.md): of a long tool's turn each is farther off than that.
  */
 static const double EARLY = 1e-6, PIECES = 1024.0;
 

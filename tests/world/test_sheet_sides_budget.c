@@ -4,7 +4,7 @@
  * whatever may happen meanwhile: another crossing, the way back, a sheet that moves, comes or goes, a step that fails. A
  * side may be unknown, or lost where the way was; it may never be the wrong one. The truth is the path that was taken.
  *
- * Usage: test_way_sides [worlds = 250] [seed = 1].
+ * Usage: test_sheet_sides_budget [worlds = 250] [seed = 1].
  */
 #include "lib/fixture.h"
 #include "lib/random.h"

@@ -6,7 +6,7 @@
  * a slot that another had; with budgets too. What must not be paid for is what is far: work with
  * and without a thousand far bodies.
  *
- *     test_near [TICKS]   of each scene; the default is what make check runs
+ *     test_broad_phase [TICKS]   of each scene; the default is what make check runs
  */
 #include <math.h>
 #include <time.h>

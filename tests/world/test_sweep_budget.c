@@ -2,9 +2,9 @@
 /*
  * A sweep that the budget ends goes on in the next tick, through the world's calls: what it says in the end is what a
  * world without a budget says at once, bit for bit, and a tool that meanwhile goes on has missed nothing. What is said
- * without a budget is judged by test_sheets and test_walks.
+ * without a budget is judged by test_sheets and test_gap_continuity.
  *
- * Usage: test_voyages [motions = 1500] [seed = 1].
+ * Usage: test_sweep_budget [motions = 1500] [seed = 1].
  */
 #include "lib/fixture.h"
 #include "lib/random.h"

@@ -3,7 +3,7 @@
  * Inputs that a naive compiler or search needs quadratic time for. What is compared is the processor's time of one run
  * with that of an ordinary mesh in the same run, and work in 16-lane blocks, never a time by itself.
  *
- *     test_nasty [ITEMS]      triangles, parts or corners; 50000
+ *     test_linear_cost [ITEMS]      triangles, parts or corners; 50000
  */
 #include <math.h>
 #include <stdarg.h>

@@ -2,7 +2,7 @@
 /*
  * A damaged file for each check of the reader, refused with a reason of its own: the code, the byte and the section.
  *
- *     test_damage [MESH_OPEN]
+ *     test_damaged_files [MESH_OPEN]
  *
  * MESH_OPEN is the source of the reader; from the top of the tree it is found without. The program is linked with a
  * copy of it that notes in `site` the line of the check that failed (tests.mk), and a check that no row reaches fails

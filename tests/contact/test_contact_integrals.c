@@ -3,8 +3,8 @@
  * Regions of contact in a world: their integrals and intervals against a quadrature at the same poses, on slides and
  * thrusts over meshes, and on ticks at which they jumped once.
  *
- *     test_region_integrals           what make check runs
- *     test_region_integrals TICKS     so many ticks a slide, 60 if not told
+ *     test_contact_integrals           what make check runs
+ *     test_contact_integrals TICKS     so many ticks a slide, 60 if not told
  *
  * Real meshes from DPT_DATA.
  */
@@ -479,7 +479,7 @@ int main(int argc, char **argv)
     if (argc > 1)
         ticks = strtoull(argv[1], NULL, 10);
     if (ticks < 20 || ticks > 100000000) {
-        printf("test_region_integrals: from 20 ticks a slide to 100000000\n");
+        printf("test_contact_integrals: from 20 ticks a slide to 100000000\n");
         return 2;
     }
     TEST(integrals_with_a_pose);

@@ -5,8 +5,8 @@
  * against a brute force that shares nothing with the library. Inside and outside against winding
  * numbers.
  *
- *     test_organs              what make check runs
- *     test_organs soak [NAME]  every tick of every recording on every mesh, half an hour
+ *     test_exactness              what make check runs
+ *     test_exactness soak [NAME]  every tick of every recording on every mesh, half an hour
  *
  * Runs the program dynpoint, which lies one folder above the test.
  */
