@@ -47,6 +47,13 @@ enum {
     DPT_UNTIL_CONTACT = 2  /* and its sign, gap and contact */
 };
 
+/*
+ * By what law a tool feels bodies; docs/algorithms/force.md.
+ *   POINT  the paper's: a push at the deepest point of each segment, out of the body that it is deepest in
+ *   PROXY  a spring to the pose that has gone through nothing: the proxy. The tool's contacts are those of the proxy
+ */
+enum { DPT_LAW_POINT = 0, DPT_LAW_PROXY = 2 };
+
 /* Which triangles a segment's strip holds. */
 enum { DPT_STRIP_KIND_NONE = 0, DPT_STRIP_KIND_SHADOW = 1, DPT_STRIP_KIND_ROUTES = 2 };
 
@@ -97,7 +104,7 @@ typedef struct dpt_world_def {
     uint32_t strip;
     uint32_t strip_capacity; /* triangles of one strip, 1..2^20; 1024 */
     uint32_t strip_search;   /* at most 2^28; 16384 */
-    uint32_t reserved;       /* 0 */
+    uint32_t law;            /* DPT_LAW_..., of new tools, see dpt_tool_settings; DPT_LAW_POINT */
     double strip_width;      /* m, >= 0; 0 */
     /* m, >= 0; 0: a quarter of the segment's length, its radius and the margin; 0 */
     double strip_depth;
@@ -247,15 +254,27 @@ DPT_API dpt_result dpt_tool_try_segments(const dpt_world *world, dpt_tool tool,
 
 /* Settings of a tool; used as dpt_body_settings. */
 typedef struct dpt_tool_settings {
-    uint32_t size;     /* sizeof(dpt_tool_settings), set by the caller */
-    uint32_t reserved; /* 0 */
-    double stiffness;  /* of the penalty force, N/m, 0..1e9 */
+    uint32_t size;    /* sizeof(dpt_tool_settings), set by the caller */
+    uint32_t law;     /* DPT_LAW_...; changing it is a teleport to where the tool is */
+    double stiffness; /* N/m, 0..1e9; 0: no force */
+    /*
+     * Of the proxy, Nm/rad, 0..1e9; 0: stiffness times the mean square of the distance of the segments' points from
+     * their centre, which is L^2 / 12 for one segment of length L.
+     */
+    double rotational_stiffness;
 } dpt_tool_settings;
 
 DPT_API dpt_result dpt_tool_set_settings(dpt_world *world, dpt_tool tool,
                                          const dpt_tool_settings *settings);
 DPT_API dpt_result dpt_tool_get_settings(const dpt_world *world, dpt_tool tool,
                                          dpt_tool_settings *settings);
+
+/*
+ * The pose of the tool's proxy, from the last step: of its frame, in the world; of a free tool that of a frame whose
+ * origin is end a and whose x axis points to end b. It is the device's pose where nothing is in the way, and
+ * with another law than DPT_LAW_PROXY. For a viewer to draw.
+ */
+DPT_API dpt_result dpt_tool_get_proxy(const dpt_world *world, dpt_tool tool, dpt_pose *pose);
 
 /* As dpt_body_is_valid. */
 DPT_API int dpt_tool_is_valid(const dpt_world *world, dpt_tool tool);
@@ -325,13 +344,15 @@ DPT_API dpt_result dpt_tool_get_strip(const dpt_world *world, dpt_tool tool, uin
  *   UNDECIDED  at least one segment may touch something, but its direction is not known: its contact is
  *              DPT_CONTACT_UNKNOWN, or it goes through a surface that has no sides
  *   FREE       no segment is in anything, or there are no bodies
+ *   INSIDE     DPT_LAW_PROXY: the tool began in something, and has not been outside since
  */
 enum {
     DPT_FORCE_ACTS = 0,
     DPT_FORCE_FREE = 1,
     DPT_FORCE_STALE = 2,
     DPT_FORCE_UNDECIDED = 3,
-    DPT_FORCE_OFF = 4
+    DPT_FORCE_OFF = 4,
+    DPT_FORCE_INSIDE = 5
 };
 
 /* Bits of dpt_force_report.flags. */
@@ -339,7 +360,13 @@ enum {
     /* the wrench is still on its way to what `reason` says, and so need not be zero */
     DPT_FORCE_FLAG_FADING = 1,
     /* DPT_FORCE_ACTS, but another segment is undecided, and its share is missing */
-    DPT_FORCE_FLAG_PARTIAL = 2
+    DPT_FORCE_FLAG_PARTIAL = 2,
+    /* the pose that held the proxy is gone, and it moves on to another: the force may change fast */
+    DPT_FORCE_FLAG_FOLD = 4,
+    /* moving bodies leave the proxy no pose that is free */
+    DPT_FORCE_FLAG_SQUEEZED = 8,
+    /* the proxy was more than 1 rad from the device, and started again there */
+    DPT_FORCE_FLAG_REPLACED = 16
 };
 
 /*
@@ -365,8 +392,11 @@ typedef struct dpt_force_report {
     uint32_t size; /* sizeof(dpt_force_report), set by the caller */
     uint32_t reason;
     uint32_t flags;
-    uint32_t reserved;
+    uint32_t law; /* DPT_LAW_... */
     dpt_wrench wrench;
+    double energy;  /* that the law stores, J; 0 with DPT_LAW_POINT */
+    double lag;     /* of the proxy, m: how far it still is from where it would come to rest */
+    uint64_t folds; /* how many there were since the tool was placed */
 } dpt_force_report;
 
 /* On an error DPT_FORCE_STALE and zero. */

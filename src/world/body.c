@@ -5,6 +5,7 @@
 #include "world/distance_bounds.h"
 #include "world/motion_backlog.h"
 #include "world/persistent_contacts.h"
+#include "world/proxy_step.h"
 #include "world/tool_force.h"
 #include "world/tool_strips.h"
 #include "world/world_def.h"
@@ -20,6 +21,7 @@ static void forget(struct dpt_world *world, uint32_t index)
     dpti_backlog_restart(world);
     for (uint32_t s = 0; s < world->segment_count; s++)
         dpti_force_forget_body(&world->segments[s], world->bodies[index].id);
+    dpti_proxy_forget_body(world, world->bodies[index].id);
     dpti_bodies_forget_body(world, index);
 }
 
@@ -51,6 +53,7 @@ dpt_result dpt_body_add(dpt_world *world, const dpt_mesh *mesh, const dpt_pose *
     made->slot.valid = 1;
     world_note_max(&world->usage.bodies, ++world->body_count);
     dpti_surface_of_mesh(mesh, &made->surface);
+    made->diagonal = dpti_surface_diagonal(&made->surface);
     dpti_near_put_body(world, index);
     *body = made->id;
     return DPT_OK;

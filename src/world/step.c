@@ -14,43 +14,15 @@
  */
 #include "base/return_if_error.h"
 #include "base/sized.h"
-#include "world/baseline_method.h"
 #include "world/contacts.h"
 #include "world/motion_backlog.h"
 #include "world/persistent_contacts.h"
+#include "world/proxy_step.h"
+#include "world/segment_track.h"
 #include "world/tool_force.h"
 #include "world/tool_results.h"
 #include "world/tool_strips.h"
 #include "world/world_state.h"
-
-static int is_active(const struct dpt_world *world, const struct tool *tool)
-{
-    return tool->slot.used && tool->slot.valid && !world->invalid;
-}
-
-/* The segment's nearest pair; by the paper's method also its contact. */
-static void track_segment(struct dpt_world *world, uint32_t index)
-{
-    struct segment *segment = &world->segments[index];
-    const struct tool *tool = &world->tools[segment->tool];
-    segment->answer.body = NULL;
-    segment->result = (struct segment_result){ .status = DPT_STATUS_STALE };
-    if (!is_active(world, tool)) {
-        segment->near.known = 0;
-        return;
-    }
-    vec3 a = frame_to_world(&tool->frame, segment->a);
-    vec3 b = frame_to_world(&tool->frame, segment->b);
-    if (world->def.method == DPT_METHOD_PAPER) {
-        segment->felt_penetration = segment->penetration = dpti_paper_segment(world, index, a, b);
-        return;
-    }
-    dpti_bodies_find(world, index, &a, &b, &segment->answer);
-    if (!segment->answer.body)
-        return;
-    segment->last_body = handle_index(segment->answer.body->id);
-    dpti_bodies_result(&segment->answer, &segment->result);
-}
 
 static void contact_segment(struct dpt_world *world, uint32_t index)
 {
@@ -64,6 +36,24 @@ static void contact_segment(struct dpt_world *world, uint32_t index)
         dpti_contacts_carry_over(world, index);
     segment->result.work += world->work.done - before;
     dpti_backlog_end_tick(world, index);
+}
+
+/* The contacts of a proxy, which has come here by free motion: nothing is swept. */
+static void contact_at_proxy(struct dpt_world *world, uint32_t index)
+{
+    struct segment *segment = &world->segments[index];
+    const uint32_t before = world->work.done;
+    world->nearby.reach = -1.0;
+    if (segment->answer.body && segment->answer.exact)
+        dpti_contacts_find(world, index, &segment->answer, &segment->result, &segment->penetration);
+    else
+        dpti_contacts_carry_over(world, index);
+    segment->result.work += world->work.done - before;
+}
+
+static int has_proxy(const struct dpt_world *world, const struct segment *segment)
+{
+    return dpti_proxy_is_used(world, &world->tools[segment->tool]);
 }
 
 /*
@@ -80,15 +70,24 @@ static void step_segments(struct dpt_world *world, double dt)
     world->work = work_of(world->def.budget ? world->def.budget : WORK_UNLIMITED);
     world->point_cache.tick = tick;
     dpti_contacts_begin_tick(world);
-    for (uint32_t i = 0; i < count; i++)
-        track_segment(world, (first + i) % count);
+    for (uint32_t t = 0; t < world->tool_end; t++)
+        if (tool_is_active(world, &world->tools[t]) && dpti_proxy_is_used(world, &world->tools[t]))
+            dpti_proxy_step(world, &world->tools[t], dt);
+    for (uint32_t i = 0; i < count; i++) {
+        const struct segment *segment = &world->segments[(first + i) % count];
+        if (!has_proxy(world, segment) || !tool_is_active(world, &world->tools[segment->tool]))
+            dpti_track_segment(world, (first + i) % count);
+    }
     for (uint32_t i = 0; i < count; i++) {
         uint32_t index = (first + i) % count;
-        if (world->def.until != DPT_UNTIL_TRACK && world->def.method != DPT_METHOD_PAPER)
+        const int is_at_proxy = has_proxy(world, &world->segments[index]);
+        if (is_at_proxy)
+            contact_at_proxy(world, index);
+        else if (world->def.until != DPT_UNTIL_TRACK && world->def.method != DPT_METHOD_PAPER)
             contact_segment(world, index);
         if (world->def.strip && world->def.until != DPT_UNTIL_TRACK)
             dpti_strips_find(world, index);
-        if (world->def.until == DPT_UNTIL_RESPOND)
+        if (world->def.until == DPT_UNTIL_RESPOND && !is_at_proxy)
             dpti_force_respond(world, index, dt);
         dpti_tool_write_hit(&world->segments[index]);
         const struct segment_result *result = &world->segments[index].result;
@@ -109,10 +108,17 @@ static double surface_distance(const struct segment *segment)
 static void sum_up(struct dpt_world *world, struct tool *tool)
 {
     const struct segment *segments = &world->segments[tool->first];
+    const int is_active = tool_is_active(world, tool);
+    const int is_at_proxy = is_active && dpti_proxy_is_used(world, tool);
+    if (is_at_proxy) {
+        dpti_proxy_settle(world, tool);
+        dpti_proxy_respond(world, tool);
+        dpti_proxy_write_hits(world, tool);
+    }
     for (uint32_t i = 0; i < tool->count; i++)
         if (surface_distance(&segments[i]) < surface_distance(&segments[tool->nearest]))
             tool->nearest = i;
-    if (is_active(world, tool))
+    if (is_active && !is_at_proxy)
         dpti_force_sum(world, tool);
 }
 

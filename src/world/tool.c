@@ -7,6 +7,7 @@
 #include "world/distance_bounds.h"
 #include "world/motion_backlog.h"
 #include "world/persistent_contacts.h"
+#include "world/proxy_step.h"
 #include "world/tool_force.h"
 #include "world/tool_results.h"
 #include "world/tool_strips.h"
@@ -28,6 +29,7 @@ void dpti_tool_forget(struct dpt_world *world, struct tool *tool)
 {
     for (uint32_t i = 0; i < tool->count; i++)
         forget_segment(world, tool->first + i);
+    dpti_proxy_forget(world, tool);
     dpti_tool_clear(world, tool);
 }
 
@@ -76,6 +78,8 @@ dpt_result dpt_tool_add(dpt_world *world, const dpt_segment *segments, uint32_t 
     made->slot.valid = 1;
     made->user = 0;
     made->stiffness = world->def.stiffness;
+    made->rotational_stiffness = 0.0;
+    made->law = world->def.law;
     made->free = 0;
     made->first = world->segment_count;
     made->count = count;
@@ -205,11 +209,20 @@ dpt_result dpt_tool_set_settings(dpt_world *world, dpt_tool tool, const dpt_tool
     struct tool *asked = world_find_tool(world, tool);
     if (!asked)
         return DPT_E_HANDLE;
-    dpt_tool_settings settings = { .size = sizeof settings, .stiffness = asked->stiffness };
+    dpt_tool_settings settings = { .size = sizeof settings,
+                                   .law = asked->law,
+                                   .stiffness = asked->stiffness,
+                                   .rotational_stiffness = asked->rotational_stiffness };
     DPT_TRY(sized_read(given, sizeof settings, &settings, sizeof settings));
-    if (settings.reserved || !dpti_stiffness_is_valid(settings.stiffness))
+    if (!dpti_law_is_valid(settings.law) || !dpti_stiffness_is_valid(settings.stiffness) ||
+        !dpti_stiffness_is_valid(settings.rotational_stiffness))
         return DPT_E_ARGUMENT;
     asked->stiffness = settings.stiffness;
+    asked->rotational_stiffness = settings.rotational_stiffness;
+    if (asked->law != settings.law) {
+        asked->law = settings.law;
+        dpti_tool_forget(world, asked);
+    }
     return DPT_OK;
 }
 
@@ -220,8 +233,11 @@ dpt_result dpt_tool_get_settings(const dpt_world *world, dpt_tool tool, dpt_tool
     dpt_tool_settings now = { .size = sizeof now };
     DPT_TRY(sized_check(settings, sizeof now, 0));
     const struct tool *asked = world_find_tool(world, tool);
-    if (asked)
+    if (asked) {
+        now.law = asked->law;
         now.stiffness = asked->stiffness;
+        now.rotational_stiffness = asked->rotational_stiffness;
+    }
     sized_write(settings, settings->size, &now, sizeof now);
     return asked ? DPT_OK : DPT_E_HANDLE;
 }

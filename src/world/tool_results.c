@@ -3,6 +3,7 @@
 
 #include "base/return_if_error.h"
 #include "base/sized.h"
+#include "world/proxy_step.h"
 
 void dpti_tool_write_hit(struct segment *segment)
 {
@@ -37,6 +38,7 @@ void dpti_tool_clear(struct dpt_world *world, struct tool *tool)
             dpti_strip_clear(world->segment_strips[tool->first + i].strip, NULL);
     }
     memset(&tool->wrench, 0, sizeof tool->wrench);
+    tool->energy = 0.0;
 }
 
 static dpt_result find_segment(const dpt_world *world, dpt_tool tool, uint32_t segment,
@@ -136,7 +138,28 @@ dpt_result dpt_tool_get_force_report(const dpt_world *world, dpt_tool tool, dpt_
         now.reason = asked->reason;
         now.flags = asked->flags;
         now.wrench = asked->wrench;
+        now.law = asked->law;
+        now.energy = asked->energy;
+        if (dpti_proxy_is_used(world, asked)) {
+            now.lag = world->proxies[asked - world->tools].lag;
+            now.folds = world->proxies[asked - world->tools].folds;
+        }
     }
     sized_write(force, force->size, &now, sizeof now);
     return asked ? DPT_OK : world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
+}
+
+dpt_result dpt_tool_get_proxy(const dpt_world *world, dpt_tool tool, dpt_pose *pose)
+{
+    const dpt_pose identity = DPT_POSE_IDENTITY;
+    if (!world || !pose)
+        return DPT_E_ARGUMENT;
+    const struct tool *asked = world_find_tool(world, tool);
+    *pose = identity;
+    if (!asked)
+        return DPT_E_HANDLE;
+    const struct proxy *proxy =
+        dpti_proxy_is_used(world, asked) ? &world->proxies[asked - world->tools] : NULL;
+    *pose = proxy && proxy->state != PROXY_NONE ? proxy->pose : asked->pose;
+    return DPT_OK;
 }

@@ -36,6 +36,11 @@ int dpti_stiffness_is_valid(double stiffness)
     return stiffness >= 0.0 && within(stiffness, 1e9);
 }
 
+int dpti_law_is_valid(uint32_t law)
+{
+    return law == DPT_LAW_POINT || law == DPT_LAW_PROXY;
+}
+
 int dpti_side_limit_is_valid(double limit)
 {
     return limit >= 0.0 && within(limit, DPT_COORDINATE_MAX);
@@ -71,7 +76,7 @@ static int baseline_is_valid(const dpt_world_def *def)
 static int strips_are_valid(const dpt_world_def *def)
 {
     const dpt_strip_def strip = dpti_strips_def(def);
-    if (def->strip > DPT_STRIP_KIND_ROUTES || def->reserved)
+    if (def->strip > DPT_STRIP_KIND_ROUTES)
         return 0;
     return !def->strip ||
            (dpt_strip_bytes(&strip) && def->strip_width >= 0.0 && def->strip_depth >= 0.0 &&
@@ -86,7 +91,7 @@ int dpti_world_def_is_valid(const dpt_world_def *def)
            def->until <= DPT_UNTIL_CONTACT && baseline_is_valid(def) && !def->reserved_pointer &&
            (def->budget == 0 || def->method == DPT_METHOD_EXACT) &&
            dpti_stiffness_is_valid(def->stiffness) && dpti_side_limit_is_valid(def->side_limit) &&
-           def->fade >= 0.0 && def->fade <= 1.0 &&
+           dpti_law_is_valid(def->law) && def->fade >= 0.0 && def->fade <= 1.0 &&
            def->certificate_bytes <= CERTIFICATE_BYTES_MAX && def->margin >= 0.0 &&
            within(def->margin, DPT_COORDINATE_MAX) && def->max_contacts <= 0xffff &&
            def->smooth_normals <= 1 && strips_are_valid(def);

@@ -5,13 +5,14 @@
 #include "world/distance_bounds.h"
 #include "world/motion_backlog.h"
 #include "world/persistent_contacts.h"
+#include "world/proxy_step.h"
 #include "world/tool_strips.h"
 
 /* Shares of dpt_world_bytes; a struct that outgrows its own fails to compile. Each part has the rest of its own. */
 enum {
     BYTES_WORLD = 24576, /* with room for one profile */
     BYTES_BODY = 640,    /* with its box */
-    BYTES_TOOL = 256,
+    BYTES_TOOL = 320,
     BYTES_SEGMENT = 1408,
     BYTES_MEMO = 21504, /* and for each segment BYTES_MEMO_MORE */
     BYTES_MEMO_MORE = 3072
@@ -32,7 +33,8 @@ size_t dpti_world_layout_bytes(const dpt_world_def *def)
                      BYTES_TOOL * (uint64_t)def->max_tools +
                      BYTES_SEGMENT * (uint64_t)def->max_segments + point_cache_bytes(def) +
                      dpti_bounds_bytes(def) + dpti_backlog_bytes(def) + dpti_contacts_bytes(def) +
-                     dpti_strips_bytes(def) + dpti_near_bytes(def) + dpti_bodies_bytes(def);
+                     dpti_strips_bytes(def) + dpti_proxy_bytes(def) + dpti_near_bytes(def) +
+                     dpti_bodies_bytes(def);
     return bytes <= SIZE_MAX ? (size_t)bytes : 0;
 }
 
@@ -55,6 +57,7 @@ void dpti_world_layout_place(struct dpt_world *world)
     at = dpti_backlog_place(world, at);
     at = dpti_contacts_place(world, at);
     at = dpti_strips_place(world, at);
+    at = dpti_proxy_place(world, at);
     at = dpti_near_place(world, at);
     dpti_bodies_place(world, at);
 }

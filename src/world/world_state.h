@@ -25,8 +25,9 @@ struct body {
     double side_limit;
     struct slot slot;
     uint32_t id;
-    uint32_t moved; /* the tick before which it last moved; 0: never */
-    uint32_t added; /* the tick before which it came */
+    uint32_t moved;  /* the tick before which it last moved; 0: never */
+    uint32_t added;  /* the tick before which it came */
+    double diagonal; /* of its surface's box */
 };
 
 struct tool {
@@ -35,6 +36,10 @@ struct tool {
     dpt_pose pose; /* of a rigid one */
     dpt_wrench wrench;
     double stiffness;
+    double rotational_stiffness; /* 0: by its shape */
+    double energy;               /* of this tick, J */
+    uint32_t law;                /* DPT_LAW_... */
+    uint32_t reserved;
     uint32_t reason; /* DPT_FORCE_... */
     uint32_t flags;  /* DPT_FORCE_FLAG_... */
     struct slot slot;
@@ -42,6 +47,48 @@ struct tool {
     uint32_t count;
     uint32_t nearest; /* the segment that speaks for the tool, from 0 */
     uint32_t free;    /* segments are in the world; torque is about the first one's end a */
+};
+
+enum { PROXY_MEMORY = 8 };
+
+/* A triangle that a proxy remembers. */
+struct proxy_triangle {
+    uint32_t segment;  /* of the tool, from 0 */
+    uint32_t body;     /* its id; 0: the entry is empty */
+    uint32_t triangle; /* its place */
+    uint32_t used;     /* of the proxy's clock */
+};
+
+/* What is known of where a proxy is. */
+enum {
+    PROXY_NONE,   /* nothing: it starts at the device's pose */
+    PROXY_PLACED, /* it was put where the device is, and perhaps in something */
+    PROXY_OUTSIDE /* it is outside of everything, and came there by free motion */
+};
+
+/* How a tool can turn: a ball not at all, a straight one about two axes. */
+enum { PROXY_BALL, PROXY_STRAIGHT, PROXY_BENT };
+
+/* Of a tool with DPT_LAW_PROXY. */
+struct proxy {
+    dpt_pose pose;      /* of the tool's frame */
+    dpt_pose device;    /* the device's, in the last tick */
+    vec3 centre;        /* of the segments, in the tool's frame */
+    vec3 axis;          /* unit, of a straight tool, in its frame */
+    double rho;         /* m: what a turn of 1 rad counts as */
+    double gap;         /* the least of the tool's surface; not below 0 while it is outside */
+    double min_gap;     /* that is allowed */
+    double trust;       /* m: the longest motion that is tried at once */
+    double last_motion; /* m */
+    double lag;         /* m */
+    double length;      /* of a free tool: the device's, m */
+    double radius;      /* likewise */
+    uint64_t folds;
+    uint32_t state; /* PROXY_... */
+    uint32_t shape;
+    uint32_t flags; /* DPT_FORCE_FLAG_... of this tick */
+    uint32_t clock; /* of `memory` */
+    struct proxy_triangle memory[PROXY_MEMORY];
 };
 
 /* The nearest pair over all bodies, and what is proven of it. */
@@ -212,9 +259,16 @@ struct dpt_world {
     struct point_cache point_cache;         /* only with a budget */
     struct persistent_contacts contacts[2]; /* this tick's and the last one's */
     struct segment_strip *segment_strips;   /* per segment; only with strips */
+    struct proxy *proxies;                  /* per tool; only where the world responds */
     struct nearby nearby;                   /* of the segment that is being looked at */
     struct distance_profile profile;        /* of that and the body that is being looked at */
 };
+
+/* Its answers can be known: its input and that of all bodies can be used. */
+static inline int tool_is_active(const struct dpt_world *world, const struct tool *tool)
+{
+    return tool->slot.used && tool->slot.valid && !world->invalid;
+}
 
 /* A high-water mark of dpt_world_usage. */
 static inline void world_note_max(uint32_t *mark, uint32_t count)

@@ -1,0 +1,85 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Unit quaternions (w, x, y, z) as turns of vectors. */
+#ifndef DPT_QUATERNION_H
+#define DPT_QUATERNION_H
+
+#include "base/angle.h"
+
+struct quaternion {
+    double w;
+    vec3 v;
+};
+
+static inline struct quaternion quaternion_of(const double *q)
+{
+    return (struct quaternion){ q[0], vec3_of(q + 1) };
+}
+
+static inline void quaternion_store(struct quaternion q, double *out)
+{
+    out[0] = q.w;
+    vec3_store(q.v, out + 1);
+}
+
+/* First b, then a. */
+static inline struct quaternion quaternion_product(struct quaternion a, struct quaternion b)
+{
+    return (struct quaternion){
+        a.w * b.w - dot(a.v, b.v),
+        add(along(scaled(b.v, a.w), b.w, a.v), cross(a.v, b.v)),
+    };
+}
+
+static inline struct quaternion quaternion_inverse(struct quaternion q)
+{
+    return (struct quaternion){ q.w, scaled(q.v, -1.0) };
+}
+
+/* Of length 1; what rounding left is removed. */
+static inline struct quaternion quaternion_unit(struct quaternion q)
+{
+    const double size = sqrt(q.w * q.w + dot(q.v, q.v));
+    return (struct quaternion){ q.w / size, scaled(q.v, 1.0 / size) };
+}
+
+/* A vector, turned. */
+static inline vec3 quaternion_turn(struct quaternion q, vec3 x)
+{
+    vec3 twice = scaled(cross(q.v, x), 2.0);
+    return add(along(x, q.w, twice), cross(q.v, twice));
+}
+
+/*
+ * A turn about an axis by 2 atan(|v| / 2), which is |v| but for |v|^3 / 12: for small turns, without a sine
+ * (Cayley's map).
+ */
+static inline struct quaternion quaternion_of_small_turn(vec3 v)
+{
+    return quaternion_unit((struct quaternion){ 1.0, scaled(v, 0.5) });
+}
+
+/* The rotation vector, rad, of the shorter of the two turns that q stands for. */
+static inline vec3 quaternion_rotation_vector(struct quaternion q)
+{
+    const double sine = length(q.v), cosine = fabs(q.w);
+    if (!(sine > 0.0))
+        return (vec3){ 0.0, 0.0, 0.0 };
+    const double half =
+        sine <= cosine ? arctangent(sine / cosine) : 0.25 * ANGLE_TURN - arctangent(cosine / sine);
+    return scaled(q.v, (q.w < 0.0 ? -2.0 : 2.0) * half / sine);
+}
+
+/* The least turn that takes the unit vector a to the unit vector b; about any axis across a where they are opposite. */
+static inline vec3 least_turn(vec3 a, vec3 b)
+{
+    const vec3 axis = cross(a, b);
+    const double size = length(axis);
+    if (size > 0.0)
+        return scaled(axis, angle_between(a, b) / size);
+    if (dot(a, b) > 0.0)
+        return (vec3){ 0.0, 0.0, 0.0 };
+    const vec3 other = fabs(a.x) < 0.6 ? (vec3){ 1.0, 0.0, 0.0 } : (vec3){ 0.0, 1.0, 0.0 };
+    return scaled(unit_of(cross(a, other)), 0.5 * ANGLE_TURN);
+}
+
+#endif

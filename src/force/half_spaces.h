@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * The point nearest to a goal under linear constraints: min |y - goal|^2 with normal . y >= bound for each of them, in
+ * up to six dimensions. The dual active set method of Goldfarb and Idnani (1983) for the identity matrix; at most
+ * as many constraints are active as there are dimensions.
+ */
+#ifndef DPT_HALF_SPACES_H
+#define DPT_HALF_SPACES_H
+
+#include <stdint.h>
+
+enum { HALF_SPACE_DIMENSIONS = 6, HALF_SPACES_MAX = 96 };
+
+struct half_space {
+    double normal[HALF_SPACE_DIMENSIONS]; /* not zero */
+    double bound;
+};
+
+/* The answer: `y`, and which constraints hold it, with their multipliers, all above 0. */
+struct half_spaces_result {
+    double y[HALF_SPACE_DIMENSIONS];
+    uint32_t active_count;
+    uint32_t active[HALF_SPACE_DIMENSIONS];
+    double multiplier[HALF_SPACE_DIMENSIONS]; /* y = goal + sum of multiplier * normal */
+};
+
+/*
+ * `dimensions` is 1..6. A constraint counts as met where it is violated by at most `tolerance`. Constraints beyond the active
+ * ones that depend on them linearly are never added. Returns 0, and no answer, where no point meets all constraints
+ * or the iterations do not suffice.
+ */
+int dpti_half_spaces_nearest(const struct half_space *spaces, uint32_t count, uint32_t dimensions,
+                             const double *goal, double tolerance,
+                             struct half_spaces_result *result);
+
+#endif

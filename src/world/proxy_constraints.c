@@ -1,0 +1,157 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "world/proxy_constraints.h"
+
+void dpti_proxy_remember(struct proxy *proxy, uint32_t segment, uint32_t body, uint32_t triangle)
+{
+    struct proxy_triangle *oldest = &proxy->memory[0];
+    for (uint32_t i = 0; i < PROXY_MEMORY; i++) {
+        struct proxy_triangle *entry = &proxy->memory[i];
+        if (entry->body == body && entry->triangle == triangle && entry->segment == segment) {
+            entry->used = ++proxy->clock;
+            return;
+        }
+        if (entry->used < oldest->used)
+            oldest = entry;
+    }
+    *oldest = (struct proxy_triangle){ segment, body, triangle, ++proxy->clock };
+}
+
+void dpti_proxy_forget_triangles(struct proxy *proxy, uint32_t body)
+{
+    for (uint32_t i = 0; i < PROXY_MEMORY; i++)
+        if (!body || proxy->memory[i].body == body)
+            proxy->memory[i] = (struct proxy_triangle){ .body = 0 };
+}
+
+static void add_triangle(struct proxy_tick *tick, const struct proxy_triangle *triangle)
+{
+    for (uint32_t i = 0; i < tick->triangle_count; i++)
+        if (tick->triangles[i]->body == triangle->body &&
+            tick->triangles[i]->triangle == triangle->triangle &&
+            tick->triangles[i]->segment == triangle->segment)
+            return;
+    if (tick->triangle_count < PROXY_TRIANGLES_MAX && world_find_body(tick->world, triangle->body))
+        tick->triangles[tick->triangle_count++] = triangle;
+}
+
+static void list_triangles(struct proxy_tick *tick)
+{
+    const struct tool *tool = tick->tool;
+    tick->triangle_count = 0;
+    for (uint32_t i = 0; i < PROXY_MEMORY; i++)
+        if (tick->proxy->memory[i].body)
+            add_triangle(tick, &tick->proxy->memory[i]);
+    for (uint32_t i = 0; i < tool->count && tick->triangle_count < PROXY_TRIANGLES_MAX; i++) {
+        const struct body_answer *answer = &tick->world->segments[tool->first + i].answer;
+        if (!answer->body || answer->track.nearest.triangle == DPT_NONE)
+            continue;
+        struct proxy_triangle *made = &tick->nearest[tick->triangle_count];
+        *made = (struct proxy_triangle){ i, answer->body->id, answer->track.nearest.triangle, 0 };
+        add_triangle(tick, made);
+    }
+}
+
+/* An axis in a body's frame. */
+static void axis_in_body(const struct proxy_tick *tick, const struct proxy_pose *pose,
+                         const struct proxy_triangle *triangle, const struct frame *body, vec3 *a,
+                         vec3 *u)
+{
+    const struct segment *segment = &tick->world->segments[tick->tool->first + triangle->segment];
+    *a = frame_to_local(body, frame_to_world(&pose->frame, segment->a));
+    *u = sub(frame_to_local(body, frame_to_world(&pose->frame, segment->b)), *a);
+}
+
+static double radius_of(const struct proxy_tick *tick, const struct proxy_triangle *triangle)
+{
+    return tick->world->segments[tick->tool->first + triangle->segment].radius;
+}
+
+/* One pair of a triangle, as a constraint. */
+static void add_space(struct proxy_tick *tick, uint32_t index, int feature, const pair *found,
+                      double distance, double gap, const struct frame *before,
+                      const struct body *body, vec3 local_a, vec3 local_u)
+{
+    if (tick->space_count == HALF_SPACES_MAX)
+        return;
+    struct half_space *space = &tick->spaces[tick->space_count];
+    const vec3 local_p = along(local_a, found->s, local_u);
+    const vec3 normal = frame_turn(before, scaled(found->gap, 1.0 / distance));
+    const vec3 p = frame_to_world(before, local_p);
+    const vec3 lever = cross(sub(p, tick->at.centre), normal);
+    vec3_store(normal, space->normal);
+    for (uint32_t k = 3; k < proxy_unknowns(tick->proxy); k++)
+        space->normal[k] = dot(lever, tick->axes[k - 3]) / tick->proxy->rho;
+    space->bound = tick->clearance - gap;
+    if (before != &body->frame) {
+        const vec3 local_q = sub(local_p, found->gap);
+        space->bound += dot(
+            normal, sub(frame_to_world(&body->frame, local_q), frame_to_world(before, local_q)));
+    }
+    tick->sources[tick->space_count].triangle = index;
+    tick->sources[tick->space_count].feature = feature;
+    tick->space_count++;
+}
+
+static void gather_triangle(struct proxy_tick *tick, uint32_t index, double reach)
+{
+    const struct proxy_triangle *triangle = tick->triangles[index];
+    const struct body *body = world_find_body(tick->world, triangle->body);
+    const double radius = radius_of(tick, triangle);
+    struct frame moved;
+    const struct frame *before = &body->frame;
+    if (tick->is_before && body->moved == tick->world->ticks) {
+        frame_of_pose(&body->before, &moved);
+        before = &moved;
+    }
+    vec3 a, u, v[3];
+    axis_in_body(tick, &tick->at, triangle, before, &a, &u);
+    surface_corners(&body->surface, triangle->triangle, v);
+    const int features = tick->proxy->shape == PROXY_BALL ? 1 : PAIR_FEATURES;
+    for (int feature = 0; feature < features; feature++) {
+        pair found;
+        if (!pair_of_feature(feature, a, u, v, &found))
+            continue;
+        const double distance = sqrt(found.distance2), gap = distance - radius;
+        if (gap <= reach && distance > 0.0)
+            add_space(tick, index, feature, &found, distance, gap, before, body, a, u);
+    }
+}
+
+void dpti_proxy_gather(struct proxy_tick *tick, double reach)
+{
+    tick->space_count = 0;
+    list_triangles(tick);
+    for (uint32_t i = 0; i < tick->triangle_count; i++)
+        gather_triangle(tick, i, reach);
+    work_spend(&tick->world->work, 1 + tick->triangle_count / 2);
+}
+
+double dpti_proxy_gap_of(const struct proxy_tick *tick, uint32_t space,
+                         const struct proxy_pose *pose)
+{
+    const struct proxy_triangle *triangle = tick->triangles[tick->sources[space].triangle];
+    const struct body *body = world_find_body(tick->world, triangle->body);
+    vec3 a, u, v[3];
+    pair found;
+    axis_in_body(tick, pose, triangle, &body->frame, &a, &u);
+    surface_corners(&body->surface, triangle->triangle, v);
+    pair_of_feature(tick->sources[space].feature, a, u, v, &found);
+    return sqrt(found.distance2) - radius_of(tick, triangle);
+}
+
+double dpti_proxy_gap_of_remembered(const struct proxy_tick *tick, const struct proxy_pose *pose)
+{
+    double least = HUGE_VAL;
+    for (uint32_t i = 0; i < PROXY_MEMORY; i++) {
+        const struct proxy_triangle *triangle = &tick->proxy->memory[i];
+        const struct body *body =
+            triangle->body ? world_find_body(tick->world, triangle->body) : NULL;
+        if (!body)
+            continue;
+        vec3 a, u;
+        axis_in_body(tick, pose, triangle, &body->frame, &a, &u);
+        const pair found = dpti_triangle_pair(&body->surface, triangle->triangle, a, u);
+        least = min_of(least, sqrt(found.distance2) - radius_of(tick, triangle));
+    }
+    return least;
+}

@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What a proxy must not pass, as linear constraints on a small motion: docs/algorithms/force.md. */
+#ifndef DPT_PROXY_CONSTRAINTS_H
+#define DPT_PROXY_CONSTRAINTS_H
+
+#include "world/proxy_tick.h"
+
+/* Remember a triangle of a body, by its place; the one that was not used for longest makes room. */
+void dpti_proxy_remember(struct proxy *proxy, uint32_t segment, uint32_t body, uint32_t triangle);
+
+/* Forget those of a body, by its id; of 0, all. */
+void dpti_proxy_forget_triangles(struct proxy *proxy, uint32_t body);
+
+/*
+ * The constraints of the nearest triangle of each segment and of those that are remembered, as far as their gap at
+ * tick->at is within `reach`: into tick->spaces.
+ */
+void dpti_proxy_gather(struct proxy_tick *tick, double reach);
+
+/* The gap of one constraint's pair at another pose, with bodies where they are now. */
+double dpti_proxy_gap_of(const struct proxy_tick *tick, uint32_t space,
+                         const struct proxy_pose *pose);
+
+/* The least gap of the triangles that are remembered, at a pose, with bodies where they are now. */
+double dpti_proxy_gap_of_remembered(const struct proxy_tick *tick, const struct proxy_pose *pose);
+
+#endif

@@ -1,0 +1,151 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "world/proxy_motion.h"
+
+#include "world/body_search.h"
+#include "world/proxy_constraints.h"
+#include "world/segment_track.h"
+
+/* How often a move that is too near is shortened: at first a little, then more. */
+enum { SHORTEN_LITTLE = 4, SHORTEN_MAX = 12 };
+#define SHORTER_LITTLE 0.9
+#define SHORTER        0.7
+
+void dpti_proxy_find_nearest(struct proxy_tick *tick)
+{
+    struct dpt_world *world = tick->world;
+    tick->tool->frame = tick->at.frame;
+    tick->gap = HUGE_VAL;
+    for (uint32_t i = 0; i < tick->tool->count; i++) {
+        struct segment *segment = &world->segments[tick->tool->first + i];
+        dpti_track_segment(world, tick->tool->first + i);
+        if (!segment->answer.body)
+            continue;
+        const double distance =
+            segment->answer.exact ? segment->result.distance : segment->result.lower_bound;
+        tick->gap = min_of(tick->gap, distance - segment->radius);
+    }
+}
+
+struct tool_sweep {
+    int status;  /* SWEEP_... */
+    double time; /* of the first touch */
+};
+
+/* One segment past one body; what is hit is remembered. */
+static void sweep_body(struct proxy_tick *tick, uint32_t number, const struct body *body,
+                       const dpt_pose *to, struct tool_sweep *sweep)
+{
+    struct dpt_world *world = tick->world;
+    const uint32_t index = tick->tool->first + number;
+    const struct segment *segment = &world->segments[index];
+    const int has_moved = tick->is_before && body->moved == world->ticks;
+    struct placement from_place = { tick->at.pose, has_moved ? body->before : body->pose,
+                                    segment->a, segment->b };
+    struct placement to_place = { *to, body->pose, segment->a, segment->b };
+    struct rigid_sweep_progress progress = { .free_until = 0.0 };
+    struct rigid_sweep rigid = {
+        .surface = &body->surface,
+        .kernel = &world->kernel,
+        .radius = segment->radius,
+        .far = body->added == world->ticks ? 0.0 : segment->result.lower_bound,
+        .tolerance = 0.5 * RIGID_SWEEP_TOLERANCE * dpti_surface_diagonal(&body->surface),
+        .hint = *world_last(world, index, handle_index(body->id)),
+        .work = &world->work,
+        .progress = &progress
+    };
+    if (dpti_rigid_sweep_cannot_meet(&rigid, &from_place, &to_place, 0.0))
+        return;
+    const int status = work_is_spent(&world->work)
+                           ? SWEEP_UNFINISHED
+                           : dpti_rigid_sweep_find(&rigid, &from_place, &to_place);
+    if (status == SWEEP_HIT) {
+        dpti_proxy_remember(tick->proxy, number, body->id, rigid.result.impact.triangle);
+        sweep->time = min_of(sweep->time, rigid.result.time);
+    }
+    if (status != SWEEP_FREE && sweep->status != SWEEP_UNFINISHED)
+        sweep->status = status;
+}
+
+/* The whole tool, past all bodies that it may meet. */
+static struct tool_sweep sweep_tool(struct proxy_tick *tick, const struct proxy_pose *to)
+{
+    struct dpt_world *world = tick->world;
+    struct tool_sweep sweep = { SWEEP_FREE, 1.0 };
+    for (uint32_t i = 0; i < tick->tool->count; i++) {
+        const struct segment *segment = &world->segments[tick->tool->first + i];
+        const vec3 a = frame_to_world(&tick->at.frame, segment->a);
+        const vec3 b = frame_to_world(&tick->at.frame, segment->b);
+        const vec3 to_a = frame_to_world(&to->frame, segment->a);
+        const vec3 to_b = frame_to_world(&to->frame, segment->b);
+        const struct box box = box_of_axis(a, b);
+        /* An arc is longer than its chord, for the turns that are made by at most a tenth. */
+        const double moved = 1.1 * max_of(length(sub(to_a, a)), length(sub(to_b, b)));
+        const double reach = segment->radius + moved + tick->clearance;
+        if (tick->gap > moved + tick->clearance && !tick->is_before)
+            continue;
+        world->nearby.reach = -1.0;
+        const double bodies_moved =
+            tick->is_before && world->travelled_at == world->ticks ? world->travelled : 0.0;
+        const struct nearby *nearby =
+            dpti_near_within(world, tick->tool->first + i, reach + bodies_moved);
+        for (uint32_t k = 0; k < nearby->count; k++) {
+            const uint32_t slot = nearby->list ? nearby->list[k] : k;
+            const struct body *body = &world->bodies[slot];
+            const double far =
+                reach + (tick->is_before && body->moved == world->ticks ? body->travelled : 0.0);
+            if (body->slot.used && box_distance(&box, &world->boxes[slot]) <= far)
+                sweep_body(tick, i, body, &to->pose, &sweep);
+        }
+    }
+    return sweep;
+}
+
+static int is_near_enough(struct proxy_tick *tick)
+{
+    if (tick->gap >= tick->min_gap)
+        return 1;
+    for (uint32_t i = 0; i < tick->tool->count; i++) {
+        const struct segment *segment = &tick->world->segments[tick->tool->first + i];
+        if (segment->answer.body && segment->answer.track.nearest.triangle != DPT_NONE)
+            dpti_proxy_remember(tick->proxy, i, segment->answer.body->id,
+                                segment->answer.track.nearest.triangle);
+    }
+    return 0;
+}
+
+double dpti_proxy_move(struct proxy_tick *tick, const struct proxy_pose *to, double *met)
+{
+    const struct proxy_pose from = tick->at;
+    const double gap = tick->gap;
+    const struct tool_sweep sweep = sweep_tool(tick, to);
+    int has_searched = 0;
+    double share = sweep.time;
+    *met = sweep.status == SWEEP_UNFINISHED ? -1.0 : share;
+    if (sweep.status == SWEEP_UNFINISHED)
+        return 0.0;
+    if (sweep.status == SWEEP_FREE) {
+        tick->at = *to;
+        dpti_proxy_find_nearest(tick);
+        if (is_near_enough(tick))
+            return 1.0;
+        has_searched = 1;
+    }
+    const double wanted = min_of(0.7 * tick->clearance, max_of(tick->min_gap, 0.98 * gap));
+    for (int k = 0; k < SHORTEN_MAX && !tick->is_before; k++) {
+        share *= k < SHORTEN_LITTLE ? SHORTER_LITTLE : SHORTER;
+        const dpt_pose pose = dpti_rigid_sweep_pose(&from.pose, &to->pose, share);
+        const struct proxy_pose shorter = dpti_proxy_pose_of(tick->proxy, &pose);
+        if (!(dpti_proxy_gap_of_remembered(tick, &shorter) >= wanted))
+            continue;
+        tick->at = shorter;
+        dpti_proxy_find_nearest(tick);
+        has_searched = 1;
+        if (is_near_enough(tick))
+            return share;
+    }
+    tick->at = from;
+    if (has_searched && !tick->is_before)
+        dpti_proxy_find_nearest(tick);
+    tick->gap = gap;
+    return 0.0;
+}

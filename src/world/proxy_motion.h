@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A proxy's motions, each swept before it is made: docs/algorithms/force.md. */
+#ifndef DPT_PROXY_MOTION_H
+#define DPT_PROXY_MOTION_H
+
+#include "world/proxy_tick.h"
+
+/* The nearest pairs of all segments at tick->at; sets tick->gap. */
+void dpti_proxy_find_nearest(struct proxy_tick *tick);
+
+/*
+ * Move from tick->at towards `to`, as far as the tool meets nothing and its gap stays at least tick->min_gap. What
+ * it met is remembered. Returns the share of the way that was made, 0 where none was; then tick->at and its nearest
+ * pairs are as before.
+ *   met   the share up to which it was free by the sweep; negative where the budget ended the sweep
+ */
+double dpti_proxy_move(struct proxy_tick *tick, const struct proxy_pose *to, double *met);
+
+#endif

@@ -1,0 +1,122 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "world/proxy_pose.h"
+
+/* A tool is straight if no end is farther from the line of its longest segment than that share of its length. */
+#define STRAIGHT 1e-9
+
+/* Below this length a tool is a ball: its turns are not felt. */
+#define BALL 1e-9
+
+static int is_straight(const struct segment *segments, uint32_t count, vec3 *axis)
+{
+    double longest = -1.0;
+    vec3 from = { 0.0, 0.0, 0.0 };
+    for (uint32_t i = 0; i < count; i++) {
+        const vec3 u = sub(segments[i].b, segments[i].a);
+        if (length(u) > longest) {
+            longest = length(u);
+            from = segments[i].a;
+            *axis = u;
+        }
+    }
+    *axis = unit_of(*axis);
+    for (uint32_t i = 0; i < count; i++)
+        if (length(cross(sub(segments[i].a, from), *axis)) > STRAIGHT * longest ||
+            length(cross(sub(segments[i].b, from), *axis)) > STRAIGHT * longest)
+            return 0;
+    return 1;
+}
+
+/* The mean of |x - centre|^2 over a segment is that of its middle and a twelfth of its square. */
+void dpti_proxy_measure(const struct dpt_world *world, const struct tool *tool, struct proxy *proxy)
+{
+    const struct segment *segments = &world->segments[tool->first];
+    double whole = 0.0, square = 0.0;
+    vec3 sum = { 0.0, 0.0, 0.0 };
+    for (uint32_t i = 0; i < tool->count; i++) {
+        const double size = length(sub(segments[i].b, segments[i].a));
+        sum = along(sum, 0.5 * size, add(segments[i].a, segments[i].b));
+        whole += size;
+    }
+    proxy->centre = whole > 0.0 ? scaled(sum, 1.0 / whole) : segments[0].a;
+    for (uint32_t i = 0; i < tool->count; i++) {
+        const vec3 u = sub(segments[i].b, segments[i].a);
+        const vec3 middle = sub(scaled(add(segments[i].a, segments[i].b), 0.5), proxy->centre);
+        square += length(u) * (dot(middle, middle) + dot(u, u) / 12.0);
+    }
+    proxy->rho = whole > 0.0 ? sqrt(square / whole) : 0.0;
+    if (!(whole > BALL))
+        proxy->shape = PROXY_BALL;
+    else
+        proxy->shape =
+            is_straight(segments, tool->count, &proxy->axis) ? PROXY_STRAIGHT : PROXY_BENT;
+    if (tool->rotational_stiffness > 0.0 && tool->stiffness > 0.0)
+        proxy->rho = sqrt(tool->rotational_stiffness / tool->stiffness);
+}
+
+struct proxy_pose dpti_proxy_pose_of(const struct proxy *proxy, const dpt_pose *pose)
+{
+    struct proxy_pose made = { .pose = *pose, .turn = quaternion_of(pose->orientation) };
+    frame_of_pose(pose, &made.frame);
+    made.centre = frame_to_world(&made.frame, proxy->centre);
+    made.axis = frame_turn(&made.frame, proxy->axis);
+    return made;
+}
+
+struct displacement dpti_proxy_displacement(const struct proxy *proxy,
+                                            const struct proxy_pose *from,
+                                            const struct proxy_pose *to)
+{
+    struct displacement moved = { sub(to->centre, from->centre), { 0.0, 0.0, 0.0 } };
+    if (proxy->shape == PROXY_STRAIGHT)
+        moved.turn = least_turn(from->axis, to->axis);
+    else if (proxy->shape == PROXY_BENT)
+        moved.turn = quaternion_rotation_vector(
+            quaternion_product(to->turn, quaternion_inverse(from->turn)));
+    return moved;
+}
+
+void dpti_proxy_turn_axes(const struct proxy *proxy, const struct proxy_pose *at, vec3 axes[3])
+{
+    axes[0] = (vec3){ 1.0, 0.0, 0.0 };
+    axes[1] = (vec3){ 0.0, 1.0, 0.0 };
+    axes[2] = (vec3){ 0.0, 0.0, 1.0 };
+    if (proxy->shape != PROXY_STRAIGHT)
+        return;
+    const vec3 u = at->axis;
+    const double x = fabs(u.x), y = fabs(u.y), z = fabs(u.z);
+    const vec3 across = { x <= y && x <= z, y < x && y <= z, z < x && z < y };
+    axes[0] = unit_of(cross(u, across));
+    axes[1] = cross(u, axes[0]);
+}
+
+void dpti_proxy_to_unknowns(const struct proxy *proxy, const vec3 axes[3],
+                            const struct displacement *displacement, double *unknowns)
+{
+    vec3_store(displacement->shift, unknowns);
+    for (uint32_t k = 3; k < proxy_unknowns(proxy); k++)
+        unknowns[k] = proxy->rho * dot(displacement->turn, axes[k - 3]);
+}
+
+struct displacement dpti_proxy_of_unknowns(const struct proxy *proxy, const vec3 axes[3],
+                                           const double *unknowns)
+{
+    struct displacement moved = { vec3_of(unknowns), { 0.0, 0.0, 0.0 } };
+    for (uint32_t k = 3; k < proxy_unknowns(proxy); k++)
+        moved.turn = along(moved.turn, unknowns[k] / proxy->rho, axes[k - 3]);
+    return moved;
+}
+
+struct proxy_pose dpti_proxy_moved(const struct proxy *proxy, const struct proxy_pose *at,
+                                   const struct displacement *displacement)
+{
+    struct quaternion turn = at->turn;
+    if (proxy->shape != PROXY_BALL)
+        turn =
+            quaternion_unit(quaternion_product(quaternion_of_small_turn(displacement->turn), turn));
+    dpt_pose pose;
+    const vec3 centre = add(at->centre, displacement->shift);
+    quaternion_store(turn, pose.orientation);
+    vec3_store(sub(centre, quaternion_turn(turn, proxy->centre)), pose.position);
+    return dpti_proxy_pose_of(proxy, &pose);
+}

@@ -1,0 +1,411 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "world/proxy_step.h"
+
+#include "world/proxy_constraints.h"
+#include "world/proxy_motion.h"
+#include "world/segment_track.h"
+
+enum { BYTES_PROXY = 640, ITERATIONS_MAX = 8, CORRECTIONS_MAX = 2, HALVINGS_MAX = 4 };
+typedef char proxy_fits[sizeof(struct proxy) <= BYTES_PROXY ? 1 : -1];
+
+/* Of the largest diagonal of all bodies. */
+#define CLEARANCE 2e-6
+#define GAP_MIN   0.75e-6
+
+/* A motion below this share of what is left to the device is none; below that of the clearance, too. */
+#define CONVERGED       3e-4
+#define CONVERGED_SMALL 1e-3
+
+/* Of the clearance: a gap that is kept well enough. */
+#define GAP_KEPT 0.7
+
+/* rad: the largest turn of one motion, and the turn from the device beyond which the proxy starts again there. */
+#define TURN_MAX     0.3
+#define LAG_TURN_MAX 1.0
+
+/* m/s: beside twice the device's motion, how fast a proxy moves when the pose that held it is gone (a fold). */
+#define FOLD_SPEED 1.0
+
+uint64_t dpti_proxy_bytes(const dpt_world_def *def)
+{
+    return def->until == DPT_UNTIL_RESPOND ? BYTES_PROXY * (uint64_t)def->max_tools : 0;
+}
+
+char *dpti_proxy_place(struct dpt_world *world, char *at)
+{
+    world->proxies = (void *)at;
+    return at + dpti_proxy_bytes(&world->def);
+}
+
+int dpti_proxy_is_used(const struct dpt_world *world, const struct tool *tool)
+{
+    return tool->law == DPT_LAW_PROXY && world->def.until == DPT_UNTIL_RESPOND &&
+           world->def.method != DPT_METHOD_PAPER;
+}
+
+static struct proxy *proxy_of(const struct dpt_world *world, const struct tool *tool)
+{
+    return &world->proxies[tool - world->tools];
+}
+
+void dpti_proxy_forget(struct dpt_world *world, struct tool *tool)
+{
+    if (world->def.until == DPT_UNTIL_RESPOND)
+        *proxy_of(world, tool) = (struct proxy){ .state = PROXY_NONE };
+}
+
+void dpti_proxy_forget_body(struct dpt_world *world, uint32_t body)
+{
+    for (uint32_t t = 0; world->def.until == DPT_UNTIL_RESPOND && t < world->tool_end; t++)
+        dpti_proxy_forget_triangles(&world->proxies[t], body);
+}
+
+static double largest_diagonal(const struct dpt_world *world)
+{
+    double largest = 0.0;
+    for (uint32_t i = 0; i < world->body_end; i++)
+        if (world->bodies[i].slot.used)
+            largest = max_of(largest, world->bodies[i].diagonal);
+    return largest;
+}
+
+static struct coupling coupling_of(const struct tool *tool, const struct proxy *proxy)
+{
+    const double k = tool->stiffness;
+    return (struct coupling){ k, k * proxy->rho * proxy->rho };
+}
+
+/* The displacement that is wanted, as unknowns; returns its length. */
+static double wanted_motion(const struct proxy_tick *tick, double *wanted)
+{
+    const struct displacement left = dpti_proxy_displacement(tick->proxy, &tick->at, &tick->goal);
+    dpti_proxy_to_unknowns(tick->proxy, tick->axes, &left, wanted);
+    return displacement_norm(&left, tick->proxy->rho);
+}
+
+static double size_of(const double *unknowns, uint32_t n)
+{
+    double square = 0.0;
+    for (uint32_t k = 0; k < n; k++)
+        square += unknowns[k] * unknowns[k];
+    return sqrt(square);
+}
+
+/* The nearest motion that the constraints allow; where none does, one that makes nothing worse. 0: not even that. */
+static int solve(struct proxy_tick *tick, const double *wanted)
+{
+    const uint32_t n = proxy_unknowns(tick->proxy);
+    const double tolerance = 1e-6 * tick->clearance;
+    if (dpti_half_spaces_nearest(tick->spaces, tick->space_count, n, wanted, tolerance,
+                                 &tick->solved))
+        return 1;
+    for (uint32_t i = 0; i < tick->space_count; i++)
+        tick->spaces[i].bound = min_of(tick->spaces[i].bound, 0.0);
+    return dpti_half_spaces_nearest(tick->spaces, tick->space_count, n, wanted, tolerance,
+                                    &tick->solved);
+}
+
+/* By how much a motion is to be shortened: not beyond `longest`, and not turned too far at once. */
+static double share_allowed(const struct proxy_tick *tick, double longest)
+{
+    const uint32_t n = proxy_unknowns(tick->proxy);
+    const double *y = tick->solved.y, size = size_of(y, n);
+    const double turn = n > 3 ? size_of(y + 3, n - 3) / tick->proxy->rho : 0.0;
+    double share = size > longest ? longest / size : 1.0;
+    return turn * share > TURN_MAX ? TURN_MAX / turn : share;
+}
+
+static struct proxy_pose pose_of_motion(const struct proxy_tick *tick, double share)
+{
+    double y[HALF_SPACE_DIMENSIONS];
+    for (uint32_t k = 0; k < proxy_unknowns(tick->proxy); k++)
+        y[k] = share * tick->solved.y[k];
+    const struct displacement motion = dpti_proxy_of_unknowns(tick->proxy, tick->axes, y);
+    return dpti_proxy_moved(tick->proxy, &tick->at, &motion);
+}
+
+/*
+ * A turn is no straight motion: where a pair would come nearer than it should, its bound is raised by what is missing,
+ * and the motion is solved for again.
+ */
+static struct proxy_pose corrected_motion(struct proxy_tick *tick, const double *wanted,
+                                          double longest, double *share)
+{
+    struct proxy_pose to;
+    for (int k = 0;; k++) {
+        int is_low = 0;
+        *share = share_allowed(tick, longest);
+        to = pose_of_motion(tick, *share);
+        for (uint32_t i = 0; i < tick->space_count && k < CORRECTIONS_MAX; i++) {
+            const double gap = dpti_proxy_gap_of(tick, i, &to);
+            if (gap >= GAP_KEPT * tick->clearance)
+                continue;
+            tick->spaces[i].bound += tick->clearance - gap;
+            is_low = 1;
+        }
+        if (!is_low || !solve(tick, wanted))
+            return to;
+    }
+}
+
+/* Shorter, until the device comes nearer: a motion may zigzag otherwise. */
+static struct proxy_pose downhill_motion(const struct proxy_tick *tick, struct proxy_pose to,
+                                         double share, double left)
+{
+    const double slack = 1.5 * max_of(0.0, tick->clearance - tick->gap);
+    for (int k = 0; k < HALVINGS_MAX; k++) {
+        const struct displacement then = dpti_proxy_displacement(tick->proxy, &to, &tick->goal);
+        if (displacement_norm(&then, tick->proxy->rho) <= left + slack)
+            break;
+        share *= 0.5;
+        to = pose_of_motion(tick, share);
+    }
+    return to;
+}
+
+/* The triangles that hold the proxy are remembered. */
+static void remember_active(struct proxy_tick *tick)
+{
+    for (uint32_t k = 0; k < tick->solved.active_count; k++) {
+        const struct proxy_triangle held =
+            *tick->triangles[tick->sources[tick->solved.active[k]].triangle];
+        dpti_proxy_remember(tick->proxy, held.segment, held.body, held.triangle);
+    }
+}
+
+/* Constraints within reach of a motion that is not known before they are: once more where it is longer than thought. */
+static int gather_and_solve(struct proxy_tick *tick, const double *wanted, double left)
+{
+    const uint32_t n = proxy_unknowns(tick->proxy);
+    double reach = 2.0 * tick->proxy->last_motion + 20.0 * tick->clearance;
+    for (int again = 0;; again++) {
+        dpti_proxy_turn_axes(tick->proxy, &tick->at, tick->axes);
+        dpti_proxy_gather(tick, reach);
+        if (!solve(tick, wanted))
+            return 0;
+        const double size = size_of(tick->solved.y, n);
+        if (again || size <= 0.5 * reach)
+            return 1;
+        reach = max_of(4.0 * size, left);
+    }
+}
+
+/* Is the goal's pose itself what was found: then the proxy is where the device is, bit for bit. */
+static int is_goal(const struct proxy_tick *tick, double share)
+{
+    return tick->solved.active_count == 0 && share == 1.0;
+}
+
+enum { FOLLOW_DONE, FOLLOW_MOVED, FOLLOW_STUCK };
+
+/* One motion. *allowed is how far the proxy may still move in this tick. */
+static int follow_once(struct proxy_tick *tick, double *allowed)
+{
+    struct proxy *proxy = tick->proxy;
+    double wanted[HALF_SPACE_DIMENSIONS] = { 0.0 };
+    dpti_proxy_turn_axes(proxy, &tick->at, tick->axes);
+    const double left = wanted_motion(tick, wanted);
+    proxy->lag = left;
+    if (left == 0.0 && !tick->is_before)
+        return FOLLOW_DONE;
+    if (!gather_and_solve(tick, wanted, left)) {
+        proxy->flags |= DPT_FORCE_FLAG_SQUEEZED;
+        return FOLLOW_STUCK;
+    }
+    const uint32_t n = proxy_unknowns(proxy);
+    const double size = size_of(tick->solved.y, n);
+    proxy->lag = size;
+    remember_active(tick);
+    if (!tick->is_before && (size < CONVERGED_SMALL * tick->clearance ||
+                             (size < CONVERGED * left && tick->gap > GAP_KEPT * tick->clearance)))
+        return FOLLOW_DONE;
+    const double longest = min_of(proxy->trust, *allowed);
+    double share;
+    if (size > longest) {
+        const double shorter = longest / size;
+        for (uint32_t k = 0; k < n; k++)
+            wanted[k] *= shorter;
+        if (!solve(tick, wanted))
+            return FOLLOW_STUCK;
+    }
+    const int is_whole = size <= longest;
+    struct proxy_pose to = corrected_motion(tick, wanted, longest, &share);
+    if (is_whole && is_goal(tick, share))
+        to = tick->goal;
+    else
+        to = downhill_motion(tick, to, share, left);
+    remember_active(tick);
+    const struct proxy_pose from = tick->at;
+    const double motion = size_of(tick->solved.y, n) * share;
+    double met;
+    const double made = dpti_proxy_move(tick, &to, &met);
+    if (met < 0.0)
+        proxy->trust = 0.25 * motion;
+    else if (met < 0.25)
+        proxy->trust = 2.0 * max_of(met, 0.1) * motion;
+    else
+        proxy->trust = min_of(4.0 * max_of(proxy->trust, motion), HUGE_VAL);
+    if (!(made > 0.0))
+        return FOLLOW_STUCK;
+    tick->is_before = 0;
+    const struct displacement moved = dpti_proxy_displacement(proxy, &from, &tick->at);
+    proxy->last_motion = displacement_norm(&moved, proxy->rho);
+    *allowed = max_of(0.0, *allowed - proxy->last_motion);
+    return FOLLOW_MOVED;
+}
+
+/* The proxy is put where the device is: outside or not, contact will tell. */
+static void place(struct proxy_tick *tick)
+{
+    tick->at = tick->goal;
+    tick->is_before = 0;
+    dpti_proxy_find_nearest(tick);
+    tick->proxy->trust = HUGE_VAL;
+    tick->proxy->last_motion = 0.0;
+    tick->proxy->lag = 0.0;
+    tick->proxy->state = PROXY_PLACED;
+}
+
+/* How far bodies moved before this tick, if that may have brought one near. */
+static int bodies_came_near(const struct proxy_tick *tick)
+{
+    const struct dpt_world *world = tick->world;
+    return world->travelled_at == world->ticks &&
+           tick->gap <= world->travelled + 2.0 * tick->clearance;
+}
+
+static void follow(struct proxy_tick *tick, double device_moved, double dt)
+{
+    struct proxy *proxy = tick->proxy;
+    const struct proxy_pose from = tick->at;
+    double allowed = 2.0 * device_moved + FOLD_SPEED * dt;
+    const double cap = allowed;
+    int result = FOLLOW_MOVED;
+    tick->is_before = bodies_came_near(tick);
+    if (!tick->is_before)
+        dpti_proxy_find_nearest(tick);
+    for (int i = 0; i < ITERATIONS_MAX && result != FOLLOW_DONE; i++)
+        result = follow_once(tick, &allowed);
+    if (tick->is_before || tick->gap < 0.0) {
+        proxy->flags |= DPT_FORCE_FLAG_SQUEEZED;
+        place(tick);
+        return;
+    }
+    const struct displacement moved = dpti_proxy_displacement(proxy, &from, &tick->at);
+    const struct displacement left = dpti_proxy_displacement(proxy, &tick->at, &tick->goal);
+    const double motion = displacement_norm(&moved, proxy->rho);
+    const double far = displacement_norm(&left, proxy->rho);
+    if (motion > 2.0 * device_moved + 0.1 * far || (allowed <= 0.0 && cap > 0.0)) {
+        proxy->flags |= DPT_FORCE_FLAG_FOLD;
+        proxy->folds++;
+    }
+    if (length(left.turn) > LAG_TURN_MAX) {
+        proxy->flags |= DPT_FORCE_FLAG_REPLACED;
+        place(tick);
+    }
+}
+
+void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
+{
+    struct proxy *proxy = proxy_of(world, tool);
+    struct proxy_tick tick = { .world = world, .tool = tool, .proxy = proxy };
+    const double diagonal = largest_diagonal(world);
+    dpti_proxy_measure(world, tool, proxy);
+    tick.clearance = CLEARANCE * diagonal;
+    tick.min_gap = GAP_MIN * diagonal;
+    tick.goal = dpti_proxy_pose_of(proxy, &tool->pose);
+    proxy->flags = 0;
+    if (proxy->state != PROXY_OUTSIDE) {
+        place(&tick);
+    } else {
+        const struct proxy_pose device = dpti_proxy_pose_of(proxy, &proxy->device);
+        const struct displacement moved = dpti_proxy_displacement(proxy, &device, &tick.goal);
+        tick.at = dpti_proxy_pose_of(proxy, &proxy->pose);
+        tick.gap = proxy->gap;
+        follow(&tick, displacement_norm(&moved, proxy->rho), dt);
+    }
+    proxy->pose = tick.at.pose;
+    proxy->device = tool->pose;
+    proxy->gap = tick.gap;
+    proxy->min_gap = tick.min_gap;
+}
+
+void dpti_proxy_settle(struct dpt_world *world, struct tool *tool)
+{
+    struct proxy *proxy = proxy_of(world, tool);
+    int is_outside = proxy->gap >= proxy->min_gap;
+    if (proxy->state != PROXY_PLACED)
+        return;
+    for (uint32_t i = 0; i < tool->count; i++) {
+        const struct segment *segment = &world->segments[tool->first + i];
+        is_outside &= !segment->answer.body || (segment->answer.exact && segment->result.has_gap &&
+                                                segment->result.gap > 0.0);
+    }
+    if (is_outside)
+        proxy->state = PROXY_OUTSIDE;
+}
+
+void dpti_proxy_respond(struct dpt_world *world, struct tool *tool)
+{
+    struct proxy *proxy = proxy_of(world, tool);
+    const struct coupling coupling = coupling_of(tool, proxy);
+    const struct proxy_pose at = dpti_proxy_pose_of(proxy, &proxy->pose);
+    const struct proxy_pose device = dpti_proxy_pose_of(proxy, &tool->pose);
+    const struct displacement away = dpti_proxy_displacement(proxy, &device, &at);
+    const int is_outside = proxy->state == PROXY_OUTSIDE;
+    const int is_pushed = is_outside && displacement_norm(&away, proxy->rho) > 0.0;
+    tool->flags = proxy->flags;
+    tool->energy = coupling_energy(&coupling, &away);
+    if (tool->stiffness == 0.0)
+        tool->reason = DPT_FORCE_OFF;
+    else if (!is_outside)
+        tool->reason = DPT_FORCE_INSIDE;
+    else
+        tool->reason = is_pushed ? DPT_FORCE_ACTS : DPT_FORCE_FREE;
+    if (is_pushed)
+        tool->wrench = coupling_wrench(&coupling, &away, device.centre, device.frame.origin);
+}
+
+/* The nearest pair of one axis over all bodies, without a history. */
+static void write_device_hit(struct dpt_world *world, struct segment *segment, uint32_t index,
+                             const struct frame *device)
+{
+    const vec3 a = frame_to_world(device, segment->a), b = frame_to_world(device, segment->b);
+    const struct box box = box_of_axis(a, b);
+    struct body_answer best = { .body = NULL };
+    double distance = HUGE_VAL;
+    for (uint32_t i = 0; i < world->body_end && distance > 0.0; i++) {
+        const struct body *body = &world->bodies[i];
+        if (!body->slot.used || box_distance(&box, &world->boxes[i]) > distance)
+            continue;
+        struct track track;
+        axis_of(&body->surface, &body->frame, a, b, &track.axis);
+        dpti_track_once(&body->surface, &world->kernel, DPT_METHOD_TREE, &track.axis,
+                        *world_last(world, index, i), &world->work, &track.nearest);
+        if (track.nearest.triangle == DPT_NONE || !(sqrt(track.nearest.pair.distance2) < distance))
+            continue;
+        distance = sqrt(track.nearest.pair.distance2);
+        best.track = track;
+        best.body = body;
+    }
+    if (!best.body)
+        return;
+    struct segment_result result;
+    dpti_segment_result_of_pair(&best.track.axis, &best.track.nearest.pair, &result);
+    /* The proxy was held back: the device's pose is behind a surface, however far that is. */
+    result.contact = DPT_CONTACT_PENETRATING;
+    result.work = segment->result.work;
+    dpti_segment_result_write(&result, &best.body->surface, &best.body->frame, best.body->id,
+                              &best.track.nearest, &segment->hit);
+}
+
+void dpti_proxy_write_hits(struct dpt_world *world, struct tool *tool)
+{
+    const struct proxy *proxy = proxy_of(world, tool);
+    struct frame device;
+    if (pose_is_same(&proxy->pose, &tool->pose))
+        return;
+    frame_of_pose(&tool->pose, &device);
+    for (uint32_t i = 0; i < tool->count; i++)
+        write_device_hit(world, &world->segments[tool->first + i], tool->first + i, &device);
+}

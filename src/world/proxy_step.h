@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * The proxy of a tool: the pose that has gone through nothing, led by the device's and coupled to it by a spring:
+ * docs/algorithms/force.md.
+ */
+#ifndef DPT_PROXY_STEP_H
+#define DPT_PROXY_STEP_H
+
+#include "world/world_state.h"
+
+/* Its share of dpt_world_bytes. */
+uint64_t dpti_proxy_bytes(const dpt_world_def *def);
+
+/* Place its memory at `at`; returns where it ends. */
+char *dpti_proxy_place(struct dpt_world *world, char *at);
+
+/* 1 if this tool has one in this world. */
+int dpti_proxy_is_used(const struct dpt_world *world, const struct tool *tool);
+
+/* Where it is, is not known any more: it starts again at the device's pose. */
+void dpti_proxy_forget(struct dpt_world *world, struct tool *tool);
+
+/* What it remembers of a body, by its id, is forgotten. */
+void dpti_proxy_forget_body(struct dpt_world *world, uint32_t body);
+
+/* One tick of `dt`: the proxy follows the device; nearest pairs of the tool's segments are those at the proxy then. */
+void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt);
+
+/* After contact: whether a proxy that was placed, and not led there, is outside of everything. */
+void dpti_proxy_settle(struct dpt_world *world, struct tool *tool);
+
+/* The wrench and the report of a tool with a proxy. */
+void dpti_proxy_respond(struct dpt_world *world, struct tool *tool);
+
+/* The hits of a tool with a proxy, which are at the device's pose. */
+void dpti_proxy_write_hits(struct dpt_world *world, struct tool *tool);
+
+#endif

@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What one tick of a proxy works with: src/world/proxy_step.c. */
+#ifndef DPT_PROXY_TICK_H
+#define DPT_PROXY_TICK_H
+
+#include "force/half_spaces.h"
+#include "nearest/pair_features.h"
+#include "world/proxy_pose.h"
+
+/* Triangles that are looked at together: those that are remembered, and the nearest of each of so many segments. */
+enum { PROXY_TRIANGLES_MAX = PROXY_MEMORY + 16 };
+
+struct proxy_tick {
+    struct dpt_world *world;
+    struct tool *tool;
+    struct proxy *proxy;
+    struct proxy_pose at, goal;
+    vec3 axes[3];     /* of `at`, for turns */
+    double clearance; /* m: contacts are held so far apart */
+    double min_gap;   /* m: no pose is accepted whose gap is less */
+    double
+        gap; /* the least of the tool's surface at `at`; a lower bound where a budget ended the search */
+    int is_before; /* `at` is proven only for where bodies were before this tick */
+    uint32_t triangle_count;
+    const struct proxy_triangle *triangles[PROXY_TRIANGLES_MAX];
+    struct proxy_triangle nearest[PROXY_TRIANGLES_MAX];
+    uint32_t space_count;
+    struct half_space spaces[HALF_SPACES_MAX];
+    struct {
+        uint32_t triangle; /* in `triangles` */
+        int feature;
+    } sources[HALF_SPACES_MAX];
+    struct half_spaces_result solved;
+};
+
+#endif
