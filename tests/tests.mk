@@ -20,6 +20,9 @@ $(filter-out $(SITED),$(TESTS)): $(TEST_PARTS)
 	$(LINK_TEST)
 $(B)/tests/test_parallel: private LDLIBS = -Wl,--wrap=pthread_create,--wrap=pthread_join,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free
 
+# What several tests of one noun share.
+$(B)/tests/test_proxy: $(B)/tests/world/proxy_rig.o
+
 # The readers, with the line of each check that refuses (tests/lib/sites.h).
 $(B)/tests/%_sites.c: src/%.c
 	@mkdir -p $(@D)

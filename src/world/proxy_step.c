@@ -50,8 +50,10 @@ static struct proxy *proxy_of(const struct dpt_world *world, const struct tool *
 
 void dpti_proxy_forget(struct dpt_world *world, struct tool *tool)
 {
-    if (world->def.until == DPT_UNTIL_RESPOND)
-        *proxy_of(world, tool) = (struct proxy){ .state = PROXY_NONE };
+    if (world->def.until != DPT_UNTIL_RESPOND)
+        return;
+    struct proxy *proxy = proxy_of(world, tool);
+    *proxy = (struct proxy){ .length = proxy->length, .radius = proxy->radius };
 }
 
 void dpti_proxy_forget_body(struct dpt_world *world, uint32_t body)
@@ -177,16 +179,17 @@ static void remember_active(struct proxy_tick *tick)
 static int gather_and_solve(struct proxy_tick *tick, const double *wanted, double left)
 {
     const uint32_t n = proxy_unknowns(tick->proxy);
-    double reach = 2.0 * tick->proxy->last_motion + 20.0 * tick->clearance;
+    const double bodies_moved = tick->is_before ? tick->world->travelled : 0.0;
+    double reach = 2.0 * tick->proxy->last_motion + 20.0 * tick->clearance + 2.0 * bodies_moved;
     for (int again = 0;; again++) {
         dpti_proxy_turn_axes(tick->proxy, &tick->at, tick->axes);
         dpti_proxy_gather(tick, reach);
         if (!solve(tick, wanted))
             return 0;
         const double size = size_of(tick->solved.y, n);
-        if (again || size <= 0.5 * reach)
+        if (again || size + bodies_moved <= 0.5 * reach)
             return 1;
-        reach = max_of(4.0 * size, left);
+        reach = max_of(4.0 * (size + bodies_moved), left);
     }
 }
 
@@ -232,7 +235,7 @@ static int follow_once(struct proxy_tick *tick, double *allowed)
     struct proxy_pose to = corrected_motion(tick, wanted, longest, &share);
     if (is_whole && is_goal(tick, share))
         to = tick->goal;
-    else
+    else if (!tick->is_before)
         to = downhill_motion(tick, to, share, left);
     remember_active(tick);
     const struct proxy_pose from = tick->at;
@@ -310,6 +313,8 @@ void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
     struct proxy *proxy = proxy_of(world, tool);
     struct proxy_tick tick = { .world = world, .tool = tool, .proxy = proxy };
     const double diagonal = largest_diagonal(world);
+    if (tool->free && proxy->state == PROXY_OUTSIDE)
+        dpti_proxy_follow_size(world, tool, proxy);
     dpti_proxy_measure(world, tool, proxy);
     tick.clearance = CLEARANCE * diagonal;
     tick.min_gap = GAP_MIN * diagonal;

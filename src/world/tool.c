@@ -122,6 +122,8 @@ static void set_free(struct dpt_world *world, struct tool *tool, uint32_t is_fre
 {
     for (uint32_t i = 0; i < tool->count && tool->free != is_free; i++)
         dpti_force_forget(&world->segments[tool->first + i]);
+    if (tool->free != is_free)
+        dpti_proxy_set_free(world, tool, is_free);
     tool->free = is_free;
 }
 
@@ -158,10 +160,16 @@ dpt_result dpt_tool_set_segments(dpt_world *world, dpt_tool tool, const dpt_segm
     dpt_result result = segments && count == moved->count
                             ? dpti_tool_check_segments(segments, count)
                             : DPT_E_ARGUMENT;
+    if (result == DPT_OK && count > 1 && dpti_proxy_is_used(world, moved))
+        result = DPT_E_UNSUPPORTED;
     moved->slot.valid = result == DPT_OK;
     if (result != DPT_OK)
         return result;
     set_free(world, moved, 1);
+    if (dpti_proxy_is_used(world, moved)) {
+        dpti_proxy_set_segment(world, moved, segments);
+        return DPT_OK;
+    }
     const dpt_pose identity = DPT_POSE_IDENTITY;
     moved->frame = frame_identity;
     moved->pose = identity;
@@ -180,7 +188,7 @@ dpt_result dpt_tool_get_pose(const dpt_world *world, dpt_tool tool, dpt_pose *po
     if (!world || !pose)
         return DPT_E_ARGUMENT;
     const struct tool *asked = world_find_tool(world, tool);
-    *pose = asked ? asked->pose : identity;
+    *pose = asked && !asked->free ? asked->pose : identity;
     return asked ? DPT_OK : DPT_E_HANDLE;
 }
 
@@ -202,6 +210,31 @@ dpt_result dpt_tool_get_user(const dpt_world *world, dpt_tool tool, uint64_t *us
     return asked ? DPT_OK : DPT_E_HANDLE;
 }
 
+/* The segment of a free tool is kept in the world or, with a proxy, in a frame of its own. */
+static void set_law(struct dpt_world *world, struct tool *tool, uint32_t law)
+{
+    const struct segment *segment = &world->segments[tool->first];
+    struct frame device;
+    dpt_segment given = { .radius = segment->radius };
+    frame_of_pose(&tool->pose, &device);
+    vec3_store(frame_to_world(&device, segment->a), given.a);
+    vec3_store(frame_to_world(&device, segment->b), given.b);
+    const int had_proxy = dpti_proxy_is_used(world, tool);
+    tool->law = law;
+    const int has_proxy = dpti_proxy_is_used(world, tool);
+    if (!tool->free || had_proxy == has_proxy)
+        return;
+    const dpt_pose identity = DPT_POSE_IDENTITY;
+    tool->pose = identity;
+    tool->frame = frame_identity;
+    if (has_proxy) {
+        dpti_proxy_forget(world, tool);
+        dpti_proxy_set_segment(world, tool, &given);
+    } else {
+        put_segments(world, tool, &given);
+    }
+}
+
 dpt_result dpt_tool_set_settings(dpt_world *world, dpt_tool tool, const dpt_tool_settings *given)
 {
     if (!world || !given)
@@ -214,13 +247,15 @@ dpt_result dpt_tool_set_settings(dpt_world *world, dpt_tool tool, const dpt_tool
                                    .stiffness = asked->stiffness,
                                    .rotational_stiffness = asked->rotational_stiffness };
     DPT_TRY(sized_read(given, sizeof settings, &settings, sizeof settings));
+    if (asked->free && asked->count > 1 && settings.law == DPT_LAW_PROXY)
+        return DPT_E_UNSUPPORTED;
     if (!dpti_law_is_valid(settings.law) || !dpti_stiffness_is_valid(settings.stiffness) ||
         !dpti_stiffness_is_valid(settings.rotational_stiffness))
         return DPT_E_ARGUMENT;
     asked->stiffness = settings.stiffness;
     asked->rotational_stiffness = settings.rotational_stiffness;
     if (asked->law != settings.law) {
-        asked->law = settings.law;
+        set_law(world, asked, settings.law);
         dpti_tool_forget(world, asked);
     }
     return DPT_OK;

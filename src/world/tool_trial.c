@@ -104,6 +104,7 @@ dpt_result dpt_tool_try_segments(const dpt_world *world, dpt_tool tool, const dp
                                  dpt_segment *reached)
 {
     struct trial trial;
+    struct frame frame;
     const struct tool *tried;
     const dpt_pose identity = DPT_POSE_IDENTITY;
     if (!segments)
@@ -112,11 +113,12 @@ dpt_result dpt_tool_try_segments(const dpt_world *world, dpt_tool tool, const dp
     if (count != tried->count)
         return DPT_E_ARGUMENT;
     DPT_TRY(dpti_tool_check_segments(segments, count));
+    frame_of_pose(&tried->pose, &frame);
     for (uint32_t i = 0; trial.first.status != DPT_SWEEP_NONE && i < count; i++) {
         struct segment segment = world->segments[tried->first + i];
         struct placement from = { .tool = identity,
-                                  .a = frame_to_world(&tried->frame, segment.a),
-                                  .b = frame_to_world(&tried->frame, segment.b) };
+                                  .a = frame_to_world(&frame, segment.a),
+                                  .b = frame_to_world(&frame, segment.b) };
         struct placement to = { .tool = identity,
                                 .a = vec3_of(segments[i].a),
                                 .b = vec3_of(segments[i].b) };
@@ -126,8 +128,8 @@ dpt_result dpt_tool_try_segments(const dpt_world *world, dpt_tool tool, const dp
     end(&trial, first);
     for (uint32_t i = 0; reached && i < count; i++) {
         const struct segment *segment = &world->segments[tried->first + i];
-        const vec3 a = frame_to_world(&tried->frame, segment->a);
-        const vec3 b = frame_to_world(&tried->frame, segment->b);
+        const vec3 a = frame_to_world(&frame, segment->a);
+        const vec3 b = frame_to_world(&frame, segment->b);
         const double time = trial.first.time;
         dpt_segment at = segments[i];
         if (time < 1.0) {

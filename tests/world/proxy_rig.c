@@ -1,0 +1,86 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "world/proxy_rig.h"
+
+void rig_open(struct rig *rig, const dpt_world_def *given, const dpt_mesh *mesh,
+              const dpt_segment *segments, uint32_t count)
+{
+    dpt_world_def def;
+    const dpt_pose identity = DPT_POSE_IDENTITY;
+    dpt_world_def_init(&def);
+    if (given)
+        def = *given;
+    def.law = DPT_LAW_PROXY;
+    def.stiffness = RIG_STIFFNESS;
+    *rig = (struct rig){ .count = count, .device = identity, .proxy = identity };
+    memcpy(rig->segments, segments, count * sizeof *segments);
+    const size_t bytes = dpt_world_bytes(&def);
+    rig->block = malloc(bytes);
+    dpt_result result = dpt_world_create(rig->block, bytes, &def, &rig->world);
+    CHECK(result == DPT_OK, "create: %s", dpt_result_name(result));
+    if (mesh) {
+        result = dpt_body_add(rig->world, mesh, NULL, &rig->body);
+        CHECK(result == DPT_OK, "body: %s", dpt_result_name(result));
+    }
+    result = dpt_tool_add(rig->world, segments, count, &rig->tool);
+    CHECK(result == DPT_OK, "tool: %s", dpt_result_name(result));
+    rig->force.size = sizeof rig->force;
+    rig->step.size = sizeof rig->step;
+}
+
+void rig_close(struct rig *rig)
+{
+    free(rig->block);
+}
+
+static void take(struct rig *rig)
+{
+    const dpt_result result = dpt_world_step(rig->world, RIG_DT, &rig->step);
+    CHECK(result == DPT_OK, "step: %s", dpt_result_name(result));
+    dpt_tool_get_force_report(rig->world, rig->tool, &rig->force);
+    dpt_tool_get_proxy(rig->world, rig->tool, &rig->proxy);
+}
+
+void rig_step(struct rig *rig)
+{
+    const dpt_result result = dpt_tool_set_pose(rig->world, rig->tool, &rig->device);
+    CHECK(result == DPT_OK, "pose: %s", dpt_result_name(result));
+    take(rig);
+}
+
+void rig_place(struct rig *rig)
+{
+    dpt_tool_teleport(rig->world, rig->tool, &rig->device);
+    take(rig);
+    rig_step(rig);
+}
+
+void rig_turn(const double q[4], const double v[3], double turned[3])
+{
+    const double w = q[0], *u = q + 1;
+    double twice[3];
+    for (int k = 0; k < 3; k++)
+        twice[k] = 2 * (u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3]);
+    for (int k = 0; k < 3; k++)
+        turned[k] = v[k] + w * twice[k] + u[(k + 1) % 3] * twice[(k + 2) % 3] -
+                    u[(k + 2) % 3] * twice[(k + 1) % 3];
+}
+
+void rig_proxy_ends(const struct rig *rig, uint32_t segment, double ends[6])
+{
+    rig_turn(rig->proxy.orientation, rig->segments[segment].a, ends);
+    rig_turn(rig->proxy.orientation, rig->segments[segment].b, ends + 3);
+    for (int k = 0; k < 6; k++)
+        ends[k] += rig->proxy.position[k % 3];
+}
+
+void rig_orient(dpt_pose *pose, const double axis[3], double angle)
+{
+    pose->orientation[0] = cos(angle / 2);
+    for (int k = 0; k < 3; k++)
+        pose->orientation[1 + k] = sin(angle / 2) * axis[k];
+}
+
+double rig_force(const struct rig *rig)
+{
+    return sqrt(dot3(rig->force.wrench.force, rig->force.wrench.force));
+}
