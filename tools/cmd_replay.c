@@ -13,6 +13,7 @@
 #include "commands.h"
 #include "dynpoint/baseline.h"
 #include "dynpoint/loop.h"
+#include "law_name.h"
 #include "mesh_size.h"
 #include "replay_report.h"
 #include "trace.h"
@@ -39,7 +40,10 @@ static const char help[] =
     "                       truth; default 1048576\n"
     "  --one-step           one move of the descent a tick (paper)\n"
     "  --radius R           of the tool, m; default 0: a line\n"
-    "  --stiffness K        of the penalty force, N/m; default 500\n"
+    "  --law LAW            of the force: point (default), or proxy: the tool goes through "
+    "nothing;\n"
+    "                       OUT.csv has the energy and the pose of the proxy in further columns\n"
+    "  --stiffness K        of the force, N/m; default 500\n"
     "  --strip KIND         lay a strip under the tool where it is within the margin: shadow, or "
     "routes\n"
     "  --strip-width W      beside the radius, m; default 0\n"
@@ -146,7 +150,11 @@ static void run_pass(struct stage *stage, const struct replay_settings *settings
         tick->ns = first || ns < tick->ns ? ns : tick->ns;
         tick->hit.size = sizeof tick->hit;
         dpt_tool_get_hit(stage->world, stage->tool, &tick->hit);
-        dpt_tool_get_wrench(stage->world, stage->tool, &tick->wrench);
+        dpt_force_report force = { .size = sizeof force };
+        dpt_tool_get_force_report(stage->world, stage->tool, &force);
+        tick->wrench = force.wrench;
+        tick->energy = force.energy;
+        dpt_tool_get_proxy(stage->world, stage->tool, &tick->proxy);
         if (settings->limit)
             limit_wrench(&guard, i, settings->dt, tick);
         dpt_tool_get_strip(stage->world, stage->tool, 0, NULL, 0, &tick->strip, &tick->strip_flags);
@@ -233,6 +241,7 @@ static int run(const struct replay_settings *settings, const dpt_mesh *mesh,
     struct stage stage = { .block = NULL };
     struct replayed replayed = { .trace = trace,
                                  .until = settings->def.until,
+                                 .law = settings->def.law,
                                  .strips = settings->def.strip };
     dpt_segment segment = segment_of(trace, 0, settings->radius);
     replayed.ticks = calloc(trace->rows, sizeof *replayed.ticks);
@@ -263,12 +272,13 @@ static int run(const struct replay_settings *settings, const dpt_mesh *mesh,
 static int take_settings(int argc, char **argv, struct replay_settings *settings)
 {
     const char *operand[2], *method = "exact", *until = "respond", *kernel = "auto";
-    const char *against = NULL, *strip = "none";
+    const char *against = NULL, *strip = "none", *law = "point";
     size_t operands;
     const struct option_def options[] = {
         { .name = "-o", .text = &settings->out },
         { .name = "--method", .text = &method },
         { .name = "--radius", .number = &settings->radius },
+        { .name = "--law", .text = &law },
         { .name = "--stiffness", .number = &settings->def.stiffness },
         { .name = "--until", .text = &until },
         { .name = "--dt", .number = &settings->dt },
@@ -306,6 +316,9 @@ static int take_settings(int argc, char **argv, struct replay_settings *settings
         return complain("replay", "the kernels are auto, scalar, sse2, avx2, avx512 and neon");
     if (word_index(strip, strips) < 0)
         return complain("replay", "--strip takes shadow or routes");
+    status = law_by_name("replay", law, &settings->def.law);
+    if (status)
+        return status;
     settings->def.strip = (uint32_t)word_index(strip, strips);
     settings->def.method = (uint32_t)chosen[0];
     settings->def.until = (uint32_t)chosen[1];

@@ -8,6 +8,7 @@
 #include "command_options.h"
 #include "commands.h"
 #include "dynpoint/driver.h"
+#include "law_name.h"
 #include "open_device.h"
 #include "scene.h"
 #include "stop.h"
@@ -35,7 +36,8 @@ static const char help[] =
     "default 1\n"
     "  --length L       of the stylus, m of the mesh; default 0.1\n"
     "  --radius R       of it; default 0.002\n"
-    "  --stiffness K    of the penalty force, N/m; default 500\n"
+    "  --law LAW        of the force: point (default), or proxy: the tool goes through nothing\n"
+    "  --stiffness K    of the force, N/m; default 500\n"
     "  --force-max F    N; default the guard's, 5, or the device's if that is less\n"
     "  --rate HZ        of the loop; default the device's\n"
     "  --budget N       at most N units of work a tick, 0: unlimited; what is not decided then is\n"
@@ -318,6 +320,7 @@ static int check_record(const struct run_settings *settings)
 
 static int take_settings(int argc, char **argv, struct run_settings *settings)
 {
+    const char *law = "point";
     size_t operands;
     const struct option_def options[] = {
         { .name = "--device", .text = &settings->device },
@@ -326,6 +329,7 @@ static int take_settings(int argc, char **argv, struct run_settings *settings)
         { .name = "--zoom", .number = &settings->scene.zoom },
         { .name = "--length", .number = &settings->scene.length },
         { .name = "--radius", .number = &settings->scene.radius },
+        { .name = "--law", .text = &law },
         { .name = "--stiffness", .number = &settings->scene.stiffness },
         { .name = "--force-max", .number = &settings->force_max },
         { .name = "--rate", .number = &settings->rate },
@@ -341,6 +345,9 @@ static int take_settings(int argc, char **argv, struct run_settings *settings)
         return status;
     if (operands != 1 || !settings->device)
         return complain("run", "MESH.dpa or ARM.dpa, and --device NAME are needed (see --help)");
+    status = law_by_name("run", law, &settings->scene.law);
+    if (status)
+        return status;
     if (settings->record && check_record(settings))
         return 2;
     if (!(settings->scene.zoom > 0.0 && settings->scene.zoom <= 1000.0))

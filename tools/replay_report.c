@@ -34,6 +34,11 @@ static void write_numbers(FILE *file, const double *values, int count)
         fprintf(file, ",%.17g", values[i]);
 }
 
+static int has_proxy(const struct replayed *replayed)
+{
+    return replayed->law == DPT_LAW_PROXY && replayed->until == DPT_UNTIL_RESPOND;
+}
+
 static void write_row(FILE *file, const struct replayed *replayed, size_t i)
 {
     const struct replayed_tick *tick = &replayed->ticks[i];
@@ -55,17 +60,23 @@ static void write_row(FILE *file, const struct replayed *replayed, size_t i)
     if (replayed->until == DPT_UNTIL_RESPOND) {
         write_numbers(file, tick->wrench.force, 3);
         write_numbers(file, tick->wrench.torque, 3);
-        fputc('\n', file);
     } else {
-        fputs(",,,,,,\n", file);
+        fputs(",,,,,,", file);
     }
+    if (has_proxy(replayed)) {
+        write_numbers(file, &tick->energy, 1);
+        write_numbers(file, tick->proxy.position, 3);
+        write_numbers(file, tick->proxy.orientation, 4);
+    }
+    fputc('\n', file);
 }
 
 void replay_write_csv(FILE *file, const struct replayed *replayed)
 {
     fputs("tick,status,contact,distance,gap,depth,s,px,py,pz,qx,qy,qz,triangle,error_bound,"
-          "lower_bound,fx,fy,fz,tx,ty,tz\n",
+          "lower_bound,fx,fy,fz,tx,ty,tz",
           file);
+    fputs(has_proxy(replayed) ? ",energy,ox,oy,oz,qw,qi,qj,qk\n" : "\n", file);
     for (size_t i = 0; i < replayed->trace->rows; i++)
         write_row(file, replayed, i);
 }

@@ -11,6 +11,8 @@
 struct replayed_tick {
     dpt_hit hit;
     dpt_wrench wrench;
+    double energy;  /* J */
+    dpt_pose proxy; /* with DPT_LAW_PROXY */
     double ns;      /* the least of all passes */
     uint32_t strip; /* triangles in it */
     uint32_t strip_flags;
@@ -31,6 +33,7 @@ struct replayed {
     const struct csv_table *trace;
     struct replayed_tick *ticks;
     uint32_t until;
+    uint32_t law;    /* DPT_LAW_... */
     uint32_t strips; /* DPT_STRIP_... */
     size_t world_bytes;
     uint64_t mesh_bytes;

@@ -103,6 +103,7 @@ int scene_make_world(struct scene *scene, const dpt_device *device, uint32_t bud
     world.max_tools = 1;
     world.max_segments = scene->count;
     world.stiffness = scene->stiffness;
+    world.law = scene->law;
     world.budget = budget;
     scene->block = malloc(dpt_world_bytes(&world));
     if (!scene->block)
@@ -149,6 +150,7 @@ int scene_open(struct scene *scene, const struct scene_def *def)
     scene->zoom = def->zoom;
     scene->length = def->length;
     scene->stiffness = def->stiffness;
+    scene->law = def->law;
     scene->bytes = load_file("run", def->path, &size);
     if (!scene->bytes)
         return 2;

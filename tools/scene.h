@@ -19,6 +19,7 @@ struct scene_def {
     double length; /* of the stylus, m */
     double radius;
     double stiffness; /* N/m */
+    uint32_t law;     /* DPT_LAW_... */
 };
 
 struct scene {
@@ -28,6 +29,7 @@ struct scene {
     const dpt_mesh *mesh;                       /* likewise; NULL: of an arm */
     dpt_segment segments[DPT_ARM_SEGMENTS_MAX]; /* of the tool, in its own frame */
     uint32_t count;
+    uint32_t law;
     double stiffness;
     int has_stylus;     /* the tool is the stylus: free, so that a trace of it can be replayed */
     dpt_segment stylus; /* of the scene's frame, as it was moved last */

@@ -23,6 +23,9 @@ typedef char proxy_fits[sizeof(struct proxy) <= BYTES_PROXY ? 1 : -1];
 #define TURN_MAX     0.3
 #define LAG_TURN_MAX 1.0
 
+/* Of the least gap: a proxy that is no farther from its device is where the device is. */
+#define HELD 1e-3
+
 /* m/s: beside twice the device's motion, how fast a proxy moves when the pose that held it is gone (a fold). */
 #define FOLD_SPEED 1.0
 
@@ -282,6 +285,8 @@ static void follow(struct proxy_tick *tick, double device_moved, double dt)
     struct proxy *proxy = tick->proxy;
     const struct proxy_pose from = tick->at;
     double allowed = 2.0 * device_moved + FOLD_SPEED * dt;
+    if (tick->world->travelled_at == tick->world->ticks)
+        allowed += tick->world->travelled;
     const double cap = allowed;
     int result = FOLLOW_MOVED;
     tick->is_before = bodies_came_near(tick);
@@ -333,6 +338,8 @@ void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
     proxy->device = tool->pose;
     proxy->gap = tick.gap;
     proxy->min_gap = tick.min_gap;
+    const struct displacement away = dpti_proxy_displacement(proxy, &tick.goal, &tick.at);
+    proxy->is_held = displacement_norm(&away, proxy->rho) > HELD * tick.min_gap;
 }
 
 void dpti_proxy_settle(struct dpt_world *world, struct tool *tool)
@@ -358,9 +365,9 @@ void dpti_proxy_respond(struct dpt_world *world, struct tool *tool)
     const struct proxy_pose device = dpti_proxy_pose_of(proxy, &tool->pose);
     const struct displacement away = dpti_proxy_displacement(proxy, &device, &at);
     const int is_outside = proxy->state == PROXY_OUTSIDE;
-    const int is_pushed = is_outside && displacement_norm(&away, proxy->rho) > 0.0;
+    const int is_pushed = is_outside && proxy->is_held;
     tool->flags = proxy->flags;
-    tool->energy = coupling_energy(&coupling, &away);
+    tool->energy = is_pushed ? coupling_energy(&coupling, &away) : 0.0;
     if (tool->stiffness == 0.0)
         tool->reason = DPT_FORCE_OFF;
     else if (!is_outside)
@@ -369,48 +376,4 @@ void dpti_proxy_respond(struct dpt_world *world, struct tool *tool)
         tool->reason = is_pushed ? DPT_FORCE_ACTS : DPT_FORCE_FREE;
     if (is_pushed)
         tool->wrench = coupling_wrench(&coupling, &away, device.centre, device.frame.origin);
-}
-
-/* The nearest pair of one axis over all bodies, without a history. */
-static void write_device_hit(struct dpt_world *world, struct segment *segment, uint32_t index,
-                             const struct frame *device)
-{
-    const vec3 a = frame_to_world(device, segment->a), b = frame_to_world(device, segment->b);
-    const struct box box = box_of_axis(a, b);
-    struct body_answer best = { .body = NULL };
-    double distance = HUGE_VAL;
-    for (uint32_t i = 0; i < world->body_end && distance > 0.0; i++) {
-        const struct body *body = &world->bodies[i];
-        if (!body->slot.used || box_distance(&box, &world->boxes[i]) > distance)
-            continue;
-        struct track track;
-        axis_of(&body->surface, &body->frame, a, b, &track.axis);
-        dpti_track_once(&body->surface, &world->kernel, DPT_METHOD_TREE, &track.axis,
-                        *world_last(world, index, i), &world->work, &track.nearest);
-        if (track.nearest.triangle == DPT_NONE || !(sqrt(track.nearest.pair.distance2) < distance))
-            continue;
-        distance = sqrt(track.nearest.pair.distance2);
-        best.track = track;
-        best.body = body;
-    }
-    if (!best.body)
-        return;
-    struct segment_result result;
-    dpti_segment_result_of_pair(&best.track.axis, &best.track.nearest.pair, &result);
-    /* The proxy was held back: the device's pose is behind a surface, however far that is. */
-    result.contact = DPT_CONTACT_PENETRATING;
-    result.work = segment->result.work;
-    dpti_segment_result_write(&result, &best.body->surface, &best.body->frame, best.body->id,
-                              &best.track.nearest, &segment->hit);
-}
-
-void dpti_proxy_write_hits(struct dpt_world *world, struct tool *tool)
-{
-    const struct proxy *proxy = proxy_of(world, tool);
-    struct frame device;
-    if (pose_is_same(&proxy->pose, &tool->pose))
-        return;
-    frame_of_pose(&tool->pose, &device);
-    for (uint32_t i = 0; i < tool->count; i++)
-        write_device_hit(world, &world->segments[tool->first + i], tool->first + i, &device);
 }

@@ -88,6 +88,8 @@ struct proxy {
     uint32_t shape;
     uint32_t flags; /* DPT_FORCE_FLAG_... of this tick */
     uint32_t clock; /* of `memory` */
+    uint32_t is_held; /* it is not where the device is */
+    uint32_t reserved;
     struct proxy_triangle memory[PROXY_MEMORY];
 };
 
