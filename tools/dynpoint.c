@@ -17,13 +17,14 @@ static const struct {
     { "replay", command_replay, "move a tool over a mesh: the nearest pair of every tick" },
     { "device", command_device, "list, watch, test or simulate haptic devices" },
     { "run", command_run, "feel a mesh with a device, live" },
+    { "force-test", command_force_test, "break a force law on a mesh, and see what holds" },
 };
 
 static void print_help(void)
 {
     puts("usage: dynpoint COMMAND ...\n\nLets a line-shaped tool feel triangle meshes.\n");
     for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
-        printf("  %-8s %s\n", commands[i].name, commands[i].what);
+        printf("  %-11s %s\n", commands[i].name, commands[i].what);
     puts("\ndynpoint COMMAND --help tells more; dynpoint --version tells the version.\n"
          "Exit status: 0 done, 1 done and the answer is no, 2 usage, input or system error.");
 }

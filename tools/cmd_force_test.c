@@ -1,0 +1,197 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* dynpoint force-test: motions that break a force law, over a mesh of the user's own. */
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+
+#include "command_options.h"
+#include "commands.h"
+#include "force_trial.h"
+#include "law_name.h"
+#include "mesh_size.h"
+
+static const char help[] =
+    "usage: dynpoint force-test FILE.dpa [options]\n"
+    "\n"
+    "Leads a needle into a mesh at many places, upright to lying, with the tremor of a hand, and "
+    "along\n"
+    "closed paths, and holds the force to what a hand can bear. Exit status 1 if a bound is "
+    "broken.\n"
+    "\n"
+    "  --law LAW        proxy (default) or point\n"
+    "  --length L       of the needle, m; default 0.1\n"
+    "  --radius R       of it, m; default 0.002\n"
+    "  --stiffness K    N/m; default 500\n"
+    "  --depth D        that it is pushed in, m; default 0.005\n"
+    "  --speed V        m/s; default 0.1\n"
+    "  --places N       where it is tried; default 40\n"
+    "  --paths N        closed paths; default 100\n"
+    "  --seed S         default 1\n"
+    "  --json           one JSON object on standard output\n";
+
+/* Of the ticks with a force. */
+#define FOLDS_MAX   0.005
+#define LAGGING_MAX 0.01
+
+/* A line of the report. */
+struct bound {
+    const char *name, *what;
+    double value, limit;
+    int is_broken;
+};
+
+static struct bound bound_of(const char *name, const char *what, double value, double limit)
+{
+    return (struct bound){ name, what, value, limit, !(value <= limit) };
+}
+
+static double share(uint64_t part, uint64_t all)
+{
+    return all ? (double)part / (double)all : 0.0;
+}
+
+struct force_report {
+    struct push_result push;
+    struct inside_result inside;
+    struct path_result paths;
+};
+
+enum { BOUNDS = 7 };
+
+static void take_bounds(const struct force_trial_def *def, const struct force_report *report,
+                        struct bound bounds[BOUNDS])
+{
+    const struct push_result *push = &report->push;
+    const int has_proxy = def->law == DPT_LAW_PROXY;
+    bounds[0] = bound_of("turns", "ticks that turn the force by more than 30 degrees",
+                         (double)push->turns, 0.0);
+    bounds[1] = bound_of("jumps", "ticks that change it by more than K (3 |motion| + 1 mm)",
+                         (double)push->jumps, 0.0);
+    bounds[2] =
+        bound_of("folds", "share of ticks with a fold", share(push->folds, push->ticks), FOLDS_MAX);
+    bounds[3] = bound_of("lagging", "share of ticks whose proxy lags by more than 1 %",
+                         share(push->lagging, push->ticks), LAGGING_MAX);
+    bounds[4] = bound_of("penetrations", "ticks whose proxy is in the mesh",
+                         (double)push->penetrations, 0.0);
+    bounds[5] = bound_of("felt_inside", "ticks with a force of a tool that began inside",
+                         has_proxy ? (double)report->inside.felt : 0.0, 0.0);
+    bounds[6] = bound_of("emitted", "most energy given on a closed path, of its range",
+                         report->paths.most_emitted, 1e-3);
+}
+
+static void print_json(const struct force_trial_def *def, const struct force_report *report,
+                       const struct bound *bounds, int is_broken)
+{
+    printf("{\"law\":\"%s\",\"ticks\":%" PRIu64, def->law == DPT_LAW_PROXY ? "proxy" : "point",
+           report->push.ticks);
+    for (int i = 0; i < BOUNDS; i++)
+        printf(",\"%s\":%.9g", bounds[i].name, bounds[i].value);
+    printf(",\"largest_jump\":%.9g", report->push.largest_jump);
+    if (def->law == DPT_LAW_PROXY)
+        printf(",\"least_gap\":%.9g", report->push.least_gap);
+    printf(",\"inside_places\":%" PRIu64 ",\"paths\":%" PRIu64 ",\"lost\":%.9g,\"broken\":%d}\n",
+           report->inside.places, report->paths.paths, report->paths.most_lost, is_broken);
+}
+
+static void print_table(const struct force_trial_def *def, const struct force_report *report,
+                        const struct bound *bounds)
+{
+    printf("law %s: %" PRIu64 " ticks with a force, %" PRIu64 " closed paths, %" PRIu64
+           " places inside\n\n",
+           def->law == DPT_LAW_PROXY ? "proxy" : "point", report->push.ticks, report->paths.paths,
+           report->inside.places);
+    for (int i = 0; i < BOUNDS; i++)
+        printf("  %-6s %-52s %10.4g  at most %g\n", bounds[i].is_broken ? "BROKEN" : "ok",
+               bounds[i].what, bounds[i].value, bounds[i].limit);
+    printf(
+        "\n  largest change of the force in a tick %.3f N; lost on a closed path without a fold at "
+        "most %.3g\n",
+        report->push.largest_jump, report->paths.most_lost);
+    if (report->push.unknown)
+        printf("  no force on %" PRIu64 " ticks, as contact was not known\n", report->push.unknown);
+    if (def->law == DPT_LAW_PROXY)
+        printf("  least gap of the proxy %.3g m\n", report->push.least_gap);
+}
+
+static int take_settings(int argc, char **argv, struct force_trial_def *def, const char **path,
+                         int *json)
+{
+    const char *law = "proxy";
+    size_t operands;
+    const struct option_def options[] = {
+        { .name = "--law", .text = &law },
+        { .name = "--length", .number = &def->length },
+        { .name = "--radius", .number = &def->radius },
+        { .name = "--stiffness", .number = &def->stiffness },
+        { .name = "--depth", .number = &def->depth },
+        { .name = "--speed", .number = &def->speed },
+        { .name = "--places", .count = &def->places },
+        { .name = "--paths", .count = &def->paths },
+        { .name = "--seed", .count = &def->seed },
+        { .name = "--json", .flag = json },
+    };
+    int status = parse_options(argc, argv, options, sizeof options / sizeof *options, help, path, 1,
+                               &operands);
+    if (status >= 0)
+        return status;
+    if (operands != 1)
+        return complain("force-test", "FILE.dpa is needed (see --help)");
+    status = law_by_name("force-test", law, &def->law);
+    if (status)
+        return status;
+    const struct {
+        const char *name;
+        double value, low, high;
+    } ranges[] = { { "--length", def->length, 1e-3, 10.0 },
+                   { "--radius", def->radius, 0.0, 1.0 },
+                   { "--stiffness", def->stiffness, 1e-3, 1e9 },
+                   { "--depth", def->depth, 1e-5, 1.0 },
+                   { "--speed", def->speed, 1e-3, 10.0 } };
+    for (size_t i = 0; i < sizeof ranges / sizeof *ranges; i++)
+        if (!(ranges[i].value >= ranges[i].low && ranges[i].value <= ranges[i].high))
+            return complain("force-test", "%s must be %g to %g", ranges[i].name, ranges[i].low,
+                            ranges[i].high);
+    if (!def->places || !def->paths || def->places > 100000 || def->paths > 100000)
+        return complain("force-test", "--places and --paths must be 1 to 100000");
+    return -1;
+}
+
+int command_force_test(int argc, char **argv)
+{
+    struct force_trial_def def = { .length = 0.1,
+                                   .radius = 0.002,
+                                   .stiffness = 500.0,
+                                   .depth = 0.005,
+                                   .speed = 0.1,
+                                   .places = 40,
+                                   .paths = 100,
+                                   .seed = 1 };
+    struct force_report report;
+    struct bound bounds[BOUNDS];
+    const char *path;
+    void *bytes;
+    int json = 0, is_broken = 0;
+    const int status = take_settings(argc, argv, &def, &path, &json);
+    if (status >= 0)
+        return status;
+    def.mesh = load_mesh("force-test", path, &bytes);
+    if (!def.mesh)
+        return 2;
+    const int is_done = force_trial_push(&def, &report.push) &&
+                        force_trial_inside(&def, &report.inside) &&
+                        force_trial_paths(&def, &report.paths);
+    free(bytes);
+    if (!is_done)
+        return complain("force-test", "%s: memory ran out, or no triangle to push at", path);
+    if (!report.push.ticks)
+        return complain("force-test",
+                        "%s: no place could be touched: is --length or --depth wrong?", path);
+    take_bounds(&def, &report, bounds);
+    for (int i = 0; i < BOUNDS; i++)
+        is_broken |= bounds[i].is_broken;
+    if (json)
+        print_json(&def, &report, bounds, is_broken);
+    else
+        print_table(&def, &report, bounds);
+    return is_broken;
+}

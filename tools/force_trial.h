@@ -1,0 +1,56 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * Motions that break a force law, and what came of them: docs/algorithms/force.md says which bound holds for what.
+ * Forces are before all limits. A tool of one segment is led over one mesh.
+ */
+#ifndef DPT_TOOLS_FORCE_TRIAL_H
+#define DPT_TOOLS_FORCE_TRIAL_H
+
+#include "dynpoint.h"
+
+struct force_trial_def {
+    const dpt_mesh *mesh;
+    uint32_t law;
+    double stiffness; /* N/m */
+    double length;    /* of the tool, m */
+    double radius;
+    double depth;    /* that the device is pushed in, m */
+    double speed;    /* m/s */
+    uint64_t places; /* where on the mesh it is tried */
+    uint64_t paths;  /* closed ones */
+    uint64_t seed;
+};
+
+/* Of needles that are pushed in at a place, upright to lying, and led along there with a tremor. */
+struct push_result {
+    uint64_t ticks;        /* with a force, or that ought to have one */
+    uint64_t turns;        /* the force turned by more than 30 degrees, and no fold was reported */
+    uint64_t folds;        /* ticks that reported one */
+    uint64_t jumps;        /* |dW| above K (3 |motion| + v_max dt) */
+    uint64_t lagging;      /* lag above 1 % of |p - d| */
+    uint64_t penetrations; /* the proxy's surface was nearer than 0 to the mesh */
+    uint64_t unknown;      /* ticks without a force because contact was not known */
+    double largest_jump;   /* N, of the force in a tick */
+    double least_gap;      /* m, of the proxy's surface */
+};
+
+/* Of a tool that begins inside: it is to feel nothing until it was outside. */
+struct inside_result {
+    uint64_t places; /* that are inside */
+    uint64_t felt;   /* ticks with a force before it was outside */
+};
+
+/* Of closed paths from the open into the mesh and back. */
+struct path_result {
+    uint64_t paths;      /* that had a force */
+    uint64_t emitting;   /* that gave more than 0.1 % of the range of their energy */
+    double most_emitted; /* share of the range */
+    double most_lost;    /* likewise, of paths without a fold */
+};
+
+/* 0 where memory ran out or the mesh is too small. */
+int force_trial_push(const struct force_trial_def *def, struct push_result *result);
+int force_trial_inside(const struct force_trial_def *def, struct inside_result *result);
+int force_trial_paths(const struct force_trial_def *def, struct path_result *result);
+
+#endif
