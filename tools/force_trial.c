@@ -196,7 +196,7 @@ static void judge_push(struct lead *lead, double largest, struct push_result *re
     for (int k = 0; k < 3; k++)
         jump[k] = lead->force.wrench.force[k] - lead->last.wrench.force[k];
     result->ticks += lead->force.reason == DPT_FORCE_ACTS;
-    result->folds += is_fold;
+    result->folds += (lead->force.flags & DPT_FORCE_FLAG_FOLD) != 0;
     result->unknown += lead->force.reason == DPT_FORCE_UNDECIDED;
     if (now > small && was > small && cosine < cos(0.5235987755982988) * now * was && !is_fold)
         result->turns++;

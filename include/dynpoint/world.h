@@ -195,6 +195,12 @@ typedef struct dpt_body_settings {
      * 0..DPT_COORDINATE_MAX; 0: a quarter of the body's diagonal.
      */
     double side_limit;
+    /*
+     * Coulomb friction that a tool with DPT_LAW_PROXY feels, force across the surface for one out of it, 0..10: up to
+     * `static_friction` a contact sticks; one that slips is held back by `kinetic_friction`, at most the static one; 0, 0.
+     */
+    double static_friction;
+    double kinetic_friction;
 } dpt_body_settings;
 
 DPT_API dpt_result dpt_body_set_settings(dpt_world *world, dpt_body body,

@@ -48,6 +48,7 @@ dpt_result dpt_body_add(dpt_world *world, const dpt_mesh *mesh, const dpt_pose *
     made->pose = pose ? *pose : identity;
     made->user = 0;
     made->side_limit = world->def.side_limit;
+    made->static_friction = made->kinetic_friction = 0.0;
     made->moved = 0;
     made->added = world->ticks + 1;
     made->slot.valid = 1;
@@ -193,11 +194,17 @@ dpt_result dpt_body_set_settings(dpt_world *world, dpt_body body, const dpt_body
     struct body *asked = world_find_body(world, body);
     if (!asked)
         return DPT_E_HANDLE;
-    dpt_body_settings settings = { .size = sizeof settings, .side_limit = asked->side_limit };
+    dpt_body_settings settings = { .size = sizeof settings,
+                                   .side_limit = asked->side_limit,
+                                   .static_friction = asked->static_friction,
+                                   .kinetic_friction = asked->kinetic_friction };
     DPT_TRY(sized_read(given, sizeof settings, &settings, sizeof settings));
-    if (settings.reserved || !dpti_side_limit_is_valid(settings.side_limit))
+    if (settings.reserved || !dpti_side_limit_is_valid(settings.side_limit) ||
+        !dpti_friction_is_valid(settings.static_friction, settings.kinetic_friction))
         return DPT_E_ARGUMENT;
     asked->side_limit = settings.side_limit;
+    asked->static_friction = settings.static_friction;
+    asked->kinetic_friction = settings.kinetic_friction;
     return DPT_OK;
 }
 
@@ -208,8 +215,11 @@ dpt_result dpt_body_get_settings(const dpt_world *world, dpt_body body, dpt_body
     dpt_body_settings now = { .size = sizeof now };
     DPT_TRY(sized_check(settings, sizeof now, 0));
     const struct body *asked = world_find_body(world, body);
-    if (asked)
+    if (asked) {
         now.side_limit = asked->side_limit;
+        now.static_friction = asked->static_friction;
+        now.kinetic_friction = asked->kinetic_friction;
+    }
     sized_write(settings, settings->size, &now, sizeof now);
     return asked ? DPT_OK : DPT_E_HANDLE;
 }

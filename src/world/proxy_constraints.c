@@ -81,15 +81,14 @@ static void add_space(struct proxy_tick *tick, uint32_t index, int feature, cons
     vec3_store(normal, space->normal);
     for (uint32_t k = 3; k < proxy_unknowns(tick->proxy); k++)
         space->normal[k] = dot(lever, tick->axes[k - 3]) / tick->proxy->rho;
-    space->bound = tick->clearance - gap;
+    struct proxy_source *source = &tick->sources[tick->space_count++];
+    *source = (struct proxy_source){ index, feature, found->s, p, { 0.0, 0.0, 0.0 } };
     if (before != &body->frame) {
         const vec3 local_q = sub(local_p, found->gap);
-        space->bound += dot(
-            normal, sub(frame_to_world(&body->frame, local_q), frame_to_world(before, local_q)));
+        source->carried =
+            sub(frame_to_world(&body->frame, local_q), frame_to_world(before, local_q));
     }
-    tick->sources[tick->space_count].triangle = index;
-    tick->sources[tick->space_count].feature = feature;
-    tick->space_count++;
+    space->bound = tick->clearance - gap + dot(normal, source->carried);
 }
 
 static void gather_triangle(struct proxy_tick *tick, uint32_t index, double reach)

@@ -2,10 +2,12 @@
 #include "world/proxy_step.h"
 
 #include "world/proxy_constraints.h"
+#include "world/proxy_friction.h"
 #include "world/proxy_motion.h"
+#include "world/proxy_solve.h"
 #include "world/segment_track.h"
 
-enum { BYTES_PROXY = 640, ITERATIONS_MAX = 8, CORRECTIONS_MAX = 2, HALVINGS_MAX = 4 };
+enum { BYTES_PROXY = 1024, ITERATIONS_MAX = 8, CORRECTIONS_MAX = 2, HALVINGS_MAX = 4 };
 typedef char proxy_fits[sizeof(struct proxy) <= BYTES_PROXY ? 1 : -1];
 
 /* Of the largest diagonal of all bodies. */
@@ -96,18 +98,10 @@ static double size_of(const double *unknowns, uint32_t n)
     return sqrt(square);
 }
 
-/* The nearest motion that the constraints allow; where none does, one that makes nothing worse. 0: not even that. */
+/* The motion that constraints and friction allow. */
 static int solve(struct proxy_tick *tick, const double *wanted)
 {
-    const uint32_t n = proxy_unknowns(tick->proxy);
-    const double tolerance = 1e-6 * tick->clearance;
-    if (dpti_half_spaces_nearest(tick->spaces, tick->space_count, n, wanted, tolerance,
-                                 &tick->solved))
-        return 1;
-    for (uint32_t i = 0; i < tick->space_count; i++)
-        tick->spaces[i].bound = min_of(tick->spaces[i].bound, 0.0);
-    return dpti_half_spaces_nearest(tick->spaces, tick->space_count, n, wanted, tolerance,
-                                    &tick->solved);
+    return dpti_proxy_solve(tick, wanted) && dpti_proxy_add_friction(tick, wanted);
 }
 
 /* By how much a motion is to be shortened: not beyond `longest`, and not turned too far at once. */
@@ -253,8 +247,9 @@ static int follow_once(struct proxy_tick *tick, double *allowed)
         proxy->trust = min_of(4.0 * max_of(proxy->trust, motion), HUGE_VAL);
     if (!(made > 0.0))
         return FOLLOW_STUCK;
-    tick->is_before = 0;
     const struct displacement moved = dpti_proxy_displacement(proxy, &from, &tick->at);
+    dpti_proxy_note_slip(tick, &moved);
+    tick->is_before = 0;
     proxy->last_motion = displacement_norm(&moved, proxy->rho);
     *allowed = max_of(0.0, *allowed - proxy->last_motion);
     return FOLLOW_MOVED;
@@ -294,6 +289,7 @@ static void follow(struct proxy_tick *tick, double device_moved, double dt)
         dpti_proxy_find_nearest(tick);
     for (int i = 0; i < ITERATIONS_MAX && result != FOLLOW_DONE; i++)
         result = follow_once(tick, &allowed);
+    dpti_proxy_keep_contacts(tick);
     if (tick->is_before || tick->gap < 0.0) {
         proxy->flags |= DPT_FORCE_FLAG_SQUEEZED;
         place(tick);

@@ -10,6 +10,16 @@
 /* Triangles that are looked at together: those that are remembered, and the nearest of each of so many segments. */
 enum { PROXY_TRIANGLES_MAX = PROXY_MEMORY + 16 };
 
+/* What a constraint is of. */
+struct proxy_source {
+    uint32_t triangle; /* in proxy_tick.triangles */
+    int feature;       /* of the pair (nearest/pair_features.h) */
+    double s;          /* of its point on the axis */
+    vec3 p;            /* that point, in the world */
+    vec3
+        carried; /* how far the body moved its point on the mesh before this tick, while that counts */
+};
+
 struct proxy_tick {
     struct dpt_world *world;
     struct tool *tool;
@@ -26,11 +36,12 @@ struct proxy_tick {
     struct proxy_triangle nearest[PROXY_TRIANGLES_MAX];
     uint32_t space_count;
     struct half_space spaces[HALF_SPACES_MAX];
-    struct {
-        uint32_t triangle; /* in `triangles` */
-        int feature;
-    } sources[HALF_SPACES_MAX];
+    struct proxy_source sources[HALF_SPACES_MAX];
     struct half_spaces_result solved;
+    /* Of the solution, the contacts with friction: their constraints, and whether their limit is reached. */
+    uint32_t contact_count;
+    uint32_t contact_spaces[HALF_SPACE_DIMENSIONS];
+    int contact_slips[HALF_SPACE_DIMENSIONS];
 };
 
 #endif

@@ -41,6 +41,15 @@ int dpti_law_is_valid(uint32_t law)
     return law == DPT_LAW_POINT || law == DPT_LAW_PROXY;
 }
 
+/* Above it nothing that is touched slips. */
+#define FRICTION_MAX 10.0
+
+int dpti_friction_is_valid(double static_friction, double kinetic_friction)
+{
+    return kinetic_friction >= 0.0 && kinetic_friction <= static_friction &&
+           static_friction <= FRICTION_MAX;
+}
+
 int dpti_side_limit_is_valid(double limit)
 {
     return limit >= 0.0 && within(limit, DPT_COORDINATE_MAX);

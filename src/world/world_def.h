@@ -14,6 +14,7 @@ int dpti_world_def_is_valid(const dpt_world_def *def);
 /* What the settings of tools and bodies allow, too. */
 int dpti_stiffness_is_valid(double stiffness);
 int dpti_law_is_valid(uint32_t law);
+int dpti_friction_is_valid(double static_friction, double kinetic_friction);
 int dpti_side_limit_is_valid(double limit);
 
 #endif

@@ -23,6 +23,7 @@ struct body {
     dpt_pose before;  /* that of the last tick, if it has moved since */
     double travelled; /* by how far any of its points may have moved then */
     double side_limit;
+    double static_friction, kinetic_friction;
     struct slot slot;
     uint32_t id;
     uint32_t moved;  /* the tick before which it last moved; 0: never */
@@ -59,6 +60,18 @@ struct proxy_triangle {
     uint32_t used;     /* of the proxy's clock */
 };
 
+enum { PROXY_CONTACTS_MAX = 6 };
+
+/* A contact of a proxy with a body that has friction. */
+struct proxy_contact {
+    vec3 slip;        /* m, in the world: how far it is off where it stuck */
+    double s;         /* where on the segment */
+    uint32_t body;    /* its id; 0: the entry is empty */
+    uint32_t segment; /* of the tool, from 0 */
+    uint32_t is_slipping;
+    uint32_t reserved;
+};
+
 /* What is known of where a proxy is. */
 enum {
     PROXY_NONE,   /* nothing: it starts at the device's pose */
@@ -86,11 +99,12 @@ struct proxy {
     uint64_t folds;
     uint32_t state; /* PROXY_... */
     uint32_t shape;
-    uint32_t flags; /* DPT_FORCE_FLAG_... of this tick */
-    uint32_t clock; /* of `memory` */
+    uint32_t flags;   /* DPT_FORCE_FLAG_... of this tick */
+    uint32_t clock;   /* of `memory` */
     uint32_t is_held; /* it is not where the device is */
     uint32_t reserved;
     struct proxy_triangle memory[PROXY_MEMORY];
+    struct proxy_contact contacts[PROXY_CONTACTS_MAX];
 };
 
 /* The nearest pair over all bodies, and what is proven of it. */

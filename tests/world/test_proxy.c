@@ -401,6 +401,105 @@ static void a_free_segment_is_a_rigid_tool(void)
     solid_close(&box);
 }
 
+static void set_friction(const struct rig *rig, double of_rest, double of_motion)
+{
+    dpt_body_settings settings = { .size = sizeof settings };
+    dpt_body_get_settings(rig->world, rig->body, &settings);
+    settings.static_friction = of_rest;
+    settings.kinetic_friction = of_motion;
+    const dpt_result result = dpt_body_set_settings(rig->world, rig->body, &settings);
+    CHECK(result == DPT_OK, "%s", dpt_result_name(result));
+}
+
+/* Pressed onto the top of a box and then led along it: it sticks up to the cone of rest, and slips at that of motion. */
+static void drag(const dpt_segment *segment, const char *name, const struct solid *box)
+{
+    struct rig rig;
+    const double of_rest = 0.5, of_motion = 0.4;
+    int stuck = 0, slipped = 0;
+    rig_open(&rig, NULL, box->mesh, segment, 1);
+    set_friction(&rig, of_rest, of_motion);
+    rig.device.position[0] = -0.02;
+    rig.device.position[2] = TOP + segment->radius + 0.001;
+    rig_place(&rig);
+    for (int i = 0; i < 30; i++) {
+        rig.device.position[2] -= 1e-4;
+        rig_step(&rig);
+    }
+    const double at = rig.proxy.position[0];
+    for (int i = 0; i < 400; i++) {
+        rig.device.position[0] += 5e-5;
+        rig_step(&rig);
+        const double *f = rig.force.wrench.force;
+        const double across = hypot(f[0], f[1]), slid = rig.proxy.position[0] - at;
+        CHECK(across <= 1.01 * of_rest * f[2], "%s, tick %d: %g N across, %g out", name, i, across,
+              f[2]);
+        CHECK(fabs(f[1]) < 1e-3, "%s, tick %d: pushed aside, %g N", name, i, f[1]);
+        const double wanted = RIG_STIFFNESS * 5e-5 * (i + 1);
+        if (wanted < 0.99 * of_rest * f[2]) {
+            stuck++;
+            CHECK(fabs(slid) < 1e-8 && fabs(across - wanted) < 1e-4, "%s, tick %d: slid %g, %g N",
+                  name, i, slid, across);
+        } else if (wanted > 1.05 * of_rest * f[2]) {
+            slipped++;
+            CHECK(fabs(across - of_motion * f[2]) < 0.01 * of_motion * f[2],
+                  "%s, tick %d: slips at %g of %g N", name, i, across, f[2]);
+        }
+    }
+    CHECK(stuck > 15 && slipped > 300, "%s: %d stuck, %d slipped", name, stuck, slipped);
+    rig_close(&rig);
+}
+
+static void friction_sticks_and_slips(void)
+{
+    const dpt_segment ball = { { 0, 0, 0 }, { 0, 0, 0 }, 0.003 };
+    const dpt_segment lying = { { -0.01, 0, 0 }, { 0.01, 0, 0 }, 0.002 };
+    struct solid box;
+    if (!solid_from_shape(&box, "box", 300))
+        return;
+    drag(&ball, "ball", &box);
+    drag(&lying, "lying", &box);
+    solid_close(&box);
+}
+
+/* Held at 0.9 of the cone, with a tremor: it creeps by less than 1 um in 10^5 ticks. */
+static void friction_does_not_creep(void)
+{
+    const dpt_segment lying = { { -0.01, 0, 0 }, { 0.01, 0, 0 }, 0.002 };
+    struct solid box;
+    struct rig rig;
+    uint64_t seed = 4;
+    double tremor[3] = { 0, 0, 0 };
+    if (!solid_from_shape(&box, "box", 300))
+        return;
+    rig_open(&rig, NULL, box.mesh, &lying, 1);
+    set_friction(&rig, 0.5, 0.4);
+    rig.device.position[2] = TOP + lying.radius + 0.001;
+    rig_place(&rig);
+    for (int i = 0; i < 40; i++) {
+        rig.device.position[2] -= 1e-4;
+        rig_step(&rig);
+    }
+    for (int i = 0; i < 27; i++) {
+        rig.device.position[0] += 5e-5;
+        rig_step(&rig);
+    }
+    const dpt_pose device = rig.device, at = rig.proxy;
+    double farthest = 0;
+    for (uint64_t i = 0; i < part_of(100000); i++) {
+        for (int k = 0; k < 3; k++) {
+            tremor[k] = 0.9 * tremor[k] + random_in(&seed, -1e-6, 1e-6);
+            rig.device.position[k] = device.position[k] + fmax(-3e-5, fmin(3e-5, 5 * tremor[k]));
+        }
+        rig_step(&rig);
+        farthest = fmax(farthest, hypot(rig.proxy.position[0] - at.position[0],
+                                        rig.proxy.position[1] - at.position[1]));
+    }
+    CHECK(farthest < 1e-6, "it crept by %g m", farthest);
+    rig_close(&rig);
+    solid_close(&box);
+}
+
 int main(int argc, char **argv)
 {
     take_percent(argc, argv);
@@ -414,5 +513,7 @@ int main(int argc, char **argv)
     TEST(a_rising_body_is_felt_as_the_spring);
     TEST(closing_bodies_squeeze);
     TEST(a_free_segment_is_a_rigid_tool);
+    TEST(friction_sticks_and_slips);
+    TEST(friction_does_not_creep);
     return check_report();
 }

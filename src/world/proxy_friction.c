@@ -1,0 +1,173 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "world/proxy_friction.h"
+
+#include "world/proxy_solve.h"
+
+/* Passes between the normal and the tangential problem; where the goal moves by less than that of the clearance they end. */
+enum { PASSES_MAX = 12 };
+#define SETTLED 1e-4
+
+/* Two contacts of a segment and a body are the same where they are within that share of its length, or its radius. */
+#define SAME_PLACE 0.02
+
+/* The contact of the same segment and body that is nearest along the axis, or NULL; *apart is how far that is. */
+static struct proxy_contact *nearest_contact(const struct proxy_tick *tick, uint32_t space,
+                                             double *apart)
+{
+    const struct proxy_source *source = &tick->sources[space];
+    const struct proxy_triangle *triangle = tick->triangles[source->triangle];
+    struct proxy_contact *best = NULL;
+    *apart = HUGE_VAL;
+    for (uint32_t i = 0; i < PROXY_CONTACTS_MAX; i++) {
+        struct proxy_contact *contact = &tick->proxy->contacts[i];
+        if (contact->body == triangle->body && contact->segment == triangle->segment &&
+            fabs(contact->s - source->s) < *apart) {
+            best = contact;
+            *apart = fabs(contact->s - source->s);
+        }
+    }
+    return best;
+}
+
+/* The contact that was here in the last solution, or NULL. */
+static struct proxy_contact *find_contact(const struct proxy_tick *tick, uint32_t space)
+{
+    const struct proxy_triangle *triangle = tick->triangles[tick->sources[space].triangle];
+    const struct segment *segment = &tick->world->segments[tick->tool->first + triangle->segment];
+    const double size = length(sub(segment->b, segment->a));
+    const double near = size > 0.0 ? max_of(SAME_PLACE, segment->radius / size) : 1.0;
+    double apart;
+    struct proxy_contact *found = nearest_contact(tick, space, &apart);
+    return found && apart <= near ? found : NULL;
+}
+
+static struct proxy_contact *find_or_make_contact(struct proxy_tick *tick, uint32_t space)
+{
+    struct proxy_contact *found = find_contact(tick, space);
+    for (uint32_t i = 0; i < PROXY_CONTACTS_MAX && !found; i++)
+        if (!tick->proxy->contacts[i].body) {
+            const struct proxy_source *source = &tick->sources[space];
+            const struct proxy_triangle *triangle = tick->triangles[source->triangle];
+            found = &tick->proxy->contacts[i];
+            *found = (struct proxy_contact){ .body = triangle->body,
+                                             .segment = triangle->segment,
+                                             .s = source->s };
+        }
+    return found;
+}
+
+/* Two unit vectors across a normal. */
+static void tangents_of(vec3 normal, vec3 tangents[2])
+{
+    const double x = fabs(normal.x), y = fabs(normal.y), z = fabs(normal.z);
+    const vec3 across = { x <= y && x <= z, y < x && y <= z, z < x && z < y };
+    tangents[0] = unit_of(cross(normal, across));
+    tangents[1] = cross(normal, tangents[0]);
+}
+
+/* Where the tool's surface touches, from its centre. */
+static vec3 arm_of(const struct proxy_tick *tick, uint32_t space)
+{
+    const struct proxy_source *source = &tick->sources[space];
+    const struct proxy_triangle *triangle = tick->triangles[source->triangle];
+    const double radius = tick->world->segments[tick->tool->first + triangle->segment].radius;
+    const vec3 normal = vec3_of(tick->spaces[space].normal);
+    return sub(along(source->p, -radius, normal), tick->at.centre);
+}
+
+static void fill_contact(struct proxy_tick *tick, uint32_t space, double multiplier,
+                         const struct proxy_contact *kept, const struct body *body,
+                         struct friction_contact *contact)
+{
+    const vec3 normal = vec3_of(tick->spaces[space].normal), arm = arm_of(tick, space);
+    const struct proxy_source *source = &tick->sources[space];
+    const vec3 slip = kept ? sub(kept->slip, source->carried) : scaled(source->carried, -1.0);
+    vec3 tangents[2];
+    tangents_of(normal, tangents);
+    memcpy(contact->normal, tick->spaces[space].normal, sizeof contact->normal);
+    contact->multiplier = multiplier;
+    /* A contact that is new beside one that slips does not stick: features change under a tool that is led along. */
+    double apart;
+    const struct proxy_contact *beside = nearest_contact(tick, space, &apart);
+    contact->coefficient =
+        beside && beside->is_slipping ? body->kinetic_friction : body->static_friction;
+    for (int d = 0; d < 2; d++) {
+        const vec3 turn = cross(arm, tangents[d]);
+        vec3_store(tangents[d], contact->across[d]);
+        for (uint32_t k = 3; k < proxy_unknowns(tick->proxy); k++)
+            contact->across[d][k] = dot(turn, tick->axes[k - 3]) / tick->proxy->rho;
+        contact->slip[d] = dot(slip, tangents[d]);
+    }
+}
+
+int dpti_proxy_add_friction(struct proxy_tick *tick, const double *wanted)
+{
+    const uint32_t n = proxy_unknowns(tick->proxy);
+    struct friction_contact contacts[HALF_SPACE_DIMENSIONS];
+    double pulls[HALF_SPACES_MAX][2];
+    uint32_t count = 0;
+    memset(pulls, 0, sizeof pulls);
+    tick->contact_count = 0;
+    for (int pass = 0; pass < PASSES_MAX; pass++) {
+        const struct half_spaces_result *solved = &tick->solved;
+        count = 0;
+        for (uint32_t k = 0; k < solved->active_count; k++) {
+            const uint32_t space = solved->active[k];
+            const uint32_t id = tick->triangles[tick->sources[space].triangle]->body;
+            const struct body *body = world_find_body(tick->world, id);
+            if (!body || !(body->static_friction > 0.0))
+                continue;
+            tick->contact_spaces[count] = space;
+            fill_contact(tick, space, solved->multiplier[k], find_contact(tick, space), body,
+                         &contacts[count]);
+            memcpy(contacts[count].pull, pulls[space], sizeof contacts[count].pull);
+            count++;
+        }
+        if (!count)
+            return 1;
+        const double moved = dpti_friction_pulls(contacts, count, n, wanted);
+        double pulled[HALF_SPACE_DIMENSIONS];
+        memset(pulls, 0, sizeof pulls);
+        for (uint32_t i = 0; i < count; i++)
+            memcpy(pulls[tick->contact_spaces[i]], contacts[i].pull, sizeof contacts[i].pull);
+        dpti_friction_goal(contacts, count, n, wanted, pulled);
+        if (!dpti_proxy_solve(tick, pulled))
+            return 0;
+        if (moved <= SETTLED * tick->clearance)
+            break;
+    }
+    tick->contact_count = count;
+    for (uint32_t i = 0; i < count; i++)
+        tick->contact_slips[i] = contacts[i].is_slipping;
+    return 1;
+}
+
+void dpti_proxy_note_slip(struct proxy_tick *tick, const struct displacement *motion)
+{
+    for (uint32_t i = 0; i < tick->contact_count; i++) {
+        const uint32_t space = tick->contact_spaces[i];
+        struct proxy_contact *contact = find_or_make_contact(tick, space);
+        if (!contact)
+            continue;
+        const vec3 normal = vec3_of(tick->spaces[space].normal);
+        const vec3 moved = add(motion->shift, cross(motion->turn, arm_of(tick, space)));
+        const vec3 slip = add(contact->slip, sub(moved, tick->sources[space].carried));
+        contact->s = tick->sources[space].s;
+        contact->is_slipping = (uint32_t)tick->contact_slips[i];
+        contact->slip = contact->is_slipping ? (vec3){ 0.0, 0.0, 0.0 }
+                                             : along(slip, -dot(slip, normal), normal);
+    }
+}
+
+void dpti_proxy_keep_contacts(struct proxy_tick *tick)
+{
+    uint32_t is_held = 0;
+    for (uint32_t i = 0; i < tick->contact_count; i++) {
+        const struct proxy_contact *contact = find_or_make_contact(tick, tick->contact_spaces[i]);
+        if (contact)
+            is_held |= 1u << (contact - tick->proxy->contacts);
+    }
+    for (uint32_t i = 0; i < PROXY_CONTACTS_MAX; i++)
+        if (!(is_held >> i & 1u))
+            tick->proxy->contacts[i] = (struct proxy_contact){ .body = 0 };
+}

@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What a proxy's contacts keep from tick to tick so that they stick: docs/algorithms/force.md. */
+#ifndef DPT_PROXY_FRICTION_H
+#define DPT_PROXY_FRICTION_H
+
+#include "force/friction.h"
+#include "world/proxy_tick.h"
+
+/*
+ * After tick->solved holds the motion without friction: the motion with it, into the same. Nothing changes where no body that
+ * holds the proxy has friction. Returns 0 where a constraint could not be met.
+ */
+int dpti_proxy_add_friction(struct proxy_tick *tick, const double *wanted);
+
+/* The proxy moved by that: what each contact slipped by is known; limits that were reached start anew. */
+void dpti_proxy_note_slip(struct proxy_tick *tick, const struct displacement *motion);
+
+/* The tick is over: contacts that hold nothing any more are forgotten. */
+void dpti_proxy_keep_contacts(struct proxy_tick *tick);
+
+#endif

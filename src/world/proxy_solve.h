@@ -1,0 +1,14 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The motion that a proxy's constraints allow. */
+#ifndef DPT_PROXY_SOLVE_H
+#define DPT_PROXY_SOLVE_H
+
+#include "world/proxy_tick.h"
+
+/*
+ * The motion nearest to the wanted one that the constraints allow, into tick->solved; where none meets them all, one that
+ * makes nothing worse. 0: not even that.
+ */
+int dpti_proxy_solve(struct proxy_tick *tick, const double *wanted);
+
+#endif
