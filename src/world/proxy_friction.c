@@ -7,6 +7,9 @@
 enum { PASSES_MAX = 12 };
 #define SETTLED 1e-4
 
+/* Ticks for which a contact that holds nothing is kept: features change under a tool that is led along. */
+#define AGE_MAX 2
+
 /* Two contacts of a segment and a body are the same where they are within that share of its length, or its radius. */
 #define SAME_PLACE 0.02
 
@@ -86,7 +89,7 @@ static void fill_contact(struct proxy_tick *tick, uint32_t space, double multipl
     tangents_of(normal, tangents);
     memcpy(contact->normal, tick->spaces[space].normal, sizeof contact->normal);
     contact->multiplier = multiplier;
-    /* A contact that is new beside one that slips does not stick: features change under a tool that is led along. */
+    /* A contact that is new beside one that slips does not stick. */
     double apart;
     const struct proxy_contact *beside = nearest_contact(tick, space, &apart);
     contact->coefficient =
@@ -161,13 +164,14 @@ void dpti_proxy_note_slip(struct proxy_tick *tick, const struct displacement *mo
 
 void dpti_proxy_keep_contacts(struct proxy_tick *tick)
 {
-    uint32_t is_held = 0;
+    for (uint32_t i = 0; i < PROXY_CONTACTS_MAX; i++)
+        tick->proxy->contacts[i].age++;
     for (uint32_t i = 0; i < tick->contact_count; i++) {
-        const struct proxy_contact *contact = find_or_make_contact(tick, tick->contact_spaces[i]);
+        struct proxy_contact *contact = find_or_make_contact(tick, tick->contact_spaces[i]);
         if (contact)
-            is_held |= 1u << (contact - tick->proxy->contacts);
+            contact->age = 0;
     }
     for (uint32_t i = 0; i < PROXY_CONTACTS_MAX; i++)
-        if (!(is_held >> i & 1u))
+        if (tick->proxy->contacts[i].age > AGE_MAX)
             tick->proxy->contacts[i] = (struct proxy_contact){ .body = 0 };
 }

@@ -69,7 +69,7 @@ struct proxy_contact {
     uint32_t body;    /* its id; 0: the entry is empty */
     uint32_t segment; /* of the tool, from 0 */
     uint32_t is_slipping;
-    uint32_t reserved;
+    uint32_t age; /* ticks in which it has held nothing */
 };
 
 /* What is known of where a proxy is. */
