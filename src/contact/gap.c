@@ -8,15 +8,15 @@ int dpti_contact_find(struct distance_profile *profile, const struct pair_search
     *gap = sqrt(nearest->pair.distance2) - radius;
     if (!dpti_profile_make(profile, nearest, warm_starts, warm_start_count))
         return CONTACT_NONE;
-    if (profile->full || profile->cut || profile->sideless)
+    if (profile->is_full || profile->is_cut || profile->is_sideless)
         return CONTACT_UNKNOWN;
     if (profile->sample[profile->deepest].height < 0.0)
         *gap = profile->sample[profile->deepest].height - radius;
     return CONTACT_PROFILE;
 }
 
-vec3 dpti_contact_normal(const struct distance_profile *profile, const struct sample *sample,
-                         uint32_t smooth)
+vec3 dpti_contact_normal(const struct distance_profile *profile,
+                         const struct profile_sample *sample, uint32_t smooth)
 {
     if (!smooth)
         return sample->normal;
@@ -29,7 +29,7 @@ struct penetration dpti_contact_penetration(const struct distance_profile *profi
                                             const struct frame *body, double gap, uint32_t smooth)
 {
     const struct axis *axis = profile->axis;
-    const struct sample *deepest = &profile->sample[profile->deepest];
+    const struct profile_sample *deepest = &profile->sample[profile->deepest];
     return (struct penetration){ frame_turn(body, dpti_contact_normal(profile, deepest, smooth)),
                                  along(axis->a, deepest->s, sub(axis->b, axis->a)),
                                  max_of(0.0, -gap) };

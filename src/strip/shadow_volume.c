@@ -14,7 +14,7 @@ static vec3 across(vec3 d)
     return unit(cross(d, axis));
 }
 
-static void put(struct shadow_volume *volume, int k, vec3 normal, double low, double high)
+static void put_slab(struct shadow_volume *volume, int k, vec3 normal, double low, double high)
 {
     volume->normal[0][k] = normal.x;
     volume->normal[1][k] = normal.y;
@@ -34,14 +34,14 @@ void dpti_shadow_volume_of(vec3 a, vec3 u, vec3 direction, double half, double d
     /* Where it is a mere line or plane, two pairs of planes may have nothing in common but for rounding. */
     double slack = 64.0 * 0x1p-53 * (extent_of(a) + size + half + depth);
     *volume = (struct shadow_volume){
-        .a = a, .u = u, .d = d, .e = e, .w = w, .half = half, .depth = depth
+        .a = a, .u = u, .d = d, .e = e, .w = w, .half_width = half, .depth = depth
     };
-    put(volume, 0, w, -half - slack, half + slack);
-    put(volume, 1, e, min_of(0.0, ue) - half - slack, max_of(0.0, ue) + half + slack);
-    put(volume, 2, d, min_of(0.0, ud) - depth - slack, max_of(0.0, ud) + depth + slack);
+    put_slab(volume, 0, w, -half - slack, half + slack);
+    put_slab(volume, 1, e, min_of(0.0, ue) - half - slack, max_of(0.0, ue) + half + slack);
+    put_slab(volume, 2, d, min_of(0.0, ud) - depth - slack, max_of(0.0, ud) + depth + slack);
     if (size > 0.0) {
         double ne = ud / size, nd = -ue / size;
         double limit = half * fabs(ne) + depth * fabs(nd) + slack;
-        put(volume, 3, along(scaled(e, ne), nd, d), -limit, limit);
+        put_slab(volume, 3, along(scaled(e, ne), nd, d), -limit, limit);
     }
 }

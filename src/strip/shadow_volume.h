@@ -12,9 +12,9 @@
 enum { SHADOW_SLABS = 4 };
 
 struct shadow_volume {
-    vec3 a, u;    /* the axis, in the mesh's frame */
-    vec3 d, e, w; /* unit */
-    double half;  /* of its width */
+    vec3 a, u;         /* the axis, in the mesh's frame */
+    vec3 d, e, w;      /* unit */
+    double half_width; /* of its width */
     double depth;
     double normal[3][SHADOW_SLABS]; /* x, y, z of each */
     double low[SHADOW_SLABS];       /* of (x - a) . normal */

@@ -7,7 +7,7 @@
 #include "nearest/segment_triangle.h"
 #include "nearest/side.h"
 
-enum { CAPACITY_MAX = 1 << 20, SEARCH_MAX = 1 << 28 };
+enum { CAPACITY_MAX = 1 << 20, SEARCH_VERTICES_MAX = 1 << 28 };
 
 static uint64_t power_of_two_from(uint64_t least)
 {
@@ -18,43 +18,45 @@ static uint64_t power_of_two_from(uint64_t least)
 }
 
 /* The arrays, in the order in which they lie in the block. */
-struct shares {
-    uint64_t triangles, walked, vertices, walk_slots, slots, queue, all;
+struct strip_layout {
+    uint64_t triangles, walk_triangles, walk_vertices, walk_slots, search_slots, search_queue,
+        bytes;
 };
 
-static uint64_t share(uint64_t *at, uint64_t count, uint64_t width)
+static uint64_t reserve(uint64_t *at, uint64_t count, uint64_t width)
 {
     uint64_t begin = *at;
     *at = mesh_aligned(begin + count * width);
     return begin;
 }
 
-static uint64_t search_slots(const dpt_strip_def *def)
+static uint64_t search_slot_count(const dpt_strip_def *def)
 {
     return def->search ? power_of_two_from(2 * (uint64_t)def->search) : 0;
 }
 
-static struct shares shares_of(const dpt_strip_def *def)
+static struct strip_layout layout_of(const dpt_strip_def *def)
 {
-    struct shares s;
+    struct strip_layout s;
     uint64_t at = mesh_aligned(sizeof(struct dpt_strip)), room = def->capacity;
-    s.triangles = share(&at, room, sizeof(uint32_t));
-    s.walked = share(&at, room, sizeof(struct shadow_triangle));
-    s.vertices = share(&at, room + 2, sizeof(struct shadow_vertex));
-    s.walk_slots = share(&at, power_of_two_from(2 * room), sizeof(struct shadow_slot));
-    s.slots = share(&at, search_slots(def), sizeof(struct visited_vertex));
-    s.queue = share(&at, def->search, sizeof(uint32_t));
-    s.all = at;
+    s.triangles = reserve(&at, room, sizeof(uint32_t));
+    s.walk_triangles = reserve(&at, room, sizeof(struct shadow_triangle));
+    s.walk_vertices = reserve(&at, room + 2, sizeof(struct shadow_vertex));
+    s.walk_slots = reserve(&at, power_of_two_from(2 * room), sizeof(struct shadow_slot));
+    s.search_slots = reserve(&at, search_slot_count(def), sizeof(struct visited_vertex));
+    s.search_queue = reserve(&at, def->search, sizeof(uint32_t));
+    s.bytes = at;
     return s;
 }
 
-static dpt_result take_def(const dpt_strip_def *given, dpt_strip_def *def)
+static dpt_result read_def(const dpt_strip_def *given, dpt_strip_def *def)
 {
     *def = (dpt_strip_def){ .size = sizeof *def };
     if (!given)
         return DPT_E_ARGUMENT;
     DPT_TRY(sized_read(given, sizeof *def, def, sizeof *def));
-    if (!def->capacity || def->capacity > CAPACITY_MAX || def->search > SEARCH_MAX || def->reserved)
+    if (!def->capacity || def->capacity > CAPACITY_MAX || def->search > SEARCH_VERTICES_MAX ||
+        def->reserved)
         return DPT_E_ARGUMENT;
     return DPT_OK;
 }
@@ -62,9 +64,9 @@ static dpt_result take_def(const dpt_strip_def *given, dpt_strip_def *def)
 size_t dpt_strip_bytes(const dpt_strip_def *given)
 {
     dpt_strip_def def;
-    if (take_def(given, &def) != DPT_OK)
+    if (read_def(given, &def) != DPT_OK)
         return 0;
-    uint64_t bytes = shares_of(&def).all;
+    uint64_t bytes = layout_of(&def).bytes;
     return bytes <= SIZE_MAX ? (size_t)bytes : 0;
 }
 
@@ -74,25 +76,25 @@ dpt_result dpt_strip_create(void *block, size_t bytes, const dpt_strip_def *give
     dpt_strip_def def;
     if (!block || !strip)
         return DPT_E_ARGUMENT;
-    DPT_TRY(take_def(given, &def));
+    DPT_TRY(read_def(given, &def));
     if ((uintptr_t)block % 8)
         return DPT_E_ALIGN;
-    const struct shares s = shares_of(&def);
-    if (bytes < s.all)
+    const struct strip_layout s = layout_of(&def);
+    if (bytes < s.bytes)
         return DPT_E_MEMORY;
-    memset(block, 0, (size_t)s.all);
+    memset(block, 0, (size_t)s.bytes);
     struct dpt_strip *made = block;
     char *base = block;
     made->def = def;
     made->triangles = (void *)(base + s.triangles);
-    made->walk.triangles = (void *)(base + s.walked);
-    made->walk.vertices = (void *)(base + s.vertices);
+    made->walk.triangles = (void *)(base + s.walk_triangles);
+    made->walk.vertices = (void *)(base + s.walk_vertices);
     made->walk.slots = (void *)(base + s.walk_slots);
     made->walk.slot_count = (uint32_t)power_of_two_from(2 * (uint64_t)def.capacity);
     made->walk.capacity = def.capacity;
-    made->search.slots = (void *)(base + s.slots);
-    made->search.queue = (void *)(base + s.queue);
-    made->search.slot_count = (uint32_t)search_slots(&def);
+    made->search.slots = (void *)(base + s.search_slots);
+    made->search.queue = (void *)(base + s.search_queue);
+    made->search.slot_count = (uint32_t)search_slot_count(&def);
     made->search.queue_capacity = def.search;
     *strip = made;
     return DPT_OK;
@@ -150,7 +152,7 @@ static dpt_result find_route(struct dpt_strip *strip, uint32_t start, uint32_t g
 }
 
 /* A route's triangles become the strip's. */
-static void take_route(struct dpt_strip *strip, const struct route *route)
+static void append_route(struct dpt_strip *strip, const struct route *route)
 {
     const uint32_t *sources = mesh_words(strip->mesh, MESH_SOURCES);
     uint32_t count = route->count < route->capacity ? route->count : route->capacity;
@@ -173,7 +175,7 @@ dpt_result dpt_strip_route(dpt_strip *strip, const dpt_mesh *mesh, uint32_t from
     DPT_TRY(dpti_strip_place(mesh, from, &start));
     DPT_TRY(dpti_strip_place(mesh, to, &goal));
     DPT_TRY(find_route(strip, start, goal, &route));
-    take_route(strip, &route);
+    append_route(strip, &route);
     return DPT_OK;
 }
 
@@ -187,8 +189,8 @@ dpt_result dpti_strip_routes(struct dpt_strip *strip, const struct dpt_mesh *mes
     dpt_result result = find_route(strip, b, p, &second);
     strip->count = 0;
     DPT_TRY(result);
-    take_route(strip, &first);
-    take_route(strip, &second);
+    append_route(strip, &first);
+    append_route(strip, &second);
     return DPT_OK;
 }
 

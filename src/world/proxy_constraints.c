@@ -41,8 +41,9 @@ static void list_triangles(struct proxy_tick *tick)
     for (uint32_t i = 0; i < PROXY_MEMORY; i++)
         if (tick->proxy->memory[i].body)
             add_triangle(tick, &tick->proxy->memory[i]);
-    for (uint32_t i = 0; i < tool->count && tick->triangle_count < PROXY_TRIANGLES_MAX; i++) {
-        const struct body_answer *answer = &tick->world->segments[tool->first + i].answer;
+    for (uint32_t i = 0; i < tool->segment_count && tick->triangle_count < PROXY_TRIANGLES_MAX;
+         i++) {
+        const struct body_answer *answer = &tick->world->segments[tool->first_segment + i].answer;
         if (!answer->body || answer->track.nearest.triangle == DPT_NONE)
             continue;
         struct proxy_triangle *made = &tick->nearest[tick->triangle_count];
@@ -56,14 +57,15 @@ static void axis_in_body(const struct proxy_tick *tick, const struct proxy_pose 
                          const struct proxy_triangle *triangle, const struct frame *body, vec3 *a,
                          vec3 *u)
 {
-    const struct segment *segment = &tick->world->segments[tick->tool->first + triangle->segment];
+    const struct segment *segment =
+        &tick->world->segments[tick->tool->first_segment + triangle->segment];
     *a = frame_to_local(body, frame_to_world(&pose->frame, segment->a));
     *u = sub(frame_to_local(body, frame_to_world(&pose->frame, segment->b)), *a);
 }
 
 static double radius_of(const struct proxy_tick *tick, const struct proxy_triangle *triangle)
 {
-    return tick->world->segments[tick->tool->first + triangle->segment].radius;
+    return tick->world->segments[tick->tool->first_segment + triangle->segment].radius;
 }
 
 /* One pair of a triangle, as a constraint. */
@@ -98,8 +100,8 @@ static void gather_triangle(struct proxy_tick *tick, uint32_t index, double reac
     const double radius = radius_of(tick, triangle);
     struct frame moved;
     const struct frame *before = &body->frame;
-    if (tick->is_before && body->moved == tick->world->ticks) {
-        frame_of_pose(&body->before, &moved);
+    if (tick->is_before && body->moved_tick == tick->world->ticks) {
+        frame_of_pose(&body->previous_pose, &moved);
         before = &moved;
     }
     vec3 a, u, v[3];

@@ -5,7 +5,7 @@
 
 void dpti_proxy_set_free(struct dpt_world *world, struct tool *tool, uint32_t is_free)
 {
-    struct segment *segment = &world->segments[tool->first];
+    struct segment *segment = &world->segments[tool->first_segment];
     if (!dpti_proxy_is_used(world, tool))
         return;
     dpti_proxy_forget(world, tool);
@@ -21,11 +21,11 @@ void dpti_proxy_set_free(struct dpt_world *world, struct tool *tool, uint32_t is
 void dpti_proxy_set_segment(struct dpt_world *world, struct tool *tool, const dpt_segment *given)
 {
     struct proxy *proxy = &world->proxies[tool - world->tools];
-    struct segment *segment = &world->segments[tool->first];
+    struct segment *segment = &world->segments[tool->first_segment];
     const vec3 u = sub(vec3_of(given->b), vec3_of(given->a));
     const double size = length(u);
     const dpt_pose identity = DPT_POSE_IDENTITY;
-    struct quaternion turn = quaternion_of((tool->free ? &tool->pose : &identity)->orientation);
+    struct quaternion turn = quaternion_of((tool->is_free ? &tool->pose : &identity)->orientation);
     const vec3 x = quaternion_turn(turn, (vec3){ 1.0, 0.0, 0.0 });
     if (size > 0.0)
         turn =
@@ -35,7 +35,7 @@ void dpti_proxy_set_segment(struct dpt_world *world, struct tool *tool, const dp
     proxy->length = size;
     proxy->radius = given->radius;
     segment->a = (vec3){ 0.0, 0.0, 0.0 };
-    segment->tool = (uint32_t)(tool - world->tools);
+    segment->tool_slot = (uint32_t)(tool - world->tools);
     if (proxy->state == PROXY_OUTSIDE)
         return;
     segment->b = (vec3){ size, 0.0, 0.0 };
@@ -44,7 +44,7 @@ void dpti_proxy_set_segment(struct dpt_world *world, struct tool *tool, const dp
 
 void dpti_proxy_follow_size(struct dpt_world *world, const struct tool *tool, struct proxy *proxy)
 {
-    struct segment *segment = &world->segments[tool->first];
+    struct segment *segment = &world->segments[tool->first_segment];
     double spare = max_of(0.0, proxy->gap - proxy->min_gap);
     const double longer = min_of(proxy->length - segment->b.x, spare);
     segment->b.x += longer;

@@ -36,7 +36,8 @@ static struct proxy_contact *nearest_contact(const struct proxy_tick *tick, uint
 static struct proxy_contact *find_contact(const struct proxy_tick *tick, uint32_t space)
 {
     const struct proxy_triangle *triangle = tick->triangles[tick->sources[space].triangle];
-    const struct segment *segment = &tick->world->segments[tick->tool->first + triangle->segment];
+    const struct segment *segment =
+        &tick->world->segments[tick->tool->first_segment + triangle->segment];
     const double size = length(sub(segment->b, segment->a));
     const double near = size > 0.0 ? max_of(SAME_PLACE, segment->radius / size) : 1.0;
     double apart;
@@ -73,7 +74,8 @@ static vec3 arm_of(const struct proxy_tick *tick, uint32_t space)
 {
     const struct proxy_source *source = &tick->sources[space];
     const struct proxy_triangle *triangle = tick->triangles[source->triangle];
-    const double radius = tick->world->segments[tick->tool->first + triangle->segment].radius;
+    const double radius =
+        tick->world->segments[tick->tool->first_segment + triangle->segment].radius;
     const vec3 normal = vec3_of(tick->spaces[space].normal);
     return sub(along(source->p, -radius, normal), tick->at.centre);
 }

@@ -8,8 +8,8 @@ static int find_pair(struct dpt_world *world, uint32_t index, uint32_t slot, str
     const struct body *body = &world->bodies[slot];
     struct bvh_traversal traversal;
     traversal.depth = 0;
-    dpti_track_begin(track, &body->surface, *world_last(world, index, slot), HUGE_VAL, TRACK_STAYS,
-                     &world->work);
+    dpti_track_begin(track, &body->surface, *world_last_triangles(world, index, slot), HUGE_VAL,
+                     TRACK_STAYS, &world->work);
     return dpti_track_prove(track, &body->surface, &world->kernel, NULL, &traversal, &world->work);
 }
 
@@ -21,7 +21,7 @@ static double find_nearest(struct dpt_world *world, uint32_t index, vec3 a, vec3
     double distance = HUGE_VAL;
     *is_exact = 1;
     best->body = NULL;
-    for (uint32_t i = 0; i < world->body_end && distance > 0.0; i++) {
+    for (uint32_t i = 0; i < world->body_slot_end && distance > 0.0; i++) {
         const struct body *body = &world->bodies[i];
         struct track track;
         if (!body->slot.used || box_distance(&box, &world->boxes[i]) > distance)
@@ -41,14 +41,15 @@ static void write_hit(struct dpt_world *world, const struct tool *tool, uint32_t
                       const struct frame *device)
 {
     const struct proxy *proxy = &world->proxies[tool - world->tools];
-    struct segment *segment = &world->segments[tool->first + number];
+    struct segment *segment = &world->segments[tool->first_segment + number];
     const vec3 a = frame_to_world(device, segment->a), b = frame_to_world(device, segment->b);
     const vec3 proxy_a = frame_to_world(&tool->frame, segment->a);
     const vec3 proxy_b = frame_to_world(&tool->frame, segment->b);
     struct body_answer best;
     struct segment_result result;
     int is_exact;
-    const double distance = find_nearest(world, tool->first + number, a, b, &best, &is_exact);
+    const double distance =
+        find_nearest(world, tool->first_segment + number, a, b, &best, &is_exact);
     if (!best.body)
         return;
     dpti_segment_result_of_pair(&best.track.axis, &best.track.nearest.pair, &result);
@@ -73,6 +74,6 @@ void dpti_proxy_write_hits(struct dpt_world *world, struct tool *tool)
     if (!world->proxies[tool - world->tools].is_held)
         return;
     frame_of_pose(&tool->pose, &device);
-    for (uint32_t i = 0; i < tool->count; i++)
+    for (uint32_t i = 0; i < tool->segment_count; i++)
         write_hit(world, tool, i, &device);
 }

@@ -15,13 +15,13 @@ void dpti_proxy_find_nearest(struct proxy_tick *tick)
     struct dpt_world *world = tick->world;
     tick->tool->frame = tick->at.frame;
     tick->gap = HUGE_VAL;
-    for (uint32_t i = 0; i < tick->tool->count; i++) {
-        struct segment *segment = &world->segments[tick->tool->first + i];
-        dpti_track_segment(world, tick->tool->first + i);
+    for (uint32_t i = 0; i < tick->tool->segment_count; i++) {
+        struct segment *segment = &world->segments[tick->tool->first_segment + i];
+        dpti_track_segment(world, tick->tool->first_segment + i);
         if (!segment->answer.body)
             continue;
         const double distance =
-            segment->answer.exact ? segment->result.distance : segment->result.lower_bound;
+            segment->answer.is_exact ? segment->result.distance : segment->result.lower_bound;
         tick->gap = min_of(tick->gap, distance - segment->radius);
     }
 }
@@ -36,10 +36,10 @@ static void sweep_body(struct proxy_tick *tick, uint32_t number, const struct bo
                        const dpt_pose *to, struct tool_sweep *sweep)
 {
     struct dpt_world *world = tick->world;
-    const uint32_t index = tick->tool->first + number;
+    const uint32_t index = tick->tool->first_segment + number;
     const struct segment *segment = &world->segments[index];
-    const int has_moved = tick->is_before && body->moved == world->ticks;
-    struct placement from_place = { tick->at.pose, has_moved ? body->before : body->pose,
+    const int has_moved = tick->is_before && body->moved_tick == world->ticks;
+    struct placement from_place = { tick->at.pose, has_moved ? body->previous_pose : body->pose,
                                     segment->a, segment->b };
     struct placement to_place = { *to, body->pose, segment->a, segment->b };
     struct rigid_sweep_progress progress = { .free_until = 0.0 };
@@ -47,9 +47,9 @@ static void sweep_body(struct proxy_tick *tick, uint32_t number, const struct bo
         .surface = &body->surface,
         .kernel = &world->kernel,
         .radius = segment->radius,
-        .far = body->added == world->ticks ? 0.0 : segment->result.lower_bound,
+        .distance_before = body->added_tick == world->ticks ? 0.0 : segment->result.lower_bound,
         .tolerance = 0.5 * RIGID_SWEEP_TOLERANCE * dpti_surface_diagonal(&body->surface),
-        .hint = *world_last(world, index, handle_index(body->id)),
+        .hint = *world_last_triangles(world, index, handle_index(body->id)),
         .work = &world->work,
         .progress = &progress
     };
@@ -71,8 +71,8 @@ static struct tool_sweep sweep_tool(struct proxy_tick *tick, const struct proxy_
 {
     struct dpt_world *world = tick->world;
     struct tool_sweep sweep = { SWEEP_FREE, 1.0 };
-    for (uint32_t i = 0; i < tick->tool->count; i++) {
-        const struct segment *segment = &world->segments[tick->tool->first + i];
+    for (uint32_t i = 0; i < tick->tool->segment_count; i++) {
+        const struct segment *segment = &world->segments[tick->tool->first_segment + i];
         const vec3 a = frame_to_world(&tick->at.frame, segment->a);
         const vec3 b = frame_to_world(&tick->at.frame, segment->b);
         const vec3 to_a = frame_to_world(&to->frame, segment->a);
@@ -83,16 +83,18 @@ static struct tool_sweep sweep_tool(struct proxy_tick *tick, const struct proxy_
         const double reach = segment->radius + moved + tick->clearance;
         if (tick->gap > moved + tick->clearance && !tick->is_before)
             continue;
-        world->nearby.reach = -1.0;
-        const double bodies_moved =
-            tick->is_before && world->travelled_at == world->ticks ? world->travelled : 0.0;
-        const struct nearby *nearby =
-            dpti_near_within(world, tick->tool->first + i, reach + bodies_moved);
+        world->near_bodies.reach = -1.0;
+        const double bodies_moved = tick->is_before && world->bodies_moved_tick == world->ticks
+                                        ? world->body_motion_max
+                                        : 0.0;
+        const struct near_bodies *nearby =
+            dpti_broad_phase_within(world, tick->tool->first_segment + i, reach + bodies_moved);
         for (uint32_t k = 0; k < nearby->count; k++) {
-            const uint32_t slot = nearby->list ? nearby->list[k] : k;
+            const uint32_t slot = nearby->slots ? nearby->slots[k] : k;
             const struct body *body = &world->bodies[slot];
             const double far =
-                reach + (tick->is_before && body->moved == world->ticks ? body->travelled : 0.0);
+                reach +
+                (tick->is_before && body->moved_tick == world->ticks ? body->motion_bound : 0.0);
             if (body->slot.used && box_distance(&box, &world->boxes[slot]) <= far)
                 sweep_body(tick, i, body, &to->pose, &sweep);
         }
@@ -104,8 +106,8 @@ static int is_near_enough(struct proxy_tick *tick)
 {
     if (tick->gap >= tick->min_gap)
         return 1;
-    for (uint32_t i = 0; i < tick->tool->count; i++) {
-        const struct segment *segment = &tick->world->segments[tick->tool->first + i];
+    for (uint32_t i = 0; i < tick->tool->segment_count; i++) {
+        const struct segment *segment = &tick->world->segments[tick->tool->first_segment + i];
         if (segment->answer.body && segment->answer.track.nearest.triangle != DPT_NONE)
             dpti_proxy_remember(tick->proxy, i, segment->answer.body->id,
                                 segment->answer.track.nearest.triangle);

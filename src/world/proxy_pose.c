@@ -30,16 +30,16 @@ static int is_straight(const struct segment *segments, uint32_t count, vec3 *axi
 /* The mean of |x - centre|^2 over a segment is that of its middle and a twelfth of its square. */
 void dpti_proxy_measure(const struct dpt_world *world, const struct tool *tool, struct proxy *proxy)
 {
-    const struct segment *segments = &world->segments[tool->first];
+    const struct segment *segments = &world->segments[tool->first_segment];
     double whole = 0.0, square = 0.0;
     vec3 sum = { 0.0, 0.0, 0.0 };
-    for (uint32_t i = 0; i < tool->count; i++) {
+    for (uint32_t i = 0; i < tool->segment_count; i++) {
         const double size = length(sub(segments[i].b, segments[i].a));
         sum = along(sum, 0.5 * size, add(segments[i].a, segments[i].b));
         whole += size;
     }
     proxy->centre = whole > 0.0 ? scaled(sum, 1.0 / whole) : segments[0].a;
-    for (uint32_t i = 0; i < tool->count; i++) {
+    for (uint32_t i = 0; i < tool->segment_count; i++) {
         const vec3 u = sub(segments[i].b, segments[i].a);
         const vec3 middle = sub(scaled(add(segments[i].a, segments[i].b), 0.5), proxy->centre);
         square += length(u) * (dot(middle, middle) + dot(u, u) / 12.0);
@@ -49,7 +49,7 @@ void dpti_proxy_measure(const struct dpt_world *world, const struct tool *tool, 
         proxy->shape = PROXY_BALL;
     else
         proxy->shape =
-            is_straight(segments, tool->count, &proxy->axis) ? PROXY_STRAIGHT : PROXY_BENT;
+            is_straight(segments, tool->segment_count, &proxy->axis) ? PROXY_STRAIGHT : PROXY_BENT;
     if (tool->rotational_stiffness > 0.0 && tool->stiffness > 0.0)
         proxy->rho = sqrt(tool->rotational_stiffness / tool->stiffness);
 }

@@ -63,14 +63,14 @@ void dpti_proxy_forget(struct dpt_world *world, struct tool *tool)
 
 void dpti_proxy_forget_body(struct dpt_world *world, uint32_t body)
 {
-    for (uint32_t t = 0; world->def.until == DPT_UNTIL_RESPOND && t < world->tool_end; t++)
+    for (uint32_t t = 0; world->def.until == DPT_UNTIL_RESPOND && t < world->tool_slot_end; t++)
         dpti_proxy_forget_triangles(&world->proxies[t], body);
 }
 
 static double largest_diagonal(const struct dpt_world *world)
 {
     double largest = 0.0;
-    for (uint32_t i = 0; i < world->body_end; i++)
+    for (uint32_t i = 0; i < world->body_slot_end; i++)
         if (world->bodies[i].slot.used)
             largest = max_of(largest, world->bodies[i].diagonal);
     return largest;
@@ -176,7 +176,7 @@ static void remember_active(struct proxy_tick *tick)
 static int gather_and_solve(struct proxy_tick *tick, const double *wanted, double left)
 {
     const uint32_t n = proxy_unknowns(tick->proxy);
-    const double bodies_moved = tick->is_before ? tick->world->travelled : 0.0;
+    const double bodies_moved = tick->is_before ? tick->world->body_motion_max : 0.0;
     double reach = 2.0 * tick->proxy->last_motion + 20.0 * tick->clearance + 2.0 * bodies_moved;
     for (int again = 0;; again++) {
         dpti_proxy_turn_axes(tick->proxy, &tick->at, tick->axes);
@@ -271,8 +271,8 @@ static void place(struct proxy_tick *tick)
 static int bodies_came_near(const struct proxy_tick *tick)
 {
     const struct dpt_world *world = tick->world;
-    return world->travelled_at == world->ticks &&
-           tick->gap <= world->travelled + 2.0 * tick->clearance;
+    return world->bodies_moved_tick == world->ticks &&
+           tick->gap <= world->body_motion_max + 2.0 * tick->clearance;
 }
 
 static void follow(struct proxy_tick *tick, double device_moved, double dt)
@@ -280,8 +280,8 @@ static void follow(struct proxy_tick *tick, double device_moved, double dt)
     struct proxy *proxy = tick->proxy;
     const struct proxy_pose from = tick->at;
     double allowed = 2.0 * device_moved + FOLD_SPEED * dt;
-    if (tick->world->travelled_at == tick->world->ticks)
-        allowed += tick->world->travelled;
+    if (tick->world->bodies_moved_tick == tick->world->ticks)
+        allowed += tick->world->body_motion_max;
     const double cap = allowed;
     int result = FOLLOW_MOVED;
     tick->is_before = bodies_came_near(tick);
@@ -314,7 +314,7 @@ void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
     struct proxy *proxy = proxy_of(world, tool);
     struct proxy_tick tick = { .world = world, .tool = tool, .proxy = proxy };
     const double diagonal = largest_diagonal(world);
-    if (tool->free && proxy->state == PROXY_OUTSIDE)
+    if (tool->is_free && proxy->state == PROXY_OUTSIDE)
         dpti_proxy_follow_size(world, tool, proxy);
     dpti_proxy_measure(world, tool, proxy);
     tick.clearance = CLEARANCE * diagonal;
@@ -344,10 +344,11 @@ void dpti_proxy_settle(struct dpt_world *world, struct tool *tool)
     int is_outside = proxy->gap >= proxy->min_gap;
     if (proxy->state != PROXY_PLACED)
         return;
-    for (uint32_t i = 0; i < tool->count; i++) {
-        const struct segment *segment = &world->segments[tool->first + i];
-        is_outside &= !segment->answer.body || (segment->answer.exact && segment->result.has_gap &&
-                                                segment->result.gap > 0.0);
+    for (uint32_t i = 0; i < tool->segment_count; i++) {
+        const struct segment *segment = &world->segments[tool->first_segment + i];
+        is_outside &=
+            !segment->answer.body ||
+            (segment->answer.is_exact && segment->result.has_gap && segment->result.gap > 0.0);
     }
     if (is_outside)
         proxy->state = PROXY_OUTSIDE;
@@ -362,14 +363,14 @@ void dpti_proxy_respond(struct dpt_world *world, struct tool *tool)
     const struct displacement away = dpti_proxy_displacement(proxy, &device, &at);
     const int is_outside = proxy->state == PROXY_OUTSIDE;
     const int is_pushed = is_outside && proxy->is_held;
-    tool->flags = proxy->flags;
+    tool->force_flags = proxy->flags;
     tool->energy = is_pushed ? coupling_energy(&coupling, &away) : 0.0;
     if (tool->stiffness == 0.0)
-        tool->reason = DPT_FORCE_OFF;
+        tool->force_reason = DPT_FORCE_OFF;
     else if (!is_outside)
-        tool->reason = DPT_FORCE_INSIDE;
+        tool->force_reason = DPT_FORCE_INSIDE;
     else
-        tool->reason = is_pushed ? DPT_FORCE_ACTS : DPT_FORCE_FREE;
+        tool->force_reason = is_pushed ? DPT_FORCE_ACTS : DPT_FORCE_FREE;
     if (is_pushed)
         tool->wrench = coupling_wrench(&coupling, &away, device.centre, device.frame.origin);
 }

@@ -7,22 +7,22 @@
 void dpti_track_segment(struct dpt_world *world, uint32_t index)
 {
     struct segment *segment = &world->segments[index];
-    const struct tool *tool = &world->tools[segment->tool];
+    const struct tool *tool = &world->tools[segment->tool_slot];
     segment->answer.body = NULL;
     segment->result = (struct segment_result){ .status = DPT_STATUS_STALE };
     if (!tool_is_active(world, tool)) {
-        segment->near.known = 0;
+        segment->broad_phase.has_axis = 0;
         return;
     }
     vec3 a = frame_to_world(&tool->frame, segment->a);
     vec3 b = frame_to_world(&tool->frame, segment->b);
     if (world->def.method == DPT_METHOD_PAPER) {
-        segment->felt_penetration = segment->penetration = dpti_paper_segment(world, index, a, b);
+        segment->felt_penetration = segment->penetration = dpti_baseline_find(world, index, a, b);
         return;
     }
-    dpti_bodies_find(world, index, &a, &b, &segment->answer);
+    dpti_body_search_find(world, index, &a, &b, &segment->answer);
     if (!segment->answer.body)
         return;
-    segment->last_body = handle_index(segment->answer.body->id);
-    dpti_bodies_result(&segment->answer, &segment->result);
+    segment->last_body_slot = handle_index(segment->answer.body->id);
+    dpti_body_search_result(&segment->answer, &segment->result);
 }

@@ -6,7 +6,7 @@
 #include "world/world_state.h"
 
 /* The segment's share of its tool's wrench, from what the tick knows of its contact. */
-void dpti_force_respond(struct dpt_world *world, uint32_t index, double dt);
+void dpti_force_respond(struct dpt_world *world, uint32_t segment_index, double dt);
 
 /* Of a tool that the tick has answered: its wrench, DPT_FORCE_... and flags. */
 void dpti_force_sum(const struct dpt_world *world, struct tool *tool);
@@ -15,6 +15,6 @@ void dpti_force_sum(const struct dpt_world *world, struct tool *tool);
 void dpti_force_forget(struct segment *segment);
 
 /* The same, if it was this body's push. */
-void dpti_force_forget_body(struct segment *segment, uint32_t body);
+void dpti_force_forget_body(struct segment *segment, uint32_t body_id);
 
 #endif
