@@ -8,10 +8,10 @@ double dpti_profile_reach(const struct distance_profile *profile, uint32_t trian
 {
     const struct surface *surface = profile->surface;
     const uint32_t *corner = surface->corners + 3 * (size_t)triangle;
-    return point_reach(profile_point(profile, s),
-                       vec3_of_float(surface->positions + 3 * (size_t)corner[0]),
-                       vec3_of_float(surface->positions + 3 * (size_t)corner[1]),
-                       vec3_of_float(surface->positions + 3 * (size_t)corner[2]));
+    return point_distance_upper(profile_point(profile, s),
+                                vec3_of_float(surface->positions + 3 * (size_t)corner[0]),
+                                vec3_of_float(surface->positions + 3 * (size_t)corner[1]),
+                                vec3_of_float(surface->positions + 3 * (size_t)corner[2]));
 }
 
 int32_t dpti_sides_get(const struct sides *sides, uint32_t part)

@@ -53,13 +53,13 @@ KERNEL_TARGET static inline uint32_t KERNEL(open)(const float *bound, float limi
     float nx = planes->x[i], ny = planes->y[i], nz = planes->z[i];                                 \
     float at_a = nx * ax + ny * ay + nz * az;                                                      \
     float rise = nx * ux + ny * uy + nz * uz;                                                      \
-    float least = CLAMP(from, length) * rise, most = CLAMP(to, length) * rise;                     \
-    float here = planes->support[i] - at_a - AT_LEAST(least, most);
+    float rise_from = CLAMP(from, length) * rise, rise_to = CLAMP(to, length) * rise;              \
+    float value = planes->support[i] - at_a - AT_LEAST(rise_from, rise_to);
 
-KERNEL_TARGET uint32_t KERNEL(held_boxes)(const float *restrict block,
-                                          const struct filter_segment *restrict segment,
-                                          const struct planes *restrict planes,
-                                          float *restrict bound)
+KERNEL_TARGET uint32_t KERNEL(cached_boxes)(const float *restrict block,
+                                            const struct filter_segment *restrict segment,
+                                            const struct planes *restrict planes,
+                                            float *restrict bound)
 {
     const float ax = segment->a[0], ay = segment->a[1], az = segment->a[2];
     const float ux = segment->x[0], uy = segment->x[1], uz = segment->x[2];
@@ -73,16 +73,16 @@ KERNEL_TARGET uint32_t KERNEL(held_boxes)(const float *restrict block,
             wx * block[3 * LANES + i] + wy * block[4 * LANES + i] + wz * block[5 * LANES + i];
         float from = s - half, to = s + half;
         LOCAL_BOUND(from, to)
-        bound[i] = here;
+        bound[i] = value;
     }
     return KERNEL_OPEN(bound, limit);
 }
 
 /* Of a triangle also the plane that is turned to be parallel to the axis, with a support of its own. */
-KERNEL_TARGET uint32_t KERNEL(held_triangles)(const float *restrict block,
-                                              const struct filter_segment *restrict segment,
-                                              const struct planes *restrict planes,
-                                              float *restrict bound)
+KERNEL_TARGET uint32_t KERNEL(cached_triangles)(const float *restrict block,
+                                                const struct filter_segment *restrict segment,
+                                                const struct planes *restrict planes,
+                                                float *restrict bound)
 {
     const float ax = segment->a[0], ay = segment->a[1], az = segment->a[2];
     const float ux = segment->x[0], uy = segment->x[1], uz = segment->x[2];
@@ -97,8 +97,8 @@ KERNEL_TARGET uint32_t KERNEL(held_triangles)(const float *restrict block,
         float tx = nx - rise * ux, ty = ny - rise * uy, tz = nz - rise * uz;
         CORNERS_ALONG(n, tx, ty, tz)
         float turned = AT_MOST(AT_MOST(n0, n1), n2) - (tx * ax + ty * ay + tz * az);
-        here = AT_LEAST(here, turned);
-        bound[i] = here;
+        value = AT_LEAST(value, turned);
+        bound[i] = value;
     }
     return KERNEL_OPEN(bound, limit);
 }
@@ -108,12 +108,12 @@ KERNEL_TARGET uint32_t KERNEL(held_triangles)(const float *restrict block,
     {                                                                                              \
         float at_a = nx * ax + ny * ay + nz * az;                                                  \
         float at_b = nx * bx + ny * by + nz * bz;                                                  \
-        float here = low - AT_LEAST(at_a, at_b);                                                   \
+        float value = low - AT_LEAST(at_a, at_b);                                                  \
         planes->x[i] = nx;                                                                         \
         planes->y[i] = ny;                                                                         \
         planes->z[i] = nz;                                                                         \
         planes->support[i] = low;                                                                  \
-        bound[i] = here;                                                                           \
+        bound[i] = value;                                                                          \
     }
 
 /* The direction is from the segment's point nearest to the box's centre to that centre. */
@@ -149,7 +149,7 @@ KERNEL_TARGET uint32_t KERNEL(boxes)(const float *restrict block,
  * length of the shortest connection. Beside the segment the distance to it is that to its line, which
  * is two-dimensional; beyond an end it is that to the end.
  */
-#define EDGE(px, py, pz, ex, ey, ez)                                                               \
+#define TRY_EDGE(px, py, pz, ex, ey, ez)                                                           \
     {                                                                                              \
         float flat = ey * ey + ez * ez;                                                            \
         float lean = -(py * ey + pz * ez);                                                         \
@@ -161,8 +161,8 @@ KERNEL_TARGET uint32_t KERNEL(boxes)(const float *restrict block,
         float qx = px + t * ex, qy = py + t * ey, qz = pz + t * ez;                                \
         qx = qx - CLAMP(qx, length);                                                               \
         float square = qx * qx + qy * qy + qz * qz;                                                \
-        int nearer = square < least;                                                               \
-        least = nearer ? square : least;                                                           \
+        int nearer = square < min_square;                                                          \
+        min_square = nearer ? square : min_square;                                                 \
         nx = nearer ? qx : nx;                                                                     \
         ny = nearer ? qy : ny;                                                                     \
         nz = nearer ? qz : nz;                                                                     \
@@ -174,12 +174,12 @@ KERNEL_TARGET uint32_t KERNEL(boxes)(const float *restrict block,
      fz * ((px - s) * qy - py * (qx - s)))
 
 /* An edge from (p, q) along (e, f), across the axis: keep the shortest way to it from the axis' line, and its square. */
-#define EDGE_BESIDE(p, q, e, f)                                                                    \
+#define TRY_EDGE_BESIDE(p, q, e, f)                                                                \
     {                                                                                              \
         float t = CLAMP(-(p * e + q * f) / (e * e + f * f), 1.0f);                                 \
         float py = p + t * e, pz = q + t * f, square = py * py + pz * pz;                          \
-        int nearer = square < least;                                                               \
-        least = nearer ? square : least;                                                           \
+        int nearer = square < min_square;                                                          \
+        min_square = nearer ? square : min_square;                                                 \
         y = nearer ? py : y;                                                                       \
         z = nearer ? pz : z;                                                                       \
     }
@@ -199,13 +199,13 @@ KERNEL(triangles_beside)(const float *restrict block, const struct filter_segmen
     for (int i = 0; i < LANES; i++) {
         CORNERS_ALONG(y, yx, yy, yz)
         CORNERS_ALONG(z, zx, zy, zz)
-        float y = 0.0f, z = 0.0f, least = HUGE_VALF;
+        float y = 0.0f, z = 0.0f, min_square = HUGE_VALF;
         y0 -= at_y, y1 -= at_y, y2 -= at_y;
         z0 -= at_z, z1 -= at_z, z2 -= at_z;
-        EDGE_BESIDE(y0, z0, (y1 - y0), (z1 - z0))
-        EDGE_BESIDE(y1, z1, (y2 - y1), (z2 - z1))
-        EDGE_BESIDE(y2, z2, (y0 - y2), (z0 - z2))
-        float unit = PER_ROOT(least);
+        TRY_EDGE_BESIDE(y0, z0, (y1 - y0), (z1 - z0))
+        TRY_EDGE_BESIDE(y1, z1, (y2 - y1), (z2 - z1))
+        TRY_EDGE_BESIDE(y2, z2, (y0 - y2), (z0 - z2))
+        float unit = PER_ROOT(min_square);
         y *= unit;
         z *= unit;
         float nx = y * yx + z * zx, ny = y * yy + z * zy, nz = y * yz + z * zz;
@@ -227,15 +227,15 @@ KERNEL_TARGET uint32_t KERNEL(triangles)(const float *restrict block,
     const float zx = segment->z[0], zy = segment->z[1], zz = segment->z[2];
     const float length = segment->length, limit = segment->limit;
     const float at_x = xx * ax + xy * ay + xz * az;
-    float room[LANES];
+    float to_end[LANES];
 
     for (int i = 0; i < LANES; i++) {
         CORNERS_ALONG(s, xx, xy, xz)
         float before = AT_MOST(AT_MOST(s0, s1), s2) - at_x;
         float behind = length + at_x - AT_LEAST(AT_LEAST(s0, s1), s2);
-        room[i] = AT_MOST(before, behind);
+        to_end[i] = AT_MOST(before, behind);
     }
-    if (!KERNEL_OPEN(room, 0.0f))
+    if (!KERNEL_OPEN(to_end, 0.0f))
         return KERNEL(triangles_beside)(block, segment, planes, bound);
     for (int i = 0; i < LANES; i++) {
         float dx, dy, dz;
@@ -257,10 +257,10 @@ KERNEL_TARGET uint32_t KERNEL(triangles)(const float *restrict block,
         float ex0 = ax1 - ax0, ey0 = ay1 - ay0, ez0 = az1 - az0;
         float ex1 = ax2 - ax1, ey1 = ay2 - ay1, ez1 = az2 - az1;
         float ex2 = ax0 - ax2, ey2 = ay0 - ay2, ez2 = az0 - az2;
-        float nx = 0.0f, ny = 0.0f, nz = 0.0f, least = HUGE_VALF;
-        EDGE(ax0, ay0, az0, ex0, ey0, ez0)
-        EDGE(ax1, ay1, az1, ex1, ey1, ez1)
-        EDGE(ax2, ay2, az2, ex2, ey2, ez2)
+        float nx = 0.0f, ny = 0.0f, nz = 0.0f, min_square = HUGE_VALF;
+        TRY_EDGE(ax0, ay0, az0, ex0, ey0, ez0)
+        TRY_EDGE(ax1, ay1, az1, ex1, ey1, ez1)
+        TRY_EDGE(ax2, ay2, az2, ex2, ey2, ez2)
 
         /* The face counts when the point nearest to its plane projects into it. */
         float fx = ey2 * ez0 - ez2 * ey0, fy = ez2 * ex0 - ex2 * ez0, fz = ex2 * ey0 - ey2 * ex0;
@@ -270,10 +270,10 @@ KERNEL_TARGET uint32_t KERNEL(triangles)(const float *restrict block,
         int inside = (SIDE(ax0, ay0, az0, ax1, ay1, az1) > 0.0f) &
                      (SIDE(ax1, ay1, az1, ax2, ay2, az2) > 0.0f) &
                      (SIDE(ax2, ay2, az2, ax0, ay0, az0) > 0.0f);
-        float turn = above < 0.0f ? -1.0f : 1.0f;
-        nx = inside ? turn * fx : nx;
-        ny = inside ? turn * fy : ny;
-        nz = inside ? turn * fz : nz;
+        float sign = above < 0.0f ? -1.0f : 1.0f;
+        nx = inside ? sign * fx : nx;
+        ny = inside ? sign * fy : ny;
+        nz = inside ? sign * fz : nz;
 
         /* Back into the filter's frame, where the plane stays. */
         float unit = PER_ROOT(nx * nx + ny * ny + nz * nz);
@@ -318,14 +318,14 @@ KERNEL_TARGET uint32_t KERNEL(point_boxes)(const float *restrict block, const fl
 }
 
 /* An edge from p along e, seen from the point: keep the shortest way to it, and its square. */
-#define POINT_EDGE(px, py, pz, ex, ey, ez)                                                         \
+#define TRY_POINT_EDGE(px, py, pz, ex, ey, ez)                                                     \
     {                                                                                              \
         float lean = -(px * ex + py * ey + pz * ez);                                               \
         float t = CLAMP(lean / (ex * ex + ey * ey + ez * ez), 1.0f);                               \
         float qx = px + t * ex, qy = py + t * ey, qz = pz + t * ez;                                \
         float square = qx * qx + qy * qy + qz * qz;                                                \
-        int nearer = square < least;                                                               \
-        least = nearer ? square : least;                                                           \
+        int nearer = square < min_square;                                                          \
+        min_square = nearer ? square : min_square;                                                 \
         nx = nearer ? qx : nx;                                                                     \
         ny = nearer ? qy : ny;                                                                     \
         nz = nearer ? qz : nz;                                                                     \
@@ -367,10 +367,10 @@ KERNEL_TARGET uint32_t KERNEL(point_triangles)(const float *restrict block,
         float ex0 = ax1 - ax0, ey0 = ay1 - ay0, ez0 = az1 - az0;
         float ex1 = ax2 - ax1, ey1 = ay2 - ay1, ez1 = az2 - az1;
         float ex2 = ax0 - ax2, ey2 = ay0 - ay2, ez2 = az0 - az2;
-        float nx = 0.0f, ny = 0.0f, nz = 0.0f, least = HUGE_VALF;
-        POINT_EDGE(ax0, ay0, az0, ex0, ey0, ez0)
-        POINT_EDGE(ax1, ay1, az1, ex1, ey1, ez1)
-        POINT_EDGE(ax2, ay2, az2, ex2, ey2, ez2)
+        float nx = 0.0f, ny = 0.0f, nz = 0.0f, min_square = HUGE_VALF;
+        TRY_POINT_EDGE(ax0, ay0, az0, ex0, ey0, ez0)
+        TRY_POINT_EDGE(ax1, ay1, az1, ex1, ey1, ez1)
+        TRY_POINT_EDGE(ax2, ay2, az2, ex2, ey2, ez2)
 
         float fx = ey2 * ez0 - ez2 * ey0, fy = ez2 * ex0 - ex2 * ez0, fz = ex2 * ey0 - ey2 * ex0;
         int inside = (POINT_SIDE(ax0, ay0, az0, ax1, ay1, az1) > 0.0f) &
@@ -398,10 +398,10 @@ KERNEL_TARGET uint32_t KERNEL(common_boxes)(const float *restrict block, const f
     const float wx = fabsf(nx), wy = fabsf(ny), wz = fabsf(nz);
 
     for (int i = 0; i < LANES; i++) {
-        float here =
+        float value =
             nx * block[i] + ny * block[LANES + i] + nz * block[2 * LANES + i] -
             (wx * block[3 * LANES + i] + wy * block[4 * LANES + i] + wz * block[5 * LANES + i]);
-        low[i] = here;
+        low[i] = value;
     }
     return KERNEL_OPEN(low, beyond);
 }
@@ -413,8 +413,8 @@ KERNEL_TARGET uint32_t KERNEL(common_triangles)(const float *restrict block, con
 
     for (int i = 0; i < LANES; i++) {
         CORNERS_ALONG(n, nx, ny, nz)
-        float here = AT_MOST(AT_MOST(n0, n1), n2);
-        low[i] = here;
+        float value = AT_MOST(AT_MOST(n0, n1), n2);
+        low[i] = value;
     }
     return KERNEL_OPEN(low, beyond);
 }
@@ -465,14 +465,14 @@ KERNEL_TARGET uint32_t KERNEL(swept_boxes)(const float *restrict block,
         float hx = block[3 * LANES + i], hy = block[4 * LANES + i], hz = block[5 * LANES + i];
         AWAY_FROM_HULL(cx, cy, cz)
         ENDS_ALONG(n, nx, ny, nz)
-        float here = nx * cx + ny * cy + nz * cz -
-                     (fabsf(nx) * hx + fabsf(ny) * hy + fabsf(nz) * hz) - HIGHEST_END(n);
+        float value = nx * cx + ny * cy + nz * cz -
+                      (fabsf(nx) * hx + fabsf(ny) * hy + fabsf(nz) * hz) - HIGHEST_END(n);
         float at = zx * cx + zy * cy + zz * cz;
         float half = fabsf(zx) * hx + fabsf(zy) * hy + fabsf(zz) * hz;
         float above = at - half - z_high, below = z_low - (at + half);
         float across = AT_LEAST(above, below);
-        here = AT_LEAST(here, across);
-        bound[i] = here;
+        value = AT_LEAST(value, across);
+        bound[i] = value;
     }
     return KERNEL_OPEN(bound, limit);
 }
@@ -492,7 +492,7 @@ KERNEL_TARGET uint32_t KERNEL(swept_triangles)(const float *restrict block,
         AWAY_FROM_HULL((ax + bx + cx) * third, (ay + by + cy) * third, (az + bz + cz) * third)
         CORNERS_ALONG(n, nx, ny, nz)
         ENDS_ALONG(n, nx, ny, nz)
-        float here = AT_MOST(AT_MOST(n0, n1), n2) - HIGHEST_END(n);
+        float value = AT_MOST(AT_MOST(n0, n1), n2) - HIGHEST_END(n);
 
         CORNERS_ALONG(z, zx, zy, zz)
         float above = AT_MOST(AT_MOST(z0, z1), z2) - z_high;
@@ -511,10 +511,10 @@ KERNEL_TARGET uint32_t KERNEL(swept_triangles)(const float *restrict block,
         float front = AT_MOST(AT_MOST(f0, f1), f2) - HIGHEST_END(f);
         float back = LOWEST_END(f) - AT_LEAST(AT_LEAST(f0, f1), f2);
         float face = AT_LEAST(front, back);
-        here = AT_LEAST(here, across);
+        value = AT_LEAST(value, across);
         face = AT_LEAST(face, across);
-        here = AT_LEAST(here, face);
-        bound[i] = here;
+        value = AT_LEAST(value, face);
+        bound[i] = value;
     }
     return KERNEL_OPEN(bound, limit);
 }

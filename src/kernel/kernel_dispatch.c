@@ -66,7 +66,7 @@ uint32_t dpt_kernel_best(void)
 #define KERNEL_TABLE(set)                                                                          \
     (struct kernel)                                                                                \
     {                                                                                              \
-        dpti_kernel_##set##_held_boxes, dpti_kernel_##set##_held_triangles,                        \
+        dpti_kernel_##set##_cached_boxes, dpti_kernel_##set##_cached_triangles,                    \
             dpti_kernel_##set##_boxes, dpti_kernel_##set##_triangles, dpti_kernel_##set##_better,  \
             dpti_kernel_##set##_common_boxes, dpti_kernel_##set##_common_triangles,                \
             dpti_kernel_##set##_swept_boxes, dpti_kernel_##set##_swept_triangles,                  \

@@ -136,7 +136,7 @@ struct kernel {
 int dpti_kernel_get(uint32_t id, struct kernel *kernel, uint32_t *chosen);
 
 #define KERNEL_DECLARE(set)                                                                        \
-    kernel_cached dpti_kernel_##set##_held_boxes, dpti_kernel_##set##_held_triangles;              \
+    kernel_cached dpti_kernel_##set##_cached_boxes, dpti_kernel_##set##_cached_triangles;          \
     kernel_new_planes dpti_kernel_##set##_boxes, dpti_kernel_##set##_triangles;                    \
     kernel_better dpti_kernel_##set##_better;                                                      \
     kernel_common dpti_kernel_##set##_common_boxes, dpti_kernel_##set##_common_triangles;          \

@@ -6,9 +6,10 @@
  * factors.
  */
 KERNEL_TARGET uint32_t KERNEL(moments)(const float *restrict block, const float *restrict at,
-                                       float most, float *restrict winding, float *restrict doubt)
+                                       float max_error, float *restrict winding,
+                                       float *restrict error_sum)
 {
-    const float ax = at[0], ay = at[1], az = at[2], limit = -most;
+    const float ax = at[0], ay = at[1], az = at[2], limit = -max_error;
     float bound[LANES];
 
     for (int i = 0; i < LANES; i++) {
@@ -26,14 +27,14 @@ KERNEL_TARGET uint32_t KERNEL(moments)(const float *restrict block, const float 
         float along_y = row[12 * LANES] * (yy - 3.0f * zz) + row[13 * LANES] * (xx - zz);
         float along_z = row[15 * LANES] * (3.0f * xx - zz) + row[16 * LANES] * (3.0f * yy - zz);
         float oct = along_x * ex + along_y * ey + along_z * ez + row[17 * LANES] * (ex * ey * ez);
-        float here = (per * per) * (area + per * (quad + per * oct));
+        float turns = (per * per) * (area + per * (quad + per * oct));
 
         float radius = row[19 * LANES], gap = AT_LEAST(distance - radius, 0.0f);
         float error =
             row[18 * LANES] * (distance + 3.0f * gap) * (per * per) * (per * per) / (gap * gap);
-        float counts = error < most ? 1.0f : 0.0f;
-        winding[i] += counts * here;
-        doubt[i] += counts * AT_MOST(error, most);
+        float counts = error < max_error ? 1.0f : 0.0f;
+        winding[i] += counts * turns;
+        error_sum[i] += counts * AT_MOST(error, max_error);
         bound[i] = -error;
     }
     return KERNEL_OPEN(bound, limit);
@@ -74,8 +75,8 @@ KERNEL_TARGET uint32_t KERNEL(angles)(const float *restrict block, const float *
         float size = a * b * c;
         float sides = size + (ax * bx + ay * by + az * bz) * c + (bx * cx + by * cy + bz * cz) * a +
                       (cx * ax + cy * ay + cz * az) * b;
-        float over = sides - KERNEL_ANGLE_OPEN * size;
-        over = nearest > KERNEL_ANGLE_NEAR ? over : 0.0f;
+        float excess = sides - KERNEL_ANGLE_OPEN * size;
+        excess = nearest > KERNEL_ANGLE_NEAR ? excess : 0.0f;
         float height = fabsf(volume);
         float low = AT_MOST(height, sides), high = AT_LEAST(height, sides);
         float t = low / high, w = t * t;
@@ -85,8 +86,8 @@ KERNEL_TARGET uint32_t KERNEL(angles)(const float *restrict block, const float *
              w * (ATAN_1 + w * (ATAN_2 + w * (ATAN_3 + w * (ATAN_4 + w * (ATAN_5 + w * ATAN_6))))));
         angle = height > sides ? 0.25f - angle : angle;
         angle = volume < 0.0f ? -angle : angle;
-        winding[i] += over > 0.0f ? counts[i] * angle : 0.0f;
-        bound[i] = over;
+        winding[i] += excess > 0.0f ? counts[i] * angle : 0.0f;
+        bound[i] = excess;
     }
     return KERNEL_OPEN(bound, 0.0f) & lanes;
 }

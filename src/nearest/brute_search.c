@@ -6,7 +6,7 @@ void dpti_brute_search(const struct surface *surface, vec3 a, vec3 u, struct wor
 {
     for (uint32_t t = 0; t < surface_triangles(surface); t++) {
         pair found = dpti_triangle_pair(surface, t, a, u);
-        pair_search_take(surface, t, &found, nearest);
+        pair_search_improve(surface, t, &found, nearest);
     }
     work_spend(work, surface->mesh->leaves);
 }

@@ -13,8 +13,8 @@ struct path_entry {
     float bound[LANES];
     uint32_t lanes;
     uint32_t node;
-    uint32_t found; /* something below it was open to the end */
-    float least;    /* a bound of all of it, from the nodes above */
+    uint32_t has_open; /* something below it was open to the end */
+    float lower_bound; /* a bound of all of it, from the nodes above */
 };
 
 /* Where a search stands: a path of nodes from the root down to `at`. */
@@ -36,7 +36,7 @@ void dpti_bvh_search(const struct surface *surface, const struct kernel *kernel,
 
 /*
  * The same in pieces: 1 when it is done, and the walk is not begun again; 0 when the work was spent.
- * The next call goes on there, at the same place of the axis, or after dpti_traversal_drift.
+ * The next call goes on there, at the same place of the axis, or after dpti_bvh_weaken_bounds.
  */
 int dpti_bvh_traverse(const struct surface *surface, const struct kernel *kernel,
                       const struct plane_cache_view *cache, vec3 a, vec3 u, double slack,
@@ -44,12 +44,12 @@ int dpti_bvh_traverse(const struct surface *surface, const struct kernel *kernel
                       struct pair_search *nearest);
 
 /* The ends of the axis, that now is a + s u, moved by at most `motion` since the walk stopped. */
-void dpti_traversal_drift(struct bvh_traversal *traversal, const struct surface *surface,
-                          double motion);
+void dpti_bvh_weaken_bounds(struct bvh_traversal *traversal, const struct surface *surface,
+                            double motion);
 
 /* A lower bound of the axis' distance to all that a walk that has begun has not yet visited. */
-double dpti_traversal_lower_bound(const struct bvh_traversal *traversal,
-                                  const struct surface *surface, vec3 a, vec3 u);
+double dpti_bvh_unvisited_bound(const struct bvh_traversal *traversal,
+                                const struct surface *surface, vec3 a, vec3 u);
 
 /* The same over every triangle, in double, without a filter; never stops early. */
 void dpti_brute_search(const struct surface *surface, vec3 a, vec3 u, struct work *work,

@@ -12,8 +12,8 @@
 /* A node's 16 planes, empty unless they are its own. */
 struct cached_planes {
     struct plane_block *block; /* NULL: nothing is kept */
-    uint32_t number;           /* of the node */
-    int empty;
+    uint32_t node;             /* of the node */
+    int is_empty;
 };
 
 struct bvh_search {
@@ -27,33 +27,33 @@ struct bvh_search {
     struct filter_segment segment;
     int has_frame; /* the probe's y and z, made when first needed */
     int has_plane;
-    struct bvh_traversal *walk;
+    struct bvh_traversal *traversal;
 };
 
 /* With one block left to look at, what is kept is left alone. */
-static inline struct cached_planes bvh_planes_of(const struct bvh_search *search, uint32_t number)
+static inline struct cached_planes bvh_cached_planes(const struct bvh_search *search, uint32_t node)
 {
     const struct plane_cache_view *cache = &search->cache;
-    struct plane_block *block =
-        work_left(search->work) > 1 ? plane_cache_block(cache, number) : NULL;
-    int empty = !block || block->key != plane_cache_key(cache, number);
-    if (!empty && cache->anew)
-        return (struct cached_planes){ NULL, number, 1 };
-    return (struct cached_planes){ block, number, empty };
+    struct plane_block *block = work_left(search->work) > 1 ? plane_cache_block(cache, node) : NULL;
+    int is_empty = !block || block->key != plane_cache_key(cache, node);
+    if (!is_empty && cache->is_write_only)
+        return (struct cached_planes){ NULL, node, 1 };
+    return (struct cached_planes){ block, node, is_empty };
 }
 
 /* By now. */
-static inline int bvh_is_own(const struct bvh_search *search, const struct cached_planes *cached)
+static inline int bvh_owns_block(const struct bvh_search *search,
+                                 const struct cached_planes *cached)
 {
-    return cached->block && cached->block->key == plane_cache_key(&search->cache, cached->number);
+    return cached->block && cached->block->key == plane_cache_key(&search->cache, cached->node);
 }
 
-static inline uint32_t bvh_look_at_planes(struct bvh_search *search, kernel_cached *held,
-                                          const float *rows, const struct cached_planes *cached,
-                                          float *bound)
+static inline uint32_t bvh_test_planes(struct bvh_search *search, kernel_cached *test,
+                                       const float *rows, const struct cached_planes *cached,
+                                       float *bound)
 {
     work_spend(search->work, 1);
-    return held(rows, &search->segment, &cached->block->planes, bound);
+    return test(rows, &search->segment, &cached->block->planes, bound);
 }
 
 /*
@@ -61,8 +61,8 @@ static inline uint32_t bvh_look_at_planes(struct bvh_search *search, kernel_cach
  * pair rules out. `wanted`: where that plane rules out all of them, the parent is to have it.
  */
 uint32_t dpti_bvh_open_triangles(struct bvh_search *search, uint32_t leaf,
-                                 const struct cached_planes *cached, uint32_t lanes, int wanted,
-                                 float *bound);
+                                 const struct cached_planes *cached, uint32_t lanes,
+                                 int parent_needs_plane, float *bound);
 
 /* A triangle was evaluated and is farther: the plane across its own connection is the best there is. */
 void dpti_bvh_close_triangle(const struct bvh_search *search, uint32_t leaf, uint32_t lane,
@@ -76,7 +76,7 @@ uint32_t dpti_bvh_close_boxes(struct bvh_search *search, uint32_t level, uint32_
  * A node or leaf, the child of a lane of a node of this level, was looked into and nothing in it was open: that
  * lane's plane is lost, or was too weak. Try another; after each failure wait longer. `block` is the child's own.
  */
-void dpti_bvh_close_whole(struct bvh_search *search, struct plane_block *block, uint32_t level,
-                          uint32_t child);
+void dpti_bvh_close_in_parent(struct bvh_search *search, struct plane_block *block, uint32_t level,
+                              uint32_t child);
 
 #endif

@@ -25,7 +25,8 @@ static void set_limit(struct bvh_search *search)
 }
 
 /* Of these triangles, from `first` on, those of which nothing is known. */
-static uint32_t unknown_triangles(const struct pair_search *nearest, uint32_t first, uint32_t lanes)
+static uint32_t untested_triangles(const struct pair_search *nearest, uint32_t first,
+                                   uint32_t lanes)
 {
     if (nearest->triangle - first < LANES)
         lanes &= ~(1u << (nearest->triangle - first));
@@ -35,20 +36,20 @@ static uint32_t unknown_triangles(const struct pair_search *nearest, uint32_t fi
     return lanes;
 }
 
-static void look_into_leaf(struct bvh_search *search, uint32_t leaf)
+static void visit_leaf(struct bvh_search *search, uint32_t leaf)
 {
     float bound[LANES];
     const struct surface *surface = search->surface;
     uint32_t first = leaf * LANES;
     uint32_t all = lanes_of(surface_triangles(surface) - first);
-    uint32_t lanes = unknown_triangles(search->nearest, first, all);
-    struct cached_planes cached = bvh_planes_of(search, leaf);
-    int near = lanes != all;
-    lanes = dpti_bvh_open_triangles(search, leaf, &cached, lanes, !near, bound);
-    if (lanes || near)
-        search->walk->path[1].found = 1;
-    else if (bvh_is_own(search, &cached))
-        dpti_bvh_close_whole(search, cached.block, 1, leaf);
+    uint32_t lanes = untested_triangles(search->nearest, first, all);
+    struct cached_planes cached = bvh_cached_planes(search, leaf);
+    int has_tested = lanes != all;
+    lanes = dpti_bvh_open_triangles(search, leaf, &cached, lanes, !has_tested, bound);
+    if (lanes || has_tested)
+        search->traversal->path[1].has_open = 1;
+    else if (bvh_owns_block(search, &cached))
+        dpti_bvh_close_in_parent(search, cached.block, 1, leaf);
     while (lanes) {
         uint32_t lane = lowest_lane(bound, lanes);
         lanes &= ~(1u << lane);
@@ -58,7 +59,7 @@ static void look_into_leaf(struct bvh_search *search, uint32_t leaf)
             dpti_triangle_is_beyond(surface, &search->nearest->plane, first + lane))
             continue;
         pair found = dpti_triangle_pair(surface, first + lane, search->a, search->u);
-        if (pair_search_take(surface, first + lane, &found, search->nearest))
+        if (pair_search_improve(surface, first + lane, &found, search->nearest))
             set_limit(search);
         else
             dpti_bvh_close_triangle(search, leaf, lane, &found);
@@ -66,39 +67,38 @@ static void look_into_leaf(struct bvh_search *search, uint32_t leaf)
 }
 
 /* Its parent learns what was found. */
-static void leave_boxes(struct bvh_search *search, struct plane_block *block, uint32_t level)
+static void leave_node(struct bvh_search *search, struct plane_block *block, uint32_t level)
 {
-    const struct path_entry *entry = &search->walk->path[level];
+    const struct path_entry *entry = &search->traversal->path[level];
     if (level == search->surface->levels)
         return;
-    if (entry->found)
-        search->walk->path[level + 1].found = 1;
+    if (entry->has_open)
+        search->traversal->path[level + 1].has_open = 1;
     else if (block)
-        dpti_bvh_close_whole(search, block, level + 1, entry->node);
+        dpti_bvh_close_in_parent(search, block, level + 1, entry->node);
 }
 
 /* Look at all children but those of the lanes `but`, which are looked into anyway. 0: nothing is left to look into. */
-static int look_into_boxes(struct bvh_search *search, uint32_t level, uint32_t node, uint32_t but)
+static int visit_node(struct bvh_search *search, uint32_t level, uint32_t node, uint32_t path_lanes)
 {
-    struct path_entry *entry = &search->walk->path[level];
+    struct path_entry *entry = &search->traversal->path[level];
     const struct surface *surface = search->surface;
     const float *rows = surface->level[level] + (size_t)node * MESH_BOX_WORDS;
-    struct cached_planes cached = bvh_planes_of(search, surface->first[level] + node);
-    uint32_t lanes = lanes_of(surface->count[level - 1] - node * LANES) & ~but;
-    if (!cached.empty)
-        lanes &=
-            bvh_look_at_planes(search, search->kernel->cached_boxes, rows, &cached, entry->bound);
-    if (cached.empty || lanes & ~cached.block->open)
+    struct cached_planes cached = bvh_cached_planes(search, surface->first[level] + node);
+    uint32_t lanes = lanes_of(surface->count[level - 1] - node * LANES) & ~path_lanes;
+    if (!cached.is_empty)
+        lanes &= bvh_test_planes(search, search->kernel->cached_boxes, rows, &cached, entry->bound);
+    if (cached.is_empty || lanes & ~cached.block->open)
         lanes = dpti_bvh_close_boxes(search, level, node, &cached, lanes, entry->bound);
     if (cached.block)
-        cached.block->open = lanes | but;
+        cached.block->open = lanes | path_lanes;
     entry->node = node;
     entry->lanes = lanes;
-    entry->found = but != 0;
-    entry->least = 0.0f;
-    if (lanes | but)
+    entry->has_open = path_lanes != 0;
+    entry->lower_bound = 0.0f;
+    if (lanes | path_lanes)
         return 1;
-    leave_boxes(search, cached.block, level);
+    leave_node(search, cached.block, level);
     return 0;
 }
 
@@ -106,18 +106,18 @@ static int look_into_boxes(struct bvh_search *search, uint32_t level, uint32_t n
  * Where the search begins: at the root; or, where the best triangle is that of a known tick, at its leaf, with all
  * nodes above it already looked at. No plane could close the way to it.
  */
-static uint32_t begin(struct bvh_search *search)
+static uint32_t begin_traversal(struct bvh_search *search)
 {
-    uint32_t level = search->surface->levels, known = search->nearest->triangle;
-    if (!search->cache.count || search->cache.anew || search->slack == 0.0 || known == DPT_NONE ||
-        work_left(search->work) < 4 * (level + 1)) {
-        return look_into_boxes(search, level, 0, 0) ? level : level + 1;
+    uint32_t level = search->surface->levels, best = search->nearest->triangle;
+    if (!search->cache.count || search->cache.is_write_only || search->slack == 0.0 ||
+        best == DPT_NONE || work_left(search->work) < 4 * (level + 1)) {
+        return visit_node(search, level, 0, 0) ? level : level + 1;
     }
     for (; level >= 1; level--) {
-        uint32_t child = known >> 4 * level;
-        look_into_boxes(search, level, child / LANES, 1u << child % LANES);
+        uint32_t child = best >> 4 * level;
+        visit_node(search, level, child / LANES, 1u << child % LANES);
     }
-    look_into_leaf(search, known / LANES);
+    visit_leaf(search, best / LANES);
     return 1;
 }
 
@@ -128,14 +128,14 @@ static uint32_t begin(struct bvh_search *search)
  */
 static uint32_t next_lane(const struct bvh_search *search, const struct path_entry *entry)
 {
-    uint32_t many = entry->lanes;
+    uint32_t beyond_four = entry->lanes;
     for (int i = 0; i < 4; i++)
-        many &= many - 1;
-    int any = !many && search->slack > 0.0 && !search->cache.anew;
-    return any ? first_lane(entry->lanes) : lowest_lane(entry->bound, entry->lanes);
+        beyond_four &= beyond_four - 1;
+    int takes_first = !beyond_four && search->slack > 0.0 && !search->cache.is_write_only;
+    return takes_first ? first_lane(entry->lanes) : lowest_lane(entry->bound, entry->lanes);
 }
 
-static int meets(const struct pair_search *nearest)
+static int is_touching(const struct pair_search *nearest)
 {
     return nearest->pair.distance2 == 0.0 && nearest->triangle != DPT_NONE;
 }
@@ -155,40 +155,41 @@ int dpti_bvh_traverse(const struct surface *surface, const struct kernel *kernel
     search.slack = slack;
     search.work = work;
     search.has_frame = 0;
-    search.walk = traversal;
+    search.traversal = traversal;
     search.x = filter_segment_set_axis(&search.segment, surface, a, u);
     set_limit(&search);
     uint32_t level = traversal->depth;
     if (!level && !work_is_spent(search.work))
-        level = begin(&search);
-    while (level && level <= surface->levels && !meets(nearest)) {
+        level = begin_traversal(&search);
+    while (level && level <= surface->levels && !is_touching(nearest)) {
         struct path_entry *entry = &traversal->path[level];
         if (!entry->lanes) {
-            leave_boxes(&search,
-                        plane_cache_own_block(&search.cache, surface->first[level] + entry->node),
-                        level);
+            leave_node(&search,
+                       plane_cache_own_block(&search.cache, surface->first[level] + entry->node),
+                       level);
             level++;
             continue;
         }
         uint32_t lane = next_lane(&search, entry);
-        int closed = entry->bound[lane] > search.segment.limit;
-        if (!closed && work_is_spent(search.work))
+        int is_closed = entry->bound[lane] > search.segment.limit;
+        if (!is_closed && work_is_spent(search.work))
             break;
         entry->lanes &= ~(1u << lane);
-        if (closed)
+        if (is_closed)
             continue;
         uint32_t child = entry->node * LANES + lane;
         if (level == 1) {
-            look_into_leaf(&search, child);
+            visit_leaf(&search, child);
         } else {
-            float least = entry->bound[lane] > entry->least ? entry->bound[lane] : entry->least;
-            if (look_into_boxes(&search, level - 1, child, 0))
-                traversal->path[--level].least = least;
+            float lower_bound =
+                entry->bound[lane] > entry->lower_bound ? entry->bound[lane] : entry->lower_bound;
+            if (visit_node(&search, level - 1, child, 0))
+                traversal->path[--level].lower_bound = lower_bound;
         }
     }
-    int done = level > surface->levels || meets(nearest);
-    traversal->depth = done ? 0 : level;
-    return done;
+    int is_done = level > surface->levels || is_touching(nearest);
+    traversal->depth = is_done ? 0 : level;
+    return is_done;
 }
 
 void dpti_bvh_search(const struct surface *surface, const struct kernel *kernel,
@@ -201,34 +202,35 @@ void dpti_bvh_search(const struct surface *surface, const struct kernel *kernel,
 }
 
 /* That a margin grows with the ends, and rounding here, is in the factors. */
-void dpti_traversal_drift(struct bvh_traversal *traversal, const struct surface *surface,
-                          double motion)
+void dpti_bvh_weaken_bounds(struct bvh_traversal *traversal, const struct surface *surface,
+                            double motion)
 {
     float drop = (float)(motion * surface->filter_scale * (1.0 + 0x1p-16));
-    for (uint32_t l = traversal->depth; l && l <= surface->levels; l++) {
-        float *bound = traversal->path[l].bound;
-        traversal->path[l].least -= drop + 0x1p-22f * fabsf(traversal->path[l].least);
+    for (uint32_t level = traversal->depth; level && level <= surface->levels; level++) {
+        float *bound = traversal->path[level].bound;
+        traversal->path[level].lower_bound -=
+            drop + 0x1p-22f * fabsf(traversal->path[level].lower_bound);
         for (int i = 0; i < LANES; i++)
             bound[i] = bound[i] - drop - 0x1p-22f * fabsf(bound[i]);
     }
 }
 
-double dpti_traversal_lower_bound(const struct bvh_traversal *traversal,
-                                  const struct surface *surface, vec3 a, vec3 u)
+double dpti_bvh_unvisited_bound(const struct bvh_traversal *traversal,
+                                const struct surface *surface, vec3 a, vec3 u)
 {
     struct filter_segment segment;
     filter_segment_set_axis(&segment, surface, a, u);
-    double least = HUGE_VAL;
-    for (uint32_t l = traversal->depth; l <= surface->levels; l++) {
-        const struct path_entry *entry = &traversal->path[l];
+    double min_bound = HUGE_VAL;
+    for (uint32_t level = traversal->depth; level <= surface->levels; level++) {
+        const struct path_entry *entry = &traversal->path[level];
         if (!entry->lanes)
             continue;
         double bound = entry->bound[lowest_lane(entry->bound, entry->lanes)];
-        bound = max_of(entry->least, bound);
-        double ahead = bound * (1.0 - KERNEL_STRETCH) - segment.margin;
-        if (!(ahead > 0.0))
+        bound = max_of(entry->lower_bound, bound);
+        double distance = bound * (1.0 - KERNEL_STRETCH) - segment.margin;
+        if (!(distance > 0.0))
             return 0.0;
-        least = min_of(least, ahead);
+        min_bound = min_of(min_bound, distance);
     }
-    return least / surface->filter_scale;
+    return min_bound / surface->filter_scale;
 }

@@ -24,7 +24,7 @@ void dpti_track_once(const struct surface *surface, const struct kernel *kernel,
 }
 
 /* At most so many triangles around a vertex are tried: hubs have thousands. */
-enum { SLIDE_FAN = 16 };
+enum { FAN_TRIED_MAX = 16 };
 
 /* What is not noted is asked again. */
 static void exclude_triangle(struct pair_search *nearest, uint32_t triangle)
@@ -59,7 +59,7 @@ static int try_fan(const struct surface *surface, const struct axis *axis, uint3
 {
     const uint32_t *first, *fans = surface_fans(surface, &first);
     uint32_t begin = first[vertex], end = first[vertex + 1];
-    end = end - begin > SLIDE_FAN ? begin + SLIDE_FAN : end;
+    end = end - begin > FAN_TRIED_MAX ? begin + FAN_TRIED_MAX : end;
     for (uint32_t i = begin; i < end; i++)
         if (try_neighbour(surface, axis, fans[i], nearest))
             return 1;
@@ -69,8 +69,8 @@ static int try_fan(const struct surface *surface, const struct axis *axis, uint3
 void dpti_track_descend(const struct surface *surface, const struct axis *axis, struct work *work,
                         struct pair_search *nearest)
 {
-    int moved = 1;
-    while (moved && nearest->pair.distance2 > 0.0 && !work_is_spent(work)) {
+    int has_moved = 1;
+    while (has_moved && nearest->pair.distance2 > 0.0 && !work_is_spent(work)) {
         const double *weight = nearest->pair.weight;
         size_t here = nearest->triangle;
         int zeros = (weight[0] <= 0.0) + (weight[1] <= 0.0) + (weight[2] <= 0.0);
@@ -81,11 +81,11 @@ void dpti_track_descend(const struct surface *surface, const struct axis *axis, 
         work_spend(work, 1);
         if (zeros == 1) {
             uint32_t edge = weight[0] <= 0.0 ? 1 : weight[1] <= 0.0 ? 2 : 0;
-            uint32_t other = surface_neighbours(surface)[3 * here + edge];
-            moved = try_neighbour(surface, axis, other, nearest);
+            uint32_t neighbour = surface_neighbours(surface)[3 * here + edge];
+            has_moved = try_neighbour(surface, axis, neighbour, nearest);
         } else {
             uint32_t corner = weight[0] > 0.0 ? 0 : weight[1] > 0.0 ? 1 : 2;
-            moved = try_fan(surface, axis, surface->corners[3 * here + corner], nearest);
+            has_moved = try_fan(surface, axis, surface->corners[3 * here + corner], nearest);
         }
     }
 }
@@ -94,31 +94,31 @@ void dpti_track_descend(const struct surface *surface, const struct axis *axis, 
  * From a triangle over the edge beside which the axis goes through its plane, and on, to one that the axis goes
  * through: 1. No distance is computed on the way.
  */
-static int walk_through(const struct surface *surface, const struct axis *axis, uint32_t triangle,
+static int find_crossed(const struct surface *surface, const struct axis *axis, uint32_t triangle,
                         struct work *work, struct pair_search *nearest)
 {
-    enum { WALK_MAX = 8 };
+    enum { CROSSED_TRIED_MAX = 8 };
     const uint32_t *neighbours = surface_neighbours(surface);
-    for (int i = 0; i < WALK_MAX && triangle < surface_triangles(surface); i++) {
+    for (int i = 0; i < CROSSED_TRIED_MAX && triangle < surface_triangles(surface); i++) {
         __builtin_prefetch(&neighbours[3 * (size_t)triangle]);
         __builtin_prefetch(&surface->sources[triangle]);
         struct pierce pierce = triangle_pierce(surface, triangle, axis->local_a, axis->u);
-        int misses = pierce_misses(&pierce);
+        int is_beside = pierce_misses(&pierce);
         pair found;
-        if (!misses && !pair_on_pierced(&found, &pierce))
+        if (!is_beside && !pair_on_pierced(&found, &pierce))
             found = dpti_triangle_pair(surface, triangle, axis->local_a,
                                        axis->u); /* a sliver, perhaps */
-        if (!misses && found.distance2 == 0.0) {
+        if (!is_beside && found.distance2 == 0.0) {
             nearest->pair = found;
             nearest->triangle = triangle;
             return 1;
         }
-        if (!misses || work_is_spent(work))
+        if (!is_beside || work_is_spent(work))
             return 0;
         const double *side = pierce.side;
-        uint32_t least = side[0] < side[1] ? 0u : 1u;
-        least = side[2] < side[least] ? 2 : least;
-        triangle = neighbours[3 * (size_t)triangle + (least + 1) % 3];
+        uint32_t edge_passed = side[0] < side[1] ? 0u : 1u;
+        edge_passed = side[2] < side[edge_passed] ? 2 : edge_passed;
+        triangle = neighbours[3 * (size_t)triangle + (edge_passed + 1) % 3];
         work_spend(work, 1);
     }
     return 0;
@@ -131,13 +131,13 @@ void dpti_track_begin(struct track *track, const struct surface *surface, uint32
     const struct axis *axis = &track->axis;
     nearest->pair.distance2 = limit2;
     nearest->triangle = DPT_NONE;
-    nearest->excluded_count = nearest->plane_of = 0;
+    nearest->excluded_count = nearest->plane_owner = 0;
     track->last = last;
     if (last == DPT_NONE && limit2 < HUGE_VAL)
         return;
     uint32_t triangle = last == DPT_NONE ? 0 : last;
     if (mode == TRACK_CROSSED && last != DPT_NONE &&
-        walk_through(surface, axis, last, work, nearest)) {
+        find_crossed(surface, axis, last, work, nearest)) {
         track->last_pair = (pair){ .distance2 = HUGE_VAL };
         return;
     }

@@ -33,8 +33,8 @@ static inline vec3 filter_segment_set_axis(struct filter_segment *segment,
 static inline void filter_segment_set_frame(struct filter_segment *segment, vec3 x)
 {
     double ax = fabs(x.x), ay = fabs(x.y), az = fabs(x.z);
-    vec3 least = { ax <= ay && ax <= az, ay < ax && ay <= az, az < ax && az < ay };
-    vec3 y = cross(least, x);
+    vec3 thin_axis = { ax <= ay && ax <= az, ay < ax && ay <= az, az < ax && az < ay };
+    vec3 y = cross(thin_axis, x);
     y = scaled(y, 1.0 / length(y));
     put_float(y, segment->y);
     put_float(cross(x, y), segment->z);

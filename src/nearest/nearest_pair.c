@@ -22,7 +22,7 @@ void dpti_triangle_point_pair(const struct surface *surface, uint32_t triangle, 
 void dpti_pair_search_update_plane(struct pair_search *nearest, vec3 a, vec3 u, double slack)
 {
     const pair *found = &nearest->pair;
-    if (nearest->plane_of == nearest->triangle + 1)
+    if (nearest->plane_owner == nearest->triangle + 1)
         return;
     vec3 normal = scaled(found->gap, -1.0 / sqrt(found->distance2));
     double rise = dot(normal, u), uu = dot(u, u);
@@ -32,7 +32,7 @@ void dpti_pair_search_update_plane(struct pair_search *nearest, vec3 a, vec3 u, 
         rise = min_of(rise, 0.0);
     nearest->plane = (struct best_plane){ normal, sub(along(a, found->s, u), found->gap),
                                           uu > 0.0 ? rise * rise / uu : 0.0, slack };
-    nearest->plane_of = nearest->triangle + 1;
+    nearest->plane_owner = nearest->triangle + 1;
 }
 
 /* height >= lean |c - at| - slack is concave along a triangle: where its corners hold it, all of it does. */
@@ -40,13 +40,13 @@ int dpti_triangle_is_beyond(const struct surface *surface, const struct best_pla
                             uint32_t triangle)
 {
     const uint32_t *corner = surface->corners + 3 * (size_t)triangle;
-    int beyond = 1;
+    int is_beyond = 1;
     for (int k = 0; k < 3; k++) {
-        vec3 c = sub(vec3_of_float(surface->positions + 3 * (size_t)corner[k]), plane->at);
-        double height = dot(plane->normal, c) + plane->slack;
-        beyond &= (height >= 0.0) & (height * height >= plane->lean2 * dot(c, c));
+        vec3 from_q = sub(vec3_of_float(surface->positions + 3 * (size_t)corner[k]), plane->q);
+        double height = dot(plane->normal, from_q) + plane->slack;
+        is_beyond &= (height >= 0.0) & (height * height >= plane->lean2 * dot(from_q, from_q));
     }
-    return beyond;
+    return is_beyond;
 }
 
 int dpti_pair_search_try_point(const struct surface *surface, uint32_t triangle, vec3 x,
@@ -54,5 +54,5 @@ int dpti_pair_search_try_point(const struct surface *surface, uint32_t triangle,
 {
     pair found;
     dpti_triangle_point_pair(surface, triangle, x, &found);
-    return pair_search_take(surface, triangle, &found, nearest);
+    return pair_search_improve(surface, triangle, &found, nearest);
 }

@@ -26,7 +26,7 @@
  */
 struct best_plane {
     vec3 normal;  /* unit, away from the axis */
-    vec3 at;      /* the pair's point on the mesh */
+    vec3 q;       /* the pair's point on the mesh */
     double lean2; /* square of the axis' rise along the normal, per length */
     double slack;
 };
@@ -35,7 +35,8 @@ struct best_plane {
 struct pair_search {
     pair pair;         /* in the mesh's frame */
     uint32_t triangle; /* place in the mesh, or DPT_NONE */
-    uint32_t plane_of; /* the triangle, from 1, to whose pair the front belongs; 0: there is none */
+    uint32_t
+        plane_owner; /* the triangle, from 1, to whose pair the front belongs; 0: there is none */
     struct best_plane plane;
     uint32_t excluded_count;
     uint32_t
@@ -46,7 +47,7 @@ struct pair_search {
 static inline void pair_search_begin(struct pair_search *nearest, uint32_t triangle)
 {
     nearest->triangle = triangle;
-    nearest->plane_of = nearest->excluded_count = 0;
+    nearest->plane_owner = nearest->excluded_count = 0;
 }
 
 /*
@@ -78,8 +79,8 @@ static inline struct pierce triangle_pierce(const struct surface *surface, uint3
 }
 
 /* As near, the lower source number wins: the same answer in whatever order triangles are tried. 1: the pair is taken. */
-static inline int pair_search_take(const struct surface *surface, uint32_t triangle,
-                                   const pair *found, struct pair_search *nearest)
+static inline int pair_search_improve(const struct surface *surface, uint32_t triangle,
+                                      const pair *found, struct pair_search *nearest)
 {
     if (found->distance2 > nearest->pair.distance2 ||
         (found->distance2 == nearest->pair.distance2 && nearest->triangle != DPT_NONE &&

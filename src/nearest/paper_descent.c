@@ -15,12 +15,12 @@ struct descent {
     struct pair_search *best;
     struct work *work;
     vec3 a, u;
-    const uint32_t *here; /* corners of the triangle that is left */
-    int shared;           /* vertices that the best has in common with it */
-    struct filter_segment probe;
-    uint32_t count; /* triangles in the block, and their places */
-    uint32_t place[LANES];
-    float rows[MESH_LEAF_WORDS];
+    const uint32_t *from_corners; /* corners of the triangle that is left */
+    int shared;                   /* vertices that the best has in common with it */
+    struct filter_segment segment;
+    uint32_t block_count; /* triangles in the block, and their places */
+    uint32_t block_places[LANES];
+    float block_rows[MESH_LEAF_WORDS];
 };
 
 static void try_neighbour(struct descent *d, uint32_t neighbour)
@@ -30,7 +30,7 @@ static void try_neighbour(struct descent *d, uint32_t neighbour)
     pair found = dpti_triangle_pair(surface, neighbour, d->a, d->u);
     if (found.distance2 > best->pair.distance2)
         return;
-    int shared = shared_corners(d->here, 3, surface->corners + 3 * (size_t)neighbour);
+    int shared = shared_corners(d->from_corners, 3, surface->corners + 3 * (size_t)neighbour);
     if (found.distance2 == best->pair.distance2) {
         if (shared < d->shared)
             return;
@@ -40,7 +40,7 @@ static void try_neighbour(struct descent *d, uint32_t neighbour)
     best->pair = found;
     best->triangle = neighbour;
     d->shared = shared;
-    filter_segment_set_limit(&d->probe, surface, sqrt(found.distance2));
+    filter_segment_set_limit(&d->segment, surface, sqrt(found.distance2));
 }
 
 /* Lanes from `count` on hold what was there before: kernels read them, no one asks for their bounds. */
@@ -48,16 +48,16 @@ static void try_block(struct descent *d)
 {
     struct planes planes;
     float bound[LANES];
-    uint32_t lanes = (1u << d->count) - 1;
-    lanes &= d->kernel->triangles(d->rows, &d->probe, &planes, bound);
+    uint32_t lanes = (1u << d->block_count) - 1;
+    lanes &= d->kernel->triangles(d->block_rows, &d->segment, &planes, bound);
     work_spend(d->work, 1);
-    d->count = 0;
+    d->block_count = 0;
     while (lanes) {
         uint32_t lane = lowest_lane(bound, lanes);
         lanes &= ~(1u << lane);
-        if (bound[lane] > d->probe.limit)
+        if (bound[lane] > d->segment.limit)
             return;
-        try_neighbour(d, d->place[lane]);
+        try_neighbour(d, d->block_places[lane]);
     }
 }
 
@@ -65,30 +65,30 @@ static void put_neighbour(struct descent *d, uint32_t neighbour)
 {
     const float *leaf = d->surface->leaves + (size_t)(neighbour / LANES) * MESH_LEAF_WORDS;
     for (uint32_t row = 0; row < MESH_LEAF_WORDS; row += LANES)
-        d->rows[row + d->count] = leaf[row + neighbour % LANES];
-    d->place[d->count++] = neighbour;
-    if (d->count == LANES)
+        d->block_rows[row + d->block_count] = leaf[row + neighbour % LANES];
+    d->block_places[d->block_count++] = neighbour;
+    if (d->block_count == LANES)
         try_block(d);
 }
 
 /* To the nearest neighbour, if it is nearer: 1. Nothing is nearer than a triangle that the axis crosses. */
-static int move(struct descent *d)
+static int move_to_nearest(struct descent *d)
 {
     const uint32_t *first, *fans = surface_fans(d->surface, &first);
     uint32_t from = d->best->triangle;
-    const uint32_t *here = d->surface->corners + 3 * (size_t)from;
+    const uint32_t *from_corners = d->surface->corners + 3 * (size_t)from;
     if (d->best->pair.distance2 == 0.0)
         return 0;
-    d->here = here;
+    d->from_corners = from_corners;
     d->shared = 4; /* to stay wins every tie */
     for (int k = 0; k < 3; k++)
-        for (uint32_t i = first[here[k]]; i < first[here[k] + 1]; i++) {
-            const uint32_t *there = d->surface->corners + 3 * (size_t)fans[i];
-            if (fans[i] == from || shared_corners(here, k, there))
+        for (uint32_t i = first[from_corners[k]]; i < first[from_corners[k] + 1]; i++) {
+            const uint32_t *corners = d->surface->corners + 3 * (size_t)fans[i];
+            if (fans[i] == from || shared_corners(from_corners, k, corners))
                 continue; /* itself, or met in the fan of an earlier corner */
             put_neighbour(d, fans[i]);
         }
-    if (d->count)
+    if (d->block_count)
         try_block(d);
     return d->best->triangle != from;
 }
@@ -106,10 +106,10 @@ void dpti_paper_descend(const struct surface *surface, const struct kernel *kern
     d.work = work;
     d.a = a;
     d.u = u;
-    d.count = 0;
-    memset(d.rows, 0, sizeof d.rows);
-    filter_segment_set_frame(&d.probe, filter_segment_set_axis(&d.probe, surface, a, u));
-    filter_segment_set_limit(&d.probe, surface, sqrt(nearest->pair.distance2));
-    while (move(&d) && !one_step)
+    d.block_count = 0;
+    memset(d.block_rows, 0, sizeof d.block_rows);
+    filter_segment_set_frame(&d.segment, filter_segment_set_axis(&d.segment, surface, a, u));
+    filter_segment_set_limit(&d.segment, surface, sqrt(nearest->pair.distance2));
+    while (move_to_nearest(&d) && !one_step)
         ;
 }

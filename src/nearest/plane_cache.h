@@ -13,9 +13,10 @@
 #include "kernel/kernel_ops.h"
 
 struct plane_block {
-    uint64_t key;         /* whose it is: owner << 32 | node; 0 is nobody's */
-    uint32_t open;        /* lanes that new planes did not close when they were last made */
-    uint16_t wait, pause; /* visits until one plane for all of it is tried again; the next wait */
+    uint64_t key;  /* whose it is: owner << 32 | node; 0 is nobody's */
+    uint32_t open; /* lanes that new planes did not close when they were last made */
+    uint16_t retry_after,
+        retry_interval; /* visits until one plane for all of it is tried again; the next wait */
     struct planes planes;
 };
 
@@ -30,16 +31,16 @@ struct plane_cache_view {
     struct plane_block *blocks;
     uint32_t count; /* of blocks; 0: nothing is kept */
     uint32_t owner;
-    uint32_t first; /* the block of its node 0 */
-    int anew;       /* planes are made and kept, but those of before are not asked */
+    uint32_t first;    /* the block of its node 0 */
+    int is_write_only; /* planes are made and kept, but those of before are not asked */
 };
 
 static inline struct plane_cache_view plane_cache_view_of(const struct plane_cache *cache,
-                                                          uint32_t owner, int anew)
+                                                          uint32_t owner, int is_write_only)
 {
-    uint32_t count = cache->count, spread = owner * 0x9e3779b1u;
-    return (struct plane_cache_view){ cache->blocks, count, owner, count ? spread % count : 0,
-                                      anew };
+    uint32_t count = cache->count, hash = owner * 0x9e3779b1u;
+    return (struct plane_cache_view){ cache->blocks, count, owner, count ? hash % count : 0,
+                                      is_write_only };
 }
 
 /*
@@ -49,14 +50,14 @@ static inline struct plane_cache_view plane_cache_view_of(const struct plane_cac
 static inline struct plane_block *plane_cache_block(const struct plane_cache_view *cache,
                                                     uint32_t node)
 {
-    uint64_t at = (uint64_t)cache->first + node;
-    at -= at >= cache->count ? cache->count : 0;
-    if (at >= cache->count) {
+    uint64_t index = (uint64_t)cache->first + node;
+    index -= index >= cache->count ? cache->count : 0;
+    if (index >= cache->count) {
         if (!cache->count)
             return NULL;
-        at %= cache->count;
+        index %= cache->count;
     }
-    return &cache->blocks[at];
+    return &cache->blocks[index];
 }
 
 static inline uint64_t plane_cache_key(const struct plane_cache_view *cache, uint32_t node)

@@ -13,10 +13,10 @@ struct point_search_state {
     struct pair_search *nearest;
     struct work *work;
     vec3 x;
-    float at[3];
+    float filter_x[3];
     float limit; /* the square of a bound beyond which nothing is nearer */
     float margin;
-    struct bvh_traversal *walk;
+    struct bvh_traversal *traversal;
 };
 
 /* The factor stands for the rounding of squares. */
@@ -27,20 +27,20 @@ static void set_limit(struct point_search_state *search)
     search->limit = (float)(limit * limit * (1.0 + 4.0 * KERNEL_STRETCH));
 }
 
-static void look_into_boxes(struct point_search_state *search, uint32_t level, uint32_t node)
+static void visit_node(struct point_search_state *search, uint32_t level, uint32_t node)
 {
     const struct surface *surface = search->surface;
-    struct path_entry *entry = &search->walk->path[level];
+    struct path_entry *entry = &search->traversal->path[level];
     work_spend(search->work, 1);
-    search->walk->depth = level;
+    search->traversal->depth = level;
     entry->node = node;
     entry->lanes =
         lanes_of(surface->count[level - 1] - node * LANES) &
         search->kernel->point_boxes(surface->level[level] + (size_t)node * MESH_BOX_WORDS,
-                                    search->at, search->limit, entry->bound);
+                                    search->filter_x, search->limit, entry->bound);
 }
 
-static void look_into_leaf(struct point_search_state *search, uint32_t leaf)
+static void visit_leaf(struct point_search_state *search, uint32_t leaf)
 {
     const struct surface *surface = search->surface;
     struct pair_search *nearest = search->nearest;
@@ -50,7 +50,7 @@ static void look_into_leaf(struct point_search_state *search, uint32_t leaf)
         lanes &= ~(1u << (nearest->triangle - first));
     work_spend(search->work, 1);
     lanes &= search->kernel->point_triangles(surface->leaves + (size_t)leaf * MESH_LEAF_WORDS,
-                                             search->at, search->limit, bound);
+                                             search->filter_x, search->limit, bound);
     while (lanes) {
         uint32_t lane = lowest_lane(bound, lanes);
         lanes &= ~(1u << lane);
@@ -66,19 +66,19 @@ int dpti_point_search(const struct surface *surface, const struct kernel *kernel
                       struct pair_search *nearest)
 {
     struct point_search_state search;
-    int beside = nearest->triangle != DPT_NONE;
-    vec3 at = scaled(sub(x, surface->filter_centre), surface->filter_scale);
+    int has_start = nearest->triangle != DPT_NONE;
+    vec3 filter_x = scaled(sub(x, surface->filter_centre), surface->filter_scale);
     search.surface = surface;
     search.kernel = kernel;
     search.nearest = nearest;
-    search.walk = traversal;
+    search.traversal = traversal;
     search.work = work;
     search.x = x;
-    put_float(at, search.at);
-    search.margin = (float)kernel_margin(length(at), length(at));
+    put_float(filter_x, search.filter_x);
+    search.margin = (float)kernel_margin(length(filter_x), length(filter_x));
     set_limit(&search);
     if (!traversal->depth)
-        look_into_boxes(&search, surface->levels, 0);
+        visit_node(&search, surface->levels, 0);
     while (traversal->depth <= surface->levels &&
            (nearest->pair.distance2 > 0.0 || nearest->triangle == DPT_NONE)) {
         struct path_entry *entry = &traversal->path[traversal->depth];
@@ -86,10 +86,11 @@ int dpti_point_search(const struct surface *surface, const struct kernel *kernel
             traversal->depth++;
             continue;
         }
-        uint32_t lane = beside ? first_lane(entry->lanes) : lowest_lane(entry->bound, entry->lanes);
+        uint32_t lane =
+            has_start ? first_lane(entry->lanes) : lowest_lane(entry->bound, entry->lanes);
         uint32_t rest = entry->lanes & ~(1u << lane);
         if (entry->bound[lane] > search.limit) {
-            entry->lanes = beside ? rest : 0;
+            entry->lanes = has_start ? rest : 0;
             continue;
         }
         if (work_is_spent(work))
@@ -97,9 +98,9 @@ int dpti_point_search(const struct surface *surface, const struct kernel *kernel
         entry->lanes = rest;
         uint32_t child = entry->node * LANES + lane;
         if (traversal->depth == 1)
-            look_into_leaf(&search, child);
+            visit_leaf(&search, child);
         else
-            look_into_boxes(&search, traversal->depth - 1, child);
+            visit_node(&search, traversal->depth - 1, child);
     }
     return 1;
 }

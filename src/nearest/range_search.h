@@ -9,9 +9,9 @@ struct range {
     const struct surface *surface;
     const struct kernel *kernel;
     struct filter_segment segment;
-    float across[4][3]; /* four ways, each a quarter turn about the axis from the last */
-    float beyond[4];    /* what is that far along one of them is beyond reach */
-    uint32_t level;     /* where it stands; above surface->levels: at the end */
+    float directions[4][3]; /* four ways, each a quarter turn about the axis from the last */
+    float limits[4];        /* what is that far along one of them is beyond reach */
+    uint32_t level;         /* where it stands; above surface->levels: at the end */
     uint32_t node[MESH_LEVELS_MAX + 1];
     uint32_t lanes[MESH_LEVELS_MAX + 1]; /* still to come; level 0: triangles of a leaf */
     float bound[LANES];                  /* of those triangles */
@@ -26,6 +26,6 @@ void dpti_range_begin(struct range *range, const struct surface *surface,
  * The next triangle, by its place, or DPT_NONE. None within reach is left out; some beyond it may come.
  * `meets`: it may be at distance 0. When the work is spent, there may be more.
  */
-uint32_t dpti_range_next(struct range *range, int *meets);
+uint32_t dpti_range_next(struct range *range, int *may_touch);
 
 #endif

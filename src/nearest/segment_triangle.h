@@ -60,57 +60,59 @@ static inline double pair_try_edge(pair *best, vec3 u, double per_uu, vec3 from_
  * apex x + y; z = x cross y. Orthogonal axes move the corners by a few roundings of the edge's length,
  * however thin the triangle is; a normal from two edges does not (tests/nearest/test_pair.c, slivers).
  */
-typedef struct flat {
+typedef struct triangle_frame {
     int corner;
     vec3 x, y, z;
     double per_xx, per_yy;
     double apex;
-} flat;
+} triangle_frame;
 
 /* 0 for a triangle thinner than rounding, or than 1e-60 m: its edges are all there is. */
-static inline int flatten(const vec3 edge[3], flat *f)
+static inline int triangle_frame_set(const vec3 edge[3], triangle_frame *frame)
 {
-    f->corner = dot(edge[1], edge[1]) > dot(edge[0], edge[0]);
-    f->x = edge[f->corner];
-    double xx = dot(f->x, f->x);
-    f->per_xx = 1.0 / xx;
-    vec3 to_apex = scaled(edge[(f->corner + 2) % 3], -1.0);
-    f->apex = dot(to_apex, f->x) * f->per_xx;
-    f->y = along(to_apex, -f->apex, f->x);
-    f->y = along(f->y, -dot(f->y, f->x) * f->per_xx, f->x);
-    double yy = dot(f->y, f->y);
-    f->per_yy = 1.0 / yy;
-    f->z = cross(f->x, f->y);
+    frame->corner = dot(edge[1], edge[1]) > dot(edge[0], edge[0]);
+    frame->x = edge[frame->corner];
+    double xx = dot(frame->x, frame->x);
+    frame->per_xx = 1.0 / xx;
+    vec3 to_apex = scaled(edge[(frame->corner + 2) % 3], -1.0);
+    frame->apex = dot(to_apex, frame->x) * frame->per_xx;
+    frame->y = along(to_apex, -frame->apex, frame->x);
+    frame->y = along(frame->y, -dot(frame->y, frame->x) * frame->per_xx, frame->x);
+    double yy = dot(frame->y, frame->y);
+    frame->per_yy = 1.0 / yy;
+    frame->z = cross(frame->x, frame->y);
     return yy > 0x1p-100 * xx && yy > 1e-120;
 }
 
 /* 1, and the answer, where w, so high above the triangle's plane, projects into it. */
-static inline int pair_above(pair *best, const flat *f, vec3 w, double height, double s)
+static inline int pair_above(pair *best, const triangle_frame *frame, vec3 from_corner,
+                             double height, double s)
 {
-    double x = dot(w, f->x) * f->per_xx, y = dot(w, f->y) * f->per_yy;
-    const double weight[3] = { 1.0 - x - (1.0 - f->apex) * y, x - f->apex * y, y };
+    double x = dot(from_corner, frame->x) * frame->per_xx,
+           y = dot(from_corner, frame->y) * frame->per_yy;
+    const double weight[3] = { 1.0 - x - (1.0 - frame->apex) * y, x - frame->apex * y, y };
     if (!(weight[0] >= 0.0 && weight[1] >= 0.0 && weight[2] >= 0.0))
         return 0;
-    double per_zz = f->per_xx * f->per_yy;
+    double per_zz = frame->per_xx * frame->per_yy;
     best->distance2 = height * (height * per_zz);
     best->s = s;
-    best->gap = scaled(f->z, height * per_zz);
+    best->gap = scaled(frame->z, height * per_zz);
     for (int k = 0; k < 3; k++)
-        best->weight[(f->corner + k) % 3] = weight[k];
+        best->weight[(frame->corner + k) % 3] = weight[k];
     return 1;
 }
 
 /* 1, and the answer, where the face holds the nearest point. */
 static inline int pair_on_face(pair *best, vec3 u, const vec3 from[3], const vec3 edge[3])
 {
-    flat f;
-    if (!flatten(edge, &f))
+    triangle_frame frame;
+    if (!triangle_frame_set(edge, &frame))
         return 0;
-    vec3 a = from[f.corner];
-    double height_a = dot(a, f.z);
-    double height_b = height_a + dot(u, f.z);
+    vec3 a = from[frame.corner];
+    double height_a = dot(a, frame.z);
+    double height_b = height_a + dot(u, frame.z);
     double s = clamp01(height_a / (height_a - height_b));
-    return pair_above(best, &f, along(a, s, u), height_a + s * (height_b - height_a), s);
+    return pair_above(best, &frame, along(a, s, u), height_a + s * (height_b - height_a), s);
 }
 
 /*
@@ -121,41 +123,43 @@ struct pierce {
     double height_a, height_b;
     double side[3]; /* of the edge opposite to each corner, positive within */
     double height_noise, side_noise;
-    int is_seen; /* the line rises through the plane by more than noise: sides have the right sign */
-    int is_flat; /* no sliver: twice its area is at least a quarter of the square of its size */
+    int is_steep; /* the line rises through the plane by more than noise: sides have the right sign */
+    int is_well_shaped; /* no sliver: twice its area is at least a quarter of the square of its size */
 };
 
 static inline struct pierce pierce_of(vec3 u, const vec3 from[3], const vec3 edge[3])
 {
     struct pierce p;
     vec3 n = cross(edge[2], edge[0]), q = cross(from[0], u);
-    double rise = dot(n, u), turn = rise < 0.0 ? -1.0 : 1.0;
-    double size = max_of(extent_of(edge[0]), extent_of(edge[2])), square = size * size;
-    double reach = extent_of(from[0]), way = extent_of(u);
+    double rise = dot(n, u), sign = rise < 0.0 ? -1.0 : 1.0;
+    double edge_extent = max_of(extent_of(edge[0]), extent_of(edge[2]));
+    double edge_extent2 = edge_extent * edge_extent;
+    double from_extent = extent_of(from[0]), u_extent = extent_of(u);
     p.height_a = dot(n, from[0]);
     p.height_b = p.height_a + rise;
-    p.side[1] = turn * dot(edge[2], q);
-    p.side[2] = turn * dot(edge[0], q);
-    p.side[0] = turn * rise - p.side[1] - p.side[2];
-    p.height_noise = 0x1p-44 * square * (reach + way);
-    p.side_noise = 0x1p-44 * size * way * (size + reach);
-    p.is_seen = fabs(rise) > 0x1p-44 * square * way;
-    p.is_flat = dot(n, n) > 0x1p-4 * (square * square);
+    p.side[1] = sign * dot(edge[2], q);
+    p.side[2] = sign * dot(edge[0], q);
+    p.side[0] = sign * rise - p.side[1] - p.side[2];
+    p.height_noise = 0x1p-44 * edge_extent2 * (from_extent + u_extent);
+    p.side_noise = 0x1p-44 * edge_extent * u_extent * (edge_extent + from_extent);
+    p.is_steep = fabs(rise) > 0x1p-44 * edge_extent2 * u_extent;
+    p.is_well_shaped = dot(n, n) > 0x1p-4 * (edge_extent2 * edge_extent2);
     return p;
 }
 
 /* The ends are on different sides of the plane, beyond doubt. */
-static inline int pierce_parts(const struct pierce *p)
+static inline int pierce_parts_ends(const struct pierce *p)
 {
-    double low = min_of(p->height_a, p->height_b), high = max_of(p->height_a, p->height_b);
-    return (low < -p->height_noise) & (high > p->height_noise);
+    double min_height = min_of(p->height_a, p->height_b);
+    double max_height = max_of(p->height_a, p->height_b);
+    return (min_height < -p->height_noise) & (max_height > p->height_noise);
 }
 
 /* The axis goes through the plane outside of the triangle, beyond doubt: it is an edge that is nearest. */
 static inline int pierce_misses(const struct pierce *p)
 {
-    double least = min_of(p->side[0], min_of(p->side[1], p->side[2]));
-    return (least < -p->side_noise) & pierce_parts(p);
+    double min_side = min_of(p->side[0], min_of(p->side[1], p->side[2]));
+    return (min_side < -p->side_noise) & pierce_parts_ends(p);
 }
 
 /*
@@ -165,36 +169,36 @@ static inline int pierce_misses(const struct pierce *p)
 static inline int pair_beside(pair *best, const struct pierce *p, vec3 u, double per_uu,
                               const vec3 from[3], const vec3 edge[3])
 {
-    double least = min_of(p->side[0], min_of(p->side[1], p->side[2]));
-    int inner = (least < -p->side_noise) & p->is_seen;
-    for (int corner = 0; corner < 3 && inner; corner++)
+    double min_side = min_of(p->side[0], min_of(p->side[1], p->side[2]));
+    int is_interior = (min_side < -p->side_noise) & p->is_steep;
+    for (int corner = 0; corner < 3 && is_interior; corner++)
         if (!(p->side[(corner + 2) % 3] > p->side_noise)) {
             double s = pair_try_edge(best, u, per_uu, from[corner], edge[corner], corner);
-            inner = (s > 0.0) & (s < 1.0);
+            is_interior = (s > 0.0) & (s < 1.0);
         }
-    return inner;
+    return is_interior;
 }
 
 /* 1, and the answer, where the axis goes through the inside of a triangle that is no sliver, beyond doubt. */
 static inline int pair_on_pierced(pair *best, const struct pierce *p)
 {
-    double least = min_of(p->side[0], min_of(p->side[1], p->side[2]));
-    if (!((least > p->side_noise) & p->is_flat & pierce_parts(p)))
+    double min_side = min_of(p->side[0], min_of(p->side[1], p->side[2]));
+    if (!((min_side > p->side_noise) & p->is_well_shaped & pierce_parts_ends(p)))
         return 0;
-    double rise = p->height_b - p->height_a, per = 1.0 / fabs(rise);
+    double rise = p->height_b - p->height_a, per_rise = 1.0 / fabs(rise);
     best->distance2 = 0.0;
     best->s = clamp01(-p->height_a / rise);
     for (int k = 0; k < 3; k++)
-        best->weight[k] = p->side[k] * per;
+        best->weight[k] = p->side[k] * per_rise;
     best->gap = (vec3){ 0.0, 0.0, 0.0 };
     return 1;
 }
 
 /* What is left between a pair that meets is rounding. */
-static inline void pair_settle(pair *best, double reach)
+static inline void pair_snap_to_zero(pair *best, double extent_sum)
 {
-    double noise = 4.0 * 0x1p-53 * reach;
-    if (best->distance2 <= noise * noise) {
+    double rounding = 4.0 * 0x1p-53 * extent_sum;
+    if (best->distance2 <= rounding * rounding) {
         best->distance2 = 0.0;
         best->gap = (vec3){ 0.0, 0.0, 0.0 };
     }
@@ -222,28 +226,30 @@ static inline void point_on_edges(pair *found, const vec3 from[3], const vec3 ed
 /* The same for a point x, an axis without length; its s is 1 in front of the face, else 0. */
 static inline void point_triangle(vec3 x, const vec3 v[3], pair *found)
 {
-    flat f;
+    triangle_frame frame;
     const vec3 edge[3] = { sub(v[1], v[0]), sub(v[2], v[1]), sub(v[0], v[2]) };
     const vec3 from[3] = { sub(x, v[0]), sub(x, v[1]), sub(x, v[2]) };
-    int is_flat = flatten(edge, &f);
-    double height = dot(from[f.corner], f.z);
-    if (!(is_flat && pair_above(found, &f, from[f.corner], height, height > 0.0)))
+    int has_face = triangle_frame_set(edge, &frame);
+    double height = dot(from[frame.corner], frame.z);
+    if (!(has_face && pair_above(found, &frame, from[frame.corner], height, height > 0.0)))
         point_on_edges(found, from, edge);
-    pair_settle(found, extent_of(from[0]) + extent_of(edge[0]) + extent_of(edge[2]));
+    pair_snap_to_zero(found, extent_of(from[0]) + extent_of(edge[0]) + extent_of(edge[2]));
 }
 
 /* How far x is from a point of the triangle that is the nearest but for rounding: never less than the distance. */
-static inline double point_reach(vec3 x, vec3 v0, vec3 v1, vec3 v2)
+static inline double point_distance_upper(vec3 x, vec3 v0, vec3 v1, vec3 v2)
 {
-    vec3 e = sub(v1, v0), f = sub(v2, v0), w = sub(x, v0);
-    double ee = dot(e, e), ef = dot(e, f), ff = dot(f, f), we = dot(w, e), wf = dot(w, f);
-    double all = ee * ff - ef * ef, b = ff * we - ef * wf, c = ee * wf - ef * we;
-    if ((b >= 0.0) & (c >= 0.0) & (b + c <= all) & (all > 0.0))
-        return length(along(along(w, -b / all, e), -c / all, f));
-    vec3 g = sub(f, e), to = sub(w, e);
-    vec3 by_e = sub(w, scaled(e, clamp01(we / ee))), by_f = sub(w, scaled(f, clamp01(wf / ff)));
-    vec3 by_g = sub(to, scaled(g, clamp01(dot(to, g) / dot(g, g))));
-    return sqrt(min_of(dot(by_e, by_e), min_of(dot(by_f, by_f), dot(by_g, by_g))));
+    vec3 e = sub(v1, v0), f = sub(v2, v0), from_v0 = sub(x, v0);
+    double ee = dot(e, e), ef = dot(e, f), ff = dot(f, f);
+    double we = dot(from_v0, e), wf = dot(from_v0, f);
+    double determinant = ee * ff - ef * ef, b = ff * we - ef * wf, c = ee * wf - ef * we;
+    if ((b >= 0.0) & (c >= 0.0) & (b + c <= determinant) & (determinant > 0.0))
+        return length(along(along(from_v0, -b / determinant, e), -c / determinant, f));
+    vec3 g = sub(f, e), from_v1 = sub(from_v0, e);
+    vec3 from_e = sub(from_v0, scaled(e, clamp01(we / ee)));
+    vec3 from_f = sub(from_v0, scaled(f, clamp01(wf / ff)));
+    vec3 from_g = sub(from_v1, scaled(g, clamp01(dot(from_v1, g) / dot(g, g))));
+    return sqrt(min_of(dot(from_e, from_e), min_of(dot(from_f, from_f), dot(from_g, from_g))));
 }
 
 /* The axis is a + s u, s in 0..1. */
@@ -261,7 +267,8 @@ static inline pair segment_triangle(vec3 a, vec3 u, vec3 v0, vec3 v1, vec3 v2)
         for (int corner = 0; corner < 3; corner++)
             pair_try_edge(&best, u, per_uu, from[corner], edge[corner], corner);
     }
-    pair_settle(&best, extent_of(from[0]) + extent_of(u) + extent_of(edge[0]) + extent_of(edge[2]));
+    pair_snap_to_zero(&best,
+                      extent_of(from[0]) + extent_of(u) + extent_of(edge[0]) + extent_of(edge[2]));
     return best;
 }
 

@@ -23,10 +23,10 @@ int dpti_side_is_border(const struct surface *surface, uint32_t triangle, const 
         return (flags[triangle] & (uint32_t)DPT_CORNER_BORDER << corner) != 0;
     uint32_t v = surface->corners[3 * (size_t)triangle + (size_t)corner];
     for (uint32_t i = first[v]; i < first[v + 1]; i++) {
-        size_t at = 3 * (size_t)fans[i];
+        size_t base = 3 * (size_t)fans[i];
         for (size_t e = 0; e < 3; e++)
-            if (neighbour[at + e] == MESH_EDGE_OPEN &&
-                (surface->corners[at + e] == v || surface->corners[at + (e + 1) % 3] == v))
+            if (neighbour[base + e] == MESH_EDGE_OPEN &&
+                (surface->corners[base + e] == v || surface->corners[base + (e + 1) % 3] == v))
                 return 1;
     }
     return 0;
@@ -36,36 +36,36 @@ int dpti_side_is_border(const struct surface *surface, uint32_t triangle, const 
  * A stored normal is off by no more than that: half a unit in the last place of each float, and what the compiler leaves
  * out of a fan that cancels.
  */
-#define STORED_ERROR 0x1p-23
+#define STORED_NORMAL_ERROR 0x1p-23
 
 int dpti_side_of_pair(const struct surface *surface, uint32_t triangle, const pair *found)
 {
     double rise = dot(dpti_surface_feature_normal(surface, triangle, found->weight), found->gap);
     int corner = surface_lone_corner(found->weight);
-    if (corner >= 0 && fabs(rise) <= STORED_ERROR * length(found->gap))
+    if (corner >= 0 && fabs(rise) <= STORED_NORMAL_ERROR * length(found->gap))
         rise = dot(dpti_surface_fan_normal(surface, triangle, corner), found->gap);
     return rise < 0.0 ? -1 : 1;
 }
 
 /* Of an edge, how far back one looks. */
-#define SIDE_BACK 1e-3
+#define ARRIVAL_STEP 1e-3
 
 int dpti_side_of_arrival(const struct surface *surface, uint32_t triangle, const double weight[3],
                          vec3 back)
 {
     const uint32_t *first, *fans = surface_fans(surface, &first);
-    int most = weight[1] > weight[0] ? 1 : 0;
-    most = weight[2] > weight[most] ? 2 : most;
+    int max_corner = weight[1] > weight[0] ? 1 : 0;
+    max_corner = weight[2] > weight[max_corner] ? 2 : max_corner;
     double size = length(back);
     if ((weight[0] > 0.0 && weight[1] > 0.0 && weight[2] > 0.0) || !(size > 0.0))
         return dot(dpti_surface_face_normal(surface, triangle), back) < 0.0 ? -1 : 1;
     vec3 q = { 0.0, 0.0, 0.0 };
     for (int k = 0; k < 3; k++)
         q = along(q, weight[k], surface_corner_point(surface, triangle, k));
-    double edge = length(sub(surface_corner_point(surface, triangle, most + 1),
-                             surface_corner_point(surface, triangle, most)));
-    vec3 x = along(q, min_of(SIDE_BACK * edge, size) / size, back);
-    uint32_t v = surface->corners[3 * (size_t)triangle + (size_t)most], nearest = triangle;
+    double edge = length(sub(surface_corner_point(surface, triangle, max_corner + 1),
+                             surface_corner_point(surface, triangle, max_corner)));
+    vec3 x = along(q, min_of(ARRIVAL_STEP * edge, size) / size, back);
+    uint32_t v = surface->corners[3 * (size_t)triangle + (size_t)max_corner], nearest = triangle;
     pair best, found;
     dpti_triangle_point_pair(surface, triangle, x, &best);
     for (uint32_t i = first[v]; i < first[v + 1]; i++) {

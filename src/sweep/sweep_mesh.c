@@ -13,9 +13,9 @@ struct mesh_sweep {
     const struct surface *surface;
     const struct kernel *kernel;
     const struct sweep *sweep;
-    double from; /* what is searched: from here to progress->to */
+    double from_time; /* what is searched: from here to progress->to */
     struct work *work;
-    struct swept_hull swath;
+    struct swept_hull hull;
     struct sweep_progress *progress;
 };
 
@@ -26,18 +26,18 @@ struct mesh_sweep {
  */
 static void swept_hull_set_box(const vec3 end[4], vec3 axis[3])
 {
-    const double least = 1e-100;
+    const double min_square = 1e-100;
     vec3 u = add(sub(end[1], end[0]), sub(end[3], end[2]));
-    vec3 way = add(sub(end[2], end[0]), sub(end[3], end[1]));
+    vec3 displacement = add(sub(end[2], end[0]), sub(end[3], end[1]));
     double uu = dot(u, u);
-    vec3 x = uu > least ? scaled(u, 1.0 / sqrt(uu)) : (vec3){ 1.0, 0.0, 0.0 };
-    vec3 y = along(way, -dot(way, x), x);
+    vec3 x = uu > min_square ? scaled(u, 1.0 / sqrt(uu)) : (vec3){ 1.0, 0.0, 0.0 };
+    vec3 y = along(displacement, -dot(displacement, x), x);
     y = along(y, -dot(y, x), x);
     double yy = dot(y, y);
-    if (!(yy > 0x1p-60 * dot(way, way) && yy > least)) {
-        struct filter_segment any;
-        filter_segment_set_frame(&any, x);
-        y = vec3_of_float(any.y);
+    if (!(yy > 0x1p-60 * dot(displacement, displacement) && yy > min_square)) {
+        struct filter_segment segment;
+        filter_segment_set_frame(&segment, x);
+        y = vec3_of_float(segment.y);
         yy = dot(y, y);
     }
     axis[0] = x;
@@ -48,9 +48,10 @@ static void swept_hull_set_box(const vec3 end[4], vec3 axis[3])
 static void swept_hull_of(const struct mesh_sweep *search, struct swept_hull *hull)
 {
     const struct surface *surface = search->surface;
-    const double scale = surface->filter_scale, times[2] = { search->from, search->progress->to };
+    const double scale = surface->filter_scale;
+    const double times[2] = { search->from_time, search->progress->until };
     vec3 end[4], axis[3];
-    double far = 0.0;
+    double max_square = 0.0;
     for (int k = 0; k < 2; k++) {
         vec3 a, u;
         dpti_sweep_axis(search->sweep, times[k], &a, &u);
@@ -59,7 +60,7 @@ static void swept_hull_of(const struct mesh_sweep *search, struct swept_hull *hu
     }
     for (int k = 0; k < 4; k++) {
         put_float(end[k], hull->end[k]);
-        far = max_of(far, dot(end[k], end[k]));
+        max_square = max_of(max_square, dot(end[k], end[k]));
     }
     swept_hull_set_box(end, axis);
     vec3 centre = { 0.0, 0.0, 0.0 };
@@ -74,31 +75,31 @@ static void swept_hull_of(const struct mesh_sweep *search, struct swept_hull *hu
         put_float(axis[k], hull->axis[k]);
     }
     put_float(centre, hull->centre);
-    double limit = search->sweep->beyond * scale * (1.0 + KERNEL_STRETCH);
-    hull->limit = (float)(limit + kernel_margin(sqrt(far), sqrt(far)));
+    double limit = search->sweep->no_hit_limit * scale * (1.0 + KERNEL_STRETCH);
+    hull->limit = (float)(limit + kernel_margin(sqrt(max_square), sqrt(max_square)));
 }
 
 /* One triangle, in double. */
-static void ask(struct mesh_sweep *search, uint32_t triangle)
+static void evaluate_triangle(struct mesh_sweep *search, uint32_t triangle)
 {
     const struct surface *surface = search->surface;
     struct sweep_progress *progress = search->progress;
-    const uint32_t *of = surface->corners + 3 * (size_t)triangle;
-    const vec3 corner[3] = { vec3_of_float(surface->positions + 3 * (size_t)of[0]),
-                             vec3_of_float(surface->positions + 3 * (size_t)of[1]),
-                             vec3_of_float(surface->positions + 3 * (size_t)of[2]) };
+    const uint32_t *vertices = surface->corners + 3 * (size_t)triangle;
+    const vec3 corner[3] = { vec3_of_float(surface->positions + 3 * (size_t)vertices[0]),
+                             vec3_of_float(surface->positions + 3 * (size_t)vertices[1]),
+                             vec3_of_float(surface->positions + 3 * (size_t)vertices[2]) };
     double time;
-    uint32_t asked = 0;
+    uint32_t evaluations = 0;
     work_spend(search->work, 1);
-    if (dpti_sweep_pair(search->sweep, corner, progress->to, &time, &asked) != SWEEP_HIT ||
-        (time == progress->to && progress->triangle != DPT_NONE &&
+    if (dpti_sweep_pair(search->sweep, corner, progress->until, &time, &evaluations) != SWEEP_HIT ||
+        (time == progress->until && progress->triangle != DPT_NONE &&
          surface->sources[triangle] >= surface->sources[progress->triangle]))
         return;
-    int sooner = time < progress->to;
-    progress->to = time;
+    int is_sooner = time < progress->until;
+    progress->until = time;
     progress->triangle = triangle;
-    if (sooner)
-        swept_hull_of(search, &search->swath);
+    if (is_sooner)
+        swept_hull_of(search, &search->hull);
 }
 
 /* A leaf is of level 0, and its children are triangles. */
@@ -113,29 +114,29 @@ static void open_node(struct mesh_sweep *search, uint32_t level, uint32_t node)
     opened->lanes = lanes_of(children - node * LANES);
     if (level)
         opened->lanes &= search->kernel->swept_boxes(
-            surface->level[level] + (size_t)node * MESH_BOX_WORDS, &search->swath, opened->bound);
+            surface->level[level] + (size_t)node * MESH_BOX_WORDS, &search->hull, opened->bound);
     else
         opened->lanes &= search->kernel->swept_triangles(
-            surface->leaves + (size_t)node * MESH_LEAF_WORDS, &search->swath, opened->bound);
+            surface->leaves + (size_t)node * MESH_LEAF_WORDS, &search->hull, opened->bound);
 }
 
 /* Above the root is a node of which it is the one child. */
-static void begin(struct mesh_sweep *search, uint32_t hint)
+static void begin_search(struct mesh_sweep *search, uint32_t hint)
 {
     struct sweep_progress *progress = search->progress;
-    progress->begun = 1;
+    progress->has_begun = 1;
     progress->hint = hint;
     progress->triangle = DPT_NONE;
-    progress->to = 1.0;
+    progress->until = 1.0;
     progress->level = search->surface->levels + 1;
     progress->path[progress->level] = (struct sweep_node){ .lanes = 1 };
-    swept_hull_of(search, &search->swath);
+    swept_hull_of(search, &search->hull);
     if (hint < surface_triangles(search->surface))
-        ask(search, hint);
+        evaluate_triangle(search, hint);
 }
 
 /* 0 when the work is spent. */
-static int go_on(struct mesh_sweep *search)
+static int continue_search(struct mesh_sweep *search)
 {
     struct sweep_progress *progress = search->progress;
     for (;;) {
@@ -154,7 +155,7 @@ static int go_on(struct mesh_sweep *search)
         if (progress->level)
             open_node(search, progress->level - 1, child);
         else if (child != progress->hint)
-            ask(search, child);
+            evaluate_triangle(search, child);
     }
 }
 
@@ -166,23 +167,23 @@ int dpti_sweep_mesh(const struct surface *surface, const struct kernel *kernel,
     search.surface = surface;
     search.kernel = kernel;
     search.sweep = sweep;
-    search.from = from;
+    search.from_time = from;
     search.work = work;
     search.progress = progress;
     *first = (struct impact){ .time = 1.0, .triangle = DPT_NONE };
     if (from >= 1.0)
         return SWEEP_FREE;
-    if (progress->begun)
-        swept_hull_of(&search, &search.swath);
+    if (progress->has_begun)
+        swept_hull_of(&search, &search.hull);
     else
-        begin(&search, hint);
-    int done = go_on(&search);
-    progress->begun = !done;
-    first->time = done ? progress->to : from;
-    if (!done || progress->triangle == DPT_NONE)
-        return done ? SWEEP_FREE : SWEEP_UNFINISHED;
+        begin_search(&search, hint);
+    int is_done = continue_search(&search);
+    progress->has_begun = !is_done;
+    first->time = is_done ? progress->until : from;
+    if (!is_done || progress->triangle == DPT_NONE)
+        return is_done ? SWEEP_FREE : SWEEP_UNFINISHED;
     vec3 a, u;
-    dpti_sweep_axis(sweep, progress->to, &a, &u);
+    dpti_sweep_axis(sweep, progress->until, &a, &u);
     first->triangle = progress->triangle;
     first->pair = dpti_triangle_pair(surface, progress->triangle, a, u);
     first->q = sub(along(a, first->pair.s, u), first->pair.gap);

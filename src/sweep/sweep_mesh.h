@@ -23,10 +23,10 @@ struct sweep_node {
 
 /* How far a sweep of a mesh has come: all that a later call needs to go on where this one ended. */
 struct sweep_progress {
-    double to;         /* the first hit so far, if there is one */
+    double until;      /* the first hit so far, if there is one */
     uint32_t triangle; /* that is hit then, or DPT_NONE */
     uint32_t hint;     /* was asked first */
-    uint32_t begun;
+    uint32_t has_begun;
     uint32_t level; /* of the node that is looked into; 0: leaves */
     struct sweep_node path[MESH_LEVELS_MAX + 2];
 };

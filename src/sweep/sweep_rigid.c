@@ -7,26 +7,27 @@
 
 #include "nearest/side.h"
 
-enum { HALVES_MAX = 10 };
+enum { HALVINGS_MAX = 10 };
 
 struct ends {
     vec3 a, b;
 };
 
 /* In the world. */
-static struct ends tool_ends(const struct placement *moment)
+static struct ends tool_ends(const struct placement *placement)
 {
     struct frame tool;
-    frame_of_pose(&moment->tool, &tool);
-    return (struct ends){ frame_to_world(&tool, moment->a), frame_to_world(&tool, moment->b) };
+    frame_of_pose(&placement->tool, &tool);
+    return (struct ends){ frame_to_world(&tool, placement->a),
+                          frame_to_world(&tool, placement->b) };
 }
 
 /* In the body's frame. */
-static struct ends ends_at(const struct placement *moment)
+static struct ends ends_at(const struct placement *placement)
 {
-    struct ends ends = tool_ends(moment);
+    struct ends ends = tool_ends(placement);
     struct frame body;
-    frame_of_pose(&moment->body, &body);
+    frame_of_pose(&placement->body, &body);
     return (struct ends){ frame_to_local(&body, ends.a), frame_to_local(&body, ends.b) };
 }
 
@@ -37,25 +38,26 @@ static struct placement middle_of(const struct placement *from, const struct pla
                                scaled(add(from->a, to->a), 0.5), scaled(add(from->b, to->b), 0.5) };
 }
 
-static double faster(vec3 da, vec3 db)
+static double max_length(vec3 da, vec3 db)
 {
     return max_of(length(da), length(db));
 }
 
-static struct ends between(const struct ends *from, const struct ends *to)
+static struct ends midpoint_of(const struct ends *from, const struct ends *to)
 {
     return (struct ends){ scaled(add(from->a, to->a), 0.5), scaled(add(from->b, to->b), 0.5) };
 }
 
 /* How far the way bends away from the straight one, with a quarter to spare for what is not an even arc. */
-static double bend_of(const struct ends *from, const struct ends *middle, const struct ends *to)
+static double deviation_of(const struct ends *from, const struct ends *middle,
+                           const struct ends *to)
 {
-    struct ends straight = between(from, to);
-    return 1.25 * faster(sub(middle->a, straight.a), sub(middle->b, straight.b));
+    struct ends straight = midpoint_of(from, to);
+    return 1.25 * max_length(sub(middle->a, straight.a), sub(middle->b, straight.b));
 }
 
 /* The cosine of half of what a body may turn, 0.25, before its way is cut whatever the bend. */
-#define TURN_COSINE 0.9922
+#define HALF_TURN_COSINE_MIN 0.9922
 
 static double body_turn_cosine(const struct placement *from, const struct placement *to)
 {
@@ -69,37 +71,38 @@ static double body_turn_cosine(const struct placement *from, const struct placem
  * The same of one part of a tour. A turn of the tool alone is an arc, farthest off in the middle; seen from a body that
  * turns, a straight way can bend to one side and back, so it is looked at in the quarters too.
  */
-static double bend_between(const struct placement *from, const struct ends *at_from,
-                           const struct placement *middle, const struct ends *at_middle,
-                           const struct placement *to, const struct ends *at_to)
+static double deviation_between(const struct placement *from, const struct ends *at_from,
+                                const struct placement *middle, const struct ends *at_middle,
+                                const struct placement *to, const struct ends *at_to)
 {
-    double bend = bend_of(at_from, at_middle, at_to);
-    int turns = 0;
+    double deviation = deviation_of(at_from, at_middle, at_to);
+    int body_turns = 0;
     for (int k = 0; k < 4; k++)
-        turns |= from->body.orientation[k] != to->body.orientation[k];
-    if (!turns)
-        return bend;
-    struct ends straight = between(at_from, at_to);
+        body_turns |= from->body.orientation[k] != to->body.orientation[k];
+    if (!body_turns)
+        return deviation;
+    struct ends straight = midpoint_of(at_from, at_to);
     for (int half = 0; half < 2; half++) {
         struct placement quarter = half ? middle_of(middle, to) : middle_of(from, middle);
         struct ends at_quarter = ends_at(&quarter);
-        struct ends chord = between(&straight, half ? at_to : at_from);
-        double off = faster(sub(at_quarter.a, chord.a), sub(at_quarter.b, chord.b));
-        bend = max_of(bend, 1.25 * off);
+        struct ends chord = midpoint_of(&straight, half ? at_to : at_from);
+        double quarter_deviation =
+            max_length(sub(at_quarter.a, chord.a), sub(at_quarter.b, chord.b));
+        deviation = max_of(deviation, 1.25 * quarter_deviation);
     }
-    return bend;
+    return deviation;
 }
 
 static int sweep_straight(struct rigid_sweep *sweep, const struct ends *from, const struct ends *to,
-                          double bend, double t0, double t1)
+                          double deviation, double t0, double t1)
 {
     const struct surface *surface = sweep->surface;
     struct rigid_sweep_result *result = &sweep->result;
     struct sweep straight;
     result->motion = (struct motion){ from->a, from->b, sub(to->a, from->a), sub(to->b, from->b) };
-    dpti_sweep_begin(&straight, &result->motion, sweep->radius + bend, sweep->tolerance,
+    dpti_sweep_begin(&straight, &result->motion, sweep->radius + deviation, sweep->tolerance,
                      dpti_surface_extent(surface));
-    double start = t0 > 0.0 ? 0.0 : dpti_sweep_start(&straight, sweep->far);
+    double start = t0 > 0.0 ? 0.0 : dpti_sweep_start(&straight, sweep->distance_before);
     int status = dpti_sweep_mesh(surface, sweep->kernel, &straight, start, sweep->hint, sweep->work,
                                  &sweep->progress->sweep, &result->impact);
     result->time = t0 + result->impact.time * (t1 - t0);
@@ -111,23 +114,25 @@ static int sweep_straight(struct rigid_sweep *sweep, const struct ends *from, co
 /* From one moment to another, whose ends these are; what is behind is not swept again. */
 static int sweep_between(struct rigid_sweep *sweep, const struct placement *from,
                          const struct ends *at_from, const struct placement *to,
-                         const struct ends *at_to, double t0, double t1, int halves)
+                         const struct ends *at_to, double t0, double t1, int halvings)
 {
     if (t1 <= sweep->progress->free_until)
         return SWEEP_FREE;
     struct placement middle = middle_of(from, to);
     struct ends at_middle = ends_at(&middle);
-    double bend = bend_between(from, at_from, &middle, &at_middle, to, at_to);
-    int straight = bend <= 0.5 * sweep->tolerance && body_turn_cosine(from, to) >= TURN_COSINE;
-    if (straight || halves == 0)
-        return sweep_straight(sweep, at_from, at_to, bend, t0, t1);
-    double half = 0.5 * (t0 + t1);
-    int status = sweep_between(sweep, from, at_from, &middle, &at_middle, t0, half, halves - 1);
+    double deviation = deviation_between(from, at_from, &middle, &at_middle, to, at_to);
+    int is_straight =
+        deviation <= 0.5 * sweep->tolerance && body_turn_cosine(from, to) >= HALF_TURN_COSINE_MIN;
+    if (is_straight || halvings == 0)
+        return sweep_straight(sweep, at_from, at_to, deviation, t0, t1);
+    double middle_time = 0.5 * (t0 + t1);
+    int status =
+        sweep_between(sweep, from, at_from, &middle, &at_middle, t0, middle_time, halvings - 1);
     if (status != SWEEP_FREE)
         return status;
     if (work_is_spent(sweep->work))
         return SWEEP_UNFINISHED;
-    return sweep_between(sweep, &middle, &at_middle, to, at_to, half, t1, halves - 1);
+    return sweep_between(sweep, &middle, &at_middle, to, at_to, middle_time, t1, halvings - 1);
 }
 
 int dpti_rigid_sweep_find(struct rigid_sweep *sweep, const struct placement *from,
@@ -135,34 +140,35 @@ int dpti_rigid_sweep_find(struct rigid_sweep *sweep, const struct placement *fro
 {
     struct ends at_from = ends_at(from), at_to = ends_at(to);
     sweep->result.time = sweep->progress->free_until;
-    return sweep_between(sweep, from, &at_from, to, &at_to, 0.0, 1.0, HALVES_MAX);
+    return sweep_between(sweep, from, &at_from, to, &at_to, 0.0, 1.0, HALVINGS_MAX);
 }
 
 int dpti_rigid_sweep_cannot_meet(const struct rigid_sweep *sweep, const struct placement *from,
-                                 const struct placement *to, double after)
+                                 const struct placement *to, double distance_after)
 {
     struct placement middle = middle_of(from, to);
     struct ends at_from = ends_at(from), at_to = ends_at(to), at_middle = ends_at(&middle);
-    double motion = faster(sub(at_to.a, at_from.a), sub(at_to.b, at_from.b));
-    double bend = bend_between(from, &at_from, &middle, &at_middle, to, &at_to);
-    if (motion == 0.0 && bend == 0.0)
+    double motion = max_length(sub(at_to.a, at_from.a), sub(at_to.b, at_from.b));
+    double deviation = deviation_between(from, &at_from, &middle, &at_middle, to, &at_to);
+    if (motion == 0.0 && deviation == 0.0)
         return 1;
-    return body_turn_cosine(from, to) >= TURN_COSINE &&
-           sweep->far + after > motion + 2.0 * (bend + sweep->radius + 2.0 * sweep->tolerance);
+    return body_turn_cosine(from, to) >= HALF_TURN_COSINE_MIN &&
+           sweep->distance_before + distance_after >
+               motion + 2.0 * (deviation + sweep->radius + 2.0 * sweep->tolerance);
 }
 
 int dpti_rigid_sweep_side_before(const struct rigid_sweep *sweep)
 {
     const struct impact *impact = &sweep->result.impact;
     const struct motion *motion = &sweep->result.motion;
-    vec3 way = along(motion->da, impact->pair.s, sub(motion->db, motion->da));
-    vec3 back = along(impact->pair.gap, -impact->time, way);
+    vec3 displacement = along(motion->da, impact->pair.s, sub(motion->db, motion->da));
+    vec3 back = along(impact->pair.gap, -impact->time, displacement);
     return dpti_side_of_arrival(sweep->surface, impact->triangle, impact->pair.weight, back);
 }
 
 int dpti_rigid_sweep_began_touching(const struct rigid_sweep *sweep)
 {
-    return sweep->result.time == 0.0 && sweep->far == 0.0;
+    return sweep->result.time == 0.0 && sweep->distance_before == 0.0;
 }
 
 double dpti_rigid_sweep_displacement(const struct placement *from, const struct placement *to)
@@ -172,8 +178,8 @@ double dpti_rigid_sweep_displacement(const struct placement *from, const struct 
                                       .a = scaled(add(from->a, to->a), 0.5),
                                       .b = scaled(add(from->b, to->b), 0.5) };
     struct ends at_first = tool_ends(from), at_last = tool_ends(to), at_middle = tool_ends(&middle);
-    return faster(sub(at_last.a, at_first.a), sub(at_last.b, at_first.b)) +
-           bend_of(&at_first, &at_middle, &at_last);
+    return max_length(sub(at_last.a, at_first.a), sub(at_last.b, at_first.b)) +
+           deviation_of(&at_first, &at_middle, &at_last);
 }
 
 dpt_pose dpti_rigid_sweep_pose(const dpt_pose *from, const dpt_pose *to, double time)
@@ -182,11 +188,11 @@ dpt_pose dpti_rigid_sweep_pose(const dpt_pose *from, const dpt_pose *to, double 
     double t0 = 0.0, t1 = 1.0, cosine = 0.0, square = 0.0;
     if (time <= 0.0 || time >= 1.0)
         return time <= 0.0 ? *from : *to;
-    for (int k = 0; k < HALVES_MAX; k++) {
-        const double half = 0.5 * (t0 + t1);
+    for (int k = 0; k < HALVINGS_MAX; k++) {
+        const double middle_time = 0.5 * (t0 + t1);
         const dpt_pose middle = pose_middle(&low, &high);
-        *(time < half ? &t1 : &t0) = half;
-        *(time < half ? &high : &low) = middle;
+        *(time < middle_time ? &t1 : &t0) = middle_time;
+        *(time < middle_time ? &high : &low) = middle;
     }
     const double part = (time - t0) / (t1 - t0);
     for (int k = 0; k < 3; k++)

@@ -36,7 +36,8 @@ struct rigid_sweep {
     const struct surface *surface; /* of the body */
     const struct kernel *kernel;
     double radius;
-    double far; /* nothing of the body is nearer than that to the axis where the tour begins */
+    double
+        distance_before; /* nothing of the body is nearer than that to the axis where the tour begins */
     double tolerance; /* half of what a hit may be off */
     uint32_t hint;
     struct work *work;
@@ -50,7 +51,7 @@ int dpti_rigid_sweep_find(struct rigid_sweep *sweep, const struct placement *fro
 
 /* Nothing was met: what is nowhere nearer, before and `after`, than half of the way. */
 int dpti_rigid_sweep_cannot_meet(const struct rigid_sweep *sweep, const struct placement *from,
-                                 const struct placement *to, double after);
+                                 const struct placement *to, double distance_after);
 
 /* After a hit: the side of the struck feature on which the point that struck it was when its motion began. */
 int dpti_rigid_sweep_side_before(const struct rigid_sweep *sweep);

@@ -14,7 +14,7 @@ struct motion_piece {
 };
 
 /* A piece at its time, and the velocities of its ends. */
-struct stretch {
+struct moving_piece {
     vec3 a, b, va, vb;
 };
 
@@ -22,7 +22,7 @@ struct stretch {
 struct face {
     vec3 normal;
     double low, high;
-    int is;
+    int is_valid;
 };
 
 void dpti_sweep_begin(struct sweep *sweep, const struct motion *motion, double radius,
@@ -38,12 +38,12 @@ void dpti_sweep_begin(struct sweep *sweep, const struct motion *motion, double r
     sweep->da = motion->da;
     sweep->du = sub(motion->db, motion->da);
     sweep->radius = radius;
-    sweep->touch = radius + 0.5 * tolerance;
-    sweep->clear = radius + 128.0 * unit * (extent + radius);
-    sweep->beyond = radius + tolerance;
+    sweep->hit_limit = radius + 0.5 * tolerance;
+    sweep->free_limit = radius + 128.0 * unit * (extent + radius);
+    sweep->no_hit_limit = radius + tolerance;
     vec3 middle = along(sweep->u, 0.5, sweep->du);
     double size = length(middle);
-    sweep->middle = size > 1e-120 ? scaled(middle, 1.0 / size) : (vec3){ 0.0, 0.0, 0.0 };
+    sweep->middle_direction = size > 1e-120 ? scaled(middle, 1.0 / size) : (vec3){ 0.0, 0.0, 0.0 };
 }
 
 void dpti_sweep_axis(const struct sweep *sweep, double time, vec3 *a, vec3 *u)
@@ -56,17 +56,18 @@ double dpti_sweep_start(const struct sweep *sweep, double distance)
 {
     vec3 db = add(sweep->da, sweep->du);
     double fastest = sqrt(max_of(dot(sweep->da, sweep->da), dot(db, db)));
-    double room = distance - sweep->beyond;
-    return room > 0.0 ? min_of(room / fastest, 1.0) : 0.0;
+    double clearance = distance - sweep->no_hit_limit;
+    return clearance > 0.0 ? min_of(clearance / fastest, 1.0) : 0.0;
 }
 
-static struct stretch stretch_of(const struct sweep *sweep, const struct motion_piece *piece)
+static struct moving_piece moving_piece_of(const struct sweep *sweep,
+                                           const struct motion_piece *piece)
 {
     vec3 a, u;
     dpti_sweep_axis(sweep, piece->time, &a, &u);
-    return (struct stretch){ along(a, piece->from, u), along(a, piece->to, u),
-                             along(sweep->da, piece->from, sweep->du),
-                             along(sweep->da, piece->to, sweep->du) };
+    return (struct moving_piece){ along(a, piece->from, u), along(a, piece->to, u),
+                                  along(sweep->da, piece->from, sweep->du),
+                                  along(sweep->da, piece->to, sweep->du) };
 }
 
 /*
@@ -76,11 +77,11 @@ static struct face face_of(const vec3 corner[3])
 {
     const vec3 edge[3] = { sub(corner[1], corner[0]), sub(corner[2], corner[1]),
                            sub(corner[0], corner[2]) };
-    flat f;
-    struct face face = { .is = flatten(edge, &f) };
-    if (!face.is)
+    triangle_frame frame;
+    struct face face = { .is_valid = triangle_frame_set(edge, &frame) };
+    if (!face.is_valid)
         return face;
-    face.normal = scaled(f.z, 1.0 / length(f.z));
+    face.normal = scaled(frame.z, 1.0 / length(frame.z));
     double c0 = dot(face.normal, corner[0]), c1 = dot(face.normal, corner[1]);
     double c2 = dot(face.normal, corner[2]);
     face.low = min_of(c0, min_of(c1, c2));
@@ -93,26 +94,29 @@ static struct face face_of(const vec3 corner[3])
  * is at or below it: all of the piece is between its ends, and so it is free for as long. 0 where
  * they are not beyond it.
  */
-static double plane_lasts(const struct stretch *s, vec3 normal, double support, double clear)
+static double plane_duration(const struct moving_piece *moving, vec3 normal, double support,
+                             double free_limit)
 {
-    double a = dot(normal, s->a) - support - clear, b = dot(normal, s->b) - support - clear;
-    double fall_a = -dot(normal, s->va), fall_b = -dot(normal, s->vb);
-    double lasts = HUGE_VAL;
+    double a = dot(normal, moving->a) - support - free_limit;
+    double b = dot(normal, moving->b) - support - free_limit;
+    double approach_a = -dot(normal, moving->va), approach_b = -dot(normal, moving->vb);
+    double duration = HUGE_VAL;
     if (!(a > 0.0 && b > 0.0))
         return 0.0;
-    if (fall_a > 0.0)
-        lasts = a / fall_a;
-    if (fall_b > 0.0)
-        lasts = min_of(lasts, b / fall_b);
-    return lasts;
+    if (approach_a > 0.0)
+        duration = a / approach_a;
+    if (approach_b > 0.0)
+        duration = min_of(duration, b / approach_b);
+    return duration;
 }
 
-static double face_lasts(const struct stretch *s, const struct face *face, double clear)
+static double face_duration(const struct moving_piece *moving, const struct face *face,
+                            double free_limit)
 {
-    if (!face->is)
+    if (!face->is_valid)
         return 0.0;
-    return max_of(plane_lasts(s, face->normal, face->high, clear),
-                  plane_lasts(s, scaled(face->normal, -1.0), -face->low, clear));
+    return max_of(plane_duration(moving, face->normal, face->high, free_limit),
+                  plane_duration(moving, scaled(face->normal, -1.0), -face->low, free_limit));
 }
 
 /*
@@ -122,17 +126,19 @@ static double face_lasts(const struct stretch *s, const struct face *face, doubl
  */
 static int trim(const struct sweep *sweep, const vec3 corner[3], struct motion_piece *piece)
 {
-    vec3 x = sweep->middle, end = add(sweep->a, sweep->da), along_end = add(sweep->u, sweep->du);
+    vec3 x = sweep->middle_direction;
+    vec3 a_end = add(sweep->a, sweep->da), u_end = add(sweep->u, sweep->du);
     double c0 = dot(x, corner[0]), c1 = dot(x, corner[1]), c2 = dot(x, corner[2]);
-    double margin = 2.0 * sweep->clear - sweep->radius;
-    double low = min_of(c0, min_of(c1, c2)) - margin, high = max_of(c0, max_of(c1, c2)) + margin;
-    double grows = dot(x, sweep->u), grows_end = dot(x, along_end);
+    double margin = 2.0 * sweep->free_limit - sweep->radius;
+    double min_along = min_of(c0, min_of(c1, c2)) - margin;
+    double max_along = max_of(c0, max_of(c1, c2)) + margin;
+    double u_along = dot(x, sweep->u), u_along_end = dot(x, u_end);
     *piece = (struct motion_piece){ 0.0, 1.0, 0.0 };
-    if (!(grows > 0.0 && grows_end > 0.0))
+    if (!(u_along > 0.0 && u_along_end > 0.0))
         return 1;
-    double at = dot(x, sweep->a), at_end = dot(x, end);
-    double from = min_of((low - at) / grows, (low - at_end) / grows_end);
-    double to = max_of((high - at) / grows, (high - at_end) / grows_end);
+    double a_along = dot(x, sweep->a), a_along_end = dot(x, a_end);
+    double from = min_of((min_along - a_along) / u_along, (min_along - a_along_end) / u_along_end);
+    double to = max_of((max_along - a_along) / u_along, (max_along - a_along_end) / u_along_end);
     if (from > 1.0 || to < 0.0 || from > to)
         return 0;
     piece->from = max_of(from, 0.0);
@@ -152,20 +158,20 @@ static vec3 across(vec3 v, vec3 u)
  * the length of what it is to separate may be more than itself: where the pair lies inside of the
  * axis or of an edge, that is taken out.
  */
-static vec3 normal_of(const struct stretch *s, const vec3 corner[3], const pair *found)
+static vec3 direction_of(const struct moving_piece *moving, const vec3 corner[3], const pair *found)
 {
     const double *w = found->weight;
-    vec3 u = sub(s->b, s->a), e = { 0.0, 0.0, 0.0 }, n = found->gap;
+    vec3 u = sub(moving->b, moving->a), e = { 0.0, 0.0, 0.0 }, n = found->gap;
     if (!(found->s > 0.0 && found->s < 1.0))
         u = e;
     for (int k = 0; k < 3; k++)
         if (w[k] == 0.0 && w[(k + 1) % 3] > 0.0 && w[(k + 2) % 3] > 0.0)
             e = sub(corner[(k + 2) % 3], corner[(k + 1) % 3]);
-    vec3 beside = across(across(e, u), u);
-    if (!(dot(beside, beside) > 0x1p-80 * dot(e, e)))
-        beside = (vec3){ 0.0, 0.0, 0.0 };
+    vec3 edge_across = across(across(e, u), u);
+    if (!(dot(edge_across, edge_across) > 0x1p-80 * dot(e, e)))
+        edge_across = (vec3){ 0.0, 0.0, 0.0 };
     for (int k = 0; k < 2; k++)
-        n = across(across(n, beside), u);
+        n = across(across(n, edge_across), u);
     double size = length(n), distance = sqrt(found->distance2);
     return size > 0.5 * distance ? scaled(n, 1.0 / size) : scaled(found->gap, 1.0 / distance);
 }
@@ -177,28 +183,32 @@ static vec3 normal_of(const struct stretch *s, const vec3 corner[3], const pair 
  * the piece.
  */
 static int advance(const struct sweep *sweep, const vec3 corner[3], const struct face *face,
-                   const struct stretch *s, const pair *found, struct motion_piece *piece)
+                   const struct moving_piece *moving, const pair *found, struct motion_piece *piece)
 {
-    double room = sqrt(found->distance2) - sweep->clear;
-    vec3 normal = normal_of(s, corner, found);
+    double clearance = sqrt(found->distance2) - sweep->free_limit;
+    vec3 normal = direction_of(moving, corner, found);
     double support =
         max_of(dot(normal, corner[0]), max_of(dot(normal, corner[1]), dot(normal, corner[2])));
-    double high = min_of(dot(normal, s->a), dot(normal, s->b)) - support - sweep->clear;
-    double fall_a = -dot(normal, s->va), fall_b = -dot(normal, s->vb);
-    double fall = fall_a + found->s * (fall_b - fall_a), rest = 1.0 - piece->time;
-    double lasts = room / sqrt(max_of(dot(s->va, s->va), dot(s->vb, s->vb)));
-    lasts = max_of(lasts, plane_lasts(s, normal, support, sweep->clear));
-    lasts = max_of(lasts, face_lasts(s, face, sweep->clear));
-    piece->time += lasts;
-    return 4.0 * lasts < rest && 2.0 * lasts * fall < room &&
-           (fabs(fall_b - fall_a) * rest > sweep->touch - sweep->clear || 2.0 * high < room);
+    double end_height =
+        min_of(dot(normal, moving->a), dot(normal, moving->b)) - support - sweep->free_limit;
+    double approach_a = -dot(normal, moving->va), approach_b = -dot(normal, moving->vb);
+    double approach = approach_a + found->s * (approach_b - approach_a);
+    double time_left = 1.0 - piece->time;
+    double duration =
+        clearance / sqrt(max_of(dot(moving->va, moving->va), dot(moving->vb, moving->vb)));
+    duration = max_of(duration, plane_duration(moving, normal, support, sweep->free_limit));
+    duration = max_of(duration, face_duration(moving, face, sweep->free_limit));
+    piece->time += duration;
+    return 4.0 * duration < time_left && 2.0 * duration * approach < clearance &&
+           (fabs(approach_b - approach_a) * time_left > sweep->hit_limit - sweep->free_limit ||
+            2.0 * end_height < clearance);
 }
 
 int dpti_sweep_pair(const struct sweep *sweep, const vec3 corner[3], double until, double *time,
-                    uint32_t *asked)
+                    uint32_t *evaluations)
 {
-    enum { PIECES = 64 };
-    struct motion_piece pieces[PIECES];
+    enum { PIECES_MAX = 64 };
+    struct motion_piece pieces[PIECES_MAX];
     const struct face face = face_of(corner);
     int count = trim(sweep, corner, pieces), result = SWEEP_FREE;
     while (count) {
@@ -207,14 +217,15 @@ int dpti_sweep_pair(const struct sweep *sweep, const vec3 corner[3], double unti
             count--;
             continue;
         }
-        ++*asked;
-        struct stretch s = stretch_of(sweep, piece);
-        pair found = segment_triangle(s.a, sub(s.b, s.a), corner[0], corner[1], corner[2]);
-        if (!(found.distance2 > sweep->touch * sweep->touch)) {
+        ++*evaluations;
+        struct moving_piece moving = moving_piece_of(sweep, piece);
+        pair found =
+            segment_triangle(moving.a, sub(moving.b, moving.a), corner[0], corner[1], corner[2]);
+        if (!(found.distance2 > sweep->hit_limit * sweep->hit_limit)) {
             until = piece->time;
             result = SWEEP_HIT;
             count--;
-        } else if (advance(sweep, corner, &face, &s, &found, piece) && count < PIECES) {
+        } else if (advance(sweep, corner, &face, &moving, &found, piece) && count < PIECES_MAX) {
             pieces[count] = *piece;
             piece->from = pieces[count].to = 0.5 * (piece->from + piece->to);
             count++;

@@ -27,12 +27,12 @@ enum sweep_status {
 
 /* What is worked out of a motion once. */
 struct sweep {
-    vec3 a, u, da, du; /* the axis a + s u, and how that changes */
-    vec3 middle;       /* unit, along the axis half way; zero for none */
+    vec3 a, u, da, du;     /* the axis a + s u, and how that changes */
+    vec3 middle_direction; /* unit, along the axis half way; zero for none */
     double radius;
-    double touch;  /* as near is a hit: radius + half the tolerance */
-    double clear;  /* farther is free: radius + what rounding may feign */
-    double beyond; /* farther is no hit: radius + tolerance */
+    double hit_limit;    /* as near is a hit: radius + half the tolerance */
+    double free_limit;   /* farther is free: radius + what rounding may feign */
+    double no_hit_limit; /* farther is no hit: radius + tolerance */
 };
 
 /*
@@ -60,6 +60,6 @@ double dpti_sweep_start(const struct sweep *sweep, double distance);
  * distances evaluated.
  */
 int dpti_sweep_pair(const struct sweep *sweep, const vec3 corner[3], double until, double *time,
-                    uint32_t *asked);
+                    uint32_t *evaluations);
 
 #endif

@@ -61,8 +61,8 @@ static double bounds_so_far(const struct suspended_search *suspended, const stru
     if (!suspended->traversal.depth)
         return 0.0;
     return min_of(suspended->lower_bound,
-                  dpti_traversal_lower_bound(&suspended->traversal, surface, bound->a,
-                                             sub(bound->b, bound->a)));
+                  dpti_bvh_unvisited_bound(&suspended->traversal, surface, bound->a,
+                                           sub(bound->b, bound->a)));
 }
 
 void dpti_bounds_give_up(struct dpt_world *world, uint32_t segment,
@@ -89,7 +89,7 @@ double dpti_bounds_update(struct dpt_world *world, uint32_t segment, uint32_t in
     bound->a = axis->local_a;
     bound->b = add(axis->local_a, axis->u);
     if (moved > 0.0 && moving->body == index && moving->traversal.depth) {
-        dpti_traversal_drift(&moving->traversal, &world->bodies[index].surface, moved);
+        dpti_bvh_weaken_bounds(&moving->traversal, &world->bodies[index].surface, moved);
         moving->lower_bound -= moved;
     }
     return moved;

@@ -102,7 +102,7 @@ static void begin_sweep(struct motion_backlog *backlog, uint32_t on_axis)
 {
     backlog->on_axis = on_axis;
     backlog->progress.free_until = 0.0;
-    backlog->progress.sweep.begun = 0;
+    backlog->progress.sweep.has_begun = 0;
 }
 
 enum { STEP_STOPPED, STEP_GOES_ON, STEP_BEGAN_TOUCHING };
@@ -125,7 +125,7 @@ static int pass_body(struct dpt_world *world, uint32_t index, const struct body 
     struct rigid_sweep rigid = { .surface = &body->surface,
                                  .kernel = &world->kernel,
                                  .radius = far > segment->radius ? segment->radius : 0.0,
-                                 .far = far,
+                                 .distance_before = far,
                                  .tolerance = 0.5 * RIGID_SWEEP_TOLERANCE *
                                               dpti_surface_diagonal(&body->surface),
                                  .hint = *world_last(world, index, handle_index(body->id)),

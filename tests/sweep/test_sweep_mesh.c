@@ -107,7 +107,7 @@ static int sweep_whole(const struct body *body, const struct kernel *kernel,
                        uint32_t *work)
 {
     struct sweep_progress progress;
-    progress.begun = 0;
+    progress.has_begun = 0;
     struct work meter = { *work, WORK_UNLIMITED };
     int result =
         dpti_sweep_mesh(&body->surface, kernel, sweep, from, hint, &meter, &progress, found);
@@ -128,7 +128,7 @@ static uint32_t check_budget(const struct body *body, const struct kernel *kerne
     int result;
     struct impact found;
     struct sweep_progress progress;
-    progress.begun = 0;
+    progress.has_begun = 0;
     do {
         uint32_t most = 1 + (uint32_t)(random_bits(&rng) % full);
         most = one_in(&rng, 4) ? 1 : most;
