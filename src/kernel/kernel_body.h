@@ -1,37 +1,40 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The loops of kernel_ops.h, once for all instruction sets. The file that includes this defines
+ * The loops of kernel_ops.h, written once for all instruction sets. The file that includes this defines
  *     KERNEL(name)                 the function's name
  *     KERNEL_TARGET                its target attribute, or nothing
- *     KERNEL_OPEN(bound, limit)    the lanes whose bound is not above the limit, as bits; optional
- * Straight-line code without calls, so that the compiler turns 16 iterations into vectors; no operation
+ *     KERNEL_OPEN(bound, limit)    the lanes whose bound does not exceed the limit, as bits; optional
+ *
+ * The loops are straight-line code without calls, so that the compiler turns 16 iterations into vectors. No operation
  * may be fused or reordered, or the bits would differ from machine to machine.
  */
 #include <math.h>
 
 #include "kernel/kernel_ops.h"
 
-/* Compared so that NaN gives the limit: 0 / 0 stands for "anywhere". */
+/* NaN gives the limit: 0 / 0 stands for "anywhere". */
 #define AT_LEAST(value, limit) ((value) > (limit) ? (value) : (limit))
 #define AT_MOST(value, limit)  ((value) < (limit) ? (value) : (limit))
 #define CLAMP(value, high)     AT_MOST(AT_LEAST(value, 0.0f), high)
 
-/* Below that a root is not exact enough to make a direction about unit length: no direction at all then. */
+/*
+ * 1 / root; no number for a square that is too small: its root is not accurate enough for a direction of unit length.
+ */
 #define PER_ROOT(square) ((square) > 0x1p-100f ? 1.0f / sqrtf(square) : NAN)
 
-/* How far the three corners of a triangle are along (x, y, z): n0, n1 and n2 for the name n. */
+/* Declares n0, n1, n2, for a name n: the dot products of a triangle's three corners with (x, y, z). */
 #define CORNERS_ALONG(n, x, y, z)                                                                  \
     float n##0 = x * block[i] + y * block[LANES + i] + z * block[2 * LANES + i];                   \
     float n##1 = x * block[3 * LANES + i] + y * block[4 * LANES + i] + z * block[5 * LANES + i];   \
     float n##2 = x * block[6 * LANES + i] + y * block[7 * LANES + i] + z * block[8 * LANES + i];
 
-/* Each lane's bit; a table, because not every instruction set shifts lanes by different amounts. */
+/* Each lane's bit. It is a table because not every instruction set can shift lanes by different amounts. */
 static const uint32_t KERNEL(bit)[LANES] = {
     1u << 0, 1u << 1, 1u << 2,  1u << 3,  1u << 4,  1u << 5,  1u << 6,  1u << 7,
     1u << 8, 1u << 9, 1u << 10, 1u << 11, 1u << 12, 1u << 13, 1u << 14, 1u << 15,
 };
 
-/* One instruction where there is one for it; C has no words for that, and compilers do not find it. */
+/* The portable form. Some instruction sets have one instruction for it, but compilers do not find it in this loop. */
 #ifndef KERNEL_OPEN
 #define KERNEL_OPEN(bound, limit) KERNEL(open)(bound, limit)
 KERNEL_TARGET static inline uint32_t KERNEL(open)(const float *bound, float limit)
@@ -44,10 +47,10 @@ KERNEL_TARGET static inline uint32_t KERNEL(open)(const float *bound, float limi
 #endif
 
 /*
- * Kept planes, at another pose. The point of the tool nearest to any point v of the piece is at x.(v - a)
- * along it, clamped to its ends: it lies within the piece's own range from..to, and only there must the
- * tool be before the plane. A long tool that turns by d swings its ends by half its length times d across
- * a plane made beside it, but by next to nothing what is near the piece.
+ * The bound of a cached plane at another pose; declares it as `value`. The point of the axis nearest to a point v of
+ * the piece is at x.(v - a) along the axis, clamped to its ends. So it lies in the piece's own range from..to, and only
+ * there must the axis be in front of the plane. When a long tool turns by an angle, its ends swing across the plane by
+ * half the length times the angle; the part beside the piece hardly moves.
  */
 #define LOCAL_BOUND(from, to)                                                                      \
     float nx = planes->x[i], ny = planes->y[i], nz = planes->z[i];                                 \
@@ -78,7 +81,7 @@ KERNEL_TARGET uint32_t KERNEL(cached_boxes)(const float *restrict block,
     return KERNEL_OPEN(bound, limit);
 }
 
-/* Of a triangle also the plane that is turned to be parallel to the axis, with a support of its own. */
+/* For a triangle a second plane is tried: the cached one turned parallel to the axis, with a support of its own. */
 KERNEL_TARGET uint32_t KERNEL(cached_triangles)(const float *restrict block,
                                                 const struct filter_segment *restrict segment,
                                                 const struct planes *restrict planes,
@@ -103,7 +106,7 @@ KERNEL_TARGET uint32_t KERNEL(cached_triangles)(const float *restrict block,
     return KERNEL_OPEN(bound, limit);
 }
 
-/* Lane i gets the plane (nx, ny, nz; low). */
+/* Store the plane (nx, ny, nz) with support `low` in lane i, and its bound. */
 #define PUT_PLANE                                                                                  \
     {                                                                                              \
         float at_a = nx * ax + ny * ay + nz * az;                                                  \
@@ -116,7 +119,7 @@ KERNEL_TARGET uint32_t KERNEL(cached_triangles)(const float *restrict block,
         bound[i] = value;                                                                          \
     }
 
-/* The direction is from the segment's point nearest to the box's centre to that centre. */
+/* The direction leads from the axis' point nearest to the box's centre to that centre. */
 KERNEL_TARGET uint32_t KERNEL(boxes)(const float *restrict block,
                                      const struct filter_segment *restrict segment,
                                      struct planes *restrict planes, float *restrict bound)
@@ -145,9 +148,9 @@ KERNEL_TARGET uint32_t KERNEL(boxes)(const float *restrict block,
 }
 
 /*
- * One edge from p along e against the segment 0..length on the x axis: keep the direction and squared
- * length of the shortest connection. Beside the segment the distance to it is that to its line, which
- * is two-dimensional; beyond an end it is that to the end.
+ * Test one edge, from p along e, against the segment 0..length on the x axis. If it is nearer than the edges before,
+ * set (nx, ny, nz) to the shortest connection and min_square to its square. Beside the segment the distance is that to
+ * the segment's line, which is two-dimensional; beyond an end it is that to the end.
  */
 #define TRY_EDGE(px, py, pz, ex, ey, ez)                                                           \
     {                                                                                              \
@@ -168,12 +171,15 @@ KERNEL_TARGET uint32_t KERNEL(boxes)(const float *restrict block,
         nz = nearer ? qz : nz;                                                                     \
     }
 
-/* n . ((p - s) x (q - s)), s on the x axis: which side of edge pq the projection of s lies on. */
+/* f . ((p - s) x (q - s)) for the point s on the x axis: the sign says on which side of edge pq s projects. */
 #define SIDE(px, py, pz, qx, qy, qz)                                                               \
     (fx * (py * qz - pz * qy) + fy * (pz * (qx - s) - (px - s) * qz) +                             \
      fz * ((px - s) * qy - py * (qx - s)))
 
-/* An edge from (p, q) along (e, f), across the axis: keep the shortest way to it from the axis' line, and its square. */
+/*
+ * Test one edge, from (p, q) along (e, f) in the plane across the axis. If it is nearer to the axis' line than the
+ * edges before, set (y, z) to the shortest connection and min_square to its square.
+ */
 #define TRY_EDGE_BESIDE(p, q, e, f)                                                                \
     {                                                                                              \
         float t = CLAMP(-(p * e + q * f) / (e * e + f * f), 1.0f);                                 \
@@ -184,7 +190,10 @@ KERNEL_TARGET uint32_t KERNEL(boxes)(const float *restrict block,
         z = nearer ? pz : z;                                                                       \
     }
 
-/* Where the axis is as good as its line, all is two-dimensional, and a face is nearest only where it is crossed. */
+/*
+ * The loop `triangles` for a block whose triangles all lie between the axis' ends. There the axis can be replaced by
+ * its line: the problem is two-dimensional, and a face is nearest only if the line crosses it.
+ */
 KERNEL_TARGET static uint32_t
 KERNEL(triangles_beside)(const float *restrict block, const struct filter_segment *restrict segment,
                          struct planes *restrict planes, float *restrict bound)
@@ -262,7 +271,7 @@ KERNEL_TARGET uint32_t KERNEL(triangles)(const float *restrict block,
         TRY_EDGE(ax1, ay1, az1, ex1, ey1, ez1)
         TRY_EDGE(ax2, ay2, az2, ex2, ey2, ez2)
 
-        /* The face counts when the point nearest to its plane projects into it. */
+        /* The face is nearest if the axis' point nearest to its plane projects into it. */
         float fx = ey2 * ez0 - ez2 * ey0, fy = ez2 * ex0 - ex2 * ez0, fz = ex2 * ey0 - ey2 * ex0;
         float height = fx * ax0 + fy * ay0 + fz * az0;
         float s = CLAMP(height / fx, length);
@@ -275,7 +284,7 @@ KERNEL_TARGET uint32_t KERNEL(triangles)(const float *restrict block,
         ny = inside ? sign * fy : ny;
         nz = inside ? sign * fz : nz;
 
-        /* Back into the filter's frame, where the plane stays. */
+        /* Back into the filter's frame, in which planes are cached. */
         float unit = PER_ROOT(nx * nx + ny * ny + nz * nz);
         float tx = nx * unit, ty = ny * unit, tz = nz * unit;
         nx = tx * xx + ty * yx + tz * zx;
@@ -288,7 +297,7 @@ KERNEL_TARGET uint32_t KERNEL(triangles)(const float *restrict block,
     return KERNEL_OPEN(bound, limit);
 }
 
-/* Take over the planes that are better, and their bounds: they will last longer. */
+/* A plane with a greater bound lasts longer. */
 KERNEL_TARGET void KERNEL(better)(const struct planes *restrict made,
                                   const float *restrict made_bound, struct planes *restrict planes,
                                   float *restrict bound)
@@ -317,7 +326,10 @@ KERNEL_TARGET uint32_t KERNEL(point_boxes)(const float *restrict block, const fl
     return KERNEL_OPEN(bound, limit);
 }
 
-/* An edge from p along e, seen from the point: keep the shortest way to it, and its square. */
+/*
+ * Test one edge, from p along e, seen from the point. If it is nearer than the edges before, set (nx, ny, nz) to the
+ * shortest connection and min_square to its square.
+ */
 #define TRY_POINT_EDGE(px, py, pz, ex, ey, ez)                                                     \
     {                                                                                              \
         float lean = -(px * ex + py * ey + pz * ez);                                               \
@@ -331,11 +343,11 @@ KERNEL_TARGET uint32_t KERNEL(point_boxes)(const float *restrict block, const fl
         nz = nearer ? qz : nz;                                                                     \
     }
 
-/* f . (p x q): which side of edge pq the point lies on, seen along f. */
+/* f . (p x q): the sign says on which side of edge pq the point lies, seen along f. */
 #define POINT_SIDE(px, py, pz, qx, qy, qz)                                                         \
     (fx * (py * qz - pz * qy) + fy * (pz * qx - px * qz) + fz * (px * qy - py * qx))
 
-/* Any direction bounds the distance, so that n need not be of unit length, only be long enough to divide by. */
+/* n need not be of unit length, only long enough to divide by. A first pass tries the direction to the centroid. */
 KERNEL_TARGET uint32_t KERNEL(point_triangles)(const float *restrict block,
                                                const float *restrict at, float limit,
                                                float *restrict bound)
@@ -392,7 +404,7 @@ KERNEL_TARGET uint32_t KERNEL(point_triangles)(const float *restrict block,
 }
 
 KERNEL_TARGET uint32_t KERNEL(common_boxes)(const float *restrict block, const float normal[3],
-                                            float beyond, float *restrict low)
+                                            float limit, float *restrict support)
 {
     const float nx = normal[0], ny = normal[1], nz = normal[2];
     const float wx = fabsf(nx), wy = fabsf(ny), wz = fabsf(nz);
@@ -401,25 +413,25 @@ KERNEL_TARGET uint32_t KERNEL(common_boxes)(const float *restrict block, const f
         float value =
             nx * block[i] + ny * block[LANES + i] + nz * block[2 * LANES + i] -
             (wx * block[3 * LANES + i] + wy * block[4 * LANES + i] + wz * block[5 * LANES + i]);
-        low[i] = value;
+        support[i] = value;
     }
-    return KERNEL_OPEN(low, beyond);
+    return KERNEL_OPEN(support, limit);
 }
 
 KERNEL_TARGET uint32_t KERNEL(common_triangles)(const float *restrict block, const float normal[3],
-                                                float beyond, float *restrict low)
+                                                float limit, float *restrict support)
 {
     const float nx = normal[0], ny = normal[1], nz = normal[2];
 
     for (int i = 0; i < LANES; i++) {
         CORNERS_ALONG(n, nx, ny, nz)
         float value = AT_MOST(AT_MOST(n0, n1), n2);
-        low[i] = value;
+        support[i] = value;
     }
-    return KERNEL_OPEN(low, beyond);
+    return KERNEL_OPEN(support, limit);
 }
 
-/* The box around a hull as numbers that stay in registers. */
+/* The box around a hull, as local numbers that stay in registers. */
 #define HULL                                                                                       \
     const float ox = hull->centre[0], oy = hull->centre[1], oz = hull->centre[2];                  \
     const float xx = hull->axis[0][0], xy = hull->axis[0][1], xz = hull->axis[0][2];               \
@@ -428,7 +440,7 @@ KERNEL_TARGET uint32_t KERNEL(common_triangles)(const float *restrict block, con
     const float wx = hull->half[0], wy = hull->half[1], wz = hull->half[2];                        \
     const float limit = hull->limit;
 
-/* n: the direction from the nearest point of that box to (cx, cy, cz); no number inside of it. */
+/* Declares n, the unit direction from the nearest point of that box to (cx, cy, cz); no number inside the box. */
 #define AWAY_FROM_HULL(cx, cy, cz)                                                                 \
     float dx = (cx)-ox, dy = (cy)-oy, dz = (cz)-oz;                                                \
     float px = dx * xx + dy * xy + dz * xz;                                                        \
@@ -445,7 +457,7 @@ KERNEL_TARGET uint32_t KERNEL(common_triangles)(const float *restrict block, con
     ny *= unit;                                                                                    \
     nz *= unit;
 
-/* How far the four ends are along (x, y, z): n_0 to n_3 for the name n, of which these are the extremes. */
+/* ENDS_ALONG declares n_0 to n_3, for a name n: the dot products of the hull's four ends with (x, y, z). */
 #define END_ALONG(e, x, y, z) ((x)*hull->end[e][0] + (y)*hull->end[e][1] + (z)*hull->end[e][2])
 #define ENDS_ALONG(n, x, y, z)                                                                     \
     float n##_0 = END_ALONG(0, x, y, z), n##_1 = END_ALONG(1, x, y, z);                            \
@@ -453,7 +465,7 @@ KERNEL_TARGET uint32_t KERNEL(common_triangles)(const float *restrict block, con
 #define LOWEST_END(n)  AT_MOST(AT_MOST(n##_0, n##_1), AT_MOST(n##_2, n##_3))
 #define HIGHEST_END(n) AT_LEAST(AT_LEAST(n##_0, n##_1), AT_LEAST(n##_2, n##_3))
 
-/* Besides, the plane of the motion: of what a tool that slides by leaves behind, most lies beyond it. */
+/* A second plane is tried: across tool and motion. Most of what a sliding tool passes lies beyond it. */
 KERNEL_TARGET uint32_t KERNEL(swept_boxes)(const float *restrict block,
                                            const struct swept_hull *restrict hull,
                                            float *restrict bound)
@@ -477,7 +489,7 @@ KERNEL_TARGET uint32_t KERNEL(swept_boxes)(const float *restrict block,
     return KERNEL_OPEN(bound, limit);
 }
 
-/* And the triangle's own plane. */
+/* A third plane is tried: the triangle's own. */
 KERNEL_TARGET uint32_t KERNEL(swept_triangles)(const float *restrict block,
                                                const struct swept_hull *restrict hull,
                                                float *restrict bound)

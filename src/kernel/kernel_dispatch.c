@@ -28,7 +28,7 @@ const char *dpt_kernel_name(uint32_t id)
 }
 
 #ifdef KERNELS_X86
-/* Which register sets the operating system saves; asks the processor, not the compiler's runtime. */
+/* The register sets that the operating system saves, read from the processor; the compiler's runtime is not used. */
 static uint32_t saved_registers(void)
 {
     uint32_t low, high;

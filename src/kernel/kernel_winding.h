@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The loops for the winding number (docs/algorithms/winding.md): a part of kernel_body.h, for each instruction set. */
+
 /*
- * Area vectors as seen from a point, and what their spread adds: a multipole series up to the octupole, which is
- * traceless, so that 7 numbers hold it. e is the direction, `per` one over the distance; the rows carry all
+ * The winding of sets of triangles, by a multipole series: area vector, quadrupole, octupole. The octupole is
+ * traceless, so 7 numbers hold it. e is the unit direction to a set, `per` is 1 / distance; the rows contain all
  * factors.
  */
 KERNEL_TARGET uint32_t KERNEL(moments)(const float *restrict block, const float *restrict at,
@@ -40,7 +41,7 @@ KERNEL_TARGET uint32_t KERNEL(moments)(const float *restrict block, const float 
     return KERNEL_OPEN(bound, limit);
 }
 
-/* Of atan(t) / (2 pi) over t, in t^2: fitted at Chebyshev's points of 0..1. */
+/* Coefficients of atan(t) / (2 pi t) in powers of t^2, fitted at the Chebyshev points of 0..1. */
 #define ATAN_0 0.159154817f
 #define ATAN_1 -0.0530394651f
 #define ATAN_2 0.0316273347f
@@ -50,9 +51,9 @@ KERNEL_TARGET uint32_t KERNEL(moments)(const float *restrict block, const float 
 #define ATAN_6 0.0012172733f
 
 /*
- * Van Oosterom and Strackee 1983: tan of half the solid angle is a.(b x c) over |a||b||c| (1 + cos ab + cos bc +
- * cos ca). While the latter is not small, an arctangent of 0..1 does, by a polynomial that is off by at most
- * 1e-7 turns.
+ * Van Oosterom and Strackee 1983: the tangent of half the solid angle is a.(b x c) over |a||b||c| (1 + cos ab + cos bc
+ * + cos ca). While the denominator is not small, an arctangent of 0..1 suffices. The polynomial for it is off by at
+ * most 1e-7 turns.
  */
 KERNEL_TARGET uint32_t KERNEL(angles)(const float *restrict block, const float *restrict at,
                                       uint32_t lanes, float *restrict winding)
