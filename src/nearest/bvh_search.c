@@ -126,8 +126,8 @@ static uint32_t begin_traversal(struct bvh_search *search)
 }
 
 /*
- * The nearest open lane. If last tick's planes left at most four lanes open, the order does not matter, and the first
- * one saves the comparison. It does matter in two more cases:
+ * The open lane to visit next. As a rule it is the nearest one. With at most four open lanes the order hardly matters,
+ * and taking the first one saves the comparisons. Two searches always take the nearest:
  *   - Without history (no slack) the first crossing found is the answer; it must not depend on where a search begins.
  *   - A write-only search, of a tool at rest, must cost no more than a search from nothing.
  */

@@ -25,9 +25,9 @@ static inline void axis_of(const struct surface *surface, const struct frame *bo
     axis->local_a = frame_to_local(body, a);
     vec3 local_b = frame_to_local(body, b);
     axis->u = sub(local_b, axis->local_a);
-    double reach = max_of(max_of(extent_of(a), extent_of(b)), extent_of(body->origin));
-    reach = max_of(reach, max_of(extent_of(axis->local_a), extent_of(local_b)));
-    axis->error = DISTANCE_ERROR * max_of(reach, dpti_surface_extent(surface));
+    double extent = max_of(max_of(extent_of(a), extent_of(b)), extent_of(body->origin));
+    extent = max_of(extent, max_of(extent_of(axis->local_a), extent_of(local_b)));
+    axis->error = DISTANCE_ERROR * max_of(extent, dpti_surface_extent(surface));
 }
 
 /*
@@ -43,16 +43,15 @@ void dpti_track_once(const struct surface *surface, const struct kernel *kernel,
 struct track {
     struct axis axis;
     struct pair_search nearest;
-    uint32_t last; /* last tick's triangle, by its place, while it may be the answer; or DPT_NONE */
-    pair last_pair; /* this tick's axis and that triangle */
+    uint32_t last;  /* place of last tick's triangle, while it may be the answer; or DPT_NONE */
+    pair last_pair; /* the nearest pair of this tick's axis and that triangle */
 };
 
-/* How the dynamic point moves before the search. */
-enum descent_mode {
-    TRACK_STAYS,    /* it stays on last tick's triangle */
-    TRACK_DESCENDS, /* it descends to nearer neighbours */
-    TRACK_CROSSED /* the axis crossed its triangle: it looks for one that the axis crosses now, else it descends */
-};
+/*
+ * How the dynamic point moves before the search: it stays on last tick's triangle, it descends to nearer neighbours,
+ * or, if the axis crossed its triangle last tick, it looks for a triangle that the axis crosses now and else descends.
+ */
+enum descent_mode { TRACK_STAYS, TRACK_DESCENDS, TRACK_CROSSED };
 
 /*
  * Begin a tick: evaluate last tick's triangle, and move the dynamic point as `mode` says. track->axis must be set.

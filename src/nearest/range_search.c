@@ -4,8 +4,8 @@
 #include "nearest/filter_segment.h"
 
 /*
- * 1 if every triangle of a leaf is out of reach along one of the four directions. So it is with most leaves whose boxes
- * are within reach.
+ * 1 if each triangle of a leaf is out of reach along at least one of the four directions. That holds for most leaves
+ * whose boxes are within reach.
  */
 static int is_out_of_reach(const struct range *range, const float *rows, uint32_t lanes)
 {
