@@ -10,21 +10,21 @@
  * The doubt that is left, of the overlap: of all spans, and of one, whose estimate may be far off. And that below which a
  * sample is not worth keeping.
  */
-#define DOUBT_LEFT    0.008
-#define DOUBT_ONE     0.001
-#define DOUBT_IGNORED 0.001
+#define ERROR_SUM_MAX  0.008
+#define ERROR_SPAN_MAX 0.001
+#define ERROR_IGNORED  0.001
 
 /* A way out that turns by less is not looked into; by more is not of one curved wall. */
 #define TURN_SMALL 0.01
 #define TURN_LARGE 0.15
 
 /* What tangents and chord may differ by, of the area, to be nearly one line. */
-#define STRAIGHT 0.001
+#define STRAIGHT_SHARE 0.001
 
 /* How far, of the reach, the surface may be from where a region ends. */
-#define END_LEFT 0.04
+#define END_SHARE 0.04
 
-enum { ASK_MAX = PROFILE_SAMPLES, SPANS_MIN = 12, SAMPLE_CHEAP = 40 };
+enum { REFINE_MAX = PROFILE_SAMPLES, SPANS_WITHIN_MIN = 12, CHEAP_SAMPLE_WORK = 40 };
 
 /* A piece of the profile on which the height is linear and the way out is one sample's. */
 struct profile_piece {
@@ -34,35 +34,36 @@ struct profile_piece {
 };
 
 /* Cut off what is beyond reach; 0 if that is all. */
-static int clip(struct profile_piece *piece)
+static int clip_to_reach(struct profile_piece *piece)
 {
     double w0 = piece->w0, w1 = piece->w1;
     if (!(w0 > 0.0) && !(w1 > 0.0))
         return 0;
     if (w0 >= 0.0 && w1 >= 0.0)
         return 1;
-    double cut = piece->s0 + (piece->s1 - piece->s0) * (w0 / (w0 - w1));
+    double zero = piece->s0 + (piece->s1 - piece->s0) * (w0 / (w0 - w1));
     if (w0 < 0.0) {
-        piece->s0 = cut;
+        piece->s0 = zero;
         piece->w0 = 0.0;
     } else if (w1 < 0.0) {
-        piece->s1 = cut;
+        piece->s1 = zero;
         piece->w1 = 0.0;
     }
     return 1;
 }
 
-static inline double area_of(double s0, double w0, double s1, double w1)
+static inline double area_within_reach(double s0, double w0, double s1, double w1)
 {
     if (w0 >= 0.0 && w1 >= 0.0)
         return 0.5 * (w0 + w1) * (s1 - s0);
     struct profile_piece piece = { s0, s1, w0, w1, { 0.0, 0.0, 0.0 } };
-    return clip(&piece) ? 0.5 * (piece.w0 + piece.w1) * (piece.s1 - piece.s0) : 0.0;
+    return clip_to_reach(&piece) ? 0.5 * (piece.w0 + piece.w1) * (piece.s1 - piece.s0) : 0.0;
 }
 
-static void add_piece(struct region *region, const struct profile_piece *piece, double size)
+static void integrate_piece(struct region *region, const struct profile_piece *piece,
+                            double axis_length)
 {
-    double width = (piece->s1 - piece->s0) * size;
+    double width = (piece->s1 - piece->s0) * axis_length;
     double overlap = 0.5 * (piece->w0 + piece->w1) * width;
     double moment =
         (piece->s0 * (2.0 * piece->w0 + piece->w1) + piece->s1 * (piece->w0 + 2.0 * piece->w1)) *
@@ -75,60 +76,64 @@ static void add_piece(struct region *region, const struct profile_piece *piece, 
 }
 
 /* Between a mark and a sample: how far the sample's tangent is within reach where the mark's meets it, or should. */
-static double from_mark(const struct distance_profile *profile, const struct sample *from,
-                        const struct sample *to, double s)
+static double reach_left_at_mark(const struct distance_profile *profile,
+                                 const struct profile_sample *from, const struct profile_sample *to,
+                                 double s)
 {
-    const struct sample *seen = from->triangle == DPT_NONE ? to : from;
-    return profile->reach - seen->height - seen->rise * (s - seen->s);
+    const struct profile_sample *sample = from->triangle == DPT_NONE ? to : from;
+    return profile->reach - sample->height - sample->slope * (s - sample->s);
 }
 
 /*
  * Where `at` is, the triangle of `of` is as near as its own. The distance to one triangle is convex along the axis and so no less
  * than its tangent, which mostly tells.
  */
-static int is_as_near(const struct distance_profile *profile, const struct sample *of,
-                      const struct sample *at)
+static int is_as_near(const struct distance_profile *profile, const struct profile_sample *other,
+                      const struct profile_sample *here)
 {
-    double reach = fabs(at->height) + profile->axis->error;
-    double tangent = of->height + of->rise * (at->s - of->s);
-    return !((of->height < 0.0 ? -tangent : tangent) > reach) &&
-           dpti_profile_reach(profile, of->triangle, at->s) <= reach;
+    double limit = fabs(here->height) + profile->axis->error;
+    double tangent = other->height + other->slope * (here->s - other->s);
+    return !((other->height < 0.0 ? -tangent : tangent) > limit) &&
+           dpti_profile_distance_to(profile, other->triangle, here->s) <= limit;
 }
 
 /* One triangle is nearest at both samples: between them the way out turns evenly, or at the sample where others are as near. */
-static int is_one_wall(const struct distance_profile *profile, const struct sample *from,
-                       const struct sample *to)
+static int is_one_wall(const struct distance_profile *profile, const struct profile_sample *from,
+                       const struct profile_sample *to)
 {
     return from->triangle == to->triangle || is_as_near(profile, to, from) ||
            is_as_near(profile, from, to);
 }
 
-static void span_between(const struct distance_profile *profile, const struct sample *from,
-                         const struct sample *to, struct span *span)
+static void measure_span(const struct distance_profile *profile, const struct profile_sample *from,
+                         const struct profile_sample *to, struct span *span)
 {
     struct bend bend = dpti_profile_bend(profile, from, to);
     double width = to->s - from->s, w0 = profile->reach - from->height;
     double w1 = profile->reach - to->height, tangent = profile->reach - bend.height;
-    double part = width > 0.0 ? (bend.s - from->s) / width : 0.0;
-    double chord = w0 + (w1 - w0) * part;
-    int marked = from->triangle == DPT_NONE || to->triangle == DPT_NONE;
-    double w = marked ? tangent : chord + (tangent - chord) * (5.0 / 6.0);
-    double least = area_of(from->s, w0, to->s, w1);
-    double most = area_of(from->s, w0, bend.s, tangent) + area_of(bend.s, tangent, to->s, w1);
-    double area = area_of(from->s, w0, bend.s, w) + area_of(bend.s, w, to->s, w1);
-    double doubt = 0.25 * fabs(most - least);
+    double share = width > 0.0 ? (bend.s - from->s) / width : 0.0;
+    double chord = w0 + (w1 - w0) * share;
+    int has_mark = from->triangle == DPT_NONE || to->triangle == DPT_NONE;
+    double w = has_mark ? tangent : chord + (tangent - chord) * (5.0 / 6.0);
+    double chord_area = area_within_reach(from->s, w0, to->s, w1);
+    double tangent_area = area_within_reach(from->s, w0, bend.s, tangent) +
+                          area_within_reach(bend.s, tangent, to->s, w1);
+    double area =
+        area_within_reach(from->s, w0, bend.s, w) + area_within_reach(bend.s, w, to->s, w1);
+    double error = 0.25 * fabs(tangent_area - chord_area);
     /* No height changes by more than the way: what is short enough is known well enough, also beside a border. */
-    double loose = END_LEFT * profile->reach;
-    int ends = (w0 > 0.0) != (w1 > 0.0) && fabs(w0) > loose && fabs(w1) > loose;
+    double end_tolerance = END_SHARE * profile->reach;
+    int is_partly_within =
+        (w0 > 0.0) != (w1 > 0.0) && fabs(w0) > end_tolerance && fabs(w1) > end_tolerance;
     span->s = bend.s;
     span->w0 = w0;
     span->w = w;
     span->w1 = w1;
     span->area = area;
-    span->error_estimate = marked ? doubt + 0.5 * area : doubt;
-    span->loose =
-        width * profile->size > loose && (marked ? from_mark(profile, from, to, bend.s) > loose
-                                                 : ends && fabs(tangent - chord) > loose);
+    span->error_estimate = has_mark ? error + 0.5 * area : error;
+    span->has_loose_end = width * profile->axis_length > end_tolerance &&
+                          (has_mark ? reach_left_at_mark(profile, from, to, bend.s) > end_tolerance
+                                    : is_partly_within && fabs(tangent - chord) > end_tolerance);
 }
 
 /*
@@ -136,65 +141,68 @@ static void span_between(const struct distance_profile *profile, const struct sa
  * far. How far the way out would turn between them, if `was` is that wall. `least`: no less than how far the samples'
  * triangles are there.
  */
-static double turn_between(const struct distance_profile *profile, const struct sample *from,
-                           const struct sample *to, uint32_t was, double least)
+static double hidden_wall_turn(const struct distance_profile *profile,
+                               const struct profile_sample *from, const struct profile_sample *to,
+                               uint32_t wall, double max_distance)
 {
-    if (was == from->triangle || was == to->triangle)
+    if (wall == from->triangle || wall == to->triangle)
         return 0.0;
     double s = from->span.s, error = profile->axis->error;
-    double reach = dpti_profile_reach(profile, was, s);
+    double wall_distance = dpti_profile_distance_to(profile, wall, s);
     const uint32_t own[2] = { from->triangle, to->triangle };
-    for (int k = 0; k < 2 && reach <= least + error; k++)
-        least = min_of(least, dpti_profile_reach(profile, own[k], s));
-    if (reach > least + error)
+    for (int k = 0; k < 2 && wall_distance <= max_distance + error; k++)
+        max_distance = min_of(max_distance, dpti_profile_distance_to(profile, own[k], s));
+    if (wall_distance > max_distance + error)
         return 0.0;
     pair found;
-    dpti_triangle_point_pair(profile->surface, was, profile_point(profile, s), &found);
+    dpti_triangle_point_pair(profile->surface, wall, profile_point(profile, s), &found);
     double distance = sqrt(found.distance2);
-    if (!(distance > error && distance < least))
+    if (!(distance > error && distance < max_distance))
         return 0.0;
     double sign = from->height + to->height < 0.0 ? -1.0 : 1.0;
-    vec3 way = scaled(found.gap, sign / distance);
-    return max_of(length(sub(way, from->normal)), length(sub(way, to->normal)));
+    vec3 exit_direction = scaled(found.gap, sign / distance);
+    return max_of(length(sub(exit_direction, from->normal)),
+                  length(sub(exit_direction, to->normal)));
 }
 
 /*
  * How far the way out may be off between a sample whose span is known and the next: most where the tangents are nearly one line,
  * and so do not tell where they meet.
  */
-static double normal_error(const struct distance_profile *profile, const struct sample *from,
-                           const struct sample *to)
+static double normal_error(const struct distance_profile *profile,
+                           const struct profile_sample *from, const struct profile_sample *to)
 {
-    double turn = length(sub(from->normal, to->normal)), share = 0.25;
+    double turn = length(sub(from->normal, to->normal)), factor = 0.25;
     if (turn > TURN_SMALL && is_one_wall(profile, from, to))
-        share = 0.03;
-    else if (turn > TURN_LARGE && from->span.error_estimate <= STRAIGHT * from->span.area)
-        share = 1.0;
-    double doubt = share * turn;
-    if (from->was != from->triangle || to->was != to->triangle) {
+        factor = 0.03;
+    else if (turn > TURN_LARGE && from->span.error_estimate <= STRAIGHT_SHARE * from->span.area)
+        factor = 1.0;
+    double error = factor * turn;
+    if (from->start_triangle != from->triangle || to->start_triangle != to->triangle) {
         double s = from->span.s;
-        double least =
-            sqrt(min_of(profile_square_to(profile, from, s), profile_square_to(profile, to, s)));
-        doubt += 0.25 * max_of(turn_between(profile, from, to, from->was, least),
-                               turn_between(profile, from, to, to->was, least));
+        double max_distance = sqrt(min_of(profile_square_distance(profile, from, s),
+                                          profile_square_distance(profile, to, s)));
+        error +=
+            0.25 * max_of(hidden_wall_turn(profile, from, to, from->start_triangle, max_distance),
+                          hidden_wall_turn(profile, from, to, to->start_triangle, max_distance));
     }
-    return doubt;
+    return error;
 }
 
-static void take_span(const struct distance_profile *profile, struct sample *from)
+static void store_span(const struct distance_profile *profile, struct profile_sample *from)
 {
-    const struct sample *to = from + 1;
-    span_between(profile, from, to, &from->span);
+    const struct profile_sample *to = from + 1;
+    measure_span(profile, from, to, &from->span);
     if (from->span.area > 0.0 && from->triangle != DPT_NONE && to->triangle != DPT_NONE)
         from->span.error_estimate += from->span.area * normal_error(profile, from, to);
-    from->spanned = 1;
+    from->has_span = 1;
 }
 
 /* The same between sample i and the next, worked out once. */
 static inline const struct span *span_at(struct distance_profile *profile, uint32_t i)
 {
-    if (!profile->sample[i].spanned)
-        take_span(profile, &profile->sample[i]);
+    if (!profile->sample[i].has_span)
+        store_span(profile, &profile->sample[i]);
     return &profile->sample[i].span;
 }
 
@@ -202,43 +210,46 @@ static inline const struct span *span_at(struct distance_profile *profile, uint3
 static double next_sample_place(const struct distance_profile *profile, uint32_t i,
                                 const struct span *span)
 {
-    const struct sample *from = &profile->sample[i], *to = from + 1;
+    const struct profile_sample *from = &profile->sample[i], *to = from + 1;
     struct profile_piece piece = { from->s, span->s, span->w0, span->w, { 0.0, 0.0, 0.0 } };
-    if (span->w0 < 0.0 && span->w > 0.0 && clip(&piece))
+    if (span->w0 < 0.0 && span->w > 0.0 && clip_to_reach(&piece))
         return piece.s0;
-    if (span->w0 > 0.0 && span->w < 0.0 && clip(&piece))
+    if (span->w0 > 0.0 && span->w < 0.0 && clip_to_reach(&piece))
         return piece.s1;
     piece = (struct profile_piece){ span->s, to->s, span->w, span->w1, { 0.0, 0.0, 0.0 } };
-    if (span->w < 0.0 && span->w1 > 0.0 && clip(&piece))
+    if (span->w < 0.0 && span->w1 > 0.0 && clip_to_reach(&piece))
         return piece.s0;
-    if (span->w > 0.0 && span->w1 < 0.0 && clip(&piece))
+    if (span->w > 0.0 && span->w1 < 0.0 && clip_to_reach(&piece))
         return piece.s1;
-    double edge = 0.0625 * (to->s - from->s);
-    return span->s > from->s + edge && span->s < to->s - edge ? span->s : 0.5 * (from->s + to->s);
+    double end_gap = 0.0625 * (to->s - from->s);
+    return span->s > from->s + end_gap && span->s < to->s - end_gap ? span->s
+                                                                    : 0.5 * (from->s + to->s);
 }
 
 /*
  * Integrals are worth so much, and no more: in the middle of a thick or spiky body each search costs hundreds. Half as much
  * again where samples are cheap, as many are needed there.
  */
-static int is_tired(const struct distance_profile *profile)
+static int must_stop_refining(const struct distance_profile *profile)
 {
-    uint32_t more = profile->work.done < SAMPLE_CHEAP * profile->count ? PROFILE_WORK / 2 : 0;
-    return profile->cut || profile->work.done >= PROFILE_WORK + more;
+    uint32_t extra =
+        profile->work.done < CHEAP_SAMPLE_WORK * profile->sample_count ? PROFILE_WORK_MAX / 2 : 0;
+    return profile->is_cut || profile->work.done >= PROFILE_WORK_MAX + extra;
 }
 
 /* Samples by descent that count for much are searched for: descent may have been trapped. */
-static void confirm(struct distance_profile *profile)
+static void confirm_samples(struct distance_profile *profile)
 {
-    double sum = 0.0;
-    for (uint32_t i = 0; i + 1 < profile->count; i++)
-        sum += span_at(profile, i)->area;
-    for (uint32_t i = 0; i < profile->count && !is_tired(profile); i++) {
-        const struct sample *sample = &profile->sample[i];
+    double area = 0.0;
+    for (uint32_t i = 0; i + 1 < profile->sample_count; i++)
+        area += span_at(profile, i)->area;
+    for (uint32_t i = 0; i < profile->sample_count && !must_stop_refining(profile); i++) {
+        const struct profile_sample *sample = &profile->sample[i];
         double from = i ? sample[-1].s : sample->s;
-        double to = i + 1 < profile->count ? sample[1].s : sample->s;
-        double share = 0.5 * (profile->reach - sample->height) * (to - from);
-        if (!sample->exact && sample->triangle != DPT_NONE && share > PROFILE_SHARE * sum)
+        double to = i + 1 < profile->sample_count ? sample[1].s : sample->s;
+        double sample_area = 0.5 * (profile->reach - sample->height) * (to - from);
+        if (!sample->is_exact && sample->triangle != DPT_NONE &&
+            sample_area > PROFILE_SEARCH_SHARE * area)
             dpti_profile_add_sample(profile, sample->s, 1);
     }
 }
@@ -249,59 +260,63 @@ static void confirm(struct distance_profile *profile)
  */
 struct next_sample {
     double s;
-    uint32_t wide; /* the span that is too wide, or DPT_NONE */
+    uint32_t wide_span; /* the span that is too wide, or DPT_NONE */
 };
 
 /* What the spans up to one come to, summed in order: what was asked before does not show in the sum. */
-struct tally {
-    double sum, doubt, most, within, widest;
-    uint32_t worst, wide_at, end_at;
+struct span_totals {
+    double area, error, max_error, width, max_width;
+    uint32_t max_error_at, max_width_at, loose_end_at;
 };
 
 /* Of all. `before`: of those before each, made anew from the first that changed. */
-static struct tally tally_spans(struct distance_profile *profile,
-                                struct tally before[PROFILE_SAMPLES])
+static struct span_totals sum_spans(struct distance_profile *profile,
+                                    struct span_totals before[PROFILE_SAMPLES])
 {
-    uint32_t first = profile->same ? profile->same - 1 : 0;
-    struct tally all = first ? before[first] : (struct tally){ .end_at = DPT_NONE };
-    for (uint32_t i = first; i + 1 < profile->count; i++) {
+    uint32_t first = profile->unchanged_count ? profile->unchanged_count - 1 : 0;
+    struct span_totals totals =
+        first ? before[first] : (struct span_totals){ .loose_end_at = DPT_NONE };
+    for (uint32_t i = first; i + 1 < profile->sample_count; i++) {
         const struct span *span = span_at(profile, i);
         double width = profile->sample[i + 1].s - profile->sample[i].s;
-        before[i] = all;
-        all.sum += span->area;
-        all.doubt += span->error_estimate;
-        all.within += span->area > 0.0 ? width : 0.0;
-        if (span->error_estimate > all.most) {
-            all.most = span->error_estimate;
-            all.worst = i;
+        before[i] = totals;
+        totals.area += span->area;
+        totals.error += span->error_estimate;
+        totals.width += span->area > 0.0 ? width : 0.0;
+        if (span->error_estimate > totals.max_error) {
+            totals.max_error = span->error_estimate;
+            totals.max_error_at = i;
         }
-        if (span->area > 0.0 && width > all.widest) {
-            all.widest = width;
-            all.wide_at = i;
+        if (span->area > 0.0 && width > totals.max_width) {
+            totals.max_width = width;
+            totals.max_width_at = i;
         }
-        if (span->loose)
-            all.end_at = i;
+        if (span->has_loose_end)
+            totals.loose_end_at = i;
     }
-    if (profile->count)
-        before[profile->count - 1] = all;
-    profile->same = profile->count;
-    return all;
+    if (profile->sample_count)
+        before[profile->sample_count - 1] = totals;
+    profile->unchanged_count = profile->sample_count;
+    return totals;
 }
 
 /* 0 where there is nothing to ask. */
-static int find_next_sample(const struct distance_profile *profile, const struct tally *all,
-                            struct next_sample *ask)
+static int find_next_sample(const struct distance_profile *profile,
+                            const struct span_totals *totals, struct next_sample *next)
 {
-    double reach = profile->size > 0.0 ? profile->reach / profile->size : 1.0;
-    const struct sample *sample = profile->sample;
-    ask->wide = DPT_NONE;
-    if (all->widest > max_of(reach, all->within / SPANS_MIN)) {
-        ask->wide = all->wide_at;
-        ask->s = 0.5 * (sample[all->wide_at].s + sample[all->wide_at + 1].s);
-    } else if (all->end_at != DPT_NONE) {
-        ask->s = next_sample_place(profile, all->end_at, &sample[all->end_at].span);
-    } else if (all->doubt > DOUBT_LEFT * all->sum || all->most > DOUBT_ONE * all->sum) {
-        ask->s = next_sample_place(profile, all->worst, &sample[all->worst].span);
+    double reach = profile->axis_length > 0.0 ? profile->reach / profile->axis_length : 1.0;
+    const struct profile_sample *sample = profile->sample;
+    next->wide_span = DPT_NONE;
+    if (totals->max_width > max_of(reach, totals->width / SPANS_WITHIN_MIN)) {
+        next->wide_span = totals->max_width_at;
+        next->s = 0.5 * (sample[totals->max_width_at].s + sample[totals->max_width_at + 1].s);
+    } else if (totals->loose_end_at != DPT_NONE) {
+        next->s =
+            next_sample_place(profile, totals->loose_end_at, &sample[totals->loose_end_at].span);
+    } else if (totals->error > ERROR_SUM_MAX * totals->area ||
+               totals->max_error > ERROR_SPAN_MAX * totals->area) {
+        next->s =
+            next_sample_place(profile, totals->max_error_at, &sample[totals->max_error_at].span);
     } else {
         return 0;
     }
@@ -309,117 +324,119 @@ static int find_next_sample(const struct distance_profile *profile, const struct
 }
 
 /* 0: work or room ended that. */
-static int refine(struct distance_profile *profile)
+static int refine_integrals(struct distance_profile *profile)
 {
-    struct tally before[PROFILE_SAMPLES];
-    struct next_sample ask;
+    struct span_totals before[PROFILE_SAMPLES];
+    struct next_sample next;
     double from, to;
-    confirm(profile);
-    profile->same = 0;
-    for (int asked = 0; asked < ASK_MAX && !is_tired(profile); asked++) {
-        const struct tally all = tally_spans(profile, before);
-        if (!find_next_sample(profile, &all, &ask))
+    confirm_samples(profile);
+    profile->unchanged_count = 0;
+    for (int steps = 0; steps < REFINE_MAX && !must_stop_refining(profile); steps++) {
+        const struct span_totals totals = sum_spans(profile, before);
+        if (!find_next_sample(profile, &totals, &next))
             return 1;
-        int told = ask.wide != DPT_NONE && !dpti_profile_is_blind(profile, ask.wide, &from, &to);
-        uint32_t at = dpti_profile_add_sample(profile, ask.s, 1);
+        int is_predicted = next.wide_span != DPT_NONE &&
+                           !dpti_profile_find_undecided(profile, next.wide_span, &from, &to);
+        uint32_t at = dpti_profile_add_sample(profile, next.s, 1);
         if (at == DPT_NONE)
             return 0;
         /* The surface does not go on as a sample told: what is beyond was not looked into. */
-        if (told && profile->sample[at].height >= profile->reach)
-            dpti_profile_look_between(profile, profile->sample[at - 1].s,
-                                      profile->sample[at + 1].s);
+        if (is_predicted && profile->sample[at].height >= profile->reach)
+            dpti_profile_search_undecided(profile, profile->sample[at - 1].s,
+                                          profile->sample[at + 1].s);
     }
     return 0;
 }
 
-static uint32_t part_of(const struct distance_profile *profile, uint32_t i)
+static uint32_t part_of_sample(const struct distance_profile *profile, uint32_t i)
 {
     uint32_t triangle = profile->sample[i].triangle;
     return triangle == DPT_NONE ? DPT_NONE : surface_part(profile->surface, triangle);
 }
 
 /* Regions as they are taken, one piece after another. */
-struct taking {
+struct region_builder {
     const struct distance_profile *profile;
     struct region *regions;
     uint32_t count;
-    int open; /* the last region goes on */
+    int is_open; /* the last region goes on */
 };
 
-static void take_piece(struct taking *taking, uint32_t sample, struct profile_piece piece)
+static void add_region_piece(struct region_builder *builder, uint32_t sample,
+                             struct profile_piece piece)
 {
-    const struct distance_profile *profile = taking->profile;
-    uint32_t part = part_of(profile, sample);
+    const struct distance_profile *profile = builder->profile;
+    uint32_t part = part_of_sample(profile, sample);
     double from = piece.s0, to = piece.s1;
-    if (!clip(&piece)) {
-        taking->open = 0;
+    if (!clip_to_reach(&piece)) {
+        builder->is_open = 0;
         return;
     }
-    struct region *region = &taking->regions[taking->count ? taking->count - 1 : 0];
-    if (!taking->open || piece.s0 > from || (part != DPT_NONE && part != region->part)) {
-        if (taking->count == REGION_MAX)
+    struct region *region = &builder->regions[builder->count ? builder->count - 1 : 0];
+    if (!builder->is_open || piece.s0 > from || (part != DPT_NONE && part != region->part)) {
+        if (builder->count == REGION_MAX)
             return;
-        region = &taking->regions[taking->count++];
+        region = &builder->regions[builder->count++];
         *region = (struct region){ .from = piece.s0, .deepest = sample, .part = part };
     }
     if (profile->sample[sample].height < profile->sample[region->deepest].height)
         region->deepest = sample;
-    add_piece(region, &piece, profile->size);
-    taking->open = piece.s1 >= to;
+    integrate_piece(region, &piece, profile->axis_length);
+    builder->is_open = piece.s1 >= to;
 }
 
-static uint32_t take_all(struct distance_profile *profile, struct region regions[REGION_MAX])
+static uint32_t build_regions(struct distance_profile *profile, struct region regions[REGION_MAX])
 {
-    struct taking taking = { .profile = profile, .regions = regions };
-    for (uint32_t i = 0; i + 1 < profile->count; i++) {
-        const struct sample *from = &profile->sample[i], *to = from + 1;
+    struct region_builder builder = { .profile = profile, .regions = regions };
+    for (uint32_t i = 0; i + 1 < profile->sample_count; i++) {
+        const struct profile_sample *from = &profile->sample[i], *to = from + 1;
         const struct span *span = span_at(profile, i);
         uint32_t left = from->triangle == DPT_NONE ? i + 1 : i;
         uint32_t right = to->triangle == DPT_NONE ? i : i + 1;
-        take_piece(&taking, left,
-                   (struct profile_piece){ from->s, span->s, span->w0, span->w,
-                                           profile->sample[left].normal });
-        take_piece(&taking, right,
-                   (struct profile_piece){ span->s, to->s, span->w, span->w1,
-                                           profile->sample[right].normal });
+        add_region_piece(&builder, left,
+                         (struct profile_piece){ from->s, span->s, span->w0, span->w,
+                                                 profile->sample[left].normal });
+        add_region_piece(&builder, right,
+                         (struct profile_piece){ span->s, to->s, span->w, span->w1,
+                                                 profile->sample[right].normal });
     }
-    return taking.count;
+    return builder.count;
 }
 
 /* A region that rests on a bend alone has no sample in it that is within reach. */
-static int is_seen(const struct distance_profile *profile, const struct region *region)
+static int has_sample(const struct distance_profile *profile, const struct region *region)
 {
-    const struct sample *deepest = &profile->sample[region->deepest];
+    const struct profile_sample *deepest = &profile->sample[region->deepest];
     return deepest->s >= region->from && deepest->s <= region->to &&
            deepest->height < profile->reach;
 }
 
 /* Its deepest sample is the deepest point. */
-static void prove(struct distance_profile *profile, const struct region *region)
+static void prove_deepest(struct distance_profile *profile, const struct region *region)
 {
-    struct sample *deepest = &profile->sample[region->deepest];
+    struct profile_sample *deepest = &profile->sample[region->deepest];
     if (deepest->height < 0.0) {
         dpti_profile_prove_deepest(profile, region->from, region->to);
         return;
     }
-    uint32_t nearer = dpti_profile_approach(profile, region->from, region->to, deepest->height);
-    if (profile->cut)
+    uint32_t nearer = dpti_profile_add_nearest(profile, region->from, region->to, deepest->height);
+    if (profile->is_cut)
         return;
     if (nearer != DPT_NONE)
         deepest = &profile->sample[nearer];
-    deepest->exact = deepest->proven = 1;
+    deepest->is_exact = deepest->is_proven = 1;
 }
 
 /* See to the first that has no sample in it, or no proof. Returns 1 if there was one. */
-static int improve_one(struct distance_profile *profile, const struct region *regions,
-                       uint32_t count)
+static int improve_region(struct distance_profile *profile, const struct region *regions,
+                          uint32_t count)
 {
     for (uint32_t i = 0; i < count; i++) {
         double middle = 0.5 * (regions[i].from + regions[i].to);
-        if (!is_seen(profile, &regions[i]))
+        if (!has_sample(profile, &regions[i]))
             return dpti_profile_add_sample(profile, middle, 1) != DPT_NONE;
-        if (!profile->sample[regions[i].deepest].proven) {
-            prove(profile, &regions[i]);
+        if (!profile->sample[regions[i].deepest].is_proven) {
+            prove_deepest(profile, &regions[i]);
             return 1;
         }
     }
@@ -429,71 +446,75 @@ static int improve_one(struct distance_profile *profile, const struct region *re
 uint32_t dpti_contact_regions(struct distance_profile *profile, struct region regions[REGION_MAX])
 {
     dpti_profile_find_reach(profile);
-    profile->coarse = !refine(profile);
-    uint32_t count = take_all(profile, regions), seen = 0;
-    for (int asked = 0; asked < 2 * REGION_MAX && !profile->cut; asked++) {
-        if (!improve_one(profile, regions, count))
+    profile->is_coarse = !refine_integrals(profile);
+    uint32_t count = build_regions(profile, regions), kept_count = 0;
+    for (int steps = 0; steps < 2 * REGION_MAX && !profile->is_cut; steps++) {
+        if (!improve_region(profile, regions, count))
             break;
-        count = take_all(profile, regions);
+        count = build_regions(profile, regions);
     }
-    profile->coarse |= profile->cut;
+    profile->is_coarse |= profile->is_cut;
     for (uint32_t i = 0; i < count; i++)
-        if (is_seen(profile, &regions[i]))
-            regions[seen++] = regions[i];
-    return seen;
+        if (has_sample(profile, &regions[i]))
+            regions[kept_count++] = regions[i];
+    return kept_count;
 }
 
 /* Of the integral over s; where one of the two is a mark, all is the other's. */
-static vec3 thrust_between(const struct sample *from, const struct sample *to,
+static vec3 thrust_between(const struct profile_sample *from, const struct profile_sample *to,
                            const struct span *span)
 {
-    const struct sample *left = from->triangle == DPT_NONE ? to : from;
-    const struct sample *right = to->triangle == DPT_NONE ? from : to;
-    return along(scaled(left->normal, area_of(from->s, span->w0, span->s, span->w)),
-                 area_of(span->s, span->w, to->s, span->w1), right->normal);
+    const struct profile_sample *left = from->triangle == DPT_NONE ? to : from;
+    const struct profile_sample *right = to->triangle == DPT_NONE ? from : to;
+    return along(scaled(left->normal, area_within_reach(from->s, span->w0, span->s, span->w)),
+                 area_within_reach(span->s, span->w, to->s, span->w1), right->normal);
 }
 
 /* What a sample between these two tells, of the integral over s, is more than `ignored`. Regions were taken: spans are known. */
-static int is_worth(const struct distance_profile *profile, const struct sample *before,
-                    const struct sample *sample, const struct sample *after, double ignored)
+static int is_worth_keeping(const struct distance_profile *profile,
+                            const struct profile_sample *before,
+                            const struct profile_sample *sample, const struct profile_sample *after,
+                            double threshold)
 {
-    struct span both, made;
-    const struct span *left = &before->span;
-    span_between(profile, before, after, &both);
-    double doubt =
-        both.error_estimate + 0.25 * length(sub(before->normal, after->normal)) * both.area;
-    if (doubt > ignored)
+    struct span joined, measured;
+    const struct span *left_span = &before->span;
+    measure_span(profile, before, after, &joined);
+    double error =
+        joined.error_estimate + 0.25 * length(sub(before->normal, after->normal)) * joined.area;
+    if (error > threshold)
         return 1;
     if (before + 1 != sample) {
-        span_between(profile, before, sample, &made);
-        left = &made;
+        measure_span(profile, before, sample, &measured);
+        left_span = &measured;
     }
-    vec3 parts =
-        add(thrust_between(before, sample, left), thrust_between(sample, after, &sample->span));
-    return doubt + length(sub(thrust_between(before, after, &both), parts)) > ignored;
+    vec3 parts = add(thrust_between(before, sample, left_span),
+                     thrust_between(sample, after, &sample->span));
+    return error + length(sub(thrust_between(before, after, &joined), parts)) > threshold;
 }
 
 /* Those that are worth more than `ignored`; returns how many there are, which may be more than fit. */
-static uint32_t warm_starts_worth(const struct distance_profile *profile,
-                                  const struct region *region, double ignored,
-                                  struct warm_start *warm_starts, uint32_t most)
+static uint32_t select_warm_starts(const struct distance_profile *profile,
+                                   const struct region *region, double threshold,
+                                   struct warm_start *warm_starts, uint32_t max_count)
 {
     uint32_t count = 0;
-    const struct sample *before = NULL;
-    double share_per_area = region->overlap > 0.0 ? 0.5 * profile->size / region->overlap : 0.0;
-    for (uint32_t i = 0; i < profile->count; i++) {
-        const struct sample *sample = &profile->sample[i];
+    const struct profile_sample *previous = NULL;
+    double share_per_area =
+        region->overlap > 0.0 ? 0.5 * profile->axis_length / region->overlap : 0.0;
+    for (uint32_t i = 0; i < profile->sample_count; i++) {
+        const struct profile_sample *sample = &profile->sample[i];
         if (sample->s > region->to)
             break;
-        double after = i + 1 < profile->count ? sample[1].s : sample->s;
-        int ends = !before || i + 1 == profile->count || i == region->deepest;
-        if (!ends && !is_worth(profile, before, sample, sample + 1, ignored))
+        double next_s = i + 1 < profile->sample_count ? sample[1].s : sample->s;
+        int must_keep = !previous || i + 1 == profile->sample_count || i == region->deepest;
+        if (!must_keep && !is_worth_keeping(profile, previous, sample, sample + 1, threshold))
             continue;
-        double share = (profile->reach - sample->height) * (after - (before ? before->s : after));
-        before = sample;
+        double share =
+            (profile->reach - sample->height) * (next_s - (previous ? previous->s : next_s));
+        previous = sample;
         if (sample->s < region->from || sample->height == 0.0 || sample->triangle == DPT_NONE)
             continue;
-        if (count < most)
+        if (count < max_count)
             warm_starts[count] =
                 (struct warm_start){ sample->s, sample->triangle, (float)(share * share_per_area) };
         count++;
@@ -503,14 +524,15 @@ static uint32_t warm_starts_worth(const struct distance_profile *profile,
 
 uint32_t dpti_contact_region_warm_starts(const struct distance_profile *profile,
                                          const struct region *region,
-                                         struct warm_start *warm_starts, uint32_t most)
+                                         struct warm_start *warm_starts, uint32_t max_count)
 {
-    enum { COARSER_MAX = 32 };
-    double ignored = profile->size > 0.0 ? DOUBT_IGNORED * region->overlap / profile->size : 0.0;
-    uint32_t count = warm_starts_worth(profile, region, ignored, warm_starts, most);
-    for (int i = 0; i < COARSER_MAX && count > most; i++) {
-        ignored *= 1.25;
-        count = warm_starts_worth(profile, region, ignored, warm_starts, most);
+    enum { THRESHOLD_STEPS = 32 };
+    double threshold =
+        profile->axis_length > 0.0 ? ERROR_IGNORED * region->overlap / profile->axis_length : 0.0;
+    uint32_t count = select_warm_starts(profile, region, threshold, warm_starts, max_count);
+    for (int i = 0; i < THRESHOLD_STEPS && count > max_count; i++) {
+        threshold *= 1.25;
+        count = select_warm_starts(profile, region, threshold, warm_starts, max_count);
     }
-    return count < most ? count : most;
+    return count < max_count ? count : max_count;
 }

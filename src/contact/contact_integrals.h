@@ -33,6 +33,6 @@ uint32_t dpti_contact_regions(struct distance_profile *profile, struct region re
 /* The samples from which a later tick should begin: at most `most` of a region's, in order. Returns how many. */
 uint32_t dpti_contact_region_warm_starts(const struct distance_profile *profile,
                                          const struct region *region,
-                                         struct warm_start *warm_starts, uint32_t most);
+                                         struct warm_start *warm_starts, uint32_t max_count);
 
 #endif

@@ -5,9 +5,9 @@
 
 static void put_crossing(struct distance_profile *profile, uint32_t triangle, const pair *found)
 {
-    uint32_t i = profile->crossings;
+    uint32_t i = profile->crossing_count;
     if (i == PROFILE_CROSSINGS) {
-        profile->full = 1;
+        profile->is_full = 1;
         return;
     }
     for (; i && profile->crossing[i - 1].s > found->s; i--)
@@ -15,39 +15,39 @@ static void put_crossing(struct distance_profile *profile, uint32_t triangle, co
     struct crossing *crossing = &profile->crossing[i];
     *crossing = (struct crossing){ .s = found->s, .triangle = triangle };
     memcpy(crossing->weight, found->weight, sizeof crossing->weight);
-    profile->crossings++;
+    profile->crossing_count++;
     vec3 normal = dpti_profile_exit_direction(profile, triangle, found->weight);
     double along_axis = dot(normal, profile->axis->u);
     int on_face = found->weight[0] > 0.0 && found->weight[1] > 0.0 && found->weight[2] > 0.0;
-    if (on_face && fabs(along_axis) > 1e-6 * profile->size) {
+    if (on_face && fabs(along_axis) > 1e-6 * profile->axis_length) {
         uint32_t flags =
             surface_part_flags(profile->surface, surface_part(profile->surface, triangle));
-        crossing->after = along_axis > 0.0 ? 1 : -1;
-        crossing->before = -crossing->after;
+        crossing->side_after = along_axis > 0.0 ? 1 : -1;
+        crossing->side_before = -crossing->side_after;
         if (flags & MESH_PART_BURIED)
-            crossing->before = crossing->after = -1;
+            crossing->side_before = crossing->side_after = -1;
     }
 }
 
 /* An edge is met with both its triangles, a vertex with all of its fan: one crossing, of unknown sides. */
 static void join_crossings(struct distance_profile *profile)
 {
-    double near = 4.0 * profile->axis->error;
-    uint32_t kept = 0;
-    for (uint32_t i = 0; i < profile->crossings; i++) {
+    double tolerance = 4.0 * profile->axis->error;
+    uint32_t joined_count = 0;
+    for (uint32_t i = 0; i < profile->crossing_count; i++) {
         const struct crossing *crossing = &profile->crossing[i];
-        struct crossing *last = &profile->crossing[kept ? kept - 1 : 0];
-        if (kept && (crossing->s - last->s) * profile->size <= near)
-            last->before = last->after = 0;
+        struct crossing *previous = &profile->crossing[joined_count ? joined_count - 1 : 0];
+        if (joined_count && (crossing->s - previous->s) * profile->axis_length <= tolerance)
+            previous->side_before = previous->side_after = 0;
         else
-            profile->crossing[kept++] = *crossing;
+            profile->crossing[joined_count++] = *crossing;
     }
-    profile->crossings = kept;
+    profile->crossing_count = joined_count;
 }
 
 /* The stretch of the axis that a triangle within reach can be within reach of; `room`: the reach, in s. */
-static void put_reach_interval(struct distance_profile *profile, uint32_t triangle, double per_uu,
-                               double room)
+static void put_reach_interval(struct distance_profile *profile, uint32_t triangle,
+                               double inverse_uu, double reach_s)
 {
     const struct surface *surface = profile->surface;
     const struct axis *axis = profile->axis;
@@ -55,33 +55,33 @@ static void put_reach_interval(struct distance_profile *profile, uint32_t triang
     double from = HUGE_VAL, to = -HUGE_VAL;
     for (int k = 0; k < 3; k++) {
         vec3 c = vec3_of_float(surface->positions + 3 * (size_t)corner[k]);
-        double s = dot(sub(c, axis->local_a), axis->u) * per_uu;
+        double s = dot(sub(c, axis->local_a), axis->u) * inverse_uu;
         from = min_of(from, s);
         to = max_of(to, s);
     }
-    from = clamp01(from - room);
-    to = to + room < 1.0 ? clamp01(to + room) : 1.0;
-    for (uint32_t i = 0; i < profile->reach_intervals; i++)
+    from = clamp01(from - reach_s);
+    to = to + reach_s < 1.0 ? clamp01(to + reach_s) : 1.0;
+    for (uint32_t i = 0; i < profile->reach_interval_count; i++)
         if (profile->reach_from[i] <= from && profile->reach_to[i] >= to)
             return;
-    uint32_t kept = 0;
-    for (uint32_t i = 0; i < profile->reach_intervals; i++) {
+    uint32_t kept_count = 0;
+    for (uint32_t i = 0; i < profile->reach_interval_count; i++) {
         if (profile->reach_to[i] < from || profile->reach_from[i] > to) {
-            profile->reach_from[kept] = profile->reach_from[i];
-            profile->reach_to[kept++] = profile->reach_to[i];
+            profile->reach_from[kept_count] = profile->reach_from[i];
+            profile->reach_to[kept_count++] = profile->reach_to[i];
         } else {
             from = min_of(from, profile->reach_from[i]);
             to = max_of(to, profile->reach_to[i]);
         }
     }
-    if (kept == PROFILE_REACH_INTERVALS) {
-        kept--;
-        from = min_of(from, profile->reach_from[kept]);
-        to = max_of(to, profile->reach_to[kept]);
+    if (kept_count == PROFILE_REACH_INTERVALS) {
+        kept_count--;
+        from = min_of(from, profile->reach_from[kept_count]);
+        to = max_of(to, profile->reach_to[kept_count]);
     }
-    profile->reach_from[kept] = from;
-    profile->reach_to[kept] = to;
-    profile->reach_intervals = kept + 1;
+    profile->reach_from[kept_count] = from;
+    profile->reach_to[kept_count] = to;
+    profile->reach_interval_count = kept_count + 1;
 }
 
 /*
@@ -97,7 +97,7 @@ static int goes_through(const struct distance_profile *profile, const struct cro
         weight[k] = crossing->weight[k] > 1e-12 ? crossing->weight[k] : 0.0;
         corners += weight[k] > 0.0;
     }
-    if (corners == 3 || profile->size == 0.0)
+    if (corners == 3 || profile->axis_length == 0.0)
         return 1;
     return dpti_side_of_arrival(profile->surface, crossing->triangle, weight, u) !=
            dpti_side_of_arrival(profile->surface, crossing->triangle, weight, scaled(u, -1.0));
@@ -106,7 +106,7 @@ static int goes_through(const struct distance_profile *profile, const struct cro
 /* It goes through an open sheet of which no side is kept. */
 static int is_sideless(const struct distance_profile *profile)
 {
-    for (uint32_t k = 0; k < profile->crossings; k++) {
+    for (uint32_t k = 0; k < profile->crossing_count; k++) {
         uint32_t part = surface_part(profile->surface, profile->crossing[k].triangle);
         uint32_t flags = surface_part_flags(profile->surface, part);
         if (!(flags & (MESH_PART_SOLID | MESH_PART_BURIED)) && (flags & MESH_PART_MANIFOLD) &&
@@ -120,24 +120,24 @@ void dpti_profile_find_crossings(struct distance_profile *profile)
 {
     const struct axis *axis = profile->axis;
     struct range range;
-    int meets;
+    int may_cross;
     if (work_is_spent(&profile->work)) {
-        profile->cut = 1;
+        profile->is_cut = 1;
         return;
     }
-    double per_uu = profile->size > 0.0 ? 1.0 / dot(axis->u, axis->u) : 0.0;
-    double room = profile->size > 0.0 ? profile->reach / profile->size : 1.0;
+    double inverse_uu = profile->axis_length > 0.0 ? 1.0 / dot(axis->u, axis->u) : 0.0;
+    double reach_s = profile->axis_length > 0.0 ? profile->reach / profile->axis_length : 1.0;
     dpti_range_begin(&range, profile->surface, profile->kernel, axis->local_a, axis->u,
                      profile->reach, &profile->work);
-    for (uint32_t t; (t = dpti_range_next(&range, &meets)) != DPT_NONE;) {
-        put_reach_interval(profile, t, per_uu, room);
-        if (!meets)
+    for (uint32_t triangle; (triangle = dpti_range_next(&range, &may_cross)) != DPT_NONE;) {
+        put_reach_interval(profile, triangle, inverse_uu, reach_s);
+        if (!may_cross)
             continue;
-        pair found = dpti_triangle_pair(profile->surface, t, axis->local_a, axis->u);
+        pair found = dpti_triangle_pair(profile->surface, triangle, axis->local_a, axis->u);
         if (found.distance2 == 0.0)
-            put_crossing(profile, t, &found);
+            put_crossing(profile, triangle, &found);
     }
-    profile->cut |= (uint32_t)work_is_spent(&profile->work);
+    profile->is_cut |= (uint32_t)work_is_spent(&profile->work);
     join_crossings(profile);
-    profile->sideless = (uint32_t)is_sideless(profile);
+    profile->is_sideless = (uint32_t)is_sideless(profile);
 }

@@ -15,7 +15,7 @@ uint32_t dpti_profile_prove_deepest(struct distance_profile *profile, double fro
 struct bend {
     double s, height;
 };
-struct bend dpti_profile_bend(const struct distance_profile *profile, const struct sample *from,
-                              const struct sample *to);
+struct bend dpti_profile_bend(const struct distance_profile *profile,
+                              const struct profile_sample *from, const struct profile_sample *to);
 
 #endif

@@ -3,9 +3,9 @@
 
 #include "contact/crossings.h"
 
-static int in_reach_interval(const struct distance_profile *profile, double s)
+static int is_in_reach_interval(const struct distance_profile *profile, double s)
 {
-    for (uint32_t i = 0; i < profile->reach_intervals; i++)
+    for (uint32_t i = 0; i < profile->reach_interval_count; i++)
         if (s >= profile->reach_from[i] && s <= profile->reach_to[i])
             return 1;
     return 0;
@@ -14,22 +14,23 @@ static int in_reach_interval(const struct distance_profile *profile, double s)
 /* Which side each stretch between crossings is on. What its ends do not tell, a search in its middle does. */
 static void find_sides(struct distance_profile *profile, const struct pair_search *nearest)
 {
-    for (uint32_t k = 0; k <= profile->crossings; k++)
+    for (uint32_t k = 0; k <= profile->crossing_count; k++)
         profile->sign[k] = 0;
-    if (profile_by_sample(profile))
+    if (profile_has_side_per_sample(profile))
         return;
-    if (!profile->crossings) {
+    if (!profile->crossing_count) {
         profile->sign[0] =
             dpti_profile_side_of(profile, nearest->pair.s, nearest->triangle, &nearest->pair);
         return;
     }
-    for (uint32_t k = 0; k <= profile->crossings; k++) {
+    for (uint32_t k = 0; k <= profile->crossing_count; k++) {
         const struct crossing *here = &profile->crossing[k];
-        int before = k ? here[-1].after : 0, after = k < profile->crossings ? here->before : 0;
-        double from = k ? here[-1].s : 0.0, to = k < profile->crossings ? here->s : 1.0;
+        int before = k ? here[-1].side_after : 0,
+            after = k < profile->crossing_count ? here->side_before : 0;
+        double from = k ? here[-1].s : 0.0, to = k < profile->crossing_count ? here->s : 1.0;
         int sign = before ? before : after;
         if (before * after < 0 || !sign) {
-            struct sample middle;
+            struct profile_sample middle;
             dpti_profile_take_sample(profile, 0.5 * (from + to), nearest->triangle, 1, &middle);
             sign = middle.height < 0.0 ? -1 : 1;
         }
@@ -39,14 +40,15 @@ static void find_sides(struct distance_profile *profile, const struct pair_searc
 
 static void put_crossing_samples(struct distance_profile *profile)
 {
-    for (uint32_t k = 0; k < profile->crossings; k++) {
+    for (uint32_t k = 0; k < profile->crossing_count; k++) {
         const struct crossing *crossing = &profile->crossing[k];
-        struct sample sample = {
-            .s = crossing->s, .triangle = crossing->triangle, .was = crossing->triangle, .exact = 1
-        };
+        struct profile_sample sample = { .s = crossing->s,
+                                         .triangle = crossing->triangle,
+                                         .start_triangle = crossing->triangle,
+                                         .is_exact = 1 };
         memcpy(sample.weight, crossing->weight, sizeof sample.weight);
         sample.normal = dpti_profile_exit_direction(profile, crossing->triangle, crossing->weight);
-        sample.rise = dot(sample.normal, profile->axis->u);
+        sample.slope = dot(sample.normal, profile->axis->u);
         dpti_profile_put_sample(profile, &sample);
     }
 }
@@ -54,9 +56,9 @@ static void put_crossing_samples(struct distance_profile *profile)
 /* Through holes an axis comes and goes without a crossing: so there are samples every so often. */
 static void put_winding_samples(struct distance_profile *profile)
 {
-    enum { PIECES = 8 };
-    for (int i = 1; i < PIECES && profile->winding; i++) {
-        double s = (double)i / PIECES;
+    enum { WINDING_PIECES = 8 };
+    for (int i = 1; i < WINDING_PIECES && profile->has_winding_parts; i++) {
+        double s = (double)i / WINDING_PIECES;
         if (!profile->sign[profile_stretch(profile, s)])
             dpti_profile_add_sample(profile, s, 1);
     }
@@ -65,19 +67,19 @@ static void put_winding_samples(struct distance_profile *profile)
 /* Stretches that are inside have a sample at an end that is free, and one in the middle. */
 static void put_inner_samples(struct distance_profile *profile)
 {
-    for (uint32_t k = 0; k <= profile->crossings; k++) {
+    for (uint32_t k = 0; k <= profile->crossing_count; k++) {
         if (profile->sign[k] > 0)
             continue;
         double from = k ? profile->crossing[k - 1].s : 0.0;
-        double to = k < profile->crossings ? profile->crossing[k].s : 1.0;
-        int any = 0;
-        for (uint32_t i = 0; i < profile->count; i++)
-            any |= profile->sample[i].s > from && profile->sample[i].s < to;
-        if (!k && !(any && profile->sample[0].s == 0.0))
+        double to = k < profile->crossing_count ? profile->crossing[k].s : 1.0;
+        int has_sample = 0;
+        for (uint32_t i = 0; i < profile->sample_count; i++)
+            has_sample |= profile->sample[i].s > from && profile->sample[i].s < to;
+        if (!k && !(has_sample && profile->sample[0].s == 0.0))
             dpti_profile_add_sample(profile, 0.0, 1);
-        if (!any && to > from)
+        if (!has_sample && to > from)
             dpti_profile_add_sample(profile, 0.5 * (from + to), 1);
-        if (k == profile->crossings && profile->sample[profile->count - 1].s < 1.0)
+        if (k == profile->crossing_count && profile->sample[profile->sample_count - 1].s < 1.0)
             dpti_profile_add_sample(profile, 1.0, 1);
     }
 }
@@ -90,7 +92,7 @@ static int is_outside(struct distance_profile *profile, const struct pair_search
 {
     if (dpti_profile_side_of(profile, nearest->pair.s, nearest->triangle, &nearest->pair) < 0)
         return 0;
-    return !profile->winding ||
+    return !profile->has_winding_parts ||
            !(dpti_profile_is_inside(profile, 0.0) || dpti_profile_is_inside(profile, 1.0));
 }
 
@@ -99,49 +101,50 @@ int dpti_profile_make(struct distance_profile *profile, const struct pair_search
 {
     const struct axis *axis = profile->axis;
     double distance = sqrt(nearest->pair.distance2);
-    profile->size = length(axis->u);
-    profile->full = 0;
-    profile->cut = 0;
-    profile->sideless = 0;
-    profile->crossings = 0;
-    profile->reach_intervals = 0;
-    profile->count = 0;
+    profile->axis_length = length(axis->u);
+    profile->is_full = 0;
+    profile->is_cut = 0;
+    profile->is_sideless = 0;
+    profile->crossing_count = 0;
+    profile->reach_interval_count = 0;
+    profile->sample_count = 0;
     profile->deepest = 0;
-    profile->same = 0;
-    profile->winding = profile->surface->moments != NULL;
+    profile->unchanged_count = 0;
+    profile->has_winding_parts = profile->surface->moments != NULL;
     int is_far = distance > profile->reach;
     if (is_far && !profile->sides->count && is_outside(profile, nearest))
         return 0;
-    if (is_far && !profile_by_sample(profile)) {
+    if (is_far && !profile_has_side_per_sample(profile)) {
         profile->sign[0] = -1;
     } else {
         dpti_profile_find_crossings(profile);
-        if (profile->full || profile->cut || profile->sideless)
+        if (profile->is_full || profile->is_cut || profile->is_sideless)
             return 1;
         find_sides(profile, nearest);
     }
     put_crossing_samples(profile);
-    if (!profile->crossings) {
-        struct sample sample;
+    if (!profile->crossing_count) {
+        struct profile_sample sample;
         dpti_profile_take_sample(profile, nearest->pair.s, nearest->triangle, 0, &sample);
-        sample.exact = 1;
+        sample.is_exact = 1;
         dpti_profile_put_sample(profile, &sample);
     }
     for (uint32_t i = 0; i < warm_start_count; i++) {
         int sign = profile->sign[profile_stretch(profile, warm_starts[i].s)];
-        if (sign > 0 && !in_reach_interval(profile, warm_starts[i].s))
+        if (sign > 0 && !is_in_reach_interval(profile, warm_starts[i].s))
             continue;
         /* A budget is for the depth first: regions search for those that count. */
-        int counts = warm_starts[i].share > PROFILE_SHARE && profile->work.done < PROFILE_WORK;
-        int exact = profile->winding || (counts && !profile->point_cache);
-        struct sample sample;
-        dpti_profile_take_sample(profile, warm_starts[i].s, warm_starts[i].triangle, exact,
+        int is_important =
+            warm_starts[i].share > PROFILE_SEARCH_SHARE && profile->work.done < PROFILE_WORK_MAX;
+        int by_search = profile->has_winding_parts || (is_important && !profile->point_cache);
+        struct profile_sample sample;
+        dpti_profile_take_sample(profile, warm_starts[i].s, warm_starts[i].triangle, by_search,
                                  &sample);
         dpti_profile_put_sample(profile, &sample);
     }
-    for (uint32_t i = 1; i < profile->count; i++)
+    for (uint32_t i = 1; i < profile->sample_count; i++)
         dpti_profile_share_triangle(profile, i, profile->sample[i - 1].triangle);
-    for (uint32_t i = profile->count - 1; i > 0; i--)
+    for (uint32_t i = profile->sample_count - 1; i > 0; i--)
         dpti_profile_share_triangle(profile, i - 1, profile->sample[i].triangle);
     put_inner_samples(profile);
     put_winding_samples(profile);
@@ -150,23 +153,24 @@ int dpti_profile_make(struct distance_profile *profile, const struct pair_search
 }
 
 /* How far from a sample within reach the surface goes out of it, if it goes on as there, and half as far again. */
-static double exit_beyond(const struct distance_profile *profile, const struct sample *sample,
-                          double sign)
+static double exit_beyond(const struct distance_profile *profile,
+                          const struct profile_sample *sample, double sign)
 {
-    double rise = sign * sample->rise;
-    double room = 0.25 * profile->reach, left = profile->reach - sample->height;
-    if (!(left > 0.0))
+    double slope = sign * sample->slope;
+    double min_rise = 0.25 * profile->reach, reach_left = profile->reach - sample->height;
+    if (!(reach_left > 0.0))
         return 0.0;
-    return rise > 0.0 ? max_of(room / profile->size, 1.5 * left / rise) : HUGE_VAL;
+    return slope > 0.0 ? max_of(min_rise / profile->axis_length, 1.5 * reach_left / slope)
+                       : HUGE_VAL;
 }
 
-int dpti_profile_is_blind(const struct distance_profile *profile, uint32_t i, double *from,
-                          double *to)
+int dpti_profile_find_undecided(const struct distance_profile *profile, uint32_t i, double *from,
+                                double *to)
 {
-    const struct sample *left = &profile->sample[i], *right = left + 1;
+    const struct profile_sample *left = &profile->sample[i], *right = left + 1;
     double middle = 0.5 * (left->s + right->s);
     if (!(profile->sign[profile_stretch(profile, middle)] > 0 &&
-          in_reach_interval(profile, middle)))
+          is_in_reach_interval(profile, middle)))
         return 0;
     *from = left->s + exit_beyond(profile, left, 1.0);
     *to = right->s - exit_beyond(profile, right, -1.0);
@@ -174,19 +178,21 @@ int dpti_profile_is_blind(const struct distance_profile *profile, uint32_t i, do
 }
 
 /* First those that have nothing in them, then what is beside a sample that is within reach. */
-void dpti_profile_look_between(struct distance_profile *profile, double first, double last)
+void dpti_profile_search_undecided(struct distance_profile *profile, double min_s, double max_s)
 {
-    enum { BLIND_MAX = 16 };
-    uint32_t asked = 0;
+    enum { UNDECIDED_MAX = 16 };
+    uint32_t searched = 0;
     double from, to;
-    for (int beside = 0; beside < 2; beside++)
-        for (uint32_t i = 0; i + 1 < profile->count && asked < BLIND_MAX && !profile->cut;) {
-            const struct sample *here = &profile->sample[i];
-            int in = here->height < profile->reach || here[1].height < profile->reach;
-            int blind = in == beside && here->s >= first && here[1].s <= last &&
-                        dpti_profile_is_blind(profile, i, &from, &to);
-            asked += (uint32_t)blind;
-            if (!blind || dpti_profile_approach(profile, from, to, profile->reach) == DPT_NONE)
+    for (int pass = 0; pass < 2; pass++)
+        for (uint32_t i = 0;
+             i + 1 < profile->sample_count && searched < UNDECIDED_MAX && !profile->is_cut;) {
+            const struct profile_sample *here = &profile->sample[i];
+            int is_within = here->height < profile->reach || here[1].height < profile->reach;
+            int is_undecided = is_within == pass && here->s >= min_s && here[1].s <= max_s &&
+                               dpti_profile_find_undecided(profile, i, &from, &to);
+            searched += (uint32_t)is_undecided;
+            if (!is_undecided ||
+                dpti_profile_add_nearest(profile, from, to, profile->reach) == DPT_NONE)
                 i++;
         }
 }
@@ -194,8 +200,8 @@ void dpti_profile_look_between(struct distance_profile *profile, double first, d
 /* Outside of the zones an axis that is outside is beyond reach. Where a side is each sample's own, samples tell. */
 void dpti_profile_find_reach(struct distance_profile *profile)
 {
-    struct sample beyond = { .height = profile->reach, .triangle = DPT_NONE };
-    for (uint32_t i = 0; i < profile->reach_intervals; i++) {
+    struct profile_sample beyond = { .height = profile->reach, .triangle = DPT_NONE };
+    for (uint32_t i = 0; i < profile->reach_interval_count; i++) {
         const double ends[2] = { profile->reach_from[i], profile->reach_to[i] };
         for (int k = 0; k < 2; k++) {
             int sign = profile->sign[profile_stretch(profile, ends[k])];
@@ -206,5 +212,5 @@ void dpti_profile_find_reach(struct distance_profile *profile)
                 dpti_profile_put_sample(profile, &beyond);
         }
     }
-    dpti_profile_look_between(profile, 0.0, 1.0);
+    dpti_profile_search_undecided(profile, 0.0, 1.0);
 }

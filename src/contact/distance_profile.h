@@ -23,10 +23,10 @@ int dpti_profile_make(struct distance_profile *profile, const struct pair_search
 void dpti_profile_find_reach(struct distance_profile *profile);
 
 /* Search between two samples for surface within reach that no sample tells of, where the axis is outside. */
-void dpti_profile_look_between(struct distance_profile *profile, double first, double last);
+void dpti_profile_search_undecided(struct distance_profile *profile, double min_s, double max_s);
 
 /* Outside, and within a zone: between sample i and the next there is a stretch of which the two do not tell. Which. */
-int dpti_profile_is_blind(const struct distance_profile *profile, uint32_t i, double *from,
-                          double *to);
+int dpti_profile_find_undecided(const struct distance_profile *profile, uint32_t i, double *from,
+                                double *to);
 
 #endif

@@ -8,28 +8,28 @@ int dpti_contact_find(struct distance_profile *profile, const struct pair_search
     *gap = sqrt(nearest->pair.distance2) - radius;
     if (!dpti_profile_make(profile, nearest, warm_starts, warm_start_count))
         return CONTACT_NONE;
-    if (profile->full || profile->cut || profile->sideless)
+    if (profile->is_full || profile->is_cut || profile->is_sideless)
         return CONTACT_UNKNOWN;
     if (profile->sample[profile->deepest].height < 0.0)
         *gap = profile->sample[profile->deepest].height - radius;
     return CONTACT_PROFILE;
 }
 
-vec3 dpti_contact_normal(const struct distance_profile *profile, const struct sample *sample,
-                         uint32_t smooth)
+vec3 dpti_contact_normal(const struct distance_profile *profile,
+                         const struct profile_sample *sample, uint32_t smooth)
 {
     if (!smooth)
         return sample->normal;
     vec3 normal = dpti_surface_smooth_normal(profile->surface, sample->triangle, sample->weight);
-    double along_true = dot(normal, sample->normal);
-    return along_true != 0.0 ? scaled(normal, along_true < 0.0 ? -1.0 : 1.0) : sample->normal;
+    double agreement = dot(normal, sample->normal);
+    return agreement != 0.0 ? scaled(normal, agreement < 0.0 ? -1.0 : 1.0) : sample->normal;
 }
 
 struct penetration dpti_contact_penetration(const struct distance_profile *profile,
                                             const struct frame *body, double gap, uint32_t smooth)
 {
     const struct axis *axis = profile->axis;
-    const struct sample *deepest = &profile->sample[profile->deepest];
+    const struct profile_sample *deepest = &profile->sample[profile->deepest];
     return (struct penetration){ frame_turn(body, dpti_contact_normal(profile, deepest, smooth)),
                                  along(axis->a, deepest->s, sub(axis->b, axis->a)),
                                  max_of(0.0, -gap) };
@@ -39,13 +39,13 @@ void dpti_contact_of(const struct surface *surface, const struct kernel *kernel,
                      const struct axis *axis, const struct pair_search *nearest, double radius,
                      struct segment_result *result)
 {
-    const struct sides none = { .count = 0 };
+    const struct sides no_sides = { .count = 0 };
     struct distance_profile profile;
     double gap;
     profile.surface = surface;
     profile.kernel = kernel;
     profile.axis = axis;
-    profile.sides = &none;
+    profile.sides = &no_sides;
     profile.point_cache = NULL;
     profile.contacts_wanted = 0;
     profile.reach = radius;

@@ -23,8 +23,8 @@ int dpti_contact_find(struct distance_profile *profile, const struct pair_search
                       double radius, double *gap);
 
 /* The way out at a sample, in the body's frame; `smooth` as dpt_world_def has it. */
-vec3 dpti_contact_normal(const struct distance_profile *profile, const struct sample *sample,
-                         uint32_t smooth);
+vec3 dpti_contact_normal(const struct distance_profile *profile,
+                         const struct profile_sample *sample, uint32_t smooth);
 
 /* The push at the profile's deepest sample, in the world. */
 struct penetration dpti_contact_penetration(const struct distance_profile *profile,

@@ -4,7 +4,8 @@
 #include "mesh/surface_normal.h"
 
 /* Of the axis' ends, the lower one's height over the plane of the triangle. */
-static double lower_end(const struct axis *axis, const struct pair_search *nearest, vec3 normal)
+static double lower_end_height(const struct axis *axis, const struct pair_search *nearest,
+                               vec3 normal)
 {
     double height_a = -nearest->pair.s * dot(axis->u, normal);
     double height_b = (1.0 - nearest->pair.s) * dot(axis->u, normal);
@@ -18,7 +19,7 @@ double dpti_contact_paper(const struct surface *surface, const struct frame *bod
     vec3 normal = dpti_surface_face_normal(surface, nearest->triangle);
     double distance = sqrt(nearest->pair.distance2), gap;
     if (distance == 0.0) {
-        gap = lower_end(part, nearest, normal) - radius;
+        gap = lower_end_height(part, nearest, normal) - radius;
         penetration->direction = normal;
     } else {
         double side = dot(nearest->pair.gap, normal) < 0.0 ? -1.0 : 1.0;

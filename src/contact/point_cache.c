@@ -17,22 +17,22 @@ static struct cached_point *set_of(const struct point_cache *cache, uint32_t bod
     return cache->entries + POINT_CACHE_WAYS * (size_t)(hash % cache->sets);
 }
 
-static int is_same(vec3 x, vec3 y)
+static int is_same(vec3 a, vec3 b)
 {
-    return x.x == y.x && x.y == y.y && x.z == y.z;
+    return a.x == b.x && a.y == b.y && a.z == b.z;
 }
 
-static int is_at(const struct cached_point *entry, uint32_t body, vec3 x)
+static int is_entry_of(const struct cached_point *entry, uint32_t body, vec3 x)
 {
     return entry->body == body + 1 && is_same(entry->x, x);
 }
 
 /* The entry behind its set's first `count` moves to the front, those up. */
-static struct cached_point *bring_forward(const struct point_cache *cache, struct cached_point *set,
-                                          int count)
+static struct cached_point *move_to_front(const struct point_cache *cache, struct cached_point *set,
+                                          int index)
 {
-    struct cached_point entry = set[count];
-    memmove(set + 1, set, (size_t)count * sizeof *set);
+    struct cached_point entry = set[index];
+    memmove(set + 1, set, (size_t)index * sizeof *set);
     entry.tick = cache->tick;
     set[0] = entry;
     return set;
@@ -43,8 +43,8 @@ const struct cached_point *dpti_point_cache_find(const struct point_cache *cache
 {
     struct cached_point *set = set_of(cache, body, x);
     for (int i = 0; i < POINT_CACHE_WAYS; i++)
-        if (is_at(&set[i], body, x))
-            return bring_forward(cache, set, i);
+        if (is_entry_of(&set[i], body, x))
+            return move_to_front(cache, set, i);
     return NULL;
 }
 
@@ -52,12 +52,12 @@ struct cached_point *dpti_point_cache_put(const struct point_cache *cache, uint3
 {
     struct cached_point *set = set_of(cache, body, x);
     for (int i = 0; i < POINT_CACHE_WAYS; i++)
-        if (is_at(&set[i], body, x))
-            return bring_forward(cache, set, i);
+        if (is_entry_of(&set[i], body, x))
+            return move_to_front(cache, set, i);
     const struct cached_point *oldest = &set[POINT_CACHE_WAYS - 1];
     if (oldest->body && oldest->tick == cache->tick)
         return NULL;
-    bring_forward(cache, set, POINT_CACHE_WAYS - 1);
+    move_to_front(cache, set, POINT_CACHE_WAYS - 1);
     set[0] = (struct cached_point){
         .x = x, .body = body + 1, .triangle = DPT_NONE, .descent = DPT_NONE, .tick = cache->tick
     };

@@ -11,10 +11,10 @@
 /* What was seen of a sheet's border: none is within `clear` of a point, in the body's frame. */
 struct border_view {
     vec3 centre;
-    double clear;   /* 0: nothing was seen */
-    uint32_t body;  /* its id */
-    uint32_t part;  /* of its mesh */
-    uint32_t found; /* some of it is just there */
+    double clear_radius; /* 0: nothing was seen */
+    uint32_t body;       /* its id */
+    uint32_t part;       /* of its mesh */
+    uint32_t has_border; /* some of it is just there */
     uint32_t reserved;
 };
 
@@ -23,8 +23,8 @@ struct border_view {
  * stays as it is, bit for bit. `view` is of the last tick's, and of this one's then. Samples are taken; the profile
  * stays as it was. 1 where a border was so near that the point was looked for: then `found` is where it is.
  */
-int dpti_sheet_border_weigh(struct distance_profile *profile, const struct frame *body, uint32_t id,
-                            double radius, uint32_t smooth, struct border_view *view,
-                            struct penetration *penetration, struct warm_start *found);
+int dpti_sheet_border_reduce(struct distance_profile *profile, const struct frame *body,
+                             uint32_t id, double radius, uint32_t smooth, struct border_view *view,
+                             struct penetration *penetration, struct warm_start *found);
 
 #endif

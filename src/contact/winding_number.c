@@ -11,21 +11,21 @@
  * much. Where the sum is too much, all is looked at again, for less; of the surface that is left the sum falls as a
  * root of it, or a little faster.
  */
-#define FIRST_DOUBT 5e-4f
-#define LESS        0.25f
-#define PASSES      8
+#define FIRST_NODE_ERROR  5e-4f
+#define NODE_ERROR_SHRINK 0.25f
+#define PASSES_MAX        8
 
 /* Beyond that, in half widths of the mesh, what is left of the winding number is below 1e-9. */
-#define FAR 0x1p20
+#define DISTANCE_MAX 0x1p20
 
-struct view {
+struct winding_traversal {
     const struct surface *surface;
     const struct kernel *kernel;
     const float *moments;
-    const uint32_t *solid; /* a word a leaf: lanes that count */
+    const uint32_t *solid_lanes; /* a word a leaf: lanes that count */
     vec3 x;
-    float at[3]; /* x in the filter's frame */
-    float winding[LANES], doubt[LANES];
+    float x_filter[3]; /* x in the filter's frame */
+    float winding[LANES], error[LANES];
     double exact; /* sum over the triangles that were evaluated in double */
     struct work *work;
 };
@@ -38,48 +38,52 @@ static double sum_of(const float *lanes)
     return sum;
 }
 
-static vec3 seen(const struct view *view, uint32_t triangle, uint32_t k)
+static vec3 corner_from_x(const struct winding_traversal *traversal, uint32_t triangle, uint32_t k)
 {
-    uint32_t v = view->surface->corners[3 * (size_t)triangle + k];
-    return sub(vec3_of_float(view->surface->positions + 3 * (size_t)v), view->x);
+    uint32_t vertex = traversal->surface->corners[3 * (size_t)triangle + k];
+    return sub(vec3_of_float(traversal->surface->positions + 3 * (size_t)vertex), traversal->x);
 }
 
-static void look_at_leaf(struct view *view, uint32_t leaf)
+static void sum_leaf(struct winding_traversal *traversal, uint32_t leaf)
 {
-    uint32_t lanes = view->solid[leaf];
+    uint32_t lanes = traversal->solid_lanes[leaf];
     if (!lanes)
         return;
-    const float *rows = view->surface->leaves + (size_t)leaf * MESH_LEAF_WORDS;
-    uint32_t open = view->kernel->angles(rows, view->at, lanes, view->winding);
-    work_spend(view->work, 1);
+    const float *rows = traversal->surface->leaves + (size_t)leaf * MESH_LEAF_WORDS;
+    uint32_t open = traversal->kernel->angles(rows, traversal->x_filter, lanes, traversal->winding);
+    work_spend(traversal->work, 1);
     for (; open; open &= open - 1) {
-        uint32_t t = leaf * LANES + first_lane(open);
-        view->exact += solid_turns(seen(view, t, 0), seen(view, t, 1), seen(view, t, 2));
+        uint32_t triangle = leaf * LANES + first_lane(open);
+        traversal->exact += solid_turns(corner_from_x(traversal, triangle, 0),
+                                        corner_from_x(traversal, triangle, 1),
+                                        corner_from_x(traversal, triangle, 2));
     }
 }
 
 /* The children that must be looked into; the others are added. */
-static uint32_t look_at_node(struct view *view, uint32_t level, uint32_t node, float most)
+static uint32_t sum_node(struct winding_traversal *traversal, uint32_t level, uint32_t node,
+                         float max_error)
 {
-    const struct surface *surface = view->surface;
+    const struct surface *surface = traversal->surface;
     size_t row = surface->first[level] - surface->first[1] + node;
     uint32_t children = lanes_of(surface->count[level - 1] - node * LANES);
-    work_spend(view->work, 1);
-    return children & view->kernel->moments(view->moments + row * MESH_MOMENT_WORDS, view->at, most,
-                                            view->winding, view->doubt);
+    work_spend(traversal->work, 1);
+    return children & traversal->kernel->moments(traversal->moments + row * MESH_MOMENT_WORDS,
+                                                 traversal->x_filter, max_error, traversal->winding,
+                                                 traversal->error);
 }
 
-static double look(struct view *view, float most)
+static double sum_tree(struct winding_traversal *traversal, float max_error)
 {
     uint32_t node[MESH_LEVELS_MAX + 1], open[MESH_LEVELS_MAX + 1];
-    uint32_t top = view->surface->levels, level = top;
-    memset(view->winding, 0, sizeof view->winding);
-    memset(view->doubt, 0, sizeof view->doubt);
-    view->exact = 0.0;
+    uint32_t top = traversal->surface->levels, level = top;
+    memset(traversal->winding, 0, sizeof traversal->winding);
+    memset(traversal->error, 0, sizeof traversal->error);
+    traversal->exact = 0.0;
     node[level] = 0;
-    open[level] = look_at_node(view, level, 0, most);
+    open[level] = sum_node(traversal, level, 0, max_error);
     while (level <= top) {
-        if (work_is_spent(view->work))
+        if (work_is_spent(traversal->work))
             return HUGE_VAL;
         if (!open[level]) {
             level++;
@@ -88,36 +92,40 @@ static double look(struct view *view, float most)
         uint32_t child = node[level] * LANES + first_lane(open[level]);
         open[level] &= open[level] - 1;
         if (level == 1) {
-            look_at_leaf(view, child);
+            sum_leaf(traversal, child);
         } else {
             node[--level] = child;
-            open[level] = look_at_node(view, level, child, most);
+            open[level] = sum_node(traversal, level, child, max_error);
         }
     }
-    return sum_of(view->doubt);
+    return sum_of(traversal->error);
 }
 
 /* Comparisons are such that NaN, which a forged file can yield, ends as 0. */
 double dpti_winding_number(const struct surface *surface, const struct kernel *kernel, vec3 x,
                            struct work *work)
 {
-    struct view view = { .surface = surface, .kernel = kernel, .x = x, .work = work };
-    view.moments = surface_moments(surface, &view.solid);
-    vec3 at = scaled(sub(x, surface->filter_centre), surface->filter_scale);
-    if (!view.moments || !within(at.x, FAR) || !within(at.y, FAR) || !within(at.z, FAR))
+    struct winding_traversal traversal = {
+        .surface = surface, .kernel = kernel, .x = x, .work = work
+    };
+    traversal.moments = surface_moments(surface, &traversal.solid_lanes);
+    vec3 x_filter = scaled(sub(x, surface->filter_centre), surface->filter_scale);
+    if (!traversal.moments || !within(x_filter.x, DISTANCE_MAX) ||
+        !within(x_filter.y, DISTANCE_MAX) || !within(x_filter.z, DISTANCE_MAX))
         return 0.0;
-    view.at[0] = (float)at.x;
-    view.at[1] = (float)at.y;
-    view.at[2] = (float)at.z;
-    float most_doubt = FIRST_DOUBT / (float)surface->levels;
-    double doubt = look(&view, most_doubt);
-    for (int pass = 1; !(doubt <= SERIES_ERROR) && pass < PASSES && !work_is_spent(work); pass++) {
-        float share = (float)(SERIES_ERROR / doubt);
-        most_doubt *= share * share < LESS ? share * share : LESS;
-        doubt = look(&view, most_doubt);
+    traversal.x_filter[0] = (float)x_filter.x;
+    traversal.x_filter[1] = (float)x_filter.y;
+    traversal.x_filter[2] = (float)x_filter.z;
+    float max_node_error = FIRST_NODE_ERROR / (float)surface->levels;
+    double error = sum_tree(&traversal, max_node_error);
+    for (int pass = 1; !(error <= SERIES_ERROR) && pass < PASSES_MAX && !work_is_spent(work);
+         pass++) {
+        float share = (float)(SERIES_ERROR / error);
+        max_node_error *= share * share < NODE_ERROR_SHRINK ? share * share : NODE_ERROR_SHRINK;
+        error = sum_tree(&traversal, max_node_error);
     }
     if (work_is_spent(work))
         return HUGE_VAL;
-    double winding = sum_of(view.winding) + view.exact;
+    double winding = sum_of(traversal.winding) + traversal.exact;
     return fabs(winding) <= (double)surface_triangles(surface) ? winding : 0.0;
 }

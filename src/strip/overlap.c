@@ -8,11 +8,11 @@
 
 /* Distance of the axis to the triangle after it has been moved against its normal; `rise`: by how much that grows. */
 static double distance_when_moved(const struct surface *surface, uint32_t place, vec3 a, vec3 u,
-                                  vec3 normal, double way, double *rise)
+                                  vec3 normal, double displacement, double *slope)
 {
-    pair found = dpti_triangle_pair(surface, place, along(a, way, normal), u);
+    pair found = dpti_triangle_pair(surface, place, along(a, displacement, normal), u);
     double distance = sqrt(found.distance2);
-    *rise = dot(found.gap, normal) / distance;
+    *slope = dot(found.gap, normal) / distance;
     return distance;
 }
 
@@ -24,20 +24,24 @@ static double distance_when_moved(const struct surface *surface, uint32_t place,
 static double exit_distance(const struct surface *surface, uint32_t place, vec3 a, vec3 u,
                             double radius, vec3 normal, double height)
 {
-    double way = radius - height, fine = 1e-12 * (fabs(way) + radius + length(u));
-    for (int i = 0; i < 64 && way > 0.0; i++) {
-        double rise, apart = distance_when_moved(surface, place, a, u, normal, way, &rise) - radius;
-        if (!(apart > fine))
-            return way;
-        if (!(rise > 0.0))
+    double displacement = radius - height;
+    double tolerance = 1e-12 * (fabs(displacement) + radius + length(u));
+    for (int i = 0; i < 64 && displacement > 0.0; i++) {
+        double slope;
+        double clearance =
+            distance_when_moved(surface, place, a, u, normal, displacement, &slope) - radius;
+        if (!(clearance > tolerance))
+            return displacement;
+        if (!(slope > 0.0))
             return 0.0;
-        way -= apart / rise;
+        displacement -= clearance / slope;
     }
-    return max_of(0.0, way);
+    return max_of(0.0, displacement);
 }
 
-static void overlap_of(const struct surface *surface, const struct frame *frame, vec3 a, vec3 u,
-                       double radius, double side, uint32_t place, dpt_overlap *overlap)
+static void compute_overlap(const struct surface *surface, const struct frame *frame, vec3 a,
+                            vec3 u, double radius, double side, uint32_t place,
+                            dpt_overlap *overlap)
 {
     pair found = dpti_triangle_pair(surface, place, a, u);
     vec3 normal = scaled(dpti_surface_face_normal(surface, place), side);
@@ -46,14 +50,14 @@ static void overlap_of(const struct surface *surface, const struct frame *frame,
         vec3_of_float(surface->positions + 3 * (size_t)surface->corners[3 * (size_t)place]);
     double height = min_of(dot(sub(a, corner), normal), dot(sub(add(a, u), corner), normal));
     double distance = sqrt(found.distance2);
-    double way = exit_distance(surface, place, a, u, radius, normal, height);
+    double displacement = exit_distance(surface, place, a, u, radius, normal, height);
     *overlap = (dpt_overlap){
         .triangle = surface->sources[place],
         .flags = distance > 0.0 ? 0u : DPT_OVERLAP_FLAG_CROSSING,
         .distance = distance,
         .s = found.s,
-        .gap = way > 0.0 ? -way : max_of(0.0, distance - radius),
-        .overlap = way,
+        .gap = displacement > 0.0 ? -displacement : max_of(0.0, distance - radius),
+        .overlap = displacement,
     };
     vec3_store(frame_to_world(frame, q), overlap->q);
     for (int k = 0; k < 3; k++)
@@ -69,7 +73,7 @@ void dpti_strip_overlaps(const struct dpt_strip *strip, const struct surface *su
     const uint32_t *places = count ? mesh_words(strip->mesh, MESH_PLACES) : NULL;
     for (uint32_t i = 0; i < count; i++) {
         dpt_overlap overlap;
-        overlap_of(surface, frame, a, u, radius, side, places[strip->triangles[i]], &overlap);
+        compute_overlap(surface, frame, a, u, radius, side, places[strip->triangles[i]], &overlap);
         sized_write((char *)overlaps + (size_t)i * size, size, &overlap, sizeof overlap);
     }
 }

@@ -14,21 +14,21 @@
 #include "mesh/corners.h"
 
 enum {
-    ROUTE_GOAL = 1, /* reached from the goal */
-    ROUTE_WAY = 2,  /* reached from the start, and on a shortest way */
+    ROUTE_GOAL = 1,     /* reached from the goal */
+    ROUTE_SHORTEST = 2, /* reached from the start, and on a shortest way */
     ROUTE_STEP = 4
 };
 
-struct finder {
+struct route_finder {
     struct route_search *search;
     const uint32_t *corners, *fan_first, *fans, *sources;
-    uint32_t ring[2];  /* steps of the outermost ring from the start and from the goal */
-    uint32_t begin[2]; /* where it begins in its queue */
-    uint32_t sides;    /* of a vertex' triangles to look along: 1 or 2 */
-    uint32_t way;      /* edges between the two triangles, once known */
+    uint32_t ring[2];       /* steps of the outermost ring from the start and from the goal */
+    uint32_t ring_begin[2]; /* where it begins in its queue */
+    uint32_t corners_per_triangle; /* of a vertex' triangles to look along: 1 or 2 */
+    uint32_t edge_count;           /* edges between the two triangles, once known */
 };
 
-static const uint32_t *corners_of(const struct finder *f, uint32_t triangle)
+static const uint32_t *corners_of(const struct route_finder *f, uint32_t triangle)
 {
     return f->corners + 3 * (size_t)triangle;
 }
@@ -38,7 +38,8 @@ static struct visited_vertex *slot_of(const struct route_search *search, uint32_
 {
     uint32_t mask = search->slot_count - 1;
     uint32_t at = ((vertex >> 3) * 0x9e3779b1u >> 7 << 3) + (vertex & 7);
-    while (search->slots[at & mask].vertex && search->slots[at & mask].vertex != vertex + 1)
+    while (search->slots[at & mask].vertex_plus_1 &&
+           search->slots[at & mask].vertex_plus_1 != vertex + 1)
         at++;
     return &search->slots[at & mask];
 }
@@ -49,21 +50,21 @@ static struct visited_vertex *queued(const struct route_search *search, int side
     return &search->slots[search->queue[side ? search->queue_capacity - 1 - index : index]];
 }
 
-static void clear(struct route_search *search)
+static void clear_search(struct route_search *search)
 {
     for (int side = 0; side < 2; side++) {
-        for (uint32_t i = 0; i < search->used[side]; i++)
+        for (uint32_t i = 0; i < search->queued_count[side]; i++)
             *queued(search, side, i) = (struct visited_vertex){ 0, 0 };
-        search->used[side] = 0;
+        search->queued_count[side] = 0;
     }
 }
 
-static dpt_result put(struct route_search *search, struct visited_vertex *slot, uint32_t vertex,
-                      int side, uint32_t mark)
+static dpt_result put_vertex(struct route_search *search, struct visited_vertex *slot,
+                             uint32_t vertex, int side, uint32_t mark)
 {
-    if (search->used[0] + search->used[1] == search->queue_capacity)
+    if (search->queued_count[0] + search->queued_count[1] == search->queue_capacity)
         return DPT_E_FULL;
-    uint32_t index = search->used[side]++;
+    uint32_t index = search->queued_count[side]++;
     *slot = (struct visited_vertex){ vertex + 1, mark };
     search->queue[side ? search->queue_capacity - 1 - index : index] =
         (uint32_t)(slot - search->slots);
@@ -71,11 +72,12 @@ static dpt_result put(struct route_search *search, struct visited_vertex *slot, 
 }
 
 /* The first ring: the corners of a triangle. */
-static dpt_result begin(const struct finder *f, int side, uint32_t triangle)
+static dpt_result begin_ring(const struct route_finder *f, int side, uint32_t triangle)
 {
     for (int k = 0; k < 3; k++) {
         uint32_t vertex = corners_of(f, triangle)[k];
-        DPT_TRY(put(f->search, slot_of(f->search, vertex), vertex, side, side ? ROUTE_GOAL : 0));
+        DPT_TRY(
+            put_vertex(f->search, slot_of(f->search, vertex), vertex, side, side ? ROUTE_GOAL : 0));
     }
     return DPT_OK;
 }
@@ -86,7 +88,7 @@ static dpt_result begin(const struct finder *f, int side, uint32_t triangle)
  */
 #define FOR_NEXT_TO(f, at, next)                                                                   \
     for (uint32_t fan_ = (f)->fan_first[at]; fan_ < (f)->fan_first[(at) + 1]; fan_++)              \
-        for (uint32_t k_ = 1, next; k_ <= (f)->sides; k_++)                                        \
+        for (uint32_t k_ = 1, next; k_ <= (f)->corners_per_triangle; k_++)                         \
             if (((next) = corner_after(corners_of(f, (f)->fans[fan_]), at, k_)), 1)
 
 /* The first or second corner after one. */
@@ -97,52 +99,53 @@ static uint32_t corner_after(const uint32_t *corners, uint32_t vertex, uint32_t 
 }
 
 /* From one vertex of the ring on. What leads over to the other side is marked there, or here, on the start's side. */
-static dpt_result expand_vertex(struct finder *f, int side, struct visited_vertex *slot, int *met)
+static dpt_result expand_vertex(struct route_finder *f, int side, struct visited_vertex *slot,
+                                int *has_met)
 {
-    const uint32_t vertex = slot->vertex - 1;
+    const uint32_t vertex = slot->vertex_plus_1 - 1;
     const uint32_t mark = (f->ring[side] + 1) * ROUTE_STEP + (side ? ROUTE_GOAL : 0);
     FOR_NEXT_TO(f, vertex, next)
     {
         struct visited_vertex *other = slot_of(f->search, next);
-        if (!other->vertex) {
-            DPT_TRY(put(f->search, other, next, side, mark));
+        if (!other->vertex_plus_1) {
+            DPT_TRY(put_vertex(f->search, other, next, side, mark));
         } else if ((other->mark & ROUTE_GOAL) != (mark & ROUTE_GOAL)) {
-            *met = 1;
+            *has_met = 1;
             if (side)
-                other->mark |= ROUTE_WAY;
+                other->mark |= ROUTE_SHORTEST;
             else
-                slot->mark |= ROUTE_WAY;
+                slot->mark |= ROUTE_SHORTEST;
         }
     }
     return DPT_OK;
 }
 
-static uint64_t cost_of_ring(const struct finder *f, int side)
+static uint64_t cost_of_ring(const struct route_finder *f, int side)
 {
     uint64_t cost = 0;
-    for (uint32_t i = f->begin[side]; i < f->search->used[side]; i++) {
-        uint32_t vertex = queued(f->search, side, i)->vertex - 1;
+    for (uint32_t i = f->ring_begin[side]; i < f->search->queued_count[side]; i++) {
+        uint32_t vertex = queued(f->search, side, i)->vertex_plus_1 - 1;
         cost += f->fan_first[vertex + 1] - f->fan_first[vertex];
     }
     return cost;
 }
 
 /* The next ring of the cheaper side, until the two meet. */
-static dpt_result meet(struct finder *f)
+static dpt_result search_until_met(struct route_finder *f)
 {
     struct route_search *search = f->search;
     uint64_t cost[2] = { cost_of_ring(f, 0), cost_of_ring(f, 1) };
-    for (int met = 0; !met;) {
+    for (int has_met = 0; !has_met;) {
         int side = cost[1] < cost[0];
-        uint32_t end = search->used[side];
-        if (f->begin[side] == end)
+        uint32_t end = search->queued_count[side];
+        if (f->ring_begin[side] == end)
             return DPT_E_UNREACHABLE;
-        for (uint32_t i = f->begin[side]; i < end; i++)
-            DPT_TRY(expand_vertex(f, side, queued(search, side, i), &met));
-        if (met) {
-            f->way = f->ring[0] + f->ring[1] + 1;
+        for (uint32_t i = f->ring_begin[side]; i < end; i++)
+            DPT_TRY(expand_vertex(f, side, queued(search, side, i), &has_met));
+        if (has_met) {
+            f->edge_count = f->ring[0] + f->ring[1] + 1;
         } else {
-            f->begin[side] = end;
+            f->ring_begin[side] = end;
             f->ring[side]++;
             cost[side] = cost_of_ring(f, side);
         }
@@ -151,56 +154,57 @@ static dpt_result meet(struct finder *f)
 }
 
 /* Mark the start's vertices that lie on a shortest way, from the outermost ring inwards. */
-static void mark_way(const struct finder *f)
+static void mark_shortest(const struct route_finder *f)
 {
-    for (uint32_t i = f->search->used[0]; i-- > 0;) {
+    for (uint32_t i = f->search->queued_count[0]; i-- > 0;) {
         const struct visited_vertex *slot = queued(f->search, 0, i);
-        if (!(slot->mark & ROUTE_WAY) || slot->mark < ROUTE_STEP)
+        if (!(slot->mark & ROUTE_SHORTEST) || slot->mark < ROUTE_STEP)
             continue;
-        const uint32_t vertex = slot->vertex - 1, before = slot->mark / ROUTE_STEP - 1;
+        const uint32_t vertex = slot->vertex_plus_1 - 1;
+        const uint32_t previous_ring = slot->mark / ROUTE_STEP - 1;
         FOR_NEXT_TO(f, vertex, next)
         {
             struct visited_vertex *other = slot_of(f->search, next);
-            if (other->vertex && other->mark == before * ROUTE_STEP)
-                other->mark |= ROUTE_WAY;
+            if (other->vertex_plus_1 && other->mark == previous_ring * ROUTE_STEP)
+                other->mark |= ROUTE_SHORTEST;
         }
     }
 }
 
 /* Edges from a vertex to the goal, as far as it is known to lie on a shortest way or near the goal. */
-static uint32_t steps_to_goal(const struct finder *f, uint32_t vertex)
+static uint32_t steps_to_goal(const struct route_finder *f, uint32_t vertex)
 {
     const struct visited_vertex *slot = slot_of(f->search, vertex);
-    if (!slot->vertex)
+    if (!slot->vertex_plus_1)
         return UINT32_MAX;
     if (slot->mark & ROUTE_GOAL)
         return slot->mark / ROUTE_STEP;
-    return slot->mark & ROUTE_WAY ? f->way - slot->mark / ROUTE_STEP : UINT32_MAX;
+    return slot->mark & ROUTE_SHORTEST ? f->edge_count - slot->mark / ROUTE_STEP : UINT32_MAX;
 }
 
 /*
  * The triangle after `here`, whose nearest vertex is `steps` from the goal: one with a vertex a step nearer. DPT_NONE
  * in a forged mesh.
  */
-static uint32_t next_triangle(const struct finder *f, uint32_t here, uint32_t steps)
+static uint32_t next_triangle(const struct route_finder *f, uint32_t current, uint32_t steps)
 {
-    const uint32_t *own = corners_of(f, here);
+    const uint32_t *own_corners = corners_of(f, current);
     uint32_t best = DPT_NONE;
     int best_shared = 0;
     for (int k = 0; k < 3; k++) {
-        if (steps_to_goal(f, own[k]) != steps)
+        if (steps_to_goal(f, own_corners[k]) != steps)
             continue;
-        for (uint32_t i = f->fan_first[own[k]]; i < f->fan_first[own[k] + 1]; i++) {
+        for (uint32_t i = f->fan_first[own_corners[k]]; i < f->fan_first[own_corners[k] + 1]; i++) {
             uint32_t triangle = f->fans[i];
             const uint32_t *corners = corners_of(f, triangle);
-            int shared = shared_corners(own, 3, corners), nearer = 0;
+            int shared = shared_corners(own_corners, 3, corners), is_nearer = 0;
             if (!shared || (shared < best_shared && shared < 2))
                 continue; /* none is shared in a forged mesh alone */
             for (int c = 0; c < 3; c++)
-                nearer |= steps_to_goal(f, corners[c]) == steps - 1;
+                is_nearer |= steps_to_goal(f, corners[c]) == steps - 1;
             shared = shared > 2 ? 2 : shared;
-            if (nearer && (shared > best_shared ||
-                           (shared == best_shared && f->sources[triangle] < f->sources[best]))) {
+            if (is_nearer && (shared > best_shared ||
+                              (shared == best_shared && f->sources[triangle] < f->sources[best]))) {
                 best = triangle;
                 best_shared = shared;
             }
@@ -210,12 +214,12 @@ static uint32_t next_triangle(const struct finder *f, uint32_t here, uint32_t st
 }
 
 /* 0 when it is the other route's as well; `left` triangles come after it. */
-static int add(struct route *route, uint32_t place, uint32_t left)
+static int add_triangle(struct route *route, uint32_t place, uint32_t remaining)
 {
     const struct route *other = route->other;
-    if (other && left < other->count) {
-        uint32_t same = other->count - 1 - left;
-        if (same < other->capacity && other->places[same] == place)
+    if (other && remaining < other->count) {
+        uint32_t index = other->count - 1 - remaining;
+        if (index < other->capacity && other->places[index] == place)
             return 0;
     }
     if (route->count < route->capacity)
@@ -225,16 +229,17 @@ static int add(struct route *route, uint32_t place, uint32_t left)
 }
 
 /* Triangle by triangle, as long as they are the route's own. */
-static dpt_result follow(const struct finder *f, uint32_t from, uint32_t to, struct route *route)
+static dpt_result follow_route(const struct route_finder *f, uint32_t from, uint32_t to,
+                               struct route *route)
 {
-    uint32_t here = from;
-    for (uint32_t steps = f->way; add(route, here, steps + 1); steps--) {
+    uint32_t current = from;
+    for (uint32_t steps = f->edge_count; add_triangle(route, current, steps + 1); steps--) {
         if (!steps) {
-            add(route, to, 0);
+            add_triangle(route, to, 0);
             break;
         }
-        here = next_triangle(f, here, steps);
-        if (here == DPT_NONE)
+        current = next_triangle(f, current, steps);
+        if (current == DPT_NONE)
             return DPT_E_LAYOUT;
     }
     return DPT_OK;
@@ -243,34 +248,34 @@ static dpt_result follow(const struct finder *f, uint32_t from, uint32_t to, str
 dpt_result dpti_route_find(struct route_search *search, const struct dpt_mesh *mesh, uint32_t from,
                            uint32_t to, struct route *route)
 {
-    struct finder f = {
+    struct route_finder f = {
         .search = search,
         .corners = mesh_words(mesh, MESH_TRIANGLES),
         .fan_first = mesh_words(mesh, MESH_FAN_FIRST),
         .fans = mesh_words(mesh, MESH_FANS),
         .sources = mesh_words(mesh, MESH_SOURCES),
-        .sides = mesh->closed_components == mesh->parts ? 1 : 2,
+        .corners_per_triangle = mesh->closed_components == mesh->parts ? 1 : 2,
     };
     const uint32_t *goal = corners_of(&f, to);
     route->count = 0;
     if (from == to) {
-        add(route, to, 0);
+        add_triangle(route, to, 0);
         return DPT_OK;
     }
-    int touch = 0;
+    int share_vertex = 0;
     for (int k = 0; k < 3; k++)
-        touch |= has_corner(corners_of(&f, from), goal[k]);
-    if (touch)
-        return follow(&f, from, to, route);
-    dpt_result result = search->queue_capacity ? begin(&f, 0, from) : DPT_E_FULL;
+        share_vertex |= has_corner(corners_of(&f, from), goal[k]);
+    if (share_vertex)
+        return follow_route(&f, from, to, route);
+    dpt_result result = search->queue_capacity ? begin_ring(&f, 0, from) : DPT_E_FULL;
     if (result == DPT_OK)
-        result = begin(&f, 1, to);
+        result = begin_ring(&f, 1, to);
     if (result == DPT_OK)
-        result = meet(&f);
+        result = search_until_met(&f);
     if (result == DPT_OK) {
-        mark_way(&f);
-        result = follow(&f, from, to, route);
+        mark_shortest(&f);
+        result = follow_route(&f, from, to, route);
     }
-    clear(search);
+    clear_search(search);
     return result;
 }

@@ -8,8 +8,8 @@
 
 /* A vertex that a search has come to. */
 struct visited_vertex {
-    uint32_t vertex; /* and one, so that 0 is a free slot */
-    uint32_t mark;   /* steps from its end, times 4, and ROUTE_... */
+    uint32_t vertex_plus_1; /* and one, so that 0 is a free slot */
+    uint32_t mark;          /* steps from its end, times 4, and ROUTE_... */
 };
 
 /* The memory of a search. All free between two of them. */
@@ -19,7 +19,7 @@ struct route_search {
         queue; /* slots that were filled: those from the start, and, from the back, from the goal */
     uint32_t slot_count;     /* a power of two */
     uint32_t queue_capacity; /* of the queue */
-    uint32_t used[2];
+    uint32_t queued_count[2];
 };
 
 /*

@@ -12,9 +12,9 @@
 enum { SHADOW_SLABS = 4 };
 
 struct shadow_volume {
-    vec3 a, u;    /* the axis, in the mesh's frame */
-    vec3 d, e, w; /* unit */
-    double half;  /* of its width */
+    vec3 a, u;         /* the axis, in the mesh's frame */
+    vec3 d, e, w;      /* unit */
+    double half_width; /* of its width */
     double depth;
     double normal[3][SHADOW_SLABS]; /* x, y, z of each */
     double low[SHADOW_SLABS];       /* of (x - a) . normal */
@@ -22,7 +22,7 @@ struct shadow_volume {
 };
 
 /* `direction` need not be unit. */
-void dpti_shadow_volume_of(vec3 a, vec3 u, vec3 direction, double half, double depth,
+void dpti_shadow_volume_of(vec3 a, vec3 u, vec3 direction, double half_width, double depth,
                            struct shadow_volume *volume);
 
 #endif

@@ -12,8 +12,8 @@
 #define LINE_WORDS 16 /* of a cache line, mostly */
 
 /* Slabs go side by side: so the bits are as wide as the numbers, and the loop must not be taken apart before that is seen. */
-static inline void measure(const struct shadow_volume *volume, const float *at,
-                           struct shadow_vertex *vertex)
+static inline void measure_vertex(const struct shadow_volume *volume, const float *at,
+                                  struct shadow_vertex *vertex)
 {
     static const uint64_t below[SHADOW_SLABS] = { 1, 4, 16, 64 };
     static const uint64_t above[SHADOW_SLABS] = { 2, 8, 32, 128 };
@@ -31,16 +31,16 @@ static inline void measure(const struct shadow_volume *volume, const float *at,
 }
 
 /* The stretch of an edge that is left between the planes, which its ends are on both sides of, is not empty. */
-static int edge_is_left(const struct shadow_volume *volume, const struct shadow_vertex *a,
-                        const struct shadow_vertex *b)
+static int edge_has_part_inside(const struct shadow_volume *volume, const struct shadow_vertex *a,
+                                const struct shadow_vertex *b)
 {
     double from = 0.0, to = 1.0;
     for (int k = 0; k < SHADOW_SLABS; k++) {
         if (!((a->outside | b->outside) >> 2 * k & 3))
             continue;
-        double per = 1.0 / (b->value[k] - a->value[k]);
-        double low = (volume->low[k] - a->value[k]) * per;
-        double high = (volume->high[k] - a->value[k]) * per;
+        double inverse = 1.0 / (b->value[k] - a->value[k]);
+        double low = (volume->low[k] - a->value[k]) * inverse;
+        double high = (volume->high[k] - a->value[k]) * inverse;
         from = max_of(from, min_of(low, high));
         to = min_of(to, max_of(low, high));
     }
@@ -56,7 +56,7 @@ static inline int edge_meets(const struct shadow_volume *volume, const struct sh
     /* Outside of one slab alone, to both sides or at one end: a stretch is left. */
     if (!(any & ~3u) || !(any & ~12u) || !a->outside || !b->outside)
         return 1;
-    return edge_is_left(volume, a, b);
+    return edge_has_part_inside(volume, a, b);
 }
 
 /* The slot of a triangle, or the free one where it would be. */
@@ -70,7 +70,7 @@ static inline struct shadow_slot *slot_of(const struct shadow_walk *walk, uint32
     }
 }
 
-static void forget(struct shadow_walk *walk)
+static void begin_walk(struct shadow_walk *walk)
 {
     if (!++walk->stamp) {
         memset(walk->slots, 0, walk->slot_count * sizeof *walk->slots);
@@ -78,11 +78,11 @@ static void forget(struct shadow_walk *walk)
     }
     walk->triangle_count = walk->vertex_count = 0;
     walk->flags = 0;
-    walk->leaf = DPT_NONE;
+    walk->prefetched_leaf = DPT_NONE;
 }
 
 /* Triangles that follow each other lie together: those of a leaf will mostly be asked for. */
-static void fetch_leaf(struct shadow_walk *walk, uint32_t leaf)
+static void prefetch_leaf(struct shadow_walk *walk, uint32_t leaf)
 {
     const size_t first = 3 * LANES * (size_t)leaf;
     for (size_t line = 0; line < 3 * LANES; line += LINE_WORDS) {
@@ -90,27 +90,28 @@ static void fetch_leaf(struct shadow_walk *walk, uint32_t leaf)
         __builtin_prefetch(walk->neighbours + first + line);
     }
     __builtin_prefetch(walk->sources + LANES * (size_t)leaf);
-    walk->leaf = leaf;
+    walk->prefetched_leaf = leaf;
 }
 
 /* Each triangle has one and the first has three; in a forged mesh, where they may not touch, the last is overwritten. */
-static inline uint32_t new_vertex(struct shadow_walk *walk, uint32_t number)
+static inline uint32_t add_vertex(struct shadow_walk *walk, uint32_t number)
 {
-    uint32_t made = walk->vertex_count;
-    if (made < walk->capacity + 2)
+    uint32_t index = walk->vertex_count;
+    if (index < walk->capacity + 2)
         walk->vertex_count++;
     else
-        made--;
-    struct shadow_vertex *vertex = &walk->vertices[made];
+        index--;
+    struct shadow_vertex *vertex = &walk->vertices[index];
     vertex->number = number;
-    measure(&walk->volume, walk->positions + 3 * (size_t)number, vertex);
-    return made;
+    measure_vertex(&walk->volume, walk->positions + 3 * (size_t)number, vertex);
+    return index;
 }
 
 static const uint32_t AFTER[3] = { 1, 2, 0 };
 
 /* A triangle, over its edge between two vertices of the walk. What is across, and which way round, as numbers: it is as good as random. */
-static inline void enter(struct shadow_walk *walk, uint32_t place, uint32_t from, uint32_t to)
+static inline void enter_triangle(struct shadow_walk *walk, uint32_t place, uint32_t from,
+                                  uint32_t to)
 {
     struct shadow_slot *slot = slot_of(walk, place);
     if (slot->stamp == walk->stamp)
@@ -119,19 +120,20 @@ static inline void enter(struct shadow_walk *walk, uint32_t place, uint32_t from
         walk->flags |= DPT_STRIP_FLAG_FULL;
         return;
     }
-    if (place / LANES != walk->leaf)
-        fetch_leaf(walk, place / LANES);
+    if (place / LANES != walk->prefetched_leaf)
+        prefetch_leaf(walk, place / LANES);
     *slot = (struct shadow_slot){ place, walk->stamp };
     const uint32_t *corners = walk->corners + 3 * (size_t)place;
     const uint32_t a = walk->vertices[from].number, b = walk->vertices[to].number;
     const uint32_t is_1 = (corners[1] != a) & (corners[1] != b);
     const uint32_t is_2 = (corners[2] != a) & (corners[2] != b) & !is_1;
     const uint32_t apex = is_1 + 2 * is_2;
-    const uint32_t turned = corners[AFTER[apex]] != a;
+    const uint32_t is_reversed = corners[AFTER[apex]] != a;
     struct shadow_triangle *triangle = &walk->triangles[walk->triangle_count++];
-    *triangle = (struct shadow_triangle){
-        place, apex, { new_vertex(walk, corners[apex]), turned ? to : from, turned ? from : to }
-    };
+    *triangle = (struct shadow_triangle){ place,
+                                          apex,
+                                          { add_vertex(walk, corners[apex]),
+                                            is_reversed ? to : from, is_reversed ? from : to } };
 }
 
 /* Over an edge of three triangles or more: to all that have both its ends. */
@@ -140,48 +142,49 @@ static void cross_many(struct shadow_walk *walk, uint32_t from, uint32_t to)
     const uint32_t *first = mesh_words(walk->mesh, MESH_FAN_FIRST);
     const uint32_t *fans = mesh_words(walk->mesh, MESH_FANS);
     const uint32_t ends[2] = { walk->vertices[from].number, walk->vertices[to].number };
-    int less = first[ends[1] + 1] - first[ends[1]] < first[ends[0] + 1] - first[ends[0]];
-    uint32_t hub = ends[less], other = ends[!less];
+    int is_second_smaller =
+        first[ends[1] + 1] - first[ends[1]] < first[ends[0] + 1] - first[ends[0]];
+    uint32_t hub = ends[is_second_smaller], other = ends[!is_second_smaller];
     walk->flags |= DPT_STRIP_FLAG_NONMANIFOLD;
     for (uint32_t i = first[hub]; i < first[hub + 1]; i++)
         if (has_corner(walk->corners + 3 * (size_t)fans[i], other))
-            enter(walk, fans[i], from, to);
+            enter_triangle(walk, fans[i], from, to);
 }
 
 /* The i-th edge of a triangle from its apex, behind its corner k; 1 if it meets the shadow. */
 static inline int cross_edge(struct shadow_walk *walk, const struct shadow_triangle *here,
-                             uint32_t i, uint32_t k)
+                             uint32_t edge, uint32_t corner)
 {
-    const uint32_t from = here->corner[i], to = here->corner[AFTER[i]];
+    const uint32_t from = here->corner[edge], to = here->corner[AFTER[edge]];
     if (!edge_meets(&walk->volume, &walk->vertices[from], &walk->vertices[to]))
         return 0;
-    const uint32_t next = walk->neighbours[3 * (size_t)here->place + k];
+    const uint32_t next = walk->neighbours[3 * (size_t)here->place + corner];
     if (next == MESH_EDGE_OPEN)
         walk->flags |= DPT_STRIP_FLAG_BORDER;
     else if (next == MESH_EDGE_MANY)
         cross_many(walk, from, to);
     else
-        enter(walk, next, from, to);
+        enter_triangle(walk, next, from, to);
     return 1;
 }
 
 /* The first triangle, with all of its edges; 1 if one of them meets the shadow. */
-static int begin(struct shadow_walk *walk, uint32_t start)
+static int enter_first(struct shadow_walk *walk, uint32_t start)
 {
     const uint32_t *corners = walk->corners + 3 * (size_t)start;
     *slot_of(walk, start) = (struct shadow_slot){ start, walk->stamp };
     struct shadow_triangle first = { .place = start };
     for (uint32_t k = 0; k < 3; k++)
-        first.corner[k] = new_vertex(walk, corners[k]);
+        first.corner[k] = add_vertex(walk, corners[k]);
     walk->triangles[walk->triangle_count++] = first;
-    int any = 0;
+    int meets_any = 0;
     for (uint32_t k = 0; k < 3; k++)
-        any |= cross_edge(walk, &first, k, k);
-    return any;
+        meets_any |= cross_edge(walk, &first, k, k);
+    return meets_any;
 }
 
 /* What is left of the first triangle between the planes, cut by one after the other, is not nothing. */
-static int first_meets(const struct shadow_walk *walk)
+static int first_triangle_meets(const struct shadow_walk *walk)
 {
     const struct shadow_volume *volume = &walk->volume;
     double from[2 * SHADOW_SLABS + 3][SHADOW_SLABS], to[2 * SHADOW_SLABS + 3][SHADOW_SLABS];
@@ -189,23 +192,23 @@ static int first_meets(const struct shadow_walk *walk)
     for (int k = 0; k < 3; k++)
         memcpy(from[k], walk->vertices[k].value, sizeof from[k]);
     for (int cut = 0; cut < 2 * SHADOW_SLABS && count; cut++) {
-        int k = cut / 2, left = 0;
+        int k = cut / 2, kept_count = 0;
         double sign = cut % 2 ? -1.0 : 1.0;
         double limit = cut % 2 ? -volume->high[k] : volume->low[k];
         for (int i = 0; i < count; i++) {
             const double *a = from[i], *b = from[i + 1 < count ? i + 1 : 0];
             double beyond_a = sign * a[k] - limit, beyond_b = sign * b[k] - limit;
             if (beyond_a >= 0.0)
-                memcpy(to[left++], a, sizeof to[0]);
+                memcpy(to[kept_count++], a, sizeof to[0]);
             if ((beyond_a >= 0.0) != (beyond_b >= 0.0)) {
                 double t = beyond_a / (beyond_a - beyond_b);
                 for (int c = 0; c < SHADOW_SLABS; c++)
-                    to[left][c] = a[c] + t * (b[c] - a[c]);
-                to[left++][k] = sign * limit;
+                    to[kept_count][c] = a[c] + t * (b[c] - a[c]);
+                to[kept_count++][k] = sign * limit;
             }
         }
         memcpy(from, to, sizeof from);
-        count = left;
+        count = kept_count;
     }
     return count > 0;
 }
@@ -218,7 +221,7 @@ void dpti_shadow_walk(struct shadow_walk *walk, const struct surface *surface,
         walk->positions == surface->positions && walk->start == start &&
         !memcmp(&walk->volume, volume, sizeof *volume))
         return;
-    forget(walk);
+    begin_walk(walk);
     walk->mesh = mesh;
     walk->crc32 = mesh->header_crc32;
     walk->start = start;
@@ -227,8 +230,8 @@ void dpti_shadow_walk(struct shadow_walk *walk, const struct surface *surface,
     walk->neighbours = surface_neighbours(surface);
     walk->sources = surface->sources;
     walk->positions = surface->positions;
-    if (!begin(walk, start) && !first_meets(walk)) {
-        forget(walk);
+    if (!enter_first(walk, start) && !first_triangle_meets(walk)) {
+        begin_walk(walk);
         return;
     }
     for (uint32_t i = 1; i < walk->triangle_count; i++) {

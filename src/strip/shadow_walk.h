@@ -38,7 +38,7 @@ struct shadow_walk {
     uint32_t slot_count;            /* a power of two */
     uint32_t stamp;                 /* of this walk, from 1 on */
     uint32_t triangle_count, vertex_count;
-    uint32_t leaf; /* of the last triangle that came in */
+    uint32_t prefetched_leaf; /* of the last triangle that came in */
     const uint32_t *corners, *neighbours, *sources;
     const float *positions;
 };

@@ -7,94 +7,96 @@
 #include "nearest/segment_triangle.h"
 #include "nearest/side.h"
 
-enum { CAPACITY_MAX = 1 << 20, SEARCH_MAX = 1 << 28 };
+enum { CAPACITY_MAX = 1 << 20, SEARCH_VERTICES_MAX = 1 << 28 };
 
-static uint64_t power_of_two_from(uint64_t least)
+static uint64_t power_of_two_from(uint64_t minimum)
 {
     uint64_t power = 16;
-    while (power < least)
+    while (power < minimum)
         power *= 2;
     return power;
 }
 
-/* The arrays, in the order in which they lie in the block. */
-struct shares {
-    uint64_t triangles, walked, vertices, walk_slots, slots, queue, all;
+/* The offsets of a strip's arrays in its block, bytes, in their order. */
+struct strip_layout {
+    uint64_t triangles, walk_triangles, walk_vertices, walk_slots, search_slots, search_queue;
+    uint64_t bytes; /* of all */
 };
 
-static uint64_t share(uint64_t *at, uint64_t count, uint64_t width)
+static uint64_t reserve(uint64_t *end, uint64_t count, uint64_t width)
 {
-    uint64_t begin = *at;
-    *at = mesh_aligned(begin + count * width);
+    uint64_t begin = *end;
+    *end = mesh_aligned(begin + count * width);
     return begin;
 }
 
-static uint64_t search_slots(const dpt_strip_def *def)
+static uint64_t search_slot_count(const dpt_strip_def *def)
 {
     return def->search ? power_of_two_from(2 * (uint64_t)def->search) : 0;
 }
 
-static struct shares shares_of(const dpt_strip_def *def)
+static struct strip_layout layout_of(const dpt_strip_def *def)
 {
-    struct shares s;
-    uint64_t at = mesh_aligned(sizeof(struct dpt_strip)), room = def->capacity;
-    s.triangles = share(&at, room, sizeof(uint32_t));
-    s.walked = share(&at, room, sizeof(struct shadow_triangle));
-    s.vertices = share(&at, room + 2, sizeof(struct shadow_vertex));
-    s.walk_slots = share(&at, power_of_two_from(2 * room), sizeof(struct shadow_slot));
-    s.slots = share(&at, search_slots(def), sizeof(struct visited_vertex));
-    s.queue = share(&at, def->search, sizeof(uint32_t));
-    s.all = at;
-    return s;
+    struct strip_layout layout;
+    uint64_t end = mesh_aligned(sizeof(struct dpt_strip)), capacity = def->capacity;
+    layout.triangles = reserve(&end, capacity, sizeof(uint32_t));
+    layout.walk_triangles = reserve(&end, capacity, sizeof(struct shadow_triangle));
+    layout.walk_vertices = reserve(&end, capacity + 2, sizeof(struct shadow_vertex));
+    layout.walk_slots = reserve(&end, power_of_two_from(2 * capacity), sizeof(struct shadow_slot));
+    layout.search_slots = reserve(&end, search_slot_count(def), sizeof(struct visited_vertex));
+    layout.search_queue = reserve(&end, def->search, sizeof(uint32_t));
+    layout.bytes = end;
+    return layout;
 }
 
-static dpt_result take_def(const dpt_strip_def *given, dpt_strip_def *def)
+static dpt_result read_def(const dpt_strip_def *caller_def, dpt_strip_def *def)
 {
     *def = (dpt_strip_def){ .size = sizeof *def };
-    if (!given)
+    if (!caller_def)
         return DPT_E_ARGUMENT;
-    DPT_TRY(sized_read(given, sizeof *def, def, sizeof *def));
-    if (!def->capacity || def->capacity > CAPACITY_MAX || def->search > SEARCH_MAX || def->reserved)
+    DPT_TRY(sized_read(caller_def, sizeof *def, def, sizeof *def));
+    if (!def->capacity || def->capacity > CAPACITY_MAX || def->search > SEARCH_VERTICES_MAX ||
+        def->reserved)
         return DPT_E_ARGUMENT;
     return DPT_OK;
 }
 
-size_t dpt_strip_bytes(const dpt_strip_def *given)
+size_t dpt_strip_bytes(const dpt_strip_def *caller_def)
 {
     dpt_strip_def def;
-    if (take_def(given, &def) != DPT_OK)
+    if (read_def(caller_def, &def) != DPT_OK)
         return 0;
-    uint64_t bytes = shares_of(&def).all;
+    uint64_t bytes = layout_of(&def).bytes;
     return bytes <= SIZE_MAX ? (size_t)bytes : 0;
 }
 
-dpt_result dpt_strip_create(void *block, size_t bytes, const dpt_strip_def *given,
+dpt_result dpt_strip_create(void *block, size_t bytes, const dpt_strip_def *caller_def,
                             dpt_strip **strip)
 {
     dpt_strip_def def;
     if (!block || !strip)
         return DPT_E_ARGUMENT;
-    DPT_TRY(take_def(given, &def));
+    DPT_TRY(read_def(caller_def, &def));
     if ((uintptr_t)block % 8)
         return DPT_E_ALIGN;
-    const struct shares s = shares_of(&def);
-    if (bytes < s.all)
+    const struct strip_layout layout = layout_of(&def);
+    if (bytes < layout.bytes)
         return DPT_E_MEMORY;
-    memset(block, 0, (size_t)s.all);
-    struct dpt_strip *made = block;
+    memset(block, 0, (size_t)layout.bytes);
+    struct dpt_strip *created = block;
     char *base = block;
-    made->def = def;
-    made->triangles = (void *)(base + s.triangles);
-    made->walk.triangles = (void *)(base + s.walked);
-    made->walk.vertices = (void *)(base + s.vertices);
-    made->walk.slots = (void *)(base + s.walk_slots);
-    made->walk.slot_count = (uint32_t)power_of_two_from(2 * (uint64_t)def.capacity);
-    made->walk.capacity = def.capacity;
-    made->search.slots = (void *)(base + s.slots);
-    made->search.queue = (void *)(base + s.queue);
-    made->search.slot_count = (uint32_t)search_slots(&def);
-    made->search.queue_capacity = def.search;
-    *strip = made;
+    created->def = def;
+    created->triangles = (void *)(base + layout.triangles);
+    created->walk.triangles = (void *)(base + layout.walk_triangles);
+    created->walk.vertices = (void *)(base + layout.walk_vertices);
+    created->walk.slots = (void *)(base + layout.walk_slots);
+    created->walk.slot_count = (uint32_t)power_of_two_from(2 * (uint64_t)def.capacity);
+    created->walk.capacity = def.capacity;
+    created->search.slots = (void *)(base + layout.search_slots);
+    created->search.queue = (void *)(base + layout.search_queue);
+    created->search.slot_count = (uint32_t)search_slot_count(&def);
+    created->search.queue_capacity = def.search;
+    *strip = created;
     return DPT_OK;
 }
 
@@ -150,7 +152,7 @@ static dpt_result find_route(struct dpt_strip *strip, uint32_t start, uint32_t g
 }
 
 /* A route's triangles become the strip's. */
-static void take_route(struct dpt_strip *strip, const struct route *route)
+static void append_route(struct dpt_strip *strip, const struct route *route)
 {
     const uint32_t *sources = mesh_words(strip->mesh, MESH_SOURCES);
     uint32_t count = route->count < route->capacity ? route->count : route->capacity;
@@ -173,7 +175,7 @@ dpt_result dpt_strip_route(dpt_strip *strip, const dpt_mesh *mesh, uint32_t from
     DPT_TRY(dpti_strip_place(mesh, from, &start));
     DPT_TRY(dpti_strip_place(mesh, to, &goal));
     DPT_TRY(find_route(strip, start, goal, &route));
-    take_route(strip, &route);
+    append_route(strip, &route);
     return DPT_OK;
 }
 
@@ -187,8 +189,8 @@ dpt_result dpti_strip_routes(struct dpt_strip *strip, const struct dpt_mesh *mes
     dpt_result result = find_route(strip, b, p, &second);
     strip->count = 0;
     DPT_TRY(result);
-    take_route(strip, &first);
-    take_route(strip, &second);
+    append_route(strip, &first);
+    append_route(strip, &second);
     return DPT_OK;
 }
 

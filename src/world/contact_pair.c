@@ -55,7 +55,7 @@ static const struct persistent_contact *same_region(const struct contact_pair *c
 
 static int goes_through(const struct distance_profile *profile, const struct region *region)
 {
-    for (uint32_t k = 0; k < profile->crossings; k++)
+    for (uint32_t k = 0; k < profile->crossing_count; k++)
         if (profile->crossing[k].s >= region->from && profile->crossing[k].s <= region->to)
             return 1;
     return 0;
@@ -67,7 +67,7 @@ static void write_contact(const struct contact_pair *contact_pair, const struct 
 {
     const struct frame *frame = &contact_pair->body->frame;
     const struct axis *axis = &contact_pair->axis;
-    const struct sample *deepest = &contact_pair->profile->sample[region->deepest];
+    const struct profile_sample *deepest = &contact_pair->profile->sample[region->deepest];
     const struct segment *segment = &contact_pair->world->segments[contact_pair->segment];
     vec3 p = along(axis->a, deepest->s, sub(axis->b, axis->a));
     contact->size = sizeof *contact;
@@ -79,7 +79,7 @@ static void write_contact(const struct contact_pair *contact_pair, const struct 
     contact->flags =
         (goes_through(contact_pair->profile, region) ? DPT_CONTACT_FLAG_CROSSING : 0u) |
         (persistent->side ? DPT_CONTACT_FLAG_SIDED : 0u) |
-        (contact_pair->profile->coarse ? DPT_CONTACT_FLAG_COARSE : 0u);
+        (contact_pair->profile->is_coarse ? DPT_CONTACT_FLAG_COARSE : 0u);
     contact->s0 = region->from;
     contact->s1 = region->to;
     contact->s = deepest->s;
@@ -152,7 +152,8 @@ static void put_persistent_contact(struct contact_pair *contact_pair, const stru
 static void take_warm_starts(const struct contact_pair *contact_pair, const struct region *regions,
                              uint32_t count, struct persistent_contact *persistent)
 {
-    const struct sample *lowest = dpti_profile_lowest_on(contact_pair->profile, persistent->part);
+    const struct profile_sample *lowest =
+        dpti_profile_lowest_on(contact_pair->profile, persistent->part);
     const struct region *best = NULL;
     for (uint32_t k = 0; k < count; k++)
         if (regions[k].part == persistent->part &&
@@ -189,8 +190,8 @@ static void take_deepest(struct contact_pair *contact_pair, const struct region 
 {
     struct distance_profile *profile = contact_pair->profile;
     for (uint32_t i = 0; i < count; i++) {
-        const struct sample *deepest = &profile->sample[regions[i].deepest];
-        if (deepest->height < 0.0 && deepest->exact &&
+        const struct profile_sample *deepest = &profile->sample[regions[i].deepest];
+        if (deepest->height < 0.0 && deepest->is_exact &&
             deepest->height - contact_pair->radius < *gap) {
             profile->deepest = regions[i].deepest;
             *gap = deepest->height - contact_pair->radius;
@@ -216,7 +217,7 @@ static int find_regions(struct contact_pair *contact_pair, const struct warm_sta
         *count = dpti_contact_regions(profile, regions);
         take_deepest(contact_pair, regions, *count, gap);
         /* Where each sample has a side of its own, what is deepest is found with the regions. */
-        if (profile->cut && profile_by_sample(profile))
+        if (profile->is_cut && profile_has_side_per_sample(profile))
             found = CONTACT_UNKNOWN;
     }
     work_spend(&world->work, profile->work.done);

@@ -42,7 +42,7 @@ struct force_sum {
 static struct pushing_part pushing_part_of(const struct contact_pair *contact_pair)
 {
     const struct distance_profile *profile = contact_pair->profile;
-    const struct sample *deepest = &profile->sample[profile->deepest];
+    const struct profile_sample *deepest = &profile->sample[profile->deepest];
     const uint32_t part = surface_part(profile->surface, deepest->triangle);
     return (struct pushing_part){ contact_pair->body->id, part,
                                   deepest->height <= 0.0 &&
@@ -101,9 +101,9 @@ static void find_contacts(struct contact_pair *contact_pair, const struct body_a
     }
     if (pusher.behind && !(penetration.depth <= -sum->least)) {
         struct warm_start point;
-        if (dpti_sheet_border_weigh(contact_pair->profile, &contact_pair->body->frame, pusher.body,
-                                    contact_pair->radius, smooth, &own->border, &penetration,
-                                    &point))
+        if (dpti_sheet_border_reduce(contact_pair->profile, &contact_pair->body->frame, pusher.body,
+                                     contact_pair->radius, smooth, &own->border, &penetration,
+                                     &point))
             carry_over_penetration(contact_pair, pusher.part, &point);
         least = -penetration.depth;
     }

@@ -12,7 +12,7 @@ int32_t dpti_sheet_side_of_region(const struct contact_pair *contact_pair,
                                   const struct region *region, double gap)
 {
     const struct surface *surface = &contact_pair->body->surface;
-    const struct sample *deepest = &contact_pair->profile->sample[region->deepest];
+    const struct profile_sample *deepest = &contact_pair->profile->sample[region->deepest];
     if (!dpti_side_is_sheet(surface, region->part) || -gap > side_limit(contact_pair) ||
         dpti_side_is_border(surface, deepest->triangle, deepest->weight))
         return 0;
@@ -64,7 +64,7 @@ int dpti_sheet_drop_sides(struct contact_pair *contact_pair, const struct region
 int dpti_sheet_keeps_push(const struct contact_pair *contact_pair, uint32_t part)
 {
     const struct distance_profile *profile = contact_pair->profile;
-    const struct sample *deepest = &profile->sample[profile->deepest];
+    const struct profile_sample *deepest = &profile->sample[profile->deepest];
     return dpti_sides_get(&contact_pair->sides, part) &&
            (deepest->height <= 0.0 ||
             !dpti_side_is_border(profile->surface, deepest->triangle, deepest->weight));

@@ -18,7 +18,7 @@ void dpti_force_forget(struct segment *segment)
 {
     segment->fade = (struct fade){ .left = 0.0 };
     segment->pushing_part = segment->previous_pushing_part = (struct pushing_part){ .body = 0 };
-    segment->border.clear = 0.0;
+    segment->border.clear_radius = 0.0;
     segment->fading = 0;
     segment->reason = DPT_FORCE_STALE;
 }
@@ -26,7 +26,7 @@ void dpti_force_forget(struct segment *segment)
 void dpti_force_forget_body(struct segment *segment, uint32_t body)
 {
     if (segment->border.body == body)
-        segment->border.clear = 0.0;
+        segment->border.clear_radius = 0.0;
     if ((segment->fade.left > 0.0 ? segment->fading : segment->previous_pushing_part.body) == body)
         dpti_force_forget(segment);
 }
