@@ -1,39 +1,44 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Between two samples the height follows its chord or its two tangents. Where it bends once, at the edge between two
- * walls, the tangents are exact; where it curves evenly, it lies a third of the way from them to the chord. So it is
- * taken five sixths of the way, and what is left between the two is the doubt that decides where to ask next.
+ * Between two samples the height lies between its chord and its two tangents. Where it bends once, at the edge between
+ * two walls, it follows the tangents. Where it curves evenly, it lies a third of the way from them to the chord. The
+ * integrals use five sixths of the way from the chord to the tangents. The area between chord and tangents gives an
+ * error estimate, which decides where the next sample goes.
  */
 #include "contact/contact_integrals.h"
 
 /*
- * The doubt that is left, of the overlap: of all spans, and of one, whose estimate may be far off. And that below which a
- * sample is not worth keeping.
+ * Accepted error estimates, as shares of the overlap: of all spans together, and of one span, whose own estimate may be
+ * far off. A sample that changes the integrals by less than ERROR_IGNORED is no warm start.
  */
 #define ERROR_SUM_MAX  0.008
 #define ERROR_SPAN_MAX 0.001
 #define ERROR_IGNORED  0.001
 
-/* A way out that turns by less is not looked into; by more is not of one curved wall. */
+/* Differences of two unit ways out. A smaller one is ignored; a larger one does not come from one curved wall. */
 #define TURN_SMALL 0.01
 #define TURN_LARGE 0.15
 
-/* What tangents and chord may differ by, of the area, to be nearly one line. */
+/* If chord and tangents differ by at most this share of the area, the tangents are nearly one line. */
 #define STRAIGHT_SHARE 0.001
 
-/* How far, of the reach, the surface may be from where a region ends. */
+/* How far the height at the end of a region may differ from the reach, as a share of the reach. */
 #define END_SHARE 0.04
 
-enum { REFINE_MAX = PROFILE_SAMPLES, SPANS_WITHIN_MIN = 12, CHEAP_SAMPLE_WORK = 40 };
-
-/* A piece of the profile on which the height is linear and the way out is one sample's. */
-struct profile_piece {
-    double s0, s1;
-    double w0, w1; /* how far within reach */
-    vec3 normal;
+enum {
+    REFINE_MAX = PROFILE_SAMPLES, /* samples added */
+    SPANS_WITHIN_MIN = 12,        /* no span is wider than this part of all that is within reach */
+    CHEAP_SAMPLE_WORK = 40        /* units for a sample, on average */
 };
 
-/* Cut off what is beyond reach; 0 if that is all. */
+/* A piece of the profile on which the height is linear and the way out is that of one sample. */
+struct profile_piece {
+    double s0, s1;
+    double w0, w1; /* reach - height at s0 and s1, m */
+    vec3 normal;   /* the way out, in the body's frame */
+};
+
+/* Cut off the part of a piece that is beyond reach. Returns 0 if nothing is left. */
 static int clip_to_reach(struct profile_piece *piece)
 {
     double w0 = piece->w0, w1 = piece->w1;
@@ -52,6 +57,7 @@ static int clip_to_reach(struct profile_piece *piece)
     return 1;
 }
 
+/* The integral over s of the positive part of w, which is linear from w0 at s0 to w1 at s1. */
 static inline double area_within_reach(double s0, double w0, double s1, double w1)
 {
     if (w0 >= 0.0 && w1 >= 0.0)
@@ -60,6 +66,7 @@ static inline double area_within_reach(double s0, double w0, double s1, double w
     return clip_to_reach(&piece) ? 0.5 * (piece.w0 + piece.w1) * (piece.s1 - piece.s0) : 0.0;
 }
 
+/* Add the integrals over a piece, all of it within reach, to its region. */
 static void integrate_piece(struct region *region, const struct profile_piece *piece,
                             double axis_length)
 {
@@ -75,7 +82,7 @@ static void integrate_piece(struct region *region, const struct profile_piece *p
     region->to = piece->s1;
 }
 
-/* Between a mark and a sample: how far the sample's tangent is within reach where the mark's meets it, or should. */
+/* For a span between a mark and a sample: how far the sample's tangent is still within reach at s. */
 static double reach_left_at_mark(const struct distance_profile *profile,
                                  const struct profile_sample *from, const struct profile_sample *to,
                                  double s)
@@ -85,8 +92,8 @@ static double reach_left_at_mark(const struct distance_profile *profile,
 }
 
 /*
- * Where `at` is, the triangle of `of` is as near as its own. The distance to one triangle is convex along the axis and so no less
- * than its tangent, which mostly tells.
+ * 1: at sample `here` the triangle of `other` is as near as the sample's own. The distance to one triangle is convex
+ * along the axis, so it is never below its tangent. The tangent alone mostly rules it out.
  */
 static int is_as_near(const struct distance_profile *profile, const struct profile_sample *other,
                       const struct profile_sample *here)
@@ -97,7 +104,10 @@ static int is_as_near(const struct distance_profile *profile, const struct profi
            dpti_profile_distance_to(profile, other->triangle, here->s) <= limit;
 }
 
-/* One triangle is nearest at both samples: between them the way out turns evenly, or at the sample where others are as near. */
+/*
+ * 1: one triangle is nearest at both samples. Between them the way out turns evenly, except at a sample where other
+ * triangles are as near.
+ */
 static int is_one_wall(const struct distance_profile *profile, const struct profile_sample *from,
                        const struct profile_sample *to)
 {
@@ -105,6 +115,7 @@ static int is_one_wall(const struct distance_profile *profile, const struct prof
            is_as_near(profile, from, to);
 }
 
+/* Compute the span between two samples, or a sample and a mark, but for the error of its ways out. */
 static void measure_span(const struct distance_profile *profile, const struct profile_sample *from,
                          const struct profile_sample *to, struct span *span)
 {
@@ -121,7 +132,7 @@ static void measure_span(const struct distance_profile *profile, const struct pr
     double area =
         area_within_reach(from->s, w0, bend.s, w) + area_within_reach(bend.s, w, to->s, w1);
     double error = 0.25 * fabs(tangent_area - chord_area);
-    /* No height changes by more than the way: what is short enough is known well enough, also beside a border. */
+    /* The height changes by no more than the length along the axis, so a short span has no loose end. */
     double end_tolerance = END_SHARE * profile->reach;
     int is_partly_within =
         (w0 > 0.0) != (w1 > 0.0) && fabs(w0) > end_tolerance && fabs(w1) > end_tolerance;
@@ -137,9 +148,12 @@ static void measure_span(const struct distance_profile *profile, const struct pr
 }
 
 /*
- * A wall may be nearest between two samples and at neither: so when both have just passed from it to another that is about as
- * far. How far the way out would turn between them, if `was` is that wall. `least`: no less than how far the samples'
- * triangles are there.
+ * A wall may be nearest between two samples and at neither of them: for example when both have just passed from that
+ * wall to another one about as far away. If `wall` is such a triangle at the span's bend, returns how much the way out
+ * turns between it and the samples, else 0.
+ *
+ *   wall          place of a triangle
+ *   max_distance  the nearer of the samples' triangles is no farther than this at the bend, m
  */
 static double hidden_wall_turn(const struct distance_profile *profile,
                                const struct profile_sample *from, const struct profile_sample *to,
@@ -166,8 +180,8 @@ static double hidden_wall_turn(const struct distance_profile *profile,
 }
 
 /*
- * How far the way out may be off between a sample whose span is known and the next: most where the tangents are nearly one line,
- * and so do not tell where they meet.
+ * How far the way out may be off between a sample whose span is known and the next, as a length of unit vectors. It is
+ * largest where the two tangents are nearly one line, since they do not show where they meet.
  */
 static double normal_error(const struct distance_profile *profile,
                            const struct profile_sample *from, const struct profile_sample *to)
@@ -189,6 +203,7 @@ static double normal_error(const struct distance_profile *profile,
     return error;
 }
 
+/* Compute the span between a sample and the next, with the error of its ways out. */
 static void store_span(const struct distance_profile *profile, struct profile_sample *from)
 {
     const struct profile_sample *to = from + 1;
@@ -198,7 +213,7 @@ static void store_span(const struct distance_profile *profile, struct profile_sa
     from->has_span = 1;
 }
 
-/* The same between sample i and the next, worked out once. */
+/* The span between sample i and the next, computed once. */
 static inline const struct span *span_at(struct distance_profile *profile, uint32_t i)
 {
     if (!profile->sample[i].has_span)
@@ -206,7 +221,7 @@ static inline const struct span *span_at(struct distance_profile *profile, uint3
     return &profile->sample[i].span;
 }
 
-/* Where another sample tells most: where the surface goes out of reach, or at the bend. */
+/* The place s in a span where another sample shows most: where the surface goes out of reach, or at the bend. */
 static double next_sample_place(const struct distance_profile *profile, uint32_t i,
                                 const struct span *span)
 {
@@ -227,8 +242,8 @@ static double next_sample_place(const struct distance_profile *profile, uint32_t
 }
 
 /*
- * Integrals are worth so much, and no more: in the middle of a thick or spiky body each search costs hundreds. Half as much
- * again where samples are cheap, as many are needed there.
+ * 1: no more work goes into the integrals. In the middle of a thick or spiky body each search costs hundreds of units,
+ * so their work is limited. Where samples are cheap, many are needed, and the limit is half as high again.
  */
 static int must_stop_refining(const struct distance_profile *profile)
 {
@@ -237,7 +252,7 @@ static int must_stop_refining(const struct distance_profile *profile)
     return profile->is_cut || profile->work.done >= PROFILE_WORK_MAX + extra;
 }
 
-/* Samples by descent that count for much are searched for: descent may have been trapped. */
+/* Search for the samples that decide on much of the overlap and only descended: a descent may have been trapped. */
 static void confirm_samples(struct distance_profile *profile)
 {
     double area = 0.0;
@@ -254,22 +269,24 @@ static void confirm_samples(struct distance_profile *profile)
     }
 }
 
-/*
- * Where another sample is asked. Wide spans hide what their ends do not show: none wider than the reach, or a share of all that
- * is within it.
- */
+/* Where the next sample goes. */
 struct next_sample {
     double s;
-    uint32_t wide_span; /* the span that is too wide, or DPT_NONE */
+    /* Index of the span that the sample divides because it is too wide, or DPT_NONE. */
+    uint32_t wide_span;
 };
 
-/* What the spans up to one come to, summed in order: what was asked before does not show in the sum. */
+/* Sums and maxima over spans. They are added in order of s, so they do not depend on the order of the samples taken. */
 struct span_totals {
-    double area, error, max_error, width, max_width;
+    double area, error, max_error; /* m */
+    double width, max_width;       /* of spans within reach, in s */
+    /* Indices of spans; loose_end_at may be DPT_NONE. */
     uint32_t max_error_at, max_width_at, loose_end_at;
 };
 
-/* Of all. `before`: of those before each, made anew from the first that changed. */
+/*
+ * The totals of all spans. before[i] gets those of the spans before span i; entries before the first change are reused.
+ */
 static struct span_totals sum_spans(struct distance_profile *profile,
                                     struct span_totals before[PROFILE_SAMPLES])
 {
@@ -300,7 +317,11 @@ static struct span_totals sum_spans(struct distance_profile *profile,
     return totals;
 }
 
-/* 0 where there is nothing to ask. */
+/*
+ * Find where the next sample goes. Wide spans come first, as they hide what their ends do not show: one is too wide if
+ * it exceeds both the reach and a twelfth of all that is within reach. Then come ends of regions, then error estimates.
+ * Returns 0 if no sample is needed.
+ */
 static int find_next_sample(const struct distance_profile *profile,
                             const struct span_totals *totals, struct next_sample *next)
 {
@@ -323,7 +344,7 @@ static int find_next_sample(const struct distance_profile *profile,
     return 1;
 }
 
-/* 0: work or room ended that. */
+/* Add samples until the integrals are accurate enough. Returns 0 if work or room ended before. */
 static int refine_integrals(struct distance_profile *profile)
 {
     struct span_totals before[PROFILE_SAMPLES];
@@ -340,7 +361,7 @@ static int refine_integrals(struct distance_profile *profile)
         uint32_t at = dpti_profile_add_sample(profile, next.s, 1);
         if (at == DPT_NONE)
             return 0;
-        /* The surface does not go on as a sample told: what is beyond was not looked into. */
+        /* The surface does not follow the samples' tangents, so what they ruled out must be searched. */
         if (is_predicted && profile->sample[at].height >= profile->reach)
             dpti_profile_search_undecided(profile, profile->sample[at - 1].s,
                                           profile->sample[at + 1].s);
@@ -354,14 +375,15 @@ static uint32_t part_of_sample(const struct distance_profile *profile, uint32_t 
     return triangle == DPT_NONE ? DPT_NONE : surface_part(profile->surface, triangle);
 }
 
-/* Regions as they are taken, one piece after another. */
+/* Regions under construction, from piece to piece. */
 struct region_builder {
     const struct distance_profile *profile;
-    struct region *regions;
+    struct region *regions; /* room for REGION_MAX */
     uint32_t count;
-    int is_open; /* the last region goes on */
+    int is_open; /* the last region continues with the next piece */
 };
 
+/* Add a piece, whose way out is that of the profile's sample `sample`, to the last region or to a new one. */
 static void add_region_piece(struct region_builder *builder, uint32_t sample,
                              struct profile_piece piece)
 {
@@ -385,6 +407,7 @@ static void add_region_piece(struct region_builder *builder, uint32_t sample,
     builder->is_open = piece.s1 >= to;
 }
 
+/* Compute the regions from the samples. Returns their number. */
 static uint32_t build_regions(struct distance_profile *profile, struct region regions[REGION_MAX])
 {
     struct region_builder builder = { .profile = profile, .regions = regions };
@@ -403,7 +426,7 @@ static uint32_t build_regions(struct distance_profile *profile, struct region re
     return builder.count;
 }
 
-/* A region that rests on a bend alone has no sample in it that is within reach. */
+/* 1: a sample of the region is within reach. A region that comes from a bend alone has none. */
 static int has_sample(const struct distance_profile *profile, const struct region *region)
 {
     const struct profile_sample *deepest = &profile->sample[region->deepest];
@@ -411,7 +434,7 @@ static int has_sample(const struct distance_profile *profile, const struct regio
            deepest->height < profile->reach;
 }
 
-/* Its deepest sample is the deepest point. */
+/* Prove that a region's deepest sample is its deepest point, or add the sample that is. */
 static void prove_deepest(struct distance_profile *profile, const struct region *region)
 {
     struct profile_sample *deepest = &profile->sample[region->deepest];
@@ -427,7 +450,7 @@ static void prove_deepest(struct distance_profile *profile, const struct region 
     deepest->is_exact = deepest->is_proven = 1;
 }
 
-/* See to the first that has no sample in it, or no proof. Returns 1 if there was one. */
+/* Add a sample to the first region without one, or prove the first that lacks a proof. Returns 0 if all are done. */
 static int improve_region(struct distance_profile *profile, const struct region *regions,
                           uint32_t count)
 {
@@ -460,7 +483,7 @@ uint32_t dpti_contact_regions(struct distance_profile *profile, struct region re
     return kept_count;
 }
 
-/* Of the integral over s; where one of the two is a mark, all is the other's. */
+/* A span's integral of w n over s, m. If one end is a mark, the way out is that of the other end. */
 static vec3 thrust_between(const struct profile_sample *from, const struct profile_sample *to,
                            const struct span *span)
 {
@@ -470,7 +493,10 @@ static vec3 thrust_between(const struct profile_sample *from, const struct profi
                  area_within_reach(span->s, span->w, to->s, span->w1), right->normal);
 }
 
-/* What a sample between these two tells, of the integral over s, is more than `ignored`. Regions were taken: spans are known. */
+/*
+ * 1: without `sample`, the integrals over s from `before` to `after` would change by more than `threshold`, in m. All
+ * spans have been computed by then.
+ */
 static int is_worth_keeping(const struct distance_profile *profile,
                             const struct profile_sample *before,
                             const struct profile_sample *sample, const struct profile_sample *after,
@@ -492,7 +518,7 @@ static int is_worth_keeping(const struct distance_profile *profile,
     return error + length(sub(thrust_between(before, after, &joined), parts)) > threshold;
 }
 
-/* Those that are worth more than `ignored`; returns how many there are, which may be more than fit. */
+/* Select the samples that change the integrals by more than `threshold`, m. Returns how many; max_count are written. */
 static uint32_t select_warm_starts(const struct distance_profile *profile,
                                    const struct region *region, double threshold,
                                    struct warm_start *warm_starts, uint32_t max_count)

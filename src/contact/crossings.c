@@ -3,6 +3,7 @@
 
 #include "nearest/range_search.h"
 
+/* Put a crossing of a triangle, a place, into the list, in order of s. Only a crossing of its face has known sides. */
 static void put_crossing(struct distance_profile *profile, uint32_t triangle, const pair *found)
 {
     uint32_t i = profile->crossing_count;
@@ -29,7 +30,7 @@ static void put_crossing(struct distance_profile *profile, uint32_t triangle, co
     }
 }
 
-/* An edge is met with both its triangles, a vertex with all of its fan: one crossing, of unknown sides. */
+/* Join crossings at one place: of both triangles at an edge, or of a vertex' fan. Their sides are unknown then. */
 static void join_crossings(struct distance_profile *profile)
 {
     double tolerance = 4.0 * profile->axis->error;
@@ -45,7 +46,13 @@ static void join_crossings(struct distance_profile *profile)
     profile->crossing_count = joined_count;
 }
 
-/* The stretch of the axis that a triangle within reach can be within reach of; `room`: the reach, in s. */
+/*
+ * Add the stretch of the axis that can be within reach of a triangle, a place, to the reach intervals. Overlapping ones
+ * are joined; if there are too many, so are the last ones.
+ *
+ *   inverse_uu  1 / (u.u), 1/m^2; 0 for an axis without length
+ *   reach_s     the reach, in s
+ */
 static void put_reach_interval(struct distance_profile *profile, uint32_t triangle,
                                double inverse_uu, double reach_s)
 {
@@ -85,8 +92,8 @@ static void put_reach_interval(struct distance_profile *profile, uint32_t triang
 }
 
 /*
- * It comes out on the other side. At an edge or a vertex an axis may come as near as rounding and stay on its side; there the
- * surface is asked a little way before and after.
+ * 1: at a crossing the axis changes sides. At an edge or a vertex it may come as near as rounding and stay on its
+ * side. The sides a little way before and after decide there.
  */
 static int goes_through(const struct distance_profile *profile, const struct crossing *crossing)
 {
@@ -103,7 +110,7 @@ static int goes_through(const struct distance_profile *profile, const struct cro
            dpti_side_of_arrival(profile->surface, crossing->triangle, weight, scaled(u, -1.0));
 }
 
-/* It goes through an open sheet of which no side is kept. */
+/* 1: the axis goes through an open sheet whose side is not known. */
 static int is_sideless(const struct distance_profile *profile)
 {
     for (uint32_t k = 0; k < profile->crossing_count; k++) {

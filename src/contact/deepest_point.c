@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The deepest point of an axis inside a body is where the distance to the surface is largest. Between two samples the
- * surface is no farther than each of their two triangles; the distance to one triangle is convex along the axis. So
- * for any s between them
+ * The deepest point of an axis inside a body is where the distance to the surface is largest. Let D_i(s) be the
+ * distance from the axis at s to the triangle of sample i. The surface is nowhere farther than that, and D_i is
+ * convex. So between two samples i and j, for any s,
  *
- *     depth <= the largest of  D_i(s_i), D_i(s), D_j(s), D_j(s_j),
+ *     depth <= the largest of  D_i(s_i), D_i(s), D_j(s), D_j(s_j).
  *
- * four evaluations that bound a whole stretch without a search. Stretches whose bound is not above the deepest
- * sample by more than the tolerance are done; of the others the one with the largest bound is split there.
+ * These four evaluations bound a whole stretch without a search. A stretch whose bound exceeds the deepest sample by no
+ * more than the tolerance is done. Of the others the one with the largest bound is split at s.
  */
 #include "contact/deepest_point.h"
 
@@ -18,14 +18,20 @@ struct bend dpti_profile_bend(const struct distance_profile *profile,
     double offset = fabs(turn) * width > profile->axis->error
                         ? (from->height - to->height + to->slope * width) / turn
                         : 0.5 * width;
-    /* Beside an end, the edge is at the end; far from both there is none between. */
+    /*
+     * Tangents that meet a little beyond an end meet at that end. If they meet far beyond it, there is no bend
+     * between.
+     */
     if (!(offset > -0.25 * width && offset < 1.25 * width))
         offset = 0.5 * width;
     offset = max_of(0.0, min_of(offset, width));
     return (struct bend){ from->s + offset, from->height + from->slope * offset };
 }
 
-/* How deep it can be between two samples of which one is inside; to know that it is not above `least` is enough. */
+/*
+ * A bound of the depth between sample i and the next, one of which is inside. A bound of at most `enough`, in m, need
+ * not be tighter.
+ */
 static struct depth_bound bound_depth(const struct distance_profile *profile, uint32_t i,
                                       double enough)
 {
@@ -65,7 +71,7 @@ static struct depth_bound bound_depth(const struct distance_profile *profile, ui
     return (struct depth_bound){ min_of(motion_bound, max_of(bound, ends)), s, 0, 0 };
 }
 
-/* The lowest sample from one place to another; of the exact ones, if `exact`. */
+/* The index of the lowest sample between two places, in s, or DPT_NONE. With exact_only, of the exact samples. */
 static uint32_t lowest_sample(const struct distance_profile *profile, double from, double to,
                               uint32_t exact_only)
 {
@@ -79,7 +85,10 @@ static uint32_t lowest_sample(const struct distance_profile *profile, double fro
     return best;
 }
 
-/* Between samples i and the next the axis is inside; where each sample has its own side, one of them, or the face where it comes or goes. */
+/*
+ * 1: the axis is inside between sample i and the next. Where each sample has its own side, it is enough that one of
+ * the two is inside, or that the face at a crossing there says that the axis is inside beyond it.
+ */
 static int is_stretch_inside(const struct distance_profile *profile, uint32_t i)
 {
     const struct profile_sample *from = &profile->sample[i], *to = from + 1;
@@ -92,7 +101,10 @@ static int is_stretch_inside(const struct distance_profile *profile, uint32_t i)
            (k < profile->crossing_count && next->s == to->s && next->side_before < 0);
 }
 
-/* The stretch that can be deepest, if it can be deeper than `least`: of those that end and begin within the limits. */
+/*
+ * The sample that begins the stretch with the largest bound of the depth, of the stretches that overlap min_s to max_s.
+ * NULL if no bound exceeds `enough`, in m.
+ */
 static const struct profile_sample *deepest_stretch(struct distance_profile *profile, double min_s,
                                                     double max_s, double enough)
 {
@@ -129,8 +141,8 @@ uint32_t dpti_profile_prove_deepest(struct distance_profile *profile, double fro
             stretch = deepest_stretch(profile, from, to,
                                       profile->tolerance - profile->sample[lowest].height);
         /*
-         * Between samples descent tells enough; where it does not get on, a search does. What counts, regions would search for
-         * after all.
+         * A descent suffices at first. After many of them a search gets further. If regions follow, they would search
+         * for most of these samples anyway.
          */
         int by_search =
             profile->has_winding_parts || profile->contacts_wanted || steps >= DESCENTS_MAX;
@@ -143,7 +155,7 @@ uint32_t dpti_profile_prove_deepest(struct distance_profile *profile, double fro
             break;
         lowest = lowest_sample(profile, from, to, 0);
     }
-    /* Where that did not come to an end, what descent tells may be too deep. */
+    /* If the proof is incomplete, a sample that only descended may seem too deep. */
     if (lowest != DPT_NONE && !profile->sample[lowest].is_exact &&
         lowest_sample(profile, from, to, 1) != DPT_NONE)
         lowest = lowest_sample(profile, from, to, 1);

@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-/* The set of a point. The same on every machine: it decides what is still known, and so the work. */
+/* The set of a point. The hash is the same on every machine: it decides what the cache still holds, and so the work. */
 static struct cached_point *set_of(const struct point_cache *cache, uint32_t body, vec3 x)
 {
     const double at[3] = { x.x, x.y, x.z };
@@ -27,7 +27,7 @@ static int is_entry_of(const struct cached_point *entry, uint32_t body, vec3 x)
     return entry->body == body + 1 && is_same(entry->x, x);
 }
 
-/* The entry behind its set's first `count` moves to the front, those up. */
+/* Move entry `index` of a set to the front, the ones before it back by one, and mark it as used in this tick. */
 static struct cached_point *move_to_front(const struct point_cache *cache, struct cached_point *set,
                                           int index)
 {

@@ -82,14 +82,14 @@ int dpti_profile_side_of(struct distance_profile *profile, double s, uint32_t tr
     return flags & MESH_PART_SOLID ? dpti_side_of_pair(profile->surface, triangle, found) : 1;
 }
 
-/* There is work left for a search. */
+/* 1: work is left for a search. If not, the profile is cut. */
 static int has_work_left(struct distance_profile *profile)
 {
     profile->is_cut |= (uint32_t)work_is_spent(&profile->work);
     return !work_is_spent(&profile->work);
 }
 
-/* A triangle that was found before, unless another is nearer: then 0. */
+/* Make a triangle, a place, the nearest to x, in the body's frame. Returns 0 if the one in *nearest is nearer. */
 static int take_if_nearer(const struct distance_profile *profile, vec3 x, uint32_t triangle,
                           struct pair_search *nearest)
 {
@@ -102,6 +102,7 @@ static int take_if_nearer(const struct distance_profile *profile, vec3 x, uint32
     return 1;
 }
 
+/* Search for the nearest triangle of x, in the body's frame, from the one in *nearest; or take it from the cache. */
 static void search_point(struct distance_profile *profile, vec3 x, struct pair_search *nearest)
 {
     struct point_cache *cache = profile->point_cache;
@@ -129,7 +130,10 @@ static void search_point(struct distance_profile *profile, vec3 x, struct pair_s
         entry->triangle = nearest->triangle;
 }
 
-/* Of the descents to a point the first is kept, so that what follows from it is the same in the next tick. */
+/*
+ * Descend from the triangle in *nearest. The cache holds the end of the first descent to each point, so that the next
+ * tick gets the same answer, and all that follows from it.
+ */
 static void descend_to_point(struct distance_profile *profile, const struct axis *point,
                              struct pair_search *nearest)
 {
@@ -147,7 +151,7 @@ static void descend_to_point(struct distance_profile *profile, const struct axis
         entry->descent = nearest->triangle;
 }
 
-/* The nearest triangle of a point, by descent or by search, as far as there is work left for it. */
+/* Find the nearest triangle of a point, by search or by descent, as far as there is work left. */
 static void find_nearest(struct distance_profile *profile, const struct axis *point, int by_search,
                          struct pair_search *nearest)
 {
@@ -188,14 +192,17 @@ void dpti_profile_take_sample(struct distance_profile *profile, double s, uint32
     sample->is_proven = sample->has_depth_bound = sample->has_span = 0;
 }
 
-/* Sample i is another, and so is the span before it. */
+/* Note that sample i and the span before it have changed. */
 static void mark_changed(struct distance_profile *profile, uint32_t i)
 {
     if (i < profile->unchanged_count)
         profile->unchanged_count = i;
 }
 
-/* Make room: of those between two of their own triangle, which tell least, the one whose neighbours are nearest. */
+/*
+ * Make room for a sample: of those between two others with their own triangle, which show least, drop the one whose
+ * neighbours are nearest to each other. Returns 0 if there is none.
+ */
 static int drop_sample(struct distance_profile *profile)
 {
     double min_width = HUGE_VAL;
@@ -251,7 +258,7 @@ uint32_t dpti_profile_put_sample(struct distance_profile *profile,
     return i;
 }
 
-/* Of the sample beside s: where a search begins. */
+/* The place of the triangle of the nearest sample to s, from which to start; 0 if there is none. */
 static uint32_t triangle_beside(const struct distance_profile *profile, double s)
 {
     const struct profile_sample *sample = profile->sample;

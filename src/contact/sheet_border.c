@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * A point behind a sheet, h from it, beside whose border the way back ends when that is as near as the sheet: b = h.
- * So what pushes it is no deeper than b - h. Both are distances, so that this changes by no more than the point moves
- * where the ways to sheet and border turn less than 60 degrees from each other; beyond, b > 2 h on a flat sheet, a
- * slower rise keeps it so. A tool is pushed at the point of its axis that is deepest by that measure.
+ * Let a point be behind a sheet, at distance h from it and b from its border. Once the border is as near as the sheet,
+ * b = h, the point counts as in front. So near the border its depth is at most b - h. Both are distances. While the
+ * directions to sheet and border are less than 60 degrees apart, b - h changes by no more than the point moves. Beyond
+ * that, b > 2 h on a flat sheet, a slower rise keeps this so. The tool is pushed at the point of its axis whose reduced
+ * depth is largest.
  */
 #include "contact/sheet_border.h"
 
@@ -11,38 +12,39 @@
 
 enum {
     EDGES_MAX = 256,
-    BLOCKS_MAX = 2048,  /* of a search for the border, beside the budget */
-    STRETCH_STEPS = 16, /* of a stretch that is behind */
-    WINDOW_STEPS = 8,   /* of two of them */
-    GOLDEN_STEPS = 14   /* of a golden section: 7e-4 of its span */
+    BLOCKS_MAX = 2048,  /* of one search for the border; they are not part of the budget */
+    STRETCH_STEPS = 16, /* along a stretch that is behind the sheet */
+    WINDOW_STEPS = 8,   /* along two of those steps, round a local maximum */
+    GOLDEN_STEPS = 14   /* of a golden section search, down to 7e-4 of its interval */
 };
 
 #define GOLDEN    0.6180339887498949
 #define RISE_SLOW 0.8
 
-/* Edges of sheets' borders that may count. */
+/* Border edges of sheets near the tool. */
 struct border_edges {
     const struct surface *surface;
     uint32_t count;
-    uint32_t stride; /* of so many only one was kept */
+    uint32_t stride; /* one in so many edges is held */
     struct border_edge {
-        uint32_t from, to; /* vertices */
+        uint32_t from, to; /* vertices of the mesh */
         uint32_t part;
     } edge[EDGES_MAX];
 };
 
-/* What a border at distance b leaves of the depth of a point that is h behind, or in front, at h = 0. */
+/* The depth that a border at `distance` leaves to a point at `height` from the sheet, both in m and >= 0. */
 static double depth_left_by_border(double height, double distance)
 {
     return max_of(0.0, min_of(distance - height, height + RISE_SLOW * (distance - 2.0 * height)));
 }
 
-/* A border that is farther changes no point's depth that is as deep, or less. */
+/* The distance, m, beyond which a border reduces no point that is at most `height` behind the sheet. */
 static double border_reach(double height, double radius, double share)
 {
     return 2.0 * height + ((height + radius) / share - height) / RISE_SLOW;
 }
 
+/* The square of the distance from x, in the body's frame, to an edge, m^2. */
 static double edge_square_distance(const struct border_edges *border,
                                    const struct border_edge *edge, vec3 x)
 {
@@ -55,6 +57,7 @@ static double edge_square_distance(const struct border_edges *border,
     return dot(gap, gap);
 }
 
+/* The distance from x, in the body's frame, to the border of a part, m; HUGE_VAL if none is near. */
 static double border_distance(const struct border_edges *border, uint32_t part, vec3 x)
 {
     double min_square = HUGE_VAL;
@@ -64,7 +67,7 @@ static double border_distance(const struct border_edges *border, uint32_t part, 
     return sqrt(min_square);
 }
 
-/* Where there are too many, every other one does: each is short beside the reach then. */
+/* Add an edge. If there are too many, every other one is dropped: so many edges are short compared to the reach. */
 static void put_edge(struct border_edges *border, uint32_t edge_number,
                      const struct border_edge *edge)
 {
@@ -79,7 +82,10 @@ static void put_edge(struct border_edges *border, uint32_t edge_number,
     border->edge[border->count++] = *edge;
 }
 
-/* Those of a leaf, of sheets with a side, that are within reach of a point; `number` counts all that were seen. */
+/*
+ * Add the border edges of a leaf's triangles that are within reach of x, in the body's frame, if they are of a sheet
+ * whose side is known. *seen_count counts all such edges of the search.
+ */
 static void add_leaf_edges(const struct distance_profile *profile, uint32_t leaf, vec3 x,
                            double reach, uint32_t *seen_count, struct border_edges *border)
 {
@@ -99,7 +105,7 @@ static void add_leaf_edges(const struct distance_profile *profile, uint32_t leaf
     }
 }
 
-/* Border edges within reach of a point; 0 where that was too much work. */
+/* Find the border edges within reach, m, of x, in the body's frame. Returns 0 if that is too much work. */
 static int gather_edges(const struct distance_profile *profile, vec3 x, double reach,
                         struct border_edges *border)
 {
@@ -134,15 +140,15 @@ static int gather_edges(const struct distance_profile *profile, vec3 x, double r
             add_leaf_edges(profile, child, x, reach, &seen_count, border);
         } else {
             node[--level] = child;
-            lanes[level] = UINT32_MAX; /* not yet looked at */
+            lanes[level] = UINT32_MAX; /* its bounds are not known yet */
         }
     }
     return 1;
 }
 
 /*
- * Is there a border within reach of a sample? One looks twice as far, so as not to look again in each tick. Where
- * that is too much work, none counts until the tool has gone on by a reach.
+ * 1: a border is within reach, m, of the deepest sample. The search goes twice as far, so that most ticks need none:
+ * *view tells. If a search is too much work, borders do not count until the tool has moved by the reach.
  */
 static int is_border_near(const struct distance_profile *profile,
                           const struct profile_sample *deepest, double reach, uint32_t id,
@@ -167,26 +173,27 @@ static int is_border_near(const struct distance_profile *profile,
     return clear_radius <= reach;
 }
 
-/* A search for the deepest point of an axis. */
+/* A search for the point of an axis with the largest reduced depth. */
 struct border_search {
     struct distance_profile *profile;
     const struct border_edges *border;
     double radius;
     /*
-     * Of the room that counts: more than all of a tool that has hardly come through, as for one in front there is no
-     * border.
+     * Factor, >= 1, of the depth that the border leaves. It is above 1 for a tool that has hardly come through the
+     * sheet, since a tool in front of it feels no border.
      */
     double share;
-    uint32_t last_triangle;     /* triangle of the last point that was tried */
+    uint32_t last_triangle;     /* place; of the last point that was tried */
     struct profile_sample best; /* the best so far */
-    double best_depth;
+    double best_depth;          /* m, reduced */
 };
 
 /*
- * How deep a sample counts; not one beside the border, which would push another way than back through the sheet. In
- * front of the sheet the border counts too: there it is that the rest of the axis is behind.
+ * The reduced depth of a sample, m. One whose nearest point is on the border does not count: it would push sideways,
+ * not back through the sheet. The border also reduces a sample in front of the sheet, because the rest of the axis is
+ * behind.
  */
-static double depth_of(const struct border_search *search, const struct profile_sample *sample)
+static double reduced_depth(const struct border_search *search, const struct profile_sample *sample)
 {
     const struct distance_profile *profile = search->profile;
     if (sample->triangle == DPT_NONE)
@@ -194,7 +201,7 @@ static double depth_of(const struct border_search *search, const struct profile_
     const uint32_t part = surface_part(profile->surface, sample->triangle);
     const double depth = search->radius - sample->height;
     if (depth <= search->best_depth || !dpti_sides_get(profile->sides, part))
-        return depth; /* or less, which does not count */
+        return depth; /* it may be less, but it cannot be the best */
     if (sample->height >= 0.0 &&
         dpti_side_is_border(profile->surface, sample->triangle, sample->weight))
         return -HUGE_VAL;
@@ -202,9 +209,10 @@ static double depth_of(const struct border_search *search, const struct profile_
     return min_of(depth, search->share * depth_left_by_border(fabs(sample->height), distance));
 }
 
+/* Make a sample the best if its reduced depth is larger. Returns that depth. */
 static double try_sample(struct border_search *search, const struct profile_sample *sample)
 {
-    double depth = depth_of(search, sample);
+    double depth = reduced_depth(search, sample);
     if (depth > search->best_depth) {
         search->best = *sample;
         search->best_depth = depth;
@@ -212,7 +220,7 @@ static double try_sample(struct border_search *search, const struct profile_samp
     return depth;
 }
 
-/* By descent from where the last one was, which is near. */
+/* Try a sample at s, by descent from the triangle of the last one, which is near. Returns its reduced depth. */
 static double try_place(struct border_search *search, double s)
 {
     struct profile_sample sample;
@@ -221,7 +229,7 @@ static double try_place(struct border_search *search, double s)
     return try_sample(search, &sample);
 }
 
-/* The top of a hill, by a golden section. */
+/* Climb to a local maximum between two places, s, by a golden section search. */
 static void climb(struct border_search *search, double from, double to)
 {
     double left = to - GOLDEN * (to - from), right = from + GOLDEN * (to - from);
@@ -245,7 +253,7 @@ static void climb(struct border_search *search, double from, double to)
 
 static void search_stretch(struct border_search *search, double from, double to, int steps);
 
-/* A piece of a stretch, with those edges alone that may be nearest to a point of it. */
+/* Search a piece of a stretch more closely, with only those edges that may be nearest to one of its points. */
 static void search_window(struct border_search *search, double from, double to)
 {
     const struct border_edges *all_edges = search->border;
@@ -267,7 +275,10 @@ static void search_window(struct border_search *search, double from, double to)
     search->border = all_edges;
 }
 
-/* A stretch may have more than one hill, and what looks like one, two beside each other: so steps are taken twice. */
+/*
+ * Search a stretch in steps, and the surroundings of each local maximum again. A stretch may have several local
+ * maxima, and what looks like one may be two side by side: so there is a second, finer round before the climb.
+ */
 static void search_stretch(struct border_search *search, double from, double to, int steps)
 {
     double depth[STRETCH_STEPS + 1], step = (to - from) / steps;
@@ -277,7 +288,7 @@ static void search_stretch(struct border_search *search, double from, double to,
         double before = i ? depth[i - 1] : -HUGE_VAL, after = i < steps ? depth[i + 1] : -HUGE_VAL;
         double left = max_of(from, from + (i - 1) * step),
                right = min_of(to, from + (i + 1) * step);
-        /* The depth changes by no more than twice the way. */
+        /* The depth changes by at most twice the distance along the axis. */
         if (!(depth[i] >= before && depth[i] > after &&
               depth[i] + 2.0 * step * search->profile->axis_length > search->best_depth))
             continue;
@@ -288,6 +299,7 @@ static void search_stretch(struct border_search *search, double from, double to,
     }
 }
 
+/* 1: the sample's nearest point is on a border. */
 static int is_on_border(const struct distance_profile *profile, const struct profile_sample *sample)
 {
     return sample->triangle != DPT_NONE &&
@@ -295,8 +307,8 @@ static int is_on_border(const struct distance_profile *profile, const struct pro
 }
 
 /*
- * Where a stretch that ends with a sample may go on to, towards the next one: to that, where it is beside the
- * border; else until the tool's surface leaves the sheet, and half as far again.
+ * Where a stretch whose last sample is `last` may end, in s, towards the sample `next`: at `next` if that is on the
+ * border; otherwise where the tool's surface leaves the sheet by the tangent, and half as far again.
  */
 static double stretch_end(const struct border_search *search, const struct profile_sample *last,
                           const struct profile_sample *next)
@@ -308,7 +320,7 @@ static double stretch_end(const struct border_search *search, const struct profi
     return last->s + (width < 0.0 ? -reach_left : reach_left) / slope;
 }
 
-/* The tool's surface is within the sheet there, or it is behind. */
+/* 1: at this sample the axis is behind the sheet, or the tool's surface reaches into it from the front. */
 static int is_on_sheet_or_behind(const struct border_search *search,
                                  const struct profile_sample *sample)
 {
@@ -316,7 +328,10 @@ static int is_on_sheet_or_behind(const struct border_search *search,
            (sample->height < search->radius && !is_on_border(search->profile, sample));
 }
 
-/* The next stretch of which a part at least is behind, from sample *i on, which is moved past it; 0: there is none. */
+/*
+ * Find the next stretch of the axis of which at least a part is behind the sheet, from sample *i on, and move *i past
+ * it. Its ends, in s, go to *from and *to. Returns 0 if there is none.
+ */
 static int next_stretch(const struct border_search *search, uint32_t *i, double *from, double *to)
 {
     const struct profile_sample *sample = search->profile->sample;
@@ -337,7 +352,7 @@ static int next_stretch(const struct border_search *search, uint32_t *i, double 
     return 0;
 }
 
-/* All of them as one: of that the border is asked for. */
+/* Find the border edges within reach, m, of all stretches together. Returns 0 if there are none, or too much work. */
 static int gather_stretches(const struct border_search *search, double reach,
                             struct border_edges *border)
 {
@@ -352,7 +367,7 @@ static int gather_stretches(const struct border_search *search, double reach,
                         half_length + reach, border);
 }
 
-/* No search puts a sample into the profile: it stays as it is. */
+/* Try the profile's samples, then search all stretches. The profile itself stays as it is. */
 static void search_axis(struct border_search *search)
 {
     const struct distance_profile *profile = search->profile;
@@ -364,8 +379,9 @@ static void search_axis(struct border_search *search)
 }
 
 /*
- * How far the search must look, or 0: no border can be near. The samples tell of it where they go on beside it in
- * front; what is between such two may be deeper than both.
+ * The largest possible distance of the axis behind the sheet, m: that of the deepest sample, or more. Where a sample
+ * behind the sheet has a neighbour in front whose nearest point is on the border, the axis may be deeper between the
+ * two.
  */
 static double max_depth_behind(const struct distance_profile *profile)
 {
@@ -382,7 +398,7 @@ static double max_depth_behind(const struct distance_profile *profile)
     return max_depth;
 }
 
-/* How far the axis has come through the sheet's plane, beside its border too. */
+/* How far the axis reaches through the sheet's plane at the deepest sample, m, also beyond the sheet's border. */
 static double depth_through_plane(const struct distance_profile *profile,
                                   const struct profile_sample *deepest)
 {
@@ -410,7 +426,7 @@ int dpti_sheet_border_reduce(struct distance_profile *profile, const struct fram
                                     .best = deepest };
     if (!gather_stretches(&search, reach, &border))
         return 0;
-    search.best_depth = depth_of(&search, &deepest) + profile->tolerance;
+    search.best_depth = reduced_depth(&search, &deepest) + profile->tolerance;
     *found = (struct warm_start){ deepest.s, deepest.triangle, 1.0f };
     if (max_depth == -deepest.height && search.best_depth >= penetration->depth)
         return 1;
@@ -428,7 +444,7 @@ int dpti_sheet_border_reduce(struct distance_profile *profile, const struct fram
     penetration->direction = frame_turn(body, dpti_contact_normal(profile, &search.best, smooth));
     penetration->at =
         along(profile->axis->a, search.best.s, sub(profile->axis->b, profile->axis->a));
-    penetration->depth = max_of(0.0, depth_of(&search, &search.best));
+    penetration->depth = max_of(0.0, reduced_depth(&search, &search.best));
     *found = (struct warm_start){ search.best.s, search.best.triangle, 1.0f };
     return 1;
 }

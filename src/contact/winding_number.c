@@ -3,30 +3,30 @@
 
 #include "base/angle.h"
 
-/* Of WINDING_ERROR the part of the series; the rest is for rounding. */
+/* The series' part of WINDING_ERROR; the rest is for rounding. */
 #define SERIES_ERROR (0.9 * WINDING_ERROR)
 
 /*
- * What one set of triangles may be wrong by at first, over the levels: of a smooth surface each level adds about as
- * much. Where the sum is too much, all is looked at again, for less; of the surface that is left the sum falls as a
- * root of it, or a little faster.
+ * The error that one set of triangles may have in the first pass, divided by the number of levels, since each level of
+ * a smooth surface adds about as much. If the sum of the errors is too large, another pass uses a smaller limit. The
+ * sum falls like the square root of that limit, or a little faster.
  */
 #define FIRST_NODE_ERROR  5e-4f
 #define NODE_ERROR_SHRINK 0.25f
 #define PASSES_MAX        8
 
-/* Beyond that, in half widths of the mesh, what is left of the winding number is below 1e-9. */
+/* Farther away than this, in half widths of the mesh, the winding number is below 1e-9. */
 #define DISTANCE_MAX 0x1p20
 
 struct winding_traversal {
     const struct surface *surface;
     const struct kernel *kernel;
     const float *moments;
-    const uint32_t *solid_lanes; /* a word a leaf: lanes that count */
-    vec3 x;
-    float x_filter[3]; /* x in the filter's frame */
-    float winding[LANES], error[LANES];
-    double exact; /* sum over the triangles that were evaluated in double */
+    const uint32_t *solid_lanes;        /* a word a leaf: lanes of triangles of solid parts */
+    vec3 x;                             /* in the mesh's frame */
+    float x_filter[3];                  /* in the filter's frame */
+    float winding[LANES], error[LANES]; /* sums by lane, in turns */
+    double exact; /* sum over the triangles that are evaluated in double, in turns */
     struct work *work;
 };
 
@@ -38,12 +38,14 @@ static double sum_of(const float *lanes)
     return sum;
 }
 
+/* Corner k of a triangle, a place, as seen from x. */
 static vec3 corner_from_x(const struct winding_traversal *traversal, uint32_t triangle, uint32_t k)
 {
     uint32_t vertex = traversal->surface->corners[3 * (size_t)triangle + k];
     return sub(vec3_of_float(traversal->surface->positions + 3 * (size_t)vertex), traversal->x);
 }
 
+/* Add the triangles of a leaf. */
 static void sum_leaf(struct winding_traversal *traversal, uint32_t leaf)
 {
     uint32_t lanes = traversal->solid_lanes[leaf];
@@ -60,7 +62,7 @@ static void sum_leaf(struct winding_traversal *traversal, uint32_t leaf)
     }
 }
 
-/* The children that must be looked into; the others are added. */
+/* Add the series of a node's children whose error is at most max_error. Returns the lanes of the others. */
 static uint32_t sum_node(struct winding_traversal *traversal, uint32_t level, uint32_t node,
                          float max_error)
 {
@@ -73,6 +75,7 @@ static uint32_t sum_node(struct winding_traversal *traversal, uint32_t level, ui
                                                  traversal->error);
 }
 
+/* Sum over the whole tree. Returns a bound of the error, or HUGE_VAL if the work was spent before. */
 static double sum_tree(struct winding_traversal *traversal, float max_error)
 {
     uint32_t node[MESH_LEVELS_MAX + 1], open[MESH_LEVELS_MAX + 1];
@@ -101,7 +104,7 @@ static double sum_tree(struct winding_traversal *traversal, float max_error)
     return sum_of(traversal->error);
 }
 
-/* Comparisons are such that NaN, which a forged file can yield, ends as 0. */
+/* The comparisons turn NaN, which a forged file can yield, into 0. */
 double dpti_winding_number(const struct surface *surface, const struct kernel *kernel, vec3 x,
                            struct work *work)
 {

@@ -1,12 +1,18 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* How a tool stands to each triangle of a strip. */
+/*
+ * Overlap and nearest pair of a tool with each triangle of a strip. The axis is a + s u, s in 0..1, in the mesh's
+ * frame.
+ */
 #include "base/frame.h"
 #include "base/return_if_error.h"
 #include "base/sized.h"
 #include "nearest/side.h"
 #include "strip/strip_state.h"
 
-/* Distance of the axis to the triangle after it has been moved against its normal; `rise`: by how much that grows. */
+/*
+ * The distance, m, from the axis to a triangle, a place, that has been moved against its normal by `displacement`, m.
+ * *slope gets the derivative by the displacement.
+ */
 static double distance_when_moved(const struct surface *surface, uint32_t place, vec3 a, vec3 u,
                                   vec3 normal, double displacement, double *slope)
 {
@@ -17,9 +23,13 @@ static double distance_when_moved(const struct surface *surface, uint32_t place,
 }
 
 /*
- * The least way against its normal that frees the triangle of the tool. The distance is a convex function of the way:
- * from where the triangle is wholly below, Newton's method comes down on the last touch and never passes it; where there
- * is none the distance begins to grow again, or the way is over.
+ * The least displacement of a triangle, a place, against its normal that frees it of the tool, m; 0 if it is free. The
+ * distance is a convex function of the displacement. Newton's method starts where the triangle is wholly below the
+ * tool and comes down to the last touch without passing it. If there is no touch, the distance grows again on the way
+ * down, or the displacement reaches 0.
+ *
+ *   normal  unit, on the tool's side
+ *   height  of the axis' lower end above the triangle's plane, m
  */
 static double exit_distance(const struct surface *surface, uint32_t place, vec3 a, vec3 u,
                             double radius, vec3 normal, double height)
@@ -39,6 +49,7 @@ static double exit_distance(const struct surface *surface, uint32_t place, vec3 
     return max_of(0.0, displacement);
 }
 
+/* `frame` is the mesh's frame in the world; `place` the triangle's. */
 static void compute_overlap(const struct surface *surface, const struct frame *frame, vec3 a,
                             vec3 u, double radius, double side, uint32_t place,
                             dpt_overlap *overlap)

@@ -11,7 +11,7 @@ enum { TABLE_TRIANGLES_MAX = 10000, TABLE_UNREACHABLE = UINT16_MAX };
 
 struct dpt_route_table {
     const struct dpt_mesh *mesh;
-    const uint16_t *steps; /* a row for each goal */
+    const uint16_t *steps; /* traversal distances: a row for each goal, by places */
 };
 
 static uint64_t bytes_of_steps(const struct dpt_mesh *mesh)
@@ -28,7 +28,10 @@ size_t dpt_route_table_bytes(const dpt_mesh *mesh)
     return bytes <= SIZE_MAX ? (size_t)bytes : 0;
 }
 
-/* One row, breadth first; each fan is looked into once. `seen` of a vertex is one more than the last goal. */
+/*
+ * Fill the row of one goal, a place, breadth first. Each fan is read once: seen[vertex] is 1 + the last goal for which
+ * it was.
+ */
 static void fill_row(const struct dpt_mesh *mesh, uint32_t goal, uint16_t *steps, uint32_t *queue,
                      uint32_t *seen)
 {
@@ -81,7 +84,7 @@ dpt_result dpt_route_table_create(void *block, size_t bytes, const dpt_mesh *mes
     return DPT_OK;
 }
 
-/* Of the triangles about `here` that are nearer to the goal of a row, the one that the rule prefers. */
+/* Of the triangles that share a vertex with `current`, a place, and are nearer to the row's goal, the rule's choice. */
 static uint32_t next_triangle(const struct dpt_mesh *mesh, const uint16_t *steps, uint32_t current)
 {
     const uint32_t *corners = mesh_words(mesh, MESH_TRIANGLES);

@@ -6,7 +6,7 @@ static vec3 unit(vec3 v)
     return scaled(v, 1.0 / length(v));
 }
 
-/* Any unit vector across a unit one. */
+/* A unit vector orthogonal to a unit one. */
 static vec3 across(vec3 d)
 {
     double x = fabs(d.x), y = fabs(d.y), z = fabs(d.z);
@@ -31,7 +31,7 @@ void dpti_shadow_volume_of(vec3 a, vec3 u, vec3 direction, double half_width, do
     vec3 w = is_aslant ? unit(side) : across(d), e = cross(w, d);
     double ue = dot(u, e), ud = dot(u, d);
     double projected_length = sqrt(ue * ue + ud * ud);
-    /* Where it is a mere line or plane, two pairs of planes may have nothing in common but for rounding. */
+    /* A shadow that is a mere line or plane might be empty by rounding: the slabs get a little slack. */
     double slack = 64.0 * 0x1p-53 * (extent_of(a) + projected_length + half_width + depth);
     *volume = (struct shadow_volume){
         .a = a, .u = u, .d = d, .e = e, .w = w, .half_width = half_width, .depth = depth

@@ -9,6 +9,7 @@
 
 enum { CAPACITY_MAX = 1 << 20, SEARCH_VERTICES_MAX = 1 << 28 };
 
+/* The least power of two that is at least 16 and `minimum`. */
 static uint64_t power_of_two_from(uint64_t minimum)
 {
     uint64_t power = 16;
@@ -23,6 +24,7 @@ struct strip_layout {
     uint64_t bytes; /* of all */
 };
 
+/* Reserve `count` items of `width` bytes at the end. Returns their offset. */
 static uint64_t reserve(uint64_t *end, uint64_t count, uint64_t width)
 {
     uint64_t begin = *end;
@@ -49,6 +51,7 @@ static struct strip_layout layout_of(const dpt_strip_def *def)
     return layout;
 }
 
+/* Read and check the caller's def. */
 static dpt_result read_def(const dpt_strip_def *caller_def, dpt_strip_def *def)
 {
     *def = (dpt_strip_def){ .size = sizeof *def };
@@ -142,7 +145,7 @@ const uint32_t *dpt_strip_get_triangles(const dpt_strip *strip, uint32_t *count,
     return strip ? strip->triangles : NULL;
 }
 
-/* The route's places, as far as there is room, behind the strip's triangles; how many it has. */
+/* Find a route between two places. Its places are written behind the strip's triangles, as far as they fit. */
 static dpt_result find_route(struct dpt_strip *strip, uint32_t start, uint32_t goal,
                              struct route *route)
 {
@@ -151,7 +154,7 @@ static dpt_result find_route(struct dpt_strip *strip, uint32_t start, uint32_t g
     return dpti_route_find(&strip->search, strip->mesh, start, goal, route);
 }
 
-/* A route's triangles become the strip's. */
+/* Make a route's triangles the strip's: its places, behind the strip's triangles, become source numbers. */
 static void append_route(struct dpt_strip *strip, const struct route *route)
 {
     const uint32_t *sources = mesh_words(strip->mesh, MESH_SOURCES);
@@ -209,7 +212,7 @@ dpt_result dpt_strip_routes(dpt_strip *strip, const dpt_mesh *mesh, uint32_t a, 
     dpt_result result = dpti_strip_place(mesh, b, &start[1]);
     if (result == DPT_OK)
         return dpti_strip_routes(strip, mesh, start[0], start[1], goal);
-    /* What is wrong with the first route is told first. */
+    /* An error of the first route comes first. */
     DPT_TRY(find_route(strip, start[0], goal, &first));
     return result;
 }
@@ -225,7 +228,7 @@ void dpti_strip_shadow(struct dpt_strip *strip, const struct surface *surface,
     strip->flags = strip->walk.flags;
 }
 
-/* Of a direction, so that its square can be formed. */
+/* Lengths of a direction whose square neither overflows nor vanishes. */
 static const double LENGTH_MIN = 1e-100, LENGTH_MAX = 1e100;
 
 static dpt_result check_shadow(const dpt_shadow *shadow)
