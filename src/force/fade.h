@@ -7,14 +7,14 @@
 #include "dynpoint/types.h"
 
 struct fade {
-    dpt_wrench shown; /* what was felt in the last tick */
-    double left;      /* s, to when it is what is true; 0: it is */
+    dpt_wrench felt;  /* what was felt in the last tick */
+    double time_left; /* s, to when it is what is true; 0: it is */
 };
 
 /* Below this share of a tick nothing is left: what sums of dt are off by. */
 #define FADE_OVER 1e-9
 
-static inline void fade_store(vec3 shown, double share, const double truth[3], double to[3])
+static inline void fade_blend(vec3 shown, double share, const double truth[3], double to[3])
 {
     vec3_store(along(shown, share, sub(vec3_of(truth), shown)), to);
 }
@@ -22,14 +22,14 @@ static inline void fade_store(vec3 shown, double share, const double truth[3], d
 /* A tick of `dt`: a straight way from what was felt to what is true, and never beyond it. */
 static inline void fade_step(struct fade *fade, const dpt_wrench *truth, double dt)
 {
-    if (!(fade->left - dt > FADE_OVER * dt)) {
-        fade->shown = *truth;
-        fade->left = 0.0;
+    if (!(fade->time_left - dt > FADE_OVER * dt)) {
+        fade->felt = *truth;
+        fade->time_left = 0.0;
         return;
     }
-    fade_store(vec3_of(fade->shown.force), dt / fade->left, truth->force, fade->shown.force);
-    fade_store(vec3_of(fade->shown.torque), dt / fade->left, truth->torque, fade->shown.torque);
-    fade->left -= dt;
+    fade_blend(vec3_of(fade->felt.force), dt / fade->time_left, truth->force, fade->felt.force);
+    fade_blend(vec3_of(fade->felt.torque), dt / fade->time_left, truth->torque, fade->felt.torque);
+    fade->time_left -= dt;
 }
 
 #endif

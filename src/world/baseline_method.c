@@ -5,82 +5,83 @@
 #include "nearest/paper_descent.h"
 
 /* Sums up what the parts on all bodies found. */
-struct gathered {
-    struct penetration push; /* of the part with the least gap */
-    int any;
-    double gap;
-    struct body_answer *found;
+struct baseline_sum {
+    struct penetration penetration; /* of the part with the least gap */
+    int has_answer;
+    double min_gap;
+    struct body_answer *answer;
     struct segment_result *result;
 };
 
 /* This tick's dynamic point: a full search where there is none yet. */
-static void dynamic_point(const struct dpt_world *world, const struct surface *surface,
-                          const struct axis *part, uint32_t *last, struct work *work,
-                          struct pair_search *nearest)
+static void step_dynamic_point(const struct dpt_world *world, const struct surface *surface,
+                               const struct axis *part, uint32_t *last_triangle, struct work *work,
+                               struct pair_search *nearest)
 {
-    *nearest = (struct pair_search){ .pair = { .distance2 = HUGE_VAL }, .triangle = *last };
-    if (*last == DPT_NONE)
+    *nearest =
+        (struct pair_search){ .pair = { .distance2 = HUGE_VAL }, .triangle = *last_triangle };
+    if (*last_triangle == DPT_NONE)
         dpti_bvh_search(surface, &world->kernel, NULL, part->local_a, part->u, 0.0, work, nearest);
     else
         dpti_paper_descend(surface, &world->kernel, part->local_a, part->u,
                            world->def.baseline->one_step != 0, work, nearest);
-    *last = nearest->triangle;
+    *last_triangle = nearest->triangle;
 }
 
-static void take_part(struct gathered *sum, const struct dpt_world *world, const struct body *body,
-                      uint32_t index, const struct axis *part, const struct pair_search *nearest,
-                      double radius)
+static void add_part(struct baseline_sum *sum, const struct dpt_world *world,
+                     const struct body *body, uint32_t part_index, const struct axis *part,
+                     const struct pair_search *nearest, double radius)
 {
     struct penetration penetration;
     double gap =
         dpti_contact_paper(&body->surface, &body->frame, part, nearest, radius, &penetration);
     double distance = sqrt(nearest->pair.distance2);
-    int lower = gap < sum->gap;
-    if (!sum->any || distance < sum->result->distance ||
-        (distance == sum->result->distance && lower)) {
+    int is_lower = gap < sum->min_gap;
+    if (!sum->has_answer || distance < sum->result->distance ||
+        (distance == sum->result->distance && is_lower)) {
         dpti_segment_result_of_pair(part, &nearest->pair, sum->result);
-        sum->result->s = (index + nearest->pair.s) / world->def.baseline->parts;
-        sum->found->body = body;
-        sum->found->track.nearest = *nearest;
+        sum->result->s = (part_index + nearest->pair.s) / world->def.baseline->parts;
+        sum->answer->body = body;
+        sum->answer->track.nearest = *nearest;
     }
-    if (!sum->any || lower) {
-        sum->gap = gap;
-        sum->push = penetration;
-        sum->any = 1;
+    if (!sum->has_answer || is_lower) {
+        sum->min_gap = gap;
+        sum->penetration = penetration;
+        sum->has_answer = 1;
     }
 }
 
-static void take_body(struct gathered *sum, struct dpt_world *world, uint32_t segment,
-                      const struct body *body, vec3 a, vec3 u)
+static void add_body(struct baseline_sum *sum, struct dpt_world *world, uint32_t segment,
+                     const struct body *body, vec3 a, vec3 u)
 {
     uint32_t parts = world->def.baseline->parts;
-    uint32_t *last = world_last(world, segment, handle_index(body->id));
+    uint32_t *last_triangle = world_last_triangles(world, segment, handle_index(body->id));
     for (uint32_t k = 0; k < parts; k++) {
         struct axis part;
         struct pair_search nearest;
         axis_of(&body->surface, &body->frame, along(a, (double)k / parts, u),
                 along(a, (double)(k + 1) / parts, u), &part);
-        dynamic_point(world, &body->surface, &part, &last[k], &world->work, &nearest);
+        step_dynamic_point(world, &body->surface, &part, &last_triangle[k], &world->work, &nearest);
         if (nearest.triangle != DPT_NONE)
-            take_part(sum, world, body, k, &part, &nearest, world->segments[segment].radius);
+            add_part(sum, world, body, k, &part, &nearest, world->segments[segment].radius);
     }
 }
 
-struct penetration dpti_paper_segment(struct dpt_world *world, uint32_t index, vec3 a, vec3 b)
+struct penetration dpti_baseline_find(struct dpt_world *world, uint32_t part_index, vec3 a, vec3 b)
 {
-    struct segment *segment = &world->segments[index];
-    struct body_answer *found = &segment->answer;
+    struct segment *segment = &world->segments[part_index];
+    struct body_answer *answer = &segment->answer;
     struct segment_result *result = &segment->result;
-    struct gathered sum = { .found = found, .result = result };
+    struct baseline_sum sum = { .answer = answer, .result = result };
     const uint32_t before = world->work.done;
     vec3 u = sub(b, a);
-    for (uint32_t i = 0; i < world->body_end; i++)
+    for (uint32_t i = 0; i < world->body_slot_end; i++)
         if (world->bodies[i].slot.used)
-            take_body(&sum, world, index, &world->bodies[i], a, u);
-    if (!sum.any)
-        return sum.push;
+            add_body(&sum, world, part_index, &world->bodies[i], a, u);
+    if (!sum.has_answer)
+        return sum.penetration;
 
-    axis_of(&found->body->surface, &found->body->frame, a, b, &found->track.axis);
+    axis_of(&answer->body->surface, &answer->body->frame, a, b, &answer->track.axis);
     /* Between 0 and what was found: that is all that a search without proof knows. */
     double rounding = result->error_bound;
     result->work = world->work.done - before;
@@ -88,6 +89,6 @@ struct penetration dpti_paper_segment(struct dpt_world *world, uint32_t index, v
     result->error_bound = result->distance + rounding;
     result->lower_bound = 0.0;
     if (world->def.until != DPT_UNTIL_TRACK)
-        dpti_segment_result_set_gap(result, sum.gap, rounding);
-    return sum.push;
+        dpti_segment_result_set_gap(result, sum.min_gap, rounding);
+    return sum.penetration;
 }

@@ -10,17 +10,17 @@
 #include "world/world_def.h"
 
 /* What the tools' last ticks know of a body. */
-static void forget(struct dpt_world *world, uint32_t index)
+static void forget(struct dpt_world *world, uint32_t slot)
 {
-    dpti_contacts_forget(world, 0, world->segment_count, index);
-    dpti_point_cache_forget(&world->point_cache, index);
-    dpti_strips_forget_body(world, index);
+    dpti_persistent_contacts_forget(world, 0, world->segment_count, slot);
+    dpti_point_cache_forget(&world->point_cache, slot);
+    dpti_strips_forget_body(world, slot);
     for (uint32_t s = 0; s < world->segment_count; s++)
-        dpti_bounds_forget(world, s, index);
+        dpti_bounds_forget(world, s, slot);
     dpti_backlog_restart(world);
     for (uint32_t s = 0; s < world->segment_count; s++)
-        dpti_force_forget_body(&world->segments[s], world->bodies[index].id);
-    dpti_bodies_forget_body(world, index);
+        dpti_force_forget_body(&world->segments[s], world->bodies[slot].id);
+    dpti_body_search_forget_body(world, slot);
 }
 
 dpt_result dpt_body_add(dpt_world *world, const dpt_mesh *mesh, const dpt_pose *pose,
@@ -30,40 +30,40 @@ dpt_result dpt_body_add(dpt_world *world, const dpt_mesh *mesh, const dpt_pose *
     if (!world || !mesh || !body)
         return DPT_E_ARGUMENT;
     DPT_TRY(frame_of_pose(pose, &frame));
-    uint32_t index =
-        slot_to_use(&world->bodies->slot, sizeof *world->bodies, world->body_end, world->freed[0]);
-    if (index == world->def.max_bodies)
+    uint32_t slot = slot_to_use(&world->bodies->slot, sizeof *world->bodies, world->body_slot_end,
+                                world->freed_count[0]);
+    if (slot == world->def.max_bodies)
         return DPT_E_FULL;
-    struct body *made = &world->bodies[index];
-    if (index == world->body_end) {
-        world->body_end++;
+    struct body *made = &world->bodies[slot];
+    if (slot == world->body_slot_end) {
+        world->body_slot_end++;
         made->slot.generation = 1;
     }
     made->slot.used = 1;
-    made->id = handle_make(HANDLE_BODY, &made->slot, index);
+    made->id = handle_make(HANDLE_BODY, &made->slot, slot);
     const dpt_pose identity = DPT_POSE_IDENTITY;
     made->frame = frame;
     made->pose = pose ? *pose : identity;
     made->user = 0;
     made->side_limit = world->def.side_limit;
-    made->moved = 0;
-    made->added = world->ticks + 1;
+    made->moved_tick = 0;
+    made->added_tick = world->ticks + 1;
     made->slot.valid = 1;
     world_note_max(&world->usage.bodies, ++world->body_count);
     dpti_surface_of_mesh(mesh, &made->surface);
-    dpti_near_put_body(world, index);
+    dpti_broad_phase_put_body(world, slot);
     *body = made->id;
     return DPT_OK;
 }
 
 dpt_result dpt_body_remove(dpt_world *world, dpt_body body)
 {
-    struct body *old = world ? world_find_body(world, body) : NULL;
-    if (!old)
+    struct body *removed = world ? world_find_body(world, body) : NULL;
+    if (!removed)
         return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
-    slot_release(&old->slot, &world->freed[0]);
+    slot_release(&removed->slot, &world->freed_count[0]);
     world->body_count--;
-    world->invalid -= !old->slot.valid;
+    world->invalid_body_count -= !removed->slot.valid;
     forget(world, handle_index(body));
     return DPT_OK;
 }
@@ -72,20 +72,20 @@ dpt_result dpt_body_remove(dpt_world *world, dpt_body body)
  * At most so far has any point of it moved: with the origin, and by the angle around that, which is 4 asin(c / 2), c
  * being how far the quaternions are apart.
  */
-static double displacement_of(const struct body *body)
+static double motion_bound_of(const struct body *body)
 {
-    const double *from = body->before.orientation, *to = body->pose.orientation;
+    const double *from = body->previous_pose.orientation, *to = body->pose.orientation;
     vec3 low = body->surface.box_min, high = body->surface.box_max;
     double farthest = 0.5 * (length(add(low, high)) + length(sub(high, low)));
-    double same = 0.0, opposite = 0.0;
+    double square_of_difference = 0.0, square_of_sum = 0.0;
     for (int k = 0; k < 4; k++) {
-        same += (to[k] - from[k]) * (to[k] - from[k]);
-        opposite += (to[k] + from[k]) * (to[k] + from[k]);
+        square_of_difference += (to[k] - from[k]) * (to[k] - from[k]);
+        square_of_sum += (to[k] + from[k]) * (to[k] + from[k]);
     }
-    double square = min_of(same, opposite);
+    double square = min_of(square_of_difference, square_of_sum);
     /* Quaternions may be off unit length by 1e-6. */
     double angle = sqrt(square) * (2.0 + 0.3 * square) + 1e-5;
-    return length(sub(vec3_of(body->pose.position), vec3_of(body->before.position))) +
+    return length(sub(vec3_of(body->pose.position), vec3_of(body->previous_pose.position))) +
            angle * farthest;
 }
 
@@ -94,32 +94,32 @@ static void put_body(struct dpt_world *world, struct body *body, const dpt_pose 
 {
     body->pose = *pose;
     body->frame = *frame;
-    dpti_near_put_body(world, handle_index(body->id));
+    dpti_broad_phase_put_body(world, handle_index(body->id));
 }
 
 /* Where the body was in the last tick stays known until the next one. */
 static void move_body(struct dpt_world *world, struct body *body, const dpt_pose *pose,
                       const struct frame *frame)
 {
-    if (body->moved != world->ticks + 1)
-        body->before = body->pose;
-    body->moved = world->ticks + 1;
+    if (body->moved_tick != world->ticks + 1)
+        body->previous_pose = body->pose;
+    body->moved_tick = world->ticks + 1;
     put_body(world, body, pose, frame);
-    body->travelled = displacement_of(body);
-    if (world->travelled_at != body->moved)
-        world->travelled = 0.0;
-    world->travelled_at = body->moved;
-    world->travelled = max_of(world->travelled, body->travelled);
+    body->motion_bound = motion_bound_of(body);
+    if (world->bodies_moved_tick != body->moved_tick)
+        world->body_motion_max = 0.0;
+    world->bodies_moved_tick = body->moved_tick;
+    world->body_motion_max = max_of(world->body_motion_max, body->motion_bound);
 }
 
 /* While a body has no pose that can be used, every answer of the world is stale. */
-static dpt_result take_pose(struct dpt_world *world, struct body *body, const dpt_pose *pose,
-                            struct frame *frame)
+static dpt_result set_validity(struct dpt_world *world, struct body *body, const dpt_pose *pose,
+                               struct frame *frame)
 {
     dpt_result result = pose ? frame_of_pose(pose, frame) : DPT_E_ARGUMENT;
-    world->invalid -= !body->slot.valid;
+    world->invalid_body_count -= !body->slot.valid;
     body->slot.valid = result == DPT_OK;
-    world->invalid += !body->slot.valid;
+    world->invalid_body_count += !body->slot.valid;
     return result;
 }
 
@@ -129,7 +129,7 @@ dpt_result dpt_body_set_pose(dpt_world *world, dpt_body body, const dpt_pose *po
     struct frame frame;
     if (!moved)
         return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
-    DPT_TRY(take_pose(world, moved, pose, &frame));
+    DPT_TRY(set_validity(world, moved, pose, &frame));
     if (!pose_is_same(&moved->pose, pose))
         move_body(world, moved, pose, &frame);
     return DPT_OK;
@@ -141,12 +141,12 @@ dpt_result dpt_body_teleport(dpt_world *world, dpt_body body, const dpt_pose *po
     struct frame frame;
     if (!moved)
         return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
-    DPT_TRY(take_pose(world, moved, pose, &frame));
+    DPT_TRY(set_validity(world, moved, pose, &frame));
     put_body(world, moved, pose, &frame);
     forget(world, handle_index(body));
-    moved->moved = 0;
-    moved->travelled = 0.0;
-    moved->added = world->ticks + 1;
+    moved->moved_tick = 0;
+    moved->motion_bound = 0.0;
+    moved->added_tick = world->ticks + 1;
     return DPT_OK;
 }
 
@@ -160,17 +160,17 @@ dpt_result dpt_body_get_pose(const dpt_world *world, dpt_body body, dpt_pose *po
     const dpt_pose identity = DPT_POSE_IDENTITY;
     if (!world || !pose)
         return DPT_E_ARGUMENT;
-    const struct body *asked = world_find_body(world, body);
-    *pose = asked ? asked->pose : identity;
-    return asked ? DPT_OK : DPT_E_HANDLE;
+    const struct body *found = world_find_body(world, body);
+    *pose = found ? found->pose : identity;
+    return found ? DPT_OK : DPT_E_HANDLE;
 }
 
 dpt_result dpt_body_set_user(dpt_world *world, dpt_body body, uint64_t user)
 {
-    struct body *asked = world ? world_find_body(world, body) : NULL;
-    if (!asked)
+    struct body *found = world ? world_find_body(world, body) : NULL;
+    if (!found)
         return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
-    asked->user = user;
+    found->user = user;
     return DPT_OK;
 }
 
@@ -178,23 +178,23 @@ dpt_result dpt_body_get_user(const dpt_world *world, dpt_body body, uint64_t *us
 {
     if (!world || !user)
         return DPT_E_ARGUMENT;
-    const struct body *asked = world_find_body(world, body);
-    *user = asked ? asked->user : 0;
-    return asked ? DPT_OK : DPT_E_HANDLE;
+    const struct body *found = world_find_body(world, body);
+    *user = found ? found->user : 0;
+    return found ? DPT_OK : DPT_E_HANDLE;
 }
 
 dpt_result dpt_body_set_settings(dpt_world *world, dpt_body body, const dpt_body_settings *given)
 {
     if (!world || !given)
         return DPT_E_ARGUMENT;
-    struct body *asked = world_find_body(world, body);
-    if (!asked)
+    struct body *found = world_find_body(world, body);
+    if (!found)
         return DPT_E_HANDLE;
-    dpt_body_settings settings = { .size = sizeof settings, .side_limit = asked->side_limit };
+    dpt_body_settings settings = { .size = sizeof settings, .side_limit = found->side_limit };
     DPT_TRY(sized_read(given, sizeof settings, &settings, sizeof settings));
     if (settings.reserved || !dpti_side_limit_is_valid(settings.side_limit))
         return DPT_E_ARGUMENT;
-    asked->side_limit = settings.side_limit;
+    found->side_limit = settings.side_limit;
     return DPT_OK;
 }
 
@@ -204,9 +204,9 @@ dpt_result dpt_body_get_settings(const dpt_world *world, dpt_body body, dpt_body
         return DPT_E_ARGUMENT;
     dpt_body_settings now = { .size = sizeof now };
     DPT_TRY(sized_check(settings, sizeof now, 0));
-    const struct body *asked = world_find_body(world, body);
-    if (asked)
-        now.side_limit = asked->side_limit;
+    const struct body *found = world_find_body(world, body);
+    if (found)
+        now.side_limit = found->side_limit;
     sized_write(settings, settings->size, &now, sizeof now);
-    return asked ? DPT_OK : DPT_E_HANDLE;
+    return found ? DPT_OK : DPT_E_HANDLE;
 }

@@ -12,85 +12,90 @@
  * A share of dpt_world_bytes: the last answers of each segment's parts on each body, and the planes that are kept of all
  * of them, in whole blocks.
  */
-static uint64_t bytes_last(const dpt_world_def *def)
+static uint64_t last_triangles_bytes(const dpt_world_def *def)
 {
     return mesh_aligned(4 * (uint64_t)def->max_segments * def->max_bodies * def->baseline->parts);
 }
 
-uint64_t dpti_bodies_bytes(const dpt_world_def *def)
+uint64_t dpti_body_search_bytes(const dpt_world_def *def)
 {
-    return bytes_last(def) + mesh_aligned(def->certificate_bytes);
+    return last_triangles_bytes(def) + mesh_aligned(def->certificate_bytes);
 }
 
-char *dpti_bodies_place(struct dpt_world *world, char *at)
+char *dpti_body_search_place(struct dpt_world *world, char *at)
 {
-    world->last = (void *)at;
-    at += bytes_last(&world->def);
+    world->last_triangles = (void *)at;
+    at += last_triangles_bytes(&world->def);
     world->plane_cache.blocks = (void *)at;
     world->plane_cache.count =
         (uint32_t)(world->def.certificate_bytes / sizeof(struct plane_block));
     return at + mesh_aligned(world->def.certificate_bytes);
 }
 
-void dpti_bodies_forget_planes(struct dpt_world *world, uint32_t first, uint32_t end, uint32_t body)
+void dpti_body_search_forget_planes(struct dpt_world *world, uint32_t first, uint32_t end,
+                                    uint32_t slot)
 {
-    const struct plane_cache *c = &world->plane_cache;
-    for (uint32_t i = 0; i < c->count; i++) {
-        uint32_t owner = (uint32_t)(c->blocks[i].key >> 32);
+    const struct plane_cache *cache = &world->plane_cache;
+    for (uint32_t i = 0; i < cache->count; i++) {
+        uint32_t owner = (uint32_t)(cache->blocks[i].key >> 32);
         if (!owner)
             continue;
         uint32_t segment = (owner - 1) / world->def.max_bodies;
         if (segment >= first && segment < end &&
-            (body == DPT_NONE || (owner - 1) % world->def.max_bodies == body))
-            c->blocks[i].key = 0;
+            (slot == DPT_NONE || (owner - 1) % world->def.max_bodies == slot))
+            cache->blocks[i].key = 0;
     }
 }
 
-void dpti_bodies_forget(struct dpt_world *world, uint32_t segment)
+void dpti_body_search_forget(struct dpt_world *world, uint32_t segment)
 {
-    struct segment *s = &world->segments[segment];
-    memset(world_last(world, segment, 0), 0xff, world_lasts(world) * sizeof *world->last);
-    s->last_body = DPT_NONE;
+    struct segment *kept = &world->segments[segment];
+    memset(world_last_triangles(world, segment, 0), 0xff,
+           world_last_triangle_count(world) * sizeof *world->last_triangles);
+    kept->last_body_slot = DPT_NONE;
 }
 
-void dpti_bodies_forget_body(struct dpt_world *world, uint32_t body)
+void dpti_body_search_forget_body(struct dpt_world *world, uint32_t slot)
 {
     for (uint32_t s = 0; s < world->segment_count; s++) {
-        memset(world_last(world, s, body), 0xff, world->def.baseline->parts * sizeof *world->last);
-        if (world->segments[s].last_body == body)
-            world->segments[s].last_body = DPT_NONE;
+        memset(world_last_triangles(world, s, slot), 0xff,
+               world->def.baseline->parts * sizeof *world->last_triangles);
+        if (world->segments[s].last_body_slot == slot)
+            world->segments[s].last_body_slot = DPT_NONE;
     }
-    dpti_bodies_forget_planes(world, 0, world->segment_count, body);
+    dpti_body_search_forget_planes(world, 0, world->segment_count, slot);
 }
 
-void dpti_bodies_remove(struct dpt_world *world, uint32_t first, uint32_t end)
+void dpti_body_search_remove(struct dpt_world *world, uint32_t first, uint32_t end)
 {
-    size_t moved = world->segment_count - end;
-    dpti_bodies_forget_planes(world, first, world->segment_count, DPT_NONE);
-    memmove(world_last(world, first, 0), world_last(world, end, 0),
-            moved * world_lasts(world) * sizeof *world->last);
+    size_t segments_moved = world->segment_count - end;
+    dpti_body_search_forget_planes(world, first, world->segment_count, DPT_NONE);
+    memmove(world_last_triangles(world, first, 0), world_last_triangles(world, end, 0),
+            segments_moved * world_last_triangle_count(world) * sizeof *world->last_triangles);
 }
 
 struct body_search {
     struct dpt_world *world;
     uint32_t segment;
-    const vec3 *a, *b; /* the axis */
-    struct box box;    /* of it */
+    const vec3 *a, *b;   /* the axis */
+    struct box axis_box; /* of it */
     struct body_answer *best;
-    double distance;   /* of the best */
-    uint32_t followed; /* body whose dynamic point was followed */
-    double moved;      /* the axis, in its frame */
-    uint32_t is_new;   /* there was no last tick: planes of the past are another place's */
-    uint32_t next;     /* body that the budget did not reach, or DPT_NONE */
+    double best_distance;   /* of the best */
+    uint32_t followed_slot; /* body whose dynamic point was followed */
+    double axis_motion;     /* the axis, in its frame */
+    uint32_t is_new;        /* there was no last tick: planes of the past are another place's */
+    uint32_t next_slot;     /* body that the budget did not reach, or DPT_NONE */
 };
 
-static void axis_in(const struct body_search *search, const struct body *body, struct axis *axis)
+static void transform_axis(const struct body_search *search, const struct body *body,
+                           struct axis *axis)
 {
     axis_of(&body->surface, &body->frame, *search->a, *search->b, axis);
 }
 
 /* What a search of a body found, if it is nearer than the rest. */
-static void take(struct body_search *search, const struct body *body, const struct track *track)
+static void accept_if_nearer(struct body_search *search, const struct body *body,
+                             const struct track *track)
 {
     struct body_answer *best = search->best;
     if (track->nearest.triangle == DPT_NONE)
@@ -98,37 +103,39 @@ static void take(struct body_search *search, const struct body *body, const stru
     if (track != &best->track && best->body &&
         track->nearest.pair.distance2 >= best->track.nearest.pair.distance2)
         return;
-    *world_last(search->world, search->segment, handle_index(body->id)) = track->nearest.triangle;
+    *world_last_triangles(search->world, search->segment, handle_index(body->id)) =
+        track->nearest.triangle;
     if (track != &best->track)
         best->track = *track;
     best->body = body;
-    search->distance = sqrt(track->nearest.pair.distance2);
+    search->best_distance = sqrt(track->nearest.pair.distance2);
 }
 
 /* Methods without memory: every body, in full. */
-static void ask_plainly(struct body_search *search, uint32_t index)
+static void search_without_history(struct body_search *search, uint32_t slot)
 {
     struct dpt_world *world = search->world;
-    const struct body *body = &world->bodies[index];
+    const struct body *body = &world->bodies[slot];
     struct body_answer *best = search->best;
     double limit2 = best->body ? best->track.nearest.pair.distance2 : HUGE_VAL;
     struct track track;
-    axis_in(search, body, &track.axis);
+    transform_axis(search, body, &track.axis);
     if (world->def.method == DPT_METHOD_BRUTE) {
         track.nearest =
             (struct pair_search){ .pair = { .distance2 = limit2 }, .triangle = DPT_NONE };
         dpti_brute_search(&body->surface, track.axis.local_a, track.axis.u, &world->work,
                           &track.nearest);
     } else {
-        struct bvh_traversal walk;
-        walk.depth = 0;
-        dpti_track_begin(&track, &body->surface, *world_last(world, search->segment, index), limit2,
-                         TRACK_STAYS, &world->work);
-        dpti_track_prove(&track, &body->surface, &world->kernel, NULL, &walk, &world->work);
+        struct bvh_traversal traversal;
+        traversal.depth = 0;
+        dpti_track_begin(&track, &body->surface,
+                         *world_last_triangles(world, search->segment, slot), limit2, TRACK_STAYS,
+                         &world->work);
+        dpti_track_prove(&track, &body->surface, &world->kernel, NULL, &traversal, &world->work);
         dpti_track_settle(&track);
     }
-    best->error = max_of(best->error, track.axis.error);
-    take(search, body, &track);
+    best->error_bound = max_of(best->error_bound, track.axis.error);
+    accept_if_nearer(search, body, &track);
 }
 
 /* Of what is left, the dynamic point may take half; its proof needs the rest. */
@@ -137,230 +144,237 @@ static uint32_t descent_share(const struct dpt_world *world)
     return work_left(&world->work) / 2;
 }
 
-static void begin_track(struct body_search *search, uint32_t index, double limit2,
+static void begin_track(struct body_search *search, uint32_t slot, double limit2,
                         enum descent_mode mode, struct track *track)
 {
     struct dpt_world *world = search->world;
     struct work share = work_of(descent_share(world));
-    dpti_track_begin(track, &world->bodies[index].surface,
-                     *world_last(world, search->segment, index), limit2, mode, &share);
+    dpti_track_begin(track, &world->bodies[slot].surface,
+                     *world_last_triangles(world, search->segment, slot), limit2, mode, &share);
     work_spend(&world->work, share.done);
 }
 
 /* The dynamic point on the body that was nearest. A resting one has nowhere to go. */
-static void follow(struct body_search *search, uint32_t index)
+static void follow_dynamic_point(struct body_search *search, uint32_t slot)
 {
     struct dpt_world *world = search->world;
-    const struct body *body = &world->bodies[index];
+    const struct body *body = &world->bodies[slot];
     struct track *track = &search->best->track;
-    axis_in(search, body, &track->axis);
-    search->followed = index;
-    search->moved = 1.0;
+    transform_axis(search, body, &track->axis);
+    search->followed_slot = slot;
+    search->axis_motion = 1.0;
     if (world->def.budget)
-        search->moved = dpti_bounds_update(world, search->segment, index, &track->axis);
+        search->axis_motion = dpti_bounds_update(world, search->segment, slot, &track->axis);
     enum descent_mode mode = TRACK_STAYS;
-    if (search->moved > 0.0 && descent_share(world))
+    if (search->axis_motion > 0.0 && descent_share(world))
         mode = track->nearest.pair.distance2 == 0.0 ? TRACK_CROSSED : TRACK_DESCENDS;
-    begin_track(search, index, HUGE_VAL, mode, track);
+    begin_track(search, slot, HUGE_VAL, mode, track);
     search->is_new = track->last == DPT_NONE;
-    search->best->error = track->axis.error;
-    take(search, body, track);
+    search->best->error_bound = track->axis.error;
+    accept_if_nearer(search, body, track);
 }
 
 /* Nothing is nearer than the best, but for what the error bound allows. */
-static int is_proven(const struct body_search *search, double floor)
+static int is_enough(const struct body_search *search, double lower_bound)
 {
-    return floor >= search->distance - DISTANCE_ERROR_HISTORY * search->best->track.axis.error;
+    return lower_bound >=
+           search->best_distance - DISTANCE_ERROR_HISTORY * search->best->track.axis.error;
 }
 
 /* Search a body; what was visited is no nearer than `floor`. 0 if the budget ended that. */
-static int prove(struct body_search *search, uint32_t index, struct track *track, int slide,
-                 int anew, struct bvh_traversal *walk, double *floor)
+static int search_body(struct body_search *search, uint32_t slot, struct track *track, int descends,
+                       int is_fresh, struct bvh_traversal *traversal, double *lower_bound)
 {
     struct dpt_world *world = search->world;
-    const struct body *body = &world->bodies[index];
+    const struct body *body = &world->bodies[slot];
     if (track != &search->best->track)
-        begin_track(search, index, search->best->track.nearest.pair.distance2,
-                    slide ? TRACK_DESCENDS : TRACK_STAYS, track);
-    const struct plane_cache_view cache =
-        plane_cache_view_of(&world->plane_cache, world_owner(world, search->segment, index), anew);
-    int done = dpti_track_prove(track, &body->surface, &world->kernel, &cache, walk, &world->work);
-    *floor = sqrt(track->nearest.pair.distance2);
+        begin_track(search, slot, search->best->track.nearest.pair.distance2,
+                    descends ? TRACK_DESCENDS : TRACK_STAYS, track);
+    const struct plane_cache_view cache = plane_cache_view_of(
+        &world->plane_cache, world_plane_owner(world, search->segment, slot), is_fresh);
+    int is_done =
+        dpti_track_prove(track, &body->surface, &world->kernel, &cache, traversal, &world->work);
+    *lower_bound = sqrt(track->nearest.pair.distance2);
     dpti_track_settle(track);
-    take(search, body, track);
-    return done;
+    accept_if_nearer(search, body, track);
+    return is_done;
 }
 
 /* Prove as much as the budget allows, unless enough is proven; note what is. The boxes are `apart`. */
-static void ask_in_pieces(struct body_search *search, uint32_t index, double apart,
-                          struct track *track)
+static void search_within_budget(struct body_search *search, uint32_t slot, double box_gap,
+                                 struct track *track)
 {
     struct dpt_world *world = search->world;
-    struct distance_bound *bound = world_distance_bound(world, search->segment, index);
-    double moved = search->moved;
-    int done = 0;
-    if (index != search->followed)
-        moved = dpti_bounds_update(world, search->segment, index, &track->axis);
-    int anew = moved == 0.0 || search->is_new;
-    struct suspended_search *suspended = world_suspended_search(world, search->segment, anew);
-    bound->lower_bound = max_of(bound->lower_bound, apart);
-    if (!is_proven(search, dpti_bounds_proven(world, search->segment, index)) &&
+    struct distance_bound *bound = world_distance_bound(world, search->segment, slot);
+    double moved = search->axis_motion;
+    int is_done = 0;
+    if (slot != search->followed_slot)
+        moved = dpti_bounds_update(world, search->segment, slot, &track->axis);
+    int is_fresh = moved == 0.0 || search->is_new;
+    struct suspended_search *suspended = world_suspended_search(world, search->segment, is_fresh);
+    bound->lower_bound = max_of(bound->lower_bound, box_gap);
+    if (!is_enough(search, dpti_bounds_proven(world, search->segment, slot)) &&
         !work_is_spent(&search->world->work)) {
-        double floor;
-        if (suspended->body != index || !suspended->traversal.depth) {
+        double lower_bound;
+        if (suspended->body_slot != slot || !suspended->traversal.depth) {
             dpti_bounds_give_up(world, search->segment, suspended);
-            suspended->body = index;
+            suspended->body_slot = slot;
             suspended->lower_bound = HUGE_VAL;
         }
-        done = prove(search, index, track, moved > 0.0 && descent_share(world), anew,
-                     &suspended->traversal, &floor);
-        suspended->lower_bound = min_of(suspended->lower_bound, floor);
-        if (done)
+        is_done = search_body(search, slot, track, moved > 0.0 && descent_share(world), is_fresh,
+                              &suspended->traversal, &lower_bound);
+        suspended->lower_bound = min_of(suspended->lower_bound, lower_bound);
+        if (is_done)
             bound->lower_bound = max_of(bound->lower_bound, suspended->lower_bound);
     }
-    double floor = dpti_bounds_proven(world, search->segment, index);
-    if (!done && search->next == DPT_NONE && !is_proven(search, floor))
-        search->next = index;
-    search->best->lower = min_of(search->best->lower, floor);
+    double lower_bound = dpti_bounds_proven(world, search->segment, slot);
+    if (!is_done && search->next_slot == DPT_NONE && !is_enough(search, lower_bound))
+        search->next_slot = slot;
+    search->best->lower_bound = min_of(search->best->lower_bound, lower_bound);
 }
 
-static void ask(struct body_search *search, uint32_t index)
+static void search_if_near(struct body_search *search, uint32_t slot)
 {
     struct dpt_world *world = search->world;
-    const struct body *body = &world->bodies[index];
+    const struct body *body = &world->bodies[slot];
     struct body_answer *best = search->best;
     int is_best = body == best->body;
     struct track other, *track = is_best ? &best->track : &other;
-    if (!body->slot.used || search->distance == 0.0)
+    if (!body->slot.used || search->best_distance == 0.0)
         return;
-    double apart = is_best ? 0.0 : box_distance(&search->box, &world->boxes[index]);
-    if (apart >= search->distance)
+    double box_gap = is_best ? 0.0 : box_distance(&search->axis_box, &world->boxes[slot]);
+    if (box_gap >= search->best_distance)
         return;
     if (!is_best)
-        axis_in(search, body, &other.axis);
-    best->error = max_of(best->error, track->axis.error);
+        transform_axis(search, body, &other.axis);
+    best->error_bound = max_of(best->error_bound, track->axis.error);
     if (world->def.budget) {
-        ask_in_pieces(search, index, apart, track);
+        search_within_budget(search, slot, box_gap, track);
     } else {
-        struct bvh_traversal walk;
-        double floor;
-        walk.depth = 0;
-        prove(search, index, track, 1, (int)search->is_new, &walk, &floor);
+        struct bvh_traversal traversal;
+        double lower_bound;
+        traversal.depth = 0;
+        search_body(search, slot, track, 1, (int)search->is_new, &traversal, &lower_bound);
     }
 }
 
 /* The bodies that may be near, by place on the list. */
-static uint32_t near_count(const struct body_search *search)
+static uint32_t candidate_count(const struct body_search *search)
 {
     const struct dpt_world *world = search->world;
-    return world->body_end <= NEAR_FEW ? world->body_end
-                                       : world->segments[search->segment].near.now.listed;
+    return world->body_slot_end <= UNLISTED_BODIES_MAX
+               ? world->body_slot_end
+               : world->segments[search->segment].broad_phase.current.count;
 }
 
-static uint32_t near_at(const struct body_search *search, uint32_t place)
+static uint32_t candidate_slot(const struct body_search *search, uint32_t candidate)
 {
     const struct dpt_world *world = search->world;
-    uint32_t which = world->segments[search->segment].near.now.which;
-    return world->body_end <= NEAR_FEW ? place : world_near(world, search->segment, which)[place];
+    uint32_t list = world->segments[search->segment].broad_phase.current.list;
+    return world->body_slot_end <= UNLISTED_BODIES_MAX
+               ? candidate
+               : world_near_list(world, search->segment, list)[candidate];
 }
 
 /* Where nothing is known, the body whose box is nearest is the best to begin with. */
-static uint32_t nearest_box(const struct body_search *search)
+static uint32_t slot_of_nearest_box(const struct body_search *search)
 {
     uint32_t best = DPT_NONE;
-    double least = HUGE_VAL;
-    for (uint32_t i = 0; i < near_count(search); i++) {
-        uint32_t index = near_at(search, i);
-        double apart = box_distance(&search->box, &search->world->boxes[index]);
-        if (search->world->bodies[index].slot.used && apart < least) {
-            least = apart;
-            best = index;
+    double min_gap = HUGE_VAL;
+    for (uint32_t i = 0; i < candidate_count(search); i++) {
+        uint32_t slot = candidate_slot(search, i);
+        double box_gap = box_distance(&search->axis_box, &search->world->boxes[slot]);
+        if (search->world->bodies[slot].slot.used && box_gap < min_gap) {
+            min_gap = box_gap;
+            best = slot;
         }
     }
     return best;
 }
 
 /* Each of them, from `first` on. */
-static void ask_near(struct body_search *search, uint32_t first)
+static void search_candidates(struct body_search *search, uint32_t first)
 {
-    uint32_t count = near_count(search), begin = 0;
-    while (begin < count && near_at(search, begin) != first)
-        begin++;
+    uint32_t count = candidate_count(search), first_candidate = 0;
+    while (first_candidate < count && candidate_slot(search, first_candidate) != first)
+        first_candidate++;
     for (uint32_t i = 0; i < count; i++)
-        ask(search, near_at(search, begin + i < count ? begin + i : begin + i - count));
+        search_if_near(search, candidate_slot(search, first_candidate + i < count
+                                                          ? first_candidate + i
+                                                          : first_candidate + i - count));
 }
 
 static void find_exact(struct body_search *search)
 {
     struct dpt_world *world = search->world;
     struct segment *segment = &world->segments[search->segment];
-    uint32_t first = segment->last_body;
-    for (uint32_t i = 0; first == DPT_NONE && i < world->body_end; i++)
+    uint32_t first = segment->last_body_slot;
+    for (uint32_t i = 0; first == DPT_NONE && i < world->body_slot_end; i++)
         if (world->bodies[i].slot.used)
             first = i;
     if (first == DPT_NONE)
         return;
-    int many = world->body_end > NEAR_FEW;
-    if (many)
-        dpti_near_move(&segment->near, *search->a, *search->b);
-    follow(search, first);
-    if (search->distance == 0.0)
+    int has_list = world->body_slot_end > UNLISTED_BODIES_MAX;
+    if (has_list)
+        dpti_broad_phase_move(&segment->broad_phase, *search->a, *search->b);
+    follow_dynamic_point(search, first);
+    if (search->best_distance == 0.0)
         return; /* nothing is nearer */
-    search->box = box_of_axis(*search->a, *search->b);
-    if (many) {
-        double reach = dpti_near_list(world, search->segment, search->distance);
-        if (reach < search->distance)
-            search->best->lower = reach;
+    search->axis_box = box_of_axis(*search->a, *search->b);
+    if (has_list) {
+        double reach = dpti_broad_phase_update(world, search->segment, search->best_distance);
+        if (reach < search->best_distance)
+            search->best->lower_bound = reach;
     }
     /* In motion all bodies get their turn; a first search, and one at rest, begins where it costs least. */
-    uint32_t begin = search->is_new ? nearest_box(search) : first;
+    uint32_t first_candidate = search->is_new ? slot_of_nearest_box(search) : first;
     if (world->def.budget) {
-        uint32_t *next = &world_suspended_search(world, search->segment, 0)->next;
-        int goes_on = search->moved > 0.0 ||
-                      world_suspended_search(world, search->segment, 1)->traversal.depth;
-        if (*next != DPT_NONE && goes_on)
-            begin = *next;
-        else if (search->moved == 0.0)
-            begin = nearest_box(search);
-        ask_near(search, begin);
-        *next = search->next;
+        uint32_t *next = &world_suspended_search(world, search->segment, 0)->next_slot;
+        int continues = search->axis_motion > 0.0 ||
+                        world_suspended_search(world, search->segment, 1)->traversal.depth;
+        if (*next != DPT_NONE && continues)
+            first_candidate = *next;
+        else if (search->axis_motion == 0.0)
+            first_candidate = slot_of_nearest_box(search);
+        search_candidates(search, first_candidate);
+        *next = search->next_slot;
     } else {
-        ask_near(search, begin);
+        search_candidates(search, first_candidate);
     }
-    if (many && search->moved > 0.0 && is_proven(search, search->best->lower))
-        dpti_near_tidy(world, search->segment, search->distance);
+    if (has_list && search->axis_motion > 0.0 && is_enough(search, search->best->lower_bound))
+        dpti_broad_phase_shrink(world, search->segment, search->best_distance);
 }
 
-void dpti_bodies_find(struct dpt_world *world, uint32_t segment, const vec3 *a, const vec3 *b,
-                      struct body_answer *best)
+void dpti_body_search_find(struct dpt_world *world, uint32_t segment, const vec3 *a, const vec3 *b,
+                           struct body_answer *best)
 {
     struct body_search search = {
-        .world = world, .segment = segment, .a = a, .b = b, .best = best, .next = DPT_NONE
+        .world = world, .segment = segment, .a = a, .b = b, .best = best, .next_slot = DPT_NONE
     };
     best->body = NULL;
-    best->lower = HUGE_VAL;
-    best->error = 0.0;
+    best->lower_bound = HUGE_VAL;
+    best->error_bound = 0.0;
     const uint32_t before = world->work.done;
     if (world->def.method == DPT_METHOD_EXACT) {
         find_exact(&search);
     } else {
-        for (uint32_t i = 0; i < world->body_end; i++)
+        for (uint32_t i = 0; i < world->body_slot_end; i++)
             if (world->bodies[i].slot.used)
-                ask_plainly(&search, i);
+                search_without_history(&search, i);
     }
-    best->exact = best->body && is_proven(&search, best->lower);
+    best->is_exact = best->body && is_enough(&search, best->lower_bound);
     best->work = world->work.done - before;
 }
 
-void dpti_bodies_result(const struct body_answer *best, struct segment_result *result)
+void dpti_body_search_result(const struct body_answer *best, struct segment_result *result)
 {
     dpti_segment_result_of_pair(&best->track.axis, &best->track.nearest.pair, result);
     result->work = best->work;
-    result->error_bound = best->error;
-    result->lower_bound = max_of(0.0, result->distance - best->error);
-    if (!best->exact) {
+    result->error_bound = best->error_bound;
+    result->lower_bound = max_of(0.0, result->distance - best->error_bound);
+    if (!best->is_exact) {
         result->status = DPT_STATUS_BOUNDED;
-        result->lower_bound = max_of(0.0, best->lower - best->error);
+        result->lower_bound = max_of(0.0, best->lower_bound - best->error_bound);
         result->error_bound = result->distance - result->lower_bound;
     }
 }

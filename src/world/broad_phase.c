@@ -6,181 +6,187 @@ static struct box box_in_world(vec3 low, vec3 high, const struct frame *frame)
     vec3 half = scaled(sub(high, low), 0.5);
     vec3 centre = frame_to_world(frame, scaled(add(low, high), 0.5));
     double slop = 0x1p-46 * (extent_of(centre) + extent_of(low) + extent_of(high));
-    vec3 wide = {
+    vec3 half_in_world = {
         fabs(frame->x.x) * half.x + fabs(frame->y.x) * half.y + fabs(frame->z.x) * half.z + slop,
         fabs(frame->x.y) * half.x + fabs(frame->y.y) * half.y + fabs(frame->z.y) * half.z + slop,
         fabs(frame->x.z) * half.x + fabs(frame->y.z) * half.y + fabs(frame->z.z) * half.z + slop,
     };
-    return (struct box){ sub(centre, wide), add(centre, wide) };
+    return (struct box){ sub(centre, half_in_world), add(centre, half_in_world) };
 }
 
-void dpti_near_move(struct near *near, vec3 a, vec3 b)
+void dpti_broad_phase_move(struct broad_phase *broad_phase, vec3 a, vec3 b)
 {
     /* Forgotten within some hundred ticks: a list should not be made anew at each stop. */
-    near->speed *= 1.0 - 1.0 / 256.0;
-    if (near->known) {
-        double motion = max_of(length(sub(a, near->a)), length(sub(b, near->b)));
-        near->speed = max_of(near->speed, motion);
+    broad_phase->speed *= 1.0 - 1.0 / 256.0;
+    if (broad_phase->has_axis) {
+        double motion = max_of(length(sub(a, broad_phase->a)), length(sub(b, broad_phase->b)));
+        broad_phase->speed = max_of(broad_phase->speed, motion);
     }
-    near->a = a;
-    near->b = b;
-    near->known = 1;
+    broad_phase->a = a;
+    broad_phase->b = b;
+    broad_phase->has_axis = 1;
 }
 
-static double reach_of(const struct near *near)
+static double reach_of_fat_box(const struct broad_phase *broad_phase)
 {
-    struct box axis = box_of_axis(near->a, near->b);
-    const struct box *home = &near->now.box;
-    if (!(near->now.margin > 0.0))
+    struct box axis_box = box_of_axis(broad_phase->a, broad_phase->b);
+    const struct box *home = &broad_phase->current.box;
+    if (!(broad_phase->current.margin > 0.0))
         return 0.0;
-    double least = min_of(axis.low.x - home->low.x, home->high.x - axis.high.x);
-    least = min_of(least, min_of(axis.low.y - home->low.y, home->high.y - axis.high.y));
-    least = min_of(least, min_of(axis.low.z - home->low.z, home->high.z - axis.high.z));
-    return max_of(0.0, least);
+    double margin = min_of(axis_box.low.x - home->low.x, home->high.x - axis_box.high.x);
+    margin = min_of(margin, min_of(axis_box.low.y - home->low.y, home->high.y - axis_box.high.y));
+    margin = min_of(margin, min_of(axis_box.low.z - home->low.z, home->high.z - axis_box.high.z));
+    return max_of(0.0, margin);
 }
 
 /* Those within `reach` are on the list. Where the axis is not within a home, not even those that it touches. */
-static int is_listed(const struct near *near, double reach)
+static int has_reach(const struct broad_phase *broad_phase, double reach)
 {
-    return reach_of(near) > 0.0 && reach_of(near) >= reach;
+    return reach_of_fat_box(broad_phase) > 0.0 && reach_of_fat_box(broad_phase) >= reach;
 }
 
 /* Room for 128 ticks of the present motion, and for some that begins from rest. */
-static double wanted(const struct near *near, double distance)
+static double fat_margin_for(const struct broad_phase *broad_phase, double distance)
 {
-    double size = length(sub(near->b, near->a));
-    return distance + 0.125 * (distance + size) + 128.0 * near->speed;
+    double axis_length = length(sub(broad_phase->b, broad_phase->a));
+    return distance + 0.125 * (distance + axis_length) + 128.0 * broad_phase->speed;
 }
 
-static int is_wide(const struct near *near, double distance)
+static int is_too_wide(const struct broad_phase *broad_phase, double distance)
 {
-    return near->now.margin > 4.0 * wanted(near, distance);
+    return broad_phase->current.margin > 4.0 * fat_margin_for(broad_phase, distance);
 }
 
-static void begin_rebuild(struct near *near, double distance)
+static void begin_rebuild(struct broad_phase *broad_phase, double distance)
 {
-    struct box axis = box_of_axis(near->a, near->b);
-    double room = wanted(near, distance);
-    vec3 all = { room, room, room };
-    near->rebuilt = (struct fat_box){ .box = { sub(axis.low, all), add(axis.high, all) },
-                                      .margin = room,
-                                      .which = 1 - near->now.which };
-    near->scanning = 1;
-    near->scanned = 0;
+    struct box axis_box = box_of_axis(broad_phase->a, broad_phase->b);
+    double margin = fat_margin_for(broad_phase, distance);
+    vec3 margins = { margin, margin, margin };
+    broad_phase->rebuilt =
+        (struct fat_box){ .box = { sub(axis_box.low, margins), add(axis_box.high, margins) },
+                          .margin = margin,
+                          .list = 1 - broad_phase->current.list };
+    broad_phase->is_scanning = 1;
+    broad_phase->next_slot = 0;
 }
 
-static void finish_rebuild(struct near *near)
+static void finish_rebuild(struct broad_phase *broad_phase)
 {
-    near->now = near->rebuilt;
-    near->scanning = 0;
+    broad_phase->current = broad_phase->rebuilt;
+    broad_phase->is_scanning = 0;
 }
 
-uint64_t dpti_near_bytes(const dpt_world_def *def)
+uint64_t dpti_broad_phase_bytes(const dpt_world_def *def)
 {
     return mesh_aligned(8 * (uint64_t)def->max_segments * def->max_bodies);
 }
 
-char *dpti_near_place(struct dpt_world *world, char *at)
+char *dpti_broad_phase_place(struct dpt_world *world, char *at)
 {
-    world->near = (void *)at;
-    return at + dpti_near_bytes(&world->def);
+    world->near_lists = (void *)at;
+    return at + dpti_broad_phase_bytes(&world->def);
 }
 
-void dpti_near_forget(struct dpt_world *world, uint32_t segment)
+void dpti_broad_phase_forget(struct dpt_world *world, uint32_t segment)
 {
-    memset(&world->segments[segment].near, 0, sizeof world->segments[segment].near);
+    memset(&world->segments[segment].broad_phase, 0, sizeof world->segments[segment].broad_phase);
 }
 
-void dpti_near_remove(struct dpt_world *world, uint32_t first, uint32_t end)
+void dpti_broad_phase_remove(struct dpt_world *world, uint32_t first, uint32_t end)
 {
-    memmove(world_near(world, first, 0), world_near(world, end, 0),
-            (world->segment_count - end) * 2 * (size_t)world->def.max_bodies * sizeof *world->near);
+    memmove(world_near_list(world, first, 0), world_near_list(world, end, 0),
+            (world->segment_count - end) * 2 * (size_t)world->def.max_bodies *
+                sizeof *world->near_lists);
 }
 
 /* In the order of slots. */
-static void put_on_list(const struct dpt_world *world, uint32_t segment, struct fat_box *fat,
-                        uint32_t index)
+static void insert_slot(const struct dpt_world *world, uint32_t segment, struct fat_box *fat_box,
+                        uint32_t slot)
 {
-    uint32_t *list = world_near(world, segment, fat->which), at = fat->listed;
-    while (at > 0 && list[at - 1] > index)
+    uint32_t *list = world_near_list(world, segment, fat_box->list), at = fat_box->count;
+    while (at > 0 && list[at - 1] > slot)
         at--;
-    if (at > 0 && list[at - 1] == index)
+    if (at > 0 && list[at - 1] == slot)
         return;
-    memmove(list + at + 1, list + at, (fat->listed - at) * sizeof *list);
-    list[at] = index;
-    fat->listed++;
+    memmove(list + at + 1, list + at, (fat_box->count - at) * sizeof *list);
+    list[at] = slot;
+    fat_box->count++;
 }
 
 /* Go on with the list of the next home. */
-static void scan(struct dpt_world *world, uint32_t segment)
+static void continue_scan(struct dpt_world *world, uint32_t segment)
 {
-    struct near *near = &world->segments[segment].near;
-    struct fat_box *fat = &near->rebuilt;
-    uint32_t *list = world_near(world, segment, fat->which);
-    while (near->scanned < world->body_end && !work_is_spent(&world->work)) {
+    struct broad_phase *broad_phase = &world->segments[segment].broad_phase;
+    struct fat_box *fat_box = &broad_phase->rebuilt;
+    uint32_t *list = world_near_list(world, segment, fat_box->list);
+    while (broad_phase->next_slot < world->body_slot_end && !work_is_spent(&world->work)) {
         work_spend(&world->work, 1);
-        for (int i = 0; i < LANES && near->scanned < world->body_end; i++) {
-            uint32_t index = near->scanned++;
-            if (world->bodies[index].slot.used && box_meets(&fat->box, &world->boxes[index]))
-                list[fat->listed++] = index;
+        for (int i = 0; i < LANES && broad_phase->next_slot < world->body_slot_end; i++) {
+            uint32_t slot = broad_phase->next_slot++;
+            if (world->bodies[slot].slot.used && box_meets(&fat_box->box, &world->boxes[slot]))
+                list[fat_box->count++] = slot;
         }
     }
-    if (near->scanned == world->body_end)
-        finish_rebuild(near);
+    if (broad_phase->next_slot == world->body_slot_end)
+        finish_rebuild(broad_phase);
 }
 
-double dpti_near_list(struct dpt_world *world, uint32_t segment, double distance)
+double dpti_broad_phase_update(struct dpt_world *world, uint32_t segment, double distance)
 {
-    struct near *near = &world->segments[segment].near;
-    if (!near->scanning && !(near->now.margin > 0.0 && reach_of(near) >= distance))
-        begin_rebuild(near, distance);
-    if (near->scanning)
-        scan(world, segment);
-    return reach_of(near);
+    struct broad_phase *broad_phase = &world->segments[segment].broad_phase;
+    if (!broad_phase->is_scanning &&
+        !(broad_phase->current.margin > 0.0 && reach_of_fat_box(broad_phase) >= distance))
+        begin_rebuild(broad_phase, distance);
+    if (broad_phase->is_scanning)
+        continue_scan(world, segment);
+    return reach_of_fat_box(broad_phase);
 }
 
-void dpti_near_tidy(struct dpt_world *world, uint32_t segment, double distance)
+void dpti_broad_phase_shrink(struct dpt_world *world, uint32_t segment, double distance)
 {
-    struct near *near = &world->segments[segment].near;
-    uint32_t units = (world->body_end + LANES - 1) / LANES;
-    if (!is_wide(near, distance) || work_left(&world->work) < units)
+    struct broad_phase *broad_phase = &world->segments[segment].broad_phase;
+    uint32_t scan_units = (world->body_slot_end + LANES - 1) / LANES;
+    if (!is_too_wide(broad_phase, distance) || work_left(&world->work) < scan_units)
         return;
-    begin_rebuild(near, distance);
-    scan(world, segment);
+    begin_rebuild(broad_phase, distance);
+    continue_scan(world, segment);
 }
 
-const struct nearby *dpti_near_within(struct dpt_world *world, uint32_t segment, double reach)
+const struct near_bodies *dpti_broad_phase_within(struct dpt_world *world, uint32_t segment,
+                                                  double reach)
 {
-    struct near *near = &world->segments[segment].near;
-    struct nearby *nearby = &world->nearby;
-    if (nearby->reach >= reach)
-        return nearby;
-    nearby->reach = max_of(reach, world->segments[segment].radius + world->def.margin);
-    nearby->list = NULL;
-    nearby->count = world->body_end;
-    if (world->body_end <= NEAR_FEW || world->def.method != DPT_METHOD_EXACT)
-        return nearby;
-    if (!is_listed(near, nearby->reach) && !world->def.budget) {
-        begin_rebuild(near, nearby->reach);
-        scan(world, segment);
+    struct broad_phase *broad_phase = &world->segments[segment].broad_phase;
+    struct near_bodies *near_bodies = &world->near_bodies;
+    if (near_bodies->reach >= reach)
+        return near_bodies;
+    near_bodies->reach = max_of(reach, world->segments[segment].radius + world->def.margin);
+    near_bodies->slots = NULL;
+    near_bodies->count = world->body_slot_end;
+    if (world->body_slot_end <= UNLISTED_BODIES_MAX || world->def.method != DPT_METHOD_EXACT)
+        return near_bodies;
+    if (!has_reach(broad_phase, near_bodies->reach) && !world->def.budget) {
+        begin_rebuild(broad_phase, near_bodies->reach);
+        continue_scan(world, segment);
     }
-    if (is_listed(near, nearby->reach)) {
-        nearby->list = world_near(world, segment, near->now.which);
-        nearby->count = near->now.listed;
+    if (has_reach(broad_phase, near_bodies->reach)) {
+        near_bodies->slots = world_near_list(world, segment, broad_phase->current.list);
+        near_bodies->count = broad_phase->current.count;
     }
-    return nearby;
+    return near_bodies;
 }
 
-void dpti_near_put_body(struct dpt_world *world, uint32_t index)
+void dpti_broad_phase_put_body(struct dpt_world *world, uint32_t slot)
 {
-    const struct body *body = &world->bodies[index];
-    struct box *box = &world->boxes[index];
+    const struct body *body = &world->bodies[slot];
+    struct box *box = &world->boxes[slot];
     *box = box_in_world(body->surface.box_min, body->surface.box_max, &body->frame);
-    for (uint32_t s = 0; world->body_end > NEAR_FEW && s < world->segment_count; s++) {
-        struct near *near = &world->segments[s].near;
-        if (near->now.margin > 0.0 && box_meets(&near->now.box, box))
-            put_on_list(world, s, &near->now, index);
-        if (near->scanning && index < near->scanned && box_meets(&near->rebuilt.box, box))
-            put_on_list(world, s, &near->rebuilt, index);
+    for (uint32_t s = 0; world->body_slot_end > UNLISTED_BODIES_MAX && s < world->segment_count;
+         s++) {
+        struct broad_phase *broad_phase = &world->segments[s].broad_phase;
+        if (broad_phase->current.margin > 0.0 && box_meets(&broad_phase->current.box, box))
+            insert_slot(world, s, &broad_phase->current, slot);
+        if (broad_phase->is_scanning && slot < broad_phase->next_slot &&
+            box_meets(&broad_phase->rebuilt.box, box))
+            insert_slot(world, s, &broad_phase->rebuilt, slot);
     }
 }

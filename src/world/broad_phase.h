@@ -17,28 +17,28 @@ struct box {
 /* A home, in the world, and how many bodies are on its list. */
 struct fat_box {
     struct box box;
-    double margin;   /* from the axis to the faces, when it was made; 0: there is none */
-    uint32_t listed; /* bodies */
-    uint32_t which;  /* of the segment's two lists */
+    double margin;  /* from the axis to the faces, when it was made; 0: there is none */
+    uint32_t count; /* bodies */
+    uint32_t list;  /* of the segment's two lists */
 };
 
 /* One axis' surroundings. While a new home's list is made, the old one serves. */
-struct near {
-    struct fat_box now, rebuilt;
-    vec3 a, b;         /* where the axis was last tick */
-    double speed;      /* of the faster end, m a tick; slowly forgotten */
-    uint32_t known;    /* 0: it was nowhere */
-    uint32_t scanning; /* there is a `next`; body slots from `scanned` on were not looked at */
-    uint32_t scanned;
+struct broad_phase {
+    struct fat_box current, rebuilt;
+    vec3 a, b;            /* where the axis was last tick */
+    double speed;         /* of the faster end, m a tick; slowly forgotten */
+    uint32_t has_axis;    /* 0: it was nowhere */
+    uint32_t is_scanning; /* there is a `next`; body slots from `scanned` on were not looked at */
+    uint32_t next_slot;
     uint32_t reserved;
 };
 
 /* So few bodies are all near: a list of them would cost more than it saves. */
-enum { NEAR_FEW = 4 };
+enum { UNLISTED_BODIES_MAX = 4 };
 
 /* Bodies that may be within reach of a segment. */
-struct nearby {
-    const uint32_t *list; /* of their slots, in order; or NULL: all of so many */
+struct near_bodies {
+    const uint32_t *slots; /* of their slots, in order; or NULL: all of so many */
     uint32_t count;
     uint32_t reserved;
     double reach; /* negative: not looked for yet */
@@ -68,37 +68,38 @@ static inline int box_meets(const struct box *a, const struct box *b)
 }
 
 /* Its share of dpt_world_bytes: each segment's two lists of bodies. */
-uint64_t dpti_near_bytes(const dpt_world_def *def);
+uint64_t dpti_broad_phase_bytes(const dpt_world_def *def);
 
 /* Place its memory at `at`; returns where it ends. */
-char *dpti_near_place(struct dpt_world *world, char *at);
+char *dpti_broad_phase_place(struct dpt_world *world, char *at);
 
 /* Forget what is near a segment. */
-void dpti_near_forget(struct dpt_world *world, uint32_t segment);
+void dpti_broad_phase_forget(struct dpt_world *world, uint32_t segment);
 
 /* Remove the segments from `first` up to, not including, `end`: those behind them move up. */
-void dpti_near_remove(struct dpt_world *world, uint32_t first, uint32_t end);
+void dpti_broad_phase_remove(struct dpt_world *world, uint32_t first, uint32_t end);
 
 /* A body is there, or its pose has changed: its box, and the lists that it belongs on. */
-void dpti_near_put_body(struct dpt_world *world, uint32_t index);
+void dpti_broad_phase_put_body(struct dpt_world *world, uint32_t slot);
 
 /* A tick begins: the axis is here now. */
-void dpti_near_move(struct near *near, vec3 a, vec3 b);
+void dpti_broad_phase_move(struct broad_phase *broad_phase, vec3 a, vec3 b);
 
 /*
  * List the bodies that may be as near to a segment as `distance`, that of the nearest so far, within the budget. Returns
  * how near those that are not listed may be.
  */
-double dpti_near_list(struct dpt_world *world, uint32_t segment, double distance);
+double dpti_broad_phase_update(struct dpt_world *world, uint32_t segment, double distance);
 
 /* All is proven: where a list is far longer than it need be, and there is work left for a whole scan, make it anew. */
-void dpti_near_tidy(struct dpt_world *world, uint32_t segment, double distance);
+void dpti_broad_phase_shrink(struct dpt_world *world, uint32_t segment, double distance);
 
 /*
  * The bodies whose boxes may be within reach of a segment, after its nearest pair was searched for. They are looked for
  * once: with the first reach that is asked for, or that of its contact, whichever is larger. world->nearby.reach is
  * negative before.
  */
-const struct nearby *dpti_near_within(struct dpt_world *world, uint32_t segment, double reach);
+const struct near_bodies *dpti_broad_phase_within(struct dpt_world *world, uint32_t segment,
+                                                  double reach);
 
 #endif

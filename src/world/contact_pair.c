@@ -11,49 +11,51 @@
 static uint32_t load_warm_starts(struct contact_pair *contact_pair,
                                  struct warm_start warm_starts[PROFILE_WARM_STARTS])
 {
-    const struct persistent_contacts *before = contacts_before(contact_pair->world);
+    const struct persistent_contacts *last_tick = contacts_last_tick(contact_pair->world);
     uint32_t count = 0;
     contact_pair->sides.count = 0;
-    for (uint32_t i = 0; i < before->count; i++) {
-        const struct persistent_contact *persistent = &before->at[i];
+    for (uint32_t i = 0; i < last_tick->count; i++) {
+        const struct persistent_contact *persistent = &last_tick->items[i];
         if (!persistent_contact_is_of(persistent, contact_pair->segment, contact_pair->body))
             continue;
         for (uint32_t k = 0; k < persistent->warm_start_count && count < PROFILE_WARM_STARTS; k++)
-            warm_starts[count++] = persistent->warm_start[k];
+            warm_starts[count++] = persistent->warm_starts[k];
         /* What was in front, and went through nothing, is in front now, wherever it is, and if it went round a border. */
-        if (persistent->side && !persistent->front)
+        if (persistent->side && !persistent->is_in_front)
             dpti_sides_put(&contact_pair->sides, persistent->part, persistent->side);
     }
     return count;
 }
 
-static double shared(const struct persistent_contact *persistent, const struct region *region)
+static double shared_length(const struct persistent_contact *persistent,
+                            const struct region *region)
 {
     return min_of(persistent->contact.s1, region->to) -
            max_of(persistent->contact.s0, region->from);
 }
 
 /* Of the last tick's, the one that has most of the same stretch on the same part, and is not taken by another. */
-static const struct persistent_contact *same_region(const struct contact_pair *contact_pair,
-                                                    const struct region *region)
+static const struct persistent_contact *find_previous(const struct contact_pair *contact_pair,
+                                                      const struct region *region)
 {
-    const struct persistent_contacts *before = contacts_before(contact_pair->world),
-                                     *now = contacts_now(contact_pair->world);
+    const struct persistent_contacts *last_tick = contacts_last_tick(contact_pair->world),
+                                     *this_tick = contacts_this_tick(contact_pair->world);
     const struct persistent_contact *best = NULL;
-    for (uint32_t i = 0; i < before->count; i++) {
-        const struct persistent_contact *persistent = &before->at[i];
-        int taken =
+    for (uint32_t i = 0; i < last_tick->count; i++) {
+        const struct persistent_contact *persistent = &last_tick->items[i];
+        int is_excluded =
             !persistent_contact_is_of(persistent, contact_pair->segment, contact_pair->body) ||
-            persistent->part != region->part || shared(persistent, region) < 0.0;
-        for (uint32_t k = 0; k < now->count && !taken; k++)
-            taken = now->at[k].contact.id == persistent->contact.id;
-        if (!taken && (!best || shared(persistent, region) > shared(best, region)))
+            persistent->part != region->part || shared_length(persistent, region) < 0.0;
+        for (uint32_t k = 0; k < this_tick->count && !is_excluded; k++)
+            is_excluded = this_tick->items[k].contact.id == persistent->contact.id;
+        if (!is_excluded &&
+            (!best || shared_length(persistent, region) > shared_length(best, region)))
             best = persistent;
     }
     return best;
 }
 
-static int goes_through(const struct distance_profile *profile, const struct region *region)
+static int has_crossing(const struct distance_profile *profile, const struct region *region)
 {
     for (uint32_t k = 0; k < profile->crossing_count; k++)
         if (profile->crossing[k].s >= region->from && profile->crossing[k].s <= region->to)
@@ -72,12 +74,13 @@ static void write_contact(const struct contact_pair *contact_pair, const struct 
     vec3 p = along(axis->a, deepest->s, sub(axis->b, axis->a));
     contact->size = sizeof *contact;
     contact->body = contact_pair->body->id;
-    contact->segment = contact_pair->segment - contact_pair->world->tools[segment->tool].first;
+    contact->segment =
+        contact_pair->segment - contact_pair->world->tools[segment->tool_slot].first_segment;
     contact->triangle = contact_pair->body->surface.sources[deepest->triangle];
     contact->gap = deepest->height - contact_pair->radius;
     contact->contact = dpti_contact_of_gap(contact->gap, axis->error);
     contact->flags =
-        (goes_through(contact_pair->profile, region) ? DPT_CONTACT_FLAG_CROSSING : 0u) |
+        (has_crossing(contact_pair->profile, region) ? DPT_CONTACT_FLAG_CROSSING : 0u) |
         (persistent->side ? DPT_CONTACT_FLAG_SIDED : 0u) |
         (contact_pair->profile->is_coarse ? DPT_CONTACT_FLAG_COARSE : 0u);
     contact->s0 = region->from;
@@ -96,16 +99,16 @@ static void write_contact(const struct contact_pair *contact_pair, const struct 
 }
 
 /* With a budget: the axis has not moved in the frame of the body, as far as is known. */
-static int rests(const struct contact_pair *contact_pair)
+static int is_resting(const struct contact_pair *contact_pair)
 {
     const struct dpt_world *world = contact_pair->world;
-    uint32_t nearest = world->segments[contact_pair->segment].last_body;
+    uint32_t nearest_slot = world->segments[contact_pair->segment].last_body_slot;
     if (!world->def.budget ||
-        world_distance_bound(world, contact_pair->segment, nearest)->rested != world->ticks)
+        world_distance_bound(world, contact_pair->segment, nearest_slot)->rest_tick != world->ticks)
         return 0;
-    const struct body *body = &world->bodies[nearest];
+    const struct body *body = &world->bodies[nearest_slot];
     return contact_pair->body == body ||
-           (body->moved != world->ticks && contact_pair->body->moved != world->ticks);
+           (body->moved_tick != world->ticks && contact_pair->body->moved_tick != world->ticks);
 }
 
 /*
@@ -113,34 +116,34 @@ static int rests(const struct contact_pair *contact_pair)
  * knows more in each tick.
  */
 static void put_warm_starts(const struct contact_pair *contact_pair, const struct region *region,
-                            const struct persistent_contact *before,
+                            const struct persistent_contact *previous,
                             struct persistent_contact *persistent)
 {
-    if (!rests(contact_pair)) {
+    if (!is_resting(contact_pair)) {
         persistent->warm_start_count = dpti_contact_region_warm_starts(
-            contact_pair->profile, region, persistent->warm_start, WARM_STARTS_MAX);
-    } else if (before) {
-        persistent->warm_start_count = before->warm_start_count;
-        memcpy(persistent->warm_start, before->warm_start, sizeof persistent->warm_start);
+            contact_pair->profile, region, persistent->warm_starts, WARM_STARTS_MAX);
+    } else if (previous) {
+        persistent->warm_start_count = previous->warm_start_count;
+        memcpy(persistent->warm_starts, previous->warm_starts, sizeof persistent->warm_starts);
     }
 }
 
 static void put_persistent_contact(struct contact_pair *contact_pair, const struct region *region)
 {
-    const struct persistent_contact *before = same_region(contact_pair, region);
-    struct persistent_contact *persistent = dpti_contacts_put(contact_pair->world);
+    const struct persistent_contact *previous = find_previous(contact_pair, region);
+    struct persistent_contact *persistent = dpti_persistent_contacts_add(contact_pair->world);
     if (!persistent)
         return;
     memset(persistent, 0, sizeof *persistent);
     persistent->segment = contact_pair->segment;
     persistent->part = region->part;
-    persistent->front = contact_pair->profile->sample[region->deepest].height > 0.0;
-    persistent->side = dpti_sheet_side_of_region(
+    persistent->is_in_front = contact_pair->profile->sample[region->deepest].height > 0.0;
+    persistent->side = dpti_sheet_side_to_keep(
         contact_pair, region,
         contact_pair->profile->sample[region->deepest].height - contact_pair->radius);
-    put_warm_starts(contact_pair, region, before, persistent);
+    put_warm_starts(contact_pair, region, previous, persistent);
     persistent->contact.id =
-        before ? before->contact.id : dpti_contacts_new_id(contact_pair->world);
+        previous ? previous->contact.id : dpti_persistent_contacts_new_id(contact_pair->world);
     write_contact(contact_pair, region, persistent, &persistent->contact);
 }
 
@@ -149,44 +152,45 @@ static void put_persistent_contact(struct contact_pair *contact_pair, const stru
  * with the lowest first. Else the tool would be looked for where it once was: a search that does not come to its end begins
  * no better in the next tick, and behind a sheet what is there would in the end not be found.
  */
-static void take_warm_starts(const struct contact_pair *contact_pair, const struct region *regions,
-                             uint32_t count, struct persistent_contact *persistent)
+static void update_warm_starts(const struct contact_pair *contact_pair,
+                               const struct region *regions, uint32_t count,
+                               struct persistent_contact *persistent)
 {
     const struct profile_sample *lowest =
         dpti_profile_lowest_on(contact_pair->profile, persistent->part);
     const struct region *best = NULL;
     for (uint32_t k = 0; k < count; k++)
         if (regions[k].part == persistent->part &&
-            (!best || shared(persistent, &regions[k]) > shared(persistent, best)))
+            (!best || shared_length(persistent, &regions[k]) > shared_length(persistent, best)))
             best = &regions[k];
     if (best)
         persistent->warm_start_count = dpti_contact_region_warm_starts(
-            contact_pair->profile, best, persistent->warm_start, WARM_STARTS_MAX);
+            contact_pair->profile, best, persistent->warm_starts, WARM_STARTS_MAX);
     else if (lowest)
         dpti_persistent_contact_put_warm_start(
             persistent, &(struct warm_start){ lowest->s, lowest->triangle, 1.0f });
 }
 
 static void carry_over_undecided(struct contact_pair *contact_pair, const struct region *regions,
-                                 uint32_t count, int dropped)
+                                 uint32_t count, int has_dropped_side)
 {
-    const struct persistent_contacts *before = contacts_before(contact_pair->world);
-    for (uint32_t i = 0; i < before->count; i++) {
-        struct persistent_contact *persistent = &before->at[i];
+    const struct persistent_contacts *last_tick = contacts_last_tick(contact_pair->world);
+    for (uint32_t i = 0; i < last_tick->count; i++) {
+        struct persistent_contact *persistent = &last_tick->items[i];
         if (!persistent_contact_is_of(persistent, contact_pair->segment, contact_pair->body))
             continue;
-        if (dropped && !dpti_sides_get(&contact_pair->sides, persistent->part))
+        if (has_dropped_side && !dpti_sides_get(&contact_pair->sides, persistent->part))
             persistent->side = 0;
-        dpti_sheet_keep_side(contact_pair, persistent);
-        if (!rests(contact_pair))
-            take_warm_starts(contact_pair, regions, count, persistent);
-        dpti_contacts_carry_over_one(contact_pair->world, persistent);
+        dpti_sheet_update_side(contact_pair, persistent);
+        if (!is_resting(contact_pair))
+            update_warm_starts(contact_pair, regions, count, persistent);
+        dpti_persistent_contacts_carry_over_one(contact_pair->world, persistent);
     }
 }
 
 /* Where sides are each sample's own, what is between those that the depth had may be deeper: regions have more. */
-static void take_deepest(struct contact_pair *contact_pair, const struct region *regions,
-                         uint32_t count, double *gap)
+static void update_deepest(struct contact_pair *contact_pair, const struct region *regions,
+                           uint32_t count, double *gap)
 {
     struct distance_profile *profile = contact_pair->profile;
     for (uint32_t i = 0; i < count; i++) {
@@ -200,28 +204,28 @@ static void take_deepest(struct contact_pair *contact_pair, const struct region 
 }
 
 /* Gap and regions with the sides that are kept; CONTACT_... */
-static int find_regions(struct contact_pair *contact_pair, const struct warm_start *warm_starts,
-                        uint32_t warm_start_count, struct region regions[REGION_MAX],
-                        uint32_t *count, double *gap)
+static int find_gap_and_regions(struct contact_pair *contact_pair,
+                                const struct warm_start *warm_starts, uint32_t warm_start_count,
+                                struct region regions[REGION_MAX], uint32_t *count, double *gap)
 {
     struct dpt_world *world = contact_pair->world;
     struct distance_profile *profile = contact_pair->profile;
     profile->work = work_of(work_left(&world->work));
-    int found = dpti_contact_find(profile, &contact_pair->nearest, warm_starts, warm_start_count,
-                                  contact_pair->radius, gap);
+    int status = dpti_contact_find(profile, &contact_pair->nearest, warm_starts, warm_start_count,
+                                   contact_pair->radius, gap);
     *count = 0;
-    if (found == CONTACT_PROFILE && world->def.max_contacts) {
+    if (status == CONTACT_PROFILE && world->def.max_contacts) {
         /* Integrals leave half to the segments that come after: their gaps count for more. */
         if (world->def.budget && world->segment_count > 1)
             profile->work.limit -= work_left(&profile->work) / 2;
         *count = dpti_contact_regions(profile, regions);
-        take_deepest(contact_pair, regions, *count, gap);
+        update_deepest(contact_pair, regions, *count, gap);
         /* Where each sample has a side of its own, what is deepest is found with the regions. */
-        if (profile->is_cut && profile_has_side_per_sample(profile))
-            found = CONTACT_UNKNOWN;
+        if (profile->cut && profile_by_sample(profile))
+            status = CONTACT_UNKNOWN;
     }
     work_spend(&world->work, profile->work.done);
-    return found;
+    return status;
 }
 
 int dpti_contact_pair_find(struct contact_pair *contact_pair, double *gap)
@@ -240,13 +244,16 @@ int dpti_contact_pair_find(struct contact_pair *contact_pair, double *gap)
     profile->body = handle_index(contact_pair->body->id);
     profile->reach = contact_pair->radius + (world->def.max_contacts ? world->def.margin : 0.0);
     profile->tolerance = PROFILE_DEPTH_SHARE * dpti_surface_diagonal(profile->surface);
-    int found = find_regions(contact_pair, warm_starts, warm_start_count, regions, &count, gap);
-    int dropped = found == CONTACT_PROFILE && dpti_sheet_drop_sides(contact_pair, regions, count);
-    if (dropped)
-        found = find_regions(contact_pair, warm_starts, warm_start_count, regions, &count, gap);
-    if (found == CONTACT_UNKNOWN)
-        carry_over_undecided(contact_pair, regions, count, dropped);
-    for (uint32_t i = 0; i < count && found != CONTACT_UNKNOWN; i++)
+    int status =
+        find_gap_and_regions(contact_pair, warm_starts, warm_start_count, regions, &count, gap);
+    int has_dropped_side =
+        status == CONTACT_PROFILE && dpti_sheet_drop_sides(contact_pair, regions, count);
+    if (has_dropped_side)
+        status =
+            find_gap_and_regions(contact_pair, warm_starts, warm_start_count, regions, &count, gap);
+    if (status == CONTACT_UNKNOWN)
+        carry_over_undecided(contact_pair, regions, count, has_dropped_side);
+    for (uint32_t i = 0; i < count && status != CONTACT_UNKNOWN; i++)
         put_persistent_contact(contact_pair, &regions[i]);
-    return found;
+    return status;
 }

@@ -6,37 +6,38 @@
 #include "world/sheet_sides.h"
 
 /* The nearest pair with another body than the nearest: in full, as it is needed rarely. 0: the budget ended that. */
-static int search_other(struct contact_pair *contact_pair, vec3 a, vec3 b)
+static int find_nearest_pair(struct contact_pair *contact_pair, vec3 a, vec3 b)
 {
     struct dpt_world *world = contact_pair->world;
     const struct surface *surface = &contact_pair->body->surface;
     const struct axis *axis = &contact_pair->axis;
     struct pair_search *nearest = &contact_pair->nearest;
-    uint32_t *last = world_last(world, contact_pair->segment, handle_index(contact_pair->body->id));
-    struct bvh_traversal walk;
-    walk.depth = 0;
+    uint32_t *last_triangle =
+        world_last_triangles(world, contact_pair->segment, handle_index(contact_pair->body->id));
+    struct bvh_traversal traversal;
+    traversal.depth = 0;
     if (work_is_spent(&world->work))
         return 0;
     axis_of(surface, &contact_pair->body->frame, a, b, &contact_pair->axis);
-    *nearest =
-        (struct pair_search){ .pair = dpti_triangle_pair(surface, *last == DPT_NONE ? 0 : *last,
-                                                         axis->local_a, axis->u),
-                              .triangle = *last == DPT_NONE ? 0 : *last };
-    int done = dpti_bvh_traverse(surface, &world->kernel, NULL, axis->local_a, axis->u, 0.0, &walk,
-                                 &world->work, nearest);
-    *last = nearest->triangle;
-    return done;
+    *nearest = (struct pair_search){ .pair = dpti_triangle_pair(
+                                         surface, *last_triangle == DPT_NONE ? 0 : *last_triangle,
+                                         axis->local_a, axis->u),
+                                     .triangle = *last_triangle == DPT_NONE ? 0 : *last_triangle };
+    int is_done = dpti_bvh_traverse(surface, &world->kernel, NULL, axis->local_a, axis->u, 0.0,
+                                    &traversal, &world->work, nearest);
+    *last_triangle = nearest->triangle;
+    return is_done;
 }
 
 /* What a segment meets, over all bodies. */
-struct force_sum {
-    struct penetration push; /* of the least gap */
-    struct penetration felt; /* of the least as it counts */
-    struct pushing_part pusher;
-    double gap;
-    double least; /* its gap */
-    int known;
-    int keeps; /* whose push it was in the last tick, behind a sheet, is met, and its side still counts */
+struct contact_sum {
+    struct penetration penetration;      /* of the least gap */
+    struct penetration felt_penetration; /* of the least as it counts */
+    struct pushing_part pushing_part;
+    double min_gap;
+    double min_felt_gap; /* its gap */
+    int is_known;
+    int previous_part_pushes; /* whose push it was in the last tick, behind a sheet, is met, and its side still counts */
 };
 
 static struct pushing_part pushing_part_of(const struct contact_pair *contact_pair)
@@ -56,9 +57,9 @@ static struct pushing_part pushing_part_of(const struct contact_pair *contact_pa
 static void carry_over_penetration(const struct contact_pair *contact_pair, uint32_t part,
                                    const struct warm_start *warm_start)
 {
-    struct persistent_contacts *holds = contacts_now(contact_pair->world);
-    for (uint32_t i = 0; i < holds->count; i++) {
-        struct persistent_contact *persistent = &holds->at[i];
+    struct persistent_contacts *current = contacts_this_tick(contact_pair->world);
+    for (uint32_t i = 0; i < current->count; i++) {
+        struct persistent_contact *persistent = &current->items[i];
         if (persistent_contact_is_of(persistent, contact_pair->segment, contact_pair->body) &&
             persistent->part == part && warm_start->s >= persistent->contact.s0 &&
             warm_start->s <= persistent->contact.s1)
@@ -66,80 +67,84 @@ static void carry_over_penetration(const struct contact_pair *contact_pair, uint
     }
 }
 
-static void find_contacts(struct contact_pair *contact_pair, const struct body_answer *best,
-                          struct force_sum *sum)
+static void add_body(struct contact_pair *contact_pair, const struct body_answer *best,
+                     struct contact_sum *sum)
 {
-    int found = CONTACT_UNKNOWN;
+    int status = CONTACT_UNKNOWN;
     double gap = HUGE_VAL;
-    int ready = contact_pair->body == best->body;
-    if (ready) {
+    int has_pair = contact_pair->body == best->body;
+    if (has_pair) {
         contact_pair->axis = best->track.axis;
         contact_pair->nearest = best->track.nearest;
     } else {
-        ready = search_other(contact_pair, best->track.axis.a, best->track.axis.b);
+        has_pair = find_nearest_pair(contact_pair, best->track.axis.a, best->track.axis.b);
     }
-    if (ready) {
-        found = dpti_contact_pair_find(contact_pair, &gap);
+    if (has_pair) {
+        status = dpti_contact_pair_find(contact_pair, &gap);
     } else {
-        dpti_contacts_carry_over_body(contact_pair->world, contact_pair->segment,
-                                      contact_pair->body);
+        dpti_persistent_contacts_carry_over_body(contact_pair->world, contact_pair->segment,
+                                                 contact_pair->body);
     }
-    struct segment *own = &contact_pair->world->segments[contact_pair->segment];
-    sum->known &= found != CONTACT_UNKNOWN;
-    if (found == CONTACT_PROFILE && own->previous_pushing_part.body == contact_pair->body->id)
-        sum->keeps = dpti_sheet_keeps_push(contact_pair, own->previous_pushing_part.part);
-    if (found != CONTACT_PROFILE)
+    struct segment *own_segment = &contact_pair->world->segments[contact_pair->segment];
+    sum->is_known &= status != CONTACT_UNKNOWN;
+    if (status == CONTACT_PROFILE &&
+        own_segment->previous_pushing_part.body_id == contact_pair->body->id)
+        sum->previous_part_pushes =
+            dpti_sheet_still_pushes(contact_pair, own_segment->previous_pushing_part.part);
+    if (status != CONTACT_PROFILE)
         return;
     const uint32_t smooth = contact_pair->world->def.smooth_normals;
-    const struct pushing_part pusher = pushing_part_of(contact_pair);
+    const struct pushing_part pushing_part = pushing_part_of(contact_pair);
     struct penetration penetration =
         dpti_contact_penetration(contact_pair->profile, &contact_pair->body->frame, gap, smooth);
-    double least = gap;
-    if (gap < sum->gap) {
-        sum->push = penetration;
-        sum->gap = gap;
+    double felt_gap = gap;
+    if (gap < sum->min_gap) {
+        sum->penetration = penetration;
+        sum->min_gap = gap;
     }
-    if (pusher.behind && !(penetration.depth <= -sum->least)) {
-        struct warm_start point;
-        if (dpti_sheet_border_reduce(contact_pair->profile, &contact_pair->body->frame, pusher.body,
-                                     contact_pair->radius, smooth, &own->border, &penetration,
-                                     &point))
-            carry_over_penetration(contact_pair, pusher.part, &point);
-        least = -penetration.depth;
+    if (pushing_part.is_behind_sheet && !(penetration.depth <= -sum->min_felt_gap)) {
+        struct warm_start warm_start;
+        if (dpti_sheet_border_weigh(contact_pair->profile, &contact_pair->body->frame,
+                                    pushing_part.body_id, contact_pair->radius, smooth,
+                                    &own_segment->border, &penetration, &warm_start))
+            carry_over_penetration(contact_pair, pushing_part.part, &warm_start);
+        felt_gap = -penetration.depth;
     }
-    if (least < sum->least) {
-        sum->felt = penetration;
-        sum->pusher = pusher;
-        sum->least = least;
+    if (felt_gap < sum->min_felt_gap) {
+        sum->felt_penetration = penetration;
+        sum->pushing_part = pushing_part;
+        sum->min_felt_gap = felt_gap;
     }
 }
 
 void dpti_contacts_find(struct dpt_world *world, uint32_t segment, const struct body_answer *best,
                         struct segment_result *result, struct penetration *penetration)
 {
-    struct segment *own = &world->segments[segment];
-    struct contact_pair contact_pair = {
-        .world = world, .segment = segment, .radius = own->radius, .profile = &world->profile
-    };
-    dpti_contacts_note_motion(world, segment);
+    struct segment *own_segment = &world->segments[segment];
+    struct contact_pair contact_pair = { .world = world,
+                                         .segment = segment,
+                                         .radius = own_segment->radius,
+                                         .profile = &world->profile };
+    dpti_persistent_contacts_note_motion(world, segment);
     struct box box = box_of_axis(best->track.axis.a, best->track.axis.b);
     double reach = contact_pair.radius + world->def.margin;
-    struct force_sum sum = { .gap = HUGE_VAL, .least = HUGE_VAL, .known = 1 };
-    const struct nearby *nearby = dpti_near_within(world, segment, reach);
-    for (uint32_t i = 0; i < nearby->count; i++) {
-        uint32_t slot = nearby->list ? nearby->list[i] : i;
+    struct contact_sum sum = { .min_gap = HUGE_VAL, .min_felt_gap = HUGE_VAL, .is_known = 1 };
+    const struct near_bodies *near_bodies = dpti_broad_phase_within(world, segment, reach);
+    for (uint32_t i = 0; i < near_bodies->count; i++) {
+        uint32_t slot = near_bodies->slots ? near_bodies->slots[i] : i;
         contact_pair.body = &world->bodies[slot];
-        int near =
+        int is_near =
             contact_pair.body == best->body || box_distance(&box, &world->boxes[slot]) <= reach;
-        if (contact_pair.body->slot.used && near)
-            find_contacts(&contact_pair, best, &sum);
+        if (contact_pair.body->slot.used && is_near)
+            add_body(&contact_pair, best, &sum);
     }
-    if (!sum.known)
+    if (!sum.is_known)
         return;
-    dpti_segment_result_set_gap(result, min_of(sum.gap, result->distance - contact_pair.radius),
+    dpti_segment_result_set_gap(result, min_of(sum.min_gap, result->distance - contact_pair.radius),
                                 result->error_bound);
-    *penetration = sum.push;
-    own->felt_penetration = sum.felt;
-    own->pushing_part = sum.pusher;
-    own->given_up = own->previous_pushing_part.behind && !sum.keeps;
+    *penetration = sum.penetration;
+    own_segment->felt_penetration = sum.felt_penetration;
+    own_segment->pushing_part = sum.pushing_part;
+    own_segment->has_given_up_push =
+        own_segment->previous_pushing_part.is_behind_sheet && !sum.previous_part_pushes;
 }

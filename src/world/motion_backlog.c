@@ -9,12 +9,12 @@
 #include "world/swept_motion.h"
 
 /* A share of dpt_world_bytes. */
-enum { BYTES_VOYAGE = 2112 };
-typedef char voyage_fits[sizeof(struct motion_backlog) <= BYTES_VOYAGE ? 1 : -1];
+enum { BYTES_MOTION_BACKLOG = 2112 };
+typedef char motion_backlog_fits[sizeof(struct motion_backlog) <= BYTES_MOTION_BACKLOG ? 1 : -1];
 
 uint64_t dpti_backlog_bytes(const dpt_world_def *def)
 {
-    return def->budget ? BYTES_VOYAGE * (uint64_t)def->max_segments : 0;
+    return def->budget ? BYTES_MOTION_BACKLOG * (uint64_t)def->max_segments : 0;
 }
 
 char *dpti_backlog_place(struct dpt_world *world, char *at)
@@ -25,15 +25,15 @@ char *dpti_backlog_place(struct dpt_world *world, char *at)
 
 void dpti_backlog_forget(struct dpt_world *world, uint32_t segment)
 {
-    world->segments[segment].previous.known = 0;
+    world->segments[segment].previous.is_known = 0;
     if (world->def.budget)
-        world->motion_backlogs[segment].count = world->motion_backlogs[segment].body = 0;
+        world->motion_backlogs[segment].count = world->motion_backlogs[segment].body_id = 0;
 }
 
 void dpti_backlog_restart(struct dpt_world *world)
 {
     for (uint32_t s = 0; world->def.budget && s < world->segment_count; s++)
-        world->motion_backlogs[s].body = 0;
+        world->motion_backlogs[s].body_id = 0;
 }
 
 void dpti_backlog_remove(struct dpt_world *world, uint32_t first, uint32_t end)
@@ -46,14 +46,14 @@ void dpti_backlog_remove(struct dpt_world *world, uint32_t first, uint32_t end)
 /* What cannot be followed is as a teleport to where the segment is now. */
 static void give_up(struct dpt_world *world, uint32_t index, struct motion_backlog *backlog)
 {
-    backlog->count = backlog->body = 0;
-    dpti_motion_no_sweep(&world->segments[index], DPT_SWEEP_NONE);
-    dpti_contacts_forget_sides(world, index);
+    backlog->count = backlog->body_id = 0;
+    dpti_motion_set_no_sweep(&world->segments[index], DPT_SWEEP_NONE);
+    dpti_persistent_contacts_forget_sides(world, index);
 }
 
 /* How far away is what any leg, and `now` if it is not NULL, may have met. */
-static double reach_of(const struct segment *segment, const struct motion_backlog *backlog,
-                       const struct motion_state *now)
+static double reach_of_steps(const struct segment *segment, const struct motion_backlog *backlog,
+                             const struct motion_state *now)
 {
     double reach = segment->radius;
     const struct motion_state *last = &segment->previous;
@@ -63,44 +63,45 @@ static double reach_of(const struct segment *segment, const struct motion_backlo
 }
 
 /* Bodies that have moved, or come, since the last tick: a leg past them is of this tick alone. */
-static int meets_others(struct dpt_world *world, uint32_t index, double reach)
+static int may_meet_changed_body(struct dpt_world *world, uint32_t index, double reach)
 {
     struct swept_bodies bodies = dpti_motion_bodies(world, index, reach);
     const struct body *body = dpti_motion_next_body(&bodies);
-    while (body && body->moved != world->ticks && body->added != world->ticks)
+    while (body && body->moved_tick != world->ticks && body->added_tick != world->ticks)
         body = dpti_motion_next_body(&bodies);
     return body != NULL;
 }
 
 /* Legs that wait, before this tick's joins them: is the way known on which they are, and is there room for one more? */
-static int is_followed(struct dpt_world *world, uint32_t index,
-                       const struct motion_backlog *backlog, const struct motion_state *now)
+static int can_follow(struct dpt_world *world, uint32_t index, const struct motion_backlog *backlog,
+                      const struct motion_state *now)
 {
-    double reach = reach_of(&world->segments[index], backlog, now);
-    return !backlog->lost && !meets_others(world, index, reach) &&
+    double reach = reach_of_steps(&world->segments[index], backlog, now);
+    return !backlog->is_lost && !may_meet_changed_body(world, index, reach) &&
            (backlog->count < MOTION_STEPS_MAX ||
             dpti_motion_is_same(&backlog->state[backlog->count - 1], now));
 }
 
 /* This tick's motion cannot have met anything. */
-static int is_free(const struct dpt_world *world, const struct segment *segment, double reach)
+static int is_far_from_all(const struct dpt_world *world, const struct segment *segment,
+                           double reach)
 {
-    double moved = world->travelled_at == world->ticks ? world->travelled : 0.0;
-    return segment->result.lower_bound > reach + moved + segment->result.error_bound;
+    double body_motion = world->bodies_moved_tick == world->ticks ? world->body_motion_max : 0.0;
+    return segment->result.lower_bound > reach + body_motion + segment->result.error_bound;
 }
 
 /* Leg by leg, up to the first that meets something or the end of the budget. 0 unless that was all. */
-static int take_steps(struct dpt_world *world, uint32_t index, struct motion_backlog *backlog)
+static int sweep_steps(struct dpt_world *world, uint32_t index, struct motion_backlog *backlog)
 {
     struct segment *segment = &world->segments[index];
     while (backlog->count) {
         const uint32_t age = (uint32_t)world->ticks - backlog->state[0].tick;
-        double reach = reach_of(segment, backlog, NULL);
-        if (!dpti_motion_take_step(world, index, dpti_motion_bodies(world, index, reach),
-                                   backlog)) {
-            dpti_motion_no_sweep(segment, DPT_SWEEP_UNFINISHED);
+        double reach = reach_of_steps(segment, backlog, NULL);
+        if (!dpti_motion_sweep_step(world, index, dpti_motion_bodies(world, index, reach),
+                                    backlog)) {
+            dpti_motion_set_no_sweep(segment, DPT_SWEEP_UNFINISHED);
             segment->sweep.age = age;
-            backlog->lost |= (uint32_t)meets_others(world, index, reach);
+            backlog->is_lost |= (uint32_t)may_meet_changed_body(world, index, reach);
             return 0;
         }
         segment->sweep.age = age;
@@ -116,26 +117,26 @@ static int take_steps(struct dpt_world *world, uint32_t index, struct motion_bac
 int dpti_backlog_sweep(struct dpt_world *world, uint32_t index)
 {
     struct segment *segment = &world->segments[index];
-    struct motion_backlog fresh,
-        *backlog = world->def.budget ? &world->motion_backlogs[index] : &fresh;
-    if (!world->def.budget || !segment->previous.known)
-        backlog->count = backlog->body = 0;
-    if (!segment->previous.known)
+    struct motion_backlog own_backlog,
+        *backlog = world->def.budget ? &world->motion_backlogs[index] : &own_backlog;
+    if (!world->def.budget || !segment->previous.is_known)
+        backlog->count = backlog->body_id = 0;
+    if (!segment->previous.is_known)
         return 1;
     struct motion_state now = dpti_motion_state_now(world, segment);
-    if (backlog->count && !is_followed(world, index, backlog, &now)) {
+    if (backlog->count && !can_follow(world, index, backlog, &now)) {
         give_up(world, index, backlog);
         return 1;
     }
     if (!backlog->count) {
-        backlog->lost = 0;
+        backlog->is_lost = 0;
         backlog->radius = segment->radius;
-        if (segment->previous.through)
+        if (segment->previous.is_crossing)
             return 1;
         double reach = dpti_motion_displacement(&segment->previous, &now) + segment->radius;
         segment->sweep.status = DPT_SWEEP_FREE;
         segment->sweep.time = 1.0;
-        if (is_free(world, segment, reach))
+        if (is_far_from_all(world, segment, reach))
             return 1;
     }
     if (!backlog->count || !dpti_motion_is_same(&backlog->state[backlog->count - 1], &now))
@@ -144,9 +145,9 @@ int dpti_backlog_sweep(struct dpt_world *world, uint32_t index)
         now.tick = backlog->state[backlog->count - 1].tick;
     backlog->state[backlog->count - 1] = now; /* of the same place more may be known now */
     if (backlog->radius != segment->radius)
-        backlog->body = 0;
+        backlog->body_id = 0;
     backlog->radius = segment->radius;
-    return take_steps(world, index, backlog);
+    return sweep_steps(world, index, backlog);
 }
 
 void dpti_backlog_end_tick(struct dpt_world *world, uint32_t index)

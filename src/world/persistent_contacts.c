@@ -5,159 +5,162 @@
 enum { BYTES_CONTACT = 1408 };
 typedef char contact_fits[2 * sizeof(struct persistent_contact) <= BYTES_CONTACT ? 1 : -1];
 
-uint64_t dpti_contacts_bytes(const dpt_world_def *def)
+uint64_t dpti_persistent_contacts_bytes(const dpt_world_def *def)
 {
     return BYTES_CONTACT * (uint64_t)def->max_contacts;
 }
 
-char *dpti_contacts_place(struct dpt_world *world, char *at)
+char *dpti_persistent_contacts_place(struct dpt_world *world, char *at)
 {
     for (int i = 0; i < 2; i++, at += BYTES_CONTACT / 2 * (size_t)world->def.max_contacts)
-        world->contacts[i].at = (void *)at;
+        world->contacts[i].items = (void *)at;
     return at;
 }
 
-void dpti_contacts_begin_tick(struct dpt_world *world)
+void dpti_persistent_contacts_begin_tick(struct dpt_world *world)
 {
-    world->contacts_at = 1 - world->contacts_at;
-    contacts_now(world)->count = 0;
-    world->contacts_full = 0;
+    world->contacts_this_tick = 1 - world->contacts_this_tick;
+    contacts_this_tick(world)->count = 0;
+    world->contacts_overflowed = 0;
     world->contacts_wanted = 0;
 }
 
-void dpti_contacts_hide(struct dpt_world *world)
+void dpti_persistent_contacts_set_unseen(struct dpt_world *world)
 {
-    struct persistent_contacts *holds = contacts_now(world);
-    for (uint32_t i = 0; i < holds->count; i++)
-        holds->at[i].unseen = 1;
-    world->contacts_full = 0;
+    struct persistent_contacts *current = contacts_this_tick(world);
+    for (uint32_t i = 0; i < current->count; i++)
+        current->items[i].is_unseen = 1;
+    world->contacts_overflowed = 0;
 }
 
-void dpti_contacts_reset(struct dpt_world *world)
+void dpti_persistent_contacts_reset(struct dpt_world *world)
 {
     world->contacts[0].count = world->contacts[1].count = 0;
-    world->contact_id = 0;
-    world->contacts_full = 0;
+    world->last_contact_id = 0;
+    world->contacts_overflowed = 0;
 }
 
-void dpti_contacts_forget(struct dpt_world *world, uint32_t first, uint32_t end, uint32_t body)
+void dpti_persistent_contacts_forget(struct dpt_world *world, uint32_t first, uint32_t end,
+                                     uint32_t slot)
 {
-    struct persistent_contacts *holds = contacts_now(world);
-    uint32_t kept = 0;
-    for (uint32_t i = 0; i < holds->count; i++) {
-        const struct persistent_contact *persistent = &holds->at[i];
-        int of = persistent->segment >= first && persistent->segment < end &&
-                 (body == DPT_NONE || handle_index(persistent->contact.body) == body);
-        if (!of)
-            holds->at[kept++] = *persistent;
+    struct persistent_contacts *current = contacts_this_tick(world);
+    uint32_t kept_count = 0;
+    for (uint32_t i = 0; i < current->count; i++) {
+        const struct persistent_contact *persistent = &current->items[i];
+        int is_removed = persistent->segment >= first && persistent->segment < end &&
+                         (slot == DPT_NONE || handle_index(persistent->contact.body) == slot);
+        if (!is_removed)
+            current->items[kept_count++] = *persistent;
     }
-    holds->count = kept;
+    current->count = kept_count;
 }
 
-void dpti_contacts_remove(struct dpt_world *world, uint32_t first, uint32_t end)
+void dpti_persistent_contacts_remove(struct dpt_world *world, uint32_t first, uint32_t end)
 {
-    struct persistent_contacts *holds = contacts_now(world);
-    dpti_contacts_forget(world, first, end, DPT_NONE);
-    for (uint32_t i = 0; i < holds->count; i++)
-        if (holds->at[i].segment >= end)
-            holds->at[i].segment -= end - first;
+    struct persistent_contacts *current = contacts_this_tick(world);
+    dpti_persistent_contacts_forget(world, first, end, DPT_NONE);
+    for (uint32_t i = 0; i < current->count; i++)
+        if (current->items[i].segment >= end)
+            current->items[i].segment -= end - first;
 }
 
-struct persistent_contact *dpti_contacts_put(struct dpt_world *world)
+struct persistent_contact *dpti_persistent_contacts_add(struct dpt_world *world)
 {
-    struct persistent_contacts *now = contacts_now(world);
+    struct persistent_contacts *this_tick = contacts_this_tick(world);
     world->contacts_wanted++;
-    if (now->count == world->def.max_contacts) {
-        world->contacts_full = 1;
+    if (this_tick->count == world->def.max_contacts) {
+        world->contacts_overflowed = 1;
         return NULL;
     }
-    return &now->at[now->count++];
+    return &this_tick->items[this_tick->count++];
 }
 
-uint32_t dpti_contacts_new_id(struct dpt_world *world)
+uint32_t dpti_persistent_contacts_new_id(struct dpt_world *world)
 {
-    world->contact_id += world->contact_id == UINT32_MAX ? 2u : 1u;
-    return world->contact_id;
+    world->last_contact_id += world->last_contact_id == UINT32_MAX ? 2u : 1u;
+    return world->last_contact_id;
 }
 
-void dpti_contacts_note_motion(struct dpt_world *world, uint32_t index)
+void dpti_persistent_contacts_note_motion(struct dpt_world *world, uint32_t index)
 {
     const struct segment *segment = &world->segments[index];
-    const struct persistent_contacts *before = contacts_before(world);
-    int passed = segment->sweep.status != DPT_SWEEP_UNFINISHED &&
-                 (segment->sweep.status == DPT_SWEEP_NONE || segment->passed);
-    for (uint32_t i = 0; passed && i < before->count; i++)
-        if (before->at[i].segment == index)
-            before->at[i].front = 0;
+    const struct persistent_contacts *last_tick = contacts_last_tick(world);
+    int may_have_crossed = segment->sweep.status != DPT_SWEEP_UNFINISHED &&
+                           (segment->sweep.status == DPT_SWEEP_NONE || segment->may_have_crossed);
+    for (uint32_t i = 0; may_have_crossed && i < last_tick->count; i++)
+        if (last_tick->items[i].segment == index)
+            last_tick->items[i].is_in_front = 0;
 }
 
-void dpti_contacts_carry_over_one(struct dpt_world *world, const struct persistent_contact *before)
+void dpti_persistent_contacts_carry_over_one(struct dpt_world *world,
+                                             const struct persistent_contact *previous)
 {
-    struct persistent_contact *persistent = dpti_contacts_put(world);
+    struct persistent_contact *persistent = dpti_persistent_contacts_add(world);
     if (!persistent)
         return;
-    *persistent = *before;
-    persistent->unseen = 1;
+    *persistent = *previous;
+    persistent->is_unseen = 1;
 }
 
-void dpti_contacts_carry_over_body(struct dpt_world *world, uint32_t segment,
-                                   const struct body *body)
+void dpti_persistent_contacts_carry_over_body(struct dpt_world *world, uint32_t segment,
+                                              const struct body *body)
 {
-    const struct persistent_contacts *before = contacts_before(world);
-    for (uint32_t i = 0; i < before->count; i++)
-        if (persistent_contact_is_of(&before->at[i], segment, body))
-            dpti_contacts_carry_over_one(world, &before->at[i]);
+    const struct persistent_contacts *last_tick = contacts_last_tick(world);
+    for (uint32_t i = 0; i < last_tick->count; i++)
+        if (persistent_contact_is_of(&last_tick->items[i], segment, body))
+            dpti_persistent_contacts_carry_over_one(world, &last_tick->items[i]);
 }
 
-void dpti_contacts_carry_over(struct dpt_world *world, uint32_t segment)
+void dpti_persistent_contacts_carry_over(struct dpt_world *world, uint32_t segment)
 {
-    dpti_contacts_note_motion(world, segment);
-    dpti_contacts_carry_over_body(world, segment, NULL);
+    dpti_persistent_contacts_note_motion(world, segment);
+    dpti_persistent_contacts_carry_over_body(world, segment, NULL);
 }
 
 void dpti_persistent_contact_put_warm_start(struct persistent_contact *persistent,
                                             const struct warm_start *warm_start)
 {
-    uint32_t last = 0;
-    while (last < persistent->warm_start_count && persistent->warm_start[last].s != warm_start->s)
-        last++;
-    persistent->warm_start_count += last == persistent->warm_start_count && last < WARM_STARTS_MAX;
-    last = last < WARM_STARTS_MAX ? last : WARM_STARTS_MAX - 1;
-    memmove(persistent->warm_start + 1, persistent->warm_start, last * sizeof *warm_start);
-    persistent->warm_start[0] = *warm_start;
+    uint32_t slot = 0;
+    while (slot < persistent->warm_start_count && persistent->warm_starts[slot].s != warm_start->s)
+        slot++;
+    persistent->warm_start_count += slot == persistent->warm_start_count && slot < WARM_STARTS_MAX;
+    slot = slot < WARM_STARTS_MAX ? slot : WARM_STARTS_MAX - 1;
+    memmove(persistent->warm_starts + 1, persistent->warm_starts, slot * sizeof *warm_start);
+    persistent->warm_starts[0] = *warm_start;
 }
 
 /* What went through is behind, though all around it may be in front, beyond a border: so it is a sample. */
-void dpti_contacts_put_side(struct dpt_world *world, uint32_t segment, const struct body *body,
-                            uint32_t part, int side, const struct warm_start *warm_start)
+void dpti_persistent_contacts_put_side(struct dpt_world *world, uint32_t segment,
+                                       const struct body *body, uint32_t part, int side,
+                                       const struct warm_start *warm_start)
 {
-    struct persistent_contacts *before = contacts_before(world);
+    struct persistent_contacts *last_tick = contacts_last_tick(world);
     uint32_t i = 0;
-    while (i < before->count &&
-           !(before->at[i].segment == segment && before->at[i].side &&
-             before->at[i].contact.body == body->id && before->at[i].part == part))
+    while (i < last_tick->count &&
+           !(last_tick->items[i].segment == segment && last_tick->items[i].side &&
+             last_tick->items[i].contact.body == body->id && last_tick->items[i].part == part))
         i++;
     if (i == world->def.max_contacts) {
-        world->contacts_full |= i > 0;
+        world->contacts_overflowed |= i > 0;
         if (i > 0)
             world_note_max(&world->usage.contacts, i + 1);
         return;
     }
-    struct persistent_contact *persistent = &before->at[i];
-    if (i == before->count) {
-        before->count++;
+    struct persistent_contact *persistent = &last_tick->items[i];
+    if (i == last_tick->count) {
+        last_tick->count++;
         *persistent = (struct persistent_contact){ .segment = segment, .part = part, .side = side };
-        persistent->contact.id = dpti_contacts_new_id(world);
+        persistent->contact.id = dpti_persistent_contacts_new_id(world);
         persistent->contact.body = body->id;
         persistent->contact.s0 = persistent->contact.s1 = warm_start->s;
     }
     dpti_persistent_contact_put_warm_start(persistent, warm_start);
 }
 
-void dpti_contacts_forget_sides(struct dpt_world *world, uint32_t segment)
+void dpti_persistent_contacts_forget_sides(struct dpt_world *world, uint32_t segment)
 {
-    struct persistent_contacts *before = contacts_before(world);
-    for (uint32_t i = 0; i < before->count; i++)
-        if (before->at[i].segment == segment)
-            before->at[i].side = 0;
+    struct persistent_contacts *last_tick = contacts_last_tick(world);
+    for (uint32_t i = 0; i < last_tick->count; i++)
+        if (last_tick->items[i].segment == segment)
+            last_tick->items[i].side = 0;
 }

@@ -8,24 +8,25 @@ static double side_limit(const struct contact_pair *contact_pair)
     return limit > 0.0 ? limit : 0.25 * dpti_surface_diagonal(&contact_pair->body->surface);
 }
 
-int32_t dpti_sheet_side_of_region(const struct contact_pair *contact_pair,
-                                  const struct region *region, double gap)
+int32_t dpti_sheet_side_to_keep(const struct contact_pair *contact_pair,
+                                const struct region *region, double gap)
 {
     const struct surface *surface = &contact_pair->body->surface;
     const struct profile_sample *deepest = &contact_pair->profile->sample[region->deepest];
     if (!dpti_side_is_sheet(surface, region->part) || -gap > side_limit(contact_pair) ||
         dpti_side_is_border(surface, deepest->triangle, deepest->weight))
         return 0;
-    int32_t kept = dpti_sides_get(&contact_pair->sides, region->part);
-    if (kept || deepest->height == 0.0)
-        return kept;
-    const pair found = { .weight = { deepest->weight[0], deepest->weight[1], deepest->weight[2] },
-                         .gap = deepest->gap };
-    return dpti_side_of_pair(surface, deepest->triangle, &found);
+    int32_t kept_side = dpti_sides_get(&contact_pair->sides, region->part);
+    if (kept_side || deepest->height == 0.0)
+        return kept_side;
+    const pair deepest_pair = { .weight = { deepest->weight[0], deepest->weight[1],
+                                            deepest->weight[2] },
+                                .gap = deepest->gap };
+    return dpti_side_of_pair(surface, deepest->triangle, &deepest_pair);
 }
 
-void dpti_sheet_keep_side(const struct contact_pair *contact_pair,
-                          struct persistent_contact *persistent)
+void dpti_sheet_update_side(const struct contact_pair *contact_pair,
+                            struct persistent_contact *persistent)
 {
     const struct surface *surface = &contact_pair->body->surface;
     const struct pair_search *nearest = &contact_pair->nearest;
@@ -33,35 +34,35 @@ void dpti_sheet_keep_side(const struct contact_pair *contact_pair,
     if (!persistent->side || nearest->pair.distance2 == 0.0 ||
         surface_part(surface, nearest->triangle) != persistent->part)
         return;
-    int border = dpti_side_is_border(surface, nearest->triangle, weight);
-    int front =
+    int is_border = dpti_side_is_border(surface, nearest->triangle, weight);
+    int is_in_front =
         persistent->side * dpti_side_of_pair(surface, nearest->triangle, &nearest->pair) > 0;
-    if (border ? !dpti_profile_lowest_on(contact_pair->profile, persistent->part)
-               : persistent->front && !front)
+    if (is_border ? !dpti_profile_lowest_on(contact_pair->profile, persistent->part)
+                  : persistent->is_in_front && !is_in_front)
         persistent->side = 0;
-    else if (!border)
-        persistent->front = (uint32_t)front;
+    else if (!is_border)
+        persistent->is_in_front = (uint32_t)is_in_front;
 }
 
 int dpti_sheet_drop_sides(struct contact_pair *contact_pair, const struct region *regions,
                           uint32_t count)
 {
-    struct sides *sides = &contact_pair->sides, kept = { .count = 0 };
+    struct sides *sides = &contact_pair->sides, kept_sides = { .count = 0 };
     double limit = side_limit(contact_pair) - contact_pair->radius;
     for (uint32_t k = 0; k < sides->count; k++) {
-        int deep = 0;
+        int is_too_deep = 0;
         for (uint32_t i = 0; i < count; i++)
-            deep |= regions[i].part == sides->part[k] &&
-                    -contact_pair->profile->sample[regions[i].deepest].height > limit;
-        if (!deep)
-            dpti_sides_put(&kept, sides->part[k], sides->side[k]);
+            is_too_deep |= regions[i].part == sides->part[k] &&
+                           -contact_pair->profile->sample[regions[i].deepest].height > limit;
+        if (!is_too_deep)
+            dpti_sides_put(&kept_sides, sides->part[k], sides->side[k]);
     }
-    int dropped = kept.count < sides->count;
-    *sides = kept;
-    return dropped;
+    int has_dropped = kept_sides.count < sides->count;
+    *sides = kept_sides;
+    return has_dropped;
 }
 
-int dpti_sheet_keeps_push(const struct contact_pair *contact_pair, uint32_t part)
+int dpti_sheet_still_pushes(const struct contact_pair *contact_pair, uint32_t part)
 {
     const struct distance_profile *profile = contact_pair->profile;
     const struct profile_sample *deepest = &profile->sample[profile->deepest];

@@ -25,43 +25,43 @@
 
 static int is_active(const struct dpt_world *world, const struct tool *tool)
 {
-    return tool->slot.used && tool->slot.valid && !world->invalid;
+    return tool->slot.used && tool->slot.valid && !world->invalid_body_count;
 }
 
 /* The segment's nearest pair; by the paper's method also its contact. */
 static void track_segment(struct dpt_world *world, uint32_t index)
 {
     struct segment *segment = &world->segments[index];
-    const struct tool *tool = &world->tools[segment->tool];
+    const struct tool *tool = &world->tools[segment->tool_slot];
     segment->answer.body = NULL;
     segment->result = (struct segment_result){ .status = DPT_STATUS_STALE };
     if (!is_active(world, tool)) {
-        segment->near.known = 0;
+        segment->broad_phase.has_axis = 0;
         return;
     }
     vec3 a = frame_to_world(&tool->frame, segment->a);
     vec3 b = frame_to_world(&tool->frame, segment->b);
     if (world->def.method == DPT_METHOD_PAPER) {
-        segment->felt_penetration = segment->penetration = dpti_paper_segment(world, index, a, b);
+        segment->felt_penetration = segment->penetration = dpti_baseline_find(world, index, a, b);
         return;
     }
-    dpti_bodies_find(world, index, &a, &b, &segment->answer);
+    dpti_body_search_find(world, index, &a, &b, &segment->answer);
     if (!segment->answer.body)
         return;
-    segment->last_body = handle_index(segment->answer.body->id);
-    dpti_bodies_result(&segment->answer, &segment->result);
+    segment->last_body_slot = handle_index(segment->answer.body->id);
+    dpti_body_search_result(&segment->answer, &segment->result);
 }
 
 static void contact_segment(struct dpt_world *world, uint32_t index)
 {
     struct segment *segment = &world->segments[index];
     const uint32_t before = world->work.done;
-    world->nearby.reach = -1.0;
-    int swept = segment->answer.body && dpti_backlog_sweep(world, index);
-    if (swept && segment->answer.exact)
+    world->near_bodies.reach = -1.0;
+    int is_swept = segment->answer.body && dpti_backlog_sweep(world, index);
+    if (is_swept && segment->answer.is_exact)
         dpti_contacts_find(world, index, &segment->answer, &segment->result, &segment->penetration);
     else
-        dpti_contacts_carry_over(world, index);
+        dpti_persistent_contacts_carry_over(world, index);
     segment->result.work += world->work.done - before;
     dpti_backlog_end_tick(world, index);
 }
@@ -74,12 +74,12 @@ static void contact_segment(struct dpt_world *world, uint32_t index)
 static void step_segments(struct dpt_world *world, double dt)
 {
     uint32_t count = world->segment_count, tick = world->ticks++;
-    uint32_t first = tick % 2 && count > 1 ? tick / 2 % count : world->turn;
+    uint32_t first = tick % 2 && count > 1 ? tick / 2 % count : world->undone_segment;
     first = first < count ? first : 0;
-    int waits = 0;
+    int has_undone = 0;
     world->work = work_of(world->def.budget ? world->def.budget : WORK_UNLIMITED);
     world->point_cache.tick = tick;
-    dpti_contacts_begin_tick(world);
+    dpti_persistent_contacts_begin_tick(world);
     for (uint32_t i = 0; i < count; i++)
         track_segment(world, (first + i) % count);
     for (uint32_t i = 0; i < count; i++) {
@@ -92,11 +92,11 @@ static void step_segments(struct dpt_world *world, double dt)
             dpti_force_respond(world, index, dt);
         dpti_tool_write_hit(&world->segments[index]);
         const struct segment_result *result = &world->segments[index].result;
-        if (!waits && world->def.budget &&
+        if (!has_undone && world->def.budget &&
             (result->status == DPT_STATUS_BOUNDED ||
              (result->status == DPT_STATUS_EXACT && result->contact == DPT_CONTACT_UNKNOWN))) {
-            world->turn = index;
-            waits = 1;
+            world->undone_segment = index;
+            has_undone = 1;
         }
     }
 }
@@ -106,18 +106,18 @@ static double surface_distance(const struct segment *segment)
     return segment->hit.distance - segment->radius;
 }
 
-static void sum_up(struct dpt_world *world, struct tool *tool)
+static void sum_tool(struct dpt_world *world, struct tool *tool)
 {
-    const struct segment *segments = &world->segments[tool->first];
-    for (uint32_t i = 0; i < tool->count; i++)
-        if (surface_distance(&segments[i]) < surface_distance(&segments[tool->nearest]))
-            tool->nearest = i;
+    const struct segment *segments = &world->segments[tool->first_segment];
+    for (uint32_t i = 0; i < tool->segment_count; i++)
+        if (surface_distance(&segments[i]) < surface_distance(&segments[tool->nearest_segment]))
+            tool->nearest_segment = i;
     if (is_active(world, tool))
         dpti_force_sum(world, tool);
 }
 
 /* How grave a contact is: penetrating before touching before unknown before separated. */
-static int gravity(uint32_t contact)
+static int severity(uint32_t contact)
 {
     switch (contact) {
     case DPT_CONTACT_PENETRATING:
@@ -131,34 +131,34 @@ static int gravity(uint32_t contact)
     }
 }
 
-static void report(const struct dpt_world *world, dpt_step *to)
+static void write_report(const struct dpt_world *world, dpt_step *to)
 {
-    int any = 0;
+    int has_answer = 0;
     dpt_step step = { .work = 0 }, *out = &step;
     out->status = DPT_STATUS_EXACT;
     out->contact = DPT_CONTACT_SEPARATED;
     out->work = 0;
     out->distance = 0.0;
     out->contacts = 0;
-    out->flags = world->contacts_full ? DPT_STEP_FLAG_CONTACTS_FULL : 0;
-    for (uint32_t i = 0; i < world->contacts[world->contacts_at].count; i++)
-        out->contacts += !world->contacts[world->contacts_at].at[i].unseen;
-    for (uint32_t t = 0; t < world->tool_end; t++) {
+    out->flags = world->contacts_overflowed ? DPT_STEP_FLAG_CONTACTS_FULL : 0;
+    for (uint32_t i = 0; i < world->contacts[world->contacts_this_tick].count; i++)
+        out->contacts += !world->contacts[world->contacts_this_tick].items[i].is_unseen;
+    for (uint32_t t = 0; t < world->tool_slot_end; t++) {
         const struct tool *tool = &world->tools[t];
-        for (uint32_t i = 0; tool->slot.used && i < tool->count; i++) {
-            const dpt_hit *hit = &world->segments[tool->first + i].hit;
+        for (uint32_t i = 0; tool->slot.used && i < tool->segment_count; i++) {
+            const dpt_hit *hit = &world->segments[tool->first_segment + i].hit;
             out->work += hit->work;
             if (hit->status < out->status)
                 out->status = hit->status;
-            if (gravity(hit->contact) > gravity(out->contact))
+            if (severity(hit->contact) > severity(out->contact))
                 out->contact = hit->contact;
-            if (hit->status != DPT_STATUS_STALE && (!any || hit->distance < out->distance)) {
+            if (hit->status != DPT_STATUS_STALE && (!has_answer || hit->distance < out->distance)) {
                 out->distance = hit->distance;
-                any = 1;
+                has_answer = 1;
             }
         }
     }
-    if (!any) {
+    if (!has_answer) {
         out->status = DPT_STATUS_STALE;
         out->contact = DPT_CONTACT_UNKNOWN;
     }
@@ -175,9 +175,9 @@ static void note_usage(struct dpt_world *world)
 }
 
 /* No answer of the last tick is one of this. */
-static void hide(struct dpt_world *world)
+static void hide_answers(struct dpt_world *world)
 {
-    dpti_contacts_hide(world);
+    dpti_persistent_contacts_set_unseen(world);
     for (uint32_t s = 0; s < world->segment_count; s++)
         dpti_force_forget(&world->segments[s]);
 }
@@ -186,24 +186,24 @@ dpt_result dpt_world_step(dpt_world *world, double dt, dpt_step *out)
 {
     if (!world)
         return DPT_E_ARGUMENT;
-    int only_track = world->def.until == DPT_UNTIL_TRACK && world->def.method != DPT_METHOD_PAPER;
+    int tracks_only = world->def.until == DPT_UNTIL_TRACK && world->def.method != DPT_METHOD_PAPER;
     dpt_result result = out ? sized_check(out, SIZED_FIRST(dpt_step, contacts), 0) : DPT_OK;
-    const int is_told = out && result == DPT_OK;
+    const int has_report = out && result == DPT_OK;
     if (result == DPT_OK && !(dt > 0.0 && within(dt, 1e6)))
         result = DPT_E_ARGUMENT;
-    for (uint32_t t = 0; t < world->tool_end; t++)
+    for (uint32_t t = 0; t < world->tool_slot_end; t++)
         if (world->tools[t].slot.used)
-            (only_track ? dpti_tool_clear_hits : dpti_tool_clear)(world, &world->tools[t]);
+            (tracks_only ? dpti_tool_clear_hits : dpti_tool_clear)(world, &world->tools[t]);
     if (result == DPT_OK)
         step_segments(world, dt);
     else
-        hide(world);
-    for (uint32_t t = 0; t < world->tool_end; t++)
-        if (world->tools[t].slot.used && result == DPT_OK && !world->invalid)
-            sum_up(world, &world->tools[t]);
+        hide_answers(world);
+    for (uint32_t t = 0; t < world->tool_slot_end; t++)
+        if (world->tools[t].slot.used && result == DPT_OK && !world->invalid_body_count)
+            sum_tool(world, &world->tools[t]);
     if (result == DPT_OK)
         note_usage(world);
-    if (is_told)
-        report(world, out);
+    if (has_report)
+        write_report(world, out);
     return result;
 }

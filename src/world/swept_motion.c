@@ -7,31 +7,31 @@
 struct motion_state dpti_motion_state_now(const struct dpt_world *world,
                                           const struct segment *segment)
 {
-    const struct tool *tool = &world->tools[segment->tool];
+    const struct tool *tool = &world->tools[segment->tool_slot];
     const struct segment_result *result = &segment->result;
     const dpt_pose identity = DPT_POSE_IDENTITY;
-    double least = segment->answer.exact ? result->lower_bound : result->distance;
-    return (struct motion_state){ .pose = tool->free ? identity : tool->pose,
+    double min_distance = segment->answer.is_exact ? result->lower_bound : result->distance;
+    return (struct motion_state){ .pose = tool->is_free ? identity : tool->pose,
                                   .a = segment->a,
                                   .b = segment->b,
-                                  .distance = result->lower_bound,
-                                  .known = segment->answer.body != NULL,
-                                  .through = least == 0.0,
+                                  .free_distance = result->lower_bound,
+                                  .is_known = segment->answer.body != NULL,
+                                  .is_crossing = min_distance == 0.0,
                                   .tick = (uint32_t)world->ticks };
 }
 
 /* How far the ends are apart in the tool's frame: not at all, unless it is free or its segments changed. */
-static double differ(const struct motion_state *from, const struct motion_state *to)
+static double change_in_tool_frame(const struct motion_state *from, const struct motion_state *to)
 {
     return length(sub(from->a, to->a)) + length(sub(from->b, to->b));
 }
 
 int dpti_motion_is_same(const struct motion_state *from, const struct motion_state *to)
 {
-    return differ(from, to) == 0.0 && pose_is_same(&from->pose, &to->pose);
+    return change_in_tool_frame(from, to) == 0.0 && pose_is_same(&from->pose, &to->pose);
 }
 
-static struct placement in_world(const struct motion_state *previous)
+static struct placement placement_in_world(const struct motion_state *previous)
 {
     const dpt_pose identity = DPT_POSE_IDENTITY;
     struct frame frame;
@@ -47,10 +47,10 @@ static void placements_of(const struct motion_state *previous, const struct moti
 {
     *from = (struct placement){ .tool = previous->pose, .a = previous->a, .b = previous->b };
     *to = (struct placement){ .tool = now->pose, .a = now->a, .b = now->b };
-    if (differ(previous, now) == 0.0)
+    if (change_in_tool_frame(previous, now) == 0.0)
         return;
-    *from = in_world(previous);
-    *to = in_world(now);
+    *from = placement_in_world(previous);
+    *to = placement_in_world(now);
 }
 
 double dpti_motion_displacement(const struct motion_state *previous, const struct motion_state *now)
@@ -67,28 +67,29 @@ void dpti_motion_write_sweep(const struct rigid_sweep *rigid, const struct body 
     const struct surface *surface = rigid->surface;
     int side = dpti_rigid_sweep_side_before(rigid);
     vec3 normal = dpti_surface_feature_normal(surface, impact->triangle, impact->pair.weight);
-    double size = length(normal);
+    double normal_length = length(normal);
     sweep->status = DPT_SWEEP_HIT;
     sweep->time = rigid->result.time;
     sweep->body = body->id;
     sweep->triangle = surface->sources[impact->triangle];
     sweep->s = impact->pair.s;
     vec3_store(frame_to_world(&body->frame, impact->q), sweep->q);
-    vec3_store(scaled(frame_turn(&body->frame, normal), size > 0.0 ? side / size : 0.0),
-               sweep->normal);
+    vec3_store(
+        scaled(frame_turn(&body->frame, normal), normal_length > 0.0 ? side / normal_length : 0.0),
+        sweep->normal);
 }
 
 /* The side from which the axis came through a sheet. */
-static void keep_side(struct dpt_world *world, uint32_t index, const struct body *body,
-                      const struct rigid_sweep *rigid)
+static void put_sheet_side(struct dpt_world *world, uint32_t index, const struct body *body,
+                           const struct rigid_sweep *rigid)
 {
     const struct impact *impact = &rigid->result.impact;
     uint32_t part = surface_part(rigid->surface, impact->triangle);
     const struct warm_start warm_start = { impact->pair.s, impact->triangle, 1.0f };
     if (dpti_side_is_sheet(rigid->surface, part) &&
         !dpti_side_is_border(rigid->surface, impact->triangle, impact->pair.weight))
-        dpti_contacts_put_side(world, index, body, part, dpti_rigid_sweep_side_before(rigid),
-                               &warm_start);
+        dpti_persistent_contacts_put_side(world, index, body, part,
+                                          dpti_rigid_sweep_side_before(rigid), &warm_start);
 }
 
 /* As far as there is work left for it. */
@@ -100,84 +101,87 @@ static int continue_sweep(struct rigid_sweep *rigid, const struct placement *fro
 
 static void begin_sweep(struct motion_backlog *backlog, uint32_t on_axis)
 {
-    backlog->on_axis = on_axis;
+    backlog->is_on_axis = on_axis;
     backlog->progress.free_until = 0.0;
     backlog->progress.sweep.has_begun = 0;
 }
 
-enum { STEP_STOPPED, STEP_GOES_ON, STEP_BEGAN_TOUCHING };
+enum { STEP_SUSPENDED, STEP_CONTINUES, STEP_BEGAN_TOUCHING };
 
 /* Here the budget ended. */
-static int stop(struct segment *segment, struct motion_backlog *backlog, const struct body *body)
+static int suspend(struct segment *segment, struct motion_backlog *backlog, const struct body *body)
 {
-    backlog->body = body->id;
+    backlog->body_id = body->id;
     backlog->sweep = segment->sweep;
-    backlog->passed = segment->passed;
-    return STEP_STOPPED;
+    backlog->may_have_crossed = segment->may_have_crossed;
+    return STEP_SUSPENDED;
 }
 
 /* One body: what met it before segment->sweep.time, and whether the axis went through. */
-static int pass_body(struct dpt_world *world, uint32_t index, const struct body *body,
-                     struct motion_backlog *backlog, struct placement *from, struct placement *to)
+static int sweep_past_body(struct dpt_world *world, uint32_t index, const struct body *body,
+                           struct motion_backlog *backlog, struct placement *from,
+                           struct placement *to)
 {
     struct segment *segment = &world->segments[index];
-    double far = body->added == world->ticks ? 0.0 : segment->previous.distance;
-    struct rigid_sweep rigid = { .surface = &body->surface,
-                                 .kernel = &world->kernel,
-                                 .radius = far > segment->radius ? segment->radius : 0.0,
-                                 .distance_before = far,
-                                 .tolerance = 0.5 * RIGID_SWEEP_TOLERANCE *
-                                              dpti_surface_diagonal(&body->surface),
-                                 .hint = *world_last(world, index, handle_index(body->id)),
-                                 .work = &world->work,
-                                 .progress = &backlog->progress };
-    from->body = body->moved == world->ticks ? body->before : body->pose;
+    double free_distance = body->added_tick == world->ticks ? 0.0 : segment->previous.free_distance;
+    struct rigid_sweep rigid = {
+        .surface = &body->surface,
+        .kernel = &world->kernel,
+        .radius = free_distance > segment->radius ? segment->radius : 0.0,
+        .far = free_distance,
+        .tolerance = 0.5 * RIGID_SWEEP_TOLERANCE * dpti_surface_diagonal(&body->surface),
+        .hint = *world_last_triangles(world, index, handle_index(body->id)),
+        .work = &world->work,
+        .progress = &backlog->progress
+    };
+    from->body = body->moved_tick == world->ticks ? body->previous_pose : body->pose;
     to->body = body->pose;
-    if (backlog->body != body->id) {
-        if (dpti_rigid_sweep_cannot_meet(&rigid, from, to, backlog->state[0].distance))
-            return STEP_GOES_ON;
+    if (backlog->body_id != body->id) {
+        if (dpti_rigid_sweep_cannot_meet(&rigid, from, to, backlog->state[0].free_distance))
+            return STEP_CONTINUES;
         begin_sweep(backlog, 0);
     }
     int status = SWEEP_HIT;
-    if (backlog->on_axis)
+    if (backlog->is_on_axis)
         rigid.result = backlog->surface_result;
     else
         status = continue_sweep(&rigid, from, to);
     if (status == SWEEP_FREE)
-        return STEP_GOES_ON;
+        return STEP_CONTINUES;
     if (status == SWEEP_UNFINISHED)
-        return stop(segment, backlog, body);
+        return suspend(segment, backlog, body);
     if (dpti_rigid_sweep_began_touching(&rigid))
         return STEP_BEGAN_TOUCHING;
     struct rigid_sweep axis = rigid;
     axis.radius = 0.0;
     if (rigid.radius > 0.0) {
         backlog->surface_result = rigid.result;
-        if (!backlog->on_axis)
+        if (!backlog->is_on_axis)
             begin_sweep(backlog, 1);
         status = continue_sweep(&axis, from, to);
     }
     if (status == SWEEP_UNFINISHED)
-        return stop(segment, backlog, body);
+        return suspend(segment, backlog, body);
     if (rigid.result.time < segment->sweep.time)
         dpti_motion_write_sweep(&rigid, body, &segment->sweep);
     if (status == SWEEP_HIT) {
-        segment->passed = 1;
-        keep_side(world, index, body, &axis);
+        segment->may_have_crossed = 1;
+        put_sheet_side(world, index, body, &axis);
     }
-    return STEP_GOES_ON;
+    return STEP_CONTINUES;
 }
 
 const struct body *dpti_motion_next_body(struct swept_bodies *bodies)
 {
     const struct dpt_world *world = bodies->world;
-    while (bodies->next < bodies->nearby->count) {
-        uint32_t slot = bodies->nearby->list ? bodies->nearby->list[bodies->next] : bodies->next;
+    while (bodies->next < bodies->near_bodies->count) {
+        uint32_t slot =
+            bodies->near_bodies->slots ? bodies->near_bodies->slots[bodies->next] : bodies->next;
         const struct body *body = &world->bodies[slot];
-        double way = body->moved == world->ticks ? body->travelled : 0.0;
+        double body_motion = body->moved_tick == world->ticks ? body->motion_bound : 0.0;
         bodies->next++;
         if (body->slot.used &&
-            box_distance(&bodies->box, &world->boxes[slot]) <= bodies->reach + way)
+            box_distance(&bodies->axis_box, &world->boxes[slot]) <= bodies->reach + body_motion)
             return body;
     }
     return NULL;
@@ -186,24 +190,25 @@ const struct body *dpti_motion_next_body(struct swept_bodies *bodies)
 struct swept_bodies dpti_motion_bodies(struct dpt_world *world, uint32_t index, double reach)
 {
     const struct track *track = &world->segments[index].answer.track;
-    double moved = world->travelled_at == world->ticks ? world->travelled : 0.0;
+    double body_motion = world->bodies_moved_tick == world->ticks ? world->body_motion_max : 0.0;
     return (struct swept_bodies){ .world = world,
-                                  .box = box_of_axis(track->axis.a, track->axis.b),
+                                  .axis_box = box_of_axis(track->axis.a, track->axis.b),
                                   .reach = reach,
-                                  .nearby = dpti_near_within(world, index, reach + moved) };
+                                  .near_bodies =
+                                      dpti_broad_phase_within(world, index, reach + body_motion) };
 }
 
-void dpti_motion_no_sweep(struct segment *segment, uint32_t status)
+void dpti_motion_set_no_sweep(struct segment *segment, uint32_t status)
 {
     segment->sweep = (dpt_sweep){ .size = sizeof segment->sweep,
                                   .status = status,
                                   .segment = segment->sweep.segment,
                                   .triangle = DPT_NONE };
-    segment->passed |= status == DPT_SWEEP_NONE;
+    segment->may_have_crossed |= status == DPT_SWEEP_NONE;
 }
 
-int dpti_motion_take_step(struct dpt_world *world, uint32_t index, struct swept_bodies bodies,
-                          struct motion_backlog *backlog)
+int dpti_motion_sweep_step(struct dpt_world *world, uint32_t index, struct swept_bodies bodies,
+                           struct motion_backlog *backlog)
 {
     struct segment *segment = &world->segments[index];
     struct placement from, to;
@@ -211,19 +216,19 @@ int dpti_motion_take_step(struct dpt_world *world, uint32_t index, struct swept_
     placements_of(&segment->previous, &backlog->state[0], &from, &to);
     segment->sweep.status = DPT_SWEEP_FREE;
     segment->sweep.time = 1.0;
-    if (backlog->body) {
+    if (backlog->body_id) {
         segment->sweep = backlog->sweep;
-        segment->passed |= backlog->passed;
+        segment->may_have_crossed |= backlog->may_have_crossed;
     }
-    int status = STEP_GOES_ON;
-    while (status == STEP_GOES_ON && (body = dpti_motion_next_body(&bodies)) != NULL) {
-        if (backlog->body && handle_index(body->id) < handle_index(backlog->body))
+    int status = STEP_CONTINUES;
+    while (status == STEP_CONTINUES && (body = dpti_motion_next_body(&bodies)) != NULL) {
+        if (backlog->body_id && handle_index(body->id) < handle_index(backlog->body_id))
             continue;
-        status = pass_body(world, index, body, backlog, &from, &to);
+        status = sweep_past_body(world, index, body, backlog, &from, &to);
     }
-    if (status != STEP_STOPPED)
-        backlog->body = 0;
+    if (status != STEP_SUSPENDED)
+        backlog->body_id = 0;
     if (status == STEP_BEGAN_TOUCHING)
-        dpti_motion_no_sweep(segment, DPT_SWEEP_NONE);
-    return status != STEP_STOPPED;
+        dpti_motion_set_no_sweep(segment, DPT_SWEEP_NONE);
+    return status != STEP_SUSPENDED;
 }

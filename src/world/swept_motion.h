@@ -18,9 +18,9 @@ double dpti_motion_displacement(const struct motion_state *previous,
 /* The bodies that a motion may have met. */
 struct swept_bodies {
     const struct dpt_world *world;
-    struct box box;
+    struct box axis_box;
     double reach;
-    const struct nearby *nearby;
+    const struct near_bodies *near_bodies;
     uint32_t next; /* place on its list */
 };
 
@@ -35,10 +35,10 @@ void dpti_motion_write_sweep(const struct rigid_sweep *rigid, const struct body 
                              dpt_sweep *sweep);
 
 /* No sweep, and why: DPT_SWEEP_... */
-void dpti_motion_no_sweep(struct segment *segment, uint32_t status);
+void dpti_motion_set_no_sweep(struct segment *segment, uint32_t status);
 
 /* The voyage's first leg, from its beginning or from where it was stopped; 0 where the budget ended. */
-int dpti_motion_take_step(struct dpt_world *world, uint32_t index, struct swept_bodies bodies,
-                          struct motion_backlog *backlog);
+int dpti_motion_sweep_step(struct dpt_world *world, uint32_t index, struct swept_bodies bodies,
+                           struct motion_backlog *backlog);
 
 #endif

@@ -15,19 +15,19 @@
 /* Forget what earlier ticks left of a segment. */
 static void forget_segment(struct dpt_world *world, uint32_t segment)
 {
-    dpti_bodies_forget(world, segment);
-    dpti_near_forget(world, segment);
+    dpti_body_search_forget(world, segment);
+    dpti_broad_phase_forget(world, segment);
     dpti_bounds_forget(world, segment, DPT_NONE);
     dpti_backlog_forget(world, segment);
-    dpti_contacts_forget(world, segment, segment + 1, DPT_NONE);
+    dpti_persistent_contacts_forget(world, segment, segment + 1, DPT_NONE);
     dpti_strips_forget(world, segment, segment + 1);
     dpti_force_forget(&world->segments[segment]);
 }
 
 void dpti_tool_forget(struct dpt_world *world, struct tool *tool)
 {
-    for (uint32_t i = 0; i < tool->count; i++)
-        forget_segment(world, tool->first + i);
+    for (uint32_t i = 0; i < tool->segment_count; i++)
+        forget_segment(world, tool->first_segment + i);
     dpti_tool_clear(world, tool);
 }
 
@@ -44,13 +44,13 @@ dpt_result dpti_tool_check_segments(const dpt_segment *segments, uint32_t count)
 static void put_segments(struct dpt_world *world, const struct tool *tool,
                          const dpt_segment *segments)
 {
-    uint32_t index = (uint32_t)(tool - world->tools);
-    for (uint32_t i = 0; i < tool->count; i++) {
-        struct segment *to = &world->segments[tool->first + i];
+    uint32_t slot = (uint32_t)(tool - world->tools);
+    for (uint32_t i = 0; i < tool->segment_count; i++) {
+        struct segment *to = &world->segments[tool->first_segment + i];
         to->a = vec3_of(segments[i].a);
         to->b = vec3_of(segments[i].b);
         to->radius = segments[i].radius;
-        to->tool = index;
+        to->tool_slot = slot;
     }
 }
 
@@ -60,13 +60,13 @@ dpt_result dpt_tool_add(dpt_world *world, const dpt_segment *segments, uint32_t 
     if (!world || !segments || !tool || count == 0)
         return DPT_E_ARGUMENT;
     DPT_TRY(dpti_tool_check_segments(segments, count));
-    uint32_t index =
-        slot_to_use(&world->tools->slot, sizeof *world->tools, world->tool_end, world->freed[1]);
-    if (index == world->def.max_tools || count > world->def.max_segments - world->segment_count)
+    uint32_t slot = slot_to_use(&world->tools->slot, sizeof *world->tools, world->tool_slot_end,
+                                world->freed_count[1]);
+    if (slot == world->def.max_tools || count > world->def.max_segments - world->segment_count)
         return DPT_E_FULL;
-    struct tool *made = &world->tools[index];
-    if (index == world->tool_end) {
-        world->tool_end++;
+    struct tool *made = &world->tools[slot];
+    if (slot == world->tool_slot_end) {
+        world->tool_slot_end++;
         made->slot.generation = 1;
     }
     made->slot.used = 1;
@@ -76,39 +76,39 @@ dpt_result dpt_tool_add(dpt_world *world, const dpt_segment *segments, uint32_t 
     made->slot.valid = 1;
     made->user = 0;
     made->stiffness = world->def.stiffness;
-    made->free = 0;
-    made->first = world->segment_count;
-    made->count = count;
+    made->is_free = 0;
+    made->first_segment = world->segment_count;
+    made->segment_count = count;
     world->segment_count += count;
     put_segments(world, made, segments);
     world_note_max(&world->usage.tools, ++world->tool_count);
     world_note_max(&world->usage.segments, world->segment_count);
     dpti_tool_forget(world, made);
-    *tool = handle_make(HANDLE_TOOL, &made->slot, index);
+    *tool = handle_make(HANDLE_TOOL, &made->slot, slot);
     return DPT_OK;
 }
 
 /* The segments of all tools lie close together: those behind the removed ones move up. */
 dpt_result dpt_tool_remove(dpt_world *world, dpt_tool tool)
 {
-    struct tool *old = world ? world_find_tool(world, tool) : NULL;
-    if (!old)
+    struct tool *removed = world ? world_find_tool(world, tool) : NULL;
+    if (!removed)
         return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
-    uint32_t behind = old->first + old->count;
-    memmove(&world->segments[old->first], &world->segments[behind],
-            (world->segment_count - behind) * sizeof *world->segments);
-    dpti_bodies_remove(world, old->first, behind);
-    dpti_near_remove(world, old->first, behind);
-    dpti_bounds_remove(world, old->first, behind);
-    dpti_backlog_remove(world, old->first, behind);
-    dpti_contacts_remove(world, old->first, behind);
-    dpti_strips_remove(world, old->first, behind);
-    world->turn = 0;
-    for (uint32_t t = 0; t < world->tool_end; t++)
-        if (world->tools[t].slot.used && world->tools[t].first >= behind)
-            world->tools[t].first -= old->count;
-    world->segment_count -= old->count;
-    slot_release(&old->slot, &world->freed[1]);
+    uint32_t end = removed->first_segment + removed->segment_count;
+    memmove(&world->segments[removed->first_segment], &world->segments[end],
+            (world->segment_count - end) * sizeof *world->segments);
+    dpti_body_search_remove(world, removed->first_segment, end);
+    dpti_broad_phase_remove(world, removed->first_segment, end);
+    dpti_bounds_remove(world, removed->first_segment, end);
+    dpti_backlog_remove(world, removed->first_segment, end);
+    dpti_persistent_contacts_remove(world, removed->first_segment, end);
+    dpti_strips_remove(world, removed->first_segment, end);
+    world->undone_segment = 0;
+    for (uint32_t t = 0; t < world->tool_slot_end; t++)
+        if (world->tools[t].slot.used && world->tools[t].first_segment >= end)
+            world->tools[t].first_segment -= removed->segment_count;
+    world->segment_count -= removed->segment_count;
+    slot_release(&removed->slot, &world->freed_count[1]);
     world->tool_count--;
     return DPT_OK;
 }
@@ -116,9 +116,9 @@ dpt_result dpt_tool_remove(dpt_world *world, dpt_tool tool)
 /* A wrench about another origin is another one: what was felt does not fade then. */
 static void set_free(struct dpt_world *world, struct tool *tool, uint32_t is_free)
 {
-    for (uint32_t i = 0; i < tool->count && tool->free != is_free; i++)
-        dpti_force_forget(&world->segments[tool->first + i]);
-    tool->free = is_free;
+    for (uint32_t i = 0; i < tool->segment_count && tool->is_free != is_free; i++)
+        dpti_force_forget(&world->segments[tool->first_segment + i]);
+    tool->is_free = is_free;
 }
 
 dpt_result dpt_tool_set_pose(dpt_world *world, dpt_tool tool, const dpt_pose *pose)
@@ -151,7 +151,7 @@ dpt_result dpt_tool_set_segments(dpt_world *world, dpt_tool tool, const dpt_segm
     struct tool *moved = world ? world_find_tool(world, tool) : NULL;
     if (!moved)
         return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
-    dpt_result result = segments && count == moved->count
+    dpt_result result = segments && count == moved->segment_count
                             ? dpti_tool_check_segments(segments, count)
                             : DPT_E_ARGUMENT;
     moved->slot.valid = result == DPT_OK;
@@ -175,17 +175,17 @@ dpt_result dpt_tool_get_pose(const dpt_world *world, dpt_tool tool, dpt_pose *po
     const dpt_pose identity = DPT_POSE_IDENTITY;
     if (!world || !pose)
         return DPT_E_ARGUMENT;
-    const struct tool *asked = world_find_tool(world, tool);
-    *pose = asked ? asked->pose : identity;
-    return asked ? DPT_OK : DPT_E_HANDLE;
+    const struct tool *found = world_find_tool(world, tool);
+    *pose = found ? found->pose : identity;
+    return found ? DPT_OK : DPT_E_HANDLE;
 }
 
 dpt_result dpt_tool_set_user(dpt_world *world, dpt_tool tool, uint64_t user)
 {
-    struct tool *asked = world ? world_find_tool(world, tool) : NULL;
-    if (!asked)
+    struct tool *found = world ? world_find_tool(world, tool) : NULL;
+    if (!found)
         return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
-    asked->user = user;
+    found->user = user;
     return DPT_OK;
 }
 
@@ -193,23 +193,23 @@ dpt_result dpt_tool_get_user(const dpt_world *world, dpt_tool tool, uint64_t *us
 {
     if (!world || !user)
         return DPT_E_ARGUMENT;
-    const struct tool *asked = world_find_tool(world, tool);
-    *user = asked ? asked->user : 0;
-    return asked ? DPT_OK : DPT_E_HANDLE;
+    const struct tool *found = world_find_tool(world, tool);
+    *user = found ? found->user : 0;
+    return found ? DPT_OK : DPT_E_HANDLE;
 }
 
 dpt_result dpt_tool_set_settings(dpt_world *world, dpt_tool tool, const dpt_tool_settings *given)
 {
     if (!world || !given)
         return DPT_E_ARGUMENT;
-    struct tool *asked = world_find_tool(world, tool);
-    if (!asked)
+    struct tool *found = world_find_tool(world, tool);
+    if (!found)
         return DPT_E_HANDLE;
-    dpt_tool_settings settings = { .size = sizeof settings, .stiffness = asked->stiffness };
+    dpt_tool_settings settings = { .size = sizeof settings, .stiffness = found->stiffness };
     DPT_TRY(sized_read(given, sizeof settings, &settings, sizeof settings));
     if (settings.reserved || !dpti_stiffness_is_valid(settings.stiffness))
         return DPT_E_ARGUMENT;
-    asked->stiffness = settings.stiffness;
+    found->stiffness = settings.stiffness;
     return DPT_OK;
 }
 
@@ -219,9 +219,9 @@ dpt_result dpt_tool_get_settings(const dpt_world *world, dpt_tool tool, dpt_tool
         return DPT_E_ARGUMENT;
     dpt_tool_settings now = { .size = sizeof now };
     DPT_TRY(sized_check(settings, sizeof now, 0));
-    const struct tool *asked = world_find_tool(world, tool);
-    if (asked)
-        now.stiffness = asked->stiffness;
+    const struct tool *found = world_find_tool(world, tool);
+    if (found)
+        now.stiffness = found->stiffness;
     sized_write(settings, settings->size, &now, sizeof now);
-    return asked ? DPT_OK : DPT_E_HANDLE;
+    return found ? DPT_OK : DPT_E_HANDLE;
 }

@@ -6,7 +6,7 @@
 /* What the torque is about. */
 static vec3 origin_of(const struct dpt_world *world, const struct tool *tool)
 {
-    return tool->free ? world->segments[tool->first].a : tool->frame.origin;
+    return tool->is_free ? world->segments[tool->first_segment].a : tool->frame.origin;
 }
 
 static int is_zero(vec3 v)
@@ -16,18 +16,19 @@ static int is_zero(vec3 v)
 
 void dpti_force_forget(struct segment *segment)
 {
-    segment->fade = (struct fade){ .left = 0.0 };
-    segment->pushing_part = segment->previous_pushing_part = (struct pushing_part){ .body = 0 };
-    segment->border.clear_radius = 0.0;
-    segment->fading = 0;
-    segment->reason = DPT_FORCE_STALE;
+    segment->fade = (struct fade){ .time_left = 0.0 };
+    segment->pushing_part = segment->previous_pushing_part = (struct pushing_part){ .body_id = 0 };
+    segment->border.clear = 0.0;
+    segment->fading_body_id = 0;
+    segment->force_reason = DPT_FORCE_STALE;
 }
 
-void dpti_force_forget_body(struct segment *segment, uint32_t body)
+void dpti_force_forget_body(struct segment *segment, uint32_t body_id)
 {
-    if (segment->border.body == body)
-        segment->border.clear_radius = 0.0;
-    if ((segment->fade.left > 0.0 ? segment->fading : segment->previous_pushing_part.body) == body)
+    if (segment->border.body == body_id)
+        segment->border.clear = 0.0;
+    if ((segment->fade.time_left > 0.0 ? segment->fading_body_id
+                                       : segment->previous_pushing_part.body_id) == body_id)
         dpti_force_forget(segment);
 }
 
@@ -45,48 +46,52 @@ static uint32_t reason_of(const struct segment *segment)
 void dpti_force_respond(struct dpt_world *world, uint32_t index, double dt)
 {
     struct segment *segment = &world->segments[index];
-    const struct tool *tool = &world->tools[segment->tool];
-    if (!tool->slot.valid || world->invalid || tool->stiffness == 0.0) {
+    const struct tool *tool = &world->tools[segment->tool_slot];
+    if (!tool->slot.valid || world->invalid_body_count || tool->stiffness == 0.0) {
         dpti_force_forget(segment);
         return;
     }
     struct fade *fade = &segment->fade;
     dpt_wrench truth = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0 } };
     const uint32_t reason = reason_of(segment);
-    const int unknown = reason == DPT_FORCE_UNDECIDED && segment->reason != DPT_FORCE_UNDECIDED;
-    const int felt = !is_zero(vec3_of(fade->shown.force)) || !is_zero(vec3_of(fade->shown.torque));
+    const int became_undecided =
+        reason == DPT_FORCE_UNDECIDED && segment->force_reason != DPT_FORCE_UNDECIDED;
+    const int was_felt =
+        !is_zero(vec3_of(fade->felt.force)) || !is_zero(vec3_of(fade->felt.torque));
     if (segment->felt_penetration.depth > 0.0)
         respond_penalty(&segment->felt_penetration, tool->stiffness, origin_of(world, tool),
                         &truth);
-    if (felt && (unknown || segment->given_up)) {
-        if (!(fade->left > 0.0))
-            segment->fading = segment->previous_pushing_part.body;
-        fade->left = world->def.fade;
+    if (was_felt && (became_undecided || segment->has_given_up_push)) {
+        if (!(fade->time_left > 0.0))
+            segment->fading_body_id = segment->previous_pushing_part.body_id;
+        fade->time_left = world->def.fade;
     }
     fade_step(fade, &truth, dt);
-    segment->reason = reason;
+    segment->force_reason = reason;
     segment->previous_pushing_part = segment->pushing_part;
-    segment->pushing_part = (struct pushing_part){ .body = 0 };
+    segment->pushing_part = (struct pushing_part){ .body_id = 0 };
 }
 
 void dpti_force_sum(const struct dpt_world *world, struct tool *tool)
 {
     vec3 force = { 0.0, 0.0, 0.0 }, torque = force;
     uint32_t acts = 0, undecided = 0, fades = 0;
-    for (uint32_t i = 0; i < tool->count; i++) {
-        const struct segment *segment = &world->segments[tool->first + i];
-        force = add(force, vec3_of(segment->fade.shown.force));
-        torque = add(torque, vec3_of(segment->fade.shown.torque));
-        acts |= segment->reason == DPT_FORCE_ACTS;
-        undecided |= segment->reason == DPT_FORCE_UNDECIDED;
-        fades |= segment->fade.left > 0.0;
+    for (uint32_t i = 0; i < tool->segment_count; i++) {
+        const struct segment *segment = &world->segments[tool->first_segment + i];
+        force = add(force, vec3_of(segment->fade.felt.force));
+        torque = add(torque, vec3_of(segment->fade.felt.torque));
+        acts |= segment->force_reason == DPT_FORCE_ACTS;
+        undecided |= segment->force_reason == DPT_FORCE_UNDECIDED;
+        fades |= segment->fade.time_left > 0.0;
     }
     vec3_store(force, tool->wrench.force);
     vec3_store(torque, tool->wrench.torque);
     if (world->def.until != DPT_UNTIL_RESPOND || tool->stiffness == 0.0)
-        tool->reason = DPT_FORCE_OFF;
+        tool->force_reason = DPT_FORCE_OFF;
     else
-        tool->reason = acts ? DPT_FORCE_ACTS : undecided ? DPT_FORCE_UNDECIDED : DPT_FORCE_FREE;
-    tool->flags =
+        tool->force_reason = acts        ? DPT_FORCE_ACTS
+                             : undecided ? DPT_FORCE_UNDECIDED
+                                         : DPT_FORCE_FREE;
+    tool->force_flags =
         (fades ? DPT_FORCE_FLAG_FADING : 0u) | (acts && undecided ? DPT_FORCE_FLAG_PARTIAL : 0u);
 }

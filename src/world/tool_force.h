@@ -15,6 +15,6 @@ void dpti_force_sum(const struct dpt_world *world, struct tool *tool);
 void dpti_force_forget(struct segment *segment);
 
 /* The same, if it was this body's push. */
-void dpti_force_forget_body(struct segment *segment, uint32_t body);
+void dpti_force_forget_body(struct segment *segment, uint32_t body_id);
 
 #endif

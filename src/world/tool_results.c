@@ -14,27 +14,27 @@ void dpti_tool_write_hit(struct segment *segment)
 
 void dpti_tool_clear_hits(struct dpt_world *world, struct tool *tool)
 {
-    for (uint32_t i = 0; i < tool->count; i++)
-        world->segments[tool->first + i].hit = (dpt_hit){
+    for (uint32_t i = 0; i < tool->segment_count; i++)
+        world->segments[tool->first_segment + i].hit = (dpt_hit){
             .size = sizeof(dpt_hit), .status = DPT_STATUS_STALE, .triangle = DPT_NONE, .segment = i
         };
-    tool->nearest = 0;
-    tool->reason = DPT_FORCE_STALE;
-    tool->flags = 0;
+    tool->nearest_segment = 0;
+    tool->force_reason = DPT_FORCE_STALE;
+    tool->force_flags = 0;
 }
 
 void dpti_tool_clear(struct dpt_world *world, struct tool *tool)
 {
     dpti_tool_clear_hits(world, tool);
-    for (uint32_t i = 0; i < tool->count; i++) {
-        struct segment *segment = &world->segments[tool->first + i];
+    for (uint32_t i = 0; i < tool->segment_count; i++) {
+        struct segment *segment = &world->segments[tool->first_segment + i];
         memset(&segment->penetration, 0, sizeof segment->penetration);
         memset(&segment->felt_penetration, 0, sizeof segment->felt_penetration);
-        segment->passed = segment->given_up = 0;
+        segment->may_have_crossed = segment->has_given_up_push = 0;
         segment->sweep =
             (dpt_sweep){ .size = sizeof segment->sweep, .triangle = DPT_NONE, .segment = i };
         if (world->def.strip)
-            dpti_strip_clear(world->segment_strips[tool->first + i].strip, NULL);
+            dpti_strip_clear(world->segment_strips[tool->first_segment + i].strip, NULL);
     }
     memset(&tool->wrench, 0, sizeof tool->wrench);
 }
@@ -42,12 +42,12 @@ void dpti_tool_clear(struct dpt_world *world, struct tool *tool)
 static dpt_result find_segment(const dpt_world *world, dpt_tool tool, uint32_t segment,
                                const struct segment **found)
 {
-    const struct tool *asked = world_find_tool(world, tool);
-    if (!asked)
+    const struct tool *owner = world_find_tool(world, tool);
+    if (!owner)
         return DPT_E_HANDLE;
-    if (segment >= asked->count)
+    if (segment >= owner->segment_count)
         return DPT_E_ARGUMENT;
-    *found = &world->segments[asked->first + segment];
+    *found = &world->segments[owner->first_segment + segment];
     return DPT_OK;
 }
 
@@ -67,8 +67,8 @@ dpt_result dpt_tool_get_segment_hit(const dpt_world *world, dpt_tool tool, uint3
 
 dpt_result dpt_tool_get_hit(const dpt_world *world, dpt_tool tool, dpt_hit *hit)
 {
-    const struct tool *asked = world ? world_find_tool(world, tool) : NULL;
-    return dpt_tool_get_segment_hit(world, tool, asked ? asked->nearest : 0, hit);
+    const struct tool *owner = world ? world_find_tool(world, tool) : NULL;
+    return dpt_tool_get_segment_hit(world, tool, owner ? owner->nearest_segment : 0, hit);
 }
 
 dpt_result dpt_tool_get_contacts(const dpt_world *world, dpt_tool tool, dpt_contact *contacts,
@@ -82,17 +82,17 @@ dpt_result dpt_tool_get_contacts(const dpt_world *world, dpt_tool tool, dpt_cont
         DPT_TRY(sized_check(contacts, sizeof *contacts, 1));
     const uint32_t size = capacity ? contacts[0].size : 0;
     uint32_t found = 0;
-    const struct tool *asked = world_find_tool(world, tool);
-    if (!asked)
+    const struct tool *owner = world_find_tool(world, tool);
+    if (!owner)
         return DPT_E_HANDLE;
-    const struct persistent_contacts *holds = &world->contacts[world->contacts_at];
-    for (uint32_t s = asked->first; s < asked->first + asked->count; s++)
-        for (uint32_t i = 0; i < holds->count; i++) {
-            if (holds->at[i].segment != s || holds->at[i].unseen)
+    const struct persistent_contacts *current = &world->contacts[world->contacts_this_tick];
+    for (uint32_t s = owner->first_segment; s < owner->first_segment + owner->segment_count; s++)
+        for (uint32_t i = 0; i < current->count; i++) {
+            if (current->items[i].segment != s || current->items[i].is_unseen)
                 continue;
             if (found < capacity)
-                sized_write((char *)contacts + (size_t)found * size, size, &holds->at[i].contact,
-                            sizeof(dpt_contact));
+                sized_write((char *)contacts + (size_t)found * size, size,
+                            &current->items[i].contact, sizeof(dpt_contact));
             found++;
         }
     *count = found;
@@ -118,10 +118,10 @@ dpt_result dpt_tool_get_wrench(const dpt_world *world, dpt_tool tool, dpt_wrench
     if (!wrench)
         return DPT_E_ARGUMENT;
     memset(wrench, 0, sizeof *wrench);
-    const struct tool *asked = world ? world_find_tool(world, tool) : NULL;
-    if (!asked)
+    const struct tool *owner = world ? world_find_tool(world, tool) : NULL;
+    if (!owner)
         return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
-    *wrench = asked->wrench;
+    *wrench = owner->wrench;
     return DPT_OK;
 }
 
@@ -131,12 +131,12 @@ dpt_result dpt_tool_get_force_report(const dpt_world *world, dpt_tool tool, dpt_
         return DPT_E_ARGUMENT;
     dpt_force_report now = { .reason = DPT_FORCE_STALE };
     DPT_TRY(sized_check(force, sizeof now, 0));
-    const struct tool *asked = world ? world_find_tool(world, tool) : NULL;
-    if (asked) {
-        now.reason = asked->reason;
-        now.flags = asked->flags;
-        now.wrench = asked->wrench;
+    const struct tool *owner = world ? world_find_tool(world, tool) : NULL;
+    if (owner) {
+        now.reason = owner->force_reason;
+        now.flags = owner->force_flags;
+        now.wrench = owner->wrench;
     }
     sized_write(force, force->size, &now, sizeof now);
-    return asked ? DPT_OK : world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
+    return owner ? DPT_OK : world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
 }

@@ -6,8 +6,8 @@
 #include "nearest/side.h"
 
 /* A share of dpt_world_bytes. */
-enum { BYTES_LAID = 512 };
-typedef char laid_fits[sizeof(struct segment_strip) <= BYTES_LAID ? 1 : -1];
+enum { BYTES_SEGMENT_STRIP = 512 };
+typedef char segment_strip_fits[sizeof(struct segment_strip) <= BYTES_SEGMENT_STRIP ? 1 : -1];
 
 dpt_strip_def dpti_strips_def(const dpt_world_def *def)
 {
@@ -19,7 +19,9 @@ dpt_strip_def dpti_strips_def(const dpt_world_def *def)
 uint64_t dpti_strips_bytes(const dpt_world_def *def)
 {
     const dpt_strip_def strip = dpti_strips_def(def);
-    return def->strip ? (BYTES_LAID + (uint64_t)dpt_strip_bytes(&strip)) * def->max_segments : 0;
+    return def->strip
+               ? (BYTES_SEGMENT_STRIP + (uint64_t)dpt_strip_bytes(&strip)) * def->max_segments
+               : 0;
 }
 
 /* The strips of all segments, behind the list of them. */
@@ -30,7 +32,7 @@ char *dpti_strips_place(struct dpt_world *world, char *at)
         return at;
     const size_t bytes = dpt_strip_bytes(&def);
     world->segment_strips = (void *)at;
-    at += BYTES_LAID * (size_t)world->def.max_segments;
+    at += BYTES_SEGMENT_STRIP * (size_t)world->def.max_segments;
     for (uint32_t i = 0; i < world->def.max_segments; i++, at += bytes)
         dpt_strip_create(at, bytes, &def, &world->segment_strips[i].strip);
     dpti_strips_forget(world, 0, world->def.max_segments);
@@ -43,28 +45,28 @@ void dpti_strips_forget(struct dpt_world *world, uint32_t first, uint32_t end)
         struct segment_strip *segment_strip = &world->segment_strips[i];
         dpti_strip_clear(segment_strip->strip, NULL);
         dpti_strip_forget(segment_strip->strip);
-        segment_strip->end[0] = segment_strip->end[1] = DPT_NONE;
-        segment_strip->body = DPT_NONE;
+        segment_strip->end_triangle[0] = segment_strip->end_triangle[1] = DPT_NONE;
+        segment_strip->body_slot = DPT_NONE;
     }
 }
 
-void dpti_strips_forget_body(struct dpt_world *world, uint32_t body)
+void dpti_strips_forget_body(struct dpt_world *world, uint32_t slot)
 {
     for (uint32_t i = 0; world->def.strip && i < world->segment_count; i++)
-        if (world->segment_strips[i].body == body)
+        if (world->segment_strips[i].body_slot == slot)
             dpti_strips_forget(world, i, i + 1);
 }
 
 void dpti_strips_remove(struct dpt_world *world, uint32_t first, uint32_t end)
 {
-    uint32_t moved = world->segment_count - end;
+    uint32_t segments_moved = world->segment_count - end;
     if (!world->def.strip)
         return;
     dpti_strips_forget(world, first, end);
-    for (uint32_t i = 0; i < moved; i++) {
-        const struct segment_strip up = world->segment_strips[end + i];
+    for (uint32_t i = 0; i < segments_moved; i++) {
+        const struct segment_strip moved_strip = world->segment_strips[end + i];
         world->segment_strips[end + i] = world->segment_strips[first + i];
-        world->segment_strips[first + i] = up;
+        world->segment_strips[first + i] = moved_strip;
     }
 }
 
@@ -75,37 +77,41 @@ static vec3 direction_to_axis(const struct segment *segment,
     const struct pair_search *nearest = &segment->answer.track.nearest;
     if (nearest->pair.distance2 > 0.0)
         return nearest->pair.gap;
-    vec3 push = frame_turn_back(&segment_strip->frame, segment->penetration.direction);
-    return dot(push, push) > 0.0
-               ? push
+    vec3 exit_direction = frame_turn_back(&segment_strip->frame, segment->penetration.direction);
+    return dot(exit_direction, exit_direction) > 0.0
+               ? exit_direction
                : dpti_surface_face_normal(&segment_strip->surface, nearest->triangle);
 }
 
 /* Of an open sheet, that to which the tool would be pushed, or on which it is. */
 static int32_t side_of_tool(const struct segment *segment,
-                            const struct segment_strip *segment_strip, uint32_t place, vec3 to_axis)
+                            const struct segment_strip *segment_strip, uint32_t triangle,
+                            vec3 to_axis)
 {
-    if (!dpti_side_is_sheet(&segment_strip->surface, surface_part(&segment_strip->surface, place)))
+    if (!dpti_side_is_sheet(&segment_strip->surface,
+                            surface_part(&segment_strip->surface, triangle)))
         return 1;
-    vec3 out = frame_turn_back(&segment_strip->frame, segment->penetration.direction);
-    if (!(dot(out, out) > 0.0))
-        out = to_axis;
-    return dot(out, dpti_surface_face_normal(&segment_strip->surface, place)) < 0.0 ? -1 : 1;
+    vec3 exit_direction = frame_turn_back(&segment_strip->frame, segment->penetration.direction);
+    if (!(dot(exit_direction, exit_direction) > 0.0))
+        exit_direction = to_axis;
+    return dot(exit_direction, dpti_surface_face_normal(&segment_strip->surface, triangle)) < 0.0
+               ? -1
+               : 1;
 }
 
-static void put_shadow(const struct dpt_world *world, struct segment_strip *segment_strip, vec3 way,
-                       uint32_t place)
+static void put_shadow(const struct dpt_world *world, struct segment_strip *segment_strip,
+                       vec3 direction, uint32_t triangle)
 {
     const dpt_world_def *def = &world->def;
     double depth = def->strip_depth;
     if (depth == 0.0)
         depth = 0.25 * length(segment_strip->u) + segment_strip->radius + def->margin;
-    if (!(dot(way, way) > 0.0))
+    if (!(dot(direction, direction) > 0.0))
         return;
     struct shadow_volume volume;
-    dpti_shadow_volume_of(segment_strip->a, segment_strip->u, way,
+    dpti_shadow_volume_of(segment_strip->a, segment_strip->u, direction,
                           segment_strip->radius + def->strip_width, depth, &volume);
-    dpti_strip_shadow(segment_strip->strip, &segment_strip->surface, &volume, place);
+    dpti_strip_shadow(segment_strip->strip, &segment_strip->surface, &volume, triangle);
 }
 
 /* The triangle nearest to an end of the axis. */
@@ -117,20 +123,21 @@ static uint32_t nearest_to_end(const struct dpt_world *world,
     struct pair_search nearest;
     struct work work = work_of(WORK_UNLIMITED); /* no budget counts strips */
     dpti_track_once(&segment_strip->surface, &world->kernel, DPT_METHOD_TREE, &point,
-                    segment_strip->end[end], &work, &nearest);
+                    segment_strip->end_triangle[end], &work, &nearest);
     return nearest.triangle;
 }
 
 /* Nothing where no route leads there, as when an end is nearest to another part; full where the search is too small. */
 static void put_routes(const struct dpt_world *world, struct segment_strip *segment_strip,
-                       uint32_t place)
+                       uint32_t triangle)
 {
     for (int end = 0; end < 2; end++)
-        segment_strip->end[end] = nearest_to_end(world, segment_strip, end);
-    if (segment_strip->end[0] == DPT_NONE || segment_strip->end[1] == DPT_NONE)
+        segment_strip->end_triangle[end] = nearest_to_end(world, segment_strip, end);
+    if (segment_strip->end_triangle[0] == DPT_NONE || segment_strip->end_triangle[1] == DPT_NONE)
         return;
-    if (dpti_strip_routes(segment_strip->strip, segment_strip->surface.mesh, segment_strip->end[0],
-                          segment_strip->end[1], place) == DPT_E_FULL)
+    if (dpti_strip_routes(segment_strip->strip, segment_strip->surface.mesh,
+                          segment_strip->end_triangle[0], segment_strip->end_triangle[1],
+                          triangle) == DPT_E_FULL)
         dpti_strip_set_full(segment_strip->strip);
 }
 
@@ -145,21 +152,21 @@ void dpti_strips_find(struct dpt_world *world, uint32_t index)
     if (result->contact != DPT_CONTACT_PENETRATING &&
         !(result->distance - segment->radius <= world->def.margin))
         return;
-    if (segment_strip->body != handle_index(body->id))
-        segment_strip->end[0] = segment_strip->end[1] = DPT_NONE;
-    segment_strip->body = handle_index(body->id);
+    if (segment_strip->body_slot != handle_index(body->id))
+        segment_strip->end_triangle[0] = segment_strip->end_triangle[1] = DPT_NONE;
+    segment_strip->body_slot = handle_index(body->id);
     segment_strip->surface = body->surface;
     segment_strip->frame = body->frame;
     segment_strip->radius = segment->radius;
     segment_strip->a = segment->answer.track.axis.local_a;
     segment_strip->u = segment->answer.track.axis.u;
-    const uint32_t place = segment->answer.track.nearest.triangle;
+    const uint32_t triangle = segment->answer.track.nearest.triangle;
     vec3 to_axis = direction_to_axis(segment, segment_strip);
-    segment_strip->side = side_of_tool(segment, segment_strip, place, to_axis);
+    segment_strip->side = side_of_tool(segment, segment_strip, triangle, to_axis);
     if (world->def.strip == DPT_STRIP_KIND_SHADOW)
-        put_shadow(world, segment_strip, to_axis, place);
+        put_shadow(world, segment_strip, to_axis, triangle);
     else
-        put_routes(world, segment_strip, place);
+        put_routes(world, segment_strip, triangle);
 }
 
 dpt_result dpt_tool_get_strip(const dpt_world *world, dpt_tool tool, uint32_t segment,
@@ -174,14 +181,15 @@ dpt_result dpt_tool_get_strip(const dpt_world *world, dpt_tool tool, uint32_t se
         return DPT_E_ARGUMENT;
     if (capacity)
         DPT_TRY(sized_check(overlaps, sizeof *overlaps, 1));
-    const struct tool *asked = world_find_tool(world, tool);
-    if (!asked)
+    const struct tool *owner = world_find_tool(world, tool);
+    if (!owner)
         return DPT_E_HANDLE;
-    if (segment >= asked->count)
+    if (segment >= owner->segment_count)
         return DPT_E_ARGUMENT;
     if (!world->def.strip)
         return DPT_OK;
-    const struct segment_strip *segment_strip = &world->segment_strips[asked->first + segment];
+    const struct segment_strip *segment_strip =
+        &world->segment_strips[owner->first_segment + segment];
     dpt_strip_get_triangles(segment_strip->strip, count, flags);
     dpti_strip_overlaps(segment_strip->strip, &segment_strip->surface, &segment_strip->frame,
                         segment_strip->a, segment_strip->u, segment_strip->radius,

@@ -21,7 +21,7 @@ void dpti_strips_find(struct dpt_world *world, uint32_t segment);
 void dpti_strips_forget(struct dpt_world *world, uint32_t first, uint32_t end);
 
 /* Empty those that lie on a body. */
-void dpti_strips_forget_body(struct dpt_world *world, uint32_t body);
+void dpti_strips_forget_body(struct dpt_world *world, uint32_t slot);
 
 /* Remove the segments from `first` up to, not including, `end`: those behind them move up. */
 void dpti_strips_remove(struct dpt_world *world, uint32_t first, uint32_t end);

@@ -35,7 +35,7 @@ static void try_body(struct trial *trial, const struct body *body, double radius
         memset(trial->first.normal, 0, sizeof trial->first.normal);
 }
 
-static void try_segment(struct trial *trial, const struct segment *segment, uint32_t number,
+static void try_segment(struct trial *trial, const struct segment *segment, uint32_t segment_index,
                         struct placement *from, struct placement *to)
 {
     const struct dpt_world *world = trial->world;
@@ -45,9 +45,9 @@ static void try_segment(struct trial *trial, const struct segment *segment, uint
     frame_of_pose(&to->tool, &frame);
     const struct box box =
         box_of_axis(frame_to_world(&frame, to->a), frame_to_world(&frame, to->b));
-    for (uint32_t i = 0; i < world->body_end; i++)
+    for (uint32_t i = 0; i < world->body_slot_end; i++)
         if (world->bodies[i].slot.used && box_distance(&box, &world->boxes[i]) <= reach)
-            try_body(trial, &world->bodies[i], radius, number, from, to);
+            try_body(trial, &world->bodies[i], radius, segment_index, from, to);
 }
 
 static dpt_result begin(struct trial *trial, const dpt_world *world, dpt_tool id, double clearance,
@@ -62,7 +62,7 @@ static dpt_result begin(struct trial *trial, const dpt_world *world, dpt_tool id
         return DPT_E_HANDLE;
     if (!within(clearance, DPT_COORDINATE_MAX))
         return DPT_E_FINITE;
-    const int is_known = (*tool)->slot.valid && !world->invalid;
+    const int is_known = (*tool)->slot.valid && !world->invalid_body_count;
     *trial = (struct trial){ .world = world,
                              .clearance = clearance,
                              .first = { .status = is_known ? DPT_SWEEP_FREE : DPT_SWEEP_NONE,
@@ -82,20 +82,20 @@ dpt_result dpt_tool_try_pose(const dpt_world *world, dpt_tool tool, const dpt_po
 {
     struct trial trial;
     struct frame frame;
-    const struct tool *tried;
+    const struct tool *found;
     if (!pose)
         return DPT_E_ARGUMENT;
-    DPT_TRY(begin(&trial, world, tool, clearance, first, &tried));
+    DPT_TRY(begin(&trial, world, tool, clearance, first, &found));
     DPT_TRY(frame_of_pose(pose, &frame));
-    for (uint32_t i = 0; trial.first.status != DPT_SWEEP_NONE && i < tried->count; i++) {
-        const struct segment *segment = &world->segments[tried->first + i];
-        struct placement from = { .tool = tried->pose, .a = segment->a, .b = segment->b };
+    for (uint32_t i = 0; trial.first.status != DPT_SWEEP_NONE && i < found->segment_count; i++) {
+        const struct segment *segment = &world->segments[found->first_segment + i];
+        struct placement from = { .tool = found->pose, .a = segment->a, .b = segment->b };
         struct placement to = { .tool = *pose, .a = segment->a, .b = segment->b };
         try_segment(&trial, segment, i, &from, &to);
     }
     end(&trial, first);
     if (reached)
-        *reached = dpti_rigid_sweep_pose(&tried->pose, pose, trial.first.time);
+        *reached = dpti_rigid_sweep_pose(&found->pose, pose, trial.first.time);
     return DPT_OK;
 }
 
@@ -104,19 +104,19 @@ dpt_result dpt_tool_try_segments(const dpt_world *world, dpt_tool tool, const dp
                                  dpt_segment *reached)
 {
     struct trial trial;
-    const struct tool *tried;
+    const struct tool *found;
     const dpt_pose identity = DPT_POSE_IDENTITY;
     if (!segments)
         return DPT_E_ARGUMENT;
-    DPT_TRY(begin(&trial, world, tool, clearance, first, &tried));
-    if (count != tried->count)
+    DPT_TRY(begin(&trial, world, tool, clearance, first, &found));
+    if (count != found->segment_count)
         return DPT_E_ARGUMENT;
     DPT_TRY(dpti_tool_check_segments(segments, count));
     for (uint32_t i = 0; trial.first.status != DPT_SWEEP_NONE && i < count; i++) {
-        struct segment segment = world->segments[tried->first + i];
+        struct segment segment = world->segments[found->first_segment + i];
         struct placement from = { .tool = identity,
-                                  .a = frame_to_world(&tried->frame, segment.a),
-                                  .b = frame_to_world(&tried->frame, segment.b) };
+                                  .a = frame_to_world(&found->frame, segment.a),
+                                  .b = frame_to_world(&found->frame, segment.b) };
         struct placement to = { .tool = identity,
                                 .a = vec3_of(segments[i].a),
                                 .b = vec3_of(segments[i].b) };
@@ -125,9 +125,9 @@ dpt_result dpt_tool_try_segments(const dpt_world *world, dpt_tool tool, const dp
     }
     end(&trial, first);
     for (uint32_t i = 0; reached && i < count; i++) {
-        const struct segment *segment = &world->segments[tried->first + i];
-        const vec3 a = frame_to_world(&tried->frame, segment->a);
-        const vec3 b = frame_to_world(&tried->frame, segment->b);
+        const struct segment *segment = &world->segments[found->first_segment + i];
+        const vec3 a = frame_to_world(&found->frame, segment->a);
+        const vec3 b = frame_to_world(&found->frame, segment->b);
         const double time = trial.first.time;
         dpt_segment at = segments[i];
         if (time < 1.0) {

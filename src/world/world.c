@@ -12,7 +12,7 @@ size_t dpt_world_bytes(const dpt_world_def *given)
 {
     dpt_world_def def;
     dpt_baseline_def baseline;
-    if (dpti_world_def_take(given, &def, &baseline) != DPT_OK || !dpti_world_def_is_valid(&def))
+    if (dpti_world_def_read(given, &def, &baseline) != DPT_OK || !dpti_world_def_is_valid(&def))
         return 0;
     return dpti_world_layout_bytes(&def);
 }
@@ -24,7 +24,7 @@ dpt_result dpt_world_create(void *block, size_t bytes, const dpt_world_def *give
     dpt_baseline_def baseline;
     if (!block || !world)
         return DPT_E_ARGUMENT;
-    DPT_TRY(dpti_world_def_take(given, &def, &baseline));
+    DPT_TRY(dpti_world_def_read(given, &def, &baseline));
     if (!dpti_world_def_is_valid(&def))
         return DPT_E_ARGUMENT;
     if ((uintptr_t)block % 8)
@@ -58,19 +58,19 @@ dpt_result dpt_world_reset(dpt_world *world)
 {
     if (!world)
         return DPT_E_ARGUMENT;
-    for (uint32_t t = 0; t < world->tool_end; t++)
+    for (uint32_t t = 0; t < world->tool_slot_end; t++)
         if (world->tools[t].slot.used)
             dpti_tool_forget(world, &world->tools[t]);
-    dpti_bodies_forget_planes(world, 0, world->segment_count, DPT_NONE);
+    dpti_body_search_forget_planes(world, 0, world->segment_count, DPT_NONE);
     dpti_point_cache_forget(&world->point_cache, DPT_NONE);
-    dpti_contacts_reset(world);
-    for (uint32_t i = 0; i < world->body_end; i++) {
-        world->bodies[i].moved = world->bodies[i].added = 0;
-        world->bodies[i].travelled = 0.0;
+    dpti_persistent_contacts_reset(world);
+    for (uint32_t i = 0; i < world->body_slot_end; i++) {
+        world->bodies[i].moved_tick = world->bodies[i].added_tick = 0;
+        world->bodies[i].motion_bound = 0.0;
     }
-    world->travelled_at = 0;
-    world->travelled = 0.0;
-    world->turn = 0;
+    world->bodies_moved_tick = 0;
+    world->body_motion_max = 0.0;
+    world->undone_segment = 0;
     world->ticks = 0;
     return DPT_OK;
 }

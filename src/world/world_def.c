@@ -46,7 +46,7 @@ static int count_is_valid(uint32_t count)
     return count >= 1 && count <= 0xffff;
 }
 
-dpt_result dpti_world_def_take(const dpt_world_def *given, dpt_world_def *def,
+dpt_result dpti_world_def_read(const dpt_world_def *given, dpt_world_def *def,
                                dpt_baseline_def *baseline)
 {
     if (!given)

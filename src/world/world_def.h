@@ -6,7 +6,7 @@
 #include "world/world_state.h"
 
 /* A caller's def and what it points to, by the rule of base/sized.h; `def` points to `baseline` then. */
-dpt_result dpti_world_def_take(const dpt_world_def *given, dpt_world_def *def,
+dpt_result dpti_world_def_read(const dpt_world_def *given, dpt_world_def *def,
                                dpt_baseline_def *baseline);
 
 int dpti_world_def_is_valid(const dpt_world_def *def);

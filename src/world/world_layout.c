@@ -13,8 +13,8 @@ enum {
     BYTES_BODY = 640,    /* with its box */
     BYTES_TOOL = 256,
     BYTES_SEGMENT = 1408,
-    BYTES_MEMO = 21504, /* and for each segment BYTES_MEMO_MORE */
-    BYTES_MEMO_MORE = 3072
+    BYTES_POINT_CACHE = 21504, /* and for each segment BYTES_POINT_CACHE_SEGMENT */
+    BYTES_POINT_CACHE_SEGMENT = 3072
 };
 typedef char world_fits[sizeof(struct dpt_world) <= BYTES_WORLD ? 1 : -1];
 typedef char body_fits[sizeof(struct body) + sizeof(struct box) <= BYTES_BODY ? 1 : -1];
@@ -23,7 +23,8 @@ typedef char segment_fits[sizeof(struct segment) <= BYTES_SEGMENT ? 1 : -1];
 
 static uint64_t point_cache_bytes(const dpt_world_def *def)
 {
-    return def->budget ? BYTES_MEMO + BYTES_MEMO_MORE * (uint64_t)def->max_segments : 0;
+    return def->budget ? BYTES_POINT_CACHE + BYTES_POINT_CACHE_SEGMENT * (uint64_t)def->max_segments
+                       : 0;
 }
 
 size_t dpti_world_layout_bytes(const dpt_world_def *def)
@@ -31,8 +32,9 @@ size_t dpti_world_layout_bytes(const dpt_world_def *def)
     uint64_t bytes = BYTES_WORLD + BYTES_BODY * (uint64_t)def->max_bodies +
                      BYTES_TOOL * (uint64_t)def->max_tools +
                      BYTES_SEGMENT * (uint64_t)def->max_segments + point_cache_bytes(def) +
-                     dpti_bounds_bytes(def) + dpti_backlog_bytes(def) + dpti_contacts_bytes(def) +
-                     dpti_strips_bytes(def) + dpti_near_bytes(def) + dpti_bodies_bytes(def);
+                     dpti_bounds_bytes(def) + dpti_backlog_bytes(def) +
+                     dpti_persistent_contacts_bytes(def) + dpti_strips_bytes(def) +
+                     dpti_broad_phase_bytes(def) + dpti_body_search_bytes(def);
     return bytes <= SIZE_MAX ? (size_t)bytes : 0;
 }
 
@@ -53,8 +55,8 @@ void dpti_world_layout_place(struct dpt_world *world)
     at += point_cache_bytes(def);
     at = dpti_bounds_place(world, at);
     at = dpti_backlog_place(world, at);
-    at = dpti_contacts_place(world, at);
+    at = dpti_persistent_contacts_place(world, at);
     at = dpti_strips_place(world, at);
-    at = dpti_near_place(world, at);
-    dpti_bodies_place(world, at);
+    at = dpti_broad_phase_place(world, at);
+    dpti_body_search_place(world, at);
 }
