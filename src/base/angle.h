@@ -36,11 +36,11 @@ static inline double solid_turns(vec3 a, vec3 b, vec3 c)
     double la = length(a), lb = length(b), lc = length(c);
     double volume = dot(a, cross(b, c));
     double sides = la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb;
-    double height = fabs(volume), wide = fabs(sides);
+    double height = fabs(volume), width = fabs(sides);
     if (!(height > 0.0))
         return 0.0;
     double angle =
-        height > wide ? 0.25 * ANGLE_TURN - arctangent(wide / height) : arctangent(height / wide);
+        height > width ? 0.25 * ANGLE_TURN - arctangent(width / height) : arctangent(height / width);
     if (sides < 0.0)
         angle = 0.5 * ANGLE_TURN - angle;
     return (volume < 0.0 ? -angle : angle) / ANGLE_TURN;

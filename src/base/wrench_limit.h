@@ -12,13 +12,13 @@ static inline int wrench_is_finite(const dpt_wrench *wrench)
 }
 
 /* Scale `v` down to a length of at most `most`, as length() measures it. 1 where that changed it. */
-static inline int limit_length(double *v, double most)
+static inline int limit_length(double *v, double max_length)
 {
     double extent = extent_of(vec3_of(v));
-    if (extent == 0.0 || (most > 0.0 && length(vec3_of(v)) <= most))
+    if (extent == 0.0 || (max_length > 0.0 && length(vec3_of(v)) <= max_length))
         return 0;
     vec3 unit = { v[0] / extent, v[1] / extent, v[2] / extent };
-    vec3_store(scaled(unit, most / length(unit) * (1.0 - 4.0 * DBL_EPSILON)), v);
+    vec3_store(scaled(unit, max_length / length(unit) * (1.0 - 4.0 * DBL_EPSILON)), v);
     return 1;
 }
 

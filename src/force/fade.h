@@ -14,9 +14,9 @@ struct fade {
 /* Below this share of a tick nothing is left: what sums of dt are off by. */
 #define FADE_OVER 1e-9
 
-static inline void fade_blend(vec3 shown, double share, const double truth[3], double to[3])
+static inline void fade_blend(vec3 felt, double share, const double truth[3], double to[3])
 {
-    vec3_store(along(shown, share, sub(vec3_of(truth), shown)), to);
+    vec3_store(along(felt, share, sub(vec3_of(truth), felt)), to);
 }
 
 /* A tick of `dt`: a straight way from what was felt to what is true, and never beyond it. */

@@ -13,25 +13,25 @@ struct guard {
     uint64_t stops, clamped, slewed, not_finite;
     uint64_t hold_ns, stop_ns, now_ns, fresh_ns;
     uint32_t state, reserved;
-    double force_max, torque_max, force_slew, torque_slew, start;
+    double force_max, torque_max, force_slew, torque_slew, start_time;
     double gain;
-    double stop_gain;   /* that the ramp to zero began with */
-    dpt_wrench command; /* the last one, clamped */
-    dpt_wrench held;    /* what the ramp to zero began with */
+    double stop_gain;       /* that the ramp to zero began with */
+    dpt_wrench command;     /* the last one, clamped */
+    dpt_wrench stop_wrench; /* what the ramp to zero began with */
     dpt_wrench sent;
 };
 
 typedef char guard_fits[sizeof(struct guard) <= sizeof((dpt_guard *)0)->opaque ? 1 : -1];
 
 /* No memory that was not initialised holds this but by chance, once in 2^64. */
-static const uint64_t MADE = 0x6775617264206f6eu;
+static const uint64_t GUARD_MARK = 0x6775617264206f6eu;
 
 static int load(const dpt_guard *from, struct guard *guard)
 {
     if (!from || sized_check(from, sizeof *from, 0) != DPT_OK)
         return 0;
     memcpy(guard, from->opaque, sizeof *guard);
-    return guard->mark == MADE;
+    return guard->mark == GUARD_MARK;
 }
 
 static void store(const struct guard *guard, dpt_guard *to)
@@ -53,9 +53,9 @@ void dpt_guard_def_defaults(dpt_guard_def *def, size_t size)
     sized_defaults(def, size, &defaults, sizeof defaults);
 }
 
-static int in_range(double value, double most)
+static int in_range(double value, double max_change)
 {
-    return value >= 0.0 && value <= most;
+    return value >= 0.0 && value <= max_change;
 }
 
 static int def_is_valid(const dpt_guard_def *def)
@@ -80,14 +80,14 @@ dpt_result dpt_guard_init(dpt_guard *to, const dpt_guard_def *given)
     if (!def_is_valid(&def))
         return DPT_E_ARGUMENT;
     const struct guard guard = {
-        .mark = MADE,
+        .mark = GUARD_MARK,
         .hold_ns = (uint64_t)(def.hold * 1e9 + 0.5),
         .stop_ns = (uint64_t)(def.stop * 1e9 + 0.5),
         .force_max = def.force_max,
         .torque_max = def.torque_max,
         .force_slew = def.force_slew,
         .torque_slew = def.torque_slew,
-        .start = def.start,
+        .start_time = def.start,
     };
     to->size = size;
     store(&guard, to);
@@ -138,7 +138,7 @@ static void watch_silence(struct guard *guard)
     if (is_on(guard) && silence > guard->hold_ns) {
         guard->stops++;
         guard->state = DPT_GUARD_STOPPING;
-        guard->held = guard->sent;
+        guard->stop_wrench = guard->sent;
         guard->stop_gain = guard->gain;
     }
     if (guard->state != DPT_GUARD_STOPPING)
@@ -149,8 +149,8 @@ static void watch_silence(struct guard *guard)
     }
     double left = (double)(guard->hold_ns + guard->stop_ns - silence) / (double)guard->stop_ns;
     guard->gain = guard->stop_gain * left;
-    vec3_store(scaled(vec3_of(guard->held.force), left), guard->sent.force);
-    vec3_store(scaled(vec3_of(guard->held.torque), left), guard->sent.torque);
+    vec3_store(scaled(vec3_of(guard->stop_wrench.force), left), guard->sent.force);
+    vec3_store(scaled(vec3_of(guard->stop_wrench.torque), left), guard->sent.torque);
 }
 
 static void accept(struct guard *guard, const dpt_wrench *command)
@@ -166,7 +166,7 @@ static void accept(struct guard *guard, const dpt_wrench *command)
 
 static void ramp_up(struct guard *guard, double dt)
 {
-    guard->gain = guard->start > 0.0 ? guard->gain + dt / guard->start : 1.0;
+    guard->gain = guard->start_time > 0.0 ? guard->gain + dt / guard->start_time : 1.0;
     if (guard->gain < 1.0)
         return;
     guard->gain = 1.0;
@@ -174,23 +174,23 @@ static void ramp_up(struct guard *guard, double dt)
 }
 
 /* 1 where the slew held it back. */
-static int approach(double *sent, const double *command, double gain, double most, int is_limited,
-                    double limit)
+static int slew_towards(double *sent, const double *command, double gain, double max_change,
+                        int is_limited, double limit)
 {
     double change[3];
     vec3_store(sub(scaled(vec3_of(command), gain), vec3_of(sent)), change);
-    int slewed = is_limited && limit_length(change, most);
+    int slewed = is_limited && limit_length(change, max_change);
     vec3_store(add(vec3_of(sent), vec3_of(change)), sent);
     limit_length(sent, limit);
     return slewed;
 }
 
-static void move(struct guard *guard, double dt)
+static void advance(struct guard *guard, double dt)
 {
-    int slewed = approach(guard->sent.force, guard->command.force, guard->gain,
-                          guard->force_slew * dt, guard->force_slew > 0.0, guard->force_max);
-    slewed |= approach(guard->sent.torque, guard->command.torque, guard->gain,
-                       guard->torque_slew * dt, guard->torque_slew > 0.0, guard->torque_max);
+    int slewed = slew_towards(guard->sent.force, guard->command.force, guard->gain,
+                              guard->force_slew * dt, guard->force_slew > 0.0, guard->force_max);
+    slewed |= slew_towards(guard->sent.torque, guard->command.torque, guard->gain,
+                           guard->torque_slew * dt, guard->torque_slew > 0.0, guard->torque_max);
     guard->slewed += (uint64_t)slewed;
 }
 
@@ -217,10 +217,10 @@ static void step(struct guard *guard, uint64_t now_ns, const dpt_wrench *command
         ramp_up(guard, dt);
     if (command)
         accept(guard, command);
-    if (guard->state == DPT_GUARD_STARTING && guard->start == 0.0)
+    if (guard->state == DPT_GUARD_STARTING && guard->start_time == 0.0)
         ramp_up(guard, 0.0);
     if (is_on(guard))
-        move(guard, dt);
+        advance(guard, dt);
 }
 
 void dpt_guard_step(dpt_guard *at, uint64_t now_ns, const dpt_wrench *command, int ready,

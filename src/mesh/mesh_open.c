@@ -106,13 +106,13 @@ static dpt_result check_sections_crc(const struct dpt_mesh *mesh, const unsigned
 }
 
 /* Every word of a section is below `limit`, or at least `codes` (codes that stand for no index). */
-static dpt_result check_indices(const struct dpt_mesh *mesh, int id, uint64_t limit, uint32_t codes,
-                                dpt_mesh_fault *fault)
+static dpt_result check_indices(const struct dpt_mesh *mesh, int id, uint64_t limit,
+                                uint32_t first_code, dpt_mesh_fault *fault)
 {
     const uint32_t *word = mesh_words(mesh, id);
     uint64_t count = mesh->section[id].bytes / 4;
     for (uint64_t i = 0; i < count; i++)
-        if (word[i] >= limit && (!codes || word[i] < codes))
+        if (word[i] >= limit && (!first_code || word[i] < first_code))
             return fail_at(fault, DPT_E_INDEX, mesh, id, i);
     return DPT_OK;
 }
@@ -184,10 +184,10 @@ static dpt_result check_moments(const struct dpt_mesh *mesh, dpt_mesh_fault *fau
 
 static dpt_result check_numbers(const struct dpt_mesh *mesh, dpt_mesh_fault *fault)
 {
-    const double largest = 2.0 * DPT_COORDINATE_MAX;
+    const double limit = 2.0 * DPT_COORDINATE_MAX;
     const struct mesh_tail tail = mesh_tail(mesh);
-    if (!vec3_within(mesh->box_min, largest) || !vec3_within(mesh->box_max, largest) ||
-        !vec3_within(mesh->filter_centre, largest) || !within(mesh->filter_scale, 1e300) ||
+    if (!vec3_within(mesh->box_min, limit) || !vec3_within(mesh->box_max, limit) ||
+        !vec3_within(mesh->filter_centre, limit) || !within(mesh->filter_scale, 1e300) ||
         !(mesh->filter_scale > 0.0) || !within(mesh->scale, 1e300) ||
         !within(mesh->rounding, 1e300))
         return fail(fault, DPT_E_FINITE, offsetof(struct dpt_mesh, scale), MESH_HEADER);
@@ -229,7 +229,7 @@ static dpt_result check_content(const struct dpt_mesh *mesh, dpt_mesh_fault *fau
     return mesh_flags(mesh) ? check_indices(mesh, MESH_FLAGS, MESH_FLAGS_END, 0, fault) : DPT_OK;
 }
 
-static dpt_result begin(const void *bytes, size_t size, dpt_mesh_fault *fault)
+static dpt_result check_beginning(const void *bytes, size_t size, dpt_mesh_fault *fault)
 {
     const size_t known = sizeof((struct dpt_mesh *)0)->magic + 8;
     if (!bytes)
@@ -261,7 +261,7 @@ static dpt_result check_file(const struct dpt_mesh *header, const void *bytes, s
 
 dpt_result dpt_mesh_verify(const void *bytes, size_t size, dpt_mesh_fault *fault)
 {
-    DPT_TRY(begin(bytes, size, fault));
+    DPT_TRY(check_beginning(bytes, size, fault));
     struct dpt_mesh header = { .bytes = 0 };
     memcpy(&header, bytes, size < sizeof header ? size : sizeof header);
     const uint64_t order_at = offsetof(struct dpt_mesh, byte_order);
@@ -286,7 +286,7 @@ dpt_result dpt_mesh_open(const void *bytes, size_t size, const dpt_mesh **mesh)
 
 dpt_result dpt_mesh_convert(void *bytes, size_t size, dpt_mesh_fault *fault)
 {
-    DPT_TRY(begin(bytes, size, fault));
+    DPT_TRY(check_beginning(bytes, size, fault));
     struct dpt_mesh header = { .bytes = 0 };
     memcpy(&header, bytes, size < sizeof header ? size : sizeof header);
     if (header.byte_order != MESH_BYTE_ORDER_SWAPPED)

@@ -83,9 +83,9 @@ static vec3 sector_normal(const struct surface *surface, uint32_t triangle, int 
     const uint32_t *neighbours = surface_neighbours(surface);
     uint32_t v = surface_corner(surface, triangle, (uint32_t)k);
     vec3 normal = weighted_normal(surface, triangle, k);
-    for (int way = 0; way < 2; way++) {
+    for (int reverse = 0; reverse < 2; reverse++) {
         uint32_t t = triangle;
-        int edge = way ? (k + 2) % 3 : k;
+        int edge = reverse ? (k + 2) % 3 : k;
         for (int i = 0; i < SECTOR_MAX; i++) {
             uint32_t next = neighbours[3 * (size_t)t + (size_t)edge];
             if (flags[t] & (uint32_t)DPT_EDGE_CREASE << edge || next >= surface_triangles(surface))
@@ -108,9 +108,9 @@ vec3 dpti_surface_smooth_normal(const struct surface *surface, uint32_t triangle
     const uint32_t ends = DPT_CORNER_CREASE | DPT_CORNER_NONMANIFOLD;
     vec3 normal = { 0.0, 0.0, 0.0 };
     for (int k = 0; k < 3; k++) {
-        int ended = flags && (flags[triangle] & ends << k);
-        vec3 corner = ended ? sector_normal(surface, triangle, k)
-                            : dpti_surface_vertex_normal(surface, triangle, k);
+        int has_crease = flags && (flags[triangle] & ends << k);
+        vec3 corner = has_crease ? sector_normal(surface, triangle, k)
+                                 : dpti_surface_vertex_normal(surface, triangle, k);
         normal = along(normal, weight[k], unit_of(corner));
     }
     return unit_of(normal);

@@ -34,10 +34,10 @@ double dpt_segment_triangle(const double segment[6], const double triangle[9], d
 
 struct query {
     struct surface surface;
-    struct frame body;
+    struct frame body_frame;
     struct kernel kernel;
     uint32_t method;
-    int pair_alone;
+    int pair_only;
 };
 
 static dpt_result prepare(struct query *query, const dpt_mesh *mesh, const dpt_pose *pose, size_t n,
@@ -48,7 +48,7 @@ static dpt_result prepare(struct query *query, const dpt_mesh *mesh, const dpt_p
         DPT_TRY(sized_read(def, sizeof *def, &own, sizeof own));
     if (own.pair > 1)
         return DPT_E_ARGUMENT;
-    query->pair_alone = (int)own.pair;
+    query->pair_only = (int)own.pair;
     uint32_t method = own.method, kernel = own.kernel, chosen;
     if (method > DPT_METHOD_BRUTE)
         return DPT_E_ARGUMENT;
@@ -57,14 +57,14 @@ static dpt_result prepare(struct query *query, const dpt_mesh *mesh, const dpt_p
         kernel = DPT_KERNEL_ALWAYS;
     if (!dpti_kernel_get(kernel, &query->kernel, &chosen))
         return DPT_E_UNSUPPORTED;
-    DPT_TRY(frame_of_pose(pose, &query->body));
+    DPT_TRY(frame_of_pose(pose, &query->body_frame));
     query->method = method == DPT_METHOD_BRUTE ? method : DPT_METHOD_TREE;
     dpti_surface_of_mesh(mesh, &query->surface);
     return DPT_OK;
 }
 
-static dpt_result answer(const struct query *query, const double *ends, double radius,
-                         uint32_t *hint, dpt_hit *hit)
+static dpt_result answer_segment(const struct query *query, const double *ends, double radius,
+                                 uint32_t *hint, dpt_hit *hit)
 {
     *hit = (dpt_hit){ .status = DPT_STATUS_STALE, .triangle = DPT_NONE };
     if (!vec3_within(ends, DPT_COORDINATE_MAX) || !vec3_within(ends + 3, DPT_COORDINATE_MAX) ||
@@ -74,15 +74,15 @@ static dpt_result answer(const struct query *query, const double *ends, double r
     struct pair_search nearest;
     struct segment_result result;
     struct work work = work_of(WORK_UNLIMITED);
-    axis_of(&query->surface, &query->body, vec3_of(ends), vec3_of(ends + 3), &axis);
+    axis_of(&query->surface, &query->body_frame, vec3_of(ends), vec3_of(ends + 3), &axis);
     dpti_track_once(&query->surface, &query->kernel, query->method, &axis, *hint, &work, &nearest);
     if (nearest.triangle == DPT_NONE)
         return DPT_E_LAYOUT;
     dpti_segment_result_of_pair(&axis, &nearest.pair, &result);
     result.work = work.done;
-    if (!query->pair_alone)
+    if (!query->pair_only)
         dpti_contact_of(&query->surface, &query->kernel, &axis, &nearest, radius, &result);
-    dpti_segment_result_write(&result, &query->surface, &query->body, 0, &nearest, hit);
+    dpti_segment_result_write(&result, &query->surface, &query->body_frame, 0, &nearest, hit);
     *hint = nearest.triangle;
     return DPT_OK;
 }
@@ -103,7 +103,7 @@ dpt_result dpt_query_segments(const dpt_mesh *mesh, const dpt_pose *pose, const 
     uint32_t hint = DPT_NONE;
     for (size_t i = 0; i < n; i++) {
         dpt_hit hit;
-        dpt_result one = answer(&query, ends + 6 * i, radii ? radii[i] : 0.0, &hint, &hit);
+        dpt_result one = answer_segment(&query, ends + 6 * i, radii ? radii[i] : 0.0, &hint, &hit);
         sized_write((char *)hits + i * size, size, &hit, sizeof hit);
         result = one == DPT_OK ? result : one;
     }

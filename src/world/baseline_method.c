@@ -51,11 +51,11 @@ static void add_part(struct baseline_sum *sum, const struct dpt_world *world,
     }
 }
 
-static void add_body(struct baseline_sum *sum, struct dpt_world *world, uint32_t segment,
+static void add_body(struct baseline_sum *sum, struct dpt_world *world, uint32_t segment_index,
                      const struct body *body, vec3 a, vec3 u)
 {
     uint32_t parts = world->def.baseline->parts;
-    uint32_t *last_triangle = world_last_triangles(world, segment, handle_index(body->id));
+    uint32_t *last_triangle = world_last_triangles(world, segment_index, handle_index(body->id));
     for (uint32_t k = 0; k < parts; k++) {
         struct axis part;
         struct pair_search nearest;
@@ -63,13 +63,14 @@ static void add_body(struct baseline_sum *sum, struct dpt_world *world, uint32_t
                 along(a, (double)(k + 1) / parts, u), &part);
         step_dynamic_point(world, &body->surface, &part, &last_triangle[k], &world->work, &nearest);
         if (nearest.triangle != DPT_NONE)
-            add_part(sum, world, body, k, &part, &nearest, world->segments[segment].radius);
+            add_part(sum, world, body, k, &part, &nearest, world->segments[segment_index].radius);
     }
 }
 
-struct penetration dpti_baseline_find(struct dpt_world *world, uint32_t part_index, vec3 a, vec3 b)
+struct penetration dpti_baseline_find(struct dpt_world *world, uint32_t segment_index, vec3 a,
+                                      vec3 b)
 {
-    struct segment *segment = &world->segments[part_index];
+    struct segment *segment = &world->segments[segment_index];
     struct body_answer *answer = &segment->answer;
     struct segment_result *result = &segment->result;
     struct baseline_sum sum = { .answer = answer, .result = result };
@@ -77,7 +78,7 @@ struct penetration dpti_baseline_find(struct dpt_world *world, uint32_t part_ind
     vec3 u = sub(b, a);
     for (uint32_t i = 0; i < world->body_slot_end; i++)
         if (world->bodies[i].slot.used)
-            add_body(&sum, world, part_index, &world->bodies[i], a, u);
+            add_body(&sum, world, segment_index, &world->bodies[i], a, u);
     if (!sum.has_answer)
         return sum.penetration;
 

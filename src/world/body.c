@@ -10,7 +10,7 @@
 #include "world/world_def.h"
 
 /* What the tools' last ticks know of a body. */
-static void forget(struct dpt_world *world, uint32_t slot)
+static void forget_body(struct dpt_world *world, uint32_t slot)
 {
     dpti_persistent_contacts_forget(world, 0, world->segment_count, slot);
     dpti_point_cache_forget(&world->point_cache, slot);
@@ -64,7 +64,7 @@ dpt_result dpt_body_remove(dpt_world *world, dpt_body body)
     slot_release(&removed->slot, &world->freed_count[0]);
     world->body_count--;
     world->invalid_body_count -= !removed->slot.valid;
-    forget(world, handle_index(body));
+    forget_body(world, handle_index(body));
     return DPT_OK;
 }
 
@@ -143,7 +143,7 @@ dpt_result dpt_body_teleport(dpt_world *world, dpt_body body, const dpt_pose *po
         return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
     DPT_TRY(set_validity(world, moved, pose, &frame));
     put_body(world, moved, pose, &frame);
-    forget(world, handle_index(body));
+    forget_body(world, handle_index(body));
     moved->moved_tick = 0;
     moved->motion_bound = 0.0;
     moved->added_tick = world->ticks + 1;

@@ -40,17 +40,17 @@ void dpti_body_search_forget_planes(struct dpt_world *world, uint32_t first, uin
         uint32_t owner = (uint32_t)(cache->blocks[i].key >> 32);
         if (!owner)
             continue;
-        uint32_t segment = (owner - 1) / world->def.max_bodies;
-        if (segment >= first && segment < end &&
+        uint32_t segment_index = (owner - 1) / world->def.max_bodies;
+        if (segment_index >= first && segment_index < end &&
             (slot == DPT_NONE || (owner - 1) % world->def.max_bodies == slot))
             cache->blocks[i].key = 0;
     }
 }
 
-void dpti_body_search_forget(struct dpt_world *world, uint32_t segment)
+void dpti_body_search_forget(struct dpt_world *world, uint32_t segment_index)
 {
-    struct segment *kept = &world->segments[segment];
-    memset(world_last_triangles(world, segment, 0), 0xff,
+    struct segment *kept = &world->segments[segment_index];
+    memset(world_last_triangles(world, segment_index, 0), 0xff,
            world_last_triangle_count(world) * sizeof *world->last_triangles);
     kept->last_body_slot = DPT_NONE;
 }
@@ -76,7 +76,7 @@ void dpti_body_search_remove(struct dpt_world *world, uint32_t first, uint32_t e
 
 struct body_search {
     struct dpt_world *world;
-    uint32_t segment;
+    uint32_t segment_index;
     const vec3 *a, *b;   /* the axis */
     struct box axis_box; /* of it */
     struct body_answer *best;
@@ -103,7 +103,7 @@ static void accept_if_nearer(struct body_search *search, const struct body *body
     if (track != &best->track && best->body &&
         track->nearest.pair.distance2 >= best->track.nearest.pair.distance2)
         return;
-    *world_last_triangles(search->world, search->segment, handle_index(body->id)) =
+    *world_last_triangles(search->world, search->segment_index, handle_index(body->id)) =
         track->nearest.triangle;
     if (track != &best->track)
         best->track = *track;
@@ -129,8 +129,8 @@ static void search_without_history(struct body_search *search, uint32_t slot)
         struct bvh_traversal traversal;
         traversal.depth = 0;
         dpti_track_begin(&track, &body->surface,
-                         *world_last_triangles(world, search->segment, slot), limit2, TRACK_STAYS,
-                         &world->work);
+                         *world_last_triangles(world, search->segment_index, slot), limit2,
+                         TRACK_STAYS, &world->work);
         dpti_track_prove(&track, &body->surface, &world->kernel, NULL, &traversal, &world->work);
         dpti_track_settle(&track);
     }
@@ -150,7 +150,8 @@ static void begin_track(struct body_search *search, uint32_t slot, double limit2
     struct dpt_world *world = search->world;
     struct work share = work_of(descent_share(world));
     dpti_track_begin(track, &world->bodies[slot].surface,
-                     *world_last_triangles(world, search->segment, slot), limit2, mode, &share);
+                     *world_last_triangles(world, search->segment_index, slot), limit2, mode,
+                     &share);
     work_spend(&world->work, share.done);
 }
 
@@ -164,7 +165,7 @@ static void follow_dynamic_point(struct body_search *search, uint32_t slot)
     search->followed_slot = slot;
     search->axis_motion = 1.0;
     if (world->def.budget)
-        search->axis_motion = dpti_bounds_update(world, search->segment, slot, &track->axis);
+        search->axis_motion = dpti_bounds_update(world, search->segment_index, slot, &track->axis);
     enum descent_mode mode = TRACK_STAYS;
     if (search->axis_motion > 0.0 && descent_share(world))
         mode = track->nearest.pair.distance2 == 0.0 ? TRACK_CROSSED : TRACK_DESCENDS;
@@ -191,7 +192,7 @@ static int search_body(struct body_search *search, uint32_t slot, struct track *
         begin_track(search, slot, search->best->track.nearest.pair.distance2,
                     descends ? TRACK_DESCENDS : TRACK_STAYS, track);
     const struct plane_cache_view cache = plane_cache_view_of(
-        &world->plane_cache, world_plane_owner(world, search->segment, slot), is_fresh);
+        &world->plane_cache, world_plane_owner(world, search->segment_index, slot), is_fresh);
     int is_done =
         dpti_track_prove(track, &body->surface, &world->kernel, &cache, traversal, &world->work);
     *lower_bound = sqrt(track->nearest.pair.distance2);
@@ -205,19 +206,20 @@ static void search_within_budget(struct body_search *search, uint32_t slot, doub
                                  struct track *track)
 {
     struct dpt_world *world = search->world;
-    struct distance_bound *bound = world_distance_bound(world, search->segment, slot);
+    struct distance_bound *bound = world_distance_bound(world, search->segment_index, slot);
     double moved = search->axis_motion;
     int is_done = 0;
     if (slot != search->followed_slot)
-        moved = dpti_bounds_update(world, search->segment, slot, &track->axis);
+        moved = dpti_bounds_update(world, search->segment_index, slot, &track->axis);
     int is_fresh = moved == 0.0 || search->is_new;
-    struct suspended_search *suspended = world_suspended_search(world, search->segment, is_fresh);
+    struct suspended_search *suspended =
+        world_suspended_search(world, search->segment_index, is_fresh);
     bound->lower_bound = max_of(bound->lower_bound, box_gap);
-    if (!is_enough(search, dpti_bounds_proven(world, search->segment, slot)) &&
+    if (!is_enough(search, dpti_bounds_proven(world, search->segment_index, slot)) &&
         !work_is_spent(&search->world->work)) {
         double lower_bound;
         if (suspended->body_slot != slot || !suspended->traversal.depth) {
-            dpti_bounds_give_up(world, search->segment, suspended);
+            dpti_bounds_give_up(world, search->segment_index, suspended);
             suspended->body_slot = slot;
             suspended->lower_bound = HUGE_VAL;
         }
@@ -227,7 +229,7 @@ static void search_within_budget(struct body_search *search, uint32_t slot, doub
         if (is_done)
             bound->lower_bound = max_of(bound->lower_bound, suspended->lower_bound);
     }
-    double lower_bound = dpti_bounds_proven(world, search->segment, slot);
+    double lower_bound = dpti_bounds_proven(world, search->segment_index, slot);
     if (!is_done && search->next_slot == DPT_NONE && !is_enough(search, lower_bound))
         search->next_slot = slot;
     search->best->lower_bound = min_of(search->best->lower_bound, lower_bound);
@@ -264,16 +266,16 @@ static uint32_t candidate_count(const struct body_search *search)
     const struct dpt_world *world = search->world;
     return world->body_slot_end <= UNLISTED_BODIES_MAX
                ? world->body_slot_end
-               : world->segments[search->segment].broad_phase.current.count;
+               : world->segments[search->segment_index].broad_phase.current.count;
 }
 
 static uint32_t candidate_slot(const struct body_search *search, uint32_t candidate)
 {
     const struct dpt_world *world = search->world;
-    uint32_t list = world->segments[search->segment].broad_phase.current.list;
+    uint32_t list = world->segments[search->segment_index].broad_phase.current.list;
     return world->body_slot_end <= UNLISTED_BODIES_MAX
                ? candidate
-               : world_near_list(world, search->segment, list)[candidate];
+               : world_near_list(world, search->segment_index, list)[candidate];
 }
 
 /* Where nothing is known, the body whose box is nearest is the best to begin with. */
@@ -307,7 +309,7 @@ static void search_candidates(struct body_search *search, uint32_t first)
 static void find_exact(struct body_search *search)
 {
     struct dpt_world *world = search->world;
-    struct segment *segment = &world->segments[search->segment];
+    struct segment *segment = &world->segments[search->segment_index];
     uint32_t first = segment->last_body_slot;
     for (uint32_t i = 0; first == DPT_NONE && i < world->body_slot_end; i++)
         if (world->bodies[i].slot.used)
@@ -322,16 +324,16 @@ static void find_exact(struct body_search *search)
         return; /* nothing is nearer */
     search->axis_box = box_of_axis(*search->a, *search->b);
     if (has_list) {
-        double reach = dpti_broad_phase_update(world, search->segment, search->best_distance);
+        double reach = dpti_broad_phase_update(world, search->segment_index, search->best_distance);
         if (reach < search->best_distance)
             search->best->lower_bound = reach;
     }
     /* In motion all bodies get their turn; a first search, and one at rest, begins where it costs least. */
     uint32_t first_candidate = search->is_new ? slot_of_nearest_box(search) : first;
     if (world->def.budget) {
-        uint32_t *next = &world_suspended_search(world, search->segment, 0)->next_slot;
+        uint32_t *next = &world_suspended_search(world, search->segment_index, 0)->next_slot;
         int continues = search->axis_motion > 0.0 ||
-                        world_suspended_search(world, search->segment, 1)->traversal.depth;
+                        world_suspended_search(world, search->segment_index, 1)->traversal.depth;
         if (*next != DPT_NONE && continues)
             first_candidate = *next;
         else if (search->axis_motion == 0.0)
@@ -342,15 +344,18 @@ static void find_exact(struct body_search *search)
         search_candidates(search, first_candidate);
     }
     if (has_list && search->axis_motion > 0.0 && is_enough(search, search->best->lower_bound))
-        dpti_broad_phase_shrink(world, search->segment, search->best_distance);
+        dpti_broad_phase_shrink(world, search->segment_index, search->best_distance);
 }
 
-void dpti_body_search_find(struct dpt_world *world, uint32_t segment, const vec3 *a, const vec3 *b,
-                           struct body_answer *best)
+void dpti_body_search_find(struct dpt_world *world, uint32_t segment_index, const vec3 *a,
+                           const vec3 *b, struct body_answer *best)
 {
-    struct body_search search = {
-        .world = world, .segment = segment, .a = a, .b = b, .best = best, .next_slot = DPT_NONE
-    };
+    struct body_search search = { .world = world,
+                                  .segment_index = segment_index,
+                                  .a = a,
+                                  .b = b,
+                                  .best = best,
+                                  .next_slot = DPT_NONE };
     best->body = NULL;
     best->lower_bound = HUGE_VAL;
     best->error_bound = 0.0;

@@ -12,7 +12,7 @@ uint64_t dpti_body_search_bytes(const dpt_world_def *def);
 char *dpti_body_search_place(struct dpt_world *world, char *at);
 
 /* Forget a segment's last tick. */
-void dpti_body_search_forget(struct dpt_world *world, uint32_t segment);
+void dpti_body_search_forget(struct dpt_world *world, uint32_t segment_index);
 
 /* Forget the body in a slot. */
 void dpti_body_search_forget_body(struct dpt_world *world, uint32_t slot);
@@ -28,8 +28,8 @@ void dpti_body_search_forget_planes(struct dpt_world *world, uint32_t first, uin
 void dpti_body_search_remove(struct dpt_world *world, uint32_t first, uint32_t end);
 
 /* `exact`: what is kept helps, only near bodies are asked, and the world's budget ends it. */
-void dpti_body_search_find(struct dpt_world *world, uint32_t segment, const vec3 *a, const vec3 *b,
-                           struct body_answer *best);
+void dpti_body_search_find(struct dpt_world *world, uint32_t segment_index, const vec3 *a,
+                           const vec3 *b, struct body_answer *best);
 
 /* The result so far: exact, or bounded with what is proven. best->body is there. */
 void dpti_body_search_result(const struct body_answer *best, struct segment_result *result);

@@ -5,11 +5,14 @@ static struct box box_in_world(vec3 low, vec3 high, const struct frame *frame)
 {
     vec3 half = scaled(sub(high, low), 0.5);
     vec3 centre = frame_to_world(frame, scaled(add(low, high), 0.5));
-    double slop = 0x1p-46 * (extent_of(centre) + extent_of(low) + extent_of(high));
+    double rounding = 0x1p-46 * (extent_of(centre) + extent_of(low) + extent_of(high));
     vec3 half_in_world = {
-        fabs(frame->x.x) * half.x + fabs(frame->y.x) * half.y + fabs(frame->z.x) * half.z + slop,
-        fabs(frame->x.y) * half.x + fabs(frame->y.y) * half.y + fabs(frame->z.y) * half.z + slop,
-        fabs(frame->x.z) * half.x + fabs(frame->y.z) * half.y + fabs(frame->z.z) * half.z + slop,
+        fabs(frame->x.x) * half.x + fabs(frame->y.x) * half.y + fabs(frame->z.x) * half.z +
+            rounding,
+        fabs(frame->x.y) * half.x + fabs(frame->y.y) * half.y + fabs(frame->z.y) * half.z +
+            rounding,
+        fabs(frame->x.z) * half.x + fabs(frame->y.z) * half.y + fabs(frame->z.z) * half.z +
+            rounding,
     };
     return (struct box){ sub(centre, half_in_world), add(centre, half_in_world) };
 }
@@ -87,9 +90,10 @@ char *dpti_broad_phase_place(struct dpt_world *world, char *at)
     return at + dpti_broad_phase_bytes(&world->def);
 }
 
-void dpti_broad_phase_forget(struct dpt_world *world, uint32_t segment)
+void dpti_broad_phase_forget(struct dpt_world *world, uint32_t segment_index)
 {
-    memset(&world->segments[segment].broad_phase, 0, sizeof world->segments[segment].broad_phase);
+    memset(&world->segments[segment_index].broad_phase, 0,
+           sizeof world->segments[segment_index].broad_phase);
 }
 
 void dpti_broad_phase_remove(struct dpt_world *world, uint32_t first, uint32_t end)
@@ -100,10 +104,10 @@ void dpti_broad_phase_remove(struct dpt_world *world, uint32_t first, uint32_t e
 }
 
 /* In the order of slots. */
-static void insert_slot(const struct dpt_world *world, uint32_t segment, struct fat_box *fat_box,
-                        uint32_t slot)
+static void insert_slot(const struct dpt_world *world, uint32_t segment_index,
+                        struct fat_box *fat_box, uint32_t slot)
 {
-    uint32_t *list = world_near_list(world, segment, fat_box->list), at = fat_box->count;
+    uint32_t *list = world_near_list(world, segment_index, fat_box->list), at = fat_box->count;
     while (at > 0 && list[at - 1] > slot)
         at--;
     if (at > 0 && list[at - 1] == slot)
@@ -114,11 +118,11 @@ static void insert_slot(const struct dpt_world *world, uint32_t segment, struct 
 }
 
 /* Go on with the list of the next home. */
-static void continue_scan(struct dpt_world *world, uint32_t segment)
+static void continue_scan(struct dpt_world *world, uint32_t segment_index)
 {
-    struct broad_phase *broad_phase = &world->segments[segment].broad_phase;
+    struct broad_phase *broad_phase = &world->segments[segment_index].broad_phase;
     struct fat_box *fat_box = &broad_phase->rebuilt;
-    uint32_t *list = world_near_list(world, segment, fat_box->list);
+    uint32_t *list = world_near_list(world, segment_index, fat_box->list);
     while (broad_phase->next_slot < world->body_slot_end && !work_is_spent(&world->work)) {
         work_spend(&world->work, 1);
         for (int i = 0; i < LANES && broad_phase->next_slot < world->body_slot_end; i++) {
@@ -131,45 +135,45 @@ static void continue_scan(struct dpt_world *world, uint32_t segment)
         finish_rebuild(broad_phase);
 }
 
-double dpti_broad_phase_update(struct dpt_world *world, uint32_t segment, double distance)
+double dpti_broad_phase_update(struct dpt_world *world, uint32_t segment_index, double distance)
 {
-    struct broad_phase *broad_phase = &world->segments[segment].broad_phase;
+    struct broad_phase *broad_phase = &world->segments[segment_index].broad_phase;
     if (!broad_phase->is_scanning &&
         !(broad_phase->current.margin > 0.0 && reach_of_fat_box(broad_phase) >= distance))
         begin_rebuild(broad_phase, distance);
     if (broad_phase->is_scanning)
-        continue_scan(world, segment);
+        continue_scan(world, segment_index);
     return reach_of_fat_box(broad_phase);
 }
 
-void dpti_broad_phase_shrink(struct dpt_world *world, uint32_t segment, double distance)
+void dpti_broad_phase_shrink(struct dpt_world *world, uint32_t segment_index, double distance)
 {
-    struct broad_phase *broad_phase = &world->segments[segment].broad_phase;
+    struct broad_phase *broad_phase = &world->segments[segment_index].broad_phase;
     uint32_t scan_units = (world->body_slot_end + LANES - 1) / LANES;
     if (!is_too_wide(broad_phase, distance) || work_left(&world->work) < scan_units)
         return;
     begin_rebuild(broad_phase, distance);
-    continue_scan(world, segment);
+    continue_scan(world, segment_index);
 }
 
-const struct near_bodies *dpti_broad_phase_within(struct dpt_world *world, uint32_t segment,
+const struct near_bodies *dpti_broad_phase_within(struct dpt_world *world, uint32_t segment_index,
                                                   double reach)
 {
-    struct broad_phase *broad_phase = &world->segments[segment].broad_phase;
+    struct broad_phase *broad_phase = &world->segments[segment_index].broad_phase;
     struct near_bodies *near_bodies = &world->near_bodies;
     if (near_bodies->reach >= reach)
         return near_bodies;
-    near_bodies->reach = max_of(reach, world->segments[segment].radius + world->def.margin);
+    near_bodies->reach = max_of(reach, world->segments[segment_index].radius + world->def.margin);
     near_bodies->slots = NULL;
     near_bodies->count = world->body_slot_end;
     if (world->body_slot_end <= UNLISTED_BODIES_MAX || world->def.method != DPT_METHOD_EXACT)
         return near_bodies;
     if (!has_reach(broad_phase, near_bodies->reach) && !world->def.budget) {
         begin_rebuild(broad_phase, near_bodies->reach);
-        continue_scan(world, segment);
+        continue_scan(world, segment_index);
     }
     if (has_reach(broad_phase, near_bodies->reach)) {
-        near_bodies->slots = world_near_list(world, segment, broad_phase->current.list);
+        near_bodies->slots = world_near_list(world, segment_index, broad_phase->current.list);
         near_bodies->count = broad_phase->current.count;
     }
     return near_bodies;

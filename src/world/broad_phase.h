@@ -74,7 +74,7 @@ uint64_t dpti_broad_phase_bytes(const dpt_world_def *def);
 char *dpti_broad_phase_place(struct dpt_world *world, char *at);
 
 /* Forget what is near a segment. */
-void dpti_broad_phase_forget(struct dpt_world *world, uint32_t segment);
+void dpti_broad_phase_forget(struct dpt_world *world, uint32_t segment_index);
 
 /* Remove the segments from `first` up to, not including, `end`: those behind them move up. */
 void dpti_broad_phase_remove(struct dpt_world *world, uint32_t first, uint32_t end);
@@ -89,17 +89,17 @@ void dpti_broad_phase_move(struct broad_phase *broad_phase, vec3 a, vec3 b);
  * List the bodies that may be as near to a segment as `distance`, that of the nearest so far, within the budget. Returns
  * how near those that are not listed may be.
  */
-double dpti_broad_phase_update(struct dpt_world *world, uint32_t segment, double distance);
+double dpti_broad_phase_update(struct dpt_world *world, uint32_t segment_index, double distance);
 
 /* All is proven: where a list is far longer than it need be, and there is work left for a whole scan, make it anew. */
-void dpti_broad_phase_shrink(struct dpt_world *world, uint32_t segment, double distance);
+void dpti_broad_phase_shrink(struct dpt_world *world, uint32_t segment_index, double distance);
 
 /*
  * The bodies whose boxes may be within reach of a segment, after its nearest pair was searched for. They are looked for
  * once: with the first reach that is asked for, or that of its contact, whichever is larger. world->nearby.reach is
  * negative before.
  */
-const struct near_bodies *dpti_broad_phase_within(struct dpt_world *world, uint32_t segment,
+const struct near_bodies *dpti_broad_phase_within(struct dpt_world *world, uint32_t segment_index,
                                                   double reach);
 
 #endif

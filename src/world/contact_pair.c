@@ -16,7 +16,7 @@ static uint32_t load_warm_starts(struct contact_pair *contact_pair,
     contact_pair->sides.count = 0;
     for (uint32_t i = 0; i < last_tick->count; i++) {
         const struct persistent_contact *persistent = &last_tick->items[i];
-        if (!persistent_contact_is_of(persistent, contact_pair->segment, contact_pair->body))
+        if (!persistent_contact_is_of(persistent, contact_pair->segment_index, contact_pair->body))
             continue;
         for (uint32_t k = 0; k < persistent->warm_start_count && count < PROFILE_WARM_STARTS; k++)
             warm_starts[count++] = persistent->warm_starts[k];
@@ -43,9 +43,10 @@ static const struct persistent_contact *find_previous(const struct contact_pair 
     const struct persistent_contact *best = NULL;
     for (uint32_t i = 0; i < last_tick->count; i++) {
         const struct persistent_contact *persistent = &last_tick->items[i];
-        int is_excluded =
-            !persistent_contact_is_of(persistent, contact_pair->segment, contact_pair->body) ||
-            persistent->part != region->part || shared_length(persistent, region) < 0.0;
+        int is_excluded = !persistent_contact_is_of(persistent, contact_pair->segment_index,
+                                                    contact_pair->body) ||
+                          persistent->part != region->part ||
+                          shared_length(persistent, region) < 0.0;
         for (uint32_t k = 0; k < this_tick->count && !is_excluded; k++)
             is_excluded = this_tick->items[k].contact.id == persistent->contact.id;
         if (!is_excluded &&
@@ -69,13 +70,13 @@ static void write_contact(const struct contact_pair *contact_pair, const struct 
 {
     const struct frame *frame = &contact_pair->body->frame;
     const struct axis *axis = &contact_pair->axis;
-    const struct profile_sample *deepest = &contact_pair->profile->sample[region->deepest];
-    const struct segment *segment = &contact_pair->world->segments[contact_pair->segment];
+    const struct sample *deepest = &contact_pair->profile->sample[region->deepest];
+    const struct segment *segment = &contact_pair->world->segments[contact_pair->segment_index];
     vec3 p = along(axis->a, deepest->s, sub(axis->b, axis->a));
     contact->size = sizeof *contact;
     contact->body = contact_pair->body->id;
     contact->segment =
-        contact_pair->segment - contact_pair->world->tools[segment->tool_slot].first_segment;
+        contact_pair->segment_index - contact_pair->world->tools[segment->tool_slot].first_segment;
     contact->triangle = contact_pair->body->surface.sources[deepest->triangle];
     contact->gap = deepest->height - contact_pair->radius;
     contact->contact = dpti_contact_of_gap(contact->gap, axis->error);
@@ -102,9 +103,10 @@ static void write_contact(const struct contact_pair *contact_pair, const struct 
 static int is_resting(const struct contact_pair *contact_pair)
 {
     const struct dpt_world *world = contact_pair->world;
-    uint32_t nearest_slot = world->segments[contact_pair->segment].last_body_slot;
+    uint32_t nearest_slot = world->segments[contact_pair->segment_index].last_body_slot;
     if (!world->def.budget ||
-        world_distance_bound(world, contact_pair->segment, nearest_slot)->rest_tick != world->ticks)
+        world_distance_bound(world, contact_pair->segment_index, nearest_slot)->rest_tick !=
+            world->ticks)
         return 0;
     const struct body *body = &world->bodies[nearest_slot];
     return contact_pair->body == body ||
@@ -135,7 +137,7 @@ static void put_persistent_contact(struct contact_pair *contact_pair, const stru
     if (!persistent)
         return;
     memset(persistent, 0, sizeof *persistent);
-    persistent->segment = contact_pair->segment;
+    persistent->segment_index = contact_pair->segment_index;
     persistent->part = region->part;
     persistent->is_in_front = contact_pair->profile->sample[region->deepest].height > 0.0;
     persistent->side = dpti_sheet_side_to_keep(
@@ -177,7 +179,7 @@ static void carry_over_undecided(struct contact_pair *contact_pair, const struct
     const struct persistent_contacts *last_tick = contacts_last_tick(contact_pair->world);
     for (uint32_t i = 0; i < last_tick->count; i++) {
         struct persistent_contact *persistent = &last_tick->items[i];
-        if (!persistent_contact_is_of(persistent, contact_pair->segment, contact_pair->body))
+        if (!persistent_contact_is_of(persistent, contact_pair->segment_index, contact_pair->body))
             continue;
         if (has_dropped_side && !dpti_sides_get(&contact_pair->sides, persistent->part))
             persistent->side = 0;

@@ -12,8 +12,8 @@ static int find_nearest_pair(struct contact_pair *contact_pair, vec3 a, vec3 b)
     const struct surface *surface = &contact_pair->body->surface;
     const struct axis *axis = &contact_pair->axis;
     struct pair_search *nearest = &contact_pair->nearest;
-    uint32_t *last_triangle =
-        world_last_triangles(world, contact_pair->segment, handle_index(contact_pair->body->id));
+    uint32_t *last_triangle = world_last_triangles(world, contact_pair->segment_index,
+                                                   handle_index(contact_pair->body->id));
     struct bvh_traversal traversal;
     traversal.depth = 0;
     if (work_is_spent(&world->work))
@@ -60,7 +60,7 @@ static void carry_over_penetration(const struct contact_pair *contact_pair, uint
     struct persistent_contacts *current = contacts_this_tick(contact_pair->world);
     for (uint32_t i = 0; i < current->count; i++) {
         struct persistent_contact *persistent = &current->items[i];
-        if (persistent_contact_is_of(persistent, contact_pair->segment, contact_pair->body) &&
+        if (persistent_contact_is_of(persistent, contact_pair->segment_index, contact_pair->body) &&
             persistent->part == part && warm_start->s >= persistent->contact.s0 &&
             warm_start->s <= persistent->contact.s1)
             dpti_persistent_contact_put_warm_start(persistent, warm_start);
@@ -82,15 +82,15 @@ static void add_body(struct contact_pair *contact_pair, const struct body_answer
     if (has_pair) {
         status = dpti_contact_pair_find(contact_pair, &gap);
     } else {
-        dpti_persistent_contacts_carry_over_body(contact_pair->world, contact_pair->segment,
+        dpti_persistent_contacts_carry_over_body(contact_pair->world, contact_pair->segment_index,
                                                  contact_pair->body);
     }
-    struct segment *own_segment = &contact_pair->world->segments[contact_pair->segment];
+    struct segment *segment = &contact_pair->world->segments[contact_pair->segment_index];
     sum->is_known &= status != CONTACT_UNKNOWN;
     if (status == CONTACT_PROFILE &&
-        own_segment->previous_pushing_part.body_id == contact_pair->body->id)
+        segment->previous_pushing_part.body_id == contact_pair->body->id)
         sum->previous_part_pushes =
-            dpti_sheet_still_pushes(contact_pair, own_segment->previous_pushing_part.part);
+            dpti_sheet_still_pushes(contact_pair, segment->previous_pushing_part.part);
     if (status != CONTACT_PROFILE)
         return;
     const uint32_t smooth = contact_pair->world->def.smooth_normals;
@@ -106,7 +106,7 @@ static void add_body(struct contact_pair *contact_pair, const struct body_answer
         struct warm_start warm_start;
         if (dpti_sheet_border_weigh(contact_pair->profile, &contact_pair->body->frame,
                                     pushing_part.body_id, contact_pair->radius, smooth,
-                                    &own_segment->border, &penetration, &warm_start))
+                                    &segment->border, &penetration, &warm_start))
             carry_over_penetration(contact_pair, pushing_part.part, &warm_start);
         felt_gap = -penetration.depth;
     }
@@ -117,19 +117,20 @@ static void add_body(struct contact_pair *contact_pair, const struct body_answer
     }
 }
 
-void dpti_contacts_find(struct dpt_world *world, uint32_t segment, const struct body_answer *best,
-                        struct segment_result *result, struct penetration *penetration)
+void dpti_contacts_find(struct dpt_world *world, uint32_t segment_index,
+                        const struct body_answer *best, struct segment_result *result,
+                        struct penetration *penetration)
 {
-    struct segment *own_segment = &world->segments[segment];
+    struct segment *segment = &world->segments[segment_index];
     struct contact_pair contact_pair = { .world = world,
-                                         .segment = segment,
-                                         .radius = own_segment->radius,
+                                         .segment_index = segment_index,
+                                         .radius = segment->radius,
                                          .profile = &world->profile };
-    dpti_persistent_contacts_note_motion(world, segment);
+    dpti_persistent_contacts_note_motion(world, segment_index);
     struct box box = box_of_axis(best->track.axis.a, best->track.axis.b);
     double reach = contact_pair.radius + world->def.margin;
     struct contact_sum sum = { .min_gap = HUGE_VAL, .min_felt_gap = HUGE_VAL, .is_known = 1 };
-    const struct near_bodies *near_bodies = dpti_broad_phase_within(world, segment, reach);
+    const struct near_bodies *near_bodies = dpti_broad_phase_within(world, segment_index, reach);
     for (uint32_t i = 0; i < near_bodies->count; i++) {
         uint32_t slot = near_bodies->slots ? near_bodies->slots[i] : i;
         contact_pair.body = &world->bodies[slot];
@@ -143,8 +144,8 @@ void dpti_contacts_find(struct dpt_world *world, uint32_t segment, const struct 
     dpti_segment_result_set_gap(result, min_of(sum.min_gap, result->distance - contact_pair.radius),
                                 result->error_bound);
     *penetration = sum.penetration;
-    own_segment->felt_penetration = sum.felt_penetration;
-    own_segment->pushing_part = sum.pushing_part;
-    own_segment->has_given_up_push =
-        own_segment->previous_pushing_part.is_behind_sheet && !sum.previous_part_pushes;
+    segment->felt_penetration = sum.felt_penetration;
+    segment->pushing_part = sum.pushing_part;
+    segment->has_given_up_push =
+        segment->previous_pushing_part.is_behind_sheet && !sum.previous_part_pushes;
 }

@@ -9,7 +9,8 @@
  * Contact and gap of a segment whose nearest pair `best` is exact, into `result`, and the push at its deepest
  * point; its regions into the world.
  */
-void dpti_contacts_find(struct dpt_world *world, uint32_t segment, const struct body_answer *best,
-                        struct segment_result *result, struct penetration *penetration);
+void dpti_contacts_find(struct dpt_world *world, uint32_t segment_index,
+                        const struct body_answer *best, struct segment_result *result,
+                        struct penetration *penetration);
 
 #endif

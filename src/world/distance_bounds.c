@@ -25,15 +25,16 @@ char *dpti_bounds_place(struct dpt_world *world, char *at)
     return at + dpti_bounds_bytes(&world->def);
 }
 
-void dpti_bounds_forget(struct dpt_world *world, uint32_t segment, uint32_t slot)
+void dpti_bounds_forget(struct dpt_world *world, uint32_t segment_index, uint32_t slot)
 {
     if (!world->def.budget)
         return;
     struct distance_bound *bound =
-        world_distance_bound(world, segment, slot == DPT_NONE ? 0 : slot);
+        world_distance_bound(world, segment_index, slot == DPT_NONE ? 0 : slot);
     memset(bound, 0, (slot == DPT_NONE ? world->def.max_bodies : 1) * sizeof *bound);
     for (int is_resting = 0; is_resting < 2; is_resting++) {
-        struct suspended_search *suspended = world_suspended_search(world, segment, is_resting);
+        struct suspended_search *suspended =
+            world_suspended_search(world, segment_index, is_resting);
         if (slot == DPT_NONE || suspended->body_slot == slot)
             suspended->traversal.depth = 0;
         if (slot == DPT_NONE)
@@ -71,24 +72,24 @@ static double bound_so_far(const struct suspended_search *suspended, const struc
                                            sub(bound->b, bound->a)));
 }
 
-void dpti_bounds_give_up(struct dpt_world *world, uint32_t segment,
+void dpti_bounds_give_up(struct dpt_world *world, uint32_t segment_index,
                          struct suspended_search *suspended)
 {
-    struct distance_bound *bound = world_distance_bound(world, segment, suspended->body_slot);
+    struct distance_bound *bound = world_distance_bound(world, segment_index, suspended->body_slot);
     const struct surface *surface = &world->bodies[suspended->body_slot].surface;
     bound->lower_bound = max_of(bound->lower_bound, bound_so_far(suspended, surface, bound));
     suspended->traversal.depth = 0;
 }
 
-double dpti_bounds_update(struct dpt_world *world, uint32_t segment, uint32_t slot,
+double dpti_bounds_update(struct dpt_world *world, uint32_t segment_index, uint32_t slot,
                           const struct axis *axis)
 {
-    struct distance_bound *bound = world_distance_bound(world, segment, slot);
-    struct suspended_search *moving = world_suspended_search(world, segment, 0),
-                            *resting = world_suspended_search(world, segment, 1);
+    struct distance_bound *bound = world_distance_bound(world, segment_index, slot);
+    struct suspended_search *moving = world_suspended_search(world, segment_index, 0),
+                            *resting = world_suspended_search(world, segment_index, 1);
     double motion = motion_since(bound, axis);
     if (motion > 0.0 && resting->body_slot == slot && resting->traversal.depth)
-        dpti_bounds_give_up(world, segment, resting);
+        dpti_bounds_give_up(world, segment_index, resting);
     if (motion == 0.0)
         bound->rest_tick = world->ticks;
     bound->lower_bound = max_of(0.0, bound->lower_bound - motion);
@@ -101,13 +102,13 @@ double dpti_bounds_update(struct dpt_world *world, uint32_t segment, uint32_t sl
     return motion;
 }
 
-double dpti_bounds_proven(const struct dpt_world *world, uint32_t segment, uint32_t slot)
+double dpti_bounds_proven(const struct dpt_world *world, uint32_t segment_index, uint32_t slot)
 {
-    const struct distance_bound *bound = world_distance_bound(world, segment, slot);
+    const struct distance_bound *bound = world_distance_bound(world, segment_index, slot);
     double lower_bound = bound->lower_bound;
     for (int is_resting = 0; is_resting < 2; is_resting++) {
         const struct suspended_search *suspended =
-            world_suspended_search(world, segment, is_resting);
+            world_suspended_search(world, segment_index, is_resting);
         if (suspended->body_slot == slot)
             lower_bound =
                 max_of(lower_bound, bound_so_far(suspended, &world->bodies[slot].surface, bound));

@@ -15,13 +15,13 @@ uint64_t dpti_bounds_bytes(const dpt_world_def *def);
 char *dpti_bounds_place(struct dpt_world *world, char *at);
 
 /* Forget what is proven of a segment and a body or, with DPT_NONE, all bodies, and the searches that wait. */
-void dpti_bounds_forget(struct dpt_world *world, uint32_t segment, uint32_t slot);
+void dpti_bounds_forget(struct dpt_world *world, uint32_t segment_index, uint32_t slot);
 
 /* Remove the segments from `first` up to, not including, `end`: those behind them move up. */
 void dpti_bounds_remove(struct dpt_world *world, uint32_t first, uint32_t end);
 
 /* A search is given up: what it has proven stays. */
-void dpti_bounds_give_up(struct dpt_world *world, uint32_t segment,
+void dpti_bounds_give_up(struct dpt_world *world, uint32_t segment_index,
                          struct suspended_search *suspended);
 
 /*
@@ -29,10 +29,10 @@ void dpti_bounds_give_up(struct dpt_world *world, uint32_t segment,
  * when the axis moves, but its answer will only be bounded. One at rest ends with the rest; that of the motion before
  * waits for the motion after, which may come with the next tick: of a device that is slower than the loop.
  */
-double dpti_bounds_update(struct dpt_world *world, uint32_t segment, uint32_t slot,
+double dpti_bounds_update(struct dpt_world *world, uint32_t segment_index, uint32_t slot,
                           const struct axis *axis);
 
 /* All that is proven of a body. */
-double dpti_bounds_proven(const struct dpt_world *world, uint32_t segment, uint32_t slot);
+double dpti_bounds_proven(const struct dpt_world *world, uint32_t segment_index, uint32_t slot);
 
 #endif

@@ -23,11 +23,12 @@ char *dpti_backlog_place(struct dpt_world *world, char *at)
     return at + dpti_backlog_bytes(&world->def);
 }
 
-void dpti_backlog_forget(struct dpt_world *world, uint32_t segment)
+void dpti_backlog_forget(struct dpt_world *world, uint32_t segment_index)
 {
-    world->segments[segment].previous.is_known = 0;
+    world->segments[segment_index].previous.is_known = 0;
     if (world->def.budget)
-        world->motion_backlogs[segment].count = world->motion_backlogs[segment].body_id = 0;
+        world->motion_backlogs[segment_index].count =
+            world->motion_backlogs[segment_index].body_id = 0;
 }
 
 void dpti_backlog_restart(struct dpt_world *world)
@@ -44,11 +45,11 @@ void dpti_backlog_remove(struct dpt_world *world, uint32_t first, uint32_t end)
 }
 
 /* What cannot be followed is as a teleport to where the segment is now. */
-static void give_up(struct dpt_world *world, uint32_t index, struct motion_backlog *backlog)
+static void give_up(struct dpt_world *world, uint32_t segment_index, struct motion_backlog *backlog)
 {
     backlog->count = backlog->body_id = 0;
-    dpti_motion_set_no_sweep(&world->segments[index], DPT_SWEEP_NONE);
-    dpti_persistent_contacts_forget_sides(world, index);
+    dpti_motion_set_no_sweep(&world->segments[segment_index], DPT_SWEEP_NONE);
+    dpti_persistent_contacts_forget_sides(world, segment_index);
 }
 
 /* How far away is what any leg, and `now` if it is not NULL, may have met. */
@@ -57,15 +58,15 @@ static double reach_of_steps(const struct segment *segment, const struct motion_
 {
     double reach = segment->radius;
     const struct motion_state *last = &segment->previous;
-    for (uint32_t i = 0; i < backlog->count; last = &backlog->state[i++])
-        reach += dpti_motion_displacement(last, &backlog->state[i]);
+    for (uint32_t i = 0; i < backlog->count; last = &backlog->motion_ends[i++])
+        reach += dpti_motion_displacement(last, &backlog->motion_ends[i]);
     return now ? reach + dpti_motion_displacement(last, now) : reach;
 }
 
 /* Bodies that have moved, or come, since the last tick: a leg past them is of this tick alone. */
-static int may_meet_changed_body(struct dpt_world *world, uint32_t index, double reach)
+static int may_meet_changed_body(struct dpt_world *world, uint32_t segment_index, double reach)
 {
-    struct swept_bodies bodies = dpti_motion_bodies(world, index, reach);
+    struct swept_bodies bodies = dpti_motion_bodies(world, segment_index, reach);
     const struct body *body = dpti_motion_next_body(&bodies);
     while (body && body->moved_tick != world->ticks && body->added_tick != world->ticks)
         body = dpti_motion_next_body(&bodies);
@@ -73,13 +74,13 @@ static int may_meet_changed_body(struct dpt_world *world, uint32_t index, double
 }
 
 /* Legs that wait, before this tick's joins them: is the way known on which they are, and is there room for one more? */
-static int can_follow(struct dpt_world *world, uint32_t index, const struct motion_backlog *backlog,
-                      const struct motion_state *now)
+static int can_follow(struct dpt_world *world, uint32_t segment_index,
+                      const struct motion_backlog *backlog, const struct motion_state *now)
 {
-    double reach = reach_of_steps(&world->segments[index], backlog, now);
-    return !backlog->is_lost && !may_meet_changed_body(world, index, reach) &&
+    double reach = reach_of_steps(&world->segments[segment_index], backlog, now);
+    return !backlog->is_lost && !may_meet_changed_body(world, segment_index, reach) &&
            (backlog->count < MOTION_STEPS_MAX ||
-            dpti_motion_is_same(&backlog->state[backlog->count - 1], now));
+            dpti_motion_is_same(&backlog->motion_ends[backlog->count - 1], now));
 }
 
 /* This tick's motion cannot have met anything. */
@@ -91,41 +92,43 @@ static int is_far_from_all(const struct dpt_world *world, const struct segment *
 }
 
 /* Leg by leg, up to the first that meets something or the end of the budget. 0 unless that was all. */
-static int sweep_steps(struct dpt_world *world, uint32_t index, struct motion_backlog *backlog)
+static int sweep_steps(struct dpt_world *world, uint32_t segment_index,
+                       struct motion_backlog *backlog)
 {
-    struct segment *segment = &world->segments[index];
+    struct segment *segment = &world->segments[segment_index];
     while (backlog->count) {
-        const uint32_t age = (uint32_t)world->ticks - backlog->state[0].tick;
+        const uint32_t age = (uint32_t)world->ticks - backlog->motion_ends[0].tick;
         double reach = reach_of_steps(segment, backlog, NULL);
-        if (!dpti_motion_sweep_step(world, index, dpti_motion_bodies(world, index, reach),
-                                    backlog)) {
+        if (!dpti_motion_sweep_step(world, segment_index,
+                                    dpti_motion_bodies(world, segment_index, reach), backlog)) {
             dpti_motion_set_no_sweep(segment, DPT_SWEEP_UNFINISHED);
             segment->sweep.age = age;
-            backlog->is_lost |= (uint32_t)may_meet_changed_body(world, index, reach);
+            backlog->is_lost |= (uint32_t)may_meet_changed_body(world, segment_index, reach);
             return 0;
         }
         segment->sweep.age = age;
-        segment->previous = backlog->state[0];
+        segment->previous = backlog->motion_ends[0];
         backlog->count--;
-        memmove(backlog->state, backlog->state + 1, backlog->count * sizeof *backlog->state);
+        memmove(backlog->motion_ends, backlog->motion_ends + 1,
+                backlog->count * sizeof *backlog->motion_ends);
         if (segment->sweep.status == DPT_SWEEP_HIT)
             break;
     }
     return !backlog->count;
 }
 
-int dpti_backlog_sweep(struct dpt_world *world, uint32_t index)
+int dpti_backlog_sweep(struct dpt_world *world, uint32_t segment_index)
 {
-    struct segment *segment = &world->segments[index];
+    struct segment *segment = &world->segments[segment_index];
     struct motion_backlog own_backlog,
-        *backlog = world->def.budget ? &world->motion_backlogs[index] : &own_backlog;
+        *backlog = world->def.budget ? &world->motion_backlogs[segment_index] : &own_backlog;
     if (!world->def.budget || !segment->previous.is_known)
         backlog->count = backlog->body_id = 0;
     if (!segment->previous.is_known)
         return 1;
     struct motion_state now = dpti_motion_state_now(world, segment);
-    if (backlog->count && !can_follow(world, index, backlog, &now)) {
-        give_up(world, index, backlog);
+    if (backlog->count && !can_follow(world, segment_index, backlog, &now)) {
+        give_up(world, segment_index, backlog);
         return 1;
     }
     if (!backlog->count) {
@@ -139,19 +142,20 @@ int dpti_backlog_sweep(struct dpt_world *world, uint32_t index)
         if (is_far_from_all(world, segment, reach))
             return 1;
     }
-    if (!backlog->count || !dpti_motion_is_same(&backlog->state[backlog->count - 1], &now))
+    if (!backlog->count || !dpti_motion_is_same(&backlog->motion_ends[backlog->count - 1], &now))
         backlog->count++;
     else
-        now.tick = backlog->state[backlog->count - 1].tick;
-    backlog->state[backlog->count - 1] = now; /* of the same place more may be known now */
+        now.tick = backlog->motion_ends[backlog->count - 1].tick;
+    backlog->motion_ends[backlog->count - 1] = now; /* of the same place more may be known now */
     if (backlog->radius != segment->radius)
         backlog->body_id = 0;
     backlog->radius = segment->radius;
-    return sweep_steps(world, index, backlog);
+    return sweep_steps(world, segment_index, backlog);
 }
 
-void dpti_backlog_end_tick(struct dpt_world *world, uint32_t index)
+void dpti_backlog_end_tick(struct dpt_world *world, uint32_t segment_index)
 {
-    if (!world->def.budget || !world->motion_backlogs[index].count)
-        world->segments[index].previous = dpti_motion_state_now(world, &world->segments[index]);
+    if (!world->def.budget || !world->motion_backlogs[segment_index].count)
+        world->segments[segment_index].previous =
+            dpti_motion_state_now(world, &world->segments[segment_index]);
 }

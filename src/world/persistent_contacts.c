@@ -19,7 +19,7 @@ char *dpti_persistent_contacts_place(struct dpt_world *world, char *at)
 
 void dpti_persistent_contacts_begin_tick(struct dpt_world *world)
 {
-    world->contacts_this_tick = 1 - world->contacts_this_tick;
+    world->contacts_index = 1 - world->contacts_index;
     contacts_this_tick(world)->count = 0;
     world->contacts_overflowed = 0;
     world->contacts_wanted = 0;
@@ -47,7 +47,7 @@ void dpti_persistent_contacts_forget(struct dpt_world *world, uint32_t first, ui
     uint32_t kept_count = 0;
     for (uint32_t i = 0; i < current->count; i++) {
         const struct persistent_contact *persistent = &current->items[i];
-        int is_removed = persistent->segment >= first && persistent->segment < end &&
+        int is_removed = persistent->segment_index >= first && persistent->segment_index < end &&
                          (slot == DPT_NONE || handle_index(persistent->contact.body) == slot);
         if (!is_removed)
             current->items[kept_count++] = *persistent;
@@ -60,8 +60,8 @@ void dpti_persistent_contacts_remove(struct dpt_world *world, uint32_t first, ui
     struct persistent_contacts *current = contacts_this_tick(world);
     dpti_persistent_contacts_forget(world, first, end, DPT_NONE);
     for (uint32_t i = 0; i < current->count; i++)
-        if (current->items[i].segment >= end)
-            current->items[i].segment -= end - first;
+        if (current->items[i].segment_index >= end)
+            current->items[i].segment_index -= end - first;
 }
 
 struct persistent_contact *dpti_persistent_contacts_add(struct dpt_world *world)
@@ -81,14 +81,14 @@ uint32_t dpti_persistent_contacts_new_id(struct dpt_world *world)
     return world->last_contact_id;
 }
 
-void dpti_persistent_contacts_note_motion(struct dpt_world *world, uint32_t index)
+void dpti_persistent_contacts_note_motion(struct dpt_world *world, uint32_t segment_index)
 {
-    const struct segment *segment = &world->segments[index];
+    const struct segment *segment = &world->segments[segment_index];
     const struct persistent_contacts *last_tick = contacts_last_tick(world);
     int may_have_crossed = segment->sweep.status != DPT_SWEEP_UNFINISHED &&
                            (segment->sweep.status == DPT_SWEEP_NONE || segment->may_have_crossed);
     for (uint32_t i = 0; may_have_crossed && i < last_tick->count; i++)
-        if (last_tick->items[i].segment == index)
+        if (last_tick->items[i].segment_index == segment_index)
             last_tick->items[i].is_in_front = 0;
 }
 
@@ -102,19 +102,19 @@ void dpti_persistent_contacts_carry_over_one(struct dpt_world *world,
     persistent->is_unseen = 1;
 }
 
-void dpti_persistent_contacts_carry_over_body(struct dpt_world *world, uint32_t segment,
+void dpti_persistent_contacts_carry_over_body(struct dpt_world *world, uint32_t segment_index,
                                               const struct body *body)
 {
     const struct persistent_contacts *last_tick = contacts_last_tick(world);
     for (uint32_t i = 0; i < last_tick->count; i++)
-        if (persistent_contact_is_of(&last_tick->items[i], segment, body))
+        if (persistent_contact_is_of(&last_tick->items[i], segment_index, body))
             dpti_persistent_contacts_carry_over_one(world, &last_tick->items[i]);
 }
 
-void dpti_persistent_contacts_carry_over(struct dpt_world *world, uint32_t segment)
+void dpti_persistent_contacts_carry_over(struct dpt_world *world, uint32_t segment_index)
 {
-    dpti_persistent_contacts_note_motion(world, segment);
-    dpti_persistent_contacts_carry_over_body(world, segment, NULL);
+    dpti_persistent_contacts_note_motion(world, segment_index);
+    dpti_persistent_contacts_carry_over_body(world, segment_index, NULL);
 }
 
 void dpti_persistent_contact_put_warm_start(struct persistent_contact *persistent,
@@ -130,14 +130,14 @@ void dpti_persistent_contact_put_warm_start(struct persistent_contact *persisten
 }
 
 /* What went through is behind, though all around it may be in front, beyond a border: so it is a sample. */
-void dpti_persistent_contacts_put_side(struct dpt_world *world, uint32_t segment,
+void dpti_persistent_contacts_put_side(struct dpt_world *world, uint32_t segment_index,
                                        const struct body *body, uint32_t part, int side,
                                        const struct warm_start *warm_start)
 {
     struct persistent_contacts *last_tick = contacts_last_tick(world);
     uint32_t i = 0;
     while (i < last_tick->count &&
-           !(last_tick->items[i].segment == segment && last_tick->items[i].side &&
+           !(last_tick->items[i].segment_index == segment_index && last_tick->items[i].side &&
              last_tick->items[i].contact.body == body->id && last_tick->items[i].part == part))
         i++;
     if (i == world->def.max_contacts) {
@@ -149,7 +149,9 @@ void dpti_persistent_contacts_put_side(struct dpt_world *world, uint32_t segment
     struct persistent_contact *persistent = &last_tick->items[i];
     if (i == last_tick->count) {
         last_tick->count++;
-        *persistent = (struct persistent_contact){ .segment = segment, .part = part, .side = side };
+        *persistent = (struct persistent_contact){ .segment_index = segment_index,
+                                                   .part = part,
+                                                   .side = side };
         persistent->contact.id = dpti_persistent_contacts_new_id(world);
         persistent->contact.body = body->id;
         persistent->contact.s0 = persistent->contact.s1 = warm_start->s;
@@ -157,10 +159,10 @@ void dpti_persistent_contacts_put_side(struct dpt_world *world, uint32_t segment
     dpti_persistent_contact_put_warm_start(persistent, warm_start);
 }
 
-void dpti_persistent_contacts_forget_sides(struct dpt_world *world, uint32_t segment)
+void dpti_persistent_contacts_forget_sides(struct dpt_world *world, uint32_t segment_index)
 {
     struct persistent_contacts *last_tick = contacts_last_tick(world);
     for (uint32_t i = 0; i < last_tick->count; i++)
-        if (last_tick->items[i].segment == segment)
+        if (last_tick->items[i].segment_index == segment_index)
             last_tick->items[i].side = 0;
 }

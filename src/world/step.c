@@ -29,9 +29,9 @@ static int is_active(const struct dpt_world *world, const struct tool *tool)
 }
 
 /* The segment's nearest pair; by the paper's method also its contact. */
-static void track_segment(struct dpt_world *world, uint32_t index)
+static void track_segment(struct dpt_world *world, uint32_t segment_index)
 {
-    struct segment *segment = &world->segments[index];
+    struct segment *segment = &world->segments[segment_index];
     const struct tool *tool = &world->tools[segment->tool_slot];
     segment->answer.body = NULL;
     segment->result = (struct segment_result){ .status = DPT_STATUS_STALE };
@@ -42,28 +42,30 @@ static void track_segment(struct dpt_world *world, uint32_t index)
     vec3 a = frame_to_world(&tool->frame, segment->a);
     vec3 b = frame_to_world(&tool->frame, segment->b);
     if (world->def.method == DPT_METHOD_PAPER) {
-        segment->felt_penetration = segment->penetration = dpti_baseline_find(world, index, a, b);
+        segment->felt_penetration = segment->penetration =
+            dpti_baseline_find(world, segment_index, a, b);
         return;
     }
-    dpti_body_search_find(world, index, &a, &b, &segment->answer);
+    dpti_body_search_find(world, segment_index, &a, &b, &segment->answer);
     if (!segment->answer.body)
         return;
     segment->last_body_slot = handle_index(segment->answer.body->id);
     dpti_body_search_result(&segment->answer, &segment->result);
 }
 
-static void contact_segment(struct dpt_world *world, uint32_t index)
+static void contact_segment(struct dpt_world *world, uint32_t segment_index)
 {
-    struct segment *segment = &world->segments[index];
+    struct segment *segment = &world->segments[segment_index];
     const uint32_t before = world->work.done;
     world->near_bodies.reach = -1.0;
-    int is_swept = segment->answer.body && dpti_backlog_sweep(world, index);
+    int is_swept = segment->answer.body && dpti_backlog_sweep(world, segment_index);
     if (is_swept && segment->answer.is_exact)
-        dpti_contacts_find(world, index, &segment->answer, &segment->result, &segment->penetration);
+        dpti_contacts_find(world, segment_index, &segment->answer, &segment->result,
+                           &segment->penetration);
     else
-        dpti_persistent_contacts_carry_over(world, index);
+        dpti_persistent_contacts_carry_over(world, segment_index);
     segment->result.work += world->work.done - before;
-    dpti_backlog_end_tick(world, index);
+    dpti_backlog_end_tick(world, segment_index);
 }
 
 /*
@@ -83,19 +85,19 @@ static void step_segments(struct dpt_world *world, double dt)
     for (uint32_t i = 0; i < count; i++)
         track_segment(world, (first + i) % count);
     for (uint32_t i = 0; i < count; i++) {
-        uint32_t index = (first + i) % count;
+        uint32_t segment_index = (first + i) % count;
         if (world->def.until != DPT_UNTIL_TRACK && world->def.method != DPT_METHOD_PAPER)
-            contact_segment(world, index);
+            contact_segment(world, segment_index);
         if (world->def.strip && world->def.until != DPT_UNTIL_TRACK)
-            dpti_strips_find(world, index);
+            dpti_strips_find(world, segment_index);
         if (world->def.until == DPT_UNTIL_RESPOND)
-            dpti_force_respond(world, index, dt);
-        dpti_tool_write_hit(&world->segments[index]);
-        const struct segment_result *result = &world->segments[index].result;
+            dpti_force_respond(world, segment_index, dt);
+        dpti_tool_write_hit(&world->segments[segment_index]);
+        const struct segment_result *result = &world->segments[segment_index].result;
         if (!has_undone && world->def.budget &&
             (result->status == DPT_STATUS_BOUNDED ||
              (result->status == DPT_STATUS_EXACT && result->contact == DPT_CONTACT_UNKNOWN))) {
-            world->undone_segment = index;
+            world->undone_segment = segment_index;
             has_undone = 1;
         }
     }
@@ -141,8 +143,8 @@ static void write_report(const struct dpt_world *world, dpt_step *to)
     out->distance = 0.0;
     out->contacts = 0;
     out->flags = world->contacts_overflowed ? DPT_STEP_FLAG_CONTACTS_FULL : 0;
-    for (uint32_t i = 0; i < world->contacts[world->contacts_this_tick].count; i++)
-        out->contacts += !world->contacts[world->contacts_this_tick].items[i].is_unseen;
+    for (uint32_t i = 0; i < world->contacts[world->contacts_index].count; i++)
+        out->contacts += !world->contacts[world->contacts_index].items[i].is_unseen;
     for (uint32_t t = 0; t < world->tool_slot_end; t++) {
         const struct tool *tool = &world->tools[t];
         for (uint32_t i = 0; tool->slot.used && i < tool->segment_count; i++) {

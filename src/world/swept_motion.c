@@ -80,7 +80,7 @@ void dpti_motion_write_sweep(const struct rigid_sweep *rigid, const struct body 
 }
 
 /* The side from which the axis came through a sheet. */
-static void put_sheet_side(struct dpt_world *world, uint32_t index, const struct body *body,
+static void put_sheet_side(struct dpt_world *world, uint32_t segment_index, const struct body *body,
                            const struct rigid_sweep *rigid)
 {
     const struct impact *impact = &rigid->result.impact;
@@ -88,7 +88,7 @@ static void put_sheet_side(struct dpt_world *world, uint32_t index, const struct
     const struct warm_start warm_start = { impact->pair.s, impact->triangle, 1.0f };
     if (dpti_side_is_sheet(rigid->surface, part) &&
         !dpti_side_is_border(rigid->surface, impact->triangle, impact->pair.weight))
-        dpti_persistent_contacts_put_side(world, index, body, part,
+        dpti_persistent_contacts_put_side(world, segment_index, body, part,
                                           dpti_rigid_sweep_side_before(rigid), &warm_start);
 }
 
@@ -118,11 +118,11 @@ static int suspend(struct segment *segment, struct motion_backlog *backlog, cons
 }
 
 /* One body: what met it before segment->sweep.time, and whether the axis went through. */
-static int sweep_past_body(struct dpt_world *world, uint32_t index, const struct body *body,
+static int sweep_past_body(struct dpt_world *world, uint32_t segment_index, const struct body *body,
                            struct motion_backlog *backlog, struct placement *from,
                            struct placement *to)
 {
-    struct segment *segment = &world->segments[index];
+    struct segment *segment = &world->segments[segment_index];
     double free_distance = body->added_tick == world->ticks ? 0.0 : segment->previous.free_distance;
     struct rigid_sweep rigid = {
         .surface = &body->surface,
@@ -130,14 +130,14 @@ static int sweep_past_body(struct dpt_world *world, uint32_t index, const struct
         .radius = free_distance > segment->radius ? segment->radius : 0.0,
         .far = free_distance,
         .tolerance = 0.5 * RIGID_SWEEP_TOLERANCE * dpti_surface_diagonal(&body->surface),
-        .hint = *world_last_triangles(world, index, handle_index(body->id)),
+        .hint = *world_last_triangles(world, segment_index, handle_index(body->id)),
         .work = &world->work,
         .progress = &backlog->progress
     };
     from->body = body->moved_tick == world->ticks ? body->previous_pose : body->pose;
     to->body = body->pose;
     if (backlog->body_id != body->id) {
-        if (dpti_rigid_sweep_cannot_meet(&rigid, from, to, backlog->state[0].free_distance))
+        if (dpti_rigid_sweep_cannot_meet(&rigid, from, to, backlog->motion_ends[0].free_distance))
             return STEP_CONTINUES;
         begin_sweep(backlog, 0);
     }
@@ -166,7 +166,7 @@ static int sweep_past_body(struct dpt_world *world, uint32_t index, const struct
         dpti_motion_write_sweep(&rigid, body, &segment->sweep);
     if (status == SWEEP_HIT) {
         segment->may_have_crossed = 1;
-        put_sheet_side(world, index, body, &axis);
+        put_sheet_side(world, segment_index, body, &axis);
     }
     return STEP_CONTINUES;
 }
@@ -187,15 +187,16 @@ const struct body *dpti_motion_next_body(struct swept_bodies *bodies)
     return NULL;
 }
 
-struct swept_bodies dpti_motion_bodies(struct dpt_world *world, uint32_t index, double reach)
+struct swept_bodies dpti_motion_bodies(struct dpt_world *world, uint32_t segment_index,
+                                       double reach)
 {
-    const struct track *track = &world->segments[index].answer.track;
+    const struct track *track = &world->segments[segment_index].answer.track;
     double body_motion = world->bodies_moved_tick == world->ticks ? world->body_motion_max : 0.0;
     return (struct swept_bodies){ .world = world,
                                   .axis_box = box_of_axis(track->axis.a, track->axis.b),
                                   .reach = reach,
-                                  .near_bodies =
-                                      dpti_broad_phase_within(world, index, reach + body_motion) };
+                                  .near_bodies = dpti_broad_phase_within(world, segment_index,
+                                                                         reach + body_motion) };
 }
 
 void dpti_motion_set_no_sweep(struct segment *segment, uint32_t status)
@@ -207,13 +208,13 @@ void dpti_motion_set_no_sweep(struct segment *segment, uint32_t status)
     segment->may_have_crossed |= status == DPT_SWEEP_NONE;
 }
 
-int dpti_motion_sweep_step(struct dpt_world *world, uint32_t index, struct swept_bodies bodies,
-                           struct motion_backlog *backlog)
+int dpti_motion_sweep_step(struct dpt_world *world, uint32_t segment_index,
+                           struct swept_bodies bodies, struct motion_backlog *backlog)
 {
-    struct segment *segment = &world->segments[index];
+    struct segment *segment = &world->segments[segment_index];
     struct placement from, to;
     const struct body *body;
-    placements_of(&segment->previous, &backlog->state[0], &from, &to);
+    placements_of(&segment->previous, &backlog->motion_ends[0], &from, &to);
     segment->sweep.status = DPT_SWEEP_FREE;
     segment->sweep.time = 1.0;
     if (backlog->body_id) {
@@ -224,7 +225,7 @@ int dpti_motion_sweep_step(struct dpt_world *world, uint32_t index, struct swept
     while (status == STEP_CONTINUES && (body = dpti_motion_next_body(&bodies)) != NULL) {
         if (backlog->body_id && handle_index(body->id) < handle_index(backlog->body_id))
             continue;
-        status = sweep_past_body(world, index, body, backlog, &from, &to);
+        status = sweep_past_body(world, segment_index, body, backlog, &from, &to);
     }
     if (status != STEP_SUSPENDED)
         backlog->body_id = 0;

@@ -25,7 +25,8 @@ struct swept_bodies {
 };
 
 /* Those within reach of a segment where it is now, and those whose own motion may have brought them there. */
-struct swept_bodies dpti_motion_bodies(struct dpt_world *world, uint32_t index, double reach);
+struct swept_bodies dpti_motion_bodies(struct dpt_world *world, uint32_t segment_index,
+                                       double reach);
 
 /* The next of them, or NULL. */
 const struct body *dpti_motion_next_body(struct swept_bodies *bodies);
@@ -38,7 +39,7 @@ void dpti_motion_write_sweep(const struct rigid_sweep *rigid, const struct body 
 void dpti_motion_set_no_sweep(struct segment *segment, uint32_t status);
 
 /* The voyage's first leg, from its beginning or from where it was stopped; 0 where the budget ended. */
-int dpti_motion_sweep_step(struct dpt_world *world, uint32_t index, struct swept_bodies bodies,
-                           struct motion_backlog *backlog);
+int dpti_motion_sweep_step(struct dpt_world *world, uint32_t segment_index,
+                           struct swept_bodies bodies, struct motion_backlog *backlog);
 
 #endif

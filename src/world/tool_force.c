@@ -4,7 +4,7 @@
 #include "force/penalty.h"
 
 /* What the torque is about. */
-static vec3 origin_of(const struct dpt_world *world, const struct tool *tool)
+static vec3 torque_origin(const struct dpt_world *world, const struct tool *tool)
 {
     return tool->is_free ? world->segments[tool->first_segment].a : tool->frame.origin;
 }
@@ -43,9 +43,9 @@ static uint32_t reason_of(const struct segment *segment)
     return is_zero(penetration->direction) ? DPT_FORCE_UNDECIDED : DPT_FORCE_ACTS;
 }
 
-void dpti_force_respond(struct dpt_world *world, uint32_t index, double dt)
+void dpti_force_respond(struct dpt_world *world, uint32_t segment_index, double dt)
 {
-    struct segment *segment = &world->segments[index];
+    struct segment *segment = &world->segments[segment_index];
     const struct tool *tool = &world->tools[segment->tool_slot];
     if (!tool->slot.valid || world->invalid_body_count || tool->stiffness == 0.0) {
         dpti_force_forget(segment);
@@ -59,7 +59,7 @@ void dpti_force_respond(struct dpt_world *world, uint32_t index, double dt)
     const int was_felt =
         !is_zero(vec3_of(fade->felt.force)) || !is_zero(vec3_of(fade->felt.torque));
     if (segment->felt_penetration.depth > 0.0)
-        respond_penalty(&segment->felt_penetration, tool->stiffness, origin_of(world, tool),
+        respond_penalty(&segment->felt_penetration, tool->stiffness, torque_origin(world, tool),
                         &truth);
     if (was_felt && (became_undecided || segment->has_given_up_push)) {
         if (!(fade->time_left > 0.0))

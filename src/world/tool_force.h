@@ -6,7 +6,7 @@
 #include "world/world_state.h"
 
 /* The segment's share of its tool's wrench, from what the tick knows of its contact. */
-void dpti_force_respond(struct dpt_world *world, uint32_t index, double dt);
+void dpti_force_respond(struct dpt_world *world, uint32_t segment_index, double dt);
 
 /* Of a tool that the tick has answered: its wrench, DPT_FORCE_... and flags. */
 void dpti_force_sum(const struct dpt_world *world, struct tool *tool);

@@ -85,10 +85,10 @@ dpt_result dpt_tool_get_contacts(const dpt_world *world, dpt_tool tool, dpt_cont
     const struct tool *owner = world_find_tool(world, tool);
     if (!owner)
         return DPT_E_HANDLE;
-    const struct persistent_contacts *current = &world->contacts[world->contacts_this_tick];
+    const struct persistent_contacts *current = &world->contacts[world->contacts_index];
     for (uint32_t s = owner->first_segment; s < owner->first_segment + owner->segment_count; s++)
         for (uint32_t i = 0; i < current->count; i++) {
-            if (current->items[i].segment != s || current->items[i].is_unseen)
+            if (current->items[i].segment_index != s || current->items[i].is_unseen)
                 continue;
             if (found < capacity)
                 sized_write((char *)contacts + (size_t)found * size, size,

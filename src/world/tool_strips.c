@@ -141,12 +141,12 @@ static void put_routes(const struct dpt_world *world, struct segment_strip *segm
         dpti_strip_set_full(segment_strip->strip);
 }
 
-void dpti_strips_find(struct dpt_world *world, uint32_t index)
+void dpti_strips_find(struct dpt_world *world, uint32_t segment_index)
 {
-    const struct segment *segment = &world->segments[index];
+    const struct segment *segment = &world->segments[segment_index];
     const struct segment_result *result = &segment->result;
     const struct body *body = segment->answer.body;
-    struct segment_strip *segment_strip = &world->segment_strips[index];
+    struct segment_strip *segment_strip = &world->segment_strips[segment_index];
     if (!body)
         return;
     if (result->contact != DPT_CONTACT_PENETRATING &&

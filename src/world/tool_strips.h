@@ -15,7 +15,7 @@ uint64_t dpti_strips_bytes(const dpt_world_def *def);
 char *dpti_strips_place(struct dpt_world *world, char *at);
 
 /* A segment's strip, from its nearest pair and its push; empty where it is not within the margin. */
-void dpti_strips_find(struct dpt_world *world, uint32_t segment);
+void dpti_strips_find(struct dpt_world *world, uint32_t segment_index);
 
 /* Empty those of the segments from `first` to before `end`, and forget what they remember. */
 void dpti_strips_forget(struct dpt_world *world, uint32_t first, uint32_t end);

@@ -35,8 +35,8 @@ static void try_body(struct trial *trial, const struct body *body, double radius
         memset(trial->first.normal, 0, sizeof trial->first.normal);
 }
 
-static void try_segment(struct trial *trial, const struct segment *segment, uint32_t segment_index,
-                        struct placement *from, struct placement *to)
+static void try_segment(struct trial *trial, const struct segment *segment,
+                        uint32_t segment_in_tool, struct placement *from, struct placement *to)
 {
     const struct dpt_world *world = trial->world;
     const double radius = max_of(0.0, segment->radius + trial->clearance);
@@ -47,11 +47,11 @@ static void try_segment(struct trial *trial, const struct segment *segment, uint
         box_of_axis(frame_to_world(&frame, to->a), frame_to_world(&frame, to->b));
     for (uint32_t i = 0; i < world->body_slot_end; i++)
         if (world->bodies[i].slot.used && box_distance(&box, &world->boxes[i]) <= reach)
-            try_body(trial, &world->bodies[i], radius, segment_index, from, to);
+            try_body(trial, &world->bodies[i], radius, segment_in_tool, from, to);
 }
 
-static dpt_result begin(struct trial *trial, const dpt_world *world, dpt_tool id, double clearance,
-                        const dpt_sweep *first, const struct tool **tool)
+static dpt_result begin_trial(struct trial *trial, const dpt_world *world, dpt_tool id,
+                              double clearance, const dpt_sweep *first, const struct tool **tool)
 {
     if (!world)
         return DPT_E_ARGUMENT;
@@ -71,7 +71,7 @@ static dpt_result begin(struct trial *trial, const dpt_world *world, dpt_tool id
     return DPT_OK;
 }
 
-static void end(const struct trial *trial, dpt_sweep *first)
+static void end_trial(const struct trial *trial, dpt_sweep *first)
 {
     if (first)
         sized_write(first, first->size, &trial->first, sizeof trial->first);
@@ -85,7 +85,7 @@ dpt_result dpt_tool_try_pose(const dpt_world *world, dpt_tool tool, const dpt_po
     const struct tool *found;
     if (!pose)
         return DPT_E_ARGUMENT;
-    DPT_TRY(begin(&trial, world, tool, clearance, first, &found));
+    DPT_TRY(begin_trial(&trial, world, tool, clearance, first, &found));
     DPT_TRY(frame_of_pose(pose, &frame));
     for (uint32_t i = 0; trial.first.status != DPT_SWEEP_NONE && i < found->segment_count; i++) {
         const struct segment *segment = &world->segments[found->first_segment + i];
@@ -93,7 +93,7 @@ dpt_result dpt_tool_try_pose(const dpt_world *world, dpt_tool tool, const dpt_po
         struct placement to = { .tool = *pose, .a = segment->a, .b = segment->b };
         try_segment(&trial, segment, i, &from, &to);
     }
-    end(&trial, first);
+    end_trial(&trial, first);
     if (reached)
         *reached = dpti_rigid_sweep_pose(&found->pose, pose, trial.first.time);
     return DPT_OK;
@@ -108,7 +108,7 @@ dpt_result dpt_tool_try_segments(const dpt_world *world, dpt_tool tool, const dp
     const dpt_pose identity = DPT_POSE_IDENTITY;
     if (!segments)
         return DPT_E_ARGUMENT;
-    DPT_TRY(begin(&trial, world, tool, clearance, first, &found));
+    DPT_TRY(begin_trial(&trial, world, tool, clearance, first, &found));
     if (count != found->segment_count)
         return DPT_E_ARGUMENT;
     DPT_TRY(dpti_tool_check_segments(segments, count));
@@ -123,7 +123,7 @@ dpt_result dpt_tool_try_segments(const dpt_world *world, dpt_tool tool, const dp
         segment.radius = segments[i].radius;
         try_segment(&trial, &segment, i, &from, &to);
     }
-    end(&trial, first);
+    end_trial(&trial, first);
     for (uint32_t i = 0; reached && i < count; i++) {
         const struct segment *segment = &world->segments[found->first_segment + i];
         const vec3 a = frame_to_world(&found->frame, segment->a);

@@ -72,7 +72,8 @@ struct motion_state {
  * the one at which it was stopped, or 0; those in slots before it are done.
  */
 struct motion_backlog {
-    struct motion_state state[MOTION_STEPS_MAX]; /* where the segment was at the end of each */
+    struct motion_state
+        motion_ends[MOTION_STEPS_MAX]; /* where the segment was at the end of each */
     uint32_t count;
     uint32_t body_id;
     uint32_t is_on_axis;       /* the body was met by the surface: now the axis is swept */
@@ -138,10 +139,10 @@ struct suspended_search {
 /* A region of contact, and what the next tick takes over from it. */
 struct persistent_contact {
     dpt_contact contact;
-    uint32_t segment;     /* in the world's list */
-    uint32_t part;        /* of the body's mesh */
-    int32_t side;         /* of an open sheet, or 0 */
-    uint32_t is_unseen;   /* it is kept, but this tick does not know it */
+    uint32_t segment_index; /* in the world's list */
+    uint32_t part;          /* of the body's mesh */
+    int32_t side;           /* of an open sheet, or 0 */
+    uint32_t is_unseen;     /* it is kept, but this tick does not know it */
     uint32_t is_in_front; /* of the sheet whose side it has: all of the axis is known to be there */
     uint32_t warm_start_count;
     struct warm_start warm_starts[WARM_STARTS_MAX];
@@ -157,7 +158,7 @@ struct persistent_contacts {
 struct contact_pair {
     struct dpt_world *world;
     const struct body *body;
-    uint32_t segment;
+    uint32_t segment_index;
     double radius;
     struct axis axis;
     struct pair_search nearest;
@@ -195,7 +196,7 @@ struct dpt_world {
     uint32_t ticks;               /* since the last reset; may wrap */
     uint32_t bodies_moved_tick;   /* the tick before which a body last moved */
     double body_motion_max;       /* the most that one moved then */
-    uint32_t contacts_this_tick;  /* which of the two is this tick's */
+    uint32_t contacts_index;      /* which of the two is this tick's */
     uint32_t last_contact_id;     /* the last one that was given */
     uint32_t contacts_wanted;     /* this tick's, kept ones and those without room among them */
     uint32_t contacts_overflowed; /* this tick had more than there is room for */
@@ -232,38 +233,38 @@ static inline size_t world_last_triangle_count(const struct dpt_world *world)
 }
 
 /* The places of a segment's parts on a body. */
-static inline uint32_t *world_last_triangles(const struct dpt_world *world, uint32_t segment,
+static inline uint32_t *world_last_triangles(const struct dpt_world *world, uint32_t segment_index,
                                              uint32_t slot)
 {
-    return world->last_triangles + world_last_triangle_count(world) * segment +
+    return world->last_triangles + world_last_triangle_count(world) * segment_index +
            (size_t)slot * world->def.baseline->parts;
 }
 
 /* A segment's two lists, of at most max_bodies slots each. */
-static inline uint32_t *world_near_list(const struct dpt_world *world, uint32_t segment,
+static inline uint32_t *world_near_list(const struct dpt_world *world, uint32_t segment_index,
                                         uint32_t list)
 {
-    return world->near_lists + (size_t)world->def.max_bodies * (2 * (size_t)segment + list);
+    return world->near_lists + (size_t)world->def.max_bodies * (2 * (size_t)segment_index + list);
 }
 
 /* For motion the first, for rest the second. */
-static inline struct suspended_search *world_suspended_search(const struct dpt_world *world,
-                                                              uint32_t segment, int is_resting)
+static inline struct suspended_search *
+world_suspended_search(const struct dpt_world *world, uint32_t segment_index, int is_resting)
 {
-    return &world->suspended_searches[2 * (size_t)segment + (is_resting != 0)];
+    return &world->suspended_searches[2 * (size_t)segment_index + (is_resting != 0)];
 }
 
 static inline struct distance_bound *world_distance_bound(const struct dpt_world *world,
-                                                          uint32_t segment, uint32_t slot)
+                                                          uint32_t segment_index, uint32_t slot)
 {
-    return world->distance_bounds + (size_t)world->def.max_bodies * segment + slot;
+    return world->distance_bounds + (size_t)world->def.max_bodies * segment_index + slot;
 }
 
 /* By what name the certificate knows a segment and a body; not 0. */
-static inline uint32_t world_plane_owner(const struct dpt_world *world, uint32_t segment,
+static inline uint32_t world_plane_owner(const struct dpt_world *world, uint32_t segment_index,
                                          uint32_t slot)
 {
-    return segment * world->def.max_bodies + slot + 1;
+    return segment_index * world->def.max_bodies + slot + 1;
 }
 
 /* What an id names, or NULL. */
