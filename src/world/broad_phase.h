@@ -86,18 +86,20 @@ void dpti_broad_phase_put_body(struct dpt_world *world, uint32_t slot);
 void dpti_broad_phase_move(struct broad_phase *broad_phase, vec3 a, vec3 b);
 
 /*
- * List the bodies that may be as near to a segment as `distance`, that of the nearest so far, within the budget. Returns
- * how near those that are not listed may be.
+ * List the bodies that may be as near to a segment as `distance`, that of the nearest so far, within the budget.
+ * Returns how near those that are not listed may be.
  */
 double dpti_broad_phase_update(struct dpt_world *world, uint32_t segment_index, double distance);
 
-/* All is proven: where a list is far longer than it need be, and there is work left for a whole scan, make it anew. */
+/*
+ * All is proven: where a list is far longer than it need be, and there is work left for a whole scan, make it anew.
+ */
 void dpti_broad_phase_shrink(struct dpt_world *world, uint32_t segment_index, double distance);
 
 /*
- * The bodies whose boxes may be within reach of a segment, after its nearest pair was searched for. They are looked for
- * once: with the first reach that is asked for, or that of its contact, whichever is larger. world->nearby.reach is
- * negative before.
+ * The bodies whose boxes may be within reach of a segment, after its nearest pair was searched for. They are looked
+ * for once: with the first reach that is asked for, or that of its contact, whichever is larger. world->nearby.reach
+ * is negative before.
  */
 const struct near_bodies *dpti_broad_phase_within(struct dpt_world *world, uint32_t segment_index,
                                                   double reach);

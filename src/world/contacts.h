@@ -7,9 +7,9 @@
 
 /*
  * Find the contacts of a segment with all near bodies. `best` is its nearest pair over all bodies, and must be exact.
- * Writes contact and gap into `result`, the penetration at the deepest point (world) into `penetration`, what the force
- * uses into the segment, and the contacts into the world's list for this tick. Where the contact with any body is unknown,
- * `result`, `penetration` and the segment's force stay as they are.
+ * Writes contact and gap into `result`, the penetration at the deepest point (world) into `penetration`, what the
+ * force uses into the segment, and the contacts into the world's list for this tick. Where the contact with any body
+ * is unknown, `result`, `penetration` and the segment's force stay as they are.
  */
 void dpti_contacts_find(struct dpt_world *world, uint32_t segment_index,
                         const struct body_answer *best, struct segment_result *result,

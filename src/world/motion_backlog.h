@@ -24,8 +24,9 @@ void dpti_backlog_restart(struct dpt_world *world);
 void dpti_backlog_remove(struct dpt_world *world, uint32_t first, uint32_t end);
 
 /*
- * Sweep a segment whose nearest pair is known, this tick. Fills segment->sweep and segment->passed; the sides from which open
- * sheets were met go to the regions of the last tick. 0: a part of the way is still to be swept, in the next tick.
+ * Sweep a segment whose nearest pair is known, this tick. Fills segment->sweep and segment->passed; the sides from
+ * which open sheets were met go to the regions of the last tick. 0: a part of the way is still to be swept, in the
+ * next tick.
  */
 int dpti_backlog_sweep(struct dpt_world *world, uint32_t segment_index);
 

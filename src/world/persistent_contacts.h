@@ -38,8 +38,8 @@ void dpti_persistent_contacts_set_unseen(struct dpt_world *world);
 void dpti_persistent_contacts_reset(struct dpt_world *world);
 
 /*
- * On this tick's way the axis may have gone through something; then nobody knows that it is in front. A way that is not
- * finished tells in a later tick.
+ * On this tick's way the axis may have gone through something; then nobody knows that it is in front. A way that is
+ * not finished tells in a later tick.
  */
 void dpti_persistent_contacts_note_motion(struct dpt_world *world, uint32_t segment_index);
 
@@ -64,7 +64,10 @@ uint32_t dpti_persistent_contacts_new_id(struct dpt_world *world);
 void dpti_persistent_contact_put_warm_start(struct persistent_contact *persistent,
                                             const struct warm_start *warm_start);
 
-/* The motion met a sheet from this side: it is kept where none is of that part. Before dpti_contacts_find or dpti_persistent_contacts_carry_over. */
+/*
+ * The motion met a sheet from this side: it is kept where none is of that part. Before dpti_contacts_find or
+ * dpti_persistent_contacts_carry_over.
+ */
 void dpti_persistent_contacts_put_side(struct dpt_world *world, uint32_t segment_index,
                                        const struct body *body, uint32_t part, int side,
                                        const struct warm_start *warm_start);

@@ -24,9 +24,9 @@ int dpti_sheet_drop_sides(struct contact_pair *contact_pair, const struct region
 int dpti_sheet_still_pushes(const struct contact_pair *contact_pair, uint32_t part);
 
 /*
- * Of a sheet whose contact the budget left undecided: what the nearest pair tells of the axis' side. At a border it tells none,
- * and then, unless there is a point behind, the axis may go round it. One that was in front, and went through nothing, has
- * gone round it when it is behind.
+ * Of a sheet whose contact the budget left undecided: what the nearest pair tells of the axis' side. At a border it
+ * tells none, and then, unless there is a point behind, the axis may go round it. One that was in front, and went
+ * through nothing, has gone round it when it is behind.
  */
 void dpti_sheet_update_side(const struct contact_pair *contact_pair,
                             struct persistent_contact *persistent);

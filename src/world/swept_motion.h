@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A segment's motion from one place to another, past all bodies that it may have met: docs/algorithms/swept_motion.md. */
+/*
+ * A segment's motion from one place to another, past all bodies that it may have met:
+ * docs/algorithms/swept_motion.md.
+ */
 #ifndef DPT_SWEPT_MOTION_H
 #define DPT_SWEPT_MOTION_H
 

@@ -6,8 +6,8 @@
 #include "world/world_state.h"
 
 /*
- * Update a segment's share of its tool's wrench from its penetration in this tick. dt: s. Ends the tick of the segment's
- * force: its pushing part becomes the previous one.
+ * Update a segment's share of its tool's wrench from its penetration in this tick. dt: s. Ends the tick of the
+ * segment's force: its pushing part becomes the previous one.
  */
 void dpti_force_respond(struct dpt_world *world, uint32_t segment_index, double dt);
 
