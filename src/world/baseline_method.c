@@ -4,16 +4,16 @@
 #include "contact/paper_gap.h"
 #include "nearest/paper_descent.h"
 
-/* Sums up what the parts on all bodies found. */
+/* What the parts of one segment found, over all bodies. */
 struct baseline_sum {
-    struct penetration penetration; /* of the part with the least gap */
+    struct penetration penetration; /* of the part with the smallest gap */
     int has_answer;
     double min_gap;
     struct body_answer *answer;
     struct segment_result *result;
 };
 
-/* This tick's dynamic point: a full search where there is none yet. */
+/* Move a part's dynamic point on one body by descent; without a last triangle, find it by a full search. */
 static void step_dynamic_point(const struct dpt_world *world, const struct surface *surface,
                                const struct axis *part, uint32_t *last_triangle, struct work *work,
                                struct pair_search *nearest)
@@ -83,7 +83,7 @@ struct penetration dpti_baseline_find(struct dpt_world *world, uint32_t segment_
         return sum.penetration;
 
     axis_of(&answer->body->surface, &answer->body->frame, a, b, &answer->track.axis);
-    /* Between 0 and what was found: that is all that a search without proof knows. */
+    /* A search without proof knows only that the distance lies between 0 and what was found. */
     double rounding = result->error_bound;
     result->work = world->work.done - before;
     result->status = DPT_STATUS_LOCAL;

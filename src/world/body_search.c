@@ -49,10 +49,10 @@ void dpti_body_search_forget_planes(struct dpt_world *world, uint32_t first, uin
 
 void dpti_body_search_forget(struct dpt_world *world, uint32_t segment_index)
 {
-    struct segment *kept = &world->segments[segment_index];
+    struct segment *segment = &world->segments[segment_index];
     memset(world_last_triangles(world, segment_index, 0), 0xff,
            world_last_triangle_count(world) * sizeof *world->last_triangles);
-    kept->last_body_slot = DPT_NONE;
+    segment->last_body_slot = DPT_NONE;
 }
 
 void dpti_body_search_forget_body(struct dpt_world *world, uint32_t slot)

@@ -7,8 +7,8 @@
 
 /*
  * Search the pair's body for its nearest pair with the axis from `a` to `b` (world), and set the pair's `axis` and
- * `nearest`. For a body that is not the nearest one; this is rare, so the search keeps no planes and is never suspended.
- * Returns 0 if the budget ended before the pair was proven, else 1.
+ * `nearest`. For a body that is not the nearest one; this is rare, so the search keeps no planes and is never
+ * suspended. Returns 0 if the budget ended before the pair was proven, else 1.
  */
 static int find_nearest_pair(struct contact_pair *contact_pair, vec3 a, vec3 b)
 {
@@ -56,9 +56,9 @@ static struct pushing_part pushing_part_of(const struct contact_pair *contact_pa
 }
 
 /*
- * Make the pushed point a warm start of the next tick. Near a sheet's border the deepest points are the first to come in
- * front of the sheet. Without this sample, all samples may be in front, and the search misses the stretch behind between
- * them.
+ * Make the pushed point a warm start of the next tick. Near a sheet's border the deepest points are the first to come
+ * in front of the sheet. Without this sample, all samples may be in front, and the search misses the stretch behind
+ * between them.
  */
 static void carry_over_pushed_point(const struct contact_pair *contact_pair, uint32_t part,
                                     const struct warm_start *warm_start)
@@ -73,7 +73,9 @@ static void carry_over_pushed_point(const struct contact_pair *contact_pair, uin
     }
 }
 
-/* Find the contacts with the pair's body and add them to `sum`. `best` is the segment's nearest pair over all bodies. */
+/*
+ * Find the contacts with the pair's body and add them to `sum`. `best` is the segment's nearest pair over all bodies.
+ */
 static void add_body(struct contact_pair *contact_pair, const struct body_answer *best,
                      struct contact_sum *sum)
 {

@@ -3,14 +3,14 @@
  * One tick:
  *
  *     for each segment of each tool
- *         track      the nearest pair over all bodies
+ *         track      find the nearest pair over all bodies
  *     for each of them
- *         travel     what it met on its way from the last tick
- *         contact    regions, sides, gap and the way out
- *         strip      the triangles under it
- *         respond    the penalty force
+ *         sweep      find what it met in its motion since the last tick
+ *         contact    find contacts, sides, gap and exit direction
+ *         strip      find the triangles under it
+ *         respond    update its share of the wrench
  *     for each tool
- *         the sum of its segments, and why it is zero
+ *         sum its segments, and say why the wrench is zero
  */
 #include "base/return_if_error.h"
 #include "base/sized.h"
@@ -28,7 +28,7 @@ static int is_active(const struct dpt_world *world, const struct tool *tool)
     return tool->slot.used && tool->slot.valid && !world->invalid_body_count;
 }
 
-/* The segment's nearest pair; by the paper's method also its contact. */
+/* Find a segment's nearest pair; with the paper's method also its contact. */
 static void track_segment(struct dpt_world *world, uint32_t segment_index)
 {
     struct segment *segment = &world->segments[segment_index];
@@ -53,6 +53,7 @@ static void track_segment(struct dpt_world *world, uint32_t segment_index)
     dpti_body_search_result(&segment->answer, &segment->result);
 }
 
+/* Sweep a segment and find its contacts. */
 static void contact_segment(struct dpt_world *world, uint32_t segment_index)
 {
     struct segment *segment = &world->segments[segment_index];
@@ -70,8 +71,8 @@ static void contact_segment(struct dpt_world *world, uint32_t segment_index)
 
 /*
  * All segments share the budget: first for their nearest pairs, then what is left for their contacts. Every other
- * tick begins with the first segment that the one before left undone; in between they take turns, or one that moves,
- * and is never done, would leave nothing to the others.
+ * tick begins with the first segment that the tick before left undone. The ticks between begin with each segment in
+ * turn: a segment that moves and is never done would otherwise leave nothing to the others.
  */
 static void step_segments(struct dpt_world *world, double dt)
 {
@@ -108,6 +109,7 @@ static double surface_distance(const struct segment *segment)
     return segment->hit.distance - segment->radius;
 }
 
+/* Choose the segment whose hit is the tool's, and sum the wrench. */
 static void sum_tool(struct dpt_world *world, struct tool *tool)
 {
     const struct segment *segments = &world->segments[tool->first_segment];
@@ -118,7 +120,7 @@ static void sum_tool(struct dpt_world *world, struct tool *tool)
         dpti_force_sum(world, tool);
 }
 
-/* How grave a contact is: penetrating before touching before unknown before separated. */
+/* A rank of DPT_CONTACT_... for the report of a step: the gravest counts. */
 static int severity(uint32_t contact)
 {
     switch (contact) {
@@ -133,6 +135,7 @@ static int severity(uint32_t contact)
     }
 }
 
+/* Write what a step has found over all tools, for the caller. */
 static void write_report(const struct dpt_world *world, dpt_step *to)
 {
     int has_answer = 0;
@@ -176,7 +179,7 @@ static void note_usage(struct dpt_world *world)
         world_note_max(&usage->strip, world->segment_strips[i].strip->count);
 }
 
-/* No answer of the last tick is one of this. */
+/* For a step that fails: no answer of the last tick counts as one of this tick. */
 static void hide_answers(struct dpt_world *world)
 {
     dpti_persistent_contacts_set_unseen(world);

@@ -12,7 +12,7 @@
 #include "world/tool_strips.h"
 #include "world/world_def.h"
 
-/* Forget what earlier ticks left of a segment. */
+/* Forget what earlier ticks know of a segment. */
 static void forget_segment(struct dpt_world *world, uint32_t segment)
 {
     dpti_body_search_forget(world, segment);
@@ -41,6 +41,7 @@ dpt_result dpti_tool_check_segments(const dpt_segment *segments, uint32_t count)
     return DPT_OK;
 }
 
+/* Copy given segments into the world's. */
 static void put_segments(struct dpt_world *world, const struct tool *tool,
                          const dpt_segment *segments)
 {
@@ -88,7 +89,7 @@ dpt_result dpt_tool_add(dpt_world *world, const dpt_segment *segments, uint32_t 
     return DPT_OK;
 }
 
-/* The segments of all tools lie close together: those behind the removed ones move up. */
+/* The segments of all tools lie without gaps: later ones move up. */
 dpt_result dpt_tool_remove(dpt_world *world, dpt_tool tool)
 {
     struct tool *removed = world ? world_find_tool(world, tool) : NULL;
@@ -113,7 +114,7 @@ dpt_result dpt_tool_remove(dpt_world *world, dpt_tool tool)
     return DPT_OK;
 }
 
-/* A wrench about another origin is another one: what was felt does not fade then. */
+/* Mark a tool as free or rigid. The torque then has another origin, so a change ends all forces without a fade. */
 static void set_free(struct dpt_world *world, struct tool *tool, uint32_t is_free)
 {
     for (uint32_t i = 0; i < tool->segment_count && tool->is_free != is_free; i++)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A motion that is tried: the sweep of a tick, without the tick. The world stays as it is. */
+/* Trying a motion: the sweep of a tick, without the tick. The world stays as it is. */
 #include "base/return_if_error.h"
 #include "base/sized.h"
 #include "world/swept_motion.h"
@@ -7,11 +7,11 @@
 
 struct trial {
     const struct dpt_world *world;
-    double clearance;
-    dpt_sweep first;
+    double clearance; /* m, added to each radius, which stays at least 0 */
+    dpt_sweep first;  /* the first hit so far */
 };
 
-/* What one body meets first of one segment, if that is before all else so far. */
+/* Sweep one segment past one body; a hit that is earlier than all so far becomes the first. */
 static void try_body(struct trial *trial, const struct body *body, double radius, uint32_t segment,
                      struct placement *from, struct placement *to)
 {

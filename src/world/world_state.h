@@ -111,7 +111,7 @@ struct segment {
     struct border_view border;
     uint32_t fading_body_id; /* the body whose push fades */
     uint32_t force_reason;   /* DPT_FORCE_...; last tick's until this tick responds */
-    /* In this tick a decision ended the push of the previous part; its motion did not. */
+    /* A decision, not the motion, ended the previous part's push in this tick. */
     uint32_t has_given_up_push;
     struct broad_phase broad_phase;
     struct body_answer answer;           /* this tick's */
