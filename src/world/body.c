@@ -155,7 +155,7 @@ dpt_result dpt_body_teleport(dpt_world *world, dpt_body body, const dpt_pose *po
 
 int dpt_body_is_valid(const dpt_world *world, dpt_body body)
 {
-    return world && world_find_body(world, body) != NULL;
+    return world && world_find_body(world, body);
 }
 
 dpt_result dpt_body_get_pose(const dpt_world *world, dpt_body body, dpt_pose *pose)

@@ -77,7 +77,7 @@ static int may_meet_changed_body(struct dpt_world *world, uint32_t segment_index
     const struct body *body = dpti_motion_next_body(&bodies);
     while (body && body->moved_tick != world->ticks && body->added_tick != world->ticks)
         body = dpti_motion_next_body(&bodies);
-    return body != NULL;
+    return body ? 1 : 0;
 }
 
 /* Before this tick's step joins the waiting ones: whether they can still be swept, and there is room for one more. */

@@ -15,7 +15,7 @@ struct motion_state dpti_motion_state_now(const struct dpt_world *world,
                                   .a = segment->a,
                                   .b = segment->b,
                                   .free_distance = result->lower_bound,
-                                  .is_known = segment->answer.body != NULL,
+                                  .is_known = segment->answer.body ? 1 : 0,
                                   .is_crossing = min_distance == 0.0,
                                   .tick = (uint32_t)world->ticks };
 }
@@ -231,7 +231,7 @@ int dpti_motion_sweep_step(struct dpt_world *world, uint32_t segment_index,
         segment->may_have_crossed |= backlog->may_have_crossed;
     }
     int status = STEP_CONTINUES;
-    while (status == STEP_CONTINUES && (body = dpti_motion_next_body(&bodies)) != NULL) {
+    while (status == STEP_CONTINUES && (body = dpti_motion_next_body(&bodies))) {
         if (backlog->body_id && handle_index(body->id) < handle_index(backlog->body_id))
             continue;
         status = sweep_past_body(world, segment_index, body, backlog, &from, &to);

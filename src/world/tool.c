@@ -168,7 +168,7 @@ dpt_result dpt_tool_set_segments(dpt_world *world, dpt_tool tool, const dpt_segm
 
 int dpt_tool_is_valid(const dpt_world *world, dpt_tool tool)
 {
-    return world && world_find_tool(world, tool) != NULL;
+    return world && world_find_tool(world, tool);
 }
 
 dpt_result dpt_tool_get_pose(const dpt_world *world, dpt_tool tool, dpt_pose *pose)
