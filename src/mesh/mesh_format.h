@@ -53,7 +53,7 @@
     X(MESH_TRIANGLES,     "triangles")  /* 3 vertices a triangle                                */ \
     X(MESH_NEIGHBOURS,    "neighbours") /* 3 a triangle: over the edge from corner k to k + 1   */ \
     X(MESH_FAN_FIRST,     "fan_first")  /* 1 a vertex and one more: where its fan begins        */ \
-    X(MESH_FANS,          "fans")       /* 3 a triangle: the triangles at each vertex, by number */ \
+    X(MESH_FANS,          "fans")       /* 3 a triangle: the triangles at each vertex, ascending */ \
     X(MESH_PARTS,         "parts")      /* 1 a triangle: its part                               */ \
     X(MESH_PART_TABLE,    "part_table") /* 4 a part: flags, triangles, open and many-edges      */ \
     X(MESH_SOURCES,       "sources")    /* 1 a triangle: its number in the source               */ \
