@@ -74,7 +74,7 @@ struct penetration dpti_baseline_find(struct dpt_world *world, uint32_t segment_
     struct body_answer *answer = &segment->answer;
     struct segment_result *result = &segment->result;
     struct baseline_sum sum = { .answer = answer, .result = result };
-    const uint32_t before = world->work.done;
+    const uint32_t work_before = world->work.done;
     vec3 u = sub(b, a);
     for (uint32_t i = 0; i < world->body_slot_end; i++)
         if (world->bodies[i].slot.used)
@@ -85,7 +85,7 @@ struct penetration dpti_baseline_find(struct dpt_world *world, uint32_t segment_
     axis_of(&answer->body->surface, &answer->body->frame, a, b, &answer->track.axis);
     /* A search without proof knows only that the distance lies between 0 and what was found. */
     double rounding = result->error_bound;
-    result->work = world->work.done - before;
+    result->work = world->work.done - work_before;
     result->status = DPT_STATUS_LOCAL;
     result->error_bound = result->distance + rounding;
     result->lower_bound = 0.0;

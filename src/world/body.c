@@ -76,7 +76,7 @@ static double motion_bound_of(const struct body *body)
 {
     const double *from = body->previous_pose.orientation, *to = body->pose.orientation;
     vec3 low = body->surface.box_min, high = body->surface.box_max;
-    double farthest = 0.5 * (length(add(low, high)) + length(sub(high, low)));
+    double farthest_point = 0.5 * (length(add(low, high)) + length(sub(high, low)));
     double square_of_difference = 0.0, square_of_sum = 0.0;
     for (int k = 0; k < 4; k++) {
         square_of_difference += (to[k] - from[k]) * (to[k] - from[k]);
@@ -86,7 +86,7 @@ static double motion_bound_of(const struct body *body)
     /* Quaternions may be off unit length by 1e-6. */
     double angle = sqrt(square) * (2.0 + 0.3 * square) + 1e-5;
     return length(sub(vec3_of(body->pose.position), vec3_of(body->previous_pose.position))) +
-           angle * farthest;
+           angle * farthest_point;
 }
 
 /* Set a body's pose and its box. */

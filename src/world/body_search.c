@@ -369,7 +369,7 @@ void dpti_body_search_find(struct dpt_world *world, uint32_t segment_index, cons
     best->body = NULL;
     best->lower_bound = HUGE_VAL;
     best->error_bound = 0.0;
-    const uint32_t before = world->work.done;
+    const uint32_t work_before = world->work.done;
     if (world->def.method == DPT_METHOD_EXACT) {
         find_exact(&search);
     } else {
@@ -378,7 +378,7 @@ void dpti_body_search_find(struct dpt_world *world, uint32_t segment_index, cons
                 search_without_history(&search, i);
     }
     best->is_exact = best->body && proves_best(&search, best->lower_bound);
-    best->work = world->work.done - before;
+    best->work = world->work.done - work_before;
 }
 
 void dpti_body_search_result(const struct body_answer *best, struct segment_result *result)

@@ -114,12 +114,12 @@ static void write_contact(const struct contact_pair *contact_pair, const struct 
 static int is_resting(const struct contact_pair *contact_pair)
 {
     const struct dpt_world *world = contact_pair->world;
-    uint32_t nearest_slot = world->segments[contact_pair->segment_index].last_body_slot;
+    uint32_t last_body_slot = world->segments[contact_pair->segment_index].last_body_slot;
     if (!world->def.budget ||
-        world_distance_bound(world, contact_pair->segment_index, nearest_slot)->rest_tick !=
+        world_distance_bound(world, contact_pair->segment_index, last_body_slot)->rest_tick !=
             world->ticks)
         return 0;
-    const struct body *body = &world->bodies[nearest_slot];
+    const struct body *body = &world->bodies[last_body_slot];
     return contact_pair->body == body ||
            (body->moved_tick != world->ticks && contact_pair->body->moved_tick != world->ticks);
 }

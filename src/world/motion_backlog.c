@@ -61,10 +61,10 @@ static double reach_of_steps(const struct segment *segment, const struct motion_
                              const struct motion_state *now)
 {
     double reach = segment->radius;
-    const struct motion_state *last = &segment->previous;
-    for (uint32_t i = 0; i < backlog->count; last = &backlog->motion_ends[i++])
-        reach += dpti_motion_displacement(last, &backlog->motion_ends[i]);
-    return now ? reach + dpti_motion_displacement(last, now) : reach;
+    const struct motion_state *step_begin = &segment->previous;
+    for (uint32_t i = 0; i < backlog->count; step_begin = &backlog->motion_ends[i++])
+        reach += dpti_motion_displacement(step_begin, &backlog->motion_ends[i]);
+    return now ? reach + dpti_motion_displacement(step_begin, now) : reach;
 }
 
 /*

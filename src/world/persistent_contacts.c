@@ -120,12 +120,14 @@ void dpti_persistent_contacts_carry_over(struct dpt_world *world, uint32_t segme
 void dpti_persistent_contact_put_warm_start(struct persistent_contact *persistent,
                                             const struct warm_start *warm_start)
 {
-    uint32_t slot = 0;
-    while (slot < persistent->warm_start_count && persistent->warm_starts[slot].s != warm_start->s)
-        slot++;
-    persistent->warm_start_count += slot == persistent->warm_start_count && slot < WARM_STARTS_MAX;
-    slot = slot < WARM_STARTS_MAX ? slot : WARM_STARTS_MAX - 1;
-    memmove(persistent->warm_starts + 1, persistent->warm_starts, slot * sizeof *warm_start);
+    uint32_t position = 0;
+    while (position < persistent->warm_start_count &&
+           persistent->warm_starts[position].s != warm_start->s)
+        position++;
+    persistent->warm_start_count +=
+        position == persistent->warm_start_count && position < WARM_STARTS_MAX;
+    position = position < WARM_STARTS_MAX ? position : WARM_STARTS_MAX - 1;
+    memmove(persistent->warm_starts + 1, persistent->warm_starts, position * sizeof *warm_start);
     persistent->warm_starts[0] = *warm_start;
 }
 

@@ -57,7 +57,7 @@ static void track_segment(struct dpt_world *world, uint32_t segment_index)
 static void contact_segment(struct dpt_world *world, uint32_t segment_index)
 {
     struct segment *segment = &world->segments[segment_index];
-    const uint32_t before = world->work.done;
+    const uint32_t work_before = world->work.done;
     world->near_bodies.reach = -1.0;
     int is_swept = segment->answer.body && dpti_backlog_sweep(world, segment_index);
     if (is_swept && segment->answer.is_exact)
@@ -65,7 +65,7 @@ static void contact_segment(struct dpt_world *world, uint32_t segment_index)
                            &segment->penetration);
     else
         dpti_persistent_contacts_carry_over(world, segment_index);
-    segment->result.work += world->work.done - before;
+    segment->result.work += world->work.done - work_before;
     dpti_backlog_end_tick(world, segment_index);
 }
 

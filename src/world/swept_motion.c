@@ -161,13 +161,13 @@ static int sweep_past_body(struct dpt_world *world, uint32_t segment_index, cons
         return suspend(segment, backlog, body);
     if (dpti_rigid_sweep_began_touching(&rigid))
         return STEP_BEGAN_TOUCHING;
-    struct rigid_sweep axis = rigid;
-    axis.radius = 0.0;
+    struct rigid_sweep axis_sweep = rigid;
+    axis_sweep.radius = 0.0;
     if (rigid.radius > 0.0) {
         backlog->surface_result = rigid.result;
         if (!backlog->is_on_axis)
             begin_sweep(backlog, 1);
-        status = continue_sweep(&axis, from, to);
+        status = continue_sweep(&axis_sweep, from, to);
     }
     if (status == SWEEP_UNFINISHED)
         return suspend(segment, backlog, body);
@@ -175,7 +175,7 @@ static int sweep_past_body(struct dpt_world *world, uint32_t segment_index, cons
         dpti_motion_write_sweep(&rigid, body, &segment->sweep);
     if (status == SWEEP_HIT) {
         segment->may_have_crossed = 1;
-        put_sheet_side(world, segment_index, body, &axis);
+        put_sheet_side(world, segment_index, body, &axis_sweep);
     }
     return STEP_CONTINUES;
 }
