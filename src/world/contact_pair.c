@@ -81,7 +81,7 @@ static void write_contact(const struct contact_pair *contact_pair, const struct 
 {
     const struct frame *frame = &contact_pair->body->frame;
     const struct axis *axis = &contact_pair->axis;
-    const struct sample *deepest = &contact_pair->profile->sample[region->deepest];
+    const struct profile_sample *deepest = &contact_pair->profile->sample[region->deepest];
     const struct segment *segment = &contact_pair->world->segments[contact_pair->segment_index];
     vec3 p = along(axis->a, deepest->s, sub(axis->b, axis->a));
     contact->size = sizeof *contact;
@@ -243,7 +243,7 @@ static int find_gap_and_regions(struct contact_pair *contact_pair,
         *count = dpti_contact_regions(profile, regions);
         update_deepest(contact_pair, regions, *count, gap);
         /* With sides by sample, the deepest one is found with the regions: without all regions it is not known. */
-        if (profile->cut && profile_by_sample(profile))
+        if (profile->is_cut && profile_has_side_per_sample(profile))
             status = CONTACT_UNKNOWN;
     }
     work_spend(&world->work, profile->work.done);

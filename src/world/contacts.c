@@ -113,7 +113,7 @@ static void add_body(struct contact_pair *contact_pair, const struct body_answer
     }
     if (pushing_part.is_behind_sheet && !(penetration.depth <= -sum->min_felt_gap)) {
         struct warm_start warm_start;
-        if (dpti_sheet_border_weigh(contact_pair->profile, &contact_pair->body->frame,
+        if (dpti_sheet_border_reduce(contact_pair->profile, &contact_pair->body->frame,
                                     pushing_part.body_id, contact_pair->radius, smooth,
                                     &segment->border, &penetration, &warm_start))
             carry_over_pushed_point(contact_pair, pushing_part.part, &warm_start);

@@ -96,7 +96,7 @@ double dpti_bounds_update(struct dpt_world *world, uint32_t segment_index, uint3
     bound->a = axis->local_a;
     bound->b = add(axis->local_a, axis->u);
     if (motion > 0.0 && moving->body_slot == slot && moving->traversal.depth) {
-        dpti_traversal_drift(&moving->traversal, &world->bodies[slot].surface, motion);
+        dpti_bvh_weaken_bounds(&moving->traversal, &world->bodies[slot].surface, motion);
         moving->lower_bound -= motion;
     }
     return motion;

@@ -137,7 +137,7 @@ static int sweep_past_body(struct dpt_world *world, uint32_t segment_index, cons
         .surface = &body->surface,
         .kernel = &world->kernel,
         .radius = free_distance > segment->radius ? segment->radius : 0.0,
-        .far = free_distance,
+        .distance_before = free_distance,
         .tolerance = 0.5 * RIGID_SWEEP_TOLERANCE * dpti_surface_diagonal(&body->surface),
         .hint = *world_last_triangles(world, segment_index, handle_index(body->id)),
         .work = &world->work,
