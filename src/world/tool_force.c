@@ -18,7 +18,7 @@ void dpti_force_forget(struct segment *segment)
 {
     segment->fade = (struct fade){ .time_left = 0.0 };
     segment->pushing_part = segment->previous_pushing_part = (struct pushing_part){ .body_id = 0 };
-    segment->border.clear = 0.0;
+    segment->border.clear_radius = 0.0;
     segment->fading_body_id = 0;
     segment->force_reason = DPT_FORCE_STALE;
 }
@@ -26,7 +26,7 @@ void dpti_force_forget(struct segment *segment)
 void dpti_force_forget_body(struct segment *segment, uint32_t body_id)
 {
     if (segment->border.body == body_id)
-        segment->border.clear = 0.0;
+        segment->border.clear_radius = 0.0;
     if ((segment->fade.time_left > 0.0 ? segment->fading_body_id
                                        : segment->previous_pushing_part.body_id) == body_id)
         dpti_force_forget(segment);
