@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Angles in double without the C library, so that every machine gives the same bits. */
+/* Angles in double, without the C library: the same bits on every machine. */
 #ifndef DPT_ANGLE_H
 #define DPT_ANGLE_H
 
@@ -7,7 +7,7 @@
 
 #define ANGLE_TURN 6.28318530717958647692
 
-/* atan of 0..1 by two half-angle steps and the series up to z^17; error below 1e-14. */
+/* atan(z) in rad, for z in 0..1: two half-angle steps, then the series up to z^17; error below 1e-14. */
 static inline double arctangent(double z)
 {
     for (int i = 0; i < 2; i++)
@@ -18,7 +18,7 @@ static inline double arctangent(double z)
     return 4.0 * z * sum;
 }
 
-/* Between two unit vectors, 0..pi (Kahan): good for small and for straight angles. */
+/* The angle between two unit vectors, in rad, 0..pi (Kahan): accurate for small and for straight angles too. */
 static inline double angle_between(vec3 a, vec3 b)
 {
     double chord = length(sub(a, b)), sum = length(add(a, b));
@@ -28,8 +28,8 @@ static inline double angle_between(vec3 a, vec3 b)
 }
 
 /*
- * How much of a turn round x the triangle of a, b, c, all seen from x, fills: its solid angle over 4 pi, -1/2..1/2
- * (Van Oosterom and Strackee 1983). Positive where it turns its back to x, 0 where x lies in its plane.
+ * The solid angle of the triangle a, b, c seen from a point x, over 4 pi: -1/2..1/2 (Van Oosterom and Strackee 1983).
+ * a, b and c are given from x. Positive where x is behind the triangle, 0 where x lies in its plane.
  */
 static inline double solid_turns(vec3 a, vec3 b, vec3 c)
 {

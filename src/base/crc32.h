@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * CRC-32 as in zlib, PNG and Ethernet (reflected polynomial 0xEDB88320): any one can check a file with
- * the tools at hand. Eight bytes a step; the tables live with the caller, on the stack.
+ * CRC-32 as in zlib, PNG and Ethernet (reflected polynomial 0xEDB88320), so that common tools can check a file. Eight
+ * bytes a step. The caller holds the tables, on the stack.
  */
 #ifndef DPT_CRC32_H
 #define DPT_CRC32_H
@@ -13,6 +13,7 @@ struct crc32 {
     uint32_t table[8][256];
 };
 
+/* Compute the tables. */
 static inline void crc32_init(struct crc32 *crc)
 {
     for (uint32_t i = 0; i < 256; i++) {
@@ -28,7 +29,7 @@ static inline void crc32_init(struct crc32 *crc)
         }
 }
 
-/* Of what follows bytes whose checksum is `before`; 0 where none do. */
+/* Continue a checksum: `before` is that of the bytes in front, 0 where there are none. Returns that of all bytes. */
 static inline uint32_t crc32_more(const struct crc32 *crc, uint32_t before, const void *bytes,
                                   size_t size)
 {
@@ -46,6 +47,7 @@ static inline uint32_t crc32_more(const struct crc32 *crc, uint32_t before, cons
     return ~c;
 }
 
+/* The checksum of `size` bytes. */
 static inline uint32_t crc32_of(const struct crc32 *crc, const void *bytes, size_t size)
 {
     return crc32_more(crc, 0, bytes, size);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Poses as the step uses them: checked, normalised, turned into a matrix once. */
+/* Poses as matrices: checked and normalised once. */
 #ifndef DPT_FRAME_H
 #define DPT_FRAME_H
 
@@ -15,7 +15,10 @@ static const struct frame frame_identity = {
     { 0.0, 0.0, 0.0 }, { 1.0, 0.0, 0.0 }, { 0.0, 1.0, 0.0 }, { 0.0, 0.0, 1.0 }
 };
 
-/* NULL is the identity. The identity pose gives the exact identity matrix. */
+/*
+ * The frame of a pose; NULL is the identity. The identity pose gives the exact identity matrix. DPT_E_FINITE for a
+ * position out of range, DPT_E_POSE for a quaternion whose length is not 1 within 1e-6; `frame` is the identity then.
+ */
 static inline dpt_result frame_of_pose(const dpt_pose *pose, struct frame *frame)
 {
     *frame = frame_identity;
@@ -36,7 +39,7 @@ static inline dpt_result frame_of_pose(const dpt_pose *pose, struct frame *frame
     return DPT_OK;
 }
 
-/* The very same numbers. */
+/* 1 if two poses have exactly equal numbers. */
 static inline int pose_is_same(const dpt_pose *pose, const dpt_pose *other)
 {
     int same = 1;
@@ -48,8 +51,8 @@ static inline int pose_is_same(const dpt_pose *pose, const dpt_pose *other)
 }
 
 /*
- * Half way from one pose to another, both valid: the position along a line, the orientation along the shorter arc. Of two
- * that are opposite there is no shorter one; then it is `from`'s.
+ * The middle of two valid poses: the position on a line, the orientation on the shorter arc. If the orientations are
+ * opposite, no arc is shorter, and the orientation is that of `from`.
  */
 static inline dpt_pose pose_middle(const dpt_pose *from, const dpt_pose *to)
 {
@@ -70,21 +73,25 @@ static inline dpt_pose pose_middle(const dpt_pose *from, const dpt_pose *to)
     return middle;
 }
 
+/* A vector of the frame, in the world: rotation only. */
 static inline vec3 frame_turn(const struct frame *frame, vec3 v)
 {
     return along(along(scaled(frame->x, v.x), v.y, frame->y), v.z, frame->z);
 }
 
+/* A vector of the world, in the frame: rotation only. */
 static inline vec3 frame_turn_back(const struct frame *frame, vec3 v)
 {
     return (vec3){ dot(v, frame->x), dot(v, frame->y), dot(v, frame->z) };
 }
 
+/* A point of the frame, in the world. */
 static inline vec3 frame_to_world(const struct frame *frame, vec3 v)
 {
     return add(frame->origin, frame_turn(frame, v));
 }
 
+/* A point of the world, in the frame. */
 static inline vec3 frame_to_local(const struct frame *frame, vec3 v)
 {
     return frame_turn_back(frame, sub(v, frame->origin));

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Blocks of 16 lanes: what the kernels compute at once and the file stores together. A set of lanes is a word with a
- * bit for each.
+ * Blocks of 16 lanes: the boxes or triangles that a kernel handles at once and the file stores together. A set of
+ * lanes is a word with a bit for each lane.
  */
 #ifndef DPT_LANES_H
 #define DPT_LANES_H
@@ -10,19 +10,19 @@
 
 #define LANES 16
 
-/* The first `count` lanes; all 16 where there are more. */
+/* The set of the first `count` lanes; of all 16 if count is larger. */
 static inline uint32_t lanes_of(uint32_t count)
 {
     return count < LANES ? (1u << count) - 1 : (1u << LANES) - 1;
 }
 
-/* The first of a set that is not empty. */
+/* The lowest lane of a set, which must not be empty. */
 static inline uint32_t first_lane(uint32_t lanes)
 {
     return (uint32_t)__builtin_ctz(lanes);
 }
 
-/* The lane with the least bound of a set that is not empty; a bound that is no number comes first. */
+/* The lane with the smallest bound of a set, which must not be empty. A NaN bound comes first. */
 static inline uint32_t lowest_lane(const float *bound, uint32_t lanes)
 {
     uint32_t best = first_lane(lanes);

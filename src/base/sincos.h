@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Sine and cosine that give the same bits on every machine, which those of libm do not. Angles are
- * in turns, so that the reduction to an eighth of a turn is exact. Error below 2^-52.
+ * Sine and cosine with the same bits on every machine, unlike those of libm. Angles are in turns, so that the
+ * reduction to an eighth of a turn is exact. Error below 2^-52.
  */
 #ifndef DPT_SINCOS_H
 #define DPT_SINCOS_H
 
 #include <math.h>
 
-/* |turns| below 2^40 */
+/* The sine and cosine of an angle in turns, of a size below 2^40. */
 static inline void turn_sincos(double turns, double *sine, double *cosine)
 {
     static const double sine_terms[] = {

@@ -31,15 +31,15 @@ static inline uint32_t sized_of(const void *given)
     return size;
 }
 
-/* Item i of an array of a caller's, whose items are as far apart as the first one's size says. */
+/* Item i of a caller's array; the first item's size is the distance between items. */
 static inline const void *sized_item(const void *array, size_t i)
 {
     return (const unsigned char *)array + i * sized_of(array);
 }
 
 /*
- * Take a caller's input of that size into `own`, of `today` bytes, which holds the defaults and its own size. `own` stays
- * as it was on an error.
+ * Copy a caller's input of `size` bytes into `own`, which has `today` bytes and holds the defaults and its own size.
+ * first: the size in the first release. On an error `own` stays as it was.
  */
 static inline dpt_result sized_take(const void *given, uint32_t size, size_t first, void *own,
                                     size_t today)
@@ -55,20 +55,23 @@ static inline dpt_result sized_take(const void *given, uint32_t size, size_t fir
     return DPT_OK;
 }
 
-/* The same of one whose own field says its size. */
+/* The same for an input whose first field is its size. */
 static inline dpt_result sized_read(const void *given, size_t first, void *own, size_t today)
 {
     return sized_take(given, sized_of(given), first, own, today);
 }
 
-/* May an output of that size be written? For an array, of the first one's size, `stride` is 1: each is aligned to 8. */
+/*
+ * DPT_OK if an output with this size may be written, else DPT_E_SIZE. For the first item of an array `stride` is 1:
+ * its size must be a multiple of 8 then, so that each item is aligned.
+ */
 static inline dpt_result sized_check(const void *out, size_t first, int stride)
 {
     const uint32_t size = sized_of(out);
     return size < first || size > SIZED_MAX || (stride && size % 8) ? DPT_E_SIZE : DPT_OK;
 }
 
-/* Give a caller, whose size was checked, `own`, of `today` bytes; the caller's size stays. */
+/* Write `own`, of `today` bytes, to a caller's output of `size` bytes, which was checked; the size field stays. */
 static inline void sized_write(void *out, uint32_t size, const void *own, size_t today)
 {
     const size_t known = size < today ? size : today;
@@ -78,7 +81,7 @@ static inline void sized_write(void *out, uint32_t size, const void *own, size_t
     memset((unsigned char *)out + known, 0, size - known);
 }
 
-/* What a def's _defaults function does: fill in the first `size` bytes. Nothing for a size that is none. */
+/* The body of a def's _defaults function: fill in the first `size` bytes. Does nothing for an invalid size. */
 static inline void sized_defaults(void *def, size_t size, const void *defaults, size_t today)
 {
     if (def && size >= sizeof(uint32_t) && size <= SIZED_MAX)

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Three numbers, in double. By value, all inline; only + - * / and sqrt, so that every machine gives
- * the same bits.
+ * Vectors of three doubles, by value and inline. Only + - * / and sqrt, so that every machine gives the same bits.
  */
 #ifndef DPT_VEC3_H
 #define DPT_VEC3_H
@@ -71,7 +70,7 @@ static inline double length(vec3 a)
     return sqrt(dot(a, a));
 }
 
-/* Of length 1; zero stays zero. */
+/* The unit vector along `a`; zero stays zero. */
 static inline vec3 unit_of(vec3 a)
 {
     double size = length(a);
@@ -95,8 +94,8 @@ static inline double extent_of(vec3 a)
 }
 
 /*
- * 0 for NaN: 0 / 0 stands for "anywhere", and 0 is as good as any. Two independent choices, of which compilers make no branch:
- * where a nearest point lies cannot be foreseen.
+ * t limited to 0..1; 0 for NaN. NaN comes from 0 / 0, where any value would do. The two choices are independent, so
+ * that compilers use no branch: where a nearest point lies cannot be predicted.
  */
 static inline double clamp01(double t)
 {
@@ -104,7 +103,7 @@ static inline double clamp01(double t)
     return t > 0.0 ? low : 0.0;
 }
 
-/* A finite number of at most `limit` in size; false for NaN. */
+/* 1 if |value| <= limit; 0 for NaN. */
 static inline int within(double value, double limit)
 {
     return fabs(value) <= limit;

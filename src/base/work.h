@@ -1,29 +1,28 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The work of a tick, and how much of it is allowed: one meter for all stages. A unit is one block of 16 lanes that is
- * looked at, or a step that costs as much; docs/algorithms/budget.md says which. Work is spent where it is done; who
- * needs to stop asks what is left.
+ * The work meter of a tick, one for all stages. A unit is one block of 16 lanes, or a step that costs as much;
+ * docs/algorithms/budget.md lists them. Work is counted where it is done; a stage that may stop checks what is left.
  */
 #ifndef DPT_WORK_H
 #define DPT_WORK_H
 
 #include <stdint.h>
 
-/* A limit that nothing reaches. */
+/* A limit that is never reached. */
 #define WORK_UNLIMITED UINT32_MAX
 
 struct work {
     uint32_t done;  /* units */
-    uint32_t limit; /* of `done` */
+    uint32_t limit; /* units */
 };
 
-/* `units` are allowed. */
+/* A meter that allows `units`. */
 static inline struct work work_of(uint32_t units)
 {
     return (struct work){ 0, units };
 }
 
-/* What is done may go beyond the limit, by what is not divided. */
+/* Units that are left. `done` may exceed the limit, by work that cannot be divided. */
 static inline uint32_t work_left(const struct work *work)
 {
     return work->done < work->limit ? work->limit - work->done : 0;

@@ -1,17 +1,18 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Wrenches that may be sent. */
+/* Checks and limits of a wrench before it is sent to a device. */
 #ifndef DPT_WRENCH_LIMIT_H
 #define DPT_WRENCH_LIMIT_H
 
 #include "base/vec3.h"
 #include "dynpoint/types.h"
 
+/* 1 if no component is infinite or NaN. */
 static inline int wrench_is_finite(const dpt_wrench *wrench)
 {
     return vec3_within(wrench->force, DBL_MAX) && vec3_within(wrench->torque, DBL_MAX);
 }
 
-/* Scale `v` down to a length of at most `most`, as length() measures it. 1 where that changed it. */
+/* Scale `v` down to a length of at most max_length, as length() measures it. 1 if `v` changed. */
 static inline int limit_length(double *v, double max_length)
 {
     double extent = extent_of(vec3_of(v));

@@ -1,39 +1,44 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Between two samples the height follows its chord or its two tangents. Where it bends once, at the edge between two
- * walls, the tangents are exact; where it curves evenly, it lies a third of the way from them to the chord. So it is
- * taken five sixths of the way, and what is left between the two is the doubt that decides where to ask next.
+ * Between two samples the height lies between its chord and its two tangents. Where it bends once, at the edge between
+ * two walls, it follows the tangents. Where it curves evenly, it lies a third of the way from them to the chord. The
+ * integrals use five sixths of the way from the chord to the tangents. The area between chord and tangents gives an
+ * error estimate, which decides where the next sample goes.
  */
 #include "contact/contact_integrals.h"
 
 /*
- * The doubt that is left, of the overlap: of all spans, and of one, whose estimate may be far off. And that below which a
- * sample is not worth keeping.
+ * Accepted error estimates, as shares of the overlap: of all spans together, and of one span, whose own estimate may be
+ * far off. A sample that changes the integrals by less than ERROR_IGNORED is no warm start.
  */
-#define DOUBT_LEFT    0.008
-#define DOUBT_ONE     0.001
-#define DOUBT_IGNORED 0.001
+#define ERROR_SUM_MAX  0.008
+#define ERROR_SPAN_MAX 0.001
+#define ERROR_IGNORED  0.001
 
-/* A way out that turns by less is not looked into; by more is not of one curved wall. */
+/* Differences of two unit ways out. A smaller one is ignored; a larger one does not come from one curved wall. */
 #define TURN_SMALL 0.01
 #define TURN_LARGE 0.15
 
-/* What tangents and chord may differ by, of the area, to be nearly one line. */
-#define STRAIGHT 0.001
+/* If chord and tangents differ by at most this share of the area, the tangents are nearly one line. */
+#define STRAIGHT_SHARE 0.001
 
-/* How far, of the reach, the surface may be from where a region ends. */
-#define END_LEFT 0.04
+/* How far the height at the end of a region may differ from the reach, as a share of the reach. */
+#define END_SHARE 0.04
 
-enum { REFINE_MAX = PROFILE_SAMPLES, SPANS_WITHIN_MIN = 12, CHEAP_SAMPLE_WORK = 40 };
-
-/* A piece of the profile on which the height is linear and the way out is one sample's. */
-struct profile_piece {
-    double s0, s1;
-    double w0, w1; /* how far within reach */
-    vec3 normal;
+enum {
+    REFINE_MAX = PROFILE_SAMPLES, /* samples added */
+    SPANS_WITHIN_MIN = 12,        /* no span is wider than this part of all that is within reach */
+    CHEAP_SAMPLE_WORK = 40        /* units for a sample, on average */
 };
 
-/* Cut off what is beyond reach; 0 if that is all. */
+/* A piece of the profile on which the height is linear and the way out is that of one sample. */
+struct profile_piece {
+    double s0, s1;
+    double w0, w1; /* reach - height at s0 and s1, m */
+    vec3 normal;   /* the way out, in the body's frame */
+};
+
+/* Cut off the part of a piece that is beyond reach. Returns 0 if nothing is left. */
 static int clip_to_reach(struct profile_piece *piece)
 {
     double w0 = piece->w0, w1 = piece->w1;
@@ -41,17 +46,18 @@ static int clip_to_reach(struct profile_piece *piece)
         return 0;
     if (w0 >= 0.0 && w1 >= 0.0)
         return 1;
-    double cut = piece->s0 + (piece->s1 - piece->s0) * (w0 / (w0 - w1));
+    double zero = piece->s0 + (piece->s1 - piece->s0) * (w0 / (w0 - w1));
     if (w0 < 0.0) {
-        piece->s0 = cut;
+        piece->s0 = zero;
         piece->w0 = 0.0;
     } else if (w1 < 0.0) {
-        piece->s1 = cut;
+        piece->s1 = zero;
         piece->w1 = 0.0;
     }
     return 1;
 }
 
+/* The integral over s of the positive part of w, which is linear from w0 at s0 to w1 at s1. */
 static inline double area_within_reach(double s0, double w0, double s1, double w1)
 {
     if (w0 >= 0.0 && w1 >= 0.0)
@@ -60,9 +66,11 @@ static inline double area_within_reach(double s0, double w0, double s1, double w
     return clip_to_reach(&piece) ? 0.5 * (piece.w0 + piece.w1) * (piece.s1 - piece.s0) : 0.0;
 }
 
-static void integrate_piece(struct region *region, const struct profile_piece *piece, double size)
+/* Add the integrals over a piece, all of it within reach, to its region. */
+static void integrate_piece(struct region *region, const struct profile_piece *piece,
+                            double axis_length)
 {
-    double width = (piece->s1 - piece->s0) * size;
+    double width = (piece->s1 - piece->s0) * axis_length;
     double overlap = 0.5 * (piece->w0 + piece->w1) * width;
     double moment =
         (piece->s0 * (2.0 * piece->w0 + piece->w1) + piece->s1 * (piece->w0 + 2.0 * piece->w1)) *
@@ -74,29 +82,32 @@ static void integrate_piece(struct region *region, const struct profile_piece *p
     region->to = piece->s1;
 }
 
-/* Between a mark and a sample: how far the sample's tangent is within reach where the mark's meets it, or should. */
+/* For a span between a mark and a sample: how far the sample's tangent is still within reach at s. */
 static double reach_left_at_mark(const struct distance_profile *profile,
                                  const struct profile_sample *from, const struct profile_sample *to,
                                  double s)
 {
-    const struct profile_sample *seen = from->triangle == DPT_NONE ? to : from;
-    return profile->reach - seen->height - seen->slope * (s - seen->s);
+    const struct profile_sample *sample = from->triangle == DPT_NONE ? to : from;
+    return profile->reach - sample->height - sample->slope * (s - sample->s);
 }
 
 /*
- * Where `at` is, the triangle of `of` is as near as its own. The distance to one triangle is convex along the axis and so no less
- * than its tangent, which mostly tells.
+ * 1: at sample `here` the triangle of `other` is as near as the sample's own. The distance to one triangle is convex
+ * along the axis, so it is never below its tangent. The tangent alone mostly rules it out.
  */
-static int is_as_near(const struct distance_profile *profile, const struct profile_sample *of,
-                      const struct profile_sample *at)
+static int is_as_near(const struct distance_profile *profile, const struct profile_sample *other,
+                      const struct profile_sample *here)
 {
-    double reach = fabs(at->height) + profile->axis->error;
-    double tangent = of->height + of->slope * (at->s - of->s);
-    return !((of->height < 0.0 ? -tangent : tangent) > reach) &&
-           dpti_profile_distance_to(profile, of->triangle, at->s) <= reach;
+    double limit = fabs(here->height) + profile->axis->error;
+    double tangent = other->height + other->slope * (here->s - other->s);
+    return !((other->height < 0.0 ? -tangent : tangent) > limit) &&
+           dpti_profile_distance_to(profile, other->triangle, here->s) <= limit;
 }
 
-/* One triangle is nearest at both samples: between them the way out turns evenly, or at the sample where others are as near. */
+/*
+ * 1: one triangle is nearest at both samples. Between them the way out turns evenly, except at a sample where other
+ * triangles are as near.
+ */
 static int is_one_wall(const struct distance_profile *profile, const struct profile_sample *from,
                        const struct profile_sample *to)
 {
@@ -104,87 +115,95 @@ static int is_one_wall(const struct distance_profile *profile, const struct prof
            is_as_near(profile, from, to);
 }
 
+/* Compute the span between two samples, or a sample and a mark, but for the error of its ways out. */
 static void measure_span(const struct distance_profile *profile, const struct profile_sample *from,
                          const struct profile_sample *to, struct span *span)
 {
     struct bend bend = dpti_profile_bend(profile, from, to);
     double width = to->s - from->s, w0 = profile->reach - from->height;
     double w1 = profile->reach - to->height, tangent = profile->reach - bend.height;
-    double part = width > 0.0 ? (bend.s - from->s) / width : 0.0;
-    double chord = w0 + (w1 - w0) * part;
-    int marked = from->triangle == DPT_NONE || to->triangle == DPT_NONE;
-    double w = marked ? tangent : chord + (tangent - chord) * (5.0 / 6.0);
-    double least = area_within_reach(from->s, w0, to->s, w1);
-    double most = area_within_reach(from->s, w0, bend.s, tangent) +
-                  area_within_reach(bend.s, tangent, to->s, w1);
+    double share = width > 0.0 ? (bend.s - from->s) / width : 0.0;
+    double chord = w0 + (w1 - w0) * share;
+    int has_mark = from->triangle == DPT_NONE || to->triangle == DPT_NONE;
+    double w = has_mark ? tangent : chord + (tangent - chord) * (5.0 / 6.0);
+    double chord_area = area_within_reach(from->s, w0, to->s, w1);
+    double tangent_area = area_within_reach(from->s, w0, bend.s, tangent) +
+                          area_within_reach(bend.s, tangent, to->s, w1);
     double area =
         area_within_reach(from->s, w0, bend.s, w) + area_within_reach(bend.s, w, to->s, w1);
-    double doubt = 0.25 * fabs(most - least);
-    /* No height changes by more than the way: what is short enough is known well enough, also beside a border. */
-    double loose = END_LEFT * profile->reach;
-    int ends = (w0 > 0.0) != (w1 > 0.0) && fabs(w0) > loose && fabs(w1) > loose;
+    double error = 0.25 * fabs(tangent_area - chord_area);
+    /* The height changes by no more than the length along the axis, so a short span has no loose end. */
+    double end_tolerance = END_SHARE * profile->reach;
+    int is_partly_within =
+        (w0 > 0.0) != (w1 > 0.0) && fabs(w0) > end_tolerance && fabs(w1) > end_tolerance;
     span->s = bend.s;
     span->w0 = w0;
     span->w = w;
     span->w1 = w1;
     span->area = area;
-    span->error_estimate = marked ? doubt + 0.5 * area : doubt;
-    span->has_loose_end = width * profile->axis_length > loose &&
-                          (marked ? reach_left_at_mark(profile, from, to, bend.s) > loose
-                                  : ends && fabs(tangent - chord) > loose);
+    span->error_estimate = has_mark ? error + 0.5 * area : error;
+    span->has_loose_end = width * profile->axis_length > end_tolerance &&
+                          (has_mark ? reach_left_at_mark(profile, from, to, bend.s) > end_tolerance
+                                    : is_partly_within && fabs(tangent - chord) > end_tolerance);
 }
 
 /*
- * A wall may be nearest between two samples and at neither: so when both have just passed from it to another that is about as
- * far. How far the way out would turn between them, if `was` is that wall. `least`: no less than how far the samples'
- * triangles are there.
+ * A wall may be nearest between two samples and at neither of them: for example when both have just passed from that
+ * wall to another one about as far away. If `wall` is such a triangle at the span's bend, returns how much the way out
+ * turns between it and the samples, else 0.
+ *
+ *   wall          place of a triangle
+ *   max_distance  the nearer of the samples' triangles is no farther than this at the bend, m
  */
 static double hidden_wall_turn(const struct distance_profile *profile,
                                const struct profile_sample *from, const struct profile_sample *to,
-                               uint32_t was, double least)
+                               uint32_t wall, double max_distance)
 {
-    if (was == from->triangle || was == to->triangle)
+    if (wall == from->triangle || wall == to->triangle)
         return 0.0;
     double s = from->span.s, error = profile->axis->error;
-    double reach = dpti_profile_distance_to(profile, was, s);
+    double wall_distance = dpti_profile_distance_to(profile, wall, s);
     const uint32_t own[2] = { from->triangle, to->triangle };
-    for (int k = 0; k < 2 && reach <= least + error; k++)
-        least = min_of(least, dpti_profile_distance_to(profile, own[k], s));
-    if (reach > least + error)
+    for (int k = 0; k < 2 && wall_distance <= max_distance + error; k++)
+        max_distance = min_of(max_distance, dpti_profile_distance_to(profile, own[k], s));
+    if (wall_distance > max_distance + error)
         return 0.0;
     pair found;
-    dpti_triangle_point_pair(profile->surface, was, profile_point(profile, s), &found);
+    dpti_triangle_point_pair(profile->surface, wall, profile_point(profile, s), &found);
     double distance = sqrt(found.distance2);
-    if (!(distance > error && distance < least))
+    if (!(distance > error && distance < max_distance))
         return 0.0;
     double sign = from->height + to->height < 0.0 ? -1.0 : 1.0;
-    vec3 way = scaled(found.gap, sign / distance);
-    return max_of(length(sub(way, from->normal)), length(sub(way, to->normal)));
+    vec3 exit_direction = scaled(found.gap, sign / distance);
+    return max_of(length(sub(exit_direction, from->normal)),
+                  length(sub(exit_direction, to->normal)));
 }
 
 /*
- * How far the way out may be off between a sample whose span is known and the next: most where the tangents are nearly one line,
- * and so do not tell where they meet.
+ * How far the way out may be off between a sample whose span is known and the next, as a length of unit vectors. It is
+ * largest where the two tangents are nearly one line, since they do not show where they meet.
  */
 static double normal_error(const struct distance_profile *profile,
                            const struct profile_sample *from, const struct profile_sample *to)
 {
-    double turn = length(sub(from->normal, to->normal)), share = 0.25;
+    double turn = length(sub(from->normal, to->normal)), factor = 0.25;
     if (turn > TURN_SMALL && is_one_wall(profile, from, to))
-        share = 0.03;
-    else if (turn > TURN_LARGE && from->span.error_estimate <= STRAIGHT * from->span.area)
-        share = 1.0;
-    double doubt = share * turn;
+        factor = 0.03;
+    else if (turn > TURN_LARGE && from->span.error_estimate <= STRAIGHT_SHARE * from->span.area)
+        factor = 1.0;
+    double error = factor * turn;
     if (from->start_triangle != from->triangle || to->start_triangle != to->triangle) {
         double s = from->span.s;
-        double least = sqrt(min_of(profile_square_distance(profile, from, s),
-                                   profile_square_distance(profile, to, s)));
-        doubt += 0.25 * max_of(hidden_wall_turn(profile, from, to, from->start_triangle, least),
-                               hidden_wall_turn(profile, from, to, to->start_triangle, least));
+        double max_distance = sqrt(min_of(profile_square_distance(profile, from, s),
+                                          profile_square_distance(profile, to, s)));
+        error +=
+            0.25 * max_of(hidden_wall_turn(profile, from, to, from->start_triangle, max_distance),
+                          hidden_wall_turn(profile, from, to, to->start_triangle, max_distance));
     }
-    return doubt;
+    return error;
 }
 
+/* Compute the span between a sample and the next, with the error of its ways out. */
 static void store_span(const struct distance_profile *profile, struct profile_sample *from)
 {
     const struct profile_sample *to = from + 1;
@@ -194,7 +213,7 @@ static void store_span(const struct distance_profile *profile, struct profile_sa
     from->has_span = 1;
 }
 
-/* The same between sample i and the next, worked out once. */
+/* The span between sample i and the next, computed once. */
 static inline const struct span *span_at(struct distance_profile *profile, uint32_t i)
 {
     if (!profile->sample[i].has_span)
@@ -202,7 +221,7 @@ static inline const struct span *span_at(struct distance_profile *profile, uint3
     return &profile->sample[i].span;
 }
 
-/* Where another sample tells most: where the surface goes out of reach, or at the bend. */
+/* The place s in a span where another sample shows most: where the surface goes out of reach, or at the bend. */
 static double next_sample_place(const struct distance_profile *profile, uint32_t i,
                                 const struct span *span)
 {
@@ -217,122 +236,133 @@ static double next_sample_place(const struct distance_profile *profile, uint32_t
         return piece.s0;
     if (span->w > 0.0 && span->w1 < 0.0 && clip_to_reach(&piece))
         return piece.s1;
-    double edge = 0.0625 * (to->s - from->s);
-    return span->s > from->s + edge && span->s < to->s - edge ? span->s : 0.5 * (from->s + to->s);
+    double end_gap = 0.0625 * (to->s - from->s);
+    return span->s > from->s + end_gap && span->s < to->s - end_gap ? span->s
+                                                                    : 0.5 * (from->s + to->s);
 }
 
 /*
- * Integrals are worth so much, and no more: in the middle of a thick or spiky body each search costs hundreds. Half as much
- * again where samples are cheap, as many are needed there.
+ * 1: no more work goes into the integrals. In the middle of a thick or spiky body each search costs hundreds of units,
+ * so their work is limited. Where samples are cheap, many are needed, and the limit is half as high again.
  */
 static int must_stop_refining(const struct distance_profile *profile)
 {
-    uint32_t more =
+    uint32_t extra =
         profile->work.done < CHEAP_SAMPLE_WORK * profile->sample_count ? PROFILE_WORK_MAX / 2 : 0;
-    return profile->is_cut || profile->work.done >= PROFILE_WORK_MAX + more;
+    return profile->is_cut || profile->work.done >= PROFILE_WORK_MAX + extra;
 }
 
-/* Samples by descent that count for much are searched for: descent may have been trapped. */
+/* Search for the samples that decide on much of the overlap and only descended: a descent may have been trapped. */
 static void confirm_samples(struct distance_profile *profile)
 {
-    double sum = 0.0;
+    double area = 0.0;
     for (uint32_t i = 0; i + 1 < profile->sample_count; i++)
-        sum += span_at(profile, i)->area;
+        area += span_at(profile, i)->area;
     for (uint32_t i = 0; i < profile->sample_count && !must_stop_refining(profile); i++) {
         const struct profile_sample *sample = &profile->sample[i];
         double from = i ? sample[-1].s : sample->s;
         double to = i + 1 < profile->sample_count ? sample[1].s : sample->s;
-        double share = 0.5 * (profile->reach - sample->height) * (to - from);
-        if (!sample->is_exact && sample->triangle != DPT_NONE && share > PROFILE_SEARCH_SHARE * sum)
+        double sample_area = 0.5 * (profile->reach - sample->height) * (to - from);
+        if (!sample->is_exact && sample->triangle != DPT_NONE &&
+            sample_area > PROFILE_SEARCH_SHARE * area)
             dpti_profile_add_sample(profile, sample->s, 1);
     }
 }
 
-/*
- * Where another sample is asked. Wide spans hide what their ends do not show: none wider than the reach, or a share of all that
- * is within it.
- */
+/* Where the next sample goes. */
 struct next_sample {
     double s;
-    uint32_t wide_span; /* the span that is too wide, or DPT_NONE */
+    /* Index of the span that the sample divides because it is too wide, or DPT_NONE. */
+    uint32_t wide_span;
 };
 
-/* What the spans up to one come to, summed in order: what was asked before does not show in the sum. */
+/* Sums and maxima over spans. They are added in order of s, so they do not depend on the order of the samples taken. */
 struct span_totals {
-    double area, error, max_error, width, max_width;
+    double area, error, max_error; /* m */
+    double width, max_width;       /* of spans within reach, in s */
+    /* Indices of spans; loose_end_at may be DPT_NONE. */
     uint32_t max_error_at, max_width_at, loose_end_at;
 };
 
-/* Of all. `before`: of those before each, made anew from the first that changed. */
+/*
+ * The totals of all spans. before[i] gets those of the spans before span i; entries before the first change are reused.
+ */
 static struct span_totals sum_spans(struct distance_profile *profile,
                                     struct span_totals before[PROFILE_SAMPLES])
 {
     uint32_t first = profile->unchanged_count ? profile->unchanged_count - 1 : 0;
-    struct span_totals all =
+    struct span_totals totals =
         first ? before[first] : (struct span_totals){ .loose_end_at = DPT_NONE };
     for (uint32_t i = first; i + 1 < profile->sample_count; i++) {
         const struct span *span = span_at(profile, i);
         double width = profile->sample[i + 1].s - profile->sample[i].s;
-        before[i] = all;
-        all.area += span->area;
-        all.error += span->error_estimate;
-        all.width += span->area > 0.0 ? width : 0.0;
-        if (span->error_estimate > all.max_error) {
-            all.max_error = span->error_estimate;
-            all.max_error_at = i;
+        before[i] = totals;
+        totals.area += span->area;
+        totals.error += span->error_estimate;
+        totals.width += span->area > 0.0 ? width : 0.0;
+        if (span->error_estimate > totals.max_error) {
+            totals.max_error = span->error_estimate;
+            totals.max_error_at = i;
         }
-        if (span->area > 0.0 && width > all.max_width) {
-            all.max_width = width;
-            all.max_width_at = i;
+        if (span->area > 0.0 && width > totals.max_width) {
+            totals.max_width = width;
+            totals.max_width_at = i;
         }
         if (span->has_loose_end)
-            all.loose_end_at = i;
+            totals.loose_end_at = i;
     }
     if (profile->sample_count)
-        before[profile->sample_count - 1] = all;
+        before[profile->sample_count - 1] = totals;
     profile->unchanged_count = profile->sample_count;
-    return all;
+    return totals;
 }
 
-/* 0 where there is nothing to ask. */
-static int find_next_sample(const struct distance_profile *profile, const struct span_totals *all,
-                            struct next_sample *ask)
+/*
+ * Find where the next sample goes. Wide spans come first, as they hide what their ends do not show: one is too wide if
+ * it exceeds both the reach and a twelfth of all that is within reach. Then come ends of regions, then error estimates.
+ * Returns 0 if no sample is needed.
+ */
+static int find_next_sample(const struct distance_profile *profile,
+                            const struct span_totals *totals, struct next_sample *next)
 {
     double reach = profile->axis_length > 0.0 ? profile->reach / profile->axis_length : 1.0;
     const struct profile_sample *sample = profile->sample;
-    ask->wide_span = DPT_NONE;
-    if (all->max_width > max_of(reach, all->width / SPANS_WITHIN_MIN)) {
-        ask->wide_span = all->max_width_at;
-        ask->s = 0.5 * (sample[all->max_width_at].s + sample[all->max_width_at + 1].s);
-    } else if (all->loose_end_at != DPT_NONE) {
-        ask->s = next_sample_place(profile, all->loose_end_at, &sample[all->loose_end_at].span);
-    } else if (all->error > DOUBT_LEFT * all->area || all->max_error > DOUBT_ONE * all->area) {
-        ask->s = next_sample_place(profile, all->max_error_at, &sample[all->max_error_at].span);
+    next->wide_span = DPT_NONE;
+    if (totals->max_width > max_of(reach, totals->width / SPANS_WITHIN_MIN)) {
+        next->wide_span = totals->max_width_at;
+        next->s = 0.5 * (sample[totals->max_width_at].s + sample[totals->max_width_at + 1].s);
+    } else if (totals->loose_end_at != DPT_NONE) {
+        next->s =
+            next_sample_place(profile, totals->loose_end_at, &sample[totals->loose_end_at].span);
+    } else if (totals->error > ERROR_SUM_MAX * totals->area ||
+               totals->max_error > ERROR_SPAN_MAX * totals->area) {
+        next->s =
+            next_sample_place(profile, totals->max_error_at, &sample[totals->max_error_at].span);
     } else {
         return 0;
     }
     return 1;
 }
 
-/* 0: work or room ended that. */
+/* Add samples until the integrals are accurate enough. Returns 0 if work or room ended before. */
 static int refine_integrals(struct distance_profile *profile)
 {
     struct span_totals before[PROFILE_SAMPLES];
-    struct next_sample ask;
+    struct next_sample next;
     double from, to;
     confirm_samples(profile);
     profile->unchanged_count = 0;
-    for (int asked = 0; asked < REFINE_MAX && !must_stop_refining(profile); asked++) {
-        const struct span_totals all = sum_spans(profile, before);
-        if (!find_next_sample(profile, &all, &ask))
+    for (int steps = 0; steps < REFINE_MAX && !must_stop_refining(profile); steps++) {
+        const struct span_totals totals = sum_spans(profile, before);
+        if (!find_next_sample(profile, &totals, &next))
             return 1;
-        int told = ask.wide_span != DPT_NONE &&
-                   !dpti_profile_find_undecided(profile, ask.wide_span, &from, &to);
-        uint32_t at = dpti_profile_add_sample(profile, ask.s, 1);
+        int is_predicted = next.wide_span != DPT_NONE &&
+                           !dpti_profile_find_undecided(profile, next.wide_span, &from, &to);
+        uint32_t at = dpti_profile_add_sample(profile, next.s, 1);
         if (at == DPT_NONE)
             return 0;
-        /* The surface does not go on as a sample told: what is beyond was not looked into. */
-        if (told && profile->sample[at].height >= profile->reach)
+        /* The surface does not follow the samples' tangents, so what they ruled out must be searched. */
+        if (is_predicted && profile->sample[at].height >= profile->reach)
             dpti_profile_search_undecided(profile, profile->sample[at - 1].s,
                                           profile->sample[at + 1].s);
     }
@@ -345,56 +375,58 @@ static uint32_t part_of_sample(const struct distance_profile *profile, uint32_t 
     return triangle == DPT_NONE ? DPT_NONE : surface_part(profile->surface, triangle);
 }
 
-/* Regions as they are taken, one piece after another. */
+/* Regions under construction, from piece to piece. */
 struct region_builder {
     const struct distance_profile *profile;
-    struct region *regions;
+    struct region *regions; /* room for REGION_MAX */
     uint32_t count;
-    int is_open; /* the last region goes on */
+    int is_open; /* the last region continues with the next piece */
 };
 
-static void add_region_piece(struct region_builder *taking, uint32_t sample,
+/* Add a piece, whose way out is that of the profile's sample `sample`, to the last region or to a new one. */
+static void add_region_piece(struct region_builder *builder, uint32_t sample,
                              struct profile_piece piece)
 {
-    const struct distance_profile *profile = taking->profile;
+    const struct distance_profile *profile = builder->profile;
     uint32_t part = part_of_sample(profile, sample);
     double from = piece.s0, to = piece.s1;
     if (!clip_to_reach(&piece)) {
-        taking->is_open = 0;
+        builder->is_open = 0;
         return;
     }
-    struct region *region = &taking->regions[taking->count ? taking->count - 1 : 0];
-    if (!taking->is_open || piece.s0 > from || (part != DPT_NONE && part != region->part)) {
-        if (taking->count == REGION_MAX)
+    struct region *region = &builder->regions[builder->count ? builder->count - 1 : 0];
+    if (!builder->is_open || piece.s0 > from || (part != DPT_NONE && part != region->part)) {
+        if (builder->count == REGION_MAX)
             return;
-        region = &taking->regions[taking->count++];
+        region = &builder->regions[builder->count++];
         *region = (struct region){ .from = piece.s0, .deepest = sample, .part = part };
     }
     if (profile->sample[sample].height < profile->sample[region->deepest].height)
         region->deepest = sample;
     integrate_piece(region, &piece, profile->axis_length);
-    taking->is_open = piece.s1 >= to;
+    builder->is_open = piece.s1 >= to;
 }
 
+/* Compute the regions from the samples. Returns their number. */
 static uint32_t build_regions(struct distance_profile *profile, struct region regions[REGION_MAX])
 {
-    struct region_builder taking = { .profile = profile, .regions = regions };
+    struct region_builder builder = { .profile = profile, .regions = regions };
     for (uint32_t i = 0; i + 1 < profile->sample_count; i++) {
         const struct profile_sample *from = &profile->sample[i], *to = from + 1;
         const struct span *span = span_at(profile, i);
         uint32_t left = from->triangle == DPT_NONE ? i + 1 : i;
         uint32_t right = to->triangle == DPT_NONE ? i : i + 1;
-        add_region_piece(&taking, left,
+        add_region_piece(&builder, left,
                          (struct profile_piece){ from->s, span->s, span->w0, span->w,
                                                  profile->sample[left].normal });
-        add_region_piece(&taking, right,
+        add_region_piece(&builder, right,
                          (struct profile_piece){ span->s, to->s, span->w, span->w1,
                                                  profile->sample[right].normal });
     }
-    return taking.count;
+    return builder.count;
 }
 
-/* A region that rests on a bend alone has no sample in it that is within reach. */
+/* 1: a sample of the region is within reach. A region that comes from a bend alone has none. */
 static int has_sample(const struct distance_profile *profile, const struct region *region)
 {
     const struct profile_sample *deepest = &profile->sample[region->deepest];
@@ -402,7 +434,7 @@ static int has_sample(const struct distance_profile *profile, const struct regio
            deepest->height < profile->reach;
 }
 
-/* Its deepest sample is the deepest point. */
+/* Prove that a region's deepest sample is its deepest point, or add the sample that is. */
 static void prove_deepest(struct distance_profile *profile, const struct region *region)
 {
     struct profile_sample *deepest = &profile->sample[region->deepest];
@@ -418,7 +450,7 @@ static void prove_deepest(struct distance_profile *profile, const struct region 
     deepest->is_exact = deepest->is_proven = 1;
 }
 
-/* See to the first that has no sample in it, or no proof. Returns 1 if there was one. */
+/* Add a sample to the first region without one, or prove the first that lacks a proof. Returns 0 if all are done. */
 static int improve_region(struct distance_profile *profile, const struct region *regions,
                           uint32_t count)
 {
@@ -438,8 +470,8 @@ uint32_t dpti_contact_regions(struct distance_profile *profile, struct region re
 {
     dpti_profile_find_reach(profile);
     profile->is_coarse = !refine_integrals(profile);
-    uint32_t count = build_regions(profile, regions), seen = 0;
-    for (int asked = 0; asked < 2 * REGION_MAX && !profile->is_cut; asked++) {
+    uint32_t count = build_regions(profile, regions), kept_count = 0;
+    for (int steps = 0; steps < 2 * REGION_MAX && !profile->is_cut; steps++) {
         if (!improve_region(profile, regions, count))
             break;
         count = build_regions(profile, regions);
@@ -447,11 +479,11 @@ uint32_t dpti_contact_regions(struct distance_profile *profile, struct region re
     profile->is_coarse |= profile->is_cut;
     for (uint32_t i = 0; i < count; i++)
         if (has_sample(profile, &regions[i]))
-            regions[seen++] = regions[i];
-    return seen;
+            regions[kept_count++] = regions[i];
+    return kept_count;
 }
 
-/* Of the integral over s; where one of the two is a mark, all is the other's. */
+/* A span's integral of w n over s, m. If one end is a mark, the way out is that of the other end. */
 static vec3 thrust_between(const struct profile_sample *from, const struct profile_sample *to,
                            const struct span *span)
 {
@@ -461,50 +493,54 @@ static vec3 thrust_between(const struct profile_sample *from, const struct profi
                  area_within_reach(span->s, span->w, to->s, span->w1), right->normal);
 }
 
-/* What a sample between these two tells, of the integral over s, is more than `ignored`. Regions were taken: spans are known. */
+/*
+ * 1: without `sample`, the integrals over s from `before` to `after` would change by more than `threshold`, in m. All
+ * spans have been computed by then.
+ */
 static int is_worth_keeping(const struct distance_profile *profile,
                             const struct profile_sample *before,
                             const struct profile_sample *sample, const struct profile_sample *after,
-                            double ignored)
+                            double threshold)
 {
-    struct span both, made;
-    const struct span *left = &before->span;
-    measure_span(profile, before, after, &both);
-    double doubt =
-        both.error_estimate + 0.25 * length(sub(before->normal, after->normal)) * both.area;
-    if (doubt > ignored)
+    struct span joined, measured;
+    const struct span *left_span = &before->span;
+    measure_span(profile, before, after, &joined);
+    double error =
+        joined.error_estimate + 0.25 * length(sub(before->normal, after->normal)) * joined.area;
+    if (error > threshold)
         return 1;
     if (before + 1 != sample) {
-        measure_span(profile, before, sample, &made);
-        left = &made;
+        measure_span(profile, before, sample, &measured);
+        left_span = &measured;
     }
-    vec3 parts =
-        add(thrust_between(before, sample, left), thrust_between(sample, after, &sample->span));
-    return doubt + length(sub(thrust_between(before, after, &both), parts)) > ignored;
+    vec3 parts = add(thrust_between(before, sample, left_span),
+                     thrust_between(sample, after, &sample->span));
+    return error + length(sub(thrust_between(before, after, &joined), parts)) > threshold;
 }
 
-/* Those that are worth more than `ignored`; returns how many there are, which may be more than fit. */
+/* Select the samples that change the integrals by more than `threshold`, m. Returns how many; max_count are written. */
 static uint32_t select_warm_starts(const struct distance_profile *profile,
-                                   const struct region *region, double ignored,
-                                   struct warm_start *warm_starts, uint32_t most)
+                                   const struct region *region, double threshold,
+                                   struct warm_start *warm_starts, uint32_t max_count)
 {
     uint32_t count = 0;
-    const struct profile_sample *before = NULL;
+    const struct profile_sample *previous = NULL;
     double share_per_area =
         region->overlap > 0.0 ? 0.5 * profile->axis_length / region->overlap : 0.0;
     for (uint32_t i = 0; i < profile->sample_count; i++) {
         const struct profile_sample *sample = &profile->sample[i];
         if (sample->s > region->to)
             break;
-        double after = i + 1 < profile->sample_count ? sample[1].s : sample->s;
-        int ends = !before || i + 1 == profile->sample_count || i == region->deepest;
-        if (!ends && !is_worth_keeping(profile, before, sample, sample + 1, ignored))
+        double next_s = i + 1 < profile->sample_count ? sample[1].s : sample->s;
+        int must_keep = !previous || i + 1 == profile->sample_count || i == region->deepest;
+        if (!must_keep && !is_worth_keeping(profile, previous, sample, sample + 1, threshold))
             continue;
-        double share = (profile->reach - sample->height) * (after - (before ? before->s : after));
-        before = sample;
+        double share =
+            (profile->reach - sample->height) * (next_s - (previous ? previous->s : next_s));
+        previous = sample;
         if (sample->s < region->from || sample->height == 0.0 || sample->triangle == DPT_NONE)
             continue;
-        if (count < most)
+        if (count < max_count)
             warm_starts[count] =
                 (struct warm_start){ sample->s, sample->triangle, (float)(share * share_per_area) };
         count++;
@@ -514,15 +550,15 @@ static uint32_t select_warm_starts(const struct distance_profile *profile,
 
 uint32_t dpti_contact_region_warm_starts(const struct distance_profile *profile,
                                          const struct region *region,
-                                         struct warm_start *warm_starts, uint32_t most)
+                                         struct warm_start *warm_starts, uint32_t max_count)
 {
     enum { THRESHOLD_STEPS = 32 };
-    double ignored =
-        profile->axis_length > 0.0 ? DOUBT_IGNORED * region->overlap / profile->axis_length : 0.0;
-    uint32_t count = select_warm_starts(profile, region, ignored, warm_starts, most);
-    for (int i = 0; i < THRESHOLD_STEPS && count > most; i++) {
-        ignored *= 1.25;
-        count = select_warm_starts(profile, region, ignored, warm_starts, most);
+    double threshold =
+        profile->axis_length > 0.0 ? ERROR_IGNORED * region->overlap / profile->axis_length : 0.0;
+    uint32_t count = select_warm_starts(profile, region, threshold, warm_starts, max_count);
+    for (int i = 0; i < THRESHOLD_STEPS && count > max_count; i++) {
+        threshold *= 1.25;
+        count = select_warm_starts(profile, region, threshold, warm_starts, max_count);
     }
-    return count < most ? count : most;
+    return count < max_count ? count : max_count;
 }

@@ -1,38 +1,44 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Regions: the pieces of a profile where the tool's surface is within the margin or inside, and the integrals over
- * them. docs/algorithms/contacts.md.
+ * Regions: the stretches of an axis on which the tool's surface is within the margin or inside, and the integrals over
+ * them. A region becomes a dpt_contact. docs/algorithms/contacts.md.
  */
 #ifndef DPT_CONTACT_INTEGRALS_H
 #define DPT_CONTACT_INTEGRALS_H
 
 #include "contact/distance_profile.h"
 
-enum { REGION_MAX = 16 }; /* of one profile */
+/* Regions of one profile. */
+enum { REGION_MAX = 16 };
 
 /*
- * Lengths along the axis are in m. With w(s) = reach - height(s), how far the surface is within reach, and n(s) the
- * way out, all integrals are over the axis' length from `from` to `to`.
+ * Let w(s) = reach - height(s) be how far the surface is within reach, in m, and n(s) the way out, a unit vector in the
+ * body's frame. Each integral is over the axis' length in m, from `from` to `to`; its unit is m^2.
  */
 struct region {
-    double from, to;    /* s */
+    double from, to;    /* s, 0..1 */
     double overlap;     /* of w */
     double moment;      /* of s w */
-    vec3 thrust;        /* of w n */
-    vec3 thrust_moment; /* of s w n */
-    uint32_t deepest;   /* sample with the least height */
+    vec3 thrust;        /* of w n, in the body's frame */
+    vec3 thrust_moment; /* of s w n, in the body's frame */
+    uint32_t deepest;   /* index of the profile's sample with the least height */
     uint32_t part;      /* of the mesh */
 };
 
 /*
- * Refine the profile for its integrals, and take them. Returns how many regions there are, at most REGION_MAX. Where
- * that cuts the profile, they are of the samples that there are, all true, and what is deepest in a region is not proven.
+ * Add samples to a profile until its integrals are accurate enough, and compute its regions. Returns their number, at
+ * most REGION_MAX; further ones are left out. If work or room for samples ends before, profile->is_coarse is 1. The
+ * regions then come from fewer samples. Each sample is true, but a region's deepest sample may not be its deepest
+ * point.
  */
 uint32_t dpti_contact_regions(struct distance_profile *profile, struct region regions[REGION_MAX]);
 
-/* The samples from which a later tick should begin: at most `most` of a region's, in order. Returns how many. */
+/*
+ * Choose the samples of a region from which the next tick starts: those without which its integrals would change
+ * noticeably. Writes at most `max_count`, in order of s. Returns how many.
+ */
 uint32_t dpti_contact_region_warm_starts(const struct distance_profile *profile,
                                          const struct region *region,
-                                         struct warm_start *warm_starts, uint32_t most);
+                                         struct warm_start *warm_starts, uint32_t max_count);
 
 #endif

@@ -3,6 +3,7 @@
 
 #include "nearest/range_search.h"
 
+/* Put a crossing of a triangle, a place, into the list, in order of s. Only a crossing of its face has known sides. */
 static void put_crossing(struct distance_profile *profile, uint32_t triangle, const pair *found)
 {
     uint32_t i = profile->crossing_count;
@@ -29,25 +30,31 @@ static void put_crossing(struct distance_profile *profile, uint32_t triangle, co
     }
 }
 
-/* An edge is met with both its triangles, a vertex with all of its fan: one crossing, of unknown sides. */
+/* Join crossings at one place: of both triangles at an edge, or of a vertex' fan. Their sides are unknown then. */
 static void join_crossings(struct distance_profile *profile)
 {
-    double near = 4.0 * profile->axis->error;
-    uint32_t kept = 0;
+    double tolerance = 4.0 * profile->axis->error;
+    uint32_t joined_count = 0;
     for (uint32_t i = 0; i < profile->crossing_count; i++) {
         const struct crossing *crossing = &profile->crossing[i];
-        struct crossing *last = &profile->crossing[kept ? kept - 1 : 0];
-        if (kept && (crossing->s - last->s) * profile->axis_length <= near)
-            last->side_before = last->side_after = 0;
+        struct crossing *previous = &profile->crossing[joined_count ? joined_count - 1 : 0];
+        if (joined_count && (crossing->s - previous->s) * profile->axis_length <= tolerance)
+            previous->side_before = previous->side_after = 0;
         else
-            profile->crossing[kept++] = *crossing;
+            profile->crossing[joined_count++] = *crossing;
     }
-    profile->crossing_count = kept;
+    profile->crossing_count = joined_count;
 }
 
-/* The stretch of the axis that a triangle within reach can be within reach of; `room`: the reach, in s. */
-static void put_reach_interval(struct distance_profile *profile, uint32_t triangle, double per_uu,
-                               double room)
+/*
+ * Add the stretch of the axis that can be within reach of a triangle, a place, to the reach intervals. Overlapping ones
+ * are joined; if there are too many, so are the last ones.
+ *
+ *   inverse_uu  1 / (u.u), 1/m^2; 0 for an axis without length
+ *   reach_s     the reach, in s
+ */
+static void put_reach_interval(struct distance_profile *profile, uint32_t triangle,
+                               double inverse_uu, double reach_s)
 {
     const struct surface *surface = profile->surface;
     const struct axis *axis = profile->axis;
@@ -55,38 +62,38 @@ static void put_reach_interval(struct distance_profile *profile, uint32_t triang
     double from = HUGE_VAL, to = -HUGE_VAL;
     for (int k = 0; k < 3; k++) {
         vec3 c = vec3_of_float(surface->positions + 3 * (size_t)corner[k]);
-        double s = dot(sub(c, axis->local_a), axis->u) * per_uu;
+        double s = dot(sub(c, axis->local_a), axis->u) * inverse_uu;
         from = min_of(from, s);
         to = max_of(to, s);
     }
-    from = clamp01(from - room);
-    to = to + room < 1.0 ? clamp01(to + room) : 1.0;
+    from = clamp01(from - reach_s);
+    to = to + reach_s < 1.0 ? clamp01(to + reach_s) : 1.0;
     for (uint32_t i = 0; i < profile->reach_interval_count; i++)
         if (profile->reach_from[i] <= from && profile->reach_to[i] >= to)
             return;
-    uint32_t kept = 0;
+    uint32_t kept_count = 0;
     for (uint32_t i = 0; i < profile->reach_interval_count; i++) {
         if (profile->reach_to[i] < from || profile->reach_from[i] > to) {
-            profile->reach_from[kept] = profile->reach_from[i];
-            profile->reach_to[kept++] = profile->reach_to[i];
+            profile->reach_from[kept_count] = profile->reach_from[i];
+            profile->reach_to[kept_count++] = profile->reach_to[i];
         } else {
             from = min_of(from, profile->reach_from[i]);
             to = max_of(to, profile->reach_to[i]);
         }
     }
-    if (kept == PROFILE_REACH_INTERVALS) {
-        kept--;
-        from = min_of(from, profile->reach_from[kept]);
-        to = max_of(to, profile->reach_to[kept]);
+    if (kept_count == PROFILE_REACH_INTERVALS) {
+        kept_count--;
+        from = min_of(from, profile->reach_from[kept_count]);
+        to = max_of(to, profile->reach_to[kept_count]);
     }
-    profile->reach_from[kept] = from;
-    profile->reach_to[kept] = to;
-    profile->reach_interval_count = kept + 1;
+    profile->reach_from[kept_count] = from;
+    profile->reach_to[kept_count] = to;
+    profile->reach_interval_count = kept_count + 1;
 }
 
 /*
- * It comes out on the other side. At an edge or a vertex an axis may come as near as rounding and stay on its side; there the
- * surface is asked a little way before and after.
+ * 1: at a crossing the axis changes sides. At an edge or a vertex it may come as near as rounding and stay on its
+ * side. The sides a little way before and after decide there.
  */
 static int goes_through(const struct distance_profile *profile, const struct crossing *crossing)
 {
@@ -103,7 +110,7 @@ static int goes_through(const struct distance_profile *profile, const struct cro
            dpti_side_of_arrival(profile->surface, crossing->triangle, weight, scaled(u, -1.0));
 }
 
-/* It goes through an open sheet of which no side is kept. */
+/* 1: the axis goes through an open sheet whose side is not known. */
 static int is_sideless(const struct distance_profile *profile)
 {
     for (uint32_t k = 0; k < profile->crossing_count; k++) {
@@ -120,22 +127,22 @@ void dpti_profile_find_crossings(struct distance_profile *profile)
 {
     const struct axis *axis = profile->axis;
     struct range range;
-    int meets;
+    int may_cross;
     if (work_is_spent(&profile->work)) {
         profile->is_cut = 1;
         return;
     }
-    double per_uu = profile->axis_length > 0.0 ? 1.0 / dot(axis->u, axis->u) : 0.0;
-    double room = profile->axis_length > 0.0 ? profile->reach / profile->axis_length : 1.0;
+    double inverse_uu = profile->axis_length > 0.0 ? 1.0 / dot(axis->u, axis->u) : 0.0;
+    double reach_s = profile->axis_length > 0.0 ? profile->reach / profile->axis_length : 1.0;
     dpti_range_begin(&range, profile->surface, profile->kernel, axis->local_a, axis->u,
                      profile->reach, &profile->work);
-    for (uint32_t t; (t = dpti_range_next(&range, &meets)) != DPT_NONE;) {
-        put_reach_interval(profile, t, per_uu, room);
-        if (!meets)
+    for (uint32_t triangle; (triangle = dpti_range_next(&range, &may_cross)) != DPT_NONE;) {
+        put_reach_interval(profile, triangle, inverse_uu, reach_s);
+        if (!may_cross)
             continue;
-        pair found = dpti_triangle_pair(profile->surface, t, axis->local_a, axis->u);
+        pair found = dpti_triangle_pair(profile->surface, triangle, axis->local_a, axis->u);
         if (found.distance2 == 0.0)
-            put_crossing(profile, t, &found);
+            put_crossing(profile, triangle, &found);
     }
     profile->is_cut |= (uint32_t)work_is_spent(&profile->work);
     join_crossings(profile);

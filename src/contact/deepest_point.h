@@ -6,15 +6,19 @@
 #include "contact/profile_samples.h"
 
 /*
- * From one place of the axis, inside, to another: split it until nothing can be deeper than the lowest sample by more than
- * the tolerance, and confirm that one by a search. Returns it, or DPT_NONE if there is no sample.
+ * Prove the deepest point of the inner part of an axis between two places, `from` and `to`, s in 0..1. Adds samples
+ * until no point there can be deeper than the lowest sample by more than profile->tolerance, and confirms that sample
+ * by a search. If work or room for samples ends before, the lowest exact sample is taken. Returns its index, or
+ * DPT_NONE if there is no sample between the two places.
  */
 uint32_t dpti_profile_prove_deepest(struct distance_profile *profile, double from, double to);
 
-/* What the profile is between two samples: the heights' two tangents meet at `s`, `height`. */
+/* Where the tangents of the height at two samples meet: at s, 0..1, with this height in m. */
 struct bend {
     double s, height;
 };
+
+/* The bend between two samples; at one of them, or halfway, where the tangents do not meet between them. */
 struct bend dpti_profile_bend(const struct distance_profile *profile,
                               const struct profile_sample *from, const struct profile_sample *to);
 

@@ -3,6 +3,7 @@
 
 #include "contact/crossings.h"
 
+/* 1: a triangle may be within reach of the axis at s. */
 static int is_in_reach_interval(const struct distance_profile *profile, double s)
 {
     for (uint32_t i = 0; i < profile->reach_interval_count; i++)
@@ -11,7 +12,10 @@ static int is_in_reach_interval(const struct distance_profile *profile, double s
     return 0;
 }
 
-/* Which side each stretch between crossings is on. What its ends do not tell, a search in its middle does. */
+/*
+ * Find the side of each stretch between crossings. Where the crossings at its ends do not know it, or disagree, a
+ * search in its middle decides.
+ */
 static void find_sides(struct distance_profile *profile, const struct pair_search *nearest)
 {
     for (uint32_t k = 0; k <= profile->crossing_count; k++)
@@ -38,6 +42,7 @@ static void find_sides(struct distance_profile *profile, const struct pair_searc
     }
 }
 
+/* Put a sample of height 0 at each crossing. */
 static void put_crossing_samples(struct distance_profile *profile)
 {
     for (uint32_t k = 0; k < profile->crossing_count; k++) {
@@ -53,7 +58,7 @@ static void put_crossing_samples(struct distance_profile *profile)
     }
 }
 
-/* Through holes an axis comes and goes without a crossing: so there are samples every so often. */
+/* Through a hole an axis goes in and out without a crossing. So there is a sample every eighth of its length. */
 static void put_winding_samples(struct distance_profile *profile)
 {
     enum { WINDING_PIECES = 8 };
@@ -64,7 +69,7 @@ static void put_winding_samples(struct distance_profile *profile)
     }
 }
 
-/* Stretches that are inside have a sample at an end that is free, and one in the middle. */
+/* Give each stretch that may be inside a sample at an end of the axis, and one in its middle if it has none. */
 static void put_inner_samples(struct distance_profile *profile)
 {
     for (uint32_t k = 0; k <= profile->crossing_count; k++) {
@@ -72,12 +77,12 @@ static void put_inner_samples(struct distance_profile *profile)
             continue;
         double from = k ? profile->crossing[k - 1].s : 0.0;
         double to = k < profile->crossing_count ? profile->crossing[k].s : 1.0;
-        int any = 0;
+        int has_sample = 0;
         for (uint32_t i = 0; i < profile->sample_count; i++)
-            any |= profile->sample[i].s > from && profile->sample[i].s < to;
-        if (!k && !(any && profile->sample[0].s == 0.0))
+            has_sample |= profile->sample[i].s > from && profile->sample[i].s < to;
+        if (!k && !(has_sample && profile->sample[0].s == 0.0))
             dpti_profile_add_sample(profile, 0.0, 1);
-        if (!any && to > from)
+        if (!has_sample && to > from)
             dpti_profile_add_sample(profile, 0.5 * (from + to), 1);
         if (k == profile->crossing_count && profile->sample[profile->sample_count - 1].s < 1.0)
             dpti_profile_add_sample(profile, 1.0, 1);
@@ -85,8 +90,9 @@ static void put_inner_samples(struct distance_profile *profile)
 }
 
 /*
- * An axis that is not within reach: outside as a whole, if its nearest point is. Through a hole in a part an end may be inside,
- * though; what passes two holes between its ends is taken for outside.
+ * 1: an axis is outside, with no surface within reach. Its nearest point decides. On a part with holes its ends must be
+ * outside too: one may lie inside through a hole. An axis that passes through two holes between its ends is taken for
+ * outside.
  */
 static int is_outside(struct distance_profile *profile, const struct pair_search *nearest)
 {
@@ -110,7 +116,7 @@ int dpti_profile_make(struct distance_profile *profile, const struct pair_search
     profile->sample_count = 0;
     profile->deepest = 0;
     profile->unchanged_count = 0;
-    profile->has_winding_parts = profile->surface->moments != NULL;
+    profile->has_winding_parts = profile->surface->moments ? 1 : 0;
     int is_far = distance > profile->reach;
     if (is_far && !profile->sides->count && is_outside(profile, nearest))
         return 0;
@@ -133,12 +139,12 @@ int dpti_profile_make(struct distance_profile *profile, const struct pair_search
         int sign = profile->sign[profile_stretch(profile, warm_starts[i].s)];
         if (sign > 0 && !is_in_reach_interval(profile, warm_starts[i].s))
             continue;
-        /* A budget is for the depth first: regions search for those that count. */
-        int counts =
+        /* A budget goes to the depth first: the regions search for important samples later. */
+        int is_important =
             warm_starts[i].share > PROFILE_SEARCH_SHARE && profile->work.done < PROFILE_WORK_MAX;
-        int exact = profile->has_winding_parts || (counts && !profile->point_cache);
+        int by_search = profile->has_winding_parts || (is_important && !profile->point_cache);
         struct profile_sample sample;
-        dpti_profile_take_sample(profile, warm_starts[i].s, warm_starts[i].triangle, exact,
+        dpti_profile_take_sample(profile, warm_starts[i].s, warm_starts[i].triangle, by_search,
                                  &sample);
         dpti_profile_put_sample(profile, &sample);
     }
@@ -152,15 +158,22 @@ int dpti_profile_make(struct distance_profile *profile, const struct pair_search
     return 1;
 }
 
-/* How far from a sample within reach the surface goes out of it, if it goes on as there, and half as far again. */
+/*
+ * How far beyond a sample, in s, the surface is taken to be within reach: as far as its tangent stays within reach and
+ * half as far again, at least a quarter of the reach. 0 for a sample that is not within reach; HUGE_VAL if the height
+ * does not grow in this direction.
+ *
+ *   sign  the direction along the axis: +1 or -1
+ */
 static double exit_beyond(const struct distance_profile *profile,
                           const struct profile_sample *sample, double sign)
 {
-    double rise = sign * sample->slope;
-    double room = 0.25 * profile->reach, left = profile->reach - sample->height;
-    if (!(left > 0.0))
+    double slope = sign * sample->slope;
+    double min_length = 0.25 * profile->reach, reach_left = profile->reach - sample->height;
+    if (!(reach_left > 0.0))
         return 0.0;
-    return rise > 0.0 ? max_of(room / profile->axis_length, 1.5 * left / rise) : HUGE_VAL;
+    return slope > 0.0 ? max_of(min_length / profile->axis_length, 1.5 * reach_left / slope)
+                       : HUGE_VAL;
 }
 
 int dpti_profile_find_undecided(const struct distance_profile *profile, uint32_t i, double *from,
@@ -176,26 +189,30 @@ int dpti_profile_find_undecided(const struct distance_profile *profile, uint32_t
     return *to > *from;
 }
 
-/* First those that have nothing in them, then what is beside a sample that is within reach. */
-void dpti_profile_search_undecided(struct distance_profile *profile, double first, double last)
+/* Stretches without a sample within reach come first, then those beside one. */
+void dpti_profile_search_undecided(struct distance_profile *profile, double min_s, double max_s)
 {
     enum { UNDECIDED_MAX = 16 };
-    uint32_t asked = 0;
+    uint32_t searched = 0;
     double from, to;
-    for (int beside = 0; beside < 2; beside++)
+    for (int pass = 0; pass < 2; pass++)
         for (uint32_t i = 0;
-             i + 1 < profile->sample_count && asked < UNDECIDED_MAX && !profile->is_cut;) {
+             i + 1 < profile->sample_count && searched < UNDECIDED_MAX && !profile->is_cut;) {
             const struct profile_sample *here = &profile->sample[i];
-            int in = here->height < profile->reach || here[1].height < profile->reach;
-            int blind = in == beside && here->s >= first && here[1].s <= last &&
-                        dpti_profile_find_undecided(profile, i, &from, &to);
-            asked += (uint32_t)blind;
-            if (!blind || dpti_profile_add_nearest(profile, from, to, profile->reach) == DPT_NONE)
+            int is_within = here->height < profile->reach || here[1].height < profile->reach;
+            int is_undecided = is_within == pass && here->s >= min_s && here[1].s <= max_s &&
+                               dpti_profile_find_undecided(profile, i, &from, &to);
+            searched += (uint32_t)is_undecided;
+            if (!is_undecided ||
+                dpti_profile_add_nearest(profile, from, to, profile->reach) == DPT_NONE)
                 i++;
         }
 }
 
-/* Outside of the zones an axis that is outside is beyond reach. Where a side is each sample's own, samples tell. */
+/*
+ * Beyond a reach interval an axis that is outside is out of reach, so its end is a mark. An end that is inside, or at
+ * an end of the axis, or whose side is not known, gets a sample.
+ */
 void dpti_profile_find_reach(struct distance_profile *profile)
 {
     struct profile_sample beyond = { .height = profile->reach, .triangle = DPT_NONE };

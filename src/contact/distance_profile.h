@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * How far a body's surface is from each point of an axis: the signed distance along the tool, as few samples as tell
- * its least value within DEPTH_SHARE of the mesh's diagonal, and its shape near the surface.
- * docs/algorithms/depth.md, docs/algorithms/contacts.md.
+ * The distance profile of an axis and a body: the signed distance of the axis' points to the surface, known at samples.
+ * It has as few samples as suffice for the least distance, within PROFILE_DEPTH_SHARE of the mesh's diagonal, and for
+ * the shape near the surface. docs/algorithms/depth.md, docs/algorithms/contacts.md.
  */
 #ifndef DPT_DISTANCE_PROFILE_H
 #define DPT_DISTANCE_PROFILE_H
@@ -10,22 +10,34 @@
 #include "contact/deepest_point.h"
 
 /*
- * Make the profile of an axis. `nearest` is the axis' nearest pair with this body where that is known exactly, or
- * NULL. `seeds` are places of an earlier tick. Returns 0 when the axis is outside and nothing is within reach:
- * there is no contact then. Where it is cut, full or sideless, it may have no samples.
+ * Make the profile of an axis. The caller first sets the profile's surface, kernel, axis, sides, point_cache, body,
+ * contacts_wanted, reach, tolerance and work.
  *
- * First the caller sets surface, kernel, axis, sides, memo, regions, body, reach, tolerance and work.
+ *   nearest      the nearest pair of the axis and this body; exact
+ *   warm_starts  samples of an earlier tick; may be NULL if there are none
+ *
+ * Returns 0 when the axis is outside and no surface is within reach: there is no contact then. Returns 1 otherwise. If
+ * is_cut, is_full or is_sideless is set then, the profile may have no samples and `deepest` does not count.
  */
 int dpti_profile_make(struct distance_profile *profile, const struct pair_search *nearest,
                       const struct warm_start *warm_starts, uint32_t warm_start_count);
 
-/* Mark where the surface comes within reach and goes out of it, so that samples are wherever it is within. */
+/*
+ * Put a sample or a mark at both ends of each reach interval, and search the undecided stretches. Afterwards each
+ * stretch of the axis within reach has a sample, as far as work and room last.
+ */
 void dpti_profile_find_reach(struct distance_profile *profile);
 
-/* Search between two samples for surface within reach that no sample tells of, where the axis is outside. */
-void dpti_profile_search_undecided(struct distance_profile *profile, double first, double last);
+/*
+ * Search the undecided stretches between samples from min_s to max_s, and add a sample to each that has surface within
+ * reach. At most 16 are searched.
+ */
+void dpti_profile_search_undecided(struct distance_profile *profile, double min_s, double max_s);
 
-/* Outside, and within a zone: between sample i and the next there is a stretch of which the two do not tell. Which. */
+/*
+ * Find the undecided stretch between sample i and the next: the axis is outside there, a triangle can be within reach,
+ * and neither sample's tangent reaches so far. Returns 0 if there is none, else 1 and its ends *from < *to, in s.
+ */
 int dpti_profile_find_undecided(const struct distance_profile *profile, uint32_t i, double *from,
                                 double *to);
 

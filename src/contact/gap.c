@@ -21,8 +21,8 @@ vec3 dpti_contact_normal(const struct distance_profile *profile,
     if (!smooth)
         return sample->normal;
     vec3 normal = dpti_surface_smooth_normal(profile->surface, sample->triangle, sample->weight);
-    double along_true = dot(normal, sample->normal);
-    return along_true != 0.0 ? scaled(normal, along_true < 0.0 ? -1.0 : 1.0) : sample->normal;
+    double agreement = dot(normal, sample->normal);
+    return agreement != 0.0 ? scaled(normal, agreement < 0.0 ? -1.0 : 1.0) : sample->normal;
 }
 
 struct penetration dpti_contact_penetration(const struct distance_profile *profile,
@@ -39,13 +39,13 @@ void dpti_contact_of(const struct surface *surface, const struct kernel *kernel,
                      const struct axis *axis, const struct pair_search *nearest, double radius,
                      struct segment_result *result)
 {
-    const struct sides none = { .count = 0 };
+    const struct sides no_sides = { .count = 0 };
     struct distance_profile profile;
     double gap;
     profile.surface = surface;
     profile.kernel = kernel;
     profile.axis = axis;
-    profile.sides = &none;
+    profile.sides = &no_sides;
     profile.point_cache = NULL;
     profile.contacts_wanted = 0;
     profile.reach = radius;

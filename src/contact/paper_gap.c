@@ -3,7 +3,7 @@
 
 #include "mesh/surface_normal.h"
 
-/* Of the axis' ends, the lower one's height over the plane of the triangle. */
+/* The height of the axis' lower end over the triangle's plane, m. The axis crosses that plane at the nearest pair. */
 static double lower_end_height(const struct axis *axis, const struct pair_search *nearest,
                                vec3 normal)
 {

@@ -6,8 +6,9 @@
 #include "contact/gap.h"
 
 /*
- * The paper's signed gap of one part of a segment and its push in the world (docs/algorithms/paper.md): the sign is
- * that of the triangle's own plane; a part that crosses is as deep as its lower end is under it.
+ * The paper's signed gap of one part of a segment, in m. The sign is that of the triangle's own plane. A part that
+ * crosses the triangle is as deep as its lower end is below that plane. *penetration gets the penetration in the world;
+ * `body` is the body's frame.
  */
 double dpti_contact_paper(const struct surface *surface, const struct frame *body,
                           const struct axis *part, const struct pair_search *nearest, double radius,

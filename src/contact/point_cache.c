@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-/* The set of a point. The same on every machine: it decides what is still known, and so the work. */
+/* The set of a point. The hash is the same on every machine: it decides what the cache still holds, and so the work. */
 static struct cached_point *set_of(const struct point_cache *cache, uint32_t body, vec3 x)
 {
     const double at[3] = { x.x, x.y, x.z };
@@ -17,9 +17,9 @@ static struct cached_point *set_of(const struct point_cache *cache, uint32_t bod
     return cache->entries + POINT_CACHE_WAYS * (size_t)(hash % cache->sets);
 }
 
-static int is_same(vec3 x, vec3 y)
+static int is_same(vec3 a, vec3 b)
 {
-    return x.x == y.x && x.y == y.y && x.z == y.z;
+    return a.x == b.x && a.y == b.y && a.z == b.z;
 }
 
 static int is_entry_of(const struct cached_point *entry, uint32_t body, vec3 x)
@@ -27,12 +27,12 @@ static int is_entry_of(const struct cached_point *entry, uint32_t body, vec3 x)
     return entry->body == body + 1 && is_same(entry->x, x);
 }
 
-/* The entry behind its set's first `count` moves to the front, those up. */
+/* Move entry `index` of a set to the front, the ones before it back by one, and mark it as used in this tick. */
 static struct cached_point *move_to_front(const struct point_cache *cache, struct cached_point *set,
-                                          int count)
+                                          int index)
 {
-    struct cached_point entry = set[count];
-    memmove(set + 1, set, (size_t)count * sizeof *set);
+    struct cached_point entry = set[index];
+    memmove(set + 1, set, (size_t)index * sizeof *set);
     entry.tick = cache->tick;
     set[0] = entry;
     return set;

@@ -35,11 +35,11 @@ vec3 dpti_profile_exit_direction(const struct distance_profile *profile, uint32_
 {
     uint32_t part = surface_part(profile->surface, triangle);
     vec3 normal = dpti_surface_feature_normal(profile->surface, triangle, weight);
-    double size = length(normal);
+    double normal_length = length(normal);
     double side = dpti_sides_get(profile->sides, part);
     if (side == 0.0 && (surface_part_flags(profile->surface, part) & MESH_PART_SOLID))
         side = 1.0;
-    return size > 0.0 ? scaled(normal, side / size) : (vec3){ 0.0, 0.0, 0.0 };
+    return normal_length > 0.0 ? scaled(normal, side / normal_length) : (vec3){ 0.0, 0.0, 0.0 };
 }
 
 int dpti_profile_is_inside(struct distance_profile *profile, double s)
@@ -49,10 +49,10 @@ int dpti_profile_is_inside(struct distance_profile *profile, double s)
     if (x.x < surface->box_min.x || x.y < surface->box_min.y || x.z < surface->box_min.z ||
         x.x > surface->box_max.x || x.y > surface->box_max.y || x.z > surface->box_max.z)
         return 0;
-    const struct cached_point *known =
+    const struct cached_point *cached =
         profile->point_cache ? dpti_point_cache_find(profile->point_cache, profile->body, x) : NULL;
-    if (known && known->side)
-        return known->side < 0;
+    if (cached && cached->side)
+        return cached->side < 0;
     double winding = HUGE_VAL;
     if (!work_is_spent(&profile->work))
         winding = dpti_winding_number(profile->surface, profile->kernel, x, &profile->work);
@@ -70,11 +70,11 @@ int dpti_profile_side_of(struct distance_profile *profile, double s, uint32_t tr
 {
     uint32_t part = surface_part(profile->surface, triangle),
              flags = surface_part_flags(profile->surface, part);
-    int kept = dpti_sides_get(profile->sides, part);
-    if (kept && dpti_side_is_border(profile->surface, triangle, found->weight))
+    int side = dpti_sides_get(profile->sides, part);
+    if (side && dpti_side_is_border(profile->surface, triangle, found->weight))
         return 1;
-    if (kept)
-        return kept * dpti_side_of_pair(profile->surface, triangle, found);
+    if (side)
+        return side * dpti_side_of_pair(profile->surface, triangle, found);
     if (flags & MESH_PART_WINDING)
         return dpti_profile_is_inside(profile, s) ? -1 : 1;
     if (flags & MESH_PART_BURIED)
@@ -82,14 +82,14 @@ int dpti_profile_side_of(struct distance_profile *profile, double s, uint32_t tr
     return flags & MESH_PART_SOLID ? dpti_side_of_pair(profile->surface, triangle, found) : 1;
 }
 
-/* There is work left for a search. */
+/* 1: work is left for a search. If not, the profile is cut. */
 static int has_work_left(struct distance_profile *profile)
 {
     profile->is_cut |= (uint32_t)work_is_spent(&profile->work);
     return !work_is_spent(&profile->work);
 }
 
-/* A triangle that was found before, unless another is nearer: then 0. */
+/* Make a triangle, a place, the nearest to x, in the body's frame. Returns 0 if the one in *nearest is nearer. */
 static int take_if_nearer(const struct distance_profile *profile, vec3 x, uint32_t triangle,
                           struct pair_search *nearest)
 {
@@ -102,34 +102,38 @@ static int take_if_nearer(const struct distance_profile *profile, vec3 x, uint32
     return 1;
 }
 
+/* Search for the nearest triangle of x, in the body's frame, from the one in *nearest; or take it from the cache. */
 static void search_point(struct distance_profile *profile, vec3 x, struct pair_search *nearest)
 {
     struct point_cache *cache = profile->point_cache;
-    const struct cached_point *known =
+    const struct cached_point *cached =
         cache ? dpti_point_cache_find(cache, profile->body, x) : NULL;
     struct bvh_traversal traversal;
     uint32_t triangle;
     traversal.depth = 0;
-    if (known && known->triangle != DPT_NONE) {
-        take_if_nearer(profile, x, known->triangle, nearest);
+    if (cached && cached->triangle != DPT_NONE) {
+        take_if_nearer(profile, x, cached->triangle, nearest);
         return;
     }
     if (!has_work_left(profile))
         return;
     if (cache && dpti_point_cache_resume(cache, profile->body, x, &triangle, &traversal))
         take_if_nearer(profile, x, triangle, nearest);
-    int done = dpti_point_search(profile->surface, profile->kernel, x, &traversal, &profile->work,
-                                 nearest);
-    profile->is_cut |= !done;
-    if (cache && !done)
+    int is_done = dpti_point_search(profile->surface, profile->kernel, x, &traversal,
+                                    &profile->work, nearest);
+    profile->is_cut |= !is_done;
+    if (cache && !is_done)
         dpti_point_cache_suspend(cache, profile->body, x, nearest->triangle, &traversal);
     struct cached_point *entry =
-        cache && done ? dpti_point_cache_put(cache, profile->body, x) : NULL;
+        cache && is_done ? dpti_point_cache_put(cache, profile->body, x) : NULL;
     if (entry)
         entry->triangle = nearest->triangle;
 }
 
-/* Of the descents to a point the first is kept, so that what follows from it is the same in the next tick. */
+/*
+ * Descend from the triangle in *nearest. The cache holds the end of the first descent to each point, so that the next
+ * tick gets the same answer, and all that follows from it.
+ */
 static void descend_to_point(struct distance_profile *profile, const struct axis *point,
                              struct pair_search *nearest)
 {
@@ -137,28 +141,28 @@ static void descend_to_point(struct distance_profile *profile, const struct axis
         profile->point_cache
             ? dpti_point_cache_put(profile->point_cache, profile->body, point->local_a)
             : NULL;
-    int goes_on = entry && entry->descent != DPT_NONE &&
-                  take_if_nearer(profile, point->local_a, entry->descent, nearest);
+    int is_continued = entry && entry->descent != DPT_NONE &&
+                       take_if_nearer(profile, point->local_a, entry->descent, nearest);
     if (!has_work_left(profile))
         return;
     dpti_track_descend(profile->surface, point, &profile->work, nearest);
     profile->is_cut |= (uint32_t)work_is_spent(&profile->work);
-    if (entry && (goes_on || entry->descent == DPT_NONE))
+    if (entry && (is_continued || entry->descent == DPT_NONE))
         entry->descent = nearest->triangle;
 }
 
-/* The nearest triangle of a point, by descent or by search, as far as there is work left for it. */
-static void find_nearest(struct distance_profile *profile, const struct axis *point, int exact,
+/* Find the nearest triangle of a point, by search or by descent, as far as there is work left. */
+static void find_nearest(struct distance_profile *profile, const struct axis *point, int by_search,
                          struct pair_search *nearest)
 {
-    if (exact)
+    if (by_search)
         search_point(profile, point->local_a, nearest);
     else
         descend_to_point(profile, point, nearest);
 }
 
 void dpti_profile_take_sample(struct distance_profile *profile, double s, uint32_t triangle,
-                              int exact, struct profile_sample *sample)
+                              int by_search, struct profile_sample *sample)
 {
     struct axis point;
     struct pair_search nearest;
@@ -167,7 +171,7 @@ void dpti_profile_take_sample(struct distance_profile *profile, double s, uint32
     point.error = profile->axis->error;
     pair_search_begin(&nearest, triangle);
     dpti_triangle_point_pair(profile->surface, triangle, point.local_a, &nearest.pair);
-    find_nearest(profile, &point, exact, &nearest);
+    find_nearest(profile, &point, by_search, &nearest);
     const pair *found = &nearest.pair;
     double distance = sqrt(found->distance2);
     int sign = profile->sign[profile_stretch(profile, s)];
@@ -184,39 +188,43 @@ void dpti_profile_take_sample(struct distance_profile *profile, double s, uint32
     memcpy(sample->weight, found->weight, sizeof sample->weight);
     sample->triangle = nearest.triangle;
     sample->start_triangle = triangle;
-    sample->is_exact = (uint32_t)exact;
+    sample->is_exact = (uint32_t)by_search;
     sample->is_proven = sample->has_depth_bound = sample->has_span = 0;
 }
 
-/* Sample i is another, and so is the span before it. */
+/* Note that sample i and the span before it have changed. */
 static void mark_changed(struct distance_profile *profile, uint32_t i)
 {
     if (i < profile->unchanged_count)
         profile->unchanged_count = i;
 }
 
-/* Make room: of those between two of their own triangle, which tell least, the one whose neighbours are nearest. */
+/*
+ * Make room for a sample: of those between two others with their own triangle, which show least, drop the one whose
+ * neighbours are nearest to each other. Returns 0 if there is none.
+ */
 static int drop_sample(struct distance_profile *profile)
 {
-    double least = HUGE_VAL;
-    uint32_t drop = DPT_NONE;
+    double min_width = HUGE_VAL;
+    uint32_t dropped = DPT_NONE;
     for (uint32_t i = 1; i + 1 < profile->sample_count; i++) {
         const struct profile_sample *sample = &profile->sample[i];
         double width = sample[1].s - sample[-1].s;
         if (sample[-1].triangle == sample->triangle && sample[1].triangle == sample->triangle &&
-            i != profile->deepest && !sample->is_proven && sample->height != 0.0 && width < least) {
-            least = width;
-            drop = i;
+            i != profile->deepest && !sample->is_proven && sample->height != 0.0 &&
+            width < min_width) {
+            min_width = width;
+            dropped = i;
         }
     }
-    if (drop == DPT_NONE)
+    if (dropped == DPT_NONE)
         return 0;
-    struct profile_sample *here = &profile->sample[drop];
+    struct profile_sample *here = &profile->sample[dropped];
     here[-1].has_depth_bound = here[-1].has_span = 0;
-    mark_changed(profile, drop);
+    mark_changed(profile, dropped);
     profile->sample_count--;
-    memmove(here, here + 1, (profile->sample_count - drop) * sizeof *here);
-    profile->deepest -= profile->deepest > drop;
+    memmove(here, here + 1, (profile->sample_count - dropped) * sizeof *here);
+    profile->deepest -= profile->deepest > dropped;
     return 1;
 }
 
@@ -231,10 +239,10 @@ uint32_t dpti_profile_put_sample(struct distance_profile *profile,
         mark_changed(profile, i);
         if (i)
             here[-1].has_depth_bound = here[-1].has_span = 0;
-        uint32_t was = here->start_triangle;
+        uint32_t start_triangle = here->start_triangle;
         if (sample->is_exact || !here->is_exact)
             *here = *sample;
-        here->start_triangle = was;
+        here->start_triangle = start_triangle;
         here->has_depth_bound = here->has_span = 0;
         return i;
     }
@@ -250,7 +258,7 @@ uint32_t dpti_profile_put_sample(struct distance_profile *profile,
     return i;
 }
 
-/* Of the sample beside s: where a search begins. */
+/* The place of the triangle of the nearest sample to s, from which to start; 0 if there is none. */
 static uint32_t triangle_beside(const struct distance_profile *profile, double s)
 {
     const struct profile_sample *sample = profile->sample;
@@ -274,32 +282,32 @@ int dpti_profile_share_triangle(struct distance_profile *profile, uint32_t i, ui
     if (sample->is_exact || sample->triangle == DPT_NONE || sample->triangle == triangle ||
         !(dpti_profile_distance_to(profile, triangle, sample->s) < fabs(sample->height)))
         return 0;
-    struct profile_sample better;
-    dpti_profile_take_sample(profile, sample->s, triangle, 0, &better);
+    struct profile_sample improved;
+    dpti_profile_take_sample(profile, sample->s, triangle, 0, &improved);
     if (profile->is_cut)
         return 0;
-    dpti_profile_put_sample(profile, &better);
+    dpti_profile_put_sample(profile, &improved);
     return 1;
 }
 
-uint32_t dpti_profile_add_sample(struct distance_profile *profile, double s, int exact)
+uint32_t dpti_profile_add_sample(struct distance_profile *profile, double s, int by_search)
 {
     struct profile_sample sample;
-    dpti_profile_take_sample(profile, s, triangle_beside(profile, s), exact, &sample);
-    uint32_t at = profile->is_cut ? DPT_NONE : dpti_profile_put_sample(profile, &sample);
-    if (at == DPT_NONE)
-        return at;
-    for (uint32_t i = at; i > 0 && dpti_profile_share_triangle(profile, i - 1, sample.triangle);
+    dpti_profile_take_sample(profile, s, triangle_beside(profile, s), by_search, &sample);
+    uint32_t index = profile->is_cut ? DPT_NONE : dpti_profile_put_sample(profile, &sample);
+    if (index == DPT_NONE)
+        return index;
+    for (uint32_t i = index; i > 0 && dpti_profile_share_triangle(profile, i - 1, sample.triangle);
          i--)
         ;
-    for (uint32_t i = at + 1;
+    for (uint32_t i = index + 1;
          i < profile->sample_count && dpti_profile_share_triangle(profile, i, sample.triangle); i++)
         ;
-    return at;
+    return index;
 }
 
 uint32_t dpti_profile_add_nearest(struct distance_profile *profile, double from, double to,
-                                  double reach)
+                                  double limit)
 {
     const struct axis *axis = profile->axis;
     struct axis piece = { .local_a = profile_point(profile, from),
@@ -308,7 +316,7 @@ uint32_t dpti_profile_add_nearest(struct distance_profile *profile, double from,
     struct pair_search nearest;
     struct bvh_traversal traversal;
     pair_search_begin(&nearest, DPT_NONE);
-    nearest.pair.distance2 = reach * reach;
+    nearest.pair.distance2 = limit * limit;
     traversal.depth = 0;
     if (has_work_left(profile)) {
         profile->is_cut |=

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Samples of a profile: how far the surface is at single points of the axis. Those beside each other are told of
- * what a new one found.
+ * Samples of a distance profile: the signed distance of the surface at single points of the axis. A new sample shares
+ * its triangle with its neighbours, which take it over if it is nearer than their own.
  */
 #ifndef DPT_PROFILE_SAMPLES_H
 #define DPT_PROFILE_SAMPLES_H
@@ -10,7 +10,7 @@
 #include "nearest/dynamic_point.h"
 #include "nearest/side.h"
 
-/* The depth's own bound, of the mesh's diagonal. */
+/* The depth's tolerance, as a share of the mesh's diagonal. */
 #define PROFILE_DEPTH_SHARE 1e-5
 
 enum {
@@ -20,118 +20,130 @@ enum {
     PROFILE_WARM_STARTS = 48
 };
 
-/* A place on the axis and a triangle that was nearest there. */
+/* A point of the axis at which a later tick takes a sample, and a triangle to start from. */
 struct warm_start {
-    double s;
-    uint32_t triangle;
-    float share; /* of its region's overlap: what would be wrong with it */
+    double s;          /* 0..1 */
+    uint32_t triangle; /* place; it was the nearest there */
+    float share;       /* of its region's overlap that this sample decides */
 };
 
-/* What counts for more than this is searched for; descent does for the rest. */
+/* A sample that decides on more than this share of the overlap is searched for. The others descend. */
 #define PROFILE_SEARCH_SHARE 0.005
 
-/* Work after which descent has to do, but for the depth's proof; integrals have half as much again where samples are cheap. */
+/*
+ * Units of work after which samples for the integrals are no longer searched for, but descend. Half as many are added
+ * where samples are cheap. The proof of the depth goes on.
+ */
 #define PROFILE_WORK_MAX 1600
 
+/* One point of the axis. Or a mark, whose triangle is DPT_NONE: no triangle is within reach there. */
 struct profile_sample {
-    double s;
-    double height; /* signed distance to the triangle; the mesh's, if it is exact */
-    vec3 normal;   /* unit, the way out: along it the height grows */
-    double slope;  /* of the tangent: by how much the height grows over s, from 0 to 1 */
-    vec3 gap;      /* x - q */
+    double s; /* 0..1 */
+    /* Signed distance to the triangle, m; to the mesh, if is_exact. The reach, if this is a mark. */
+    double height;
+    vec3 normal;  /* the way out, unit, in the body's frame: the height grows along it */
+    double slope; /* of the height: its derivative by s, m */
+    vec3 gap;     /* x - q in the body's frame: from the triangle's nearest point to the axis' */
     double weight[3];
-    uint32_t triangle; /* DPT_NONE: nothing is within reach here, height is the reach */
-    uint32_t is_exact; /* no triangle is nearer */
-    uint32_t
-        is_proven; /* it is the lowest around, of its region or by dpti_profile_prove_deepest */
-    uint32_t start_triangle;  /* the triangle that it began with */
-    uint32_t has_depth_bound; /* `deep` is known */
+    uint32_t triangle;        /* place, or DPT_NONE */
+    uint32_t is_exact;        /* no triangle is nearer */
+    uint32_t is_proven;       /* it is the deepest point of a region or of a stretch, by proof */
+    uint32_t start_triangle;  /* place of the triangle from which its descent or search started */
+    uint32_t has_depth_bound; /* depth_bound is known */
     uint32_t has_span;        /* `span` is known */
-    /* How deep it can be between here and the next sample, and where that was found. */
+    /* How deep the axis can be between here and the next sample, m, and the place s at which to split the stretch. */
     struct depth_bound {
         double depth, s;
-        uint32_t can_tighten; /* asking triangles may lower it */
+        uint32_t can_tighten; /* distances to triangles may lower it */
         uint32_t reserved;
     } depth_bound;
     /* How far the surface is within reach between here and the next sample (contact_integrals.c). */
     struct span {
-        double s;               /* of the bend */
-        double w0, w, w1;       /* at the ends and there */
-        double area;            /* over s, not over length */
-        double error_estimate;  /* of it */
-        uint32_t has_loose_end; /* the surface goes out of reach in it, one does not know where */
+        double s; /* of the bend */
+        /* w = reach - height, m: at this sample, at the bend and at the next sample. */
+        double w0, w, w1;
+        double area;           /* integral of w over s, m */
+        double error_estimate; /* of the area, m */
+        /* The surface goes out of reach in this span, and the place is not known well enough. */
+        uint32_t has_loose_end;
         uint32_t reserved;
     } span;
 };
 
-/* Where the axis goes through the surface. */
+/* A place where the axis goes through the surface. Sides: +1 outside, -1 inside, 0 not known from this triangle. */
 struct crossing {
-    double s;
+    double s; /* 0..1 */
     double weight[3];
-    uint32_t triangle;
-    int32_t side_before,
-        side_after; /* side of the axis there: +1 outside, -1 inside, 0 not known by this triangle */
+    uint32_t triangle;   /* place */
+    int32_t side_before; /* of the axis at smaller s */
+    int32_t side_after;  /* at larger s */
 };
 
 #define SIDES_MAX 4
 
-/* Sides of open sheets that are kept: +1 in front of the sheet's triangles, -1 behind. */
+/* Known sides of open sheets: the tool came from +1, in front of the sheet's triangles, or from -1, behind them. */
 struct sides {
     uint32_t count;
     uint32_t part[SIDES_MAX];
     int32_t side[SIDES_MAX];
 };
 
-/* Of a part, or 0. */
+/* The known side of a part, or 0. */
 int32_t dpti_sides_get(const struct sides *sides, uint32_t part);
 
-/* The first one that is put stays; where there is no room, none is kept. */
+/* Add the side of a part. Does nothing if one is known already, or if there is no room. */
 void dpti_sides_put(struct sides *sides, uint32_t part, int32_t side);
 
 struct distance_profile {
+    /* The caller sets these, and reach, tolerance and work. */
     const struct surface *surface;
     const struct kernel *kernel;
     const struct axis *axis;
     const struct sides *sides;
     struct point_cache *point_cache; /* NULL: without a budget */
-    uint32_t body;                   /* slot, in the memo */
-    uint32_t contacts_wanted;        /* they come after the depth, and no budget ends them */
-    uint32_t is_coarse;              /* its regions are of fewer samples than they should be */
-    double axis_length;              /* length of the axis */
-    double reach;                    /* surface farther than that from the axis does not count */
-    double tolerance;                /* of the depth */
+    uint32_t body;                   /* slot; its key in the point cache */
+    uint32_t contacts_wanted;        /* regions follow after the depth, and no budget ends them */
+    uint32_t is_coarse;              /* the regions come from fewer samples than they should */
+    double axis_length;              /* m */
+    double reach;                    /* surface farther than that from the axis does not count, m */
+    double tolerance;                /* of the depth, m */
     struct work work;                /* of this profile alone */
-    uint32_t is_cut;                 /* that was not enough */
-    uint32_t has_winding_parts;      /* the mesh has parts whose inside the winding number tells */
-    uint32_t is_full;     /* more crossings than there is room for: what is known is not all */
-    uint32_t is_sideless; /* it goes through an open sheet of which no side is kept */
+    uint32_t is_cut;                 /* the work was spent before the profile was complete */
+    uint32_t has_winding_parts;      /* parts whose inside only the winding number tells */
+    uint32_t is_full;                /* more than PROFILE_CROSSINGS crossings: some are missing */
+    uint32_t is_sideless;            /* the axis crosses an open sheet whose side is not known */
     uint32_t crossing_count;
     uint32_t reach_interval_count;
     uint32_t sample_count;
-    uint32_t
-        unchanged_count; /* so many samples, with what is between, are as regions saw them last */
-    uint32_t deepest;    /* the sample with the least height, exact */
-    struct crossing crossing[PROFILE_CROSSINGS];
-    int32_t sign[PROFILE_CROSSINGS + 1]; /* between crossings; 0: each sample has its own */
-    double reach_from[PROFILE_REACH_INTERVALS],
-        reach_to[PROFILE_REACH_INTERVALS]; /* of s: the surface may be within reach */
-    struct profile_sample sample[PROFILE_SAMPLES];
+    uint32_t unchanged_count; /* so many samples, from the first, are as at the last sum_spans */
+    uint32_t deepest;         /* index of the sample with the least height; it is exact */
+    struct crossing crossing[PROFILE_CROSSINGS]; /* in order of s */
+    /* Side of the axis before crossing k, after the last one for k = crossing_count; 0: each sample has its own. */
+    int32_t sign[PROFILE_CROSSINGS + 1];
+    /* Stretches of the axis, in s, outside of which no surface is within reach. */
+    double reach_from[PROFILE_REACH_INTERVALS];
+    double reach_to[PROFILE_REACH_INTERVALS];
+    struct profile_sample sample[PROFILE_SAMPLES]; /* in order of s */
 };
 
+/* The point of the axis at s, in the body's frame. */
 static inline vec3 profile_point(const struct distance_profile *profile, double s)
 {
     return along(profile->axis->local_a, s, profile->axis->u);
 }
 
-/* The square of how far x(s) is from the point of the mesh that is nearest to a sample; the sample's triangle is no farther. */
+/*
+ * The square of the distance from the axis at s to a sample's nearest point on the mesh, m^2. The sample's triangle is
+ * no farther than that.
+ */
 static inline double profile_square_distance(const struct distance_profile *profile,
                                              const struct profile_sample *sample, double s)
 {
-    vec3 way = along(sample->gap, s - sample->s, profile->axis->u);
-    return dot(way, way);
+    vec3 offset = along(sample->gap, s - sample->s, profile->axis->u);
+    return dot(offset, offset);
 }
 
-/* Between which crossings a place is: an index into `sign`. */
+/* The stretch between crossings that holds s: an index into `sign`. */
 static inline uint32_t profile_stretch(const struct distance_profile *profile, double s)
 {
     uint32_t k = 0;
@@ -140,46 +152,76 @@ static inline uint32_t profile_stretch(const struct distance_profile *profile, d
     return k;
 }
 
-/* The way out, at a crossing or a pair, by the triangle that it is on; zero where there is none. */
+/*
+ * The way out at a point of the surface: the normal of its face, edge or vertex, turned to the known side. Unit, in the
+ * body's frame; zero on a part that has neither an inside nor a known side.
+ *
+ *   triangle  place; `weight` of its corners, at the point
+ */
 vec3 dpti_profile_exit_direction(const struct distance_profile *profile, uint32_t triangle,
                                  const double weight[3]);
 
-/* How far a point of the axis is from a triangle: no less, and no more than rounding above it. */
+/* The distance of the axis at s to a triangle, a place, m: never below the true one, and above it by rounding alone. */
 double dpti_profile_distance_to(const struct distance_profile *profile, uint32_t triangle,
                                 double s);
 
-/* Sides may change without a crossing: each sample has its own. */
+/* 1: the side may change without a crossing, so each sample determines its own. */
 static inline int profile_has_side_per_sample(const struct distance_profile *profile)
 {
     return profile->sides->count > 0 || profile->has_winding_parts;
 }
 
-/* By the winding number: 1 inside. A point outside of the box sees all of the mesh in one half of its view. */
+/*
+ * 1: the axis at s is inside, by the winding number. Outside of the mesh's box it never is. If the work is spent, the
+ * profile is cut and the answer does not count.
+ */
 int dpti_profile_is_inside(struct distance_profile *profile, double s);
 
-/* Of a point of the axis whose nearest pair this is: +1 outside, -1 inside. */
+/* The side of the axis at s: +1 outside, -1 inside. `found` is the nearest pair there, with `triangle`, a place. */
 int dpti_profile_side_of(struct distance_profile *profile, double s, uint32_t triangle,
                          const pair *found);
 
-/* From a triangle near a point of the axis, by descent; `exact` by search. What is cached of it is not cleared: flags tell. */
+/*
+ * Take a sample of the axis at s, without putting it into the profile.
+ *
+ *   triangle   place from which to start; near by, if possible
+ *   by_search  1: search for the nearest triangle; 0: descend to a nearer one
+ *   sample     gets everything but depth_bound and span: their flags are cleared
+ *
+ * If the work is spent, the profile is cut, and the sample's triangle may not be the nearest.
+ */
 void dpti_profile_take_sample(struct distance_profile *profile, double s, uint32_t triangle,
-                              int exact, struct profile_sample *sample);
+                              int by_search, struct profile_sample *sample);
 
-/* In order of s; of two at one place the exact one, or the newer, stays. Returns its index, or DPT_NONE. */
+/*
+ * Put a sample into the profile, in order of s. Of two samples at one place the exact one stays, or the newer one. If
+ * there is no room, a sample between two others with its own triangle is dropped. Returns the index, or DPT_NONE: no
+ * room.
+ */
 uint32_t dpti_profile_put_sample(struct distance_profile *profile,
                                  const struct profile_sample *sample);
 
-/* Is the triangle of a new sample nearer to the one at i than its own? Then that one begins there. */
+/*
+ * Offer a triangle, a place, to sample i. If it is nearer than the sample's own, the sample is taken again, by descent
+ * from there. Returns 1 if it was.
+ */
 int dpti_profile_share_triangle(struct distance_profile *profile, uint32_t i, uint32_t triangle);
 
-/* One more sample, by a search or by descent from those beside it; its index, or DPT_NONE without room or work for it. */
-uint32_t dpti_profile_add_sample(struct distance_profile *profile, double s, int exact);
+/*
+ * Add a sample at s, by a search or by descent from a neighbour's triangle, and share its triangle with its neighbours.
+ * Returns its index, or DPT_NONE if there was no room or no work left.
+ */
+uint32_t dpti_profile_add_sample(struct distance_profile *profile, double s, int by_search);
 
-/* Outside: the nearest point of the axis from one place to another, if it is nearer than `reach`; else DPT_NONE. */
+/*
+ * Search for the point of the axis between two places, s in 0..1, that is nearest to the surface, and add a sample
+ * there. The axis must be outside between them. Returns the sample's index, or DPT_NONE if no surface is nearer than
+ * `limit`, in m, or the work was spent.
+ */
 uint32_t dpti_profile_add_nearest(struct distance_profile *profile, double from, double to,
-                                  double reach);
+                                  double limit);
 
-/* The lowest of the samples on a part, if it is inside or behind. */
+/* The sample with the least height on a part, if it is inside or behind; NULL otherwise. */
 const struct profile_sample *dpti_profile_lowest_on(const struct distance_profile *profile,
                                                     uint32_t part);
 

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * A point behind a sheet, h from it, beside whose border the way back ends when that is as near as the sheet: b = h.
- * So what pushes it is no deeper than b - h. Both are distances, so that this changes by no more than the point moves
- * where the ways to sheet and border turn less than 60 degrees from each other; beyond, b > 2 h on a flat sheet, a
- * slower rise keeps it so. A tool is pushed at the point of its axis that is deepest by that measure.
+ * Let a point be behind a sheet, at distance h from it and b from its border. Once the border is as near as the sheet,
+ * b = h, the point counts as in front. So near the border its depth is at most b - h. Both are distances. While the
+ * directions to sheet and border are less than 60 degrees apart, b - h changes by no more than the point moves. Beyond
+ * that, b > 2 h on a flat sheet, a slower rise keeps this so. The tool is pushed at the point of its axis whose reduced
+ * depth is largest.
  */
 #include "contact/sheet_border.h"
 
@@ -11,61 +12,66 @@
 
 enum {
     EDGES_MAX = 256,
-    BLOCKS_MAX = 2048,  /* of a search for the border, beside the budget */
-    STRETCH_STEPS = 16, /* of a stretch that is behind */
-    WINDOW_STEPS = 8,   /* of two of them */
-    GOLDEN_STEPS = 14   /* of a golden section: 7e-4 of its span */
+    BLOCKS_MAX = 2048,  /* of one search for the border; they are not part of the budget */
+    STRETCH_STEPS = 16, /* along a stretch that is behind the sheet */
+    WINDOW_STEPS = 8,   /* along two of those steps, round a local maximum */
+    GOLDEN_STEPS = 14   /* of a golden section search, down to 7e-4 of its interval */
 };
 
 #define GOLDEN    0.6180339887498949
 #define RISE_SLOW 0.8
 
-/* Edges of sheets' borders that may count. */
+/* Border edges of sheets near the tool. */
 struct border_edges {
     const struct surface *surface;
     uint32_t count;
-    uint32_t stride; /* of so many only one was kept */
+    uint32_t stride; /* one in so many edges is held */
     struct border_edge {
-        uint32_t from, to; /* vertices */
+        uint32_t from, to; /* vertices of the mesh */
         uint32_t part;
     } edge[EDGES_MAX];
 };
 
-/* What a border at distance b leaves of the depth of a point that is h behind, or in front, at h = 0. */
-static double depth_left_by_border(double h, double b)
+/* The depth that a border at `distance` leaves to a point at `height` from the sheet, both in m and >= 0. */
+static double depth_left_by_border(double height, double distance)
 {
-    return max_of(0.0, min_of(b - h, h + RISE_SLOW * (b - 2.0 * h)));
+    return max_of(0.0, min_of(distance - height, height + RISE_SLOW * (distance - 2.0 * height)));
 }
 
-/* A border that is farther changes no point's depth that is as deep, or less. */
-static double border_reach(double h, double radius, double share)
+/* The distance, m, beyond which a border reduces no point that is at most `height` behind the sheet. */
+static double border_reach(double height, double radius, double share)
 {
-    return 2.0 * h + ((h + radius) / share - h) / RISE_SLOW;
+    return 2.0 * height + ((height + radius) / share - height) / RISE_SLOW;
 }
 
+/* The square of the distance from x, in the body's frame, to an edge, m^2. */
 static double edge_square_distance(const struct border_edges *border,
                                    const struct border_edge *edge, vec3 x)
 {
     vec3 from = surface_vertex(border->surface, edge->from);
-    vec3 along_edge = sub(surface_vertex(border->surface, edge->to), from), way = sub(x, from);
-    double size = dot(along_edge, along_edge);
-    vec3 off = along(way, size > 0.0 ? -clamp01(dot(way, along_edge) / size) : 0.0, along_edge);
-    return dot(off, off);
+    vec3 along_edge = sub(surface_vertex(border->surface, edge->to), from), offset = sub(x, from);
+    double square_length = dot(along_edge, along_edge);
+    vec3 gap =
+        along(offset, square_length > 0.0 ? -clamp01(dot(offset, along_edge) / square_length) : 0.0,
+              along_edge);
+    return dot(gap, gap);
 }
 
+/* The distance from x, in the body's frame, to the border of a part, m; HUGE_VAL if none is near. */
 static double border_distance(const struct border_edges *border, uint32_t part, vec3 x)
 {
-    double least = HUGE_VAL;
+    double min_square = HUGE_VAL;
     for (uint32_t i = 0; i < border->count; i++)
         if (border->edge[i].part == part)
-            least = min_of(least, edge_square_distance(border, &border->edge[i], x));
-    return sqrt(least);
+            min_square = min_of(min_square, edge_square_distance(border, &border->edge[i], x));
+    return sqrt(min_square);
 }
 
-/* Where there are too many, every other one does: each is short beside the reach then. */
-static void put_edge(struct border_edges *border, uint32_t number, const struct border_edge *edge)
+/* Add an edge. If there are too many, every other one is dropped: so many edges are short compared to the reach. */
+static void put_edge(struct border_edges *border, uint32_t edge_number,
+                     const struct border_edge *edge)
 {
-    if (number % border->stride)
+    if (edge_number % border->stride)
         return;
     if (border->count == EDGES_MAX) {
         for (uint32_t i = 0; i < EDGES_MAX / 2; i++)
@@ -76,48 +82,52 @@ static void put_edge(struct border_edges *border, uint32_t number, const struct 
     border->edge[border->count++] = *edge;
 }
 
-/* Those of a leaf, of sheets with a side, that are within reach of a point; `number` counts all that were seen. */
+/*
+ * Add the border edges of a leaf's triangles that are within reach of x, in the body's frame, if they are of a sheet
+ * whose side is known. *seen_count counts all such edges of the search.
+ */
 static void add_leaf_edges(const struct distance_profile *profile, uint32_t leaf, vec3 x,
-                           double reach, uint32_t *number, struct border_edges *border)
+                           double reach, uint32_t *seen_count, struct border_edges *border)
 {
     const struct surface *surface = profile->surface;
     const uint32_t *neighbour = surface_neighbours(surface);
-    const uint32_t first = leaf * LANES, left = surface_triangles(surface) - first;
-    for (uint32_t i = 0; i < 3 * (left < LANES ? left : LANES); i++) {
-        const uint32_t t = first + i / 3, k = i % 3;
+    const uint32_t first = leaf * LANES, remaining = surface_triangles(surface) - first;
+    for (uint32_t i = 0; i < 3 * (remaining < LANES ? remaining : LANES); i++) {
+        const uint32_t triangle = first + i / 3, corner = i % 3;
         if (neighbour[3 * (size_t)first + i] != MESH_EDGE_OPEN)
             continue;
-        const struct border_edge edge = { surface_corner(surface, t, k),
-                                          surface_corner(surface, t, (k + 1) % 3),
-                                          surface_part(surface, t) };
+        const struct border_edge edge = { surface_corner(surface, triangle, corner),
+                                          surface_corner(surface, triangle, (corner + 1) % 3),
+                                          surface_part(surface, triangle) };
         if (dpti_sides_get(profile->sides, edge.part) &&
             edge_square_distance(border, &edge, x) <= reach * reach)
-            put_edge(border, (*number)++, &edge);
+            put_edge(border, (*seen_count)++, &edge);
     }
 }
 
-/* Border edges within reach of a point; 0 where that was too much work. */
+/* Find the border edges within reach, m, of x, in the body's frame. Returns 0 if that is too much work. */
 static int gather_edges(const struct distance_profile *profile, vec3 x, double reach,
                         struct border_edges *border)
 {
     const struct surface *surface = profile->surface;
-    const vec3 seen = scaled(sub(x, surface->filter_centre), surface->filter_scale);
-    const double far = reach * surface->filter_scale + kernel_margin(length(seen), length(seen));
-    const float limit = (float)(far * far * (1.0 + 4.0 * KERNEL_STRETCH));
-    uint32_t node[MESH_LEVELS_MAX + 1], lanes[MESH_LEVELS_MAX + 1], number = 0, blocks = 0;
+    const vec3 x_filter = scaled(sub(x, surface->filter_centre), surface->filter_scale);
+    const double filter_reach =
+        reach * surface->filter_scale + kernel_margin(length(x_filter), length(x_filter));
+    const float limit = (float)(filter_reach * filter_reach * (1.0 + 4.0 * KERNEL_STRETCH));
+    uint32_t node[MESH_LEVELS_MAX + 1], lanes[MESH_LEVELS_MAX + 1], seen_count = 0, blocks = 0;
     uint32_t level = surface->levels;
-    float at[3], bound[LANES];
-    put_float(seen, at);
+    float x_float[3], bound[LANES];
+    put_float(x_filter, x_float);
     border->surface = surface;
     border->count = 0;
     border->stride = 1;
     node[level] = 0;
     for (int is_new = 1; level <= surface->levels; is_new = 0) {
         if (is_new || lanes[level] == UINT32_MAX)
-            lanes[level] =
-                lanes_of(surface->count[level - 1] - node[level] * LANES) &
-                profile->kernel->point_boxes(
-                    surface->level[level] + (size_t)node[level] * MESH_BOX_WORDS, at, limit, bound);
+            lanes[level] = lanes_of(surface->count[level - 1] - node[level] * LANES) &
+                           profile->kernel->point_boxes(surface->level[level] +
+                                                            (size_t)node[level] * MESH_BOX_WORDS,
+                                                        x_float, limit, bound);
         if (!lanes[level]) {
             level++;
             continue;
@@ -127,18 +137,18 @@ static int gather_edges(const struct distance_profile *profile, vec3 x, double r
         if (++blocks > BLOCKS_MAX)
             return 0;
         if (level == 1) {
-            add_leaf_edges(profile, child, x, reach, &number, border);
+            add_leaf_edges(profile, child, x, reach, &seen_count, border);
         } else {
             node[--level] = child;
-            lanes[level] = UINT32_MAX; /* not yet looked at */
+            lanes[level] = UINT32_MAX; /* its bounds are not known yet */
         }
     }
     return 1;
 }
 
 /*
- * Is there a border within reach of a sample? One looks twice as far, so as not to look again in each tick. Where
- * that is too much work, none counts until the tool has gone on by a reach.
+ * 1: a border is within reach, m, of the deepest sample. The search goes twice as far, so that most ticks need none:
+ * *view tells. If a search is too much work, borders do not count until the tool has moved by the reach.
  */
 static int is_border_near(const struct distance_profile *profile,
                           const struct profile_sample *deepest, double reach, uint32_t id,
@@ -153,137 +163,143 @@ static int is_border_near(const struct distance_profile *profile,
         if (view->has_border && view->clear_radius + moved < reach)
             return 1;
     }
-    const int all = gather_edges(profile, x, 2.0 * reach, border);
-    const double clear = all ? border_distance(border, part, x) : HUGE_VAL;
+    const int is_complete = gather_edges(profile, x, 2.0 * reach, border);
+    const double clear_radius = is_complete ? border_distance(border, part, x) : HUGE_VAL;
     *view = (struct border_view){ .centre = x,
-                                  .clear_radius = min_of(2.0 * reach, clear),
+                                  .clear_radius = min_of(2.0 * reach, clear_radius),
                                   .body = id,
                                   .part = part,
-                                  .has_border = clear < 2.0 * reach };
-    return clear <= reach;
+                                  .has_border = clear_radius < 2.0 * reach };
+    return clear_radius <= reach;
 }
 
-/* A search for the deepest point of an axis. */
+/* A search for the point of an axis with the largest reduced depth. */
 struct border_search {
     struct distance_profile *profile;
     const struct border_edges *border;
     double radius;
     /*
-     * Of the room that counts: more than all of a tool that has hardly come through, as for one in front there is no
-     * border.
+     * Factor, >= 1, of the depth that the border leaves. It is above 1 for a tool that has hardly come through the
+     * sheet, since a tool in front of it feels no border.
      */
     double share;
-    uint32_t last_triangle;     /* triangle of the last point that was tried */
+    uint32_t last_triangle;     /* place; of the last point that was tried */
     struct profile_sample best; /* the best so far */
-    double best_depth;
+    double best_depth;          /* m, reduced */
 };
 
 /*
- * How deep a sample counts; not one beside the border, which would push another way than back through the sheet. In
- * front of the sheet the border counts too: there it is that the rest of the axis is behind.
+ * The reduced depth of a sample, m. One whose nearest point is on the border does not count: it would push sideways,
+ * not back through the sheet. The border also reduces a sample in front of the sheet, because the rest of the axis is
+ * behind.
  */
-static double depth_of(const struct border_search *quest, const struct profile_sample *sample)
+static double reduced_depth(const struct border_search *search, const struct profile_sample *sample)
 {
-    const struct distance_profile *profile = quest->profile;
+    const struct distance_profile *profile = search->profile;
     if (sample->triangle == DPT_NONE)
         return -HUGE_VAL;
     const uint32_t part = surface_part(profile->surface, sample->triangle);
-    const double depth = quest->radius - sample->height;
-    if (depth <= quest->best_depth || !dpti_sides_get(profile->sides, part))
-        return depth; /* or less, which does not count */
+    const double depth = search->radius - sample->height;
+    if (depth <= search->best_depth || !dpti_sides_get(profile->sides, part))
+        return depth; /* it may be less, but it cannot be the best */
     if (sample->height >= 0.0 &&
         dpti_side_is_border(profile->surface, sample->triangle, sample->weight))
         return -HUGE_VAL;
-    double b = border_distance(quest->border, part, profile_point(profile, sample->s));
-    return min_of(depth, quest->share * depth_left_by_border(fabs(sample->height), b));
+    double distance = border_distance(search->border, part, profile_point(profile, sample->s));
+    return min_of(depth, search->share * depth_left_by_border(fabs(sample->height), distance));
 }
 
-static double try_sample(struct border_search *quest, const struct profile_sample *sample)
+/* Make a sample the best if its reduced depth is larger. Returns that depth. */
+static double try_sample(struct border_search *search, const struct profile_sample *sample)
 {
-    double depth = depth_of(quest, sample);
-    if (depth > quest->best_depth) {
-        quest->best = *sample;
-        quest->best_depth = depth;
+    double depth = reduced_depth(search, sample);
+    if (depth > search->best_depth) {
+        search->best = *sample;
+        search->best_depth = depth;
     }
     return depth;
 }
 
-/* By descent from where the last one was, which is near. */
-static double try_place(struct border_search *quest, double s)
+/* Try a sample at s, by descent from the triangle of the last one, which is near. Returns its reduced depth. */
+static double try_place(struct border_search *search, double s)
 {
     struct profile_sample sample;
-    dpti_profile_take_sample(quest->profile, s, quest->last_triangle, 0, &sample);
-    quest->last_triangle = sample.triangle;
-    return try_sample(quest, &sample);
+    dpti_profile_take_sample(search->profile, s, search->last_triangle, 0, &sample);
+    search->last_triangle = sample.triangle;
+    return try_sample(search, &sample);
 }
 
-/* The top of a hill, by a golden section. */
-static void climb(struct border_search *quest, double from, double to)
+/* Climb to a local maximum between two places, s, by a golden section search. */
+static void climb(struct border_search *search, double from, double to)
 {
     double left = to - GOLDEN * (to - from), right = from + GOLDEN * (to - from);
-    double at_left = try_place(quest, left), at_right = try_place(quest, right);
+    double depth_left = try_place(search, left), depth_right = try_place(search, right);
     for (int i = 0; i < GOLDEN_STEPS; i++) {
-        if (at_left > at_right) {
+        if (depth_left > depth_right) {
             to = right;
             right = left;
-            at_right = at_left;
+            depth_right = depth_left;
             left = to - GOLDEN * (to - from);
-            at_left = try_place(quest, left);
+            depth_left = try_place(search, left);
         } else {
             from = left;
             left = right;
-            at_left = at_right;
+            depth_left = depth_right;
             right = from + GOLDEN * (to - from);
-            at_right = try_place(quest, right);
+            depth_right = try_place(search, right);
         }
     }
 }
 
-static void search_stretch(struct border_search *quest, double from, double to, int steps);
+static void search_stretch(struct border_search *search, double from, double to, int steps);
 
-/* A piece of a stretch, with those edges alone that may be nearest to a point of it. */
-static void search_window(struct border_search *quest, double from, double to)
+/* Search a piece of a stretch more closely, with only those edges that may be nearest to one of its points. */
+static void search_window(struct border_search *search, double from, double to)
 {
-    const struct border_edges *all = quest->border;
-    const double half = 0.5 * (to - from) * quest->profile->axis_length;
-    const vec3 x = profile_point(quest->profile, 0.5 * (from + to));
-    struct border_edges near = { .surface = all->surface };
+    const struct border_edges *all_edges = search->border;
+    const double half_length = 0.5 * (to - from) * search->profile->axis_length;
+    const vec3 x = profile_point(search->profile, 0.5 * (from + to));
+    struct border_edges near_edges = { .surface = all_edges->surface };
     uint32_t part = DPT_NONE;
     double reach = 0.0;
-    for (uint32_t i = 0; i < all->count; i++) {
-        if (all->edge[i].part != part) {
-            part = all->edge[i].part;
-            reach = border_distance(all, part, x) + 2.0 * half;
+    for (uint32_t i = 0; i < all_edges->count; i++) {
+        if (all_edges->edge[i].part != part) {
+            part = all_edges->edge[i].part;
+            reach = border_distance(all_edges, part, x) + 2.0 * half_length;
         }
-        if (edge_square_distance(all, &all->edge[i], x) <= reach * reach)
-            near.edge[near.count++] = all->edge[i];
+        if (edge_square_distance(all_edges, &all_edges->edge[i], x) <= reach * reach)
+            near_edges.edge[near_edges.count++] = all_edges->edge[i];
     }
-    quest->border = &near;
-    search_stretch(quest, from, to, WINDOW_STEPS);
-    quest->border = all;
+    search->border = &near_edges;
+    search_stretch(search, from, to, WINDOW_STEPS);
+    search->border = all_edges;
 }
 
-/* A stretch may have more than one hill, and what looks like one, two beside each other: so steps are taken twice. */
-static void search_stretch(struct border_search *quest, double from, double to, int steps)
+/*
+ * Search a stretch in steps, and the surroundings of each local maximum again. A stretch may have several local
+ * maxima, and what looks like one may be two side by side: so there is a second, finer round before the climb.
+ */
+static void search_stretch(struct border_search *search, double from, double to, int steps)
 {
     double depth[STRETCH_STEPS + 1], step = (to - from) / steps;
     for (int i = 0; i <= steps; i++)
-        depth[i] = try_place(quest, from + i * step);
+        depth[i] = try_place(search, from + i * step);
     for (int i = 0; i <= steps; i++) {
         double before = i ? depth[i - 1] : -HUGE_VAL, after = i < steps ? depth[i + 1] : -HUGE_VAL;
         double left = max_of(from, from + (i - 1) * step),
                right = min_of(to, from + (i + 1) * step);
-        /* The depth changes by no more than twice the way. */
+        /* The depth changes by at most twice the distance along the axis. */
         if (!(depth[i] >= before && depth[i] > after &&
-              depth[i] + 2.0 * step * quest->profile->axis_length > quest->best_depth))
+              depth[i] + 2.0 * step * search->profile->axis_length > search->best_depth))
             continue;
         if (steps == STRETCH_STEPS)
-            search_window(quest, left, right);
+            search_window(search, left, right);
         else
-            climb(quest, left, right);
+            climb(search, left, right);
     }
 }
 
+/* 1: the sample's nearest point is on a border. */
 static int is_on_border(const struct distance_profile *profile, const struct profile_sample *sample)
 {
     return sample->triangle != DPT_NONE &&
@@ -291,94 +307,98 @@ static int is_on_border(const struct distance_profile *profile, const struct pro
 }
 
 /*
- * Where a stretch that ends with a sample may go on to, towards the next one: to that, where it is beside the
- * border; else until the tool's surface leaves the sheet, and half as far again.
+ * Where a stretch whose last sample is `last` may end, in s, towards the sample `next`: at `next` if that is on the
+ * border; otherwise where the tool's surface leaves the sheet by the tangent, and half as far again.
  */
-static double stretch_end(const struct border_search *quest, const struct profile_sample *last,
+static double stretch_end(const struct border_search *search, const struct profile_sample *last,
                           const struct profile_sample *next)
 {
-    const double way = next->s - last->s, rise = fabs(last->slope);
-    const double left = 1.5 * (quest->radius - last->height);
-    if (is_on_border(quest->profile, next) || rise * fabs(way) <= left)
+    const double width = next->s - last->s, slope = fabs(last->slope);
+    const double reach_left = 1.5 * (search->radius - last->height);
+    if (is_on_border(search->profile, next) || slope * fabs(width) <= reach_left)
         return next->s;
-    return last->s + (way < 0.0 ? -left : left) / rise;
+    return last->s + (width < 0.0 ? -reach_left : reach_left) / slope;
 }
 
-/* The tool's surface is within the sheet there, or it is behind. */
-static int is_on_sheet_or_behind(const struct border_search *quest,
+/* 1: at this sample the axis is behind the sheet, or the tool's surface reaches into it from the front. */
+static int is_on_sheet_or_behind(const struct border_search *search,
                                  const struct profile_sample *sample)
 {
     return sample->height <= 0.0 ||
-           (sample->height < quest->radius && !is_on_border(quest->profile, sample));
+           (sample->height < search->radius && !is_on_border(search->profile, sample));
 }
 
-/* The next stretch of which a part at least is behind, from sample *i on, which is moved past it; 0: there is none. */
-static int next_stretch(const struct border_search *quest, uint32_t *i, double *from, double *to)
+/*
+ * Find the next stretch of the axis of which at least a part is behind the sheet, from sample *i on, and move *i past
+ * it. Its ends, in s, go to *from and *to. Returns 0 if there is none.
+ */
+static int next_stretch(const struct border_search *search, uint32_t *i, double *from, double *to)
 {
-    const struct profile_sample *sample = quest->profile->sample;
-    const uint32_t count = quest->profile->sample_count;
+    const struct profile_sample *sample = search->profile->sample;
+    const uint32_t count = search->profile->sample_count;
     while (*i < count) {
         const uint32_t first = *i;
-        int behind = 0;
-        for (; *i < count && is_on_sheet_or_behind(quest, &sample[*i]); ++*i)
-            behind |= sample[*i].height <= 0.0;
+        int has_behind = 0;
+        for (; *i < count && is_on_sheet_or_behind(search, &sample[*i]); ++*i)
+            has_behind |= sample[*i].height <= 0.0;
         const uint32_t end = *i;
         *i += end == first;
-        if (!behind)
+        if (!has_behind)
             continue;
-        *from = first ? stretch_end(quest, &sample[first], &sample[first - 1]) : sample[first].s;
-        *to = end < count ? stretch_end(quest, &sample[end - 1], &sample[end]) : sample[end - 1].s;
+        *from = first ? stretch_end(search, &sample[first], &sample[first - 1]) : sample[first].s;
+        *to = end < count ? stretch_end(search, &sample[end - 1], &sample[end]) : sample[end - 1].s;
         return 1;
     }
     return 0;
 }
 
-/* All of them as one: of that the border is asked for. */
-static int gather_stretches(const struct border_search *quest, double reach,
+/* Find the border edges within reach, m, of all stretches together. Returns 0 if there are none, or too much work. */
+static int gather_stretches(const struct border_search *search, double reach,
                             struct border_edges *border)
 {
     double from = 1.0, to = 0.0, first, last;
-    for (uint32_t i = 0; next_stretch(quest, &i, &first, &last);) {
+    for (uint32_t i = 0; next_stretch(search, &i, &first, &last);) {
         from = min_of(from, first);
         to = max_of(to, last);
     }
-    const double half = 0.5 * (to - from) * quest->profile->axis_length;
+    const double half_length = 0.5 * (to - from) * search->profile->axis_length;
     return from <= to &&
-           gather_edges(quest->profile, profile_point(quest->profile, 0.5 * (from + to)),
-                        half + reach, border);
+           gather_edges(search->profile, profile_point(search->profile, 0.5 * (from + to)),
+                        half_length + reach, border);
 }
 
-/* No search puts a sample into the profile: it stays as it is. */
-static void search_axis(struct border_search *quest)
+/* Try the profile's samples, then search all stretches. The profile itself stays as it is. */
+static void search_axis(struct border_search *search)
 {
-    const struct distance_profile *profile = quest->profile;
+    const struct distance_profile *profile = search->profile;
     double from, to;
     for (uint32_t i = 0; i < profile->sample_count; i++)
-        try_sample(quest, &profile->sample[i]);
-    for (uint32_t i = 0; next_stretch(quest, &i, &from, &to);)
-        search_stretch(quest, from, to, STRETCH_STEPS);
+        try_sample(search, &profile->sample[i]);
+    for (uint32_t i = 0; next_stretch(search, &i, &from, &to);)
+        search_stretch(search, from, to, STRETCH_STEPS);
 }
 
 /*
- * How far the search must look, or 0: no border can be near. The samples tell of it where they go on beside it in
- * front; what is between such two may be deeper than both.
+ * The largest possible distance of the axis behind the sheet, m: that of the deepest sample, or more. Where a sample
+ * behind the sheet has a neighbour in front whose nearest point is on the border, the axis may be deeper between the
+ * two.
  */
 static double max_depth_behind(const struct distance_profile *profile)
 {
-    double most = -profile->sample[profile->deepest].height;
+    double max_depth = -profile->sample[profile->deepest].height;
     for (uint32_t i = 0; i + 1 < profile->sample_count; i++) {
         const struct profile_sample *low = &profile->sample[i], *high = low + 1;
         if (low->height > high->height) {
             low = high;
             high = &profile->sample[i];
         }
-        if (low->height <= 0.0 && high->height > most && is_on_border(profile, high))
-            most = high->height;
+        if (low->height <= 0.0 && high->height > max_depth && is_on_border(profile, high))
+            max_depth = high->height;
     }
-    return most;
+    return max_depth;
 }
 
-/* How far the axis has come through the sheet's plane, beside its border too. */
+/* How far the axis reaches through the sheet's plane at the deepest sample, m, also beyond the sheet's border. */
 static double depth_through_plane(const struct distance_profile *profile,
                                   const struct profile_sample *deepest)
 {
@@ -391,39 +411,40 @@ int dpti_sheet_border_reduce(struct distance_profile *profile, const struct fram
                              struct penetration *penetration, struct warm_start *found)
 {
     const struct profile_sample deepest = profile->sample[profile->deepest];
-    const double most = max_depth_behind(profile), through = depth_through_plane(profile, &deepest);
-    const double share = max_of(1.0, radius / max_of(max_of(most, through), DBL_MIN));
-    const double reach = border_reach(most, radius, share);
+    const double max_depth = max_depth_behind(profile),
+                 through = depth_through_plane(profile, &deepest);
+    const double share = max_of(1.0, radius / max_of(max_of(max_depth, through), DBL_MIN));
+    const double reach = border_reach(max_depth, radius, share);
     struct border_edges border;
     if (!(penetration->depth > 0.0) || !is_border_near(profile, &deepest, reach, id, view, &border))
         return 0;
-    struct border_search quest = { .profile = profile,
-                                   .border = &border,
-                                   .radius = radius,
-                                   .share = share,
-                                   .last_triangle = deepest.triangle,
-                                   .best = deepest };
-    if (!gather_stretches(&quest, reach, &border))
+    struct border_search search = { .profile = profile,
+                                    .border = &border,
+                                    .radius = radius,
+                                    .share = share,
+                                    .last_triangle = deepest.triangle,
+                                    .best = deepest };
+    if (!gather_stretches(&search, reach, &border))
         return 0;
-    quest.best_depth = depth_of(&quest, &deepest) + profile->tolerance;
+    search.best_depth = reduced_depth(&search, &deepest) + profile->tolerance;
     *found = (struct warm_start){ deepest.s, deepest.triangle, 1.0f };
-    if (most == -deepest.height && quest.best_depth >= penetration->depth)
+    if (max_depth == -deepest.height && search.best_depth >= penetration->depth)
         return 1;
     const uint32_t cut = profile->is_cut;
     const struct work work = profile->work;
     struct point_cache *cache = profile->point_cache;
     profile->point_cache = NULL;
     profile->work = work_of(WORK_UNLIMITED);
-    search_axis(&quest);
-    dpti_profile_take_sample(profile, quest.best.s, quest.best.triangle, 1, &quest.best);
-    quest.best_depth = -HUGE_VAL;
+    search_axis(&search);
+    dpti_profile_take_sample(profile, search.best.s, search.best.triangle, 1, &search.best);
+    search.best_depth = -HUGE_VAL;
     profile->point_cache = cache;
     profile->work = work;
     profile->is_cut = cut;
-    penetration->direction = frame_turn(body, dpti_contact_normal(profile, &quest.best, smooth));
+    penetration->direction = frame_turn(body, dpti_contact_normal(profile, &search.best, smooth));
     penetration->at =
-        along(profile->axis->a, quest.best.s, sub(profile->axis->b, profile->axis->a));
-    penetration->depth = max_of(0.0, depth_of(&quest, &quest.best));
-    *found = (struct warm_start){ quest.best.s, quest.best.triangle, 1.0f };
+        along(profile->axis->a, search.best.s, sub(profile->axis->b, profile->axis->a));
+    penetration->depth = max_of(0.0, reduced_depth(&search, &search.best));
+    *found = (struct warm_start){ search.best.s, search.best.triangle, 1.0f };
     return 1;
 }

@@ -1,27 +1,34 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The push behind an open sheet, near its border: there the way back through the sheet ends at once, and the push
- * must have come to nothing by then. docs/algorithms/penalty.md.
+ * The penetration of an open sheet near its border. Beyond the border the point that is pushed counts as in front of
+ * the sheet, so its depth must have come to zero there. docs/algorithms/penalty.md.
  */
 #ifndef DPT_SHEET_BORDER_H
 #define DPT_SHEET_BORDER_H
 
 #include "contact/gap.h"
 
-/* What was seen of a sheet's border: none is within `clear` of a point, in the body's frame. */
+/* What the last search for a sheet's border found: no border within clear_radius of `centre`. */
 struct border_view {
-    vec3 centre;
-    double clear_radius; /* 0: nothing was seen */
+    vec3 centre;         /* in the body's frame */
+    double clear_radius; /* m; 0: there was no search */
     uint32_t body;       /* its id */
     uint32_t part;       /* of its mesh */
-    uint32_t has_border; /* some of it is just there */
+    uint32_t has_border; /* 1: the border is at clear_radius */
     uint32_t reserved;
 };
 
 /*
- * A push that was made at the profile's deepest sample, behind a sheet whose side is kept. Away from its border it
- * stays as it is, bit for bit. `view` is of the last tick's, and of this one's then. Samples are taken; the profile
- * stays as it was. 1 where a border was so near that the point was looked for: then `found` is where it is.
+ * Reduce the penetration at the profile's deepest sample, behind a sheet whose side is known, if the sheet's border is
+ * near. Otherwise it stays the same, bit for bit.
+ *
+ *   body         the body's frame; `id` its id
+ *   view         last tick's, then this tick's
+ *   penetration  in the world; gets the point of the axis with the largest reduced depth
+ *   found        gets that point, for the next tick to start from; only if 1 is returned
+ *
+ * Returns 1 where a border is so near that the point was searched for. The profile itself stays the same. Its work is
+ * not part of a budget.
  */
 int dpti_sheet_border_reduce(struct distance_profile *profile, const struct frame *body,
                              uint32_t id, double radius, uint32_t smooth, struct border_view *view,

@@ -3,30 +3,30 @@
 
 #include "base/angle.h"
 
-/* Of WINDING_ERROR the part of the series; the rest is for rounding. */
+/* The series' part of WINDING_ERROR; the rest is for rounding. */
 #define SERIES_ERROR (0.9 * WINDING_ERROR)
 
 /*
- * What one set of triangles may be wrong by at first, over the levels: of a smooth surface each level adds about as
- * much. Where the sum is too much, all is looked at again, for less; of the surface that is left the sum falls as a
- * root of it, or a little faster.
+ * The error that one set of triangles may have in the first pass, divided by the number of levels, since each level of
+ * a smooth surface adds about as much. If the sum of the errors is too large, another pass uses a smaller limit. The
+ * sum falls like the square root of that limit, or a little faster.
  */
-#define FIRST_DOUBT 5e-4f
-#define LESS        0.25f
-#define PASSES      8
+#define FIRST_NODE_ERROR  5e-4f
+#define NODE_ERROR_SHRINK 0.25f
+#define PASSES_MAX        8
 
-/* Beyond that, in half widths of the mesh, what is left of the winding number is below 1e-9. */
-#define FAR 0x1p20
+/* Farther away than this, in half widths of the mesh, the winding number is below 1e-9. */
+#define DISTANCE_MAX 0x1p20
 
 struct winding_traversal {
     const struct surface *surface;
     const struct kernel *kernel;
     const float *moments;
-    const uint32_t *solid_lanes; /* a word a leaf: lanes that count */
-    vec3 x;
-    float x_filter[3]; /* x in the filter's frame */
-    float winding[LANES], error[LANES];
-    double exact; /* sum over the triangles that were evaluated in double */
+    const uint32_t *solid_lanes;        /* a word a leaf: lanes of triangles of solid parts */
+    vec3 x;                             /* in the mesh's frame */
+    float x_filter[3];                  /* in the filter's frame */
+    float winding[LANES], error[LANES]; /* sums by lane, in turns */
+    double exact; /* sum over the triangles that are evaluated in double, in turns */
     struct work *work;
 };
 
@@ -38,49 +38,55 @@ static double sum_of(const float *lanes)
     return sum;
 }
 
-static vec3 corner_from_x(const struct winding_traversal *view, uint32_t triangle, uint32_t k)
+/* Corner k of a triangle, a place, as seen from x. */
+static vec3 corner_from_x(const struct winding_traversal *traversal, uint32_t triangle, uint32_t k)
 {
-    uint32_t v = view->surface->corners[3 * (size_t)triangle + k];
-    return sub(vec3_of_float(view->surface->positions + 3 * (size_t)v), view->x);
+    uint32_t vertex = traversal->surface->corners[3 * (size_t)triangle + k];
+    return sub(vec3_of_float(traversal->surface->positions + 3 * (size_t)vertex), traversal->x);
 }
 
-static void sum_leaf(struct winding_traversal *view, uint32_t leaf)
+/* Add the triangles of a leaf. */
+static void sum_leaf(struct winding_traversal *traversal, uint32_t leaf)
 {
-    uint32_t lanes = view->solid_lanes[leaf];
+    uint32_t lanes = traversal->solid_lanes[leaf];
     if (!lanes)
         return;
-    const float *rows = view->surface->leaves + (size_t)leaf * MESH_LEAF_WORDS;
-    uint32_t open = view->kernel->angles(rows, view->x_filter, lanes, view->winding);
-    work_spend(view->work, 1);
+    const float *rows = traversal->surface->leaves + (size_t)leaf * MESH_LEAF_WORDS;
+    uint32_t open = traversal->kernel->angles(rows, traversal->x_filter, lanes, traversal->winding);
+    work_spend(traversal->work, 1);
     for (; open; open &= open - 1) {
-        uint32_t t = leaf * LANES + first_lane(open);
-        view->exact += solid_turns(corner_from_x(view, t, 0), corner_from_x(view, t, 1),
-                                   corner_from_x(view, t, 2));
+        uint32_t triangle = leaf * LANES + first_lane(open);
+        traversal->exact += solid_turns(corner_from_x(traversal, triangle, 0),
+                                        corner_from_x(traversal, triangle, 1),
+                                        corner_from_x(traversal, triangle, 2));
     }
 }
 
-/* The children that must be looked into; the others are added. */
-static uint32_t sum_node(struct winding_traversal *view, uint32_t level, uint32_t node, float most)
+/* Add the series of a node's children whose error is at most max_error. Returns the lanes of the others. */
+static uint32_t sum_node(struct winding_traversal *traversal, uint32_t level, uint32_t node,
+                         float max_error)
 {
-    const struct surface *surface = view->surface;
+    const struct surface *surface = traversal->surface;
     size_t row = surface->first[level] - surface->first[1] + node;
     uint32_t children = lanes_of(surface->count[level - 1] - node * LANES);
-    work_spend(view->work, 1);
-    return children & view->kernel->moments(view->moments + row * MESH_MOMENT_WORDS, view->x_filter,
-                                            most, view->winding, view->error);
+    work_spend(traversal->work, 1);
+    return children & traversal->kernel->moments(traversal->moments + row * MESH_MOMENT_WORDS,
+                                                 traversal->x_filter, max_error, traversal->winding,
+                                                 traversal->error);
 }
 
-static double sum_tree(struct winding_traversal *view, float most)
+/* Sum over the whole tree. Returns a bound of the error, or HUGE_VAL if the work was spent before. */
+static double sum_tree(struct winding_traversal *traversal, float max_error)
 {
     uint32_t node[MESH_LEVELS_MAX + 1], open[MESH_LEVELS_MAX + 1];
-    uint32_t top = view->surface->levels, level = top;
-    memset(view->winding, 0, sizeof view->winding);
-    memset(view->error, 0, sizeof view->error);
-    view->exact = 0.0;
+    uint32_t top = traversal->surface->levels, level = top;
+    memset(traversal->winding, 0, sizeof traversal->winding);
+    memset(traversal->error, 0, sizeof traversal->error);
+    traversal->exact = 0.0;
     node[level] = 0;
-    open[level] = sum_node(view, level, 0, most);
+    open[level] = sum_node(traversal, level, 0, max_error);
     while (level <= top) {
-        if (work_is_spent(view->work))
+        if (work_is_spent(traversal->work))
             return HUGE_VAL;
         if (!open[level]) {
             level++;
@@ -89,36 +95,40 @@ static double sum_tree(struct winding_traversal *view, float most)
         uint32_t child = node[level] * LANES + first_lane(open[level]);
         open[level] &= open[level] - 1;
         if (level == 1) {
-            sum_leaf(view, child);
+            sum_leaf(traversal, child);
         } else {
             node[--level] = child;
-            open[level] = sum_node(view, level, child, most);
+            open[level] = sum_node(traversal, level, child, max_error);
         }
     }
-    return sum_of(view->error);
+    return sum_of(traversal->error);
 }
 
-/* Comparisons are such that NaN, which a forged file can yield, ends as 0. */
+/* The comparisons turn NaN, which a forged file can yield, into 0. */
 double dpti_winding_number(const struct surface *surface, const struct kernel *kernel, vec3 x,
                            struct work *work)
 {
-    struct winding_traversal view = { .surface = surface, .kernel = kernel, .x = x, .work = work };
-    view.moments = surface_moments(surface, &view.solid_lanes);
-    vec3 at = scaled(sub(x, surface->filter_centre), surface->filter_scale);
-    if (!view.moments || !within(at.x, FAR) || !within(at.y, FAR) || !within(at.z, FAR))
+    struct winding_traversal traversal = {
+        .surface = surface, .kernel = kernel, .x = x, .work = work
+    };
+    traversal.moments = surface_moments(surface, &traversal.solid_lanes);
+    vec3 x_filter = scaled(sub(x, surface->filter_centre), surface->filter_scale);
+    if (!traversal.moments || !within(x_filter.x, DISTANCE_MAX) ||
+        !within(x_filter.y, DISTANCE_MAX) || !within(x_filter.z, DISTANCE_MAX))
         return 0.0;
-    view.x_filter[0] = (float)at.x;
-    view.x_filter[1] = (float)at.y;
-    view.x_filter[2] = (float)at.z;
-    float most_doubt = FIRST_DOUBT / (float)surface->levels;
-    double doubt = sum_tree(&view, most_doubt);
-    for (int pass = 1; !(doubt <= SERIES_ERROR) && pass < PASSES && !work_is_spent(work); pass++) {
-        float share = (float)(SERIES_ERROR / doubt);
-        most_doubt *= share * share < LESS ? share * share : LESS;
-        doubt = sum_tree(&view, most_doubt);
+    traversal.x_filter[0] = (float)x_filter.x;
+    traversal.x_filter[1] = (float)x_filter.y;
+    traversal.x_filter[2] = (float)x_filter.z;
+    float max_node_error = FIRST_NODE_ERROR / (float)surface->levels;
+    double error = sum_tree(&traversal, max_node_error);
+    for (int pass = 1; !(error <= SERIES_ERROR) && pass < PASSES_MAX && !work_is_spent(work);
+         pass++) {
+        float share = (float)(SERIES_ERROR / error);
+        max_node_error *= share * share < NODE_ERROR_SHRINK ? share * share : NODE_ERROR_SHRINK;
+        error = sum_tree(&traversal, max_node_error);
     }
     if (work_is_spent(work))
         return HUGE_VAL;
-    double winding = sum_of(view.winding) + view.exact;
+    double winding = sum_of(traversal.winding) + traversal.exact;
     return fabs(winding) <= (double)surface_triangles(surface) ? winding : 0.0;
 }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The latest value from one thread to another. Neither waits for the other, and none sees half of a value: of three places
- * one is the writer's, one the reader's, and the third changes hands in one exchange. Values that are not fetched in
- * time are written over.
+ * An exchange of the latest value between two threads, one writer and one reader. Neither waits for the other, and
+ * neither sees half a value. Of three places one is the writer's, one the reader's, and the third changes hands in
+ * one atomic exchange. A value that is not taken in time is overwritten.
  *
  *     writer: places[latest.writing] = value; latest_value_publish(&latest);
  *     reader: if (latest_value_take(&latest)) { places[latest.reading] is new }
@@ -18,6 +18,7 @@ struct latest_value {
     uint32_t writing, between, reading;
 };
 
+/* Before both threads begin. */
 static inline void latest_value_init(struct latest_value *latest)
 {
     latest->writing = 0;
@@ -25,6 +26,7 @@ static inline void latest_value_init(struct latest_value *latest)
     latest->reading = 2;
 }
 
+/* By the writer: hand over places[writing]; `writing` is another place then. */
 static inline void latest_value_publish(struct latest_value *latest)
 {
     latest->writing = __atomic_exchange_n(&latest->between, latest->writing | LATEST_VALUE_NEW,
@@ -32,7 +34,7 @@ static inline void latest_value_publish(struct latest_value *latest)
                       ~(uint32_t)LATEST_VALUE_NEW;
 }
 
-/* 1 when there is one that was not taken before. */
+/* By the reader: 1 if there is a new value, which is in places[reading] then; 0 if none came since the last call. */
 static inline int latest_value_take(struct latest_value *latest)
 {
     if (!(__atomic_load_n(&latest->between, __ATOMIC_RELAXED) & LATEST_VALUE_NEW))

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The guard (guard.h): a ramp up, a ramp down, limits. */
+/* The guard (guard.h): limits, a ramp up at the start, a ramp down in silence. */
 #include <string.h>
 
 #include "base/return_if_error.h"
@@ -7,23 +7,26 @@
 #include "base/wrench_limit.h"
 #include "dynpoint/guard.h"
 
-/* What is in a dpt_guard. It is copied out of and into that, which is an object of another type. */
+/*
+ * The content of a dpt_guard. It is copied out of and back into the opaque bytes, which are an object of another
+ * type.
+ */
 struct guard {
-    uint64_t mark; /* MADE, or it was never initialised */
+    uint64_t mark; /* GUARD_MARK once it is initialised */
     uint64_t stops, clamped, slewed, not_finite;
     uint64_t hold_ns, stop_ns, now_ns, fresh_ns;
     uint32_t state, reserved;
     double force_max, torque_max, force_slew, torque_slew, start_time;
     double gain;
-    double stop_gain;       /* that the ramp to zero began with */
-    dpt_wrench command;     /* the last one, clamped */
-    dpt_wrench stop_wrench; /* what the ramp to zero began with */
+    double stop_gain;       /* the gain at the start of the ramp to zero */
+    dpt_wrench command;     /* the newest one, clamped */
+    dpt_wrench stop_wrench; /* the wrench at the start of the ramp to zero */
     dpt_wrench sent;
 };
 
 typedef char guard_fits[sizeof(struct guard) <= sizeof((dpt_guard *)0)->opaque ? 1 : -1];
 
-/* No memory that was not initialised holds this but by chance, once in 2^64. */
+/* Memory that was not initialised holds this by chance only, once in 2^64. */
 static const uint64_t GUARD_MARK = 0x6775617264206f6eu;
 
 static int load(const dpt_guard *from, struct guard *guard)
@@ -131,7 +134,7 @@ static void go_off(struct guard *guard)
     memset(&guard->sent, 0, sizeof guard->sent);
 }
 
-/* Where the ramp to zero is depends on the silence alone, not on how often it was looked at. */
+/* The ramp to zero depends on the length of the silence alone, not on how often the guard was stepped. */
 static void watch_silence(struct guard *guard)
 {
     uint64_t silence = guard->now_ns - guard->fresh_ns;
@@ -173,7 +176,10 @@ static void ramp_up(struct guard *guard, double dt)
     guard->state = DPT_GUARD_RUNNING;
 }
 
-/* 1 where the slew held it back. */
+/*
+ * Move `sent` towards gain * command, by at most max_change if is_limited, up to `limit` in length. 1 if max_change
+ * limited it.
+ */
 static int slew_towards(double *sent, const double *command, double gain, double max_change,
                         int is_limited, double limit)
 {
@@ -194,7 +200,7 @@ static void advance(struct guard *guard, double dt)
     guard->slewed += (uint64_t)slewed;
 }
 
-/* One step of a guard that was made; what leaves is in `sent`, or it is off. */
+/* One step of an initialised guard. `sent` is then what leaves the guard; all zeros if it is off. */
 static void step(struct guard *guard, uint64_t now_ns, const dpt_wrench *command, int ready)
 {
     double dt = 0.0;

@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* From contact to force. */
+/* The penalty law: a force in proportion to depth. */
 #ifndef DPT_PENALTY_H
 #define DPT_PENALTY_H
 
 #include "base/penetration.h"
 #include "dynpoint/types.h"
 
-/* The wrench of one push about `origin`: docs/algorithms/penalty.md. */
+/*
+ * Add the wrench of one penetration to `sum`, its torque about `origin`. stiffness: N/m. docs/algorithms/penalty.md.
+ */
 static inline void respond_penalty(const struct penetration *penetration, double stiffness,
                                    vec3 origin, dpt_wrench *sum)
 {

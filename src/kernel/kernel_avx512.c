@@ -7,7 +7,7 @@
     (uint32_t) _mm512_cmp_ps_mask(_mm512_loadu_ps(bound), _mm512_set1_ps(limit), _CMP_NGT_UQ)
 #if defined(__clang__)
 #define KERNEL_TARGET __attribute__((target("avx512f,avx512vl,avx512dq")))
-#else /* gcc would stop at half the width */
+#else /* without prefer-vector-width gcc uses half the width */
 #define KERNEL_TARGET __attribute__((target("avx512f,avx512vl,avx512dq,prefer-vector-width=512")))
 #endif
 #include "kernel/kernel_body.h"

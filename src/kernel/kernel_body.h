@@ -1,37 +1,40 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The loops of kernel_ops.h, once for all instruction sets. The file that includes this defines
+ * The loops of kernel_ops.h, written once for all instruction sets. The file that includes this defines
  *     KERNEL(name)                 the function's name
  *     KERNEL_TARGET                its target attribute, or nothing
- *     KERNEL_OPEN(bound, limit)    the lanes whose bound is not above the limit, as bits; optional
- * Straight-line code without calls, so that the compiler turns 16 iterations into vectors; no operation
+ *     KERNEL_OPEN(bound, limit)    the lanes whose bound does not exceed the limit, as bits; optional
+ *
+ * The loops are straight-line code without calls, so that the compiler turns 16 iterations into vectors. No operation
  * may be fused or reordered, or the bits would differ from machine to machine.
  */
 #include <math.h>
 
 #include "kernel/kernel_ops.h"
 
-/* Compared so that NaN gives the limit: 0 / 0 stands for "anywhere". */
+/* NaN gives the limit: 0 / 0 stands for "anywhere". */
 #define AT_LEAST(value, limit) ((value) > (limit) ? (value) : (limit))
 #define AT_MOST(value, limit)  ((value) < (limit) ? (value) : (limit))
 #define CLAMP(value, high)     AT_MOST(AT_LEAST(value, 0.0f), high)
 
-/* Below that a root is not exact enough to make a direction about unit length: no direction at all then. */
+/*
+ * 1 / root; no number for a square that is too small: its root is not accurate enough for a direction of unit length.
+ */
 #define PER_ROOT(square) ((square) > 0x1p-100f ? 1.0f / sqrtf(square) : NAN)
 
-/* How far the three corners of a triangle are along (x, y, z): n0, n1 and n2 for the name n. */
+/* Declares n0, n1, n2, for a name n: the dot products of a triangle's three corners with (x, y, z). */
 #define CORNERS_ALONG(n, x, y, z)                                                                  \
     float n##0 = x * block[i] + y * block[LANES + i] + z * block[2 * LANES + i];                   \
     float n##1 = x * block[3 * LANES + i] + y * block[4 * LANES + i] + z * block[5 * LANES + i];   \
     float n##2 = x * block[6 * LANES + i] + y * block[7 * LANES + i] + z * block[8 * LANES + i];
 
-/* Each lane's bit; a table, because not every instruction set shifts lanes by different amounts. */
+/* Each lane's bit. It is a table because not every instruction set can shift lanes by different amounts. */
 static const uint32_t KERNEL(bit)[LANES] = {
     1u << 0, 1u << 1, 1u << 2,  1u << 3,  1u << 4,  1u << 5,  1u << 6,  1u << 7,
     1u << 8, 1u << 9, 1u << 10, 1u << 11, 1u << 12, 1u << 13, 1u << 14, 1u << 15,
 };
 
-/* One instruction where there is one for it; C has no words for that, and compilers do not find it. */
+/* The portable form. Some instruction sets have one instruction for it, but compilers do not find it in this loop. */
 #ifndef KERNEL_OPEN
 #define KERNEL_OPEN(bound, limit) KERNEL(open)(bound, limit)
 KERNEL_TARGET static inline uint32_t KERNEL(open)(const float *bound, float limit)
@@ -44,22 +47,22 @@ KERNEL_TARGET static inline uint32_t KERNEL(open)(const float *bound, float limi
 #endif
 
 /*
- * Kept planes, at another pose. The point of the tool nearest to any point v of the piece is at x.(v - a)
- * along it, clamped to its ends: it lies within the piece's own range from..to, and only there must the
- * tool be before the plane. A long tool that turns by d swings its ends by half its length times d across
- * a plane made beside it, but by next to nothing what is near the piece.
+ * The bound of a cached plane at another pose; declares it as `value`. The point of the axis nearest to a point v of
+ * the piece is at x.(v - a) along the axis, clamped to its ends. So it lies in the piece's own range from..to, and only
+ * there must the axis be in front of the plane. When a long tool turns by an angle, its ends swing across the plane by
+ * half the length times the angle; the part beside the piece hardly moves.
  */
 #define LOCAL_BOUND(from, to)                                                                      \
     float nx = planes->x[i], ny = planes->y[i], nz = planes->z[i];                                 \
     float at_a = nx * ax + ny * ay + nz * az;                                                      \
     float rise = nx * ux + ny * uy + nz * uz;                                                      \
-    float least = CLAMP(from, length) * rise, most = CLAMP(to, length) * rise;                     \
-    float here = planes->support[i] - at_a - AT_LEAST(least, most);
+    float rise_from = CLAMP(from, length) * rise, rise_to = CLAMP(to, length) * rise;              \
+    float value = planes->support[i] - at_a - AT_LEAST(rise_from, rise_to);
 
-KERNEL_TARGET uint32_t KERNEL(held_boxes)(const float *restrict block,
-                                          const struct filter_segment *restrict segment,
-                                          const struct planes *restrict planes,
-                                          float *restrict bound)
+KERNEL_TARGET uint32_t KERNEL(cached_boxes)(const float *restrict block,
+                                            const struct filter_segment *restrict segment,
+                                            const struct planes *restrict planes,
+                                            float *restrict bound)
 {
     const float ax = segment->a[0], ay = segment->a[1], az = segment->a[2];
     const float ux = segment->x[0], uy = segment->x[1], uz = segment->x[2];
@@ -73,16 +76,16 @@ KERNEL_TARGET uint32_t KERNEL(held_boxes)(const float *restrict block,
             wx * block[3 * LANES + i] + wy * block[4 * LANES + i] + wz * block[5 * LANES + i];
         float from = s - half, to = s + half;
         LOCAL_BOUND(from, to)
-        bound[i] = here;
+        bound[i] = value;
     }
     return KERNEL_OPEN(bound, limit);
 }
 
-/* Of a triangle also the plane that is turned to be parallel to the axis, with a support of its own. */
-KERNEL_TARGET uint32_t KERNEL(held_triangles)(const float *restrict block,
-                                              const struct filter_segment *restrict segment,
-                                              const struct planes *restrict planes,
-                                              float *restrict bound)
+/* For a triangle a second plane is tried: the cached one turned parallel to the axis, with a support of its own. */
+KERNEL_TARGET uint32_t KERNEL(cached_triangles)(const float *restrict block,
+                                                const struct filter_segment *restrict segment,
+                                                const struct planes *restrict planes,
+                                                float *restrict bound)
 {
     const float ax = segment->a[0], ay = segment->a[1], az = segment->a[2];
     const float ux = segment->x[0], uy = segment->x[1], uz = segment->x[2];
@@ -97,26 +100,26 @@ KERNEL_TARGET uint32_t KERNEL(held_triangles)(const float *restrict block,
         float tx = nx - rise * ux, ty = ny - rise * uy, tz = nz - rise * uz;
         CORNERS_ALONG(n, tx, ty, tz)
         float turned = AT_MOST(AT_MOST(n0, n1), n2) - (tx * ax + ty * ay + tz * az);
-        here = AT_LEAST(here, turned);
-        bound[i] = here;
+        value = AT_LEAST(value, turned);
+        bound[i] = value;
     }
     return KERNEL_OPEN(bound, limit);
 }
 
-/* Lane i gets the plane (nx, ny, nz; low). */
+/* Store the plane (nx, ny, nz) with support `low` in lane i, and its bound. */
 #define PUT_PLANE                                                                                  \
     {                                                                                              \
         float at_a = nx * ax + ny * ay + nz * az;                                                  \
         float at_b = nx * bx + ny * by + nz * bz;                                                  \
-        float here = low - AT_LEAST(at_a, at_b);                                                   \
+        float value = low - AT_LEAST(at_a, at_b);                                                  \
         planes->x[i] = nx;                                                                         \
         planes->y[i] = ny;                                                                         \
         planes->z[i] = nz;                                                                         \
         planes->support[i] = low;                                                                  \
-        bound[i] = here;                                                                           \
+        bound[i] = value;                                                                          \
     }
 
-/* The direction is from the segment's point nearest to the box's centre to that centre. */
+/* The direction leads from the axis' point nearest to the box's centre to that centre. */
 KERNEL_TARGET uint32_t KERNEL(boxes)(const float *restrict block,
                                      const struct filter_segment *restrict segment,
                                      struct planes *restrict planes, float *restrict bound)
@@ -145,11 +148,11 @@ KERNEL_TARGET uint32_t KERNEL(boxes)(const float *restrict block,
 }
 
 /*
- * One edge from p along e against the segment 0..length on the x axis: keep the direction and squared
- * length of the shortest connection. Beside the segment the distance to it is that to its line, which
- * is two-dimensional; beyond an end it is that to the end.
+ * Test one edge, from p along e, against the segment 0..length on the x axis. If it is nearer than the edges before,
+ * set (nx, ny, nz) to the shortest connection and min_square to its square. Beside the segment the distance is that to
+ * the segment's line, which is two-dimensional; beyond an end it is that to the end.
  */
-#define EDGE(px, py, pz, ex, ey, ez)                                                               \
+#define TRY_EDGE(px, py, pz, ex, ey, ez)                                                           \
     {                                                                                              \
         float flat = ey * ey + ez * ez;                                                            \
         float lean = -(py * ey + pz * ez);                                                         \
@@ -161,30 +164,36 @@ KERNEL_TARGET uint32_t KERNEL(boxes)(const float *restrict block,
         float qx = px + t * ex, qy = py + t * ey, qz = pz + t * ez;                                \
         qx = qx - CLAMP(qx, length);                                                               \
         float square = qx * qx + qy * qy + qz * qz;                                                \
-        int nearer = square < least;                                                               \
-        least = nearer ? square : least;                                                           \
+        int nearer = square < min_square;                                                          \
+        min_square = nearer ? square : min_square;                                                 \
         nx = nearer ? qx : nx;                                                                     \
         ny = nearer ? qy : ny;                                                                     \
         nz = nearer ? qz : nz;                                                                     \
     }
 
-/* n . ((p - s) x (q - s)), s on the x axis: which side of edge pq the projection of s lies on. */
+/* f . ((p - s) x (q - s)) for the point s on the x axis: the sign says on which side of edge pq s projects. */
 #define SIDE(px, py, pz, qx, qy, qz)                                                               \
     (fx * (py * qz - pz * qy) + fy * (pz * (qx - s) - (px - s) * qz) +                             \
      fz * ((px - s) * qy - py * (qx - s)))
 
-/* An edge from (p, q) along (e, f), across the axis: keep the shortest way to it from the axis' line, and its square. */
-#define EDGE_BESIDE(p, q, e, f)                                                                    \
+/*
+ * Test one edge, from (p, q) along (e, f) in the plane across the axis. If it is nearer to the axis' line than the
+ * edges before, set (y, z) to the shortest connection and min_square to its square.
+ */
+#define TRY_EDGE_BESIDE(p, q, e, f)                                                                \
     {                                                                                              \
         float t = CLAMP(-(p * e + q * f) / (e * e + f * f), 1.0f);                                 \
         float py = p + t * e, pz = q + t * f, square = py * py + pz * pz;                          \
-        int nearer = square < least;                                                               \
-        least = nearer ? square : least;                                                           \
+        int nearer = square < min_square;                                                          \
+        min_square = nearer ? square : min_square;                                                 \
         y = nearer ? py : y;                                                                       \
         z = nearer ? pz : z;                                                                       \
     }
 
-/* Where the axis is as good as its line, all is two-dimensional, and a face is nearest only where it is crossed. */
+/*
+ * The loop `triangles` for a block whose triangles all lie between the axis' ends. There the axis can be replaced by
+ * its line: the problem is two-dimensional, and a face is nearest only if the line crosses it.
+ */
 KERNEL_TARGET static uint32_t
 KERNEL(triangles_beside)(const float *restrict block, const struct filter_segment *restrict segment,
                          struct planes *restrict planes, float *restrict bound)
@@ -199,13 +208,13 @@ KERNEL(triangles_beside)(const float *restrict block, const struct filter_segmen
     for (int i = 0; i < LANES; i++) {
         CORNERS_ALONG(y, yx, yy, yz)
         CORNERS_ALONG(z, zx, zy, zz)
-        float y = 0.0f, z = 0.0f, least = HUGE_VALF;
+        float y = 0.0f, z = 0.0f, min_square = HUGE_VALF;
         y0 -= at_y, y1 -= at_y, y2 -= at_y;
         z0 -= at_z, z1 -= at_z, z2 -= at_z;
-        EDGE_BESIDE(y0, z0, (y1 - y0), (z1 - z0))
-        EDGE_BESIDE(y1, z1, (y2 - y1), (z2 - z1))
-        EDGE_BESIDE(y2, z2, (y0 - y2), (z0 - z2))
-        float unit = PER_ROOT(least);
+        TRY_EDGE_BESIDE(y0, z0, (y1 - y0), (z1 - z0))
+        TRY_EDGE_BESIDE(y1, z1, (y2 - y1), (z2 - z1))
+        TRY_EDGE_BESIDE(y2, z2, (y0 - y2), (z0 - z2))
+        float unit = PER_ROOT(min_square);
         y *= unit;
         z *= unit;
         float nx = y * yx + z * zx, ny = y * yy + z * zy, nz = y * yz + z * zz;
@@ -227,15 +236,15 @@ KERNEL_TARGET uint32_t KERNEL(triangles)(const float *restrict block,
     const float zx = segment->z[0], zy = segment->z[1], zz = segment->z[2];
     const float length = segment->length, limit = segment->limit;
     const float at_x = xx * ax + xy * ay + xz * az;
-    float room[LANES];
+    float to_end[LANES];
 
     for (int i = 0; i < LANES; i++) {
         CORNERS_ALONG(s, xx, xy, xz)
         float before = AT_MOST(AT_MOST(s0, s1), s2) - at_x;
         float behind = length + at_x - AT_LEAST(AT_LEAST(s0, s1), s2);
-        room[i] = AT_MOST(before, behind);
+        to_end[i] = AT_MOST(before, behind);
     }
-    if (!KERNEL_OPEN(room, 0.0f))
+    if (!KERNEL_OPEN(to_end, 0.0f))
         return KERNEL(triangles_beside)(block, segment, planes, bound);
     for (int i = 0; i < LANES; i++) {
         float dx, dy, dz;
@@ -257,12 +266,12 @@ KERNEL_TARGET uint32_t KERNEL(triangles)(const float *restrict block,
         float ex0 = ax1 - ax0, ey0 = ay1 - ay0, ez0 = az1 - az0;
         float ex1 = ax2 - ax1, ey1 = ay2 - ay1, ez1 = az2 - az1;
         float ex2 = ax0 - ax2, ey2 = ay0 - ay2, ez2 = az0 - az2;
-        float nx = 0.0f, ny = 0.0f, nz = 0.0f, least = HUGE_VALF;
-        EDGE(ax0, ay0, az0, ex0, ey0, ez0)
-        EDGE(ax1, ay1, az1, ex1, ey1, ez1)
-        EDGE(ax2, ay2, az2, ex2, ey2, ez2)
+        float nx = 0.0f, ny = 0.0f, nz = 0.0f, min_square = HUGE_VALF;
+        TRY_EDGE(ax0, ay0, az0, ex0, ey0, ez0)
+        TRY_EDGE(ax1, ay1, az1, ex1, ey1, ez1)
+        TRY_EDGE(ax2, ay2, az2, ex2, ey2, ez2)
 
-        /* The face counts when the point nearest to its plane projects into it. */
+        /* The face is nearest if the axis' point nearest to its plane projects into it. */
         float fx = ey2 * ez0 - ez2 * ey0, fy = ez2 * ex0 - ex2 * ez0, fz = ex2 * ey0 - ey2 * ex0;
         float height = fx * ax0 + fy * ay0 + fz * az0;
         float s = CLAMP(height / fx, length);
@@ -270,12 +279,12 @@ KERNEL_TARGET uint32_t KERNEL(triangles)(const float *restrict block,
         int inside = (SIDE(ax0, ay0, az0, ax1, ay1, az1) > 0.0f) &
                      (SIDE(ax1, ay1, az1, ax2, ay2, az2) > 0.0f) &
                      (SIDE(ax2, ay2, az2, ax0, ay0, az0) > 0.0f);
-        float turn = above < 0.0f ? -1.0f : 1.0f;
-        nx = inside ? turn * fx : nx;
-        ny = inside ? turn * fy : ny;
-        nz = inside ? turn * fz : nz;
+        float sign = above < 0.0f ? -1.0f : 1.0f;
+        nx = inside ? sign * fx : nx;
+        ny = inside ? sign * fy : ny;
+        nz = inside ? sign * fz : nz;
 
-        /* Back into the filter's frame, where the plane stays. */
+        /* Back into the filter's frame, in which planes are cached. */
         float unit = PER_ROOT(nx * nx + ny * ny + nz * nz);
         float tx = nx * unit, ty = ny * unit, tz = nz * unit;
         nx = tx * xx + ty * yx + tz * zx;
@@ -288,7 +297,7 @@ KERNEL_TARGET uint32_t KERNEL(triangles)(const float *restrict block,
     return KERNEL_OPEN(bound, limit);
 }
 
-/* Take over the planes that are better, and their bounds: they will last longer. */
+/* A plane with a greater bound lasts longer. */
 KERNEL_TARGET void KERNEL(better)(const struct planes *restrict made,
                                   const float *restrict made_bound, struct planes *restrict planes,
                                   float *restrict bound)
@@ -317,25 +326,28 @@ KERNEL_TARGET uint32_t KERNEL(point_boxes)(const float *restrict block, const fl
     return KERNEL_OPEN(bound, limit);
 }
 
-/* An edge from p along e, seen from the point: keep the shortest way to it, and its square. */
-#define POINT_EDGE(px, py, pz, ex, ey, ez)                                                         \
+/*
+ * Test one edge, from p along e, seen from the point. If it is nearer than the edges before, set (nx, ny, nz) to the
+ * shortest connection and min_square to its square.
+ */
+#define TRY_POINT_EDGE(px, py, pz, ex, ey, ez)                                                     \
     {                                                                                              \
         float lean = -(px * ex + py * ey + pz * ez);                                               \
         float t = CLAMP(lean / (ex * ex + ey * ey + ez * ez), 1.0f);                               \
         float qx = px + t * ex, qy = py + t * ey, qz = pz + t * ez;                                \
         float square = qx * qx + qy * qy + qz * qz;                                                \
-        int nearer = square < least;                                                               \
-        least = nearer ? square : least;                                                           \
+        int nearer = square < min_square;                                                          \
+        min_square = nearer ? square : min_square;                                                 \
         nx = nearer ? qx : nx;                                                                     \
         ny = nearer ? qy : ny;                                                                     \
         nz = nearer ? qz : nz;                                                                     \
     }
 
-/* f . (p x q): which side of edge pq the point lies on, seen along f. */
+/* f . (p x q): the sign says on which side of edge pq the point lies, seen along f. */
 #define POINT_SIDE(px, py, pz, qx, qy, qz)                                                         \
     (fx * (py * qz - pz * qy) + fy * (pz * qx - px * qz) + fz * (px * qy - py * qx))
 
-/* Any direction bounds the distance, so that n need not be of unit length, only be long enough to divide by. */
+/* n need not be of unit length, only long enough to divide by. A first pass tries the direction to the centroid. */
 KERNEL_TARGET uint32_t KERNEL(point_triangles)(const float *restrict block,
                                                const float *restrict at, float limit,
                                                float *restrict bound)
@@ -367,10 +379,10 @@ KERNEL_TARGET uint32_t KERNEL(point_triangles)(const float *restrict block,
         float ex0 = ax1 - ax0, ey0 = ay1 - ay0, ez0 = az1 - az0;
         float ex1 = ax2 - ax1, ey1 = ay2 - ay1, ez1 = az2 - az1;
         float ex2 = ax0 - ax2, ey2 = ay0 - ay2, ez2 = az0 - az2;
-        float nx = 0.0f, ny = 0.0f, nz = 0.0f, least = HUGE_VALF;
-        POINT_EDGE(ax0, ay0, az0, ex0, ey0, ez0)
-        POINT_EDGE(ax1, ay1, az1, ex1, ey1, ez1)
-        POINT_EDGE(ax2, ay2, az2, ex2, ey2, ez2)
+        float nx = 0.0f, ny = 0.0f, nz = 0.0f, min_square = HUGE_VALF;
+        TRY_POINT_EDGE(ax0, ay0, az0, ex0, ey0, ez0)
+        TRY_POINT_EDGE(ax1, ay1, az1, ex1, ey1, ez1)
+        TRY_POINT_EDGE(ax2, ay2, az2, ex2, ey2, ez2)
 
         float fx = ey2 * ez0 - ez2 * ey0, fy = ez2 * ex0 - ex2 * ez0, fz = ex2 * ey0 - ey2 * ex0;
         int inside = (POINT_SIDE(ax0, ay0, az0, ax1, ay1, az1) > 0.0f) &
@@ -392,34 +404,34 @@ KERNEL_TARGET uint32_t KERNEL(point_triangles)(const float *restrict block,
 }
 
 KERNEL_TARGET uint32_t KERNEL(common_boxes)(const float *restrict block, const float normal[3],
-                                            float beyond, float *restrict low)
+                                            float limit, float *restrict support)
 {
     const float nx = normal[0], ny = normal[1], nz = normal[2];
     const float wx = fabsf(nx), wy = fabsf(ny), wz = fabsf(nz);
 
     for (int i = 0; i < LANES; i++) {
-        float here =
+        float value =
             nx * block[i] + ny * block[LANES + i] + nz * block[2 * LANES + i] -
             (wx * block[3 * LANES + i] + wy * block[4 * LANES + i] + wz * block[5 * LANES + i]);
-        low[i] = here;
+        support[i] = value;
     }
-    return KERNEL_OPEN(low, beyond);
+    return KERNEL_OPEN(support, limit);
 }
 
 KERNEL_TARGET uint32_t KERNEL(common_triangles)(const float *restrict block, const float normal[3],
-                                                float beyond, float *restrict low)
+                                                float limit, float *restrict support)
 {
     const float nx = normal[0], ny = normal[1], nz = normal[2];
 
     for (int i = 0; i < LANES; i++) {
         CORNERS_ALONG(n, nx, ny, nz)
-        float here = AT_MOST(AT_MOST(n0, n1), n2);
-        low[i] = here;
+        float value = AT_MOST(AT_MOST(n0, n1), n2);
+        support[i] = value;
     }
-    return KERNEL_OPEN(low, beyond);
+    return KERNEL_OPEN(support, limit);
 }
 
-/* The box around a hull as numbers that stay in registers. */
+/* The box around a hull, as local numbers that stay in registers. */
 #define HULL                                                                                       \
     const float ox = hull->centre[0], oy = hull->centre[1], oz = hull->centre[2];                  \
     const float xx = hull->axis[0][0], xy = hull->axis[0][1], xz = hull->axis[0][2];               \
@@ -428,7 +440,7 @@ KERNEL_TARGET uint32_t KERNEL(common_triangles)(const float *restrict block, con
     const float wx = hull->half[0], wy = hull->half[1], wz = hull->half[2];                        \
     const float limit = hull->limit;
 
-/* n: the direction from the nearest point of that box to (cx, cy, cz); no number inside of it. */
+/* Declares n, the unit direction from the nearest point of that box to (cx, cy, cz); no number inside the box. */
 #define AWAY_FROM_HULL(cx, cy, cz)                                                                 \
     float dx = (cx)-ox, dy = (cy)-oy, dz = (cz)-oz;                                                \
     float px = dx * xx + dy * xy + dz * xz;                                                        \
@@ -445,7 +457,7 @@ KERNEL_TARGET uint32_t KERNEL(common_triangles)(const float *restrict block, con
     ny *= unit;                                                                                    \
     nz *= unit;
 
-/* How far the four ends are along (x, y, z): n_0 to n_3 for the name n, of which these are the extremes. */
+/* ENDS_ALONG declares n_0 to n_3, for a name n: the dot products of the hull's four ends with (x, y, z). */
 #define END_ALONG(e, x, y, z) ((x)*hull->end[e][0] + (y)*hull->end[e][1] + (z)*hull->end[e][2])
 #define ENDS_ALONG(n, x, y, z)                                                                     \
     float n##_0 = END_ALONG(0, x, y, z), n##_1 = END_ALONG(1, x, y, z);                            \
@@ -453,7 +465,7 @@ KERNEL_TARGET uint32_t KERNEL(common_triangles)(const float *restrict block, con
 #define LOWEST_END(n)  AT_MOST(AT_MOST(n##_0, n##_1), AT_MOST(n##_2, n##_3))
 #define HIGHEST_END(n) AT_LEAST(AT_LEAST(n##_0, n##_1), AT_LEAST(n##_2, n##_3))
 
-/* Besides, the plane of the motion: of what a tool that slides by leaves behind, most lies beyond it. */
+/* A second plane is tried: across tool and motion. Most of what a sliding tool passes lies beyond it. */
 KERNEL_TARGET uint32_t KERNEL(swept_boxes)(const float *restrict block,
                                            const struct swept_hull *restrict hull,
                                            float *restrict bound)
@@ -465,19 +477,19 @@ KERNEL_TARGET uint32_t KERNEL(swept_boxes)(const float *restrict block,
         float hx = block[3 * LANES + i], hy = block[4 * LANES + i], hz = block[5 * LANES + i];
         AWAY_FROM_HULL(cx, cy, cz)
         ENDS_ALONG(n, nx, ny, nz)
-        float here = nx * cx + ny * cy + nz * cz -
-                     (fabsf(nx) * hx + fabsf(ny) * hy + fabsf(nz) * hz) - HIGHEST_END(n);
+        float value = nx * cx + ny * cy + nz * cz -
+                      (fabsf(nx) * hx + fabsf(ny) * hy + fabsf(nz) * hz) - HIGHEST_END(n);
         float at = zx * cx + zy * cy + zz * cz;
         float half = fabsf(zx) * hx + fabsf(zy) * hy + fabsf(zz) * hz;
         float above = at - half - z_high, below = z_low - (at + half);
         float across = AT_LEAST(above, below);
-        here = AT_LEAST(here, across);
-        bound[i] = here;
+        value = AT_LEAST(value, across);
+        bound[i] = value;
     }
     return KERNEL_OPEN(bound, limit);
 }
 
-/* And the triangle's own plane. */
+/* A third plane is tried: the triangle's own. */
 KERNEL_TARGET uint32_t KERNEL(swept_triangles)(const float *restrict block,
                                                const struct swept_hull *restrict hull,
                                                float *restrict bound)
@@ -492,7 +504,7 @@ KERNEL_TARGET uint32_t KERNEL(swept_triangles)(const float *restrict block,
         AWAY_FROM_HULL((ax + bx + cx) * third, (ay + by + cy) * third, (az + bz + cz) * third)
         CORNERS_ALONG(n, nx, ny, nz)
         ENDS_ALONG(n, nx, ny, nz)
-        float here = AT_MOST(AT_MOST(n0, n1), n2) - HIGHEST_END(n);
+        float value = AT_MOST(AT_MOST(n0, n1), n2) - HIGHEST_END(n);
 
         CORNERS_ALONG(z, zx, zy, zz)
         float above = AT_MOST(AT_MOST(z0, z1), z2) - z_high;
@@ -511,10 +523,10 @@ KERNEL_TARGET uint32_t KERNEL(swept_triangles)(const float *restrict block,
         float front = AT_MOST(AT_MOST(f0, f1), f2) - HIGHEST_END(f);
         float back = LOWEST_END(f) - AT_LEAST(AT_LEAST(f0, f1), f2);
         float face = AT_LEAST(front, back);
-        here = AT_LEAST(here, across);
+        value = AT_LEAST(value, across);
         face = AT_LEAST(face, across);
-        here = AT_LEAST(here, face);
-        bound[i] = here;
+        value = AT_LEAST(value, face);
+        bound[i] = value;
     }
     return KERNEL_OPEN(bound, limit);
 }

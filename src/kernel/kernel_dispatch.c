@@ -28,7 +28,7 @@ const char *dpt_kernel_name(uint32_t id)
 }
 
 #ifdef KERNELS_X86
-/* Which register sets the operating system saves; asks the processor, not the compiler's runtime. */
+/* The register sets that the operating system saves, read from the processor; the compiler's runtime is not used. */
 static uint32_t saved_registers(void)
 {
     uint32_t low, high;
@@ -66,7 +66,7 @@ uint32_t dpt_kernel_best(void)
 #define KERNEL_TABLE(set)                                                                          \
     (struct kernel)                                                                                \
     {                                                                                              \
-        dpti_kernel_##set##_held_boxes, dpti_kernel_##set##_held_triangles,                        \
+        dpti_kernel_##set##_cached_boxes, dpti_kernel_##set##_cached_triangles,                    \
             dpti_kernel_##set##_boxes, dpti_kernel_##set##_triangles, dpti_kernel_##set##_better,  \
             dpti_kernel_##set##_common_boxes, dpti_kernel_##set##_common_triangles,                \
             dpti_kernel_##set##_swept_boxes, dpti_kernel_##set##_swept_triangles,                  \

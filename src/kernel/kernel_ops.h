@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The inner loops: lower bounds of 16 distances at once, in float. The loop is written once
- * (kernel_body.h) and compiled per instruction set; all give the same bits (tests/kernel/test_kernel.c).
+ * The inner loops: lower bounds of 16 distances at once, in float. Each loop is written once (kernel_body.h) and
+ * compiled for each instruction set. All kernels give the same bits (tests/kernel/test_kernel.c).
  *
- * The filter's frame: coordinates are (x - centre) * scale with the mesh's filter_centre and
+ * All values here are in the filter's frame: coordinates are (x - centre) * scale with the surface's filter_centre and
  * filter_scale, so that every vertex lies within -1..1.
  *
- * What makes a bound sound: for ANY direction n, min over the vertices of n.v minus max(n.A, n.B), over
- * |n|, is a lower bound of the distance from segment AB to their hull. However badly a lane guesses its
- * n, only tightness suffers. What is left is the rounding of a few dot products: kernel_margin.
+ * A bound is sound for ANY direction n: (min n.v - max(n.A, n.B)) / |n|, where v runs over the vertices, is a lower
+ * bound of the distance from segment AB to the vertices' hull. A bad guess of n makes the bound loose, never wrong.
+ * What remains is the rounding of a few dot products; kernel_margin covers it.
  */
 #ifndef DPT_KERNEL_OPS_H
 #define DPT_KERNEL_OPS_H
@@ -18,9 +18,9 @@
 #include "dynpoint/types.h"
 
 /*
- * A bound that is reported may lie above the true distance by at most kernel_margin(|A|, |B|), in the filter's
- * frame, and by KERNEL_STRETCH of itself, since a direction may be longer than 1. docs/algorithms/bvh.md adds
- * up the terms: at most 47 + 20 |A| + |B| units of 2^-24, and 10 of the bound.
+ * A bound exceeds the true distance by at most kernel_margin(|A|, |B|), plus KERNEL_STRETCH times itself, since a
+ * direction may be longer than 1. docs/algorithms/bvh.md adds up the terms: at most 47 + 20 |A| + |B| units of 2^-24,
+ * and 10 units of the bound.
  */
 static inline double kernel_margin(double a, double b)
 {
@@ -28,48 +28,51 @@ static inline double kernel_margin(double a, double b)
 }
 #define KERNEL_STRETCH 0x1p-20
 
-/* 16 planes: all of a lane's vertices have x nx + y ny + z nz >= support. Zeros are no plane at all. */
+/* 16 planes: all vertices v of a lane have n.v >= support. A lane of zeros has no plane. */
 struct planes {
-    float x[LANES], y[LANES], z[LANES]; /* about unit length */
+    float x[LANES], y[LANES], z[LANES]; /* n, about unit length */
     float support[LANES];
 };
 
-/* A tool axis in the filter's frame, and a right-handed frame with x along it (unit rows). */
+/* A tool axis from a to b, with a right-handed orthonormal frame x, y, z of which x leads from a to b. */
 struct filter_segment {
     float a[3], b[3];
-    float limit;  /* a bound beyond it decides */
-    float margin; /* by which a bound may be above the truth */
+    float limit;  /* a lane whose bound exceeds it is closed */
+    float margin; /* kernel_margin(|a|, |b|) */
     float x[3], y[3], z[3];
     float length;
-    float normal[3]; /* of the plane through the best pair */
+    float normal[3]; /* of the plane through the best pair, away from the axis */
     float height;    /* the larger of normal.a and normal.b */
 };
 
 /*
- * What an axis in motion covers: the four points where its ends are at two times span a hull that holds it all
- * along. The bounds are those of that hull, as sound as others by kernel_margin, twice with its farthest end.
+ * The swept hull of a moving axis: the convex hull of the positions of its two ends at two times, which contains the
+ * axis at all times between. Bounds of the distance to the hull have kernel_margin(|X|, |X|), for its farthest end X.
  */
 struct swept_hull {
     float end[4][3];
-    float axis[3]
-              [3]; /* orthonormal, of a box around them: along the tool, its motion, across both */
-    float centre[3], half[3]; /* of that box, which only tells where to look for planes */
+    /* A box around the hull, used only to choose directions: axes along the tool, along its motion, across both. */
+    float axis[3][3]; /* orthonormal rows */
+    float centre[3], half[3];
     float limit;
 };
 
 /*
- *   held_*     the bounds that 16 kept planes give now
- *   boxes      16 new planes, and the bounds that they give; likewise triangles
- *   better     of those and of kept ones, lane by lane those with the greater bound, in place of the kept ones; a
- *              kept bound that is no number is the lesser
- *   swept_*    bounds of the distance to a hull; nothing is kept
- *   point_*    the same of a point, whose distance to a box is exact but for rounding
- *   common_*   the supports along one normal, into `low`; open are those that are not above `beyond`
+ * The loops. Each returns the open lanes as bits: those whose bound does not exceed the limit. A bound that is no
+ * number leaves its lane open.
  *
- * Blocks of boxes: 6 rows of 16, centre x, y, z, half width x, y, z; of triangles: 9 rows of 16, corner 0 x, y,
- * z, corner 1 ..., corner 2 ...
+ *   cached_*   in: 16 cached planes. out: the bounds that they give for the axis now
+ *   boxes      out: 16 new planes, and the bounds that they give; the loop `triangles` likewise
+ *   better     replace each cached plane, and its bound, by the new one if that has the greater bound, or if the
+ *              cached bound is no number
+ *   swept_*    out: bounds of the distance to a swept hull
+ *   point_*    out: squared bounds of the distance to a point. For boxes they are exact but for rounding. The limit is
+ *              a square too
+ *   common_*   out: the supports of 16 boxes or triangles along one normal. A lane is open if its support does not
+ *              exceed `limit`
  *
- * Returns the lanes that are open: whose bound is not beyond the limit.
+ * A block of boxes has 6 rows of 16 numbers: centre x, y, z, half width x, y, z. A block of triangles has 9 rows of 16:
+ * x, y, z of corner 0, then of corner 1, then of corner 2.
  */
 typedef uint32_t kernel_cached(const float *block, const struct filter_segment *segment,
                                const struct planes *planes, float *bound);
@@ -77,30 +80,29 @@ typedef uint32_t kernel_new_planes(const float *block, const struct filter_segme
                                    struct planes *planes, float *bound);
 typedef void kernel_better(const struct planes *made, const float *made_bound,
                            struct planes *planes, float *bound);
-typedef uint32_t kernel_common(const float *block, const float normal[3], float beyond, float *low);
-
+typedef uint32_t kernel_common(const float *block, const float normal[3], float limit,
+                               float *support);
 typedef uint32_t kernel_swept(const float *block, const struct swept_hull *hull, float *bound);
-
-/* Of a tool without length: squares of the bounds, open where they are not above `limit`, a square too. */
 typedef uint32_t kernel_point(const float *block, const float at[3], float limit, float *bound);
 
 /*
- * For the winding number, docs/algorithms/winding.md. Both add what they know of 16 lanes to 16 sums, and
- * return the lanes of which they added nothing.
+ * The loops for the winding number (docs/algorithms/winding.md), as seen from the point `at`. Both add the winding of
+ * 16 lanes, in turns, to the 16 sums winding[]. They return the open lanes, for which they added nothing.
  *
- *   moments   16 sets of triangles, of rows that moments.h makes, as seen from `at`, in the filter's frame;
- *             adds to doubt[] what each may be wrong by; open are those that may be wrong by `most` or more
- *   angles    `lanes` of the 16 triangles of a leaf; open are those that fill so much of the view, or are so
- *             near, that float does not do
+ *   moments   16 sets of triangles, in rows that moments.h makes. Adds the error bound of each lane to error_sum[]. A
+ *             lane is open if its error may be max_error or more
+ *   angles    those of a leaf's 16 triangles that are in `lanes`. A triangle is open if it fills so much of the view,
+ *             or is so near, that float is not accurate enough
  */
-typedef uint32_t kernel_moments(const float *block, const float at[3], float most, float *winding,
-                                float *doubt);
+typedef uint32_t kernel_moments(const float *block, const float at[3], float max_error,
+                                float *winding, float *error_sum);
 typedef uint32_t kernel_angles(const float *block, const float at[3], uint32_t lanes,
                                float *winding);
 
 /*
- * A triangle's angle in float: as much of |a| |b| |c| as its cosine's numerator must have, and the square of how far
- * its corners must be, so that it matters little that x is rounded.
+ * When a triangle's solid angle is accurate in float. a, b, c lead from the point to its corners. The denominator of
+ * the half angle's tangent must exceed KERNEL_ANGLE_OPEN |a| |b| |c|, and the nearest corner's squared distance
+ * KERNEL_ANGLE_NEAR: then the rounding of the point matters little.
  */
 #define KERNEL_ANGLE_OPEN 0x1p-4f
 #define KERNEL_ANGLE_NEAR 0x1p-24f
@@ -132,11 +134,14 @@ struct kernel {
 #define DPT_KERNEL_ALWAYS DPT_KERNEL_SCALAR
 #endif
 
-/* DPT_KERNEL_AUTO gives the best one. Nonzero when this build and machine have it. */
+/*
+ * Fill `kernel` with the loops of DPT_KERNEL_... `id`; AUTO stands for the best one of this machine. *chosen is its id.
+ * Returns 0 if this build or machine does not have it.
+ */
 int dpti_kernel_get(uint32_t id, struct kernel *kernel, uint32_t *chosen);
 
 #define KERNEL_DECLARE(set)                                                                        \
-    kernel_cached dpti_kernel_##set##_held_boxes, dpti_kernel_##set##_held_triangles;              \
+    kernel_cached dpti_kernel_##set##_cached_boxes, dpti_kernel_##set##_cached_triangles;          \
     kernel_new_planes dpti_kernel_##set##_boxes, dpti_kernel_##set##_triangles;                    \
     kernel_better dpti_kernel_##set##_better;                                                      \
     kernel_common dpti_kernel_##set##_common_boxes, dpti_kernel_##set##_common_triangles;          \

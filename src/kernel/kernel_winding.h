@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The loops for the winding number (docs/algorithms/winding.md): a part of kernel_body.h, for each instruction set. */
+
 /*
- * Area vectors as seen from a point, and what their spread adds: a multipole series up to the octupole, which is
- * traceless, so that 7 numbers hold it. e is the direction, `per` one over the distance; the rows carry all
+ * The winding of sets of triangles, by a multipole series: area vector, quadrupole, octupole. The octupole is
+ * traceless, so 7 numbers hold it. e is the unit direction to a set, `per` is 1 / distance; the rows contain all
  * factors.
  */
 KERNEL_TARGET uint32_t KERNEL(moments)(const float *restrict block, const float *restrict at,
@@ -27,20 +28,20 @@ KERNEL_TARGET uint32_t KERNEL(moments)(const float *restrict block, const float 
         float along_y = row[12 * LANES] * (yy - 3.0f * zz) + row[13 * LANES] * (xx - zz);
         float along_z = row[15 * LANES] * (3.0f * xx - zz) + row[16 * LANES] * (3.0f * yy - zz);
         float oct = along_x * ex + along_y * ey + along_z * ez + row[17 * LANES] * (ex * ey * ez);
-        float here = (per * per) * (area + per * (quad + per * oct));
+        float turns = (per * per) * (area + per * (quad + per * oct));
 
         float radius = row[19 * LANES], gap = AT_LEAST(distance - radius, 0.0f);
         float error =
             row[18 * LANES] * (distance + 3.0f * gap) * (per * per) * (per * per) / (gap * gap);
         float counts = error < max_error ? 1.0f : 0.0f;
-        winding[i] += counts * here;
+        winding[i] += counts * turns;
         error_sum[i] += counts * AT_MOST(error, max_error);
         bound[i] = -error;
     }
     return KERNEL_OPEN(bound, limit);
 }
 
-/* Of atan(t) / (2 pi) over t, in t^2: fitted at Chebyshev's points of 0..1. */
+/* Coefficients of atan(t) / (2 pi t) in powers of t^2, fitted at the Chebyshev points of 0..1. */
 #define ATAN_0 0.159154817f
 #define ATAN_1 -0.0530394651f
 #define ATAN_2 0.0316273347f
@@ -50,9 +51,9 @@ KERNEL_TARGET uint32_t KERNEL(moments)(const float *restrict block, const float 
 #define ATAN_6 0.0012172733f
 
 /*
- * Van Oosterom and Strackee 1983: tan of half the solid angle is a.(b x c) over |a||b||c| (1 + cos ab + cos bc +
- * cos ca). While the latter is not small, an arctangent of 0..1 does, by a polynomial that is off by at most
- * 1e-7 turns.
+ * Van Oosterom and Strackee 1983: the tangent of half the solid angle is a.(b x c) over |a||b||c| (1 + cos ab + cos bc
+ * + cos ca). While the denominator is not small, an arctangent of 0..1 suffices. The polynomial for it is off by at
+ * most 1e-7 turns.
  */
 KERNEL_TARGET uint32_t KERNEL(angles)(const float *restrict block, const float *restrict at,
                                       uint32_t lanes, float *restrict winding)
@@ -75,8 +76,8 @@ KERNEL_TARGET uint32_t KERNEL(angles)(const float *restrict block, const float *
         float size = a * b * c;
         float sides = size + (ax * bx + ay * by + az * bz) * c + (bx * cx + by * cy + bz * cz) * a +
                       (cx * ax + cy * ay + cz * az) * b;
-        float is_reliable = sides - KERNEL_ANGLE_OPEN * size;
-        is_reliable = nearest > KERNEL_ANGLE_NEAR ? is_reliable : 0.0f;
+        float excess = sides - KERNEL_ANGLE_OPEN * size;
+        excess = nearest > KERNEL_ANGLE_NEAR ? excess : 0.0f;
         float height = fabsf(volume);
         float low = AT_MOST(height, sides), high = AT_LEAST(height, sides);
         float t = low / high, w = t * t;
@@ -86,8 +87,8 @@ KERNEL_TARGET uint32_t KERNEL(angles)(const float *restrict block, const float *
              w * (ATAN_1 + w * (ATAN_2 + w * (ATAN_3 + w * (ATAN_4 + w * (ATAN_5 + w * ATAN_6))))));
         angle = height > sides ? 0.25f - angle : angle;
         angle = volume < 0.0f ? -angle : angle;
-        winding[i] += is_reliable > 0.0f ? counts[i] * angle : 0.0f;
-        bound[i] = is_reliable;
+        winding[i] += excess > 0.0f ? counts[i] * angle : 0.0f;
+        bound[i] = excess;
     }
     return KERNEL_OPEN(bound, 0.0f) & lanes;
 }

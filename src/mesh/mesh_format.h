@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The layout of a .dpa file, version 4: the single source of docs/format.md, of the compiler's writer
- * and of the core's reader. `struct dpt_mesh` is the file's first bytes; an older file has fewer sections, and so
- * begins what follows them, if it has that at all, earlier: read it by mesh_tail.
+ * The layout of a .dpa file, version 4: the single source of docs/format.md, of the compiler's writer and of the
+ * core's reader. `struct dpt_mesh` is the first bytes of a file of the newest version. An older file has fewer
+ * sections, so the tail begins earlier, or is missing: read it by mesh_tail.
  *
- * Little-endian; every number is 4 or 8 bytes wide; sections hold 4-byte words only, begin at
- * multiples of 64 and follow each other in the order of MESH_SECTIONS with less than 64 zero bytes
- * between them.
+ * Little-endian. Every number has 4 or 8 bytes. Sections hold 4-byte words only, begin at multiples of 64, and follow
+ * each other in the order of MESH_SECTIONS, with less than 64 zero bytes between them.
  */
 #ifndef DPT_MESH_FORMAT_H
 #define DPT_MESH_FORMAT_H
@@ -18,34 +17,33 @@
 #include "base/lanes.h"
 #include "dynpoint/mesh.h"
 
-/* 89 44 50 41 0d 0a 1a 0a: like PNG's, survives no text-mode transfer, and no text begins so. */
+/* 89 44 50 41 0d 0a 1a 0a: like that of PNG. A transfer in text mode destroys it, and no text begins so. */
 #define MESH_MAGIC              "\211DPA\r\n\032\n"
 #define MESH_BYTE_ORDER         0x01020304u
 #define MESH_BYTE_ORDER_SWAPPED 0x04030201u
 #define MESH_VERSION            4u
 #define MESH_ALIGN              64u
-#define MESH_LEVELS_MAX         8u /* 16^8 is more leaves than 2^32 triangles can fill */
+#define MESH_LEVELS_MAX         8u /* 16^8 leaves are more than 2^32 triangles fill */
 
-#define MESH_SELF_INTERSECTIONS_MAX 10000u /* pairs that are counted */
+#define MESH_SELF_INTERSECTIONS_MAX 10000u /* of pairs; the count stops there */
 
-/* Neighbour over an edge. */
+/* Codes in place of a neighbour over an edge. */
 #define MESH_EDGE_OPEN UINT32_MAX
 #define MESH_EDGE_MANY (UINT32_MAX - 1) /* non-manifold: three triangles or more */
 
-/* Place of a source triangle that was dropped. */
+/* Codes in place of the place of a source triangle that was dropped. */
 #define MESH_DROPPED_DEGENERATE (UINT32_MAX - 1)
 #define MESH_DROPPED_DUPLICATE  (UINT32_MAX - 2)
 
-/* Bits of a part's flags. */
-#define MESH_PART_CLOSED                                                                           \
-    1u /* every edge has two triangles, wound one way; a cavity's wall inward */
+/* Bits of a part's flags. CLOSED: every edge has two triangles, wound one way; a cavity's wall inward. */
+#define MESH_PART_CLOSED   1u
 #define MESH_PART_MANIFOLD 2u /* no edge has more than two */
 #define MESH_PART_WOUND    4u /* no two triangles run through an edge in the same direction */
 #define MESH_PART_SOLID    8u /* it has an inside: closed, or nearly (docs/algorithms/winding.md) */
-#define MESH_PART_WINDING  16u /* solid, and only a winding number tells on which side a point is */
-#define MESH_PART_BURIED   32u /* it lies wholly inside of another, solid part: both its sides do */
+#define MESH_PART_WINDING  16u /* solid, and a point's side is decided by winding number only */
+#define MESH_PART_BURIED   32u /* wholly inside another, solid part: both of its sides are inside */
 
-/* A triangle's flags (DPT_EDGE_..., DPT_CORNER_... of dynpoint/mesh.h) are below. */
+/* A triangle's flags, DPT_EDGE_... and DPT_CORNER_... of dynpoint/mesh.h, are below this. */
 #define MESH_FLAGS_END 0x40000u
 
 /* clang-format off */
@@ -55,7 +53,7 @@
     X(MESH_TRIANGLES,     "triangles")  /* 3 vertices a triangle                                */ \
     X(MESH_NEIGHBOURS,    "neighbours") /* 3 a triangle: over the edge from corner k to k + 1   */ \
     X(MESH_FAN_FIRST,     "fan_first")  /* 1 a vertex and one more: where its fan begins        */ \
-    X(MESH_FANS,          "fans")       /* 3 a triangle: the triangles at each vertex, by number */ \
+    X(MESH_FANS,          "fans")       /* 3 a triangle: the triangles at each vertex, ascending */ \
     X(MESH_PARTS,         "parts")      /* 1 a triangle: its part                               */ \
     X(MESH_PART_TABLE,    "part_table") /* 4 a part: flags, triangles, open and many-edges      */ \
     X(MESH_SOURCES,       "sources")    /* 1 a triangle: its number in the source               */ \
@@ -71,14 +69,17 @@
 enum { MESH_SECTIONS(MESH_SECTION_ID) MESH_SECTION_COUNT };
 #undef MESH_SECTION_ID
 
-/* Places in a file that are no section. */
+/* Parts of a file that are not sections, for faults. */
 enum { MESH_HEADER = MESH_SECTION_COUNT, MESH_PADDING };
 
 #define MESH_BOX_WORDS    (6u * LANES)
 #define MESH_LEAF_WORDS   (9u * LANES)
 #define MESH_MOMENT_WORDS (MESH_MOMENT_ROWS * LANES)
 
-/* A block of moments, of 16 children: area vector, its place, quadrupole, octupole, remainder, radius; a radius of -1 stands for none. */
+/*
+ * Rows of a block of moments, of 16 children each: area vector, its place, quadrupole, octupole, remainder, radius. A
+ * radius of -1 stands for no child.
+ */
 enum {
     MESH_MOMENT_AREA = 0, /* x, y, z */
     MESH_MOMENT_AT = 3,   /* x, y, z */
@@ -97,7 +98,7 @@ struct mesh_section {
     uint32_t reserved[3];
 };
 
-/* What stands behind the section table: nothing in version 1, four words in version 2, up to the crease in version 3. */
+/* What follows the section table: nothing in version 1, four words in version 2, up to the crease in version 3. */
 struct mesh_tail {
     uint32_t solid_components;
     uint32_t cavities;
@@ -107,18 +108,18 @@ struct mesh_tail {
     uint32_t normalless_vertices;
     double crease;                    /* rad */
     uint32_t self_intersections;      /* pairs of triangles; DPT_NONE: not known */
-    uint32_t self_intersections_more; /* the search stopped, there may be more: 1 */
-    uint32_t self_intersection[2];    /* one pair, by numbers of the source, or DPT_NONE twice */
+    uint32_t self_intersections_more; /* 1: the search stopped early, there may be more */
+    uint32_t self_intersection[2];    /* one pair, by source number, or DPT_NONE twice */
 };
 
 /*
- * Offsets are part of the format. After `magic` come 4-byte words up to `bytes`, then 8-byte words up
- * to `section`; the tail is words of 4 bytes, but for the crease.
+ * Offsets are part of the format. After `magic` come 4-byte words up to `bytes`, then 8-byte words up to `section`.
+ * The tail has 4-byte words, except for the crease.
  */
 struct dpt_mesh {
     char magic[8];
     uint32_t byte_order;
-    uint32_t version; /* the oldest reader that understands it */
+    uint32_t version; /* of the format; an older reader does not understand it */
     uint32_t header_bytes;
     uint32_t header_crc32; /* of header_bytes bytes with this word 0 */
     uint32_t section_count;
@@ -151,15 +152,16 @@ struct dpt_mesh {
     double filter_centre[3]; /* boxes and leaves hold (x - centre) * scale, within -1..1 */
     double filter_scale;     /* a power of two */
     struct mesh_section section[MESH_SECTION_COUNT];
-    struct mesh_tail tail; /* here in the newest version alone */
+    struct mesh_tail tail; /* at this offset in the newest version only */
 };
 
-/* How many sections a file of some version has, and how long its header is. */
+/* How many sections a file of this version has. */
 static inline uint32_t mesh_section_count(uint32_t version)
 {
     return version == 1 ? MESH_MOMENTS : version == 2 ? MESH_NORMALS : MESH_SECTION_COUNT;
 }
 
+/* The bytes of the tail in a file of this version. */
 static inline size_t mesh_tail_bytes(uint32_t version)
 {
     return version == 1   ? 0
@@ -168,18 +170,23 @@ static inline size_t mesh_tail_bytes(uint32_t version)
                           : sizeof(struct mesh_tail);
 }
 
+/* The offset of the tail. */
 static inline size_t mesh_tail_offset(uint32_t version)
 {
     return offsetof(struct dpt_mesh, section) +
            mesh_section_count(version) * sizeof(struct mesh_section);
 }
 
+/* The bytes of the header, section table and tail included. */
 static inline uint32_t mesh_header_bytes(uint32_t version)
 {
     return (uint32_t)(mesh_tail_offset(version) + mesh_tail_bytes(version));
 }
 
-/* As far as the file's version has it, else zeros or not known; what is closed is solid in version 1 too. */
+/*
+ * The tail of a file of any version. Fields that its version lacks are 0 or unknown; in version 1 the closed parts
+ * count as the solid ones.
+ */
 static inline struct mesh_tail mesh_tail(const struct dpt_mesh *mesh)
 {
     struct mesh_tail tail = { .solid_components = mesh->closed_components,
@@ -190,6 +197,7 @@ static inline struct mesh_tail mesh_tail(const struct dpt_mesh *mesh)
     return tail;
 }
 
+/* The words of a section. */
 static inline const void *mesh_section(const struct dpt_mesh *mesh, int id)
 {
     return (const char *)mesh + mesh->section[id].offset;
@@ -206,15 +214,15 @@ static inline const uint32_t *mesh_words(const struct dpt_mesh *mesh, int id)
 }
 
 /*
- * There are normals but where triangles have their vertices nearly alone, fans of two on average or fewer: there they
- * would be a quarter of the file and save nothing.
+ * Whether a file has normals. It has none where triangles share few vertices, on average fewer than two triangles a
+ * vertex: normals would be a quarter of the file then and save nothing.
  */
 static inline int mesh_stores_normals(const struct dpt_mesh *mesh)
 {
     return mesh->version > 2 && 2 * (uint64_t)mesh->vertices <= 3 * (uint64_t)mesh->triangles;
 }
 
-/* How many 4-byte words a section must have, by the header's counts; boxes: nodes of all levels. */
+/* How many 4-byte words a section must have by the header's counts. nodes: boxes of all levels. */
 static inline uint64_t mesh_section_words(const struct dpt_mesh *mesh, int id, uint64_t nodes)
 {
     switch (id) {
@@ -246,8 +254,9 @@ static inline uint64_t mesh_section_words(const struct dpt_mesh *mesh, int id, u
 }
 
 /*
- * The moments of a file that has some, else NULL: of each node, in the order of the boxes, 16 children as
- * kernel_moments (kernel_ops.h) reads them; `lanes` gets the words behind, of each leaf the triangles of solid parts as bits.
+ * The moments of a file, or NULL if it has none: for each node, in the order of the boxes, the 16 children as
+ * kernel_moments (kernel_ops.h) reads them. `lanes` gets the words behind them, one for each leaf: a bit for each
+ * triangle of a solid part.
  */
 static inline const float *mesh_moments(const struct dpt_mesh *mesh, const uint32_t **lanes)
 {
@@ -257,19 +266,19 @@ static inline const float *mesh_moments(const struct dpt_mesh *mesh, const uint3
     return mesh_floats(mesh, MESH_MOMENTS);
 }
 
-/* Unit normals, 3 floats a vertex, zero where there is none; NULL when the file has no such. */
+/* Unit normals, 3 floats a vertex, zero at a vertex without one; NULL if the file has no normals. */
 static inline const float *mesh_normals(const struct dpt_mesh *mesh)
 {
     return mesh_stores_normals(mesh) ? mesh_floats(mesh, MESH_NORMALS) : NULL;
 }
 
-/* A word a triangle; NULL in an older file. */
+/* The flags of triangles, a word each; NULL in a file before version 3. */
 static inline const uint32_t *mesh_flags(const struct dpt_mesh *mesh)
 {
     return mesh->version > 2 ? mesh_words(mesh, MESH_FLAGS) : NULL;
 }
 
-/* A part's bits, one for one. What is closed is solid in a file of version 1 too. */
+/* The MESH_PART_... bits of a part. In a file of version 1 a closed part counts as solid. */
 static inline uint32_t mesh_part_flags(const struct dpt_mesh *mesh, uint32_t part)
 {
     uint32_t flags = mesh_words(mesh, MESH_PART_TABLE)[4 * (size_t)part];
@@ -279,9 +288,9 @@ static inline uint32_t mesh_part_flags(const struct dpt_mesh *mesh, uint32_t par
 }
 
 /*
- * The tree's shape follows from the number of leaves: node k of a level has the 16 nodes from 16 k of
- * the level below (the last one fewer), level 0 being the leaves. Fills `count` of each level, from
- * 1 on; returns the number of levels of boxes.
+ * The shape of the tree follows from the number of leaves. Level 0 are the leaves; node k of a level has the 16 nodes
+ * from 16 k of the level below, the last node fewer. Fills in `count` of each level and `nodes`, the sum over levels
+ * from 1 on; returns the number of levels above the leaves.
  */
 static inline uint32_t mesh_levels(uint32_t leaves, uint32_t count[MESH_LEVELS_MAX + 1],
                                    uint64_t *nodes)
@@ -296,6 +305,7 @@ static inline uint32_t mesh_levels(uint32_t leaves, uint32_t count[MESH_LEVELS_M
     return level;
 }
 
+/* The next multiple of MESH_ALIGN. */
 static inline uint64_t mesh_aligned(uint64_t offset)
 {
     return (offset + MESH_ALIGN - 1) & ~(uint64_t)(MESH_ALIGN - 1);

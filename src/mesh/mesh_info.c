@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What an open mesh tells of itself. */
+/* The public questions about an open mesh. */
 #include "dynpoint/mesh.h"
 
 #include "base/return_if_error.h"
@@ -67,7 +67,7 @@ dpt_result dpt_mesh_get_section(const dpt_mesh *mesh, uint32_t index, dpt_mesh_s
     return DPT_OK;
 }
 
-/* Where a triangle lies by its source number, or DPT_NONE. */
+/* The place of a triangle by its source number, or DPT_NONE. */
 static uint32_t place_of(const dpt_mesh *mesh, uint32_t number)
 {
     if (!mesh || number >= mesh->source_triangles)

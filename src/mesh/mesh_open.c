@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Verify once, trust afterwards: everything that a search indexes with is checked here, whether or not
- * the checksums match, so that a forged file can give wrong answers but never a wrong read.
+ * Verify once, trust afterwards. Everything that a search uses as an index is checked here, whether or not the
+ * checksums match. So a forged file can cause wrong answers, but never a read out of bounds.
  */
 #include "base/crc32.h"
 #include "base/return_if_error.h"
@@ -76,7 +76,7 @@ static dpt_result check_layout(const struct dpt_mesh *mesh, dpt_mesh_fault *faul
     return DPT_OK;
 }
 
-/* `bytes` is the file as it lies, its header `size` bytes long. */
+/* `bytes` is the file in its own byte order; its header has `size` bytes. */
 static dpt_result check_header_crc(const void *bytes, size_t size, const struct crc32 *crc,
                                    uint32_t expected, dpt_mesh_fault *fault)
 {
@@ -88,7 +88,7 @@ static dpt_result check_header_crc(const void *bytes, size_t size, const struct 
     return DPT_OK;
 }
 
-/* `mesh` is the header in the host's order, `bytes` the file as it lies. */
+/* `mesh` is the header in the host's byte order, `bytes` the file in its own. */
 static dpt_result check_sections_crc(const struct dpt_mesh *mesh, const unsigned char *bytes,
                                      const struct crc32 *crc, dpt_mesh_fault *fault)
 {
@@ -105,7 +105,9 @@ static dpt_result check_sections_crc(const struct dpt_mesh *mesh, const unsigned
     return DPT_OK;
 }
 
-/* Every word of a section is below `limit`, or at least `codes` (codes that stand for no index). */
+/*
+ * Every word of a section is below `limit`, or is a code: at least `first_code`, which is 0 where there are no codes.
+ */
 static dpt_result check_indices(const struct dpt_mesh *mesh, int id, uint64_t limit,
                                 uint32_t first_code, dpt_mesh_fault *fault)
 {
@@ -130,7 +132,7 @@ static dpt_result check_fans(const struct dpt_mesh *mesh, dpt_mesh_fault *fault)
     return DPT_OK;
 }
 
-/* A triangle's number in the source leads back to it: what a search answers may be asked for again. */
+/* Source numbers and places are each other's inverse: users look up the triangles that a search reports. */
 static dpt_result check_sources(const struct dpt_mesh *mesh, dpt_mesh_fault *fault)
 {
     const uint32_t *source = mesh_words(mesh, MESH_SOURCES);
@@ -141,7 +143,7 @@ static dpt_result check_sources(const struct dpt_mesh *mesh, dpt_mesh_fault *fau
     return DPT_OK;
 }
 
-/* The first `count` words of a section are finite. */
+/* The first `count` words of a section are floats of at most `limit` in size. */
 static dpt_result check_some_floats(const struct dpt_mesh *mesh, int id, uint64_t count,
                                     float limit, dpt_mesh_fault *fault)
 {
@@ -158,7 +160,7 @@ static dpt_result check_floats(const struct dpt_mesh *mesh, int id, float limit,
     return check_some_floats(mesh, id, mesh->section[id].bytes / 4, limit, fault);
 }
 
-/* All vertices are in the header's box: what may be rounding is judged by it. */
+/* All vertices are in the header's box: rounding is judged by its size. */
 static dpt_result check_box(const struct dpt_mesh *mesh, dpt_mesh_fault *fault)
 {
     const float *word = mesh_floats(mesh, MESH_VERTICES);
@@ -168,7 +170,7 @@ static dpt_result check_box(const struct dpt_mesh *mesh, dpt_mesh_fault *fault)
     return DPT_OK;
 }
 
-/* Behind the floats a word a leaf names lanes that hold a triangle. */
+/* The moments are finite, and the words behind them name only lanes that hold a triangle. */
 static dpt_result check_moments(const struct dpt_mesh *mesh, dpt_mesh_fault *fault)
 {
     const uint32_t *lanes;
@@ -196,7 +198,7 @@ static dpt_result check_numbers(const struct dpt_mesh *mesh, dpt_mesh_fault *fau
     return DPT_OK;
 }
 
-/* The example of triangles that cut each other: two numbers of the source, or none. */
+/* The pair of triangles that cut each other has two source numbers, or none. */
 static dpt_result check_example(const struct dpt_mesh *mesh, dpt_mesh_fault *fault)
 {
     const struct mesh_tail tail = mesh_tail(mesh);
@@ -247,8 +249,7 @@ static dpt_result check_beginning(const void *bytes, size_t size, dpt_mesh_fault
 }
 
 /*
- * All of a file against `header`, which is its header in the host's byte order. Short files are read no
- * further than they reach.
+ * Check all of a file. `header` is its header in the host's byte order. A short file is read no further than its end.
  */
 static dpt_result check_file(const struct dpt_mesh *header, const void *bytes, size_t size,
                              const struct crc32 *crc, dpt_mesh_fault *fault)

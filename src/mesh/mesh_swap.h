@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A .dpa file's numbers from one byte order to the other. */
+/* Changing the byte order of the numbers of a .dpa file. */
 #ifndef DPT_MESH_SWAP_H
 #define DPT_MESH_SWAP_H
 
 #include "mesh/mesh_format.h"
 
+/* Reverse the bytes of each of `count` 4-byte words. */
 static inline void mesh_swap4(void *words, uint64_t count)
 {
     unsigned char *b = words;
@@ -18,6 +19,7 @@ static inline void mesh_swap4(void *words, uint64_t count)
     }
 }
 
+/* The same for 8-byte words. */
 static inline void mesh_swap8(void *words, uint64_t count)
 {
     unsigned char *b = words;
@@ -51,7 +53,7 @@ static inline void mesh_swap_header(struct dpt_mesh *mesh, uint32_t version)
     }
 }
 
-/* 1 where the host is little-endian, as the file is. */
+/* 1 if the host is little-endian, like the file. */
 static inline int mesh_host_is_little(void)
 {
     const uint32_t one = 1;

@@ -10,7 +10,7 @@ vec3 dpti_surface_face_normal(const struct surface *surface, uint32_t triangle)
                          sub(surface_corner_point(surface, triangle, 2), a)));
 }
 
-/* What a triangle adds to the normal of its corner's vertex: that of its plane, by its angle there. */
+/* What a triangle adds to the normal of the vertex at its corner k: its face normal times its angle there. */
 static vec3 weighted_normal(const struct surface *surface, uint32_t triangle, int k)
 {
     vec3 here = surface_corner_point(surface, triangle, k);
@@ -20,6 +20,7 @@ static vec3 weighted_normal(const struct surface *surface, uint32_t triangle, in
     return scaled(dpti_surface_face_normal(surface, triangle), angle);
 }
 
+/* The corner of a triangle at which a vertex is. */
 static int corner_at(const struct surface *surface, uint32_t triangle, uint32_t vertex)
 {
     int k = 0;
@@ -52,6 +53,7 @@ vec3 dpti_surface_vertex_normal(const struct surface *surface, uint32_t triangle
     return dpti_surface_fan_normal(surface, triangle, k);
 }
 
+/* The sum of the normals at the edge from corner k to k + 1. */
 static vec3 edge_normal(const struct surface *surface, uint32_t triangle, int k)
 {
     uint32_t other = surface_neighbours(surface)[3 * (size_t)triangle + (size_t)k];
@@ -73,10 +75,10 @@ vec3 dpti_surface_feature_normal(const struct surface *surface, uint32_t triangl
     return dpti_surface_face_normal(surface, triangle);
 }
 
-/* Of a crease's side no more triangles are asked, each way: a hub may have any number. */
+/* So many triangles on one side of a crease count at most, in each direction: a hub may have any number. */
 #define SECTOR_MAX 64
 
-/* Over the triangles round the vertex up to the next crease either way, or where they end. */
+/* The normal of corner k, over the triangles round its vertex up to the next crease or border in either direction. */
 static vec3 sector_normal(const struct surface *surface, uint32_t triangle, int k)
 {
     const uint32_t *flags = surface_flags(surface);

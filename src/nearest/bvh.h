@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Nearest pair of one axis and one mesh, exact: by the box tree, or by brute force. */
+/* The exact nearest pair of one axis and one mesh: by the box tree, or by brute force. */
 #ifndef DPT_BVH_H
 #define DPT_BVH_H
 
@@ -8,50 +8,58 @@
 #include "nearest/nearest_pair.h"
 #include "nearest/plane_cache.h"
 
-/* A node that is being looked into: its children's bounds, and those still to be visited. */
+/* A node on the path of a traversal. Bounds are distances in the filter's frame, too large by at most its margin. */
 struct path_entry {
-    float bound[LANES];
-    uint32_t lanes;
-    uint32_t node;
-    uint32_t has_open; /* something below it was open to the end */
-    float lower_bound; /* a bound of all of it, from the nodes above */
+    float bound[LANES]; /* lower bounds of the children */
+    uint32_t lanes;     /* children that are still to be visited, as bits */
+    uint32_t node;      /* index in its level */
+    uint32_t has_open;  /* 1: something below this node could not be closed by a plane */
+    float lower_bound;  /* of the whole node, from the nodes above; 0: none */
 };
 
-/* Where a search stands: a path of nodes from the root down to `at`. */
+/* The state of a traversal: the path of nodes from the root, path[surface->levels], down to path[depth]. */
 struct bvh_traversal {
-    struct path_entry path[MESH_LEVELS_MAX + 1];
-    uint32_t depth; /* level; 0: not begun */
+    struct path_entry path[MESH_LEVELS_MAX + 1]; /* by level; level 1: parents of leaves */
+    uint32_t depth;                              /* level of the node being visited; 0: not begun */
 };
 
 /*
- * Look for what is nearer than nearest->pair.distance2, or as near with a lower source number; put it
- * into `nearest`. Stops at the first pair that meets. nearest->triangle stays when there is none.
- * `keeper` holds planes of earlier searches and keeps those of this one; NULL keeps nothing.
+ * Find the triangle nearest to the axis a + s u, in the mesh's frame, in m.
  *
- * With `slack` > 0, a triangle that is nearer by less than that, a distance, need not be found.
+ *   nearest  in: a pair to beat; nearest->triangle is its place, or DPT_NONE if distance2 is only a limit.
+ *            out: the nearest pair that is nearer, or as near with a lower source number. If there is none, pair and
+ *            triangle are unchanged. The search stops at the first pair of distance 0.
+ *   cache    separating planes of earlier searches; those of this search are added. NULL: none
+ *   slack    a distance, in m: with slack > 0 a triangle that is nearer by less need not be found
+ *   work     grows by one unit a block of 16 lanes
+ *
+ * A search whose work is spent ends early, with the best pair so far.
  */
 void dpti_bvh_search(const struct surface *surface, const struct kernel *kernel,
                      const struct plane_cache_view *cache, vec3 a, vec3 u, double slack,
                      struct work *work, struct pair_search *nearest);
 
 /*
- * The same in pieces: 1 when it is done, and the walk is not begun again; 0 when the work was spent.
- * The next call goes on there, at the same place of the axis, or after dpti_bvh_weaken_bounds.
+ * The same search in parts. Returns 1 when it is done; then traversal->depth is 0. Returns 0 when the work is spent:
+ * the next call continues there, for the same axis, or for a moved one after dpti_bvh_weaken_bounds.
  */
 int dpti_bvh_traverse(const struct surface *surface, const struct kernel *kernel,
                       const struct plane_cache_view *cache, vec3 a, vec3 u, double slack,
                       struct bvh_traversal *traversal, struct work *work,
                       struct pair_search *nearest);
 
-/* The ends of the axis, that now is a + s u, moved by at most `motion` since the walk stopped. */
+/* Lower the bounds of a suspended traversal: each end of the axis has moved by at most `motion`, in m, since. */
 void dpti_bvh_weaken_bounds(struct bvh_traversal *traversal, const struct surface *surface,
                             double motion);
 
-/* A lower bound of the axis' distance to all that a walk that has begun has not yet visited. */
+/*
+ * A lower bound, in m, of the distance from the axis a + s u to all triangles that a suspended traversal has not
+ * visited yet. The traversal must have begun. HUGE_VAL if none are left.
+ */
 double dpti_bvh_unvisited_bound(const struct bvh_traversal *traversal,
                                 const struct surface *surface, vec3 a, vec3 u);
 
-/* The same over every triangle, in double, without a filter; never stops early. */
+/* dpti_bvh_search without the tree: every triangle in double, without filter or slack. It never stops early. */
 void dpti_brute_search(const struct surface *surface, vec3 a, vec3 u, struct work *work,
                        struct pair_search *nearest);
 

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Planes that close lanes of nodes and leaves, made anew where the axis has passed the old ones
+ * Make separating planes for lanes of nodes and leaves whose old planes no longer close them
  * (docs/algorithms/certificate.md).
  */
 #include "nearest/bvh_planes.h"
 
-/* New planes where there are none, or where they are better. Returns those still open. */
+/* Make 16 new planes, and store each where there is none or where it is better. Returns the lanes still open. */
 static uint32_t renew_planes(struct bvh_search *search, kernel_new_planes *make, const float *rows,
                              const struct cached_planes *cached, uint32_t lanes, float *bound)
 {
@@ -17,7 +17,7 @@ static uint32_t renew_planes(struct bvh_search *search, kernel_new_planes *make,
             make(rows, &search->segment, cached->block ? &cached->block->planes : &made, bound);
         if (cached->block) {
             cached->block->key = plane_cache_key(&search->cache, cached->node);
-            cached->block->retry_after = 1; /* its parent's planes are as new */
+            cached->block->retry_after = 1; /* the parent's planes are as new as these */
             cached->block->retry_interval = 0;
         }
     } else {
@@ -47,7 +47,10 @@ static void store_plane(struct plane_block *block, uint32_t lane, const float no
     block->open &= ~(1u << lane);
 }
 
-/* The support along n of what lies below a lane of a node: of its triangles, or of its children's boxes. */
+/*
+ * The support along n of a child of a node of this level: the least n.v of a leaf's triangles, or of the boxes of a
+ * node's children.
+ */
 static float child_support(struct bvh_search *search, uint32_t level, size_t child,
                            const float n[3])
 {
@@ -63,8 +66,8 @@ static float child_support(struct bvh_search *search, uint32_t level, size_t chi
 }
 
 /*
- * One plane for a lane of a node, in the direction that `boxes` takes, with the support of what lies below. Such a
- * plane lasts longer than that of a box. Returns 1 when it closes the lane.
+ * Make one plane for a lane of a node, in the direction that the loop `boxes` takes, with the child's own support: such
+ * a plane lasts longer than one with the support of the child's box. If it closes the lane, store it and return 1.
  */
 static int close_child(struct bvh_search *search, uint32_t level, uint32_t node, uint32_t lane,
                        struct plane_block *block)
@@ -92,7 +95,7 @@ static int close_child(struct bvh_search *search, uint32_t level, uint32_t node,
     return 1;
 }
 
-/* For leaves, along the normal of the best pair, which closes three of four. Returns those that it closes. */
+/* Try the normal of the best pair on each of these leaves; it closes three of four. Returns the lanes closed. */
 static uint32_t close_leaves(struct bvh_search *search, uint32_t node, uint32_t lanes,
                              struct plane_block *block)
 {
@@ -131,13 +134,13 @@ void dpti_bvh_close_in_parent(struct bvh_search *search, struct plane_block *blo
         (uint16_t)(interval < RETRY_INTERVAL_MAX ? interval : RETRY_INTERVAL_MAX);
 }
 
-/* The plane through the best pair, for a whole leaf: its parent keeps it. */
-static void store_leaf_plane(const struct bvh_search *search, uint32_t leaf, const float *value)
+/* Store the plane with the best pair's normal in the parent, for a whole leaf. support: of the leaf's triangles. */
+static void store_leaf_plane(const struct bvh_search *search, uint32_t leaf, const float *support)
 {
     struct plane_block *parent =
         plane_cache_own_block(&search->cache, search->surface->first[1] + leaf / LANES);
     if (parent)
-        store_plane(parent, leaf % LANES, search->segment.normal, lanes_min(value));
+        store_plane(parent, leaf % LANES, search->segment.normal, lanes_min(support));
 }
 
 void dpti_bvh_close_triangle(const struct bvh_search *search, uint32_t leaf, uint32_t lane,

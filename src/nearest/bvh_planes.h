@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * A search of the box tree, and the planes that it keeps for the next one: what bvh_search.c and bvh_planes.c share.
- * docs/algorithms/certificate.md.
+ * A search of the box tree and the separating planes that it leaves for the next search. bvh_search.c and bvh_planes.c
+ * share this. docs/algorithms/certificate.md.
  */
 #ifndef DPT_BVH_PLANES_H
 #define DPT_BVH_PLANES_H
@@ -9,11 +9,11 @@
 #include "nearest/bvh.h"
 #include "nearest/filter_segment.h"
 
-/* A node's 16 planes, empty unless they are its own. */
+/* The cached planes of a node's 16 children, or of a leaf's 16 triangles. */
 struct cached_planes {
-    struct plane_block *block; /* NULL: nothing is kept */
-    uint32_t node;             /* of the node */
-    int is_empty;
+    struct plane_block *block; /* where planes are stored; NULL: nowhere */
+    uint32_t node;             /* the node's number in the tree */
+    int is_empty;              /* 1: the block holds no planes of this node that may be used */
 };
 
 struct bvh_search {
@@ -22,15 +22,15 @@ struct bvh_search {
     struct plane_cache_view cache;
     struct pair_search *nearest;
     struct work *work;
-    vec3 a, u, x; /* x: unit, along u */
-    double slack;
+    vec3 a, u, x; /* the axis a + s u and the unit vector along it, in the mesh's frame */
+    double slack; /* m */
     struct filter_segment segment;
-    int has_frame; /* the probe's y and z, made when first needed */
-    int has_plane;
+    int has_frame; /* 1: segment.y and z are set; they are made when first needed */
+    int has_plane; /* 1: segment.normal and height are those of the plane through the best pair */
     struct bvh_traversal *traversal;
 };
 
-/* With one block left to look at, what is kept is left alone. */
+/* With one unit of work left, the cache is neither read nor written. */
 static inline struct cached_planes bvh_cached_planes(const struct bvh_search *search, uint32_t node)
 {
     const struct plane_cache_view *cache = &search->cache;
@@ -41,13 +41,17 @@ static inline struct cached_planes bvh_cached_planes(const struct bvh_search *se
     return (struct cached_planes){ block, node, is_empty };
 }
 
-/* By now. */
+/* 1 if the block holds this node's planes now; the search may have stored them since `cached` was made. */
 static inline int bvh_owns_block(const struct bvh_search *search,
                                  const struct cached_planes *cached)
 {
     return cached->block && cached->block->key == plane_cache_key(&search->cache, cached->node);
 }
 
+/*
+ * Test cached planes, which must not be empty, for one unit of work. rows: the boxes or triangles of the node. Returns
+ * the open lanes, and the bounds of all in `bound`.
+ */
 static inline uint32_t bvh_test_planes(struct bvh_search *search, kernel_cached *test,
                                        const float *rows, const struct cached_planes *cached,
                                        float *bound)
@@ -57,24 +61,33 @@ static inline uint32_t bvh_test_planes(struct bvh_search *search, kernel_cached 
 }
 
 /*
- * The triangles of a leaf that may be nearer: those that neither their own planes nor the plane through the best
- * pair rules out. `wanted`: where that plane rules out all of them, the parent is to have it.
+ * Returns those of a leaf's `lanes` that may be nearer: neither their own planes nor the plane through the best pair
+ * closes them. leaf: the leaf's index. bound: lower bounds of the lanes returned, in the filter's frame. With
+ * parent_needs_plane, the parent stores the plane through the best pair if that closes the whole leaf.
  */
 uint32_t dpti_bvh_open_triangles(struct bvh_search *search, uint32_t leaf,
                                  const struct cached_planes *cached, uint32_t lanes,
                                  int parent_needs_plane, float *bound);
 
-/* A triangle was evaluated and is farther: the plane across its own connection is the best there is. */
+/*
+ * Store a plane for a triangle of a leaf that was evaluated and is farther than the best. The plane across its own
+ * pair, `found`, gives the greatest bound of all planes.
+ */
 void dpti_bvh_close_triangle(const struct bvh_search *search, uint32_t leaf, uint32_t lane,
                              const pair *found);
 
-/* New planes for those of these lanes that lost theirs: for a few, better ones. Returns all that are still open. */
+/*
+ * Make new planes for those of a node's `lanes` whose planes no longer close them: better planes if there are only one
+ * or two. level, node: the node's level (1 or more) and its index there. Returns the lanes that are still open; `bound`
+ * is updated.
+ */
 uint32_t dpti_bvh_close_boxes(struct bvh_search *search, uint32_t level, uint32_t node,
                               const struct cached_planes *cached, uint32_t lanes, float *bound);
 
 /*
- * A node or leaf, the child of a lane of a node of this level, was looked into and nothing in it was open: that
- * lane's plane is lost, or was too weak. Try another; after each failure wait longer. `block` is the child's own.
+ * A child was visited and nothing in it was open: its plane in the parent is lost or was too weak. Try to store a
+ * better one there; after each failure wait longer. level: the parent's level; child: the child's index in the level
+ * below; block: the child's own block, which counts the visits.
  */
 void dpti_bvh_close_in_parent(struct bvh_search *search, struct plane_block *block, uint32_t level,
                               uint32_t child);

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Depth first, nearest child first, through a tree that is 16 wide (docs/algorithms/bvh.md). Bounds
- * are float and sound by kernel_margin; what they cannot rule out is evaluated in double. So float
- * decides how long it takes, never what the answer is.
+ * Depth first, nearest child first, through a tree that is 16 wide (docs/algorithms/bvh.md). Float bounds, sound by
+ * kernel_margin, close lanes; triangles that stay open are evaluated in double. So float decides how long a search
+ * takes, never what it answers.
  */
 #include "nearest/bvh_planes.h"
 
 /*
- * Take over a new best distance, and the plane through its pair: what lies behind that plane, most of
- * the mesh near a contact, is ruled out by three dot products.
+ * Set the limit from the best distance, and the plane through the best pair. Near a contact most of the mesh lies
+ * beyond that plane, and three dot products a triangle rule it out.
  */
 static void set_limit(struct bvh_search *search)
 {
@@ -24,7 +24,7 @@ static void set_limit(struct bvh_search *search)
     segment->height = filter_segment_support(segment, segment->normal);
 }
 
-/* Of these triangles, from `first` on, those of which nothing is known. */
+/* Those of a leaf's `lanes` that are neither the best triangle nor excluded. first: place of the leaf's lane 0. */
 static uint32_t untested_triangles(const struct pair_search *nearest, uint32_t first,
                                    uint32_t lanes)
 {
@@ -66,7 +66,7 @@ static void visit_leaf(struct bvh_search *search, uint32_t leaf)
     }
 }
 
-/* Its parent learns what was found. */
+/* Tell the parent that this node has open parts, or close the node there. block: the node's own, or NULL. */
 static void leave_node(struct bvh_search *search, struct plane_block *block, uint32_t level)
 {
     const struct path_entry *entry = &search->traversal->path[level];
@@ -78,7 +78,10 @@ static void leave_node(struct bvh_search *search, struct plane_block *block, uin
         dpti_bvh_close_in_parent(search, block, level + 1, entry->node);
 }
 
-/* Look at all children but those of the lanes `but`, which are looked into anyway. 0: nothing is left to look into. */
+/*
+ * Put a node on the path and test all of its children but path_lanes, which are visited anyway. Returns 0 if no child
+ * is left to visit.
+ */
 static int visit_node(struct bvh_search *search, uint32_t level, uint32_t node, uint32_t path_lanes)
 {
     struct path_entry *entry = &search->traversal->path[level];
@@ -103,8 +106,9 @@ static int visit_node(struct bvh_search *search, uint32_t level, uint32_t node, 
 }
 
 /*
- * Where the search begins: at the root; or, where the best triangle is that of a known tick, at its leaf, with all
- * nodes above it already looked at. No plane could close the way to it.
+ * Begin at the root; or, if last tick's triangle is the best, visit its leaf at once and test the nodes above it: no
+ * plane could close the lanes that lead to it. Returns the level at which the traversal continues; above
+ * surface->levels: it is done.
  */
 static uint32_t begin_traversal(struct bvh_search *search)
 {
@@ -122,9 +126,10 @@ static uint32_t begin_traversal(struct bvh_search *search)
 }
 
 /*
- * Nearest first: where there is no history the first crossing that is found is the answer, from wherever the search
- * begins; a search at rest costs as much as any from nothing; and where many are open it saves most. Of few that last
- * tick's planes left the order does not matter.
+ * The open lane to visit next. As a rule it is the nearest one. With at most four open lanes the order hardly matters,
+ * and taking the first one saves the comparisons. Two searches always take the nearest:
+ *   - Without history (no slack) the first crossing found is the answer; it must not depend on where a search begins.
+ *   - A write-only search, of a tool at rest, must cost no more than a search from nothing.
  */
 static uint32_t next_lane(const struct bvh_search *search, const struct path_entry *entry)
 {
@@ -201,7 +206,7 @@ void dpti_bvh_search(const struct surface *surface, const struct kernel *kernel,
     dpti_bvh_traverse(surface, kernel, cache, a, u, slack, &traversal, work, nearest);
 }
 
-/* That a margin grows with the ends, and rounding here, is in the factors. */
+/* The factors cover the growth of the margin with the ends, and rounding here. */
 void dpti_bvh_weaken_bounds(struct bvh_traversal *traversal, const struct surface *surface,
                             double motion)
 {

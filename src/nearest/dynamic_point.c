@@ -23,17 +23,17 @@ void dpti_track_once(const struct surface *surface, const struct kernel *kernel,
         dpti_point_search(surface, kernel, axis->local_a, &traversal, work, nearest);
 }
 
-/* At most so many triangles around a vertex are tried: hubs have thousands. */
+/* The most triangles that are tried around a vertex: hubs have thousands. */
 enum { FAN_TRIED_MAX = 16 };
 
-/* What is not noted is asked again. */
+/* Where the list is full, the search evaluates the triangle again. */
 static void exclude_triangle(struct pair_search *nearest, uint32_t triangle)
 {
     if (nearest->excluded_count < EXCLUDED_MAX)
         nearest->excluded[nearest->excluded_count++] = triangle;
 }
 
-/* 1 when the triangle is nearer, and taken. */
+/* Move to this triangle and return 1 if it is nearer; else exclude it and return 0. */
 static int try_neighbour(const struct surface *surface, const struct axis *axis, uint32_t triangle,
                          struct pair_search *nearest)
 {
@@ -53,7 +53,7 @@ static int try_neighbour(const struct surface *surface, const struct axis *axis,
     return 0;
 }
 
-/* Around a vertex: 1 when one of its triangles is nearer, and taken. */
+/* Move to the first triangle around a vertex that is nearer, and return 1; 0 if none is. */
 static int try_fan(const struct surface *surface, const struct axis *axis, uint32_t vertex,
                    struct pair_search *nearest)
 {
@@ -91,8 +91,8 @@ void dpti_track_descend(const struct surface *surface, const struct axis *axis, 
 }
 
 /*
- * From a triangle over the edge beside which the axis goes through its plane, and on, to one that the axis goes
- * through: 1. No distance is computed on the way.
+ * Look for a triangle that the axis goes through. Begin at `triangle`; while the axis passes it, go on over the edge
+ * beside which it passes. Returns 1 and sets `nearest` if there is one. As a rule no distance is computed.
  */
 static int find_crossed(const struct surface *surface, const struct axis *axis, uint32_t triangle,
                         struct work *work, struct pair_search *nearest)
@@ -106,8 +106,8 @@ static int find_crossed(const struct surface *surface, const struct axis *axis, 
         int is_beside = pierce_misses(&pierce);
         pair found;
         if (!is_beside && !pair_on_pierced(&found, &pierce))
-            found = dpti_triangle_pair(surface, triangle, axis->local_a,
-                                       axis->u); /* a sliver, perhaps */
+            /* Triple products leave it open, as on a sliver. */
+            found = dpti_triangle_pair(surface, triangle, axis->local_a, axis->u);
         if (!is_beside && found.distance2 == 0.0) {
             nearest->pair = found;
             nearest->triangle = triangle;

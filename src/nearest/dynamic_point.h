@@ -1,18 +1,22 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The nearest pair of one tool axis and one body, in world coordinates, with its error bound. */
+/*
+ * The dynamic point: the nearest pair of one tool axis and one body, carried from tick to tick, with its error bound.
+ * Triangles go by their place in the file's order. docs/algorithms/certificate.md.
+ */
 #ifndef DPT_DYNAMIC_POINT_H
 #define DPT_DYNAMIC_POINT_H
 
 #include "base/frame.h"
 #include "nearest/bvh.h"
 
-/* An axis in the world and in the body's frame. */
+/* An axis in the world and in the body's frame, in m. */
 struct axis {
-    vec3 a, b;       /* world */
-    vec3 local_a, u; /* body: local_a + s u */
-    double error;    /* the error bound of a distance from here */
+    vec3 a, b;       /* the ends in the world */
+    vec3 local_a, u; /* the axis local_a + s u, both in the body's frame */
+    double error;    /* error bound of a distance from this axis, m */
 };
 
+/* Set an axis from its ends a and b in the world; body: the pose of the body's frame. */
 static inline void axis_of(const struct surface *surface, const struct frame *body, vec3 a, vec3 b,
                            struct axis *axis)
 {
@@ -21,55 +25,63 @@ static inline void axis_of(const struct surface *surface, const struct frame *bo
     axis->local_a = frame_to_local(body, a);
     vec3 local_b = frame_to_local(body, b);
     axis->u = sub(local_b, axis->local_a);
-    double reach = max_of(max_of(extent_of(a), extent_of(b)), extent_of(body->origin));
-    reach = max_of(reach, max_of(extent_of(axis->local_a), extent_of(local_b)));
-    axis->error = DISTANCE_ERROR * max_of(reach, dpti_surface_extent(surface));
+    double extent = max_of(max_of(extent_of(a), extent_of(b)), extent_of(body->origin));
+    extent = max_of(extent, max_of(extent_of(axis->local_a), extent_of(local_b)));
+    axis->error = DISTANCE_ERROR * max_of(extent, dpti_surface_extent(surface));
 }
 
 /*
- * Stateless: `hint` (a place, or DPT_NONE) only makes it faster. `nearest` is written anew; its
- * triangle is DPT_NONE only where a forged file's boxes hide every triangle.
+ * The nearest pair without history. hint: a triangle that is likely to be near, or DPT_NONE; it changes the time, not
+ * the answer. method: DPT_METHOD_BRUTE, else the tree. `nearest` is overwritten; its triangle is DPT_NONE only if a
+ * forged file's boxes hide every triangle.
  */
 void dpti_track_once(const struct surface *surface, const struct kernel *kernel, uint32_t method,
                      const struct axis *axis, uint32_t hint, struct work *work,
                      struct pair_search *nearest);
 
-/* With history: one axis and one body, this tick. */
+/* The nearest pair with history: of one axis and one body, in one tick. */
 struct track {
     struct axis axis;
     struct pair_search nearest;
-    uint32_t last;  /* last tick's triangle, a place, while it may be the answer; or DPT_NONE */
-    pair last_pair; /* the axis and that triangle */
-};
-
-/* What the dynamic point does. */
-enum descent_mode {
-    TRACK_STAYS,
-    TRACK_DESCENDS, /* it moves to what is nearer around it */
-    TRACK_CROSSED   /* the same; and as its triangle was crossed, first to one that still is */
+    uint32_t last;  /* place of last tick's triangle, while it may be the answer; or DPT_NONE */
+    pair last_pair; /* the nearest pair of this tick's axis and that triangle */
 };
 
 /*
- * The dynamic point of last tick, where it is now, or has moved to. Nothing
- * at or beyond `limit2`, a squared distance, need be found: nearest.triangle is DPT_NONE then. Where there was
- * no last tick and is no limit, any triangle is a beginning. `axis` is there already.
+ * How the dynamic point moves before the search: it stays on last tick's triangle, it descends to nearer neighbours,
+ * or, if the axis crossed its triangle last tick, it looks for a triangle that the axis crosses now and else descends.
+ */
+enum descent_mode { TRACK_STAYS, TRACK_DESCENDS, TRACK_CROSSED };
+
+/*
+ * Begin a tick: evaluate last tick's triangle, and move the dynamic point as `mode` says. track->axis must be set.
+ *
+ *   last    last tick's triangle, by its place, or DPT_NONE. Without it and without a limit any triangle is the start
+ *   limit2  m^2; HUGE_VAL: no limit. A pair whose squared distance is limit2 or more need not be found. If there is no
+ *           nearer one, track->nearest.triangle is DPT_NONE
  */
 void dpti_track_begin(struct track *track, const struct surface *surface, uint32_t last,
                       double limit2, enum descent_mode mode, struct work *work);
 
 /*
- * The dynamic point moves: over the edge, or around the vertex, on which the nearest point of its triangle
- * lies, to a triangle that is nearer; until there is none. Of the axis its local_a, u and error count.
+ * Move the dynamic point to a nearer triangle, over the edge or around the vertex on which its nearest point lies,
+ * until none is nearer. Of the axis, local_a, u and error must be set.
  */
 void dpti_track_descend(const struct surface *surface, const struct axis *axis, struct work *work,
                         struct pair_search *nearest);
 
-/* Prove or correct it; 0 if the work was spent, as dpti_bvh_traverse, whose walk and keeper these are. */
+/*
+ * Prove the dynamic point or correct it, by dpti_bvh_traverse, which takes `cache` and `traversal`. Returns 0 if the
+ * work is spent: the next call continues.
+ */
 int dpti_track_prove(struct track *track, const struct surface *surface,
                      const struct kernel *kernel, const struct plane_cache_view *cache,
                      struct bvh_traversal *traversal, struct work *work);
 
-/* Last tick's triangle stays the answer while it is within DISTANCE_ERROR_HISTORY of the error bound of the best. */
+/*
+ * Keep last tick's triangle as the answer while its distance is within DISTANCE_ERROR_HISTORY times the error bound of
+ * the best one.
+ */
 void dpti_track_settle(struct track *track);
 
 #endif

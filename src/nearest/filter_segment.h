@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* From an axis in double to the probe that the 16-lane loops take, with the margin of their bounds. */
+/*
+ * Make a struct filter_segment, the float axis of the 16-lane loops, from an axis in double. The order of calls is
+ * set_axis, then set_frame (only for loops that use y and z), then set_limit.
+ */
 #ifndef DPT_FILTER_SEGMENT_H
 #define DPT_FILTER_SEGMENT_H
 
@@ -13,7 +16,10 @@ static inline void put_float(vec3 v, float out[3])
     out[2] = (float)v.z;
 }
 
-/* The axis a + s u, in the mesh's frame; returns the unit vector along it. Frame and limit are for later. */
+/*
+ * Set ends, length, direction x and margin from the axis a + s u, in the mesh's frame, in m. y, z and limit stay unset.
+ * Returns the unit vector along u; (1, 0, 0) where u is 0.
+ */
 static inline vec3 filter_segment_set_axis(struct filter_segment *segment,
                                            const struct surface *surface, vec3 a, vec3 u)
 {
@@ -29,7 +35,7 @@ static inline vec3 filter_segment_set_axis(struct filter_segment *segment,
     return x;
 }
 
-/* Two unit vectors that make a right-handed frame with the unit vector x. */
+/* Set y and z to unit vectors that make a right-handed frame with the unit vector x. */
 static inline void filter_segment_set_frame(struct filter_segment *segment, vec3 x)
 {
     double ax = fabs(x.x), ay = fabs(x.y), az = fabs(x.z);
@@ -40,7 +46,7 @@ static inline void filter_segment_set_frame(struct filter_segment *segment, vec3
     put_float(cross(x, y), segment->z);
 }
 
-/* A bound beyond the limit belongs to what is farther than the distance, not as far. */
+/* Set the limit for a distance in m: a lane whose bound exceeds the limit is farther than that, and not as far. */
 static inline void filter_segment_set_limit(struct filter_segment *segment,
                                             const struct surface *surface, double distance)
 {
@@ -48,7 +54,7 @@ static inline void filter_segment_set_limit(struct filter_segment *segment,
     segment->limit = (float)stretched + segment->margin;
 }
 
-/* How far along a normal the axis goes. */
+/* The larger of n.A and n.B over the ends of the axis, in the filter's frame. */
 static inline float filter_segment_support(const struct filter_segment *segment, const float n[3])
 {
     float at_a = n[0] * segment->a[0] + n[1] * segment->a[1] + n[2] * segment->a[2];

@@ -35,7 +35,7 @@ void dpti_pair_search_update_plane(struct pair_search *nearest, vec3 a, vec3 u, 
     nearest->plane_owner = nearest->triangle + 1;
 }
 
-/* height >= lean |c - at| - slack is concave along a triangle: where its corners hold it, all of it does. */
+/* height + slack - lean |c - q| is concave along a triangle: if it is >= 0 at the corners c, it is >= 0 everywhere. */
 int dpti_triangle_is_beyond(const struct surface *surface, const struct best_plane *plane,
                             uint32_t triangle)
 {

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The nearest pair of an axis and a surface that a search has found so far, and how one triangle compares with it. */
+/*
+ * The nearest pair of an axis and a surface that a search has found so far, and how one triangle compares with it.
+ * Triangles go by their place in the file's order. Points and axes are in the mesh's frame, in m.
+ */
 #ifndef DPT_NEAREST_PAIR_H
 #define DPT_NEAREST_PAIR_H
 
@@ -7,43 +10,48 @@
 #include "nearest/segment_triangle.h"
 
 /*
- * The most by which a reported distance is wrong, per unit of the largest coordinate that entered, in
- * the world and in the mesh's frame: half for the rounding of the pair (32 * 2^-53, docs/algorithms/
- * distance.md) and of the transformation into the mesh's frame, three eighths for history (dpti_track_settle), one
- * eighth for triangles that touch the plane through the best pair and are not evaluated (dpti_bvh_search).
+ * The error bound of a reported distance, per unit of the largest coordinate that entered, in the world and in the
+ * mesh's frame. Its parts:
+ *   - one half for the rounding of the pair (32 * 2^-53, docs/algorithms/distance.md) and of the transformation into
+ *     the mesh's frame;
+ *   - DISTANCE_ERROR_HISTORY, three eighths, for history (dpti_track_settle);
+ *   - DISTANCE_ERROR_SLACK, one eighth, for triangles that touch the plane through the best pair and are not evaluated
+ *     (the slack of dpti_bvh_search).
  */
 #define DISTANCE_ERROR         (128.0 * 0x1p-53)
 #define DISTANCE_ERROR_HISTORY 0.375
 #define DISTANCE_ERROR_SLACK   0.125
 
+/* The most triangles that one search excludes. */
 #define EXCLUDED_MAX 16
 
 /*
- * The plane through a pair's point on the mesh, across the connection. What is wholly beyond it is no nearer.
- * The axis may lean towards it: by no more than rounding where the pair is not at its end, but over its
- * whole length that is more than the rounding of a distance. The point of the axis nearest to an x of the mesh is
- * no farther from the pair's than x is from the mesh's, so it is the lean over that way which counts.
+ * The plane through the best pair's point q on the mesh, orthogonal to the pair. A triangle wholly beyond it is no
+ * nearer than the pair.
+ *
+ * The axis may lean towards the plane. If the pair is not at an end of the axis, the lean is only rounding; but over
+ * the whole axis that is more than the rounding of a distance. So only a part of the axis counts: let p be the pair's
+ * point on the axis. The point of the axis nearest to a point x of the mesh is no farther from p than x is from q. So
+ * x must be beyond the plane by the lean over that length.
  */
 struct best_plane {
     vec3 normal;  /* unit, away from the axis */
     vec3 q;       /* the pair's point on the mesh */
-    double lean2; /* square of the axis' rise along the normal, per length */
-    double slack;
+    double lean2; /* square of the axis' rise along the normal, per length of the axis */
+    double slack; /* m; a triangle that is nearer by less counts as no nearer */
 };
 
 /* The best pair so far. */
 struct pair_search {
-    pair pair;         /* in the mesh's frame */
-    uint32_t triangle; /* place in the mesh, or DPT_NONE */
-    uint32_t
-        plane_owner; /* the triangle, from 1, to whose pair the front belongs; 0: there is none */
+    pair pair;            /* in the mesh's frame */
+    uint32_t triangle;    /* the pair's triangle, by its place, or DPT_NONE */
+    uint32_t plane_owner; /* place + 1 of the triangle whose pair `plane` belongs to; 0: no plane */
     struct best_plane plane;
     uint32_t excluded_count;
-    uint32_t
-        excluded[EXCLUDED_MAX]; /* triangles that are no nearer, as is known without a search */
+    uint32_t excluded[EXCLUDED_MAX]; /* places of triangles that were tested and are no nearer */
 };
 
-/* Before a search: all but the pair. The triangle is the pair's, or DPT_NONE. */
+/* Begin a search: set all but the pair. triangle: the pair's, by its place, or DPT_NONE. */
 static inline void pair_search_begin(struct pair_search *nearest, uint32_t triangle)
 {
     nearest->triangle = triangle;
@@ -51,23 +59,23 @@ static inline void pair_search_begin(struct pair_search *nearest, uint32_t trian
 }
 
 /*
- * Make its front, if it is another pair's: of the axis a + s u, at a positive distance. What is nearer by less than
- * `slack` counts as no nearer.
+ * Set nearest->plane for the axis a + s u, unless it belongs to the pair already. The pair's distance must be positive.
+ * A triangle that is nearer by less than `slack`, in m, counts as no nearer.
  */
 void dpti_pair_search_update_plane(struct pair_search *nearest, vec3 a, vec3 u, double slack);
 
-/* All of a triangle lies beyond. */
+/* 1 if all of a triangle lies beyond the plane, so that it is no nearer than the best pair. */
 int dpti_triangle_is_beyond(const struct surface *surface, const struct best_plane *plane,
                             uint32_t triangle);
 
-/* The pair of the axis a + s u and one triangle, by its place. */
+/* The nearest pair of the axis a + s u and one triangle. u may be 0. */
 pair dpti_triangle_pair(const struct surface *surface, uint32_t triangle, vec3 a, vec3 u);
 
-/* The same of a point x. */
+/* The nearest pair of the point x and one triangle. */
 void dpti_triangle_point_pair(const struct surface *surface, uint32_t triangle, vec3 x,
                               pair *found);
 
-/* How the axis goes through the plane of one. */
+/* How the line of the axis a + s u passes one triangle. */
 static inline struct pierce triangle_pierce(const struct surface *surface, uint32_t triangle,
                                             vec3 a, vec3 u)
 {
@@ -78,7 +86,10 @@ static inline struct pierce triangle_pierce(const struct surface *surface, uint3
     return pierce_of(u, from, edge);
 }
 
-/* As near, the lower source number wins: the same answer in whatever order triangles are tried. 1: the pair is taken. */
+/*
+ * Replace the best pair by `found` if that is nearer, or as near with a lower source number: so the answer does not
+ * depend on the order in which triangles are tried. Returns 1 if it was replaced.
+ */
 static inline int pair_search_improve(const struct surface *surface, uint32_t triangle,
                                       const pair *found, struct pair_search *nearest)
 {
@@ -91,7 +102,7 @@ static inline int pair_search_improve(const struct surface *surface, uint32_t tr
     return 1;
 }
 
-/* Take that pair if it is nearer, or as near with a lower source number: 1. */
+/* Evaluate the pair of the point x and one triangle; then as pair_search_improve. */
 int dpti_pair_search_try_point(const struct surface *surface, uint32_t triangle, vec3 x,
                                struct pair_search *nearest);
 

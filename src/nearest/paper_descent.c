@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * A ring's triangles go 16 at a time through the filter of the tree (kernel_ops.h), and only what its bounds
- * leave open is evaluated in double: all that could be as near as the best, so that ties are judged among
- * the same triangles as without a filter.
+ * The triangles of a ring go 16 at a time through the tree's filter (kernel_ops.h). Those that its bounds leave open
+ * are evaluated in double: all that could be as near as the best, so that ties are decided among the same triangles as
+ * without a filter.
  */
 #include "nearest/paper_descent.h"
 
@@ -15,10 +15,11 @@ struct descent {
     struct pair_search *best;
     struct work *work;
     vec3 a, u;
-    const uint32_t *from_corners; /* corners of the triangle that is left */
-    int shared;                   /* vertices that the best has in common with it */
+    const uint32_t *from_corners; /* corners of the triangle from which this step starts */
+    int shared;                   /* number of vertices that the best triangle shares with it */
     struct filter_segment segment;
-    uint32_t block_count; /* triangles in the block, and their places */
+    /* A block of neighbours that wait for their test: how many, their places, their rows for the kernel. */
+    uint32_t block_count;
     uint32_t block_places[LANES];
     float block_rows[MESH_LEAF_WORDS];
 };
@@ -43,7 +44,7 @@ static void try_neighbour(struct descent *d, uint32_t neighbour)
     filter_segment_set_limit(&d->segment, surface, sqrt(found.distance2));
 }
 
-/* Lanes from `count` on hold what was there before: kernels read them, no one asks for their bounds. */
+/* Evaluate the block's triangles. Lanes from block_count on hold old triangles; their bounds are not used. */
 static void try_block(struct descent *d)
 {
     struct planes planes;
@@ -71,7 +72,7 @@ static void put_neighbour(struct descent *d, uint32_t neighbour)
         try_block(d);
 }
 
-/* To the nearest neighbour, if it is nearer: 1. Nothing is nearer than a triangle that the axis crosses. */
+/* Move to the nearest neighbour and return 1 if it is nearer; else 0, as on a triangle that the axis crosses. */
 static int move_to_nearest(struct descent *d)
 {
     const uint32_t *first, *fans = surface_fans(d->surface, &first);
@@ -80,12 +81,12 @@ static int move_to_nearest(struct descent *d)
     if (d->best->pair.distance2 == 0.0)
         return 0;
     d->from_corners = from_corners;
-    d->shared = 4; /* to stay wins every tie */
+    d->shared = 4; /* more than any neighbour shares: staying wins every tie */
     for (int k = 0; k < 3; k++)
         for (uint32_t i = first[from_corners[k]]; i < first[from_corners[k] + 1]; i++) {
             const uint32_t *corners = d->surface->corners + 3 * (size_t)fans[i];
             if (fans[i] == from || shared_corners(from_corners, k, corners))
-                continue; /* itself, or met in the fan of an earlier corner */
+                continue; /* itself, or in the fan of an earlier corner too */
             put_neighbour(d, fans[i]);
         }
     if (d->block_count)

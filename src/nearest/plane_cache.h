@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * What was proven stays true: a plane that lies between the tool and a piece of the mesh is kept, and next
- * tick its bound costs three dot products instead of a search (docs/algorithms/certificate.md).
+ * The plane cache keeps separating planes from tick to tick. A plane between the tool and a piece of the mesh stays
+ * valid, and next tick its bound costs three dot products instead of a search (docs/algorithms/certificate.md).
  *
- * A cache of fixed size. A block holds the planes of one tree node's 16 children, or of one leaf's 16
- * triangles, for one axis and one body. A block that is not there, or was given to another, costs time,
- * never truth: its planes are made anew.
+ * The cache has a fixed size. A block holds the planes of a tree node's 16 children, or of a leaf's 16 triangles, for
+ * one axis and one body. If a block is missing or another owner took it, its planes are made again: that costs time and
+ * never changes an answer.
  */
 #ifndef DPT_PLANE_CACHE_H
 #define DPT_PLANE_CACHE_H
@@ -13,10 +13,10 @@
 #include "kernel/kernel_ops.h"
 
 struct plane_block {
-    uint64_t key;  /* whose it is: owner << 32 | node; 0 is nobody's */
-    uint32_t open; /* lanes that new planes did not close when they were last made */
-    uint16_t retry_after,
-        retry_interval; /* visits until one plane for all of it is tried again; the next wait */
+    uint64_t key;  /* owner << 32 | node's number; 0: the block is free */
+    uint32_t open; /* lanes that the newest planes did not close */
+    /* Visits until the parent tries again to close this node or leaf with one plane; and the wait after that. */
+    uint16_t retry_after, retry_interval;
     struct planes planes;
 };
 
@@ -26,13 +26,13 @@ struct plane_cache {
     uint32_t count;
 };
 
-/* One axis' and body's view of it. `owner` is not 0. */
+/* The cache as one axis and one body see it. */
 struct plane_cache_view {
     struct plane_block *blocks;
-    uint32_t count; /* of blocks; 0: nothing is kept */
-    uint32_t owner;
-    uint32_t first;    /* the block of its node 0 */
-    int is_write_only; /* planes are made and kept, but those of before are not asked */
+    uint32_t count;    /* number of blocks; 0: nothing is kept */
+    uint32_t owner;    /* identifies the axis and the body; not 0 */
+    uint32_t first;    /* index of the block of the owner's node 0 */
+    int is_write_only; /* 1: planes cached already are not used; new ones go into blocks without any */
 };
 
 static inline struct plane_cache_view plane_cache_view_of(const struct plane_cache *cache,
@@ -44,8 +44,8 @@ static inline struct plane_cache_view plane_cache_view_of(const struct plane_cac
 }
 
 /*
- * The block of a node, by its number in the tree; nodes that lie close together do not displace each other.
- * It may be another's, whose key differs. NULL where nothing is kept.
+ * The block in which a node's planes belong, by the node's number in the tree. The block may hold planes of another
+ * node: then its key differs. Nodes with neighbouring numbers have different blocks. NULL if the cache has no blocks.
  */
 static inline struct plane_block *plane_cache_block(const struct plane_cache_view *cache,
                                                     uint32_t node)
@@ -60,12 +60,13 @@ static inline struct plane_block *plane_cache_block(const struct plane_cache_vie
     return &cache->blocks[index];
 }
 
+/* The key of a block that holds this node's planes for the view's owner. */
 static inline uint64_t plane_cache_key(const struct plane_cache_view *cache, uint32_t node)
 {
     return (uint64_t)cache->owner << 32 | node;
 }
 
-/* Only if it is the node's own. */
+/* The node's block if it holds the node's own planes, else NULL. */
 static inline struct plane_block *plane_cache_own_block(const struct plane_cache_view *cache,
                                                         uint32_t node)
 {
@@ -73,6 +74,7 @@ static inline struct plane_block *plane_cache_own_block(const struct plane_cache
     return block && block->key == plane_cache_key(cache, node) ? block : NULL;
 }
 
+/* Set one lane's plane: n.v >= support for all v of the lane. In the filter's frame. */
 static inline void planes_put(struct planes *planes, uint32_t lane, const float normal[3],
                               float support)
 {

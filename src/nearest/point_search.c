@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * As bvh_search.c, with squares: of a point a box' distance is three differences, and so no direction need be guessed. A search that
- * begins with a triangle, beside its end, takes boxes as they lie: it has little to gain from the nearest first.
+ * The search of bvh_search.c, with squared distances. The distance from a point to a box takes three differences, so no
+ * direction is guessed. A search that starts from a triangle visits boxes in their order: it starts near the answer and
+ * gains little from visiting the nearest first.
  */
 #include "nearest/point_search.h"
 
@@ -12,14 +13,14 @@ struct point_search_state {
     const struct kernel *kernel;
     struct pair_search *nearest;
     struct work *work;
-    vec3 x;
-    float filter_x[3];
-    float limit; /* the square of a bound beyond which nothing is nearer */
+    vec3 x;            /* in the mesh's frame */
+    float filter_x[3]; /* x in the filter's frame, as limit and margin */
+    float limit;       /* a lane whose squared bound exceeds it is farther than the best */
     float margin;
     struct bvh_traversal *traversal;
 };
 
-/* The factor stands for the rounding of squares. */
+/* The factor covers the rounding of squares. */
 static void set_limit(struct point_search_state *search)
 {
     double distance = sqrt(search->nearest->pair.distance2);

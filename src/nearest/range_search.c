@@ -3,7 +3,10 @@
 
 #include "nearest/filter_segment.h"
 
-/* All of a leaf is out of reach to one side or another: so it is with most that their boxes let through. */
+/*
+ * 1 if each triangle of a leaf is out of reach along at least one of the four directions. That holds for most leaves
+ * whose boxes are within reach.
+ */
 static int is_out_of_reach(const struct range *range, const float *rows, uint32_t lanes)
 {
     float support[LANES];

@@ -33,8 +33,8 @@ int dpti_side_is_border(const struct surface *surface, uint32_t triangle, const 
 }
 
 /*
- * A stored normal is off by no more than that: half a unit in the last place of each float, and what the compiler leaves
- * out of a fan that cancels.
+ * The error of a stored normal: half a unit in the last place of each float, and what the adjacency compiler leaves out
+ * of a fan whose normals cancel.
  */
 #define STORED_NORMAL_ERROR 0x1p-23
 
@@ -47,7 +47,7 @@ int dpti_side_of_pair(const struct surface *surface, uint32_t triangle, const pa
     return rise < 0.0 ? -1 : 1;
 }
 
-/* Of an edge, how far back one looks. */
+/* How far back the side is tested, as a part of an edge's length. */
 #define ARRIVAL_STEP 1e-3
 
 int dpti_side_of_arrival(const struct surface *surface, uint32_t triangle, const double weight[3],

@@ -5,7 +5,7 @@
 #include "base/sized.h"
 #include "contact/gap.h"
 
-/* Fourth powers of lengths are formed. */
+/* The arithmetic forms fourth powers of lengths. */
 #define PAIR_COORDINATE_MAX 1e60
 
 double dpt_segment_triangle(const double segment[6], const double triangle[9], double *s,
@@ -32,6 +32,7 @@ double dpt_segment_triangle(const double segment[6], const double triangle[9], d
     return sqrt(found.distance2);
 }
 
+/* What all segments of one call share. */
 struct query {
     struct surface surface;
     struct frame body_frame;
@@ -40,6 +41,7 @@ struct query {
     int pair_only;
 };
 
+/* Check a call's def and set up what its `n` segments share. */
 static dpt_result prepare(struct query *query, const dpt_mesh *mesh, const dpt_pose *pose, size_t n,
                           const dpt_query_def *def)
 {
@@ -52,7 +54,7 @@ static dpt_result prepare(struct query *query, const dpt_mesh *mesh, const dpt_p
     uint32_t method = own.method, kernel = own.kernel, chosen;
     if (method > DPT_METHOD_BRUTE)
         return DPT_E_ARGUMENT;
-    /* To ask the processor takes longer than a query: for a few, the kernel that is always there. */
+    /* Detecting the processor takes longer than a query: a few queries use the kernel that every build has. */
     if (kernel == DPT_KERNEL_AUTO && n < LANES)
         kernel = DPT_KERNEL_ALWAYS;
     if (!dpti_kernel_get(kernel, &query->kernel, &chosen))
@@ -63,6 +65,7 @@ static dpt_result prepare(struct query *query, const dpt_mesh *mesh, const dpt_p
     return DPT_OK;
 }
 
+/* Answer one segment. `hint` is the place of the triangle of the answer before, and gets that of this one. */
 static dpt_result answer_segment(const struct query *query, const double *ends, double radius,
                                  uint32_t *hint, dpt_hit *hit)
 {

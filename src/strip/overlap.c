@@ -1,41 +1,55 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* How a tool stands to each triangle of a strip. */
+/*
+ * Overlap and nearest pair of a tool with each triangle of a strip. The axis is a + s u, s in 0..1, in the mesh's
+ * frame.
+ */
 #include "base/frame.h"
 #include "base/return_if_error.h"
 #include "base/sized.h"
 #include "nearest/side.h"
 #include "strip/strip_state.h"
 
-/* Distance of the axis to the triangle after it has been moved against its normal; `rise`: by how much that grows. */
+/*
+ * The distance, m, from the axis to a triangle, a place, that has been moved against its normal by `displacement`, m.
+ * *slope gets the derivative by the displacement.
+ */
 static double distance_when_moved(const struct surface *surface, uint32_t place, vec3 a, vec3 u,
-                                  vec3 normal, double way, double *rise)
+                                  vec3 normal, double displacement, double *slope)
 {
-    pair found = dpti_triangle_pair(surface, place, along(a, way, normal), u);
+    pair found = dpti_triangle_pair(surface, place, along(a, displacement, normal), u);
     double distance = sqrt(found.distance2);
-    *rise = dot(found.gap, normal) / distance;
+    *slope = dot(found.gap, normal) / distance;
     return distance;
 }
 
 /*
- * The least way against its normal that frees the triangle of the tool. The distance is a convex function of the way:
- * from where the triangle is wholly below, Newton's method comes down on the last touch and never passes it; where there
- * is none the distance begins to grow again, or the way is over.
+ * The least displacement of a triangle, a place, against its normal that frees it of the tool, m; 0 if it is free. The
+ * distance is a convex function of the displacement. Newton's method starts where the triangle is wholly below the
+ * tool and comes down to the last touch without passing it. If there is no touch, the distance grows again on the way
+ * down, or the displacement reaches 0.
+ *
+ *   normal  unit, on the tool's side
+ *   height  of the axis' lower end above the triangle's plane, m
  */
 static double exit_distance(const struct surface *surface, uint32_t place, vec3 a, vec3 u,
                             double radius, vec3 normal, double height)
 {
-    double way = radius - height, fine = 1e-12 * (fabs(way) + radius + length(u));
-    for (int i = 0; i < 64 && way > 0.0; i++) {
-        double rise, apart = distance_when_moved(surface, place, a, u, normal, way, &rise) - radius;
-        if (!(apart > fine))
-            return way;
-        if (!(rise > 0.0))
+    double displacement = radius - height;
+    double tolerance = 1e-12 * (fabs(displacement) + radius + length(u));
+    for (int i = 0; i < 64 && displacement > 0.0; i++) {
+        double slope;
+        double clearance =
+            distance_when_moved(surface, place, a, u, normal, displacement, &slope) - radius;
+        if (!(clearance > tolerance))
+            return displacement;
+        if (!(slope > 0.0))
             return 0.0;
-        way -= apart / rise;
+        displacement -= clearance / slope;
     }
-    return max_of(0.0, way);
+    return max_of(0.0, displacement);
 }
 
+/* `frame` is the mesh's frame in the world; `place` the triangle's. */
 static void compute_overlap(const struct surface *surface, const struct frame *frame, vec3 a,
                             vec3 u, double radius, double side, uint32_t place,
                             dpt_overlap *overlap)
@@ -47,14 +61,14 @@ static void compute_overlap(const struct surface *surface, const struct frame *f
         vec3_of_float(surface->positions + 3 * (size_t)surface->corners[3 * (size_t)place]);
     double height = min_of(dot(sub(a, corner), normal), dot(sub(add(a, u), corner), normal));
     double distance = sqrt(found.distance2);
-    double way = exit_distance(surface, place, a, u, radius, normal, height);
+    double displacement = exit_distance(surface, place, a, u, radius, normal, height);
     *overlap = (dpt_overlap){
         .triangle = surface->sources[place],
         .flags = distance > 0.0 ? 0u : DPT_OVERLAP_FLAG_CROSSING,
         .distance = distance,
         .s = found.s,
-        .gap = way > 0.0 ? -way : max_of(0.0, distance - radius),
-        .overlap = way,
+        .gap = displacement > 0.0 ? -displacement : max_of(0.0, distance - radius),
+        .overlap = displacement,
     };
     vec3_store(frame_to_world(frame, q), overlap->q);
     for (int k = 0; k < 3; k++)

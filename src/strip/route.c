@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Triangles t and w that share no vertex are 1 + d apart when the nearest of their vertices are d edges apart: so the
- * search goes over vertices, which are half as many and have half as many neighbours, and looks into each fan once.
- * It goes from both ends, a whole ring at a time, on the side whose ring is cheaper, until an edge leads from the one to
- * the other. Then those vertices of the near side that lie on a shortest way are marked, back from where they met, and
- * the route is picked triangle by triangle among the fans of marked vertices.
+ * Triangles t and w that share no vertex are 1 + d steps apart if the nearest of their vertices are d edges apart. So
+ * the search goes over vertices: there are half as many, with half as many neighbours, and each fan is read once. It
+ * starts from both triangles and adds a whole ring of vertices at a time, on the side whose ring is cheaper, until an
+ * edge leads from one side to the other. Then the start's vertices on a shortest path are marked, backwards from where
+ * the sides met. The route is chosen triangle by triangle among the fans of marked vertices. Triangles are places
+ * here.
  */
 #include "strip/route.h"
 
@@ -15,16 +16,17 @@
 
 enum {
     ROUTE_GOAL = 1,     /* reached from the goal */
-    ROUTE_SHORTEST = 2, /* reached from the start, and on a shortest way */
+    ROUTE_SHORTEST = 2, /* reached from the start, and on a shortest path */
     ROUTE_STEP = 4
 };
 
 struct route_finder {
     struct route_search *search;
     const uint32_t *corners, *fan_first, *fans, *sources;
-    uint32_t ring[2];       /* steps of the outermost ring from the start and from the goal */
-    uint32_t ring_begin[2]; /* where it begins in its queue */
-    uint32_t corners_per_triangle; /* of a vertex' triangles to look along: 1 or 2 */
+    /* Of the start's side and of the goal's: edges to the outermost ring, and where that ring begins in the queue. */
+    uint32_t ring[2];
+    uint32_t ring_begin[2];
+    uint32_t corners_per_triangle; /* to read for a vertex' neighbours: 1 or 2 */
     uint32_t edge_count;           /* edges between the two triangles, once known */
 };
 
@@ -33,7 +35,10 @@ static const uint32_t *corners_of(const struct route_finder *f, uint32_t triangl
     return f->corners + 3 * (size_t)triangle;
 }
 
-/* Eight vertices that follow each other lie in one line of the cache, as they mostly do on the surface. */
+/*
+ * The slot of a vertex, or the free one where it would go. Eight consecutive vertices lie in one cache line; mostly
+ * they are close to each other on the surface.
+ */
 static struct visited_vertex *slot_of(const struct route_search *search, uint32_t vertex)
 {
     uint32_t mask = search->slot_count - 1;
@@ -44,7 +49,7 @@ static struct visited_vertex *slot_of(const struct route_search *search, uint32_
     return &search->slots[at & mask];
 }
 
-/* The filled slot, from the front of the queue or from its back. */
+/* The slot that a side queued: the start's side (0) fills the queue from the front, the goal's (1) from the back. */
 static struct visited_vertex *queued(const struct route_search *search, int side, uint32_t index)
 {
     return &search->slots[search->queue[side ? search->queue_capacity - 1 - index : index]];
@@ -59,6 +64,7 @@ static void clear_search(struct route_search *search)
     }
 }
 
+/* Store a vertex in its free slot and queue it. */
 static dpt_result put_vertex(struct route_search *search, struct visited_vertex *slot,
                              uint32_t vertex, int side, uint32_t mark)
 {
@@ -71,7 +77,7 @@ static dpt_result put_vertex(struct route_search *search, struct visited_vertex 
     return DPT_OK;
 }
 
-/* The first ring: the corners of a triangle. */
+/* Queue a side's first ring: the corners of its triangle. */
 static dpt_result begin_ring(const struct route_finder *f, int side, uint32_t triangle)
 {
     for (int k = 0; k < 3; k++) {
@@ -83,24 +89,28 @@ static dpt_result begin_ring(const struct route_finder *f, int side, uint32_t tr
 }
 
 /*
- * Every vertex next to `at`, at least once. Of a triangle that is the corner after it, for the one before comes after it
- * in the triangle beyond that edge, where all parts are closed; else both.
+ * For every vertex `next` that has an edge with vertex `at`, at least once. In a triangle of its fan that is the corner
+ * after `at`. The corner before `at` follows it in the neighbouring triangle if all parts are closed; otherwise both
+ * corners are read.
  */
 #define FOR_NEXT_TO(f, at, next)                                                                   \
     for (uint32_t fan_ = (f)->fan_first[at]; fan_ < (f)->fan_first[(at) + 1]; fan_++)              \
-        for (uint32_t k_ = 1, next; k_ <= (f)->sides; k_++)                                        \
+        for (uint32_t k_ = 1, next; k_ <= (f)->corners_per_triangle; k_++)                         \
             if (((next) = corner_after(corners_of(f, (f)->fans[fan_]), at, k_)), 1)
 
-/* The first or second corner after one. */
+/* The vertex `places` corners, 1 or 2, after another one in a triangle. */
 static uint32_t corner_after(const uint32_t *corners, uint32_t vertex, uint32_t places)
 {
     uint32_t k = places + (corners[1] == vertex) + 2 * (uint32_t)(corners[2] == vertex);
     return corners[k < 3 ? k : k - 3];
 }
 
-/* From one vertex of the ring on. What leads over to the other side is marked there, or here, on the start's side. */
+/*
+ * Add the neighbours of a vertex of the ring to the next ring. Where an edge leads to the other side, *has_met is 1,
+ * and its end on the start's side is marked as on a shortest path.
+ */
 static dpt_result expand_vertex(struct route_finder *f, int side, struct visited_vertex *slot,
-                                int *met)
+                                int *has_met)
 {
     const uint32_t vertex = slot->vertex_plus_1 - 1;
     const uint32_t mark = (f->ring[side] + 1) * ROUTE_STEP + (side ? ROUTE_GOAL : 0);
@@ -110,7 +120,7 @@ static dpt_result expand_vertex(struct route_finder *f, int side, struct visited
         if (!other->vertex_plus_1) {
             DPT_TRY(put_vertex(f->search, other, next, side, mark));
         } else if ((other->mark & ROUTE_GOAL) != (mark & ROUTE_GOAL)) {
-            *met = 1;
+            *has_met = 1;
             if (side)
                 other->mark |= ROUTE_SHORTEST;
             else
@@ -120,6 +130,7 @@ static dpt_result expand_vertex(struct route_finder *f, int side, struct visited
     return DPT_OK;
 }
 
+/* Triangles to read for the neighbours of a side's outermost ring. */
 static uint64_t cost_of_ring(const struct route_finder *f, int side)
 {
     uint64_t cost = 0;
@@ -130,19 +141,19 @@ static uint64_t cost_of_ring(const struct route_finder *f, int side)
     return cost;
 }
 
-/* The next ring of the cheaper side, until the two meet. */
+/* Add rings, each on the cheaper side, until the sides meet. */
 static dpt_result search_until_met(struct route_finder *f)
 {
     struct route_search *search = f->search;
     uint64_t cost[2] = { cost_of_ring(f, 0), cost_of_ring(f, 1) };
-    for (int met = 0; !met;) {
+    for (int has_met = 0; !has_met;) {
         int side = cost[1] < cost[0];
         uint32_t end = search->queued_count[side];
         if (f->ring_begin[side] == end)
             return DPT_E_UNREACHABLE;
         for (uint32_t i = f->ring_begin[side]; i < end; i++)
-            DPT_TRY(expand_vertex(f, side, queued(search, side, i), &met));
-        if (met) {
+            DPT_TRY(expand_vertex(f, side, queued(search, side, i), &has_met));
+        if (has_met) {
             f->edge_count = f->ring[0] + f->ring[1] + 1;
         } else {
             f->ring_begin[side] = end;
@@ -153,24 +164,25 @@ static dpt_result search_until_met(struct route_finder *f)
     return DPT_OK;
 }
 
-/* Mark the start's vertices that lie on a shortest way, from the outermost ring inwards. */
+/* Mark the start's vertices that lie on a shortest path, from the outermost ring inwards. */
 static void mark_shortest(const struct route_finder *f)
 {
     for (uint32_t i = f->search->queued_count[0]; i-- > 0;) {
         const struct visited_vertex *slot = queued(f->search, 0, i);
         if (!(slot->mark & ROUTE_SHORTEST) || slot->mark < ROUTE_STEP)
             continue;
-        const uint32_t vertex = slot->vertex_plus_1 - 1, before = slot->mark / ROUTE_STEP - 1;
+        const uint32_t vertex = slot->vertex_plus_1 - 1;
+        const uint32_t previous_ring = slot->mark / ROUTE_STEP - 1;
         FOR_NEXT_TO(f, vertex, next)
         {
             struct visited_vertex *other = slot_of(f->search, next);
-            if (other->vertex_plus_1 && other->mark == before * ROUTE_STEP)
+            if (other->vertex_plus_1 && other->mark == previous_ring * ROUTE_STEP)
                 other->mark |= ROUTE_SHORTEST;
         }
     }
 }
 
-/* Edges from a vertex to the goal, as far as it is known to lie on a shortest way or near the goal. */
+/* Edges from a vertex to the goal; UINT32_MAX for one that is neither on a shortest path nor reached from the goal. */
 static uint32_t steps_to_goal(const struct route_finder *f, uint32_t vertex)
 {
     const struct visited_vertex *slot = slot_of(f->search, vertex);
@@ -182,28 +194,28 @@ static uint32_t steps_to_goal(const struct route_finder *f, uint32_t vertex)
 }
 
 /*
- * The triangle after `here`, whose nearest vertex is `steps` from the goal: one with a vertex a step nearer. DPT_NONE
- * in a forged mesh.
+ * The triangle after `current`, whose nearest vertex is `steps` edges from the goal: it shares a vertex with `current`
+ * and has one that is an edge nearer. Of several, the paper's rule chooses. DPT_NONE in a forged mesh.
  */
-static uint32_t next_triangle(const struct route_finder *f, uint32_t here, uint32_t steps)
+static uint32_t next_triangle(const struct route_finder *f, uint32_t current, uint32_t steps)
 {
-    const uint32_t *own = corners_of(f, here);
+    const uint32_t *own_corners = corners_of(f, current);
     uint32_t best = DPT_NONE;
     int best_shared = 0;
     for (int k = 0; k < 3; k++) {
-        if (steps_to_goal(f, own[k]) != steps)
+        if (steps_to_goal(f, own_corners[k]) != steps)
             continue;
-        for (uint32_t i = f->fan_first[own[k]]; i < f->fan_first[own[k] + 1]; i++) {
+        for (uint32_t i = f->fan_first[own_corners[k]]; i < f->fan_first[own_corners[k] + 1]; i++) {
             uint32_t triangle = f->fans[i];
             const uint32_t *corners = corners_of(f, triangle);
-            int shared = shared_corners(own, 3, corners), nearer = 0;
+            int shared = shared_corners(own_corners, 3, corners), is_nearer = 0;
             if (!shared || (shared < best_shared && shared < 2))
-                continue; /* none is shared in a forged mesh alone */
+                continue; /* only in a forged mesh is none shared */
             for (int c = 0; c < 3; c++)
-                nearer |= steps_to_goal(f, corners[c]) == steps - 1;
+                is_nearer |= steps_to_goal(f, corners[c]) == steps - 1;
             shared = shared > 2 ? 2 : shared;
-            if (nearer && (shared > best_shared ||
-                           (shared == best_shared && f->sources[triangle] < f->sources[best]))) {
+            if (is_nearer && (shared > best_shared ||
+                              (shared == best_shared && f->sources[triangle] < f->sources[best]))) {
                 best = triangle;
                 best_shared = shared;
             }
@@ -212,13 +224,13 @@ static uint32_t next_triangle(const struct route_finder *f, uint32_t here, uint3
     return best;
 }
 
-/* 0 when it is the other route's as well; `left` triangles come after it. */
-static int add_triangle(struct route *route, uint32_t place, uint32_t left)
+/* Add a triangle to a route; `remaining` come after it. Returns 0, and adds none, if it is on route->other too. */
+static int add_triangle(struct route *route, uint32_t place, uint32_t remaining)
 {
     const struct route *other = route->other;
-    if (other && left < other->count) {
-        uint32_t same = other->count - 1 - left;
-        if (same < other->capacity && other->places[same] == place)
+    if (other && remaining < other->count) {
+        uint32_t index = other->count - 1 - remaining;
+        if (index < other->capacity && other->places[index] == place)
             return 0;
     }
     if (route->count < route->capacity)
@@ -227,18 +239,18 @@ static int add_triangle(struct route *route, uint32_t place, uint32_t left)
     return 1;
 }
 
-/* Triangle by triangle, as long as they are the route's own. */
+/* Choose the route triangle by triangle, up to the first that is on route->other too. */
 static dpt_result follow_route(const struct route_finder *f, uint32_t from, uint32_t to,
                                struct route *route)
 {
-    uint32_t here = from;
-    for (uint32_t steps = f->edge_count; add_triangle(route, here, steps + 1); steps--) {
+    uint32_t current = from;
+    for (uint32_t steps = f->edge_count; add_triangle(route, current, steps + 1); steps--) {
         if (!steps) {
             add_triangle(route, to, 0);
             break;
         }
-        here = next_triangle(f, here, steps);
-        if (here == DPT_NONE)
+        current = next_triangle(f, current, steps);
+        if (current == DPT_NONE)
             return DPT_E_LAYOUT;
     }
     return DPT_OK;
@@ -261,10 +273,10 @@ dpt_result dpti_route_find(struct route_search *search, const struct dpt_mesh *m
         add_triangle(route, to, 0);
         return DPT_OK;
     }
-    int touch = 0;
+    int share_vertex = 0;
     for (int k = 0; k < 3; k++)
-        touch |= has_corner(corners_of(&f, from), goal[k]);
-    if (touch)
+        share_vertex |= has_corner(corners_of(&f, from), goal[k]);
+    if (share_vertex)
         return follow_route(&f, from, to, route);
     dpt_result result = search->queue_capacity ? begin_ring(&f, 0, from) : DPT_E_FULL;
     if (result == DPT_OK)

@@ -6,25 +6,26 @@
 #include "dynpoint/strip.h"
 #include "mesh/mesh_format.h"
 
-/* A vertex that a search has come to. */
+/* A vertex that a search has reached. */
 struct visited_vertex {
-    uint32_t vertex_plus_1; /* and one, so that 0 is a free slot */
-    uint32_t mark;          /* steps from its end, times 4, and ROUTE_... */
+    uint32_t vertex_plus_1; /* 0: a free slot */
+    uint32_t mark;          /* edges from its side's triangle, times 4, and ROUTE_... (route.c) */
 };
 
-/* The memory of a search. All free between two of them. */
+/* The memory of a search. Between searches all slots are free. */
 struct route_search {
     struct visited_vertex *slots; /* open addressing */
-    uint32_t *
-        queue; /* slots that were filled: those from the start, and, from the back, from the goal */
-    uint32_t slot_count;     /* a power of two */
-    uint32_t queue_capacity; /* of the queue */
-    uint32_t queued_count[2];
+    /* Indices of the filled slots: the start's side from the front, the goal's side from the back. */
+    uint32_t *queue;
+    uint32_t slot_count;      /* a power of two */
+    uint32_t queue_capacity;  /* of the queue */
+    uint32_t queued_count[2]; /* of the start's side and of the goal's */
 };
 
 /*
- * A route as it goes into a strip: places in the mesh, up to `room` of them; `count` is how many there are of it. With
- * `other`, a route to the same goal, only those before the first that both have: from there on they go on as one.
+ * A route, as places of triangles. It holds at most `capacity` of them; `count` says how many it has. If `other` is a
+ * route to the same goal, this one ends before the first triangle that both have, since they are the same from there
+ * on.
  */
 struct route {
     uint32_t *places;
@@ -33,7 +34,13 @@ struct route {
     const struct route *other; /* or NULL */
 };
 
-/* Both are places in the mesh. */
+/*
+ * Find the shortest route between two triangles, places in the mesh, by the paper's rule.
+ *
+ *   DPT_E_FULL         the search needs more vertices than its queue holds
+ *   DPT_E_UNREACHABLE  no triangles lead from one to the other
+ *   DPT_E_LAYOUT       the mesh is forged
+ */
 dpt_result dpti_route_find(struct route_search *search, const struct dpt_mesh *mesh, uint32_t from,
                            uint32_t to, struct route *route);
 

@@ -6,7 +6,7 @@ static vec3 unit(vec3 v)
     return scaled(v, 1.0 / length(v));
 }
 
-/* Any unit vector across a unit one. */
+/* A unit vector orthogonal to a unit one. */
 static vec3 across(vec3 d)
 {
     double x = fabs(d.x), y = fabs(d.y), z = fabs(d.z);
@@ -14,34 +14,35 @@ static vec3 across(vec3 d)
     return unit(cross(d, axis));
 }
 
-static void put_slab(struct shadow_volume *volume, int k, vec3 normal, double low, double high)
+static void put_slab(struct shadow_volume *volume, int slab, vec3 normal, double low, double high)
 {
-    volume->normal[0][k] = normal.x;
-    volume->normal[1][k] = normal.y;
-    volume->normal[2][k] = normal.z;
-    volume->low[k] = low;
-    volume->high[k] = high;
+    volume->normal[0][slab] = normal.x;
+    volume->normal[1][slab] = normal.y;
+    volume->normal[2][slab] = normal.z;
+    volume->low[slab] = low;
+    volume->high[slab] = high;
 }
 
-void dpti_shadow_volume_of(vec3 a, vec3 u, vec3 direction, double half, double depth,
+void dpti_shadow_volume_of(vec3 a, vec3 u, vec3 direction, double half_width, double depth,
                            struct shadow_volume *volume)
 {
     vec3 d = unit(direction), side = cross(d, u);
-    int is_line = length(side) > 1e-9 * length(u);
-    vec3 w = is_line ? unit(side) : across(d), e = cross(w, d);
+    int is_aslant = length(side) > 1e-9 * length(u);
+    vec3 w = is_aslant ? unit(side) : across(d), e = cross(w, d);
     double ue = dot(u, e), ud = dot(u, d);
-    double size = sqrt(ue * ue + ud * ud);
-    /* Where it is a mere line or plane, two pairs of planes may have nothing in common but for rounding. */
-    double slack = 64.0 * 0x1p-53 * (extent_of(a) + size + half + depth);
+    double projected_length = sqrt(ue * ue + ud * ud);
+    /* A shadow that is a mere line or plane might be empty by rounding: the slabs get a little slack. */
+    double slack = 64.0 * 0x1p-53 * (extent_of(a) + projected_length + half_width + depth);
     *volume = (struct shadow_volume){
-        .a = a, .u = u, .d = d, .e = e, .w = w, .half_width = half, .depth = depth
+        .a = a, .u = u, .d = d, .e = e, .w = w, .half_width = half_width, .depth = depth
     };
-    put_slab(volume, 0, w, -half - slack, half + slack);
-    put_slab(volume, 1, e, min_of(0.0, ue) - half - slack, max_of(0.0, ue) + half + slack);
+    put_slab(volume, 0, w, -half_width - slack, half_width + slack);
+    put_slab(volume, 1, e, min_of(0.0, ue) - half_width - slack,
+             max_of(0.0, ue) + half_width + slack);
     put_slab(volume, 2, d, min_of(0.0, ud) - depth - slack, max_of(0.0, ud) + depth + slack);
-    if (size > 0.0) {
-        double ne = ud / size, nd = -ue / size;
-        double limit = half * fabs(ne) + depth * fabs(nd) + slack;
-        put_slab(volume, 3, along(scaled(e, ne), nd, d), -limit, limit);
+    if (projected_length > 0.0) {
+        double ne = ud / projected_length, nd = -ue / projected_length;
+        double half_extent = half_width * fabs(ne) + depth * fabs(nd) + slack;
+        put_slab(volume, 3, along(scaled(e, ne), nd, d), -half_extent, half_extent);
     }
 }

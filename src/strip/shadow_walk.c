@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Breadth first from the start, over every edge that meets the shadow. A triangle that is entered brings one corner, the
- * one off that edge; corners are not joined, for a strip is long and thin and has few twice.
+ * The walk goes breadth first from the start, over every edge that meets the shadow. A triangle that is entered adds
+ * one corner, the one opposite to that edge. A corner may be stored several times: a strip is long and thin, so few
+ * are.
  */
 #include "strip/shadow_walk.h"
 
@@ -9,9 +10,12 @@
 
 #include "mesh/corners.h"
 
-#define LINE_WORDS 16 /* of a cache line, mostly */
+#define LINE_WORDS 16 /* 32-bit words of a cache line, on most machines */
 
-/* Slabs go side by side: so the bits are as wide as the numbers, and the loop must not be taken apart before that is seen. */
+/*
+ * Compute a vertex from its position `at`, in the mesh's frame. The four slabs are one vector: so the bits are as wide
+ * as the numbers, and the loop must not be unrolled before the compiler vectorises it.
+ */
 static inline void measure_vertex(const struct shadow_volume *volume, const float *at,
                                   struct shadow_vertex *vertex)
 {
@@ -30,7 +34,7 @@ static inline void measure_vertex(const struct shadow_volume *volume, const floa
     vertex->outside = (uint32_t)outside;
 }
 
-/* The stretch of an edge that is left between the planes, which its ends are on both sides of, is not empty. */
+/* 1: a part of the edge lies between all planes that separate its ends. */
 static int edge_has_part_inside(const struct shadow_volume *volume, const struct shadow_vertex *a,
                                 const struct shadow_vertex *b)
 {
@@ -38,28 +42,29 @@ static int edge_has_part_inside(const struct shadow_volume *volume, const struct
     for (int k = 0; k < SHADOW_SLABS; k++) {
         if (!((a->outside | b->outside) >> 2 * k & 3))
             continue;
-        double per = 1.0 / (b->value[k] - a->value[k]);
-        double low = (volume->low[k] - a->value[k]) * per;
-        double high = (volume->high[k] - a->value[k]) * per;
+        double inverse = 1.0 / (b->value[k] - a->value[k]);
+        double low = (volume->low[k] - a->value[k]) * inverse;
+        double high = (volume->high[k] - a->value[k]) * inverse;
         from = max_of(from, min_of(low, high));
         to = min_of(to, max_of(low, high));
     }
     return from <= to;
 }
 
+/* 1: the edge between two vertices has a point within the shadow. */
 static inline int edge_meets(const struct shadow_volume *volume, const struct shadow_vertex *a,
                              const struct shadow_vertex *b)
 {
     uint32_t any = a->outside | b->outside;
     if (a->outside & b->outside)
         return 0;
-    /* Outside of one slab alone, to both sides or at one end: a stretch is left. */
+    /* One end is inside, or the ends are on opposite sides of the first or second slab alone: a part is inside. */
     if (!(any & ~3u) || !(any & ~12u) || !a->outside || !b->outside)
         return 1;
     return edge_has_part_inside(volume, a, b);
 }
 
-/* The slot of a triangle, or the free one where it would be. */
+/* The slot of a triangle, a place, or the free one where it would go. */
 static inline struct shadow_slot *slot_of(const struct shadow_walk *walk, uint32_t place)
 {
     uint32_t mask = walk->slot_count - 1;
@@ -70,6 +75,7 @@ static inline struct shadow_slot *slot_of(const struct shadow_walk *walk, uint32
     }
 }
 
+/* Empty the walk. */
 static void begin_walk(struct shadow_walk *walk)
 {
     if (!++walk->stamp) {
@@ -81,7 +87,7 @@ static void begin_walk(struct shadow_walk *walk)
     walk->prefetched_leaf = DPT_NONE;
 }
 
-/* Triangles that follow each other lie together: those of a leaf will mostly be asked for. */
+/* Prefetch the triangles of a leaf: they lie close together on the surface, so the walk will need most of them. */
 static void prefetch_leaf(struct shadow_walk *walk, uint32_t leaf)
 {
     const size_t first = 3 * LANES * (size_t)leaf;
@@ -93,23 +99,29 @@ static void prefetch_leaf(struct shadow_walk *walk, uint32_t leaf)
     walk->prefetched_leaf = leaf;
 }
 
-/* Each triangle has one and the first has three; in a forged mesh, where they may not touch, the last is overwritten. */
+/*
+ * Add a vertex of the mesh and return its index in the walk. Each triangle adds one, the first one three. In a forged
+ * mesh, whose neighbours may not touch, there could be more: the last one is overwritten then.
+ */
 static inline uint32_t add_vertex(struct shadow_walk *walk, uint32_t number)
 {
-    uint32_t made = walk->vertex_count;
-    if (made < walk->capacity + 2)
+    uint32_t index = walk->vertex_count;
+    if (index < walk->capacity + 2)
         walk->vertex_count++;
     else
-        made--;
-    struct shadow_vertex *vertex = &walk->vertices[made];
+        index--;
+    struct shadow_vertex *vertex = &walk->vertices[index];
     vertex->number = number;
     measure_vertex(&walk->volume, walk->positions + 3 * (size_t)number, vertex);
-    return made;
+    return index;
 }
 
 static const uint32_t AFTER[3] = { 1, 2, 0 };
 
-/* A triangle, over its edge between two vertices of the walk. What is across, and which way round, as numbers: it is as good as random. */
+/*
+ * Add a triangle, a place, over its edge between two vertices of the walk. The apex and the direction of the edge are
+ * computed without branches, since no branch could be predicted.
+ */
 static inline void enter_triangle(struct shadow_walk *walk, uint32_t place, uint32_t from,
                                   uint32_t to)
 {
@@ -128,35 +140,42 @@ static inline void enter_triangle(struct shadow_walk *walk, uint32_t place, uint
     const uint32_t is_1 = (corners[1] != a) & (corners[1] != b);
     const uint32_t is_2 = (corners[2] != a) & (corners[2] != b) & !is_1;
     const uint32_t apex = is_1 + 2 * is_2;
-    const uint32_t turned = corners[AFTER[apex]] != a;
+    const uint32_t is_reversed = corners[AFTER[apex]] != a;
     struct shadow_triangle *triangle = &walk->triangles[walk->triangle_count++];
-    *triangle = (struct shadow_triangle){
-        place, apex, { add_vertex(walk, corners[apex]), turned ? to : from, turned ? from : to }
-    };
+    *triangle = (struct shadow_triangle){ place,
+                                          apex,
+                                          { add_vertex(walk, corners[apex]),
+                                            is_reversed ? to : from, is_reversed ? from : to } };
 }
 
-/* Over an edge of three triangles or more: to all that have both its ends. */
+/* Cross an edge of three triangles or more, to all triangles that have both its ends. */
 static void cross_many(struct shadow_walk *walk, uint32_t from, uint32_t to)
 {
     const uint32_t *first = mesh_words(walk->mesh, MESH_FAN_FIRST);
     const uint32_t *fans = mesh_words(walk->mesh, MESH_FANS);
     const uint32_t ends[2] = { walk->vertices[from].number, walk->vertices[to].number };
-    int less = first[ends[1] + 1] - first[ends[1]] < first[ends[0] + 1] - first[ends[0]];
-    uint32_t hub = ends[less], other = ends[!less];
+    int is_second_smaller =
+        first[ends[1] + 1] - first[ends[1]] < first[ends[0] + 1] - first[ends[0]];
+    uint32_t hub = ends[is_second_smaller], other = ends[!is_second_smaller];
     walk->flags |= DPT_STRIP_FLAG_NONMANIFOLD;
     for (uint32_t i = first[hub]; i < first[hub + 1]; i++)
         if (has_corner(walk->corners + 3 * (size_t)fans[i], other))
             enter_triangle(walk, fans[i], from, to);
 }
 
-/* The i-th edge of a triangle from its apex, behind its corner k; 1 if it meets the shadow. */
+/*
+ * Cross an edge of a triangle if it meets the shadow. Returns 1 if it does.
+ *
+ *   edge    0..2, counted from the apex
+ *   corner  of the mesh's triangle, 0..2, at which this edge begins
+ */
 static inline int cross_edge(struct shadow_walk *walk, const struct shadow_triangle *here,
-                             uint32_t i, uint32_t k)
+                             uint32_t edge, uint32_t corner)
 {
-    const uint32_t from = here->corner[i], to = here->corner[AFTER[i]];
+    const uint32_t from = here->corner[edge], to = here->corner[AFTER[edge]];
     if (!edge_meets(&walk->volume, &walk->vertices[from], &walk->vertices[to]))
         return 0;
-    const uint32_t next = walk->neighbours[3 * (size_t)here->place + k];
+    const uint32_t next = walk->neighbours[3 * (size_t)here->place + corner];
     if (next == MESH_EDGE_OPEN)
         walk->flags |= DPT_STRIP_FLAG_BORDER;
     else if (next == MESH_EDGE_MANY)
@@ -166,7 +185,7 @@ static inline int cross_edge(struct shadow_walk *walk, const struct shadow_trian
     return 1;
 }
 
-/* The first triangle, with all of its edges; 1 if one of them meets the shadow. */
+/* Add the first triangle, a place, and cross all of its edges. Returns 1 if one of them meets the shadow. */
 static int enter_first(struct shadow_walk *walk, uint32_t start)
 {
     const uint32_t *corners = walk->corners + 3 * (size_t)start;
@@ -175,13 +194,13 @@ static int enter_first(struct shadow_walk *walk, uint32_t start)
     for (uint32_t k = 0; k < 3; k++)
         first.corner[k] = add_vertex(walk, corners[k]);
     walk->triangles[walk->triangle_count++] = first;
-    int any = 0;
+    int meets_any = 0;
     for (uint32_t k = 0; k < 3; k++)
-        any |= cross_edge(walk, &first, k, k);
-    return any;
+        meets_any |= cross_edge(walk, &first, k, k);
+    return meets_any;
 }
 
-/* What is left of the first triangle between the planes, cut by one after the other, is not nothing. */
+/* 1: the first triangle meets the shadow. It is cut by one plane after the other, and something is left. */
 static int first_triangle_meets(const struct shadow_walk *walk)
 {
     const struct shadow_volume *volume = &walk->volume;
@@ -190,23 +209,23 @@ static int first_triangle_meets(const struct shadow_walk *walk)
     for (int k = 0; k < 3; k++)
         memcpy(from[k], walk->vertices[k].value, sizeof from[k]);
     for (int cut = 0; cut < 2 * SHADOW_SLABS && count; cut++) {
-        int k = cut / 2, left = 0;
+        int k = cut / 2, kept_count = 0;
         double sign = cut % 2 ? -1.0 : 1.0;
         double limit = cut % 2 ? -volume->high[k] : volume->low[k];
         for (int i = 0; i < count; i++) {
             const double *a = from[i], *b = from[i + 1 < count ? i + 1 : 0];
             double beyond_a = sign * a[k] - limit, beyond_b = sign * b[k] - limit;
             if (beyond_a >= 0.0)
-                memcpy(to[left++], a, sizeof to[0]);
+                memcpy(to[kept_count++], a, sizeof to[0]);
             if ((beyond_a >= 0.0) != (beyond_b >= 0.0)) {
                 double t = beyond_a / (beyond_a - beyond_b);
                 for (int c = 0; c < SHADOW_SLABS; c++)
-                    to[left][c] = a[c] + t * (b[c] - a[c]);
-                to[left++][k] = sign * limit;
+                    to[kept_count][c] = a[c] + t * (b[c] - a[c]);
+                to[kept_count++][k] = sign * limit;
             }
         }
         memcpy(from, to, sizeof from);
-        count = left;
+        count = kept_count;
     }
     return count > 0;
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The piece of the surface under a shadow: docs/algorithms/strip.md. */
+/* The connected piece of the surface within a shadow: docs/algorithms/strip.md. */
 #ifndef DPT_SHADOW_WALK_H
 #define DPT_SHADOW_WALK_H
 
@@ -8,42 +8,46 @@
 #include "strip/shadow_volume.h"
 
 struct shadow_vertex {
-    double value[SHADOW_SLABS]; /* of (x - a) . normal */
-    uint32_t outside;           /* two bits a slab: below, above */
-    uint32_t number;            /* in the mesh */
+    double value[SHADOW_SLABS]; /* (x - a).n for each slab's normal, m */
+    uint32_t outside;           /* two bits a slab: x is below, above */
+    uint32_t number;            /* of the vertex in the mesh */
 };
 
 struct shadow_triangle {
     uint32_t place;
-    uint32_t apex;      /* its corner across the edge over which it was entered */
-    uint32_t corner[3]; /* vertices of the walk, from the apex on */
+    uint32_t apex;      /* its corner, 0..2, opposite to the edge over which it was entered */
+    uint32_t corner[3]; /* indices of the walk's vertices, from the apex on */
 };
 
 struct shadow_slot {
     uint32_t place;
-    uint32_t stamp; /* of the walk that put it there; of another: free */
+    uint32_t stamp; /* of the walk that filled it; with another stamp it is free */
 };
 
-/* The memory of a walk, which is what the last one found. */
+/* The memory of a walk. It holds the result of the last one. */
 struct shadow_walk {
-    const struct dpt_mesh *mesh; /* NULL: there was none */
-    uint32_t crc32; /* of its header, and so of all of it: another may come to lie there */
-    uint32_t start;
+    const struct dpt_mesh *mesh; /* NULL: there was no walk */
+    uint32_t crc32; /* of the mesh's header, since another mesh may come to lie at its address */
+    uint32_t start; /* place */
     struct shadow_volume volume;
-    uint32_t flags; /* DPT_STRIP_... */
+    uint32_t flags; /* DPT_STRIP_FLAG_... */
     struct shadow_triangle *triangles;
-    struct shadow_vertex *vertices; /* room for two more */
+    struct shadow_vertex *vertices; /* room for `capacity` and two more */
     struct shadow_slot *slots;      /* open addressing, by place */
-    uint32_t capacity;              /* for triangles */
+    uint32_t capacity;              /* triangles */
     uint32_t slot_count;            /* a power of two */
     uint32_t stamp;                 /* of this walk, from 1 on */
     uint32_t triangle_count, vertex_count;
-    uint32_t prefetched_leaf; /* of the last triangle that came in */
+    uint32_t prefetched_leaf; /* that of the last triangle added */
     const uint32_t *corners, *neighbours, *sources;
     const float *positions;
 };
 
-/* The triangles of the piece that holds `start`, a place, into walk->triangles. */
+/*
+ * Collect the triangles of the connected piece that holds `start`, a place, into walk->triangles. If neither the
+ * surface, the shadow nor the start have changed since the last walk, its result stays. If the start does not meet the
+ * shadow, there is none.
+ */
 void dpti_shadow_walk(struct shadow_walk *walk, const struct surface *surface,
                       const struct shadow_volume *volume, uint32_t start);
 

@@ -9,24 +9,26 @@
 
 enum { CAPACITY_MAX = 1 << 20, SEARCH_VERTICES_MAX = 1 << 28 };
 
-static uint64_t power_of_two_from(uint64_t least)
+/* The least power of two that is at least 16 and `minimum`. */
+static uint64_t power_of_two_from(uint64_t minimum)
 {
     uint64_t power = 16;
-    while (power < least)
+    while (power < minimum)
         power *= 2;
     return power;
 }
 
-/* The arrays, in the order in which they lie in the block. */
+/* The offsets of a strip's arrays in its block, bytes, in their order. */
 struct strip_layout {
-    uint64_t triangles, walk_triangles, walk_vertices, walk_slots, search_slots, search_queue,
-        bytes;
+    uint64_t triangles, walk_triangles, walk_vertices, walk_slots, search_slots, search_queue;
+    uint64_t bytes; /* of all */
 };
 
-static uint64_t reserve(uint64_t *at, uint64_t count, uint64_t width)
+/* Reserve `count` items of `width` bytes at the end. Returns their offset. */
+static uint64_t reserve(uint64_t *end, uint64_t count, uint64_t width)
 {
-    uint64_t begin = *at;
-    *at = mesh_aligned(begin + count * width);
+    uint64_t begin = *end;
+    *end = mesh_aligned(begin + count * width);
     return begin;
 }
 
@@ -37,66 +39,67 @@ static uint64_t search_slot_count(const dpt_strip_def *def)
 
 static struct strip_layout layout_of(const dpt_strip_def *def)
 {
-    struct strip_layout s;
-    uint64_t at = mesh_aligned(sizeof(struct dpt_strip)), room = def->capacity;
-    s.triangles = reserve(&at, room, sizeof(uint32_t));
-    s.walk_triangles = reserve(&at, room, sizeof(struct shadow_triangle));
-    s.walk_vertices = reserve(&at, room + 2, sizeof(struct shadow_vertex));
-    s.walk_slots = reserve(&at, power_of_two_from(2 * room), sizeof(struct shadow_slot));
-    s.search_slots = reserve(&at, search_slot_count(def), sizeof(struct visited_vertex));
-    s.search_queue = reserve(&at, def->search, sizeof(uint32_t));
-    s.bytes = at;
-    return s;
+    struct strip_layout layout;
+    uint64_t end = mesh_aligned(sizeof(struct dpt_strip)), capacity = def->capacity;
+    layout.triangles = reserve(&end, capacity, sizeof(uint32_t));
+    layout.walk_triangles = reserve(&end, capacity, sizeof(struct shadow_triangle));
+    layout.walk_vertices = reserve(&end, capacity + 2, sizeof(struct shadow_vertex));
+    layout.walk_slots = reserve(&end, power_of_two_from(2 * capacity), sizeof(struct shadow_slot));
+    layout.search_slots = reserve(&end, search_slot_count(def), sizeof(struct visited_vertex));
+    layout.search_queue = reserve(&end, def->search, sizeof(uint32_t));
+    layout.bytes = end;
+    return layout;
 }
 
-static dpt_result read_def(const dpt_strip_def *given, dpt_strip_def *def)
+/* Read and check the caller's def. */
+static dpt_result read_def(const dpt_strip_def *caller_def, dpt_strip_def *def)
 {
     *def = (dpt_strip_def){ .size = sizeof *def };
-    if (!given)
+    if (!caller_def)
         return DPT_E_ARGUMENT;
-    DPT_TRY(sized_read(given, sizeof *def, def, sizeof *def));
+    DPT_TRY(sized_read(caller_def, sizeof *def, def, sizeof *def));
     if (!def->capacity || def->capacity > CAPACITY_MAX || def->search > SEARCH_VERTICES_MAX ||
         def->reserved)
         return DPT_E_ARGUMENT;
     return DPT_OK;
 }
 
-size_t dpt_strip_bytes(const dpt_strip_def *given)
+size_t dpt_strip_bytes(const dpt_strip_def *caller_def)
 {
     dpt_strip_def def;
-    if (read_def(given, &def) != DPT_OK)
+    if (read_def(caller_def, &def) != DPT_OK)
         return 0;
     uint64_t bytes = layout_of(&def).bytes;
     return bytes <= SIZE_MAX ? (size_t)bytes : 0;
 }
 
-dpt_result dpt_strip_create(void *block, size_t bytes, const dpt_strip_def *given,
+dpt_result dpt_strip_create(void *block, size_t bytes, const dpt_strip_def *caller_def,
                             dpt_strip **strip)
 {
     dpt_strip_def def;
     if (!block || !strip)
         return DPT_E_ARGUMENT;
-    DPT_TRY(read_def(given, &def));
+    DPT_TRY(read_def(caller_def, &def));
     if ((uintptr_t)block % 8)
         return DPT_E_ALIGN;
-    const struct strip_layout s = layout_of(&def);
-    if (bytes < s.bytes)
+    const struct strip_layout layout = layout_of(&def);
+    if (bytes < layout.bytes)
         return DPT_E_MEMORY;
-    memset(block, 0, (size_t)s.bytes);
-    struct dpt_strip *made = block;
+    memset(block, 0, (size_t)layout.bytes);
+    struct dpt_strip *created = block;
     char *base = block;
-    made->def = def;
-    made->triangles = (void *)(base + s.triangles);
-    made->walk.triangles = (void *)(base + s.walk_triangles);
-    made->walk.vertices = (void *)(base + s.walk_vertices);
-    made->walk.slots = (void *)(base + s.walk_slots);
-    made->walk.slot_count = (uint32_t)power_of_two_from(2 * (uint64_t)def.capacity);
-    made->walk.capacity = def.capacity;
-    made->search.slots = (void *)(base + s.search_slots);
-    made->search.queue = (void *)(base + s.search_queue);
-    made->search.slot_count = (uint32_t)search_slot_count(&def);
-    made->search.queue_capacity = def.search;
-    *strip = made;
+    created->def = def;
+    created->triangles = (void *)(base + layout.triangles);
+    created->walk.triangles = (void *)(base + layout.walk_triangles);
+    created->walk.vertices = (void *)(base + layout.walk_vertices);
+    created->walk.slots = (void *)(base + layout.walk_slots);
+    created->walk.slot_count = (uint32_t)power_of_two_from(2 * (uint64_t)def.capacity);
+    created->walk.capacity = def.capacity;
+    created->search.slots = (void *)(base + layout.search_slots);
+    created->search.queue = (void *)(base + layout.search_queue);
+    created->search.slot_count = (uint32_t)search_slot_count(&def);
+    created->search.queue_capacity = def.search;
+    *strip = created;
     return DPT_OK;
 }
 
@@ -142,7 +145,7 @@ const uint32_t *dpt_strip_get_triangles(const dpt_strip *strip, uint32_t *count,
     return strip ? strip->triangles : NULL;
 }
 
-/* The route's places, as far as there is room, behind the strip's triangles; how many it has. */
+/* Find a route between two places. Its places are written behind the strip's triangles, as far as they fit. */
 static dpt_result find_route(struct dpt_strip *strip, uint32_t start, uint32_t goal,
                              struct route *route)
 {
@@ -151,7 +154,7 @@ static dpt_result find_route(struct dpt_strip *strip, uint32_t start, uint32_t g
     return dpti_route_find(&strip->search, strip->mesh, start, goal, route);
 }
 
-/* A route's triangles become the strip's. */
+/* Make a route's triangles the strip's: its places, behind the strip's triangles, become source numbers. */
 static void append_route(struct dpt_strip *strip, const struct route *route)
 {
     const uint32_t *sources = mesh_words(strip->mesh, MESH_SOURCES);
@@ -209,7 +212,7 @@ dpt_result dpt_strip_routes(dpt_strip *strip, const dpt_mesh *mesh, uint32_t a, 
     dpt_result result = dpti_strip_place(mesh, b, &start[1]);
     if (result == DPT_OK)
         return dpti_strip_routes(strip, mesh, start[0], start[1], goal);
-    /* What is wrong with the first route is told first. */
+    /* An error of the first route comes first. */
     DPT_TRY(find_route(strip, start[0], goal, &first));
     return result;
 }
@@ -225,7 +228,7 @@ void dpti_strip_shadow(struct dpt_strip *strip, const struct surface *surface,
     strip->flags = strip->walk.flags;
 }
 
-/* Of a direction, so that its square can be formed. */
+/* Lengths of a direction whose square neither overflows nor vanishes. */
 static const double LENGTH_MIN = 1e-100, LENGTH_MAX = 1e100;
 
 static dpt_result check_shadow(const dpt_shadow *shadow)

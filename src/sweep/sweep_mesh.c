@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The first touch of a mesh: depth first through the box tree, nearest to the swept hull first, the
- * time shrinking with each hit (docs/algorithms/sweep.md). Float bounds say which triangles need
- * not be asked, dpti_sweep_pair answers.
+ * Depth first through the box tree, nearest to the swept hull first (docs/algorithms/sweep.md). Each hit shortens the
+ * time to search, and with it the hull. Float bounds rule triangles out; dpti_sweep_pair decides on the others.
  */
 #include "sweep/sweep_mesh.h"
 
@@ -13,16 +12,15 @@ struct mesh_sweep {
     const struct surface *surface;
     const struct kernel *kernel;
     const struct sweep *sweep;
-    double from_time; /* what is searched: from here to progress->to */
+    double from_time; /* the search is over from_time..progress->until */
     struct work *work;
     struct swept_hull hull;
     struct sweep_progress *progress;
 };
 
 /*
- * The axes of a box around what the axis sweeps: of ends in the filter's frame, at both times. The
- * last one makes bounds and so must be of unit length: what is too short to have a direction gets
- * any.
+ * The axes of a box around the swept hull. end: the ends of the tool's axis at both times, in the filter's frame. The
+ * last box axis makes bounds, so it must be of unit length: vectors too short to have a direction get any direction.
  */
 static void swept_hull_set_box(const vec3 end[4], vec3 axis[3])
 {
@@ -48,8 +46,8 @@ static void swept_hull_set_box(const vec3 end[4], vec3 axis[3])
 static void swept_hull_of(const struct mesh_sweep *search, struct swept_hull *hull)
 {
     const struct surface *surface = search->surface;
-    const double scale = surface->filter_scale,
-                 times[2] = { search->from_time, search->progress->until };
+    const double scale = surface->filter_scale;
+    const double times[2] = { search->from_time, search->progress->until };
     vec3 end[4], axis[3];
     double max_square = 0.0;
     for (int k = 0; k < 2; k++) {
@@ -79,7 +77,7 @@ static void swept_hull_of(const struct mesh_sweep *search, struct swept_hull *hu
     hull->limit = (float)(limit + kernel_margin(sqrt(max_square), sqrt(max_square)));
 }
 
-/* One triangle, in double. */
+/* Sweep one triangle, in double, and note its hit if it is the first so far. */
 static void evaluate_triangle(struct mesh_sweep *search, uint32_t triangle)
 {
     const struct surface *surface = search->surface;
@@ -102,7 +100,7 @@ static void evaluate_triangle(struct mesh_sweep *search, uint32_t triangle)
         swept_hull_of(search, &search->hull);
 }
 
-/* A leaf is of level 0, and its children are triangles. */
+/* Put a node on the path and test its children. Level 0: a leaf, whose children are triangles. */
 static void open_node(struct mesh_sweep *search, uint32_t level, uint32_t node)
 {
     const struct surface *surface = search->surface;
@@ -120,7 +118,7 @@ static void open_node(struct mesh_sweep *search, uint32_t level, uint32_t node)
             surface->leaves + (size_t)node * MESH_LEAF_WORDS, &search->hull, opened->bound);
 }
 
-/* Above the root is a node of which it is the one child. */
+/* Begin above the root: at a node whose only child is the root. */
 static void begin_search(struct mesh_sweep *search, uint32_t hint)
 {
     struct sweep_progress *progress = search->progress;
@@ -135,7 +133,7 @@ static void begin_search(struct mesh_sweep *search, uint32_t hint)
         evaluate_triangle(search, hint);
 }
 
-/* 0 when the work is spent. */
+/* Visit the nodes and triangles that are left. Returns 0 if the work is spent before all are visited. */
 static int continue_search(struct mesh_sweep *search)
 {
     struct sweep_progress *progress = search->progress;

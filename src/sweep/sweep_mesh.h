@@ -1,48 +1,51 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The first touch of a moving axis and a whole mesh, by the box tree: docs/algorithms/sweep.md. */
+/*
+ * The first touch of a moving axis and a whole mesh, by the box tree: docs/algorithms/sweep.md. Lengths are in m, in
+ * the mesh's frame; times are in ticks, 0 to 1. Triangles go by their place in the file's order.
+ */
 #ifndef DPT_SWEEP_MESH_H
 #define DPT_SWEEP_MESH_H
 
 #include "nearest/bvh.h"
 #include "sweep/sweep_triangle.h"
 
-/* The first touch. */
+/* The first touch of a sweep. */
 struct impact {
     double time;
     pair pair;         /* of the axis at that time and the triangle, in the mesh's frame */
     vec3 q;            /* the pair's point on the mesh */
-    uint32_t triangle; /* place in the mesh, or DPT_NONE */
+    uint32_t triangle; /* by its place, or DPT_NONE */
 };
 
-/* A node whose children are being looked into: nodes, or a leaf's triangles. */
+/* A node on the path of a sweep, or a leaf. Its bounds are of distances to the swept hull, in the filter's frame. */
 struct sweep_node {
-    float bound[LANES];
-    uint32_t lanes; /* still to come */
-    uint32_t node;
+    float bound[LANES]; /* of the children */
+    uint32_t lanes;     /* children that are still to be visited, as bits */
+    uint32_t node;      /* index in its level */
 };
 
-/* How far a sweep of a mesh has come: all that a later call needs to go on where this one ended. */
+/* How far a sweep of a mesh has come: all that a later call needs to continue. */
 struct sweep_progress {
-    double until;      /* the first hit so far, if there is one */
-    uint32_t triangle; /* that is hit then, or DPT_NONE */
-    uint32_t hint;     /* was asked first */
-    uint32_t has_begun;
-    uint32_t level; /* of the node that is looked into; 0: leaves */
-    struct sweep_node path[MESH_LEVELS_MAX + 2];
+    double until;       /* time of the first hit so far; 1 if there is none */
+    uint32_t triangle;  /* hit at that time, or DPT_NONE */
+    uint32_t hint;      /* the triangle that was evaluated first, or DPT_NONE */
+    uint32_t has_begun; /* 0: no call was left unfinished */
+    uint32_t level;     /* of the node being visited; 0: a leaf; levels + 1: above the root */
+    struct sweep_node path[MESH_LEVELS_MAX + 2]; /* by level */
 };
 
 /*
- * The whole mesh: the first touch in 0..1, of equal times the least source number. It is what
- * dpti_sweep_pair over all triangles gives.
+ * The first touch with a whole mesh at times 0..1. Of equal times the lowest source number wins. The answer is that of
+ * dpti_sweep_pair over all triangles. Returns a sweep_status.
  *
- *   from   as dpti_sweep_start told of a distance to this mesh; 0: nothing is known
- *   hint   a triangle, by its place, that is likely to be hit, such as the one last nearest: saves
- *          work and changes nothing else. DPT_NONE: none
- *   work   a unit is one block of 16 lanes, or one triangle that is asked in double
- *   progress  begun 0: begin. After SWEEP_UNFINISHED: another call with the same mesh, sweep and
- *          `from` goes on
- *   first  SWEEP_HIT: all of it. SWEEP_FREE: time 1 and no triangle. SWEEP_UNFINISHED: no triangle,
- *          and time is `from`, up to which the motion is free
+ *   from      time from which to search: what dpti_sweep_start gives for a distance to this mesh; 0 if none is known
+ *   hint      a triangle that is likely to be hit, such as the one last nearest; it saves work and changes nothing
+ *             else. DPT_NONE: none
+ *   work      a unit is one block of 16 lanes, or one triangle evaluated in double
+ *   progress  has_begun 0: begin. After SWEEP_UNFINISHED, another call with the same surface, sweep and `from`
+ *             continues
+ *   first     SWEEP_HIT: the touch. SWEEP_FREE: time 1 and no triangle. SWEEP_UNFINISHED: no triangle, and the time is
+ *             `from`, up to which the motion is free
  */
 int dpti_sweep_mesh(const struct surface *surface, const struct kernel *kernel,
                     const struct sweep *sweep, double from, uint32_t hint, struct work *work,

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * A turn is cut in halves until each piece is so nearly straight that the radius can take up the difference. Most ticks
- * end before that: what is farther from the axis, before and after, than the motion is long cannot have been met.
+ * A turn is halved until each part deviates from a straight motion by so little that a larger radius covers it. Most
+ * ticks need no sweep: a body that was farther away, before and after, than the motion is long was not touched.
  */
 #include "sweep/sweep_rigid.h"
 
@@ -13,7 +13,7 @@ struct ends {
     vec3 a, b;
 };
 
-/* In the world. */
+/* The segment's ends in the world. */
 static struct ends tool_ends(const struct placement *placement)
 {
     struct frame tool;
@@ -22,7 +22,7 @@ static struct ends tool_ends(const struct placement *placement)
                           frame_to_world(&tool, placement->b) };
 }
 
-/* In the body's frame. */
+/* The segment's ends in the body's frame. */
 static struct ends ends_at(const struct placement *placement)
 {
     struct ends ends = tool_ends(placement);
@@ -48,7 +48,7 @@ static struct ends midpoint_of(const struct ends *from, const struct ends *to)
     return (struct ends){ scaled(add(from->a, to->a), 0.5), scaled(add(from->b, to->b), 0.5) };
 }
 
-/* How far the way bends away from the straight one, with a quarter to spare for what is not an even arc. */
+/* How far the path of the ends deviates from its chord, plus a quarter for paths that are no even arc. */
 static double deviation_of(const struct ends *from, const struct ends *middle,
                            const struct ends *to)
 {
@@ -56,7 +56,7 @@ static double deviation_of(const struct ends *from, const struct ends *middle,
     return 1.25 * max_length(sub(middle->a, straight.a), sub(middle->b, straight.b));
 }
 
-/* The cosine of half of what a body may turn, 0.25, before its way is cut whatever the bend. */
+/* A body that turns by more than 0.25 rad is cut in any case. This is the cosine of half that angle. */
 #define HALF_TURN_COSINE_MIN 0.9922
 
 static double body_turn_cosine(const struct placement *from, const struct placement *to)
@@ -68,8 +68,9 @@ static double body_turn_cosine(const struct placement *from, const struct placem
 }
 
 /*
- * The same of one part of a tour. A turn of the tool alone is an arc, farthest off in the middle; seen from a body that
- * turns, a straight way can bend to one side and back, so it is looked at in the quarters too.
+ * The deviation of one part of a rigid sweep, in the body's frame. If only the tool turns, the path is an arc, which
+ * deviates most in its middle. Seen from a body that turns, a path can deviate to one side and then to the other, so
+ * the quarters count too.
  */
 static double deviation_between(const struct placement *from, const struct ends *at_from,
                                 const struct placement *middle, const struct ends *at_middle,
@@ -111,7 +112,10 @@ static int sweep_straight(struct rigid_sweep *sweep, const struct ends *from, co
     return status;
 }
 
-/* From one moment to another, whose ends these are; what is behind is not swept again. */
+/*
+ * Sweep the motion between two placements, at times t0 and t1; at_from and at_to are their ends in the body's frame.
+ * Times before progress->free_until are not swept again.
+ */
 static int sweep_between(struct rigid_sweep *sweep, const struct placement *from,
                          const struct ends *at_from, const struct placement *to,
                          const struct ends *at_to, double t0, double t1, int halvings)

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * A segment on its way past one body, within a tick: ends that move along straight lines, a rigid tool and a body that turn
- * along the shortest arc. docs/algorithms/swept_motion.md.
+ * The first touch of a segment of a tool and one body within a tick. Tool and body may both move and turn, each along
+ * the shortest arc; the segment's ends may also move in the tool's frame, along straight lines. Lengths are in m, times
+ * in ticks, 0 to 1. docs/algorithms/swept_motion.md.
  */
 #ifndef DPT_SWEEP_RIGID_H
 #define DPT_SWEEP_RIGID_H
@@ -9,63 +10,77 @@
 #include "base/frame.h"
 #include "sweep/sweep_mesh.h"
 
-/* Of the mesh's diagonal: half for the sweep, a quarter for the arcs, which grows the radius, and as much by which they
- * are truly off. */
+/*
+ * The tolerance of a hit, as a part of the mesh's diagonal. Half of it is for the sweep. A quarter is for the deviation
+ * of arcs from straight lines, which is added to the radius; the last quarter is the deviation itself.
+ */
 #define RIGID_SWEEP_TOLERANCE 1e-6
 
-/* A tool and a body at one time. */
+/* Where a segment of a tool and a body are at one time. */
 struct placement {
-    dpt_pose tool, body;
-    vec3 a, b; /* in the tool's frame */
+    dpt_pose tool, body; /* in the world */
+    vec3 a, b;           /* the segment's ends in the tool's frame */
 };
 
-/* How far a tour has come: up to a time it is free, then comes what `sweep` is of. Zeros: it begins. */
+/* How far a rigid sweep has come. All zeros: begin. */
 struct rigid_sweep_progress {
-    double free_until;
-    struct sweep_progress sweep;
+    double free_until;           /* no touch up to this time */
+    struct sweep_progress sweep; /* of the straight motion that begins there */
 };
 
-/* What a tour came to. */
+/* The result of a rigid sweep. */
 struct rigid_sweep_result {
-    struct impact impact;
-    struct motion motion; /* in which it was */
-    double time;          /* of it, or up to which it is free */
+    struct impact impact; /* the hit; its time is that within `motion` */
+    struct motion motion; /* the straight motion of the impact, in the body's frame */
+    double time;          /* of the hit; without a hit, the time up to which the motion is free */
 };
 
 struct rigid_sweep {
-    const struct surface *surface; /* of the body */
+    const struct surface *surface; /* the body's */
     const struct kernel *kernel;
-    double radius;
-    double
-        distance_before; /* nothing of the body is nearer than that to the axis where the tour begins */
-    double tolerance; /* half of what a hit may be off */
-    uint32_t hint;
+    double radius; /* the segment's */
+    /* A lower bound of the distance from the axis to the body when the motion begins; 0: unknown, or touching. */
+    double distance_before;
+    double tolerance; /* half of the error that a hit may have */
+    uint32_t hint;    /* a triangle that is likely to be hit, by its place, or DPT_NONE */
     struct work *work;
     struct rigid_sweep_progress *progress;
     struct rigid_sweep_result result;
 };
 
-/* SWEEP_...; after SWEEP_UNFINISHED the same tour between the same moments goes on where it ended. */
+/*
+ * Find the first touch of a motion between two placements, into sweep->result. Returns a sweep_status. After
+ * SWEEP_UNFINISHED, another call with the same arguments continues.
+ */
 int dpti_rigid_sweep_find(struct rigid_sweep *sweep, const struct placement *from,
                           const struct placement *to);
 
-/* Nothing was met: what is nowhere nearer, before and `after`, than half of the way. */
+/*
+ * 1 if the motion cannot have touched the body: nothing moves, or distance_before and distance_after, lower bounds of
+ * the distance at the two placements, add up to more than the ends move and twice the radius.
+ */
 int dpti_rigid_sweep_cannot_meet(const struct rigid_sweep *sweep, const struct placement *from,
                                  const struct placement *to, double distance_after);
 
-/* After a hit: the side of the struck feature on which the point that struck it was when its motion began. */
+/*
+ * After a hit: the side, +1 or -1, of the surface on which the touching point of the axis was when the straight motion
+ * of the impact began.
+ */
 int dpti_rigid_sweep_side_before(const struct rigid_sweep *sweep);
 
 /*
- * After a hit: the axis touched already when the tour began, and nobody knew. Whether it went through the struck triangle does
- * not tell: one beside that is as near.
+ * After a hit: 1 if the axis may have touched the body already when the motion began, as far as distance_before tells.
+ * Whether the axis crosses the triangle that was hit does not decide it: a triangle beside that one is as near.
  */
 int dpti_rigid_sweep_began_touching(const struct rigid_sweep *sweep);
 
-/* Where a tool of such a motion is at a time, 0..1. */
+/* The pose of a tool or body at a time of such a motion. */
 dpt_pose dpti_rigid_sweep_pose(const dpt_pose *from, const dpt_pose *to, double time);
 
-/* No point of the tool was farther away from where it is at last than that, the arc of a turn included. */
+/*
+ * An upper bound, in m, of how far any point of the segment was, at any time of the motion, from where it is at its
+ * end. The arc of a turn is included.
+ */
 double dpti_rigid_sweep_displacement(const struct placement *from, const struct placement *to);
 
 #endif

@@ -1,24 +1,23 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * One axis in motion, one triangle: from plane to plane through time (docs/algorithms/sweep.md). A
- * plane that lies between them is passed by an end of the axis at a time that is a quotient, and
- * until then the motion is free. Where an end that has nothing to do with the triangle makes that
- * soon, the axis is cut in two.
+ * One moving axis and one triangle (docs/algorithms/sweep.md). Time advances from one separating plane to the next: a
+ * division tells when the first end of the axis reaches the plane, and until then the motion is free. If an end that
+ * never comes near the triangle would reach the plane soon, the axis is cut in two.
  */
 #include "sweep/sweep_triangle.h"
 
-/* Of the axis, from one s to another: free before `time`. */
+/* A piece of the axis, from one s to another, and the time before which it is free. */
 struct motion_piece {
     double from, to;
     double time;
 };
 
-/* A piece at its time, and the velocities of its ends. */
+/* The ends of a piece at its time, and their velocities per tick. */
 struct moving_piece {
     vec3 a, b, va, vb;
 };
 
-/* The triangle's own plane, where it has one: low <= normal.v <= high for all of it. */
+/* The triangle's own plane: low <= normal.v <= high for all its points v. is_valid: 0 if it is too thin to have one. */
 struct face {
     vec3 normal;
     double low, high;
@@ -70,9 +69,7 @@ static struct moving_piece moving_piece_of(const struct sweep *sweep,
                                   along(sweep->da, piece->to, sweep->du) };
 }
 
-/*
- * Rounding in a thin triangle's normal costs use, not truth: low and high are those of this normal.
- */
+/* Rounding in a thin triangle's normal makes the plane less useful, not wrong: low and high belong to that normal. */
 static struct face face_of(const vec3 corner[3])
 {
     const vec3 edge[3] = { sub(corner[1], corner[0]), sub(corner[2], corner[1]),
@@ -90,15 +87,15 @@ static struct face face_of(const vec3 corner[3])
 }
 
 /*
- * How long both ends stay farther than `clear` beyond normal.x = support, where all of the triangle
- * is at or below it: all of the piece is between its ends, and so it is free for as long. 0 where
- * they are not beyond it.
+ * How long both ends stay in front of the plane normal.x = support by more than free_limit; 0 if they are not now. The
+ * whole triangle must be on or behind the plane. All points of the piece lie between its ends, so the piece is free for
+ * as long.
  */
 static double plane_duration(const struct moving_piece *moving, vec3 normal, double support,
                              double free_limit)
 {
-    double a = dot(normal, moving->a) - support - free_limit,
-           b = dot(normal, moving->b) - support - free_limit;
+    double a = dot(normal, moving->a) - support - free_limit;
+    double b = dot(normal, moving->b) - support - free_limit;
     double approach_a = -dot(normal, moving->va), approach_b = -dot(normal, moving->vb);
     double duration = HUGE_VAL;
     if (!(a > 0.0 && b > 0.0))
@@ -120,18 +117,18 @@ static double face_duration(const struct moving_piece *moving, const struct face
 }
 
 /*
- * The piece of the axis that can come near at all: what stays before or behind the triangle, along
- * the axis half way, is left out. A far end moves fast when the tool turns; it must not count. 0
- * when nothing is left.
+ * Set `piece` to the part of the axis that can come near the triangle, and return 0 if there is none. Parts that stay
+ * before or behind the triangle, along the axis' direction at time 1/2, are left out: a far end moves fast when the
+ * tool turns, and would end every step early.
  */
 static int trim(const struct sweep *sweep, const vec3 corner[3], struct motion_piece *piece)
 {
-    vec3 x = sweep->middle_direction, a_end = add(sweep->a, sweep->da),
-         u_end = add(sweep->u, sweep->du);
+    vec3 x = sweep->middle_direction;
+    vec3 a_end = add(sweep->a, sweep->da), u_end = add(sweep->u, sweep->du);
     double c0 = dot(x, corner[0]), c1 = dot(x, corner[1]), c2 = dot(x, corner[2]);
     double margin = 2.0 * sweep->free_limit - sweep->radius;
-    double min_along = min_of(c0, min_of(c1, c2)) - margin,
-           max_along = max_of(c0, max_of(c1, c2)) + margin;
+    double min_along = min_of(c0, min_of(c1, c2)) - margin;
+    double max_along = max_of(c0, max_of(c1, c2)) + margin;
     double u_along = dot(x, sweep->u), u_along_end = dot(x, u_end);
     *piece = (struct motion_piece){ 0.0, 1.0, 0.0 };
     if (!(u_along > 0.0 && u_along_end > 0.0))
@@ -146,7 +143,7 @@ static int trim(const struct sweep *sweep, const vec3 corner[3], struct motion_p
     return 1;
 }
 
-/* v without its part along u, where u has a direction. */
+/* v without its component along u; v itself if u is 0. */
 static vec3 across(vec3 v, vec3 u)
 {
     double uu = dot(u, u);
@@ -154,9 +151,9 @@ static vec3 across(vec3 v, vec3 u)
 }
 
 /*
- * The unit direction from the triangle to the axis. A short gap leans by its rounding, which over
- * the length of what it is to separate may be more than itself: where the pair lies inside of the
- * axis or of an edge, that is taken out.
+ * The unit direction from the triangle to the axis. Rounding tilts a short gap vector; over the length of the axis or
+ * of an edge the tilt may be more than the gap. If the pair lies inside the axis or inside an edge, the direction is
+ * made orthogonal to it.
  */
 static vec3 direction_of(const struct moving_piece *moving, const vec3 corner[3], const pair *found)
 {
@@ -177,10 +174,9 @@ static vec3 direction_of(const struct moving_piece *moving, const vec3 corner[3]
 }
 
 /*
- * Go on in time as far as planes allow, and at least as long as the faster end takes for the
- * distance. 1: and cut the piece, since its ends pass the plane of the nearest pair much sooner
- * than the pair's own point would: they are faster, or rounding tilts the plane, by more the longer
- * the piece.
+ * Advance the piece's time as far as planes allow, and at least as long as the faster end takes for the distance.
+ * Returns 1 if the piece should be cut: its ends reach the plane of the nearest pair much sooner than the pair's own
+ * point would. Either they are faster, or rounding tilts the plane, and more so the longer the piece is.
  */
 static int advance(const struct sweep *sweep, const vec3 corner[3], const struct face *face,
                    const struct moving_piece *moving, const pair *found, struct motion_piece *piece)
@@ -189,11 +185,11 @@ static int advance(const struct sweep *sweep, const vec3 corner[3], const struct
     vec3 normal = direction_of(moving, corner, found);
     double support =
         max_of(dot(normal, corner[0]), max_of(dot(normal, corner[1]), dot(normal, corner[2])));
-    double max_along =
+    double end_height =
         min_of(dot(normal, moving->a), dot(normal, moving->b)) - support - sweep->free_limit;
     double approach_a = -dot(normal, moving->va), approach_b = -dot(normal, moving->vb);
-    double approach = approach_a + found->s * (approach_b - approach_a),
-           time_left = 1.0 - piece->time;
+    double approach = approach_a + found->s * (approach_b - approach_a);
+    double time_left = 1.0 - piece->time;
     double duration =
         clearance / sqrt(max_of(dot(moving->va, moving->va), dot(moving->vb, moving->vb)));
     duration = max_of(duration, plane_duration(moving, normal, support, sweep->free_limit));
@@ -201,7 +197,7 @@ static int advance(const struct sweep *sweep, const vec3 corner[3], const struct
     piece->time += duration;
     return 4.0 * duration < time_left && 2.0 * duration * approach < clearance &&
            (fabs(approach_b - approach_a) * time_left > sweep->hit_limit - sweep->free_limit ||
-            2.0 * max_along < clearance);
+            2.0 * end_height < clearance);
 }
 
 int dpti_sweep_pair(const struct sweep *sweep, const vec3 corner[3], double until, double *time,

@@ -1,63 +1,64 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * When a moving axis first touches what stands still (docs/algorithms/sweep.md). Within one tick,
- * time 0 to 1, both ends move linearly in the mesh's frame; the axis carries a radius.
+ * The time at which a moving axis first touches a triangle at rest (docs/algorithms/sweep.md). Within one tick, time 0
+ * to 1, both ends move linearly in the mesh's frame. The axis carries a radius. Lengths are in m, times in ticks.
  *
- * No touch is missed: where the true distance is the radius or less at some time, the answer is a
- * time no later. One is invented only near a touch: at the time answered the true distance is at
- * most radius + tolerance. Where that time is not 0 the axis has not gone through: it has been
- * farther than the radius all along. The same arguments give the same bits with every kernel.
+ * No touch is missed: if the true distance is the radius or less at some time, the answer is that time or an earlier
+ * one. A touch is reported only near the triangle: at the time of the answer the true distance is at most radius +
+ * tolerance. If that time is not 0, the axis has been farther away than the radius at all times before, so it has not
+ * gone through. The same arguments give the same bits with every kernel.
  */
 #ifndef DPT_SWEEP_TRIANGLE_H
 #define DPT_SWEEP_TRIANGLE_H
 
 #include "nearest/segment_triangle.h"
 
-/* The ends at time t are a + t da and b + t db. Equal ends are a point, zero velocities a rest. */
+/* A motion, in the mesh's frame: the ends at time t are a + t da and b + t db. Ends may be equal, velocities zero. */
 struct motion {
     vec3 a, b;
     vec3 da, db; /* m per tick */
 };
 
 enum sweep_status {
-    SWEEP_FREE,      /* no touch up to the last time asked for, that included */
-    SWEEP_HIT,       /* and the first one is told */
-    SWEEP_UNFINISHED /* the work allowed did not suffice: it can be gone on with */
+    SWEEP_FREE,      /* no touch up to the last time asked for, inclusive */
+    SWEEP_HIT,       /* a touch; the answer is the first one */
+    SWEEP_UNFINISHED /* the work was spent; a later call can continue */
 };
 
-/* What is worked out of a motion once. */
+/* A motion prepared for sweeping. */
 struct sweep {
-    vec3 a, u, da, du;     /* the axis a + s u, and how that changes */
-    vec3 middle_direction; /* unit, along the axis half way; zero for none */
+    vec3 a, u, da, du;     /* the axis a + s u at time 0, and its change per tick */
+    vec3 middle_direction; /* unit, along the axis at time 1/2; zero if it has no length then */
     double radius;
-    double hit_limit;    /* as near is a hit: radius + half the tolerance */
-    double free_limit;   /* farther is free: radius + what rounding may feign */
-    double no_hit_limit; /* farther is no hit: radius + tolerance */
+    double hit_limit;    /* a pair at this distance or less is a hit: radius + half the tolerance */
+    double free_limit;   /* a plane must keep the axis farther away than this: radius + rounding */
+    double no_hit_limit; /* nothing farther than this can be a hit: radius + tolerance */
 };
 
 /*
- * Coordinates are finite and, like radius and tolerance, at most 1e6 m; `extent` is the largest
- * |coordinate| of what is to be met (dpti_surface_extent). A tolerance below 2^-42 of the radius and the
- * largest coordinate of all, the motion's four end points included, is raised to that: what is left
- * would be rounding. Ends that are known rounded, such as b + db where db was a difference, may be
- * off by an ulp and are not missed either.
+ * Prepare a motion. Coordinates must be finite and, like radius and tolerance, at most 1e6 m. extent: the largest
+ * |coordinate| of the triangles (dpti_surface_extent).
+ *
+ * A tolerance below 2^-42 of the sum of the radius and the largest coordinate, the motion's four end points included,
+ * is raised to that: anything smaller is rounding. Ends that the caller knows rounded may be off by an ulp, such as b +
+ * db if db was a difference; touches are not missed for that.
  */
 void dpti_sweep_begin(struct sweep *sweep, const struct motion *motion, double radius,
                       double tolerance, double extent);
 
-/* The ends' line at a time: the axis *a + s *u. */
+/* The axis *a + s *u at a time. */
 void dpti_sweep_axis(const struct sweep *sweep, double time, vec3 *a, vec3 *u);
 
 /*
- * A time, at most 1, up to which nothing can be touched that is at least `distance` from the axis
- * at time 0: it depends on the faster end alone. 1: nothing need be asked.
+ * The time, at most 1, up to which nothing can be touched that is at least `distance` away from the axis at time 0. It
+ * follows from the speed of the faster end. 1: no sweep is needed.
  */
 double dpti_sweep_start(const struct sweep *sweep, double distance);
 
 /*
- * One triangle, of any shape, that is within the extent: the first touch in 0..until, the ends
- * included. On SWEEP_HIT *time is that; it does not depend on `until`. *asked grows by the
- * distances evaluated.
+ * The first touch with one triangle, of any shape within the extent, at times 0..until, inclusive. Returns SWEEP_HIT
+ * and the time of the touch, which does not depend on `until`, or SWEEP_FREE. *evaluations grows by the number of
+ * distances that were evaluated.
  */
 int dpti_sweep_pair(const struct sweep *sweep, const vec3 corner[3], double until, double *time,
                     uint32_t *evaluations);

@@ -4,16 +4,16 @@
 #include "contact/paper_gap.h"
 #include "nearest/paper_descent.h"
 
-/* Sums up what the parts on all bodies found. */
+/* What the parts of one segment found, over all bodies. */
 struct baseline_sum {
-    struct penetration penetration; /* of the part with the least gap */
+    struct penetration penetration; /* of the part with the smallest gap */
     int has_answer;
     double min_gap;
     struct body_answer *answer;
     struct segment_result *result;
 };
 
-/* This tick's dynamic point: a full search where there is none yet. */
+/* Move a part's dynamic point on one body by descent; without a last triangle, find it by a full search. */
 static void step_dynamic_point(const struct dpt_world *world, const struct surface *surface,
                                const struct axis *part, uint32_t *last_triangle, struct work *work,
                                struct pair_search *nearest)
@@ -67,9 +67,10 @@ static void add_body(struct baseline_sum *sum, struct dpt_world *world, uint32_t
     }
 }
 
-struct penetration dpti_baseline_find(struct dpt_world *world, uint32_t part_index, vec3 a, vec3 b)
+struct penetration dpti_baseline_find(struct dpt_world *world, uint32_t segment_index, vec3 a,
+                                      vec3 b)
 {
-    struct segment *segment = &world->segments[part_index];
+    struct segment *segment = &world->segments[segment_index];
     struct body_answer *answer = &segment->answer;
     struct segment_result *result = &segment->result;
     struct baseline_sum sum = { .answer = answer, .result = result };
@@ -77,12 +78,12 @@ struct penetration dpti_baseline_find(struct dpt_world *world, uint32_t part_ind
     vec3 u = sub(b, a);
     for (uint32_t i = 0; i < world->body_slot_end; i++)
         if (world->bodies[i].slot.used)
-            add_body(&sum, world, part_index, &world->bodies[i], a, u);
+            add_body(&sum, world, segment_index, &world->bodies[i], a, u);
     if (!sum.has_answer)
         return sum.penetration;
 
     axis_of(&answer->body->surface, &answer->body->frame, a, b, &answer->track.axis);
-    /* Between 0 and what was found: that is all that a search without proof knows. */
+    /* A search without proof knows only that the distance lies between 0 and what was found. */
     double rounding = result->error_bound;
     result->work = world->work.done - work_before;
     result->status = DPT_STATUS_LOCAL;

@@ -7,8 +7,9 @@
 #include "world/world_state.h"
 
 /*
- * The nearest of all dynamic points becomes the segment's found and result, with the least gap of all; returns the push
- * of the part with that gap.
+ * Find the dynamic points of a segment, whose axis is from `a` to `b` in the world, on all bodies. The nearest of
+ * them becomes the segment's answer; its result also has the smallest gap of all parts. Returns the penetration
+ * (world) of the part with that gap; zero without a body.
  */
 struct penetration dpti_baseline_find(struct dpt_world *world, uint32_t segment_index, vec3 a,
                                       vec3 b);

@@ -10,7 +10,7 @@
 #include "world/tool_strips.h"
 #include "world/world_def.h"
 
-/* What the tools' last ticks know of a body. */
+/* Forget what earlier ticks know of the body in a slot. */
 static void forget_body(struct dpt_world *world, uint32_t slot)
 {
     dpti_persistent_contacts_forget(world, 0, world->segment_count, slot);
@@ -73,8 +73,8 @@ dpt_result dpt_body_remove(dpt_world *world, dpt_body body)
 }
 
 /*
- * At most so far has any point of it moved: with the origin, and by the angle around that, which is 4 asin(c / 2), c
- * being how far the quaternions are apart.
+ * m: no point of the body has moved farther since the last tick. The bound is the motion of the origin, plus the arc
+ * of the farthest point about it. The angle is 4 asin(c / 2), c being the distance of the two quaternions.
  */
 static double motion_bound_of(const struct body *body)
 {
@@ -93,6 +93,7 @@ static double motion_bound_of(const struct body *body)
            angle * farthest_point;
 }
 
+/* Set a body's pose and its box. */
 static void put_body(struct dpt_world *world, struct body *body, const dpt_pose *pose,
                      const struct frame *frame)
 {
@@ -101,7 +102,7 @@ static void put_body(struct dpt_world *world, struct body *body, const dpt_pose 
     dpti_broad_phase_put_body(world, handle_index(body->id));
 }
 
-/* Where the body was in the last tick stays known until the next one. */
+/* Move a body. Its pose in the last tick stays known until the next step. */
 static void move_body(struct dpt_world *world, struct body *body, const dpt_pose *pose,
                       const struct frame *frame)
 {
@@ -116,7 +117,9 @@ static void move_body(struct dpt_world *world, struct body *body, const dpt_pose
     world->body_motion_max = max_of(world->body_motion_max, body->motion_bound);
 }
 
-/* While a body has no pose that can be used, every answer of the world is stale. */
+/*
+ * Check a new pose and note whether the body has a valid one. While one has not, every answer of the world is stale.
+ */
 static dpt_result set_validity(struct dpt_world *world, struct body *body, const dpt_pose *pose,
                                struct frame *frame)
 {
@@ -156,7 +159,7 @@ dpt_result dpt_body_teleport(dpt_world *world, dpt_body body, const dpt_pose *po
 
 int dpt_body_is_valid(const dpt_world *world, dpt_body body)
 {
-    return world && world_find_body(world, body) != NULL;
+    return world && world_find_body(world, body);
 }
 
 dpt_result dpt_body_get_pose(const dpt_world *world, dpt_body body, dpt_pose *pose)

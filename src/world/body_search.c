@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The body that was nearest last tick is followed first: how far it is bounds all that comes after. Then
- * each body that may be as near is asked for a proof. A budget may end that; the next tick goes on where
- * this one stopped, and what was proven stays proven, less what the axis moved (docs/algorithms/budget.md).
+ * The search follows the dynamic point on last tick's nearest body first; that distance limits all further searches.
+ * Then it searches each body that may be as near, to prove the pair or to correct it. If a budget ends this, the next
+ * tick continues here. Lower bounds stay valid, less the motion of the axis (docs/algorithms/budget.md).
  */
 #include "world/body_search.h"
 
 #include "world/distance_bounds.h"
 
 /*
- * A share of dpt_world_bytes: the last answers of each segment's parts on each body, and the planes that are kept of all
- * of them, in whole blocks.
+ * Shares of dpt_world_bytes: the triangle of the last answer for each part of each segment on each body, and the
+ * blocks of the plane cache.
  */
 static uint64_t last_triangles_bytes(const dpt_world_def *def)
 {
@@ -49,10 +49,10 @@ void dpti_body_search_forget_planes(struct dpt_world *world, uint32_t first, uin
 
 void dpti_body_search_forget(struct dpt_world *world, uint32_t segment_index)
 {
-    struct segment *kept = &world->segments[segment_index];
+    struct segment *segment = &world->segments[segment_index];
     memset(world_last_triangles(world, segment_index, 0), 0xff,
            world_last_triangle_count(world) * sizeof *world->last_triangles);
-    kept->last_body_slot = DPT_NONE;
+    segment->last_body_slot = DPT_NONE;
 }
 
 void dpti_body_search_forget_body(struct dpt_world *world, uint32_t slot)
@@ -77,14 +77,14 @@ void dpti_body_search_remove(struct dpt_world *world, uint32_t first, uint32_t e
 struct body_search {
     struct dpt_world *world;
     uint32_t segment_index;
-    const vec3 *a, *b;   /* the axis */
-    struct box axis_box; /* of it */
+    const vec3 *a, *b; /* the ends of the axis, in the world */
+    struct box axis_box;
     struct body_answer *best;
-    double best_distance;   /* of the best */
-    uint32_t followed_slot; /* body whose dynamic point was followed */
-    double axis_motion;     /* the axis, in its frame */
-    uint32_t is_new;        /* there was no last tick: planes of the past are another place's */
-    uint32_t next_slot;     /* body that the budget did not reach, or DPT_NONE */
+    double best_distance;   /* m, of `best` */
+    uint32_t followed_slot; /* the body whose dynamic point was followed */
+    double axis_motion;     /* m: motion of the axis in that body's frame since its last update */
+    uint32_t is_new;    /* no last tick: cached planes belong to another pose and are not used */
+    uint32_t next_slot; /* the first body that the budget did not reach, or DPT_NONE */
 };
 
 static void transform_axis(const struct body_search *search, const struct body *body,
@@ -93,7 +93,7 @@ static void transform_axis(const struct body_search *search, const struct body *
     axis_of(&body->surface, &body->frame, *search->a, *search->b, axis);
 }
 
-/* What a search of a body found, if it is nearer than the rest. */
+/* Make the pair that a body's search found the best one, if it is nearer. */
 static void accept_if_nearer(struct body_search *search, const struct body *body,
                              const struct track *track)
 {
@@ -111,7 +111,7 @@ static void accept_if_nearer(struct body_search *search, const struct body *body
     search->best_distance = sqrt(track->nearest.pair.distance2);
 }
 
-/* Methods without memory: every body, in full. */
+/* Methods tree and brute: search one body in full. */
 static void search_without_history(struct body_search *search, uint32_t slot)
 {
     struct dpt_world *world = search->world;
@@ -138,12 +138,13 @@ static void search_without_history(struct body_search *search, uint32_t slot)
     accept_if_nearer(search, body, &track);
 }
 
-/* Of what is left, the dynamic point may take half; its proof needs the rest. */
+/* Units that the descent of a dynamic point may take: half of what is left. Its proof needs the rest. */
 static uint32_t descent_share(const struct dpt_world *world)
 {
     return work_left(&world->work) / 2;
 }
 
+/* Begin a body's track from its last triangle; pairs at or beyond `limit2` (m^2) need not be found. */
 static void begin_track(struct body_search *search, uint32_t slot, double limit2,
                         enum descent_mode mode, struct track *track)
 {
@@ -155,7 +156,7 @@ static void begin_track(struct body_search *search, uint32_t slot, double limit2
     work_spend(&world->work, share.done);
 }
 
-/* The dynamic point on the body that was nearest. A resting one has nowhere to go. */
+/* Follow the dynamic point on the body that was nearest. At rest it stays where it is. */
 static void follow_dynamic_point(struct body_search *search, uint32_t slot)
 {
     struct dpt_world *world = search->world;
@@ -175,16 +176,20 @@ static void follow_dynamic_point(struct body_search *search, uint32_t slot)
     accept_if_nearer(search, body, track);
 }
 
-/* Nothing is nearer than the best, but for what the error bound allows. */
-static int is_enough(const struct body_search *search, double lower_bound)
+/* Whether a lower bound (m) proves the best pair: no surface is nearer by more than the error bound allows. */
+static int proves_best(const struct body_search *search, double lower_bound)
 {
     return lower_bound >=
            search->best_distance - DISTANCE_ERROR_HISTORY * search->best->track.axis.error;
 }
 
-/* Search a body; what was visited is no nearer than `floor`. 0 if the budget ended that. */
+/*
+ * Search a body, or continue its suspended search, and accept a nearer pair. `is_fresh`: cached planes are not used.
+ * `*excluded_bound` gets the distance (m) beyond which the search excluded boxes and triangles. Returns 0 if the
+ * budget ended the search, else 1.
+ */
 static int search_body(struct body_search *search, uint32_t slot, struct track *track, int descends,
-                       int is_fresh, struct bvh_traversal *traversal, double *lower_bound)
+                       int is_fresh, struct bvh_traversal *traversal, double *excluded_bound)
 {
     struct dpt_world *world = search->world;
     const struct body *body = &world->bodies[slot];
@@ -195,46 +200,50 @@ static int search_body(struct body_search *search, uint32_t slot, struct track *
         &world->plane_cache, world_plane_owner(world, search->segment_index, slot), is_fresh);
     int is_done =
         dpti_track_prove(track, &body->surface, &world->kernel, &cache, traversal, &world->work);
-    *lower_bound = sqrt(track->nearest.pair.distance2);
+    *excluded_bound = sqrt(track->nearest.pair.distance2);
     dpti_track_settle(track);
     accept_if_nearer(search, body, track);
     return is_done;
 }
 
-/* Prove as much as the budget allows, unless enough is proven; note what is. The boxes are `apart`. */
+/*
+ * Search a body as far as the budget allows, unless its lower bound is large enough already, and update that bound.
+ * `box_gap`: the distance of the boxes of axis and body, in m.
+ */
 static void search_within_budget(struct body_search *search, uint32_t slot, double box_gap,
                                  struct track *track)
 {
     struct dpt_world *world = search->world;
     struct distance_bound *bound = world_distance_bound(world, search->segment_index, slot);
-    double moved = search->axis_motion;
+    double axis_motion = search->axis_motion;
     int is_done = 0;
     if (slot != search->followed_slot)
-        moved = dpti_bounds_update(world, search->segment_index, slot, &track->axis);
-    int is_fresh = moved == 0.0 || search->is_new;
+        axis_motion = dpti_bounds_update(world, search->segment_index, slot, &track->axis);
+    int is_fresh = axis_motion == 0.0 || search->is_new;
     struct suspended_search *suspended =
         world_suspended_search(world, search->segment_index, is_fresh);
     bound->lower_bound = max_of(bound->lower_bound, box_gap);
-    if (!is_enough(search, dpti_bounds_proven(world, search->segment_index, slot)) &&
+    if (!proves_best(search, dpti_bounds_proven(world, search->segment_index, slot)) &&
         !work_is_spent(&search->world->work)) {
-        double lower_bound;
+        double excluded_bound;
         if (suspended->body_slot != slot || !suspended->traversal.depth) {
             dpti_bounds_give_up(world, search->segment_index, suspended);
             suspended->body_slot = slot;
             suspended->lower_bound = HUGE_VAL;
         }
-        is_done = search_body(search, slot, track, moved > 0.0 && descent_share(world), is_fresh,
-                              &suspended->traversal, &lower_bound);
-        suspended->lower_bound = min_of(suspended->lower_bound, lower_bound);
+        is_done = search_body(search, slot, track, axis_motion > 0.0 && descent_share(world),
+                              is_fresh, &suspended->traversal, &excluded_bound);
+        suspended->lower_bound = min_of(suspended->lower_bound, excluded_bound);
         if (is_done)
             bound->lower_bound = max_of(bound->lower_bound, suspended->lower_bound);
     }
     double lower_bound = dpti_bounds_proven(world, search->segment_index, slot);
-    if (!is_done && search->next_slot == DPT_NONE && !is_enough(search, lower_bound))
+    if (!is_done && search->next_slot == DPT_NONE && !proves_best(search, lower_bound))
         search->next_slot = slot;
     search->best->lower_bound = min_of(search->best->lower_bound, lower_bound);
 }
 
+/* Search a body unless its box is farther than the best pair. */
 static void search_if_near(struct body_search *search, uint32_t slot)
 {
     struct dpt_world *world = search->world;
@@ -254,13 +263,13 @@ static void search_if_near(struct body_search *search, uint32_t slot)
         search_within_budget(search, slot, box_gap, track);
     } else {
         struct bvh_traversal traversal;
-        double lower_bound;
+        double excluded_bound;
         traversal.depth = 0;
-        search_body(search, slot, track, 1, (int)search->is_new, &traversal, &lower_bound);
+        search_body(search, slot, track, 1, (int)search->is_new, &traversal, &excluded_bound);
     }
 }
 
-/* The bodies that may be near, by place on the list. */
+/* How many bodies may be near: all of a few, else those on the segment's list. */
 static uint32_t candidate_count(const struct body_search *search)
 {
     const struct dpt_world *world = search->world;
@@ -269,6 +278,7 @@ static uint32_t candidate_count(const struct body_search *search)
                : world->segments[search->segment_index].broad_phase.current.count;
 }
 
+/* The slot of one of these, counted from 0. */
 static uint32_t candidate_slot(const struct body_search *search, uint32_t candidate)
 {
     const struct dpt_world *world = search->world;
@@ -278,7 +288,7 @@ static uint32_t candidate_slot(const struct body_search *search, uint32_t candid
                : world_near_list(world, search->segment_index, list)[candidate];
 }
 
-/* Where nothing is known, the body whose box is nearest is the best to begin with. */
+/* The candidate whose box is nearest: where nothing is known, the best one to begin with. */
 static uint32_t slot_of_nearest_box(const struct body_search *search)
 {
     uint32_t best = DPT_NONE;
@@ -294,11 +304,11 @@ static uint32_t slot_of_nearest_box(const struct body_search *search)
     return best;
 }
 
-/* Each of them, from `first` on. */
-static void search_candidates(struct body_search *search, uint32_t first)
+/* Search each candidate once, from the one in `first_slot` on, and round to the one before it. */
+static void search_candidates(struct body_search *search, uint32_t first_slot)
 {
     uint32_t count = candidate_count(search), first_candidate = 0;
-    while (first_candidate < count && candidate_slot(search, first_candidate) != first)
+    while (first_candidate < count && candidate_slot(search, first_candidate) != first_slot)
         first_candidate++;
     for (uint32_t i = 0; i < count; i++)
         search_if_near(search, candidate_slot(search, first_candidate + i < count
@@ -310,40 +320,40 @@ static void find_exact(struct body_search *search)
 {
     struct dpt_world *world = search->world;
     struct segment *segment = &world->segments[search->segment_index];
-    uint32_t first = segment->last_body_slot;
-    for (uint32_t i = 0; first == DPT_NONE && i < world->body_slot_end; i++)
+    uint32_t last_slot = segment->last_body_slot;
+    for (uint32_t i = 0; last_slot == DPT_NONE && i < world->body_slot_end; i++)
         if (world->bodies[i].slot.used)
-            first = i;
-    if (first == DPT_NONE)
+            last_slot = i;
+    if (last_slot == DPT_NONE)
         return;
-    int has_list = world->body_slot_end > UNLISTED_BODIES_MAX;
-    if (has_list)
+    int has_lists = world->body_slot_end > UNLISTED_BODIES_MAX;
+    if (has_lists)
         dpti_broad_phase_move(&segment->broad_phase, *search->a, *search->b);
-    follow_dynamic_point(search, first);
+    follow_dynamic_point(search, last_slot);
     if (search->best_distance == 0.0)
-        return; /* nothing is nearer */
+        return; /* nothing can be nearer */
     search->axis_box = box_of_axis(*search->a, *search->b);
-    if (has_list) {
+    if (has_lists) {
         double reach = dpti_broad_phase_update(world, search->segment_index, search->best_distance);
         if (reach < search->best_distance)
             search->best->lower_bound = reach;
     }
-    /* In motion all bodies get their turn; a first search, and one at rest, begins where it costs least. */
-    uint32_t first_candidate = search->is_new ? slot_of_nearest_box(search) : first;
+    /* In motion the bodies take turns. A first search, and one at rest, begins where it costs least. */
+    uint32_t first_slot = search->is_new ? slot_of_nearest_box(search) : last_slot;
     if (world->def.budget) {
         uint32_t *next = &world_suspended_search(world, search->segment_index, 0)->next_slot;
         int continues = search->axis_motion > 0.0 ||
                         world_suspended_search(world, search->segment_index, 1)->traversal.depth;
         if (*next != DPT_NONE && continues)
-            first_candidate = *next;
+            first_slot = *next;
         else if (search->axis_motion == 0.0)
-            first_candidate = slot_of_nearest_box(search);
-        search_candidates(search, first_candidate);
+            first_slot = slot_of_nearest_box(search);
+        search_candidates(search, first_slot);
         *next = search->next_slot;
     } else {
-        search_candidates(search, first_candidate);
+        search_candidates(search, first_slot);
     }
-    if (has_list && search->axis_motion > 0.0 && is_enough(search, search->best->lower_bound))
+    if (has_lists && search->axis_motion > 0.0 && proves_best(search, search->best->lower_bound))
         dpti_broad_phase_shrink(world, search->segment_index, search->best_distance);
 }
 
@@ -367,7 +377,7 @@ void dpti_body_search_find(struct dpt_world *world, uint32_t segment_index, cons
             if (world->bodies[i].slot.used)
                 search_without_history(&search, i);
     }
-    best->is_exact = best->body && is_enough(&search, best->lower_bound);
+    best->is_exact = best->body && proves_best(&search, best->lower_bound);
     best->work = world->work.done - work_before;
 }
 

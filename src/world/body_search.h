@@ -5,33 +5,37 @@
 
 #include "world/world_state.h"
 
-/* The share of dpt_world_bytes of what a search keeps for the next one. */
+/* Its share of dpt_world_bytes: last triangles and the plane cache. */
 uint64_t dpti_body_search_bytes(const dpt_world_def *def);
 
 /* Place its memory at `at`; returns where it ends. */
 char *dpti_body_search_place(struct dpt_world *world, char *at);
 
-/* Forget a segment's last tick. */
+/* Forget a segment's last triangles and its nearest body. */
 void dpti_body_search_forget(struct dpt_world *world, uint32_t segment_index);
 
-/* Forget the body in a slot. */
+/* Forget all that searches know of the body in a slot. */
 void dpti_body_search_forget_body(struct dpt_world *world, uint32_t slot);
 
 /*
- * Empty the blocks of some segments, from `first` to before `end`, on one body or, with DPT_NONE, on all:
- * before a number of theirs means another.
+ * Empty the plane cache's blocks of the segments from `first` up to, not including, `end`, on the body in `slot` or,
+ * with DPT_NONE, on all. Needed before an index or slot is given to another segment or body.
  */
 void dpti_body_search_forget_planes(struct dpt_world *world, uint32_t first, uint32_t end,
                                     uint32_t slot);
 
-/* Remove the segments from `first` up to, not including, `end`: those behind them move up. */
+/* Remove the data of the segments from `first` up to, not including, `end`; that of later segments moves up. */
 void dpti_body_search_remove(struct dpt_world *world, uint32_t first, uint32_t end);
 
-/* `exact`: what is kept helps, only near bodies are asked, and the world's budget ends it. */
+/*
+ * Find the nearest pair of a segment, whose axis is from `a` to `b` in the world, and all bodies, into `best`.
+ * best->body is NULL if the world has no body. The method `exact` uses what earlier ticks left, searches near bodies
+ * only, and ends with the world's budget; best->is_exact says whether the pair is proven.
+ */
 void dpti_body_search_find(struct dpt_world *world, uint32_t segment_index, const vec3 *a,
                            const vec3 *b, struct body_answer *best);
 
-/* The result so far: exact, or bounded with what is proven. best->body is there. */
+/* Write an answer that has a body into `result`: exact, or bounded by what is proven. */
 void dpti_body_search_result(const struct body_answer *best, struct segment_result *result);
 
 #endif

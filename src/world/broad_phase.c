@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "world/world_state.h"
 
+/* The world box of a body's box low..high (body's frame), larger than rounding could require. */
 static struct box box_in_world(vec3 low, vec3 high, const struct frame *frame)
 {
     vec3 half = scaled(sub(high, low), 0.5);
@@ -19,7 +20,7 @@ static struct box box_in_world(vec3 low, vec3 high, const struct frame *frame)
 
 void dpti_broad_phase_move(struct broad_phase *broad_phase, vec3 a, vec3 b)
 {
-    /* Forgotten within some hundred ticks: a list should not be made anew at each stop. */
+    /* A peak fades over some hundred ticks, so that a short stop does not cause a new list. */
     broad_phase->speed *= 1.0 - 1.0 / 256.0;
     if (broad_phase->has_axis) {
         double motion = max_of(length(sub(a, broad_phase->a)), length(sub(b, broad_phase->b)));
@@ -30,25 +31,26 @@ void dpti_broad_phase_move(struct broad_phase *broad_phase, vec3 a, vec3 b)
     broad_phase->has_axis = 1;
 }
 
+/* The distance from the axis to the nearest face of its fat box; 0 outside of it, or where there is none. */
 static double reach_of_fat_box(const struct broad_phase *broad_phase)
 {
     struct box axis_box = box_of_axis(broad_phase->a, broad_phase->b);
-    const struct box *home = &broad_phase->current.box;
+    const struct box *fat = &broad_phase->current.box;
     if (!(broad_phase->current.margin > 0.0))
         return 0.0;
-    double margin = min_of(axis_box.low.x - home->low.x, home->high.x - axis_box.high.x);
-    margin = min_of(margin, min_of(axis_box.low.y - home->low.y, home->high.y - axis_box.high.y));
-    margin = min_of(margin, min_of(axis_box.low.z - home->low.z, home->high.z - axis_box.high.z));
+    double margin = min_of(axis_box.low.x - fat->low.x, fat->high.x - axis_box.high.x);
+    margin = min_of(margin, min_of(axis_box.low.y - fat->low.y, fat->high.y - axis_box.high.y));
+    margin = min_of(margin, min_of(axis_box.low.z - fat->low.z, fat->high.z - axis_box.high.z));
     return max_of(0.0, margin);
 }
 
-/* Those within `reach` are on the list. Where the axis is not within a home, not even those that it touches. */
+/* Whether all bodies within `reach` are on the list. Outside of its fat box an axis may touch bodies that are not. */
 static int has_reach(const struct broad_phase *broad_phase, double reach)
 {
     return reach_of_fat_box(broad_phase) > 0.0 && reach_of_fat_box(broad_phase) >= reach;
 }
 
-/* Room for 128 ticks of the present motion, and for some that begins from rest. */
+/* The margin of a new fat box: 128 ticks of the present motion, and some for a motion that begins from rest. */
 static double fat_margin_for(const struct broad_phase *broad_phase, double distance)
 {
     double axis_length = length(sub(broad_phase->b, broad_phase->a));
@@ -103,7 +105,7 @@ void dpti_broad_phase_remove(struct dpt_world *world, uint32_t first, uint32_t e
                 sizeof *world->near_lists);
 }
 
-/* In the order of slots. */
+/* Put a body on a list, which is in the order of slots; once. */
 static void insert_slot(const struct dpt_world *world, uint32_t segment_index,
                         struct fat_box *fat_box, uint32_t slot)
 {
@@ -117,7 +119,7 @@ static void insert_slot(const struct dpt_world *world, uint32_t segment_index,
     fat_box->count++;
 }
 
-/* Go on with the list of the next home. */
+/* Continue the list of the rebuilt fat box, within the budget; at its end it becomes the current one. */
 static void continue_scan(struct dpt_world *world, uint32_t segment_index)
 {
     struct broad_phase *broad_phase = &world->segments[segment_index].broad_phase;

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Which bodies are near an axis, so that a tick costs what is near and not what is there
- * (docs/algorithms/broad_phase.md). Around the axis lies a home, a box with room to move in. Bodies whose own
- * boxes touch it are listed; all others are at least as far away as the home's faces.
+ * The bodies near a segment, so that the cost of a tick grows with the near bodies and not with all bodies
+ * (docs/algorithms/broad_phase.md). Each segment has a fat box in the world: the box of its axis with a margin. The
+ * bodies whose boxes touch it are on the segment's list. All other bodies are at least as far from the axis as the
+ * faces of the fat box.
  */
 #ifndef DPT_BROAD_PHASE_H
 #define DPT_BROAD_PHASE_H
@@ -10,38 +11,40 @@
 #include "base/frame.h"
 #include "dynpoint/world.h"
 
+/* An axis-aligned box, in the world. */
 struct box {
     vec3 low, high;
 };
 
-/* A home, in the world, and how many bodies are on its list. */
+/* A fat box and its list of bodies. */
 struct fat_box {
     struct box box;
-    double margin;  /* from the axis to the faces, when it was made; 0: there is none */
-    uint32_t count; /* bodies */
-    uint32_t list;  /* of the segment's two lists */
+    double margin;  /* m, around the axis when the box was made; 0: there is none */
+    uint32_t count; /* bodies on the list */
+    uint32_t list;  /* which of the segment's two near lists: 0 or 1 */
 };
 
-/* One axis' surroundings. While a new home's list is made, the old one serves. */
+/* The fat boxes of one segment. The current one stays in use while a scan makes the list of a new one. */
 struct broad_phase {
-    struct fat_box current, rebuilt;
-    vec3 a, b;            /* where the axis was last tick */
-    double speed;         /* of the faster end, m a tick; slowly forgotten */
-    uint32_t has_axis;    /* 0: it was nowhere */
-    uint32_t is_scanning; /* there is a `next`; body slots from `scanned` on were not looked at */
-    uint32_t next_slot;
+    struct fat_box current;
+    struct fat_box rebuilt; /* only while is_scanning */
+    vec3 a, b;              /* the ends of the axis in the world, as last given */
+    double speed;           /* m per tick, of the faster end; a peak fades slowly */
+    uint32_t has_axis;      /* 0: `a` and `b` were never given */
+    uint32_t is_scanning;
+    uint32_t next_slot; /* of the scan: bodies in lower slots were compared with `rebuilt` */
     uint32_t reserved;
 };
 
-/* So few bodies are all near: a list of them would cost more than it saves. */
+/* Up to that many bodies, all count as near: a list would cost more than it saves. */
 enum { UNLISTED_BODIES_MAX = 4 };
 
-/* Bodies that may be within reach of a segment. */
+/* The bodies that may be within reach of a segment. */
 struct near_bodies {
-    const uint32_t *slots; /* of their slots, in order; or NULL: all of so many */
+    const uint32_t *slots; /* in ascending order; NULL: all slots below `count` */
     uint32_t count;
     uint32_t reserved;
-    double reach; /* negative: not looked for yet */
+    double reach; /* m; negative: not determined in this tick yet */
 };
 
 /* The box of an axis. */
@@ -51,7 +54,7 @@ static inline struct box box_of_axis(vec3 a, vec3 b)
                          { max_of(a.x, b.x), max_of(a.y, b.y), max_of(a.z, b.z) } };
 }
 
-/* A lower bound of the distance of what the boxes hold. */
+/* The distance between two boxes, 0 if they overlap: a lower bound for what they hold. */
 static inline double box_distance(const struct box *a, const struct box *b)
 {
     vec3 gap = { max_of(0.0, max_of(a->low.x - b->high.x, b->low.x - a->high.x)),
@@ -60,44 +63,50 @@ static inline double box_distance(const struct box *a, const struct box *b)
     return length(gap);
 }
 
-/* Both touch, or overlap. */
+/* 1 if two boxes touch or overlap. */
 static inline int box_meets(const struct box *a, const struct box *b)
 {
     return a->low.x <= b->high.x && b->low.x <= a->high.x && a->low.y <= b->high.y &&
            b->low.y <= a->high.y && a->low.z <= b->high.z && b->low.z <= a->high.z;
 }
 
-/* Its share of dpt_world_bytes: each segment's two lists of bodies. */
+/* Its share of dpt_world_bytes: two near lists for each segment. */
 uint64_t dpti_broad_phase_bytes(const dpt_world_def *def);
 
 /* Place its memory at `at`; returns where it ends. */
 char *dpti_broad_phase_place(struct dpt_world *world, char *at);
 
-/* Forget what is near a segment. */
+/* Forget a segment's fat boxes, lists and motion. */
 void dpti_broad_phase_forget(struct dpt_world *world, uint32_t segment_index);
 
-/* Remove the segments from `first` up to, not including, `end`: those behind them move up. */
+/* Remove the lists of the segments from `first` up to, not including, `end`; those of later segments move up. */
 void dpti_broad_phase_remove(struct dpt_world *world, uint32_t first, uint32_t end);
 
-/* A body is there, or its pose has changed: its box, and the lists that it belongs on. */
+/*
+ * After a body is added or its pose changes: set its box, and put it on the lists of the fat boxes that it touches.
+ */
 void dpti_broad_phase_put_body(struct dpt_world *world, uint32_t slot);
 
-/* A tick begins: the axis is here now. */
+/* Begin a tick with the axis from `a` to `b` (world). */
 void dpti_broad_phase_move(struct broad_phase *broad_phase, vec3 a, vec3 b);
 
 /*
- * List the bodies that may be as near to a segment as `distance`, that of the nearest so far, within the budget. Returns
- * how near those that are not listed may be.
+ * Bring a segment's list up to date, within the budget, so that it has all bodies within `distance` (m, that of the
+ * nearest pair so far). Returns the reach: no unlisted body is nearer. It is below `distance` if the budget ended the
+ * scan.
  */
 double dpti_broad_phase_update(struct dpt_world *world, uint32_t segment_index, double distance);
 
-/* All is proven: where a list is far longer than it need be, and there is work left for a whole scan, make it anew. */
+/*
+ * Replace a list whose fat box is far larger than `distance` (m) requires, if work is left for a whole scan. For
+ * ticks in which everything is proven.
+ */
 void dpti_broad_phase_shrink(struct dpt_world *world, uint32_t segment_index, double distance);
 
 /*
- * The bodies whose boxes may be within reach of a segment, after its nearest pair was searched for. They are looked for
- * once: with the first reach that is asked for, or that of its contact, whichever is larger. world->nearby.reach is
- * negative before.
+ * The bodies whose boxes may be within `reach` (m) of a segment. Call it after the search for the nearest pair, and
+ * set world->near_bodies.reach negative before the first call for a segment in a tick. The answer is kept, and given
+ * again for a smaller reach; the first call uses at least the reach of the segment's contact.
  */
 const struct near_bodies *dpti_broad_phase_within(struct dpt_world *world, uint32_t segment_index,
                                                   double reach);

@@ -1,13 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The profile of a segment over a body gives regions; they take over the numbers, the sides and the samples of those of
- * the last tick that cover the same stretch of the tool.
+ * The distance profile of a segment over a body gives regions. Each becomes a contact, and takes over the id, the
+ * side and the samples of last tick's contact that covers the same stretch of the tool.
  */
 #include "world/contact_pair.h"
 
 #include "world/sheet_sides.h"
 
-/* Sides that are kept, and where the samples of the last tick were. */
+/*
+ * Read last tick's contacts of the pair: set the sides of its sheets, and fill in where the profile's samples begin.
+ * Returns how many warm starts there are.
+ */
 static uint32_t load_warm_starts(struct contact_pair *contact_pair,
                                  struct warm_start warm_starts[PROFILE_WARM_STARTS])
 {
@@ -20,13 +23,17 @@ static uint32_t load_warm_starts(struct contact_pair *contact_pair,
             continue;
         for (uint32_t k = 0; k < persistent->warm_start_count && count < PROFILE_WARM_STARTS; k++)
             warm_starts[count++] = persistent->warm_starts[k];
-        /* What was in front, and went through nothing, is in front now, wherever it is, and if it went round a border. */
+        /*
+         * An axis that was in front and has crossed nothing is still in front, also if it went round a border: its
+         * side is taken anew.
+         */
         if (persistent->side && !persistent->is_in_front)
             dpti_sides_put(&contact_pair->sides, persistent->part, persistent->side);
     }
     return count;
 }
 
+/* The length, in s, that a contact and a region have in common; negative if there is a gap between them. */
 static double shared_length(const struct persistent_contact *persistent,
                             const struct region *region)
 {
@@ -34,7 +41,10 @@ static double shared_length(const struct persistent_contact *persistent,
            max_of(persistent->contact.s0, region->from);
 }
 
-/* Of the last tick's, the one that has most of the same stretch on the same part, and is not taken by another. */
+/*
+ * The contact of the last tick that a region continues: the one on the same part that shares the longest stretch with
+ * it, and that no other region of this tick continues. NULL if there is none.
+ */
 static const struct persistent_contact *find_previous(const struct contact_pair *contact_pair,
                                                       const struct region *region)
 {
@@ -56,6 +66,7 @@ static const struct persistent_contact *find_previous(const struct contact_pair 
     return best;
 }
 
+/* Whether the axis crosses the surface within a region. */
 static int has_crossing(const struct distance_profile *profile, const struct region *region)
 {
     for (uint32_t k = 0; k < profile->crossing_count; k++)
@@ -64,7 +75,7 @@ static int has_crossing(const struct distance_profile *profile, const struct reg
     return 0;
 }
 
-/* As users see it. */
+/* Fill in a contact as users get it: in the world, with source numbers. */
 static void write_contact(const struct contact_pair *contact_pair, const struct region *region,
                           const struct persistent_contact *persistent, dpt_contact *contact)
 {
@@ -99,7 +110,7 @@ static void write_contact(const struct contact_pair *contact_pair, const struct 
     vec3_store(frame_turn(frame, region->thrust_moment), contact->thrust_moment);
 }
 
-/* With a budget: the axis has not moved in the frame of the body, as far as is known. */
+/* With a budget: whether the axis is known to rest in the frame of the body. */
 static int is_resting(const struct contact_pair *contact_pair)
 {
     const struct dpt_world *world = contact_pair->world;
@@ -114,8 +125,8 @@ static int is_resting(const struct contact_pair *contact_pair)
 }
 
 /*
- * What the next tick begins with. An axis that rests begins as before: it asks for the same points then, of which the memo
- * knows more in each tick.
+ * Set the samples with which the next tick begins. A resting axis keeps those of last tick: then it asks for the same
+ * points, and the point cache knows more of them in each tick.
  */
 static void put_warm_starts(const struct contact_pair *contact_pair, const struct region *region,
                             const struct persistent_contact *previous,
@@ -130,6 +141,7 @@ static void put_warm_starts(const struct contact_pair *contact_pair, const struc
     }
 }
 
+/* Add a region to this tick's contacts. */
 static void put_persistent_contact(struct contact_pair *contact_pair, const struct region *region)
 {
     const struct persistent_contact *previous = find_previous(contact_pair, region);
@@ -150,9 +162,10 @@ static void put_persistent_contact(struct contact_pair *contact_pair, const stru
 }
 
 /*
- * And it goes on with the samples of the region that it may have become or, where the budget ended before there are regions,
- * with the lowest first. Else the tool would be looked for where it once was: a search that does not come to its end begins
- * no better in the next tick, and behind a sheet what is there would in the end not be found.
+ * Update the samples of a contact that is carried over: those of the region that it may have become. Where the budget
+ * ended before there were regions, the lowest sample is put first. With the old samples, the search would begin where
+ * the tool once was. If the budget ends it each time, it would never come to where the tool is now, and behind a
+ * sheet the surface would not be found at all.
  */
 static void update_warm_starts(const struct contact_pair *contact_pair,
                                const struct region *regions, uint32_t count,
@@ -173,6 +186,7 @@ static void update_warm_starts(const struct contact_pair *contact_pair,
             persistent, &(struct warm_start){ lowest->s, lowest->triangle, 1.0f });
 }
 
+/* Carry over last tick's contacts of a pair whose contact is unknown in this tick. */
 static void carry_over_undecided(struct contact_pair *contact_pair, const struct region *regions,
                                  uint32_t count, int has_dropped_side)
 {
@@ -190,7 +204,10 @@ static void carry_over_undecided(struct contact_pair *contact_pair, const struct
     }
 }
 
-/* Where sides are each sample's own, what is between those that the depth had may be deeper: regions have more. */
+/*
+ * Lower the gap to the deepest sample of the regions. Where each sample has a side of its own, surface between the
+ * samples of the depth may be deeper, and the regions have more samples.
+ */
 static void update_deepest(struct contact_pair *contact_pair, const struct region *regions,
                            uint32_t count, double *gap)
 {
@@ -205,7 +222,10 @@ static void update_deepest(struct contact_pair *contact_pair, const struct regio
     }
 }
 
-/* Gap and regions with the sides that are kept; CONTACT_... */
+/*
+ * Find gap (m) and regions with the pair's present sides. Returns CONTACT_...; without a profile there are no
+ * regions.
+ */
 static int find_gap_and_regions(struct contact_pair *contact_pair,
                                 const struct warm_start *warm_starts, uint32_t warm_start_count,
                                 struct region regions[REGION_MAX], uint32_t *count, double *gap)
@@ -217,12 +237,12 @@ static int find_gap_and_regions(struct contact_pair *contact_pair,
                                    contact_pair->radius, gap);
     *count = 0;
     if (status == CONTACT_PROFILE && world->def.max_contacts) {
-        /* Integrals leave half to the segments that come after: their gaps count for more. */
+        /* Leave half of the work to the segments that come after: their gaps matter more than these integrals. */
         if (world->def.budget && world->segment_count > 1)
             profile->work.limit -= work_left(&profile->work) / 2;
         *count = dpti_contact_regions(profile, regions);
         update_deepest(contact_pair, regions, *count, gap);
-        /* Where each sample has a side of its own, what is deepest is found with the regions. */
+        /* With sides by sample, the deepest one is found with the regions: without all regions it is not known. */
         if (profile->is_cut && profile_has_side_per_sample(profile))
             status = CONTACT_UNKNOWN;
     }

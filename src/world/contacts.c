@@ -5,7 +5,11 @@
 #include "world/persistent_contacts.h"
 #include "world/sheet_sides.h"
 
-/* The nearest pair with another body than the nearest: in full, as it is needed rarely. 0: the budget ended that. */
+/*
+ * Search the pair's body for its nearest pair with the axis from `a` to `b` (world), and set the pair's `axis` and
+ * `nearest`. For a body that is not the nearest one; this is rare, so the search keeps no planes and is never
+ * suspended. Returns 0 if the budget ended before the pair was proven, else 1.
+ */
 static int find_nearest_pair(struct contact_pair *contact_pair, vec3 a, vec3 b)
 {
     struct dpt_world *world = contact_pair->world;
@@ -29,17 +33,18 @@ static int find_nearest_pair(struct contact_pair *contact_pair, vec3 a, vec3 b)
     return is_done;
 }
 
-/* What a segment meets, over all bodies. */
+/* The contact of one segment, summed up over the bodies that are near. */
 struct contact_sum {
-    struct penetration penetration;      /* of the least gap */
-    struct penetration felt_penetration; /* of the least as it counts */
-    struct pushing_part pushing_part;
-    double min_gap;
-    double min_felt_gap; /* its gap */
-    int is_known;
-    int previous_part_pushes; /* whose push it was in the last tick, behind a sheet, is met, and its side still counts */
+    struct penetration penetration;      /* at the smallest gap */
+    struct penetration felt_penetration; /* at the smallest gap that the force counts */
+    struct pushing_part pushing_part;    /* where `felt_penetration` is */
+    double min_gap;                      /* m */
+    double min_felt_gap;      /* m; as min_gap, but reduced depths near a sheet's border */
+    int is_known;             /* 0: contact with at least one body is unknown */
+    int previous_part_pushes; /* last tick's pushing part still pushes, or motion ended its push */
 };
 
+/* The part at the profile's deepest sample. */
 static struct pushing_part pushing_part_of(const struct contact_pair *contact_pair)
 {
     const struct distance_profile *profile = contact_pair->profile;
@@ -51,11 +56,12 @@ static struct pushing_part pushing_part_of(const struct contact_pair *contact_pa
 }
 
 /*
- * The next tick begins at the point that is pushed, too: beside a border the deepest points are the next to be in
- * front, and what is behind between two that are would not be seen.
+ * Make the pushed point a warm start of the next tick. Near a sheet's border the deepest points are the first to come
+ * in front of the sheet. Without this sample, all samples may be in front, and the search misses the stretch behind
+ * between them.
  */
-static void carry_over_penetration(const struct contact_pair *contact_pair, uint32_t part,
-                                   const struct warm_start *warm_start)
+static void carry_over_pushed_point(const struct contact_pair *contact_pair, uint32_t part,
+                                    const struct warm_start *warm_start)
 {
     struct persistent_contacts *current = contacts_this_tick(contact_pair->world);
     for (uint32_t i = 0; i < current->count; i++) {
@@ -67,6 +73,9 @@ static void carry_over_penetration(const struct contact_pair *contact_pair, uint
     }
 }
 
+/*
+ * Find the contacts with the pair's body and add them to `sum`. `best` is the segment's nearest pair over all bodies.
+ */
 static void add_body(struct contact_pair *contact_pair, const struct body_answer *best,
                      struct contact_sum *sum)
 {
@@ -107,7 +116,7 @@ static void add_body(struct contact_pair *contact_pair, const struct body_answer
         if (dpti_sheet_border_reduce(contact_pair->profile, &contact_pair->body->frame,
                                      pushing_part.body_id, contact_pair->radius, smooth,
                                      &segment->border, &penetration, &warm_start))
-            carry_over_penetration(contact_pair, pushing_part.part, &warm_start);
+            carry_over_pushed_point(contact_pair, pushing_part.part, &warm_start);
         felt_gap = -penetration.depth;
     }
     if (felt_gap < sum->min_felt_gap) {

@@ -53,7 +53,7 @@ void dpti_bounds_remove(struct dpt_world *world, uint32_t first, uint32_t end)
             segments_moved * world->def.max_bodies * sizeof *world->distance_bounds);
 }
 
-/* How far the ends moved, in the body's frame; exactly 0 for nothing. */
+/* m: motion of the axis' ends in the body's frame since the last update; exactly 0 at rest. */
 static double motion_since(const struct distance_bound *bound, const struct axis *axis)
 {
     vec3 b = add(axis->local_a, axis->u);
@@ -61,7 +61,7 @@ static double motion_since(const struct distance_bound *bound, const struct axis
     return motion > 0.0 ? motion + axis->error : 0.0;
 }
 
-/* What a search that was stopped has proven, at the place where its body's proof was brought up to date. */
+/* m: what a suspended search has proven about the axis at the last update of its body; 0 if none is suspended. */
 static double bound_so_far(const struct suspended_search *suspended, const struct surface *surface,
                            const struct distance_bound *bound)
 {

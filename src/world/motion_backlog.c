@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * A tick's motion is a leg: most are over at a look, as nothing was near. With a budget a leg may take several ticks; those
- * that come meanwhile wait in a voyage, each as it was. What that has no room for is given up.
+ * The motion of one tick is a motion step. Most steps are done at once, because nothing is near. With a budget the
+ * sweep of a step may take several ticks. Later steps wait in the backlog meanwhile, each with its own ends; if there
+ * is no room for one more, all are given up.
  */
 #include "world/motion_backlog.h"
 
@@ -44,7 +45,7 @@ void dpti_backlog_remove(struct dpt_world *world, uint32_t first, uint32_t end)
                 (world->segment_count - end) * sizeof *world->motion_backlogs);
 }
 
-/* What cannot be followed is as a teleport to where the segment is now. */
+/* Give up all steps, as if the tool had been teleported to where the segment is now. */
 static void give_up(struct dpt_world *world, uint32_t segment_index, struct motion_backlog *backlog)
 {
     backlog->count = backlog->body_id = 0;
@@ -52,7 +53,10 @@ static void give_up(struct dpt_world *world, uint32_t segment_index, struct moti
     dpti_persistent_contacts_forget_sides(world, segment_index);
 }
 
-/* How far away is what any leg, and `now` if it is not NULL, may have met. */
+/*
+ * m: how far from the segment, where it is now, the surface may be that any waiting step met. `now`, if not NULL,
+ * adds the step from the last one to there.
+ */
 static double reach_of_steps(const struct segment *segment, const struct motion_backlog *backlog,
                              const struct motion_state *now)
 {
@@ -63,17 +67,20 @@ static double reach_of_steps(const struct segment *segment, const struct motion_
     return now ? reach + dpti_motion_displacement(step_begin, now) : reach;
 }
 
-/* Bodies that have moved, or come, since the last tick: a leg past them is of this tick alone. */
+/*
+ * Whether a body within `reach` (m) has moved or was added since the last tick. Such a body is known only where it is
+ * now, so only this tick can sweep past it.
+ */
 static int may_meet_changed_body(struct dpt_world *world, uint32_t segment_index, double reach)
 {
     struct swept_bodies bodies = dpti_motion_bodies(world, segment_index, reach);
     const struct body *body = dpti_motion_next_body(&bodies);
     while (body && body->moved_tick != world->ticks && body->added_tick != world->ticks)
         body = dpti_motion_next_body(&bodies);
-    return body != NULL;
+    return body ? 1 : 0;
 }
 
-/* Legs that wait, before this tick's joins them: is the way known on which they are, and is there room for one more? */
+/* Before this tick's step joins the waiting ones: whether they can still be swept, and there is room for one more. */
 static int can_follow(struct dpt_world *world, uint32_t segment_index,
                       const struct motion_backlog *backlog, const struct motion_state *now)
 {
@@ -83,7 +90,10 @@ static int can_follow(struct dpt_world *world, uint32_t segment_index,
             dpti_motion_is_same(&backlog->motion_ends[backlog->count - 1], now));
 }
 
-/* This tick's motion cannot have met anything. */
+/*
+ * Whether every surface is too far away for this tick's motions to have met it. `reach`: the segment's motion plus
+ * its radius, in m.
+ */
 static int is_far_from_all(const struct dpt_world *world, const struct segment *segment,
                            double reach)
 {
@@ -91,7 +101,7 @@ static int is_far_from_all(const struct dpt_world *world, const struct segment *
     return segment->result.lower_bound > reach + body_motion + segment->result.error_bound;
 }
 
-/* Leg by leg, up to the first that meets something or the end of the budget. 0 unless that was all. */
+/* Sweep the steps in turn, until one hits or the budget ends. Returns 1 if no step is left, else 0. */
 static int sweep_steps(struct dpt_world *world, uint32_t segment_index,
                        struct motion_backlog *backlog)
 {
@@ -146,7 +156,7 @@ int dpti_backlog_sweep(struct dpt_world *world, uint32_t segment_index)
         backlog->count++;
     else
         now.tick = backlog->motion_ends[backlog->count - 1].tick;
-    backlog->motion_ends[backlog->count - 1] = now; /* of the same place more may be known now */
+    backlog->motion_ends[backlog->count - 1] = now; /* more may be known about the same place now */
     if (backlog->radius != segment->radius)
         backlog->body_id = 0;
     backlog->radius = segment->radius;

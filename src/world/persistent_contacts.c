@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "world/persistent_contacts.h"
 
-/* A share of dpt_world_bytes: this tick's and the last one's. */
+/* Bytes of dpt_world_bytes for each of max_contacts: one contact of this tick, one of the last. */
 enum { BYTES_CONTACT = 1408 };
 typedef char contact_fits[2 * sizeof(struct persistent_contact) <= BYTES_CONTACT ? 1 : -1];
 
@@ -41,15 +41,14 @@ void dpti_persistent_contacts_reset(struct dpt_world *world)
 }
 
 void dpti_persistent_contacts_forget(struct dpt_world *world, uint32_t first, uint32_t end,
-                                     uint32_t position)
+                                     uint32_t slot)
 {
     struct persistent_contacts *current = contacts_this_tick(world);
     uint32_t kept_count = 0;
     for (uint32_t i = 0; i < current->count; i++) {
         const struct persistent_contact *persistent = &current->items[i];
-        int is_removed =
-            persistent->segment_index >= first && persistent->segment_index < end &&
-            (position == DPT_NONE || handle_index(persistent->contact.body) == position);
+        int is_removed = persistent->segment_index >= first && persistent->segment_index < end &&
+                         (slot == DPT_NONE || handle_index(persistent->contact.body) == slot);
         if (!is_removed)
             current->items[kept_count++] = *persistent;
     }
@@ -132,7 +131,10 @@ void dpti_persistent_contact_put_warm_start(struct persistent_contact *persisten
     persistent->warm_starts[0] = *warm_start;
 }
 
-/* What went through is behind, though all around it may be in front, beyond a border: so it is a sample. */
+/*
+ * The point that went through is behind the sheet, while the axis around it may be in front, beyond a border. So the
+ * point becomes a sample.
+ */
 void dpti_persistent_contacts_put_side(struct dpt_world *world, uint32_t segment_index,
                                        const struct body *body, uint32_t part, int side,
                                        const struct warm_start *warm_start)

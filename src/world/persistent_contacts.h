@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Regions of contact that live from tick to tick: docs/algorithms/contacts.md. */
+/* Contacts that persist from tick to tick: docs/algorithms/contacts.md. */
 #ifndef DPT_PERSISTENT_CONTACTS_H
 #define DPT_PERSISTENT_CONTACTS_H
 
@@ -11,16 +11,19 @@ uint64_t dpti_persistent_contacts_bytes(const dpt_world_def *def);
 /* Place its memory at `at`; returns where it ends. */
 char *dpti_persistent_contacts_place(struct dpt_world *world, char *at);
 
+/* The world's list for this tick. */
 static inline struct persistent_contacts *contacts_this_tick(struct dpt_world *world)
 {
     return &world->contacts[world->contacts_index];
 }
 
+/* The world's list of the last tick. */
 static inline struct persistent_contacts *contacts_last_tick(struct dpt_world *world)
 {
     return &world->contacts[1 - world->contacts_index];
 }
 
+/* Whether a contact is of this segment and this body, or with NULL any body. */
 static inline int persistent_contact_is_of(const struct persistent_contact *persistent,
                                            uint32_t segment_index, const struct body *body)
 {
@@ -28,55 +31,62 @@ static inline int persistent_contact_is_of(const struct persistent_contact *pers
            (!body || persistent->contact.body == body->id);
 }
 
-/* A tick begins: what was now is before. */
+/* Start a tick: the current contacts become last tick's, and this tick's list is empty. */
 void dpti_persistent_contacts_begin_tick(struct dpt_world *world);
 
-/* A tick without an answer: none is seen. The next one takes them up again. */
+/* End a tick that has no answer: mark its contacts as unseen, so that the next tick can continue them. */
 void dpti_persistent_contacts_set_unseen(struct dpt_world *world);
 
-/* All of them, and the numbers that they were given. */
+/* Forget all contacts, and begin their ids anew. */
 void dpti_persistent_contacts_reset(struct dpt_world *world);
 
 /*
- * On this tick's way the axis may have gone through something; then nobody knows that it is in front. A way that is not
- * finished tells in a later tick.
+ * Call it after the segment's sweep. If the axis may have gone through a surface in this motion, no contact of the
+ * segment is known to be in front of its sheet any longer. An unfinished sweep changes nothing yet.
  */
 void dpti_persistent_contacts_note_motion(struct dpt_world *world, uint32_t segment_index);
 
-/* A segment of which nothing is known this tick: its regions live on, unseen. */
+/* For a segment whose contact is unknown in this tick: note its motion, and carry over its contacts as unseen. */
 void dpti_persistent_contacts_carry_over(struct dpt_world *world, uint32_t segment_index);
 
-/* `body`, or with NULL all of them: nothing is known of them in this tick. */
+/* Carry over, as unseen, a segment's contacts with a body, or with NULL all of them. */
 void dpti_persistent_contacts_carry_over_body(struct dpt_world *world, uint32_t segment_index,
                                               const struct body *body);
 
-/* Keep one of them, unseen. */
+/* Carry over one contact of the last tick, as unseen. */
 void dpti_persistent_contacts_carry_over_one(struct dpt_world *world,
                                              const struct persistent_contact *previous);
 
-/* A new one, not yet filled in; NULL where there is no room. */
+/* Add a contact to this tick's list, to be filled in; NULL if the list is full. */
 struct persistent_contact *dpti_persistent_contacts_add(struct dpt_world *world);
 
-/* A number for a new one. */
+/* The id for a new contact; never 0. */
 uint32_t dpti_persistent_contacts_new_id(struct dpt_world *world);
 
-/* Before the others; of two at one place the new one stays, and where there is no room the last one goes. */
+/* Put a warm start before the others. It replaces one at the same s; if there is no room, the last one is dropped. */
 void dpti_persistent_contact_put_warm_start(struct persistent_contact *persistent,
                                             const struct warm_start *warm_start);
 
-/* The motion met a sheet from this side: it is kept where none is of that part. Before dpti_contacts_find or dpti_persistent_contacts_carry_over. */
+/*
+ * The axis went through the sheet `part` of `body`, coming from `side`, at `warm_start`. Store the side with last
+ * tick's contacts, unless one of them has a side of that part already. Call it before dpti_contacts_find or
+ * dpti_persistent_contacts_carry_over.
+ */
 void dpti_persistent_contacts_put_side(struct dpt_world *world, uint32_t segment_index,
                                        const struct body *body, uint32_t part, int side,
                                        const struct warm_start *warm_start);
 
-/* As by a teleport: the sides of a segment's regions of the last tick. */
+/* Forget the sides of a segment's contacts of the last tick, as a teleport does. */
 void dpti_persistent_contacts_forget_sides(struct dpt_world *world, uint32_t segment_index);
 
-/* Forget those of the segments from `first` to before `end`, and of a body or, with DPT_NONE, of all. */
+/*
+ * Forget the contacts of the segments from `first` up to, not including, `end` with the body in `slot`, or with
+ * DPT_NONE all.
+ */
 void dpti_persistent_contacts_forget(struct dpt_world *world, uint32_t first, uint32_t end,
                                      uint32_t slot);
 
-/* The same, and the segments behind them move up. */
+/* The same for all bodies, and later segments move up: their contacts get their new indices. */
 void dpti_persistent_contacts_remove(struct dpt_world *world, uint32_t first, uint32_t end);
 
 #endif

@@ -6,7 +6,7 @@ void dpti_proxy_remember(struct proxy *proxy, uint32_t segment, uint32_t body, u
     struct proxy_triangle *oldest = &proxy->memory[0];
     for (uint32_t i = 0; i < PROXY_MEMORY; i++) {
         struct proxy_triangle *entry = &proxy->memory[i];
-        if (entry->body == body && entry->triangle == triangle && entry->segment == segment) {
+        if (entry->body_id == body && entry->triangle == triangle && entry->segment == segment) {
             entry->used = ++proxy->clock;
             return;
         }
@@ -19,18 +19,19 @@ void dpti_proxy_remember(struct proxy *proxy, uint32_t segment, uint32_t body, u
 void dpti_proxy_forget_triangles(struct proxy *proxy, uint32_t body)
 {
     for (uint32_t i = 0; i < PROXY_MEMORY; i++)
-        if (!body || proxy->memory[i].body == body)
-            proxy->memory[i] = (struct proxy_triangle){ .body = 0 };
+        if (!body || proxy->memory[i].body_id == body)
+            proxy->memory[i] = (struct proxy_triangle){ .body_id = 0 };
 }
 
 static void add_triangle(struct proxy_tick *tick, const struct proxy_triangle *triangle)
 {
     for (uint32_t i = 0; i < tick->triangle_count; i++)
-        if (tick->triangles[i]->body == triangle->body &&
+        if (tick->triangles[i]->body_id == triangle->body_id &&
             tick->triangles[i]->triangle == triangle->triangle &&
             tick->triangles[i]->segment == triangle->segment)
             return;
-    if (tick->triangle_count < PROXY_TRIANGLES_MAX && world_find_body(tick->world, triangle->body))
+    if (tick->triangle_count < PROXY_TRIANGLES_MAX &&
+        world_find_body(tick->world, triangle->body_id))
         tick->triangles[tick->triangle_count++] = triangle;
 }
 
@@ -39,7 +40,7 @@ static void list_triangles(struct proxy_tick *tick)
     const struct tool *tool = tick->tool;
     tick->triangle_count = 0;
     for (uint32_t i = 0; i < PROXY_MEMORY; i++)
-        if (tick->proxy->memory[i].body)
+        if (tick->proxy->memory[i].body_id)
             add_triangle(tick, &tick->proxy->memory[i]);
     for (uint32_t i = 0; i < tool->segment_count && tick->triangle_count < PROXY_TRIANGLES_MAX;
          i++) {
@@ -96,7 +97,7 @@ static void add_space(struct proxy_tick *tick, uint32_t index, int feature, cons
 static void gather_triangle(struct proxy_tick *tick, uint32_t index, double reach)
 {
     const struct proxy_triangle *triangle = tick->triangles[index];
-    const struct body *body = world_find_body(tick->world, triangle->body);
+    const struct body *body = world_find_body(tick->world, triangle->body_id);
     const double radius = radius_of(tick, triangle);
     struct frame moved;
     const struct frame *before = &body->frame;
@@ -131,7 +132,7 @@ double dpti_proxy_gap_of(const struct proxy_tick *tick, uint32_t space,
                          const struct proxy_pose *pose)
 {
     const struct proxy_triangle *triangle = tick->triangles[tick->sources[space].triangle];
-    const struct body *body = world_find_body(tick->world, triangle->body);
+    const struct body *body = world_find_body(tick->world, triangle->body_id);
     vec3 a, u, v[3];
     pair found;
     axis_in_body(tick, pose, triangle, &body->frame, &a, &u);
@@ -146,7 +147,7 @@ double dpti_proxy_gap_of_remembered(const struct proxy_tick *tick, const struct 
     for (uint32_t i = 0; i < PROXY_MEMORY; i++) {
         const struct proxy_triangle *triangle = &tick->proxy->memory[i];
         const struct body *body =
-            triangle->body ? world_find_body(tick->world, triangle->body) : NULL;
+            triangle->body_id ? world_find_body(tick->world, triangle->body_id) : NULL;
         if (!body)
             continue;
         vec3 a, u;

@@ -23,7 +23,7 @@ static struct proxy_contact *nearest_contact(const struct proxy_tick *tick, uint
     *apart = HUGE_VAL;
     for (uint32_t i = 0; i < PROXY_CONTACTS_MAX; i++) {
         struct proxy_contact *contact = &tick->proxy->contacts[i];
-        if (contact->body == triangle->body && contact->segment == triangle->segment &&
+        if (contact->body_id == triangle->body_id && contact->segment == triangle->segment &&
             fabs(contact->s - source->s) < *apart) {
             best = contact;
             *apart = fabs(contact->s - source->s);
@@ -49,11 +49,11 @@ static struct proxy_contact *find_or_make_contact(struct proxy_tick *tick, uint3
 {
     struct proxy_contact *found = find_contact(tick, space);
     for (uint32_t i = 0; i < PROXY_CONTACTS_MAX && !found; i++)
-        if (!tick->proxy->contacts[i].body) {
+        if (!tick->proxy->contacts[i].body_id) {
             const struct proxy_source *source = &tick->sources[space];
             const struct proxy_triangle *triangle = tick->triangles[source->triangle];
             found = &tick->proxy->contacts[i];
-            *found = (struct proxy_contact){ .body = triangle->body,
+            *found = (struct proxy_contact){ .body_id = triangle->body_id,
                                              .segment = triangle->segment,
                                              .s = source->s };
         }
@@ -118,7 +118,7 @@ int dpti_proxy_add_friction(struct proxy_tick *tick, const double *wanted)
         count = 0;
         for (uint32_t k = 0; k < solved->active_count; k++) {
             const uint32_t space = solved->active[k];
-            const uint32_t id = tick->triangles[tick->sources[space].triangle]->body;
+            const uint32_t id = tick->triangles[tick->sources[space].triangle]->body_id;
             const struct body *body = world_find_body(tick->world, id);
             if (!body || !(body->static_friction > 0.0))
                 continue;
@@ -175,5 +175,5 @@ void dpti_proxy_keep_contacts(struct proxy_tick *tick)
     }
     for (uint32_t i = 0; i < PROXY_CONTACTS_MAX; i++)
         if (tick->proxy->contacts[i].age > AGE_MAX)
-            tick->proxy->contacts[i] = (struct proxy_contact){ .body = 0 };
+            tick->proxy->contacts[i] = (struct proxy_contact){ .body_id = 0 };
 }

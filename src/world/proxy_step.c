@@ -168,7 +168,7 @@ static void remember_active(struct proxy_tick *tick)
     for (uint32_t k = 0; k < tick->solved.active_count; k++) {
         const struct proxy_triangle held =
             *tick->triangles[tick->sources[tick->solved.active[k]].triangle];
-        dpti_proxy_remember(tick->proxy, held.segment, held.body, held.triangle);
+        dpti_proxy_remember(tick->proxy, held.segment, held.body_id, held.triangle);
     }
 }
 
@@ -324,14 +324,14 @@ void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
     if (proxy->state != PROXY_OUTSIDE) {
         place(&tick);
     } else {
-        const struct proxy_pose device = dpti_proxy_pose_of(proxy, &proxy->device);
+        const struct proxy_pose device = dpti_proxy_pose_of(proxy, &proxy->device_pose);
         const struct displacement moved = dpti_proxy_displacement(proxy, &device, &tick.goal);
         tick.at = dpti_proxy_pose_of(proxy, &proxy->pose);
         tick.gap = proxy->gap;
         follow(&tick, displacement_norm(&moved, proxy->rho), dt);
     }
     proxy->pose = tick.at.pose;
-    proxy->device = tool->pose;
+    proxy->device_pose = tool->pose;
     proxy->gap = tick.gap;
     proxy->min_gap = tick.min_gap;
     const struct displacement away = dpti_proxy_displacement(proxy, &tick.goal, &tick.at);

@@ -4,9 +4,9 @@
 #include "world/baseline_method.h"
 #include "world/body_search.h"
 
-void dpti_track_segment(struct dpt_world *world, uint32_t index)
+void dpti_track_segment(struct dpt_world *world, uint32_t segment_index)
 {
-    struct segment *segment = &world->segments[index];
+    struct segment *segment = &world->segments[segment_index];
     const struct tool *tool = &world->tools[segment->tool_slot];
     segment->answer.body = NULL;
     segment->result = (struct segment_result){ .status = DPT_STATUS_STALE };
@@ -17,10 +17,11 @@ void dpti_track_segment(struct dpt_world *world, uint32_t index)
     vec3 a = frame_to_world(&tool->frame, segment->a);
     vec3 b = frame_to_world(&tool->frame, segment->b);
     if (world->def.method == DPT_METHOD_PAPER) {
-        segment->felt_penetration = segment->penetration = dpti_baseline_find(world, index, a, b);
+        segment->felt_penetration = segment->penetration =
+            dpti_baseline_find(world, segment_index, a, b);
         return;
     }
-    dpti_body_search_find(world, index, &a, &b, &segment->answer);
+    dpti_body_search_find(world, segment_index, &a, &b, &segment->answer);
     if (!segment->answer.body)
         return;
     segment->last_body_slot = handle_index(segment->answer.body->id);

@@ -6,6 +6,6 @@
 #include "world/world_state.h"
 
 /* Into segment->answer and segment->result; by the paper's method also its contact. */
-void dpti_track_segment(struct dpt_world *world, uint32_t index);
+void dpti_track_segment(struct dpt_world *world, uint32_t segment_index);
 
 #endif

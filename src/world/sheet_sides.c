@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "world/sheet_sides.h"
 
-/* Deeper than that a tool is no longer behind the sheet that it came through. */
+/* m: a tool that is deeper behind a sheet loses its side. */
 static double side_limit(const struct contact_pair *contact_pair)
 {
     double limit = contact_pair->body->side_limit;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * From which side a tool came to an open sheet: what a region keeps of it for the next tick, and where it is dropped.
- * docs/algorithms/sign.md.
+ * The side from which a tool came to an open sheet: what a contact keeps for the next tick, and when it is dropped.
+ * docs/algorithms/sign.md. Sides: +1 in front of the sheet's triangles, -1 behind, 0 not known.
  */
 #ifndef DPT_SHEET_SIDES_H
 #define DPT_SHEET_SIDES_H
@@ -9,24 +9,28 @@
 #include "contact/contact_integrals.h"
 #include "world/persistent_contacts.h"
 
-/* The side of an open sheet that a region keeps for the next tick, or 0. */
+/* The side that the contact of `region` keeps for the next tick, or 0. gap: m, at its deepest sample. */
 int32_t dpti_sheet_side_to_keep(const struct contact_pair *contact_pair,
                                 const struct region *region, double gap);
 
-/* Sides of sheets that it is too deep behind are dropped; 1 if there was one. */
+/*
+ * Drop the pair's sides of sheets behind which the tool is deeper than the side limit. Returns 1 if any was dropped.
+ */
 int dpti_sheet_drop_sides(struct contact_pair *contact_pair, const struct region *regions,
                           uint32_t count);
 
 /*
- * The tool was pushed back through this sheet in the last tick: is it still, or has it come away from it? Not where
- * the side is dropped, nor where the axis has come off at a border.
+ * For the sheet `part` that pushed the tool in the last tick: 1 if it still does, or if motion ended the push. 0 if
+ * the push ends by a decision: the side is dropped, or the axis has slid off the sheet at its border.
  */
 int dpti_sheet_still_pushes(const struct contact_pair *contact_pair, uint32_t part);
 
 /*
- * Of a sheet whose contact the budget left undecided: what the nearest pair tells of the axis' side. At a border it tells none,
- * and then, unless there is a point behind, the axis may go round it. One that was in front, and went through nothing, has
- * gone round it when it is behind.
+ * For a contact that the budget left undecided: update its side by the nearest pair of axis and body.
+ *
+ * Off the border, the pair tells on which side the axis is now. If the axis was in front, crossed nothing and is
+ * behind now, it has gone round the border, and the side is dropped. On the border the pair tells no side; then the
+ * side is dropped unless a sample of the part is behind, because the axis may be going round.
  */
 void dpti_sheet_update_side(const struct contact_pair *contact_pair,
                             struct persistent_contact *persistent);

@@ -2,15 +2,17 @@
 /*
  * One tick:
  *
- *     for each segment of each tool
- *         track      the nearest pair over all bodies
+ *     for each tool with a proxy
+ *         follow     lead the proxy towards the device
+ *     for each segment of the others
+ *         track      find the nearest pair over all bodies
  *     for each of them
- *         travel     what it met on its way from the last tick
- *         contact    regions, sides, gap and the way out
- *         strip      the triangles under it
- *         respond    the penalty force
+ *         sweep      find what it met in its motion since the last tick
+ *         contact    find contacts, sides, gap and exit direction
+ *         strip      find the triangles under it
+ *         respond    update its share of the wrench
  *     for each tool
- *         the sum of its segments, and why it is zero
+ *         sum its segments, and say why the wrench is zero
  */
 #include "base/return_if_error.h"
 #include "base/sized.h"
@@ -24,6 +26,7 @@
 #include "world/tool_strips.h"
 #include "world/world_state.h"
 
+/* Sweep a segment and find its contacts. */
 static void contact_segment(struct dpt_world *world, uint32_t segment_index)
 {
     struct segment *segment = &world->segments[segment_index];
@@ -39,8 +42,8 @@ static void contact_segment(struct dpt_world *world, uint32_t segment_index)
     dpti_backlog_end_tick(world, segment_index);
 }
 
-/* The contacts of a proxy, which has come here by free motion: nothing is swept. */
-static void contact_at_proxy(struct dpt_world *world, uint32_t segment_index)
+/* Find the contacts of a proxy's segment. It has come here by free motion: nothing is swept. */
+static void contact_proxy_segment(struct dpt_world *world, uint32_t segment_index)
 {
     struct segment *segment = &world->segments[segment_index];
     const uint32_t work_before = world->work.done;
@@ -53,15 +56,15 @@ static void contact_at_proxy(struct dpt_world *world, uint32_t segment_index)
     segment->result.work += world->work.done - work_before;
 }
 
-static int has_proxy(const struct dpt_world *world, const struct segment *segment)
+static int has_proxy(const struct dpt_world *world, const struct tool *tool)
 {
-    return dpti_proxy_is_used(world, &world->tools[segment->tool_slot]);
+    return tool_is_active(world, tool) && dpti_proxy_is_used(world, tool);
 }
 
 /*
  * All segments share the budget: first for their nearest pairs, then what is left for their contacts. Every other
- * tick begins with the first segment that the one before left undone; in between they take turns, or one that moves,
- * and is never done, would leave nothing to the others.
+ * tick begins with the first segment that the tick before left undone. The ticks between begin with each segment in
+ * turn: a segment that moves and is never done would otherwise leave nothing to the others.
  */
 static void step_segments(struct dpt_world *world, double dt)
 {
@@ -73,23 +76,24 @@ static void step_segments(struct dpt_world *world, double dt)
     world->point_cache.tick = tick;
     dpti_persistent_contacts_begin_tick(world);
     for (uint32_t t = 0; t < world->tool_slot_end; t++)
-        if (tool_is_active(world, &world->tools[t]) && dpti_proxy_is_used(world, &world->tools[t]))
+        if (has_proxy(world, &world->tools[t]))
             dpti_proxy_step(world, &world->tools[t], dt);
     for (uint32_t i = 0; i < count; i++) {
         const struct segment *segment = &world->segments[(first + i) % count];
-        if (!has_proxy(world, segment) || !tool_is_active(world, &world->tools[segment->tool_slot]))
+        if (!has_proxy(world, &world->tools[segment->tool_slot]))
             dpti_track_segment(world, (first + i) % count);
     }
     for (uint32_t i = 0; i < count; i++) {
         uint32_t segment_index = (first + i) % count;
-        const int is_at_proxy = has_proxy(world, &world->segments[segment_index]);
-        if (is_at_proxy)
-            contact_at_proxy(world, segment_index);
+        const struct tool *tool = &world->tools[world->segments[segment_index].tool_slot];
+        const int is_of_proxy = has_proxy(world, tool);
+        if (is_of_proxy)
+            contact_proxy_segment(world, segment_index);
         else if (world->def.until != DPT_UNTIL_TRACK && world->def.method != DPT_METHOD_PAPER)
             contact_segment(world, segment_index);
         if (world->def.strip && world->def.until != DPT_UNTIL_TRACK)
             dpti_strips_find(world, segment_index);
-        if (world->def.until == DPT_UNTIL_RESPOND && !is_at_proxy)
+        if (world->def.until == DPT_UNTIL_RESPOND && !is_of_proxy)
             dpti_force_respond(world, segment_index, dt);
         dpti_tool_write_hit(&world->segments[segment_index]);
         const struct segment_result *result = &world->segments[segment_index].result;
@@ -107,12 +111,12 @@ static double surface_distance(const struct segment *segment)
     return segment->hit.distance - segment->radius;
 }
 
+/* Choose the segment whose hit is the tool's, and sum the wrench. */
 static void sum_tool(struct dpt_world *world, struct tool *tool)
 {
     const struct segment *segments = &world->segments[tool->first_segment];
-    const int is_active = tool_is_active(world, tool);
-    const int is_at_proxy = is_active && dpti_proxy_is_used(world, tool);
-    if (is_at_proxy) {
+    const int is_of_proxy = has_proxy(world, tool);
+    if (is_of_proxy) {
         dpti_proxy_settle(world, tool);
         dpti_proxy_respond(world, tool);
         dpti_proxy_write_hits(world, tool);
@@ -120,11 +124,11 @@ static void sum_tool(struct dpt_world *world, struct tool *tool)
     for (uint32_t i = 0; i < tool->segment_count; i++)
         if (surface_distance(&segments[i]) < surface_distance(&segments[tool->nearest_segment]))
             tool->nearest_segment = i;
-    if (is_active && !is_at_proxy)
+    if (tool_is_active(world, tool) && !is_of_proxy)
         dpti_force_sum(world, tool);
 }
 
-/* How grave a contact is: penetrating before touching before unknown before separated. */
+/* A rank of DPT_CONTACT_... for the report of a step: the gravest counts. */
 static int severity(uint32_t contact)
 {
     switch (contact) {
@@ -139,6 +143,7 @@ static int severity(uint32_t contact)
     }
 }
 
+/* Write what a step has found over all tools, for the caller. */
 static void write_report(const struct dpt_world *world, dpt_step *to)
 {
     int has_answer = 0;
@@ -182,7 +187,7 @@ static void note_usage(struct dpt_world *world)
         world_note_max(&usage->strip, world->segment_strips[i].strip->count);
 }
 
-/* No answer of the last tick is one of this. */
+/* For a step that fails: no answer of the last tick counts as one of this tick. */
 static void hide_answers(struct dpt_world *world)
 {
     dpti_persistent_contacts_set_unseen(world);

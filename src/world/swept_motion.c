@@ -15,12 +15,12 @@ struct motion_state dpti_motion_state_now(const struct dpt_world *world,
                                   .a = segment->a,
                                   .b = segment->b,
                                   .free_distance = result->lower_bound,
-                                  .is_known = segment->answer.body != NULL,
+                                  .is_known = segment->answer.body ? 1 : 0,
                                   .is_crossing = min_distance == 0.0,
                                   .tick = (uint32_t)world->ticks };
 }
 
-/* How far the ends are apart in the tool's frame: not at all, unless it is free or its segments changed. */
+/* m: how far the ends differ in the tool's frame; 0 unless the tool is free or its segments were set anew. */
 static double change_in_tool_frame(const struct motion_state *from, const struct motion_state *to)
 {
     return length(sub(from->a, to->a)) + length(sub(from->b, to->b));
@@ -31,6 +31,7 @@ int dpti_motion_is_same(const struct motion_state *from, const struct motion_sta
     return change_in_tool_frame(from, to) == 0.0 && pose_is_same(&from->pose, &to->pose);
 }
 
+/* The same segment, with its ends in the world and the identity as the tool's pose. */
 static struct placement placement_in_world(const struct motion_state *previous)
 {
     const dpt_pose identity = DPT_POSE_IDENTITY;
@@ -41,7 +42,10 @@ static struct placement placement_in_world(const struct motion_state *previous)
                                .b = frame_to_world(&frame, previous->b) };
 }
 
-/* From one place to another: with the tool's pose or, where its segments are others, in the world. */
+/*
+ * The two ends of a motion: by the tool's poses or, if the segment changed in the tool's frame, by its ends in the
+ * world.
+ */
 static void placements_of(const struct motion_state *previous, const struct motion_state *now,
                           struct placement *from, struct placement *to)
 {
@@ -79,7 +83,7 @@ void dpti_motion_write_sweep(const struct rigid_sweep *rigid, const struct body 
         sweep->normal);
 }
 
-/* The side from which the axis came through a sheet. */
+/* If the axis came through an open sheet, off its border, store the side from which it came. */
 static void put_sheet_side(struct dpt_world *world, uint32_t segment_index, const struct body *body,
                            const struct rigid_sweep *rigid)
 {
@@ -92,13 +96,14 @@ static void put_sheet_side(struct dpt_world *world, uint32_t segment_index, cons
                                           dpti_rigid_sweep_side_before(rigid), &warm_start);
 }
 
-/* As far as there is work left for it. */
+/* Begin or continue a sweep past one body, unless the work is spent. Returns SWEEP_... */
 static int continue_sweep(struct rigid_sweep *rigid, const struct placement *from,
                           const struct placement *to)
 {
     return work_is_spent(rigid->work) ? SWEEP_UNFINISHED : dpti_rigid_sweep_find(rigid, from, to);
 }
 
+/* Begin a body anew: with the tool's surface or, if `on_axis`, with the axis. */
 static void begin_sweep(struct motion_backlog *backlog, uint32_t on_axis)
 {
     backlog->is_on_axis = on_axis;
@@ -106,9 +111,10 @@ static void begin_sweep(struct motion_backlog *backlog, uint32_t on_axis)
     backlog->progress.sweep.has_begun = 0;
 }
 
+/* How the sweep of one body, or of a motion step, ended. */
 enum { STEP_SUSPENDED, STEP_CONTINUES, STEP_BEGAN_TOUCHING };
 
-/* Here the budget ended. */
+/* Store where the budget ended the step. */
 static int suspend(struct segment *segment, struct motion_backlog *backlog, const struct body *body)
 {
     backlog->body_id = body->id;
@@ -117,7 +123,10 @@ static int suspend(struct segment *segment, struct motion_backlog *backlog, cons
     return STEP_SUSPENDED;
 }
 
-/* One body: what met it before segment->sweep.time, and whether the axis went through. */
+/*
+ * Sweep a motion step past one body. A hit before segment->sweep.time replaces the sweep; segment->may_have_crossed
+ * is set if the axis went through. Returns STEP_...
+ */
 static int sweep_past_body(struct dpt_world *world, uint32_t segment_index, const struct body *body,
                            struct motion_backlog *backlog, struct placement *from,
                            struct placement *to)
@@ -222,7 +231,7 @@ int dpti_motion_sweep_step(struct dpt_world *world, uint32_t segment_index,
         segment->may_have_crossed |= backlog->may_have_crossed;
     }
     int status = STEP_CONTINUES;
-    while (status == STEP_CONTINUES && (body = dpti_motion_next_body(&bodies)) != NULL) {
+    while (status == STEP_CONTINUES && (body = dpti_motion_next_body(&bodies))) {
         if (backlog->body_id && handle_index(body->id) < handle_index(backlog->body_id))
             continue;
         status = sweep_past_body(world, segment_index, body, backlog, &from, &to);

@@ -13,7 +13,7 @@
 #include "world/tool_strips.h"
 #include "world/world_def.h"
 
-/* Forget what earlier ticks left of a segment. */
+/* Forget what earlier ticks know of a segment. */
 static void forget_segment(struct dpt_world *world, uint32_t segment)
 {
     dpti_body_search_forget(world, segment);
@@ -43,6 +43,7 @@ dpt_result dpti_tool_check_segments(const dpt_segment *segments, uint32_t count)
     return DPT_OK;
 }
 
+/* Copy given segments into the world's. */
 static void put_segments(struct dpt_world *world, const struct tool *tool,
                          const dpt_segment *segments)
 {
@@ -92,7 +93,7 @@ dpt_result dpt_tool_add(dpt_world *world, const dpt_segment *segments, uint32_t 
     return DPT_OK;
 }
 
-/* The segments of all tools lie close together: those behind the removed ones move up. */
+/* The segments of all tools lie without gaps: later ones move up. */
 dpt_result dpt_tool_remove(dpt_world *world, dpt_tool tool)
 {
     struct tool *removed = world ? world_find_tool(world, tool) : NULL;
@@ -117,7 +118,7 @@ dpt_result dpt_tool_remove(dpt_world *world, dpt_tool tool)
     return DPT_OK;
 }
 
-/* A wrench about another origin is another one: what was felt does not fade then. */
+/* Mark a tool as free or rigid. The torque then has another origin, so a change ends all forces without a fade. */
 static void set_free(struct dpt_world *world, struct tool *tool, uint32_t is_free)
 {
     for (uint32_t i = 0; i < tool->segment_count && tool->is_free != is_free; i++)
@@ -179,7 +180,7 @@ dpt_result dpt_tool_set_segments(dpt_world *world, dpt_tool tool, const dpt_segm
 
 int dpt_tool_is_valid(const dpt_world *world, dpt_tool tool)
 {
-    return world && world_find_tool(world, tool) != NULL;
+    return world && world_find_tool(world, tool);
 }
 
 dpt_result dpt_tool_get_pose(const dpt_world *world, dpt_tool tool, dpt_pose *pose)
@@ -210,7 +211,7 @@ dpt_result dpt_tool_get_user(const dpt_world *world, dpt_tool tool, uint64_t *us
     return found ? DPT_OK : DPT_E_HANDLE;
 }
 
-/* The segment of a free tool is kept in the world or, with a proxy, in a frame of its own. */
+/* Change the law. The segment of a free tool is kept in the world or, with a proxy, in a frame of its own. */
 static void set_law(struct dpt_world *world, struct tool *tool, uint32_t law)
 {
     const struct segment *segment = &world->segments[tool->first_segment];
@@ -222,17 +223,16 @@ static void set_law(struct dpt_world *world, struct tool *tool, uint32_t law)
     const int had_proxy = dpti_proxy_is_used(world, tool);
     tool->law = law;
     const int has_proxy = dpti_proxy_is_used(world, tool);
-    if (!tool->is_free || had_proxy == has_proxy)
-        return;
-    const dpt_pose identity = DPT_POSE_IDENTITY;
-    tool->pose = identity;
-    tool->frame = frame_identity;
-    if (has_proxy) {
-        dpti_proxy_forget(world, tool);
-        dpti_proxy_set_segment(world, tool, &given);
-    } else {
-        put_segments(world, tool, &given);
+    if (tool->is_free && had_proxy != has_proxy) {
+        const dpt_pose identity = DPT_POSE_IDENTITY;
+        tool->pose = identity;
+        tool->frame = frame_identity;
+        if (has_proxy)
+            dpti_proxy_set_segment(world, tool, &given);
+        else
+            put_segments(world, tool, &given);
     }
+    dpti_tool_forget(world, tool);
 }
 
 dpt_result dpt_tool_set_settings(dpt_world *world, dpt_tool tool, const dpt_tool_settings *given)
@@ -247,17 +247,15 @@ dpt_result dpt_tool_set_settings(dpt_world *world, dpt_tool tool, const dpt_tool
                                    .stiffness = found->stiffness,
                                    .rotational_stiffness = found->rotational_stiffness };
     DPT_TRY(sized_read(given, sizeof settings, &settings, sizeof settings));
-    if (found->is_free && found->segment_count > 1 && settings.law == DPT_LAW_PROXY)
-        return DPT_E_UNSUPPORTED;
     if (!dpti_law_is_valid(settings.law) || !dpti_stiffness_is_valid(settings.stiffness) ||
         !dpti_stiffness_is_valid(settings.rotational_stiffness))
         return DPT_E_ARGUMENT;
+    if (found->is_free && found->segment_count > 1 && settings.law == DPT_LAW_PROXY)
+        return DPT_E_UNSUPPORTED;
     found->stiffness = settings.stiffness;
     found->rotational_stiffness = settings.rotational_stiffness;
-    if (found->law != settings.law) {
+    if (found->law != settings.law)
         set_law(world, found, settings.law);
-        dpti_tool_forget(world, found);
-    }
     return DPT_OK;
 }
 

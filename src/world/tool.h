@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tools of a world; dynpoint/world.h has what users call. */
+/* Tools of a world. Their public functions are in dynpoint/world.h. */
 #ifndef DPT_TOOL_H
 #define DPT_TOOL_H
 
 #include "world/world_state.h"
 
-/* Forget what earlier ticks left of a tool, and its answers. */
+/* Forget what earlier ticks know of a tool, and its answers. */
 void dpti_tool_forget(struct dpt_world *world, struct tool *tool);
 
-/* May they be a tool's? */
+/* DPT_OK if segments are finite and in range (dynpoint/world.h), else DPT_E_FINITE. */
 dpt_result dpti_tool_check_segments(const dpt_segment *segments, uint32_t count);
 
 #endif

@@ -3,7 +3,7 @@
 
 #include "force/penalty.h"
 
-/* What the torque is about. */
+/* The point, in the world, that the tool's torque is about. */
 static vec3 torque_origin(const struct dpt_world *world, const struct tool *tool)
 {
     return tool->is_free ? world->segments[tool->first_segment].a : tool->frame.origin;
@@ -32,7 +32,7 @@ void dpti_force_forget_body(struct segment *segment, uint32_t body_id)
         dpti_force_forget(segment);
 }
 
-/* Of this tick, known but for its contact or not. */
+/* DPT_FORCE_... of one segment in this tick. Without a gap its contact is unknown. */
 static uint32_t reason_of(const struct segment *segment)
 {
     const struct penetration *penetration = &segment->felt_penetration;

@@ -1,20 +1,23 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What a tool feels, why that is zero, and how it ends: docs/algorithms/penalty.md. */
+/* The wrench of a tool, the reason when it is zero, and its fade: docs/algorithms/penalty.md. */
 #ifndef DPT_TOOL_FORCE_H
 #define DPT_TOOL_FORCE_H
 
 #include "world/world_state.h"
 
-/* The segment's share of its tool's wrench, from what the tick knows of its contact. */
+/*
+ * Update a segment's share of its tool's wrench from its penetration in this tick. dt: s. Ends the tick of the
+ * segment's force: its pushing part becomes the previous one.
+ */
 void dpti_force_respond(struct dpt_world *world, uint32_t segment_index, double dt);
 
-/* Of a tool that the tick has answered: its wrench, DPT_FORCE_... and flags. */
+/* After its segments have responded: sum their shares into the tool's wrench, and set its DPT_FORCE_... and flags. */
 void dpti_force_sum(const struct dpt_world *world, struct tool *tool);
 
-/* Nothing was felt: there is nothing to fade. */
+/* Set the segment's force to zero at once, and forget what pushed it: nothing is left to fade. */
 void dpti_force_forget(struct segment *segment);
 
-/* The same, if it was this body's push. */
+/* The same, if this body pushed it, or its push fades. Also forget the view of a border if it is this body's. */
 void dpti_force_forget_body(struct segment *segment, uint32_t body_id);
 
 #endif

@@ -1,17 +1,19 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What users are told of a tool: nearest pairs, contacts, sweeps, the wrench. */
+/* What users get about a tool: nearest pairs, contacts, sweeps, the wrench. */
 #ifndef DPT_TOOL_RESULTS_H
 #define DPT_TOOL_RESULTS_H
 
 #include "world/world_state.h"
 
-/* Write the hit of a segment whose result is known; that of another stays as it is. */
+/* Write the hit of a segment that has an answer; the hit of another one stays as it is. */
 void dpti_tool_write_hit(struct segment *segment);
 
-/* Nothing is known: stale, no force. */
+/* Make all answers of a tool stale, and its wrench zero. */
 void dpti_tool_clear(struct dpt_world *world, struct tool *tool);
 
-/* The same, for a tool whose contacts no step has computed. */
+/*
+ * The same, without its segments' contacts, sweeps and strips and without its wrench: for a world that only tracks.
+ */
 void dpti_tool_clear_hits(struct dpt_world *world, struct tool *tool);
 
 #endif

@@ -5,7 +5,7 @@
 #include "base/sized.h"
 #include "nearest/side.h"
 
-/* A share of dpt_world_bytes. */
+/* Bytes of dpt_world_bytes for each segment, beside the strip itself. */
 enum { BYTES_SEGMENT_STRIP = 512 };
 typedef char segment_strip_fits[sizeof(struct segment_strip) <= BYTES_SEGMENT_STRIP ? 1 : -1];
 
@@ -24,7 +24,7 @@ uint64_t dpti_strips_bytes(const dpt_world_def *def)
                : 0;
 }
 
-/* The strips of all segments, behind the list of them. */
+/* The strips of all segments lie behind the array of segment_strips. */
 char *dpti_strips_place(struct dpt_world *world, char *at)
 {
     const dpt_strip_def def = dpti_strips_def(&world->def);
@@ -70,7 +70,7 @@ void dpti_strips_remove(struct dpt_world *world, uint32_t first, uint32_t end)
     }
 }
 
-/* From the nearest point to the axis, or where that crosses along its push; in the body's frame. */
+/* From the nearest point to the axis, in the body's frame. If the axis crosses the surface: its exit direction. */
 static vec3 direction_to_axis(const struct segment *segment,
                               const struct segment_strip *segment_strip)
 {
@@ -83,7 +83,7 @@ static vec3 direction_to_axis(const struct segment *segment,
                : dpti_surface_face_normal(&segment_strip->surface, nearest->triangle);
 }
 
-/* Of an open sheet, that to which the tool would be pushed, or on which it is. */
+/* The side of an open sheet to which the tool would be pushed; without a penetration, the side on which it is. */
 static int32_t side_of_tool(const struct segment *segment,
                             const struct segment_strip *segment_strip, uint32_t triangle,
                             vec3 to_axis)
@@ -99,6 +99,7 @@ static int32_t side_of_tool(const struct segment *segment,
                : 1;
 }
 
+/* Fill a strip by shadow. `direction` from the surface to the axis, in the body's frame; begins at `triangle`. */
 static void put_shadow(const struct dpt_world *world, struct segment_strip *segment_strip,
                        vec3 direction, uint32_t triangle)
 {
@@ -114,20 +115,23 @@ static void put_shadow(const struct dpt_world *world, struct segment_strip *segm
     dpti_strip_shadow(segment_strip->strip, &segment_strip->surface, &volume, triangle);
 }
 
-/* The triangle nearest to an end of the axis. */
+/* The place of the triangle nearest to an end of the axis: 0 is a, 1 is b. */
 static uint32_t nearest_to_end(const struct dpt_world *world,
                                const struct segment_strip *segment_strip, int end)
 {
     const struct axis point = { .local_a = end ? add(segment_strip->a, segment_strip->u)
                                                : segment_strip->a };
     struct pair_search nearest;
-    struct work work = work_of(WORK_UNLIMITED); /* no budget counts strips */
+    struct work work = work_of(WORK_UNLIMITED); /* strips are not part of the budget */
     dpti_track_once(&segment_strip->surface, &world->kernel, DPT_METHOD_TREE, &point,
                     segment_strip->end_triangle[end], &work, &nearest);
     return nearest.triangle;
 }
 
-/* Nothing where no route leads there, as when an end is nearest to another part; full where the search is too small. */
+/*
+ * Fill a strip by routes. It stays empty if no route leads from end to end, as when an end is nearest to another
+ * part, and is marked full if the search has too little room.
+ */
 static void put_routes(const struct dpt_world *world, struct segment_strip *segment_strip,
                        uint32_t triangle)
 {

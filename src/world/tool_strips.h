@@ -14,16 +14,18 @@ uint64_t dpti_strips_bytes(const dpt_world_def *def);
 /* Place its memory at `at`; returns where it ends. */
 char *dpti_strips_place(struct dpt_world *world, char *at);
 
-/* A segment's strip, from its nearest pair and its push; empty where it is not within the margin. */
+/* Find a segment's strip, from its nearest pair and its penetration; empty if it is not within the margin. */
 void dpti_strips_find(struct dpt_world *world, uint32_t segment_index);
 
-/* Empty those of the segments from `first` to before `end`, and forget what they remember. */
+/*
+ * Empty the strips of the segments from `first` up to, not including, `end`, and forget what they keep between ticks.
+ */
 void dpti_strips_forget(struct dpt_world *world, uint32_t first, uint32_t end);
 
-/* Empty those that lie on a body. */
+/* Do the same for the strips that lie on the body in `slot`. */
 void dpti_strips_forget_body(struct dpt_world *world, uint32_t slot);
 
-/* Remove the segments from `first` up to, not including, `end`: those behind them move up. */
+/* Remove the strips of the segments from `first` up to, not including, `end`; those of later segments move up. */
 void dpti_strips_remove(struct dpt_world *world, uint32_t first, uint32_t end);
 
 #endif

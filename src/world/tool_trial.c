@@ -1,19 +1,20 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A motion that is tried: the sweep of a tick, without the tick. The world stays as it is. */
+/* Trying a motion: the sweep of a tick, without the tick. The world stays as it is. */
 #include "base/return_if_error.h"
 #include "base/sized.h"
 #include "world/swept_motion.h"
 #include "world/tool.h"
 
+/* A motion that is tried. */
 struct trial {
     const struct dpt_world *world;
-    double clearance;
-    dpt_sweep first;
+    double clearance; /* m, added to each radius, which stays at least 0 */
+    dpt_sweep first;  /* the first hit so far */
 };
 
-/* What one body meets first of one segment, if that is before all else so far. */
-static void try_body(struct trial *trial, const struct body *body, double radius, uint32_t segment,
-                     struct placement *from, struct placement *to)
+/* Sweep one segment past one body; a hit that is earlier than all so far becomes the first. */
+static void try_body(struct trial *trial, const struct body *body, double radius,
+                     uint32_t segment_in_tool, struct placement *from, struct placement *to)
 {
     struct rigid_sweep_progress progress = { .free_until = 0.0 };
     struct work work = work_of(WORK_UNLIMITED);
@@ -29,12 +30,16 @@ static void try_body(struct trial *trial, const struct body *body, double radius
     if (dpti_rigid_sweep_find(&rigid, from, to) != SWEEP_HIT ||
         (trial->first.status == DPT_SWEEP_HIT && rigid.result.time >= trial->first.time))
         return;
-    trial->first.segment = segment;
+    trial->first.segment = segment_in_tool;
     dpti_motion_write_sweep(&rigid, body, &trial->first);
     if (rigid.result.time == 0.0 && rigid.result.impact.pair.distance2 == 0.0)
         memset(trial->first.normal, 0, sizeof trial->first.normal);
 }
 
+/*
+ * Sweep one segment past all bodies that it may reach. `from` and `to` are its ends of the motion; their bodies are
+ * set here.
+ */
 static void try_segment(struct trial *trial, const struct segment *segment,
                         uint32_t segment_in_tool, struct placement *from, struct placement *to)
 {
@@ -50,6 +55,7 @@ static void try_segment(struct trial *trial, const struct segment *segment,
             try_body(trial, &world->bodies[i], radius, segment_in_tool, from, to);
 }
 
+/* Check the arguments and set up a trial. Without a valid tool and valid bodies its `first` has DPT_SWEEP_NONE. */
 static dpt_result begin_trial(struct trial *trial, const dpt_world *world, dpt_tool id,
                               double clearance, const dpt_sweep *first, const struct tool **tool)
 {
@@ -71,6 +77,7 @@ static dpt_result begin_trial(struct trial *trial, const dpt_world *world, dpt_t
     return DPT_OK;
 }
 
+/* Write the first hit to the caller, if it wants it. */
 static void end_trial(const struct trial *trial, dpt_sweep *first)
 {
     if (first)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Life of worlds; that of bodies and tools is in body.c and tool.c, the tick in step.c. */
+/* Creating, resetting and measuring worlds. Bodies and tools are in body.c and tool.c, the tick in step.c. */
 #include "base/return_if_error.h"
 #include "base/sized.h"
 #include "world/body_search.h"

@@ -28,7 +28,7 @@ void dpt_baseline_def_defaults(dpt_baseline_def *def, size_t size)
     sized_defaults(def, size, &defaults, sizeof defaults);
 }
 
-/* Where the number of blocks still fits into 32 bits. */
+/* Up to this size the number of the cache's blocks fits into 32 bits. */
 static const uint64_t CERTIFICATE_BYTES_MAX = (uint64_t)1 << 40;
 
 int dpti_stiffness_is_valid(double stiffness)

@@ -8,9 +8,12 @@
 #include "world/proxy_step.h"
 #include "world/tool_strips.h"
 
-/* Shares of dpt_world_bytes; a struct that outgrows its own fails to compile. Each part has the rest of its own. */
+/*
+ * Shares of dpt_world_bytes. A struct that outgrows its share fails to compile. The rest of the block belongs to the
+ * parts of the world, which state their own shares.
+ */
 enum {
-    BYTES_WORLD = 24576, /* with room for one profile */
+    BYTES_WORLD = 24576, /* the world itself, with one distance profile */
     BYTES_BODY = 640,    /* with its box */
     BYTES_TOOL = 320,
     BYTES_SEGMENT = 1408,

@@ -1,5 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What lies in the caller's block. */
+/*
+ * The structs that lie in a world's block.
+ *
+ * How things are numbered in src/world: an `id` is the public handle of a body or tool, a `slot` its place in the
+ * world's array. A `segment_index` counts the segments of all tools. A `triangle` is a place: the index in the file's
+ * order (mesh/surface.h); only what users get has source numbers.
+ */
 #ifndef DPT_WORLD_STATE_H
 #define DPT_WORLD_STATE_H
 
@@ -19,57 +25,57 @@ struct body {
     struct surface surface;
     struct frame frame;
     uint64_t user;
-    dpt_pose pose;          /* what the frame is made of */
-    dpt_pose previous_pose; /* that of the last tick, if it has moved since */
-    double motion_bound;    /* by how far any of its points may have moved then */
-    double side_limit;
-    double static_friction, kinetic_friction;
+    dpt_pose pose; /* the frame is made of it */
+    /* The pose in the last tick, if the body has moved since. */
+    dpt_pose previous_pose;
+    double motion_bound; /* m: since then, no point of it has moved farther */
+    double side_limit;   /* m; 0: a quarter of the mesh's diagonal */
     struct slot slot;
     uint32_t id;
     uint32_t moved_tick; /* the tick before which it last moved; 0: never */
-    uint32_t added_tick; /* the tick before which it came */
-    double diagonal;     /* of its surface's box */
+    uint32_t added_tick; /* the tick before which it was added or teleported */
+    double diagonal;     /* m: of its surface's box */
+    double static_friction, kinetic_friction;
 };
 
 struct tool {
     struct frame frame;
     uint64_t user;
-    dpt_pose pose; /* of a rigid one */
+    dpt_pose pose; /* the identity for a free tool */
     dpt_wrench wrench;
-    double stiffness;
-    double rotational_stiffness; /* 0: by its shape */
-    double energy;               /* of this tick, J */
+    double stiffness;            /* N/m */
+    double rotational_stiffness; /* Nm/rad; 0: by its shape */
+    double energy;               /* J, of this tick */
     uint32_t law;                /* DPT_LAW_... */
     uint32_t reserved;
     uint32_t force_reason; /* DPT_FORCE_... */
     uint32_t force_flags;  /* DPT_FORCE_FLAG_... */
     struct slot slot;
-    uint32_t first_segment; /* its segments in the world's list */
+    uint32_t first_segment; /* index in the world's segments; its others follow */
     uint32_t segment_count;
-    uint32_t nearest_segment; /* the segment that speaks for the tool, from 0 */
-    uint32_t is_free;         /* segments are in the world; torque is about the first one's end a */
+    uint32_t nearest_segment; /* the segment whose hit is the tool's; counts from first_segment */
+    /* Its segments are given in the world, and its torque is about end a of the first one. */
+    uint32_t is_free;
 };
 
-enum { PROXY_MEMORY = 8 };
+enum { PROXY_MEMORY = 8, PROXY_CONTACTS_MAX = 6 };
 
 /* A triangle that a proxy remembers. */
 struct proxy_triangle {
     uint32_t segment;  /* of the tool, from 0 */
-    uint32_t body;     /* its id; 0: the entry is empty */
-    uint32_t triangle; /* its place */
-    uint32_t used;     /* of the proxy's clock */
+    uint32_t body_id;  /* 0: the entry is empty */
+    uint32_t triangle; /* place */
+    uint32_t used;     /* the proxy's clock when it was used last */
 };
-
-enum { PROXY_CONTACTS_MAX = 6 };
 
 /* A contact of a proxy with a body that has friction. */
 struct proxy_contact {
-    vec3 slip;        /* m, in the world: how far it is off where it stuck */
-    double s;         /* where on the segment */
-    uint32_t body;    /* its id; 0: the entry is empty */
-    uint32_t segment; /* of the tool, from 0 */
-    uint32_t is_slipping;
-    uint32_t age; /* ticks in which it has held nothing */
+    vec3 slip;            /* m, in the world: from where it stuck to where it is */
+    double s;             /* on the segment, 0..1 */
+    uint32_t body_id;     /* 0: the entry is empty */
+    uint32_t segment;     /* of the tool, from 0 */
+    uint32_t is_slipping; /* in the last motion */
+    uint32_t age;         /* ticks in which it has held nothing */
 };
 
 /* What is known of where a proxy is. */
@@ -84,21 +90,21 @@ enum { PROXY_BALL, PROXY_STRAIGHT, PROXY_BENT };
 
 /* Of a tool with DPT_LAW_PROXY. */
 struct proxy {
-    dpt_pose pose;      /* of the tool's frame */
-    dpt_pose device;    /* the device's, in the last tick */
-    vec3 centre;        /* of the segments, in the tool's frame */
-    vec3 axis;          /* unit, of a straight tool, in its frame */
-    double rho;         /* m: what a turn of 1 rad counts as */
-    double gap;         /* the least of the tool's surface; not below 0 while it is outside */
-    double min_gap;     /* that is allowed */
-    double trust;       /* m: the longest motion that is tried at once */
-    double last_motion; /* m */
-    double lag;         /* m */
-    double length;      /* of a free tool: the device's, m */
-    double radius;      /* likewise */
+    dpt_pose pose;        /* of the tool's frame */
+    dpt_pose device_pose; /* the device's, in the last tick */
+    vec3 centre;          /* of the segments, in the tool's frame */
+    vec3 axis;            /* unit, of a straight tool, in its frame */
+    double rho;           /* m: what a turn of 1 rad counts as */
+    double gap;           /* m: the least of the tool's surface; not below 0 while it is outside */
+    double min_gap;       /* m: the least that is allowed */
+    double trust;         /* m: the longest motion that is tried at once */
+    double last_motion;   /* m */
+    double lag;           /* m */
+    double length;        /* m: of a free tool, the device's */
+    double radius;        /* m: likewise */
     uint64_t folds;
-    uint32_t state; /* PROXY_... */
-    uint32_t shape;
+    uint32_t state;   /* PROXY_... */
+    uint32_t shape;   /* PROXY_BALL, ... */
     uint32_t flags;   /* DPT_FORCE_FLAG_... of this tick */
     uint32_t clock;   /* of `memory` */
     uint32_t is_held; /* it is not where the device is */
@@ -107,106 +113,108 @@ struct proxy {
     struct proxy_contact contacts[PROXY_CONTACTS_MAX];
 };
 
-/* The nearest pair over all bodies, and what is proven of it. */
+/* The nearest pair over all bodies, and what is proven about it. */
 struct body_answer {
-    const struct body *body; /* NULL: there is none */
+    const struct body *body; /* NULL: no pair */
     struct track track;
-    double lower_bound; /* what is not proven to be as far is no nearer than this */
-    double error_bound; /* the error bound, of all bodies that were asked */
+    double lower_bound; /* m: the distance is at least the smaller of this and the pair's */
+    double error_bound; /* m: the largest of the searched bodies */
     uint32_t is_exact;
-    uint32_t work;
+    uint32_t work; /* units */
 };
 
-/* Where a segment was in the last tick. */
+/* A segment at the end of a tick: one end of a motion. */
 struct motion_state {
     dpt_pose pose;        /* of its tool; the identity for a free one */
     vec3 a, b;            /* in the tool's frame */
-    double free_distance; /* nothing was nearer to its axis */
-    uint32_t is_known;    /* 0: it was nowhere */
-    uint32_t is_crossing; /* its axis went through something */
-    uint32_t tick;        /* when it came there */
+    double free_distance; /* m: no body was nearer to the axis */
+    uint32_t is_known;    /* 0: the segment had no valid answer, so no motion begins here */
+    uint32_t is_crossing; /* the axis is known to touch or cross a surface */
+    uint32_t tick;        /* in which it came there */
     uint32_t reserved;
 };
 
 #define MOTION_STEPS_MAX 8
 
 /*
- * With a budget: legs of one tick each that are still to be swept, and how far the first of them has come. `body` is the id of
- * the one at which it was stopped, or 0; those in slots before it are done.
+ * With a budget: the motion steps, of one tick each, that still have to be swept, and the progress of the first.
+ * Bodies in lower slots than that of `body_id` are swept already.
  */
 struct motion_backlog {
-    struct motion_state
-        motion_ends[MOTION_STEPS_MAX]; /* where the segment was at the end of each */
+    struct motion_state motion_ends[MOTION_STEPS_MAX]; /* the segment at the end of each step */
     uint32_t count;
-    uint32_t body_id;
-    uint32_t is_on_axis;       /* the body was met by the surface: now the axis is swept */
-    uint32_t may_have_crossed; /* the axis may have gone through one that is done */
-    uint32_t is_lost;          /* a body moved meanwhile: it cannot be gone on with */
+    uint32_t body_id;          /* the body at which the budget ended the sweep; 0: none */
+    uint32_t is_on_axis;       /* the tool's surface has met that body: now the axis is swept */
+    uint32_t may_have_crossed; /* the axis may have gone through a body that is swept already */
+    uint32_t is_lost;          /* a near body moved meanwhile: the sweep cannot be continued */
     uint32_t reserved;
-    double radius;   /* with which it was begun */
-    dpt_sweep sweep; /* what was met of those that are done */
+    double radius;   /* of the segment when the sweep of the first step began */
+    dpt_sweep sweep; /* the first hit with the bodies that are swept already */
     struct rigid_sweep_result surface_result;
     struct rigid_sweep_progress progress;
 };
 
-/* Whose push it is. */
+/* The part of a body that pushes a segment. */
 struct pushing_part {
-    uint32_t body_id;         /* its id; 0: none */
-    uint32_t part;            /* of its mesh */
-    uint32_t is_behind_sheet; /* the part is an open sheet, and the tool behind it or through */
+    uint32_t body_id; /* 0: none */
+    uint32_t part;    /* of its mesh */
+    /* The part is an open sheet whose side is known, and the deepest point is not in front of it. */
+    uint32_t is_behind_sheet;
 };
 
 struct segment {
     vec3 a, b; /* in the tool's frame */
     double radius;
-    dpt_hit hit;      /* what users get of the result, written when the tick has no more to add */
-    struct fade fade; /* what is felt */
+    dpt_hit hit;      /* as users get it; written from `result` when the tick adds nothing more */
+    struct fade fade; /* the wrench that is felt */
     struct pushing_part pushing_part; /* this tick's */
     struct pushing_part previous_pushing_part;
     struct border_view border;
-    uint32_t fading_body_id; /* id of the body whose push fades */
-    uint32_t force_reason;   /* DPT_FORCE_...; the last tick's, until this one responds */
-    uint32_t
-        has_given_up_push; /* this tick a decision ended the push of the last one, not motion */
+    uint32_t fading_body_id; /* the body whose push fades */
+    uint32_t force_reason;   /* DPT_FORCE_...; last tick's until this tick responds */
+    /* A decision, not the motion, ended the previous part's push in this tick. */
+    uint32_t has_given_up_push;
     struct broad_phase broad_phase;
-    struct body_answer answer; /* this tick's */
-    struct segment_result result;
-    struct penetration penetration;      /* at its deepest point */
-    struct penetration felt_penetration; /* as it counts for the force */
-    struct motion_state previous;
+    struct body_answer answer;           /* this tick's */
+    struct segment_result result;        /* this tick's */
+    struct penetration penetration;      /* at the deepest point, in the world */
+    struct penetration felt_penetration; /* the force uses it: reduced near a sheet's border */
+    struct motion_state previous;        /* where the next motion to be swept begins */
     dpt_sweep sweep;
-    uint32_t may_have_crossed; /* on this tick's way the axis may have gone through something */
-    uint32_t last_body_slot;   /* slot of the body that was nearest, or DPT_NONE */
-    uint32_t tool_slot;        /* slot of its tool */
+    uint32_t may_have_crossed; /* in this tick's motion the axis may have gone through a surface */
+    uint32_t last_body_slot;   /* the body that was nearest in the last tick, or DPT_NONE */
+    uint32_t tool_slot;
     uint32_t reserved;
 };
 
-/* With a budget: what is proven of a segment and a body. */
+/* With a budget: the distance that is proven between a segment and a body. */
 struct distance_bound {
-    vec3 a, b;          /* the axis, in the body's frame, when this was last brought up to date */
-    double lower_bound; /* nothing of the body was nearer to it than that */
-    uint32_t rest_tick; /* the last tick to which it had not moved */
+    vec3 a, b;          /* the axis, in the body's frame, at the last update */
+    double lower_bound; /* m: no point of the body was nearer to that axis */
+    uint32_t rest_tick; /* the last tick in which the axis had not moved in the body's frame */
     uint32_t reserved;
 };
 
-/* With a budget: a segment's search that it stopped. There are two, one for motion and one for rest. */
+/* With a budget: a search that the budget ended. A segment has two: one of its motion, one of its rest. */
 struct suspended_search {
-    struct bvh_traversal traversal;
-    double lower_bound; /* nothing that was visited is nearer */
-    uint32_t body_slot; /* slot that it searches */
-    uint32_t next_slot; /* slot of the body to go on with, or DPT_NONE; in the first of the two */
+    struct bvh_traversal traversal; /* depth 0: no search is suspended */
+    double lower_bound;             /* m: nothing that the search has excluded is nearer */
+    uint32_t body_slot;             /* the body that it searches */
+    /* The body to begin the next tick with, or DPT_NONE; used in the first of the two. */
+    uint32_t next_slot;
 };
 
 #define WARM_STARTS_MAX 24
 
-/* A region of contact, and what the next tick takes over from it. */
+/* A contact, and what the next tick takes over from it. */
 struct persistent_contact {
     dpt_contact contact;
-    uint32_t segment_index; /* in the world's list */
+    uint32_t segment_index; /* in the world's segments */
     uint32_t part;          /* of the body's mesh */
-    int32_t side;           /* of an open sheet, or 0 */
-    uint32_t is_unseen;     /* it is kept, but this tick does not know it */
-    uint32_t is_in_front; /* of the sheet whose side it has: all of the axis is known to be there */
+    /* The side of the open sheet from which the tool came: +1 in front, -1 behind; 0: none is known. */
+    int32_t side;
+    uint32_t is_unseen;   /* carried over: this tick does not know the contact */
+    uint32_t is_in_front; /* the whole axis is known to be on `side` of the sheet */
     uint32_t warm_start_count;
     struct warm_start warm_starts[WARM_STARTS_MAX];
 };
@@ -217,92 +225,93 @@ struct persistent_contacts {
     uint32_t reserved;
 };
 
-/* One segment and one body, this tick. */
+/* One segment and one body, in this tick. */
 struct contact_pair {
     struct dpt_world *world;
     const struct body *body;
     uint32_t segment_index;
     double radius;
     struct axis axis;
-    struct pair_search nearest;
-    struct sides sides;
+    struct pair_search nearest; /* the nearest pair of the two */
+    struct sides sides;         /* of the body's open sheets, from the last tick */
     struct distance_profile *profile;
 };
 
-/* A segment's strip and where it lies, as of this tick. */
+/* A segment's strip, and the pose for which it was made in this tick. */
 struct segment_strip {
     struct dpt_strip *strip;
     struct surface surface; /* of the body */
-    struct frame frame;
-    vec3 a, u; /* the axis in the body's frame */
+    struct frame frame;     /* of the body */
+    vec3 a, u;              /* the axis in the body's frame: a + s u */
     double radius;
-    uint32_t body_slot;       /* slot, or DPT_NONE */
-    int32_t side;             /* of its triangles on which the tool is: +1, -1 */
-    uint32_t end_triangle[2]; /* places nearest to the ends, of a strip of routes; or DPT_NONE */
+    uint32_t body_slot;       /* or DPT_NONE */
+    int32_t side;             /* on which the tool is: +1 in front of the triangles, -1 behind */
+    uint32_t end_triangle[2]; /* of a strip of routes: the nearest to the ends, or DPT_NONE */
 };
 
 struct dpt_world {
-    dpt_world_def def; /* its `baseline` is the next one */
+    dpt_world_def def; /* its `baseline` points to the next field */
     dpt_baseline_def baseline;
     struct kernel kernel;
     uint32_t kernel_id;
     uint32_t body_slot_end; /* slots from here on were never used */
-    uint32_t tool_slot_end;
+    uint32_t tool_slot_end; /* the same for tools */
     uint32_t body_count;
     uint32_t tool_count;
     uint32_t segment_count;
-    uint32_t freed_count[2];     /* how many slots of bodies and of tools were freed; may wrap */
-    uint32_t invalid_body_count; /* bodies without a valid pose: every answer is stale then */
-    struct work work;            /* of this tick, and its budget */
-    uint32_t undone_segment;     /* the segment that the budget did not reach */
+    uint32_t freed_count[2];     /* slots of bodies [0] and tools [1] freed so far; may wrap */
+    uint32_t invalid_body_count; /* without a valid pose; above 0 every answer is stale */
+    struct work work;            /* this tick's, with its budget */
+    uint32_t undone_segment;     /* index of the first segment that the budget left undone */
     dpt_world_usage usage;
-    uint32_t ticks;               /* since the last reset; may wrap */
-    uint32_t bodies_moved_tick;   /* the tick before which a body last moved */
-    double body_motion_max;       /* the most that one moved then */
-    uint32_t contacts_index;      /* which of the two is this tick's */
-    uint32_t last_contact_id;     /* the last one that was given */
-    uint32_t contacts_wanted;     /* this tick's, kept ones and those without room among them */
-    uint32_t contacts_overflowed; /* this tick had more than there is room for */
-    struct body *bodies;
-    struct box *boxes; /* of the bodies, in the world */
-    struct tool *tools;
-    struct segment *segments;
+    uint32_t ticks;             /* since the last reset; may wrap */
+    uint32_t bodies_moved_tick; /* the tick before which a body last moved */
+    double body_motion_max;     /* m: the largest motion_bound of the bodies that moved then */
+    uint32_t contacts_index;    /* which of `contacts` is this tick's */
+    uint32_t last_contact_id;   /* the newest id of a contact */
+    uint32_t contacts_wanted;   /* contacts of this tick, carried over and dropped ones included */
+    uint32_t contacts_overflowed; /* this tick had more than max_contacts */
+    struct body *bodies;          /* by slot */
+    struct box *boxes;            /* of the bodies, in the world, by slot */
+    struct tool *tools;           /* by slot */
+    struct segment *segments;     /* of all tools, without gaps */
     struct plane_cache plane_cache;
-    uint32_t *
-        last_triangles; /* per segment, body slot and part: the place of the last answer, or DPT_NONE */
-    uint32_t *near_lists; /* per segment: the slots of the bodies on its two lists */
-    struct suspended_search
-        *suspended_searches;                /* per segment two; only with a budget, as the proofs */
-    struct distance_bound *distance_bounds; /* per segment and body slot */
-    struct motion_backlog *motion_backlogs; /* per segment */
-    struct point_cache point_cache;         /* only with a budget */
-    struct persistent_contacts contacts[2]; /* this tick's and the last one's */
+    /* Per segment, body slot and part: the place of the triangle of the last answer, or DPT_NONE. */
+    uint32_t *last_triangles;
+    uint32_t *near_lists; /* per segment: two lists of body slots (broad_phase.h) */
+    /* Only with a budget: */
+    struct suspended_search *suspended_searches; /* two per segment */
+    struct distance_bound *distance_bounds;      /* per segment and body slot */
+    struct motion_backlog *motion_backlogs;      /* per segment */
+    struct point_cache point_cache;
+
+    struct persistent_contacts contacts[2]; /* this tick's and last tick's */
     struct segment_strip *segment_strips;   /* per segment; only with strips */
-    struct proxy *proxies;                  /* per tool; only where the world responds */
-    struct near_bodies near_bodies;         /* of the segment that is being looked at */
-    struct distance_profile profile;        /* of that and the body that is being looked at */
+    struct proxy *proxies;                  /* one a tool; only where the world responds */
+    struct near_bodies near_bodies;         /* of the segment in work */
+    struct distance_profile profile;        /* of the segment and body in work */
 };
 
-/* Its answers can be known: its input and that of all bodies can be used. */
+/* 1 if a tool's answers can be known: its input and that of all bodies can be used. */
 static inline int tool_is_active(const struct dpt_world *world, const struct tool *tool)
 {
     return tool->slot.used && tool->slot.valid && !world->invalid_body_count;
 }
 
-/* A high-water mark of dpt_world_usage. */
+/* Raise a high-water mark of dpt_world_usage to `count`. */
 static inline void world_note_max(uint32_t *mark, uint32_t count)
 {
     if (*mark < count)
         *mark = count;
 }
 
-/* How many places are kept of one segment. */
+/* How many entries of last_triangles one segment has. */
 static inline size_t world_last_triangle_count(const struct dpt_world *world)
 {
     return (size_t)world->def.max_bodies * world->def.baseline->parts;
 }
 
-/* The places of a segment's parts on a body. */
+/* The last triangles of a segment's parts on the body in a slot: `parts` places. */
 static inline uint32_t *world_last_triangles(const struct dpt_world *world, uint32_t segment_index,
                                              uint32_t slot)
 {
@@ -310,14 +319,14 @@ static inline uint32_t *world_last_triangles(const struct dpt_world *world, uint
            (size_t)slot * world->def.baseline->parts;
 }
 
-/* A segment's two lists, of at most max_bodies slots each. */
+/* One of a segment's two near lists, 0 or 1: room for max_bodies slots. */
 static inline uint32_t *world_near_list(const struct dpt_world *world, uint32_t segment_index,
                                         uint32_t list)
 {
     return world->near_lists + (size_t)world->def.max_bodies * (2 * (size_t)segment_index + list);
 }
 
-/* For motion the first, for rest the second. */
+/* A segment's suspended search of its motion or of its rest. */
 static inline struct suspended_search *
 world_suspended_search(const struct dpt_world *world, uint32_t segment_index, int is_resting)
 {
@@ -330,14 +339,14 @@ static inline struct distance_bound *world_distance_bound(const struct dpt_world
     return world->distance_bounds + (size_t)world->def.max_bodies * segment_index + slot;
 }
 
-/* By what name the certificate knows a segment and a body; not 0. */
+/* The owner of the planes of a segment and a body in the plane cache; never 0. */
 static inline uint32_t world_plane_owner(const struct dpt_world *world, uint32_t segment_index,
                                          uint32_t slot)
 {
     return segment_index * world->def.max_bodies + slot + 1;
 }
 
-/* What an id names, or NULL. */
+/* The tool with this id, or NULL. */
 static inline struct tool *world_find_tool(const struct dpt_world *world, dpt_tool tool)
 {
     uint32_t slot = handle_index(tool);
@@ -346,6 +355,7 @@ static inline struct tool *world_find_tool(const struct dpt_world *world, dpt_to
     return &world->tools[slot];
 }
 
+/* The body with this id, or NULL. */
 static inline struct body *world_find_body(const struct dpt_world *world, dpt_body body)
 {
     uint32_t slot = handle_index(body);
