@@ -91,17 +91,17 @@ static dpt_result check_meshes_place(const struct dpt_arm *arm, dpt_mesh_fault *
 }
 
 static dpt_result check_range(const struct dpt_arm *arm, int section, const double *number,
-                              int count, double least, double most, dpt_mesh_fault *fault)
+                              int count, double min, double max, dpt_mesh_fault *fault)
 {
     for (int i = 0; i < count; i++)
-        if (!(number[i] >= least && number[i] <= most))
+        if (!(number[i] >= min && number[i] <= max))
             return fail_at(fault, DPT_E_FINITE, arm, section, &number[i]);
     return DPT_OK;
 }
 
 /* Coordinates, in m or rad. */
-static dpt_result check_lengths(const struct dpt_arm *arm, int section, const double *number,
-                                int count, dpt_mesh_fault *fault)
+static dpt_result check_coordinates(const struct dpt_arm *arm, int section, const double *number,
+                                    int count, dpt_mesh_fault *fault)
 {
     return check_range(arm, section, number, count, -DPT_COORDINATE_MAX, DPT_COORDINATE_MAX, fault);
 }
@@ -120,7 +120,7 @@ static dpt_result check_unit(const struct dpt_arm *arm, int section, const doubl
 static dpt_result check_pose(const struct dpt_arm *arm, int section, const dpt_pose *pose,
                              dpt_mesh_fault *fault)
 {
-    DPT_TRY(check_lengths(arm, section, pose->position, 3, fault));
+    DPT_TRY(check_coordinates(arm, section, pose->position, 3, fault));
     return check_unit(arm, section, pose->orientation, 4, fault);
 }
 
@@ -128,11 +128,11 @@ static dpt_result check_pose(const struct dpt_arm *arm, int section, const dpt_p
 static dpt_result check_name(const struct dpt_arm *arm, int section, const char *name,
                              dpt_mesh_fault *fault)
 {
-    int ended = 0;
+    int has_ended = 0;
     for (int i = 0; i < DPT_ARM_NAME; i++) {
-        if (ended ? name[i] != 0 : i == DPT_ARM_NAME - 1 && name[i] != 0)
+        if (has_ended ? name[i] != 0 : i == DPT_ARM_NAME - 1 && name[i] != 0)
             return fail_at(fault, DPT_E_LAYOUT, arm, section, name);
-        ended = name[i] == 0;
+        has_ended = name[i] == 0;
     }
     return DPT_OK;
 }
@@ -144,7 +144,7 @@ static dpt_result check_joint(const struct dpt_arm *arm, const struct arm_joint 
         return fail_at(fault, DPT_E_LAYOUT, arm, ARM_JOINTS, &joint->bytes);
     if (joint->kind > DPT_JOINT_PRISMATIC)
         return fail_at(fault, DPT_E_INDEX, arm, ARM_JOINTS, &joint->kind);
-    DPT_TRY(check_lengths(arm, ARM_JOINTS, &joint->lower, 1, fault));
+    DPT_TRY(check_coordinates(arm, ARM_JOINTS, &joint->lower, 1, fault));
     DPT_TRY(
         check_range(arm, ARM_JOINTS, &joint->upper, 1, joint->lower, DPT_COORDINATE_MAX, fault));
     if (joint->kind == DPT_JOINT_CONTINUOUS && (joint->lower != 0.0 || joint->upper != 0.0))
@@ -169,12 +169,12 @@ static dpt_result check_link(const struct dpt_arm *arm, uint32_t index, dpt_mesh
         return fail_at(fault, DPT_E_INDEX, arm, ARM_LINKS, &link->slides);
     DPT_TRY(check_pose(arm, ARM_LINKS, &link->pose, fault));
     DPT_TRY(check_unit(arm, ARM_LINKS, link->axis, 3, fault));
-    DPT_TRY(check_lengths(arm, ARM_LINKS, &link->factor, 1, fault));
+    DPT_TRY(check_coordinates(arm, ARM_LINKS, &link->factor, 1, fault));
     if (link->factor == 0.0)
         return fail_at(fault, DPT_E_FINITE, arm, ARM_LINKS, &link->factor);
-    DPT_TRY(check_lengths(arm, ARM_LINKS, &link->offset, 1, fault));
+    DPT_TRY(check_coordinates(arm, ARM_LINKS, &link->offset, 1, fault));
     DPT_TRY(check_range(arm, ARM_LINKS, &link->mass, 1, 0.0, DPT_COORDINATE_MAX, fault));
-    return check_lengths(arm, ARM_LINKS, link->centre, 3, fault);
+    return check_coordinates(arm, ARM_LINKS, link->centre, 3, fault);
 }
 
 /* Those that lead to the tool come first, in their order; and each moves a link as its kind says. */
@@ -182,18 +182,18 @@ static dpt_result check_order(const struct dpt_arm *arm, dpt_mesh_fault *fault)
 {
     const struct arm_link *links = arm_links(arm);
     uint8_t path[DPT_ARM_LINKS_MAX];
-    uint32_t count = arm_path(arm, arm->tool_link, path), met = 0, moved = 0;
+    uint32_t count = arm_path(arm, arm->tool_link, path), joints_met = 0, moved_joints = 0;
     for (uint32_t i = 0; i < count; i++) {
         const struct arm_link *link = &links[path[i]];
-        if (link->joint > met)
+        if (link->joint > joints_met)
             return fail_at(fault, DPT_E_INDEX, arm, ARM_LINKS, &link->joint);
-        met += link->joint == met;
+        joints_met += link->joint == joints_met;
     }
     for (uint32_t i = 0; i < arm->links; i++)
         if (links[i].slides == (arm_joints(arm)[links[i].joint].kind == DPT_JOINT_PRISMATIC))
-            moved |= 1u << links[i].joint;
+            moved_joints |= 1u << links[i].joint;
     for (uint32_t i = 0; i < arm->joints; i++)
-        if (!(moved >> i & 1))
+        if (!(moved_joints >> i & 1))
             return fail_at(fault, DPT_E_INDEX, arm, ARM_JOINTS, &arm_joints(arm)[i]);
     return DPT_OK;
 }
@@ -215,8 +215,8 @@ static dpt_result check_content(const struct dpt_arm *arm, dpt_mesh_fault *fault
     DPT_TRY(check_name(arm, ARM_HEADER, arm->tool_name, fault));
     for (uint32_t i = 0; i < arm->segments; i++) {
         const dpt_segment *segment = &arm_segments(arm)[i];
-        DPT_TRY(check_lengths(arm, ARM_SEGMENTS, segment->a, 3, fault));
-        DPT_TRY(check_lengths(arm, ARM_SEGMENTS, segment->b, 3, fault));
+        DPT_TRY(check_coordinates(arm, ARM_SEGMENTS, segment->a, 3, fault));
+        DPT_TRY(check_coordinates(arm, ARM_SEGMENTS, segment->b, 3, fault));
         DPT_TRY(
             check_range(arm, ARM_SEGMENTS, &segment->radius, 1, 0.0, DPT_COORDINATE_MAX, fault));
     }
@@ -243,9 +243,10 @@ static dpt_result check_meshes(const struct dpt_arm *arm, void *bytes, dpt_mesh_
 }
 
 /* As far as the byte order; `arm` gets the header as it lies, behind a short file's end zeros. */
-static dpt_result begin(const void *bytes, size_t size, struct dpt_arm *arm, dpt_mesh_fault *fault)
+static dpt_result read_header(const void *bytes, size_t size, struct dpt_arm *arm,
+                              dpt_mesh_fault *fault)
 {
-    const size_t known = sizeof arm->magic + 8;
+    const size_t min_bytes = sizeof arm->magic + 8;
     if (!bytes)
         return DPT_E_ARGUMENT;
     if (fault)
@@ -254,7 +255,7 @@ static dpt_result begin(const void *bytes, size_t size, struct dpt_arm *arm, dpt
         return fail(fault, DPT_E_ALIGN, 0, ARM_HEADER);
     if (memcmp(bytes, ARM_MAGIC, size < 8 ? size : 8))
         return fail(fault, DPT_E_MAGIC, 0, ARM_HEADER);
-    if (size < known)
+    if (size < min_bytes)
         return fail(fault, DPT_E_TRUNCATED, size, ARM_HEADER);
     memset(arm, 0, sizeof *arm);
     memcpy(arm, bytes, size < sizeof *arm ? size : sizeof *arm);
@@ -266,7 +267,7 @@ static dpt_result begin(const void *bytes, size_t size, struct dpt_arm *arm, dpt
 dpt_result dpt_arm_verify(const void *bytes, size_t size, dpt_mesh_fault *fault)
 {
     struct dpt_arm header;
-    DPT_TRY(begin(bytes, size, &header, fault));
+    DPT_TRY(read_header(bytes, size, &header, fault));
     if (header.byte_order == MESH_BYTE_ORDER_SWAPPED)
         return fail_at(fault, DPT_E_BYTE_ORDER, &header, ARM_HEADER, &header.byte_order);
     DPT_TRY(check_header(&header, size, fault));
@@ -287,7 +288,7 @@ dpt_result dpt_arm_open(const void *bytes, size_t size, const dpt_arm **arm)
 dpt_result dpt_arm_convert(void *bytes, size_t size, dpt_mesh_fault *fault)
 {
     struct dpt_arm header;
-    DPT_TRY(begin(bytes, size, &header, fault));
+    DPT_TRY(read_header(bytes, size, &header, fault));
     if (header.byte_order != MESH_BYTE_ORDER_SWAPPED)
         return dpt_arm_verify(bytes, size, fault);
 

@@ -20,12 +20,12 @@ struct cluster {
     const struct model *model;
     const uint32_t *triangles; /* borrowed */
     uint32_t triangle_count;
-    uint32_t count
+    uint32_t level_count
         [CLUSTER_LEVELS]; /* sets of a level; level 0: of triangles; the last one has a single set */
-    uint32_t first[CLUSTER_LEVELS];
+    uint32_t level_first[CLUSTER_LEVELS];
     uint32_t levels;
-    struct winding_moment *moments;
-    struct bounds *boxes;
+    struct winding_moment *node_moments;
+    struct bounds *node_boxes;
 };
 
 /*
@@ -40,15 +40,15 @@ void cluster_free(struct cluster *cluster);
  * The winding number at x of all but one triangle, DPT_NONE for all; within about 0.01. `work` gets the triangles
  * that were asked one by one added.
  */
-double cluster_winding(const struct cluster *cluster, vec3 x, uint32_t but, uint64_t *work);
+double cluster_winding(const struct cluster *cluster, vec3 x, uint32_t excluded, uint64_t *work);
 
 /* A triangle of the model comes as near as `reach` to one of the cluster's. */
-int cluster_meets(const struct cluster *cluster, uint32_t triangle, double reach);
+int cluster_touches(const struct cluster *cluster, uint32_t triangle, double distance);
 
 void model_corners(const struct model *model, uint32_t triangle, vec3 corners[3]);
 
 struct bounds bounds_of_corners(const vec3 corners[3]);
 struct bounds bounds_join(struct bounds a, struct bounds b);
-int bounds_meet(const struct bounds *a, const struct bounds *b, double reach);
+int bounds_meet(const struct bounds *a, const struct bounds *b, double distance);
 
 #endif

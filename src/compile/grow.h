@@ -9,6 +9,6 @@
  * `array` with room for at least `need` items, and twice what it had; NULL, and all as it was, when
  * there is no memory.
  */
-void *grown(void *array, size_t *room, size_t need, size_t item_size);
+void *grow_array(void *array, size_t *capacity, size_t need, size_t item_size);
 
 #endif

@@ -42,12 +42,12 @@ struct model {
     uint32_t nonmanifold_edges;
     uint32_t wrong_way_edges;
     uint32_t closed_parts;
-    uint8_t *turn; /* a triangle's corners are to be swapped: 1 */
+    uint8_t *is_turned; /* a triangle's corners are to be swapped: 1 */
 
     /* model_intersections */
     uint32_t *part_list; /* triangles by part, each part's in their order */
     uint32_t *part_first;
-    uint8_t *cuts_itself; /* a part's: its triangles cut each other, or may do so: 1 */
+    uint8_t *part_cuts_itself; /* a part's: its triangles cut each other, or may do so: 1 */
     uint32_t self_intersections;
     uint32_t self_intersections_more; /* there may be more: 1 */
     uint32_t self_intersection[2];    /* by numbers of the source */
@@ -96,9 +96,9 @@ dpt_result model_write(const struct model *model, soup *source, uint64_t source_
 char *compiled_block(size_t size);
 
 /* Half-edge 3 t + k and its neighbour run through their edge in the same direction: one is wound the wrong way. */
-int model_wound_against(const struct model *model, uint32_t half, uint32_t neighbour);
+int model_is_wound_against(const struct model *model, uint32_t half, uint32_t neighbour);
 
 /* An array, or NULL and a diag, that in a thread of its own is left to the caller: source NULL. Never 0 bytes. */
-void *model_array(soup *source, size_t count, size_t width);
+void *model_alloc(soup *source, size_t count, size_t item_size);
 
 #endif

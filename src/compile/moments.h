@@ -9,12 +9,12 @@
 #include "base/vec3.h"
 
 struct winding_moment {
-    vec3 normal;    /* sum of the area vectors */
-    vec3 at;        /* area-weighted centroid; what follows is about it */
-    double area;    /* 0: an empty set, and all else is 0 */
-    double quad[6]; /* integral of n u: xx, yy, zz, xy, xz, yz */
-    double oct[10]; /* of n u u: xxx, yyy, zzz, xxy, xxz, yyx, yyz, zzx, zzy, xyz */
-    double radius;  /* the largest |u|, or more */
+    vec3 area_vector; /* sum of the area vectors */
+    vec3 centroid;    /* area-weighted centroid; what follows is about it */
+    double area;      /* 0: an empty set, and all else is 0 */
+    double quad[6];   /* integral of n u: xx, yy, zz, xy, xz, yz */
+    double oct[10];   /* of n u u: xxx, yyy, zzz, xxy, xxz, yyx, yyz, zzx, zzy, xyz */
+    double radius;    /* the largest |u|, or more */
 
     /* Of the area alone, whatever its direction. */
     double second[6]; /* of u u, as quad */
@@ -35,6 +35,6 @@ struct winding_moment moment_of_sets(const struct winding_moment *sets, uint32_t
 double moment_winding(const struct winding_moment *moment, vec3 x, double *error);
 
 /* Into a lane of a block of MESH_MOMENT_ROWS rows of 16, `block` at the lane. */
-void moment_put(const struct winding_moment *moment, float *block);
+void moment_store(const struct winding_moment *moment, float *block);
 
 #endif

@@ -13,7 +13,7 @@
 #include "compile/parallel.h"
 
 struct item {
-    float centre[3]; /* sum of the corners: three times the centroid */
+    float corner_sum[3]; /* sum of the corners: three times the centroid */
     uint32_t triangle;
 };
 
@@ -30,9 +30,9 @@ struct ordering {
     uint32_t threads;
 };
 
-static int before(const struct item *a, const struct item *b, int axis)
+static int comes_before(const struct item *a, const struct item *b, int axis)
 {
-    float x = a->centre[axis], y = b->centre[axis];
+    float x = a->corner_sum[axis], y = b->corner_sum[axis];
     return x < y || (x == y && a->triangle < b->triangle);
 }
 
@@ -53,9 +53,9 @@ static void select_rank(struct ordering *order, size_t first, size_t end, size_t
         struct item pivot = items[first + (size_t)(order->random >> 33) % (end - first)];
         size_t low = first, high = end - 1;
         while (low <= high) {
-            while (before(&items[low], &pivot, axis))
+            while (comes_before(&items[low], &pivot, axis))
                 low++;
-            while (before(&pivot, &items[high], axis))
+            while (comes_before(&pivot, &items[high], axis))
                 high--;
             if (low <= high) {
                 swap(&items[low++], &items[high]);
@@ -75,11 +75,11 @@ static void select_rank(struct ordering *order, size_t first, size_t end, size_t
 static int widest_axis(const struct item *items, size_t count)
 {
     float low[3], high[3];
-    memcpy(low, items[0].centre, sizeof low);
-    memcpy(high, items[0].centre, sizeof high);
+    memcpy(low, items[0].corner_sum, sizeof low);
+    memcpy(high, items[0].corner_sum, sizeof high);
     for (size_t i = 1; i < count; i++)
         for (int k = 0; k < 3; k++) {
-            float c = items[i].centre[k];
+            float c = items[i].corner_sum[k];
             low[k] = c < low[k] ? c : low[k];
             high[k] = c > high[k] ? c : high[k];
         }
@@ -90,18 +90,18 @@ static int widest_axis(const struct item *items, size_t count)
     return axis;
 }
 
-static dpt_result leaf_done(struct ordering *order, size_t count)
+static dpt_result finish_leaf(struct ordering *order, size_t count)
 {
-    size_t before_this = order->done >> 16;
+    size_t reported = order->done >> 16;
     order->done += count;
-    if (!order->source || order->done >> 16 == before_this)
+    if (!order->source || order->done >> 16 == reported)
         return DPT_OK;
-    return soup_progress(order->source, "order", (double)order->done / (double)order->total);
+    return soup_report_progress(order->source, "order", (double)order->done / (double)order->total);
 }
 
 static dpt_result split(struct ordering *order, size_t first, size_t count, size_t capacity);
 
-struct half {
+struct split_job {
     struct ordering order;
     size_t first, count, capacity;
     dpt_result result;
@@ -109,10 +109,10 @@ struct half {
 
 static void split_half(void *context, size_t first, size_t end)
 {
-    struct half *half = context;
+    struct split_job *jobs = context;
     for (size_t i = first; i < end; i++) {
-        struct ordering order = half[i].order;
-        half[i].result = split(&order, half[i].first, half[i].count, half[i].capacity);
+        struct ordering order = jobs[i].order;
+        jobs[i].result = split(&order, jobs[i].first, jobs[i].count, jobs[i].capacity);
     }
 }
 
@@ -122,29 +122,29 @@ static dpt_result split_large(struct ordering *order, size_t first, size_t left,
 {
     const uint32_t threads = order->threads;
     uint64_t share = ((uint64_t)threads * right + (left + right) / 2) / (left + right);
-    uint32_t others = share < threads ? (uint32_t)share : threads - 1;
+    uint32_t right_threads = share < threads ? (uint32_t)share : threads - 1;
     order->random = SEED;
-    if (others == 0) {
+    if (right_threads == 0) {
         DPT_TRY(split(order, first, left, capacity));
         order->random = SEED;
         return split(order, first + left, right, capacity);
     }
-    struct half half[2] = { { *order, first, left, capacity, DPT_OK },
-                            { *order, first + left, right, capacity, DPT_OK } };
-    half[0].order.threads = threads - others;
-    half[0].order.total -= right;
-    half[1].order.threads = others;
-    half[1].order.source = NULL;
-    parallel_for(2, 2, 1, split_half, half);
+    struct split_job jobs[2] = { { *order, first, left, capacity, DPT_OK },
+                                 { *order, first + left, right, capacity, DPT_OK } };
+    jobs[0].order.threads = threads - right_threads;
+    jobs[0].order.total -= right;
+    jobs[1].order.threads = right_threads;
+    jobs[1].order.source = NULL;
+    parallel_for(2, 2, 1, split_half, jobs);
     order->done += left + right;
-    return half[0].result;
+    return jobs[0].result;
 }
 
 /* Order first..first + count, whose subtrees hold `capacity` triangles each. */
 static dpt_result split(struct ordering *order, size_t first, size_t count, size_t capacity)
 {
     if (count <= LANES)
-        return leaf_done(order, count);
+        return finish_leaf(order, count);
     while (count <= capacity)
         capacity /= LANES;
     size_t subtrees = (count + capacity - 1) / capacity;
@@ -156,7 +156,7 @@ static dpt_result split(struct ordering *order, size_t first, size_t count, size
     return split(order, first + left, count - left, capacity);
 }
 
-static void take_items(const struct model *model, const float *positions, struct item *items)
+static void fill_items(const struct model *model, const float *positions, struct item *items)
 {
     for (uint32_t t = 0; t < model->triangle_count; t++) {
         const uint32_t *corner = model->corners + 3 * (size_t)t;
@@ -164,13 +164,13 @@ static void take_items(const struct model *model, const float *positions, struct
         const float *b = positions + 3 * (size_t)corner[1];
         const float *c = positions + 3 * (size_t)corner[2];
         for (int k = 0; k < 3; k++)
-            items[t].centre[k] = a[k] + b[k] + c[k];
+            items[t].corner_sum[k] = a[k] + b[k] + c[k];
         items[t].triangle = t;
     }
 }
 
 /* Corners and sources on their way to the new order. */
-struct permuting {
+struct permutation {
     const struct model *model;
     const struct item *items;
     uint32_t *corners, *sources;
@@ -178,7 +178,7 @@ struct permuting {
 
 static void permute_triangles(void *context, size_t first, size_t end)
 {
-    const struct permuting *to = context;
+    const struct permutation *to = context;
     for (size_t t = first; t < end; t++) {
         size_t from = to->items[t].triangle;
         memcpy(to->corners + 3 * t, to->model->corners + 3 * from, 3 * sizeof *to->corners);
@@ -189,9 +189,9 @@ static void permute_triangles(void *context, size_t first, size_t end)
 
 static dpt_result permute(struct model *model, soup *source, const struct item *items)
 {
-    struct permuting to = { .model = model, .items = items };
-    to.corners = model_array(source, model->triangle_count, 3 * sizeof *to.corners);
-    to.sources = model_array(source, model->triangle_count, sizeof *to.sources);
+    struct permutation to = { .model = model, .items = items };
+    to.corners = model_alloc(source, model->triangle_count, 3 * sizeof *to.corners);
+    to.sources = model_alloc(source, model->triangle_count, sizeof *to.sources);
     if (!to.corners || !to.sources) {
         free(to.corners);
         free(to.sources);
@@ -206,23 +206,23 @@ static dpt_result permute(struct model *model, soup *source, const struct item *
 }
 
 /* Vertices in the order of their first use, for locality. `number` has a word a source vertex. */
-static dpt_result take_vertices(struct model *model, soup *source, uint32_t *number)
+static dpt_result number_vertices(struct model *model, soup *source, uint32_t *vertex_number)
 {
-    memset(number, 0xff, source->vertex_count * sizeof *number);
+    memset(vertex_number, 0xff, source->vertex_count * sizeof *vertex_number);
     uint32_t count = 0;
     for (size_t c = 0; c < 3 * (size_t)model->triangle_count; c++) {
         uint32_t v = model->corners[c];
-        if (number[v] == DPT_NONE)
-            number[v] = count++;
-        model->corners[c] = number[v];
+        if (vertex_number[v] == DPT_NONE)
+            vertex_number[v] = count++;
+        model->corners[c] = vertex_number[v];
     }
     model->vertex_count = count;
-    model->positions = model_array(source, count, 3 * sizeof *model->positions);
+    model->positions = model_alloc(source, count, 3 * sizeof *model->positions);
     if (!model->positions)
         return DPT_E_MEMORY;
     for (size_t v = 0; v < source->vertex_count; v++)
-        if (number[v] != DPT_NONE)
-            memcpy(model->positions + 3 * (size_t)number[v], source->positions + 3 * v,
+        if (vertex_number[v] != DPT_NONE)
+            memcpy(model->positions + 3 * (size_t)vertex_number[v], source->positions + 3 * v,
                    3 * sizeof *model->positions);
     return DPT_OK;
 }
@@ -230,10 +230,10 @@ static dpt_result take_vertices(struct model *model, soup *source, uint32_t *num
 dpt_result model_order(struct model *model, soup *source)
 {
     size_t count = model->triangle_count;
-    struct item *items = model_array(source, count, sizeof *items);
-    uint32_t *number = model_array(source, source->vertex_count, sizeof *number);
+    struct item *items = model_alloc(source, count, sizeof *items);
+    uint32_t *vertex_number = model_alloc(source, source->vertex_count, sizeof *vertex_number);
     dpt_result result = DPT_E_MEMORY;
-    if (items && number) {
+    if (items && vertex_number) {
         size_t capacity = LANES;
         while (capacity < count)
             capacity *= LANES;
@@ -242,14 +242,14 @@ dpt_result model_order(struct model *model, soup *source)
                                   .total = count,
                                   .random = SEED,
                                   .threads = source->threads };
-        take_items(model, source->positions, items);
+        fill_items(model, source->positions, items);
         result = split(&order, 0, count, capacity);
         if (result == DPT_OK)
             result = permute(model, source, items);
         if (result == DPT_OK)
-            result = take_vertices(model, source, number);
+            result = number_vertices(model, source, vertex_number);
     }
     free(items);
-    free(number);
+    free(vertex_number);
     return result;
 }

@@ -19,6 +19,7 @@ typedef void parallel_work(void *context, size_t first, size_t end);
  * are fewer), on at most `threads` threads, never more than PARALLEL_MAX; return when all are done. The calling
  * thread is one of them: it does the first piece, and afterwards those for which no thread could be made.
  */
-void parallel_for(uint32_t threads, size_t count, size_t least, parallel_work *work, void *context);
+void parallel_for(uint32_t threads, size_t count, size_t min_items, parallel_work *work,
+                  void *context);
 
 #endif

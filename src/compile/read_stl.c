@@ -26,27 +26,27 @@ static double load_float(const unsigned char *bytes)
 }
 
 /* The vertices were just added. */
-static dpt_result add_triangle(soup *source, source_place place)
+static dpt_result add_triangle(soup *source, source_location location)
 {
     uint32_t next = (uint32_t)source->vertex_count;
     const uint32_t corners[3] = { next - 3, next - 2, next - 1 };
-    return soup_polygon(source, corners, 3, place);
+    return soup_add_polygon(source, corners, 3, location);
 }
 
 static dpt_result check_length(soup *source, const unsigned char *bytes, size_t size)
 {
     if (size < HEADER_BYTES)
-        return soup_fail(source, DPT_E_TRUNCATED, (source_place){ 0, size },
+        return soup_fail(source, DPT_E_TRUNCATED, (source_location){ 0, size },
                          "neither ASCII STL nor the %d bytes that a binary one begins with",
                          HEADER_BYTES);
     uint64_t announced = load_u32(bytes + 80), held = (size - HEADER_BYTES) / FACET_BYTES;
     uint64_t length = HEADER_BYTES + FACET_BYTES * announced;
     if (size < length)
-        return soup_fail(source, DPT_E_TRUNCATED, (source_place){ 0, size },
+        return soup_fail(source, DPT_E_TRUNCATED, (source_location){ 0, size },
                          "binary STL announces %" PRIu64 " triangles and holds %" PRIu64, announced,
                          held);
     if (size > length)
-        return soup_fail(source, DPT_E_TRAILING, (source_place){ 0, length },
+        return soup_fail(source, DPT_E_TRAILING, (source_location){ 0, length },
                          "%" PRIu64 " bytes follow the %" PRIu64 " triangles that binary STL "
                          "announces",
                          size - length, announced);
@@ -56,12 +56,12 @@ static dpt_result check_length(soup *source, const unsigned char *bytes, size_t 
 static dpt_result read_binary_facet(soup *source, const unsigned char *bytes, size_t offset)
 {
     for (int i = 0; i < 3; i++) {
-        size_t place = offset + NORMAL_BYTES + VERTEX_BYTES * (size_t)i;
-        const unsigned char *at = bytes + place;
-        DPT_TRY(soup_vertex(source, load_float(at), load_float(at + 4), load_float(at + 8),
-                            (source_place){ 0, place }));
+        size_t byte = offset + NORMAL_BYTES + VERTEX_BYTES * (size_t)i;
+        const unsigned char *at = bytes + byte;
+        DPT_TRY(soup_add_vertex(source, load_float(at), load_float(at + 4), load_float(at + 8),
+                                (source_location){ 0, byte }));
     }
-    return add_triangle(source, (source_place){ 0, offset });
+    return add_triangle(source, (source_location){ 0, offset });
 }
 
 static dpt_result read_binary(soup *source, const unsigned char *bytes, size_t size)
@@ -70,7 +70,7 @@ static dpt_result read_binary(soup *source, const unsigned char *bytes, size_t s
     size_t facets = (size - HEADER_BYTES) / FACET_BYTES;
     for (size_t i = 0; i < facets; i++) {
         if (i % PROGRESS_STRIDE == 0)
-            DPT_TRY(soup_progress(source, "read", (double)i / (double)facets));
+            DPT_TRY(soup_report_progress(source, "read", (double)i / (double)facets));
         DPT_TRY(read_binary_facet(source, bytes, HEADER_BYTES + FACET_BYTES * i));
     }
     return DPT_OK;
@@ -78,20 +78,20 @@ static dpt_result read_binary(soup *source, const unsigned char *bytes, size_t s
 
 static dpt_result next_keyword(source_text *text, source_word *word, const char *wanted)
 {
-    if (text_seek(text) && text_word(text, word))
+    if (text_seek_word(text) && text_next_word(text, word))
         return DPT_OK;
-    return soup_fail(text->source, DPT_E_TRUNCATED, text_place(text),
+    return soup_fail(text->source, DPT_E_TRUNCATED, text_location(text),
                      "the file ends where '%s' should be", wanted);
 }
 
 static dpt_result refuse_keyword(source_text *text, const source_word *word, const char *wanted)
 {
-    char shown[WORD_SHOWN];
-    return soup_fail(text->source, DPT_E_SYNTAX, text_place(text), "'%s' where '%s' should be",
-                     word_show(word, shown), wanted);
+    char printable[WORD_SHOWN];
+    return soup_fail(text->source, DPT_E_SYNTAX, text_location(text), "'%s' where '%s' should be",
+                     word_printable(word, printable), wanted);
 }
 
-static dpt_result expect(source_text *text, const char *keyword)
+static dpt_result expect_keyword(source_text *text, const char *keyword)
 {
     source_word word;
     DPT_TRY(next_keyword(text, &word, keyword));
@@ -106,12 +106,12 @@ static bool is_end_of(source_text *text, const source_word *first, const char *w
         return false;
     word.begin = first->begin + 3;
     word.end = first->end;
-    const char *back = text->at;
-    if (word.begin == word.end && !text_word(text, &word))
+    const char *restart = text->at;
+    if (word.begin == word.end && !text_next_word(text, &word))
         return false;
     if (word_is_any_case(&word, what))
         return true;
-    text->at = back;
+    text->at = restart;
     return false;
 }
 
@@ -119,11 +119,11 @@ static bool is_end_of(source_text *text, const source_word *first, const char *w
 static dpt_result read_facet_head(source_text *text)
 {
     source_word word;
-    DPT_TRY(expect(text, "normal"));
+    DPT_TRY(expect_keyword(text, "normal"));
     for (int i = 0; i < 3; i++)
         DPT_TRY(next_keyword(text, &word, "outer"));
-    DPT_TRY(expect(text, "outer"));
-    return expect(text, "loop");
+    DPT_TRY(expect_keyword(text, "outer"));
+    return expect_keyword(text, "loop");
 }
 
 static dpt_result read_loop(source_text *text)
@@ -131,28 +131,29 @@ static dpt_result read_loop(source_text *text)
     source_word word;
     for (int vertices = 0;; vertices++) {
         DPT_TRY(next_keyword(text, &word, "vertex"));
-        bool end = is_end_of(text, &word, "loop");
-        if (!end && !word_is_any_case(&word, "vertex"))
+        bool is_end = is_end_of(text, &word, "loop");
+        if (!is_end && !word_is_any_case(&word, "vertex"))
             return refuse_keyword(text, &word, "vertex");
-        if (end != (vertices == 3))
-            return soup_fail(text->source, DPT_E_SYNTAX, text_place(text), "a facet of %s vertices",
-                             end ? "fewer than three" : "more than three");
-        if (end)
+        if (is_end != (vertices == 3))
+            return soup_fail(text->source, DPT_E_SYNTAX, text_location(text),
+                             "a facet of %s vertices",
+                             is_end ? "fewer than three" : "more than three");
+        if (is_end)
             return DPT_OK;
-        DPT_TRY(text_vertex(text));
+        DPT_TRY(text_read_vertex(text));
     }
 }
 
 static dpt_result read_facet(source_text *text)
 {
-    source_place place = text_place(text);
+    source_location location = text_location(text);
     source_word word;
     DPT_TRY(read_facet_head(text));
     DPT_TRY(read_loop(text));
     DPT_TRY(next_keyword(text, &word, "endfacet"));
     if (!is_end_of(text, &word, "facet"))
         return refuse_keyword(text, &word, "endfacet");
-    return add_triangle(text->source, place);
+    return add_triangle(text->source, location);
 }
 
 /* After "solid": its name is the rest of the line. */
@@ -167,8 +168,8 @@ static dpt_result read_solid(source_text *text, const char *begin)
         if (!word_is_any_case(&word, "facet"))
             return refuse_keyword(text, &word, "facet");
         if (text->source->triangle_count % PROGRESS_STRIDE == 0)
-            DPT_TRY(soup_progress(text->source, "read",
-                                  (double)(text->at - begin) / (double)(text->end - begin)));
+            DPT_TRY(soup_report_progress(text->source, "read",
+                                         (double)(text->at - begin) / (double)(text->end - begin)));
         DPT_TRY(read_facet(text));
     }
 }
@@ -176,8 +177,8 @@ static dpt_result read_solid(source_text *text, const char *begin)
 static dpt_result read_ascii(source_text *text)
 {
     const char *begin = text->at;
-    while (text_seek(text)) {
-        DPT_TRY(expect(text, "solid"));
+    while (text_seek_word(text)) {
+        DPT_TRY(expect_keyword(text, "solid"));
         DPT_TRY(read_solid(text, begin));
         text_next_line(text);
     }
@@ -189,7 +190,8 @@ static bool is_ascii(const source_text *text, const unsigned char *bytes, size_t
 {
     source_text ahead = *text;
     source_word word;
-    return text_seek(&ahead) && text_word(&ahead, &word) && word_is_any_case(&word, "solid") &&
+    return text_seek_word(&ahead) && text_next_word(&ahead, &word) &&
+           word_is_any_case(&word, "solid") &&
            memchr(bytes, 0, size < HEADER_BYTES ? size : HEADER_BYTES) == NULL;
 }
 
@@ -197,9 +199,9 @@ dpt_result read_stl(soup *source, const unsigned char *bytes, size_t size)
 {
     source_text text;
     text_begin(&text, source, bytes, size);
-    bool fits =
+    bool length_fits =
         size >= HEADER_BYTES && size == HEADER_BYTES + FACET_BYTES * (uint64_t)load_u32(bytes + 80);
-    if (!fits && is_ascii(&text, bytes, size))
+    if (!length_fits && is_ascii(&text, bytes, size))
         return read_ascii(&text);
     return read_binary(source, bytes, size);
 }

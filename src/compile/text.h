@@ -14,9 +14,9 @@ typedef struct source_text {
     const char *at; /* the next byte to read */
     const char *end;
     uint64_t line;
-    bool comments; /* a word that begins with # ends its line */
-    bool joined;   /* a backslash before the end of a line joins the next one */
-    soup *source;  /* whose diag is filled */
+    bool has_comments; /* a word that begins with # ends its line */
+    bool joins_lines;  /* a backslash before the end of a line joins the next one */
+    soup *source;      /* whose diag is filled */
 } source_text;
 
 typedef struct source_word {
@@ -31,34 +31,34 @@ void text_begin(source_text *text, soup *source, const unsigned char *bytes, siz
 dpt_result text_refuse_utf16(const source_text *text);
 
 /* The next word of this line; false when there is none. */
-bool text_word(source_text *text, source_word *word);
+bool text_next_word(source_text *text, source_word *word);
 
 /* Go to the beginning of the next line; false when nothing follows. */
 bool text_next_line(source_text *text);
 
 /* Go to the next word, over as many lines as it takes; false when there is none. */
-bool text_seek(source_text *text);
+bool text_seek_word(source_text *text);
 
-source_place text_place(const source_text *text);
+source_location text_location(const source_text *text);
 
 /* The next word of this line as a number. `what` it should be is for the diag. */
-dpt_result text_double(source_text *text, const char *what, double *value);
-dpt_result text_int(source_text *text, const char *what, int64_t *value);
+dpt_result text_read_double(source_text *text, const char *what, double *value);
+dpt_result text_read_int(source_text *text, const char *what, int64_t *value);
 
 /* x, y and z on this line: a vertex of the soup. */
-dpt_result text_vertex(source_text *text);
+dpt_result text_read_vertex(source_text *text);
 
 bool word_is(const source_word *word, const char *name);
 bool word_is_any_case(const source_word *word, const char *name);
 
 /* The word for a message: cut, and without bytes that are not printable ASCII. */
 enum { WORD_SHOWN = 32 };
-const char *word_show(const source_word *word, char shown[WORD_SHOWN]);
+const char *word_printable(const source_word *word, char printable[WORD_SHOWN]);
 
 /* The corners of one polygon while it is read. */
 typedef struct corner_list {
     uint32_t *numbers;
-    size_t count, room;
+    size_t count, capacity;
 } corner_list;
 
 dpt_result corner_list_add(corner_list *list, soup *source, uint32_t number);

@@ -13,26 +13,26 @@
 #include "base/vec3.h"
 
 struct corner {
-    vec3 at; /* floats */
+    vec3 position; /* floats */
     uint32_t vertex;
 };
 
 /* A triangle and its plane. */
 struct facet {
     struct corner corner[3];
-    vec3 normal; /* not a unit */
-    vec3 most;   /* products_of what it is the product of */
+    vec3 normal;           /* not a unit */
+    vec3 normal_magnitude; /* cross_magnitude what it is the product of */
 };
 
-static inline vec3 sizes_of(vec3 a)
+static inline vec3 magnitude_of(vec3 a)
 {
     return (vec3){ fabs(a.x), fabs(a.y), fabs(a.z) };
 }
 
 /* Of each coordinate of cross(a, b) the sum of its products' sizes. */
-static inline vec3 products_of(vec3 a, vec3 b)
+static inline vec3 cross_magnitude(vec3 a, vec3 b)
 {
-    const vec3 s = sizes_of(a), t = sizes_of(b);
+    const vec3 s = magnitude_of(a), t = magnitude_of(b);
     return (vec3){ s.y * t.z + s.z * t.y, s.z * t.x + s.x * t.z, s.x * t.y + s.y * t.x };
 }
 

@@ -25,12 +25,12 @@ struct writing {
     const struct model *model;
     char *bytes;
     struct node_box *boxes;
-    struct winding_moment *sets;
+    struct winding_moment *leaf_moments;
     struct crc32 crc;
 };
 
-static const struct node_box nothing = { { HUGE_VAL, HUGE_VAL, HUGE_VAL },
-                                         { -HUGE_VAL, -HUGE_VAL, -HUGE_VAL } };
+static const struct node_box empty_box = { { HUGE_VAL, HUGE_VAL, HUGE_VAL },
+                                           { -HUGE_VAL, -HUGE_VAL, -HUGE_VAL } };
 
 static void box_add(struct node_box *box, const double *low, const double *high)
 {
@@ -43,20 +43,20 @@ static void box_add(struct node_box *box, const double *low, const double *high)
 /* The filter's frame: the box's middle, and the power of two that brings its half width to 0.5..1. */
 static void set_frame(struct dpt_mesh *mesh, const struct model *model)
 {
-    struct node_box box = nothing;
+    struct node_box box = empty_box;
     for (size_t v = 0; v < model->vertex_count; v++) {
         vec3 x = vec3_of_float(model->positions + 3 * v);
         box_add(&box, &x.x, &x.x);
     }
-    double half = 0.0;
+    double half_width = 0.0;
     for (int k = 0; k < 3; k++) {
         mesh->box_min[k] = box.low[k];
         mesh->box_max[k] = box.high[k];
         mesh->filter_centre[k] = 0.5 * (box.low[k] + box.high[k]);
-        half = max_of(half, 0.5 * (box.high[k] - box.low[k]));
+        half_width = max_of(half_width, 0.5 * (box.high[k] - box.low[k]));
     }
     int exponent;
-    frexp(half, &exponent);
+    frexp(half_width, &exponent);
     mesh->filter_scale = ldexp(1.0, -exponent);
 }
 
@@ -112,7 +112,7 @@ static void set_sections(struct dpt_mesh *mesh, uint64_t nodes)
 }
 
 /* A vertex in the filter's frame, in double. */
-static void filtered(const struct dpt_mesh *mesh, const float *position, double out[3])
+static void to_filter_frame(const struct dpt_mesh *mesh, const float *position, double out[3])
 {
     for (int k = 0; k < 3; k++)
         out[k] = (position[k] - mesh->filter_centre[k]) * mesh->filter_scale;
@@ -127,13 +127,14 @@ static void fill_leaves(void *context, size_t first, size_t end)
     float *leaves = (float *)(void *)(writing->bytes + mesh->section[MESH_LEAVES].offset);
     for (uint32_t leaf = (uint32_t)first; leaf < end; leaf++) {
         float *block = leaves + (size_t)leaf * MESH_LEAF_WORDS;
-        struct node_box box = nothing;
+        struct node_box box = empty_box;
         for (uint32_t lane = 0; lane < LANES; lane++) {
             uint32_t t = leaf * LANES + lane;
             t = t < mesh->triangles ? t : mesh->triangles - 1;
             for (uint32_t k = 0; k < 3; k++) {
                 double x[3];
-                filtered(mesh, model->positions + 3 * (size_t)model->corners[3 * (size_t)t + k], x);
+                to_filter_frame(
+                    mesh, model->positions + 3 * (size_t)model->corners[3 * (size_t)t + k], x);
                 box_add(&box, x, x);
                 for (uint32_t axis = 0; axis < 3; axis++)
                     block[(3 * k + axis) * LANES + lane] = (float)x[axis];
@@ -148,10 +149,11 @@ static void put_box(float *block, uint32_t lane, const struct node_box *box)
 {
     for (uint32_t k = 0; k < 3; k++) {
         float centre = (float)(0.5 * (box->low[k] + box->high[k]));
-        double half = max_of(box->high[k] - (double)centre, (double)centre - box->low[k]);
-        float up = (float)half;
+        double half_width = max_of(box->high[k] - (double)centre, (double)centre - box->low[k]);
+        float half_float = (float)half_width;
         block[k * LANES + lane] = centre;
-        block[(3 + k) * LANES + lane] = (double)up < half ? nextafterf(up, HUGE_VALF) : up;
+        block[(3 + k) * LANES + lane] =
+            (double)half_float < half_width ? nextafterf(half_float, HUGE_VALF) : half_float;
     }
 }
 
@@ -161,22 +163,22 @@ static void fill_boxes(const struct dpt_mesh *mesh, float *nodes, struct node_bo
 {
     for (uint32_t level = 1; level <= mesh->levels; level++)
         for (uint32_t node = 0; node < count[level]; node++, nodes += MESH_BOX_WORDS) {
-            struct node_box whole = nothing;
+            struct node_box box = empty_box;
             for (uint32_t lane = 0; lane < LANES; lane++) {
                 uint32_t child = node * LANES + lane;
                 child = child < count[level - 1] ? child : count[level - 1] - 1;
                 put_box(nodes, lane, &boxes[child]);
-                box_add(&whole, boxes[child].low, boxes[child].high);
+                box_add(&box, boxes[child].low, boxes[child].high);
             }
-            boxes[node] = whole;
+            boxes[node] = box;
         }
 }
 
 /* The triangles of a leaf that belong to solid parts: as bits, and as one set. */
 static uint32_t solid_lanes(const struct dpt_mesh *mesh, const struct model *model, uint32_t leaf,
-                            struct winding_moment *set)
+                            struct winding_moment *moment)
 {
-    struct winding_moment sets[LANES];
+    struct winding_moment moments[LANES];
     uint32_t lanes = 0, count = 0;
     for (uint32_t lane = 0; lane < LANES && leaf * LANES + lane < mesh->triangles; lane++) {
         uint32_t t = leaf * LANES + lane;
@@ -184,11 +186,12 @@ static uint32_t solid_lanes(const struct dpt_mesh *mesh, const struct model *mod
         if (!(model->parts[model->part_of[t]].flags & MESH_PART_SOLID))
             continue;
         for (uint32_t k = 0; k < 3; k++)
-            filtered(mesh, model->positions + 3 * (size_t)model->corners[3 * (size_t)t + k], x[k]);
-        sets[count++] = moment_of_triangle(vec3_of(x[0]), vec3_of(x[1]), vec3_of(x[2]));
+            to_filter_frame(mesh, model->positions + 3 * (size_t)model->corners[3 * (size_t)t + k],
+                            x[k]);
+        moments[count++] = moment_of_triangle(vec3_of(x[0]), vec3_of(x[1]), vec3_of(x[2]));
         lanes |= 1u << lane;
     }
-    *set = moment_of_sets(sets, count);
+    *moment = moment_of_sets(moments, count);
     return lanes;
 }
 
@@ -201,11 +204,11 @@ static void fill_solid_lanes(void *context, size_t first, size_t end)
     uint32_t *lanes = (uint32_t *)(void *)(writing->bytes + section->offset + section->bytes);
     lanes -= mesh->leaves;
     for (uint32_t leaf = (uint32_t)first; leaf < end; leaf++)
-        lanes[leaf] = solid_lanes(mesh, writing->model, leaf, &writing->sets[leaf]);
+        lanes[leaf] = solid_lanes(mesh, writing->model, leaf, &writing->leaf_moments[leaf]);
 }
 
 /* As fill_boxes, from the sets of the leaves. */
-static void fill_moments(const struct dpt_mesh *mesh, float *nodes, struct winding_moment *sets,
+static void fill_moments(const struct dpt_mesh *mesh, float *nodes, struct winding_moment *moments,
                          const uint32_t *count)
 {
     const struct winding_moment none = { .area = 0.0 };
@@ -214,8 +217,8 @@ static void fill_moments(const struct dpt_mesh *mesh, float *nodes, struct windi
             uint32_t first = node * LANES, children = count[level - 1] - first;
             children = children < LANES ? children : LANES;
             for (uint32_t lane = 0; lane < LANES; lane++)
-                moment_put(lane < children ? &sets[first + lane] : &none, nodes + lane);
-            sets[node] = moment_of_sets(sets + first, children);
+                moment_store(lane < children ? &moments[first + lane] : &none, nodes + lane);
+            moments[node] = moment_of_sets(moments + first, children);
         }
 }
 
@@ -309,26 +312,27 @@ dpt_result model_write(const struct model *model, soup *source, uint64_t source_
     set_sections(mesh, nodes);
 
     const uint32_t threads = source->threads, winding = mesh->tail.winding_components;
-    struct node_box *boxes = writing.boxes = model_array(source, mesh->leaves, sizeof *boxes);
-    struct winding_moment *sets = writing.sets =
-        model_array(source, winding ? mesh->leaves : 0, sizeof *sets);
-    char *bytes =
-        boxes && sets && mesh->bytes <= SIZE_MAX / 2 ? compiled_block((size_t)mesh->bytes) : NULL;
+    struct node_box *boxes = writing.boxes = model_alloc(source, mesh->leaves, sizeof *boxes);
+    struct winding_moment *moments = writing.leaf_moments =
+        model_alloc(source, winding ? mesh->leaves : 0, sizeof *moments);
+    char *bytes = boxes && moments && mesh->bytes <= SIZE_MAX / 2
+                      ? compiled_block((size_t)mesh->bytes)
+                      : NULL;
     if (!bytes) {
         free(boxes);
-        free(sets);
-        return soup_fail(source, DPT_E_MEMORY, (source_place){ 0, 0 }, "memory ran out");
+        free(moments);
+        return soup_fail(source, DPT_E_MEMORY, (source_location){ 0, 0 }, "memory ran out");
     }
     writing.bytes = bytes;
     parallel_for(threads, mesh->leaves, LEAVES_MIN, fill_leaves, &writing);
     fill_boxes(mesh, (float *)(void *)(bytes + mesh->section[MESH_BOXES].offset), boxes, count);
     if (winding) {
         parallel_for(threads, mesh->leaves, LEAVES_MIN, fill_solid_lanes, &writing);
-        fill_moments(mesh, (float *)(void *)(bytes + mesh->section[MESH_MOMENTS].offset), sets,
+        fill_moments(mesh, (float *)(void *)(bytes + mesh->section[MESH_MOMENTS].offset), moments,
                      count);
     }
     free(boxes);
-    free(sets);
+    free(moments);
     out->size = (size_t)mesh->bytes;
     crc32_init(&writing.crc);
     parallel_for(threads, out->size, SECTION_MIN, seal_sections, &writing);

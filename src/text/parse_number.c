@@ -29,7 +29,7 @@ typedef struct decimal {
     const char *digits, *digits_end; /* with the point, if any */
     uint64_t mantissa;               /* the first MANTISSA_DIGITS significant ones */
     int64_t exponent;                /* the number is all its digits as an integer, times 10^this */
-    size_t significant;
+    size_t significant_digits;
 } decimal;
 
 static bool is_digit(char c)
@@ -37,32 +37,32 @@ static bool is_digit(char c)
     return c >= '0' && c <= '9';
 }
 
-static const char *parse_sign(const char *text, const char *end, bool *negative)
+static const char *parse_sign(const char *text, const char *end, bool *is_negative)
 {
-    *negative = text < end && *text == '-';
+    *is_negative = text < end && *text == '-';
     return text < end && (*text == '-' || *text == '+') ? text + 1 : text;
 }
 
 static const char *scan_digits(const char *at, const char *end, decimal *number)
 {
-    bool point = false, any = false;
+    bool has_point = false, has_digit = false;
     number->digits = at;
     for (; at < end; at++) {
-        if (*at == '.' && !point) {
-            point = true;
+        if (*at == '.' && !has_point) {
+            has_point = true;
             continue;
         }
         if (!is_digit(*at))
             break;
-        any = true;
-        number->exponent -= point;
-        if (*at == '0' && number->significant == 0)
+        has_digit = true;
+        number->exponent -= has_point;
+        if (*at == '0' && number->significant_digits == 0)
             continue;
-        if (number->significant++ < MANTISSA_DIGITS)
+        if (number->significant_digits++ < MANTISSA_DIGITS)
             number->mantissa = number->mantissa * 10 + (uint64_t)(*at - '0');
     }
     number->digits_end = at;
-    return any ? at : NULL;
+    return has_digit ? at : NULL;
 }
 
 /* The e that is followed by no digit is not part of the number. */
@@ -70,8 +70,8 @@ static const char *scan_exponent(const char *at, const char *end, decimal *numbe
 {
     if (at == end || (*at != 'e' && *at != 'E'))
         return at;
-    bool negative;
-    const char *digit = parse_sign(at + 1, end, &negative);
+    bool is_negative;
+    const char *digit = parse_sign(at + 1, end, &is_negative);
     if (digit == end || !is_digit(*digit))
         return at;
     int64_t exponent = 0;
@@ -79,7 +79,7 @@ static const char *scan_exponent(const char *at, const char *end, decimal *numbe
         if (exponent < INT64_MAX / 100)
             exponent = exponent * 10 + (*digit - '0');
     }
-    number->exponent += negative ? -exponent : exponent;
+    number->exponent += is_negative ? -exponent : exponent;
     return digit;
 }
 
@@ -89,7 +89,7 @@ static bool convert_exact(const decimal *number, double *value)
         *value = 0.0;
         return true;
     }
-    if (number->significant > MANTISSA_DIGITS || number->mantissa > (UINT64_C(1) << 53) ||
+    if (number->significant_digits > MANTISSA_DIGITS || number->mantissa > (UINT64_C(1) << 53) ||
         number->exponent < -22 || number->exponent > 22)
         return false;
     if (number->exponent < 0)
@@ -104,7 +104,7 @@ static double convert_any(const decimal *number)
     char buffer[DECIDING_DIGITS + 32];
     size_t length = 0;
     int64_t dropped = 0;
-    bool sticky = false;
+    bool has_dropped = false;
     for (const char *at = number->digits; at < number->digits_end; at++) {
         if (*at == '.' || (*at == '0' && length == 0))
             continue;
@@ -113,9 +113,9 @@ static double convert_any(const decimal *number)
             continue;
         }
         dropped++;
-        sticky = sticky || *at != '0';
+        has_dropped = has_dropped || *at != '0';
     }
-    if (sticky) {
+    if (has_dropped) {
         buffer[length++] = '1';
         dropped--;
     }
@@ -131,23 +131,23 @@ static double convert_any(const decimal *number)
 const char *parse_double(const char *text, const char *end, double *value)
 {
     decimal number = { NULL, NULL, 0, 0, 0 };
-    bool negative;
-    const char *at = scan_digits(parse_sign(text, end, &negative), end, &number);
+    bool is_negative;
+    const char *at = scan_digits(parse_sign(text, end, &is_negative), end, &number);
     if (at == NULL)
         return NULL;
     at = scan_exponent(at, end, &number);
     if (!convert_exact(&number, value))
         *value = convert_any(&number);
-    if (negative)
+    if (is_negative)
         *value = -*value;
     return at;
 }
 
 const char *parse_int(const char *text, const char *end, int64_t *value)
 {
-    bool negative;
+    bool is_negative;
     int64_t number = 0;
-    const char *at = parse_sign(text, end, &negative);
+    const char *at = parse_sign(text, end, &is_negative);
     if (at == end || !is_digit(*at))
         return NULL;
     for (; at < end && is_digit(*at); at++) {
@@ -156,6 +156,6 @@ const char *parse_int(const char *text, const char *end, int64_t *value)
             return NULL;
         number = number * 10 + digit;
     }
-    *value = negative ? -number : number;
+    *value = is_negative ? -number : number;
     return at;
 }
