@@ -6,19 +6,19 @@
 #include "urdf/robot.h"
 
 /* Where a link of the robot is. */
-struct Placed {
-    size_t on;   /* link of the arm; none: the root */
-    Frame place; /* in it, what does not move with the arm being held */
-    size_t set;  /* first of the links that fixed joints join to this one */
+struct Attachment {
+    size_t arm_link;    /* link of the arm; none: the root */
+    Frame pose;         /* in it, what does not move with the arm being held */
+    size_t fixed_group; /* first of the links that fixed joints join to this one */
 };
 
 struct Chain {
-    size_t tool;                     /* link of the robot */
+    size_t tool_link;                /* link of the robot */
     std::vector<size_t> coordinates; /* joints of the robot */
     std::vector<dpt_arm_joint> joints;
     std::vector<dpt_arm_link> links;
     std::vector<dpt_segment> segments;
-    std::vector<Placed> placed; /* of each link of the robot */
+    std::vector<Attachment> attachments; /* of each link of the robot */
 };
 
 /* `tool` may be NULL: the only link without children. */

@@ -42,7 +42,7 @@ struct Note {
 struct Notes {
     std::vector<Note> list;
 
-    void say(size_t line, const std::string &text)
+    void add(size_t line, const std::string &text)
     {
         list.push_back({ line, text });
     }

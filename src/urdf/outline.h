@@ -52,9 +52,9 @@ std::string outline_text(const Outline &outline);
  * Faults for what would be passed over to a wrong end: a name or a part given twice, an attribute that is not one.
  * Notes on what is no part of a URDF. `capsules`: this urdfdom knows them, and quaternions, in files of version 1.1.
  */
-void outline_check(Outline *outline, bool capsules, Notes &notes);
+void outline_check(Outline *outline, bool knows_capsules, Notes &notes);
 
 /* Faults for joints that do not hang all links on one root, each once: with names and lines, which urdfdom has not. */
-void outline_tree(const Outline &outline);
+void outline_check_tree(const Outline &outline);
 
 #endif

@@ -16,7 +16,7 @@ static const size_t none = static_cast<size_t>(-1);
 
 struct Shape {
     enum Kind { SPHERE, BOX, CYLINDER, CAPSULE, MESH } kind;
-    Frame place; /* in the link */
+    Frame origin; /* in the link */
     double radius;
     double length; /* of a cylinder all, of a capsule without its ends */
     Vec size;      /* of a box; scale of a mesh */
@@ -38,7 +38,7 @@ struct Joint {
     std::string name;
     size_t line;
     size_t parent, child; /* links */
-    Frame place;          /* in the parent */
+    Frame origin;         /* in the parent */
     Vec axis;             /* unit */
     double lower, upper, velocity, effort, damping, friction;
     size_t mimics; /* joint; none: nothing */

@@ -12,7 +12,7 @@ struct Vec {
 };
 
 struct Frame {
-    Vec p;
+    Vec position;
     double w; /* unit quaternion */
     Vec v;
 };
@@ -39,7 +39,7 @@ inline Vec cross(Vec a, Vec b)
     return { a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x };
 }
 
-inline Vec turned(const Frame &f, Vec x)
+inline Vec rotated(const Frame &f, Vec x)
 {
     Vec t = 2.0 * cross(f.v, x);
     return x + f.w * t + cross(f.v, t);
@@ -47,7 +47,7 @@ inline Vec turned(const Frame &f, Vec x)
 
 inline Vec operator*(const Frame &f, Vec x)
 {
-    return f.p + turned(f, x);
+    return f.position + rotated(f, x);
 }
 
 inline Frame operator*(const Frame &a, const Frame &b)
@@ -55,13 +55,13 @@ inline Frame operator*(const Frame &a, const Frame &b)
     double w = a.w * b.w - dot(a.v, b.v);
     Vec v = a.w * b.v + b.w * a.v + cross(a.v, b.v);
     double scale = 1.0 / std::sqrt(w * w + dot(v, v));
-    return { a * b.p, scale * w, scale * v };
+    return { a * b.position, scale * w, scale * v };
 }
 
 inline Frame inverse(const Frame &f)
 {
     Frame back = { { 0.0, 0.0, 0.0 }, f.w, -1.0 * f.v };
-    back.p = turned(back, -1.0 * f.p);
+    back.position = rotated(back, -1.0 * f.position);
     return back;
 }
 
