@@ -56,7 +56,7 @@ static int triples_init(struct triples *set, soup *source, const void *words, si
     set->slots = model_alloc(source, slots, sizeof *set->slots);
     if (set->slots)
         memset(set->slots, 0xff, slots * sizeof *set->slots);
-    return set->slots != NULL;
+    return set->slots ? 1 : 0;
 }
 
 static uint64_t mix(uint64_t h)

@@ -8,42 +8,42 @@
 #include "compile/text.h"
 
 /* A mesh's or an arm's; what is cut within its magic is not meant. */
-static bool is_compiled(const unsigned char *bytes, size_t size)
+static int is_compiled(const unsigned char *bytes, size_t size)
 {
     return size >= 8 && (memcmp(bytes, MESH_MAGIC, 8) == 0 || memcmp(bytes, ARM_MAGIC, 8) == 0);
 }
 
-static bool is_ply(source_text text)
+static int is_ply(source_text text)
 {
     source_word word;
     return text_next_word(&text, &word) && word_is(&word, "ply") && !text_next_word(&text, &word);
 }
 
 /* OFF with any of the prefixes that the format has, also those that the reader refuses by name. */
-static bool is_off(source_text text)
+static int is_off(source_text text)
 {
     source_word word;
-    text.has_comments = true;
+    text.has_comments = 1;
     if (!text_seek_word(&text) || !text_next_word(&text, &word))
-        return false;
-    while (word.begin < word.end && memchr("STCN4n", *word.begin, 6) != NULL)
+        return 0;
+    while (word.begin < word.end && memchr("STCN4n", *word.begin, 6))
         word.begin++;
     if (word.end - word.begin < 3 || memcmp(word.begin, "OFF", 3) != 0)
-        return false;
+        return 0;
     const char *after = word.begin + 3;
     return after == word.end || (*after >= '0' && *after <= '9');
 }
 
-static bool is_binary_stl(const unsigned char *bytes, size_t size)
+static int is_binary_stl(const unsigned char *bytes, size_t size)
 {
     if (size < 84)
-        return false;
+        return 0;
     uint64_t count = (uint64_t)bytes[80] | (uint64_t)bytes[81] << 8 | (uint64_t)bytes[82] << 16 |
                      (uint64_t)bytes[83] << 24;
     return size == 84 + 50 * count;
 }
 
-static bool is_ascii_stl(source_text text)
+static int is_ascii_stl(source_text text)
 {
     source_word word;
     return text_seek_word(&text) && text_next_word(&text, &word) &&
@@ -51,14 +51,14 @@ static bool is_ascii_stl(source_text text)
            text_next_word(&text, &word) && word_is_any_case(&word, "facet");
 }
 
-static bool has_vertex_line(source_text text)
+static int has_vertex_line(source_text text)
 {
     source_word word;
     do {
         if (text_next_word(&text, &word) && word_is(&word, "v") && text_next_word(&text, &word))
-            return true;
+            return 1;
     } while (text_next_line(&text));
-    return false;
+    return 0;
 }
 
 static uint32_t format_of_extension(const char *path)
@@ -70,8 +70,8 @@ static uint32_t format_of_extension(const char *path)
                        { "stl", DPT_FORMAT_STL },
                        { "ply", DPT_FORMAT_PLY },
                        { "off", DPT_FORMAT_OFF } };
-    const char *dot = path != NULL ? strrchr(path, '.') : NULL;
-    if (dot == NULL)
+    const char *dot = path ? strrchr(path, '.') : NULL;
+    if (!dot)
         return DPT_FORMAT_AUTO;
     source_word word = { dot + 1, dot + strlen(dot) };
     for (size_t i = 0; i < sizeof extensions / sizeof extensions[0]; i++) {

@@ -12,7 +12,7 @@ void *grow_array(void *array, size_t *capacity, size_t need, size_t item_size)
     if (new_capacity > SIZE_MAX / item_size)
         return NULL;
     void *bigger = realloc(array, new_capacity * item_size);
-    if (bigger != NULL)
+    if (bigger)
         *capacity = new_capacity;
     return bigger;
 }

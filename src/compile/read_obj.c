@@ -18,7 +18,7 @@ static const char *parse_corner(const source_word *word, int64_t *number)
 {
     int64_t ignored;
     const char *at = parse_int(word->begin, word->end, number);
-    for (int i = 0; i < 2 && at != NULL && at < word->end && *at == '/'; i++) {
+    for (int i = 0; i < 2 && at && at < word->end && *at == '/'; i++) {
         at++;
         if (at < word->end && *at != '/')
             at = parse_int(at, word->end, &ignored);
@@ -31,7 +31,7 @@ static dpt_result read_corner(obj_reader *reader, const source_word *word)
     soup *source = reader->source;
     char printable[WORD_SHOWN];
     int64_t number;
-    if (parse_corner(word, &number) == NULL)
+    if (!parse_corner(word, &number))
         return soup_fail(source, DPT_E_SYNTAX, text_location(&reader->text),
                          "'%s' is no corner of a face", word_printable(word, printable));
     int64_t index = number > 0 ? number - 1 : (int64_t)source->vertex_count + number;
@@ -65,14 +65,14 @@ static dpt_result read_line(obj_reader *reader)
     source_text *text = &reader->text;
     source_word word;
     dpt_result result = DPT_OK;
-    text->joins_lines = true;
+    text->joins_lines = 1;
     if (text_next_word(text, &word)) {
         if (word_is(&word, "v"))
             result = text_read_vertex(text);
         else if (word_is(&word, "f"))
             result = read_face(reader);
     }
-    text->joins_lines = false;
+    text->joins_lines = 0;
     return result;
 }
 
@@ -94,7 +94,7 @@ dpt_result read_obj(soup *source, const unsigned char *bytes, size_t size)
 {
     obj_reader reader = { .source = source };
     text_begin(&reader.text, source, bytes, size);
-    reader.text.has_comments = true;
+    reader.text.has_comments = 1;
     source->base = 1;
     dpt_result result = read_lines(&reader, size);
     corner_list_free(&reader.corners);

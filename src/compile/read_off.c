@@ -31,7 +31,7 @@ static dpt_result read_keyword(off_reader *reader)
         return soup_fail(reader->source, DPT_E_TRUNCATED, (source_location){ 0, 0 },
                          "the file holds no word");
     const char *at = word.begin;
-    while (at < word.end && memchr("STCN4n", *at, 6) != NULL)
+    while (at < word.end && memchr("STCN4n", *at, 6))
         at++;
     if (word.end - at < 3 || memcmp(at, "OFF", 3) != 0)
         return refuse_header(reader, "the file does not begin with OFF");
@@ -140,7 +140,7 @@ dpt_result read_off(soup *source, const unsigned char *bytes, size_t size)
 {
     off_reader reader = { .source = source };
     text_begin(&reader.text, source, bytes, size);
-    reader.text.has_comments = true;
+    reader.text.has_comments = 1;
     reader.begin = reader.text.at;
     dpt_result result = read_all(&reader);
     corner_list_free(&reader.corners);

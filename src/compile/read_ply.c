@@ -137,7 +137,7 @@ static dpt_result add_element(ply_reader *reader, const ply_element *element)
     if (reader->element_count == reader->element_capacity) {
         ply_element *bigger = grow_array(reader->elements, &reader->element_capacity,
                                          reader->element_count + 1, sizeof *bigger);
-        if (bigger == NULL)
+        if (!bigger)
             return soup_fail(reader->source, DPT_E_MEMORY, text_location(&reader->text),
                              "no memory for %zu elements", reader->element_count + 1);
         reader->elements = bigger;
@@ -161,14 +161,14 @@ static dpt_result header_element(ply_reader *reader)
         element.kind = FACE;
     else if (word_is(&element.name, "tristrips"))
         element.kind = TRIANGLE_STRIPS;
-    if (element.kind != OTHER && find_element(reader, element.kind) != NULL)
+    if (element.kind != OTHER && find_element(reader, element.kind))
         return fail_header(reader, &element.name, "an element that is there twice");
     if (element.kind == VERTEX)
         reader->vertices = element.rows;
     return add_element(reader, &element);
 }
 
-static uint8_t role_of(const ply_element *element, const source_word *name, bool is_list)
+static uint8_t role_of(const ply_element *element, const source_word *name, int is_list)
 {
     if (element->kind == VERTEX && name->end - name->begin == 1 && *name->begin >= 'x' &&
         *name->begin <= 'z')
@@ -179,13 +179,13 @@ static uint8_t role_of(const ply_element *element, const source_word *name, bool
     return SKIPPED;
 }
 
-static bool has_role(const ply_reader *reader, const ply_element *element, uint8_t role)
+static int has_role(const ply_reader *reader, const ply_element *element, uint8_t role)
 {
     for (size_t i = 0; i < element->property_count; i++) {
         if (reader->properties[element->first_property + i].role == role)
-            return true;
+            return 1;
     }
-    return false;
+    return 0;
 }
 
 static dpt_result add_property(ply_reader *reader, ply_element *element, ply_property property)
@@ -193,7 +193,7 @@ static dpt_result add_property(ply_reader *reader, ply_element *element, ply_pro
     if (reader->property_count == reader->property_capacity) {
         ply_property *bigger = grow_array(reader->properties, &reader->property_capacity,
                                           reader->property_count + 1, sizeof *bigger);
-        if (bigger == NULL)
+        if (!bigger)
             return soup_fail(reader->source, DPT_E_MEMORY, text_location(&reader->text),
                              "no memory for %zu properties", reader->property_count + 1);
         reader->properties = bigger;
@@ -213,7 +213,7 @@ static dpt_result header_property(ply_reader *reader, const source_word *keyword
     ply_property property = { NO_TYPE, NO_TYPE, SKIPPED };
     source_word name;
     const char *restart = reader->text.at;
-    bool is_list = text_next_word(&reader->text, &name) && word_is(&name, "list");
+    int is_list = text_next_word(&reader->text, &name) && word_is(&name, "list");
     if (is_list)
         DPT_TRY(header_type(reader, &property.count_type));
     else
@@ -241,7 +241,7 @@ static dpt_result header_line(ply_reader *reader, const source_word *keyword)
     return fail_header(reader, keyword, "no word that begins a line of the header");
 }
 
-static bool at_bare_cr(const ply_reader *reader)
+static int is_at_bare_cr(const ply_reader *reader)
 {
     const source_text *text = &reader->text;
     return text->at < text->end && *text->at == '\r' &&
@@ -249,12 +249,12 @@ static bool at_bare_cr(const ply_reader *reader)
 }
 
 /* Data follow one end of line; in a header whose lines end in CR, a LF is data already. */
-static dpt_result end_header(ply_reader *reader, bool bare_cr)
+static dpt_result end_header(ply_reader *reader, int has_bare_cr)
 {
     source_word word;
     if (text_next_word(&reader->text, &word))
         return fail_header(reader, &word, "a word after end_header");
-    if (bare_cr && bytes_left(reader) > 0 && *reader->text.at == '\r') {
+    if (has_bare_cr && bytes_left(reader) > 0 && *reader->text.at == '\r') {
         reader->text.at++;
         reader->text.line++;
         return DPT_OK;
@@ -273,12 +273,12 @@ static dpt_result read_header(ply_reader *reader)
                          "the first line is not 'ply'");
     if (text_next_word(&reader->text, &word))
         return fail_header(reader, &word, "a word after 'ply'");
-    bool bare_cr = at_bare_cr(reader);
+    int has_bare_cr = is_at_bare_cr(reader);
     while (text_next_line(&reader->text)) {
         if (!text_next_word(&reader->text, &word))
             continue;
         if (word_is(&word, "end_header"))
-            return end_header(reader, bare_cr);
+            return end_header(reader, has_bare_cr);
         DPT_TRY(header_line(reader, &word));
     }
     return soup_fail(reader->source, DPT_E_TRUNCATED, text_location(&reader->text),
@@ -297,7 +297,7 @@ static dpt_result check_element(ply_reader *reader, const ply_element *element)
     if (element->kind != TRIANGLE_STRIPS || element->rows == 0)
         return DPT_OK;
     const ply_element *faces = find_element(reader, FACE);
-    if (faces == NULL || faces->rows == 0)
+    if (!faces || faces->rows == 0)
         return soup_fail(reader->source, DPT_E_FORMAT, location,
                          "triangle strips are not read: save the mesh as faces");
     return DPT_OK;
@@ -306,9 +306,9 @@ static dpt_result check_element(ply_reader *reader, const ply_element *element)
 /* Before anything is taken: what the header announces must fit in the bytes that follow. */
 static dpt_result check_header(ply_reader *reader)
 {
-    bool is_ascii = reader->encoding == ASCII;
+    int is_ascii = reader->encoding == ASCII;
     uint64_t bytes_after =
-        (uint64_t)bytes_left(reader) + is_ascii; /* the last line may lack its end */
+        (uint64_t)bytes_left(reader) + (uint64_t)is_ascii; /* the last line may lack its end */
     char printable[WORD_SHOWN];
     if (reader->encoding == NO_ENCODING)
         return soup_fail(reader->source, DPT_E_SYNTAX, text_location(&reader->text),
@@ -328,12 +328,12 @@ static dpt_result check_header(ply_reader *reader)
     return DPT_OK;
 }
 
-static uint64_t load_bits(const char *bytes, size_t size, bool big_endian)
+static uint64_t load_bits(const char *bytes, size_t size, int is_big_endian)
 {
     uint64_t bits = 0;
     for (size_t i = 0; i < size; i++) {
         uint64_t byte = (unsigned char)bytes[i];
-        bits |= byte << 8 * (big_endian ? size - 1 - i : i);
+        bits |= byte << 8 * (is_big_endian ? size - 1 - i : i);
     }
     return bits;
 }
@@ -360,9 +360,9 @@ static double load_signed(uint64_t bits, size_t size)
     return (double)(bits & (sign - 1)) - (double)(bits & sign);
 }
 
-static double decode(const char *bytes, uint8_t type, bool big_endian)
+static double decode(const char *bytes, uint8_t type, int is_big_endian)
 {
-    uint64_t bits = load_bits(bytes, type_bytes[type], big_endian);
+    uint64_t bits = load_bits(bytes, type_bytes[type], is_big_endian);
     switch (type) {
     case INT8:
     case INT16:

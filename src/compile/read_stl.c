@@ -99,20 +99,20 @@ static dpt_result expect_keyword(source_text *text, const char *keyword)
 }
 
 /* "endsolid" and "end solid" are the same: go past the second word if there are two. */
-static bool is_end_of(source_text *text, const source_word *first, const char *what)
+static int is_end_of(source_text *text, const source_word *first, const char *what)
 {
     source_word word = { first->begin, first->begin + 3 };
     if (first->end - first->begin < 3 || !word_is_any_case(&word, "end"))
-        return false;
+        return 0;
     word.begin = first->begin + 3;
     word.end = first->end;
     const char *restart = text->at;
     if (word.begin == word.end && !text_next_word(text, &word))
-        return false;
+        return 0;
     if (word_is_any_case(&word, what))
-        return true;
+        return 1;
     text->at = restart;
-    return false;
+    return 0;
 }
 
 /* "normal", three words of any kind, "outer", "loop" */
@@ -131,7 +131,7 @@ static dpt_result read_loop(source_text *text)
     source_word word;
     for (int vertices = 0;; vertices++) {
         DPT_TRY(next_keyword(text, &word, "vertex"));
-        bool is_end = is_end_of(text, &word, "loop");
+        int is_end = is_end_of(text, &word, "loop");
         if (!is_end && !word_is_any_case(&word, "vertex"))
             return refuse_keyword(text, &word, "vertex");
         if (is_end != (vertices == 3))
@@ -186,20 +186,20 @@ static dpt_result read_ascii(source_text *text)
 }
 
 /* A text has no zero byte; a binary file nearly always has some in its padding or its count. */
-static bool is_ascii(const source_text *text, const unsigned char *bytes, size_t size)
+static int is_ascii(const source_text *text, const unsigned char *bytes, size_t size)
 {
     source_text ahead = *text;
     source_word word;
     return text_seek_word(&ahead) && text_next_word(&ahead, &word) &&
            word_is_any_case(&word, "solid") &&
-           memchr(bytes, 0, size < HEADER_BYTES ? size : HEADER_BYTES) == NULL;
+           !memchr(bytes, 0, size < HEADER_BYTES ? size : HEADER_BYTES);
 }
 
 dpt_result read_stl(soup *source, const unsigned char *bytes, size_t size)
 {
     source_text text;
     text_begin(&text, source, bytes, size);
-    bool length_fits =
+    int length_fits =
         size >= HEADER_BYTES && size == HEADER_BYTES + FACET_BYTES * (uint64_t)load_u32(bytes + 80);
     if (!length_fits && is_ascii(&text, bytes, size))
         return read_ascii(&text);

@@ -64,7 +64,7 @@ dpt_result soup_add_vertex(soup *source, double x, double y, double z, source_lo
     if (source->vertex_count == source->vertex_capacity) {
         float *bigger = grow_array(source->positions, &source->vertex_capacity,
                                    source->vertex_count + 1, 3 * sizeof *bigger);
-        if (bigger == NULL)
+        if (!bigger)
             return no_memory(source, location);
         source->positions = bigger;
     }
@@ -93,14 +93,14 @@ static dpt_result reserve_polygon(soup *source, size_t added_triangles, source_l
     if (added_triangles > source->triangle_capacity - source->triangle_count) {
         uint32_t *bigger = grow_array(source->corners, &source->triangle_capacity,
                                       source->triangle_count + added_triangles, 3 * sizeof *bigger);
-        if (bigger == NULL)
+        if (!bigger)
             return no_memory(source, location);
         source->corners = bigger;
     }
     if (added_triangles > 1 && source->polygon_count == source->polygon_capacity) {
         soup_polygon_span *bigger = grow_array(source->polygons, &source->polygon_capacity,
                                                source->polygon_count + 1, sizeof *bigger);
-        if (bigger == NULL)
+        if (!bigger)
             return no_memory(source, location);
         source->polygons = bigger;
     }
@@ -233,7 +233,7 @@ uint32_t soup_concave_polygons(const soup *source)
 dpt_result soup_report_progress(soup *source, const char *step, double done)
 {
     const dpt_compile_def *def = source->def;
-    if (def == NULL || def->progress == NULL || def->progress(def->user, step, done) == 0)
+    if (!def || !def->progress || !def->progress(def->user, step, done))
         return DPT_OK;
     return soup_fail(source, DPT_E_CANCELLED, (source_location){ 0, 0 }, "stopped by the caller");
 }

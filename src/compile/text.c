@@ -10,12 +10,12 @@
 #include "compile/text.h"
 #include "text/parse_number.h"
 
-static bool is_blank(char c)
+static int is_blank(char c)
 {
     return c == ' ' || c == '\t' || c == '\v' || c == '\f';
 }
 
-static bool is_line_end(char c)
+static int is_line_end(char c)
 {
     return c == '\n' || c == '\r';
 }
@@ -42,8 +42,8 @@ dpt_result text_refuse_utf16(const source_text *text)
     if (text->end - text->at < 2)
         return DPT_OK;
     unsigned char a = (unsigned char)text->at[0], b = (unsigned char)text->at[1];
-    bool marked = (a == 0xfe && b == 0xff) || (a == 0xff && b == 0xfe);
-    if (!marked && (a == 0) == (b == 0))
+    int has_mark = (a == 0xfe && b == 0xff) || (a == 0xff && b == 0xfe);
+    if (!has_mark && (a == 0) == (b == 0))
         return DPT_OK;
     return soup_fail(text->source, DPT_E_FORMAT, (source_location){ 0, 0 },
                      "this is UTF-16 text: save it as UTF-8 or ASCII");
@@ -56,7 +56,7 @@ static const char *after_line_end(const char *at, const char *end)
     return at + 1;
 }
 
-static bool joins_lines(const source_text *text, const char *at)
+static int is_line_join(const source_text *text, const char *at)
 {
     return *at == '\\' && text->joins_lines && text->end - at > 1 && is_line_end(at[1]);
 }
@@ -66,46 +66,46 @@ static void skip_blanks(source_text *text)
     for (;;) {
         while (text->at < text->end && is_blank(*text->at))
             text->at++;
-        if (text->at == text->end || !joins_lines(text, text->at))
+        if (text->at == text->end || !is_line_join(text, text->at))
             return;
         text->at = after_line_end(text->at + 1, text->end);
         text->line++;
     }
 }
 
-bool text_next_word(source_text *text, source_word *word)
+int text_next_word(source_text *text, source_word *word)
 {
     skip_blanks(text);
     const char *at = text->at;
     if (at == text->end || is_line_end(*at) || (text->has_comments && *at == '#'))
-        return false;
+        return 0;
     word->begin = at;
-    while (at < text->end && !is_blank(*at) && !is_line_end(*at) && !joins_lines(text, at))
+    while (at < text->end && !is_blank(*at) && !is_line_end(*at) && !is_line_join(text, at))
         at++;
     word->end = text->at = at;
-    return true;
+    return 1;
 }
 
-bool text_next_line(source_text *text)
+int text_next_line(source_text *text)
 {
     while (text->at < text->end && !is_line_end(*text->at))
         text->at++;
     if (text->at == text->end)
-        return false;
+        return 0;
     text->at = after_line_end(text->at, text->end);
     text->line++;
     return text->at < text->end;
 }
 
-bool text_seek_word(source_text *text)
+int text_seek_word(source_text *text)
 {
     source_word word;
     while (!text_next_word(text, &word)) {
         if (!text_next_line(text))
-            return false;
+            return 0;
     }
     text->at = word.begin;
-    return true;
+    return 1;
 }
 
 source_location text_location(const source_text *text)
@@ -113,22 +113,22 @@ source_location text_location(const source_text *text)
     return (source_location){ text->line, 0 };
 }
 
-bool word_is(const source_word *word, const char *name)
+int word_is(const source_word *word, const char *name)
 {
     size_t length = (size_t)(word->end - word->begin);
     return strlen(name) == length && memcmp(word->begin, name, length) == 0;
 }
 
-static bool begins_any_case(const char *at, const char *end, const char *name)
+static int begins_any_case(const char *at, const char *end, const char *name)
 {
     for (; *name != 0; at++, name++) {
         if (at == end || lower(*at) != *name)
-            return false;
+            return 0;
     }
-    return true;
+    return 1;
 }
 
-bool word_is_any_case(const source_word *word, const char *name)
+int word_is_any_case(const source_word *word, const char *name)
 {
     return (size_t)(word->end - word->begin) == strlen(name) &&
            begins_any_case(word->begin, word->end, name);
@@ -148,7 +148,7 @@ const char *word_printable(const source_word *word, char printable[WORD_SHOWN])
 }
 
 /* As printf writes them: nan, -nan(ind), inf, infinity; and 1.#IND, 1.#INF, 1.#QNAN. */
-static bool is_not_finite_word(const source_word *word)
+static int is_not_finite_word(const source_word *word)
 {
     const char *at = word->begin;
     if (at < word->end && (*at == '-' || *at == '+'))
@@ -205,7 +205,7 @@ dpt_result corner_list_add(corner_list *list, soup *source, uint32_t number)
     if (list->count == list->capacity) {
         uint32_t *bigger =
             grow_array(list->numbers, &list->capacity, list->count + 1, sizeof *bigger);
-        if (bigger == NULL)
+        if (!bigger)
             return soup_fail(source, DPT_E_MEMORY, (source_location){ 0, 0 },
                              "no memory for a polygon of %zu corners", list->count + 1);
         list->numbers = bigger;

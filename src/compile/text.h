@@ -6,17 +6,15 @@
 #ifndef DPT_COMPILE_TEXT_H
 #define DPT_COMPILE_TEXT_H
 
-#include <stdbool.h>
-
 #include "compile/soup.h"
 
 typedef struct source_text {
     const char *at; /* the next byte to read */
     const char *end;
     uint64_t line;
-    bool has_comments; /* a word that begins with # ends its line */
-    bool joins_lines;  /* a backslash before the end of a line joins the next one */
-    soup *source;      /* whose diag is filled */
+    int has_comments; /* a word that begins with # ends its line */
+    int joins_lines;  /* a backslash before the end of a line joins the next one */
+    soup *source;     /* whose diag is filled */
 } source_text;
 
 typedef struct source_word {
@@ -31,13 +29,13 @@ void text_begin(source_text *text, soup *source, const unsigned char *bytes, siz
 dpt_result text_refuse_utf16(const source_text *text);
 
 /* The next word of this line; false when there is none. */
-bool text_next_word(source_text *text, source_word *word);
+int text_next_word(source_text *text, source_word *word);
 
 /* Go to the beginning of the next line; false when nothing follows. */
-bool text_next_line(source_text *text);
+int text_next_line(source_text *text);
 
 /* Go to the next word, over as many lines as it takes; false when there is none. */
-bool text_seek_word(source_text *text);
+int text_seek_word(source_text *text);
 
 source_location text_location(const source_text *text);
 
@@ -48,8 +46,8 @@ dpt_result text_read_int(source_text *text, const char *what, int64_t *value);
 /* x, y and z on this line: a vertex of the soup. */
 dpt_result text_read_vertex(source_text *text);
 
-bool word_is(const source_word *word, const char *name);
-bool word_is_any_case(const source_word *word, const char *name);
+int word_is(const source_word *word, const char *name);
+int word_is_any_case(const source_word *word, const char *name);
 
 /* The word for a message: cut, and without bytes that are not printable ASCII. */
 enum { WORD_SHOWN = 32 };

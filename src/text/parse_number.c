@@ -4,7 +4,6 @@
  * them one multiplication or division of two exact doubles rounds once, and so correctly. The rest
  * goes through strtod, written anew as an integer with an exponent, in which no locale has a say.
  */
-#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -32,12 +31,12 @@ typedef struct decimal {
     size_t significant_digits;
 } decimal;
 
-static bool is_digit(char c)
+static int is_digit(char c)
 {
     return c >= '0' && c <= '9';
 }
 
-static const char *parse_sign(const char *text, const char *end, bool *is_negative)
+static const char *parse_sign(const char *text, const char *end, int *is_negative)
 {
     *is_negative = text < end && *text == '-';
     return text < end && (*text == '-' || *text == '+') ? text + 1 : text;
@@ -45,16 +44,16 @@ static const char *parse_sign(const char *text, const char *end, bool *is_negati
 
 static const char *scan_digits(const char *at, const char *end, decimal *number)
 {
-    bool has_point = false, has_digit = false;
+    int has_point = 0, has_digit = 0;
     number->digits = at;
     for (; at < end; at++) {
         if (*at == '.' && !has_point) {
-            has_point = true;
+            has_point = 1;
             continue;
         }
         if (!is_digit(*at))
             break;
-        has_digit = true;
+        has_digit = 1;
         number->exponent -= has_point;
         if (*at == '0' && number->significant_digits == 0)
             continue;
@@ -70,7 +69,7 @@ static const char *scan_exponent(const char *at, const char *end, decimal *numbe
 {
     if (at == end || (*at != 'e' && *at != 'E'))
         return at;
-    bool is_negative;
+    int is_negative;
     const char *digit = parse_sign(at + 1, end, &is_negative);
     if (digit == end || !is_digit(*digit))
         return at;
@@ -83,20 +82,20 @@ static const char *scan_exponent(const char *at, const char *end, decimal *numbe
     return digit;
 }
 
-static bool convert_exact(const decimal *number, double *value)
+static int convert_exact(const decimal *number, double *value)
 {
     if (number->mantissa == 0) {
         *value = 0.0;
-        return true;
+        return 1;
     }
     if (number->significant_digits > MANTISSA_DIGITS || number->mantissa > (UINT64_C(1) << 53) ||
         number->exponent < -22 || number->exponent > 22)
-        return false;
+        return 0;
     if (number->exponent < 0)
         *value = (double)number->mantissa / powers_of_ten[-number->exponent];
     else
         *value = (double)number->mantissa * powers_of_ten[number->exponent];
-    return true;
+    return 1;
 }
 
 static double convert_any(const decimal *number)
@@ -104,7 +103,7 @@ static double convert_any(const decimal *number)
     char buffer[DECIDING_DIGITS + 32];
     size_t length = 0;
     int64_t dropped = 0;
-    bool has_dropped = false;
+    int has_remainder = 0;
     for (const char *at = number->digits; at < number->digits_end; at++) {
         if (*at == '.' || (*at == '0' && length == 0))
             continue;
@@ -113,9 +112,9 @@ static double convert_any(const decimal *number)
             continue;
         }
         dropped++;
-        has_dropped = has_dropped || *at != '0';
+        has_remainder = has_remainder || *at != '0';
     }
-    if (has_dropped) {
+    if (has_remainder) {
         buffer[length++] = '1';
         dropped--;
     }
@@ -131,9 +130,9 @@ static double convert_any(const decimal *number)
 const char *parse_double(const char *text, const char *end, double *value)
 {
     decimal number = { NULL, NULL, 0, 0, 0 };
-    bool is_negative;
+    int is_negative;
     const char *at = scan_digits(parse_sign(text, end, &is_negative), end, &number);
-    if (at == NULL)
+    if (!at)
         return NULL;
     at = scan_exponent(at, end, &number);
     if (!convert_exact(&number, value))
@@ -145,7 +144,7 @@ const char *parse_double(const char *text, const char *end, double *value)
 
 const char *parse_int(const char *text, const char *end, int64_t *value)
 {
-    bool is_negative;
+    int is_negative;
     int64_t number = 0;
     const char *at = parse_sign(text, end, &is_negative);
     if (at == end || !is_digit(*at))

@@ -17,7 +17,7 @@ bool file_exists(const std::string &path)
     std::FILE *file = std::fopen(path.c_str(), "rb");
     if (file)
         std::fclose(file);
-    return file != NULL;
+    return file;
 }
 
 /* Ends in '/', or is empty. */
