@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Who borders on whom. Edges are found by two counting sorts, fans by one: linear in the triangles, for
- * hubs too.
+ * Which triangles share an edge, which meet at a vertex, and which form a part. Two counting sorts find the edges, one
+ * more finds the fans. Time is linear in the triangles, at hubs too.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -11,7 +11,7 @@
 #include "compile/model.h"
 #include "mesh/mesh_format.h"
 
-/* A half-edge is 3 * triangle + k: from corner k to corner k + 1. */
+/* A half-edge is 3 * triangle + k: the edge of that triangle from corner k to corner k + 1. */
 static uint32_t edge_from(const struct model *model, uint32_t half)
 {
     return model->corners[half];
@@ -22,6 +22,7 @@ static uint32_t edge_to(const struct model *model, uint32_t half)
     return model->corners[half % 3 == 2 ? half - 2 : half + 1];
 }
 
+/* The end of a half-edge with the higher vertex number (`higher` 1) or with the lower one (0). */
 static uint32_t edge_end(const struct model *model, uint32_t half, int higher)
 {
     uint32_t from = edge_from(model, half), to = edge_to(model, half);
@@ -34,7 +35,7 @@ static int same_edge(const struct model *model, uint32_t a, uint32_t b)
            edge_end(model, a, 1) == edge_end(model, b, 1);
 }
 
-/* Stable counting sort of half-edges by one end; `first` has room for a word a vertex and one. */
+/* Sort half-edges by one end: a stable counting sort. `first` is scratch of vertex_count + 1 words. */
 static void sort_by_end(const struct model *model, const uint32_t *in, uint32_t *out,
                         uint32_t *first, int higher)
 {
@@ -48,7 +49,7 @@ static void sort_by_end(const struct model *model, const uint32_t *in, uint32_t 
         out[first[edge_end(model, in[i], higher)]++] = in[i];
 }
 
-/* Parts as a forest: `root` follows and shortens the path. */
+/* Union-find: each part is a tree of `parent` links. Return the root of t's tree, and shorten the path to it. */
 static uint32_t root_of(uint32_t *parent, uint32_t t)
 {
     while (parent[t] != t) {
@@ -68,7 +69,7 @@ static void unite(uint32_t *parent, uint32_t a, uint32_t b)
         parent[a] = b;
 }
 
-/* One edge: the half-edges that run along it. */
+/* Record one edge: `half` lists its `count` half-edges. */
 static void connect_edge(struct model *model, uint32_t *parent, const uint32_t *half, size_t count)
 {
     if (count == 1) {
@@ -108,7 +109,7 @@ int model_is_wound_against(const struct model *model, uint32_t half, uint32_t ne
     return 0;
 }
 
-/* Number the parts by their first triangle, and count what each has. */
+/* Number the parts by their first triangle. Count the triangles and edges of each. */
 static dpt_result number_parts(struct model *model, soup *source, uint32_t *parent)
 {
     uint32_t count = 0;
@@ -139,9 +140,13 @@ static dpt_result number_parts(struct model *model, soup *source, uint32_t *pare
 enum { UNVISITED, AS_READ, TURNED };
 
 /*
- * Walk over a part from `seed`; decide for each triangle whether it must be turned to agree with the
- * seed. Returns 0 when that cannot be done (a Moebius strip). *turned counts; *reached are in the queue, those
- * that the walk comes to without a non-manifold edge.
+ * Walk from triangle `start` over manifold edges. Set state[t] of each triangle reached: TURNED if its winding must be
+ * reversed to agree with `start`, else AS_READ.
+ *
+ *   queue          receives the triangles reached; *reached_count of them
+ *   turned_count   the TURNED ones are added to it
+ *
+ * Returns 0 when no winding agrees across all edges (a Moebius strip).
  */
 static int find_turned(const struct model *model, uint32_t start, uint8_t *state, uint32_t *queue,
                        uint32_t *turned_count, size_t *reached_count)
@@ -172,8 +177,8 @@ static int find_turned(const struct model *model, uint32_t start, uint8_t *state
 }
 
 /*
- * Which triangles of a part to turn so that it is wound one way: those that are fewer. None of a part of which
- * that cannot be told over its edges.
+ * Decide which triangles of a part to turn so that it is wound one way: the smaller of the two groups. Turn none if the
+ * part cannot be wound one way, or if only non-manifold edges connect some of its triangles.
  */
 static void wind_part(struct model *model, struct part *part, uint32_t start, uint32_t *queue)
 {
@@ -213,7 +218,7 @@ static dpt_result wind_parts(struct model *model, soup *source)
     return result;
 }
 
-/* The triangles at each vertex, in their order. */
+/* List the triangles at each vertex, ascending: those of v are fans[fan_first[v]..fan_first[v + 1]). */
 static void fill_fans(struct model *model)
 {
     size_t count = 3 * (size_t)model->triangle_count;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * From a soup to a mesh. Hash tables with open addressing, never more than half full, so that time and
- * space are linear whatever the input: a hub of 50,000 triangles costs no more than any other 50,000.
+ * From a soup to a mesh: join equal vertices, drop degenerate and duplicate triangles. The hash tables use open
+ * addressing and are never more than half full. So time and space are linear for any input: a hub of 50,000 triangles
+ * costs no more than any other 50,000.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -39,11 +40,11 @@ void model_free(struct model *model)
     memset(model, 0, sizeof *model);
 }
 
-/* A set of triples of words, each with the number under which it came in. */
+/* A hash set of triples of words. An entry is the index of a triple in `words`. */
 struct triples {
-    const uint32_t *words; /* 3 per entry */
-    uint32_t *slots;       /* entry, or DPT_NONE */
-    size_t mask;
+    const uint32_t *words; /* 3 per entry; borrowed */
+    uint32_t *slots;       /* of the hash table: an entry, or DPT_NONE */
+    size_t mask;           /* number of slots, a power of two, less 1 */
 };
 
 static int triples_init(struct triples *set, soup *source, const void *words, size_t max_entries)
@@ -66,7 +67,7 @@ static uint64_t mix(uint64_t h)
     return h ^ (h >> 32);
 }
 
-/* The earlier entry with the same words, or `entry`, which then is in the set. */
+/* Return the entry in the set that has the same words. If there is none, add `entry` and return it. */
 static uint32_t triples_find_or_add(struct triples *set, uint32_t entry)
 {
     const uint32_t *w = set->words + 3 * (size_t)entry;
@@ -81,7 +82,10 @@ static uint32_t triples_find_or_add(struct triples *set, uint32_t entry)
     return entry;
 }
 
-/* joined[v]: the vertex of least number at the same place, for those that a triangle uses. */
+/*
+ * joined[v] becomes the lowest-numbered vertex at the position of v, or DPT_NONE if no triangle uses v. Vertices are
+ * numbered as in the source.
+ */
 static dpt_result join_vertices(struct model *model, soup *source, uint32_t *joined)
 {
     struct triples set;
@@ -123,7 +127,9 @@ static void sort3(uint32_t w[3])
     }
 }
 
-/* Keep what has area and is new; corners stay soup vertices, the least of those at their place. */
+/*
+ * Keep the triangles that have area and no earlier duplicate. Their corners are still vertices of the source, joined.
+ */
 static dpt_result keep_triangles(struct model *model, soup *source, const uint32_t *joined)
 {
     uint32_t *sorted = model_alloc(source, source->triangle_count, 3 * sizeof *sorted);

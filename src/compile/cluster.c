@@ -10,8 +10,11 @@
 #define LEAF  16u
 #define WIDTH 4u
 
-/* What a set may be wrong by; some hundred sets are asked at most, and most are wrong by far less. */
-#define SET_ERROR 1e-3
+/*
+ * A node's far field is used where its error bound is below this. A query sums some hundred nodes at most, and the
+ * error of most of them is far smaller.
+ */
+#define NODE_ERROR 1e-3
 
 void model_corners(const struct model *model, uint32_t triangle, vec3 corners[3])
 {
@@ -133,10 +136,9 @@ static double leaf_winding(const struct cluster *cluster, uint32_t leaf, vec3 x,
 static double node_winding(const struct cluster *cluster, uint32_t level, uint32_t node, vec3 x,
                            uint32_t excluded, uint64_t *work)
 {
-    double error,
-        far_field =
-            moment_winding(&cluster->node_moments[cluster->level_first[level] + node], x, &error);
-    if (error < SET_ERROR)
+    const uint32_t at = cluster->level_first[level] + node;
+    double error, far_field = moment_winding(&cluster->node_moments[at], x, &error);
+    if (error < NODE_ERROR)
         return far_field;
     if (level == 0) {
         *work += LEAF;
@@ -154,7 +156,7 @@ double cluster_winding(const struct cluster *cluster, vec3 x, uint32_t excluded,
     return node_winding(cluster, cluster->levels - 1, 0, x, excluded, work);
 }
 
-/* An edge of the one comes near the other. */
+/* Does an edge of either triangle come within `distance` of the other triangle? */
 static int triangles_touch(const vec3 a[3], const vec3 b[3], double distance)
 {
     for (int k = 0; k < 3; k++) {

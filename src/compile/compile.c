@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The compiler from end to end: read, clean, order, adjacency, intersections, solid, write. */
+/* The compiler from end to end: read, clean, order, adjacency, intersections, solid, normals, write. */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,13 +13,13 @@
 
 static const source_location nowhere = { 0, 0 };
 
-/* Pi, and its rounding in whatever unit it was asked for. */
+/* Pi in rad, rounded up: a caller's pi may be rounded, or come from 180 degrees. */
 #define CREASE_MAX 3.1415926536
 
-/* Of so many bytes the hash takes a tenth of a millisecond, and is worth a thread. */
+/* Hashing this many bytes takes a tenth of a millisecond: then a thread of its own pays. */
 #define HASH_MIN ((size_t)1 << 17)
 
-/* FNV-1a, 64 bits: names a source, so that a stale .dpa can be told. */
+/* FNV-1a, 64 bits. It identifies the source, so that a stale .dpa can be recognised. */
 static uint64_t hash_of(const void *bytes, size_t size)
 {
     const unsigned char *b = bytes;
@@ -71,13 +71,16 @@ void dpt_compile_def_defaults(dpt_compile_def *def, size_t size)
     sized_defaults(def, size, &defaults, sizeof defaults);
 }
 
-/* What every entry has of its own: the def and the diag as this library knows them. */
+/*
+ * State of one public call. `def` and `diag` are copies in this library's version; the caller's may be older or newer.
+ */
 struct compile_call {
     soup source;
     dpt_compile_def def;
     dpt_diag diag;
 };
 
+/* Check the arguments and fill in `call`. end_call must follow, whatever is returned. */
 static dpt_result begin_call(struct compile_call *call, const dpt_compile_def *given,
                              dpt_compiled *out, const dpt_diag *diag)
 {
@@ -109,6 +112,7 @@ static dpt_result begin_call(struct compile_call *call, const dpt_compile_def *g
     return DPT_OK;
 }
 
+/* Free the soup and write the caller's diag. Returns `result`. */
 static dpt_result end_call(struct compile_call *call, dpt_result result, dpt_diag *diag)
 {
     soup_free(&call->source);
@@ -117,7 +121,7 @@ static dpt_result end_call(struct compile_call *call, dpt_result result, dpt_dia
     return result;
 }
 
-/* A file's bytes, read and hashed side by side. */
+/* Reading and hashing a file's bytes: two items of a parallel loop. */
 struct read_job {
     soup *source;
     uint32_t format;
@@ -162,7 +166,7 @@ dpt_result dpt_compile_bytes(const void *bytes, size_t size, const dpt_compile_d
     return end_call(&call, result, diag);
 }
 
-/* All of a file, growing as it comes: pipes have no length. */
+/* Read all of a file into a block that grows, because a pipe has no length. The caller frees *bytes. */
 static dpt_result read_all(soup *source, FILE *file, unsigned char **bytes, size_t *size)
 {
     size_t capacity = 0;

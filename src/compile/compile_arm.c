@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * An arm's arrays to the bytes of its file (arm_format.h). What a number may be, the reader alone knows (arm_open.c): it
- * is asked about the bytes, and what it refuses is said in words.
+ * Write the arrays of an arm as the bytes of its file (arm_format.h). Only the reader (arm_open.c) knows the ranges of
+ * the numbers. So the finished bytes are verified with it, and its fault is explained in words.
  */
 #include "arm/arm_format.h"
 #include "base/return_if_error.h"
@@ -12,7 +12,7 @@
 
 static const source_location nowhere = { 0, 0 };
 
-/* What is wrong where the reader found something: at this field of a record, or behind it. */
+/* Messages for the reader's faults. One applies from its field to that of the next message of the same record. */
 static const struct reason {
     const char *section;
     size_t field;
@@ -60,7 +60,7 @@ static const char *reason_at(const char *section, size_t field)
     return text;
 }
 
-/* Of record `index`; of a link, its joint's. */
+/* The name of record `index` of a section; for a link, that of its joint. "" if there is none. */
 static const char *name_of(const struct dpt_arm *arm, const char *section, size_t index)
 {
     if (!strcmp(section, "joints"))
@@ -72,7 +72,7 @@ static const char *name_of(const struct dpt_arm *arm, const char *section, size_
     return arm_joints(arm)[arm_links(arm)[index].joint].name;
 }
 
-/* The reader's answer about `arm`, which lies in the host's byte order, in words. */
+/* Fill the diag with the reader's fault, in words. `arm` is the file in the host's byte order. */
 static dpt_result explain_fault(soup *source, const struct dpt_arm *arm,
                                 const dpt_mesh_fault *fault)
 {
@@ -104,7 +104,10 @@ static dpt_result explain_fault(soup *source, const struct dpt_arm *arm,
     return soup_fail(source, fault->code, nowhere, "a body's mesh is damaged");
 }
 
-/* Item i of an array of the def's, by the rule of base/sized.h. */
+/*
+ * Copy item i of one of the def's arrays into `own`. The caller's struct may be older or newer than this library's, of
+ * current_size bytes: base/sized.h has the rule.
+ */
 static dpt_result read_item(soup *source, const char *what, const void *array, uint32_t i,
                             void *own, size_t current_size)
 {
@@ -135,7 +138,7 @@ static dpt_result read_body(soup *source, const dpt_arm_def *def, uint32_t i, dp
     return read_item(source, "body", def->bodies, i, body, sizeof *body);
 }
 
-/* The counts, and what lies behind the pointers as far as its sizes tell. */
+/* Check the counts, the pointers to the arrays, and each body's size and mesh. */
 static dpt_result check_def(soup *source, const dpt_arm_def *def)
 {
     const struct {
@@ -164,7 +167,7 @@ static dpt_result check_def(soup *source, const dpt_arm_def *def)
     return DPT_OK;
 }
 
-/* Zeros behind it, as the file has it; 0 when it is too long. */
+/* Copy a name, and fill the rest with zeros. Returns 0 if the name is too long. */
 static int put_name(char to[DPT_ARM_NAME], const char *name)
 {
     size_t length = 0;
@@ -182,7 +185,7 @@ static dpt_result fail_name_length(soup *source, const char *what, uint32_t inde
                      index, DPT_ARM_NAME - 1);
 }
 
-/* To unit length what is so within 1e-6; the reader refuses the rest. */
+/* Scale a vector to unit length if it is so within 1e-6. The reader refuses any other. */
 static void make_unit(double *number, int count)
 {
     double square = 0.0;
@@ -276,7 +279,7 @@ static dpt_result put_header(soup *source, const dpt_arm_def *def, struct dpt_ar
     return DPT_OK;
 }
 
-/* A mesh in the host's byte order to the file's, where they differ. */
+/* Convert a mesh to little-endian, on a big-endian host. */
 static void mesh_to_file_order(struct dpt_mesh *mesh)
 {
     const uint32_t version = mesh->version, header_bytes = mesh->header_bytes;
@@ -294,7 +297,7 @@ static void mesh_to_file_order(struct dpt_mesh *mesh)
     mesh_swap4(&mesh->header_crc32, 1);
 }
 
-/* All of it, likewise. */
+/* Convert the whole file to little-endian, on a big-endian host. */
 static void arm_to_file_order(struct dpt_arm *arm)
 {
     const struct dpt_arm header = *arm;

@@ -1,13 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/*
- * Which format some bytes are in (soup.h).
- */
+/* Find out which format a file is in, and read it (soup.h). */
 #include <string.h>
 
 #include "arm/arm_format.h"
 #include "compile/text.h"
 
-/* A mesh's or an arm's; what is cut within its magic is not meant. */
+/* Do the bytes begin with the whole magic of a compiled mesh or arm? */
 static int is_compiled(const unsigned char *bytes, size_t size)
 {
     return size >= 8 && (memcmp(bytes, MESH_MAGIC, 8) == 0 || memcmp(bytes, ARM_MAGIC, 8) == 0);
@@ -19,7 +17,7 @@ static int is_ply(source_text text)
     return text_next_word(&text, &word) && word_is(&word, "ply") && !text_next_word(&text, &word);
 }
 
-/* OFF with any of the prefixes that the format has, also those that the reader refuses by name. */
+/* OFF with any prefix of the format, including those that the reader then refuses by name. */
 static int is_off(source_text text)
 {
     source_word word;

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Which triangles cut each other, first within each part, then those of different parts (docs/algorithms/compile.md).
- * A tree over the triangles in their order, which is that of the box tree: leaves of 16, then nodes of 16. Each leaf is
- * searched for by itself, so that the result does not depend on the threads.
+ * Count the pairs of triangles that cut each other: first within each part, then between parts
+ * (docs/algorithms/compile.md). Candidates come from a tree of boxes over the triangles, in the order of the file's box
+ * tree: 16 triangles a leaf, 16 children a node. Each leaf is searched for by itself, so that the result does not
+ * depend on the threads.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -15,47 +16,51 @@
 #include "mesh/mesh_format.h"
 
 /*
- * Work is counted in tests of a box against 16 boxes and in pairs of triangles. A leaf may take LEAF_WORK; leaves that do
- * not come to an end share, in their order, what the mesh has beyond that. Organs take 2 to 9 a triangle.
+ * A unit of work is one test of a box against 16 boxes, or one pair of triangles. Each leaf may take LEAF_WORK. Leaves
+ * that need more share, in their order, SHARED_MIN and SHARED_WORK per triangle of the mesh. Organs take 2 to 9 units
+ * per triangle in all.
  */
 #define LEAF_WORK   1024u
-#define SHARED_WORK 64u                 /* a triangle */
-#define SHARED_MIN  ((uint64_t)1 << 23) /* suffices for all pairs of 4,000 triangles */
+#define SHARED_WORK 64u
+#define SHARED_MIN  ((uint64_t)1 << 23) /* enough for all pairs of 4,000 triangles */
 
-/* Of this many leaves or vertices a thread is worth making. */
+/* The least work for a thread of its own, in leaves and in vertices. */
 #define LEAVES_MIN   256u
 #define VERTICES_MIN 2048u
 
-/* So many leaves are searched before their pairs are counted. */
+/* The number of leaves that are searched before their pairs are counted. */
 #define BATCH 4096u
 
-/* Far above the rounding of what it is for. */
+/* Relative margin of the tests for a simple star, far above their rounding error. */
 #define STAR_MARGIN 0x1p-40
 
-/* The boxes of 16 triangles or nodes; one that is not there meets nothing. */
+/* The boxes of 16 triangles or nodes, in the mesh's frame. An empty lane meets no box. */
 struct box_block {
     float low[3][LANES], high[3][LANES];
 };
 
-/* Of a leaf. */
+/* What the search from one leaf found. */
 struct leaf_result {
     uint32_t pairs;
-    uint32_t example[2];
-    int is_stopped;
+    uint32_t example[2]; /* the first such pair, by source numbers */
+    int is_stopped;      /* 1: the work ran out */
 };
 
+/*
+ * The tree of boxes. A leaf or node has a label if all of its triangles share a part, or (within one part) a vertex
+ * with a simple star. Triangles below two nodes of the same label need no test. Label DPT_NONE: none.
+ */
 struct box_tree {
     const struct model *model;
-    const uint32_t *triangles; /* borrowed */
+    const uint32_t *triangles; /* in the order of the leaves, by place; borrowed */
     uint32_t triangle_count;
-    uint32_t levels; /* 0 are the leaves */
+    uint32_t levels; /* above the leaves, which are level 0 */
     uint32_t level_count[MESH_LEVELS_MAX + 1], level_first[MESH_LEVELS_MAX + 1];
     struct box_block *blocks;
-    uint32_t *
-        labels; /* of a leaf or node: pairs within those of one label are passed over; DPT_NONE: none */
+    uint32_t *labels; /* of each leaf and node */
     struct leaf_result *results;
-    const uint8_t *star_is_simple; /* a vertex's star is */
-    int is_between_parts;          /* pairs of different parts, not within one */
+    const uint8_t *star_is_simple; /* of each vertex */
+    int is_between_parts;          /* 1: search for pairs of different parts; 0: within one part */
 };
 
 struct leaf_search {
@@ -74,10 +79,10 @@ static void load_facet_corners(const struct model *model, uint32_t triangle, str
     facet_finish(facet);
 }
 
-/* A triangle at a vertex, as its part will be wound: from the vertex to its next corner and to its last one. */
+/* A triangle at a vertex, wound as its part will be: the edges from that vertex to the next and to the last corner. */
 struct wedge {
     vec3 next, last;
-    uint32_t next_neighbour, last_neighbour; /* neighbours */
+    uint32_t next_neighbour, last_neighbour; /* triangles over these two edges */
 };
 
 static struct wedge wedge_of(const struct model *model, uint32_t triangle, uint32_t vertex)
@@ -92,11 +97,14 @@ static struct wedge wedge_of(const struct model *model, uint32_t triangle, uint3
                                       : (struct wedge){ a, b, neighbour[k], neighbour[last] };
 }
 
-/* Going round a vertex as seen along a direction; `across` leads to one side of a line through it. */
+/*
+ * A walk round a vertex, from edge to edge of its triangles, as seen along `direction`. Full turns are counted where
+ * the walk passes from the back of a plane through the vertex, with the normal `across`, to its front.
+ */
 struct star_walk {
     vec3 direction, across;
-    int is_uneven;  /* not each step goes forward by less than half a turn, beyond rounding */
-    uint32_t turns; /* steps to that side from the other one */
+    int is_uneven;  /* 1: some step is not surely forward by less than half a turn */
+    uint32_t turns; /* full turns so far */
 };
 
 static void step_to(struct star_walk *walk, vec3 from, vec3 to)
@@ -109,14 +117,14 @@ static void step_to(struct star_walk *walk, vec3 from, vec3 to)
     walk->turns += side_from < 0.0 && dot(across, to) > 0.0;
 }
 
-/* On from the end of an open fan to its beginning, through what is free. */
+/* Walk on from the end of an open fan to its beginning, through the gap between them. */
 static void close_fan(struct star_walk *walk, vec3 end, vec3 begin)
 {
     const vec3 d = walk->direction, quarter = scaled(cross(d, end), 1.0 / length(d));
     const vec3 steps_round[3] = { end, quarter, scaled(end, -1.0) };
     const double sine = dot(cross(end, begin), d) * length(d);
     const double cosine = dot(cross(d, end), cross(d, begin));
-    /* Less than half a turn, about half, or more. */
+    /* The gap is less than half a turn, about half or more: 0, 1 or 2 steps of a quarter turn come first. */
     const int steps = fabs(sine) < -cosine ? 1 : sine > 0.0 ? 0 : 2;
     for (int i = 0; i < steps; i++)
         step_to(walk, steps_round[i], steps_round[i + 1]);
@@ -124,8 +132,8 @@ static void close_fan(struct star_walk *walk, vec3 end, vec3 begin)
 }
 
 /*
- * Seen from some direction, the triangles at a vertex lie round it side by side, once at most: then no two of them cut
- * each other.
+ * Is a vertex's star simple? That is: seen along some direction, its triangles lie side by side round the vertex, over
+ * one turn at most. Then no two of them cut each other.
  */
 static int star_is_simple(const struct model *model, uint32_t vertex)
 {
@@ -159,6 +167,7 @@ static int star_is_simple(const struct model *model, uint32_t vertex)
     return !walk.is_uneven && walk.turns == 1 && begins < 2;
 }
 
+/* What check_stars reads and writes. */
 struct stars {
     const struct model *model;
     uint8_t *is_simple;
@@ -171,7 +180,7 @@ static void check_stars(void *context, size_t first, size_t end)
         stars->is_simple[v] = (uint8_t)star_is_simple(stars->model, (uint32_t)v);
 }
 
-/* An empty lane meets nothing. */
+/* Make all lanes empty: such a box meets no other. */
 static void clear_block(struct box_block *block)
 {
     for (int axis = 0; axis < 3; axis++)
@@ -181,7 +190,10 @@ static void clear_block(struct box_block *block)
         }
 }
 
-/* Wider than flat, so that what lies in one plane meets, and what only touches does not. */
+/*
+ * Boxes meet only if they overlap; boxes that touch do not. So a flat box is widened by one float on either side:
+ * triangles in one axis-aligned plane must meet.
+ */
 static void put_triangle_box(struct box_block *block, uint32_t lane, const struct model *model,
                              uint32_t triangle)
 {
@@ -198,7 +210,7 @@ static void put_triangle_box(struct box_block *block, uint32_t lane, const struc
     }
 }
 
-/* Of 16 boxes. */
+/* Set a lane to the box around the 16 boxes of a child. */
 static void put_child_box(struct box_block *block, uint32_t lane, const struct box_block *child)
 {
     for (int axis = 0; axis < 3; axis++) {
@@ -218,13 +230,14 @@ static int has_vertex(const struct model *model, uint32_t triangle, uint32_t ver
     return corner[0] == vertex || corner[1] == vertex || corner[2] == vertex;
 }
 
+/* Does the triangle lie in the part `label`, or have the vertex `label`? */
 static int label_holds(const struct box_tree *tree, uint32_t label, uint32_t triangle)
 {
     return tree->is_between_parts ? tree->model->part_of[triangle] == label
                                   : has_vertex(tree->model, triangle, label);
 }
 
-/* What all of a leaf's triangles share: their part, or a vertex with a plain star. */
+/* The label of a leaf: what all of its triangles share, their part or a vertex with a simple star. */
 static uint32_t leaf_label(const struct box_tree *tree, const uint32_t *triangles, uint32_t count)
 {
     uint32_t candidates[3], n = 0;
@@ -289,7 +302,7 @@ static void fill_tree(struct box_tree *tree, const uint32_t *triangles, uint32_t
         fill_level(tree, level);
 }
 
-/* Which of 16 boxes meet a lane's. */
+/* Which of the 16 boxes of `block` meet the box in one lane of `other`? Returns a bit for each lane. */
 static uint32_t lanes_meeting(const struct box_block *block, const struct box_block *other,
                               uint32_t lane)
 {
@@ -309,13 +322,17 @@ static uint32_t lanes_meeting(const struct box_block *block, const struct box_bl
     return lanes;
 }
 
+/* Mark the search as stopped if its work has run out. Returns 1 if it is stopped. */
 static int stop_if_spent(struct leaf_search *search)
 {
     search->result->is_stopped |= search->work >= search->max_work;
     return search->result->is_stopped;
 }
 
-/* Two triangles of which it is known without looking. */
+/*
+ * Can two triangles be skipped? Between parts: both lie in one part. Within one: they share a vertex with a simple
+ * star.
+ */
 static int is_skipped_pair(const struct box_tree *tree, uint32_t a, uint32_t b)
 {
     const uint32_t *corner = tree->model->corners + 3 * (size_t)a;
@@ -327,6 +344,7 @@ static int is_skipped_pair(const struct box_tree *tree, uint32_t a, uint32_t b)
     return 0;
 }
 
+/* Test one pair, and count it if the triangles cut each other. `one` is the facet of `a`. */
 static void test_pair(struct leaf_search *search, uint32_t a, const struct facet *one, uint32_t b)
 {
     const struct model *model = search->tree->model;
@@ -341,7 +359,10 @@ static void test_pair(struct leaf_search *search, uint32_t a, const struct facet
     }
 }
 
-/* The leaf's triangles against those of another one, or of itself, whose box lies in a lane of its parent. */
+/*
+ * Test the triangles of the search's leaf against those of leaf `other`, which may be the same. The box of `other` is
+ * in `lane` of `parent`.
+ */
 static void search_leaf(struct leaf_search *search, uint32_t other, const struct box_block *parent,
                         uint32_t lane)
 {
@@ -369,7 +390,9 @@ static void search_leaf(struct leaf_search *search, uint32_t other, const struct
     }
 }
 
-/* What is below a node, but for leaves before this one: they have looked for themselves. */
+/*
+ * Search the leaves below a node. Leaves before this search's leaf are skipped: their own searches found those pairs.
+ */
 static void search_node(struct leaf_search *search, uint32_t level, uint32_t node)
 {
     const struct box_tree *tree = search->tree;
@@ -391,7 +414,7 @@ static void search_node(struct leaf_search *search, uint32_t level, uint32_t nod
     }
 }
 
-/* From the root. Returns the work. */
+/* Search the whole tree for pairs with the triangles of one leaf. Returns the work spent. */
 static uint64_t search_from_leaf(const struct box_tree *tree, uint32_t leaf, uint64_t max_work)
 {
     struct leaf_search search = { .tree = tree, .leaf = leaf, .max_work = max_work };
@@ -401,7 +424,7 @@ static uint64_t search_from_leaf(const struct box_tree *tree, uint32_t leaf, uin
     return search.work;
 }
 
-/* Leaves from `first` on. */
+/* Consecutive leaves, from leaf `first` on. */
 struct batch {
     const struct box_tree *tree;
     uint32_t first;
@@ -425,8 +448,8 @@ static void add_leaf_result(struct model *model, const struct leaf_result *resul
 }
 
 /*
- * What is found is added to the model's; returns whether there is anything, or may be. Where that is known, and pairs are
- * enough, the next batch is not searched.
+ * Search from every leaf of the tree, and add the pairs to the model's. Returns 1 if there are pairs, or may be because
+ * a search stopped. Once that is so and the model has its full number of pairs, no further batch is searched.
  */
 static int search_leaves(struct box_tree *tree, struct model *model, uint32_t threads,
                          uint64_t *shared_work)
@@ -452,7 +475,7 @@ static int search_leaves(struct box_tree *tree, struct model *model, uint32_t th
     return has_pairs;
 }
 
-/* By part, each part's in their order. */
+/* List the triangles of each part, ascending. */
 static dpt_result list_parts(struct model *model, soup *source)
 {
     uint32_t *list = model->part_list =
@@ -474,7 +497,10 @@ static dpt_result list_parts(struct model *model, soup *source)
     return DPT_OK;
 }
 
-/* All parts, to mark those that cut themselves; then between them, unless there are pairs enough. */
+/*
+ * Search each part, and mark those that cut themselves. Then search for pairs of different parts, unless the model has
+ * its full number of pairs. `all` is scratch of one word per triangle.
+ */
 static void search_all(struct box_tree *tree, struct model *model, uint32_t *all, uint32_t threads)
 {
     uint64_t shared_work = SHARED_MIN + SHARED_WORK * (uint64_t)model->triangle_count;

@@ -8,7 +8,7 @@
 
 #define PER_SPHERE (1.0 / (2.0 * ANGLE_TURN)) /* 1 / (4 pi) */
 
-/* The axes of each component. */
+/* The axes of each component, and the component of a pair of axes. */
 static const uint8_t quad_axes[6][2] = {
     { 0, 0 }, { 1, 1 }, { 2, 2 }, { 0, 1 }, { 0, 2 }, { 1, 2 }
 };
@@ -22,7 +22,7 @@ static double trace_of(const double tensor[6])
     return tensor[0] + tensor[1] + tensor[2];
 }
 
-/* What is left of the series is at most this times area for a unit distance: the integral of |u|^3, or more. */
+/* At least the integral of |u|^3, by Cauchy and Schwarz. It scales the bound of the remainder. */
 static double cubic_bound(const struct winding_moment *m)
 {
     return sqrt(trace_of(m->second) * m->fourth);
@@ -55,16 +55,16 @@ struct winding_moment moment_of_triangle(vec3 a, vec3 b, vec3 c)
     for (int i = 0; i < 6; i++)
         m.second[i] = m.area * second[i];
     m.radius = sqrt(largest_square);
-    m.fourth = largest_square * trace_of(m.second); /* or less */
+    m.fourth = largest_square * trace_of(m.second); /* an upper bound */
     return m;
 }
 
-/* Add a set, its tensors moved by `by` to the common centre. */
+/* Add a set. `shift` is its centroid less the common one; its tensors are moved to the common centroid. */
 static void add_set(struct winding_moment *sum, const struct winding_moment *set, vec3 shift)
 {
     const double n[3] = { set->area_vector.x, set->area_vector.y, set->area_vector.z };
     const double s[3] = { shift.x, shift.y, shift.z };
-    const double largest_square = dot(shift, shift), spread = trace_of(set->second);
+    const double shift_square = dot(shift, shift), spread = trace_of(set->second);
     for (int k = 0; k < 6; k++) {
         int x = quad_axes[k][0], y = quad_axes[k][1];
         sum->quad[k] += set->quad[k] + 0.5 * (n[x] * s[y] + n[y] * s[x]);
@@ -80,17 +80,17 @@ static void add_set(struct winding_moment *sum, const struct winding_moment *set
     }
     double along_s = 0.0, third = 0.0;
     for (int i = 0; i < 3; i++) {
-        double turned = 0.0;
+        double second_s = 0.0;
         for (int j = 0; j < 3; j++)
-            turned += set->second[quad_at[i][j]] * s[j];
+            second_s += set->second[quad_at[i][j]] * s[j];
         sum->third[i] +=
-            set->third[i] + 2.0 * turned + (spread + set->area * largest_square) * s[i];
-        along_s += turned * s[i];
+            set->third[i] + 2.0 * second_s + (spread + set->area * shift_square) * s[i];
+        along_s += second_s * s[i];
         third += set->third[i] * s[i];
     }
-    sum->fourth += set->fourth + 4.0 * third + 4.0 * along_s + 2.0 * largest_square * spread +
-                   set->area * largest_square * largest_square;
-    sum->radius = max_of(sum->radius, sqrt(largest_square) + set->radius);
+    sum->fourth += set->fourth + 4.0 * third + 4.0 * along_s + 2.0 * shift_square * spread +
+                   set->area * shift_square * shift_square;
+    sum->radius = max_of(sum->radius, sqrt(shift_square) + set->radius);
 }
 
 struct winding_moment moment_of_sets(const struct winding_moment *sets, uint32_t count)
@@ -111,9 +111,9 @@ struct winding_moment moment_of_sets(const struct winding_moment *sets, uint32_t
 }
 
 /*
- * The remainder: the series' term of degree l is a solid harmonic's gradient, at most l r^(l-1) / d^(l+1) for a
- * unit of area at r (Bernstein's inequality); from l = 4 on they add up to r^3 (4 - 3 t) / (d^5 (1 - t)^2), t =
- * r / d, and r^3 is at most radius r^2.
+ * The bound of the remainder. The term of degree l is the gradient of a solid harmonic. For a unit of area at distance
+ * r from the centroid it is at most l r^(l-1) / d^(l+1) (Bernstein's inequality). From l = 4 on the terms add up to r^3
+ * (4 - 3 t) / (d^5 (1 - t)^2) with t = r / d, and r^3 is at most radius r^2.
  */
 double moment_winding(const struct winding_moment *m, vec3 x, double *error)
 {
@@ -142,7 +142,7 @@ double moment_winding(const struct winding_moment *m, vec3 x, double *error)
     return PER_SPHERE * inverse * inverse * (area + inverse * (quad + inverse * oct));
 }
 
-/* Without their traces, which are no part of a harmonic field, tensors need one component less for each axis. */
+/* The trace of a tensor adds nothing to a harmonic field. Without it, one component less is stored for each axis. */
 void moment_store(const struct winding_moment *m, float *block)
 {
     const double *q = m->quad, *o = m->oct;

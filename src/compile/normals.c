@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * What a tick would have to walk a vertex's triangles for: its normal, and which of its edges are borders or creases.
- * Linear in the triangles.
+ * Vertex normals, and flags for border, non-manifold and crease edges. Stored in the file, they spare a tick the walk
+ * over a vertex's triangles. Time is linear in the triangles.
  */
 #include <stdlib.h>
 
@@ -10,15 +10,15 @@
 #include "compile/parallel.h"
 #include "mesh/mesh_format.h"
 
-/* A sum of normals that is shorter than this, per angle of its triangles, tells no direction. */
+/* A sum of angle-weighted normals has no usable direction if it is shorter than this times the sum of the angles. */
 #define NORMAL_MIN 0x1p-20
 
 struct normals {
     struct model *model;
-    vec3 *face_normals;    /* unit normals of the triangles */
-    double *corner_angles; /* of their corners */
-    uint8_t *vertex_edges; /* of a vertex: DPT_EDGE_... that meet there */
-    double cosine;         /* of the crease */
+    vec3 *face_normals;    /* of each triangle, unit */
+    double *corner_angles; /* 3 per triangle, rad */
+    uint8_t *vertex_edges; /* of each vertex: DPT_EDGE_... of all edges there */
+    double cosine;         /* of the crease angle */
 };
 
 static void measure_faces(void *context, size_t first, size_t end)
@@ -36,7 +36,10 @@ static void measure_faces(void *context, size_t first, size_t end)
     }
 }
 
-/* Of 0..pi, by the series of an eighth of it: the same bits on every machine. */
+/*
+ * The cosine of 0..pi rad, with the same bits on every machine: the series at an eighth of the angle, doubled three
+ * times.
+ */
 static double cosine_of(double angle)
 {
     double x = angle / 8.0, x2 = x * x, cosine = 1.0;
@@ -47,7 +50,10 @@ static double cosine_of(double angle)
     return cosine;
 }
 
-/* Do they meet at more than the limit? Of two that are wound against each other the one counts as turned. */
+/*
+ * Do the normals of a half-edge's triangle and its neighbour differ by more than the crease angle? If the two are wound
+ * against each other, one of them counts as turned.
+ */
 static int is_crease(const struct normals *work, uint32_t half)
 {
     uint32_t n = work->model->neighbours[half];
@@ -74,7 +80,7 @@ static void flag_edges(void *context, size_t first, size_t end)
     }
 }
 
-/* A vertex's normal from its triangles, in the order of the fan; none where parts share it. */
+/* Sum up the normal of each vertex over its triangles, in the order of the fan. It is 0 where several parts meet. */
 static void add_normals(void *context, size_t first, size_t end)
 {
     const uint32_t edge_bits = DPT_EDGE_BORDER | DPT_EDGE_NONMANIFOLD | DPT_EDGE_CREASE;
@@ -106,7 +112,7 @@ static void add_normals(void *context, size_t first, size_t end)
     }
 }
 
-/* A corner's bit is as far from its edge's as DPT_CORNER_BORDER from DPT_EDGE_BORDER. */
+/* The bit of a corner is that of an edge times DPT_CORNER_BORDER / DPT_EDGE_BORDER, for all three kinds. */
 static void flag_corners(void *context, size_t first, size_t end)
 {
     const uint32_t corner = DPT_CORNER_BORDER / DPT_EDGE_BORDER;
@@ -117,6 +123,7 @@ static void flag_corners(void *context, size_t first, size_t end)
                                      << k;
 }
 
+/* Count creases, once for each pair of triangles, and vertices without a normal. */
 static void count_results(struct model *model)
 {
     for (uint32_t half = 0; half < 3 * model->triangle_count; half++)

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The order of the triangles is the tree: leaf k holds triangles 16 k to 16 k + 15, its parent the
- * leaves 16 j to 16 j + 15, and so on. So a cut between two subtrees may fall only at a multiple of the
- * smaller one's capacity, and every node but the last of a level is full.
+ * The order of the triangles defines the box tree: leaf k holds triangles 16 k to 16 k + 15, node j of the next level
+ * holds leaves 16 j to 16 j + 15, and so on. Every node but the last of a level is full. So triangles may be split into
+ * two subtrees only at a multiple of the capacity of the next lower level.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -13,21 +13,25 @@
 #include "compile/parallel.h"
 
 struct item {
-    float corner_sum[3]; /* sum of the corners: three times the centroid */
-    uint32_t triangle;
+    float corner_sum[3]; /* three times the centroid */
+    uint32_t triangle;   /* its index before the ordering */
 };
 
-/* Of one thread. The pivots start anew below subtrees of so many: whoever orders them draws the same. */
+/*
+ * A range of at least this many items may be shared between threads. Both of its halves then restart the random pivots
+ * from SEED, so that the result does not depend on the threads.
+ */
 #define FORK_MIN ((size_t)2 * PARALLEL_MIN)
 #define SEED     1u
 
+/* The state of one thread. */
 struct ordering {
     struct item *items;
-    soup *source; /* to tell progress; NULL in a thread that is not the caller's */
-    size_t total; /* of which it tells progress */
+    soup *source; /* for the progress callback; NULL in threads other than the caller's */
+    size_t total; /* items of this thread: done / total is the progress */
     size_t done;
-    uint64_t random;
-    uint32_t threads;
+    uint64_t random;  /* state of the pivots' generator */
+    uint32_t threads; /* that may order the current range */
 };
 
 static int comes_before(const struct item *a, const struct item *b, int axis)
@@ -43,7 +47,7 @@ static void swap(struct item *a, struct item *b)
     *b = t;
 }
 
-/* Put the `rank` least items of first..end in front: quickselect with pivots drawn from a fixed seed. */
+/* Move the `rank` smallest items along `axis` to the front of first..end. Quickselect with pivots from a fixed seed. */
 static void select_rank(struct ordering *order, size_t first, size_t end, size_t rank, int axis)
 {
     struct item *items = order->items;
@@ -90,6 +94,7 @@ static int widest_axis(const struct item *items, size_t count)
     return axis;
 }
 
+/* Count the items of a leaf as done. Report progress about once in 65,536 items. */
 static dpt_result finish_leaf(struct ordering *order, size_t count)
 {
     size_t reported = order->done >> 16;
@@ -101,6 +106,7 @@ static dpt_result finish_leaf(struct ordering *order, size_t count)
 
 static dpt_result split(struct ordering *order, size_t first, size_t count, size_t capacity);
 
+/* One half of a range, as an item of a parallel loop. */
 struct split_job {
     struct ordering order;
     size_t first, count, capacity;
@@ -116,7 +122,10 @@ static void split_half(void *context, size_t first, size_t end)
     }
 }
 
-/* Both halves of first..first + left + right, side by side where each gets a thread by its share of the items. */
+/*
+ * Split both halves of first..first + left + right further. They get threads in proportion to their items, and run in
+ * parallel if the right half gets at least one.
+ */
 static dpt_result split_large(struct ordering *order, size_t first, size_t left, size_t right,
                               size_t capacity)
 {
@@ -140,7 +149,7 @@ static dpt_result split_large(struct ordering *order, size_t first, size_t left,
     return jobs[0].result;
 }
 
-/* Order first..first + count, whose subtrees hold `capacity` triangles each. */
+/* Order first..first + count. `capacity` is that of a node of the level below, or of a higher one. */
 static dpt_result split(struct ordering *order, size_t first, size_t count, size_t capacity)
 {
     if (count <= LANES)
@@ -169,7 +178,7 @@ static void fill_items(const struct model *model, const float *positions, struct
     }
 }
 
-/* Corners and sources on their way to the new order. */
+/* The new arrays, and what they are filled from. */
 struct permutation {
     const struct model *model;
     const struct item *items;
@@ -205,7 +214,10 @@ static dpt_result permute(struct model *model, soup *source, const struct item *
     return DPT_OK;
 }
 
-/* Vertices in the order of their first use, for locality. `number` has a word a source vertex. */
+/*
+ * Number the vertices in the order of their first use, for locality, and copy their positions. `vertex_number` is
+ * scratch of one word for each vertex of the source.
+ */
 static dpt_result number_vertices(struct model *model, soup *source, uint32_t *vertex_number)
 {
     memset(vertex_number, 0xff, source->vertex_count * sizeof *vertex_number);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Wavefront OBJ: the lines that begin with v and f. All other lines are skipped, known or not, and
- * so is whatever follows x, y and z on a vertex line (a weight, colours).
+ * Wavefront OBJ: the lines that begin with v and f. All other lines are skipped. On a vertex line, everything after x,
+ * y and z (a weight, colours) is skipped too.
  */
 #include "base/return_if_error.h"
 #include "compile/text.h"
@@ -13,7 +13,7 @@ typedef struct obj_reader {
     corner_list corners;
 } obj_reader;
 
-/* v, v/, v//, v/vt, v//vn or v/vt/vn: the first number; NULL when it is none of these. */
+/* Parse v, v/, v//, v/vt, v//vn or v/vt/vn. Set *number to v. Returns NULL if the word has no such form. */
 static const char *parse_corner(const source_word *word, int64_t *number)
 {
     int64_t ignored;
@@ -59,7 +59,7 @@ static dpt_result read_face(obj_reader *reader)
                             location);
 }
 
-/* A backslash joins lines within v and f only: a name may end in one. */
+/* Only v and f lines may continue after a backslash. On other lines it may be the end of a name. */
 static dpt_result read_line(obj_reader *reader)
 {
     source_text *text = &reader->text;

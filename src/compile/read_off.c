@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * OFF, as text: a header word, the counts, then a line for each vertex and each face. What follows
- * the coordinates of a vertex or the corners of a face (normals, colours, texture) is skipped.
+ * OFF as text: a header word, the counts, then a line for each vertex and each face. Everything after the coordinates
+ * of a vertex or the corners of a face (normals, colours, texture) is skipped.
  */
 #include <inttypes.h>
 #include <string.h>
@@ -22,7 +22,7 @@ static dpt_result refuse_header(off_reader *reader, const char *reason)
     return soup_fail(reader->source, DPT_E_FORMAT, text_location(&reader->text), "%s", reason);
 }
 
-/* Prefixes say what each vertex has beside x, y and z; only more than three dimensions matter. */
+/* A prefix of OFF says what each vertex has besides x, y and z. Those with more than three dimensions are refused. */
 static dpt_result read_keyword(off_reader *reader)
 {
     source_text *text = &reader->text;
@@ -74,7 +74,7 @@ static dpt_result read_counts(off_reader *reader)
     return DPT_OK;
 }
 
-/* Go to the line of item `number` of `count`. */
+/* Go to the line of item `number`, from 0, of `count`. `items` names them in messages. */
 static dpt_result begin_item(off_reader *reader, const char *items, int64_t number, int64_t count)
 {
     source_text *text = &reader->text;

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * PLY 1.0, ASCII and binary of both byte orders. The header says what the rows of each element
- * hold; all of them are stepped through, and x, y and z of "vertex" and the list "vertex_indices"
- * (or "vertex_index") of "face" are kept. In ASCII a row is a line.
+ * PLY 1.0, ASCII and binary of both byte orders. The header says what the rows of each element hold. All rows are read.
+ * Of "vertex", x, y and z are used; of "face", the list "vertex_indices" or "vertex_index". In ASCII a row is a line.
  */
 #include <inttypes.h>
 #include <stdlib.h>
@@ -26,11 +25,11 @@ static const struct {
 
 static const uint8_t type_bytes[] = { 0, 1, 1, 2, 2, 4, 4, 4, 8 };
 
-enum { SKIPPED, X, Y, Z, CORNERS }; /* what a property is to us */
+enum { SKIPPED, X, Y, Z, CORNERS }; /* what the reader uses a property for */
 
 typedef struct ply_property {
     uint8_t type;
-    uint8_t count_type; /* of a list's length; NO_TYPE when it is no list */
+    uint8_t count_type; /* of a list's length; NO_TYPE if it is no list */
     uint8_t role;
 } ply_property;
 
@@ -39,10 +38,10 @@ enum { OTHER, VERTEX, FACE, TRIANGLE_STRIPS };
 typedef struct ply_element {
     int kind;
     source_word name;
-    uint64_t line; /* of the header */
-    uint64_t rows; /* announced */
+    uint64_t line; /* in the header, from 1 */
+    uint64_t rows; /* as the header announces */
     size_t first_property, property_count;
-    size_t row_bytes; /* of a binary row whose lists are empty */
+    size_t row_bytes; /* of a binary row with empty lists */
 } ply_element;
 
 enum { NO_ENCODING, ASCII, LITTLE_ENDIAN_BINARY, BIG_ENDIAN_BINARY };
@@ -56,12 +55,12 @@ typedef struct ply_reader {
     size_t element_count, element_capacity;
     ply_property *properties;
     size_t property_count, property_capacity;
-    uint64_t vertices; /* announced */
+    uint64_t vertices; /* as the header announces */
     uint64_t rows_read;
     corner_list corners;
 } ply_reader;
 
-/* The line; in the rows of a binary file the byte. */
+/* Where the reader is: the line, or the byte in the rows of a binary file. */
 static source_location location_of(const ply_reader *reader)
 {
     if (reader->encoding == ASCII)
@@ -248,7 +247,7 @@ static int is_at_bare_cr(const ply_reader *reader)
            !(text->end - text->at > 1 && text->at[1] == '\n');
 }
 
-/* Data follow one end of line; in a header whose lines end in CR, a LF is data already. */
+/* One end of line separates the header from the data. If the header's lines end in CR, a LF is already data. */
 static dpt_result end_header(ply_reader *reader, int has_bare_cr)
 {
     source_word word;
@@ -303,7 +302,7 @@ static dpt_result check_element(ply_reader *reader, const ply_element *element)
     return DPT_OK;
 }
 
-/* Before anything is taken: what the header announces must fit in the bytes that follow. */
+/* Before anything is allocated, check that the rows that the header announces fit in the bytes after it. */
 static dpt_result check_header(ply_reader *reader)
 {
     int is_ascii = reader->encoding == ASCII;
@@ -353,7 +352,7 @@ static double load_double(uint64_t bits)
     return value;
 }
 
-/* Two's complement of `size` bytes, on any host. */
+/* Decode a two's complement number of `size` bytes, on any host. */
 static double load_signed(uint64_t bits, size_t size)
 {
     uint64_t sign = UINT64_C(1) << (8 * size - 1);
@@ -411,7 +410,7 @@ static dpt_result skip_values(ply_reader *reader, uint8_t type, size_t count)
     return DPT_OK;
 }
 
-/* The length of a list, no more than the bytes that are left can hold. */
+/* Read the length of a list. It is refused if the bytes that are left cannot hold the list. */
 static dpt_result read_length(ply_reader *reader, const ply_property *property, size_t *length)
 {
     source_location location = location_of(reader);
@@ -496,7 +495,7 @@ static dpt_result read_row(ply_reader *reader, const ply_element *element, uint6
 static dpt_result read_rows(ply_reader *reader, const ply_element *element)
 {
     if (element->property_count == 0)
-        return DPT_OK; /* nothing stands in the file for it, however many there are */
+        return DPT_OK; /* rows without properties take no bytes */
     for (uint64_t row = 0; row < element->rows; row++) {
         if (row % PROGRESS_STRIDE == 0)
             DPT_TRY(soup_report_progress(reader->source, "read",
@@ -507,7 +506,7 @@ static dpt_result read_rows(ply_reader *reader, const ply_element *element)
     return DPT_OK;
 }
 
-/* Some writers end a binary file with a line end as well. */
+/* Only blanks and line ends may follow: some writers end a binary file with a line end. */
 static dpt_result check_end(ply_reader *reader)
 {
     if (!text_seek_word(&reader->text))

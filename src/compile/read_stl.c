@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * STL, binary and ASCII: three vertices of its own for every facet. Normals are skipped. Which of
- * the two it is, the length tells: binary files may begin with "solid" as well.
+ * STL, binary and ASCII. Every facet has three vertices of its own; normals are skipped. The length of the file tells
+ * binary from ASCII, because a binary file may begin with "solid" too.
  */
 #include <inttypes.h>
 #include <string.h>
@@ -25,7 +25,7 @@ static double load_float(const unsigned char *bytes)
     return (double)value;
 }
 
-/* The vertices were just added. */
+/* Add a triangle of the last three vertices. */
 static dpt_result add_triangle(soup *source, source_location location)
 {
     uint32_t next = (uint32_t)source->vertex_count;
@@ -98,7 +98,7 @@ static dpt_result expect_keyword(source_text *text, const char *keyword)
     return word_is_any_case(&word, keyword) ? DPT_OK : refuse_keyword(text, &word, keyword);
 }
 
-/* "endsolid" and "end solid" are the same: go past the second word if there are two. */
+/* Is `first` "end" and `what` in one word, or "end" with the word `what` next? If so, read past that word. */
 static int is_end_of(source_text *text, const source_word *first, const char *what)
 {
     source_word word = { first->begin, first->begin + 3 };
@@ -115,7 +115,7 @@ static int is_end_of(source_text *text, const source_word *first, const char *wh
     return 0;
 }
 
-/* "normal", three words of any kind, "outer", "loop" */
+/* Read "normal", three words of any kind, "outer", "loop". */
 static dpt_result read_facet_head(source_text *text)
 {
     source_word word;
@@ -156,7 +156,7 @@ static dpt_result read_facet(source_text *text)
     return add_triangle(text->source, location);
 }
 
-/* After "solid": its name is the rest of the line. */
+/* Read a solid up to its end. "solid" was read; the rest of that line is its name. */
 static dpt_result read_solid(source_text *text, const char *begin)
 {
     text_next_line(text);
@@ -185,7 +185,7 @@ static dpt_result read_ascii(source_text *text)
     return DPT_OK;
 }
 
-/* A text has no zero byte; a binary file nearly always has some in its padding or its count. */
+/* Text has no zero byte. A binary file nearly always has some in its padding or count. */
 static int is_ascii(const source_text *text, const unsigned char *bytes, size_t size)
 {
     source_text ahead = *text;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Which parts have an inside, which of them lie within or cut which, and which way round they must be
+ * Which parts are solid, that is, have an inside; which solids lie within or cut each other; and how they must be wound
  * (docs/algorithms/winding.md).
  */
 #include <stdlib.h>
@@ -11,37 +11,45 @@
 #include "compile/parallel.h"
 #include "mesh/mesh_format.h"
 
-/* A part with defects is solid when the rest of it goes round its triangles as often as that, on average. */
+/*
+ * A part with defects is solid if the winding number of its other triangles, at the centroid of a triangle, is at least
+ * this on average, in size. It is 0.5 for a closed surface and 0 for a flat sheet.
+ */
 #define SOLID_MIN 0.44
 
-/* Coordinates are floats: of the largest one they tell so much. */
+/* Coordinates are floats: the resolution of a mesh is this times its largest coordinate. */
 #define RESOLUTION 0x1p-23
 
-/* Of a part's triangles so many are asked, spread evenly over them. */
+/* The number of sample triangles of a part with defects: one in SAMPLES_SHARE, within these limits, spread evenly. */
 #define SAMPLES_MIN   32u
 #define SAMPLES_MAX   1000u
 #define SAMPLES_SHARE 16u
 
-/* Fewer where that costs more than so much a triangle, as at a hub, whose triangles are all near each other. */
+/*
+ * Sampling stops, after SAMPLES_MIN / 2, at this much work per triangle of the part. A hub would cost more: its
+ * triangles are all near each other.
+ */
 #define SAMPLES_WORK 16u
 
-/* Where parts meet, or one of them has holes, that many points of the one tell whether it lies in the other. */
+/* Does a part lie inside another one? Where the two touch, or the other has holes, this many points decide. */
 #define INSIDE_SAMPLES 16u
 
-/* Between these a point is neither inside nor outside of a part with defects. */
+/* At a winding number between these, in size, a point is neither surely inside nor surely outside. */
 #define SURELY_OUTSIDE 0.1
 #define SURELY_INSIDE  0.9
 
 /*
- * Where the boxes of all parts meet, their pairs are the square of their number. So much work a triangle goes into
- * them, in boxes compared, of which a triangle of the smaller part is worth some; 96 parts that meet each other.
+ * If the boxes of all parts meet, the pairs of parts grow with the square of their number. So the work on pairs is
+ * limited to RELATE_WORK per triangle of the mesh. A unit is one comparison of two boxes; a pair whose boxes meet costs
+ * RELATE_TRIANGLE units per triangle of its smaller part. That suffices for 96 parts that all meet each other.
  */
 #define RELATE_WORK     3072u
 #define RELATE_TRIANGLE 64u
 
 /*
- * What has no inside itself may lie within a solid. That is asked of so many triangles and, in a large mesh, of one in so
- * many, the first ones; so many boxes compared count as one.
+ * A part without an inside may lie within a solid. Parts are checked in order until the work reaches BURY_MIN plus one
+ * unit per BURY_SHARE triangles of the mesh. A unit is one triangle against one solid, or BURY_BOXES comparisons of
+ * boxes.
  */
 #define BURY_MIN   1024u
 #define BURY_SHARE 64u
@@ -49,21 +57,22 @@
 
 struct solid {
     uint32_t part;
-    uint32_t first_in_list; /* of its triangles in the list */
+    uint32_t first_in_list; /* where its triangles begin in the list by part */
     uint32_t triangle_count;
     int is_closed;
     int is_solid;
-    dpt_result result; /* of finding that out */
-    int is_mixed;      /* wound both ways in the source */
-    int is_inward;     /* as wound in the source, most of it where mixed */
-    int is_flipped;    /* is turned as a whole */
-    int needs_winding; /* MESH_PART_WINDING */
-    double volume, area;
+    dpt_result result; /* of classify_solids */
+    int is_mixed;      /* 1: wound both ways in the source */
+    int is_inward;     /* 1: wound inward in the source; if mixed, most of it is */
+    int is_flipped;    /* 1: the whole part is turned */
+    int needs_winding; /* 1: only the winding number tells its inside (MESH_PART_WINDING) */
+    double volume;     /* m^3, negative if wound inward */
+    double area;       /* m^2 */
     struct bounds box;
-    struct cluster cluster; /* made when first asked */
+    struct cluster cluster; /* built when first needed */
 };
 
-/* One lies within another: both by their rank. */
+/* One solid lies within another. Both are ranks. */
 struct containment {
     uint32_t inner, outer;
 };
@@ -71,16 +80,19 @@ struct containment {
 struct solids {
     struct model *model;
     soup *source;
-    const uint32_t *part_list; /* the model's, by part */
+    const uint32_t *part_list; /* the model's */
     const uint32_t *part_first;
-    struct solid *solids; /* by rank: the largest first */
+    struct solid *solids; /* by rank: the largest volume first */
     uint32_t count;
     struct containment *containments;
     size_t containment_count, containment_capacity;
-    double touch_distance; /* what is nearer touches */
+    double touch_distance; /* m; surfaces that are no farther apart touch */
 };
 
-/* The volume that it encloses, as its triangles will agree, its box, and how many triangles are to be turned. */
+/*
+ * Measure a part's volume, area and box, with its triangles wound one way (model->is_turned). Returns how many of them
+ * are turned for that.
+ */
 static uint32_t measure(const struct solids *all, struct solid *solid)
 {
     const struct model *model = all->model;
@@ -103,13 +115,14 @@ static uint32_t measure(const struct solids *all, struct solid *solid)
     return turned_count;
 }
 
-/* Thinner than its coordinates tell: what it encloses may be all rounding. */
+/* Is the part thinner than the resolution of its coordinates? Then its volume may be nothing but rounding error. */
 static int is_flat(const struct solid *solid)
 {
     double extent = max_of(extent_of(solid->box.low), extent_of(solid->box.high));
     return fabs(solid->volume) <= RESOLUTION * extent * solid->area;
 }
 
+/* Build the solid's cluster unless it is there. */
 static dpt_result ensure_cluster(struct solids *all, struct solid *solid)
 {
     if (solid->cluster.node_moments)
@@ -118,6 +131,7 @@ static dpt_result ensure_cluster(struct solids *all, struct solid *solid)
                          solid->triangle_count);
 }
 
+/* The centroid of a triangle. *area becomes twice its area; it may be NULL. */
 static vec3 centroid_of(const struct model *model, uint32_t triangle, double *area)
 {
     vec3 c[3];
@@ -127,7 +141,7 @@ static vec3 centroid_of(const struct model *model, uint32_t triangle, double *ar
     return scaled(add(add(c[0], c[1]), c[2]), 1.0 / 3.0);
 }
 
-/* The k-th of `samples` triangles, the first ones already spread over the part, by the golden section. */
+/* Sample triangle k of `samples`. The golden section spreads any first k of them over the part. Returns a place. */
 static uint32_t sample_triangle(const struct solids *all, const struct solid *solid, uint32_t k,
                                 uint32_t samples)
 {
@@ -139,8 +153,8 @@ static uint32_t sample_triangle(const struct solids *all, const struct solid *so
 }
 
 /*
- * Does a part with defects nearly close? Round a closed surface's own triangles the rest of it goes by half a turn,
- * round those of a flat sheet not at all. Its sign tells which way it is wound.
+ * Is a part with defects solid? At the centroid of a triangle, the winding number of the part's other triangles is 0.5
+ * in size if the part nearly closes, and 0 on a flat sheet. Its sign tells how the part is wound.
  */
 static dpt_result judge_defective(struct solids *all, struct solid *solid)
 {
@@ -164,7 +178,9 @@ static dpt_result judge_defective(struct solids *all, struct solid *solid)
     return DPT_OK;
 }
 
-/* A closed part that is wound half and half has no way of its own: outward. */
+/*
+ * Wind a closed part outward if exactly half of its triangles are wound either way: then neither way is the source's.
+ */
 static void wind_half_outward(const struct solids *all, struct solid *solid, uint32_t turned_count)
 {
     if (2 * (uint64_t)turned_count != solid->triangle_count || !solid->is_inward)
@@ -175,12 +191,13 @@ static void wind_half_outward(const struct solids *all, struct solid *solid, uin
     solid->volume = -solid->volume;
 }
 
-/* Four triangles enclose something, three do not. */
+/* It takes four triangles to enclose a volume. */
 static int may_be_solid(const struct part *part)
 {
     return part->triangles >= 4;
 }
 
+/* Order solids by falling volume. */
 static int by_size(const void *a, const void *b)
 {
     const struct solid *x = a, *y = b;
@@ -190,6 +207,7 @@ static int by_size(const void *a, const void *b)
     return x->part < y->part ? -1 : 1;
 }
 
+/* For candidates first..end: find whether each is solid, and how it is wound. */
 static void classify_solids(void *context, size_t first, size_t end)
 {
     struct solids *all = context;
@@ -209,6 +227,7 @@ static void classify_solids(void *context, size_t first, size_t end)
     }
 }
 
+/* List the solids by rank. */
 static dpt_result find_solids(struct solids *all)
 {
     struct model *model = all->model;
@@ -240,7 +259,7 @@ static dpt_result find_solids(struct solids *all)
     return DPT_OK;
 }
 
-/* Do two surfaces touch? The smaller one's triangles against the other's cluster. */
+/* Do two surfaces touch? Sets *touch. Tests the triangles of the smaller part against the cluster of the larger one. */
 static dpt_result surfaces_touch(struct solids *all, struct solid *a, struct solid *b, int *touch)
 {
     struct solid *smaller = a->triangle_count < b->triangle_count ? a : b,
@@ -273,7 +292,10 @@ static dpt_result add_containment(struct solids *all, uint32_t solid, uint32_t i
     return DPT_OK;
 }
 
-/* Two solids whose boxes meet, by rank: `large` is not the smaller one. */
+/*
+ * Relate two solids whose boxes meet: do they touch, and does the smaller one lie in the larger one? Both are ranks,
+ * with large_rank < small_rank.
+ */
 static dpt_result relate_pair(struct solids *all, uint32_t small_rank, uint32_t large_rank)
 {
     struct solid *small = &all->solids[small_rank], *large = &all->solids[large_rank];
@@ -299,6 +321,7 @@ static dpt_result relate_pair(struct solids *all, uint32_t small_rank, uint32_t 
     return sum > 0.5 * samples ? add_containment(all, small_rank, large_rank) : DPT_OK;
 }
 
+/* Where the box of a solid begins along the sweep axis. */
 struct axis_start {
     double low;
     uint32_t rank;
@@ -317,7 +340,7 @@ static double axis_of(vec3 v, int axis)
     return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
 }
 
-/* The axis along which all of them together are longest: along it the fewest boxes meet. */
+/* The axis along which all solids together are longest: there the fewest boxes meet. */
 static int sweep_axis(const struct solids *all)
 {
     struct bounds box = all->solids[0].box;
@@ -332,7 +355,10 @@ static uint32_t min_triangles(const struct solid *a, const struct solid *b)
     return a->triangle_count < b->triangle_count ? a->triangle_count : b->triangle_count;
 }
 
-/* What the work does not suffice for is decided by winding number, and wound by what is known of it. */
+/*
+ * Relate all pairs of solids whose boxes meet, by a sweep along one axis. When the work has run out, the remaining
+ * solids are decided by winding number, and wound by what was found until then.
+ */
 static dpt_result relate_all(struct solids *all)
 {
     if (all->count < 2)
@@ -373,14 +399,16 @@ static int by_rank(const void *a, const void *b)
     return x->outer < y->outer ? -1 : x->outer > y->outer;
 }
 
+/* Is the solid wound inward after all turning? */
 static int is_inward_at_last(const struct solid *solid)
 {
     return solid->is_inward != solid->is_flipped;
 }
 
 /*
- * From the largest to the smallest. What lies in the open is wound outward; what lies in another is turned as that
- * was, the innermost of them, so that a void stays a void.
+ * Decide which solids to flip, from the largest to the smallest, and set the flags of their parts. A solid that lies in
+ * no material is wound outward. One that lies in others is flipped if the innermost of those was, so that a void stays
+ * a void.
  */
 static void wind_solids(struct solids *all)
 {
@@ -390,7 +418,7 @@ static void wind_solids(struct solids *all)
     size_t next = 0;
     for (uint32_t rank = 0; rank < all->count; rank++) {
         struct solid *solid = &all->solids[rank];
-        int32_t layers = 0;
+        int32_t layers = 0; /* solids around it, less cavities around it: above 0 is in material */
         solid->is_flipped = solid->is_inward;
         for (; next < all->containment_count && all->containments[next].inner == rank; next++) {
             const struct solid *outer = &all->solids[all->containments[next].outer];
@@ -399,8 +427,8 @@ static void wind_solids(struct solids *all)
         }
         if (layers < 1)
             solid->is_flipped = solid->is_inward;
-        int32_t layers_in_front =
-            layers - is_inward_at_last(solid); /* where its normals point to */
+        /* The layers of material on the side of its normals. */
+        int32_t layers_in_front = layers - is_inward_at_last(solid);
         uint32_t flags = MESH_PART_SOLID;
         if (solid->needs_winding || !solid->is_closed)
             flags |= MESH_PART_WINDING;
@@ -417,7 +445,10 @@ static void wind_solids(struct solids *all)
     }
 }
 
-/* Wholly inside of a solid, wholly outside, or neither: 1, 0, -1. */
+/*
+ * Find where a part without an inside (a sheet) lies: *inside is 1 wholly inside of the solid, 0 wholly outside, else
+ * -1.
+ */
 static dpt_result locate_sheet(struct solids *all, struct solid *sheet, struct solid *solid,
                                int *inside)
 {
@@ -441,7 +472,10 @@ static dpt_result locate_sheet(struct solids *all, struct solid *sheet, struct s
     return DPT_OK;
 }
 
-/* Is a part that has no inside of its own in another one's, in its material and not in its void? */
+/*
+ * Does a sheet lie wholly in the material of solids, not in a void? The work is added to *work. *is_inside_material
+ * stays 0 for a sheet that is partly inside of a solid.
+ */
 static dpt_result is_buried(struct solids *all, struct solid *sheet, uint64_t *work,
                             int *is_inside_material)
 {
@@ -464,7 +498,10 @@ static dpt_result is_buried(struct solids *all, struct solid *sheet, uint64_t *w
     return DPT_OK;
 }
 
-/* After the solids are wound. What is not asked, or lies on both sides, is judged by itself. */
+/*
+ * Mark the sheets that lie in the material of solids. The solids must be wound already. A sheet that lies on both sides
+ * of a solid, or comes after the work has run out, stays unmarked: its side is decided without the solids.
+ */
 static dpt_result mark_buried_sheets(struct solids *all)
 {
     struct model *model = all->model;
@@ -487,7 +524,7 @@ static dpt_result mark_buried_sheets(struct solids *all)
     return DPT_OK;
 }
 
-/* (0, 1, 2) becomes (0, 2, 1): edges 01, 12, 20 become 02, 21, 10. */
+/* Reverse a triangle's winding: corners (0, 1, 2) become (0, 2, 1), so edges 01, 12, 20 become 02, 21, 10. */
 static void turn_triangle(struct model *model, uint32_t t)
 {
     uint32_t *corner = model->corners + 3 * (size_t)t;
@@ -500,7 +537,7 @@ static void turn_triangle(struct model *model, uint32_t t)
     model->turned_triangles++;
 }
 
-/* What has no inside stays as it was wound. */
+/* Turn the triangles of all solids. Parts without an inside stay wound as in the source. */
 static void turn_triangles(struct solids *all)
 {
     struct model *model = all->model;
@@ -516,7 +553,7 @@ static void turn_triangles(struct solids *all)
     }
 }
 
-/* What is as near as coordinates can tell touches. */
+/* The distance below which coordinates cannot tell two surfaces apart, m. */
 static double touch_distance_of(const struct model *model)
 {
     float max_size = 0.0f;

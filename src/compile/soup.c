@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/*
- * Vertices and polygons as a reader finds them (soup.h).
- */
+/* Vertices and polygons in the order of a file (soup.h). */
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -77,7 +75,7 @@ dpt_result soup_add_vertex(soup *source, double x, double y, double z, source_lo
                              source_xyz[i], scale, DPT_COORDINATE_MAX);
         position[i] = (float)scaled;
         if (position[i] == 0.0f)
-            position[i] = 0.0f; /* the two zeros are one position: their bits are compared later */
+            position[i] = 0.0f; /* -0 becomes 0: positions are compared by their bits later */
         double error = fabs((double)position[i] - scaled);
         if (error > source->rounding)
             source->rounding = error;
@@ -143,7 +141,7 @@ dpt_result soup_check_corners(soup *source)
                      source->vertex_count);
 }
 
-/* The position of corner `k` of a polygon, found again in its fan. */
+/* The position of corner `k` of a polygon, read from its fan. */
 static const float *polygon_corner(const soup *source, const soup_polygon_span *span, uint32_t k)
 {
     size_t first = span->first_triangle;
@@ -174,7 +172,7 @@ static double sum_of_sizes(const double a[3])
     return fabs(a[0]) + fabs(a[1]) + fabs(a[2]);
 }
 
-/* Twice the polygon's area vector, and its largest coordinate. */
+/* Set `normal` to twice the polygon's area vector. Returns the largest coordinate, in size. */
 static double mean_normal(const soup *source, const soup_polygon_span *span, double normal[3])
 {
     const float *origin = polygon_corner(source, span, 0);
@@ -198,8 +196,7 @@ static double mean_normal(const soup *source, const soup_polygon_span *span, dou
     return largest;
 }
 
-/* Straight corners turn a little either way once their coordinates are rounded: that is not
- * counted. */
+/* After rounding, a straight corner turns a little in either direction. This must not count as concave. */
 static int is_concave(const soup *source, const soup_polygon_span *span)
 {
     double normal[3], in[3], out[3], turn[3];

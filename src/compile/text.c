@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/*
- * Lines, words and numbers (text.h). One pass, never beyond the end.
- */
+/* Lines, words and numbers (text.h), in one pass that never reads beyond the end. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -36,7 +34,7 @@ void text_begin(source_text *text, soup *source, const unsigned char *bytes, siz
         text->at += 3;
 }
 
-/* Without a byte order mark, a zero byte beside an ASCII letter gives it away. */
+/* UTF-16 without a byte order mark shows a zero byte beside an ASCII letter. */
 dpt_result text_refuse_utf16(const source_text *text)
 {
     if (text->end - text->at < 2)
@@ -147,7 +145,7 @@ const char *word_printable(const source_word *word, char printable[WORD_SHOWN])
     return printable;
 }
 
-/* As printf writes them: nan, -nan(ind), inf, infinity; and 1.#IND, 1.#INF, 1.#QNAN. */
+/* As the printf of some library writes them: nan, -nan(ind), inf, infinity; and 1.#IND, 1.#INF, 1.#QNAN. */
 static int is_not_finite_word(const source_word *word)
 {
     const char *at = word->begin;

@@ -1,20 +1,23 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Sides of planes by determinants in double, with Shewchuk's bounds (1997): of the volume (7 + 56 e) e times the sum of its
- * products' sizes, of the area (3 + 16 e) e, e being 2^-53; taken as 8 e. Products of three floats neither
- * underflow nor overflow in double.
+ * The side of a plane is the sign of a determinant in double, with Shewchuk's error bounds (1997): (7 + 56 e) e times
+ * the sum of the absolute values of all products for a volume, (3 + 16 e) e for an area, where e = 2^-53. Here both are
+ * taken as 8 e. Products of three floats neither underflow nor overflow in double.
  */
 #include "compile/triangle_pair.h"
 
 #define ROUNDING 0x1p-50
 
-/* What takes about as long as so many pairs that lie beside each other's plane: to look within a plane, and an exact sign. */
+/*
+ * Units of work: about how many pairs on one side of each other's plane take as long as a test within a plane, or as an
+ * exact sign.
+ */
 #define PLANE_WORK 4u
 #define EXACT_WORK 16u
 
 enum { UNSURE = 2 };
 
-/* A sum without rounding: terms that do not overlap, from the least to the largest. */
+/* A sum without rounding error, as terms whose bits do not overlap, from the smallest to the largest. */
 struct exact_sum {
     double terms[48];
     int count;
@@ -40,7 +43,10 @@ static int exact_sum_sign(const struct exact_sum *sum)
     return sum->count == 0 ? 0 : sum->terms[sum->count - 1] > 0.0 ? 1 : -1;
 }
 
-/* Of floats: two of them have a product of 48 bits, each half of which times the third is exact again. */
+/*
+ * Add a * b * c exactly; all three hold floats' values. a * b has 48 bits and is exact. It is split into two halves,
+ * and each half times c is exact again.
+ */
 static void add_product(struct exact_sum *sum, double a, double b, double c)
 {
     const double product = a * b, split = 0x1.0000002p27 * product,
@@ -82,7 +88,10 @@ void facet_finish(struct facet *facet)
     facet->normal_magnitude = cross_magnitude(u, v);
 }
 
-/* On which side of a facet's plane the other's corners are. */
+/*
+ * For each corner of `other`, the side of the facet's plane: 1 in front, -1 behind, 0 in the plane, or UNSURE. A common
+ * vertex lies in the plane.
+ */
 static void find_sides(const struct facet *facet, const struct facet *other, int side[3])
 {
     const struct corner *own = facet->corner;
@@ -113,13 +122,13 @@ static int any_is(const int side[3], int value)
     return side[0] == value || side[1] == value || side[2] == value;
 }
 
-/* A triangle beside a plane: its interior has no point in it. */
+/* Given the sides of a triangle's corners: does its interior surely have no point in the plane? */
 static int is_beside(const int side[3])
 {
     return !any_is(side, UNSURE) && any_is(side, 1) != any_is(side, -1);
 }
 
-/* The other's corners are beyond an edge, for certain. */
+/* Do all corners of `other` lie beyond an edge of the facet, for certain? */
 static int edge_separates(const struct facet *facet, int edge, const struct facet *other)
 {
     const vec3 from = facet->corner[edge].position;
@@ -148,7 +157,7 @@ static double coordinate(vec3 v, int axis)
     return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
 }
 
-/* Of three points as seen along an axis: counterclockwise, clockwise or in line. */
+/* How three points turn, seen along an axis: 1 counterclockwise, -1 clockwise, 0 in line. Exact. */
 static int area_sign(vec3 p, vec3 q, vec3 r, int axis, uint64_t *work)
 {
     const vec3 points[3] = { p, q, r };
@@ -173,7 +182,7 @@ static int area_sign(vec3 p, vec3 q, vec3 r, int axis, uint64_t *work)
     return exact_sum_sign(&sum);
 }
 
-/* Of two triangles in a plane: no corner of the other is within this edge. */
+/* For two triangles in one plane: does no corner of `other` lie on the inner side of this edge? */
 static int edge_excludes(const struct facet *facet, int edge, const struct facet *other, int axis,
                          int winding, uint64_t *work)
 {
@@ -220,7 +229,7 @@ static int volume_sign(const struct corner *p, const struct corner *q, const str
     return exact_volume_sign(p->position, q->position, r->position, x->position);
 }
 
-/* The corner that is alone on its side of a plane that goes through the triangle. */
+/* Of a triangle that crosses a plane: the corner that is alone on its side. */
 static int lone_corner(const int side[3])
 {
     const int above = (side[0] > 0) + (side[1] > 0) + (side[2] > 0);
@@ -229,9 +238,9 @@ static int lone_corner(const int side[3])
 }
 
 /*
- * Each goes through the other's plane, along a stretch of the line where the planes meet. Turn both so that their first
- * corner is alone, and in front of the other's plane: then the stretches overlap if each begins before the other ends
- * (Guigue and Devillers 2003).
+ * Each triangle crosses the plane of the other, along a stretch of the line in which the planes meet. Do the two
+ * stretches overlap? Order the corners of both so that the first one is alone, and in front of the other's plane. Then
+ * the stretches overlap if each begins before the other one ends (Guigue and Devillers 2003).
  */
 static int stretches_overlap(const struct facet *a, const struct facet *b, const int side_a[3],
                              const int side_b[3], uint64_t *work)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Lay out the file (mesh_format.h, docs/format.md). The same mesh gives the same bytes everywhere. */
+/* Write the file (mesh_format.h, docs/format.md). The same mesh gives the same bytes on every machine. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,20 +11,21 @@
 #include "compile/parallel.h"
 #include "mesh/mesh_swap.h"
 
-/* Of this many leaves, or bytes of sections, a thread is worth making. */
+/* The least work for a thread of its own: leaves, and bytes of sections. */
 #define LEAVES_MIN  256u
 #define SECTION_MIN ((size_t)1 << 18)
 
+/* A box in the filter's frame; that of the mesh's own frame in set_frame. */
 struct node_box {
     double low[3], high[3];
 };
 
-/* What the pieces of a loop share. */
+/* What all pieces of a parallel loop share. */
 struct writing {
-    struct dpt_mesh mesh;
+    struct dpt_mesh mesh; /* the header */
     const struct model *model;
-    char *bytes;
-    struct node_box *boxes;
+    char *bytes;            /* the file */
+    struct node_box *boxes; /* of the leaves */
     struct winding_moment *leaf_moments;
     struct crc32 crc;
 };
@@ -40,7 +41,10 @@ static void box_add(struct node_box *box, const double *low, const double *high)
     }
 }
 
-/* The filter's frame: the box's middle, and the power of two that brings its half width to 0.5..1. */
+/*
+ * Set the filter's frame: the centre of the mesh's box, and the power of two that scales the largest half width into
+ * 0.5..1.
+ */
 static void set_frame(struct dpt_mesh *mesh, const struct model *model)
 {
     struct node_box box = empty_box;
@@ -111,14 +115,14 @@ static void set_sections(struct dpt_mesh *mesh, uint64_t nodes)
     mesh->bytes = end;
 }
 
-/* A vertex in the filter's frame, in double. */
+/* Transform a position from the mesh's frame to the filter's, in double. */
 static void to_filter_frame(const struct dpt_mesh *mesh, const float *position, double out[3])
 {
     for (int k = 0; k < 3; k++)
         out[k] = (position[k] - mesh->filter_centre[k]) * mesh->filter_scale;
 }
 
-/* The leaves, and their boxes. Empty lanes of the last leaf repeat its last triangle. */
+/* Write the leaves, and compute their boxes. Empty lanes of the last leaf repeat its last triangle. */
 static void fill_leaves(void *context, size_t first, size_t end)
 {
     const struct writing *writing = context;
@@ -144,7 +148,7 @@ static void fill_leaves(void *context, size_t first, size_t end)
     }
 }
 
-/* Centre and half width in float, so that the box in float holds the box in double. */
+/* Store centre and half width in float. The half width is rounded up, so that the stored box holds `box`. */
 static void put_box(float *block, uint32_t lane, const struct node_box *box)
 {
     for (uint32_t k = 0; k < 3; k++) {
@@ -157,7 +161,9 @@ static void put_box(float *block, uint32_t lane, const struct node_box *box)
     }
 }
 
-/* All levels, upward; `boxes` holds the level below and is folded in place. */
+/*
+ * Write the boxes of all levels, from the leaves up. `boxes` holds the level below, and is overwritten level by level.
+ */
 static void fill_boxes(const struct dpt_mesh *mesh, float *nodes, struct node_box *boxes,
                        const uint32_t *count)
 {
@@ -174,7 +180,7 @@ static void fill_boxes(const struct dpt_mesh *mesh, float *nodes, struct node_bo
         }
 }
 
-/* The triangles of a leaf that belong to solid parts: as bits, and as one set. */
+/* The triangles of a leaf that belong to solid parts: returns them as bits, and sets *moment to their moments. */
 static uint32_t solid_lanes(const struct dpt_mesh *mesh, const struct model *model, uint32_t leaf,
                             struct winding_moment *moment)
 {
@@ -195,7 +201,7 @@ static uint32_t solid_lanes(const struct dpt_mesh *mesh, const struct model *mod
     return lanes;
 }
 
-/* The last words of the section, one a leaf. */
+/* Write the last words of the `moments` section: one for each leaf. */
 static void fill_solid_lanes(void *context, size_t first, size_t end)
 {
     const struct writing *writing = context;
@@ -207,7 +213,7 @@ static void fill_solid_lanes(void *context, size_t first, size_t end)
         lanes[leaf] = solid_lanes(mesh, writing->model, leaf, &writing->leaf_moments[leaf]);
 }
 
-/* As fill_boxes, from the sets of the leaves. */
+/* Write the moments of all levels, from the leaves up. `moments` is overwritten like the boxes of fill_boxes. */
 static void fill_moments(const struct dpt_mesh *mesh, float *nodes, struct winding_moment *moments,
                          const uint32_t *count)
 {
@@ -222,7 +228,7 @@ static void fill_moments(const struct dpt_mesh *mesh, float *nodes, struct windi
         }
 }
 
-/* What the model already has as words; NULL for the other sections. */
+/* The content of a section that the model holds ready; NULL for the other sections. */
 static const void *content_of(const struct model *model, int id)
 {
     const void *const content[MESH_SECTION_COUNT] = {
@@ -242,8 +248,8 @@ static const void *content_of(const struct model *model, int id)
 }
 
 /*
- * The sections whose middle byte is one of first..end: what the model has of them, into the file's byte order, with
- * the checksums of the bytes as they will lie.
+ * Finish the sections whose middle byte is in first..end: copy content from the model, swap to the file's byte order,
+ * and compute the checksum.
  */
 static void seal_sections(void *context, size_t first, size_t end)
 {
@@ -273,7 +279,7 @@ static void seal_header(struct dpt_mesh *mesh, const struct crc32 *crc)
     mesh->header_crc32 = sum;
 }
 
-/* The address to free lies just before them. */
+/* The address to free is stored just before the block. */
 char *compiled_block(size_t size)
 {
     char *raw = calloc(1, size + MESH_ALIGN + sizeof raw);
