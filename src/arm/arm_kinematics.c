@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Where an arm's links are, and how they move (docs/algorithms/kinematics.md). Quaternions are composed from the root
- * outward, so that the orientation is continuous in the joints.
+ * Forward kinematics, velocities and joint efforts of an arm (docs/algorithms/kinematics.md). Quaternions are
+ * multiplied from the root outward, so that the orientation is continuous in the joints.
  */
 #include "arm/arm_format.h"
 #include "base/return_if_error.h"
@@ -15,11 +15,11 @@ struct quaternion {
     vec3 v;
 };
 
-/* A frame on the way, and how it moves with each joint: velocity of its origin, spin. */
+/* A frame in the root's frame, and how it moves with each joint, per rad/s or m/s of that joint. */
 struct moving_frame {
     vec3 origin;
     struct quaternion orientation;
-    vec3 velocity[DPT_JOINTS_MAX];
+    vec3 velocity[DPT_JOINTS_MAX]; /* of the origin */
     vec3 spin[DPT_JOINTS_MAX];
 };
 
@@ -42,7 +42,10 @@ static vec3 rotated(struct quaternion q, vec3 x)
     return add(along(x, q.w, twice), cross(q.v, twice));
 }
 
-/* The frame shifts by `step`; what spins carries its origin along. */
+/*
+ * Shift the frame's origin by `displacement`, in the root's frame. A joint that spins the frame moves the new origin
+ * too.
+ */
 static void shift(struct moving_frame *frame, uint32_t joint_count, vec3 displacement)
 {
     frame->origin = add(frame->origin, displacement);
@@ -50,7 +53,7 @@ static void shift(struct moving_frame *frame, uint32_t joint_count, vec3 displac
         frame->velocity[i] = add(frame->velocity[i], cross(frame->spin[i], displacement));
 }
 
-/* From the parent's frame to the link's. */
+/* Move the frame from the parent of `link` to `link`, whose joint has the coordinate `joint`. */
 static void apply_link(struct moving_frame *frame, uint32_t joint_count,
                        const struct arm_link *link, double joint)
 {
@@ -70,7 +73,10 @@ static void apply_link(struct moving_frame *frame, uint32_t joint_count,
     }
 }
 
-/* The frame of a link, shifted to a point of it; how it moves with the first `moves` joints. */
+/*
+ * Find the frame of link number `link`, shifted to `point` in that link's frame, and how it moves with the first
+ * joint_count joints.
+ */
 static void find_frame(const struct dpt_arm *arm, const double *joints, uint32_t joint_count,
                        uint32_t link, const double *point, struct moving_frame *frame)
 {
@@ -84,6 +90,7 @@ static void find_frame(const struct dpt_arm *arm, const double *joints, uint32_t
     shift(frame, joint_count, rotated(frame->orientation, vec3_of(point)));
 }
 
+/* Find the frame at the tool's origin. It has the orientation of the tool's link. */
 static void find_tool(const struct dpt_arm *arm, const double *joints, uint32_t joint_count,
                       struct moving_frame *frame)
 {

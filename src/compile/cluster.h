@@ -21,8 +21,7 @@ struct cluster {
     const struct model *model;
     const uint32_t *triangles; /* by index in the model; borrowed */
     uint32_t triangle_count;
-    uint32_t
-        level_count[CLUSTER_LEVELS]; /* nodes of a level; level 0: leaves, the last: the root */
+    uint32_t level_count[CLUSTER_LEVELS]; /* nodes of a level, from the leaves to the root */
     uint32_t level_first[CLUSTER_LEVELS]; /* index of a level's first node in the arrays below */
     uint32_t levels;
     struct winding_moment *node_moments;

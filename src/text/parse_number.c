@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Decimal numbers (parse_number.h). Most numbers of a mesh file have few digits and a small exponent: for
- * them one multiplication or division of two exact doubles rounds once, and so correctly. The rest
- * goes through strtod, written anew as an integer with an exponent, in which no locale has a say.
+ * Decimal numbers (parse_number.h). Most numbers of a mesh file have few digits and a small exponent. They take one
+ * multiplication or division of two exact doubles, which rounds once and so correctly. The others are rewritten as an
+ * integer with an exponent and go through strtod: such a text means the same in every locale.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,19 +15,20 @@ static const double powers_of_ten[23] = { 1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e
                                           1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22 };
 
 enum {
-    MANTISSA_DIGITS = 19, /* as many as surely fit in 64 bits */
-    /* A point half-way between two doubles has at most 767 significant digits: what comes after
-     * these decides only by being zero or not. */
+    MANTISSA_DIGITS = 19, /* so many always fit in 64 bits */
+    /* A point half-way between two doubles has at most 767 significant digits. Of all later digits it only matters
+     * whether they are all zero. */
     DECIDING_DIGITS = 800
 };
 
-#define EXPONENT_FAR 20000 /* from here on all of DECIDING_DIGITS give zero or infinity */
+/* Beyond this exponent, any number of DECIDING_DIGITS digits is zero or infinity. */
+#define EXPONENT_FAR 20000
 
-/* A number's digits as they stand in the text, and what was learnt on the way through them. */
+/* A number in the text, and what scanning its digits found. */
 typedef struct decimal {
-    const char *digits, *digits_end; /* with the point, if any */
-    uint64_t mantissa;               /* the first MANTISSA_DIGITS significant ones */
-    int64_t exponent;                /* the number is all its digits as an integer, times 10^this */
+    const char *digits, *digits_end; /* including the point, if any */
+    uint64_t mantissa;               /* the first MANTISSA_DIGITS significant digits */
+    int64_t exponent; /* the number is all digits, read as an integer, times 10^exponent */
     size_t significant_digits;
 } decimal;
 
@@ -42,6 +43,7 @@ static const char *parse_sign(const char *text, const char *end, int *is_negativ
     return text < end && (*text == '-' || *text == '+') ? text + 1 : text;
 }
 
+/* Read the digits before the exponent. Returns their end, or NULL if there is none. */
 static const char *scan_digits(const char *at, const char *end, decimal *number)
 {
     int has_point = 0, has_digit = 0;
@@ -64,7 +66,7 @@ static const char *scan_digits(const char *at, const char *end, decimal *number)
     return has_digit ? at : NULL;
 }
 
-/* The e that is followed by no digit is not part of the number. */
+/* Read the exponent, if any. An e without a digit after it is not part of the number. Returns the end. */
 static const char *scan_exponent(const char *at, const char *end, decimal *number)
 {
     if (at == end || (*at != 'e' && *at != 'E'))
@@ -82,6 +84,7 @@ static const char *scan_exponent(const char *at, const char *end, decimal *numbe
     return digit;
 }
 
+/* Convert with one rounding. Returns 0 if the number has too many digits or too large an exponent for that. */
 static int convert_exact(const decimal *number, double *value)
 {
     if (number->mantissa == 0) {
@@ -98,6 +101,7 @@ static int convert_exact(const decimal *number, double *value)
     return 1;
 }
 
+/* Convert any number by strtod. Digits after DECIDING_DIGITS become one digit 1, unless all of them are zero. */
 static double convert_any(const decimal *number)
 {
     char buffer[DECIDING_DIGITS + 32];
