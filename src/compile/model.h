@@ -20,8 +20,8 @@ struct part {
 
 struct model {
     /* model_clean */
-    uint32_t
-        *corners; /* 3 per triangle: the lowest-numbered of the soup's vertices at that position */
+    /* 3 per triangle: the lowest-numbered of the soup's vertices at that position */
+    uint32_t *corners;
     uint32_t *sources; /* by place: the source number */
     uint32_t *places;  /* by source number: the place, or MESH_DROPPED_... */
     uint32_t triangle_count;
@@ -36,8 +36,8 @@ struct model {
     uint32_t vertex_count;
 
     /* model_adjacency */
-    uint32_t
-        *neighbours; /* 3 per triangle: over the edge from corner k to k + 1, or MESH_EDGE_... */
+    /* 3 per triangle: over the edge from corner k to k + 1, or MESH_EDGE_... */
+    uint32_t *neighbours;
     uint32_t *fan_first; /* vertex_count + 1: where a vertex's triangles begin in `fans` */
     uint32_t *fans;      /* triangles by vertex, ascending at each */
     uint32_t *part_of;   /* of each triangle: its part */

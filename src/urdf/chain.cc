@@ -23,9 +23,9 @@ void put_name(char to[DPT_ARM_NAME], const std::string &name, const char *what, 
 namespace
 {
 
-/* A joint's value: factor * base's + offset; factor 0 where it stands still. */
+/* A joint's value is factor * the value of joint `base` + offset. */
 struct Motion {
-    size_t base; /* joint; none: still */
+    size_t base; /* joint of the robot; none: this joint does not move */
     double factor;
     double offset;
 };
@@ -45,8 +45,8 @@ struct ChainBuilder {
     const Robot &robot;
     Notes &notes;
     Chain chain;
-    std::vector<size_t> path;    /* joints, from the root to the tool */
-    std::vector<Motion> motions; /* of each joint */
+    std::vector<size_t> path;    /* joints of the robot, from the root to the tool */
+    std::vector<Motion> motions; /* of each joint of the robot */
 
     void find_tool(const char *name);
     void find_path();
@@ -104,7 +104,7 @@ void ChainBuilder::find_path()
     }
 }
 
-/* Through chains of mimics to the joint that none of them moves. */
+/* Follow a chain of mimics to the joint that mimics no other, and multiply out factors and offsets on the way. */
 Motion ChainBuilder::resolve_mimics(size_t index) const
 {
     Motion motion = { index, 1.0, 0.0 };
@@ -171,7 +171,7 @@ void ChainBuilder::find_coordinates()
                quoted(robot.links[robot.root].name).c_str());
 }
 
-/* Limits are those of the coordinate; a joint that follows it may have narrower ones of its own. */
+/* An arm has the limits of its coordinates alone. Note each mimicking joint whose own limits are narrower. */
 void ChainBuilder::check_mimics()
 {
     for (size_t i = 0; i < robot.joints.size(); i++) {
@@ -191,7 +191,7 @@ void ChainBuilder::check_mimics()
     }
 }
 
-/* A joint that the arm does not move, where it stands. */
+/* The frame of a joint that is no part of the arm, held at `value` (rad or m), in its parent link's frame. Notes it. */
 Frame ChainBuilder::held_frame(const Joint &joint, double value, bool mimics) const
 {
     if (!is_movable(joint)) {
@@ -262,7 +262,7 @@ void ChainBuilder::attach_links()
     }
 }
 
-/* Each link's mass to the link of the arm that it is fixed to. */
+/* Add the mass of each link of the robot to the link of the arm that it is fixed to, and average the centres. */
 void ChainBuilder::add_masses()
 {
     std::vector<Vec> mass_moments(chain.links.size(), Vec{ 0.0, 0.0, 0.0 });
@@ -291,7 +291,7 @@ void ChainBuilder::add_masses()
                       " on has a mass: the arm is not held up against its weight");
 }
 
-/* Its capsule, along z of its frame. */
+/* The capsule of a shape, along z of the shape's frame: half length of its axis, and radius. False for other shapes. */
 bool make_capsule(const Shape &shape, double *half_length, double *radius)
 {
     *radius = shape.radius;

@@ -5,7 +5,7 @@
 #include <cstdarg>
 #include <cstdio>
 
-/* Longer than dpt_diag.text, which cuts it. */
+/* Longer than dpt_diag.text, into which it is cut to fit. */
 static const size_t text_max = 512;
 
 static std::string one_line(std::string text)
@@ -41,13 +41,13 @@ void refuse(dpt_result code, size_t line, const char *format, ...)
     throw fault;
 }
 
-/* Within a character of UTF-8. */
+/* Is the byte at `at` a continuation byte of a UTF-8 character? */
 static bool is_inside_character(const std::string &text, size_t at)
 {
     return at < text.size() && (static_cast<unsigned char>(text[at]) & 0xc0) == 0x80;
 }
 
-/* `head` and `tail` bytes of it at most; what is between them is cut. */
+/* The text between quotes. If it is longer than head + tail bytes, its middle is cut out. */
 static std::string shortened(const std::string &text, size_t head, size_t tail)
 {
     if (text.size() <= head + tail)

@@ -20,7 +20,7 @@ bool file_exists(const std::string &path)
     return file;
 }
 
-/* Ends in '/', or is empty. */
+/* The folder of a path: it ends in '/', or is empty. */
 std::string folder_of(const std::string &path)
 {
     return path.substr(0, path.rfind('/') + 1);
@@ -34,7 +34,7 @@ int hex_digit(char c)
                                   : -1;
 }
 
-/* Of an address: %20 is a space. */
+/* Decode the %XX of an address: %20 is a space. */
 std::string percent_decoded(const std::string &text, size_t line, const std::string &owner)
 {
     std::string result;
@@ -54,7 +54,7 @@ std::string percent_decoded(const std::string &text, size_t line, const std::str
     return result;
 }
 
-/* Of a folder that may begin with a drive, C:/ros: its length to the next ':'; 0 where there is no drive. */
+/* The length of the folder at `at` up to the next ':', if it begins with a drive (C:/ros); else 0. */
 size_t drive_length(const char *at)
 {
     const bool has_letter = (*at >= 'a' && *at <= 'z') || (*at >= 'A' && *at <= 'Z');
@@ -63,7 +63,7 @@ size_t drive_length(const char *at)
                : 0;
 }
 
-/* `rest` is NAME/... */
+/* The path of package://REST. REST is NAME/..., `packages` as in dpt_urdf_def, `file` the URDF. */
 std::string path_in_package(const std::string &rest, const std::string &file, const char *packages,
                             size_t line, const std::string &owner)
 {
@@ -80,7 +80,7 @@ std::string path_in_package(const std::string &rest, const std::string &file, co
         }
         at += length + (at[length] == ':');
     }
-    /* "./" first, so that a name without a folder has one above. */
+    /* "./" comes first, so that "../" can follow a name without a folder. */
     std::string folder = folder_of(file);
     if (!begins_with(folder, "/"))
         folder = "./" + folder;

@@ -10,7 +10,7 @@
 
 static const size_t depth_max = 64;
 static const size_t elements_max = 200000;
-static const size_t attributes_max = 1000; /* TinyXML compares each with all */
+static const size_t attributes_max = 1000; /* TinyXML compares each attribute with all others */
 
 const std::string *Element::attribute(const char *name) const
 {
@@ -27,14 +27,14 @@ struct XmlReader {
     XML_Parser parser;
     std::vector<Element> elements;
     std::vector<size_t> open_elements;
-    std::exception_ptr fault; /* none goes through expat's frames */
+    std::exception_ptr fault; /* kept here: no exception may pass through expat */
 
     size_t line() const
     {
         return XML_GetCurrentLineNumber(parser);
     }
 
-    /* What a handler does, or why the parser is to stop. */
+    /* Do the work of a handler. If it throws, keep the exception and stop the parser. */
     template <typename Work> void handle(const Work &work)
     {
         if (fault)
@@ -64,7 +64,7 @@ struct XmlReader {
         elements.push_back(element);
     }
 
-    /* Why the parser stopped. */
+    /* Throw why the parser stopped. */
     void report_error() const
     {
         const XML_Error code = XML_GetErrorCode(parser);
@@ -90,14 +90,14 @@ void XMLCALL on_begin(void *user, const char *tag, const char **attributes)
     reader->handle([=] { reader->begin(tag, attributes); });
 }
 
-/* Also called of the element that stopped the parser, when it is empty. */
+/* expat calls this also for the element that stopped the parser, if that is empty. */
 void XMLCALL on_end(void *user, const char *)
 {
     XmlReader *reader = static_cast<XmlReader *>(user);
     reader->handle([=] { reader->open_elements.pop_back(); });
 }
 
-/* No URDF has one, and an expat before 2.4 lets them multiply. */
+/* A URDF declares no entities. An expat before 2.4 expands nested ones without limit. */
 void XMLCALL on_entity(void *user, const char *name, int, const char *, int, const char *,
                        const char *, const char *, const char *)
 {

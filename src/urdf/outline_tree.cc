@@ -8,7 +8,7 @@ const size_t none = static_cast<size_t>(-1);
 
 struct LinkTree {
     const Outline &outline;
-    std::vector<size_t> parent_joint; /* joint of each link; none: it hangs on nothing */
+    std::vector<size_t> parent_joint; /* of each link; none: it is the child of no joint */
     std::vector<std::vector<size_t>> children;
 
     std::string link_name(size_t link) const

@@ -12,7 +12,7 @@
 
 #include "urdf/outline.h"
 
-/* An urdfdom before 5.1 leaves this one without a body. */
+/* Before 5.1, urdfdom does not define this class. */
 namespace urdf
 {
 class Capsule;
@@ -22,7 +22,8 @@ namespace
 {
 
 /*
- * urdfdom hands text of the file to printf as a format. No '%' gets there: it travels as a character that no file has.
+ * urdfdom passes text of the file to printf as a format. So no '%' may reach it. This character stands for '%' on the
+ * way: no XML file can contain it.
  */
 const char percent_stand_in = '\x01';
 
@@ -38,7 +39,7 @@ std::string restore_percent(std::string text)
     return text;
 }
 
-/* Capsules, where urdfdom has them: C is complete then. */
+/* Reads capsules if this build's urdfdom has them: then, and only then, C is a complete type. */
 template <class C, class = std::size_t> struct Capsules {
     static bool are_supported()
     {
@@ -70,9 +71,11 @@ template <class C> struct Capsules<C, decltype(sizeof(C))> {
 };
 
 /*
- * Takes what urdfdom logs as warning or error; below that is what it took by default. Handlers and level are the
- * process's: one reads at a time, what other threads log meanwhile goes where it went, and at the end all are as they
- * were, the handler before the last one too. While they change nothing is logged.
+ * Collects what urdfdom logs as a warning or an error in this thread. It does not log less important messages.
+ *
+ * console_bridge has one handler and one level for the whole process. So a mutex lets one file be read at a time, and
+ * what other threads log meanwhile goes to the handler that was installed before. The destructor restores the level,
+ * that handler and the one before it. Nothing is logged while handlers are exchanged.
  */
 class LogCapture : public console_bridge::OutputHandler
 {
@@ -122,7 +125,7 @@ class LogCapture : public console_bridge::OutputHandler
     console_bridge::OutputHandler *saved_handler, *saved_previous;
 };
 
-/* The first link or joint that a message names, between [] or ''. */
+/* Find the first link or joint whose name stands in a message, between [] or ''. */
 bool find_owner(const std::string &text, const Outline &outline, std::string *owner, size_t *line)
 {
     for (size_t at = 0; (at = text.find_first_of("['", at)) != std::string::npos; at++) {
@@ -146,7 +149,7 @@ bool find_owner(const std::string &text, const Outline &outline, std::string *ow
     return false;
 }
 
-/* The first message is the cause; one of those behind it may say whose. */
+/* Throw a fault with the first message, which is the cause. A later message may name the link or joint. */
 [[noreturn]] void report_errors(const std::vector<std::string> &lines, const Outline &outline)
 {
     std::string owner;
@@ -161,7 +164,7 @@ bool find_owner(const std::string &text, const Outline &outline, std::string *ow
     refuse(DPT_E_SYNTAX, line, "%s", lines[0].c_str());
 }
 
-/* No number that is NaN or infinite gets through urdfdom; those beyond reason do. */
+/* Throw a fault if a number is beyond 1e6. urdfdom refuses NaN and infinity itself. Returns the number. */
 double check_bounded(double number, size_t line, const std::string &owner, const char *what)
 {
     if (!(std::fabs(number) <= DPT_COORDINATE_MAX))
@@ -256,7 +259,10 @@ void RobotBuilder::read_link(size_t index)
     robot.links.push_back(link);
 }
 
-/* What <limit> does not say is 0 to urdfdom. What is in an element stands behind it, before all else. */
+/*
+ * Note a <limit> without `lower` or `upper`: urdfdom takes these as 0. The descendants of an element follow it directly
+ * in the outline.
+ */
 void RobotBuilder::note_missing_limits(const Joint &joint, size_t element)
 {
     for (size_t i = element + 1;

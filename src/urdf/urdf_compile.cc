@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The wall: C outside, C++ inside, and no exception through. */
+/* The boundary between C outside and C++ inside. No exception passes it. */
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
@@ -14,7 +14,7 @@ namespace
 
 const size_t bytes_max = static_cast<size_t>(64) << 20;
 
-/* FNV-1a, 64 bits, as of a mesh's source. */
+/* FNV-1a, 64 bits, as for the source of a mesh. */
 uint64_t hash_of(const std::string &bytes)
 {
     uint64_t hash = 0xcbf29ce484222325u;
@@ -105,7 +105,7 @@ dpt_result fill_diag(dpt_diag *diag, dpt_result code, size_t line, const char *t
     return code;
 }
 
-/* The caller's def, and that of its meshes, as this library knows them. */
+/* Read the caller's def, and its def for meshes, into this library's versions of these structs. Throws a fault. */
 void read_defs(const dpt_urdf_def *given, dpt_urdf_def *def, dpt_compile_def *mesh)
 {
     dpt_result result = given ? sized_read(given, sizeof *def, def, sizeof *def) : DPT_OK;

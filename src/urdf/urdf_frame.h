@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Places of frames in frames: a point x of the inner one is at p + R(q) x in the outer one.
+ * Poses of frames in other frames. A point x of the inner frame is at position + R x in the outer one, with R the
+ * rotation by the quaternion (w, v).
  */
 #ifndef DPT_URDF_FRAME_H
 #define DPT_URDF_FRAME_H
@@ -13,7 +14,7 @@ struct Vec {
 
 struct Frame {
     Vec position;
-    double w; /* unit quaternion */
+    double w; /* w and v: a unit quaternion */
     Vec v;
 };
 

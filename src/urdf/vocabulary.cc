@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The words of a URDF, as far as an arm is told by them. */
+/* The elements and attributes of a URDF that an arm needs, and the checks of them. */
 #include <cmath>
 #include <cstring>
 #include <locale>
@@ -11,14 +11,15 @@ namespace
 {
 
 /*
- * How often an element may stand in its parent; what it may have. With `strict` anything else beside less than all of
- * that is a fault: a slip of the pen there moves the arm.
+ * Which attributes an element may have, and whether its parent may have several of them. If is_strict, an unknown
+ * attribute is a fault while a known one is missing: a misspelt attribute there would move the arm.
  */
 struct ElementRule {
     const char *path;
     bool may_repeat;
     bool is_strict;
-    const char *attributes; /* "*": not looked at, nor what is in it */
+    /* known ones; "*": neither its attributes nor its content are checked */
+    const char *attributes;
 };
 
 const ElementRule rules[] = {
@@ -94,13 +95,14 @@ struct Ignored {
 struct Checker {
     Outline *outline;
     Notes *notes;
-    bool knows_capsules;            /* known to urdfdom */
-    bool is_version_1_1;            /* and to this file's version */
-    std::vector<std::string> paths; /* of each element; empty: within what is not looked at */
-    std::map<std::string, Ignored> ignored; /* "<tag> in <parent>" */
+    bool knows_capsules; /* urdfdom does */
+    bool is_version_1_1; /* it does, and the file is of such a version */
+    /* of each element; empty: not checked, or within such an element */
+    std::vector<std::string> paths;
+    std::map<std::string, Ignored> ignored; /* by "<tag> in <parent>" */
     std::vector<std::string> ignored_order;
 
-    /* "joint 'elbow'", or the tag of what has no such owner. */
+    /* The link or joint that an element belongs to, such as "joint 'elbow'"; else the element's tag. */
     std::string owner(size_t element) const
     {
         for (size_t i = element; i; i = outline->elements[i].parent) {
@@ -130,7 +132,9 @@ struct Checker {
     void check_element(size_t index);
 };
 
-/* Its order is not that of every library: no turn, written w first, is half a turn about x. */
+/*
+ * Check a quaternion. Some libraries write w first; then the identity 1 0 0 0 would be half a turn about x: note that.
+ */
 void Checker::check_quaternion(size_t index, const std::string &value)
 {
     const size_t line = outline->elements[index].line;
@@ -202,7 +206,7 @@ void Checker::refuse_repeated(size_t index)
     }
 }
 
-/* Also what is seen alone: urdfdom drops the link with it. */
+/* Refuse a capsule that urdfdom cannot read, also in <visual>: urdfdom would drop the whole link. */
 void Checker::refuse_capsule(size_t index)
 {
     const Element &e = outline->elements[index], &geometry = outline->elements[e.parent],
@@ -229,7 +233,7 @@ void Checker::check_element(size_t index)
         refuse(DPT_E_FORMAT, e.line, "<%s> is xacro: run `xacro FILE` and compile what it prints",
                e.tag.c_str());
     if (!rule) {
-        /* urdfdom complains of a shape that it does not know. */
+        /* urdfdom itself refuses a shape that it does not know. */
         if (outline->elements[e.parent].tag != "geometry")
             ignore(e.line, "<" + e.tag + "> in <" + outline->elements[e.parent].tag + ">");
         return;
