@@ -61,11 +61,10 @@ enum {
 
 /* How far an answer can be trusted. */
 enum {
-    DPT_STATUS_STALE = 0, /* there was no valid input: ignore the rest of the answer */
-    DPT_STATUS_LOCAL = 1, /* found without proof; lower_bound is 0 */
-    DPT_STATUS_BOUNDED =
-        2,               /* the budget ended the search: the best pair so far, and a lower bound */
-    DPT_STATUS_EXACT = 3 /* proven within error_bound */
+    DPT_STATUS_STALE = 0,   /* there was no valid input: ignore the rest of the answer */
+    DPT_STATUS_LOCAL = 1,   /* found without proof; lower_bound is 0 */
+    DPT_STATUS_BOUNDED = 2, /* the budget ended the search: the best pair so far, and lower_bound */
+    DPT_STATUS_EXACT = 3    /* proven within error_bound */
 };
 
 /* Whether the tool's surface touches the mesh. */

@@ -143,7 +143,7 @@ static dpt_result check_def(soup *source, const dpt_arm_def *def)
 {
     const struct {
         const char *what;
-        uint32_t count, least, most;
+        uint32_t count, min, max;
         const void *array;
     } arrays[] = {
         { "joints", def->joint_count, 1, DPT_JOINTS_MAX, def->joints },
@@ -152,9 +152,9 @@ static dpt_result check_def(soup *source, const dpt_arm_def *def)
         { "bodies", def->body_count, 0, DPT_ARM_BODIES_MAX, def->bodies },
     };
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++) {
-        if (arrays[i].count < arrays[i].least || arrays[i].count > arrays[i].most)
+        if (arrays[i].count < arrays[i].min || arrays[i].count > arrays[i].max)
             return soup_fail(source, DPT_E_LIMIT, nowhere, "%u %s: an arm has %u to %u",
-                             arrays[i].count, arrays[i].what, arrays[i].least, arrays[i].most);
+                             arrays[i].count, arrays[i].what, arrays[i].min, arrays[i].max);
         if (arrays[i].count && !arrays[i].array)
             return soup_fail(source, DPT_E_ARGUMENT, nowhere, "no array of %s", arrays[i].what);
     }
