@@ -17,7 +17,7 @@ uint64_t clock_now(void);
  * The monotonic clock, which stands still while the machine is suspended, and how far a clock that goes on then is ahead
  * of it. Time that passes between the two readings makes `ahead` less, never more; 0 on systems without such a clock.
  */
-dpt_result clock_read_ahead(uint64_t *now, int64_t *ahead);
+dpt_result clock_read_suspended(uint64_t *now, int64_t *suspended);
 
 /* The time of day, which may be set at any time; 0 where there is none. */
 uint64_t clock_wall(void);

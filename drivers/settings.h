@@ -10,8 +10,8 @@ struct setting {
     const char *name;
     double *number; /* least <= number <= most */
     char *text;     /* with its zero, at most `room` bytes */
-    double least, most;
-    size_t room;
+    double min, max;
+    size_t text_bytes;
 };
 
 /*
@@ -24,14 +24,14 @@ struct dynamics {
 };
 
 /* What was named, in place of what the device told. */
-void dynamics_tell(const struct dynamics *dynamics, dpt_device_info *info);
+void dynamics_override(const struct dynamics *dynamics, dpt_device_info *info);
 
 /*
  * DPT_E_SETTING, and the reason in `error`, for what is unknown, no number or out of range. `place`, of `room` bytes,
  * is what stands before the '?', "" for a `where` that is NULL. `dynamics`, zero before, is NULL where a driver has
  * such settings of its own.
  */
-dpt_result settings_read(const char *where, char *place, size_t room,
+dpt_result settings_read(const char *where, char *address, size_t address_bytes,
                          const struct setting *settings, size_t count, struct dynamics *dynamics,
                          dpt_device_error *error);
 

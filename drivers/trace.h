@@ -8,9 +8,9 @@
 
 #include "csv.h"
 
-extern const struct csv_format trace_form;
+extern const struct csv_format trace_format;
 
 /* A row that does not follow the one before by one tick jumps; the first row does. */
-int trace_jumps(const struct csv_table *trace, size_t row);
+int trace_is_jump(const struct csv_table *trace, size_t row);
 
 #endif

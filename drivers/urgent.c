@@ -105,39 +105,39 @@ static void set_timer_slack(int slack)
 #endif
 }
 
-uint32_t urgent_begin(struct urgent *before, uint32_t priority, uint32_t lock)
+uint32_t urgent_begin(struct urgent *saved, uint32_t priority, uint32_t lock)
 {
     uint32_t notes = 0;
-    memset(before, 0, sizeof *before);
+    memset(saved, 0, sizeof *saved);
     if (lock) {
-        before->holds_lock = lock_memory();
-        notes |= before->holds_lock ? 0 : DPT_LOOP_NOTE_NO_LOCK;
+        saved->holds_lock = lock_memory();
+        notes |= saved->holds_lock ? 0 : DPT_LOOP_NOTE_NO_LOCK;
     }
     const int slack = timer_slack();
-    before->slack = slack > 0 ? slack : 0;
-    if (before->slack)
+    saved->slack = slack > 0 ? slack : 0;
+    if (saved->slack)
         set_timer_slack(1);
     if (!priority)
         return notes;
     const struct sched_param param = { .sched_priority = (int)priority };
-    if (pthread_getschedparam(pthread_self(), &before->policy, &before->param) == 0 &&
+    if (pthread_getschedparam(pthread_self(), &saved->policy, &saved->param) == 0 &&
         pthread_setschedparam(pthread_self(), SCHED_FIFO, &param) == 0)
-        before->is_scheduled = 1;
+        saved->is_scheduled = 1;
     else
         notes |= DPT_LOOP_NOTE_NO_PRIORITY;
     return notes;
 }
 
-uint32_t urgent_end(const struct urgent *before)
+uint32_t urgent_end(const struct urgent *saved)
 {
     uint32_t notes = 0;
-    if (before->is_scheduled &&
-        pthread_setschedparam(pthread_self(), before->policy, &before->param) != 0)
+    if (saved->is_scheduled &&
+        pthread_setschedparam(pthread_self(), saved->policy, &saved->param) != 0)
         notes |= DPT_LOOP_NOTE_NO_RETURN;
     /* After the priority: giving that back may set a slack of the system's own. */
-    if (before->slack)
-        set_timer_slack(before->slack);
-    if (before->holds_lock)
+    if (saved->slack)
+        set_timer_slack(saved->slack);
+    if (saved->holds_lock)
         unlock_memory();
     return notes;
 }

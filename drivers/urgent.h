@@ -20,9 +20,9 @@ struct urgent {
  *   priority  by SCHED_FIFO; 0: as it is
  *   lock      1: lock the memory of the whole process
  */
-uint32_t urgent_begin(struct urgent *before, uint32_t priority, uint32_t lock);
+uint32_t urgent_begin(struct urgent *saved, uint32_t priority, uint32_t lock);
 
 /* Undo it, in the same thread. Memory is unlocked by the last loop, if nothing was locked before the first. */
-uint32_t urgent_end(const struct urgent *before);
+uint32_t urgent_end(const struct urgent *saved);
 
 #endif

@@ -115,7 +115,7 @@ static void place(struct stage *stage, const struct csv_table *trace, size_t row
 {
     const dpt_pose identity = DPT_POSE_IDENTITY;
     dpt_segment segment = segment_of(trace, row, radius);
-    if (trace_jumps(trace, row))
+    if (trace_is_jump(trace, row))
         dpt_tool_teleport(stage->world, stage->tool, &identity);
     dpt_tool_set_segments(stage->world, stage->tool, &segment, 1);
 }
@@ -347,21 +347,22 @@ static int take_settings(int argc, char **argv, struct replay_settings *settings
 static int read_trace(struct csv_table *trace, const char *path)
 {
     uint64_t line;
-    const char *wrong;
+    const char *line_error;
     *trace = (struct csv_table){ .rows = 0 };
     const int file = strcmp(path, "-") ? open(path, O_RDONLY) : STDIN_FILENO;
     if (file < 0)
         return complain("replay", "%s: cannot be opened: %s", path, strerror(errno));
-    dpt_result result = csv_table_stream(trace, file, UINT64_MAX, &trace_form, &line, &wrong);
-    const int reason = errno;
+    dpt_result result =
+        csv_table_stream(trace, file, UINT64_MAX, &trace_format, &line, &line_error);
+    const int saved_errno = errno;
     if (file != STDIN_FILENO)
         close(file);
     if (result == DPT_OK)
         return 0;
-    if (wrong)
-        return complain("replay", "%s:%" PRIu64 ": %s", path, line ? line : 1, wrong);
+    if (line_error)
+        return complain("replay", "%s:%" PRIu64 ": %s", path, line ? line : 1, line_error);
     return complain("replay", "%s: cannot be read: %s", path,
-                    result == DPT_E_OPEN ? strerror(reason) : dpt_result_text(result));
+                    result == DPT_E_OPEN ? strerror(saved_errno) : dpt_result_text(result));
 }
 
 int command_replay(int argc, char **argv)

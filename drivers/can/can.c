@@ -50,7 +50,7 @@ static void begin(struct can_device *device)
     look(device);
 }
 
-static dpt_result can_open(const dpt_driver *driver, const char *place, dpt_device **opened,
+static dpt_result can_open(const dpt_driver *driver, const char *where, dpt_device **opened,
                            dpt_device_error *error)
 {
     (void)driver;
@@ -58,7 +58,7 @@ static dpt_result can_open(const dpt_driver *driver, const char *place, dpt_devi
     if (!device)
         return device_error(error, DPT_E_MEMORY, "no memory");
     device->host.socketcan.fd = -1;
-    dpt_result result = can_settings_read(place, &device->host.settings, error);
+    dpt_result result = can_settings_read(where, &device->host.settings, error);
     if (result == DPT_OK && !device->host.settings.interface[0])
         result =
             device_error(error, DPT_E_SETTING,
@@ -105,7 +105,7 @@ static void can_info(const dpt_device *base, dpt_device_info *info)
     snprintf(info->name, sizeof info->name, "arm of ODrives, firmware 0.%u", first->generation);
     if (first->serial)
         snprintf(info->serial, sizeof info->serial, "%012llX", (unsigned long long)first->serial);
-    dynamics_tell(&device->host.settings.dynamics, info);
+    dynamics_override(&device->host.settings.dynamics, info);
 }
 
 /* Once more while an axis may still give force: of a line that is bad some frames get through. */

@@ -416,10 +416,10 @@ static dpt_result openhaptics_open(const dpt_driver *driver, const char *where, 
     device->watchdog = 0.01;
     device->silent_after = 0.1;
     const struct setting settings[] = {
-        { .name = "library", .text = device->library, .room = sizeof device->library },
-        { .name = "rate", .number = &device->rate, .least = 100, .most = 1e5 },
-        { .name = "watchdog", .number = &device->watchdog, .least = 0.002, .most = 1 },
-        { .name = "silent", .number = &device->silent_after, .least = 0.01, .most = 60 },
+        { .name = "library", .text = device->library, .text_bytes = sizeof device->library },
+        { .name = "rate", .number = &device->rate, .min = 100, .max = 1e5 },
+        { .name = "watchdog", .number = &device->watchdog, .min = 0.002, .max = 1 },
+        { .name = "silent", .number = &device->silent_after, .min = 0.01, .max = 60 },
     };
     pthread_mutex_lock(&one_at_a_time);
     let_go_of_those_behind();
@@ -442,7 +442,7 @@ static dpt_result openhaptics_open(const dpt_driver *driver, const char *where, 
 static void openhaptics_info(const dpt_device *base, dpt_device_info *info)
 {
     *info = ((const struct haptics *)base)->info;
-    dynamics_tell(&((const struct haptics *)base)->dynamics, info);
+    dynamics_override(&((const struct haptics *)base)->dynamics, info);
 }
 
 /* Why nothing is heard, or 0. It stays, also when samples come again: time has passed of which nothing is known. */

@@ -352,9 +352,9 @@ static dpt_result serial_open(const dpt_driver *driver, const char *where, dpt_d
     device->answer_within = 3.0;
     device->silent_after = 0.1;
     const struct setting settings[] = {
-        { .name = "speed", .number = &device->speed, .least = 1200, .most = 4e6 },
-        { .name = "answer", .number = &device->answer_within, .least = 0.01, .most = 60 },
-        { .name = "silent", .number = &device->silent_after, .least = 0.001, .most = 60 },
+        { .name = "speed", .number = &device->speed, .min = 1200, .max = 4e6 },
+        { .name = "answer", .number = &device->answer_within, .min = 0.01, .max = 60 },
+        { .name = "silent", .number = &device->silent_after, .min = 0.001, .max = 60 },
     };
     dpt_result result = settings_read(where, device->path, sizeof device->path, settings,
                                       sizeof settings / sizeof *settings, &device->dynamics, error);
@@ -405,7 +405,7 @@ static void serial_info(const dpt_device *base, dpt_device_info *info)
     }
     copy_text(info->name, from->name);
     copy_text(info->serial, from->serial);
-    dynamics_tell(&((const struct serial_device *)base)->dynamics, info);
+    dynamics_override(&((const struct serial_device *)base)->dynamics, info);
 }
 
 static void show_pose(const struct wire_state *from, dpt_device_state *state)

@@ -19,8 +19,8 @@ struct sim_hand {
 
 /* Of one moment: a place (m and a rotation vector, rad) or a force (N, Nm). */
 struct hand_target {
-    int pulls; /* 1: `at` is a place; 0: it is a force */
-    double at[6];
+    int is_position; /* 1: `at` is a place; 0: it is a force */
+    double value[6];
     uint32_t buttons;
 };
 
@@ -30,6 +30,6 @@ dpt_result sim_hand_open(struct sim_hand *hand, const char *script, double reach
 void sim_hand_close(struct sim_hand *hand);
 
 /* Time goes on from call to call. */
-void sim_hand_at(struct sim_hand *hand, double time, struct hand_target *grip);
+void sim_hand_at(struct sim_hand *hand, double time, struct hand_target *target);
 
 #endif
