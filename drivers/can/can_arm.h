@@ -32,19 +32,19 @@ struct can_arm {
     uint32_t joints;
     uint32_t wrench_dofs;
     uint8_t nodes[DPT_JOINTS_MAX];
-    uint8_t slides[DPT_JOINTS_MAX];
-    double per_turn[DPT_JOINTS_MAX];  /* rad or m for a turn of the motor */
-    double per_force[DPT_JOINTS_MAX]; /* Nm of the motor for an Nm or N of the joint */
-    double zero[DPT_JOINTS_MAX];      /* the joint's coordinate where the motor's is 0 */
-    double limit[DPT_JOINTS_MAX];     /* Nm or N of the joint */
-    double middle[DPT_JOINTS_MAX];    /* of the joints' limits */
-    uint8_t from[3];                  /* the device's x, y, z are which axes of the root's frame */
+    uint8_t is_slider[DPT_JOINTS_MAX];
+    double joint_per_turn[DPT_JOINTS_MAX];    /* rad or m for a turn of the motor */
+    double torque_per_effort[DPT_JOINTS_MAX]; /* Nm of the motor for an Nm or N of the joint */
+    double zero[DPT_JOINTS_MAX];              /* the joint's coordinate where the motor's is 0 */
+    double limit[DPT_JOINTS_MAX];             /* Nm or N of the joint */
+    double middle[DPT_JOINTS_MAX];            /* of the joints' limits */
+    uint8_t root_axis[3]; /* the device's x, y, z are which axes of the root's frame */
     double sign[3];
-    double turn[4];    /* the same as a quaternion, from the root's frame to the device's */
-    double centre[3];  /* the device's origin in the root's frame, m */
-    double gravity[3]; /* in the root's frame, m/s^2; 0 where no weight is held */
-    double force_max;  /* N in any direction, at the centre */
-    double torque_max; /* Nm, likewise; 0 without wrench_dofs 6 */
+    double root_to_device[4]; /* the same as a quaternion, from the root's frame to the device's */
+    double centre[3];         /* the device's origin in the root's frame, m */
+    double gravity[3];        /* in the root's frame, m/s^2; 0 where no weight is held */
+    double force_max;         /* N in any direction, at the centre */
+    double torque_max;        /* Nm, likewise; 0 without wrench_dofs 6 */
     double workspace_min[3], workspace_max[3]; /* of the device's frame, m */
 };
 
@@ -73,6 +73,6 @@ dpt_result can_arm_pose(const struct can_arm *arm, const double *joints, const d
  * and hold up `share` of the weight, which goes first.
  */
 dpt_result can_arm_torques(const struct can_arm *arm, const double *joints,
-                           const dpt_wrench *wrench, double share, float *torques);
+                           const dpt_wrench *wrench, double weight_share, float *torques);
 
 #endif

@@ -14,15 +14,15 @@ struct can_session {
     struct can_arm arm;
     struct socketcan socketcan;
     struct can_monitor monitor;
-    uint64_t asked_ns; /* when estimates were asked for */
+    uint64_t requested_ns; /* when estimates were asked for */
     uint32_t dropped;
-    uint8_t is_ours; /* connected before: motors may still give what they were told last */
-    int count;       /* of `out`: said, not sent yet */
+    uint8_t was_connected; /* connected before: motors may still give what they were told last */
+    int out_count;         /* of `out`: said, not sent yet */
     struct can_message out[SOCKETCAN_BATCH];
     struct can_message in[SOCKETCAN_BATCH];
 };
 
-extern const struct odrive_message can_no_torque, can_estop, can_idle, can_where;
+extern const struct odrive_message can_no_torque, can_estop, can_idle, can_request_estimates;
 
 /* One message to the node of this index, or to all; the node's number is filled in. */
 void can_session_put(struct can_session *session, uint32_t index, struct odrive_message message);

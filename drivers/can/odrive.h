@@ -53,9 +53,9 @@ struct odrive_heartbeat {
 enum { ODRIVE_FAILED_MOTOR = 1, ODRIVE_FAILED_ENCODER = 2, ODRIVE_FAILED_CONTROLLER = 4 };
 
 struct odrive_message {
-    uint8_t node;    /* 0..63 */
-    uint8_t command; /* ODRIVE_... */
-    uint8_t asks;    /* 1: a remote frame, without data */
+    uint8_t node;       /* 0..63 */
+    uint8_t command;    /* ODRIVE_... */
+    uint8_t is_request; /* 1: a remote frame, without data */
     union {
         struct {
             uint8_t protocol, hardware[3], firmware[3], is_unreleased;
@@ -98,10 +98,10 @@ int odrive_decode(const struct can_message *frame, unsigned generation,
                   struct odrive_message *message);
 
 /* Which generation sent a heartbeat, as its bytes prove: ODRIVE_ANY when they could be either's. */
-unsigned odrive_heartbeat_of(const struct can_message *frame);
+unsigned odrive_heartbeat_generation(const struct can_message *frame);
 
 /* 1: what this command says goes to the controller and moves it, changes it or stops it. */
-int odrive_is_order(unsigned command);
+int odrive_is_control(unsigned command);
 
 /* Words of error bits. */
 enum {

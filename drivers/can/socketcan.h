@@ -16,15 +16,15 @@
 
 struct socketcan {
     int fd;
-    int index;          /* of the interface */
-    uint32_t bitrate;   /* bit/s; 0: it has none, as vcan, or it is not known */
-    uint8_t is_empty;   /* the last receive took all that had come */
-    uint8_t is_down;    /* the interface was shut: stays so, open again */
-    uint8_t is_gone;    /* it was unplugged, likewise */
-    uint8_t is_off;     /* bus-off: too many errors, the controller has left the bus */
-    uint8_t is_passive; /* error-passive: on the way there */
-    uint32_t dropped;   /* frames that the kernel had no room for, since the line was opened */
-    uint32_t overruns;  /* times that the controller had none */
+    int index;                /* of the interface */
+    uint32_t bitrate;         /* bit/s; 0: it has none, as vcan, or it is not known */
+    uint8_t is_drained;       /* the last receive took all that had come */
+    uint8_t is_down;          /* the interface was shut: stays so, open again */
+    uint8_t is_gone;          /* it was unplugged, likewise */
+    uint8_t is_bus_off;       /* bus-off: too many errors, the controller has left the bus */
+    uint8_t is_error_passive; /* error-passive: on the way there */
+    uint32_t dropped;  /* frames that the kernel had no room for, since the line was opened */
+    uint32_t overruns; /* times that the controller had none */
 };
 
 /*

@@ -155,19 +155,19 @@ int wire_read(struct wire_reader *reader, uint8_t byte, struct wire_message *mes
  * Whether numbered messages arrive once and in order. Of all that were sent up to the last one, taken + lost + reordered
  * arrived in order, never, and after a later one. Those that come 64 or more behind stay lost.
  */
-struct wire_order {
-    uint64_t came; /* bit k: last - k has come */
+struct wire_sequence {
+    uint64_t received_bits; /* bit k: last - k has come */
     uint32_t last;
-    uint32_t taken;
+    uint32_t accepted;
     uint32_t lost;
     uint32_t reordered;
     uint32_t repeated; /* came before, or is too old to tell */
 };
 
 /* Start after number `last`. */
-void wire_order_start(struct wire_order *order, uint32_t last);
+void wire_sequence_start(struct wire_sequence *sequence, uint32_t last);
 
 /* 1: newer than all before; 0: count it, and use it no more. */
-int wire_order_take(struct wire_order *order, uint32_t sequence);
+int wire_sequence_accept(struct wire_sequence *sequence, uint32_t number);
 
 #endif

@@ -44,19 +44,19 @@ struct wire_sample {
 struct wire_device {
     struct wire_info info;
     struct wire_reader reader;
-    struct wire_order order; /* of the commands */
-    uint32_t sequence;       /* of the last sample; the first is 1 */
+    struct wire_sequence commands; /* of the commands */
+    uint32_t sequence;             /* of the last sample; the first is 1 */
     uint32_t late;
-    uint32_t watchdog; /* info.watchdog in samples */
-    uint32_t silence;  /* samples since the last command; counts while armed */
-    uint32_t unheard;  /* samples since anything of the session came */
+    uint32_t watchdog_samples;      /* info.watchdog in samples */
+    uint32_t samples_since_command; /* samples since the last command; counts while armed */
+    uint32_t samples_since_frame;   /* samples since anything of the session came */
     uint16_t session;
     uint16_t reasons; /* latched */
     uint16_t causes;  /* of the last sample */
     uint16_t code;
-    uint8_t enabled;
-    uint8_t armed; /* a command came since the motors are on */
-    uint8_t greeted;
+    uint8_t is_enabled;
+    uint8_t is_armed; /* a command came since the motors are on */
+    uint8_t must_send_info;
     uint8_t log_size;
     float force[3];
     float torque[3];

@@ -17,20 +17,20 @@
 struct simulate_can_node {
     uint8_t node, generation, state;
     uint8_t is_done;         /* a trajectory: of 0.5 this bit gives the firmware away */
-    uint8_t is_in_torque;    /* torque control, passed through */
+    uint8_t is_torque_mode;  /* torque control, passed through */
     uint32_t errors;         /* of the axis */
     uint32_t motor_errors;   /* 0.5 */
     uint32_t causes;         /* errors that clearing does not end */
     float torque;            /* Nm of the motor, as it was set last; it acts in closed loop */
-    uint64_t taken;          /* torques that came */
+    uint64_t torques;        /* torques that came */
     uint64_t heard_tick;     /* of the last frame to this node */
     uint64_t serial;         /* 0.6 */
     double watchdog;         /* s, 0: none */
-    uint32_t estimates_each; /* ticks, 0: never but when asked */
-    uint32_t beats_each;
-    uint32_t copies; /* nodes of this number, 1 */
-    uint32_t babble; /* frames more a tick */
-    uint8_t is_dumb; /* it says nothing */
+    uint32_t estimate_ticks; /* ticks, 0: never but when asked */
+    uint32_t heartbeat_ticks;
+    uint32_t copies;       /* nodes of this number, 1 */
+    uint32_t extra_frames; /* frames more a tick */
+    uint8_t is_mute;       /* it says nothing */
 };
 
 struct simulate_can {
@@ -48,7 +48,7 @@ struct simulate_can {
     double hand_damping;   /* Ns/m */
     double swing;          /* m, how far up and down the hand goes */
     double swing_period;   /* s */
-    uint8_t is_led;        /* 1: joints are where they are put, there is no mechanism */
+    uint8_t is_kinematic;  /* 1: joints are where they are put, there is no mechanism */
     uint64_t unsent;       /* frames for which the line had no room */
     int count;             /* of `out` */
     struct can_message out[SOCKETCAN_BATCH];

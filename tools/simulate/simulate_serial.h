@@ -25,8 +25,8 @@ struct simulate_serial {
     uint64_t unsent; /* samples for which the line had no room */
     int master;
     char path[64];
-    uint8_t rest[WIRE_OUT_MAX];
-    size_t rest_at, rest_size;
+    uint8_t pending[WIRE_OUT_MAX];
+    size_t pending_at, pending_size;
 };
 
 /* What it says of itself unless told otherwise: 3 freedoms, 1 kHz, 5 N, a watchdog of 20 ms. */
