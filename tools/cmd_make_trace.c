@@ -156,11 +156,11 @@ int command_make_trace(int argc, char **argv)
         return complain("make trace", "--mesh FILE.dpa and -o TRACE.csv are needed (see --help)");
     if (output_check("make trace", out, (const char *const[]){ mesh_path, NULL }))
         return 2;
-    const double most = DPT_COORDINATE_MAX;
+    const double limit = DPT_COORDINATE_MAX;
     if (!ticks)
         return complain("make trace", "--ticks must be 1 or more");
-    if (!(hand.length >= 0.0 && hand.length <= most) || !(hand.band >= 0.0 && hand.band <= most) ||
-        !(hand.speed >= 0.0 && hand.speed <= most))
+    if (!(hand.length >= 0.0 && hand.length <= limit) ||
+        !(hand.band >= 0.0 && hand.band <= limit) || !(hand.speed >= 0.0 && hand.speed <= limit))
         return complain("make trace", "--length, --band and --speed must be 0 to 1e6");
 
     void *bytes;

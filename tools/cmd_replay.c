@@ -111,7 +111,8 @@ static int stage_open(struct stage *stage, const dpt_world_def *def, const dpt_m
 }
 
 /* Place the tool for a row; a jump forgets the past. */
-static void place(struct stage *stage, const struct csv_table *trace, size_t row, double radius)
+static void place_tool(struct stage *stage, const struct csv_table *trace, size_t row,
+                       double radius)
 {
     const dpt_pose identity = DPT_POSE_IDENTITY;
     dpt_segment segment = segment_of(trace, row, radius);
@@ -129,7 +130,7 @@ static void limit_wrench(dpt_guard *guard, uint64_t row, double dt, struct repla
 }
 
 static void run_pass(struct stage *stage, const struct replay_settings *settings,
-                     struct replayed *replayed, int first)
+                     struct replayed *replayed, int is_first)
 {
     struct meter meter = { .began = 0 };
     dpt_guard guard = { .size = sizeof guard };
@@ -139,17 +140,18 @@ static void run_pass(struct stage *stage, const struct replay_settings *settings
         if (i % 256 == 0)
             meter_show(&meter, "replay", (double)i / (double)replayed->trace->rows);
         struct replayed_tick *tick = &replayed->ticks[i];
-        place(stage, replayed->trace, i, settings->radius);
+        place_tool(stage, replayed->trace, i, settings->radius);
         const uint64_t begin = clock_now();
         dpt_world_step(stage->world, settings->dt, NULL);
         double ns = (double)(clock_now() - begin);
-        tick->ns = first || ns < tick->ns ? ns : tick->ns;
+        tick->ns = is_first || ns < tick->ns ? ns : tick->ns;
         tick->hit.size = sizeof tick->hit;
         dpt_tool_get_hit(stage->world, stage->tool, &tick->hit);
         dpt_tool_get_wrench(stage->world, stage->tool, &tick->wrench);
         if (settings->limit)
             limit_wrench(&guard, i, settings->dt, tick);
-        dpt_tool_get_strip(stage->world, stage->tool, 0, NULL, 0, &tick->strip, &tick->strip_flags);
+        dpt_tool_get_strip(stage->world, stage->tool, 0, NULL, 0, &tick->strip_triangles,
+                           &tick->strip_flags);
     }
     meter_show(&meter, "", 1.0);
 }
@@ -174,20 +176,20 @@ static int compare(const struct replay_settings *settings, const dpt_mesh *mesh,
         dpt_hit hit = DPT_HIT_INIT;
         if (against->ticks % 64 == 0)
             meter_show(&meter, "compare", (double)i / (double)trace->rows);
-        place(&stage, trace, i, settings->radius);
+        place_tool(&stage, trace, i, settings->radius);
         const uint64_t begin = clock_now();
         dpt_world_step(stage.world, settings->dt, NULL);
         ns[against->ticks++] = (double)(clock_now() - begin);
         dpt_tool_get_hit(stage.world, stage.tool, &hit);
         double error = fabs(hit.distance - replayed->ticks[i].hit.distance);
-        against->wrong += error <= against->tolerance ? 0 : 1;
-        against->largest_error = fmax(against->largest_error, error);
-        against->missed += hit.distance == 0.0 && error > against->tolerance;
+        against->wrong_count += error <= against->tolerance ? 0 : 1;
+        against->error_max = fmax(against->error_max, error);
+        against->missed_crossings += hit.distance == 0.0 && error > against->tolerance;
     }
     meter_show(&meter, "", 1.0);
     if (ns) {
         sort_numbers(ns, against->ticks);
-        against->ns = percentile(ns, against->ticks, 0.5);
+        against->median_ns = percentile(ns, against->ticks, 0.5);
     }
     against->method = methods[settings->against];
     free(stage.block);
@@ -210,7 +212,7 @@ static int write_results(const struct replay_settings *settings, const struct re
     else if (strcmp(settings->out, "-") != 0)
         replay_print_table(stdout, replayed);
     status = output_keep(&output, "replay");
-    return status ? status : replayed->against.wrong ? 1 : 0;
+    return status ? status : replayed->against.wrong_count ? 1 : 0;
 }
 
 static void note_lengths(const struct replay_settings *settings, const dpt_mesh_info *info)
@@ -233,7 +235,7 @@ static int run(const struct replay_settings *settings, const dpt_mesh *mesh,
     struct stage stage = { .block = NULL };
     struct replayed replayed = { .trace = trace,
                                  .until = settings->def.until,
-                                 .strips = settings->def.strip };
+                                 .strip_kind = settings->def.strip };
     dpt_segment segment = segment_of(trace, 0, settings->radius);
     replayed.ticks = calloc(trace->rows, sizeof *replayed.ticks);
     int status = replayed.ticks ? stage_open(&stage, &settings->def, mesh, &segment)
@@ -260,7 +262,7 @@ static int run(const struct replay_settings *settings, const dpt_mesh *mesh,
 }
 
 /* -1 to go on, else the exit status. */
-static int take_settings(int argc, char **argv, struct replay_settings *settings)
+static int read_settings(int argc, char **argv, struct replay_settings *settings)
 {
     const char *operand[2], *method = "exact", *until = "respond", *kernel = "auto";
     const char *against = NULL, *strip = "none";
@@ -373,7 +375,7 @@ int command_replay(int argc, char **argv)
     dpt_world_def_init(&settings.def);
     dpt_baseline_def_init(&settings.baseline);
     settings.def.max_bodies = settings.def.max_tools = settings.def.max_segments = 1;
-    int status = take_settings(argc, argv, &settings);
+    int status = read_settings(argc, argv, &settings);
     if (status >= 0)
         return status;
     const dpt_mesh *mesh = load_mesh("replay", settings.mesh, &bytes);

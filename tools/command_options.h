@@ -32,7 +32,8 @@ struct option_def {
  * many there were. Prints `help` for --help. Returns -1 to go on, else the exit status.
  */
 int parse_options(int argc, char **argv, const struct option_def *options, size_t option_count,
-                  const char *help, const char **operand, size_t room, size_t *operands);
+                  const char *help, const char **operand, size_t operand_capacity,
+                  size_t *operands);
 
 /* Which of `words` (ended by NULL) the text is; -1 for none. */
 int word_index(const char *text, const char *const *words);
@@ -44,7 +45,7 @@ int word_index(const char *text, const char *const *words);
 struct output {
     FILE *file;
     const char *path;
-    char *beside; /* NULL where nothing is renamed */
+    char *part_path; /* NULL where nothing is renamed */
 };
 
 /* Refuses an output that is one of the inputs, by whatever name; NULL ends them. 0, or 2 after the complaint. */

@@ -11,8 +11,8 @@
 struct replayed_tick {
     dpt_hit hit;
     dpt_wrench wrench;
-    double ns;      /* the least of all passes */
-    uint32_t strip; /* triangles in it */
+    double ns;                /* the least of all passes */
+    uint32_t strip_triangles; /* triangles in it */
     uint32_t strip_flags;
 };
 
@@ -20,18 +20,18 @@ struct replayed_tick {
 struct comparison {
     const char *method; /* NULL: none was asked for */
     uint64_t ticks;
-    uint64_t wrong;       /* distances that differ by more than the tolerance */
-    uint64_t missed;      /* of them: it crosses, and was not noticed */
-    double largest_error; /* m */
-    double tolerance;     /* m */
-    double ns;            /* median per tick */
+    uint64_t wrong_count;      /* distances that differ by more than the tolerance */
+    uint64_t missed_crossings; /* of them: it crosses, and was not noticed */
+    double error_max;          /* m */
+    double tolerance;          /* m */
+    double median_ns;          /* median per tick */
 };
 
 struct replayed {
     const struct csv_table *trace;
     struct replayed_tick *ticks;
     uint32_t until;
-    uint32_t strips; /* DPT_STRIP_... */
+    uint32_t strip_kind; /* DPT_STRIP_... */
     size_t world_bytes;
     uint64_t mesh_bytes;
     double diagonal;
@@ -47,6 +47,6 @@ void replay_print_table(FILE *file, const struct replayed *replayed);
 
 /* Sort and take the nearest-rank percentile, 0..1; 0 of none. */
 void sort_numbers(double *values, size_t count);
-double percentile(const double *sorted, size_t count, double share);
+double percentile(const double *sorted, size_t count, double fraction);
 
 #endif

@@ -14,7 +14,7 @@ struct scene_def {
     const char
         *tool; /* of a compiled arm; NULL: the scene's own, or where that is a mesh the stylus */
     const char *
-        at; /* "X,Y,Z": where the device's origin is, m; NULL: above a mesh, or at the arm's middle */
+        origin; /* "X,Y,Z": where the device's origin is, m; NULL: above a mesh, or at the arm's middle */
     double zoom;   /* metres of the scene for one of the hand */
     double length; /* of the stylus, m */
     double radius;
@@ -27,14 +27,14 @@ struct scene {
     const dpt_arm *arm;                         /* that the scene is of; NULL: of a mesh */
     const dpt_mesh *mesh;                       /* likewise; NULL: of an arm */
     dpt_segment segments[DPT_ARM_SEGMENTS_MAX]; /* of the tool, in its own frame */
-    uint32_t count;
+    uint32_t segment_count;
     double stiffness;
     int has_stylus;     /* the tool is the stylus: free, so that a trace of it can be replayed */
     dpt_segment stylus; /* of the scene's frame, as it was moved last */
     double length;
     double zoom;
-    double origin[3]; /* the device's, in the scene's frame */
-    double turn[4];   /* from the device's axes to the scene's */
+    double origin[3];          /* the device's, in the scene's frame */
+    double device_to_scene[4]; /* from the device's axes to the scene's */
     dpt_device_info device;
     void *block, *bytes, *tool_bytes;
 };

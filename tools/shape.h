@@ -34,8 +34,8 @@ typedef int shape_maker(uint32_t count, uint64_t seed, struct shape *shape);
 
 struct shape_kind {
     const char *name;
-    uint32_t usual; /* triangles when no number is given; 0: it must be given */
-    uint32_t least;
+    uint32_t default_count; /* triangles when no number is given; 0: it must be given */
+    uint32_t count_min;
     enum shape_counts counts;
     shape_maker *make;
     const char *help;
@@ -70,8 +70,8 @@ int shape_make_laparoscopic(uint64_t count, uint64_t seed, struct shape bodies[L
 
 /* A surface on which new vertices are laid: moves a point near it onto it. */
 struct shape_surface {
-    void (*project)(const void *of, double point[3]);
-    const void *of;
+    void (*project)(const void *context, double point[3]);
+    const void *context;
 };
 
 /* Make room for so many vertices and triangles, none there yet; -1 when memory runs out. */

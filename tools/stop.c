@@ -8,25 +8,25 @@
 
 #include "clock.h"
 
-static volatile int asked;
+static volatile int is_requested;
 static dpt_loop *volatile running;
 
 static void on_signal(int number)
 {
     (void)number;
-    asked = 1;
+    is_requested = 1;
     if (running)
         dpt_loop_stop(running);
 }
 
-int stop_asked(void)
+int stop_requested(void)
 {
-    return asked;
+    return is_requested;
 }
 
 const volatile int *stop_flag(void)
 {
-    return &asked;
+    return &is_requested;
 }
 
 void stop_watch(dpt_loop *loop, double seconds)

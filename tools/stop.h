@@ -12,7 +12,7 @@
 void stop_watch(dpt_loop *loop, double seconds);
 
 /* Not 0 after one. */
-int stop_asked(void);
+int stop_requested(void);
 const volatile int *stop_flag(void);
 
 /* Monotonic, in s. */

@@ -356,7 +356,7 @@ void socketcan_find(void (*found)(void *user, const char *name, const char *abou
     DIR *folder = opendir("/sys/class/net");
     if (!folder)
         return;
-    for (const struct dirent *entry; (entry = readdir(folder)) != NULL;) {
+    for (const struct dirent *entry; (entry = readdir(folder));) {
         char path[300];
         int type = 0;
         snprintf(path, sizeof path, "/sys/class/net/%s/type", entry->d_name);

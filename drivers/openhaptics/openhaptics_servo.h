@@ -17,7 +17,7 @@ struct servo_sample {
     uint64_t time_ns;
     uint64_t missed; /* ticks without a command that still counts */
     uint32_t status, reasons, code, buttons;
-    uint32_t clears; /* that it has heard of */
+    uint32_t clear_requests; /* that it has heard of */
     dpt_pose pose;
     double velocity[3], spin[3], joint[SERVO_JOINTS];
     double temperature; /* -1: not known */
@@ -31,27 +31,27 @@ struct servo_command {
 struct servo {
     /* Of the host, fixed while it is in the scheduler. */
     const struct hd_library *hd;
-    unsigned device, style; /* of calibration: one bit, or 0 */
-    int inputs, outputs;    /* degrees of freedom, 0, 3 or 6 */
-    double middle[3];       /* of the workspace, mm: the origin of poses */
+    unsigned device, style;      /* of calibration: one bit, or 0 */
+    int input_dofs, output_dofs; /* degrees of freedom, 0, 3 or 6 */
+    double centre_mm[3];         /* of the workspace, mm: the origin of poses */
     uint64_t watchdog_ns;
-    uint32_t ramp; /* ticks from no force to all of it */
+    uint32_t ramp_ticks; /* ticks from no force to all of it */
 
     /* Between the threads. */
     struct latest_value samples, commands;
     struct servo_sample sample[LATEST_VALUE_PLACES];
     struct servo_command command[LATEST_VALUE_PLACES];
-    uint32_t clears; /* of faults, asked for by the host */
-    uint32_t leaves;
+    uint32_t clear_requests; /* of faults, asked for by the host */
+    uint32_t must_leave;
 
     /* Of the scheduler's thread. */
     struct servo_sample last;
-    int is_met; /* the next two lines are known, also to the host, with its first sample */
-    int has_inkwell, temperatures; /* of so many motors; both at first what may be */
-    int has_spin, joints, buttons; /* joints 0, 3 or 6; buttons 0 or 4 */
-    int is_calibrated, is_docked, is_sound, is_lost, is_armed, is_leaving, gives_force;
-    uint32_t fault, live; /* code, or 0; ticks since commands began, at most `ramp` */
-    uint64_t fault_ns;    /* when it was last heard of */
+    int has_capabilities; /* the next two lines are known, also to the host, with its first sample */
+    int has_inkwell, temperature_count; /* of so many motors; both at first what may be */
+    int has_spin, joints, buttons;      /* joints 0, 3 or 6; buttons 0 or 4 */
+    int is_calibrated, is_docked, is_valid, is_lost, is_armed, is_leaving, gives_force;
+    uint32_t fault, live_ticks; /* code, or 0; ticks since commands began, at most `ramp` */
+    uint64_t fault_ns;          /* when it was last heard of */
 };
 
 void servo_wait(void); /* a millisecond */

@@ -242,7 +242,7 @@ void serial_line_find(void (*found)(void *user, const char *path, const char *ab
     DIR *folder = opendir("/dev");
     if (!folder)
         return;
-    for (const struct dirent *entry; (entry = readdir(folder)) != NULL;)
+    for (const struct dirent *entry; (entry = readdir(folder));)
         for (size_t i = 0; i < sizeof ports / sizeof *ports; i++)
             if (!strncmp(entry->d_name, ports[i].prefix, strlen(ports[i].prefix))) {
                 char path[300];
