@@ -12,7 +12,7 @@
 #include "settings.h"
 #include "text/parse_number.h"
 
-/* What is read. A line may be a comment, but has an end: a file without any is refused before memory ends. */
+/* Limits of a file and of a line, bytes. A file without line ends is refused before memory runs out. */
 static const uint64_t TEXT_MAX = (uint64_t)1 << 30;
 static const size_t LINE_MAX = (size_t)1 << 20;
 
@@ -47,7 +47,7 @@ static size_t commas_in(const char *text)
     return count;
 }
 
-/* NULL, or what is wrong with the line. */
+/* Returns NULL, or what is wrong with the line. */
 static const char *parse_row(const char *at, const char *end, double *row, size_t columns)
 {
     for (size_t i = 0; i < columns; i++) {
@@ -61,6 +61,7 @@ static const char *parse_row(const char *at, const char *end, double *row, size_
     return at == end ? NULL : "there are too many fields";
 }
 
+/* Make room for one more row. Returns 0 if memory runs out. */
 static int reserve_row(struct parser *parser)
 {
     struct csv_table *table = parser->table;
@@ -88,7 +89,7 @@ static dpt_result parse_header(struct parser *parser, const char *at, const char
     return DPT_OK;
 }
 
-/* From `at` to before its line feed. */
+/* Parse one line; `end` is its line feed. */
 static dpt_result parse_line(struct parser *parser, const char *at, const char *end)
 {
     struct csv_table *table = parser->table;
@@ -116,7 +117,7 @@ static dpt_result parse_line(struct parser *parser, const char *at, const char *
     return DPT_OK;
 }
 
-/* All lines that end before `end`; *at is then where the next one begins. */
+/* Parse all lines that end before `end`. Sets *at to the beginning of the next line. */
 static dpt_result parse_lines(struct parser *parser, const char **at, const char *end)
 {
     dpt_result result = DPT_OK;
@@ -128,7 +129,7 @@ static dpt_result parse_lines(struct parser *parser, const char **at, const char
     return result;
 }
 
-/* The last line needs no line feed. */
+/* Parse the last line, which may lack its line feed. A table without rows is an error. */
 static dpt_result parse_last_line(struct parser *parser, const char *at, const char *end)
 {
     dpt_result result = at < end ? parse_line(parser, at, end) : DPT_OK;
@@ -151,7 +152,7 @@ dpt_result csv_table_parse(struct csv_table *table, const char *at, const char *
     return result;
 }
 
-/* What is read and not yet parsed: the beginning of a line. */
+/* Bytes that were read but not parsed yet: the beginning of a line. */
 struct unparsed_text {
     char *bytes;
     size_t count, capacity;

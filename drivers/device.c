@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Which drivers are built in (the Makefile's DRIVERS, by built_with.h), and what holds for devices of all of them. */
+/* The built-in drivers (the Makefile's DRIVERS, listed in built_with.h), and the calls that work for devices of all. */
 #include <string.h>
 
 #include "base/return_if_error.h"
@@ -9,7 +9,7 @@
 #include "dynpoint/driver.h"
 #include "settings.h"
 
-/* All that have a name. */
+/* All reason bits that have a name. */
 static const uint32_t KNOWN_REASONS = 2u * DPT_REASON_DOCKED - 1u;
 
 #define DRIVER(name) extern const dpt_driver name##_driver;
@@ -38,7 +38,7 @@ const dpt_driver *dpt_driver_named(const char *name)
     return name ? find_driver(name, strlen(name)) : NULL;
 }
 
-/* The first release's driver ends with what there is today. */
+/* A driver of this version has at least today's fields; only `find` may be NULL. */
 static int is_complete(const dpt_driver *driver)
 {
     return driver->size >= sizeof *driver && driver->size <= SIZED_MAX &&
@@ -46,7 +46,7 @@ static int is_complete(const dpt_driver *driver)
            driver->read && driver->write && driver->clear && driver->counts && driver->close;
 }
 
-/* What a driver fills in: ours, or with the fields of a newer library behind. */
+/* Room for the struct that a driver fills in: a newer driver's is longer than ours. */
 enum { DRIVER_STRUCT_MAX = 1024 };
 
 #define WITH_ROOM(type)                                                                            \
@@ -55,7 +55,7 @@ enum { DRIVER_STRUCT_MAX = 1024 };
         unsigned char room[DRIVER_STRUCT_MAX];                                                     \
     }
 
-/* Give the caller, whose size was checked, what is known of a failure, or what is still to be done. */
+/* Complete `own` and copy it to the caller's `error`, whose size was checked. Returns `result`. */
 static dpt_result finish_open(dpt_result result, dpt_device_error *own, dpt_device_error *error)
 {
     own->code = result;

@@ -21,29 +21,30 @@ static const uint64_t SECOND = 1000000000u;
 struct dpt_loop {
     dpt_device *device;
     dpt_device_info info;
-    dpt_loop_def def; /* but for the guard's */
-    dpt_guard_def guard;
-    double period;
-    uint64_t period_ns;
-    int is_deterministic;
-    int stop;
+    dpt_loop_def def;     /* def.guard is NULL: `guard` has its content */
+    dpt_guard_def guard;  /* within what the device can do */
+    double period;        /* s */
+    uint64_t period_ns;   /* the same in ns */
+    int is_deterministic; /* the device's time passes by reads */
+    int stop;             /* set by dpt_loop_stop, read atomically */
 };
 
-/* From a run's first tick to its last. */
+/* The state of one run. */
 struct run {
     struct dpt_loop *loop;
     dpt_loop_stats stats;
     dpt_guard guard;
     dpt_device_state state;
     dpt_loop_sample sample;
-    uint64_t now;
-    int64_t suspended_ns; /* of the monotonic clock: the most that was seen */
+    uint64_t now; /* ns, of the monotonic clock, or the time of a deterministic device */
+    int64_t
+        suspended_ns; /* how long the machine was suspended since boot: the largest value read */
     int has_sequence;
-    uint64_t sequence; /* of the last sample */
+    uint64_t sequence; /* of the newest sample that was accepted */
     int has_host_sample;
-    uint64_t host_sample_ns; /* of the sample that the host saw last */
+    uint64_t host_sample_ns; /* time_ns of the last sample that the host saw */
     int is_lost;
-    uint64_t retry_ns;
+    uint64_t retry_ns; /* when to try dpt_device_clear again */
 };
 
 void dpt_loop_def_defaults(dpt_loop_def *def, size_t size)
@@ -52,7 +53,7 @@ void dpt_loop_def_defaults(dpt_loop_def *def, size_t size)
     sized_defaults(def, size, &defaults, sizeof defaults);
 }
 
-/* The guard of a loop: the host's, within what the device can do. */
+/* The loop's guard is the host's, with its limits lowered to what the device can do. */
 static dpt_result limit_guard(const dpt_guard_def *given, struct dpt_loop *loop)
 {
     const dpt_device_info *info = &loop->info;
@@ -169,7 +170,7 @@ static int pose_is_sound(const dpt_pose *pose)
            within(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] - 1.0, 2e-6);
 }
 
-/* 1 for a sample that no one saw before. */
+/* Count the sample that was read. Returns 1 if it is newer than all before. */
 static int accept_sample(struct run *run)
 {
     const dpt_device_state *state = &run->state;
@@ -209,7 +210,7 @@ static void clear_sent(struct run *run)
     run->sample.sent_ns = 0;
 }
 
-/* The host's turn. */
+/* Call the host with the fresh sample. */
 static dpt_result call_host(struct run *run, dpt_wrench *command)
 {
     const dpt_loop *loop = run->loop;
@@ -239,8 +240,8 @@ static void send(struct run *run, const dpt_wrench *wrench)
 }
 
 /*
- * Read the clock. It stands still while the machine is suspended, so the guard sees no silence and is told by hand. A
- * pause between the two readings makes `ahead` too small, so it is compared with the largest one before.
+ * Read the clock. It stands still while the machine is suspended, so the guard sees no silence: switch it off here. The
+ * value of `suspended` may be too small, never too large (clock_read_suspended), so compare it with the largest before.
  */
 static dpt_result read_clocks(struct run *run)
 {
@@ -285,7 +286,7 @@ static dpt_result tick(struct run *run)
         else if (is_ready)
             run->stats.failed++;
     }
-    /* A command counts from when it is there: one that took long begins a new ramp. */
+    /* Read the clock after the host: a command counts from its arrival, so one that took long begins a new ramp. */
     if (!run->loop->is_deterministic)
         DPT_TRY(read_clocks(run));
     dpt_guard_step(&run->guard, run->now, has_command ? &command : NULL, is_ready, &wrench);
@@ -310,15 +311,16 @@ static void note_time(double *max_seconds, uint64_t *bins, uint64_t ns)
 }
 
 /*
- * Where deadlines lie behind a device's samples: as early as these allow, since what a command waits for is delay in the
- * hand's loop. The youngest sample of some ticks is to be `lead` old. A tick without a fresh sample says that this was
- * too early: then deadlines move, and the lead grows for a while.
+ * The phase of the deadlines relative to the device's samples. A sample's age at the deadline is delay in the hand's
+ * loop, so deadlines follow the samples as closely as possible. The smallest age over a window of ticks is held at
+ * target_age. A tick without a fresh sample shows that its deadline was too early: the deadlines move back, and
+ * target_age grows for a while.
  */
 struct phase {
-    int64_t target_age; /* ns */
-    int64_t min_age;    /* of the ticks so far */
-    uint32_t ticks;
-    uint32_t ticks_since_stale; /* ticks since the last one without a fresh sample */
+    int64_t target_age;         /* ns */
+    int64_t min_age;            /* of this window's samples, ns */
+    uint32_t ticks;             /* in this window */
+    uint32_t ticks_since_stale; /* since the last tick without a fresh sample */
 };
 
 enum { PHASE_TICKS = 32, PHASE_SHRINK_TICKS = 8192 };
@@ -340,7 +342,7 @@ static int64_t phase_stale(struct phase *phase, int64_t period)
     return shift;
 }
 
-/* By how much to move the deadlines, after a tick that read a sample of that age. */
+/* Returns by how much to move the deadlines after a tick whose sample had this age, ns. */
 static int64_t phase_fresh(struct phase *phase, int64_t period, int64_t age)
 {
     const int64_t step = period / 16;
@@ -403,7 +405,7 @@ static dpt_result run_by_device(struct run *run)
     return DPT_OK;
 }
 
-/* A line without room may have some a little later. */
+/* Send zero force. If the line has no room, try again: it may have room a little later. */
 static dpt_result send_zero(struct run *run)
 {
     static const dpt_wrench zero;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The self-test of a device (selftest.h): what it says while it is read, and how it moves when it is pushed. */
+/* The self-test of a device (selftest.h): what it reports while it is read, and how it moves when it is pushed. */
 #define _POSIX_C_SOURCE 200809L
 #include "dynpoint/selftest.h"
 
@@ -13,10 +13,10 @@
 #include "base/vec3.h"
 #include "clock.h"
 
-/* A watchdog that is slower would push the hand too far. */
+/* A slower watchdog, s, is not tested: the test would push the hand too far. */
 static const double WATCHDOG_MAX = 0.1;
 
-/* A motion of less tells nothing of velocities. */
+/* Smallest motion, m and rad, that velocity and spin are checked by. */
 static const double DISPLACEMENT_MIN = 1e-3, ROTATION_MIN = 0.02;
 
 static const dpt_wrench zero;
@@ -27,7 +27,7 @@ struct selftest {
     dpt_selftest_def def;
     dpt_selftest_counts counts;
     dpt_result result; /* DPT_OK: go on */
-    /* Of all motions: the farthest, and how far off its velocity says. */
+    /* Over all observations; as in selftest_motion. */
     double displacement_max, displacement_error_max, rotation_max, rotation_error_max;
 };
 
@@ -59,9 +59,12 @@ static void note(struct selftest *test, const char *what)
     report_line(test, DPT_SELFTEST_NOTE, what, 0.0, "");
 }
 
-/* ---- a motion, and what the device says of it ---- */
+/* ---- a motion, and the velocity that the device reports ---- */
 
-/* From sample to sample: where it is, and where its velocity leads to. */
+/*
+ * The motion since the first sample, in the device's frame, by poses and by the integral of the reported velocity and
+ * spin (m, rad). An error is the distance between the two.
+ */
 struct selftest_motion {
     double displacement[3], velocity_integral[3], rotation[3], spin_integral[3];
     double displacement_max, displacement_error_max, rotation_max, rotation_error_max;
@@ -77,7 +80,7 @@ static double difference(const double *a, const double *b)
     return length(sub(vec3_of(a), vec3_of(b)));
 }
 
-/* The rotation from one orientation to the next, as a vector in the device's frame. */
+/* The rotation from one orientation to the next, as a rotation vector in the device's frame, rad. */
 static void rotation_between(const double *from, const double *to, double *rotation)
 {
     const vec3 u = vec3_of(from + 1), v = vec3_of(to + 1);
@@ -109,14 +112,15 @@ static void add_motion(struct selftest_motion *motion, const dpt_device_state *f
         fmax(motion->rotation_error_max, difference(motion->rotation, motion->spin_integral));
 }
 
-/* What was seen in a while. */
+/* What observe() saw. */
 struct observed {
-    dpt_result result;
-    dpt_device_state first, last; /* fresh ones */
+    dpt_result result;            /* of the last read or write */
+    dpt_device_state first, last; /* the first and the last fresh sample */
     uint64_t reads, fresh, skipped, misnumbered, not_finite, slow_reads, slow_writes;
-    double seconds, quaternion_error_max; /* how far a quaternion is from unit length */
-    double age;                           /* of the last sample, s */
-    int is_ready;
+    double seconds;              /* how long it took */
+    double quaternion_error_max; /* largest difference of a quaternion's length from 1 */
+    double age;                  /* of the last sample, s */
+    int is_ready;                /* on every read */
     struct selftest_motion motion;
 };
 
@@ -135,7 +139,7 @@ static double unit_length_error(const double *q)
     return fabs(sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]) - 1.0);
 }
 
-/* `now` and what the last sample was before it. */
+/* Add the state that was just read. */
 static void add_state(struct observed *seen, const dpt_device_state *now)
 {
     const dpt_device_state *before = &seen->last;
@@ -168,7 +172,7 @@ static void sleep_for(double seconds)
     nanosleep(&time, NULL);
 }
 
-/* Read for a while, and give that wrench meanwhile; NULL: write nothing. */
+/* Read for so many seconds and write this wrench after each read; NULL: write nothing. */
 static void observe(struct selftest *test, double seconds, const dpt_wrench *wrench,
                     struct observed *seen)
 {
@@ -207,7 +211,7 @@ static void observe(struct selftest *test, double seconds, const dpt_wrench *wre
     test->rotation_max = fmax(test->rotation_max, seen->motion.rotation_max);
 }
 
-/* ---- what it says while nothing pushes ---- */
+/* ---- what it reports while nothing pushes ---- */
 
 static int is_inside(const dpt_device_info *info, const dpt_device_state *state)
 {
@@ -220,13 +224,13 @@ static int is_inside(const dpt_device_info *info, const dpt_device_state *state)
     return is_inside_box;
 }
 
-/* About z: no turn with w last. */
+/* The identity looks like half a turn about z if a driver sends quaternions with w last. */
 static int is_half_turn_about_z(const double *q)
 {
     return fabs(q[0]) < 1e-6 && fabs(q[1]) < 1e-6 && fabs(q[2]) < 1e-6;
 }
 
-/* 0: the rest makes no sense. */
+/* Returns 0 if the info makes no sense, so that nothing else can be tested. */
 static int test_info(struct selftest *test)
 {
     const dpt_device_info *info = &test->info;
@@ -305,7 +309,7 @@ static void test_samples(struct selftest *test)
 
 /* ---- how it moves ---- */
 
-/* Along an axis, beyond what the velocity at the beginning leads to: what a force did. */
+/* What a force moved along an axis, m: the displacement beyond that of the initial velocity. */
 static double driven_displacement(const struct observed *seen, int axis)
 {
     const double time = (double)(int64_t)(seen->last.time_ns - seen->first.time_ns) * 1e-9;
@@ -330,7 +334,7 @@ static void test_pushes(struct selftest *test)
             observe(test, 0.2, &zero, &still);
             observe(test, test->def.push_seconds, &push, &pushed);
             dpt_device_write(test->device, &zero);
-            /* By the place alone where a hand holds it, beyond the velocity where nothing brakes it. */
+            /* A hand that holds it stops it, so the displacement counts; nothing brakes a free one, so the drive counts. */
             const double displacement =
                 sign * (pushed.last.pose.position[axis] - pushed.first.pose.position[axis]);
             const double moved = fmax(displacement, sign * driven_displacement(&pushed, axis));
@@ -340,7 +344,10 @@ static void test_pushes(struct selftest *test)
         }
 }
 
-/* To the right until it moves, then in silence; `still` is what happens `later` s after the last command. */
+/*
+ * Push to the right, then write nothing for `silence` s, then observe `after_silence` (may be NULL). Returns the
+ * displacement that the push drove, m.
+ */
 static double push_and_wait(struct selftest *test, double silence, struct observed *after_silence)
 {
     const dpt_wrench push = push_along(test, 0, 1.0);
@@ -376,7 +383,7 @@ static void test_watchdog(struct selftest *test)
           "without commands its watchdog ends a force", 1e3 * driven_after, "mm driven on");
 }
 
-/* By all that was seen of its motions. */
+/* Checks velocity and spin by all motions that were observed. */
 static void test_velocity(struct selftest *test)
 {
     const double displacement_min = fmax(DISPLACEMENT_MIN, 10.0 * test->info.position_step);
@@ -399,7 +406,7 @@ static int gives_force(const struct selftest *test)
     return test->info.wrench_dofs >= 3 && test->info.force_max > 0.0;
 }
 
-/* All that is asked of an open device. 0 where the rest makes no sense. */
+/* All tests of an open device. Returns 0 if its info makes no sense. */
 static int test_device(struct selftest *test)
 {
     test->info = (dpt_device_info){ .size = sizeof test->info };
@@ -429,7 +436,7 @@ static dpt_result open_device(struct selftest *test, const dpt_driver *driver, c
     return result;
 }
 
-/* With a force that is given, where it may move; then it must not go on. */
+/* Close the device, under force if it may move, and open it again: the force must have ended. */
 static dpt_result test_close(struct selftest *test, const dpt_driver *driver, const char *where)
 {
     const int may_push = test->result == DPT_OK && gives_force(test) && test->def.may_move;

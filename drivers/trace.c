@@ -5,7 +5,7 @@
 
 #include "dynpoint/base.h"
 
-/* From here on a double does not tell neighbours apart. */
+/* From here on neighbouring integers are the same double. */
 #define TICKS_END 0x1p53
 
 static const char *check_row(const double *row, size_t columns)

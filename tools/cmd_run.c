@@ -118,8 +118,8 @@ static int open_record(const struct run_settings *settings, struct session *sess
 }
 
 /*
- * All of the record's memory, as a tick allocates none: for --ticks, or for as many as --for has. By the clock that is a
- * second more than it has: its timer ends the run before.
+ * All of the record's memory, as a tick allocates none: for --ticks, or for as many as --for has. By the clock that is
+ * a second more than it has: its timer ends the run before.
  */
 static int allocate_record(struct session *session, const struct run_settings *settings,
                            const dpt_device_info *info)

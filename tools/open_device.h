@@ -9,8 +9,8 @@
 int open_device(const char *command, const char *name, dpt_device **device);
 
 /*
- * A fault that stands from before, as a host that died leaves it, is ended, and this said. 2 after the complaint where it
- * stays. One that has its own time is left alone: a read would be one of its samples.
+ * A fault that stands from before, as a host that died leaves it, is ended, and this said. 2 after the complaint where
+ * it stays. One that has its own time is left alone: a read would be one of its samples.
  */
 int end_fault(const char *command, const char *name, dpt_device *device);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * A program that runs until it is interrupted: SIGINT and SIGTERM end it in order, and so do a terminal that is closed and
- * a pipe that no one reads (SIGHUP, SIGPIPE), as it may have motors to switch off.
+ * A program that runs until it is interrupted: SIGINT and SIGTERM end it in order, and so do a terminal that is closed
+ * and a pipe that no one reads (SIGHUP, SIGPIPE), as it may have motors to switch off.
  */
 #ifndef DPT_TOOLS_STOP_H
 #define DPT_TOOLS_STOP_H

@@ -111,8 +111,8 @@ static dpt_result read_nodes(struct can_arm *arm, const char *text, dpt_device_e
 }
 
 /*
- * A turn of the motor is a turn / gear of a joint that turns, and 1 / gear metres of one that slides. Power is the same on
- * both sides: effort * d joint = torque * 2 pi * d turns.
+ * A turn of the motor is a turn / gear of a joint that turns, and 1 / gear metres of one that slides. Power is the same
+ * on both sides: effort * d joint = torque * 2 pi * d turns.
  */
 static dpt_result read_gears(struct can_arm *arm, const struct can_settings *settings,
                              dpt_device_error *error)

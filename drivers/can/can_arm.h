@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * An arm with a motor at each joint: what stands behind can:can0?..., and how turns of motors become the pose of the tool
- * in the device's frame, and a wrench there torques of motors.
+ * An arm with a motor at each joint: what stands behind can:can0?..., and how turns of motors become the pose of the
+ * tool in the device's frame, and a wrench there torques of motors.
  */
 #ifndef DPT_DRIVERS_CAN_ARM_H
 #define DPT_DRIVERS_CAN_ARM_H
@@ -69,8 +69,8 @@ dpt_result can_arm_pose(const struct can_arm *arm, const double *joints, const d
                         dpt_device_state *state);
 
 /*
- * Torques of the motors, Nm, that give `wrench` on the hand, scaled down as one so that no joint's effort is above its limit,
- * and hold up `share` of the weight, which goes first.
+ * Torques of the motors, Nm, that give `wrench` on the hand, scaled down as one so that no joint's effort is above its
+ * limit, and hold up `share` of the weight, which goes first.
  */
 dpt_result can_arm_torques(const struct can_arm *arm, const double *joints,
                            const dpt_wrench *wrench, double weight_share, float *torques);

@@ -82,8 +82,8 @@ int can_node_is_active(const struct can_node *node)
 }
 
 /*
- * By how much a cyclic message is ahead of the clock. What stood still may catch up; what is a little too quick leaks away,
- * 1 / leak each time; two nodes of one number gain half a period each time.
+ * By how much a cyclic message is ahead of the clock. What stood still may catch up; what is a little too quick leaks
+ * away, 1 / leak each time; two nodes of one number gain half a period each time.
  */
 static void check_rate(struct can_monitor *monitor, const struct can_node *node, int64_t *ahead_ns,
                        uint64_t elapsed_ns, uint64_t period, int max_quarters, int leak)
@@ -195,8 +195,8 @@ static void remove_sent(struct can_node *node, uint32_t at)
 }
 
 /*
- * A torque of ours was on the bus: the first of its bits that is under way. Of equal ones in a row any may have come: it is late
- * when it is so for the last of them, and one that is lost stays over when the row ends.
+ * A torque of ours was on the bus: the first of its bits that is under way. Of equal ones in a row any may have come:
+ * it is late when it is so for the last of them, and one that is lost stays over when the row ends.
  */
 static void confirm_torque(struct can_monitor *monitor, struct can_node *node,
                            const struct can_message *message)

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The motor controllers of one arm as their frames show them: what each last said, whether it says too little, too much or
- * something wrong, and what became of the torques that were sent. No system call and no clock: time comes in.
+ * The motor controllers of one arm as their frames show them: what each last said, whether it says too little, too much
+ * or something wrong, and what became of the torques that were sent. No system call and no clock: time comes in.
  *
- * CANSimple numbers nothing, so all of this is by time and content. A sample is an estimate of each node; those that were
- * lost are counted by the periods that passed without one. A torque is missed when it does not come back from the bus in time,
- * in order, or at all; the same number sent twice is the same torque, whichever comes back.
+ * CANSimple numbers nothing, so all of this is by time and content. A sample is an estimate of each node; those that
+ * were lost are counted by the periods that passed without one. A torque is missed when it does not come back from the
+ * bus in time, in order, or at all; the same number sent twice is the same torque, whichever comes back.
  */
 #ifndef DPT_DRIVERS_CAN_MONITOR_H
 #define DPT_DRIVERS_CAN_MONITOR_H

@@ -118,8 +118,8 @@ static const char *line_trouble(const struct can_session *session)
 }
 
 /*
- * Frames of 11-bit ids take 47 bits and 8 for each byte, and 1 for every 4 of the first 34 and the data's where the worst is
- * stuffed: 135 for 8 bytes, 95 for 4, 55 for none.
+ * Frames of 11-bit ids take 47 bits and 8 for each byte, and 1 for every 4 of the first 34 and the data's where the
+ * worst is stuffed: 135 for 8 bytes, 95 for 4, 55 for none.
  */
 static dpt_result check_load(const struct can_session *session, dpt_device_error *error)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * A host on the bus: an arm's nodes, the line to them, what is said and heard, and how they get acquainted. What may wait is
- * said to.
+ * A host on the bus: an arm's nodes, the line to them, what is said and heard, and how they get acquainted. What may
+ * wait is said to.
  */
 #ifndef DPT_DRIVERS_CAN_SESSION_H
 #define DPT_DRIVERS_CAN_SESSION_H
@@ -44,8 +44,8 @@ int can_session_is_dead(const struct can_session *session);
 void can_session_wait(struct can_session *session, uint64_t deadline);
 
 /*
- * Open the line, hear all nodes, tell their firmware, see that they say where they are often enough and only once, switch them
- * on, and wait for a sample: some seconds at most.
+ * Open the line, hear all nodes, tell their firmware, see that they say where they are often enough and only once,
+ * switch them on, and wait for a sample: some seconds at most.
  */
 dpt_result can_session_connect(struct can_session *session, dpt_device_error *error);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * ODrive's CANSimple: what motor controllers and a host say to each other on a CAN bus, in the two generations that are in
- * use, firmware 0.5.x (ODrive 3.x) and 0.6.x (Pro, S1, Micro). docs/drivers.md says where the facts come from.
+ * ODrive's CANSimple: what motor controllers and a host say to each other on a CAN bus, in the two generations that are
+ * in use, firmware 0.5.x (ODrive 3.x) and 0.6.x (Pro, S1, Micro). docs/drivers.md says where the facts come from.
  *
  * This file and odrive.c know nothing but frames: no system call, no allocation, no clock, no byte order.
  *
@@ -81,9 +81,9 @@ struct odrive_message {
 };
 
 /*
- * The frame of a message; `generation` is of the controller and matters to heartbeats and errors. 0 for what must not be
- * sent: no such command or node, a number that is not finite. A torque has 4 bytes: those behind them say nothing and
- * cost a fifth of a bus.
+ * The frame of a message; `generation` is of the controller and matters to heartbeats and errors. 0 for what must not
+ * be sent: no such command or node, a number that is not finite. A torque has 4 bytes: those behind them say nothing
+ * and cost a fifth of a bus.
  */
 int odrive_encode(const struct odrive_message *message, unsigned generation,
                   struct can_message *frame);
@@ -91,8 +91,8 @@ int odrive_encode(const struct odrive_message *message, unsigned generation,
 enum { ODRIVE_OTHER = 0, ODRIVE_MESSAGE = 1, ODRIVE_DAMAGED = 2 };
 
 /*
- * ODRIVE_OTHER: a command that is none of the above, or not of this generation. ODRIVE_DAMAGED: too short, or not finite.
- * ODRIVE_ANY decodes what both generations have in common, heartbeats as if they were 0.6.
+ * ODRIVE_OTHER: a command that is none of the above, or not of this generation. ODRIVE_DAMAGED: too short, or not
+ * finite. ODRIVE_ANY decodes what both generations have in common, heartbeats as if they were 0.6.
  */
 int odrive_decode(const struct can_message *frame, unsigned generation,
                   struct odrive_message *message);

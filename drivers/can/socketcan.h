@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * A CAN interface of the kernel (SocketCAN), never blocking: a controller's, a serial adapter's behind slcan, or vcan. Where
- * there is no SocketCAN, opening is DPT_E_UNSUPPORTED.
+ * A CAN interface of the kernel (SocketCAN), never blocking: a controller's, a serial adapter's behind slcan, or vcan.
+ * Where there is no SocketCAN, opening is DPT_E_UNSUPPORTED.
  *
  * What is sent comes back, marked CAN_MESSAGE_OWN, when it was on the bus: acknowledged by another node, where the
  * interface's driver echoes by itself; with slcan and vcan when the kernel has handed it on.
@@ -35,14 +35,14 @@ dpt_result socketcan_open(struct socketcan *socketcan, const char *name, uint64_
                           dpt_device_error *error);
 
 /*
- * Ask the kernel how the interface is, by rtnetlink; some milliseconds. Error frames that were dropped are made up for, and a
- * bus that was bad before the line was opened is found; where there is no answer all stays as it was.
+ * Ask the kernel how the interface is, by rtnetlink; some milliseconds. Error frames that were dropped are made up for,
+ * and a bus that was bad before the line was opened is found; where there is no answer all stays as it was.
  */
 void socketcan_query(struct socketcan *socketcan);
 
 /*
- * What has come, at most SOCKETCAN_BATCH: how many, 0 for none. One system call and two looks at the clock. Errors of the bus
- * change the fields above and are no messages.
+ * What has come, at most SOCKETCAN_BATCH: how many, 0 for none. One system call and two looks at the clock. Errors of
+ * the bus change the fields above and are no messages.
  */
 int socketcan_receive(struct socketcan *socketcan, struct can_message *messages);
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
  * The device API of OpenHaptics (HDAPI), as much of it as the driver uses, in declarations of our own. libHD is loaded
- * when a device is opened (openhaptics_library.h); nothing here is linked. tests/drivers/hd/function_table.h says it all once more, with
- * the public sources that agree on it, and the compiler compares the two.
+ * when a device is opened (openhaptics_library.h); nothing here is linked. tests/drivers/hd/function_table.h says it
+ * all once more, with the public sources that agree on it, and the compiler compares the two.
  *
  * Units of the library: mm, mm/s, N, mNm, rad, N/mm.
  */

@@ -173,8 +173,8 @@ static double heat_scale(double temperature)
 }
 
 /*
- * What is sent: the latest command, if it is young enough. After silence, a fault or a stop of this thread in a debugger
- * force comes back along a ramp, so that nothing kicks.
+ * What is sent: the latest command, if it is young enough. After silence, a fault or a stop of this thread in a
+ * debugger force comes back along a ramp, so that nothing kicks.
  */
 static void drive(struct servo *servo, struct servo_sample *sample, uint64_t now,
                   int must_send_zero)

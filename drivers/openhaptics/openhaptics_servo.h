@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
  * The side of OpenHaptics that its own thread sees. The library has one scheduler for all devices, and so there is one
- * callback of ours, which gives each device a frame a tick: sample, force, errors. With the threads of the hosts it shares
- * the latest sample and the latest command of each device (latest_value.h), and nothing waits.
+ * callback of ours, which gives each device a frame a tick: sample, force, errors. With the threads of the hosts it
+ * shares the latest sample and the latest command of each device (latest_value.h), and nothing waits.
  */
 #ifndef DPT_DRIVERS_OPENHAPTICS_SERVO_H
 #define DPT_DRIVERS_OPENHAPTICS_SERVO_H
@@ -68,8 +68,8 @@ int scheduler_pause(const struct hd_library *hd);
 hd_error scheduler_resume(struct servo *servo);
 
 /*
- * Take it out: once more zero is sent. 0 when the scheduler's thread does not come by within a second: then it may still
- * use `servo`, for ever.
+ * Take it out: once more zero is sent. 0 when the scheduler's thread does not come by within a second: then it may
+ * still use `servo`, for ever.
  */
 int scheduler_leave(struct servo *servo);
 

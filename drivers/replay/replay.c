@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A recorded motion as a device (docs/drivers.md, "replay"): a trace, tick,ax,ay,az,bx,by,bz. */
+/* A device that plays a recorded motion, a trace of tick,ax,ay,az,bx,by,bz (docs/drivers.md, "replay"). */
 #define _POSIX_C_SOURCE 200809L
 #include <math.h>
 #include <stdlib.h>
@@ -13,7 +13,7 @@
 #include "settings.h"
 #include "trace.h"
 
-/* 2^63 ns are 292 years; it may begin again. */
+/* The longest trace. 2^63 ns are 292 years, and a trace may be repeated. */
 static const double SECONDS_MAX = 100.0 * 365.0 * 86400.0;
 
 struct replay {
@@ -21,9 +21,9 @@ struct replay {
     double rate, live, again;
     struct dynamics dynamics;
     struct csv_table table;
-    size_t row; /* that is now */
+    size_t row; /* of the present sample */
     int has_begun, has_ended;
-    uint64_t past_ticks; /* ticks of those that are over */
+    uint64_t past_ticks; /* of the repetitions that are over */
     uint64_t began_ns, read_sequence;
     int was_read;
     dpt_device_state sample;
@@ -40,7 +40,7 @@ static uint64_t ticks_of(const struct replay *replay)
     return tick_at(replay, replay->table.rows - 1) + 1;
 }
 
-/* The shortest turn from one direction to another, both of unit length. */
+/* The smallest rotation from one direction to another, both of unit length, as a quaternion. */
 static void shortest_turn(vec3 from, vec3 to, double *q)
 {
     double w = 1.0 + dot(from, to);
@@ -73,7 +73,7 @@ static void multiply_quaternions(const double *a, const double *b, double *out)
         out[i] = q[i] / size;
 }
 
-/* The origin is A and z points to B. From row to row it turns no more than it must; after a jump there is no before. */
+/* The sample of the present row: the origin is A, z points to B. It turns no more than it must, from the identity after a jump. */
 static void take_sample(struct replay *replay, int is_jump)
 {
     dpt_device_state *sample = &replay->sample;

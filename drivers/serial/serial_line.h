@@ -6,9 +6,9 @@
 #include "dynpoint/device.h"
 
 /*
- * Open for this program alone, at `speed` baud, 8 bits, no parity, one stop bit, no flow control; what waits in it is thrown
- * away. The settings are read back: a UART may answer a speed that it does not have with another one and no error. *fd is
- * set; on failure it is -1 and `error` says what to do.
+ * Open for this program alone, at `speed` baud, 8 bits, no parity, one stop bit, no flow control; what waits in it is
+ * thrown away. The settings are read back: a UART may answer a speed that it does not have with another one and no
+ * error. *fd is set; on failure it is -1 and `error` says what to do.
  */
 dpt_result serial_line_open(const char *path, uint32_t speed, int *fd, dpt_device_error *error);
 

@@ -5,10 +5,10 @@
  * This file and wire.c know nothing but bytes: no system call, no allocation, no clock, no byte order. The same two are
  * compiled into the driver and into firmware. wire_device.h builds a device's side on top of it.
  *
- * On the line: the body, byte-stuffed so that it holds no zero (COBS); its CRC-32C, over the stuffed bytes, in five bytes
- * of seven bits each; a zero. As the checksum covers what is on the line, up to five flipped bits in a frame that leave
- * its zeros alone are never missed; and as a zero ends every frame and is nowhere else, whatever happened, the frame
- * that begins after the next zero is read.
+ * On the line: the body, byte-stuffed so that it holds no zero (COBS); its CRC-32C, over the stuffed bytes, in five
+ * bytes of seven bits each; a zero. As the checksum covers what is on the line, up to five flipped bits in a frame that
+ * leave its zeros alone are never missed; and as a zero ends every frame and is nowhere else, whatever happened, the
+ * frame that begins after the next zero is read.
  */
 #ifndef DPT_DRIVERS_WIRE_H
 #define DPT_DRIVERS_WIRE_H
@@ -152,8 +152,8 @@ enum { WIRE_MORE = 0, WIRE_MESSAGE = 1, WIRE_DAMAGED = 2, WIRE_FOREIGN = 3 };
 int wire_read(struct wire_reader *reader, uint8_t byte, struct wire_message *message);
 
 /*
- * Whether numbered messages arrive once and in order. Of all that were sent up to the last one, taken + lost + reordered
- * arrived in order, never, and after a later one. Those that come 64 or more behind stay lost.
+ * Whether numbered messages arrive once and in order. Of all that were sent up to the last one, taken + lost +
+ * reordered arrived in order, never, and after a later one. Those that come 64 or more behind stay lost.
  */
 struct wire_sequence {
     uint64_t received_bits; /* bit k: last - k has come */

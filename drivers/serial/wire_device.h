@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * A device's side of the protocol, for firmware and for what pretends to be a device: session, watchdog, latched faults,
- * and what the motors may do.
+ * A device's side of the protocol, for firmware and for what pretends to be a device: session, watchdog, latched
+ * faults, and what the motors may do.
  *
- * Firmware copies four files into one folder: wire.c, wire.h, wire_device.c and wire_device.h. They need no other file of
- * dynpoint, and of the C library only mem*, strlen and sqrt. They allocate nothing, make no system call and read no
+ * Firmware copies four files into one folder: wire.c, wire.h, wire_device.c and wire_device.h. They need no other file
+ * of dynpoint, and of the C library only mem*, strlen and sqrt. They allocate nothing, make no system call and read no
  * clock: time passes by samples. No library of dynpoint contains wire_device.c, as no host needs it.
  *
  *     wire_device_init(&device, &info);      once

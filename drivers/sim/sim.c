@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * A device without a device: a mass with viscous damping on each degree of freedom, in a hand that pulls it by a spring
- * or pushes it, with encoder steps and zero-order hold (docs/drivers.md, "sim").
+ * A simulated device: a mass with viscous damping for each degree of freedom, which a hand pulls by a spring or pushes,
+ * with encoder steps and zero-order hold (docs/drivers.md, "sim").
  */
 #define _POSIX_C_SOURCE 200809L
 #include <math.h>
@@ -20,7 +20,8 @@
 enum { DOFS = 6, DELAY_MAX = 15, CATCH_UP_MAX = 10000, PERIODS_TO_LOST = 10 };
 
 /*
- * What a period does to one mass m in a spring k that pulls to h, with damping c and a constant force f:
+ * The state transition over one period of a mass m with damping c, a spring k to h, and a constant force f. Position x
+ * and velocity v become
  *     x' = h + xx (x - h) + xv v + xf f        v' = vx (x - h) + vv v + vf f
  */
 struct transition {
@@ -34,27 +35,30 @@ struct sim {
     double delay, dofs, live, reach, cycle;
     char script[256], fault[32];
     struct sim_hand hand;
-    struct transition with_spring[2],
-        without_spring[2]; /* of places, of angles: with the hand's spring, without */
-    uint64_t period;       /* that is now */
-    double x[DOFS], v[DOFS];
-    double encoders[DOFS],
-        encoders_before[DOFS]; /* what the encoders say, now and a period before */
-    double commands[DELAY_MAX + 1][DOFS];
+    /* With and without the hand's spring; [0] of positions, [1] of angles. */
+    struct transition with_spring[2], without_spring[2];
+    uint64_t period; /* number of the present period */
+    double x[DOFS],
+        v[DOFS]; /* m, m/s; from index 3 on rad, rad/s: the components of a rotation vector */
+    double encoders[DOFS], encoders_before[DOFS]; /* readings now and a period before */
+    double commands[DELAY_MAX + 1][DOFS];         /* ring by period: N, from index 3 on Nm */
     int has_begun, has_command, is_armed;
-    uint64_t periods_without_command; /* periods without a command */
+    uint64_t periods_without_command;
     uint64_t began_ns;
     dpt_device_state sample;
     int has_sample, was_read;
     uint64_t read_period;
-    uint32_t fault_reason; /* of the fault that was asked for; 0: of none */
-    double fault_time;
+    uint32_t fault_reason; /* DPT_REASON_... of the planned fault; 0: none is planned */
+    double fault_time;     /* when it occurs, s */
     int has_fault;
     uint64_t fault_period;
     dpt_device_counts counts;
 };
 
-/* A Taylor series over a fraction of the period, and squares of it. Time is in periods, force in m per period^2. */
+/*
+ * The matrix exponential over a period: a Taylor series over a fraction of the period, squared as often as it was
+ * halved. Time is counted in periods and force in m per period^2.
+ */
 static struct transition transition_of(double mass, double damping, double spring, double period)
 {
     double k = spring * period * period / mass, c = damping * period / mass;
@@ -64,7 +68,7 @@ static struct transition transition_of(double mass, double damping, double sprin
     int halvings = 0;
     for (double norm = 1.0 + k + c; norm * part > 0.25; part *= 0.5)
         halvings++;
-    /* Columns: of the place, of the speed, of the force, whose own row is (0, 0, 1). */
+    /* Columns: position, velocity, force. The force's own row is (0, 0, 1). */
     for (int i = 1; i <= 14; i++) {
         for (int column = 0; column < 3; column++) {
             double x = term[0][column], v = term[1][column], scale = part / i;
@@ -109,7 +113,7 @@ static uint64_t ns_of(const struct sim *sim, uint64_t period)
     return (uint64_t)((double)period * 1e9 / sim->rate + 0.5);
 }
 
-/* What commands came to in the period that ends now; the next one begins with the same. */
+/* The force of the commands in the period that ends now. The next period begins with the same command. */
 static void take_acting_force(struct sim *sim, double *force)
 {
     uint64_t slots = DELAY_MAX + 1, slot = sim->period % slots;
@@ -184,7 +188,7 @@ static void take_sample(struct sim *sim)
     sample->temperature = -1.0;
 }
 
-/* One period of the masses, and the encoders at its end. */
+/* Move the masses by one period and read the encoders at its end. */
 static void step_period(struct sim *sim)
 {
     double force[DOFS];
@@ -209,7 +213,7 @@ static void step_period(struct sim *sim)
     begin_fault(sim);
 }
 
-/* A live one catches up with the clock; what is too far behind, after a computer slept, is left out. */
+/* Step a live device up to the clock. If it is too far behind, because the computer slept, the rest is skipped. */
 static dpt_result catch_up(struct sim *sim)
 {
     uint64_t now;
@@ -326,7 +330,7 @@ static void sim_close(dpt_device *device)
     free(sim);
 }
 
-/* "overheated@2.5": the fault that is to come, and when. */
+/* Read the planned fault and its time, as in "overheated@2.5". */
 static dpt_result plan_fault(struct sim *sim, dpt_device_error *error)
 {
     char *at = strchr(sim->fault, '@');

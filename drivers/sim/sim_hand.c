@@ -48,7 +48,7 @@ void sim_hand_close(struct sim_hand *hand)
     csv_table_free(&hand->table);
 }
 
-/* From 0 to 1 and back once in each unit of t, at rest at both ends. */
+/* Goes from 0 to 1 and back once in each unit of t, with zero velocity at both ends. */
 static double to_and_fro(double t)
 {
     double s = 1.0 - fabs(2.0 * (t - floor(t)) - 1.0);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * A mechanism for a device that has none: a mass with damping in three directions, held by a hand, which is a spring and
- * a damper to where it wants to be, and perhaps a wall. What the hand and the motors push moves it, so that the
+ * A mechanism for a device that has none: a mass with damping in three directions, held by a hand, which is a spring
+ * and a damper to where it wants to be, and perhaps a wall. What the hand and the motors push moves it, so that the
  * loop closes.
  */
 #ifndef DPT_TOOLS_MECHANISM_H
@@ -29,8 +29,8 @@ static inline void mechanism_init(struct mechanism *mechanism)
 }
 
 /*
- * `force` for `dt` seconds, in `parts` of equal length: semi-implicit Euler, stable while sqrt(stiffness / mass) times a
- * part stays below 2.
+ * `force` for `dt` seconds, in `parts` of equal length: semi-implicit Euler, stable while sqrt(stiffness / mass) times
+ * a part stays below 2.
  */
 static inline void mechanism_step(struct mechanism *mechanism, const float force[3], double dt,
                                   int parts)

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Motor controllers that are not there: the nodes of an arm on a CAN interface, as firmware 0.5 or 0.6 answers, and a mechanism
- * between their motors and a hand that holds the tool. It takes the name that the driver takes, so that both know
- * the same arm; the loop is closed on one machine.
+ * Motor controllers that are not there: the nodes of an arm on a CAN interface, as firmware 0.5 or 0.6 answers, and a
+ * mechanism between their motors and a hand that holds the tool. It takes the name that the driver takes, so that both
+ * know the same arm; the loop is closed on one machine.
  *
  *     simulate_can_start(&simulated, "vcan0?arm=arm.dpa&gear=8,8,8", &error);
  *     simulate_can_run(&simulated, &stop);

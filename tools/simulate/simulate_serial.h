@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * A device of our own protocol that is not there: the other end of a pty, with the firmware's own code (wire_device.h) and
- * a mechanism that a hand holds. The driver opens simulate_serial.path as it opens a port; the loop is closed on
+ * A device of our own protocol that is not there: the other end of a pty, with the firmware's own code (wire_device.h)
+ * and a mechanism that a hand holds. The driver opens simulate_serial.path as it opens a port; the loop is closed on
  * one machine.
  *
  *     simulate_serial_start(&simulated, NULL);
