@@ -44,7 +44,10 @@ dpt_result csv_table_stream(struct csv_table *table, int file, uint64_t max_byte
                             const struct csv_format *format, uint64_t *line,
                             const char **line_error);
 
-/* The same from the file at `path`, of at most 1 GiB. After an error there is nothing to free; `error` names file and line. */
+/*
+ * The same from the file at `path`, of at most 1 GiB. After an error there is nothing to free; `error` names file and
+ * line.
+ */
 dpt_result csv_table_read(struct csv_table *table, const char *path,
                           const struct csv_format *format, dpt_device_error *error);
 void csv_table_free(struct csv_table *table);

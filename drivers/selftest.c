@@ -334,7 +334,10 @@ static void test_pushes(struct selftest *test)
             observe(test, 0.2, &zero, &still);
             observe(test, test->def.push_seconds, &push, &pushed);
             dpt_device_write(test->device, &zero);
-            /* A hand that holds it stops it, so the displacement counts; nothing brakes a free one, so the drive counts. */
+            /*
+             * A hand that holds it stops it, so the displacement counts; nothing brakes a free one, so the drive
+             * counts.
+             */
             const double displacement =
                 sign * (pushed.last.pose.position[axis] - pushed.first.pose.position[axis]);
             const double moved = fmax(displacement, sign * driven_displacement(&pushed, axis));

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Read a driver's `where`: an address, then '?' and settings with '&' between them, as in "file.csv?rate=1000&live=1". */
+/*
+ * Read a driver's `where`: an address, then '?' and settings with '&' between them, as in "file.csv?rate=1000&live=1".
+ */
 #ifndef DPT_DRIVERS_SETTINGS_H
 #define DPT_DRIVERS_SETTINGS_H
 

@@ -195,7 +195,9 @@ static int compile_mesh(const char *in, const void *bytes, size_t size, dpt_comp
     return complain("compile", "%s: %s", in, diag.text);
 }
 
-/* A mesh is opened once and may come through a pipe; a URDF's reader takes its path, for what it names lies beside it. */
+/*
+ * A mesh is opened once and may come through a pipe; a URDF's reader takes its path, for what it names lies beside it.
+ */
 static int compile_input(const char *in, dpt_compile_def *def, const char *tool,
                          const char *packages, dpt_compiled *compiled, int *is_arm)
 {

@@ -53,7 +53,10 @@ static const char help[] =
 #define RATE_FACTOR_MAX (16.0 / 15.0)
 #define RECORD_MAX      100000000
 
-/* Units of work a second: docs/drivers.md has what one takes. With less than the least a tool at rest may stay undecided. */
+/*
+ * Units of work a second: docs/drivers.md has what one takes. With less than the least a tool at rest may stay
+ * undecided.
+ */
 #define BUDGET_RATE    3e6
 #define BUDGET_MIN     200.0
 #define BUDGET_BY_RATE UINT64_MAX

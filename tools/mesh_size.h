@@ -13,7 +13,9 @@ struct size_text size_text(const dpt_mesh_info *info);
 
 double box_diagonal(const dpt_mesh_info *info);
 
-/* NULL for a box whose largest side is within 5 mm and 3 m, else the probable cure: "is it in millimetres? --unit mm". */
+/*
+ * NULL for a box whose largest side is within 5 mm and 3 m, else the probable cure: "is it in millimetres? --unit mm".
+ */
 const char *size_hint(const dpt_mesh_info *info);
 
 /* Metres of "mm", "cm", "m" or "in"; 0 for any other word. */

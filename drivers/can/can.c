@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Arms of ODrive motor controllers on a CAN bus: "can:can0?arm=arm.dpa&nodes=0,1,2&gear=8,-8,10&watchdog=0.05". */
+/* The driver "can": arms of ODrive motor controllers, "can:can0?arm=arm.dpa&nodes=0,1,2&gear=8,-8,10&watchdog=0.05". */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,14 +22,14 @@ struct can_device {
     dpt_device_state last;
     double joint[DPT_JOINTS_MAX];
     uint64_t sequence_read;
-    uint8_t is_driving;  /* the host writes; otherwise zero is sent to feed watchdogs */
+    uint8_t is_driving;  /* 1: the host writes; 0: the driver sends zero torque to feed watchdogs */
     uint64_t driving_ns; /* since when, and the last write */
     uint64_t written_ns;
     uint64_t fed_ns;
-    uint64_t stopped_ns; /* last; 0: not yet */
+    uint64_t stopped_ns; /* when stop_all sent last; 0: not yet */
 };
 
-/* Joints and pose of the newest sample. */
+/* Compute joints and pose from the newest sample. */
 static void update_pose(struct can_device *device)
 {
     struct can_session *session = &device->session;
@@ -41,7 +41,7 @@ static void update_pose(struct can_device *device)
                                0);
 }
 
-/* Connected, or switched on again: what came meanwhile is one sample, that has not been read. */
+/* Call after connecting or switching on. All that came meanwhile counts as one sample, not yet read. */
 static void restart_samples(struct can_device *device)
 {
     device->is_driving = 0;
@@ -108,7 +108,10 @@ static void can_info(const dpt_device *base, dpt_device_info *info)
     dynamics_override(&device->session.settings.dynamics, info);
 }
 
-/* Once more while an axis may still give force: of a line that is bad some frames get through. */
+/*
+ * Send zero torque and idle, again every STOP_EVERY while an axis is active: on a bad line only some frames get
+ * through.
+ */
 static void stop_all(struct can_device *device, uint64_t now)
 {
     uint32_t active = 0;
@@ -124,7 +127,7 @@ static void stop_all(struct can_device *device, uint64_t now)
                                               : can_idle);
 }
 
-/* While no host writes: zero torque, as watchdogs want to be fed. */
+/* Feed the controllers' watchdogs with zero torque while the host does not write. */
 static void keep_alive(struct can_device *device, uint64_t now)
 {
     const uint64_t period = device->session.monitor.period_ns;
@@ -140,7 +143,7 @@ static void keep_alive(struct can_device *device, uint64_t now)
     }
 }
 
-/* Of a device that has stopped, too: poses go on, and silence would be another fault. */
+/* Request estimates, of a stopped device too: its pose stays current, and silence would be another fault. */
 static void request_estimates(struct can_device *device, uint64_t now)
 {
     const uint64_t period = device->session.monitor.period_ns;
@@ -151,7 +154,7 @@ static void request_estimates(struct can_device *device, uint64_t now)
     can_session_put_all(&device->session, can_request_estimates);
 }
 
-/* Of which part 0.5 says only that it has errors: it is asked for them. */
+/* A heartbeat of 0.5 says which parts have errors, but not which errors: request them. */
 static void request_part_errors(struct can_device *device)
 {
     static const uint8_t parts[] = { ODRIVE_ERROR, ODRIVE_ENCODER_ERROR, ODRIVE_CONTROLLER_ERROR };

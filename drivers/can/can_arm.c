@@ -14,9 +14,9 @@
 #define TURN           6.283185307179586476925
 #define GRAVITY        9.80665
 #define FILE_BYTES_MAX (64l << 20)
-#define FORCE_MAX      1e6 /* beyond it efforts might not be finite */
+#define FORCE_MAX      1e6 /* N, Nm; above it efforts might not be finite */
 
-/* A number of seconds, or "none"; "" where it was not given. */
+/* Read the watchdog: a number of seconds, "none", or "" if it was not given. */
 static dpt_result read_watchdog(struct can_settings *settings, const char *text,
                                 dpt_device_error *error)
 {
@@ -74,7 +74,7 @@ dpt_result can_settings_read(const char *where, struct can_settings *s, dpt_devi
     return read_watchdog(s, watchdog, error);
 }
 
-/* "8,-8,10": `count` numbers, or those of `numbers` that were there before when the text is empty. */
+/* Read `count` numbers, as in "8,-8,10". If the text is empty, `numbers` stay as they are. */
 static dpt_result read_list(const char *name, const char *text, uint32_t count, double *numbers,
                             dpt_device_error *error)
 {
@@ -111,7 +111,7 @@ static dpt_result read_nodes(struct can_arm *arm, const char *text, dpt_device_e
 }
 
 /*
- * A turn of the motor is a turn / gear of a joint that turns, and 1 / gear metres of one that slides. Power is the same
+ * One turn of the motor is 1 / gear turns of a rotary joint, and 1 / gear metres of a slider. Power is the same
  * on both sides: effort * d joint = torque * 2 pi * d turns.
  */
 static dpt_result read_gears(struct can_arm *arm, const struct can_settings *settings,
@@ -143,7 +143,7 @@ static dpt_result read_gears(struct can_arm *arm, const struct can_settings *set
     return result;
 }
 
-/* "-y+z-x": where the device's x, y and z point in the root's frame; right-handed. */
+/* Read where the device's x, y and z point in the root's frame, as in "-y+z-x"; it must be right-handed. */
 static dpt_result read_axes(struct can_arm *arm, const char *text, dpt_device_error *error)
 {
     double m[3][3] = { { 0.0 } };
@@ -168,7 +168,7 @@ static dpt_result read_axes(struct can_arm *arm, const char *text, dpt_device_er
                                1.0 - m[0][0] - m[1][1] + m[2][2] };
     for (int i = 0; i < 4; i++)
         arm->root_to_device[i] = 0.5 * sqrt(square[i]);
-    /* The parts' signs, against the first that is there: w, or else the first of x, y, z. */
+    /* The signs of the components, relative to the first that is not 0: w, or else the first of x, y, z. */
     if (arm->root_to_device[0] > 0.0) {
         arm->root_to_device[1] *= m[2][1] - m[1][2] < 0.0 ? -1.0 : 1.0;
         arm->root_to_device[2] *= m[0][2] - m[2][0] < 0.0 ? -1.0 : 1.0;
@@ -211,7 +211,7 @@ static double coordinate_at(const dpt_arm_joint *joint, double weight_share)
                : joint->lower + weight_share * (joint->upper - joint->lower);
 }
 
-/* Where the tool comes, as the box around a coarse grid of all joints. */
+/* The workspace: the box, in the device's frame, around the tool's positions on a coarse grid of all joints. */
 static void measure_workspace(struct can_arm *arm, const dpt_arm_joint *joint)
 {
     const uint32_t steps = arm->joints > 5 ? 3 : 5;
@@ -233,7 +233,9 @@ static void measure_workspace(struct can_arm *arm, const dpt_arm_joint *joint)
     }
 }
 
-/* The largest force, or torque, that it can give along each axis of the device at the middle of its joints. */
+/*
+ * The force, N, or torque, Nm, that the arm can give along every axis, with its joints in the middle of their limits.
+ */
 static double max_along_axes(const struct can_arm *arm, int is_torque)
 {
     double min_strength = 1e3;

@@ -11,7 +11,10 @@
 #define LOST_AFTER     (20u * MS)
 #define WINDOW         (100u * MS)
 #define WINDOW_PERIODS 20
-/* How far ahead, in quarters of a period, and how quickly it leaks: 1.4 of the heartbeats' rate pass, 1.18 of the samples'. */
+/*
+ * check_rate: how far ahead a cyclic message may be, in quarters of its period, and its leak. Heartbeats may come at
+ * 1.4 times their rate, samples at 1.18 times.
+ */
 #define HEARTBEATS_AHEAD 10
 #define HEARTBEATS_LEAK  8
 #define SAMPLES_AHEAD    160
@@ -82,8 +85,9 @@ int can_node_is_active(const struct can_node *node)
 }
 
 /*
- * By how much a cyclic message is ahead of the clock. What stood still may catch up; what is a little too quick leaks
- * away, 1 / leak each time; two nodes of one number gain half a period each time.
+ * Check a cyclic message for two nodes with one number. *ahead_ns is by how much the messages are ahead of their
+ * period. A message that was held up may catch up. A rate a little too high leaks away, by 1 / leak of *ahead_ns each
+ * time. Two nodes with one number gain half a period each time, and so reach the limit.
  */
 static void check_rate(struct can_monitor *monitor, const struct can_node *node, int64_t *ahead_ns,
                        uint64_t elapsed_ns, uint64_t period, int max_quarters, int leak)
@@ -145,7 +149,10 @@ static void take_heartbeat(struct can_monitor *monitor, struct can_node *node,
     }
 }
 
-/* A place that it cannot have come to since the last one, which may have been late by two periods. */
+/*
+ * Find a jump: a position that the motor cannot have reached since the last estimate, even if that was two periods
+ * late.
+ */
 static void check_jump(struct can_monitor *monitor, const struct can_node *node, float position,
                        float velocity, int64_t elapsed_ns)
 {
@@ -158,7 +165,7 @@ static void check_jump(struct can_monitor *monitor, const struct can_node *node,
                                CAN_CODE(CAN_CODE_JUMPED, node->node));
 }
 
-/* All nodes have said where they are since the last sample, and lately: the next one. */
+/* If all nodes have sent an estimate since the last sample, and none is too old, the estimates are the next sample. */
 static void complete_sample(struct can_monitor *monitor, uint64_t time)
 {
     for (uint32_t i = 0; i < monitor->count; i++)
@@ -172,12 +179,12 @@ static void complete_sample(struct can_monitor *monitor, uint64_t time)
     }
     if (!monitor->sample_ns)
         monitor->expected_ns = time - monitor->period_ns;
-    /* Periods, to the nearest; none when what had been late came with the next one: then it was not lost. */
+    /* Periods that passed, rounded. 0 if a late sample came together with the next one: then it was not lost. */
     const int64_t period = (int64_t)monitor->period_ns;
     const int64_t behind = (int64_t)(time - monitor->expected_ns);
     const int64_t elapsed_ns = behind > 0 ? (behind + period / 2) / period : 0;
     monitor->expected_ns += (uint64_t)(elapsed_ns * period);
-    /* The nodes' clocks and ours drift apart: follow them slowly, so that jitter does not count. */
+    /* The nodes' clocks and ours drift apart: follow them slowly, so that jitter has little effect. */
     monitor->expected_ns += (uint64_t)((int64_t)(time - monitor->expected_ns) / 16);
     monitor->sample_ns = time > monitor->sample_ns ? time : monitor->sample_ns + 1;
     monitor->sequence += elapsed_ns > 0 ? (uint64_t)elapsed_ns : 1;
@@ -195,8 +202,9 @@ static void remove_sent(struct can_node *node, uint32_t at)
 }
 
 /*
- * A torque of ours was on the bus: the first of its bits that is under way. Of equal ones in a row any may have come:
- * it is late when it is so for the last of them, and one that is lost stays over when the row ends.
+ * A torque of ours came back from the bus: match it with the first unconfirmed torque of the same bits. Equal torques
+ * in a row cannot be told apart: it counts as late if it is late even for the last of them, and a lost one is left over
+ * when the row ends.
  */
 static void confirm_torque(struct can_monitor *monitor, struct can_node *node,
                            const struct can_message *message)
@@ -207,7 +215,7 @@ static void confirm_torque(struct can_monitor *monitor, struct can_node *node,
     while (at < node->sent_count && node->sent[at].bits != bits)
         at++;
     if (at == node->sent_count)
-        return; /* given up before */
+        return; /* it was counted as missed before */
     for (uint32_t i = 0; i < at; i++)
         node->sent[i].is_overtaken = 1;
     uint32_t last = at;
@@ -237,7 +245,7 @@ static void report_foreign_order(struct can_monitor *monitor, const struct can_n
                            CAN_CODE(CAN_CODE_FOREIGN_ORDER, node->node));
 }
 
-/* Asked for, or cyclic: then they are here before the next heartbeat. */
+/* Take a word of error bits, which was requested or comes cyclically, and so before the next heartbeat. */
 static void take_errors(struct can_monitor *monitor, struct can_node *node, unsigned word,
                         uint64_t errors)
 {
@@ -246,7 +254,7 @@ static void take_errors(struct can_monitor *monitor, struct can_node *node, unsi
         return;
     can_monitor_set_status(monitor, DPT_DEVICE_STATUS_FAULT, odrive_reasons(word, errors),
                            (uint32_t)errors);
-    /* Of 0.5 the heartbeat had only that there are some. */
+    /* A heartbeat of 0.5 said only that there are errors. */
     monitor->code = monitor->code ? monitor->code : (uint32_t)errors;
 }
 

@@ -118,8 +118,8 @@ static const char *line_trouble(const struct can_session *session)
 }
 
 /*
- * Frames of 11-bit ids take 47 bits and 8 for each byte, and 1 for every 4 of the first 34 and the data's where the
- * worst is stuffed: 135 for 8 bytes, 95 for 4, 55 for none.
+ * The longest a frame can be: a frame with an 11-bit id has 47 bits and 8 for each byte of data. Of the first 34 bits
+ * and the data, stuffing adds at most one bit for every 4. So 135 bits for 8 bytes, 95 for 4, 55 for none.
  */
 static dpt_result check_load(const struct can_session *session, dpt_device_error *error)
 {
@@ -160,7 +160,7 @@ static dpt_result explain_silence(const struct can_session *session, dpt_device_
     return device_error(error, DPT_E_DEVICE, "%.20s: no whole sample came", name);
 }
 
-/* 0.6 answers when it is asked for its version, 0.5 does not; heartbeats of some contents tell, too. */
+/* Find a node's generation. 0.6 answers a request for its version, 0.5 does not. Some heartbeats show it, too. */
 static void find_generation(struct can_session *session, struct can_node *node, uint64_t heard_ns)
 {
     if (node->generation != ODRIVE_ANY)
@@ -171,12 +171,14 @@ static void find_generation(struct can_session *session, struct can_node *node, 
         node->generation = ODRIVE_0_5;
 }
 
-/* Each node is heard, and known for what it is. */
+/* Wait for a heartbeat of each node and find its firmware's generation. */
 static dpt_result identify_nodes(struct can_session *session, dpt_device_error *error)
 {
     const uint64_t start = clock_now();
     const uint64_t deadline = start + (uint64_t)(1e9 * session->settings.answer);
-    uint64_t heard_ns[DPT_JOINTS_MAX] = { 0 }; /* first, and so can have been asked since */
+    uint64_t heard_ns[DPT_JOINTS_MAX] = {
+        0
+    }; /* when the first heartbeat came: from then on it can answer */
     uint64_t next = start, now = start;
     uint32_t identified = 0;
     while (identified < session->monitor.count && !can_session_is_dead(session)) {
@@ -203,7 +205,7 @@ static dpt_result identify_nodes(struct can_session *session, dpt_device_error *
     return can_session_is_dead(session) ? explain_silence(session, error) : DPT_OK;
 }
 
-/* Each node is what it was taken for, says where it is as often as it should, and is there once. */
+/* Check that each node has the expected firmware, sends at the expected rates, and has a number of its own. */
 static dpt_result check_nodes(const struct can_session *session, uint32_t requests,
                               dpt_device_error *error)
 {
@@ -280,7 +282,7 @@ static dpt_result measure_rates(struct can_session *session, dpt_device_error *e
     can_monitor_restart_counts(&session->monitor);
     session->monitor.foreign_orders = 0;
     session->requested_ns = clock_now();
-    /* On 0.5 the same id would set the node's number: what the setting says is no proof. */
+    /* On 0.5 the same id would set the node's number, so the setting `firmware` is not proof enough. */
     for (uint32_t i = 0; i < session->monitor.count; i++)
         if (session->monitor.nodes[i].proven_generation == ODRIVE_0_6)
             can_session_put(session, i, address);
@@ -312,7 +314,6 @@ static dpt_result explain_not_active(const struct can_session *session, dpt_devi
                         text);
 }
 
-/* Errors cleared, torque control, closed loop, and each node's own word for it. */
 dpt_result can_session_switch_on(struct can_session *session, dpt_device_error *error)
 {
     const struct odrive_message clear = { .command = ODRIVE_CLEAR_ERRORS },
@@ -345,12 +346,12 @@ dpt_result can_session_switch_on(struct can_session *session, dpt_device_error *
             }
             can_session_put(session, i, clear);
             can_session_put(session, i, mode);
-            /* What calibrates or searches is let be; it may end in time. */
+            /* Do not interrupt a calibration or a search; it may end in time. */
             if (!node->has_heartbeat || node->heartbeat.state <= ODRIVE_STATE_IDLE)
                 can_session_put(session, i, loop);
             if (can_session_send(session))
                 next[i] = now + SWITCH_EVERY;
-            else /* It may have been on before: that it is says nothing until it was told its mode. */
+            else /* It may be active from before, in another mode: its heartbeat counts only after this was sent. */
                 node->has_heartbeat = 0;
         }
         can_session_wait(session, now + FEED_EVERY);
@@ -412,7 +413,7 @@ dpt_result can_session_connect(struct can_session *session, dpt_device_error *er
         result = can_session_switch_on(session, error);
     if (result == DPT_OK)
         result = can_session_first_sample(session, error);
-    /* Nothing that came while they got acquainted counts. */
+    /* What came while connecting does not count. */
     session->monitor.counts = counts;
     return result;
 }

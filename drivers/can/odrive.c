@@ -8,7 +8,7 @@
 
 enum { TO_CONTROLLER = 1, TO_HOST = 2, ONLY_0_5 = 4, ONLY_0_6 = 8 };
 
-/* What each command carries. `least` is what a frame must have, `size` what ours have. */
+/* Each command: the bytes of data that we send, the fewest that we accept, and flags. */
 static const struct {
     uint8_t size, min_size, flags;
 } commands[32] = {
@@ -47,7 +47,7 @@ static uint64_t get(const uint8_t *at, unsigned bytes)
     return value;
 }
 
-/* 0 for infinities and NaN. */
+/* Returns 0 for infinities and NaN. */
 static int put_float(uint8_t *at, float value)
 {
     uint32_t bits;
@@ -220,7 +220,7 @@ unsigned odrive_heartbeat_generation(const struct can_message *frame)
 
 int odrive_is_control(unsigned command)
 {
-    /* Besides those of ours: inputs, limits, trajectories, a reboot, the encoder's place, gains, new firmware. */
+    /* Besides our own: inputs, limits, trajectories, reboot, the encoder's position, gains, new firmware. */
     return (command >= 0x0c && command <= 0x13) || command == 0x16 ||
            (command >= 0x19 && command <= 0x1b) || command == 0x1f ||
            (command < 32 && commands[command].flags & TO_CONTROLLER);

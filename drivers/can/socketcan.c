@@ -27,7 +27,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#define RECEIVE_BUFFER_BYTES (1 << 20) /* asked for, so that a host may stand still for a while */
+#define RECEIVE_BUFFER_BYTES (1 << 20) /* so that a host may pause for a while */
 
 static dpt_result explain_error(const char *name, int reason, dpt_device_error *error)
 {
@@ -67,7 +67,7 @@ static int set_options(int fd, uint64_t nodes)
         }
     const can_err_mask_t errors = CAN_ERR_MASK;
     const int on = 1, bytes = RECEIVE_BUFFER_BYTES;
-    /* More room only where the system grants it; the rest is needed. */
+    /* The larger buffer is optional; the other options are required. */
     setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &bytes, sizeof bytes);
     return setsockopt(fd, SOL_CAN_RAW, CAN_RAW_FILTER, filters,
                       count * (socklen_t)sizeof *filters) ||
@@ -102,7 +102,7 @@ static dpt_result attach(struct socketcan *socketcan, int fd, const char *name, 
     return DPT_OK;
 }
 
-/* A call failed: what that says of the line. */
+/* Note what a failed call says about the interface. */
 static void note_failure(struct socketcan *socketcan, int reason)
 {
     switch (reason) {
@@ -136,7 +136,7 @@ static void take_error_frame(struct socketcan *socketcan, const struct can_frame
     }
 }
 
-/* The attribute of this kind within `bytes` of them, NULL when there is none. */
+/* Find the attribute of this kind among `bytes` of attributes; NULL if there is none. */
 static const struct rtattr *find_attribute(const struct rtattr *at, size_t bytes, unsigned kind)
 {
     size_t left = bytes;
@@ -165,7 +165,7 @@ static void take_link_state(struct socketcan *socketcan, const struct nlmsghdr *
     const struct rtattr *info = find_attribute(
         (const void *)((const char *)head + NLMSG_ALIGN(before)), size - before, IFLA_LINKINFO);
     const struct rtattr *kind = within_attribute(info, IFLA_INFO_KIND);
-    /* With its zero or without. */
+    /* The kind may be sent with or without its final zero. */
     if (!kind || RTA_PAYLOAD(kind) < 3 || RTA_PAYLOAD(kind) > 4 ||
         memcmp(RTA_DATA(kind), "can", RTA_PAYLOAD(kind)))
         return;
@@ -234,11 +234,11 @@ dpt_result socketcan_open(struct socketcan *socketcan, const char *name, uint64_
     return result;
 }
 
-/* What comes with a frame, aligned as the system wants it. */
+/* The control data of a frame, aligned as the system requires. */
 #define CONTROL_BYTES (CMSG_SPACE(sizeof(struct timespec)) + CMSG_SPACE(sizeof(uint32_t)))
 #define CONTROL_WORDS ((CONTROL_BYTES + 7) / 8)
 
-/* When a frame came, on the monotonic clock, and how many were dropped before it. */
+/* Returns when a frame came, on the monotonic clock, and updates the count of dropped frames. */
 static uint64_t read_control(struct socketcan *socketcan, struct msghdr *header, uint64_t now,
                              uint64_t wall)
 {
@@ -256,7 +256,7 @@ static uint64_t read_control(struct socketcan *socketcan, struct msghdr *header,
             memcpy(&timestamp, CMSG_DATA(at), sizeof timestamp);
             const uint64_t stamped =
                 (uint64_t)timestamp.tv_sec * 1000000000u + (uint64_t)timestamp.tv_nsec;
-            /* The wall's clock may have been set meanwhile: an age that cannot be is none. */
+            /* The time of day may have been set meanwhile: ignore an impossible age. */
             if (stamped < wall && wall - stamped < 1000000000u)
                 time = now - (wall - stamped);
         }

@@ -241,7 +241,9 @@ static uint32_t reasons_of(const struct servo *servo)
            (servo->is_docked ? DPT_REASON_DOCKED : 0u);
 }
 
-/* A fault ends when the host asked for it and the error has not come again for a while; force waits for a new command. */
+/*
+ * A fault ends when the host asked for it and the error has not come again for a while; force waits for a new command.
+ */
 static void clear_fault(struct servo *servo, uint64_t now)
 {
     const uint32_t clear_requests = __atomic_load_n(&servo->clear_requests, __ATOMIC_RELAXED);

@@ -73,7 +73,10 @@ static void multiply_quaternions(const double *a, const double *b, double *out)
         out[i] = q[i] / size;
 }
 
-/* The sample of the present row: the origin is A, z points to B. It turns no more than it must, from the identity after a jump. */
+/*
+ * The sample of the present row: the origin is A, z points to B. It turns no more than it must, from the identity
+ * after a jump.
+ */
 static void take_sample(struct replay *replay, int is_jump)
 {
     dpt_device_state *sample = &replay->sample;

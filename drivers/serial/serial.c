@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Devices of our own protocol (wire.h) at a serial line: "serial:/dev/ttyACM0?speed=1000000". */
+/* The driver "serial": devices with our protocol (wire.h), "serial:/dev/ttyACM0?speed=1000000". */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,7 +12,7 @@
 #include "serial/wire.h"
 #include "settings.h"
 
-/* wire.h numbers them once more, as firmware has no other header of ours. */
+/* wire.h repeats these numbers, because firmware has no other header of ours. */
 typedef char status_is_the_same[(int)WIRE_STATUS_READY == (int)DPT_DEVICE_STATUS_READY ? 1 : -1];
 typedef char reasons_are_the_same[(int)WIRE_REASON_DEVICE == (int)DPT_REASON_DEVICE ? 1 : -1];
 typedef char joints_are_the_same[WIRE_JOINTS_MAX == DPT_JOINTS_MAX ? 1 : -1];
@@ -24,7 +24,8 @@ typedef char joints_are_the_same[WIRE_JOINTS_MAX == DPT_JOINTS_MAX ? 1 : -1];
 #define HEARTBEAT_EVERY (SECOND / 10)
 #define READ_AT_ONCE    1024
 #define READS           4
-#define DRIFT_PER_TICK  200 /* ns a sample that two clocks may drift apart: 200 ppm at 1 kHz */
+#define DRIFT_PER_TICK                                                                             \
+    200 /* ns a sample by which the two clocks may drift apart: 200 ppm at 1 kHz */
 
 struct serial_device {
     dpt_device base;
@@ -35,22 +36,24 @@ struct serial_device {
     struct wire_reader reader;
     struct wire_sequence samples;
     struct wire_info info;
-    struct wire_state last; /* of the device's samples, the newest */
-    uint16_t session;       /* 0: the device has forgotten us */
+    struct wire_state last; /* the newest sample */
+    uint16_t session;       /* 0: the device has ended it */
     uint8_t has_info, has_sample, is_gone;
-    uint32_t lost_reasons;     /* why, from the first read that found it so until it is cleared */
-    uint32_t command_sequence; /* number of the last one */
-    uint64_t sequence;         /* of the newest sample, and of the last one that was read */
-    uint64_t sequence_read;
-    uint64_t heard_ns; /* when the newest sample came, and when anything was sent */
-    uint64_t sent_ns;
-    uint64_t device_ns;   /* the device's clock at the newest sample, counted on */
-    int64_t clock_offset; /* from there to the host's */
-    uint64_t time_ns;
-    uint32_t damaged_at_sample; /* the reader's, at the newest sample */
+    uint32_t
+        lost_reasons; /* DPT_REASON_..., from the first read that finds the device lost until clear */
+    uint32_t command_sequence; /* number of the last command */
+    uint64_t sequence;         /* of the newest sample, from the open, without wrapping */
+    uint64_t sequence_read;    /* of the last sample that was read */
+    uint64_t heard_ns;         /* when the newest sample came */
+    uint64_t sent_ns;          /* when a frame was sent last */
+    uint64_t device_ns;        /* the device's clock at the newest sample, without wrapping */
+    int64_t clock_offset;      /* from the device's clock to the host's, ns */
+    uint64_t time_ns;          /* of the newest sample, on the host's clock */
+    /* The reader's counts at the newest sample. */
+    uint32_t damaged_at_sample;
     uint32_t foreign_at_sample;
     dpt_device_counts counts;
-    uint8_t pending[WIRE_FRAME_MAX]; /* of a frame that did not fit at once */
+    uint8_t pending[WIRE_FRAME_MAX]; /* the rest of a frame that was sent in part */
     size_t pending_at, pending_size;
     char log[WIRE_LOG_MAX + 1];
 };
@@ -67,8 +70,9 @@ static void mark_gone(struct serial_device *device)
 }
 
 /*
- * The host's time of a sample: when a line is as quick as it gets, the difference of the clocks is what it was then.
- * The least difference seen counts, let grow a little each time, so that it follows clocks that drift.
+ * Compute a sample's time on the host's clock. The offset of the clocks is the smallest difference seen between a
+ * sample's arrival and the device's clock, that of the quickest frame. It grows a little with each sample, so that it
+ * follows clocks that drift.
  */
 static void update_time(struct serial_device *device, uint32_t device_us, uint64_t now)
 {
@@ -96,7 +100,7 @@ static void accept_state(struct serial_device *device, const struct wire_state *
     }
     const struct wire_sequence samples_before = device->samples;
     const int is_newer = wire_sequence_accept(&device->samples, state->sequence);
-    /* Counts that may fall again: what was missed and comes late is reordered, and no longer lost. */
+    /* These differences may be negative: a lost number that comes late becomes reordered and is no longer lost. */
     device->counts.lost += (uint64_t)(int64_t)(int32_t)(device->samples.lost - samples_before.lost);
     device->counts.reordered += device->samples.reordered - samples_before.reordered;
     if (!is_newer)
@@ -130,7 +134,7 @@ static void accept_message(struct serial_device *device, const struct wire_messa
     case WIRE_HEARTBEAT:
         if (message->session != 0 || !device->has_sample || device->session == 0)
             break;
-        /* It has no session: it forgot ours, or began anew. */
+        /* A device without a session has ended ours, or has restarted. */
         if (message->as.heartbeat.sequence - device->last.sequence >= 0x80000000u)
             device->counts.resets++;
         device->session = 0;
@@ -147,7 +151,7 @@ static void accept_message(struct serial_device *device, const struct wire_messa
     }
 }
 
-/* All that has come, but no more than a few reads of it. */
+/* Process what has come, in at most READS reads. */
 static void receive_all(struct serial_device *device)
 {
     uint8_t bytes[READ_AT_ONCE];
@@ -165,15 +169,15 @@ static void receive_all(struct serial_device *device)
             case WIRE_FOREIGN:
                 device->counts.damaged++;
             }
-        /* A short read is not the last one: the system may bring more, the newest, when asked again. */
+        /* Read on after a short read: the system may return more, the newest bytes, on the next call. */
         if (count <= 0)
             break;
     }
 }
 
 /*
- * 1: sent, 0: there is no room. Of a frame that fits in part the rest goes first next time, as the device could not
- * tell a piece from damage.
+ * Send a frame. Returns 1 if it was sent, 0 if there is no room. If only a part of it fits, the rest goes first next
+ * time, because the device could not tell a piece from damage.
  */
 static int send_bytes(struct serial_device *device, const uint8_t *bytes, size_t size)
 {
@@ -213,7 +217,7 @@ static void send_order(struct serial_device *device, uint8_t order)
     send_message(device, &message);
 }
 
-/* A session of a new number, until the device has told what it is, and its first sample came. */
+/* Begin a session with a new number. Waits for the device's INFO and first sample. Returns 0 if they do not come. */
 static int begin_session(struct serial_device *device)
 {
     static const uint8_t zero;
@@ -229,7 +233,7 @@ static int begin_session(struct serial_device *device)
     while (!device->has_sample && !device->is_gone && (now = clock_now()) < deadline) {
         if (now >= next) {
             struct wire_message hello = { .type = WIRE_HELLO };
-            /* What is left of an earlier host's frame ends here. */
+            /* A zero ends the rest of an earlier host's frame. */
             send_bytes(device, &zero, 1);
             send_message(device, &hello);
             next = now + HELLO_EVERY;
@@ -240,7 +244,7 @@ static int begin_session(struct serial_device *device)
     return device->has_sample;
 }
 
-/* Repeats an order for as long as the device's status is `status`, but not for ever. */
+/* Repeat an order while the device's status is `status`, for at most ORDER_WITHIN. */
 static void repeat_order(struct serial_device *device, uint8_t order, uint32_t status)
 {
     uint64_t now = clock_now(), next = now;
@@ -321,7 +325,7 @@ static dpt_result connect_line(struct serial_device *device, dpt_device_error *e
     memset(&device->reader, 0, sizeof device->reader);
     const uint64_t damaged = device->counts.damaged;
     result = begin_session(device) ? check_info(device, error) : explain_no_answer(device, error);
-    /* What came while the two made acquaintance is no damage. */
+    /* What came while connecting does not count as damage. */
     device->counts.damaged = damaged;
     if (result == DPT_OK) {
         device->lost_reasons = 0;
@@ -390,7 +394,7 @@ static void serial_info(const dpt_device *base, dpt_device_info *info)
     info->wrench_dofs = from->wrench_dofs;
     info->joints = from->joints;
     info->buttons = from->buttons;
-    /* Its time is the host's, whatever it says: a loop would not wait for it. */
+    /* Never DETERMINISTIC, whatever the device says: a loop would not wait for it. */
     info->flags = from->flags & (DPT_DEVICE_FLAG_SIMULATED | DPT_DEVICE_FLAG_ARM);
     info->rate = from->rate;
     info->force_max = from->force_max;
@@ -428,7 +432,7 @@ static void copy_pose(const struct wire_state *from, dpt_device_state *state)
         state->joint[i] = from->joint[i];
 }
 
-/* Why nothing is heard, or 0. It stays, also when samples come again: time has passed of which nothing is known. */
+/* Why the device is lost, or 0. It stays so when samples come again, because nothing is known of the time between. */
 static uint32_t find_loss(struct serial_device *device)
 {
     if (device->is_gone) {

@@ -93,14 +93,16 @@ static dpt_result explain_open_error(const char *path, int reason, dpt_device_er
     }
 }
 
-/* What a pty and many USB adapters do not have: nothing is lost without it. */
+/* 1 for an error of an optional request: a pty and many USB adapters do not have it. */
 static int is_optional_failure(int reason)
 {
     return reason == ENOTTY || reason == EINVAL || reason == EOPNOTSUPP || reason == ENOSYS ||
            reason == EPERM || reason == EACCES;
 }
 
-/* The lines that say that a host is there, without which many boards do not send; and no waiting for more bytes. */
+/*
+ * Modem lines that tell a board that a host is there (many boards wait for them), and low latency. Both are optional.
+ */
 static int set_optional(int fd)
 {
     int lines = TIOCM_DTR | TIOCM_RTS;
@@ -123,7 +125,7 @@ static void make_raw(struct termios *settings)
     settings->c_oflag = 0;
     settings->c_lflag = 0;
     settings->c_cflag = CS8 | CREAD | CLOCAL;
-    /* With 0 a line without bytes reads like one that is unplugged. */
+    /* With VMIN 0 a line without bytes would read like an unplugged one. */
     settings->c_cc[VMIN] = 1;
     settings->c_cc[VTIME] = 0;
 }
@@ -135,7 +137,9 @@ static dpt_result set_up_port(int fd, const char *path, size_t speed, dpt_device
         return errno == ENOTTY || errno == EINVAL
                    ? device_error(error, DPT_E_DEVICE, "%.60s is not a serial port", path)
                    : explain_open_error(path, errno, error);
-    /* The lock holds against other hosts that ask, root's as well; TIOCEXCL against everyone else's open. */
+    /*
+     * flock keeps out other hosts that lock, also those of root. TIOCEXCL makes every other open fail, except root's.
+     */
     if ((flock(fd, LOCK_EX | LOCK_NB) && !is_optional_failure(errno)) ||
         (ioctl(fd, TIOCEXCL) && !is_optional_failure(errno)))
         return explain_open_error(path, errno, error);

@@ -23,8 +23,8 @@ static uint32_t crc32c(const uint8_t *bytes, size_t size)
 }
 
 /*
- * A body is described once, by walk(), for both directions: a cursor writes the fields that it is shown, or fills
- * them. What does not fit, or is not allowed, makes it bad.
+ * transfer_body() describes a message's body once for both directions: a cursor writes each field to the bytes, or
+ * reads it from them. It becomes bad at a field that does not fit or is not allowed.
  */
 struct cursor {
     uint8_t *at;
@@ -185,7 +185,7 @@ static void transfer_body(struct cursor *cursor, struct wire_message *message)
     }
 }
 
-/* COBS for less than 254 bytes: one more, and each zero replaced by the distance to the next. */
+/* COBS for less than 254 bytes: adds one byte, and replaces each zero by the distance to the next. */
 static size_t stuff(const uint8_t *body, size_t size, uint8_t *out)
 {
     size_t code = 0;
@@ -200,7 +200,7 @@ static size_t stuff(const uint8_t *body, size_t size, uint8_t *out)
     return size + 1;
 }
 
-/* In place: the body begins at bytes[1]. 0 when a distance leads beyond the end. */
+/* Undo COBS in place: the body begins at stuffed[1]. Returns 0 if a distance leads beyond the end. */
 static int unstuff(uint8_t *stuffed, size_t size)
 {
     size_t code = 0;
@@ -259,7 +259,7 @@ int wire_read(struct wire_reader *reader, uint8_t byte, struct wire_message *mes
     reader->count = 0;
     if (count == 0)
         return WIRE_MORE;
-    /* The zero itself is not kept: a whole buffer is a frame that was too long. */
+    /* The zero itself is not stored, so a full buffer is a frame that was too long. */
     if (count < 3 + CRC_BYTES || count == sizeof reader->bytes)
         return count_damaged(reader);
     const size_t size = count - CRC_BYTES;

@@ -30,7 +30,7 @@ uint8_t wire_device_status(const struct wire_device *device)
                                                                               : WIRE_STATUS_UNREADY;
 }
 
-/* In double: no square of a float is too large for it. */
+/* Copy a vector, scaled down to the length `max`. In double no square of a float overflows. */
 static void set_limited(float out[3], const float in[3], double max)
 {
     double square = 0.0;
@@ -93,7 +93,7 @@ void wire_device_take(struct wire_device *device, uint8_t byte)
         return;
     if (message.type == WIRE_HELLO && message.session != 0) {
         device->samples_since_frame = 0;
-        /* A hello that is repeated because its answer was lost must not undo what came between. */
+        /* A HELLO that is repeated because its answer was lost must not restart the session. */
         if (message.session != device->session)
             begin_session(device, message.session);
         device->must_send_info = 1;
@@ -129,7 +129,7 @@ static void update_status(struct wire_device *device, const struct wire_sample *
         device->is_enabled = 0;
     if (wire_device_status(device) != WIRE_STATUS_READY)
         zero_wrench(device);
-    /* A host that is gone: the line becomes quiet for the next one. */
+    /* The host is gone: end the session, so that the line is quiet for the next host. */
     if (device->session != 0 && (float)++device->samples_since_frame > device->info.rate) {
         device->session = 0;
         device->is_enabled = 0;

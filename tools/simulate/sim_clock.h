@@ -7,7 +7,10 @@
 
 #include "clock.h"
 
-/* Until *stop is not 0. Ticks that are more than 10 ms late are left out: a real device does not make up for them either. */
+/*
+ * Until *stop is not 0. Ticks that are more than 10 ms late are left out: a real device does not make up for them
+ * either.
+ */
 static inline void sim_clock_run(double rate, void (*tick)(void *user), void *user,
                                  const volatile int *stop)
 {

@@ -58,7 +58,9 @@ struct simulate_can {
 dpt_result simulate_can_start(struct simulate_can *simulated, const char *where,
                               dpt_device_error *error);
 
-/* One period of the setting `rate`: takes what has come, moves the mechanism, sends. No clock but for the line's own. */
+/*
+ * One period of the setting `rate`: takes what has come, moves the mechanism, sends. No clock but for the line's own.
+ */
 void simulate_can_tick(struct simulate_can *simulated);
 
 /* Ticks at its rate, until *stop is not 0. */
