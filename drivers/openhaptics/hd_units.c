@@ -38,7 +38,7 @@ dpt_result dpt_hd_to_millimetres(const double from[3], double to[3])
     return DPT_OK;
 }
 
-/* Of a right-handed frame; w is not negative. From the greatest of the four, so that nothing small is divided by. */
+/* The quaternion of a right-handed frame, w >= 0. Divides by the largest component, so never by a small number. */
 static void quaternion_of(vec3 x, vec3 y, vec3 z, double q[4])
 {
     const double square[4] = { 1.0 + x.x + y.y + z.z, 1.0 + x.x - y.y - z.z, 1.0 - x.x + y.y - z.z,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Touch and Phantom devices by OpenHaptics: "openhaptics", "openhaptics:Left Device?rate=1000" (docs/drivers.md). */
+/* The driver "openhaptics": Touch and Phantom devices, "openhaptics:Left Device?rate=1000" (docs/drivers.md). */
 #define _POSIX_C_SOURCE 200809L
 #include <math.h>
 #include <pthread.h>
@@ -25,30 +25,30 @@ static const uint64_t SECOND = 1000000000u;
 struct haptics {
     dpt_device base;
     struct servo servo;
-    struct servo_sample last; /* that was read */
+    struct servo_sample last; /* the newest sample that was read */
     char name[64], library[256];
-    double rate, watchdog, silent_after; /* 0: as the device likes */
+    double rate, watchdog, silent_after; /* rate in Hz, 0: the device's own; times in s */
     struct dynamics dynamics;
-    int is_open; /* in the library */
+    int is_open; /* hdInitDevice succeeded */
     uint64_t sequence_read;
-    uint32_t lost_reasons; /* why, from the first read that found it so until it is cleared */
+    uint32_t lost_reasons; /* DPT_REASON_..., from the first read that finds it lost until clear */
     dpt_device_info info;
     dpt_device_counts counts;
-    struct haptics *next; /* of those that are left behind */
+    struct haptics *next; /* in `abandoned` */
 };
 
-/* The library is one for the process, and so are its scheduler and its errors. */
+/* A process has one library, and the library one scheduler and one stack of errors. */
 static pthread_mutex_t library_mutex = PTHREAD_MUTEX_INITIALIZER;
-static double common_rate;        /* of the scheduler, as long as devices are open */
-static double requested_rate;     /* that it was last told; it keeps it */
-static struct haptics *abandoned; /* closed while the scheduler's thread hung */
+static double common_rate;        /* of the scheduler while devices are open, Hz */
+static double requested_rate;     /* the last rate that was set; the library keeps it */
+static struct haptics *abandoned; /* closed while the servo thread hung */
 
 static int has_no_error(const struct hd_library *hd)
 {
     return hd_take_error(hd).code == HD_SUCCESS;
 }
 
-/* A port of the vendor's that this user may not open; 0 when there is none. */
+/* 1 if there is a port of a vendor's device that this user may not open; its path is in `path`. */
 static int is_forbidden(char path[32])
 {
     static const char *const classes[] = { "tty/ttyACM", "hidraw/hidraw" };
@@ -163,7 +163,7 @@ static int read_workspace(const struct hd_library *hd, unsigned what, double box
     return is_box;
 }
 
-/* The ways to calibrate that it knows, and the best of them. */
+/* The calibration styles that the device has, HD_CALIBRATION_... bits. */
 static unsigned read_styles(const struct hd_library *hd)
 {
     int known = 0;
@@ -180,7 +180,7 @@ static unsigned best_style(unsigned styles)
                                              : styles & HD_CALIBRATION_ENCODER_RESET;
 }
 
-/* What the device says of itself. What it does not say is 0 or left out; without the rest it cannot be used. */
+/* Read the device's info. Degrees of freedom, force limit and workspace are required; other missing values are 0. */
 static dpt_result read_info(struct haptics *device, dpt_device_error *error)
 {
     struct servo *servo = &device->servo;
@@ -227,7 +227,7 @@ static dpt_result read_info(struct haptics *device, dpt_device_error *error)
     return DPT_OK;
 }
 
-/* Where the device has to be held in a place that only a person knows, this is the moment. */
+/* Calibrate a device that a person must hold in its reset position now. */
 static dpt_result calibrate(const struct haptics *device, dpt_device_error *error)
 {
     const struct hd_library *hd = device->servo.hd;
@@ -269,7 +269,7 @@ static dpt_result set_rate(struct haptics *device, dpt_device_error *error)
     return DPT_OK;
 }
 
-/* On the device, with the scheduler at rest. */
+/* Open the device in the library. The scheduler must be stopped. */
 static dpt_result init_device(struct haptics *device, dpt_device_error *error)
 {
     const struct hd_library *hd = device->servo.hd;
@@ -300,7 +300,7 @@ static void read_latest_sample(struct haptics *device)
         device->last = device->servo.sample[device->servo.samples.reading];
 }
 
-/* Its first sample, and for a moment the end of a calibration that needs nobody. */
+/* Wait for the first sample, and up to CALIBRATED_MS for a calibration that needs no person. */
 static dpt_result wait_for_sample(struct haptics *device, dpt_device_error *error)
 {
     const uint64_t sequence_before = device->last.sequence;
@@ -320,7 +320,7 @@ static dpt_result wait_for_sample(struct haptics *device, dpt_device_error *erro
                         ANSWER_MS * 1e-3);
 }
 
-/* 0 when the scheduler's thread hangs and may still use the device. */
+/* Returns 0 if the servo thread hangs and may still use the device. */
 static int disconnect(struct haptics *device)
 {
     if (!scheduler_leave(&device->servo))
@@ -335,7 +335,7 @@ static int disconnect(struct haptics *device)
     return 1;
 }
 
-/* Freed as soon as no other thread can use it. */
+/* Disconnect and free the device, or abandon it as long as the servo thread may use it. */
 static void release_device(struct haptics *device)
 {
     if (disconnect(device)) {
@@ -346,6 +346,7 @@ static void release_device(struct haptics *device)
     abandoned = device;
 }
 
+/* Try again to free the abandoned devices. */
 static void release_abandoned(void)
 {
     struct haptics *device = abandoned, *next;
@@ -387,7 +388,7 @@ static dpt_result connect_device(struct haptics *device, dpt_device_error *error
     return DPT_OK;
 }
 
-/* What is still to be done before there is force. */
+/* Tell the user what must still be done before there is force. */
 static void advise(const struct haptics *device, dpt_device_error *error)
 {
     const uint32_t reasons = device->last.reasons;
@@ -447,7 +448,7 @@ static void openhaptics_info(const dpt_device *base, dpt_device_info *info)
     dynamics_override(&((const struct haptics *)base)->dynamics, info);
 }
 
-/* Why nothing is heard, or 0. It stays, also when samples come again: time has passed of which nothing is known. */
+/* Why the device is lost, or 0. It stays so when samples come again, because nothing is known of the time between. */
 static uint32_t find_loss(struct haptics *device)
 {
     if (device->lost_reasons || scheduler_is_paused())

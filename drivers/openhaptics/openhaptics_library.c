@@ -26,7 +26,7 @@ enum { ERRORS_MAX = 256 };
 
 static struct {
     struct hd_library library;
-    char name[256]; /* "" before there is one */
+    char name[256]; /* "": none is loaded */
 } loaded;
 
 static const struct {
@@ -41,7 +41,7 @@ static const struct {
 #undef OPTIONAL
 };
 
-/* The file itself is not there, or one that it needs: the C library names it first. */
+/* 1 if dlopen's message says that `file` does not exist: `file` itself, or a library that it needs. */
 static int is_missing(const char *file, const char *text)
 {
     const size_t length = strlen(file);

@@ -12,11 +12,12 @@
 enum { CALIBRATE_EVERY = 50, ERRORS_A_TICK = 32, START_MS = 100, LEAVE_MS = 1000 };
 
 static const uint64_t FAULT_CLEAR_NS = 100000000; /* after this long without the error */
-static const double WARM_TEMPERATURE = 0.7;       /* of 1, from where forces get less */
+static const double WARM_TEMPERATURE =
+    0.7; /* of 1, the limit: from here on forces are scaled down */
 
 enum { STOPPED, PAUSED, RUNNING };
-enum { FORCES_ON, ZERO_REQUESTED, ZERO_SENT };
-enum { NOBODY, SERVO, HOST };
+enum { FORCES_ON, ZERO_REQUESTED, ZERO_SENT }; /* scheduler.zero_state */
+enum { NOBODY, SERVO, HOST };                  /* scheduler.error_reader */
 
 static struct {
     const struct hd_library *hd;
@@ -24,8 +25,8 @@ static struct {
     unsigned long callback;
     uint64_t since_ns;
     int state;
-    int zero_state;   /* resting, it sends zero to all */
-    int error_reader; /* who takes them from the stack */
+    int zero_state;   /* not FORCES_ON: zero is sent to all */
+    int error_reader; /* which thread empties the stack of errors */
 } scheduler;
 
 void servo_wait(void)
@@ -54,7 +55,7 @@ static void note_error(struct servo *servo, unsigned code, uint64_t now)
     servo->fault_ns = now;
 }
 
-/* There is one stack for all devices. What belongs to none of ours is taken to concern all of them. */
+/* The library has one stack of errors for all devices. An error of no device of ours is noted for all of them. */
 static void assign_error(hd_error error, uint64_t now)
 {
     int is_known = 0;
@@ -65,7 +66,10 @@ static void assign_error(hd_error error, uint64_t now)
             note_error(servo_at(i), error.code, now);
 }
 
-/* Empties the stack. 0 when something that was asked for is not to be had; that is all that it means then. */
+/*
+ * Empty the stack of errors.
+ *   is_query   1: a value that a device may lack was just queried. Returns 0 if an error says so; that error is no fault
+ */
 static int drain_errors(uint64_t now, int is_query)
 {
     int is_answered = 1;
@@ -81,7 +85,7 @@ static int drain_errors(uint64_t now, int is_query)
     return is_answered;
 }
 
-/* In its first frame: what it tells of itself. */
+/* In a device's first frame: find which values it has. */
 static void query_capabilities(struct servo *servo, uint64_t now)
 {
     const struct hd_library *hd = servo->hd;
@@ -107,7 +111,7 @@ static void query_capabilities(struct servo *servo, uint64_t now)
         servo->joints = 6;
 }
 
-/* Where it is and how it moves; of numbers that are none nothing is taken. */
+/* Read pose, velocity, spin and joints. If a number is not finite, `sample` keeps the values before. */
 static void read_motion(struct servo *servo, struct servo_sample *sample)
 {
     static const double identity[12] = { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 };
@@ -164,7 +168,7 @@ static int is_ready(const struct servo *servo)
            !servo->is_docked;
 }
 
-/* Motors that get warm give less from WARM on, and nothing at their limit. */
+/* The factor by which forces of warm motors are scaled: 1 up to WARM_TEMPERATURE, 0 at the limit. */
 static double heat_scale(double temperature)
 {
     return temperature <= WARM_TEMPERATURE
@@ -173,8 +177,8 @@ static double heat_scale(double temperature)
 }
 
 /*
- * What is sent: the latest command, if it is young enough. After silence, a fault or a stop of this thread in a
- * debugger force comes back along a ramp, so that nothing kicks.
+ * Send the latest command, if it is younger than the watchdog. After silence, a fault or a stop of this thread in a
+ * debugger the force returns along a ramp, so that nothing kicks.
  */
 static void drive(struct servo *servo, struct servo_sample *sample, uint64_t now,
                   int must_send_zero)
@@ -206,7 +210,10 @@ static void drive(struct servo *servo, struct servo_sample *sample, uint64_t now
     servo->gives_force = extent_of(vec3_of(out[0])) > 0.0 || extent_of(vec3_of(out[1])) > 0.0;
 }
 
-/* Never under force: where the device believes to be jumps then. Before the frame, whose sample is of the new place. */
+/*
+ * Calibrate, but never under force, because the pose jumps. Call it before the frame, whose sample then has the new
+ * pose.
+ */
 static void calibrate(struct servo *servo)
 {
     const struct hd_library *hd = servo->hd;
@@ -242,7 +249,8 @@ static uint32_t reasons_of(const struct servo *servo)
 }
 
 /*
- * A fault ends when the host asked for it and the error has not come again for a while; force waits for a new command.
+ * End a fault if the host requested it and the error did not come again for FAULT_CLEAR_NS. Force waits for a new
+ * command.
  */
 static void clear_fault(struct servo *servo, uint64_t now)
 {
@@ -269,7 +277,7 @@ static void publish_sample(struct servo *servo, uint64_t now)
     latest_value_publish(&servo->samples);
 }
 
-/* They are of the thread that asks first after a start, as it would not be known whose call raised one. */
+/* After a start the first thread that claims the errors keeps them; otherwise nobody knew whose call raised one. */
 static int claim_errors(int claimant)
 {
     int reader = NOBODY;
@@ -295,7 +303,7 @@ static unsigned serve(void *unused)
             continue;
         servos[i]->is_leaving = __atomic_load_n(&servos[i]->must_leave, __ATOMIC_RELAXED) != 0;
         const int was_lost = servos[i]->is_lost;
-        /* The last frame of one that is lost is without force: perhaps it gets through. */
+        /* A lost device gets one last frame without force: perhaps it arrives. */
         if (was_lost && !servos[i]->gives_force)
             continue;
         next[i] = servos[i]->last;
@@ -346,7 +354,7 @@ static void stop_scheduler(int state)
     scheduler.hd->hdUnschedule(scheduler.callback);
 }
 
-/* Zero to all: whether a device that gets no frames keeps its force is not documented. */
+/* Send zero to all devices: it is not documented whether a device without frames keeps its force. */
 static int send_zero_to_all(void)
 {
     __atomic_store_n(&scheduler.zero_state, ZERO_REQUESTED, __ATOMIC_RELAXED);
@@ -398,7 +406,7 @@ static void remove_servo(const struct servo *servo)
             set_servo(i, NULL);
 }
 
-/* Once it ticks it has started, and errors are those of its ticks. */
+/* Start the scheduler. It has started when the servo thread claims the errors. */
 static hd_error start_scheduler(const struct hd_library *hd)
 {
     hd_error failure = { .code = HD_SUCCESS };
@@ -477,7 +485,7 @@ int scheduler_is_dead(void)
     if (scheduler_state() != RUNNING)
         return scheduler_state() == STOPPED;
     const unsigned long callback = __atomic_load_n(&scheduler.callback, __ATOMIC_RELAXED);
-    /* A pause meanwhile is no death. */
+    /* It is not dead if it was paused and resumed meanwhile. */
     return !scheduler.hd->hdWaitForCompletion(callback, HD_WAIT_CHECK_STATUS) &&
            scheduler_state() == RUNNING && scheduler_since() == since;
 }
