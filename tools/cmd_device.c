@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* dynpoint device: what devices there are, what one says, and whether it keeps its promises. */
+/* dynpoint device: list, watch, test and simulate devices. */
 #define _POSIX_C_SOURCE 200809L
 #include <inttypes.h>
 #include <math.h>
@@ -58,7 +58,7 @@ static int list(void)
     return 0;
 }
 
-/* What a coupling is computed from, as far as it is known. */
+/* Print the device dynamics that are known. */
 static void print_dynamics(const dpt_device_info *info)
 {
     const struct {
@@ -104,7 +104,7 @@ static void print_info(const dpt_device_info *info)
                k < 2 ? "," : " m\n");
 }
 
-/* Values that change, one under the other; the cursor goes back up for the next ones. */
+/* Print the changing values, one a line. The caller moves the cursor up to overwrite them. */
 static void print_table(const dpt_device_info *info, const dpt_device_state *state,
                         const dpt_device_counts *counts)
 {

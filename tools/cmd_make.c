@@ -43,7 +43,7 @@ static void print_help(void)
            LAPAROSCOPIC_TRIANGLES, "three files: FILE-liver, FILE-stomach, FILE-spleen");
 }
 
-/* To be kept or dropped. */
+/* Write a shape. The caller keeps or drops the output. */
 static int write_shape(struct output *output, const char *path, const struct shape *shape)
 {
     if (output_open(output, "make", path))
@@ -77,7 +77,7 @@ static char *body_path(const char *path, const char *body)
     return name;
 }
 
-/* All or none. */
+/* Write all bodies or none. */
 static int write_bodies(char *const paths[], const struct shape bodies[])
 {
     for (int i = 0; i < LAPAROSCOPIC_BODIES; i++) {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * dynpoint make trace: a hand that slides a tool over a mesh. A point wanders over the surface; the
- * tool, roughly tangent, follows it with some part of its length, a little above or below the surface.
- * Every row is motion. Arithmetic only, so a seed gives the same bytes on every machine.
+ * dynpoint make trace: a hand slides a tool over a mesh. A point wanders over the surface. The tool is roughly tangent
+ * and follows the point with some part of its length, a little above or below the surface. The tool moves in every row.
+ * Only arithmetic is used, so a seed gives the same bytes on every machine.
  */
 #include <inttypes.h>
 #include <stdlib.h>
@@ -30,9 +30,9 @@ struct trace_hand {
     const dpt_mesh *mesh;
     uint64_t random;
     double length, band, speed;
-    vec3 at, normal; /* on the surface; the normal smoothed */
-    vec3 heading;    /* where the point wanders */
-    vec3 axis;       /* where the tool points */
+    vec3 at, normal; /* the point on the surface, in the mesh's frame, and the smoothed normal */
+    vec3 heading;    /* direction in which the point wanders */
+    vec3 axis;       /* direction of the tool */
     double phase[4]; /* of the slow changes, in turns */
 };
 

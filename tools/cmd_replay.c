@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* dynpoint replay: a recorded motion through a world, tick by tick. */
+/* dynpoint replay: move a tool through a world along a recorded motion, tick by tick. */
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
@@ -61,7 +61,7 @@ static const char *const kernels[] = { "auto", "scalar", "sse2", "avx2", "avx512
 
 static const char *const strips[] = { "none", "shadow", "routes", NULL };
 
-/* More than any count that an option takes. */
+/* Larger than any count that an option takes. */
 #define NOT_GIVEN UINT64_MAX
 
 struct replay_settings {
@@ -74,7 +74,7 @@ struct replay_settings {
     const char *mesh, *trace, *out;
 };
 
-/* A world with one body and one tool, and the block it lives in. */
+/* A world with one body and one tool, and its block of memory. */
 struct stage {
     void *block;
     dpt_world *world;
@@ -110,7 +110,7 @@ static int stage_open(struct stage *stage, const dpt_world_def *def, const dpt_m
     return result == DPT_OK ? 0 : complain("replay", "%s", dpt_result_text(result));
 }
 
-/* Place the tool for a row; a jump forgets the past. */
+/* Place the tool for a row. A jump is a teleport. */
 static void place_tool(struct stage *stage, const struct csv_table *trace, size_t row,
                        double radius)
 {
@@ -121,7 +121,7 @@ static void place_tool(struct stage *stage, const struct csv_table *trace, size_
     dpt_tool_set_segments(stage->world, stage->tool, &segment, 1);
 }
 
-/* What leaves a guard on a clock of ticks; a tick without an answer has no command. */
+/* Replace the wrench by what a guard lets through; its time is the row's. A stale answer switches the guard off. */
 static void limit_wrench(dpt_guard *guard, uint64_t row, double dt, struct replayed_tick *tick)
 {
     const dpt_wrench command = tick->wrench;
@@ -261,7 +261,7 @@ static int run(const struct replay_settings *settings, const dpt_mesh *mesh,
     return status;
 }
 
-/* -1 to go on, else the exit status. */
+/* Returns -1 to go on, else the exit status. */
 static int read_settings(int argc, char **argv, struct replay_settings *settings)
 {
     const char *operand[2], *method = "exact", *until = "respond", *kernel = "auto";

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* dynpoint run: the whole tick, live, on any device. */
+/* dynpoint run: feel a mesh live, with any device. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -49,13 +49,13 @@ static const char help[] =
     "that\n"
     "  --json           what is said at the end as one JSON object\n";
 
-/* Deadlines that follow a device's samples come by this much more often than its rate says, at most. */
+/* Deadlines that follow a device's samples come at most this much more often than its rate says. */
 #define RATE_FACTOR_MAX (16.0 / 15.0)
 #define RECORD_MAX      100000000
 
 /*
- * Units of work a second: docs/drivers.md has what one takes. With less than the least a tool at rest may stay
- * undecided.
+ * The default budget in units of work a second (docs/drivers.md has the time of a unit), and its minimum a tick: with
+ * less, a tool at rest may stay undecided.
  */
 #define BUDGET_RATE    3e6
 #define BUDGET_MIN     200.0
@@ -76,9 +76,9 @@ struct session {
     uint32_t budget;
     uint32_t reasons; /* why the device was not ready */
     double depth_max, force_peak;
-    double *rows; /* of the record, six a tick, or NULL */
+    double *rows; /* of the record, six numbers a tick, or NULL */
     uint64_t record_count, record_capacity;
-    struct output record; /* opened before anything moves: what cannot be written is said at once */
+    struct output record; /* opened before anything moves, so that an error shows at once */
 };
 
 static void record(struct session *session, const dpt_segment *stylus)
@@ -121,8 +121,8 @@ static int open_record(const struct run_settings *settings, struct session *sess
 }
 
 /*
- * All of the record's memory, as a tick allocates none: for --ticks, or for as many as --for has. By the clock that is
- * a second more than it has: its timer ends the run before.
+ * Allocate the whole record, because a tick must not allocate: for --ticks, or for the ticks of --for. By the clock
+ * there is room for one second more, because the timer ends the run before that.
  */
 static int allocate_record(struct session *session, const struct run_settings *settings,
                            const dpt_device_info *info)
@@ -248,7 +248,7 @@ static void print_report(const struct session *session, const dpt_loop_stats *s,
         puts("  without locked memory, which was not permitted");
 }
 
-/* Who gives neither an end nor the clock's speed wants to feel something, and would wait for it. */
+/* A user who runs sim without an end probably wants real time. */
 static void hint_at_clock(const dpt_device *device, const dpt_device_info *info)
 {
     if (info->flags & DPT_DEVICE_FLAG_DETERMINISTIC && !strcmp(device->driver->name, "sim"))
@@ -299,7 +299,7 @@ static int serve(dpt_device *device, struct session *session, const struct run_s
     return settings->record ? write_record(session) : 0;
 }
 
-/* A device's name has files in it, too: its place, and what its settings are. */
+/* Check the record against all inputs. The device's name contains files, too: its address and values of settings. */
 static int check_record(const struct run_settings *settings)
 {
     char piece[1024];

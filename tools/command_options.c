@@ -123,7 +123,7 @@ int output_open(struct output *output, const char *command, const char *path)
             return 0;
         return complain(command, "%s: cannot be written: %s", path, strerror(errno));
     }
-    signal(SIGPIPE, SIG_IGN); /* nobody reads what is printed: the file beside is to go, too */
+    signal(SIGPIPE, SIG_IGN); /* a closed pipe must not leave the .part file behind */
     output->part_path = malloc(strlen(path) + sizeof suffix);
     if (!output->part_path)
         return complain(command, "memory ran out");

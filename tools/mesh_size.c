@@ -7,7 +7,7 @@
 
 #include "base/vec3.h"
 
-/* Of the largest side, m: what a hand can feel, from a tooth to a patient. */
+/* Usual sizes of the largest side, m: from a tooth to a patient. */
 static const double SIDE_MIN = 0.005, SIDE_MAX = 3.0;
 
 static vec3 box_size(const dpt_mesh_info *info)

@@ -74,8 +74,8 @@ void replay_write_csv(FILE *file, const struct replayed *replayed)
 struct summary {
     uint64_t status[4], contact[4];
     double *ns, *crossing_ns, *other_ns, *work, *strip_sizes;
-    size_t count, crossing, other;   /* the first tick is apart */
-    size_t strip_count, full_strips; /* ticks that laid one */
+    size_t count, crossing, other;   /* without the first tick */
+    size_t strip_count, full_strips; /* ticks with a strip, with a full one */
 };
 
 static int summarise(const struct replayed *replayed, struct summary *summary)
@@ -143,8 +143,8 @@ static int make_edges(const struct bins *bins, double edges[EDGES_MAX])
 }
 
 /*
- * One count more than edges: the first is of all below the first edge, each other one of its edge and
- * up to the next, so that the counts add up to all values whatever these are.
+ * Print a histogram. It has one count more than edges: the first counts values below the first edge, each other one the
+ * values from its edge up to the next. So the counts add up to all values.
  */
 static void json_histogram(FILE *file, const struct bins *bins, const double *sorted, size_t count)
 {

@@ -8,7 +8,7 @@
 #include "arm_file.h"
 #include "command_options.h"
 
-/* A URDF's z is up and its x ahead, a device's y up and its z to the user. */
+/* Device to root: a URDF's z is up and its x ahead; a device's y is up and its z towards the user. */
 static const double device_to_root[4] = { 0.5, 0.5, -0.5, -0.5 };
 
 static void rotate(const double q[4], const double v[3], double out[3])
@@ -36,7 +36,7 @@ static void multiply_quaternions(const double a[4], const double b[4], double ou
     memcpy(out, product, sizeof product);
 }
 
-/* Three numbers with commas between. */
+/* Parse three numbers with commas between. Returns 0 if they are not. */
 static int parse_position(const char *text, double out[3])
 {
     char *end;
@@ -58,7 +58,7 @@ static void point_above(const dpt_mesh *mesh, double height, double position[3])
         position[k] = k == 1 ? info.box_max[1] + height : 0.5 * (info.box_min[k] + info.box_max[k]);
 }
 
-/* Where the tool is while every joint is in the middle of its limits. */
+/* The tool's position, in the root's frame, with every joint in the middle of its limits. */
 static dpt_result middle_position(const dpt_arm *arm, double position[3])
 {
     double joints[DPT_JOINTS_MAX] = { 0.0 };
@@ -116,7 +116,7 @@ int scene_make_world(struct scene *scene, const dpt_device *device, uint32_t bud
     return result == DPT_OK ? 0 : complain("run", "%s", dpt_result_text(result));
 }
 
-/* The tool's segments, in its own frame. */
+/* Load the tool's segments, in its own frame. Returns their number, or 0 after a message. */
 static uint32_t load_tool(struct scene *scene, const struct scene_def *def, dpt_segment *segments)
 {
     const dpt_arm *arm = scene->arm;
@@ -181,7 +181,7 @@ void scene_close(struct scene *scene)
     free(scene->tool_bytes);
 }
 
-/* A device that is the arm tells by its joints where the tool is, in whatever frame it gives its pose. */
+/* 1 if the device is the scene's arm. Then its joints give the tool's pose, whatever frame the device's pose is in. */
 static int is_the_arm(const struct scene *scene)
 {
     dpt_arm_info info = { .size = sizeof info };
@@ -190,7 +190,7 @@ static int is_the_arm(const struct scene *scene)
            info.joints == scene->device.joints;
 }
 
-/* The tool's frame in the scene, and how the scene's axes are turned against the device's. */
+/* The tool's pose in the scene's frame, and the rotation `axes` from the device's axes to the scene's. */
 static dpt_result find_pose(const struct scene *scene, const dpt_device_state *state,
                             dpt_pose *pose, double axes[4])
 {

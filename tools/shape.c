@@ -128,7 +128,7 @@ static struct edge heap_pop(struct splitter *s)
     return top;
 }
 
-/* Pair the half-edges; the lists by lower vertex are short, for no maker has a hub to split. */
+/* Pair the half-edges, by lists at the lower vertex. They are short, because no shape that is split has a hub. */
 static int pair_twins(struct splitter *s)
 {
     size_t halves = 3 * s->shape->triangle_count, vertices = s->shape->vertex_count;
@@ -260,7 +260,7 @@ static void project_on_torus(const void *context, double p[3])
     p[2] *= scale;
 }
 
-/* The grid nearest to `cells` from below, its cells within a tenth of square in the mean. */
+/* The grid with the most cells, at most `cells`, whose cells are square within a tenth in the mean. */
 static void torus_grid(uint32_t cells, uint32_t *around_ring, uint32_t *around_tube)
 {
     double square = sqrt((double)cells * torus_tube / torus_ring);
@@ -361,8 +361,7 @@ static int make_cloth(uint32_t count, uint64_t seed, struct shape *shape)
     return make_sheet(count, 0.3, folds, fold_count, shape);
 }
 
-/* The number of a lattice point on the surface of a k x k x k box, counted along x, then y, then z.
- */
+/* The index of a lattice point on the surface of a k x k x k box, counted along x, then y, then z. */
 static size_t box_vertex(size_t k, const size_t at[3])
 {
     size_t x = at[0], y = at[1], z = at[2], row = k + 1;

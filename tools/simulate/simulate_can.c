@@ -78,7 +78,7 @@ static void answer(struct simulate_can *simulated, uint32_t index, unsigned comm
             node->generation == ODRIVE_0_5 ? node->motor_errors : node->errors;
         break;
     case ODRIVE_ADDRESS:
-        /* Each of two nodes of one number has its own. */
+        /* Nodes with the same number have different serial numbers. */
         message.as.address.node = node->node;
         for (uint32_t i = 0, copies = node->copies; i < copies; i++) {
             message.as.address.serial = node->serial + i;
@@ -110,7 +110,7 @@ static void take_frame(struct simulate_can *simulated, const struct can_message 
         return;
     struct simulate_can_node *node = &simulated->node[index];
     node->heard_tick = simulated->ticks;
-    /* What a host must not do: 0.5 takes it for an order, and a frame without data for the number 0. */
+    /* A host must not send this: 0.5 takes it as an order to change the number, to 0 if the frame has no data. */
     if (node->generation == ODRIVE_0_5 && (frame->id & 31) == ODRIVE_ADDRESS)
         node->node = frame->data[0];
     if (odrive_decode(frame, node->generation, &message) != ODRIVE_MESSAGE)
@@ -145,7 +145,7 @@ static void take_frame(struct simulate_can *simulated, const struct can_message 
     }
 }
 
-/* One period of each joint by itself, pushed by its motor and by what pulls at the tool. */
+/* Move each joint by itself for one period, pushed by its motor and by the hand at the tool. */
 static void move_joints(struct simulate_can *simulated)
 {
     const struct can_arm *arm = &simulated->arm;

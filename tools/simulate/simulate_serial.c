@@ -48,7 +48,7 @@ int simulate_serial_start(struct simulate_serial *simulated, const struct wire_i
     struct termios settings;
     if (!grantpt(simulated->master) && !unlockpt(simulated->master))
         name = ptsname(simulated->master);
-    /* Raw, or the line would echo what the device says before a host has set it up. */
+    /* Make it raw, or the line would echo what the device sends before a host has set it up. */
     if (name && strlen(name) < sizeof simulated->path && !tcgetattr(simulated->master, &settings)) {
         strcpy(simulated->path, name);
         cfmakeraw(&settings);
@@ -93,7 +93,7 @@ void simulate_serial_tick(struct simulate_serial *simulated)
         const ssize_t count = read(simulated->master, bytes, sizeof bytes);
         for (ssize_t k = 0; k < count; k++)
             wire_device_take(&simulated->device, bytes[k]);
-        /* A short read is not the last one: the system brings the rest when asked again. */
+        /* Read on after a short read: the system may return more on the next call. */
         if (count <= 0)
             break;
     }
