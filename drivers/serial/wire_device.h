@@ -5,19 +5,19 @@
  *
  * Firmware copies four files into one folder: wire.c, wire.h, wire_device.c and wire_device.h. They need no other file
  * of dynpoint, and of the C library only mem*, strlen and sqrt. They allocate nothing, make no system call and read no
- * clock: time passes by samples. No library of dynpoint contains wire_device.c, as no host needs it.
+ * clock: time is counted in samples. No library of dynpoint contains wire_device.c, because no host needs it.
  *
  *     wire_device_init(&device, &info);      once
  *     wire_device_log(&device, "hello");     when there is a message for people
- *     each received byte:    wire_device_take(&device, byte);
+ *     each received byte:     wire_device_take(&device, byte);
  *     each sample:            n = wire_device_sample(&device, &sample, out);
  *                             send out[0..n) as a whole or not at all; drive the motors with device.force and .torque
  *
  * The calls must not run at the same time: an interrupt puts bytes into a queue, the servo loop takes them.
  *
  * The wrench is zero unless the device is ready and the last command is younger than info.watchdog. The watchdog runs
- * from the first command on; when it finds none, the fault stays until the host clears it, and then the host must
- * enable the motors again.
+ * from the first command on. When it trips, the fault stays until the host clears it. Then the host must enable the
+ * motors again.
  */
 #ifndef DPT_DRIVERS_WIRE_DEVICE_H
 #define DPT_DRIVERS_WIRE_DEVICE_H
@@ -26,7 +26,7 @@
 
 #define WIRE_OUT_MAX (3 * WIRE_FRAME_MAX) /* INFO, LOG and STATE */
 
-/* What the device has just measured. */
+/* What the device has just measured, in the device's frame; units as in dpt_device_state. */
 struct wire_sample {
     float position[3];
     float velocity[3];
