@@ -20,15 +20,15 @@ dpt_result clock_read(uint64_t *now)
     return read_ns(CLOCK_MONOTONIC, now);
 }
 
-dpt_result clock_read_ahead(uint64_t *now, int64_t *ahead)
+dpt_result clock_read_suspended(uint64_t *now, int64_t *suspended)
 {
-    *ahead = 0;
+    *suspended = 0;
 #if defined(__linux__) && defined(CLOCK_BOOTTIME)
     uint64_t boot;
     const int has_boot = read_ns(CLOCK_BOOTTIME, &boot) == DPT_OK;
     DPT_TRY(clock_read(now));
     if (has_boot)
-        *ahead = (int64_t)(boot - *now);
+        *suspended = (int64_t)(boot - *now);
     return DPT_OK;
 #else
     return clock_read(now);

@@ -7,19 +7,20 @@
 
 #include "dynpoint/result.h"
 
-/* The monotonic clock, by which loop and back ends go. DPT_E_SYSTEM: there is none, and *now stays as it was. */
+/* Read the monotonic clock, which the loop and the back ends use. DPT_E_SYSTEM: there is none; *now is unchanged. */
 dpt_result clock_read(uint64_t *now);
 
-/* Likewise; 0 where there is none. */
+/* The time of the monotonic clock; 0 if there is none. */
 uint64_t clock_now(void);
 
 /*
- * The monotonic clock, which stands still while the machine is suspended, and how far a clock that goes on then is ahead
- * of it. Time that passes between the two readings makes `ahead` less, never more; 0 on systems without such a clock.
+ * Read the monotonic clock, which stands still while the machine is suspended, and for how long the machine has been
+ * suspended since it booted. *suspended is the difference to the boot-time clock, which is read first: time between the
+ * two readings makes it smaller, never larger. 0 on systems without a boot-time clock. DPT_E_SYSTEM as clock_read.
  */
-dpt_result clock_read_ahead(uint64_t *now, int64_t *ahead);
+dpt_result clock_read_suspended(uint64_t *now, int64_t *suspended);
 
-/* The time of day, which may be set at any time; 0 where there is none. */
+/* The time of day, which may be set at any time; 0 if there is none. */
 uint64_t clock_wall(void);
 
 #endif

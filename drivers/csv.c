@@ -12,16 +12,16 @@
 #include "settings.h"
 #include "text/parse_number.h"
 
-/* What is read. A line may be a comment, but has an end: a file without any is refused before memory ends. */
+/* Limits of a file and of a line, bytes. A file without line ends is refused before memory runs out. */
 static const uint64_t TEXT_MAX = (uint64_t)1 << 30;
 static const size_t LINE_MAX = (size_t)1 << 20;
 
 struct parser {
     struct csv_table *table;
-    const struct csv_format *form;
-    size_t room; /* rows */
+    const struct csv_format *format;
+    size_t row_capacity; /* rows */
     uint64_t line;
-    const char *wrong;
+    const char *error;
 };
 
 static const char *skip_blanks(const char *at, const char *end)
@@ -47,7 +47,7 @@ static size_t commas_in(const char *text)
     return count;
 }
 
-/* NULL, or what is wrong with the line. */
+/* Returns NULL, or what is wrong with the line. */
 static const char *parse_row(const char *at, const char *end, double *row, size_t columns)
 {
     for (size_t i = 0; i < columns; i++) {
@@ -61,35 +61,36 @@ static const char *parse_row(const char *at, const char *end, double *row, size_
     return at == end ? NULL : "there are too many fields";
 }
 
-static int add_row(struct parser *parser)
+/* Make room for one more row. Returns 0 if memory runs out. */
+static int reserve_row(struct parser *parser)
 {
     struct csv_table *table = parser->table;
-    if (table->rows < parser->room)
+    if (table->rows < parser->row_capacity)
         return 1;
-    size_t more = parser->room ? 2 * parser->room : 256;
-    double *grown = realloc(table->values, more * table->columns * sizeof *grown);
+    size_t row_capacity = parser->row_capacity ? 2 * parser->row_capacity : 256;
+    double *grown = realloc(table->values, row_capacity * table->columns * sizeof *grown);
     if (!grown)
         return 0;
     table->values = grown;
-    parser->room = more;
+    parser->row_capacity = row_capacity;
     return 1;
 }
 
-static dpt_result take_header(struct parser *parser, const char *at, const char *end)
+static dpt_result parse_header(struct parser *parser, const char *at, const char *end)
 {
     struct csv_table *table = parser->table;
-    int index = header_index(at, end, parser->form->headers);
+    int index = header_index(at, end, parser->format->headers);
     if (index < 0) {
-        parser->wrong = parser->form->wrong_header;
+        parser->error = parser->format->header_error;
         return DPT_E_SYNTAX;
     }
     table->header = (uint32_t)index;
-    table->columns = commas_in(parser->form->headers[index]) + 1;
+    table->columns = commas_in(parser->format->headers[index]) + 1;
     return DPT_OK;
 }
 
-/* From `at` to before its line feed. */
-static dpt_result take_line(struct parser *parser, const char *at, const char *end)
+/* Parse one line; `end` is its line feed. */
+static dpt_result parse_line(struct parser *parser, const char *at, const char *end)
 {
     struct csv_table *table = parser->table;
     end -= end > at && end[-1] == '\r';
@@ -99,141 +100,143 @@ static dpt_result take_line(struct parser *parser, const char *at, const char *e
     if (word == end || *word == '#')
         return DPT_OK;
     if (!table->columns)
-        return take_header(parser, at, end);
-    if (!add_row(parser)) {
-        parser->wrong = "memory ran out";
+        return parse_header(parser, at, end);
+    if (!reserve_row(parser)) {
+        parser->error = "memory ran out";
         return DPT_E_MEMORY;
     }
     double *row = table->values + table->rows * table->columns;
-    parser->wrong = parse_row(at, end, row, table->columns);
-    if (!parser->wrong)
-        parser->wrong = parser->form->wrong_row(row, table->columns);
-    if (!parser->wrong && table->rows && row[0] <= row[-(ptrdiff_t)table->columns])
-        parser->wrong = "the first column does not increase";
-    if (parser->wrong)
+    parser->error = parse_row(at, end, row, table->columns);
+    if (!parser->error)
+        parser->error = parser->format->check_row(row, table->columns);
+    if (!parser->error && table->rows && row[0] <= row[-(ptrdiff_t)table->columns])
+        parser->error = "the first column does not increase";
+    if (parser->error)
         return DPT_E_SYNTAX;
     table->rows++;
     return DPT_OK;
 }
 
-/* All lines that end before `end`; *at is then where the next one begins. */
-static dpt_result take_lines(struct parser *parser, const char **at, const char *end)
+/* Parse all lines that end before `end`. Sets *at to the beginning of the next line. */
+static dpt_result parse_lines(struct parser *parser, const char **at, const char *end)
 {
     dpt_result result = DPT_OK;
     const char *stop;
     while (result == DPT_OK && (stop = memchr(*at, '\n', (size_t)(end - *at)))) {
-        result = take_line(parser, *at, stop);
+        result = parse_line(parser, *at, stop);
         *at = stop + 1;
     }
     return result;
 }
 
-/* The last line needs no line feed. */
-static dpt_result take_rest(struct parser *parser, const char *at, const char *end)
+/* Parse the last line, which may lack its line feed. A table without rows is an error. */
+static dpt_result parse_last_line(struct parser *parser, const char *at, const char *end)
 {
-    dpt_result result = at < end ? take_line(parser, at, end) : DPT_OK;
+    dpt_result result = at < end ? parse_line(parser, at, end) : DPT_OK;
     if (result == DPT_OK && !parser->table->rows) {
-        parser->wrong = "there are no rows";
+        parser->error = "there are no rows";
         result = DPT_E_SYNTAX;
     }
     return result;
 }
 
 dpt_result csv_table_parse(struct csv_table *table, const char *at, const char *end,
-                           const struct csv_format *form, uint64_t *line, const char **wrong)
+                           const struct csv_format *format, uint64_t *line, const char **line_error)
 {
-    struct parser parser = { .table = table, .form = form };
-    dpt_result result = take_lines(&parser, &at, end);
+    struct parser parser = { .table = table, .format = format };
+    dpt_result result = parse_lines(&parser, &at, end);
     if (result == DPT_OK)
-        result = take_rest(&parser, at, end);
+        result = parse_last_line(&parser, at, end);
     *line = parser.line;
-    *wrong = parser.wrong;
+    *line_error = parser.error;
     return result;
 }
 
-/* What is read and not yet parsed: the beginning of a line. */
-struct text {
+/* Bytes that were read but not parsed yet: the beginning of a line. */
+struct unparsed_text {
     char *bytes;
-    size_t count, room;
+    size_t count, capacity;
 };
 
-static dpt_result make_room(struct parser *parser, struct text *text)
+static dpt_result grow_text(struct parser *parser, struct unparsed_text *text)
 {
-    if (text->count < text->room)
+    if (text->count < text->capacity)
         return DPT_OK;
-    if (text->room >= LINE_MAX) {
+    if (text->capacity >= LINE_MAX) {
         ++parser->line;
-        parser->wrong = "the line is longer than 1 MiB";
+        parser->error = "the line is longer than 1 MiB";
         return DPT_E_SYNTAX;
     }
-    size_t room = text->room ? 2 * text->room : (size_t)1 << 16;
-    char *grown = realloc(text->bytes, room);
+    size_t capacity = text->capacity ? 2 * text->capacity : (size_t)1 << 16;
+    char *grown = realloc(text->bytes, capacity);
     if (!grown)
         return DPT_E_MEMORY;
     text->bytes = grown;
-    text->room = room;
+    text->capacity = capacity;
     return DPT_OK;
 }
 
-static dpt_result take_text(struct parser *parser, struct text *text)
+static dpt_result parse_text(struct parser *parser, struct unparsed_text *text)
 {
     const char *at = text->bytes, *end = text->bytes + text->count;
-    dpt_result result = take_lines(parser, &at, end);
+    dpt_result result = parse_lines(parser, &at, end);
     text->count = (size_t)(end - at);
     memmove(text->bytes, at, text->count);
     return result;
 }
 
-dpt_result csv_table_stream(struct csv_table *table, int file, uint64_t most,
-                            const struct csv_format *form, uint64_t *line, const char **wrong)
+dpt_result csv_table_stream(struct csv_table *table, int file, uint64_t max_bytes,
+                            const struct csv_format *format, uint64_t *line,
+                            const char **line_error)
 {
-    struct parser parser = { .table = table, .form = form };
-    struct text text = { .count = 0 };
+    struct parser parser = { .table = table, .format = format };
+    struct unparsed_text text = { .count = 0 };
     uint64_t total = 0;
     ssize_t got = 1;
     dpt_result result = DPT_OK;
     while (result == DPT_OK && got != 0) {
-        result = make_room(&parser, &text);
+        result = grow_text(&parser, &text);
         if (result != DPT_OK)
             break;
-        got = read(file, text.bytes + text.count, text.room - text.count);
+        got = read(file, text.bytes + text.count, text.capacity - text.count);
         if (got < 0 && errno != EINTR)
             result = DPT_E_OPEN;
         if (got <= 0)
             continue;
         text.count += (size_t)got;
         total += (uint64_t)got;
-        result = total > most ? DPT_E_LIMIT : take_text(&parser, &text);
+        result = total > max_bytes ? DPT_E_LIMIT : parse_text(&parser, &text);
     }
     if (result == DPT_OK)
-        result = take_rest(&parser, text.bytes, text.bytes + text.count);
-    const int reason = errno;
+        result = parse_last_line(&parser, text.bytes, text.bytes + text.count);
+    const int saved_errno = errno;
     free(text.bytes);
-    errno = reason;
+    errno = saved_errno;
     *line = parser.line;
-    *wrong = parser.wrong;
+    *line_error = parser.error;
     return result;
 }
 
-dpt_result csv_table_read(struct csv_table *table, const char *path, const struct csv_format *form,
-                          dpt_device_error *error)
+dpt_result csv_table_read(struct csv_table *table, const char *path,
+                          const struct csv_format *format, dpt_device_error *error)
 {
     uint64_t line;
-    const char *wrong;
+    const char *line_error;
     *table = (struct csv_table){ .rows = 0 };
     int file = open(path, O_RDONLY | O_CLOEXEC);
     if (file < 0)
         return device_error(error, DPT_E_OPEN, "%.160s: %s", path, strerror(errno));
-    dpt_result result = csv_table_stream(table, file, TEXT_MAX, form, &line, &wrong);
-    const int reason = errno;
+    dpt_result result = csv_table_stream(table, file, TEXT_MAX, format, &line, &line_error);
+    const int saved_errno = errno;
     close(file);
     if (result == DPT_OK)
         return DPT_OK;
     csv_table_free(table);
-    if (wrong)
-        return device_error(error, result, "%.160s:%" PRIu64 ": %s", path, line ? line : 1, wrong);
+    if (line_error)
+        return device_error(error, result, "%.160s:%" PRIu64 ": %s", path, line ? line : 1,
+                            line_error);
     return device_error(error, result, "%.160s: %s", path,
-                        result == DPT_E_OPEN ? strerror(reason) : dpt_result_text(result));
+                        result == DPT_E_OPEN ? strerror(saved_errno) : dpt_result_text(result));
 }
 
 void csv_table_free(struct csv_table *table)

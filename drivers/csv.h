@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Numbers in a CSV file: a header line, then rows of as many. LF or CRLF; blank lines and those with '#' are skipped, a
- * byte order mark too.
+ * Read a CSV file of numbers: a header line, then rows with as many numbers as the header has names. Lines end in LF or
+ * CRLF. Blank lines, lines that begin with '#' and a byte order mark are skipped.
  */
 #ifndef DPT_DRIVERS_CSV_H
 #define DPT_DRIVERS_CSV_H
@@ -11,38 +11,48 @@
 struct csv_table {
     double *values; /* rows * columns */
     size_t rows, columns;
-    uint32_t header; /* which */
+    uint32_t header; /* index into csv_format.headers */
 };
 
-/* What a file may hold, and the reasons that are given where it does not. */
+/* What a file may contain, and the messages if it does not. */
 struct csv_format {
-    const char *const *headers; /* those that are known, ended by NULL */
-    const char *wrong_header;
-    /* NULL, or what is wrong with a row; its numbers may be infinite. */
-    const char *(*wrong_row)(const double *row, size_t columns);
+    const char *const *headers; /* allowed header lines, ended by NULL */
+    const char *header_error;   /* message if the header line is none of them */
+    /* Returns NULL, or a message that says what is wrong with the row. Its numbers may be infinite. */
+    const char *(*check_row)(const double *row, size_t columns);
 };
 
 /*
- * The text from `at` to `end` into an empty table. The first column must increase from row to row, and no row is an
- * error: DPT_E_SYNTAX, or DPT_E_MEMORY, with the reason in *wrong and the line in *line. What was read until then is to
- * be freed in either case.
+ * Parse the text from `at` to `end` into an empty table. The first column must increase from row to row, and there must
+ * be at least one row. The caller frees the table after an error, too.
+ *   line         the number of the last line that was read, from 1
+ *   line_error   what is wrong with that line; NULL without an error
+ *
+ * DPT_E_SYNTAX, DPT_E_MEMORY
  */
 dpt_result csv_table_parse(struct csv_table *table, const char *at, const char *end,
-                           const struct csv_format *form, uint64_t *line, const char **wrong);
+                           const struct csv_format *format, uint64_t *line,
+                           const char **line_error);
 
 /*
- * The same of an open file, which may be a pipe: each row is checked when its line is there, and what is wrong in it
- * ends the reading, whatever may follow. A line is at most 1 MiB, all at most `most` bytes (DPT_E_LIMIT). Where *wrong is
- * NULL the error is of no line; DPT_E_OPEN: errno says why it cannot be read.
+ * The same from an open file, which may be a pipe. Each row is checked as soon as its line is complete; the first bad
+ * row ends the reading. A line has at most 1 MiB. If *line_error is NULL after an error, no single line is the cause.
+ *
+ * DPT_E_LIMIT: the file has more than `max_bytes`. DPT_E_OPEN: it cannot be read; errno says why.
  */
-dpt_result csv_table_stream(struct csv_table *table, int file, uint64_t most,
-                            const struct csv_format *form, uint64_t *line, const char **wrong);
+dpt_result csv_table_stream(struct csv_table *table, int file, uint64_t max_bytes,
+                            const struct csv_format *format, uint64_t *line,
+                            const char **line_error);
 
-/* The same of a file of 1 GiB at most; nothing is to be freed on error. `error` names file and line. */
-dpt_result csv_table_read(struct csv_table *table, const char *path, const struct csv_format *form,
-                          dpt_device_error *error);
+/*
+ * The same from the file at `path`, of at most 1 GiB. After an error there is nothing to free; `error` names file and
+ * line.
+ */
+dpt_result csv_table_read(struct csv_table *table, const char *path,
+                          const struct csv_format *format, dpt_device_error *error);
 void csv_table_free(struct csv_table *table);
 
+/* The numbers of a row, counted from 0. */
 static inline const double *csv_table_row(const struct csv_table *table, size_t row)
 {
     return table->values + row * table->columns;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Which drivers are built in (the Makefile's DRIVERS, by built_with.h), and what holds for devices of all of them. */
+/* The built-in drivers (the Makefile's DRIVERS, listed in built_with.h), and the calls that work for devices of all. */
 #include <string.h>
 
 #include "base/return_if_error.h"
@@ -9,8 +9,8 @@
 #include "dynpoint/driver.h"
 #include "settings.h"
 
-/* All that have a name. */
-static const uint32_t REASONS = 2u * DPT_REASON_DOCKED - 1u;
+/* All reason bits that have a name. */
+static const uint32_t KNOWN_REASONS = 2u * DPT_REASON_DOCKED - 1u;
 
 #define DRIVER(name) extern const dpt_driver name##_driver;
 DPT_DRIVERS
@@ -25,7 +25,7 @@ const dpt_driver *dpt_driver_at(uint32_t index)
     return index < sizeof drivers / sizeof *drivers ? drivers[index] : NULL;
 }
 
-static const dpt_driver *named(const char *name, size_t length)
+static const dpt_driver *find_driver(const char *name, size_t length)
 {
     for (const dpt_driver *const *driver = drivers; *driver; driver++)
         if (strlen((*driver)->name) == length && !memcmp((*driver)->name, name, length))
@@ -35,10 +35,10 @@ static const dpt_driver *named(const char *name, size_t length)
 
 const dpt_driver *dpt_driver_named(const char *name)
 {
-    return name ? named(name, strlen(name)) : NULL;
+    return name ? find_driver(name, strlen(name)) : NULL;
 }
 
-/* The first release's driver ends with what there is today. */
+/* A driver of this version has at least today's fields; only `find` may be NULL. */
 static int is_complete(const dpt_driver *driver)
 {
     return driver->size >= sizeof *driver && driver->size <= SIZED_MAX &&
@@ -46,17 +46,17 @@ static int is_complete(const dpt_driver *driver)
            driver->read && driver->write && driver->clear && driver->counts && driver->close;
 }
 
-/* What a driver fills in: ours, or with the fields of a newer library behind. */
-enum { DRIVERS_ROOM = 1024 };
+/* Room for the struct that a driver fills in: a newer driver's is longer than ours. */
+enum { DRIVER_STRUCT_MAX = 1024 };
 
 #define WITH_ROOM(type)                                                                            \
     union {                                                                                        \
         type own;                                                                                  \
-        unsigned char room[DRIVERS_ROOM];                                                          \
+        unsigned char room[DRIVER_STRUCT_MAX];                                                     \
     }
 
-/* Give the caller, whose size was checked, what is known of a failure, or what is still to be done. */
-static dpt_result answer(dpt_result result, dpt_device_error *own, dpt_device_error *error)
+/* Complete `own` and copy it to the caller's `error`, whose size was checked. Returns `result`. */
+static dpt_result finish_open(dpt_result result, dpt_device_error *own, dpt_device_error *error)
 {
     own->code = result;
     own->text[sizeof own->text - 1] = '\0';
@@ -96,7 +96,7 @@ dpt_result dpt_device_open_with(const dpt_driver *driver, const char *where, dpt
         *device = NULL;
     if (error)
         DPT_TRY(sized_check(error, sizeof *error, 0));
-    return answer(open_with(driver, where, device, &out.own), &out.own, error);
+    return finish_open(open_with(driver, where, device, &out.own), &out.own, error);
 }
 
 dpt_result dpt_device_open(const char *name, dpt_device **device, dpt_device_error *error)
@@ -107,14 +107,14 @@ dpt_result dpt_device_open(const char *name, dpt_device **device, dpt_device_err
     if (error)
         DPT_TRY(sized_check(error, sizeof *error, 0));
     if (!name)
-        return answer(device_error(&own, DPT_E_ARGUMENT, "there is no name"), &own, error);
+        return finish_open(device_error(&own, DPT_E_ARGUMENT, "there is no name"), &own, error);
     size_t length = strcspn(name, ":");
-    const dpt_driver *driver = named(name, length);
+    const dpt_driver *driver = find_driver(name, length);
     if (driver)
         return dpt_device_open_with(driver, name[length] ? name + length + 1 : NULL, device, error);
-    return answer(device_error(&own, DPT_E_UNSUPPORTED, "this build has no driver '%.*s'",
-                               (int)(length < 60 ? length : 60), name),
-                  &own, error);
+    return finish_open(device_error(&own, DPT_E_UNSUPPORTED, "this build has no driver '%.*s'",
+                                    (int)(length < 60 ? length : 60), name),
+                       &own, error);
 }
 
 dpt_result dpt_device_get_info(const dpt_device *device, dpt_device_info *info)
@@ -139,8 +139,8 @@ dpt_result dpt_device_read(dpt_device *device, dpt_device_state *state)
     out.own.size = sizeof out.own;
     memset(out.own.reserved, 0, sizeof out.own.reserved);
     dpt_result result = device->driver->read(device, &out.own);
-    if (out.own.reasons & ~REASONS)
-        out.own.reasons = (out.own.reasons & REASONS) | DPT_REASON_DEVICE;
+    if (out.own.reasons & ~KNOWN_REASONS)
+        out.own.reasons = (out.own.reasons & KNOWN_REASONS) | DPT_REASON_DEVICE;
     if (result != DPT_OK)
         out.own.fresh = 0;
     if (result == DPT_E_LOST)
@@ -190,22 +190,24 @@ dpt_result dpt_device_map(const dpt_device_info *given, const double box_min[3],
     if (!given || !box_min || !box_max || !scale || !offset)
         return DPT_E_ARGUMENT;
     DPT_TRY(sized_read(given, sizeof info, &info, sizeof info));
-    const double *from = info.workspace_min, *to = info.workspace_max;
-    double most = 0.0, middle[3];
+    const double *workspace_min = info.workspace_min, *workspace_max = info.workspace_max;
+    double max_ratio = 0.0, workspace_middle[3];
     if (!vec3_within(box_min, DPT_COORDINATE_MAX) || !vec3_within(box_max, DPT_COORDINATE_MAX) ||
-        !vec3_within(from, DPT_COORDINATE_MAX) || !vec3_within(to, DPT_COORDINATE_MAX))
+        !vec3_within(workspace_min, DPT_COORDINATE_MAX) ||
+        !vec3_within(workspace_max, DPT_COORDINATE_MAX))
         return DPT_E_FINITE;
     for (int k = 0; k < 3; k++) {
         if (box_min[k] > box_max[k])
             return DPT_E_ARGUMENT;
-        if (!(to[k] - from[k] > 1e-6))
+        if (!(workspace_max[k] - workspace_min[k] > 1e-6))
             return DPT_E_FINITE;
-        most = max_of(most, (box_max[k] - box_min[k]) / (to[k] - from[k]));
-        middle[k] = 0.5 * (from[k] + to[k]);
+        max_ratio =
+            max_of(max_ratio, (box_max[k] - box_min[k]) / (workspace_max[k] - workspace_min[k]));
+        workspace_middle[k] = 0.5 * (workspace_min[k] + workspace_max[k]);
     }
-    *scale = most > 0.0 ? most : 1.0;
+    *scale = max_ratio > 0.0 ? max_ratio : 1.0;
     for (int k = 0; k < 3; k++)
-        offset[k] = 0.5 * (box_min[k] + box_max[k]) - *scale * middle[k];
+        offset[k] = 0.5 * (box_min[k] + box_max[k]) - *scale * workspace_middle[k];
     return DPT_OK;
 }
 

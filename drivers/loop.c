@@ -14,36 +14,37 @@
 #include "dynpoint/loop.h"
 #include "urgent.h"
 
-enum { FAREWELLS = 10 };
+enum { ZERO_WRITES_MAX = 10 };
 
 static const uint64_t SECOND = 1000000000u;
 
 struct dpt_loop {
     dpt_device *device;
     dpt_device_info info;
-    dpt_loop_def def; /* but for the guard's */
-    dpt_guard_def guard;
-    double period;
-    uint64_t period_ns;
-    int has_own_time;
-    int stop;
+    dpt_loop_def def;     /* def.guard is NULL: `guard` has its content */
+    dpt_guard_def guard;  /* within what the device can do */
+    double period;        /* s */
+    uint64_t period_ns;   /* the same in ns */
+    int is_deterministic; /* the device's time passes by reads */
+    int stop;             /* set by dpt_loop_stop, read atomically */
 };
 
-/* From a run's first tick to its last. */
+/* The state of one run. */
 struct run {
     struct dpt_loop *loop;
     dpt_loop_stats stats;
     dpt_guard guard;
     dpt_device_state state;
     dpt_loop_sample sample;
-    uint64_t now;
-    int64_t ahead; /* of the monotonic clock: the most that was seen */
-    int has_sample;
-    uint64_t sequence; /* of the last sample */
-    int has_ticked;
-    uint64_t ticked_ns; /* of the sample that the host saw last */
+    uint64_t now; /* ns, of the monotonic clock, or the time of a deterministic device */
+    int64_t
+        suspended_ns; /* how long the machine was suspended since boot: the largest value read */
+    int has_sequence;
+    uint64_t sequence; /* of the newest sample that was accepted */
+    int has_host_sample;
+    uint64_t host_sample_ns; /* time_ns of the last sample that the host saw */
     int is_lost;
-    uint64_t retry_ns;
+    uint64_t retry_ns; /* when to try dpt_device_clear again */
 };
 
 void dpt_loop_def_defaults(dpt_loop_def *def, size_t size)
@@ -52,8 +53,8 @@ void dpt_loop_def_defaults(dpt_loop_def *def, size_t size)
     sized_defaults(def, size, &defaults, sizeof defaults);
 }
 
-/* The guard of a loop: the host's, within what the device can do. */
-static dpt_result take_guard(const dpt_guard_def *given, struct dpt_loop *loop)
+/* The loop's guard is the host's, with its limits lowered to what the device can do. */
+static dpt_result limit_guard(const dpt_guard_def *given, struct dpt_loop *loop)
 {
     const dpt_device_info *info = &loop->info;
     dpt_guard_def *def = &loop->guard;
@@ -87,8 +88,8 @@ dpt_result dpt_loop_create(dpt_device *device, const dpt_loop_def *given, dpt_lo
         return DPT_E_ARGUMENT;
     loop.period = 1.0 / rate;
     loop.period_ns = (uint64_t)(1e9 / rate + 0.5);
-    loop.has_own_time = (loop.info.flags & DPT_DEVICE_FLAG_DETERMINISTIC) != 0;
-    DPT_TRY(take_guard(loop.def.guard, &loop));
+    loop.is_deterministic = (loop.info.flags & DPT_DEVICE_FLAG_DETERMINISTIC) != 0;
+    DPT_TRY(limit_guard(loop.def.guard, &loop));
     loop.def.guard = NULL;
     *out = malloc(sizeof loop);
     if (!*out)
@@ -124,16 +125,17 @@ static dpt_result sleep_until(const dpt_loop *loop, uint64_t deadline)
     return error == 0 || error == EINTR ? DPT_OK : DPT_E_SYSTEM;
 }
 
-static const double quarters[4] = { 1.0, 1.189207115002721, 1.4142135623730951, 1.681792830507429 };
+static const double quarter_powers[4] = { 1.0, 1.189207115002721, 1.4142135623730951,
+                                          1.681792830507429 };
 
-static uint32_t bin_of(uint64_t ns)
+static uint32_t bin_index(uint64_t ns)
 {
     double us = (double)ns * 1e-3;
     uint32_t bin = 0;
     for (; us >= 2.0 && bin < DPT_LOOP_BINS; us *= 0.5)
         bin += 4;
     for (uint32_t k = 3; k > 0; k--)
-        if (us >= quarters[k]) {
+        if (us >= quarter_powers[k]) {
             bin += k;
             break;
         }
@@ -155,10 +157,10 @@ double dpt_loop_quantile(const uint64_t *bins, double fraction)
         if ((double)seen >= fraction * (double)total && seen)
             break;
     }
-    double edge = 1e-6 * quarters[(bin + 1) % 4];
+    double bin_end = 1e-6 * quarter_powers[(bin + 1) % 4];
     for (uint32_t k = 0; k < (bin + 1) / 4; k++)
-        edge *= 2.0;
-    return edge;
+        bin_end *= 2.0;
+    return bin_end;
 }
 
 static int pose_is_sound(const dpt_pose *pose)
@@ -168,31 +170,31 @@ static int pose_is_sound(const dpt_pose *pose)
            within(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] - 1.0, 2e-6);
 }
 
-/* 1 for a sample that no one saw before. */
-static int sample_is_fresh(struct run *run)
+/* Count the sample that was read. Returns 1 if it is newer than all before. */
+static int accept_sample(struct run *run)
 {
     const dpt_device_state *state = &run->state;
     if (!state->fresh)
         return 0;
-    if (run->has_sample && state->sequence <= run->sequence) {
+    if (run->has_sequence && state->sequence <= run->sequence) {
         run->stats.reordered++;
         return 0;
     }
-    if (run->has_sample)
+    if (run->has_sequence)
         run->stats.skipped += state->sequence - run->sequence - 1;
-    run->has_sample = 1;
+    run->has_sequence = 1;
     run->sequence = state->sequence;
     return 1;
 }
 
-static void device_is_lost(struct run *run)
+static void note_loss(struct run *run)
 {
     run->stats.lost++;
     if (!run->is_lost) {
         run->is_lost = 1;
         run->stats.losses++;
         run->retry_ns = run->now + SECOND;
-        run->has_sample = run->has_ticked = 0;
+        run->has_sequence = run->has_host_sample = 0;
     }
     if (!run->loop->def.reopen || run->now < run->retry_ns)
         return;
@@ -201,22 +203,22 @@ static void device_is_lost(struct run *run)
 }
 
 /* The device gives no force until it takes the next command. */
-static void nothing_acts(struct run *run)
+static void clear_sent(struct run *run)
 {
     static const dpt_wrench zero;
     run->sample.sent = zero;
     run->sample.sent_ns = 0;
 }
 
-/* The host's turn. */
-static dpt_result ask(struct run *run, dpt_wrench *command)
+/* Call the host with the fresh sample. */
+static dpt_result call_host(struct run *run, dpt_wrench *command)
 {
     const dpt_loop *loop = run->loop;
     run->sample.dt = loop->period;
-    if (run->has_ticked && run->state.time_ns > run->ticked_ns)
-        run->sample.dt = (double)(run->state.time_ns - run->ticked_ns) * 1e-9;
-    run->has_ticked = 1;
-    run->ticked_ns = run->state.time_ns;
+    if (run->has_host_sample && run->state.time_ns > run->host_sample_ns)
+        run->sample.dt = (double)(run->state.time_ns - run->host_sample_ns) * 1e-9;
+    run->has_host_sample = 1;
+    run->host_sample_ns = run->state.time_ns;
     const dpt_result result = loop->def.tick(loop->def.user, &run->sample, command);
     run->sample.commands = 0;
     return result;
@@ -229,26 +231,26 @@ static void send(struct run *run, const dpt_wrench *wrench)
         run->stats.sent++;
         run->sample.commands++;
         run->sample.sent = *wrench;
-        run->sample.sent_ns = run->loop->has_own_time ? run->state.time_ns : run->now;
+        run->sample.sent_ns = run->loop->is_deterministic ? run->state.time_ns : run->now;
         return;
     }
     run->stats.refused++;
     if (result == DPT_E_NOT_READY || result == DPT_E_LOST)
-        nothing_acts(run);
+        clear_sent(run);
 }
 
 /*
- * Read the clock. It stands still while the machine is suspended, so the guard sees no silence and is told by hand. A
- * pause between the two readings makes `ahead` too small, so it is compared with the largest one before.
+ * Read the clock. It stands still while the machine is suspended, so the guard sees no silence: switch it off here. The
+ * value of `suspended` may be too small, never too large (clock_read_suspended), so compare it with the largest before.
  */
-static dpt_result look_at_clocks(struct run *run)
+static dpt_result read_clocks(struct run *run)
 {
-    int64_t ahead;
-    dpt_wrench none;
-    DPT_TRY(clock_read_ahead(&run->now, &ahead));
-    if (ahead > run->ahead + (int64_t)run->loop->period_ns)
-        dpt_guard_step(&run->guard, run->now, NULL, 0, &none);
-    run->ahead = ahead > run->ahead ? ahead : run->ahead;
+    int64_t suspended;
+    dpt_wrench ignored;
+    DPT_TRY(clock_read_suspended(&run->now, &suspended));
+    if (suspended > run->suspended_ns + (int64_t)run->loop->period_ns)
+        dpt_guard_step(&run->guard, run->now, NULL, 0, &ignored);
+    run->suspended_ns = suspended > run->suspended_ns ? suspended : run->suspended_ns;
     return DPT_OK;
 }
 
@@ -256,16 +258,16 @@ static dpt_result tick(struct run *run)
 {
     dpt_wrench command = { { 0.0 }, { 0.0 } }, wrench;
     dpt_result result = dpt_device_read(run->loop->device, &run->state);
-    int is_fresh = result == DPT_OK && sample_is_fresh(run);
+    int is_fresh = result == DPT_OK && accept_sample(run);
     const dpt_device_state *state = &run->state;
 
     run->stats.ticks++;
-    if (run->loop->has_own_time)
+    if (run->loop->is_deterministic)
         run->now = is_fresh && state->time_ns > run->now ? state->time_ns
                                                          : run->now + run->loop->period_ns;
     if (result == DPT_E_LOST || state->status == DPT_DEVICE_STATUS_LOST) {
-        device_is_lost(run);
-        nothing_acts(run);
+        note_loss(run);
+        clear_sent(run);
         dpt_guard_step(&run->guard, run->now, NULL, 0, &wrench);
         return DPT_OK;
     }
@@ -278,20 +280,20 @@ static dpt_result tick(struct run *run)
     else if (!is_ready)
         run->stats.not_ready++;
     if (is_fresh && pose_is_sound(&state->pose)) {
-        has_command = ask(run, &command) == DPT_OK;
+        has_command = call_host(run, &command) == DPT_OK;
         if (is_ready && has_command)
             run->stats.fresh++;
         else if (is_ready)
             run->stats.failed++;
     }
-    /* A command counts from when it is there: one that took long begins a new ramp. */
-    if (!run->loop->has_own_time)
-        DPT_TRY(look_at_clocks(run));
+    /* Read the clock after the host: a command counts from its arrival, so one that took long begins a new ramp. */
+    if (!run->loop->is_deterministic)
+        DPT_TRY(read_clocks(run));
     dpt_guard_step(&run->guard, run->now, has_command ? &command : NULL, is_ready, &wrench);
     if (state->status == DPT_DEVICE_STATUS_READY)
         send(run, &wrench);
     else
-        nothing_acts(run);
+        clear_sent(run);
     return DPT_OK;
 }
 
@@ -302,55 +304,56 @@ static int has_ended(const struct run *run)
            (run->is_lost && !loop->def.reopen);
 }
 
-static void note_time(double *most, uint64_t *bins, uint64_t ns)
+static void note_time(double *max_seconds, uint64_t *bins, uint64_t ns)
 {
-    *most = max_of(*most, (double)ns * 1e-9);
-    bins[bin_of(ns)]++;
+    *max_seconds = max_of(*max_seconds, (double)ns * 1e-9);
+    bins[bin_index(ns)]++;
 }
 
 /*
- * Where deadlines lie behind a device's samples: as early as these allow, since what a command waits for is delay in the
- * hand's loop. The youngest sample of some ticks is to be `lead` old. A tick without a fresh sample says that this was
- * too early: then deadlines move, and the lead grows for a while.
+ * The phase of the deadlines relative to the device's samples. A sample's age at the deadline is delay in the hand's
+ * loop, so deadlines follow the samples as closely as possible. The smallest age over a window of ticks is held at
+ * target_age. A tick without a fresh sample shows that its deadline was too early: the deadlines move back, and
+ * target_age grows for a while.
  */
 struct phase {
-    int64_t lead;     /* ns */
-    int64_t youngest; /* of the ticks so far */
-    uint32_t ticks;
-    uint32_t quiet; /* ticks since the last one without a fresh sample */
+    int64_t target_age;         /* ns */
+    int64_t min_age;            /* of this window's samples, ns */
+    uint32_t ticks;             /* in this window */
+    uint32_t ticks_since_stale; /* since the last tick without a fresh sample */
 };
 
-enum { PHASE_TICKS = 32, PHASE_QUIET = 8192 };
+enum { PHASE_TICKS = 32, PHASE_SHRINK_TICKS = 8192 };
 
-static void phase_begin(struct phase *phase, int64_t period)
+static void phase_start_window(struct phase *phase, int64_t period)
 {
-    phase->youngest = period;
+    phase->min_age = period;
     phase->ticks = 0;
 }
 
 static int64_t phase_stale(struct phase *phase, int64_t period)
 {
     const int64_t shift =
-        phase->quiet ? period / 16 : 0; /* but no more while samples are missing */
-    if (phase->quiet >= PHASE_TICKS && phase->lead < period / 2)
-        phase->lead += period / 16;
-    phase->quiet = 0;
-    phase_begin(phase, period);
+        phase->ticks_since_stale ? period / 16 : 0; /* but no more while samples are missing */
+    if (phase->ticks_since_stale >= PHASE_TICKS && phase->target_age < period / 2)
+        phase->target_age += period / 16;
+    phase->ticks_since_stale = 0;
+    phase_start_window(phase, period);
     return shift;
 }
 
-/* By how much to move the deadlines, after a tick that read a sample of that age. */
+/* Returns by how much to move the deadlines after a tick whose sample had this age, ns. */
 static int64_t phase_fresh(struct phase *phase, int64_t period, int64_t age)
 {
     const int64_t step = period / 16;
-    if (++phase->quiet % PHASE_QUIET == 0 && phase->lead > period / 8)
-        phase->lead -= step;
-    phase->youngest = age < phase->youngest ? age : phase->youngest;
-    const int64_t shift = phase->lead - phase->youngest;
-    const int is_far = age < phase->lead / 2 || age > 3 * (period / 4);
+    if (++phase->ticks_since_stale % PHASE_SHRINK_TICKS == 0 && phase->target_age > period / 8)
+        phase->target_age -= step;
+    phase->min_age = age < phase->min_age ? age : phase->min_age;
+    const int64_t shift = phase->target_age - phase->min_age;
+    const int is_far = age < phase->target_age / 2 || age > 3 * (period / 4);
     if (++phase->ticks < PHASE_TICKS && !is_far)
         return 0;
-    phase_begin(phase, period);
+    phase_start_window(phase, period);
     return is_far          ? (age < period / 2 ? step : -step)
            : shift > step  ? step
            : shift < -step ? -step
@@ -371,8 +374,8 @@ static int64_t phase_shift(struct run *run, struct phase *phase, int is_stale, u
 static dpt_result run_by_clock(struct run *run)
 {
     uint64_t period = run->loop->period_ns, deadline, begin, end;
-    struct phase phase = { .lead = (int64_t)period / 8, .youngest = (int64_t)period };
-    DPT_TRY(clock_read_ahead(&deadline, &run->ahead));
+    struct phase phase = { .target_age = (int64_t)period / 8, .min_age = (int64_t)period };
+    DPT_TRY(clock_read_suspended(&deadline, &run->suspended_ns));
     while (!has_ended(run)) {
         DPT_TRY(sleep_until(run->loop, deadline));
         if (must_stop(run->loop))
@@ -380,12 +383,12 @@ static dpt_result run_by_clock(struct run *run)
         DPT_TRY(clock_read(&begin));
         note_time(&run->stats.late_max, run->stats.late, begin > deadline ? begin - deadline : 0);
         run->now = begin;
-        const uint64_t stale = run->stats.stale;
+        const uint64_t stale_before = run->stats.stale;
         DPT_TRY(tick(run));
         DPT_TRY(clock_read(&end));
         note_time(&run->stats.took_max, run->stats.took, end > begin ? end - begin : 0);
         deadline +=
-            period + (uint64_t)phase_shift(run, &phase, run->stats.stale != stale, deadline);
+            period + (uint64_t)phase_shift(run, &phase, run->stats.stale != stale_before, deadline);
         if (end < deadline)
             continue;
         uint64_t missed = (end - deadline) / period + 1;
@@ -402,7 +405,7 @@ static dpt_result run_by_device(struct run *run)
     return DPT_OK;
 }
 
-/* A line without room may have some a little later. */
+/* Send zero force. If the line has no room, try again: it may have room a little later. */
 static dpt_result send_zero(struct run *run)
 {
     static const dpt_wrench zero;
@@ -410,8 +413,8 @@ static dpt_result send_zero(struct run *run)
     const struct timespec period = { .tv_sec = (time_t)(loop->period_ns / SECOND),
                                      .tv_nsec = (long)(loop->period_ns % SECOND) };
     dpt_result result = dpt_device_write(loop->device, &zero);
-    for (int i = 1; i < FAREWELLS && result == DPT_E_BUSY; i++) {
-        if (loop->has_own_time)
+    for (int i = 1; i < ZERO_WRITES_MAX && result == DPT_E_BUSY; i++) {
+        if (loop->is_deterministic)
             dpt_device_read(loop->device, &run->state);
         else
             nanosleep(&period, NULL);
@@ -426,7 +429,7 @@ dpt_result dpt_loop_run(dpt_loop *loop, dpt_loop_stats *stats)
         return DPT_E_ARGUMENT;
     if (stats)
         DPT_TRY(sized_check(stats, sizeof *stats, 0));
-    struct urgent before;
+    struct urgent saved;
     struct run run = { .loop = loop };
     run.stats.size = sizeof run.stats;
     run.state.size = sizeof run.state;
@@ -436,12 +439,12 @@ dpt_result dpt_loop_run(dpt_loop *loop, dpt_loop_stats *stats)
     run.sample.info = &loop->info;
     dpt_guard_init(&run.guard, &loop->guard);
 
-    if (!loop->has_own_time)
-        run.stats.notes = urgent_begin(&before, loop->def.priority, loop->def.lock);
-    dpt_result result = loop->has_own_time ? run_by_device(&run) : run_by_clock(&run);
-    dpt_result last = send_zero(&run);
-    if (!loop->has_own_time)
-        run.stats.notes |= urgent_end(&before);
+    if (!loop->is_deterministic)
+        run.stats.notes = urgent_begin(&saved, loop->def.priority, loop->def.lock);
+    dpt_result result = loop->is_deterministic ? run_by_device(&run) : run_by_clock(&run);
+    dpt_result zero_result = send_zero(&run);
+    if (!loop->is_deterministic)
+        run.stats.notes |= urgent_end(&saved);
 
     dpt_guard_info guard = { .size = sizeof guard };
     dpt_guard_get_info(&run.guard, &guard);
@@ -454,5 +457,5 @@ dpt_result dpt_loop_run(dpt_loop *loop, dpt_loop_stats *stats)
     __atomic_store_n(&loop->stop, 0, __ATOMIC_RELAXED);
     if (result != DPT_OK)
         return result;
-    return run.is_lost ? DPT_E_LOST : last;
+    return run.is_lost ? DPT_E_LOST : zero_result;
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The self-test of a device (selftest.h): what it says while it is read, and how it moves when it is pushed. */
+/* The self-test of a device (selftest.h): what it reports while it is read, and how it moves when it is pushed. */
 #define _POSIX_C_SOURCE 200809L
 #include "dynpoint/selftest.h"
 
@@ -13,11 +13,11 @@
 #include "base/vec3.h"
 #include "clock.h"
 
-/* A watchdog that is slower would push the hand too far. */
+/* A slower watchdog, s, is not tested: the test would push the hand too far. */
 static const double WATCHDOG_MAX = 0.1;
 
-/* A motion of less tells nothing of velocities. */
-static const double DISPLACEMENT_MIN = 1e-3, TURN_MIN = 0.02;
+/* Smallest motion, m and rad, that velocity and spin are checked by. */
+static const double DISPLACEMENT_MIN = 1e-3, ROTATION_MIN = 0.02;
 
 static const dpt_wrench zero;
 
@@ -27,14 +27,14 @@ struct selftest {
     dpt_selftest_def def;
     dpt_selftest_counts counts;
     dpt_result result; /* DPT_OK: go on */
-    /* Of all motions: the farthest, and how far off its velocity says. */
-    double way, way_off, turn, turn_off;
+    /* Over all observations; as in selftest_motion. */
+    double displacement_max, displacement_error_max, rotation_max, rotation_error_max;
 };
 
 /* ---- the report ---- */
 
-static void say(struct selftest *test, uint32_t verdict, const char *what, double measured,
-                const char *unit)
+static void report_line(struct selftest *test, uint32_t verdict, const char *what, double measured,
+                        const char *unit)
 {
     const dpt_selftest_line line = {
         .size = sizeof line, .verdict = verdict, .measured = measured, .what = what, .unit = unit
@@ -48,26 +48,29 @@ static void say(struct selftest *test, uint32_t verdict, const char *what, doubl
         test->result = DPT_E_CANCELLED;
 }
 
-static void judge(struct selftest *test, int is_so, const char *what, double measured,
+static void judge(struct selftest *test, int passed, const char *what, double measured,
                   const char *unit)
 {
-    say(test, is_so ? DPT_SELFTEST_PASSED : DPT_SELFTEST_FAILED, what, measured, unit);
+    report_line(test, passed ? DPT_SELFTEST_PASSED : DPT_SELFTEST_FAILED, what, measured, unit);
 }
 
 static void note(struct selftest *test, const char *what)
 {
-    say(test, DPT_SELFTEST_NOTE, what, 0.0, "");
+    report_line(test, DPT_SELFTEST_NOTE, what, 0.0, "");
 }
 
-/* ---- a motion, and what the device says of it ---- */
+/* ---- a motion, and the velocity that the device reports ---- */
 
-/* From sample to sample: where it is, and where its velocity leads to. */
+/*
+ * The motion since the first sample, in the device's frame, by poses and by the integral of the reported velocity and
+ * spin (m, rad). An error is the distance between the two.
+ */
 struct selftest_motion {
-    double way[3], led[3], turn[3], led_turn[3];
-    double farthest, off, widest, off_turn;
+    double displacement[3], velocity_integral[3], rotation[3], spin_integral[3];
+    double displacement_max, displacement_error_max, rotation_max, rotation_error_max;
 };
 
-static double size_of(const double *v)
+static double length_of(const double *v)
 {
     return length(vec3_of(v));
 }
@@ -77,43 +80,47 @@ static double difference(const double *a, const double *b)
     return length(sub(vec3_of(a), vec3_of(b)));
 }
 
-/* The rotation from one orientation to the next, as a vector in the device's frame. */
-static void turn_between(const double *from, const double *to, double *turn)
+/* The rotation from one orientation to the next, as a rotation vector in the device's frame, rad. */
+static void rotation_between(const double *from, const double *to, double *rotation)
 {
     const vec3 u = vec3_of(from + 1), v = vec3_of(to + 1);
     const double w = to[0] * from[0] + dot(v, u);
     const vec3 axis = sub(sub(scaled(v, from[0]), scaled(u, to[0])), cross(v, u));
     const double sine = length(axis), sign = w < 0.0 ? -1.0 : 1.0;
     const double angle = 2.0 * atan2(sine, fabs(w));
-    vec3_store(scaled(axis, sine > 0.0 ? sign * angle / sine : 0.0), turn);
+    vec3_store(scaled(axis, sine > 0.0 ? sign * angle / sine : 0.0), rotation);
 }
 
-static void follow(struct selftest_motion *motion, const dpt_device_state *from,
-                   const dpt_device_state *to)
+static void add_motion(struct selftest_motion *motion, const dpt_device_state *from,
+                       const dpt_device_state *to)
 {
     const double dt = (double)(int64_t)(to->time_ns - from->time_ns) * 1e-9;
-    double turn[3];
-    turn_between(from->pose.orientation, to->pose.orientation, turn);
+    double rotation[3];
+    rotation_between(from->pose.orientation, to->pose.orientation, rotation);
     for (int k = 0; k < 3; k++) {
-        motion->way[k] += to->pose.position[k] - from->pose.position[k];
-        motion->led[k] += 0.5 * dt * (from->velocity[k] + to->velocity[k]);
-        motion->turn[k] += turn[k];
-        motion->led_turn[k] += 0.5 * dt * (from->spin[k] + to->spin[k]);
+        motion->displacement[k] += to->pose.position[k] - from->pose.position[k];
+        motion->velocity_integral[k] += 0.5 * dt * (from->velocity[k] + to->velocity[k]);
+        motion->rotation[k] += rotation[k];
+        motion->spin_integral[k] += 0.5 * dt * (from->spin[k] + to->spin[k]);
     }
-    motion->farthest = fmax(motion->farthest, size_of(motion->way));
-    motion->off = fmax(motion->off, difference(motion->way, motion->led));
-    motion->widest = fmax(motion->widest, size_of(motion->turn));
-    motion->off_turn = fmax(motion->off_turn, difference(motion->turn, motion->led_turn));
+    motion->displacement_max = fmax(motion->displacement_max, length_of(motion->displacement));
+    motion->displacement_error_max =
+        fmax(motion->displacement_error_max,
+             difference(motion->displacement, motion->velocity_integral));
+    motion->rotation_max = fmax(motion->rotation_max, length_of(motion->rotation));
+    motion->rotation_error_max =
+        fmax(motion->rotation_error_max, difference(motion->rotation, motion->spin_integral));
 }
 
-/* What was seen in a while. */
+/* What observe() saw. */
 struct observed {
-    dpt_result result;
-    dpt_device_state first, last; /* fresh ones */
+    dpt_result result;            /* of the last read or write */
+    dpt_device_state first, last; /* the first and the last fresh sample */
     uint64_t reads, fresh, skipped, misnumbered, not_finite, slow_reads, slow_writes;
-    double seconds, misshapen; /* how far a quaternion is from unit length */
-    double age;                /* of the last sample, s */
-    int is_ready;
+    double seconds;              /* how long it took */
+    double quaternion_error_max; /* largest difference of a quaternion's length from 1 */
+    double age;                  /* of the last sample, s */
+    int is_ready;                /* on every read */
     struct selftest_motion motion;
 };
 
@@ -127,20 +134,21 @@ static int numbers_are_finite(const dpt_device_state *state)
     return sum == 0.0;
 }
 
-static double from_unit_length(const double *q)
+static double unit_length_error(const double *q)
 {
     return fabs(sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]) - 1.0);
 }
 
-/* `now` and what the last sample was before it. */
-static void look_at(struct observed *seen, const dpt_device_state *now)
+/* Add the state that was just read. */
+static void add_state(struct observed *seen, const dpt_device_state *now)
 {
     const dpt_device_state *before = &seen->last;
     if (!numbers_are_finite(now)) {
         seen->not_finite++;
         return;
     }
-    seen->misshapen = fmax(seen->misshapen, from_unit_length(now->pose.orientation));
+    seen->quaternion_error_max =
+        fmax(seen->quaternion_error_max, unit_length_error(now->pose.orientation));
     if (seen->fresh) {
         seen->misnumbered += now->sequence - before->sequence != now->fresh;
         seen->misnumbered += now->fresh > 0 && now->time_ns < before->time_ns;
@@ -149,7 +157,7 @@ static void look_at(struct observed *seen, const dpt_device_state *now)
         return;
     if (seen->fresh) {
         seen->skipped += now->fresh - 1;
-        follow(&seen->motion, before, now);
+        add_motion(&seen->motion, before, now);
     } else {
         seen->first = *now;
     }
@@ -157,21 +165,21 @@ static void look_at(struct observed *seen, const dpt_device_state *now)
     seen->last = *now;
 }
 
-static void rest(double seconds)
+static void sleep_for(double seconds)
 {
     const struct timespec time = { .tv_sec = (time_t)seconds,
                                    .tv_nsec = (long)(1e9 * (seconds - floor(seconds))) };
     nanosleep(&time, NULL);
 }
 
-/* Read for a while, and give that wrench meanwhile; NULL: write nothing. */
+/* Read for so many seconds and write this wrench after each read; NULL: write nothing. */
 static void observe(struct selftest *test, double seconds, const dpt_wrench *wrench,
                     struct observed *seen)
 {
-    const int waits = !(test->info.flags & DPT_DEVICE_FLAG_DETERMINISTIC);
+    const int is_real_time = !(test->info.flags & DPT_DEVICE_FLAG_DETERMINISTIC);
     const double period = 1.0 / test->info.rate;
-    const double pause = test->def.rate > 0.0 ? 1.0 / test->def.rate : 0.5 * period;
-    const uint64_t slow = (uint64_t)(fmax(0.25 * period, 20e-6) * 1e9);
+    const double read_period = test->def.rate > 0.0 ? 1.0 / test->def.rate : 0.5 * period;
+    const uint64_t slow_ns = (uint64_t)(fmax(0.25 * period, 20e-6) * 1e9);
     dpt_device_state now = { .size = sizeof now };
     uint64_t begin = 0, before = 0, between = 0, after = 0;
     memset(seen, 0, sizeof *seen);
@@ -182,7 +190,7 @@ static void observe(struct selftest *test, double seconds, const dpt_wrench *wre
         test->result = clock_read(&before);
         seen->result = dpt_device_read(test->device, &now);
         between = clock_now();
-        look_at(seen, &now);
+        add_state(seen, &now);
         seen->age = (double)(int64_t)(between - now.time_ns) * 1e-9;
         seen->is_ready &= now.status == DPT_DEVICE_STATUS_READY;
         if (wrench && seen->result == DPT_OK)
@@ -190,38 +198,39 @@ static void observe(struct selftest *test, double seconds, const dpt_wrench *wre
         after = clock_now();
         seen->result = seen->result == DPT_E_BUSY ? DPT_OK : seen->result;
         seen->reads++;
-        seen->slow_reads += between - before > slow;
-        seen->slow_writes += after - between > slow;
-        seen->seconds = waits ? (double)(between - begin) * 1e-9 : seen->seconds + period;
-        if (waits)
-            rest(pause);
+        seen->slow_reads += between - before > slow_ns;
+        seen->slow_writes += after - between > slow_ns;
+        seen->seconds = is_real_time ? (double)(between - begin) * 1e-9 : seen->seconds + period;
+        if (is_real_time)
+            sleep_for(read_period);
     }
-    test->way_off = fmax(test->way_off, seen->motion.off);
-    test->way = fmax(test->way, seen->motion.farthest);
-    test->turn_off = fmax(test->turn_off, seen->motion.off_turn);
-    test->turn = fmax(test->turn, seen->motion.widest);
+    test->displacement_error_max =
+        fmax(test->displacement_error_max, seen->motion.displacement_error_max);
+    test->displacement_max = fmax(test->displacement_max, seen->motion.displacement_max);
+    test->rotation_error_max = fmax(test->rotation_error_max, seen->motion.rotation_error_max);
+    test->rotation_max = fmax(test->rotation_max, seen->motion.rotation_max);
 }
 
-/* ---- what it says while nothing pushes ---- */
+/* ---- what it reports while nothing pushes ---- */
 
 static int is_inside(const dpt_device_info *info, const dpt_device_state *state)
 {
-    int inside = 1;
+    int is_inside_box = 1;
     for (int k = 0; k < 3; k++) {
         const double slack = 0.1 * (info->workspace_max[k] - info->workspace_min[k]);
-        inside &= state->pose.position[k] >= info->workspace_min[k] - slack &&
-                  state->pose.position[k] <= info->workspace_max[k] + slack;
+        is_inside_box &= state->pose.position[k] >= info->workspace_min[k] - slack &&
+                         state->pose.position[k] <= info->workspace_max[k] + slack;
     }
-    return inside;
+    return is_inside_box;
 }
 
-/* About z: no turn with w last. */
-static int is_half_a_turn(const double *q)
+/* The identity looks like half a turn about z if a driver sends quaternions with w last. */
+static int is_half_turn_about_z(const double *q)
 {
     return fabs(q[0]) < 1e-6 && fabs(q[1]) < 1e-6 && fabs(q[2]) < 1e-6;
 }
 
-/* 0: the rest makes no sense. */
+/* Returns 0 if the info makes no sense, so that nothing else can be tested. */
 static int test_info(struct selftest *test)
 {
     const dpt_device_info *info = &test->info;
@@ -252,7 +261,8 @@ static void test_times(struct selftest *test, const struct observed *seen)
 static void test_orientation(struct selftest *test, const struct observed *seen)
 {
     const double *q = seen->last.pose.orientation;
-    judge(test, seen->misshapen < 1e-6, "quaternions of unit length", seen->misshapen, "off");
+    judge(test, seen->quaternion_error_max < 1e-6, "quaternions of unit length",
+          seen->quaternion_error_max, "off");
     if (test->info.pose_dofs == 3)
         judge(test, fabs(q[0] - 1.0) < 1e-6, "no orientation with 3 degrees of freedom", q[0],
               "is w");
@@ -269,7 +279,7 @@ static void test_waiting(struct selftest *test, const struct observed *seen)
 
 static void test_samples(struct selftest *test)
 {
-    const dpt_wrench bad = { { 0.0, NAN, 0.0 }, { 0.0, 0.0, 0.0 } };
+    const dpt_wrench not_finite = { { 0.0, NAN, 0.0 }, { 0.0, 0.0, 0.0 } };
     const double rate = test->info.rate;
     dpt_device_counts counts = { .size = sizeof counts };
     struct observed seen;
@@ -290,17 +300,17 @@ static void test_samples(struct selftest *test)
     judge(test, counts.damaged == 0, "no frame damaged", (double)counts.damaged, "frames");
     judge(test, counts.lost * 100 <= counts.samples, "at most 1 % of samples lost",
           (double)counts.lost, "samples");
-    const dpt_result result = dpt_device_write(test->device, &bad);
+    const dpt_result result = dpt_device_write(test->device, &not_finite);
     judge(test, result == DPT_E_FINITE, "a force that is not finite is refused", result, "(code)");
-    if (is_half_a_turn(seen.last.pose.orientation))
+    if (is_half_turn_about_z(seen.last.pose.orientation))
         note(test, "turned by half a turn about z: is it sent as x, y, z, w? The order is w, x, "
                    "y, z");
 }
 
 /* ---- how it moves ---- */
 
-/* Along an axis, beyond what the velocity at the beginning leads to: what a force did. */
-static double driven(const struct observed *seen, int axis)
+/* What a force moved along an axis, m: the displacement beyond that of the initial velocity. */
+static double driven_displacement(const struct observed *seen, int axis)
 {
     const double time = (double)(int64_t)(seen->last.time_ns - seen->first.time_ns) * 1e-9;
     return seen->last.pose.position[axis] - seen->first.pose.position[axis] -
@@ -324,35 +334,41 @@ static void test_pushes(struct selftest *test)
             observe(test, 0.2, &zero, &still);
             observe(test, test->def.push_seconds, &push, &pushed);
             dpt_device_write(test->device, &zero);
-            /* By the place alone where a hand holds it, beyond the velocity where nothing brakes it. */
-            const double way =
+            /*
+             * A hand that holds it stops it, so the displacement counts; nothing brakes a free one, so the drive
+             * counts.
+             */
+            const double displacement =
                 sign * (pushed.last.pose.position[axis] - pushed.first.pose.position[axis]);
-            const double moved = fmax(way, sign * driven(&pushed, axis));
+            const double moved = fmax(displacement, sign * driven_displacement(&pushed, axis));
             snprintf(what, sizeof what, "%.2g N along %c%c moves the hand that way",
                      test->def.push * test->info.force_max, sign > 0.0 ? '+' : '-', "xyz"[axis]);
             judge(test, pushed.result == DPT_OK && moved > 0.0, what, 1e3 * moved, "mm");
         }
 }
 
-/* To the right until it moves, then in silence; `still` is what happens `later` s after the last command. */
-static double push_and_wait(struct selftest *test, double later, struct observed *still)
+/*
+ * Push to the right, then write nothing for `silence` s, then observe `after_silence` (may be NULL). Returns the
+ * displacement that the push drove, m.
+ */
+static double push_and_wait(struct selftest *test, double silence, struct observed *after_silence)
 {
     const dpt_wrench push = push_along(test, 0, 1.0);
     struct observed seen;
     observe(test, 0.2, &zero, &seen);
     observe(test, test->def.push_seconds, &push, &seen);
-    const double pushed = driven(&seen, 0);
-    if (later > 0.0)
-        observe(test, later, NULL, &seen);
-    if (still)
-        observe(test, test->def.push_seconds, NULL, still);
+    const double pushed = driven_displacement(&seen, 0);
+    if (silence > 0.0)
+        observe(test, silence, NULL, &seen);
+    if (after_silence)
+        observe(test, test->def.push_seconds, NULL, after_silence);
     return pushed;
 }
 
 static void test_watchdog(struct selftest *test)
 {
     const double watchdog = test->info.watchdog;
-    struct observed still;
+    struct observed after_silence;
     if (!(watchdog > 0.0)) {
         note(test, "it has no watchdog: its force stays when commands end");
         return;
@@ -361,27 +377,28 @@ static void test_watchdog(struct selftest *test)
         note(test, "its watchdog is slower than 0.1 s, and is not tested");
         return;
     }
-    const double pushed = push_and_wait(test, 1.5 * watchdog + 5.0 / test->info.rate, &still);
-    const double goes_on = driven(&still, 0);
+    const double pushed =
+        push_and_wait(test, 1.5 * watchdog + 5.0 / test->info.rate, &after_silence);
+    const double driven_after = driven_displacement(&after_silence, 0);
     if (dpt_device_write(test->device, &zero) == DPT_E_NOT_READY)
         dpt_device_clear(test->device);
-    judge(test, pushed > 0.0 && goes_on < 0.5 * pushed,
-          "without commands its watchdog ends a force", 1e3 * goes_on, "mm driven on");
+    judge(test, pushed > 0.0 && driven_after < 0.5 * pushed,
+          "without commands its watchdog ends a force", 1e3 * driven_after, "mm driven on");
 }
 
-/* By all that was seen of its motions. */
+/* Checks velocity and spin by all motions that were observed. */
 static void test_velocity(struct selftest *test)
 {
-    const double way = fmax(DISPLACEMENT_MIN, 10.0 * test->info.position_step);
-    const double turn = fmax(TURN_MIN, 10.0 * test->info.angle_step);
-    if (test->way > way)
-        judge(test, test->way_off < 0.3 * test->way, "moves as its velocity says",
-              1e3 * test->way_off, "mm off");
+    const double displacement_min = fmax(DISPLACEMENT_MIN, 10.0 * test->info.position_step);
+    const double rotation_min = fmax(ROTATION_MIN, 10.0 * test->info.angle_step);
+    if (test->displacement_max > displacement_min)
+        judge(test, test->displacement_error_max < 0.3 * test->displacement_max,
+              "moves as its velocity says", 1e3 * test->displacement_error_max, "mm off");
     else
         note(test, "it did not move by a millimetre: its velocity is not tested");
-    if (test->info.pose_dofs == 6 && test->turn > turn)
-        judge(test, test->turn_off < 0.3 * test->turn, "turns as its spin says", test->turn_off,
-              "rad off");
+    if (test->info.pose_dofs == 6 && test->rotation_max > rotation_min)
+        judge(test, test->rotation_error_max < 0.3 * test->rotation_max, "turns as its spin says",
+              test->rotation_error_max, "rad off");
     else if (test->info.pose_dofs == 6)
         note(test, "it did not turn by a degree: neither its spin nor the order of its quaternions "
                    "is tested");
@@ -392,7 +409,7 @@ static int gives_force(const struct selftest *test)
     return test->info.wrench_dofs >= 3 && test->info.force_max > 0.0;
 }
 
-/* All that is asked of an open device. 0 where the rest makes no sense. */
+/* All tests of an open device. Returns 0 if its info makes no sense. */
 static int test_device(struct selftest *test)
 {
     test->info = (dpt_device_info){ .size = sizeof test->info };
@@ -422,22 +439,22 @@ static dpt_result open_device(struct selftest *test, const dpt_driver *driver, c
     return result;
 }
 
-/* With a force that is given, where it may move; then it must not go on. */
+/* Close the device, under force if it may move, and open it again: the force must have ended. */
 static dpt_result test_close(struct selftest *test, const dpt_driver *driver, const char *where)
 {
-    const int pushes = test->result == DPT_OK && gives_force(test) && test->def.may_move;
+    const int may_push = test->result == DPT_OK && gives_force(test) && test->def.may_move;
     struct observed after;
-    const double pushed = pushes ? push_and_wait(test, 0.0, NULL) : 0.0;
+    const double pushed = may_push ? push_and_wait(test, 0.0, NULL) : 0.0;
     dpt_device_close(test->device);
     test->device = NULL;
     if (test->result != DPT_OK)
         return test->result;
     DPT_TRY(open_device(test, driver, where, "opens again"));
-    if (pushes) {
+    if (may_push) {
         observe(test, test->def.push_seconds, NULL, &after);
-        const double goes_on = driven(&after, 0);
-        judge(test, pushed > 0.0 && goes_on < 0.5 * pushed, "gives no force after close",
-              1e3 * goes_on, "mm driven on");
+        const double driven_after = driven_displacement(&after, 0);
+        judge(test, pushed > 0.0 && driven_after < 0.5 * pushed, "gives no force after close",
+              1e3 * driven_after, "mm driven on");
     }
     dpt_device_close(test->device);
     return test->result;
@@ -451,9 +468,9 @@ void dpt_selftest_def_defaults(dpt_selftest_def *def, size_t size)
     sized_defaults(def, size, &defaults, sizeof defaults);
 }
 
-static int in_range(double value, double least, double most)
+static int in_range(double value, double min, double max)
 {
-    return value >= least && value <= most;
+    return value >= min && value <= max;
 }
 
 static dpt_result begin(struct selftest *test, const dpt_selftest_def *given,

@@ -1,41 +1,45 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What drivers take from `where`: a place, and settings behind a '?' with '&' between, as in "file.csv?rate=1000". */
+/*
+ * Read a driver's `where`: an address, then '?' and settings with '&' between them, as in "file.csv?rate=1000&live=1".
+ */
 #ifndef DPT_DRIVERS_SETTINGS_H
 #define DPT_DRIVERS_SETTINGS_H
 
 #include "dynpoint/device.h"
 
-/* One setting that is known. Exactly one of the pointers is set; what is not named stays as it is. */
+/* A setting that a driver knows, and where its value goes: exactly one of `number` and `text` is not NULL. */
 struct setting {
     const char *name;
-    double *number; /* least <= number <= most */
-    char *text;     /* with its zero, at most `room` bytes */
-    double least, most;
-    size_t room;
+    double *number;    /* min <= *number <= max */
+    char *text;        /* room for text_bytes, the final zero included */
+    double min, max;   /* for a number */
+    size_t text_bytes; /* for a text */
 };
 
 /*
- * What a coupling is computed from and a maker may not tell: fields of dpt_device_info, 0 where nobody has named them.
- * Each is a setting of its own name.
+ * Device dynamics: the fields of dpt_device_info that a coupling is computed from and that a maker may not publish. 0
+ * if the user has not set them. Each is a setting of the field's name.
  */
 struct dynamics {
     double mass, inertia, damping, spin_damping, friction, spin_friction, delay;
     double position_step, angle_step;
 };
 
-/* What was named, in place of what the device told. */
-void dynamics_tell(const struct dynamics *dynamics, dpt_device_info *info);
+/* Replace the fields of `info` that the user has set. */
+void dynamics_override(const struct dynamics *dynamics, dpt_device_info *info);
 
 /*
- * DPT_E_SETTING, and the reason in `error`, for what is unknown, no number or out of range. `place`, of `room` bytes,
- * is what stands before the '?', "" for a `where` that is NULL. `dynamics`, zero before, is NULL where a driver has
- * such settings of its own.
+ * Read `where`, which may be NULL. Settings that it does not name keep their value.
+ *   address    room for `address_bytes`; gets what stands before the '?', or ""
+ *   dynamics   zero before the call; NULL if the driver has such settings of its own
+ *
+ * DPT_E_SETTING: a setting is unknown, not a number, out of range or too long; `error` says which.
  */
-dpt_result settings_read(const char *where, char *place, size_t room,
+dpt_result settings_read(const char *where, char *address, size_t address_bytes,
                          const struct setting *settings, size_t count, struct dynamics *dynamics,
                          dpt_device_error *error);
 
-/* Write `error`, unless it is NULL, and return `code`. */
+/* Write code and text into `error`, unless it is NULL, and return `code`. */
 dpt_result device_error(dpt_device_error *error, dpt_result code, const char *format, ...)
 #ifdef __GNUC__
     __attribute__((format(printf, 3, 4)))

@@ -5,10 +5,10 @@
 
 #include "dynpoint/base.h"
 
-/* From here on a double does not tell neighbours apart. */
+/* From here on neighbouring integers are the same double. */
 #define TICKS_END 0x1p53
 
-static const char *wrong_row(const double *row, size_t columns)
+static const char *check_row(const double *row, size_t columns)
 {
     if (row[0] != floor(row[0]))
         return "the tick is not an integer";
@@ -24,13 +24,13 @@ static const char *wrong_row(const double *row, size_t columns)
 
 static const char *const headers[] = { HEADER, NULL };
 
-const struct csv_format trace_form = {
+const struct csv_format trace_format = {
     .headers = headers,
-    .wrong_header = "the header is not " HEADER,
-    .wrong_row = wrong_row,
+    .header_error = "the header is not " HEADER,
+    .check_row = check_row,
 };
 
-int trace_jumps(const struct csv_table *trace, size_t row)
+int trace_is_jump(const struct csv_table *trace, size_t row)
 {
     return row == 0 || csv_table_row(trace, row)[0] != csv_table_row(trace, row - 1)[0] + 1.0;
 }

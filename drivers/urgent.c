@@ -13,16 +13,16 @@
 
 #include "dynpoint/loop.h"
 
-/* Memory is locked for a process, loops run in threads. */
+/* A memory lock covers the whole process, so the loops of all threads share one. */
 static struct {
     pthread_mutex_t mutex;
-    int holders;
-    int is_ours; /* nothing was locked before */
+    int holders; /* loops that hold the lock */
+    int is_ours; /* no memory was locked before the first loop */
 } memory = { .mutex = PTHREAD_MUTEX_INITIALIZER };
 
 /*
- * MCL_FUTURE under a finite limit makes later allocations and threads of the process fail, unless the process is
- * privileged. Whether it is, shows where one more page than the limit can be locked; PROT_NONE makes that cost nothing.
+ * Under a finite limit MCL_FUTURE makes later allocations and threads of the process fail, unless the process is
+ * privileged. It is privileged if it can lock one byte more than the limit. PROT_NONE makes this test cost no memory.
  */
 static int may_lock_all(void)
 {
@@ -47,7 +47,7 @@ static int may_lock_all(void)
 #endif
 }
 
-/* Of this process; -1: the system does not tell. */
+/* Locked memory of this process; -1 if the system does not report it. */
 static long locked_kilobytes(void)
 {
     char line[128];
@@ -86,7 +86,7 @@ static void unlock_memory(void)
     pthread_mutex_unlock(&memory.mutex);
 }
 
-/* By how much, in ns, the system may let this thread's timers be late. Without effect in a thread with a priority. */
+/* How late the system may let this thread's timers be, ns. It has no effect in a thread with real-time priority. */
 static int timer_slack(void)
 {
 #ifdef __linux__
@@ -105,39 +105,39 @@ static void set_timer_slack(int slack)
 #endif
 }
 
-uint32_t urgent_begin(struct urgent *before, uint32_t priority, uint32_t lock)
+uint32_t urgent_begin(struct urgent *saved, uint32_t priority, uint32_t lock)
 {
     uint32_t notes = 0;
-    memset(before, 0, sizeof *before);
+    memset(saved, 0, sizeof *saved);
     if (lock) {
-        before->holds_lock = lock_memory();
-        notes |= before->holds_lock ? 0 : DPT_LOOP_NOTE_NO_LOCK;
+        saved->holds_lock = lock_memory();
+        notes |= saved->holds_lock ? 0 : DPT_LOOP_NOTE_NO_LOCK;
     }
     const int slack = timer_slack();
-    before->slack = slack > 0 ? slack : 0;
-    if (before->slack)
+    saved->slack = slack > 0 ? slack : 0;
+    if (saved->slack)
         set_timer_slack(1);
     if (!priority)
         return notes;
     const struct sched_param param = { .sched_priority = (int)priority };
-    if (pthread_getschedparam(pthread_self(), &before->policy, &before->param) == 0 &&
+    if (pthread_getschedparam(pthread_self(), &saved->policy, &saved->param) == 0 &&
         pthread_setschedparam(pthread_self(), SCHED_FIFO, &param) == 0)
-        before->is_scheduled = 1;
+        saved->is_scheduled = 1;
     else
         notes |= DPT_LOOP_NOTE_NO_PRIORITY;
     return notes;
 }
 
-uint32_t urgent_end(const struct urgent *before)
+uint32_t urgent_end(const struct urgent *saved)
 {
     uint32_t notes = 0;
-    if (before->is_scheduled &&
-        pthread_setschedparam(pthread_self(), before->policy, &before->param) != 0)
+    if (saved->is_scheduled &&
+        pthread_setschedparam(pthread_self(), saved->policy, &saved->param) != 0)
         notes |= DPT_LOOP_NOTE_NO_RETURN;
-    /* After the priority: giving that back may set a slack of the system's own. */
-    if (before->slack)
-        set_timer_slack(before->slack);
-    if (before->holds_lock)
+    /* After the priority, because restoring that may change the slack. */
+    if (saved->slack)
+        set_timer_slack(saved->slack);
+    if (saved->holds_lock)
         unlock_memory();
     return notes;
 }

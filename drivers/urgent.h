@@ -1,28 +1,31 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What a loop asks of the system while it runs: priority, wakes without slack, memory that is not paged out. */
+/* What a loop requests from the system while it runs: real-time priority, exact timers, locked memory. */
 #ifndef DPT_DRIVERS_URGENT_H
 #define DPT_DRIVERS_URGENT_H
 
 #include <sched.h>
 #include <stdint.h>
 
-/* How the calling thread was before. */
+/* What urgent_begin changed, and the values before. */
 struct urgent {
-    int holds_lock;
-    int slack; /* of its timers, ns; 0: not changed */
-    int is_scheduled;
-    int policy;
-    struct sched_param param;
+    int holds_lock;           /* 1: this loop is counted among those that hold the lock */
+    int slack;                /* timer slack of the thread before, ns; 0: not changed */
+    int is_scheduled;         /* 1: policy and param were changed */
+    int policy;               /* of the thread before */
+    struct sched_param param; /* of the thread before */
 };
 
 /*
- * Ask for all of it, in the calling thread. Returns what was not permitted, as DPT_LOOP_...
- *   priority  by SCHED_FIFO; 0: as it is
- *   lock      1: lock the memory of the whole process
+ * Request all of it for the calling thread. Returns what was not permitted, DPT_LOOP_NOTE_... bits.
+ *   priority   by SCHED_FIFO, 1..99; 0: unchanged
+ *   lock       1: lock the memory of the whole process
  */
-uint32_t urgent_begin(struct urgent *before, uint32_t priority, uint32_t lock);
+uint32_t urgent_begin(struct urgent *saved, uint32_t priority, uint32_t lock);
 
-/* Undo it, in the same thread. Memory is unlocked by the last loop, if nothing was locked before the first. */
-uint32_t urgent_end(const struct urgent *before);
+/*
+ * Undo it, in the same thread. The last loop unlocks the memory, if none was locked before the first loop. Returns
+ * DPT_LOOP_NOTE_NO_RETURN if the priority could not be restored, else 0.
+ */
+uint32_t urgent_end(const struct urgent *saved);
 
 #endif

@@ -183,7 +183,7 @@ void print_arm_text(const char *path, const dpt_arm *arm)
                info.source_hash);
 }
 
-/* A name between quotes; what JSON does not take plain is escaped. */
+/* Print a name in quotes, escaped for JSON. */
 static void print_name(const char *key, const char *name)
 {
     printf("\"%s\":\"", key);

@@ -56,7 +56,7 @@ static int show_progress(void *user, const char *step, double done)
     return 0;
 }
 
-/* Of C and C++, and what the written file itself relies on. */
+/* Keywords of C and C++, and names that the written file uses. */
 static const char taken_names[] =
     " alignas alignof and and_eq asm auto bitand bitor bool break case catch char char16_t "
     "char32_t char8_t class co_await co_return co_yield compl concept const const_cast "
@@ -84,8 +84,8 @@ static int is_c_name(const char *name)
 }
 
 /*
- * Words of 8 bytes: a compiler takes a fifth of the time and memory that it needs for single bytes, and aligns them by
- * itself.
+ * Write words of 8 bytes: compilers need a fifth of the time and memory that they need for single bytes, and align the
+ * array by themselves.
  */
 static void write_c_array(FILE *file, const char *name, const char *kind,
                           const dpt_compiled *compiled)
@@ -195,7 +195,9 @@ static int compile_mesh(const char *in, const void *bytes, size_t size, dpt_comp
     return complain("compile", "%s: %s", in, diag.text);
 }
 
-/* A mesh is opened once and may come through a pipe; a URDF's reader takes its path, for what it names lies beside it. */
+/*
+ * Compile a mesh, which is opened once and may be a pipe, or a URDF, whose reader needs the path to find what it names.
+ */
 static int compile_input(const char *in, dpt_compile_def *def, const char *tool,
                          const char *packages, dpt_compiled *compiled, int *is_arm)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* dynpoint device: what devices there are, what one says, and whether it keeps its promises. */
+/* dynpoint device: list, watch, test and simulate devices. */
 #define _POSIX_C_SOURCE 200809L
 #include <inttypes.h>
 #include <math.h>
@@ -50,7 +50,7 @@ static void print_found(void *user, const dpt_driver *driver, const char *where,
 static int list(void)
 {
     const dpt_driver *driver;
-    for (uint32_t i = 0; (driver = dpt_driver_at(i)) != NULL; i++) {
+    for (uint32_t i = 0; (driver = dpt_driver_at(i)); i++) {
         printf("%-12s %s\n", driver->name, driver->about);
         if (driver->find)
             driver->find(driver, print_found, NULL);
@@ -58,7 +58,7 @@ static int list(void)
     return 0;
 }
 
-/* What a coupling is computed from, as far as it is known. */
+/* Print the device dynamics that are known. */
 static void print_dynamics(const dpt_device_info *info)
 {
     const struct {
@@ -104,7 +104,7 @@ static void print_info(const dpt_device_info *info)
                k < 2 ? "," : " m\n");
 }
 
-/* Values that change, one under the other; the cursor goes back up for the next ones. */
+/* Print the changing values, one a line. The caller moves the cursor up to overwrite them. */
 static void print_table(const dpt_device_info *info, const dpt_device_state *state,
                         const dpt_device_counts *counts)
 {
@@ -146,8 +146,8 @@ static int watch(dpt_device *device, double seconds)
     const int is_terminal = isatty(STDOUT_FILENO);
     dpt_device_get_info(device, &info);
     const double begin = seconds_now(), period = 1.0 / (info.rate > 0.0 ? info.rate : 1000.0);
-    double shown = 0.0;
-    int lines = 0;
+    double shown_at = 0.0;
+    int is_shown = 0;
     if (is_terminal)
         print_info(&info);
     else
@@ -156,21 +156,21 @@ static int watch(dpt_device *device, double seconds)
     for (;;) {
         double now = seconds_now() - begin;
         dpt_result result = dpt_device_read(device, &state);
-        int over = result == DPT_E_LOST || stop_asked();
+        int is_over = result == DPT_E_LOST || stop_requested();
         if (!is_terminal && state.fresh)
             print_line(&state);
-        if (is_terminal && (over || now - shown > 0.05 || !lines)) {
+        if (is_terminal && (is_over || now - shown_at > 0.05 || !is_shown)) {
             dpt_device_get_counts(device, &counts);
-            if (lines)
+            if (is_shown)
                 printf("\033[%dA", TABLE_LINES);
             print_table(&info, &state, &counts);
             fflush(stdout);
-            lines = 1;
-            shown = now;
+            is_shown = 1;
+            shown_at = now;
         }
         if (result == DPT_E_LOST)
             return complain("device", "the device is lost");
-        if (over)
+        if (is_over)
             return 0;
         sleep_seconds(period);
     }
@@ -184,7 +184,7 @@ static int print_verdict(void *user, const dpt_selftest_line *line)
     else
         printf("  %s %-44s %.4g %s\n", line->verdict == DPT_SELFTEST_PASSED ? "ok  " : "FAIL",
                line->what, line->measured, line->unit);
-    return stop_asked();
+    return stop_requested();
 }
 
 static int selftest(dpt_device *device, int may_move)

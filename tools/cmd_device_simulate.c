@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* dynpoint device simulate: the other end of a line, with dynamics, so that the loop closes on one machine. */
+/* dynpoint device simulate: a simulated device at the other end of a line, so that the loop closes on one machine. */
 #include <string.h>
 
 #include "built_with.h"

@@ -120,7 +120,7 @@ static void print_text(const char *path, const dpt_mesh *mesh, const dpt_mesh_in
                section.name, section.bytes, section.offset, section.crc32);
 }
 
-/* Exit status 1 with the place on standard output: the question was answered, with no. */
+/* A damaged file is an answer, no error: exit status 1, and its place on standard output. */
 static int verify(const char *path)
 {
     size_t size;

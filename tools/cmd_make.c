@@ -33,17 +33,17 @@ static void print_help(void)
         "SHAPE", "N", "least", "default");
     for (const struct shape_kind *kind = shape_kinds; kind < shape_kinds + shape_kind_count;
          kind++) {
-        char usual[12] = "-";
-        if (kind->usual)
-            snprintf(usual, sizeof usual, "%" PRIu32, kind->usual);
+        char default_count[12] = "-";
+        if (kind->default_count)
+            snprintf(default_count, sizeof default_count, "%" PRIu32, kind->default_count);
         printf("  %-12s  %-6s  %5" PRIu32 "  %7s  %s\n", kind->name, counts_text[kind->counts],
-               kind->least, usual, kind->help);
+               kind->count_min, default_count, kind->help);
     }
     printf("  %-12s  %-6s  %5d  %7d  %s\n", laparoscopic, "any", LAPAROSCOPIC_MIN,
            LAPAROSCOPIC_TRIANGLES, "three files: FILE-liver, FILE-stomach, FILE-spleen");
 }
 
-/* To be kept or dropped. */
+/* Write a shape. The caller keeps or drops the output. */
 static int write_shape(struct output *output, const char *path, const struct shape *shape)
 {
     if (output_open(output, "make", path))
@@ -77,7 +77,7 @@ static char *body_path(const char *path, const char *body)
     return name;
 }
 
-/* All or none. */
+/* Write all bodies or none. */
 static int write_bodies(char *const paths[], const struct shape bodies[])
 {
     for (int i = 0; i < LAPAROSCOPIC_BODIES; i++) {

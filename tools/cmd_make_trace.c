@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * dynpoint make trace: a hand that slides a tool over a mesh. A point wanders over the surface; the
- * tool, roughly tangent, follows it with some part of its length, a little above or below the surface.
- * Every row is motion. Arithmetic only, so a seed gives the same bytes on every machine.
+ * dynpoint make trace: a hand slides a tool over a mesh. A point wanders over the surface. The tool is roughly tangent
+ * and follows the point with some part of its length, a little above or below the surface. The tool moves in every row.
+ * Only arithmetic is used, so a seed gives the same bytes on every machine.
  */
 #include <inttypes.h>
 #include <stdlib.h>
@@ -30,9 +30,9 @@ struct trace_hand {
     const dpt_mesh *mesh;
     uint64_t random;
     double length, band, speed;
-    vec3 at, normal; /* on the surface; the normal smoothed */
-    vec3 heading;    /* where the point wanders */
-    vec3 axis;       /* where the tool points */
+    vec3 at, normal; /* the point on the surface, in the mesh's frame, and the smoothed normal */
+    vec3 heading;    /* direction in which the point wanders */
+    vec3 axis;       /* direction of the tool */
     double phase[4]; /* of the slow changes, in turns */
 };
 
@@ -156,11 +156,11 @@ int command_make_trace(int argc, char **argv)
         return complain("make trace", "--mesh FILE.dpa and -o TRACE.csv are needed (see --help)");
     if (output_check("make trace", out, (const char *const[]){ mesh_path, NULL }))
         return 2;
-    const double most = DPT_COORDINATE_MAX;
+    const double limit = DPT_COORDINATE_MAX;
     if (!ticks)
         return complain("make trace", "--ticks must be 1 or more");
-    if (!(hand.length >= 0.0 && hand.length <= most) || !(hand.band >= 0.0 && hand.band <= most) ||
-        !(hand.speed >= 0.0 && hand.speed <= most))
+    if (!(hand.length >= 0.0 && hand.length <= limit) ||
+        !(hand.band >= 0.0 && hand.band <= limit) || !(hand.speed >= 0.0 && hand.speed <= limit))
         return complain("make trace", "--length, --band and --speed must be 0 to 1e6");
 
     void *bytes;

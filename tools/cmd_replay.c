@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* dynpoint replay: a recorded motion through a world, tick by tick. */
+/* dynpoint replay: move a tool through a world along a recorded motion, tick by tick. */
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
@@ -65,7 +65,7 @@ static const char *const kernels[] = { "auto", "scalar", "sse2", "avx2", "avx512
 
 static const char *const strips[] = { "none", "shadow", "routes", NULL };
 
-/* More than any count that an option takes. */
+/* Larger than any count that an option takes. */
 #define NOT_GIVEN UINT64_MAX
 
 struct replay_settings {
@@ -78,7 +78,7 @@ struct replay_settings {
     const char *mesh, *trace, *out;
 };
 
-/* A world with one body and one tool, and the block it lives in. */
+/* A world with one body and one tool, and its block of memory. */
 struct stage {
     void *block;
     dpt_world *world;
@@ -114,17 +114,18 @@ static int stage_open(struct stage *stage, const dpt_world_def *def, const dpt_m
     return result == DPT_OK ? 0 : complain("replay", "%s", dpt_result_text(result));
 }
 
-/* Place the tool for a row; a jump forgets the past. */
-static void place(struct stage *stage, const struct csv_table *trace, size_t row, double radius)
+/* Place the tool for a row. A jump is a teleport. */
+static void place_tool(struct stage *stage, const struct csv_table *trace, size_t row,
+                       double radius)
 {
     const dpt_pose identity = DPT_POSE_IDENTITY;
     dpt_segment segment = segment_of(trace, row, radius);
-    if (trace_jumps(trace, row))
+    if (trace_is_jump(trace, row))
         dpt_tool_teleport(stage->world, stage->tool, &identity);
     dpt_tool_set_segments(stage->world, stage->tool, &segment, 1);
 }
 
-/* What leaves a guard on a clock of ticks; a tick without an answer has no command. */
+/* Replace the wrench by what a guard lets through; its time is the row's. A stale answer switches the guard off. */
 static void limit_wrench(dpt_guard *guard, uint64_t row, double dt, struct replayed_tick *tick)
 {
     const dpt_wrench command = tick->wrench;
@@ -133,7 +134,7 @@ static void limit_wrench(dpt_guard *guard, uint64_t row, double dt, struct repla
 }
 
 static void run_pass(struct stage *stage, const struct replay_settings *settings,
-                     struct replayed *replayed, int first)
+                     struct replayed *replayed, int is_first)
 {
     struct meter meter = { .began = 0 };
     dpt_guard guard = { .size = sizeof guard };
@@ -143,11 +144,11 @@ static void run_pass(struct stage *stage, const struct replay_settings *settings
         if (i % 256 == 0)
             meter_show(&meter, "replay", (double)i / (double)replayed->trace->rows);
         struct replayed_tick *tick = &replayed->ticks[i];
-        place(stage, replayed->trace, i, settings->radius);
+        place_tool(stage, replayed->trace, i, settings->radius);
         const uint64_t begin = clock_now();
         dpt_world_step(stage->world, settings->dt, NULL);
         double ns = (double)(clock_now() - begin);
-        tick->ns = first || ns < tick->ns ? ns : tick->ns;
+        tick->ns = is_first || ns < tick->ns ? ns : tick->ns;
         tick->hit.size = sizeof tick->hit;
         dpt_tool_get_hit(stage->world, stage->tool, &tick->hit);
         dpt_force_report force = { .size = sizeof force };
@@ -157,7 +158,8 @@ static void run_pass(struct stage *stage, const struct replay_settings *settings
         dpt_tool_get_proxy(stage->world, stage->tool, &tick->proxy);
         if (settings->limit)
             limit_wrench(&guard, i, settings->dt, tick);
-        dpt_tool_get_strip(stage->world, stage->tool, 0, NULL, 0, &tick->strip, &tick->strip_flags);
+        dpt_tool_get_strip(stage->world, stage->tool, 0, NULL, 0, &tick->strip_triangles,
+                           &tick->strip_flags);
     }
     meter_show(&meter, "", 1.0);
 }
@@ -182,20 +184,20 @@ static int compare(const struct replay_settings *settings, const dpt_mesh *mesh,
         dpt_hit hit = DPT_HIT_INIT;
         if (against->ticks % 64 == 0)
             meter_show(&meter, "compare", (double)i / (double)trace->rows);
-        place(&stage, trace, i, settings->radius);
+        place_tool(&stage, trace, i, settings->radius);
         const uint64_t begin = clock_now();
         dpt_world_step(stage.world, settings->dt, NULL);
         ns[against->ticks++] = (double)(clock_now() - begin);
         dpt_tool_get_hit(stage.world, stage.tool, &hit);
         double error = fabs(hit.distance - replayed->ticks[i].hit.distance);
-        against->wrong += error <= against->tolerance ? 0 : 1;
-        against->largest_error = fmax(against->largest_error, error);
-        against->missed += hit.distance == 0.0 && error > against->tolerance;
+        against->wrong_count += error <= against->tolerance ? 0 : 1;
+        against->error_max = fmax(against->error_max, error);
+        against->missed_crossings += hit.distance == 0.0 && error > against->tolerance;
     }
     meter_show(&meter, "", 1.0);
     if (ns) {
         sort_numbers(ns, against->ticks);
-        against->ns = percentile(ns, against->ticks, 0.5);
+        against->median_ns = percentile(ns, against->ticks, 0.5);
     }
     against->method = methods[settings->against];
     free(stage.block);
@@ -218,7 +220,7 @@ static int write_results(const struct replay_settings *settings, const struct re
     else if (strcmp(settings->out, "-") != 0)
         replay_print_table(stdout, replayed);
     status = output_keep(&output, "replay");
-    return status ? status : replayed->against.wrong ? 1 : 0;
+    return status ? status : replayed->against.wrong_count ? 1 : 0;
 }
 
 static void note_lengths(const struct replay_settings *settings, const dpt_mesh_info *info)
@@ -242,7 +244,7 @@ static int run(const struct replay_settings *settings, const dpt_mesh *mesh,
     struct replayed replayed = { .trace = trace,
                                  .until = settings->def.until,
                                  .law = settings->def.law,
-                                 .strips = settings->def.strip };
+                                 .strip_kind = settings->def.strip };
     dpt_segment segment = segment_of(trace, 0, settings->radius);
     replayed.ticks = calloc(trace->rows, sizeof *replayed.ticks);
     int status = replayed.ticks ? stage_open(&stage, &settings->def, mesh, &segment)
@@ -268,8 +270,8 @@ static int run(const struct replay_settings *settings, const dpt_mesh *mesh,
     return status;
 }
 
-/* -1 to go on, else the exit status. */
-static int take_settings(int argc, char **argv, struct replay_settings *settings)
+/* Returns -1 to go on, else the exit status. */
+static int read_settings(int argc, char **argv, struct replay_settings *settings)
 {
     const char *operand[2], *method = "exact", *until = "respond", *kernel = "auto";
     const char *against = NULL, *strip = "none", *law = "point";
@@ -360,21 +362,22 @@ static int take_settings(int argc, char **argv, struct replay_settings *settings
 static int read_trace(struct csv_table *trace, const char *path)
 {
     uint64_t line;
-    const char *wrong;
+    const char *line_error;
     *trace = (struct csv_table){ .rows = 0 };
     const int file = strcmp(path, "-") ? open(path, O_RDONLY) : STDIN_FILENO;
     if (file < 0)
         return complain("replay", "%s: cannot be opened: %s", path, strerror(errno));
-    dpt_result result = csv_table_stream(trace, file, UINT64_MAX, &trace_form, &line, &wrong);
-    const int reason = errno;
+    dpt_result result =
+        csv_table_stream(trace, file, UINT64_MAX, &trace_format, &line, &line_error);
+    const int saved_errno = errno;
     if (file != STDIN_FILENO)
         close(file);
     if (result == DPT_OK)
         return 0;
-    if (wrong)
-        return complain("replay", "%s:%" PRIu64 ": %s", path, line ? line : 1, wrong);
+    if (line_error)
+        return complain("replay", "%s:%" PRIu64 ": %s", path, line ? line : 1, line_error);
     return complain("replay", "%s: cannot be read: %s", path,
-                    result == DPT_E_OPEN ? strerror(reason) : dpt_result_text(result));
+                    result == DPT_E_OPEN ? strerror(saved_errno) : dpt_result_text(result));
 }
 
 int command_replay(int argc, char **argv)
@@ -385,7 +388,7 @@ int command_replay(int argc, char **argv)
     dpt_world_def_init(&settings.def);
     dpt_baseline_def_init(&settings.baseline);
     settings.def.max_bodies = settings.def.max_tools = settings.def.max_segments = 1;
-    int status = take_settings(argc, argv, &settings);
+    int status = read_settings(argc, argv, &settings);
     if (status >= 0)
         return status;
     const dpt_mesh *mesh = load_mesh("replay", settings.mesh, &bytes);

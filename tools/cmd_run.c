@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* dynpoint run: the whole tick, live, on any device. */
+/* dynpoint run: feel a mesh live, with any device. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -51,11 +51,14 @@ static const char help[] =
     "that\n"
     "  --json           what is said at the end as one JSON object\n";
 
-/* Deadlines that follow a device's samples come by this much more often than its rate says, at most. */
-#define FOLLOWS    (16.0 / 15.0)
-#define RECORD_MAX 100000000
+/* Deadlines that follow a device's samples come at most this much more often than its rate says. */
+#define RATE_FACTOR_MAX (16.0 / 15.0)
+#define RECORD_MAX      100000000
 
-/* Units of work a second: docs/drivers.md has what one takes. With less than the least a tool at rest may stay undecided. */
+/*
+ * The default budget in units of work a second (docs/drivers.md has the time of a unit), and its minimum a tick: with
+ * less, a tool at rest may stay undecided.
+ */
 #define BUDGET_RATE    3e6
 #define BUDGET_MIN     200.0
 #define BUDGET_BY_RATE UINT64_MAX
@@ -74,17 +77,17 @@ struct session {
     uint64_t contacts, penetrating, unknown;
     uint32_t budget;
     uint32_t reasons; /* why the device was not ready */
-    double deepest, strongest;
-    double *rows; /* of the record, six a tick, or NULL */
-    uint64_t recorded, room;
-    struct output record; /* opened before anything moves: what cannot be written is said at once */
+    double depth_max, force_peak;
+    double *rows; /* of the record, six numbers a tick, or NULL */
+    uint64_t record_count, record_capacity;
+    struct output record; /* opened before anything moves, so that an error shows at once */
 };
 
 static void record(struct session *session, const dpt_segment *stylus)
 {
-    if (session->recorded == session->room)
+    if (session->record_count == session->record_capacity)
         return;
-    double *row = session->rows + 6 * session->recorded++;
+    double *row = session->rows + 6 * session->record_count++;
     memcpy(row, stylus->a, sizeof stylus->a);
     memcpy(row + 3, stylus->b, sizeof stylus->b);
 }
@@ -105,8 +108,8 @@ static dpt_result feel(void *user, const dpt_loop_sample *sample, dpt_wrench *wr
     session->unknown += hit.contact == DPT_CONTACT_UNKNOWN;
     for (int k = 0; k < 3; k++)
         square += wrench->force[k] * wrench->force[k];
-    session->deepest = fmax(session->deepest, hit.depth);
-    session->strongest = fmax(session->strongest, sqrt(square));
+    session->depth_max = fmax(session->depth_max, hit.depth);
+    session->force_peak = fmax(session->force_peak, sqrt(square));
     return DPT_OK;
 }
 
@@ -120,21 +123,21 @@ static int open_record(const struct run_settings *settings, struct session *sess
 }
 
 /*
- * All of the record's memory, as a tick allocates none: for --ticks, or for as many as --for has. By the clock that is a
- * second more than it has: its timer ends the run before.
+ * Allocate the whole record, because a tick must not allocate: for --ticks, or for the ticks of --for. By the clock
+ * there is room for one second more, because the timer ends the run before that.
  */
-static int make_room(struct session *session, const struct run_settings *settings,
-                     const dpt_device_info *info)
+static int allocate_record(struct session *session, const struct run_settings *settings,
+                           const dpt_device_info *info)
 {
     const double rate = settings->rate > 0.0 ? settings->rate : info->rate;
     const double ticks = info->flags & DPT_DEVICE_FLAG_DETERMINISTIC
                              ? ceil(settings->seconds * info->rate)
-                             : ceil((settings->seconds * FOLLOWS + 1.0) * rate);
+                             : ceil((settings->seconds * RATE_FACTOR_MAX + 1.0) * rate);
     if (!settings->ticks && !(ticks <= RECORD_MAX))
         return complain("run", "--record: at most %d ticks; --for %g has %.0f", RECORD_MAX,
                         settings->seconds, ticks);
-    session->room = settings->ticks ? settings->ticks : (uint64_t)ticks;
-    session->rows = calloc(session->room, 6 * sizeof *session->rows);
+    session->record_capacity = settings->ticks ? settings->ticks : (uint64_t)ticks;
+    session->rows = calloc(session->record_capacity, 6 * sizeof *session->rows);
     return session->rows ? 0 : complain("run", "memory ran out");
 }
 
@@ -144,7 +147,7 @@ static int write_record(struct session *session)
     FILE *file = output.file;
     session->record.file = NULL;
     fputs("tick,ax,ay,az,bx,by,bz\n", file);
-    for (uint64_t i = 0; i < session->recorded; i++) {
+    for (uint64_t i = 0; i < session->record_count; i++) {
         fprintf(file, "%" PRIu64, i);
         for (int k = 0; k < 6; k++)
             fprintf(file, ",%.17g", session->rows[6 * i + (uint64_t)k]);
@@ -194,25 +197,25 @@ static void print_json(const struct session *session, const dpt_loop_stats *s,
     putchar('{');
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
         printf("%s\"%s\":%" PRIu64, i ? "," : "", numbers[i].name, numbers[i].value);
-    printf(",\"deepest\":%.17g,\"strongest\":%.17g", session->deepest, session->strongest);
+    printf(",\"deepest\":%.17g,\"strongest\":%.17g", session->depth_max, session->force_peak);
     const struct {
         const char *name;
         const uint64_t *bins;
-        double most;
+        double max;
     } times[] = { { "late", s->late, s->late_max }, { "took", s->took, s->took_max } };
     for (int i = 0; i < 2; i++)
         printf(",\"%s_us\":{\"median\":%.1f,\"p99\":%.1f,\"max\":%.1f}", times[i].name,
                1e6 * dpt_loop_quantile(times[i].bins, 0.5),
-               1e6 * dpt_loop_quantile(times[i].bins, 0.99), 1e6 * times[i].most);
+               1e6 * dpt_loop_quantile(times[i].bins, 0.99), 1e6 * times[i].max);
     printf(",\"real_time\":%s,\"locked\":%s,\"budget\":%" PRIu32 "}\n",
            s->notes & DPT_LOOP_NOTE_NO_PRIORITY ? "false" : "true",
            s->notes & DPT_LOOP_NOTE_NO_LOCK ? "false" : "true", session->budget);
 }
 
-static void print_times(const char *what, const uint64_t *bins, double most)
+static void print_times(const char *what, const uint64_t *bins, double max)
 {
     printf("  %-28s %9.1f %9.1f %9.1f\n", what, 1e6 * dpt_loop_quantile(bins, 0.5),
-           1e6 * dpt_loop_quantile(bins, 0.99), 1e6 * most);
+           1e6 * dpt_loop_quantile(bins, 0.99), 1e6 * max);
 }
 
 static void print_report(const struct session *session, const dpt_loop_stats *s,
@@ -228,7 +231,7 @@ static void print_report(const struct session *session, const dpt_loop_stats *s,
         putchar('\n');
     }
     printf("  in contact on %" PRIu64 ", deepest %.2f mm, strongest %.2f N before the guard\n",
-           session->contacts, 1e3 * session->deepest, session->strongest);
+           session->contacts, 1e3 * session->depth_max, session->force_peak);
     if (session->unknown)
         printf("  unknown on %" PRIu64 ", with --budget %" PRIu32 "\n", session->unknown,
                session->budget);
@@ -247,7 +250,7 @@ static void print_report(const struct session *session, const dpt_loop_stats *s,
         puts("  without locked memory, which was not permitted");
 }
 
-/* Who gives neither an end nor the clock's speed wants to feel something, and would wait for it. */
+/* A user who runs sim without an end probably wants real time. */
 static void hint_at_clock(const dpt_device *device, const dpt_device_info *info)
 {
     if (info->flags & DPT_DEVICE_FLAG_DETERMINISTIC && !strcmp(device->driver->name, "sim"))
@@ -274,9 +277,9 @@ static int serve(dpt_device *device, struct session *session, const struct run_s
     def.tick = feel;
     def.user = session;
     def.rate = settings->rate;
-    if (settings->record && make_room(session, settings, &info))
+    if (settings->record && allocate_record(session, settings, &info))
         return 2;
-    def.ticks = settings->record ? session->room : settings->ticks;
+    def.ticks = settings->record ? session->record_capacity : settings->ticks;
     if (!def.ticks)
         hint_at_clock(device, &info);
     dpt_guard_def_init(&guard);
@@ -298,7 +301,7 @@ static int serve(dpt_device *device, struct session *session, const struct run_s
     return settings->record ? write_record(session) : 0;
 }
 
-/* A device's name has files in it, too: its place, and what its settings are. */
+/* Check the record against all inputs. The device's name contains files, too: its address and values of settings. */
 static int check_record(const struct run_settings *settings)
 {
     char piece[1024];
@@ -318,13 +321,13 @@ static int check_record(const struct run_settings *settings)
     return status;
 }
 
-static int take_settings(int argc, char **argv, struct run_settings *settings)
+static int read_settings(int argc, char **argv, struct run_settings *settings)
 {
     const char *law = "point";
     size_t operands;
     const struct option_def options[] = {
         { .name = "--device", .text = &settings->device },
-        { .name = "--at", .text = &settings->scene.at },
+        { .name = "--at", .text = &settings->scene.origin },
         { .name = "--tool", .text = &settings->scene.tool },
         { .name = "--zoom", .number = &settings->scene.zoom },
         { .name = "--length", .number = &settings->scene.length },
@@ -380,8 +383,8 @@ int command_run(int argc, char **argv)
         .seconds = HUGE_VAL,
         .budget = BUDGET_BY_RATE
     };
-    struct session session = { .recorded = 0 };
-    int status = take_settings(argc, argv, &settings);
+    struct session session = { .record_count = 0 };
+    int status = read_settings(argc, argv, &settings);
     if (status >= 0)
         return status;
     status = scene_open(&session.scene, &settings.scene);

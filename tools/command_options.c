@@ -33,7 +33,7 @@ static const struct option_def *find_option(const char *name, const struct optio
     return NULL;
 }
 
-static int take_value(const char *command, const struct option_def *option, const char *value)
+static int read_value(const char *command, const struct option_def *option, const char *value)
 {
     const char *end = value + strlen(value);
     int64_t whole;
@@ -50,7 +50,7 @@ static int take_value(const char *command, const struct option_def *option, cons
 }
 
 int parse_options(int argc, char **argv, const struct option_def *options, size_t option_count,
-                  const char *help, const char **operand, size_t room, size_t *operands)
+                  const char *help, const char **operand, size_t operand_capacity, size_t *operands)
 {
     const char *command = argv[0];
     *operands = 0;
@@ -69,12 +69,12 @@ int parse_options(int argc, char **argv, const struct option_def *options, size_
         } else if (option) {
             if (++i == argc)
                 return complain(command, "%s needs a value", option->name);
-            int status = take_value(command, option, argv[i]);
+            int status = read_value(command, option, argv[i]);
             if (status >= 0)
                 return status;
         } else if (argv[i][0] == '-' && argv[i][1]) {
             return complain(command, "unknown option %s (see --help)", argv[i]);
-        } else if (*operands == room) {
+        } else if (*operands == operand_capacity) {
             return complain(command, "one argument too many: %s (see --help)", argv[i]);
         } else {
             operand[(*operands)++] = argv[i];
@@ -123,20 +123,20 @@ int output_open(struct output *output, const char *command, const char *path)
             return 0;
         return complain(command, "%s: cannot be written: %s", path, strerror(errno));
     }
-    signal(SIGPIPE, SIG_IGN); /* nobody reads what is printed: the file beside is to go, too */
-    output->beside = malloc(strlen(path) + sizeof suffix);
-    if (!output->beside)
+    signal(SIGPIPE, SIG_IGN); /* a closed pipe must not leave the .part file behind */
+    output->part_path = malloc(strlen(path) + sizeof suffix);
+    if (!output->part_path)
         return complain(command, "memory ran out");
-    strcpy(output->beside, path);
-    strcat(output->beside, suffix);
-    output->file = fopen(output->beside, "wb");
+    strcpy(output->part_path, path);
+    strcat(output->part_path, suffix);
+    output->file = fopen(output->part_path, "wb");
     if (output->file) {
         if (exists)
             fchmod(fileno(output->file), status.st_mode & 0777);
         return 0;
     }
     complain(command, "%s: cannot be written: %s", path, strerror(errno));
-    free(output->beside);
+    free(output->part_path);
     return 2;
 }
 
@@ -156,12 +156,12 @@ int output_complete(struct output *output, const char *command)
 int output_keep(struct output *output, const char *command)
 {
     int status = flush_stdout(command);
-    if (status == 0 && output->beside && rename(output->beside, output->path) != 0)
+    if (status == 0 && output->part_path && rename(output->part_path, output->path) != 0)
         status = complain(command, "%s: cannot be written: %s", output->path, strerror(errno));
     if (status)
         output_drop(output);
-    free(output->beside);
-    output->beside = NULL;
+    free(output->part_path);
+    output->part_path = NULL;
     return status;
 }
 
@@ -173,10 +173,10 @@ int output_close(struct output *output, const char *command)
 
 void output_drop(struct output *output)
 {
-    if (output->beside)
-        remove(output->beside);
-    free(output->beside);
-    output->beside = NULL;
+    if (output->part_path)
+        remove(output->part_path);
+    free(output->part_path);
+    output->part_path = NULL;
 }
 
 int flush_stdout(const char *command)
@@ -203,7 +203,7 @@ void meter_show(struct meter *meter, const char *what, double done)
 void *load_file(const char *command, const char *path, size_t *size)
 {
     unsigned char *bytes = NULL;
-    size_t room = 0, got = 1;
+    size_t capacity = 0, got = 1;
     FILE *file = strcmp(path, "-") ? fopen(path, "rb") : stdin;
     if (!file) {
         complain(command, "%s: cannot be opened: %s", path, strerror(errno));
@@ -211,18 +211,18 @@ void *load_file(const char *command, const char *path, size_t *size)
     }
     *size = 0;
     while (got) {
-        if (*size + 1 >= room) {
-            size_t more = room ? 2 * room : (size_t)1 << 16;
+        if (*size + 1 >= capacity) {
+            size_t new_capacity = capacity ? 2 * capacity : (size_t)1 << 16;
             void *grown;
-            if (posix_memalign(&grown, 64, more))
+            if (posix_memalign(&grown, 64, new_capacity))
                 break;
             if (bytes)
                 memcpy(grown, bytes, *size);
             free(bytes);
             bytes = grown;
-            room = more;
+            capacity = new_capacity;
         }
-        got = fread(bytes + *size, 1, room - *size - 1, file);
+        got = fread(bytes + *size, 1, capacity - *size - 1, file);
         *size += got;
     }
     int failed = ferror(file) || got;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * What the sub-commands share: complaints, options, whole files in and whole files out.
+ * What the sub-commands share: error messages, options, and files read and written as a whole.
  */
 #ifndef DPT_TOOLS_COMMAND_OPTIONS_H
 #define DPT_TOOLS_COMMAND_OPTIONS_H
@@ -18,7 +18,7 @@ int complain(const char *command, const char *format, ...)
 #endif
     ;
 
-/* An option of a command. Exactly one of the pointers is set. */
+/* An option of a command, and where its value goes: exactly one of the pointers is not NULL. */
 struct option_def {
     const char *name; /* "--scale", "-o" */
     const char **text;
@@ -28,41 +28,46 @@ struct option_def {
 };
 
 /*
- * Sort the arguments after argv[0] into options and operands, at most `room` of these; *operands says how
- * many there were. Prints `help` for --help. Returns -1 to go on, else the exit status.
+ * Sort the arguments after argv[0] into options and operands. Prints `help` for --help.
+ *   operand    room for `operand_capacity` operands
+ *   operands   how many there were
+ *
+ * Returns -1 to go on, else the exit status.
  */
 int parse_options(int argc, char **argv, const struct option_def *options, size_t option_count,
-                  const char *help, const char **operand, size_t room, size_t *operands);
+                  const char *help, const char **operand, size_t operand_capacity,
+                  size_t *operands);
 
-/* Which of `words` (ended by NULL) the text is; -1 for none. */
+/* The index of the text in `words`, which ends with NULL; -1 if it is none of them. */
 int word_index(const char *text, const char *const *words);
 
 /*
- * A file that is written beside and renamed when complete. "-" is standard output; what is no regular file
- * (a device, a pipe, a link) is written through, never replaced. A file that was there keeps its permissions.
+ * A file to write. It is written under another name beside the path, and renamed when complete. "-" is standard output.
+ * If the path is no regular file (a device, a pipe, a link), it is written directly and never replaced. A file that is
+ * replaced keeps its permissions.
  */
 struct output {
     FILE *file;
     const char *path;
-    char *beside; /* NULL where nothing is renamed */
+    char *part_path; /* what is written and renamed; NULL: nothing is renamed */
 };
 
-/* Refuses an output that is one of the inputs, by whatever name; NULL ends them. 0, or 2 after the complaint. */
+/* Refuse an output that is one of the inputs (ended by NULL), by whatever name. Returns 0, or 2 after a message. */
 int output_check(const char *command, const char *path, const char *const *inputs);
 
-/* Each 0, or 2 after the complaint; then nothing is left behind. */
+/* Each returns 0, or 2 after a message; then nothing is left behind. */
 int output_open(struct output *output, const char *command, const char *path);
-int output_complete(struct output *output, const char *command); /* all is written */
-int output_keep(struct output *output, const char *command);     /* so is standard output */
+int output_complete(struct output *output, const char *command); /* call when all is written */
+int output_keep(struct output *output, const char *command);     /* flush standard output, rename */
 int output_close(struct output *output, const char *command);    /* both */
-void output_drop(struct output *output);                         /* instead of keeping it */
+void output_drop(struct output *output);                         /* remove it instead */
 
-/* All that was printed is out: 0, or 2 after the complaint. */
+/* Flush standard output. Returns 0, or 2 after a message. */
 int flush_stdout(const char *command);
 
 /*
- * Progress on a terminal, for what takes more than a second: how much of `what` is done (0..1). The line
- * is wiped at 1. Begin with a zeroed meter.
+ * Show progress on a terminal for work that takes more than a second: which fraction (0..1) of `what` is done. At 1 the
+ * line is wiped. Begin with a zeroed meter.
  */
 struct meter {
     long began; /* s */
@@ -71,15 +76,15 @@ struct meter {
 void meter_show(struct meter *meter, const char *what, double done);
 
 /*
- * The bytes of a file, which is opened and read once, so that it may be a pipe; "-" is standard input. Aligned to 64,
- * zero-terminated; NULL after the complaint.
+ * Read a file as a whole; "-" is standard input. It is opened and read once, so it may be a pipe. The bytes are aligned
+ * to 64 and followed by a zero; the caller frees them. NULL after a message.
  */
 void *load_file(const char *command, const char *path, size_t *size);
 
-/* Open a file's bytes as a mesh; NULL after a complaint with the byte and section that are wrong. */
+/* Open a file's bytes as a mesh; NULL after a message that names the wrong byte and section. */
 const dpt_mesh *open_mesh(const char *command, const char *path, void *bytes, size_t size);
 
-/* Both: an open mesh, and the bytes to free. */
+/* Read and open a mesh. *bytes is what to free. NULL after a message, with nothing to free. */
 const dpt_mesh *load_mesh(const char *command, const char *path, void **bytes);
 
 #endif

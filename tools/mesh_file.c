@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * One writer a format, then the choice among them. stdio's error flag is looked at once, at the
- * end.
+ * One writer for each format, then the choice among them. The caller checks the file's error flag once, at the end.
  */
 #include "mesh_file.h"
 
@@ -55,7 +54,7 @@ static void round_vertex(const struct shape *shape, uint32_t vertex, float round
         rounded[i] = (float)shape->vertices[3 * (size_t)vertex + i];
 }
 
-/* Of the rounded corners; zero, as the format allows, where rounding left no area. */
+/* The normal of the rounded corners; zero, as the format allows, if rounding left no area. */
 static void unit_normal(const float a[3], const float b[3], const float c[3], float normal[3])
 {
     double u[3], v[3], n[3];

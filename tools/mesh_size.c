@@ -7,8 +7,8 @@
 
 #include "base/vec3.h"
 
-/* Of the largest side, m: what a hand can feel, from a tooth to a patient. */
-static const double LARGE_MIN = 0.005, LARGE_MAX = 3.0;
+/* Usual sizes of the largest side, m: from a tooth to a patient. */
+static const double SIDE_MIN = 0.005, SIDE_MAX = 3.0;
 
 static vec3 box_size(const dpt_mesh_info *info)
 {
@@ -28,22 +28,22 @@ double box_diagonal(const dpt_mesh_info *info)
     return length(box_size(info));
 }
 
-static int is_usual(double side)
+static int is_usual_size(double side)
 {
-    return side >= LARGE_MIN && side <= LARGE_MAX;
+    return side >= SIDE_MIN && side <= SIDE_MAX;
 }
 
 const char *size_hint(const dpt_mesh_info *info)
 {
     const vec3 box = box_size(info);
     const double side = fmax(box.x, fmax(box.y, box.z)), source = side / info->scale;
-    if (is_usual(side))
+    if (is_usual_size(side))
         return NULL;
-    if (is_usual(source))
+    if (is_usual_size(source))
         return "is it in metres? --unit m";
-    if (is_usual(0.001 * source))
+    if (is_usual_size(0.001 * source))
         return "is it in millimetres? --unit mm";
-    if (is_usual(0.01 * source))
+    if (is_usual_size(0.01 * source))
         return "is it in centimetres? --unit cm";
     return "which unit is it in? --unit, or --scale";
 }

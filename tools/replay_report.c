@@ -20,11 +20,11 @@ void sort_numbers(double *values, size_t count)
     qsort(values, count, sizeof *values, by_value);
 }
 
-double percentile(const double *sorted, size_t count, double share)
+double percentile(const double *sorted, size_t count, double fraction)
 {
     if (!count)
         return 0.0;
-    size_t rank = (size_t)ceil(share * (double)count);
+    size_t rank = (size_t)ceil(fraction * (double)count);
     return sorted[rank ? rank - 1 : 0];
 }
 
@@ -84,9 +84,9 @@ void replay_write_csv(FILE *file, const struct replayed *replayed)
 /* Counts and sorted times of a replay. */
 struct summary {
     uint64_t status[4], contact[4];
-    double *ns, *crossing_ns, *other_ns, *work, *strip;
-    size_t count, crossing, other; /* the first tick is apart */
-    size_t strips, strips_full;    /* ticks that laid one */
+    double *ns, *crossing_ns, *other_ns, *work, *strip_sizes;
+    size_t count, crossing, other;   /* without the first tick */
+    size_t strip_count, full_strips; /* ticks with a strip, with a full one */
 };
 
 static int summarise(const struct replayed *replayed, struct summary *summary)
@@ -99,14 +99,14 @@ static int summarise(const struct replayed *replayed, struct summary *summary)
     summary->crossing_ns = summary->ns + count;
     summary->other_ns = summary->crossing_ns + count;
     summary->work = summary->other_ns + count;
-    summary->strip = summary->work + count;
+    summary->strip_sizes = summary->work + count;
     for (size_t i = 0; i < count; i++) {
         const struct replayed_tick *tick = &replayed->ticks[i];
         summary->status[tick->hit.status]++;
         summary->contact[tick->hit.contact]++;
-        if (tick->strip)
-            summary->strip[summary->strips++] = tick->strip;
-        summary->strips_full += (tick->strip_flags & DPT_STRIP_FLAG_FULL) != 0;
+        if (tick->strip_triangles)
+            summary->strip_sizes[summary->strip_count++] = tick->strip_triangles;
+        summary->full_strips += (tick->strip_flags & DPT_STRIP_FLAG_FULL) != 0;
         if (i == 0)
             continue;
         summary->work[summary->count] = tick->hit.work;
@@ -118,7 +118,7 @@ static int summarise(const struct replayed *replayed, struct summary *summary)
     }
     sort_numbers(summary->ns, summary->count);
     sort_numbers(summary->work, summary->count);
-    sort_numbers(summary->strip, summary->strips);
+    sort_numbers(summary->strip_sizes, summary->strip_count);
     sort_numbers(summary->crossing_ns, summary->crossing);
     sort_numbers(summary->other_ns, summary->other);
     return 1;
@@ -154,8 +154,8 @@ static int make_edges(const struct bins *bins, double edges[EDGES_MAX])
 }
 
 /*
- * One count more than edges: the first is of all below the first edge, each other one of its edge and
- * up to the next, so that the counts add up to all values whatever these are.
+ * Print a histogram. It has one count more than edges: the first counts values below the first edge, each other one the
+ * values from its edge up to the next. So the counts add up to all values.
  */
 static void json_histogram(FILE *file, const struct bins *bins, const double *sorted, size_t count)
 {
@@ -199,19 +199,20 @@ void replay_print_json(FILE *file, const struct replayed *replayed)
     json_histogram(file, &work_bins, s.work, s.count);
     fprintf(file, ",\"bytes\":%zu,\"mesh_bytes\":%" PRIu64 ",\"kernel\":\"%s\"",
             replayed->world_bytes, replayed->mesh_bytes, dpt_kernel_name(replayed->kernel));
-    if (replayed->strips)
+    if (replayed->strip_kind)
         fprintf(
             file,
             ",\"strips\":{\"ticks\":%zu,\"median\":%.0f,\"p99\":%.0f,\"max\":%.0f,\"full\":%zu}",
-            s.strips, percentile(s.strip, s.strips, 0.5), percentile(s.strip, s.strips, 0.99),
-            percentile(s.strip, s.strips, 1.0), s.strips_full);
+            s.strip_count, percentile(s.strip_sizes, s.strip_count, 0.5),
+            percentile(s.strip_sizes, s.strip_count, 0.99),
+            percentile(s.strip_sizes, s.strip_count, 1.0), s.full_strips);
     const struct comparison *against = &replayed->against;
     if (against->method)
         fprintf(file,
                 ",\"against\":{\"method\":\"%s\",\"ticks\":%" PRIu64 ",\"wrong\":%" PRIu64
                 ",\"missed\":%" PRIu64 ",\"largest_error\":%.17g,\"tolerance\":%.17g,\"ns\":%.0f}",
-                against->method, against->ticks, against->wrong, against->missed,
-                against->largest_error, against->tolerance, against->ns);
+                against->method, against->ticks, against->wrong_count, against->missed_crossings,
+                against->error_max, against->tolerance, against->median_ns);
     fputs("}\n", file);
     free(s.ns);
 }
@@ -248,18 +249,18 @@ void replay_print_table(FILE *file, const struct replayed *replayed)
                 s.contact[DPT_CONTACT_SEPARATED], s.contact[DPT_CONTACT_TOUCHING],
                 s.contact[DPT_CONTACT_PENETRATING], s.contact[DPT_CONTACT_UNKNOWN]);
     fputs("\n", file);
-    if (replayed->strips)
+    if (replayed->strip_kind)
         fprintf(file,
                 "  strips on %zu ticks: %.0f triangles at the median, at most %.0f; %zu full\n",
-                s.strips, percentile(s.strip, s.strips, 0.5), percentile(s.strip, s.strips, 1.0),
-                s.strips_full);
+                s.strip_count, percentile(s.strip_sizes, s.strip_count, 0.5),
+                percentile(s.strip_sizes, s.strip_count, 1.0), s.full_strips);
     const struct comparison *against = &replayed->against;
     if (against->method)
         fprintf(
             file,
             "  against %s on %" PRIu64 " ticks: %" PRIu64
             " wrong, largest difference %.2g m (%.1g of the diagonal); %s took %.0f us a tick\n",
-            against->method, against->ticks, against->wrong, against->largest_error,
-            against->largest_error / replayed->diagonal, against->method, 1e-3 * against->ns);
+            against->method, against->ticks, against->wrong_count, against->error_max,
+            against->error_max / replayed->diagonal, against->method, 1e-3 * against->median_ns);
     free(s.ns);
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A replayed trace: what each tick answered and how long it took. */
+/* Report a replayed trace: the answer of each tick, and how long it took. */
 #ifndef DPT_TOOLS_REPLAY_REPORT_H
 #define DPT_TOOLS_REPLAY_REPORT_H
 
@@ -11,30 +11,31 @@
 struct replayed_tick {
     dpt_hit hit;
     dpt_wrench wrench;
-    double energy;  /* J */
-    dpt_pose proxy; /* with DPT_LAW_PROXY */
-    double ns;      /* the least of all passes */
-    uint32_t strip; /* triangles in it */
+    double energy;            /* J */
+    dpt_pose proxy;           /* with DPT_LAW_PROXY */
+    double ns;                /* shortest time of all passes */
+    uint32_t strip_triangles; /* triangles in the strip */
     uint32_t strip_flags;
 };
 
-/* The other method's answers on some of the ticks. */
+/* Comparison with another method on some of the ticks. */
 struct comparison {
-    const char *method; /* NULL: none was asked for */
+    const char *method; /* NULL: no comparison */
     uint64_t ticks;
-    uint64_t wrong;       /* distances that differ by more than the tolerance */
-    uint64_t missed;      /* of them: it crosses, and was not noticed */
-    double largest_error; /* m */
-    double tolerance;     /* m */
-    double ns;            /* median per tick */
+    uint64_t wrong_count; /* distances that differ by more than the tolerance */
+    uint64_t
+        missed_crossings; /* of them: the axis crosses the mesh, and the replayed method did not find it */
+    double error_max; /* m */
+    double tolerance; /* m */
+    double median_ns; /* median time of a tick */
 };
 
 struct replayed {
     const struct csv_table *trace;
     struct replayed_tick *ticks;
     uint32_t until;
-    uint32_t law;    /* DPT_LAW_... */
-    uint32_t strips; /* DPT_STRIP_... */
+    uint32_t law;        /* DPT_LAW_... */
+    uint32_t strip_kind; /* DPT_STRIP_KIND_... */
     size_t world_bytes;
     uint64_t mesh_bytes;
     double diagonal;
@@ -43,13 +44,13 @@ struct replayed {
     struct comparison against;
 };
 
-/* OUT.csv, a JSON object, or a table for a person. */
+/* Write the ticks as CSV, and the summary as a JSON object or as a table for people. */
 void replay_write_csv(FILE *file, const struct replayed *replayed);
 void replay_print_json(FILE *file, const struct replayed *replayed);
 void replay_print_table(FILE *file, const struct replayed *replayed);
 
-/* Sort and take the nearest-rank percentile, 0..1; 0 of none. */
+/* Sort numbers, and the nearest-rank percentile of sorted ones; `fraction` is 0..1. 0 if there are none. */
 void sort_numbers(double *values, size_t count);
-double percentile(const double *sorted, size_t count, double share);
+double percentile(const double *sorted, size_t count, double fraction);
 
 #endif

@@ -8,36 +8,36 @@
 #include "arm_file.h"
 #include "command_options.h"
 
-/* A URDF's z is up and its x ahead, a device's y up and its z to the user. */
+/* Device to root: a URDF's z is up and its x ahead; a device's y is up and its z towards the user. */
 static const double device_to_root[4] = { 0.5, 0.5, -0.5, -0.5 };
 
-static void turn(const double q[4], const double v[3], double out[3])
+static void rotate(const double q[4], const double v[3], double out[3])
 {
     const double t[3] = { 2.0 * (q[2] * v[2] - q[3] * v[1]), 2.0 * (q[3] * v[0] - q[1] * v[2]),
                           2.0 * (q[1] * v[1] - q[2] * v[0]) };
-    const double turned[3] = { v[0] + q[0] * t[0] + q[2] * t[2] - q[3] * t[1],
-                               v[1] + q[0] * t[1] + q[3] * t[0] - q[1] * t[2],
-                               v[2] + q[0] * t[2] + q[1] * t[1] - q[2] * t[0] };
-    memcpy(out, turned, sizeof turned);
+    const double rotated[3] = { v[0] + q[0] * t[0] + q[2] * t[2] - q[3] * t[1],
+                                v[1] + q[0] * t[1] + q[3] * t[0] - q[1] * t[2],
+                                v[2] + q[0] * t[2] + q[1] * t[1] - q[2] * t[0] };
+    memcpy(out, rotated, sizeof rotated);
 }
 
-static void turn_back(const double q[4], const double v[3], double out[3])
+static void rotate_back(const double q[4], const double v[3], double out[3])
 {
     const double back[4] = { q[0], -q[1], -q[2], -q[3] };
-    turn(back, v, out);
+    rotate(back, v, out);
 }
 
-static void product(const double a[4], const double b[4], double out[4])
+static void multiply_quaternions(const double a[4], const double b[4], double out[4])
 {
-    const double made[4] = { a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
-                             a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
-                             a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
-                             a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0] };
-    memcpy(out, made, sizeof made);
+    const double product[4] = { a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
+                                a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+                                a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
+                                a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0] };
+    memcpy(out, product, sizeof product);
 }
 
-/* Three numbers with commas between. */
-static int take_place(const char *text, double out[3])
+/* Parse three numbers with commas between. Returns 0 if they are not. */
+static int parse_position(const char *text, double out[3])
 {
     char *end;
     for (int k = 0; k < 3; k++) {
@@ -50,16 +50,16 @@ static int take_place(const char *text, double out[3])
     return 1;
 }
 
-static void above(const dpt_mesh *mesh, double height, double place[3])
+static void point_above(const dpt_mesh *mesh, double height, double position[3])
 {
     dpt_mesh_info info = { .size = sizeof info };
     dpt_mesh_get_info(mesh, &info);
     for (int k = 0; k < 3; k++)
-        place[k] = k == 1 ? info.box_max[1] + height : 0.5 * (info.box_min[k] + info.box_max[k]);
+        position[k] = k == 1 ? info.box_max[1] + height : 0.5 * (info.box_min[k] + info.box_max[k]);
 }
 
-/* Where the tool is while every joint is in the middle of its limits. */
-static dpt_result middle_of(const dpt_arm *arm, double place[3])
+/* The tool's position, in the root's frame, with every joint in the middle of its limits. */
+static dpt_result middle_position(const dpt_arm *arm, double position[3])
 {
     double joints[DPT_JOINTS_MAX] = { 0.0 };
     dpt_pose tool;
@@ -68,11 +68,11 @@ static dpt_result middle_of(const dpt_arm *arm, double place[3])
         joints[i] = 0.5 * (joint.lower + joint.upper);
     dpt_result result = dpt_arm_forward(arm, joints, &tool);
     if (result == DPT_OK)
-        memcpy(place, tool.position, sizeof tool.position);
+        memcpy(position, tool.position, sizeof tool.position);
     return result;
 }
 
-static uint32_t tool_of(const dpt_arm *arm, dpt_segment *segments)
+static uint32_t copy_tool_segments(const dpt_arm *arm, dpt_segment *segments)
 {
     uint32_t count = 0;
     while (count < DPT_ARM_SEGMENTS_MAX &&
@@ -101,7 +101,7 @@ int scene_make_world(struct scene *scene, const dpt_device *device, uint32_t bud
     dpt_world_def_init(&world);
     world.max_bodies = scene->mesh ? 1 : DPT_ARM_BODIES_MAX;
     world.max_tools = 1;
-    world.max_segments = scene->count;
+    world.max_segments = scene->segment_count;
     world.stiffness = scene->stiffness;
     world.law = scene->law;
     world.budget = budget;
@@ -113,12 +113,12 @@ int scene_make_world(struct scene *scene, const dpt_device *device, uint32_t bud
     if (result == DPT_OK)
         result = add_bodies(scene);
     if (result == DPT_OK)
-        result = dpt_tool_add(scene->world, scene->segments, scene->count, &scene->tool);
+        result = dpt_tool_add(scene->world, scene->segments, scene->segment_count, &scene->tool);
     return result == DPT_OK ? 0 : complain("run", "%s", dpt_result_text(result));
 }
 
-/* The tool's segments, in its own frame. */
-static uint32_t find_tool(struct scene *scene, const struct scene_def *def, dpt_segment *segments)
+/* Load the tool's segments, in its own frame. Returns their number, or 0 after a message. */
+static uint32_t load_tool(struct scene *scene, const struct scene_def *def, dpt_segment *segments)
 {
     const dpt_arm *arm = scene->arm;
     size_t size = 0;
@@ -128,7 +128,7 @@ static uint32_t find_tool(struct scene *scene, const struct scene_def *def, dpt_
         if (!arm)
             return 0;
     }
-    const uint32_t count = arm ? tool_of(arm, segments) : 0;
+    const uint32_t count = arm ? copy_tool_segments(arm, segments) : 0;
     if (count > 0)
         return count;
     if (def->tool) {
@@ -143,7 +143,7 @@ static uint32_t find_tool(struct scene *scene, const struct scene_def *def, dpt_
 
 int scene_open(struct scene *scene, const struct scene_def *def)
 {
-    static const double as_it_is[4] = { 1.0, 0.0, 0.0, 0.0 };
+    static const double identity[4] = { 1.0, 0.0, 0.0, 0.0 };
     dpt_arm_info info = { .size = sizeof info };
     size_t size = 0;
     memset(scene, 0, sizeof *scene);
@@ -160,19 +160,20 @@ int scene_open(struct scene *scene, const struct scene_def *def)
         scene->mesh = open_mesh("run", def->path, scene->bytes, size);
     if (!scene->mesh && !scene->arm)
         return 2;
-    memcpy(scene->turn, scene->mesh ? as_it_is : device_to_root, sizeof scene->turn);
+    memcpy(scene->device_to_scene, scene->mesh ? identity : device_to_root,
+           sizeof scene->device_to_scene);
     if (scene->mesh)
-        above(scene->mesh, def->radius + 0.005, scene->origin);
+        point_above(scene->mesh, def->radius + 0.005, scene->origin);
     else if (dpt_arm_get_info(scene->arm, &info) != DPT_OK || info.bodies == 0)
         return complain("run",
                         "%s: an arm whose scene has no body: name a mesh, and this one as --tool",
                         def->path);
-    else if (middle_of(scene->arm, scene->origin) != DPT_OK)
+    else if (middle_position(scene->arm, scene->origin) != DPT_OK)
         return complain("run", "%s: the arm's joints have no middle", def->path);
-    if (def->at && !take_place(def->at, scene->origin))
+    if (def->origin && !parse_position(def->origin, scene->origin))
         return complain("run", "--at takes three numbers, X,Y,Z");
-    scene->count = find_tool(scene, def, scene->segments);
-    return scene->count ? 0 : 2;
+    scene->segment_count = load_tool(scene, def, scene->segments);
+    return scene->segment_count ? 0 : 2;
 }
 
 void scene_close(struct scene *scene)
@@ -182,7 +183,7 @@ void scene_close(struct scene *scene)
     free(scene->tool_bytes);
 }
 
-/* A device that is the arm tells by its joints where the tool is, in whatever frame it gives its pose. */
+/* 1 if the device is the scene's arm. Then its joints give the tool's pose, whatever frame the device's pose is in. */
 static int is_the_arm(const struct scene *scene)
 {
     dpt_arm_info info = { .size = sizeof info };
@@ -191,7 +192,7 @@ static int is_the_arm(const struct scene *scene)
            info.joints == scene->device.joints;
 }
 
-/* The tool's frame in the scene, and how the scene's axes are turned against the device's. */
+/* The tool's pose in the scene's frame, and the rotation `axes` from the device's axes to the scene's. */
 static dpt_result find_pose(const struct scene *scene, const dpt_device_state *state,
                             dpt_pose *pose, double axes[4])
 {
@@ -199,25 +200,25 @@ static dpt_result find_pose(const struct scene *scene, const dpt_device_state *s
         const double *q = state->pose.orientation;
         const double back[4] = { q[0], -q[1], -q[2], -q[3] };
         dpt_result result = dpt_arm_forward(scene->arm, state->joint, pose);
-        product(pose->orientation, back, axes);
+        multiply_quaternions(pose->orientation, back, axes);
         return result;
     }
-    memcpy(axes, scene->turn, sizeof scene->turn);
-    turn(axes, state->pose.position, pose->position);
+    memcpy(axes, scene->device_to_scene, sizeof scene->device_to_scene);
+    rotate(axes, state->pose.position, pose->position);
     for (int k = 0; k < 3; k++)
         pose->position[k] = scene->origin[k] + scene->zoom * pose->position[k];
-    product(axes, state->pose.orientation, pose->orientation);
+    multiply_quaternions(axes, state->pose.orientation, pose->orientation);
     return DPT_OK;
 }
 
-static dpt_result move(struct scene *scene, const dpt_pose *pose)
+static dpt_result move_tool(struct scene *scene, const dpt_pose *pose)
 {
     const double along[3] = { 0.0, 0.0, scene->length };
     dpt_segment *stylus = &scene->stylus;
     double reach[3];
     if (!scene->has_stylus)
         return dpt_tool_set_pose(scene->world, scene->tool, pose);
-    turn(pose->orientation, along, reach);
+    rotate(pose->orientation, along, reach);
     for (int k = 0; k < 3; k++) {
         stylus->a[k] = pose->position[k];
         stylus->b[k] = stylus->a[k] + reach[k];
@@ -232,14 +233,14 @@ dpt_result scene_feel(struct scene *scene, const dpt_device_state *state, double
     double axes[4];
     dpt_result result = find_pose(scene, state, &pose, axes);
     if (result == DPT_OK)
-        result = move(scene, &pose);
+        result = move_tool(scene, &pose);
     if (result == DPT_OK)
         result = dpt_world_step(scene->world, dt, NULL);
     if (result != DPT_OK)
         return result;
     dpt_tool_get_wrench(scene->world, scene->tool, wrench);
-    turn_back(axes, wrench->force, wrench->force);
-    turn_back(axes, wrench->torque, wrench->torque);
+    rotate_back(axes, wrench->force, wrench->force);
+    rotate_back(axes, wrench->torque, wrench->torque);
     if (scene->device.wrench_dofs < 6)
         memset(wrench->torque, 0, sizeof wrench->torque);
     return DPT_OK;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * What a hand feels, and with what: a mesh, or the bodies of an arm's scene; a stylus, or an arm's tool. The
- * scene's frame is the mesh's, or that of the arm's root.
+ * What a hand feels: a mesh, or the bodies of an arm's scene; and with what: a stylus, or an arm's tool. The scene's
+ * frame is the mesh's frame, or that of the arm's root.
  */
 #ifndef DPT_TOOLS_SCENE_H
 #define DPT_TOOLS_SCENE_H
@@ -11,13 +11,13 @@
 
 struct scene_def {
     const char *path; /* of a compiled mesh or arm */
-    const char
-        *tool; /* of a compiled arm; NULL: the scene's own, or where that is a mesh the stylus */
-    const char *
-        at; /* "X,Y,Z": where the device's origin is, m; NULL: above a mesh, or at the arm's middle */
-    double zoom;   /* metres of the scene for one of the hand */
-    double length; /* of the stylus, m */
-    double radius;
+    /* Path of a compiled arm whose tool is used. NULL: the scene's own tool, or the stylus if the scene is a mesh. */
+    const char *tool;
+    /* Where the device's origin is in the scene's frame, "X,Y,Z" in m. NULL: above a mesh, or at the arm's middle. */
+    const char *origin;
+    double zoom;      /* metres of the scene for one metre of the hand */
+    double length;    /* of the stylus, m */
+    double radius;    /* of the stylus, m */
     double stiffness; /* N/m */
     uint32_t law;     /* DPT_LAW_... */
 };
@@ -25,33 +25,33 @@ struct scene_def {
 struct scene {
     dpt_world *world;
     dpt_tool tool;
-    const dpt_arm *arm;                         /* that the scene is of; NULL: of a mesh */
-    const dpt_mesh *mesh;                       /* likewise; NULL: of an arm */
+    const dpt_arm *arm;                         /* the arm of the scene; NULL: it is a mesh */
+    const dpt_mesh *mesh;                       /* the mesh of the scene; NULL: it is an arm */
     dpt_segment segments[DPT_ARM_SEGMENTS_MAX]; /* of the tool, in its own frame */
-    uint32_t count;
     uint32_t law;
+    uint32_t segment_count;
     double stiffness;
     int has_stylus;     /* the tool is the stylus: free, so that a trace of it can be replayed */
-    dpt_segment stylus; /* of the scene's frame, as it was moved last */
+    dpt_segment stylus; /* in the scene's frame, as moved last */
     double length;
     double zoom;
-    double origin[3]; /* the device's, in the scene's frame */
-    double turn[4];   /* from the device's axes to the scene's */
+    double origin[3];          /* of the device, in the scene's frame, m */
+    double device_to_scene[4]; /* rotation, quaternion (w, x, y, z) */
     dpt_device_info device;
     void *block, *bytes, *tool_bytes;
 };
 
-/* Read the files. 0, or 2 after a complaint. On failure too scene_close is to be called. */
+/* Read the files. Returns 0, or 2 after a message. Call scene_close also after a failure. */
 int scene_open(struct scene *scene, const struct scene_def *def);
 void scene_close(struct scene *scene);
 
 /*
- * Make the world, which this device will move in. 0, or 2 after a complaint.
- *   budget  of a step, units of work; 0: unlimited
+ * Make the world in which this device moves the tool. Returns 0, or 2 after a message.
+ *   budget   units of work a step; 0: unlimited
  */
 int scene_make_world(struct scene *scene, const dpt_device *device, uint32_t budget);
 
-/* Move the tool to where the hand is, take a step; the wrench is in the device's axes. */
+/* Move the tool to the hand's pose and take a step. The wrench is in the device's axes. */
 dpt_result scene_feel(struct scene *scene, const dpt_device_state *state, double dt,
                       dpt_wrench *wrench);
 

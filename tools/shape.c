@@ -128,7 +128,7 @@ static struct edge heap_pop(struct splitter *s)
     return top;
 }
 
-/* Pair the half-edges; the lists by lower vertex are short, for no maker has a hub to split. */
+/* Pair the half-edges, by lists at the lower vertex. They are short, because no shape that is split has a hub. */
 static int pair_twins(struct splitter *s)
 {
     size_t halves = 3 * s->shape->triangle_count, vertices = s->shape->vertex_count;
@@ -185,7 +185,7 @@ static void split_edge(struct splitter *s, uint32_t half)
     const double *a = shape->vertices + 3 * (size_t)shape->corners[half];
     const double *b = shape->vertices + 3 * (size_t)shape->corners[next_half(half)];
     shape_add_vertex(shape, 0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1]), 0.5 * (a[2] + b[2]));
-    s->surface->project(s->surface->of, shape->vertices + 3 * (size_t)middle);
+    s->surface->project(s->surface->context, shape->vertices + 3 * (size_t)middle);
 
     uint32_t rest = cut_triangle(s, half, middle), other_rest = NO_HALF;
     if (other != NO_HALF)
@@ -249,27 +249,27 @@ int shape_split_to(struct shape *shape, size_t count, const struct shape_surface
 /* Torus about the z axis. */
 static const double torus_ring = 0.1, torus_tube = 0.04;
 
-static void project_on_torus(const void *of, double p[3])
+static void project_on_torus(const void *context, double p[3])
 {
     double across = sqrt(p[0] * p[0] + p[1] * p[1]);
     double x = torus_ring * p[0] / across, y = torus_ring * p[1] / across;
     double dx = p[0] - x, dy = p[1] - y, scale = torus_tube / sqrt(dx * dx + dy * dy + p[2] * p[2]);
-    (void)of;
+    (void)context;
     p[0] = x + scale * dx;
     p[1] = y + scale * dy;
     p[2] *= scale;
 }
 
-/* The grid nearest to `cells` from below, its cells within a tenth of square in the mean. */
+/* The grid with the most cells, at most `cells`, whose cells are square within a tenth in the mean. */
 static void torus_grid(uint32_t cells, uint32_t *around_ring, uint32_t *around_tube)
 {
     double square = sqrt((double)cells * torus_tube / torus_ring);
     uint32_t low = (uint32_t)(0.9 * square), high = (uint32_t)(1.1 * square) + 1, best = 0;
     for (uint32_t v = low < 3 ? 3 : low; v <= (high < 4 ? 4 : high); v++) {
         uint32_t covered = cells / v * v;
-        double off = fabs(v - square);
+        double difference = fabs(v - square);
         if (cells / v < 3 || covered < best ||
-            (covered == best && off > fabs(*around_tube - square)))
+            (covered == best && difference > fabs(*around_tube - square)))
             continue;
         best = covered;
         *around_tube = v;
@@ -361,8 +361,7 @@ static int make_cloth(uint32_t count, uint64_t seed, struct shape *shape)
     return make_sheet(count, 0.3, folds, fold_count, shape);
 }
 
-/* The number of a lattice point on the surface of a k x k x k box, counted along x, then y, then z.
- */
+/* The index of a lattice point on the surface of a k x k x k box, counted along x, then y, then z. */
 static size_t box_vertex(size_t k, const size_t at[3])
 {
     size_t x = at[0], y = at[1], z = at[2], row = k + 1;
@@ -477,11 +476,11 @@ int shape_make(const char *name, uint64_t count, uint64_t seed, struct shape *sh
         return -1;
     }
     if (count == 0)
-        count = kind->usual;
+        count = kind->default_count;
     const char *wrong = wrong_count(kind, count);
-    if (count != 0 && (count < kind->least || count > SHAPE_TRIANGLES_MAX))
+    if (count != 0 && (count < kind->count_min || count > SHAPE_TRIANGLES_MAX))
         snprintf(reason, SHAPE_REASON_BYTES, "%s has from %u to %u triangles", kind->name,
-                 (unsigned)kind->least, SHAPE_TRIANGLES_MAX);
+                 (unsigned)kind->count_min, SHAPE_TRIANGLES_MAX);
     else if (wrong)
         snprintf(reason, SHAPE_REASON_BYTES, "%s %s", kind->name, wrong);
     else if (kind->make((uint32_t)count, seed, shape))

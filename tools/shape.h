@@ -29,13 +29,13 @@ enum shape_counts {
     SHAPE_TWELVE_SQUARES /* 12 k^2 */
 };
 
-/* Builds a shape of `count` triangles, a number that was found good; -1 when memory runs out. */
+/* Build a shape of `count` triangles, a number that the shape can have. Returns 0, or -1 if memory runs out. */
 typedef int shape_maker(uint32_t count, uint64_t seed, struct shape *shape);
 
 struct shape_kind {
     const char *name;
-    uint32_t usual; /* triangles when no number is given; 0: it must be given */
-    uint32_t least;
+    uint32_t default_count; /* triangles if the user gives no number; 0: a number is required */
+    uint32_t count_min;
     enum shape_counts counts;
     shape_maker *make;
     const char *help;
@@ -51,7 +51,7 @@ typedef char shape_reason[SHAPE_REASON_BYTES];
 /*
  * Build a shape by its name. Returns 0, or -1 and the reason; then the shape is empty.
  *
- *   count   triangles; 0: as many as the shape has usually
+ *   count   triangles; 0: the shape's default
  *   seed    moves the bumps of organs, the folds of the cloth and the spikes of the star
  */
 int shape_make(const char *name, uint64_t count, uint64_t seed, struct shape *shape,
@@ -68,13 +68,13 @@ int shape_make_laparoscopic(uint64_t count, uint64_t seed, struct shape bodies[L
 
 /* For the makers. */
 
-/* A surface on which new vertices are laid: moves a point near it onto it. */
+/* A surface for new vertices: `project` moves a point near it onto it. */
 struct shape_surface {
-    void (*project)(const void *of, double point[3]);
-    const void *of;
+    void (*project)(const void *context, double point[3]);
+    const void *context;
 };
 
-/* Make room for so many vertices and triangles, none there yet; -1 when memory runs out. */
+/* Start an empty shape with room for so many vertices and triangles. Returns 0, or -1 if memory runs out. */
 int shape_begin(struct shape *shape, size_t vertices, size_t triangles);
 
 /* Append within that room. */

@@ -124,7 +124,7 @@ static void add_geodesic(struct shape *shape, uint32_t k, uint32_t open, const d
                 ring_point(&ico, k, ring, sector, i, p);
                 for (int n = 0; n < 3; n++)
                     p[n] *= stretch[n];
-                surface->project(surface->of, p);
+                surface->project(surface->context, p);
                 shape_add_vertex(shape, p[0], p[1], p[2]);
             }
         }
@@ -157,9 +157,9 @@ static int make_round(uint32_t count, const double stretch[3], const struct shap
     return shape_split_to(shape, count, surface);
 }
 
-static void project_on_sphere(const void *of, double p[3])
+static void project_on_sphere(const void *context, double p[3])
 {
-    (void)of;
+    (void)context;
     normalise(p);
     for (int i = 0; i < 3; i++)
         p[i] *= 0.1;
@@ -187,17 +187,17 @@ struct star {
     double spikes[STAR_SPIKES][3];
 };
 
-static void project_on_star(const void *of, double p[3])
+static void project_on_star(const void *context, double p[3])
 {
     /* The cosine of 13 degrees: a spike is 7 degrees to either side at half its height. */
     const double edge = 0.97437006478523525;
-    const struct star *star = of;
+    const struct star *star = context;
     double height = 0.0;
     normalise(p);
     for (int s = 0; s < STAR_SPIKES; s++) {
-        double near = 1.0 - (1.0 - dot(p, star->spikes[s])) / (1.0 - edge);
-        if (near > height)
-            height = near;
+        double height_here = 1.0 - (1.0 - dot(p, star->spikes[s])) / (1.0 - edge);
+        if (height_here > height)
+            height = height_here;
     }
     for (int i = 0; i < 3; i++)
         p[i] *= 0.06 + 0.09 * height * height;
@@ -235,7 +235,7 @@ struct dent {
 enum { LOBES_MAX = 3, DENTS_MAX = 3, BUMPS = 14 };
 
 struct organ {
-    double place[3], stretch[3];
+    double position[3], stretch[3];
     struct lobe lobes[LOBES_MAX];
     struct dent dents[DENTS_MAX];
 };
@@ -277,9 +277,9 @@ static double organ_reach(const struct organ_surface *surface, const double dire
     return factor * sqrt(sqrt(sqrt(sum))); /* the eighth root: near to the largest, but smooth */
 }
 
-static void project_on_organ(const void *of, double p[3])
+static void project_on_organ(const void *context, double p[3])
 {
-    const struct organ_surface *surface = of;
+    const struct organ_surface *surface = context;
     normalise(p);
     double reach = organ_reach(surface, p);
     for (int i = 0; i < 3; i++)
@@ -297,26 +297,26 @@ static void random_direction(uint64_t *state, double direction[3])
 
 static int make_organ(const struct organ *organ, uint32_t count, uint64_t seed, struct shape *shape)
 {
-    struct organ_surface of = { .organ = organ };
-    const struct shape_surface surface = { project_on_organ, &of };
+    struct organ_surface organ_surface = { .organ = organ };
+    const struct shape_surface surface = { project_on_organ, &organ_surface };
     for (int i = 0; i < DENTS_MAX; i++) {
-        of.dents[i] = organ->dents[i];
-        normalise(of.dents[i].direction);
+        organ_surface.dents[i] = organ->dents[i];
+        normalise(organ_surface.dents[i].direction);
     }
     for (int i = DENTS_MAX; i < DENTS_MAX + BUMPS; i++) {
-        random_direction(&seed, of.dents[i].direction);
-        of.dents[i].edge = 0.75 + 0.2 * shape_random(&seed);
-        of.dents[i].depth = 0.06 * shape_random(&seed) - 0.03;
+        random_direction(&seed, organ_surface.dents[i].direction);
+        organ_surface.dents[i].edge = 0.75 + 0.2 * shape_random(&seed);
+        organ_surface.dents[i].depth = 0.06 * shape_random(&seed) - 0.03;
     }
     if (make_round(count, organ->stretch, &surface, shape))
         return -1;
     for (size_t i = 0; i < 3 * shape->vertex_count; i++)
-        shape->vertices[i] += organ->place[i % 3];
+        shape->vertices[i] += organ->position[i % 3];
     return 0;
 }
 
 static const struct organ liver = {
-    .place = { 0.0, 0.0, 0.0 },
+    .position = { 0.0, 0.0, 0.0 },
     .stretch = { 0.14, 0.09, 0.06 },
     .lobes = { { { -0.047, -0.010, -0.004 }, { 0.091, 0.081, 0.059 }, 1.0, 0.0 },
                { { 0.050, 0.023, 0.008 }, { 0.093, 0.034, 0.031 }, 0.995, 0.0998749217771909 },
@@ -333,7 +333,7 @@ int shape_liver(uint32_t count, uint64_t seed, struct shape *shape)
 
 /* Its inlet is the rise at the top. */
 static const struct organ stomach = {
-    .place = { 0.105, -0.085, -0.02 },
+    .position = { 0.105, -0.085, -0.02 },
     .stretch = { 0.08, 0.08, 0.045 },
     .lobes = { { { 0.024, 0.022, 0.000 }, { 0.080, 0.042, 0.040 }, 0.6, 0.8 },
                { { 0.004, -0.016, 0.000 }, { 0.062, 0.038, 0.035 }, 0.8, 0.6 },
@@ -349,7 +349,7 @@ int shape_stomach(uint32_t count, uint64_t seed, struct shape *shape)
 }
 
 static const struct organ spleen = {
-    .place = { 0.22, -0.03, -0.06 },
+    .position = { 0.22, -0.03, -0.06 },
     .stretch = { 0.03, 0.055, 0.022 },
     .lobes = { { { 0.000, 0.000, 0.000 }, { 0.055, 0.032, 0.021 }, 0.28, 0.96 },
                { { 0.006, 0.012, 0.000 }, { 0.038, 0.028, 0.021 }, 0.6, 0.8 },

@@ -8,25 +8,25 @@
 
 #include "clock.h"
 
-static volatile int asked;
+static volatile int is_requested;
 static dpt_loop *volatile running;
 
 static void on_signal(int number)
 {
     (void)number;
-    asked = 1;
+    is_requested = 1;
     if (running)
         dpt_loop_stop(running);
 }
 
-int stop_asked(void)
+int stop_requested(void)
 {
-    return asked;
+    return is_requested;
 }
 
 const volatile int *stop_flag(void)
 {
-    return &asked;
+    return &is_requested;
 }
 
 void stop_watch(dpt_loop *loop, double seconds)
@@ -36,14 +36,14 @@ void stop_watch(dpt_loop *loop, double seconds)
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
     sigaction(SIGPIPE, &action, NULL);
-    /* nohup wants it to be passed over. */
+    /* nohup ignores SIGHUP: leave it so. */
     if (sigaction(SIGHUP, NULL, &before) == 0 && before.sa_handler != SIG_IGN)
         sigaction(SIGHUP, &action, NULL);
     if (seconds < 1e9) {
         struct itimerval timer = { .it_value = {
                                        (time_t)seconds,
                                        (suseconds_t)(1e6 * (seconds - (double)(time_t)seconds)) } };
-        /* No time at all would be no timer. */
+        /* A timer of 0 would be none. */
         if (seconds < 1e-6)
             timer.it_value.tv_usec = 1;
         sigaction(SIGALRM, &action, NULL);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Arms of ODrive motor controllers on a CAN bus: "can:can0?arm=arm.dpa&nodes=0,1,2&gear=8,-8,10&watchdog=0.05". */
+/* The driver "can": arms of ODrive motor controllers, "can:can0?arm=arm.dpa&nodes=0,1,2&gear=8,-8,10&watchdog=0.05". */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,79 +9,79 @@
 #include "dynpoint/driver.h"
 #include "settings.h"
 
-#define MS         1000000u
-#define STOP_EVERY (10u * MS)
-#define END_IN     (400u * MS)
-#define RAMP       (50u * MS) /* until the whole weight is held */
-#define IDLE_FEED  (10u * MS) /* while no force is written */
-#define HOST_HANGS (20u * MS)
+#define MS                1000000u
+#define STOP_EVERY        (10u * MS)
+#define CLOSE_WITHIN      (400u * MS)
+#define RAMP              (50u * MS) /* until the whole weight is held */
+#define FEED_EVERY_IDLE   (10u * MS) /* while no force is written */
+#define HOST_SILENT_AFTER (20u * MS)
 
 struct can_device {
     dpt_device base;
-    struct can_session host;
+    struct can_session session;
     dpt_device_state last;
-    double joints[DPT_JOINTS_MAX];
+    double joint[DPT_JOINTS_MAX];
     uint64_t sequence_read;
-    uint8_t is_driving;  /* the host writes; otherwise zero is sent to feed watchdogs */
+    uint8_t is_driving;  /* 1: the host writes; 0: the driver sends zero torque to feed watchdogs */
     uint64_t driving_ns; /* since when, and the last write */
     uint64_t written_ns;
     uint64_t fed_ns;
-    uint64_t stopped_ns; /* last; 0: not yet */
+    uint64_t stopped_ns; /* when stop_all sent last; 0: not yet */
 };
 
-/* Joints and pose of the newest sample. */
-static void look(struct can_device *device)
+/* Compute joints and pose from the newest sample. */
+static void update_pose(struct can_device *device)
 {
-    struct can_session *session = &device->host;
+    struct can_session *session = &device->session;
     double speeds[DPT_JOINTS_MAX];
     can_arm_joints(&session->arm, session->monitor.position, session->monitor.velocity,
-                   device->joints, speeds);
-    if (can_arm_pose(&session->arm, device->joints, speeds, &device->last) != DPT_OK)
+                   device->joint, speeds);
+    if (can_arm_pose(&session->arm, device->joint, speeds, &device->last) != DPT_OK)
         can_monitor_set_status(&session->monitor, DPT_DEVICE_STATUS_FAULT, DPT_REASON_UNCALIBRATED,
                                0);
 }
 
-/* Connected, or switched on again: what came meanwhile is one sample, that has not been read. */
-static void begin(struct can_device *device)
+/* Call after connecting or switching on. All that came meanwhile counts as one sample, not yet read. */
+static void restart_samples(struct can_device *device)
 {
     device->is_driving = 0;
     device->stopped_ns = 0;
-    device->sequence_read = device->host.monitor.sequence - 1;
-    look(device);
+    device->sequence_read = device->session.monitor.sequence - 1;
+    update_pose(device);
 }
 
-static dpt_result can_open(const dpt_driver *driver, const char *place, dpt_device **opened,
+static dpt_result can_open(const dpt_driver *driver, const char *where, dpt_device **opened,
                            dpt_device_error *error)
 {
     (void)driver;
     struct can_device *device = calloc(1, sizeof *device);
     if (!device)
         return device_error(error, DPT_E_MEMORY, "no memory");
-    device->host.socketcan.fd = -1;
-    dpt_result result = can_settings_read(place, &device->host.settings, error);
-    if (result == DPT_OK && !device->host.settings.interface[0])
+    device->session.socketcan.fd = -1;
+    dpt_result result = can_settings_read(where, &device->session.settings, error);
+    if (result == DPT_OK && !device->session.settings.interface[0])
         result =
             device_error(error, DPT_E_SETTING,
                          "which interface? As in can:can0?arm=arm.dpa&gear=8,-8,10&watchdog=0.05");
     if (result == DPT_OK)
-        result = can_arm_open(&device->host.arm, &device->host.settings, error);
+        result = can_arm_open(&device->session.arm, &device->session.settings, error);
     if (result == DPT_OK) {
-        can_monitor_init(&device->host.monitor, &device->host.arm, &device->host.settings);
-        result = can_session_connect(&device->host, error);
+        can_monitor_init(&device->session.monitor, &device->session.arm, &device->session.settings);
+        result = can_session_connect(&device->session, error);
     }
     if (result == DPT_OK) {
-        device->host.monitor.sequence = device->host.monitor.counts.samples = 1;
-        begin(device);
+        device->session.monitor.sequence = device->session.monitor.counts.samples = 1;
+        restart_samples(device);
         *opened = &device->base;
-        if (device->host.settings.gives_force)
+        if (device->session.settings.gives_force)
             return DPT_OK;
         return device_error(error, DPT_OK,
                             "it gives no force: without a watchdog its motors keep their last "
                             "torque when the host dies. Say ?watchdog=0.05, the time that is "
                             "configured at the controllers, or at your own risk ?watchdog=none");
     }
-    socketcan_close(&device->host.socketcan);
-    can_arm_close(&device->host.arm);
+    socketcan_close(&device->session.socketcan);
+    can_arm_close(&device->session.arm);
     free(device);
     return result;
 }
@@ -89,98 +89,102 @@ static dpt_result can_open(const dpt_driver *driver, const char *place, dpt_devi
 static void can_info(const dpt_device *base, dpt_device_info *info)
 {
     const struct can_device *device = (const struct can_device *)base;
-    const struct can_node *first = &device->host.monitor.at[0];
+    const struct can_node *first = &device->session.monitor.nodes[0];
     info->pose_dofs = 6;
-    info->joints = device->host.arm.joints;
+    info->joints = device->session.arm.joints;
     info->flags = DPT_DEVICE_FLAG_ARM;
-    info->rate = device->host.settings.rate;
-    if (device->host.settings.gives_force) {
-        info->wrench_dofs = device->host.arm.wrench_dofs;
-        info->force_max = device->host.arm.force_max;
-        info->torque_max = device->host.arm.torque_max;
+    info->rate = device->session.settings.rate;
+    if (device->session.settings.gives_force) {
+        info->wrench_dofs = device->session.arm.wrench_dofs;
+        info->force_max = device->session.arm.force_max;
+        info->torque_max = device->session.arm.torque_max;
     }
-    info->watchdog = device->host.settings.watchdog;
-    memcpy(info->workspace_min, device->host.arm.workspace_min, sizeof info->workspace_min);
-    memcpy(info->workspace_max, device->host.arm.workspace_max, sizeof info->workspace_max);
+    info->watchdog = device->session.settings.watchdog;
+    memcpy(info->workspace_min, device->session.arm.workspace_min, sizeof info->workspace_min);
+    memcpy(info->workspace_max, device->session.arm.workspace_max, sizeof info->workspace_max);
     snprintf(info->name, sizeof info->name, "arm of ODrives, firmware 0.%u", first->generation);
     if (first->serial)
         snprintf(info->serial, sizeof info->serial, "%012llX", (unsigned long long)first->serial);
-    dynamics_tell(&device->host.settings.dynamics, info);
+    dynamics_override(&device->session.settings.dynamics, info);
 }
 
-/* Once more while an axis may still give force: of a line that is bad some frames get through. */
+/*
+ * Send zero torque and idle, again every STOP_EVERY while an axis is active: on a bad line only some frames get
+ * through.
+ */
 static void stop_all(struct can_device *device, uint64_t now)
 {
     uint32_t active = 0;
-    for (uint32_t i = 0; i < device->host.monitor.count; i++)
-        active += device->host.monitor.at[i].beat.state == ODRIVE_STATE_CLOSED_LOOP;
+    for (uint32_t i = 0; i < device->session.monitor.count; i++)
+        active += device->session.monitor.nodes[i].heartbeat.state == ODRIVE_STATE_CLOSED_LOOP;
     device->is_driving = 0;
     if (device->stopped_ns && (now - device->stopped_ns < STOP_EVERY || !active))
         return;
     device->stopped_ns = now;
-    can_session_put_all(&device->host, can_no_torque);
-    can_session_put_all(&device->host, device->host.monitor.status == DPT_DEVICE_STATUS_LOST
-                                           ? can_estop
-                                           : can_idle);
+    can_session_put_all(&device->session, can_no_torque);
+    can_session_put_all(&device->session, device->session.monitor.status == DPT_DEVICE_STATUS_LOST
+                                              ? can_estop
+                                              : can_idle);
 }
 
-/* While no host writes: zero torque, as watchdogs want to be fed. */
+/* Feed the controllers' watchdogs with zero torque while the host does not write. */
 static void keep_alive(struct can_device *device, uint64_t now)
 {
-    const uint64_t period = device->host.monitor.period_ns;
-    uint64_t feed = IDLE_FEED;
-    if (device->host.settings.watchdog > 0.0 &&
-        0.25e9 * device->host.settings.watchdog < (double)feed)
-        feed = (uint64_t)(0.25e9 * device->host.settings.watchdog);
-    if (device->is_driving && now - device->written_ns > HOST_HANGS + 5 * period)
+    const uint64_t period = device->session.monitor.period_ns;
+    uint64_t feed = FEED_EVERY_IDLE;
+    if (device->session.settings.watchdog > 0.0 &&
+        0.25e9 * device->session.settings.watchdog < (double)feed)
+        feed = (uint64_t)(0.25e9 * device->session.settings.watchdog);
+    if (device->is_driving && now - device->written_ns > HOST_SILENT_AFTER + 5 * period)
         device->is_driving = 0;
     if (!device->is_driving && now - device->fed_ns >= feed) {
         device->fed_ns = now;
-        can_session_put_all(&device->host, can_no_torque);
+        can_session_put_all(&device->session, can_no_torque);
     }
 }
 
-/* Of a device that has stopped, too: poses go on, and silence would be another fault. */
-static void ask_places(struct can_device *device, uint64_t now)
+/* Request estimates, of a stopped device too: its pose stays current, and silence would be another fault. */
+static void request_estimates(struct can_device *device, uint64_t now)
 {
-    const uint64_t period = device->host.monitor.period_ns;
-    if (device->host.settings.request == 0.0 || now - device->host.asked_ns < period - period / 8)
+    const uint64_t period = device->session.monitor.period_ns;
+    if (device->session.settings.request == 0.0 ||
+        now - device->session.requested_ns < period - period / 8)
         return;
-    device->host.asked_ns = now;
-    can_session_put_all(&device->host, can_where);
+    device->session.requested_ns = now;
+    can_session_put_all(&device->session, can_request_estimates);
 }
 
-/* Of which part 0.5 says only that it has errors: it is asked for them. */
-static void ask_parts(struct can_device *device)
+/* A heartbeat of 0.5 says which parts have errors, but not which errors: request them. */
+static void request_part_errors(struct can_device *device)
 {
     static const uint8_t parts[] = { ODRIVE_ERROR, ODRIVE_ENCODER_ERROR, ODRIVE_CONTROLLER_ERROR };
-    for (uint32_t i = 0; i < device->host.monitor.count; i++)
-        for (int k = 0; k < 3 && device->host.monitor.parts >> i & 1; k++) {
-            const struct odrive_message part = { .command = parts[k], .asks = 1 };
-            if (device->host.monitor.at[i].beat.failed >> k & 1)
-                can_session_put(&device->host, i, part);
+    for (uint32_t i = 0; i < device->session.monitor.count; i++)
+        for (int k = 0; k < 3 && device->session.monitor.failed_nodes >> i & 1; k++) {
+            const struct odrive_message request = { .command = parts[k], .is_request = 1 };
+            if (device->session.monitor.nodes[i].heartbeat.failed >> k & 1)
+                can_session_put(&device->session, i, request);
         }
-    device->host.monitor.parts = 0;
+    device->session.monitor.failed_nodes = 0;
 }
 
 static dpt_result can_read(dpt_device *base, dpt_device_state *state)
 {
     struct can_device *device = (struct can_device *)base;
-    struct can_monitor *monitor = &device->host.monitor;
-    const int is_all = can_session_receive(&device->host);
+    struct can_monitor *monitor = &device->session.monitor;
+    const int is_drained = can_session_receive(&device->session);
     const uint64_t now = clock_now();
-    can_monitor_check(monitor, now, is_all);
+    can_monitor_check(monitor, now, is_drained);
     const uint64_t fresh = monitor->sequence - device->sequence_read;
     if (fresh)
-        look(device);
+        update_pose(device);
     if (monitor->status != DPT_DEVICE_STATUS_READY)
         stop_all(device, now);
     else
         keep_alive(device, now);
-    ask_places(device, now);
-    if (monitor->parts)
-        ask_parts(device);
-    can_session_send(&device->host);
+    request_estimates(device, now);
+    if (monitor->failed_nodes)
+        request_part_errors(device);
+    can_session_send(&device->session);
     device->sequence_read = monitor->sequence;
     device->last.fresh = fresh < UINT32_MAX ? (uint32_t)fresh : UINT32_MAX;
     device->last.sequence = monitor->sequence;
@@ -200,7 +204,7 @@ static dpt_result can_write(dpt_device *base, const dpt_wrench *wrench)
 {
     static const dpt_wrench no_force;
     struct can_device *device = (struct can_device *)base;
-    struct can_monitor *monitor = &device->host.monitor;
+    struct can_monitor *monitor = &device->session.monitor;
     float torques[DPT_JOINTS_MAX];
     if (monitor->status != DPT_DEVICE_STATUS_READY)
         return monitor->status == DPT_DEVICE_STATUS_LOST ? DPT_E_LOST : DPT_E_NOT_READY;
@@ -210,75 +214,75 @@ static dpt_result can_write(dpt_device *base, const dpt_wrench *wrench)
         device->driving_ns = now;
     }
     device->written_ns = now;
-    const double held = (double)(now - device->driving_ns) / RAMP;
-    double share = held < 1.0 ? held : 1.0;
-    if (!device->host.settings.gives_force) {
+    const double ramp = (double)(now - device->driving_ns) / RAMP;
+    double weight_share = ramp < 1.0 ? ramp : 1.0;
+    if (!device->session.settings.gives_force) {
         wrench = &no_force;
-        share = 0.0;
+        weight_share = 0.0;
     }
     const dpt_result result =
-        can_arm_torques(&device->host.arm, device->joints, wrench, share, torques);
+        can_arm_torques(&device->session.arm, device->joint, wrench, weight_share, torques);
     if (result != DPT_OK)
         return result;
     for (uint32_t i = 0; i < monitor->count; i++) {
         const struct odrive_message command = { .command = ODRIVE_SET_TORQUE,
                                                 .as.torque = torques[i] };
-        can_session_put(&device->host, i, command);
+        can_session_put(&device->session, i, command);
     }
     monitor->counts.commands++;
-    if (can_session_send(&device->host))
+    if (can_session_send(&device->session))
         return DPT_OK;
     monitor->counts.refused++;
-    can_session_check_line(&device->host);
+    can_session_check_line(&device->session);
     return monitor->status == DPT_DEVICE_STATUS_LOST ? DPT_E_LOST : DPT_E_BUSY;
 }
 
 static dpt_result can_clear(dpt_device *base)
 {
     struct can_device *device = (struct can_device *)base;
-    struct can_monitor *monitor = &device->host.monitor;
-    can_session_receive(&device->host);
+    struct can_monitor *monitor = &device->session.monitor;
+    can_session_receive(&device->session);
     if (monitor->status == DPT_DEVICE_STATUS_READY)
         return DPT_OK;
-    socketcan_query(&device->host.socketcan);
+    socketcan_query(&device->session.socketcan);
     if (monitor->status == DPT_DEVICE_STATUS_LOST) {
-        socketcan_close(&device->host.socketcan);
-        device->host.is_ours = 1;
-        if (can_session_connect(&device->host, NULL) != DPT_OK)
+        socketcan_close(&device->session.socketcan);
+        device->session.was_connected = 1;
+        if (can_session_connect(&device->session, NULL) != DPT_OK)
             return DPT_E_LOST;
         monitor->counts.resets++;
-    } else if (device->host.socketcan.is_passive ||
-               can_session_switch_on(&device->host, NULL) != DPT_OK ||
-               can_session_first_sample(&device->host, NULL) != DPT_OK) {
+    } else if (device->session.socketcan.is_error_passive ||
+               can_session_switch_on(&device->session, NULL) != DPT_OK ||
+               can_session_first_sample(&device->session, NULL) != DPT_OK) {
         return DPT_E_NOT_READY;
     }
-    begin(device);
+    restart_samples(device);
     return DPT_OK;
 }
 
 static void can_counts(const dpt_device *base, dpt_device_counts *counts)
 {
-    *counts = ((const struct can_device *)base)->host.monitor.counts;
+    *counts = ((const struct can_device *)base)->session.monitor.counts;
 }
 
 static void can_close(dpt_device *base)
 {
     struct can_device *device = (struct can_device *)base;
-    const uint64_t deadline = clock_now() + END_IN;
-    uint32_t active = device->host.monitor.count;
-    device->host.monitor.is_armed = 0;
-    while (active && device->host.socketcan.fd >= 0 && !can_session_is_dead(&device->host) &&
+    const uint64_t deadline = clock_now() + CLOSE_WITHIN;
+    uint32_t active = device->session.monitor.count;
+    device->session.monitor.is_armed = 0;
+    while (active && device->session.socketcan.fd >= 0 && !can_session_is_dead(&device->session) &&
            clock_now() < deadline) {
-        can_session_put_all(&device->host, can_no_torque);
-        can_session_put_all(&device->host, can_idle);
-        can_session_send(&device->host);
-        can_session_wait(&device->host, clock_now() + STOP_EVERY);
+        can_session_put_all(&device->session, can_no_torque);
+        can_session_put_all(&device->session, can_idle);
+        can_session_send(&device->session);
+        can_session_wait(&device->session, clock_now() + STOP_EVERY);
         active = 0;
-        for (uint32_t i = 0; i < device->host.monitor.count; i++)
-            active += device->host.monitor.at[i].beat.state == ODRIVE_STATE_CLOSED_LOOP;
+        for (uint32_t i = 0; i < device->session.monitor.count; i++)
+            active += device->session.monitor.nodes[i].heartbeat.state == ODRIVE_STATE_CLOSED_LOOP;
     }
-    socketcan_close(&device->host.socketcan);
-    can_arm_close(&device->host.arm);
+    socketcan_close(&device->session.socketcan);
+    can_arm_close(&device->session.arm);
     free(device);
 }
 
@@ -288,16 +292,16 @@ struct can_finder {
     void *user;
 };
 
-static void pass_on(void *user, const char *name, const char *about)
+static void report_found(void *user, const char *name, const char *about)
 {
-    const struct can_finder *finding = user;
-    finding->found(finding->user, finding->driver, name, about);
+    const struct can_finder *finder = user;
+    finder->found(finder->user, finder->driver, name, about);
 }
 
 static void can_find(const dpt_driver *driver, dpt_device_found_fn *found, void *user)
 {
-    struct can_finder finding = { driver, found, user };
-    socketcan_find(pass_on, &finding);
+    struct can_finder finder = { driver, found, user };
+    socketcan_find(report_found, &finder);
 }
 
 const dpt_driver can_driver = {

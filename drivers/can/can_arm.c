@@ -11,12 +11,12 @@
 #include "settings.h"
 #include "text/parse_number.h"
 
-#define TURN         6.283185307179586476925
-#define GRAVITY      9.80665
-#define LARGEST_FILE (64l << 20)
-#define FORCE_MAX    1e6 /* beyond it efforts might not be finite */
+#define TURN           6.283185307179586476925
+#define GRAVITY        9.80665
+#define FILE_BYTES_MAX (64l << 20)
+#define FORCE_MAX      1e6 /* N, Nm; above it efforts might not be finite */
 
-/* A number of seconds, or "none"; "" where it was not given. */
+/* Read the watchdog: a number of seconds, "none", or "" if it was not given. */
 static dpt_result read_watchdog(struct can_settings *settings, const char *text,
                                 dpt_device_error *error)
 {
@@ -34,31 +34,31 @@ static dpt_result read_watchdog(struct can_settings *settings, const char *text,
 
 dpt_result can_settings_read(const char *where, struct can_settings *s, dpt_device_error *error)
 {
-    const struct can_settings usual = { .axes = "-y+z-x",
-                                        .firmware = "auto",
-                                        .rate = 1000.0,
-                                        .weight = 1.0,
-                                        .answer = 2.0,
-                                        .silent = 0.05,
-                                        .heartbeat = 0.1 };
+    const struct can_settings defaults = { .axes = "-y+z-x",
+                                           .firmware = "auto",
+                                           .rate = 1000.0,
+                                           .weight = 1.0,
+                                           .answer = 2.0,
+                                           .silent = 0.05,
+                                           .heartbeat = 0.1 };
     char watchdog[32] = "";
-    *s = usual;
+    *s = defaults;
     const struct setting settings[] = {
-        { .name = "arm", .text = s->arm, .room = sizeof s->arm },
-        { .name = "nodes", .text = s->nodes, .room = sizeof s->nodes },
-        { .name = "gear", .text = s->gear, .room = sizeof s->gear },
-        { .name = "zero", .text = s->zero, .room = sizeof s->zero },
-        { .name = "torque", .text = s->torque, .room = sizeof s->torque },
-        { .name = "centre", .text = s->centre, .room = sizeof s->centre },
-        { .name = "axes", .text = s->axes, .room = sizeof s->axes },
-        { .name = "firmware", .text = s->firmware, .room = sizeof s->firmware },
-        { .name = "rate", .number = &s->rate, .least = 50, .most = 5000 },
-        { .name = "weight", .number = &s->weight, .most = 1 },
-        { .name = "request", .number = &s->request, .most = 1 },
-        { .name = "answer", .number = &s->answer, .least = 0.2, .most = 60 },
-        { .name = "silent", .number = &s->silent, .least = 0.002, .most = 10 },
-        { .name = "heartbeat", .number = &s->heartbeat, .least = 0.001, .most = 1 },
-        { .name = "watchdog", .text = watchdog, .room = sizeof watchdog },
+        { .name = "arm", .text = s->arm, .text_bytes = sizeof s->arm },
+        { .name = "nodes", .text = s->nodes, .text_bytes = sizeof s->nodes },
+        { .name = "gear", .text = s->gear, .text_bytes = sizeof s->gear },
+        { .name = "zero", .text = s->zero, .text_bytes = sizeof s->zero },
+        { .name = "torque", .text = s->torque, .text_bytes = sizeof s->torque },
+        { .name = "centre", .text = s->centre, .text_bytes = sizeof s->centre },
+        { .name = "axes", .text = s->axes, .text_bytes = sizeof s->axes },
+        { .name = "firmware", .text = s->firmware, .text_bytes = sizeof s->firmware },
+        { .name = "rate", .number = &s->rate, .min = 50, .max = 5000 },
+        { .name = "weight", .number = &s->weight, .max = 1 },
+        { .name = "request", .number = &s->request, .max = 1 },
+        { .name = "answer", .number = &s->answer, .min = 0.2, .max = 60 },
+        { .name = "silent", .number = &s->silent, .min = 0.002, .max = 10 },
+        { .name = "heartbeat", .number = &s->heartbeat, .min = 0.001, .max = 1 },
+        { .name = "watchdog", .text = watchdog, .text_bytes = sizeof watchdog },
     };
     const dpt_result result =
         settings_read(where, s->interface, sizeof s->interface, settings,
@@ -74,7 +74,7 @@ dpt_result can_settings_read(const char *where, struct can_settings *s, dpt_devi
     return read_watchdog(s, watchdog, error);
 }
 
-/* "8,-8,10": `count` numbers, or those of `numbers` that were there before when the text is empty. */
+/* Read `count` numbers, as in "8,-8,10". If the text is empty, `numbers` stay as they are. */
 static dpt_result read_list(const char *name, const char *text, uint32_t count, double *numbers,
                             dpt_device_error *error)
 {
@@ -98,37 +98,37 @@ static dpt_result read_nodes(struct can_arm *arm, const char *text, dpt_device_e
     for (uint32_t i = 0; i < DPT_JOINTS_MAX; i++)
         nodes[i] = i;
     const dpt_result result = read_list("nodes", text, arm->joints, nodes, error);
-    uint64_t taken = 0;
+    uint64_t used_nodes = 0;
     for (uint32_t i = 0; i < arm->joints && result == DPT_OK; i++) {
         if (!(nodes[i] >= 0.0 && nodes[i] < 64.0) || nodes[i] != floor(nodes[i]) ||
-            taken >> (uint32_t)nodes[i] & 1)
+            used_nodes >> (uint32_t)nodes[i] & 1)
             return device_error(error, DPT_E_SETTING,
                                 "nodes are numbers of 0 to 63, another one for each joint");
         arm->nodes[i] = (uint8_t)nodes[i];
-        taken |= (uint64_t)1 << arm->nodes[i];
+        used_nodes |= (uint64_t)1 << arm->nodes[i];
     }
     return result;
 }
 
 /*
- * A turn of the motor is a turn / gear of a joint that turns, and 1 / gear metres of one that slides. Power is the same on
- * both sides: effort * d joint = torque * 2 pi * d turns.
+ * One turn of the motor is 1 / gear turns of a rotary joint, and 1 / gear metres of a slider. Power is the same
+ * on both sides: effort * d joint = torque * 2 pi * d turns.
  */
 static dpt_result read_gears(struct can_arm *arm, const struct can_settings *settings,
                              dpt_device_error *error)
 {
     double gear[DPT_JOINTS_MAX];
     for (uint32_t i = 0; i < arm->joints; i++)
-        gear[i] = arm->slides[i] ? 0.0 : 1.0;
+        gear[i] = arm->is_slider[i] ? 0.0 : 1.0;
     dpt_result result = read_list("gear", settings->gear, arm->joints, gear, error);
     for (uint32_t i = 0; i < arm->joints && result == DPT_OK; i++) {
         if (!(fabs(gear[i]) >= 1e-6))
             return device_error(error, DPT_E_SETTING,
                                 "gear: joint %u needs one: turns of the motor for %s, negative "
                                 "where they go against each other",
-                                (unsigned)i, arm->slides[i] ? "a metre" : "a turn of the joint");
-        arm->per_turn[i] = arm->slides[i] ? 1.0 / gear[i] : TURN / gear[i];
-        arm->per_force[i] = arm->slides[i] ? 1.0 / (gear[i] * TURN) : 1.0 / gear[i];
+                                (unsigned)i, arm->is_slider[i] ? "a metre" : "a turn of the joint");
+        arm->joint_per_turn[i] = arm->is_slider[i] ? 1.0 / gear[i] : TURN / gear[i];
+        arm->torque_per_effort[i] = arm->is_slider[i] ? 1.0 / (gear[i] * TURN) : 1.0 / gear[i];
     }
     if (result == DPT_OK)
         result = read_list("zero", settings->zero, arm->joints, arm->zero, error);
@@ -143,7 +143,7 @@ static dpt_result read_gears(struct can_arm *arm, const struct can_settings *set
     return result;
 }
 
-/* "-y+z-x": where the device's x, y and z point in the root's frame; right-handed. */
+/* Read where the device's x, y and z point in the root's frame, as in "-y+z-x"; it must be right-handed. */
 static dpt_result read_axes(struct can_arm *arm, const char *text, dpt_device_error *error)
 {
     double m[3][3] = { { 0.0 } };
@@ -152,9 +152,9 @@ static dpt_result read_axes(struct can_arm *arm, const char *text, dpt_device_er
         arm->sign[i] = *at == '-' ? -1.0 : 1.0;
         at += *at == '-' || *at == '+';
         const char *found = *at ? strchr("xyz", *at) : NULL;
-        arm->from[i] = (uint8_t)(found ? found - "xyz" : 0);
+        arm->root_axis[i] = (uint8_t)(found ? found - "xyz" : 0);
         at = found ? at + 1 : NULL;
-        m[i][arm->from[i]] = arm->sign[i];
+        m[i][arm->root_axis[i]] = arm->sign[i];
     }
     const double determinant = m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) -
                                m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
@@ -167,18 +167,18 @@ static dpt_result read_axes(struct can_arm *arm, const char *text, dpt_device_er
                                1.0 - m[0][0] + m[1][1] - m[2][2],
                                1.0 - m[0][0] - m[1][1] + m[2][2] };
     for (int i = 0; i < 4; i++)
-        arm->turn[i] = 0.5 * sqrt(square[i]);
-    /* The parts' signs, against the first that is there: w, or else the first of x, y, z. */
-    if (arm->turn[0] > 0.0) {
-        arm->turn[1] *= m[2][1] - m[1][2] < 0.0 ? -1.0 : 1.0;
-        arm->turn[2] *= m[0][2] - m[2][0] < 0.0 ? -1.0 : 1.0;
-        arm->turn[3] *= m[1][0] - m[0][1] < 0.0 ? -1.0 : 1.0;
+        arm->root_to_device[i] = 0.5 * sqrt(square[i]);
+    /* The signs of the components, relative to the first that is not 0: w, or else the first of x, y, z. */
+    if (arm->root_to_device[0] > 0.0) {
+        arm->root_to_device[1] *= m[2][1] - m[1][2] < 0.0 ? -1.0 : 1.0;
+        arm->root_to_device[2] *= m[0][2] - m[2][0] < 0.0 ? -1.0 : 1.0;
+        arm->root_to_device[3] *= m[1][0] - m[0][1] < 0.0 ? -1.0 : 1.0;
     } else {
-        if (arm->turn[1] > 0.0) {
-            arm->turn[2] *= m[0][1] + m[1][0] < 0.0 ? -1.0 : 1.0;
-            arm->turn[3] *= m[0][2] + m[2][0] < 0.0 ? -1.0 : 1.0;
+        if (arm->root_to_device[1] > 0.0) {
+            arm->root_to_device[2] *= m[0][1] + m[1][0] < 0.0 ? -1.0 : 1.0;
+            arm->root_to_device[3] *= m[0][2] + m[2][0] < 0.0 ? -1.0 : 1.0;
         } else {
-            arm->turn[3] *= m[1][2] + m[2][1] < 0.0 ? -1.0 : 1.0;
+            arm->root_to_device[3] *= m[1][2] + m[2][1] < 0.0 ? -1.0 : 1.0;
         }
     }
     return DPT_OK;
@@ -187,56 +187,58 @@ static dpt_result read_axes(struct can_arm *arm, const char *text, dpt_device_er
 static void to_device(const struct can_arm *arm, const double *root, double *device)
 {
     for (int i = 0; i < 3; i++)
-        device[i] = arm->sign[i] * root[arm->from[i]];
+        device[i] = arm->sign[i] * root[arm->root_axis[i]];
 }
 
 void can_arm_to_root(const struct can_arm *arm, const double *device, double *root)
 {
     for (int i = 0; i < 3; i++)
-        root[arm->from[i]] = arm->sign[i] * device[i];
+        root[arm->root_axis[i]] = arm->sign[i] * device[i];
 }
 
-static void place_of(const struct can_arm *arm, const dpt_pose *tool, double *place)
+static void device_position(const struct can_arm *arm, const dpt_pose *tool, double *position)
 {
     double root[3];
     for (int i = 0; i < 3; i++)
         root[i] = tool->position[i] - arm->centre[i];
-    to_device(arm, root, place);
+    to_device(arm, root, position);
 }
 
-static double span_at(const dpt_arm_joint *joint, double share)
+static double coordinate_at(const dpt_arm_joint *joint, double weight_share)
 {
     return joint->kind == DPT_JOINT_CONTINUOUS
-               ? 0.5 * TURN * (2.0 * share - 1.0)
-               : joint->lower + share * (joint->upper - joint->lower);
+               ? 0.5 * TURN * (2.0 * weight_share - 1.0)
+               : joint->lower + weight_share * (joint->upper - joint->lower);
 }
 
-/* Where the tool comes, as the box around a coarse grid of all joints. */
-static void look_around(struct can_arm *arm, const dpt_arm_joint *joint)
+/* The workspace: the box, in the device's frame, around the tool's positions on a coarse grid of all joints. */
+static void measure_workspace(struct can_arm *arm, const dpt_arm_joint *joint)
 {
     const uint32_t steps = arm->joints > 5 ? 3 : 5;
-    double at[DPT_JOINTS_MAX], place[3];
+    double joints[DPT_JOINTS_MAX], position[3];
     dpt_pose tool;
-    uint32_t all = 1;
+    uint32_t points = 1;
     for (uint32_t i = 0; i < arm->joints; i++)
-        all *= steps;
-    for (uint32_t n = 0; n < all; n++) {
+        points *= steps;
+    for (uint32_t n = 0; n < points; n++) {
         for (uint32_t i = 0, rest = n; i < arm->joints; i++, rest /= steps)
-            at[i] = span_at(&joint[i], (double)(rest % steps) / (steps - 1));
-        if (dpt_arm_forward(arm->arm, at, &tool) != DPT_OK)
+            joints[i] = coordinate_at(&joint[i], (double)(rest % steps) / (steps - 1));
+        if (dpt_arm_forward(arm->arm, joints, &tool) != DPT_OK)
             continue;
-        place_of(arm, &tool, place);
+        device_position(arm, &tool, position);
         for (int k = 0; k < 3; k++) {
-            arm->workspace_min[k] = min_of(arm->workspace_min[k], place[k]);
-            arm->workspace_max[k] = max_of(arm->workspace_max[k], place[k]);
+            arm->workspace_min[k] = min_of(arm->workspace_min[k], position[k]);
+            arm->workspace_max[k] = max_of(arm->workspace_max[k], position[k]);
         }
     }
 }
 
-/* The largest force, or torque, that it can give along each axis of the device at the middle of its joints. */
-static double strength(const struct can_arm *arm, int is_torque)
+/*
+ * The force, N, or torque, Nm, that the arm can give along every axis, with its joints in the middle of their limits.
+ */
+static double max_along_axes(const struct can_arm *arm, int is_torque)
 {
-    double least = 1e3;
+    double min_strength = 1e3;
     for (int i = 0; i < 3; i++) {
         dpt_wrench wrench = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0 } };
         double efforts[DPT_JOINTS_MAX];
@@ -245,13 +247,13 @@ static double strength(const struct can_arm *arm, int is_torque)
             return 0.0;
         for (uint32_t k = 0; k < arm->joints; k++)
             if (fabs(efforts[k]) > 0.0)
-                least = min_of(least, arm->limit[k] / fabs(efforts[k]));
+                min_strength = min_of(min_strength, arm->limit[k] / fabs(efforts[k]));
     }
-    return least;
+    return min_strength;
 }
 
-static dpt_result measure(struct can_arm *arm, const struct can_settings *settings,
-                          dpt_device_error *error)
+static dpt_result set_up(struct can_arm *arm, const struct can_settings *settings,
+                         dpt_device_error *error)
 {
     dpt_arm_joint joint[DPT_JOINTS_MAX];
     dpt_arm_info info = { .size = sizeof info };
@@ -262,9 +264,9 @@ static dpt_result measure(struct can_arm *arm, const struct can_settings *settin
     for (uint32_t i = 0; i < arm->joints; i++) {
         joint[i].size = sizeof joint[i];
         dpt_arm_get_joint(arm->arm, i, &joint[i]);
-        arm->slides[i] = joint[i].kind == DPT_JOINT_PRISMATIC;
+        arm->is_slider[i] = joint[i].kind == DPT_JOINT_PRISMATIC;
         arm->limit[i] = joint[i].effort;
-        arm->middle[i] = span_at(&joint[i], 0.5);
+        arm->middle[i] = coordinate_at(&joint[i], 0.5);
     }
     dpt_result result = dpt_arm_forward(arm->arm, arm->middle, &tool);
     if (result != DPT_OK)
@@ -282,9 +284,9 @@ static dpt_result measure(struct can_arm *arm, const struct can_settings *settin
     const double down[3] = { 0.0, settings->weight != 0.0 && info.mass > 0.0 ? -GRAVITY : 0.0,
                              0.0 };
     can_arm_to_root(arm, down, arm->gravity);
-    look_around(arm, joint);
-    arm->force_max = strength(arm, 0);
-    arm->torque_max = arm->wrench_dofs == 6 ? strength(arm, 1) : 0.0;
+    measure_workspace(arm, joint);
+    arm->force_max = max_along_axes(arm, 0);
+    arm->torque_max = arm->wrench_dofs == 6 ? max_along_axes(arm, 1) : 0.0;
     return DPT_OK;
 }
 
@@ -295,7 +297,7 @@ static dpt_result read_file(const char *path, void **bytes, size_t *size, dpt_de
         return device_error(error, DPT_E_OPEN, "%.120s: %.80s", path, strerror(errno));
     long length = fseek(file, 0, SEEK_END) ? -1 : ftell(file);
     dpt_result result = DPT_E_OPEN;
-    if (length > 0 && length <= LARGEST_FILE && !fseek(file, 0, SEEK_SET)) {
+    if (length > 0 && length <= FILE_BYTES_MAX && !fseek(file, 0, SEEK_SET)) {
         *bytes = malloc((size_t)length);
         *size = (size_t)length;
         result = !*bytes                                           ? DPT_E_MEMORY
@@ -327,7 +329,7 @@ dpt_result can_arm_open(struct can_arm *arm, const struct can_settings *settings
                          dpt_result_text(result));
     }
     if (result == DPT_OK)
-        result = measure(arm, settings, error);
+        result = set_up(arm, settings, error);
     if (result != DPT_OK)
         can_arm_close(arm);
     return result;
@@ -343,8 +345,8 @@ void can_arm_joints(const struct can_arm *arm, const float *turns, const float *
                     double *joints, double *speeds)
 {
     for (uint32_t i = 0; i < arm->joints; i++) {
-        joints[i] = arm->zero[i] + (double)turns[i] * arm->per_turn[i];
-        speeds[i] = (double)rates[i] * arm->per_turn[i];
+        joints[i] = arm->zero[i] + (double)turns[i] * arm->joint_per_turn[i];
+        speeds[i] = (double)rates[i] * arm->joint_per_turn[i];
     }
 }
 
@@ -358,8 +360,8 @@ dpt_result can_arm_pose(const struct can_arm *arm, const double *joints, const d
         result = dpt_arm_velocity(arm->arm, joints, speeds, velocity, spin);
     if (result != DPT_OK)
         return result;
-    const double *a = arm->turn, *b = tool.orientation;
-    place_of(arm, &tool, state->pose.position);
+    const double *a = arm->root_to_device, *b = tool.orientation;
+    device_position(arm, &tool, state->pose.position);
     state->pose.orientation[0] = a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3];
     state->pose.orientation[1] = a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2];
     state->pose.orientation[2] = a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1];
@@ -371,11 +373,11 @@ dpt_result can_arm_pose(const struct can_arm *arm, const double *joints, const d
 }
 
 dpt_result can_arm_torques(const struct can_arm *arm, const double *joints,
-                           const dpt_wrench *wrench, double share, float *torques)
+                           const dpt_wrench *wrench, double weight_share, float *torques)
 {
     dpt_wrench root;
     double efforts[DPT_JOINTS_MAX], weight[DPT_JOINTS_MAX] = { 0.0 };
-    double most = 1.0, held = 1.0;
+    double wrench_scale = 1.0, weight_scale = 1.0;
     can_arm_to_root(arm, wrench->force, root.force);
     can_arm_to_root(arm, wrench->torque, root.torque);
     if (arm->wrench_dofs < 6)
@@ -386,19 +388,20 @@ dpt_result can_arm_torques(const struct can_arm *arm, const double *joints,
     if (result == DPT_OK && extent_of(vec3_of(arm->gravity)) > 0.0)
         result = dpt_arm_weight(arm->arm, joints, arm->gravity, weight);
     for (uint32_t i = 0; i < arm->joints && result == DPT_OK; i++) {
-        weight[i] *= share;
-        held =
-            fabs(weight[i]) > arm->limit[i] ? min_of(held, arm->limit[i] / fabs(weight[i])) : held;
+        weight[i] *= weight_share;
+        weight_scale = fabs(weight[i]) > arm->limit[i]
+                           ? min_of(weight_scale, arm->limit[i] / fabs(weight[i]))
+                           : weight_scale;
     }
     if (result != DPT_OK)
         return result;
     for (uint32_t i = 0; i < arm->joints; i++) {
-        weight[i] *= held;
-        const double room = arm->limit[i] - (efforts[i] > 0.0 ? weight[i] : -weight[i]);
-        if (fabs(efforts[i]) > room)
-            most = min_of(most, max_of(room, 0.0) / fabs(efforts[i]));
+        weight[i] *= weight_scale;
+        const double effort_left = arm->limit[i] - (efforts[i] > 0.0 ? weight[i] : -weight[i]);
+        if (fabs(efforts[i]) > effort_left)
+            wrench_scale = min_of(wrench_scale, max_of(effort_left, 0.0) / fabs(efforts[i]));
     }
     for (uint32_t i = 0; i < arm->joints; i++)
-        torques[i] = (float)((weight[i] + most * efforts[i]) * arm->per_force[i]);
+        torques[i] = (float)((weight[i] + wrench_scale * efforts[i]) * arm->torque_per_effort[i]);
     return DPT_OK;
 }

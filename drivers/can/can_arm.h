@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * An arm with a motor at each joint: what stands behind can:can0?..., and how turns of motors become the pose of the tool
- * in the device's frame, and a wrench there torques of motors.
+ * An arm with a motor at each joint, as the settings of can:can0?... describe it. Converts turns of the motors to the
+ * pose of the tool in the device's frame, and a wrench in that frame to torques of the motors. The root's frame is that
+ * of the arm's root (arm.h).
  */
 #ifndef DPT_DRIVERS_CAN_ARM_H
 #define DPT_DRIVERS_CAN_ARM_H
@@ -10,20 +11,20 @@
 #include "dynpoint/device.h"
 #include "settings.h"
 
-/* The settings, as the table in docs/drivers.md has them. */
+/* The settings of the driver "can"; docs/drivers.md has their table. */
 struct can_settings {
     char interface[32];
     char arm[256], nodes[64], gear[160], zero[160], torque[160], centre[96];
     char axes[8], firmware[8];
-    double rate;      /* Hz, of estimates and commands */
-    double weight;    /* 1: hold up the arm's own weight */
-    double request;   /* 1: ask for each estimate */
-    double answer;    /* s, until a node has answered */
-    double silent;    /* s without an estimate, then it is lost */
-    double heartbeat; /* s, their period as it is configured */
-    double watchdog;  /* s, likewise; 0: none */
+    double rate;      /* of estimates and commands, Hz */
+    double weight;    /* 1: hold up the arm's own weight; 0: do not */
+    double request;   /* 1: request each estimate; 0: controllers send them cyclically */
+    double answer;    /* how long to wait for the nodes at open, s */
+    double silent;    /* the device is lost after so long without an estimate, s */
+    double heartbeat; /* period of heartbeats, as configured at the controllers, s */
+    double watchdog;  /* watchdog, as configured at the controllers, s; 0: they have none */
     struct dynamics dynamics;
-    int gives_force; /* the controllers have a watchdog, or it was said that they have none */
+    int gives_force; /* 1: the user named the controllers' watchdog, or said that there is none */
 };
 
 struct can_arm {
@@ -32,47 +33,55 @@ struct can_arm {
     uint32_t joints;
     uint32_t wrench_dofs;
     uint8_t nodes[DPT_JOINTS_MAX];
-    uint8_t slides[DPT_JOINTS_MAX];
-    double per_turn[DPT_JOINTS_MAX];  /* rad or m for a turn of the motor */
-    double per_force[DPT_JOINTS_MAX]; /* Nm of the motor for an Nm or N of the joint */
-    double zero[DPT_JOINTS_MAX];      /* the joint's coordinate where the motor's is 0 */
-    double limit[DPT_JOINTS_MAX];     /* Nm or N of the joint */
-    double middle[DPT_JOINTS_MAX];    /* of the joints' limits */
-    uint8_t from[3];                  /* the device's x, y, z are which axes of the root's frame */
-    double sign[3];
-    double turn[4];    /* the same as a quaternion, from the root's frame to the device's */
-    double centre[3];  /* the device's origin in the root's frame, m */
-    double gravity[3]; /* in the root's frame, m/s^2; 0 where no weight is held */
-    double force_max;  /* N in any direction, at the centre */
-    double torque_max; /* Nm, likewise; 0 without wrench_dofs 6 */
-    double workspace_min[3], workspace_max[3]; /* of the device's frame, m */
+    uint8_t is_slider[DPT_JOINTS_MAX];
+    double joint_per_turn[DPT_JOINTS_MAX];    /* rad or m of the joint for a turn of its motor */
+    double torque_per_effort[DPT_JOINTS_MAX]; /* Nm of the motor for an Nm or N of its joint */
+    double zero[DPT_JOINTS_MAX];   /* the joint's coordinate where its motor is at 0 turns */
+    double limit[DPT_JOINTS_MAX];  /* largest effort of the joint, Nm or N */
+    double middle[DPT_JOINTS_MAX]; /* the joint's coordinate in the middle of its limits */
+    uint8_t root_axis[3];     /* axis of the root's frame that the device's x, y, z lies along */
+    double sign[3];           /* 1, or -1 if the two point in opposite directions */
+    double root_to_device[4]; /* the same rotation as a quaternion (w, x, y, z) */
+    double centre[3];         /* the device's origin in the root's frame, m */
+    double gravity[3];        /* in the root's frame, m/s^2; 0: no weight is held up */
+    double force_max;         /* smallest along the device's three axes, joints in the middle, N */
+    double torque_max;        /* likewise, Nm; 0 if wrench_dofs is not 6 */
+    double workspace_min[3], workspace_max[3]; /* in the device's frame, m */
 };
 
-/* Defaults, and what `where` says. */
+/* Read the settings in `where`; those that it does not name get their defaults. */
 dpt_result can_settings_read(const char *where, struct can_settings *settings,
                              dpt_device_error *error);
 
-/* Reads the arm's file. On failure nothing stays. */
+/* Open the arm that the settings describe; reads its file. After a failure nothing is left to close. */
 dpt_result can_arm_open(struct can_arm *arm, const struct can_settings *settings,
                         dpt_device_error *error);
 void can_arm_close(struct can_arm *arm);
 
-/* A vector of the device's frame, in the root's. */
+/* Convert a vector from the device's frame to the root's. */
 void can_arm_to_root(const struct can_arm *arm, const double *device, double *root);
 
-/* The joints' coordinates and rates of the motors' turns and turns/s. */
+/*
+ * Convert motors to joints.
+ *   turns, rates     of the motors, turns and turns/s
+ *   joints, speeds   of the joints, rad and rad/s, or m and m/s
+ */
 void can_arm_joints(const struct can_arm *arm, const float *turns, const float *rates,
                     double *joints, double *speeds);
 
-/* The tool's pose, velocity and spin, and the joints, into a state. DPT_E_FINITE leaves it as it was. */
+/*
+ * Fill in the tool's pose, velocity and spin in the device's frame, and the joints. Other fields of `state` stay.
+ * DPT_E_FINITE: a number is not finite; `state` is as it was.
+ */
 dpt_result can_arm_pose(const struct can_arm *arm, const double *joints, const double *speeds,
                         dpt_device_state *state);
 
 /*
- * Torques of the motors, Nm, that give `wrench` on the hand, scaled down as one so that no joint's effort is above its limit,
- * and hold up `share` of the weight, which goes first.
+ * Compute the torques of the motors, Nm, that hold up `weight_share` (0..1) of the arm's weight and give `wrench` (in
+ * the device's frame) on the hand. The weight takes its part of each joint's limit first. The wrench is then scaled
+ * down as a whole so that no joint exceeds its limit.
  */
 dpt_result can_arm_torques(const struct can_arm *arm, const double *joints,
-                           const dpt_wrench *wrench, double share, float *torques);
+                           const dpt_wrench *wrench, double weight_share, float *torques);
 
 #endif

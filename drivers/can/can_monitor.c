@@ -11,16 +11,19 @@
 #define LOST_AFTER     (20u * MS)
 #define WINDOW         (100u * MS)
 #define WINDOW_PERIODS 20
-/* How far ahead, in quarters of a period, and how quickly it leaks: 1.4 of the heartbeats' rate pass, 1.18 of the samples'. */
-#define BEATS_AHEAD   10
-#define BEATS_LEAK    8
-#define SAMPLES_AHEAD 160
-#define SAMPLES_LEAK  256
-#define OLD_PERIODS   5    /* parts of a sample are not further apart */
-#define TURNS_AT      20.0 /* rad/s, faster than hands start a joint from rest */
-#define SLIDES_AT     5.0  /* m/s */
+/*
+ * check_rate: how far ahead a cyclic message may be, in quarters of its period, and its leak. Heartbeats may come at
+ * 1.4 times their rate, samples at 1.18 times.
+ */
+#define HEARTBEATS_AHEAD 10
+#define HEARTBEATS_LEAK  8
+#define SAMPLES_AHEAD    160
+#define SAMPLES_LEAK     256
+#define SPREAD_PERIODS   5    /* parts of a sample are not further apart */
+#define ROTARY_ALLOWANCE 20.0 /* rad/s, faster than hands start a joint from rest */
+#define SLIDER_ALLOWANCE 5.0  /* m/s */
 
-static uint64_t larger_time(uint64_t a, uint64_t b)
+static uint64_t max_time(uint64_t a, uint64_t b)
 {
     return a > b ? a : b;
 }
@@ -32,11 +35,13 @@ void can_monitor_init(struct can_monitor *monitor, const struct can_arm *arm,
     memset(monitor->index, 0xff, sizeof monitor->index);
     monitor->count = arm->joints;
     monitor->period_ns = (uint64_t)(1e9 / settings->rate);
-    monitor->heartbeat_ns = (uint64_t)(1e9 * settings->heartbeat);
+    monitor->heartbeat_period_ns = (uint64_t)(1e9 * settings->heartbeat);
     monitor->silent_ns = (uint64_t)(1e9 * settings->silent);
     for (uint32_t i = 0; i < monitor->count; i++) {
-        monitor->at[i].node = arm->nodes[i];
-        monitor->at[i].quickest = (arm->slides[i] ? SLIDES_AT : TURNS_AT) / fabs(arm->per_turn[i]);
+        monitor->nodes[i].node = arm->nodes[i];
+        monitor->nodes[i].speed_allowance =
+            (arm->is_slider[i] ? SLIDER_ALLOWANCE : ROTARY_ALLOWANCE) /
+            fabs(arm->joint_per_turn[i]);
         monitor->index[arm->nodes[i]] = (uint8_t)i;
     }
     can_monitor_forget(monitor);
@@ -45,20 +50,20 @@ void can_monitor_init(struct can_monitor *monitor, const struct can_arm *arm,
 void can_monitor_forget(struct can_monitor *monitor)
 {
     for (uint32_t i = 0; i < monitor->count; i++) {
-        const struct can_node kept = { .node = monitor->at[i].node,
-                                       .generation = monitor->at[i].generation,
-                                       .quickest = monitor->at[i].quickest };
-        monitor->at[i] = kept;
+        const struct can_node remembered = { .node = monitor->nodes[i].node,
+                                             .generation = monitor->nodes[i].generation,
+                                             .speed_allowance = monitor->nodes[i].speed_allowance };
+        monitor->nodes[i] = remembered;
     }
     monitor->is_armed = monitor->has_confirmed = 0;
-    monitor->parts = monitor->strangers = monitor->dropped = 0;
-    monitor->waiting_ns = monitor->sample_ns = 0;
+    monitor->failed_nodes = monitor->foreign_orders = monitor->dropped = 0;
+    monitor->unconfirmed_ns = monitor->sample_ns = 0;
 }
 
 void can_monitor_restart_counts(struct can_monitor *monitor)
 {
     for (uint32_t i = 0; i < monitor->count; i++)
-        monitor->at[i].seen = monitor->at[i].pulses = 0;
+        monitor->nodes[i].estimates = monitor->nodes[i].heartbeats = 0;
 }
 
 void can_monitor_set_status(struct can_monitor *monitor, uint32_t status, uint32_t reasons,
@@ -75,22 +80,23 @@ void can_monitor_set_status(struct can_monitor *monitor, uint32_t status, uint32
 
 int can_node_is_active(const struct can_node *node)
 {
-    return node->has_beaten && node->beat.state == ODRIVE_STATE_CLOSED_LOOP && !node->beat.errors &&
-           !node->beat.failed;
+    return node->has_heartbeat && node->heartbeat.state == ODRIVE_STATE_CLOSED_LOOP &&
+           !node->heartbeat.errors && !node->heartbeat.failed;
 }
 
 /*
- * By how much a cyclic message is ahead of the clock. What stood still may catch up; what is a little too quick leaks away,
- * 1 / leak each time; two nodes of one number gain half a period each time.
+ * Check a cyclic message for two nodes with one number. *ahead_ns is by how much the messages are ahead of their
+ * period. A message that was held up may catch up. A rate a little too high leaks away, by 1 / leak of *ahead_ns each
+ * time. Two nodes with one number gain half a period each time, and so reach the limit.
  */
-static void run_ahead(struct can_monitor *monitor, const struct can_node *node, int64_t *ahead,
-                      uint64_t passed, uint64_t period, int most, int leak)
+static void check_rate(struct can_monitor *monitor, const struct can_node *node, int64_t *ahead_ns,
+                       uint64_t elapsed_ns, uint64_t period, int max_quarters, int leak)
 {
-    const int64_t limit = most * (int64_t)period / 4;
-    *ahead += (int64_t)period - (int64_t)passed - *ahead / leak;
-    *ahead = *ahead > -limit ? *ahead : -limit;
-    if (*ahead > limit) {
-        *ahead = 0;
+    const int64_t limit = max_quarters * (int64_t)period / 4;
+    *ahead_ns += (int64_t)period - (int64_t)elapsed_ns - *ahead_ns / leak;
+    *ahead_ns = *ahead_ns > -limit ? *ahead_ns : -limit;
+    if (*ahead_ns > limit) {
+        *ahead_ns = 0;
         can_monitor_set_status(monitor, DPT_DEVICE_STATUS_FAULT, DPT_REASON_LINK,
                                CAN_CODE(CAN_CODE_DUPLICATE, node->node));
     }
@@ -98,10 +104,10 @@ static void run_ahead(struct can_monitor *monitor, const struct can_node *node, 
 
 static void count_frame(struct can_monitor *monitor, struct can_node *node, uint64_t time)
 {
-    const uint64_t window = larger_time(WINDOW, WINDOW_PERIODS * monitor->period_ns);
+    const uint64_t window = max_time(WINDOW, WINDOW_PERIODS * monitor->period_ns);
     if (++node->frames * monitor->period_ns > 4 * window)
         can_monitor_set_status(monitor, DPT_DEVICE_STATUS_FAULT, DPT_REASON_LINK,
-                               CAN_CODE(CAN_CODE_BABBLES, node->node));
+                               CAN_CODE(CAN_CODE_BABBLING, node->node));
     if (time - node->window_ns >= window) {
         node->window_ns = time;
         node->frames = 0;
@@ -116,88 +122,92 @@ static uint32_t reasons_of(const struct can_node *node)
     return reasons;
 }
 
-static void take_beat(struct can_monitor *monitor, struct can_node *node,
-                      const struct odrive_heartbeat *beat, uint64_t time)
+static void take_heartbeat(struct can_monitor *monitor, struct can_node *node,
+                           const struct odrive_heartbeat *heartbeat, uint64_t time)
 {
-    if (node->has_beaten)
-        run_ahead(monitor, node, &node->beats_ahead, time - node->beat_ns, monitor->heartbeat_ns,
-                  BEATS_AHEAD, BEATS_LEAK);
-    node->beat = *beat;
-    node->has_beaten = 1;
-    node->beat_ns = time;
-    node->pulses++;
+    if (node->has_heartbeat)
+        check_rate(monitor, node, &node->heartbeats_ahead_ns, time - node->heartbeat_ns,
+                   monitor->heartbeat_period_ns, HEARTBEATS_AHEAD, HEARTBEATS_LEAK);
+    node->heartbeat = *heartbeat;
+    node->has_heartbeat = 1;
+    node->heartbeat_ns = time;
+    node->heartbeats++;
     node->errors[node->generation == ODRIVE_0_5 ? ODRIVE_AXIS_ERRORS : ODRIVE_ERRORS_0_6] =
-        beat->errors;
-    if (beat->failed)
-        monitor->parts |= 1u << (node - monitor->at);
+        heartbeat->errors;
+    if (heartbeat->failed)
+        monitor->failed_nodes |= 1u << (node - monitor->nodes);
     if (!monitor->is_armed || can_node_is_active(node))
         return;
     const uint32_t reasons = reasons_of(node);
-    if (reasons || beat->failed)
+    if (reasons || heartbeat->failed)
         can_monitor_set_status(monitor, DPT_DEVICE_STATUS_FAULT,
-                               reasons ? reasons : DPT_REASON_DEVICE, beat->errors);
+                               reasons ? reasons : DPT_REASON_DEVICE, heartbeat->errors);
     else if (monitor->status == DPT_DEVICE_STATUS_READY) {
         monitor->counts.resets++;
         can_monitor_set_status(monitor, DPT_DEVICE_STATUS_FAULT, DPT_REASON_DEVICE,
-                               CAN_CODE(CAN_CODE_BEGAN, node->node));
+                               CAN_CODE(CAN_CODE_RESTARTED, node->node));
     }
 }
 
-/* A place that it cannot have come to since the last one, which may have been late by two periods. */
-static void find_jump(struct can_monitor *monitor, const struct can_node *node, float position,
-                      float velocity, int64_t passed)
+/*
+ * Find a jump: a position that the motor cannot have reached since the last estimate, even if that was two periods
+ * late.
+ */
+static void check_jump(struct can_monitor *monitor, const struct can_node *node, float position,
+                       float velocity, int64_t elapsed_ns)
 {
     const double seconds =
-        1e-9 * ((passed > 0 ? (double)passed : 0.0) + 2.0 * (double)monitor->period_ns);
+        1e-9 * ((elapsed_ns > 0 ? (double)elapsed_ns : 0.0) + 2.0 * (double)monitor->period_ns);
     const double speed =
-        node->quickest + max_of(fabs((double)velocity), fabs((double)node->velocity));
+        node->speed_allowance + max_of(fabs((double)velocity), fabs((double)node->velocity));
     if (fabs((double)position - (double)node->position) > speed * seconds)
         can_monitor_set_status(monitor, DPT_DEVICE_STATUS_FAULT, DPT_REASON_UNCALIBRATED,
                                CAN_CODE(CAN_CODE_JUMPED, node->node));
 }
 
-/* All nodes have said where they are since the last sample, and lately: the next one. */
-static void take_sample(struct can_monitor *monitor, uint64_t time)
+/* If all nodes have sent an estimate since the last sample, and none is too old, the estimates are the next sample. */
+static void complete_sample(struct can_monitor *monitor, uint64_t time)
 {
     for (uint32_t i = 0; i < monitor->count; i++)
-        if (!monitor->at[i].is_fresh || (int64_t)(time - monitor->at[i].estimate_ns) >
-                                            OLD_PERIODS * (int64_t)monitor->period_ns)
+        if (!monitor->nodes[i].is_fresh || (int64_t)(time - monitor->nodes[i].estimate_ns) >
+                                               SPREAD_PERIODS * (int64_t)monitor->period_ns)
             return;
     for (uint32_t i = 0; i < monitor->count; i++) {
-        monitor->position[i] = monitor->at[i].position;
-        monitor->velocity[i] = monitor->at[i].velocity;
-        monitor->at[i].is_fresh = 0;
+        monitor->position[i] = monitor->nodes[i].position;
+        monitor->velocity[i] = monitor->nodes[i].velocity;
+        monitor->nodes[i].is_fresh = 0;
     }
     if (!monitor->sample_ns)
         monitor->expected_ns = time - monitor->period_ns;
-    /* Periods, to the nearest; none when what had been late came with the next one: then it was not lost. */
+    /* Periods that passed, rounded. 0 if a late sample came together with the next one: then it was not lost. */
     const int64_t period = (int64_t)monitor->period_ns;
     const int64_t behind = (int64_t)(time - monitor->expected_ns);
-    const int64_t passed = behind > 0 ? (behind + period / 2) / period : 0;
-    monitor->expected_ns += (uint64_t)(passed * period);
-    /* The nodes' clocks and ours drift apart: follow them slowly, so that jitter does not count. */
+    const int64_t elapsed_ns = behind > 0 ? (behind + period / 2) / period : 0;
+    monitor->expected_ns += (uint64_t)(elapsed_ns * period);
+    /* The nodes' clocks and ours drift apart: follow them slowly, so that jitter has little effect. */
     monitor->expected_ns += (uint64_t)((int64_t)(time - monitor->expected_ns) / 16);
     monitor->sample_ns = time > monitor->sample_ns ? time : monitor->sample_ns + 1;
-    monitor->sequence += passed > 0 ? (uint64_t)passed : 1;
-    monitor->counts.samples += (uint64_t)passed;
-    if (passed > 0)
-        monitor->counts.lost += (uint64_t)passed - 1;
+    monitor->sequence += elapsed_ns > 0 ? (uint64_t)elapsed_ns : 1;
+    monitor->counts.samples += (uint64_t)elapsed_ns;
+    if (elapsed_ns > 0)
+        monitor->counts.lost += (uint64_t)elapsed_ns - 1;
     else
         monitor->counts.lost -= monitor->counts.lost > 0;
 }
 
-static void forget_sent(struct can_node *node, uint32_t at)
+static void remove_sent(struct can_node *node, uint32_t at)
 {
     node->sent_count--;
     memmove(&node->sent[at], &node->sent[at + 1], (node->sent_count - at) * sizeof *node->sent);
 }
 
 /*
- * A torque of ours was on the bus: the first of its bits that is under way. Of equal ones in a row any may have come: it is late
- * when it is so for the last of them, and one that is lost stays over when the row ends.
+ * A torque of ours came back from the bus: match it with the first unconfirmed torque of the same bits. Equal torques
+ * in a row cannot be told apart: it counts as late if it is late even for the last of them, and a lost one is left over
+ * when the row ends.
  */
-static void confirm(struct can_monitor *monitor, struct can_node *node,
-                    const struct can_message *message)
+static void confirm_torque(struct can_monitor *monitor, struct can_node *node,
+                           const struct can_message *message)
 {
     const uint32_t bits = (uint32_t)message->data[0] | (uint32_t)message->data[1] << 8 |
                           (uint32_t)message->data[2] << 16 | (uint32_t)message->data[3] << 24;
@@ -205,7 +215,7 @@ static void confirm(struct can_monitor *monitor, struct can_node *node,
     while (at < node->sent_count && node->sent[at].bits != bits)
         at++;
     if (at == node->sent_count)
-        return; /* given up before */
+        return; /* it was counted as missed before */
     for (uint32_t i = 0; i < at; i++)
         node->sent[i].is_overtaken = 1;
     uint32_t last = at;
@@ -214,27 +224,28 @@ static void confirm(struct can_monitor *monitor, struct can_node *node,
     const int64_t late = (int64_t)(message->time_ns - node->sent[last].time_ns);
     monitor->counts.missed +=
         node->sent[at].is_overtaken || late > (int64_t)(2 * monitor->period_ns);
-    forget_sent(node, at);
+    remove_sent(node, at);
 }
 
-static void take_own(struct can_monitor *monitor, struct can_node *node,
-                     const struct can_message *message)
+static void take_confirmation(struct can_monitor *monitor, struct can_node *node,
+                              const struct can_message *message)
 {
-    monitor->waiting_ns = 0;
+    monitor->unconfirmed_ns = 0;
     monitor->has_confirmed = 1;
     if ((message->id & 31) == ODRIVE_SET_TORQUE && !(message->flags & CAN_MESSAGE_REMOTE))
-        confirm(monitor, node, message);
+        confirm_torque(monitor, node, message);
 }
 
-static void take_order(struct can_monitor *monitor, const struct can_node *node, unsigned command)
+static void report_foreign_order(struct can_monitor *monitor, const struct can_node *node,
+                                 unsigned command)
 {
-    monitor->strangers++;
+    monitor->foreign_orders++;
     can_monitor_set_status(monitor, DPT_DEVICE_STATUS_FAULT,
                            command == ODRIVE_ESTOP ? DPT_REASON_ESTOP : DPT_REASON_LINK,
-                           CAN_CODE(CAN_CODE_STRANGER, node->node));
+                           CAN_CODE(CAN_CODE_FOREIGN_ORDER, node->node));
 }
 
-/* Asked for, or cyclic: then they are here before the next heartbeat. */
+/* Take a word of error bits, which was requested or comes cyclically, and so before the next heartbeat. */
 static void take_errors(struct can_monitor *monitor, struct can_node *node, unsigned word,
                         uint64_t errors)
 {
@@ -243,80 +254,80 @@ static void take_errors(struct can_monitor *monitor, struct can_node *node, unsi
         return;
     can_monitor_set_status(monitor, DPT_DEVICE_STATUS_FAULT, odrive_reasons(word, errors),
                            (uint32_t)errors);
-    /* Of 0.5 the heartbeat had only that there are some. */
+    /* A heartbeat of 0.5 said only that there are errors. */
     monitor->code = monitor->code ? monitor->code : (uint32_t)errors;
 }
 
 void can_monitor_take(struct can_monitor *monitor, const struct can_message *message)
 {
-    struct odrive_message said;
+    struct odrive_message decoded;
     const uint8_t index = monitor->index[message->id >> 5 & (ODRIVE_NODES - 1)];
     if (index == 0xff)
         return;
-    struct can_node *node = &monitor->at[index];
+    struct can_node *node = &monitor->nodes[index];
     if (message->flags & CAN_MESSAGE_OWN) {
-        take_own(monitor, node, message);
+        take_confirmation(monitor, node, message);
         return;
     }
     count_frame(monitor, node, message->time_ns);
     if (message->flags & CAN_MESSAGE_REMOTE)
         return;
-    if (odrive_is_order(message->id & 31)) {
-        take_order(monitor, node, message->id & 31);
+    if (odrive_is_control(message->id & 31)) {
+        report_foreign_order(monitor, node, message->id & 31);
         return;
     }
-    const int is = odrive_decode(message, node->generation, &said);
-    monitor->counts.damaged += is == ODRIVE_DAMAGED;
-    if (is != ODRIVE_MESSAGE)
+    const int kind = odrive_decode(message, node->generation, &decoded);
+    monitor->counts.damaged += kind == ODRIVE_DAMAGED;
+    if (kind != ODRIVE_MESSAGE)
         return;
-    switch (said.command) {
+    switch (decoded.command) {
     case ODRIVE_VERSION:
-        node->told = ODRIVE_0_6;
+        node->proven_generation = ODRIVE_0_6;
         if (node->generation == ODRIVE_ANY)
             node->generation = ODRIVE_0_6;
         break;
     case ODRIVE_HEARTBEAT:
-        if (odrive_heartbeat_of(message) != ODRIVE_ANY)
-            node->told = (uint8_t)odrive_heartbeat_of(message);
+        if (odrive_heartbeat_generation(message) != ODRIVE_ANY)
+            node->proven_generation = (uint8_t)odrive_heartbeat_generation(message);
         if (node->generation == ODRIVE_ANY)
-            node->generation = node->told;
-        odrive_decode(message, node->generation, &said);
-        take_beat(monitor, node, &said.as.heartbeat, message->time_ns);
+            node->generation = node->proven_generation;
+        odrive_decode(message, node->generation, &decoded);
+        take_heartbeat(monitor, node, &decoded.as.heartbeat, message->time_ns);
         break;
     case ODRIVE_ERROR:
         take_errors(monitor, node,
                     node->generation == ODRIVE_0_5 ? ODRIVE_MOTOR_ERRORS : ODRIVE_ERRORS_0_6,
-                    said.as.error.active);
+                    decoded.as.error.active);
         break;
     case ODRIVE_ENCODER_ERROR:
-        take_errors(monitor, node, ODRIVE_ENCODER_ERRORS, said.as.error.active);
+        take_errors(monitor, node, ODRIVE_ENCODER_ERRORS, decoded.as.error.active);
         break;
     case ODRIVE_CONTROLLER_ERROR:
-        take_errors(monitor, node, ODRIVE_CONTROLLER_ERRORS, said.as.error.active);
+        take_errors(monitor, node, ODRIVE_CONTROLLER_ERRORS, decoded.as.error.active);
         break;
     case ODRIVE_ADDRESS:
-        if (node->serial && node->serial != said.as.address.serial) {
-            node->is_doubtful = 1;
+        if (node->serial && node->serial != decoded.as.address.serial) {
+            node->is_duplicate = 1;
             can_monitor_set_status(monitor, DPT_DEVICE_STATUS_FAULT, DPT_REASON_LINK,
                                    CAN_CODE(CAN_CODE_DUPLICATE, node->node));
         }
-        node->serial = said.as.address.serial;
+        node->serial = decoded.as.address.serial;
         break;
     case ODRIVE_ESTIMATES:
         if (node->has_estimate) {
-            const uint64_t passed = message->time_ns - node->estimate_ns;
-            run_ahead(monitor, node, &node->ahead, passed, monitor->period_ns, SAMPLES_AHEAD,
-                      SAMPLES_LEAK);
-            find_jump(monitor, node, said.as.estimates.position, said.as.estimates.velocity,
-                      (int64_t)passed);
+            const uint64_t elapsed_ns = message->time_ns - node->estimate_ns;
+            check_rate(monitor, node, &node->estimates_ahead_ns, elapsed_ns, monitor->period_ns,
+                       SAMPLES_AHEAD, SAMPLES_LEAK);
+            check_jump(monitor, node, decoded.as.estimates.position, decoded.as.estimates.velocity,
+                       (int64_t)elapsed_ns);
         }
-        node->position = said.as.estimates.position;
-        node->velocity = said.as.estimates.velocity;
+        node->position = decoded.as.estimates.position;
+        node->velocity = decoded.as.estimates.velocity;
         node->estimate_ns = message->time_ns;
         node->has_estimate = node->is_fresh = 1;
-        if (node->seen++ == 0)
+        if (node->estimates++ == 0)
             node->first_ns = message->time_ns;
-        take_sample(monitor, message->time_ns);
+        complete_sample(monitor, message->time_ns);
         break;
     default:
         break;
@@ -325,10 +336,10 @@ void can_monitor_take(struct can_monitor *monitor, const struct can_message *mes
 
 void can_monitor_note_sent(struct can_monitor *monitor, uint32_t index, float torque, uint64_t now)
 {
-    struct can_node *node = &monitor->at[index];
+    struct can_node *node = &monitor->nodes[index];
     if (node->sent_count == CAN_SENT_MAX) {
         monitor->counts.missed++;
-        forget_sent(node, 0);
+        remove_sent(node, 0);
     }
     struct can_sent *sent = &node->sent[node->sent_count++];
     memcpy(&sent->bits, &torque, 4);
@@ -336,31 +347,32 @@ void can_monitor_note_sent(struct can_monitor *monitor, uint32_t index, float to
     sent->is_overtaken = 0;
 }
 
-void can_monitor_note_tried(struct can_monitor *monitor, uint64_t now)
+void can_monitor_note_attempt(struct can_monitor *monitor, uint64_t now)
 {
-    if (!monitor->waiting_ns)
-        monitor->waiting_ns = now;
+    if (!monitor->unconfirmed_ns)
+        monitor->unconfirmed_ns = now;
 }
 
-void can_monitor_check(struct can_monitor *monitor, uint64_t now, int is_all)
+void can_monitor_check(struct can_monitor *monitor, uint64_t now, int is_drained)
 {
-    const uint64_t give_up = larger_time(LOST_AFTER, 5 * monitor->period_ns);
-    if (!is_all)
+    const uint64_t give_up = max_time(LOST_AFTER, 5 * monitor->period_ns);
+    if (!is_drained)
         return;
     for (uint32_t i = 0; i < monitor->count; i++) {
-        struct can_node *node = &monitor->at[i];
+        struct can_node *node = &monitor->nodes[i];
         while (node->sent_count && (int64_t)(now - node->sent[0].time_ns) > (int64_t)give_up) {
             monitor->counts.missed++;
-            forget_sent(node, 0);
+            remove_sent(node, 0);
         }
         if ((int64_t)(now - node->estimate_ns) > (int64_t)monitor->silent_ns)
             can_monitor_set_status(monitor, DPT_DEVICE_STATUS_LOST, DPT_REASON_SILENT,
-                                   CAN_CODE(CAN_CODE_SILENT, node->node));
-        if ((int64_t)(now - node->beat_ns) > (int64_t)(5 * monitor->heartbeat_ns))
+                                   CAN_CODE(CAN_CODE_NO_ESTIMATE, node->node));
+        if ((int64_t)(now - node->heartbeat_ns) > (int64_t)(5 * monitor->heartbeat_period_ns))
             can_monitor_set_status(monitor, DPT_DEVICE_STATUS_LOST, DPT_REASON_SILENT,
-                                   CAN_CODE(CAN_CODE_PULSELESS, node->node));
+                                   CAN_CODE(CAN_CODE_NO_HEARTBEAT, node->node));
     }
-    if (monitor->waiting_ns && (int64_t)(now - monitor->waiting_ns) > (int64_t)monitor->silent_ns)
+    if (monitor->unconfirmed_ns &&
+        (int64_t)(now - monitor->unconfirmed_ns) > (int64_t)monitor->silent_ns)
         can_monitor_set_status(monitor, DPT_DEVICE_STATUS_LOST, DPT_REASON_LINK,
                                CAN_CODE(CAN_CODE_STUCK, CAN_CODE_BUS));
 }
@@ -370,7 +382,7 @@ void can_node_describe(const struct can_node *node, char *text, size_t size)
     static const char *const part[ODRIVE_ERROR_WORDS] = { "", "", "motor ", "encoder ",
                                                           "controller " };
     size_t used = (size_t)snprintf(text, size, "node %u: %s", node->node,
-                                   odrive_state_name(node->beat.state));
+                                   odrive_state_name(node->heartbeat.state));
     for (unsigned word = 0; word < ODRIVE_ERROR_WORDS; word++)
         for (uint64_t left = node->errors[word]; left && used < size; left &= left - 1)
             used += (size_t)snprintf(text + used, size - used, ", %s%s", part[word],

@@ -6,21 +6,21 @@
 #include "clock.h"
 #include "settings.h"
 
-#define MS           1000000u
-#define ASK_EVERY    (100u * MS)
-#define SETTLE       (200u * MS) /* for an answer to Get_Version, which 0.5 does not give */
-#define FEED_EVERY   (2u * MS)   /* while motors are switched on: controllers' watchdogs may run */
-#define SWITCH_EVERY (100u * MS)
-#define SWITCH_IN    (2000u * MS)
-#define RECEIVES     4
+#define MS            1000000u
+#define REQUEST_EVERY (100u * MS)
+#define VERSION_WAIT  (200u * MS) /* for an answer to Get_Version, which 0.5 does not give */
+#define FEED_EVERY    (2u * MS)   /* while motors are switched on: controllers' watchdogs may run */
+#define SWITCH_EVERY  (100u * MS)
+#define SWITCH_WITHIN (2000u * MS)
+#define RECEIVES      4
 
 void can_session_put(struct can_session *session, uint32_t index, struct odrive_message message)
 {
-    const struct can_node *node = &session->monitor.at[index];
+    const struct can_node *node = &session->monitor.nodes[index];
     message.node = node->node;
-    if (session->count < SOCKETCAN_BATCH &&
-        odrive_encode(&message, node->generation, &session->out[session->count]))
-        session->count++;
+    if (session->out_count < SOCKETCAN_BATCH &&
+        odrive_encode(&message, node->generation, &session->out[session->out_count]))
+        session->out_count++;
 }
 
 void can_session_put_all(struct can_session *session, struct odrive_message message)
@@ -33,23 +33,24 @@ const struct odrive_message can_no_torque = { .command = ODRIVE_SET_TORQUE },
                             can_estop = { .command = ODRIVE_ESTOP },
                             can_idle = { .command = ODRIVE_SET_STATE,
                                          .as.state = ODRIVE_STATE_IDLE },
-                            can_where = { .command = ODRIVE_ESTIMATES, .asks = 1 };
+                            can_request_estimates = { .command = ODRIVE_ESTIMATES,
+                                                      .is_request = 1 };
 
 int can_session_send(struct can_session *session)
 {
-    const int count = session->count;
+    const int count = session->out_count;
     if (count == 0)
         return 1;
-    session->count = 0;
+    session->out_count = 0;
     const uint64_t now = clock_now();
-    can_monitor_note_tried(&session->monitor, now);
+    can_monitor_note_attempt(&session->monitor, now);
     const int sent = socketcan_send(&session->socketcan, session->out, count);
     for (int i = 0; i < sent; i++) {
-        struct odrive_message said;
-        if (odrive_decode(&session->out[i], ODRIVE_ANY, &said) == ODRIVE_MESSAGE &&
-            said.command == ODRIVE_SET_TORQUE)
-            can_monitor_note_sent(&session->monitor, session->monitor.index[said.node],
-                                  said.as.torque, now);
+        struct odrive_message message;
+        if (odrive_decode(&session->out[i], ODRIVE_ANY, &message) == ODRIVE_MESSAGE &&
+            message.command == ODRIVE_SET_TORQUE)
+            can_monitor_note_sent(&session->monitor, session->monitor.index[message.node],
+                                  message.as.torque, now);
     }
     return sent == count;
 }
@@ -65,10 +66,10 @@ void can_session_check_line(struct can_session *session)
     if (socketcan->is_down)
         can_monitor_set_status(monitor, DPT_DEVICE_STATUS_LOST, DPT_REASON_LINK,
                                CAN_CODE(CAN_CODE_DOWN, CAN_CODE_BUS));
-    if (socketcan->is_off)
+    if (socketcan->is_bus_off)
         can_monitor_set_status(monitor, DPT_DEVICE_STATUS_LOST, DPT_REASON_LINK,
                                CAN_CODE(CAN_CODE_OFF, CAN_CODE_BUS));
-    if (socketcan->is_passive)
+    if (socketcan->is_error_passive)
         can_monitor_set_status(monitor, DPT_DEVICE_STATUS_FAULT, DPT_REASON_LINK,
                                CAN_CODE(CAN_CODE_PASSIVE, CAN_CODE_BUS));
     if (dropped != session->dropped)
@@ -84,14 +85,15 @@ int can_session_receive(struct can_session *session)
         const int count = socketcan_receive(&session->socketcan, session->in);
         for (int k = 0; k < count; k++)
             can_monitor_take(&session->monitor, &session->in[k]);
-    } while (!session->socketcan.is_empty && ++calls < RECEIVES);
+    } while (!session->socketcan.is_drained && ++calls < RECEIVES);
     can_session_check_line(session);
-    return session->socketcan.is_empty;
+    return session->socketcan.is_drained;
 }
 
 int can_session_is_dead(const struct can_session *session)
 {
-    return session->socketcan.is_gone || session->socketcan.is_down || session->socketcan.is_off;
+    return session->socketcan.is_gone || session->socketcan.is_down ||
+           session->socketcan.is_bus_off;
 }
 
 void can_session_wait(struct can_session *session, uint64_t deadline)
@@ -106,18 +108,18 @@ static const char *line_trouble(const struct can_session *session)
 {
     return session->socketcan.is_gone   ? "it went away"
            : session->socketcan.is_down ? "it was shut down"
-           : session->socketcan.is_off
+           : session->socketcan.is_bus_off
                ? "the bus is off: too many errors, look at wires, ends (120 Ohm) "
                  "and bit rate"
-           : session->socketcan.is_passive
+           : session->socketcan.is_error_passive
                ? "the bus has many errors: look at wires, ends (120 Ohm) and "
                  "bit rate"
                : NULL;
 }
 
 /*
- * Frames of 11-bit ids take 47 bits and 8 for each byte, and 1 for every 4 of the first 34 and the data's where the worst is
- * stuffed: 135 for 8 bytes, 95 for 4, 55 for none.
+ * The longest a frame can be: a frame with an 11-bit id has 47 bits and 8 for each byte of data. Of the first 34 bits
+ * and the data, stuffing adds at most one bit for every 4. So 135 bits for 8 bytes, 95 for 4, 55 for none.
  */
 static dpt_result check_load(const struct can_session *session, dpt_device_error *error)
 {
@@ -132,7 +134,7 @@ static dpt_result check_load(const struct can_session *session, dpt_device_error
                         (unsigned)session->arm.joints, session->settings.rate, needed);
 }
 
-static dpt_result refuse_silence(const struct can_session *session, dpt_device_error *error)
+static dpt_result explain_silence(const struct can_session *session, dpt_device_error *error)
 {
     const char *name = session->settings.interface, *trouble = line_trouble(session);
     if (trouble)
@@ -143,13 +145,13 @@ static dpt_result refuse_silence(const struct can_session *session, dpt_device_e
                             "both ends terminated (120 Ohm), all at the same bit rate?",
                             name);
     for (uint32_t i = 0; i < session->monitor.count; i++) {
-        const struct can_node *node = &session->monitor.at[i];
-        if (node->has_estimate && !node->has_beaten)
+        const struct can_node *node = &session->monitor.nodes[i];
+        if (node->has_estimate && !node->has_heartbeat)
             return device_error(error, DPT_E_DEVICE,
                                 "node %u answers but has no heartbeat: set axis.config.can."
                                 "heartbeat_rate_ms (0.5) or heartbeat_msg_rate_ms (0.6) to 100",
                                 node->node);
-        if (!node->has_beaten)
+        if (!node->has_heartbeat)
             return device_error(error, DPT_E_DEVICE,
                                 "no node %u on %.20s within %g s: is it powered, and is its "
                                 "axis.config.can.node_id %u? Joints' nodes are set by ?nodes=",
@@ -158,102 +160,106 @@ static dpt_result refuse_silence(const struct can_session *session, dpt_device_e
     return device_error(error, DPT_E_DEVICE, "%.20s: no whole sample came", name);
 }
 
-/* 0.6 answers when it is asked for its version, 0.5 does not; heartbeats of some contents tell, too. */
-static void find_generation(struct can_session *session, struct can_node *node, uint64_t heard)
+/* Find a node's generation. 0.6 answers a request for its version, 0.5 does not. Some heartbeats show it, too. */
+static void find_generation(struct can_session *session, struct can_node *node, uint64_t heard_ns)
 {
     if (node->generation != ODRIVE_ANY)
         return;
     if (strcmp(session->settings.firmware, "auto"))
         node->generation = session->settings.firmware[2] == '5' ? ODRIVE_0_5 : ODRIVE_0_6;
-    else if (node->has_beaten && clock_now() - heard > SETTLE)
+    else if (node->has_heartbeat && clock_now() - heard_ns > VERSION_WAIT)
         node->generation = ODRIVE_0_5;
 }
 
-/* Each node is heard, and known for what it is. */
-static dpt_result meet(struct can_session *session, dpt_device_error *error)
+/* Wait for a heartbeat of each node and find its firmware's generation. */
+static dpt_result identify_nodes(struct can_session *session, dpt_device_error *error)
 {
     const uint64_t start = clock_now();
     const uint64_t deadline = start + (uint64_t)(1e9 * session->settings.answer);
-    uint64_t heard[DPT_JOINTS_MAX] = { 0 }; /* first, and so can have been asked since */
+    uint64_t heard_ns[DPT_JOINTS_MAX] = {
+        0
+    }; /* when the first heartbeat came: from then on it can answer */
     uint64_t next = start, now = start;
-    uint32_t met = 0;
-    while (met < session->monitor.count && !can_session_is_dead(session)) {
+    uint32_t identified = 0;
+    while (identified < session->monitor.count && !can_session_is_dead(session)) {
         if ((now = clock_now()) >= deadline)
-            return refuse_silence(session, error);
-        met = 0;
+            return explain_silence(session, error);
+        identified = 0;
         for (uint32_t i = 0; i < session->monitor.count; i++) {
-            struct can_node *node = &session->monitor.at[i];
-            heard[i] = node->has_beaten && !heard[i] ? now : heard[i];
-            find_generation(session, node, heard[i]);
-            met += node->has_beaten && node->generation != ODRIVE_ANY;
+            struct can_node *node = &session->monitor.nodes[i];
+            heard_ns[i] = node->has_heartbeat && !heard_ns[i] ? now : heard_ns[i];
+            find_generation(session, node, heard_ns[i]);
+            identified += node->has_heartbeat && node->generation != ODRIVE_ANY;
             if (now < next)
                 continue;
-            const struct odrive_message version = { .command = ODRIVE_VERSION, .asks = 1 };
-            if (node->told == ODRIVE_ANY)
+            const struct odrive_message version = { .command = ODRIVE_VERSION, .is_request = 1 };
+            if (node->proven_generation == ODRIVE_ANY)
                 can_session_put(session, i, version);
-            can_session_put(session, i, can_where);
+            can_session_put(session, i, can_request_estimates);
         }
-        next = now >= next ? now + ASK_EVERY : next;
+        next = now >= next ? now + REQUEST_EVERY : next;
         can_session_send(session);
-        if (met < session->monitor.count)
+        if (identified < session->monitor.count)
             can_session_wait(session, now + 5 * MS);
     }
-    return can_session_is_dead(session) ? refuse_silence(session, error) : DPT_OK;
+    return can_session_is_dead(session) ? explain_silence(session, error) : DPT_OK;
 }
 
-/* Each node is what it was taken for, says where it is as often as it should, and is there once. */
-static dpt_result check_nodes(const struct can_session *session, uint32_t asked,
+/* Check that each node has the expected firmware, sends at the expected rates, and has a number of its own. */
+static dpt_result check_nodes(const struct can_session *session, uint32_t requests,
                               dpt_device_error *error)
 {
     const double rate = session->settings.rate;
     for (uint32_t i = 0; i < session->monitor.count; i++) {
-        const struct can_node *node = &session->monitor.at[i];
-        if (node->told != ODRIVE_ANY && node->told != node->generation)
+        const struct can_node *node = &session->monitor.nodes[i];
+        if (node->proven_generation != ODRIVE_ANY && node->proven_generation != node->generation)
             return device_error(error, DPT_E_PROTOCOL,
                                 "node %u has firmware 0.%u: leave ?firmware= away", node->node,
-                                node->told);
+                                node->proven_generation);
         const double seconds = 1e-9 * (double)(node->estimate_ns - node->first_ns);
-        const double heard = node->seen > 1 && seconds > 0.0 ? (node->seen - 1) / seconds : 0.0;
-        const double beats = (double)node->pulses;
-        const double expected =
-            1.0 + 1e-9 * (double)(clock_now() - session->asked_ns) / session->settings.heartbeat;
-        if (node->is_doubtful || beats > 1.4 * expected)
+        const double estimate_rate =
+            node->estimates > 1 && seconds > 0.0 ? (node->estimates - 1) / seconds : 0.0;
+        const double heartbeats = (double)node->heartbeats;
+        const double heartbeats_expected = 1.0 + 1e-9 *
+                                                     (double)(clock_now() - session->requested_ns) /
+                                                     session->settings.heartbeat;
+        if (node->is_duplicate || heartbeats > 1.4 * heartbeats_expected)
             return device_error(error, DPT_E_DEVICE,
                                 "there are two controllers with the number %u: give each its own "
                                 "axis.config.can.node_id (or their heartbeat is not every %g s: "
                                 "?heartbeat=)",
                                 node->node, session->settings.heartbeat);
-        if (beats < 0.45 * expected)
+        if (heartbeats < 0.45 * heartbeats_expected)
             return device_error(error, DPT_E_DEVICE,
                                 "node %u has a heartbeat less often than every %g s: set axis."
                                 "config.can.heartbeat_rate_ms (0.5) or heartbeat_msg_rate_ms (0.6) "
                                 "to %.3g, or ?heartbeat=",
                                 node->node, session->settings.heartbeat,
                                 1000.0 * session->settings.heartbeat);
-        if (session->settings.request != 0.0 && (double)node->seen > 1.15 * asked + 2.0)
+        if (session->settings.request != 0.0 && (double)node->estimates > 1.15 * requests + 2.0)
             return device_error(error, DPT_E_DEVICE,
                                 "node %u says where it is %u times, asked %u times: two "
                                 "controllers have that number, or it does so by itself and "
                                 "?request=1 is needless",
-                                node->node, (unsigned)node->seen, (unsigned)asked);
-        if (session->settings.request != 0.0 && 5 * node->seen < 4 * asked)
+                                node->node, (unsigned)node->estimates, (unsigned)requests);
+        if (session->settings.request != 0.0 && 5 * node->estimates < 4 * requests)
             return device_error(error, DPT_E_DEVICE,
                                 "node %u answers %u of %u requests: the bus or the adapter is too "
                                 "slow for ?rate=%g",
-                                node->node, (unsigned)node->seen, (unsigned)asked, rate);
-        if (session->settings.request == 0.0 && heard < 0.8 * rate)
+                                node->node, (unsigned)node->estimates, (unsigned)requests, rate);
+        if (session->settings.request == 0.0 && estimate_rate < 0.8 * rate)
             return device_error(error, DPT_E_DEVICE,
                                 "node %u says where it is %.0f times a second, not %g: set axis."
                                 "config.can.encoder_rate_ms (0.5) or encoder_msg_rate_ms (0.6) to "
                                 "%.3g, or ask each time: ?request=1, or be content: ?rate=",
-                                node->node, heard, rate, 1000.0 / rate);
-        if (session->settings.request == 0.0 && heard > 1.15 * rate)
+                                node->node, estimate_rate, rate, 1000.0 / rate);
+        if (session->settings.request == 0.0 && estimate_rate > 1.15 * rate)
             return device_error(error, DPT_E_DEVICE,
                                 "node %u says where it is %.0f times a second, not %g: two "
                                 "controllers have that number, or ?rate= is more",
-                                node->node, heard, rate);
+                                node->node, estimate_rate, rate);
     }
-    return session->monitor.strangers == 0
+    return session->monitor.foreign_orders == 0
                ? DPT_OK
                : device_error(error, DPT_E_DEVICE,
                               "someone else on %.20s gives our controllers orders: end that "
@@ -261,54 +267,53 @@ static dpt_result check_nodes(const struct can_session *session, uint32_t asked,
                               session->settings.interface);
 }
 
-static double most(double a, double b)
+static double max_seconds(double a, double b)
 {
     return a > b ? a : b;
 }
 
-static dpt_result listen_to(struct can_session *session, dpt_device_error *error)
+static dpt_result measure_rates(struct can_session *session, dpt_device_error *error)
 {
-    const double seconds =
-        most(0.3, most(3.2 * session->settings.heartbeat, 30.0 / session->settings.rate));
-    const struct odrive_message address = { .command = ODRIVE_ADDRESS, .asks = 1 };
-    uint32_t asked = 0;
+    const double seconds = max_seconds(
+        0.3, max_seconds(3.2 * session->settings.heartbeat, 30.0 / session->settings.rate));
+    const struct odrive_message address = { .command = ODRIVE_ADDRESS, .is_request = 1 };
+    uint32_t requests = 0;
     can_session_receive(session);
     can_monitor_restart_counts(&session->monitor);
-    session->monitor.strangers = 0;
-    session->asked_ns = clock_now();
-    /* On 0.5 the same id would set the node's number: what the setting says is no proof. */
+    session->monitor.foreign_orders = 0;
+    session->requested_ns = clock_now();
+    /* On 0.5 the same id would set the node's number, so the setting `firmware` is not proof enough. */
     for (uint32_t i = 0; i < session->monitor.count; i++)
-        if (session->monitor.at[i].told == ODRIVE_0_6)
+        if (session->monitor.nodes[i].proven_generation == ODRIVE_0_6)
             can_session_put(session, i, address);
     can_session_send(session);
-    const uint64_t deadline = session->asked_ns + (uint64_t)(1e9 * seconds);
+    const uint64_t deadline = session->requested_ns + (uint64_t)(1e9 * seconds);
     for (uint64_t now; (now = clock_now()) < deadline && !can_session_is_dead(session);) {
         if (session->settings.request != 0.0) {
-            can_session_put_all(session, can_where);
-            asked += can_session_send(session) != 0;
+            can_session_put_all(session, can_request_estimates);
+            requests += can_session_send(session) != 0;
         }
         can_session_wait(session, now + session->monitor.period_ns);
     }
-    return can_session_is_dead(session) ? refuse_silence(session, error)
-                                        : check_nodes(session, asked, error);
+    return can_session_is_dead(session) ? explain_silence(session, error)
+                                        : check_nodes(session, requests, error);
 }
 
-static dpt_result refuse_switch(const struct can_session *session, dpt_device_error *error)
+static dpt_result explain_not_active(const struct can_session *session, dpt_device_error *error)
 {
     char text[160] = "";
     const char *trouble = line_trouble(session);
     if (trouble)
         return device_error(error, DPT_E_DEVICE, "%.20s: %s", session->settings.interface, trouble);
     for (uint32_t i = 0; i < session->monitor.count && !text[0]; i++)
-        if (!can_node_is_active(&session->monitor.at[i]))
-            can_node_describe(&session->monitor.at[i], text, sizeof text);
+        if (!can_node_is_active(&session->monitor.nodes[i]))
+            can_node_describe(&session->monitor.nodes[i], text, sizeof text);
     return device_error(error, DPT_E_NOT_READY,
                         "%s, where closed loop is needed: calibrate it, and end the cause of "
                         "errors",
                         text);
 }
 
-/* Errors cleared, torque control, closed loop, and each node's own word for it. */
 dpt_result can_session_switch_on(struct can_session *session, dpt_device_error *error)
 {
     const struct odrive_message clear = { .command = ODRIVE_CLEAR_ERRORS },
@@ -318,20 +323,20 @@ dpt_result can_session_switch_on(struct can_session *session, dpt_device_error *
                                 loop = { .command = ODRIVE_SET_STATE,
                                          .as.state = ODRIVE_STATE_CLOSED_LOOP };
     struct can_monitor *monitor = &session->monitor;
-    const uint64_t start = clock_now(), deadline = start + SWITCH_IN;
+    const uint64_t start = clock_now(), deadline = start + SWITCH_WITHIN;
     uint64_t next[DPT_JOINTS_MAX], now = start;
     uint32_t active = 0;
-    monitor->parts = 0;
+    monitor->failed_nodes = 0;
     for (uint32_t i = 0; i < monitor->count; i++) {
         next[i] = start;
-        monitor->at[i].has_beaten = monitor->at[i].is_fresh = 0;
-        memset(monitor->at[i].errors, 0, sizeof monitor->at[i].errors);
+        monitor->nodes[i].has_heartbeat = monitor->nodes[i].is_fresh = 0;
+        memset(monitor->nodes[i].errors, 0, sizeof monitor->nodes[i].errors);
     }
     while (active < monitor->count && (now = clock_now()) < deadline &&
            !can_session_is_dead(session)) {
         active = 0;
         for (uint32_t i = 0; i < monitor->count; i++) {
-            struct can_node *node = &monitor->at[i];
+            struct can_node *node = &monitor->nodes[i];
             const int is_due = now >= next[i] && !can_node_is_active(node);
             active += can_node_is_active(node) != 0;
             can_session_put(session, i, can_no_torque);
@@ -341,24 +346,25 @@ dpt_result can_session_switch_on(struct can_session *session, dpt_device_error *
             }
             can_session_put(session, i, clear);
             can_session_put(session, i, mode);
-            /* What calibrates or searches is let be; it may end in time. */
-            if (!node->has_beaten || node->beat.state <= ODRIVE_STATE_IDLE)
+            /* Do not interrupt a calibration or a search; it may end in time. */
+            if (!node->has_heartbeat || node->heartbeat.state <= ODRIVE_STATE_IDLE)
                 can_session_put(session, i, loop);
             if (can_session_send(session))
                 next[i] = now + SWITCH_EVERY;
-            else /* It may have been on before: that it is says nothing until it was told its mode. */
-                node->has_beaten = 0;
+            else /* It may be active from before, in another mode: its heartbeat counts only after this was sent. */
+                node->has_heartbeat = 0;
         }
         can_session_wait(session, now + FEED_EVERY);
     }
-    if (active < monitor->count || can_session_is_dead(session) || session->socketcan.is_passive) {
+    if (active < monitor->count || can_session_is_dead(session) ||
+        session->socketcan.is_error_passive) {
         can_session_put_all(session, can_idle);
         can_session_send(session);
-        return refuse_switch(session, error);
+        return explain_not_active(session, error);
     }
     monitor->status = DPT_DEVICE_STATUS_READY;
     monitor->reasons = monitor->code = 0;
-    monitor->waiting_ns = monitor->sample_ns = 0;
+    monitor->unconfirmed_ns = monitor->sample_ns = 0;
     monitor->is_armed = 1;
     return DPT_OK;
 }
@@ -368,7 +374,7 @@ dpt_result can_session_first_sample(struct can_session *session, dpt_device_erro
     const uint64_t deadline = clock_now() + session->monitor.silent_ns + 20 * MS;
     while (!session->monitor.sample_ns && clock_now() < deadline && !can_session_is_dead(session)) {
         if (session->settings.request != 0.0)
-            can_session_put_all(session, can_where);
+            can_session_put_all(session, can_request_estimates);
         can_session_put_all(session, can_no_torque);
         can_session_send(session);
         can_session_wait(session, clock_now() + FEED_EVERY);
@@ -378,7 +384,7 @@ dpt_result can_session_first_sample(struct can_session *session, dpt_device_erro
     can_monitor_check(&session->monitor, clock_now(), 1);
     can_session_put_all(session, can_idle);
     can_session_send(session);
-    return refuse_silence(session, error);
+    return explain_silence(session, error);
 }
 
 dpt_result can_session_connect(struct can_session *session, dpt_device_error *error)
@@ -393,21 +399,21 @@ dpt_result can_session_connect(struct can_session *session, dpt_device_error *er
     const dpt_device_counts counts = session->monitor.counts;
     can_monitor_forget(&session->monitor);
     session->dropped = 0;
-    if (session->is_ours) {
+    if (session->was_connected) {
         can_session_put_all(session, can_no_torque);
         can_session_put_all(session, can_idle);
         can_session_send(session);
     }
     result = check_load(session, error);
     if (result == DPT_OK)
-        result = meet(session, error);
+        result = identify_nodes(session, error);
     if (result == DPT_OK)
-        result = listen_to(session, error);
+        result = measure_rates(session, error);
     if (result == DPT_OK)
         result = can_session_switch_on(session, error);
     if (result == DPT_OK)
         result = can_session_first_sample(session, error);
-    /* Nothing that came while they got acquainted counts. */
+    /* What came while connecting does not count. */
     session->monitor.counts = counts;
     return result;
 }

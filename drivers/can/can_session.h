@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * A host on the bus: an arm's nodes, the line to them, what is said and heard, and how they get acquainted. What may wait is
- * said to.
+ * A host's session with the nodes of an arm on a CAN bus: queue, send and receive messages, connect, switch motors on.
+ * A function may block only if its comment says so.
  */
 #ifndef DPT_DRIVERS_CAN_SESSION_H
 #define DPT_DRIVERS_CAN_SESSION_H
@@ -14,45 +14,48 @@ struct can_session {
     struct can_arm arm;
     struct socketcan socketcan;
     struct can_monitor monitor;
-    uint64_t asked_ns; /* when estimates were asked for */
-    uint32_t dropped;
-    uint8_t is_ours; /* connected before: motors may still give what they were told last */
-    int count;       /* of `out`: said, not sent yet */
-    struct can_message out[SOCKETCAN_BATCH];
-    struct can_message in[SOCKETCAN_BATCH];
+    uint64_t requested_ns; /* when estimates were requested last */
+    uint32_t dropped;      /* frames dropped by kernel or adapter, at the last check */
+    uint8_t was_connected; /* 1: motors may still give the torque of an earlier connection */
+    int out_count;         /* messages in `out` */
+    struct can_message out[SOCKETCAN_BATCH]; /* queued, not sent yet */
+    struct can_message in[SOCKETCAN_BATCH];  /* of the last receive */
 };
 
-extern const struct odrive_message can_no_torque, can_estop, can_idle, can_where;
+extern const struct odrive_message can_no_torque, can_estop, can_idle, can_request_estimates;
 
-/* One message to the node of this index, or to all; the node's number is filled in. */
+/* Queue a message to the node of this index (that of its joint), or to all nodes. The node's number is filled in. */
 void can_session_put(struct can_session *session, uint32_t index, struct odrive_message message);
 void can_session_put_all(struct can_session *session, struct odrive_message message);
 
-/* What was said, in one system call. 1: all of it went. Torques that went are remembered until they come back. */
+/* Send the queue, in one system call, and empty it. Returns 1 if all was sent. Notes sent torques for confirmation. */
 int can_session_send(struct can_session *session);
 
-/* Take what has come, in four system calls at most. 1: that was all. */
+/* Pass what has come to the monitor, in at most four receiving system calls. Returns 1 if nothing is left. */
 int can_session_receive(struct can_session *session);
 
-/* Blame the nodes' status on what the line says of itself. */
+/* Turn the line's state (down, unplugged, bus-off, error-passive, dropped frames) into the device's status. */
 void can_session_check_line(struct can_session *session);
 
-/* The line takes nothing any more: gone, shut, or off the bus. */
+/* 1 if nothing can be sent any more: the interface is unplugged or down, or the bus is off. */
 int can_session_is_dead(const struct can_session *session);
 
-/* Take what comes until a time of clock_now. */
+/* Receive until `deadline`, a time of clock_now. Blocks. */
 void can_session_wait(struct can_session *session, uint64_t deadline);
 
 /*
- * Open the line, hear all nodes, tell their firmware, see that they say where they are often enough and only once, switch them
- * on, and wait for a sample: some seconds at most.
+ * Connect: open the line, wait for all nodes, find their firmware, check the rates of their messages, switch them on,
+ * and wait for a sample. Blocks for some seconds at most.
  */
 dpt_result can_session_connect(struct can_session *session, dpt_device_error *error);
 
-/* Errors cleared, torque control, closed loop, and each node's own word for it: two seconds at most. */
+/*
+ * Switch the motors on: clear errors, set torque control and closed loop, and wait until each node's heartbeat confirms
+ * it. Blocks for two seconds at most. After a failure it has sent idle to all.
+ */
 dpt_result can_session_switch_on(struct can_session *session, dpt_device_error *error);
 
-/* Until all have said where they are; motors are off again when they do not. */
+/* Wait for a first sample: an estimate of each node. Blocks. Switches the motors off if none comes. */
 dpt_result can_session_first_sample(struct can_session *session, dpt_device_error *error);
 
 #endif

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * ODrive's CANSimple: what motor controllers and a host say to each other on a CAN bus, in the two generations that are in
- * use, firmware 0.5.x (ODrive 3.x) and 0.6.x (Pro, S1, Micro). docs/drivers.md says where the facts come from.
+ * Encode and decode the frames of ODrive's CANSimple, between a host and motor controllers on a CAN bus. Two
+ * generations are in use: firmware 0.5.x (ODrive 3.x) and 0.6.x (Pro, S1, Micro). docs/drivers.md names the sources.
  *
- * This file and odrive.c know nothing but frames: no system call, no allocation, no clock, no byte order.
+ * This file and odrive.c make no system call, allocate nothing, read no clock and do not depend on the byte order.
  *
- * A frame's id is node << 5 | command; numbers are little-endian, floats IEEE. A command whose data come from the
- * controller comes cyclically, as the controller is configured, and as the answer to a remote frame of the same id.
- * There are no sequence numbers, no checksum but the bus's own, and nothing is acknowledged.
+ * A frame's id is node << 5 | command. Numbers are little-endian, floats are IEEE. A controller sends its messages
+ * cyclically, as it is configured, and as the answer to a remote frame with the same id. There are no sequence numbers,
+ * no checksum but the bus's own, and nothing is acknowledged.
  */
 #ifndef DPT_DRIVERS_ODRIVE_H
 #define DPT_DRIVERS_ODRIVE_H
@@ -16,9 +16,9 @@
 
 #define ODRIVE_NODES 64
 
-/* Those that a haptic device needs. The numbers are the protocol's. */
+/* The commands that a haptic device needs, with the protocol's numbers. Unless said, a controller sends them. */
 enum {
-    ODRIVE_VERSION = 0x00, /* 0.6; on 0.5 it is reserved and has no answer */
+    ODRIVE_VERSION = 0x00, /* 0.6; reserved on 0.5, which does not answer */
     ODRIVE_HEARTBEAT = 0x01,
     ODRIVE_ESTOP = 0x02,
     ODRIVE_ERROR = 0x03,            /* 0.6: all errors; 0.5: the motor's */
@@ -34,7 +34,7 @@ enum {
 
 enum { ODRIVE_ANY = 0, ODRIVE_0_5 = 5, ODRIVE_0_6 = 6 }; /* generation */
 
-/* Of an axis; others are calibrations and searches that are under way. */
+/* States of an axis. All others are calibrations and searches in progress. */
 enum { ODRIVE_STATE_UNDEFINED = 0, ODRIVE_STATE_IDLE = 1, ODRIVE_STATE_CLOSED_LOOP = 8 };
 
 #define ODRIVE_CONTROL_TORQUE    1
@@ -44,18 +44,18 @@ struct odrive_heartbeat {
     uint32_t errors;  /* of the axis: ODRIVE_ERRORS_0_6 or ODRIVE_AXIS_ERRORS */
     uint8_t state;    /* ODRIVE_STATE_... */
     uint8_t result;   /* 0.6: of the last procedure */
-    uint8_t is_done;  /* a trajectory, which is nothing to us */
+    uint8_t is_done;  /* 1: a trajectory is done; not used */
     uint8_t failed;   /* 0.5: ODRIVE_FAILED_... */
-    uint8_t reserved; /* 0.6: what its last byte holds, 0 */
+    uint8_t reserved; /* 0.6: the last byte, 0 */
 };
 
 /* Parts of an axis that have errors of their own; bits of odrive_heartbeat.failed. */
 enum { ODRIVE_FAILED_MOTOR = 1, ODRIVE_FAILED_ENCODER = 2, ODRIVE_FAILED_CONTROLLER = 4 };
 
 struct odrive_message {
-    uint8_t node;    /* 0..63 */
-    uint8_t command; /* ODRIVE_... */
-    uint8_t asks;    /* 1: a remote frame, without data */
+    uint8_t node;       /* 0..63 */
+    uint8_t command;    /* ODRIVE_... */
+    uint8_t is_request; /* 1: a remote frame, without data */
     union {
         struct {
             uint8_t protocol, hardware[3], firmware[3], is_unreleased;
@@ -81,9 +81,9 @@ struct odrive_message {
 };
 
 /*
- * The frame of a message; `generation` is of the controller and matters to heartbeats and errors. 0 for what must not be
- * sent: no such command or node, a number that is not finite. A torque has 4 bytes: those behind them say nothing and
- * cost a fifth of a bus.
+ * Encode a message. `generation` is that of the controller; heartbeats and errors depend on it. Returns 1, or 0 for a
+ * message that must not be sent: unknown command or node, or a number that is not finite. A torque is sent with 4 bytes
+ * of data: more bytes would carry nothing and cost a fifth of a bus.
  */
 int odrive_encode(const struct odrive_message *message, unsigned generation,
                   struct can_message *frame);
@@ -91,17 +91,18 @@ int odrive_encode(const struct odrive_message *message, unsigned generation,
 enum { ODRIVE_OTHER = 0, ODRIVE_MESSAGE = 1, ODRIVE_DAMAGED = 2 };
 
 /*
- * ODRIVE_OTHER: a command that is none of the above, or not of this generation. ODRIVE_DAMAGED: too short, or not finite.
- * ODRIVE_ANY decodes what both generations have in common, heartbeats as if they were 0.6.
+ * Decode a frame. Returns ODRIVE_MESSAGE; ODRIVE_OTHER for a command that is not listed above or not of this
+ * generation; ODRIVE_DAMAGED for a frame that is too short or has a number that is not finite. The generation
+ * ODRIVE_ANY decodes what both have in common, and heartbeats as those of 0.6.
  */
 int odrive_decode(const struct can_message *frame, unsigned generation,
                   struct odrive_message *message);
 
-/* Which generation sent a heartbeat, as its bytes prove: ODRIVE_ANY when they could be either's. */
-unsigned odrive_heartbeat_of(const struct can_message *frame);
+/* The generation that a heartbeat's bytes prove; ODRIVE_ANY if both could have sent them. */
+unsigned odrive_heartbeat_generation(const struct can_message *frame);
 
-/* 1: what this command says goes to the controller and moves it, changes it or stops it. */
-int odrive_is_order(unsigned command);
+/* 1 if this command goes to a controller and moves, changes or stops it. */
+int odrive_is_control(unsigned command);
 
 /* Words of error bits. */
 enum {
@@ -119,10 +120,10 @@ enum {
  */
 const char *odrive_error_name(unsigned word, uint64_t errors);
 
-/* What they come to, DPT_REASON_... of dynpoint/device.h; DPT_REASON_DEVICE for a bit that has no name. */
+/* The reasons that error bits mean, DPT_REASON_... of dynpoint/device.h; DPT_REASON_DEVICE for a bit without a name. */
 uint32_t odrive_reasons(unsigned word, uint64_t errors);
 
-/* "IDLE", "CLOSED_LOOP_CONTROL" ...; "unknown" for a number that is none. */
+/* The name of a state, as "IDLE" or "CLOSED_LOOP_CONTROL"; "unknown" for any other number. */
 const char *odrive_state_name(unsigned state);
 
 #endif

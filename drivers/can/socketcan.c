@@ -27,9 +27,9 @@
 #include <time.h>
 #include <unistd.h>
 
-#define KEPT_BYTES (1 << 20) /* asked for, so that a host may stand still for a while */
+#define RECEIVE_BUFFER_BYTES (1 << 20) /* so that a host may pause for a while */
 
-static dpt_result refuse(const char *name, int reason, dpt_device_error *error)
+static dpt_result explain_error(const char *name, int reason, dpt_device_error *error)
 {
     switch (reason) {
     case EAFNOSUPPORT:
@@ -56,7 +56,7 @@ static dpt_result refuse(const char *name, int reason, dpt_device_error *error)
     }
 }
 
-static int set_up(int fd, uint64_t nodes)
+static int set_options(int fd, uint64_t nodes)
 {
     struct can_filter filters[64];
     socklen_t count = 0;
@@ -66,8 +66,8 @@ static int set_up(int fd, uint64_t nodes)
             filters[count++].can_mask = CAN_EFF_FLAG | (CAN_SFF_MASK & ~31u);
         }
     const can_err_mask_t errors = CAN_ERR_MASK;
-    const int on = 1, bytes = KEPT_BYTES;
-    /* More room only where the system grants it; the rest is needed. */
+    const int on = 1, bytes = RECEIVE_BUFFER_BYTES;
+    /* The larger buffer is optional; the other options are required. */
     setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &bytes, sizeof bytes);
     return setsockopt(fd, SOL_CAN_RAW, CAN_RAW_FILTER, filters,
                       count * (socklen_t)sizeof *filters) ||
@@ -86,24 +86,24 @@ static dpt_result attach(struct socketcan *socketcan, int fd, const char *name, 
     memset(&address, 0, sizeof address);
     strcpy(request.ifr_name, name);
     if (ioctl(fd, SIOCGIFINDEX, &request))
-        return refuse(name, errno, error);
+        return explain_error(name, errno, error);
     address.can_family = AF_CAN;
     address.can_ifindex = socketcan->index = request.ifr_ifindex;
     if (ioctl(fd, SIOCGIFHWADDR, &request))
-        return refuse(name, errno, error);
+        return explain_error(name, errno, error);
     if (request.ifr_hwaddr.sa_family != ARPHRD_CAN)
         return device_error(error, DPT_E_DEVICE, "%.20s is no CAN interface", name);
     if (ioctl(fd, SIOCGIFFLAGS, &request))
-        return refuse(name, errno, error);
+        return explain_error(name, errno, error);
     if (!(request.ifr_flags & IFF_UP))
-        return refuse(name, ENETDOWN, error);
-    if (set_up(fd, nodes) || bind(fd, (const struct sockaddr *)&address, sizeof address))
-        return refuse(name, errno, error);
+        return explain_error(name, ENETDOWN, error);
+    if (set_options(fd, nodes) || bind(fd, (const struct sockaddr *)&address, sizeof address))
+        return explain_error(name, errno, error);
     return DPT_OK;
 }
 
-/* A call failed: what that says of the line. */
-static void blame(struct socketcan *socketcan, int reason)
+/* Note what a failed call says about the interface. */
+static void note_failure(struct socketcan *socketcan, int reason)
 {
     switch (reason) {
     case EAGAIN:
@@ -119,24 +119,24 @@ static void blame(struct socketcan *socketcan, int reason)
     }
 }
 
-static void take_error(struct socketcan *socketcan, const struct can_frame *frame)
+static void take_error_frame(struct socketcan *socketcan, const struct can_frame *frame)
 {
     if (frame->can_id & CAN_ERR_RESTARTED)
-        socketcan->is_off = socketcan->is_passive = 0;
+        socketcan->is_bus_off = socketcan->is_error_passive = 0;
     if (frame->can_id & CAN_ERR_BUSOFF)
-        socketcan->is_off = 1;
+        socketcan->is_bus_off = 1;
     if (frame->can_id & CAN_ERR_CRTL) {
         const uint8_t state = frame->data[1];
         if (state & (CAN_ERR_CRTL_RX_PASSIVE | CAN_ERR_CRTL_TX_PASSIVE))
-            socketcan->is_passive = 1;
+            socketcan->is_error_passive = 1;
         else if (state & (CAN_ERR_CRTL_ACTIVE | CAN_ERR_CRTL_RX_WARNING | CAN_ERR_CRTL_TX_WARNING))
-            socketcan->is_passive = 0;
+            socketcan->is_error_passive = 0;
         if (state & CAN_ERR_CRTL_RX_OVERFLOW)
             socketcan->overruns++;
     }
 }
 
-/* The attribute of this kind within `bytes` of them, NULL when there is none. */
+/* Find the attribute of this kind among `bytes` of attributes; NULL if there is none. */
 static const struct rtattr *find_attribute(const struct rtattr *at, size_t bytes, unsigned kind)
 {
     size_t left = bytes;
@@ -157,7 +157,7 @@ static const struct rtattr *within_attribute(const struct rtattr *at, unsigned k
     return at ? find_attribute(RTA_DATA(at), RTA_PAYLOAD(at), kind) : NULL;
 }
 
-static void take_link(struct socketcan *socketcan, const struct nlmsghdr *head, size_t size)
+static void take_link_state(struct socketcan *socketcan, const struct nlmsghdr *head, size_t size)
 {
     const size_t before = NLMSG_LENGTH(sizeof(struct ifinfomsg));
     if (size < before || head->nlmsg_type != RTM_NEWLINK)
@@ -165,19 +165,19 @@ static void take_link(struct socketcan *socketcan, const struct nlmsghdr *head, 
     const struct rtattr *info = find_attribute(
         (const void *)((const char *)head + NLMSG_ALIGN(before)), size - before, IFLA_LINKINFO);
     const struct rtattr *kind = within_attribute(info, IFLA_INFO_KIND);
-    /* With its zero or without. */
+    /* The kind may be sent with or without its final zero. */
     if (!kind || RTA_PAYLOAD(kind) < 3 || RTA_PAYLOAD(kind) > 4 ||
         memcmp(RTA_DATA(kind), "can", RTA_PAYLOAD(kind)))
         return;
     const struct rtattr *data = within_attribute(info, IFLA_INFO_DATA);
     const struct rtattr *state = within_attribute(data, IFLA_CAN_STATE);
     const struct rtattr *timing = within_attribute(data, IFLA_CAN_BITTIMING);
-    uint32_t is = CAN_STATE_ERROR_ACTIVE;
+    uint32_t bus_state = CAN_STATE_ERROR_ACTIVE;
     struct can_bittiming bits;
-    if (state && RTA_PAYLOAD(state) >= sizeof is) {
-        memcpy(&is, RTA_DATA(state), sizeof is);
-        socketcan->is_passive = is == CAN_STATE_ERROR_PASSIVE;
-        socketcan->is_off = is == CAN_STATE_BUS_OFF;
+    if (state && RTA_PAYLOAD(state) >= sizeof bus_state) {
+        memcpy(&bus_state, RTA_DATA(state), sizeof bus_state);
+        socketcan->is_error_passive = bus_state == CAN_STATE_ERROR_PASSIVE;
+        socketcan->is_bus_off = bus_state == CAN_STATE_BUS_OFF;
     }
     if (timing && RTA_PAYLOAD(timing) >= sizeof bits) {
         memcpy(&bits, RTA_DATA(timing), sizeof bits);
@@ -208,7 +208,7 @@ void socketcan_query(struct socketcan *socketcan)
         poll(&waiting, 1, 100) > 0) {
         const ssize_t size = recv(fd, &answer, sizeof answer, MSG_DONTWAIT);
         if (size >= (ssize_t)sizeof answer.head)
-            take_link(socketcan, &answer.head, (size_t)size);
+            take_link_state(socketcan, &answer.head, (size_t)size);
     }
     close(fd);
 }
@@ -223,7 +223,7 @@ dpt_result socketcan_open(struct socketcan *socketcan, const char *name, uint64_
                             name);
     const int fd = socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW);
     if (fd < 0)
-        return refuse(name, errno, error);
+        return explain_error(name, errno, error);
     const dpt_result result = attach(socketcan, fd, name, nodes, error);
     if (result == DPT_OK) {
         socketcan->fd = fd;
@@ -234,11 +234,11 @@ dpt_result socketcan_open(struct socketcan *socketcan, const char *name, uint64_
     return result;
 }
 
-/* What comes with a frame, aligned as the system wants it. */
+/* The control data of a frame, aligned as the system requires. */
 #define CONTROL_BYTES (CMSG_SPACE(sizeof(struct timespec)) + CMSG_SPACE(sizeof(uint32_t)))
 #define CONTROL_WORDS ((CONTROL_BYTES + 7) / 8)
 
-/* When a frame came, on the monotonic clock, and how many were dropped before it. */
+/* Returns when a frame came, on the monotonic clock, and updates the count of dropped frames. */
 static uint64_t read_control(struct socketcan *socketcan, struct msghdr *header, uint64_t now,
                              uint64_t wall)
 {
@@ -252,10 +252,11 @@ static uint64_t read_control(struct socketcan *socketcan, struct msghdr *header,
             if ((int32_t)(dropped - socketcan->dropped) > 0)
                 socketcan->dropped = dropped;
         } else if (at->cmsg_type == SO_TIMESTAMPNS) {
-            struct timespec stamp;
-            memcpy(&stamp, CMSG_DATA(at), sizeof stamp);
-            const uint64_t stamped = (uint64_t)stamp.tv_sec * 1000000000u + (uint64_t)stamp.tv_nsec;
-            /* The wall's clock may have been set meanwhile: an age that cannot be is none. */
+            struct timespec timestamp;
+            memcpy(&timestamp, CMSG_DATA(at), sizeof timestamp);
+            const uint64_t stamped =
+                (uint64_t)timestamp.tv_sec * 1000000000u + (uint64_t)timestamp.tv_nsec;
+            /* The time of day may have been set meanwhile: ignore an impossible age. */
             if (stamped < wall && wall - stamped < 1000000000u)
                 time = now - (wall - stamped);
         }
@@ -269,7 +270,7 @@ int socketcan_receive(struct socketcan *socketcan, struct can_message *messages)
     struct iovec parts[SOCKETCAN_BATCH];
     struct mmsghdr headers[SOCKETCAN_BATCH];
     uint64_t controls[SOCKETCAN_BATCH][CONTROL_WORDS];
-    socketcan->is_empty = 1;
+    socketcan->is_drained = 1;
     if (socketcan->fd < 0 || socketcan->is_gone)
         return 0;
     memset(headers, 0, sizeof headers);
@@ -283,22 +284,22 @@ int socketcan_receive(struct socketcan *socketcan, struct can_message *messages)
     }
     const int count = recvmmsg(socketcan->fd, headers, SOCKETCAN_BATCH, MSG_DONTWAIT, NULL);
     if (count < 0) {
-        blame(socketcan, errno);
+        note_failure(socketcan, errno);
         return 0;
     }
-    socketcan->is_empty = count < SOCKETCAN_BATCH;
+    socketcan->is_drained = count < SOCKETCAN_BATCH;
     const uint64_t wall = clock_wall(), now = clock_now();
-    int taken = 0;
+    int received = 0;
     for (int i = 0; i < count; i++) {
         const struct can_frame *frame = &frames[i];
         const uint64_t time = read_control(socketcan, &headers[i].msg_hdr, now, wall);
         if (headers[i].msg_len != sizeof *frame || frame->can_dlc > 8)
             continue;
         if (frame->can_id & CAN_ERR_FLAG) {
-            take_error(socketcan, frame);
+            take_error_frame(socketcan, frame);
             continue;
         }
-        struct can_message *message = &messages[taken++];
+        struct can_message *message = &messages[received++];
         message->time_ns = time;
         message->id = (uint16_t)(frame->can_id & CAN_SFF_MASK);
         message->size = frame->can_dlc;
@@ -307,7 +308,7 @@ int socketcan_receive(struct socketcan *socketcan, struct can_message *messages)
                       (headers[i].msg_hdr.msg_flags & MSG_CONFIRM ? CAN_MESSAGE_OWN : 0));
         memcpy(message->data, frame->data, 8);
     }
-    return taken;
+    return received;
 }
 
 int socketcan_send(struct socketcan *socketcan, const struct can_message *messages, int count)
@@ -331,7 +332,7 @@ int socketcan_send(struct socketcan *socketcan, const struct can_message *messag
     }
     const int sent = sendmmsg(socketcan->fd, headers, (unsigned)count, MSG_DONTWAIT);
     if (sent < 0)
-        blame(socketcan, errno);
+        note_failure(socketcan, errno);
     return sent > 0 ? sent : 0;
 }
 
@@ -355,7 +356,7 @@ void socketcan_find(void (*found)(void *user, const char *name, const char *abou
     DIR *folder = opendir("/sys/class/net");
     if (!folder)
         return;
-    for (const struct dirent *entry; (entry = readdir(folder)) != NULL;) {
+    for (const struct dirent *entry; (entry = readdir(folder));) {
         char path[300];
         int type = 0;
         snprintf(path, sizeof path, "/sys/class/net/%s/type", entry->d_name);
@@ -371,39 +372,39 @@ void socketcan_find(void (*found)(void *user, const char *name, const char *abou
 
 #else
 
-dpt_result socketcan_open(struct can_line *line, const char *name, uint64_t nodes,
+dpt_result socketcan_open(struct socketcan *socketcan, const char *name, uint64_t nodes,
                           dpt_device_error *error)
 {
     (void)name, (void)nodes;
-    line->fd = -1;
+    socketcan->fd = -1;
     return device_error(error, DPT_E_UNSUPPORTED, "SocketCAN is a part of Linux alone");
 }
 
-void socketcan_query(struct can_line *line)
+void socketcan_query(struct socketcan *socketcan)
 {
-    (void)line;
+    (void)socketcan;
 }
 
-int socketcan_receive(struct can_line *line, struct can_message *messages)
+int socketcan_receive(struct socketcan *socketcan, struct can_message *messages)
 {
-    (void)line, (void)messages;
+    (void)socketcan, (void)messages;
     return 0;
 }
 
-int socketcan_send(struct can_line *line, const struct can_message *messages, int count)
+int socketcan_send(struct socketcan *socketcan, const struct can_message *messages, int count)
 {
-    (void)line, (void)messages, (void)count;
+    (void)socketcan, (void)messages, (void)count;
     return 0;
 }
 
-void socketcan_wait(const struct can_line *line, uint64_t deadline)
+void socketcan_wait(const struct socketcan *socketcan, uint64_t deadline)
 {
-    (void)line, (void)deadline;
+    (void)socketcan, (void)deadline;
 }
 
-void socketcan_close(struct can_line *line)
+void socketcan_close(struct socketcan *socketcan)
 {
-    (void)line;
+    (void)socketcan;
 }
 
 void socketcan_find(void (*found)(void *user, const char *name, const char *about), void *user)

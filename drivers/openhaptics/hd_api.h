@@ -1,22 +1,22 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The device API of OpenHaptics (HDAPI), as much of it as the driver uses, in declarations of our own. libHD is loaded
- * when a device is opened (openhaptics_library.h); nothing here is linked. tests/drivers/hd/function_table.h says it all once more, with
- * the public sources that agree on it, and the compiler compares the two.
+ * The part of the OpenHaptics device API (HDAPI) that the driver uses, in our own declarations. libHD is loaded when a
+ * device is opened (openhaptics_library.h); nothing here is linked. tests/drivers/hd/function_table.h has the same
+ * declarations with the public sources that agree on them, and the compiler compares the two.
  *
  * Units of the library: mm, mm/s, N, mNm, rad, N/mm.
  */
 #ifndef DPT_DRIVERS_HD_API_H
 #define DPT_DRIVERS_HD_API_H
 
-/* Of the library's functions, not of callbacks. On x86-64 there is one convention. */
+/* Calling convention of the library's functions, not of callbacks. On x86-64 there is only one. */
 #ifdef __i386__
 #define HD_CALL __attribute__((stdcall))
 #else
 #define HD_CALL
 #endif
 
-/* By value. Without an error only `code` means something. */
+/* Returned by value. Without an error only `code` is valid. */
 typedef struct hd_error {
     unsigned code;
     int internal;
@@ -111,7 +111,7 @@ typedef unsigned hd_callback(void *user);
     X(HD_CALIBRATION_INKWELL, 4)
 
 #define HD_CONSTANT(name, value) name = value,
-enum { HD_CONSTANTS(HD_CONSTANT) HD_HANDLE_MAX = 1024 /* what is above is none, but garbage */ };
+enum { HD_CONSTANTS(HD_CONSTANT) HD_HANDLE_MAX = 1024 /* larger numbers are no handles */ };
 #undef HD_CONSTANT
 
 #endif

@@ -3,7 +3,7 @@
 #include "dynpoint/openhaptics.h"
 #include "openhaptics/hd_api.h"
 
-static const double MM = 1000.0, AXES_OFF = 0.1;
+static const double MM = 1000.0, AXES_ERROR_MAX = 0.1;
 
 int dpt_hd_is_force_error(uint32_t code)
 {
@@ -38,16 +38,16 @@ dpt_result dpt_hd_to_millimetres(const double from[3], double to[3])
     return DPT_OK;
 }
 
-/* Of a right-handed frame; w is not negative. From the greatest of the four, so that nothing small is divided by. */
+/* The quaternion of a right-handed frame, w >= 0. Divides by the largest component, so never by a small number. */
 static void quaternion_of(vec3 x, vec3 y, vec3 z, double q[4])
 {
     const double square[4] = { 1.0 + x.x + y.y + z.z, 1.0 + x.x - y.y - z.z, 1.0 - x.x + y.y - z.z,
                                1.0 - x.x - y.y + z.z };
-    int most = 0;
+    int largest = 0;
     for (int i = 1; i < 4; i++)
-        if (square[i] > square[most])
-            most = i;
-    const double root = sqrt(square[most]), part = 0.5 / root;
+        if (square[i] > square[largest])
+            largest = i;
+    const double root = sqrt(square[largest]), part = 0.5 / root;
     const double wx = part * (y.z - z.y), wy = part * (z.x - x.z), wz = part * (x.y - y.x);
     const double xy = part * (y.x + x.y), xz = part * (z.x + x.z), yz = part * (z.y + y.z);
     const double rows[4][4] = { { 0.5 * root, wx, wy, wz },
@@ -55,7 +55,7 @@ static void quaternion_of(vec3 x, vec3 y, vec3 z, double q[4])
                                 { wy, xy, 0.5 * root, yz },
                                 { wz, xz, yz, 0.5 * root } };
     for (int i = 0; i < 4; i++)
-        q[i] = rows[most][0] < 0.0 ? -rows[most][i] : rows[most][i];
+        q[i] = rows[largest][0] < 0.0 ? -rows[largest][i] : rows[largest][i];
 }
 
 dpt_result dpt_hd_to_pose(const double transform[16], dpt_pose *pose)
@@ -70,9 +70,10 @@ dpt_result dpt_hd_to_pose(const double transform[16], dpt_pose *pose)
     const dpt_result result = dpt_hd_to_metres(transform + 12, position);
     if (result != DPT_OK)
         return result;
-    if (!within(length(x) - 1.0, AXES_OFF) || !within(length(y) - 1.0, AXES_OFF) ||
-        !within(length(z) - 1.0, AXES_OFF) || !within(dot(x, y), AXES_OFF) ||
-        !within(dot(y, z), AXES_OFF) || !within(dot(z, x), AXES_OFF) || dot(cross(x, y), z) < 0.0)
+    if (!within(length(x) - 1.0, AXES_ERROR_MAX) || !within(length(y) - 1.0, AXES_ERROR_MAX) ||
+        !within(length(z) - 1.0, AXES_ERROR_MAX) || !within(dot(x, y), AXES_ERROR_MAX) ||
+        !within(dot(y, z), AXES_ERROR_MAX) || !within(dot(z, x), AXES_ERROR_MAX) ||
+        dot(cross(x, y), z) < 0.0)
         return DPT_E_POSE;
     z = unit_of(z);
     x = unit_of(along(x, -dot(x, z), z));

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Touch and Phantom devices by OpenHaptics: "openhaptics", "openhaptics:Left Device?rate=1000" (docs/drivers.md). */
+/* The driver "openhaptics": Touch and Phantom devices, "openhaptics:Left Device?rate=1000" (docs/drivers.md). */
 #define _POSIX_C_SOURCE 200809L
 #include <math.h>
 #include <pthread.h>
@@ -25,30 +25,30 @@ static const uint64_t SECOND = 1000000000u;
 struct haptics {
     dpt_device base;
     struct servo servo;
-    struct servo_sample last; /* that was read */
+    struct servo_sample last; /* the newest sample that was read */
     char name[64], library[256];
-    double rate, watchdog, silent_after; /* 0: as the device likes */
+    double rate, watchdog, silent_after; /* rate in Hz, 0: the device's own; times in s */
     struct dynamics dynamics;
-    int is_open; /* in the library */
+    int is_open; /* hdInitDevice succeeded */
     uint64_t sequence_read;
-    uint32_t lost; /* why, from the first read that found it so until it is cleared */
+    uint32_t lost_reasons; /* DPT_REASON_..., from the first read that finds it lost until clear */
     dpt_device_info info;
     dpt_device_counts counts;
-    struct haptics *next; /* of those that are left behind */
+    struct haptics *next; /* in `abandoned` */
 };
 
-/* The library is one for the process, and so are its scheduler and its errors. */
-static pthread_mutex_t one_at_a_time = PTHREAD_MUTEX_INITIALIZER;
-static double common_rate;          /* of the scheduler, as long as devices are open */
-static double asked_rate;           /* that it was last told; it keeps it */
-static struct haptics *left_behind; /* closed while the scheduler's thread hung */
+/* A process has one library, and the library one scheduler and one stack of errors. */
+static pthread_mutex_t library_mutex = PTHREAD_MUTEX_INITIALIZER;
+static double common_rate;        /* of the scheduler while devices are open, Hz */
+static double requested_rate;     /* the last rate that was set; the library keeps it */
+static struct haptics *abandoned; /* closed while the servo thread hung */
 
-static int went_well(const struct hd_library *hd)
+static int has_no_error(const struct hd_library *hd)
 {
     return hd_take_error(hd).code == HD_SUCCESS;
 }
 
-/* A port of the vendor's that this user may not open; 0 when there is none. */
+/* 1 if there is a port of a vendor's device that this user may not open; its path is in `path`. */
 static int is_forbidden(char path[32])
 {
     static const char *const classes[] = { "tty/ttyACM", "hidraw/hidraw" };
@@ -68,7 +68,7 @@ static int is_forbidden(char path[32])
     return 0;
 }
 
-static dpt_result no_answer(const struct haptics *device, dpt_device_error *error)
+static dpt_result explain_no_answer(const struct haptics *device, dpt_device_error *error)
 {
     char path[32];
     if (is_forbidden(path))
@@ -89,11 +89,12 @@ static dpt_result no_answer(const struct haptics *device, dpt_device_error *erro
                                               "driver was installed");
 }
 
-static dpt_result explain(const struct haptics *device, hd_error why, dpt_device_error *error)
+static dpt_result explain_failure(const struct haptics *device, hd_error failure,
+                                  dpt_device_error *error)
 {
-    switch (why.code) {
+    switch (failure.code) {
     case HD_DEVICE_FAULT:
-        return no_answer(device, error);
+        return explain_no_answer(device, error);
     case HD_DEVICE_ALREADY_INITIATED:
         return device_error(error, DPT_E_DEVICE,
                             "the device is open already: close it there, or name another one as in "
@@ -103,129 +104,130 @@ static dpt_result explain(const struct haptics *device, hd_error why, dpt_device
         return device_error(error, DPT_E_DEVICE,
                             "the line to the device fails (0x%x, %d): try another port and cable, "
                             "no hub; pair one at Ethernet again in Touch_Setup",
-                            why.code, why.internal);
+                            failure.code, failure.internal);
     case HD_TIMER_ERROR:
     case HD_INVALID_PRIORITY:
     case HD_SCHEDULER_FULL:
         return device_error(error, DPT_E_DEVICE,
                             "the scheduler of OpenHaptics has no room or does not start (0x%x, "
                             "%d): close other devices and programs that use it",
-                            why.code, why.internal);
+                            failure.code, failure.internal);
     case HD_INVALID_LICENSE:
         return device_error(error, DPT_E_UNSUPPORTED,
                             "OpenHaptics finds no valid licence: install its developer edition "
                             "anew, or the licence that the vendor gave for this machine");
     default:
         return device_error(error, DPT_E_DEVICE, "OpenHaptics says %.80s (0x%x, %d)",
-                            device->servo.hd->hdGetErrorString(why.code), why.code, why.internal);
+                            device->servo.hd->hdGetErrorString(failure.code), failure.code,
+                            failure.internal);
     }
 }
 
-static int ask_number(const struct hd_library *hd, unsigned what, double *value)
+static int read_number(const struct hd_library *hd, unsigned what, double *value)
 {
     double number = 0.0;
     hd->hdGetDoublev(what, &number);
-    if (!went_well(hd) || !(number >= 0.0 && number <= 1e6))
+    if (!has_no_error(hd) || !(number >= 0.0 && number <= 1e6))
         return 0;
     *value = number;
     return 1;
 }
 
-static int ask_count(const struct hd_library *hd, unsigned what, int *value)
+static int read_count(const struct hd_library *hd, unsigned what, int *value)
 {
     int number = 0;
     hd->hdGetIntegerv(what, &number);
-    if (!went_well(hd))
+    if (!has_no_error(hd))
         return 0;
     *value = number;
     return 1;
 }
 
-static void ask_text(const struct hd_library *hd, unsigned what, char out[48])
+static void read_text(const struct hd_library *hd, unsigned what, char out[48])
 {
     const char *text = hd->hdGetString(what);
-    if (!went_well(hd) || !text)
+    if (!has_no_error(hd) || !text)
         return;
     for (int i = 0; i < 47 && text[i]; i++)
         out[i] = text[i] >= ' ' && text[i] <= '~' ? text[i] : '?';
 }
 
-static int ask_workspace(const struct hd_library *hd, unsigned what, double box[6])
+static int read_workspace(const struct hd_library *hd, unsigned what, double box[6])
 {
     for (int i = 0; i < 6; i++)
         box[i] = 0.0;
     hd->hdGetDoublev(what, box);
-    int is_box = went_well(hd);
+    int is_box = has_no_error(hd);
     for (int i = 0; i < 3; i++)
         is_box &= box[i] < box[3 + i] && within(box[i], 1e5) && within(box[3 + i], 1e5);
     return is_box;
 }
 
-/* The ways to calibrate that it knows, and the best of them. */
-static unsigned ask_styles(const struct hd_library *hd)
+/* The calibration styles that the device has, HD_CALIBRATION_... bits. */
+static unsigned read_styles(const struct hd_library *hd)
 {
     int known = 0;
-    if (ask_count(hd, HD_CALIBRATION_STYLE, &known) || !hd->hdCheckCalibrationStyle)
+    if (read_count(hd, HD_CALIBRATION_STYLE, &known) || !hd->hdCheckCalibrationStyle)
         return (unsigned)known;
     const unsigned styles = hd->hdCheckCalibrationStyle();
-    return went_well(hd) ? styles : 0;
+    return has_no_error(hd) ? styles : 0;
 }
 
-static unsigned best_of(unsigned styles)
+static unsigned best_style(unsigned styles)
 {
     return styles & HD_CALIBRATION_AUTO      ? HD_CALIBRATION_AUTO
            : styles & HD_CALIBRATION_INKWELL ? HD_CALIBRATION_INKWELL
                                              : styles & HD_CALIBRATION_ENCODER_RESET;
 }
 
-/* What the device says of itself. What it does not say is 0 or left out; without the rest it cannot be used. */
-static dpt_result learn(struct haptics *device, dpt_device_error *error)
+/* Read the device's info. Degrees of freedom, force limit and workspace are required; other missing values are 0. */
+static dpt_result read_info(struct haptics *device, dpt_device_error *error)
 {
     struct servo *servo = &device->servo;
     const struct hd_library *hd = servo->hd;
     dpt_device_info *info = &device->info;
     int inputs = 0, outputs = 0, rate = 0;
     double stiffness = 0.0, torque = 0.0, box[6];
-    const int is_known = ask_count(hd, HD_INPUT_DOF, &inputs) &&
-                         ask_count(hd, HD_OUTPUT_DOF, &outputs) &&
-                         ask_number(hd, HD_NOMINAL_MAX_FORCE, &info->force_max) &&
-                         (ask_workspace(hd, HD_USABLE_WORKSPACE_DIMENSIONS, box) ||
-                          ask_workspace(hd, HD_MAX_WORKSPACE_DIMENSIONS, box));
+    const int is_known = read_count(hd, HD_INPUT_DOF, &inputs) &&
+                         read_count(hd, HD_OUTPUT_DOF, &outputs) &&
+                         read_number(hd, HD_NOMINAL_MAX_FORCE, &info->force_max) &&
+                         (read_workspace(hd, HD_USABLE_WORKSPACE_DIMENSIONS, box) ||
+                          read_workspace(hd, HD_MAX_WORKSPACE_DIMENSIONS, box));
     if (!is_known || inputs < 3 || info->force_max <= 0.0)
         return device_error(error, DPT_E_DEVICE,
                             "the device does not say what it can do: OpenHaptics and the device "
                             "driver must be of one version, and Touch_Diagnostic see it");
-    ask_number(hd, HD_NOMINAL_MAX_CONTINUOUS_FORCE, &info->force_continuous);
-    ask_number(hd, HD_NOMINAL_MAX_STIFFNESS, &stiffness);
+    read_number(hd, HD_NOMINAL_MAX_CONTINUOUS_FORCE, &info->force_continuous);
+    read_number(hd, HD_NOMINAL_MAX_STIFFNESS, &stiffness);
     if (outputs >= 6)
-        ask_number(hd, HD_NOMINAL_MAX_TORQUE_FORCE, &torque);
-    ask_text(hd, HD_DEVICE_MODEL_TYPE, info->name);
-    ask_text(hd, HD_DEVICE_SERIAL_NUMBER, info->serial);
-    const unsigned styles = ask_styles(hd);
+        read_number(hd, HD_NOMINAL_MAX_TORQUE_FORCE, &torque);
+    read_text(hd, HD_DEVICE_MODEL_TYPE, info->name);
+    read_text(hd, HD_DEVICE_SERIAL_NUMBER, info->serial);
+    const unsigned styles = read_styles(hd);
     servo->has_inkwell = (styles & HD_CALIBRATION_INKWELL) != 0;
-    servo->temperatures = outputs < 3 ? 3 : outputs < SERVO_MOTORS ? outputs : SERVO_MOTORS;
-    servo->style = best_of(styles);
-    servo->inputs = inputs >= 6 ? 6 : 3;
-    servo->outputs = torque > 0.0 ? 6 : outputs >= 3 ? 3 : 0;
+    servo->temperature_count = outputs < 3 ? 3 : outputs < SERVO_MOTORS ? outputs : SERVO_MOTORS;
+    servo->style = best_style(styles);
+    servo->input_dofs = inputs >= 6 ? 6 : 3;
+    servo->output_dofs = torque > 0.0 ? 6 : outputs >= 3 ? 3 : 0;
 
-    ask_count(hd, HD_UPDATE_RATE, &rate);
+    read_count(hd, HD_UPDATE_RATE, &rate);
     info->rate = rate >= 100 && rate <= 100000 ? rate : 1000;
     if (!info->name[0])
         snprintf(info->name, sizeof info->name, "OpenHaptics device");
-    info->pose_dofs = (uint32_t)servo->inputs;
-    info->wrench_dofs = (uint32_t)servo->outputs;
+    info->pose_dofs = (uint32_t)servo->input_dofs;
+    info->wrench_dofs = (uint32_t)servo->output_dofs;
     info->torque_max = torque / 1000.0;
     info->stiffness_max = stiffness * 1000.0;
     info->watchdog = device->watchdog;
     for (int k = 0; k < 3; k++) {
-        servo->middle[k] = 0.5 * (box[k] + box[3 + k]);
-        info->workspace_min[k] = (box[k] - servo->middle[k]) / 1000.0;
-        info->workspace_max[k] = (box[3 + k] - servo->middle[k]) / 1000.0;
+        servo->centre_mm[k] = 0.5 * (box[k] + box[3 + k]);
+        info->workspace_min[k] = (box[k] - servo->centre_mm[k]) / 1000.0;
+        info->workspace_max[k] = (box[3 + k] - servo->centre_mm[k]) / 1000.0;
     }
     return DPT_OK;
 }
 
-/* Where the device has to be held in a place that only a person knows, this is the moment. */
+/* Calibrate a device that a person must hold in its reset position now. */
 static dpt_result calibrate(const struct haptics *device, dpt_device_error *error)
 {
     const struct hd_library *hd = device->servo.hd;
@@ -233,8 +235,8 @@ static dpt_result calibrate(const struct haptics *device, dpt_device_error *erro
         hd->hdCheckCalibration() == HD_CALIBRATION_OK)
         return DPT_OK;
     hd->hdUpdateCalibration(HD_CALIBRATION_ENCODER_RESET);
-    const unsigned is = hd->hdCheckCalibration();
-    if (went_well(hd) && is == HD_CALIBRATION_OK)
+    const unsigned status = hd->hdCheckCalibration();
+    if (has_no_error(hd) && status == HD_CALIBRATION_OK)
         return DPT_OK;
     return device_error(error, DPT_E_NOT_READY,
                         "not calibrated: hold the device in its reset position (its manual shows "
@@ -250,31 +252,31 @@ static dpt_result set_rate(struct haptics *device, dpt_device_error *error)
                             "out, or close the others first",
                             common_rate);
     if (scheduler_devices() == 0) {
-        common_rate = device->rate != 0.0 ? device->rate
-                      : asked_rate != 0.0 ? asked_rate
-                                          : device->info.rate;
+        common_rate = device->rate != 0.0     ? device->rate
+                      : requested_rate != 0.0 ? requested_rate
+                                              : device->info.rate;
         if (device->rate != 0.0)
             hd->hdSetSchedulerRate((unsigned long)device->rate);
-        if (!went_well(hd))
+        if (!has_no_error(hd))
             return device_error(error, DPT_E_SETTING,
                                 "OpenHaptics refuses %g Hz: 500, 1000 or 2000 is usual, at "
                                 "FireWire 8000 / N; without rate= it takes its own",
                                 device->rate);
-        asked_rate = device->rate != 0.0 ? device->rate : asked_rate;
+        requested_rate = device->rate != 0.0 ? device->rate : requested_rate;
     }
     device->info.rate = common_rate;
-    device->servo.ramp = (uint32_t)(RAMP * common_rate + 0.5);
+    device->servo.ramp_ticks = (uint32_t)(RAMP * common_rate + 0.5);
     return DPT_OK;
 }
 
-/* On the device, with the scheduler at rest. */
-static dpt_result prepare(struct haptics *device, dpt_device_error *error)
+/* Open the device in the library. The scheduler must be stopped. */
+static dpt_result init_device(struct haptics *device, dpt_device_error *error)
 {
     const struct hd_library *hd = device->servo.hd;
     device->servo.device = hd->hdInitDevice(device->name[0] ? device->name : NULL);
-    const hd_error why = hd_take_error(hd);
-    if (why.code != HD_SUCCESS)
-        return explain(device, why, error);
+    const hd_error failure = hd_take_error(hd);
+    if (failure.code != HD_SUCCESS)
+        return explain_failure(device, failure, error);
     if (device->servo.device > HD_HANDLE_MAX)
         return device_error(error, DPT_E_DEVICE,
                             "OpenHaptics gave 0x%x, which is no device, as it does after an open "
@@ -286,39 +288,39 @@ static dpt_result prepare(struct haptics *device, dpt_device_error *error)
     hd->hdEnable(HD_MAX_FORCE_CLAMPING);
     hd->hdEnable(HD_FORCE_RAMPING);
     hd_take_error(hd);
-    dpt_result result = learn(device, error);
+    dpt_result result = read_info(device, error);
     if (result == DPT_OK)
         result = set_rate(device, error);
     return result == DPT_OK ? calibrate(device, error) : result;
 }
 
-static void take_sample(struct haptics *device)
+static void read_latest_sample(struct haptics *device)
 {
     if (latest_value_take(&device->servo.samples))
         device->last = device->servo.sample[device->servo.samples.reading];
 }
 
-/* Its first sample, and for a moment the end of a calibration that needs nobody. */
-static dpt_result hear(struct haptics *device, dpt_device_error *error)
+/* Wait for the first sample, and up to CALIBRATED_MS for a calibration that needs no person. */
+static dpt_result wait_for_sample(struct haptics *device, dpt_device_error *error)
 {
-    const uint64_t before = device->last.sequence;
+    const uint64_t sequence_before = device->last.sequence;
     for (int i = 0; i < ANSWER_MS && device->last.status != DPT_DEVICE_STATUS_LOST; i++) {
-        take_sample(device);
-        if (device->last.sequence != before &&
+        read_latest_sample(device);
+        if (device->last.sequence != sequence_before &&
             (i >= CALIBRATED_MS || !(device->last.reasons & DPT_REASON_UNCALIBRATED)))
             return DPT_OK;
         servo_wait();
     }
-    const hd_error why = { .code = device->last.code };
+    const hd_error failure = { .code = device->last.code };
     if (device->last.status == DPT_DEVICE_STATUS_LOST)
-        return explain(device, why, error);
+        return explain_failure(device, failure, error);
     return device_error(error, DPT_E_DEVICE,
                         "the device is open, but no sample comes within %g s: does another program "
                         "use it?",
                         ANSWER_MS * 1e-3);
 }
 
-/* 0 when the scheduler's thread hangs and may still use the device. */
+/* Returns 0 if the servo thread hangs and may still use the device. */
 static int disconnect(struct haptics *device)
 {
     if (!scheduler_leave(&device->servo))
@@ -333,24 +335,25 @@ static int disconnect(struct haptics *device)
     return 1;
 }
 
-/* Freed as soon as no other thread can use it. */
-static void let_go(struct haptics *device)
+/* Disconnect and free the device, or abandon it as long as the servo thread may use it. */
+static void release_device(struct haptics *device)
 {
     if (disconnect(device)) {
         free(device);
         return;
     }
-    device->next = left_behind;
-    left_behind = device;
+    device->next = abandoned;
+    abandoned = device;
 }
 
-static void let_go_of_those_behind(void)
+/* Try again to free the abandoned devices. */
+static void release_abandoned(void)
 {
-    struct haptics *device = left_behind, *next;
-    left_behind = NULL;
+    struct haptics *device = abandoned, *next;
+    abandoned = NULL;
     for (; device; device = next) {
         next = device->next;
-        let_go(device);
+        release_device(device);
     }
 }
 
@@ -371,21 +374,21 @@ static dpt_result connect_device(struct haptics *device, dpt_device_error *error
                             "the thread of OpenHaptics that serves all its devices hangs: end this "
                             "program and start it again");
     hd_take_error(hd);
-    dpt_result result = prepare(device, error);
-    const hd_error why = scheduler_resume(result == DPT_OK ? &device->servo : NULL);
-    if (result == DPT_OK && why.code != HD_SUCCESS)
-        result = explain(device, why, error);
+    dpt_result result = init_device(device, error);
+    const hd_error failure = scheduler_resume(result == DPT_OK ? &device->servo : NULL);
+    if (result == DPT_OK && failure.code != HD_SUCCESS)
+        result = explain_failure(device, failure, error);
     if (result == DPT_OK)
-        result = hear(device, error);
+        result = wait_for_sample(device, error);
     if (result != DPT_OK)
         return result;
     device->info.joints = (uint32_t)device->servo.joints;
     device->info.buttons = (uint32_t)device->servo.buttons;
-    device->lost = 0;
+    device->lost_reasons = 0;
     return DPT_OK;
 }
 
-/* What is still to be done before there is force. */
+/* Tell the user what must still be done before there is force. */
 static void advise(const struct haptics *device, dpt_device_error *error)
 {
     const uint32_t reasons = device->last.reasons;
@@ -416,13 +419,13 @@ static dpt_result openhaptics_open(const dpt_driver *driver, const char *where, 
     device->watchdog = 0.01;
     device->silent_after = 0.1;
     const struct setting settings[] = {
-        { .name = "library", .text = device->library, .room = sizeof device->library },
-        { .name = "rate", .number = &device->rate, .least = 100, .most = 1e5 },
-        { .name = "watchdog", .number = &device->watchdog, .least = 0.002, .most = 1 },
-        { .name = "silent", .number = &device->silent_after, .least = 0.01, .most = 60 },
+        { .name = "library", .text = device->library, .text_bytes = sizeof device->library },
+        { .name = "rate", .number = &device->rate, .min = 100, .max = 1e5 },
+        { .name = "watchdog", .number = &device->watchdog, .min = 0.002, .max = 1 },
+        { .name = "silent", .number = &device->silent_after, .min = 0.01, .max = 60 },
     };
-    pthread_mutex_lock(&one_at_a_time);
-    let_go_of_those_behind();
+    pthread_mutex_lock(&library_mutex);
+    release_abandoned();
     dpt_result result = settings_read(where, device->name, sizeof device->name, settings,
                                       sizeof settings / sizeof *settings, &device->dynamics, error);
     if (result == DPT_OK)
@@ -430,8 +433,8 @@ static dpt_result openhaptics_open(const dpt_driver *driver, const char *where, 
     if (result == DPT_OK)
         result = connect_device(device, error);
     if (result != DPT_OK)
-        let_go(device);
-    pthread_mutex_unlock(&one_at_a_time);
+        release_device(device);
+    pthread_mutex_unlock(&library_mutex);
     if (result != DPT_OK)
         return result;
     advise(device, error);
@@ -442,28 +445,28 @@ static dpt_result openhaptics_open(const dpt_driver *driver, const char *where, 
 static void openhaptics_info(const dpt_device *base, dpt_device_info *info)
 {
     *info = ((const struct haptics *)base)->info;
-    dynamics_tell(&((const struct haptics *)base)->dynamics, info);
+    dynamics_override(&((const struct haptics *)base)->dynamics, info);
 }
 
-/* Why nothing is heard, or 0. It stays, also when samples come again: time has passed of which nothing is known. */
-static uint32_t why_lost(struct haptics *device)
+/* Why the device is lost, or 0. It stays so when samples come again, because nothing is known of the time between. */
+static uint32_t find_loss(struct haptics *device)
 {
-    if (device->lost || scheduler_is_paused())
-        return device->lost;
+    if (device->lost_reasons || scheduler_is_paused())
+        return device->lost_reasons;
     if (device->last.status == DPT_DEVICE_STATUS_LOST)
-        return device->lost = device->last.reasons;
+        return device->lost_reasons = device->last.reasons;
     const uint64_t since = scheduler_since(), sampled = device->last.time_ns;
     const int64_t age = (int64_t)(clock_now() - (sampled > since ? sampled : since));
     if (age > (int64_t)(device->silent_after * (double)SECOND) ||
         (age > (int64_t)device->servo.watchdog_ns && scheduler_is_dead()))
-        device->lost = DPT_REASON_SILENT;
-    return device->lost;
+        device->lost_reasons = DPT_REASON_SILENT;
+    return device->lost_reasons;
 }
 
 static dpt_result openhaptics_read(dpt_device *base, dpt_device_state *state)
 {
     struct haptics *device = (struct haptics *)base;
-    take_sample(device);
+    read_latest_sample(device);
     const struct servo_sample *last = &device->last;
     const uint64_t fresh = last->sequence - device->sequence_read;
     device->sequence_read = last->sequence;
@@ -480,11 +483,11 @@ static dpt_result openhaptics_read(dpt_device *base, dpt_device_state *state)
     memset(state->joint, 0, sizeof state->joint);
     memcpy(state->joint, last->joint, sizeof last->joint);
     state->temperature = last->temperature;
-    const uint32_t lost = why_lost(device);
-    if (lost == 0)
+    const uint32_t reasons = find_loss(device);
+    if (reasons == 0)
         return DPT_OK;
     state->status = DPT_DEVICE_STATUS_LOST;
-    state->reasons = lost;
+    state->reasons = reasons;
     state->fresh = 0;
     return DPT_E_LOST;
 }
@@ -492,8 +495,8 @@ static dpt_result openhaptics_read(dpt_device *base, dpt_device_state *state)
 static dpt_result openhaptics_write(dpt_device *base, const dpt_wrench *wrench)
 {
     struct haptics *device = (struct haptics *)base;
-    take_sample(device);
-    if (why_lost(device))
+    read_latest_sample(device);
+    if (find_loss(device))
         return DPT_E_LOST;
     if (device->last.status != DPT_DEVICE_STATUS_READY)
         return DPT_E_NOT_READY;
@@ -514,28 +517,28 @@ static dpt_result openhaptics_clear(dpt_device *base)
     struct servo *servo = &device->servo;
     const dpt_device_info info = device->info;
     dpt_result result = DPT_OK;
-    take_sample(device);
-    pthread_mutex_lock(&one_at_a_time);
-    if (why_lost(device)) {
+    read_latest_sample(device);
+    pthread_mutex_lock(&library_mutex);
+    if (find_loss(device)) {
         result = disconnect(device) ? connect_device(device, NULL) : DPT_E_LOST;
         if (result != DPT_OK) {
             disconnect(device);
             device->info = info;
-            device->lost = device->lost ? device->lost : DPT_REASON_SILENT;
+            device->lost_reasons = device->lost_reasons ? device->lost_reasons : DPT_REASON_SILENT;
         }
         device->counts.resets += result == DPT_OK;
     } else {
-        const uint32_t clears = servo->clears + 1;
-        __atomic_store_n(&servo->clears, clears, __ATOMIC_RELAXED);
-        for (int i = 0; i < ANSWER_MS && device->last.clears != clears; i++) {
+        const uint32_t clear_requests = servo->clear_requests + 1;
+        __atomic_store_n(&servo->clear_requests, clear_requests, __ATOMIC_RELAXED);
+        for (int i = 0; i < ANSWER_MS && device->last.clear_requests != clear_requests; i++) {
             servo_wait();
-            take_sample(device);
+            read_latest_sample(device);
         }
-        if (device->last.clears != clears && !device->lost)
-            device->lost = DPT_REASON_SILENT;
+        if (device->last.clear_requests != clear_requests && !device->lost_reasons)
+            device->lost_reasons = DPT_REASON_SILENT;
     }
-    pthread_mutex_unlock(&one_at_a_time);
-    if (result != DPT_OK || why_lost(device))
+    pthread_mutex_unlock(&library_mutex);
+    if (result != DPT_OK || find_loss(device))
         return DPT_E_LOST;
     return device->last.status == DPT_DEVICE_STATUS_READY ? DPT_OK : DPT_E_NOT_READY;
 }
@@ -550,9 +553,9 @@ static void openhaptics_counts(const dpt_device *base, dpt_device_counts *counts
 
 static void openhaptics_close(dpt_device *base)
 {
-    pthread_mutex_lock(&one_at_a_time);
-    let_go((struct haptics *)base);
-    pthread_mutex_unlock(&one_at_a_time);
+    pthread_mutex_lock(&library_mutex);
+    release_device((struct haptics *)base);
+    pthread_mutex_unlock(&library_mutex);
 }
 
 const dpt_driver openhaptics_driver = {

@@ -26,7 +26,7 @@ enum { ERRORS_MAX = 256 };
 
 static struct {
     struct hd_library library;
-    char name[256]; /* "" before there is one */
+    char name[256]; /* "": none is loaded */
 } loaded;
 
 static const struct {
@@ -41,7 +41,7 @@ static const struct {
 #undef OPTIONAL
 };
 
-/* The file itself is not there, or one that it needs: the C library names it first. */
+/* 1 if dlopen's message says that `file` does not exist: `file` itself, or a library that it needs. */
 static int is_missing(const char *file, const char *text)
 {
     const size_t length = strlen(file);
@@ -49,7 +49,7 @@ static int is_missing(const char *file, const char *text)
            strstr(text, "No such file or directory");
 }
 
-static dpt_result explain(const char *name, const char *text, dpt_device_error *error)
+static dpt_result explain_failure(const char *name, const char *text, dpt_device_error *error)
 {
     const size_t length = strcspn(text, ":");
     if (is_missing(name, text))
@@ -101,19 +101,19 @@ hd_error hd_take_error(const struct hd_library *library)
 dpt_result hd_library_load(const char *name, const struct hd_library **library,
                            dpt_device_error *error)
 {
-    static const char *const usual[] = { "libHD.so", "libHD.so.3.4", "libHD.so.3.0" };
-    const char *asked = *name ? name : getenv("DPT_HD_LIBRARY");
-    asked = asked && *asked ? asked : NULL;
+    static const char *const default_names[] = { "libHD.so", "libHD.so.3.4", "libHD.so.3.0" };
+    const char *requested_name = *name ? name : getenv("DPT_HD_LIBRARY");
+    requested_name = requested_name && *requested_name ? requested_name : NULL;
     *library = &loaded.library;
-    if (loaded.name[0] && (!asked || !strcmp(asked, loaded.name)))
+    if (loaded.name[0] && (!requested_name || !strcmp(requested_name, loaded.name)))
         return DPT_OK;
     if (loaded.name[0])
         return device_error(error, DPT_E_SETTING,
                             "this program has loaded %.60s, and can have only one: leave library= "
                             "out, or start another program for %.60s",
-                            loaded.name, asked);
-    const size_t count = asked ? 1 : sizeof usual / sizeof *usual;
-    const char *const *names = asked ? &asked : usual;
+                            loaded.name, requested_name);
+    const size_t count = requested_name ? 1 : sizeof default_names / sizeof *default_names;
+    const char *const *names = requested_name ? &requested_name : default_names;
     const char *failed = NULL;
     char text[256];
     void *handle = NULL;
@@ -121,13 +121,13 @@ dpt_result hd_library_load(const char *name, const struct hd_library **library,
     for (; i < count && !handle; i++) {
         handle = dlopen(names[i], RTLD_NOW | RTLD_GLOBAL);
         const char *reason = handle ? NULL : dlerror();
-        if (!reason || failed || (!asked && is_missing(names[i], reason)))
+        if (!reason || failed || (!requested_name && is_missing(names[i], reason)))
             continue;
         failed = names[i];
         snprintf(text, sizeof text, "%s", reason);
     }
     if (!handle && failed)
-        return explain(failed, text, error);
+        return explain_failure(failed, text, error);
     if (!handle)
         return device_error(error, DPT_E_UNSUPPORTED,
                             "OpenHaptics is not installed (no libHD.so, .3.4 or .3.0): get its "

@@ -11,12 +11,13 @@
 
 enum { CALIBRATE_EVERY = 50, ERRORS_A_TICK = 32, START_MS = 100, LEAVE_MS = 1000 };
 
-static const uint64_t FAULT_IS_OVER_NS = 100000000; /* after this long without the error */
-static const double WARM = 0.7;                     /* of 1, from where forces get less */
+static const uint64_t FAULT_CLEAR_NS = 100000000; /* after this long without the error */
+static const double WARM_TEMPERATURE =
+    0.7; /* of 1, the limit: from here on forces are scaled down */
 
 enum { STOPPED, PAUSED, RUNNING };
-enum { DRIVES, RESTS_SOON, RESTS };
-enum { NOBODY, SERVO, HOST };
+enum { FORCES_ON, ZERO_REQUESTED, ZERO_SENT }; /* scheduler.zero_state */
+enum { NOBODY, SERVO, HOST };                  /* scheduler.error_reader */
 
 static struct {
     const struct hd_library *hd;
@@ -24,8 +25,8 @@ static struct {
     unsigned long callback;
     uint64_t since_ns;
     int state;
-    int rest;          /* resting, it sends zero to all */
-    int errors_are_of; /* who takes them from the stack */
+    int zero_state;   /* not FORCES_ON: zero is sent to all */
+    int error_reader; /* which thread empties the stack of errors */
 } scheduler;
 
 void servo_wait(void)
@@ -44,7 +45,7 @@ static void set_servo(int i, struct servo *servo)
     __atomic_store_n(&scheduler.servos[i], servo, __ATOMIC_RELEASE);
 }
 
-static void note(struct servo *servo, unsigned code, uint64_t now)
+static void note_error(struct servo *servo, unsigned code, uint64_t now)
 {
     const int is_fatal = dpt_hd_is_scheduler_error(code) || code == HD_DEVICE_FAULT ||
                          code == HD_BAD_HANDLE || code == HD_INVALID_LICENSE;
@@ -54,61 +55,64 @@ static void note(struct servo *servo, unsigned code, uint64_t now)
     servo->fault_ns = now;
 }
 
-/* There is one stack for all devices. What belongs to none of ours is taken to concern all of them. */
-static void give_to_whom_it_concerns(hd_error error, uint64_t now)
+/* The library has one stack of errors for all devices. An error of no device of ours is noted for all of them. */
+static void assign_error(hd_error error, uint64_t now)
 {
     int is_known = 0;
     for (int i = 0; i < SERVOS_MAX; i++)
         is_known |= servo_at(i) && servo_at(i)->device == error.device;
     for (int i = 0; i < SERVOS_MAX; i++)
         if (servo_at(i) && (!is_known || servo_at(i)->device == error.device))
-            note(servo_at(i), error.code, now);
+            note_error(servo_at(i), error.code, now);
 }
 
-/* Empties the stack. 0 when something that was asked for is not to be had; that is all that it means then. */
-static int drain(uint64_t now, int is_asking)
+/*
+ * Empty the stack of errors.
+ *   is_query   1: a value that a device may lack was just queried. Returns 0 if an error says so; that error is no fault
+ */
+static int drain_errors(uint64_t now, int is_query)
 {
-    int is_told = 1;
+    int is_answered = 1;
     for (int i = 0; i < ERRORS_A_TICK; i++) {
         const hd_error error = scheduler.hd->hdGetError();
         if (error.code == HD_SUCCESS)
             break;
-        if (is_asking && error.code <= HD_INVALID_INPUT_TYPE)
-            is_told = 0;
+        if (is_query && error.code <= HD_INVALID_INPUT_TYPE)
+            is_answered = 0;
         else
-            give_to_whom_it_concerns(error, now);
+            assign_error(error, now);
     }
-    return is_told;
+    return is_answered;
 }
 
-/* In its first frame: what it tells of itself. */
-static void meet(struct servo *servo, uint64_t now)
+/* In a device's first frame: find which values it has. */
+static void query_capabilities(struct servo *servo, uint64_t now)
 {
     const struct hd_library *hd = servo->hd;
     double values[SERVO_MOTORS];
     unsigned char is_out;
     int buttons;
-    servo->is_met = 1;
-    drain(now, 0);
+    servo->has_capabilities = 1;
+    drain_errors(now, 0);
     hd->hdGetIntegerv(HD_CURRENT_BUTTONS, &buttons);
-    servo->buttons = drain(now, 1) ? 4 : 0;
+    servo->buttons = drain_errors(now, 1) ? 4 : 0;
     hd->hdGetDoublev(HD_CURRENT_JOINT_ANGLES, values);
-    servo->joints = drain(now, 1) ? 3 : 0;
+    servo->joints = drain_errors(now, 1) ? 3 : 0;
     hd->hdGetDoublev(HD_MOTOR_TEMPERATURE, values);
-    servo->temperatures = drain(now, 1) ? servo->temperatures : 0;
+    servo->temperature_count = drain_errors(now, 1) ? servo->temperature_count : 0;
     hd->hdGetBooleanv(HD_CURRENT_INKWELL_SWITCH, &is_out);
-    servo->has_inkwell = drain(now, 1) && servo->has_inkwell;
-    if (servo->inputs < 6)
+    servo->has_inkwell = drain_errors(now, 1) && servo->has_inkwell;
+    if (servo->input_dofs < 6)
         return;
     hd->hdGetDoublev(HD_CURRENT_ANGULAR_VELOCITY, values);
-    servo->has_spin = drain(now, 1);
+    servo->has_spin = drain_errors(now, 1);
     hd->hdGetDoublev(HD_CURRENT_GIMBAL_ANGLES, values);
-    if (drain(now, 1) && servo->joints == 3)
+    if (drain_errors(now, 1) && servo->joints == 3)
         servo->joints = 6;
 }
 
-/* Where it is and how it moves; of numbers that are none nothing is taken. */
-static void sense_motion(struct servo *servo, struct servo_sample *sample)
+/* Read pose, velocity, spin and joints. If a number is not finite, `sample` keeps the values before. */
+static void read_motion(struct servo *servo, struct servo_sample *sample)
 {
     static const double identity[12] = { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 };
     const struct hd_library *hd = servo->hd;
@@ -117,8 +121,8 @@ static void sense_motion(struct servo *servo, struct servo_sample *sample)
     hd->hdGetDoublev(HD_CURRENT_TRANSFORM, transform);
     hd->hdGetDoublev(HD_CURRENT_VELOCITY, speed);
     for (int k = 0; k < 3; k++)
-        transform[12 + k] -= servo->middle[k];
-    if (servo->inputs < 6)
+        transform[12 + k] -= servo->centre_mm[k];
+    if (servo->input_dofs < 6)
         memcpy(transform, identity, sizeof identity);
     if (servo->joints >= 3)
         hd->hdGetDoublev(HD_CURRENT_JOINT_ANGLES, read.joint);
@@ -126,24 +130,24 @@ static void sense_motion(struct servo *servo, struct servo_sample *sample)
         hd->hdGetDoublev(HD_CURRENT_GIMBAL_ANGLES, read.joint + 3);
     if (servo->has_spin)
         hd->hdGetDoublev(HD_CURRENT_ANGULAR_VELOCITY, read.spin);
-    servo->is_sound = dpt_hd_to_pose(transform, &read.pose) == DPT_OK &&
+    servo->is_valid = dpt_hd_to_pose(transform, &read.pose) == DPT_OK &&
                       dpt_hd_to_metres(speed, read.velocity) == DPT_OK &&
                       vec3_within(read.spin, DPT_COORDINATE_MAX) &&
                       vec3_within(read.joint, DPT_COORDINATE_MAX) &&
                       vec3_within(read.joint + 3, DPT_COORDINATE_MAX);
-    if (servo->is_sound)
+    if (servo->is_valid)
         *sample = read;
 }
 
-static void sense(struct servo *servo, struct servo_sample *sample, uint64_t now)
+static void read_sample(struct servo *servo, struct servo_sample *sample, uint64_t now)
 {
     const struct hd_library *hd = servo->hd;
     int buttons = 0;
     unsigned char is_out = 1;
-    double heat[SERVO_MOTORS] = { 0.0 };
+    double temperatures[SERVO_MOTORS] = { 0.0 };
     sample->sequence++;
     sample->time_ns = now != 0 ? now : servo->last.time_ns;
-    sense_motion(servo, sample);
+    read_motion(servo, sample);
     if (servo->buttons > 0)
         hd->hdGetIntegerv(HD_CURRENT_BUTTONS, &buttons);
     sample->buttons = (uint32_t)buttons & ((1u << servo->buttons) - 1);
@@ -151,30 +155,33 @@ static void sense(struct servo *servo, struct servo_sample *sample, uint64_t now
         hd->hdGetBooleanv(HD_CURRENT_INKWELL_SWITCH, &is_out);
     servo->is_docked = !is_out;
     sample->temperature = -1.0;
-    if (servo->temperatures == 0)
+    if (servo->temperature_count == 0)
         return;
-    hd->hdGetDoublev(HD_MOTOR_TEMPERATURE, heat);
-    for (int i = 0; i < servo->temperatures; i++)
-        sample->temperature = max_of(heat[i], sample->temperature);
+    hd->hdGetDoublev(HD_MOTOR_TEMPERATURE, temperatures);
+    for (int i = 0; i < servo->temperature_count; i++)
+        sample->temperature = max_of(temperatures[i], sample->temperature);
 }
 
 static int is_ready(const struct servo *servo)
 {
-    return !servo->is_lost && !servo->fault && servo->is_sound && servo->is_calibrated &&
+    return !servo->is_lost && !servo->fault && servo->is_valid && servo->is_calibrated &&
            !servo->is_docked;
 }
 
-/* Motors that get warm give less from WARM on, and nothing at their limit. */
-static double share_of_heat(double temperature)
+/* The factor by which forces of warm motors are scaled: 1 up to WARM_TEMPERATURE, 0 at the limit. */
+static double heat_scale(double temperature)
 {
-    return temperature <= WARM ? 1.0 : 1.0 - clamp01((temperature - WARM) / (1.0 - WARM));
+    return temperature <= WARM_TEMPERATURE
+               ? 1.0
+               : 1.0 - clamp01((temperature - WARM_TEMPERATURE) / (1.0 - WARM_TEMPERATURE));
 }
 
 /*
- * What is sent: the latest command, if it is young enough. After silence, a fault or a stop of this thread in a debugger
- * force comes back along a ramp, so that nothing kicks.
+ * Send the latest command, if it is younger than the watchdog. After silence, a fault or a stop of this thread in a
+ * debugger the force returns along a ramp, so that nothing kicks.
  */
-static void drive(struct servo *servo, struct servo_sample *sample, uint64_t now, int rests)
+static void drive(struct servo *servo, struct servo_sample *sample, uint64_t now,
+                  int must_send_zero)
 {
     static const double zero[3];
     const int is_new = latest_value_take(&servo->commands);
@@ -183,40 +190,46 @@ static void drive(struct servo *servo, struct servo_sample *sample, uint64_t now
     const int is_young =
         now != 0 && command->time_ns != 0 && now < command->time_ns + servo->watchdog_ns;
     if (now - servo->last.time_ns > servo->watchdog_ns)
-        servo->live = 0;
-    const int is_live = servo->is_armed && is_young && !servo->is_leaving && !rests;
-    servo->live = !is_live ? 0 : servo->live < servo->ramp ? servo->live + 1 : servo->live;
+        servo->live_ticks = 0;
+    const int is_live = servo->is_armed && is_young && !servo->is_leaving && !must_send_zero;
+    servo->live_ticks = !is_live                                ? 0
+                        : servo->live_ticks < servo->ramp_ticks ? servo->live_ticks + 1
+                                                                : servo->live_ticks;
     sample->missed += servo->is_armed && !is_young;
     servo->gives_force = 0;
-    if (servo->outputs < 3)
+    if (servo->output_dofs < 3)
         return;
-    const double share = (double)servo->live / servo->ramp * share_of_heat(sample->temperature);
+    const double scale =
+        (double)servo->live_ticks / servo->ramp_ticks * heat_scale(sample->temperature);
     double out[2][3];
-    vec3_store(scaled(vec3_of(is_live ? command->wrench.force : zero), share), out[0]);
-    vec3_store(scaled(vec3_of(is_live ? command->wrench.torque : zero), 1000.0 * share), out[1]);
+    vec3_store(scaled(vec3_of(is_live ? command->wrench.force : zero), scale), out[0]);
+    vec3_store(scaled(vec3_of(is_live ? command->wrench.torque : zero), 1000.0 * scale), out[1]);
     servo->hd->hdSetDoublev(HD_CURRENT_FORCE, out[0]);
-    if (servo->outputs == 6)
+    if (servo->output_dofs == 6)
         servo->hd->hdSetDoublev(HD_CURRENT_TORQUE, out[1]);
     servo->gives_force = extent_of(vec3_of(out[0])) > 0.0 || extent_of(vec3_of(out[1])) > 0.0;
 }
 
-/* Never under force: where the device believes to be jumps then. Before the frame, whose sample is of the new place. */
+/*
+ * Calibrate, but never under force, because the pose jumps. Call it before the frame, whose sample then has the new
+ * pose.
+ */
 static void calibrate(struct servo *servo)
 {
     const struct hd_library *hd = servo->hd;
     if (servo->last.sequence % CALIBRATE_EVERY != 0)
         return;
     hd->hdMakeCurrentDevice(servo->device);
-    unsigned is = hd->hdCheckCalibration();
-    if (is == HD_CALIBRATION_NEEDS_UPDATE && servo->gives_force)
+    unsigned status = hd->hdCheckCalibration();
+    if (status == HD_CALIBRATION_NEEDS_UPDATE && servo->gives_force)
         return;
-    if (is == HD_CALIBRATION_NEEDS_UPDATE &&
+    if (status == HD_CALIBRATION_NEEDS_UPDATE &&
         (servo->style == HD_CALIBRATION_AUTO || servo->style == HD_CALIBRATION_INKWELL)) {
         hd->hdUpdateCalibration(servo->style);
-        is = hd->hdCheckCalibration();
-        servo->live = 0;
+        status = hd->hdCheckCalibration();
+        servo->live_ticks = 0;
     }
-    servo->is_calibrated = is == HD_CALIBRATION_OK;
+    servo->is_calibrated = status == HD_CALIBRATION_OK;
 }
 
 static uint32_t reasons_of(const struct servo *servo)
@@ -231,22 +244,25 @@ static uint32_t reasons_of(const struct servo *servo)
         return dpt_hd_is_force_error(servo->fault) && servo->fault != HD_FORCE_ERROR
                    ? DPT_REASON_OVERLOADED
                    : DPT_REASON_DEVICE;
-    return (servo->is_calibrated && servo->is_sound ? 0u : DPT_REASON_UNCALIBRATED) |
+    return (servo->is_calibrated && servo->is_valid ? 0u : DPT_REASON_UNCALIBRATED) |
            (servo->is_docked ? DPT_REASON_DOCKED : 0u);
 }
 
-/* A fault ends when the host asked for it and the error has not come again for a while; force waits for a new command. */
+/*
+ * End a fault if the host requested it and the error did not come again for FAULT_CLEAR_NS. Force waits for a new
+ * command.
+ */
 static void clear_fault(struct servo *servo, uint64_t now)
 {
-    const uint32_t clears = __atomic_load_n(&servo->clears, __ATOMIC_RELAXED);
-    if (clears != servo->last.clears) {
-        servo->fault = now - servo->fault_ns > FAULT_IS_OVER_NS ? 0 : servo->fault;
+    const uint32_t clear_requests = __atomic_load_n(&servo->clear_requests, __ATOMIC_RELAXED);
+    if (clear_requests != servo->last.clear_requests) {
+        servo->fault = now - servo->fault_ns > FAULT_CLEAR_NS ? 0 : servo->fault;
         servo->is_armed = 0;
     }
-    servo->last.clears = clears;
+    servo->last.clear_requests = clear_requests;
 }
 
-static void hand_over(struct servo *servo, uint64_t now)
+static void publish_sample(struct servo *servo, uint64_t now)
 {
     struct servo_sample *last = &servo->last;
     if (!servo->is_lost)
@@ -261,92 +277,94 @@ static void hand_over(struct servo *servo, uint64_t now)
     latest_value_publish(&servo->samples);
 }
 
-/* They are of the thread that asks first after a start, as it would not be known whose call raised one. */
-static int take_errors(int who)
+/* After a start the first thread that claims the errors keeps them; otherwise nobody knew whose call raised one. */
+static int claim_errors(int claimant)
 {
-    int is = NOBODY;
-    return __atomic_compare_exchange_n(&scheduler.errors_are_of, &is, who, 0, __ATOMIC_ACQ_REL,
-                                       __ATOMIC_ACQUIRE) ||
-           is == who;
+    int reader = NOBODY;
+    return __atomic_compare_exchange_n(&scheduler.error_reader, &reader, claimant, 0,
+                                       __ATOMIC_ACQ_REL, __ATOMIC_ACQUIRE) ||
+           reader == claimant;
 }
 
 static unsigned serve(void *unused)
 {
     (void)unused;
     const struct hd_library *hd = scheduler.hd;
-    const int rests = __atomic_load_n(&scheduler.rest, __ATOMIC_RELAXED) != DRIVES;
+    const int must_send_zero =
+        __atomic_load_n(&scheduler.zero_state, __ATOMIC_RELAXED) != FORCES_ON;
     struct servo *servos[SERVOS_MAX];
     struct servo_sample next[SERVOS_MAX];
     const uint64_t now = clock_now();
-    if (!take_errors(SERVO))
+    if (!claim_errors(SERVO))
         return HD_CALLBACK_CONTINUE;
     for (int i = 0; i < SERVOS_MAX; i++) {
         servos[i] = servo_at(i);
         if (!servos[i])
             continue;
-        servos[i]->is_leaving = __atomic_load_n(&servos[i]->leaves, __ATOMIC_RELAXED) != 0;
+        servos[i]->is_leaving = __atomic_load_n(&servos[i]->must_leave, __ATOMIC_RELAXED) != 0;
         const int was_lost = servos[i]->is_lost;
-        /* The last frame of one that is lost is without force: perhaps it gets through. */
+        /* A lost device gets one last frame without force: perhaps it arrives. */
         if (was_lost && !servos[i]->gives_force)
             continue;
         next[i] = servos[i]->last;
         if (!was_lost)
             calibrate(servos[i]);
         hd->hdBeginFrame(servos[i]->device);
-        if (!servos[i]->is_met)
-            meet(servos[i], now);
+        if (!servos[i]->has_capabilities)
+            query_capabilities(servos[i], now);
         if (!was_lost)
-            sense(servos[i], &next[i], now);
-        drive(servos[i], &next[i], now, rests);
+            read_sample(servos[i], &next[i], now);
+        drive(servos[i], &next[i], now, must_send_zero);
         hd->hdEndFrame(servos[i]->device);
     }
-    drain(now, 0);
+    drain_errors(now, 0);
     for (int i = 0; i < SERVOS_MAX; i++) {
         if (!servos[i])
             continue;
         if (!servos[i]->is_lost)
             servos[i]->last = next[i];
-        hand_over(servos[i], now);
+        publish_sample(servos[i], now);
         if (servos[i]->is_leaving)
             set_servo(i, NULL);
     }
-    int soon = RESTS_SOON;
-    if (rests)
-        __atomic_compare_exchange_n(&scheduler.rest, &soon, RESTS, 0, __ATOMIC_RELEASE,
-                                    __ATOMIC_RELAXED);
+    int requested = ZERO_REQUESTED;
+    if (must_send_zero)
+        __atomic_compare_exchange_n(&scheduler.zero_state, &requested, ZERO_SENT, 0,
+                                    __ATOMIC_RELEASE, __ATOMIC_RELAXED);
     return HD_CALLBACK_CONTINUE;
 }
 
-static void set_state(int state)
+static void set_scheduler_state(int state)
 {
     __atomic_store_n(&scheduler.state, state, __ATOMIC_RELEASE);
 }
 
-static int state_of(void)
+static int scheduler_state(void)
 {
     return __atomic_load_n(&scheduler.state, __ATOMIC_ACQUIRE);
 }
 
-static void halt(int state)
+static void stop_scheduler(int state)
 {
-    const int was = state_of();
-    set_state(state);
-    if (was != RUNNING)
+    const int state_before = scheduler_state();
+    set_scheduler_state(state);
+    if (state_before != RUNNING)
         return;
     scheduler.hd->hdStopScheduler();
     scheduler.hd->hdUnschedule(scheduler.callback);
 }
 
-/* Zero to all: whether a device that gets no frames keeps its force is not documented. */
-static int rest(void)
+/* Send zero to all devices: it is not documented whether a device without frames keeps its force. */
+static int send_zero_to_all(void)
 {
-    __atomic_store_n(&scheduler.rest, RESTS_SOON, __ATOMIC_RELAXED);
+    __atomic_store_n(&scheduler.zero_state, ZERO_REQUESTED, __ATOMIC_RELAXED);
     for (int i = 0; i < LEAVE_MS; i++) {
-        if (__atomic_load_n(&scheduler.rest, __ATOMIC_ACQUIRE) == RESTS || scheduler_is_dead())
+        if (__atomic_load_n(&scheduler.zero_state, __ATOMIC_ACQUIRE) == ZERO_SENT ||
+            scheduler_is_dead())
             return 1;
         servo_wait();
     }
-    __atomic_store_n(&scheduler.rest, DRIVES, __ATOMIC_RELAXED);
+    __atomic_store_n(&scheduler.zero_state, FORCES_ON, __ATOMIC_RELAXED);
     return 0;
 }
 
@@ -354,14 +372,14 @@ int scheduler_pause(const struct hd_library *hd)
 {
     if (!scheduler.hd)
         scheduler.hd = hd;
-    if (state_of() == RUNNING && !rest())
+    if (scheduler_state() == RUNNING && !send_zero_to_all())
         return 0;
-    halt(PAUSED);
-    __atomic_store_n(&scheduler.rest, DRIVES, __ATOMIC_RELAXED);
+    stop_scheduler(PAUSED);
+    __atomic_store_n(&scheduler.zero_state, FORCES_ON, __ATOMIC_RELAXED);
     return 1;
 }
 
-static int enter(struct servo *servo)
+static int add_servo(struct servo *servo)
 {
     latest_value_init(&servo->samples);
     latest_value_init(&servo->commands);
@@ -377,66 +395,66 @@ unsigned scheduler_devices(void)
 {
     unsigned count = 0;
     for (int i = 0; i < SERVOS_MAX; i++)
-        count += servo_at(i) != NULL;
+        count += servo_at(i) ? 1 : 0;
     return count;
 }
 
-static void forget(const struct servo *servo)
+static void remove_servo(const struct servo *servo)
 {
     for (int i = 0; i < SERVOS_MAX; i++)
         if (servo && servo_at(i) == servo)
             set_servo(i, NULL);
 }
 
-/* Once it ticks it has started, and errors are those of its ticks. */
-static hd_error start(const struct hd_library *hd)
+/* Start the scheduler. It has started when the servo thread claims the errors. */
+static hd_error start_scheduler(const struct hd_library *hd)
 {
-    hd_error why = { .code = HD_SUCCESS };
+    hd_error failure = { .code = HD_SUCCESS };
     hd->hdStartScheduler();
     for (int i = 0; i < START_MS; i++) {
-        if (__atomic_load_n(&scheduler.errors_are_of, __ATOMIC_RELAXED) == SERVO)
-            return why;
+        if (__atomic_load_n(&scheduler.error_reader, __ATOMIC_RELAXED) == SERVO)
+            return failure;
         servo_wait();
     }
-    if (!take_errors(HOST))
-        return why;
-    why = hd_take_error(hd);
-    if (dpt_hd_is_force_error(why.code))
-        why.code = HD_SUCCESS;
-    if (why.code == HD_SUCCESS)
-        __atomic_store_n(&scheduler.errors_are_of, NOBODY, __ATOMIC_RELEASE);
-    return why;
+    if (!claim_errors(HOST))
+        return failure;
+    failure = hd_take_error(hd);
+    if (dpt_hd_is_force_error(failure.code))
+        failure.code = HD_SUCCESS;
+    if (failure.code == HD_SUCCESS)
+        __atomic_store_n(&scheduler.error_reader, NOBODY, __ATOMIC_RELEASE);
+    return failure;
 }
 
 hd_error scheduler_resume(struct servo *servo)
 {
     const struct hd_library *hd = scheduler.hd;
-    hd_error why = { .code = HD_SCHEDULER_FULL };
-    if (servo && !enter(servo)) {
+    hd_error failure = { .code = HD_SCHEDULER_FULL };
+    if (servo && !add_servo(servo)) {
         scheduler_resume(NULL);
-        return why;
+        return failure;
     }
-    why.code = HD_SUCCESS;
+    failure.code = HD_SUCCESS;
     if (scheduler_devices() == 0) {
-        set_state(STOPPED);
-        return why;
+        set_scheduler_state(STOPPED);
+        return failure;
     }
     hd_take_error(hd);
-    __atomic_store_n(&scheduler.errors_are_of, NOBODY, __ATOMIC_RELAXED);
+    __atomic_store_n(&scheduler.error_reader, NOBODY, __ATOMIC_RELAXED);
     __atomic_store_n(&scheduler.callback,
                      hd->hdScheduleAsynchronous(serve, NULL, HD_MAX_SCHEDULER_PRIORITY),
                      __ATOMIC_RELAXED);
-    why = hd_take_error(hd);
-    if (why.code == HD_SUCCESS) {
-        why = start(hd);
+    failure = hd_take_error(hd);
+    if (failure.code == HD_SUCCESS) {
+        failure = start_scheduler(hd);
         __atomic_store_n(&scheduler.since_ns, clock_now(), __ATOMIC_RELAXED);
-        set_state(RUNNING);
+        set_scheduler_state(RUNNING);
     }
-    if (why.code == HD_SUCCESS)
-        return why;
-    forget(servo);
-    halt(STOPPED);
-    return why;
+    if (failure.code == HD_SUCCESS)
+        return failure;
+    remove_servo(servo);
+    stop_scheduler(STOPPED);
+    return failure;
 }
 
 int scheduler_leave(struct servo *servo)
@@ -446,9 +464,9 @@ int scheduler_leave(struct servo *servo)
         at++;
     if (at == SERVOS_MAX)
         return 1;
-    __atomic_store_n(&servo->leaves, 1, __ATOMIC_RELAXED);
+    __atomic_store_n(&servo->must_leave, 1, __ATOMIC_RELAXED);
     for (int i = 0; i < LEAVE_MS && servo_at(at) == servo; i++) {
-        if (state_of() != RUNNING || scheduler_is_dead())
+        if (scheduler_state() != RUNNING || scheduler_is_dead())
             set_servo(at, NULL);
         else
             servo_wait();
@@ -458,18 +476,18 @@ int scheduler_leave(struct servo *servo)
 
 int scheduler_is_paused(void)
 {
-    return state_of() == PAUSED;
+    return scheduler_state() == PAUSED;
 }
 
 int scheduler_is_dead(void)
 {
     const uint64_t since = scheduler_since();
-    if (state_of() != RUNNING)
-        return state_of() == STOPPED;
+    if (scheduler_state() != RUNNING)
+        return scheduler_state() == STOPPED;
     const unsigned long callback = __atomic_load_n(&scheduler.callback, __ATOMIC_RELAXED);
-    /* A pause meanwhile is no death. */
+    /* It is not dead if it was paused and resumed meanwhile. */
     return !scheduler.hd->hdWaitForCompletion(callback, HD_WAIT_CHECK_STATUS) &&
-           state_of() == RUNNING && scheduler_since() == since;
+           scheduler_state() == RUNNING && scheduler_since() == since;
 }
 
 uint64_t scheduler_since(void)

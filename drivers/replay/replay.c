@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A recorded motion as a device (docs/drivers.md, "replay"): a trace, tick,ax,ay,az,bx,by,bz. */
+/* A device that plays a recorded motion, a trace of tick,ax,ay,az,bx,by,bz (docs/drivers.md, "replay"). */
 #define _POSIX_C_SOURCE 200809L
 #include <math.h>
 #include <stdlib.h>
@@ -13,7 +13,7 @@
 #include "settings.h"
 #include "trace.h"
 
-/* 2^63 ns are 292 years; it may begin again. */
+/* The longest trace. 2^63 ns are 292 years, and a trace may be repeated. */
 static const double SECONDS_MAX = 100.0 * 365.0 * 86400.0;
 
 struct replay {
@@ -21,9 +21,9 @@ struct replay {
     double rate, live, again;
     struct dynamics dynamics;
     struct csv_table table;
-    size_t row; /* that is now */
+    size_t row; /* of the present sample */
     int has_begun, has_ended;
-    uint64_t laps; /* ticks of those that are over */
+    uint64_t past_ticks; /* of the repetitions that are over */
     uint64_t began_ns, read_sequence;
     int was_read;
     dpt_device_state sample;
@@ -40,7 +40,7 @@ static uint64_t ticks_of(const struct replay *replay)
     return tick_at(replay, replay->table.rows - 1) + 1;
 }
 
-/* The shortest turn from one direction to another, both of unit length. */
+/* The smallest rotation from one direction to another, both of unit length, as a quaternion. */
 static void shortest_turn(vec3 from, vec3 to, double *q)
 {
     double w = 1.0 + dot(from, to);
@@ -56,13 +56,13 @@ static void shortest_turn(vec3 from, vec3 to, double *q)
 }
 
 /* The tool's own axis, z, in the world. */
-static vec3 axis_of(const double *q)
+static vec3 tool_axis(const double *q)
 {
     return (vec3){ 2.0 * (q[1] * q[3] + q[0] * q[2]), 2.0 * (q[2] * q[3] - q[0] * q[1]),
                    1.0 - 2.0 * (q[1] * q[1] + q[2] * q[2]) };
 }
 
-static void product(const double *a, const double *b, double *out)
+static void multiply_quaternions(const double *a, const double *b, double *out)
 {
     const double q[4] = { a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
                           a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
@@ -73,44 +73,49 @@ static void product(const double *a, const double *b, double *out)
         out[i] = q[i] / size;
 }
 
-/* The origin is A and z points to B. From row to row it turns no more than it must; after a jump there is no before. */
-static void take_sample(struct replay *replay, int jumps)
+/*
+ * The sample of the present row: the origin is A, z points to B. It turns no more than it must, from the identity
+ * after a jump.
+ */
+static void take_sample(struct replay *replay, int is_jump)
 {
     dpt_device_state *sample = &replay->sample;
     const double *ends = csv_table_row(&replay->table, replay->row) + 1;
-    vec3 a = vec3_of(ends), along_tool = sub(vec3_of(ends + 3), a), before = { 0.0, 0.0, 1.0 };
-    double size = length(along_tool), turn[4];
+    vec3 a = vec3_of(ends), along_tool = sub(vec3_of(ends + 3), a),
+         direction_before = { 0.0, 0.0, 1.0 };
+    double size = length(along_tool), rotation[4];
     static const double identity[4] = { 1.0, 0.0, 0.0, 0.0 };
     memset(sample->velocity, 0, sizeof sample->velocity);
     memset(sample->spin, 0, sizeof sample->spin);
-    if (jumps)
+    if (is_jump)
         memcpy(sample->pose.orientation, identity, sizeof identity);
     else
         vec3_store(scaled(sub(a, vec3_of(sample->pose.position)), replay->rate), sample->velocity);
     vec3_store(a, sample->pose.position);
-    sample->sequence = replay->laps + tick_at(replay, replay->row);
+    sample->sequence = replay->past_ticks + tick_at(replay, replay->row);
     sample->time_ns =
         replay->began_ns + (uint64_t)((double)sample->sequence * 1e9 / replay->rate + 0.5);
     sample->temperature = -1.0;
     if (size == 0.0)
         return;
-    vec3 way = scaled(along_tool, 1.0 / size);
-    before = axis_of(sample->pose.orientation);
-    shortest_turn(before, way, turn);
-    const double half_sine = length(vec3_of(turn + 1));
-    if (!jumps && half_sine > 0.0)
-        vec3_store(scaled(vec3_of(turn + 1), replay->rate * angle_between(before, way) / half_sine),
+    vec3 direction = scaled(along_tool, 1.0 / size);
+    direction_before = tool_axis(sample->pose.orientation);
+    shortest_turn(direction_before, direction, rotation);
+    const double half_sine = length(vec3_of(rotation + 1));
+    if (!is_jump && half_sine > 0.0)
+        vec3_store(scaled(vec3_of(rotation + 1),
+                          replay->rate * angle_between(direction_before, direction) / half_sine),
                    sample->spin);
-    product(turn, sample->pose.orientation, sample->pose.orientation);
+    multiply_quaternions(rotation, sample->pose.orientation, sample->pose.orientation);
 }
 
-static void go_on(struct replay *replay)
+static void next_row(struct replay *replay)
 {
     if (replay->row + 1 < replay->table.rows) {
         replay->row++;
-        take_sample(replay, trace_jumps(&replay->table, replay->row));
+        take_sample(replay, trace_is_jump(&replay->table, replay->row));
     } else if (replay->again != 0.0) {
-        replay->laps += ticks_of(replay);
+        replay->past_ticks += ticks_of(replay);
         replay->row = 0;
         take_sample(replay, 1);
     } else {
@@ -120,8 +125,9 @@ static void go_on(struct replay *replay)
 
 static uint64_t next_sequence(const struct replay *replay)
 {
-    return replay->row + 1 < replay->table.rows ? replay->laps + tick_at(replay, replay->row + 1)
-                                                : replay->laps + ticks_of(replay);
+    return replay->row + 1 < replay->table.rows
+               ? replay->past_ticks + tick_at(replay, replay->row + 1)
+               : replay->past_ticks + ticks_of(replay);
 }
 
 static dpt_result catch_up(struct replay *replay)
@@ -134,7 +140,7 @@ static dpt_result catch_up(struct replay *replay)
     }
     uint64_t sequence = (uint64_t)((double)(now - replay->began_ns) * replay->rate * 1e-9);
     while (!replay->has_ended && next_sequence(replay) <= sequence)
-        go_on(replay);
+        next_row(replay);
     return DPT_OK;
 }
 
@@ -145,7 +151,7 @@ static dpt_result replay_read(dpt_device *device, dpt_device_state *state)
     if (replay->live != 0.0)
         result = catch_up(replay);
     else if (replay->has_begun && !replay->has_ended)
-        go_on(replay);
+        next_row(replay);
     replay->has_begun = 1;
     *state = replay->sample;
     state->status = replay->has_ended ? DPT_DEVICE_STATUS_LOST : DPT_DEVICE_STATUS_READY;
@@ -169,10 +175,10 @@ static dpt_result replay_write(dpt_device *device, const dpt_wrench *wrench)
     return DPT_OK;
 }
 
-static void rewind_to_start(struct replay *replay)
+static void rewind_trace(struct replay *replay)
 {
     replay->row = 0;
-    replay->laps = 0;
+    replay->past_ticks = 0;
     replay->has_begun = replay->has_ended = replay->was_read = 0;
     take_sample(replay, 1);
 }
@@ -183,7 +189,7 @@ static dpt_result replay_clear(dpt_device *device)
     if (!replay->has_ended)
         return DPT_OK;
     replay->counts.resets++;
-    rewind_to_start(replay);
+    rewind_trace(replay);
     return DPT_OK;
 }
 
@@ -205,7 +211,7 @@ static void replay_info(const dpt_device *device, dpt_device_info *info)
                                .force_max = 1000.0,
                                .torque_max = 1000.0,
                                .name = "recorded motion" };
-    dynamics_tell(&replay->dynamics, info);
+    dynamics_override(&replay->dynamics, info);
     for (int k = 0; k < 3; k++) {
         info->workspace_min[k] = info->workspace_max[k] = replay->table.values[1 + k];
         for (size_t row = 0; row < replay->table.rows; row++) {
@@ -245,23 +251,23 @@ static dpt_result replay_open(const dpt_driver *driver, const char *where, dpt_d
         return device_error(error, DPT_E_MEMORY, "memory ran out");
     replay->rate = 1000.0;
     const struct setting settings[] = {
-        { .name = "rate", .number = &replay->rate, .least = 1.0, .most = 1e5 },
-        { .name = "live", .number = &replay->live, .most = 1.0 },
-        { .name = "again", .number = &replay->again, .most = 1.0 },
+        { .name = "rate", .number = &replay->rate, .min = 1.0, .max = 1e5 },
+        { .name = "live", .number = &replay->live, .max = 1.0 },
+        { .name = "again", .number = &replay->again, .max = 1.0 },
     };
     dpt_result result = settings_read(where, path, sizeof path, settings,
                                       sizeof settings / sizeof *settings, &replay->dynamics, error);
     if (result == DPT_OK && !path[0])
         result = device_error(error, DPT_E_SETTING, "name a trace, as in replay:slide.csv");
     if (result == DPT_OK)
-        result = csv_table_read(&replay->table, path, &trace_form, error);
+        result = csv_table_read(&replay->table, path, &trace_format, error);
     if (result == DPT_OK)
         result = check_length(replay, path, error);
     if (result != DPT_OK) {
         replay_close(&replay->device);
         return result;
     }
-    rewind_to_start(replay);
+    rewind_trace(replay);
     *device = &replay->device;
     return DPT_OK;
 }

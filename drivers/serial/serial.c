@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Devices of our own protocol (wire.h) at a serial line: "serial:/dev/ttyACM0?speed=1000000". */
+/* The driver "serial": devices with our protocol (wire.h), "serial:/dev/ttyACM0?speed=1000000". */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,19 +12,20 @@
 #include "serial/wire.h"
 #include "settings.h"
 
-/* wire.h numbers them once more, as firmware has no other header of ours. */
+/* wire.h repeats these numbers, because firmware has no other header of ours. */
 typedef char status_is_the_same[(int)WIRE_STATUS_READY == (int)DPT_DEVICE_STATUS_READY ? 1 : -1];
 typedef char reasons_are_the_same[(int)WIRE_REASON_DEVICE == (int)DPT_REASON_DEVICE ? 1 : -1];
 typedef char joints_are_the_same[WIRE_JOINTS_MAX == DPT_JOINTS_MAX ? 1 : -1];
 
-#define SECOND         1000000000u
-#define HELLO_EVERY    (SECOND / 10)
-#define ORDER_EVERY    (SECOND / 20)
-#define ORDER_WITHIN   SECOND
-#define LIFE_EVERY     (SECOND / 10)
-#define READ_AT_ONCE   1024
-#define READS          4
-#define DRIFT_PER_TICK 200 /* ns a sample that two clocks may drift apart: 200 ppm at 1 kHz */
+#define SECOND          1000000000u
+#define HELLO_EVERY     (SECOND / 10)
+#define ORDER_EVERY     (SECOND / 20)
+#define ORDER_WITHIN    SECOND
+#define HEARTBEAT_EVERY (SECOND / 10)
+#define READ_AT_ONCE    1024
+#define READS           4
+#define DRIFT_PER_TICK                                                                             \
+    200 /* ns a sample by which the two clocks may drift apart: 200 ppm at 1 kHz */
 
 struct serial_device {
     dpt_device base;
@@ -33,104 +34,107 @@ struct serial_device {
     struct dynamics dynamics;
     int fd;
     struct wire_reader reader;
-    struct wire_order samples;
+    struct wire_sequence samples;
     struct wire_info info;
-    struct wire_state last; /* of the device's samples, the newest */
-    uint16_t session;       /* 0: the device has forgotten us */
-    uint8_t greeted, sampled, gone;
-    uint32_t lost;     /* why, from the first read that found it so until it is cleared */
-    uint32_t command;  /* number of the last one */
-    uint64_t sequence; /* of the newest sample, and of the last one that was read */
-    uint64_t sequence_read;
-    uint64_t heard_ns; /* when the newest sample came, and when anything was sent */
-    uint64_t sent_ns;
-    uint64_t device_ns;   /* the device's clock at the newest sample, counted on */
-    int64_t clock_offset; /* from there to the host's */
-    uint64_t time_ns;
-    uint32_t damaged_before; /* the reader's, at the newest sample */
-    uint32_t foreign_before;
+    struct wire_state last; /* the newest sample */
+    uint16_t session;       /* 0: the device has ended it */
+    uint8_t has_info, has_sample, is_gone;
+    uint32_t
+        lost_reasons; /* DPT_REASON_..., from the first read that finds the device lost until clear */
+    uint32_t command_sequence; /* number of the last command */
+    uint64_t sequence;         /* of the newest sample, from the open, without wrapping */
+    uint64_t sequence_read;    /* of the last sample that was read */
+    uint64_t heard_ns;         /* when the newest sample came */
+    uint64_t sent_ns;          /* when a frame was sent last */
+    uint64_t device_ns;        /* the device's clock at the newest sample, without wrapping */
+    int64_t clock_offset;      /* from the device's clock to the host's, ns */
+    uint64_t time_ns;          /* of the newest sample, on the host's clock */
+    /* The reader's counts at the newest sample. */
+    uint32_t damaged_at_sample;
+    uint32_t foreign_at_sample;
     dpt_device_counts counts;
-    uint8_t rest[WIRE_FRAME_MAX]; /* of a frame that did not fit at once */
-    size_t rest_at, rest_size;
+    uint8_t pending[WIRE_FRAME_MAX]; /* the rest of a frame that was sent in part */
+    size_t pending_at, pending_size;
     char log[WIRE_LOG_MAX + 1];
 };
 
-static uint64_t seconds(double time)
+static uint64_t to_ns(double time)
 {
     return (uint64_t)(time * SECOND);
 }
 
-static void lose(struct serial_device *device)
+static void mark_gone(struct serial_device *device)
 {
-    device->gone = 1;
+    device->is_gone = 1;
     device->session = 0;
 }
 
 /*
- * The host's time of a sample: when a line is as quick as it gets, the difference of the clocks is what it was then.
- * The least difference seen counts, let grow a little each time, so that it follows clocks that drift.
+ * Compute a sample's time on the host's clock. The offset of the clocks is the smallest difference seen between a
+ * sample's arrival and the device's clock, that of the quickest frame. It grows a little with each sample, so that it
+ * follows clocks that drift.
  */
-static void keep_time(struct serial_device *device, uint32_t device_us, uint64_t now)
+static void update_time(struct serial_device *device, uint32_t device_us, uint64_t now)
 {
-    if (!device->sampled)
+    if (!device->has_sample)
         device->device_ns = 0;
     else
         device->device_ns += (uint64_t)(uint32_t)(device_us - device->last.time) * 1000u;
     const int64_t offset = (int64_t)(now - device->device_ns);
     device->clock_offset += DRIFT_PER_TICK;
-    if (!device->sampled || offset < device->clock_offset)
+    if (!device->has_sample || offset < device->clock_offset)
         device->clock_offset = offset;
     const uint64_t time = device->device_ns + (uint64_t)device->clock_offset;
     device->time_ns = time > device->time_ns ? time : device->time_ns + 1;
 }
 
-static void take_state(struct serial_device *device, const struct wire_state *state)
+static void accept_state(struct serial_device *device, const struct wire_state *state)
 {
-    if (!device->greeted || state->pose_dofs != device->info.pose_dofs ||
+    if (!device->has_info || state->pose_dofs != device->info.pose_dofs ||
         state->joints != device->info.joints)
         return;
-    if (!device->sampled) {
-        wire_order_start(&device->samples, state->sequence - 1);
+    if (!device->has_sample) {
+        wire_sequence_start(&device->samples, state->sequence - 1);
         memset(&device->last, 0, sizeof device->last);
         device->last.sequence = state->sequence - 1;
     }
-    const struct wire_order was = device->samples;
-    const int newer = wire_order_take(&device->samples, state->sequence);
-    /* Counts that may fall again: what was missed and comes late is reordered, and no longer lost. */
-    device->counts.lost += (uint64_t)(int64_t)(int32_t)(device->samples.lost - was.lost);
-    device->counts.reordered += device->samples.reordered - was.reordered;
-    if (!newer)
+    const struct wire_sequence samples_before = device->samples;
+    const int is_newer = wire_sequence_accept(&device->samples, state->sequence);
+    /* These differences may be negative: a lost number that comes late becomes reordered and is no longer lost. */
+    device->counts.lost += (uint64_t)(int64_t)(int32_t)(device->samples.lost - samples_before.lost);
+    device->counts.reordered += device->samples.reordered - samples_before.reordered;
+    if (!is_newer)
         return;
     device->heard_ns = clock_now();
-    keep_time(device, state->time, device->heard_ns);
+    update_time(device, state->time, device->heard_ns);
     device->sequence += state->sequence - device->last.sequence;
     device->counts.samples += state->sequence - device->last.sequence;
     device->counts.missed += (uint64_t)(int64_t)(int16_t)(state->lost - device->last.lost);
     device->counts.missed += (uint64_t)(int64_t)(int16_t)(state->late - device->last.late);
     device->counts.missed += (uint64_t)(int64_t)(int8_t)(state->reordered - device->last.reordered);
     device->last = *state;
-    device->sampled = 1;
-    device->damaged_before = device->reader.damaged;
-    device->foreign_before = device->reader.foreign;
+    device->has_sample = 1;
+    device->damaged_at_sample = device->reader.damaged;
+    device->foreign_at_sample = device->reader.foreign;
 }
 
-static void take(struct serial_device *device, const struct wire_message *message)
+static void accept_message(struct serial_device *device, const struct wire_message *message)
 {
     switch (message->type) {
     case WIRE_INFO:
-        if (message->session == device->session && !device->greeted) {
+        if (message->session == device->session && !device->has_info) {
             device->info = message->as.info;
-            device->greeted = 1;
+            device->has_info = 1;
         }
         break;
     case WIRE_STATE:
         if (message->session == device->session && device->session != 0)
-            take_state(device, &message->as.state);
+            accept_state(device, &message->as.state);
         break;
     case WIRE_HEARTBEAT:
-        if (message->session != 0 || !device->sampled || device->session == 0)
+        if (message->session != 0 || !device->has_sample || device->session == 0)
             break;
-        /* It has no session: it forgot ours, or began anew. */
+        /* A device without a session has ended ours, or has restarted. */
         if (message->as.heartbeat.sequence - device->last.sequence >= 0x80000000u)
             device->counts.resets++;
         device->session = 0;
@@ -147,58 +151,58 @@ static void take(struct serial_device *device, const struct wire_message *messag
     }
 }
 
-/* All that has come, but no more than a few reads of it. */
-static void pump(struct serial_device *device)
+/* Process what has come, in at most READS reads. */
+static void receive_all(struct serial_device *device)
 {
     uint8_t bytes[READ_AT_ONCE];
     struct wire_message message;
-    for (int i = 0; i < READS && !device->gone && device->fd >= 0; i++) {
+    for (int i = 0; i < READS && !device->is_gone && device->fd >= 0; i++) {
         const long count = serial_line_read(device->fd, bytes, sizeof bytes);
         if (count < 0)
-            lose(device);
+            mark_gone(device);
         for (long k = 0; k < count; k++)
             switch (wire_read(&device->reader, bytes[k], &message)) {
             case WIRE_MESSAGE:
-                take(device, &message);
+                accept_message(device, &message);
                 break;
             case WIRE_DAMAGED:
             case WIRE_FOREIGN:
                 device->counts.damaged++;
             }
-        /* A short read is not the last one: the system may bring more, the newest, when asked again. */
+        /* Read on after a short read: the system may return more, the newest bytes, on the next call. */
         if (count <= 0)
             break;
     }
 }
 
 /*
- * 1: sent, 0: there is no room. Of a frame that fits in part the rest goes first next time, as the device could not
- * tell a piece from damage.
+ * Send a frame. Returns 1 if it was sent, 0 if there is no room. If only a part of it fits, the rest goes first next
+ * time, because the device could not tell a piece from damage.
  */
 static int send_bytes(struct serial_device *device, const uint8_t *bytes, size_t size)
 {
-    if (device->rest_at < device->rest_size) {
-        const long count = serial_line_write(device->fd, device->rest + device->rest_at,
-                                             device->rest_size - device->rest_at);
+    if (device->pending_at < device->pending_size) {
+        const long count = serial_line_write(device->fd, device->pending + device->pending_at,
+                                             device->pending_size - device->pending_at);
         if (count < 0)
-            lose(device);
-        device->rest_at += count > 0 ? (size_t)count : 0;
-        if (device->rest_at < device->rest_size)
+            mark_gone(device);
+        device->pending_at += count > 0 ? (size_t)count : 0;
+        if (device->pending_at < device->pending_size)
             return 0;
     }
     const long count = serial_line_write(device->fd, bytes, size);
     if (count < 0)
-        lose(device);
+        mark_gone(device);
     if (count <= 0)
         return 0;
-    device->rest_at = 0;
-    device->rest_size = size - (size_t)count;
-    memcpy(device->rest, bytes + count, device->rest_size);
+    device->pending_at = 0;
+    device->pending_size = size - (size_t)count;
+    memcpy(device->pending, bytes + count, device->pending_size);
     device->sent_ns = clock_now();
     return 1;
 }
 
-static int send(struct serial_device *device, struct wire_message *message)
+static int send_message(struct serial_device *device, struct wire_message *message)
 {
     uint8_t frame[WIRE_FRAME_MAX];
     message->session = device->session;
@@ -210,58 +214,58 @@ static void send_order(struct serial_device *device, uint8_t order)
 {
     struct wire_message message = { .type = WIRE_ORDER };
     message.as.order = order;
-    send(device, &message);
+    send_message(device, &message);
 }
 
-/* A session of a new number, until the device has told what it is, and its first sample came. */
-static int greet(struct serial_device *device)
+/* Begin a session with a new number. Waits for the device's INFO and first sample. Returns 0 if they do not come. */
+static int begin_session(struct serial_device *device)
 {
     static const uint8_t zero;
-    const uint64_t start = clock_now(), deadline = start + seconds(device->answer_within);
+    const uint64_t start = clock_now(), deadline = start + to_ns(device->answer_within);
     const uint16_t before = device->session;
     device->session = (uint16_t)(start >> 10 ^ start >> 26);
     if (device->session == 0 || device->session == before)
         device->session = (uint16_t)(before + 1) ? (uint16_t)(before + 1) : 1;
-    device->greeted = device->sampled = 0;
-    device->command = 0;
-    device->rest_at = device->rest_size = 0;
+    device->has_info = device->has_sample = 0;
+    device->command_sequence = 0;
+    device->pending_at = device->pending_size = 0;
     uint64_t now = start, next = start;
-    while (!device->sampled && !device->gone && (now = clock_now()) < deadline) {
+    while (!device->has_sample && !device->is_gone && (now = clock_now()) < deadline) {
         if (now >= next) {
             struct wire_message hello = { .type = WIRE_HELLO };
-            /* What is left of an earlier host's frame ends here. */
+            /* A zero ends the rest of an earlier host's frame. */
             send_bytes(device, &zero, 1);
-            send(device, &hello);
+            send_message(device, &hello);
             next = now + HELLO_EVERY;
         }
         serial_line_wait(device->fd, next);
-        pump(device);
+        receive_all(device);
     }
-    return device->sampled;
+    return device->has_sample;
 }
 
-/* Repeats an order for as long as the device's status is `status`, but not for ever. */
-static void insist(struct serial_device *device, uint8_t order, uint32_t status)
+/* Repeat an order while the device's status is `status`, for at most ORDER_WITHIN. */
+static void repeat_order(struct serial_device *device, uint8_t order, uint32_t status)
 {
     uint64_t now = clock_now(), next = now;
     const uint64_t deadline = now + ORDER_WITHIN;
-    while (device->last.status == status && !device->gone && device->session != 0 &&
+    while (device->last.status == status && !device->is_gone && device->session != 0 &&
            (now = clock_now()) < deadline) {
         if (now >= next) {
             send_order(device, order);
             next = now + ORDER_EVERY;
         }
         serial_line_wait(device->fd, next);
-        pump(device);
+        receive_all(device);
     }
 }
 
-static int makes_sense(const struct wire_info *info)
+static int is_plausible(const struct wire_info *info)
 {
-    const float least[] = { info->force_max,     info->force_continuous, info->torque_max,
-                            info->stiffness_max, info->position_step,    info->watchdog };
-    for (size_t i = 0; i < sizeof least / sizeof *least; i++)
-        if (least[i] < 0.0f)
+    const float not_negative[] = { info->force_max,     info->force_continuous, info->torque_max,
+                                   info->stiffness_max, info->position_step,    info->watchdog };
+    for (size_t i = 0; i < sizeof not_negative / sizeof *not_negative; i++)
+        if (not_negative[i] < 0.0f)
             return 0;
     for (int i = 0; i < 3; i++)
         if (info->workspace_min[i] > info->workspace_max[i])
@@ -271,10 +275,10 @@ static int makes_sense(const struct wire_info *info)
            info->buttons <= 16 && info->rate > 0.0f && info->rate <= 1e5f;
 }
 
-static dpt_result refuse_answer(const struct serial_device *device, dpt_device_error *error)
+static dpt_result explain_no_answer(const struct serial_device *device, dpt_device_error *error)
 {
     const struct wire_reader *reader = &device->reader;
-    if (device->gone)
+    if (device->is_gone)
         return device_error(error, DPT_E_LOST, "%.60s went away while it was asked", device->path);
     if (reader->foreign > 0)
         return device_error(
@@ -297,7 +301,7 @@ static dpt_result refuse_answer(const struct serial_device *device, dpt_device_e
 
 static dpt_result check_info(const struct serial_device *device, dpt_device_error *error)
 {
-    if (!makes_sense(&device->info))
+    if (!is_plausible(&device->info))
         return device_error(error, DPT_E_DEVICE,
                             "what %.60s says of itself makes no sense: repair its firmware",
                             device->path);
@@ -317,22 +321,22 @@ static dpt_result connect_line(struct serial_device *device, dpt_device_error *e
     dpt_result result = serial_line_open(device->path, (uint32_t)device->speed, &device->fd, error);
     if (result != DPT_OK)
         return result;
-    device->gone = 0;
+    device->is_gone = 0;
     memset(&device->reader, 0, sizeof device->reader);
     const uint64_t damaged = device->counts.damaged;
-    result = greet(device) ? check_info(device, error) : refuse_answer(device, error);
-    /* What came while the two made acquaintance is no damage. */
+    result = begin_session(device) ? check_info(device, error) : explain_no_answer(device, error);
+    /* What came while connecting does not count as damage. */
     device->counts.damaged = damaged;
     if (result == DPT_OK) {
-        device->lost = 0;
-        insist(device, WIRE_ENABLE, DPT_DEVICE_STATUS_UNREADY);
+        device->lost_reasons = 0;
+        repeat_order(device, WIRE_ENABLE, DPT_DEVICE_STATUS_UNREADY);
     } else {
         device->session = 0;
     }
     return result;
 }
 
-static void keep_first(void *user, const char *path, const char *about)
+static void use_first_port(void *user, const char *path, const char *about)
 {
     struct serial_device *device = user;
     (void)about;
@@ -352,14 +356,14 @@ static dpt_result serial_open(const dpt_driver *driver, const char *where, dpt_d
     device->answer_within = 3.0;
     device->silent_after = 0.1;
     const struct setting settings[] = {
-        { .name = "speed", .number = &device->speed, .least = 1200, .most = 4e6 },
-        { .name = "answer", .number = &device->answer_within, .least = 0.01, .most = 60 },
-        { .name = "silent", .number = &device->silent_after, .least = 0.001, .most = 60 },
+        { .name = "speed", .number = &device->speed, .min = 1200, .max = 4e6 },
+        { .name = "answer", .number = &device->answer_within, .min = 0.01, .max = 60 },
+        { .name = "silent", .number = &device->silent_after, .min = 0.001, .max = 60 },
     };
     dpt_result result = settings_read(where, device->path, sizeof device->path, settings,
                                       sizeof settings / sizeof *settings, &device->dynamics, error);
     if (result == DPT_OK && !device->path[0])
-        serial_line_find(keep_first, device);
+        serial_line_find(use_first_port, device);
     if (result == DPT_OK && !device->path[0])
         result =
             device_error(error, DPT_E_DEVICE,
@@ -390,7 +394,7 @@ static void serial_info(const dpt_device *base, dpt_device_info *info)
     info->wrench_dofs = from->wrench_dofs;
     info->joints = from->joints;
     info->buttons = from->buttons;
-    /* Its time is the host's, whatever it says: a loop would not wait for it. */
+    /* Never DETERMINISTIC, whatever the device says: a loop would not wait for it. */
     info->flags = from->flags & (DPT_DEVICE_FLAG_SIMULATED | DPT_DEVICE_FLAG_ARM);
     info->rate = from->rate;
     info->force_max = from->force_max;
@@ -405,10 +409,10 @@ static void serial_info(const dpt_device *base, dpt_device_info *info)
     }
     copy_text(info->name, from->name);
     copy_text(info->serial, from->serial);
-    dynamics_tell(&((const struct serial_device *)base)->dynamics, info);
+    dynamics_override(&((const struct serial_device *)base)->dynamics, info);
 }
 
-static void show_pose(const struct wire_state *from, dpt_device_state *state)
+static void copy_pose(const struct wire_state *from, dpt_device_state *state)
 {
     static const dpt_pose identity = DPT_POSE_IDENTITY;
     state->pose = identity;
@@ -428,30 +432,31 @@ static void show_pose(const struct wire_state *from, dpt_device_state *state)
         state->joint[i] = from->joint[i];
 }
 
-/* Why nothing is heard, or 0. It stays, also when samples come again: time has passed of which nothing is known. */
-static uint32_t why_lost(struct serial_device *device)
+/* Why the device is lost, or 0. It stays so when samples come again, because nothing is known of the time between. */
+static uint32_t find_loss(struct serial_device *device)
 {
-    if (device->gone) {
-        device->lost = DPT_REASON_UNPLUGGED;
+    if (device->is_gone) {
+        device->lost_reasons = DPT_REASON_UNPLUGGED;
     } else if (device->session == 0 ||
-               clock_now() - device->heard_ns > seconds(device->silent_after)) {
-        device->lost |= DPT_REASON_SILENT;
-        if (device->reader.damaged != device->damaged_before)
-            device->lost |= DPT_REASON_LINK;
-        if (device->reader.foreign != device->foreign_before)
-            device->lost |= DPT_REASON_VERSION;
+               clock_now() - device->heard_ns > to_ns(device->silent_after)) {
+        device->lost_reasons |= DPT_REASON_SILENT;
+        if (device->reader.damaged != device->damaged_at_sample)
+            device->lost_reasons |= DPT_REASON_LINK;
+        if (device->reader.foreign != device->foreign_at_sample)
+            device->lost_reasons |= DPT_REASON_VERSION;
     }
-    return device->lost;
+    return device->lost_reasons;
 }
 
 static dpt_result serial_read(dpt_device *base, dpt_device_state *state)
 {
     struct serial_device *device = (struct serial_device *)base;
-    pump(device);
-    if (!device->gone && device->session != 0 && clock_now() - device->sent_ns > LIFE_EVERY) {
-        struct wire_message life = { .type = WIRE_HEARTBEAT };
-        life.as.heartbeat.sequence = device->last.sequence;
-        send(device, &life);
+    receive_all(device);
+    if (!device->is_gone && device->session != 0 &&
+        clock_now() - device->sent_ns > HEARTBEAT_EVERY) {
+        struct wire_message heartbeat = { .type = WIRE_HEARTBEAT };
+        heartbeat.as.heartbeat.sequence = device->last.sequence;
+        send_message(device, &heartbeat);
     }
     const struct wire_state *last = &device->last;
     const uint64_t fresh = device->sequence - device->sequence_read;
@@ -466,12 +471,12 @@ static dpt_result serial_read(dpt_device *base, dpt_device_state *state)
     state->temperature = last->temperature == WIRE_TEMPERATURE_UNKNOWN
                              ? -1.0
                              : (double)last->temperature / WIRE_TEMPERATURE_LIMIT;
-    show_pose(last, state);
-    const uint32_t lost = why_lost(device);
-    if (lost == 0)
+    copy_pose(last, state);
+    const uint32_t reasons = find_loss(device);
+    if (reasons == 0)
         return DPT_OK;
     state->status = DPT_DEVICE_STATUS_LOST;
-    state->reasons = lost;
+    state->reasons = reasons;
     state->fresh = 0;
     return DPT_E_LOST;
 }
@@ -479,7 +484,7 @@ static dpt_result serial_read(dpt_device *base, dpt_device_state *state)
 static dpt_result serial_write(dpt_device *base, const dpt_wrench *wrench)
 {
     struct serial_device *device = (struct serial_device *)base;
-    if (why_lost(device))
+    if (find_loss(device))
         return DPT_E_LOST;
     if (device->last.status != DPT_DEVICE_STATUS_READY)
         return DPT_E_NOT_READY;
@@ -488,39 +493,39 @@ static dpt_result serial_write(dpt_device *base, const dpt_wrench *wrench)
     limit_length(limited.torque,
                  device->info.wrench_dofs >= 6 ? (double)device->info.torque_max : 0);
     struct wire_message message = { .type = WIRE_COMMAND };
-    message.as.command.sequence = device->command + 1;
+    message.as.command.sequence = device->command_sequence + 1;
     message.as.command.answers = device->last.sequence;
     for (int i = 0; i < 3; i++) {
         message.as.command.force[i] = (float)limited.force[i];
         message.as.command.torque[i] = (float)limited.torque[i];
     }
     device->counts.commands++;
-    if (send(device, &message)) {
-        device->command++;
+    if (send_message(device, &message)) {
+        device->command_sequence++;
         return DPT_OK;
     }
     device->counts.refused++;
-    return device->gone ? DPT_E_LOST : DPT_E_BUSY;
+    return device->is_gone ? DPT_E_LOST : DPT_E_BUSY;
 }
 
 static dpt_result serial_clear(dpt_device *base)
 {
     struct serial_device *device = (struct serial_device *)base;
-    pump(device);
-    if (why_lost(device)) {
+    receive_all(device);
+    if (find_loss(device)) {
         const struct wire_info info = device->info;
         if (device->fd >= 0)
             serial_line_close(device->fd);
-        lose(device);
+        mark_gone(device);
         if (connect_line(device, NULL) != DPT_OK) {
             device->info = info;
             return DPT_E_LOST;
         }
         device->counts.resets++;
     }
-    insist(device, WIRE_CLEAR, DPT_DEVICE_STATUS_FAULT);
-    insist(device, WIRE_ENABLE, DPT_DEVICE_STATUS_UNREADY);
-    if (why_lost(device))
+    repeat_order(device, WIRE_CLEAR, DPT_DEVICE_STATUS_FAULT);
+    repeat_order(device, WIRE_ENABLE, DPT_DEVICE_STATUS_UNREADY);
+    if (find_loss(device))
         return DPT_E_LOST;
     return device->last.status == DPT_DEVICE_STATUS_READY ? DPT_OK : DPT_E_NOT_READY;
 }
@@ -536,7 +541,7 @@ static void serial_close(dpt_device *base)
 {
     struct serial_device *device = (struct serial_device *)base;
     if (device->fd >= 0) {
-        insist(device, WIRE_STOP, DPT_DEVICE_STATUS_READY);
+        repeat_order(device, WIRE_STOP, DPT_DEVICE_STATUS_READY);
         serial_line_close(device->fd);
     }
     free(device);
@@ -548,16 +553,16 @@ struct serial_finder {
     void *user;
 };
 
-static void pass_on(void *user, const char *path, const char *about)
+static void report_found(void *user, const char *path, const char *about)
 {
-    const struct serial_finder *finding = user;
-    finding->found(finding->user, finding->driver, path, about);
+    const struct serial_finder *finder = user;
+    finder->found(finder->user, finder->driver, path, about);
 }
 
 static void serial_find(const dpt_driver *driver, dpt_device_found_fn *found, void *user)
 {
-    struct serial_finder finding = { driver, found, user };
-    serial_line_find(pass_on, &finding);
+    struct serial_finder finder = { driver, found, user };
+    serial_line_find(report_found, &finder);
 }
 
 const dpt_driver serial_driver = {

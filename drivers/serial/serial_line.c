@@ -64,7 +64,7 @@ static uint32_t baud_of(speed_t code)
     return 0;
 }
 
-static dpt_result refuse_open(const char *path, int reason, dpt_device_error *error)
+static dpt_result explain_open_error(const char *path, int reason, dpt_device_error *error)
 {
     switch (reason) {
     case ENOENT:
@@ -93,26 +93,28 @@ static dpt_result refuse_open(const char *path, int reason, dpt_device_error *er
     }
 }
 
-/* What a pty and many USB adapters do not have: nothing is lost without it. */
-static int is_needless(int reason)
+/* 1 for an error of an optional request: a pty and many USB adapters do not have it. */
+static int is_optional_failure(int reason)
 {
     return reason == ENOTTY || reason == EINVAL || reason == EOPNOTSUPP || reason == ENOSYS ||
            reason == EPERM || reason == EACCES;
 }
 
-/* The lines that say that a host is there, without which many boards do not send; and no waiting for more bytes. */
-static int set_extras(int fd)
+/*
+ * Modem lines that tell a board that a host is there (many boards wait for them), and low latency. Both are optional.
+ */
+static int set_optional(int fd)
 {
     int lines = TIOCM_DTR | TIOCM_RTS;
-    if (ioctl(fd, TIOCMBIS, &lines) && !is_needless(errno))
+    if (ioctl(fd, TIOCMBIS, &lines) && !is_optional_failure(errno))
         return -1;
 #ifdef __linux__
     struct serial_struct serial;
     if (ioctl(fd, TIOCGSERIAL, &serial))
-        return is_needless(errno) ? 0 : -1;
+        return is_optional_failure(errno) ? 0 : -1;
     serial.flags = (int)((unsigned)serial.flags | ASYNC_LOW_LATENCY);
     if (ioctl(fd, TIOCSSERIAL, &serial))
-        return is_needless(errno) ? 0 : -1;
+        return is_optional_failure(errno) ? 0 : -1;
 #endif
     return 0;
 }
@@ -123,22 +125,24 @@ static void make_raw(struct termios *settings)
     settings->c_oflag = 0;
     settings->c_lflag = 0;
     settings->c_cflag = CS8 | CREAD | CLOCAL;
-    /* With 0 a line without bytes reads like one that is unplugged. */
+    /* With VMIN 0 a line without bytes would read like an unplugged one. */
     settings->c_cc[VMIN] = 1;
     settings->c_cc[VTIME] = 0;
 }
 
-static dpt_result set_up(int fd, const char *path, size_t speed, dpt_device_error *error)
+static dpt_result set_up_port(int fd, const char *path, size_t speed, dpt_device_error *error)
 {
-    struct termios settings, now;
+    struct termios settings, read_back;
     if (tcgetattr(fd, &settings))
         return errno == ENOTTY || errno == EINVAL
                    ? device_error(error, DPT_E_DEVICE, "%.60s is not a serial port", path)
-                   : refuse_open(path, errno, error);
-    /* The lock holds against other hosts that ask, root's as well; TIOCEXCL against everyone else's open. */
-    if ((flock(fd, LOCK_EX | LOCK_NB) && !is_needless(errno)) ||
-        (ioctl(fd, TIOCEXCL) && !is_needless(errno)))
-        return refuse_open(path, errno, error);
+                   : explain_open_error(path, errno, error);
+    /*
+     * flock keeps out other hosts that lock, also those of root. TIOCEXCL makes every other open fail, except root's.
+     */
+    if ((flock(fd, LOCK_EX | LOCK_NB) && !is_optional_failure(errno)) ||
+        (ioctl(fd, TIOCEXCL) && !is_optional_failure(errno)))
+        return explain_open_error(path, errno, error);
     make_raw(&settings);
     const uint32_t baud = speeds[speed].baud;
     if (cfsetispeed(&settings, speeds[speed].code) || cfsetospeed(&settings, speeds[speed].code) ||
@@ -147,19 +151,21 @@ static dpt_result set_up(int fd, const char *path, size_t speed, dpt_device_erro
                             "%.60s does not take %u baud (%.60s): choose another by ?speed=, "
                             "the same as the device's",
                             path, (unsigned)baud, strerror(errno));
-    if (tcgetattr(fd, &now))
-        return refuse_open(path, errno, error);
-    if (cfgetospeed(&now) != speeds[speed].code || cfgetispeed(&now) != speeds[speed].code)
+    if (tcgetattr(fd, &read_back))
+        return explain_open_error(path, errno, error);
+    if (cfgetospeed(&read_back) != speeds[speed].code ||
+        cfgetispeed(&read_back) != speeds[speed].code)
         return device_error(error, DPT_E_SYSTEM,
                             "%.60s runs at %u baud where %u were asked for: it does not have that "
                             "speed; choose one by ?speed=, the same as the device's",
-                            path, (unsigned)baud_of(cfgetospeed(&now)), (unsigned)baud);
-    if ((now.c_cflag & (CSIZE | PARENB | CSTOPB)) != CS8 || now.c_iflag & (ISTRIP | IXON | ICRNL) ||
-        now.c_lflag & (ICANON | ECHO) || now.c_oflag & OPOST)
+                            path, (unsigned)baud_of(cfgetospeed(&read_back)), (unsigned)baud);
+    if ((read_back.c_cflag & (CSIZE | PARENB | CSTOPB)) != CS8 ||
+        read_back.c_iflag & (ISTRIP | IXON | ICRNL) || read_back.c_lflag & (ICANON | ECHO) ||
+        read_back.c_oflag & OPOST)
         return device_error(error, DPT_E_SYSTEM, "%.60s does not carry plain bytes of 8 bits",
                             path);
-    if (set_extras(fd) || (tcflush(fd, TCIOFLUSH) && !is_needless(errno)))
-        return refuse_open(path, errno, error);
+    if (set_optional(fd) || (tcflush(fd, TCIOFLUSH) && !is_optional_failure(errno)))
+        return explain_open_error(path, errno, error);
     return DPT_OK;
 }
 
@@ -176,8 +182,8 @@ dpt_result serial_line_open(const char *path, uint32_t speed, int *fd, dpt_devic
                             (unsigned)speed);
     const int opened = open(path, O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
     if (opened < 0)
-        return refuse_open(path, errno, error);
-    const dpt_result result = set_up(opened, path, index, error);
+        return explain_open_error(path, errno, error);
+    const dpt_result result = set_up_port(opened, path, index, error);
     if (result == DPT_OK)
         *fd = opened;
     else
@@ -185,7 +191,7 @@ dpt_result serial_line_open(const char *path, uint32_t speed, int *fd, dpt_devic
     return result;
 }
 
-static int is_passing(int reason)
+static int is_temporary(int reason)
 {
     return reason == EAGAIN || reason == EWOULDBLOCK || reason == EINTR;
 }
@@ -196,10 +202,10 @@ long serial_line_read(int fd, void *bytes, size_t size)
     if (count > 0)
         return (long)count;
     if (count < 0)
-        return is_passing(errno) ? 0 : -1;
+        return is_temporary(errno) ? 0 : -1;
     struct pollfd line = { fd, POLLIN, 0 };
     if (poll(&line, 1, 0) < 0)
-        return is_passing(errno) ? 0 : -1;
+        return is_temporary(errno) ? 0 : -1;
     return line.revents & (POLLHUP | POLLERR | POLLNVAL) ? -1 : 0;
 }
 
@@ -208,7 +214,7 @@ long serial_line_write(int fd, const void *bytes, size_t size)
     const ssize_t count = write(fd, bytes, size);
     if (count >= 0)
         return (long)count;
-    return is_passing(errno) ? 0 : -1;
+    return is_temporary(errno) ? 0 : -1;
 }
 
 void serial_line_wait(int fd, uint64_t deadline)
@@ -240,7 +246,7 @@ void serial_line_find(void (*found)(void *user, const char *path, const char *ab
     DIR *folder = opendir("/dev");
     if (!folder)
         return;
-    for (const struct dirent *entry; (entry = readdir(folder)) != NULL;)
+    for (const struct dirent *entry; (entry = readdir(folder));)
         for (size_t i = 0; i < sizeof ports / sizeof *ports; i++)
             if (!strncmp(entry->d_name, ports[i].prefix, strlen(ports[i].prefix))) {
                 char path[300];

@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The frames that a host and a device of our own exchange over a serial line; docs/wire.md has them byte by byte.
+ * Encode and decode the frames that a host and a device with our firmware exchange over a serial line. docs/wire.md
+ * documents them byte by byte.
  *
- * This file and wire.c know nothing but bytes: no system call, no allocation, no clock, no byte order. The same two are
- * compiled into the driver and into firmware. wire_device.h builds a device's side on top of it.
+ * This file and wire.c make no system call, allocate nothing, read no clock and do not depend on the byte order. The
+ * same two files are compiled into the driver and into firmware. wire_device.h is the device's side on top of them.
  *
- * On the line: the body, byte-stuffed so that it holds no zero (COBS); its CRC-32C, over the stuffed bytes, in five bytes
- * of seven bits each; a zero. As the checksum covers what is on the line, up to five flipped bits in a frame that leave
- * its zeros alone are never missed; and as a zero ends every frame and is nowhere else, whatever happened, the frame
- * that begins after the next zero is read.
+ * A frame on the line is the body, byte-stuffed so that it has no zero (COBS); then the CRC-32C of the stuffed bytes,
+ * in five bytes of seven bits each; then a zero. The checksum covers the bytes on the line, so up to five flipped bits
+ * that leave the frame's zeros alone are never missed. A zero ends every frame and is nowhere else, so after any damage
+ * the reader is in step again at the next zero.
  */
 #ifndef DPT_DRIVERS_WIRE_H
 #define DPT_DRIVERS_WIRE_H
@@ -21,7 +22,7 @@
 #define WIRE_NAME_MAX   48
 #define WIRE_LOG_MAX    120
 #define WIRE_BODY_MAX   160
-#define WIRE_FRAME_MAX  (WIRE_BODY_MAX + 7) /* on the line, with all that is around the body */
+#define WIRE_FRAME_MAX  (WIRE_BODY_MAX + 7) /* on the line, with what surrounds the body */
 
 enum {
     WIRE_HELLO = 1,     /* to the device: begins a session */
@@ -29,7 +30,7 @@ enum {
     WIRE_STATE = 3,     /* from the device, each sample of a session */
     WIRE_COMMAND = 4,   /* to the device */
     WIRE_ORDER = 5,     /* to the device */
-    WIRE_HEARTBEAT = 6, /* either way, where nothing else shows life */
+    WIRE_HEARTBEAT = 6, /* in both directions, if nothing else is sent */
     WIRE_LOG = 7        /* from the device: a line for people */
 };
 
@@ -50,7 +51,7 @@ enum {
     WIRE_REASON_DEVICE = 512
 };
 
-#define WIRE_TEMPERATURE_LIMIT   200 /* wire_state.temperature that a motor may have, 0 is cold */
+#define WIRE_TEMPERATURE_LIMIT   200 /* of wire_state: a motor at its limit; 0 is cold */
 #define WIRE_TEMPERATURE_UNKNOWN 255
 
 /* Units and words as in dpt_device_info. */
@@ -75,18 +76,18 @@ struct wire_info {
 
 struct wire_state {
     uint8_t pose_dofs; /* 6: orientation and spin are sent, too */
-    uint8_t joints;    /* so many angles are sent */
+    uint8_t joints;    /* number of joint coordinates that are sent */
     uint8_t status;
     uint8_t temperature;
-    uint8_t reordered; /* commands since the hello, modulo 2^8: came after a later one */
+    uint8_t reordered; /* commands of the session that came after a later one, modulo 2^8 */
     uint16_t reasons;
     uint16_t code;
     uint16_t buttons;
-    uint16_t lost;     /* likewise, modulo 2^16: never came */
-    uint16_t late;     /* came, but answer a sample older than the watchdog's time */
+    uint16_t lost; /* commands of the session that never came, modulo 2^16 */
+    uint16_t late; /* commands that answer a sample older than the watchdog's time, modulo 2^16 */
     uint32_t sequence; /* of the sample, from the device's start */
     uint32_t time;     /* us, from the device's start, modulo 2^32 */
-    uint32_t echo;     /* sequence of the last command that was taken; 0: none yet */
+    uint32_t echo;     /* sequence of the newest command that came; 0: none yet */
     float position[3];
     float velocity[3];
     float orientation[4];
@@ -104,7 +105,7 @@ struct wire_command {
 struct wire_heartbeat {
     uint8_t status;
     uint16_t reasons;
-    uint32_t sequence; /* of the last sample taken, or seen */
+    uint32_t sequence; /* of the last sample that the device took, or the host saw */
     uint32_t time;
 };
 
@@ -113,7 +114,7 @@ struct wire_log {
     char text[WIRE_LOG_MAX];
 };
 
-/* `session` is the host's choice, not 0; 0 is a device without a session. */
+/* `session` is chosen by the host and not 0; a device without a session sends 0. */
 struct wire_message {
     uint8_t type;
     uint16_t session;
@@ -128,19 +129,20 @@ struct wire_message {
 };
 
 /*
- * The bytes of a message as they go over the line; returns how many, 0 for one that must not be sent: no known type or
- * order, a number not finite, a quaternion whose square is not within 1e-3 of 1, more joints than there can be.
+ * Encode a message as it goes over the line. Returns the number of bytes, or 0 for a message that must not be sent:
+ * unknown type or order, a number that is not finite, a quaternion whose square is not within 1e-3 of 1, or too many
+ * joints.
  */
 size_t wire_encode(const struct wire_message *message, uint8_t frame[WIRE_FRAME_MAX]);
 
-/* How many bytes on the line a state has. */
+/* The number of bytes of a state on the line. */
 size_t wire_state_bytes(unsigned pose_dofs, unsigned joints);
 
-/* What has come since the last zero, and counts since the start. Begin with zeros. */
+/* The bytes since the last zero, and counts since the start. Set all to zero before the first byte. */
 struct wire_reader {
     uint32_t messages;
-    uint32_t damaged; /* refused: checksum, length, unknown, not finite */
-    uint32_t foreign; /* whole, but of another version */
+    uint32_t damaged; /* frames refused: checksum, length, unknown type, not finite */
+    uint32_t foreign; /* whole frames of another version */
     uint16_t count;
     uint8_t version; /* of the last foreign one */
     uint8_t bytes[WIRE_FRAME_MAX];
@@ -148,26 +150,27 @@ struct wire_reader {
 
 enum { WIRE_MORE = 0, WIRE_MESSAGE = 1, WIRE_DAMAGED = 2, WIRE_FOREIGN = 3 };
 
-/* One byte from the line. WIRE_MESSAGE: `message` is filled; otherwise it is left as it was or holds nothing of use. */
+/* Process one byte from the line. Only after WIRE_MESSAGE does `message` hold a message. */
 int wire_read(struct wire_reader *reader, uint8_t byte, struct wire_message *message);
 
 /*
- * Whether numbered messages arrive once and in order. Of all that were sent up to the last one, taken + lost + reordered
- * arrived in order, never, and after a later one. Those that come 64 or more behind stay lost.
+ * Tracks numbered messages: which were lost, reordered or repeated. Of all that were sent up to the newest one,
+ * `accepted` arrived in order, `lost` never, and `reordered` after a later one. One that comes 64 or more behind stays
+ * lost.
  */
-struct wire_order {
-    uint64_t came; /* bit k: last - k has come */
+struct wire_sequence {
+    uint64_t received_bits; /* bit k: number last - k has come */
     uint32_t last;
-    uint32_t taken;
+    uint32_t accepted;
     uint32_t lost;
     uint32_t reordered;
-    uint32_t repeated; /* came before, or is too old to tell */
+    uint32_t repeated; /* came before, or too old to tell */
 };
 
-/* Start after number `last`. */
-void wire_order_start(struct wire_order *order, uint32_t last);
+/* Start; the next number is expected to be last + 1. */
+void wire_sequence_start(struct wire_sequence *sequence, uint32_t last);
 
-/* 1: newer than all before; 0: count it, and use it no more. */
-int wire_order_take(struct wire_order *order, uint32_t sequence);
+/* Count a message. Returns 1 if it is newer than all before; 0: do not use it. */
+int wire_sequence_accept(struct wire_sequence *sequence, uint32_t number);
 
 #endif

@@ -4,10 +4,10 @@
 #include <math.h>
 #include <string.h>
 
-static void relax(struct wire_device *device)
+static void zero_wrench(struct wire_device *device)
 {
-    device->armed = 0;
-    device->silence = 0;
+    device->is_armed = 0;
+    device->samples_since_command = 0;
     memset(device->force, 0, sizeof device->force);
     memset(device->torque, 0, sizeof device->torque);
 }
@@ -16,74 +16,74 @@ void wire_device_init(struct wire_device *device, const struct wire_info *info)
 {
     memset(device, 0, sizeof *device);
     device->info = *info;
-    device->watchdog = (uint32_t)(info->watchdog * info->rate + 0.5f);
-    if (device->watchdog == 0)
-        device->watchdog = 1;
-    wire_order_start(&device->order, 0);
+    device->watchdog_samples = (uint32_t)(info->watchdog * info->rate + 0.5f);
+    if (device->watchdog_samples == 0)
+        device->watchdog_samples = 1;
+    wire_sequence_start(&device->commands, 0);
 }
 
 uint8_t wire_device_status(const struct wire_device *device)
 {
     if (device->reasons)
         return WIRE_STATUS_FAULT;
-    return device->enabled && !(device->causes & WIRE_REASON_UNCALIBRATED) ? WIRE_STATUS_READY
-                                                                           : WIRE_STATUS_UNREADY;
+    return device->is_enabled && !(device->causes & WIRE_REASON_UNCALIBRATED) ? WIRE_STATUS_READY
+                                                                              : WIRE_STATUS_UNREADY;
 }
 
-/* In double: no square of a float is too large for it. */
-static void take_vector(float out[3], const float in[3], double most)
+/* Copy a vector, scaled down to the length `max`. In double no square of a float overflows. */
+static void set_limited(float out[3], const float in[3], double max)
 {
     double square = 0.0;
     for (int i = 0; i < 3; i++)
         square += (double)in[i] * in[i];
-    const double scale = square > most * most ? most / sqrt(square) : 1.0;
+    const double scale = square > max * max ? max / sqrt(square) : 1.0;
     for (int i = 0; i < 3; i++)
         out[i] = (float)(in[i] * scale);
 }
 
-static void take_command(struct wire_device *device, const struct wire_command *command)
+static void accept_command(struct wire_device *device, const struct wire_command *command)
 {
-    if (!wire_order_take(&device->order, command->sequence))
+    if (!wire_sequence_accept(&device->commands, command->sequence))
         return;
-    if (device->sequence - command->answers > device->watchdog) {
+    if (device->sequence - command->answers > device->watchdog_samples) {
         device->late++;
         return;
     }
     if (wire_device_status(device) != WIRE_STATUS_READY)
         return;
-    device->armed = 1;
-    device->silence = 0;
+    device->is_armed = 1;
+    device->samples_since_command = 0;
     if (device->info.wrench_dofs >= 3)
-        take_vector(device->force, command->force, device->info.force_max);
+        set_limited(device->force, command->force, device->info.force_max);
     if (device->info.wrench_dofs >= 6)
-        take_vector(device->torque, command->torque, device->info.torque_max);
+        set_limited(device->torque, command->torque, device->info.torque_max);
 }
 
-static void take_order(struct wire_device *device, uint8_t order)
+static void obey_order(struct wire_device *device, uint8_t order)
 {
     switch (order) {
     case WIRE_ENABLE:
         if (!device->reasons)
-            device->enabled = 1;
+            device->is_enabled = 1;
         return;
     case WIRE_CLEAR:
         device->reasons = device->causes & (uint16_t)~WIRE_REASON_UNCALIBRATED;
         break;
     default:
-        device->enabled = 0;
+        device->is_enabled = 0;
     }
     if (wire_device_status(device) != WIRE_STATUS_READY)
-        relax(device);
+        zero_wrench(device);
 }
 
-static void begin(struct wire_device *device, uint16_t session)
+static void begin_session(struct wire_device *device, uint16_t session)
 {
     device->session = session;
-    device->enabled = 0;
+    device->is_enabled = 0;
     device->late = 0;
-    device->greeted = 1;
-    wire_order_start(&device->order, 0);
-    relax(device);
+    device->must_send_info = 1;
+    wire_sequence_start(&device->commands, 0);
+    zero_wrench(device);
 }
 
 void wire_device_take(struct wire_device *device, uint8_t byte)
@@ -92,19 +92,19 @@ void wire_device_take(struct wire_device *device, uint8_t byte)
     if (wire_read(&device->reader, byte, &message) != WIRE_MESSAGE)
         return;
     if (message.type == WIRE_HELLO && message.session != 0) {
-        device->unheard = 0;
-        /* A hello that is repeated because its answer was lost must not undo what came between. */
+        device->samples_since_frame = 0;
+        /* A HELLO that is repeated because its answer was lost must not restart the session. */
         if (message.session != device->session)
-            begin(device, message.session);
-        device->greeted = 1;
+            begin_session(device, message.session);
+        device->must_send_info = 1;
     }
     if (message.session != device->session || device->session == 0)
         return;
-    device->unheard = 0;
+    device->samples_since_frame = 0;
     if (message.type == WIRE_COMMAND)
-        take_command(device, &message.as.command);
+        accept_command(device, &message.as.command);
     else if (message.type == WIRE_ORDER)
-        take_order(device, message.as.order);
+        obey_order(device, message.as.order);
 }
 
 void wire_device_log(struct wire_device *device, const char *text)
@@ -116,28 +116,29 @@ void wire_device_log(struct wire_device *device, const char *text)
     device->log_size = (uint8_t)size;
 }
 
-static void watch(struct wire_device *device, const struct wire_sample *sample)
+static void update_status(struct wire_device *device, const struct wire_sample *sample)
 {
     const uint16_t faults = sample->causes & (uint16_t)~WIRE_REASON_UNCALIBRATED;
     device->causes = sample->causes;
     if (faults & ~device->reasons)
         device->code = sample->code;
     device->reasons |= faults;
-    if (device->armed && ++device->silence > device->watchdog)
+    if (device->is_armed && ++device->samples_since_command > device->watchdog_samples)
         device->reasons |= WIRE_REASON_WATCHDOG;
     if (device->reasons)
-        device->enabled = 0;
+        device->is_enabled = 0;
     if (wire_device_status(device) != WIRE_STATUS_READY)
-        relax(device);
-    /* A host that is gone: the line becomes quiet for the next one. */
-    if (device->session != 0 && (float)++device->unheard > device->info.rate) {
+        zero_wrench(device);
+    /* The host is gone: end the session, so that the line is quiet for the next host. */
+    if (device->session != 0 && (float)++device->samples_since_frame > device->info.rate) {
         device->session = 0;
-        device->enabled = 0;
-        relax(device);
+        device->is_enabled = 0;
+        zero_wrench(device);
     }
 }
 
-static size_t say_state(struct wire_device *device, const struct wire_sample *sample, uint8_t *out)
+static size_t encode_state(struct wire_device *device, const struct wire_sample *sample,
+                           uint8_t *out)
 {
     struct wire_message message = { .type = WIRE_STATE, .session = device->session };
     struct wire_state *state = &message.as.state;
@@ -148,12 +149,12 @@ static size_t say_state(struct wire_device *device, const struct wire_sample *sa
     state->reasons = device->reasons | (device->causes & WIRE_REASON_UNCALIBRATED);
     state->code = device->code;
     state->buttons = sample->buttons;
-    state->lost = (uint16_t)device->order.lost;
+    state->lost = (uint16_t)device->commands.lost;
     state->late = (uint16_t)device->late;
-    state->reordered = (uint8_t)device->order.reordered;
+    state->reordered = (uint8_t)device->commands.reordered;
     state->sequence = device->sequence;
     state->time = sample->time;
-    state->echo = device->order.last;
+    state->echo = device->commands.last;
     memcpy(state->position, sample->position, sizeof state->position);
     memcpy(state->velocity, sample->velocity, sizeof state->velocity);
     memcpy(state->orientation, sample->orientation, sizeof state->orientation);
@@ -162,8 +163,8 @@ static size_t say_state(struct wire_device *device, const struct wire_sample *sa
     return wire_encode(&message, out);
 }
 
-static size_t say_alive(const struct wire_device *device, const struct wire_sample *sample,
-                        uint8_t *out)
+static size_t encode_heartbeat(const struct wire_device *device, const struct wire_sample *sample,
+                               uint8_t *out)
 {
     struct wire_message message = { .type = WIRE_HEARTBEAT };
     message.as.heartbeat.status = wire_device_status(device);
@@ -179,15 +180,15 @@ size_t wire_device_sample(struct wire_device *device, const struct wire_sample *
     struct wire_message message = { .session = device->session };
     size_t size = 0;
     device->sequence++;
-    watch(device, sample);
+    update_status(device, sample);
     if (device->session == 0) {
         uint32_t period = (uint32_t)(device->info.rate / 10.0f);
         if (device->sequence % (period > 0 ? period : 1) == 0)
-            size = say_alive(device, sample, out);
+            size = encode_heartbeat(device, sample, out);
         return size;
     }
-    if (device->greeted) {
-        device->greeted = 0;
+    if (device->must_send_info) {
+        device->must_send_info = 0;
         message.type = WIRE_INFO;
         message.as.info = device->info;
         size += wire_encode(&message, out);
@@ -199,5 +200,5 @@ size_t wire_device_sample(struct wire_device *device, const struct wire_sample *
         device->log_size = 0;
         size += wire_encode(&message, out + size);
     }
-    return size + say_state(device, sample, out + size);
+    return size + encode_state(device, sample, out + size);
 }

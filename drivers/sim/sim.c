@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * A device without a device: a mass with viscous damping on each degree of freedom, in a hand that pulls it by a spring
- * or pushes it, with encoder steps and zero-order hold (docs/drivers.md, "sim").
+ * A simulated device: a mass with viscous damping for each degree of freedom, which a hand pulls by a spring or pushes,
+ * with encoder steps and zero-order hold (docs/drivers.md, "sim").
  */
 #define _POSIX_C_SOURCE 200809L
 #include <math.h>
@@ -20,10 +20,11 @@
 enum { DOFS = 6, DELAY_MAX = 15, CATCH_UP_MAX = 10000, PERIODS_TO_LOST = 10 };
 
 /*
- * What a period does to one mass m in a spring k that pulls to h, with damping c and a constant force f:
+ * The state transition over one period of a mass m with damping c, a spring k to h, and a constant force f. Position x
+ * and velocity v become
  *     x' = h + xx (x - h) + xv v + xf f        v' = vx (x - h) + vv v + vf f
  */
-struct law {
+struct transition {
     double xx, xv, xf, vx, vv, vf;
 };
 
@@ -34,26 +35,31 @@ struct sim {
     double delay, dofs, live, reach, cycle;
     char script[256], fault[32];
     struct sim_hand hand;
-    struct law pulled[2], pushed[2]; /* of places, of angles: with the hand's spring, without */
-    uint64_t period;                 /* that is now */
-    double x[DOFS], v[DOFS];
-    double seen[DOFS], last[DOFS]; /* what the encoders say, now and a period before */
-    double written[DELAY_MAX + 1][DOFS];
+    /* With and without the hand's spring; [0] of positions, [1] of angles. */
+    struct transition with_spring[2], without_spring[2];
+    uint64_t period; /* number of the present period */
+    double x[DOFS],
+        v[DOFS]; /* m, m/s; from index 3 on rad, rad/s: the components of a rotation vector */
+    double encoders[DOFS], encoders_before[DOFS]; /* readings now and a period before */
+    double commands[DELAY_MAX + 1][DOFS];         /* ring by period: N, from index 3 on Nm */
     int has_begun, has_command, is_armed;
-    uint64_t quiet; /* periods without a command */
+    uint64_t periods_without_command;
     uint64_t began_ns;
     dpt_device_state sample;
     int has_sample, was_read;
     uint64_t read_period;
-    uint32_t reason; /* of the fault that was asked for; 0: of none */
-    double fault_time;
-    int is_broken;
-    uint64_t broken_period;
+    uint32_t fault_reason; /* DPT_REASON_... of the planned fault; 0: none is planned */
+    double fault_time;     /* when it occurs, s */
+    int has_fault;
+    uint64_t fault_period;
     dpt_device_counts counts;
 };
 
-/* A Taylor series over a fraction of the period, and squares of it. Time is in periods, force in m per period^2. */
-static struct law law_of(double mass, double damping, double spring, double period)
+/*
+ * The matrix exponential over a period: a Taylor series over a fraction of the period, squared as often as it was
+ * halved. Time is counted in periods and force in m per period^2.
+ */
+static struct transition transition_of(double mass, double damping, double spring, double period)
 {
     double k = spring * period * period / mass, c = damping * period / mass;
     double sum[2][3] = { { 1.0, 0.0, 0.0 }, { 0.0, 1.0, 0.0 } };
@@ -62,7 +68,7 @@ static struct law law_of(double mass, double damping, double spring, double peri
     int halvings = 0;
     for (double norm = 1.0 + k + c; norm * part > 0.25; part *= 0.5)
         halvings++;
-    /* Columns: of the place, of the speed, of the force, whose own row is (0, 0, 1). */
+    /* Columns: position, velocity, force. The force's own row is (0, 0, 1). */
     for (int i = 1; i <= 14; i++) {
         for (int column = 0; column < 3; column++) {
             double x = term[0][column], v = term[1][column], scale = part / i;
@@ -74,24 +80,25 @@ static struct law law_of(double mass, double damping, double spring, double peri
         force[2] = 0.0;
     }
     for (; halvings > 0; halvings--) {
-        double once[2][3];
-        memcpy(once, sum, sizeof once);
+        double unsquared[2][3];
+        memcpy(unsquared, sum, sizeof unsquared);
         for (int row = 0; row < 2; row++) {
             for (int column = 0; column < 3; column++)
-                sum[row][column] = once[row][0] * once[0][column] + once[row][1] * once[1][column];
-            sum[row][2] += once[row][2];
+                sum[row][column] = unsquared[row][0] * unsquared[0][column] +
+                                   unsquared[row][1] * unsquared[1][column];
+            sum[row][2] += unsquared[row][2];
         }
     }
     double push = period * period / mass;
-    return (struct law){ .xx = sum[0][0],
-                         .xv = sum[0][1] * period,
-                         .xf = sum[0][2] * push,
-                         .vx = sum[1][0] / period,
-                         .vv = sum[1][1],
-                         .vf = sum[1][2] * push / period };
+    return (struct transition){ .xx = sum[0][0],
+                                .xv = sum[0][1] * period,
+                                .xf = sum[0][2] * push,
+                                .vx = sum[1][0] / period,
+                                .vv = sum[1][1],
+                                .vf = sum[1][2] * push / period };
 }
 
-static double on_grid(double value, double step)
+static double round_to_step(double value, double step)
 {
     return step > 0.0 ? step * floor(value / step + 0.5) : value;
 }
@@ -106,43 +113,44 @@ static uint64_t ns_of(const struct sim *sim, uint64_t period)
     return (uint64_t)((double)period * 1e9 / sim->rate + 0.5);
 }
 
-/* What commands came to in the period that ends now; the next one begins with the same. */
-static void applied_force(struct sim *sim, double *force)
+/* The force of the commands in the period that ends now. The next period begins with the same command. */
+static void take_acting_force(struct sim *sim, double *force)
 {
     uint64_t slots = DELAY_MAX + 1, slot = sim->period % slots;
-    if (sim->has_command || !sim->is_armed || sim->is_broken) {
-        sim->quiet = 0;
+    if (sim->has_command || !sim->is_armed || sim->has_fault) {
+        sim->periods_without_command = 0;
     } else {
         sim->counts.missed++;
-        sim->quiet++;
+        sim->periods_without_command++;
     }
     sim->has_command = 0;
-    int is_off = sim->watchdog > 0.0 && (double)sim->quiet / sim->rate >= sim->watchdog;
-    if (is_off || sim->is_broken)
-        memset(sim->written, 0, sizeof sim->written);
-    memcpy(force, sim->written[(slot + slots - (uint64_t)sim->delay) % slots],
-           sizeof sim->written[slot]);
-    memcpy(sim->written[(slot + 1) % slots], sim->written[slot], sizeof sim->written[slot]);
+    int is_off =
+        sim->watchdog > 0.0 && (double)sim->periods_without_command / sim->rate >= sim->watchdog;
+    if (is_off || sim->has_fault)
+        memset(sim->commands, 0, sizeof sim->commands);
+    memcpy(force, sim->commands[(slot + slots - (uint64_t)sim->delay) % slots],
+           sizeof sim->commands[slot]);
+    memcpy(sim->commands[(slot + 1) % slots], sim->commands[slot], sizeof sim->commands[slot]);
 }
 
-static void break_down(struct sim *sim)
+static void begin_fault(struct sim *sim)
 {
-    if (!sim->reason || sim->is_broken || time_of(sim, sim->period) < sim->fault_time)
+    if (!sim->fault_reason || sim->has_fault || time_of(sim, sim->period) < sim->fault_time)
         return;
-    sim->is_broken = 1;
-    sim->broken_period = sim->period;
+    sim->has_fault = 1;
+    sim->fault_period = sim->period;
 }
 
 static uint32_t status_of(const struct sim *sim)
 {
-    if (!sim->is_broken)
+    if (!sim->has_fault)
         return DPT_DEVICE_STATUS_READY;
-    switch (sim->reason) {
+    switch (sim->fault_reason) {
     case DPT_REASON_UNPLUGGED:
         return DPT_DEVICE_STATUS_LOST;
     case DPT_REASON_SILENT:
-        return sim->period - sim->broken_period < PERIODS_TO_LOST ? DPT_DEVICE_STATUS_READY
-                                                                  : DPT_DEVICE_STATUS_LOST;
+        return sim->period - sim->fault_period < PERIODS_TO_LOST ? DPT_DEVICE_STATUS_READY
+                                                                 : DPT_DEVICE_STATUS_LOST;
     case DPT_REASON_UNCALIBRATED:
     case DPT_REASON_VERSION:
     case DPT_REASON_DOCKED:
@@ -152,57 +160,60 @@ static uint32_t status_of(const struct sim *sim)
     }
 }
 
-static void turn_to_quaternion(const double *turn, double *q)
+static void rotation_to_quaternion(const double *rotation, double *q)
 {
-    double angle = length(vec3_of(turn)), sine, cosine;
+    double angle = length(vec3_of(rotation)), sine, cosine;
     turn_sincos(angle * (0.5 / 6.283185307179586), &sine, &cosine);
     double scale = angle > 1e-8 ? sine / angle : 0.5;
     q[0] = cosine;
-    vec3_store(scaled(vec3_of(turn), scale), q + 1);
+    vec3_store(scaled(vec3_of(rotation), scale), q + 1);
 }
 
 static void take_sample(struct sim *sim)
 {
     dpt_device_state *sample = &sim->sample;
-    double speed[DOFS];
+    double velocity[DOFS];
     for (int i = 0; i < DOFS; i++) {
         double step = i < 3 ? sim->step : sim->turn_step;
-        speed[i] = step > 0.0 ? (sim->seen[i] - sim->last[i]) * sim->rate : sim->v[i];
+        velocity[i] =
+            step > 0.0 ? (sim->encoders[i] - sim->encoders_before[i]) * sim->rate : sim->v[i];
     }
     sample->sequence = sim->period;
     sample->time_ns = sim->began_ns + ns_of(sim, sim->period);
-    memcpy(sample->pose.position, sim->seen, sizeof sample->pose.position);
-    turn_to_quaternion(sim->seen + 3, sample->pose.orientation);
-    memcpy(sample->velocity, speed, sizeof sample->velocity);
-    memcpy(sample->spin, speed + 3, sizeof sample->spin);
-    memcpy(sample->joint, sim->seen, sizeof sim->seen);
+    memcpy(sample->pose.position, sim->encoders, sizeof sample->pose.position);
+    rotation_to_quaternion(sim->encoders + 3, sample->pose.orientation);
+    memcpy(sample->velocity, velocity, sizeof sample->velocity);
+    memcpy(sample->spin, velocity + 3, sizeof sample->spin);
+    memcpy(sample->joint, sim->encoders, sizeof sim->encoders);
     sample->temperature = -1.0;
 }
 
-/* One period of the masses, and the encoders at its end. */
-static void go_on(struct sim *sim)
+/* Move the masses by one period and read the encoders at its end. */
+static void step_period(struct sim *sim)
 {
     double force[DOFS];
-    struct hand_target grip;
-    sim_hand_at(&sim->hand, time_of(sim, sim->period), &grip);
-    applied_force(sim, force);
-    memcpy(sim->last, sim->seen, sizeof sim->seen);
+    struct hand_target target;
+    sim_hand_at(&sim->hand, time_of(sim, sim->period), &target);
+    take_acting_force(sim, force);
+    memcpy(sim->encoders_before, sim->encoders, sizeof sim->encoders);
     for (int i = 0; i < (int)sim->dofs; i++) {
-        const struct law *law = grip.pulls ? &sim->pulled[i / 3] : &sim->pushed[i / 3];
-        double home = grip.pulls ? grip.at[i] : 0.0;
-        double push = force[i] + (grip.pulls ? 0.0 : grip.at[i]);
-        double x = sim->x[i] - home, v = sim->v[i];
-        sim->x[i] = home + (law->xx * x + law->xv * v + law->xf * push);
-        sim->v[i] = law->vx * x + law->vv * v + law->vf * push;
-        sim->seen[i] = on_grid(sim->x[i], i < 3 ? sim->step : sim->turn_step);
+        const struct transition *transition =
+            target.is_position ? &sim->with_spring[i / 3] : &sim->without_spring[i / 3];
+        double spring_centre = target.is_position ? target.value[i] : 0.0;
+        double push = force[i] + (target.is_position ? 0.0 : target.value[i]);
+        double x = sim->x[i] - spring_centre, v = sim->v[i];
+        sim->x[i] =
+            spring_centre + (transition->xx * x + transition->xv * v + transition->xf * push);
+        sim->v[i] = transition->vx * x + transition->vv * v + transition->vf * push;
+        sim->encoders[i] = round_to_step(sim->x[i], i < 3 ? sim->step : sim->turn_step);
     }
     sim->period++;
-    sim_hand_at(&sim->hand, time_of(sim, sim->period), &grip);
-    sim->sample.buttons = grip.buttons;
-    break_down(sim);
+    sim_hand_at(&sim->hand, time_of(sim, sim->period), &target);
+    sim->sample.buttons = target.buttons;
+    begin_fault(sim);
 }
 
-/* A live one catches up with the clock; what is too far behind, after a computer slept, is left out. */
+/* Step a live device up to the clock. If it is too far behind, because the computer slept, the rest is skipped. */
 static dpt_result catch_up(struct sim *sim)
 {
     uint64_t now;
@@ -213,7 +224,7 @@ static dpt_result catch_up(struct sim *sim)
     }
     uint64_t period = (uint64_t)((double)(now - sim->began_ns) * sim->rate * 1e-9);
     for (int i = 0; i < CATCH_UP_MAX && sim->period < period; i++)
-        go_on(sim);
+        step_period(sim);
     if (sim->period < period) {
         sim->counts.lost += period - sim->period;
         sim->period = period;
@@ -228,11 +239,11 @@ static dpt_result sim_read(dpt_device *device, dpt_device_state *state)
     if (sim->live != 0.0)
         result = catch_up(sim);
     else if (sim->has_begun)
-        go_on(sim);
+        step_period(sim);
     sim->has_begun = 1;
     uint32_t status = status_of(sim);
-    int is_silent =
-        sim->is_broken && (status == DPT_DEVICE_STATUS_LOST || sim->reason == DPT_REASON_SILENT);
+    int is_silent = sim->has_fault &&
+                    (status == DPT_DEVICE_STATUS_LOST || sim->fault_reason == DPT_REASON_SILENT);
     uint32_t fresh = 0;
     if (result == DPT_OK && !is_silent) {
         uint64_t passed = sim->was_read ? sim->period - sim->read_period : 1;
@@ -244,7 +255,7 @@ static dpt_result sim_read(dpt_device *device, dpt_device_state *state)
     *state = sim->sample;
     state->fresh = fresh;
     state->status = status;
-    state->reasons = status == DPT_DEVICE_STATUS_READY ? 0 : sim->reason;
+    state->reasons = status == DPT_DEVICE_STATUS_READY ? 0 : sim->fault_reason;
     state->code = state->reasons == DPT_REASON_DEVICE ? 1 : 0;
     return status == DPT_DEVICE_STATUS_LOST ? DPT_E_LOST : result;
 }
@@ -256,11 +267,11 @@ static dpt_result sim_write(dpt_device *device, const dpt_wrench *wrench)
     uint32_t status = status_of(sim);
     if (status != DPT_DEVICE_STATUS_READY)
         return status == DPT_DEVICE_STATUS_LOST ? DPT_E_LOST : DPT_E_NOT_READY;
-    double *written = sim->written[sim->period % (DELAY_MAX + 1)];
-    memcpy(written, wrench->force, sizeof wrench->force);
-    memcpy(written + 3, wrench->torque, sizeof wrench->torque);
-    limit_length(written, sim->force_max);
-    limit_length(written + 3, sim->torque_max);
+    double *command = sim->commands[sim->period % (DELAY_MAX + 1)];
+    memcpy(command, wrench->force, sizeof wrench->force);
+    memcpy(command + 3, wrench->torque, sizeof wrench->torque);
+    limit_length(command, sim->force_max);
+    limit_length(command + 3, sim->torque_max);
     sim->has_command = sim->is_armed = 1;
     sim->counts.commands++;
     return result;
@@ -269,12 +280,12 @@ static dpt_result sim_write(dpt_device *device, const dpt_wrench *wrench)
 static dpt_result sim_clear(dpt_device *device)
 {
     struct sim *sim = (struct sim *)device;
-    if (!sim->is_broken)
+    if (!sim->has_fault)
         return DPT_OK;
     sim->counts.resets += status_of(sim) == DPT_DEVICE_STATUS_LOST;
-    sim->is_broken = sim->is_armed = 0;
-    sim->reason = 0;
-    memset(sim->written, 0, sizeof sim->written);
+    sim->has_fault = sim->is_armed = 0;
+    sim->fault_reason = 0;
+    memset(sim->commands, 0, sizeof sim->commands);
     return DPT_OK;
 }
 
@@ -288,7 +299,7 @@ static void sim_counts(const dpt_device *device, dpt_device_counts *counts)
 static void sim_info(const dpt_device *device, dpt_device_info *info)
 {
     const struct sim *sim = (const struct sim *)device;
-    const int turns = sim->dofs > 3.0;
+    const int has_orientation = sim->dofs > 3.0;
     *info = (dpt_device_info){ .pose_dofs = (uint32_t)sim->dofs,
                                .wrench_dofs = (uint32_t)sim->dofs,
                                .joints = (uint32_t)sim->dofs,
@@ -298,13 +309,13 @@ static void sim_info(const dpt_device *device, dpt_device_info *info)
                                .rate = sim->rate,
                                .force_max = sim->force_max,
                                .force_continuous = sim->force_max,
-                               .torque_max = turns ? sim->torque_max : 0.0,
+                               .torque_max = has_orientation ? sim->torque_max : 0.0,
                                .position_step = sim->step,
-                               .angle_step = turns ? sim->turn_step : 0.0,
+                               .angle_step = has_orientation ? sim->turn_step : 0.0,
                                .mass = sim->mass,
-                               .inertia = turns ? sim->inertia : 0.0,
+                               .inertia = has_orientation ? sim->inertia : 0.0,
                                .damping = sim->damping,
-                               .spin_damping = turns ? sim->turn_damping : 0.0,
+                               .spin_damping = has_orientation ? sim->turn_damping : 0.0,
                                .delay = sim->delay / sim->rate,
                                .watchdog = sim->watchdog,
                                .workspace_min = { -0.2, -0.2, -0.2 },
@@ -319,7 +330,7 @@ static void sim_close(dpt_device *device)
     free(sim);
 }
 
-/* "overheated@2.5": the fault that is to come, and when. */
+/* Read the planned fault and its time, as in "overheated@2.5". */
 static dpt_result plan_fault(struct sim *sim, dpt_device_error *error)
 {
     char *at = strchr(sim->fault, '@');
@@ -330,8 +341,9 @@ static dpt_result plan_fault(struct sim *sim, dpt_device_error *error)
         const char *end = at + strlen(at);
         for (uint32_t bit = 1; dpt_device_reason_name(bit); bit <<= 1)
             if (!strcmp(dpt_device_reason_name(bit), sim->fault))
-                sim->reason = bit;
-        if (sim->reason && parse_double(at, end, &sim->fault_time) == end && sim->fault_time >= 0.0)
+                sim->fault_reason = bit;
+        if (sim->fault_reason && parse_double(at, end, &sim->fault_time) == end &&
+            sim->fault_time >= 0.0)
             return DPT_OK;
     }
     return device_error(error, DPT_E_SETTING, "fault is not a reason and a time, as estop@1.5");
@@ -343,24 +355,25 @@ static dpt_result prepare(struct sim *sim, dpt_device_error *error)
         sim->delay != floor(sim->delay))
         return device_error(error, DPT_E_SETTING, "dofs is 3 or 6, live 0 or 1, delay an integer");
     double period = 1.0 / sim->rate;
-    sim->pulled[0] = law_of(sim->mass, sim->damping, sim->grip, period);
-    sim->pushed[0] = law_of(sim->mass, sim->damping, 0.0, period);
-    sim->pulled[1] = law_of(sim->inertia, sim->turn_damping, sim->turn_grip, period);
-    sim->pushed[1] = law_of(sim->inertia, sim->turn_damping, 0.0, period);
+    sim->with_spring[0] = transition_of(sim->mass, sim->damping, sim->grip, period);
+    sim->without_spring[0] = transition_of(sim->mass, sim->damping, 0.0, period);
+    sim->with_spring[1] = transition_of(sim->inertia, sim->turn_damping, sim->turn_grip, period);
+    sim->without_spring[1] = transition_of(sim->inertia, sim->turn_damping, 0.0, period);
     dpt_result result = plan_fault(sim, error);
     if (result == DPT_OK)
         result = sim_hand_open(&sim->hand, sim->script, sim->reach, sim->cycle, error);
     if (result != DPT_OK)
         return result;
-    struct hand_target grip;
-    sim_hand_at(&sim->hand, 0.0, &grip);
+    struct hand_target target;
+    sim_hand_at(&sim->hand, 0.0, &target);
     for (int i = 0; i < (int)sim->dofs; i++)
-        sim->x[i] = grip.pulls ? grip.at[i] : 0.0;
+        sim->x[i] = target.is_position ? target.value[i] : 0.0;
     for (int i = 0; i < DOFS; i++)
-        sim->seen[i] = sim->last[i] = on_grid(sim->x[i], i < 3 ? sim->step : sim->turn_step);
-    sim->sample.buttons = grip.buttons;
+        sim->encoders[i] = sim->encoders_before[i] =
+            round_to_step(sim->x[i], i < 3 ? sim->step : sim->turn_step);
+    sim->sample.buttons = target.buttons;
     take_sample(sim);
-    break_down(sim);
+    begin_fault(sim);
     return DPT_OK;
 }
 
@@ -385,30 +398,30 @@ static dpt_result sim_open(const dpt_driver *driver, const char *where, dpt_devi
     sim->reach = 0.03;
     sim->cycle = 4.0;
     const struct setting settings[] = {
-        { .name = "mass", .number = &sim->mass, .least = 1e-4, .most = 100.0 },
-        { .name = "damping", .number = &sim->damping, .most = 1e3 },
-        { .name = "grip", .number = &sim->grip, .most = 1e5 },
-        { .name = "inertia", .number = &sim->inertia, .least = 1e-8, .most = 10.0 },
-        { .name = "turn_damping", .number = &sim->turn_damping, .most = 10.0 },
-        { .name = "turn_grip", .number = &sim->turn_grip, .most = 1e3 },
-        { .name = "step", .number = &sim->step, .most = 0.01 },
-        { .name = "turn_step", .number = &sim->turn_step, .most = 0.1 },
-        { .name = "rate", .number = &sim->rate, .least = 1.0, .most = 1e5 },
-        { .name = "dofs", .number = &sim->dofs, .least = 3.0, .most = 6.0 },
-        { .name = "force", .number = &sim->force_max, .most = 1e3 },
-        { .name = "torque", .number = &sim->torque_max, .most = 1e3 },
-        { .name = "watchdog", .number = &sim->watchdog, .most = 10.0 },
-        { .name = "delay", .number = &sim->delay, .most = DELAY_MAX },
-        { .name = "live", .number = &sim->live, .most = 1.0 },
-        { .name = "hand", .text = sim->script, .room = sizeof sim->script },
-        { .name = "reach", .number = &sim->reach, .most = 1.0 },
-        { .name = "cycle", .number = &sim->cycle, .least = 0.01, .most = 1e3 },
-        { .name = "fault", .text = sim->fault, .room = sizeof sim->fault },
+        { .name = "mass", .number = &sim->mass, .min = 1e-4, .max = 100.0 },
+        { .name = "damping", .number = &sim->damping, .max = 1e3 },
+        { .name = "grip", .number = &sim->grip, .max = 1e5 },
+        { .name = "inertia", .number = &sim->inertia, .min = 1e-8, .max = 10.0 },
+        { .name = "turn_damping", .number = &sim->turn_damping, .max = 10.0 },
+        { .name = "turn_grip", .number = &sim->turn_grip, .max = 1e3 },
+        { .name = "step", .number = &sim->step, .max = 0.01 },
+        { .name = "turn_step", .number = &sim->turn_step, .max = 0.1 },
+        { .name = "rate", .number = &sim->rate, .min = 1.0, .max = 1e5 },
+        { .name = "dofs", .number = &sim->dofs, .min = 3.0, .max = 6.0 },
+        { .name = "force", .number = &sim->force_max, .max = 1e3 },
+        { .name = "torque", .number = &sim->torque_max, .max = 1e3 },
+        { .name = "watchdog", .number = &sim->watchdog, .max = 10.0 },
+        { .name = "delay", .number = &sim->delay, .max = DELAY_MAX },
+        { .name = "live", .number = &sim->live, .max = 1.0 },
+        { .name = "hand", .text = sim->script, .text_bytes = sizeof sim->script },
+        { .name = "reach", .number = &sim->reach, .max = 1.0 },
+        { .name = "cycle", .number = &sim->cycle, .min = 0.01, .max = 1e3 },
+        { .name = "fault", .text = sim->fault, .text_bytes = sizeof sim->fault },
     };
-    char place[64];
-    dpt_result result = settings_read(where, place, sizeof place, settings,
+    char address[64];
+    dpt_result result = settings_read(where, address, sizeof address, settings,
                                       sizeof settings / sizeof *settings, NULL, error);
-    if (result == DPT_OK && place[0])
+    if (result == DPT_OK && address[0])
         result = device_error(error, DPT_E_SETTING, "only settings, as in sim:?live=1");
     if (result == DPT_OK)
         result = prepare(sim, error);

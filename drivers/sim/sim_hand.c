@@ -6,16 +6,16 @@
 
 #include "settings.h"
 
-static const char *const names[] = { "", "hold", "press", "wipe", NULL };
+static const char *const script_names[] = { "", "hold", "press", "wipe", NULL };
 
 static const char *const headers[] = {
     "t,x,y,z",    "t,x,y,z,rx,ry,rz",    "t,x,y,z,buttons",    "t,x,y,z,rx,ry,rz,buttons",
     "t,fx,fy,fz", "t,fx,fy,fz,tx,ty,tz", "t,fx,fy,fz,buttons", "t,fx,fy,fz,tx,ty,tz,buttons",
     NULL
 };
-enum { FIRST_OF_FORCES = 4 };
+enum { FIRST_FORCE_HEADER = 4 };
 
-static const char *wrong_row(const double *row, size_t columns)
+static const char *check_row(const double *row, size_t columns)
 {
     for (size_t i = 0; i < columns; i++)
         if (!(fabs(row[i]) < 0x1p53))
@@ -23,24 +23,24 @@ static const char *wrong_row(const double *row, size_t columns)
     return NULL;
 }
 
-static const struct csv_format form = {
+static const struct csv_format hand_format = {
     .headers = headers,
-    .wrong_header = "the header is not one that is known",
-    .wrong_row = wrong_row,
+    .header_error = "the header is not one that is known",
+    .check_row = check_row,
 };
 
 dpt_result sim_hand_open(struct sim_hand *hand, const char *script, double reach, double cycle,
                          dpt_device_error *error)
 {
     *hand = (struct sim_hand){ .reach = reach, .cycle = cycle };
-    for (int i = 0; names[i]; i++) {
-        if (strcmp(script, names[i]))
+    for (int i = 0; script_names[i]; i++) {
+        if (strcmp(script, script_names[i]))
             continue;
         hand->kind = (enum hand_kind)i;
         return DPT_OK;
     }
     hand->kind = HAND_TABLE;
-    return csv_table_read(&hand->table, script, &form, error);
+    return csv_table_read(&hand->table, script, &hand_format, error);
 }
 
 void sim_hand_close(struct sim_hand *hand)
@@ -48,14 +48,14 @@ void sim_hand_close(struct sim_hand *hand)
     csv_table_free(&hand->table);
 }
 
-/* From 0 to 1 and back once in each unit of t, at rest at both ends. */
+/* Goes from 0 to 1 and back once in each unit of t, with zero velocity at both ends. */
 static double to_and_fro(double t)
 {
     double s = 1.0 - fabs(2.0 * (t - floor(t)) - 1.0);
     return s * s * (3.0 - 2.0 * s);
 }
 
-static void read_table(struct sim_hand *hand, double time, struct hand_target *grip)
+static void interpolate_table(struct sim_hand *hand, double time, struct hand_target *target)
 {
     const struct csv_table *table = &hand->table;
     size_t columns = table->columns, numbers = columns < 7 ? 3 : 6;
@@ -68,22 +68,22 @@ static void read_table(struct sim_hand *hand, double time, struct hand_target *g
         part = (time - row[0]) / (next[0] - row[0]);
     }
     for (size_t i = 0; i < numbers; i++)
-        grip->at[i] = row[1 + i] + part * (next[1 + i] - row[1 + i]);
+        target->value[i] = row[1 + i] + part * (next[1 + i] - row[1 + i]);
     if (columns == numbers + 2 && row[columns - 1] >= 0.0 && row[columns - 1] <= 0xffffffffu)
-        grip->buttons = (uint32_t)row[columns - 1];
-    grip->pulls = table->header < FIRST_OF_FORCES;
+        target->buttons = (uint32_t)row[columns - 1];
+    target->is_position = table->header < FIRST_FORCE_HEADER;
 }
 
-void sim_hand_at(struct sim_hand *hand, double time, struct hand_target *grip)
+void sim_hand_at(struct sim_hand *hand, double time, struct hand_target *target)
 {
-    *grip = (struct hand_target){ .pulls = hand->kind != HAND_NONE };
+    *target = (struct hand_target){ .is_position = hand->kind != HAND_NONE };
     if (hand->kind == HAND_TABLE)
-        read_table(hand, time, grip);
+        interpolate_table(hand, time, target);
     if (hand->kind == HAND_PRESS)
-        grip->at[1] = -hand->reach * to_and_fro(time / hand->cycle);
+        target->value[1] = -hand->reach * to_and_fro(time / hand->cycle);
     if (hand->kind == HAND_WIPE) {
-        grip->at[1] =
+        target->value[1] =
             -hand->reach * to_and_fro(time < hand->cycle ? 0.5 * time / hand->cycle : 0.5);
-        grip->at[0] = hand->reach * (2.0 * to_and_fro(0.5 * time / hand->cycle + 0.25) - 1.0);
+        target->value[0] = hand->reach * (2.0 * to_and_fro(0.5 * time / hand->cycle + 0.25) - 1.0);
     }
 }

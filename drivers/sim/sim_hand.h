@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The hand on a simulated device: a script of forces, or of places that a spring pulls to. Between rows values change
- * linearly, before the first and behind the last they stay; buttons stay until the next row.
+ * The hand on a simulated device: a script of forces, or of positions that a spring pulls to. Values are interpolated
+ * linearly between the rows of a table; before the first and after the last row they stay. Buttons stay until the next
+ * row. All values are in the device's frame.
  */
 #ifndef DPT_DRIVERS_SIM_HAND_H
 #define DPT_DRIVERS_SIM_HAND_H
@@ -14,22 +15,25 @@ struct sim_hand {
     enum hand_kind kind;
     double reach, cycle; /* of HAND_PRESS and HAND_WIPE: m, s */
     struct csv_table table;
-    size_t row; /* the last one that was in use */
+    size_t row; /* of the table: the last one used */
 };
 
-/* Of one moment: a place (m and a rotation vector, rad) or a force (N, Nm). */
+/* What the hand wants at one time. */
 struct hand_target {
-    int pulls; /* 1: `at` is a place; 0: it is a force */
-    double at[6];
+    int is_position; /* 1: `value` is a position; 0: a force */
+    double value[6]; /* position in m and rotation vector in rad, or force in N and torque in Nm */
     uint32_t buttons;
 };
 
-/* `script` is "", the name of one that is built in, or a file's. */
+/*
+ * Open a script: "" for no hand, a built-in name ("hold", "press", "wipe"), or a file's path.
+ *   reach, cycle   of "press" and "wipe", m and s
+ */
 dpt_result sim_hand_open(struct sim_hand *hand, const char *script, double reach, double cycle,
                          dpt_device_error *error);
 void sim_hand_close(struct sim_hand *hand);
 
-/* Time goes on from call to call. */
-void sim_hand_at(struct sim_hand *hand, double time, struct hand_target *grip);
+/* The target at `time`, s, which must not decrease from call to call. */
+void sim_hand_at(struct sim_hand *hand, double time, struct hand_target *target);
 
 #endif

@@ -1,14 +1,17 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * An arm: links that joints move, with a tool at one of them, compiled offline from a URDF (urdf.h) or from arrays
- * (dpt_compile_arm); the content of a .dpa file (docs/format.md), used where its bytes lie. The bytes must outlive the
- * arm and stay as they were when they were opened; mesh.h says why, and what to do with files that others can write.
+ * An arm: links that joints move, with a tool at one of the links. It is compiled offline from a URDF (urdf.h) or from
+ * arrays (dpt_compile_arm) into a .dpa file (docs/format.md), and is used in place in the bytes of that file. The bytes
+ * must outlive the arm and must not change while it is open. mesh.h says why, and how to open a file that others can
+ * write.
  *
- * The root's frame is the frame of all answers. Joint coordinates are rad or m, in the order of dpt_arm_get_joint, and
- * may lie outside of their limits: what is asked is answered there too. Every function that takes them takes
- * `dpt_arm_info.joints` numbers, answers DPT_E_FINITE when one of its numbers, whatever it stands for, is not finite or
- * above DPT_COORDINATE_MAX, and then leaves its output alone. All are stateless and thread-safe, allocate nothing, and
- * give the same bits on every machine.
+ * All answers are in the root's frame. `joints` of a function are the joint coordinates: `dpt_arm_info.joints` numbers,
+ * in rad or m, in the order of dpt_arm_get_joint. They may lie outside of their limits. If any number of a call is not
+ * finite or beyond DPT_COORDINATE_MAX, the call returns DPT_E_FINITE and writes nothing.
+ *
+ * Threads: an open arm is read-only. Every function that takes one may be called from several threads at once. All
+ * functions are stateless, allocate nothing, and give the same bits on every machine. dpt_arm_convert writes to its
+ * bytes, which no other thread may use meanwhile.
  */
 #ifndef DYNPOINT_ARM_H
 #define DYNPOINT_ARM_H
@@ -18,11 +21,11 @@
 #define DPT_ARM_LINKS_MAX    64
 #define DPT_ARM_SEGMENTS_MAX 64
 #define DPT_ARM_BODIES_MAX   64
-#define DPT_ARM_NAME         64 /* bytes of a name, its zero and the zeros behind it among them */
+#define DPT_ARM_NAME         64 /* bytes of a name, including the zeros after it; at least one */
 
 DPT_BEGIN
 
-/* Opaque; a pointer into the bytes that were opened. */
+/* Opaque: a pointer into the bytes that you opened. */
 typedef struct dpt_arm dpt_arm;
 
 /* How a joint moves its link. */
@@ -32,108 +35,116 @@ enum {
     DPT_JOINT_PRISMATIC = 2   /* along its axis, between its limits */
 };
 
-/* A coordinate of the arm. */
+/* A joint, and so a coordinate of the arm. */
 typedef struct dpt_arm_joint {
     uint32_t size; /* sizeof(dpt_arm_joint) */
     uint32_t kind; /* DPT_JOINT_... */
-    double lower;  /* rad or m, lower <= upper; a continuous one has 0 and 0 */
+    double lower;  /* limit, rad or m; lower <= upper; both are 0 for a continuous joint */
     double upper;
-    double velocity; /* limit, rad/s or m/s; 0: not known */
-    double effort;   /* limit, Nm or N; 0: not known */
-    double damping;  /* Nms/rad or Ns/m, not negative, as those above */
-    double friction; /* Nm or N, not negative */
+    double velocity; /* limit, rad/s or m/s, >= 0; 0: not known */
+    double effort;   /* limit, Nm or N, >= 0; 0: not known */
+    double damping;  /* Nms/rad or Ns/m, >= 0 */
+    double friction; /* Nm or N, >= 0 */
     char name[DPT_ARM_NAME];
 } dpt_arm_joint;
 
 /*
- * A link that moves against its parent, with all that is fixed to it:
+ * A link that moves relative to its parent, with everything that is fixed to it:
  *     frame = parent's frame . pose . motion(axis, factor * joint + offset)
- * where motion turns about or shifts along the axis. Links that mimic a joint share its coordinate.
+ * Here `motion` turns about the axis or shifts along it, and `joint` is the coordinate of the link's joint. Links that
+ * mimic a joint share its coordinate.
  */
 typedef struct dpt_arm_link {
     uint32_t size;    /* sizeof(dpt_arm_link) */
-    uint32_t parent;  /* of lower number than its own; DPT_NONE: the root */
-    uint32_t joint;   /* the coordinate that moves it */
-    uint32_t slides;  /* 0: about the axis, 1: along it */
+    uint32_t parent;  /* index of a link before this one; DPT_NONE: the root */
+    uint32_t joint;   /* index of the joint that moves it */
+    uint32_t slides;  /* 0: it turns about the axis, 1: it slides along it */
     dpt_pose pose;    /* in the parent's frame, at factor * joint + offset = 0 */
     double axis[3];   /* unit, in the link's own frame */
-    double factor;    /* 1, but for what mimics; not 0 */
+    double factor;    /* not 0; 1 unless the link mimics */
     double offset;    /* rad or m */
-    double mass;      /* kg, 0 where it is not known */
+    double mass;      /* kg; 0: not known */
     double centre[3]; /* of mass, in the link's frame, m */
 } dpt_arm_link;
 
 /* A mesh of the scene, fixed to the root. */
 typedef struct dpt_arm_body {
-    uint32_t size; /* sizeof(dpt_arm_body) */
-    uint32_t reserved;
+    uint32_t size;        /* sizeof(dpt_arm_body) */
+    uint32_t reserved;    /* 0 */
     dpt_pose pose;        /* in the root's frame */
-    const dpt_mesh *mesh; /* within the arm's bytes */
-    size_t mesh_bytes;    /* its length */
+    const dpt_mesh *mesh; /* in the arm's bytes, and valid as long as they are */
+    size_t mesh_bytes;    /* length of the mesh */
     char name[DPT_ARM_NAME];
 } dpt_arm_body;
 
+/* What an arm holds. */
 typedef struct dpt_arm_info {
-    uint32_t size;           /* sizeof(dpt_arm_info) */
-    uint32_t format_version; /* of the file */
-    uint32_t joints;         /* 1..8, DPT_JOINTS_MAX */
-    uint32_t links;          /* that move, 1..DPT_ARM_LINKS_MAX */
-    uint32_t segments;       /* of the tool, 0..DPT_ARM_SEGMENTS_MAX */
-    uint32_t bodies;         /* 0..DPT_ARM_BODIES_MAX */
-    uint32_t tool_link;      /* the link that the tool is fixed to */
-    uint32_t reserved;
-    double mass;           /* of all links, kg; 0: not known, and there is no gravity */
-    dpt_pose tool;         /* in the frame of tool_link */
-    uint64_t source_bytes; /* length of the source file; 0 when compiled from arrays */
-    uint64_t source_hash;  /* its FNV-1a hash, 64 bits */
-    uint64_t bytes;        /* length of the compiled file */
-    char name[DPT_ARM_NAME];
-    char root_name[DPT_ARM_NAME];
-    char tool_name[DPT_ARM_NAME];
+    uint32_t size;                /* sizeof(dpt_arm_info) */
+    uint32_t format_version;      /* of the file */
+    uint32_t joints;              /* 1..DPT_JOINTS_MAX, which is 8 */
+    uint32_t links;               /* moving links, 1..DPT_ARM_LINKS_MAX */
+    uint32_t segments;            /* of the tool, 0..DPT_ARM_SEGMENTS_MAX */
+    uint32_t bodies;              /* 0..DPT_ARM_BODIES_MAX */
+    uint32_t tool_link;           /* index of the link that the tool is fixed to */
+    uint32_t reserved;            /* 0 */
+    double mass;                  /* of all links, kg; 0: not known, and dpt_arm_weight gives 0 */
+    dpt_pose tool;                /* the tool's frame, in the frame of tool_link */
+    uint64_t source_bytes;        /* length of the source file; 0 if compiled from arrays */
+    uint64_t source_hash;         /* its FNV-1a hash, 64 bits */
+    uint64_t bytes;               /* length of the compiled file */
+    char name[DPT_ARM_NAME];      /* of the robot */
+    char root_name[DPT_ARM_NAME]; /* of the root link */
+    char tool_name[DPT_ARM_NAME]; /* of the tool's link */
 } dpt_arm_info;
 
 /*
- * As dpt_mesh_open, dpt_mesh_verify and dpt_mesh_convert: check all of a file once, the meshes in it too; tell where one
- * is damaged (within a mesh, `section` is the mesh's); turn a copy into the host's byte order. A compiled mesh is
- * DPT_E_MAGIC here, as an arm is there.
+ * Open, verify or convert an arm, as dpt_mesh_open, dpt_mesh_verify and dpt_mesh_convert do a mesh. The meshes in the
+ * file are checked and converted too. If one of these is damaged, `section` of the fault is a section of that mesh, and
+ * `byte` counts from the beginning of the arm's file. A compiled mesh gives DPT_E_MAGIC here, and an arm gives it
+ * there.
  */
 DPT_API dpt_result dpt_arm_open(const void *bytes, size_t size, const dpt_arm **arm);
 DPT_API dpt_result dpt_arm_verify(const void *bytes, size_t size, dpt_mesh_fault *fault);
 DPT_API dpt_result dpt_arm_convert(void *bytes, size_t size, dpt_mesh_fault *fault);
 
-/* Each fills a struct whose size field is set; DPT_E_ARGUMENT for an index that there is not. */
+/* Getters. Set the size field of the struct to be filled. An index out of range is DPT_E_ARGUMENT. */
 DPT_API dpt_result dpt_arm_get_info(const dpt_arm *arm, dpt_arm_info *info);
 DPT_API dpt_result dpt_arm_get_joint(const dpt_arm *arm, uint32_t index, dpt_arm_joint *joint);
 DPT_API dpt_result dpt_arm_get_link(const dpt_arm *arm, uint32_t index, dpt_arm_link *link);
 DPT_API dpt_result dpt_arm_get_body(const dpt_arm *arm, uint32_t index, dpt_arm_body *body);
 
-/* A capsule of the tool, in its frame: what dpt_tool_add takes. */
+/* Get a capsule of the tool, in the tool's frame, as dpt_tool_add takes it. */
 DPT_API dpt_result dpt_arm_get_segment(const dpt_arm *arm, uint32_t index, dpt_segment *segment);
 
-/* Where the tool's frame is. The quaternion is continuous in the joints: a full turn changes its sign. */
+/*
+ * Compute the pose of the tool's frame. Its quaternion is continuous in the joints: a full turn of a joint changes the
+ * quaternion's sign.
+ */
 DPT_API dpt_result dpt_arm_forward(const dpt_arm *arm, const double *joints, dpt_pose *tool);
 
 /*
- * How the tool's frame moves when the joints move at `rates` (rad/s or m/s): its origin, m/s, and its spin, rad/s.
+ * Compute how the tool's frame moves when the joints move at `rates` (rad/s or m/s): the velocity of its origin, m/s,
+ * and its spin, rad/s.
  */
 DPT_API dpt_result dpt_arm_velocity(const dpt_arm *arm, const double *joints, const double *rates,
                                     double velocity[3], double spin[3]);
 
 /*
- * The matrix that does so: 6 rows, velocity above spin, of `joints` columns, row after row.
+ * Compute the Jacobian, which maps rates to velocity and spin: 6 rows, first velocity x, y, z, then spin x, y, z, with
+ * a column for each joint. It is stored row after row.
  */
 DPT_API dpt_result dpt_arm_jacobian(const dpt_arm *arm, const double *joints, double *jacobian);
 
 /*
- * What the joints' motors must give, Nm or N, so that the arm gives `wrench` on the hand, force and torque about the
- * tool's origin: the Jacobian's transpose (virtual work), at rest and without the arm's own weight.
+ * Compute the efforts of the joints' motors, Nm or N, with which the tool exerts `wrench` on the hand; its torque is
+ * about the tool's origin. This is the Jacobian's transpose (virtual work), at rest and without the arm's own weight.
  */
 DPT_API dpt_result dpt_arm_efforts(const dpt_arm *arm, const double *joints,
                                    const dpt_wrench *wrench, double *efforts);
 
 /*
- * What they must give to hold up the arm's own weight at rest.
- *   gravity   acceleration in the root's frame, m/s^2: { 0, 0, -9.81 } where z is up
+ * Compute the efforts of the joints' motors, Nm or N, that hold up the arm's own weight at rest.
+ *   gravity   acceleration in the root's frame, m/s^2: { 0, 0, -9.81 } if z is up
  */
 DPT_API dpt_result dpt_arm_weight(const dpt_arm *arm, const double *joints, const double gravity[3],
                                   double *efforts);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Contacts of a tool and what it met between two steps, as a world (world.h) answers them. Plain structs: any thread may
- * read a copy.
+ * The contacts of a tool, and the first touch of its motion between two steps. A world gives both (world.h).
+ *
+ * Threads: these are plain structs; any thread may read a copy.
  */
 #ifndef DYNPOINT_CONTACT_H
 #define DYNPOINT_CONTACT_H
@@ -13,36 +14,42 @@ DPT_BEGIN
 /* Bits of dpt_contact.flags. */
 enum {
     DPT_CONTACT_FLAG_CROSSING = 1, /* the axis goes through the surface */
-    /* an open sheet: the gap is counted from the side on which the tool was first */
+    /* with an open sheet: the gap counts from the side where the tool was when the contact began */
     DPT_CONTACT_FLAG_SIDED = 2,
-    /* its integrals or its deepest pair are less accurate than usual: memory or work for samples ended before */
+    /* the integrals or the deepest pair are less accurate than usual: memory or work for samples ran out */
     DPT_CONTACT_FLAG_COARSE = 4
 };
 
 /*
- * A contact: a stretch of a segment's axis where its surface is within the world's margin of a body, or inside it
- * (docs/algorithms/contacts.md). Vectors are in world axes.
+ * A contact: a stretch of a segment's axis along which the tool's surface is within the world's margin of a body, or
+ * inside the body (docs/algorithms/contacts.md). Points are in the world, vectors in world axes.
  *
- *   id          the same from tick to tick while the contact lives; never 0
- *   triangle    of the deepest pair: the source file's number
- *   contact     DPT_CONTACT_... of its gap
- *   s0, s1      the stretch, in 0..1 of the segment
- *   s, p, q     the deepest pair: p on the axis, q on the mesh nearest to it
- *   weight      of the triangle's corners, as dpt_mesh_get_triangle has them, at q: sum 1
- *   normal      unit, the way out at q: from q to p outside, from p to q inside; or smoothed, as the world's def asks.
- *               Zero where there is none
- *   gap         signed distance of the tool's surface at p
+ *   id             the same from tick to tick while the contact lasts; never 0
+ *   body           id of the body
+ *   segment        index of the tool's segment, from 0
+ *   triangle       source number of the triangle of the deepest pair
+ *   contact        DPT_CONTACT_... of the gap
+ *   flags          DPT_CONTACT_FLAG_...
+ *   s0, s1         ends of the stretch: p = a + s (b - a), s in 0..1
+ *   s, p, q        the deepest pair: the point p of the axis at s, and the point q of the mesh nearest to it
+ *   weight         weights of the triangle's corners at q, in the order of dpt_mesh_get_triangle; their sum is 1
+ *   normal         exit direction at q, unit: from q to p outside, from p to q inside; smoothed if the world's def says
+ *                  so; 0 if there is none
+ *   gap            signed distance of the tool's surface at p, m
  *
- * Integrals over the length of the stretch. With w(s) = max(0, margin - gap(s)) and n(s) the way out:
- *   overlap     of w, in m^2
- *   moment      of s w, in m^2: moment / overlap is where the contact's middle is
- *   thrust      of w n, in m^2
- *   thrust_moment  of s w n, in m^2
- * They stay continuous in the motion, where a nearest point jumps; when contacts join, theirs add up.
+ * The last four are integrals over the length of the stretch, in m^2. With w(s) = max(0, margin - gap(s)) and n(s)
+ * the exit direction:
+ *
+ *   overlap        of w
+ *   moment         of s w: moment / overlap is the s of the contact's middle
+ *   thrust         of w n
+ *   thrust_moment  of s w n
+ *
+ * The integrals are continuous in the motion, even where a nearest point jumps. When contacts join, their integrals add
+ * up.
  */
 typedef struct dpt_contact {
-    uint32_t
-        size; /* the caller's sizeof(dpt_contact); of an array, the first one's counts for all */
+    uint32_t size; /* the caller's sizeof(dpt_contact); in an array, set that of the first item */
     uint32_t id;
     uint32_t body;
     uint32_t segment;
@@ -64,25 +71,33 @@ typedef struct dpt_contact {
     double thrust_moment[3];
 } dpt_contact;
 
-/* What is known of a motion between two steps. */
+/* The result of sweeping a motion between two steps. */
 enum {
-    /* There is none: a first step, a teleport, a motion that was given up, or the axis was through something already. */
+    /*
+     * no motion was swept: a first step, a teleport, a motion given up, or the axis crossed a surface at its beginning
+     */
     DPT_SWEEP_NONE = 0,
-    DPT_SWEEP_FREE = 1,      /* nothing was met */
-    DPT_SWEEP_HIT = 2,       /* met, at `time` */
-    DPT_SWEEP_UNFINISHED = 3 /* the budget ended it; the next step goes on with it */
+    DPT_SWEEP_FREE = 1,      /* the segment touched nothing */
+    DPT_SWEEP_HIT = 2,       /* the segment touched a mesh, at `time` */
+    DPT_SWEEP_UNFINISHED = 3 /* the budget ran out; the next step continues the sweep */
 };
 
 /*
- * What a segment met first on its way from the last step to this one: its surface or, where that was in contact before,
- * its axis. Ends move along straight lines, rigid tools and bodies along the shortest turn. None is missed; a hit may
- * be within 1e-6 of the mesh's diagonal of a touch.
+ * The first touch of a segment on its motion from the last step to this one. The segment's surface is swept; its axis,
+ * if its surface was in contact at the beginning. Ends of free segments move along straight lines, rigid tools and
+ * bodies along the shortest turn. No touch is missed. A hit may be reported where the segment comes within 1e-6 of the
+ * mesh's diagonal without a touch.
  *
- *   time      0..1 of the step that is told of
- *   age       how many steps ago that was; 0 is this one. A budget may leave motions unfinished: the oldest is told first
- *   s         of the point of the axis that met
- *   q         where on the mesh, in the world, with the body where it is now
- *   normal    unit, of the mesh there, on the side that the tool came from
+ *   status    DPT_SWEEP_...
+ *   segment   index of the tool's segment, from 0
+ *   body      id of the body touched
+ *   triangle  its source number
+ *   time      of the touch, in 0..1 of the motion
+ *   age       how many steps ago the motion was; 0 is this step. With a budget, motions may wait: the oldest comes
+ *             first
+ *   s         of the point of the axis that touched, in 0..1
+ *   q         the point of the mesh, in the world, at the body's present pose
+ *   normal    of the mesh at q, unit, in world axes, on the side that the tool came from
  */
 typedef struct dpt_sweep {
     uint32_t size; /* sizeof(dpt_sweep), set by the caller */

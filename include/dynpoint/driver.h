@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Drivers: what a kind of device has to do, for those who write one (docs/drivers.md, "Writing a driver"). A driver is a
- * struct of functions for one kind of device; a device is one that is open. Those that are built in are listed by
- * dpt_driver_at; one from outside is used through the same struct.
+ * The contract of a driver, for those who write one (docs/drivers.md, "Writing a driver"). A driver is a struct of
+ * functions for one kind of device. dpt_driver_at lists the built-in drivers. A program can define one of its own and
+ * open it with dpt_device_open_with.
  *
- * Threads: `open` and `find` may be called from several threads at once; the rest as device.h says.
+ * Threads: `open` and `find` may be called from several threads at once. All other functions take a device, which
+ * belongs to one thread at a time (device.h). dpt_driver_at and dpt_driver_named may be called from any thread.
  */
 #ifndef DYNPOINT_DRIVER_H
 #define DYNPOINT_DRIVER_H
@@ -12,10 +13,11 @@
 #include "dynpoint/device.h"
 
 /*
- * Of the contract below. It grows only where a driver of before would be served wrongly: a library refuses drivers of a
- * version above its own, and serves older ones, but for 1, of release 0.1. What is merely added does not change it: a
- * function is optional then and stands behind those of before, where `size` tells whether a driver has it; a library
- * that is older than a driver does not call it.
+ * The version of the contract below. It grows only if drivers written for the version before would be served wrongly. A
+ * library refuses a driver of a version above its own. It serves older ones, except version 1 of release 0.1.
+ *
+ * An addition does not change the version. A new function is optional and comes after the existing ones, so `size`
+ * tells whether a driver has it. A library that is older than the driver does not call it.
  */
 #define DPT_DRIVER_VERSION 2
 
@@ -23,39 +25,47 @@ DPT_BEGIN
 
 typedef struct dpt_driver dpt_driver;
 
-/* Called for each device that a driver finds, with what `open` takes as `where` and a line about it. */
+/* Called for each device that a driver finds: `where` as `open` takes it, and a line about the device. */
 typedef void dpt_device_found_fn(void *user, const dpt_driver *driver, const char *where,
                                  const char *about);
 
 /*
- * The contract. A driver's own device begins with a struct dpt_device, which dpt_device_open fills in. Arguments are
- * checked before a driver sees them: none is NULL but those that are said to be, wrenches are finite. Structs to be
- * filled in are the library's own, of the size that their first field says, and with room for 1024 bytes: a driver
- * fills in those of its own headers, whole, be it older or newer, and the caller gets as much as it has room for. What
- * info and counts leave alone is 0, what read does stays as it was.
+ * The contract. A driver allocates its own struct, which begins with a struct dpt_device. dpt_device_open fills in that
+ * first part.
  *
- * open    May block, some seconds at most. `where` is in the driver's own notation, NULL for the first or only one;
- *         settings follow a '?', as in "/dev/ttyACM0?rate=1000". On success the device has answered, gives no force,
- *         and *device is set; on failure nothing stays open and the text of `error` says why. Its code is filled in.
- * info    Never blocks or fails.
- * read    Never blocks, makes a bounded number of system calls, allocates nothing. Fills `state` with the latest
- *         sample, also if that was read before (fresh = 0). DPT_E_LOST when the device is gone: status LOST, fresh 0,
- *         the pose the last one known.
- * write   Likewise. The wrench is of the device on the hand, at the tool's tip, in the device's frame. What the device
- *         cannot do is left out, what is too strong is scaled down. DPT_E_BUSY: there was no room, it is dropped, the
- *         next one counts. A device that is not ready takes none: DPT_E_NOT_READY, or DPT_E_LOST.
- * clear   May block, some seconds at most. Ends a fault whose cause is gone; opens a lost device again where it was,
- *         DPT_E_LOST while it is not there. Motors may be switched on; there is no force until the next write.
- * counts  Never blocks or fails.
- * close   May block, but not for ever. The device gives no force when it returns, or its watchdog ends it; also when it
- *         is lost. Frees it.
- * find    May block. NULL where devices cannot be found.
+ * The library checks arguments before it calls a driver: no argument is NULL unless said below, and wrenches are
+ * finite. The driver fills in the structs of its own headers completely, whether these are older or newer than the
+ * library's. The library supplies room for 1024 bytes, sets `size` to that of its own struct, and hands to the caller
+ * as much as the caller's struct has room for. Fields that `info` and `counts` leave alone are 0. Fields that `read`
+ * leaves alone keep the value that the caller had there.
+ *
+ * open    Opens a device. May block for some seconds.
+ *         `where` is in the driver's own notation; NULL is the first or only device. Settings follow a '?', as in
+ *         "/dev/ttyACM0?rate=1000".
+ *         Success: the device has answered and gives no force, and *device is set.
+ *         Failure: nothing stays open, and error->text says why. The library fills in error->code.
+ * info    Describes the device. Never blocks, never fails.
+ * read    Fills `state` with the latest sample, also if it was read before (then `fresh` is 0). Never blocks, allocates
+ *         nothing, makes a bounded number of system calls.
+ *         DPT_E_LOST: the device is gone. The status is LOST, `fresh` is 0, the pose is the last known one.
+ * write   Sends the wrench of the device on the hand, at the tool's tip, in the device's frame. Never blocks, allocates
+ *         nothing, makes a bounded number of system calls. Components that the device cannot give are ignored. A wrench
+ *         that is too strong is scaled down.
+ *         DPT_E_BUSY: the line had no room. The command is dropped, and the one before stays in force.
+ *         DPT_E_NOT_READY, DPT_E_LOST: a device that is not ready, or is lost, takes no command.
+ * clear   Ends a fault whose cause is gone, or reopens a lost device at the same place. May block for some seconds. May
+ *         switch the motors on; there is no force until the next write.
+ *         DPT_E_LOST: the device is still not there.
+ * counts  Reports counts. Never blocks, never fails.
+ * close   Frees the device. May block, but not for ever. When it returns the device gives no force, or the device's
+ *         watchdog ends the force. This holds for a lost device too.
+ * find    Reports the devices that are there. May block. The pointer is NULL if devices cannot be found.
  */
 struct dpt_driver {
-    uint32_t size;     /* sizeof(dpt_driver), of the driver's headers */
+    uint32_t size;     /* sizeof(dpt_driver), as the driver's headers have it */
     uint32_t version;  /* DPT_DRIVER_VERSION */
-    const char *name;  /* a word: "sim", "serial" */
-    const char *about; /* a line for people */
+    const char *name;  /* one word, as "sim" or "serial" */
+    const char *about; /* one line for people */
     dpt_result (*open)(const dpt_driver *driver, const char *where, dpt_device **device,
                        dpt_device_error *error);
     void (*info)(const dpt_device *device, dpt_device_info *info);
@@ -67,22 +77,24 @@ struct dpt_driver {
     void (*find)(const dpt_driver *driver, dpt_device_found_fn *found, void *user);
 };
 
-/* It never grows, as a driver's own fields follow. */
+/* The beginning of every open device. It never grows, because the driver's own fields follow it. */
 struct dpt_device {
     const dpt_driver *driver;
-    void *reserved[3]; /* the library's */
+    void *reserved[3]; /* for the library; a driver leaves them alone */
 };
 
-/* The drivers that are built in, from 0; NULL behind the last one. */
+/* The built-in driver of this index, from 0; NULL after the last one. */
 DPT_API const dpt_driver *dpt_driver_at(uint32_t index);
 
-/* By name; NULL when there is none. */
+/* The built-in driver of this name; NULL if there is none. */
 DPT_API const dpt_driver *dpt_driver_named(const char *name);
 
 /*
- * As dpt_device_open, with a driver from anywhere; one of a version or size that is not served (above), or without a
- * function, is DPT_E_UNSUPPORTED.
- *   where, error   may be NULL
+ * Open a device with this driver, built in or not. Otherwise as dpt_device_open.
+ *   where    NULL or "": the first or only device
+ *   error    may be NULL
+ *
+ * DPT_E_UNSUPPORTED: the driver's version or size is not served (see DPT_DRIVER_VERSION), or a function is missing.
  */
 DPT_API dpt_result dpt_device_open_with(const dpt_driver *driver, const char *where,
                                         dpt_device **device, dpt_device_error *error);

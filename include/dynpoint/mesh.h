@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * A compiled mesh, the content of a .dpa file (docs/format.md), used where its bytes lie: nothing is
- * parsed, copied or allocated. The bytes may be held in memory, in an array or in flash, or be mapped from a file; they
- * must outlive the mesh.
+ * A compiled mesh: the content of a .dpa file (docs/format.md), used in place. Nothing is parsed, copied or allocated.
+ * The bytes may lie in memory or in flash, or be mapped from a file. They must outlive the mesh.
  *
- * They must stay as they were when they were opened: the indices in them are checked then, and never again. So read a
- * file that another user or program can write into memory of your own, and open that. A mapped file that is changed
- * gives wild reads; one that is cut short ends the program with SIGBUS.
+ * The bytes must not change while the mesh is open: the indices in them are checked once, when the mesh is opened. If
+ * another user or program can write the file, read it into your own memory and open that. If a mapped file is changed,
+ * the library reads wild addresses; if it is truncated, SIGBUS ends the program.
  *
- * Threads: an open mesh is read-only; every function that takes one may be called from several threads at once.
+ * Threads: an open mesh is read-only. Every function that takes one may be called from several threads at once.
  * dpt_mesh_convert writes to its bytes, which no other thread may use meanwhile.
  */
 #ifndef DYNPOINT_MESH_H
@@ -18,89 +17,89 @@
 
 DPT_BEGIN
 
-/* Opaque; a pointer into the bytes that were opened. */
+/* Opaque: a pointer into the bytes that you opened. */
 typedef struct dpt_mesh dpt_mesh;
 
 /* Where a file is damaged. */
 typedef struct dpt_mesh_fault {
-    uint32_t size; /* sizeof(dpt_mesh_fault) */
-    int32_t code;  /* as returned */
-    uint64_t byte; /* offset of the first wrong byte, section or entry */
-    char section[16];
+    uint32_t size;    /* sizeof(dpt_mesh_fault) */
+    int32_t code;     /* the result that the call returned */
+    uint64_t byte;    /* offset of the first wrong byte, section or entry */
+    char section[16]; /* its name, or "header" or "padding" */
 } dpt_mesh_fault;
 
 /*
- * Check all of a file, once: magic, version, lengths, checksums, every index and coordinate. After
- * that the library indexes without checks. dpt_mesh_open gives the mesh; dpt_mesh_verify does the same checks and tells
- * where they failed.
+ * Check a whole file: magic, version, lengths, checksums, every index and coordinate. Afterwards the library uses the
+ * indices without checks. dpt_mesh_open gives the mesh. dpt_mesh_verify makes the same checks, and says where one
+ * failed.
  *
- *   bytes   aligned to 8; 64 is only faster
+ *   bytes   aligned to 8; an alignment of 64 is only faster
  *   mesh    written on success only
- *   fault   may be NULL; on an error of the file tells where
+ *   fault   may be NULL; says where the file is damaged
  *
- * DPT_E_BYTE_ORDER on a big-endian host: dpt_mesh_convert a copy first.
+ * DPT_E_BYTE_ORDER on a big-endian host: convert a copy first, with dpt_mesh_convert.
  */
 DPT_API dpt_result dpt_mesh_open(const void *bytes, size_t size, const dpt_mesh **mesh);
 DPT_API dpt_result dpt_mesh_verify(const void *bytes, size_t size, dpt_mesh_fault *fault);
 
 /*
- * Turn a file into the host's byte order, in place. On a little-endian host only checks it. A file
- * that is converted already stays as it is.
+ * Convert a file to the host's byte order, in place, and check it. A file that is already in that order, as every file
+ * on a little-endian host, is only checked.
  */
 DPT_API dpt_result dpt_mesh_convert(void *bytes, size_t size, dpt_mesh_fault *fault);
 
-/* What the compiler found in the source, what it mended, and what the file holds. */
+/* What the compiler found in the source, what it repaired, and what the file holds. */
 typedef struct dpt_mesh_info {
     uint32_t size;             /* sizeof(dpt_mesh_info) */
     uint32_t format_version;   /* of the file */
-    uint32_t triangles;        /* that count: dropped ones are not among them */
+    uint32_t triangles;        /* without those that were dropped */
     uint32_t vertices;         /* distinct positions that a triangle uses */
-    uint32_t source_triangles; /* polygons of n corners count as n - 2 */
+    uint32_t source_triangles; /* a polygon of n corners counts as n - 2 */
     uint32_t source_vertices;
-    uint32_t dropped_degenerate; /* two corners alike, or no area */
-    uint32_t dropped_duplicate;  /* the same three corners as a triangle of lower number */
-    uint32_t unused_vertices;    /* of the source, by no polygon used */
-    uint32_t concave_polygons;   /* cut into a fan all the same */
-    uint32_t open_edges;         /* with one triangle, after dropping */
-    uint32_t nonmanifold_edges;  /* with three or more */
-    uint32_t wrong_way_edges;    /* two triangles run through it in the same direction */
-    uint32_t components;         /* sets of triangles connected by edges */
-    uint32_t closed_components;  /* of them without open and non-manifold edges, wound one way */
-    uint32_t inward_components;  /* closed, wound inward in the source, and turned */
-    uint32_t turned_triangles;   /* whose corners the compiler swapped */
-    uint32_t tree_levels;
-    double scale;    /* vertex = (float)(scale * source) */
-    double rounding; /* largest |vertex - scale * source| of a coordinate, in m */
+    uint32_t dropped_degenerate; /* triangles with two equal corners, or without area */
+    uint32_t dropped_duplicate;  /* triangles with the same three corners as one of lower number */
+    uint32_t unused_vertices;    /* vertices of the source that no polygon uses */
+    uint32_t concave_polygons; /* polygons that are concave, and were cut into a fan all the same */
+    uint32_t open_edges;       /* edges with one triangle, counted after the dropping */
+    uint32_t nonmanifold_edges; /* edges with three triangles or more */
+    uint32_t wrong_way_edges;   /* edges that two triangles run through in the same direction */
+    uint32_t components;        /* parts: sets of triangles connected by edges */
+    uint32_t closed_components; /* parts without open and non-manifold edges, wound one way */
+    uint32_t inward_components; /* closed parts that were wound inward in the source, and turned */
+    uint32_t turned_triangles;  /* triangles whose winding the compiler reversed */
+    uint32_t tree_levels;       /* levels of boxes in the box tree */
+    double scale;               /* vertex = (float)(scale * source) */
+    double rounding;            /* largest |vertex - scale * source| of a coordinate, m */
     double box_min[3];
     double box_max[3];
-    uint64_t source_bytes; /* length of the source file; 0 when compiled from arrays */
+    uint64_t source_bytes; /* length of the source file; 0 if compiled from arrays */
     uint64_t source_hash;  /* its FNV-1a hash, 64 bits */
     uint64_t bytes;        /* length of the compiled file */
-    /* From here on since format 2; of an older file as far as it tells. */
-    uint32_t solid_components;   /* that have an inside: closed ones, and some with defects */
-    uint32_t cavities;           /* of them wound inward: walls of voids within others */
-    uint32_t winding_components; /* of them whose inside only a winding number tells */
-    uint32_t buried_components;  /* of them with both sides inside: within another one */
-    /* From here on since format 3; 0 of an older file. */
-    uint32_t crease_edges;        /* with two triangles that meet at more than `crease` */
-    uint32_t normalless_vertices; /* where parts meet in a point, or face normals cancel */
-    double crease;                /* between face normals, in rad */
-    /* From here on since format 4; DPT_NONE, 0 and DPT_NONE of an older file: not known. */
+    /* Since format 2. For an older file, what follows from its other fields. */
+    uint32_t solid_components;   /* parts that have an inside: closed ones, and some with defects */
+    uint32_t cavities;           /* of these, parts wound inward: walls of voids in other parts */
+    uint32_t winding_components; /* of these, parts whose inside only the winding number tells */
+    uint32_t buried_components;  /* of these, parts that lie wholly within another one */
+    /* Since format 3. 0 for an older file. */
+    uint32_t crease_edges; /* edges with two triangles whose normals differ by more than `crease` */
+    uint32_t normalless_vertices; /* vertices where parts meet in a point, or face normals cancel */
+    double crease;                /* limit of the angle between face normals, rad */
+    /* Since format 4. DPT_NONE, 0 and DPT_NONE for an older file: not known. */
     uint32_t self_intersections;      /* pairs of triangles that cut each other; 10,000 at most */
-    uint32_t self_intersections_more; /* 1: the search stopped, there may be more */
+    uint32_t self_intersections_more; /* 1: the search stopped early, and there may be more */
     uint32_t self_intersection[2];    /* one such pair, by source numbers; DPT_NONE: none */
 } dpt_mesh_info;
 
 /*
- * Fill `info`, whose size field is set.
+ * Fill in `info`. Set its size field first.
  *
- * Two triangles cut each other when their interiors have a point in common: they cross, or overlap in one plane. What
- * touches along edges or at corners does not cut. A closed part that cuts itself is one of winding_components; so is
- * one that was not searched to the end, which adds self_intersections_more.
+ * Two triangles cut each other if their interiors have a point in common: they cross, or they overlap in one plane.
+ * Triangles that only touch, along edges or at corners, do not cut each other. winding_components counts a closed part
+ * that cuts itself, and one in which the search stopped early; then self_intersections_more is 1.
  */
 DPT_API dpt_result dpt_mesh_get_info(const dpt_mesh *mesh, dpt_mesh_info *info);
 
-/* One section of the file, from 0 until the call returns DPT_E_ARGUMENT. */
+/* A section of the file. */
 typedef struct dpt_mesh_section {
     uint32_t size; /* sizeof(dpt_mesh_section) */
     uint32_t crc32;
@@ -109,47 +108,50 @@ typedef struct dpt_mesh_section {
     char name[16];
 } dpt_mesh_section;
 
+/* Get section `index`, from 0. DPT_E_ARGUMENT if there is no such section. */
 DPT_API dpt_result dpt_mesh_get_section(const dpt_mesh *mesh, uint32_t index,
                                         dpt_mesh_section *section);
 
 /*
- * The three corners (x, y, z each, 9 numbers) of a triangle by its source number, wound as the
- * compiler left it. DPT_E_ARGUMENT when there is no such number or it was dropped.
+ * Get the three corners of a triangle, x, y, z each, in the mesh's frame, m. `number` is its source number. It is wound
+ * as the compiler left it. DPT_E_ARGUMENT if there is no such number, or the triangle was dropped.
  */
 DPT_API dpt_result dpt_mesh_get_triangle(const dpt_mesh *mesh, uint32_t number, double corners[9]);
 
 /*
- * All of them at once, where they lie in the mesh's bytes: for a viewer, or a copy of one's own.
+ * Get all vertices and all triangles, for a viewer or a copy. The arrays lie in the mesh's bytes.
  *
- *   xyz       *count vertices, 3 floats each, in m
- *   corners   *count triangles, 3 vertices each, in no stated order; wound as above
- *   numbers   of each its source number; NULL: not asked for
+ *   xyz       *count vertices, 3 floats each, in the mesh's frame, m
+ *   corners   *count triangles, 3 indices of vertices each, in no stated order; wound as above
+ *   numbers   the source number of each of these triangles; NULL if you do not need them
  */
 DPT_API dpt_result dpt_mesh_get_vertices(const dpt_mesh *mesh, const float **xyz, uint32_t *count);
 DPT_API dpt_result dpt_mesh_get_triangles(const dpt_mesh *mesh, const uint32_t **corners,
                                           const uint32_t **numbers, uint32_t *count);
 
 /*
- * The angle-weighted normals of those three corners' vertices, over all triangles of the same part there: unit, along
- * the side that is outside or in front; zero where they cancel. As the file holds them, in float; where it holds none
- * (an older file, loose triangles, a vertex that parts share) worked out, in time with the vertex's triangles. Of the
- * mesh as it was compiled.
+ * Get the normals at the three corners of a triangle, by its source number. The normal at a vertex is the
+ * angle-weighted mean over all triangles of the same part there. It is unit and points outside, or to the front of an
+ * open sheet. It is zero if the triangles' normals cancel. The normals are those of the mesh as it was compiled.
+ *
+ * The file holds the normals, in float. Where it holds none (an older file, loose triangles, a vertex that several
+ * parts share), the call computes them, in time linear in the triangles at the vertex.
  */
 DPT_API dpt_result dpt_mesh_get_vertex_normals(const dpt_mesh *mesh, uint32_t number,
                                                double normals[9]);
 
 /*
- * What is special about edge and corner k of a triangle: the bit below shifted left by k = 0, 1, 2. Edge k runs from
- * corner k to the next one, as dpt_mesh_get_triangle gives them; a corner has a bit when any edge at its vertex has it.
+ * Flags of edge and corner k = 0, 1, 2 of a triangle: a bit below, shifted left by k. Edge k runs from corner k to the
+ * next corner, as dpt_mesh_get_triangle gives them. A corner has a bit if any edge at its vertex has that bit.
  */
 enum {
-    DPT_EDGE_BORDER = 0x1,      /* no second triangle */
+    DPT_EDGE_BORDER = 0x1,      /* one triangle */
     DPT_EDGE_NONMANIFOLD = 0x8, /* three triangles or more */
-    DPT_EDGE_CREASE = 0x40      /* two, whose normals differ by more than dpt_mesh_info's crease */
+    DPT_EDGE_CREASE = 0x40 /* two triangles; normals differ by more than dpt_mesh_info.crease */
 };
 enum { DPT_CORNER_BORDER = 0x200, DPT_CORNER_NONMANIFOLD = 0x1000, DPT_CORNER_CREASE = 0x8000 };
 
-/* Those bits. DPT_E_UNSUPPORTED of a file before format 3. */
+/* Get the flags of a triangle by its source number. DPT_E_UNSUPPORTED for a file before format 3. */
 DPT_API dpt_result dpt_mesh_get_triangle_flags(const dpt_mesh *mesh, uint32_t number,
                                                uint32_t *flags);
 

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * For programs that know the OpenHaptics device API: what its utility library (HDU) offers and is needed beside this
- * library, in plain C and without OpenHaptics. The driver itself is "openhaptics" (driver.h, docs/drivers.md); the
- * number of an error is dpt_device_state.code of one of its devices. A workspace is mapped by dpt_device_map.
+ * Helpers for programs written for the OpenHaptics device API. They replace what such programs use of its utility
+ * library (HDU), in plain C and without OpenHaptics. dpt_device_map maps a workspace. The driver for the devices is
+ * "openhaptics" (driver.h, docs/drivers.md); dpt_device_state.code of its devices is the number of an OpenHaptics
+ * error.
  *
- * OpenHaptics measures in mm, mm/s, N and mNm. A transform is 16 doubles, column by column: three axes and the position,
- * each with a fourth number behind it (0, 0, 0, 1).
+ * OpenHaptics measures in mm, mm/s, N and mNm. A transform is 16 doubles, column by column: the three axes and the
+ * position, each followed by a fourth number (0, 0, 0, 1).
  *
- * Threads: stateless; every function may be called from any thread.
+ * Threads: all functions are stateless and may be called from any thread.
  */
 #ifndef DYNPOINT_OPENHAPTICS_H
 #define DYNPOINT_OPENHAPTICS_H
@@ -17,22 +18,30 @@
 DPT_BEGIN
 
 /*
- * What the numbers of errors mean, 1 or 0.
- *   force      0x200 to 0x204: motors are warm, or a force, impulse or velocity was too great. The device goes on by itself
- *   scheduler  0x302 to 0x304, 0x500, 0x501: the line, the timer or the scheduler fails. It has to be opened again
+ * The class of an error by its number: 1 if it belongs to the class, else 0.
+ *   force      0x200 to 0x204: the motors are warm, or a force, impulse or velocity was too large. The device recovers
+ *              by itself.
+ *   scheduler  0x302 to 0x304, 0x500, 0x501: the line, the timer or the scheduler failed. The device must be opened
+ *              again.
  */
 DPT_API int dpt_hd_is_force_error(uint32_t code);
 DPT_API int dpt_hd_is_scheduler_error(uint32_t code);
 
-/* Millimetres to metres and back, also of velocities; `from` may be `to`. What is rounded is rounded once. */
+/*
+ * Convert millimetres to metres and back; mm/s and m/s likewise. Each number is rounded once. `from` may equal `to`.
+ *
+ * DPT_E_FINITE: a number is not finite, or is beyond DPT_COORDINATE_MAX in m.
+ */
 DPT_API dpt_result dpt_hd_to_metres(const double from[3], double to[3]);
 DPT_API dpt_result dpt_hd_to_millimetres(const double from[3], double to[3]);
 
 /*
- * HD_CURRENT_TRANSFORM to a pose and back. Of axes that are not quite unit and square to each other the z axis, which is
- * the stylus, keeps its direction, and x gives way to it.
- *   DPT_E_FINITE   a number is not finite or too large
- *   DPT_E_POSE     axes off unit length or a right angle by more than 0.1, or left-handed; a quaternion not of unit length
+ * Convert an HD_CURRENT_TRANSFORM to a pose and back. If the axes are not exactly of unit length and perpendicular, the
+ * z axis (the stylus) keeps its direction and the x axis is made perpendicular to it.
+ *
+ * DPT_E_FINITE: a number is not finite, or is too large.
+ * DPT_E_POSE: the length of an axis is off by more than 0.1, the dot product of two axes is beyond 0.1, the axes are
+ * left-handed, or the quaternion is not of unit length.
  */
 DPT_API dpt_result dpt_hd_to_pose(const double transform[16], dpt_pose *pose);
 DPT_API dpt_result dpt_hd_to_transform(const dpt_pose *pose, double transform[16]);

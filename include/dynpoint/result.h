@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Result codes. Every function that can fail returns a dpt_result: 0 is success, errors are negative.
- * The values never change; a family of errors leaves room for more of its kind.
+ * Result codes. Every function that can fail returns a dpt_result: 0 is success, errors are negative. The values never
+ * change. Each group of errors leaves numbers free for more of its kind.
  *
  * Threads: every function may be called from any thread.
  */
@@ -58,10 +58,10 @@ enum { DPT_RESULTS(DPT_RESULT_ENUM) DPT_RESULT_END = 1 };
 
 DPT_BEGIN
 
-/* One line of English for a code; never NULL, also for numbers that are no code. */
+/* One line of English for a code. Never NULL, even for a number that is no code. */
 DPT_API const char *dpt_result_text(dpt_result code);
 
-/* The code's name as it stands here, "DPT_E_ARGUMENT"; never NULL. */
+/* The name of a code, such as "DPT_E_ARGUMENT". Never NULL. */
 DPT_API const char *dpt_result_name(dpt_result code);
 
 DPT_END

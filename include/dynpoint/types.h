@@ -1,27 +1,29 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The nouns that all calls share: plain values, without functions. SI units (m, kg, s, N, Nm, rad), right-handed frames, world axes
- * unless a field says otherwise.
+ * Types that all headers share. They are plain values; any thread may use its own. Units are SI (m, kg, s, N, Nm, rad).
+ * Frames are right-handed. Vectors are in world axes unless a field says otherwise.
  */
 #ifndef DYNPOINT_TYPES_H
 #define DYNPOINT_TYPES_H
 
 #include "dynpoint/result.h"
 
-/* No coordinate, length or radius may exceed this, in metres. */
+/* The largest size of a coordinate, a length or a radius, in m. */
 #define DPT_COORDINATE_MAX 1e6
 
-/* In place of a triangle, vertex, segment or link where there is none. No body or tool has the id 0. */
+/* Stands for no triangle, vertex, segment or link. No body or tool has the id 0. */
 #define DPT_NONE UINT32_MAX
 
-/* The most joints of an arm or a device. It never changes. */
+/* The most joints that an arm or a device has. This number never changes. */
 #define DPT_JOINTS_MAX 8
 
 /*
- * Position and orientation of a frame in the world. A point x of the frame is at
- * position + R(orientation) x in the world.
- *   orientation: quaternion (w, x, y, z), of unit length within 1e-6; it is normalised before use. q and -q are the
- *   same orientation.
+ * Position and orientation of a frame in the world. A point x of the frame is at position + R(orientation) x in the
+ * world.
+ *
+ *   position      m
+ *   orientation   quaternion (w, x, y, z), of unit length within 1e-6; it is normalised before use. q and -q are the
+ *                 same orientation
  */
 typedef struct dpt_pose {
     double position[3];
@@ -34,8 +36,8 @@ typedef struct dpt_pose {
 /* clang-format on */
 
 /*
- * A capsule: all points within `radius` of the axis AB. Radius 0 is a line segment; a zero length is
- * a ball or a point, and not an error.
+ * A capsule: all points within `radius` of the axis AB, in m. Radius 0 is a line segment. If A = B, it is a ball or a
+ * point, which is not an error.
  */
 typedef struct dpt_segment {
     double a[3];
@@ -43,7 +45,7 @@ typedef struct dpt_segment {
     double radius;
 } dpt_segment;
 
-/* Force, and torque about a stated point, both in world axes. */
+/* Force (N), and torque (Nm) about a stated point, both in world axes. */
 typedef struct dpt_wrench {
     double force[3];
     double torque[3];
@@ -51,26 +53,23 @@ typedef struct dpt_wrench {
 
 /* How a nearest pair is found. */
 enum {
-    DPT_METHOD_EXACT = 0, /* the tree, spared by what was proven in earlier ticks; exact */
+    DPT_METHOD_EXACT = 0, /* box tree, with proofs kept from earlier ticks; exact */
     DPT_METHOD_TREE = 1,  /* box tree, started from the last answer; exact */
-    DPT_METHOD_BRUTE = 2, /* every triangle in double; exact, slow, the yardstick */
-    DPT_METHOD_PAPER = 3  /* dynamic points by neighbour descent; local; worlds only */
+    DPT_METHOD_BRUTE = 2, /* every triangle in double; exact and slow, to check the others */
+    DPT_METHOD_PAPER = 3  /* the paper's dynamic points by descent; local; in worlds only */
 };
 
-/* What is known of an answer. */
+/* How far an answer can be trusted. */
 enum {
-    DPT_STATUS_STALE = 0,   /* no valid input: nothing else in the answer counts */
+    DPT_STATUS_STALE = 0,   /* there was no valid input: ignore the rest of the answer */
     DPT_STATUS_LOCAL = 1,   /* found without proof; lower_bound is 0 */
-    DPT_STATUS_BOUNDED = 2, /* the best pair so far, with a true lower bound */
+    DPT_STATUS_BOUNDED = 2, /* the budget ended the search: the best pair so far, and lower_bound */
     DPT_STATUS_EXACT = 3    /* proven within error_bound */
 };
 
-/* How the tool's surface stands to the mesh. */
+/* Whether the tool's surface touches the mesh. */
 enum {
-    /*
-     * Not decided: the budget ended before, no side of an open sheet is known, the axis crosses too often, or there is no
-     * mesh.
-     */
+    /* not decided: the budget ran out, no side of an open sheet is known, too many crossings, or there is no mesh */
     DPT_CONTACT_UNKNOWN = 0,
     DPT_CONTACT_SEPARATED = 1,  /* gap > error_bound */
     DPT_CONTACT_TOUCHING = 2,   /* |gap| <= error_bound */
@@ -84,30 +83,36 @@ enum {
 };
 
 /*
- * The nearest pair of one tool axis and the meshes, at the pose that was given.
+ * The nearest pair of one tool axis and the meshes.
  *
- *   distance     unsigned, from the axis (not the capsule's surface) to the mesh; 0 when it crosses
- *   s            in 0..1: p = a + s (b - a)
- *   p, q         nearest points on the axis and on the mesh, in the world
- *   triangle     the source file's number of the triangle that holds q
- *   gap          signed distance of the capsule's surface: the least of sd - radius along the axis, sd being
- *                the distance of a point to the mesh, negative inside a part that has an inside and behind an
- *                open sheet of which a side is kept; where DPT_HIT_FLAG_GAP is set. Within error_bound while the axis is
- *                outside, else within 1e-5 of the mesh's diagonal. Where a part has holes, an axis may enter and leave
- *                its inside through them between two samples: then that inside is missed
+ *   status       DPT_STATUS_...
+ *   contact      DPT_CONTACT_...
+ *   flags        DPT_HIT_FLAG_...
+ *   triangle     source number of the triangle that holds q
+ *   segment      index of the tool's segment, from 0
+ *   body         the body's id in a world; 0 in a stateless query
+ *   work         number of 16-lane blocks (boxes or triangles) that the search evaluated
+ *   distance     from the axis (not the capsule's surface) to the mesh, unsigned, m; 0 if the axis crosses the mesh
+ *   s            of p, in 0..1: p = a + s (b - a)
+ *   p, q         nearest points of the axis and of the mesh, in the world
+ *   gap          signed distance of the capsule's surface, m (below); valid if DPT_HIT_FLAG_GAP is set
  *   depth        max(0, -gap)
  *   error_bound  |distance - true distance| <= error_bound
  *   lower_bound  <= true distance
- *   work         16-lane blocks that the search looked at (boxes or triangles)
+ *
+ * The gap is the minimum of sd - radius along the axis. sd is the signed distance of a point to the mesh: negative
+ * inside a part that has an inside, and behind an open sheet if the tool's side of it is known. The gap is within
+ * error_bound while the axis is outside, else within 1e-5 of the mesh's diagonal. If a part has holes, an axis may
+ * enter and leave its inside through them between two samples. Such an inside is missed.
  */
 typedef struct dpt_hit {
-    uint32_t size; /* the caller's sizeof(dpt_hit); of an array, the first one's counts for all */
+    uint32_t size; /* the caller's sizeof(dpt_hit); in an array, set that of the first item */
     uint32_t status;
     uint32_t contact;
     uint32_t flags;
     uint32_t triangle;
-    uint32_t segment; /* of a tool with several: which one, from 0 */
-    uint32_t body;    /* the body's id in a world; 0 in a stateless query */
+    uint32_t segment;
+    uint32_t body;
     uint32_t work;
     double distance;
     double gap;
@@ -120,7 +125,7 @@ typedef struct dpt_hit {
 } dpt_hit;
 
 /* clang-format off */
-/* An empty hit that knows its size, as an initialiser. */
+/* An empty hit with its size set, as an initialiser. */
 #ifdef __cplusplus
 #define DPT_HIT_INIT { sizeof(dpt_hit), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, { 0, 0, 0 }, { 0, 0, 0 }, 0, 0 }
 #else

@@ -1,18 +1,22 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * libdynpoint_urdf: a robot's description (URDF) compiled to the bytes of an arm (arm.h); docs/urdf.md. Reads
- * through urdfdom; needs libdynpoint_compile. Allocates from the heap, prints nothing, may be called from any thread: one
- * reads at a time. What urdfdom complains of is an error here; numbers are read without regard to the locale.
+ * libdynpoint_urdf: compiles a robot's description (URDF) to the bytes of an arm (arm.h). docs/urdf.md says how. It
+ * reads through urdfdom and needs libdynpoint_compile. It allocates from the heap and prints nothing. What urdfdom logs
+ * as a warning or an error is an error here. Reading numbers does not depend on the locale.
  *
- * The arm is what lies between the root and the tool's link: revolute, continuous and prismatic joints, 1 to 8, those
- * that they mimic among them; fixed joints join links. Floating and planar joints on that way are refused. Off that way
- * a link counts when it moves with the arm: its mass is held up too. A joint there that mimics nothing of the arm is
- * held at 0, or at the limit nearest to it, and noted.
+ * Threads: every function may be called from any thread. One file is read at a time; other calls wait.
  *
- * Tool: the cylinders, capsules and spheres among the collision shapes of links that fixed joints join to the tool's
- * link, as capsules in its frame. A cylinder's ends are flat, the capsule's lie within them; one that is wider than long
- * becomes the ball in it, and is noted. Scene: collision meshes and boxes of links that fixed joints join to the root,
- * as bodies with the link's name. Any other collision shape is left out, and noted.
+ * Arm: the revolute, continuous and prismatic joints between the root and the tool's link, and the joints that these
+ * mimic: 1 to 8 in all. Fixed joints make one link of two. A floating or planar joint between root and tool is an
+ * error. Links elsewhere that move with the arm are in it too, because their masses must be held up. Any other joint is
+ * held still and noted: at 0, or at its limit nearest to 0.
+ *
+ * Tool: the collision cylinders, capsules and spheres of all links that fixed joints join to the tool's link, as
+ * capsules in its frame. A cylinder has flat ends; it becomes the capsule of the same radius within it. A cylinder that
+ * is wider than long becomes the ball within it, and is noted.
+ *
+ * Scene: the collision meshes and boxes of all links that fixed joints join to the root, as bodies with the link's
+ * name. All other collision shapes are left out, and noted.
  */
 #ifndef DYNPOINT_URDF_H
 #define DYNPOINT_URDF_H
@@ -22,29 +26,32 @@
 DPT_BEGIN
 
 /*
- * What was left out or held still: text for people, without the file's name. `line` is the URDF's, from 1; 0 where the
- * place is not a line. Called from within dpt_urdf_compile_file, in the order of lines, before it returns DPT_OK; what is
- * refused has no notes.
+ * Receives a note: what was left out or held still, in words for a person, without the file's name. `line` is that of
+ * the URDF, from 1; 0 if the location is not a line. dpt_urdf_compile_file calls this in the order of lines before it
+ * returns DPT_OK. A URDF that is refused gets no notes.
  */
 typedef void dpt_urdf_note_fn(void *user, uint64_t line, const char *text);
 
-/* Zeros are the defaults, but for the size. */
+/* Settings. Apart from the size, 0 and NULL mean the defaults. */
 typedef struct dpt_urdf_def {
-    uint32_t size; /* sizeof(dpt_urdf_def) */
-    uint32_t reserved;
-    const char *tool; /* the link that is the tool; NULL: the only one without children */
+    uint32_t size;     /* sizeof(dpt_urdf_def) */
+    uint32_t reserved; /* 0 */
+    const char *tool;  /* name of the link that is the tool; NULL: the only link without children */
     /*
-     * Where package://NAME/... is: directories that hold one called NAME, ':' between them. Then, and with NULL alone,
-     * the file's own and those above it; last its own, in which what comes behind NAME is looked for.
+     * Folders in which package://NAME/rest is looked for, with ':' between them. The first of these files that exists
+     * is taken:
+     *   1. NAME/rest in each of these folders; none if NULL
+     *   2. NAME/rest in the folder of the URDF, then in each folder above it
+     *   3. rest in the folder of the URDF
      */
     const char *packages;
-    const dpt_compile_def *mesh; /* for collision meshes; NULL: the defaults. Scales multiply */
-    dpt_urdf_note_fn *note;
-    void *user;                   /* of note */
+    const dpt_compile_def *mesh; /* for collision meshes; NULL: the defaults. The scales multiply */
+    dpt_urdf_note_fn *note;      /* NULL: none */
+    void *user;                  /* handed to `note` */
     const void *reserved_pointer; /* NULL */
 } dpt_urdf_def;
 
-/* Fill in the first `size` bytes; what dpt_urdf_def_init calls with its own caller's sizeof. */
+/* Fill in the defaults of the first `size` bytes. Call dpt_urdf_def_init, which passes your sizeof. */
 DPT_API void dpt_urdf_def_defaults(dpt_urdf_def *def, size_t size);
 
 static inline void dpt_urdf_def_init(dpt_urdf_def *def)
@@ -53,17 +60,23 @@ static inline void dpt_urdf_def_init(dpt_urdf_def *def)
 }
 
 /*
- * def   NULL for the defaults
- * out   written on success; {NULL, 0} on error. dpt_compiled_free gives it back
- * diag  may be NULL; on error tells which link or joint, or which mesh file, and why; `line` is the URDF's; else its
- *       code is DPT_OK
+ * Compile a URDF.
  *
- * DPT_E_OPEN     the file, or a mesh of the scene, cannot be read
- * DPT_E_FORMAT   no XML, no URDF, or xacro
- * DPT_E_SYNTAX, DPT_E_TRUNCATED, DPT_E_FINITE   it breaks the rules of XML or of URDF
- * DPT_E_UNSUPPORTED   it is a URDF, and no arm: a floating joint, nothing that moves, COLLADA
- * DPT_E_LIMIT    too many joints, links, capsules, bodies or bytes, or a name too long
- * DPT_E_ARGUMENT   no such tool, or none among several; def is out of range
+ *   path  of the URDF
+ *   def   NULL: the defaults
+ *   out   the compiled bytes, to be freed with dpt_compiled_free; {NULL, 0} on error
+ *   diag  may be NULL; on error it names the link or joint, or the mesh file, and says why; its line is that of the
+ *         URDF; on success its code is DPT_OK
+ *
+ * Errors:
+ *
+ *   DPT_E_OPEN         the URDF, or a mesh of the scene, cannot be read
+ *   DPT_E_FORMAT       the file is not XML, not a URDF, or xacro
+ *   DPT_E_SYNTAX, DPT_E_TRUNCATED, DPT_E_FINITE
+ *                      the file breaks the rules of XML or of URDF
+ *   DPT_E_UNSUPPORTED  the URDF describes no arm: a floating joint, nothing that moves, COLLADA
+ *   DPT_E_LIMIT        too many joints, links, capsules, bodies or bytes, or a name that is too long
+ *   DPT_E_ARGUMENT     the tool is not in the file, or is one of several links and was not named; def is out of range
  */
 DPT_API dpt_result dpt_urdf_compile_file(const char *path, const dpt_urdf_def *def,
                                          dpt_compiled *out, dpt_diag *diag);

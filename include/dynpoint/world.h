@@ -15,8 +15,8 @@
  *         dpt_world_step(world, dt, &out);
  *         dpt_tool_get_wrench(world, tool, &wrench);
  *
- * Threads: a world and all calls on it belong to one thread at a time, getters too. Different worlds may run in different
- * threads, and share meshes. dpt_world_def_defaults and dpt_world_bytes may be called from any thread.
+ * Threads: a world and all calls on it belong to one thread at a time, getters too. Different worlds may run in
+ * different threads, and share meshes. dpt_world_def_defaults and dpt_world_bytes may be called from any thread.
  */
 #ifndef DYNPOINT_WORLD_H
 #define DYNPOINT_WORLD_H
@@ -33,18 +33,18 @@ typedef struct dpt_world dpt_world;
 typedef struct dpt_baseline_def dpt_baseline_def;
 
 /*
- * Ids of bodies and tools: kind, generation and slot in one number. 0 is no id. A world can add and remove any number of
- * them. The id of a removed body is DPT_E_HANDLE at least until 4,094 more bodies have been added; after that a new body
- * may have it. The same holds for tools.
+ * Ids of bodies and tools: kind, generation and slot in one number. 0 is no id. A world can add and remove any number
+ * of bodies and tools. After a body was removed, calls with its id return DPT_E_HANDLE at least until 4,094 more bodies
+ * have been added; after that a new body may have the id. The same holds for tools.
  */
 typedef uint32_t dpt_body;
 typedef uint32_t dpt_tool;
 
-/* How far a step goes. */
+/* Which stages a step computes. */
 enum {
-    DPT_UNTIL_RESPOND = 0, /* all of it */
-    DPT_UNTIL_TRACK = 1,   /* the nearest pair */
-    DPT_UNTIL_CONTACT = 2  /* and its sign, gap and contact */
+    DPT_UNTIL_RESPOND = 0, /* all: nearest pair, contacts, force */
+    DPT_UNTIL_TRACK = 1,   /* the nearest pair alone */
+    DPT_UNTIL_CONTACT = 2  /* the nearest pair, its sign and gap, and the contacts */
 };
 
 /*
@@ -54,21 +54,21 @@ enum {
  */
 enum { DPT_LAW_POINT = 0, DPT_LAW_PROXY = 2 };
 
-/* Which triangles a segment's strip holds. */
+/* How a segment's strip is chosen; see dpt_world_def.strip. */
 enum { DPT_STRIP_KIND_NONE = 0, DPT_STRIP_KIND_SHADOW = 1, DPT_STRIP_KIND_ROUTES = 2 };
 
 /*
  * What a world can hold and how it answers. dpt_world_def_init fills in the defaults, which are given last below.
  *
  * A budget bounds the work of a step, in units: one unit is about one block of 16 boxes or triangles. The count is the
- * same on every machine; another release may need more or fewer. A loop should have a budget: measure what its scene
- * takes with dpt_world_usage.work or `dynpoint replay --json`.
+ * same on every machine; another release may need more or fewer. A loop should have a budget. Measure what its scene
+ * needs with dpt_world_usage.work or `dynpoint replay --json`.
  *
  * If the budget ends a search, the hit is DPT_STATUS_BOUNDED: it has the best pair so far and a true lower bound.
- * Contact is unknown then, and the force fades to zero. The next step goes on with the search, so a tool at rest gets
- * its exact answer after some steps. Contact gets what the searches leave: first the gap and the force, then the
- * contacts, which are DPT_CONTACT_FLAG_COARSE if the budget ends them. With a small budget the contact of a tool at rest
- * may stay unknown. docs/algorithms/budget.md says what a step costs beside its budget.
+ * Contact is unknown then, and the force fades to zero. The next step continues the search, so a tool at rest gets
+ * its exact answer after some steps. Units that the searches leave are spent on contact: first on the gap and the
+ * force, then on the contacts, which are DPT_CONTACT_FLAG_COARSE if the budget ends them. With a small budget the
+ * contact of a tool at rest may stay unknown. docs/algorithms/budget.md says what a step costs beside its budget.
  */
 typedef struct dpt_world_def {
     uint32_t size;         /* sizeof(dpt_world_def), set by dpt_world_def_init */
@@ -78,37 +78,38 @@ typedef struct dpt_world_def {
     uint32_t method;       /* DPT_METHOD_...; DPT_METHOD_EXACT */
     uint32_t kernel;       /* DPT_KERNEL_...; DPT_KERNEL_AUTO */
     uint32_t until;        /* DPT_UNTIL_...; DPT_UNTIL_RESPOND */
-    uint32_t budget;       /* of a step, DPT_METHOD_EXACT only, see above; 0: unlimited */
+    uint32_t budget;       /* units of work a step, DPT_METHOD_EXACT only; 0: unlimited; 0 */
     double stiffness;      /* of new tools, see dpt_tool_settings; 500 */
     /*
-     * Memory for what DPT_METHOD_EXACT has proven in earlier steps, shared by all tools and bodies, at most 2^40. Too
-     * little costs time and changes no distance; 0 keeps nothing; 1 MiB.
+     * Memory for what DPT_METHOD_EXACT has proven in earlier steps, in bytes, at most 2^40. All tools and bodies share
+     * it. Too little costs time but changes no distance. 0: nothing is kept; 1 MiB.
      */
     uint64_t certificate_bytes;
-    double margin;     /* a surface nearer than this to the tool's is in contact, m, >= 0; 0.001 */
+    double margin;     /* contact begins at this distance from the tool's surface, m, >= 0; 0.001 */
     double side_limit; /* of new bodies, see dpt_body_settings; 0 */
     double fade;       /* s, 0..1, see dpt_tool_get_force_report; 0.002 */
     uint32_t max_contacts; /* of all tools together, 0..65535; 0: depth alone, no sides; 32 */
     /*
-     * 1: the normals of contacts, and the direction of the force, are interpolated from those at the triangle's corners,
-     * so that facets are not felt. Distances and contact are the same. 0: they are the true directions; 0.
+     * 1: the normals of contacts, and the direction of the force, are interpolated from the normals at the triangle's
+     * corners, so that facets are not felt. Distances and contact are the same. 0: they are the true directions; 0.
      */
     uint32_t smooth_normals;
     /*
      * Which triangles of the nearest body each segment collects in a step, if it is within the margin of that body; see
      * dpt_tool_get_strip. Strips are not part of the budget. DPT_STRIP_KIND_...; DPT_STRIP_KIND_NONE
-     *   SHADOW  those under the segment in the direction of its nearest point: as wide as its radius and `strip_width`,
-     *           to `strip_depth` beyond the axis
-     *   ROUTES  the paper's: routes from the triangles nearest to its ends; each search may visit `strip_search` vertices
+     *   SHADOW   the triangles under the segment in the direction of its nearest point: as wide as its radius and
+     *            `strip_width`, to `strip_depth` beyond the axis
+     *   ROUTES   the paper's strip: routes from the triangles nearest to the segment's ends. Each search visits at most
+     *            `strip_search` vertices
      */
     uint32_t strip;
     uint32_t strip_capacity; /* triangles of one strip, 1..2^20; 1024 */
-    uint32_t strip_search;   /* at most 2^28; 16384 */
+    uint32_t strip_search;   /* vertices, for ROUTES, at most 2^28; 16384 */
     uint32_t law;            /* DPT_LAW_..., of new tools, see dpt_tool_settings; DPT_LAW_POINT */
-    double strip_width;      /* m, >= 0; 0 */
-    /* m, >= 0; 0: a quarter of the segment's length, its radius and the margin; 0 */
+    double strip_width;      /* beside the radius, for SHADOW, m, >= 0; 0 */
+    /* Beyond the axis, for SHADOW, m, >= 0; 0: a quarter of the segment's length plus its radius and the margin; 0 */
     double strip_depth;
-    /* DPT_METHOD_PAPER only (baseline.h); NULL: its defaults; NULL */
+    /* For DPT_METHOD_PAPER only (baseline.h); NULL: its defaults; NULL */
     const dpt_baseline_def *baseline;
     const void *reserved_pointer; /* NULL */
 } dpt_world_def;
@@ -122,8 +123,8 @@ static inline void dpt_world_def_init(dpt_world_def *def)
 }
 
 /*
- * The bytes that a world of this def needs, in this version of the library; docs/performance.md has examples. 0 for a def
- * that is not valid, or whose bytes do not fit into size_t.
+ * The bytes that a world of this def needs, in this version of the library; docs/performance.md has examples. 0 for a
+ * def that is not valid, or whose bytes do not fit into size_t.
  */
 DPT_API size_t dpt_world_bytes(const dpt_world_def *def);
 
@@ -141,10 +142,10 @@ DPT_API dpt_result dpt_world_create(void *block, size_t bytes, const dpt_world_d
 DPT_API dpt_result dpt_world_reset(dpt_world *world);
 
 /*
- * What a world has used at most at one time since it was created: to choose the capacities of its def by.
- * dpt_world_reset leaves it.
- *   contacts   that one step wanted room for, those that did not fit included
- *   strip      triangles of one strip; where it equals strip_capacity there may have been more
+ * The most that a world has used at one time since it was created. Use it to choose the capacities of the def.
+ * dpt_world_reset leaves it as it is.
+ *   contacts   contacts of one step, those that did not fit included
+ *   strip      triangles of one strip; if it equals strip_capacity there may have been more
  *   work       units in one step
  */
 typedef struct dpt_world_usage {
@@ -167,11 +168,12 @@ DPT_API uint32_t dpt_world_get_kernel(const dpt_world *world);
  * A rigid body is a mesh at a pose; NULL is the identity. The world keeps the pointer: the mesh and its bytes must stay
  * where they are until the body is removed.
  *
- * dpt_body_set_pose moves a body: tools that it passes are swept. dpt_body_teleport jumps, as if the body were removed
- * and added, but it keeps its id. If the pose cannot be used (NULL, not finite, not unit), the call fails and every
- * answer of the world is stale until the body gets a pose that can be used, or is removed.
+ * dpt_body_set_pose moves a body. The motion is swept, so a tool between the old and the new pose is not missed.
+ * dpt_body_teleport jumps: nothing is swept, as if the body were removed and added, but it keeps its id. If the pose
+ * cannot be used (NULL, not finite, quaternion not of unit length), the call fails, and every answer of the world is
+ * stale until the body gets a valid pose or is removed.
  *
- * dpt_body_get_pose gives the last pose that could be used. `user` is a value of the caller's own, 0 at first.
+ * dpt_body_get_pose returns the last valid pose. `user` is a value of the caller's own, 0 at first.
  */
 DPT_API dpt_result dpt_body_add(dpt_world *world, const dpt_mesh *mesh, const dpt_pose *pose,
                                 dpt_body *body);
@@ -183,16 +185,16 @@ DPT_API dpt_result dpt_body_set_user(dpt_world *world, dpt_body body, uint64_t u
 DPT_API dpt_result dpt_body_get_user(const dpt_world *world, dpt_body body, uint64_t *user);
 
 /*
- * Settings of a body. They may change at any time and count from the next step on. A new body has those of its world's
- * def. To change one field: get, change, set. A field that the caller's struct is too short for stays as it is. A value
- * out of its range is DPT_E_ARGUMENT, and nothing changes.
+ * Settings of a body. They may change at any time and take effect at the next step. A new body has the settings of its
+ * world's def. To change one field: get, change, set. A field that the caller's struct is too short for stays as it is.
+ * A value out of range is DPT_E_ARGUMENT, and nothing changes.
  */
 typedef struct dpt_body_settings {
     uint32_t size;     /* sizeof(dpt_body_settings), set by the caller */
     uint32_t reserved; /* 0 */
     /*
-     * How deep a tool may be behind an open sheet of the body before the side it came from is forgotten, m,
-     * 0..DPT_COORDINATE_MAX; 0: a quarter of the body's diagonal.
+     * How deep a tool may be behind an open sheet of the body. If it is deeper, the library forgets from which side the
+     * tool came. m, 0..DPT_COORDINATE_MAX; 0: a quarter of the body's diagonal.
      */
     double side_limit;
     /*
@@ -208,21 +210,21 @@ DPT_API dpt_result dpt_body_set_settings(dpt_world *world, dpt_body body,
 DPT_API dpt_result dpt_body_get_settings(const dpt_world *world, dpt_body body,
                                          dpt_body_settings *settings);
 
-/* 1 if the world has a body of this id, else 0; any number may be asked about. */
+/* 1 if the world has a body with this id, else 0. Any number is allowed. */
 DPT_API int dpt_body_is_valid(const dpt_world *world, dpt_body body);
 
 /*
- * A tool is `count` segments in its own frame, at the identity pose at first. Each step, give a rigid tool its pose, or a
- * free one its segments. Both are motion, which is swept; dpt_tool_teleport jumps. If what is given cannot be used (NULL,
- * not finite, not unit, another count), the call fails and the tool is stale, without a force, until it gets input that
- * can be used.
+ * A tool is `count` segments in its own frame, at the identity pose at first. Before each step, give a rigid tool its
+ * pose, or a free tool its segments. Both move the tool, and the motion is swept; dpt_tool_teleport jumps without a
+ * sweep. If the input cannot be used (NULL, not finite, quaternion not of unit length, another count), the call fails,
+ * and the tool is stale and has no force until it gets valid input.
  *
- * dpt_tool_set_segments places the segments in the world, as many as the tool has; radii may change. The tool is free
- * then. dpt_tool_set_pose and dpt_tool_teleport make it rigid again: the segments given last are taken as those of its
- * own frame.
+ * dpt_tool_set_segments sets the segments in the world frame, as many as the tool has; radii may change. The tool is
+ * free then. dpt_tool_set_pose and dpt_tool_teleport make it rigid again: the segments set last are taken as segments
+ * in its own frame.
  *
- * dpt_tool_get_pose gives the last pose that could be used; the identity while the tool is free. `user` is a value of
- * the caller's own, 0 at first.
+ * dpt_tool_get_pose returns the last valid pose, or the identity while the tool is free. `user` is a value of the
+ * caller's own, 0 at first.
  */
 DPT_API dpt_result dpt_tool_add(dpt_world *world, const dpt_segment *segments, uint32_t count,
                                 dpt_tool *tool);
@@ -236,21 +238,22 @@ DPT_API dpt_result dpt_tool_set_user(dpt_world *world, dpt_tool tool, uint64_t u
 DPT_API dpt_result dpt_tool_get_user(const dpt_world *world, dpt_tool tool, uint64_t *user);
 
 /*
- * Try a motion without moving: from where the tool was last set, to `pose` or to those segments in the world, as in a
- * step, and stop at the first touch. Bodies rest where they were last set. The world does not change, and its budget is
- * not spent; a long turn near a large mesh takes far longer than a step.
+ * Test a motion without moving the tool: from where it was last set to `pose`, or to `segments` in the world frame, up
+ * to the first touch. The path is that of a step. Bodies rest where they were last set. The world does not change, and
+ * no budget is spent. A long rotation near a large mesh takes far longer than a step.
  *
- *   clearance  m. A touch is a surface within the radius plus this; if that sum is negative, the axis itself is tested
- *   first      what was met first, as in dpt_tool_get_sweep; may be NULL.
- *              DPT_SWEEP_HIT   at `time`; 0 if something touches at the beginning. The normal is zero if the axis goes
- *                              through it there
- *              DPT_SWEEP_FREE  nothing, and `time` is 1
- *              DPT_SWEEP_NONE  not known, as the tool's or a body's pose cannot be used; `time` is 0
- *   reached    where the tool is at `time`; may be NULL. If that is not 0, the tool is free there. Of segments: `count`
- *              of them, and it may be the array `segments`
+ *   clearance  m. A surface touches if it is within the radius plus this. If that sum is negative, the axis itself is
+ *              tested
+ *   first      the first touch, as in dpt_tool_get_sweep; may be NULL.
+ *              DPT_SWEEP_HIT   a touch at `time`; 0 if something touches at the beginning. The normal is zero if the
+ *                              axis goes through the surface there
+ *              DPT_SWEEP_FREE  no touch; `time` is 1
+ *              DPT_SWEEP_NONE  unknown, because the tool's or a body's pose cannot be used; `time` is 0
+ *   reached    where the tool is at `time`; may be NULL. If `time` is not 0, nothing touches the tool there. With
+ *              segments: `count` of them, and it may be the array `segments`
  *
- * Errors are those of dpt_tool_set_pose and dpt_tool_set_segments, and leave outputs and the tool as they were. A clearance
- * that is not finite or beyond DPT_COORDINATE_MAX is DPT_E_FINITE.
+ * Errors are those of dpt_tool_set_pose and dpt_tool_set_segments. They leave outputs and the tool as they were. A
+ * clearance that is not finite or beyond DPT_COORDINATE_MAX is DPT_E_FINITE.
  */
 DPT_API dpt_result dpt_tool_try_pose(const dpt_world *world, dpt_tool tool, const dpt_pose *pose,
                                      double clearance, dpt_sweep *first, dpt_pose *reached);
@@ -258,7 +261,7 @@ DPT_API dpt_result dpt_tool_try_segments(const dpt_world *world, dpt_tool tool,
                                          const dpt_segment *segments, uint32_t count,
                                          double clearance, dpt_sweep *first, dpt_segment *reached);
 
-/* Settings of a tool; used as dpt_body_settings. */
+/* Settings of a tool; used like dpt_body_settings. */
 typedef struct dpt_tool_settings {
     uint32_t size;    /* sizeof(dpt_tool_settings), set by the caller */
     uint32_t law;     /* DPT_LAW_...; changing it is a teleport to where the tool is */
@@ -291,15 +294,15 @@ typedef struct dpt_step {
     uint32_t status;   /* the worst of any segment: stale, local, bounded, exact; DPT_STATUS_... */
     uint32_t contact;  /* of any segment: penetrating before touching, unknown, separated */
     uint32_t work;     /* units that were spent; at most the budget, if there is one */
-    double distance;   /* the least of any tool; 0 if no tool has an answer */
+    double distance;   /* smallest distance of any tool, m; 0 if no tool has an answer */
     uint32_t contacts; /* of all tools */
     uint32_t flags;    /* DPT_STEP_FLAG_... */
 } dpt_step;
 
 /* Bits of dpt_step.flags. */
 enum {
-    /* more contacts wanted room than max_contacts, also those that are kept while nothing is known of them;
-       forces and depths count all */
+    /* More contacts needed room than max_contacts, those included that are kept while they are unknown. Forces and
+       depths include all of them. */
     DPT_STEP_FLAG_CONTACTS_FULL = 1
 };
 
@@ -308,7 +311,7 @@ enum {
  * Input that cannot be used is no error of the step: it returns DPT_OK, and the answers concerned are stale.
  *   out   may be NULL
  *
- * The functions below answer for the last step, whatever was set since. They may name a body that was removed since.
+ * The functions below report the last step, whatever was set after it. They may name a body that was removed after it.
  */
 DPT_API dpt_result dpt_world_step(dpt_world *world, double dt, dpt_step *out);
 
@@ -320,21 +323,23 @@ DPT_API dpt_result dpt_tool_get_segment_hit(const dpt_world *world, dpt_tool too
                                             dpt_hit *hit);
 
 /*
- * The tool's contacts, from the last step: up to `capacity`, the segments in order; of a segment the bodies one after
- * another, in no stated order, along each from the segment's end a. *count is how many there are, which may be more
- * than fit. contacts[0].size must be set unless capacity is 0; contacts may be NULL then.
+ * The tool's contacts, from the last step. They are sorted by segment. Within a segment they are grouped by body, in no
+ * stated order of bodies. Within a body they run from the segment's end a.
+ *   contacts   at most `capacity` are written. contacts[0].size must be set. May be NULL if capacity is 0
+ *   count      how many there are, which may be more than `capacity`
  */
 DPT_API dpt_result dpt_tool_get_contacts(const dpt_world *world, dpt_tool tool,
                                          dpt_contact *contacts, uint32_t capacity, uint32_t *count);
 
-/* What a segment of the tool, from 0, met between the last two steps. */
+/* The first touch of a segment of the tool (counted from 0) between the last two steps. */
 DPT_API dpt_result dpt_tool_get_sweep(const dpt_world *world, dpt_tool tool, uint32_t segment,
                                       dpt_sweep *sweep);
 
 /*
- * The strip of a segment (counted from 0), and how the segment stands to each of its triangles, as
- * dpt_strip_overlaps tells. There is none if the segment was not within the margin or the world has no strips; and none of
- * routes if no triangles that touch lead from an end's triangle to that of the nearest point.
+ * The strip of a segment (counted from 0), and the overlap of the segment with each of its triangles, as
+ * dpt_strip_overlaps computes it. The strip is empty if the segment was not within the margin, or if the world has no
+ * strips. A strip of routes is also empty if the triangles of the segment's ends and of the nearest point are not
+ * connected.
  *   flags   DPT_STRIP_FLAG_...; may be NULL
  */
 DPT_API dpt_result dpt_tool_get_strip(const dpt_world *world, dpt_tool tool, uint32_t segment,
@@ -342,15 +347,15 @@ DPT_API dpt_result dpt_tool_get_strip(const dpt_world *world, dpt_tool tool, uin
                                       uint32_t *flags);
 
 /*
- * Why a tool feels no force in the last step. The first of these that holds:
- *   STALE      there is no answer: the tool was added or teleported, or the world reset, since the last step; the step
- *              failed; the tool's or a body's input cannot be used
+ * Whether a tool feels a force in the last step, and if not, why. The first of these that holds:
+ *   STALE      there is no answer: the tool was added or teleported, or the world was reset, after the last step; or
+ *              the step failed; or the tool's or a body's input cannot be used
  *   OFF        the world's `until` ends before the response, or the tool's stiffness is 0
- *   ACTS       it feels one: at least one segment is pushed
- *   UNDECIDED  at least one segment may touch something, but its direction is not known: its contact is
+ *   ACTS       at least one segment is pushed: there is a force
+ *   UNDECIDED  at least one segment may touch something, but the direction of its force is unknown: its contact is
  *              DPT_CONTACT_UNKNOWN, or it goes through a surface that has no sides
- *   FREE       no segment is in anything, or there are no bodies
- *   INSIDE     DPT_LAW_PROXY: the tool began in something, and has not been outside since
+ *   FREE       no segment penetrates anything, or there are no bodies
+ *   INSIDE     DPT_LAW_PROXY: the tool began inside something, and has not been outside since
  */
 enum {
     DPT_FORCE_ACTS = 0,
@@ -363,15 +368,15 @@ enum {
 
 /* Bits of dpt_force_report.flags. */
 enum {
-    /* the wrench is still on its way to what `reason` says, and so need not be zero */
+    /* The wrench fades and has not reached its new value, so it may differ from zero whatever `reason` says. */
     DPT_FORCE_FLAG_FADING = 1,
-    /* DPT_FORCE_ACTS, but another segment is undecided, and its share is missing */
+    /* The reason is DPT_FORCE_ACTS, but another segment is undecided, and its part of the wrench is missing. */
     DPT_FORCE_FLAG_PARTIAL = 2,
-    /* the pose that held the proxy is gone, and it moves on to another: the force may change fast */
+    /* The pose that held the proxy is gone, and it moves on to another: the force may change fast. */
     DPT_FORCE_FLAG_FOLD = 4,
-    /* moving bodies leave the proxy no pose that is free */
+    /* Moving bodies leave the proxy no free pose. */
     DPT_FORCE_FLAG_SQUEEZED = 8,
-    /* the proxy was more than 1 rad from the device, and started again there */
+    /* The proxy was more than 1 rad from the device, and starts again there. */
     DPT_FORCE_FLAG_REPLACED = 16
 };
 
@@ -384,15 +389,16 @@ enum {
  *   reason  DPT_FORCE_...
  *   flags   DPT_FORCE_FLAG_...
  *
- * Fade: a push can end by a decision and not by motion. The side of an open sheet is given up (the tool is deeper than
- * side_limit, a motion could not be followed, the axis is at the sheet's border, there is no room for the contact), or
- * the contact is not known any more. Then the segment's share goes in a straight line, within dpt_world_def.fade seconds
- * of the steps' dt, to what is true; that is zero while nothing is known. It is always between what was felt and what
- * is true. A new decision starts the time again.
+ * Fade: the library itself can end a push while the tool does not move away. It does so if it gives up the side of an
+ * open sheet (the tool is deeper than side_limit, a motion could not be followed, the axis is at the sheet's border, or
+ * there is no room for the contact), or if the contact becomes unknown. Then the segment's part of the wrench changes
+ * in a straight line to its new value, which is zero while the contact is unknown. This takes dpt_world_def.fade
+ * seconds, counted by the steps' dt. The wrench is always between the old and the new value. Another such event starts
+ * the time again.
  *
- * Zero at once: after an error, a teleport, a reset, input that cannot be used, stiffness 0, and when a rigid tool
- * becomes free or the reverse. The push of a body that is removed or teleported ends at once, too. A push that ends
- * because the tool moves away has come to zero by itself.
+ * The wrench is zero at once after an error, a teleport, a reset or input that cannot be used, with stiffness 0, and
+ * when a rigid tool becomes free or the reverse. The push of a body that is removed or teleported ends at once, too. If
+ * the tool moves away, the push goes to zero by itself.
  */
 typedef struct dpt_force_report {
     uint32_t size; /* sizeof(dpt_force_report), set by the caller */
@@ -405,11 +411,11 @@ typedef struct dpt_force_report {
     uint64_t folds; /* how many there were since the tool was placed */
 } dpt_force_report;
 
-/* On an error DPT_FORCE_STALE and zero. */
+/* On an error, `reason` is DPT_FORCE_STALE and the wrench is zero. */
 DPT_API dpt_result dpt_tool_get_force_report(const dpt_world *world, dpt_tool tool,
                                              dpt_force_report *force);
 
-/* The wrench alone; zero on an error. */
+/* The wrench of dpt_tool_get_force_report alone; zero on an error. */
 DPT_API dpt_result dpt_tool_get_wrench(const dpt_world *world, dpt_tool tool, dpt_wrench *wrench);
 
 DPT_END

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The layout of an arm's .dpa file, version 1: the single source of docs/format.md, of the compiler's writer and of the
- * core's reader. `struct dpt_arm` is the file's first bytes; behind it lie joints, links, segments and bodies, then the
- * bodies' meshes, each a file of its own (mesh_format.h) at a multiple of 64 with less than 64 zero bytes before it.
+ * The layout of an arm's .dpa file, version 1. The compiler's writer, the core's reader and docs/format.md follow this
+ * header alone. `struct dpt_arm` is the first bytes of the file. Joints, links, segments and bodies come after it, then
+ * the meshes of the bodies. Each mesh is a whole file (mesh_format.h) at a multiple of 64; fewer than 64 zero bytes
+ * stand before it.
  *
- * Little-endian; every number is 4 or 8 bytes wide, every record a multiple of 8 bytes.
+ * Numbers are little-endian, 4 or 8 bytes wide. Every record is a multiple of 8 bytes.
  */
 #ifndef DPT_ARM_FORMAT_H
 #define DPT_ARM_FORMAT_H
@@ -13,11 +14,11 @@
 #include "dynpoint/arm.h"
 #include "mesh/mesh_swap.h"
 
-/* As a mesh's, but for the fourth byte. */
+/* The magic of a mesh, with another fourth byte. */
 #define ARM_MAGIC   "\211DPK\r\n\032\n"
 #define ARM_VERSION 1u
 
-/* As dpt_arm_joint and dpt_arm_link of arm.h. */
+/* The records. Their fields mean what those of dpt_arm_joint, dpt_arm_link and dpt_arm_body mean (arm.h). */
 struct arm_joint {
     uint32_t bytes; /* of the record */
     uint32_t kind;
@@ -50,20 +51,20 @@ struct arm_body {
     char name[DPT_ARM_NAME];
 };
 
-/* After `magic` come 4-byte words up to `bytes`, then 8-byte words up to `name`. */
+/* The header. After `magic` come 4-byte words up to `bytes`, then 8-byte words up to `name`. */
 struct dpt_arm {
     char magic[8];
     uint32_t byte_order;
-    uint32_t version; /* the oldest reader that understands it */
+    uint32_t version; /* of the oldest reader that understands the file */
     uint32_t header_bytes;
-    uint32_t crc32;          /* of the whole file with this word 0 */
+    uint32_t crc32;          /* of the whole file with this word set to 0 */
     uint32_t writer_version; /* major << 16 | minor << 8 | patch of the compiler */
     uint32_t joints;
     uint32_t links;
     uint32_t segments;
     uint32_t bodies;
     uint32_t tool_link;
-    uint64_t bytes; /* the file's length */
+    uint64_t bytes; /* length of the file */
     uint64_t source_bytes;
     uint64_t source_hash;
     dpt_pose tool;
@@ -78,7 +79,7 @@ typedef char arm_link_keeps_its_size[sizeof(struct arm_link) == 144 ? 1 : -1];
 typedef char arm_segment_keeps_its_size[sizeof(dpt_segment) == 56 ? 1 : -1];
 typedef char arm_body_keeps_its_size[sizeof(struct arm_body) == 136 ? 1 : -1];
 
-/* Places in a file, to name what is damaged. */
+/* The sections of a file, as a fault names them. */
 enum { ARM_HEADER, ARM_JOINTS, ARM_LINKS, ARM_SEGMENTS, ARM_BODIES, ARM_PADDING };
 
 static inline const struct arm_joint *arm_joints(const struct dpt_arm *arm)
@@ -101,7 +102,7 @@ static inline const struct arm_body *arm_bodies(const struct dpt_arm *arm)
     return (const void *)(arm_segments(arm) + arm->segments);
 }
 
-/* Where the records end, by the header's counts. */
+/* The offset at which the records end, by the header's counts. */
 static inline uint64_t arm_records_end(const struct dpt_arm *arm)
 {
     return sizeof *arm + arm->joints * sizeof(struct arm_joint) +
@@ -109,7 +110,7 @@ static inline uint64_t arm_records_end(const struct dpt_arm *arm)
            arm->bodies * sizeof(struct arm_body);
 }
 
-/* The checksum of a file as it lies. */
+/* The checksum that a file of these bytes should have. `bytes` may be in either byte order. */
 static inline uint32_t arm_crc(const void *bytes, size_t size)
 {
     struct crc32 crc;
@@ -121,7 +122,7 @@ static inline uint32_t arm_crc(const void *bytes, size_t size)
                       (const char *)bytes + sizeof header, size - sizeof header);
 }
 
-/* The links from the root to `link`, that one last; returns how many. */
+/* List the links from the root to `link`; `link` is the last one. Returns their number. */
 static inline uint32_t arm_path(const struct dpt_arm *arm, uint32_t link,
                                 uint8_t path[DPT_ARM_LINKS_MAX])
 {
@@ -134,7 +135,7 @@ static inline uint32_t arm_path(const struct dpt_arm *arm, uint32_t link,
     return count;
 }
 
-/* Swap the numbers of a header; its own inverse, as the next one is. */
+/* Swap the byte order of a header. Twice gives the same bytes again, as for arm_swap_records. */
 static inline void arm_swap_header(struct dpt_arm *arm)
 {
     const size_t first4 = offsetof(struct dpt_arm, byte_order);
@@ -143,7 +144,7 @@ static inline void arm_swap_header(struct dpt_arm *arm)
     mesh_swap8((char *)arm + first8, (offsetof(struct dpt_arm, name) - first8) / 8);
 }
 
-/* And those of the records behind it; `arm` is the header in the host's order, `bytes` the file. */
+/* Swap the byte order of the records of the file at `bytes`. `arm` is its header in the host's byte order. */
 static inline void arm_swap_records(const struct dpt_arm *arm, void *bytes)
 {
     const size_t first4 = offsetof(struct arm_joint, lower),

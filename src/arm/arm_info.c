@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What an open arm tells of itself. */
+/* The getters of an open arm (arm.h). */
 #include "arm/arm_format.h"
 #include "base/return_if_error.h"
 #include "base/sized.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Where an arm's links are, and how they move (docs/algorithms/kinematics.md). Quaternions are composed from the root
- * outward, so that the orientation is continuous in the joints.
+ * Forward kinematics, velocities and joint efforts of an arm (docs/algorithms/kinematics.md). Quaternions are
+ * multiplied from the root outward, so that the orientation is continuous in the joints.
  */
 #include "arm/arm_format.h"
 #include "base/return_if_error.h"
@@ -15,11 +15,11 @@ struct quaternion {
     vec3 v;
 };
 
-/* A frame on the way, and how it moves with each joint: velocity of its origin, spin. */
-struct moving {
+/* A frame in the root's frame, and how it moves with each joint, per rad/s or m/s of that joint. */
+struct moving_frame {
     vec3 origin;
-    struct quaternion turn;
-    vec3 velocity[DPT_JOINTS_MAX];
+    struct quaternion orientation;
+    vec3 velocity[DPT_JOINTS_MAX]; /* of the origin */
     vec3 spin[DPT_JOINTS_MAX];
 };
 
@@ -36,57 +36,65 @@ static struct quaternion product(struct quaternion a, struct quaternion b)
     };
 }
 
-static vec3 turned(struct quaternion q, vec3 x)
+static vec3 rotated(struct quaternion q, vec3 x)
 {
     vec3 twice = scaled(cross(q.v, x), 2.0);
     return add(along(x, q.w, twice), cross(q.v, twice));
 }
 
-/* The frame shifts by `step`; what spins carries its origin along. */
-static void shift(struct moving *frame, uint32_t joints, vec3 step)
+/*
+ * Shift the frame's origin by `displacement`, in the root's frame. A joint that spins the frame moves the new origin
+ * too.
+ */
+static void shift(struct moving_frame *frame, uint32_t joint_count, vec3 displacement)
 {
-    frame->origin = add(frame->origin, step);
-    for (uint32_t i = 0; i < joints; i++)
-        frame->velocity[i] = add(frame->velocity[i], cross(frame->spin[i], step));
+    frame->origin = add(frame->origin, displacement);
+    for (uint32_t i = 0; i < joint_count; i++)
+        frame->velocity[i] = add(frame->velocity[i], cross(frame->spin[i], displacement));
 }
 
-/* From the parent's frame to the link's. */
-static void follow(struct moving *frame, uint32_t joints, const struct arm_link *link, double joint)
+/* Move the frame from the parent of `link` to `link`, whose joint has the coordinate `joint`. */
+static void apply_link(struct moving_frame *frame, uint32_t joint_count,
+                       const struct arm_link *link, double joint)
 {
     const double motion = link->factor * joint + link->offset;
-    shift(frame, joints, turned(frame->turn, vec3_of(link->pose.position)));
-    frame->turn = product(frame->turn, quaternion_of(link->pose.orientation));
-    const vec3 axis = turned(frame->turn, vec3_of(link->axis));
+    shift(frame, joint_count, rotated(frame->orientation, vec3_of(link->pose.position)));
+    frame->orientation = product(frame->orientation, quaternion_of(link->pose.orientation));
+    const vec3 axis = rotated(frame->orientation, vec3_of(link->axis));
     if (link->slides) {
-        shift(frame, joints, scaled(axis, motion));
+        shift(frame, joint_count, scaled(axis, motion));
         frame->velocity[link->joint] = along(frame->velocity[link->joint], link->factor, axis);
     } else {
         double sine, cosine;
         turn_sincos(motion / FOUR_PI, &sine, &cosine);
-        frame->turn =
-            product(frame->turn, (struct quaternion){ cosine, scaled(vec3_of(link->axis), sine) });
+        frame->orientation = product(
+            frame->orientation, (struct quaternion){ cosine, scaled(vec3_of(link->axis), sine) });
         frame->spin[link->joint] = along(frame->spin[link->joint], link->factor, axis);
     }
 }
 
-/* The frame of a link, shifted to a point of it; how it moves with the first `moves` joints. */
-static void find_frame(const struct dpt_arm *arm, const double *joints, uint32_t moves,
-                       uint32_t link, const double *point, struct moving *frame)
+/*
+ * Find the frame of link number `link`, shifted to `point` in that link's frame, and how it moves with the first
+ * joint_count joints.
+ */
+static void find_frame(const struct dpt_arm *arm, const double *joints, uint32_t joint_count,
+                       uint32_t link, const double *point, struct moving_frame *frame)
 {
     uint8_t path[DPT_ARM_LINKS_MAX];
     const uint32_t count = arm_path(arm, link, path);
-    *frame = (struct moving){ .turn = { .w = 1.0 } };
+    *frame = (struct moving_frame){ .orientation = { .w = 1.0 } };
     for (uint32_t i = 0; i < count; i++) {
         const struct arm_link *next = &arm_links(arm)[path[i]];
-        follow(frame, moves, next, joints[next->joint]);
+        apply_link(frame, joint_count, next, joints[next->joint]);
     }
-    shift(frame, moves, turned(frame->turn, vec3_of(point)));
+    shift(frame, joint_count, rotated(frame->orientation, vec3_of(point)));
 }
 
-static void find_tool(const struct dpt_arm *arm, const double *joints, uint32_t moves,
-                      struct moving *frame)
+/* Find the frame at the tool's origin. It has the orientation of the tool's link. */
+static void find_tool(const struct dpt_arm *arm, const double *joints, uint32_t joint_count,
+                      struct moving_frame *frame)
 {
-    find_frame(arm, joints, moves, arm->tool_link, arm->tool.position, frame);
+    find_frame(arm, joints, joint_count, arm->tool_link, arm->tool.position, frame);
 }
 
 static dpt_result check_numbers(const double *number, uint32_t count)
@@ -102,12 +110,13 @@ dpt_result dpt_arm_forward(const dpt_arm *arm, const double *joints, dpt_pose *t
     if (!arm || !joints || !tool)
         return DPT_E_ARGUMENT;
     DPT_TRY(check_numbers(joints, arm->joints));
-    struct moving frame;
+    struct moving_frame frame;
     find_tool(arm, joints, 0, &frame);
-    const struct quaternion turn = product(frame.turn, quaternion_of(arm->tool.orientation));
+    const struct quaternion orientation =
+        product(frame.orientation, quaternion_of(arm->tool.orientation));
     vec3_store(frame.origin, tool->position);
-    tool->orientation[0] = turn.w;
-    vec3_store(turn.v, tool->orientation + 1);
+    tool->orientation[0] = orientation.w;
+    vec3_store(orientation.v, tool->orientation + 1);
     return DPT_OK;
 }
 
@@ -118,15 +127,15 @@ dpt_result dpt_arm_velocity(const dpt_arm *arm, const double *joints, const doub
         return DPT_E_ARGUMENT;
     DPT_TRY(check_numbers(joints, arm->joints));
     DPT_TRY(check_numbers(rates, arm->joints));
-    struct moving frame;
+    struct moving_frame frame;
     find_tool(arm, joints, arm->joints, &frame);
-    vec3 moves = { 0.0, 0.0, 0.0 }, turns = { 0.0, 0.0, 0.0 };
+    vec3 velocity_sum = { 0.0, 0.0, 0.0 }, spin_sum = { 0.0, 0.0, 0.0 };
     for (uint32_t i = 0; i < arm->joints; i++) {
-        moves = along(moves, rates[i], frame.velocity[i]);
-        turns = along(turns, rates[i], frame.spin[i]);
+        velocity_sum = along(velocity_sum, rates[i], frame.velocity[i]);
+        spin_sum = along(spin_sum, rates[i], frame.spin[i]);
     }
-    vec3_store(moves, velocity);
-    vec3_store(turns, spin);
+    vec3_store(velocity_sum, velocity);
+    vec3_store(spin_sum, spin);
     return DPT_OK;
 }
 
@@ -135,7 +144,7 @@ dpt_result dpt_arm_jacobian(const dpt_arm *arm, const double *joints, double *ja
     if (!arm || !joints || !jacobian)
         return DPT_E_ARGUMENT;
     DPT_TRY(check_numbers(joints, arm->joints));
-    struct moving frame;
+    struct moving_frame frame;
     find_tool(arm, joints, arm->joints, &frame);
     for (uint32_t i = 0; i < arm->joints; i++) {
         double column[6];
@@ -156,7 +165,7 @@ dpt_result dpt_arm_efforts(const dpt_arm *arm, const double *joints, const dpt_w
     DPT_TRY(check_numbers(wrench->force, 3));
     DPT_TRY(check_numbers(wrench->torque, 3));
     const vec3 force = vec3_of(wrench->force), torque = vec3_of(wrench->torque);
-    struct moving frame;
+    struct moving_frame frame;
     find_tool(arm, joints, arm->joints, &frame);
     for (uint32_t i = 0; i < arm->joints; i++)
         efforts[i] = dot(frame.velocity[i], force) + dot(frame.spin[i], torque);
@@ -171,7 +180,7 @@ dpt_result dpt_arm_weight(const dpt_arm *arm, const double *joints, const double
     DPT_TRY(check_numbers(joints, arm->joints));
     DPT_TRY(check_numbers(gravity, 3));
     double sum[DPT_JOINTS_MAX] = { 0.0 };
-    struct moving frame;
+    struct moving_frame frame;
     for (uint32_t i = 0; i < arm->links; i++) {
         const struct arm_link *link = &arm_links(arm)[i];
         if (link->mass == 0.0)

@@ -1,19 +1,20 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Verify once, trust afterwards, as mesh_open.c does for meshes: whatever the checksums say, a file that opens has every
- * index within its array and every number within its range.
+ * Open an arm: verify once, trust afterwards, as mesh_open.c does for meshes. In a file that opens, every index is
+ * within its array and every number within its range, even if someone forged the checksums.
  */
 #include "arm/arm_format.h"
 #include "base/return_if_error.h"
 #include "base/sized.h"
 #include "base/vec3.h"
 
-/* Of what is said to be of unit length; the compiler makes it so within a few roundings. */
-#define SQUARE_OFF 1e-12
+/* The squared length of a unit vector may be off by this. The compiler's are within a few roundings. */
+#define UNIT_TOLERANCE 1e-12
 
-/* Of limits of speed and effort, and of losses: as good as none. */
+/* The largest velocity, effort, damping or friction of a joint: as good as no limit. */
 #define LIMIT_MAX 1e300
 
+/* Fill `fault`, which may be NULL, and return `code`. `byte` counts from the beginning of the file. */
 static dpt_result fail(dpt_mesh_fault *fault, dpt_result code, uint64_t byte, int section)
 {
     static const char names[][16] = {
@@ -27,14 +28,14 @@ static dpt_result fail(dpt_mesh_fault *fault, dpt_result code, uint64_t byte, in
     return code;
 }
 
-/* `field` lies in the file. */
+/* The same for a damaged field. `field` points into the file at `arm`. */
 static dpt_result fail_at(dpt_mesh_fault *fault, dpt_result code, const struct dpt_arm *arm,
                           int section, const void *field)
 {
     return fail(fault, code, (uint64_t)((const char *)field - (const char *)arm), section);
 }
 
-/* Version, lengths and counts of a header that is in the host's byte order. */
+/* Check version, lengths and counts of a header in the host's byte order. */
 static dpt_result check_header(const struct dpt_arm *arm, size_t size, dpt_mesh_fault *fault)
 {
     if (arm->version > ARM_VERSION)
@@ -62,7 +63,7 @@ static dpt_result check_header(const struct dpt_arm *arm, size_t size, dpt_mesh_
     return DPT_OK;
 }
 
-/* `arm` is the header in the host's order, `bytes` the file as it lies. */
+/* Check the checksum. `arm` is the header in the host's byte order, `bytes` the file in its own. */
 static dpt_result check_crc(const struct dpt_arm *arm, const void *bytes, dpt_mesh_fault *fault)
 {
     if (arm_crc(bytes, (size_t)arm->bytes) != arm->crc32)
@@ -70,7 +71,7 @@ static dpt_result check_crc(const struct dpt_arm *arm, const void *bytes, dpt_me
     return DPT_OK;
 }
 
-/* Meshes follow the records and each other without overlap, gap or anything between but zeros. */
+/* Check that the meshes follow the records and each other, aligned, with nothing but zeros between them. */
 static dpt_result check_meshes_place(const struct dpt_arm *arm, dpt_mesh_fault *fault)
 {
     uint64_t end = arm_records_end(arm);
@@ -91,17 +92,17 @@ static dpt_result check_meshes_place(const struct dpt_arm *arm, dpt_mesh_fault *
 }
 
 static dpt_result check_range(const struct dpt_arm *arm, int section, const double *number,
-                              int count, double least, double most, dpt_mesh_fault *fault)
+                              int count, double min, double max, dpt_mesh_fault *fault)
 {
     for (int i = 0; i < count; i++)
-        if (!(number[i] >= least && number[i] <= most))
+        if (!(number[i] >= min && number[i] <= max))
             return fail_at(fault, DPT_E_FINITE, arm, section, &number[i]);
     return DPT_OK;
 }
 
-/* Coordinates, in m or rad. */
-static dpt_result check_lengths(const struct dpt_arm *arm, int section, const double *number,
-                                int count, dpt_mesh_fault *fault)
+/* Check coordinates, in m or rad. */
+static dpt_result check_coordinates(const struct dpt_arm *arm, int section, const double *number,
+                                    int count, dpt_mesh_fault *fault)
 {
     return check_range(arm, section, number, count, -DPT_COORDINATE_MAX, DPT_COORDINATE_MAX, fault);
 }
@@ -112,7 +113,7 @@ static dpt_result check_unit(const struct dpt_arm *arm, int section, const doubl
     double square = 0.0;
     for (int i = 0; i < count; i++)
         square += number[i] * number[i];
-    if (!within(square - 1.0, SQUARE_OFF))
+    if (!within(square - 1.0, UNIT_TOLERANCE))
         return fail_at(fault, DPT_E_POSE, arm, section, number);
     return DPT_OK;
 }
@@ -120,19 +121,19 @@ static dpt_result check_unit(const struct dpt_arm *arm, int section, const doubl
 static dpt_result check_pose(const struct dpt_arm *arm, int section, const dpt_pose *pose,
                              dpt_mesh_fault *fault)
 {
-    DPT_TRY(check_lengths(arm, section, pose->position, 3, fault));
+    DPT_TRY(check_coordinates(arm, section, pose->position, 3, fault));
     return check_unit(arm, section, pose->orientation, 4, fault);
 }
 
-/* Ends in a zero, behind which are zeros only: the same name is the same bytes. */
+/* Check that a name ends in a zero and that only zeros follow: the same name is then the same bytes. */
 static dpt_result check_name(const struct dpt_arm *arm, int section, const char *name,
                              dpt_mesh_fault *fault)
 {
-    int ended = 0;
+    int has_ended = 0;
     for (int i = 0; i < DPT_ARM_NAME; i++) {
-        if (ended ? name[i] != 0 : i == DPT_ARM_NAME - 1 && name[i] != 0)
+        if (has_ended ? name[i] != 0 : i == DPT_ARM_NAME - 1 && name[i] != 0)
             return fail_at(fault, DPT_E_LAYOUT, arm, section, name);
-        ended = name[i] == 0;
+        has_ended = name[i] == 0;
     }
     return DPT_OK;
 }
@@ -144,7 +145,7 @@ static dpt_result check_joint(const struct dpt_arm *arm, const struct arm_joint 
         return fail_at(fault, DPT_E_LAYOUT, arm, ARM_JOINTS, &joint->bytes);
     if (joint->kind > DPT_JOINT_PRISMATIC)
         return fail_at(fault, DPT_E_INDEX, arm, ARM_JOINTS, &joint->kind);
-    DPT_TRY(check_lengths(arm, ARM_JOINTS, &joint->lower, 1, fault));
+    DPT_TRY(check_coordinates(arm, ARM_JOINTS, &joint->lower, 1, fault));
     DPT_TRY(
         check_range(arm, ARM_JOINTS, &joint->upper, 1, joint->lower, DPT_COORDINATE_MAX, fault));
     if (joint->kind == DPT_JOINT_CONTINUOUS && (joint->lower != 0.0 || joint->upper != 0.0))
@@ -169,36 +170,39 @@ static dpt_result check_link(const struct dpt_arm *arm, uint32_t index, dpt_mesh
         return fail_at(fault, DPT_E_INDEX, arm, ARM_LINKS, &link->slides);
     DPT_TRY(check_pose(arm, ARM_LINKS, &link->pose, fault));
     DPT_TRY(check_unit(arm, ARM_LINKS, link->axis, 3, fault));
-    DPT_TRY(check_lengths(arm, ARM_LINKS, &link->factor, 1, fault));
+    DPT_TRY(check_coordinates(arm, ARM_LINKS, &link->factor, 1, fault));
     if (link->factor == 0.0)
         return fail_at(fault, DPT_E_FINITE, arm, ARM_LINKS, &link->factor);
-    DPT_TRY(check_lengths(arm, ARM_LINKS, &link->offset, 1, fault));
+    DPT_TRY(check_coordinates(arm, ARM_LINKS, &link->offset, 1, fault));
     DPT_TRY(check_range(arm, ARM_LINKS, &link->mass, 1, 0.0, DPT_COORDINATE_MAX, fault));
-    return check_lengths(arm, ARM_LINKS, link->centre, 3, fault);
+    return check_coordinates(arm, ARM_LINKS, link->centre, 3, fault);
 }
 
-/* Those that lead to the tool come first, in their order; and each moves a link as its kind says. */
+/*
+ * Check the order of joints: those on the path to the tool come first, in the order of the path. Check that each joint
+ * moves at least one link in the way of its kind.
+ */
 static dpt_result check_order(const struct dpt_arm *arm, dpt_mesh_fault *fault)
 {
     const struct arm_link *links = arm_links(arm);
     uint8_t path[DPT_ARM_LINKS_MAX];
-    uint32_t count = arm_path(arm, arm->tool_link, path), met = 0, moved = 0;
+    uint32_t count = arm_path(arm, arm->tool_link, path), joints_met = 0, moved_joints = 0;
     for (uint32_t i = 0; i < count; i++) {
         const struct arm_link *link = &links[path[i]];
-        if (link->joint > met)
+        if (link->joint > joints_met)
             return fail_at(fault, DPT_E_INDEX, arm, ARM_LINKS, &link->joint);
-        met += link->joint == met;
+        joints_met += link->joint == joints_met;
     }
     for (uint32_t i = 0; i < arm->links; i++)
         if (links[i].slides == (arm_joints(arm)[links[i].joint].kind == DPT_JOINT_PRISMATIC))
-            moved |= 1u << links[i].joint;
+            moved_joints |= 1u << links[i].joint;
     for (uint32_t i = 0; i < arm->joints; i++)
-        if (!(moved >> i & 1))
+        if (!(moved_joints >> i & 1))
             return fail_at(fault, DPT_E_INDEX, arm, ARM_JOINTS, &arm_joints(arm)[i]);
     return DPT_OK;
 }
 
-/* All behind the lengths, of a file in the host's byte order. */
+/* Check all but the lengths and the meshes of a file in the host's byte order. */
 static dpt_result check_content(const struct dpt_arm *arm, dpt_mesh_fault *fault)
 {
     DPT_TRY(check_meshes_place(arm, fault));
@@ -215,8 +219,8 @@ static dpt_result check_content(const struct dpt_arm *arm, dpt_mesh_fault *fault
     DPT_TRY(check_name(arm, ARM_HEADER, arm->tool_name, fault));
     for (uint32_t i = 0; i < arm->segments; i++) {
         const dpt_segment *segment = &arm_segments(arm)[i];
-        DPT_TRY(check_lengths(arm, ARM_SEGMENTS, segment->a, 3, fault));
-        DPT_TRY(check_lengths(arm, ARM_SEGMENTS, segment->b, 3, fault));
+        DPT_TRY(check_coordinates(arm, ARM_SEGMENTS, segment->a, 3, fault));
+        DPT_TRY(check_coordinates(arm, ARM_SEGMENTS, segment->b, 3, fault));
         DPT_TRY(
             check_range(arm, ARM_SEGMENTS, &segment->radius, 1, 0.0, DPT_COORDINATE_MAX, fault));
     }
@@ -227,7 +231,10 @@ static dpt_result check_content(const struct dpt_arm *arm, dpt_mesh_fault *fault
     return DPT_OK;
 }
 
-/* Each mesh, converted where `bytes` may be written. A fault's byte is the arm's, its section the mesh's. */
+/*
+ * Verify each mesh; convert it instead if `bytes`, the writable file, is not NULL. In a fault, the byte counts from the
+ * beginning of the arm's file, and the section is one of the mesh's.
+ */
 static dpt_result check_meshes(const struct dpt_arm *arm, void *bytes, dpt_mesh_fault *fault)
 {
     for (uint32_t i = 0; i < arm->bodies; i++) {
@@ -242,10 +249,14 @@ static dpt_result check_meshes(const struct dpt_arm *arm, void *bytes, dpt_mesh_
     return DPT_OK;
 }
 
-/* As far as the byte order; `arm` gets the header as it lies, behind a short file's end zeros. */
-static dpt_result begin(const void *bytes, size_t size, struct dpt_arm *arm, dpt_mesh_fault *fault)
+/*
+ * Check all up to the byte order, and copy the header to `arm` in the file's byte order. If the file is shorter than
+ * the header, the rest of `arm` is zero.
+ */
+static dpt_result read_header(const void *bytes, size_t size, struct dpt_arm *arm,
+                              dpt_mesh_fault *fault)
 {
-    const size_t known = sizeof arm->magic + 8;
+    const size_t min_bytes = sizeof arm->magic + 8;
     if (!bytes)
         return DPT_E_ARGUMENT;
     if (fault)
@@ -254,7 +265,7 @@ static dpt_result begin(const void *bytes, size_t size, struct dpt_arm *arm, dpt
         return fail(fault, DPT_E_ALIGN, 0, ARM_HEADER);
     if (memcmp(bytes, ARM_MAGIC, size < 8 ? size : 8))
         return fail(fault, DPT_E_MAGIC, 0, ARM_HEADER);
-    if (size < known)
+    if (size < min_bytes)
         return fail(fault, DPT_E_TRUNCATED, size, ARM_HEADER);
     memset(arm, 0, sizeof *arm);
     memcpy(arm, bytes, size < sizeof *arm ? size : sizeof *arm);
@@ -266,7 +277,7 @@ static dpt_result begin(const void *bytes, size_t size, struct dpt_arm *arm, dpt
 dpt_result dpt_arm_verify(const void *bytes, size_t size, dpt_mesh_fault *fault)
 {
     struct dpt_arm header;
-    DPT_TRY(begin(bytes, size, &header, fault));
+    DPT_TRY(read_header(bytes, size, &header, fault));
     if (header.byte_order == MESH_BYTE_ORDER_SWAPPED)
         return fail_at(fault, DPT_E_BYTE_ORDER, &header, ARM_HEADER, &header.byte_order);
     DPT_TRY(check_header(&header, size, fault));
@@ -287,7 +298,7 @@ dpt_result dpt_arm_open(const void *bytes, size_t size, const dpt_arm **arm)
 dpt_result dpt_arm_convert(void *bytes, size_t size, dpt_mesh_fault *fault)
 {
     struct dpt_arm header;
-    DPT_TRY(begin(bytes, size, &header, fault));
+    DPT_TRY(read_header(bytes, size, &header, fault));
     if (header.byte_order != MESH_BYTE_ORDER_SWAPPED)
         return dpt_arm_verify(bytes, size, fault);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Who borders on whom. Edges are found by two counting sorts, fans by one: linear in the triangles, for
- * hubs too.
+ * Which triangles share an edge, which meet at a vertex, and which form a part. Two counting sorts find the edges, one
+ * more finds the fans. Time is linear in the triangles, at hubs too.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -11,7 +11,7 @@
 #include "compile/model.h"
 #include "mesh/mesh_format.h"
 
-/* A half-edge is 3 * triangle + k: from corner k to corner k + 1. */
+/* A half-edge is 3 * triangle + k: the edge of that triangle from corner k to corner k + 1. */
 static uint32_t edge_from(const struct model *model, uint32_t half)
 {
     return model->corners[half];
@@ -22,6 +22,7 @@ static uint32_t edge_to(const struct model *model, uint32_t half)
     return model->corners[half % 3 == 2 ? half - 2 : half + 1];
 }
 
+/* The end of a half-edge with the higher vertex number (`higher` 1) or with the lower one (0). */
 static uint32_t edge_end(const struct model *model, uint32_t half, int higher)
 {
     uint32_t from = edge_from(model, half), to = edge_to(model, half);
@@ -34,7 +35,7 @@ static int same_edge(const struct model *model, uint32_t a, uint32_t b)
            edge_end(model, a, 1) == edge_end(model, b, 1);
 }
 
-/* Stable counting sort of half-edges by one end; `first` has room for a word a vertex and one. */
+/* Sort half-edges by one end: a stable counting sort. `first` is scratch of vertex_count + 1 words. */
 static void sort_by_end(const struct model *model, const uint32_t *in, uint32_t *out,
                         uint32_t *first, int higher)
 {
@@ -48,7 +49,7 @@ static void sort_by_end(const struct model *model, const uint32_t *in, uint32_t 
         out[first[edge_end(model, in[i], higher)]++] = in[i];
 }
 
-/* Parts as a forest: `root` follows and shortens the path. */
+/* Union-find: each part is a tree of `parent` links. Return the root of t's tree, and shorten the path to it. */
 static uint32_t root_of(uint32_t *parent, uint32_t t)
 {
     while (parent[t] != t) {
@@ -68,8 +69,8 @@ static void unite(uint32_t *parent, uint32_t a, uint32_t b)
         parent[a] = b;
 }
 
-/* One edge: the half-edges that run along it. */
-static void meet(struct model *model, uint32_t *parent, const uint32_t *half, size_t count)
+/* Record one edge: `half` lists its `count` half-edges. */
+static void connect_edge(struct model *model, uint32_t *parent, const uint32_t *half, size_t count)
 {
     if (count == 1) {
         model->neighbours[half[0]] = MESH_EDGE_OPEN;
@@ -88,17 +89,17 @@ static void meet(struct model *model, uint32_t *parent, const uint32_t *half, si
         unite(parent, half[0] / 3, half[i] / 3);
 }
 
-static void meet_all(struct model *model, uint32_t *parent, const uint32_t *half)
+static void connect_edges(struct model *model, uint32_t *parent, const uint32_t *half)
 {
     size_t count = 3 * (size_t)model->triangle_count;
     for (size_t i = 0, next; i < count; i = next) {
         for (next = i + 1; next < count && same_edge(model, half[i], half[next]); next++)
             ;
-        meet(model, parent, half + i, next - i);
+        connect_edge(model, parent, half + i, next - i);
     }
 }
 
-int model_wound_against(const struct model *model, uint32_t half, uint32_t neighbour)
+int model_is_wound_against(const struct model *model, uint32_t half, uint32_t neighbour)
 {
     uint32_t from = edge_from(model, half), to = edge_to(model, half);
     const uint32_t *corner = model->corners + 3 * (size_t)neighbour;
@@ -108,13 +109,13 @@ int model_wound_against(const struct model *model, uint32_t half, uint32_t neigh
     return 0;
 }
 
-/* Number the parts by their first triangle, and count what each has. */
+/* Number the parts by their first triangle. Count the triangles and edges of each. */
 static dpt_result number_parts(struct model *model, soup *source, uint32_t *parent)
 {
     uint32_t count = 0;
     for (uint32_t t = 0; t < model->triangle_count; t++)
         count += parent[t] == t;
-    model->parts = model_array(source, count, sizeof *model->parts);
+    model->parts = model_alloc(source, count, sizeof *model->parts);
     if (!model->parts)
         return DPT_E_MEMORY;
     memset(model->parts, 0, count * sizeof *model->parts);
@@ -129,64 +130,70 @@ static dpt_result number_parts(struct model *model, soup *source, uint32_t *pare
             uint32_t n = model->neighbours[half];
             part->open_edges += n == MESH_EDGE_OPEN;
             part->nonmanifold_edges += n == MESH_EDGE_MANY;
-            if (n < MESH_EDGE_MANY && model_wound_against(model, half, n))
+            if (n < MESH_EDGE_MANY && model_is_wound_against(model, half, n))
                 part->flags &= ~MESH_PART_WOUND;
         }
     }
     return DPT_OK;
 }
 
-enum { UNSEEN, AS_IT_IS, TURNED };
+enum { UNVISITED, AS_READ, TURNED };
 
 /*
- * Walk over a part from `seed`; decide for each triangle whether it must be turned to agree with the
- * seed. Returns 0 when that cannot be done (a Moebius strip). *turned counts; *reached are in the queue, those
- * that the walk comes to without a non-manifold edge.
+ * Walk from triangle `start` over manifold edges. Set state[t] of each triangle reached: TURNED if its winding must be
+ * reversed to agree with `start`, else AS_READ.
+ *
+ *   queue          receives the triangles reached; *reached_count of them
+ *   turned_count   the TURNED ones are added to it
+ *
+ * Returns 0 when no winding agrees across all edges (a Moebius strip).
  */
-static int agree(const struct model *model, uint32_t seed, uint8_t *turn, uint32_t *queue,
-                 uint32_t *turned, size_t *reached)
+static int find_turned(const struct model *model, uint32_t start, uint8_t *state, uint32_t *queue,
+                       uint32_t *turned_count, size_t *reached_count)
 {
     size_t head = 0, tail = 0;
-    int orientable = 1;
-    turn[seed] = AS_IT_IS;
-    queue[tail++] = seed;
+    int is_orientable = 1;
+    state[start] = AS_READ;
+    queue[tail++] = start;
     while (head < tail) {
         uint32_t t = queue[head++];
         for (uint32_t half = 3 * t; half < 3 * t + 3; half++) {
             uint32_t n = model->neighbours[half];
             if (n >= MESH_EDGE_MANY)
                 continue;
-            int against = model_wound_against(model, half, n);
-            uint8_t wanted = (turn[t] == AS_IT_IS) == !against ? AS_IT_IS : TURNED;
-            if (turn[n] == UNSEEN) {
-                turn[n] = wanted;
-                *turned += wanted == TURNED;
+            int is_against = model_is_wound_against(model, half, n);
+            uint8_t wanted = (state[t] == AS_READ) == !is_against ? AS_READ : TURNED;
+            if (state[n] == UNVISITED) {
+                state[n] = wanted;
+                *turned_count += wanted == TURNED;
                 queue[tail++] = n;
-            } else if (turn[n] != wanted) {
-                orientable = 0;
+            } else if (state[n] != wanted) {
+                is_orientable = 0;
             }
         }
     }
-    *reached = tail;
-    return orientable;
+    *reached_count = tail;
+    return is_orientable;
 }
 
 /*
- * Which triangles of a part to turn so that it is wound one way: those that are fewer. None of a part of which
- * that cannot be told over its edges.
+ * Decide which triangles of a part to turn so that it is wound one way: the smaller of the two groups. Turn none if the
+ * part cannot be wound one way, or if only non-manifold edges connect some of its triangles.
  */
-static void wind_part(struct model *model, struct part *part, uint32_t seed, uint32_t *queue)
+static void wind_part(struct model *model, struct part *part, uint32_t start, uint32_t *queue)
 {
-    uint32_t turned = 0;
-    size_t reached;
-    int orientable = agree(model, seed, model->turn, queue, &turned, &reached);
-    int whole = orientable && reached == part->triangles;
-    uint8_t fewer = 2 * (uint64_t)turned <= part->triangles ? TURNED : AS_IT_IS;
-    for (size_t i = 0; i < reached; i++)
-        model->turn[queue[i]] = whole && model->turn[queue[i]] == fewer ? TURNED : AS_IT_IS;
+    uint32_t turned_count = 0;
+    size_t reached_count;
+    int is_orientable =
+        find_turned(model, start, model->is_turned, queue, &turned_count, &reached_count);
+    int is_consistent = is_orientable && reached_count == part->triangles;
+    uint8_t minority = 2 * (uint64_t)turned_count <= part->triangles ? TURNED : AS_READ;
+    for (size_t i = 0; i < reached_count; i++)
+        model->is_turned[queue[i]] =
+            is_consistent && model->is_turned[queue[i]] == minority ? TURNED : AS_READ;
     if (!part->nonmanifold_edges)
         part->flags |= MESH_PART_MANIFOLD;
-    if (part->open_edges || part->nonmanifold_edges || !orientable)
+    if (part->open_edges || part->nonmanifold_edges || !is_orientable)
         return;
     part->flags |= MESH_PART_CLOSED | MESH_PART_WOUND;
     model->closed_parts++;
@@ -194,24 +201,24 @@ static void wind_part(struct model *model, struct part *part, uint32_t seed, uin
 
 static dpt_result wind_parts(struct model *model, soup *source)
 {
-    model->turn = model_array(source, model->triangle_count, sizeof *model->turn);
-    uint32_t *queue = model_array(source, model->triangle_count, sizeof *queue);
+    model->is_turned = model_alloc(source, model->triangle_count, sizeof *model->is_turned);
+    uint32_t *queue = model_alloc(source, model->triangle_count, sizeof *queue);
     dpt_result result = DPT_E_MEMORY;
-    if (model->turn && queue) {
-        memset(model->turn, UNSEEN, model->triangle_count);
-        uint32_t next = 0;
+    if (model->is_turned && queue) {
+        memset(model->is_turned, UNVISITED, model->triangle_count);
+        uint32_t next_part = 0;
         for (uint32_t t = 0; t < model->triangle_count; t++)
-            if (model->part_of[t] == next)
-                wind_part(model, &model->parts[next++], t, queue);
+            if (model->part_of[t] == next_part)
+                wind_part(model, &model->parts[next_part++], t, queue);
         for (uint32_t t = 0; t < model->triangle_count; t++)
-            model->turn[t] = model->turn[t] == TURNED;
+            model->is_turned[t] = model->is_turned[t] == TURNED;
         result = DPT_OK;
     }
     free(queue);
     return result;
 }
 
-/* The triangles at each vertex, in their order. */
+/* List the triangles at each vertex, ascending: those of v are fans[fan_first[v]..fan_first[v + 1]). */
 static void fill_fans(struct model *model)
 {
     size_t count = 3 * (size_t)model->triangle_count;
@@ -231,13 +238,13 @@ static void fill_fans(struct model *model)
 dpt_result model_adjacency(struct model *model, soup *source)
 {
     size_t count = 3 * (size_t)model->triangle_count;
-    uint32_t *half = model_array(source, count, sizeof *half);
-    uint32_t *spare = model_array(source, count, sizeof *spare);
-    model->neighbours = model_array(source, count, sizeof *model->neighbours);
-    model->fans = model_array(source, count, sizeof *model->fans);
-    model->part_of = model_array(source, model->triangle_count, sizeof *model->part_of);
+    uint32_t *half = model_alloc(source, count, sizeof *half);
+    uint32_t *spare = model_alloc(source, count, sizeof *spare);
+    model->neighbours = model_alloc(source, count, sizeof *model->neighbours);
+    model->fans = model_alloc(source, count, sizeof *model->fans);
+    model->part_of = model_alloc(source, model->triangle_count, sizeof *model->part_of);
     model->fan_first =
-        model_array(source, (size_t)model->vertex_count + 1, sizeof *model->fan_first);
+        model_alloc(source, (size_t)model->vertex_count + 1, sizeof *model->fan_first);
     dpt_result result = DPT_E_MEMORY;
     if (half && spare && model->neighbours && model->fans && model->part_of && model->fan_first) {
         for (uint32_t h = 0; h < count; h++)
@@ -246,7 +253,7 @@ dpt_result model_adjacency(struct model *model, soup *source)
         sort_by_end(model, half, spare, model->fan_first, 0);
         for (uint32_t t = 0; t < model->triangle_count; t++)
             half[t] = t;
-        meet_all(model, half, spare);
+        connect_edges(model, half, spare);
         result = number_parts(model, source, half);
         if (result == DPT_OK)
             result = wind_parts(model, source);

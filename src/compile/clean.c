@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * From a soup to a mesh. Hash tables with open addressing, never more than half full, so that time and
- * space are linear whatever the input: a hub of 50,000 triangles costs no more than any other 50,000.
+ * From a soup to a mesh: join equal vertices, drop degenerate and duplicate triangles. The hash tables use open
+ * addressing and are never more than half full. So time and space are linear for any input: a hub of 50,000 triangles
+ * costs no more than any other 50,000.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -11,11 +12,11 @@
 #include "compile/model.h"
 #include "mesh/mesh_format.h"
 
-void *model_array(soup *source, size_t count, size_t width)
+void *model_alloc(soup *source, size_t count, size_t item_size)
 {
-    void *array = count <= SIZE_MAX / width ? malloc(count ? count * width : 1) : NULL;
+    void *array = count <= SIZE_MAX / item_size ? malloc(count ? count * item_size : 1) : NULL;
     if (!array && source)
-        soup_fail(source, DPT_E_MEMORY, (source_place){ 0, 0 }, "memory ran out");
+        soup_fail(source, DPT_E_MEMORY, (source_location){ 0, 0 }, "memory ran out");
     return array;
 }
 
@@ -30,33 +31,33 @@ void model_free(struct model *model)
     free(model->fans);
     free(model->part_of);
     free(model->parts);
-    free(model->turn);
+    free(model->is_turned);
     free(model->part_list);
     free(model->part_first);
-    free(model->cuts_itself);
+    free(model->part_cuts_itself);
     free(model->normals);
     free(model->flags);
     memset(model, 0, sizeof *model);
 }
 
-/* A set of triples of words, each with the number under which it came in. */
+/* A hash set of triples of words. An entry is the index of a triple in `words`. */
 struct triples {
-    const uint32_t *words; /* 3 per entry */
-    uint32_t *slots;       /* entry, or DPT_NONE */
-    size_t mask;
+    const uint32_t *words; /* 3 per entry; borrowed */
+    uint32_t *slots;       /* of the hash table: an entry, or DPT_NONE */
+    size_t mask;           /* number of slots, a power of two, less 1 */
 };
 
-static int triples_init(struct triples *set, soup *source, const void *words, size_t most)
+static int triples_init(struct triples *set, soup *source, const void *words, size_t max_entries)
 {
     size_t slots = 16;
-    while (slots < 2 * most)
+    while (slots < 2 * max_entries)
         slots *= 2;
     set->words = words;
     set->mask = slots - 1;
-    set->slots = model_array(source, slots, sizeof *set->slots);
+    set->slots = model_alloc(source, slots, sizeof *set->slots);
     if (set->slots)
         memset(set->slots, 0xff, slots * sizeof *set->slots);
-    return set->slots != NULL;
+    return set->slots ? 1 : 0;
 }
 
 static uint64_t mix(uint64_t h)
@@ -66,8 +67,8 @@ static uint64_t mix(uint64_t h)
     return h ^ (h >> 32);
 }
 
-/* The earlier entry with the same words, or `entry`, which then is in the set. */
-static uint32_t triples_find(struct triples *set, uint32_t entry)
+/* Return the entry in the set that has the same words. If there is none, add `entry` and return it. */
+static uint32_t triples_find_or_add(struct triples *set, uint32_t entry)
 {
     const uint32_t *w = set->words + 3 * (size_t)entry;
     size_t slot = (size_t)mix(mix((uint64_t)w[0] << 32 | w[1]) + w[2]) & set->mask;
@@ -81,8 +82,11 @@ static uint32_t triples_find(struct triples *set, uint32_t entry)
     return entry;
 }
 
-/* joined[v]: the vertex of least number at the same place, for those that a triangle uses. */
-static dpt_result join(struct model *model, soup *source, uint32_t *joined)
+/*
+ * joined[v] becomes the lowest-numbered vertex at the position of v, or DPT_NONE if no triangle uses v. Vertices are
+ * numbered as in the source.
+ */
+static dpt_result join_vertices(struct model *model, soup *source, uint32_t *joined)
 {
     struct triples set;
     if (!triples_init(&set, source, source->positions, source->vertex_count))
@@ -94,13 +98,13 @@ static dpt_result join(struct model *model, soup *source, uint32_t *joined)
         if (joined[v] == DPT_NONE)
             model->unused_vertices++;
         else
-            joined[v] = triples_find(&set, v);
+            joined[v] = triples_find_or_add(&set, v);
     }
     free(set.slots);
     return DPT_OK;
 }
 
-static int has_no_area(const float *positions, const uint32_t *c)
+static int is_degenerate(const float *positions, const uint32_t *c)
 {
     if (c[0] == c[1] || c[1] == c[2] || c[2] == c[0])
         return 1;
@@ -123,33 +127,36 @@ static void sort3(uint32_t w[3])
     }
 }
 
-/* Keep what has area and is new; corners stay soup vertices, the least of those at their place. */
-static dpt_result keep(struct model *model, soup *source, const uint32_t *joined)
+/*
+ * Keep the triangles that have area and no earlier duplicate. Their corners are still vertices of the source, joined.
+ */
+static dpt_result keep_triangles(struct model *model, soup *source, const uint32_t *joined)
 {
-    uint32_t *sorted = model_array(source, source->triangle_count, 3 * sizeof *sorted);
+    uint32_t *sorted = model_alloc(source, source->triangle_count, 3 * sizeof *sorted);
     struct triples set = { .slots = NULL };
     if (!sorted || !triples_init(&set, source, sorted, source->triangle_count)) {
         free(sorted);
         return DPT_E_MEMORY;
     }
-    uint32_t kept = 0;
+    uint32_t kept_count = 0;
     for (uint32_t t = 0; t < source->triangle_count; t++) {
-        uint32_t *corner = model->corners + 3 * (size_t)kept, *key = sorted + 3 * (size_t)kept;
+        uint32_t *corner = model->corners + 3 * (size_t)kept_count,
+                 *key = sorted + 3 * (size_t)kept_count;
         for (int k = 0; k < 3; k++)
             key[k] = corner[k] = joined[source->corners[3 * (size_t)t + (size_t)k]];
         sort3(key);
-        if (has_no_area(source->positions, corner)) {
+        if (is_degenerate(source->positions, corner)) {
             model->places[t] = MESH_DROPPED_DEGENERATE;
             model->dropped_degenerate++;
-        } else if (triples_find(&set, kept) != kept) {
+        } else if (triples_find_or_add(&set, kept_count) != kept_count) {
             model->places[t] = MESH_DROPPED_DUPLICATE;
             model->dropped_duplicate++;
         } else {
-            model->places[t] = kept;
-            model->sources[kept++] = t;
+            model->places[t] = kept_count;
+            model->sources[kept_count++] = t;
         }
     }
-    model->triangle_count = kept;
+    model->triangle_count = kept_count;
     free(sorted);
     free(set.slots);
     return DPT_OK;
@@ -160,19 +167,19 @@ dpt_result model_clean(struct model *model, soup *source)
     size_t triangles = source->triangle_count;
     model->source_triangle_count = (uint32_t)triangles;
     model->source_vertex_count = (uint32_t)source->vertex_count;
-    model->corners = model_array(source, triangles, 3 * sizeof *model->corners);
-    model->sources = model_array(source, triangles, sizeof *model->sources);
-    model->places = model_array(source, triangles, sizeof *model->places);
-    uint32_t *joined = model_array(source, source->vertex_count, sizeof *joined);
+    model->corners = model_alloc(source, triangles, 3 * sizeof *model->corners);
+    model->sources = model_alloc(source, triangles, sizeof *model->sources);
+    model->places = model_alloc(source, triangles, sizeof *model->places);
+    uint32_t *joined = model_alloc(source, source->vertex_count, sizeof *joined);
     dpt_result result = DPT_E_MEMORY;
     if (model->corners && model->sources && model->places && joined) {
-        result = join(model, source, joined);
+        result = join_vertices(model, source, joined);
         if (result == DPT_OK)
-            result = keep(model, source, joined);
+            result = keep_triangles(model, source, joined);
     }
     free(joined);
     if (result == DPT_OK && !model->triangle_count)
-        return soup_fail(source, DPT_E_EMPTY, (source_place){ 0, 0 },
+        return soup_fail(source, DPT_E_EMPTY, (source_location){ 0, 0 },
                          "no triangle with an area: %zu read, %u degenerate", triangles,
                          model->dropped_degenerate);
     return result;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * A part by itself, for questions of the compiler: how often it goes round a point, and whether a triangle meets
- * it. A tree over the part's triangles in their order, which is that of the box tree and so keeps near ones
- * together: sets of 16 triangles, then of 4 sets.
+ * A bounding volume hierarchy over the triangles of one part. The compiler asks it for the part's winding number at a
+ * point, and whether a triangle touches the part. A leaf has 16 triangles, a node 4 children. Triangles are taken in
+ * the order of the box tree, which keeps near ones together.
  */
 #ifndef DPT_COMPILE_CLUSTER_H
 #define DPT_COMPILE_CLUSTER_H
@@ -10,45 +10,48 @@
 #include "compile/model.h"
 #include "compile/moments.h"
 
-#define CLUSTER_LEVELS 16u /* 16 * 4^15 is more than 2^32 triangles */
+#define CLUSTER_LEVELS 16u /* enough: 16 * 4^15 is more than 2^32 triangles */
 
+/* An axis-aligned box, in the mesh's frame, m. */
 struct bounds {
     vec3 low, high;
 };
 
 struct cluster {
     const struct model *model;
-    const uint32_t *triangles; /* borrowed */
+    const uint32_t *triangles; /* by index in the model; borrowed */
     uint32_t triangle_count;
-    uint32_t count
-        [CLUSTER_LEVELS]; /* sets of a level; level 0: of triangles; the last one has a single set */
-    uint32_t first[CLUSTER_LEVELS];
+    uint32_t level_count[CLUSTER_LEVELS]; /* nodes of a level, from the leaves to the root */
+    uint32_t level_first[CLUSTER_LEVELS]; /* index of a level's first node in the arrays below */
     uint32_t levels;
-    struct winding_moment *moments;
-    struct bounds *boxes;
+    struct winding_moment *node_moments;
+    struct bounds *node_boxes;
 };
 
 /*
- * Of triangles of the model, each turned where model->turn says so. DPT_OK or DPT_E_MEMORY, without a diag; free it
- * whatever is returned.
+ * Build a cluster of `count` triangles of the model; a triangle counts as turned where model->is_turned says so.
+ * Returns DPT_OK or DPT_E_MEMORY, and fills no diag. Call cluster_free in either case.
  */
 dpt_result cluster_build(struct cluster *cluster, const struct model *model,
                          const uint32_t *triangles, uint32_t count);
 void cluster_free(struct cluster *cluster);
 
 /*
- * The winding number at x of all but one triangle, DPT_NONE for all; within about 0.01. `work` gets the triangles
- * that were asked one by one added.
+ * The winding number at x of the cluster's triangles without the triangle `excluded` (DPT_NONE: of all). It is off by
+ * about 0.01 at most. The number of triangles that were evaluated one by one is added to *work.
  */
-double cluster_winding(const struct cluster *cluster, vec3 x, uint32_t but, uint64_t *work);
+double cluster_winding(const struct cluster *cluster, vec3 x, uint32_t excluded, uint64_t *work);
 
-/* A triangle of the model comes as near as `reach` to one of the cluster's. */
-int cluster_meets(const struct cluster *cluster, uint32_t triangle, double reach);
+/* Does a triangle of the model come within `distance` (m) of a triangle of the cluster? 0 or 1. */
+int cluster_touches(const struct cluster *cluster, uint32_t triangle, double distance);
 
+/* The corners of a triangle, in its own order; model->is_turned is not applied. */
 void model_corners(const struct model *model, uint32_t triangle, vec3 corners[3]);
 
 struct bounds bounds_of_corners(const vec3 corners[3]);
 struct bounds bounds_join(struct bounds a, struct bounds b);
-int bounds_meet(const struct bounds *a, const struct bounds *b, double reach);
+
+/* Do two boxes meet, or come within `distance` of each other along every axis? 0 or 1. */
+int bounds_meet(const struct bounds *a, const struct bounds *b, double distance);
 
 #endif

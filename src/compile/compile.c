@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The compiler from end to end: read, clean, order, adjacency, intersections, solid, write. */
+/* The compiler from end to end: read, clean, order, adjacency, intersections, solid, normals, write. */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,15 +11,15 @@
 #include "compile/model.h"
 #include "compile/parallel.h"
 
-static const source_place nowhere = { 0, 0 };
+static const source_location nowhere = { 0, 0 };
 
-/* Pi, and its rounding in whatever unit it was asked for. */
+/* Pi in rad, rounded up: a caller's pi may be rounded, or come from 180 degrees. */
 #define CREASE_MAX 3.1415926536
 
-/* Of so many bytes the hash takes a tenth of a millisecond, and is worth a thread. */
+/* Hashing this many bytes takes a tenth of a millisecond: then a thread of its own pays. */
 #define HASH_MIN ((size_t)1 << 17)
 
-/* FNV-1a, 64 bits: names a source, so that a stale .dpa can be told. */
+/* FNV-1a, 64 bits. It identifies the source, so that a stale .dpa can be recognised. */
 static uint64_t hash_of(const void *bytes, size_t size)
 {
     const unsigned char *b = bytes;
@@ -32,33 +32,33 @@ static uint64_t hash_of(const void *bytes, size_t size)
 static dpt_result build(soup *source, uint64_t source_size, uint64_t source_hash, dpt_compiled *out)
 {
     struct model model = { .corners = NULL };
-    dpt_result result = soup_finish(source);
+    dpt_result result = soup_check_corners(source);
     if (result == DPT_OK)
-        result = soup_progress(source, "clean", 0.0);
+        result = soup_report_progress(source, "clean", 0.0);
     if (result == DPT_OK)
         result = model_clean(&model, source);
     if (result == DPT_OK)
-        result = soup_progress(source, "order", 0.0);
+        result = soup_report_progress(source, "order", 0.0);
     if (result == DPT_OK)
         result = model_order(&model, source);
     if (result == DPT_OK)
-        result = soup_progress(source, "adjacency", 0.0);
+        result = soup_report_progress(source, "adjacency", 0.0);
     if (result == DPT_OK)
         result = model_adjacency(&model, source);
     if (result == DPT_OK)
-        result = soup_progress(source, "intersections", 0.0);
+        result = soup_report_progress(source, "intersections", 0.0);
     if (result == DPT_OK)
         result = model_intersections(&model, source);
     if (result == DPT_OK)
-        result = soup_progress(source, "solid", 0.0);
+        result = soup_report_progress(source, "solid", 0.0);
     if (result == DPT_OK)
         result = model_solid(&model, source);
     if (result == DPT_OK)
-        result = soup_progress(source, "normals", 0.0);
+        result = soup_report_progress(source, "normals", 0.0);
     if (result == DPT_OK)
         result = model_normals(&model, source, source->crease);
     if (result == DPT_OK)
-        result = soup_progress(source, "write", 0.0);
+        result = soup_report_progress(source, "write", 0.0);
     if (result == DPT_OK)
         result = model_write(&model, source, source_size, source_hash, out);
     model_free(&model);
@@ -71,15 +71,18 @@ void dpt_compile_def_defaults(dpt_compile_def *def, size_t size)
     sized_defaults(def, size, &defaults, sizeof defaults);
 }
 
-/* What every entry has of its own: the def and the diag as this library knows them. */
-struct call {
+/*
+ * State of one public call. `def` and `diag` are copies in this library's version; the caller's may be older or newer.
+ */
+struct compile_call {
     soup source;
     dpt_compile_def def;
     dpt_diag diag;
 };
 
-static dpt_result enter(struct call *call, const dpt_compile_def *given, dpt_compiled *out,
-                        const dpt_diag *diag)
+/* Check the arguments and fill in `call`. end_call must follow, whatever is returned. */
+static dpt_result begin_call(struct compile_call *call, const dpt_compile_def *given,
+                             dpt_compiled *out, const dpt_diag *diag)
 {
     soup *source = &call->source;
     dpt_compile_def *def = &call->def;
@@ -109,7 +112,8 @@ static dpt_result enter(struct call *call, const dpt_compile_def *given, dpt_com
     return DPT_OK;
 }
 
-static dpt_result leave(struct call *call, dpt_result result, dpt_diag *diag)
+/* Free the soup and write the caller's diag. Returns `result`. */
+static dpt_result end_call(struct compile_call *call, dpt_result result, dpt_diag *diag)
 {
     soup_free(&call->source);
     if (diag && sized_check(diag, sizeof *diag, 0) == DPT_OK)
@@ -117,8 +121,8 @@ static dpt_result leave(struct call *call, dpt_result result, dpt_diag *diag)
     return result;
 }
 
-/* A file's bytes, read and hashed side by side. */
-struct reading {
+/* Reading and hashing a file's bytes: two items of a parallel loop. */
+struct read_job {
     soup *source;
     uint32_t format;
     const unsigned char *bytes;
@@ -129,58 +133,57 @@ struct reading {
 
 static void read_and_hash(void *context, size_t first, size_t end)
 {
-    struct reading *reading = context;
+    struct read_job *job = context;
     if (first == 0)
-        reading->result =
-            read_source(reading->source, reading->format, reading->bytes, reading->size);
+        job->result = read_source(job->source, job->format, job->bytes, job->size);
     if (end == 2)
-        reading->hash = hash_of(reading->bytes, reading->size);
+        job->hash = hash_of(job->bytes, job->size);
 }
 
-static dpt_result compile_bytes(struct call *call, const char *path, const unsigned char *bytes,
-                                size_t size, dpt_compiled *out)
+static dpt_result compile_bytes(struct compile_call *call, const char *path,
+                                const unsigned char *bytes, size_t size, dpt_compiled *out)
 {
     soup *source = &call->source;
     uint32_t format = call->def.format;
     if (format == DPT_FORMAT_AUTO)
         format = source_format(path, bytes, size);
-    DPT_TRY(soup_progress(source, "read", 0.0));
-    struct reading reading = { .source = source, .format = format, .bytes = bytes, .size = size };
-    parallel_for(size < HASH_MIN ? 1 : source->threads, 2, 1, read_and_hash, &reading);
-    DPT_TRY(reading.result);
-    return build(source, size, reading.hash, out);
+    DPT_TRY(soup_report_progress(source, "read", 0.0));
+    struct read_job job = { .source = source, .format = format, .bytes = bytes, .size = size };
+    parallel_for(size < HASH_MIN ? 1 : source->threads, 2, 1, read_and_hash, &job);
+    DPT_TRY(job.result);
+    return build(source, size, job.hash, out);
 }
 
 dpt_result dpt_compile_bytes(const void *bytes, size_t size, const dpt_compile_def *def,
                              dpt_compiled *out, dpt_diag *diag)
 {
-    struct call call;
-    dpt_result result = enter(&call, def, out, diag);
+    struct compile_call call;
+    dpt_result result = begin_call(&call, def, out, diag);
     if (result == DPT_OK && !bytes && size)
         result = soup_fail(&call.source, DPT_E_ARGUMENT, nowhere, "no bytes");
     if (result == DPT_OK)
         result = compile_bytes(&call, NULL, size ? bytes : (const void *)"", size, out);
-    return leave(&call, result, diag);
+    return end_call(&call, result, diag);
 }
 
-/* All of a file, growing as it comes: pipes have no length. */
+/* Read all of a file into a block that grows, because a pipe has no length. The caller frees *bytes. */
 static dpt_result read_all(soup *source, FILE *file, unsigned char **bytes, size_t *size)
 {
-    size_t room = 0;
+    size_t capacity = 0;
     for (;;) {
-        if (*size == room) {
-            size_t more = room ? 2 * room : (size_t)1 << 16;
-            unsigned char *grown = more > room ? realloc(*bytes, more) : NULL;
+        if (*size == capacity) {
+            size_t new_capacity = capacity ? 2 * capacity : (size_t)1 << 16;
+            unsigned char *grown = new_capacity > capacity ? realloc(*bytes, new_capacity) : NULL;
             if (!grown)
                 return soup_fail(source, DPT_E_MEMORY, nowhere, "memory ran out");
             *bytes = grown;
-            room = more;
+            capacity = new_capacity;
         }
-        size_t got = fread(*bytes + *size, 1, room - *size, file);
-        *size += got;
+        size_t read_count = fread(*bytes + *size, 1, capacity - *size, file);
+        *size += read_count;
         if (ferror(file))
             return soup_fail(source, DPT_E_OPEN, nowhere, "it cannot be read: %s", strerror(errno));
-        if (!got)
+        if (!read_count)
             return DPT_OK;
     }
 }
@@ -188,10 +191,10 @@ static dpt_result read_all(soup *source, FILE *file, unsigned char **bytes, size
 dpt_result dpt_compile_file(const char *path, const dpt_compile_def *def, dpt_compiled *out,
                             dpt_diag *diag)
 {
-    struct call call;
+    struct compile_call call;
     unsigned char *bytes = NULL;
     size_t size = 0;
-    dpt_result result = enter(&call, def, out, diag);
+    dpt_result result = begin_call(&call, def, out, diag);
     if (result == DPT_OK && !path)
         result = soup_fail(&call.source, DPT_E_ARGUMENT, nowhere, "no name of a file");
     FILE *file = result == DPT_OK ? fopen(path, "rb") : NULL;
@@ -205,24 +208,25 @@ dpt_result dpt_compile_file(const char *path, const dpt_compile_def *def, dpt_co
     if (file)
         fclose(file);
     free(bytes);
-    return leave(&call, result, diag);
+    return end_call(&call, result, diag);
 }
 
 dpt_result dpt_compile_arrays(const double *vertices, size_t vertex_count, const uint32_t *corners,
                               size_t triangle_count, const dpt_compile_def *def, dpt_compiled *out,
                               dpt_diag *diag)
 {
-    struct call call;
-    dpt_result result = enter(&call, def, out, diag);
+    struct compile_call call;
+    dpt_result result = begin_call(&call, def, out, diag);
     if (result == DPT_OK && ((!vertices && vertex_count) || (!corners && triangle_count)))
         result = soup_fail(&call.source, DPT_E_ARGUMENT, nowhere, "no vertices or no corners");
     for (size_t v = 0; result == DPT_OK && v < vertex_count; v++)
-        result = soup_vertex(&call.source, vertices[3 * v], vertices[3 * v + 1],
-                             vertices[3 * v + 2], (source_place){ 0, 3 * sizeof *vertices * v });
+        result =
+            soup_add_vertex(&call.source, vertices[3 * v], vertices[3 * v + 1], vertices[3 * v + 2],
+                            (source_location){ 0, 3 * sizeof *vertices * v });
     for (size_t t = 0; result == DPT_OK && t < triangle_count; t++)
-        result = soup_polygon(&call.source, corners + 3 * t, 3,
-                              (source_place){ 0, 3 * sizeof *corners * t });
+        result = soup_add_polygon(&call.source, corners + 3 * t, 3,
+                                  (source_location){ 0, 3 * sizeof *corners * t });
     if (result == DPT_OK)
         result = build(&call.source, 0, 0, out);
-    return leave(&call, result, diag);
+    return end_call(&call, result, diag);
 }

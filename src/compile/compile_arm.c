@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * An arm's arrays to the bytes of its file (arm_format.h). What a number may be, the reader alone knows (arm_open.c): it
- * is asked about the bytes, and what it refuses is said in words.
+ * Write the arrays of an arm as the bytes of its file (arm_format.h). Only the reader (arm_open.c) knows the ranges of
+ * the numbers. So the finished bytes are verified with it, and its fault is explained in words.
  */
 #include "arm/arm_format.h"
 #include "base/return_if_error.h"
@@ -10,9 +10,9 @@
 #include "compile/model.h"
 #include "compile/text.h"
 
-static const source_place nowhere = { 0, 0 };
+static const source_location nowhere = { 0, 0 };
 
-/* What is wrong where the reader found something: at this field of a record, or behind it. */
+/* Messages for the reader's faults. One applies from its field to that of the next message of the same record. */
 static const struct reason {
     const char *section;
     size_t field;
@@ -60,7 +60,7 @@ static const char *reason_at(const char *section, size_t field)
     return text;
 }
 
-/* Of record `index`; of a link, its joint's. */
+/* The name of record `index` of a section; for a link, that of its joint. "" if there is none. */
 static const char *name_of(const struct dpt_arm *arm, const char *section, size_t index)
 {
     if (!strcmp(section, "joints"))
@@ -72,8 +72,9 @@ static const char *name_of(const struct dpt_arm *arm, const char *section, size_
     return arm_joints(arm)[arm_links(arm)[index].joint].name;
 }
 
-/* The reader's answer about `arm`, which lies in the host's byte order, in words. */
-static dpt_result refuse(soup *source, const struct dpt_arm *arm, const dpt_mesh_fault *fault)
+/* Fill the diag with the reader's fault, in words. `arm` is the file in the host's byte order. */
+static dpt_result explain_fault(soup *source, const struct dpt_arm *arm,
+                                const dpt_mesh_fault *fault)
 {
     const struct {
         const char *section, *what;
@@ -92,10 +93,10 @@ static dpt_result refuse(soup *source, const struct dpt_arm *arm, const dpt_mesh
         if (byte < bytes) {
             const size_t index = (size_t)byte / records[i].width;
             const char *name = name_of(arm, records[i].section, index);
-            char shown[WORD_SHOWN];
+            char printable[WORD_SHOWN];
             return soup_fail(source, fault->code, nowhere, "%s %zu%s%s: %s", records[i].what, index,
                              *name ? ", " : "",
-                             word_show(&(source_word){ name, name + strlen(name) }, shown),
+                             word_printable(&(source_word){ name, name + strlen(name) }, printable),
                              reason_at(records[i].section, (size_t)byte % records[i].width));
         }
         byte -= bytes;
@@ -103,13 +104,17 @@ static dpt_result refuse(soup *source, const struct dpt_arm *arm, const dpt_mesh
     return soup_fail(source, fault->code, nowhere, "a body's mesh is damaged");
 }
 
-/* Item i of an array of the def's, by the rule of base/sized.h. */
-static dpt_result take(soup *source, const char *what, const void *array, uint32_t i, void *own,
-                       size_t today)
+/*
+ * Copy item i of one of the def's arrays into `own`. The caller's struct may be older or newer than this library's, of
+ * current_size bytes: base/sized.h has the rule.
+ */
+static dpt_result read_item(soup *source, const char *what, const void *array, uint32_t i,
+                            void *own, size_t current_size)
 {
     const uint32_t size = sized_of(array);
     dpt_result result =
-        size % 8 ? DPT_E_SIZE : sized_take(sized_item(array, i), size, today, own, today);
+        size % 8 ? DPT_E_SIZE
+                 : sized_take(sized_item(array, i), size, current_size, own, current_size);
     if (result == DPT_E_UNSUPPORTED)
         return soup_fail(source, result, nowhere, "%s %u: it has fields of a newer version", what,
                          i);
@@ -118,27 +123,27 @@ static dpt_result take(soup *source, const char *what, const void *array, uint32
     return DPT_OK;
 }
 
-static dpt_result take_joint(soup *source, const dpt_arm_def *def, uint32_t i, dpt_arm_joint *joint)
+static dpt_result read_joint(soup *source, const dpt_arm_def *def, uint32_t i, dpt_arm_joint *joint)
 {
-    return take(source, "joint", def->joints, i, joint, sizeof *joint);
+    return read_item(source, "joint", def->joints, i, joint, sizeof *joint);
 }
 
-static dpt_result take_link(soup *source, const dpt_arm_def *def, uint32_t i, dpt_arm_link *link)
+static dpt_result read_link(soup *source, const dpt_arm_def *def, uint32_t i, dpt_arm_link *link)
 {
-    return take(source, "link", def->links, i, link, sizeof *link);
+    return read_item(source, "link", def->links, i, link, sizeof *link);
 }
 
-static dpt_result take_body(soup *source, const dpt_arm_def *def, uint32_t i, dpt_arm_body *body)
+static dpt_result read_body(soup *source, const dpt_arm_def *def, uint32_t i, dpt_arm_body *body)
 {
-    return take(source, "body", def->bodies, i, body, sizeof *body);
+    return read_item(source, "body", def->bodies, i, body, sizeof *body);
 }
 
-/* The counts, and what lies behind the pointers as far as its sizes tell. */
+/* Check the counts, the pointers to the arrays, and each body's size and mesh. */
 static dpt_result check_def(soup *source, const dpt_arm_def *def)
 {
     const struct {
         const char *what;
-        uint32_t count, least, most;
+        uint32_t count, min, max;
         const void *array;
     } arrays[] = {
         { "joints", def->joint_count, 1, DPT_JOINTS_MAX, def->joints },
@@ -147,22 +152,22 @@ static dpt_result check_def(soup *source, const dpt_arm_def *def)
         { "bodies", def->body_count, 0, DPT_ARM_BODIES_MAX, def->bodies },
     };
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++) {
-        if (arrays[i].count < arrays[i].least || arrays[i].count > arrays[i].most)
+        if (arrays[i].count < arrays[i].min || arrays[i].count > arrays[i].max)
             return soup_fail(source, DPT_E_LIMIT, nowhere, "%u %s: an arm has %u to %u",
-                             arrays[i].count, arrays[i].what, arrays[i].least, arrays[i].most);
+                             arrays[i].count, arrays[i].what, arrays[i].min, arrays[i].max);
         if (arrays[i].count && !arrays[i].array)
             return soup_fail(source, DPT_E_ARGUMENT, nowhere, "no array of %s", arrays[i].what);
     }
     for (uint32_t i = 0; i < def->body_count; i++) {
         dpt_arm_body body;
-        DPT_TRY(take_body(source, def, i, &body));
+        DPT_TRY(read_body(source, def, i, &body));
         if (!body.mesh)
             return soup_fail(source, DPT_E_ARGUMENT, nowhere, "body %u: it has no mesh", i);
     }
     return DPT_OK;
 }
 
-/* Zeros behind it, as the file has it; 0 when it is too long. */
+/* Copy a name, and fill the rest with zeros. Returns 0 if the name is too long. */
 static int put_name(char to[DPT_ARM_NAME], const char *name)
 {
     size_t length = 0;
@@ -174,13 +179,13 @@ static int put_name(char to[DPT_ARM_NAME], const char *name)
     return length < DPT_ARM_NAME;
 }
 
-static dpt_result name_too_long(soup *source, const char *what, uint32_t index)
+static dpt_result fail_name_length(soup *source, const char *what, uint32_t index)
 {
     return soup_fail(source, DPT_E_LIMIT, nowhere, "%s %u: its name has more than %d bytes", what,
                      index, DPT_ARM_NAME - 1);
 }
 
-/* To unit length what is so within 1e-6; the reader refuses the rest. */
+/* Scale a vector to unit length if it is so within 1e-6. The reader refuses any other. */
 static void make_unit(double *number, int count)
 {
     double square = 0.0;
@@ -199,7 +204,7 @@ static dpt_result put_records(soup *source, const dpt_arm_def *def, struct dpt_a
     uint64_t end = arm_records_end(arm);
     for (uint32_t i = 0; i < arm->joints; i++) {
         dpt_arm_joint from;
-        DPT_TRY(take_joint(source, def, i, &from));
+        DPT_TRY(read_joint(source, def, i, &from));
         joints[i] = (struct arm_joint){ .bytes = sizeof *joints,
                                         .kind = from.kind,
                                         .lower = from.lower,
@@ -209,11 +214,11 @@ static dpt_result put_records(soup *source, const dpt_arm_def *def, struct dpt_a
                                         .damping = from.damping,
                                         .friction = from.friction };
         if (!put_name(joints[i].name, from.name))
-            return name_too_long(source, "joint", i);
+            return fail_name_length(source, "joint", i);
     }
     for (uint32_t i = 0; i < arm->links; i++) {
         dpt_arm_link from;
-        DPT_TRY(take_link(source, def, i, &from));
+        DPT_TRY(read_link(source, def, i, &from));
         links[i] = (struct arm_link){ .bytes = sizeof *links,
                                       .parent = from.parent,
                                       .joint = from.joint,
@@ -231,14 +236,14 @@ static dpt_result put_records(soup *source, const dpt_arm_def *def, struct dpt_a
         memcpy(segments, def->segments, arm->segments * sizeof *segments);
     for (uint32_t i = 0; i < arm->bodies; i++) {
         dpt_arm_body from;
-        DPT_TRY(take_body(source, def, i, &from));
+        DPT_TRY(read_body(source, def, i, &from));
         const struct dpt_mesh *mesh = from.mesh;
         bodies[i].mesh_offset = mesh_aligned(end);
         bodies[i].mesh_bytes = mesh->bytes;
         bodies[i].pose = from.pose;
         make_unit(bodies[i].pose.orientation, 4);
         if (!put_name(bodies[i].name, from.name))
-            return name_too_long(source, "body", i);
+            return fail_name_length(source, "body", i);
         memcpy((char *)arm + bodies[i].mesh_offset, mesh, (size_t)mesh->bytes);
         end = bodies[i].mesh_offset + mesh->bytes;
     }
@@ -268,14 +273,14 @@ static dpt_result put_header(soup *source, const dpt_arm_def *def, struct dpt_ar
     arm->bytes = arm_records_end(arm);
     for (uint32_t i = 0; i < arm->bodies; i++) {
         dpt_arm_body body;
-        DPT_TRY(take_body(source, def, i, &body));
+        DPT_TRY(read_body(source, def, i, &body));
         arm->bytes = mesh_aligned(arm->bytes) + body.mesh->bytes;
     }
     return DPT_OK;
 }
 
-/* A mesh in the host's byte order to the file's, where they differ. */
-static void turn_mesh(struct dpt_mesh *mesh)
+/* Convert a mesh to little-endian, on a big-endian host. */
+static void mesh_to_file_order(struct dpt_mesh *mesh)
 {
     const uint32_t version = mesh->version, header_bytes = mesh->header_bytes;
     struct crc32 crc;
@@ -292,12 +297,12 @@ static void turn_mesh(struct dpt_mesh *mesh)
     mesh_swap4(&mesh->header_crc32, 1);
 }
 
-/* All of it, likewise. */
-static void turn_arm(struct dpt_arm *arm)
+/* Convert the whole file to little-endian, on a big-endian host. */
+static void arm_to_file_order(struct dpt_arm *arm)
 {
     const struct dpt_arm header = *arm;
     for (uint32_t i = 0; i < header.bodies; i++)
-        turn_mesh((void *)((char *)arm + arm_bodies(arm)[i].mesh_offset));
+        mesh_to_file_order((void *)((char *)arm + arm_bodies(arm)[i].mesh_offset));
     arm_swap_records(&header, arm);
     arm_swap_header(arm);
     arm->crc32 = arm_crc(arm, (size_t)header.bytes);
@@ -319,13 +324,14 @@ static dpt_result compile_arm(soup *source, const dpt_arm_def *def, dpt_compiled
     DPT_TRY(put_records(source, def, arm));
     arm->crc32 = arm_crc(arm, out->size);
     if (dpt_arm_verify(arm, out->size, &fault) != DPT_OK)
-        return refuse(source, arm, &fault);
+        return explain_fault(source, arm, &fault);
     if (!mesh_host_is_little())
-        turn_arm(arm);
+        arm_to_file_order(arm);
     return DPT_OK;
 }
 
-static dpt_result enter(soup *source, const dpt_arm_def *given, dpt_arm_def *def, dpt_compiled *out)
+static dpt_result check_call(soup *source, const dpt_arm_def *given, dpt_arm_def *def,
+                             dpt_compiled *out)
 {
     if (!out)
         return soup_fail(source, DPT_E_ARGUMENT, nowhere, "no place for the bytes");
@@ -351,7 +357,7 @@ dpt_result dpt_compile_arm(const dpt_arm_def *given, dpt_compiled *out, dpt_diag
     if (diag)
         DPT_TRY(sized_check(diag, sizeof *diag, 0));
     soup_init(&source, NULL, &own);
-    dpt_result result = enter(&source, given, &def, out);
+    dpt_result result = check_call(&source, given, &def, out);
     if (result == DPT_OK)
         result = compile_arm(&source, &def, out);
     if (result != DPT_OK)

@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * A set of triangles as it is seen from afar: the multipoles of the winding number up to the octupole, and
- * what bounds the rest (docs/algorithms/winding.md). Full symmetric tensors, so that sets can be joined.
+ * Winding-number moments of a set of triangles: the multipoles up to the octupole, and what bounds the remainder
+ * (docs/algorithms/winding.md). The tensors are full and symmetric, so that sets can be joined.
+ *
+ * In the frame of the triangles given. u is the offset of a surface point from the centroid, n the unit normal there;
+ * integrals are over the area.
  */
 #ifndef DPT_COMPILE_MOMENTS_H
 #define DPT_COMPILE_MOMENTS_H
@@ -9,32 +12,32 @@
 #include "base/vec3.h"
 
 struct winding_moment {
-    vec3 normal;    /* sum of the area vectors */
-    vec3 at;        /* area-weighted centroid; what follows is about it */
-    double area;    /* 0: an empty set, and all else is 0 */
-    double quad[6]; /* integral of n u: xx, yy, zz, xy, xz, yz */
-    double oct[10]; /* of n u u: xxx, yyy, zzz, xxy, xxz, yyx, yyz, zzx, zzy, xyz */
-    double radius;  /* the largest |u|, or more */
+    vec3 area_vector; /* integral of n */
+    vec3 centroid;    /* weighted by area */
+    double area;      /* 0: the set is empty, and all other fields are 0 */
+    double quad[6];   /* integral of n u: xx, yy, zz, xy, xz, yz */
+    double oct[10];   /* integral of n u u: xxx, yyy, zzz, xxy, xxz, yyx, yyz, zzx, zzy, xyz */
+    double radius;    /* at least the largest |u| */
 
-    /* Of the area alone, whatever its direction. */
-    double second[6]; /* of u u, as quad */
-    double third[3];  /* of u (u.u) */
-    double fourth;    /* of (u.u)^2 */
+    /* Without the normal: for the bound of the remainder. */
+    double second[6]; /* integral of u u, in the order of quad */
+    double third[3];  /* integral of u (u.u) */
+    double fourth;    /* at least the integral of (u.u)^2 */
 };
 
-/* One triangle, its area vector to the side that it is seen from counter-clockwise. */
+/* The moments of one triangle. Its normal points to the side from which a, b, c run counter-clockwise. */
 struct winding_moment moment_of_triangle(vec3 a, vec3 b, vec3 c);
 
-/* Several sets as one. */
+/* The moments of several sets together. */
 struct winding_moment moment_of_sets(const struct winding_moment *sets, uint32_t count);
 
 /*
- * What a set adds to the winding number at x, and by how much that may be wrong: `error` is infinite where x is
- * within the radius.
+ * What a set adds to the winding number at x, by its moments. *error becomes the bound of the error; it is infinite if
+ * x is within `radius` of the centroid.
  */
 double moment_winding(const struct winding_moment *moment, vec3 x, double *error);
 
-/* Into a lane of a block of MESH_MOMENT_ROWS rows of 16, `block` at the lane. */
-void moment_put(const struct winding_moment *moment, float *block);
+/* Store the moments in one lane of a block of MESH_MOMENT_ROWS rows of 16. `block` points to that lane of row 0. */
+void moment_store(const struct winding_moment *moment, float *block);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * What a tick would have to walk a vertex's triangles for: its normal, and which of its edges are borders or creases.
- * Linear in the triangles.
+ * Vertex normals, and flags for border, non-manifold and crease edges. Stored in the file, they spare a tick the walk
+ * over a vertex's triangles. Time is linear in the triangles.
  */
 #include <stdlib.h>
 
@@ -10,32 +10,36 @@
 #include "compile/parallel.h"
 #include "mesh/mesh_format.h"
 
-/* A sum of normals that is shorter than this, per angle of its triangles, tells no direction. */
+/* A sum of angle-weighted normals has no usable direction if it is shorter than this times the sum of the angles. */
 #define NORMAL_MIN 0x1p-20
 
 struct normals {
     struct model *model;
-    vec3 *faces;    /* unit normals of the triangles */
-    double *angles; /* of their corners */
-    uint8_t *edges; /* of a vertex: DPT_EDGE_... that meet there */
-    double cosine;  /* of the crease */
+    vec3 *face_normals;    /* of each triangle, unit */
+    double *corner_angles; /* 3 per triangle, rad */
+    uint8_t *vertex_edges; /* of each vertex: DPT_EDGE_... of all edges there */
+    double cosine;         /* of the crease angle */
 };
 
 static void measure_faces(void *context, size_t first, size_t end)
 {
-    const struct normals *all = context;
+    const struct normals *work = context;
     for (size_t t = first; t < end; t++) {
         vec3 c[3], edge[3];
-        model_corners(all->model, (uint32_t)t, c);
-        all->faces[t] = unit_of(cross(sub(c[1], c[0]), sub(c[2], c[0])));
+        model_corners(work->model, (uint32_t)t, c);
+        work->face_normals[t] = unit_of(cross(sub(c[1], c[0]), sub(c[2], c[0])));
         for (int k = 0; k < 3; k++)
             edge[k] = unit_of(sub(c[(k + 1) % 3], c[k]));
         for (size_t k = 0; k < 3; k++)
-            all->angles[3 * t + k] = angle_between(edge[k], scaled(edge[(k + 2) % 3], -1.0));
+            work->corner_angles[3 * t + k] =
+                angle_between(edge[k], scaled(edge[(k + 2) % 3], -1.0));
     }
 }
 
-/* Of 0..pi, by the series of an eighth of it: the same bits on every machine. */
+/*
+ * The cosine of 0..pi rad, with the same bits on every machine: the series at an eighth of the angle, doubled three
+ * times.
+ */
 static double cosine_of(double angle)
 {
     double x = angle / 8.0, x2 = x * x, cosine = 1.0;
@@ -46,39 +50,42 @@ static double cosine_of(double angle)
     return cosine;
 }
 
-/* Do they meet at more than the limit? Of two that are wound against each other the one counts as turned. */
-static int is_crease(const struct normals *all, uint32_t half)
+/*
+ * Do the normals of a half-edge's triangle and its neighbour differ by more than the crease angle? If the two are wound
+ * against each other, one of them counts as turned.
+ */
+static int is_crease(const struct normals *work, uint32_t half)
 {
-    uint32_t n = all->model->neighbours[half];
-    double both = dot(all->faces[half / 3], all->faces[n]);
-    return (model_wound_against(all->model, half, n) ? -both : both) < all->cosine;
+    uint32_t n = work->model->neighbours[half];
+    double cosine = dot(work->face_normals[half / 3], work->face_normals[n]);
+    return (model_is_wound_against(work->model, half, n) ? -cosine : cosine) < work->cosine;
 }
 
 static void flag_edges(void *context, size_t first, size_t end)
 {
-    const struct normals *all = context;
+    const struct normals *work = context;
     for (size_t t = first; t < end; t++) {
         uint32_t flags = 0;
         for (uint32_t k = 0; k < 3; k++) {
-            uint32_t half = 3 * (uint32_t)t + k, n = all->model->neighbours[half], edge = 0;
+            uint32_t half = 3 * (uint32_t)t + k, n = work->model->neighbours[half], edge = 0;
             if (n == MESH_EDGE_OPEN)
                 edge = DPT_EDGE_BORDER;
             else if (n == MESH_EDGE_MANY)
                 edge = DPT_EDGE_NONMANIFOLD;
-            else if (is_crease(all, half))
+            else if (is_crease(work, half))
                 edge = DPT_EDGE_CREASE;
             flags |= edge << k;
         }
-        all->model->flags[t] = flags;
+        work->model->flags[t] = flags;
     }
 }
 
-/* A vertex's normal from its triangles, in the order of the fan; none where parts share it. */
+/* Sum up the normal of each vertex over its triangles, in the order of the fan. It is 0 where several parts meet. */
 static void add_normals(void *context, size_t first, size_t end)
 {
     const uint32_t edge_bits = DPT_EDGE_BORDER | DPT_EDGE_NONMANIFOLD | DPT_EDGE_CREASE;
-    const struct normals *all = context;
-    const struct model *model = all->model;
+    const struct normals *work = context;
+    const struct model *model = work->model;
     for (size_t v = first; v < end; v++) {
         const uint32_t *fan = model->fans + model->fan_first[v];
         const uint32_t *fan_end = model->fans + model->fan_first[v + 1];
@@ -86,36 +93,38 @@ static void add_normals(void *context, size_t first, size_t end)
         vec3 sum = { 0.0, 0.0, 0.0 };
         double angles = 0.0;
         uint32_t edges = 0;
-        int shared = 0;
+        int is_shared = 0;
         for (; fan < fan_end; fan++) {
             const uint32_t *corner = model->corners + 3 * (size_t)*fan;
             uint32_t k = corner[0] == v ? 0 : corner[1] == v ? 1 : 2;
-            double angle = all->angles[3 * (size_t)*fan + k];
-            sum = along(sum, angle, all->faces[*fan]);
+            double angle = work->corner_angles[3 * (size_t)*fan + k];
+            sum = along(sum, angle, work->face_normals[*fan]);
             angles += angle;
             edges |= model->flags[*fan] >> k | model->flags[*fan] >> (k + 2) % 3;
-            shared |= model->part_of[*fan] != part;
+            is_shared |= model->part_of[*fan] != part;
         }
-        int none = shared || !(length(sum) > NORMAL_MIN * angles);
-        vec3 n = none ? (vec3){ 0.0, 0.0, 0.0 } : unit_of(sum);
-        all->edges[v] = (uint8_t)(edges & edge_bits);
+        int has_no_normal = is_shared || !(length(sum) > NORMAL_MIN * angles);
+        vec3 n = has_no_normal ? (vec3){ 0.0, 0.0, 0.0 } : unit_of(sum);
+        work->vertex_edges[v] = (uint8_t)(edges & edge_bits);
         model->normals[3 * v] = (float)n.x;
         model->normals[3 * v + 1] = (float)n.y;
         model->normals[3 * v + 2] = (float)n.z;
     }
 }
 
-/* A corner's bit is as far from its edge's as DPT_CORNER_BORDER from DPT_EDGE_BORDER. */
+/* The bit of a corner is that of an edge times DPT_CORNER_BORDER / DPT_EDGE_BORDER, for all three kinds. */
 static void flag_corners(void *context, size_t first, size_t end)
 {
     const uint32_t corner = DPT_CORNER_BORDER / DPT_EDGE_BORDER;
-    const struct normals *all = context;
+    const struct normals *work = context;
     for (size_t t = first; t < end; t++)
         for (uint32_t k = 0; k < 3; k++)
-            all->model->flags[t] |= all->edges[all->model->corners[3 * t + k]] * corner << k;
+            work->model->flags[t] |= work->vertex_edges[work->model->corners[3 * t + k]] * corner
+                                     << k;
 }
 
-static void count_found(struct model *model)
+/* Count creases, once for each pair of triangles, and vertices without a normal. */
+static void count_results(struct model *model)
 {
     for (uint32_t half = 0; half < 3 * model->triangle_count; half++)
         model->crease_edges += (model->flags[half / 3] >> half % 3 & DPT_EDGE_CREASE) != 0 &&
@@ -129,25 +138,26 @@ static void count_found(struct model *model)
 dpt_result model_normals(struct model *model, soup *source, double crease)
 {
     const uint32_t threads = source->threads, triangles = model->triangle_count;
-    struct normals all = { .model = model };
-    all.faces = model_array(source, triangles, sizeof *all.faces);
-    all.angles = model_array(source, triangles, 3 * sizeof *all.angles);
-    all.edges = model_array(source, model->vertex_count, sizeof *all.edges);
-    all.cosine = crease < 0.5 * ANGLE_TURN ? cosine_of(crease) : -2.0;
-    model->flags = model_array(source, triangles, sizeof *model->flags);
-    model->normals = model_array(source, model->vertex_count, 3 * sizeof *model->normals);
+    struct normals work = { .model = model };
+    work.face_normals = model_alloc(source, triangles, sizeof *work.face_normals);
+    work.corner_angles = model_alloc(source, triangles, 3 * sizeof *work.corner_angles);
+    work.vertex_edges = model_alloc(source, model->vertex_count, sizeof *work.vertex_edges);
+    work.cosine = crease < 0.5 * ANGLE_TURN ? cosine_of(crease) : -2.0;
+    model->flags = model_alloc(source, triangles, sizeof *model->flags);
+    model->normals = model_alloc(source, model->vertex_count, 3 * sizeof *model->normals);
     dpt_result result = DPT_E_MEMORY;
     model->crease = crease;
-    if (all.faces && all.angles && all.edges && model->flags && model->normals) {
-        parallel_for(threads, triangles, PARALLEL_MIN, measure_faces, &all);
-        parallel_for(threads, triangles, PARALLEL_MIN, flag_edges, &all);
-        parallel_for(threads, model->vertex_count, PARALLEL_MIN, add_normals, &all);
-        parallel_for(threads, triangles, PARALLEL_MIN, flag_corners, &all);
-        count_found(model);
+    if (work.face_normals && work.corner_angles && work.vertex_edges && model->flags &&
+        model->normals) {
+        parallel_for(threads, triangles, PARALLEL_MIN, measure_faces, &work);
+        parallel_for(threads, triangles, PARALLEL_MIN, flag_edges, &work);
+        parallel_for(threads, model->vertex_count, PARALLEL_MIN, add_normals, &work);
+        parallel_for(threads, triangles, PARALLEL_MIN, flag_corners, &work);
+        count_results(model);
         result = DPT_OK;
     }
-    free(all.faces);
-    free(all.angles);
-    free(all.edges);
+    free(work.face_normals);
+    free(work.corner_angles);
+    free(work.vertex_edges);
     return result;
 }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The order of the triangles is the tree: leaf k holds triangles 16 k to 16 k + 15, its parent the
- * leaves 16 j to 16 j + 15, and so on. So a cut between two subtrees may fall only at a multiple of the
- * smaller one's capacity, and every node but the last of a level is full.
+ * The order of the triangles defines the box tree: leaf k holds triangles 16 k to 16 k + 15, node j of the next level
+ * holds leaves 16 j to 16 j + 15, and so on. Every node but the last of a level is full. So triangles may be split into
+ * two subtrees only at a multiple of the capacity of the next lower level.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -13,26 +13,30 @@
 #include "compile/parallel.h"
 
 struct item {
-    float centre[3]; /* sum of the corners: three times the centroid */
-    uint32_t triangle;
+    float corner_sum[3]; /* three times the centroid */
+    uint32_t triangle;   /* its index before the ordering */
 };
 
-/* Of one thread. The pivots start anew below subtrees of so many: whoever orders them draws the same. */
+/*
+ * A range of at least this many items may be shared between threads. Both of its halves then restart the random pivots
+ * from SEED, so that the result does not depend on the threads.
+ */
 #define FORK_MIN ((size_t)2 * PARALLEL_MIN)
 #define SEED     1u
 
+/* The state of one thread. */
 struct ordering {
     struct item *items;
-    soup *source; /* to tell progress; NULL in a thread that is not the caller's */
-    size_t total; /* of which it tells progress */
+    soup *source; /* for the progress callback; NULL in threads other than the caller's */
+    size_t total; /* items of this thread: done / total is the progress */
     size_t done;
-    uint64_t random;
-    uint32_t threads;
+    uint64_t random;  /* state of the pivots' generator */
+    uint32_t threads; /* that may order the current range */
 };
 
-static int before(const struct item *a, const struct item *b, int axis)
+static int comes_before(const struct item *a, const struct item *b, int axis)
 {
-    float x = a->centre[axis], y = b->centre[axis];
+    float x = a->corner_sum[axis], y = b->corner_sum[axis];
     return x < y || (x == y && a->triangle < b->triangle);
 }
 
@@ -43,7 +47,7 @@ static void swap(struct item *a, struct item *b)
     *b = t;
 }
 
-/* Put the `rank` least items of first..end in front: quickselect with pivots drawn from a fixed seed. */
+/* Move the `rank` smallest items along `axis` to the front of first..end. Quickselect with pivots from a fixed seed. */
 static void select_rank(struct ordering *order, size_t first, size_t end, size_t rank, int axis)
 {
     struct item *items = order->items;
@@ -53,9 +57,9 @@ static void select_rank(struct ordering *order, size_t first, size_t end, size_t
         struct item pivot = items[first + (size_t)(order->random >> 33) % (end - first)];
         size_t low = first, high = end - 1;
         while (low <= high) {
-            while (before(&items[low], &pivot, axis))
+            while (comes_before(&items[low], &pivot, axis))
                 low++;
-            while (before(&pivot, &items[high], axis))
+            while (comes_before(&pivot, &items[high], axis))
                 high--;
             if (low <= high) {
                 swap(&items[low++], &items[high]);
@@ -75,11 +79,11 @@ static void select_rank(struct ordering *order, size_t first, size_t end, size_t
 static int widest_axis(const struct item *items, size_t count)
 {
     float low[3], high[3];
-    memcpy(low, items[0].centre, sizeof low);
-    memcpy(high, items[0].centre, sizeof high);
+    memcpy(low, items[0].corner_sum, sizeof low);
+    memcpy(high, items[0].corner_sum, sizeof high);
     for (size_t i = 1; i < count; i++)
         for (int k = 0; k < 3; k++) {
-            float c = items[i].centre[k];
+            float c = items[i].corner_sum[k];
             low[k] = c < low[k] ? c : low[k];
             high[k] = c > high[k] ? c : high[k];
         }
@@ -90,18 +94,20 @@ static int widest_axis(const struct item *items, size_t count)
     return axis;
 }
 
-static dpt_result leaf_done(struct ordering *order, size_t count)
+/* Count the items of a leaf as done. Report progress about once in 65,536 items. */
+static dpt_result finish_leaf(struct ordering *order, size_t count)
 {
-    size_t before_this = order->done >> 16;
+    size_t reported = order->done >> 16;
     order->done += count;
-    if (!order->source || order->done >> 16 == before_this)
+    if (!order->source || order->done >> 16 == reported)
         return DPT_OK;
-    return soup_progress(order->source, "order", (double)order->done / (double)order->total);
+    return soup_report_progress(order->source, "order", (double)order->done / (double)order->total);
 }
 
 static dpt_result split(struct ordering *order, size_t first, size_t count, size_t capacity);
 
-struct half {
+/* One half of a range, as an item of a parallel loop. */
+struct split_job {
     struct ordering order;
     size_t first, count, capacity;
     dpt_result result;
@@ -109,42 +115,45 @@ struct half {
 
 static void split_half(void *context, size_t first, size_t end)
 {
-    struct half *half = context;
+    struct split_job *jobs = context;
     for (size_t i = first; i < end; i++) {
-        struct ordering order = half[i].order;
-        half[i].result = split(&order, half[i].first, half[i].count, half[i].capacity);
+        struct ordering order = jobs[i].order;
+        jobs[i].result = split(&order, jobs[i].first, jobs[i].count, jobs[i].capacity);
     }
 }
 
-/* Both halves of first..first + left + right, side by side where each gets a thread by its share of the items. */
+/*
+ * Split both halves of first..first + left + right further. They get threads in proportion to their items, and run in
+ * parallel if the right half gets at least one.
+ */
 static dpt_result split_large(struct ordering *order, size_t first, size_t left, size_t right,
                               size_t capacity)
 {
     const uint32_t threads = order->threads;
     uint64_t share = ((uint64_t)threads * right + (left + right) / 2) / (left + right);
-    uint32_t others = share < threads ? (uint32_t)share : threads - 1;
+    uint32_t right_threads = share < threads ? (uint32_t)share : threads - 1;
     order->random = SEED;
-    if (others == 0) {
+    if (right_threads == 0) {
         DPT_TRY(split(order, first, left, capacity));
         order->random = SEED;
         return split(order, first + left, right, capacity);
     }
-    struct half half[2] = { { *order, first, left, capacity, DPT_OK },
-                            { *order, first + left, right, capacity, DPT_OK } };
-    half[0].order.threads = threads - others;
-    half[0].order.total -= right;
-    half[1].order.threads = others;
-    half[1].order.source = NULL;
-    parallel_for(2, 2, 1, split_half, half);
+    struct split_job jobs[2] = { { *order, first, left, capacity, DPT_OK },
+                                 { *order, first + left, right, capacity, DPT_OK } };
+    jobs[0].order.threads = threads - right_threads;
+    jobs[0].order.total -= right;
+    jobs[1].order.threads = right_threads;
+    jobs[1].order.source = NULL;
+    parallel_for(2, 2, 1, split_half, jobs);
     order->done += left + right;
-    return half[0].result;
+    return jobs[0].result;
 }
 
-/* Order first..first + count, whose subtrees hold `capacity` triangles each. */
+/* Order first..first + count. `capacity` is that of a node of the level below, or of a higher one. */
 static dpt_result split(struct ordering *order, size_t first, size_t count, size_t capacity)
 {
     if (count <= LANES)
-        return leaf_done(order, count);
+        return finish_leaf(order, count);
     while (count <= capacity)
         capacity /= LANES;
     size_t subtrees = (count + capacity - 1) / capacity;
@@ -156,7 +165,7 @@ static dpt_result split(struct ordering *order, size_t first, size_t count, size
     return split(order, first + left, count - left, capacity);
 }
 
-static void take_items(const struct model *model, const float *positions, struct item *items)
+static void fill_items(const struct model *model, const float *positions, struct item *items)
 {
     for (uint32_t t = 0; t < model->triangle_count; t++) {
         const uint32_t *corner = model->corners + 3 * (size_t)t;
@@ -164,13 +173,13 @@ static void take_items(const struct model *model, const float *positions, struct
         const float *b = positions + 3 * (size_t)corner[1];
         const float *c = positions + 3 * (size_t)corner[2];
         for (int k = 0; k < 3; k++)
-            items[t].centre[k] = a[k] + b[k] + c[k];
+            items[t].corner_sum[k] = a[k] + b[k] + c[k];
         items[t].triangle = t;
     }
 }
 
-/* Corners and sources on their way to the new order. */
-struct permuting {
+/* The new arrays, and what they are filled from. */
+struct permutation {
     const struct model *model;
     const struct item *items;
     uint32_t *corners, *sources;
@@ -178,7 +187,7 @@ struct permuting {
 
 static void permute_triangles(void *context, size_t first, size_t end)
 {
-    const struct permuting *to = context;
+    const struct permutation *to = context;
     for (size_t t = first; t < end; t++) {
         size_t from = to->items[t].triangle;
         memcpy(to->corners + 3 * t, to->model->corners + 3 * from, 3 * sizeof *to->corners);
@@ -189,9 +198,9 @@ static void permute_triangles(void *context, size_t first, size_t end)
 
 static dpt_result permute(struct model *model, soup *source, const struct item *items)
 {
-    struct permuting to = { .model = model, .items = items };
-    to.corners = model_array(source, model->triangle_count, 3 * sizeof *to.corners);
-    to.sources = model_array(source, model->triangle_count, sizeof *to.sources);
+    struct permutation to = { .model = model, .items = items };
+    to.corners = model_alloc(source, model->triangle_count, 3 * sizeof *to.corners);
+    to.sources = model_alloc(source, model->triangle_count, sizeof *to.sources);
     if (!to.corners || !to.sources) {
         free(to.corners);
         free(to.sources);
@@ -205,24 +214,27 @@ static dpt_result permute(struct model *model, soup *source, const struct item *
     return DPT_OK;
 }
 
-/* Vertices in the order of their first use, for locality. `number` has a word a source vertex. */
-static dpt_result take_vertices(struct model *model, soup *source, uint32_t *number)
+/*
+ * Number the vertices in the order of their first use, for locality, and copy their positions. `vertex_number` is
+ * scratch of one word for each vertex of the source.
+ */
+static dpt_result number_vertices(struct model *model, soup *source, uint32_t *vertex_number)
 {
-    memset(number, 0xff, source->vertex_count * sizeof *number);
+    memset(vertex_number, 0xff, source->vertex_count * sizeof *vertex_number);
     uint32_t count = 0;
     for (size_t c = 0; c < 3 * (size_t)model->triangle_count; c++) {
         uint32_t v = model->corners[c];
-        if (number[v] == DPT_NONE)
-            number[v] = count++;
-        model->corners[c] = number[v];
+        if (vertex_number[v] == DPT_NONE)
+            vertex_number[v] = count++;
+        model->corners[c] = vertex_number[v];
     }
     model->vertex_count = count;
-    model->positions = model_array(source, count, 3 * sizeof *model->positions);
+    model->positions = model_alloc(source, count, 3 * sizeof *model->positions);
     if (!model->positions)
         return DPT_E_MEMORY;
     for (size_t v = 0; v < source->vertex_count; v++)
-        if (number[v] != DPT_NONE)
-            memcpy(model->positions + 3 * (size_t)number[v], source->positions + 3 * v,
+        if (vertex_number[v] != DPT_NONE)
+            memcpy(model->positions + 3 * (size_t)vertex_number[v], source->positions + 3 * v,
                    3 * sizeof *model->positions);
     return DPT_OK;
 }
@@ -230,10 +242,10 @@ static dpt_result take_vertices(struct model *model, soup *source, uint32_t *num
 dpt_result model_order(struct model *model, soup *source)
 {
     size_t count = model->triangle_count;
-    struct item *items = model_array(source, count, sizeof *items);
-    uint32_t *number = model_array(source, source->vertex_count, sizeof *number);
+    struct item *items = model_alloc(source, count, sizeof *items);
+    uint32_t *vertex_number = model_alloc(source, source->vertex_count, sizeof *vertex_number);
     dpt_result result = DPT_E_MEMORY;
-    if (items && number) {
+    if (items && vertex_number) {
         size_t capacity = LANES;
         while (capacity < count)
             capacity *= LANES;
@@ -242,14 +254,14 @@ dpt_result model_order(struct model *model, soup *source)
                                   .total = count,
                                   .random = SEED,
                                   .threads = source->threads };
-        take_items(model, source->positions, items);
+        fill_items(model, source->positions, items);
         result = split(&order, 0, count, capacity);
         if (result == DPT_OK)
             result = permute(model, source, items);
         if (result == DPT_OK)
-            result = take_vertices(model, source, number);
+            result = number_vertices(model, source, vertex_number);
     }
     free(items);
-    free(number);
+    free(vertex_number);
     return result;
 }

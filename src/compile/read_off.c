@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * OFF, as text: a header word, the counts, then a line for each vertex and each face. What follows
- * the coordinates of a vertex or the corners of a face (normals, colours, texture) is skipped.
+ * OFF as text: a header word, the counts, then a line for each vertex and each face. Everything after the coordinates
+ * of a vertex or the corners of a face (normals, colours, texture) is skipped.
  */
 #include <inttypes.h>
 #include <string.h>
@@ -19,19 +19,19 @@ typedef struct off_reader {
 
 static dpt_result refuse_header(off_reader *reader, const char *reason)
 {
-    return soup_fail(reader->source, DPT_E_FORMAT, text_place(&reader->text), "%s", reason);
+    return soup_fail(reader->source, DPT_E_FORMAT, text_location(&reader->text), "%s", reason);
 }
 
-/* Prefixes say what each vertex has beside x, y and z; only more than three dimensions matter. */
+/* A prefix of OFF says what each vertex has besides x, y and z. Those with more than three dimensions are refused. */
 static dpt_result read_keyword(off_reader *reader)
 {
     source_text *text = &reader->text;
     source_word word;
-    if (!text_seek(text) || !text_word(text, &word))
-        return soup_fail(reader->source, DPT_E_TRUNCATED, (source_place){ 0, 0 },
+    if (!text_seek_word(text) || !text_next_word(text, &word))
+        return soup_fail(reader->source, DPT_E_TRUNCATED, (source_location){ 0, 0 },
                          "the file holds no word");
     const char *at = word.begin;
-    while (at < word.end && memchr("STCN4n", *at, 6) != NULL)
+    while (at < word.end && memchr("STCN4n", *at, 6))
         at++;
     if (word.end - at < 3 || memcmp(at, "OFF", 3) != 0)
         return refuse_header(reader, "the file does not begin with OFF");
@@ -41,7 +41,7 @@ static dpt_result read_keyword(off_reader *reader)
     }
     text->at = at + 3; /* the counts may follow without a blank */
     const char *counts = text->at;
-    if (text_word(text, &word) && word_is(&word, "BINARY"))
+    if (text_next_word(text, &word) && word_is(&word, "BINARY"))
         return refuse_header(reader, "binary OFF is not read: save it as text");
     text->at = counts;
     return DPT_OK;
@@ -53,38 +53,39 @@ static dpt_result read_counts(off_reader *reader)
                                           "the number of edges" };
     source_text *text = &reader->text;
     int64_t counts[3];
-    if (!text_seek(text))
-        return soup_fail(reader->source, DPT_E_TRUNCATED, text_place(text),
+    if (!text_seek_word(text))
+        return soup_fail(reader->source, DPT_E_TRUNCATED, text_location(text),
                          "the file ends before its counts");
     for (int i = 0; i < 3; i++) {
-        DPT_TRY(text_int(text, names[i], &counts[i]));
+        DPT_TRY(text_read_int(text, names[i], &counts[i]));
         if (counts[i] < 0)
-            return soup_fail(reader->source, DPT_E_SYNTAX, text_place(text), "%s is negative",
+            return soup_fail(reader->source, DPT_E_SYNTAX, text_location(text), "%s is negative",
                              names[i]);
     }
     /* The shortest lines are "0 0 0" and "0", each after the end of another. */
-    int64_t left = (int64_t)(text->end - text->at);
-    if (counts[0] > left / 6 || counts[1] > (left - 6 * counts[0]) / 2)
-        return soup_fail(reader->source, DPT_E_TRUNCATED, text_place(text),
+    int64_t bytes_after = (int64_t)(text->end - text->at);
+    if (counts[0] > bytes_after / 6 || counts[1] > (bytes_after - 6 * counts[0]) / 2)
+        return soup_fail(reader->source, DPT_E_TRUNCATED, text_location(text),
                          "%" PRId64 " vertices and %" PRId64 " faces do not fit in %" PRId64
                          " bytes",
-                         counts[0], counts[1], left);
+                         counts[0], counts[1], bytes_after);
     reader->vertices = counts[0];
     reader->faces = counts[1];
     return DPT_OK;
 }
 
-/* Go to the line of item `number` of `count`. */
+/* Go to the line of item `number`, from 0, of `count`. `items` names them in messages. */
 static dpt_result begin_item(off_reader *reader, const char *items, int64_t number, int64_t count)
 {
     source_text *text = &reader->text;
-    if (!text_next_line(text) || !text_seek(text))
-        return soup_fail(reader->source, DPT_E_TRUNCATED, text_place(text),
+    if (!text_next_line(text) || !text_seek_word(text))
+        return soup_fail(reader->source, DPT_E_TRUNCATED, text_location(text),
                          "the file ends after %" PRId64 " of %" PRId64 " %s", number, count, items);
     if (number % PROGRESS_STRIDE != 0)
         return DPT_OK;
-    return soup_progress(reader->source, "read",
-                         (double)(text->at - reader->begin) / (double)(text->end - reader->begin));
+    return soup_report_progress(reader->source, "read",
+                                (double)(text->at - reader->begin) /
+                                    (double)(text->end - reader->begin));
 }
 
 static dpt_result read_corners(off_reader *reader, int64_t n)
@@ -92,9 +93,9 @@ static dpt_result read_corners(off_reader *reader, int64_t n)
     reader->corners.count = 0;
     for (int64_t i = 0; i < n; i++) {
         int64_t number;
-        DPT_TRY(text_int(&reader->text, "a corner", &number));
+        DPT_TRY(text_read_int(&reader->text, "a corner", &number));
         if (number < 0 || number >= reader->vertices)
-            return soup_fail(reader->source, DPT_E_INDEX, text_place(&reader->text),
+            return soup_fail(reader->source, DPT_E_INDEX, text_location(&reader->text),
                              "vertex %" PRId64 " of a face: there are %" PRId64 ", counted from 0",
                              number, reader->vertices);
         DPT_TRY(corner_list_add(&reader->corners, reader->source, (uint32_t)number));
@@ -104,14 +105,15 @@ static dpt_result read_corners(off_reader *reader, int64_t n)
 
 static dpt_result read_face(off_reader *reader)
 {
-    source_place place = text_place(&reader->text);
+    source_location location = text_location(&reader->text);
     int64_t n;
-    DPT_TRY(text_int(&reader->text, "the number of corners", &n));
+    DPT_TRY(text_read_int(&reader->text, "the number of corners", &n));
     if (n < 3)
-        return soup_fail(reader->source, DPT_E_SYNTAX, place,
+        return soup_fail(reader->source, DPT_E_SYNTAX, location,
                          "a face of %" PRId64 " corners: three are the least", n);
     DPT_TRY(read_corners(reader, n));
-    return soup_polygon(reader->source, reader->corners.numbers, reader->corners.count, place);
+    return soup_add_polygon(reader->source, reader->corners.numbers, reader->corners.count,
+                            location);
 }
 
 static dpt_result read_all(off_reader *reader)
@@ -122,14 +124,14 @@ static dpt_result read_all(off_reader *reader)
     DPT_TRY(read_counts(reader));
     for (int64_t i = 0; i < reader->vertices; i++) {
         DPT_TRY(begin_item(reader, "vertices", i, reader->vertices));
-        DPT_TRY(text_vertex(text));
+        DPT_TRY(text_read_vertex(text));
     }
     for (int64_t i = 0; i < reader->faces; i++) {
         DPT_TRY(begin_item(reader, "faces", i, reader->faces));
         DPT_TRY(read_face(reader));
     }
-    if (text_next_line(text) && text_seek(text))
-        return soup_fail(reader->source, DPT_E_TRAILING, text_place(text),
+    if (text_next_line(text) && text_seek_word(text))
+        return soup_fail(reader->source, DPT_E_TRAILING, text_location(text),
                          "text follows the last of %" PRId64 " faces", reader->faces);
     return DPT_OK;
 }
@@ -138,7 +140,7 @@ dpt_result read_off(soup *source, const unsigned char *bytes, size_t size)
 {
     off_reader reader = { .source = source };
     text_begin(&reader.text, source, bytes, size);
-    reader.text.comments = true;
+    reader.text.has_comments = 1;
     reader.begin = reader.text.at;
     dpt_result result = read_all(&reader);
     corner_list_free(&reader.corners);

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/*
- * Vertices and polygons as a reader finds them (soup.h).
- */
+/* Vertices and polygons in the order of a file (soup.h). */
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -36,87 +34,89 @@ void soup_free(soup *source)
     memset(source, 0, sizeof *source);
 }
 
-dpt_result soup_fail(soup *source, dpt_result code, source_place place, const char *format, ...)
+dpt_result soup_fail(soup *source, dpt_result code, source_location location, const char *format,
+                     ...)
 {
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(source->diag->text, sizeof source->diag->text, format, arguments);
     va_end(arguments);
     source->diag->code = code;
-    source->diag->line = place.line;
-    source->diag->byte = place.line != 0 ? 0 : place.byte;
+    source->diag->line = location.line;
+    source->diag->byte = location.line != 0 ? 0 : location.byte;
     return code;
 }
 
-static dpt_result no_memory(soup *source, source_place place)
+static dpt_result no_memory(soup *source, source_location location)
 {
-    return soup_fail(source, DPT_E_MEMORY, place,
+    return soup_fail(source, DPT_E_MEMORY, location,
                      "memory ran out after %zu vertices and %zu triangles", source->vertex_count,
                      source->triangle_count);
 }
 
-dpt_result soup_vertex(soup *source, double x, double y, double z, source_place place)
+dpt_result soup_add_vertex(soup *source, double x, double y, double z, source_location location)
 {
-    const double given[3] = { x, y, z }, scale = source->scale;
+    const double source_xyz[3] = { x, y, z }, scale = source->scale;
     if (source->vertex_count >= COUNT_MAX)
-        return soup_fail(source, DPT_E_LIMIT, place, "more than %zu vertices", COUNT_MAX);
-    if (source->vertex_count == source->vertex_room) {
-        float *bigger = grown(source->positions, &source->vertex_room, source->vertex_count + 1,
-                              3 * sizeof *bigger);
-        if (bigger == NULL)
-            return no_memory(source, place);
+        return soup_fail(source, DPT_E_LIMIT, location, "more than %zu vertices", COUNT_MAX);
+    if (source->vertex_count == source->vertex_capacity) {
+        float *bigger = grow_array(source->positions, &source->vertex_capacity,
+                                   source->vertex_count + 1, 3 * sizeof *bigger);
+        if (!bigger)
+            return no_memory(source, location);
         source->positions = bigger;
     }
     float *position = source->positions + 3 * source->vertex_count;
     for (int i = 0; i < 3; i++) {
-        double scaled = scale * given[i];
+        double scaled = scale * source_xyz[i];
         if (!(fabs(scaled) <= DPT_COORDINATE_MAX))
-            return soup_fail(source, DPT_E_FINITE, place,
+            return soup_fail(source, DPT_E_FINITE, location,
                              "%c is %.9g (times %.9g): not finite, or beyond %.0f m", "xyz"[i],
-                             given[i], scale, DPT_COORDINATE_MAX);
+                             source_xyz[i], scale, DPT_COORDINATE_MAX);
         position[i] = (float)scaled;
         if (position[i] == 0.0f)
-            position[i] = 0.0f; /* the two zeros are one position: their bits are compared later */
-        double off = fabs((double)position[i] - scaled);
-        if (off > source->rounding)
-            source->rounding = off;
+            position[i] = 0.0f; /* -0 becomes 0: positions are compared by their bits later */
+        double error = fabs((double)position[i] - scaled);
+        if (error > source->rounding)
+            source->rounding = error;
     }
     source->vertex_count++;
     return DPT_OK;
 }
 
-static dpt_result reserve_polygon(soup *source, size_t fan, source_place place)
+static dpt_result reserve_polygon(soup *source, size_t added_triangles, source_location location)
 {
-    if (fan > TRIANGLES_MAX - source->triangle_count)
-        return soup_fail(source, DPT_E_LIMIT, place, "more than %zu triangles", TRIANGLES_MAX);
-    if (fan > source->triangle_room - source->triangle_count) {
-        uint32_t *bigger = grown(source->corners, &source->triangle_room,
-                                 source->triangle_count + fan, 3 * sizeof *bigger);
-        if (bigger == NULL)
-            return no_memory(source, place);
+    if (added_triangles > TRIANGLES_MAX - source->triangle_count)
+        return soup_fail(source, DPT_E_LIMIT, location, "more than %zu triangles", TRIANGLES_MAX);
+    if (added_triangles > source->triangle_capacity - source->triangle_count) {
+        uint32_t *bigger = grow_array(source->corners, &source->triangle_capacity,
+                                      source->triangle_count + added_triangles, 3 * sizeof *bigger);
+        if (!bigger)
+            return no_memory(source, location);
         source->corners = bigger;
     }
-    if (fan > 1 && source->polygon_count == source->polygon_room) {
-        soup_polygon_span *bigger = grown(source->polygons, &source->polygon_room,
-                                          source->polygon_count + 1, sizeof *bigger);
-        if (bigger == NULL)
-            return no_memory(source, place);
+    if (added_triangles > 1 && source->polygon_count == source->polygon_capacity) {
+        soup_polygon_span *bigger = grow_array(source->polygons, &source->polygon_capacity,
+                                               source->polygon_count + 1, sizeof *bigger);
+        if (!bigger)
+            return no_memory(source, location);
         source->polygons = bigger;
     }
     return DPT_OK;
 }
 
-dpt_result soup_polygon(soup *source, const uint32_t *corners, size_t n, source_place place)
+dpt_result soup_add_polygon(soup *source, const uint32_t *corners, size_t n,
+                            source_location location)
 {
-    DPT_TRY(reserve_polygon(source, n - 2, place));
+    DPT_TRY(reserve_polygon(source, n - 2, location));
     if (source->triangle_count == 0) {
         source->highest_corner = corners[0];
-        source->highest_place = place;
+        source->highest_location = location;
     }
     for (size_t i = 0; i < n; i++) {
         if (corners[i] > source->highest_corner) {
             source->highest_corner = corners[i];
-            source->highest_place = place;
+            source->highest_location = location;
         }
     }
     if (n > 3)
@@ -131,17 +131,17 @@ dpt_result soup_polygon(soup *source, const uint32_t *corners, size_t n, source_
     return DPT_OK;
 }
 
-dpt_result soup_finish(soup *source)
+dpt_result soup_check_corners(soup *source)
 {
     if (source->triangle_count == 0 || source->highest_corner < source->vertex_count)
         return DPT_OK;
-    return soup_fail(source, DPT_E_INDEX, source->highest_place,
+    return soup_fail(source, DPT_E_INDEX, source->highest_location,
                      "a polygon names vertex %u, counted from %u, and there are only %zu",
                      (unsigned)(source->highest_corner + source->base), (unsigned)source->base,
                      source->vertex_count);
 }
 
-/* The position of corner `k` of a polygon, found again in its fan. */
+/* The position of corner `k` of a polygon, read from its fan. */
 static const float *polygon_corner(const soup *source, const soup_polygon_span *span, uint32_t k)
 {
     size_t first = span->first_triangle;
@@ -172,7 +172,7 @@ static double sum_of_sizes(const double a[3])
     return fabs(a[0]) + fabs(a[1]) + fabs(a[2]);
 }
 
-/* Twice the polygon's area vector, and its largest coordinate. */
+/* Set `normal` to twice the polygon's area vector. Returns the largest coordinate, in size. */
 static double mean_normal(const soup *source, const soup_polygon_span *span, double normal[3])
 {
     const float *origin = polygon_corner(source, span, 0);
@@ -196,8 +196,7 @@ static double mean_normal(const soup *source, const soup_polygon_span *span, dou
     return largest;
 }
 
-/* Straight corners turn a little either way once their coordinates are rounded: that is not
- * counted. */
+/* After rounding, a straight corner turns a little in either direction. This must not count as concave. */
 static int is_concave(const soup *source, const soup_polygon_span *span)
 {
     double normal[3], in[3], out[3], turn[3];
@@ -209,9 +208,10 @@ static int is_concave(const soup *source, const soup_polygon_span *span)
         subtract(here, before, in);
         subtract(after, here, out);
         cross(in, out, turn);
-        double along = dot(turn, normal);
-        double slack = rounding * (sum_of_sizes(in) + sum_of_sizes(out));
-        if (along < 0.0 && along * along > slack * slack * dot(normal, normal))
+        double turn_along_normal = dot(turn, normal);
+        double tolerance = rounding * (sum_of_sizes(in) + sum_of_sizes(out));
+        if (turn_along_normal < 0.0 &&
+            turn_along_normal * turn_along_normal > tolerance * tolerance * dot(normal, normal))
             return 1;
         before = here;
         here = after;
@@ -227,10 +227,10 @@ uint32_t soup_concave_polygons(const soup *source)
     return count;
 }
 
-dpt_result soup_progress(soup *source, const char *step, double done)
+dpt_result soup_report_progress(soup *source, const char *step, double done)
 {
     const dpt_compile_def *def = source->def;
-    if (def == NULL || def->progress == NULL || def->progress(def->user, step, done) == 0)
+    if (!def || !def->progress || !def->progress(def->user, step, done))
         return DPT_OK;
-    return soup_fail(source, DPT_E_CANCELLED, (source_place){ 0, 0 }, "stopped by the caller");
+    return soup_fail(source, DPT_E_CANCELLED, (source_location){ 0, 0 }, "stopped by the caller");
 }

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/*
- * Lines, words and numbers (text.h). One pass, never beyond the end.
- */
+/* Lines, words and numbers (text.h), in one pass that never reads beyond the end. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,12 +8,12 @@
 #include "compile/text.h"
 #include "text/parse_number.h"
 
-static bool is_blank(char c)
+static int is_blank(char c)
 {
     return c == ' ' || c == '\t' || c == '\v' || c == '\f';
 }
 
-static bool is_line_end(char c)
+static int is_line_end(char c)
 {
     return c == '\n' || c == '\r';
 }
@@ -36,16 +34,16 @@ void text_begin(source_text *text, soup *source, const unsigned char *bytes, siz
         text->at += 3;
 }
 
-/* Without a byte order mark, a zero byte beside an ASCII letter gives it away. */
+/* UTF-16 without a byte order mark shows a zero byte beside an ASCII letter. */
 dpt_result text_refuse_utf16(const source_text *text)
 {
     if (text->end - text->at < 2)
         return DPT_OK;
     unsigned char a = (unsigned char)text->at[0], b = (unsigned char)text->at[1];
-    bool marked = (a == 0xfe && b == 0xff) || (a == 0xff && b == 0xfe);
-    if (!marked && (a == 0) == (b == 0))
+    int has_mark = (a == 0xfe && b == 0xff) || (a == 0xff && b == 0xfe);
+    if (!has_mark && (a == 0) == (b == 0))
         return DPT_OK;
-    return soup_fail(text->source, DPT_E_FORMAT, (source_place){ 0, 0 },
+    return soup_fail(text->source, DPT_E_FORMAT, (source_location){ 0, 0 },
                      "this is UTF-16 text: save it as UTF-8 or ASCII");
 }
 
@@ -56,9 +54,9 @@ static const char *after_line_end(const char *at, const char *end)
     return at + 1;
 }
 
-static bool joins_lines(const source_text *text, const char *at)
+static int is_line_join(const source_text *text, const char *at)
 {
-    return *at == '\\' && text->joined && text->end - at > 1 && is_line_end(at[1]);
+    return *at == '\\' && text->joins_lines && text->end - at > 1 && is_line_end(at[1]);
 }
 
 static void skip_blanks(source_text *text)
@@ -66,89 +64,89 @@ static void skip_blanks(source_text *text)
     for (;;) {
         while (text->at < text->end && is_blank(*text->at))
             text->at++;
-        if (text->at == text->end || !joins_lines(text, text->at))
+        if (text->at == text->end || !is_line_join(text, text->at))
             return;
         text->at = after_line_end(text->at + 1, text->end);
         text->line++;
     }
 }
 
-bool text_word(source_text *text, source_word *word)
+int text_next_word(source_text *text, source_word *word)
 {
     skip_blanks(text);
     const char *at = text->at;
-    if (at == text->end || is_line_end(*at) || (text->comments && *at == '#'))
-        return false;
+    if (at == text->end || is_line_end(*at) || (text->has_comments && *at == '#'))
+        return 0;
     word->begin = at;
-    while (at < text->end && !is_blank(*at) && !is_line_end(*at) && !joins_lines(text, at))
+    while (at < text->end && !is_blank(*at) && !is_line_end(*at) && !is_line_join(text, at))
         at++;
     word->end = text->at = at;
-    return true;
+    return 1;
 }
 
-bool text_next_line(source_text *text)
+int text_next_line(source_text *text)
 {
     while (text->at < text->end && !is_line_end(*text->at))
         text->at++;
     if (text->at == text->end)
-        return false;
+        return 0;
     text->at = after_line_end(text->at, text->end);
     text->line++;
     return text->at < text->end;
 }
 
-bool text_seek(source_text *text)
+int text_seek_word(source_text *text)
 {
     source_word word;
-    while (!text_word(text, &word)) {
+    while (!text_next_word(text, &word)) {
         if (!text_next_line(text))
-            return false;
+            return 0;
     }
     text->at = word.begin;
-    return true;
+    return 1;
 }
 
-source_place text_place(const source_text *text)
+source_location text_location(const source_text *text)
 {
-    return (source_place){ text->line, 0 };
+    return (source_location){ text->line, 0 };
 }
 
-bool word_is(const source_word *word, const char *name)
+int word_is(const source_word *word, const char *name)
 {
     size_t length = (size_t)(word->end - word->begin);
     return strlen(name) == length && memcmp(word->begin, name, length) == 0;
 }
 
-static bool begins_any_case(const char *at, const char *end, const char *name)
+static int begins_any_case(const char *at, const char *end, const char *name)
 {
     for (; *name != 0; at++, name++) {
         if (at == end || lower(*at) != *name)
-            return false;
+            return 0;
     }
-    return true;
+    return 1;
 }
 
-bool word_is_any_case(const source_word *word, const char *name)
+int word_is_any_case(const source_word *word, const char *name)
 {
     return (size_t)(word->end - word->begin) == strlen(name) &&
            begins_any_case(word->begin, word->end, name);
 }
 
-const char *word_show(const source_word *word, char shown[WORD_SHOWN])
+const char *word_printable(const source_word *word, char printable[WORD_SHOWN])
 {
     size_t length = (size_t)(word->end - word->begin), n = 0;
     for (; n < length && n < WORD_SHOWN - 1; n++) {
         char c = word->begin[n];
-        shown[n] = c >= ' ' && c <= '~' ? c : '?';
+        printable[n] = c >= ' ' && c <= '~' ? c : '?';
     }
-    shown[n] = 0;
+    printable[n] = 0;
     if (n < length)
-        memcpy(shown + WORD_SHOWN - 4, "...", 4);
-    return shown;
+        memcpy(printable + WORD_SHOWN - 4, "...", 4);
+    return printable;
 }
 
-/* As printf writes them: nan, -nan(ind), inf, infinity; and 1.#IND, 1.#INF, 1.#QNAN. */
-static bool names_no_finite(const source_word *word)
+/* As the printf of some library writes them: nan, -nan(ind), inf, infinity; and 1.#IND, 1.#INF, 1.#QNAN. */
+static int is_not_finite_word(const source_word *word)
 {
     const char *at = word->begin;
     if (at < word->end && (*at == '-' || *at == '+'))
@@ -157,54 +155,56 @@ static bool names_no_finite(const source_word *word)
            begins_any_case(at, word->end, "1.#");
 }
 
-static dpt_result no_word(source_text *text, const char *what)
+static dpt_result fail_no_word(source_text *text, const char *what)
 {
-    return soup_fail(text->source, DPT_E_SYNTAX, text_place(text),
+    return soup_fail(text->source, DPT_E_SYNTAX, text_location(text),
                      "the line ends where %s should be", what);
 }
 
-dpt_result text_double(source_text *text, const char *what, double *value)
+dpt_result text_read_double(source_text *text, const char *what, double *value)
 {
     source_word word;
-    char shown[WORD_SHOWN];
-    if (!text_word(text, &word))
-        return no_word(text, what);
+    char printable[WORD_SHOWN];
+    if (!text_next_word(text, &word))
+        return fail_no_word(text, what);
     if (parse_double(word.begin, word.end, value) == word.end)
         return DPT_OK;
-    if (names_no_finite(&word))
-        return soup_fail(text->source, DPT_E_FINITE, text_place(text),
-                         "%s is %s: not a finite number", what, word_show(&word, shown));
-    return soup_fail(text->source, DPT_E_SYNTAX, text_place(text), "%s is '%s': not a number", what,
-                     word_show(&word, shown));
+    if (is_not_finite_word(&word))
+        return soup_fail(text->source, DPT_E_FINITE, text_location(text),
+                         "%s is %s: not a finite number", what, word_printable(&word, printable));
+    return soup_fail(text->source, DPT_E_SYNTAX, text_location(text), "%s is '%s': not a number",
+                     what, word_printable(&word, printable));
 }
 
-dpt_result text_int(source_text *text, const char *what, int64_t *value)
+dpt_result text_read_int(source_text *text, const char *what, int64_t *value)
 {
     source_word word;
-    char shown[WORD_SHOWN];
-    if (!text_word(text, &word))
-        return no_word(text, what);
+    char printable[WORD_SHOWN];
+    if (!text_next_word(text, &word))
+        return fail_no_word(text, what);
     if (parse_int(word.begin, word.end, value) == word.end)
         return DPT_OK;
-    return soup_fail(text->source, DPT_E_SYNTAX, text_place(text), "%s is '%s': not an integer",
-                     what, word_show(&word, shown));
+    return soup_fail(text->source, DPT_E_SYNTAX, text_location(text), "%s is '%s': not an integer",
+                     what, word_printable(&word, printable));
 }
 
-dpt_result text_vertex(source_text *text)
+dpt_result text_read_vertex(source_text *text)
 {
     static const char *const names[3] = { "x", "y", "z" };
     double position[3];
     for (int i = 0; i < 3; i++)
-        DPT_TRY(text_double(text, names[i], &position[i]));
-    return soup_vertex(text->source, position[0], position[1], position[2], text_place(text));
+        DPT_TRY(text_read_double(text, names[i], &position[i]));
+    return soup_add_vertex(text->source, position[0], position[1], position[2],
+                           text_location(text));
 }
 
 dpt_result corner_list_add(corner_list *list, soup *source, uint32_t number)
 {
-    if (list->count == list->room) {
-        uint32_t *bigger = grown(list->numbers, &list->room, list->count + 1, sizeof *bigger);
-        if (bigger == NULL)
-            return soup_fail(source, DPT_E_MEMORY, (source_place){ 0, 0 },
+    if (list->count == list->capacity) {
+        uint32_t *bigger =
+            grow_array(list->numbers, &list->capacity, list->count + 1, sizeof *bigger);
+        if (!bigger)
+            return soup_fail(source, DPT_E_MEMORY, (source_location){ 0, 0 },
                              "no memory for a polygon of %zu corners", list->count + 1);
         list->numbers = bigger;
     }

@@ -1,51 +1,58 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Sides of planes by determinants in double, with Shewchuk's bounds (1997): of the volume (7 + 56 e) e times the sum of its
- * products' sizes, of the area (3 + 16 e) e, e being 2^-53; taken as 8 e. Products of three floats neither
- * underflow nor overflow in double.
+ * The side of a plane is the sign of a determinant in double, with Shewchuk's error bounds (1997): (7 + 56 e) e times
+ * the sum of the absolute values of all products for a volume, (3 + 16 e) e for an area, where e = 2^-53. Here both are
+ * taken as 8 e. Products of three floats neither underflow nor overflow in double.
  */
 #include "compile/triangle_pair.h"
 
 #define ROUNDING 0x1p-50
 
-/* What takes about as long as so many pairs that lie beside each other's plane: to look within a plane, and an exact sign. */
+/*
+ * Units of work: about how many pairs on one side of each other's plane take as long as a test within a plane, or as an
+ * exact sign.
+ */
 #define PLANE_WORK 4u
 #define EXACT_WORK 16u
 
 enum { UNSURE = 2 };
 
-/* A sum without rounding: terms that do not overlap, from the least to the largest. */
+/* A sum without rounding error, as terms whose bits do not overlap, from the smallest to the largest. */
 struct exact_sum {
-    double term[48];
+    double terms[48];
     int count;
 };
 
-static void sum_add(struct exact_sum *sum, double value)
+static void exact_sum_add(struct exact_sum *sum, double value)
 {
-    int kept = 0;
+    int count = 0;
     for (int i = 0; i < sum->count; i++) {
-        const double term = sum->term[i], total = value + term, virtually = total - value;
+        const double term = sum->terms[i], total = value + term, virtually = total - value;
         const double rest = (value - (total - virtually)) + (term - virtually);
         if (rest != 0.0)
-            sum->term[kept++] = rest;
+            sum->terms[count++] = rest;
         value = total;
     }
     if (value != 0.0)
-        sum->term[kept++] = value;
-    sum->count = kept;
+        sum->terms[count++] = value;
+    sum->count = count;
 }
 
-static int sum_sign(const struct exact_sum *sum)
+static int exact_sum_sign(const struct exact_sum *sum)
 {
-    return sum->count == 0 ? 0 : sum->term[sum->count - 1] > 0.0 ? 1 : -1;
+    return sum->count == 0 ? 0 : sum->terms[sum->count - 1] > 0.0 ? 1 : -1;
 }
 
-/* Of floats: two of them have a product of 48 bits, each half of which times the third is exact again. */
+/*
+ * Add a * b * c exactly; all three hold floats' values. a * b has 48 bits and is exact. It is split into two halves,
+ * and each half times c is exact again.
+ */
 static void add_product(struct exact_sum *sum, double a, double b, double c)
 {
-    const double product = a * b, far = 0x1.0000002p27 * product, upper = far - (far - product);
-    sum_add(sum, upper * c);
-    sum_add(sum, (product - upper) * c);
+    const double product = a * b, split = 0x1.0000002p27 * product,
+                 upper = split - (split - product);
+    exact_sum_add(sum, upper * c);
+    exact_sum_add(sum, (product - upper) * c);
 }
 
 static void add_volume(struct exact_sum *sum, double sign, vec3 a, vec3 b, vec3 c)
@@ -65,7 +72,7 @@ static int exact_volume_sign(vec3 p, vec3 q, vec3 r, vec3 x)
     add_volume(&sum, -1.0, p, r, x);
     add_volume(&sum, 1.0, p, q, x);
     add_volume(&sum, -1.0, p, q, r);
-    return sum_sign(&sum);
+    return exact_sum_sign(&sum);
 }
 
 static int sign_or_unsure(double value, double bound)
@@ -75,33 +82,37 @@ static int sign_or_unsure(double value, double bound)
 
 void facet_finish(struct facet *facet)
 {
-    const vec3 p = facet->corner[0].at;
-    const vec3 u = sub(facet->corner[1].at, p), v = sub(facet->corner[2].at, p);
+    const vec3 p = facet->corner[0].position;
+    const vec3 u = sub(facet->corner[1].position, p), v = sub(facet->corner[2].position, p);
     facet->normal = cross(u, v);
-    facet->most = products_of(u, v);
+    facet->normal_magnitude = cross_magnitude(u, v);
 }
 
-/* On which side of a facet's plane the other's corners are. */
+/*
+ * For each corner of `other`, the side of the facet's plane: 1 in front, -1 behind, 0 in the plane, or UNSURE. A common
+ * vertex lies in the plane.
+ */
 static void find_sides(const struct facet *facet, const struct facet *other, int side[3])
 {
     const struct corner *own = facet->corner;
     for (int k = 0; k < 3; k++) {
         const uint32_t vertex = other->corner[k].vertex;
-        const vec3 w = sub(other->corner[k].at, own[0].at);
-        side[k] =
-            vertex == own[0].vertex || vertex == own[1].vertex || vertex == own[2].vertex
-                ? 0
-                : sign_or_unsure(dot(facet->normal, w), ROUNDING * dot(facet->most, sizes_of(w)));
+        const vec3 w = sub(other->corner[k].position, own[0].position);
+        side[k] = vertex == own[0].vertex || vertex == own[1].vertex || vertex == own[2].vertex
+                      ? 0
+                      : sign_or_unsure(dot(facet->normal, w),
+                                       ROUNDING * dot(facet->normal_magnitude, magnitude_of(w)));
     }
 }
 
-static void settle_sides(const struct facet *facet, const struct facet *other, int side[3],
-                         uint64_t *work)
+static void resolve_sides(const struct facet *facet, const struct facet *other, int side[3],
+                          uint64_t *work)
 {
     const struct corner *own = facet->corner;
     for (int k = 0; k < 3; k++)
         if (side[k] == UNSURE) {
-            side[k] = exact_volume_sign(own[0].at, own[1].at, own[2].at, other->corner[k].at);
+            side[k] = exact_volume_sign(own[0].position, own[1].position, own[2].position,
+                                        other->corner[k].position);
             *work += EXACT_WORK;
         }
 }
@@ -111,25 +122,26 @@ static int any_is(const int side[3], int value)
     return side[0] == value || side[1] == value || side[2] == value;
 }
 
-/* A triangle beside a plane: its interior has no point in it. */
+/* Given the sides of a triangle's corners: does its interior surely have no point in the plane? */
 static int is_beside(const int side[3])
 {
     return !any_is(side, UNSURE) && any_is(side, 1) != any_is(side, -1);
 }
 
-/* The other's corners are beyond an edge, for certain. */
+/* Do all corners of `other` lie beyond an edge of the facet, for certain? */
 static int edge_separates(const struct facet *facet, int edge, const struct facet *other)
 {
-    const vec3 from = facet->corner[edge].at;
-    const vec3 out = cross(sub(facet->corner[(edge + 1) % 3].at, from), facet->normal);
-    const vec3 size = sizes_of(out);
-    double own = -HUGE_VAL, least = HUGE_VAL;
+    const vec3 from = facet->corner[edge].position;
+    const vec3 out = cross(sub(facet->corner[(edge + 1) % 3].position, from), facet->normal);
+    const vec3 size = magnitude_of(out);
+    double max_own = -HUGE_VAL, min_other = HUGE_VAL;
     for (int k = 0; k < 3; k++) {
-        const vec3 w = sub(facet->corner[k].at, from), x = sub(other->corner[k].at, from);
-        own = max_of(own, dot(out, w) + ROUNDING * dot(size, sizes_of(w)));
-        least = min_of(least, dot(out, x) - ROUNDING * dot(size, sizes_of(x)));
+        const vec3 w = sub(facet->corner[k].position, from),
+                   x = sub(other->corner[k].position, from);
+        max_own = max_of(max_own, dot(out, w) + ROUNDING * dot(size, magnitude_of(w)));
+        min_other = min_of(min_other, dot(out, x) - ROUNDING * dot(size, magnitude_of(x)));
     }
-    return least > own;
+    return min_other > max_own;
 }
 
 static int are_separate(const struct facet *a, const struct facet *b)
@@ -145,54 +157,58 @@ static double coordinate(vec3 v, int axis)
     return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
 }
 
-/* Of three points as seen along an axis: counterclockwise, clockwise or in line. */
+/* How three points turn, seen along an axis: 1 counterclockwise, -1 clockwise, 0 in line. Exact. */
 static int area_sign(vec3 p, vec3 q, vec3 r, int axis, uint64_t *work)
 {
-    const vec3 at[3] = { p, q, r };
+    const vec3 points[3] = { p, q, r };
     const int i = (axis + 1) % 3, j = (axis + 2) % 3;
     double x[3], y[3];
     for (int k = 0; k < 3; k++) {
-        x[k] = coordinate(at[k], i);
-        y[k] = coordinate(at[k], j);
+        x[k] = coordinate(points[k], i);
+        y[k] = coordinate(points[k], j);
     }
-    const double one = (x[1] - x[0]) * (y[2] - y[0]), two = (y[1] - y[0]) * (x[2] - x[0]);
-    const int sign = sign_or_unsure(one - two, ROUNDING * (fabs(one) + fabs(two)));
+    const double product_a = (x[1] - x[0]) * (y[2] - y[0]),
+                 product_b = (y[1] - y[0]) * (x[2] - x[0]);
+    const int sign =
+        sign_or_unsure(product_a - product_b, ROUNDING * (fabs(product_a) + fabs(product_b)));
     if (sign != UNSURE)
         return sign;
     struct exact_sum sum = { .count = 0 };
     for (int k = 0; k < 3; k++) {
-        sum_add(&sum, x[k] * y[(k + 1) % 3]);
-        sum_add(&sum, -y[k] * x[(k + 1) % 3]);
+        exact_sum_add(&sum, x[k] * y[(k + 1) % 3]);
+        exact_sum_add(&sum, -y[k] * x[(k + 1) % 3]);
     }
     *work += EXACT_WORK;
-    return sum_sign(&sum);
+    return exact_sum_sign(&sum);
 }
 
-/* Of two triangles in a plane: no corner of the other is within this edge. */
+/* For two triangles in one plane: does no corner of `other` lie on the inner side of this edge? */
 static int edge_excludes(const struct facet *facet, int edge, const struct facet *other, int axis,
-                         int round, uint64_t *work)
+                         int winding, uint64_t *work)
 {
     for (int k = 0; k < 3; k++)
-        if (area_sign(facet->corner[edge].at, facet->corner[(edge + 1) % 3].at, other->corner[k].at,
-                      axis, work) == round)
+        if (area_sign(facet->corner[edge].position, facet->corner[(edge + 1) % 3].position,
+                      other->corner[k].position, axis, work) == winding)
             return 0;
     return 1;
 }
 
 static int overlap_in_plane(const struct facet *a, const struct facet *b, uint64_t *work)
 {
-    int axis = 0, round_a = 0, round_b = 0;
+    int axis = 0, winding_a = 0, winding_b = 0;
     *work += PLANE_WORK;
-    for (; axis < 3 && !round_a; axis++)
-        round_a = area_sign(a->corner[0].at, a->corner[1].at, a->corner[2].at, axis, work);
+    for (; axis < 3 && !winding_a; axis++)
+        winding_a = area_sign(a->corner[0].position, a->corner[1].position, a->corner[2].position,
+                              axis, work);
     axis--;
-    if (round_a)
-        round_b = area_sign(b->corner[0].at, b->corner[1].at, b->corner[2].at, axis, work);
-    if (!round_b)
+    if (winding_a)
+        winding_b = area_sign(b->corner[0].position, b->corner[1].position, b->corner[2].position,
+                              axis, work);
+    if (!winding_b)
         return 0;
     for (int edge = 0; edge < 3; edge++)
-        if (edge_excludes(a, edge, b, axis, round_a, work) ||
-            edge_excludes(b, edge, a, axis, round_b, work))
+        if (edge_excludes(a, edge, b, axis, winding_a, work) ||
+            edge_excludes(b, edge, a, axis, winding_b, work))
             return 0;
     return 1;
 }
@@ -203,16 +219,17 @@ static int volume_sign(const struct corner *p, const struct corner *q, const str
     if (p->vertex == r->vertex || p->vertex == x->vertex || q->vertex == r->vertex ||
         q->vertex == x->vertex)
         return 0;
-    const vec3 u = sub(q->at, p->at), v = sub(r->at, p->at), w = sub(x->at, p->at);
+    const vec3 u = sub(q->position, p->position), v = sub(r->position, p->position),
+               w = sub(x->position, p->position);
     const int sign =
-        sign_or_unsure(dot(cross(u, v), w), ROUNDING * dot(products_of(u, v), sizes_of(w)));
+        sign_or_unsure(dot(cross(u, v), w), ROUNDING * dot(cross_magnitude(u, v), magnitude_of(w)));
     if (sign != UNSURE)
         return sign;
     *work += EXACT_WORK;
-    return exact_volume_sign(p->at, q->at, r->at, x->at);
+    return exact_volume_sign(p->position, q->position, r->position, x->position);
 }
 
-/* The corner that is alone on its side of a plane that goes through the triangle. */
+/* Of a triangle that crosses a plane: the corner that is alone on its side. */
 static int lone_corner(const int side[3])
 {
     const int above = (side[0] > 0) + (side[1] > 0) + (side[2] > 0);
@@ -221,20 +238,20 @@ static int lone_corner(const int side[3])
 }
 
 /*
- * Each goes through the other's plane, along a stretch of the line where the planes meet. Turn both so that their first
- * corner is alone, and in front of the other's plane: then the stretches overlap if each begins before the other ends
- * (Guigue and Devillers 2003).
+ * Each triangle crosses the plane of the other, along a stretch of the line in which the planes meet. Do the two
+ * stretches overlap? Order the corners of both so that the first one is alone, and in front of the other's plane. Then
+ * the stretches overlap if each begins before the other one ends (Guigue and Devillers 2003).
  */
 static int stretches_overlap(const struct facet *a, const struct facet *b, const int side_a[3],
                              const int side_b[3], uint64_t *work)
 {
     const int i = lone_corner(side_a), j = lone_corner(side_b);
-    const int turn_a = side_b[j] < 0, turn_b = side_a[i] < 0;
+    const int swaps_a = side_b[j] < 0, swaps_b = side_a[i] < 0;
     const struct corner *p = &a->corner[i], *x = &b->corner[j];
-    const struct corner *q = &a->corner[(i + 1 + turn_a) % 3],
-                        *r = &a->corner[(i + 2 - turn_a) % 3];
-    const struct corner *y = &b->corner[(j + 1 + turn_b) % 3],
-                        *z = &b->corner[(j + 2 - turn_b) % 3];
+    const struct corner *q = &a->corner[(i + 1 + swaps_a) % 3],
+                        *r = &a->corner[(i + 2 - swaps_a) % 3];
+    const struct corner *y = &b->corner[(j + 1 + swaps_b) % 3],
+                        *z = &b->corner[(j + 2 - swaps_b) % 3];
     return volume_sign(p, q, x, y, work) < 0 && volume_sign(p, r, x, z, work) > 0;
 }
 
@@ -252,8 +269,8 @@ int facets_cut(const struct facet *a, const struct facet *b, uint64_t *work)
         *work += PLANE_WORK;
         if (are_separate(a, b))
             return 0;
-        settle_sides(a, b, side_b, work);
-        settle_sides(b, a, side_a, work);
+        resolve_sides(a, b, side_b, work);
+        resolve_sides(b, a, side_a, work);
         if (is_beside(side_a) || is_beside(side_b))
             return 0;
     }

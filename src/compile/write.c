@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Lay out the file (mesh_format.h, docs/format.md). The same mesh gives the same bytes everywhere. */
+/* Write the file (mesh_format.h, docs/format.md). The same mesh gives the same bytes on every machine. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,26 +11,27 @@
 #include "compile/parallel.h"
 #include "mesh/mesh_swap.h"
 
-/* Of this many leaves, or bytes of sections, a thread is worth making. */
+/* The least work for a thread of its own: leaves, and bytes of sections. */
 #define LEAVES_MIN  256u
 #define SECTION_MIN ((size_t)1 << 18)
 
+/* A box in the filter's frame; that of the mesh's own frame in set_frame. */
 struct node_box {
     double low[3], high[3];
 };
 
-/* What the pieces of a loop share. */
+/* What all pieces of a parallel loop share. */
 struct writing {
-    struct dpt_mesh mesh;
+    struct dpt_mesh mesh; /* the header */
     const struct model *model;
-    char *bytes;
-    struct node_box *boxes;
-    struct winding_moment *sets;
+    char *bytes;            /* the file */
+    struct node_box *boxes; /* of the leaves */
+    struct winding_moment *leaf_moments;
     struct crc32 crc;
 };
 
-static const struct node_box nothing = { { HUGE_VAL, HUGE_VAL, HUGE_VAL },
-                                         { -HUGE_VAL, -HUGE_VAL, -HUGE_VAL } };
+static const struct node_box empty_box = { { HUGE_VAL, HUGE_VAL, HUGE_VAL },
+                                           { -HUGE_VAL, -HUGE_VAL, -HUGE_VAL } };
 
 static void box_add(struct node_box *box, const double *low, const double *high)
 {
@@ -40,23 +41,26 @@ static void box_add(struct node_box *box, const double *low, const double *high)
     }
 }
 
-/* The filter's frame: the box's middle, and the power of two that brings its half width to 0.5..1. */
+/*
+ * Set the filter's frame: the centre of the mesh's box, and the power of two that scales the largest half width into
+ * 0.5..1.
+ */
 static void set_frame(struct dpt_mesh *mesh, const struct model *model)
 {
-    struct node_box box = nothing;
+    struct node_box box = empty_box;
     for (size_t v = 0; v < model->vertex_count; v++) {
         vec3 x = vec3_of_float(model->positions + 3 * v);
         box_add(&box, &x.x, &x.x);
     }
-    double half = 0.0;
+    double half_width = 0.0;
     for (int k = 0; k < 3; k++) {
         mesh->box_min[k] = box.low[k];
         mesh->box_max[k] = box.high[k];
         mesh->filter_centre[k] = 0.5 * (box.low[k] + box.high[k]);
-        half = max_of(half, 0.5 * (box.high[k] - box.low[k]));
+        half_width = max_of(half_width, 0.5 * (box.high[k] - box.low[k]));
     }
     int exponent;
-    frexp(half, &exponent);
+    frexp(half_width, &exponent);
     mesh->filter_scale = ldexp(1.0, -exponent);
 }
 
@@ -111,14 +115,14 @@ static void set_sections(struct dpt_mesh *mesh, uint64_t nodes)
     mesh->bytes = end;
 }
 
-/* A vertex in the filter's frame, in double. */
-static void filtered(const struct dpt_mesh *mesh, const float *position, double out[3])
+/* Transform a position from the mesh's frame to the filter's, in double. */
+static void to_filter_frame(const struct dpt_mesh *mesh, const float *position, double out[3])
 {
     for (int k = 0; k < 3; k++)
         out[k] = (position[k] - mesh->filter_centre[k]) * mesh->filter_scale;
 }
 
-/* The leaves, and their boxes. Empty lanes of the last leaf repeat its last triangle. */
+/* Write the leaves, and compute their boxes. Empty lanes of the last leaf repeat its last triangle. */
 static void fill_leaves(void *context, size_t first, size_t end)
 {
     const struct writing *writing = context;
@@ -127,13 +131,14 @@ static void fill_leaves(void *context, size_t first, size_t end)
     float *leaves = (float *)(void *)(writing->bytes + mesh->section[MESH_LEAVES].offset);
     for (uint32_t leaf = (uint32_t)first; leaf < end; leaf++) {
         float *block = leaves + (size_t)leaf * MESH_LEAF_WORDS;
-        struct node_box box = nothing;
+        struct node_box box = empty_box;
         for (uint32_t lane = 0; lane < LANES; lane++) {
             uint32_t t = leaf * LANES + lane;
             t = t < mesh->triangles ? t : mesh->triangles - 1;
             for (uint32_t k = 0; k < 3; k++) {
                 double x[3];
-                filtered(mesh, model->positions + 3 * (size_t)model->corners[3 * (size_t)t + k], x);
+                to_filter_frame(
+                    mesh, model->positions + 3 * (size_t)model->corners[3 * (size_t)t + k], x);
                 box_add(&box, x, x);
                 for (uint32_t axis = 0; axis < 3; axis++)
                     block[(3 * k + axis) * LANES + lane] = (float)x[axis];
@@ -143,40 +148,43 @@ static void fill_leaves(void *context, size_t first, size_t end)
     }
 }
 
-/* Centre and half width in float, so that the box in float holds the box in double. */
+/* Store centre and half width in float. The half width is rounded up, so that the stored box holds `box`. */
 static void put_box(float *block, uint32_t lane, const struct node_box *box)
 {
     for (uint32_t k = 0; k < 3; k++) {
         float centre = (float)(0.5 * (box->low[k] + box->high[k]));
-        double half = max_of(box->high[k] - (double)centre, (double)centre - box->low[k]);
-        float up = (float)half;
+        double half_width = max_of(box->high[k] - (double)centre, (double)centre - box->low[k]);
+        float half_float = (float)half_width;
         block[k * LANES + lane] = centre;
-        block[(3 + k) * LANES + lane] = (double)up < half ? nextafterf(up, HUGE_VALF) : up;
+        block[(3 + k) * LANES + lane] =
+            (double)half_float < half_width ? nextafterf(half_float, HUGE_VALF) : half_float;
     }
 }
 
-/* All levels, upward; `boxes` holds the level below and is folded in place. */
+/*
+ * Write the boxes of all levels, from the leaves up. `boxes` holds the level below, and is overwritten level by level.
+ */
 static void fill_boxes(const struct dpt_mesh *mesh, float *nodes, struct node_box *boxes,
                        const uint32_t *count)
 {
     for (uint32_t level = 1; level <= mesh->levels; level++)
         for (uint32_t node = 0; node < count[level]; node++, nodes += MESH_BOX_WORDS) {
-            struct node_box whole = nothing;
+            struct node_box box = empty_box;
             for (uint32_t lane = 0; lane < LANES; lane++) {
                 uint32_t child = node * LANES + lane;
                 child = child < count[level - 1] ? child : count[level - 1] - 1;
                 put_box(nodes, lane, &boxes[child]);
-                box_add(&whole, boxes[child].low, boxes[child].high);
+                box_add(&box, boxes[child].low, boxes[child].high);
             }
-            boxes[node] = whole;
+            boxes[node] = box;
         }
 }
 
-/* The triangles of a leaf that belong to solid parts: as bits, and as one set. */
+/* The triangles of a leaf that belong to solid parts: returns them as bits, and sets *moment to their moments. */
 static uint32_t solid_lanes(const struct dpt_mesh *mesh, const struct model *model, uint32_t leaf,
-                            struct winding_moment *set)
+                            struct winding_moment *moment)
 {
-    struct winding_moment sets[LANES];
+    struct winding_moment moments[LANES];
     uint32_t lanes = 0, count = 0;
     for (uint32_t lane = 0; lane < LANES && leaf * LANES + lane < mesh->triangles; lane++) {
         uint32_t t = leaf * LANES + lane;
@@ -184,15 +192,16 @@ static uint32_t solid_lanes(const struct dpt_mesh *mesh, const struct model *mod
         if (!(model->parts[model->part_of[t]].flags & MESH_PART_SOLID))
             continue;
         for (uint32_t k = 0; k < 3; k++)
-            filtered(mesh, model->positions + 3 * (size_t)model->corners[3 * (size_t)t + k], x[k]);
-        sets[count++] = moment_of_triangle(vec3_of(x[0]), vec3_of(x[1]), vec3_of(x[2]));
+            to_filter_frame(mesh, model->positions + 3 * (size_t)model->corners[3 * (size_t)t + k],
+                            x[k]);
+        moments[count++] = moment_of_triangle(vec3_of(x[0]), vec3_of(x[1]), vec3_of(x[2]));
         lanes |= 1u << lane;
     }
-    *set = moment_of_sets(sets, count);
+    *moment = moment_of_sets(moments, count);
     return lanes;
 }
 
-/* The last words of the section, one a leaf. */
+/* Write the last words of the `moments` section: one for each leaf. */
 static void fill_solid_lanes(void *context, size_t first, size_t end)
 {
     const struct writing *writing = context;
@@ -201,11 +210,11 @@ static void fill_solid_lanes(void *context, size_t first, size_t end)
     uint32_t *lanes = (uint32_t *)(void *)(writing->bytes + section->offset + section->bytes);
     lanes -= mesh->leaves;
     for (uint32_t leaf = (uint32_t)first; leaf < end; leaf++)
-        lanes[leaf] = solid_lanes(mesh, writing->model, leaf, &writing->sets[leaf]);
+        lanes[leaf] = solid_lanes(mesh, writing->model, leaf, &writing->leaf_moments[leaf]);
 }
 
-/* As fill_boxes, from the sets of the leaves. */
-static void fill_moments(const struct dpt_mesh *mesh, float *nodes, struct winding_moment *sets,
+/* Write the moments of all levels, from the leaves up. `moments` is overwritten like the boxes of fill_boxes. */
+static void fill_moments(const struct dpt_mesh *mesh, float *nodes, struct winding_moment *moments,
                          const uint32_t *count)
 {
     const struct winding_moment none = { .area = 0.0 };
@@ -214,12 +223,12 @@ static void fill_moments(const struct dpt_mesh *mesh, float *nodes, struct windi
             uint32_t first = node * LANES, children = count[level - 1] - first;
             children = children < LANES ? children : LANES;
             for (uint32_t lane = 0; lane < LANES; lane++)
-                moment_put(lane < children ? &sets[first + lane] : &none, nodes + lane);
-            sets[node] = moment_of_sets(sets + first, children);
+                moment_store(lane < children ? &moments[first + lane] : &none, nodes + lane);
+            moments[node] = moment_of_sets(moments + first, children);
         }
 }
 
-/* What the model already has as words; NULL for the other sections. */
+/* The content of a section that the model holds ready; NULL for the other sections. */
 static const void *content_of(const struct model *model, int id)
 {
     const void *const content[MESH_SECTION_COUNT] = {
@@ -239,8 +248,8 @@ static const void *content_of(const struct model *model, int id)
 }
 
 /*
- * The sections whose middle byte is one of first..end: what the model has of them, into the file's byte order, with
- * the checksums of the bytes as they will lie.
+ * Finish the sections whose middle byte is in first..end: copy content from the model, swap to the file's byte order,
+ * and compute the checksum.
  */
 static void seal_sections(void *context, size_t first, size_t end)
 {
@@ -270,7 +279,7 @@ static void seal_header(struct dpt_mesh *mesh, const struct crc32 *crc)
     mesh->header_crc32 = sum;
 }
 
-/* The address to free lies just before them. */
+/* The address to free is stored just before the block. */
 char *compiled_block(size_t size)
 {
     char *raw = calloc(1, size + MESH_ALIGN + sizeof raw);
@@ -309,26 +318,27 @@ dpt_result model_write(const struct model *model, soup *source, uint64_t source_
     set_sections(mesh, nodes);
 
     const uint32_t threads = source->threads, winding = mesh->tail.winding_components;
-    struct node_box *boxes = writing.boxes = model_array(source, mesh->leaves, sizeof *boxes);
-    struct winding_moment *sets = writing.sets =
-        model_array(source, winding ? mesh->leaves : 0, sizeof *sets);
-    char *bytes =
-        boxes && sets && mesh->bytes <= SIZE_MAX / 2 ? compiled_block((size_t)mesh->bytes) : NULL;
+    struct node_box *boxes = writing.boxes = model_alloc(source, mesh->leaves, sizeof *boxes);
+    struct winding_moment *moments = writing.leaf_moments =
+        model_alloc(source, winding ? mesh->leaves : 0, sizeof *moments);
+    char *bytes = boxes && moments && mesh->bytes <= SIZE_MAX / 2
+                      ? compiled_block((size_t)mesh->bytes)
+                      : NULL;
     if (!bytes) {
         free(boxes);
-        free(sets);
-        return soup_fail(source, DPT_E_MEMORY, (source_place){ 0, 0 }, "memory ran out");
+        free(moments);
+        return soup_fail(source, DPT_E_MEMORY, (source_location){ 0, 0 }, "memory ran out");
     }
     writing.bytes = bytes;
     parallel_for(threads, mesh->leaves, LEAVES_MIN, fill_leaves, &writing);
     fill_boxes(mesh, (float *)(void *)(bytes + mesh->section[MESH_BOXES].offset), boxes, count);
     if (winding) {
         parallel_for(threads, mesh->leaves, LEAVES_MIN, fill_solid_lanes, &writing);
-        fill_moments(mesh, (float *)(void *)(bytes + mesh->section[MESH_MOMENTS].offset), sets,
+        fill_moments(mesh, (float *)(void *)(bytes + mesh->section[MESH_MOMENTS].offset), moments,
                      count);
     }
     free(boxes);
-    free(sets);
+    free(moments);
     out->size = (size_t)mesh->bytes;
     crc32_init(&writing.crc);
     parallel_for(threads, out->size, SECTION_MIN, seal_sections, &writing);

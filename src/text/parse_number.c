@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Decimal numbers (parse_number.h). Most numbers of a mesh file have few digits and a small exponent: for
- * them one multiplication or division of two exact doubles rounds once, and so correctly. The rest
- * goes through strtod, written anew as an integer with an exponent, in which no locale has a say.
+ * Decimal numbers (parse_number.h). Most numbers of a mesh file have few digits and a small exponent. They take one
+ * multiplication or division of two exact doubles, which rounds once and so correctly. The others are rewritten as an
+ * integer with an exponent and go through strtod: such a text means the same in every locale.
  */
-#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -16,62 +15,64 @@ static const double powers_of_ten[23] = { 1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e
                                           1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22 };
 
 enum {
-    MANTISSA_DIGITS = 19, /* as many as surely fit in 64 bits */
-    /* A point half-way between two doubles has at most 767 significant digits: what comes after
-     * these decides only by being zero or not. */
+    MANTISSA_DIGITS = 19, /* so many always fit in 64 bits */
+    /* A point half-way between two doubles has at most 767 significant digits. Of all later digits it only matters
+     * whether they are all zero. */
     DECIDING_DIGITS = 800
 };
 
-#define EXPONENT_FAR 20000 /* from here on all of DECIDING_DIGITS give zero or infinity */
+/* Beyond this exponent, any number of DECIDING_DIGITS digits is zero or infinity. */
+#define EXPONENT_FAR 20000
 
-/* A number's digits as they stand in the text, and what was learnt on the way through them. */
+/* A number in the text, and what scanning its digits found. */
 typedef struct decimal {
-    const char *digits, *digits_end; /* with the point, if any */
-    uint64_t mantissa;               /* the first MANTISSA_DIGITS significant ones */
-    int64_t exponent;                /* the number is all its digits as an integer, times 10^this */
-    size_t significant;
+    const char *digits, *digits_end; /* including the point, if any */
+    uint64_t mantissa;               /* the first MANTISSA_DIGITS significant digits */
+    int64_t exponent; /* the number is all digits, read as an integer, times 10^exponent */
+    size_t significant_digits;
 } decimal;
 
-static bool is_digit(char c)
+static int is_digit(char c)
 {
     return c >= '0' && c <= '9';
 }
 
-static const char *parse_sign(const char *text, const char *end, bool *negative)
+static const char *parse_sign(const char *text, const char *end, int *is_negative)
 {
-    *negative = text < end && *text == '-';
+    *is_negative = text < end && *text == '-';
     return text < end && (*text == '-' || *text == '+') ? text + 1 : text;
 }
 
+/* Read the digits before the exponent. Returns their end, or NULL if there is none. */
 static const char *scan_digits(const char *at, const char *end, decimal *number)
 {
-    bool point = false, any = false;
+    int has_point = 0, has_digit = 0;
     number->digits = at;
     for (; at < end; at++) {
-        if (*at == '.' && !point) {
-            point = true;
+        if (*at == '.' && !has_point) {
+            has_point = 1;
             continue;
         }
         if (!is_digit(*at))
             break;
-        any = true;
-        number->exponent -= point;
-        if (*at == '0' && number->significant == 0)
+        has_digit = 1;
+        number->exponent -= has_point;
+        if (*at == '0' && number->significant_digits == 0)
             continue;
-        if (number->significant++ < MANTISSA_DIGITS)
+        if (number->significant_digits++ < MANTISSA_DIGITS)
             number->mantissa = number->mantissa * 10 + (uint64_t)(*at - '0');
     }
     number->digits_end = at;
-    return any ? at : NULL;
+    return has_digit ? at : NULL;
 }
 
-/* The e that is followed by no digit is not part of the number. */
+/* Read the exponent, if any. An e without a digit after it is not part of the number. Returns the end. */
 static const char *scan_exponent(const char *at, const char *end, decimal *number)
 {
     if (at == end || (*at != 'e' && *at != 'E'))
         return at;
-    bool negative;
-    const char *digit = parse_sign(at + 1, end, &negative);
+    int is_negative;
+    const char *digit = parse_sign(at + 1, end, &is_negative);
     if (digit == end || !is_digit(*digit))
         return at;
     int64_t exponent = 0;
@@ -79,32 +80,34 @@ static const char *scan_exponent(const char *at, const char *end, decimal *numbe
         if (exponent < INT64_MAX / 100)
             exponent = exponent * 10 + (*digit - '0');
     }
-    number->exponent += negative ? -exponent : exponent;
+    number->exponent += is_negative ? -exponent : exponent;
     return digit;
 }
 
-static bool convert_exact(const decimal *number, double *value)
+/* Convert with one rounding. Returns 0 if the number has too many digits or too large an exponent for that. */
+static int convert_exact(const decimal *number, double *value)
 {
     if (number->mantissa == 0) {
         *value = 0.0;
-        return true;
+        return 1;
     }
-    if (number->significant > MANTISSA_DIGITS || number->mantissa > (UINT64_C(1) << 53) ||
+    if (number->significant_digits > MANTISSA_DIGITS || number->mantissa > (UINT64_C(1) << 53) ||
         number->exponent < -22 || number->exponent > 22)
-        return false;
+        return 0;
     if (number->exponent < 0)
         *value = (double)number->mantissa / powers_of_ten[-number->exponent];
     else
         *value = (double)number->mantissa * powers_of_ten[number->exponent];
-    return true;
+    return 1;
 }
 
+/* Convert any number by strtod. Digits after DECIDING_DIGITS become one digit 1, unless all of them are zero. */
 static double convert_any(const decimal *number)
 {
     char buffer[DECIDING_DIGITS + 32];
     size_t length = 0;
     int64_t dropped = 0;
-    bool sticky = false;
+    int has_remainder = 0;
     for (const char *at = number->digits; at < number->digits_end; at++) {
         if (*at == '.' || (*at == '0' && length == 0))
             continue;
@@ -113,9 +116,9 @@ static double convert_any(const decimal *number)
             continue;
         }
         dropped++;
-        sticky = sticky || *at != '0';
+        has_remainder = has_remainder || *at != '0';
     }
-    if (sticky) {
+    if (has_remainder) {
         buffer[length++] = '1';
         dropped--;
     }
@@ -131,23 +134,23 @@ static double convert_any(const decimal *number)
 const char *parse_double(const char *text, const char *end, double *value)
 {
     decimal number = { NULL, NULL, 0, 0, 0 };
-    bool negative;
-    const char *at = scan_digits(parse_sign(text, end, &negative), end, &number);
-    if (at == NULL)
+    int is_negative;
+    const char *at = scan_digits(parse_sign(text, end, &is_negative), end, &number);
+    if (!at)
         return NULL;
     at = scan_exponent(at, end, &number);
     if (!convert_exact(&number, value))
         *value = convert_any(&number);
-    if (negative)
+    if (is_negative)
         *value = -*value;
     return at;
 }
 
 const char *parse_int(const char *text, const char *end, int64_t *value)
 {
-    bool negative;
+    int is_negative;
     int64_t number = 0;
-    const char *at = parse_sign(text, end, &negative);
+    const char *at = parse_sign(text, end, &is_negative);
     if (at == end || !is_digit(*at))
         return NULL;
     for (; at < end && is_digit(*at); at++) {
@@ -156,6 +159,6 @@ const char *parse_int(const char *text, const char *end, int64_t *value)
             return NULL;
         number = number * 10 + digit;
     }
-    *value = negative ? -number : number;
+    *value = is_negative ? -number : number;
     return at;
 }

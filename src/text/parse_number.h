@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Decimal numbers from text, without regard to the locale. Correctly rounded.
+ * Decimal numbers from text. They are correctly rounded and do not depend on the locale.
  *
- * Accepts what C's strtod accepts in the C locale for decimal numbers: sign, digits with or without a
- * point (1, 1., .5, +2.E1, 1e-001). Not hexadecimal, not "inf" or "nan": those are refused as any
- * other word is.
+ * These functions accept the decimal numbers that strtod accepts in the C locale: a sign, digits with or without a
+ * point, an exponent (1, 1., .5, +2.E1, 1e-001). They accept neither hexadecimal numbers nor "inf" or "nan".
  */
 #ifndef DPT_PARSE_NUMBER_H
 #define DPT_PARSE_NUMBER_H
@@ -12,10 +11,12 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Parse at `text`, not beyond `end`. Returns the first byte after the number, or NULL. */
+/*
+ * Parse a number at `text`, reading no further than `end`. Returns the first byte after it, or NULL if there is none.
+ */
 const char *parse_double(const char *text, const char *end, double *value);
 
-/* An integer of any sign; NULL when there is none or it does not fit. */
+/* Parse an integer of either sign. Returns the first byte after it, or NULL if there is none or it does not fit. */
 const char *parse_int(const char *text, const char *end, int64_t *value);
 
 #endif

@@ -7,7 +7,8 @@
 
 dpt_pose pose_of(const Frame &frame)
 {
-    return { { frame.p.x, frame.p.y, frame.p.z }, { frame.w, frame.v.x, frame.v.y, frame.v.z } };
+    return { { frame.position.x, frame.position.y, frame.position.z },
+             { frame.w, frame.v.x, frame.v.y, frame.v.z } };
 }
 
 void put_name(char to[DPT_ARM_NAME], const std::string &name, const char *what, size_t line)
@@ -22,41 +23,41 @@ void put_name(char to[DPT_ARM_NAME], const std::string &name, const char *what, 
 namespace
 {
 
-/* A joint's value: factor * base's + offset; factor 0 where it stands still. */
+/* A joint's value is factor * the value of joint `base` + offset. */
 struct Motion {
-    size_t base; /* joint; none: still */
+    size_t base; /* joint of the robot; none: this joint does not move */
     double factor;
     double offset;
 };
 
-std::string joint_called(const Joint &joint)
+std::string joint_text(const Joint &joint)
 {
     return "joint " + quoted(joint.name);
 }
 
-bool turns_or_slides(const Joint &joint)
+bool is_movable(const Joint &joint)
 {
     return joint.kind == Joint::REVOLUTE || joint.kind == Joint::CONTINUOUS ||
            joint.kind == Joint::PRISMATIC;
 }
 
-struct Builder {
+struct ChainBuilder {
     const Robot &robot;
     Notes &notes;
     Chain chain;
-    std::vector<size_t> path;    /* joints, from the root to the tool */
-    std::vector<Motion> motions; /* of each joint */
+    std::vector<size_t> path;    /* joints of the robot, from the root to the tool */
+    std::vector<Motion> motions; /* of each joint of the robot */
 
     void find_tool(const char *name);
     void find_path();
-    Motion follow(size_t index) const;
+    Motion resolve_mimics(size_t index) const;
     void find_coordinates();
     void add_coordinate(size_t index);
-    void place();
-    Placed moved(size_t child, const Placed &parent);
-    Frame held(const Joint &joint, double value, bool mimics) const;
-    void weigh();
-    void shapes();
+    void attach_links();
+    Attachment attach(size_t child, const Attachment &parent);
+    Frame held_frame(const Joint &joint, double value, bool mimics) const;
+    void add_masses();
+    void collect_capsules();
     void check_mimics();
 
     bool is_coordinate(size_t joint) const
@@ -66,31 +67,31 @@ struct Builder {
     }
 };
 
-void Builder::find_tool(const char *name)
+void ChainBuilder::find_tool(const char *name)
 {
-    std::vector<size_t> ends;
+    std::vector<size_t> candidates;
     for (size_t i = 0; i < robot.links.size(); i++) {
         if (name ? robot.links[i].name == name : robot.links[i].children.empty())
-            ends.push_back(i);
+            candidates.push_back(i);
     }
-    if (ends.empty())
+    if (candidates.empty())
         refuse(DPT_E_ARGUMENT, 0, "there is no link %s to be the tool", quoted(name).c_str());
-    if (ends.size() > 1) {
-        std::string some = quoted(robot.links[ends[0]].name);
-        for (size_t i = 1; i < ends.size() && i < 3; i++)
-            some += ", " + quoted(robot.links[ends[i]].name);
+    if (candidates.size() > 1) {
+        std::string names = quoted(robot.links[candidates[0]].name);
+        for (size_t i = 1; i < candidates.size() && i < 3; i++)
+            names += ", " + quoted(robot.links[candidates[i]].name);
         refuse(DPT_E_ARGUMENT, 0,
                "%zu links have no children: %s%s: name the one that is the tool (--tool)",
-               ends.size(), some.c_str(), ends.size() > 3 ? " ..." : "");
+               candidates.size(), names.c_str(), candidates.size() > 3 ? " ..." : "");
     }
-    chain.tool = ends[0];
+    chain.tool_link = candidates[0];
 }
 
-void Builder::find_path()
+void ChainBuilder::find_path()
 {
-    for (size_t at = chain.tool; robot.links[at].joint != none;
-         at = robot.joints[robot.links[at].joint].parent)
-        path.push_back(robot.links[at].joint);
+    for (size_t link = chain.tool_link; robot.links[link].joint != none;
+         link = robot.joints[robot.links[link].joint].parent)
+        path.push_back(robot.links[link].joint);
     std::reverse(path.begin(), path.end());
     for (size_t index : path) {
         const Joint &joint = robot.joints[index];
@@ -98,46 +99,46 @@ void Builder::find_path()
             refuse(DPT_E_UNSUPPORTED, joint.line,
                    "%s on the way to the tool is %s: an arm has revolute, continuous and prismatic "
                    "ones",
-                   joint_called(joint).c_str(),
+                   joint_text(joint).c_str(),
                    joint.kind == Joint::FLOATING ? "floating" : "planar");
     }
 }
 
-/* Through chains of mimics to the joint that none of them moves. */
-Motion Builder::follow(size_t index) const
+/* Follow a chain of mimics to the joint that mimics no other, and multiply out factors and offsets on the way. */
+Motion ChainBuilder::resolve_mimics(size_t index) const
 {
     Motion motion = { index, 1.0, 0.0 };
     for (size_t steps = 0; robot.joints[motion.base].mimics != none; steps++) {
         const Joint &joint = robot.joints[motion.base];
         if (steps > robot.joints.size())
             refuse(DPT_E_SYNTAX, robot.joints[index].line, "%s mimics itself, by way of others",
-                   joint_called(robot.joints[index]).c_str());
+                   joint_text(robot.joints[index]).c_str());
         motion.offset += motion.factor * joint.offset;
         motion.factor *= joint.factor;
         motion.base = joint.mimics;
     }
     const Joint &base = robot.joints[motion.base];
-    if (motion.base != index && !turns_or_slides(base))
+    if (motion.base != index && !is_movable(base))
         refuse(DPT_E_UNSUPPORTED, robot.joints[index].line,
                "%s mimics %s, which neither turns about an axis nor slides along one",
-               joint_called(robot.joints[index]).c_str(), quoted(base.name).c_str());
+               joint_text(robot.joints[index]).c_str(), quoted(base.name).c_str());
     if (!(std::fabs(motion.factor) <= DPT_COORDINATE_MAX) ||
         !(std::fabs(motion.offset) <= DPT_COORDINATE_MAX))
         refuse(DPT_E_FINITE, robot.joints[index].line,
                "%s: its multiplier and offset, through all that it mimics, are beyond 1e6",
-               joint_called(robot.joints[index]).c_str());
-    if (motion.factor == 0.0 || !turns_or_slides(robot.joints[index]))
+               joint_text(robot.joints[index]).c_str());
+    if (motion.factor == 0.0 || !is_movable(robot.joints[index]))
         motion.base = none;
     return motion;
 }
 
-void Builder::add_coordinate(size_t index)
+void ChainBuilder::add_coordinate(size_t index)
 {
     const Joint &from = robot.joints[index];
     if (chain.joints.size() == DPT_JOINTS_MAX)
         refuse(DPT_E_LIMIT, from.line,
                "%s is the ninth on the way to the tool: an arm has at most %d",
-               joint_called(from).c_str(), DPT_JOINTS_MAX);
+               joint_text(from).c_str(), DPT_JOINTS_MAX);
     dpt_arm_joint joint = {};
     joint.size = sizeof joint;
     joint.kind = from.kind == Joint::PRISMATIC    ? DPT_JOINT_PRISMATIC
@@ -153,25 +154,25 @@ void Builder::add_coordinate(size_t index)
     chain.coordinates.push_back(index);
     chain.joints.push_back(joint);
     if (from.kind != Joint::CONTINUOUS && from.lower == from.upper)
-        notes.say(from.line, joint_called(from) + " cannot move: its limits are equal");
+        notes.add(from.line, joint_text(from) + " cannot move: its limits are equal");
 }
 
-void Builder::find_coordinates()
+void ChainBuilder::find_coordinates()
 {
     for (size_t i = 0; i < robot.joints.size(); i++)
-        motions.push_back(follow(i));
+        motions.push_back(resolve_mimics(i));
     for (size_t index : path)
         if (motions[index].base != none && !is_coordinate(motions[index].base))
             add_coordinate(motions[index].base);
     if (chain.coordinates.empty())
-        refuse(DPT_E_UNSUPPORTED, robot.links[chain.tool].line,
+        refuse(DPT_E_UNSUPPORTED, robot.links[chain.tool_link].line,
                "link %s is the tool, and no joint between it and the root %s moves",
-               quoted(robot.links[chain.tool].name).c_str(),
+               quoted(robot.links[chain.tool_link].name).c_str(),
                quoted(robot.links[robot.root].name).c_str());
 }
 
-/* Limits are those of the coordinate; a joint that follows it may have narrower ones of its own. */
-void Builder::check_mimics()
+/* An arm has the limits of its coordinates alone. Note each mimicking joint whose own limits are narrower. */
+void ChainBuilder::check_mimics()
 {
     for (size_t i = 0; i < robot.joints.size(); i++) {
         const Joint &joint = robot.joints[i];
@@ -185,35 +186,34 @@ void Builder::check_mimics()
                slack = 1e-9 * (1.0 + std::fabs(a - b));
         if (base.kind == Joint::CONTINUOUS || std::min(a, b) < joint.lower - slack ||
             std::max(a, b) > joint.upper + slack)
-            notes.say(joint.line, joint_called(joint) + " leaves its own limits when " +
+            notes.add(joint.line, joint_text(joint) + " leaves its own limits when " +
                                       quoted(base.name) + ", which it mimics, goes to its");
     }
 }
 
-/* A joint that the arm does not move, where it stands. */
-Frame Builder::held(const Joint &joint, double value, bool mimics) const
+/* The frame of a joint that is no part of the arm, held at `value` (rad or m), in its parent link's frame. Notes it. */
+Frame ChainBuilder::held_frame(const Joint &joint, double value, bool mimics) const
 {
-    if (!turns_or_slides(joint)) {
+    if (!is_movable(joint)) {
         if (joint.kind != Joint::FIXED)
-            notes.say(joint.line,
-                      joint_called(joint) + " is no part of the arm: held at its origin");
-        return joint.place;
+            notes.add(joint.line, joint_text(joint) + " is no part of the arm: held at its origin");
+        return joint.origin;
     }
-    notes.say(joint.line, joint_called(joint) + " is no part of the arm: held" +
+    notes.add(joint.line, joint_text(joint) + " is no part of the arm: held" +
                               (value == 0.0 ? " at 0"
                                : mimics     ? " where what it mimics puts it"
                                             : " at its limit nearest to 0"));
     Frame motion = identity;
     if (joint.kind == Joint::PRISMATIC) {
-        motion.p = value * joint.axis;
+        motion.position = value * joint.axis;
     } else {
         motion.w = std::cos(0.5 * value);
         motion.v = std::sin(0.5 * value) * joint.axis;
     }
-    return joint.place * motion;
+    return joint.origin * motion;
 }
 
-Placed Builder::moved(size_t child, const Placed &parent)
+Attachment ChainBuilder::attach(size_t child, const Attachment &parent)
 {
     const size_t index = robot.links[child].joint;
     const Joint &joint = robot.joints[index];
@@ -222,25 +222,25 @@ Placed Builder::moved(size_t child, const Placed &parent)
         double value = motion.offset;
         if (motion.base != none) {
             const Joint &base = robot.joints[motion.base];
-            double at = base.kind == Joint::CONTINUOUS
-                            ? 0.0
-                            : std::max(base.lower, std::min(base.upper, 0.0));
-            value += motion.factor * at;
+            double base_value = base.kind == Joint::CONTINUOUS
+                                    ? 0.0
+                                    : std::max(base.lower, std::min(base.upper, 0.0));
+            value += motion.factor * base_value;
         }
-        return { parent.on, parent.place * held(joint, value, joint.mimics != none),
-                 joint.kind == Joint::FIXED ? parent.set : child };
+        return { parent.arm_link, parent.pose * held_frame(joint, value, joint.mimics != none),
+                 joint.kind == Joint::FIXED ? parent.fixed_group : child };
     }
     if (chain.links.size() == DPT_ARM_LINKS_MAX)
         refuse(DPT_E_LIMIT, joint.line, "%s: more than %d links move with the arm",
-               joint_called(joint).c_str(), DPT_ARM_LINKS_MAX);
+               joint_text(joint).c_str(), DPT_ARM_LINKS_MAX);
     dpt_arm_link link = {};
     link.size = sizeof link;
-    link.parent = parent.on == none ? DPT_NONE : static_cast<uint32_t>(parent.on);
+    link.parent = parent.arm_link == none ? DPT_NONE : static_cast<uint32_t>(parent.arm_link);
     link.joint = static_cast<uint32_t>(
         std::find(chain.coordinates.begin(), chain.coordinates.end(), motion.base) -
         chain.coordinates.begin());
     link.slides = joint.kind == Joint::PRISMATIC;
-    link.pose = pose_of(parent.place * joint.place);
+    link.pose = pose_of(parent.pose * joint.origin);
     link.axis[0] = joint.axis.x;
     link.axis[1] = joint.axis.y;
     link.axis[2] = joint.axis.z;
@@ -250,28 +250,30 @@ Placed Builder::moved(size_t child, const Placed &parent)
     return { chain.links.size() - 1, identity, child };
 }
 
-void Builder::place()
+void ChainBuilder::attach_links()
 {
-    chain.placed.assign(robot.links.size(), Placed{ none, identity, robot.root });
-    std::vector<size_t> row(1, robot.root);
-    for (size_t i = 0; i < row.size(); i++) {
-        for (size_t child : robot.links[row[i]].children) {
-            chain.placed[child] = moved(child, chain.placed[row[i]]);
-            row.push_back(child);
+    chain.attachments.assign(robot.links.size(), Attachment{ none, identity, robot.root });
+    std::vector<size_t> queue(1, robot.root);
+    for (size_t i = 0; i < queue.size(); i++) {
+        for (size_t child : robot.links[queue[i]].children) {
+            chain.attachments[child] = attach(child, chain.attachments[queue[i]]);
+            queue.push_back(child);
         }
     }
 }
 
-/* Each link's mass to the link of the arm that it is fixed to. */
-void Builder::weigh()
+/* Add the mass of each link of the robot to the link of the arm that it is fixed to, and average the centres. */
+void ChainBuilder::add_masses()
 {
-    std::vector<Vec> moments(chain.links.size(), Vec{ 0.0, 0.0, 0.0 });
+    std::vector<Vec> mass_moments(chain.links.size(), Vec{ 0.0, 0.0, 0.0 });
     for (size_t i = 0; i < robot.links.size(); i++) {
-        const Placed &at = chain.placed[i];
-        if (at.on == none)
+        const Attachment &attachment = chain.attachments[i];
+        if (attachment.arm_link == none)
             continue;
-        chain.links[at.on].mass += robot.links[i].mass;
-        moments[at.on] = moments[at.on] + robot.links[i].mass * (at.place * robot.links[i].centre);
+        chain.links[attachment.arm_link].mass += robot.links[i].mass;
+        mass_moments[attachment.arm_link] =
+            mass_moments[attachment.arm_link] +
+            robot.links[i].mass * (attachment.pose * robot.links[i].centre);
     }
     double mass = 0.0;
     for (size_t i = 0; i < chain.links.size(); i++) {
@@ -279,66 +281,70 @@ void Builder::weigh()
         mass += link.mass;
         if (!(link.mass > 0.0))
             continue;
-        link.centre[0] = moments[i].x / link.mass;
-        link.centre[1] = moments[i].y / link.mass;
-        link.centre[2] = moments[i].z / link.mass;
+        link.centre[0] = mass_moments[i].x / link.mass;
+        link.centre[1] = mass_moments[i].y / link.mass;
+        link.centre[2] = mass_moments[i].z / link.mass;
     }
     if (!(mass > 0.0))
-        notes.say(robot.joints[chain.coordinates[0]].line,
-                  "no link from " + joint_called(robot.joints[chain.coordinates[0]]) +
+        notes.add(robot.joints[chain.coordinates[0]].line,
+                  "no link from " + joint_text(robot.joints[chain.coordinates[0]]) +
                       " on has a mass: the arm is not held up against its weight");
 }
 
-/* Its capsule, along z of its frame. */
-bool is_capsule(const Shape &shape, double *half, double *radius)
+/* The capsule of a shape, along z of the shape's frame: half length of its axis, and radius. False for other shapes. */
+bool make_capsule(const Shape &shape, double *half_length, double *radius)
 {
     *radius = shape.radius;
-    *half = 0.0;
+    *half_length = 0.0;
     if (shape.kind == Shape::CAPSULE)
-        *half = 0.5 * shape.length;
+        *half_length = 0.5 * shape.length;
     if (shape.kind == Shape::CYLINDER) {
         *radius = std::min(shape.radius, 0.5 * shape.length);
-        *half = 0.5 * shape.length - *radius;
+        *half_length = 0.5 * shape.length - *radius;
     }
     return shape.kind == Shape::CAPSULE || shape.kind == Shape::CYLINDER ||
            shape.kind == Shape::SPHERE;
 }
 
-void Builder::shapes()
+void ChainBuilder::collect_capsules()
 {
-    const Placed &tool = chain.placed[chain.tool];
-    const Frame back = inverse(tool.place);
+    const Attachment &tool = chain.attachments[chain.tool_link];
+    const Frame to_tool = inverse(tool.pose);
     for (size_t i = 0; i < robot.links.size(); i++) {
         const Link &link = robot.links[i];
-        size_t left = 0;
+        size_t ignored_shapes = 0;
         for (const Shape &shape : link.shapes) {
-            const Placed &at = chain.placed[i];
-            double half, radius;
-            if (at.set == robot.root && (shape.kind == Shape::BOX || shape.kind == Shape::MESH))
+            const Attachment &attachment = chain.attachments[i];
+            double half_length, radius;
+            if (attachment.fixed_group == robot.root &&
+                (shape.kind == Shape::BOX || shape.kind == Shape::MESH))
                 continue;
-            if (at.set != tool.set || !is_capsule(shape, &half, &radius)) {
-                left++;
+            if (attachment.fixed_group != tool.fixed_group ||
+                !make_capsule(shape, &half_length, &radius)) {
+                ignored_shapes++;
                 continue;
             }
             if (chain.segments.size() == DPT_ARM_SEGMENTS_MAX)
                 refuse(DPT_E_LIMIT, link.line, "link %s: the tool has more than %d capsules",
                        quoted(link.name).c_str(), DPT_ARM_SEGMENTS_MAX);
-            const Frame in_tool = back * at.place * shape.place;
-            const Vec a = in_tool * Vec{ 0.0, 0.0, -half }, b = in_tool * Vec{ 0.0, 0.0, half };
+            const Frame in_tool = to_tool * attachment.pose * shape.origin;
+            const Vec a = in_tool * Vec{ 0.0, 0.0, -half_length },
+                      b = in_tool * Vec{ 0.0, 0.0, half_length };
             chain.segments.push_back({ { a.x, a.y, a.z }, { b.x, b.y, b.z }, radius });
             if (radius < shape.radius)
-                notes.say(link.line, "link " + quoted(link.name) +
+                notes.add(link.line, "link " + quoted(link.name) +
                                          ": a cylinder wider than long is felt as the ball in it");
         }
-        if (left)
-            notes.say(link.line,
+        if (ignored_shapes)
+            notes.add(link.line,
                       line_of_text("link %s: %zu collision shape%s left out: neither the "
                                    "tool's capsules nor the scene's meshes and boxes",
-                                   quoted(link.name).c_str(), left, left > 1 ? "s" : ""));
+                                   quoted(link.name).c_str(), ignored_shapes,
+                                   ignored_shapes > 1 ? "s" : ""));
     }
     if (chain.segments.empty())
-        notes.say(robot.links[chain.tool].line,
-                  "link " + quoted(robot.links[chain.tool].name) +
+        notes.add(robot.links[chain.tool_link].line,
+                  "link " + quoted(robot.links[chain.tool_link].name) +
                       ": the tool has no cylinder, capsule or sphere to touch with");
 }
 
@@ -346,13 +352,13 @@ void Builder::shapes()
 
 Chain chain_of(const Robot &robot, const char *tool, Notes &notes)
 {
-    Builder builder = { robot, notes, Chain(), {}, {} };
+    ChainBuilder builder = { robot, notes, Chain(), {}, {} };
     builder.find_tool(tool);
     builder.find_path();
     builder.find_coordinates();
     builder.check_mimics();
-    builder.place();
-    builder.weigh();
-    builder.shapes();
+    builder.attach_links();
+    builder.add_masses();
+    builder.collect_capsules();
     return builder.chain;
 }

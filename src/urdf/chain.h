@@ -1,32 +1,36 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A robot with a tool at one of its links, as the flat arrays of an arm. */
+/* Turn a robot, with a tool at one of its links, into the flat arrays of an arm. */
 #ifndef DPT_URDF_CHAIN_H
 #define DPT_URDF_CHAIN_H
 
 #include "urdf/robot.h"
 
-/* Where a link of the robot is. */
-struct Placed {
-    size_t on;   /* link of the arm; none: the root */
-    Frame place; /* in it, what does not move with the arm being held */
-    size_t set;  /* first of the links that fixed joints join to this one */
+/* Where a link of the robot is attached to the arm. */
+struct Attachment {
+    size_t arm_link; /* link of the arm that it is fixed to; none: the root */
+    Frame pose;      /* in that link's frame; joints that are no part of the arm are held still */
+    /* of the links of the robot that fixed joints join to this one: the first */
+    size_t fixed_group;
 };
 
 struct Chain {
-    size_t tool;                     /* link of the robot */
-    std::vector<size_t> coordinates; /* joints of the robot */
+    size_t tool_link;                /* link of the robot that is the tool */
+    std::vector<size_t> coordinates; /* of each joint of the arm: the joint of the robot */
     std::vector<dpt_arm_joint> joints;
     std::vector<dpt_arm_link> links;
     std::vector<dpt_segment> segments;
-    std::vector<Placed> placed; /* of each link of the robot */
+    std::vector<Attachment> attachments; /* of each link of the robot */
 };
 
-/* `tool` may be NULL: the only link without children. */
+/* Build the arm. `tool` names the tool's link; NULL is the only link without children. Throws a fault, adds notes. */
 Chain chain_of(const Robot &robot, const char *tool, Notes &notes);
 
 dpt_pose pose_of(const Frame &frame);
 
-/* A name into a field of DPT_ARM_NAME bytes, the rest zeros; a fault when it is too long. `what`: "joint". */
+/*
+ * Copy a name, and fill the rest of `to` with zeros. Throws a fault if it is too long. `what` is its kind in the
+ * message, such as "joint".
+ */
 void put_name(char to[DPT_ARM_NAME], const std::string &name, const char *what, size_t line);
 
 #endif

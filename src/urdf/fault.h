@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * What ends a compilation: thrown inside of this library only, caught at its one entry.
+ * Faults end a compilation. They are thrown only inside this library, and caught at its one public function. Notes do
+ * not end it.
  */
 #ifndef DPT_URDF_FAULT_H
 #define DPT_URDF_FAULT_H
@@ -13,27 +14,29 @@
 
 struct Fault {
     dpt_result code;
-    size_t line; /* of the URDF, from 1; 0: of none */
+    size_t line; /* of the URDF, from 1; 0: no line */
     std::string text;
 };
 
-/* A line from a printf format: control characters become '?', so that it stays one. */
+/* Format text as printf does. Control characters become '?', so that it stays one line. */
 std::string line_of_text(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
+/* Throw a fault with such a text. */
 [[noreturn]] void refuse(dpt_result code, size_t line, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-/* A name between quotes, control characters '?', cut where it would fill the line. */
+/* A name between quotes, for a message: control characters become '?', and a long name is cut. */
 std::string quoted(const std::string &name);
 
 /*
- * "OWNER: 'PATH'REASON". Where a dpt_diag has no room for all of it, the path is cut in its middle: its end and the
- * reason are told. A long reason goes without the owner, which the line names too.
+ * Throw a fault with the text "OWNER: 'PATH'REASON". If a dpt_diag cannot hold all of it, the middle of the path is cut
+ * out, so that the end of the path and the reason stay. If the reason is long, the owner is left out: the line number
+ * identifies it too.
  */
 [[noreturn]] void refuse_path(dpt_result code, size_t line, const std::string &owner,
                               const std::string &path, const std::string &reason);
 
-/* What was left out or held still, until it is certain that there is an arm. */
+/* What was left out or held still. Notes are delivered at the end, when the arm is certain to compile. */
 struct Note {
     size_t line;
     std::string text;
@@ -42,7 +45,7 @@ struct Note {
 struct Notes {
     std::vector<Note> list;
 
-    void say(size_t line, const std::string &text)
+    void add(size_t line, const std::string &text)
     {
         list.push_back({ line, text });
     }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * What stands where in the XML: urdfdom knows no lines, crashes on some text, and says nothing of what it passes over.
+ * The elements of the XML with their lines. They are read before urdfdom reads them, because urdfdom knows no lines,
+ * crashes on some text, and silently ignores what it does not know.
  */
 #ifndef DPT_URDF_OUTLINE_H
 #define DPT_URDF_OUTLINE_H
@@ -19,7 +20,7 @@ struct Attribute {
 struct Element {
     std::string tag;
     size_t line;
-    size_t parent; /* the root is its own */
+    size_t parent; /* index of the parent element; the root is its own parent */
     std::vector<Attribute> attributes;
 
     const std::string *attribute(const char *name) const;
@@ -27,10 +28,10 @@ struct Element {
 
 struct Outline {
     std::vector<Element> elements; /* in the file's order; the first is the root */
-    std::vector<size_t> links; /* elements that are <link> of the robot, by name all different */
-    std::vector<size_t> joints;
-    std::map<std::string, size_t> link_named; /* indices of `links` */
-    std::map<std::string, size_t> joint_named;
+    std::vector<size_t> links;     /* elements that are a <link> of the robot; all names differ */
+    std::vector<size_t> joints;    /* elements that are a <joint> of the robot; all names differ */
+    std::map<std::string, size_t> link_named;  /* indices of `links` */
+    std::map<std::string, size_t> joint_named; /* indices of `joints` */
 
     size_t link_line(size_t link) const
     {
@@ -42,19 +43,30 @@ struct Outline {
     }
 };
 
-/* By expat. Throws a fault for what is not well-formed, or beyond reason in depth and number. */
+/*
+ * Parse the XML with expat. Throws a fault if it is not well-formed, too deep, or has too many elements or attributes.
+ */
 Outline outline_of(const std::string &xml);
 
-/* Elements and attributes alone, in UTF-8: TinyXML, by which urdfdom reads, takes much that is no XML, and in its own way. */
+/*
+ * Write elements and attributes, and nothing else, as plain XML in UTF-8 for urdfdom. Its parser, TinyXML, accepts much
+ * that is not XML and reads it in a way of its own.
+ */
 std::string outline_text(const Outline &outline);
 
 /*
- * Faults for what would be passed over to a wrong end: a name or a part given twice, an attribute that is not one.
- * Notes on what is no part of a URDF. `capsules`: this urdfdom knows them, and quaternions, in files of version 1.1.
+ * Check the elements against the vocabulary of a URDF, and fill in links and joints. Throws a fault for what urdfdom
+ * would ignore and then misread: a name or an element given twice, an unknown attribute in place of a known one. Notes
+ * what is not part of a URDF.
+ *
+ *   knows_capsules   this build's urdfdom knows capsules and quaternions, in files of version 1.1
  */
-void outline_check(Outline *outline, bool capsules, Notes &notes);
+void outline_check(Outline *outline, bool knows_capsules, Notes &notes);
 
-/* Faults for joints that do not hang all links on one root, each once: with names and lines, which urdfdom has not. */
-void outline_tree(const Outline &outline);
+/*
+ * Throw a fault unless the joints make one tree of all links, each a child once. urdfdom does not tell names and lines
+ * of such errors.
+ */
+void outline_check_tree(const Outline &outline);
 
 #endif

@@ -12,7 +12,7 @@
 
 #include "urdf/outline.h"
 
-/* An urdfdom before 5.1 leaves this one without a body. */
+/* Before 5.1, urdfdom does not define this class. */
 namespace urdf
 {
 class Capsule;
@@ -22,42 +22,43 @@ namespace
 {
 
 /*
- * urdfdom hands text of the file to printf as a format. No '%' gets there: it travels as a character that no file has.
+ * urdfdom passes text of the file to printf as a format. So no '%' may reach it. This character stands for '%' on the
+ * way: no XML file can contain it.
  */
-const char percent = '\x01';
+const char percent_stand_in = '\x01';
 
-std::string hidden(std::string text)
+std::string hide_percent(std::string text)
 {
-    std::replace(text.begin(), text.end(), '%', percent);
+    std::replace(text.begin(), text.end(), '%', percent_stand_in);
     return text;
 }
 
-std::string plain(std::string text)
+std::string restore_percent(std::string text)
 {
-    std::replace(text.begin(), text.end(), percent, '%');
+    std::replace(text.begin(), text.end(), percent_stand_in, '%');
     return text;
 }
 
-/* Capsules, where urdfdom has them: C is complete then. */
+/* Reads capsules if this build's urdfdom has them: then, and only then, C is a complete type. */
 template <class C, class = std::size_t> struct Capsules {
-    static bool are_known()
+    static bool are_supported()
     {
         return false;
     }
 
-    static bool take(const urdf::Geometry *, Shape *)
+    static bool read(const urdf::Geometry *, Shape *)
     {
         return false;
     }
 };
 
 template <class C> struct Capsules<C, decltype(sizeof(C))> {
-    static bool are_known()
+    static bool are_supported()
     {
         return true;
     }
 
-    static bool take(const urdf::Geometry *geometry, Shape *shape)
+    static bool read(const urdf::Geometry *geometry, Shape *shape)
     {
         const C *capsule = dynamic_cast<const C *>(geometry);
         if (!capsule)
@@ -70,39 +71,43 @@ template <class C> struct Capsules<C, decltype(sizeof(C))> {
 };
 
 /*
- * Takes what urdfdom logs as warning or error; below that is what it took by default. Handlers and level are the
- * process's: one reads at a time, what other threads log meanwhile goes where it went, and at the end all are as they
- * were, the handler before the last one too. While they change nothing is logged.
+ * Collects what urdfdom logs as a warning or an error in this thread. It does not log less important messages.
+ *
+ * console_bridge has one handler and one level for the whole process. So a mutex lets one file be read at a time, and
+ * what other threads log meanwhile goes to the handler that was installed before. The destructor restores the level,
+ * that handler and the one before it. Nothing is logged while handlers are exchanged.
  */
-class Log : public console_bridge::OutputHandler
+class LogCapture : public console_bridge::OutputHandler
 {
   public:
-    Log() : alone(mutex()), owner(std::this_thread::get_id()), level(console_bridge::getLogLevel())
+    LogCapture()
+        : lock(mutex()), thread(std::this_thread::get_id()),
+          saved_level(console_bridge::getLogLevel())
     {
         console_bridge::setLogLevel(console_bridge::CONSOLE_BRIDGE_LOG_NONE);
-        before = console_bridge::getOutputHandler();
+        saved_handler = console_bridge::getOutputHandler();
         console_bridge::restorePreviousOutputHandler();
-        previous = console_bridge::getOutputHandler();
+        saved_previous = console_bridge::getOutputHandler();
         console_bridge::useOutputHandler(this);
-        console_bridge::setLogLevel(std::min(level, console_bridge::CONSOLE_BRIDGE_LOG_WARN));
+        console_bridge::setLogLevel(std::min(saved_level, console_bridge::CONSOLE_BRIDGE_LOG_WARN));
     }
 
-    ~Log()
+    ~LogCapture()
     {
         console_bridge::setLogLevel(console_bridge::CONSOLE_BRIDGE_LOG_NONE);
-        console_bridge::useOutputHandler(previous);
-        console_bridge::useOutputHandler(before);
-        console_bridge::setLogLevel(level);
+        console_bridge::useOutputHandler(saved_previous);
+        console_bridge::useOutputHandler(saved_handler);
+        console_bridge::setLogLevel(saved_level);
     }
 
     void log(const std::string &text, console_bridge::LogLevel at, const char *file,
              int line) override
     {
-        if (std::this_thread::get_id() == owner) {
+        if (std::this_thread::get_id() == thread) {
             if (at >= console_bridge::CONSOLE_BRIDGE_LOG_WARN)
-                lines.push_back(plain(text));
-        } else if (before && at >= level)
-            before->log(text, at, file, line);
+                lines.push_back(restore_percent(text));
+        } else if (saved_handler && at >= saved_level)
+            saved_handler->log(text, at, file, line);
     }
 
     std::vector<std::string> lines;
@@ -114,13 +119,13 @@ class Log : public console_bridge::OutputHandler
         return one;
     }
 
-    std::lock_guard<std::mutex> alone;
-    std::thread::id owner;
-    console_bridge::LogLevel level;
-    console_bridge::OutputHandler *before, *previous;
+    std::lock_guard<std::mutex> lock;
+    std::thread::id thread;
+    console_bridge::LogLevel saved_level;
+    console_bridge::OutputHandler *saved_handler, *saved_previous;
 };
 
-/* The first link or joint that a message names, between [] or ''. */
+/* Find the first link or joint whose name stands in a message, between [] or ''. */
 bool find_owner(const std::string &text, const Outline &outline, std::string *owner, size_t *line)
 {
     for (size_t at = 0; (at = text.find_first_of("['", at)) != std::string::npos; at++) {
@@ -132,8 +137,8 @@ bool find_owner(const std::string &text, const Outline &outline, std::string *ow
         bool is_joint = joint != outline.joint_named.end(),
              is_link = link != outline.link_named.end();
         if (is_joint && is_link) {
-            size_t said = text.find("oint", at < 8 ? 0 : at - 8);
-            is_joint = said != std::string::npos && said < at;
+            size_t word_at = text.find("oint", at < 8 ? 0 : at - 8);
+            is_joint = word_at != std::string::npos && word_at < at;
         }
         if (is_joint || is_link) {
             *owner = (is_joint ? "joint " : "link ") + quoted(name);
@@ -144,8 +149,8 @@ bool find_owner(const std::string &text, const Outline &outline, std::string *ow
     return false;
 }
 
-/* The first message is the cause; one of those behind it may say whose. */
-[[noreturn]] void complain(const std::vector<std::string> &lines, const Outline &outline)
+/* Throw a fault with the first message, which is the cause. A later message may name the link or joint. */
+[[noreturn]] void report_errors(const std::vector<std::string> &lines, const Outline &outline)
 {
     std::string owner;
     size_t line = 0;
@@ -159,17 +164,17 @@ bool find_owner(const std::string &text, const Outline &outline, std::string *ow
     refuse(DPT_E_SYNTAX, line, "%s", lines[0].c_str());
 }
 
-/* No number that is NaN or infinite gets through urdfdom; those beyond reason do. */
-double bounded(double number, size_t line, const std::string &owner, const char *what)
+/* Throw a fault if a number is beyond 1e6. urdfdom refuses NaN and infinity itself. Returns the number. */
+double check_bounded(double number, size_t line, const std::string &owner, const char *what)
 {
     if (!(std::fabs(number) <= DPT_COORDINATE_MAX))
         refuse(DPT_E_FINITE, line, "%s: %s is beyond 1e6", owner.c_str(), what);
     return number;
 }
 
-double positive(double number, size_t line, const std::string &owner, const char *what)
+double check_not_negative(double number, size_t line, const std::string &owner, const char *what)
 {
-    bounded(number, line, owner, what);
+    check_bounded(number, line, owner, what);
     if (number < 0.0)
         refuse(DPT_E_SYNTAX, line, "%s: %s is negative", owner.c_str(), what);
     return number;
@@ -180,11 +185,11 @@ Frame frame_of(const urdf::Pose &pose, size_t line, const std::string &owner)
     const urdf::Vector3 &p = pose.position;
     const urdf::Rotation &q = pose.rotation;
     for (double number : { p.x, p.y, p.z })
-        bounded(number, line, owner, "its <origin>");
+        check_bounded(number, line, owner, "its <origin>");
     return { { p.x, p.y, p.z }, q.w, { q.x, q.y, q.z } };
 }
 
-struct Builder {
+struct RobotBuilder {
     const Outline &outline;
     const urdf::ModelInterface &model;
     Notes &notes;
@@ -192,20 +197,20 @@ struct Builder {
 
     size_t joint_index(const std::string &name) const
     {
-        auto found = outline.joint_named.find(plain(name));
+        auto found = outline.joint_named.find(restore_percent(name));
         return found == outline.joint_named.end() ? none : found->second;
     }
 
-    Shape shape(const urdf::Collision &collision, const Link &link);
-    void link(size_t index);
-    void limits(const urdf::Joint &from, size_t element, Joint *joint);
-    void missing_limits(const Joint &joint, size_t element);
-    void axis(const urdf::Joint &from, Joint *joint);
-    void joint(size_t index);
-    void tree();
+    Shape read_shape(const urdf::Collision &collision, const Link &link);
+    void read_link(size_t index);
+    void read_limits(const urdf::Joint &from, size_t element, Joint *joint);
+    void note_missing_limits(const Joint &joint, size_t element);
+    void read_axis(const urdf::Joint &from, Joint *joint);
+    void read_joint(size_t index);
+    void connect_links();
 };
 
-Shape Builder::shape(const urdf::Collision &collision, const Link &link)
+Shape RobotBuilder::read_shape(const urdf::Collision &collision, const Link &link)
 {
     const std::string owner = "link " + quoted(link.name);
     const urdf::Geometry *geometry = collision.geometry.get();
@@ -223,93 +228,100 @@ Shape Builder::shape(const urdf::Collision &collision, const Link &link)
         shape.length = cylinder->length;
     } else if (const auto *mesh = dynamic_cast<const urdf::Mesh *>(geometry)) {
         shape.kind = Shape::MESH;
-        shape.file = plain(mesh->filename);
+        shape.file = restore_percent(mesh->filename);
         shape.size = { mesh->scale.x, mesh->scale.y, mesh->scale.z };
-    } else if (!Capsules<urdf::Capsule>::take(geometry, &shape)) {
+    } else if (!Capsules<urdf::Capsule>::read(geometry, &shape)) {
         refuse(DPT_E_UNSUPPORTED, link.line, "%s: a collision shape of unknown kind",
                owner.c_str());
     }
-    positive(shape.radius, link.line, owner, "a shape's radius");
-    positive(shape.length, link.line, owner, "a shape's length");
+    check_not_negative(shape.radius, link.line, owner, "a shape's radius");
+    check_not_negative(shape.length, link.line, owner, "a shape's length");
     if (shape.kind == Shape::BOX)
         for (double edge : { shape.size.x, shape.size.y, shape.size.z })
-            positive(edge, link.line, owner, "a box's size");
+            check_not_negative(edge, link.line, owner, "a box's size");
     return shape;
 }
 
-void Builder::link(size_t index)
+void RobotBuilder::read_link(size_t index)
 {
     const Element &element = outline.elements[outline.links[index]];
     Link link = { *element.attribute("name"), element.line, none, {}, 0.0, { 0.0, 0.0, 0.0 }, {} };
     const std::string owner = "link " + quoted(link.name);
-    urdf::LinkConstSharedPtr from = model.getLink(hidden(link.name));
+    urdf::LinkConstSharedPtr from = model.getLink(hide_percent(link.name));
     if (!from)
         refuse(DPT_E_SYNTAX, link.line, "%s: urdfdom does not have it", owner.c_str());
     if (from->inertial) {
-        link.mass = positive(from->inertial->mass, link.line, owner, "its mass");
-        link.centre = frame_of(from->inertial->origin, link.line, owner).p;
+        link.mass = check_not_negative(from->inertial->mass, link.line, owner, "its mass");
+        link.centre = frame_of(from->inertial->origin, link.line, owner).position;
     }
     for (const urdf::CollisionSharedPtr &collision : from->collision_array)
-        link.shapes.push_back(shape(*collision, link));
+        link.shapes.push_back(read_shape(*collision, link));
     robot.links.push_back(link);
 }
 
-/* What <limit> does not say is 0 to urdfdom. What is in an element stands behind it, before all else. */
-void Builder::missing_limits(const Joint &joint, size_t element)
+/*
+ * Note a <limit> without `lower` or `upper`: urdfdom takes these as 0. The descendants of an element follow it directly
+ * in the outline.
+ */
+void RobotBuilder::note_missing_limits(const Joint &joint, size_t element)
 {
     for (size_t i = element + 1;
          i < outline.elements.size() && outline.elements[i].parent >= element; i++) {
         const Element &limit = outline.elements[i];
         if (limit.parent != element || limit.tag != "limit")
             continue;
-        const bool lower = limit.attribute("lower"), upper = limit.attribute("upper");
-        if (!lower || !upper)
-            notes.say(joint.line, "joint " + quoted(joint.name) + " has no " +
-                                      (lower   ? "upper limit: it is 0"
-                                       : upper ? "lower limit: it is 0"
-                                               : "lower and upper limit: they are 0"));
+        const bool has_lower = limit.attribute("lower"), has_upper = limit.attribute("upper");
+        if (!has_lower || !has_upper)
+            notes.add(joint.line, "joint " + quoted(joint.name) + " has no " +
+                                      (has_lower   ? "upper limit: it is 0"
+                                       : has_upper ? "lower limit: it is 0"
+                                                   : "lower and upper limit: they are 0"));
     }
 }
 
-void Builder::limits(const urdf::Joint &from, size_t element, Joint *joint)
+void RobotBuilder::read_limits(const urdf::Joint &from, size_t element, Joint *joint)
 {
     const std::string owner = "joint " + quoted(joint->name);
     if (from.limits) {
-        joint->lower = bounded(from.limits->lower, joint->line, owner, "its lower limit");
-        joint->upper = bounded(from.limits->upper, joint->line, owner, "its upper limit");
-        joint->velocity = positive(from.limits->velocity, joint->line, owner, "its velocity limit");
-        joint->effort = positive(from.limits->effort, joint->line, owner, "its effort limit");
+        joint->lower = check_bounded(from.limits->lower, joint->line, owner, "its lower limit");
+        joint->upper = check_bounded(from.limits->upper, joint->line, owner, "its upper limit");
+        joint->velocity =
+            check_not_negative(from.limits->velocity, joint->line, owner, "its velocity limit");
+        joint->effort =
+            check_not_negative(from.limits->effort, joint->line, owner, "its effort limit");
     }
     if (joint->lower > joint->upper)
         refuse(DPT_E_SYNTAX, joint->line, "%s: its lower limit is above its upper one",
                owner.c_str());
     if (joint->kind == Joint::CONTINUOUS && (joint->lower < 0.0 || joint->upper > 0.0))
-        notes.say(joint->line, owner + " is continuous: its lower and upper limit are left out");
+        notes.add(joint->line, owner + " is continuous: its lower and upper limit are left out");
     if (joint->kind == Joint::CONTINUOUS)
         joint->lower = joint->upper = 0.0;
     else
-        missing_limits(*joint, element);
+        note_missing_limits(*joint, element);
     if (from.dynamics) {
-        joint->damping = positive(from.dynamics->damping, joint->line, owner, "its damping");
-        joint->friction = positive(from.dynamics->friction, joint->line, owner, "its friction");
+        joint->damping =
+            check_not_negative(from.dynamics->damping, joint->line, owner, "its damping");
+        joint->friction =
+            check_not_negative(from.dynamics->friction, joint->line, owner, "its friction");
     }
 }
 
-void Builder::axis(const urdf::Joint &from, Joint *joint)
+void RobotBuilder::read_axis(const urdf::Joint &from, Joint *joint)
 {
     const std::string owner = "joint " + quoted(joint->name);
     Vec axis = { from.axis.x, from.axis.y, from.axis.z };
-    double most = std::max({ std::fabs(axis.x), std::fabs(axis.y), std::fabs(axis.z) });
-    if (!(most > 0.0))
+    double max_size = std::max({ std::fabs(axis.x), std::fabs(axis.y), std::fabs(axis.z) });
+    if (!(max_size > 0.0))
         refuse(DPT_E_SYNTAX, joint->line, "%s: its axis is 0 0 0: give it a direction",
                owner.c_str());
-    axis = (1.0 / most) * axis;
+    axis = (1.0 / max_size) * axis;
     joint->axis = (1.0 / std::sqrt(dot(axis, axis))) * axis;
-    if (!(std::fabs(most * std::sqrt(dot(axis, axis)) - 1.0) < 1e-6))
-        notes.say(joint->line, owner + ": its axis is made one of unit length");
+    if (!(std::fabs(max_size * std::sqrt(dot(axis, axis)) - 1.0) < 1e-6))
+        notes.add(joint->line, owner + ": its axis is made one of unit length");
 }
 
-void Builder::joint(size_t index)
+void RobotBuilder::read_joint(size_t index)
 {
     const Element &element = outline.elements[outline.joints[index]];
     Joint joint = {};
@@ -317,7 +329,7 @@ void Builder::joint(size_t index)
     joint.line = element.line;
     joint.mimics = none;
     const std::string owner = "joint " + quoted(joint.name);
-    urdf::JointConstSharedPtr from = model.getJoint(hidden(joint.name));
+    urdf::JointConstSharedPtr from = model.getJoint(hide_percent(joint.name));
     if (!from)
         refuse(DPT_E_SYNTAX, joint.line, "%s: urdfdom does not have it", owner.c_str());
     switch (from->type) {
@@ -342,33 +354,33 @@ void Builder::joint(size_t index)
     default:
         refuse(DPT_E_UNSUPPORTED, joint.line, "%s: a joint of unknown kind", owner.c_str());
     }
-    joint.place = frame_of(from->parent_to_joint_origin_transform, joint.line, owner);
-    joint.parent = outline.link_named.at(plain(from->parent_link_name));
-    joint.child = outline.link_named.at(plain(from->child_link_name));
+    joint.origin = frame_of(from->parent_to_joint_origin_transform, joint.line, owner);
+    joint.parent = outline.link_named.at(restore_percent(from->parent_link_name));
+    joint.child = outline.link_named.at(restore_percent(from->child_link_name));
     joint.axis = { 0.0, 0.0, 0.0 };
     if (joint.kind == Joint::REVOLUTE || joint.kind == Joint::CONTINUOUS ||
         joint.kind == Joint::PRISMATIC) {
-        axis(*from, &joint);
-        limits(*from, outline.joints[index], &joint);
+        read_axis(*from, &joint);
+        read_limits(*from, outline.joints[index], &joint);
     }
     if (from->mimic) {
         joint.mimics = joint_index(from->mimic->joint_name);
-        joint.factor = bounded(from->mimic->multiplier, joint.line, owner, "its multiplier");
-        joint.offset = bounded(from->mimic->offset, joint.line, owner, "its offset");
+        joint.factor = check_bounded(from->mimic->multiplier, joint.line, owner, "its multiplier");
+        joint.offset = check_bounded(from->mimic->offset, joint.line, owner, "its offset");
         if (joint.mimics == none)
             refuse(DPT_E_SYNTAX, joint.line, "%s mimics %s, and there is no such joint",
-                   owner.c_str(), quoted(plain(from->mimic->joint_name)).c_str());
+                   owner.c_str(), quoted(restore_percent(from->mimic->joint_name)).c_str());
     }
     robot.joints.push_back(joint);
 }
 
-void Builder::tree()
+void RobotBuilder::connect_links()
 {
     for (size_t j = 0; j < robot.joints.size(); j++) {
         robot.links[robot.joints[j].child].joint = j;
         robot.links[robot.joints[j].parent].children.push_back(robot.joints[j].child);
     }
-    robot.root = outline.link_named.at(plain(model.getRoot()->name));
+    robot.root = outline.link_named.at(restore_percent(model.getRoot()->name));
 }
 
 } // namespace
@@ -376,23 +388,23 @@ void Builder::tree()
 Robot read_robot(const std::string &xml, Notes &notes)
 {
     Outline outline = outline_of(xml);
-    outline_check(&outline, Capsules<urdf::Capsule>::are_known(), notes);
-    outline_tree(outline);
+    outline_check(&outline, Capsules<urdf::Capsule>::are_supported(), notes);
+    outline_check_tree(outline);
     urdf::ModelInterfaceSharedPtr model;
     {
-        Log log;
-        model = urdf::parseURDF(hidden(outline_text(outline)));
+        LogCapture log;
+        model = urdf::parseURDF(hide_percent(outline_text(outline)));
         if (!log.lines.empty())
-            complain(log.lines, outline);
+            report_errors(log.lines, outline);
     }
     if (!model)
         refuse(DPT_E_SYNTAX, 0, "urdfdom refuses it, and does not say why");
-    Builder builder = { outline, *model, notes, Robot() };
-    builder.robot.name = plain(model->getName());
+    RobotBuilder builder = { outline, *model, notes, Robot() };
+    builder.robot.name = restore_percent(model->getName());
     for (size_t i = 0; i < outline.links.size(); i++)
-        builder.link(i);
+        builder.read_link(i);
     for (size_t i = 0; i < outline.joints.size(); i++)
-        builder.joint(i);
-    builder.tree();
+        builder.read_joint(i);
+    builder.connect_links();
     return builder.robot;
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The wall: C outside, C++ inside, and no exception through. */
+/* The boundary between C outside and C++ inside. No exception passes it. */
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
@@ -12,9 +12,9 @@
 namespace
 {
 
-const size_t bytes_most = static_cast<size_t>(64) << 20;
+const size_t bytes_max = static_cast<size_t>(64) << 20;
 
-/* FNV-1a, 64 bits, as of a mesh's source. */
+/* FNV-1a, 64 bits, as for the source of a mesh. */
 uint64_t hash_of(const std::string &bytes)
 {
     uint64_t hash = 0xcbf29ce484222325u;
@@ -40,9 +40,9 @@ std::string read_all(const char *path)
         refuse(DPT_E_OPEN, 0, "it cannot be opened: %s", std::strerror(errno));
     std::string bytes;
     char part[4096];
-    while (size_t got = std::fread(part, 1, sizeof part, in.file)) {
-        bytes.append(part, got);
-        if (bytes.size() > bytes_most)
+    while (size_t count = std::fread(part, 1, sizeof part, in.file)) {
+        bytes.append(part, count);
+        if (bytes.size() > bytes_max)
             refuse(DPT_E_LIMIT, 0, "it is longer than 64 MiB");
     }
     if (std::ferror(in.file))
@@ -65,15 +65,15 @@ void compile(const char *path, const dpt_urdf_def &def, const dpt_compile_def &m
     char name[DPT_ARM_NAME], root[DPT_ARM_NAME], tool[DPT_ARM_NAME];
     put_name(name, robot.name, "robot", 0);
     put_name(root, robot.links[robot.root].name, "link", robot.links[robot.root].line);
-    put_name(tool, robot.links[chain.tool].name, "link", robot.links[chain.tool].line);
+    put_name(tool, robot.links[chain.tool_link].name, "link", robot.links[chain.tool_link].line);
     dpt_arm_def arm = {};
     arm.size = sizeof arm;
     arm.joint_count = static_cast<uint32_t>(chain.joints.size());
     arm.link_count = static_cast<uint32_t>(chain.links.size());
     arm.segment_count = static_cast<uint32_t>(chain.segments.size());
     arm.body_count = static_cast<uint32_t>(scene.bodies.size());
-    arm.tool_link = static_cast<uint32_t>(chain.placed[chain.tool].on);
-    arm.tool = pose_of(chain.placed[chain.tool].place);
+    arm.tool_link = static_cast<uint32_t>(chain.attachments[chain.tool_link].arm_link);
+    arm.tool = pose_of(chain.attachments[chain.tool_link].pose);
     arm.joints = chain.joints.data();
     arm.links = chain.links.data();
     arm.segments = chain.segments.data();
@@ -93,7 +93,7 @@ void compile(const char *path, const dpt_urdf_def &def, const dpt_compile_def &m
             def.note(def.user, note.line, note.text.c_str());
 }
 
-dpt_result tell(dpt_diag *diag, dpt_result code, size_t line, const char *text)
+dpt_result fill_diag(dpt_diag *diag, dpt_result code, size_t line, const char *text)
 {
     if (diag) {
         dpt_diag own = {};
@@ -105,8 +105,8 @@ dpt_result tell(dpt_diag *diag, dpt_result code, size_t line, const char *text)
     return code;
 }
 
-/* The caller's def, and that of its meshes, as this library knows them. */
-void take_defs(const dpt_urdf_def *given, dpt_urdf_def *def, dpt_compile_def *mesh)
+/* Read the caller's def, and its def for meshes, into this library's versions of these structs. Throws a fault. */
+void read_defs(const dpt_urdf_def *given, dpt_urdf_def *def, dpt_compile_def *mesh)
 {
     dpt_result result = given ? sized_read(given, sizeof *def, def, sizeof *def) : DPT_OK;
     if (result == DPT_E_UNSUPPORTED)
@@ -143,23 +143,23 @@ extern "C" dpt_result dpt_urdf_compile_file(const char *path, const dpt_urdf_def
     if (diag && sized_check(diag, sizeof *diag, 0) != DPT_OK)
         return DPT_E_SIZE;
     if (!out)
-        return tell(diag, DPT_E_ARGUMENT, 0, "no place for the bytes");
+        return fill_diag(diag, DPT_E_ARGUMENT, 0, "no place for the bytes");
     try {
         dpt_urdf_def def = {};
         dpt_compile_def mesh = {};
         mesh.size = sizeof mesh;
-        take_defs(given, &def, &mesh);
+        read_defs(given, &def, &mesh);
         if (!path)
             refuse(DPT_E_ARGUMENT, 0, "no name of a file");
         compile(path, def, mesh, out);
-        return tell(diag, DPT_OK, 0, "");
+        return fill_diag(diag, DPT_OK, 0, "");
     } catch (const Fault &fault) {
-        return tell(diag, fault.code, fault.line, fault.text.c_str());
+        return fill_diag(diag, fault.code, fault.line, fault.text.c_str());
     } catch (const std::bad_alloc &) {
-        return tell(diag, DPT_E_MEMORY, 0, "memory ran out");
+        return fill_diag(diag, DPT_E_MEMORY, 0, "memory ran out");
     } catch (const std::exception &failure) {
-        return tell(diag, DPT_E_SYNTAX, 0, failure.what());
+        return fill_diag(diag, DPT_E_SYNTAX, 0, failure.what());
     } catch (...) {
-        return tell(diag, DPT_E_SYNTAX, 0, "urdfdom failed");
+        return fill_diag(diag, DPT_E_SYNTAX, 0, "urdfdom failed");
     }
 }

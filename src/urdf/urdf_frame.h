@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Places of frames in frames: a point x of the inner one is at p + R(q) x in the outer one.
+ * Poses of frames in other frames. A point x of the inner frame is at position + R x in the outer one, with R the
+ * rotation by the quaternion (w, v).
  */
 #ifndef DPT_URDF_FRAME_H
 #define DPT_URDF_FRAME_H
@@ -12,8 +13,8 @@ struct Vec {
 };
 
 struct Frame {
-    Vec p;
-    double w; /* unit quaternion */
+    Vec position;
+    double w; /* w and v: a unit quaternion */
     Vec v;
 };
 
@@ -39,7 +40,7 @@ inline Vec cross(Vec a, Vec b)
     return { a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x };
 }
 
-inline Vec turned(const Frame &f, Vec x)
+inline Vec rotated(const Frame &f, Vec x)
 {
     Vec t = 2.0 * cross(f.v, x);
     return x + f.w * t + cross(f.v, t);
@@ -47,7 +48,7 @@ inline Vec turned(const Frame &f, Vec x)
 
 inline Vec operator*(const Frame &f, Vec x)
 {
-    return f.p + turned(f, x);
+    return f.position + rotated(f, x);
 }
 
 inline Frame operator*(const Frame &a, const Frame &b)
@@ -55,13 +56,13 @@ inline Frame operator*(const Frame &a, const Frame &b)
     double w = a.w * b.w - dot(a.v, b.v);
     Vec v = a.w * b.v + b.w * a.v + cross(a.v, b.v);
     double scale = 1.0 / std::sqrt(w * w + dot(v, v));
-    return { a * b.p, scale * w, scale * v };
+    return { a * b.position, scale * w, scale * v };
 }
 
 inline Frame inverse(const Frame &f)
 {
     Frame back = { { 0.0, 0.0, 0.0 }, f.w, -1.0 * f.v };
-    back.p = turned(back, -1.0 * f.p);
+    back.position = rotated(back, -1.0 * f.position);
     return back;
 }
 

@@ -6,7 +6,7 @@
 namespace
 {
 
-struct Builder {
+struct SceneBuilder {
     const Robot &robot;
     const Chain &chain;
     const std::string &file;
@@ -14,20 +14,20 @@ struct Builder {
     const dpt_compile_def &mesh;
     Scene *scene;
 
-    dpt_compile_def def(double scale) const;
-    void add(const Link &link, const Frame &place, const dpt_compiled &compiled);
-    void add_box(const Link &link, const Frame &place, const Shape &shape);
-    void add_mesh(const Link &link, const Frame &place, const Shape &shape);
+    dpt_compile_def def_with_scale(double scale) const;
+    void add_body(const Link &link, const Frame &pose, const dpt_compiled &compiled);
+    void add_box(const Link &link, const Frame &pose, const Shape &shape);
+    void add_mesh(const Link &link, const Frame &pose, const Shape &shape);
 };
 
-dpt_compile_def Builder::def(double scale) const
+dpt_compile_def SceneBuilder::def_with_scale(double scale) const
 {
     dpt_compile_def def = mesh;
     def.scale = scale;
     return def;
 }
 
-void Builder::add(const Link &link, const Frame &place, const dpt_compiled &compiled)
+void SceneBuilder::add_body(const Link &link, const Frame &pose, const dpt_compiled &compiled)
 {
     scene->meshes.back() = compiled;
     if (scene->bodies.size() == DPT_ARM_BODIES_MAX)
@@ -35,7 +35,7 @@ void Builder::add(const Link &link, const Frame &place, const dpt_compiled &comp
                quoted(link.name).c_str(), DPT_ARM_BODIES_MAX);
     dpt_arm_body body = {};
     body.size = sizeof body;
-    body.pose = pose_of(place);
+    body.pose = pose_of(pose);
     put_name(body.name, link.name, "link", link.line);
     dpt_result result = dpt_mesh_convert(compiled.bytes, compiled.size, NULL);
     if (result == DPT_OK)
@@ -46,7 +46,7 @@ void Builder::add(const Link &link, const Frame &place, const dpt_compiled &comp
     scene->bodies.push_back(body);
 }
 
-void Builder::add_box(const Link &link, const Frame &place, const Shape &shape)
+void SceneBuilder::add_box(const Link &link, const Frame &pose, const Shape &shape)
 {
     static const uint32_t corners[36] = { 0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
                                           2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5 };
@@ -59,18 +59,18 @@ void Builder::add_box(const Link &link, const Frame &place, const Shape &shape)
     if (!(shape.size.x > 0.0 && shape.size.y > 0.0 && shape.size.z > 0.0))
         refuse(DPT_E_SYNTAX, link.line, "link %s: a box of the scene has no volume",
                quoted(link.name).c_str());
-    dpt_compile_def with = def(1.0);
+    dpt_compile_def scaled_def = def_with_scale(1.0);
     dpt_compiled compiled;
     dpt_diag diag = {};
     diag.size = sizeof diag;
     scene->meshes.push_back(dpt_compiled());
-    dpt_result result = dpt_compile_arrays(vertices, 8, corners, 12, &with, &compiled, &diag);
+    dpt_result result = dpt_compile_arrays(vertices, 8, corners, 12, &scaled_def, &compiled, &diag);
     if (result != DPT_OK)
         refuse(result, link.line, "link %s: a box: %s", quoted(link.name).c_str(), diag.text);
-    add(link, place, compiled);
+    add_body(link, pose, compiled);
 }
 
-void Builder::add_mesh(const Link &link, const Frame &place, const Shape &shape)
+void SceneBuilder::add_mesh(const Link &link, const Frame &pose, const Shape &shape)
 {
     const std::string owner = "link " + quoted(link.name);
     const std::string path = mesh_path(shape.file, file, packages, link.line, owner);
@@ -85,19 +85,19 @@ void Builder::add_mesh(const Link &link, const Frame &place, const Shape &shape)
     if (ending == "dae")
         refuse_path(DPT_E_UNSUPPORTED, link.line, owner, shape.file,
                     " is COLLADA: convert it to STL, OBJ, PLY or OFF");
-    dpt_compile_def with = def((mesh.scale > 0.0 ? mesh.scale : 1.0) * scale.x);
+    dpt_compile_def scaled_def = def_with_scale((mesh.scale > 0.0 ? mesh.scale : 1.0) * scale.x);
     dpt_compiled compiled;
     dpt_diag diag = {};
     diag.size = sizeof diag;
     scene->meshes.push_back(dpt_compiled());
-    dpt_result result = dpt_compile_file(path.c_str(), &with, &compiled, &diag);
+    dpt_result result = dpt_compile_file(path.c_str(), &scaled_def, &compiled, &diag);
     if (result != DPT_OK) {
         std::string where = diag.line   ? line_of_text(": line %" PRIu64, diag.line)
                             : diag.byte ? line_of_text(": byte %" PRIu64, diag.byte)
                                         : "";
         refuse_path(result, link.line, owner, shape.file, where + ": " + diag.text);
     }
-    add(link, place, compiled);
+    add_body(link, pose, compiled);
 }
 
 } // namespace
@@ -111,16 +111,16 @@ Scene::~Scene()
 void read_scene(const Robot &robot, const Chain &chain, const std::string &file,
                 const char *packages, const dpt_compile_def &mesh, Scene *scene)
 {
-    Builder builder = { robot, chain, file, packages, mesh, scene };
+    SceneBuilder builder = { robot, chain, file, packages, mesh, scene };
     for (size_t i = 0; i < robot.links.size(); i++) {
-        if (chain.placed[i].set != robot.root)
+        if (chain.attachments[i].fixed_group != robot.root)
             continue;
         for (const Shape &shape : robot.links[i].shapes) {
-            const Frame place = chain.placed[i].place * shape.place;
+            const Frame pose = chain.attachments[i].pose * shape.origin;
             if (shape.kind == Shape::BOX)
-                builder.add_box(robot.links[i], place, shape);
+                builder.add_box(robot.links[i], pose, shape);
             if (shape.kind == Shape::MESH)
-                builder.add_mesh(robot.links[i], place, shape);
+                builder.add_mesh(robot.links[i], pose, shape);
         }
     }
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The meshes and boxes that are fixed to the root, compiled. */
+/* The scene: the meshes and boxes that are fixed to the root, compiled. */
 #ifndef DPT_URDF_SCENE_H
 #define DPT_URDF_SCENE_H
 
@@ -7,7 +7,7 @@
 
 struct Scene {
     std::vector<dpt_compiled> meshes;
-    std::vector<dpt_arm_body> bodies; /* into `meshes` */
+    std::vector<dpt_arm_body> bodies; /* their meshes point into `meshes` */
 
     Scene()
     {
@@ -17,11 +17,20 @@ struct Scene {
     Scene &operator=(const Scene &) = delete;
 };
 
-/* `file`: of the URDF; `packages` and `mesh` as in dpt_urdf_def, `mesh` whole. */
+/*
+ * Compile the scene. Throws a fault.
+ *
+ *   file       path of the URDF
+ *   packages   as in dpt_urdf_def
+ *   mesh       as in dpt_urdf_def, in this library's version
+ */
 void read_scene(const Robot &robot, const Chain &chain, const std::string &file,
                 const char *packages, const dpt_compile_def &mesh, Scene *scene);
 
-/* The file that a mesh's name means, as urdf.h says; it need not be there. A fault for what names none. */
+/*
+ * The path of the mesh file that `name` means, as urdf.h says; the file need not exist. Throws a fault for a name that
+ * means no file. `line` and `owner` are for the message.
+ */
 std::string mesh_path(const std::string &name, const std::string &file, const char *packages,
                       size_t line, const std::string &owner);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The words of a URDF, as far as an arm is told by them. */
+/* The elements and attributes of a URDF that an arm needs, and the checks of them. */
 #include <cmath>
 #include <cstring>
 #include <locale>
@@ -11,17 +11,18 @@ namespace
 {
 
 /*
- * How often an element may stand in its parent; what it may have. With `strict` anything else beside less than all of
- * that is a fault: a slip of the pen there moves the arm.
+ * Which attributes an element may have, and whether its parent may have several of them. If is_strict, an unknown
+ * attribute is a fault while a known one is missing: a misspelt attribute there would move the arm.
  */
-struct Word {
+struct ElementRule {
     const char *path;
-    bool many;
-    bool strict;
-    const char *attributes; /* "*": not looked at, nor what is in it */
+    bool may_repeat;
+    bool is_strict;
+    /* known ones; "*": neither its attributes nor its content are checked */
+    const char *attributes;
 };
 
-const Word words[] = {
+const ElementRule rules[] = {
     { "robot", false, false, "name version xmlns" },
     { "robot/material", true, false, "*" },
     { "robot/link", true, false, "name" },
@@ -48,15 +49,15 @@ const Word words[] = {
     { "robot/joint/dynamics", false, true, "damping friction" },
 };
 
-const Word *word_for(const std::string &path)
+const ElementRule *rule_for(const std::string &path)
 {
-    for (const Word &word : words)
-        if (path == word.path)
-            return &word;
+    for (const ElementRule &rule : rules)
+        if (path == rule.path)
+            return &rule;
     return NULL;
 }
 
-bool lists(const char *attributes, const std::string &name)
+bool has_word(const char *attributes, const std::string &name)
 {
     for (const char *at = attributes; *at;) {
         size_t length = std::strcspn(at, " ");
@@ -73,7 +74,7 @@ bool has_all(const Element &element, const char *attributes)
     for (const char *at = attributes; *at; at++)
         count += *at == ' ';
     for (const Attribute &a : element.attributes)
-        found += lists(attributes, a.name);
+        found += has_word(attributes, a.name);
     return found == count;
 }
 
@@ -86,7 +87,7 @@ void check_name(const Element &element)
                    element.tag.c_str(), quoted(*name).c_str());
 }
 
-struct Left {
+struct Ignored {
     size_t line;
     size_t count;
 };
@@ -94,13 +95,14 @@ struct Left {
 struct Checker {
     Outline *outline;
     Notes *notes;
-    bool capsules;                    /* known to urdfdom */
-    bool recent;                      /* and to this file's version */
-    std::vector<std::string> paths;   /* of each element; empty: within what is not looked at */
-    std::map<std::string, Left> left; /* "<tag> in <parent>" */
-    std::vector<std::string> order;
+    bool knows_capsules; /* urdfdom does */
+    bool is_version_1_1; /* it does, and the file is of such a version */
+    /* of each element; empty: not checked, or within such an element */
+    std::vector<std::string> paths;
+    std::map<std::string, Ignored> ignored; /* by "<tag> in <parent>" */
+    std::vector<std::string> ignored_order;
 
-    /* "joint 'elbow'", or the tag of what has no such owner. */
+    /* The link or joint that an element belongs to, such as "joint 'elbow'"; else the element's tag. */
     std::string owner(size_t element) const
     {
         for (size_t i = element; i; i = outline->elements[i].parent) {
@@ -112,25 +114,28 @@ struct Checker {
         return "<" + outline->elements[element].tag + ">";
     }
 
-    void leave(size_t line, const std::string &what)
+    void ignore(size_t line, const std::string &what)
     {
-        if (!left.count(what)) {
-            left[what].line = line;
-            order.push_back(what);
+        if (!ignored.count(what)) {
+            ignored[what].line = line;
+            ignored_order.push_back(what);
         }
-        left[what].count++;
+        ignored[what].count++;
     }
 
-    void quaternion(size_t index, const std::string &value);
-    void attributes(size_t index, const Word &word);
-    void named(size_t index, std::vector<size_t> *list, std::map<std::string, size_t> *by_name);
-    void repeated(size_t index);
-    void capsule(size_t index);
-    void look(size_t index);
+    void check_quaternion(size_t index, const std::string &value);
+    void check_attributes(size_t index, const ElementRule &rule);
+    void register_name(size_t index, std::vector<size_t> *list,
+                       std::map<std::string, size_t> *by_name);
+    void refuse_repeated(size_t index);
+    void refuse_capsule(size_t index);
+    void check_element(size_t index);
 };
 
-/* Its order is not that of every library: no turn, written w first, is half a turn about x. */
-void Checker::quaternion(size_t index, const std::string &value)
+/*
+ * Check a quaternion. Some libraries write w first; then the identity 1 0 0 0 would be half a turn about x: note that.
+ */
+void Checker::check_quaternion(size_t index, const std::string &value)
 {
     const size_t line = outline->elements[index].line;
     std::istringstream in(value);
@@ -142,11 +147,11 @@ void Checker::quaternion(size_t index, const std::string &value)
         refuse(DPT_E_SYNTAX, line, "%s: quat_xyzw %s is not four numbers, x y z w",
                owner(index).c_str(), quoted(value).c_str());
     if (std::fabs(q[0]) > 0.0 && q[1] == 0.0 && q[2] == 0.0 && q[3] == 0.0)
-        notes->say(line, owner(index) + ": quat_xyzw " + quoted(value) +
+        notes->add(line, owner(index) + ": quat_xyzw " + quoted(value) +
                              " is half a turn about x: the order is x y z w, no turn is 0 0 0 1");
 }
 
-void Checker::attributes(size_t index, const Word &word)
+void Checker::check_attributes(size_t index, const ElementRule &rule)
 {
     const Element &e = outline->elements[index];
     for (const Attribute &a : e.attributes) {
@@ -155,20 +160,21 @@ void Checker::attributes(size_t index, const Word &word)
                    "%s: %s is for xacro: run `xacro FILE` and compile what it "
                    "prints",
                    owner(index).c_str(), quoted(a.value).c_str());
-        if (lists(word.attributes, a.name) || a.name.compare(0, 6, "xmlns:") == 0)
+        if (has_word(rule.attributes, a.name) || a.name.compare(0, 6, "xmlns:") == 0)
             continue;
-        if (recent && a.name == "quat_xyzw" && e.tag == "origin") {
-            quaternion(index, a.value);
+        if (is_version_1_1 && a.name == "quat_xyzw" && e.tag == "origin") {
+            check_quaternion(index, a.value);
             continue;
         }
-        if (word.strict && !has_all(e, word.attributes))
+        if (rule.is_strict && !has_all(e, rule.attributes))
             refuse(DPT_E_SYNTAX, e.line, "%s: <%s> has no attribute %s, only: %s",
-                   owner(index).c_str(), e.tag.c_str(), quoted(a.name).c_str(), word.attributes);
-        leave(e.line, "attribute " + a.name + " of <" + e.tag + ">");
+                   owner(index).c_str(), e.tag.c_str(), quoted(a.name).c_str(), rule.attributes);
+        ignore(e.line, "attribute " + a.name + " of <" + e.tag + ">");
     }
 }
 
-void Checker::named(size_t index, std::vector<size_t> *list, std::map<std::string, size_t> *by_name)
+void Checker::register_name(size_t index, std::vector<size_t> *list,
+                            std::map<std::string, size_t> *by_name)
 {
     const Element &e = outline->elements[index];
     const std::string *name = e.attribute("name");
@@ -182,7 +188,7 @@ void Checker::named(size_t index, std::vector<size_t> *list, std::map<std::strin
     list->push_back(index);
 }
 
-void Checker::repeated(size_t index)
+void Checker::refuse_repeated(size_t index)
 {
     const Element &e = outline->elements[index];
     for (size_t i = index - 1; i > e.parent; i--) {
@@ -200,74 +206,78 @@ void Checker::repeated(size_t index)
     }
 }
 
-/* Also what is seen alone: urdfdom drops the link with it. */
-void Checker::capsule(size_t index)
+/* Refuse a capsule that urdfdom cannot read, also in <visual>: urdfdom would drop the whole link. */
+void Checker::refuse_capsule(size_t index)
 {
     const Element &e = outline->elements[index], &geometry = outline->elements[e.parent],
                   &shape = outline->elements[geometry.parent];
-    if (!recent && e.tag == "capsule" && geometry.tag == "geometry" &&
+    if (!is_version_1_1 && e.tag == "capsule" && geometry.tag == "geometry" &&
         (shape.tag == "collision" || shape.tag == "visual") && paths[shape.parent] == "robot/link")
         refuse(DPT_E_UNSUPPORTED, e.line, "%s: %s", owner(index).c_str(),
-               capsules ? "<capsule> is of URDF 1.1: write <robot version=\"1.1\">"
-                        : "this build's urdfdom knows no <capsule>: make it a <cylinder>, or build "
-                          "with urdfdom 5.1 or later");
+               knows_capsules
+                   ? "<capsule> is of URDF 1.1: write <robot version=\"1.1\">"
+                   : "this build's urdfdom knows no <capsule>: make it a <cylinder>, or build "
+                     "with urdfdom 5.1 or later");
 }
 
-void Checker::look(size_t index)
+void Checker::check_element(size_t index)
 {
     const Element &e = outline->elements[index];
     const std::string &parent = paths[e.parent];
-    capsule(index);
+    refuse_capsule(index);
     if (index && parent.empty())
         return;
     std::string path = index ? parent + "/" + e.tag : e.tag;
-    const Word *word = word_for(path);
+    const ElementRule *rule = rule_for(path);
     if (e.tag.compare(0, 6, "xacro:") == 0)
         refuse(DPT_E_FORMAT, e.line, "<%s> is xacro: run `xacro FILE` and compile what it prints",
                e.tag.c_str());
-    if (!word) {
-        /* urdfdom complains of a shape that it does not know. */
+    if (!rule) {
+        /* urdfdom itself refuses a shape that it does not know. */
         if (outline->elements[e.parent].tag != "geometry")
-            leave(e.line, "<" + e.tag + "> in <" + outline->elements[e.parent].tag + ">");
+            ignore(e.line, "<" + e.tag + "> in <" + outline->elements[e.parent].tag + ">");
         return;
     }
-    if (index && !word->many)
-        repeated(index);
-    if (std::strcmp(word->attributes, "*") != 0) {
+    if (index && !rule->may_repeat)
+        refuse_repeated(index);
+    if (std::strcmp(rule->attributes, "*") != 0) {
         paths[index] = path;
-        attributes(index, *word);
+        check_attributes(index, *rule);
     }
     if (path == "robot/link")
-        named(index, &outline->links, &outline->link_named);
+        register_name(index, &outline->links, &outline->link_named);
     if (path == "robot/joint")
-        named(index, &outline->joints, &outline->joint_named);
+        register_name(index, &outline->joints, &outline->joint_named);
 }
 
 } // namespace
 
-void outline_check(Outline *outline, bool capsules, Notes &notes)
+void outline_check(Outline *outline, bool knows_capsules, Notes &notes)
 {
-    const size_t most = 4000;
+    const size_t links_max = 4000;
     const Element &root = outline->elements[0];
     if (root.tag != "robot")
         refuse(DPT_E_FORMAT, root.line, "not a URDF: <%.40s> where <robot> should be",
                root.tag.c_str());
     check_name(root);
     const std::string *version = root.attribute("version");
-    const bool recent = capsules && version && *version != "1.0";
-    Checker checker = {
-        outline, &notes, capsules, recent, std::vector<std::string>(outline->elements.size()),
-        {},      {}
-    };
+    const bool is_version_1_1 = knows_capsules && version && *version != "1.0";
+    Checker checker = { outline,
+                        &notes,
+                        knows_capsules,
+                        is_version_1_1,
+                        std::vector<std::string>(outline->elements.size()),
+                        {},
+                        {} };
     for (size_t i = 0; i < outline->elements.size(); i++) {
-        checker.look(i);
-        if (outline->links.size() > most)
-            refuse(DPT_E_LIMIT, outline->elements[i].line, "more than %zu links", most);
+        checker.check_element(i);
+        if (outline->links.size() > links_max)
+            refuse(DPT_E_LIMIT, outline->elements[i].line, "more than %zu links", links_max);
     }
-    for (const std::string &what : checker.order) {
-        const Left &left = checker.left[what];
-        notes.say(left.line, left.count == 1 ? what + " is left out"
-                                             : line_of_text("%s is left out, %zu times",
-                                                            what.c_str(), left.count));
+    for (const std::string &what : checker.ignored_order) {
+        const Ignored &ignored = checker.ignored[what];
+        notes.add(ignored.line, ignored.count == 1 ? what + " is left out"
+                                                   : line_of_text("%s is left out, %zu times",
+                                                                  what.c_str(), ignored.count));
     }
 }

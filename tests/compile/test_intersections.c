@@ -262,8 +262,8 @@ static void shapes_do_not_cut_themselves(void)
         for (int large = 0; large < 2; large++) {
             struct scene scene = { .vertices = NULL };
             const uint64_t count = large                  ? 20 * 20 * 12
-                                   : shape_kinds[i].usual ? 0
-                                                          : shape_kinds[i].least;
+                                   : shape_kinds[i].default_count ? 0
+                                                          : shape_kinds[i].count_min;
             if (large && (shape_kinds[i].counts == SHAPE_TWO_SQUARES))
                 continue;
             add_shape(&scene, shape_kinds[i].name, count, (vec3){ 0.0, 0.0, 0.0 }, 1.0, 0, 0);

@@ -56,7 +56,7 @@ static void read_bytes(reading *r, uint32_t format, const void *bytes, size_t si
     memcpy(copy, bytes, size);
     r->result = read_source(&r->soup, format, copy, size);
     if (r->result == DPT_OK)
-        r->result = soup_finish(&r->soup);
+        r->result = soup_check_corners(&r->soup);
     free(copy);
 }
 
@@ -262,7 +262,7 @@ static int set_comma_locale(void)
 
 /* The soup. */
 
-static const source_place somewhere = { 3, 0 };
+static const source_location somewhere = { 3, 0 };
 
 static void vertices_are_scaled_and_rounded(void)
 {
@@ -270,15 +270,15 @@ static void vertices_are_scaled_and_rounded(void)
     dpt_diag diag = { .size = sizeof diag };
     soup s;
     soup_init(&s, &def, &diag);
-    CHECK(soup_vertex(&s, 1.0, -0.0, -1e-60, somewhere) == DPT_OK, "%s", diag.text);
+    CHECK(soup_add_vertex(&s, 1.0, -0.0, -1e-60, somewhere) == DPT_OK, "%s", diag.text);
     CHECK(s.positions[0] == (float)0.001, "%g", (double)s.positions[0]);
     CHECK(!signbit(s.positions[1]) && !signbit(s.positions[2]), "a negative zero");
     CHECK(s.rounding == fabs((double)(float)0.001 - 0.001), "%g", s.rounding);
-    CHECK(soup_vertex(&s, 1e9, -1e9, 0.0, somewhere) == DPT_OK, "%s", diag.text);
-    CHECK(soup_vertex(&s, 0.0, 1.0001e9, 0.0, somewhere) == DPT_E_FINITE, "too large");
+    CHECK(soup_add_vertex(&s, 1e9, -1e9, 0.0, somewhere) == DPT_OK, "%s", diag.text);
+    CHECK(soup_add_vertex(&s, 0.0, 1.0001e9, 0.0, somewhere) == DPT_E_FINITE, "too large");
     CHECK(diag.code == DPT_E_FINITE && diag.line == 3 && strstr(diag.text, "y is 1.0001e+09"),
           "line %" PRIu64 ": %s", diag.line, diag.text);
-    CHECK(soup_vertex(&s, NAN, 0.0, 0.0, (source_place){ 0, 77 }) == DPT_E_FINITE, "nan");
+    CHECK(soup_add_vertex(&s, NAN, 0.0, 0.0, (source_location){ 0, 77 }) == DPT_E_FINITE, "nan");
     CHECK(diag.line == 0 && diag.byte == 77, "byte %" PRIu64, diag.byte);
     CHECK(s.vertex_count == 2, "%zu vertices", s.vertex_count);
     soup_free(&s);
@@ -291,11 +291,11 @@ static void counts_have_limits(void)
     soup s;
     soup_init(&s, NULL, &diag);
     s.vertex_count = INT32_MAX;
-    CHECK(soup_vertex(&s, 0.0, 0.0, 0.0, somewhere) == DPT_E_LIMIT, "%s", diag.text);
+    CHECK(soup_add_vertex(&s, 0.0, 0.0, 0.0, somewhere) == DPT_E_LIMIT, "%s", diag.text);
     s.vertex_count = 0;
-    s.triangle_count = s.triangle_room = UINT32_MAX / 3 - 1; /* 3 half-edges a triangle */
-    CHECK(soup_polygon(&s, corners, 4, somewhere) == DPT_E_LIMIT, "%s", diag.text);
-    CHECK(soup_polygon(&s, corners, SIZE_MAX, somewhere) == DPT_E_LIMIT, "%s", diag.text);
+    s.triangle_count = s.triangle_capacity = UINT32_MAX / 3 - 1; /* 3 half-edges a triangle */
+    CHECK(soup_add_polygon(&s, corners, 4, somewhere) == DPT_E_LIMIT, "%s", diag.text);
+    CHECK(soup_add_polygon(&s, corners, SIZE_MAX, somewhere) == DPT_E_LIMIT, "%s", diag.text);
     soup_free(&s);
 }
 
@@ -339,7 +339,7 @@ static void concave_polygons_are_counted(void)
 typedef struct expected {
     char name[200], code[40];
     size_t triangles;
-    source_place place;
+    source_location place;
 } expected;
 
 /* One line, "name triangles -" or "name code line|byte number"; 0 when it says nothing. */
@@ -475,7 +475,7 @@ static void starve_golden(const expected *e, const unsigned char *bytes, size_t 
         r.result = read_source(&r.soup, format_of(e->name), bytes, size);
         allocations_left = -1;
         if (r.result == DPT_OK)
-            r.result = soup_finish(&r.soup);
+            r.result = soup_check_corners(&r.soup);
         if (r.result != DPT_E_MEMORY)
             check_outcome(e, &r, 0);
         soup_free(&r.soup);
@@ -670,8 +670,9 @@ static void vertices_are_numbered_as_the_file_does(void)
           r.diag.text);
     soup_free(&r.soup);
     soup_init(&r.soup, NULL, &r.diag);
-    soup_polygon(&r.soup, corners, 3, somewhere);
-    CHECK(soup_finish(&r.soup) == DPT_E_INDEX && strstr(r.diag.text, "vertex 3, counted from 0, "),
+    soup_add_polygon(&r.soup, corners, 3, somewhere);
+    CHECK(soup_check_corners(&r.soup) == DPT_E_INDEX &&
+              strstr(r.diag.text, "vertex 3, counted from 0, "),
           "%s", r.diag.text);
     soup_free(&r.soup);
 }

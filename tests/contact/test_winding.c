@@ -105,7 +105,7 @@ static void series_keep_their_bound(void)
                                   random_in(&random, -1, 1) };
             struct winding_moment set = make_set(&random, middle, size, x, &truth[lane]);
             double series = moment_winding(&set, x, &errors[lane]);
-            moment_put(&set, block + lane);
+            moment_store(&set, block + lane);
             if (errors[lane] < HUGE_VAL) {
                 CHECK(fabs(series - truth[lane]) <= errors[lane] + 1e-15, "off by %g, bound %g",
                       series - truth[lane], errors[lane]);

@@ -229,7 +229,7 @@ static inline void finish(void)
     go();
     close_device();
     halt();
-    CHECK(simulated.device.enabled == 0 && simulated.device.reasons == 0,
+    CHECK(simulated.device.is_enabled == 0 && simulated.device.reasons == 0,
           "motors are on after close");
     simulate_serial_end(&simulated);
 }

@@ -54,7 +54,7 @@ static void opens_and_tells(void)
                   state.pose.position[0], state.pose.position[1], state.pose.position[2]);
             for (uint32_t k = 0; k < 3; k++) {
                 const struct simulate_can_node *node = &simulated.node[k];
-                CHECK(node->state == ODRIVE_STATE_CLOSED_LOOP && node->is_in_torque &&
+                CHECK(node->state == ODRIVE_STATE_CLOSED_LOOP && node->is_torque_mode &&
                           node->torque == 0.0f,
                       "node %u: %u", k, node->state);
                 CHECK(node->node == simulated.arm.nodes[k], "a node has got another number");
@@ -98,8 +98,8 @@ static void the_first_write_may_be_before_the_first_read(void)
     can_tick();
     dpt_arm_efforts(simulated.arm.arm, simulated.arm.middle, &root, efforts);
     for (int k = 0; k < 3; k++)
-        CHECK(fabs((double)simulated.node[k].torque / simulated.arm.per_force[k] - efforts[k]) <
-                  1e-5,
+        CHECK(fabs((double)simulated.node[k].torque / simulated.arm.torque_per_effort[k] -
+                   efforts[k]) < 1e-5,
               "joint %d gives %g Nm", k, (double)simulated.node[k].torque);
     CHECK(dpt_device_read(device, &state) == DPT_OK && state.fresh >= 1 && state.sequence >= 1,
           "%u", state.fresh);
@@ -133,7 +133,7 @@ static void closes_the_loop(void)
     double greatest = 0.0;
     for (int k = 0; k < 3; k++) {
         beyond[k] = simulated.node[k].torque;
-        const double effort = fabs((double)beyond[k] / simulated.arm.per_force[k]);
+        const double effort = fabs((double)beyond[k] / simulated.arm.torque_per_effort[k]);
         CHECK(effort <= 2.0 * (1.0 + 1e-6), "joint %d gives %g Nm", k, effort);
         greatest = fmax(greatest, effort);
         CHECK(fabs((double)beyond[k] * (double)within[0] - (double)within[k] * (double)beyond[0]) <
@@ -169,14 +169,15 @@ static void its_weight_is_held_up(void)
     dpt_arm_weight(simulated.arm.arm, simulated.joint, simulated.arm.gravity, weight);
     CHECK(simulated.arm.gravity[2] == -9.80665 && simulated.arm.gravity[0] == 0.0, "gravity");
     for (int k = 0; k < 3; k++)
-        CHECK(fabs((double)simulated.node[k].torque / simulated.arm.per_force[k] - weight[k]) <
-                  1e-5,
+        CHECK(fabs((double)simulated.node[k].torque / simulated.arm.torque_per_effort[k] -
+                   weight[k]) < 1e-5,
               "joint %d: %g Nm for %g", k,
-              (double)simulated.node[k].torque / simulated.arm.per_force[k], weight[k]);
+              (double)simulated.node[k].torque / simulated.arm.torque_per_effort[k], weight[k]);
     CHECK(write_up(-1e3) == DPT_OK, "write");
     can_tick();
     for (int k = 0; k < 3; k++)
-        CHECK(fabs((double)simulated.node[k].torque / simulated.arm.per_force[k]) <= 2.0 + 1e-5,
+        CHECK(fabs((double)simulated.node[k].torque / simulated.arm.torque_per_effort[k]) <=
+                  2.0 + 1e-5,
               "joint %d is above its limit", k);
     finish();
     /* An arm that is too weak for itself. */
@@ -186,7 +187,8 @@ static void its_weight_is_held_up(void)
         can_tick();
         dpt_device_read(device, &state);
         for (int k = 1; k < 3; k++)
-            CHECK(fabs((double)simulated.node[k].torque / simulated.arm.per_force[k]) <= 0.1001,
+            CHECK(fabs((double)simulated.node[k].torque / simulated.arm.torque_per_effort[k]) <=
+                      0.1001,
                   "joint %d is above its limit", k);
     }
     CHECK(is_pushing(), "it gives up");
@@ -202,7 +204,7 @@ static void check_frame(const int from[3], const int sign[3], const char *axes)
     snprintf(settings, sizeof settings, "gear=128,128,-64&watchdog=none&centre=0.0625,0,-0.125%s",
              axes);
     simulate(gantry_path, settings);
-    simulated.is_led = 1;
+    simulated.is_kinematic = 1;
     memcpy(simulated.joint, places, sizeof places);
     memcpy(simulated.speed, speeds, sizeof speeds);
     CHECK(open_at(where_of(gantry_path, settings)) == DPT_OK, "%s", error.text);
@@ -452,12 +454,12 @@ static void quick_hands_are_no_fault(void)
 {
     static const double speeds[2] = { 15.0, 60.0 };
     start(elbow_path, ELBOW);
-    simulated.is_led = 1;
+    simulated.is_kinematic = 1;
     for (int i = 0; i < 400; i++) {
         const int way = i / 20 % 2 ? -1 : 1, told = i >= 200;
         simulated.joint[1] += 1e-3 * way * speeds[told];
         simulated.speed[1] = told ? way * speeds[1] : 0.0;
-        simulated.node[1].is_dumb = i % 20 > 2 && i % 20 < 18;
+        simulated.node[1].is_mute = i % 20 > 2 && i % 20 < 18;
         can_tick();
         CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY,
               "%d: %x", i, state.code);
@@ -471,22 +473,22 @@ static void old_places_are_not_mixed_with_new(void)
     start(elbow_path, ELBOW);
     for (int late = 0; late < 3; late++) {
         for (int i = 0; i < 3; i++)
-            simulated.node[i].is_dumb = i != late;
+            simulated.node[i].is_mute = i != late;
         can_tick();
-        simulated.node[late].is_dumb = 1;
+        simulated.node[late].is_mute = 1;
         dpt_device_read(device, &state);
         for (int i = 0; i < 30; i++) {
             can_tick();
             dpt_device_read(device, &state);
         }
         for (int i = 0; i < 3; i++)
-            simulated.node[i].is_dumb = i == late;
+            simulated.node[i].is_mute = i == late;
         for (int i = 0; i < 5; i++) {
             can_tick();
             CHECK(dpt_device_read(device, &state) == DPT_OK && state.fresh == 0,
                   "joint %d is %d ms old, %u fresh", late, 31 + i, state.fresh);
         }
-        simulated.node[late].is_dumb = 0;
+        simulated.node[late].is_mute = 0;
         can_tick();
         CHECK(dpt_device_read(device, &state) == DPT_OK && state.fresh > 0, "joint %d", late);
     }
@@ -518,7 +520,7 @@ static void clocks_may_differ(void)
         char settings[64];
         snprintf(settings, sizeof settings, ELBOW "&rate=%d", rate);
         simulate(elbow_path, ELBOW);
-        simulated.node[1].beats_each = 80;
+        simulated.node[1].heartbeat_ticks = 80;
         CHECK(open_at(where_of(elbow_path, settings)) == DPT_OK, "%s", error.text);
         if (!device)
             return;
@@ -604,7 +606,7 @@ static void calls_are_bounded(void)
     can_room = CAN_QUEUE;
     for (int round = 0; round < 200; round++) {
         pass_ms(round);
-        simulated.node[0].babble = round % 3 == 0 ? 20 : 0;
+        simulated.node[0].extra_frames = round % 3 == 0 ? 20 : 0;
         can_watched = 1;
         can_calls = 0;
         dpt_device_read(device, &state);
@@ -661,7 +663,7 @@ static void wires_give_the_same_bits(void)
     snprintf(name, sizeof name, "serial:%s?silent=30", at_port.path);
     CHECK(dpt_device_open(name, &port, &error) == DPT_OK, "%s", error.text);
     start(gantry_path, "gear=1024,1024,1024&watchdog=none&axes=xyz&rate=1000");
-    simulated.is_led = 1;
+    simulated.is_kinematic = 1;
     uint64_t seen = 0;
     for (int i = 0; i < STEPS; i++) {
         dpt_wrench wrench = forces[i];
@@ -713,7 +715,7 @@ static void efforts_come_back_exactly(void)
 {
     uint64_t random = 5;
     start(elbow_path, "gear=8,-8,16&weight=0&watchdog=none");
-    simulated.is_led = 1;
+    simulated.is_kinematic = 1;
     for (int i = 0; i < 2000; i++) {
         dpt_wrench root = { { 0 }, { 0 } }, wrench = { { 0 }, { 0 } };
         double efforts[3];

@@ -65,12 +65,12 @@ static void overrun(void)
 
 static void babble(void)
 {
-    simulated.node[1].babble = 20;
+    simulated.node[1].extra_frames = 20;
 }
 
 static void be_quiet(void)
 {
-    simulated.node[1].babble = 0;
+    simulated.node[1].extra_frames = 0;
 }
 
 static void double_node(void)
@@ -86,7 +86,7 @@ static void single_node(void)
 static void other_serial(void)
 {
     simulated.node[1].serial += 7;
-    const struct odrive_message asks = { .node = 1, .command = ODRIVE_ADDRESS, .asks = 1 };
+    const struct odrive_message asks = { .node = 1, .command = ODRIVE_ADDRESS, .is_request = 1 };
     struct can_message frame;
     odrive_encode(&asks, ODRIVE_0_6, &frame);
     socketcan_send(&stranger, &frame, 1);
@@ -94,22 +94,22 @@ static void other_serial(void)
 
 static void fall_silent(void)
 {
-    simulated.node[2].is_dumb = 1;
+    simulated.node[2].is_mute = 1;
 }
 
 static void speak(void)
 {
-    simulated.node[2].is_dumb = 0;
+    simulated.node[2].is_mute = 0;
 }
 
 static void stop_beating(void)
 {
-    simulated.node[2].beats_each = 0;
+    simulated.node[2].heartbeat_ticks = 0;
 }
 
 static void beat(void)
 {
-    simulated.node[2].beats_each = 100;
+    simulated.node[2].heartbeat_ticks = 100;
 }
 
 static void reboot(void)
@@ -125,7 +125,7 @@ static void overheat(void)
 /* As it is when errors are cyclic, too: they are here before the heartbeat. */
 static void overheat_and_tell(void)
 {
-    const struct odrive_message asks = { .node = 0, .command = ODRIVE_ERROR, .asks = 1 };
+    const struct odrive_message asks = { .node = 0, .command = ODRIVE_ERROR, .is_request = 1 };
     struct can_message frame;
     overheat();
     pass_ms(1);
@@ -184,7 +184,7 @@ static void come_to_its_senses(void)
 /* Its encoder has found another index, or begun anew at 0: the joint has not moved. A turn is 45 degrees of the joint. */
 static void jump(void)
 {
-    simulated.arm.zero[1] += 0.25 * simulated.arm.per_turn[1];
+    simulated.arm.zero[1] += 0.25 * simulated.arm.joint_per_turn[1];
 }
 
 static void jump_back(void)
@@ -215,20 +215,20 @@ static const struct fault {
     { "interface gone", unplug, mend, DPT_DEVICE_STATUS_LOST, DPT_REASON_UNPLUGGED, CAN_CODE(CAN_CODE_GONE, 0xff), 1, 1, 1, 1, 0 },
     { "kernel drops", stand_still, NULL, DPT_DEVICE_STATUS_FAULT, DPT_REASON_LINK, CAN_CODE(CAN_CODE_DROPPED, 0xff), 10, 1, 0, 0, 0 },
     { "controller overruns", overrun, NULL, DPT_DEVICE_STATUS_FAULT, DPT_REASON_LINK, CAN_CODE(CAN_CODE_DROPPED, 0xff), 1, 1, 0, 0, 0 },
-    { "babbling", babble, be_quiet, DPT_DEVICE_STATUS_FAULT, DPT_REASON_LINK, CAN_CODE(CAN_CODE_BABBLES, 1), 100, 0, 0, 0, 0 },
+    { "babbling", babble, be_quiet, DPT_DEVICE_STATUS_FAULT, DPT_REASON_LINK, CAN_CODE(CAN_CODE_BABBLING, 1), 100, 0, 0, 0, 0 },
     { "duplicate", double_node, single_node, DPT_DEVICE_STATUS_FAULT, DPT_REASON_LINK, CAN_CODE(CAN_CODE_DUPLICATE, 1), 220, 0, 0, 0, 0 },
     { "two serial numbers", other_serial, NULL, DPT_DEVICE_STATUS_FAULT, DPT_REASON_LINK, CAN_CODE(CAN_CODE_DUPLICATE, 1), 2, 0, 0, 0, 0 },
-    { "silent", fall_silent, speak, DPT_DEVICE_STATUS_LOST, DPT_REASON_SILENT, CAN_CODE(CAN_CODE_SILENT, 2), 52, 0, 1, 0, 0 },
-    { "no heartbeat", stop_beating, beat, DPT_DEVICE_STATUS_LOST, DPT_REASON_SILENT, CAN_CODE(CAN_CODE_PULSELESS, 2), 502, 0, 1, 0, 0 },
-    { "reboot", reboot, NULL, DPT_DEVICE_STATUS_FAULT, DPT_REASON_DEVICE, CAN_CODE(CAN_CODE_BEGAN, 0), 101, 0, 0, 0, 0 },
+    { "silent", fall_silent, speak, DPT_DEVICE_STATUS_LOST, DPT_REASON_SILENT, CAN_CODE(CAN_CODE_NO_ESTIMATE, 2), 52, 0, 1, 0, 0 },
+    { "no heartbeat", stop_beating, beat, DPT_DEVICE_STATUS_LOST, DPT_REASON_SILENT, CAN_CODE(CAN_CODE_NO_HEARTBEAT, 2), 502, 0, 1, 0, 0 },
+    { "reboot", reboot, NULL, DPT_DEVICE_STATUS_FAULT, DPT_REASON_DEVICE, CAN_CODE(CAN_CODE_RESTARTED, 0), 101, 0, 0, 0, 0 },
     { "too hot", overheat, cool_down, DPT_DEVICE_STATUS_FAULT, DPT_REASON_OVERHEATED, 0x6000, 102, 0, 1, 0, 0 },
     { "too hot, and says so", overheat_and_tell, cool_down, DPT_DEVICE_STATUS_FAULT, DPT_REASON_OVERHEATED, 0x6000, 1, 0, 1, 0, 0 },
     { "estop", press_button, release_button, DPT_DEVICE_STATUS_FAULT, DPT_REASON_ESTOP, 0x2000000, 102, 0, 1, 0, 0 },
     { "watchdog", hang, NULL, DPT_DEVICE_STATUS_FAULT, DPT_REASON_WATCHDOG, 0x1000000, 102, 0, 0, 0, 0 },
-    { "estop by frame", panel_stops, NULL, DPT_DEVICE_STATUS_FAULT, DPT_REASON_ESTOP, CAN_CODE(CAN_CODE_STRANGER, 1), 1, 0, 0, 0, 0 },
-    { "another host", other_host, NULL, DPT_DEVICE_STATUS_FAULT, DPT_REASON_LINK, CAN_CODE(CAN_CODE_STRANGER, 1), 1, 0, 0, 0, 0 },
+    { "estop by frame", panel_stops, NULL, DPT_DEVICE_STATUS_FAULT, DPT_REASON_ESTOP, CAN_CODE(CAN_CODE_FOREIGN_ORDER, 1), 1, 0, 0, 0, 0 },
+    { "another host", other_host, NULL, DPT_DEVICE_STATUS_FAULT, DPT_REASON_LINK, CAN_CODE(CAN_CODE_FOREIGN_ORDER, 1), 1, 0, 0, 0, 0 },
     { "a place it cannot have come to", jump, jump_back, DPT_DEVICE_STATUS_FAULT, DPT_REASON_UNCALIBRATED, CAN_CODE(CAN_CODE_JUMPED, 1), 1, 0, 0, 0, 0 },
-    { "not a number", go_mad, come_to_its_senses, DPT_DEVICE_STATUS_LOST, DPT_REASON_SILENT, CAN_CODE(CAN_CODE_SILENT, 1), 52, 0, 1, 0, 0 },
+    { "not a number", go_mad, come_to_its_senses, DPT_DEVICE_STATUS_LOST, DPT_REASON_SILENT, CAN_CODE(CAN_CODE_NO_ESTIMATE, 1), 52, 0, 1, 0, 0 },
     /* clang-format on */
 };
 
@@ -273,11 +273,11 @@ static void provoke(const struct fault *fault)
           "%s: %u refused", fault->name, (unsigned)counts.refused);
     CHECK((counts.damaged > 0) == (fault->cause == go_mad), "%s: %u damaged", fault->name,
           (unsigned)counts.damaged);
-    const uint64_t taken = simulated.node[0].taken;
+    const uint64_t taken = simulated.node[0].torques;
     if (fault->stays)
         CHECK(clear() == code && !is_pushing(), "%s: cleared in spite of its cause", fault->name);
     if (fault->cause == become_passive)
-        CHECK(simulated.node[0].taken == taken, "motors are switched on over a bad bus");
+        CHECK(simulated.node[0].torques == taken, "motors are switched on over a bad bus");
     dpt_device_get_counts(device, &counts);
     CHECK(counts.resets == (fault->cause == reboot), "%s: %u resets", fault->name,
           (unsigned)counts.resets);
@@ -353,7 +353,7 @@ static void stopping_is_never_given_up(void)
     start(elbow_path, ELBOW);
     CHECK(push_until_it_fails(20) > 20, "begin");
     for (int i = 0; i < 3; i++)
-        simulated.node[i].is_dumb = 1;
+        simulated.node[i].is_mute = 1;
     frames_lost = 1000000;
     can_fate = lose_orders;
     for (int i = 0; i < 5000; i++) {
@@ -362,7 +362,7 @@ static void stopping_is_never_given_up(void)
     }
     CHECK(state.status == DPT_DEVICE_STATUS_LOST && is_pushing(), "%u", state.status);
     for (int i = 0; i < 3; i++)
-        simulated.node[i].is_dumb = 0;
+        simulated.node[i].is_mute = 0;
     can_fate = NULL;
     for (int i = 0; i < 12; i++) {
         can_tick();
@@ -423,15 +423,15 @@ static void a_fault_is_not_taken_for_silence(void)
 static void a_twin_after_a_pause_is_found(void)
 {
     start(elbow_path, ELBOW "&silent=5");
-    simulated.node[1].is_dumb = 1;
-    simulated.node[1].beats_each = 0;
+    simulated.node[1].is_mute = 1;
+    simulated.node[1].heartbeat_ticks = 0;
     for (int i = 0; i < 450; i++) {
         write_up(1.0);
         can_tick();
         dpt_device_read(device, &state);
     }
-    simulated.node[1].is_dumb = 0;
-    simulated.node[1].beats_each = 100;
+    simulated.node[1].is_mute = 0;
+    simulated.node[1].heartbeat_ticks = 100;
     CHECK(push_until_it_fails(20) > 20, "a pause is no fault with silent=5: %x", state.code);
     simulated.node[1].copies = 2;
     CHECK(push_until_it_fails(220) <= 220 && (state.code & 0xff) == CAN_CODE_DUPLICATE, "%x",

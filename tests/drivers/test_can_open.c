@@ -97,27 +97,27 @@ static void nodes_are_checked(void)
     const char *where = where_of(elbow_path, settings);
     struct simulate_can_node *node = &simulated.node[1];
     const struct simulate_can_node sound = *node;
-    node->is_dumb = 1;
+    node->is_mute = 1;
     refused(open_at(where), DPT_E_DEVICE, "no node 1");
     *node = sound;
-    node->beats_each = 0;
+    node->heartbeat_ticks = 0;
     refused(open_at(where), DPT_E_DEVICE, "no heartbeat");
     *node = sound;
     node->generation = ODRIVE_0_5;
     refused(open_at(where), DPT_E_PROTOCOL, "node 1 has firmware 0.5");
     CHECK(node->node == 1, "it was given the number %u", node->node);
     *node = sound;
-    node->estimates_each = 10;
+    node->estimate_ticks = 10;
     refused(open_at(where), DPT_E_DEVICE, "100 times a second, not 1000: set");
     refused(open_at(where), DPT_E_DEVICE, "encoder_msg_rate_ms (0.6) to 1,");
     *node = sound;
-    node->estimates_each = 0;
+    node->estimate_ticks = 0;
     refused(open_at(where), DPT_E_DEVICE, "0 times a second");
     *node = sound;
     node->copies = 2;
     refused(open_at(where), DPT_E_DEVICE, "two controllers with the number 1");
     *node = sound;
-    node->beats_each = 1000;
+    node->heartbeat_ticks = 1000;
     refused(open_at(where), DPT_E_DEVICE, "heartbeat less often");
     *node = sound;
     CHECK(socketcan_open(&stranger, interface(), 7, NULL) == DPT_OK, "no second socket");
@@ -141,7 +141,7 @@ static void nodes_are_checked(void)
     simulate(elbow_path, ELBOW);
     refused(open_at(where_of(elbow_path, ELBOW "&request=1")), DPT_E_DEVICE, "needless");
     refused(open_at(where_of(elbow_path, ELBOW "&rate=800")), DPT_E_DEVICE, "?rate= is more");
-    simulated.node[1].beats_each = 50;
+    simulated.node[1].heartbeat_ticks = 50;
     refused(open_at(where_of(elbow_path, ELBOW)), DPT_E_DEVICE, "?heartbeat=");
     end_simulation();
 }
@@ -149,7 +149,7 @@ static void nodes_are_checked(void)
 /* Power that comes half a second late. */
 static void each_ms_of_a_late_one(void)
 {
-    simulated.node[1].is_dumb = simulated.ticks < 590;
+    simulated.node[1].is_mute = simulated.ticks < 590;
     each_ms();
 }
 
@@ -213,7 +213,7 @@ static void motors_that_are_on_are_told_their_mode(void)
         CHECK(open_at(where_of(elbow_path, ELBOW)) == DPT_OK, "%s", error.text);
         CHECK(times_full > 0, "there was room for all");
         for (int i = 0; i < 3; i++)
-            CHECK(simulated.node[i].is_in_torque && !is_pushing(), "beat at %u: motor %d is not",
+            CHECK(simulated.node[i].is_torque_mode && !is_pushing(), "beat at %u: motor %d is not",
                   (unsigned)beat_at, i);
         can_fate = NULL;
         if (device)
@@ -228,7 +228,7 @@ static void each_ms_until_on(void)
     const int on = node[0].state == ODRIVE_STATE_CLOSED_LOOP &&
                    node[1].state == ODRIVE_STATE_CLOSED_LOOP &&
                    node[2].state == ODRIVE_STATE_CLOSED_LOOP;
-    node[1].estimates_each = !on;
+    node[1].estimate_ticks = !on;
     each_ms();
 }
 
@@ -241,7 +241,7 @@ static void what_was_switched_on_in_vain_is_switched_off(void)
     for (int i = 0; i < 3; i++)
         CHECK(simulated.node[i].state == ODRIVE_STATE_IDLE, "motor %d is on", i);
     can_each_ms = each_ms;
-    simulated.node[1].estimates_each = 1;
+    simulated.node[1].estimate_ticks = 1;
     CHECK(open_at(where_of(elbow_path, ELBOW)) == DPT_OK, "%s", error.text);
     if (!device)
         return;
@@ -254,7 +254,7 @@ static void what_was_switched_on_in_vain_is_switched_off(void)
     CHECK(simulated.node[0].state == ODRIVE_STATE_IDLE, "motor 0 is on");
     CHECK(write_up(1.0) != DPT_OK, "it takes a force");
     can_each_ms = each_ms;
-    simulated.node[1].estimates_each = 1;
+    simulated.node[1].estimate_ticks = 1;
     dpt_device_read(device, &state);
     CHECK(state.status == DPT_DEVICE_STATUS_LOST, "%u, %x", state.status, state.code);
     CHECK(clear() == DPT_OK && push_until_it_fails(20) > 20, "clear");

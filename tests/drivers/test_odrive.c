@@ -23,7 +23,7 @@ static struct odrive_message decoded(uint16_t id, const char *hex, unsigned gene
     const struct can_message frame = frame_of(id, hex);
     struct odrive_message message;
     CHECK(odrive_decode(&frame, generation, &message) == ODRIVE_MESSAGE, "%x %s", id, hex);
-    CHECK(message.node == id >> 5 && message.command == (id & 31) && !message.asks, "%x", id);
+    CHECK(message.node == id >> 5 && message.command == (id & 31) && !message.is_request, "%x", id);
     return message;
 }
 
@@ -121,7 +121,7 @@ static void ids_are_node_and_command(void)
                   "%x of 0.%u", id, generation);
             const struct odrive_message ask = { .node = (uint8_t)(id >> 5),
                                                 .command = (uint8_t)(id & 31),
-                                                .asks = 1 };
+                                                .is_request = 1 };
             struct can_message asked;
             const int goes = odrive_encode(&ask, generation, &asked);
             CHECK(goes == (is_known && answers >> (id & 31) & 1), "%x of 0.%u", id, generation);
@@ -130,7 +130,7 @@ static void ids_are_node_and_command(void)
                       "%x: %x", id, asked.id);
         }
     /* On 0.5 this id sets the node's number. */
-    const struct odrive_message address = { .command = ODRIVE_ADDRESS, .asks = 1 };
+    const struct odrive_message address = { .command = ODRIVE_ADDRESS, .is_request = 1 };
     struct can_message frame;
     CHECK(!odrive_encode(&address, ODRIVE_0_5, &frame), "asks 0.5 for its address");
     static const unsigned orders[] = { 0x02, 0x07, 0x0b, 0x0c, 0x0d, 0x0e, 0x0f, 0x10, 0x11,
@@ -138,9 +138,9 @@ static void ids_are_node_and_command(void)
     const unsigned all = sizeof orders / sizeof *orders;
     unsigned count = 0;
     for (unsigned command = 0; command < 64; command++)
-        count += odrive_is_order(command) != 0;
+        count += odrive_is_control(command) != 0;
     for (unsigned i = 0; i < all; i++)
-        CHECK(odrive_is_order(orders[i]), "%x", orders[i]);
+        CHECK(odrive_is_control(orders[i]), "%x", orders[i]);
     CHECK(count == all, "%u orders", count);
 }
 
@@ -199,13 +199,13 @@ static void round_trips(void)
         const uint64_t data = random_bits(&random);
         memcpy(frame.data, &data, 8);
         frame.flags = random_bits(&random) % 8 == 0 ? CAN_MESSAGE_REMOTE : 0;
-        odrive_heartbeat_of(&frame);
+        odrive_heartbeat_generation(&frame);
         if (odrive_decode(&frame, generation, &heard) != ODRIVE_MESSAGE)
             continue;
         CHECK(frame.id < 0x800, "id %x", frame.id);
         struct can_message said;
         if (!odrive_encode(&heard, generation, &said)) {
-            CHECK(heard.asks, "%x", frame.id);
+            CHECK(heard.is_request, "%x", frame.id);
             continue;
         }
         messages++;
@@ -229,7 +229,7 @@ static void generations_are_told_apart(void)
     };
     for (size_t i = 0; i < sizeof beats / sizeof *beats; i++) {
         const struct can_message frame = frame_of(0x01, beats[i].hex);
-        CHECK(odrive_heartbeat_of(&frame) == beats[i].generation, "%s", beats[i].hex);
+        CHECK(odrive_heartbeat_generation(&frame) == beats[i].generation, "%s", beats[i].hex);
     }
 }
 

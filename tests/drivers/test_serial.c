@@ -162,7 +162,8 @@ static void keep_truth(struct relay_way *way, const uint8_t *frame, size_t size)
     if (number > truth->newest) {
         truth->newest = number;
         /* The device takes it in before it makes its next sample. */
-        if (truth->is_commands && simulated.device.sequence - answers > simulated.device.watchdog)
+        if (truth->is_commands &&
+            simulated.device.sequence - answers > simulated.device.watchdog_samples)
             truth->late++;
     } else {
         truth->reordered++;
@@ -252,10 +253,11 @@ static void all_that_goes_wrong_is_counted_on_both_sides(void)
         states.lost += !states.came[i];
     CHECK(commands.newest == counts.commands - counts.refused && counts.refused == 0, "%u, %u",
           commands.newest, (unsigned)counts.commands);
-    CHECK(there->order.lost == commands.lost && there->order.reordered == commands.reordered &&
-              there->late == commands.late && there->order.repeated == 0,
-          "the device counts %u lost, %u reordered, %u late, not %u, %u, %u", there->order.lost,
-          there->order.reordered, there->late, commands.lost, commands.reordered, commands.late);
+    CHECK(there->commands.lost == commands.lost &&
+              there->commands.reordered == commands.reordered && there->late == commands.late &&
+              there->commands.repeated == 0,
+          "the device counts %u lost, %u reordered, %u late, not %u, %u, %u", there->commands.lost,
+          there->commands.reordered, there->late, commands.lost, commands.reordered, commands.late);
     CHECK(counts.missed == (uint64_t)commands.lost + commands.reordered + commands.late,
           "%u missed", (unsigned)counts.missed);
     CHECK(there->reader.damaged == commands.damaged, "%u damaged at the device, not %u",
@@ -320,9 +322,9 @@ static void a_full_line_never_blocks(void)
     CHECK(write_force(1) == DPT_OK, "write");
     simulate_serial_tick(&simulated);
     const struct wire_device *there = &simulated.device;
-    CHECK(there->order.taken == (uint32_t)ok + 1 && there->order.lost == 0 &&
+    CHECK(there->commands.accepted == (uint32_t)ok + 1 && there->commands.lost == 0 &&
               there->reader.damaged == 0,
-          "%u of %d, %u lost, %u damaged", there->order.taken, ok + 1, there->order.lost,
+          "%u of %d, %u lost, %u damaged", there->commands.accepted, ok + 1, there->commands.lost,
           there->reader.damaged);
     dpt_device_get_counts(device, &counts);
     CHECK(counts.commands == 3001 && counts.refused == (uint64_t)busy, "%u, %u",

@@ -603,14 +603,15 @@ static void orders_are_counted(void)
                     if (due[i][k] == now)
                         line[count++] = (uint32_t)i;
         const uint32_t start = (uint32_t)random_bits(&seed) % 2 ? 0xffffff80u : 0;
-        struct wire_order order;
-        wire_order_start(&order, start - 1);
+        struct wire_sequence sequence;
+        wire_sequence_start(&sequence, start - 1);
         uint32_t taken = 0, reordered = 0, repeated = 0, lost = 0;
         int newest = -1, came[SENT] = { 0 };
         for (int i = 0; i < count; i++) {
             const int number = (int)line[i];
             const int fresh = number > newest;
-            CHECK(wire_order_take(&order, start + (uint32_t)number) == fresh, "round %d", round);
+            CHECK(wire_sequence_accept(&sequence, start + (uint32_t)number) == fresh, "round %d",
+                  round);
             taken += (uint32_t)fresh;
             repeated += !fresh && came[number];
             reordered += !fresh && !came[number];
@@ -619,10 +620,10 @@ static void orders_are_counted(void)
         }
         for (int i = 0; i < newest; i++)
             lost += !came[i];
-        CHECK(order.taken == taken && order.lost == lost && order.reordered == reordered &&
-                  order.repeated == repeated,
-              "round %d: %u %u %u %u, not %u %u %u %u", round, (unsigned)order.taken,
-              (unsigned)order.lost, (unsigned)order.reordered, (unsigned)order.repeated,
+        CHECK(sequence.accepted == taken && sequence.lost == lost &&
+                  sequence.reordered == reordered && sequence.repeated == repeated,
+              "round %d: %u %u %u %u, not %u %u %u %u", round, (unsigned)sequence.accepted,
+              (unsigned)sequence.lost, (unsigned)sequence.reordered, (unsigned)sequence.repeated,
               (unsigned)taken, (unsigned)lost, (unsigned)reordered, (unsigned)repeated);
     }
 }

@@ -293,7 +293,7 @@ static void a_host_that_is_gone_ends_the_session(void)
         tick();
         more += states;
     }
-    CHECK(more == 0 && device.session == 0 && !device.enabled, "%d states to nobody", more);
+    CHECK(more == 0 && device.session == 0 && !device.is_enabled, "%d states to nobody", more);
 }
 
 static void a_log_goes_out_once(void)

@@ -107,7 +107,7 @@ static void measure_sample(void)
         sum += count_instructions();
         mix(out, said);
     }
-    must(device.order.taken == FRAMES && wire_device_status(&device) == WIRE_STATUS_READY,
+    must(device.commands.accepted == FRAMES && wire_device_status(&device) == WIRE_STATUS_READY,
          "sample");
     say("sample", sum / FRAMES);
     say("device_bytes", sizeof device);

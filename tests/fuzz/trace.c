@@ -14,7 +14,7 @@ FUZZ_TARGET(trace)
     if (size == 0)
         return 0;
     const char *wrong = NULL;
-    dpt_result result = csv_table_parse(&trace, text, text + size, &trace_form, &line, &wrong);
+    dpt_result result = csv_table_parse(&trace, text, text + size, &trace_format, &line, &wrong);
     MUST(line <= size);
     MUST(result == DPT_OK ? !wrong && trace.rows > 0 && trace.columns == 7 : wrong != NULL);
     for (size_t i = 0; i < trace.rows; i++) {
@@ -23,7 +23,7 @@ FUZZ_TARGET(trace)
         for (int k = 1; k < 7; k++)
             MUST(fabs(row[k]) <= DPT_COORDINATE_MAX);
         MUST(i == 0 || row[0] > csv_table_row(&trace, i - 1)[0]);
-        MUST(trace_jumps(&trace, i) || i > 0);
+        MUST(trace_is_jump(&trace, i) || i > 0);
     }
     fuzz_accepted += result == DPT_OK;
     csv_table_free(&trace);

@@ -30,7 +30,7 @@ static void check_device(const struct wire_device *device)
     }
     MUST(sqrt(force) <= 5.0 * 1.000001 && sqrt(torque) <= 0.1 * 1.000001);
     MUST(wire_device_status(device) == WIRE_STATUS_READY || (force == 0.0 && torque == 0.0));
-    MUST(device->silence <= device->watchdog);
+    MUST(device->samples_since_command <= device->watchdog_samples);
 }
 
 static void feed(struct line *line, uint8_t byte)

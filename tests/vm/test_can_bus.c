@@ -155,8 +155,8 @@ static void the_loop_is_closed_by_the_clock(void)
            (unsigned)counts.missed, (unsigned)counts.samples, (unsigned)counts.lost);
     finish();
     for (int i = 0; i < 3; i++)
-        CHECK(simulated.node[i].taken >= counts.commands && simulated.unsent == 0,
-              "node %d took %u", i, (unsigned)simulated.node[i].taken);
+        CHECK(simulated.node[i].torques >= counts.commands && simulated.unsent == 0,
+              "node %d took %u", i, (unsigned)simulated.node[i].torques);
 }
 
 static uint32_t crc32(uint32_t crc, const uint8_t *bytes, size_t size)

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * A mechanism for a device that has none: a mass with damping in three directions, held by a hand, which is a spring and
- * a damper to where it wants to be, and perhaps a wall. What the hand and the motors push moves it, so that the
- * loop closes.
+ * The mechanism of a simulated device: a mass with damping in three directions, held by a hand (a spring and a damper
+ * to where the hand wants to be), and perhaps a wall. Motors and hand push the mass, so the loop closes.
  */
 #ifndef DPT_TOOLS_MECHANISM_H
 #define DPT_TOOLS_MECHANISM_H
@@ -19,7 +18,7 @@ struct mechanism {
     double velocity[3];
 };
 
-/* 0.1 kg held by a hand of 150 N/m; no wall. */
+/* Start with 0.1 kg, held by a hand of 150 N/m, without a wall. */
 static inline void mechanism_init(struct mechanism *mechanism)
 {
     const struct mechanism start = {
@@ -29,8 +28,8 @@ static inline void mechanism_init(struct mechanism *mechanism)
 }
 
 /*
- * `force` for `dt` seconds, in `parts` of equal length: semi-implicit Euler, stable while sqrt(stiffness / mass) times a
- * part stays below 2.
+ * Apply `force`, N, for `dt` seconds, in `parts` steps of equal length. Semi-implicit Euler: stable while
+ * sqrt(stiffness / mass) times a step is below 2.
  */
 static inline void mechanism_step(struct mechanism *mechanism, const float force[3], double dt,
                                   int parts)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The clock of what is simulated: so many ticks a second. */
+/* The clock of a simulated device: so many ticks a second. */
 #ifndef DPT_TOOLS_SIM_CLOCK_H
 #define DPT_TOOLS_SIM_CLOCK_H
 
@@ -7,7 +7,10 @@
 
 #include "clock.h"
 
-/* Until *stop is not 0. Ticks that are more than 10 ms late are left out: a real device does not make up for them either. */
+/*
+ * Call `tick` at `rate`, Hz, until *stop is not 0. If it is more than 10 ms late, ticks are skipped, because a real
+ * device does not make up for them either.
+ */
 static inline void sim_clock_run(double rate, void (*tick)(void *user), void *user,
                                  const volatile int *stop)
 {

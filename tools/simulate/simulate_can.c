@@ -12,11 +12,11 @@
 #define RECEIVES 16
 #define PARTS    4
 
-static void say(struct simulate_can *simulated, const struct simulate_can_node *node,
-                struct odrive_message message)
+static void send_message(struct simulate_can *simulated, const struct simulate_can_node *node,
+                         struct odrive_message message)
 {
     message.node = node->node;
-    for (uint32_t i = 0; i < node->copies && !node->is_dumb; i++) {
+    for (uint32_t i = 0; i < node->copies && !node->is_mute; i++) {
         if (simulated->count == SOCKETCAN_BATCH) {
             const int sent = socketcan_send(&simulated->line, simulated->out, simulated->count);
             simulated->unsent += (uint64_t)(simulated->count - sent);
@@ -37,24 +37,24 @@ static uint32_t estop_error(const struct simulate_can_node *node)
     return node->generation == ODRIVE_0_5 ? 0x4000 : 0x2000000;
 }
 
-static void say_beat(struct simulate_can *simulated, const struct simulate_can_node *node)
+static void send_heartbeat(struct simulate_can *simulated, const struct simulate_can_node *node)
 {
     struct odrive_message message = { .command = ODRIVE_HEARTBEAT };
     message.as.heartbeat.errors = node->errors;
     message.as.heartbeat.state = node->state;
     message.as.heartbeat.is_done = node->is_done;
     message.as.heartbeat.failed = node->motor_errors ? ODRIVE_FAILED_MOTOR : 0;
-    say(simulated, node, message);
+    send_message(simulated, node, message);
 }
 
-static void say_estimates(struct simulate_can *simulated, uint32_t index)
+static void send_estimates(struct simulate_can *simulated, uint32_t index)
 {
     const struct can_arm *arm = &simulated->arm;
     struct odrive_message message = { .command = ODRIVE_ESTIMATES };
     message.as.estimates.position =
-        (float)((simulated->joint[index] - arm->zero[index]) / arm->per_turn[index]);
-    message.as.estimates.velocity = (float)(simulated->speed[index] / arm->per_turn[index]);
-    say(simulated, &simulated->node[index], message);
+        (float)((simulated->joint[index] - arm->zero[index]) / arm->joint_per_turn[index]);
+    message.as.estimates.velocity = (float)(simulated->speed[index] / arm->joint_per_turn[index]);
+    send_message(simulated, &simulated->node[index], message);
 }
 
 static void answer(struct simulate_can *simulated, uint32_t index, unsigned command)
@@ -68,29 +68,29 @@ static void answer(struct simulate_can *simulated, uint32_t index, unsigned comm
         message.as.version.firmware[2] = 10;
         break;
     case ODRIVE_HEARTBEAT:
-        say_beat(simulated, node);
+        send_heartbeat(simulated, node);
         return;
     case ODRIVE_ESTIMATES:
-        say_estimates(simulated, index);
+        send_estimates(simulated, index);
         return;
     case ODRIVE_ERROR:
         message.as.error.active =
             node->generation == ODRIVE_0_5 ? node->motor_errors : node->errors;
         break;
     case ODRIVE_ADDRESS:
-        /* Each of two nodes of one number has its own. */
+        /* Nodes with the same number have different serial numbers. */
         message.as.address.node = node->node;
         for (uint32_t i = 0, copies = node->copies; i < copies; i++) {
             message.as.address.serial = node->serial + i;
             node->copies = 1;
-            say(simulated, node, message);
+            send_message(simulated, node, message);
             node->copies = copies;
         }
         return;
     default:
         break;
     }
-    say(simulated, node, message);
+    send_message(simulated, node, message);
 }
 
 static void fail(struct simulate_can_node *node, uint32_t errors)
@@ -100,9 +100,9 @@ static void fail(struct simulate_can_node *node, uint32_t errors)
         node->state = ODRIVE_STATE_IDLE;
 }
 
-static void take(struct simulate_can *simulated, const struct can_message *frame)
+static void take_frame(struct simulate_can *simulated, const struct can_message *frame)
 {
-    struct odrive_message said;
+    struct odrive_message message;
     uint32_t index = 0;
     while (index < simulated->arm.joints && simulated->node[index].node != frame->id >> 5)
         index++;
@@ -110,31 +110,31 @@ static void take(struct simulate_can *simulated, const struct can_message *frame
         return;
     struct simulate_can_node *node = &simulated->node[index];
     node->heard_tick = simulated->ticks;
-    /* What a host must not do: 0.5 takes it for an order, and a frame without data for the number 0. */
+    /* A host must not send this: 0.5 takes it as an order to change the number, to 0 if the frame has no data. */
     if (node->generation == ODRIVE_0_5 && (frame->id & 31) == ODRIVE_ADDRESS)
         node->node = frame->data[0];
-    if (odrive_decode(frame, node->generation, &said) != ODRIVE_MESSAGE)
+    if (odrive_decode(frame, node->generation, &message) != ODRIVE_MESSAGE)
         return;
-    if (said.asks) {
-        answer(simulated, index, said.command);
+    if (message.is_request) {
+        answer(simulated, index, message.command);
         return;
     }
-    switch (said.command) {
+    switch (message.command) {
     case ODRIVE_ESTOP:
         fail(node, estop_error(node));
         break;
     case ODRIVE_SET_STATE:
-        if (said.as.state == ODRIVE_STATE_IDLE ||
-            (said.as.state == ODRIVE_STATE_CLOSED_LOOP && !node->errors && !node->motor_errors))
-            node->state = (uint8_t)said.as.state;
+        if (message.as.state == ODRIVE_STATE_IDLE ||
+            (message.as.state == ODRIVE_STATE_CLOSED_LOOP && !node->errors && !node->motor_errors))
+            node->state = (uint8_t)message.as.state;
         break;
     case ODRIVE_SET_MODE:
-        node->is_in_torque = said.as.mode.control == ODRIVE_CONTROL_TORQUE &&
-                             said.as.mode.input == ODRIVE_INPUT_PASSTHROUGH;
+        node->is_torque_mode = message.as.mode.control == ODRIVE_CONTROL_TORQUE &&
+                               message.as.mode.input == ODRIVE_INPUT_PASSTHROUGH;
         break;
     case ODRIVE_SET_TORQUE:
-        node->torque = said.as.torque;
-        node->taken++;
+        node->torque = message.as.torque;
+        node->torques++;
         break;
     case ODRIVE_CLEAR_ERRORS:
         node->errors = node->causes;
@@ -145,8 +145,8 @@ static void take(struct simulate_can *simulated, const struct can_message *frame
     }
 }
 
-/* One period of each joint by itself, pushed by its motor and by what pulls at the tool. */
-static void move(struct simulate_can *simulated)
+/* Move each joint by itself for one period, pushed by its motor and by the hand at the tool. */
+static void move_joints(struct simulate_can *simulated)
 {
     const struct can_arm *arm = &simulated->arm;
     const double h = 1.0 / (PARTS * simulated->settings.rate);
@@ -170,8 +170,8 @@ static void move(struct simulate_can *simulated)
         dpt_arm_weight(arm->arm, simulated->joint, arm->gravity, weight);
         for (uint32_t i = 0; i < arm->joints; i++) {
             const struct simulate_can_node *node = &simulated->node[i];
-            const double motor = node->state == ODRIVE_STATE_CLOSED_LOOP && node->is_in_torque
-                                     ? (double)node->torque / arm->per_force[i]
+            const double motor = node->state == ODRIVE_STATE_CLOSED_LOOP && node->is_torque_mode
+                                     ? (double)node->torque / arm->torque_per_effort[i]
                                      : 0.0;
             const double sum =
                 motor + efforts[i] - weight[i] - simulated->damping[i] * simulated->speed[i];
@@ -189,10 +189,10 @@ void simulate_can_tick(struct simulate_can *simulated)
     do {
         const int count = socketcan_receive(&simulated->line, in);
         for (int k = 0; k < count; k++)
-            take(simulated, &in[k]);
-    } while (!simulated->line.is_empty && ++calls < RECEIVES);
-    if (!simulated->is_led)
-        move(simulated);
+            take_frame(simulated, &in[k]);
+    } while (!simulated->line.is_drained && ++calls < RECEIVES);
+    if (!simulated->is_kinematic)
+        move_joints(simulated);
     for (uint32_t i = 0; i < simulated->arm.joints; i++) {
         struct simulate_can_node *node = &simulated->node[i];
         if (node->watchdog > 0.0 && (double)(simulated->ticks - node->heard_tick) >
@@ -202,12 +202,12 @@ void simulate_can_tick(struct simulate_can *simulated)
             fail(node, node->causes);
         if (node->motor_errors)
             node->state = ODRIVE_STATE_IDLE;
-        for (uint32_t k = 0; k < node->babble; k++)
+        for (uint32_t k = 0; k < node->extra_frames; k++)
             answer(simulated, i, ODRIVE_ERROR);
-        if (node->estimates_each && simulated->ticks % node->estimates_each == 0)
-            say_estimates(simulated, i);
-        if (node->beats_each && simulated->ticks % node->beats_each == 0)
-            say_beat(simulated, node);
+        if (node->estimate_ticks && simulated->ticks % node->estimate_ticks == 0)
+            send_estimates(simulated, i);
+        if (node->heartbeat_ticks && simulated->ticks % node->heartbeat_ticks == 0)
+            send_heartbeat(simulated, node);
     }
     const int sent = socketcan_send(&simulated->line, simulated->out, simulated->count);
     simulated->unsent += (uint64_t)(simulated->count - sent);
@@ -231,11 +231,11 @@ dpt_result simulate_can_start(struct simulate_can *simulated, const char *where,
         node->generation = simulated->settings.firmware[2] == '5' ? ODRIVE_0_5 : ODRIVE_0_6;
         node->serial = 0x300000000000u + i;
         node->watchdog = simulated->settings.watchdog;
-        node->estimates_each = simulated->settings.request == 0.0;
-        node->beats_each =
+        node->estimate_ticks = simulated->settings.request == 0.0;
+        node->heartbeat_ticks =
             (uint32_t)(simulated->settings.heartbeat * simulated->settings.rate + 0.5);
-        simulated->inertia[i] = simulated->arm.slides[i] ? 0.2 : 0.005;
-        simulated->damping[i] = simulated->arm.slides[i] ? 1.0 : 0.02;
+        simulated->inertia[i] = simulated->arm.is_slider[i] ? 0.2 : 0.005;
+        simulated->damping[i] = simulated->arm.is_slider[i] ? 1.0 : 0.02;
         simulated->joint[i] = simulated->arm.middle[i];
         nodes |= (uint64_t)1 << node->node;
         simulate_can_reboot(node);
@@ -253,7 +253,7 @@ void simulate_can_reboot(struct simulate_can_node *node)
 {
     node->state = ODRIVE_STATE_IDLE;
     node->errors = node->motor_errors = 0;
-    node->is_in_torque = 0;
+    node->is_torque_mode = 0;
     node->torque = 0.0f;
     node->copies = node->is_done = 1;
 }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Motor controllers that are not there: the nodes of an arm on a CAN interface, as firmware 0.5 or 0.6 answers, and a mechanism
- * between their motors and a hand that holds the tool. It takes the name that the driver takes, so that both know
- * the same arm; the loop is closed on one machine.
+ * Simulated motor controllers: the nodes of an arm on a CAN interface, which answer like firmware 0.5 or 0.6, and a
+ * mechanism between their motors and a hand that holds the tool. It takes the same name as the driver, so both have the
+ * same arm, and the loop closes on one machine.
  *
  *     simulate_can_start(&simulated, "vcan0?arm=arm.dpa&gear=8,8,8", &error);
  *     simulate_can_run(&simulated, &stop);
@@ -16,21 +16,21 @@
 
 struct simulate_can_node {
     uint8_t node, generation, state;
-    uint8_t is_done;         /* a trajectory: of 0.5 this bit gives the firmware away */
-    uint8_t is_in_torque;    /* torque control, passed through */
+    uint8_t is_done;         /* a trajectory is done; on 0.5 this bit shows the firmware */
+    uint8_t is_torque_mode;  /* 1: torque control with direct input */
     uint32_t errors;         /* of the axis */
     uint32_t motor_errors;   /* 0.5 */
     uint32_t causes;         /* errors that clearing does not end */
-    float torque;            /* Nm of the motor, as it was set last; it acts in closed loop */
-    uint64_t taken;          /* torques that came */
-    uint64_t heard_tick;     /* of the last frame to this node */
+    float torque;            /* of the motor, as set last, Nm; it acts in closed loop */
+    uint64_t torques;        /* number of torques received */
+    uint64_t heard_tick;     /* when the last frame to this node came */
     uint64_t serial;         /* 0.6 */
     double watchdog;         /* s, 0: none */
-    uint32_t estimates_each; /* ticks, 0: never but when asked */
-    uint32_t beats_each;
-    uint32_t copies; /* nodes of this number, 1 */
-    uint32_t babble; /* frames more a tick */
-    uint8_t is_dumb; /* it says nothing */
+    uint32_t estimate_ticks; /* between estimates; 0: only on request */
+    uint32_t heartbeat_ticks;
+    uint32_t copies;       /* nodes with this number; usually 1 */
+    uint32_t extra_frames; /* sent in each tick, to babble */
+    uint8_t is_mute;       /* 1: it sends nothing */
 };
 
 struct simulate_can {
@@ -48,26 +48,28 @@ struct simulate_can {
     double hand_damping;   /* Ns/m */
     double swing;          /* m, how far up and down the hand goes */
     double swing_period;   /* s */
-    uint8_t is_led;        /* 1: joints are where they are put, there is no mechanism */
+    uint8_t is_kinematic;  /* 1: joints stay where the test puts them; no mechanism */
     uint64_t unsent;       /* frames for which the line had no room */
     int count;             /* of `out` */
     struct can_message out[SOCKETCAN_BATCH];
 };
 
-/* Idle nodes, the tool in the middle of its workspace. On failure nothing stays open. */
+/* Start with idle nodes and the joints in the middle of their limits. After a failure nothing stays open. */
 dpt_result simulate_can_start(struct simulate_can *simulated, const char *where,
                               dpt_device_error *error);
 
-/* One period of the setting `rate`: takes what has come, moves the mechanism, sends. No clock but for the line's own. */
+/*
+ * One period of the setting `rate`: receive, move the mechanism, send. Reads no clock except for receive times.
+ */
 void simulate_can_tick(struct simulate_can *simulated);
 
-/* Ticks at its rate, until *stop is not 0. */
+/* Tick at the rate until *stop is not 0. */
 void simulate_can_run(struct simulate_can *simulated, const volatile int *stop);
 
-/* As cutting the controllers' power. */
+/* End, as if the controllers' power were cut. */
 void simulate_can_end(struct simulate_can *simulated);
 
-/* As switching one off and on again. */
+/* Switch a controller off and on again. */
 void simulate_can_reboot(struct simulate_can_node *node);
 
 #endif

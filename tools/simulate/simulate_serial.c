@@ -35,10 +35,10 @@ void simulate_serial_info(struct wire_info *info)
 
 int simulate_serial_start(struct simulate_serial *simulated, const struct wire_info *info)
 {
-    struct wire_info usual;
+    struct wire_info default_info;
     memset(simulated, 0, sizeof *simulated);
-    simulate_serial_info(&usual);
-    wire_device_init(&simulated->device, info ? info : &usual);
+    simulate_serial_info(&default_info);
+    wire_device_init(&simulated->device, info ? info : &default_info);
     mechanism_init(&simulated->mechanism);
     simulated->swing_period = 4.0;
     simulated->master = posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
@@ -48,7 +48,7 @@ int simulate_serial_start(struct simulate_serial *simulated, const struct wire_i
     struct termios settings;
     if (!grantpt(simulated->master) && !unlockpt(simulated->master))
         name = ptsname(simulated->master);
-    /* Raw, or the line would echo what the device says before a host has set it up. */
+    /* Make it raw, or the line would echo what the device sends before a host has set it up. */
     if (name && strlen(name) < sizeof simulated->path && !tcgetattr(simulated->master, &settings)) {
         strcpy(simulated->path, name);
         cfmakeraw(&settings);
@@ -60,19 +60,19 @@ int simulate_serial_start(struct simulate_serial *simulated, const struct wire_i
     return reason;
 }
 
-static int send_rest(struct simulate_serial *simulated)
+static int send_pending(struct simulate_serial *simulated)
 {
-    while (simulated->rest_at < simulated->rest_size) {
-        const ssize_t count = write(simulated->master, simulated->rest + simulated->rest_at,
-                                    simulated->rest_size - simulated->rest_at);
+    while (simulated->pending_at < simulated->pending_size) {
+        const ssize_t count = write(simulated->master, simulated->pending + simulated->pending_at,
+                                    simulated->pending_size - simulated->pending_at);
         if (count <= 0)
             return 0;
-        simulated->rest_at += (size_t)count;
+        simulated->pending_at += (size_t)count;
     }
     return 1;
 }
 
-static void move_hand(struct simulate_serial *simulated)
+static void move_mechanism(struct simulate_serial *simulated)
 {
     const struct wire_info *info = &simulated->device.info;
     if (simulated->swing > 0.0) {
@@ -93,11 +93,11 @@ void simulate_serial_tick(struct simulate_serial *simulated)
         const ssize_t count = read(simulated->master, bytes, sizeof bytes);
         for (ssize_t k = 0; k < count; k++)
             wire_device_take(&simulated->device, bytes[k]);
-        /* A short read is not the last one: the system brings the rest when asked again. */
+        /* Read on after a short read: the system may return more on the next call. */
         if (count <= 0)
             break;
     }
-    move_hand(simulated);
+    move_mechanism(simulated);
     for (int i = 0; i < 3; i++) {
         sample.position[i] = (float)mechanism->position[i];
         sample.velocity[i] = (float)mechanism->velocity[i];
@@ -107,14 +107,14 @@ void simulate_serial_tick(struct simulate_serial *simulated)
     sample.buttons = simulated->buttons;
     sample.causes = simulated->causes;
     const size_t size = wire_device_sample(&simulated->device, &sample, out);
-    if (!send_rest(simulated)) {
+    if (!send_pending(simulated)) {
         simulated->unsent++;
         return;
     }
-    memcpy(simulated->rest, out, size);
-    simulated->rest_at = 0;
-    simulated->rest_size = size;
-    send_rest(simulated);
+    memcpy(simulated->pending, out, size);
+    simulated->pending_at = 0;
+    simulated->pending_size = size;
+    send_pending(simulated);
 }
 
 static void tick(void *user)

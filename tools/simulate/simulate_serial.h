@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * A device of our own protocol that is not there: the other end of a pty, with the firmware's own code (wire_device.h) and
- * a mechanism that a hand holds. The driver opens simulate_serial.path as it opens a port; the loop is closed on
- * one machine.
+ * A simulated device with our serial protocol: the other end of a pseudo-terminal, with the firmware's own code
+ * (wire_device.h) and a mechanism that a hand holds. The driver opens simulate_serial.path like a port, so the loop
+ * closes on one machine.
  *
  *     simulate_serial_start(&simulated, NULL);
  *     puts(simulated.path);
@@ -25,23 +25,23 @@ struct simulate_serial {
     uint64_t unsent; /* samples for which the line had no room */
     int master;
     char path[64];
-    uint8_t rest[WIRE_OUT_MAX];
-    size_t rest_at, rest_size;
+    uint8_t pending[WIRE_OUT_MAX];
+    size_t pending_at, pending_size;
 };
 
-/* What it says of itself unless told otherwise: 3 freedoms, 1 kHz, 5 N, a watchdog of 20 ms. */
+/* The default info: 3 degrees of freedom, 1 kHz, 5 N, a watchdog of 20 ms. */
 void simulate_serial_info(struct wire_info *info);
 
-/* `info` NULL: the above. 0, or an errno. */
+/* Start the device. `info` NULL: the default. Returns 0, or an errno. */
 int simulate_serial_start(struct simulate_serial *simulated, const struct wire_info *info);
 
-/* One sample, now: takes what has come, moves the mechanism, sends. No clock. */
+/* Take one sample: receive, move the mechanism by one period, send. Reads no clock. */
 void simulate_serial_tick(struct simulate_serial *simulated);
 
-/* Samples at its rate, until *stop is not 0. */
+/* Take samples at the device's rate until *stop is not 0. */
 void simulate_serial_run(struct simulate_serial *simulated, const volatile int *stop);
 
-/* As pulling the plug. */
+/* End the device, as if its plug were pulled. */
 void simulate_serial_end(struct simulate_serial *simulated);
 
 #endif
