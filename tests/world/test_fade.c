@@ -395,9 +395,9 @@ static void a_body_ends_its_own_push_alone(void)
 
 static dpt_force_report force_of(const struct pair *pair)
 {
-    dpt_force_report said = { .size = sizeof said, .reserved = 1 };
+    dpt_force_report said = { .size = sizeof said, .law = 7 };
     CHECK(dpt_tool_get_force_report(pair->world[FADES], pair->tool[FADES], &said) == DPT_OK &&
-              said.reserved == 0,
+              said.law == DPT_LAW_POINT,
           "no force");
     return said;
 }
