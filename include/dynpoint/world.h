@@ -384,8 +384,8 @@ enum {
  * What a tool feels in the last step.
  *
  *   wrench  force on the tool, and torque about the origin of its frame (of a free tool: about end a of its first
- *           segment), in world axes, before any limits; docs/algorithms/force.md. With DPT_LAW_POINT the sum over the tool's segments.
- *           Zero unless `reason` is DPT_FORCE_ACTS or DPT_FORCE_FLAG_FADING is set
+ *           segment), in world axes, before any limits; docs/algorithms/force.md. With DPT_LAW_POINT it is the sum
+ *           over the tool's segments. Zero unless `reason` is DPT_FORCE_ACTS or DPT_FORCE_FLAG_FADING is set
  *   reason  DPT_FORCE_...
  *   flags   DPT_FORCE_FLAG_...
  *
