@@ -118,16 +118,23 @@ static void start(struct lead *lead)
     lead->last = lead->force;
 }
 
-/* How the device moved since the last tick: of its middle and, as a rotation vector, of its axis. */
+/* Where the tool points. */
+static void axis_of(const double *q, double *axis)
+{
+    axis[0] = 1.0 - 2.0 * (q[2] * q[2] + q[3] * q[3]);
+    axis[1] = 2.0 * (q[1] * q[2] + q[0] * q[3]);
+    axis[2] = 2.0 * (q[1] * q[3] - q[0] * q[2]);
+}
+
+/* How the device moved since the last tick: of its middle, and the least turn of its axis, which is small. */
 static void motion_of(const struct lead *lead, double *shift, double *turn)
 {
-    const double *p = lead->before.orientation, *q = lead->device.orientation;
-    double cross_part[3];
-    cross(p + 1, q + 1, cross_part);
-    for (int k = 0; k < 3; k++) {
+    double before[3], now[3];
+    axis_of(lead->before.orientation, before);
+    axis_of(lead->device.orientation, now);
+    cross(before, now, turn);
+    for (int k = 0; k < 3; k++)
         shift[k] = lead->device.position[k] - lead->before.position[k];
-        turn[k] = 2.0 * (p[0] * q[1 + k] - q[0] * p[1 + k] + cross_part[k]);
-    }
 }
 
 /* A place on the mesh, and the way out of it there. */
@@ -157,9 +164,8 @@ static int pick_place(struct lead *lead, double *x, double *normal)
 static double gap_at(const struct lead *lead, const dpt_pose *pose)
 {
     const double half = 0.5 * lead->def->length;
-    const double *q = pose->orientation;
-    const double x[3] = { 1.0 - 2.0 * (q[2] * q[2] + q[3] * q[3]),
-                          2.0 * (q[1] * q[2] + q[0] * q[3]), 2.0 * (q[1] * q[3] - q[0] * q[2]) };
+    double x[3];
+    axis_of(pose->orientation, x);
     double ends[6];
     dpt_hit hit = DPT_HIT_INIT;
     for (int k = 0; k < 3; k++) {
@@ -300,7 +306,7 @@ int force_trial_inside(const struct force_trial_def *def, struct inside_result *
 static int path_at(struct lead *lead, struct path_result *result)
 {
     const struct force_trial_def *def = lead->def;
-    enum { STEPS = 2000 };
+    enum { STEPS = 8000 };
     double x[3], n[3], side[3], other[3], axis[3], work = 0.0, high = 0.0;
     int folds = 0;
     if (!pick_place(lead, x, n))

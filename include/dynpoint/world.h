@@ -50,9 +50,10 @@ enum {
 /*
  * By what law a tool feels bodies; docs/algorithms/force.md.
  *   POINT  the paper's: a push at the deepest point of each segment, out of the body that it is deepest in
+ *   BED    the gradient of an energy along the tool and at its ends: smooth, and without net work on closed paths
  *   PROXY  a spring to the pose that has gone through nothing: the proxy. The tool's contacts are those of the proxy
  */
-enum { DPT_LAW_POINT = 0, DPT_LAW_PROXY = 2 };
+enum { DPT_LAW_POINT = 0, DPT_LAW_BED = 1, DPT_LAW_PROXY = 2 };
 
 /* How a segment's strip is chosen; see dpt_world_def.strip. */
 enum { DPT_STRIP_KIND_NONE = 0, DPT_STRIP_KIND_SHADOW = 1, DPT_STRIP_KIND_ROUTES = 2 };

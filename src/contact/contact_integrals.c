@@ -66,8 +66,23 @@ static inline double area_within_reach(double s0, double w0, double s1, double w
     return clip_to_reach(&piece) ? 0.5 * (piece.w0 + piece.w1) * (piece.s1 - piece.s0) : 0.0;
 }
 
+/* Add the integrals of the depth over a piece to its region: of what is within reach by more than the margin. */
+static void integrate_depth(struct region *region, struct profile_piece piece, double margin,
+                            double axis_length)
+{
+    piece.w0 -= margin;
+    piece.w1 -= margin;
+    if (!clip_to_reach(&piece))
+        return;
+    const double width = (piece.s1 - piece.s0) * axis_length, w0 = piece.w0, w1 = piece.w1;
+    const double moment = (piece.s0 * (2.0 * w0 + w1) + piece.s1 * (w0 + 2.0 * w1)) * (width / 6.0);
+    region->depth_square += (w0 * w0 + w0 * w1 + w1 * w1) * (width / 3.0);
+    region->depth_thrust = along(region->depth_thrust, 0.5 * (w0 + w1) * width, piece.normal);
+    region->depth_moment = along(region->depth_moment, moment, piece.normal);
+}
+
 /* Add the integrals over a piece, all of it within reach, to its region. */
-static void integrate_piece(struct region *region, const struct profile_piece *piece,
+static void integrate_piece(struct region *region, const struct profile_piece *piece, double margin,
                             double axis_length)
 {
     double width = (piece->s1 - piece->s0) * axis_length;
@@ -80,6 +95,7 @@ static void integrate_piece(struct region *region, const struct profile_piece *p
     region->thrust = along(region->thrust, overlap, piece->normal);
     region->thrust_moment = along(region->thrust_moment, moment, piece->normal);
     region->to = piece->s1;
+    integrate_depth(region, *piece, margin, axis_length);
 }
 
 /* For a span between a mark and a sample: how far the sample's tangent is still within reach at s. */
@@ -403,7 +419,7 @@ static void add_region_piece(struct region_builder *builder, uint32_t sample,
     }
     if (profile->sample[sample].height < profile->sample[region->deepest].height)
         region->deepest = sample;
-    integrate_piece(region, &piece, profile->axis_length);
+    integrate_piece(region, &piece, profile->margin, profile->axis_length);
     builder->is_open = piece.s1 >= to;
 }
 

@@ -21,8 +21,12 @@ struct region {
     double moment;      /* of s w */
     vec3 thrust;        /* of w n, in the body's frame */
     vec3 thrust_moment; /* of s w n, in the body's frame */
-    uint32_t deepest;   /* index of the profile's sample with the least height */
-    uint32_t part;      /* of the mesh */
+    /* The same of depth(s) = max(0, w(s) - margin), how deep the tool's surface is inside. */
+    double depth_square; /* of its square, m^3 */
+    vec3 depth_thrust;   /* of depth n */
+    vec3 depth_moment;   /* of s depth n */
+    uint32_t deepest;    /* index of the profile's sample with the least height */
+    uint32_t part;       /* of the mesh */
 };
 
 /*

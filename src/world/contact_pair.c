@@ -222,6 +222,41 @@ static void update_deepest(struct contact_pair *contact_pair, const struct regio
     }
 }
 
+/* Regions are for users, and for the force of a bed. */
+static int has_regions(const struct contact_pair *contact_pair)
+{
+    return contact_pair->world->def.max_contacts || contact_pair->bed_depth;
+}
+
+/* Add a region to what the tool's law needs. */
+static void add_bed_depth(const struct contact_pair *contact_pair, const struct region *region)
+{
+    struct bed_depth *depth = contact_pair->bed_depth;
+    const struct frame *frame = &contact_pair->body->frame;
+    if (!depth)
+        return;
+    const vec3 u = frame_turn(frame, contact_pair->axis.u);
+    depth->square += region->depth_square;
+    depth->thrust = add(depth->thrust, frame_turn(frame, region->depth_thrust));
+    depth->moment = add(depth->moment, cross(u, frame_turn(frame, region->depth_moment)));
+}
+
+/* Add the depth at the segment's ends, where samples are if they are within reach. */
+static void add_bed_ends(const struct contact_pair *contact_pair)
+{
+    struct bed_depth *depth = contact_pair->bed_depth;
+    const struct distance_profile *profile = contact_pair->profile;
+    for (int e = 0; e < 2 && depth; e++) {
+        const struct profile_sample *sample = &profile->sample[e ? profile->sample_count - 1 : 0];
+        const double w = contact_pair->radius - sample->height;
+        if (sample->s != (double)e || sample->triangle == DPT_NONE || !(w > 0.0))
+            continue;
+        depth->end_square[e] += w * w;
+        depth->end_thrust[e] =
+            along(depth->end_thrust[e], w, frame_turn(&contact_pair->body->frame, sample->normal));
+    }
+}
+
 /*
  * Find gap (m) and regions with the pair's present sides. Returns CONTACT_...; without a profile there are no
  * regions.
@@ -236,7 +271,7 @@ static int find_gap_and_regions(struct contact_pair *contact_pair,
     int status = dpti_contact_find(profile, &contact_pair->nearest, warm_starts, warm_start_count,
                                    contact_pair->radius, gap);
     *count = 0;
-    if (status == CONTACT_PROFILE && world->def.max_contacts) {
+    if (status == CONTACT_PROFILE && has_regions(contact_pair)) {
         /* Leave half of the work to the segments that come after: their gaps matter more than these integrals. */
         if (world->def.budget && world->segment_count > 1)
             profile->work.limit -= work_left(&profile->work) / 2;
@@ -262,9 +297,10 @@ int dpti_contact_pair_find(struct contact_pair *contact_pair, double *gap)
     profile->axis = &contact_pair->axis;
     profile->sides = &contact_pair->sides;
     profile->point_cache = world->def.budget ? &world->point_cache : NULL;
-    profile->contacts_wanted = world->def.max_contacts && !world->def.budget;
+    profile->contacts_wanted = has_regions(contact_pair) && !world->def.budget;
     profile->body = handle_index(contact_pair->body->id);
-    profile->reach = contact_pair->radius + (world->def.max_contacts ? world->def.margin : 0.0);
+    profile->margin = has_regions(contact_pair) ? world->def.margin : 0.0;
+    profile->reach = contact_pair->radius + profile->margin;
     profile->tolerance = PROFILE_DEPTH_SHARE * dpti_surface_diagonal(profile->surface);
     int status =
         find_gap_and_regions(contact_pair, warm_starts, warm_start_count, regions, &count, gap);
@@ -275,7 +311,11 @@ int dpti_contact_pair_find(struct contact_pair *contact_pair, double *gap)
             find_gap_and_regions(contact_pair, warm_starts, warm_start_count, regions, &count, gap);
     if (status == CONTACT_UNKNOWN)
         carry_over_undecided(contact_pair, regions, count, has_dropped_side);
-    for (uint32_t i = 0; i < count && status != CONTACT_UNKNOWN; i++)
+    for (uint32_t i = 0; i < count && status != CONTACT_UNKNOWN; i++) {
         put_persistent_contact(contact_pair, &regions[i]);
+        add_bed_depth(contact_pair, &regions[i]);
+    }
+    if (count && status != CONTACT_UNKNOWN)
+        add_bed_ends(contact_pair);
     return status;
 }

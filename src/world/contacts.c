@@ -135,6 +135,10 @@ void dpti_contacts_find(struct dpt_world *world, uint32_t segment_index,
                                          .segment_index = segment_index,
                                          .radius = segment->radius,
                                          .profile = &world->profile };
+    segment->bed_depth = (struct bed_depth){ .square = 0.0 };
+    if (world->tools[segment->tool_slot].law == DPT_LAW_BED &&
+        world->def.until == DPT_UNTIL_RESPOND)
+        contact_pair.bed_depth = &segment->bed_depth;
     dpti_persistent_contacts_note_motion(world, segment_index);
     struct box box = box_of_axis(best->track.axis.a, best->track.axis.b);
     double reach = contact_pair.radius + world->def.margin;

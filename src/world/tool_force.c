@@ -2,6 +2,7 @@
 #include "world/tool_force.h"
 
 #include "force/penalty.h"
+#include "world/tool_bed.h"
 
 /* The point, in the world, that the tool's torque is about. */
 static vec3 torque_origin(const struct dpt_world *world, const struct tool *tool)
@@ -58,7 +59,11 @@ void dpti_force_respond(struct dpt_world *world, uint32_t segment_index, double 
         reason == DPT_FORCE_UNDECIDED && segment->force_reason != DPT_FORCE_UNDECIDED;
     const int was_felt =
         !is_zero(vec3_of(fade->felt.force)) || !is_zero(vec3_of(fade->felt.torque));
-    if (segment->felt_penetration.depth > 0.0)
+    segment->energy = 0.0;
+    if (segment->felt_penetration.depth > 0.0 && tool->law == DPT_LAW_BED)
+        segment->energy =
+            dpti_tool_bed_respond(world, tool, segment_index, torque_origin(world, tool), &truth);
+    else if (segment->felt_penetration.depth > 0.0)
         respond_penalty(&segment->felt_penetration, tool->stiffness, torque_origin(world, tool),
                         &truth);
     if (was_felt && (became_undecided || segment->has_given_up_push)) {
@@ -83,6 +88,7 @@ void dpti_force_sum(const struct dpt_world *world, struct tool *tool)
         acts |= segment->force_reason == DPT_FORCE_ACTS;
         undecided |= segment->force_reason == DPT_FORCE_UNDECIDED;
         fades |= segment->fade.time_left > 0.0;
+        tool->energy += segment->energy;
     }
     vec3_store(force, tool->wrench.force);
     vec3_store(torque, tool->wrench.torque);

@@ -38,7 +38,7 @@ int dpti_stiffness_is_valid(double stiffness)
 
 int dpti_law_is_valid(uint32_t law)
 {
-    return law == DPT_LAW_POINT || law == DPT_LAW_PROXY;
+    return law <= DPT_LAW_PROXY;
 }
 
 /* Above it nothing that is touched slips. */

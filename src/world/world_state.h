@@ -14,6 +14,7 @@
 #include "contact/sheet_border.h"
 #include "dynpoint/baseline.h"
 #include "dynpoint/world.h"
+#include "force/bed.h"
 #include "force/fade.h"
 #include "nearest/bvh.h"
 #include "nearest/dynamic_point.h"
@@ -167,6 +168,7 @@ struct segment {
     double radius;
     dpt_hit hit;      /* as users get it; written from `result` when the tick adds nothing more */
     struct fade fade; /* the wrench that is felt */
+    double energy;    /* J: that its law stores in this tick */
     struct pushing_part pushing_part; /* this tick's */
     struct pushing_part previous_pushing_part;
     struct border_view border;
@@ -179,6 +181,7 @@ struct segment {
     struct segment_result result;        /* this tick's */
     struct penetration penetration;      /* at the deepest point, in the world */
     struct penetration felt_penetration; /* the force uses it: reduced near a sheet's border */
+    struct bed_depth bed_depth;          /* for DPT_LAW_BED */
     struct motion_state previous;        /* where the next motion to be swept begins */
     dpt_sweep sweep;
     uint32_t may_have_crossed; /* in this tick's motion the axis may have gone through a surface */
@@ -232,8 +235,9 @@ struct contact_pair {
     uint32_t segment_index;
     double radius;
     struct axis axis;
-    struct pair_search nearest; /* the nearest pair of the two */
-    struct sides sides;         /* of the body's open sheets, from the last tick */
+    struct pair_search nearest;  /* the nearest pair of the two */
+    struct sides sides;          /* of the body's open sheets, from the last tick */
+    struct bed_depth *bed_depth; /* NULL: the tool's law needs none */
     struct distance_profile *profile;
 };
 
