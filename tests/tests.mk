@@ -16,7 +16,11 @@ $(B)/tests/$(basename $(notdir $1)): $(B)/$(1:.c=.o)
 endef
 $(foreach source,$(TEST_SOURCES),$(eval $(call TEST_PROGRAM,$(source))))
 SITED := $(B)/tests/test_damaged_files $(B)/tests/test_arm
-$(filter-out $(SITED),$(TESTS)): $(TEST_PARTS)
+COUNTED_TESTS := $(B)/tests/test_linear_cost $(B)/tests/test_compile_cost
+ifneq ($(CONFIG),release)
+TESTS := $(filter-out $(COUNTED_TESTS),$(TESTS))
+endif
+$(filter-out $(SITED) $(COUNTED_TESTS),$(TESTS)): $(TEST_PARTS)
 	$(LINK_TEST)
 $(B)/tests/test_parallel: private LDLIBS = -Wl,--wrap=pthread_create,--wrap=pthread_join,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free
 
@@ -33,6 +37,16 @@ $(B)/tests/test_arm: $(B)/tests/arm/arm_open_sites.o $(filter-out $(B)/src/arm/a
 $(SITED):
 	$(LINK_TEST)
 $(B)/tests/test_arm: private LDLIBS = -Wl,--wrap=calloc
+
+# Programs that count basic blocks (tests/lib/block_count.h): the library once more, with a call in each block.
+UNCOUNTED := $(filter-out $(B)/src/kernel/%,$(CORE) $(TEXT) $(COMPILE))
+COUNTED := $(UNCOUNTED:$(B)/%=$(B)/counted/%)
+$(B)/counted/%.o: %.c
+	@mkdir -p $(@D)
+	$(CC) $(ALL_CFLAGS) -O2 -fsanitize-coverage=trace-pc -c $< -o $@
+$(COUNTED_TESTS): $(COUNTED) $(filter-out $(UNCOUNTED),$(TEST_PARTS))
+	$(LINK_TEST)
+$(COUNTED_TESTS): private LDLIBS = $(patsubst %,-Wl$(comma)--wrap=%,memset memcpy memmove memcmp memchr calloc realloc)
 
 $(B)/tests/test_exactness: | $(B)/dynpoint
 
@@ -170,7 +184,7 @@ deps: ## install what the tests can use beside a compiler (apt-get)
 
 test-programs: all $(TESTS) $(VM_TESTS) $(B)/tests/firmware/link $(B)/tests/bench/dump_mesh $(B)/tests/bench/strips $(B)/tests/bench/budgets $(B)/tests/bench/strip_coverage
 .PHONY: test-programs
--include $(TEST_SOURCES:%.c=$(B)/%.d) $(VM_TESTS:=.d) $(patsubst %.o,%.d,$(VM_PARTS) $(TEST_PARTS) $(FUZZ_PARTS) $(CALLS_PARTS))
+-include $(TEST_SOURCES:%.c=$(B)/%.d) $(VM_TESTS:=.d) $(patsubst %.o,%.d,$(VM_PARTS) $(TEST_PARTS) $(FUZZ_PARTS) $(CALLS_PARTS) $(COUNTED))
 -include $(wildcard $(B)/tests/sweep/test_sweep_exact.d $(B)/tests/urdf/*.d $(B)/tests/*/*_sites.d $(B)/tests/bench/*.d \
            $(B)/tests/firmware/*.d $(B)/tests/oracle/*.d $(B)/tests/drivers/hd/*.d)
 

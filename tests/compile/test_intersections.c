@@ -4,7 +4,6 @@
  * a closed part that cuts itself a point is on, against solid angles and brute distances.
  */
 #include <math.h>
-#include <time.h>
 
 #include "contact/winding_scene.h"
 #include "dynpoint/query.h"
@@ -534,45 +533,6 @@ static void pairs_are_counted_up_to_ten_thousand(void)
     scene_close(&scene);
 }
 
-/* Long triangles all across a cube, of which all boxes meet: seconds of processor time. */
-static double seconds_for_slivers(size_t count, int joined)
-{
-    uint64_t random = 97;
-    double least = HUGE_VAL;
-    struct scene scene = { .vertices = NULL };
-    scene_room(&scene, 3 * count, count);
-    for (size_t t = 0; t < count; t++) {
-        for (int v = 0; v < 2; v++)
-            add_vertex(&scene, random_in(&random, -1, 1), random_in(&random, -1, 1),
-                       v ? 1.0 : -1.0);
-        add_vertex(&scene, random_in(&random, -1, 1), random_in(&random, -1, 1), 1.0);
-        if (joined) /* a strip: one part */
-            add_triangle(&scene, t, t + 1, t + 2, 0);
-        else
-            add_triangle(&scene, 3 * t, 3 * t + 1, 3 * t + 2, 0);
-    }
-    for (int pass = 0; pass < 2; pass++) {
-        const clock_t begin = clock();
-        if (scene_open(&scene))
-            CHECK(scene.info.self_intersections_more == 1, "%zu slivers: all searched", count);
-        least = fmin(least, (double)(clock() - begin) / CLOCKS_PER_SEC);
-        dpt_compiled_free(&scene.compiled);
-    }
-    scene_close(&scene);
-    return least;
-}
-
-static void time_is_bounded_where_all_boxes_meet(void)
-{
-    for (int joined = 0; joined < 2; joined++) {
-        double ratio = HUGE_VAL;
-        for (int attempt = 0; attempt < 3 && ratio > 10.0; attempt++)
-            ratio = seconds_for_slivers(80000, joined) / seconds_for_slivers(20000, joined);
-        CHECK(ratio <= 10.0, "4 times the triangles take %.1f times as long", ratio);
-        printf("    4 times the triangles take %.1f times as long\n", ratio);
-    }
-}
-
 int main(int argc, char **argv)
 {
     take_percent(argc, argv);
@@ -585,9 +545,5 @@ int main(int argc, char **argv)
     TEST(closed_parts_that_cut_themselves_have_an_inside);
     TEST(a_search_that_stops_says_so);
     TEST(pairs_are_counted_up_to_ten_thousand);
-    if (check_percent < 100)
-        SKIP("time_is_bounded_where_all_boxes_meet", "in a whole run alone");
-    else
-        TEST(time_is_bounded_where_all_boxes_meet);
     return check_report();
 }

@@ -3,8 +3,6 @@
  * Which parts have an inside, and which way they are wound: balls that nest, cut, touch, are torn or have holes; sheets;
  * thousands of parts.
  */
-#include <time.h>
-
 #include "contact/winding_scene.h"
 #include "dynpoint/query.h"
 
@@ -319,51 +317,6 @@ static void contact_is_found_within_faces(void)
     }
 }
 
-/* Small tetrahedra in a grid, all within a ball: seconds of processor time for each way to compile it. */
-static double seconds_for_many(int across, uint32_t *buried)
-{
-    struct scene scene = { .vertices = NULL };
-    add_ball(&scene, (vec3){ 0.5, 0.5, 0.5 }, 2.0, 0.0, 0);
-    scene_room(&scene, (size_t)(4 * across * across * across),
-               (size_t)(4 * across * across * across));
-    for (int i = 0; i < across * across * across; i++) {
-        const double at[3] = { (double)(i % across) / across,
-                               (double)(i / across % across) / across,
-                               (double)(i / across / across) / across };
-        const double size = 0.6 / across;
-        size_t base = scene.vertex_count;
-        add_vertex(&scene, at[0], at[1], at[2]);
-        add_vertex(&scene, at[0] + size, at[1], at[2]);
-        add_vertex(&scene, at[0], at[1] + size, at[2]);
-        add_vertex(&scene, at[0], at[1], at[2] + size);
-        add_triangle(&scene, base, base + 2, base + 1, 0);
-        add_triangle(&scene, base, base + 1, base + 3, 0);
-        add_triangle(&scene, base, base + 3, base + 2, 0);
-        add_triangle(&scene, base + 1, base + 2, base + 3, 0);
-    }
-    double least = HUGE_VAL;
-    for (int pass = 0; pass < 3; pass++) {
-        clock_t begin = clock();
-        if (scene_open(&scene))
-            *buried = scene.info.buried_components;
-        least = fmin(least, (double)(clock() - begin) / CLOCKS_PER_SEC);
-        dpt_compiled_free(&scene.compiled);
-    }
-    scene_close(&scene);
-    return least;
-}
-
-static void many_parts_take_time_in_proportion(void)
-{
-    uint32_t few = 0, many = 0;
-    double ratio = HUGE_VAL;
-    for (int attempt = 0; attempt < 3 && ratio > 20.0; attempt++)
-        ratio = seconds_for_many(20, &many) / seconds_for_many(10, &few);
-    CHECK(few == 1000 && many == 8000, "%u and %u buried", few, many);
-    CHECK(ratio <= 20.0, "8 times the parts take %.1f times as long", ratio);
-    printf("    8 times the parts take %.1f times as long\n", ratio);
-}
-
 /*
  * A box in a box in a box, so many that their pairs are not all looked at: what is left is decided by winding numbers,
  * and told right all the same.
@@ -405,7 +358,6 @@ int main(void)
     TEST(sheets_within_solids_are_buried);
     TEST(cut_parts_need_a_winding_number);
     TEST(contact_is_found_within_faces);
-    TEST(many_parts_take_time_in_proportion);
     TEST(endless_pairs_are_cut_short);
     return check_report();
 }
