@@ -333,6 +333,14 @@ static void nonsense_is_refused(void)
     message.as.state.pose_dofs = 6;
     memset(message.as.state.orientation, 0, sizeof message.as.state.orientation);
     refuse("a quaternion of length 0", &message);
+    const float lengths[] = { 0.99925f, 0.99975f, 1.00025f, 1.00075f };
+    for (int i = 0; i < 4; i++) {
+        uint8_t frame[WIRE_FRAME_MAX];
+        message.as.state.orientation[i] = lengths[i];
+        CHECK((wire_encode(&message, frame) != 0) == (i == 1 || i == 2),
+              "a quaternion of length %g", (double)lengths[i]);
+        message.as.state.orientation[i] = 0.0f;
+    }
     message = any_message(&seed, WIRE_ORDER);
     message.as.order = 4;
     refuse("an order", &message);
