@@ -11,29 +11,11 @@
 # build/cross-s390x.
 
 cd "$(dirname "$0")/.." || exit 2
+. tests/lib/verdict.sh
+quiet=1 # the name of a check says what is wrong
 native=${1:-build}
-passed=0 failed=0 skipped=0
 LC_ALL=C
 export LC_ALL
-
-# check WHAT COMMAND...; what the command prints goes to $log
-check()
-{
-    what=$1
-    shift
-    if "$@" >>"$log" 2>&1; then
-        passed=$((passed + 1))
-    else
-        failed=$((failed + 1))
-        printf '  FAIL %s\n' "$what"
-    fi
-}
-
-skip()
-{
-    skipped=$((skipped + 1))
-    printf '  skip %s\n' "$*"
-}
 
 # work PROGRAM...: everything that is compared, written into the folder $out
 work()
@@ -183,5 +165,4 @@ if echo 'int main(void) { return 0; }' | arm-linux-gnueabihf-gcc -static -x c - 
 else
     skip "arm: no arm-linux-gnueabihf-gcc with a C library, or no qemu-arm-static"
 fi
-echo "$passed passed, $failed failed, $skipped skipped"
-[ $failed -eq 0 ]
+finish
