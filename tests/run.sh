@@ -99,6 +99,14 @@ programs() { # column config beside|alone
     done <tests/programs.txt
 }
 
+# The program of a build from outside, a script a topic.
+command_line() {
+    for script in tests/tools/cli_*.sh; do
+        topic=${script#*/cli_}
+        run "the program $1, ${topic%.sh}" sh "$script" "$1"
+    done
+}
+
 # Every program has its line in the table, and the other way round.
 lines_and_programs() {
     find tests -name 'test_*.c' ! -path 'tests/vm/*' | sed 's,.*/test_,,; s,\.c$,,' | LC_ALL=C sort >"$dir/sources"
@@ -111,7 +119,7 @@ fi
 
 if [ "$whole" = test ]; then
     build all test-programs
-    run "the program" sh tests/tools/test_cli.sh build
+    command_line build
     DPT_DATA=
     unset DPT_DATA
     programs test release beside
@@ -130,6 +138,8 @@ else
     run "other machines" sh tests/cross.sh
     run "the libraries" sh tests/abi/check.sh build
     run "single files" sh tests/amalgamation.sh build
+    command_line build
+    command_line build/sanitize
     for config in release scalar sanitize; do
         programs $config $config beside
     done
@@ -150,8 +160,6 @@ else
     for config in release scalar sanitize; do
         programs $config $config alone
     done
-    run "the program" sh tests/tools/test_cli.sh build
-    run "the program, sanitize" sh tests/tools/test_cli.sh build/sanitize
     run "firmware" sh tests/firmware/run.sh build
     run "a real kernel" sh tests/vm/check.sh build build/sanitize
     run "the peer" sh tests/bench/check.sh build
