@@ -61,7 +61,7 @@ WRAPPED := malloc calloc realloc free open read close clock_gettime clock_nanosl
            mlockall munlockall pthread_getschedparam pthread_setschedparam
 $(B)/tests/test_syscalls: private LDLIBS = $(WRAPPED:%=-Wl,--wrap=%)
 $(B)/tests/test_loop_phase: private LDLIBS = -Wl,--wrap=clock_gettime,--wrap=clock_nanosleep
-SERIAL_WRAPPED := open close read write poll ioctl flock tcgetattr tcsetattr tcflush calloc
+SERIAL_WRAPPED := open close read write poll ioctl flock tcgetattr tcsetattr tcflush calloc clock_gettime
 $(B)/tests/test_serial $(B)/tests/test_serial_faults: private LDLIBS = $(SERIAL_WRAPPED:%=-Wl,--wrap=%)
 CAN_WRAPPED := socket bind setsockopt ioctl recvmmsg sendmmsg poll close clock_gettime malloc calloc fopen fread
 $(B)/tests/test_can $(B)/tests/test_can_faults $(B)/tests/test_can_open: private LDLIBS = $(CAN_WRAPPED:%=-Wl,--wrap=%)
