@@ -38,16 +38,27 @@ run() {
     for word; do printf "'%s' " "$word"; done >"$place.command"
 }
 
-# Those that were named so far, at most $1 at a time, and what they said in the order of their names.
-go() {
-    while [ "$next" -le "$count" ]; do
-        printf '%s/%03d\n' "$dir" "$next"
-        next=$((next + 1))
-    done | xargs -n 1 -P "$1" sh -c '
+# run_each PLACES: what stdin names, so many at a time.
+run_each() {
+    xargs -n 1 -P "$1" sh -c '
         begin=$(date +%s)
         eval "$(cat "$0.command")" >"$0.out" 2>&1 </dev/null
         echo $? $(($(date +%s) - begin)) >"$0.status"'
-    next=$((count + 1))
+}
+
+# go PLACES: runs what was named since the last go, so many at a time; what waits needs no place.
+go() {
+    : >"$dir/computing"
+    : >"$dir/waiting"
+    while [ "$next" -le "$count" ]; do
+        place=$(printf %s/%03d "$dir" "$next")
+        if [ -e "$place.waits" ]; then list=waiting; else list=computing; fi
+        echo "$place" >>"$dir/$list"
+        next=$((next + 1))
+    done
+    run_each 16 <"$dir/waiting" &
+    run_each "$1" <"$dir/computing"
+    wait
 }
 
 add_up() {
@@ -82,19 +93,26 @@ build() {
     fi
 }
 
+# run_waiting TITLE COMMAND...: likewise, for what waits more than it computes.
+run_waiting() {
+    run "$@"
+    : >"$place.waits"
+}
+
 # The table's programs of one column that run beside others, or those that run alone.
 programs() { # column config beside|alone
     if [ "$2" = release ]; then tests=build/tests title= ; else tests=build/$2/tests title=", $2"; fi
-    while read -r name test release scalar sanitize alone; do
+    while read -r name test release scalar sanitize how; do
         case $name in '' | '#'*) continue ;; esac
         eval "count_of=\$$1"
-        [ "$count_of" != - ] && [ "$3" = "${alone:-beside}" ] || continue
+        [ "$count_of" != - ] || continue
+        case $3-$how in beside-) run=run ;; beside-waits) run=run_waiting ;; alone-alone) run=run ;; *) continue ;; esac
         program=$tests/test_$name
         [ -x "$program" ] || continue
         case $count_of in
-        all) run "test_$name$title" "$program" ;;
-        bare) run "test_$name$title" env -u DPT_DATA "$program" ;;
-        *) run "test_$name$title" "$program" "$count_of" ;;
+        all) $run "test_$name$title" "$program" ;;
+        bare) $run "test_$name$title" env -u DPT_DATA "$program" ;;
+        *) $run "test_$name$title" "$program" "$count_of" ;;
         esac
     done <tests/programs.txt
 }
@@ -103,7 +121,8 @@ programs() { # column config beside|alone
 command_line() {
     for script in tests/tools/cli_*.sh; do
         topic=${script#*/cli_}
-        run "the program $1, ${topic%.sh}" sh "$script" "$1"
+        case $topic in devices.sh) run=run_waiting ;; *) run=run ;; esac
+        $run "the program $1, ${topic%.sh}" sh "$script" "$1"
     done
 }
 
@@ -123,10 +142,11 @@ if [ "$whole" = test ]; then
     DPT_DATA=
     unset DPT_DATA
     programs test release beside
-    programs test release alone
     run "the layers" sh tests/layers.sh build
     [ -x "$(command -v python3)" ] && run "other languages" python3 tests/ffi/touch.py build
-    go $((jobs + 1))
+    go "$jobs"
+    programs test release alone
+    go 1
     add_up
 else
     sh tests/deps.sh
