@@ -149,7 +149,7 @@ if [ "$whole" = test ]; then
     go 1
     add_up
 else
-    sh tests/deps.sh
+    sh tests/deps.sh light
     build all test-programs
     build CONFIG=scalar all test-programs
     build CONFIG=sanitize all test-programs
@@ -167,6 +167,7 @@ else
     run "robots' kinematics" sh tests/oracle/urdf.sh build
     run "the layers" sh tests/layers.sh build
     run "the layers' own test" sh tests/layers_test.sh build
+    run "packages for tests" sh tests/deps_test.sh build
     if command -v python3 >/dev/null 2>&1; then
         run "other languages" python3 tests/ffi/touch.py build
         run "declarations for other languages" python3 tests/ffi/cdef.py build
