@@ -45,7 +45,7 @@ build()
     make -j"$(nproc 2>/dev/null || echo 2)" B="$folder" URDF=no DRIVERS="sim replay serial can" CC="$1-linux-gnu-gcc" \
         LD="$1-linux-gnu-ld" AR="$1-linux-gnu-ar" OBJCOPY="$1-linux-gnu-objcopy" LDFLAGS=-static \
         "$folder/dynpoint" "$folder/libdynpoint.a" "$folder/libdynpoint_compile.a" \
-        "$folder/tests/test_wire" "$folder/tests/test_wire_device" "$folder/tests/test_kinematics" \
+        "$folder/tests/test_wire" "$folder/tests/test_wire_damage" "$folder/tests/test_wire_device" "$folder/tests/test_kinematics" \
         "$folder/tests/test_arm" "$folder/tests/test_sim"
 }
 
@@ -100,7 +100,7 @@ try()
     code=$?
     check "$machine: the array differs from the file: $code" test $code -eq 0
     # Frames are the same bytes, and a device answers the same.
-    for name in test_wire test_wire_device; do
+    for name in test_wire test_wire_damage test_wire_device; do
         check "$machine: $name, see $log" "qemu-$machine-static" "$folder/tests/$name" 16
     done
     # Arms compile to the same bytes, open where they convert, and move to the same bits.

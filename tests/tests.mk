@@ -64,7 +64,7 @@ $(B)/tests/test_loop_phase: private LDLIBS = -Wl,--wrap=clock_gettime,--wrap=clo
 SERIAL_WRAPPED := open close read write poll ioctl flock tcgetattr tcsetattr tcflush calloc clock_gettime
 $(B)/tests/test_serial $(B)/tests/test_serial_faults: private LDLIBS = $(SERIAL_WRAPPED:%=-Wl,--wrap=%)
 CAN_WRAPPED := socket bind setsockopt ioctl recvmmsg sendmmsg poll close clock_gettime malloc calloc fopen fread
-$(B)/tests/test_can $(B)/tests/test_can_faults $(B)/tests/test_can_open: private LDLIBS = $(CAN_WRAPPED:%=-Wl,--wrap=%)
+$(B)/tests/test_can $(B)/tests/test_can_arm $(B)/tests/test_can_faults $(B)/tests/test_can_open: private LDLIBS = $(CAN_WRAPPED:%=-Wl,--wrap=%)
 
 # Stand-ins for libHD, loaded as the vendor's would be: a whole one, one as of version 3.0, and three that do not load or
 # are not what they are called. libPHANToMIO.so.4 is not where the loader looks.
@@ -103,7 +103,7 @@ $(B)/tests/test_sweep_exact: $(B)/tests/sweep/test_sweep_exact.o $(B)/tests/orac
 
 # Robots' descriptions: where the library reads them.
 ifneq ($(URDF_PARTS),)
-TESTS += $(B)/tests/test_urdf_golden $(B)/tests/test_urdf_arm
+TESTS += $(B)/tests/test_urdf_golden $(B)/tests/test_urdf_sizes $(B)/tests/test_urdf_arm
 test-programs: $(B)/tests/urdf/answers
 endif
 $(B)/tests/urdf/answers: $(B)/tests/urdf/answers.o $(CORE)
@@ -121,7 +121,7 @@ VM_PARTS := $(filter-out $(B)/tests/vm/test_%,$(call objects,tests/vm/*.c))
 $(B)/tests/vm/test_%: $(B)/tests/vm/test_%.o $(VM_PARTS) $(DRIVER_PARTS) $(SIMULATE) $(TEXT) $(COMPILE) $(CORE)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(DL) -o $@
 
-vm: all $(VM_TESTS) $(B)/tests/test_can $(B)/tests/test_can_faults ## the tests on a real kernel, in an emulated machine
+vm: all $(VM_TESTS) $(B)/tests/test_can $(B)/tests/test_can_arm $(B)/tests/test_can_faults ## the tests on a real kernel, in an emulated machine
 	@sh tests/vm/check.sh $(B)
 
 firmware: all $(B)/tests/firmware/link ## the driver against a Cortex-M7 in QEMU, and what a tick takes there
