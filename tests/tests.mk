@@ -32,7 +32,7 @@ $(B)/tests/test_damaged_files: $(B)/tests/mesh/mesh_open_sites.o $(filter-out $(
 $(B)/tests/test_arm: $(B)/tests/arm/arm_open_sites.o $(filter-out $(B)/src/arm/arm_open.o,$(TEST_PARTS))
 $(SITED):
 	$(LINK_TEST)
-$(B)/tests/test_arm: private LDLIBS = -Wl,--wrap=calloc
+$(B)/tests/test_arm_compile: private LDLIBS = -Wl,--wrap=calloc
 
 $(B)/tests/test_exactness: | $(B)/dynpoint
 
