@@ -339,9 +339,9 @@ static void the_inkwell_gives_no_force(void)
     finish();
 }
 
-static void calibration_comes_at_its_moment(void)
+/* The inkwell: a person's turn, then ours. */
+static void the_inkwell_calibrates(void)
 {
-    /* The inkwell: a person's turn, then ours. */
     there->calibration = HD_CALIBRATION_NEEDS_MANUAL_INPUT;
     start("");
     CHECK(strstr(error.text, "put the stylus into the inkwell") && error.code == DPT_OK, "%s",
@@ -359,8 +359,11 @@ static void calibration_comes_at_its_moment(void)
     CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY,
           "%u", state.reasons);
     finish();
+}
 
-    /* By itself, at open; later, but never under force. The best style is chosen. */
+/* By itself, at open; later, but never under force. The best style is chosen. */
+static void calibration_comes_without_force(void)
+{
     there->styles = HD_CALIBRATION_AUTO | HD_CALIBRATION_INKWELL | HD_CALIBRATION_ENCODER_RESET;
     there->calibration = HD_CALIBRATION_NEEDS_UPDATE;
     start("");
@@ -386,8 +389,11 @@ static void calibration_comes_at_its_moment(void)
     CHECK(state.reasons == DPT_REASON_UNCALIBRATED && force_of(there) == 0.0, "%u, %g N",
           state.reasons, force_of(there));
     finish();
+}
 
-    /* The first sample that is said to be good is of the place that was found. */
+/* The first sample that is said to be good is of the place that was found. */
+static void a_good_sample_is_of_the_new_place(void)
+{
     there->styles = HD_CALIBRATION_AUTO;
     there->calibration = HD_CALIBRATION_NEEDS_MANUAL_INPUT;
     there->transform[12] = 5.0;
@@ -402,8 +408,11 @@ static void calibration_comes_at_its_moment(void)
           "%s at %g, %g m", dpt_device_status_name(state.status), state.pose.position[0],
           state.pose.position[1]);
     finish();
+}
 
-    /* In a reset position: before the scheduler starts, once. */
+/* In a reset position: before the scheduler starts, once. */
+static void encoders_are_reset_once(void)
+{
     there->styles = HD_CALIBRATION_ENCODER_RESET;
     there->calibration = HD_CALIBRATION_NEEDS_MANUAL_INPUT;
     start("");
@@ -583,7 +592,10 @@ int main(int argc, char **argv)
     TEST(the_worst_error_counts);
     TEST(a_second_frame_is_a_fault_with_its_number);
     TEST(the_inkwell_gives_no_force);
-    TEST(calibration_comes_at_its_moment);
+    TEST(the_inkwell_calibrates);
+    TEST(calibration_comes_without_force);
+    TEST(a_good_sample_is_of_the_new_place);
+    TEST(encoders_are_reset_once);
     TEST(silence_of_the_device_is_loss);
     TEST(a_pause_is_no_death);
     TEST(no_force_stays_while_another_opens);

@@ -197,6 +197,42 @@ static dpt_result open_middle(void)
     return open_at(middle, "?silent=60");
 }
 
+/* What both sides counted, against what went over the line. */
+static void compare_counts(int faults)
+{
+    dpt_device_get_counts(device, &counts);
+    const struct wire_device *there = &simulated.device;
+    for (uint32_t i = 1; i < commands.newest; i++)
+        commands.lost += !commands.came[i];
+    /* States before the first one that came are none of this host's. */
+    uint32_t first = 1;
+    while (!states.came[first])
+        first++;
+    for (uint32_t i = first; i < states.newest; i++)
+        states.lost += !states.came[i];
+    CHECK(commands.newest == counts.commands - counts.refused && counts.refused == 0, "%u, %u",
+          commands.newest, (unsigned)counts.commands);
+    CHECK(there->order.lost == commands.lost && there->order.reordered == commands.reordered &&
+              there->late == commands.late && there->order.repeated == 0,
+          "the device counts %u lost, %u reordered, %u late, not %u, %u, %u", there->order.lost,
+          there->order.reordered, there->late, commands.lost, commands.reordered, commands.late);
+    CHECK(counts.missed == (uint64_t)commands.lost + commands.reordered + commands.late,
+          "%u missed", (unsigned)counts.missed);
+    CHECK(there->reader.damaged == commands.damaged, "%u damaged at the device, not %u",
+          there->reader.damaged, commands.damaged);
+    CHECK(counts.lost == states.lost && counts.reordered == states.reordered,
+          "the host counts %u lost, %u reordered, not %u, %u", (unsigned)counts.lost,
+          (unsigned)counts.reordered, states.lost, states.reordered);
+    CHECK(counts.damaged == states.damaged, "%u damaged at the host, not %u",
+          (unsigned)counts.damaged, states.damaged);
+    CHECK(counts.samples == states.newest - first + 1 && counts.resets == 0, "%u samples, not %u",
+          (unsigned)counts.samples, states.newest - first + 1);
+    CHECK(commands.lost > cycles / 120 && commands.reordered > cycles / 120 &&
+              commands.late > cycles / 3000 && states.lost > cycles / 120 &&
+              states.reordered > cycles / 120 && faults > (int)cycles / 20000,
+          "too little went wrong to show anything");
+}
+
 static void all_that_goes_wrong_is_counted_on_both_sides(void)
 {
     uint64_t fresh = 0;
@@ -231,37 +267,7 @@ static void all_that_goes_wrong_is_counted_on_both_sides(void)
             cycle_while(clear, "clear");
         }
     }
-    dpt_device_get_counts(device, &counts);
-    const struct wire_device *there = &simulated.device;
-    for (uint32_t i = 1; i < commands.newest; i++)
-        commands.lost += !commands.came[i];
-    /* States before the first one that came are none of this host's. */
-    uint32_t first = 1;
-    while (!states.came[first])
-        first++;
-    for (uint32_t i = first; i < states.newest; i++)
-        states.lost += !states.came[i];
-    CHECK(commands.newest == counts.commands - counts.refused && counts.refused == 0, "%u, %u",
-          commands.newest, (unsigned)counts.commands);
-    CHECK(there->order.lost == commands.lost && there->order.reordered == commands.reordered &&
-              there->late == commands.late && there->order.repeated == 0,
-          "the device counts %u lost, %u reordered, %u late, not %u, %u, %u", there->order.lost,
-          there->order.reordered, there->late, commands.lost, commands.reordered, commands.late);
-    CHECK(counts.missed == (uint64_t)commands.lost + commands.reordered + commands.late,
-          "%u missed", (unsigned)counts.missed);
-    CHECK(there->reader.damaged == commands.damaged, "%u damaged at the device, not %u",
-          there->reader.damaged, commands.damaged);
-    CHECK(counts.lost == states.lost && counts.reordered == states.reordered,
-          "the host counts %u lost, %u reordered, not %u, %u", (unsigned)counts.lost,
-          (unsigned)counts.reordered, states.lost, states.reordered);
-    CHECK(counts.damaged == states.damaged, "%u damaged at the host, not %u",
-          (unsigned)counts.damaged, states.damaged);
-    CHECK(counts.samples == states.newest - first + 1 && counts.resets == 0, "%u samples, not %u",
-          (unsigned)counts.samples, states.newest - first + 1);
-    CHECK(commands.lost > cycles / 120 && commands.reordered > cycles / 120 &&
-              commands.late > cycles / 3000 && states.lost > cycles / 120 &&
-              states.reordered > cycles / 120 && faults > (int)cycles / 20000,
-          "too little went wrong to show anything");
+    compare_counts(faults);
     CHECK(fresh > cycles / 2, "%u fresh", (unsigned)fresh);
     printf("    %u commands: %u lost, %u reordered, %u late; %u samples: %u lost, %u reordered; %d "
            "faults cleared\n",

@@ -159,7 +159,7 @@ static int answer_to(const uint8_t *body, size_t size)
     return result;
 }
 
-static void nonsense_is_refused(void)
+static void values_without_sense_are_refused(void)
 {
     uint64_t seed = 3;
     const uint32_t wild[] = { 0x7f800000u, 0xff800000u, 0x7fc00000u, 0xffffffffu };
@@ -192,7 +192,10 @@ static void nonsense_is_refused(void)
     refuse("a long line", &message);
     message.type = 8;
     refuse("a type", &message);
+}
 
+static void bodies_that_are_no_messages_are_refused(void)
+{
     uint8_t body[250] = { WIRE_HELLO, WIRE_VERSION, 1, 2, 3 };
     CHECK(answer_to(body, 4) == WIRE_MESSAGE, "a hello");
     CHECK(answer_to(body, 5) == WIRE_DAMAGED, "a byte more");
@@ -213,6 +216,7 @@ static void nonsense_is_refused(void)
         uint8_t frame[20] = { distance, WIRE_HELLO, WIRE_VERSION, 7, 7 };
         struct wire_reader reader = { 0 };
         const uint64_t crc = frame_crc(frame, 5);
+        struct wire_message message;
         int result = WIRE_MORE;
         for (int i = 0; i < 5; i++)
             frame[5 + i] = (uint8_t)(0x80 + crc / ((uint64_t)1 << 7 * i) % 128);
@@ -279,7 +283,8 @@ int main(int argc, char **argv)
     TEST(frames_are_the_documented_ones);
     TEST(all_messages_go_round);
     TEST(sizes_fit_a_kilohertz);
-    TEST(nonsense_is_refused);
+    TEST(values_without_sense_are_refused);
+    TEST(bodies_that_are_no_messages_are_refused);
     TEST(orders_are_counted);
     return check_report();
 }

@@ -19,6 +19,52 @@ static inline void fill(uint64_t *seed, float *field, int count)
         field[i] = random_float(seed);
 }
 
+static inline void fill_info(uint64_t *seed, struct wire_info *info)
+{
+    info->pose_dofs = 6;
+    info->wrench_dofs = (uint8_t)random_bits(seed);
+    info->joints = 8;
+    info->buttons = (uint8_t)random_bits(seed);
+    info->flags = (uint32_t)random_bits(seed);
+    fill(seed, &info->rate, 1);
+    fill(seed, &info->force_max, 1);
+    fill(seed, &info->force_continuous, 1);
+    fill(seed, &info->torque_max, 1);
+    fill(seed, &info->stiffness_max, 1);
+    fill(seed, &info->position_step, 1);
+    fill(seed, &info->watchdog, 1);
+    fill(seed, info->workspace_min, 3);
+    fill(seed, info->workspace_max, 3);
+    for (int i = 0; i < WIRE_NAME_MAX - 1; i++)
+        info->name[i] = (char)('a' + random_bits(seed) % 26);
+    strcpy(info->serial, "7");
+}
+
+static inline void fill_state(uint64_t *seed, struct wire_state *state)
+{
+    state->pose_dofs = random_bits(seed) % 2 ? 6 : 3;
+    state->joints = (uint8_t)(random_bits(seed) % 9);
+    state->status = (uint8_t)(1 + random_bits(seed) % 3);
+    state->temperature = (uint8_t)random_bits(seed);
+    state->reordered = (uint8_t)random_bits(seed);
+    state->reasons = (uint16_t)random_bits(seed);
+    state->code = (uint16_t)random_bits(seed);
+    state->buttons = (uint16_t)random_bits(seed);
+    state->lost = (uint16_t)random_bits(seed);
+    state->late = (uint16_t)random_bits(seed);
+    state->sequence = (uint32_t)random_bits(seed);
+    state->time = (uint32_t)random_bits(seed);
+    state->echo = (uint32_t)random_bits(seed);
+    fill(seed, state->position, 3);
+    fill(seed, state->velocity, 3);
+    if (state->pose_dofs == 6) {
+        const float unit[4] = { 0.5f, -0.5f, 0.5f, -0.5f };
+        memcpy(state->orientation, unit, sizeof unit);
+        fill(seed, state->spin, 3);
+    }
+    fill(seed, state->joint, state->joints);
+}
+
 /* Any message that may be sent; what its type does not have is zero. */
 static inline struct wire_message any_message(uint64_t *seed, uint8_t type)
 {
@@ -26,50 +72,12 @@ static inline struct wire_message any_message(uint64_t *seed, uint8_t type)
     memset(&message, 0, sizeof message);
     message.type = type;
     message.session = (uint16_t)random_bits(seed);
-    struct wire_info *info = &message.as.info;
-    struct wire_state *state = &message.as.state;
     switch (type) {
     case WIRE_INFO:
-        info->pose_dofs = 6;
-        info->wrench_dofs = (uint8_t)random_bits(seed);
-        info->joints = 8;
-        info->buttons = (uint8_t)random_bits(seed);
-        info->flags = (uint32_t)random_bits(seed);
-        fill(seed, &info->rate, 1);
-        fill(seed, &info->force_max, 1);
-        fill(seed, &info->force_continuous, 1);
-        fill(seed, &info->torque_max, 1);
-        fill(seed, &info->stiffness_max, 1);
-        fill(seed, &info->position_step, 1);
-        fill(seed, &info->watchdog, 1);
-        fill(seed, info->workspace_min, 3);
-        fill(seed, info->workspace_max, 3);
-        for (int i = 0; i < WIRE_NAME_MAX - 1; i++)
-            info->name[i] = (char)('a' + random_bits(seed) % 26);
-        strcpy(info->serial, "7");
+        fill_info(seed, &message.as.info);
         break;
     case WIRE_STATE:
-        state->pose_dofs = random_bits(seed) % 2 ? 6 : 3;
-        state->joints = (uint8_t)(random_bits(seed) % 9);
-        state->status = (uint8_t)(1 + random_bits(seed) % 3);
-        state->temperature = (uint8_t)random_bits(seed);
-        state->reordered = (uint8_t)random_bits(seed);
-        state->reasons = (uint16_t)random_bits(seed);
-        state->code = (uint16_t)random_bits(seed);
-        state->buttons = (uint16_t)random_bits(seed);
-        state->lost = (uint16_t)random_bits(seed);
-        state->late = (uint16_t)random_bits(seed);
-        state->sequence = (uint32_t)random_bits(seed);
-        state->time = (uint32_t)random_bits(seed);
-        state->echo = (uint32_t)random_bits(seed);
-        fill(seed, state->position, 3);
-        fill(seed, state->velocity, 3);
-        if (state->pose_dofs == 6) {
-            const float unit[4] = { 0.5f, -0.5f, 0.5f, -0.5f };
-            memcpy(state->orientation, unit, sizeof unit);
-            fill(seed, state->spin, 3);
-        }
-        fill(seed, state->joint, state->joints);
+        fill_state(seed, &message.as.state);
         break;
     case WIRE_COMMAND:
         message.as.command.sequence = (uint32_t)random_bits(seed);
