@@ -83,7 +83,7 @@ $(B)/tests/libHD-lonely.so: $(B)/tests/drivers/hd/empty.o $(B)/tests/drivers/hd/
 	$(HD_SHARED) -Wl,--no-as-needed $^ -o $@
 $(B)/tests/libHD-mismatched.so: $(B)/tests/drivers/hd/mismatched.o
 	$(HD_SHARED) $^ -o $@
-HD_TESTS := $(patsubst %,$(B)/tests/test_%,openhaptics openhaptics_faults openhaptics_open hd_stand_in)
+HD_TESTS := $(patsubst %,$(B)/tests/test_%,openhaptics openhaptics_calibration openhaptics_faults openhaptics_open hd_stand_in)
 $(HD_TESTS): | $(HD_STAND_INS)
 HD_WRAPPED := dlopen dlsym dlerror calloc clock_gettime getenv fopen access
 $(HD_TESTS): private LDLIBS = $(HD_WRAPPED:%=-Wl,--wrap=%)

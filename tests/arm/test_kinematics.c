@@ -236,22 +236,12 @@ static void largest_arm(void)
     dpt_compiled_free(&arm.file);
 }
 
-static void every_call_is_total(void)
+static void nulls_are_refused(const dpt_arm *a)
 {
-    struct arm_arrays arrays;
-    uint64_t random = 6;
-    do
-        arm_random(&random, &arrays);
-    while (arrays.def.joint_count < 4);
-    struct arm arm = arm_of(&arrays.def);
-    const dpt_arm *a = arm.open;
-    const uint32_t n = arrays.def.joint_count;
     double q[DPT_JOINTS_MAX] = { 0 }, r[DPT_JOINTS_MAX] = { 0 }, g[3] = { 0 };
-    double out[6 * DPT_JOINTS_MAX], kept[6 * DPT_JOINTS_MAX];
+    double out[6 * DPT_JOINTS_MAX];
     dpt_wrench wrench = { { 0 }, { 0 } };
     dpt_pose tool = DPT_POSE_IDENTITY;
-    for (int i = 0; i < 6 * DPT_JOINTS_MAX; i++)
-        out[i] = kept[i] = 1e5 + i;
 #define NULLS(call) CHECK((call) == DPT_E_ARGUMENT, "%s", #call)
     NULLS(dpt_arm_forward(NULL, q, &tool));
     NULLS(dpt_arm_forward(a, NULL, &tool));
@@ -272,7 +262,16 @@ static void every_call_is_total(void)
     NULLS(dpt_arm_weight(a, NULL, g, out));
     NULLS(dpt_arm_weight(a, q, NULL, out));
     NULLS(dpt_arm_weight(a, q, g, NULL));
+}
 
+static void numbers_beyond_are_refused(const dpt_arm *a, uint32_t n)
+{
+    double q[DPT_JOINTS_MAX] = { 0 }, r[DPT_JOINTS_MAX] = { 0 }, g[3] = { 0 };
+    double out[6 * DPT_JOINTS_MAX], kept[6 * DPT_JOINTS_MAX];
+    dpt_wrench wrench = { { 0 }, { 0 } };
+    dpt_pose tool = DPT_POSE_IDENTITY;
+    for (int i = 0; i < 6 * DPT_JOINTS_MAX; i++)
+        out[i] = kept[i] = 1e5 + i;
     const double bad[] = { NAN, INFINITY, -INFINITY, 1.0000001e6, -1e300 };
 #define REFUSED(number, call)                                                                      \
     do {                                                                                           \
@@ -298,7 +297,14 @@ static void every_call_is_total(void)
     }
     CHECK(!memcmp(out, kept, sizeof out) && tool.position[0] == 0.0 && tool.orientation[0] == 1.0,
           "an output is written in spite of an error");
+}
 
+static void huge_numbers_are_taken(const dpt_arm *a, uint32_t n)
+{
+    double q[DPT_JOINTS_MAX] = { 0 }, r[DPT_JOINTS_MAX] = { 0 }, g[3] = { 0 };
+    double out[6 * DPT_JOINTS_MAX];
+    dpt_wrench wrench = { { 0 }, { 0 } };
+    dpt_pose tool = DPT_POSE_IDENTITY;
     for (uint32_t k = 0; k < n; k++)
         q[k] = r[k] = k % 2 ? DPT_COORDINATE_MAX : -DPT_COORDINATE_MAX;
     for (int k = 0; k < 3; k++)
@@ -317,6 +323,19 @@ static void every_call_is_total(void)
     CHECK(dpt_arm_jacobian(a, q, out) == DPT_OK, "huge joints");
     for (uint32_t i = 0; i < 6 * n; i++)
         CHECK(isfinite(out[i]), "jacobian %u", i);
+}
+
+static void every_call_is_total(void)
+{
+    struct arm_arrays arrays;
+    uint64_t random = 6;
+    do
+        arm_random(&random, &arrays);
+    while (arrays.def.joint_count < 4);
+    struct arm arm = arm_of(&arrays.def);
+    nulls_are_refused(arm.open);
+    numbers_beyond_are_refused(arm.open, arrays.def.joint_count);
+    huge_numbers_are_taken(arm.open, arrays.def.joint_count);
     dpt_compiled_free(&arm.file);
 }
 

@@ -283,18 +283,15 @@ static void each_ms_at_port(void)
     simulate_serial_tick(&at_port);
 }
 
-static void wires_give_the_same_bits(void)
+enum { STEPS = 2000 };
+
+/* The motion of a simulated device, and a force in each of its places. */
+static void record_motion(dpt_pose *poses, dpt_wrench *forces)
 {
-    enum { STEPS = 2000 };
-    static dpt_pose poses[STEPS];
-    static dpt_wrench forces[STEPS];
-    dpt_device *sim, *port;
-    char name[128];
-    error.size = sizeof error;
-    state.size = sizeof state;
+    dpt_device *sim;
+    int places = 0;
     CHECK(dpt_device_open("sim:?hand=wipe&step=0.000244140625&reach=0.06", &sim, &error) == DPT_OK,
           "%s", error.text);
-    int places = 0;
     for (int i = 0; i < STEPS; i++) {
         CHECK(dpt_device_read(sim, &state) == DPT_OK && state.fresh == 1, "sim");
         poses[i] = state.pose;
@@ -305,6 +302,59 @@ static void wires_give_the_same_bits(void)
     }
     dpt_device_close(sim);
     CHECK(places > 200, "%d places are too few to show anything", places);
+}
+
+/* The same place and force over both wires, as bits. How many forces were not zero. */
+static uint64_t compare_wires(dpt_device *port, const dpt_pose *pose, const dpt_wrench *force,
+                              int step)
+{
+    uint64_t seen = 0;
+    dpt_wrench wrench = *force;
+    for (int k = 0; k < 3; k++) {
+        at_port.mechanism.position[k] = simulated.joint[k] = pose->position[k];
+        at_port.mechanism.velocity[k] = 0.0;
+    }
+    can_each_ms = each_ms_at_port;
+    can_tick();
+    CHECK(dpt_device_read(port, &state) == DPT_OK, "port");
+    CHECK(!memcmp(&state.pose, pose, sizeof *pose), "serial: pose %d", step);
+    for (int k = 0; k < 3; k++)
+        CHECK(0.37 - 41.7 * state.pose.position[k] == force->force[k], "serial: force %d", step);
+    CHECK(dpt_device_write(port, &wrench) == DPT_OK, "port");
+    can_tick();
+    dpt_device_read(port, &state);
+    can_each_ms = each_ms;
+    can_tick();
+    CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY,
+          "can");
+    CHECK(!memcmp(&state.pose, pose, sizeof *pose), "can: pose %d", step);
+    for (int k = 0; k < 3; k++)
+        wrench.force[k] = 0.37 - 41.7 * state.pose.position[k];
+    CHECK(!memcmp(&wrench, force, sizeof wrench), "can: force %d", step);
+    CHECK(dpt_device_write(device, &wrench) == DPT_OK, "can");
+    can_tick();
+    dpt_device_read(device, &state);
+    for (int k = 0; k < 3; k++) {
+        const float at_motor = (float)force->force[k];
+        const float torque = (float)(force->force[k] * (1.0 / (1024.0 * 2.0 * M_PI)));
+        CHECK(!memcmp(&at_port.device.force[k], &at_motor, 4), "serial: %a, not %a",
+              (double)at_port.device.force[k], (double)at_motor);
+        CHECK(!memcmp(&simulated.node[k].torque, &torque, 4), "can: %a, not %a",
+              (double)simulated.node[k].torque, (double)torque);
+        seen += at_motor != 0.0f;
+    }
+    return seen;
+}
+
+static void wires_give_the_same_bits(void)
+{
+    static dpt_pose poses[STEPS];
+    static dpt_wrench forces[STEPS];
+    dpt_device *port;
+    char name[128];
+    error.size = sizeof error;
+    state.size = sizeof state;
+    record_motion(poses, forces);
     CHECK(simulate_serial_start(&at_port, NULL) == 0, "no pty");
     at_port.mechanism.hand_stiffness = at_port.mechanism.damping = 0.0;
     at_port.mechanism.hand_damping = 0.0;
@@ -315,43 +365,8 @@ static void wires_give_the_same_bits(void)
     start(gantry_path, "gear=1024,1024,1024&watchdog=none&axes=xyz&rate=1000");
     simulated.is_led = 1;
     uint64_t seen = 0;
-    for (int i = 0; i < STEPS; i++) {
-        dpt_wrench wrench = forces[i];
-        for (int k = 0; k < 3; k++) {
-            at_port.mechanism.position[k] = simulated.joint[k] = poses[i].position[k];
-            at_port.mechanism.velocity[k] = 0.0;
-        }
-        can_each_ms = each_ms_at_port;
-        can_tick();
-        CHECK(dpt_device_read(port, &state) == DPT_OK, "port");
-        CHECK(!memcmp(&state.pose, &poses[i], sizeof poses[i]), "serial: pose %d", i);
-        for (int k = 0; k < 3; k++)
-            CHECK(0.37 - 41.7 * state.pose.position[k] == forces[i].force[k], "serial: force %d",
-                  i);
-        CHECK(dpt_device_write(port, &wrench) == DPT_OK, "port");
-        can_tick();
-        dpt_device_read(port, &state);
-        can_each_ms = each_ms;
-        can_tick();
-        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY,
-              "can");
-        CHECK(!memcmp(&state.pose, &poses[i], sizeof poses[i]), "can: pose %d", i);
-        for (int k = 0; k < 3; k++)
-            wrench.force[k] = 0.37 - 41.7 * state.pose.position[k];
-        CHECK(!memcmp(&wrench, &forces[i], sizeof wrench), "can: force %d", i);
-        CHECK(dpt_device_write(device, &wrench) == DPT_OK, "can");
-        can_tick();
-        dpt_device_read(device, &state);
-        for (int k = 0; k < 3; k++) {
-            const float force = (float)forces[i].force[k];
-            const float torque = (float)(forces[i].force[k] * (1.0 / (1024.0 * 2.0 * M_PI)));
-            CHECK(!memcmp(&at_port.device.force[k], &force, 4), "serial: %a, not %a",
-                  (double)at_port.device.force[k], (double)force);
-            CHECK(!memcmp(&simulated.node[k].torque, &torque, 4), "can: %a, not %a",
-                  (double)simulated.node[k].torque, (double)torque);
-            seen += force != 0.0f;
-        }
-    }
+    for (int i = 0; i < STEPS; i++)
+        seen += compare_wires(port, &poses[i], &forces[i], i);
     CHECK(seen > STEPS / 4, "%u forces", (unsigned)seen);
     finish();
     can_each_ms = each_ms_at_port;
