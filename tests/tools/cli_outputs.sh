@@ -28,7 +28,7 @@ full()
     check "full disk, $1: $file.part is left" test ! -e "$file.part"
 }
 
-outputs()
+missing_folders()
 {
     refuses 'make: no such folder' none/x.ply make box -o none/x.ply
     refuses 'compile: no such folder' none/x.dpa compile box.ply -o none/x.dpa
@@ -37,14 +37,21 @@ outputs()
     mkdir -p folder.ply
     refuses 'make: output is a folder' folder.ply make box -o folder.ply
     check 'folder.ply.part is left' test ! -e folder.ply.part
+}
 
-    # A full disk, by the limit on a file's size: what was there stays, nothing is left beside it.
+# A full disk, by the limit on a file's size: what was there stays, nothing is left beside it.
+full_disks()
+{
     succeeds 'make for full disk' make torus 20000 -o large.ply
     full small.dpa compile box.ply -o small.dpa # fails as the file is closed
     full make.ply make torus 20000 -o make.ply
     full compile.dpa compile large.ply -o compile.dpa
     full replay.csv replay torus.dpa torus.csv -o replay.csv
     full trace.csv make trace --mesh torus.dpa --ticks 1000 -o trace.csv
+}
+
+earlier_files()
+{
     echo keep >kept.dpa
     refuses 'compile over a file' none.obj compile none.obj -o kept.dpa
     trace few.csv 0,1
@@ -61,6 +68,10 @@ outputs()
     chmod 640 kept.dpa
     succeeds 'compile over a file' compile box.ply -o kept.dpa
     check 'its permissions have changed' test "$(ls -l kept.dpa | cut -c 1-10)" = -rw-r-----
+}
+
+inputs()
+{
     overwrites box.ply compile box.ply -o box.ply
     overwrites box.dpa replay box.dpa box.csv -o box.dpa
     overwrites box.csv replay box.dpa box.csv -o ./box.csv
@@ -83,6 +94,10 @@ outputs()
     overwrites box.ply compile box.ply -o link.ply
     overwrites box.ply compile link.ply -o box.ply
     rm link.ply
+}
+
+pipes_and_links()
+{
     mkfifo pipe
     cat pipe >through &
     "$program" make box -o box-pipe.ply && "$program" compile box-pipe.ply -o pipe >/dev/null
@@ -93,7 +108,11 @@ outputs()
     "$program" compile box-pipe.ply -o link.dpa >/dev/null
     if [ -L link.dpa ] && cmp -s target.dpa direct.dpa; then ok; else bad "a link as output is replaced"; fi
     rm -f pipe through box-pipe.ply direct.dpa link.dpa target.dpa
-    # The reader of what is printed has gone.
+}
+
+# The reader of what is printed has gone.
+no_reader()
+{
     (
         trap '' PIPE
         while echo; do :; done 2>/dev/null
@@ -104,6 +123,10 @@ outputs()
     status=$(cat code)
     : >stdout
     if is_refusal 'Broken pipe'; then ok; else bad "compile | true: $reason"; fi
+}
+
+full_streams()
+{
     { printf X; tail -c +2 box.dpa; } >magic.dpa
     if [ -c /dev/full ]; then
         for command in 'compile box.ply -o -' 'replay box.dpa box.csv -o -' 'info box.dpa' \
@@ -125,5 +148,11 @@ outputs()
 }
 
 prepare
-outputs
+missing_folders
+full_disks
+earlier_files
+inputs
+pipes_and_links
+no_reader
+full_streams
 finish
