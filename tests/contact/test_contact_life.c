@@ -51,7 +51,7 @@ static void numbers_live_as_long_as_regions(void)
 {
     struct solid solid;
     struct stage stage;
-    struct names names = { .count = 0 };
+    struct id_history ids = { .count = 0 };
     dpt_contact c[STAGE_CONTACTS];
     uint32_t count = 0, first[2] = { 0, 0 }, joined = 0, split[2];
     double ends[6];
@@ -64,7 +64,7 @@ static void numbers_live_as_long_as_regions(void)
         over_bumps(0, 0, 0.0325 - 0.0001 * i, ends);
         stage_tick(&stage, ends, 0.003);
         count = stage_contacts(&stage, c);
-        check_names(&names, tick++, c, count, "down");
+        check_ids(&ids, tick++, c, count, "down");
     }
     CHECK(count == 2, "%u regions over two bumps", count);
     for (int k = 0; k < 2; k++)
@@ -74,7 +74,7 @@ static void numbers_live_as_long_as_regions(void)
         over_bumps(0.005 * sin(turn), 0.004 * sin(2 * turn), 0.0225, ends);
         stage_tick(&stage, ends, 0.003);
         count = stage_contacts(&stage, c);
-        check_names(&names, tick++, c, count, "about");
+        check_ids(&ids, tick++, c, count, "about");
         CHECK(count == 2 && c[0].id == first[0] && c[1].id == first[1],
               "%u regions, %u and %u, not %u and %u", count, c[0].id, c[1].id, first[0], first[1]);
         CHECK(count < 2 || (c[0].s1 <= c[1].s0 && c[0].s < 0.5 && c[1].s > 0.5), "order");
@@ -84,7 +84,7 @@ static void numbers_live_as_long_as_regions(void)
         over_bumps(0, 0, 0.0225 - 0.00005 * i, ends);
         stage_tick(&stage, ends, 0.003);
         count = stage_contacts(&stage, c);
-        check_names(&names, tick++, c, count, "joining");
+        check_ids(&ids, tick++, c, count, "joining");
         CHECK(count == 1 || count == 2, "%u regions", count);
         for (uint32_t k = 0; k < count; k++)
             CHECK(c[k].id == first[0] || c[k].id == first[1], "%u is new", c[k].id);
@@ -96,7 +96,7 @@ static void numbers_live_as_long_as_regions(void)
         over_bumps(0, 0, 0.0185 + 0.00005 * i, ends);
         stage_tick(&stage, ends, 0.003);
         count = stage_contacts(&stage, c);
-        check_names(&names, tick++, c, count, "splitting");
+        check_ids(&ids, tick++, c, count, "splitting");
     }
     CHECK(count == 2, "%u regions after the split", count);
     for (int k = 0; k < 2; k++)
@@ -110,7 +110,7 @@ static void numbers_live_as_long_as_regions(void)
         over_bumps(0, 0, 0.0225 + 0.0001 * abs(100 - abs(i)), ends);
         stage_tick(&stage, ends, 0.003);
         count = stage_contacts(&stage, c);
-        check_names(&names, tick++, c, count, "back");
+        check_ids(&ids, tick++, c, count, "back");
         CHECK(i || count == 0, "%u regions", count);
         CHECK(abs(i) != 100 || count == 2, "%u regions", count);
     }

@@ -8,7 +8,7 @@
  *
  * Real meshes from DPT_DATA.
  */
-#include "strip/route_walk.h"
+#include "strip/route_scene.h"
 
 static const char *data;
 static uint64_t factor = 1;
@@ -21,32 +21,32 @@ enum { FROM = 64 };
 
 static void try_pairs(const struct subject *subject, uint64_t pairs, uint64_t seed)
 {
-    struct walk walk;
+    struct route_scene scene;
     const uint32_t count = subject->info.source_triangles;
     size_t longest = 0;
-    walk_open(&walk, subject);
+    route_scene_open(&scene, subject);
     for (uint64_t i = 0; i < factor * ((pairs + FROM - 1) / FROM); i++) {
         const uint32_t to = (uint32_t)(random_bits(&seed) % count);
-        oracle_route_tau(&subject->surface, to, walk.tau);
+        oracle_route_tau(&subject->surface, to, scene.tau);
         for (uint32_t k = 0; k < FROM; k++) {
             const uint32_t from = k == 0  ? to
-                                  : k % 2 ? stray(&subject->surface, to, &seed)
+                                  : k % 2 ? triangle_nearby(&subject->surface, to, &seed)
                                           : (uint32_t)(random_bits(&seed) % count);
-            const dpt_result result = dpt_strip_route(walk.strip, subject->mesh, from, to);
-            check_answer(&walk, from, to, result, "route");
-            const dpt_result wanted = due(&walk, from, to);
+            const dpt_result result = dpt_strip_route(scene.strip, subject->mesh, from, to);
+            check_answer(&scene, from, to, result, "route");
+            const dpt_result wanted = expected_result(&scene, from, to);
             all.pairs++;
             all.dropped += wanted == DPT_E_DROPPED;
             all.unreachable += wanted == DPT_E_UNREACHABLE;
             if (wanted != DPT_OK)
                 continue;
-            longest = walk.tau[from] > longest ? walk.tau[from] : longest;
+            longest = scene.tau[from] > longest ? scene.tau[from] : longest;
             if (k % 8 == 3)
-                CHECK(length_of(&walk, to, from) == walk.tau[from] + 1,
+                CHECK(length_of(&scene, to, from) == scene.tau[from] + 1,
                       "%s: %u to %u is not as far as back", subject->name, from, to);
             if (k % 8 == 4) {
-                const uint32_t by = stray(&subject->surface, from, &seed);
-                CHECK(length_of(&walk, from, by) + length_of(&walk, by, to) > walk.tau[from] + 1,
+                const uint32_t by = triangle_nearby(&subject->surface, from, &seed);
+                CHECK(length_of(&scene, from, by) + length_of(&scene, by, to) > scene.tau[from] + 1,
                       "%s: %u to %u is nearer by %u", subject->name, from, to, by);
             }
         }
@@ -55,7 +55,7 @@ static void try_pairs(const struct subject *subject, uint64_t pairs, uint64_t se
            longest);
     all.longest = longest > all.longest ? longest : all.longest;
     all.meshes++;
-    walk_close(&walk);
+    route_scene_close(&scene);
 }
 
 /*
@@ -111,26 +111,26 @@ static void the_papers_figure(void)
     enum { COUNT = sizeof cells / sizeof *cells };
     const uint32_t c = 'C' - 'A', w = 'W' - 'A', route[4] = { c, 'A' - 'A', 'V' - 'A', w };
     struct subject subject;
-    struct walk walk;
+    struct route_scene scene;
     char near[32] = "";
     if (!subject_from_cells(&subject, "figure 6", cells, COUNT))
         return;
     CHECK(subject.info.triangles == COUNT && subject.info.components == 1, "%u triangles, %u parts",
           subject.info.triangles, subject.info.components);
-    walk_open(&walk, &subject);
-    oracle_route_tau(&subject.surface, w, walk.tau);
-    CHECK(walk.tau[c] == 3, "C is %u from W", walk.tau[c]);
+    route_scene_open(&scene, &subject);
+    oracle_route_tau(&subject.surface, w, scene.tau);
+    CHECK(scene.tau[c] == 3, "C is %u from W", scene.tau[c]);
     for (uint32_t i = 0, n = 0; i < COUNT; i++)
-        if (oracle_surface_common(&subject.surface, c, i) && walk.tau[i] == 2)
+        if (oracle_surface_common(&subject.surface, c, i) && scene.tau[i] == 2)
             near[n++] = (char)('A' + i);
     CHECK(strcmp(near, "AE") == 0, "nearest to W of C's neighbours: %s", near);
-    CHECK(oracle_route(&subject.surface, walk.tau, c, walk.route) == 4 &&
-              memcmp(walk.route, route, sizeof route) == 0,
-          "%u %u %u %u", walk.route[0], walk.route[1], walk.route[2], walk.route[3]);
-    const dpt_result result = dpt_strip_route(walk.strip, subject.mesh, c, w);
-    CHECK(result == DPT_OK && holds(walk.strip, route, 4), "%s, %s", dpt_result_name(result),
-          text_of(walk.strip));
-    walk_close(&walk);
+    CHECK(oracle_route(&subject.surface, scene.tau, c, scene.route) == 4 &&
+              memcmp(scene.route, route, sizeof route) == 0,
+          "%u %u %u %u", scene.route[0], scene.route[1], scene.route[2], scene.route[3]);
+    const dpt_result result = dpt_strip_route(scene.strip, subject.mesh, c, w);
+    CHECK(result == DPT_OK && strip_is(scene.strip, route, 4), "%s, %s", dpt_result_name(result),
+          strip_text(scene.strip));
+    route_scene_close(&scene);
     subject_close(&subject);
 }
 
@@ -143,26 +143,28 @@ static void two_vertices_go_before_one(void)
     static const struct cell apart[] = { { 0, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 }, { 1, 1, 0 } };
     const uint32_t near[2] = { 0, 3 }, far[3] = { 0, 2, 3 };
     struct subject subject;
-    struct walk walk;
+    struct route_scene scene;
     if (!subject_from_cells(&subject, "fan", cells, 4))
         return;
-    walk_open(&walk, &subject);
-    CHECK(dpt_strip_route(walk.strip, subject.mesh, 0, 3) == DPT_OK && holds(walk.strip, near, 2),
-          "%s", text_of(walk.strip));
-    walk_close(&walk);
+    route_scene_open(&scene, &subject);
+    CHECK(dpt_strip_route(scene.strip, subject.mesh, 0, 3) == DPT_OK &&
+              strip_is(scene.strip, near, 2),
+          "%s", strip_text(scene.strip));
+    route_scene_close(&scene);
     subject_close(&subject);
     if (!subject_from_cells(&subject, "edge", apart, 4))
         return;
-    walk_open(&walk, &subject);
-    oracle_route_tau(&subject.surface, 3, walk.tau);
+    route_scene_open(&scene, &subject);
+    oracle_route_tau(&subject.surface, 3, scene.tau);
     CHECK(oracle_surface_common(&subject.surface, 0, 1) == 1 &&
               oracle_surface_common(&subject.surface, 0, 2) == 2,
           "laid out otherwise");
-    CHECK(walk.tau[0] == 2 && walk.tau[1] == 1 && walk.tau[2] == 1, "%u %u %u", walk.tau[0],
-          walk.tau[1], walk.tau[2]);
-    CHECK(dpt_strip_route(walk.strip, subject.mesh, 0, 3) == DPT_OK && holds(walk.strip, far, 3),
-          "%s", text_of(walk.strip));
-    walk_close(&walk);
+    CHECK(scene.tau[0] == 2 && scene.tau[1] == 1 && scene.tau[2] == 1, "%u %u %u", scene.tau[0],
+          scene.tau[1], scene.tau[2]);
+    CHECK(dpt_strip_route(scene.strip, subject.mesh, 0, 3) == DPT_OK &&
+              strip_is(scene.strip, far, 3),
+          "%s", strip_text(scene.strip));
+    route_scene_close(&scene);
     subject_close(&subject);
 }
 

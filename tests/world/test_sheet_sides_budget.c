@@ -10,7 +10,7 @@
 #include "lib/random.h"
 #include "world/sheet_truth.h"
 
-static uint64_t rng = 1;
+static uint64_t random_state = 1;
 static unsigned long world_count = 250;
 static struct fixture sheet; /* 0.2 m square, z = 0 */
 
@@ -18,12 +18,12 @@ enum { MOST = 3000, ALWAYS = 2 };
 
 static double any(double low, double high)
 {
-    return random_in(&rng, low, high);
+    return random_in(&random_state, low, high);
 }
 
 static uint32_t below(uint32_t n)
 {
-    return (uint32_t)(random_bits(&rng) % n);
+    return (uint32_t)(random_bits(&random_state) % n);
 }
 
 struct scene {
@@ -488,7 +488,7 @@ int main(int argc, char **argv)
     if (argc > 1)
         world_count = strtoul(argv[1], NULL, 10);
     if (argc > 2)
-        rng = strtoull(argv[2], NULL, 10);
+        random_state = strtoull(argv[2], NULL, 10);
     if (!fixture_from_shape(&sheet, "membrane", 512))
         return check_report();
     TEST(no_push_to_the_wrong_side);
