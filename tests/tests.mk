@@ -140,10 +140,11 @@ test: ## a part of every test in about a minute: no network, nothing installed
 check: ## all tests; DEPS=no installs nothing, STRICT=1 lets skips fail
 	@sh tests/run.sh check
 
-SOAKED := exactness certificate budget broad_phase sheets sheet_touches gap_continuity depth depth_forms contact_life contact_forms contact_integrals route route_strip strip strip_memory loop
+SOAKED := exactness certificate budget budget_worlds broad_phase sheets sheet_touches gap_continuity depth depth_forms contact_life contact_forms contact_integrals route route_strip strip strip_memory loop
 soak: all $(SOAKED:%=$(B)/tests/test_%) ## 10^8 ticks against the tree; all of DPT_DATA against brute force
 	@$(B)/tests/test_certificate 672000
 	@$(B)/tests/test_budget 8000
+	@$(B)/tests/test_budget_worlds 8000
 	@$(B)/tests/test_broad_phase 8000
 	@$(B)/tests/test_sheets 10000000
 	@$(B)/tests/test_sheet_touches 10000000

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
  * The inner loops: lower bounds of 16 distances at once, in float. The loop is written once
- * (kernel_body.h) and compiled per instruction set; all give the same bits (tests/kernel/test_kernel.c).
+ * (kernel_body.h) and compiled per instruction set; all give the same bits (tests/kernel/test_kernel_bits.c).
  *
  * The filter's frame: coordinates are (x - centre) * scale with the mesh's filter_centre and
  * filter_scale, so that every vertex lies within -1..1.
