@@ -155,7 +155,7 @@ soak: all $(SOAKED:%=$(B)/tests/test_%) ## 10^8 ticks against the tree; all of D
 	@$(B)/tests/test_contact_life
 	@$(B)/tests/test_contact_forms
 	@$(B)/tests/test_contact_integrals 2000
-	@$(B)/tests/test_route 20
+	@$(B)/tests/test_route 2000
 	@$(B)/tests/test_route_strip
 	@$(B)/tests/test_strip 4000
 	@$(B)/tests/test_strip_memory 40

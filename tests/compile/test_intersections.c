@@ -406,7 +406,7 @@ static void expect_signs(const struct judge *judge, const char *what)
     uint64_t random = 73;
     uint32_t wrong = 0, inside = 0, judged = 0;
     double worst = 0.0;
-    for (int i = 0; i < 1500; i++) {
+    for (int i = 0; i < (int)part_of(1500); i++) {
         const uint32_t place = (uint32_t)(random_bits(&random) % builder->info.triangles);
         const vec3 x = i % 2 ? point_in_box(builder, &random)
                              : point_off(builder, place, random_in(&random, -0.02, 0.02));
@@ -423,7 +423,7 @@ static void expect_signs(const struct judge *judge, const char *what)
     }
     CHECK(wrong == 0, "%s: %u of %u signs are wrong", what, wrong, judged);
     CHECK(worst <= 1e-12 * diagonal, "%s: off by %g of the diagonal", what, worst / diagonal);
-    CHECK(inside > 300 && judged > inside + 300, "%s: %u of %u inside", what, inside, judged);
+    CHECK(inside > part_of(300) && judged > inside + part_of(300), "%s: %u of %u inside", what, inside, judged);
 }
 
 /* The depth of segments, which cross outer and inner sheets. */
@@ -436,7 +436,7 @@ static void expect_depths(const struct judge *judge, const char *what)
                                         max_of(extent_of(vec3_of(low)), extent_of(vec3_of(high))) };
     uint64_t random = 79;
     int deep = 0;
-    for (int i = 0; i < 100; i++) {
+    for (int i = 0; i < (int)part_of(100); i++) {
         const vec3 a = point_in_box(builder, &random), b = point_in_box(builder, &random);
         const double ends[6] = { a.x, a.y, a.z, b.x, b.y, b.z };
         dpt_hit hit = DPT_HIT_INIT;
@@ -448,7 +448,7 @@ static void expect_depths(const struct judge *judge, const char *what)
               "%s %d: %g deep, not %g to %g", what, i, depth, -least.high, -least.low);
         deep += least.high < -100.0 * tolerance;
     }
-    CHECK(deep > 30, "%s: %d segments inside", what, deep);
+    CHECK(deep > (int)part_of(30), "%s: %d segments inside", what, deep);
 }
 
 static void closed_parts_that_cut_themselves_have_an_inside(void)
@@ -499,7 +499,7 @@ static void a_search_that_stops_says_so(void)
                   builder.info.self_intersections, builder.info.self_intersections_more,
                   builder.info.winding_components);
             CHECK(builder.info.self_intersection[0] == DPT_NONE, "an example of none");
-            for (int i = 0; i < 200; i++) {
+            for (int i = 0; i < (int)part_of(200); i++) {
                 const vec3 x = point_in_box(&builder, &random);
                 const double ends[6] = { x.x, x.y, x.z, x.x, x.y, x.z };
                 dpt_hit hit = DPT_HIT_INIT;

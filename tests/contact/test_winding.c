@@ -57,7 +57,7 @@ static void windings_agree_with_brute_force(void)
                           0, 1);
         if (builder_compile(&builder)) {
             CHECK(builder.info.winding_components == 1, "%s has no moments", shapes[i].name);
-            worst = max_of(worst, check_against_brute(shapes[i].name, &builder, 200));
+            worst = max_of(worst, check_against_brute(shapes[i].name, &builder, (int)part_of(200)));
         }
         builder_free(&builder);
     }
@@ -137,7 +137,7 @@ static void check_sides(uint64_t triangles)
     builder_add_shape(&builder, "sphere", triangles, (vec3){ 0.2, 0.3, -0.1 }, 1.0, 0, 1);
     if (builder_compile(&builder)) {
         const uint32_t gone = mesh_words(builder.mesh, MESH_PLACES)[0]; /* beside the hole */
-        for (int i = 0; i < 1000; i++) {
+        for (int i = 0; i < (int)part_of(1000); i++) {
             const double share = shares[i % 5];
             uint32_t place = (uint32_t)(random_bits(&random) % builder.info.triangles);
             if (place / 64 == gone / 64)
@@ -162,7 +162,7 @@ static void check_sides(uint64_t triangles)
                      fabs(winding_at(&builder, out.x, out.y, out.z) -
                           brute_winding_at(&builder, out)) < 0.001);
         }
-        CHECK(bad == 0 && asked > 1000, "%d of %d", bad, asked);
+        CHECK(bad == 0 && asked > (int)part_of(1000), "%d of %d", bad, asked);
         const float *v = builder.surface.positions;
         double on = winding_at(&builder, v[0], v[1], v[2]);
         CHECK(on > -0.1 && on < 1.1, "at a vertex %g", on);
@@ -242,8 +242,9 @@ static void public_meshes_are_what_they_seem(void)
     }
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
+    take_percent(argc, argv);
     TEST(windings_agree_with_brute_force);
     TEST(series_keep_their_bound);
     TEST(sides_are_known_near_the_surface);

@@ -13,7 +13,7 @@
 #include "nearest/segment_triangle.h"
 
 /* How many blocks a test of bounds asks. */
-#define BLOCKS 20000
+#define BLOCKS ((int)part_of(20000))
 
 /* Kinds of triangles: of any shape, long and thin, of one point, all in one plane. */
 enum shape { ORDINARY, SLIVERS, POINTS, FLAT, SHAPES };

@@ -4,6 +4,8 @@
  * by more than the stated margin, at the pose that made the planes and at any other, and tight
  * enough to be of use. The truth is the pair distance in double, which test_pair.c holds against
  * oracles of its own.
+ *
+ *     test_kernel [PER CENT]   of the random blocks
  */
 #include "kernel/kernel_scene.h"
 
@@ -307,7 +309,7 @@ static void zero_planes_close_nothing(void)
     for (uint32_t id = DPT_KERNEL_SCALAR; id <= DPT_KERNEL_NEON; id++) {
         if (!dpti_kernel_get(id, &kernel, &chosen))
             continue;
-        for (uint32_t i = 0; i < BLOCKS; i++) {
+        for (uint32_t i = 0; i < (uint32_t)BLOCKS; i++) {
             float bound[LANES];
             struct tool tool = make_tool(&random, ORDINARY);
             if (i % 2)
@@ -376,8 +378,9 @@ static void best_kernel_is_to_be_had(void)
     CHECK(strcmp(dpt_kernel_name(99), "none") == 0, "%s", dpt_kernel_name(99));
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
+    take_percent(argc, argv);
     TEST(best_kernel_is_to_be_had);
     TEST(bounds_of_triangles_are_sound);
     TEST(bounds_of_boxes_are_sound);

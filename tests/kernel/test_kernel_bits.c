@@ -3,6 +3,8 @@
  * All kernels of this machine give the same bits: bounds, planes that are renewed, winding numbers. The scalar kernel is
  * the reference, lane by lane. Solid angles are also compared with the arctangent of the C library. That the bounds are
  * true is for test_kernel.
+ *
+ *     test_kernel_bits [PER CENT]   of the random blocks
  */
 #include "kernel/kernel_scene.h"
 
@@ -258,8 +260,9 @@ static void turns_agree_with_the_c_library(void)
     CHECK(worst < 1e-14, "off by %g turns", worst);
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
+    take_percent(argc, argv);
     TEST(the_better_planes_are_kept);
     TEST(all_kernels_give_the_same_bits);
     TEST(turns_agree_with_the_c_library);

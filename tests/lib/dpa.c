@@ -27,8 +27,7 @@ uint32_t crc_of(const unsigned char *bytes, size_t size)
     return ~crc;
 }
 
-/* By the version alone: other numbers may be forged. */
-static size_t header_bytes_of(const struct dpt_mesh *header)
+size_t header_bytes_of(const struct dpt_mesh *header)
 {
     return header->version == 1   ? 752
            : header->version == 2 ? 816

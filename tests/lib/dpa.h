@@ -50,6 +50,9 @@ static inline struct dpt_mesh header_of(const struct file *file)
     return header;
 }
 
+/* By the version alone: other numbers may be forged. */
+size_t header_bytes_of(const struct dpt_mesh *header);
+
 void seal_header(struct file *file);
 
 /* Sections that leave the file are not summed: a forger cannot either. */

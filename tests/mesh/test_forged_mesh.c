@@ -3,6 +3,8 @@
  * Mesh files whose checksums are good and whose numbers are not: each word that could lead beyond the bytes is refused,
  * with the byte where it stands. A file that random forgery leaves openable is searched, and must not be read beyond its
  * end; the sanitizer judges that. Damage with wrong checksums is for test_mesh.
+ *
+ *     test_forged_mesh [PER CENT]   of the random forgeries
  */
 #include <math.h>
 
@@ -193,7 +195,7 @@ static void random_forgeries_do_no_harm(void)
     const uint32_t odd[] = { 0,          1,          15,         16,         39,
                              40,         UINT32_MAX, 0x7f800000, 0xffc00000, 0x7149f2ca,
                              0x80000000, 0x00000001, 0x49742400, 0xfffffffe, 0x3f800000 };
-    for (int i = 0; i < 20000; i++) {
+    for (uint64_t i = 0; i < part_of(20000); i++) {
         struct file file = copy_of(i % 16 == 0 ? &large_file : i % 2 ? &small_file : &holed_file);
         for (uint64_t words = 1 + random_bits(&random) % 3; words; words--) {
             size_t at = 4 * (size_t)(random_bits(&random) % (file.size / 4));
@@ -209,11 +211,12 @@ static void random_forgeries_do_no_harm(void)
         }
         free(file.bytes);
     }
-    CHECK(opened > 1000, "only %llu opened: the test tests little", (unsigned long long)opened);
+    CHECK(opened > part_of(1000), "only %llu opened: the test tests little", (unsigned long long)opened);
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
+    take_percent(argc, argv);
     if (!open_files())
         return 1;
     TEST(newer_versions_are_refused);

@@ -3,7 +3,7 @@
  * How a segment stands to each triangle of a strip. The overlap by search: the distance to the triangle, moved against its
  * normal by m, is convex in m, so its least is found by thirds, and where it last is as small as the radius by halving.
  *
- * A real mesh from DPT_DATA.
+ *     test_overlap [PER CENT]   of the shadows; a real mesh from DPT_DATA
  */
 #include "strip/strip_random.h"
 
@@ -118,11 +118,11 @@ static void try_overlaps(const struct subject *subject, int count, uint64_t seed
     dpt_overlap *overlaps = malloc((subject->info.triangles + 1) * sizeof *overlaps);
     scene_open(&scene, subject);
     dpt_strip *strip = guarded_strip_open(&guarded, room_for(subject), 0);
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < (int)part_of((uint64_t)count); i++) {
         dpt_shadow shadow;
         uint32_t n = 0, told = 0;
         const int32_t side = i % 2 ? 1 : -1;
-        if (i == count / 2) {
+        if (i == (int)part_of((uint64_t)count) / 2) {
             dpt_pose pose;
             random_pose(&scene, &seed, &pose);
             scene_place(&scene, &pose);
@@ -173,7 +173,8 @@ static void overlaps_by_search(void)
         try_overlaps(&subject, 60, 9, seen);
         subject_close(&subject);
     }
-    CHECK(seen[0] > 1000 && seen[1] > 300 && seen[2] > 1000 && seen[3] > 1000,
+    CHECK(seen[0] > part_of(1000) && seen[1] > part_of(300) && seen[2] > part_of(1000) &&
+              seen[3] > part_of(1000),
           "%zu free, %zu crossing, %zu without overlap, %zu with", seen[0], seen[1], seen[2],
           seen[3]);
 }
@@ -266,8 +267,9 @@ static void room_for_overlaps(void)
     subject_close(&subject);
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
+    take_percent(argc, argv);
     data = getenv("DPT_DATA");
     TEST(overlaps_by_search);
     TEST(room_for_overlaps);

@@ -1,17 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Routes of triangles: the paper's Figure 6, laid out; lengths and the very routes against a breadth-first search
- * over all triangles, and that against a plainer one still.
+ * Routes of triangles: the paper's Figure 6 as a mesh; lengths and the very routes against a breadth-first search over
+ * all triangles, and that search against a plainer one.
  *
- *     test_route           what make check runs: 10^5 pairs
- *     test_route FACTOR    so many times as many
- *
- * Real meshes from DPT_DATA.
+ *     test_route [PER CENT]   of 10^5 pairs; real meshes from DPT_DATA
  */
 #include "strip/route_scene.h"
 
 static const char *data;
-static uint64_t factor = 1;
 
 static struct tally {
     size_t meshes, pairs, longest, dropped, unreachable;
@@ -25,7 +21,7 @@ static void try_pairs(const struct subject *subject, uint64_t pairs, uint64_t se
     const uint32_t count = subject->info.source_triangles;
     size_t longest = 0;
     route_scene_open(&scene, subject);
-    for (uint64_t i = 0; i < factor * ((pairs + FROM - 1) / FROM); i++) {
+    for (uint64_t i = 0; i < part_of((pairs + FROM - 1) / FROM); i++) {
         const uint32_t to = (uint32_t)(random_bits(&seed) % count);
         oracle_route_tau(&subject->surface, to, scene.tau);
         for (uint32_t k = 0; k < FROM; k++) {
@@ -289,7 +285,7 @@ static void random_lattices(void)
             try_pairs(&subject, 1024, seed);
         subject_close(&subject);
     }
-    CHECK(all.dropped > 100 && all.unreachable > 1000, "%zu dropped, %zu unreachable", all.dropped,
+    CHECK(all.dropped > least_seen(100) && all.unreachable > least_seen(1000), "%zu dropped, %zu unreachable", all.dropped,
           all.unreachable);
 }
 
@@ -358,7 +354,7 @@ static void many_pairs(void)
 {
     printf("    %zu meshes, %zu pairs: %zu dropped, %zu unreachable, tau up to %zu\n", all.meshes,
            all.pairs, all.dropped, all.unreachable, all.longest);
-    CHECK(all.pairs >= (data ? 100000 : 40000) && all.longest >= 100, "%zu pairs, %zu", all.pairs,
+    CHECK(all.pairs >= part_of(data ? 100000 : 40000) && all.longest >= 100, "%zu pairs, %zu", all.pairs,
           all.longest);
 }
 
@@ -366,12 +362,7 @@ int main(int argc, char **argv)
 {
     setvbuf(stdout, NULL, _IOLBF, 0);
     data = getenv("DPT_DATA");
-    if (argc > 1)
-        factor = strtoull(argv[1], NULL, 10);
-    if (factor < 1 || factor > 10000) {
-        printf("test_route: from 1 to 10000 times as many pairs\n");
-        return 2;
-    }
+    take_percent(argc, argv);
     TEST(oracles_agree);
     TEST(the_papers_figure);
     TEST(two_vertices_go_before_one);

@@ -177,7 +177,7 @@ static void verdicts_have_proofs(void)
 {
     uint64_t seed = 1;
     size_t found[2][3] = { { 0 } };
-    for (int i = 0; i < 16000; i++) {
+    for (int i = 0; i < (int)part_of(16000); i++) {
         struct oracle_shadow s;
         double ends[6], direction[3];
         long double corners[3][3];
@@ -201,7 +201,8 @@ static void verdicts_have_proofs(void)
     }
     printf("    triangles: %zu out, %zu maybe, %zu surely in; edges: %zu, %zu, %zu\n", found[0][0],
            found[0][1], found[0][2], found[1][0], found[1][1], found[1][2]);
-    CHECK(found[0][2] > 2000 && found[1][2] > 1500 && found[0][0] > 8000, "one kind alone");
+    CHECK(found[0][2] > part_of(2000) && found[1][2] > part_of(1500) &&
+              found[0][0] > part_of(8000), "one kind alone");
 }
 
 /* A tool above the middle of a flat sheet: what it shades can be counted. */

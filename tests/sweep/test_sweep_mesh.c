@@ -233,7 +233,8 @@ static void meshes_are_met_as_their_triangles_are(void)
         struct body body;
         if (c[i].shape ? fixture_from_shape(&body.fixture, c[i].shape, c[i].count) && body_of(&body)
                        : soup_of(&body))
-            sweep_body(c[i].shape ? c[i].shape : "soup", &body, c[i].motions);
+            sweep_body(c[i].shape ? c[i].shape : "soup", &body,
+                       1 + (int)((unsigned long)c[i].motions * crossing_count / 200000));
         fixture_free(&body.fixture);
     }
 }

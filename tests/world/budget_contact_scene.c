@@ -1,6 +1,27 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "world/budget_contact_scene.h"
 
+#if defined(__SANITIZE_ADDRESS__)
+enum { RESTS = 60, POSES = 40, TICKS = 800 };
+#else
+enum { RESTS = 300, POSES = 200, TICKS = 2000 };
+#endif
+
+uint32_t rest_count(void)
+{
+    return (uint32_t)part_of(RESTS);
+}
+
+uint32_t pose_count(void)
+{
+    return (uint32_t)part_of(POSES);
+}
+
+uint32_t tick_count(void)
+{
+    return (uint32_t)part_of(TICKS);
+}
+
 double contact_margin;
 
 struct contact_world ample_world, small_world;

@@ -9,11 +9,10 @@
 /* SMALL: units of work, enough for a crossing's triangles and the largest single search of these meshes. */
 enum { SMALL = 200, TICKS_MAX = 400 };
 
-#if defined(__SANITIZE_ADDRESS__)
-enum { RESTS = 60, POSES = 40, TICKS = 800 };
-#else
-enum { RESTS = 300, POSES = 200, TICKS = 2000 };
-#endif
+/* How many are asked, of one mesh; the share of the command line. */
+uint32_t rest_count(void);
+uint32_t pose_count(void);
+uint32_t tick_count(void);
 
 /* Of all worlds that contact_world_open makes. */
 extern double contact_margin;

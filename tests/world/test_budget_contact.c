@@ -133,7 +133,7 @@ static void a_rest_comes_to_its_contact(void)
         if (!open_shape(&subject, which))
             return;
         rests = (struct rests){ 0 };
-        for (int i = 0; i < RESTS; i++) {
+        for (uint32_t i = 0; i < rest_count(); i++) {
             dpt_segment axis = random_axis(&subject, &seed, 0.6);
             rest(&subject, &axis, i % 2 ? SMALL : 3 * SMALL);
         }
@@ -142,7 +142,7 @@ static void a_rest_comes_to_its_contact(void)
         printf(" fine after %u, never %u and %u;", rests.longest_fine, rests.tired, rests.bare);
         printf(" gap off by %.1e of the diagonal, overlap by %.2f %%\n", rests.gap,
                100.0 * rests.overlap);
-        CHECK(rests.count > RESTS / 3 && rests.later + rests.coarse_first > rests.count / 10,
+        CHECK(rests.count > rest_count() / 3 && rests.later + rests.coarse_first > rests.count / 10,
               "%u of %u", rests.later + rests.coarse_first, rests.count);
         CHECK(rests.longest <= 10 && rests.bare <= 1 + rests.count / 40, "%u ticks, %u",
               rests.longest, rests.bare);
@@ -169,14 +169,14 @@ static void organs_at_rest(void)
             return;
         contact_margin = 0.01 * subject.diagonal;
         rests = (struct rests){ 0 };
-        for (int k = 0; k < RESTS / 4; k++) {
+        for (uint32_t k = 0; k < rest_count() / 4; k++) {
             dpt_segment axis = random_axis(&subject, &seed, 0.6);
             rest(&subject, &axis, 3 * SMALL);
         }
         printf("    %-26s %u rests, %u not known at once, after %u ticks at most;", subject.name,
                rests.count, rests.later, rests.longest);
         printf(" gap off by %.1e of the diagonal\n", rests.gap);
-        CHECK(rests.count > RESTS / 20 && rests.longest < 200 && rests.gap < 2e-5, "%u, %u, %g",
+        CHECK(rests.count > rest_count() / 20 && rests.longest < 200 && rests.gap < 2e-5, "%u, %u, %g",
               rests.count, rests.longest, rests.gap);
         subject_close(&subject);
     }
@@ -195,7 +195,7 @@ static void in_motion_the_gap_comes_first(void)
         dpt_segment axis = random_axis(&subject, &seed, 0.6), way = axis;
         contact_world_open(&ample_world, subject.mesh, &axis, 0);
         contact_world_open(&small_world, subject.mesh, &axis, 2 * SMALL);
-        for (uint32_t tick = 0; tick < TICKS; tick++) {
+        for (uint32_t tick = 0; tick < tick_count(); tick++) {
             if (tick % 400 == 0)
                 way = random_axis(&subject, &seed, 0.6);
             for (int k = 0; k < 3; k++) {
@@ -219,7 +219,7 @@ static void in_motion_the_gap_comes_first(void)
         }
         printf("    %-12s %u ticks cross, %u unknown, %u coarse; gap off by %.1e of the diagonal\n",
                subject.name, crossing, unknown, coarse, off);
-        CHECK(crossing > TICKS / 5 && (which == 2 || unknown <= 1 + crossing / 100), "%u of %u",
+        CHECK(crossing > tick_count() / 5 && (which == 2 || unknown <= 1 + crossing / 100), "%u of %u",
               unknown, crossing);
         CHECK(off < 2e-5, "%g", off);
         free(ample_world.block);
@@ -238,7 +238,7 @@ static void what_is_not_coarse_is_right(void)
         double off[2] = { 0.0, 0.0 };
         if (!open_shape(&subject, which))
             return;
-        for (int i = 0; i < POSES; i++) {
+        for (uint32_t i = 0; i < pose_count(); i++) {
             dpt_segment axis = random_axis(&subject, &seed, 2.0);
             contact_world_open(&ample_world, subject.mesh, &axis, 0);
             contact_world_step(&ample_world);
@@ -252,7 +252,7 @@ static void what_is_not_coarse_is_right(void)
         }
         printf("    %-12s fine %u, overlap off by %.2f %%; coarse %u, by %.2f %%\n", subject.name,
                count[0], 100.0 * off[0], count[1], 100.0 * off[1]);
-        CHECK(count[0] > POSES / 7 && off[0] < 0.005, "%u, %g", count[0], off[0]);
+        CHECK(count[0] > pose_count() / 7 && off[0] < 0.005, "%u, %g", count[0], off[0]);
         CHECK(which == 2 ? off[1] > off[0] : count[1] < count[0] / 4, "%u, %g", count[1], off[1]);
         subject_close(&subject);
     }
@@ -266,7 +266,7 @@ static void of_several_bodies(void)
     uint32_t both = 0, later = 0;
     if (!open_shape(&liver, 1) || !open_shape(&star, 2))
         return;
-    for (int i = 0; i < RESTS / 3; i++) {
+    for (uint32_t i = 0; i < rest_count() / 3; i++) {
         dpt_segment axis = random_axis(&liver, &seed, 2.0);
         dpt_pose pose = DPT_POSE_IDENTITY;
         dpt_body body;
@@ -297,7 +297,7 @@ static void of_several_bodies(void)
         free(small_world.block);
     }
     printf("    %u rests through both, %u not at once or still coarse\n", both, later);
-    CHECK(both > RESTS / 20 && later > 0, "%u, %u", both, later);
+    CHECK(both > rest_count() / 20 && later > 0, "%u, %u", both, later);
     subject_close(&liver);
     subject_close(&star);
 }
@@ -338,8 +338,9 @@ static void what_was_found_leaves_with_its_body(void)
     subject_close(&second);
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
+    take_percent(argc, argv);
     TEST(a_rest_comes_to_its_contact);
     TEST(organs_at_rest);
     TEST(in_motion_the_gap_comes_first);

@@ -70,7 +70,7 @@ static void a_side_outlives_what_is_unknown(void)
         uint32_t known = 0, unknown = 0, behind = 0, through = 0;
         axis.a[2] = axis.b[2] = 0.02;
         contact_world_open(&small_world, sheet.mesh, &axis, budgets[run % 4]);
-        for (uint32_t tick = 0; tick < 2 * TICKS; tick++) {
+        for (uint32_t tick = 0; tick < 2 * tick_count(); tick++) {
             if (tick % 150 == 50)
                 way = inner_axis(&seed);
             for (int k = 0; k < 3; k++) {
@@ -159,7 +159,7 @@ static void what_is_unknown_goes_on(void)
         dpt_segment axis = random_axis(&cloth, &seed, 0.9), way = axis;
         contact_world_open(&ample_world, cloth.mesh, &axis, 0);
         contact_world_open(&small_world, cloth.mesh, &axis, budgets[b]);
-        for (uint32_t tick = 0; tick < 4 * TICKS; tick++) {
+        for (uint32_t tick = 0; tick < 4 * tick_count(); tick++) {
             if (tick % 150 == 0)
                 way = random_axis(&cloth, &seed, 0.9);
             for (int k = 0; k < 3; k++) {
@@ -180,15 +180,16 @@ static void what_is_unknown_goes_on(void)
         free(small_world.block);
         printf("    budget %3u: of %u ticks in reach %u are unknown, of %u that are free %u\n",
                budgets[b], near, near_unknown, free_ticks, free_unknown);
-        CHECK(near > TICKS && (b || near_unknown < near / 8), "%u of %u", near_unknown, near);
-        CHECK(free_ticks > TICKS / 4 && free_unknown < free_ticks / 100, "%u of %u", free_unknown,
+        CHECK(near > tick_count() && (b || near_unknown < near / 8), "%u of %u", near_unknown, near);
+        CHECK(free_ticks > tick_count() / 4 && free_unknown < free_ticks / 100, "%u of %u", free_unknown,
               free_ticks);
         subject_close(&cloth);
     }
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
+    take_percent(argc, argv);
     TEST(a_side_waits_for_its_contact);
     TEST(a_side_outlives_what_is_unknown);
     TEST(a_side_ends_at_the_border);

@@ -314,14 +314,16 @@ static struct motion motion_of(const struct subject *subject, uint64_t seed)
     /* Two places, as a hand stays for long where it is. */
     for (uint64_t i = 0; i < (soaking ? 1 : 2); i++) {
         const int slid = motion_slide(&motion, dynpoint, scratch, subject->compiled.bytes,
-                                      subject->compiled.size, seed + i, soaking ? 20000 : 350);
+                                      subject->compiled.size, seed + i, soaking ? 20000 : part_of(350));
         CHECK(slid == 0, "%s: no slide; is there a program %s?", subject->name, dynpoint);
     }
     for (int i = 0; i < MOTION_RECORDINGS && data; i++)
         for (size_t done = 0; done < (soaking ? 1 : shares[i]); done += 100)
             motion_recorded(&motion, &recordings[i], &subject->place, seed + done,
                             soaking ? 0 : 100);
-    motion_random(&motion, &subject->place, seed, soaking ? 5000 : 2000 - motion.count);
+    if (soaking || motion.count < part_of(2000))
+        motion_random(&motion, &subject->place, seed,
+                      soaking ? 5000 : part_of(2000) - motion.count);
     return motion;
 }
 
@@ -427,7 +429,7 @@ static void try_motions(const struct subject *subject)
     struct motion motion = motion_of(subject, seed);
     const size_t small = motion.count;
     if (subject->signs)
-        motion_small(&motion, &subject->place, seed, 1000);
+        motion_small(&motion, &subject->place, seed, part_of(1000));
     dpt_hit *hits = calloc(motion.count, sizeof *hits);
     CHECK(hits, "memory");
     if (hits)
@@ -435,9 +437,9 @@ static void try_motions(const struct subject *subject)
     if (hits && subject->signs) {
         CHECK(subject->info.components == 1 && subject->info.closed_components == 1,
               "%s is not closed", subject->name);
-        check_signs(subject, &motion, hits, 0, small, 200, &tally);
-        check_signs(subject, &motion, hits, small, motion.count, 400, &tally);
-        CHECK(tally.inside >= 40 && tally.outside >= 40, "%s: %zu inside, %zu outside",
+        check_signs(subject, &motion, hits, 0, small, part_of(200), &tally);
+        check_signs(subject, &motion, hits, small, motion.count, part_of(400), &tally);
+        CHECK(tally.inside >= part_of(40) && tally.outside >= part_of(40), "%s: %zu inside, %zu outside",
               subject->name, tally.inside, tally.outside);
     }
     add_to_all(subject, &tally);
@@ -580,6 +582,8 @@ int main(int argc, char **argv)
     const char *start = slash ? argv[0] : ".";
     data = getenv("DPT_DATA");
     soaking = argc > 1 && strcmp(argv[1], "soak") == 0;
+    if (!soaking)
+        take_percent(argc, argv);
     only = argc > 2 ? argv[2] : NULL;
     snprintf(dynpoint, sizeof dynpoint, "%.*s/../dynpoint", folder, start);
     snprintf(scratch, sizeof scratch, "%.*s/organs-%ld", folder, start, (long)getpid());

@@ -299,6 +299,7 @@ static void steady_ticks_touch_no_new_page(void)
     for (int i = 0; i < BUSY_SCENES; i++) {
         struct busy_world busy = { .interrupt = NULL };
         uint32_t ticks = busy_scenes[i].ticks < TICKS ? busy_scenes[i].ticks : TICKS;
+        ticks = (uint32_t)part_of(ticks);
         long least = -1, all = 0, begin = faults_until_now();
         if (!busy_world_open(&busy, &busy_scenes[i], DPT_KERNEL_AUTO))
             continue;
