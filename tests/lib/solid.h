@@ -144,6 +144,7 @@ struct id_history {
     uint32_t id[4096];
     uint64_t tick[4096];
     size_t count;
+    uint64_t ticks; /* so far, for callers that count none */
 };
 
 void check_ids(struct id_history *ids, uint64_t tick, const dpt_contact *contacts, uint32_t count,

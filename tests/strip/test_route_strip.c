@@ -158,6 +158,51 @@ static void too_small(void)
     CHECK(full > 300 && found > 300, "%zu full, %zu found", full, found);
 }
 
+/*
+ * The routes from a and b to p in one strip: each of their triangles once; in `few`, which has room for 5, five of them.
+ * `wanted` is 0 for every triangle before and after.
+ */
+static void check_two_routes(struct route_scene *scene, dpt_strip *few, unsigned char *wanted,
+                             const uint32_t ends[3], size_t *shared, size_t *cut)
+{
+    const struct subject *subject = scene->subject;
+    const uint32_t a = ends[0], b = ends[1], p = ends[2];
+    uint32_t both = 0, count = 0, flags = 0;
+    oracle_route_tau(&subject->surface, p, scene->tau);
+    const uint32_t m = oracle_route(&subject->surface, scene->tau, a, scene->route);
+    const uint32_t n = oracle_route(&subject->surface, scene->tau, b, scene->back);
+    for (uint32_t k = 0; k < m + n; k++) {
+        unsigned char *once = &wanted[k < m ? scene->route[k] : scene->back[k - m]];
+        both += !*once;
+        *once = 1;
+    }
+    const dpt_result result = dpt_strip_routes(scene->strip, subject->mesh, a, b, p);
+    const uint32_t *got = dpt_strip_get_triangles(scene->strip, &count, &flags);
+    CHECK(result == DPT_OK && count == both && flags == 0,
+          "%s, %u and %u to %u: %s, %u triangles, not %u, flags %u", subject->name, a, b, p,
+          dpt_result_name(result), count, both, flags);
+    for (uint32_t k = 0; k < count; k++) {
+        CHECK(wanted[got[k]] == 1, "%s, %u and %u to %u: %u is twice, or not on them",
+              subject->name, a, b, p, got[k]);
+        wanted[got[k]] = 2;
+    }
+    const dpt_result cut_result = dpt_strip_routes(few, subject->mesh, a, b, p);
+    got = dpt_strip_get_triangles(few, &count, &flags);
+    CHECK(cut_result == DPT_OK && count == (both < 5 ? both : 5) &&
+              flags == (both > 5 ? DPT_STRIP_FLAG_FULL : 0u),
+          "%s, %u and %u to %u, of %u: %s, %u triangles, flags %u", subject->name, a, b, p, both,
+          dpt_result_name(cut_result), count, flags);
+    for (uint32_t k = 0; k < count; k++) {
+        CHECK(wanted[got[k]] == 2, "%s, %u and %u to %u: %u is twice, or not on them",
+              subject->name, a, b, p, got[k]);
+        wanted[got[k]] = 3;
+    }
+    for (uint32_t k = 0; k < m + n; k++)
+        wanted[k < m ? scene->route[k] : scene->back[k - m]] = 0;
+    *shared += both + 1 < m + n;
+    *cut += both > 5;
+}
+
 /* The union of two routes, each triangle once. */
 
 static void two_routes(void)
@@ -183,40 +228,7 @@ static void two_routes(void)
             const uint32_t b = i % 4   ? triangle_nearby(&subject.surface, p, &seed)
                                : i % 8 ? a
                                        : (uint32_t)(random_bits(&seed) % subject.info.triangles);
-            uint32_t both = 0, count = 0, flags = 0;
-            oracle_route_tau(&subject.surface, p, scene.tau);
-            const uint32_t m = oracle_route(&subject.surface, scene.tau, a, scene.route);
-            const uint32_t n = oracle_route(&subject.surface, scene.tau, b, scene.back);
-            for (uint32_t k = 0; k < m + n; k++) {
-                unsigned char *once = &wanted[k < m ? scene.route[k] : scene.back[k - m]];
-                both += !*once;
-                *once = 1;
-            }
-            const dpt_result result = dpt_strip_routes(scene.strip, subject.mesh, a, b, p);
-            const uint32_t *got = dpt_strip_get_triangles(scene.strip, &count, &flags);
-            CHECK(result == DPT_OK && count == both && flags == 0,
-                  "%s, %u and %u to %u: %s, %u triangles, not %u, flags %u", subject.name, a, b, p,
-                  dpt_result_name(result), count, both, flags);
-            for (uint32_t k = 0; k < count; k++) {
-                CHECK(wanted[got[k]] == 1, "%s, %u and %u to %u: %u is twice, or not on them",
-                      subject.name, a, b, p, got[k]);
-                wanted[got[k]] = 2;
-            }
-            const dpt_result cut_result = dpt_strip_routes(few, subject.mesh, a, b, p);
-            got = dpt_strip_get_triangles(few, &count, &flags);
-            CHECK(cut_result == DPT_OK && count == (both < 5 ? both : 5) &&
-                      flags == (both > 5 ? DPT_STRIP_FLAG_FULL : 0u),
-                  "%s, %u and %u to %u, of %u: %s, %u triangles, flags %u", subject.name, a, b, p,
-                  both, dpt_result_name(cut_result), count, flags);
-            for (uint32_t k = 0; k < count; k++) {
-                CHECK(wanted[got[k]] == 2, "%s, %u and %u to %u: %u is twice, or not on them",
-                      subject.name, a, b, p, got[k]);
-                wanted[got[k]] = 3;
-            }
-            for (uint32_t k = 0; k < m + n; k++)
-                wanted[k < m ? scene.route[k] : scene.back[k - m]] = 0;
-            shared += both + 1 < m + n;
-            cut += both > 5;
+            check_two_routes(&scene, few, wanted, (const uint32_t[3]){ a, b, p }, &shared, &cut);
         }
         free(wanted);
         guarded_strip_close(&small);

@@ -53,6 +53,20 @@ static dpt_body sided_body(const struct pair *pair, dpt_body of)
     return body;
 }
 
+/* What holds of the two answers of any tick. */
+static void check_answers(const struct pair *pair, const dpt_hit hit[2])
+{
+    dpt_wrench alone;
+    dpt_tool_get_wrench(pair->world[FADES], pair->tool[FADES], &alone);
+    CHECK(memcmp(&hit[0], &hit[1], sizeof hit[0]) == 0, "hits differ");
+    CHECK(memcmp(&alone, &pair->reported.wrench, sizeof alone) == 0, "get_wrench says another");
+    CHECK(pair->reported.reason == pair->truth.reason, "reasons %u and %u", pair->reported.reason,
+          pair->truth.reason);
+    CHECK(!(pair->truth.flags & DPT_FORCE_FLAG_FADING), "a fade of 0 fades");
+    CHECK(size_of_force(&pair->truth.wrench) == 0.0 || pair->truth.reason == DPT_FORCE_ACTS,
+          "a force by reason %u", pair->truth.reason);
+}
+
 void pair_step(struct pair *pair)
 {
     const dpt_force_report previous = pair->reported;
@@ -66,16 +80,8 @@ void pair_step(struct pair *pair)
                                         w ? &pair->truth : &pair->reported) == DPT_OK,
               "no force");
     }
-    dpt_wrench alone;
-    dpt_tool_get_wrench(pair->world[FADES], pair->tool[FADES], &alone);
     pair->hit = hit[FADES];
-    CHECK(memcmp(&hit[0], &hit[1], sizeof hit[0]) == 0, "hits differ");
-    CHECK(memcmp(&alone, &pair->reported.wrench, sizeof alone) == 0, "get_wrench says another");
-    CHECK(pair->reported.reason == pair->truth.reason, "reasons %u and %u", pair->reported.reason,
-          pair->truth.reason);
-    CHECK(!(pair->truth.flags & DPT_FORCE_FLAG_FADING), "a fade of 0 fades");
-    CHECK(size_of_force(&pair->truth.wrench) == 0.0 || pair->truth.reason == DPT_FORCE_ACTS,
-          "a force by reason %u", pair->truth.reason);
+    check_answers(pair, hit);
 
     const int unknown = pair->truth.reason == DPT_FORCE_UNDECIDED;
     const int fades = (pair->reported.flags & DPT_FORCE_FLAG_FADING) != 0;
@@ -101,7 +107,8 @@ void pair_step(struct pair *pair)
           pair->left);
     if (fades && !(pair->left > 0.0)) /* it began, but both ways were the same */
         pair->left = anew - pair->dt;
-    CHECK(fades || memcmp(&pair->reported.wrench, &pair->truth.wrench, sizeof alone) == 0,
+    CHECK(fades ||
+              memcmp(&pair->reported.wrench, &pair->truth.wrench, sizeof pair->truth.wrench) == 0,
           "no fade, but %g N for %g", size_of_force(&pair->reported.wrench),
           size_of_force(&pair->truth.wrench));
     CHECK(size_of_force(&pair->reported.wrench) <=

@@ -88,10 +88,55 @@ void any_direction(double u[3], const double normal[3], const double way[3])
     unit3(u);
 }
 
+/* A body at any pose that moves and turns so that its target goes at -way; then u, way and the target are the world's. */
+static void move_body(const struct sheet *sheet, struct flight *f, const double target[3],
+                      double world[3], double u[3], double way[3])
+{
+    double arm[3];
+    double axis[3], rest[3] = { 0.0, 0.0, 0.0 };
+    any_unit(axis);
+    any_unit(f->body_axis);
+    any_unit(f->body.position);
+    quat_about(f->body.orientation, axis, random_in(&sheet_random, -3.0, 3.0));
+    for (int k = 0; k < 3; k++) {
+        f->body.position[k] *= 0.3 * sheet->unit;
+        rest[k] = -way[k];
+    }
+    quat_turn(arm, f->body.orientation, 0, target);
+    quat_turn(rest, f->body.orientation, 0, rest);
+    f->body_turn = any_turn(length3(arm) / sheet->unit);
+    pace_of_origin(f->body_pace, rest, f->body_axis, f->body_turn, arm);
+    pose_apply(world, &f->body, target);
+    quat_turn(u, f->body.orientation, 0, u);
+    quat_turn(way, f->body.orientation, 0, way);
+}
+
+/* A rigid tool at any pose whose axis along u has the point `share` at the target, at the meeting. */
+static void place_rigid_tool(const struct sheet *sheet, struct flight *f, const double world[3],
+                             double u[3], const double way[3], double share, double length,
+                             int moves)
+{
+    double arm[3];
+    double axis[3], spot[3];
+    any_unit(axis);
+    any_unit(f->tool_axis);
+    any_unit(arm);
+    quat_about(f->tool.orientation, axis, random_in(&sheet_random, -3.0, 3.0));
+    double reach = one_in(2) ? 0.0 : 0.1 * sheet->unit;
+    quat_turn(u, f->tool.orientation, 1, u);
+    for (int k = 0; k < 3; k++)
+        spot[k] = reach * arm[k] + (one_in(2) ? 0.0 : share * length * u[k]);
+    for (int e = 0; e < 2; e++)
+        add_scaled(f->end[e], spot, (e - share) * length, u);
+    quat_turn(arm, f->tool.orientation, 0, spot);
+    add_scaled(f->tool.position, world, -1.0, arm);
+    f->tool_turn = moves ? any_turn(length / sheet->unit) : 0.0;
+    pace_of_origin(f->tool_pace, way, f->tool_axis, f->tool_turn, arm);
+}
+
 int any_flight(const struct sheet *sheet, struct flight *f)
 {
-    double target[3], normal[3], way[3], u[3], world[3], arm[3],
-        share = one_in(2) ? one_in(2) : 0.5;
+    double target[3], normal[3], way[3], u[3], world[3], share = one_in(2) ? one_in(2) : 0.5;
     int on = any_target(sheet, target, normal);
     memset(f, 0, sizeof *f);
     f->meeting = (double)(random_bits(&sheet_random) % 3) + random_in(&sheet_random, 0.001, 0.999);
@@ -119,24 +164,8 @@ int any_flight(const struct sheet *sheet, struct flight *f)
     f->free = mode < 2 || (mode >= 3 && one_in(2));
     int body_moves = mode >= 3, tool_moves = mode != 3;
     memcpy(world, target, sizeof world);
-    if (body_moves) {
-        double axis[3], rest[3] = { 0.0, 0.0, 0.0 };
-        any_unit(axis);
-        any_unit(f->body_axis);
-        any_unit(f->body.position);
-        quat_about(f->body.orientation, axis, random_in(&sheet_random, -3.0, 3.0));
-        for (int k = 0; k < 3; k++) {
-            f->body.position[k] *= 0.3 * sheet->unit;
-            rest[k] = -way[k];
-        }
-        quat_turn(arm, f->body.orientation, 0, target);
-        quat_turn(rest, f->body.orientation, 0, rest);
-        f->body_turn = any_turn(length3(arm) / sheet->unit);
-        pace_of_origin(f->body_pace, rest, f->body_axis, f->body_turn, arm);
-        pose_apply(world, &f->body, target);
-        quat_turn(u, f->body.orientation, 0, u);
-        quat_turn(way, f->body.orientation, 0, way);
-    }
+    if (body_moves)
+        move_body(sheet, f, target, world, u, way);
     if (!tool_moves || mode >= 4)
         for (int k = 0; k < 3; k++)
             way[k] *= tool_moves ? random_in(&sheet_random, -0.5, 1.0) : 0.0;
@@ -150,21 +179,7 @@ int any_flight(const struct sheet *sheet, struct flight *f)
         }
         return on;
     }
-    double axis[3], spot[3];
-    any_unit(axis);
-    any_unit(f->tool_axis);
-    any_unit(arm);
-    quat_about(f->tool.orientation, axis, random_in(&sheet_random, -3.0, 3.0));
-    double reach = one_in(2) ? 0.0 : 0.1 * sheet->unit;
-    quat_turn(u, f->tool.orientation, 1, u);
-    for (int k = 0; k < 3; k++)
-        spot[k] = reach * arm[k] + (one_in(2) ? 0.0 : share * length * u[k]);
-    for (int e = 0; e < 2; e++)
-        add_scaled(f->end[e], spot, (e - share) * length, u);
-    quat_turn(arm, f->tool.orientation, 0, spot);
-    add_scaled(f->tool.position, world, -1.0, arm);
-    f->tool_turn = tool_moves ? any_turn(length / sheet->unit) : 0.0;
-    pace_of_origin(f->tool_pace, way, f->tool_axis, f->tool_turn, arm);
+    place_rigid_tool(sheet, f, world, u, way, share, length, tool_moves);
     return on;
 }
 

@@ -233,6 +233,48 @@ int side_of(const struct ride *ride, const struct state *now, const struct truth
     return depth.least < -1e-6 * sheet->diagonal ? 0 : height < 0.0 ? -1 : 1;
 }
 
+/* An axis that is behind by -least: gap, force and normals. `depth` and `at` are of this tick. */
+static void check_behind(struct ride *ride, const struct state *now,
+                         const struct tick_answer *answer, const struct depth *depth,
+                         const struct ends3 *at, double tolerance)
+{
+    const struct scene *scene = ride->scene;
+    const struct sheet *sheet = scene->sheet;
+    const dpt_hit *hit = &answer->hit;
+    struct sums *sums = ride->sums;
+    const double radius = now->radius, least = depth->least;
+    sums->behind++;
+    double off = fmax(hit->gap - (least - radius), least - depth->spread - radius - hit->gap);
+    CHECK(hit->contact == DPT_CONTACT_PENETRATING && off <= tolerance,
+          "%s: behind by %g, radius %g, contact %u, gap %g, sweep %u, %g before, side %d%s",
+          sheet->name, -least, radius, hit->contact, hit->gap, answer->sweep.status,
+          ride->previous_distance, ride->side, motion_text(&ride->previous, now));
+    sums->worst_gap = fmax(sums->worst_gap, off / tolerance);
+    double out[3], force = length3(answer->wrench.force);
+    const double stiffness = scene->def.stiffness, whole = stiffness * hit->depth;
+    quat_turn(out, now->body.orientation, 0, depth->out);
+    double cosine = force > 0.0 ? dot3(out, answer->wrench.force) / force : 1.0;
+    /* So far a border takes nothing from any point's depth-> */
+    const int away = border_distance(sheet, at) > 2.0 * -least + 1.25 * radius + tolerance;
+    /* Where it is curved, the deepest sample and the deepest point may differ; near a border the push is at another point. */
+    double least_cosine = sheet->flat > 0.0 ? 0.999999 : depth->spread == 0.0 && away ? 0.5 : -1.1;
+    sums->away += (unsigned long)away;
+    CHECK(cosine > least_cosine, "%s: force %g, cosine %g%s", sheet->name, force, cosine,
+          motion_text(&ride->previous, now));
+    CHECK(away ? fabs(force - whole) <= 1e-9 * force : force <= whole + stiffness * 2.0 * tolerance,
+          "%s: force %g, depth %g, away %d%s", sheet->name, force, hit->depth, away,
+          motion_text(&ride->previous, now));
+    for (uint32_t i = 0; i < answer->contacts && i < COUNT(answer->contact) && sheet->flat > 0.0;
+         i++) {
+        const dpt_contact *c = &answer->contact[i];
+        double q[3];
+        pose_undo(q, &now->body, c->q);
+        int inner = fmax(fabs(q[0]), fabs(q[1])) < sheet->flat * (1.0 - 1e-6);
+        CHECK(!inner || c->gap > -radius || dot3(out, c->normal) > 0.999999, "%s: normal %g%s",
+              sheet->name, dot3(out, c->normal), motion_text(&ride->previous, now));
+    }
+}
+
 void check_contact(struct ride *ride, const struct state *now, const struct tick_answer *answer,
                    const struct close *close)
 {
@@ -292,36 +334,7 @@ void check_contact(struct ride *ride, const struct state *now, const struct tick
             ride->knowledge = UNCROSSED;
         return;
     }
-    sums->behind++;
-    double off = fmax(hit->gap - (least - radius), least - depth.spread - radius - hit->gap);
-    CHECK(hit->contact == DPT_CONTACT_PENETRATING && off <= tolerance,
-          "%s: behind by %g, radius %g, contact %u, gap %g, sweep %u, %g before, side %d%s",
-          sheet->name, -least, radius, hit->contact, hit->gap, answer->sweep.status,
-          ride->previous_distance, ride->side, motion_text(&ride->previous, now));
-    sums->worst_gap = fmax(sums->worst_gap, off / tolerance);
-    double out[3], force = length3(answer->wrench.force);
-    const double stiffness = scene->def.stiffness, whole = stiffness * hit->depth;
-    quat_turn(out, now->body.orientation, 0, depth.out);
-    double cosine = force > 0.0 ? dot3(out, answer->wrench.force) / force : 1.0;
-    /* So far a border takes nothing from any point's depth. */
-    const int away = border_distance(sheet, &at) > 2.0 * -least + 1.25 * radius + tolerance;
-    /* Where it is curved, the deepest sample and the deepest point may differ; near a border the push is at another point. */
-    double least_cosine = sheet->flat > 0.0 ? 0.999999 : depth.spread == 0.0 && away ? 0.5 : -1.1;
-    sums->away += (unsigned long)away;
-    CHECK(cosine > least_cosine, "%s: force %g, cosine %g%s", sheet->name, force, cosine,
-          motion_text(&ride->previous, now));
-    CHECK(away ? fabs(force - whole) <= 1e-9 * force : force <= whole + stiffness * 2.0 * tolerance,
-          "%s: force %g, depth %g, away %d%s", sheet->name, force, hit->depth, away,
-          motion_text(&ride->previous, now));
-    for (uint32_t i = 0; i < answer->contacts && i < COUNT(answer->contact) && sheet->flat > 0.0;
-         i++) {
-        const dpt_contact *c = &answer->contact[i];
-        double q[3];
-        pose_undo(q, &now->body, c->q);
-        int inner = fmax(fabs(q[0]), fabs(q[1])) < sheet->flat * (1.0 - 1e-6);
-        CHECK(!inner || c->gap > -radius || dot3(out, c->normal) > 0.999999, "%s: normal %g%s",
-              sheet->name, dot3(out, c->normal), motion_text(&ride->previous, now));
-    }
+    check_behind(ride, now, answer, &depth, &at, tolerance);
 }
 
 int goes_through(const struct sheet *sheet, const struct ends3 *at, double s)

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The exactness of the tree on real meshes under real motion: every public mesh (DPT_DATA) and the
- * shapes of dynpoint make, 2,000 ticks each, recorded and slid and random, every answer held
- * against a brute force that shares nothing with the library. Inside and outside against winding
- * numbers.
+ * The exactness of the tree on real meshes under real motion: every public mesh (DPT_DATA) and the shapes of dynpoint
+ * make, 2,000 ticks each, recorded and slid and random. The oracle is a brute force that shares nothing with the library;
+ * of inside and outside, winding numbers. Whether the recorded motions are like those of other tools it cannot judge.
  *
- *     test_exactness              what make check runs
+ *     test_exactness [PER CENT]   of the ticks
  *     test_exactness soak [NAME]  every tick of every recording on every mesh, half an hour
  *
  * Runs the program dynpoint, which lies one folder above the test.
@@ -313,8 +312,9 @@ static struct motion motion_of(const struct subject *subject, uint64_t seed)
     struct motion motion = { .count = 0 };
     /* Two places, as a hand stays for long where it is. */
     for (uint64_t i = 0; i < (soaking ? 1 : 2); i++) {
-        const int slid = motion_slide(&motion, dynpoint, scratch, subject->compiled.bytes,
-                                      subject->compiled.size, seed + i, soaking ? 20000 : part_of(350));
+        const int slid =
+            motion_slide(&motion, dynpoint, scratch, subject->compiled.bytes,
+                         subject->compiled.size, seed + i, soaking ? 20000 : part_of(350));
         CHECK(slid == 0, "%s: no slide; is there a program %s?", subject->name, dynpoint);
     }
     for (int i = 0; i < MOTION_RECORDINGS && data; i++)
@@ -439,8 +439,8 @@ static void try_motions(const struct subject *subject)
               "%s is not closed", subject->name);
         check_signs(subject, &motion, hits, 0, small, part_of(200), &tally);
         check_signs(subject, &motion, hits, small, motion.count, part_of(400), &tally);
-        CHECK(tally.inside >= part_of(40) && tally.outside >= part_of(40), "%s: %zu inside, %zu outside",
-              subject->name, tally.inside, tally.outside);
+        CHECK(tally.inside >= part_of(40) && tally.outside >= part_of(40),
+              "%s: %zu inside, %zu outside", subject->name, tally.inside, tally.outside);
     }
     add_to_all(subject, &tally);
     free(hits);

@@ -9,6 +9,28 @@
 
 static unsigned long crossing_count = 100000;
 
+/* A sweep of the flat square, which met something at `meeting` if it crosses, at `speed` along z. */
+static void check_flat_sweep(struct ride *ride, const struct state *from, const struct state *to,
+                             const dpt_sweep *sweep, int crosses, double meeting, double speed,
+                             double *late)
+{
+    const double side = ride->side;
+    if (!crosses) {
+        CHECK(sweep->status == DPT_SWEEP_FREE && sweep->time == 1.0, "invented: %u at %.17g%s",
+              sweep->status, sweep->time, motion_text(from, to));
+    } else {
+        double early = 1.0001e-6 * ride->scene->sheet->diagonal / speed;
+        ride->sums->met++;
+        const int hit = sweep->status == DPT_SWEEP_HIT;
+        CHECK(hit && sweep->time <= meeting + 1e-9 && sweep->time >= meeting - early - 1e-9,
+              "met at %.17g: sweep %u at %.17g%s", meeting, sweep->status, sweep->time,
+              motion_text(from, to));
+        CHECK(!hit || side * sweep->normal[2] > 0.999999, "normal %g%s", sweep->normal[2],
+              motion_text(from, to));
+        *late = fmax(*late, sweep->time - meeting);
+    }
+}
+
 /*
  * The flat square once more, a tick each, with its truth in closed form: an end that comes to z = 0, or to the radius,
  * over the square, while no other point can have met anything.
@@ -64,24 +86,9 @@ static void flat_crossing(struct ride *ride, double *late)
     ride->knowledge = crosses && to.end[e][2] * side < 0.0 ? CROSSED : UNCROSSED;
     ride->sums->ticks++;
     struct close close = { .distance = answer.hit.distance };
-    int hit = answer.sweep.status == DPT_SWEEP_HIT;
     double slow = fabs(to.end[e][2] - from.end[e][2]);
     struct ends3 at = ends_between(&from, &to, fmin(1.0, meeting + radius / slow));
-    if (!crosses) {
-        CHECK(answer.sweep.status == DPT_SWEEP_FREE && answer.sweep.time == 1.0,
-              "invented: %u at %.17g%s", answer.sweep.status, answer.sweep.time,
-              motion_text(&from, &to));
-    } else {
-        double early = 1.0001e-6 * sheet->diagonal / fabs(way[2]);
-        ride->sums->met++;
-        CHECK(hit && answer.sweep.time <= meeting + 1e-9 &&
-                  answer.sweep.time >= meeting - early - 1e-9,
-              "met at %.17g: sweep %u at %.17g%s", meeting, answer.sweep.status, answer.sweep.time,
-              motion_text(&from, &to));
-        CHECK(!hit || side * answer.sweep.normal[2] > 0.999999, "normal %g%s",
-              answer.sweep.normal[2], motion_text(&from, &to));
-        *late = fmax(*late, answer.sweep.time - meeting);
-    }
+    check_flat_sweep(ride, &from, &to, &answer.sweep, crosses, meeting, fabs(way[2]), late);
     /* Where the axis comes through at the border it tells no side. */
     struct ends3 early = ends_between(&from, &to, answer.sweep.time);
     if (ride->knowledge == UNCROSSED ||
@@ -174,6 +181,47 @@ static void ways_that_bend_twice_are_swept(void)
     CHECK(sums.planned > 10, "%lu met", sums.planned);
 }
 
+/* One motion through a thin body, from outside. `passed` counts those that are outside at both ends. */
+static void pass_thin_body(struct scene *scene, struct sums *sums, int is_bead,
+                           unsigned long *passed)
+{
+    const struct sheet *sheet = scene->sheet;
+    double target[3], normal[3], way[3], u[3], pace = power_in(-2.5, -1.7);
+    struct ride ride = { .scene = scene, .sums = sums };
+    struct state from = { .free = 1, .tool = DPT_POSE_IDENTITY, .body = DPT_POSE_IDENTITY };
+    struct state to;
+    any_target(sheet, target, normal);
+    any_unit(way);
+    if (!is_bead)
+        way[2] += way[2] < 0.0 ? -0.3 : 0.3;
+    unit3(way);
+    any_across(u, way); /* sideways, in its own line, or a point */
+    if (one_in(3))
+        memcpy(u, way, sizeof u);
+    double length = one_in(4) ? 0.0 : power_in(-3.0, -1.7),
+           meeting = random_in(&sheet_random, 0.1, 0.9);
+    from.radius = one_in(2) ? 0.0 : power_in(-5.0, -3.5);
+    double share = dot3(u, way) > 0.5 ? 1.0 : random_in(&sheet_random, 0.0, 1.0);
+    for (int e = 0; e < 2; e++) {
+        add_scaled(from.end[e], target, (e - share) * length, u);
+        add_scaled(from.end[e], from.end[e], -meeting * pace, way);
+    }
+    to = from;
+    for (int e = 0; e < 2; e++)
+        add_scaled(to.end[e], from.end[e], pace, way);
+    struct ends3 at = ends_between(&from, &from, 0.0), then = ends_between(&to, &to, 0.0);
+    struct close close = closest_of_all(sheet, &at);
+    if (close.distance <= fmax(1.001 * from.radius, 1e-9))
+        return;
+    *passed += closest_of_all(sheet, &then).distance > from.radius;
+    if (height_of(sheet, at.end[0], normal, &(int){ 0 }) < 0.0)
+        return; /* inside */
+    ride_tick(&ride, &from, 1, -1.0);
+    struct truth truth = truth_of(sheet, &from, &to, from.radius);
+    ride.knowledge = SIDE_UNKNOWN;
+    ride_tick(&ride, &to, 0, truth.met == TRUTH_MET ? truth.by : -1.0);
+}
+
 /* Thin closed bodies, passed completely in one tick. */
 static void thin_bodies_are_not_missed(void)
 {
@@ -203,40 +251,7 @@ static void thin_bodies_are_not_missed(void)
             !scene_begin(&scene, &sheet, 0, NULL))
             return;
         for (unsigned long i = 0; i < crossing_count / 20; i++) {
-            double target[3], normal[3], way[3], u[3], pace = power_in(-2.5, -1.7);
-            struct ride ride = { .scene = &scene, .sums = &sums };
-            struct state from = { .free = 1, .tool = DPT_POSE_IDENTITY, .body = DPT_POSE_IDENTITY };
-            struct state to;
-            any_target(&sheet, target, normal);
-            any_unit(way);
-            if (!body)
-                way[2] += way[2] < 0.0 ? -0.3 : 0.3;
-            unit3(way);
-            any_across(u, way); /* sideways, in its own line, or a point */
-            if (one_in(3))
-                memcpy(u, way, sizeof u);
-            double length = one_in(4) ? 0.0 : power_in(-3.0, -1.7),
-                   meeting = random_in(&sheet_random, 0.1, 0.9);
-            from.radius = one_in(2) ? 0.0 : power_in(-5.0, -3.5);
-            double share = dot3(u, way) > 0.5 ? 1.0 : random_in(&sheet_random, 0.0, 1.0);
-            for (int e = 0; e < 2; e++) {
-                add_scaled(from.end[e], target, (e - share) * length, u);
-                add_scaled(from.end[e], from.end[e], -meeting * pace, way);
-            }
-            to = from;
-            for (int e = 0; e < 2; e++)
-                add_scaled(to.end[e], from.end[e], pace, way);
-            struct ends3 at = ends_between(&from, &from, 0.0), then = ends_between(&to, &to, 0.0);
-            struct close close = closest_of_all(&sheet, &at);
-            if (close.distance <= fmax(1.001 * from.radius, 1e-9))
-                continue;
-            passed += closest_of_all(&sheet, &then).distance > from.radius;
-            if (height_of(&sheet, at.end[0], normal, &(int){ 0 }) < 0.0)
-                continue; /* inside */
-            ride_tick(&ride, &from, 1, -1.0);
-            struct truth truth = truth_of(&sheet, &from, &to, from.radius);
-            ride.knowledge = SIDE_UNKNOWN;
-            ride_tick(&ride, &to, 0, truth.met == TRUTH_MET ? truth.by : -1.0);
+            pass_thin_body(&scene, &sums, body, &passed);
         }
         free(scene.block);
         sheet_free(&sheet);
@@ -245,6 +260,47 @@ static void thin_bodies_are_not_missed(void)
            "tolerance\n",
            sums.swept, sums.met, passed, sums.undecided, sums.worst_off);
     CHECK(passed > crossing_count / 100, "%lu passed", passed);
+}
+
+enum { FIRST = 400 }; /* ticks for the search, which comes before the sweep */
+
+/* One motion in a world with a budget, and in an ample one. Returns the ticks in which the sweep was unfinished. */
+static uint32_t sweep_with_budget(struct scene *scene, struct scene *ample, struct sums *sums)
+{
+    struct sheet *sheet = scene->sheet;
+    struct flight flight;
+    struct tick_answer answer;
+    any_flight(sheet, &flight);
+    flight.body_turn = 0.0;
+    memset(flight.body_pace, 0, sizeof flight.body_pace);
+    flight.meeting = random_in(&sheet_random, 0.001, 0.999);
+    struct state from = flight_at(&flight, 0.0), to = flight_at(&flight, 1.0);
+    struct ends3 at = ends_between(&from, &from, 0.0);
+    struct close close = closest_of_all(sheet, &at);
+    if (close.distance <= fmax(1.001 * from.radius, 1e-9))
+        return 0;
+    scene_place(ample, &from, 1);
+    scene_tick(ample, &answer);
+    scene_place(ample, &to, 0);
+    scene_tick(ample, &answer);
+    uint32_t ticks = 0, most = FIRST + answer.step.work / scene->def.budget;
+    scene_place(scene, &from, 1);
+    for (scene_tick(scene, &answer); answer.hit.status != DPT_STATUS_EXACT && ticks < most; ticks++)
+        scene_tick(scene, &answer);
+    CHECK(ticks < most, "%s: budget %u, not exact%s", sheet->name, scene->def.budget,
+          motion_text(&from, &from));
+    struct ride ride = { .scene = scene, .sums = sums, .previous = from, .started = 1 };
+    ride.previous_distance = close.distance;
+    ride.previous_error = answer.hit.error_bound;
+    ticks = 0;
+    scene_place(scene, &to, 0);
+    for (scene_tick(scene, &answer); answer.sweep.status == DPT_SWEEP_UNFINISHED && ticks < most;
+         ticks++)
+        scene_tick(scene, &answer);
+    CHECK(ticks < most, "%s: budget %u, unfinished%s", sheet->name, scene->def.budget,
+          motion_text(&from, &to));
+    check_sweep(&ride, &to, &answer.sweep, -1.0);
+    return ticks;
 }
 
 /*
@@ -257,7 +313,6 @@ static void a_small_budget_only_delays(void)
     struct sums sums = { .worst_off = -HUGE_VAL };
     unsigned long unfinished = 0, flights = crossing_count / 25;
     uint32_t longest = 0;
-    enum { FIRST = 400 }; /* ticks for the search, which comes before the sweep */
     for (int mesh = 0; mesh < 2; mesh++) {
         if (!sheet_from_shape(&sheet, mesh ? "cloth" : "membrane", mesh ? 3200 : 512,
                               mesh ? 0.0 : 0.1))
@@ -265,8 +320,6 @@ static void a_small_budget_only_delays(void)
         struct scene scene = { NULL };
         struct scene ample = { NULL };
         for (unsigned long i = 0; i < flights / 2; i++) {
-            struct flight flight;
-            struct tick_answer answer;
             if (i % 20 == 0) {
                 free(scene.block);
                 free(ample.block);
@@ -277,39 +330,9 @@ static void a_small_budget_only_delays(void)
                     !scene_begin(&ample, &sheet, 0, &scene))
                     return;
             }
-            any_flight(&sheet, &flight);
-            flight.body_turn = 0.0;
-            memset(flight.body_pace, 0, sizeof flight.body_pace);
-            flight.meeting = random_in(&sheet_random, 0.001, 0.999);
-            struct state from = flight_at(&flight, 0.0), to = flight_at(&flight, 1.0);
-            struct ends3 at = ends_between(&from, &from, 0.0);
-            struct close close = closest_of_all(&sheet, &at);
-            if (close.distance <= fmax(1.001 * from.radius, 1e-9))
-                continue;
-            scene_place(&ample, &from, 1);
-            scene_tick(&ample, &answer);
-            scene_place(&ample, &to, 0);
-            scene_tick(&ample, &answer);
-            uint32_t ticks = 0, most = FIRST + answer.step.work / scene.def.budget;
-            scene_place(&scene, &from, 1);
-            for (scene_tick(&scene, &answer); answer.hit.status != DPT_STATUS_EXACT && ticks < most;
-                 ticks++)
-                scene_tick(&scene, &answer);
-            CHECK(ticks < most, "%s: budget %u, not exact%s", sheet.name, scene.def.budget,
-                  motion_text(&from, &from));
-            struct ride ride = { .scene = &scene, .sums = &sums, .previous = from, .started = 1 };
-            ride.previous_distance = close.distance;
-            ride.previous_error = answer.hit.error_bound;
-            ticks = 0;
-            scene_place(&scene, &to, 0);
-            for (scene_tick(&scene, &answer);
-                 answer.sweep.status == DPT_SWEEP_UNFINISHED && ticks < most; ticks++)
-                scene_tick(&scene, &answer);
-            CHECK(ticks < most, "%s: budget %u, unfinished%s", sheet.name, scene.def.budget,
-                  motion_text(&from, &to));
+            const uint32_t ticks = sweep_with_budget(&scene, &ample, &sums);
             unfinished += ticks;
             longest = ticks > longest ? ticks : longest;
-            check_sweep(&ride, &to, &answer.sweep, -1.0);
         }
         free(scene.block);
         free(ample.block);

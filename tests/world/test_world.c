@@ -26,6 +26,39 @@ static void memory_is_what_it_says(void)
     free(block);
 }
 
+/* A def of a newer caller, one for a kernel that is not here, and defaults of other sizes. */
+static void other_defs_are_checked(void)
+{
+    dpt_world_def good = small_def(), def;
+    struct {
+        dpt_world_def def;
+        uint32_t newer[2];
+    } longer = { good, { 0, 0 } };
+    longer.def.size = sizeof longer;
+    CHECK(dpt_world_bytes(&longer.def) == dpt_world_bytes(&good), "a longer def, rest 0");
+    longer.newer[1] = 1;
+    CHECK(dpt_world_bytes(&longer.def) == 0, "a longer def that asks for more");
+    def = good;
+    def.kernel = 77;
+    size_t bytes = dpt_world_bytes(&def);
+    void *block = malloc(bytes);
+    dpt_world *world;
+    memset(block, 0xa5, bytes);
+    CHECK(dpt_world_create(block, bytes, &def, &world) == DPT_E_UNSUPPORTED, "kernel");
+    size_t same = 0;
+    while (same < bytes && ((unsigned char *)block)[same] == 0xa5)
+        same++;
+    CHECK(same == bytes, "a block that was refused is written at %zu", same);
+    free(block);
+    memset(&longer, 0x55, sizeof longer);
+    dpt_world_def_defaults(&longer.def, sizeof longer);
+    CHECK(dpt_world_bytes(&longer.def) > 0 && longer.newer[0] == 0 && longer.newer[1] == 0,
+          "the defaults of a longer def leave its tail as it was");
+    memset(&def, 0x55, sizeof def);
+    dpt_world_def_defaults(&def, 8);
+    CHECK(def.size == 8 && def.max_tools == 0x55555555, "wrote more than the caller's size");
+}
+
 static void defs_are_checked(void)
 {
     dpt_world_def good = small_def(), def;
@@ -71,33 +104,7 @@ static void defs_are_checked(void)
     REFUSED(stiffness, NAN);
     REFUSED(stiffness, INFINITY);
 #undef REFUSED
-    struct {
-        dpt_world_def def;
-        uint32_t newer[2];
-    } longer = { good, { 0, 0 } };
-    longer.def.size = sizeof longer;
-    CHECK(dpt_world_bytes(&longer.def) == dpt_world_bytes(&good), "a longer def, rest 0");
-    longer.newer[1] = 1;
-    CHECK(dpt_world_bytes(&longer.def) == 0, "a longer def that asks for more");
-    def = good;
-    def.kernel = 77;
-    size_t bytes = dpt_world_bytes(&def);
-    void *block = malloc(bytes);
-    dpt_world *world;
-    memset(block, 0xa5, bytes);
-    CHECK(dpt_world_create(block, bytes, &def, &world) == DPT_E_UNSUPPORTED, "kernel");
-    size_t same = 0;
-    while (same < bytes && ((unsigned char *)block)[same] == 0xa5)
-        same++;
-    CHECK(same == bytes, "a block that was refused is written at %zu", same);
-    free(block);
-    memset(&longer, 0x55, sizeof longer);
-    dpt_world_def_defaults(&longer.def, sizeof longer);
-    CHECK(dpt_world_bytes(&longer.def) > 0 && longer.newer[0] == 0 && longer.newer[1] == 0,
-          "the defaults of a longer def leave its tail as it was");
-    memset(&def, 0x55, sizeof def);
-    dpt_world_def_defaults(&def, 8);
-    CHECK(def.size == 8 && def.max_tools == 0x55555555, "wrote more than the caller's size");
+    other_defs_are_checked();
 }
 
 static void ids_die_with_their_things(void)
