@@ -9,10 +9,10 @@
  *
  * Real meshes from DPT_DATA.
  */
-#include <dirent.h>
 #include <unistd.h>
 
 #include "contact/depth_checks.h"
+#include "lib/public_meshes.h"
 
 static const char *data;
 static char folder[1024]; /* where this program lies */
@@ -345,33 +345,21 @@ static void try_distance(const struct solid *solid)
     motion_free(&motion);
 }
 
-static int is_mesh(const struct dirent *entry)
+static void distance_on_mesh(const char *folder_of_it, const char *file, void *meshes)
 {
-    return entry->d_name[0] != '.' && strcmp(entry->d_name, "cray_right_floatmax.obj") != 0;
+    struct solid solid;
+    char name[512];
+    snprintf(name, sizeof name, "%s/%s", folder_of_it, file);
+    if (open_public(&solid, name))
+        try_distance(&solid);
+    solid_close(&solid);
+    ++*(size_t *)meshes;
 }
 
 static void distance_on_all_meshes(void)
 {
-    static const char *const folders[] = { "organs", "tools", "sheets_tori", "hard" };
     size_t meshes = 0;
-    for (int f = 0; f < 4; f++) {
-        char path[2048];
-        struct dirent **entries = NULL;
-        snprintf(path, sizeof path, "%s/meshes/%s", data, folders[f]);
-        const int count = scandir(path, &entries, is_mesh, alphasort);
-        CHECK(count > 0, "%s is empty", path);
-        for (int i = 0; i < count; i++) {
-            struct solid solid;
-            char name[512];
-            snprintf(name, sizeof name, "%s/%s", folders[f], entries[i]->d_name);
-            if (open_public(&solid, name))
-                try_distance(&solid);
-            solid_close(&solid);
-            free(entries[i]);
-            meshes++;
-        }
-        free(entries);
-    }
+    for_each_public_mesh(data, distance_on_mesh, &meshes);
     printf("    %zu meshes, %zu ticks\n", meshes, tally.ticks);
     tally = (struct tally){ 0 };
 }

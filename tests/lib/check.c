@@ -10,6 +10,14 @@ void take_percent(int argc, char **argv)
         check_percent = (unsigned)strtoul(argv[1], NULL, 10);
 }
 
+void take_count(int argc, char **argv, unsigned long *count, uint64_t *seed)
+{
+    if (argc > 1)
+        *count = strtoul(argv[1], NULL, 10);
+    if (argc > 2)
+        *seed = strtoull(argv[2], NULL, 10);
+}
+
 uint64_t part_of(uint64_t cases)
 {
     const uint64_t share = cases * check_percent / 100;

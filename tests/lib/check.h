@@ -57,6 +57,9 @@ extern unsigned check_percent;
  */
 void take_percent(int argc, char **argv);
 
+/* Take how many cases from the first argument, and the seed from the second; what is not given stays. */
+void take_count(int argc, char **argv, unsigned long *count, uint64_t *seed);
+
 /* `cases`, or that share of them; 1 at least. */
 uint64_t part_of(uint64_t cases);
 

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "lib/strip_subject.h"
 
+#include "lib/public_meshes.h"
+
 int subject_open(struct subject *subject)
 {
     subject->info.size = sizeof subject->info;
@@ -89,30 +91,24 @@ int subject_from_lattice(struct subject *subject, uint32_t size, uint32_t triang
     return opened;
 }
 
-/* Every public mesh of these folders but the one that is too large for metres. */
-static int is_public_mesh(const struct dirent *entry)
+struct each_subject {
+    const char *data;
+    void (*each)(const struct subject *subject);
+};
+
+static void open_each(const char *folder, const char *file, void *user)
 {
-    return entry->d_name[0] != '.' && strcmp(entry->d_name, "cray_right_floatmax.obj") != 0;
+    const struct each_subject *to = user;
+    struct subject subject;
+    if (subject_from_file(&subject, to->data, folder, file))
+        to->each(&subject);
+    subject_close(&subject);
 }
 
 void for_public_meshes(const char *data, void (*each)(const struct subject *subject))
 {
-    static const char *const folders[] = { "organs", "tools", "sheets_tori", "hard" };
-    for (size_t f = 0; f < sizeof folders / sizeof *folders; f++) {
-        char path[1024];
-        struct dirent **entries = NULL;
-        snprintf(path, sizeof path, "%s/meshes/%s", data, folders[f]);
-        const int count = scandir(path, &entries, is_public_mesh, alphasort);
-        CHECK(count > 0, "%s is empty", path);
-        for (int i = 0; i < count; i++) {
-            struct subject subject;
-            if (subject_from_file(&subject, data, folders[f], entries[i]->d_name))
-                each(&subject);
-            subject_close(&subject);
-            free(entries[i]);
-        }
-        free(entries);
-    }
+    struct each_subject to = { data, each };
+    for_each_public_mesh(data, open_each, &to);
 }
 
 dpt_strip *guarded_strip_open(struct guarded_strip *guarded, uint32_t capacity, uint32_t search)

@@ -3,7 +3,6 @@
 #ifndef DPT_TESTS_STRIP_SUBJECT_H
 #define DPT_TESTS_STRIP_SUBJECT_H
 
-#include <dirent.h>
 #include <math.h>
 
 #include "dynpoint.h"
@@ -45,6 +44,7 @@ int subject_from_file(struct subject *subject, const char *data, const char *fol
  */
 int subject_from_lattice(struct subject *subject, uint32_t size, uint32_t triangles, uint64_t seed);
 
+/* Each public mesh, opened. */
 void for_public_meshes(const char *data, void (*each)(const struct subject *subject));
 
 /* A strip in a block of exactly the bytes it asked for, and 8 more that must stay. */

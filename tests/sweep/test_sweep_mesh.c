@@ -395,10 +395,7 @@ static void sheets_are_crossed_at_any_speed(void)
 
 int main(int argc, char **argv)
 {
-    if (argc > 1)
-        crossing_count = strtoul(argv[1], NULL, 10);
-    if (argc > 2)
-        rng = strtoull(argv[2], NULL, 10);
+    take_count(argc, argv, &crossing_count, &rng);
     TEST(swept_bounds_are_sound);
     TEST(meshes_are_met_as_their_triangles_are);
     TEST(sheets_are_crossed_at_any_speed);

@@ -9,7 +9,6 @@
  *
  * Runs the program dynpoint, which lies one folder above the test.
  */
-#include <dirent.h>
 #include <math.h>
 #include <unistd.h>
 
@@ -18,6 +17,7 @@
 #include "dynpoint/query.h"
 #include "dynpoint/world.h"
 #include "lib/check.h"
+#include "lib/public_meshes.h"
 #include "oracle/brute.h"
 #include "shape.h"
 
@@ -484,33 +484,15 @@ static void test_file(const char *folder, const char *file, double scale)
         put_to_test(&subject, path, scale);
 }
 
-static const char too_large[] = "cray_right_floatmax.obj";
-
-static int is_mesh(const struct dirent *entry)
+static void test_public_mesh(const char *folder, const char *file, void *unused)
 {
-    return entry->d_name[0] != '.' && strcmp(entry->d_name, too_large) != 0;
-}
-
-static void test_folder(const char *folder)
-{
-    char path[1024];
-    struct dirent **entries = NULL;
-    snprintf(path, sizeof path, "%s/meshes/%s", data, folder);
-    const int count = scandir(path, &entries, is_mesh, alphasort);
-    CHECK(count > 0, "%s is empty", path);
-    for (int i = 0; i < count; i++) {
-        test_file(folder, entries[i]->d_name, 1);
-        free(entries[i]);
-    }
-    free(entries);
+    (void)unused;
+    test_file(folder, file, 1);
 }
 
 static void public_meshes(void)
 {
-    test_folder("organs");
-    test_folder("tools");
-    test_folder("sheets_tori");
-    test_folder("hard");
+    for_each_public_mesh(data, test_public_mesh, NULL);
 }
 
 /* Millimetres that are made metres, and the largest floats made to fit. */
@@ -520,9 +502,9 @@ static void scaled_meshes(void)
     dpt_compiled compiled;
     test_file("organs", "openhelp_stomach.stl", 1e-3);
     test_file("tools", "instrument_shaft.stl", 1e-3);
-    snprintf(path, sizeof path, "%s/meshes/hard/%s", data, too_large);
-    CHECK(dpt_compile_file(path, NULL, &compiled, NULL) == DPT_E_FINITE, "%s fits", too_large);
-    test_file("hard", too_large, 1e-33);
+    snprintf(path, sizeof path, "%s/meshes/hard/%s", data, TOO_LARGE_MESH);
+    CHECK(dpt_compile_file(path, NULL, &compiled, NULL) == DPT_E_FINITE, "%s fits", TOO_LARGE_MESH);
+    test_file("hard", TOO_LARGE_MESH, 1e-33);
     CHECK(all.files_read >= 20, "%zu binary STL files", all.files_read);
 }
 

@@ -212,10 +212,7 @@ static void public_meshes_are_answered(void)
 
 int main(int argc, char **argv)
 {
-    if (argc > 1)
-        crossing_count = strtoul(argv[1], NULL, 10);
-    if (argc > 2)
-        sheet_random = strtoull(argv[2], NULL, 10);
+    take_count(argc, argv, &crossing_count, &sheet_random);
     TEST(generated_bodies_are_continuous);
     TEST(soups_are_answered);
     if (getenv("DPT_DATA"))

@@ -278,10 +278,7 @@ static void a_capsule_slides_off_without_a_jump(void)
 
 int main(int argc, char **argv)
 {
-    if (argc > 1)
-        slide_count = strtoul(argv[1], NULL, 10);
-    if (argc > 2)
-        sheet_random = strtoull(argv[2], NULL, 10);
+    take_count(argc, argv, &slide_count, &sheet_random);
     if (!make_sheet())
         return check_report();
     TEST(a_line_slides_off_without_a_jump);

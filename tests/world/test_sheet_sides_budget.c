@@ -485,10 +485,7 @@ static void sides_are_of_the_way_that_was_taken(void)
 
 int main(int argc, char **argv)
 {
-    if (argc > 1)
-        world_count = strtoul(argv[1], NULL, 10);
-    if (argc > 2)
-        random_state = strtoull(argv[2], NULL, 10);
+    take_count(argc, argv, &world_count, &random_state);
     if (!fixture_from_shape(&sheet, "membrane", 512))
         return check_report();
     TEST(no_push_to_the_wrong_side);

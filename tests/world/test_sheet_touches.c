@@ -195,10 +195,7 @@ static void a_way_through_a_hole_is_free(void)
 
 int main(int argc, char **argv)
 {
-    if (argc > 1)
-        crossing_count = strtoul(argv[1], NULL, 10);
-    if (argc > 2)
-        sheet_random = strtoull(argv[2], NULL, 10);
+    take_count(argc, argv, &crossing_count, &sheet_random);
     TEST(a_touch_does_not_go_through);
     TEST(round_the_border_is_in_front);
     TEST(through_a_corner_is_behind);

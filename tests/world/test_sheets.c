@@ -345,10 +345,7 @@ static void a_small_budget_only_delays(void)
 
 int main(int argc, char **argv)
 {
-    if (argc > 1)
-        crossing_count = strtoul(argv[1], NULL, 10);
-    if (argc > 2)
-        sheet_random = strtoull(argv[2], NULL, 10);
+    take_count(argc, argv, &crossing_count, &sheet_random);
     TEST(a_flat_sheet_is_crossed_in_one_tick);
     TEST(generated_sheets_are_crossed);
     TEST(ways_that_bend_twice_are_swept);

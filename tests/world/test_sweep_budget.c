@@ -427,10 +427,7 @@ static void what_is_out_of_reach_is_not_waited_for(void)
 
 int main(int argc, char **argv)
 {
-    if (argc > 1)
-        motion_count = strtoul(argv[1], NULL, 10);
-    if (argc > 2)
-        rng = strtoull(argv[2], NULL, 10);
+    take_count(argc, argv, &motion_count, &rng);
     if (!fixture_from_shape(&meshes[0], "membrane", 512) ||
         !fixture_from_shape(&meshes[1], "cloth", 800) ||
         !fixture_from_shape(&meshes[2], "torus", 1200))
