@@ -140,8 +140,8 @@ static void expect_brute_count(struct mesh_builder *builder, double step, const 
 }
 
 /*
- * Triangles between points of a small grid touch, lie in one plane and end in each other all the time. The grid lies along
- * the axes, or aslant, as a plane or in space; at the origin or far from it.
+ * Triangles between points of a small grid touch, lie in one plane and end in each other all the time. The grid lies
+ * along the axes, or aslant, as a plane or in space; at the origin or far from it.
  */
 static void soups_on_a_grid_agree_with_brute_force(void)
 {
@@ -224,7 +224,7 @@ static void crumpled_meshes_agree_with_brute_force(void)
     CHECK(least == 0 && most > 1000, "from %u to %u pairs", least, most);
 }
 
-/* Triangles round a vertex, flat or not, open or closed, that go round it up to twice: those past the first round overlap. */
+/* Triangles round a vertex, flat or not, open or closed, up to twice round it: those past the first round overlap. */
 static void fans_agree_with_brute_force(void)
 {
     static const int degrees[] = { 5, 80, 100, 175, 180, 185, 265, 275, 355, 361, 370, 500, 715 };

@@ -152,7 +152,10 @@ static void a_loop_does_each_item_once(void)
                 }
 }
 
-/* Boxes in a row of rows: some with a hole, some with a side or two left, some inside others or cutting their neighbours. */
+/*
+ * Boxes in a row of rows: some with a hole, some with a side or two left, some inside others or cutting their
+ * neighbours.
+ */
 static int make_boxes(uint32_t side, struct shape *shape)
 {
     static const uint32_t corners[12][3] = { { 0, 2, 1 }, { 0, 3, 2 }, { 4, 5, 6 }, { 4, 6, 7 },

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Which parts have an inside, and which way they are wound: balls that nest, cut, touch, are torn or have holes; sheets;
- * thousands of parts.
+ * Which parts have an inside, and which way they are wound: balls that nest, cut, touch, are torn or have holes;
+ * sheets; thousands of parts.
  */
 #include <time.h>
 

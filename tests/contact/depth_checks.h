@@ -15,8 +15,8 @@ const char *answer_text(const struct solid *solid, const char *by, const double 
 void check_form(const char *text, const dpt_hit *hit);
 
 /*
- * The region that has the hit's gap leads out: from its deepest point by how deep the axis is to the surface. Returns how
- * far off the surface it lands.
+ * The region that has the hit's gap leads out: from its deepest point by how deep the axis is to the surface. Returns
+ * how far off the surface it lands.
  */
 double check_way_out(const struct solid *solid, const struct stage *stage, double margin,
                      const double ends[6], double radius, const dpt_hit *hit);

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The life of contact regions in a world: their numbers, the room for them, and the sides that they hold of open sheets. */
+/*
+ * The life of contact regions in a world: their numbers, the room for them, and the sides that they hold of open
+ * sheets.
+ */
 #include "lib/solid.h"
 
 /* Numbers: two bumps, their tops 0.0202 m high and 0.06 m apart, between them 0.013 m. */

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * All kernels of this machine give the same bits: bounds, planes that are renewed, winding numbers. The scalar kernel is
- * the reference, lane by lane. Solid angles are also compared with the arctangent of the C library. That the bounds are
- * true is for test_kernel.
+ * All kernels of this machine give the same bits: bounds, planes that are renewed, winding numbers. The scalar kernel
+ * is the reference, lane by lane. Solid angles are also compared with the arctangent of the C library. That the bounds
+ * are true is for test_kernel.
  *
  *     test_kernel_bits [PER CENT]   of the random blocks
  */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Meshes put together from balls, shapes and loose triangles, their winding numbers and the flags of their parts, and by the
- * arctangent of the C library what the numbers should be.
+ * Meshes put together from balls, shapes and loose triangles, their winding numbers and the flags of their parts, and
+ * by the arctangent of the C library what the numbers should be.
  */
 #ifndef DPT_TESTS_MESH_BUILDER_H
 #define DPT_TESTS_MESH_BUILDER_H

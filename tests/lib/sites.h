@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Which checks of a reader were reached. A program is linked with a copy of the reader's source in which each check that
- * refuses notes its line in `site` (tests.mk), the first one of a call; a check that no damaged file reaches is found by
- * reading the source.
+ * Which checks of a reader were reached. A program is linked with a copy of the reader's source in which each check
+ * that refuses notes its line in `site` (tests.mk), the first one of a call; a check that no damaged file reaches is
+ * found by reading the source.
  */
 #ifndef DPT_TESTS_SITES_H
 #define DPT_TESTS_SITES_H

@@ -65,8 +65,8 @@ static inline double unit3(double v[3])
 void random_unit(uint64_t *seed, double v[3]);
 
 /*
- * About the origin, of what is convex: the radii of the ball that touches its faces from within and of the one that holds
- * it, and by what angle a face's normal is off the way from there to a corner, at most.
+ * About the origin, of what is convex: the radii of the ball that touches its faces from within and of the one that
+ * holds it, and by what angle a face's normal is off the way from there to a corner, at most.
  */
 void solid_balls(const struct solid *solid, double *inner, double *outer, double *tilt);
 

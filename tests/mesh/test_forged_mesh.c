@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
  * Mesh files whose checksums are good and whose numbers are not: each word that could lead beyond the bytes is refused,
- * with the byte where it stands. A file that random forgery leaves openable is searched, and must not be read beyond its
- * end; the sanitizer judges that. Damage with wrong checksums is for test_mesh.
+ * with the byte where it stands. A file that random forgery leaves openable is searched, and must not be read beyond
+ * its end; the sanitizer judges that. Damage with wrong checksums is for test_mesh.
  *
  *     test_forged_mesh [PER CENT]   of the random forgeries
  */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * How much of what is under a tool a strip holds, at poses where the tool lies on the surface: its surface between 0 and
- * `margin` from the mesh. Against every triangle of the mesh. Sizes are of the mesh's diagonal: margin 0.01, radius
+ * How much of what is under a tool a strip holds, at poses where the tool lies on the surface: its surface between 0
+ * and `margin` from the mesh. Against every triangle of the mesh. Sizes are of the mesh's diagonal: margin 0.01, radius
  * 0.005, and the length that is asked for; the depth is what a world takes, a quarter of the length, radius and margin.
  */
 #ifndef DPT_TESTS_STRIP_RECALL_H
@@ -9,7 +9,9 @@
 
 #include "strip/strip_scene.h"
 
-/* Sums over poses. `near`: triangles within the margin of the tool; strips: the paper's, and shadows of these widths. */
+/*
+ * Sums over poses. `near`: triangles within the margin of the tool; strips: the paper's, and shadows of these widths.
+ */
 enum { COVERAGE_ROUTES, COVERAGE_NARROW, COVERAGE_WIDE, COVERAGE_STRIPS }; /* width 0 and margin */
 
 struct coverage {

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * How a segment stands to each triangle of a strip. The overlap by search: the distance to the triangle, moved against its
- * normal by m, is convex in m, so its least is found by thirds, and where it last is as small as the radius by halving.
+ * How a segment stands to each triangle of a strip. The overlap by search: the distance to the triangle, moved against
+ * its normal by m, is convex in m, so its least is found by thirds, and where it last is as small as the radius by
+ * halving.
  *
  *     test_overlap [PER CENT]   of the shadows; a real mesh from DPT_DATA
  */

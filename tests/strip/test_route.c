@@ -55,8 +55,8 @@ static void try_pairs(const struct subject *subject, uint64_t pairs, uint64_t se
 }
 
 /*
- * A triangular lattice of points (x, y). A cell is the triangle (x, y), (x + 1, y), (x, y + 1), or the one `down` beside
- * it, (x + 1, y), (x + 1, y + 1), (x, y + 1).
+ * A triangular lattice of points (x, y). A cell is the triangle (x, y), (x + 1, y), (x, y + 1), or the one `down`
+ * beside it, (x + 1, y), (x + 1, y + 1), (x, y + 1).
  */
 
 struct cell {
@@ -87,10 +87,10 @@ static int subject_from_cells(struct subject *subject, const char *name, const s
 }
 
 /*
- * The paper's Figure 6, by its caption: letters are the order in the array, C is 3 from W, of its neighbours A and E are
- * nearest to W, and the route is C, A, V, W. Here C = (0, 0), (-1, 0), (-1, 1) and W = (2, 0), (3, 0), (2, 1) are such
- * that only the edges (0, 0) to (1, 0), between A and E, and (1, 0) to (2, 0), between V and X, lead from one to the
- * other in so few steps.
+ * The paper's Figure 6, by its caption: letters are the order in the array, C is 3 from W, of its neighbours A and E
+ * are nearest to W, and the route is C, A, V, W. Here C = (0, 0), (-1, 0), (-1, 1) and W = (2, 0), (3, 0), (2, 1) are
+ * such that only the edges (0, 0) to (1, 0), between A and E, and (1, 0) to (2, 0), between V and X, lead from one to
+ * the other in so few steps.
  */
 static void the_papers_figure(void)
 {
@@ -285,8 +285,8 @@ static void random_lattices(void)
             try_pairs(&subject, 1024, seed);
         subject_close(&subject);
     }
-    CHECK(all.dropped > least_seen(100) && all.unreachable > least_seen(1000), "%zu dropped, %zu unreachable", all.dropped,
-          all.unreachable);
+    CHECK(all.dropped > least_seen(100) && all.unreachable > least_seen(1000),
+          "%zu dropped, %zu unreachable", all.dropped, all.unreachable);
 }
 
 static void hubs(void)
@@ -354,8 +354,8 @@ static void many_pairs(void)
 {
     printf("    %zu meshes, %zu pairs: %zu dropped, %zu unreachable, tau up to %zu\n", all.meshes,
            all.pairs, all.dropped, all.unreachable, all.longest);
-    CHECK(all.pairs >= part_of(data ? 100000 : 40000) && all.longest >= 100, "%zu pairs, %zu", all.pairs,
-          all.longest);
+    CHECK(all.pairs >= part_of(data ? 100000 : 40000) && all.longest >= 100, "%zu pairs, %zu",
+          all.pairs, all.longest);
 }
 
 int main(int argc, char **argv)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Routes in strips: by the table of distances; what a strip, or a search, that is too small does; two routes in one; and
- * arguments that are none.
+ * Routes in strips: by the table of distances; what a strip, or a search, that is too small does; two routes in one;
+ * and arguments that are none.
  */
 #include "strip/route_scene.h"
 
@@ -159,8 +159,8 @@ static void too_small(void)
 }
 
 /*
- * The routes from a and b to p in one strip: each of their triangles once; in `few`, which has room for 5, five of them.
- * `wanted` is 0 for every triangle before and after.
+ * The routes from a and b to p in one strip: each of their triangles once; in `few`, which has room for 5, five of
+ * them. `wanted` is 0 for every triangle before and after.
  */
 static void check_two_routes(struct route_scene *scene, dpt_strip *few, unsigned char *wanted,
                              const uint32_t ends[3], size_t *shared, size_t *cut)

@@ -111,7 +111,9 @@ static long double apart_along(const struct oracle_shadow *s, const long double 
     return fmaxl(low - (fmaxl(0, way) + half), fminl(0, way) - half - high) / sqrtl(square);
 }
 
-/* The most that a plane parallel to two of the edges there are, or to one and the triangle's normal, holds them apart. */
+/*
+ * The most that a plane parallel to two of the edges there are, or to one and the triangle's normal, holds them apart.
+ */
 static long double separation(const struct oracle_shadow *s, const long double (*corners)[3],
                               int count)
 {

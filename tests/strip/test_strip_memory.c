@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * What a strip remembers from one shadow to the next: it must not show, at rest, in motion, over one mesh after the other
- * and where another one was.
+ * What a strip remembers from one shadow to the next: it must not show, at rest, in motion, over one mesh after the
+ * other and where another one was.
  *
  *     test_strip_memory           what make check runs
  *     test_strip_memory FACTOR    so many times as many ticks of sliding

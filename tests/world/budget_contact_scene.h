@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* One mesh and one tool in two worlds, one with a small budget and one with an ample one, and how much is asked of them. */
+/*
+ * One mesh and one tool in two worlds, one with a small budget and one with an ample one, and how much is asked of
+ * them.
+ */
 #ifndef DPT_TESTS_BUDGET_CONTACT_SCENE_H
 #define DPT_TESTS_BUDGET_CONTACT_SCENE_H
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Tools and bodies that move from tick to tick, for the tests of budgets. A budget_input says what all worlds of a run are
- * given, so that one with a budget can be held against one without; a budget_sim is a world that is given so.
+ * Tools and bodies that move from tick to tick, for the tests of budgets. A budget_input says what all worlds of a run
+ * are given, so that one with a budget can be held against one without; a budget_sim is a world that is given so.
  */
 #ifndef DPT_TESTS_BUDGET_SCENE_H
 #define DPT_TESTS_BUDGET_SCENE_H

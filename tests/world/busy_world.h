@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
  * Worlds of every method in which much happens: three bodies and three tools that move, bodies and tools that come and
- * go, teleports, resets, input that is refused, and questions without a world. From tick to tick they call nothing of the
- * C library but what computes.
+ * go, teleports, resets, input that is refused, and questions without a world. From tick to tick they call nothing of
+ * the C library but what computes.
  */
 #ifndef DPT_TESTS_BUSY_WORLD_H
 #define DPT_TESTS_BUSY_WORLD_H

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Two worlds that are told the same: one whose pushes fade, and one with a fade of 0, which tells what is true. From
- * the second follows what the first must say, tick by tick.
+ * Two worlds with the same input: one whose pushes fade, and one with a fade of 0, whose wrench is that of the tick
+ * alone. From the second follows what the first must say, tick by tick.
  */
 #ifndef DPT_TESTS_FADE_PAIR_H
 #define DPT_TESTS_FADE_PAIR_H

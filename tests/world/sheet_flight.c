@@ -88,7 +88,9 @@ void any_direction(double u[3], const double normal[3], const double way[3])
     unit3(u);
 }
 
-/* A body at any pose that moves and turns so that its target goes at -way; then u, way and the target are the world's. */
+/*
+ * A body at any pose that moves and turns so that its target goes at -way; then u, way and the target are the world's.
+ */
 static void move_body(const struct sheet *sheet, struct flight *f, const double target[3],
                       double world[3], double u[3], double way[3])
 {

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Flights: tools and bodies of all kinds that meet, whose way is ridden out and back. */
+/* Random motions in which a tool meets a body at a time that is known, followed to the end and sometimes back. */
 #ifndef DPT_TESTS_SHEET_FLIGHT_H
 #define DPT_TESTS_SHEET_FLIGHT_H
 
 #include "world/sheet_ride.h"
 
 /*
- * A flight: a tool and a body, each at an even pace, that meet at the time `star`: the point `share` of the axis and
+ * A flight: a tool and a body, each at an even pace, that meet at the time `meeting`: the point `share` of the axis and
  * the target on the mesh.
  */
 struct flight {
@@ -26,12 +26,13 @@ int any_target(const struct sheet *sheet, double target[3], double normal[3]);
 /* Direction of the tool: across the sheet, nearly in it, along its own motion, sideways, any. */
 void any_direction(double u[3], const double normal[3], const double way[3]);
 
-/* Returns 1 where a crossing at the star is certain, if the tool gets so far. */
+/* Returns 1 where a crossing at the meeting is certain, if the tool gets so far. */
 int any_flight(const struct sheet *sheet, struct flight *f);
 
-/* Takes a flight to its end, on, and sometimes back; returns 1 if it began free. */
+/* One flight to its end, on, and sometimes back; returns 1 if the tool began free. */
 int fly(struct scene *scene, struct sums *sums);
 
+/* Flights until so many crossings were certain, with their sums printed. */
 void fly_through(struct sheet *sheet, unsigned long crossings);
 
 #endif

@@ -39,7 +39,12 @@ double height_of(const struct sheet *sheet, const double x[3], double n[3], int 
     return height;
 }
 
-void check_hit(struct ride *ride, const struct state *now, const dpt_sweep *sweep, double radius)
+/*
+ * A hit that is reported: near a touch, at a triangle and a point that are there, from the side that the tool came
+ * from.
+ */
+static void check_hit(struct ride *ride, const struct state *now, const dpt_sweep *sweep,
+                      double radius)
 {
     const struct sheet *sheet = ride->scene->sheet;
     struct ends3 at = ends_between(&ride->previous, now, sweep->time);
@@ -256,7 +261,10 @@ static void check_behind(struct ride *ride, const struct state *now,
     double cosine = force > 0.0 ? dot3(out, answer->wrench.force) / force : 1.0;
     /* So far a border takes nothing from any point's depth-> */
     const int away = border_distance(sheet, at) > 2.0 * -least + 1.25 * radius + tolerance;
-    /* Where it is curved, the deepest sample and the deepest point may differ; near a border the push is at another point. */
+    /*
+     * Where it is curved, the deepest sample and the deepest point may differ; near a border the push is at another
+     * point.
+     */
     double least_cosine = sheet->flat > 0.0 ? 0.999999 : depth->spread == 0.0 && away ? 0.5 : -1.1;
     sums->away += (unsigned long)away;
     CHECK(cosine > least_cosine, "%s: force %g, cosine %g%s", sheet->name, force, cosine,
@@ -325,8 +333,8 @@ void check_contact(struct ride *ride, const struct state *now, const struct tick
     }
     if (least > -depth.spread - tolerance) {
         /*
-         * In front, if by little, or beyond the border: what lies between two samples and is behind without a crossing would
-         * have a border on either side.
+         * In front, if by little, or beyond the border: what lies between two samples and is behind without a crossing
+         * would have a border on either side.
          */
         if (least > -depth.spread && depth.spread > 0.0)
             least = sampled_depth(sheet, &at, ride->side, SAMPLES_FINE).least;

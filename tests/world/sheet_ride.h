@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * A tool that rides from tick to tick: each tick's sweep, gap, force and regions against the truth, and against what is
- * known of its side.
+ * A tool that is moved from tick to tick over a sheet. Each tick's sweep, gap, force and contacts are held against the
+ * truth (sheet_truth.h) and against what is known of the tool's side. Where the truth is in doubt, the tick is counted
+ * and not judged.
  */
 #ifndef DPT_TESTS_SHEET_RIDE_H
 #define DPT_TESTS_SHEET_RIDE_H
@@ -16,11 +17,12 @@ struct sums {
 };
 
 /*
- * What is known of the axis since it was teleported. UNCROSSED: it has not gone through the sheet. CROSSED: it has, coming
- * from `side`. SIDE_LOST: the side is to be forgotten this tick. SIDE_UNKNOWN: the truth cannot tell.
+ * What is known of the axis since it was teleported. UNCROSSED: it has not gone through the sheet. CROSSED: it has,
+ * coming from `side`. SIDE_LOST: the side is to be forgotten this tick. SIDE_UNKNOWN: the truth cannot tell.
  */
 enum { UNCROSSED, CROSSED, SIDE_LOST, SIDE_UNKNOWN };
 
+/* One such tool, and its last tick. */
 struct ride {
     struct scene *scene;
     struct sums *sums;
@@ -31,6 +33,7 @@ struct ride {
     int started;
 };
 
+/* The unit normal of a triangle. */
 void normal_of(const double c[9], double n[3]);
 
 /*
@@ -39,10 +42,7 @@ void normal_of(const double c[9], double n[3]);
  */
 double height_of(const struct sheet *sheet, const double x[3], double n[3], int *border);
 
-/* Told: near a touch, at a triangle and a point that are there, from the side that it came from. */
-void check_hit(struct ride *ride, const struct state *now, const dpt_sweep *sweep, double radius);
-
-/* The motion of this tick; the axis' own truth. */
+/* Check the sweep of this tick; returns what the axis itself, without its radius, truly met. */
 struct truth check_sweep(struct ride *ride, const struct state *now, const dpt_sweep *sweep,
                          double planned);
 
@@ -59,7 +59,7 @@ void check_contact(struct ride *ride, const struct state *now, const struct tick
  */
 int goes_through(const struct sheet *sheet, const struct ends3 *at, double s);
 
-/* One tick, and all that must be true of it. `planned`: of a crossing, or -1. Returns the contact. */
+/* One tick and all checks of it. `planned`: the time of a crossing that must be found, or -1. Returns the contact. */
 uint32_t ride_tick(struct ride *ride, const struct state *now, int teleport, double planned);
 
 #endif

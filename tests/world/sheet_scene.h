@@ -8,7 +8,7 @@
 
 #include "world/sheet_truth.h"
 
-/* A program's own; the second number of its command line. */
+/* The state of all random numbers of a program; the second number of its command line. */
 extern uint64_t sheet_random;
 
 static inline int one_in(unsigned n)
@@ -39,7 +39,7 @@ static inline int sheet_from_shape(struct sheet *sheet, const char *name, uint32
     return fixture_from_shape(&sheet->fixture, name, count) && sheet_of(sheet, name);
 }
 
-/* A square of 0.3 m, bent to a bowl, or with a square hole in the middle. */
+/* A square of 0.3 m, flat or bent to a bowl, or with a square hole in the middle. */
 int sheet_from_grid(struct sheet *sheet, const char *name, double bend, int hole);
 
 /* A world of one sheet and one tool. */
@@ -64,7 +64,7 @@ static inline double side_limit(const struct scene *scene)
 /* A rigid tool is made anew where its segment is another one. */
 void scene_place(struct scene *scene, const struct state *state, int teleport);
 
-/* All that a tick says. */
+/* All that the library says of a tick. */
 struct tick_answer {
     dpt_step step;
     dpt_hit hit;

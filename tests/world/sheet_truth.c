@@ -224,6 +224,26 @@ struct close closest_of_all(const struct sheet *sheet, const struct ends3 *axis)
     return closest(sheet, sheet->near, near_axis(sheet, axis, least), axis);
 }
 
+/* A point of the axis gets from one side of a near triangle to the other within this short time. */
+static int passes(const struct sheet *sheet, const uint32_t *list, uint32_t count,
+                  const struct ends3 *from, const struct ends3 *to, double s)
+{
+    struct ends3 way;
+    point_at(way.end[0], from, s);
+    point_at(way.end[1], to, s);
+    return closest(sheet, list, count, &way).distance == 0.0;
+}
+
+/* The search for the first touch in one motion. */
+struct touch_search {
+    const struct sheet *sheet;
+    const struct state *from, *to;
+    double radius, speed, eps;
+    struct truth truth;
+    int steps_left;
+    int begun; /* truth.clear is known */
+};
+
 /* From a time within `eps` of a touch on: a proof that it is one, nearer than the radius or passed by. */
 static int prove_touch(struct touch_search *search, const uint32_t *list, uint32_t count, double t)
 {
@@ -259,8 +279,12 @@ static int prove_touch(struct touch_search *search, const uint32_t *list, uint32
     return 0;
 }
 
-int search_interval(struct touch_search *search, double t0, double t1, const uint32_t *list,
-                    uint32_t count, uint32_t *room)
+/*
+ * What may be within the radius at any time from t0 to t1 is so near at the middle; half and half, until that is
+ * nothing or within `eps`. Returns 1 when the first touch is found or the steps are used up.
+ */
+static int search_interval(struct touch_search *search, double t0, double t1, const uint32_t *list,
+                           uint32_t count, uint32_t *room)
 {
     double t = 0.5 * (t0 + t1), way = 0.5 * (t1 - t0) * search->speed;
     double reach = way + search->radius + search->eps;

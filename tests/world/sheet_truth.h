@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * What a tool truly met between two ticks, worked out from the triangles alone: the motion as the headers state it,
- * sampled so densely that nothing between two samples can be a touch. Of the library it uses the distance of one
- * segment and one triangle.
+ * The oracle of the sweep: what a tool met between two ticks, from the triangles alone. The motion is as tool.h states
+ * it; it is halved until nothing between two times can be a touch. Of the library it uses the distance of one segment
+ * and one triangle. A touch that comes within 1e-7 of the diagonal and goes no farther is TRUTH_NEAR: that it cannot
+ * judge.
  */
 #ifndef DPT_TESTS_SHEET_TRUTH_H
 #define DPT_TESTS_SHEET_TRUTH_H
@@ -94,7 +95,7 @@ struct ends3 {
     double end[2][3];
 };
 
-/* As dpt_segment_triangle takes them. */
+/* The distance of the axis to a triangle; s and q as of dpt_segment_triangle. */
 static inline double to_triangle(const struct ends3 *axis, const double corners[9], double *s,
                                  double q[3])
 {
@@ -103,6 +104,7 @@ static inline double to_triangle(const struct ends3 *axis, const double corners[
     return dpt_segment_triangle(six, corners, s, NULL, q);
 }
 
+/* The tool's ends in the body's frame at the time t of the motion, 0 to 1. */
 struct ends3 ends_between(const struct state *from, const struct state *to, double t);
 
 /* No point of the axis is faster than that, per tick and in the body's frame. */
@@ -127,8 +129,10 @@ struct sheet {
     dpt_mesh_info info;
 };
 
+/* Fill in the rest of a sheet whose fixture is open; 0 without memory or triangles. */
 int sheet_of(struct sheet *sheet, const char *name);
 
+/* 0 where the file does not compile. */
 int sheet_from_file(struct sheet *sheet, const char *path, const char *name);
 
 void sheet_free(struct sheet *sheet);
@@ -144,6 +148,7 @@ static inline double border_distance(const struct sheet *sheet, const struct end
 /* The triangles that may be within `reach` of the axis, into sheet->near. */
 uint32_t near_axis(const struct sheet *sheet, const struct ends3 *axis, double reach);
 
+/* The nearest triangle of some, and where on the axis. */
 struct close {
     double distance, s;
     uint32_t triangle; /* its place in the arrays */
@@ -152,11 +157,13 @@ struct close {
 struct close closest(const struct sheet *sheet, const uint32_t *list, uint32_t count,
                      const struct ends3 *axis);
 
-/* Over all triangles. */
+/* Of all triangles. */
 struct close closest_of_all(const struct sheet *sheet, const struct ends3 *axis);
 
+/* Nothing came within the radius; something came as near as rounding; something did; the steps ended. */
 enum { TRUTH_CLEAR, TRUTH_NEAR, TRUTH_MET, TRUTH_UNDECIDED };
 
+/* What happened first in a motion. */
 struct truth {
     int met;      /* TRUTH_... */
     double clear; /* nothing is within the radius before that time */
@@ -171,33 +178,6 @@ static inline void point_at(double out[3], const struct ends3 *axis, double s)
     for (int k = 0; k < 3; k++)
         out[k] = (1.0 - s) * axis->end[0][k] + s * axis->end[1][k];
 }
-
-/* A point of the axis gets from one side of a near triangle to the other within this short time. */
-static inline int passes(const struct sheet *sheet, const uint32_t *list, uint32_t count,
-                         const struct ends3 *from, const struct ends3 *to, double s)
-{
-    struct ends3 way;
-    point_at(way.end[0], from, s);
-    point_at(way.end[1], to, s);
-    return closest(sheet, list, count, &way).distance == 0.0;
-}
-
-/* One motion that is looked into. */
-struct touch_search {
-    const struct sheet *sheet;
-    const struct state *from, *to;
-    double radius, speed, eps;
-    struct truth truth;
-    int steps_left; /* looks */
-    int begun;      /* truth.clear is known */
-};
-
-/*
- * What may be within the radius at any time from t0 to t1 is so near at the middle; half and half, until that is
- * nothing or within `eps`. Returns 1 when the first touch is found or the looks are used up.
- */
-int search_interval(struct touch_search *search, double t0, double t1, const uint32_t *list,
-                    uint32_t count, uint32_t *room);
 
 /* When is something first within `radius` of the axis? */
 struct truth truth_of(const struct sheet *sheet, const struct state *from, const struct state *to,

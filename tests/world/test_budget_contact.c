@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * What a budget does to contact: the gap comes first, regions with what is left, and a tool that rests has both after some
- * ticks, as if there were no budget. What a region says of itself is so: one that is not coarse is as right as a
+ * What a budget does to contact: the gap comes first, regions with what is left, and a tool that rests has both after
+ * some ticks, as if there were no budget. What a region says of itself is so: one that is not coarse is as right as a
  * quadrature of single points tells, which takes signs from the library's own queries.
  */
 #include "world/budget_contact_scene.h"

@@ -54,8 +54,9 @@ static dpt_segment inner_axis(uint64_t *seed)
 }
 
 /*
- * Through the flat sheet and back, again and again, from the front, slowly and so fast that the nearest pair is bounded too:
- * whatever is unknown on the way, what is told is right. Behind is how deep the lower end is; in front nothing pushes.
+ * Through the flat sheet and back, again and again, from the front, slowly and so fast that the nearest pair is bounded
+ * too: whatever is unknown on the way, what is told is right. Behind is how deep the lower end is; in front nothing
+ * pushes.
  */
 static void a_side_outlives_what_is_unknown(void)
 {
@@ -101,8 +102,8 @@ static void a_side_outlives_what_is_unknown(void)
 }
 
 /*
- * Through the sheet near its border, out over that and round to the other side, where a side that is kept would push it up.
- * What is unknown on the way must not keep it: nothing pushes once it is round.
+ * Through the sheet near its border, out over that and round to the other side, where a side that is kept would push it
+ * up. What is unknown on the way must not keep it: nothing pushes once it is round.
  */
 static void a_side_ends_at_the_border(void)
 {
@@ -142,9 +143,9 @@ static void a_side_ends_at_the_border(void)
 }
 
 /*
- * Over the borders of a cloth with folds, where stretches are behind that no crossing tells of: they are found where they were a
- * tick ago, known or not. Else each tick would look for them anew, and most would be unknown. And a tool that is free again
- * is soon known to be, with little.
+ * Over the borders of a cloth with folds, where stretches are behind that no crossing tells of: they are found where
+ * they were a tick ago, known or not. Else each tick would look for them anew, and most would be unknown. And a tool
+ * that is free again is soon known to be, with little.
  */
 static void what_is_unknown_goes_on(void)
 {

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
  * The exactness of the tree on real meshes under real motion: every public mesh (DPT_DATA) and the shapes of dynpoint
- * make, 2,000 ticks each, recorded and slid and random. The oracle is a brute force that shares nothing with the library;
- * of inside and outside, winding numbers. Whether the recorded motions are like those of other tools it cannot judge.
+ * make, 2,000 ticks each, recorded and slid and random. The oracle is a brute force that shares nothing with the
+ * library; of inside and outside, winding numbers. Whether the recorded motions are like those of other tools it cannot
+ * judge.
  *
  *     test_exactness [PER CENT]   of the ticks
  *     test_exactness soak [NAME]  every tick of every recording on every mesh, half an hour

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Walks near any mesh, closed bodies and soups among them: what is so whatever its defects, and on those without any, that
- * the gap changes with the motion and its sign with a crossing.
+ * Walks near any mesh, closed bodies and soups among them: what is so whatever its defects, and on those without any,
+ * that the gap changes with the motion and its sign with a crossing.
  *
- * Usage: test_gap_continuity [crossings = 100000] [seed = 1]; a walk has 1000 ticks and one for each 50 crossings. DPT_DATA names
- * the folder of public meshes; open sheets among them are crossed as in test_sheets, once for each 500.
+ * Usage: test_gap_continuity [crossings = 100000] [seed = 1]; a walk has 1000 ticks and one for each 50 crossings.
+ * DPT_DATA names the folder of public meshes; open sheets among them are crossed as in test_sheets, once for each 500.
  */
 #include "world/sheet_flight.h"
 

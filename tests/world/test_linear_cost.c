@@ -413,9 +413,9 @@ static void hub_is_opened_and_asked(void)
 }
 
 /*
- * At its tip all triangles of a hub are within reach, and elsewhere its boxes overlap, for slivers that stand aslant fill
- * little of them: a tick in contact passes over all of it some times. No more than that, whatever its size; and per
- * block of work it costs what a sheet does.
+ * At its tip all triangles of a hub are within reach, and elsewhere its boxes overlap, for slivers that stand aslant
+ * fill little of them: a tick in contact passes over all of it some times. No more than that, whatever its size; and
+ * per block of work it costs what a sheet does.
  */
 static void hub_in_contact(void)
 {

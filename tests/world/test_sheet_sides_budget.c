@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * From which side a tool came through a sheet, with budgets that leave sweeps and contacts undecided for some ticks, and
- * whatever may happen meanwhile: another crossing, the way back, a sheet that moves, comes or goes, a step that fails. A
- * side may be unknown, or lost where the way was; it may never be the wrong one. The truth is the path that was taken.
+ * From which side a tool came through a sheet, with budgets that leave sweeps and contacts undecided for some ticks,
+ * and whatever may happen meanwhile: another crossing, the way back, a sheet that moves, comes or goes, a step that
+ * fails. A side may be unknown, or lost where the way was; it may never be the wrong one. The truth is the path that
+ * was taken.
  *
  * Usage: test_sheet_sides_budget [worlds = 250] [seed = 1].
  */
@@ -112,8 +113,8 @@ static void begin_at(struct scene *scene, double x, double z)
 }
 
 /*
- * What happens, and to which side it must not push: down (+1), up (-1). Where a way was given up it may, but for what says so
- * ALWAYS.
+ * What happens, and to which side it must not push: down (+1), up (-1). Where a way was given up it may, but for what
+ * says so ALWAYS.
  */
 static int through_by_radius_then_axis(struct scene *scene, uint32_t budget)
 {
@@ -357,7 +358,10 @@ static void no_regions_no_sides(void)
     free(block);
 }
 
-/* A free tool, and the side of the sheet that its segment is on by the path it took; 0 where the library may have lost it. */
+/*
+ * A free tool, and the side of the sheet that its segment is on by the path it took; 0 where the library may have lost
+ * it.
+ */
 struct subject {
     dpt_segment segment;
     dpt_tool tool[2];

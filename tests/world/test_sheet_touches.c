@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Touches, corners, borders and holes of open sheets: what comes to a vertex or an edge, or past the border, and stays in
- * front, is not deep; what goes through a corner is.
+ * Touches, corners, borders and holes of open sheets: what comes to a vertex or an edge, or past the border, and stays
+ * in front, is not deep; what goes through a corner is.
  *
  * Usage: test_sheet_touches [crossings = 100000] [seed = 1]; of a hole there is a way for each hundred of them.
  */
@@ -69,8 +69,8 @@ static void a_touch_does_not_go_through(void)
 }
 
 /*
- * Through a bowl, back in front of it, and then round its border without meeting anything: what is behind then is not deep. A
- * tick each, of a body that turns by half a radian.
+ * Through a bowl, back in front of it, and then round its border without meeting anything: what is behind then is not
+ * deep. A tick each, of a body that turns by half a radian.
  */
 static void round_the_border_is_in_front(void)
 {
@@ -119,7 +119,10 @@ static void round_the_border_is_in_front(void)
     sheet_free(&sheet);
 }
 
-/* Through a corner of a bowl within one tick, its ends passing beside: then what is behind lies between points that are not. */
+/*
+ * Through a corner of a bowl within one tick, its ends passing beside: then what is behind lies between points that are
+ * not.
+ */
 static void through_a_corner_is_behind(void)
 {
     static const double from[2][3] = { { -0.026655499654475, -0.20307381662083, 0.0011775914167 },

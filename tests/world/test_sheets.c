@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Open sheets and thin bodies, through the world's calls: tools that go through at any speed, in any way, are told, kept
- * to their side and pushed back to it; those that do not go through are left alone.
+ * Open sheets and thin bodies, through the world's calls: tools that go through at any speed, in any way, are told,
+ * kept to their side and pushed back to it; those that do not go through are left alone.
  *
  * Usage: test_sheets [crossings = 100000] [seed = 1].
  */
@@ -304,8 +304,8 @@ static uint32_t sweep_with_budget(struct scene *scene, struct scene *ample, stru
 }
 
 /*
- * A small budget may leave the sweep unfinished: then nothing is felt. At rest it is finished, and truly, with any budget:
- * each tick goes on where the last one ended.
+ * A small budget may leave the sweep unfinished: then nothing is felt. At rest it is finished, and truly, with any
+ * budget: each tick goes on where the last one ended.
  */
 static void a_small_budget_only_delays(void)
 {

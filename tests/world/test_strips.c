@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Strips in a world: the same as those that are asked for without one (tests/strip/test_strip.c), of the nearest body, on the
- * tool's side, and gone when there is nothing under the tool.
+ * Strips in a world: the same as those that are asked for without one (tests/strip/test_strip.c), of the nearest body,
+ * on the tool's side, and gone when there is nothing under the tool.
  */
 #include <math.h>
 

@@ -143,7 +143,9 @@ static void ids_die_with_their_things(void)
     fixture_free(&box);
 }
 
-/* A simulator that adds and removes for ever: 3 rounds of a slot's generations, and the oldest of several slots first. */
+/*
+ * A simulator that adds and removes for ever: 3 rounds of a slot's generations, and the oldest of several slots first.
+ */
 static void slots_are_used_for_ever(void)
 {
     enum { GENERATIONS = 4095, ROUNDS = 3, BODIES = 4 };
