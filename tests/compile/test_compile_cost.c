@@ -7,22 +7,22 @@
  */
 #include <math.h>
 
-#include "contact/winding_scene.h"
 #include "lib/block_count.h"
+#include "lib/mesh_builder.h"
 
-static double cost_of(struct scene *scene)
+static double cost_of(struct mesh_builder *builder)
 {
     const uint64_t begin = block_count;
-    scene_open(scene);
+    builder_compile(builder);
     return (double)(block_count - begin);
 }
 
 static double cost_of_shape(const char *name, uint64_t count)
 {
-    struct scene scene = { .vertices = NULL };
-    add_shape(&scene, name, count, (vec3){ 0.0, 0.0, 0.0 }, 1.0, 0, 0);
-    const double cost = cost_of(&scene);
-    scene_close(&scene);
+    struct mesh_builder builder = { .vertices = NULL };
+    builder_add_shape(&builder, name, count, (vec3){ 0.0, 0.0, 0.0 }, 1.0, 0, 0);
+    const double cost = cost_of(&builder);
+    builder_free(&builder);
     return cost;
 }
 
@@ -58,21 +58,21 @@ static void large_meshes_cost_in_proportion(void)
 static double cost_of_slivers(size_t count, int joined)
 {
     uint64_t random = 97;
-    struct scene scene = { .vertices = NULL };
-    scene_room(&scene, 3 * count, count);
+    struct mesh_builder builder = { .vertices = NULL };
+    builder_reserve(&builder, 3 * count, count);
     for (size_t t = 0; t < count; t++) {
         for (int v = 0; v < 2; v++)
-            add_vertex(&scene, random_in(&random, -1, 1), random_in(&random, -1, 1),
-                       v ? 1.0 : -1.0);
-        add_vertex(&scene, random_in(&random, -1, 1), random_in(&random, -1, 1), 1.0);
+            builder_add_vertex(&builder, random_in(&random, -1, 1), random_in(&random, -1, 1),
+                               v ? 1.0 : -1.0);
+        builder_add_vertex(&builder, random_in(&random, -1, 1), random_in(&random, -1, 1), 1.0);
         if (joined) /* a strip: one part */
-            add_triangle(&scene, t, t + 1, t + 2, 0);
+            builder_add_triangle(&builder, t, t + 1, t + 2, 0);
         else
-            add_triangle(&scene, 3 * t, 3 * t + 1, 3 * t + 2, 0);
+            builder_add_triangle(&builder, 3 * t, 3 * t + 1, 3 * t + 2, 0);
     }
-    const double cost = cost_of(&scene);
-    CHECK(scene.info.self_intersections_more == 1, "%zu slivers: all searched", count);
-    scene_close(&scene);
+    const double cost = cost_of(&builder);
+    CHECK(builder.info.self_intersections_more == 1, "%zu slivers: all searched", count);
+    builder_free(&builder);
     return cost;
 }
 
@@ -98,26 +98,26 @@ static double cost_of_parts(uint32_t across)
 {
     const double size = 0.6 / across;
     const size_t count = (size_t)across * across * across;
-    struct scene scene = { .vertices = NULL };
-    add_ball(&scene, (vec3){ 0.5, 0.5, 0.5 }, 2.0, 0.0, 0);
-    scene_room(&scene, 4 * count, 4 * count);
+    struct mesh_builder builder = { .vertices = NULL };
+    builder_add_ball(&builder, (vec3){ 0.5, 0.5, 0.5 }, 2.0, 0.0, 0);
+    builder_reserve(&builder, 4 * count, 4 * count);
     for (size_t i = 0; i < count; i++) {
         const double x = (double)(i % across) / across, y = (double)(i / across % across) / across;
         const double z = (double)(i / across / across) / across;
-        const size_t base = scene.vertex_count;
-        add_vertex(&scene, x, y, z);
-        add_vertex(&scene, x + size, y, z);
-        add_vertex(&scene, x, y + size, z);
-        add_vertex(&scene, x, y, z + size);
-        add_triangle(&scene, base, base + 2, base + 1, 0);
-        add_triangle(&scene, base, base + 1, base + 3, 0);
-        add_triangle(&scene, base, base + 3, base + 2, 0);
-        add_triangle(&scene, base + 1, base + 2, base + 3, 0);
+        const size_t base = builder.vertex_count;
+        builder_add_vertex(&builder, x, y, z);
+        builder_add_vertex(&builder, x + size, y, z);
+        builder_add_vertex(&builder, x, y + size, z);
+        builder_add_vertex(&builder, x, y, z + size);
+        builder_add_triangle(&builder, base, base + 2, base + 1, 0);
+        builder_add_triangle(&builder, base, base + 1, base + 3, 0);
+        builder_add_triangle(&builder, base, base + 3, base + 2, 0);
+        builder_add_triangle(&builder, base + 1, base + 2, base + 3, 0);
     }
-    const double cost = cost_of(&scene);
-    CHECK(scene.info.buried_components == count, "%u of %zu buried", scene.info.buried_components,
-          count);
-    scene_close(&scene);
+    const double cost = cost_of(&builder);
+    CHECK(builder.info.buried_components == count, "%u of %zu buried",
+          builder.info.buried_components, count);
+    builder_free(&builder);
     return cost;
 }
 

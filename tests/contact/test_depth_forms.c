@@ -68,7 +68,7 @@ static void box_in_closed_form(const double half[3])
         const double truth = least_over_box(half, ends) - radius;
         for (int w = 0; w < 2; w++) {
             const dpt_hit *h = w ? &moved : &hit;
-            const char *text = text_of(&solid, w ? "world" : "query", ends, radius, h);
+            const char *text = answer_text(&solid, w ? "world" : "query", ends, radius, h);
             const double error = fabs(h->gap - truth);
             check_form(text, h);
             if (truth + radius > 1e-12) {
@@ -153,10 +153,10 @@ static void sphere(void)
         along(ends, s, x);
         const double least = sqrt(dot3(x, x)) - radius, bound = 1e-5 * solid.diagonal;
         dpt_query_segments(solid.mesh, NULL, ends, &radius, 1, &hit, NULL);
-        check_form(text_of(&solid, "query", ends, radius, &hit), &hit);
+        check_form(answer_text(&solid, "query", ends, radius, &hit), &hit);
         CHECK(hit.gap >= least - outer - bound && hit.gap <= least - inner + bound,
               "%.9g to %.9g: %s", least - outer, least - inner,
-              text_of(&solid, "query", ends, radius, &hit));
+              answer_text(&solid, "query", ends, radius, &hit));
     }
     solid_close(&solid);
 }
@@ -214,7 +214,7 @@ static void torus(void)
         }
         dpt_query_segments(solid.mesh, NULL, ends, &radius, 1, &hit, NULL);
         CHECK(fabs(hit.gap + radius - high) <= bound, "not %.9g +- %.2g: %s", high - radius, bound,
-              text_of(&solid, "query", ends, radius, &hit));
+              answer_text(&solid, "query", ends, radius, &hit));
     }
     solid_close(&solid);
 }
@@ -283,7 +283,7 @@ static void a_sphere_within_a_sphere(void)
         const double bound = outer - inner + sqrt(dot3(d, d)) / DENSE + 1e-5 * solid.diagonal;
         dpt_query_segments(solid.mesh, NULL, ends, NULL, 1, &hit, NULL);
         CHECK(fabs(hit.gap - least) <= bound, "not %.9g +- %.2g: %s", least, bound,
-              text_of(&solid, "query", ends, 0.0, &hit));
+              answer_text(&solid, "query", ends, 0.0, &hit));
     }
     CHECK(from_material > 0, "none began deep in the outer one alone");
     solid_close(&solid);

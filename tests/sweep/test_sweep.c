@@ -184,10 +184,7 @@ static void gives_closed_forms(void)
 
 int main(int argc, char **argv)
 {
-    if (argc > 1)
-        case_count = strtoul(argv[1], NULL, 10);
-    if (argc > 2)
-        rng = strtoull(argv[2], NULL, 10);
+    take_count(argc, argv, &case_count, &rng);
     TEST(gives_closed_forms);
     TEST(one_triangle_is_met_in_time);
     return check_report();

@@ -132,10 +132,7 @@ static void the_oracle_knows_simple_cases(void)
 
 int main(int argc, char **argv)
 {
-    if (argc > 1)
-        case_count = strtoul(argv[1], NULL, 10);
-    if (argc > 2)
-        rng = strtoull(argv[2], NULL, 10);
+    take_count(argc, argv, &case_count, &rng);
     TEST(the_oracle_knows_simple_cases);
     TEST(agrees_with_exact_arithmetic);
     return check_report();
