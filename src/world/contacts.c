@@ -19,7 +19,7 @@ static int find_nearest_pair(struct contact_pair *contact_pair, vec3 a, vec3 b)
     uint32_t *last_triangle = world_last_triangles(world, contact_pair->segment_index,
                                                    handle_index(contact_pair->body->id));
     struct bvh_traversal traversal;
-    traversal.depth = 0;
+    traversal.level = 0;
     if (work_is_spent(&world->work))
         return 0;
     axis_of(surface, &contact_pair->body->frame, a, b, &contact_pair->axis);
@@ -114,8 +114,8 @@ static void add_body(struct contact_pair *contact_pair, const struct body_answer
     if (pushing_part.is_behind_sheet && !(penetration.depth <= -sum->min_felt_gap)) {
         struct warm_start warm_start;
         if (dpti_sheet_border_reduce(contact_pair->profile, &contact_pair->body->frame,
-                                    pushing_part.body_id, contact_pair->radius, smooth,
-                                    &segment->border, &penetration, &warm_start))
+                                     pushing_part.body_id, contact_pair->radius, smooth,
+                                     &segment->border, &penetration, &warm_start))
             carry_over_pushed_point(contact_pair, pushing_part.part, &warm_start);
         felt_gap = -penetration.depth;
     }

@@ -20,7 +20,7 @@ static int sweep_scene(const struct scene *scene, double radius, double toleranc
     struct sweep sweep;
     dpti_sweep_begin(&sweep, &scene->motion, radius, tolerance, scene_extent(scene));
     *asked = 0;
-    return dpti_sweep_pair(&sweep, scene->corner, 1.0, time, asked);
+    return dpti_sweep_triangle(&sweep, scene->corner, 1.0, time, asked);
 }
 
 /* The truth, or what test_pair.c holds against it, which is fifty times as fast. */

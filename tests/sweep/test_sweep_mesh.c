@@ -80,7 +80,7 @@ static struct impact brute_sweep(const struct surface *tree, const struct sweep 
                                  vec3_of_float(tree->positions + 3 * (size_t)of[2]) };
         uint32_t asked = 0;
         double time;
-        if (dpti_sweep_pair(sweep, corner, first.time, &time, &asked) != SWEEP_HIT)
+        if (dpti_sweep_triangle(sweep, corner, first.time, &time, &asked) != SWEEP_HIT)
             continue;
         if (time < first.time || first.triangle == DPT_NONE ||
             tree->sources[t] < tree->sources[first.triangle]) {
