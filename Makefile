@@ -1,6 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # `make help` lists the targets. Everything is built below build/; nothing is written elsewhere.
 
+# The words behind deps are groups of packages, not targets.
+ifeq ($(firstword $(MAKECMDGOALS)),deps)
+GROUPS := $(filter-out deps,$(MAKECMDGOALS))
+.PHONY: $(MAKECMDGOALS)
+deps: ## what the tests can use beside a compiler: the groups of packages; deps GROUP... or deps all installs them
+	@sh tests/deps.sh $(GROUPS)
+$(GROUPS): deps ; @:
+else
+
 CONFIG ?= release
 VERSION := $(shell sed -n 's/^\#define DPT_VERSION_STRING "\(.*\)"/\1/p' include/dynpoint/base.h)
 SOVERSION := 0
@@ -76,7 +85,7 @@ LIBS := $(B)/libdynpoint $(B)/libdynpoint_compile $(B)/libdynpoint_drivers $(if 
 # For foreign-function interfaces: all headers, whichever libraries this build has (docs/ffi.md).
 CDEF := $(B)/include/dynpoint_cdef.h
 
-.PHONY: all amalgamation force demo test check firmware vm bench charts soak fuzz deps install uninstall help clean
+.PHONY: all amalgamation force demo test check firmware vm bench charts soak fuzz install uninstall help clean
 .SECONDARY:
 all: $(B)/dynpoint $(LIBS:%=%.a) $(LIBS:%=%.so.$(SOVERSION)) $(CDEF) ## the program and the libraries (default)
 
@@ -198,3 +207,4 @@ clean: ## remove build/
 	rm -rf build
 
 -include $(patsubst %.o,%.d,$(CORE) $(TEXT) $(COMPILE) $(URDF_PARTS) $(DRIVER_PARTS) $(TOOLS) $(SIMULATE))
+endif

@@ -5,8 +5,8 @@
 # bits; and refuse flags with which they could not. tests/cross.sh and tests/firmware/run.sh have other machines. CLANG
 # names a clang.
 set -u
+. "$(dirname "$0")/lib/verdict.sh"
 build=$1
-passed=0 failed=0 skipped=0
 scratch=$build/amalgamation-test
 rm -rf "$scratch"
 mkdir -p "$scratch"
@@ -14,26 +14,7 @@ log=$scratch/log
 LC_ALL=C
 export LC_ALL
 
-ok() {
-    echo "  ok   $1"
-    passed=$((passed + 1))
-}
-bad() {
-    echo "  FAIL $1"
-    failed=$((failed + 1))
-}
-skip() {
-    echo "  skip $1"
-    skipped=$((skipped + 1))
-}
-verdict() { if [ "$1" -eq 0 ]; then ok "$2"; else bad "$2"; fi; }
-done_now() {
-    echo "$passed passed, $failed failed, $skipped skipped"
-    [ "$failed" -eq 0 ]
-    exit
-}
-
-command -v python3 >/dev/null 2>&1 || { skip "single files: no python3"; done_now; }
+command -v python3 >/dev/null 2>&1 || { skip "single files: no python3"; finish; }
 cc=${CC:-cc}
 clang=${CLANG:-clang}
 strict="-std=c99 -pedantic -Wall -Wextra -Wshadow -Wconversion -Werror"
@@ -184,4 +165,4 @@ if [ "$(uname -m)" = x86_64 ]; then
     verdict $? "excess precision (-mfpmath=387) is refused"
 fi
 wc -lc dynpoint.c dynpoint.h dynpoint_compile.c dynpoint_compile.h | sed 's/^/  /'
-done_now
+finish

@@ -11,29 +11,11 @@
 # build/cross-s390x.
 
 cd "$(dirname "$0")/.." || exit 2
+. tests/lib/verdict.sh
+quiet=1 # the name of a check says what is wrong
 native=${1:-build}
-passed=0 failed=0 skipped=0
 LC_ALL=C
 export LC_ALL
-
-# check WHAT COMMAND...; what the command prints goes to $log
-check()
-{
-    what=$1
-    shift
-    if "$@" >>"$log" 2>&1; then
-        passed=$((passed + 1))
-    else
-        failed=$((failed + 1))
-        printf '  FAIL %s\n' "$what"
-    fi
-}
-
-skip()
-{
-    skipped=$((skipped + 1))
-    printf '  skip %s\n' "$*"
-}
 
 # work PROGRAM...: everything that is compared, written into the folder $out
 work()
@@ -63,8 +45,8 @@ build()
     make -j"$(nproc 2>/dev/null || echo 2)" B="$folder" URDF=no DRIVERS="sim replay serial can" CC="$1-linux-gnu-gcc" \
         LD="$1-linux-gnu-ld" AR="$1-linux-gnu-ar" OBJCOPY="$1-linux-gnu-objcopy" LDFLAGS=-static \
         "$folder/dynpoint" "$folder/libdynpoint.a" "$folder/libdynpoint_compile.a" \
-        "$folder/tests/test_wire" "$folder/tests/test_wire_device" "$folder/tests/test_kinematics" \
-        "$folder/tests/test_arm" "$folder/tests/test_sim"
+        "$folder/tests/test_wire" "$folder/tests/test_wire_damage" "$folder/tests/test_wire_device" "$folder/tests/test_kinematics" \
+        "$folder/tests/test_arm" "$folder/tests/test_arm_compile" "$folder/tests/test_sim"
 }
 
 # single PREFIX QEMU: the files of `make amalgamation` for $machine; answers_hash.c draws the same scenes everywhere
@@ -118,12 +100,14 @@ try()
     code=$?
     check "$machine: the array differs from the file: $code" test $code -eq 0
     # Frames are the same bytes, and a device answers the same.
-    for name in test_wire test_wire_device; do
+    for name in test_wire test_wire_damage test_wire_device; do
         check "$machine: $name, see $log" "qemu-$machine-static" "$folder/tests/$name" 16
     done
     # Arms compile to the same bytes, open where they convert, and move to the same bits.
     check "$machine: test_kinematics, see $log" "qemu-$machine-static" "$folder/tests/test_kinematics" bits
-    check "$machine: test_arm, see $log" "qemu-$machine-static" "$folder/tests/test_arm"
+    for name in test_arm test_arm_compile; do
+        check "$machine: $name, see $log" "qemu-$machine-static" "$folder/tests/$name"
+    done
     # The single files, by their compiler's plain flags, answer as the libraries here do.
     single "$1-linux-gnu-" "qemu-$1-static"
     # A damaged file is refused at the same byte, whatever the byte order.
@@ -174,7 +158,8 @@ if echo 'int main(void) { return 0; }' | arm-linux-gnueabihf-gcc -static -x c - 
     command -v qemu-arm-static >/dev/null; then
     core=$(for folder in $(sed -n 's/^FOLDERS := //p' Makefile); do ls src/$folder/*.c 2>/dev/null; done)
     arm-linux-gnueabihf-gcc -std=gnu99 -O3 $(sed -n 's/^EXACT := //p' Makefile) -static -Iinclude -Isrc -Itests \
-        tests/arm/test_kinematics.c tests/oracle/arm.c $core src/text/*.c src/compile/*.c -lm -pthread -o "$native/cross/arm_bits" \
+        tests/arm/test_kinematics.c tests/lib/check.c tests/lib/arm_random.c tests/oracle/arm.c \
+        $core src/text/*.c src/compile/*.c -lm -pthread -o "$native/cross/arm_bits" \
         2>>"$log" && qemu-arm-static "$native/cross/arm_bits" bits >>"$log" 2>&1
     code=$?
     check "arm: kinematics differ, see $log" test $code -eq 0
@@ -183,5 +168,4 @@ if echo 'int main(void) { return 0; }' | arm-linux-gnueabihf-gcc -static -x c - 
 else
     skip "arm: no arm-linux-gnueabihf-gcc with a C library, or no qemu-arm-static"
 fi
-echo "$passed passed, $failed failed, $skipped skipped"
-[ $failed -eq 0 ]
+finish

@@ -1,34 +1,91 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# What the tests can use beside a C compiler and make, as Debian packages. Without an argument prints the
-# list, what is missing and its size, and installs it when that can be done (root, apt-get, DEPS not
-# "no"); nothing here is needed by the library or the demo, and a test whose package is missing is skipped. With
-# liburdfdom-dev and g++ the library for robots' descriptions is built too.
+# What the tests can use beside a C compiler and make, in groups of Debian packages. No library, program or demo needs
+# them; a test whose package is missing is skipped and named.
+#
+#     sh tests/deps.sh            lists the groups: packages, what they download, which are missing here
+#     sh tests/deps.sh GROUP...   prints what is missing of these groups and its size, and installs it; all: every group
+#
+# `make deps GROUP...` calls it so, and `make check` with the light group alone. Nothing is installed without root or
+# apt-get, or with DEPS=no. Nothing that a package only recommends is installed. Status 1: something is still missing.
 set -u
-packages="python3 pkg-config g++ libfcl-dev libcgal-dev libgmp-dev gcc-aarch64-linux-gnu
-libc6-dev-arm64-cross gcc-arm-linux-gnueabihf libc6-dev-armhf-cross gcc-s390x-linux-gnu libc6-dev-s390x-cross qemu-user-static
-gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm qemu-system-x86 xz-utils python3-venv python3-cffi
-liburdfdom-dev libexpat1-dev"
+cd "$(dirname "$0")/.." || exit 2
 
-missing=
-for package in $packages; do
-    dpkg -s "$package" >/dev/null 2>&1 || missing="$missing $package"
-done
-echo "packages that the tests can use: $(echo $packages)"
-if [ -z "$missing" ]; then
-    echo "all are here"
+# Group, what a Debian 12 with a C compiler and make downloads for it alone (counted in packages; that of PyPI is
+# not), what it is for, packages.
+groups='light|21 MB|the tests that anyone should run; reading URDF|python3 pkg-config g++ libgmp-dev python3-cffi liburdfdom-dev libexpat1-dev
+peers|37 MB|FCL and CGAL, which answer the same questions|pkg-config g++ libfcl-dev libcgal-dev
+kinematics|9 MB, and more from PyPI|pinocchio, a second opinion on arms|python3 python3-venv
+cross|178 MB|the same bits on AArch64, ARM and s390x|gcc-aarch64-linux-gnu libc6-dev-arm64-cross gcc-arm-linux-gnueabihf libc6-dev-armhf-cross gcc-s390x-linux-gnu libc6-dev-s390x-cross qemu-user-static
+firmware|123 MB|a Cortex-M7 in an emulator|gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm
+vm|107 MB, 71 of them a kernel, and more from PyPI|CAN on a real kernel, with motor controllers|qemu-system-x86 xz-utils python3 python3-venv'
+
+field() { echo "$groups" | awk -F'|' -v group="$1" -v n="$2" '$1 == group { print $n }'; }
+names=$(echo "$groups" | sed 's/|.*//' | tr '\n' ' ')
+
+# missing PACKAGE...: those that are not installed
+missing() {
+    for package; do
+        dpkg -s "$package" 2>/dev/null | grep -q '^Status: .* installed$' || printf '%s ' "$package"
+    done
+}
+
+# fetch GROUP: what it has from elsewhere, into build/
+fetch() {
+    case $1 in
+    kinematics) sh tests/lib/venv.sh build/venv-urdf tests/oracle/requirements.txt ;;
+    vm)
+        sh tests/vm/kernel.sh fetch
+        kernel=$?
+        sh tests/lib/venv.sh build/venv tests/vm/requirements.txt && [ $kernel -eq 0 ]
+        ;;
+    esac
+}
+
+if [ $# -eq 0 ]; then
+    for group in $names; do
+        lack=$(missing $(field "$group" 4))
+        printf '%-11s %s to download: %s\n            %s\n            %s\n' "$group" "$(field "$group" 2)" \
+            "$(field "$group" 3)" "$(field "$group" 4)" "${lack:+missing here: $lack}"
+    done | grep -v '^ *$'
+    echo "make deps GROUP... installs groups, as root; make deps all installs all of them; make check the light one"
     exit 0
 fi
-echo "missing:$missing"
-command -v apt-get >/dev/null 2>&1 || { echo "no apt-get: their tests are skipped"; exit 0; }
-apt-get install --simulate $missing >/dev/null 2>&1 || [ "${DEPS:-yes}" = no ] || apt-get update -qq >/dev/null 2>&1
-apt-get install --assume-no $missing 2>/dev/null | grep -E '^(Need to get|After this)' || true
-if [ "${DEPS:-yes}" = no ]; then
-    echo "DEPS=no: their tests are skipped"
-elif [ "$(id -u)" -ne 0 ]; then
-    echo "not root: install them with 'sudo make deps'; until then their tests are skipped"
-else
-    DEBIAN_FRONTEND=noninteractive apt-get install -y -qq $missing >/dev/null 2>&1 ||
-        echo "apt-get failed: their tests are skipped"
+[ "$*" != all ] || set -- $names
+for group; do
+    [ -n "$(field "$group" 4)" ] || { echo "deps: there is no group $group: ${names}or all" >&2; exit 2; }
+done
+packages=$(for group; do field "$group" 4; done | tr ' ' '\n' | sort -u | tr '\n' ' ')
+echo "packages of $*: $packages"
+lack=$(missing $packages)
+if [ -n "$lack" ]; then
+    echo "missing: $lack"
+    if ! command -v apt-get >/dev/null 2>&1; then
+        echo "no apt-get: their tests are skipped"
+        exit 1
+    fi
+    apt="apt-get install --no-install-recommends"
+    if [ "${DEPS:-yes}" != no ] && [ "$(id -u)" -eq 0 ]; then
+        $apt --simulate $lack >/dev/null 2>&1 || apt-get update -qq >/dev/null 2>&1
+    fi
+    $apt --assume-no $lack 2>/dev/null | grep -E '^(Need to get|After this)'
 fi
-exit 0
+if [ "${DEPS:-yes}" = no ]; then
+    echo "DEPS=no: nothing is installed, and the tests of what is missing are skipped"
+    [ -z "$lack" ]
+    exit
+fi
+if [ -n "$lack" ]; then
+    if [ "$(id -u)" -ne 0 ]; then
+        echo "not root: install them with 'sudo make deps $*'; until then their tests are skipped"
+        exit 1
+    fi
+    DEBIAN_FRONTEND=noninteractive $apt -y -qq $lack >/dev/null 2>&1 || echo "apt-get failed: their tests are skipped"
+    [ -z "$(missing $lack)" ] || exit 1
+fi
+status=0
+for group; do
+    fetch "$group" || status=1
+done
+[ $status -ne 0 ] || echo "all of it is here"
+exit $status

@@ -4,28 +4,16 @@
 # Makefile's FOLDERS, what lies around the core uses its public symbols; includes say so in the sources, nm says so of the
 # objects below BUILD. ROOT is the tree to look at, this one if not given (tests/layers_test.sh breaks a copy).
 set -u
+. "$(dirname "$0")/lib/verdict.sh"
 build=$1
 case $build in /*) ;; *) build=$PWD/$build ;; esac
 cd "${2:-.}" || exit 2
-passed=0 failed=0 skipped=0
 scratch=$build/layers
 rm -rf "$scratch"
 mkdir -p "$scratch"
 LC_ALL=C
 export LC_ALL
 
-ok() {
-    echo "  ok   $1"
-    passed=$((passed + 1))
-}
-bad() {
-    echo "  FAIL $1"
-    failed=$((failed + 1))
-}
-skip() {
-    echo "  skip $1"
-    skipped=$((skipped + 1))
-}
 # report RULE WHAT: each finding of the rule fails; without one, WHAT is so.
 report() {
     sed -n "s/^$1: //p" "$scratch/findings" >"$scratch/$1"
@@ -39,8 +27,7 @@ grep -E '\.(c|cc|h)$' "$scratch/files" >"$scratch/sources"
 (cd "$build" && find src drivers tools -name '*.o') 2>/dev/null | sort >"$scratch/built"
 if [ -z "$folders" ] || [ ! -s "$scratch/sources" ] || [ ! -s "$scratch/built" ]; then
     bad "no FOLDERS in the Makefile, no sources, or no objects below $build: run make first"
-    echo "$passed passed, $failed failed, $skipped skipped"
-    exit 1
+    finish
 fi
 
 # The rules. may(user, used): 2 if headers and all symbols, 1 if public symbols and inline headers, 0 if nothing.
@@ -296,5 +283,4 @@ report circle "inside a folder of the core, no files call each other in a circle
 sed -n 's/^skip: //p' "$scratch/objects" >"$scratch/skips"
 while read -r what; do skip "$what"; done <"$scratch/skips"
 
-echo "$passed passed, $failed failed, $skipped skipped"
-[ "$failed" -eq 0 ]
+finish

@@ -5,23 +5,13 @@
 set -u
 build=$1
 here=$(dirname "$0")
-passed=0 failed=0
+. "$here/lib/verdict.sh"
 scratch=$build/layers_test
 tree=$scratch/tree
 rm -rf "$scratch"
 mkdir -p "$tree/build"
 LC_ALL=C
 export LC_ALL
-
-ok() {
-    echo "  ok   $1"
-    passed=$((passed + 1))
-}
-bad() {
-    echo "  FAIL $1"
-    failed=$((failed + 1))
-}
-verdict() { if [ "$1" -eq 0 ]; then ok "$2"; else bad "$2"; fi; }
 
 # put FILE LINE...: a file of that text; what is put is taken away after the next look.
 put() {
@@ -189,5 +179,4 @@ says 'docs/made.md:1 names src/mesh/made.c, which is not there'
 look after
 diff "$scratch/before" "$scratch/after"
 verdict $? "with nothing added it is as before"
-echo "$passed passed, $failed failed, 0 skipped"
-[ "$failed" -eq 0 ]
+finish

@@ -38,16 +38,27 @@ run() {
     for word; do printf "'%s' " "$word"; done >"$place.command"
 }
 
-# Those that were named so far, at most $1 at a time, and what they said in the order of their names.
-go() {
-    while [ "$next" -le "$count" ]; do
-        printf '%s/%03d\n' "$dir" "$next"
-        next=$((next + 1))
-    done | xargs -n 1 -P "$1" sh -c '
+# run_each PLACES: what stdin names, so many at a time.
+run_each() {
+    xargs -n 1 -P "$1" sh -c '
         begin=$(date +%s)
         eval "$(cat "$0.command")" >"$0.out" 2>&1 </dev/null
         echo $? $(($(date +%s) - begin)) >"$0.status"'
-    next=$((count + 1))
+}
+
+# go PLACES: runs what was named since the last go, so many at a time; what waits needs no place.
+go() {
+    : >"$dir/computing"
+    : >"$dir/waiting"
+    while [ "$next" -le "$count" ]; do
+        place=$(printf %s/%03d "$dir" "$next")
+        if [ -e "$place.waits" ]; then list=waiting; else list=computing; fi
+        echo "$place" >>"$dir/$list"
+        next=$((next + 1))
+    done
+    run_each 16 <"$dir/waiting" &
+    run_each "$1" <"$dir/computing"
+    wait
 }
 
 add_up() {
@@ -82,21 +93,37 @@ build() {
     fi
 }
 
+# run_waiting TITLE COMMAND...: likewise, for what waits more than it computes.
+run_waiting() {
+    run "$@"
+    : >"$place.waits"
+}
+
 # The table's programs of one column that run beside others, or those that run alone.
 programs() { # column config beside|alone
     if [ "$2" = release ]; then tests=build/tests title= ; else tests=build/$2/tests title=", $2"; fi
-    while read -r name test release scalar sanitize alone; do
+    while read -r name test release scalar sanitize how; do
         case $name in '' | '#'*) continue ;; esac
         eval "count_of=\$$1"
-        [ "$count_of" != - ] && [ "$3" = "${alone:-beside}" ] || continue
+        [ "$count_of" != - ] || continue
+        case $3-$how in beside-) run=run ;; beside-waits) run=run_waiting ;; alone-alone) run=run ;; *) continue ;; esac
         program=$tests/test_$name
         [ -x "$program" ] || continue
         case $count_of in
-        all) run "test_$name$title" "$program" ;;
-        bare) run "test_$name$title" env -u DPT_DATA "$program" ;;
-        *) run "test_$name$title" "$program" "$count_of" ;;
+        all) $run "test_$name$title" "$program" ;;
+        bare) $run "test_$name$title" env -u DPT_DATA "$program" ;;
+        *) $run "test_$name$title" "$program" "$count_of" ;;
         esac
     done <tests/programs.txt
+}
+
+# The program of a build from outside, a script a topic.
+command_line() {
+    for script in tests/tools/cli_*.sh; do
+        topic=${script#*/cli_}
+        case $topic in devices.sh) run=run_waiting ;; *) run=run ;; esac
+        $run "the program $1, ${topic%.sh}" sh "$script" "$1"
+    done
 }
 
 # Every program has its line in the table, and the other way round.
@@ -111,17 +138,18 @@ fi
 
 if [ "$whole" = test ]; then
     build all test-programs
-    run "the program" sh tests/tools/test_cli.sh build
+    command_line build
     DPT_DATA=
     unset DPT_DATA
     programs test release beside
-    programs test release alone
     run "the layers" sh tests/layers.sh build
     [ -x "$(command -v python3)" ] && run "other languages" python3 tests/ffi/touch.py build
-    go $((jobs + 1))
+    go "$jobs"
+    programs test release alone
+    go 1
     add_up
 else
-    sh tests/deps.sh
+    sh tests/deps.sh light
     build all test-programs
     build CONFIG=scalar all test-programs
     build CONFIG=sanitize all test-programs
@@ -130,6 +158,8 @@ else
     run "other machines" sh tests/cross.sh
     run "the libraries" sh tests/abi/check.sh build
     run "single files" sh tests/amalgamation.sh build
+    command_line build
+    command_line build/sanitize
     for config in release scalar sanitize; do
         programs $config $config beside
     done
@@ -137,6 +167,7 @@ else
     run "robots' kinematics" sh tests/oracle/urdf.sh build
     run "the layers" sh tests/layers.sh build
     run "the layers' own test" sh tests/layers_test.sh build
+    run "packages for tests" sh tests/deps_test.sh build
     if command -v python3 >/dev/null 2>&1; then
         run "other languages" python3 tests/ffi/touch.py build
         run "declarations for other languages" python3 tests/ffi/cdef.py build
@@ -150,8 +181,6 @@ else
     for config in release scalar sanitize; do
         programs $config $config alone
     done
-    run "the program" sh tests/tools/test_cli.sh build
-    run "the program, sanitize" sh tests/tools/test_cli.sh build/sanitize
     run "firmware" sh tests/firmware/run.sh build
     run "a real kernel" sh tests/vm/check.sh build build/sanitize
     run "the peer" sh tests/bench/check.sh build

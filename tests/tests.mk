@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# The tests: a program a noun, tests/NAME/test_NAME.c, which ends in "N passed, M failed, K skipped". All programs lie
-# in $(B)/tests.
+# The tests: a program a noun, tests/FOLDER/test_NAME.c, which ends in "N passed, M failed, K skipped". All programs lie
+# in $(B)/tests. A program is linked with every other source of its folder, and with what it uses of tests/lib.
 
 # Those of other folders are linked in a way of their own, below.
 TOPICS := base mesh compile kernel nearest sweep contact strip query force world arm drivers tools fuzz
@@ -8,16 +8,26 @@ TEST_SOURCES := $(filter-out %/test_sweep_exact.c,$(wildcard $(TOPICS:%=tests/%/
 TESTS := $(addprefix $(B)/tests/,$(basename $(notdir $(TEST_SOURCES))))
 TEST_PARTS := $(call objects,tests/oracle/*.c tests/data/*.c) \
               $(B)/tools/shape.o $(B)/tools/shape_organs.o $(CORE) $(TEXT) $(COMPILE) $(DRIVER_PARTS) $(SIMULATE)
-LINK_TEST = $(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(DL) $(LDLIBS) -o $@
+TEST_LIB := $(B)/tests/lib.a
+LINKED = $(filter-out %.a,$^) $(filter %.a,$^)
+LINK_TEST = $(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $(LINKED) -lm $(THREADS) $(DL) $(LDLIBS) -o $@
 
 $(B)/tests/%.o: INCLUDES += -Itests -Itools -Idrivers
+shared_of = $(filter-out $(B)/tests/fuzz/% $(B)/$1test_%,$(call objects,$1*.c))
 define TEST_PROGRAM
-$(B)/tests/$(basename $(notdir $1)): $(B)/$(1:.c=.o)
+$(B)/tests/$(basename $(notdir $1)): $(B)/$(1:.c=.o) $(call shared_of,$(dir $1))
 endef
 $(foreach source,$(TEST_SOURCES),$(eval $(call TEST_PROGRAM,$(source))))
 SITED := $(B)/tests/test_damaged_files $(B)/tests/test_arm
-$(filter-out $(SITED),$(TESTS)): $(TEST_PARTS)
+COUNTED_TESTS := $(B)/tests/test_linear_cost $(B)/tests/test_compile_cost
+ifneq ($(CONFIG),release)
+TESTS := $(filter-out $(COUNTED_TESTS),$(TESTS))
+endif
+$(filter-out $(SITED) $(COUNTED_TESTS),$(TESTS)): $(TEST_PARTS) $(TEST_LIB)
 	$(LINK_TEST)
+$(TEST_LIB): $(call objects,tests/lib/*.c)
+	rm -f $@
+	$(AR) rcs $@ $^
 $(B)/tests/test_parallel: private LDLIBS = -Wl,--wrap=pthread_create,--wrap=pthread_join,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free
 
 # What several tests of one noun share.
@@ -31,11 +41,21 @@ $(B)/tests/%_sites.c: src/%.c
 	  sed 's/return fail/return site = site ? site : __LINE__, fail/' $<; } >$@
 $(B)/tests/%_sites.o: $(B)/tests/%_sites.c
 	$(CC) $(ALL_CFLAGS) -c $< -o $@
-$(B)/tests/test_damaged_files: $(B)/tests/mesh/mesh_open_sites.o $(filter-out $(B)/src/mesh/mesh_open.o,$(TEST_PARTS))
-$(B)/tests/test_arm: $(B)/tests/arm/arm_open_sites.o $(filter-out $(B)/src/arm/arm_open.o,$(TEST_PARTS))
+$(B)/tests/test_damaged_files: $(B)/tests/mesh/mesh_open_sites.o $(filter-out $(B)/src/mesh/mesh_open.o,$(TEST_PARTS)) $(TEST_LIB)
+$(B)/tests/test_arm: $(B)/tests/arm/arm_open_sites.o $(filter-out $(B)/src/arm/arm_open.o,$(TEST_PARTS)) $(TEST_LIB)
 $(SITED):
 	$(LINK_TEST)
-$(B)/tests/test_arm: private LDLIBS = -Wl,--wrap=calloc
+$(B)/tests/test_arm_compile: private LDLIBS = -Wl,--wrap=calloc
+
+# Programs that count basic blocks (tests/lib/block_count.h): the library once more, with a call in each block.
+UNCOUNTED := $(filter-out $(B)/src/kernel/%,$(CORE) $(TEXT) $(COMPILE))
+COUNTED := $(UNCOUNTED:$(B)/%=$(B)/counted/%)
+$(B)/counted/%.o: %.c
+	@mkdir -p $(@D)
+	$(CC) $(ALL_CFLAGS) -O2 -fsanitize-coverage=trace-pc -c $< -o $@
+$(COUNTED_TESTS): $(COUNTED) $(filter-out $(UNCOUNTED),$(TEST_PARTS)) $(TEST_LIB)
+	$(LINK_TEST)
+$(COUNTED_TESTS): private LDLIBS = $(patsubst %,-Wl$(comma)--wrap=%,memset memcpy memmove memcmp memchr calloc realloc)
 
 $(B)/tests/test_exactness: | $(B)/dynpoint
 
@@ -44,7 +64,7 @@ $(B)/tests/test_fuzz: $(FUZZ_PARTS)
 
 # Random calls of everything public; what its own code takes from the heap is counted.
 CALLS_PARTS := $(call objects,tests/fuzz/calls/*.c)
-$(B)/tests/test_calls: $(CALLS_PARTS) $(TEST_PARTS)
+$(B)/tests/test_calls: $(CALLS_PARTS) $(TEST_PARTS) $(TEST_LIB)
 	$(LINK_TEST)
 $(B)/tests/test_calls: private LDLIBS = -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free
 TESTS += $(B)/tests/test_calls
@@ -64,10 +84,10 @@ WRAPPED := malloc calloc realloc free open read close clock_gettime clock_nanosl
            mlockall munlockall pthread_getschedparam pthread_setschedparam
 $(B)/tests/test_syscalls: private LDLIBS = $(WRAPPED:%=-Wl,--wrap=%)
 $(B)/tests/test_loop_phase: private LDLIBS = -Wl,--wrap=clock_gettime,--wrap=clock_nanosleep
-SERIAL_WRAPPED := open close read write poll ioctl flock tcgetattr tcsetattr tcflush calloc
+SERIAL_WRAPPED := open close read write poll ioctl flock tcgetattr tcsetattr tcflush calloc clock_gettime
 $(B)/tests/test_serial $(B)/tests/test_serial_faults: private LDLIBS = $(SERIAL_WRAPPED:%=-Wl,--wrap=%)
 CAN_WRAPPED := socket bind setsockopt ioctl recvmmsg sendmmsg poll close clock_gettime malloc calloc fopen fread
-$(B)/tests/test_can $(B)/tests/test_can_faults $(B)/tests/test_can_open: private LDLIBS = $(CAN_WRAPPED:%=-Wl,--wrap=%)
+$(B)/tests/test_can $(B)/tests/test_can_arm $(B)/tests/test_can_faults $(B)/tests/test_can_open: private LDLIBS = $(CAN_WRAPPED:%=-Wl,--wrap=%)
 
 # Stand-ins for libHD, loaded as the vendor's would be: a whole one, one as of version 3.0, and three that do not load or
 # are not what they are called. libPHANToMIO.so.4 is not where the loader looks.
@@ -86,7 +106,7 @@ $(B)/tests/libHD-lonely.so: $(B)/tests/drivers/hd/empty.o $(B)/tests/drivers/hd/
 	$(HD_SHARED) -Wl,--no-as-needed $^ -o $@
 $(B)/tests/libHD-mismatched.so: $(B)/tests/drivers/hd/mismatched.o
 	$(HD_SHARED) $^ -o $@
-HD_TESTS := $(patsubst %,$(B)/tests/test_%,openhaptics openhaptics_faults openhaptics_open hd_stand_in)
+HD_TESTS := $(patsubst %,$(B)/tests/test_%,openhaptics openhaptics_calibration openhaptics_faults openhaptics_open hd_stand_in)
 $(HD_TESTS): | $(HD_STAND_INS)
 HD_WRAPPED := dlopen dlsym dlerror calloc clock_gettime getenv fopen access
 $(HD_TESTS): private LDLIBS = $(HD_WRAPPED:%=-Wl,--wrap=%)
@@ -101,30 +121,31 @@ endif
 $(B)/tests/oracle/exact.o: tests/oracle/exact.cc
 	@mkdir -p $(@D)
 	$(CXX) -std=c++11 -O2 -g -Wall -Wextra -MMD -MP -Itests $(CONFIG_CFLAGS) $(CFLAGS_EXTRA) -c $< -o $@
-$(B)/tests/test_sweep_exact: $(B)/tests/sweep/test_sweep_exact.o $(B)/tests/oracle/exact.o $(TEST_PARTS)
-	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(DL) $(EXACT_LIBS) -o $@
+$(B)/tests/test_sweep_exact: $(B)/tests/sweep/test_sweep_exact.o $(call shared_of,tests/sweep/) \
+                            $(B)/tests/oracle/exact.o $(TEST_PARTS) $(TEST_LIB)
+	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $(LINKED) -lm $(THREADS) $(DL) $(EXACT_LIBS) -o $@
 
 # Robots' descriptions: where the library reads them.
 ifneq ($(URDF_PARTS),)
-TESTS += $(B)/tests/test_urdf_golden $(B)/tests/test_urdf_arm
+TESTS += $(B)/tests/test_urdf_golden $(B)/tests/test_urdf_sizes $(B)/tests/test_urdf_arm
 test-programs: $(B)/tests/urdf/answers
 endif
 $(B)/tests/urdf/answers: $(B)/tests/urdf/answers.o $(CORE)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -o $@
 $(B)/tests/test_urdf_%: private LDLIBS = -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free
-$(B)/tests/test_urdf_%: $(B)/tests/urdf/test_urdf_%.o $(B)/tests/urdf/surroundings.o $(URDF_PARTS) $(TEST_PARTS)
-	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(LDLIBS) $(URDF_LIBS) -o $@
+$(B)/tests/test_urdf_%: $(B)/tests/urdf/test_urdf_%.o $(B)/tests/urdf/surroundings.o $(URDF_PARTS) $(TEST_PARTS) $(TEST_LIB)
+	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $(LINKED) -lm $(THREADS) $(LDLIBS) $(URDF_LIBS) -o $@
 
-$(B)/tests/firmware/link: $(B)/tests/firmware/link.o $(DRIVER_PARTS) $(TEXT) $(CORE)
+$(B)/tests/firmware/link: $(B)/tests/firmware/link.o $(DRIVER_PARTS) $(TEXT) $(CORE) $(TEST_LIB)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -lpthread $(DL) -o $@
 
 # On a real kernel with SocketCAN (tests/vm/check.sh runs every test_* there).
 VM_TESTS := $(patsubst tests/%.c,$(B)/tests/%,$(wildcard tests/vm/test_*.c))
 VM_PARTS := $(filter-out $(B)/tests/vm/test_%,$(call objects,tests/vm/*.c))
-$(B)/tests/vm/test_%: $(B)/tests/vm/test_%.o $(VM_PARTS) $(DRIVER_PARTS) $(SIMULATE) $(TEXT) $(COMPILE) $(CORE)
+$(B)/tests/vm/test_%: $(B)/tests/vm/test_%.o $(VM_PARTS) $(DRIVER_PARTS) $(SIMULATE) $(TEXT) $(COMPILE) $(CORE) $(TEST_LIB)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(DL) -o $@
 
-vm: all $(VM_TESTS) $(B)/tests/test_can $(B)/tests/test_can_faults ## the tests on a real kernel, in an emulated machine
+vm: all $(VM_TESTS) $(B)/tests/test_can $(B)/tests/test_can_arm $(B)/tests/test_can_faults ## the tests on a real kernel, in an emulated machine
 	@sh tests/vm/check.sh $(B)
 
 firmware: all $(B)/tests/firmware/link ## the driver against a Cortex-M7 in QEMU, and what a tick takes there
@@ -133,13 +154,14 @@ firmware: all $(B)/tests/firmware/link ## the driver against a Cortex-M7 in QEMU
 test: ## a part of every test in about a minute: no network, nothing installed
 	@sh tests/run.sh test
 
-check: ## all tests; DEPS=no installs nothing, STRICT=1 lets skips fail
+check: ## all tests; as root on Debian installs 21 MB of packages (DEPS=no: nothing); STRICT=1 lets skips fail
 	@sh tests/run.sh check
 
-SOAKED := exactness certificate budget broad_phase sheets sheet_touches gap_continuity depth depth_forms contact_life contact_forms contact_integrals route route_strip strip strip_memory loop
+SOAKED := exactness certificate budget budget_worlds broad_phase sheets sheet_touches gap_continuity depth depth_forms contact_life contact_forms contact_integrals route route_strip strip strip_memory overlap pair parallel no_system_calls loop
 soak: all $(SOAKED:%=$(B)/tests/test_%) ## 10^8 ticks against the tree; all of DPT_DATA against brute force
 	@$(B)/tests/test_certificate 672000
 	@$(B)/tests/test_budget 8000
+	@$(B)/tests/test_budget_worlds 8000
 	@$(B)/tests/test_broad_phase 8000
 	@$(B)/tests/test_sheets 10000000
 	@$(B)/tests/test_sheet_touches 10000000
@@ -150,10 +172,14 @@ soak: all $(SOAKED:%=$(B)/tests/test_%) ## 10^8 ticks against the tree; all of D
 	@$(B)/tests/test_contact_life
 	@$(B)/tests/test_contact_forms
 	@$(B)/tests/test_contact_integrals 2000
-	@$(B)/tests/test_route 20
+	@$(B)/tests/test_route 2000
 	@$(B)/tests/test_route_strip
 	@$(B)/tests/test_strip 4000
 	@$(B)/tests/test_strip_memory 40
+	@$(B)/tests/test_overlap 1000
+	@$(B)/tests/test_pair 10000000
+	@$(B)/tests/test_parallel
+	@$(B)/tests/test_no_system_calls
 	@$(B)/tests/test_loop 60000
 	@$(B)/tests/test_exactness soak
 
@@ -168,12 +194,10 @@ bench: all $(B)/tests/bench/dump_mesh $(B)/tests/bench/strips $(B)/tests/bench/b
 	@sh tests/bench/strips.sh $(B)
 	@$(B)/tests/bench/strip_coverage >$(B)/bench/strip_coverage.csv
 
-deps: ## install what the tests can use beside a compiler (apt-get)
-	@sh tests/deps.sh
-
 test-programs: all $(TESTS) $(VM_TESTS) $(B)/tests/firmware/link $(B)/tests/bench/dump_mesh $(B)/tests/bench/strips $(B)/tests/bench/budgets $(B)/tests/bench/strip_coverage
 .PHONY: test-programs
--include $(TEST_SOURCES:%.c=$(B)/%.d) $(VM_TESTS:=.d) $(patsubst %.o,%.d,$(VM_PARTS) $(TEST_PARTS) $(FUZZ_PARTS) $(CALLS_PARTS))
+-include $(TEST_SOURCES:%.c=$(B)/%.d) $(VM_TESTS:=.d) $(wildcard $(TOPICS:%=$(B)/tests/%/*.d) $(B)/tests/lib/*.d) \
+          $(patsubst %.o,%.d,$(VM_PARTS) $(TEST_PARTS) $(FUZZ_PARTS) $(CALLS_PARTS) $(COUNTED))
 -include $(wildcard $(B)/tests/sweep/test_sweep_exact.d $(B)/tests/urdf/*.d $(B)/tests/*/*_sites.d $(B)/tests/bench/*.d \
            $(B)/tests/firmware/*.d $(B)/tests/oracle/*.d $(B)/tests/drivers/hd/*.d)
 
@@ -183,7 +207,7 @@ $(B)/tests/bench/dump_mesh: $(B)/tests/bench/dump_mesh.o $(B)/tools/command_opti
 $(B)/tests/bench/strips $(B)/tests/bench/budgets: %: %.o $(CORE)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -o $@
 
-$(B)/tests/bench/strip_coverage: $(B)/tests/bench/strip_coverage.o $(TEST_PARTS)
+$(B)/tests/bench/strip_coverage: $(B)/tests/bench/strip_coverage.o $(call shared_of,tests/strip/) $(TEST_PARTS) $(TEST_LIB)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(DL) -o $@
 
 charts: bench ## draw docs/charts from the bench's results

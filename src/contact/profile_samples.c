@@ -110,7 +110,7 @@ static void search_point(struct distance_profile *profile, vec3 x, struct pair_s
         cache ? dpti_point_cache_find(cache, profile->body, x) : NULL;
     struct bvh_traversal traversal;
     uint32_t triangle;
-    traversal.depth = 0;
+    traversal.level = 0;
     if (cached && cached->triangle != DPT_NONE) {
         take_if_nearer(profile, x, cached->triangle, nearest);
         return;
@@ -145,7 +145,7 @@ static void descend_to_point(struct distance_profile *profile, const struct axis
                        take_if_nearer(profile, point->local_a, entry->descent, nearest);
     if (!has_work_left(profile))
         return;
-    dpti_track_descend(profile->surface, point, &profile->work, nearest);
+    dpti_dynamic_point_descend(profile->surface, point, &profile->work, nearest);
     profile->is_cut |= (uint32_t)work_is_spent(&profile->work);
     if (entry && (is_continued || entry->descent == DPT_NONE))
         entry->descent = nearest->triangle;
@@ -317,7 +317,7 @@ uint32_t dpti_profile_add_nearest(struct distance_profile *profile, double from,
     struct bvh_traversal traversal;
     pair_search_begin(&nearest, DPT_NONE);
     nearest.pair.distance2 = limit * limit;
-    traversal.depth = 0;
+    traversal.level = 0;
     if (has_work_left(profile)) {
         profile->is_cut |=
             !dpti_bvh_traverse(profile->surface, profile->kernel, NULL, piece.local_a, piece.u, 0.0,

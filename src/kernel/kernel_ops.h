@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
  * The inner loops: lower bounds of 16 distances at once, in float. Each loop is written once (kernel_body.h) and
- * compiled for each instruction set. All kernels give the same bits (tests/kernel/test_kernel.c).
+ * compiled for each instruction set. All kernels give the same bits (tests/kernel/test_kernel_bits.c).
  *
  * All values here are in the filter's frame: coordinates are (x - centre) * scale with the surface's filter_centre and
  * filter_scale, so that every vertex lies within -1..1.

@@ -20,7 +20,7 @@ struct path_entry {
 /* The state of a traversal: the path of nodes from the root, path[surface->levels], down to path[depth]. */
 struct bvh_traversal {
     struct path_entry path[MESH_LEVELS_MAX + 1]; /* by level; level 1: parents of leaves */
-    uint32_t depth;                              /* level of the node being visited; 0: not begun */
+    uint32_t level;                              /* level of the node being visited; 0: not begun */
 };
 
 /*

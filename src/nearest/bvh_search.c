@@ -163,7 +163,7 @@ int dpti_bvh_traverse(const struct surface *surface, const struct kernel *kernel
     search.traversal = traversal;
     search.x = filter_segment_set_axis(&search.segment, surface, a, u);
     set_limit(&search);
-    uint32_t level = traversal->depth;
+    uint32_t level = traversal->level;
     if (!level && !work_is_spent(search.work))
         level = begin_traversal(&search);
     while (level && level <= surface->levels && !is_touching(nearest)) {
@@ -193,7 +193,7 @@ int dpti_bvh_traverse(const struct surface *surface, const struct kernel *kernel
         }
     }
     int is_done = level > surface->levels || is_touching(nearest);
-    traversal->depth = is_done ? 0 : level;
+    traversal->level = is_done ? 0 : level;
     return is_done;
 }
 
@@ -202,7 +202,7 @@ void dpti_bvh_search(const struct surface *surface, const struct kernel *kernel,
                      struct work *work, struct pair_search *nearest)
 {
     struct bvh_traversal traversal;
-    traversal.depth = 0;
+    traversal.level = 0;
     dpti_bvh_traverse(surface, kernel, cache, a, u, slack, &traversal, work, nearest);
 }
 
@@ -211,7 +211,7 @@ void dpti_bvh_weaken_bounds(struct bvh_traversal *traversal, const struct surfac
                             double motion)
 {
     float drop = (float)(motion * surface->filter_scale * (1.0 + 0x1p-16));
-    for (uint32_t level = traversal->depth; level && level <= surface->levels; level++) {
+    for (uint32_t level = traversal->level; level && level <= surface->levels; level++) {
         float *bound = traversal->path[level].bound;
         traversal->path[level].lower_bound -=
             drop + 0x1p-22f * fabsf(traversal->path[level].lower_bound);
@@ -226,7 +226,7 @@ double dpti_bvh_unvisited_bound(const struct bvh_traversal *traversal,
     struct filter_segment segment;
     filter_segment_set_axis(&segment, surface, a, u);
     double min_bound = HUGE_VAL;
-    for (uint32_t level = traversal->depth; level <= surface->levels; level++) {
+    for (uint32_t level = traversal->level; level <= surface->levels; level++) {
         const struct path_entry *entry = &traversal->path[level];
         if (!entry->lanes)
             continue;

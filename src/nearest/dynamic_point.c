@@ -3,9 +3,9 @@
 
 #include "nearest/point_search.h"
 
-void dpti_track_once(const struct surface *surface, const struct kernel *kernel, uint32_t method,
-                     const struct axis *axis, uint32_t hint, struct work *work,
-                     struct pair_search *nearest)
+void dpti_dynamic_point_once(const struct surface *surface, const struct kernel *kernel,
+                             uint32_t method, const struct axis *axis, uint32_t hint,
+                             struct work *work, struct pair_search *nearest)
 {
     *nearest = (struct pair_search){ .pair = { .distance2 = HUGE_VAL }, .triangle = DPT_NONE };
     if (method == DPT_METHOD_BRUTE) {
@@ -16,7 +16,7 @@ void dpti_track_once(const struct surface *surface, const struct kernel *kernel,
         nearest->pair.distance2 =
             dpti_triangle_pair(surface, hint, axis->local_a, axis->u).distance2;
     struct bvh_traversal traversal;
-    traversal.depth = 0;
+    traversal.level = 0;
     if (extent_of(axis->u) > 0.0)
         dpti_bvh_search(surface, kernel, NULL, axis->local_a, axis->u, 0.0, work, nearest);
     else
@@ -66,8 +66,8 @@ static int try_fan(const struct surface *surface, const struct axis *axis, uint3
     return 0;
 }
 
-void dpti_track_descend(const struct surface *surface, const struct axis *axis, struct work *work,
-                        struct pair_search *nearest)
+void dpti_dynamic_point_descend(const struct surface *surface, const struct axis *axis,
+                                struct work *work, struct pair_search *nearest)
 {
     int has_moved = 1;
     while (has_moved && nearest->pair.distance2 > 0.0 && !work_is_spent(work)) {
@@ -124,8 +124,9 @@ static int find_crossed(const struct surface *surface, const struct axis *axis, 
     return 0;
 }
 
-void dpti_track_begin(struct track *track, const struct surface *surface, uint32_t last,
-                      double limit2, enum descent_mode mode, struct work *work)
+void dpti_dynamic_point_begin(struct dynamic_point *track, const struct surface *surface,
+                              uint32_t last, double limit2, enum descent_mode mode,
+                              struct work *work)
 {
     struct pair_search *nearest = &track->nearest;
     const struct axis *axis = &track->axis;
@@ -136,7 +137,7 @@ void dpti_track_begin(struct track *track, const struct surface *surface, uint32
     if (last == DPT_NONE && limit2 < HUGE_VAL)
         return;
     uint32_t triangle = last == DPT_NONE ? 0 : last;
-    if (mode == TRACK_CROSSED && last != DPT_NONE &&
+    if (mode == DESCENT_CROSSED && last != DPT_NONE &&
         find_crossed(surface, axis, last, work, nearest)) {
         track->last_pair = (pair){ .distance2 = HUGE_VAL };
         return;
@@ -149,13 +150,13 @@ void dpti_track_begin(struct track *track, const struct surface *surface, uint32
     }
     nearest->pair = track->last_pair;
     nearest->triangle = triangle;
-    if (mode != TRACK_STAYS && last != DPT_NONE)
-        dpti_track_descend(surface, axis, work, nearest);
+    if (mode != DESCENT_NONE && last != DPT_NONE)
+        dpti_dynamic_point_descend(surface, axis, work, nearest);
 }
 
-int dpti_track_prove(struct track *track, const struct surface *surface,
-                     const struct kernel *kernel, const struct plane_cache_view *cache,
-                     struct bvh_traversal *traversal, struct work *work)
+int dpti_dynamic_point_prove(struct dynamic_point *track, const struct surface *surface,
+                             const struct kernel *kernel, const struct plane_cache_view *cache,
+                             struct bvh_traversal *traversal, struct work *work)
 {
     double slack = track->last == DPT_NONE ? 0.0 : DISTANCE_ERROR_SLACK * track->axis.error;
     return track->nearest.pair.distance2 == 0.0 ||
@@ -163,7 +164,7 @@ int dpti_track_prove(struct track *track, const struct surface *surface,
                              traversal, work, &track->nearest);
 }
 
-void dpti_track_settle(struct track *track)
+void dpti_dynamic_point_settle(struct dynamic_point *track)
 {
     struct pair_search *nearest = &track->nearest;
     if (track->last == DPT_NONE || nearest->triangle == track->last ||

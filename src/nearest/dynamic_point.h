@@ -35,12 +35,12 @@ static inline void axis_of(const struct surface *surface, const struct frame *bo
  * the answer. method: DPT_METHOD_BRUTE, else the tree. `nearest` is overwritten; its triangle is DPT_NONE only if a
  * forged file's boxes hide every triangle.
  */
-void dpti_track_once(const struct surface *surface, const struct kernel *kernel, uint32_t method,
-                     const struct axis *axis, uint32_t hint, struct work *work,
-                     struct pair_search *nearest);
+void dpti_dynamic_point_once(const struct surface *surface, const struct kernel *kernel,
+                             uint32_t method, const struct axis *axis, uint32_t hint,
+                             struct work *work, struct pair_search *nearest);
 
 /* The nearest pair with history: of one axis and one body, in one tick. */
-struct track {
+struct dynamic_point {
     struct axis axis;
     struct pair_search nearest;
     uint32_t last;  /* place of last tick's triangle, while it may be the answer; or DPT_NONE */
@@ -51,7 +51,7 @@ struct track {
  * How the dynamic point moves before the search: it stays on last tick's triangle, it descends to nearer neighbours,
  * or, if the axis crossed its triangle last tick, it looks for a triangle that the axis crosses now and else descends.
  */
-enum descent_mode { TRACK_STAYS, TRACK_DESCENDS, TRACK_CROSSED };
+enum descent_mode { DESCENT_NONE, DESCENT_NEIGHBOURS, DESCENT_CROSSED };
 
 /*
  * Begin a tick: evaluate last tick's triangle, and move the dynamic point as `mode` says. track->axis must be set.
@@ -60,28 +60,29 @@ enum descent_mode { TRACK_STAYS, TRACK_DESCENDS, TRACK_CROSSED };
  *   limit2  m^2; HUGE_VAL: no limit. A pair whose squared distance is limit2 or more need not be found. If there is no
  *           nearer one, track->nearest.triangle is DPT_NONE
  */
-void dpti_track_begin(struct track *track, const struct surface *surface, uint32_t last,
-                      double limit2, enum descent_mode mode, struct work *work);
+void dpti_dynamic_point_begin(struct dynamic_point *track, const struct surface *surface,
+                              uint32_t last, double limit2, enum descent_mode mode,
+                              struct work *work);
 
 /*
  * Move the dynamic point to a nearer triangle, over the edge or around the vertex on which its nearest point lies,
  * until none is nearer. Of the axis, local_a, u and error must be set.
  */
-void dpti_track_descend(const struct surface *surface, const struct axis *axis, struct work *work,
-                        struct pair_search *nearest);
+void dpti_dynamic_point_descend(const struct surface *surface, const struct axis *axis,
+                                struct work *work, struct pair_search *nearest);
 
 /*
  * Prove the dynamic point or correct it, by dpti_bvh_traverse, which takes `cache` and `traversal`. Returns 0 if the
  * work is spent: the next call continues.
  */
-int dpti_track_prove(struct track *track, const struct surface *surface,
-                     const struct kernel *kernel, const struct plane_cache_view *cache,
-                     struct bvh_traversal *traversal, struct work *work);
+int dpti_dynamic_point_prove(struct dynamic_point *track, const struct surface *surface,
+                             const struct kernel *kernel, const struct plane_cache_view *cache,
+                             struct bvh_traversal *traversal, struct work *work);
 
 /*
  * Keep last tick's triangle as the answer while its distance is within DISTANCE_ERROR_HISTORY times the error bound of
  * the best one.
  */
-void dpti_track_settle(struct track *track);
+void dpti_dynamic_point_settle(struct dynamic_point *track);
 
 #endif

@@ -14,7 +14,7 @@
  * mesh's frame. Its parts:
  *   - one half for the rounding of the pair (32 * 2^-53, docs/algorithms/distance.md) and of the transformation into
  *     the mesh's frame;
- *   - DISTANCE_ERROR_HISTORY, three eighths, for history (dpti_track_settle);
+ *   - DISTANCE_ERROR_HISTORY, three eighths, for history (dpti_dynamic_point_settle);
  *   - DISTANCE_ERROR_SLACK, one eighth, for triangles that touch the plane through the best pair and are not evaluated
  *     (the slack of dpti_bvh_search).
  */

@@ -33,7 +33,7 @@ static void visit_node(struct point_search_state *search, uint32_t level, uint32
     const struct surface *surface = search->surface;
     struct path_entry *entry = &search->traversal->path[level];
     work_spend(search->work, 1);
-    search->traversal->depth = level;
+    search->traversal->level = level;
     entry->node = node;
     entry->lanes =
         lanes_of(surface->count[level - 1] - node * LANES) &
@@ -78,13 +78,13 @@ int dpti_point_search(const struct surface *surface, const struct kernel *kernel
     put_float(filter_x, search.filter_x);
     search.margin = (float)kernel_margin(length(filter_x), length(filter_x));
     set_limit(&search);
-    if (!traversal->depth)
+    if (!traversal->level)
         visit_node(&search, surface->levels, 0);
-    while (traversal->depth <= surface->levels &&
+    while (traversal->level <= surface->levels &&
            (nearest->pair.distance2 > 0.0 || nearest->triangle == DPT_NONE)) {
-        struct path_entry *entry = &traversal->path[traversal->depth];
+        struct path_entry *entry = &traversal->path[traversal->level];
         if (!entry->lanes) {
-            traversal->depth++;
+            traversal->level++;
             continue;
         }
         uint32_t lane =
@@ -98,10 +98,10 @@ int dpti_point_search(const struct surface *surface, const struct kernel *kernel
             return 0;
         entry->lanes = rest;
         uint32_t child = entry->node * LANES + lane;
-        if (traversal->depth == 1)
+        if (traversal->level == 1)
             visit_leaf(&search, child);
         else
-            visit_node(&search, traversal->depth - 1, child);
+            visit_node(&search, traversal->level - 1, child);
     }
     return 1;
 }

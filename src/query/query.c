@@ -78,7 +78,8 @@ static dpt_result answer_segment(const struct query *query, const double *ends, 
     struct segment_result result;
     struct work work = work_of(WORK_UNLIMITED);
     axis_of(&query->surface, &query->body_frame, vec3_of(ends), vec3_of(ends + 3), &axis);
-    dpti_track_once(&query->surface, &query->kernel, query->method, &axis, *hint, &work, &nearest);
+    dpti_dynamic_point_once(&query->surface, &query->kernel, query->method, &axis, *hint, &work,
+                            &nearest);
     if (nearest.triangle == DPT_NONE)
         return DPT_E_LAYOUT;
     dpti_segment_result_of_pair(&axis, &nearest.pair, &result);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
  * Depth first through the box tree, nearest to the swept hull first (docs/algorithms/sweep.md). Each hit shortens the
- * time to search, and with it the hull. Float bounds rule triangles out; dpti_sweep_pair decides on the others.
+ * time to search, and with it the hull. Float bounds rule triangles out; dpti_sweep_triangle decides on the others.
  */
 #include "sweep/sweep_mesh.h"
 
@@ -89,7 +89,8 @@ static void evaluate_triangle(struct mesh_sweep *search, uint32_t triangle)
     double time;
     uint32_t evaluations = 0;
     work_spend(search->work, 1);
-    if (dpti_sweep_pair(search->sweep, corner, progress->until, &time, &evaluations) != SWEEP_HIT ||
+    if (dpti_sweep_triangle(search->sweep, corner, progress->until, &time, &evaluations) !=
+            SWEEP_HIT ||
         (time == progress->until && progress->triangle != DPT_NONE &&
          surface->sources[triangle] >= surface->sources[progress->triangle]))
         return;

@@ -36,7 +36,7 @@ struct sweep_progress {
 
 /*
  * The first touch with a whole mesh at times 0..1. Of equal times the lowest source number wins. The answer is that of
- * dpti_sweep_pair over all triangles. Returns a sweep_status.
+ * dpti_sweep_triangle over all triangles. Returns a sweep_status.
  *
  *   from      time from which to search: what dpti_sweep_start gives for a distance to this mesh; 0 if none is known
  *   hint      a triangle that is likely to be hit, such as the one last nearest; it saves work and changes nothing

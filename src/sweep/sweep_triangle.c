@@ -200,8 +200,8 @@ static int advance(const struct sweep *sweep, const vec3 corner[3], const struct
             2.0 * end_height < clearance);
 }
 
-int dpti_sweep_pair(const struct sweep *sweep, const vec3 corner[3], double until, double *time,
-                    uint32_t *evaluations)
+int dpti_sweep_triangle(const struct sweep *sweep, const vec3 corner[3], double until, double *time,
+                        uint32_t *evaluations)
 {
     enum { PIECES_MAX = 64 };
     struct motion_piece pieces[PIECES_MAX];

@@ -60,7 +60,7 @@ double dpti_sweep_start(const struct sweep *sweep, double distance);
  * and the time of the touch, which does not depend on `until`, or SWEEP_FREE. *evaluations grows by the number of
  * distances that were evaluated.
  */
-int dpti_sweep_pair(const struct sweep *sweep, const vec3 corner[3], double until, double *time,
-                    uint32_t *evaluations);
+int dpti_sweep_triangle(const struct sweep *sweep, const vec3 corner[3], double until, double *time,
+                        uint32_t *evaluations);
 
 #endif

@@ -95,7 +95,7 @@ static void transform_axis(const struct body_search *search, const struct body *
 
 /* Make the pair that a body's search found the best one, if it is nearer. */
 static void accept_if_nearer(struct body_search *search, const struct body *body,
-                             const struct track *track)
+                             const struct dynamic_point *track)
 {
     struct body_answer *best = search->best;
     if (track->nearest.triangle == DPT_NONE)
@@ -118,7 +118,7 @@ static void search_without_history(struct body_search *search, uint32_t slot)
     const struct body *body = &world->bodies[slot];
     struct body_answer *best = search->best;
     double limit2 = best->body ? best->track.nearest.pair.distance2 : HUGE_VAL;
-    struct track track;
+    struct dynamic_point track;
     transform_axis(search, body, &track.axis);
     if (world->def.method == DPT_METHOD_BRUTE) {
         track.nearest =
@@ -127,12 +127,13 @@ static void search_without_history(struct body_search *search, uint32_t slot)
                           &track.nearest);
     } else {
         struct bvh_traversal traversal;
-        traversal.depth = 0;
-        dpti_track_begin(&track, &body->surface,
-                         *world_last_triangles(world, search->segment_index, slot), limit2,
-                         TRACK_STAYS, &world->work);
-        dpti_track_prove(&track, &body->surface, &world->kernel, NULL, &traversal, &world->work);
-        dpti_track_settle(&track);
+        traversal.level = 0;
+        dpti_dynamic_point_begin(&track, &body->surface,
+                                 *world_last_triangles(world, search->segment_index, slot), limit2,
+                                 DESCENT_NONE, &world->work);
+        dpti_dynamic_point_prove(&track, &body->surface, &world->kernel, NULL, &traversal,
+                                 &world->work);
+        dpti_dynamic_point_settle(&track);
     }
     best->error_bound = max_of(best->error_bound, track.axis.error);
     accept_if_nearer(search, body, &track);
@@ -146,13 +147,13 @@ static uint32_t descent_share(const struct dpt_world *world)
 
 /* Begin a body's track from its last triangle; pairs at or beyond `limit2` (m^2) need not be found. */
 static void begin_track(struct body_search *search, uint32_t slot, double limit2,
-                        enum descent_mode mode, struct track *track)
+                        enum descent_mode mode, struct dynamic_point *track)
 {
     struct dpt_world *world = search->world;
     struct work share = work_of(descent_share(world));
-    dpti_track_begin(track, &world->bodies[slot].surface,
-                     *world_last_triangles(world, search->segment_index, slot), limit2, mode,
-                     &share);
+    dpti_dynamic_point_begin(track, &world->bodies[slot].surface,
+                             *world_last_triangles(world, search->segment_index, slot), limit2,
+                             mode, &share);
     work_spend(&world->work, share.done);
 }
 
@@ -161,15 +162,15 @@ static void follow_dynamic_point(struct body_search *search, uint32_t slot)
 {
     struct dpt_world *world = search->world;
     const struct body *body = &world->bodies[slot];
-    struct track *track = &search->best->track;
+    struct dynamic_point *track = &search->best->track;
     transform_axis(search, body, &track->axis);
     search->followed_slot = slot;
     search->axis_motion = 1.0;
     if (world->def.budget)
         search->axis_motion = dpti_bounds_update(world, search->segment_index, slot, &track->axis);
-    enum descent_mode mode = TRACK_STAYS;
+    enum descent_mode mode = DESCENT_NONE;
     if (search->axis_motion > 0.0 && descent_share(world))
-        mode = track->nearest.pair.distance2 == 0.0 ? TRACK_CROSSED : TRACK_DESCENDS;
+        mode = track->nearest.pair.distance2 == 0.0 ? DESCENT_CROSSED : DESCENT_NEIGHBOURS;
     begin_track(search, slot, HUGE_VAL, mode, track);
     search->is_new = track->last == DPT_NONE;
     search->best->error_bound = track->axis.error;
@@ -188,20 +189,21 @@ static int proves_best(const struct body_search *search, double lower_bound)
  * `*excluded_bound` gets the distance (m) beyond which the search excluded boxes and triangles. Returns 0 if the
  * budget ended the search, else 1.
  */
-static int search_body(struct body_search *search, uint32_t slot, struct track *track, int descends,
-                       int is_fresh, struct bvh_traversal *traversal, double *excluded_bound)
+static int search_body(struct body_search *search, uint32_t slot, struct dynamic_point *track,
+                       int descends, int is_fresh, struct bvh_traversal *traversal,
+                       double *excluded_bound)
 {
     struct dpt_world *world = search->world;
     const struct body *body = &world->bodies[slot];
     if (track != &search->best->track)
         begin_track(search, slot, search->best->track.nearest.pair.distance2,
-                    descends ? TRACK_DESCENDS : TRACK_STAYS, track);
+                    descends ? DESCENT_NEIGHBOURS : DESCENT_NONE, track);
     const struct plane_cache_view cache = plane_cache_view_of(
         &world->plane_cache, world_plane_owner(world, search->segment_index, slot), is_fresh);
-    int is_done =
-        dpti_track_prove(track, &body->surface, &world->kernel, &cache, traversal, &world->work);
+    int is_done = dpti_dynamic_point_prove(track, &body->surface, &world->kernel, &cache, traversal,
+                                           &world->work);
     *excluded_bound = sqrt(track->nearest.pair.distance2);
-    dpti_track_settle(track);
+    dpti_dynamic_point_settle(track);
     accept_if_nearer(search, body, track);
     return is_done;
 }
@@ -211,7 +213,7 @@ static int search_body(struct body_search *search, uint32_t slot, struct track *
  * `box_gap`: the distance of the boxes of axis and body, in m.
  */
 static void search_within_budget(struct body_search *search, uint32_t slot, double box_gap,
-                                 struct track *track)
+                                 struct dynamic_point *track)
 {
     struct dpt_world *world = search->world;
     struct distance_bound *bound = world_distance_bound(world, search->segment_index, slot);
@@ -226,7 +228,7 @@ static void search_within_budget(struct body_search *search, uint32_t slot, doub
     if (!proves_best(search, dpti_bounds_proven(world, search->segment_index, slot)) &&
         !work_is_spent(&search->world->work)) {
         double excluded_bound;
-        if (suspended->body_slot != slot || !suspended->traversal.depth) {
+        if (suspended->body_slot != slot || !suspended->traversal.level) {
             dpti_bounds_give_up(world, search->segment_index, suspended);
             suspended->body_slot = slot;
             suspended->lower_bound = HUGE_VAL;
@@ -250,7 +252,7 @@ static void search_if_near(struct body_search *search, uint32_t slot)
     const struct body *body = &world->bodies[slot];
     struct body_answer *best = search->best;
     int is_best = body == best->body;
-    struct track other, *track = is_best ? &best->track : &other;
+    struct dynamic_point other, *track = is_best ? &best->track : &other;
     if (!body->slot.used || search->best_distance == 0.0)
         return;
     double box_gap = is_best ? 0.0 : box_distance(&search->axis_box, &world->boxes[slot]);
@@ -264,7 +266,7 @@ static void search_if_near(struct body_search *search, uint32_t slot)
     } else {
         struct bvh_traversal traversal;
         double excluded_bound;
-        traversal.depth = 0;
+        traversal.level = 0;
         search_body(search, slot, track, 1, (int)search->is_new, &traversal, &excluded_bound);
     }
 }
@@ -343,7 +345,7 @@ static void find_exact(struct body_search *search)
     if (world->def.budget) {
         uint32_t *next = &world_suspended_search(world, search->segment_index, 0)->next_slot;
         int continues = search->axis_motion > 0.0 ||
-                        world_suspended_search(world, search->segment_index, 1)->traversal.depth;
+                        world_suspended_search(world, search->segment_index, 1)->traversal.level;
         if (*next != DPT_NONE && continues)
             first_slot = *next;
         else if (search->axis_motion == 0.0)

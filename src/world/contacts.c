@@ -19,7 +19,7 @@ static int find_nearest_pair(struct contact_pair *contact_pair, vec3 a, vec3 b)
     uint32_t *last_triangle = world_last_triangles(world, contact_pair->segment_index,
                                                    handle_index(contact_pair->body->id));
     struct bvh_traversal traversal;
-    traversal.depth = 0;
+    traversal.level = 0;
     if (work_is_spent(&world->work))
         return 0;
     axis_of(surface, &contact_pair->body->frame, a, b, &contact_pair->axis);

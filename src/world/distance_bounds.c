@@ -36,7 +36,7 @@ void dpti_bounds_forget(struct dpt_world *world, uint32_t segment_index, uint32_
         struct suspended_search *suspended =
             world_suspended_search(world, segment_index, is_resting);
         if (slot == DPT_NONE || suspended->body_slot == slot)
-            suspended->traversal.depth = 0;
+            suspended->traversal.level = 0;
         if (slot == DPT_NONE)
             suspended->next_slot = DPT_NONE;
     }
@@ -65,7 +65,7 @@ static double motion_since(const struct distance_bound *bound, const struct axis
 static double bound_so_far(const struct suspended_search *suspended, const struct surface *surface,
                            const struct distance_bound *bound)
 {
-    if (!suspended->traversal.depth)
+    if (!suspended->traversal.level)
         return 0.0;
     return min_of(suspended->lower_bound,
                   dpti_bvh_unvisited_bound(&suspended->traversal, surface, bound->a,
@@ -78,7 +78,7 @@ void dpti_bounds_give_up(struct dpt_world *world, uint32_t segment_index,
     struct distance_bound *bound = world_distance_bound(world, segment_index, suspended->body_slot);
     const struct surface *surface = &world->bodies[suspended->body_slot].surface;
     bound->lower_bound = max_of(bound->lower_bound, bound_so_far(suspended, surface, bound));
-    suspended->traversal.depth = 0;
+    suspended->traversal.level = 0;
 }
 
 double dpti_bounds_update(struct dpt_world *world, uint32_t segment_index, uint32_t slot,
@@ -88,14 +88,14 @@ double dpti_bounds_update(struct dpt_world *world, uint32_t segment_index, uint3
     struct suspended_search *moving = world_suspended_search(world, segment_index, 0),
                             *resting = world_suspended_search(world, segment_index, 1);
     double motion = motion_since(bound, axis);
-    if (motion > 0.0 && resting->body_slot == slot && resting->traversal.depth)
+    if (motion > 0.0 && resting->body_slot == slot && resting->traversal.level)
         dpti_bounds_give_up(world, segment_index, resting);
     if (motion == 0.0)
         bound->rest_tick = world->ticks;
     bound->lower_bound = max_of(0.0, bound->lower_bound - motion);
     bound->a = axis->local_a;
     bound->b = add(axis->local_a, axis->u);
-    if (motion > 0.0 && moving->body_slot == slot && moving->traversal.depth) {
+    if (motion > 0.0 && moving->body_slot == slot && moving->traversal.level) {
         dpti_bvh_weaken_bounds(&moving->traversal, &world->bodies[slot].surface, motion);
         moving->lower_bound -= motion;
     }

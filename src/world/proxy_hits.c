@@ -3,14 +3,16 @@
 #include "world/proxy_step.h"
 
 /* With one body, without a history. 0: the budget ended the search. */
-static int find_pair(struct dpt_world *world, uint32_t index, uint32_t slot, struct track *track)
+static int find_pair(struct dpt_world *world, uint32_t index, uint32_t slot,
+                     struct dynamic_point *track)
 {
     const struct body *body = &world->bodies[slot];
     struct bvh_traversal traversal;
-    traversal.depth = 0;
-    dpti_track_begin(track, &body->surface, *world_last_triangles(world, index, slot), HUGE_VAL,
-                     TRACK_STAYS, &world->work);
-    return dpti_track_prove(track, &body->surface, &world->kernel, NULL, &traversal, &world->work);
+    traversal.level = 0;
+    dpti_dynamic_point_begin(track, &body->surface, *world_last_triangles(world, index, slot),
+                             HUGE_VAL, DESCENT_NONE, &world->work);
+    return dpti_dynamic_point_prove(track, &body->surface, &world->kernel, NULL, &traversal,
+                                    &world->work);
 }
 
 /* Over all bodies; returns the distance. *is_exact: no budget ended a search. */
@@ -23,7 +25,7 @@ static double find_nearest(struct dpt_world *world, uint32_t index, vec3 a, vec3
     best->body = NULL;
     for (uint32_t i = 0; i < world->body_slot_end && distance > 0.0; i++) {
         const struct body *body = &world->bodies[i];
-        struct track track;
+        struct dynamic_point track;
         if (!body->slot.used || box_distance(&box, &world->boxes[i]) > distance)
             continue;
         axis_of(&body->surface, &body->frame, a, b, &track.axis);

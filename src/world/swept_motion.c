@@ -199,7 +199,7 @@ const struct body *dpti_motion_next_body(struct swept_bodies *bodies)
 struct swept_bodies dpti_motion_bodies(struct dpt_world *world, uint32_t segment_index,
                                        double reach)
 {
-    const struct track *track = &world->segments[segment_index].answer.track;
+    const struct dynamic_point *track = &world->segments[segment_index].answer.track;
     double body_motion = world->bodies_moved_tick == world->ticks ? world->body_motion_max : 0.0;
     return (struct swept_bodies){ .world = world,
                                   .axis_box = box_of_axis(track->axis.a, track->axis.b),

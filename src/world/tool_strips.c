@@ -123,8 +123,8 @@ static uint32_t nearest_to_end(const struct dpt_world *world,
                                                : segment_strip->a };
     struct pair_search nearest;
     struct work work = work_of(WORK_UNLIMITED); /* strips are not part of the budget */
-    dpti_track_once(&segment_strip->surface, &world->kernel, DPT_METHOD_TREE, &point,
-                    segment_strip->end_triangle[end], &work, &nearest);
+    dpti_dynamic_point_once(&segment_strip->surface, &world->kernel, DPT_METHOD_TREE, &point,
+                            segment_strip->end_triangle[end], &work, &nearest);
     return nearest.triangle;
 }
 

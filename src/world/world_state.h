@@ -117,7 +117,7 @@ struct proxy {
 /* The nearest pair over all bodies, and what is proven about it. */
 struct body_answer {
     const struct body *body; /* NULL: no pair */
-    struct track track;
+    struct dynamic_point track;
     double lower_bound; /* m: the distance is at least the smaller of this and the pair's */
     double error_bound; /* m: the largest of the searched bodies */
     uint32_t is_exact;

@@ -7,24 +7,10 @@
 set -u
 build=$1
 here=$(dirname "$0")
-passed=0 failed=0 skipped=0
+. "$here/../lib/verdict.sh"
 scratch=$build/abi
 rm -rf "$scratch"
 mkdir -p "$scratch"
-
-ok() {
-    echo "  ok   $1"
-    passed=$((passed + 1))
-}
-bad() {
-    echo "  FAIL $1"
-    failed=$((failed + 1))
-}
-skip() {
-    echo "  skip $1"
-    skipped=$((skipped + 1))
-}
-verdict() { if [ "$1" -eq 0 ]; then ok "$2"; else bad "$2"; fi; }
 
 LC_ALL=C sort "$here"/*.symbols >"$scratch/all.symbols"
 urdf=
@@ -354,5 +340,4 @@ make -s install DESTDIR="$spaced" PREFIX=/opt/dp LIBDIR=/opt/dp/lib64 >/dev/null
     [ -d "$spaced" ] && [ -z "$(find "$spaced" -type f -o -type l)" ]
 verdict $? "both go where a space is in the name"
 
-echo "$passed passed, $failed failed, $skipped skipped"
-[ "$failed" -eq 0 ]
+finish

@@ -5,7 +5,7 @@
  *
  *     recall [POSES = 50]    a mesh and length; organs from DPT_DATA, where that is
  */
-#include "strip/strip_recall.h"
+#include "strip/strip_coverage.h"
 
 /* Closed, and wound one way. */
 static const char *const organs[] = {
@@ -32,17 +32,17 @@ static void measure(const struct subject *subject, size_t poses)
 {
     static const double lengths[] = { 0.05, 0.1, 0.2, 0.5 };
     for (size_t i = 0; i < sizeof lengths / sizeof *lengths; i++) {
-        struct recall r;
-        recall_of(subject, lengths[i], poses, 1 + i, &r);
+        struct coverage r;
+        coverage_of(subject, lengths[i], poses, 1 + i, &r);
         const double n = (double)(r.poses ? r.poses : 1);
         printf("%s,%u,%g,%zu,%.1f", subject->name, subject->info.triangles, 100 * lengths[i],
                r.poses, (double)r.near / n);
-        for (int kind = 0; kind < RECALL_STRIPS; kind++)
+        for (int kind = 0; kind < COVERAGE_STRIPS; kind++)
             printf(",%.1f", (double)r.size[kind] / n);
-        for (int kind = 0; kind < RECALL_STRIPS; kind++)
+        for (int kind = 0; kind < COVERAGE_STRIPS; kind++)
             printf(",%.2f", 100 * share_of(r.found[kind], r.near));
-        for (int kind = RECALL_NARROW; kind < RECALL_STRIPS; kind++)
-            printf(",%.2f", 100 * share_of(r.walked[kind], r.sheet[kind]));
+        for (int kind = COVERAGE_NARROW; kind < COVERAGE_STRIPS; kind++)
+            printf(",%.2f", 100 * share_of(r.in_strip[kind], r.sheet[kind]));
         printf("\n");
         fflush(stdout);
     }

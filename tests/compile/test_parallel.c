@@ -152,7 +152,10 @@ static void a_loop_does_each_item_once(void)
                 }
 }
 
-/* Boxes in a row of rows: some with a hole, some with a side or two left, some inside others or cutting their neighbours. */
+/*
+ * Boxes in a row of rows: some with a hole, some with a side or two left, some inside others or cutting their
+ * neighbours.
+ */
 static int make_boxes(uint32_t side, struct shape *shape)
 {
     static const uint32_t corners[12][3] = { { 0, 2, 1 }, { 0, 3, 2 }, { 4, 5, 6 }, { 4, 6, 7 },
@@ -312,7 +315,8 @@ static void refused_threads_change_nothing(void)
         CHECK(compile(&shape, 1, &one) == DPT_OK, "%s", some[i].name);
         for (size_t g = 0; g < sizeof grants / sizeof *grants; g++) {
             long refused = 0;
-            for (uint32_t threads = 2; threads <= 64; threads = 3 * threads + 1) {
+            for (uint32_t threads = 2; threads <= (check_percent < 100 ? 7 : 64);
+                 threads = 3 * threads + 1) {
                 granted = grants[g];
                 dpt_result result = compile(&shape, threads, &many);
                 granted = UINT64_MAX;
@@ -382,7 +386,8 @@ static void progress_comes_from_the_calling_thread(void)
 {
     struct shape shape;
     struct watch watch;
-    if (make("torus", 1200000, &shape)) /* a large half and a small one */
+    if (make("torus", check_percent < 100 ? 200000 : 1200000,
+             &shape)) /* a large half and a small one */
         return;
     for (int stop = 0, calls = 1; stop <= calls; stop += 1 + stop) {
         watch = (struct watch){ .caller = pthread_self(), .stop_at = stop };

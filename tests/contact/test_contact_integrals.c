@@ -34,7 +34,7 @@ struct scene {
     double margin, radius, diagonal;
     int cold; /* each tick is a first one */
     struct stage stage;
-    struct names names;
+    struct id_history names;
     uint64_t tick;
     struct worst worst[KINDS];
 };
@@ -248,10 +248,10 @@ static uint64_t run(struct scene *scene, next_ends *next, void *of, uint64_t cou
             if (!deepest || c->gap < deepest->gap)
                 deepest = &contacts[k];
         }
-        check_names(&scene->names, i, contacts, found, scene_text(scene, scene->tick, ends));
+        check_ids(&scene->names, i, contacts, found, scene_text(scene, scene->tick, ends));
         check_intervals(scene, ends, &quadrature, contacts, found);
         if (deepest)
-            add(&record[i].single, record[i].ours.overlap, deepest->s, deepest->normal);
+            add_overlap(&record[i].single, record[i].ours.overlap, deepest->s, deepest->normal);
     }
     scene->worst[BEYOND].value /= fmax(peak_of(record, count, 0), 1e-30);
     scene->worst[MISSED].value /= fmax(peak_of(record, count, 0), 1e-30);

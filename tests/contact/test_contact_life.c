@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The life of contact regions in a world: their numbers, the room for them, and the sides that they hold of open sheets. */
+/*
+ * The life of contact regions in a world: their numbers, the room for them, and the sides that they hold of open
+ * sheets.
+ */
 #include "lib/solid.h"
 
 /* Numbers: two bumps, their tops 0.0202 m high and 0.06 m apart, between them 0.013 m. */
@@ -47,44 +50,46 @@ static void a_first_tick_finds_all_regions(void)
     solid_close(&solid);
 }
 
+/* One tick with the tool there; its contacts, whose ids are checked. Returns how many. */
+static uint32_t tick_over_bumps(struct stage *stage, double x, double y, double z,
+                                struct id_history *ids, dpt_contact *c, const char *text)
+{
+    double ends[6];
+    over_bumps(x, y, z, ends);
+    stage_tick(stage, ends, 0.003);
+    const uint32_t count = stage_contacts(stage, c);
+    check_ids(ids, ids->ticks++, c, count, text);
+    return count;
+}
+
 static void numbers_live_as_long_as_regions(void)
 {
     struct solid solid;
     struct stage stage;
-    struct names names = { .count = 0 };
+    struct id_history ids = { .count = 0 };
     dpt_contact c[STAGE_CONTACTS];
     uint32_t count = 0, first[2] = { 0, 0 }, joined = 0, split[2];
-    double ends[6];
-    uint64_t tick = 0;
     if (!solid_from_net(&solid, "bumps", 60, 60, 0, place_bumps) ||
         !stage_open(&stage, solid.mesh, NULL, 0.004, 32, 0))
         return;
     /* Down until both bumps are within the margin, then about. */
     for (int i = 0; i <= 100; i++) {
-        over_bumps(0, 0, 0.0325 - 0.0001 * i, ends);
-        stage_tick(&stage, ends, 0.003);
-        count = stage_contacts(&stage, c);
-        check_names(&names, tick++, c, count, "down");
+        count = tick_over_bumps(&stage, 0, 0, 0.0325 - 0.0001 * i, &ids, c, "down");
     }
     CHECK(count == 2, "%u regions over two bumps", count);
     for (int k = 0; k < 2; k++)
         first[k] = c[k].id;
     for (int i = 0; i < 400; i++) {
         const double turn = 2 * 3.14159265358979323846 * i / 200;
-        over_bumps(0.005 * sin(turn), 0.004 * sin(2 * turn), 0.0225, ends);
-        stage_tick(&stage, ends, 0.003);
-        count = stage_contacts(&stage, c);
-        check_names(&names, tick++, c, count, "about");
+        count = tick_over_bumps(&stage, 0.005 * sin(turn), 0.004 * sin(2 * turn), 0.0225, &ids, c,
+                                "about");
         CHECK(count == 2 && c[0].id == first[0] && c[1].id == first[1],
               "%u regions, %u and %u, not %u and %u", count, c[0].id, c[1].id, first[0], first[1]);
         CHECK(count < 2 || (c[0].s1 <= c[1].s0 && c[0].s < 0.5 && c[1].s > 0.5), "order");
     }
     /* Lower: one. */
     for (int i = 0; i <= 80; i++) {
-        over_bumps(0, 0, 0.0225 - 0.00005 * i, ends);
-        stage_tick(&stage, ends, 0.003);
-        count = stage_contacts(&stage, c);
-        check_names(&names, tick++, c, count, "joining");
+        count = tick_over_bumps(&stage, 0, 0, 0.0225 - 0.00005 * i, &ids, c, "joining");
         CHECK(count == 1 || count == 2, "%u regions", count);
         for (uint32_t k = 0; k < count; k++)
             CHECK(c[k].id == first[0] || c[k].id == first[1], "%u is new", c[k].id);
@@ -93,10 +98,7 @@ static void numbers_live_as_long_as_regions(void)
     joined = c[0].id;
     /* Up: two again, one of them as before. */
     for (int i = 0; i <= 80; i++) {
-        over_bumps(0, 0, 0.0185 + 0.00005 * i, ends);
-        stage_tick(&stage, ends, 0.003);
-        count = stage_contacts(&stage, c);
-        check_names(&names, tick++, c, count, "splitting");
+        count = tick_over_bumps(&stage, 0, 0, 0.0185 + 0.00005 * i, &ids, c, "splitting");
     }
     CHECK(count == 2, "%u regions after the split", count);
     for (int k = 0; k < 2; k++)
@@ -107,15 +109,50 @@ static void numbers_live_as_long_as_regions(void)
     CHECK(other != first[0] && other != first[1], "%u is used again", other);
     /* Away and back: all new. */
     for (int i = -100; i <= 100; i++) {
-        over_bumps(0, 0, 0.0225 + 0.0001 * abs(100 - abs(i)), ends);
-        stage_tick(&stage, ends, 0.003);
-        count = stage_contacts(&stage, c);
-        check_names(&names, tick++, c, count, "back");
+        count = tick_over_bumps(&stage, 0, 0, 0.0225 + 0.0001 * abs(100 - abs(i)), &ids, c, "back");
         CHECK(i || count == 0, "%u regions", count);
         CHECK(abs(i) != 100 || count == 2, "%u regions", count);
     }
     stage_close(&stage);
     solid_close(&solid);
+}
+
+/* The caller's room: none, too little, structs of a newer library, and sizes that are none. */
+static void room_of_the_caller(struct stage *stage)
+{
+    struct {
+        dpt_contact contact;
+        double newer[2];
+    } longer[3];
+    dpt_contact c[2];
+    uint32_t count = 77;
+    lower_to_bumps(stage, 100);
+    CHECK(dpt_tool_get_contacts(stage->world, stage->tool, NULL, 0, &count) == DPT_OK && count == 2,
+          "%u", count);
+    memset(c, 0x5a, sizeof c);
+    c[0].size = sizeof *c;
+    CHECK(dpt_tool_get_contacts(stage->world, stage->tool, c, 1, &count) == DPT_OK && count == 2,
+          "%u", count);
+    CHECK(c[0].size == sizeof *c && c[0].segment == 0 && c[0].body == stage->body &&
+              c[1].size == 0x5a5a5a5a,
+          "wrote beyond");
+    c[0].size = 8;
+    CHECK(dpt_tool_get_contacts(stage->world, stage->tool, c, 1, &count) == DPT_E_SIZE, "size");
+    c[0].size = 0;
+    CHECK(dpt_tool_get_contacts(stage->world, stage->tool, c, 2, &count) == DPT_E_SIZE, "size");
+    memset(longer, 0x5a, sizeof longer);
+    longer[0].contact.size = sizeof *longer;
+    CHECK(dpt_tool_get_contacts(stage->world, stage->tool, &longer[0].contact, 3, &count) ==
+                  DPT_OK &&
+              count == 2,
+          "%u", count);
+    const unsigned char *tail = (const unsigned char *)longer[1].newer;
+    for (size_t i = 0; i < sizeof longer[1].newer; i++)
+        CHECK(tail[i] == 0, "the tail that this library does not know is not zero");
+    CHECK(longer[1].contact.size == sizeof *longer && longer[1].contact.s > 0.5, "size %u, s %g",
+          longer[1].contact.size, longer[1].contact.s);
+    CHECK(longer[2].contact.size == 0x5a5a5a5a, "wrote beyond");
+    CHECK(dpt_tool_get_contacts(stage->world, 0, c, 0, &count) != DPT_OK, "a tool 0");
 }
 
 static void room_for_contacts(void)
@@ -151,42 +188,8 @@ static void room_for_contacts(void)
         }
         stage_close(&stage);
     }
-    /* The caller's room. */
     if (stage_open(&stage, solid.mesh, NULL, 0.004, 32, 0)) {
-        struct {
-            dpt_contact contact;
-            double newer[2];
-        } longer[3];
-        dpt_contact c[2];
-        uint32_t count = 77;
-        lower_to_bumps(&stage, 100);
-        CHECK(dpt_tool_get_contacts(stage.world, stage.tool, NULL, 0, &count) == DPT_OK &&
-                  count == 2,
-              "%u", count);
-        memset(c, 0x5a, sizeof c);
-        c[0].size = sizeof *c;
-        CHECK(dpt_tool_get_contacts(stage.world, stage.tool, c, 1, &count) == DPT_OK && count == 2,
-              "%u", count);
-        CHECK(c[0].size == sizeof *c && c[0].segment == 0 && c[0].body == stage.body &&
-                  c[1].size == 0x5a5a5a5a,
-              "wrote beyond");
-        c[0].size = 8;
-        CHECK(dpt_tool_get_contacts(stage.world, stage.tool, c, 1, &count) == DPT_E_SIZE, "size");
-        c[0].size = 0;
-        CHECK(dpt_tool_get_contacts(stage.world, stage.tool, c, 2, &count) == DPT_E_SIZE, "size");
-        memset(longer, 0x5a, sizeof longer);
-        longer[0].contact.size = sizeof *longer;
-        CHECK(dpt_tool_get_contacts(stage.world, stage.tool, &longer[0].contact, 3, &count) ==
-                      DPT_OK &&
-                  count == 2,
-              "%u", count);
-        const unsigned char *tail = (const unsigned char *)longer[1].newer;
-        for (size_t i = 0; i < sizeof longer[1].newer; i++)
-            CHECK(tail[i] == 0, "the tail that this library does not know is not zero");
-        CHECK(longer[1].contact.size == sizeof *longer && longer[1].contact.s > 0.5,
-              "size %u, s %g", longer[1].contact.size, longer[1].contact.s);
-        CHECK(longer[2].contact.size == 0x5a5a5a5a, "wrote beyond");
-        CHECK(dpt_tool_get_contacts(stage.world, 0, c, 0, &count) != DPT_OK, "a tool 0");
+        room_of_the_caller(&stage);
         stage_close(&stage);
     }
     solid_close(&solid);

@@ -9,10 +9,10 @@
  *
  * Real meshes from DPT_DATA.
  */
-#include <dirent.h>
 #include <unistd.h>
 
 #include "contact/depth_checks.h"
+#include "lib/public_meshes.h"
 
 static const char *data;
 static char folder[1024]; /* where this program lies */
@@ -50,7 +50,7 @@ static struct oracle_least check_depth(const struct solid *solid, const char *by
 {
     const double diagonal = solid->diagonal;
     const struct oracle_least least = oracle_least(&solid->oracle, ends, 2e-7 * diagonal);
-    const char *text = text_of(solid, by, ends, radius, hit);
+    const char *text = answer_text(solid, by, ends, radius, hit);
     const double ours = hit->gap + radius;
     check_form(text, hit);
     CHECK(least.high - least.low <= 3e-7 * diagonal, "the oracle is not sure: %g to %g, %s",
@@ -113,14 +113,14 @@ static void drive_tick(struct drive *drive)
     dpt_hit plain = DPT_HIT_INIT;
     const dpt_hit hit = stage_tick(&drive->stage, ends, radius);
     dpt_query_segments(solid->mesh, NULL, ends, &radius, 1, &plain, NULL);
-    check_form(text_of(solid, "world", ends, radius, &hit), &hit);
+    check_form(answer_text(solid, "world", ends, radius, &hit), &hit);
     CHECK(fabs(plain.gap - hit.gap) <= 2e-5 * diagonal, "%.9g without history: %s", plain.gap,
-          text_of(solid, "world", ends, radius, &hit));
+          answer_text(solid, "world", ends, radius, &hit));
     if (drive->tick) {
         const double went = motion_of(drive->last_ends, ends);
         const double jump = fabs(hit.gap - drive->last.gap) - went;
         CHECK(jump <= 2e-5 * diagonal, "from %.9g within %g: %s", drive->last.gap, went,
-              text_of(solid, "world", ends, radius, &hit));
+              answer_text(solid, "world", ends, radius, &hit));
         tally.stepped = fmax(tally.stepped, jump / diagonal);
     }
     if (drive->tick % drive->every == 0) {
@@ -270,7 +270,7 @@ static void two_bodies(void)
             const double gap = fmin(hits[0][e].gap, hits[1][e].gap);
             CHECK((hit.flags & DPT_HIT_FLAG_GAP) && fabs(hit.gap - gap) <= 2e-5 * solid[1].diagonal,
                   "gap %.9g, not the less of %.9g and %.9g: %s", hit.gap, hits[0][e].gap,
-                  hits[1][e].gap, text_of(&solid[0], "query", ends + 6 * e, radii[e], &hit));
+                  hits[1][e].gap, answer_text(&solid[0], "query", ends + 6 * e, radii[e], &hit));
         }
     }
     free(stage.block);
@@ -323,7 +323,7 @@ static void try_distance(const struct solid *solid)
         const double went = i ? motion_of(motion.ends[i - 1], motion.ends[i]) : 0;
         for (int w = 0; w < 2; w++) {
             const char *text =
-                text_of(solid, w ? "world" : "query", motion.ends[i], radius, &hits[w]);
+                answer_text(solid, w ? "world" : "query", motion.ends[i], radius, &hits[w]);
             CHECK(!i || fabs(hits[w].distance - last[w]) <=
                             went * (1 + 1e-12) + bound + hits[w].error_bound,
                   "from %.9g within %g: %s", last[w], went, text);
@@ -345,33 +345,21 @@ static void try_distance(const struct solid *solid)
     motion_free(&motion);
 }
 
-static int is_mesh(const struct dirent *entry)
+static void distance_on_mesh(const char *folder_of_it, const char *file, void *meshes)
 {
-    return entry->d_name[0] != '.' && strcmp(entry->d_name, "cray_right_floatmax.obj") != 0;
+    struct solid solid;
+    char name[512];
+    snprintf(name, sizeof name, "%s/%s", folder_of_it, file);
+    if (open_public(&solid, name))
+        try_distance(&solid);
+    solid_close(&solid);
+    ++*(size_t *)meshes;
 }
 
 static void distance_on_all_meshes(void)
 {
-    static const char *const folders[] = { "organs", "tools", "sheets_tori", "hard" };
     size_t meshes = 0;
-    for (int f = 0; f < 4; f++) {
-        char path[2048];
-        struct dirent **entries = NULL;
-        snprintf(path, sizeof path, "%s/meshes/%s", data, folders[f]);
-        const int count = scandir(path, &entries, is_mesh, alphasort);
-        CHECK(count > 0, "%s is empty", path);
-        for (int i = 0; i < count; i++) {
-            struct solid solid;
-            char name[512];
-            snprintf(name, sizeof name, "%s/%s", folders[f], entries[i]->d_name);
-            if (open_public(&solid, name))
-                try_distance(&solid);
-            solid_close(&solid);
-            free(entries[i]);
-            meshes++;
-        }
-        free(entries);
-    }
+    for_each_public_mesh(data, distance_on_mesh, &meshes);
     printf("    %zu meshes, %zu ticks\n", meshes, tally.ticks);
     tally = (struct tally){ 0 };
 }
@@ -452,10 +440,10 @@ static void compare_sides(const struct solid *solid, const char *program)
         dpt_query_segments(solid->mesh, NULL, ends, NULL, 1, &hit, NULL);
         inside += side < 0;
         CHECK(side && (hit.gap < 0) == (side < 0), "side %d: %s", side,
-              text_of(solid, "point", ends, 0, &hit));
+              answer_text(solid, "point", ends, 0, &hit));
         if (i % (POINTS / 100) == 0)
             CHECK((oracle_signed(&solid->oracle, ends) < 0) == (side < 0), "solid angle: %s",
-                  text_of(solid, "point", ends, 0, &hit));
+                  answer_text(solid, "point", ends, 0, &hit));
     }
     printf("    %-26s %d of %d inside\n", solid->name, inside, POINTS);
     if (!failed)

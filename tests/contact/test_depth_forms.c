@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Gap and depth, of stateless queries and of worlds with a history, against closed forms: boxes, a sphere, a torus.
+ * Gap and depth, of stateless queries and of worlds with a history, against closed forms: boxes, a sphere, a torus, a
+ * sphere within a sphere.
  *
  *     test_depth_forms           what make check runs
- *     test_depth_forms TICKS     80 times so many axes a box, 40 a sphere, 10 a torus; 150 if not told
+ *     test_depth_forms TICKS     80 times so many axes a box, 40 a sphere, 10 a torus or two spheres; 150 if not told
  */
 #include "contact/depth_checks.h"
 
@@ -67,7 +68,7 @@ static void box_in_closed_form(const double half[3])
         const double truth = least_over_box(half, ends) - radius;
         for (int w = 0; w < 2; w++) {
             const dpt_hit *h = w ? &moved : &hit;
-            const char *text = text_of(&solid, w ? "world" : "query", ends, radius, h);
+            const char *text = answer_text(&solid, w ? "world" : "query", ends, radius, h);
             const double error = fabs(h->gap - truth);
             check_form(text, h);
             if (truth + radius > 1e-12) {
@@ -152,10 +153,10 @@ static void sphere(void)
         along(ends, s, x);
         const double least = sqrt(dot3(x, x)) - radius, bound = 1e-5 * solid.diagonal;
         dpt_query_segments(solid.mesh, NULL, ends, &radius, 1, &hit, NULL);
-        check_form(text_of(&solid, "query", ends, radius, &hit), &hit);
+        check_form(answer_text(&solid, "query", ends, radius, &hit), &hit);
         CHECK(hit.gap >= least - outer - bound && hit.gap <= least - inner + bound,
               "%.9g to %.9g: %s", least - outer, least - inner,
-              text_of(&solid, "query", ends, radius, &hit));
+              answer_text(&solid, "query", ends, radius, &hit));
     }
     solid_close(&solid);
 }
@@ -213,8 +214,78 @@ static void torus(void)
         }
         dpt_query_segments(solid.mesh, NULL, ends, &radius, 1, &hit, NULL);
         CHECK(fabs(hit.gap + radius - high) <= bound, "not %.9g +- %.2g: %s", high - radius, bound,
-              text_of(&solid, "query", ends, radius, &hit));
+              answer_text(&solid, "query", ends, radius, &hit));
     }
+    solid_close(&solid);
+}
+
+/* Of a quarter of the size, off the middle, and wound outward too: wholly in the other one's material. */
+static const double buried_at[3] = { 0.02, 0.01, 0.0 };
+
+/* Inside of the outer sphere both sides of the inner one are material: the nearer of the two tells the depth. */
+static double height_over_buried(const double x[3], double radius)
+{
+    const double d[3] = { x[0] - buried_at[0], x[1] - buried_at[1], x[2] - buried_at[2] };
+    const double outside = sqrt(dot3(x, x)) - radius;
+    return outside > 0 ? outside : -fmin(-outside, fabs(sqrt(dot3(d, d)) - 0.25 * radius));
+}
+
+static int open_buried(struct solid *solid)
+{
+    struct shape shape;
+    shape_reason reason;
+    if (shape_make("sphere", 5120, 0, &shape, reason))
+        return 0;
+    const size_t v = shape.vertex_count, t = shape.triangle_count;
+    double *vertices = malloc(6 * v * sizeof *vertices);
+    uint32_t *corners = malloc(6 * t * sizeof *corners);
+    for (size_t i = 0; i < 3 * v; i++) {
+        vertices[i] = shape.vertices[i];
+        vertices[3 * v + i] = 0.25 * shape.vertices[i] + buried_at[i % 3];
+    }
+    for (size_t i = 0; i < 3 * t; i++) {
+        corners[i] = shape.corners[i];
+        corners[3 * t + i] = shape.corners[i] + (uint32_t)v;
+    }
+    const int opened = solid_from_arrays(solid, "buried sphere", vertices, 2 * v, corners, 2 * t);
+    free(vertices);
+    free(corners);
+    shape_free(&shape);
+    return opened;
+}
+
+static void a_sphere_within_a_sphere(void)
+{
+    struct solid plain, solid;
+    uint64_t seed = 7;
+    double inner, outer, tilt;
+    uint64_t from_material = 0;
+    if (!solid_from_shape(&plain, "sphere", 5120))
+        return;
+    solid_balls(&plain, &inner, &outer, &tilt);
+    solid_close(&plain);
+    if (!open_buried(&solid))
+        return;
+    CHECK(solid.info.buried_components == 1, "%u buried", solid.info.buried_components);
+    for (uint64_t i = 0; i < 10 * ticks; i++) {
+        double ends[6], x[3], d[3], least = INFINITY;
+        dpt_hit hit = DPT_HIT_INIT;
+        ends_about(&seed, outer, i, ends);
+        for (int k = 0; k < 3 && i % 2; k++)
+            ends[3 + k] = buried_at[k]; /* half of them end in the inner one */
+        for (int k = 0; k < 3; k++)
+            d[k] = ends[3 + k] - ends[k];
+        for (int k = 0; k <= DENSE; k++) {
+            along(ends, (double)k / DENSE, x);
+            least = fmin(least, height_over_buried(x, outer));
+        }
+        from_material += i % 2 && height_over_buried(ends, outer) < -0.3 * outer;
+        const double bound = outer - inner + sqrt(dot3(d, d)) / DENSE + 1e-5 * solid.diagonal;
+        dpt_query_segments(solid.mesh, NULL, ends, NULL, 1, &hit, NULL);
+        CHECK(fabs(hit.gap - least) <= bound, "not %.9g +- %.2g: %s", least, bound,
+              answer_text(&solid, "query", ends, 0.0, &hit));
+    }
+    CHECK(from_material > 0, "none began deep in the outer one alone");
     solid_close(&solid);
 }
 
@@ -231,5 +302,6 @@ int main(int argc, char **argv)
     TEST(jumps_without_a_word);
     TEST(sphere);
     TEST(torus);
+    TEST(a_sphere_within_a_sphere);
     return check_report();
 }

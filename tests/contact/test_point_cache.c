@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What a budget's searches found at points: which of them are kept (src/contact/point_cache.h). Used in worlds: test_budget_contact. */
+/*
+ * What a budget's searches found at points: which of them are kept (src/contact/point_cache.h). Used in worlds:
+ * test_budget_contact.
+ */
 #include "contact/point_cache.h"
 
 #include "lib/check.h"

@@ -5,24 +5,25 @@
  *
  * With DPT_DATA in the environment also on public meshes, with which of their parts have an inside.
  */
-#include "contact/winding_scene.h"
+#include "lib/mesh_builder.h"
 
 #include "base/angle.h"
 #include "compile/moments.h"
 
 /* `points` within the box and as many near the surface, on all kernels; returns the largest error. */
-static double check_against_brute(const char *name, const struct scene *scene, int points)
+static double check_against_brute(const char *name, const struct mesh_builder *builder, int points)
 {
     static const double shares[] = { 1e-2, -1e-3, 1e-4, -1e-6, 1e-9 };
     uint64_t random = 41;
     uint32_t chosen, most_work = 0;
     double worst = 0.0;
     for (int i = 0; i < 2 * points; i++) {
-        uint32_t place = (uint32_t)(random_bits(&random) % scene->info.triangles);
+        uint32_t place = (uint32_t)(random_bits(&random) % builder->info.triangles);
         struct work work = work_of(WORK_UNLIMITED);
-        vec3 x = i % 2 ? point_in_box(scene, &random) : point_off(scene, place, shares[i / 2 % 5]);
-        double winding = dpti_winding_number(&scene->surface, &scene->kernel, x, &work);
-        double error = fabs(winding - brute_at(scene, x));
+        vec3 x =
+            i % 2 ? point_in_box(builder, &random) : point_off(builder, place, shares[i / 2 % 5]);
+        double winding = dpti_winding_number(&builder->surface, &builder->kernel, x, &work);
+        double error = fabs(winding - brute_winding_at(builder, x));
         CHECK(error <= WINDING_ERROR, "%s: off by %g at %g %g %g", name, error, x.x, x.y, x.z);
         worst = max_of(worst, error);
         most_work = work.done > most_work ? work.done : most_work;
@@ -31,14 +32,14 @@ static double check_against_brute(const char *name, const struct scene *scene, i
             struct work again = work_of(WORK_UNLIMITED);
             if (!dpti_kernel_get(id, &other, &chosen))
                 continue;
-            double same = dpti_winding_number(&scene->surface, &other, x, &again);
+            double same = dpti_winding_number(&builder->surface, &other, x, &again);
             CHECK(!memcmp(&same, &winding, sizeof same) && again.done == work.done,
                   "%s: %s says %g, not %g", name, dpt_kernel_name(id), same, winding);
         }
     }
     printf("    %-12s %7u triangles: off by at most %.1e, work at most %u\n", name,
-           scene->info.triangles, worst, most_work);
-    CHECK(most_work < 2 * (scene->info.triangles / LANES) + 40, "%s: work %u", name, most_work);
+           builder->info.triangles, worst, most_work);
+    CHECK(most_work < 2 * (builder->info.triangles / LANES) + 40, "%s: work %u", name, most_work);
     return worst;
 }
 
@@ -51,13 +52,14 @@ static void windings_agree_with_brute_force(void)
                    { "star", 8000 },  { "stomach", 4000 }, { "sphere", 100000 } };
     double worst = 0.0;
     for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++) {
-        struct scene scene = { .vertices = NULL };
-        add_shape(&scene, shapes[i].name, shapes[i].count, (vec3){ 0.3, -0.2, 0.1 }, 1.0, 0, 1);
-        if (scene_open(&scene)) {
-            CHECK(scene.info.winding_components == 1, "%s has no moments", shapes[i].name);
-            worst = max_of(worst, check_against_brute(shapes[i].name, &scene, 200));
+        struct mesh_builder builder = { .vertices = NULL };
+        builder_add_shape(&builder, shapes[i].name, shapes[i].count, (vec3){ 0.3, -0.2, 0.1 }, 1.0,
+                          0, 1);
+        if (builder_compile(&builder)) {
+            CHECK(builder.info.winding_components == 1, "%s has no moments", shapes[i].name);
+            worst = max_of(worst, check_against_brute(shapes[i].name, &builder, (int)part_of(200)));
         }
-        scene_close(&scene);
+        builder_free(&builder);
     }
     CHECK(worst < 1e-3, "the bound is proven, but this is a tenth of what it was: %g", worst);
 }
@@ -129,51 +131,53 @@ static void series_keep_their_bound(void)
 static void check_sides(uint64_t triangles)
 {
     static const double shares[] = { 1e-3, 1e-5, 1e-7, 1e-9, 1e-11 };
-    struct scene scene = { .vertices = NULL };
+    struct mesh_builder builder = { .vertices = NULL };
     uint64_t random = 59;
     int bad = 0, asked = 0;
-    add_shape(&scene, "sphere", triangles, (vec3){ 0.2, 0.3, -0.1 }, 1.0, 0, 1);
-    if (scene_open(&scene)) {
-        const uint32_t gone = mesh_words(scene.mesh, MESH_PLACES)[0]; /* beside the hole */
-        for (int i = 0; i < 1000; i++) {
+    builder_add_shape(&builder, "sphere", triangles, (vec3){ 0.2, 0.3, -0.1 }, 1.0, 0, 1);
+    if (builder_compile(&builder)) {
+        const uint32_t gone = mesh_words(builder.mesh, MESH_PLACES)[0]; /* beside the hole */
+        for (int i = 0; i < (int)part_of(1000); i++) {
             const double share = shares[i % 5];
-            uint32_t place = (uint32_t)(random_bits(&random) % scene.info.triangles);
+            uint32_t place = (uint32_t)(random_bits(&random) % builder.info.triangles);
             if (place / 64 == gone / 64)
                 continue;
-            vec3 in = point_off(&scene, place, -share), out = point_off(&scene, place, share);
+            vec3 in = point_off(&builder, place, -share), out = point_off(&builder, place, share);
             double step =
-                winding_at(&scene, in.x, in.y, in.z) - winding_at(&scene, out.x, out.y, out.z);
+                winding_at(&builder, in.x, in.y, in.z) - winding_at(&builder, out.x, out.y, out.z);
             asked++;
             bad += !(fabs(step - 1.0) < 0.1);
             /* By a vertex, and by an edge. */
-            const uint32_t *corner = scene.surface.corners + 3 * (size_t)place;
-            const float *p = scene.surface.positions + 3 * (size_t)corner[0];
-            const float *q = scene.surface.positions + 3 * (size_t)corner[i % 2];
+            const uint32_t *corner = builder.surface.corners + 3 * (size_t)place;
+            const float *p = builder.surface.positions + 3 * (size_t)corner[0];
+            const float *q = builder.surface.positions + 3 * (size_t)corner[i % 2];
             const vec3 on = scaled(add(vec3_of_float(p), vec3_of_float(q)), 0.5);
             const vec3 way = { random_in(&random, -1, 1), random_in(&random, -1, 1),
                                random_in(&random, -1, 1) };
             in = along(on, -share, way);
             out = along(on, share, way);
             asked++;
-            bad += !(fabs(winding_at(&scene, in.x, in.y, in.z) - brute_at(&scene, in)) < 0.001 &&
-                     fabs(winding_at(&scene, out.x, out.y, out.z) - brute_at(&scene, out)) < 0.001);
+            bad += !(fabs(winding_at(&builder, in.x, in.y, in.z) - brute_winding_at(&builder, in)) <
+                         0.001 &&
+                     fabs(winding_at(&builder, out.x, out.y, out.z) -
+                          brute_winding_at(&builder, out)) < 0.001);
         }
-        CHECK(bad == 0 && asked > 1000, "%d of %d", bad, asked);
-        const float *v = scene.surface.positions;
-        double on = winding_at(&scene, v[0], v[1], v[2]);
+        CHECK(bad == 0 && asked > (int)part_of(1000), "%d of %d", bad, asked);
+        const float *v = builder.surface.positions;
+        double on = winding_at(&builder, v[0], v[1], v[2]);
         CHECK(on > -0.1 && on < 1.1, "at a vertex %g", on);
-        vec3 face = point_off(&scene, 77, 0.0);
-        on = winding_at(&scene, face.x, face.y, face.z);
+        vec3 face = point_off(&builder, 77, 0.0);
+        on = winding_at(&builder, face.x, face.y, face.z);
         CHECK(on > -0.1 && on < 1.1, "in a face %g", on);
         const double odd[] = { NAN, INFINITY, -INFINITY, 1e300, -1e30, 1e9 };
         for (size_t k = 0; k < 6; k++)
             for (int axis = 0; axis < 3; axis++) {
                 double x[3] = { 0.0, 0.0, 0.0 };
                 x[axis] = odd[k];
-                CHECK(winding_at(&scene, x[0], x[1], x[2]) == 0.0, "%g on axis %d", odd[k], axis);
+                CHECK(winding_at(&builder, x[0], x[1], x[2]) == 0.0, "%g on axis %d", odd[k], axis);
             }
     }
-    scene_close(&scene);
+    builder_free(&builder);
 }
 
 static void sides_are_known_near_the_surface(void)
@@ -211,35 +215,36 @@ static void public_meshes_are_what_they_seem(void)
     for (size_t i = 0; i < sizeof meshes / sizeof *meshes; i++) {
         char path[1024];
         const struct expected *wanted = &meshes[i];
-        struct scene scene = { .info = { .size = sizeof scene.info } };
+        struct mesh_builder builder = { .info = { .size = sizeof builder.info } };
         uint32_t chosen;
         snprintf(path, sizeof path, "%s/meshes/%s", getenv("DPT_DATA"), wanted->path);
-        dpt_result result = dpt_compile_file(path, NULL, &scene.compiled, NULL);
+        dpt_result result = dpt_compile_file(path, NULL, &builder.compiled, NULL);
         if (result == DPT_OK)
-            result = dpt_mesh_convert(scene.compiled.bytes, scene.compiled.size, NULL);
+            result = dpt_mesh_convert(builder.compiled.bytes, builder.compiled.size, NULL);
         if (result == DPT_OK)
-            result = dpt_mesh_open(scene.compiled.bytes, scene.compiled.size, &scene.mesh);
+            result = dpt_mesh_open(builder.compiled.bytes, builder.compiled.size, &builder.mesh);
         CHECK(result == DPT_OK, "%s: %s", wanted->path, dpt_result_name(result));
         if (result != DPT_OK)
             continue;
-        const dpt_mesh_info *info = &scene.info;
-        dpt_mesh_get_info(scene.mesh, &scene.info);
+        const dpt_mesh_info *info = &builder.info;
+        dpt_mesh_get_info(builder.mesh, &builder.info);
         CHECK(info->solid_components == wanted->solid && info->cavities == wanted->cavities &&
                   info->winding_components == wanted->winding &&
                   info->buried_components == wanted->buried,
               "%s: %u solid, %u cavities, %u by winding, %u buried", wanted->path,
               info->solid_components, info->cavities, info->winding_components,
               info->buried_components);
-        dpti_surface_of_mesh(scene.mesh, &scene.surface);
-        dpti_kernel_get(DPT_KERNEL_AUTO, &scene.kernel, &chosen);
+        dpti_surface_of_mesh(builder.mesh, &builder.surface);
+        dpti_kernel_get(DPT_KERNEL_AUTO, &builder.kernel, &chosen);
         if (info->winding_components)
-            check_against_brute(strrchr(wanted->path, '/') + 1, &scene, 60);
-        scene_close(&scene);
+            check_against_brute(strrchr(wanted->path, '/') + 1, &builder, 60);
+        builder_free(&builder);
     }
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
+    take_percent(argc, argv);
     TEST(windings_agree_with_brute_force);
     TEST(series_keep_their_bound);
     TEST(sides_are_known_near_the_surface);

@@ -2,7 +2,8 @@
 /*
  * The driver's device at one end of a pty and the simulated one at the other: a real line but for its speed. Where no
  * pty can do it (another speed than was asked for, no permission, calls that fail) the call is wrapped by the linker,
- * for the driver alone.
+ * for the driver alone. So is the clock: it is made up, and goes on where the driver waits, so that nothing depends on
+ * how busy the machine is.
  */
 #ifndef DPT_TESTS_SERIAL_FIXTURE_H
 #define DPT_TESTS_SERIAL_FIXTURE_H
@@ -11,7 +12,6 @@
 
 #include <errno.h>
 #include <poll.h>
-#include <pthread.h>
 #include <stdarg.h>
 #include <sys/file.h>
 #include <sys/ioctl.h>
@@ -26,7 +26,7 @@
  * Calls of the driver, while `watched`: counted, and the one of number `fail_at` fails with fail_errno. `held` is
  * how many descriptors it has open.
  */
-static __thread int watched;
+static int watched;
 static int calls, fail_at, fail_errno, held, descriptor, not_a_tty, other_speed;
 
 static inline int fails(void)
@@ -35,6 +35,22 @@ static inline int fails(void)
         return 0;
     errno = fail_errno;
     return 1;
+}
+
+/* The made-up clock. What happens in each millisecond of it: a device's tick; NULL: nothing. */
+static uint64_t now_ns = 1000000000u;
+static void (*each_ms)(void);
+
+static inline void pause_ms(long milliseconds)
+{
+    const int was_watched = watched;
+    watched = 0;
+    for (long i = 0; i < milliseconds; i++) {
+        now_ns += 1000000u;
+        if (each_ms)
+            each_ms();
+    }
+    watched = was_watched;
 }
 
 int __real_open(const char *path, int flags, ...);
@@ -60,6 +76,15 @@ int __wrap_tcgetattr(int fd, struct termios *settings);
 int __wrap_tcsetattr(int fd, int when, const struct termios *settings);
 int __wrap_tcflush(int fd, int queue);
 void *__wrap_calloc(size_t count, size_t size);
+int __wrap_clock_gettime(clockid_t clock, struct timespec *time);
+
+int __wrap_clock_gettime(clockid_t clock, struct timespec *time)
+{
+    (void)clock;
+    now_ns += 1000;
+    *time = (struct timespec){ (time_t)(now_ns / 1000000000u), (long)(now_ns % 1000000000u) };
+    return 0;
+}
 
 int __wrap_open(const char *path, int flags, ...)
 {
@@ -90,7 +115,14 @@ ssize_t __wrap_write(int fd, const void *bytes, size_t size)
 
 int __wrap_poll(struct pollfd *lines, nfds_t count, int timeout)
 {
-    return fails() ? -1 : __real_poll(lines, count, timeout);
+    if (fails())
+        return -1;
+    for (;;) {
+        const int ready = __real_poll(lines, count, 0);
+        if (ready != 0 || timeout-- <= 0)
+            return ready;
+        pause_ms(1);
+    }
 }
 
 int __wrap_ioctl(int fd, unsigned long request, ...)
@@ -137,39 +169,28 @@ void *__wrap_calloc(size_t count, size_t size)
     return fails() ? NULL : __real_calloc(count, size);
 }
 
-/* The simulated device, in a thread of its own while the host may block; between, a test ticks it. */
+/* The simulated device. From go() to halt() it runs while the driver waits; apart from that, a test ticks it. */
 static struct simulate_serial simulated;
-static pthread_t thread;
-static volatile int stop;
 
-static inline void *serve(void *unused)
+static inline void tick_simulated(void)
 {
-    simulate_serial_run(&simulated, &stop);
-    return unused;
+    simulate_serial_tick(&simulated);
 }
 
 static inline void go(void)
 {
-    stop = 0;
-    CHECK(pthread_create(&thread, NULL, serve, NULL) == 0, "no thread");
+    each_ms = tick_simulated;
 }
 
 static inline void halt(void)
 {
-    stop = 1;
-    pthread_join(thread, NULL);
+    each_ms = NULL;
 }
 
 static dpt_device *device;
 static dpt_device_error error;
 static dpt_device_state state;
 static dpt_device_counts counts;
-
-static inline void pause_ms(long milliseconds)
-{
-    const struct timespec wait = { milliseconds / 1000, milliseconds % 1000 * 1000000 };
-    nanosleep(&wait, NULL);
-}
 
 static inline dpt_result open_at(const char *path, const char *settings)
 {

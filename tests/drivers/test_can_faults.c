@@ -232,6 +232,34 @@ static const struct fault {
     /* clang-format on */
 };
 
+/* A cause that stays cannot be cleared; once it is cured, the device works as before. */
+static void cure(const struct fault *fault, dpt_result code)
+{
+    const uint64_t taken = simulated.node[0].torques;
+    if (fault->stays)
+        CHECK(clear() == code && !is_pushing(), "%s: cleared in spite of its cause", fault->name);
+    if (fault->cause == become_passive)
+        CHECK(simulated.node[0].torques == taken, "motors are switched on over a bad bus");
+    dpt_device_get_counts(device, &counts);
+    CHECK(counts.resets == (fault->cause == reboot), "%s: %u resets", fault->name,
+          (unsigned)counts.resets);
+    if (fault->cure)
+        fault->cure();
+    pass_ms(2);
+    const uint64_t lost = counts.lost, sequence = state.sequence;
+    CHECK(clear() == DPT_OK, "%s: not cleared", fault->name);
+    dpt_device_read(device, &state);
+    CHECK(state.fresh <= 2 && state.sequence > sequence, "%s: %u fresh", fault->name, state.fresh);
+    dpt_device_get_counts(device, &counts);
+    CHECK(fault->status == DPT_DEVICE_STATUS_FAULT || counts.lost <= lost + 1,
+          "%s: %u lost while it was opened", fault->name, (unsigned)(counts.lost - lost));
+    CHECK(counts.resets == (fault->cause == reboot || fault->status == DPT_DEVICE_STATUS_LOST),
+          "%s: %u resets", fault->name, (unsigned)counts.resets);
+    CHECK(!is_pushing(), "%s: it pushes before it is told to", fault->name);
+    CHECK(push_until_it_fails(600) > 600 && is_pushing() && state.reasons == 0 && state.code == 0,
+          "%s: it does not work afterwards: %x %x", fault->name, state.reasons, state.code);
+}
+
 static void provoke(const struct fault *fault)
 {
     start(elbow_path, ELBOW "&nodes=0,1,2&watchdog=0.025&firmware=0.6");
@@ -273,29 +301,7 @@ static void provoke(const struct fault *fault)
           "%s: %u refused", fault->name, (unsigned)counts.refused);
     CHECK((counts.damaged > 0) == (fault->cause == go_mad), "%s: %u damaged", fault->name,
           (unsigned)counts.damaged);
-    const uint64_t taken = simulated.node[0].torques;
-    if (fault->stays)
-        CHECK(clear() == code && !is_pushing(), "%s: cleared in spite of its cause", fault->name);
-    if (fault->cause == become_passive)
-        CHECK(simulated.node[0].torques == taken, "motors are switched on over a bad bus");
-    dpt_device_get_counts(device, &counts);
-    CHECK(counts.resets == (fault->cause == reboot), "%s: %u resets", fault->name,
-          (unsigned)counts.resets);
-    if (fault->cure)
-        fault->cure();
-    pass_ms(2);
-    const uint64_t lost = counts.lost, sequence = state.sequence;
-    CHECK(clear() == DPT_OK, "%s: not cleared", fault->name);
-    dpt_device_read(device, &state);
-    CHECK(state.fresh <= 2 && state.sequence > sequence, "%s: %u fresh", fault->name, state.fresh);
-    dpt_device_get_counts(device, &counts);
-    CHECK(fault->status == DPT_DEVICE_STATUS_FAULT || counts.lost <= lost + 1,
-          "%s: %u lost while it was opened", fault->name, (unsigned)(counts.lost - lost));
-    CHECK(counts.resets == (fault->cause == reboot || fault->status == DPT_DEVICE_STATUS_LOST),
-          "%s: %u resets", fault->name, (unsigned)counts.resets);
-    CHECK(!is_pushing(), "%s: it pushes before it is told to", fault->name);
-    CHECK(push_until_it_fails(600) > 600 && is_pushing() && state.reasons == 0 && state.code == 0,
-          "%s: it does not work afterwards: %x %x", fault->name, state.reasons, state.code);
+    cure(fault, code);
     socketcan_close(&stranger);
     finish();
 }

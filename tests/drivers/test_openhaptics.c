@@ -244,32 +244,10 @@ static void closes_the_loop(void)
     finish();
 }
 
-static void two_devices_share_the_scheduler(void)
+/* An error of one is not the other's; one of nobody is everyone's. */
+static void errors_are_told_apart(dpt_device *other)
 {
-    dpt_device *other = NULL;
     dpt_device_state other_state = { .size = sizeof other_state };
-    start("&watchdog=1");
-    serve(150, 1.0);
-    const uint64_t sequence = state.sequence;
-    left->force_max = 7.0;
-    CHECK(open_at(&other, "Left Device", "&watchdog=1") == DPT_OK, "%s", error.text);
-    CHECK(dpt_device_read(device, &state) == DPT_OK && state.sequence > sequence,
-          "the first one is lost by the second");
-    left->transform[12] = 11.0;
-    for (int n = 0; n < 150; n++) {
-        tick(1);
-        CHECK(dpt_device_read(device, &state) == DPT_OK &&
-                  dpt_device_read(other, &other_state) == DPT_OK &&
-                  state.time_ns == other_state.time_ns,
-              "tick %d", n);
-        CHECK(push(device, 1.0) == DPT_OK && push(other, -5.0) == DPT_OK, "tick %d", n);
-    }
-    tick(1);
-    CHECK(force_of(there) == 1.0 && force_of(left) == -5.0, "%g, %g", force_of(there),
-          force_of(left));
-    CHECK(other_state.pose.position[0] == 0.011 && state.pose.position[0] == 0.0, "poses");
-
-    /* An error of one is not the other's; one of nobody is everyone's. */
     lib->raise = HD_EXCEEDED_MAX_VELOCITY;
     lib->raise_device = 1;
     tick(1);
@@ -298,8 +276,12 @@ static void two_devices_share_the_scheduler(void)
           "%u, %u", state.status, other_state.status);
     tick(120);
     CHECK(clear_device(device) == DPT_OK && clear_device(other) == DPT_OK, "clear");
+}
 
-    /* Both lose our callback: each is cleared by itself, and errors from before harm none. */
+/* Both lose our callback: each is cleared by itself, and errors from before harm none. */
+static dpt_device *both_lose_the_callback(dpt_device *other)
+{
+    dpt_device_state other_state = { .size = sizeof other_state };
     lib->drops_callbacks = 1;
     pass(3.0);
     tick(1);
@@ -319,8 +301,12 @@ static void two_devices_share_the_scheduler(void)
     CHECK(dpt_device_read(device, &state) == DPT_OK &&
               dpt_device_read(other, &other_state) == DPT_OK,
           "both are back");
+    return other;
+}
 
-    /* One that cannot be opened, and one that is closed, leave the other alone. */
+/* One that cannot be opened, and one that is closed, leave the other alone. */
+static void the_other_is_left_alone(dpt_device *other)
+{
     dpt_device *none;
     CHECK(open_at(&none, "Nobody", "") == DPT_E_DEVICE, "%s", error.text);
     CHECK(open_at(&none, "", "") == DPT_E_DEVICE && strstr(error.text, "open already"), "%s",
@@ -336,6 +322,35 @@ static void two_devices_share_the_scheduler(void)
     CHECK(dpt_device_read(device, &state) == DPT_OK && state.fresh > 0, "lost with the other");
     serve(150, 1.0);
     CHECK(force_of(there) == 1.0, "%g", force_of(there));
+}
+
+static void two_devices_share_the_scheduler(void)
+{
+    dpt_device *other = NULL;
+    dpt_device_state other_state = { .size = sizeof other_state };
+    start("&watchdog=1");
+    serve(150, 1.0);
+    const uint64_t sequence = state.sequence;
+    left->force_max = 7.0;
+    CHECK(open_at(&other, "Left Device", "&watchdog=1") == DPT_OK, "%s", error.text);
+    CHECK(dpt_device_read(device, &state) == DPT_OK && state.sequence > sequence,
+          "the first one is lost by the second");
+    left->transform[12] = 11.0;
+    for (int n = 0; n < 150; n++) {
+        tick(1);
+        CHECK(dpt_device_read(device, &state) == DPT_OK &&
+                  dpt_device_read(other, &other_state) == DPT_OK &&
+                  state.time_ns == other_state.time_ns,
+              "tick %d", n);
+        CHECK(push(device, 1.0) == DPT_OK && push(other, -5.0) == DPT_OK, "tick %d", n);
+    }
+    tick(1);
+    CHECK(force_of(there) == 1.0 && force_of(left) == -5.0, "%g, %g", force_of(there),
+          force_of(left));
+    CHECK(other_state.pose.position[0] == 0.011 && state.pose.position[0] == 0.0, "poses");
+    errors_are_told_apart(other);
+    other = both_lose_the_callback(other);
+    the_other_is_left_alone(other);
     finish();
 }
 
@@ -437,6 +452,67 @@ static dpt_wrench spring_feel(const dpt_pose *pose)
     return wrench;
 }
 
+static void compare_motions(const dpt_mesh *mesh, const double origin[3], int is_turned)
+{
+    struct scene scenes[2];
+    dpt_device *sim = NULL;
+    dpt_device_state truth = { .size = sizeof truth };
+    double far = 0.0, wrong = 0.0, strongest = 0.0;
+    int pressed = 0;
+    scene_open(&scenes[0], mesh);
+    scene_open(&scenes[1], mesh);
+    CHECK(dpt_device_open(is_turned ? "sim:?hand=wipe&reach=0.03&cycle=1"
+                                    : "sim:?hand=press&reach=0.03&cycle=1&step="
+                                      "9.5367431640625e-07",
+                          &sim, &error) == DPT_OK,
+          "%s", error.text);
+    start("");
+    serve(150, 0.0);
+    for (int n = 0; n < 2000; n++) {
+        CHECK(dpt_device_read(sim, &truth) == DPT_OK, "read");
+        dpt_pose pose = truth.pose;
+        const double axis[3] = { 0.6, 0.0, 0.8 };
+        dpt_hd_to_transform(&pose, there->transform);
+        if (is_turned)
+            turn_by(there->transform, axis, 5.0 * pose.position[1]);
+        tick(1);
+        CHECK(dpt_device_read(device, &state) == DPT_OK && state.fresh == 1, "tick %d", n);
+        const double half = 2.5 * pose.position[1];
+        for (int k = 0; is_turned && k < 4; k++)
+            pose.orientation[k] = k == 0 ? cos(half) : sin(half) * axis[k - 1];
+        const dpt_wrench is =
+            is_turned ? spring_feel(&pose) : scene_feel(&scenes[0], &pose, origin);
+        const dpt_wrench felt =
+            is_turned ? spring_feel(&state.pose) : scene_feel(&scenes[1], &state.pose, origin);
+        CHECK(dpt_device_write(sim, &is) == DPT_OK && dpt_device_write(device, &felt) == DPT_OK,
+              "write");
+        tick(1);
+        dpt_device_read(device, &state);
+        CHECK(!memcmp(felt.force, there->force, sizeof felt.force), "tick %d: %.17g N is %.17g N",
+              n, felt.force[1], there->force[1]);
+        CHECK(is_turned || (!memcmp(is.force, there->force, sizeof is.force) &&
+                            !memcmp(&pose, &state.pose, sizeof pose)),
+              "tick %d: %.17g N is %.17g N", n, is.force[1], there->force[1]);
+        pressed += is.force[1] > 0.0;
+        for (int k = 0; k < 3; k++) {
+            strongest = fmax(strongest, fabs(is.force[k]));
+            wrong = fmax(wrong, fabs(is.force[k] - there->force[k]));
+            if (pose.position[k] != 0.0)
+                far = fmax(far, fabs(state.pose.position[k] / pose.position[k] - 1.0));
+        }
+    }
+    printf("    %s: force on %d of 2000 ticks, at most %.2f N; places off by %.2g of "
+           "themselves, forces by %.2g N\n",
+           is_turned ? "between the grid's places" : "on the grid", pressed, strongest, far, wrong);
+    CHECK(pressed > 300 && strongest < 3.3, "%d pressed, %g N", pressed, strongest);
+    CHECK(far <= (is_turned ? 0x1p-52 : 0.0), "%g", far);
+    CHECK(wrong <= (is_turned ? 30.0 * (0.1 * 1e-15 + 0.03 * 0x1p-51) : 0.0), "%g N", wrong);
+    dpt_device_close(sim);
+    finish();
+    free(scenes[0].block);
+    free(scenes[1].block);
+}
+
 /*
  * The motion of a simulated device, given to the stand-in in mm. Places on a grid of 2^-20 m are exact in m and in mm, and
  * so the pose and the force of a scene are the same bits. Others are rounded once each way: a place is off by at most one
@@ -451,66 +527,8 @@ static void the_same_motion_gives_the_same_force(void)
     dpt_mesh_get_info(fixture.mesh, &mesh);
     const double origin[3] = { 0.5 * (mesh.box_min[0] + mesh.box_max[0]), mesh.box_max[1] + 0.007,
                                0.5 * (mesh.box_min[2] + mesh.box_max[2]) };
-    for (int is_turned = 0; is_turned < 2; is_turned++) {
-        struct scene scenes[2];
-        dpt_device *sim = NULL;
-        dpt_device_state truth = { .size = sizeof truth };
-        double far = 0.0, wrong = 0.0, strongest = 0.0;
-        int pressed = 0;
-        scene_open(&scenes[0], fixture.mesh);
-        scene_open(&scenes[1], fixture.mesh);
-        CHECK(dpt_device_open(is_turned ? "sim:?hand=wipe&reach=0.03&cycle=1"
-                                        : "sim:?hand=press&reach=0.03&cycle=1&step="
-                                          "9.5367431640625e-07",
-                              &sim, &error) == DPT_OK,
-              "%s", error.text);
-        start("");
-        serve(150, 0.0);
-        for (int n = 0; n < 2000; n++) {
-            CHECK(dpt_device_read(sim, &truth) == DPT_OK, "read");
-            dpt_pose pose = truth.pose;
-            const double axis[3] = { 0.6, 0.0, 0.8 };
-            dpt_hd_to_transform(&pose, there->transform);
-            if (is_turned)
-                turn_by(there->transform, axis, 5.0 * pose.position[1]);
-            tick(1);
-            CHECK(dpt_device_read(device, &state) == DPT_OK && state.fresh == 1, "tick %d", n);
-            const double half = 2.5 * pose.position[1];
-            for (int k = 0; is_turned && k < 4; k++)
-                pose.orientation[k] = k == 0 ? cos(half) : sin(half) * axis[k - 1];
-            const dpt_wrench is =
-                is_turned ? spring_feel(&pose) : scene_feel(&scenes[0], &pose, origin);
-            const dpt_wrench felt =
-                is_turned ? spring_feel(&state.pose) : scene_feel(&scenes[1], &state.pose, origin);
-            CHECK(dpt_device_write(sim, &is) == DPT_OK && dpt_device_write(device, &felt) == DPT_OK,
-                  "write");
-            tick(1);
-            dpt_device_read(device, &state);
-            CHECK(!memcmp(felt.force, there->force, sizeof felt.force),
-                  "tick %d: %.17g N is %.17g N", n, felt.force[1], there->force[1]);
-            CHECK(is_turned || (!memcmp(is.force, there->force, sizeof is.force) &&
-                                !memcmp(&pose, &state.pose, sizeof pose)),
-                  "tick %d: %.17g N is %.17g N", n, is.force[1], there->force[1]);
-            pressed += is.force[1] > 0.0;
-            for (int k = 0; k < 3; k++) {
-                strongest = fmax(strongest, fabs(is.force[k]));
-                wrong = fmax(wrong, fabs(is.force[k] - there->force[k]));
-                if (pose.position[k] != 0.0)
-                    far = fmax(far, fabs(state.pose.position[k] / pose.position[k] - 1.0));
-            }
-        }
-        printf("    %s: force on %d of 2000 ticks, at most %.2f N; places off by %.2g of "
-               "themselves, forces by %.2g N\n",
-               is_turned ? "between the grid's places" : "on the grid", pressed, strongest, far,
-               wrong);
-        CHECK(pressed > 300 && strongest < 3.3, "%d pressed, %g N", pressed, strongest);
-        CHECK(far <= (is_turned ? 0x1p-52 : 0.0), "%g", far);
-        CHECK(wrong <= (is_turned ? 30.0 * (0.1 * 1e-15 + 0.03 * 0x1p-51) : 0.0), "%g N", wrong);
-        dpt_device_close(sim);
-        finish();
-        free(scenes[0].block);
-        free(scenes[1].block);
-    }
+    for (int is_turned = 0; is_turned < 2; is_turned++)
+        compare_motions(fixture.mesh, origin, is_turned);
     fixture_free(&fixture);
 }
 

@@ -177,7 +177,7 @@ static void refused(const char *name, const char *settings, dpt_result code, con
     renew();
 }
 
-static void every_refusal_has_its_cure(void)
+static void a_device_that_is_not_there_has_a_cure(void)
 {
     host.gtdd_home = "/home/someone/.3dsystems";
     there->is_plugged = 0;
@@ -213,6 +213,11 @@ static void every_refusal_has_its_cure(void)
     refused_by(text, DPT_E_DEVICE, "no device of the name", "");
     refused("", "", DPT_E_DEVICE, "0x7f3a11c0, which is no device", "start it again");
 
+    renew();
+}
+
+static void a_device_of_another_kind_has_a_cure(void)
+{
     static const unsigned rates[] = { HD_INVALID_VALUE, HD_TIMER_ERROR, HD_INVALID_OPERATION };
     for (int i = 0; i < 3; i++) {
         lib->fail_rate = rates[i];
@@ -234,7 +239,11 @@ static void every_refusal_has_its_cure(void)
     refused("", "", DPT_E_DEVICE, "does not say what it can do", "one version");
     there->workspace[3] = -90.0;
     refused("", "", DPT_E_DEVICE, "does not say what it can do", "one version");
+    renew();
+}
 
+static void a_device_that_does_not_start_has_a_cure(void)
+{
     there->styles = HD_CALIBRATION_ENCODER_RESET;
     there->calibration = HD_CALIBRATION_NEEDS_MANUAL_INPUT;
     there->resists = 1;
@@ -421,7 +430,9 @@ int main(int argc, char **argv)
     take_stand_in(argv[0], "libHD-stand-in.so");
     renew();
     TEST(no_function_may_lack);
-    TEST(every_refusal_has_its_cure);
+    TEST(a_device_that_is_not_there_has_a_cure);
+    TEST(a_device_of_another_kind_has_a_cure);
+    TEST(a_device_that_does_not_start_has_a_cure);
     TEST(what_is_not_told_is_left_out);
     TEST(a_note_says_what_is_left_to_do);
     TEST(settings_are_checked);

@@ -126,28 +126,8 @@ static void bad_info(const dpt_device *device, dpt_device_info *info)
     }
 }
 
-static void fill_in(const struct bad *bad, dpt_device_state *state)
+static void spoil(const struct bad *bad, dpt_device_state *state)
 {
-    static const double axis[3] = { 0.6, 0.8, 0.0 };
-    const double sine = sin(0.5 * machine.angle), cosine = cos(0.5 * machine.angle);
-    double q[4] = { cosine, sine * axis[0], sine * axis[1], sine * axis[2] };
-    memset(state, 0, sizeof *state);
-    state->status = DPT_DEVICE_STATUS_READY;
-    state->sequence = machine.period;
-    state->time_ns = plan.began_ns + machine.period * 1000000u;
-    for (int k = 0; k < 3; k++) {
-        state->pose.position[k] = machine.x[k];
-        state->velocity[k] = machine.v[k] * (plan.fault == MILLIMETRES ? 1000.0 : 1.0);
-        state->spin[k] =
-            plan.turns ? SPIN * axis[k] * (plan.fault == DEGREES ? 57.29577951308232 : 1.0) : 0.0;
-    }
-    if (plan.fault == W_LAST || plan.fault == W_LAST_AT_REST ||
-        plan.fault == TURNED_WITHOUT_TURNS) {
-        const double w = q[0];
-        memmove(q, q + 1, 3 * sizeof *q);
-        q[3] = w;
-    }
-    memcpy(state->pose.orientation, q, sizeof q);
     const int now = bad->reads > 50;
     switch (plan.fault) {
     case NEVER_READY:
@@ -192,6 +172,31 @@ static void fill_in(const struct bad *bad, dpt_device_state *state)
     default:
         break;
     }
+}
+
+static void fill_in(const struct bad *bad, dpt_device_state *state)
+{
+    static const double axis[3] = { 0.6, 0.8, 0.0 };
+    const double sine = sin(0.5 * machine.angle), cosine = cos(0.5 * machine.angle);
+    double q[4] = { cosine, sine * axis[0], sine * axis[1], sine * axis[2] };
+    memset(state, 0, sizeof *state);
+    state->status = DPT_DEVICE_STATUS_READY;
+    state->sequence = machine.period;
+    state->time_ns = plan.began_ns + machine.period * 1000000u;
+    for (int k = 0; k < 3; k++) {
+        state->pose.position[k] = machine.x[k];
+        state->velocity[k] = machine.v[k] * (plan.fault == MILLIMETRES ? 1000.0 : 1.0);
+        state->spin[k] =
+            plan.turns ? SPIN * axis[k] * (plan.fault == DEGREES ? 57.29577951308232 : 1.0) : 0.0;
+    }
+    if (plan.fault == W_LAST || plan.fault == W_LAST_AT_REST ||
+        plan.fault == TURNED_WITHOUT_TURNS) {
+        const double w = q[0];
+        memmove(q, q + 1, 3 * sizeof *q);
+        q[3] = w;
+    }
+    memcpy(state->pose.orientation, q, sizeof q);
+    spoil(bad, state);
 }
 
 static dpt_result bad_read(dpt_device *device, dpt_device_state *state)

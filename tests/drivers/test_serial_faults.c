@@ -203,19 +203,15 @@ static void refusals_say_the_cure(void)
     close(master);
 }
 
-/* Something else is at the other end: says `bytes` again and again. */
+/* Something else is at the other end, and sends `noise` every 5 ms. */
 static uint8_t noise[64];
 static size_t noise_size;
 static int noisy;
 
-static void *make_noise(void *unused)
+static void make_noise(void)
 {
-    while (!stop) {
-        if (write(noisy, noise, noise_size) < 0)
-            pause_ms(1);
-        pause_ms(5);
-    }
-    return unused;
+    if (now_ns / 1000000u % 5 == 0)
+        CHECK(write(noisy, noise, noise_size) == (ssize_t)noise_size, "no room for noise");
 }
 
 static void other_devices_are_told_apart(void)
@@ -225,13 +221,11 @@ static void other_devices_are_told_apart(void)
     noisy = relay_pty(path);
     noise_size = 16;
     memcpy(noise, "$GPGGA,123519\r\n\0", 16);
-    stop = 0;
-    pthread_create(&thread, NULL, make_noise, NULL);
+    each_ms = make_noise;
     refused(open_at(path, "?answer=0.5"), DPT_E_DEVICE, "another speed");
     halt();
     noise_size = frame_of(body, sizeof body, noise);
-    stop = 0;
-    pthread_create(&thread, NULL, make_noise, NULL);
+    each_ms = make_noise;
     refused(open_at(path, "?answer=0.5"), DPT_E_PROTOCOL, "version 9");
     halt();
     close(noisy);

@@ -10,28 +10,19 @@ cd "$(dirname "$0")/../.." || exit 2
 build=${1:-build}
 out=$build/firmware
 cross=arm-none-eabi-
-passed=0 failed=0 skipped=0
+. tests/lib/verdict.sh
 
-ok() {
-    echo "  ok   $1"
-    passed=$((passed + 1))
-}
-bad() {
-    echo "  FAIL $1"
-    failed=$((failed + 1))
-}
-verdict() { if [ "$1" -eq 0 ]; then ok "$2"; else bad "$2"; fi; }
-skip() {
-    echo "  skip $1"
-    echo "$passed passed, $failed failed, 1 skipped"
-    exit 0
+# leave_out WHY: the whole test is skipped.
+leave_out() {
+    skip "firmware: $1"
+    finish
 }
 
 for tool in ${cross}gcc ${cross}size qemu-system-arm; do
-    command -v $tool >/dev/null 2>&1 || skip "firmware: no $tool"
+    command -v $tool >/dev/null 2>&1 || leave_out "no $tool"
 done
 mkdir -p "$out"
-echo '#include <string.h>' | ${cross}gcc -mcpu=cortex-m7 -E -x c - >"$out/log" 2>&1 || skip "firmware: no newlib for ${cross}gcc"
+echo '#include <string.h>' | ${cross}gcc -mcpu=cortex-m7 -E -x c - >"$out/log" 2>&1 || leave_out "no newlib for ${cross}gcc"
 
 exact=$(sed -n 's/^EXACT := //p' Makefile)
 flags="-std=gnu99 -O2 $exact -Wall -Wextra -Wshadow -Wconversion -Werror -ffunction-sections -fdata-sections -Iinclude -Isrc -Idrivers -Itools -Itests"
@@ -79,8 +70,7 @@ if command -v python3 >/dev/null 2>&1; then
         [ "$(${cross}objdump -d "$single/dynpoint.o" | grep -cE '[[:space:]]vfn?m[as]')" -eq 0 ]
     verdict $? "it has the same bits, and fuses nothing; a tick: $(sed -n 's/^tick_median //p' "$out/measure_single.m7") instructions"
 else
-    echo "  skip firmware of one file: no python3"
-    skipped=1
+    skip "firmware of one file: no python3"
 fi
 
 for source in $wire src/arm/arm_kinematics.c src/arm/arm_open.c; do
@@ -151,5 +141,4 @@ if [ -x "$build/tests/firmware/link" ]; then
 else
     bad "no $build/tests/firmware/link"
 fi
-echo "$passed passed, $failed failed, $skipped skipped"
-[ "$failed" -eq 0 ]
+finish

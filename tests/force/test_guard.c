@@ -262,20 +262,65 @@ static void limit_to(double *v, double most)
             v[k] *= 1.0 - 0x1p-53;
 }
 
+/* The command of a step: mostly the one before; at times one far above the limits, or just at them. */
+static void next_command(uint64_t *random, int step, int gives, double calm, double force_max,
+                         dpt_wrench *command)
+{
+    if (gives && random_in(random, 0.0, 1.0) > 0.7 * calm) {
+        double scale = pow(10.0, random_in(random, -3.0, 1.5));
+        for (int k = 0; k < 3; k++) {
+            command->force[k] = random_in(random, -scale, scale);
+            command->torque[k] = random_in(random, -scale, scale);
+        }
+        if (random_in(random, 0.0, 1.0) < 0.01)
+            command->force[step % 3] = 1e308;
+    }
+    if (step % 16 == 0)
+        limit_to(command->force, force_max);
+}
+
+/* No step changes the wrench by more than the slew allows in dt, but for the fall to zero of a stop. */
+static void check_slew(const dpt_guard_def *def, const dpt_wrench *before, const dpt_wrench *out,
+                       double dt, int stopped, const char *at)
+{
+    double change[3], turn[3];
+    for (int k = 0; k < 3; k++) {
+        change[k] = out->force[k] - before->force[k];
+        turn[k] = out->torque[k] - before->torque[k];
+    }
+    double force_step = def->force_slew * dt, torque_step = def->torque_slew * dt;
+    if (!stopped && def->force_slew > 0.0)
+        CHECK(size_of(change) <= force_step * (1.0 + 1e-12) + 1e-14, "%s: %g N in %g s", at,
+              size_of(change), dt);
+    if (!stopped && def->torque_slew > 0.0)
+        CHECK(size_of(turn) <= torque_step * (1.0 + 1e-12) + 1e-14, "%s: %g Nm in %g s", at,
+              size_of(turn), dt);
+    if (stopped && def->force_slew > 0.0)
+        CHECK(size_of(out->force) <= size_of(before->force) + force_step * (1.0 + 1e-12) + 1e-14,
+              "%s: a stop adds force", at);
+}
+
+/* Limits of which some are 0, that is off or at once. */
+static dpt_guard_def random_def(uint64_t *random, int run)
+{
+    dpt_guard_def def;
+    dpt_guard_def_init(&def);
+    def.force_max = random_in(random, 0.0, 10.0);
+    def.torque_max = run % 5 ? random_in(random, 0.0, 1.0) : 0.0;
+    def.force_slew = run % 3 ? random_in(random, 1.0, 5000.0) : 0.0;
+    def.torque_slew = run % 4 ? random_in(random, 0.1, 100.0) : 0.0;
+    def.hold = random_in(random, 0.0, 0.01);
+    def.stop = run % 7 ? random_in(random, 0.0, 0.01) : 0.0;
+    def.start = run % 6 ? random_in(random, 0.0, 0.1) : 0.0;
+    return def;
+}
+
 /* Nothing of it is exact that need not be: only the promises of the header. */
 static void random_schedules_keep_the_promises(void)
 {
     uint64_t random = 7, steps = 0, zero = 0, at_limit = 0, full = 0, stops = 0;
     for (int run = 0; run < 400; run++) {
-        dpt_guard_def def;
-        dpt_guard_def_init(&def);
-        def.force_max = random_in(&random, 0.0, 10.0);
-        def.torque_max = run % 5 ? random_in(&random, 0.0, 1.0) : 0.0;
-        def.force_slew = run % 3 ? random_in(&random, 1.0, 5000.0) : 0.0;
-        def.torque_slew = run % 4 ? random_in(&random, 0.1, 100.0) : 0.0;
-        def.hold = random_in(&random, 0.0, 0.01);
-        def.stop = run % 7 ? random_in(&random, 0.0, 0.01) : 0.0;
-        def.start = run % 6 ? random_in(&random, 0.0, 0.1) : 0.0;
+        const dpt_guard_def def = random_def(&random, run);
         dpt_guard guard = guard_of(&def);
         uint64_t end = (uint64_t)(def.hold * 1e9 + 0.5) + (uint64_t)(def.stop * 1e9 + 0.5);
         uint64_t now = random_bits(&random) >> 20, fresh = 0, earlier_stops = 0;
@@ -294,17 +339,7 @@ static void random_schedules_keep_the_promises(void)
             int gives = random_in(&random, 0.0, 1.0) < 0.2 + 0.8 * calm;
             int ready = random_in(&random, 0.0, 1.0) > 0.003;
             int finite = 1;
-            if (gives && random_in(&random, 0.0, 1.0) > 0.7 * calm) {
-                double scale = pow(10.0, random_in(&random, -3.0, 1.5));
-                for (int k = 0; k < 3; k++) {
-                    command.force[k] = random_in(&random, -scale, scale);
-                    command.torque[k] = random_in(&random, -scale, scale);
-                }
-                if (random_in(&random, 0.0, 1.0) < 0.01)
-                    command.force[step % 3] = 1e308;
-            }
-            if (step % 16 == 0)
-                limit_to(command.force, def.force_max);
+            next_command(&random, step, gives, calm, def.force_max, &command);
             dpt_wrench given = command, out;
             if (random_in(&random, 0.0, 1.0) < 0.002) {
                 given.torque[step % 3] = step & 1 ? NAN : -INFINITY;
@@ -321,24 +356,12 @@ static void random_schedules_keep_the_promises(void)
             if (!has_fresh || now - fresh >= end || !ready || (gives && !finite))
                 if (!(has_fresh && now == fresh && ready))
                     CHECK(is_zero(&out), "run %d, step %d: %g N", run, step, force);
-            double change[3], turn[3], dt = (double)(now - last) * 1e-9;
-            for (int k = 0; k < 3; k++) {
-                change[k] = out.force[k] - before.force[k];
-                turn[k] = out.torque[k] - before.torque[k];
-            }
             int stopped = was_stopping || info_of(&guard).stops != earlier_stops ||
                           info_of(&guard).state == DPT_GUARD_STOPPING ||
                           info_of(&guard).state == DPT_GUARD_OFF;
-            double force_step = def.force_slew * dt, torque_step = def.torque_slew * dt;
-            if (!stopped && def.force_slew > 0.0)
-                CHECK(size_of(change) <= force_step * (1.0 + 1e-12) + 1e-14,
-                      "run %d, step %d: %g N in %g s", run, step, size_of(change), dt);
-            if (!stopped && def.torque_slew > 0.0)
-                CHECK(size_of(turn) <= torque_step * (1.0 + 1e-12) + 1e-14,
-                      "run %d, step %d: %g Nm in %g s", run, step, size_of(turn), dt);
-            if (stopped && def.force_slew > 0.0)
-                CHECK(force <= size_of(before.force) + force_step * (1.0 + 1e-12) + 1e-14,
-                      "run %d, step %d: a stop adds force", run, step);
+            char at[64];
+            snprintf(at, sizeof at, "run %d, step %d", run, step);
+            check_slew(&def, &before, &out, (double)(now - last) * 1e-9, stopped, at);
             steps++;
             zero += (uint64_t)is_zero(&out);
             at_limit += force > 0.999 * def.force_max;

@@ -20,7 +20,11 @@
 
 #include "lib/random.h"
 
-static int check_passed, check_failed, check_skipped, check_bad;
+/* Of the whole program. check_bad: failures of the test that runs. */
+extern int check_passed, check_failed, check_skipped, check_bad;
+
+/* How much of its random cases a program runs, in per cent; 100 until take_percent was called. */
+extern unsigned check_percent;
 
 /* In a test: assert `condition`, and print the rest, a printf format with arguments, if it fails. */
 #define CHECK(condition, ...)                                                                      \
@@ -48,28 +52,19 @@ static int check_passed, check_failed, check_skipped, check_bad;
     } while (0)
 
 /*
- * How much of its random cases a program runs, in per cent: its first argument. A program that takes one asks part_of of
- * each count that may be cut.
+ * Take the share of random cases from the first argument. A program that has one asks part_of of each count that may
+ * be cut.
  */
-static unsigned check_percent = 100;
+void take_percent(int argc, char **argv);
 
-static inline void take_percent(int argc, char **argv)
-{
-    if (argc > 1)
-        check_percent = (unsigned)strtoul(argv[1], NULL, 10);
-}
+/* Take how many cases from the first argument, and the seed from the second; what is not given stays. */
+void take_count(int argc, char **argv, unsigned long *count, uint64_t *seed);
 
-static inline uint64_t part_of(uint64_t cases)
-{
-    const uint64_t share = cases * check_percent / 100;
-    return share ? share : 1;
-}
+/* `cases`, or that share of them; 1 at least. */
+uint64_t part_of(uint64_t cases);
 
 /* That so many were seen is asked of a whole run; of a part, that there was one. */
-static inline uint64_t least_seen(uint64_t seen)
-{
-    return check_percent < 100 ? 0 : seen;
-}
+uint64_t least_seen(uint64_t seen);
 
 /* Name what could not be tested here, and why. */
 #define SKIP(what, why)                                                                            \
@@ -78,10 +73,7 @@ static inline uint64_t least_seen(uint64_t seen)
         check_skipped++;                                                                           \
     } while (0)
 
-static inline int check_report(void)
-{
-    printf("%d passed, %d failed, %d skipped\n", check_passed, check_failed, check_skipped);
-    return check_failed ? 1 : 0;
-}
+/* Print the last line; what main returns. */
+int check_report(void);
 
 #endif

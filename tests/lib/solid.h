@@ -31,108 +31,17 @@ static inline void solid_close(struct solid *solid)
     dpt_compiled_free(&solid->compiled);
 }
 
-/* What is compiled already; 0 when it cannot be opened. */
-static inline int solid_open(struct solid *solid)
-{
-    solid->info.size = sizeof solid->info;
-    const dpt_result result =
-        dpt_mesh_open(solid->compiled.bytes, solid->compiled.size, &solid->mesh);
-    CHECK(result == DPT_OK, "%s: %s", solid->name, dpt_result_name(result));
-    if (result != DPT_OK)
-        return 0;
-    dpt_mesh_get_info(solid->mesh, &solid->info);
-    const size_t count = solid->info.triangles;
-    uint32_t *numbers = malloc(3 * (count + 1) * sizeof *numbers), kept = 0;
-    solid->corners = malloc(9 * (count + 1) * sizeof *solid->corners);
-    for (uint32_t i = 0; i < solid->info.source_triangles && kept < count; i++) {
-        double corners[9];
-        if (dpt_mesh_get_triangle(solid->mesh, i, corners) != DPT_OK)
-            continue;
-        for (int k = 0; k < 9; k++)
-            solid->corners[9 * (size_t)kept + (size_t)k] = (float)corners[k];
-        for (uint32_t k = 0; k < 3; k++)
-            numbers[3 * (size_t)kept + k] = 3 * kept + k;
-        kept++;
-    }
-    solid->brute = oracle_brute_open(solid->corners, 3 * kept, numbers, kept);
-    free(numbers);
-    memcpy(solid->place.low, solid->info.box_min, sizeof solid->place.low);
-    memcpy(solid->place.high, solid->info.box_max, sizeof solid->place.high);
-    solid->place.corners = solid->corners;
-    solid->place.triangles = kept;
-    solid->place.tool = MOTION_TOOL;
-    solid->diagonal = motion_diagonal(&solid->place);
-    solid->oracle = (struct oracle_solid){ solid->brute, solid->corners, kept, 0 };
-    for (int k = 0; k < 3; k++)
-        solid->oracle.extent =
-            fmax(solid->oracle.extent, fmax(fabs(solid->place.low[k]), fabs(solid->place.high[k])));
-    return solid->brute != NULL;
-}
+int solid_from_arrays(struct solid *solid, const char *name, const double *vertices,
+                      size_t vertex_count, const uint32_t *corners, size_t triangle_count);
 
-static inline int solid_from_arrays(struct solid *solid, const char *name, const double *vertices,
-                                    size_t vertex_count, const uint32_t *corners,
-                                    size_t triangle_count)
-{
-    dpt_diag diag = { .size = sizeof diag };
-    *solid = (struct solid){ .name = name };
-    const dpt_result result = dpt_compile_arrays(vertices, vertex_count, corners, triangle_count,
-                                                 NULL, &solid->compiled, &diag);
-    CHECK(result == DPT_OK, "%s: %s", name, diag.text);
-    return result == DPT_OK && solid_open(solid);
-}
-
-static inline int solid_from_shape(struct solid *solid, const char *name, uint64_t count)
-{
-    struct shape shape;
-    shape_reason reason;
-    *solid = (struct solid){ .name = name };
-    const int failed = shape_make(name, count, 0, &shape, reason);
-    CHECK(!failed, "%s: %s", name, reason);
-    if (failed)
-        return 0;
-    const int opened = solid_from_arrays(solid, name, shape.vertices, shape.vertex_count,
-                                         shape.corners, shape.triangle_count);
-    shape_free(&shape);
-    return opened;
-}
+int solid_from_shape(struct solid *solid, const char *name, uint64_t count);
 
 /* `name` must live as long as the solid. */
-static inline int solid_from_file(struct solid *solid, const char *name, const char *path,
-                                  double scale)
-{
-    const dpt_compile_def def = { .size = sizeof def, .scale = scale };
-    dpt_diag diag = { .size = sizeof diag };
-    *solid = (struct solid){ .name = name };
-    const dpt_result result =
-        dpt_compile_file(path, scale == 1 ? NULL : &def, &solid->compiled, &diag);
-    CHECK(result == DPT_OK, "%s: %s", name, diag.text);
-    return result == DPT_OK && solid_open(solid);
-}
+int solid_from_file(struct solid *solid, const char *name, const char *path, double scale);
 
 /* A plane-like net of `rows` by `columns` cells, two triangles each; wraps round where asked. */
-static inline int solid_from_net(struct solid *solid, const char *name, uint32_t rows,
-                                 uint32_t columns, int wrap,
-                                 void (*place)(double u, double v, double x[3]))
-{
-    const uint32_t across = wrap ? columns : columns + 1;
-    double *vertices = malloc(3 * (size_t)(rows + 1) * across * sizeof *vertices);
-    uint32_t *corners = malloc(6 * (size_t)rows * columns * sizeof *corners), *at = corners;
-    for (uint32_t i = 0; i <= rows; i++)
-        for (uint32_t j = 0; j < across; j++)
-            place((double)i / rows, (double)j / columns, vertices + 3 * ((size_t)i * across + j));
-    for (uint32_t i = 0; i < rows; i++)
-        for (uint32_t j = 0; j < columns; j++) {
-            const uint32_t a = i * across + j, b = i * across + (j + 1) % across;
-            const uint32_t cell[6] = { a, b, b + across, a, b + across, a + across };
-            memcpy(at, cell, sizeof cell);
-            at += 6;
-        }
-    const int opened = solid_from_arrays(solid, name, vertices, (size_t)(rows + 1) * across,
-                                         corners, 2 * (size_t)rows * columns);
-    free(vertices);
-    free(corners);
-    return opened;
-}
+int solid_from_net(struct solid *solid, const char *name, uint32_t rows, uint32_t columns, int wrap,
+                   void (*place)(double u, double v, double x[3]));
 
 static inline double dot3(const double a[3], const double b[3])
 {
@@ -153,41 +62,13 @@ static inline double unit3(double v[3])
     return length;
 }
 
-static inline void random_unit(uint64_t *seed, double v[3])
-{
-    do {
-        for (int k = 0; k < 3; k++)
-            v[k] = random_in(seed, -1, 1);
-    } while (!(dot3(v, v) > 0.01 && dot3(v, v) < 1));
-    unit3(v);
-}
+void random_unit(uint64_t *seed, double v[3]);
 
 /*
- * About the origin, of what is convex: the radii of the ball that touches its faces from within and of the one that holds
- * it, and by what angle a face's normal is off the way from there to a corner, at most.
+ * About the origin, of what is convex: the radii of the ball that touches its faces from within and of the one that
+ * holds it, and by what angle a face's normal is off the way from there to a corner, at most.
  */
-static inline void solid_balls(const struct solid *solid, double *inner, double *outer,
-                               double *tilt)
-{
-    *inner = INFINITY;
-    *outer = *tilt = 0;
-    for (uint32_t t = 0; t < solid->place.triangles; t++) {
-        double c[9], n[3];
-        for (int k = 0; k < 9; k++)
-            c[k] = (double)solid->corners[9 * (size_t)t + (size_t)k];
-        for (int k = 0; k < 3; k++) {
-            const int i = (k + 1) % 3, j = (k + 2) % 3;
-            n[k] = (c[3 + i] - c[i]) * (c[6 + j] - c[j]) - (c[3 + j] - c[j]) * (c[6 + i] - c[i]);
-        }
-        unit3(n);
-        *inner = fmin(*inner, dot3(n, c));
-        for (int i = 0; i < 9; i += 3) {
-            const double far = sqrt(dot3(c + i, c + i));
-            *outer = fmax(*outer, far);
-            *tilt = fmax(*tilt, acos(dot3(n, c + i) / far));
-        }
-    }
-}
+void solid_balls(const struct solid *solid, double *inner, double *outer, double *tilt);
 
 /* The point at s of a segment. */
 static inline void along(const double ends[6], double s, double x[3])
@@ -203,22 +84,7 @@ static inline double motion_of(const double from[6], const double to[6])
 }
 
 /* Turn a segment about the point at `s`. */
-static inline void turn_about(double ends[6], double s, const double axis[3], double angle)
-{
-    double pivot[3];
-    along(ends, s, pivot);
-    for (int e = 0; e < 2; e++) {
-        double r[3], side[3];
-        for (int k = 0; k < 3; k++)
-            r[k] = ends[3 * e + k] - pivot[k];
-        for (int k = 0; k < 3; k++)
-            side[k] = axis[(k + 1) % 3] * r[(k + 2) % 3] - axis[(k + 2) % 3] * r[(k + 1) % 3];
-        const double on = dot3(axis, r);
-        for (int k = 0; k < 3; k++)
-            ends[3 * e + k] = pivot[k] + cos(angle) * r[k] + sin(angle) * side[k] +
-                              (1 - cos(angle)) * on * axis[k];
-    }
-}
+void turn_about(double ends[6], double s, const double axis[3], double angle);
 
 /*
  * A capsule that slides over a mesh: along a direction that turns slowly, itself turning, held at `gap` by small steps
@@ -236,64 +102,10 @@ struct slide {
 };
 
 /* From a random triangle, lying on it. */
-static inline void slide_begin(struct slide *slide, const struct solid *solid, uint64_t seed,
-                               double length, double radius)
-{
-    *slide = (struct slide){ .mesh = solid->mesh, .radius = radius, .seed = seed };
-    const float *c =
-        solid->corners + 9 * (random_bits(&slide->seed) % (uint64_t)solid->place.triangles);
-    double u[3], v[3], n[3], lie[3];
-    for (int k = 0; k < 3; k++) {
-        u[k] = (double)c[3 + k] - (double)c[k];
-        v[k] = (double)c[6 + k] - (double)c[k];
-    }
-    for (int k = 0; k < 3; k++)
-        n[k] = u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3];
-    unit3(n);
-    random_unit(&slide->seed, lie);
-    random_unit(&slide->seed, slide->axis);
-    random_unit(&slide->seed, slide->course);
-    const double up = dot3(lie, n);
-    for (int k = 0; k < 3; k++)
-        lie[k] -= 0.9 * up * n[k];
-    unit3(lie);
-    /* Free of the mesh it begins: raised until it is. */
-    const double rise = fmax(0.1 * radius, 1e-4 * solid->diagonal);
-    for (double height = radius + rise; height < solid->diagonal; height += rise) {
-        dpt_hit hit = DPT_HIT_INIT;
-        for (int k = 0; k < 3; k++) {
-            const double middle = ((double)c[k] + (double)c[3 + k] + (double)c[6 + k]) / 3;
-            slide->ends[k] = middle + height * n[k] - 0.5 * length * lie[k];
-            slide->ends[3 + k] = middle + height * n[k] + 0.5 * length * lie[k];
-        }
-        dpt_query_segments(slide->mesh, NULL, slide->ends, &radius, 1, &hit, NULL);
-        if (hit.distance > 0 && hit.gap > 0)
-            break;
-    }
-}
+void slide_begin(struct slide *slide, const struct solid *solid, uint64_t seed, double length,
+                 double radius);
 
-static inline void slide_step(struct slide *slide)
-{
-    double way[3], bend[3];
-    dpt_hit hit = DPT_HIT_INIT;
-    dpt_query_segments(slide->mesh, NULL, slide->ends, NULL, 1, &hit, NULL);
-    for (int k = 0; k < 3; k++)
-        way[k] = hit.p[k] - hit.q[k];
-    const double distance = unit3(way);
-    const double rise =
-        fmax(-slide->step, fmin(slide->step, slide->gap + slide->radius - distance));
-    random_unit(&slide->seed, bend);
-    for (int k = 0; k < 3; k++)
-        slide->course[k] += 0.03 * bend[k];
-    unit3(slide->course);
-    const double up = dot3(slide->course, way);
-    for (int k = 0; k < 3; k++) {
-        const double by = slide->step * (slide->course[k] - up * way[k]) + rise * way[k];
-        slide->ends[k] += by;
-        slide->ends[3 + k] += by;
-    }
-    turn_about(slide->ends, hit.s, slide->axis, slide->spin);
-}
+void slide_step(struct slide *slide);
 
 /* A world with one body, one tool of one segment, on the heap. */
 struct stage {
@@ -305,25 +117,8 @@ struct stage {
 };
 
 /* `side_limit` 0: the usual one. */
-static inline int stage_open(struct stage *stage, const dpt_mesh *mesh, const dpt_pose *pose,
-                             double margin, uint32_t max_contacts, double side_limit)
-{
-    const dpt_segment point = { { 0, 0, 0 }, { 0, 0, 0 }, 0 };
-    dpt_world_def def;
-    dpt_world_def_init(&def);
-    def.margin = margin;
-    def.max_contacts = max_contacts;
-    def.side_limit = side_limit;
-    *stage = (struct stage){ .step.size = sizeof stage->step };
-    stage->block = malloc(dpt_world_bytes(&def));
-    const int made =
-        stage->block &&
-        dpt_world_create(stage->block, dpt_world_bytes(&def), &def, &stage->world) == DPT_OK &&
-        dpt_body_add(stage->world, mesh, pose, &stage->body) == DPT_OK &&
-        dpt_tool_add(stage->world, &point, 1, &stage->tool) == DPT_OK;
-    CHECK(made, "no world");
-    return made;
-}
+int stage_open(struct stage *stage, const dpt_mesh *mesh, const dpt_pose *pose, double margin,
+               uint32_t max_contacts, double side_limit);
 
 static inline void stage_close(struct stage *stage)
 {
@@ -337,56 +132,22 @@ static inline void stage_jump(struct stage *stage)
 }
 
 /* One tick; the nearest pair of it. */
-static inline dpt_hit stage_tick(struct stage *stage, const double ends[6], double radius)
-{
-    dpt_hit hit = DPT_HIT_INIT;
-    dpt_segment segment = { .radius = radius };
-    memcpy(segment.a, ends, sizeof segment.a);
-    memcpy(segment.b, ends + 3, sizeof segment.b);
-    const int stepped = dpt_tool_set_segments(stage->world, stage->tool, &segment, 1) == DPT_OK &&
-                        dpt_world_step(stage->world, 1e-3, &stage->step) == DPT_OK &&
-                        dpt_tool_get_hit(stage->world, stage->tool, &hit) == DPT_OK;
-    CHECK(stepped, "no step");
-    return hit;
-}
+dpt_hit stage_tick(struct stage *stage, const double ends[6], double radius);
 
 enum { STAGE_CONTACTS = 64 };
 
 /* Its regions, at most STAGE_CONTACTS. */
-static inline uint32_t stage_contacts(const struct stage *stage, dpt_contact *contacts)
-{
-    uint32_t count = 0;
-    contacts[0].size = sizeof *contacts;
-    const dpt_result result =
-        dpt_tool_get_contacts(stage->world, stage->tool, contacts, STAGE_CONTACTS, &count);
-    CHECK(result == DPT_OK && count <= STAGE_CONTACTS, "%s, %u", dpt_result_name(result), count);
-    return count < STAGE_CONTACTS ? count : STAGE_CONTACTS;
-}
+uint32_t stage_contacts(const struct stage *stage, dpt_contact *contacts);
 
 /* Ids that were seen, and when last: one that was gone does not come back. */
-struct names {
+struct id_history {
     uint32_t id[4096];
     uint64_t tick[4096];
     size_t count;
+    uint64_t ticks; /* so far, for callers that count none */
 };
 
-static inline void check_names(struct names *names, uint64_t tick, const dpt_contact *contacts,
-                               uint32_t count, const char *text)
-{
-    for (uint32_t i = 0; i < count; i++) {
-        size_t k = 0;
-        while (k < names->count && names->id[k] != contacts[i].id)
-            k++;
-        CHECK(contacts[i].id != 0, "id 0: %s", text);
-        for (uint32_t j = 0; j < i; j++)
-            CHECK(contacts[j].id != contacts[i].id, "two are %u: %s", contacts[i].id, text);
-        CHECK(k == names->count || names->tick[k] + 1 >= tick, "%u is back: %s", contacts[i].id,
-              text);
-        if (k == names->count && k < 4096)
-            names->id[names->count++] = contacts[i].id;
-        if (k < 4096)
-            names->tick[k] = tick;
-    }
-}
+void check_ids(struct id_history *ids, uint64_t tick, const dpt_contact *contacts, uint32_t count,
+               const char *text);
 
 #endif

@@ -3,7 +3,6 @@
 #ifndef DPT_TESTS_STRIP_SUBJECT_H
 #define DPT_TESTS_STRIP_SUBJECT_H
 
-#include <dirent.h>
 #include <math.h>
 
 #include "dynpoint.h"
@@ -29,151 +28,40 @@ static inline void subject_close(struct subject *subject)
 }
 
 /* What is compiled already; 0 when it cannot be opened. */
-static inline int subject_open(struct subject *subject)
-{
-    subject->info.size = sizeof subject->info;
-    const dpt_result result =
-        dpt_mesh_open(subject->compiled.bytes, subject->compiled.size, &subject->mesh);
-    CHECK(result == DPT_OK, "%s: %s", subject->name, dpt_result_name(result));
-    if (result != DPT_OK)
-        return 0;
-    dpt_mesh_get_info(subject->mesh, &subject->info);
-    const uint32_t count = subject->info.source_triangles;
-    double *corners = calloc(9 * (size_t)count, sizeof *corners);
-    unsigned char *there = calloc(count, 1);
-    for (uint32_t i = 0; i < count; i++)
-        there[i] = dpt_mesh_get_triangle(subject->mesh, i, corners + 9 * (size_t)i) == DPT_OK;
-    const int failed = oracle_surface_open(&subject->surface, corners, there, count);
-    CHECK(!failed, "%s: memory", subject->name);
-    CHECK(subject->surface.vertices == subject->info.vertices, "%s: %u vertices, not %u",
-          subject->name, subject->info.vertices, subject->surface.vertices);
-    double square = 0;
-    for (int k = 0; k < 3; k++)
-        square += pow(subject->info.box_max[k] - subject->info.box_min[k], 2);
-    subject->diagonal = sqrt(square);
-    free(corners);
-    free(there);
-    return !failed;
-}
+int subject_open(struct subject *subject);
 
-static inline int subject_from_arrays(struct subject *subject, const char *name,
-                                      const double *vertices, size_t vertex_count,
-                                      const uint32_t *corners, size_t triangle_count)
-{
-    dpt_diag diag = { .size = sizeof diag };
-    *subject = (struct subject){ .mesh = NULL };
-    snprintf(subject->name, sizeof subject->name, "%s", name);
-    const dpt_result result = dpt_compile_arrays(vertices, vertex_count, corners, triangle_count,
-                                                 NULL, &subject->compiled, &diag);
-    CHECK(result == DPT_OK, "%s: %s", name, diag.text);
-    return result == DPT_OK && subject_open(subject);
-}
+int subject_from_arrays(struct subject *subject, const char *name, const double *vertices,
+                        size_t vertex_count, const uint32_t *corners, size_t triangle_count);
 
-static inline int subject_from_shape(struct subject *subject, const char *name, uint64_t count)
-{
-    struct shape shape;
-    shape_reason reason;
-    char called[264];
-    const int failed = shape_make(name, count, 0, &shape, reason);
-    CHECK(!failed, "%s: %s", name, reason);
-    if (failed)
-        return 0;
-    snprintf(called, sizeof called, "%s %zu", name, shape.triangle_count);
-    const int opened = subject_from_arrays(subject, called, shape.vertices, shape.vertex_count,
-                                           shape.corners, shape.triangle_count);
-    shape_free(&shape);
-    return opened;
-}
+int subject_from_shape(struct subject *subject, const char *name, uint64_t count);
 
-static inline int subject_from_file(struct subject *subject, const char *data, const char *folder,
-                                    const char *file)
-{
-    char path[1024];
-    dpt_diag diag = { .size = sizeof diag };
-    *subject = (struct subject){ .mesh = NULL };
-    snprintf(path, sizeof path, "%s/meshes/%s/%s", data, folder, file);
-    snprintf(subject->name, sizeof subject->name, "%s", file);
-    const dpt_result result = dpt_compile_file(path, NULL, &subject->compiled, &diag);
-    CHECK(result == DPT_OK, "%s: %s", file, diag.text);
-    return result == DPT_OK && subject_open(subject);
-}
+int subject_from_file(struct subject *subject, const char *data, const char *folder,
+                      const char *file);
 
 /*
  * Triangles of a lattice of size^3 points, drawn at random: of many parts, and every kind of neighbour; some come
  * twice or have no area.
  */
-static inline int subject_from_lattice(struct subject *subject, uint32_t size, uint32_t triangles,
-                                       uint64_t seed)
-{
-    const uint32_t points = size * size * size;
-    double *vertices = malloc(3 * (size_t)points * sizeof *vertices);
-    uint32_t *corners = malloc(3 * (size_t)triangles * sizeof *corners);
-    char name[264];
-    for (uint32_t i = 0; i < points; i++) {
-        vertices[3 * i] = 0.01 * (i % size);
-        vertices[3 * i + 1] = 0.01 * (i / size % size);
-        vertices[3 * i + 2] = 0.01 * (i / size / size);
-    }
-    for (uint32_t i = 0; i < 3 * triangles; i++)
-        corners[i] = (uint32_t)(random_bits(&seed) % points);
-    snprintf(name, sizeof name, "lattice %u %u", size, triangles);
-    const int opened = subject_from_arrays(subject, name, vertices, points, corners, triangles);
-    free(vertices);
-    free(corners);
-    return opened;
-}
+int subject_from_lattice(struct subject *subject, uint32_t size, uint32_t triangles, uint64_t seed);
 
-/* Every public mesh of these folders but the one that is too large for metres. */
-static inline int is_public_mesh(const struct dirent *entry)
-{
-    return entry->d_name[0] != '.' && strcmp(entry->d_name, "cray_right_floatmax.obj") != 0;
-}
-
-static inline void for_public_meshes(const char *data, void (*each)(const struct subject *subject))
-{
-    static const char *const folders[] = { "organs", "tools", "sheets_tori", "hard" };
-    for (size_t f = 0; f < sizeof folders / sizeof *folders; f++) {
-        char path[1024];
-        struct dirent **entries = NULL;
-        snprintf(path, sizeof path, "%s/meshes/%s", data, folders[f]);
-        const int count = scandir(path, &entries, is_public_mesh, alphasort);
-        CHECK(count > 0, "%s is empty", path);
-        for (int i = 0; i < count; i++) {
-            struct subject subject;
-            if (subject_from_file(&subject, data, folders[f], entries[i]->d_name))
-                each(&subject);
-            subject_close(&subject);
-            free(entries[i]);
-        }
-        free(entries);
-    }
-}
+/* Each public mesh, opened. */
+void for_public_meshes(const char *data, void (*each)(const struct subject *subject));
 
 /* A strip in a block of exactly the bytes it asked for, and 8 more that must stay. */
-struct held_strip {
+struct guarded_strip {
     unsigned char *block;
     size_t bytes;
     dpt_strip *strip;
 };
 
-static inline dpt_strip *hold_strip(struct held_strip *held, uint32_t capacity, uint32_t search)
-{
-    const dpt_strip_def def = { .size = sizeof def, .capacity = capacity, .search = search };
-    held->bytes = dpt_strip_bytes(&def);
-    held->block = malloc(held->bytes + 8);
-    held->strip = NULL;
-    memset(held->block, 0x5a, held->bytes + 8);
-    const dpt_result result = dpt_strip_create(held->block, held->bytes, &def, &held->strip);
-    CHECK(held->bytes > 0 && result == DPT_OK, "%u, %u: %zu bytes, %s", capacity, search,
-          held->bytes, dpt_result_name(result));
-    return held->strip;
-}
+dpt_strip *guarded_strip_open(struct guarded_strip *guarded, uint32_t capacity, uint32_t search);
 
-static inline void drop_strip(struct held_strip *held)
+static inline void guarded_strip_close(struct guarded_strip *guarded)
 {
-    for (size_t i = held->bytes; i < held->bytes + 8; i++)
-        CHECK(held->block[i] == 0x5a, "wrote %zu bytes beyond its block", i - held->bytes + 1);
-    free(held->block);
+    for (size_t i = guarded->bytes; i < guarded->bytes + 8; i++)
+        CHECK(guarded->block[i] == 0x5a, "wrote %zu bytes beyond its block",
+              i - guarded->bytes + 1);
+    free(guarded->block);
 }
 
 #endif

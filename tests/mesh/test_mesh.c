@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Compiled meshes: what is whole opens, and nothing else does; no damage, however made, is read
- * beyond the bytes.
+ * Compiled meshes: what is whole opens, and nothing else does; no damage, however made, is read beyond the bytes.
  *
- *     test_mesh [GOLDEN]
+ *     test_mesh [PER CENT [GOLDEN]]
  *
- * GOLDEN is the folder golden; from the top of the tree it is found without. Its files were made by
+ * PER CENT is how many of the bytes behind the header are changed or cut off, one by one. GOLDEN is the folder golden;
+ * from the top of the tree it is found without. Its files were made by
  *
  *     build/dynpoint make torus 96 -o tests/golden/torus.ply
  *     build/dynpoint compile tests/golden/torus.ply -o tests/golden/torus_4.dpa
  *
- * torus.dpa, torus_2.dpa and torus_3.dpa by compilers of versions 1 to 3. They are to be kept: a new format gets a new file beside them,
- * for every version must always open.
+ * torus.dpa, torus_2.dpa and torus_3.dpa by compilers of versions 1 to 3. They are to be kept: a new format gets a new
+ * file beside them, for every version must always open.
  *
  * All tests start from a file in the host's byte order, and so hold on every machine.
  */
@@ -19,48 +19,13 @@
 #include <math.h>
 #include <sys/mman.h>
 
-#include "contact/winding_number.h"
-#include "lib/dpa.h"
+#include "mesh/mesh_checks.h"
 
 static const char *golden = "tests/golden";
 
-static struct file small, large; /* one level of boxes, and two */
-static struct file holed;        /* solid with a defect: has moments */
-
-static dpt_mesh_fault verified(const struct file *file)
-{
-    dpt_mesh_fault fault = { .size = sizeof fault };
-    dpt_result result = dpt_mesh_verify(file->bytes, file->size, &fault);
-    CHECK(fault.code == result, "the fault says %d, verify %d", fault.code, result);
-    CHECK(memchr(fault.section, 0, sizeof fault.section) != NULL, "section has no end");
-    return fault;
-}
-
-/* What verify says; open must agree, and leave its output alone unless all is well. */
-static dpt_mesh_fault fault_of(const struct file *file)
-{
-    const dpt_mesh *untouched = (const dpt_mesh *)(const void *)&golden, *mesh = untouched;
-    dpt_mesh_fault fault = verified(file);
-    dpt_result opened = dpt_mesh_open(file->bytes, file->size, &mesh);
-    CHECK(opened == fault.code, "open %d, verify %d", opened, fault.code);
-    CHECK(mesh == (opened == DPT_OK ? (const void *)file->bytes : (const void *)untouched),
-          "%d, and the output is changed", opened);
-    return fault;
-}
-
-static void expect_fault(const struct file *file, dpt_result code, uint64_t byte,
-                         const char *section)
-{
-    dpt_mesh_fault fault = fault_of(file);
-    CHECK(fault.code == code && fault.byte == byte && !strcmp(fault.section, section),
-          "%s at %llu (%s), not %s at %llu (%s)", dpt_result_name(fault.code),
-          (unsigned long long)fault.byte, fault.section, dpt_result_name(code),
-          (unsigned long long)byte, section);
-}
-
 static void whole_files_open(void)
 {
-    const struct file *files[] = { &small, &large };
+    const struct file *files[] = { &small_file, &large_file };
     for (int i = 0; i < 2; i++) {
         struct dpt_mesh header = header_of(files[i]);
         const dpt_mesh *mesh = (const dpt_mesh *)(const void *)files[i]->bytes;
@@ -86,9 +51,11 @@ static void whole_files_open(void)
 /* Each length that is too short; a file in the other byte order is cut short likewise. */
 static void truncations_are_refused(void)
 {
-    const struct file *files[] = { &small, &large, &holed };
+    const struct file *files[] = { &small_file, &large_file, &holed_file };
+    const size_t step = 100 / check_percent;
     for (int i = 0; i < 3; i++)
-        for (size_t size = 0; size < files[i]->size; size++) {
+        for (size_t size = 0; size < files[i]->size;
+             size += size < sizeof(struct dpt_mesh) ? 1 : step) {
             struct file cut = file_of(files[i]->bytes, size);
             expect_fault(&cut, DPT_E_TRUNCATED, size, "header");
             CHECK(dpt_mesh_convert(cut.bytes, size, NULL) == DPT_E_TRUNCATED, "%zu bytes", size);
@@ -100,9 +67,9 @@ static void truncations_are_refused(void)
 static void trailing_bytes_are_refused(void)
 {
     for (size_t more = 1; more < 200; more += 63) {
-        struct file file = { calloc(1, small.size + more), small.size + more };
-        memcpy(file.bytes, small.bytes, small.size);
-        expect_fault(&file, DPT_E_TRAILING, small.size, "header");
+        struct file file = { calloc(1, small_file.size + more), small_file.size + more };
+        memcpy(file.bytes, small_file.bytes, small_file.size);
+        expect_fault(&file, DPT_E_TRAILING, small_file.size, "header");
         free(file.bytes);
     }
 }
@@ -130,11 +97,12 @@ static void expect_byte_fault(const struct file *file, const struct dpt_mesh *he
 
 static void changed_bytes_are_refused(void)
 {
-    const struct file *files[] = { &small, &large, &holed };
+    const struct file *files[] = { &small_file, &large_file, &holed_file };
     for (int i = 0; i < 3; i++) {
         struct dpt_mesh header = header_of(files[i]);
         struct file file = copy_of(files[i]);
-        for (size_t at = 0; at < file.size; at++)
+        const size_t past_header = header_bytes_of(&header), step = 100 / check_percent;
+        for (size_t at = 0; at < file.size; at += at < past_header ? 1 : step)
             for (int bit = 0; bit < 8; bit += 7) {
                 if (i == 1 && (at % 2 == 0) == (bit == 0))
                     continue; /* each byte of the large one once, for time */
@@ -163,296 +131,29 @@ static void other_files_are_refused(void)
         "ply\nformat ascii",
     };
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
-        struct file file = copy_of(&small);
+        struct file file = copy_of(&small_file);
         memcpy(file.bytes, texts[i], sizeof texts[i]);
         expect_fault(&file, DPT_E_MAGIC, 0, "header");
         CHECK(dpt_mesh_convert(file.bytes, file.size, NULL) == DPT_E_MAGIC, "text %zu", i);
         free(file.bytes);
     }
     /* All of a file, each LF made CR LF. */
-    struct file file = { malloc(2 * small.size), 0 };
-    for (size_t i = 0; i < small.size; i++) {
-        if (small.bytes[i] == '\n')
+    struct file file = { malloc(2 * small_file.size), 0 };
+    for (size_t i = 0; i < small_file.size; i++) {
+        if (small_file.bytes[i] == '\n')
             file.bytes[file.size++] = '\r';
-        file.bytes[file.size++] = small.bytes[i];
+        file.bytes[file.size++] = small_file.bytes[i];
     }
     expect_fault(&file, DPT_E_MAGIC, 0, "header");
     free(file.bytes);
 }
 
-static void newer_versions_are_refused(void)
-{
-    const uint32_t versions[] = { MESH_VERSION + 1, MESH_VERSION + 2, 256, UINT32_MAX };
-    for (int i = 0; i < 4; i++) {
-        struct file file = copy_of(&small);
-        memcpy(file.bytes + offsetof(struct dpt_mesh, version), &versions[i], 4);
-        expect_fault(&file, DPT_E_VERSION, offsetof(struct dpt_mesh, version), "header");
-        seal(&file);
-        expect_fault(&file, DPT_E_VERSION, offsetof(struct dpt_mesh, version), "header");
-        free(file.bytes);
-    }
-}
-
-/* A word of a section set to a value, the checksums made good again. */
-struct forgery {
-    int section;
-    int64_t word; /* from the end when negative */
-    uint32_t value;
-    dpt_result code;
-    int64_t where; /* the word that is named, as `word` */
-};
-
-static uint32_t float_bits(float value)
-{
-    uint32_t bits;
-    memcpy(&bits, &value, sizeof bits);
-    return bits;
-}
-
-static uint64_t word_offset(const struct mesh_section *section, int64_t word)
-{
-    return section->offset + 4 * (uint64_t)word + (word < 0 ? section->bytes : 0);
-}
-
-/* The checksums made good, each is refused where it says, or opens. */
-static void expect_forgeries(const struct file *whole, const struct forgery *forgeries,
-                             size_t count)
-{
-    const struct dpt_mesh header = header_of(whole);
-    for (size_t i = 0; i < count; i++) {
-        const struct forgery *forgery = &forgeries[i];
-        const struct mesh_section *section = &header.section[forgery->section];
-        struct file file = copy_of(whole);
-        memcpy(file.bytes + word_offset(section, forgery->word), &forgery->value, 4);
-        seal(&file);
-        if (forgery->code == DPT_OK)
-            CHECK(fault_of(&file).code == DPT_OK, "%s", section->name);
-        else
-            expect_fault(&file, forgery->code, word_offset(section, forgery->where), section->name);
-        free(file.bytes);
-    }
-}
-
-static void forged_words_are_refused(void)
-{
-    const struct dpt_mesh header = header_of(&large);
-    const uint32_t t = header.triangles, v = header.vertices;
-    const uint32_t nan = float_bits(NAN), inf = float_bits(-INFINITY);
-    const dpt_result index = DPT_E_INDEX, finite = DPT_E_FINITE;
-    const struct forgery forgeries[] = {
-        { MESH_VERTICES, 0, nan, finite, 0 },
-        { MESH_VERTICES, -1, inf, finite, -1 },
-        { MESH_VERTICES, 7, float_bits(1000000.0625f), finite, 7 },
-        { MESH_TRIANGLES, 5, v, index, 5 },
-        { MESH_TRIANGLES, -1, UINT32_MAX, index, -1 },
-        { MESH_NEIGHBOURS, 0, t, index, 0 },
-        { MESH_NEIGHBOURS, -1, MESH_EDGE_MANY - 1, index, -1 },
-        { MESH_NEIGHBOURS, 3, MESH_EDGE_MANY, DPT_OK, 0 },
-        { MESH_NEIGHBOURS, 3, MESH_EDGE_OPEN, DPT_OK, 0 },
-        { MESH_NEIGHBOURS, 3, t - 1, DPT_OK, 0 },
-        { MESH_FAN_FIRST, 0, 1, index, 0 },
-        { MESH_FAN_FIRST, 4, 0, index, 4 },
-        { MESH_FAN_FIRST, 4, UINT32_MAX, index, 5 },
-        { MESH_FAN_FIRST, -1, 3 * t - 1, index, -1 },
-        { MESH_FAN_FIRST, -1, 3 * t + 1, index, -1 },
-        { MESH_FANS, 9, t, index, 9 },
-        { MESH_FANS, -1, UINT32_MAX, index, -1 },
-        { MESH_PARTS, 8, header.parts, index, 8 },
-        { MESH_PARTS, -1, UINT32_MAX, index, -1 },
-        { MESH_SOURCES, 1, header.source_triangles, index, 1 },
-        { MESH_SOURCES, -1, UINT32_MAX, index, -1 },
-        { MESH_PLACES, 2, t, index, 2 },
-        { MESH_PLACES, -1, MESH_DROPPED_DUPLICATE - 1, index, -1 },
-        { MESH_PLACES, 0, MESH_DROPPED_DUPLICATE, index, 0 },
-        { MESH_PLACES, 0, MESH_DROPPED_DEGENERATE, index, 0 },
-        { MESH_BOXES, 0, nan, finite, 0 },
-        { MESH_BOXES, -1, inf, finite, -1 },
-        { MESH_LEAVES, 11, nan, finite, 11 },
-        { MESH_LEAVES, -1, inf, finite, -1 },
-        { MESH_NORMALS, 0, nan, finite, 0 },
-        { MESH_NORMALS, -1, float_bits(-1.0000001f), finite, -1 },
-        { MESH_NORMALS, 3, float_bits(-1.0f), DPT_OK, 0 },
-        { MESH_FLAGS, 1, MESH_FLAGS_END, index, 1 },
-        { MESH_FLAGS, -1, UINT32_MAX, index, -1 },
-        { MESH_FLAGS, 2, MESH_FLAGS_END - 1, DPT_OK, 0 },
-    };
-    expect_forgeries(&large, forgeries, sizeof forgeries / sizeof *forgeries);
-    /* 39 triangles: three leaves, of which the last has 7. */
-    const struct forgery of_moments[] = {
-        { MESH_MOMENTS, 0, nan, finite, 0 },
-        { MESH_MOMENTS, -4, inf, finite, -4 },
-        { MESH_MOMENTS, 5, float_bits(1e31f), finite, 5 },
-        { MESH_MOMENTS, 5, float_bits(-1e30f), DPT_OK, 0 },
-        { MESH_MOMENTS, -3, 0x10000, index, -3 },
-        { MESH_MOMENTS, -2, UINT32_MAX, index, -2 },
-        { MESH_MOMENTS, -1, 0x80, index, -1 },
-        { MESH_MOMENTS, -1, 0x7f, DPT_OK, 0 },
-        { MESH_MOMENTS, -3, 0, DPT_OK, 0 },
-    };
-    expect_forgeries(&holed, of_moments, sizeof of_moments / sizeof *of_moments);
-}
-
-/* A number of the header; `size` bytes of `value`, sealed. */
-static dpt_result forge_header(size_t at, const void *value, size_t size)
-{
-    struct file file = copy_of(&large);
-    memcpy(file.bytes + at, value, size);
-    seal(&file);
-    dpt_mesh_fault fault = fault_of(&file);
-    free(file.bytes);
-    return fault.code;
-}
-
-#define AT(field) offsetof(struct dpt_mesh, field)
-
-static void forged_headers_are_refused(void)
-{
-    /* None of these counts is free: each decides the length of a section, or the order of the tree.
-     */
-    const size_t counts[] = { AT(version),
-                              AT(header_bytes),
-                              AT(section_count),
-                              AT(triangles),
-                              AT(vertices),
-                              AT(parts),
-                              AT(leaves),
-                              AT(levels),
-                              AT(reserved),
-                              AT(bytes),
-                              AT(byte_order),
-                              AT(source_triangles),
-                              AT(tail.winding_components) };
-    const uint32_t values[] = { 0, 1, 2, 599, 601, 0x7fffffff, 0x80000000, 0xfffffffe, UINT32_MAX };
-    for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
-        for (size_t k = 0; k < sizeof values / sizeof *values; k++) {
-            if (memcmp(large.bytes + counts[i], &values[k], 4) == 0)
-                continue;
-            dpt_result result = forge_header(counts[i], &values[k], 4);
-            CHECK(result != DPT_OK, "%u at %zu", values[k], counts[i]);
-        }
-    const size_t numbers[] = { AT(box_min),      AT(box_max) + 16, AT(filter_centre),
-                               AT(filter_scale), AT(scale),        AT(rounding) };
-    const double wrong[] = { NAN, INFINITY, -INFINITY, 1e301 };
-    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
-        for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++) {
-            dpt_result result = forge_header(numbers[i], &wrong[k], sizeof wrong[k]);
-            CHECK(result == DPT_E_FINITE, "%g at %zu: %d", wrong[k], numbers[i], result);
-        }
-    const double nothing = 0.0;
-    CHECK(forge_header(AT(filter_scale), &nothing, sizeof nothing) == DPT_E_FINITE, "scale 0");
-}
-
-/* Nothing of the section table is free either, but for the sums; the fault names the section. */
-static void forged_tables_are_refused(void)
-{
-    const struct dpt_mesh header = header_of(&large);
-    const size_t entry = sizeof header.section[0], sum = offsetof(struct mesh_section, crc32);
-    for (int id = 0; id < MESH_SECTION_COUNT; id++)
-        for (size_t at = 0; at < entry; at++) {
-            if (at >= sum && at < sum + 4)
-                continue;
-            struct file file = copy_of(&large);
-            file.bytes[AT(section) + (size_t)id * entry + at] ^= 0x40;
-            seal_header(&file);
-            expect_fault(&file, DPT_E_LAYOUT, AT(section) + (size_t)id * entry,
-                         header.section[id].name);
-            free(file.bytes);
-        }
-}
-
-static int is_sound(const dpt_hit *hit)
-{
-    const double numbers[] = { hit->distance, hit->gap,  hit->depth,       hit->s,
-                               hit->p[0],     hit->q[0], hit->p[1],        hit->q[1],
-                               hit->p[2],     hit->q[2], hit->error_bound, hit->lower_bound };
-    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
-        if (!isfinite(numbers[i]) && hit->status != DPT_STATUS_STALE)
-            return 0;
-    return 1;
-}
-
-/* Search, sign and force on a mesh that opened: whatever it says, it stays within the bytes. */
-static void use(const dpt_mesh *mesh, uint64_t *random)
-{
-    static double block[12288];
-    double ends[6 * 4];
-    struct surface surface;
-    struct kernel kernel;
-    struct work work = work_of(WORK_UNLIMITED);
-    uint32_t chosen;
-    dpt_hit hits[4] = { DPT_HIT_INIT };
-    dpt_query_def query = { .size = sizeof query };
-    dpt_world_def def;
-    dpt_world *world;
-    dpt_body body;
-    dpt_tool tool;
-    for (int i = 0; i < 24; i++)
-        ends[i] = random_in(random, -0.15, 0.15);
-    dpti_surface_of_mesh(mesh, &surface);
-    dpti_kernel_get(DPT_KERNEL_AUTO, &kernel, &chosen);
-    for (int i = 0; i < 8; i++)
-        CHECK(isfinite(dpti_winding_number(&surface, &kernel, vec3_of(ends + 3 * i), &work)),
-              "a winding number that is none");
-    for (query.method = 0; query.method <= DPT_METHOD_BRUTE; query.method++) {
-        dpt_query_segments(mesh, NULL, ends, NULL, 4, hits, &query);
-        for (int i = 0; i < 4; i++)
-            CHECK(is_sound(&hits[i]), "hit %d is not finite", i);
-    }
-    dpt_world_def_init(&def);
-    def.max_bodies = def.max_tools = def.max_segments = 1;
-    def.certificate_bytes = 2048;
-    def.smooth_normals = 1;
-    CHECK(dpt_world_bytes(&def) <= sizeof block, "%zu bytes", dpt_world_bytes(&def));
-    if (dpt_world_create(block, sizeof block, &def, &world) != DPT_OK ||
-        dpt_body_add(world, mesh, NULL, &body) != DPT_OK)
-        return;
-    for (int i = 0; i < 4; i++) {
-        dpt_segment segment = { { ends[6 * i], ends[6 * i + 1], ends[6 * i + 2] },
-                                { ends[6 * i + 3], ends[6 * i + 4], ends[6 * i + 5] },
-                                0.05 };
-        dpt_wrench wrench;
-        if (i == 0)
-            dpt_tool_add(world, &segment, 1, &tool);
-        dpt_tool_set_segments(world, tool, &segment, 1);
-        dpt_world_step(world, 1e-3, NULL);
-        dpt_tool_get_hit(world, tool, hits);
-        dpt_tool_get_wrench(world, tool, &wrench);
-        CHECK(is_sound(hits) && isfinite(wrench.force[0] + wrench.torque[0]), "not finite");
-    }
-}
-
-/* Any word, any value, checksums made good: refused, or used without harm. */
-static void random_forgeries_do_no_harm(void)
-{
-    uint64_t random = 1, opened = 0;
-    const uint32_t odd[] = { 0,          1,          15,         16,         39,
-                             40,         UINT32_MAX, 0x7f800000, 0xffc00000, 0x7149f2ca,
-                             0x80000000, 0x00000001, 0x49742400, 0xfffffffe, 0x3f800000 };
-    for (int i = 0; i < 20000; i++) {
-        struct file file = copy_of(i % 16 == 0 ? &large : i % 2 ? &small : &holed);
-        for (uint64_t words = 1 + random_bits(&random) % 3; words; words--) {
-            size_t at = 4 * (size_t)(random_bits(&random) % (file.size / 4));
-            uint32_t value = odd[random_bits(&random) % (sizeof odd / sizeof *odd)];
-            if (random_bits(&random) % 4 == 0)
-                value = (uint32_t)random_bits(&random);
-            memcpy(file.bytes + at, &value, 4);
-        }
-        seal(&file);
-        if (fault_of(&file).code == DPT_OK) {
-            opened++;
-            use((const dpt_mesh *)(const void *)file.bytes, &random);
-        }
-        free(file.bytes);
-    }
-    CHECK(opened > 1000, "only %llu opened: the test tests little", (unsigned long long)opened);
-}
-
 static void misaligned_bytes_are_refused(void)
 {
-    unsigned char *block = malloc(small.size + 16);
+    unsigned char *block = malloc(small_file.size + 16);
     for (size_t shift = 0; shift <= 8; shift++) {
-        struct file file = { block + shift, small.size };
-        memcpy(file.bytes, small.bytes, small.size);
+        struct file file = { block + shift, small_file.size };
+        memcpy(file.bytes, small_file.bytes, small_file.size);
         if (shift % 8 == 0)
             CHECK(fault_of(&file).code == DPT_OK, "shift %zu", shift);
         else
@@ -465,7 +166,7 @@ static void misaligned_bytes_are_refused(void)
 
 static void wrong_arguments_are_refused(void)
 {
-    struct file *file = &small;
+    struct file *file = &small_file;
     const dpt_mesh *mesh = (const dpt_mesh *)(const void *)file->bytes, *opened = NULL;
     dpt_mesh_fault fault = { .size = sizeof fault - 1, .code = 77 };
     dpt_mesh_info info = { .size = 159, .triangles = 77, .solid_components = 77 };
@@ -528,7 +229,7 @@ static void wrong_arguments_are_refused(void)
 
 static void other_byte_order_converts(void)
 {
-    const struct file *files[] = { &small, &large, &holed };
+    const struct file *files[] = { &small_file, &large_file, &holed_file };
     for (int i = 0; i < 3; i++) {
         struct file other = other_order(files[i]);
         dpt_mesh_fault fault = { .size = sizeof fault };
@@ -546,8 +247,8 @@ static void other_byte_order_converts(void)
 /* Cut short or damaged, it is refused and stays as it is. */
 static void other_byte_order_is_checked(void)
 {
-    struct file whole = other_order(&small);
-    struct dpt_mesh header = header_of(&small);
+    struct file whole = other_order(&small_file);
+    struct dpt_mesh header = header_of(&small_file);
     for (size_t at = 0; at < whole.size; at++) {
         struct file cut = file_of(whole.bytes, at), file = copy_of(&whole);
         dpt_mesh_fault fault = { .size = sizeof fault };
@@ -563,7 +264,7 @@ static void other_byte_order_is_checked(void)
         free(file.bytes);
     }
     /* Forged before it was turned round: found behind the conversion. */
-    struct file forged = copy_of(&small);
+    struct file forged = copy_of(&small_file);
     uint64_t at = header.section[MESH_TRIANGLES].offset + 8;
     memset(forged.bytes + at, 0xff, 4);
     seal(&forged);
@@ -669,7 +370,7 @@ static void answer_alike(const struct file *old, const struct file *today, uint3
             dpt_query_segments(meshes[m], NULL, ends, &radius, 1, &hits[m], NULL);
         CHECK(!memcmp(&hits[0], &hits[1], sizeof hits[0]), "another answer");
     }
-    use(meshes[0], &random);
+    use_mesh(meshes[0], &random);
 }
 
 /* Every version opens forever, in either byte order, and is checked as today's is. */
@@ -707,42 +408,35 @@ static void all_versions_open(void)
 static void read_only_memory_is_enough(void)
 {
     uint64_t random = 9;
-    size_t room = (large.size + 65535) / 65536 * 65536;
+    size_t room = (large_file.size + 65535) / 65536 * 65536;
     unsigned char *pages =
         mmap(NULL, room, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     CHECK(pages != MAP_FAILED, "no pages");
     if (pages == MAP_FAILED)
         return;
-    memcpy(pages, large.bytes, large.size);
+    memcpy(pages, large_file.bytes, large_file.size);
     CHECK(mprotect(pages, room, PROT_READ) == 0, "still writable");
     const dpt_mesh *mesh;
-    CHECK(dpt_mesh_open(pages, large.size, &mesh) == DPT_OK, "does not open");
+    CHECK(dpt_mesh_open(pages, large_file.size, &mesh) == DPT_OK, "does not open");
     /* In the host's order already, so that there is nothing to convert. */
-    CHECK(dpt_mesh_convert(pages, large.size, NULL) == DPT_OK, "does not convert");
+    CHECK(dpt_mesh_convert(pages, large_file.size, NULL) == DPT_OK, "does not convert");
     for (int i = 0; i < 50; i++)
-        use(mesh, &random);
+        use_mesh(mesh, &random);
     munmap(pages, room);
 }
 
 int main(int argc, char **argv)
 {
-    if (argc > 1)
-        golden = argv[1];
-    small = file_of_shape("sphere", 40);
-    large = file_of_shape("sphere", 600);
-    holed = file_of_holed_shape("sphere", 40, 1);
-    if (!small.size || !large.size || !holed.size)
+    take_percent(argc, argv);
+    if (argc > 2)
+        golden = argv[2];
+    if (!open_files())
         return 1;
     TEST(whole_files_open);
     TEST(truncations_are_refused);
     TEST(trailing_bytes_are_refused);
     TEST(changed_bytes_are_refused);
     TEST(other_files_are_refused);
-    TEST(newer_versions_are_refused);
-    TEST(forged_words_are_refused);
-    TEST(forged_headers_are_refused);
-    TEST(forged_tables_are_refused);
-    TEST(random_forgeries_do_no_harm);
     TEST(misaligned_bytes_are_refused);
     TEST(wrong_arguments_are_refused);
     TEST(other_byte_order_converts);
@@ -750,8 +444,6 @@ int main(int argc, char **argv)
     TEST(golden_file_is_what_we_write);
     TEST(all_versions_open);
     TEST(read_only_memory_is_enough);
-    free(holed.bytes);
-    free(small.bytes);
-    free(large.bytes);
+    free_files();
     return check_report();
 }

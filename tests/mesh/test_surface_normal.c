@@ -467,8 +467,8 @@ static void creases_are_not_smoothed(void)
 }
 
 /*
- * A tick does not look at the fan of a hub: with one that tells nonsense, checksums made good, the answers about it stay
- * what they were.
+ * A tick does not look at the fan of a hub: with one that tells nonsense, checksums made good, the answers about it
+ * stay what they were.
  */
 static void hubs_cost_no_fan(void)
 {

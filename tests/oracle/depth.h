@@ -2,14 +2,14 @@
 /*
  * How deep a segment's axis is in a closed mesh, closed in from both sides by brute.h and solid angles.
  *
- * Between two points of the axis the distance to one triangle is convex, so its chord is above it, and the distance
- * to the mesh is below the chords of both ends' nearest triangles: where they meet bounds the depth between. Pieces
- * are halved there until the bound and the deepest point that was seen are `tolerance` apart, so that nothing deeper
- * can be passed over and nothing needs to be sampled densely.
+ * Between two points of the axis the distance to one triangle is convex, so its chord is above it, and the distance to
+ * the mesh is below the chords of both ends' nearest triangles: where they meet bounds the depth between. Pieces are
+ * halved there until the bound and the deepest point that was seen are `tolerance` apart, so that nothing deeper can be
+ * passed over and nothing needs to be sampled densely.
  *
- * Good within 1e-12 of the largest coordinate, as brute.h. It cannot judge meshes that are open, or that go round a point
- * the wrong way where they cut themselves, nor on which side a point within 1e-10 of the largest coordinate of the
- * surface is.
+ * Good within 1e-12 of the largest coordinate, as brute.h. It cannot judge meshes that are open, or that go round a
+ * point the wrong way where they cut themselves, nor on which side a point within 1e-10 of the largest coordinate of
+ * the surface is.
  */
 #ifndef DPT_TESTS_ORACLE_DEPTH_H
 #define DPT_TESTS_ORACLE_DEPTH_H

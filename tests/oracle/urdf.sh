@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# The kinematics of robots' descriptions against an oracle of their own, and pinocchio's where PyPI can be reached (once,
-# into build/venv-urdf; not with DEPS=no): `sh tests/oracle/urdf.sh BUILD`.
+# The kinematics of robots' descriptions against an oracle of their own, and pinocchio's where `make deps kinematics` put it
+# into build/venv-urdf: `sh tests/oracle/urdf.sh BUILD`.
 set -u
 build=$1
 venv=build/venv-urdf
@@ -14,12 +14,6 @@ if ! command -v python3 >/dev/null 2>&1; then
     echo "  skip kinematics of robots' descriptions: no python3"
     echo "0 passed, 0 failed, 1 skipped"
     exit 0
-fi
-if [ ! -f $venv/complete ] && [ "${DEPS:-yes}" != no ]; then
-    rm -rf $venv
-    mkdir -p build
-    { python3 -m venv $venv && timeout 300 $venv/bin/pip install --no-cache-dir --disable-pip-version-check --retries 1 \
-        --timeout 20 -r tests/oracle/requirements.txt; } >build/venv-urdf.log 2>&1 && touch $venv/complete
 fi
 python=python3
 [ ! -f $venv/complete ] || python=$venv/bin/python

@@ -42,6 +42,7 @@ static void tree_gives_the_bits_of_brute_force(void)
     } shapes[] = { { "torus", 5568 }, { "star", 0 },      { "membrane", 0 }, { "cloth", 0 },
                    { "hub", 500 },    { "sphere", 2000 }, { "box", 0 },      { "liver", 8000 } };
     double ends[6 * COUNT];
+    const size_t count = (size_t)part_of(COUNT);
     static dpt_hit tree[COUNT], brute[COUNT];
     for (size_t s = 0; s < sizeof shapes / sizeof *shapes; s++) {
         struct fixture fixture;
@@ -49,9 +50,9 @@ static void tree_gives_the_bits_of_brute_force(void)
             continue;
         int crossing = 0;
         random_axes(s + 1, ends);
-        ask(fixture.mesh, ends, COUNT, DPT_METHOD_TREE, tree);
-        ask(fixture.mesh, ends, COUNT, DPT_METHOD_BRUTE, brute);
-        for (int i = 0; i < COUNT; i++) {
+        ask(fixture.mesh, ends, count, DPT_METHOD_TREE, tree);
+        ask(fixture.mesh, ends, count, DPT_METHOD_BRUTE, brute);
+        for (size_t i = 0; i < count; i++) {
             CHECK(tree[i].distance == brute[i].distance, "%s: %a, not %a", shapes[s].name,
                   tree[i].distance, brute[i].distance);
             CHECK(tree[i].distance == 0.0 || tree[i].triangle == brute[i].triangle,
@@ -60,7 +61,7 @@ static void tree_gives_the_bits_of_brute_force(void)
             CHECK(tree[i].status == DPT_STATUS_EXACT, "status %u", tree[i].status);
             crossing += tree[i].distance == 0.0;
         }
-        printf("    %-10s %d of %d cross\n", shapes[s].name, crossing, COUNT);
+        printf("    %-10s %d of %zu cross\n", shapes[s].name, crossing, count);
         fixture_free(&fixture);
     }
 }
@@ -425,8 +426,9 @@ static void no_sliver_is_too_thin(void)
     }
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
+    take_percent(argc, argv);
     TEST(tree_gives_the_bits_of_brute_force);
     TEST(points_on_the_mesh);
     TEST(a_batch_is_its_single_questions);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Asked once more at the same pose a world says what it said the first time, and so does a stateless query: on closed parts, on
- * sheets, and on parts with holes, through which an axis comes and goes without a crossing. Whether it is right, where all
- * say the same, other tests tell (test_depth, test_winding).
+ * Asked once more at the same pose a world says what it said the first time, and so does a stateless query: on closed
+ * parts, on sheets, and on parts with holes, through which an axis comes and goes without a crossing. Whether it is
+ * right, where all say the same, other tests tell (test_depth, test_winding).
  *
  * Real meshes from DPT_DATA.
  */

@@ -4,7 +4,7 @@
  *
  * Real meshes from DPT_DATA.
  */
-#include "strip/strip_recall.h"
+#include "strip/strip_coverage.h"
 
 static const char *data;
 
@@ -12,32 +12,33 @@ static const char *data;
 static void recall_on(const struct subject *subject)
 {
     static const double lengths[] = { 0.05, 0.1, 0.2, 0.5 };
-    struct recall sum = { .poses = 0 };
+    struct coverage sum = { .poses = 0 };
     for (size_t i = 0; i < sizeof lengths / sizeof *lengths; i++) {
-        struct recall r;
-        recall_of(subject, lengths[i], 12, i, &r);
+        struct coverage r;
+        coverage_of(subject, lengths[i], 12, i, &r);
         CHECK(r.poses == 12, "%s: %zu poses", subject->name, r.poses);
         sum.near += r.near;
-        for (int kind = 0; kind < RECALL_STRIPS; kind++) {
+        for (int kind = 0; kind < COVERAGE_STRIPS; kind++) {
             sum.found[kind] += r.found[kind];
             sum.sheet[kind] += r.sheet[kind];
-            sum.walked[kind] += r.walked[kind];
+            sum.in_strip[kind] += r.in_strip[kind];
         }
     }
-    double found[RECALL_STRIPS];
-    for (int kind = 0; kind < RECALL_STRIPS; kind++)
+    double found[COVERAGE_STRIPS];
+    for (int kind = 0; kind < COVERAGE_STRIPS; kind++)
         found[kind] = 100 * share_of(sum.found[kind], sum.near);
     printf("    %-28s near: routes %.1f %%, shadow %.1f %%, widened by the margin %.1f %%; of the "
            "sheet "
            "%.2f, %.2f %%\n",
-           subject->name, found[RECALL_ROUTES], found[RECALL_NARROW], found[RECALL_WIDE],
-           100 * share_of(sum.walked[RECALL_NARROW], sum.sheet[RECALL_NARROW]),
-           100 * share_of(sum.walked[RECALL_WIDE], sum.sheet[RECALL_WIDE]));
-    for (int kind = RECALL_NARROW; kind < RECALL_STRIPS; kind++)
-        CHECK(share_of(sum.walked[kind], sum.sheet[kind]) >= 0.99, "%s, %d: %zu of %zu",
-              subject->name, kind, sum.walked[kind], sum.sheet[kind]);
-    CHECK(found[RECALL_ROUTES] < found[RECALL_NARROW] && found[RECALL_WIDE] >= 95, "%s: %g, %g, %g",
-          subject->name, found[RECALL_ROUTES], found[RECALL_NARROW], found[RECALL_WIDE]);
+           subject->name, found[COVERAGE_ROUTES], found[COVERAGE_NARROW], found[COVERAGE_WIDE],
+           100 * share_of(sum.in_strip[COVERAGE_NARROW], sum.sheet[COVERAGE_NARROW]),
+           100 * share_of(sum.in_strip[COVERAGE_WIDE], sum.sheet[COVERAGE_WIDE]));
+    for (int kind = COVERAGE_NARROW; kind < COVERAGE_STRIPS; kind++)
+        CHECK(share_of(sum.in_strip[kind], sum.sheet[kind]) >= 0.99, "%s, %d: %zu of %zu",
+              subject->name, kind, sum.in_strip[kind], sum.sheet[kind]);
+    CHECK(found[COVERAGE_ROUTES] < found[COVERAGE_NARROW] && found[COVERAGE_WIDE] >= 95,
+          "%s: %g, %g, %g", subject->name, found[COVERAGE_ROUTES], found[COVERAGE_NARROW],
+          found[COVERAGE_WIDE]);
 }
 
 static void what_strips_hold(void)

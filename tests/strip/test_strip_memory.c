@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * What a strip remembers from one shadow to the next: it must not show, at rest, in motion, over one mesh after the other
- * and where another one was.
+ * What a strip remembers from one shadow to the next: it must not show, at rest, in motion, over one mesh after the
+ * other and where another one was.
  *
  *     test_strip_memory           what make check runs
  *     test_strip_memory FACTOR    so many times as many ticks of sliding
@@ -15,7 +15,7 @@ static uint64_t factor = 1;
 
 struct course {
     struct scene scene;
-    struct held_strip kept;
+    struct guarded_strip kept;
     size_t ticks, triangles;
 };
 
@@ -23,18 +23,19 @@ static void course_tick(struct course *course, const double ends[6], double radi
                         double depth, int judged)
 {
     dpt_shadow shadow;
-    struct held_strip fresh;
+    struct guarded_strip fresh;
     uint32_t count = 0;
     shadow_below(&course->scene, ends, radius, &shadow);
     shadow.width = width;
     shadow.depth = depth;
-    fill(&course->scene, &shadow, course->kept.strip);
-    fill(&course->scene, &shadow, hold_strip(&fresh, room_for(course->scene.subject), 0));
+    fill_strip(&course->scene, &shadow, course->kept.strip);
+    fill_strip(&course->scene, &shadow,
+               guarded_strip_open(&fresh, room_for(course->scene.subject), 0));
     CHECK(are_alike(&course->scene, course->kept.strip, fresh.strip),
           "tick %zu: a fresh strip has others: %s", course->ticks,
-          text_of(&course->scene, &shadow));
+          shadow_text(&course->scene, &shadow));
     dpt_strip_get_triangles(fresh.strip, &count, NULL);
-    drop_strip(&fresh);
+    guarded_strip_close(&fresh);
     course->ticks++;
     course->triangles += count;
     if (!judged)
@@ -93,7 +94,7 @@ static void go_over(const struct subject *subject, uint64_t seed, size_t ticks)
 {
     struct course course = { .ticks = 0 };
     scene_open(&course.scene, subject);
-    hold_strip(&course.kept, room_for(subject), 0);
+    guarded_strip_open(&course.kept, room_for(subject), 0);
     slide_over(&course, seed, ticks);
     if (data)
         record_over(&course, seed);
@@ -110,7 +111,7 @@ static void go_over(const struct subject *subject, uint64_t seed, size_t ticks)
     }
     printf("    %-30s %zu ticks of %.1f triangles\n", subject->name, course.ticks,
            (double)course.triangles / (double)course.ticks);
-    drop_strip(&course.kept);
+    guarded_strip_close(&course.kept);
     scene_close(&course.scene);
 }
 
@@ -144,12 +145,12 @@ static void meshes_in_turn(void)
 {
     struct subject subjects[2];
     struct scene scenes[2];
-    struct held_strip held;
+    struct guarded_strip guarded;
     uint64_t seed = 3;
     if (!subject_from_shape(&subjects[0], "torus", 2000) ||
         !subject_from_shape(&subjects[1], "sphere", 2000))
         return;
-    dpt_strip *strip = hold_strip(&held, 2000, 2000);
+    dpt_strip *strip = guarded_strip_open(&guarded, 2000, 2000);
     for (int s = 0; s < 2; s++)
         scene_open(&scenes[s], &subjects[s]);
     for (int i = 0; i < 200; i++) {
@@ -157,12 +158,12 @@ static void meshes_in_turn(void)
         dpt_shadow shadow;
         random_shadow(scene, &seed, &shadow);
         ask_oracle(&scenes[i % 2], &shadow);
-        fill(scene, &shadow, strip);
+        fill_strip(scene, &shadow, strip);
         check_sheet(scene, &shadow, strip);
         if (i % 3 == 0)
             CHECK(dpt_strip_route(strip, scene->subject->mesh, 1, 1000) == DPT_OK, "a route");
     }
-    drop_strip(&held);
+    guarded_strip_close(&guarded);
     for (int s = 0; s < 2; s++) {
         scene_close(&scenes[s]);
         subject_close(&subjects[s]);
@@ -174,20 +175,20 @@ static void the_same_shadow_again(void)
 {
     struct subject subject;
     struct scene scene;
-    struct held_strip held;
+    struct guarded_strip guarded;
     uint64_t seed = 11;
     size_t others = 0;
     if (!subject_with_folds(&subject, 0.002))
         return;
     scene_open(&scene, &subject);
-    dpt_strip *strip = hold_strip(&held, subject.info.triangles, 0);
+    dpt_strip *strip = guarded_strip_open(&guarded, subject.info.triangles, 0);
     for (int i = 0; i < 200; i++) {
         dpt_shadow shadow;
         random_shadow(&scene, &seed, &shadow);
         for (int k = 0; k < 4; k++) {
             const uint32_t before = scene.sheet.sure;
             ask_oracle(&scene, &shadow);
-            fill(&scene, &shadow, strip);
+            fill_strip(&scene, &shadow, strip);
             check_sheet(&scene, &shadow, strip);
             others += k && before != scene.sheet.sure;
             if (k % 2)
@@ -195,7 +196,7 @@ static void the_same_shadow_again(void)
         }
     }
     CHECK(others > 50, "%zu", others);
-    drop_strip(&held);
+    guarded_strip_close(&guarded);
     scene_close(&scene);
     subject_close(&subject);
 }
@@ -212,8 +213,8 @@ static void in_anothers_place(void)
                                 .direction = { 0, 0, -1 },
                                 .depth = 0.5 };
     struct subject subjects[2];
-    struct held_strip held;
-    dpt_strip *strip = hold_strip(&held, 4, 0);
+    struct guarded_strip guarded;
+    dpt_strip *strip = guarded_strip_open(&guarded, 4, 0);
     for (int s = 0; s < 2; s++)
         if (!subject_from_arrays(&subjects[s], "triangle", vertices[s], 3, corners, 1))
             return;
@@ -229,7 +230,7 @@ static void in_anothers_place(void)
         dpt_strip_get_triangles(strip, &count, NULL);
         CHECK(count == !(i % 2), "%u triangles of mesh %d", count, i % 2);
     }
-    drop_strip(&held);
+    guarded_strip_close(&guarded);
     for (int s = 0; s < 2; s++)
         subject_close(&subjects[s]);
 }

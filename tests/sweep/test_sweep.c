@@ -20,7 +20,7 @@ static int sweep_scene(const struct scene *scene, double radius, double toleranc
     struct sweep sweep;
     dpti_sweep_begin(&sweep, &scene->motion, radius, tolerance, scene_extent(scene));
     *asked = 0;
-    return dpti_sweep_pair(&sweep, scene->corner, 1.0, time, asked);
+    return dpti_sweep_triangle(&sweep, scene->corner, 1.0, time, asked);
 }
 
 /* The truth, or what test_pair.c holds against it, which is fifty times as fast. */
@@ -184,10 +184,7 @@ static void gives_closed_forms(void)
 
 int main(int argc, char **argv)
 {
-    if (argc > 1)
-        case_count = strtoul(argv[1], NULL, 10);
-    if (argc > 2)
-        rng = strtoull(argv[2], NULL, 10);
+    take_count(argc, argv, &case_count, &rng);
     TEST(gives_closed_forms);
     TEST(one_triangle_is_met_in_time);
     return check_report();

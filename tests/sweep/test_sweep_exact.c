@@ -66,7 +66,7 @@ static void judge(const struct scene *scene, const char *name, struct counts *co
     double extent = scene_extent(scene), tolerance = any_tolerance(&rng, scene), time = -1.0;
     uint32_t asked = 0;
     dpti_sweep_begin(&sweep, &scene->motion, 0.0, tolerance, extent);
-    int hit = dpti_sweep_pair(&sweep, scene->corner, 1.0, &time, &asked) == SWEEP_HIT;
+    int hit = dpti_sweep_triangle(&sweep, scene->corner, 1.0, &time, &asked) == SWEEP_HIT;
     int truth = touches(scene, 1.0, 1);
     int missed = truth && !hit, late = hit && touches(scene, time, time > 0.0);
     double off = hit ? distance_at(scene, time) : 0.0;
@@ -132,10 +132,7 @@ static void the_oracle_knows_simple_cases(void)
 
 int main(int argc, char **argv)
 {
-    if (argc > 1)
-        case_count = strtoul(argv[1], NULL, 10);
-    if (argc > 2)
-        rng = strtoull(argv[2], NULL, 10);
+    take_count(argc, argv, &case_count, &rng);
     TEST(the_oracle_knows_simple_cases);
     TEST(agrees_with_exact_arithmetic);
     return check_report();

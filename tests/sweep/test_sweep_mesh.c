@@ -80,7 +80,7 @@ static struct impact brute_sweep(const struct surface *tree, const struct sweep 
                                  vec3_of_float(tree->positions + 3 * (size_t)of[2]) };
         uint32_t asked = 0;
         double time;
-        if (dpti_sweep_pair(sweep, corner, first.time, &time, &asked) != SWEEP_HIT)
+        if (dpti_sweep_triangle(sweep, corner, first.time, &time, &asked) != SWEEP_HIT)
             continue;
         if (time < first.time || first.triangle == DPT_NONE ||
             tree->sources[t] < tree->sources[first.triangle]) {
@@ -233,7 +233,8 @@ static void meshes_are_met_as_their_triangles_are(void)
         struct body body;
         if (c[i].shape ? fixture_from_shape(&body.fixture, c[i].shape, c[i].count) && body_of(&body)
                        : soup_of(&body))
-            sweep_body(c[i].shape ? c[i].shape : "soup", &body, c[i].motions);
+            sweep_body(c[i].shape ? c[i].shape : "soup", &body,
+                       1 + (int)((unsigned long)c[i].motions * crossing_count / 200000));
         fixture_free(&body.fixture);
     }
 }
@@ -394,10 +395,7 @@ static void sheets_are_crossed_at_any_speed(void)
 
 int main(int argc, char **argv)
 {
-    if (argc > 1)
-        crossing_count = strtoul(argv[1], NULL, 10);
-    if (argc > 2)
-        rng = strtoull(argv[2], NULL, 10);
+    take_count(argc, argv, &crossing_count, &rng);
     TEST(swept_bounds_are_sound);
     TEST(meshes_are_met_as_their_triangles_are);
     TEST(sheets_are_crossed_at_any_speed);

@@ -102,6 +102,47 @@ static void check_link(const struct robot *robot, uint32_t index, uint32_t paren
  * With axes -y, angles lift: the forearm's end is at radius r = 0.15 (cos s + cos (s + e)), height
  * 0.1 + 0.15 (sin s + sin (s + e)), turned by the waist about z.
  */
+static void check_sample_at(const struct robot *robot, const double q[3])
+{
+    double cs = cos(q[1]), ss = sin(q[1]), ce = cos(q[1] + q[2]), se = sin(q[1] + q[2]),
+           cw = cos(q[0]), sw = sin(q[0]);
+    double r = 0.15 * (cs + ce), z = 0.1 + 0.15 * (ss + se);
+    check_tool(robot, q, (double[3]){ 0.0, 0.0, 0.0 }, (double[3]){ r * cw, r * sw, z });
+    /* The stylus's tip, 0.11 m below in its frame, that leans with the forearm. */
+    double lean = r + 0.11 * se;
+    check_tool(robot, q, (double[3]){ 0.0, 0.0, -0.11 },
+               (double[3]){ lean * cw, lean * sw, z - 0.11 * ce });
+    double jacobian[18];
+    CHECK(dpt_arm_jacobian(robot->arm, q, jacobian) == DPT_OK, "no Jacobian");
+    const double want[18] = { -r * sw,
+                              -(z - 0.1) * cw,
+                              -0.15 * se * cw,
+                              r * cw,
+                              -(z - 0.1) * sw,
+                              -0.15 * se * sw,
+                              0.0,
+                              r,
+                              0.15 * ce,
+                              0.0,
+                              sw,
+                              sw,
+                              0.0,
+                              -cw,
+                              -cw,
+                              1.0,
+                              0.0,
+                              0.0 };
+    for (int k = 0; k < 18; k++)
+        CHECK(near(jacobian[k], want[k]), "J[%d] %.17g, not %.17g", k, jacobian[k], want[k]);
+    /* Weights act at 0.06 on the upper arm, 0.07 on the forearm and 0.15 with 0.04 below on the stylus. */
+    double weight[3], g = 9.81, fore = 0.12 * (0.07 * ce) + 0.03 * (0.15 * ce + 0.04 * se),
+                      upper = 0.25 * 0.06 * cs + 0.15 * 0.15 * cs;
+    CHECK(dpt_arm_weight(robot->arm, q, (double[3]){ 0.0, 0.0, -g }, weight) == DPT_OK, "weight");
+    CHECK(near(weight[0], 0.0) && near(weight[1], g * (upper + fore)) && near(weight[2], g * fore),
+          "weight %g %g %g, not 0 %g %g", weight[0], weight[1], weight[2], g * (upper + fore),
+          g * fore);
+}
+
 static void the_sample(void)
 {
     struct robot robot = robot_of("docs/samples/arm.urdf", (dpt_urdf_def){ .size = 0 });
@@ -125,45 +166,7 @@ static void the_sample(void)
     for (int i = 0; i < 200; i++) {
         double q[3] = { random_in(&state, -1.2, 1.2), random_in(&state, -0.3, 1.4),
                         random_in(&state, -2.2, 0.0) };
-        double cs = cos(q[1]), ss = sin(q[1]), ce = cos(q[1] + q[2]), se = sin(q[1] + q[2]),
-               cw = cos(q[0]), sw = sin(q[0]);
-        double r = 0.15 * (cs + ce), z = 0.1 + 0.15 * (ss + se);
-        check_tool(&robot, q, (double[3]){ 0.0, 0.0, 0.0 }, (double[3]){ r * cw, r * sw, z });
-        /* The stylus's tip, 0.11 m below in its frame, that leans with the forearm. */
-        double lean = r + 0.11 * se;
-        check_tool(&robot, q, (double[3]){ 0.0, 0.0, -0.11 },
-                   (double[3]){ lean * cw, lean * sw, z - 0.11 * ce });
-        double jacobian[18];
-        CHECK(dpt_arm_jacobian(robot.arm, q, jacobian) == DPT_OK, "no Jacobian");
-        const double want[18] = { -r * sw,
-                                  -(z - 0.1) * cw,
-                                  -0.15 * se * cw,
-                                  r * cw,
-                                  -(z - 0.1) * sw,
-                                  -0.15 * se * sw,
-                                  0.0,
-                                  r,
-                                  0.15 * ce,
-                                  0.0,
-                                  sw,
-                                  sw,
-                                  0.0,
-                                  -cw,
-                                  -cw,
-                                  1.0,
-                                  0.0,
-                                  0.0 };
-        for (int k = 0; k < 18; k++)
-            CHECK(near(jacobian[k], want[k]), "J[%d] %.17g, not %.17g", k, jacobian[k], want[k]);
-        /* Weights act at 0.06 on the upper arm, 0.07 on the forearm and 0.15 with 0.04 below on the stylus. */
-        double weight[3], g = 9.81, fore = 0.12 * (0.07 * ce) + 0.03 * (0.15 * ce + 0.04 * se),
-                          upper = 0.25 * 0.06 * cs + 0.15 * 0.15 * cs;
-        CHECK(dpt_arm_weight(robot.arm, q, (double[3]){ 0.0, 0.0, -g }, weight) == DPT_OK,
-              "weight");
-        CHECK(near(weight[0], 0.0) && near(weight[1], g * (upper + fore)) &&
-                  near(weight[2], g * fore),
-              "weight %g %g %g, not 0 %g %g", weight[0], weight[1], weight[2], g * (upper + fore),
-              g * fore);
+        check_sample_at(&robot, q);
     }
     dpt_segment s;
     CHECK(dpt_arm_get_segment(robot.arm, 0, &s) == DPT_OK, "no segment");

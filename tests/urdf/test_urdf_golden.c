@@ -12,7 +12,7 @@
 
 #include "dynpoint.h"
 #include "dynpoint/urdf.h"
-#include "lib/size_checks.h"
+#include "lib/check.h"
 #include "urdf/surroundings.h"
 
 #define FOLDER "tests/golden-urdf/"
@@ -244,79 +244,6 @@ static void paths_that_are_no_files(void)
               cases[i].path ? cases[i].path : "NULL", o.diag.text);
         check_sane("path", &o);
     }
-}
-
-static dpt_result take_def(void *given)
-{
-    dpt_compiled compiled;
-    dpt_result result = dpt_urdf_compile_file(FOLDER "two.urdf", given, &compiled, NULL);
-    dpt_compiled_free(&compiled);
-    return result;
-}
-
-static dpt_result take_mesh_def(void *given)
-{
-    const dpt_urdf_def def = { .size = sizeof def, .mesh = given };
-    return take_def((void *)&def);
-}
-
-static dpt_result fill_diag(void *out)
-{
-    dpt_compiled compiled;
-    dpt_result result = dpt_urdf_compile_file(FOLDER "nonesuch.urdf", NULL, &compiled, out);
-    return result == DPT_E_OPEN ? DPT_OK : result;
-}
-
-static void defaults(void *def, size_t size)
-{
-    dpt_urdf_def_defaults(def, size);
-}
-
-static void structs_of_any_size(void)
-{
-    const struct sized def = { "dpt_urdf_def", sizeof(dpt_urdf_def), sizeof(dpt_urdf_def),
-                               take_def };
-    const struct sized mesh = { "its dpt_compile_def", offsetof(dpt_compile_def, crease),
-                                sizeof(dpt_compile_def), take_mesh_def };
-    const struct sized diag = { "dpt_diag", sizeof(dpt_diag), sizeof(dpt_diag), fill_diag };
-    dpt_urdf_def good;
-    dpt_compile_def good_mesh;
-    dpt_urdf_def_init(&good);
-    dpt_compile_def_init(&good_mesh);
-    check_input(&def, &good);
-    check_input(&mesh, &good_mesh);
-    check_output(&diag);
-    check_defaults(&def, defaults, &good);
-    good_mesh.scale = -1.0;
-    CHECK(take_mesh_def(&good_mesh) == DPT_E_ARGUMENT, "a negative scale");
-    good_mesh.scale = NAN;
-    CHECK(take_mesh_def(&good_mesh) == DPT_E_ARGUMENT, "no scale");
-}
-
-static void arguments_are_checked(void)
-{
-    const char *good = FOLDER "two.urdf";
-    dpt_compiled compiled = { &compiled, 1 };
-    dpt_diag diag = { .size = 8 };
-    dpt_urdf_def def = { .size = 8 };
-    CHECK(dpt_urdf_compile_file(good, NULL, NULL, NULL) == DPT_E_ARGUMENT, "no out");
-    CHECK(dpt_urdf_compile_file(good, NULL, &compiled, &diag) == DPT_E_SIZE && !compiled.bytes,
-          "a short diag");
-    CHECK(dpt_urdf_compile_file(good, &def, &compiled, NULL) == DPT_E_SIZE, "a short def");
-    def = (dpt_urdf_def){ .size = sizeof def, .reserved = 1 };
-    CHECK(dpt_urdf_compile_file(good, &def, &compiled, NULL) == DPT_E_ARGUMENT, "reserved");
-    def = (dpt_urdf_def){ .size = sizeof def, .reserved_pointer = &def };
-    CHECK(dpt_urdf_compile_file(good, &def, &compiled, NULL) == DPT_E_ARGUMENT, "a pointer");
-    dpt_compile_def mesh = { .size = 8 };
-    def = (dpt_urdf_def){ .size = sizeof def, .mesh = &mesh };
-    CHECK(dpt_urdf_compile_file(good, &def, &compiled, NULL) == DPT_E_SIZE, "a short mesh def");
-    def = (dpt_urdf_def){ .size = sizeof def, .tool = "nonesuch" };
-    diag.size = sizeof diag;
-    CHECK(dpt_urdf_compile_file(good, &def, &compiled, &diag) == DPT_E_ARGUMENT &&
-              strstr(diag.text, "'nonesuch'"),
-          "%s", diag.text);
-    CHECK(dpt_urdf_compile_file(good, NULL, &compiled, NULL) == DPT_OK, "the defaults");
-    dpt_compiled_free(&compiled);
 }
 
 /* Compiled before and after; the same bytes are asked for. */
@@ -592,8 +519,6 @@ int main(int argc, char **argv)
     TEST(nothing_is_printed);
     TEST(a_programs_log_is_left_alone);
     TEST(paths_that_are_no_files);
-    TEST(structs_of_any_size);
-    TEST(arguments_are_checked);
     TEST(bytes_do_not_depend_on_the_locale);
     TEST(cut_files);
     TEST(mutated_files);

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # In make check: every test_* of tests/vm, programs and scripts, on a real kernel, in one boot. A program BUILD/tests/vm/test_X is run
 # without arguments, a script tests/vm/test_X.sh with BUILD; both end in "N passed, M failed, K skipped". $DPT_PEER runs
-# tests/vm/peer.py there, if PyPI can be reached.
+# tests/vm/peer.py there, where `make deps vm` put what it needs into build/venv.
 #
 #     sh tests/vm/check.sh [BUILD...]
 set -u
@@ -11,17 +11,7 @@ builds=${*:-build}
 said=build/vm.out
 
 venv=build/venv
-if [ ! -f $venv/complete ]; then
-    mkdir -p build
-    if ! command -v python3 >/dev/null 2>&1; then
-        echo "  no python-can: there is no python3"
-    elif { rm -rf $venv && python3 -m venv $venv && timeout 300 $venv/bin/pip install --no-cache-dir --disable-pip-version-check --retries 1 --timeout 20 \
-        -r tests/vm/requirements.txt; } >build/venv.log 2>&1; then
-        touch $venv/complete
-    else
-        echo "  no python-can: PyPI cannot be reached, see build/venv.log"
-    fi
-fi
+[ -f $venv/complete ] || echo "  no python-can: make deps vm"
 peer=
 [ -f $venv/complete ] && peer="DPT_PEER='$venv/bin/python tests/vm/peer.py' "
 

@@ -1,8 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
 # The kernel that tests/vm/run.sh boots: Debian's, with the modules that it needs, unpacked below build/vm and never
-# installed. Once: build/vm/vmlinux (or vmlinuz), build/vm/tree; packed into build/vm/initramfs again when init changes.
-# Where that cannot be done it says why in one line, with status 77.
+# installed. Once, by `sh tests/vm/kernel.sh fetch` (make deps vm): build/vm/vmlinux (or vmlinuz), build/vm/tree; packed into
+# build/vm/initramfs again when init changes. Without "fetch" nothing is downloaded. Where there is none it says why in one
+# line, with status 77.
 set -u
 cd "$(dirname "$0")/../.." || exit 2
 cache=build/vm
@@ -58,7 +59,10 @@ mkdir -p "$cache"
 # One at a time: the others find what it made.
 exec 9>"$cache/lock"
 ! command -v flock >/dev/null 2>&1 || flock 9
-{ [ -f "$cache/kernel" ] && [ -d "$cache/tree" ]; } || (fetch) || exit
+if [ ! -f "$cache/kernel" ] || [ ! -d "$cache/tree" ]; then
+    [ "${1:-}" = fetch ] || skip "none is here: make deps vm"
+    (fetch) || exit
+fi
 if [ ! "$cache/initramfs" -nt tests/vm/init ] || [ ! "$cache/initramfs" -nt "$cache/kernel" ]; then
     tree=$PWD/$cache/tree
     cp tests/vm/init "$tree/init" && chmod 755 "$tree/init" || exit 2

@@ -3,20 +3,7 @@
 # The whole way, for tests/vm/run.sh: a URDF compiled, its motors simulated on a bus, its scene felt through them. sh tests/vm/test_arm.sh BUILD
 program=$1/dynpoint dir=/tmp/arm.$$
 name="can:vcan0?arm=$dir/arm.dpa&gear=8,-8,10&watchdog=2&silent=1&rate=200"
-passed=0 failed=0
-
-check() {
-    what=$1
-    shift
-    if "$@" >/dev/null 2>&1; then
-        echo "  ok   $what"
-        passed=$((passed + 1))
-    else
-        echo "  FAIL $what"
-        failed=$((failed + 1))
-        cat "$dir/error" "$dir/json"
-    fi
-}
+. tests/lib/verdict.sh
 
 # number KEY: of the run's report.
 number() {
@@ -26,9 +13,8 @@ number() {
 mkdir "$dir"
 if ! "$program" compile docs/samples/arm.urdf -o "$dir/arm.dpa" >/dev/null 2>"$dir/error"; then
     if grep -q 'this build reads no URDF' "$dir/error"; then
-        echo "  skip an arm from its URDF: this build has no urdfdom"
-        echo "0 passed, 0 failed, 1 skipped"
-        exit 0
+        skip "an arm from its URDF: this build has no urdfdom"
+        finish
     fi
 fi
 "$program" device simulate "$name" --swing 0.02 --for 100 >"$dir/name" &
@@ -44,6 +30,6 @@ check "the scene is felt through the motors" test "$(number ticks)" = 800
 check "the tool goes down to the desk and comes up" test "$(number contacts)" -gt 50 -a "$(number contacts)" -lt 750
 check "not deeper than the hand goes" awk "BEGIN { exit !($(number deepest) > 0.0005 && $(number deepest) < 0.02) }"
 check "nothing is lost" test "$(number lost)" = 0 -a "$(number losses)" = 0
+[ "$failed" -eq 0 ] || cat "$dir/error" "$dir/json"
 rm -r "$dir"
-echo "$passed passed, $failed failed, 0 skipped"
-[ $failed -eq 0 ]
+finish

@@ -186,6 +186,38 @@ static void listen_in(void)
     }
 }
 
+/* What the peer says of the frames that came, against what was heard on the bus. */
+static void check_what_came(struct peer *peer)
+{
+    static const struct {
+        const char *name;
+        double value;
+    } numbers[] = {
+        { "0.state", 1 },
+        { "1.state", 1 },
+        { "0.error", 0 },
+        { "1.error", 0 },
+        { "0.Set_Controller_Mode.Control_Mode", 1 },
+        { "0.Set_Controller_Mode.Input_Mode", 1 },
+        { "1.Set_Controller_Mode.Control_Mode", 1 },
+        { "0.Set_Axis_State.Axis_Requested_State", 1 },
+        { "0.Set_Input_Torque.Input_Torque", 0 },
+        { "errors", 0 },
+    };
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
+        CHECK(peer_number(peer, numbers[i].name) == numbers[i].value, "%s: %g, not %g",
+              numbers[i].name, peer_number(peer, numbers[i].name), numbers[i].value);
+    /* 0.5 knows no version: that it is asked for one is all that is strange to it. */
+    CHECK(versions > 0 && peer_number(peer, "strangers") == versions, "%g strange frames, not %u",
+          peer_number(peer, "strangers"), versions);
+    CHECK(isnan(peer_number(peer, "1.Set_Axis_Node_ID.count")) &&
+              isnan(peer_number(peer, "1.Set_Axis_Node_ID.requests")),
+          "0.5 was asked for its address, which sets it");
+    CHECK(heard > 50 && peer_number(peer, "0.Set_Input_Torque.count") == heard &&
+              peer_number(peer, "0.Set_Input_Torque.crc") == heard_crc,
+          "%g torques came, %u were sent", peer_number(peer, "0.Set_Input_Torque.count"), heard);
+}
+
 /* An axis of each generation: told apart, switched on, moved by the torques that were meant, and switched off. */
 static void someone_elses_controllers_are_moved(void)
 {
@@ -240,33 +272,7 @@ static void someone_elses_controllers_are_moved(void)
     listen_in();
     close(listener);
     CHECK(peer_stop(&peer) == 0, "no report");
-    static const struct {
-        const char *name;
-        double value;
-    } numbers[] = {
-        { "0.state", 1 },
-        { "1.state", 1 },
-        { "0.error", 0 },
-        { "1.error", 0 },
-        { "0.Set_Controller_Mode.Control_Mode", 1 },
-        { "0.Set_Controller_Mode.Input_Mode", 1 },
-        { "1.Set_Controller_Mode.Control_Mode", 1 },
-        { "0.Set_Axis_State.Axis_Requested_State", 1 },
-        { "0.Set_Input_Torque.Input_Torque", 0 },
-        { "errors", 0 },
-    };
-    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
-        CHECK(peer_number(&peer, numbers[i].name) == numbers[i].value, "%s: %g, not %g",
-              numbers[i].name, peer_number(&peer, numbers[i].name), numbers[i].value);
-    /* 0.5 knows no version: that it is asked for one is all that is strange to it. */
-    CHECK(versions > 0 && peer_number(&peer, "strangers") == versions, "%g strange frames, not %u",
-          peer_number(&peer, "strangers"), versions);
-    CHECK(isnan(peer_number(&peer, "1.Set_Axis_Node_ID.count")) &&
-              isnan(peer_number(&peer, "1.Set_Axis_Node_ID.requests")),
-          "0.5 was asked for its address, which sets it");
-    CHECK(heard > 50 && peer_number(&peer, "0.Set_Input_Torque.count") == heard &&
-              peer_number(&peer, "0.Set_Input_Torque.crc") == heard_crc,
-          "%g torques came, %u were sent", peer_number(&peer, "0.Set_Input_Torque.count"), heard);
+    check_what_came(&peer);
     printf("    %u torques for an axis, all as they were sent\n", heard);
 }
 

@@ -1,21 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
 # The machine itself, for tests/vm/check.sh, from within: sh tests/vm/test_machine.sh BUILD
-build=$1
-passed=0 failed=0
-
-# check WHAT COMMAND...
-check() {
-    what=$1
-    shift
-    if "$@" >/dev/null 2>&1; then
-        echo "  ok   $what"
-        passed=$((passed + 1))
-    else
-        echo "  FAIL $what"
-        failed=$((failed + 1))
-    fi
-}
+. tests/lib/verdict.sh
+build=$1 log=/dev/null
 
 check "the kernel is the one that was fetched" test -d "build/vm/tree/lib/modules/$(uname -r)"
 check "it is one processor" test "$(nproc)" -eq 1
@@ -26,5 +13,4 @@ check "scripts set interfaces down" sh -c 'ip link set vcan0 down && ! ip link s
 check "and up" sh -c 'ip link set vcan0 up && ip link show vcan0 | grep -q ,UP'
 check "and add and remove them" sh -c 'ip link add vcan5 type vcan && ip link del vcan5 && ! test -e /sys/class/net/vcan5'
 check "programs have pseudo-terminals" test -c /dev/ptmx -a -d /dev/pts
-echo "$passed passed, $failed failed, 0 skipped"
-[ $failed -eq 0 ]
+finish

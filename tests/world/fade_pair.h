@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Two worlds that are told the same: one whose pushes fade, and one with a fade of 0, which tells what is true. From
- * the second follows what the first must say, tick by tick.
+ * Two worlds with the same input: one whose pushes fade, and one with a fade of 0, whose wrench is that of the tick
+ * alone. From the second follows what the first must say, tick by tick.
  */
 #ifndef DPT_TESTS_FADE_PAIR_H
 #define DPT_TESTS_FADE_PAIR_H
@@ -18,7 +18,7 @@ struct pair {
     dpt_body body[2][BODIES];
     dpt_tool tool[2];
     double fade, dt;
-    dpt_force_report said, truth; /* of the last step */
+    dpt_force_report reported, truth; /* of the last step */
     dpt_hit hit;
     double left;       /* of the fade, as it must be */
     unsigned begun;    /* fades that began */
@@ -28,28 +28,8 @@ struct pair {
     int was_unknown, was_full;
 };
 
-static inline int pair_open(struct pair *pair, const struct fixture *mesh, const dpt_pose *pose,
-                            const dpt_segment *segments, uint32_t count, const dpt_world_def *like,
-                            double dt)
-{
-    *pair = (struct pair){ .fade = like->fade, .dt = dt };
-    for (int w = 0; w < 2; w++) {
-        dpt_world_def def = *like;
-        def.fade = w == FADES ? like->fade : 0.0;
-        pair->block[w] = malloc(dpt_world_bytes(&def));
-        int made = pair->block[w] &&
-                   dpt_world_create(pair->block[w], dpt_world_bytes(&def), &def, &pair->world[w]) ==
-                       DPT_OK &&
-                   dpt_tool_add(pair->world[w], segments, count, &pair->tool[w]) == DPT_OK;
-        for (int b = 0; b < BODIES && made && mesh; b++)
-            made = (b && !pose) || dpt_body_add(pair->world[w], mesh->mesh, b ? pose : NULL,
-                                                &pair->body[w][b]) == DPT_OK;
-        CHECK(made, "no world");
-        if (!made)
-            return 0;
-    }
-    return 1;
-}
+int pair_open(struct pair *pair, const struct fixture *mesh, const dpt_pose *pose,
+              const dpt_segment *segments, uint32_t count, const dpt_world_def *like, double dt);
 
 static inline void pair_close(struct pair *pair)
 {
@@ -68,100 +48,8 @@ static inline double size_of_force(const dpt_wrench *wrench)
     return sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
 }
 
-/* Is `said` the way's share from `was` to `truth`? */
-static inline int is_on_way(const dpt_wrench *said, const dpt_wrench *was, const dpt_wrench *truth,
-                            double share)
-{
-    for (int k = 0; k < 6; k++) {
-        double from = number_of(was, k), to = number_of(truth, k);
-        double off = fabs(number_of(said, k) - (from + share * (to - from)));
-        if (!(off <= 1e-12 * (fabs(from) + fabs(to))))
-            return 0;
-    }
-    return 1;
-}
-
-/* The body that pushes the tool back through an open sheet: of the deepest contact, if that has a side. */
-static inline dpt_body sided_body(const struct pair *pair, dpt_body of)
-{
-    dpt_contact contact[8];
-    uint32_t count = 0;
-    double least = HUGE_VAL;
-    dpt_body body = 0;
-    contact[0].size = sizeof contact[0];
-    dpt_tool_get_contacts(pair->world[TRUE_ONE], pair->tool[TRUE_ONE], contact, 8, &count);
-    for (uint32_t i = 0; i < count && i < 8; i++)
-        if (contact[i].gap < least && (!of || contact[i].body == of)) {
-            least = contact[i].gap;
-            body = contact[i].flags & DPT_CONTACT_FLAG_SIDED ? contact[i].body : 0;
-        }
-    return body;
-}
-
 /* A tick of both worlds. Of a tool of one segment. */
-static inline void pair_step(struct pair *pair)
-{
-    const dpt_force_report was = pair->said;
-    dpt_hit hit[2] = { DPT_HIT_INIT, DPT_HIT_INIT };
-    dpt_step step = { .size = sizeof step };
-    pair->said.size = pair->truth.size = sizeof pair->said;
-    for (int w = 0; w < 2; w++) {
-        dpt_world_step(pair->world[w], pair->dt, &step);
-        dpt_tool_get_hit(pair->world[w], pair->tool[w], &hit[w]);
-        CHECK(dpt_tool_get_force_report(pair->world[w], pair->tool[w],
-                                        w ? &pair->truth : &pair->said) == DPT_OK,
-              "no force");
-    }
-    dpt_wrench alone;
-    dpt_tool_get_wrench(pair->world[FADES], pair->tool[FADES], &alone);
-    pair->hit = hit[FADES];
-    CHECK(memcmp(&hit[0], &hit[1], sizeof hit[0]) == 0, "hits differ");
-    CHECK(memcmp(&alone, &pair->said.wrench, sizeof alone) == 0, "get_wrench says another");
-    CHECK(pair->said.reason == pair->truth.reason, "reasons %u and %u", pair->said.reason,
-          pair->truth.reason);
-    CHECK(!(pair->truth.flags & DPT_FORCE_FLAG_FADING), "a fade of 0 fades");
-    CHECK(size_of_force(&pair->truth.wrench) == 0.0 || pair->truth.reason == DPT_FORCE_ACTS,
-          "a force by reason %u", pair->truth.reason);
-
-    const int unknown = pair->truth.reason == DPT_FORCE_UNDECIDED;
-    const int fades = (pair->said.flags & DPT_FORCE_FLAG_FADING) != 0;
-    const int must = unknown && !pair->was_unknown && size_of_force(&was.wrench) > 0.0;
-    const int full = (step.flags & DPT_STEP_FLAG_CONTACTS_FULL) != 0;
-    const int may = must || (pair->sided && !sided_body(pair, pair->sided)) ||
-                    (full | pair->was_full); /* not all contacts are told */
-    pair->was_full = full;
-    const double left = pair->left - pair->dt > 1e-9 * pair->dt ? pair->left : pair->dt;
-    const double anew = pair->fade > pair->dt * (1.0 + 1e-9) ? pair->fade : pair->dt;
-    const int goes_on =
-        is_on_way(&pair->said.wrench, &was.wrench, &pair->truth.wrench, pair->dt / left);
-    const int begins =
-        is_on_way(&pair->said.wrench, &was.wrench, &pair->truth.wrench, pair->dt / anew);
-    CHECK(must ? begins : goes_on || (may && begins),
-          "%g N, from %g to %g with %g s left: goes on %d, begins %d, must %d, may %d",
-          size_of_force(&pair->said.wrench), size_of_force(&was.wrench),
-          size_of_force(&pair->truth.wrench), pair->left, goes_on, begins, must, may);
-    const int begun = must || (may && begins && !goes_on);
-    pair->left = begun ? anew - pair->dt : left - pair->dt;
-    pair->left = pair->left > 1e-9 * pair->dt ? pair->left : 0.0;
-    CHECK(fades == (pair->left > 0.0) || (may && !begun && fades), "flag %d, %g s left", fades,
-          pair->left);
-    if (fades && !(pair->left > 0.0)) /* it began, but both ways were the same */
-        pair->left = anew - pair->dt;
-    CHECK(fades || memcmp(&pair->said.wrench, &pair->truth.wrench, sizeof alone) == 0,
-          "no fade, but %g N for %g", size_of_force(&pair->said.wrench),
-          size_of_force(&pair->truth.wrench));
-    CHECK(size_of_force(&pair->said.wrench) <=
-              (1.0 + 1e-12) * fmax(size_of_force(&was.wrench), size_of_force(&pair->truth.wrench)),
-          "more than was felt, and is true");
-    pair->begun += (unsigned)begun;
-    pair->ticks += (unsigned)fades;
-    pair->taken_up += fades && pair->was_unknown && !unknown;
-    if (size_of_force(&pair->truth.wrench) > 0.0)
-        pair->sided = sided_body(pair, 0);
-    else if (unknown)
-        pair->sided = 0;
-    pair->was_unknown = unknown;
-}
+void pair_step(struct pair *pair);
 
 static inline void pair_pose(struct pair *pair, const dpt_pose *pose)
 {
@@ -169,30 +57,9 @@ static inline void pair_pose(struct pair *pair, const dpt_pose *pose)
         dpt_tool_set_pose(pair->world[w], pair->tool[w], pose);
 }
 
-static inline dpt_pose place(double x, double y, double z)
-{
-    dpt_pose pose = DPT_POSE_IDENTITY;
-    pose.position[0] = x;
-    pose.position[1] = y;
-    pose.position[2] = z;
-    return pose;
-}
+dpt_pose pose_at(double x, double y, double z);
 
 /* To another place in ticks of half a millimetre. */
-static inline void pair_go(struct pair *pair, const dpt_pose *from, const dpt_pose *to)
-{
-    double way = 0.0;
-    for (int k = 0; k < 3; k++)
-        way += fabs(to->position[k] - from->position[k]);
-    const int ticks = 1 + (int)(way / 5e-4);
-    for (int t = 1; t <= ticks; t++) {
-        dpt_pose pose = *to;
-        for (int k = 0; k < 3; k++)
-            pose.position[k] =
-                from->position[k] + (to->position[k] - from->position[k]) * t / ticks;
-        pair_pose(pair, &pose);
-        pair_step(pair);
-    }
-}
+void pair_go(struct pair *pair, const dpt_pose *from, const dpt_pose *to);
 
 #endif

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * A tool that rides from tick to tick: each tick's sweep, gap, force and regions against the truth, and against what is
- * known of its side.
+ * A tool that is moved from tick to tick over a sheet. Each tick's sweep, gap, force and contacts are held against the
+ * truth (sheet_truth.h) and against what is known of the tool's side. Where the truth is in doubt, the tick is counted
+ * and not judged.
  */
 #ifndef DPT_TESTS_SHEET_RIDE_H
 #define DPT_TESTS_SHEET_RIDE_H
@@ -16,414 +17,49 @@ struct sums {
 };
 
 /*
- * What is known of the axis since it was teleported. CLEAN: it has not gone through the sheet. SIDED: it has, coming
- * from `side`. LOST: the side is to be forgotten this tick. DOUBT: the truth cannot tell.
+ * What is known of the axis since it was teleported. UNCROSSED: it has not gone through the sheet. CROSSED: it has,
+ * coming from `side`. SIDE_LOST: the side is to be forgotten this tick. SIDE_UNKNOWN: the truth cannot tell.
  */
-enum { CLEAN, SIDED, LOST, DOUBT };
+enum { UNCROSSED, CROSSED, SIDE_LOST, SIDE_UNKNOWN };
 
+/* One such tool, and its last tick. */
 struct ride {
     struct scene *scene;
     struct sums *sums;
-    struct state was;
-    double was_distance, was_error, told; /* by the library */
-    int knows;
+    struct state previous;
+    double previous_distance, previous_error, reported_distance; /* by the library */
+    int knowledge;
     int side; /* in front, as the mesh is wound: +1 */
     int started;
 };
 
-static inline void normal_of(const double c[9], double n[3])
-{
-    double e[3], f[3];
-    go(e, c + 3, -1.0, c);
-    go(f, c + 6, -1.0, c);
-    cross3(n, e, f);
-    unit3(n);
-}
+/* The unit normal of a triangle. */
+void normal_of(const double c[9], double n[3]);
 
 /*
  * How far in front of its nearest point a point is, and whether that is on the border. Of the triangles that have the
  * nearest point the one decides that faces the point most; n is its normal.
  */
-static inline double height_of(const struct sheet *sheet, const double x[3], double n[3],
-                               int *border)
-{
-    struct ends3 point;
-    double q[3] = { 0.0, 0.0, 0.0 }, off[3], most = -1.0, height = 0.0;
-    memcpy(point.end[0], x, sizeof point.end[0]);
-    memcpy(point.end[1], x, sizeof point.end[1]);
-    struct close close = closest_of_all(sheet, &point);
-    uint32_t count = near_axis(sheet, &point, close.distance), edgy = 0;
-    for (uint32_t i = 0; i < count; i++) {
-        const double *c = sheet->corners + 9 * (size_t)sheet->near[i];
-        double here[3], of[3];
-        if (to_triangle(&point, c, NULL, here) > close.distance + 1e-12 * sheet->diagonal)
-            continue;
-        edgy |= sheet->edgy[sheet->near[i]];
-        normal_of(c, of);
-        go(off, x, -1.0, here);
-        if (fabs(dot3(off, of)) <= most)
-            continue;
-        most = fabs(dot3(off, of));
-        height = dot3(off, of) < 0.0 ? -close.distance : close.distance;
-        memcpy(n, of, sizeof of);
-        memcpy(q, here, sizeof q);
-    }
-    memcpy(point.end[0], q, sizeof q);
-    memcpy(point.end[1], q, sizeof q);
-    *border = edgy && border_distance(sheet, &point) < 1e-8 * sheet->diagonal;
-    return height;
-}
+double height_of(const struct sheet *sheet, const double x[3], double n[3], int *border);
 
-/* Told: near a touch, at a triangle and a point that are there, from the side that it came from. */
-static inline void check_hit(struct ride *ride, const struct state *now, const dpt_sweep *sweep,
-                             double radius)
-{
-    const struct sheet *sheet = ride->scene->sheet;
-    struct ends3 at = ends_between(&ride->was, now, sweep->time);
-    double *c = NULL, q[3], x[3], tolerance = 1.0001e-6 * sheet->diagonal;
-    for (uint32_t t = 0; t < sheet->count && !c; t++)
-        if (sheet->numbers[t] == sweep->triangle)
-            c = sheet->corners + 9 * (size_t)t;
-    CHECK(c != NULL, "%s: triangle %u", sheet->name, sweep->triangle);
-    if (!c)
-        return;
-    /* Ten halvings of a turn are the most: docs/algorithms/swept_motion.md. */
-    double turn =
-        (pose_angle(&ride->was.tool, &now->tool) + pose_angle(&ride->was.body, &now->body)) /
-        1024.0;
-    double speed = most_speed(&ride->was, now) / 1024.0;
-    tolerance += turn > 0.0 ? 2.0 * turn * speed / 8.0 : 0.0;
-    double off = to_triangle(&at, c, NULL, NULL) - radius;
-    ride->sums->worst_off = fmax(ride->sums->worst_off, off / tolerance);
-    CHECK(off <= tolerance, "%s: %.3g from a touch at %.17g%s", sheet->name, off, sweep->time,
-          text_of(&ride->was, now));
-    pose_undo(q, &now->body, sweep->q);
-    double twice[6] = { q[0], q[1], q[2], q[0], q[1], q[2] };
-    double size = length3(q) + sheet->diagonal + length3(now->body.position);
-    CHECK(dpt_segment_triangle(twice, c, NULL, NULL, NULL) <= 1e-12 * size, "%s: q is not on it",
-          sheet->name);
-    point_at(x, &at, sweep->s);
-    CHECK(apart(x, q) <= radius + tolerance, "%s: s is %g off%s", sheet->name, apart(x, q) - radius,
-          text_of(&ride->was, now));
-    CHECK(fabs(length3(sweep->normal) - 1.0) < 1e-9, "%s: normal", sheet->name);
-    if (!sheet->info.open_edges || sheet->info.solid_components || sheet->info.nonmanifold_edges ||
-        sheet->info.wrong_way_edges)
-        return; /* no sides */
-    double n[3], m[3];
-    int border;
-    at = ends_between(&ride->was, now, 0.0);
-    point_at(x, &at, sweep->s);
-    double height = height_of(sheet, x, n, &border);
-    at = ends_between(&ride->was, now, fmax(0.0, sweep->time - 1e-3));
-    point_at(x, &at, sweep->s);
-    double short_before = height_of(sheet, x, n, &border);
-    normal_of(c, n);
-    quat_turn(m, now->body.orientation, 0, n);
-    double side = dot3(sweep->normal, m);
-    if (height * short_before > 0.0 && fabs(short_before) > 2.0 * tolerance && !border)
-        CHECK(side * short_before > 0.0, "%s: normal %g, height before %g, %g%s", sheet->name, side,
-              height, short_before, text_of(&ride->was, now));
-}
-
-/* The motion of this tick; the axis' own truth. */
-static inline struct truth check_sweep(struct ride *ride, const struct state *now,
-                                       const dpt_sweep *sweep, double planned)
-{
-    struct sums *sums = ride->sums;
-    const struct sheet *sheet = ride->scene->sheet;
-    double radius = now->radius, small = 1e-8 * sheet->diagonal;
-    struct truth none = { .met = TRUTH_UNDECIDED };
-    if (ride->started && ride->was_distance > 0.0 && ride->was_distance <= ride->was_error)
-        return none; /* whether it went through already is a matter of rounding */
-    if (!ride->started || ride->was_distance == 0.0) {
-        CHECK(sweep->status == DPT_SWEEP_NONE, "%s: sweep %u of no motion", sheet->name,
-              sweep->status);
-        return none;
-    }
-    sums->swept++;
-    CHECK(sweep->status == DPT_SWEEP_FREE || sweep->status == DPT_SWEEP_HIT, "%s: sweep %u%s",
-          sheet->name, sweep->status, text_of(&ride->was, now));
-    int hit = sweep->status == DPT_SWEEP_HIT;
-    if (planned >= 0.0) {
-        sums->planned++;
-        CHECK(hit && sweep->time <= planned + 1e-9,
-              "%s: planned at %.17g, sweep %u at %.17g, distance %g%s", sheet->name, planned,
-              sweep->status, sweep->time, ride->was_distance, text_of(&ride->was, now));
-    }
-    if (fabs(ride->was_distance - radius) <= small && radius > 0.0)
-        return truth_of(sheet, &ride->was, now, 0.0); /* in contact before? A matter of rounding */
-    double swept = ride->was_distance > radius ? radius : 0.0;
-    struct truth truth = truth_of(sheet, &ride->was, now, swept), axis = truth;
-    if (swept > 0.0 && truth.met != TRUTH_CLEAR)
-        axis = truth_of(sheet, &ride->was, now, 0.0);
-    sums->met += truth.met == TRUTH_MET;
-    sums->clear += truth.met == TRUTH_CLEAR;
-    sums->near += truth.met == TRUTH_NEAR;
-    sums->undecided += truth.met == TRUTH_UNDECIDED;
-    if (truth.met == TRUTH_MET) {
-        CHECK(hit && sweep->time <= truth.by + 1e-9, "%s: met by %.17g, sweep %u at %.17g%s",
-              sheet->name, truth.by, sweep->status, sweep->time, text_of(&ride->was, now));
-        sums->worst_late = fmax(sums->worst_late, sweep->time - truth.by);
-    }
-    if (hit)
-        check_hit(ride, now, sweep, swept);
-    else
-        CHECK(sweep->time == 1.0 && sweep->triangle == DPT_NONE, "%s: free, %g", sheet->name,
-              sweep->time);
-    return axis;
-}
-
-/*
- * The least height of the axis over the sheet, counted from `side`, what is over the border being in front. Of the flat
- * square it is at the ends of what is over the square; else sampled, with what may lie between.
- */
-struct depth {
-    double least, spread;
-    int sure;
-    double s;
-    double out[3]; /* towards the side */
-};
-
-static inline struct depth flat_depth(const struct sheet *sheet, const struct ends3 *at, int side)
-{
-    double from = 0.0, to = 1.0;
-    for (int k = 0; k < 2; k++) {
-        double a = at->end[0][k], u = at->end[1][k] - a;
-        double s0 = (-sheet->flat - a) / u, s1 = (sheet->flat - a) / u;
-        if (fabs(u) > 0.0) {
-            from = fmax(from, fmin(s0, s1));
-            to = fmin(to, fmax(s0, s1));
-        } else if (fabs(a) > sheet->flat) {
-            to = -1.0;
-        }
-    }
-    struct depth depth = { .least = HUGE_VAL, .sure = 1, .out = { 0.0, 0.0, side } };
-    for (int e = 0; e < 2 && from <= to; e++) {
-        double x[3], s = e ? to : from;
-        point_at(x, at, s);
-        if (side * x[2] >= depth.least)
-            continue;
-        depth.least = side * x[2];
-        depth.s = s;
-        depth.sure =
-            (s == 0.0 || s == 1.0) && fmax(fabs(x[0]), fabs(x[1])) < sheet->flat * (1.0 - 1e-6);
-    }
-    depth.sure |= depth.least >= 0.0;
-    return depth;
-}
-
-enum { SAMPLES = 9, SAMPLES_FINE = 129 };
-
-static inline struct depth sampled_depth(const struct sheet *sheet, const struct ends3 *at,
-                                         int side, int samples)
-{
-    struct depth depth = { .least = HUGE_VAL, .sure = 1 };
-    int borders[SAMPLES_FINE], least = 0;
-    depth.spread = apart(at->end[0], at->end[1]) / (samples - 1);
-    for (int i = 0; i < samples; i++) {
-        double x[3], n[3], s = (double)i / (samples - 1);
-        point_at(x, at, s);
-        double height = side * height_of(sheet, x, n, &borders[i]);
-        height = borders[i] ? fabs(height) : height;
-        if (height < depth.least) {
-            depth.least = height;
-            depth.s = s;
-            least = i;
-            for (int k = 0; k < 3; k++)
-                depth.out[k] = side * n[k];
-        }
-    }
-    for (int i = least - 1; i <= least + 1; i++)
-        depth.sure &= i < 0 || i >= samples || !borders[i];
-    return depth;
-}
-
-static inline struct depth depth_of(const struct sheet *sheet, const struct ends3 *at, int side)
-{
-    return sheet->flat > 0.0 ? flat_depth(sheet, at, side)
-                             : sampled_depth(sheet, at, side, SAMPLES);
-}
+/* Check the sweep of this tick; returns what the axis itself, without its radius, truly met. */
+struct truth check_sweep(struct ride *ride, const struct state *now, const dpt_sweep *sweep,
+                         double planned);
 
 /* Which side the axis came from, where it first goes through; 0 where it was on both, or that is not clear. */
-static inline int side_of(const struct ride *ride, const struct state *now,
-                          const struct truth *axis)
-{
-    const struct sheet *sheet = ride->scene->sheet;
-    struct ends3 at = ends_between(&ride->was, now, axis->clear);
-    double x[3], n[3];
-    int border;
-    /* A touch on the border tells no side, and a touch may be told that is as near as the tolerance. */
-    double tolerance = 1e-6 * sheet->diagonal;
-    struct truth early = truth_of(sheet, &ride->was, now, fmin(tolerance, ride->was_distance));
-    struct ends3 then = ends_between(&ride->was, now, early.clear);
-    if (!axis->sure || border_distance(sheet, &at) < 3.0 * tolerance ||
-        border_distance(sheet, &then) < 3.0 * tolerance)
-        return 0;
-    point_at(x, &at, axis->s);
-    double height = height_of(sheet, x, n, &border);
-    if (border || fabs(height) > 1e-5 * sheet->diagonal || height == 0.0 ||
-        sheet->info.components > 1)
-        return 0;
-    at = ends_between(&ride->was, now, 0.0);
-    struct depth depth = depth_of(sheet, &at, height < 0.0 ? -1 : 1);
-    return depth.least < -1e-6 * sheet->diagonal ? 0 : height < 0.0 ? -1 : 1;
-}
+int side_of(const struct ride *ride, const struct state *now, const struct truth *axis);
 
 /* Gap, force and regions against what is known. */
-static inline void check_contact(struct ride *ride, const struct state *now,
-                                 const struct said *said, const struct close *close)
-{
-    const struct scene *scene = ride->scene;
-    const struct sheet *sheet = scene->sheet;
-    const dpt_hit *hit = &said->hit;
-    struct sums *sums = ride->sums;
-    double radius = now->radius, small = 2e-9 * sheet->diagonal + 1e-12 * length3(hit->p);
-    sums->unknown += hit->contact == DPT_CONTACT_UNKNOWN;
-    if (ride->knows == LOST || ride->knows == DOUBT) {
-        sums->doubtful++;
-        return;
-    }
-    if (ride->knows == CLEAN) {
-        if (close->distance == 0.0)
-            return;
-        sums->clean++;
-        CHECK(hit->contact != DPT_CONTACT_UNKNOWN && hit->gap >= close->distance - radius - small &&
-                  hit->gap <= close->distance - radius + small,
-              "%s: did not cross, contact %u, gap %g, distance %g, radius %g, sweep %u%s",
-              sheet->name, hit->contact, hit->gap, close->distance, radius, said->sweep.status,
-              text_of(&ride->was, now));
-        return;
-    }
-    struct ends3 at = ends_between(now, now, 0.0);
-    struct depth depth = depth_of(sheet, &at, ride->side);
-    double least = fmin(depth.least, HUGE_VAL), tolerance = 1e-5 * sheet->diagonal + small;
-    sums->sided++;
-    if (!depth.sure) {
-        ride->knows = DOUBT;
-        sums->lost++;
-        return;
-    }
-    if (radius - least > 0.99 * side_limit(scene) - depth.spread) {
-        ride->knows = radius - least > 1.01 * side_limit(scene) + depth.spread ? LOST : DOUBT;
-        sums->lost++;
-        return;
-    }
-    if (least > depth.spread + tolerance && close->distance > 0.0) {
-        sums->turned_back++;
-        CHECK(fabs(hit->gap - (close->distance - radius)) <= small,
-              "%s: back in front, gap %g, distance %g, radius %g, sweep %u, side %d%s", sheet->name,
-              hit->gap, close->distance, radius, said->sweep.status, ride->side,
-              text_of(&ride->was, now));
-        ride->knows = CLEAN;
-        return;
-    }
-    if (least > -depth.spread - tolerance) {
-        /*
-         * In front, if by little, or beyond the border: what lies between two samples and is behind without a crossing would
-         * have a border on either side.
-         */
-        if (least > -depth.spread && depth.spread > 0.0)
-            least = sampled_depth(sheet, &at, ride->side, SAMPLES_FINE).least;
-        if (least > 0.0 && close->distance > 0.0)
-            ride->knows = CLEAN;
-        return;
-    }
-    sums->behind++;
-    double off = fmax(hit->gap - (least - radius), least - depth.spread - radius - hit->gap);
-    CHECK(hit->contact == DPT_CONTACT_PENETRATING && off <= tolerance,
-          "%s: behind by %g, radius %g, contact %u, gap %g, sweep %u, %g before, side %d%s",
-          sheet->name, -least, radius, hit->contact, hit->gap, said->sweep.status,
-          ride->was_distance, ride->side, text_of(&ride->was, now));
-    sums->worst_gap = fmax(sums->worst_gap, off / tolerance);
-    double out[3], force = length3(said->wrench.force);
-    const double stiffness = scene->def.stiffness, whole = stiffness * hit->depth;
-    quat_turn(out, now->body.orientation, 0, depth.out);
-    double cosine = force > 0.0 ? dot3(out, said->wrench.force) / force : 1.0;
-    /* So far a border takes nothing from any point's depth. */
-    const int away = border_distance(sheet, &at) > 2.0 * -least + 1.25 * radius + tolerance;
-    /* Where it is curved, the deepest sample and the deepest point may differ; near a border the push is at another point. */
-    double least_cosine = sheet->flat > 0.0 ? 0.999999 : depth.spread == 0.0 && away ? 0.5 : -1.1;
-    sums->away += (unsigned long)away;
-    CHECK(cosine > least_cosine, "%s: force %g, cosine %g%s", sheet->name, force, cosine,
-          text_of(&ride->was, now));
-    CHECK(away ? fabs(force - whole) <= 1e-9 * force : force <= whole + stiffness * 2.0 * tolerance,
-          "%s: force %g, depth %g, away %d%s", sheet->name, force, hit->depth, away,
-          text_of(&ride->was, now));
-    for (uint32_t i = 0; i < said->contacts && i < COUNT(said->contact) && sheet->flat > 0.0; i++) {
-        const dpt_contact *c = &said->contact[i];
-        double q[3];
-        pose_undo(q, &now->body, c->q);
-        int inner = fmax(fabs(q[0]), fabs(q[1])) < sheet->flat * (1.0 - 1e-6);
-        CHECK(!inner || c->gap > -radius || dot3(out, c->normal) > 0.999999, "%s: normal %g%s",
-              sheet->name, dot3(out, c->normal), text_of(&ride->was, now));
-    }
-}
+void check_contact(struct ride *ride, const struct state *now, const struct tick_answer *answer,
+                   const struct close *close);
 
 /*
  * An axis that meets the sheet at s is on different sides of it before and after, or ends there. On a border one that
  * stays on its side is no crossing either.
  */
-static inline int goes_through(const struct sheet *sheet, const struct ends3 *at, double s)
-{
-    double length = apart(at->end[0], at->end[1]), by = 1e-5 * sheet->diagonal;
-    double height[2];
-    for (int k = 0; k < 2; k++) {
-        double x[3], n[3], beside = s + (k ? by : -by) / length;
-        int border;
-        if (!(beside >= 0.0 && beside <= 1.0))
-            return 1;
-        point_at(x, at, beside);
-        height[k] = height_of(sheet, x, n, &border);
-    }
-    return height[0] * height[1] <= 0.0;
-}
+int goes_through(const struct sheet *sheet, const struct ends3 *at, double s);
 
-/* One tick, and all that must be true of it. `planned`: of a crossing, or -1. Returns the contact. */
-static inline uint32_t ride_tick(struct ride *ride, const struct state *now, int teleport,
-                                 double planned)
-{
-    struct said said;
-    struct scene *scene = ride->scene;
-    const struct sheet *sheet = scene->sheet;
-    place(scene, now, teleport);
-    tick(scene, &said);
-    ride->sums->ticks++;
-    ride->started &= !teleport;
-    if (!ride->started)
-        ride->was = *now;
-    struct ends3 at = ends_between(now, now, 0.0);
-    struct close close = closest_of_all(sheet, &at);
-    CHECK(said.hit.status == DPT_STATUS_EXACT &&
-              fabs(said.hit.distance - close.distance) <= said.hit.error_bound + 1e-15,
-          "%s: distance %.17g, not %.17g", sheet->name, said.hit.distance, close.distance);
-    struct truth axis = check_sweep(ride, now, &said.sweep, planned);
-    if (ride->knows == LOST)
-        ride->knows = close.distance > 0.0 ? CLEAN : DOUBT;
-    if (!ride->started)
-        ride->knows = close.distance > 0.0 ? CLEAN : DOUBT;
-    else if (ride->was_distance == 0.0)
-        ride->knows = ride->knows == CLEAN ? DOUBT : ride->knows;
-    else if (axis.met == TRUTH_NEAR || axis.met == TRUTH_UNDECIDED)
-        ride->knows = DOUBT;
-    else if (axis.met == TRUTH_MET && ride->knows == CLEAN) {
-        ride->side = side_of(ride, now, &axis);
-        ride->knows = ride->side ? SIDED : DOUBT;
-    }
-    if (!ride->started && close.distance == 0.0 && goes_through(sheet, &at, close.s))
-        CHECK(said.hit.distance > 0.0 || said.hit.contact == DPT_CONTACT_UNKNOWN ||
-                  !sheet->info.open_edges,
-              "%s: contact %u of a first tick that crosses", sheet->name, said.hit.contact);
-    struct ends3 touch = ends_between(&ride->was, now, said.sweep.time);
-    if (ride->knows == CLEAN && said.sweep.status == DPT_SWEEP_HIT &&
-        border_distance(sheet, &touch) < 3e-6 * sheet->diagonal)
-        ride->knows = DOUBT; /* told within the tolerance of the border: past it, or through */
-    check_contact(ride, now, &said, &close);
-    ride->was = *now;
-    ride->was_distance = close.distance;
-    ride->was_error = said.hit.error_bound;
-    ride->told = said.hit.distance;
-    ride->started = 1;
-    return said.hit.contact;
-}
+/* One tick and all checks of it. `planned`: the time of a crossing that must be found, or -1. Returns the contact. */
+uint32_t ride_tick(struct ride *ride, const struct state *now, int teleport, double planned);
 
 #endif

@@ -493,8 +493,8 @@ static void far_bodies_cost_nothing(void)
 }
 
 /*
- * A line that crosses a body all the way has no need of a list; into a second body, of a margin of 0, it slides out of the
- * list that it once had. The gap is the least over both.
+ * A line that crosses a body all the way has no need of a list; into a second body, of a margin of 0, it slides out of
+ * the list that it once had. The gap is the least over both.
  */
 static void a_line_without_a_margin_meets_them_all(void)
 {

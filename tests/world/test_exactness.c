@@ -1,16 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The exactness of the tree on real meshes under real motion: every public mesh (DPT_DATA) and the
- * shapes of dynpoint make, 2,000 ticks each, recorded and slid and random, every answer held
- * against a brute force that shares nothing with the library. Inside and outside against winding
- * numbers.
+ * The exactness of the tree on real meshes under real motion: every public mesh (DPT_DATA) and the shapes of dynpoint
+ * make, 2,000 ticks each, recorded and slid and random. The oracle is a brute force that shares nothing with the
+ * library; of inside and outside, winding numbers. Whether the recorded motions are like those of other tools it cannot
+ * judge.
  *
- *     test_exactness              what make check runs
+ *     test_exactness [PER CENT]   of the ticks
  *     test_exactness soak [NAME]  every tick of every recording on every mesh, half an hour
  *
  * Runs the program dynpoint, which lies one folder above the test.
  */
-#include <dirent.h>
 #include <math.h>
 #include <unistd.h>
 
@@ -19,6 +18,7 @@
 #include "dynpoint/query.h"
 #include "dynpoint/world.h"
 #include "lib/check.h"
+#include "lib/public_meshes.h"
 #include "oracle/brute.h"
 #include "shape.h"
 
@@ -176,7 +176,7 @@ static void compare_with_file(const struct subject *subject, const char *path, d
     fclose(file);
 }
 
-struct asked {
+struct question {
     const struct subject *subject;
     const char *by;
     size_t tick;
@@ -184,69 +184,71 @@ struct asked {
 };
 
 /* What it takes to see it again. */
-static const char *text_of(const struct asked *asked, const dpt_hit *hit)
+static const char *text_of(const struct question *question, const dpt_hit *hit)
 {
     static char text[512];
-    const double *e = asked->ends;
+    const double *e = question->ends;
     snprintf(text, sizeof text, "%s, %s, tick %zu: %a %a %a  %a %a %a: %.17g to triangle %u",
-             asked->subject->name, asked->by, asked->tick, e[0], e[1], e[2], e[3], e[4], e[5],
-             hit->distance, hit->triangle);
+             question->subject->name, question->by, question->tick, e[0], e[1], e[2], e[3], e[4],
+             e[5], hit->distance, hit->triangle);
     return text;
 }
 
-static double reach_of(const struct asked *asked)
+static double reach_of(const struct question *question)
 {
-    double reach = asked->subject->extent;
+    double reach = question->subject->extent;
     for (int k = 0; k < 6; k++)
-        reach = fmax(reach, fabs(asked->ends[k]));
+        reach = fmax(reach, fabs(question->ends[k]));
     return reach;
 }
 
 /* What an answer owes whatever the truth is. */
-static void check_form(const struct asked *asked, const dpt_hit *hit)
+static void check_form(const struct question *question, const dpt_hit *hit)
 {
-    const double reach = reach_of(asked);
+    const double reach = reach_of(question);
     /* A NaN or an infinity stays in a sum. */
     const double sum = hit->distance + hit->gap + hit->depth + hit->s + hit->error_bound +
                        hit->lower_bound + hit->p[0] + hit->p[1] + hit->p[2] + hit->q[0] +
                        hit->q[1] + hit->q[2];
-    CHECK(isfinite(sum), "%g %s", sum, text_of(asked, hit));
-    CHECK(hit->status == DPT_STATUS_EXACT, "%u %s", hit->status, text_of(asked, hit));
-    CHECK(hit->s >= 0 && hit->s <= 1, "%g %s", hit->s, text_of(asked, hit));
+    CHECK(isfinite(sum), "%g %s", sum, text_of(question, hit));
+    CHECK(hit->status == DPT_STATUS_EXACT, "%u %s", hit->status, text_of(question, hit));
+    CHECK(hit->s >= 0 && hit->s <= 1, "%g %s", hit->s, text_of(question, hit));
     double square = 0;
     for (int k = 0; k < 3; k++) {
         square += (hit->p[k] - hit->q[k]) * (hit->p[k] - hit->q[k]);
-        const double p = asked->ends[k] + hit->s * (asked->ends[3 + k] - asked->ends[k]);
-        CHECK(fabs(hit->p[k] - p) <= 1e-12 * reach, "p %s", text_of(asked, hit));
+        const double p = question->ends[k] + hit->s * (question->ends[3 + k] - question->ends[k]);
+        CHECK(fabs(hit->p[k] - p) <= 1e-12 * reach, "p %s", text_of(question, hit));
     }
     const double apart = sqrt(square);
-    CHECK(fabs(apart - hit->distance) <= hit->error_bound, "%.17g %s", apart, text_of(asked, hit));
-    CHECK(hit->error_bound > 0 && hit->error_bound <= 1e-9 * asked->subject->diagonal, "%g %s",
-          hit->error_bound, text_of(asked, hit));
+    CHECK(fabs(apart - hit->distance) <= hit->error_bound, "%.17g %s", apart,
+          text_of(question, hit));
+    CHECK(hit->error_bound > 0 && hit->error_bound <= 1e-9 * question->subject->diagonal, "%g %s",
+          hit->error_bound, text_of(question, hit));
     const int crosses = (hit->flags & DPT_HIT_FLAG_CROSSING) != 0;
-    CHECK(crosses == (hit->distance == 0), "flags %s", text_of(asked, hit));
-    CHECK(!crosses || memcmp(hit->p, hit->q, sizeof hit->p) == 0, "p, q %s", text_of(asked, hit));
+    CHECK(crosses == (hit->distance == 0), "flags %s", text_of(question, hit));
+    CHECK(!crosses || memcmp(hit->p, hit->q, sizeof hit->p) == 0, "p, q %s",
+          text_of(question, hit));
     /* How deep an axis inside is, is for test_depth; here, that it is as deep as its nearest point at least. */
     CHECK(crosses || ((hit->flags & DPT_HIT_FLAG_GAP) &&
                       (hit->gap == hit->distance || hit->gap <= hit->error_bound - hit->distance)),
-          "gap %s", text_of(asked, hit));
+          "gap %s", text_of(question, hit));
     CHECK(!(hit->flags & DPT_HIT_FLAG_GAP) || hit->depth == fmax(0, -hit->gap), "depth %s",
-          text_of(asked, hit));
+          text_of(question, hit));
 }
 
 /* Against the truth; returns how wrong it is. */
-static double check_truth(const struct asked *asked, const dpt_hit *hit, double truth)
+static double check_truth(const struct question *question, const dpt_hit *hit, double truth)
 {
-    const struct subject *subject = asked->subject;
+    const struct subject *subject = question->subject;
     /* The oracle's own error; of 1e-14, which brute.h grants it, a tenth on these meshes. */
-    const double doubt = 1e-15 * reach_of(asked);
+    const double doubt = 1e-15 * reach_of(question);
     const double error = fabs(hit->distance - truth);
     CHECK(error <= 1e-9 * subject->diagonal && error <= hit->error_bound + doubt, "%.17g not %s",
-          truth, text_of(asked, hit));
-    CHECK(hit->lower_bound <= truth + doubt, "%.17g not %s", truth, text_of(asked, hit));
+          truth, text_of(question, hit));
+    CHECK(hit->lower_bound <= truth + doubt, "%.17g not %s", truth, text_of(question, hit));
     const double q[6] = { hit->q[0], hit->q[1], hit->q[2], hit->q[0], hit->q[1], hit->q[2] };
     const double off = oracle_brute_triangle(subject->oracle, hit->triangle, q);
-    CHECK(off <= 1e-9 * subject->diagonal, "q is %g off %s", off, text_of(asked, hit));
+    CHECK(off <= 1e-9 * subject->diagonal, "q is %g off %s", off, text_of(question, hit));
     return error;
 }
 
@@ -290,13 +292,13 @@ static void check_signs(const struct subject *subject, const struct motion *moti
         const size_t step = free_ticks > most ? free_ticks / most : 1;
         if (seen++ % step)
             continue;
-        const struct asked asked = { subject, "sign", i, motion->ends[i] };
+        const struct question question = { subject, "sign", i, motion->ends[i] };
         const double winding = winding_number(subject, hits[i].p);
         const int inside = fabs(winding) > 0.5;
         CHECK(fabs(fabs(winding) - inside) < 1e-6, "winding %g %s", winding,
-              text_of(&asked, &hits[i]));
+              text_of(&question, &hits[i]));
         CHECK((hits[i].gap < 0) == inside, "winding %g, gap %g %s", winding, hits[i].gap,
-              text_of(&asked, &hits[i]));
+              text_of(&question, &hits[i]));
         tally->inside += (size_t)inside;
         tally->outside += (size_t)!inside;
     }
@@ -311,15 +313,18 @@ static struct motion motion_of(const struct subject *subject, uint64_t seed)
     struct motion motion = { .count = 0 };
     /* Two places, as a hand stays for long where it is. */
     for (uint64_t i = 0; i < (soaking ? 1 : 2); i++) {
-        const int slid = motion_slide(&motion, dynpoint, scratch, subject->compiled.bytes,
-                                      subject->compiled.size, seed + i, soaking ? 20000 : 350);
+        const int slid =
+            motion_slide(&motion, dynpoint, scratch, subject->compiled.bytes,
+                         subject->compiled.size, seed + i, soaking ? 20000 : part_of(350));
         CHECK(slid == 0, "%s: no slide; is there a program %s?", subject->name, dynpoint);
     }
     for (int i = 0; i < MOTION_RECORDINGS && data; i++)
         for (size_t done = 0; done < (soaking ? 1 : shares[i]); done += 100)
             motion_recorded(&motion, &recordings[i], &subject->place, seed + done,
                             soaking ? 0 : 100);
-    motion_random(&motion, &subject->place, seed, soaking ? 5000 : 2000 - motion.count);
+    if (soaking || motion.count < part_of(2000))
+        motion_random(&motion, &subject->place, seed,
+                      soaking ? 5000 : part_of(2000) - motion.count);
     return motion;
 }
 
@@ -357,14 +362,14 @@ static void world_tick(dpt_world *world, dpt_tool tool, const struct motion *mot
 }
 
 /* A segment's answer has nothing to do with its neighbours; only the work may be less. */
-static void check_alone(const struct asked *asked, const dpt_hit *batch)
+static void check_alone(const struct question *question, const dpt_hit *batch)
 {
     const dpt_query_def tree = { .size = sizeof tree, .method = DPT_METHOD_TREE };
     dpt_hit alone = DPT_HIT_INIT;
-    dpt_query_segments(asked->subject->mesh, NULL, asked->ends, NULL, 1, &alone, &tree);
+    dpt_query_segments(question->subject->mesh, NULL, question->ends, NULL, 1, &alone, &tree);
     alone.work = batch->work;
     CHECK(memcmp(&alone, batch, sizeof alone) == 0, "%.17g %u alone: %s", alone.distance,
-          alone.triangle, text_of(asked, batch));
+          alone.triangle, text_of(question, batch));
 }
 
 static void run(const struct subject *subject, const struct motion *motion, dpt_hit *hits,
@@ -380,8 +385,8 @@ static void run(const struct subject *subject, const struct motion *motion, dpt_
     CHECK(result == DPT_OK, "%s: %s", subject->name, dpt_result_text(result));
     world_open(&block, &world, &tool, subject);
     for (size_t i = 0; i < motion->count; i++) {
-        const struct asked stateless = { subject, "stateless", i, motion->ends[i] };
-        const struct asked moved = { subject, "world", i, motion->ends[i] };
+        const struct question stateless = { subject, "stateless", i, motion->ends[i] };
+        const struct question moved = { subject, "world", i, motion->ends[i] };
         dpt_hit hit;
         world_tick(world, tool, motion, i, &hit);
         check_form(&stateless, &hits[i]);
@@ -425,7 +430,7 @@ static void try_motions(const struct subject *subject)
     struct motion motion = motion_of(subject, seed);
     const size_t small = motion.count;
     if (subject->signs)
-        motion_small(&motion, &subject->place, seed, 1000);
+        motion_small(&motion, &subject->place, seed, part_of(1000));
     dpt_hit *hits = calloc(motion.count, sizeof *hits);
     CHECK(hits, "memory");
     if (hits)
@@ -433,10 +438,10 @@ static void try_motions(const struct subject *subject)
     if (hits && subject->signs) {
         CHECK(subject->info.components == 1 && subject->info.closed_components == 1,
               "%s is not closed", subject->name);
-        check_signs(subject, &motion, hits, 0, small, 200, &tally);
-        check_signs(subject, &motion, hits, small, motion.count, 400, &tally);
-        CHECK(tally.inside >= 40 && tally.outside >= 40, "%s: %zu inside, %zu outside",
-              subject->name, tally.inside, tally.outside);
+        check_signs(subject, &motion, hits, 0, small, part_of(200), &tally);
+        check_signs(subject, &motion, hits, small, motion.count, part_of(400), &tally);
+        CHECK(tally.inside >= part_of(40) && tally.outside >= part_of(40),
+              "%s: %zu inside, %zu outside", subject->name, tally.inside, tally.outside);
     }
     add_to_all(subject, &tally);
     free(hits);
@@ -480,33 +485,15 @@ static void test_file(const char *folder, const char *file, double scale)
         put_to_test(&subject, path, scale);
 }
 
-static const char too_large[] = "cray_right_floatmax.obj";
-
-static int is_mesh(const struct dirent *entry)
+static void test_public_mesh(const char *folder, const char *file, void *unused)
 {
-    return entry->d_name[0] != '.' && strcmp(entry->d_name, too_large) != 0;
-}
-
-static void test_folder(const char *folder)
-{
-    char path[1024];
-    struct dirent **entries = NULL;
-    snprintf(path, sizeof path, "%s/meshes/%s", data, folder);
-    const int count = scandir(path, &entries, is_mesh, alphasort);
-    CHECK(count > 0, "%s is empty", path);
-    for (int i = 0; i < count; i++) {
-        test_file(folder, entries[i]->d_name, 1);
-        free(entries[i]);
-    }
-    free(entries);
+    (void)unused;
+    test_file(folder, file, 1);
 }
 
 static void public_meshes(void)
 {
-    test_folder("organs");
-    test_folder("tools");
-    test_folder("sheets_tori");
-    test_folder("hard");
+    for_each_public_mesh(data, test_public_mesh, NULL);
 }
 
 /* Millimetres that are made metres, and the largest floats made to fit. */
@@ -516,9 +503,9 @@ static void scaled_meshes(void)
     dpt_compiled compiled;
     test_file("organs", "openhelp_stomach.stl", 1e-3);
     test_file("tools", "instrument_shaft.stl", 1e-3);
-    snprintf(path, sizeof path, "%s/meshes/hard/%s", data, too_large);
-    CHECK(dpt_compile_file(path, NULL, &compiled, NULL) == DPT_E_FINITE, "%s fits", too_large);
-    test_file("hard", too_large, 1e-33);
+    snprintf(path, sizeof path, "%s/meshes/hard/%s", data, TOO_LARGE_MESH);
+    CHECK(dpt_compile_file(path, NULL, &compiled, NULL) == DPT_E_FINITE, "%s fits", TOO_LARGE_MESH);
+    test_file("hard", TOO_LARGE_MESH, 1e-33);
     CHECK(all.files_read >= 20, "%zu binary STL files", all.files_read);
 }
 
@@ -578,6 +565,8 @@ int main(int argc, char **argv)
     const char *start = slash ? argv[0] : ".";
     data = getenv("DPT_DATA");
     soaking = argc > 1 && strcmp(argv[1], "soak") == 0;
+    if (!soaking)
+        take_percent(argc, argv);
     only = argc > 2 ? argv[2] : NULL;
     snprintf(dynpoint, sizeof dynpoint, "%.*s/../dynpoint", folder, start);
     snprintf(scratch, sizeof scratch, "%.*s/organs-%ld", folder, start, (long)getpid());

@@ -27,12 +27,12 @@ static dpt_world_def def_of(double fade)
 static int begin_deep(struct pair *pair, double fade, double dt)
 {
     const dpt_world_def def = def_of(fade);
-    const dpt_pose above = place(0.003, 0.002, 0.01), deep = place(0.003, 0.002, -0.0275);
+    const dpt_pose above = pose_at(0.003, 0.002, 0.01), deep = pose_at(0.003, 0.002, -0.0275);
     if (!pair_open(pair, &sheet, NULL, &lying, 1, &def, dt))
         return 0;
     pair_go(pair, &above, &deep);
-    CHECK(fabs(pair->said.wrench.force[2] - 500.0 * 0.0295) < 1e-6 && pair->begun == 0,
-          "%g N before, %u fades", pair->said.wrench.force[2], pair->begun);
+    CHECK(fabs(pair->reported.wrench.force[2] - 500.0 * 0.0295) < 1e-6 && pair->begun == 0,
+          "%g N before, %u fades", pair->reported.wrench.force[2], pair->begun);
     return 1;
 }
 
@@ -45,23 +45,23 @@ static void too_deep_fades(void)
         const double fade = fades[i / 4], dt = dts[i % 4];
         if (!begin_deep(&pair, fade, dt))
             return;
-        const dpt_wrench last = pair.said.wrench;
+        const dpt_wrench last = pair.reported.wrench;
         double z = -0.0285;
         for (int n = 1; n < 40; n++, z -= 0.0005) {
-            const dpt_pose pose = place(0.003, 0.002, z);
+            const dpt_pose pose = pose_at(0.003, 0.002, z);
             const double share = fmax(0.0, 1.0 - n * dt / fade);
             pair_pose(&pair, &pose);
             pair_step(&pair);
             for (int k = 0; k < 6; k++) {
                 double wanted = share < 1e-9 ? 0.0 : share * number_of(&last, k);
-                CHECK(fabs(number_of(&pair.said.wrench, k) - wanted) <= 1e-9,
+                CHECK(fabs(number_of(&pair.reported.wrench, k) - wanted) <= 1e-9,
                       "fade %g, dt %g, tick %d: %g for %g", fade, dt, n,
-                      number_of(&pair.said.wrench, k), wanted);
+                      number_of(&pair.reported.wrench, k), wanted);
             }
-            CHECK(pair.said.reason == DPT_FORCE_FREE &&
-                      pair.said.flags == (share > 1e-9 ? DPT_FORCE_FLAG_FADING : 0u),
-                  "fade %g, dt %g, tick %d: reason %u, flags %u", fade, dt, n, pair.said.reason,
-                  pair.said.flags);
+            CHECK(pair.reported.reason == DPT_FORCE_FREE &&
+                      pair.reported.flags == (share > 1e-9 ? DPT_FORCE_FLAG_FADING : 0u),
+                  "fade %g, dt %g, tick %d: reason %u, flags %u", fade, dt, n, pair.reported.reason,
+                  pair.reported.flags);
         }
         CHECK(pair.begun == (fade > dt), "%u fades", pair.begun);
         pair_close(&pair);
@@ -71,13 +71,13 @@ static void too_deep_fades(void)
 static void a_fade_of_zero_is_at_once(void)
 {
     struct pair pair;
-    const dpt_pose deeper = place(0.003, 0.002, -0.0285);
+    const dpt_pose deeper = pose_at(0.003, 0.002, -0.0285);
     if (!begin_deep(&pair, 0.0, 1e-3))
         return;
     pair_pose(&pair, &deeper);
     pair_step(&pair);
-    CHECK(size_of_force(&pair.said.wrench) == 0.0 && pair.said.flags == 0, "%g N, flags %u",
-          size_of_force(&pair.said.wrench), pair.said.flags);
+    CHECK(size_of_force(&pair.reported.wrench) == 0.0 && pair.reported.flags == 0, "%g N, flags %u",
+          size_of_force(&pair.reported.wrench), pair.reported.flags);
     pair_close(&pair);
 }
 
@@ -89,12 +89,13 @@ static void moving_away_does_not_fade(void)
         if (!begin_deep(&pair, 0.002, 1e-3))
             return;
         for (double z = -0.0275; z < 0.05; z += pace) {
-            const dpt_pose pose = place(0.003, 0.002, z);
+            const dpt_pose pose = pose_at(0.003, 0.002, z);
             pair_pose(&pair, &pose);
             pair_step(&pair);
-            CHECK(pair.said.flags == 0, "pace %g, z %g: flags %u", pace, z, pair.said.flags);
+            CHECK(pair.reported.flags == 0, "pace %g, z %g: flags %u", pace, z,
+                  pair.reported.flags);
         }
-        CHECK(pair.begun == 0 && pair.said.reason == DPT_FORCE_FREE, "%u fades", pair.begun);
+        CHECK(pair.begun == 0 && pair.reported.reason == DPT_FORCE_FREE, "%u fades", pair.begun);
         pair_close(&pair);
     }
 }
@@ -110,7 +111,7 @@ static void a_way_that_is_given_up_fades(void)
         struct pair pair;
         dpt_world_def def = def_of(0.02);
         def.budget = budget;
-        const dpt_pose above = place(0.003, 0.002, 0.001), behind = place(0.003, 0.002, -0.001);
+        const dpt_pose above = pose_at(0.003, 0.002, 0.001), behind = pose_at(0.003, 0.002, -0.001);
         if (!pair_open(&pair, &sheet, NULL, &lying, 1, &def, 1e-3))
             return;
         pair_pose(&pair, &above);
@@ -122,7 +123,7 @@ static void a_way_that_is_given_up_fades(void)
         const int pushed = size_of_force(&pair.truth.wrench) > 0.0;
         unsigned before = pair.begun;
         int given = 0;
-        const dpt_pose on = place(-0.07, -0.06, -0.004), beside = place(0.0005, 0.0, 0.0);
+        const dpt_pose on = pose_at(-0.07, -0.06, -0.004), beside = pose_at(0.0005, 0.0, 0.0);
         pair_pose(&pair, &on);
         pair_step(&pair);
         for (int w = 0; w < 2; w++)
@@ -130,8 +131,8 @@ static void a_way_that_is_given_up_fades(void)
         for (int n = 0; n < 18; n++) {
             int unknown = pair.was_unknown;
             pair_step(&pair);
-            given |= unknown && pair.said.reason == DPT_FORCE_FREE &&
-                     pair.said.flags == DPT_FORCE_FLAG_FADING;
+            given |= unknown && pair.reported.reason == DPT_FORCE_FREE &&
+                     pair.reported.flags == DPT_FORCE_FLAG_FADING;
         }
         given_up += pushed && given && pair.begun == before + 1;
         pair_close(&pair);
@@ -148,25 +149,25 @@ static void over_the_border_fades(void)
 {
     const dpt_segment standing = { { 0.0, 0.0, -0.02 }, { 0.0, 0.0, 0.05 }, 0.002 };
     const dpt_world_def def = def_of(0.002);
-    const dpt_pose high = place(0.05, 0.003, 0.05), low = place(0.05, 0.003, 0.0),
-                   beside = place(0.09995, 0.003, 0.0), past = place(0.10005, 0.003, 0.0);
+    const dpt_pose high = pose_at(0.05, 0.003, 0.05), low = pose_at(0.05, 0.003, 0.0),
+                   beside = pose_at(0.09995, 0.003, 0.0), past = pose_at(0.10005, 0.003, 0.0);
     struct pair pair;
     if (!pair_open(&pair, &sheet, NULL, &standing, 1, &def, 1e-3))
         return;
     pair_go(&pair, &high, &low);
-    CHECK(fabs(pair.said.wrench.force[2] - 11.0) < 1e-6, "%g N", pair.said.wrench.force[2]);
+    CHECK(fabs(pair.reported.wrench.force[2] - 11.0) < 1e-6, "%g N", pair.reported.wrench.force[2]);
     pair_go(&pair, &low, &beside);
     CHECK(pair.begun == 0, "it fades before the border");
-    const double before = pair.said.wrench.force[2];
+    const double before = pair.reported.wrench.force[2];
     pair_pose(&pair, &past);
     pair_step(&pair);
-    const double *force = pair.said.wrench.force, whole = 500.0 * (0.002 - 0.00005);
-    CHECK(pair.said.flags == DPT_FORCE_FLAG_FADING && pair.said.reason == DPT_FORCE_ACTS &&
+    const double *force = pair.reported.wrench.force, whole = 500.0 * (0.002 - 0.00005);
+    CHECK(pair.reported.flags == DPT_FORCE_FLAG_FADING && pair.reported.reason == DPT_FORCE_ACTS &&
               fabs(force[0] - 0.5 * whole) < 1e-6 && fabs(force[2] - 0.5 * before) < 1e-6,
-          "half way: flags %u, %g %g N", pair.said.flags, force[0], force[2]);
+          "half way: flags %u, %g %g N", pair.reported.flags, force[0], force[2]);
     pair_step(&pair);
-    CHECK(pair.said.flags == 0 && fabs(force[0] - whole) < 1e-6 && fabs(force[2]) < 1e-6,
-          "then: flags %u, %g %g N", pair.said.flags, force[0], force[2]);
+    CHECK(pair.reported.flags == 0 && fabs(force[0] - whole) < 1e-6 && fabs(force[2]) < 1e-6,
+          "then: flags %u, %g %g N", pair.reported.flags, force[0], force[2]);
     pair_close(&pair);
 }
 
@@ -192,7 +193,7 @@ static void unknown_contact_fades(void)
                 at[k] += random_in(&rng, -pace, pace);
                 at[k] *= fabs(at[k]) > (k ? 0.04 : 0.13) ? 0.9 : 1.0;
             }
-            const dpt_pose pose = place(at[0], at[1], at[2]);
+            const dpt_pose pose = pose_at(at[0], at[1], at[2]);
             pair_pose(&pair, &pose);
             pair_step(&pair);
         }
@@ -216,7 +217,7 @@ static void sides_fade(void)
         double at[3] = { 0.05, 0.0, 0.01 };
         def.side_limit = 0.01;
         def.max_contacts = i % 4 == 3 ? 1 : 8;
-        const dpt_pose second = place(0.06, 0.01, -0.015);
+        const dpt_pose second = pose_at(0.06, 0.01, -0.015);
         if (!pair_open(&pair, &sheet, &second, &lying, 1, &def, 5e-4))
             return;
         for (unsigned long n = 0; n < tick_count / 12; n++) {
@@ -225,7 +226,7 @@ static void sides_fade(void)
                 at[k] += random_in(&rng, -pace, pace);
                 at[k] *= fabs(at[k]) > (k == 2 ? 0.03 : 0.12) ? 0.9 : 1.0;
             }
-            const dpt_pose pose = place(at[0], at[1], at[2]);
+            const dpt_pose pose = pose_at(at[0], at[1], at[2]);
             pair_pose(&pair, &pose);
             pair_step(&pair);
         }
@@ -242,36 +243,36 @@ static void only_its_share_fades(void)
 {
     const dpt_segment both[2] = { { { -0.01, 0.0, 0.0 }, { 0.01, 0.0, 0.0 }, 0.002 },
                                   { { 0.49, 0.0, 0.0 }, { 0.51, 0.0, 0.0 }, 0.002 } };
-    const dpt_pose other = place(0.5, 0.0, 0.0);
+    const dpt_pose other = pose_at(0.5, 0.0, 0.0);
     const dpt_world_def def = def_of(0.004);
     struct pair pair;
     if (!pair_open(&pair, &sheet, &other, both, 2, &def, 1e-3))
         return;
     dpt_world *world = pair.world[FADES];
-    dpt_force_report said = { .size = sizeof said };
+    dpt_force_report report = { .size = sizeof report };
     const dpt_body_settings deep = { .size = sizeof deep, .side_limit = 0.05 };
     dpt_body_set_settings(world, pair.body[FADES][1], &deep);
     double last = 0.0;
     for (int n = 0; n < 84; n++) {
         const double z = 0.0052 - 0.0005 * n, depth = 0.002 - z;
-        const dpt_pose pose = place(0.0, 0.0, z);
+        const dpt_pose pose = pose_at(0.0, 0.0, z);
         dpt_tool_set_pose(world, pair.tool[FADES], &pose);
         dpt_world_step(world, 1e-3, NULL);
-        dpt_tool_get_force_report(world, pair.tool[FADES], &said);
+        dpt_tool_get_force_report(world, pair.tool[FADES], &report);
         const double own = depth > 0.0 ? 500.0 * depth : 0.0;
         if (depth <= 0.03 + 1e-9) {
             last = n;
-            CHECK(fabs(said.wrench.force[2] - 2.0 * own) < 1e-6 && said.flags == 0,
-                  "z %g: %g N, flags %u", z, said.wrench.force[2], said.flags);
+            CHECK(fabs(report.wrench.force[2] - 2.0 * own) < 1e-6 && report.flags == 0,
+                  "z %g: %g N, flags %u", z, report.wrench.force[2], report.flags);
             continue;
         }
         const double share = fmax(0.0, 1.0 - (n - last) / 4.0), before = 500.0 * 0.0298;
-        CHECK(fabs(said.wrench.force[2] - (own + share * before)) < 1e-6 &&
-                  fabs(said.wrench.torque[1] + 0.5 * own) < 0.02 * own + 0.2 &&
-                  said.reason == DPT_FORCE_ACTS &&
-                  said.flags == (share > 0.0 ? DPT_FORCE_FLAG_FADING : 0u),
-              "z %g: %g N, torque %g, reason %u, flags %u", z, said.wrench.force[2],
-              said.wrench.torque[1], said.reason, said.flags);
+        CHECK(fabs(report.wrench.force[2] - (own + share * before)) < 1e-6 &&
+                  fabs(report.wrench.torque[1] + 0.5 * own) < 0.02 * own + 0.2 &&
+                  report.reason == DPT_FORCE_ACTS &&
+                  report.flags == (share > 0.0 ? DPT_FORCE_FLAG_FADING : 0u),
+              "z %g: %g N, torque %g, reason %u, flags %u", z, report.wrench.force[2],
+              report.wrench.torque[1], report.reason, report.flags);
     }
     pair_close(&pair);
 }
@@ -295,7 +296,7 @@ static void end_it(const struct pair *pair, int how)
     dpt_world *world = pair->world[FADES];
     const dpt_tool tool = pair->tool[FADES];
     const dpt_body body = pair->body[FADES][0];
-    const dpt_pose far_off = place(1.0, 0.0, 0.0), here = place(0.003, 0.002, -0.0285);
+    const dpt_pose far_off = pose_at(1.0, 0.0, 0.0), here = pose_at(0.003, 0.002, -0.0285);
     const dpt_tool_settings none = { .size = sizeof none };
     dpt_segment moved = lying;
     moved.a[2] = moved.b[2] = -0.0285;
@@ -342,8 +343,8 @@ static void other_ends_are_at_once(void)
     for (int how = 0; how < ENDS; how++)
         for (int fading = 0; fading < 2; fading++) {
             struct pair pair;
-            const dpt_pose deeper = place(0.003, 0.002, -0.0285);
-            dpt_force_report said = { .size = sizeof said };
+            const dpt_pose deeper = pose_at(0.003, 0.002, -0.0285);
+            dpt_force_report report = { .size = sizeof report };
             if (!begin_deep(&pair, 0.01, 1e-3))
                 return;
             dpt_world *world = pair.world[FADES];
@@ -353,20 +354,20 @@ static void other_ends_are_at_once(void)
             end_it(&pair, how);
             if (how != NO_STEP)
                 dpt_world_step(world, 1e-3, NULL);
-            dpt_tool_get_force_report(world, pair.tool[FADES], &said);
-            CHECK(size_of_force(&said.wrench) == 0.0 && said.flags == 0 &&
-                      said.reason == reasons[how],
+            dpt_tool_get_force_report(world, pair.tool[FADES], &report);
+            CHECK(size_of_force(&report.wrench) == 0.0 && report.flags == 0 &&
+                      report.reason == reasons[how],
                   "end %d, fading %d: %g N, flags %u, reason %u", how, fading,
-                  size_of_force(&said.wrench), said.flags, said.reason);
+                  size_of_force(&report.wrench), report.flags, report.reason);
             const dpt_pose still = DPT_POSE_IDENTITY;
             if (how == NO_POSE)
                 dpt_tool_set_pose(world, pair.tool[FADES], &deeper);
             if (how == BODY_IS_LOST)
                 dpt_body_set_pose(world, pair.body[FADES][0], &still);
             dpt_world_step(world, 1e-3, NULL);
-            dpt_tool_get_force_report(world, pair.tool[FADES], &said);
-            CHECK(size_of_force(&said.wrench) == 0.0 && said.flags == 0,
-                  "after end %d, fading %d: %g N", how, fading, size_of_force(&said.wrench));
+            dpt_tool_get_force_report(world, pair.tool[FADES], &report);
+            CHECK(size_of_force(&report.wrench) == 0.0 && report.flags == 0,
+                  "after end %d, fading %d: %g N", how, fading, size_of_force(&report.wrench));
             pair_close(&pair);
         }
 }
@@ -374,10 +375,10 @@ static void other_ends_are_at_once(void)
 /* A body that goes takes its own push with it, and no other's that fades. */
 static void a_body_ends_its_own_push_alone(void)
 {
-    const dpt_pose aside = place(0.0, 0.0, 0.5);
+    const dpt_pose aside = pose_at(0.0, 0.0, 0.5);
     const dpt_world_def def = def_of(0.01);
-    const dpt_pose above = place(0.003, 0.002, 0.01), deep = place(0.003, 0.002, -0.0275),
-                   deeper = place(0.003, 0.002, -0.0285);
+    const dpt_pose above = pose_at(0.003, 0.002, 0.01), deep = pose_at(0.003, 0.002, -0.0275),
+                   deeper = pose_at(0.003, 0.002, -0.0285);
     struct pair pair;
     if (!pair_open(&pair, &sheet, &aside, &lying, 1, &def, 1e-3))
         return;
@@ -387,19 +388,52 @@ static void a_body_ends_its_own_push_alone(void)
     for (int w = 0; w < 2; w++)
         dpt_body_remove(pair.world[w], pair.body[w][1]);
     pair_step(&pair);
-    CHECK(pair.said.flags == DPT_FORCE_FLAG_FADING &&
-              fabs(pair.said.wrench.force[2] - 0.8 * 500.0 * 0.0295) < 1e-6,
-          "%g N, flags %u", pair.said.wrench.force[2], pair.said.flags);
+    CHECK(pair.reported.flags == DPT_FORCE_FLAG_FADING &&
+              fabs(pair.reported.wrench.force[2] - 0.8 * 500.0 * 0.0295) < 1e-6,
+          "%g N, flags %u", pair.reported.wrench.force[2], pair.reported.flags);
     pair_close(&pair);
 }
 
 static dpt_force_report force_of(const struct pair *pair)
 {
-    dpt_force_report said = { .size = sizeof said, .law = 7 };
-    CHECK(dpt_tool_get_force_report(pair->world[FADES], pair->tool[FADES], &said) == DPT_OK &&
-              said.law == DPT_LAW_POINT,
+    dpt_force_report report = { .size = sizeof report, .law = 7 };
+    CHECK(dpt_tool_get_force_report(pair->world[FADES], pair->tool[FADES], &report) == DPT_OK &&
+              report.law == DPT_LAW_POINT,
           "no force");
-    return said;
+    return report;
+}
+
+/* Added, and not yet stepped; then in the sheet without a side; then away from it. */
+static void reasons_of_first_ticks(const dpt_segment *through)
+{
+    const dpt_pose far_off = pose_at(0.0, 0.0, 1.0);
+    dpt_world_def def = def_of(0.002);
+    struct pair pair;
+    dpt_force_report report;
+    if (!pair_open(&pair, &sheet, NULL, through, 1, &def, 1e-3))
+        return;
+    report = force_of(&pair);
+    CHECK(report.reason == DPT_FORCE_STALE && report.flags == 0, "added: %u", report.reason);
+    dpt_world_step(pair.world[FADES], 1e-3, NULL);
+    report = force_of(&pair);
+    CHECK(report.reason == DPT_FORCE_UNDECIDED && report.flags == 0, "no side: %u", report.reason);
+    dpt_tool_set_pose(pair.world[FADES], pair.tool[FADES], &far_off);
+    dpt_world_step(pair.world[FADES], 1e-3, NULL);
+    report = force_of(&pair);
+    CHECK(report.reason == DPT_FORCE_FREE && report.flags == 0, "far off: %u", report.reason);
+    report.size = 8;
+    CHECK(dpt_tool_get_force_report(pair.world[FADES], pair.tool[FADES], &report) == DPT_E_SIZE,
+          "size 8");
+    report.size = sizeof report;
+    CHECK(dpt_tool_get_force_report(pair.world[FADES], pair.body[FADES][0], &report) ==
+                  DPT_E_HANDLE &&
+              report.reason == DPT_FORCE_STALE,
+          "a body's id: %u", report.reason);
+    CHECK(dpt_tool_get_force_report(NULL, 0, &report) == DPT_E_ARGUMENT &&
+              dpt_tool_get_force_report(pair.world[FADES], pair.tool[FADES], NULL) ==
+                  DPT_E_ARGUMENT,
+          "nothing to ask");
+    pair_close(&pair);
 }
 
 static void a_zero_wrench_says_why(void)
@@ -407,63 +441,40 @@ static void a_zero_wrench_says_why(void)
     const dpt_segment through = { { 0.0, 0.0, -0.01 }, { 0.0, 0.0, 0.01 }, 0.001 };
     const dpt_segment two[2] = { { { 0.0, 0.0, -0.01 }, { 0.0, 0.0, 0.01 }, 0.001 },
                                  { { 0.05, 0.0, 0.0005 }, { 0.06, 0.0, 0.0005 }, 0.001 } };
-    const dpt_pose far_off = place(0.0, 0.0, 1.0);
     dpt_world_def def = def_of(0.002);
     struct pair pair;
-    dpt_force_report said;
+    dpt_force_report report;
 
-    /* Added, and not yet stepped; then in the sheet without a side; then away from it. */
-    if (!pair_open(&pair, &sheet, NULL, &through, 1, &def, 1e-3))
-        return;
-    said = force_of(&pair);
-    CHECK(said.reason == DPT_FORCE_STALE && said.flags == 0, "added: %u", said.reason);
-    dpt_world_step(pair.world[FADES], 1e-3, NULL);
-    said = force_of(&pair);
-    CHECK(said.reason == DPT_FORCE_UNDECIDED && said.flags == 0, "no side: %u", said.reason);
-    dpt_tool_set_pose(pair.world[FADES], pair.tool[FADES], &far_off);
-    dpt_world_step(pair.world[FADES], 1e-3, NULL);
-    said = force_of(&pair);
-    CHECK(said.reason == DPT_FORCE_FREE && said.flags == 0, "far off: %u", said.reason);
-    said.size = 8;
-    CHECK(dpt_tool_get_force_report(pair.world[FADES], pair.tool[FADES], &said) == DPT_E_SIZE,
-          "size 8");
-    said.size = sizeof said;
-    CHECK(dpt_tool_get_force_report(pair.world[FADES], pair.body[FADES][0], &said) ==
-                  DPT_E_HANDLE &&
-              said.reason == DPT_FORCE_STALE,
-          "a body's id: %u", said.reason);
-    CHECK(dpt_tool_get_force_report(NULL, 0, &said) == DPT_E_ARGUMENT &&
-              dpt_tool_get_force_report(pair.world[FADES], pair.tool[FADES], NULL) ==
-                  DPT_E_ARGUMENT,
-          "nothing to ask");
-    pair_close(&pair);
+    reasons_of_first_ticks(&through);
 
     /* One segment is undecided, the other pushed. */
     if (!pair_open(&pair, &sheet, NULL, two, 2, &def, 1e-3))
         return;
     dpt_world_step(pair.world[FADES], 1e-3, NULL);
-    said = force_of(&pair);
-    CHECK(said.reason == DPT_FORCE_ACTS && said.flags == DPT_FORCE_FLAG_PARTIAL &&
-              fabs(said.wrench.force[2] - 0.25) < 1e-9,
-          "partial: reason %u, flags %u, %g N", said.reason, said.flags, said.wrench.force[2]);
+    report = force_of(&pair);
+    CHECK(report.reason == DPT_FORCE_ACTS && report.flags == DPT_FORCE_FLAG_PARTIAL &&
+              fabs(report.wrench.force[2] - 0.25) < 1e-9,
+          "partial: reason %u, flags %u, %g N", report.reason, report.flags,
+          report.wrench.force[2]);
     pair_close(&pair);
 
     /* No bodies; not asked for a response. */
     if (!pair_open(&pair, NULL, NULL, &through, 1, &def, 1e-3))
         return;
     dpt_world_step(pair.world[FADES], 1e-3, NULL);
-    said = force_of(&pair);
-    CHECK(said.reason == DPT_FORCE_FREE, "no bodies: %u", said.reason);
+    report = force_of(&pair);
+    CHECK(report.reason == DPT_FORCE_FREE, "no bodies: %u", report.reason);
     pair_close(&pair);
     for (uint32_t until = DPT_UNTIL_TRACK; until <= DPT_UNTIL_CONTACT; until++) {
         def.until = until;
         if (!pair_open(&pair, &sheet, NULL, &through, 1, &def, 1e-3))
             return;
-        said = force_of(&pair);
-        CHECK(said.reason == DPT_FORCE_STALE, "until %u, added: %u", until, said.reason);
+        report = force_of(&pair);
+        CHECK(report.reason == DPT_FORCE_STALE, "until %u, added: %u", until, report.reason);
         dpt_world_step(pair.world[FADES], 1e-3, NULL);
-        said = force_of(&pair);
-        CHECK(said.reason == DPT_FORCE_OFF && said.flags == 0, "until %u: %u", until, said.reason);
+        report = force_of(&pair);
+        CHECK(report.reason == DPT_FORCE_OFF && report.flags == 0, "until %u: %u", until,
+              report.reason);
         pair_close(&pair);
     }
 }
@@ -479,15 +490,16 @@ static void a_soup_is_undecided(void)
     struct pair pair;
     if (fixture_from_arrays(&soup, vertices, 5, corners, 3) &&
         pair_open(&pair, &soup, NULL, &tool, 1, &def, 1e-3)) {
-        const dpt_pose beside = place(0.0, 0.0, 0.0), through = place(0.0, 0.0, -0.05);
+        const dpt_pose beside = pose_at(0.0, 0.0, 0.0), through = pose_at(0.0, 0.0, -0.05);
         pair_pose(&pair, &beside);
         pair_step(&pair);
-        CHECK(pair.said.reason == DPT_FORCE_ACTS, "beside: %u", pair.said.reason);
+        CHECK(pair.reported.reason == DPT_FORCE_ACTS, "beside: %u", pair.reported.reason);
         pair_pose(&pair, &through);
         pair_step(&pair);
-        CHECK(pair.said.reason == DPT_FORCE_UNDECIDED && pair.said.flags == DPT_FORCE_FLAG_FADING &&
+        CHECK(pair.reported.reason == DPT_FORCE_UNDECIDED &&
+                  pair.reported.flags == DPT_FORCE_FLAG_FADING &&
                   pair.hit.contact == DPT_CONTACT_PENETRATING,
-              "through: reason %u, flags %u", pair.said.reason, pair.said.flags);
+              "through: reason %u, flags %u", pair.reported.reason, pair.reported.flags);
         pair_close(&pair);
     }
     fixture_free(&soup);

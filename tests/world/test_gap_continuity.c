@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Walks near any mesh, closed bodies and soups among them: what is so whatever its defects, and on those without any, that
- * the gap changes with the motion and its sign with a crossing.
+ * Walks near any mesh, closed bodies and soups among them: what is so whatever its defects, and on those without any,
+ * that the gap changes with the motion and its sign with a crossing.
  *
- * Usage: test_gap_continuity [crossings = 100000] [seed = 1]; a walk has 1000 ticks and one for each 50 crossings. DPT_DATA names
- * the folder of public meshes; open sheets among them are crossed as in test_sheets, once for each 500.
+ * Usage: test_gap_continuity [crossings = 100000] [seed = 1]; a walk has 1000 ticks and one for each 50 crossings.
+ * DPT_DATA names the folder of public meshes; open sheets among them are crossed as in test_sheets, once for each 500.
  */
 #include "world/sheet_flight.h"
 
@@ -21,10 +21,10 @@ static void walk_from(const struct sheet *sheet, struct state *state, double len
     double at[3], u[3], normal[3];
     any_target(sheet, at, normal);
     any_unit(u);
-    go(at, at, (one_in(2) ? 1.0 : -1.0) * power_in(-5.0, -1.0) * sheet->unit, normal);
-    double share = random_in(&rng, 0.0, 1.0);
+    add_scaled(at, at, (one_in(2) ? 1.0 : -1.0) * power_in(-5.0, -1.0) * sheet->unit, normal);
+    double share = random_in(&sheet_random, 0.0, 1.0);
     for (int e = 0; e < 2; e++)
-        go(state->end[e], at, (e - share) * length, u);
+        add_scaled(state->end[e], at, (e - share) * length, u);
 }
 
 static void walk_on(const struct sheet *sheet, const double drift[3], struct state *state)
@@ -34,10 +34,10 @@ static void walk_on(const struct sheet *sheet, const double drift[3], struct sta
     any_unit(u);
     any_unit(turn);
     for (int e = 0; e < 2; e++) {
-        go(state->end[e], state->end[e], by, u);
-        go(state->end[e], state->end[e], by, drift);
-        go(state->end[e], state->end[e], e && length > 0.0 ? by * random_in(&rng, 0.0, 1.0) : 0.0,
-           turn);
+        add_scaled(state->end[e], state->end[e], by, u);
+        add_scaled(state->end[e], state->end[e], by, drift);
+        add_scaled(state->end[e], state->end[e],
+                   e && length > 0.0 ? by * random_in(&sheet_random, 0.0, 1.0) : 0.0, turn);
     }
 }
 
@@ -45,41 +45,42 @@ static void walk_on(const struct sheet *sheet, const double drift[3], struct sta
  * `closed`: the gap is bound to the motion as the distance is, and its sign to a crossing; elsewhere what changes its
  * sign without one is counted. Sheets that are not crossed never go from in front to behind.
  */
-static void walk_tick(struct scene *scene, const struct state *was, const struct said *before,
-                      const struct state *now, const struct said *said, int closed,
-                      struct walk_sums *sums)
+static void walk_tick(struct scene *scene, const struct state *was,
+                      const struct tick_answer *before, const struct state *now,
+                      const struct tick_answer *answer, int closed, struct walk_sums *sums)
 {
     const struct sheet *sheet = scene->sheet;
     double size = sheet->diagonal + length3(now->end[0]);
     double motion = fmax(apart(was->end[0], now->end[0]), apart(was->end[1], now->end[1]));
-    double small = before->hit.error_bound + said->hit.error_bound + 1e-14 * size;
-    double by = fabs(said->hit.distance - before->hit.distance) - motion;
+    double small = before->hit.error_bound + answer->hit.error_bound + 1e-14 * size;
+    double by = fabs(answer->hit.distance - before->hit.distance) - motion;
     CHECK(by <= small, "%s: the distance changes by %g more than the motion%s", sheet->name, by,
-          text_of(was, now));
-    if (before->hit.contact == DPT_CONTACT_UNKNOWN || said->hit.contact == DPT_CONTACT_UNKNOWN)
+          motion_text(was, now));
+    if (before->hit.contact == DPT_CONTACT_UNKNOWN || answer->hit.contact == DPT_CONTACT_UNKNOWN)
         return;
     double tolerance = 2e-5 * sheet->diagonal;
-    by = fabs(said->hit.gap - before->hit.gap) - motion;
+    by = fabs(answer->hit.gap - before->hit.gap) - motion;
     if (closed) {
         CHECK(by <= tolerance, "%s: the gap changes by %g more than the motion%s", sheet->name, by,
-              text_of(was, now));
+              motion_text(was, now));
     }
     /* Of the axis, wholly on one side at both ticks, and not through anything in between. */
-    if (before->hit.distance <= small || said->hit.distance <= small ||
-        said->sweep.status != DPT_SWEEP_FREE)
+    if (before->hit.distance <= small || answer->hit.distance <= small ||
+        answer->sweep.status != DPT_SWEEP_FREE)
         return;
-    int in_before = before->hit.gap + was->radius < 0.0, in_now = said->hit.gap + now->radius < 0.0;
+    int in_before = before->hit.gap + was->radius < 0.0,
+        in_now = answer->hit.gap + now->radius < 0.0;
     sums->flips_in += !in_before && in_now;
     sums->flips_out += in_before && !in_now;
     CHECK(!closed || in_before == in_now, "%s: gap from %g to %g, not crossed%s", sheet->name,
-          before->hit.gap, said->hit.gap, text_of(was, now));
+          before->hit.gap, answer->hit.gap, motion_text(was, now));
 }
 
 static void walk(struct sheet *sheet, unsigned long ticks, unsigned long judged, int closed)
 {
     struct walk_sums sums = { .truth.worst_off = -HUGE_VAL };
     struct scene scene = { NULL };
-    struct said said, before = { .contacts = 0 };
+    struct tick_answer answer, before = { .contacts = 0 };
     while (sums.ticks < ticks) {
         if (sums.ticks % 1000 < 20) {
             free(scene.block);
@@ -93,25 +94,25 @@ static void walk(struct sheet *sheet, unsigned long ticks, unsigned long judged,
         state.radius = one_in(2) ? 0.0 : power_in(-4.0, -1.5) * sheet->unit;
         walk_from(sheet, &state, one_in(6) ? 0.0 : power_in(-3.0, -0.30103) * sheet->unit);
         struct ride ride = { .scene = &scene, .sums = &sums.truth };
-        for (int i = 0; i < 20; i++, was = state, before = said) {
+        for (int i = 0; i < 20; i++, was = state, before = answer) {
             if (i)
                 walk_on(sheet, drift, &state);
-            place(&scene, &state, i == 0);
-            tick(&scene, &said);
+            scene_place(&scene, &state, i == 0);
+            scene_tick(&scene, &answer);
             sums.ticks++;
-            sums.hits += said.sweep.status == DPT_SWEEP_HIT;
-            sums.crossing += said.hit.distance == 0.0;
-            sums.unknown += said.hit.contact == DPT_CONTACT_UNKNOWN;
+            sums.hits += answer.sweep.status == DPT_SWEEP_HIT;
+            sums.crossing += answer.hit.distance == 0.0;
+            sums.unknown += answer.hit.contact == DPT_CONTACT_UNKNOWN;
             if (!i)
                 continue;
-            walk_tick(&scene, &was, &before, &state, &said, closed, &sums);
+            walk_tick(&scene, &was, &before, &state, &answer, closed, &sums);
             if (sums.truth.swept >= judged || before.hit.distance <= before.hit.error_bound)
                 continue;
-            ride.was = was;
+            ride.previous = was;
             ride.started = 1;
-            ride.was_distance = before.hit.distance;
-            ride.was_error = before.hit.error_bound;
-            check_sweep(&ride, &state, &said.sweep, -1.0);
+            ride.previous_distance = before.hit.distance;
+            ride.previous_error = before.hit.error_bound;
+            check_sweep(&ride, &state, &answer.sweep, -1.0);
         }
     }
     const dpt_mesh_info *info = &sheet->info;
@@ -165,7 +166,7 @@ static void soups_are_answered(void)
             for (uint32_t k = 0; k < 3; k++) {
                 double off[3];
                 any_unit(off);
-                go(vertices + 9 * i + 3 * k, at, size, off);
+                add_scaled(vertices + 9 * i + 3 * k, at, size, off);
                 corners[3 * i + k] = 3 * i + k;
             }
             if (kind == 2 && i) /* fans with edges of many triangles */
@@ -211,10 +212,7 @@ static void public_meshes_are_answered(void)
 
 int main(int argc, char **argv)
 {
-    if (argc > 1)
-        crossing_count = strtoul(argv[1], NULL, 10);
-    if (argc > 2)
-        rng = strtoull(argv[2], NULL, 10);
+    take_count(argc, argv, &crossing_count, &sheet_random);
     TEST(generated_bodies_are_continuous);
     TEST(soups_are_answered);
     if (getenv("DPT_DATA"))

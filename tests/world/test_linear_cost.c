@@ -1,19 +1,27 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Inputs that a naive compiler or search needs quadratic time for. What is compared is the processor's time of one run
- * with that of an ordinary mesh in the same run, and work in 16-lane blocks, never a time by itself.
+ * Inputs that a naive compiler or search needs quadratic time for. What is compared is the count of basic blocks
+ * with that of an ordinary mesh (lib/block_count.h), and work in units of 16 lanes.
  *
  *     test_linear_cost [ITEMS]      triangles, parts or corners; 50000
  */
 #include <math.h>
 #include <stdarg.h>
-#include <time.h>
 
+#include "lib/block_count.h"
 #include "lib/fixture.h"
 
-/* So many times the norm of its length is a fault; where parts all meet, they may cost as much as is put into that. */
-#define RATIO_MAX       20.0
-#define RATIO_PARTS_MAX 100.0
+/* So many times the cost of a torus of as many bytes. Measured: 2.4. */
+#define RATIO_MAX 4.0
+
+/*
+ * Where all boxes meet, the search for pairs that cut each other takes 2^23 units beside what is linear, of up to 91
+ * basic blocks (compile/test_compile_cost.c). Measured in all: 11 for 50,000 items, 29 for 8,000; of parts 25 and
+ * 72.
+ */
+#define RATIO_MEET_MAX  10.0
+#define RATIO_PARTS_MAX 50.0
+#define MEET_MAX        (100.0 * 0x1p23)
 
 static uint32_t items = 50000;
 
@@ -40,34 +48,21 @@ static void print_often(struct text *text, const char *piece, size_t times)
         print(text, "%s", piece);
 }
 
-static double seconds(void)
-{
-    struct timespec at;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &at);
-    return (double)at.tv_sec + 1e-9 * (double)at.tv_nsec;
-}
-
-/* The least of three, in s, by the reader of `format`. */
-static double compile_time(const struct text *text, uint32_t format, dpt_result expected)
+/* Basic blocks, by the reader of `format`. */
+static uint64_t compile_cost(const struct text *text, uint32_t format, dpt_result expected)
 {
     const dpt_compile_def def = { .size = sizeof def, .format = format };
-    double least = HUGE_VAL;
-    for (int pass = 0; pass < 3; pass++) {
-        dpt_diag diag = { .size = sizeof diag };
-        dpt_compiled compiled;
-        double begin = seconds();
-        dpt_result result = dpt_compile_bytes(text->bytes, text->size, &def, &compiled, &diag);
-        double took = seconds() - begin;
-        least = took < least ? took : least;
-        CHECK(result == expected, "%s: %s", dpt_result_name(result), diag.text);
-        dpt_compiled_free(&compiled);
-        if (took > 5.0)
-            break;
-    }
-    return least;
+    dpt_diag diag = { .size = sizeof diag };
+    dpt_compiled compiled;
+    const uint64_t begin = block_count;
+    dpt_result result = dpt_compile_bytes(text->bytes, text->size, &def, &compiled, &diag);
+    const uint64_t cost = block_count - begin;
+    CHECK(result == expected, "%s: %s", dpt_result_name(result), diag.text);
+    dpt_compiled_free(&compiled);
+    return cost;
 }
 
-static double norm_of_byte, norm_of_triangle; /* s, of a torus */
+static double norm_of_byte; /* basic blocks, of a torus */
 
 static void an_ordinary_mesh(void)
 {
@@ -81,30 +76,37 @@ static void an_ordinary_mesh(void)
     for (size_t t = 0; t < shape.triangle_count; t++)
         print(&text, "f %u %u %u\n", shape.corners[3 * t] + 1, shape.corners[3 * t + 1] + 1,
               shape.corners[3 * t + 2] + 1);
-    double took = compile_time(&text, DPT_FORMAT_OBJ, DPT_OK);
-    norm_of_byte = took / (double)text.size;
-    norm_of_triangle = took / (double)shape.triangle_count;
-    printf("    %zu triangles in %.3g s, %zu bytes\n", shape.triangle_count, took, text.size);
+    const uint64_t cost = compile_cost(&text, DPT_FORMAT_OBJ, DPT_OK);
+    norm_of_byte = (double)cost / (double)text.size;
+    CHECK(compile_cost(&text, DPT_FORMAT_OBJ, DPT_OK) == cost, "not %llu again",
+          (unsigned long long)cost);
+    printf("    %zu triangles in %zu bytes: %llu basic blocks\n", shape.triangle_count, text.size,
+           (unsigned long long)cost);
     shape_free(&shape);
     free(text.bytes);
 }
 
-/* Frees the text. */
-static void expect_within(double most, const char *what, struct text *text, uint32_t format,
-                          dpt_result expected)
+/* At most `ratio_max` times the norm and `beside` basic blocks. Frees the text. */
+static void expect_within(double ratio_max, double beside, const char *what, struct text *text,
+                          uint32_t format, dpt_result expected)
 {
-    double took = compile_time(text, format, expected);
-    double ratio = took / (norm_of_byte * (double)text->size);
-    printf("    %s: %zu bytes, %.2f of the norm\n", what, text->size, ratio);
-    CHECK(ratio < most, "%s: %.3g s for %zu bytes is %.1f of the norm", what, took, text->size,
-          ratio);
+    const double cost = (double)compile_cost(text, format, expected);
+    const double norm = norm_of_byte * (double)text->size;
+    printf("    %s: %zu bytes, %.2f of the norm\n", what, text->size, cost / norm);
+    CHECK(cost < ratio_max * norm + beside, "%s: %.3g blocks for %zu bytes is %.1f of the norm",
+          what, cost, text->size, cost / norm);
     free(text->bytes);
     *text = (struct text){ NULL, 0, 0 };
 }
 
 static void expect_linear(const char *what, struct text *text, uint32_t format, dpt_result expected)
 {
-    expect_within(RATIO_MAX, what, text, format, expected);
+    expect_within(RATIO_MAX, 0.0, what, text, format, expected);
+}
+
+static void expect_bounded(const char *what, struct text *text)
+{
+    expect_within(RATIO_MEET_MAX, MEET_MAX, what, text, DPT_FORMAT_OBJ, DPT_OK);
 }
 
 static void print_circle(struct text *text, double uneven)
@@ -128,10 +130,10 @@ static void polygons_of_many_corners(void)
     struct text text = { NULL, 0, 0 };
     print_circle(&text, 0.0);
     print_polygon(&text);
-    expect_linear("a convex polygon", &text, DPT_FORMAT_OBJ, DPT_OK);
+    expect_bounded("a convex polygon", &text);
     print_circle(&text, 0.9);
     print_polygon(&text);
-    expect_linear("a star", &text, DPT_FORMAT_OBJ, DPT_OK);
+    expect_bounded("a star", &text);
     print(&text, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3");
     print_often(&text, " 1 2 3", items / 3);
     expect_linear("a polygon of three vertices", &text, DPT_FORMAT_OBJ, DPT_OK);
@@ -155,7 +157,7 @@ static void hubs(void)
     print(&text, "v 0 0 0.1\nv 0 0 -0.1\n");
     for (uint32_t i = 0; i < items; i++)
         print(&text, "f %u %u %u\n", items + 1, items + 2, i + 1);
-    expect_linear("the pages of a book", &text, DPT_FORMAT_OBJ, DPT_OK);
+    expect_bounded("the pages of a book", &text);
 }
 
 static void triangles_alike(void)
@@ -173,7 +175,7 @@ static void triangles_alike(void)
         double turn = 6.283185307179586 * i / items, x = cos(turn), y = sin(turn);
         print(&text, "v %.9g %.9g 0\nv %.9g %.9g 0\nv 0 0 %d\nf -1 -2 -3\n", x, y, -x, -y, i % 2);
     }
-    expect_linear("all through one point", &text, DPT_FORMAT_OBJ, DPT_OK);
+    expect_bounded("all through one point", &text);
 }
 
 static void print_tetrahedron(struct text *text, double size, double x, double y, double z)
@@ -196,6 +198,11 @@ static void many_parts(void)
     for (uint32_t i = 0; i < items; i++)
         print_tetrahedron(&text, 1.5, i, 0.0, 0.0);
     expect_linear("a chain of tetrahedra that cross", &text, DPT_FORMAT_OBJ, DPT_OK);
+    for (uint32_t i = 0; i < items; i++) {
+        print(&text, "v %u 0 9\nv %u 1 9\nv %u 0 10\nf -1 -2 -3\n", i, i, i);
+        print_tetrahedron(&text, 0.5, i % side, i / side, 0.0);
+    }
+    expect_linear("triangles and tetrahedra", &text, DPT_FORMAT_OBJ, DPT_OK);
 }
 
 static void parts_within_parts(void)
@@ -205,10 +212,31 @@ static void parts_within_parts(void)
         double low = 1e-5 * (i + 1);
         print_tetrahedron(&text, 2.0 - 4.0 * low, low, low, low);
     }
-    expect_within(RATIO_PARTS_MAX, "tetrahedra one in the other", &text, DPT_FORMAT_OBJ, DPT_OK);
+    expect_within(RATIO_PARTS_MAX, MEET_MAX, "tetrahedra one in the other", &text, DPT_FORMAT_OBJ,
+                  DPT_OK);
     for (uint32_t i = 0; i < items / 4; i++)
         print_tetrahedron(&text, 1.0 + 1e-3 * (i % 37), 1e-3 * (i % 41), 1e-3 * (i % 43), 1e-5 * i);
-    expect_within(RATIO_PARTS_MAX, "tetrahedra that all cross", &text, DPT_FORMAT_OBJ, DPT_OK);
+    expect_within(RATIO_PARTS_MAX, MEET_MAX, "tetrahedra that all cross", &text, DPT_FORMAT_OBJ,
+                  DPT_OK);
+}
+
+/*
+ * Parts are labelled edge by edge, in the order of the vertices, which are numbered by the first triangle that uses
+ * them. Each vertex of a strip along -x is first used by a needle: the needles come before the strip and in the
+ * opposite order, so that each label of the strip is replaced by a lower one. Measured: 1.2; 8.8 where labels are
+ * followed one by one.
+ */
+static void a_strip_labelled_backwards(void)
+{
+    struct text text = { NULL, 0, 0 };
+    for (uint32_t i = 0; i < items; i++) {
+        const double y = 0.1 * i, far = 2.0 * i - 15.0 * items;
+        print(&text, "v %d %.9g %u\nv %.9g %.9g 0\nv %.9g %.9g 0\nf -3 -2 -1\n", -(int)i, y, i % 2,
+              far, y, far, y + 0.05);
+    }
+    for (uint32_t i = 0; i + 2 < items; i++)
+        print(&text, "f %u %u %u\n", 3 * i + 1, 3 * i + 4, 3 * i + 7);
+    expect_within(1.5, 0.0, "a strip labelled backwards", &text, DPT_FORMAT_OBJ, DPT_OK);
 }
 
 /* More of them than are compared with each other: still solid, wound outward, and with one inside. */
@@ -332,15 +360,25 @@ static void scene_close(struct scene *scene)
 enum { TICKS = 200 };
 
 struct cost {
-    double time; /* s, of all ticks */
+    uint64_t blocks; /* basic blocks, of all ticks */
     uint64_t work;
     uint32_t most, contacts;
 };
 
+static double ratio(struct cost one, struct cost other)
+{
+    return (double)one.blocks / (double)other.blocks;
+}
+
+static double of_unit(struct cost cost)
+{
+    return (double)cost.blocks / (double)cost.work;
+}
+
 /* A tool goes round and through the surface, 4 mm about (x, 0, z). */
 static struct cost slide(struct scene *scene, double x, double z)
 {
-    struct cost cost = { 0.0, 0, 0, 0 };
+    struct cost cost = { 0, 0, 0, 0 };
     dpt_step step = { .size = sizeof step };
     for (int tick = 0; tick < TICKS; tick++) {
         const double turn = 0.06 * tick;
@@ -348,9 +386,9 @@ static struct cost slide(struct scene *scene, double x, double z)
                                   z + 0.004 * cos(0.03 * tick) - 0.001 },
                                 { cos(0.15), sin(0.15), 0.0, 0.0 } };
         dpt_tool_set_pose(scene->world, scene->tool, &pose);
-        double begin = seconds();
+        const uint64_t begin = block_count;
         CHECK(dpt_world_step(scene->world, 1e-3, &step) == DPT_OK, "tick %d", tick);
-        cost.time += seconds() - begin;
+        cost.blocks += block_count - begin;
         cost.work += step.work;
         cost.most = step.work > cost.most ? step.work : cost.most;
         cost.contacts += step.contacts;
@@ -365,47 +403,40 @@ static uint64_t sheet_count(void)
     return 2 * side * side;
 }
 
-static double open_time(const struct fixture *fixture)
+static double open_cost(const struct fixture *fixture)
 {
-    double least = HUGE_VAL;
-    for (int pass = 0; pass < 3; pass++) {
-        double begin = seconds();
-        CHECK(dpt_mesh_verify(fixture->compiled.bytes, fixture->compiled.size, NULL) == DPT_OK,
-              "it does not open");
-        double took = seconds() - begin;
-        least = took < least ? took : least;
-    }
-    return least;
+    const uint64_t begin = block_count;
+    CHECK(dpt_mesh_verify(fixture->compiled.bytes, fixture->compiled.size, NULL) == DPT_OK,
+          "it does not open");
+    return (double)(block_count - begin);
 }
 
-static double query_time(const struct fixture *fixture, uint32_t method, double z, dpt_hit *hit)
+static double query_cost(const struct fixture *fixture, uint32_t method, double z, dpt_hit *hit)
 {
     const double ends[6] = { 0.001, 0.002, z, 0.05, 0.1, 0.2 };
     const dpt_query_def def = { .size = sizeof def, .method = method };
-    double least = HUGE_VAL;
-    for (int pass = 0; pass < 3; pass++) {
-        double begin = seconds();
-        CHECK(dpt_query_segments(fixture->mesh, NULL, ends, NULL, 1, hit, &def) == DPT_OK, "hit");
-        double took = seconds() - begin;
-        least = took < least ? took : least;
-    }
-    return least;
+    const uint64_t begin = block_count;
+    CHECK(dpt_query_segments(fixture->mesh, NULL, ends, NULL, 1, hit, &def) == DPT_OK, "hit");
+    return (double)(block_count - begin);
 }
 
-/* To open it costs what another mesh of that size does; to search near its tip is no worse than brute force. */
+/*
+ * To open it costs what another mesh of that size does, measured 1.2 times that; to search near its tip is no worse
+ * than brute force, measured 0.04 of that.
+ */
 static void hub_is_opened_and_asked(void)
 {
     struct scene hub, sheet;
     dpt_hit hit[2] = { DPT_HIT_INIT, DPT_HIT_INIT };
     scene_open(&hub, "hub", items, 1.0, 0);
     scene_open(&sheet, "membrane", sheet_count(), 1.0, 0);
-    double opened = open_time(&hub.fixture) / open_time(&sheet.fixture);
-    double brute = query_time(&hub.fixture, DPT_METHOD_BRUTE, 0.0205, &hit[0]);
-    double tree = query_time(&hub.fixture, DPT_METHOD_TREE, 0.0205, &hit[1]);
-    printf("    opened in %.2f of a sheet's time; by tree in %.3f of brute force\n", opened,
+    double opened = open_cost(&hub.fixture) / open_cost(&sheet.fixture);
+    double brute = query_cost(&hub.fixture, DPT_METHOD_BRUTE, 0.0205, &hit[0]);
+    double tree = query_cost(&hub.fixture, DPT_METHOD_TREE, 0.0205, &hit[1]);
+    printf("    opened for %.2f of a sheet's cost; by tree for %.3f of brute force\n", opened,
            tree / brute);
-    CHECK(opened < 3.0, "%.2f of the sheet's time", opened);
-    CHECK(tree < 1.5 * brute, "%.3g s by tree, %.3g s by brute force", tree, brute);
+    CHECK(opened < 2.0, "%.2f of the sheet's cost", opened);
+    CHECK(tree < 0.2 * brute, "%.3g blocks by tree, %.3g by brute force", tree, brute);
     CHECK(fabs(hit[0].distance - hit[1].distance) <= hit[0].error_bound + hit[1].error_bound,
           "%.17g and %.17g", hit[0].distance, hit[1].distance);
     scene_close(&hub);
@@ -413,9 +444,10 @@ static void hub_is_opened_and_asked(void)
 }
 
 /*
- * At its tip all triangles of a hub are within reach, and elsewhere its boxes overlap, for slivers that stand aslant fill
- * little of them: a tick in contact passes over all of it some times. No more than that, whatever its size; and per
- * block of work it costs what a sheet does.
+ * At its tip all triangles of a hub are within reach, and elsewhere its boxes overlap, for slivers that stand aslant
+ * fill little of them: a tick in contact passes over all of it some times, measured 14. No more than that, whatever
+ * its size; and a unit of work costs what it does on a sheet, measured 1.1 times that. A tick costs up to 5.5 times
+ * one with all of a sheet within reach.
  */
 static void hub_in_contact(void)
 {
@@ -428,7 +460,7 @@ static void hub_in_contact(void)
     const struct cost plain = slide(&sheet, 0.0, 0.0), near = slide(&dense, 0.0, 0.0);
     printf("    tick at the tip %.1f, at the side %.1f times a sheet's; all of the sheet in reach "
            "%.1f\n",
-           tip.time / plain.time, side.time / plain.time, near.time / plain.time);
+           ratio(tip, plain), ratio(side, plain), ratio(near, plain));
     printf("    of the hub's leaves %.2f, at most %.2f; at the side %.2f, at most %.2f\n",
            (double)tip.work / (TICKS * leaves), tip.most / leaves,
            (double)side.work / (TICKS * leaves), side.most / leaves);
@@ -436,25 +468,30 @@ static void hub_in_contact(void)
           "%u, %u, %u, %u contacts", tip.contacts, side.contacts, plain.contacts, near.contacts);
     CHECK(tip.most < 20.0 * leaves && side.most < 20.0 * leaves, "%u and %u blocks, %.0f leaves",
           tip.most, side.most, leaves);
-    CHECK(tip.time / (double)tip.work < 5.0 * plain.time / (double)plain.work,
-          "a block costs %.3g s, not %.3g s", tip.time / (double)tip.work,
-          plain.time / (double)plain.work);
-    CHECK(tip.time < 50.0 * near.time, "%.3g s, not %.3g s", tip.time, near.time);
+    printf("    basic blocks a unit of work: %.1f, %.1f, %.1f and %.1f\n", of_unit(tip),
+           of_unit(side), of_unit(plain), of_unit(near));
+    CHECK(of_unit(tip) < 2.0 * of_unit(plain) && of_unit(side) < 2.0 * of_unit(plain),
+          "a unit of work costs %.1f and %.1f blocks, not %.1f", of_unit(tip), of_unit(side),
+          of_unit(plain));
+    CHECK(ratio(tip, near) < 15.0, "%.1f times the cost", ratio(tip, near));
     scene_close(&hub);
     scene_close(&sheet);
     scene_close(&dense);
 }
 
-/* With a budget a tick costs what the budget does. Beside it is the fan of a vertex, for its normal (sign.md). */
+/*
+ * With a budget a tick costs what the budget does. Beside it is the fan of a vertex, for its normal (sign.md):
+ * measured are 2.7 to 5.1 times a sheet's tick.
+ */
 static void hub_within_a_budget(void)
 {
     struct scene hub, sheet;
     scene_open(&hub, "hub", items, 1.0, 256);
     scene_open(&sheet, "membrane", sheet_count(), 1.0, 256);
     const struct cost tip = slide(&hub, 0.0, 0.02), plain = slide(&sheet, 0.0, 0.0);
-    printf("    tick at the tip %.1f times a sheet's\n", tip.time / plain.time);
+    printf("    tick at the tip %.1f times a sheet's\n", ratio(tip, plain));
     CHECK(tip.most <= 256 && plain.most <= 256, "%u and %u blocks", tip.most, plain.most);
-    CHECK(tip.time < 50.0 * plain.time, "%.3g s, not %.3g s", tip.time, plain.time);
+    CHECK(ratio(tip, plain) < 15.0, "%.1f times the cost", ratio(tip, plain));
     scene_close(&hub);
     scene_close(&sheet);
 }
@@ -469,6 +506,7 @@ int main(int argc, char **argv)
     TEST(triangles_alike);
     TEST(many_parts);
     TEST(parts_within_parts);
+    TEST(a_strip_labelled_backwards);
     TEST(parts_beyond_the_limit);
     TEST(long_lines);
     TEST(long_headers);

@@ -9,10 +9,9 @@
  * A lock that is free makes no call: that the core imports none, tests/abi/check.sh says.
  */
 #include <errno.h>
-#include <math.h>
 
-#include "dynpoint/baseline.h"
-#include "lib/fixture.h"
+#include "lib/check.h"
+#include "world/busy_world.h"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define SANITIZED
@@ -88,245 +87,20 @@ SEEN void free(void *block)
 }
 #endif
 
-enum { BODIES = 3, TOOLS = 3, RIGID = 3, SEGMENTS = RIGID + 2, QUERIES = 4 };
-
-/* Made before the ticks, as an application would: the bytes of the meshes and room for a world. */
-static struct fixture meshes[BODIES];
-static void *room;
-static size_t room_bytes;
-
-static const struct scene {
-    uint32_t method, until, parts, one_step;
-    uint64_t certificate_bytes;
-    uint32_t ticks, strip;
-} scenes[] = {
-    { DPT_METHOD_EXACT, DPT_UNTIL_RESPOND, 1, 0, 1 << 20, 2000, DPT_STRIP_KIND_SHADOW },
-    { DPT_METHOD_EXACT, DPT_UNTIL_CONTACT, 1, 0, 3 * 264, 1000,
-      0 }, /* planes push each other out */
-    { DPT_METHOD_EXACT, DPT_UNTIL_TRACK, 1, 0, 0, 1000, 0 },
-    { DPT_METHOD_TREE, DPT_UNTIL_RESPOND, 1, 0, 0, 1000, DPT_STRIP_KIND_ROUTES },
-    { DPT_METHOD_PAPER, DPT_UNTIL_RESPOND, 1, 1, 0, 1000, DPT_STRIP_KIND_ROUTES },
-    { DPT_METHOD_PAPER, DPT_UNTIL_CONTACT, 7, 0, 0, 200, DPT_STRIP_KIND_SHADOW },
-    { DPT_METHOD_BRUTE, DPT_UNTIL_RESPOND, 1, 0, 0, 20, 0 },
-};
-enum { SCENES = sizeof scenes / sizeof *scenes };
-
-/* What came out: that all paths were walked, and the same where calls are forbidden. */
-struct tally {
-    uint64_t ticks, unmade, refused, stale, local, exact, crossing, forces, strips, answers;
-    uint64_t allocations;
-};
-
 enum offence { NONE, A_CALL, A_LARGE_BLOCK, A_CLOCK, A_SMALL_BLOCK };
 enum { OFFENCE_AT = 1234, LARGE = 1 << 28 };
 
-struct lab {
-    const struct scene *scene;
-    dpt_world *world;
-    dpt_body body[BODIES];
-    dpt_tool tool[TOOLS];
-    uint64_t random;
-    double centre[3], way[3], turn[4];
-    enum offence offence;
-    int report; /* where the tally goes before an offence; -1: nowhere */
-    struct tally tally;
-};
+static enum offence planned;
+static int report_to; /* where the tally goes before the offence; -1: nowhere */
 
-static double one(struct lab *lab)
-{
-    return random_in(&lab->random, -1.0, 1.0);
-}
-
-/* A code that is not DPT_OK: some are asked for, and the tally tells how many. */
-static void result_is(struct lab *lab, dpt_result result)
-{
-    lab->tally.refused += result != DPT_OK && dpt_result_text(result) != NULL;
-}
-
-static void answer_is(struct lab *lab, const void *answer, size_t size)
-{
-    for (size_t i = 0; i < size; i++)
-        lab->tally.answers =
-            (lab->tally.answers ^ ((const unsigned char *)answer)[i]) * 0x100000001b3u;
-}
-
-static dpt_pose pose_now(struct lab *lab)
-{
-    dpt_pose pose;
-    double size = 0.0;
-    for (int k = 0; k < 4; k++)
-        size += lab->turn[k] * lab->turn[k];
-    for (int k = 0; k < 4; k++)
-        pose.orientation[k] = lab->turn[k] / sqrt(size);
-    memcpy(pose.position, lab->centre, sizeof pose.position);
-    return pose;
-}
-
-static dpt_segment segment_now(struct lab *lab, double length)
-{
-    dpt_segment segment = { .radius = 0.002 };
-    for (int k = 0; k < 3; k++) {
-        segment.a[k] = lab->centre[k] - length * lab->turn[k];
-        segment.b[k] = lab->centre[k] + length * lab->turn[k];
-    }
-    return segment;
-}
-
-/* A rigid tool of three parts, a free line, a ball. */
-static void add_tool(struct lab *lab, int which)
-{
-    static const dpt_segment rigid[RIGID] = { { { -0.08, 0, 0 }, { 0.08, 0, 0 }, 0.004 },
-                                              { { 0.08, 0, 0 }, { 0.1, 0.02, 0 }, 0.002 },
-                                              { { 0.08, 0, 0 }, { 0.1, -0.02, 0 }, 0 } };
-    static const dpt_segment line = { { -0.1, 0, 0 }, { 0.1, 0, 0 }, 0 };
-    static const dpt_segment ball = { { 0, 0, 0.03 }, { 0, 0, 0.03 }, 0.01 };
-    const dpt_segment *segments = which == 0 ? rigid : which == 1 ? &line : &ball;
-    result_is(lab, dpt_tool_add(lab->world, segments, which == 0 ? RIGID : 1, &lab->tool[which]));
-}
-
-/* 0 where the machine does not have the kernel. */
-static int open_lab(struct lab *lab, const struct scene *scene, uint32_t kernel)
-{
-    dpt_world_def def;
-    dpt_baseline_def baseline;
-    dpt_world_def_init(&def);
-    dpt_baseline_def_init(&baseline);
-    def.max_bodies = BODIES;
-    def.max_tools = TOOLS;
-    def.max_segments = SEGMENTS;
-    def.method = scene->method;
-    def.kernel = kernel;
-    def.until = scene->until;
-    baseline.parts = scene->parts;
-    baseline.one_step = scene->one_step;
-    def.baseline = &baseline;
-    def.certificate_bytes = scene->certificate_bytes;
-    def.strip = scene->strip;
-    def.margin = 0.01;
-    lab->scene = scene;
-    dpt_result result = dpt_world_create(room, room_bytes, &def, &lab->world);
-    lab->tally.unmade += result != DPT_OK && result != DPT_E_UNSUPPORTED;
-    if (result != DPT_OK)
-        return 0;
-    lab->random = 1;
-    for (int k = 0; k < 3; k++)
-        lab->centre[k] = lab->way[k] = 0.1 * one(lab);
-    for (int k = 0; k < 4; k++)
-        lab->turn[k] = one(lab);
-    for (int i = 0; i < BODIES; i++) {
-        dpt_pose pose = { { 0.1 * i, 0.03 * i, 0.0 }, { 1.0, 0.0, 0.0, 0.0 } };
-        const dpt_mesh *mesh = NULL;
-        result_is(lab, dpt_mesh_open(meshes[i].compiled.bytes, meshes[i].compiled.size, &mesh));
-        result_is(lab, dpt_body_add(lab->world, mesh, &pose, &lab->body[i]));
-    }
-    for (int i = 0; i < TOOLS; i++)
-        add_tool(lab, i);
-    return 1;
-}
-
-/* Through the meshes, which stand about the origin, and out on the other side. */
-static void move(struct lab *lab, uint32_t tick)
-{
-    for (int k = 0; k < 3; k++) {
-        lab->way[k] += 0.2 * one(lab) - 0.02 * lab->way[k] - 0.3 * lab->centre[k];
-        lab->centre[k] += 1e-3 * lab->way[k];
-    }
-    for (int k = 0; k < 4; k++)
-        lab->turn[k] = 0.999 * lab->turn[k] + 0.03 * one(lab);
-    dpt_pose pose = pose_now(lab), body_pose = { { 0.2, 0.06, 0.0 }, { 1.0, 0.0, 0.0, 0.0 } };
-    dpt_segment line = segment_now(lab, 0.2);
-    body_pose.position[2] = 1e-4 * (double)(tick % 500);
-    result_is(lab, dpt_body_set_pose(lab->world, lab->body[2], &body_pose));
-    result_is(lab, dpt_tool_set_pose(lab->world, lab->tool[0], &pose));
-    result_is(lab, dpt_tool_set_segments(lab->world, lab->tool[1], &line, 1));
-    result_is(lab, dpt_tool_set_pose(lab->world, lab->tool[2], &pose));
-}
-
-/* What does not happen each tick, or should not. */
-static void disturb(struct lab *lab, uint32_t tick)
-{
-    const dpt_pose identity = DPT_POSE_IDENTITY;
-    dpt_pose bad = identity;
-    dpt_segment line = segment_now(lab, 0.1);
-    bad.position[1] = NAN;
-    line.b[2] = INFINITY;
-    if (tick % 61 == 1)
-        result_is(lab, dpt_tool_set_pose(lab->world, lab->tool[0], &bad));
-    if (tick % 61 == 2)
-        result_is(lab, dpt_tool_set_segments(lab->world, lab->tool[1], &line, 1));
-    if (tick % 61 == 3)
-        result_is(lab, dpt_body_set_pose(lab->world, lab->body[2], tick % 2 ? &bad : NULL));
-    if (tick % 61 == 4)
-        result_is(lab, dpt_body_set_pose(lab->world, lab->tool[0], &identity));
-    if (tick % 97 == 50)
-        result_is(lab, dpt_tool_teleport(lab->world, lab->tool[tick % TOOLS], &identity));
-    if (tick % 101 == 50) {
-        dpt_body *body = &lab->body[tick % BODIES];
-        result_is(lab, dpt_body_remove(lab->world, *body));
-        result_is(lab, dpt_body_set_pose(lab->world, *body, &identity));
-        result_is(lab, dpt_body_add(lab->world, meshes[tick % BODIES].mesh, &identity, body));
-    }
-    if (tick % 103 == 50) {
-        int which = (int)(tick % TOOLS);
-        result_is(lab, dpt_tool_remove(lab->world, lab->tool[which]));
-        add_tool(lab, which);
-    }
-    if (tick % 301 == 300)
-        result_is(lab, dpt_world_reset(lab->world));
-}
-
-static void read_answers(struct lab *lab)
-{
-    for (uint32_t i = 0; i < TOOLS; i++) {
-        dpt_hit hit = DPT_HIT_INIT, part = DPT_HIT_INIT;
-        dpt_wrench wrench;
-        dpt_overlap overlaps[4] = { { .size = sizeof *overlaps } };
-        uint32_t count;
-        result_is(lab, dpt_tool_get_hit(lab->world, lab->tool[i], &hit));
-        result_is(lab, dpt_tool_get_segment_hit(lab->world, lab->tool[i], i == 0 ? 2 : 0, &part));
-        result_is(lab, dpt_tool_get_wrench(lab->world, lab->tool[i], &wrench));
-        answer_is(lab, &hit, sizeof hit);
-        answer_is(lab, &part, sizeof part);
-        result_is(lab, dpt_tool_get_strip(lab->world, lab->tool[i], 0, overlaps, 4, &count, NULL));
-        answer_is(lab, &wrench, sizeof wrench);
-        answer_is(lab, overlaps, sizeof overlaps);
-        lab->tally.strips += count > 4;
-        lab->tally.stale += hit.status == DPT_STATUS_STALE;
-        lab->tally.local += hit.status == DPT_STATUS_LOCAL;
-        lab->tally.exact += hit.status == DPT_STATUS_EXACT;
-        lab->tally.crossing += (hit.flags & DPT_HIT_FLAG_CROSSING) != 0;
-        lab->tally.forces += wrench.force[0] != 0.0;
-    }
-}
-
-/* The calls without a world: of every method, the last of which they refuse. */
-static void query(struct lab *lab, uint32_t tick)
-{
-    static const double radii[QUERIES] = { 0.0, 0.001, 0.01, 0.1 };
-    const dpt_query_def def = { .size = sizeof def, .method = tick / 8 % 4 };
-    const dpt_mesh *mesh = meshes[tick / 32 % BODIES].mesh;
-    dpt_pose pose = pose_now(lab);
-    dpt_hit hits[QUERIES] = { DPT_HIT_INIT };
-    double ends[6 * QUERIES], corners[9], s, p[3], q[3];
-    for (int i = 0; i < 6 * QUERIES; i++)
-        ends[i] = 0.3 * one(lab);
-    ends[7] = tick % 3 ? ends[7] : NAN;
-    result_is(lab, dpt_query_segments(mesh, tick % 5 ? &pose : NULL, ends, tick % 7 ? radii : NULL,
-                                      QUERIES, hits, &def));
-    answer_is(lab, hits, sizeof hits);
-    result_is(lab, dpt_mesh_get_triangle(mesh, tick, corners));
-    double distance = dpt_segment_triangle(ends, ends + 9, &s, p, q);
-    answer_is(lab, &distance, sizeof distance);
-}
-
-static void offend(struct lab *lab)
+static void offend(const struct busy_tally *tally)
 {
 #ifdef CAN_FORBID_CALLS
     void *volatile block = NULL;
     struct timespec time;
-    if (lab->report >= 0 && write(lab->report, &lab->tally, sizeof lab->tally) < 0)
+    if (report_to >= 0 && write(report_to, tally, sizeof *tally) < 0)
         return;
-    switch (lab->offence) {
+    switch (planned) {
     case A_CALL:
         syscall(SYS_getpid);
         break;
@@ -344,46 +118,33 @@ static void offend(struct lab *lab)
     }
     free(block);
 #else
-    (void)lab;
+    (void)tally;
 #endif
 }
 
-static void run_ticks(struct lab *lab, uint32_t begin, uint32_t end)
-{
-    for (uint32_t tick = begin; tick < end; tick++) {
-        dpt_step step = { .size = tick % 59 == 58 ? 4 : sizeof step };
-        move(lab, tick);
-        disturb(lab, tick);
-        if (lab->offence != NONE && lab->tally.ticks == OFFENCE_AT)
-            offend(lab);
-        result_is(lab, dpt_world_step(lab->world, tick % 53 == 52 ? NAN : 1e-3, &step));
-        read_answers(lab);
-        if (tick % 8 == 0)
-            query(lab, tick);
-        lab->tally.ticks++;
-    }
-}
-
 /* Every scene with every kernel that is here; with an offence, as far as it takes to commit it. */
-static struct tally run(enum offence offence, int report)
+static struct busy_tally run(enum offence offence, int report)
 {
-    struct lab lab = { .offence = offence, .report = report };
+    struct busy_world busy = { .interrupt_at = OFFENCE_AT,
+                               .interrupt = offence == NONE ? NULL : offend };
+    planned = offence;
+    report_to = report;
     uint64_t before = allocations;
     for (uint32_t kernel = DPT_KERNEL_SCALAR; kernel <= DPT_KERNEL_NEON; kernel++)
-        for (int i = 0; i < SCENES; i++)
-            if ((offence == NONE || lab.tally.ticks <= OFFENCE_AT) &&
-                open_lab(&lab, &scenes[i], kernel))
-                run_ticks(&lab, 0, (uint32_t)part_of(scenes[i].ticks));
-    lab.tally.allocations = allocations - before;
-    return lab.tally;
+        for (int i = 0; i < BUSY_SCENES; i++)
+            if ((offence == NONE || busy.tally.ticks <= OFFENCE_AT) &&
+                busy_world_open(&busy, &busy_scenes[i], kernel))
+                busy_world_run(&busy, 0, (uint32_t)part_of(busy_scenes[i].ticks));
+    busy.tally.allocations = allocations - before;
+    return busy.tally;
 }
 
-static struct tally usual; /* without an offence, calls allowed */
+static struct busy_tally usual; /* without an offence, calls allowed */
 
 /* Before anything is concluded from its silence: the run does what it says. */
 static void the_run_walks_every_path(void)
 {
-    uint64_t answers = TOOLS * usual.ticks;
+    uint64_t answers = BUSY_TOOLS * usual.ticks;
     CHECK(usual.ticks >= part_of(5000), "%llu ticks", (unsigned long long)usual.ticks);
     CHECK(usual.unmade == 0, "%llu worlds not made", (unsigned long long)usual.unmade);
     CHECK(usual.stale > answers / 100 && usual.stale < answers / 5, "%llu of %llu stale",
@@ -404,7 +165,7 @@ static void the_run_walks_every_path(void)
 static void ticks_allocate_nothing(void)
 {
     CHECK(usual.allocations == 0, "%llu calls", (unsigned long long)usual.allocations);
-    struct tally tally = run(A_SMALL_BLOCK, -1);
+    struct busy_tally tally = run(A_SMALL_BLOCK, -1);
     CHECK(tally.allocations == 2, "of a malloc and a free %llu are counted",
           (unsigned long long)tally.allocations);
 }
@@ -415,7 +176,7 @@ static void ticks_allocate_nothing(void)
 struct ending {
     int status;
     size_t bytes;
-    struct tally report[2];
+    struct busy_tally report[2];
 };
 
 enum { REFUSED = 77 };
@@ -448,7 +209,7 @@ static void be_the_child(enum offence offence, int report)
     dup2(report, STDERR_FILENO);
     if (!forbid_calls())
         syscall(SYS_exit, REFUSED);
-    struct tally tally = run(offence, report);
+    struct busy_tally tally = run(offence, report);
     int written = write(report, &tally, sizeof tally) == sizeof tally;
     syscall(SYS_exit, written ? 0 : 1); /* _exit is another call, which strict mode kills */
 }
@@ -535,17 +296,18 @@ static int faults_are_counted(void)
 static void steady_ticks_touch_no_new_page(void)
 {
     enum { ROUNDS = 5, TICKS = 500, FIRST = 20 };
-    for (int i = 0; i < SCENES; i++) {
-        struct lab lab = { .report = -1 };
-        uint32_t ticks = scenes[i].ticks < TICKS ? scenes[i].ticks : TICKS;
+    for (int i = 0; i < BUSY_SCENES; i++) {
+        struct busy_world busy = { .interrupt = NULL };
+        uint32_t ticks = busy_scenes[i].ticks < TICKS ? busy_scenes[i].ticks : TICKS;
+        ticks = (uint32_t)part_of(ticks);
         long least = -1, all = 0, begin = faults_until_now();
-        if (!open_lab(&lab, &scenes[i], DPT_KERNEL_AUTO))
+        if (!busy_world_open(&busy, &busy_scenes[i], DPT_KERNEL_AUTO))
             continue;
-        run_ticks(&lab, 0, FIRST);
+        busy_world_run(&busy, 0, FIRST);
         long first = faults_until_now() - begin;
         for (uint32_t round = 0; round < ROUNDS; round++) {
             long before = faults_until_now();
-            run_ticks(&lab, round * ticks, (round + 1) * ticks);
+            busy_world_run(&busy, round * ticks, (round + 1) * ticks);
             long faults = faults_until_now() - before;
             least = least < 0 || faults < least ? faults : least;
             all += faults;
@@ -557,32 +319,10 @@ static void steady_ticks_touch_no_new_page(void)
 }
 #endif
 
-static int prepare(void)
-{
-    static const struct {
-        const char *name;
-        uint64_t triangles;
-    } shapes[BODIES] = { { "torus", 1000 }, { "liver", 2000 }, { "membrane", 0 } };
-    dpt_world_def def;
-    dpt_baseline_def baseline;
-    dpt_world_def_init(&def); /* larger in all but the parts */
-    dpt_baseline_def_init(&baseline);
-    def.method = DPT_METHOD_PAPER;
-    def.baseline = &baseline;
-    baseline.parts = 16;
-    def.strip = DPT_STRIP_KIND_ROUTES;
-    room_bytes = dpt_world_bytes(&def);
-    room = malloc(room_bytes);
-    for (int i = 0; i < BODIES; i++)
-        if (!fixture_from_shape(&meshes[i], shapes[i].name, shapes[i].triangles))
-            return 0;
-    return room != NULL;
-}
-
 int main(int argc, char **argv)
 {
     take_percent(argc, argv);
-    int ready = prepare();
+    int ready = busy_worlds_prepare();
     CHECK(ready, "no meshes or no memory");
     if (!ready) {
         check_failed++;
@@ -616,8 +356,6 @@ int main(int argc, char **argv)
     SKIP("ticks_call_nothing", "not Linux, or the sanitizer makes calls of its own");
     SKIP("a_call_would_be_seen", "not Linux, or the sanitizer makes calls of its own");
 #endif
-    for (int i = 0; i < BODIES; i++)
-        fixture_free(&meshes[i]);
-    free(room);
+    busy_worlds_free();
     return check_report();
 }

@@ -24,11 +24,11 @@ enum { CELLS = 16, VERTICES = (CELLS + 1) * (CELLS + 1) };
 
 static struct fixture sheet;
 static unsigned long slide_count = 40;
-static uint64_t rng = 1;
+static uint64_t sheet_random = 1;
 
 static double any(double low, double high)
 {
-    return random_in(&rng, low, high);
+    return random_in(&sheet_random, low, high);
 }
 
 /* A flat square at z = 0, front upward, with a square hole in its middle. */
@@ -148,10 +148,10 @@ static void turned(const struct slide *slide, double heading, double u[3])
 static void judge(struct slide *slide, const double end[2][3], double motion, struct sums *sums)
 {
     dpt_hit hit = DPT_HIT_INIT;
-    dpt_force_report said = { .size = sizeof said };
+    dpt_force_report report = { .size = sizeof report };
     dpt_tool_get_hit(slide->world, slide->tool, &hit);
-    dpt_tool_get_force_report(slide->world, slide->tool, &said);
-    const double *f = said.wrench.force, *g = slide->last.wrench.force;
+    dpt_tool_get_force_report(slide->world, slide->tool, &report);
+    const double *f = report.wrench.force, *g = slide->last.wrench.force;
     const double force = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
     const double jump = sqrt((f[0] - g[0]) * (f[0] - g[0]) + (f[1] - g[1]) * (f[1] - g[1]) +
                              (f[2] - g[2]) * (f[2] - g[2]));
@@ -187,10 +187,10 @@ static void judge(struct slide *slide, const double end[2][3], double motion, st
               truth.deepest, jump, motion);
     }
     slide->was_judged = judged || truth.deepest <= 0.0;
-    slide->last = said;
+    slide->last = report;
 }
 
-static void go(struct slide *slide, const double at[3], double heading, struct sums *sums)
+static void add_scaled(struct slide *slide, const double at[3], double heading, struct sums *sums)
 {
     double u[3], end[2][3], motion = 0.0;
     turned(slide, heading, u);
@@ -223,8 +223,8 @@ static void one_slide(double radius_most, struct sums *sums)
                            .low = any(0.004, 0.025) };
     dpt_world_def def;
     dpt_body body;
-    const int kind = (int)(random_bits(&rng) % 4);
-    if (random_bits(&rng) % 4 == 0)
+    const int kind = (int)(random_bits(&sheet_random) % 4);
+    if (random_bits(&sheet_random) % 4 == 0)
         slide.low = any(0.1, 1.0) * radius_most + 1e-4; /* through by less than its radius, say */
     slide.tilt = kind == 0 ? 0.0 : kind == 1 ? 1.5707963267948966 : acos(any(0.0, 1.0));
     slide.turn = kind == 2 ? any(-2e-3, 2e-3) : 0.0;
@@ -238,9 +238,10 @@ static void one_slide(double radius_most, struct sums *sums)
         dpt_tool_add(slide.world, &none, 1, &slide.tool) != DPT_OK)
         exit(2);
     double heading = any(0.0, 6.2831853), down = slide.half * cos(slide.tilt);
-    double at[3] = { 0.055 * (random_bits(&rng) % 2 ? 1.0 : -1.0), any(-0.055, 0.055), 0.0 };
+    double at[3] = { 0.055 * (random_bits(&sheet_random) % 2 ? 1.0 : -1.0), any(-0.055, 0.055),
+                     0.0 };
     for (at[2] = down + slide.radius + 0.002; at[2] > down - slide.low; at[2] -= 5e-4)
-        go(&slide, at, heading, NULL);
+        add_scaled(&slide, at, heading, NULL);
     slide.last = (dpt_force_report){ .size = sizeof slide.last };
     dpt_tool_get_force_report(slide.world, slide.tool, &slide.last);
     const double to[2] = { cos(slide.way), sin(slide.way) };
@@ -248,7 +249,7 @@ static void one_slide(double radius_most, struct sums *sums)
         at[0] += slide.speed * to[0];
         at[1] += slide.speed * to[1];
         heading += slide.turn * slide.speed * 1e3;
-        go(&slide, at, heading, sums);
+        add_scaled(&slide, at, heading, sums);
     }
     free(block);
 }
@@ -277,10 +278,7 @@ static void a_capsule_slides_off_without_a_jump(void)
 
 int main(int argc, char **argv)
 {
-    if (argc > 1)
-        slide_count = strtoul(argv[1], NULL, 10);
-    if (argc > 2)
-        rng = strtoull(argv[2], NULL, 10);
+    take_count(argc, argv, &slide_count, &sheet_random);
     if (!make_sheet())
         return check_report();
     TEST(a_line_slides_off_without_a_jump);

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * From which side a tool came through a sheet, with budgets that leave sweeps and contacts undecided for some ticks, and
- * whatever may happen meanwhile: another crossing, the way back, a sheet that moves, comes or goes, a step that fails. A
- * side may be unknown, or lost where the way was; it may never be the wrong one. The truth is the path that was taken.
+ * From which side a tool came through a sheet, with budgets that leave sweeps and contacts undecided for some ticks,
+ * and whatever may happen meanwhile: another crossing, the way back, a sheet that moves, comes or goes, a step that
+ * fails. A side may be unknown, or lost where the way was; it may never be the wrong one. The truth is the path that
+ * was taken.
  *
  * Usage: test_sheet_sides_budget [worlds = 250] [seed = 1].
  */
@@ -10,7 +11,7 @@
 #include "lib/random.h"
 #include "world/sheet_truth.h"
 
-static uint64_t rng = 1;
+static uint64_t random_state = 1;
 static unsigned long world_count = 250;
 static struct fixture sheet; /* 0.2 m square, z = 0 */
 
@@ -18,12 +19,12 @@ enum { MOST = 3000, ALWAYS = 2 };
 
 static double any(double low, double high)
 {
-    return random_in(&rng, low, high);
+    return random_in(&random_state, low, high);
 }
 
 static uint32_t below(uint32_t n)
 {
-    return (uint32_t)(random_bits(&rng) % n);
+    return (uint32_t)(random_bits(&random_state) % n);
 }
 
 struct scene {
@@ -112,8 +113,8 @@ static void begin_at(struct scene *scene, double x, double z)
 }
 
 /*
- * What happens, and to which side it must not push: down (+1), up (-1). Where a way was given up it may, but for what says so
- * ALWAYS.
+ * What happens, and to which side it must not push: down (+1), up (-1). Where a way was given up it may, but for what
+ * says so ALWAYS.
  */
 static int through_by_radius_then_axis(struct scene *scene, uint32_t budget)
 {
@@ -357,7 +358,10 @@ static void no_regions_no_sides(void)
     free(block);
 }
 
-/* A free tool, and the side of the sheet that its segment is on by the path it took; 0 where the library may have lost it. */
+/*
+ * A free tool, and the side of the sheet that its segment is on by the path it took; 0 where the library may have lost
+ * it.
+ */
 struct subject {
     dpt_segment segment;
     dpt_tool tool[2];
@@ -485,10 +489,7 @@ static void sides_are_of_the_way_that_was_taken(void)
 
 int main(int argc, char **argv)
 {
-    if (argc > 1)
-        world_count = strtoul(argv[1], NULL, 10);
-    if (argc > 2)
-        rng = strtoull(argv[2], NULL, 10);
+    take_count(argc, argv, &world_count, &random_state);
     if (!fixture_from_shape(&sheet, "membrane", 512))
         return check_report();
     TEST(no_push_to_the_wrong_side);

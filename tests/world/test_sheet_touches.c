@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Touches, corners, borders and holes of open sheets: what comes to a vertex or an edge, or past the border, and stays in
- * front, is not deep; what goes through a corner is.
+ * Touches, corners, borders and holes of open sheets: what comes to a vertex or an edge, or past the border, and stays
+ * in front, is not deep; what goes through a corner is.
  *
  * Usage: test_sheet_touches [crossings = 100000] [seed = 1]; of a hole there is a way for each hundred of them.
  */
@@ -13,15 +13,16 @@ static unsigned long crossing_count = 100000;
 static uint32_t first_contact(struct sheet *sheet, const struct state *state)
 {
     struct scene scene;
-    struct said said = { .hit.contact = UINT32_MAX };
+    struct tick_answer answer = { .hit.contact = UINT32_MAX };
     if (scene_begin(&scene, sheet, 0, NULL)) {
-        place(&scene, state, 1);
-        tick(&scene, &said);
-        CHECK(said.hit.contact == DPT_CONTACT_UNKNOWN || fabs(said.hit.gap) <= said.hit.error_bound,
-              "%s: gap %g", sheet->name, said.hit.gap);
+        scene_place(&scene, state, 1);
+        scene_tick(&scene, &answer);
+        CHECK(answer.hit.contact == DPT_CONTACT_UNKNOWN ||
+                  fabs(answer.hit.gap) <= answer.hit.error_bound,
+              "%s: gap %g", sheet->name, answer.hit.gap);
     }
     free(scene.block);
-    return said.hit.contact;
+    return answer.hit.contact;
 }
 
 /* An axis that comes to a vertex or an edge, and stays on its side of the sheet, is known from the first tick on. */
@@ -59,7 +60,7 @@ static void a_touch_does_not_go_through(void)
             memcpy(state.end, c[i].end, sizeof state.end);
             uint32_t contact = first_contact(&sheet, &state);
             CHECK(contact == (c[i].touches ? DPT_CONTACT_TOUCHING : DPT_CONTACT_UNKNOWN),
-                  "tent: contact %u%s", contact, text_of(&state, &state));
+                  "tent: contact %u%s", contact, motion_text(&state, &state));
         }
     sheet_free(&sheet);
     if (sheet_from_shape(&sheet, "cloth", 800, 0.0))
@@ -68,8 +69,8 @@ static void a_touch_does_not_go_through(void)
 }
 
 /*
- * Through a bowl, back in front of it, and then round its border without meeting anything: what is behind then is not deep. A
- * tick each, of a body that turns by half a radian.
+ * Through a bowl, back in front of it, and then round its border without meeting anything: what is behind then is not
+ * deep. A tick each, of a body that turns by half a radian.
  */
 static void round_the_border_is_in_front(void)
 {
@@ -109,15 +110,19 @@ static void round_the_border_is_in_front(void)
             struct ride ride = { .scene = &scene, .sums = &sums };
             for (int i = 0; i < 4; i++)
                 ride_tick(&ride, &way[order[i]], i == 0, -1.0);
-            CHECK(sums.sided == 2 && sums.clean == 2 && ride.knows == CLEAN,
-                  "through in %lu ticks, free in %lu, then %d", sums.sided, sums.clean, ride.knows);
+            CHECK(sums.sided == 2 && sums.clean == 2 && ride.knowledge == UNCROSSED,
+                  "through in %lu ticks, free in %lu, then %d", sums.sided, sums.clean,
+                  ride.knowledge);
         }
         free(scene.block);
     }
     sheet_free(&sheet);
 }
 
-/* Through a corner of a bowl within one tick, its ends passing beside: then what is behind lies between points that are not. */
+/*
+ * Through a corner of a bowl within one tick, its ends passing beside: then what is behind lies between points that are
+ * not.
+ */
 static void through_a_corner_is_behind(void)
 {
     static const double from[2][3] = { { -0.026655499654475, -0.20307381662083, 0.0011775914167 },
@@ -139,7 +144,7 @@ static void through_a_corner_is_behind(void)
                                      .tool = DPT_POSE_IDENTITY,
                                      .body = DPT_POSE_IDENTITY };
                 for (int e = 0; e < 2; e++)
-                    go(now.end[e], from[e], i, pace);
+                    add_scaled(now.end[e], from[e], i, pace);
                 ride_tick(&ride, &now, i == 0, -1.0);
             }
             CHECK(sums.behind == 2, "behind in %lu ticks", sums.behind);
@@ -169,7 +174,7 @@ static void a_way_through_a_hole_is_free(void)
         struct ride ride = { .scene = &scene, .sums = &sums };
         struct state state[2];
         double over = power_in(-4.0, -2.7), height = power_in(-4.0, -2.3), w = 0.3 / 16.0;
-        double beside = over * random_in(&rng, 1.2, 4.0), u[3];
+        double beside = over * random_in(&sheet_random, 1.2, 4.0), u[3];
         double length = one_in(2) ? 0.0 : 0.3 * over,
                radius = one_in(2) ? 0.0 : power_in(-4.0, -2.5);
         any_unit(u);
@@ -180,7 +185,7 @@ static void a_way_through_a_hole_is_free(void)
                 .free = 1, .radius = radius, .tool = DPT_POSE_IDENTITY, .body = DPT_POSE_IDENTITY
             };
             memcpy(state[k].end[0], at, sizeof at);
-            go(state[k].end[1], at, fmin(length, 0.5 * height), u);
+            add_scaled(state[k].end[1], at, fmin(length, 0.5 * height), u);
         }
         for (int k = 0; k < 4; k++)
             ride_tick(&ride, &state[k % 2], k == 0, -1.0);
@@ -193,10 +198,7 @@ static void a_way_through_a_hole_is_free(void)
 
 int main(int argc, char **argv)
 {
-    if (argc > 1)
-        crossing_count = strtoul(argv[1], NULL, 10);
-    if (argc > 2)
-        rng = strtoull(argv[2], NULL, 10);
+    take_count(argc, argv, &crossing_count, &sheet_random);
     TEST(a_touch_does_not_go_through);
     TEST(round_the_border_is_in_front);
     TEST(through_a_corner_is_behind);

@@ -1,13 +1,35 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Open sheets and thin bodies, through the world's calls: tools that go through at any speed, in any way, are told, kept
- * to their side and pushed back to it; those that do not go through are left alone.
+ * Open sheets and thin bodies, through the world's calls: tools that go through at any speed, in any way, are told,
+ * kept to their side and pushed back to it; those that do not go through are left alone.
  *
  * Usage: test_sheets [crossings = 100000] [seed = 1].
  */
 #include "world/sheet_flight.h"
 
 static unsigned long crossing_count = 100000;
+
+/* A sweep of the flat square, which met something at `meeting` if it crosses, at `speed` along z. */
+static void check_flat_sweep(struct ride *ride, const struct state *from, const struct state *to,
+                             const dpt_sweep *sweep, int crosses, double meeting, double speed,
+                             double *late)
+{
+    const double side = ride->side;
+    if (!crosses) {
+        CHECK(sweep->status == DPT_SWEEP_FREE && sweep->time == 1.0, "invented: %u at %.17g%s",
+              sweep->status, sweep->time, motion_text(from, to));
+    } else {
+        double early = 1.0001e-6 * ride->scene->sheet->diagonal / speed;
+        ride->sums->met++;
+        const int hit = sweep->status == DPT_SWEEP_HIT;
+        CHECK(hit && sweep->time <= meeting + 1e-9 && sweep->time >= meeting - early - 1e-9,
+              "met at %.17g: sweep %u at %.17g%s", meeting, sweep->status, sweep->time,
+              motion_text(from, to));
+        CHECK(!hit || side * sweep->normal[2] > 0.999999, "normal %g%s", sweep->normal[2],
+              motion_text(from, to));
+        *late = fmax(*late, sweep->time - meeting);
+    }
+}
 
 /*
  * The flat square once more, a tick each, with its truth in closed form: an end that comes to z = 0, or to the radius,
@@ -19,9 +41,11 @@ static void flat_crossing(struct ride *ride, double *late)
     const struct sheet *sheet = scene->sheet;
     const double normal[3] = { 0.0, 0.0, 1.0 };
     double way[3], u[3],
-        x[3] = { random_in(&rng, -0.099, 0.099), random_in(&rng, -0.099, 0.099), 0.0 };
+        x[3] = { random_in(&sheet_random, -0.099, 0.099), random_in(&sheet_random, -0.099, 0.099),
+                 0.0 };
     double length = one_in(8) ? 0.0 : power_in(-3.0, -0.30103), side = one_in(2) ? 1.0 : -1.0;
-    double radius = one_in(2) ? 0.0 : power_in(-4.0, -2.0), star = random_in(&rng, 1e-3, 1.0);
+    double radius = one_in(2) ? 0.0 : power_in(-4.0, -2.0),
+           meeting = random_in(&sheet_random, 1e-3, 1.0);
     double pace = 0.02 * power_in(-3.3, 0.0), bend[3];
     struct state from = { .free = 1, .tool = DPT_POSE_IDENTITY, .body = DPT_POSE_IDENTITY }, to;
     any_unit(way);
@@ -29,60 +53,47 @@ static void flat_crossing(struct ride *ride, double *late)
     unit3(way);
     any_direction(u, normal, way);
     /* It begins free: what is nearer than rounding touches already. */
-    way[2] = -side * fmax(fabs(way[2]) * pace, 1e-10 / star);
+    way[2] = -side * fmax(fabs(way[2]) * pace, 1e-10 / meeting);
     way[0] *= pace;
     way[1] *= pace;
     u[2] = side * fabs(u[2]);
     int crosses = !one_in(4), e = one_in(2);
-    x[2] = side * radius; /* where the lower end's axis is at the star */
+    x[2] = side * radius; /* where the lower end's axis is at the meeting */
     if (!crosses)
-        x[2] += side * (fabs(way[2]) * (1.0 - star) + 2e-6 * sheet->diagonal);
+        x[2] += side * (fabs(way[2]) * (1.0 - meeting) + 2e-6 * sheet->diagonal);
     from.radius = radius;
-    go(from.end[e], x, -star, way);
-    go(from.end[!e], from.end[e], length, u);
+    add_scaled(from.end[e], x, -meeting, way);
+    add_scaled(from.end[!e], from.end[e], length, u);
     to = from;
-    go(to.end[e], from.end[e], 1.0, way);
-    go(to.end[!e], from.end[!e], 1.0, way);
+    add_scaled(to.end[e], from.end[e], 1.0, way);
+    add_scaled(to.end[!e], from.end[!e], 1.0, way);
     if (one_in(2)) { /* the other end turns away */
         any_unit(bend);
         bend[2] = side * fabs(bend[2]);
-        go(to.end[!e], to.end[!e], pace, bend);
+        add_scaled(to.end[!e], to.end[!e], pace, bend);
     }
-    struct said said;
-    place(scene, &from, 1);
-    tick(scene, &said);
-    CHECK(said.sweep.status == DPT_SWEEP_NONE && said.hit.contact == DPT_CONTACT_SEPARATED,
-          "a first tick: sweep %u, contact %u%s", said.sweep.status, said.hit.contact,
-          text_of(&from, &from));
-    place(scene, &to, 0);
-    tick(scene, &said);
-    ride->was = from;
-    ride->was_distance = 1.0;
+    struct tick_answer answer;
+    scene_place(scene, &from, 1);
+    scene_tick(scene, &answer);
+    CHECK(answer.sweep.status == DPT_SWEEP_NONE && answer.hit.contact == DPT_CONTACT_SEPARATED,
+          "a first tick: sweep %u, contact %u%s", answer.sweep.status, answer.hit.contact,
+          motion_text(&from, &from));
+    scene_place(scene, &to, 0);
+    scene_tick(scene, &answer);
+    ride->previous = from;
+    ride->previous_distance = 1.0;
     ride->side = (int)side;
-    ride->knows = crosses && to.end[e][2] * side < 0.0 ? SIDED : CLEAN;
+    ride->knowledge = crosses && to.end[e][2] * side < 0.0 ? CROSSED : UNCROSSED;
     ride->sums->ticks++;
-    struct close close = { .distance = said.hit.distance };
-    int hit = said.sweep.status == DPT_SWEEP_HIT;
+    struct close close = { .distance = answer.hit.distance };
     double slow = fabs(to.end[e][2] - from.end[e][2]);
-    struct ends3 at = ends_between(&from, &to, fmin(1.0, star + radius / slow));
-    if (!crosses) {
-        CHECK(said.sweep.status == DPT_SWEEP_FREE && said.sweep.time == 1.0,
-              "invented: %u at %.17g%s", said.sweep.status, said.sweep.time, text_of(&from, &to));
-    } else {
-        double early = 1.0001e-6 * sheet->diagonal / fabs(way[2]);
-        ride->sums->met++;
-        CHECK(hit && said.sweep.time <= star + 1e-9 && said.sweep.time >= star - early - 1e-9,
-              "met at %.17g: sweep %u at %.17g%s", star, said.sweep.status, said.sweep.time,
-              text_of(&from, &to));
-        CHECK(!hit || side * said.sweep.normal[2] > 0.999999, "normal %g%s", said.sweep.normal[2],
-              text_of(&from, &to));
-        *late = fmax(*late, said.sweep.time - star);
-    }
+    struct ends3 at = ends_between(&from, &to, fmin(1.0, meeting + radius / slow));
+    check_flat_sweep(ride, &from, &to, &answer.sweep, crosses, meeting, fabs(way[2]), late);
     /* Where the axis comes through at the border it tells no side. */
-    struct ends3 early = ends_between(&from, &to, said.sweep.time);
-    if (ride->knows == CLEAN ||
+    struct ends3 early = ends_between(&from, &to, answer.sweep.time);
+    if (ride->knowledge == UNCROSSED ||
         fmin(border_distance(sheet, &at), border_distance(sheet, &early)) > 3e-6 * sheet->diagonal)
-        check_contact(ride, &to, &said, &close);
+        check_contact(ride, &to, &answer, &close);
 }
 
 static void a_flat_sheet_is_crossed_in_one_tick(void)
@@ -138,7 +149,7 @@ static void ways_that_bend_twice_are_swept(void)
         double end = -0.5 * v * sin(half) + c * cos(half), quarter = 0.25 * turn;
         double off = -0.25 * v * sin(quarter) + c * cos(quarter) - end,
                wide = 0.6 * v + 1.1 * fabs(c * sin(half));
-        double z = end + random_in(&rng, 0.3, 0.9) * off;
+        double z = end + random_in(&sheet_random, 0.3, 0.9) * off;
         const double corners[12] = { -wide, -0.025, z, wide,  -0.025, z,
                                      wide,  0.025,  z, -wide, 0.025,  z };
         const uint32_t two[6] = { 0, 1, 2, 0, 2, 3 };
@@ -149,10 +160,10 @@ static void ways_that_bend_twice_are_swept(void)
             !sheet_of(&sheet, "turned") || !scene_begin(&scene, &sheet, 0, NULL))
             return;
         struct flight flight = { .free = 1, .tool = DPT_POSE_IDENTITY, .body = DPT_POSE_IDENTITY };
-        flight.star = 0.5;
+        flight.meeting = 0.5;
         flight.body_axis[1] = 1.0;
         flight.body_turn = -turn;
-        double y = random_in(&rng, -0.01, 0.01), length = one_in(2) ? 0.0 : 0.01;
+        double y = random_in(&sheet_random, -0.01, 0.01), length = one_in(2) ? 0.0 : 0.01;
         for (int e = 0; e < 2; e++) {
             const double at[3] = { 0.0, y + e * length, c }, rate[3] = { v, 0.0, 0.0 };
             memcpy(flight.end[e], at, sizeof at);
@@ -168,6 +179,47 @@ static void ways_that_bend_twice_are_swept(void)
     printf("    %lu ticks, met %lu, near %lu, undecided %lu, clear %lu\n", sums.swept, sums.met,
            sums.near, sums.undecided, sums.clear);
     CHECK(sums.planned > 10, "%lu met", sums.planned);
+}
+
+/* One motion through a thin body, from outside. `passed` counts those that are outside at both ends. */
+static void pass_thin_body(struct scene *scene, struct sums *sums, int is_bead,
+                           unsigned long *passed)
+{
+    const struct sheet *sheet = scene->sheet;
+    double target[3], normal[3], way[3], u[3], pace = power_in(-2.5, -1.7);
+    struct ride ride = { .scene = scene, .sums = sums };
+    struct state from = { .free = 1, .tool = DPT_POSE_IDENTITY, .body = DPT_POSE_IDENTITY };
+    struct state to;
+    any_target(sheet, target, normal);
+    any_unit(way);
+    if (!is_bead)
+        way[2] += way[2] < 0.0 ? -0.3 : 0.3;
+    unit3(way);
+    any_across(u, way); /* sideways, in its own line, or a point */
+    if (one_in(3))
+        memcpy(u, way, sizeof u);
+    double length = one_in(4) ? 0.0 : power_in(-3.0, -1.7),
+           meeting = random_in(&sheet_random, 0.1, 0.9);
+    from.radius = one_in(2) ? 0.0 : power_in(-5.0, -3.5);
+    double share = dot3(u, way) > 0.5 ? 1.0 : random_in(&sheet_random, 0.0, 1.0);
+    for (int e = 0; e < 2; e++) {
+        add_scaled(from.end[e], target, (e - share) * length, u);
+        add_scaled(from.end[e], from.end[e], -meeting * pace, way);
+    }
+    to = from;
+    for (int e = 0; e < 2; e++)
+        add_scaled(to.end[e], from.end[e], pace, way);
+    struct ends3 at = ends_between(&from, &from, 0.0), then = ends_between(&to, &to, 0.0);
+    struct close close = closest_of_all(sheet, &at);
+    if (close.distance <= fmax(1.001 * from.radius, 1e-9))
+        return;
+    *passed += closest_of_all(sheet, &then).distance > from.radius;
+    if (height_of(sheet, at.end[0], normal, &(int){ 0 }) < 0.0)
+        return; /* inside */
+    ride_tick(&ride, &from, 1, -1.0);
+    struct truth truth = truth_of(sheet, &from, &to, from.radius);
+    ride.knowledge = SIDE_UNKNOWN;
+    ride_tick(&ride, &to, 0, truth.met == TRUTH_MET ? truth.by : -1.0);
 }
 
 /* Thin closed bodies, passed completely in one tick. */
@@ -199,40 +251,7 @@ static void thin_bodies_are_not_missed(void)
             !scene_begin(&scene, &sheet, 0, NULL))
             return;
         for (unsigned long i = 0; i < crossing_count / 20; i++) {
-            double target[3], normal[3], way[3], u[3], pace = power_in(-2.5, -1.7);
-            struct ride ride = { .scene = &scene, .sums = &sums };
-            struct state from = { .free = 1, .tool = DPT_POSE_IDENTITY, .body = DPT_POSE_IDENTITY };
-            struct state to;
-            any_target(&sheet, target, normal);
-            any_unit(way);
-            if (!body)
-                way[2] += way[2] < 0.0 ? -0.3 : 0.3;
-            unit3(way);
-            any_across(u, way); /* sideways, in its own line, or a point */
-            if (one_in(3))
-                memcpy(u, way, sizeof u);
-            double length = one_in(4) ? 0.0 : power_in(-3.0, -1.7),
-                   star = random_in(&rng, 0.1, 0.9);
-            from.radius = one_in(2) ? 0.0 : power_in(-5.0, -3.5);
-            double share = dot3(u, way) > 0.5 ? 1.0 : random_in(&rng, 0.0, 1.0);
-            for (int e = 0; e < 2; e++) {
-                go(from.end[e], target, (e - share) * length, u);
-                go(from.end[e], from.end[e], -star * pace, way);
-            }
-            to = from;
-            for (int e = 0; e < 2; e++)
-                go(to.end[e], from.end[e], pace, way);
-            struct ends3 at = ends_between(&from, &from, 0.0), then = ends_between(&to, &to, 0.0);
-            struct close close = closest_of_all(&sheet, &at);
-            if (close.distance <= fmax(1.001 * from.radius, 1e-9))
-                continue;
-            passed += closest_of_all(&sheet, &then).distance > from.radius;
-            if (height_of(&sheet, at.end[0], normal, &(int){ 0 }) < 0.0)
-                continue; /* inside */
-            ride_tick(&ride, &from, 1, -1.0);
-            struct truth truth = truth_of(&sheet, &from, &to, from.radius);
-            ride.knows = DOUBT;
-            ride_tick(&ride, &to, 0, truth.met == TRUTH_MET ? truth.by : -1.0);
+            pass_thin_body(&scene, &sums, body, &passed);
         }
         free(scene.block);
         sheet_free(&sheet);
@@ -243,9 +262,50 @@ static void thin_bodies_are_not_missed(void)
     CHECK(passed > crossing_count / 100, "%lu passed", passed);
 }
 
+enum { FIRST = 400 }; /* ticks for the search, which comes before the sweep */
+
+/* One motion in a world with a budget, and in an ample one. Returns the ticks in which the sweep was unfinished. */
+static uint32_t sweep_with_budget(struct scene *scene, struct scene *ample, struct sums *sums)
+{
+    struct sheet *sheet = scene->sheet;
+    struct flight flight;
+    struct tick_answer answer;
+    any_flight(sheet, &flight);
+    flight.body_turn = 0.0;
+    memset(flight.body_pace, 0, sizeof flight.body_pace);
+    flight.meeting = random_in(&sheet_random, 0.001, 0.999);
+    struct state from = flight_at(&flight, 0.0), to = flight_at(&flight, 1.0);
+    struct ends3 at = ends_between(&from, &from, 0.0);
+    struct close close = closest_of_all(sheet, &at);
+    if (close.distance <= fmax(1.001 * from.radius, 1e-9))
+        return 0;
+    scene_place(ample, &from, 1);
+    scene_tick(ample, &answer);
+    scene_place(ample, &to, 0);
+    scene_tick(ample, &answer);
+    uint32_t ticks = 0, most = FIRST + answer.step.work / scene->def.budget;
+    scene_place(scene, &from, 1);
+    for (scene_tick(scene, &answer); answer.hit.status != DPT_STATUS_EXACT && ticks < most; ticks++)
+        scene_tick(scene, &answer);
+    CHECK(ticks < most, "%s: budget %u, not exact%s", sheet->name, scene->def.budget,
+          motion_text(&from, &from));
+    struct ride ride = { .scene = scene, .sums = sums, .previous = from, .started = 1 };
+    ride.previous_distance = close.distance;
+    ride.previous_error = answer.hit.error_bound;
+    ticks = 0;
+    scene_place(scene, &to, 0);
+    for (scene_tick(scene, &answer); answer.sweep.status == DPT_SWEEP_UNFINISHED && ticks < most;
+         ticks++)
+        scene_tick(scene, &answer);
+    CHECK(ticks < most, "%s: budget %u, unfinished%s", sheet->name, scene->def.budget,
+          motion_text(&from, &to));
+    check_sweep(&ride, &to, &answer.sweep, -1.0);
+    return ticks;
+}
+
 /*
- * A small budget may leave the sweep unfinished: then nothing is felt. At rest it is finished, and truly, with any budget:
- * each tick goes on where the last one ended.
+ * A small budget may leave the sweep unfinished: then nothing is felt. At rest it is finished, and truly, with any
+ * budget: each tick goes on where the last one ended.
  */
 static void a_small_budget_only_delays(void)
 {
@@ -253,7 +313,6 @@ static void a_small_budget_only_delays(void)
     struct sums sums = { .worst_off = -HUGE_VAL };
     unsigned long unfinished = 0, flights = crossing_count / 25;
     uint32_t longest = 0;
-    enum { FIRST = 400 }; /* ticks for the search, which comes before the sweep */
     for (int mesh = 0; mesh < 2; mesh++) {
         if (!sheet_from_shape(&sheet, mesh ? "cloth" : "membrane", mesh ? 3200 : 512,
                               mesh ? 0.0 : 0.1))
@@ -261,49 +320,19 @@ static void a_small_budget_only_delays(void)
         struct scene scene = { NULL };
         struct scene ample = { NULL };
         for (unsigned long i = 0; i < flights / 2; i++) {
-            struct flight flight;
-            struct said said;
             if (i % 20 == 0) {
                 free(scene.block);
                 free(ample.block);
                 ample.block = NULL;
                 uint32_t most = i % 40 ? 16 : 200;
-                if (!scene_begin(&scene, &sheet, 1 + (uint32_t)(random_bits(&rng) % most), NULL) ||
+                if (!scene_begin(&scene, &sheet, 1 + (uint32_t)(random_bits(&sheet_random) % most),
+                                 NULL) ||
                     !scene_begin(&ample, &sheet, 0, &scene))
                     return;
             }
-            any_flight(&sheet, &flight);
-            flight.body_turn = 0.0;
-            memset(flight.body_pace, 0, sizeof flight.body_pace);
-            flight.star = random_in(&rng, 0.001, 0.999);
-            struct state from = flight_at(&flight, 0.0), to = flight_at(&flight, 1.0);
-            struct ends3 at = ends_between(&from, &from, 0.0);
-            struct close close = closest_of_all(&sheet, &at);
-            if (close.distance <= fmax(1.001 * from.radius, 1e-9))
-                continue;
-            place(&ample, &from, 1);
-            tick(&ample, &said);
-            place(&ample, &to, 0);
-            tick(&ample, &said);
-            uint32_t ticks = 0, most = FIRST + said.step.work / scene.def.budget;
-            place(&scene, &from, 1);
-            for (tick(&scene, &said); said.hit.status != DPT_STATUS_EXACT && ticks < most; ticks++)
-                tick(&scene, &said);
-            CHECK(ticks < most, "%s: budget %u, not exact%s", sheet.name, scene.def.budget,
-                  text_of(&from, &from));
-            struct ride ride = { .scene = &scene, .sums = &sums, .was = from, .started = 1 };
-            ride.was_distance = close.distance;
-            ride.was_error = said.hit.error_bound;
-            ticks = 0;
-            place(&scene, &to, 0);
-            for (tick(&scene, &said); said.sweep.status == DPT_SWEEP_UNFINISHED && ticks < most;
-                 ticks++)
-                tick(&scene, &said);
-            CHECK(ticks < most, "%s: budget %u, unfinished%s", sheet.name, scene.def.budget,
-                  text_of(&from, &to));
+            const uint32_t ticks = sweep_with_budget(&scene, &ample, &sums);
             unfinished += ticks;
             longest = ticks > longest ? ticks : longest;
-            check_sweep(&ride, &to, &said.sweep, -1.0);
         }
         free(scene.block);
         free(ample.block);
@@ -316,10 +345,7 @@ static void a_small_budget_only_delays(void)
 
 int main(int argc, char **argv)
 {
-    if (argc > 1)
-        crossing_count = strtoul(argv[1], NULL, 10);
-    if (argc > 2)
-        rng = strtoull(argv[2], NULL, 10);
+    take_count(argc, argv, &crossing_count, &sheet_random);
     TEST(a_flat_sheet_is_crossed_in_one_tick);
     TEST(generated_sheets_are_crossed);
     TEST(ways_that_bend_twice_are_swept);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Answers end with what they rest on: a step that fails leaves none of the last one's, and a reset world is a new one, bit
- * for bit. It cannot judge whether answers are right; others do.
+ * Answers end with what they rest on: a step that fails leaves none of the last one's, and a reset world is a new one,
+ * bit for bit. It cannot judge whether answers are right; others do.
  */
 #include <math.h>
 

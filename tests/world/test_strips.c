@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Strips in a world: the same as those that are asked for without one (tests/strip/test_strip.c), of the nearest body, on the
- * tool's side, and gone when there is nothing under the tool.
+ * Strips in a world: the same as those that are asked for without one (tests/strip/test_strip.c), of the nearest body,
+ * on the tool's side, and gone when there is nothing under the tool.
  */
 #include <math.h>
 
@@ -103,6 +103,19 @@ static void check_same(const struct lab *lab, const dpt_strip *strip, const char
           wanted, same);
 }
 
+/* A segment of some centimetres through a corner of a random triangle of the liver, which is turned and moved. */
+static void jump_to_liver(const dpt_mesh *mesh, uint64_t *random, dpt_segment *segment)
+{
+    double corners[9];
+    dpt_mesh_get_triangle(mesh, (uint32_t)random_in(random, 0.0, 5568.0), corners);
+    double x = corners[0] * 0.28 + corners[2] * 0.96, z = corners[2] * 0.28 - corners[0] * 0.96;
+    const double at[3] = { x + 0.1, corners[1] - 0.2, z + 0.3 };
+    for (int k = 0; k < 3; k++) {
+        segment->a[k] = at[k] + random_in(random, -0.04, 0.04);
+        segment->b[k] = at[k] + random_in(random, -0.04, 0.04);
+    }
+}
+
 static void shadow_is_that_of_the_nearest_pair(void)
 {
     dpt_world_def def = def_with(DPT_STRIP_KIND_SHADOW);
@@ -112,24 +125,15 @@ static void shadow_is_that_of_the_nearest_pair(void)
     struct fixture liver;
     void *block;
     uint64_t random = 5;
-    uint32_t laid = 0, deep = 0, empty = 0;
+    uint32_t near_ticks = 0, deep = 0, empty = 0;
     dpt_segment segment = lying(0.0);
     lab_open(&lab, &def, "liver", 5568, &pose, &segment);
     fixture_from_shape(&liver, "liver", 5568);
     dpt_strip *strip = alone(&block, 0);
     for (int tick = 0; tick < 3000; tick++) {
         dpt_hit hit = DPT_HIT_INIT;
-        if (tick % 50 == 0) {
-            double corners[9];
-            dpt_mesh_get_triangle(liver.mesh, (uint32_t)random_in(&random, 0.0, 5568.0), corners);
-            double x = corners[0] * 0.28 + corners[2] * 0.96,
-                   z = corners[2] * 0.28 - corners[0] * 0.96;
-            const double at[3] = { x + 0.1, corners[1] - 0.2, z + 0.3 };
-            for (int k = 0; k < 3; k++) {
-                segment.a[k] = at[k] + random_in(&random, -0.04, 0.04);
-                segment.b[k] = at[k] + random_in(&random, -0.04, 0.04);
-            }
-        }
+        if (tick % 50 == 0)
+            jump_to_liver(liver.mesh, &random, &segment);
         for (int k = 0; k < 3; k++) {
             double way = random_in(&random, -3e-4, 3e-4);
             segment.a[k] += way;
@@ -145,7 +149,7 @@ static void shadow_is_that_of_the_nearest_pair(void)
             empty++;
             continue;
         }
-        laid++;
+        near_ticks++;
         deep += hit.distance == 0.0;
         if (hit.distance == 0.0)
             continue;
@@ -162,8 +166,8 @@ static void shadow_is_that_of_the_nearest_pair(void)
         CHECK(dpt_strip_shadow(strip, liver.mesh, &pose, &shadow) == DPT_OK, "shadow");
         check_same(&lab, strip, "shadow");
     }
-    CHECK(laid > 500 && deep > 100 && empty > 100, "%u laid, %u crossing, %u away", laid, deep,
-          empty);
+    CHECK(near_ticks > 500 && deep > 100 && empty > 100, "%u near_ticks, %u crossing, %u away",
+          near_ticks, deep, empty);
     free(block);
     fixture_free(&liver);
     lab_close(&lab);

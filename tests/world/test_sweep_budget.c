@@ -117,9 +117,9 @@ static void check_same(const dpt_sweep *is, const dpt_sweep *truth, uint32_t bud
 }
 
 /*
- * One motion past some bodies, sheets and a closed one, straight or turning, with a radius or without: with any budget the
- * same in the end. No tick does more than it may, and all of them hardly more than one without a budget does: nothing is
- * swept twice. What a first search and contact cost beside is in the allowance.
+ * One motion past some bodies, sheets and a closed one, straight or turning, with a radius or without: with any budget
+ * the same in the end. No tick does more than it may, and all of them hardly more than one without a budget does:
+ * nothing is swept twice. What a first search and contact cost beside is in the allowance.
  */
 static void any_budget_comes_to_the_same(void)
 {
@@ -184,9 +184,9 @@ static void any_budget_comes_to_the_same(void)
 }
 
 /*
- * The tool goes on while its sweep lags behind, through the flat sheet or beside it, and rests at last: what it went through
- * is told once, from the side that it came from; what it passed by is not. With too little for too long the way is given up,
- * and nothing is told.
+ * The tool goes on while its sweep lags behind, through the flat sheet or beside it, and rests at last: what it went
+ * through is told once, from the side that it came from; what it passed by is not. With too little for too long the way
+ * is given up, and nothing is told.
  */
 static void a_tool_that_goes_on_misses_nothing(void)
 {
@@ -277,8 +277,8 @@ static void a_sweep_that_lags_comes_after(void)
 }
 
 /*
- * The sheet moves while the sweep is unfinished: where the tool went past it cannot be told, and as after a teleport nothing is
- * told, nor felt where the tool is free. What moves while a tool rests is told as ever.
+ * The sheet moves while the sweep is unfinished: where the tool went past it cannot be told, and as after a teleport
+ * nothing is told, nor felt where the tool is free. What moves while a tool rests is told as ever.
  */
 static void a_way_past_what_moves_is_given_up(void)
 {
@@ -393,8 +393,8 @@ static void another_radius_is_swept_anew(void)
 }
 
 /*
- * The body at which the sweep stopped is out of reach in the next tick, which sees that by its box, and that of the tool grows
- * faster than the tool moves. The next leg begins with the first body all the same.
+ * The body at which the sweep stopped is out of reach in the next tick, which sees that by its box, and that of the
+ * tool grows faster than the tool moves. The next leg begins with the first body all the same.
  */
 static void what_is_out_of_reach_is_not_waited_for(void)
 {
@@ -427,10 +427,7 @@ static void what_is_out_of_reach_is_not_waited_for(void)
 
 int main(int argc, char **argv)
 {
-    if (argc > 1)
-        motion_count = strtoul(argv[1], NULL, 10);
-    if (argc > 2)
-        rng = strtoull(argv[2], NULL, 10);
+    take_count(argc, argv, &motion_count, &rng);
     if (!fixture_from_shape(&meshes[0], "membrane", 512) ||
         !fixture_from_shape(&meshes[1], "cloth", 800) ||
         !fixture_from_shape(&meshes[2], "torus", 1200))

@@ -26,6 +26,23 @@ static void hit_must_answer(const dpt_hit *hit, const struct subject *subject, i
     triangle_must_be_there(subject, hit->triangle);
 }
 
+/* A def, and what `n` segments may fail with because of it. */
+static const void *draw_def(const dpt_query_def *good, uint32_t n, struct codes *codes)
+{
+    struct codes of_def = { .count = 0 };
+    const void *def = draw_input(2, good, draw_size(sizeof *good, sizeof *good), sizeof *good,
+                                 sizeof *good, &of_def);
+    may_fail(&of_def, good->method > DPT_METHOD_BRUTE || good->pair > 1 || good->kernel > 5,
+             DPT_E_ARGUMENT);
+    may_fail(&of_def, good->kernel != DPT_KERNEL_AUTO, DPT_E_UNSUPPORTED);
+    const int is_free = of_def.count == 1 && of_def.code[0] == DPT_E_UNSUPPORTED &&
+                        good->kernel != DPT_KERNEL_AUTO && good->kernel < 6;
+    for (int i = 0; n && i < of_def.count; i++)
+        may_fail(codes, 1, of_def.code[i]);
+    codes->or_done = n && is_free && codes->count == 1;
+    return def;
+}
+
 static void segments(void)
 {
     const struct subject *subject = draw_subject();
@@ -57,19 +74,8 @@ static void segments(void)
     may_fail(&codes, no_mesh || (n && (no_ends || no_hits)), DPT_E_ARGUMENT);
     if (n && !no_hits)
         size_codes_of_output(size, sizeof(dpt_hit), 1, &codes);
-    if (!no_def) {
-        struct codes of_def = { .count = 0 };
-        def = draw_input(2, &good, draw_size(sizeof good, sizeof good), sizeof good, sizeof good,
-                         &of_def);
-        may_fail(&of_def, good.method > DPT_METHOD_BRUTE || good.pair > 1 || good.kernel > 5,
-                 DPT_E_ARGUMENT);
-        may_fail(&of_def, good.kernel != DPT_KERNEL_AUTO, DPT_E_UNSUPPORTED);
-        const int is_free = of_def.count == 1 && of_def.code[0] == DPT_E_UNSUPPORTED &&
-                            good.kernel != DPT_KERNEL_AUTO && good.kernel < 6;
-        for (int i = 0; n && i < of_def.count; i++)
-            may_fail(&codes, 1, of_def.code[i]);
-        codes.or_done = n && is_free && codes.count == 1;
-    }
+    if (!no_def)
+        def = draw_def(&good, n, &codes);
     if (!no_pose && n) {
         const int before = codes.count;
         pose_codes(&pose, &codes);

@@ -1,0 +1,298 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What dpt_compile_arm writes of an arm comes back when it is opened; what it refuses, it says in words. */
+#include "arm/whole_arm.h"
+#include "lib/check.h"
+
+static void expect_link(const dpt_arm_link *is, const dpt_arm_link *should)
+{
+    CHECK(is->parent == should->parent && is->joint == should->joint &&
+              is->slides == should->slides && is->factor == should->factor &&
+              is->offset == should->offset && is->mass == should->mass,
+          "a link with another number");
+    for (int k = 0; k < 3; k++)
+        CHECK(is->pose.position[k] == should->pose.position[k] &&
+                  fabs(is->axis[k] - should->axis[k]) < 1e-15 && is->centre[k] == should->centre[k],
+              "a link elsewhere");
+    for (int k = 0; k < 4; k++)
+        CHECK(fabs(is->pose.orientation[k] - should->pose.orientation[k]) < 1e-15, "turned");
+}
+
+static void what_is_compiled_comes_back(void)
+{
+    struct arm_arrays arrays;
+    dpt_arm_info info = { .size = sizeof info };
+    dpt_arm_joint joint = { .size = sizeof joint };
+    dpt_arm_link link = { .size = sizeof link };
+    dpt_arm_body body = { .size = sizeof body };
+    dpt_segment segment;
+    const dpt_arm *arm = NULL;
+    whole_arm(&arrays);
+    CHECK(dpt_arm_open(whole.bytes, whole.size, &arm) == DPT_OK && (const void *)arm == whole.bytes,
+          "it opens");
+    CHECK(dpt_arm_get_info(arm, &info) == DPT_OK, "info");
+    CHECK(info.format_version == 1 && info.joints == JOINTS && info.links == LINKS &&
+              info.segments == SEGMENTS && info.bodies == BODIES && info.tool_link == 2 &&
+              info.mass == 5.5 && info.source_bytes == 1234 &&
+              info.source_hash == 0x0123456789abcdefu && info.bytes == whole.size,
+          "another info");
+    CHECK(!memcmp(&info.tool, &arrays.def.tool, sizeof info.tool), "another tool");
+    CHECK(!strcmp(info.name, "lift") && !strcmp(info.root_name, "floor") &&
+              !strcmp(info.tool_name, "tip"),
+          "%s %s %s", info.name, info.root_name, info.tool_name);
+    for (uint32_t i = 0; i < JOINTS; i++) {
+        CHECK(dpt_arm_get_joint(arm, i, &joint) == DPT_OK, "joint %u", i);
+        CHECK(!memcmp(&joint, &arrays.joints[i], sizeof joint), "joint %u", i);
+    }
+    for (uint32_t i = 0; i < LINKS; i++) {
+        CHECK(dpt_arm_get_link(arm, i, &link) == DPT_OK, "link %u", i);
+        expect_link(&link, &arrays.links[i]);
+    }
+    for (uint32_t i = 0; i < SEGMENTS; i++) {
+        CHECK(dpt_arm_get_segment(arm, i, &segment) == DPT_OK, "segment %u", i);
+        CHECK(!memcmp(&segment, &arrays.segments[i], sizeof segment), "segment %u", i);
+    }
+    for (uint32_t i = 0; i < BODIES; i++) {
+        const dpt_mesh *mesh;
+        CHECK(dpt_arm_get_body(arm, i, &body) == DPT_OK, "body %u", i);
+        CHECK(!memcmp(&body.pose, &arrays.bodies[i].pose, sizeof body.pose) &&
+                  !strcmp(body.name, arrays.bodies[i].name),
+              "body %u", i);
+        const unsigned char *at = (const void *)body.mesh;
+        CHECK(at > whole.bytes && (size_t)(at - whole.bytes) % 64 == 0 &&
+                  body.mesh_bytes == meshes[i].size && !memcmp(at, meshes[i].bytes, meshes[i].size),
+              "mesh %u", i);
+        CHECK(dpt_mesh_open(at, body.mesh_bytes, &mesh) == DPT_OK && mesh == body.mesh, "mesh %u",
+              i);
+    }
+}
+
+static void what_is_not_there_is_refused(void)
+{
+    dpt_arm_info info = { .size = sizeof info };
+    dpt_arm_joint joint = { .size = sizeof joint };
+    dpt_arm_link link = { .size = sizeof link };
+    dpt_arm_body body = { .size = sizeof body };
+    dpt_segment segment;
+    const dpt_arm *arm = NULL;
+    CHECK(dpt_arm_open(whole.bytes, whole.size, &arm) == DPT_OK, "it opens");
+    CHECK(dpt_arm_get_joint(arm, JOINTS, &joint) == DPT_E_ARGUMENT &&
+              dpt_arm_get_link(arm, LINKS, &link) == DPT_E_ARGUMENT &&
+              dpt_arm_get_segment(arm, SEGMENTS, &segment) == DPT_E_ARGUMENT &&
+              dpt_arm_get_body(arm, BODIES, &body) == DPT_E_ARGUMENT,
+          "an index beyond");
+    CHECK(dpt_arm_get_info(NULL, &info) == DPT_E_ARGUMENT &&
+              dpt_arm_get_info(arm, NULL) == DPT_E_ARGUMENT &&
+              dpt_arm_get_joint(NULL, 0, &joint) == DPT_E_ARGUMENT &&
+              dpt_arm_get_joint(arm, 0, NULL) == DPT_E_ARGUMENT &&
+              dpt_arm_get_link(NULL, 0, &link) == DPT_E_ARGUMENT &&
+              dpt_arm_get_link(arm, 0, NULL) == DPT_E_ARGUMENT &&
+              dpt_arm_get_segment(NULL, 0, &segment) == DPT_E_ARGUMENT &&
+              dpt_arm_get_segment(arm, 0, NULL) == DPT_E_ARGUMENT &&
+              dpt_arm_get_body(NULL, 0, &body) == DPT_E_ARGUMENT &&
+              dpt_arm_get_body(arm, 0, NULL) == DPT_E_ARGUMENT,
+          "NULL");
+    info.size--;
+    joint.size--;
+    link.size--;
+    body.size--;
+    CHECK(dpt_arm_get_info(arm, &info) == DPT_E_SIZE &&
+              dpt_arm_get_joint(arm, 0, &joint) == DPT_E_SIZE &&
+              dpt_arm_get_link(arm, 0, &link) == DPT_E_SIZE &&
+              dpt_arm_get_body(arm, 0, &body) == DPT_E_SIZE,
+          "sizes");
+}
+
+/* A change to the arrays of `whole_arm`, and what is then said. */
+struct refusal {
+    void *at;
+    size_t width;
+    const void *to;
+    dpt_result code;
+    const char *text;
+};
+
+/* The arrays that are changed, and what they are changed to. */
+static struct arm_arrays a;
+static char longest[DPT_ARM_NAME + 8], unended[DPT_ARM_NAME];
+static const double nan_value = NAN, minus = -1.0, huge = 1.1e6, zero = 0.0, near = 1.000002;
+static const uint32_t none = DPT_NONE, zeros = 0, one = 1, two = 2, three = 3, many = 65;
+static const char *const long_name = longest;
+static const void *const null = NULL;
+
+#define CHANGED(field, value) &a.field, sizeof a.field, &(value)
+static const struct refusal refusals[] = {
+    { CHANGED(def.size, three), DPT_E_SIZE, "the def's size field is not set" },
+    { CHANGED(def.joint_count, zeros), DPT_E_LIMIT, "0 joints: an arm has 1 to 8" },
+    { CHANGED(def.joint_count, many), DPT_E_LIMIT, "65 joints: an arm has 1 to 8" },
+    { CHANGED(def.link_count, zeros), DPT_E_LIMIT, "0 links: an arm has 1 to 64" },
+    { CHANGED(def.link_count, many), DPT_E_LIMIT, "65 links: an arm has 1 to 64" },
+    { CHANGED(def.segment_count, many), DPT_E_LIMIT, "65 segments: an arm has 0 to 64" },
+    { CHANGED(def.body_count, many), DPT_E_LIMIT, "65 bodies: an arm has 0 to 64" },
+    { CHANGED(def.joints, null), DPT_E_ARGUMENT, "no array of joints" },
+    { CHANGED(def.links, null), DPT_E_ARGUMENT, "no array of links" },
+    { CHANGED(def.segments, null), DPT_E_ARGUMENT, "no array of segments" },
+    { CHANGED(def.bodies, null), DPT_E_ARGUMENT, "no array of bodies" },
+    { CHANGED(def.reserved, long_name), DPT_E_ARGUMENT, "the def's reserved field is not NULL" },
+    { CHANGED(def.tool_link, three), DPT_E_INDEX, "the tool: tool_link is no link" },
+    { CHANGED(def.tool.position[1], nan_value), DPT_E_FINITE,
+      "the tool: its position is not within 1e6 m" },
+    { CHANGED(def.tool.orientation[0], near), DPT_E_POSE,
+      "the tool: its orientation (w, x, y, z) is not of unit length" },
+    { CHANGED(def.name, long_name), DPT_E_LIMIT,
+      "name, root_name or tool_name has more than 63 bytes" },
+    { CHANGED(def.root_name, long_name), DPT_E_LIMIT,
+      "name, root_name or tool_name has more than 63 bytes" },
+    { CHANGED(def.tool_name, long_name), DPT_E_LIMIT,
+      "name, root_name or tool_name has more than 63 bytes" },
+    { CHANGED(joints[0].size, three), DPT_E_SIZE, "joint 0: its size is not set" },
+    { CHANGED(joints[1].kind, three), DPT_E_INDEX, "joint 1, elbow: there is no such kind" },
+    { CHANGED(joints[0].kind, zeros), DPT_E_INDEX,
+      "joint 0, rail: no link moves by it as its kind says" },
+    { CHANGED(joints[0].lower, nan_value), DPT_E_FINITE,
+      "joint 0, rail: its lower limit is not within 1e6, or not 0 though it is continuous" },
+    { CHANGED(joints[1].upper, huge), DPT_E_FINITE,
+      "joint 1, elbow: its upper limit is below the lower, or above 1e6" },
+    { CHANGED(joints[0].velocity, minus), DPT_E_FINITE,
+      "joint 0, rail: its velocity is negative or not finite" },
+    { CHANGED(joints[0].effort, nan_value), DPT_E_FINITE,
+      "joint 0, rail: its effort is negative or not finite" },
+    { CHANGED(joints[0].damping, nan_value), DPT_E_FINITE,
+      "joint 0, rail: its damping is negative or not finite" },
+    { CHANGED(joints[0].friction, minus), DPT_E_FINITE,
+      "joint 0, rail: its friction is negative or not finite" },
+    { CHANGED(joints[1].name, unended), DPT_E_LIMIT, "joint 1: its name has more than 63 bytes" },
+    { CHANGED(links[0].size, three), DPT_E_SIZE, "link 0: its size is not set" },
+    { CHANGED(links[1].parent, two), DPT_E_INDEX,
+      "link 1, elbow: its parent is no link before it" },
+    { CHANGED(links[1].joint, none), DPT_E_INDEX,
+      "link 1: its joint is not there, or comes too early on the way to the tool" },
+    { CHANGED(links[0].joint, one), DPT_E_INDEX,
+      "link 0, elbow: its joint is not there, or comes too early on the way to the tool" },
+    { CHANGED(links[0].slides, two), DPT_E_INDEX, "link 0, rail: slides is neither 0 nor 1" },
+    { CHANGED(links[2].pose.position[2], huge), DPT_E_FINITE,
+      "link 2, elbow: its position is not within 1e6 m" },
+    { CHANGED(links[2].pose.orientation[0], near), DPT_E_POSE,
+      "link 2, elbow: its orientation (w, x, y, z) is not of unit length" },
+    { CHANGED(links[0].axis[2], zero), DPT_E_POSE, "link 0, rail: its axis is not of unit length" },
+    { CHANGED(links[1].factor, zero), DPT_E_FINITE,
+      "link 1, elbow: its factor is 0 or not within 1e6" },
+    { CHANGED(links[1].offset, huge), DPT_E_FINITE, "link 1, elbow: its offset is not within 1e6" },
+    { CHANGED(links[1].mass, minus), DPT_E_FINITE,
+      "link 1, elbow: its mass is negative, or above 1e6 kg" },
+    { CHANGED(links[1].centre[0], nan_value), DPT_E_FINITE,
+      "link 1, elbow: its centre is not within 1e6 m" },
+    { CHANGED(segments[1].a[1], nan_value), DPT_E_FINITE, "segment 1: an end is not within 1e6 m" },
+    { CHANGED(segments[1].b[2], huge), DPT_E_FINITE, "segment 1: an end is not within 1e6 m" },
+    { CHANGED(segments[0].radius, minus), DPT_E_FINITE,
+      "segment 0: its radius is negative, or above 1e6 m" },
+    { CHANGED(bodies[0].size, three), DPT_E_SIZE, "body 0: its size is not set" },
+    { CHANGED(bodies[1].mesh, null), DPT_E_ARGUMENT, "body 1: it has no mesh" },
+    { CHANGED(bodies[1].pose.position[0], nan_value), DPT_E_FINITE,
+      "body 1, lamp: its position is not within 1e6 m" },
+    { CHANGED(bodies[0].pose.orientation[0], near), DPT_E_POSE,
+      "body 0, table: its orientation (w, x, y, z) is not of unit length" },
+    { CHANGED(bodies[0].name, unended), DPT_E_LIMIT, "body 0: its name has more than 63 bytes" },
+};
+
+static void refusals_name_what_is_wrong(void)
+{
+    memset(longest, 'x', sizeof longest - 1);
+    memset(unended, '\n', sizeof unended);
+    for (size_t row = 0; row < sizeof refusals / sizeof *refusals; row++) {
+        const struct refusal *refusal = &refusals[row];
+        dpt_compiled out = { &out, 1 };
+        dpt_diag diag = { .size = sizeof diag };
+        whole_arm(&a);
+        memcpy(refusal->at, refusal->to, refusal->width);
+        dpt_result result = dpt_compile_arm(&a.def, &out, &diag);
+        CHECK(result == refusal->code && diag.code == result && !strcmp(diag.text, refusal->text),
+              "row %zu: %s: %s", row, dpt_result_name(result), diag.text);
+        CHECK(!out.bytes && !out.size, "row %zu: bytes", row);
+        CHECK(dpt_compile_arm(&a.def, &out, NULL) == refusal->code, "row %zu without a diag", row);
+    }
+    dpt_compiled out;
+    dpt_diag small = { .size = 8 };
+    whole_arm(&a);
+    CHECK(dpt_compile_arm(&a.def, NULL, NULL) == DPT_E_ARGUMENT &&
+              dpt_compile_arm(NULL, &out, NULL) == DPT_E_ARGUMENT &&
+              dpt_compile_arm(&a.def, &out, &small) == DPT_E_SIZE,
+          "arguments");
+}
+
+static int no_memory;
+
+void *__real_calloc(size_t count, size_t size);
+void *__wrap_calloc(size_t count, size_t size);
+void *__wrap_calloc(size_t count, size_t size)
+{
+    return no_memory ? NULL : __real_calloc(count, size);
+}
+
+static void no_memory_is_an_error(void)
+{
+    struct arm_arrays arrays;
+    dpt_compiled out = { &out, 1 };
+    dpt_diag diag = { .size = sizeof diag };
+    whole_arm(&arrays);
+    no_memory = 1;
+    CHECK(dpt_compile_arm(&arrays.def, &out, &diag) == DPT_E_MEMORY && !out.bytes && !out.size,
+          "%s", diag.text);
+    no_memory = 0;
+    CHECK(!strcmp(diag.text, "memory ran out"), "%s", diag.text);
+}
+
+static void a_damaged_mesh_is_not_taken(void)
+{
+    struct arm_arrays arrays;
+    struct file mesh = copy_of(&meshes[0]);
+    dpt_compiled out;
+    dpt_diag diag = { .size = sizeof diag };
+    whole_arm(&arrays);
+    mesh.bytes[960] ^= 1;
+    arrays.bodies[1].mesh = (const void *)mesh.bytes;
+    CHECK(dpt_compile_arm(&arrays.def, &out, &diag) == DPT_E_CHECKSUM && !out.bytes &&
+              !strcmp(diag.text, "a body's mesh is damaged"),
+          "%s", diag.text);
+    free(mesh.bytes);
+}
+
+/* Within 1e-6 of unit length is made so; what stands behind a name is not kept. */
+static void nearly_right_is_made_right(void)
+{
+    struct arm_arrays arrays;
+    whole_arm(&arrays);
+    for (int k = 0; k < 4; k++) {
+        arrays.def.tool.orientation[k] *= 1.0 + 9e-7;
+        arrays.links[1].pose.orientation[k] *= 1.0 - 9e-7;
+        arrays.bodies[1].pose.orientation[k] *= 1.0 + 9e-7;
+    }
+    for (int k = 0; k < 3; k++)
+        arrays.links[2].axis[k] *= 1.0 - 9e-7;
+    arrays.joints[0].name[20] = 'x';
+    arrays.bodies[0].name[63] = 'x';
+    struct arm arm = arm_of(&arrays.def);
+    for (uint32_t i = 0; arm.open && i < LINKS; i++) {
+        dpt_arm_link link = { .size = sizeof link };
+        struct arm_arrays right;
+        whole_arm(&right);
+        dpt_arm_get_link(arm.open, i, &link);
+        expect_link(&link, &right.links[i]);
+    }
+    CHECK(arm.file.size == whole.size &&
+              !memcmp((char *)arm.file.bytes + AT_JOINTS, whole.bytes + AT_JOINTS, JOINTS * JOINT),
+          "another name");
+    dpt_compiled_free(&arm.file);
+}
+
+int main(void)
+{
+    make_whole();
+    TEST(what_is_compiled_comes_back);
+    TEST(what_is_not_there_is_refused);
+    TEST(refusals_name_what_is_wrong);
+    TEST(nearly_right_is_made_right);
+    TEST(no_memory_is_an_error);
+    TEST(a_damaged_mesh_is_not_taken);
+    free_whole();
+    return check_report();
+}

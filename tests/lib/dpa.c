@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "lib/dpa.h"
+
+struct file file_of_holed_shape(const char *name, uint64_t count, size_t missing)
+{
+    struct shape shape;
+    shape_reason reason;
+    dpt_compiled compiled = { NULL, 0 };
+    if (shape_make(name, count, 0, &shape, reason) == 0)
+        dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners,
+                           shape.triangle_count - missing, NULL, &compiled, NULL);
+    shape_free(&shape);
+    struct file file = file_of(compiled.bytes, compiled.size);
+    dpt_compiled_free(&compiled);
+    dpt_mesh_convert(file.bytes, file.size, NULL);
+    return file;
+}
+
+uint32_t crc_of(const unsigned char *bytes, size_t size)
+{
+    uint32_t crc = 0xffffffffu;
+    while (size--) {
+        crc ^= *bytes++;
+        for (int bit = 0; bit < 8; bit++)
+            crc = (crc >> 1) ^ (crc & 1 ? 0xedb88320u : 0);
+    }
+    return ~crc;
+}
+
+size_t header_bytes_of(const struct dpt_mesh *header)
+{
+    return header->version == 1   ? 752
+           : header->version == 2 ? 816
+           : header->version == 3 ? 928
+                                  : 944;
+}
+
+static int sections_of(const struct dpt_mesh *header)
+{
+    return header->version == 1 ? 11 : header->version == 2 ? 12 : 14;
+}
+
+void seal_header(struct file *file)
+{
+    struct dpt_mesh header = header_of(file);
+    header.header_crc32 = 0;
+    memcpy(file->bytes, &header, sizeof header);
+    header.header_crc32 = crc_of(file->bytes, header_bytes_of(&header));
+    memcpy(file->bytes, &header, sizeof header);
+}
+
+void seal(struct file *file)
+{
+    struct dpt_mesh header = header_of(file);
+    for (int id = 0; id < sections_of(&header); id++) {
+        struct mesh_section *section = &header.section[id];
+        if (section->offset <= file->size && section->bytes <= file->size - section->offset)
+            section->crc32 = crc_of(file->bytes + section->offset, (size_t)section->bytes);
+    }
+    memcpy(file->bytes, &header, sizeof header);
+    seal_header(file);
+}
+
+int section_at(const struct dpt_mesh *header, uint64_t byte)
+{
+    if (byte < header_bytes_of(header))
+        return MESH_SECTION_COUNT;
+    for (int id = 0; id < sections_of(header); id++)
+        if (byte >= header->section[id].offset &&
+            byte < header->section[id].offset + header->section[id].bytes)
+            return id;
+    return -1;
+}
+
+void reverse(unsigned char *bytes, size_t width, size_t count)
+{
+    for (; count; count--, bytes += width)
+        for (size_t i = 0; i < width / 2; i++) {
+            unsigned char t = bytes[i];
+            bytes[i] = bytes[width - 1 - i];
+            bytes[width - 1 - i] = t;
+        }
+}
+
+struct file other_order(const struct file *file)
+{
+    struct file other = copy_of(file);
+    struct dpt_mesh header = header_of(file);
+    const size_t length = header_bytes_of(&header);
+    const int sections = sections_of(&header);
+    for (int id = 0; id < sections; id++) {
+        struct mesh_section *section = &header.section[id];
+        reverse(other.bytes + section->offset, 4, (size_t)section->bytes / 4);
+        section->crc32 = crc_of(other.bytes + section->offset, (size_t)section->bytes);
+        reverse((unsigned char *)&section->offset, 8, 2);
+        reverse((unsigned char *)&section->crc32, 4, 4);
+    }
+    unsigned char *bytes = (unsigned char *)&header;
+    header.header_crc32 = 0;
+    reverse(bytes + 8, 4, (offsetof(struct dpt_mesh, bytes) - 8) / 4);
+    reverse(bytes + offsetof(struct dpt_mesh, bytes), 8,
+            (offsetof(struct dpt_mesh, section) - offsetof(struct dpt_mesh, bytes)) / 8);
+    if (sections == 12)
+        reverse(bytes + 800, 4, 4);
+    if (sections == 14) {
+        reverse(bytes + 896, 4, 6);
+        reverse(bytes + 920, 8, 1);
+        if (length == 944)
+            reverse(bytes + 928, 4, 4);
+    }
+    header.header_crc32 = crc_of(bytes, length);
+    reverse((unsigned char *)&header.header_crc32, 4, 1);
+    memcpy(other.bytes, &header, length);
+    return other;
+}

@@ -1,0 +1,199 @@
+#!/bin/sh
+# SPDX-License-Identifier: BSD-3-Clause
+# The meshes that the program reads: damaged ones, odd ones, through pipes, in another unit.
+# `sh tests/tools/cli_meshes.sh BUILD`.
+. "$(dirname "$0")/cli.sh"
+
+# damage FROM TO AT VALUE: a copy with one byte changed; the value is used, or the one above it
+damage()
+{
+    cp "$1" "$2"
+    old=$(od -An -tu1 -j "$3" -N 1 "$1" | tr -d ' ')
+    new=$4
+    [ "$old" -eq "$new" ] && new=$((new + 1))
+    printf "\\$(printf %03o "$new")" | dd of="$2" bs=1 seek="$3" conv=notrunc 2>dd.log
+}
+
+bad_inputs()
+{
+    refuses 'compile: missing' none.obj compile none.obj -o out/x
+    refuses 'compile: a folder' out compile out -o out/x
+    for option in '' --json --verify '--verify --json'; do
+        # shellcheck disable=SC2086
+        refuses "info $option: missing" none.dpa info none.dpa $option
+        # shellcheck disable=SC2086
+        refuses "info $option: a folder" out info out $option
+    done
+    refuses 'replay: mesh missing' none.dpa replay none.dpa box.csv -o out/x
+    refuses 'make trace: mesh missing' none.dpa make trace --mesh none.dpa -o out/x
+    refuses 'no name' 'dynpoint' compile '' -o out/x
+    printf 'v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n' >line.obj
+    : >nothing.obj
+    refuses 'compile: only a line' line.obj compile line.obj -o out/x
+    refuses 'compile: no bytes' nothing.obj compile nothing.obj -o out/x
+    cp box.dpa compiled.obj
+    refuses 'compile: compiled already' 'compiled.obj: this is compiled already' compile compiled.obj -o out/x
+    refuses 'compile: not a mesh' box.csv compile box.csv -o out/x
+    refuses 'compile: too large' box.ply compile box.ply -o out/x --scale 1e9
+
+    size=$(wc -c <box.dpa)
+    { printf X; tail -c +2 box.dpa; } >magic.dpa
+    head -c $((size - 1)) box.dpa >short.dpa
+    head -c 100 box.dpa >stub.dpa
+    { cat box.dpa; printf x; } >long.dpa
+    : >nothing.dpa
+    damage box.dpa version.dpa 12 4
+    damage box.dpa sum.dpa $((size - 100)) 170
+    sed 's/$/\r/' box.dpa >text.dpa
+    for name in magic short stub long nothing version sum text; do
+        refuses "info: $name" $name.dpa: info $name.dpa
+        refuses "replay: $name" $name.dpa: replay $name.dpa box.csv -o out/x
+        refuses "make trace: $name" $name.dpa: make trace --mesh $name.dpa -o out/x
+        run info $name.dpa --verify
+        check "info --verify: $name: exit $status" test $status -eq 1
+        check "info --verify: $name: $(cat stdout)" grep -q "$name.dpa.*byte [0-9]" stdout
+        run info $name.dpa --verify --json
+        check "info --verify --json: $name: exit $status" test $status -eq 1
+    done
+    refuses 'info: newer' newer info version.dpa
+    refuses 'info: checksum' normals info sum.dpa
+    run info --verify box.dpa
+    check "info --verify: exit $status" test $status -eq 0
+    run info --verify --json box.dpa
+    check "info --verify --json: exit $status" test $status -eq 0
+}
+
+# Two triangles that cross, two that touch; a file that does not tell.
+self_intersections()
+{
+    printf 'v 0 0 0\nv 2 0 0\nv 0 2 0\nv 0.5 0.5 %s\nv 0.5 0.5 1\nv 1 1 1\nf 1 2 3\nf 4 5 6\n' -1 >cross.obj
+    sed 's/-1/0/' cross.obj >touch.obj
+    succeeds 'compile: two that cross' compile cross.obj -o cross.dpa
+    check "compile: $(cat stdout)" grep -q 'self-intersections: 1 pair of triangles, 0 and 1$' stdout
+    run info cross.dpa
+    check "info: two that cross" grep -q '^  self-intersections *1$' stdout
+    check 'info --json: two that cross' test "$(info_count cross.dpa self_intersections)" = 1
+    succeeds 'compile: two that touch' compile touch.obj -o touch.dpa
+    check "compile: $(cat stdout)" test "$(grep -c self stdout)" -eq 0
+    check 'info --json: two that touch' test "$(info_count touch.dpa self_intersections)" = 0
+    run info "$tests/golden/torus_3.dpa"
+    check "info: format 3" grep -q '^  self-intersections *not known$' stdout
+    run info "$tests/golden/torus_3.dpa" --json
+    check "info --json: format 3" grep -q '"self_intersections":null,' stdout
+}
+
+# What is read comes once, from whatever it is: more than a buffer of it, and nothing is lost.
+pipes()
+{
+    rm -f pipe && mkfifo pipe
+    for file in torus.obj torus.ply; do
+        succeeds "make $file" make torus 2000 -o $file
+        succeeds "compile $file" compile $file -o direct.dpa
+        cat $file >pipe &
+        timeout 60 "$program" compile pipe -o pipe.dpa >stdout 2>stderr
+        check "compile a pipe, $file: exit $?: $(cat stderr)" test -e pipe.dpa
+        { kill $! && wait $!; } 2>/dev/null
+        check "compile a pipe, $file: other bytes" cmp -s direct.dpa pipe.dpa
+        for name in - /dev/stdin; do
+            rm -f pipe.dpa
+            # shellcheck disable=SC2002
+            cat $file | "$program" compile $name -o pipe.dpa >stdout 2>stderr
+            check "compile $name, $file: $(cat stderr)" cmp -s direct.dpa pipe.dpa
+        done
+    done
+    "$program" replay - torus.csv -o piped.out <torus.dpa >stdout 2>stderr
+    "$program" replay torus.dpa torus.csv -o direct.out >stdout 2>stderr
+    check 'replay -' cmp -s piped.out direct.out
+    # shellcheck disable=SC2002
+    cat "$tests/../docs/samples/arm.urdf" | "$program" compile - -o out/x >stdout 2>stderr
+    status=$?
+    if is_refusal 'a URDF is read from a file'; then ok; else bad "a URDF from a pipe: $reason"; fi
+    rm -f pipe
+}
+
+# Files that the readers refuse, and odd ones that they take: tests/golden-bad/expected.txt.
+golden_files()
+{
+    count=0
+    while read -r name result kind place; do
+        case $name in '#'* | '') continue ;; esac
+        count=$((count + 1))
+        file=$tests/golden-bad/$name
+        where=$name
+        case $kind-$place in
+        line-*) where=$name:$place: ;;
+        byte-0) ;; # as good as no place
+        byte-*) where="byte $place" ;;
+        esac
+        case $result in
+        DPT_E_*)
+            refuses "golden $name" "$name" compile "$file" -o out/x
+            check "golden $name: no '$where' in: $(cat stderr)" grep -qF "$where" stderr
+            ;;
+        0)
+            refuses "golden $name" "$name" compile "$file" -o out/x
+            ;;
+        *)
+            # A file whose triangles are all degenerate reads well and has nothing to feel.
+            run compile "$file" -o golden.dpa
+            if [ $status -eq 0 ]; then
+                check "golden $name" test "$("$program" info golden.dpa --json |
+                    sed 's/.*"source":{"triangles":\([0-9]*\),.*/\1/')" -eq "$result"
+            else
+                check "golden $name: $(cat stderr)" grep -q degenerate stderr
+            fi
+            ;;
+        esac
+    done <"$tests/golden-bad/expected.txt"
+    check 'golden files: too few' test $count -gt 100
+}
+
+# vertices FILE FACTOR: the corners of a box of 181 x 120 x 90 units, times FACTOR
+vertices()
+{
+    awk -v f="$2" 'BEGIN { for (i = 0; i < 8; i++)
+        printf "v %.17g %.17g %.17g\n", f * 181 * (i % 2), f * 120 * (int(i / 2) % 2), f * 90 * int(i / 4)
+        print "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6" }' >"$1"
+}
+
+# A mesh in another unit than its user thinks, and lengths that do not go with it.
+units()
+{
+    vertices mm.obj 1
+    notes 'millimetres taken for metres' 'mm.obj: note: its box is 181 x 120 x 90 m: is it in millimetres? --unit mm' \
+        compile mm.obj -o large.dpa
+    check "compile: its box: $(cat stdout)" grep -q '^  box 181 x 120 x 90 m$' stdout
+    succeeds 'info of it' info large.dpa
+    check "info: the hint: $(cat stdout)" grep -q 'is it in millimetres? --unit mm' stdout
+    notes '--unit mm' '' compile mm.obj -o unit.dpa --unit mm
+    check "compile: its box in m: $(cat stdout)" grep -q '^  box 0.181 x 0.12 x 0.09 m$' stdout
+    run info unit.dpa
+    check 'info: a hint that is not needed' test "$(grep -c 'is it in' stdout)" -eq 0
+    for pair in mm:0.001 cm:0.01 m:1 in:0.0254; do
+        succeeds "--unit ${pair%:*}" compile mm.obj -o unit.dpa --unit ${pair%:*}
+        succeeds "--scale ${pair#*:}" compile mm.obj -o scale.dpa --scale ${pair#*:}
+        check "--unit ${pair%:*}: other bytes" cmp -s unit.dpa scale.dpa
+    done
+    vertices m.obj 0.001
+    notes 'metres taken for millimetres' 'm.obj: note: its box is 0.000181 x 0.00012 x 9e-05 m: is it in metres? --unit m' \
+        compile m.obj -o small.dpa --unit mm
+    vertices far.obj 1000
+    notes 'metres taken for micrometres' 'which unit is it in?' compile far.obj -o far.dpa
+    refuses 'two scales' '--unit and --scale' compile mm.obj -o out/x --unit mm --scale 0.001
+    for value in '' MM inch 0.001; do
+        refuses "--unit '$value'" "--unit: '$value' is not mm, cm, m or in" compile mm.obj -o out/x --unit "$value"
+    done
+    notes 'a radius in metres' '' replay box.dpa box.csv -o o.csv --radius 0.08 --strip-width 0.08
+    for option in --radius --strip-width; do
+        notes "$option in another unit" "box.dpa: note: $option 2 m is much for its box of 0.12 x 0.1 x 0.08 m" \
+            replay box.dpa box.csv -o o.csv $option 2
+    done
+}
+
+prepare
+bad_inputs
+self_intersections
+pipes
+golden_files
+units
+finish
