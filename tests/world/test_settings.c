@@ -56,7 +56,7 @@ static void each_tool_has_its_stiffness(void)
     double z = 0.01;
     scene_open(&of);
     CHECK(dpt_tool_get_settings(of.world, of.tool[0], &settings) == DPT_OK &&
-              settings.stiffness == 300.0 && settings.reserved == 0,
+              settings.stiffness == 300.0 && settings.law == DPT_LAW_POINT,
           "the def's, %g", settings.stiffness);
     settings.stiffness = 900.0;
     CHECK(dpt_tool_set_settings(of.world, of.tool[1], &settings) == DPT_OK, "set");
@@ -70,8 +70,10 @@ static void each_tool_has_its_stiffness(void)
         CHECK(dpt_tool_set_settings(of.world, of.tool[1], &settings) == DPT_E_ARGUMENT, "%g",
               wrong[i]);
     }
-    settings = (dpt_tool_settings){ .size = sizeof settings, .reserved = 1, .stiffness = 1.0 };
-    CHECK(dpt_tool_set_settings(of.world, of.tool[1], &settings) == DPT_E_ARGUMENT, "reserved");
+    settings = (dpt_tool_settings){ .size = sizeof settings, .law = 1, .stiffness = 1.0 };
+    CHECK(dpt_tool_set_settings(of.world, of.tool[1], &settings) == DPT_E_ARGUMENT, "law 1");
+    settings.law = DPT_LAW_PROXY + 1;
+    CHECK(dpt_tool_set_settings(of.world, of.tool[1], &settings) == DPT_E_ARGUMENT, "law 3");
     CHECK(dpt_tool_get_settings(of.world, of.tool[1], &settings) == DPT_OK &&
               settings.stiffness == 900.0,
           "refused settings change nothing: %g", settings.stiffness);
@@ -88,6 +90,79 @@ static void each_tool_has_its_stiffness(void)
     dpt_tool_get_settings(of.world, of.tool[1], &settings);
     CHECK(settings.stiffness == 300.0, "a new tool in that slot has the def's, not %g",
           settings.stiffness);
+    free(of.block);
+}
+
+static void each_tool_has_its_law(void)
+{
+    struct scene of;
+    dpt_tool_settings settings = { .size = sizeof settings };
+    dpt_force_report force = { .size = sizeof force };
+    dpt_pose proxy;
+    double z = 0.01;
+    scene_open(&of);
+    dpt_tool_get_settings(of.world, of.tool[1], &settings);
+    CHECK(settings.rotational_stiffness == 0.0, "by the tool's shape, not %g",
+          settings.rotational_stiffness);
+    settings.law = DPT_LAW_PROXY;
+    settings.rotational_stiffness = 0.25;
+    CHECK(dpt_tool_set_settings(of.world, of.tool[1], &settings) == DPT_OK, "set");
+    CHECK(dpt_tool_get_settings(of.world, of.tool[1], &settings) == DPT_OK &&
+              settings.law == DPT_LAW_PROXY && settings.rotational_stiffness == 0.25 &&
+              settings.stiffness == 300.0,
+          "law %u, %g Nm/rad", settings.law, settings.rotational_stiffness);
+    lower(&of, &z, 0.001);
+    for (int i = 0; i < 2; i++) {
+        CHECK(fabs(pushed(&of, i) - 0.3) < 1e-3, "%g N", pushed(&of, i));
+        CHECK(dpt_tool_get_force_report(of.world, of.tool[i], &force) == DPT_OK &&
+                  force.law == (i ? DPT_LAW_PROXY : DPT_LAW_POINT) && (force.energy > 0.0) == i,
+              "law %u, %g J", force.law, force.energy);
+        dpt_tool_get_proxy(of.world, of.tool[i], &proxy);
+        CHECK(fabs(proxy.position[2] - (i ? 0.002 : z)) < 1e-5, "%g m", proxy.position[2]);
+    }
+    /* A change of the law is a teleport: the side of the sheet is not known any more. */
+    settings.law = DPT_LAW_POINT;
+    CHECK(dpt_tool_set_settings(of.world, of.tool[1], &settings) == DPT_OK, "set");
+    dpt_tool_get_force_report(of.world, of.tool[1], &force);
+    CHECK(force.reason == DPT_FORCE_STALE && pushed(&of, 1) == 0.0, "reason %u", force.reason);
+
+    const double wrong[] = { -1.0, 2e9, NAN, INFINITY };
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        settings.rotational_stiffness = wrong[i];
+        CHECK(dpt_tool_set_settings(of.world, of.tool[1], &settings) == DPT_E_ARGUMENT, "%g",
+              wrong[i]);
+    }
+    free(of.block);
+}
+
+static void each_body_has_its_friction(void)
+{
+    const struct {
+        double statics, kinetic;
+        dpt_result expected;
+    } cases[] = {
+        { 0.5, 0.3, DPT_OK },          { 10.0, 10.0, DPT_OK },         { 0.3, 0.5, DPT_E_ARGUMENT },
+        { 10.1, 0.0, DPT_E_ARGUMENT }, { -0.1, -0.1, DPT_E_ARGUMENT }, { NAN, 0.0, DPT_E_ARGUMENT },
+        { 0.5, NAN, DPT_E_ARGUMENT },  { 0.5, -0.1, DPT_E_ARGUMENT },  { 0.0, 0.0, DPT_OK }
+    };
+    struct scene of;
+    dpt_body_settings settings = { .size = sizeof settings };
+    scene_open(&of);
+    dpt_body_get_settings(of.world, of.body, &settings);
+    CHECK(settings.static_friction == 0.0 && settings.kinetic_friction == 0.0, "a new body: %g, %g",
+          settings.static_friction, settings.kinetic_friction);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const dpt_body_settings before = settings;
+        settings.static_friction = cases[i].statics;
+        settings.kinetic_friction = cases[i].kinetic;
+        const dpt_body_settings given = settings;
+        CHECK(dpt_body_set_settings(of.world, of.body, &settings) == cases[i].expected, "%g, %g",
+              cases[i].statics, cases[i].kinetic);
+        dpt_body_get_settings(of.world, of.body, &settings);
+        CHECK(!memcmp(&settings, cases[i].expected == DPT_OK ? &given : &before, sizeof settings),
+              "%g, %g: now %g, %g", cases[i].statics, cases[i].kinetic, settings.static_friction,
+              settings.kinetic_friction);
+    }
     free(of.block);
 }
 
@@ -130,7 +205,9 @@ int main(void)
     if (!fixture_from_shape(&sheet, "membrane", 0))
         return 2;
     TEST(each_tool_has_its_stiffness);
+    TEST(each_tool_has_its_law);
     TEST(each_body_has_its_side_limit);
+    TEST(each_body_has_its_friction);
     fixture_free(&sheet);
     return check_report();
 }

@@ -351,7 +351,6 @@ static void defs_and_arguments_are_checked(void)
     REFUSED(strip_width, -1.0);
     REFUSED(strip_width, NAN);
     REFUSED(strip_depth, INFINITY);
-    REFUSED(reserved, 1);
 #undef REFUSED
     def = def_with(DPT_STRIP_KIND_SHADOW);
     struct lab lab;
