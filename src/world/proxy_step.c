@@ -7,8 +7,7 @@
 #include "world/proxy_solve.h"
 #include "world/segment_track.h"
 
-enum { BYTES_PROXY = 1024, ITERATIONS_MAX = 8, CORRECTIONS_MAX = 2, HALVINGS_MAX = 4 };
-typedef char proxy_fits[sizeof(struct proxy) <= BYTES_PROXY ? 1 : -1];
+enum { ITERATIONS_MAX = 8, CORRECTIONS_MAX = 2, HALVINGS_MAX = 4 };
 
 /* Of the largest diagonal of all bodies. */
 #define CLEARANCE 2e-6
@@ -31,40 +30,9 @@ typedef char proxy_fits[sizeof(struct proxy) <= BYTES_PROXY ? 1 : -1];
 /* m/s: beside twice the device's motion, how fast a proxy moves when the pose that held it is gone (a fold). */
 #define FOLD_SPEED 1.0
 
-uint64_t dpti_proxy_bytes(const dpt_world_def *def)
-{
-    return def->until == DPT_UNTIL_RESPOND ? BYTES_PROXY * (uint64_t)def->max_tools : 0;
-}
-
-char *dpti_proxy_place(struct dpt_world *world, char *at)
-{
-    world->proxies = (void *)at;
-    return at + dpti_proxy_bytes(&world->def);
-}
-
-int dpti_proxy_is_used(const struct dpt_world *world, const struct tool *tool)
-{
-    return tool->law == DPT_LAW_PROXY && world->def.until == DPT_UNTIL_RESPOND &&
-           world->def.method != DPT_METHOD_PAPER;
-}
-
 static struct proxy *proxy_of(const struct dpt_world *world, const struct tool *tool)
 {
     return &world->proxies[tool - world->tools];
-}
-
-void dpti_proxy_forget(struct dpt_world *world, struct tool *tool)
-{
-    if (world->def.until != DPT_UNTIL_RESPOND)
-        return;
-    struct proxy *proxy = proxy_of(world, tool);
-    *proxy = (struct proxy){ .length = proxy->length, .radius = proxy->radius };
-}
-
-void dpti_proxy_forget_body(struct dpt_world *world, uint32_t body)
-{
-    for (uint32_t t = 0; world->def.until == DPT_UNTIL_RESPOND && t < world->tool_slot_end; t++)
-        dpti_proxy_forget_triangles(&world->proxies[t], body);
 }
 
 static double largest_diagonal(const struct dpt_world *world)

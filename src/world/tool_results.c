@@ -3,7 +3,7 @@
 
 #include "base/return_if_error.h"
 #include "base/sized.h"
-#include "world/proxy_step.h"
+#include "world/proxy_state.h"
 
 void dpti_tool_write_hit(struct segment *segment)
 {
