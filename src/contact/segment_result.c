@@ -47,8 +47,6 @@ void dpti_segment_result_write(const struct segment_result *result, const struct
     vec3_store(sub(result->p, frame_turn(body, nearest->pair.gap)), hit->q);
     hit->error_bound = result->error_bound;
     hit->lower_bound = result->lower_bound;
-    if (result->has_gap) {
-        hit->gap = result->gap;
-        hit->depth = result->gap < 0.0 ? -result->gap : 0.0;
-    }
+    hit->gap = result->has_gap ? result->gap : 0.0;
+    hit->depth = hit->gap < 0.0 ? -hit->gap : 0.0;
 }
