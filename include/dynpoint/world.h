@@ -269,7 +269,7 @@ typedef struct dpt_tool_settings {
     double stiffness; /* N/m, 0..1e9; 0: no force */
     /*
      * Of the proxy, Nm/rad, 0..1e9; 0: stiffness times the mean square of the distance of the segments' points from
-     * their centre, which is L^2 / 12 for one segment of length L.
+     * their centre, which is L^2 / 12 for one segment of length L. It counts as at least 1e-6 and at most 1e6 times that.
      */
     double rotational_stiffness;
 } dpt_tool_settings;

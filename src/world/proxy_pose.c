@@ -7,6 +7,9 @@
 /* Below this length a tool is a ball: its turns are not felt. */
 #define BALL 1e-9
 
+/* A rotational stiffness counts as if it made rho differ by at most that factor: the unknowns stay numbers. */
+#define RHO_FACTOR 1e3
+
 static int is_straight(const struct segment *segments, uint32_t count, vec3 *axis)
 {
     double longest = -1.0;
@@ -50,13 +53,17 @@ void dpti_proxy_measure(const struct dpt_world *world, const struct tool *tool, 
     else
         proxy->shape =
             is_straight(segments, tool->segment_count, &proxy->axis) ? PROXY_STRAIGHT : PROXY_BENT;
-    if (tool->rotational_stiffness > 0.0 && tool->stiffness > 0.0)
-        proxy->rho = sqrt(tool->rotational_stiffness / tool->stiffness);
+    if (tool->rotational_stiffness > 0.0 && tool->stiffness > 0.0) {
+        const double wanted = sqrt(tool->rotational_stiffness / tool->stiffness);
+        proxy->rho = min_of(max_of(wanted, proxy->rho / RHO_FACTOR), proxy->rho * RHO_FACTOR);
+    }
 }
 
 struct proxy_pose dpti_proxy_pose_of(const struct proxy *proxy, const dpt_pose *pose)
 {
-    struct proxy_pose made = { .pose = *pose, .turn = quaternion_of(pose->orientation) };
+    struct proxy_pose made = { .pose = *pose };
+    /* A pose may be off unit length by 1e-6; the frame is not. */
+    made.turn = quaternion_unit(quaternion_of(pose->orientation));
     frame_of_pose(pose, &made.frame);
     made.centre = frame_to_world(&made.frame, proxy->centre);
     made.axis = frame_turn(&made.frame, proxy->axis);
