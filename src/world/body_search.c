@@ -62,6 +62,9 @@ void dpti_body_search_forget_body(struct dpt_world *world, uint32_t slot)
                world->def.baseline->parts * sizeof *world->last_triangles);
         if (world->segments[s].last_body_slot == slot)
             world->segments[s].last_body_slot = DPT_NONE;
+        /* A proxy begins its tick with last tick's nearest triangle, which another mesh may not have. */
+        if (world->segments[s].answer.body == &world->bodies[slot])
+            world->segments[s].answer.body = NULL;
     }
     dpti_body_search_forget_planes(world, 0, world->segment_count, slot);
 }
