@@ -8,14 +8,16 @@ void dpti_proxy_set_free(struct dpt_world *world, struct tool *tool, uint32_t is
     struct segment *segment = &world->segments[tool->first_segment];
     if (!dpti_proxy_is_used(world, tool))
         return;
+    const struct proxy *proxy = &world->proxies[tool - world->tools];
     dpti_proxy_forget(world, tool);
     if (is_free)
         return;
     /* What was given last is what its own frame holds from now on. */
     struct frame device;
     frame_of_pose(&tool->pose, &device);
-    segment->b = add(device.origin, scaled(device.x, world->proxies[tool - world->tools].length));
+    segment->b = add(device.origin, scaled(device.x, proxy->length));
     segment->a = device.origin;
+    segment->radius = proxy->radius;
 }
 
 void dpti_proxy_set_segment(struct dpt_world *world, struct tool *tool, const dpt_segment *given)
@@ -36,7 +38,7 @@ void dpti_proxy_set_segment(struct dpt_world *world, struct tool *tool, const dp
     proxy->radius = given->radius;
     segment->a = (vec3){ 0.0, 0.0, 0.0 };
     segment->tool_slot = (uint32_t)(tool - world->tools);
-    if (proxy->state == PROXY_OUTSIDE)
+    if (proxy->state >= PROXY_DOUBTED)
         return;
     segment->b = (vec3){ size, 0.0, 0.0 };
     segment->radius = given->radius;
@@ -49,5 +51,7 @@ void dpti_proxy_follow_size(struct dpt_world *world, const struct tool *tool, st
     const double longer = min_of(proxy->length - segment->b.x, spare);
     segment->b.x += longer;
     spare -= max_of(0.0, longer);
-    segment->radius += min_of(proxy->radius - segment->radius, spare);
+    const double thicker = min_of(proxy->radius - segment->radius, spare);
+    segment->radius += thicker;
+    proxy->gap -= max_of(0.0, longer) + max_of(0.0, thicker);
 }

@@ -216,11 +216,20 @@ static void set_law(struct dpt_world *world, struct tool *tool, uint32_t law)
 {
     const struct segment *segment = &world->segments[tool->first_segment];
     struct frame device;
-    dpt_segment given = { .radius = segment->radius };
-    frame_of_pose(&tool->pose, &device);
-    vec3_store(frame_to_world(&device, segment->a), given.a);
-    vec3_store(frame_to_world(&device, segment->b), given.b);
     const int had_proxy = dpti_proxy_is_used(world, tool);
+    const struct proxy *proxy = &world->proxies[tool - world->tools];
+    frame_of_pose(&tool->pose, &device);
+    vec3 b = segment->b;
+    dpt_segment given = { .radius = segment->radius };
+    if (tool->is_free && had_proxy) {
+        /* What was given, of which the proxy may still have less. */
+        b = (vec3){ proxy->length, 0.0, 0.0 };
+        given.radius = proxy->radius;
+    }
+    vec3_store(frame_to_world(&device, segment->a), given.a);
+    vec3_store(frame_to_world(&device, b), given.b);
+    /* A proxy left the frame where it was held back. */
+    tool->frame = device;
     tool->law = law;
     const int has_proxy = dpti_proxy_is_used(world, tool);
     if (tool->is_free && had_proxy != has_proxy) {
