@@ -56,6 +56,8 @@ dpt_result dpt_body_add(dpt_world *world, const dpt_mesh *mesh, const dpt_pose *
     dpti_surface_of_mesh(mesh, &made->surface);
     made->diagonal = dpti_surface_diagonal(&made->surface);
     dpti_broad_phase_put_body(world, slot);
+    world->largest_diagonal = max_of(world->largest_diagonal, made->diagonal);
+    dpti_proxy_note_body(world, slot);
     *body = made->id;
     return DPT_OK;
 }
@@ -68,6 +70,10 @@ dpt_result dpt_body_remove(dpt_world *world, dpt_body body)
     slot_release(&removed->slot, &world->freed_count[0]);
     world->body_count--;
     world->invalid_body_count -= !removed->slot.valid;
+    world->largest_diagonal = 0.0;
+    for (uint32_t i = 0; i < world->body_slot_end; i++)
+        if (world->bodies[i].slot.used)
+            world->largest_diagonal = max_of(world->largest_diagonal, world->bodies[i].diagonal);
     forget_body(world, handle_index(body));
     return DPT_OK;
 }
@@ -115,6 +121,8 @@ static void move_body(struct dpt_world *world, struct body *body, const dpt_pose
         world->body_motion_max = 0.0;
     world->bodies_moved_tick = body->moved_tick;
     world->body_motion_max = max_of(world->body_motion_max, body->motion_bound);
+    if (body->added_tick == body->moved_tick)
+        dpti_proxy_note_body(world, handle_index(body->id));
 }
 
 /*
@@ -154,6 +162,7 @@ dpt_result dpt_body_teleport(dpt_world *world, dpt_body body, const dpt_pose *po
     moved->moved_tick = 0;
     moved->motion_bound = 0.0;
     moved->added_tick = world->ticks + 1;
+    dpti_proxy_note_body(world, handle_index(body));
     return DPT_OK;
 }
 

@@ -16,11 +16,14 @@ void dpti_proxy_remember(struct proxy *proxy, uint32_t segment, uint32_t body, u
     *oldest = (struct proxy_triangle){ segment, body, triangle, ++proxy->clock };
 }
 
-void dpti_proxy_forget_triangles(struct proxy *proxy, uint32_t body)
+void dpti_proxy_forget_contacts(struct proxy *proxy, uint32_t body)
 {
     for (uint32_t i = 0; i < PROXY_MEMORY; i++)
-        if (!body || proxy->memory[i].body_id == body)
+        if (proxy->memory[i].body_id == body)
             proxy->memory[i] = (struct proxy_triangle){ .body_id = 0 };
+    for (uint32_t i = 0; i < PROXY_CONTACTS_MAX; i++)
+        if (proxy->contacts[i].body_id == body)
+            proxy->contacts[i] = (struct proxy_contact){ .body_id = 0 };
 }
 
 static void add_triangle(struct proxy_tick *tick, const struct proxy_triangle *triangle)
@@ -35,7 +38,8 @@ static void add_triangle(struct proxy_tick *tick, const struct proxy_triangle *t
         tick->triangles[tick->triangle_count++] = triangle;
 }
 
-static void list_triangles(struct proxy_tick *tick)
+/* Of a tool of many segments only those that are near can be listed. */
+static void list_triangles(struct proxy_tick *tick, double reach)
 {
     const struct tool *tool = tick->tool;
     tick->triangle_count = 0;
@@ -44,8 +48,10 @@ static void list_triangles(struct proxy_tick *tick)
             add_triangle(tick, &tick->proxy->memory[i]);
     for (uint32_t i = 0; i < tool->segment_count && tick->triangle_count < PROXY_TRIANGLES_MAX;
          i++) {
-        const struct body_answer *answer = &tick->world->segments[tool->first_segment + i].answer;
-        if (!answer->body || answer->track.nearest.triangle == DPT_NONE)
+        const struct segment *segment = &tick->world->segments[tool->first_segment + i];
+        const struct body_answer *answer = &segment->answer;
+        if (!answer->body || answer->track.nearest.triangle == DPT_NONE ||
+            segment->result.distance - segment->radius > reach)
             continue;
         struct proxy_triangle *made = &tick->nearest[tick->triangle_count];
         *made = (struct proxy_triangle){ i, answer->body->id, answer->track.nearest.triangle, 0 };
@@ -101,7 +107,7 @@ static void gather_triangle(struct proxy_tick *tick, uint32_t index, double reac
     const double radius = radius_of(tick, triangle);
     struct frame moved;
     const struct frame *before = &body->frame;
-    if (tick->is_before && body->moved_tick == tick->world->ticks) {
+    if (tick->is_before && body_has_moved(tick->world, body)) {
         frame_of_pose(&body->previous_pose, &moved);
         before = &moved;
     }
@@ -122,7 +128,7 @@ static void gather_triangle(struct proxy_tick *tick, uint32_t index, double reac
 void dpti_proxy_gather(struct proxy_tick *tick, double reach)
 {
     tick->space_count = 0;
-    list_triangles(tick);
+    list_triangles(tick, reach);
     for (uint32_t i = 0; i < tick->triangle_count; i++)
         gather_triangle(tick, i, reach);
     work_spend(&tick->world->work, 1 + tick->triangle_count / 2);

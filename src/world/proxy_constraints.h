@@ -8,8 +8,8 @@
 /* Remember a triangle of a body, by its place; the one that was not used for longest makes room. */
 void dpti_proxy_remember(struct proxy *proxy, uint32_t segment, uint32_t body, uint32_t triangle);
 
-/* Forget those of a body, by its id; of 0, all. */
-void dpti_proxy_forget_triangles(struct proxy *proxy, uint32_t body);
+/* Forget those of a body, by its id, and what friction keeps of it. */
+void dpti_proxy_forget_contacts(struct proxy *proxy, uint32_t body);
 
 /*
  * The constraints of the nearest triangle of each segment and of those that are remembered, as far as their gap at

@@ -14,6 +14,7 @@ void dpti_proxy_find_nearest(struct proxy_tick *tick)
 {
     struct dpt_world *world = tick->world;
     tick->tool->frame = tick->at.frame;
+    tick->is_lost = 0;
     tick->gap = HUGE_VAL;
     for (uint32_t i = 0; i < tick->tool->segment_count; i++) {
         struct segment *segment = &world->segments[tick->tool->first_segment + i];
@@ -27,8 +28,9 @@ void dpti_proxy_find_nearest(struct proxy_tick *tick)
 }
 
 struct tool_sweep {
-    int status;  /* SWEEP_... */
-    double time; /* of the first touch */
+    int status;   /* SWEEP_... */
+    double time;  /* of the first touch */
+    int is_alone; /* no body was near enough to be swept */
 };
 
 /* One segment past one body; what is hit is remembered. */
@@ -38,7 +40,8 @@ static void sweep_body(struct proxy_tick *tick, uint32_t number, const struct bo
     struct dpt_world *world = tick->world;
     const uint32_t index = tick->tool->first_segment + number;
     const struct segment *segment = &world->segments[index];
-    const int has_moved = tick->is_before && body->moved_tick == world->ticks;
+    const int has_moved = tick->is_before && body_has_moved(world, body);
+    const double scale = min_of(body->diagonal, PROXY_SCALE_MAX);
     struct placement from_place = { tick->at.pose, has_moved ? body->previous_pose : body->pose,
                                     segment->a, segment->b };
     struct placement to_place = { *to, body->pose, segment->a, segment->b };
@@ -47,8 +50,9 @@ static void sweep_body(struct proxy_tick *tick, uint32_t number, const struct bo
         .surface = &body->surface,
         .kernel = &world->kernel,
         .radius = segment->radius,
-        .distance_before = body->added_tick == world->ticks ? 0.0 : segment->result.lower_bound,
-        .tolerance = 0.5 * RIGID_SWEEP_TOLERANCE * dpti_surface_diagonal(&body->surface),
+        .distance_before =
+            tick->is_lost || body->added_tick == world->ticks ? 0.0 : segment->result.lower_bound,
+        .tolerance = 0.5 * RIGID_SWEEP_TOLERANCE * scale,
         .hint = *world_last_triangles(world, index, handle_index(body->id)),
         .work = &world->work,
         .progress = &progress
@@ -66,11 +70,14 @@ static void sweep_body(struct proxy_tick *tick, uint32_t number, const struct bo
         sweep->status = status;
 }
 
-/* The whole tool, past all bodies that it may meet. */
-static struct tool_sweep sweep_tool(struct proxy_tick *tick, const struct proxy_pose *to)
+/* The whole tool, past all bodies that it may meet but the one in the slot `carrier`. */
+static struct tool_sweep sweep_tool(struct proxy_tick *tick, const struct proxy_pose *to,
+                                    uint32_t carrier)
 {
     struct dpt_world *world = tick->world;
-    struct tool_sweep sweep = { SWEEP_FREE, 1.0 };
+    /* Where the search was last elsewhere, its list tells nothing. */
+    const struct near_bodies all = { .count = world->body_slot_end };
+    struct tool_sweep sweep = { SWEEP_FREE, 1.0, 1 };
     for (uint32_t i = 0; i < tick->tool->segment_count; i++) {
         const struct segment *segment = &world->segments[tick->tool->first_segment + i];
         const vec3 a = frame_to_world(&tick->at.frame, segment->a);
@@ -88,27 +95,36 @@ static struct tool_sweep sweep_tool(struct proxy_tick *tick, const struct proxy_
                                         ? world->body_motion_max
                                         : 0.0;
         const struct near_bodies *nearby =
-            dpti_broad_phase_within(world, tick->tool->first_segment + i, reach + bodies_moved);
+            tick->is_lost ? &all
+                          : dpti_broad_phase_within(world, tick->tool->first_segment + i,
+                                                    reach + bodies_moved);
         for (uint32_t k = 0; k < nearby->count; k++) {
             const uint32_t slot = nearby->slots ? nearby->slots[k] : k;
             const struct body *body = &world->bodies[slot];
             const double far =
-                reach +
-                (tick->is_before && body->moved_tick == world->ticks ? body->motion_bound : 0.0);
-            if (body->slot.used && box_distance(&box, &world->boxes[slot]) <= far)
-                sweep_body(tick, i, body, &to->pose, &sweep);
+                reach + (tick->is_before && body_has_moved(world, body) ? body->motion_bound : 0.0);
+            if (!body->slot.used || slot == carrier ||
+                box_distance(&box, &world->boxes[slot]) > far)
+                continue;
+            sweep.is_alone = 0;
+            sweep_body(tick, i, body, &to->pose, &sweep);
         }
     }
     return sweep;
 }
 
-static int is_near_enough(struct proxy_tick *tick)
+/*
+ * Whether the gap is large enough, or no smaller than it was: a new body may make more necessary than there is. Where it is
+ * not, the triangles that are too near are remembered.
+ */
+static int has_room(struct proxy_tick *tick, double gap_before)
 {
-    if (tick->gap >= tick->min_gap)
+    if (tick->gap >= min_of(tick->min_gap, gap_before))
         return 1;
     for (uint32_t i = 0; i < tick->tool->segment_count; i++) {
         const struct segment *segment = &tick->world->segments[tick->tool->first_segment + i];
-        if (segment->answer.body && segment->answer.track.nearest.triangle != DPT_NONE)
+        if (segment->answer.body && segment->answer.track.nearest.triangle != DPT_NONE &&
+            segment->result.distance - segment->radius < tick->clearance)
             dpti_proxy_remember(tick->proxy, i, segment->answer.body->id,
                                 segment->answer.track.nearest.triangle);
     }
@@ -119,7 +135,7 @@ double dpti_proxy_move(struct proxy_tick *tick, const struct proxy_pose *to, dou
 {
     const struct proxy_pose from = tick->at;
     const double gap = tick->gap;
-    const struct tool_sweep sweep = sweep_tool(tick, to);
+    const struct tool_sweep sweep = sweep_tool(tick, to, DPT_NONE);
     int has_searched = 0;
     double share = sweep.time;
     *met = sweep.status == SWEEP_UNFINISHED ? -1.0 : share;
@@ -128,12 +144,13 @@ double dpti_proxy_move(struct proxy_tick *tick, const struct proxy_pose *to, dou
     if (sweep.status == SWEEP_FREE) {
         tick->at = *to;
         dpti_proxy_find_nearest(tick);
-        if (is_near_enough(tick))
+        if (has_room(tick, gap))
             return 1.0;
         has_searched = 1;
     }
     const double wanted = min_of(0.7 * tick->clearance, max_of(tick->min_gap, 0.98 * gap));
-    for (int k = 0; k < SHORTEN_MAX && !tick->is_before; k++) {
+    for (int k = 0; k < SHORTEN_MAX && !tick->is_before && !work_is_spent(&tick->world->work);
+         k++) {
         share *= k < SHORTEN_LITTLE ? SHORTER_LITTLE : SHORTER;
         const dpt_pose pose = dpti_rigid_sweep_pose(&from.pose, &to->pose, share);
         const struct proxy_pose shorter = dpti_proxy_pose_of(tick->proxy, &pose);
@@ -142,12 +159,68 @@ double dpti_proxy_move(struct proxy_tick *tick, const struct proxy_pose *to, dou
         tick->at = shorter;
         dpti_proxy_find_nearest(tick);
         has_searched = 1;
-        if (is_near_enough(tick))
+        if (has_room(tick, gap))
             return share;
     }
     tick->at = from;
-    if (has_searched && !tick->is_before)
+    if (has_searched && tick->is_before)
+        tick->is_lost = 1;
+    else if (has_searched)
         dpti_proxy_find_nearest(tick);
     tick->gap = gap;
     return 0.0;
+}
+
+/* Where a body's motion before this tick brings a pose that moves with it. */
+static dpt_pose carried_pose(const struct body *body, const struct proxy_pose *at)
+{
+    const struct quaternion before =
+        quaternion_unit(quaternion_of(body->previous_pose.orientation));
+    const struct quaternion now = quaternion_unit(quaternion_of(body->pose.orientation));
+    const struct quaternion turn = quaternion_product(now, quaternion_inverse(before));
+    const vec3 from_body = sub(at->frame.origin, vec3_of(body->previous_pose.position));
+    dpt_pose pose;
+    vec3_store(add(vec3_of(body->pose.position), quaternion_turn(turn, from_body)), pose.position);
+    quaternion_store(quaternion_unit(quaternion_product(turn, quaternion_unit(at->turn))),
+                     pose.orientation);
+    return pose;
+}
+
+/* To that body nothing changes. The others are swept; where there are none, nothing is to be searched for. */
+static int carry_with(struct proxy_tick *tick, const struct body *body)
+{
+    const struct proxy_pose from = tick->at;
+    const double gap = tick->gap;
+    const dpt_pose pose = carried_pose(body, &from);
+    const struct proxy_pose to = dpti_proxy_pose_of(tick->proxy, &pose);
+    const struct tool_sweep sweep = sweep_tool(tick, &to, handle_index(body->id));
+    if (sweep.status != SWEEP_FREE)
+        return 0;
+    tick->at = to;
+    dpti_proxy_find_nearest(tick);
+    if (sweep.is_alone)
+        tick->gap = max_of(tick->gap, min_of(gap, tick->clearance));
+    if (sweep.is_alone || has_room(tick, gap))
+        return 1;
+    tick->at = from;
+    tick->is_lost = 1;
+    tick->gap = gap;
+    return 0;
+}
+
+int dpti_proxy_carry(struct proxy_tick *tick)
+{
+    const struct dpt_world *world = tick->world;
+    const struct body *tried = NULL;
+    for (uint32_t i = 0; i < tick->tool->segment_count; i++) {
+        const struct body *body = world->segments[tick->tool->first_segment + i].answer.body;
+        if (!body || body == tried || !body_has_moved(world, body))
+            continue;
+        tried = body;
+        if (carry_with(tick, body)) {
+            tick->is_before = 0;
+            return 1;
+        }
+    }
+    return 0;
 }

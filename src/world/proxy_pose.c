@@ -4,21 +4,24 @@
 /* A tool is straight if no end is farther from the line of its longest segment than that share of its length. */
 #define STRAIGHT 1e-9
 
-/* Below this length a tool is a ball: its turns are not felt. */
+/* A spin by less is none: a proxy that rests is to keep its bits. */
+#define SPUN 1e-8
+
+/* m: below this length, or this size of a tool, it is a point: a ball, whose turns are not felt. */
 #define BALL 1e-9
 
-/* A rotational stiffness counts as if it made rho differ by at most that factor: the unknowns stay numbers. */
-#define RHO_FACTOR 1e3
+/* Of a tool's size: rho is at least 1 / that and at most that, so that no stiffness makes it vanish or overflow. */
+#define RHO_RANGE 1e6
 
+/* The line of all segments: from one end to the end that is farthest from it. */
 static int is_straight(const struct segment *segments, uint32_t count, vec3 *axis)
 {
+    const vec3 from = segments[0].a;
     double longest = -1.0;
-    vec3 from = { 0.0, 0.0, 0.0 };
-    for (uint32_t i = 0; i < count; i++) {
-        const vec3 u = sub(segments[i].b, segments[i].a);
+    for (uint32_t i = 0; i < 2 * count; i++) {
+        const vec3 u = sub(i % 2 ? segments[i / 2].a : segments[i / 2].b, from);
         if (length(u) > longest) {
             longest = length(u);
-            from = segments[i].a;
             *axis = u;
         }
     }
@@ -30,33 +33,38 @@ static int is_straight(const struct segment *segments, uint32_t count, vec3 *axi
     return 1;
 }
 
-/* The mean of |x - centre|^2 over a segment is that of its middle and a twelfth of its square. */
+/* The mean of |x - centre|^2 over a segment is that of its middle and a twelfth of its square. Points count alike. */
 void dpti_proxy_measure(const struct dpt_world *world, const struct tool *tool, struct proxy *proxy)
 {
     const struct segment *segments = &world->segments[tool->first_segment];
-    double whole = 0.0, square = 0.0;
+    double whole = 0.0, weights = 0.0, square = 0.0;
     vec3 sum = { 0.0, 0.0, 0.0 };
+    for (uint32_t i = 0; i < tool->segment_count; i++)
+        whole += length(sub(segments[i].b, segments[i].a));
     for (uint32_t i = 0; i < tool->segment_count; i++) {
-        const double size = length(sub(segments[i].b, segments[i].a));
-        sum = along(sum, 0.5 * size, add(segments[i].a, segments[i].b));
-        whole += size;
+        const double weight = whole > BALL ? length(sub(segments[i].b, segments[i].a)) : 1.0;
+        sum = along(sum, 0.5 * weight, add(segments[i].a, segments[i].b));
+        weights += weight;
     }
-    proxy->centre = whole > 0.0 ? scaled(sum, 1.0 / whole) : segments[0].a;
+    proxy->centre = scaled(sum, 1.0 / weights);
+    proxy->extent = 0.0;
     for (uint32_t i = 0; i < tool->segment_count; i++) {
         const vec3 u = sub(segments[i].b, segments[i].a);
-        const vec3 middle = sub(scaled(add(segments[i].a, segments[i].b), 0.5), proxy->centre);
-        square += length(u) * (dot(middle, middle) + dot(u, u) / 12.0);
+        const vec3 a = sub(segments[i].a, proxy->centre), b = sub(segments[i].b, proxy->centre);
+        const vec3 middle = scaled(add(a, b), 0.5);
+        square += (whole > BALL ? length(u) : 1.0) * (dot(middle, middle) + dot(u, u) / 12.0);
+        proxy->extent = max_of(proxy->extent, max_of(length(a), length(b)));
     }
-    proxy->rho = whole > 0.0 ? sqrt(square / whole) : 0.0;
-    if (!(whole > BALL))
+    proxy->rho = sqrt(square / weights);
+    if (!(proxy->extent > BALL))
         proxy->shape = PROXY_BALL;
     else
         proxy->shape =
             is_straight(segments, tool->segment_count, &proxy->axis) ? PROXY_STRAIGHT : PROXY_BENT;
-    if (tool->rotational_stiffness > 0.0 && tool->stiffness > 0.0) {
-        const double wanted = sqrt(tool->rotational_stiffness / tool->stiffness);
-        proxy->rho = min_of(max_of(wanted, proxy->rho / RHO_FACTOR), proxy->rho * RHO_FACTOR);
-    }
+    if (tool->rotational_stiffness > 0.0 && tool->stiffness > 0.0)
+        proxy->rho = sqrt(tool->rotational_stiffness / tool->stiffness);
+    const double size = max_of(proxy->extent, BALL);
+    proxy->rho = min_of(max_of(proxy->rho, size / RHO_RANGE), size * RHO_RANGE);
 }
 
 struct proxy_pose dpti_proxy_pose_of(const struct proxy *proxy, const dpt_pose *pose)
@@ -68,6 +76,27 @@ struct proxy_pose dpti_proxy_pose_of(const struct proxy *proxy, const dpt_pose *
     made.centre = frame_to_world(&made.frame, proxy->centre);
     made.axis = frame_turn(&made.frame, proxy->axis);
     return made;
+}
+
+struct proxy_pose dpti_proxy_spun_as(const struct proxy *proxy, const struct proxy_pose *at,
+                                     const struct proxy_pose *device)
+{
+    struct quaternion turn = device->turn;
+    if (proxy->shape == PROXY_BENT)
+        return *at;
+    if (proxy->shape == PROXY_STRAIGHT)
+        turn = quaternion_product(quaternion_of_turn(device->axis, at->axis), turn);
+    turn = quaternion_unit(turn);
+    const struct quaternion now = quaternion_unit(at->turn);
+    const double sign = turn.w * now.w + dot(turn.v, now.v) < 0.0 ? 1.0 : -1.0;
+    const double off_w = turn.w + sign * now.w;
+    const vec3 off = along(turn.v, sign, now.v);
+    if (off_w * off_w + dot(off, off) < SPUN * SPUN)
+        return *at;
+    dpt_pose pose;
+    quaternion_store(turn, pose.orientation);
+    vec3_store(sub(at->centre, quaternion_turn(turn, proxy->centre)), pose.position);
+    return dpti_proxy_pose_of(proxy, &pose);
 }
 
 struct displacement dpti_proxy_displacement(const struct proxy *proxy,

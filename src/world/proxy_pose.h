@@ -21,11 +21,18 @@ static inline uint32_t proxy_unknowns(const struct proxy *proxy)
     return proxy->shape == PROXY_BALL ? 3 : proxy->shape == PROXY_STRAIGHT ? 5 : 6;
 }
 
-/* Centre, rho and shape of a tool, from its segments; again whenever they change. */
+/* Centre, extent, rho and shape of a tool, from its segments; again whenever they change. */
 void dpti_proxy_measure(const struct dpt_world *world, const struct tool *tool,
                         struct proxy *proxy);
 
 struct proxy_pose dpti_proxy_pose_of(const struct proxy *proxy, const dpt_pose *pose);
+
+/*
+ * `at`, with the device's spin about the tool's own axis, of a ball with all of its turn: no contact holds these. The
+ * tool's segments stay where they are.
+ */
+struct proxy_pose dpti_proxy_spun_as(const struct proxy *proxy, const struct proxy_pose *at,
+                                     const struct proxy_pose *device);
 
 /* From one pose to another; of a straight tool the least turn between its axes. */
 struct displacement dpti_proxy_displacement(const struct proxy *proxy,

@@ -34,5 +34,5 @@ void dpti_proxy_forget(struct dpt_world *world, struct tool *tool)
 void dpti_proxy_forget_body(struct dpt_world *world, uint32_t body)
 {
     for (uint32_t t = 0; world->def.until == DPT_UNTIL_RESPOND && t < world->tool_slot_end; t++)
-        dpti_proxy_forget_triangles(&world->proxies[t], body);
+        dpti_proxy_forget_contacts(&world->proxies[t], body);
 }

@@ -9,7 +9,10 @@
 
 enum { ITERATIONS_MAX = 8, CORRECTIONS_MAX = 2, HALVINGS_MAX = 4 };
 
-/* Of the largest diagonal of all bodies. */
+/* So often a body that moves may push a proxy away; then it takes it along. */
+enum { PUSHES_MAX = 4 };
+
+/* Of the largest diagonal of all bodies, up to PROXY_SCALE_MAX. */
 #define CLEARANCE 2e-6
 #define GAP_MIN   0.75e-6
 
@@ -35,13 +38,25 @@ static struct proxy *proxy_of(const struct dpt_world *world, const struct tool *
     return &world->proxies[tool - world->tools];
 }
 
-static double largest_diagonal(const struct dpt_world *world)
+void dpti_proxy_note_body(struct dpt_world *world, uint32_t slot)
 {
-    double largest = 0.0;
-    for (uint32_t i = 0; i < world->body_slot_end; i++)
-        if (world->bodies[i].slot.used)
-            largest = max_of(largest, world->bodies[i].diagonal);
-    return largest;
+    for (uint32_t t = 0; t < world->tool_slot_end; t++) {
+        const struct tool *tool = &world->tools[t];
+        if (!tool->slot.used || !dpti_proxy_is_used(world, tool))
+            continue;
+        struct proxy *proxy = &world->proxies[t];
+        struct frame frame;
+        frame_of_pose(&proxy->pose, &frame);
+        for (uint32_t i = 0; proxy->state >= PROXY_DOUBTED && i < tool->segment_count; i++) {
+            const struct segment *segment = &world->segments[tool->first_segment + i];
+            const struct box box =
+                box_of_axis(frame_to_world(&frame, segment->a), frame_to_world(&frame, segment->b));
+            const double away = box_distance(&box, &world->boxes[slot]) - segment->radius;
+            proxy->gap = min_of(proxy->gap, away);
+            if (away <= 0.0)
+                proxy->state = PROXY_DOUBTED;
+        }
+    }
 }
 
 static struct coupling coupling_of(const struct tool *tool, const struct proxy *proxy)
@@ -164,6 +179,26 @@ static int is_goal(const struct proxy_tick *tick, double share)
     return tick->solved.active_count == 0 && share == 1.0;
 }
 
+/* In the open: where nothing can be met, however the tool gets there, it goes to the device at once. */
+static int go_to_goal(struct proxy_tick *tick, double allowed)
+{
+    struct proxy *proxy = tick->proxy;
+    const struct displacement left = dpti_proxy_displacement(proxy, &tick->at, &tick->goal);
+    const double longest = length(left.shift) + proxy->extent * length(left.turn);
+    const double gap = tick->gap - longest;
+    if (tick->is_before || !(gap > tick->clearance) ||
+        displacement_norm(&left, proxy->rho) > allowed)
+        return 0;
+    proxy->lag = 0.0;
+    if (!memcmp(&tick->at.pose, &tick->goal.pose, sizeof tick->at.pose))
+        return 1;
+    tick->at = tick->goal;
+    dpti_proxy_find_nearest(tick);
+    tick->gap = max_of(tick->gap, gap);
+    proxy->last_motion = longest;
+    return 1;
+}
+
 enum { FOLLOW_DONE, FOLLOW_MOVED, FOLLOW_STUCK };
 
 /* One motion. *allowed is how far the proxy may still move in this tick. */
@@ -171,6 +206,8 @@ static int follow_once(struct proxy_tick *tick, double *allowed)
 {
     struct proxy *proxy = tick->proxy;
     double wanted[HALF_SPACE_DIMENSIONS] = { 0.0 };
+    if (go_to_goal(tick, *allowed))
+        return FOLLOW_DONE;
     dpti_proxy_turn_axes(proxy, &tick->at, tick->axes);
     const double left = wanted_motion(tick, wanted);
     proxy->lag = left;
@@ -197,7 +234,9 @@ static int follow_once(struct proxy_tick *tick, double *allowed)
             return FOLLOW_STUCK;
     }
     const int is_whole = size <= longest;
-    struct proxy_pose to = corrected_motion(tick, wanted, longest, &share);
+    /* A body that pushes is not to be kept waiting. */
+    struct proxy_pose to =
+        corrected_motion(tick, wanted, tick->is_before ? HUGE_VAL : longest, &share);
     if (is_whole && is_goal(tick, share))
         to = tick->goal;
     else if (!tick->is_before)
@@ -212,7 +251,9 @@ static int follow_once(struct proxy_tick *tick, double *allowed)
     else if (met < 0.25)
         proxy->trust = 2.0 * max_of(met, 0.1) * motion;
     else
-        proxy->trust = min_of(4.0 * max_of(proxy->trust, motion), HUGE_VAL);
+        proxy->trust = 4.0 * max_of(proxy->trust, motion);
+    /* One that shrinks without end would take as long to grow again. */
+    proxy->trust = max_of(proxy->trust, CONVERGED_SMALL * tick->clearance);
     if (!(made > 0.0))
         return FOLLOW_STUCK;
     const struct displacement moved = dpti_proxy_displacement(proxy, &from, &tick->at);
@@ -235,7 +276,7 @@ static void place(struct proxy_tick *tick)
     tick->proxy->state = PROXY_PLACED;
 }
 
-/* How far bodies moved before this tick, if that may have brought one near. */
+/* Whether the motion of bodies before this tick may have brought one near. */
 static int bodies_came_near(const struct proxy_tick *tick)
 {
     const struct dpt_world *world = tick->world;
@@ -243,20 +284,47 @@ static int bodies_came_near(const struct proxy_tick *tick)
            tick->gap <= world->body_motion_max + 2.0 * tick->clearance;
 }
 
+/* m: how far any point of a body moved before this tick, at most. */
+static double bodies_moved(const struct dpt_world *world)
+{
+    return world->bodies_moved_tick == world->ticks ? world->body_motion_max : 0.0;
+}
+
+/* The nearest pairs where the proxy was left. What was proven of its gap holds, less what bodies moved. */
+static void find_again(struct proxy_tick *tick)
+{
+    const double proven = tick->gap - bodies_moved(tick->world);
+    dpti_proxy_find_nearest(tick);
+    tick->gap = max_of(tick->gap, proven);
+}
+
+/* As many motions as there are iterations, work and way; *allowed is how far the proxy may still move. */
+static void follow_all(struct proxy_tick *tick, double *allowed)
+{
+    const struct work *work = &tick->world->work;
+    for (int i = 0; i < ITERATIONS_MAX; i++) {
+        int result = follow_once(tick, allowed);
+        if (tick->is_before && (i + 1 >= PUSHES_MAX || work_is_spent(work)) &&
+            dpti_proxy_carry(tick))
+            result = FOLLOW_MOVED;
+        if (result == FOLLOW_DONE || work_is_spent(work))
+            return;
+        if (!tick->is_before && *allowed <= CONVERGED_SMALL * tick->clearance)
+            return;
+    }
+}
+
 static void follow(struct proxy_tick *tick, double device_moved, double dt)
 {
     struct proxy *proxy = tick->proxy;
     const struct proxy_pose from = tick->at;
-    double allowed = 2.0 * device_moved + FOLD_SPEED * dt;
-    if (tick->world->bodies_moved_tick == tick->world->ticks)
-        allowed += tick->world->body_motion_max;
+    const double others_moved = bodies_moved(tick->world);
+    double allowed = 2.0 * device_moved + FOLD_SPEED * dt + others_moved;
     const double cap = allowed;
-    int result = FOLLOW_MOVED;
     tick->is_before = bodies_came_near(tick);
     if (!tick->is_before)
-        dpti_proxy_find_nearest(tick);
-    for (int i = 0; i < ITERATIONS_MAX && result != FOLLOW_DONE; i++)
-        result = follow_once(tick, &allowed);
+        find_again(tick);
+    follow_all(tick, &allowed);
     dpti_proxy_keep_contacts(tick);
     if (tick->is_before || tick->gap < 0.0) {
         proxy->flags |= DPT_FORCE_FLAG_SQUEEZED;
@@ -267,7 +335,8 @@ static void follow(struct proxy_tick *tick, double device_moved, double dt)
     const struct displacement left = dpti_proxy_displacement(proxy, &tick->at, &tick->goal);
     const double motion = displacement_norm(&moved, proxy->rho);
     const double far = displacement_norm(&left, proxy->rho);
-    if (motion > 2.0 * device_moved + 0.1 * far || (allowed <= 0.0 && cap > 0.0)) {
+    const int is_capped = cap > 0.0 && allowed <= CONVERGED_SMALL * tick->clearance;
+    if (is_capped || motion > 2.0 * (device_moved + others_moved) + 0.1 * far) {
         proxy->flags |= DPT_FORCE_FLAG_FOLD;
         proxy->folds++;
     }
@@ -277,29 +346,43 @@ static void follow(struct proxy_tick *tick, double device_moved, double dt)
     }
 }
 
+/* Bodies moved in a tick in which the tool could not follow: nothing tells what is round the proxy now. */
+static void doubt_unseen_motion(const struct dpt_world *world, struct proxy *proxy)
+{
+    const int was_stepped = proxy->tick + 1 == world->ticks;
+    if (proxy->state < PROXY_DOUBTED || was_stepped ||
+        (int32_t)(world->bodies_moved_tick - proxy->tick) <= 0)
+        return;
+    proxy->state = PROXY_DOUBTED;
+    proxy->gap = -HUGE_VAL;
+}
+
 void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
 {
     struct proxy *proxy = proxy_of(world, tool);
     struct proxy_tick tick = { .world = world, .tool = tool, .proxy = proxy };
-    const double diagonal = largest_diagonal(world);
-    if (tool->is_free && proxy->state == PROXY_OUTSIDE)
+    const double scale = min_of(world->largest_diagonal, PROXY_SCALE_MAX);
+    doubt_unseen_motion(world, proxy);
+    if (tool->is_free && proxy->state >= PROXY_DOUBTED)
         dpti_proxy_follow_size(world, tool, proxy);
     dpti_proxy_measure(world, tool, proxy);
-    tick.clearance = CLEARANCE * diagonal;
-    tick.min_gap = GAP_MIN * diagonal;
+    tick.clearance = CLEARANCE * scale;
+    tick.min_gap = GAP_MIN * scale;
     tick.goal = dpti_proxy_pose_of(proxy, &tool->pose);
     proxy->flags = 0;
-    if (proxy->state != PROXY_OUTSIDE) {
+    if (proxy->state < PROXY_DOUBTED) {
         place(&tick);
     } else {
         const struct proxy_pose device = dpti_proxy_pose_of(proxy, &proxy->device_pose);
         const struct displacement moved = dpti_proxy_displacement(proxy, &device, &tick.goal);
-        tick.at = dpti_proxy_pose_of(proxy, &proxy->pose);
+        const struct proxy_pose at = dpti_proxy_pose_of(proxy, &proxy->pose);
+        tick.at = dpti_proxy_spun_as(proxy, &at, &tick.goal);
         tick.gap = proxy->gap;
         follow(&tick, displacement_norm(&moved, proxy->rho), dt);
     }
     proxy->pose = tick.at.pose;
     proxy->device_pose = tool->pose;
+    proxy->tick = world->ticks;
     proxy->gap = tick.gap;
     proxy->min_gap = tick.min_gap;
     const struct displacement away = dpti_proxy_displacement(proxy, &tick.goal, &tick.at);
@@ -309,17 +392,22 @@ void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
 void dpti_proxy_settle(struct dpt_world *world, struct tool *tool)
 {
     struct proxy *proxy = proxy_of(world, tool);
-    int is_outside = proxy->gap >= proxy->min_gap;
-    if (proxy->state != PROXY_PLACED)
+    int is_outside = 1, is_known = 1;
+    if (proxy->state != PROXY_PLACED && proxy->state != PROXY_DOUBTED)
         return;
     for (uint32_t i = 0; i < tool->segment_count; i++) {
         const struct segment *segment = &world->segments[tool->first_segment + i];
-        is_outside &=
-            !segment->answer.body ||
-            (segment->answer.is_exact && segment->result.has_gap && segment->result.gap > 0.0);
+        if (!segment->answer.body)
+            continue;
+        is_known &= segment->answer.is_exact && segment->result.has_gap;
+        is_outside &= segment->result.gap > 0.0;
     }
-    if (is_outside)
+    if (!is_known)
+        return;
+    if (is_outside && (proxy->state == PROXY_DOUBTED || proxy->gap >= proxy->min_gap))
         proxy->state = PROXY_OUTSIDE;
+    else if (!is_outside && proxy->state == PROXY_DOUBTED)
+        proxy->state = PROXY_NONE;
 }
 
 void dpti_proxy_respond(struct dpt_world *world, struct tool *tool)
@@ -335,6 +423,8 @@ void dpti_proxy_respond(struct dpt_world *world, struct tool *tool)
     tool->energy = is_pushed ? coupling_energy(&coupling, &away) : 0.0;
     if (tool->stiffness == 0.0)
         tool->force_reason = DPT_FORCE_OFF;
+    else if (proxy->state == PROXY_DOUBTED)
+        tool->force_reason = DPT_FORCE_UNDECIDED;
     else if (!is_outside)
         tool->force_reason = DPT_FORCE_INSIDE;
     else

@@ -8,6 +8,9 @@
 
 #include "world/proxy_state.h"
 
+/* A body was added or teleported: the proxies near which it is are not known to be outside of it. */
+void dpti_proxy_note_body(struct dpt_world *world, uint32_t slot);
+
 /*
  * A tool becomes free, or rigid again: the proxy starts again where the device is. The segment of a free tool that has a
  * proxy is kept in a frame of its own, with end a at the origin and end b on the x axis.
@@ -23,7 +26,7 @@ void dpti_proxy_follow_size(struct dpt_world *world, const struct tool *tool, st
 /* One tick of `dt`: the proxy follows the device; nearest pairs of the tool's segments are those at the proxy then. */
 void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt);
 
-/* After contact: whether a proxy that was placed, and not led there, is outside of everything. */
+/* After contact: whether a proxy that was placed, or doubted, is outside of everything. */
 void dpti_proxy_settle(struct dpt_world *world, struct tool *tool);
 
 /* The wrench and the report of a tool with a proxy. */

@@ -10,6 +10,12 @@
 /* Triangles that are looked at together: those that are remembered, and the nearest of each of so many segments. */
 enum { PROXY_TRIANGLES_MAX = PROXY_MEMORY + 16 };
 
+/*
+ * m: clearances grow with the largest body up to that size, and no farther. A body that is larger is swept as finely as
+ * one of that size, or everything else in its world would be felt too early.
+ */
+#define PROXY_SCALE_MAX 1.0
+
 /* What a constraint is of. */
 struct proxy_source {
     uint32_t triangle; /* in proxy_tick.triangles */
@@ -31,6 +37,7 @@ struct proxy_tick {
     double
         gap; /* the least of the tool's surface at `at`; a lower bound where a budget ended the search */
     int is_before; /* `at` is proven only for where bodies were before this tick */
+    int is_lost;   /* the segments' nearest pairs are of another pose than `at` */
     uint32_t triangle_count;
     const struct proxy_triangle *triangles[PROXY_TRIANGLES_MAX];
     struct proxy_triangle nearest[PROXY_TRIANGLES_MAX];

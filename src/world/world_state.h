@@ -81,9 +81,10 @@ struct proxy_contact {
 
 /* What is known of where a proxy is. */
 enum {
-    PROXY_NONE,   /* nothing: it starts at the device's pose */
-    PROXY_PLACED, /* it was put where the device is, and perhaps in something */
-    PROXY_OUTSIDE /* it is outside of everything, and came there by free motion */
+    PROXY_NONE,    /* nothing: it starts at the device's pose */
+    PROXY_PLACED,  /* it was put where the device is, and perhaps in something */
+    PROXY_DOUBTED, /* it has gone through nothing, but something may have come to be round it */
+    PROXY_OUTSIDE  /* it is outside of everything, and came there by free motion */
 };
 
 /* How a tool can turn: a ball not at all, a straight one about two axes. */
@@ -96,20 +97,21 @@ struct proxy {
     vec3 centre;          /* of the segments, in the tool's frame */
     vec3 axis;            /* unit, of a straight tool, in its frame */
     double rho;           /* m: what a turn of 1 rad counts as */
-    double gap;           /* m: the least of the tool's surface; not below 0 while it is outside */
-    double min_gap;       /* m: the least that is allowed */
-    double trust;         /* m: the longest motion that is tried at once */
-    double last_motion;   /* m */
-    double lag;           /* m */
-    double length;        /* m: of a free tool, the device's */
-    double radius;        /* m: likewise */
+    double extent;        /* m: how far the segments' points are from the centre, at most */
+    double gap;     /* m: the tool's surface is at least so far from all bodies of the last tick */
+    double min_gap; /* m: the least that is allowed */
+    double trust;   /* m: the longest motion that is tried at once */
+    double last_motion; /* m */
+    double lag;         /* m */
+    double length;      /* m: of a free tool, the device's */
+    double radius;      /* m: likewise */
     uint64_t folds;
     uint32_t state;   /* PROXY_... */
     uint32_t shape;   /* PROXY_BALL, ... */
     uint32_t flags;   /* DPT_FORCE_FLAG_... of this tick */
     uint32_t clock;   /* of `memory` */
     uint32_t is_held; /* it is not where the device is */
-    uint32_t reserved;
+    uint32_t tick;    /* the world's, of its last step */
     struct proxy_triangle memory[PROXY_MEMORY];
     struct proxy_contact contacts[PROXY_CONTACTS_MAX];
 };
@@ -271,6 +273,7 @@ struct dpt_world {
     uint32_t ticks;             /* since the last reset; may wrap */
     uint32_t bodies_moved_tick; /* the tick before which a body last moved */
     double body_motion_max;     /* m: the largest motion_bound of the bodies that moved then */
+    double largest_diagonal;    /* m: of all bodies */
     uint32_t contacts_index;    /* which of `contacts` is this tick's */
     uint32_t last_contact_id;   /* the newest id of a contact */
     uint32_t contacts_wanted;   /* contacts of this tick, carried over and dropped ones included */
@@ -300,6 +303,12 @@ struct dpt_world {
 static inline int tool_is_active(const struct dpt_world *world, const struct tool *tool)
 {
     return tool->slot.used && tool->slot.valid && !world->invalid_body_count;
+}
+
+/* 1 if a body moved before this tick, from a pose that it had in the last one. */
+static inline int body_has_moved(const struct dpt_world *world, const struct body *body)
+{
+    return body->moved_tick == world->ticks && body->added_tick != world->ticks;
 }
 
 /* Raise a high-water mark of dpt_world_usage to `count`. */
