@@ -62,6 +62,23 @@ static int has_proxy(const struct dpt_world *world, const struct tool *tool)
 }
 
 /*
+ * Tools with a proxy take turns to begin: none leaves the others nothing for ever. They do not share a tick evenly, as a
+ * motion that is not proven to its end is not made; and they keep their turn for some ticks, as what was searched is
+ * lost where the next tick cannot go on.
+ */
+enum { TURN_TICKS = 8 };
+
+static void step_proxies(struct dpt_world *world, double dt)
+{
+    const uint32_t slots = world->tool_slot_end;
+    for (uint32_t i = 0; i < slots; i++) {
+        struct tool *tool = &world->tools[(world->ticks / TURN_TICKS + i) % slots];
+        if (has_proxy(world, tool))
+            dpti_proxy_step(world, tool, dt);
+    }
+}
+
+/*
  * All segments share the budget: first for their nearest pairs, then what is left for their contacts. Every other
  * tick begins with the first segment that the tick before left undone. The ticks between begin with each segment in
  * turn: a segment that moves and is never done would otherwise leave nothing to the others.
@@ -75,9 +92,7 @@ static void step_segments(struct dpt_world *world, double dt)
     world->work = work_of(world->def.budget ? world->def.budget : WORK_UNLIMITED);
     world->point_cache.tick = tick;
     dpti_persistent_contacts_begin_tick(world);
-    for (uint32_t t = 0; t < world->tool_slot_end; t++)
-        if (has_proxy(world, &world->tools[t]))
-            dpti_proxy_step(world, &world->tools[t], dt);
+    step_proxies(world, dt);
     for (uint32_t i = 0; i < count; i++) {
         const struct segment *segment = &world->segments[(first + i) % count];
         if (!has_proxy(world, &world->tools[segment->tool_slot]))
