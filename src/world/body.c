@@ -6,6 +6,7 @@
 #include "world/motion_backlog.h"
 #include "world/persistent_contacts.h"
 #include "world/proxy_state.h"
+#include "world/proxy_step.h"
 #include "world/tool_force.h"
 #include "world/tool_strips.h"
 #include "world/world_def.h"
