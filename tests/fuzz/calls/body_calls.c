@@ -191,9 +191,14 @@ static void set_settings(void)
     const uint32_t id = draw_body_id(scene);
     struct model_body *body = scene_body(scene, id);
     const int no_world = draw_one_in(60), no_settings = draw_one_in(60);
-    const dpt_body_settings settings = { .reserved = draw_one_in(30) ? 1u : 0u,
-                                         .side_limit = draw_one_in(4) ? draw_odd_number()
-                                                                      : draw_in(0.0, 0.2) };
+    dpt_body_settings settings = { .reserved = draw_one_in(30) ? 1u : 0u,
+                                   .side_limit =
+                                       draw_one_in(8) ? draw_odd_number() : draw_in(0.0, 0.2) };
+    if (draw_one_in(2)) {
+        settings.static_friction = draw_one_in(16) ? draw_odd_number() : draw_in(0.0, 1.2);
+        settings.kinetic_friction =
+            draw_one_in(16) ? draw_odd_number() : draw_in(0.0, 1.0) * settings.static_friction;
+    }
     struct codes codes = { .count = 0 };
     dpt_result result = DPT_OK;
     may_fail(&codes, no_world || no_settings, DPT_E_ARGUMENT);
@@ -204,7 +209,9 @@ static void set_settings(void)
                            sizeof settings, sizeof settings, &codes);
         may_fail(&codes,
                  settings.reserved ||
-                     !(settings.side_limit >= 0.0 && settings.side_limit <= DPT_COORDINATE_MAX),
+                     !(settings.side_limit >= 0.0 && settings.side_limit <= DPT_COORDINATE_MAX) ||
+                     !(settings.kinetic_friction >= 0.0 && settings.static_friction <= 10.0 &&
+                       settings.kinetic_friction <= settings.static_friction),
                  DPT_E_ARGUMENT);
     }
     call_with("scene %llu, id %llx", (uint64_t)(scene - scenes), id, 0, 0);
@@ -212,8 +219,11 @@ static void set_settings(void)
     SAME_RESULT(i, result,
                 RESULT(dpt_body_set_settings, world_or_null(scene, i, no_world), id, given));
     expect(result, &codes);
-    if (result == DPT_OK)
-        body->side_limit = settings.side_limit;
+    if (result != DPT_OK)
+        return;
+    body->side_limit = settings.side_limit;
+    body->static_friction = settings.static_friction;
+    body->kinetic_friction = settings.kinetic_friction;
 }
 
 static void get_settings(void)
@@ -243,8 +253,12 @@ static void get_settings(void)
     expect(result, &codes);
     outputs_are_guarded(0, scene->world_count);
     if (result == DPT_OK && output_read(0, size, sizeof now, 8, &now))
-        HOLDS(now.side_limit == body->side_limit && !now.reserved, "side_limit %g, and not %g",
-              now.side_limit, body->side_limit);
+        HOLDS(now.side_limit == body->side_limit && !now.reserved &&
+                  now.static_friction == body->static_friction &&
+                  now.kinetic_friction == body->kinetic_friction,
+              "side_limit %g, friction %g, %g, and not %g, %g, %g", now.side_limit,
+              now.static_friction, now.kinetic_friction, body->side_limit, body->static_friction,
+              body->kinetic_friction);
 }
 
 static void is_valid(void)

@@ -218,7 +218,7 @@ struct noun {
 
 extern const struct noun world_noun, body_noun, tool_noun, step_noun, result_noun, strip_noun,
     query_noun, mesh_noun, arm_noun, compile_noun, guard_noun, device_noun, loop_noun, name_noun,
-    trial_noun, selftest_noun;
+    trial_noun, selftest_noun, proxy_noun;
 
 /* ---- what a run must have met, or it tests little ---- */
 
@@ -235,6 +235,9 @@ extern const struct noun world_noun, body_noun, tool_noun, step_noun, result_nou
     X(TRIED_FREE, "a trial that met nothing")                         X(TRIED_HIT, "a trial that met something") \
     X(TRIED_START, "a trial that touched at once")                    X(TRIED_NONE, "a trial of which nobody knows") \
     X(TRIED_AXIS, "a trial of an axis") \
+    X(HELD, "a proxy that is held")      X(HELD_FREE, "that of a free tool")                        \
+    X(BEGAN_INSIDE, "a tool with a proxy that began inside")          X(FOLD, "a fold")             \
+    X(SQUEEZED, "a proxy that was squeezed")                          X(REPLACED, "a proxy that was placed anew") \
     X(STARTING, "a guard that starts")   X(RUNNING, "a guard that runs") X(STOPPING, "a guard that stops") \
     X(CLAMPED, "a command that was clamped")                          X(SLEWED, "a wrench that was slewed") \
     X(SENT, "a tick that is told what acted")                         X(DROPPED, "a command that was dropped") \

@@ -15,8 +15,7 @@ static double extent_of(const double x[3])
     return fmax(fabs(x[0]), fmax(fabs(x[1]), fabs(x[2])));
 }
 
-/* What sums over this segment and all bodies may be off by. */
-static double slack_of(const struct scene *scene, const dpt_segment *segment)
+double slack_of(const struct scene *scene, const dpt_segment *segment)
 {
     double extent = 1.0 + fmax(extent_of(segment->a), extent_of(segment->b));
     for (uint32_t i = 0; i < scene->then_count; i++)
@@ -50,14 +49,17 @@ static void status_must_hold(const dpt_world_def *def, const dpt_hit *hit)
               "status %u of method %u, budget %u", hit->status, def->method, def->budget);
 }
 
-static void gap_must_hold(const dpt_world_def *def, const dpt_hit *hit, double radius, double slack)
+/* `is_held`: of a tool with a proxy, whose hit does not tell how deep the device is. */
+static void gap_must_hold(const dpt_world_def *def, const dpt_hit *hit, double radius, double slack,
+                          int is_held)
 {
     const int is_paper = def->method == DPT_METHOD_PAPER;
     HOLDS(hit->contact <= DPT_CONTACT_PENETRATING && hit->flags <= 3, "contact %u, flags %x",
           hit->contact, hit->flags);
     HOLDS(hit->depth == fmax(0.0, -hit->gap), "gap %g, depth %g", hit->gap, hit->depth);
     if (!(hit->flags & DPT_HIT_FLAG_GAP)) {
-        HOLDS(hit->gap == 0.0 && hit->contact == DPT_CONTACT_UNKNOWN,
+        HOLDS(hit->gap == 0.0 && (hit->contact == DPT_CONTACT_UNKNOWN ||
+                                  (is_held && hit->contact == DPT_CONTACT_PENETRATING)),
               "contact %u, gap %g that is not known", hit->contact, hit->gap);
         return;
     }
@@ -121,11 +123,10 @@ void hit_must_hold(const struct scene *scene, const struct model_tool *tool, uin
     met[MET_UNKNOWN] += hit->contact == DPT_CONTACT_UNKNOWN;
     status_must_hold(&scene->def, hit);
     pair_must_hold(scene, at, hit, slack);
-    gap_must_hold(&scene->def, hit, at->radius, slack);
+    gap_must_hold(&scene->def, hit, at->radius, slack, has_proxy(scene, tool->law_then));
 }
 
-/* The least distance of a segment to all that was there. */
-static double true_distance(const struct scene *scene, const dpt_segment *at)
+double true_distance(const struct scene *scene, const dpt_segment *at)
 {
     double least = INFINITY, corners[9];
     for (uint32_t i = 0; i < scene->then_count; i++) {
@@ -181,8 +182,7 @@ static double solid_angle(const double a[3], const double b[3], const double c[3
     return 2.0 * atan2(det, la * lb * lc + ab * lc + bc * la + ca * lb);
 }
 
-/* How often a point is within a body: 0 or 1, but for rounding. */
-static double times_inside(const struct body_then *body, const double x[3])
+double times_inside(const struct body_then *body, const double x[3])
 {
     double local[3], corners[9], sum = 0.0;
     to_frame(&body->pose, x, local);
@@ -230,13 +230,15 @@ static void contact_must_hold(const struct scene *scene, const struct model_tool
     HOLDS(contact->s0 >= 0.0 && contact->s0 <= contact->s1 && contact->s1 <= 1.0 &&
               contact->s >= contact->s0 && contact->s <= contact->s1,
           "s %.17g in %.17g to %.17g", contact->s, contact->s0, contact->s1);
-    const dpt_segment *at = &tool->at[contact->segment];
+    const int is_felt = has_proxy(scene, tool->law_then);
+    const dpt_segment *at = &(is_felt ? tool->proxy_at : tool->at)[contact->segment];
     const double slack = slack_of(scene, at), *weight = contact->weight;
     double p[3];
     const double zero[3] = { 0.0, 0.0, 0.0 };
     for (int k = 0; k < 3; k++)
         p[k] = at->a[k] + contact->s * (at->b[k] - at->a[k]);
-    HOLDS(apart(p, contact->p) <= slack, "p is %g m from the axis at s", apart(p, contact->p));
+    HOLDS(apart(p, contact->p) <= slack || (is_felt && tool->has_grown),
+          "p is %g m from the axis at s", apart(p, contact->p));
     HOLDS(fabs(weight[0] + weight[1] + weight[2] - 1.0) <= 1e-9 && weight[0] >= -1e-9 &&
               weight[1] >= -1e-9 && weight[2] >= -1e-9,
           "weights %g, %g, %g", weight[0], weight[1], weight[2]);
@@ -277,8 +279,9 @@ void sweep_must_hold(const struct scene *scene, const struct model_tool *tool, u
     const double zero[3] = { 0.0, 0.0, 0.0 };
     HOLDS(sweep->segment == segment && sweep->status <= DPT_SWEEP_UNFINISHED,
           "segment %u, status %u", sweep->segment, sweep->status);
-    if (tool->answers == ANSWERS_NONE)
-        HOLDS(sweep->status == DPT_SWEEP_NONE, "status %u without a step", sweep->status);
+    if (tool->answers == ANSWERS_NONE || has_proxy(scene, tool->law_then))
+        HOLDS(sweep->status == DPT_SWEEP_NONE, "status %u without a step, or of a proxy",
+              sweep->status);
     HOLDS(scene->def.budget || (sweep->status != DPT_SWEEP_UNFINISHED && sweep->age == 0),
           "status %u, age %u without a budget", sweep->status, sweep->age);
     met[MET_UNFINISHED] += sweep->status == DPT_SWEEP_UNFINISHED;

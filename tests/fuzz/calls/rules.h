@@ -32,6 +32,13 @@ void overlaps_must_hold(const dpt_overlap *overlaps, uint32_t count, double radi
 void wrench_must_hold(const struct scene *scene, const struct model_tool *tool, const dpt_hit *hits,
                       const dpt_wrench *wrench, const dpt_force_report *report);
 
+/*
+ * Where the proxy is: at the device unless it is held, and never in a body; `report` tells of it. Every world of the
+ * scene says the same.
+ */
+void proxy_must_hold(const struct scene *scene, const struct model_tool *tool,
+                     const dpt_force_report *report);
+
 /* What every report must be, of a tool whose answers are so. */
 void report_must_hold(const struct scene *scene, const struct model_tool *tool,
                       const dpt_force_report *report);
@@ -41,6 +48,15 @@ void hit_must_be_stale(const dpt_hit *hit);
 
 /* The triangle counts: it is in the mesh, and was not dropped. */
 void triangle_must_be_there(const struct subject *subject, uint32_t triangle);
+
+/* What sums over this segment and all bodies may be off by. */
+double slack_of(const struct scene *scene, const dpt_segment *segment);
+
+/* The least distance of a segment to all that was there at the last step. */
+double true_distance(const struct scene *scene, const dpt_segment *at);
+
+/* How often a point is within a body: 0 or 1, but for rounding. */
+double times_inside(const struct body_then *body, const double x[3]);
 
 double apart(const double a[3], const double b[3]);
 

@@ -49,7 +49,10 @@ static void read_strip(struct scene *scene, const struct model_tool *tool, uint3
         scene->least.strip = count;
     for (uint32_t i = 0; i < count; i++)
         numbers_are_finite(&overlaps[i].distance, 10, "an overlap");
-    overlaps_must_hold(overlaps, count, tool->at[segment].radius);
+    if (!has_proxy(scene, tool->law_then))
+        overlaps_must_hold(overlaps, count, tool->at[segment].radius);
+    else if (!tool->has_grown)
+        overlaps_must_hold(overlaps, count, tool->proxy_at[segment].radius);
     HOLDS(!(flags & DPT_STRIP_FLAG_FULL) || count == scene->def.strip_capacity ||
               scene->def.strip == DPT_STRIP_KIND_ROUTES,
           "full with %u of %u", count, scene->def.strip_capacity);
@@ -104,6 +107,7 @@ static void read_tool(struct scene *scene, const struct model_tool *tool, struct
     dpt_force_report report = { .size = sizeof report };
     HOLDS(RESULT(dpt_tool_get_force_report, world, tool->id, &report) == DPT_OK, "no report");
     wrench_must_hold(scene, tool, hits, &wrench, &report);
+    proxy_must_hold(scene, tool, &report);
     sum->contacts += read_contacts(scene, tool);
 }
 
@@ -165,7 +169,7 @@ static double draw_dt(struct codes *codes)
     return dt;
 }
 
-static void step_once(struct scene *scene)
+void scene_steps(struct scene *scene)
 {
     struct codes codes = { .count = 0 };
     const int no_world = draw_one_in(100), no_out = draw_one_in(4);
@@ -220,7 +224,7 @@ static void step(void)
 {
     struct scene *scene = draw_scene();
     if (scene)
-        step_once(scene);
+        scene_steps(scene);
 }
 
 /* A tool that moves a little between steps: what is carried from tick to tick is used. */
@@ -246,7 +250,7 @@ static void ride(void)
         SAME_RESULT(w, result, RESULT(dpt_tool_set_pose, scene->world[w], tool->id, &pose));
         expect(result, &codes);
         tool_has_pose(scene, tool, result == DPT_OK ? &pose : NULL);
-        step_once(scene);
+        scene_steps(scene);
     }
 }
 
@@ -264,15 +268,14 @@ static void touch(void)
     dpt_segment segments[SEGMENTS_MAX];
     memcpy(segments, tool->at, tool->count * sizeof *segments);
     segments[hit.segment].radius = hit.distance;
-    for (uint32_t i = 0; i < tool->count; i++)
-        segment_codes(&segments[i], &codes);
+    segments_codes(scene, tool, segments, tool->count, &codes);
     dpt_result result = DPT_OK;
     EACH_WORLD(scene, w)
     SAME_RESULT(w, result,
                 RESULT(dpt_tool_set_segments, scene->world[w], tool->id, segments, tool->count));
     expect(result, &codes);
     tool_has_segments(scene, tool, result == DPT_OK ? segments : NULL);
-    step_once(scene);
+    scene_steps(scene);
 }
 
 static const struct move moves[] = { { "step", step, 40 },

@@ -37,7 +37,9 @@ static void add_one(struct scene *scene, const dpt_segment *segments, uint32_t c
                                  .is_usable = 1,
                                  .count = count,
                                  .pose = DPT_POSE_IDENTITY,
-                                 .stiffness = scene->def.stiffness };
+                                 .law = scene->def.law,
+                                 .stiffness = scene->def.stiffness,
+                                 .is_placed_anew = 1 };
     memcpy(tool->segment, segments, count * sizeof *segments);
     scene->segment_count += count;
     if (scene->least.tools < scene->tool_count)
@@ -136,6 +138,8 @@ static void move(void)
     if (no_world || !tool)
         return;
     tool_has_pose(scene, tool, result == DPT_OK ? &pose : NULL);
+    if (tool->is_usable && jumps)
+        tool->is_placed_anew = 1;
     if (tool->is_usable && jumps && tool->answers == ANSWERS_THERE)
         tool->answers = ANSWERS_EITHER;
 }
@@ -160,10 +164,8 @@ static void set_segments(void)
     const int no_world = draw_one_in(60), no_segments = draw_one_in(60);
     struct codes codes = { .count = 0 };
     dpt_result result = DPT_OK;
-    may_fail(&codes, no_world || no_segments || (tool && count != tool->count), DPT_E_ARGUMENT);
-    may_fail(&codes, !tool, DPT_E_HANDLE);
-    for (uint32_t i = 0; !no_segments && i < count; i++)
-        segment_codes(&segments[i], &codes);
+    may_fail(&codes, no_world, DPT_E_ARGUMENT);
+    segments_codes(scene, tool, no_segments ? NULL : segments, count, &codes);
     call_with("scene %llu, id %llx, %llu segments", (uint64_t)(scene - scenes), id, count, 0);
     EACH_WORLD(scene, i)
     SAME_RESULT(i, result,
@@ -244,9 +246,15 @@ static void set_settings(void)
     const uint32_t id = draw_tool_id(scene);
     struct model_tool *tool = scene_tool(scene, id);
     const int no_world = draw_one_in(60), no_settings = draw_one_in(60);
-    const dpt_tool_settings settings = { .reserved = draw_one_in(30) ? 1u : 0u,
+    const dpt_tool_settings settings = { .law = draw_one_in(20)  ? draw_below(5)
+                                                : draw_one_in(2) ? DPT_LAW_PROXY
+                                                                 : DPT_LAW_POINT,
                                          .stiffness = draw_one_in(4) ? draw_odd_number()
-                                                                     : draw_in(0.0, 1500.0) };
+                                                                     : draw_in(0.0, 1500.0),
+                                         .rotational_stiffness = draw_one_in(8) ? draw_odd_number()
+                                                                 : draw_one_in(2)
+                                                                     ? 0.0
+                                                                     : draw_in(0.001, 5.0) };
     struct codes codes = { .count = 0 };
     dpt_result result = DPT_OK;
     may_fail(&codes, no_world || no_settings, DPT_E_ARGUMENT);
@@ -255,17 +263,31 @@ static void set_settings(void)
     if (!no_settings) {
         given = draw_input(0, &settings, draw_size(sizeof settings, sizeof settings),
                            sizeof settings, sizeof settings, &codes);
-        may_fail(&codes,
-                 settings.reserved || !(settings.stiffness >= 0.0 && settings.stiffness <= 1e9),
-                 DPT_E_ARGUMENT);
+        may_fail(
+            &codes,
+            (settings.law != DPT_LAW_POINT && settings.law != DPT_LAW_PROXY) ||
+                !(settings.stiffness >= 0.0 && settings.stiffness <= 1e9) ||
+                !(settings.rotational_stiffness >= 0.0 && settings.rotational_stiffness <= 1e9),
+            DPT_E_ARGUMENT);
+        may_fail(&codes, tool && tool->is_free && tool->count > 1 && has_proxy(scene, settings.law),
+                 DPT_E_UNSUPPORTED);
     }
     call_with("scene %llu, id %llx", (uint64_t)(scene - scenes), id, 0, 0);
     EACH_WORLD(scene, i)
     SAME_RESULT(i, result,
                 RESULT(dpt_tool_set_settings, world_or_null(scene, i, no_world), id, given));
     expect(result, &codes);
-    if (result == DPT_OK)
-        tool->stiffness = settings.stiffness;
+    if (result != DPT_OK)
+        return;
+    tool->stiffness = settings.stiffness;
+    tool->rotational_stiffness = settings.rotational_stiffness;
+    scene->is_as_stepped = 0;
+    if (tool->law == settings.law)
+        return;
+    tool->law = settings.law;
+    tool->is_placed_anew = 1;
+    if (tool->answers == ANSWERS_THERE)
+        tool->answers = ANSWERS_EITHER;
 }
 
 static void get_settings(void)
@@ -295,8 +317,10 @@ static void get_settings(void)
     expect(result, &codes);
     outputs_are_guarded(0, scene->world_count);
     if (result == DPT_OK && output_read(0, size, sizeof now, 8, &now))
-        HOLDS(now.stiffness == tool->stiffness && !now.reserved, "stiffness %g, and not %g",
-              now.stiffness, tool->stiffness);
+        HOLDS(now.stiffness == tool->stiffness && now.law == tool->law &&
+                  now.rotational_stiffness == tool->rotational_stiffness,
+              "law %u, stiffness %g, %g, and not %u, %g, %g", now.law, now.stiffness,
+              now.rotational_stiffness, tool->law, tool->stiffness, tool->rotational_stiffness);
 }
 
 static void is_valid(void)

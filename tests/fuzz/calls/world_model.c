@@ -150,6 +150,35 @@ void to_frame(const dpt_pose *pose, const double x[3], double out[3])
     turn(pose, -1.0, apart, out);
 }
 
+/* Where the proxy is said to be. A free tool's may be smaller than what was given, if that has grown. */
+static void take_proxy(struct scene *scene, struct model_tool *tool)
+{
+    const dpt_segment given = tool->segment[0];
+    dpt_segment along[1] = { { .radius = given.radius } };
+    dpt_tool_get_proxy(scene->world[0], tool->id, &tool->proxy);
+    if (tool->is_free) {
+        const double length = sqrt((given.b[0] - given.a[0]) * (given.b[0] - given.a[0]) +
+                                   (given.b[1] - given.a[1]) * (given.b[1] - given.a[1]) +
+                                   (given.b[2] - given.a[2]) * (given.b[2] - given.a[2]));
+        if (tool->is_placed_anew) {
+            tool->least = (dpt_segment){ .b = { length, 0.0, 0.0 }, .radius = given.radius };
+            tool->has_grown = 0;
+        }
+        tool->has_grown |= length > tool->least.b[0] || given.radius > tool->least.radius;
+        tool->least.b[0] = fmin(tool->least.b[0], length);
+        tool->least.radius = fmin(tool->least.radius, given.radius);
+        along[0] = tool->least;
+    }
+    tool->has_grown &= tool->is_free;
+    tool->is_placed_anew = 0;
+    for (uint32_t i = 0; i < tool->count; i++) {
+        const dpt_segment *segment = tool->is_free ? along : &tool->segment[i];
+        to_world(&tool->proxy, segment->a, tool->proxy_at[i].a);
+        to_world(&tool->proxy, segment->b, tool->proxy_at[i].b);
+        tool->proxy_at[i].radius = segment->radius;
+    }
+}
+
 void scene_has_stepped(struct scene *scene)
 {
     int is_usable = scene->body_count > 0;
@@ -163,11 +192,14 @@ void scene_has_stepped(struct scene *scene)
         struct model_tool *tool = &scene->tool[t];
         tool->answers = is_usable && tool->is_usable ? ANSWERS_THERE : ANSWERS_NONE;
         tool->stiffness_then = tool->stiffness;
+        tool->law_then = tool->law;
         for (uint32_t i = 0; i < tool->count; i++) {
             to_world(&tool->pose, tool->segment[i].a, tool->at[i].a);
             to_world(&tool->pose, tool->segment[i].b, tool->at[i].b);
             tool->at[i].radius = tool->segment[i].radius;
         }
+        if (has_proxy(scene, tool->law))
+            take_proxy(scene, tool);
         memcpy(tool->origin, tool->is_free ? tool->at[0].a : tool->pose.position,
                sizeof tool->origin);
     }
@@ -189,12 +221,24 @@ void scene_remove_tool(struct scene *scene, struct model_tool *tool)
     scene->is_as_stepped = 0;
 }
 
+void segments_codes(const struct scene *scene, const struct model_tool *tool,
+                    const dpt_segment *segments, uint32_t count, struct codes *codes)
+{
+    may_fail(codes, !segments || (tool && count != tool->count), DPT_E_ARGUMENT);
+    may_fail(codes, !tool, DPT_E_HANDLE);
+    may_fail(codes, tool && tool->count > 1 && has_proxy(scene, tool->law), DPT_E_UNSUPPORTED);
+    for (uint32_t i = 0; segments && i < count; i++)
+        segment_codes(&segments[i], codes);
+}
+
 void tool_has_pose(struct scene *scene, struct model_tool *tool, const dpt_pose *pose)
 {
     tool->is_usable = pose != NULL;
     scene->is_as_stepped = 0;
     if (!pose)
         return;
+    if (tool->is_free)
+        tool->is_placed_anew = 1;
     tool->is_free = 0;
     tool->pose = *pose;
 }
@@ -206,6 +250,8 @@ void tool_has_segments(struct scene *scene, struct model_tool *tool, const dpt_s
     scene->is_as_stepped = 0;
     if (!segments)
         return;
+    if (!tool->is_free)
+        tool->is_placed_anew = 1;
     tool->is_free = 1;
     tool->pose = identity;
     memcpy(tool->segment, segments, tool->count * sizeof *segments);

@@ -27,7 +27,7 @@ struct model_body {
     int is_usable; /* its pose is */
     uint64_t user;
     dpt_pose pose; /* the last one that could be used */
-    double side_limit;
+    double side_limit, static_friction, kinetic_friction;
     const struct subject *subject;
 };
 
@@ -37,12 +37,20 @@ struct model_tool {
     uint32_t count;
     uint64_t user;
     dpt_pose pose;
-    double stiffness;
+    uint32_t law;
+    double stiffness, rotational_stiffness;
     dpt_segment segment[SEGMENTS_MAX]; /* of a free one in the world, else in its frame */
     enum answers answers;
     dpt_segment at[SEGMENTS_MAX]; /* in the world, at the last step */
     double origin[3];             /* what its torque is about, then */
     double stiffness_then;
+    uint32_t law_then;
+    /* Of one with a proxy: where that was at the last step, and its segments there. */
+    dpt_pose proxy;
+    dpt_segment proxy_at[SEGMENTS_MAX];
+    /* Of a free one, in all steps since it was placed: the least length and radius, and that one was less than now. */
+    dpt_segment least;
+    int has_grown, is_placed_anew;
 };
 
 /* Ids of one kind that were removed, and after how many adds. */
@@ -81,6 +89,13 @@ struct scene {
 
 extern struct scene scenes[SCENES];
 
+/* The tool has one, in that world. */
+static inline int has_proxy(const struct scene *scene, uint32_t law)
+{
+    return law == DPT_LAW_PROXY && scene->def.until == DPT_UNTIL_RESPOND &&
+           scene->def.method != DPT_METHOD_PAPER;
+}
+
 /* A scene with a world; NULL where there is none. */
 struct scene *draw_scene(void);
 
@@ -96,9 +111,16 @@ uint32_t draw_tool_id(struct scene *scene);
 void scene_takes_id(struct scene *scene, struct removed *removed, uint32_t id);
 void scene_removes_id(struct removed *removed, uint32_t id);
 
+/* One step, of all worlds, and much of what they tell of it. */
+void scene_steps(struct scene *scene);
+
 void scene_forgets(struct scene *scene);     /* everything: a new world */
 void scene_has_stepped(struct scene *scene); /* successfully */
 void scene_is_stale(struct scene *scene);    /* all answers are */
+
+/* Segments for a tool, or for none: which codes they may earn. */
+void segments_codes(const struct scene *scene, const struct model_tool *tool,
+                    const dpt_segment *segments, uint32_t count, struct codes *codes);
 
 /* A tool was given a pose or segments that can be used; with NULL one that cannot. */
 void tool_has_pose(struct scene *scene, struct model_tool *tool, const dpt_pose *pose);

@@ -24,9 +24,20 @@ void report_must_hold(const struct scene *scene, const struct model_tool *tool,
 {
     const int is_off = scene->def.until != DPT_UNTIL_RESPOND || tool->stiffness_then == 0.0;
     const int fades = (report->flags & DPT_FORCE_FLAG_FADING) != 0;
-    HOLDS(report->reason <= DPT_FORCE_OFF && !report->reserved &&
-              !(report->flags & ~(uint32_t)(DPT_FORCE_FLAG_FADING | DPT_FORCE_FLAG_PARTIAL)),
-          "reason %u, flags %x", report->reason, report->flags);
+    const int is_felt = has_proxy(scene, tool->law_then);
+    const uint32_t flags =
+        is_felt ? DPT_FORCE_FLAG_FOLD | DPT_FORCE_FLAG_SQUEEZED | DPT_FORCE_FLAG_REPLACED
+                : DPT_FORCE_FLAG_FADING | DPT_FORCE_FLAG_PARTIAL;
+    HOLDS(report->reason <= DPT_FORCE_INSIDE && !(report->flags & ~flags), "reason %u, flags %x",
+          report->reason, report->flags);
+    HOLDS(report->reason != (is_felt ? DPT_FORCE_UNDECIDED : DPT_FORCE_INSIDE),
+          "reason %u, proxy %d", report->reason, is_felt);
+    HOLDS(report->law == tool->law, "law %u, and not %u", report->law, tool->law);
+    HOLDS(report->lag >= 0.0 && report->energy >= 0.0 &&
+              (report->energy == 0.0 || (is_felt && report->reason == DPT_FORCE_ACTS)),
+          "reason %u, %g J, lag %g", report->reason, report->energy, report->lag);
+    HOLDS(has_proxy(scene, tool->law) || (report->lag == 0.0 && !report->folds),
+          "lag %g, %llu folds without a proxy", report->lag, (unsigned long long)report->folds);
     HOLDS(report->reason == DPT_FORCE_ACTS || fades || is_zero(&report->wrench),
           "a force of %g N, reason %u", size_of(report->wrench.force), report->reason);
     HOLDS(!fades || scene->def.fade > 0.0, "it fades, in a world that does not");
@@ -53,6 +64,8 @@ void wrench_must_hold(const struct scene *scene, const struct model_tool *tool, 
         met[MET_FADE]++;
         return;
     }
+    if (has_proxy(scene, tool->law_then))
+        return; /* proxy_must_hold */
     double force = 0.0, torque = 0.0;
     uint32_t pushes = 0;
     const double slack = 1e-12 * (1.0 + size_of(tool->origin));
