@@ -144,6 +144,18 @@ check("step", core.dpt_world_step(world[0], 0.001, step) == core.DPT_OK)
 check("wrench", core.dpt_tool_get_wrench(world[0], tool[0], wrench) == core.DPT_OK)
 check("exact, pressed in", (step.status, step.contact) == (core.DPT_STATUS_EXACT, core.DPT_CONTACT_PENETRATING))
 check("500 N/m times 0.05 m, upward", is_near(wrench.force[2], 25) and is_near(wrench.force[0], 0))
+settings = ffi.new("dpt_tool_settings *", {"size": ffi.sizeof("dpt_tool_settings"), "law": core.DPT_LAW_PROXY,
+                                           "stiffness": 500})
+check("a proxy", core.dpt_tool_set_settings(world[0], tool[0], settings) == core.DPT_OK)
+for height in (1.2, 1.2, 1.05):
+    pose.position[2] = height
+    core.dpt_tool_set_pose(world[0], tool[0], pose)
+    core.dpt_world_step(world[0], 0.001, ffi.NULL)
+report, proxy = ffi.new("dpt_force_report *", {"size": ffi.sizeof("dpt_force_report")}), ffi.new("dpt_pose *")
+check("its report", core.dpt_tool_get_force_report(world[0], tool[0], report) == core.DPT_OK)
+check("its proxy", core.dpt_tool_get_proxy(world[0], tool[0], proxy) == core.DPT_OK)
+check("held on the top", (report.reason, report.law) == (core.DPT_FORCE_ACTS, core.DPT_LAW_PROXY)
+      and abs(proxy.position[2] - 1.1) < 1e-4)
 code = core.dpt_tool_set_pose(world[0], tool[0], ffi.NULL)
 check("no pose: an error with a sentence", code == core.DPT_E_ARGUMENT and b"NULL" in ffi.string(core.dpt_result_text(code)))
 compiler.dpt_compiled_free(file)

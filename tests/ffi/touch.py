@@ -32,6 +32,11 @@ WorldDef = struct("dpt_world_def", (c_uint32, "size max_bodies max_tools max_seg
                   (c_double, "strip_width strip_depth"), (c_void_p, "baseline reserved_pointer"))
 Step = struct("dpt_step", (c_uint32, "size status contact work"), (c_double, "distance"),
               (c_uint32, "contacts flags"))
+ToolSettings = struct("dpt_tool_settings", (c_uint32, "size law"), (c_double, "stiffness rotational_stiffness"))
+BodySettings = struct("dpt_body_settings", (c_uint32, "size reserved"),
+                      (c_double, "side_limit static_friction kinetic_friction"))
+ForceReport = struct("dpt_force_report", (c_uint32, "size reason flags law"), (Wrench, "wrench"),
+                     (c_double, "energy lag"), (c_uint64, "folds"))
 Contact = struct("dpt_contact", (c_uint32, "size id body segment triangle contact flags reserved"),
                  (c_double, "s0 s1 s gap"), (double3, "p q normal weight"),
                  (c_double, "overlap moment"), (double3, "thrust thrust_moment"))
@@ -72,8 +77,8 @@ def is_near(number, wanted):
 column = 0 if sizeof(c_void_p) == 8 else 1
 sizes = re.findall(r"SIZE\((\w+), (\d+), (\d+)\)", open(sys.path[0] + "/../abi/layouts.txt").read())
 sizes = {name: int(bytes[column]) for name, *bytes in sizes}
-for kind in (Pose, Segment, Wrench, Hit, Contact, Overlap, WorldDef, Step, State, Guard, GuardInfo, Compiled, Joint, Link,
-             ArmBody, ArmDef):
+for kind in (Pose, Segment, Wrench, Hit, Contact, Overlap, WorldDef, Step, ToolSettings, BodySettings, ForceReport, State,
+             Guard, GuardInfo, Compiled, Joint, Link, ArmBody, ArmDef):
     check(kind.__name__ + " has its size", sizeof(kind) == sizes[kind.__name__])
 
 # A box of 2 x 2 x 1 m with its top at z = 1: corner i at the bits of i; two triangles a side.
@@ -128,6 +133,24 @@ overlaps[0].size = sizeof(Overlap)
 check("strip", core.dpt_tool_get_strip(world, tool, 0, overlaps, 12, byref(count), None) == 0)
 deepest = max(overlaps[: count.value], key=lambda overlap: overlap.overlap)
 check("of the top, 0.05 m deep", deepest.triangle == contact.triangle and is_near(deepest.overlap, 0.05))
+
+settings = ToolSettings(size=sizeof(ToolSettings))
+check("its settings", core.dpt_tool_get_settings(world, tool, byref(settings)) == 0 and settings.stiffness == 500)
+settings.law = 2  # DPT_LAW_PROXY
+check("a proxy", core.dpt_tool_set_settings(world, tool, byref(settings)) == 0)
+rough = BodySettings(size=sizeof(BodySettings), static_friction=0.4, kinetic_friction=0.3)
+check("friction", core.dpt_body_set_settings(world, body, byref(rough)) == 0)
+for height in (1.2, 1.2, 1.05):  # from the open, where the proxy is known to be outside
+    pose.position[2] = height
+    core.dpt_tool_set_pose(world, tool, byref(pose))
+    core.dpt_world_step(world, c_double(0.001), None)
+report, proxy = ForceReport(size=sizeof(ForceReport)), Pose()
+check("its report", core.dpt_tool_get_force_report(world, tool, byref(report)) == 0 and report.reason == 0)
+check("its proxy", core.dpt_tool_get_proxy(world, tool, byref(proxy)) == 0)
+check("on the top, pulled at by 500 N/m", abs(proxy.position[2] - 1.1) < 1e-4 and report.law == 2
+      and is_near(report.wrench.force[2], 500 * (proxy.position[2] - 1.05)))
+settings.law = 0  # DPT_LAW_POINT
+core.dpt_tool_set_settings(world, tool, byref(settings))
 
 device, state, guard, sent = c_void_p(), State(size=sizeof(State)), Guard(size=sizeof(Guard)), Wrench()
 check("open a device", drivers.dpt_device_open(b"sim:?hand=press", byref(device), None) == 0)
