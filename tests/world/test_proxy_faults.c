@@ -363,9 +363,53 @@ static void a_segment_that_grows_meets_a_body_that_moves(void)
         dpt_tool_get_force_report(rig.world, rig.tool, &rig.force);
         CHECK(!(rig.force.flags & DPT_FORCE_FLAG_SQUEEZED) && rig.force.reason <= DPT_FORCE_FREE,
               "radius %g: reason %u, flags %u", given.radius, rig.force.reason, rig.force.flags);
+        dpt_tool_get_proxy(rig.world, rig.tool, &rig.proxy);
+        const double gap = rig.proxy.position[2] - TOP - pose.position[2] - given.radius;
+        CHECK(gap > 0, "radius %g: gap %g", given.radius, gap);
         rig_close(&rig);
     }
     solid_close(&box);
+}
+
+/* A sheet that moves by any way a tick, and others, is not passed: the proxy stays on its side of it. */
+static void sheets_that_move_fast_are_not_passed(void)
+{
+    enum { OTHERS = 8 };
+    const double steps[] = { 1e-3, 1e-2, 5e-2, 0.2, 1 };
+    struct solid sheet;
+    if (!solid_from_shape(&sheet, "membrane", 512))
+        return;
+    for (int i = 0; i < 20; i++) {
+        const double step = steps[i % 5];
+        struct rig rig;
+        dpt_pose pose = DPT_POSE_IDENTITY, far = DPT_POSE_IDENTITY;
+        rig_open(&rig, NULL, sheet.mesh, i % 2 ? &needle : &tip, 1);
+        far.position[0] = 3;
+        for (int k = 0; k < OTHERS && i % 4 > 1; k++) {
+            dpt_body other;
+            far.position[1] = k;
+            dpt_body_add(rig.world, sheet.mesh, &far, &other);
+        }
+        pose.position[2] = -0.5 * step;
+        dpt_body_teleport(rig.world, rig.body, &pose);
+        rig.device.position[2] = 0.4 * step + 0.003;
+        rig_place(&rig);
+        for (int k = 0; k < 3; k++) {
+            pose.position[2] += step;
+            dpt_body_set_pose(rig.world, rig.body, &pose);
+            rig_step(&rig);
+            const double gap = rig.proxy.position[2] - pose.position[2] - needle.radius;
+            CHECK(gap > 0 && (k == 0 || rig.force.reason == DPT_FORCE_ACTS),
+                  "%g m a tick, tick %d: gap %g, reason %u", step, k, gap, rig.force.reason);
+        }
+        /* And a device that jumps to the other side. */
+        rig.device.position[2] = pose.position[2] - 3 * step - 0.2;
+        rig_step(&rig);
+        const double gap = rig.proxy.position[2] - pose.position[2] - needle.radius;
+        CHECK(gap > 0, "%g m a tick: jumped through, gap %g", step, gap);
+        rig_close(&rig);
+    }
+    solid_close(&sheet);
 }
 
 /* Whatever stiffnesses are allowed: all numbers stay finite, and nothing is entered. */
@@ -449,6 +493,7 @@ int main(int argc, char **argv)
     TEST(balls_apart_are_a_tool_that_turns);
     TEST(a_push_is_no_fold);
     TEST(a_segment_that_grows_meets_a_body_that_moves);
+    TEST(sheets_that_move_fast_are_not_passed);
     TEST(extreme_stiffnesses_stay_finite);
     TEST(a_reset_world_repeats_itself);
     return check_report();
