@@ -131,7 +131,9 @@ void dpti_proxy_gather(struct proxy_tick *tick, double reach)
     list_triangles(tick, reach);
     for (uint32_t i = 0; i < tick->triangle_count; i++)
         gather_triangle(tick, i, reach);
-    work_spend(&tick->world->work, 1 + tick->triangle_count / 2);
+    struct work *work = &tick->world->work;
+    const uint32_t units = 1 + tick->triangle_count / 2;
+    work_spend(work, units < work_left(work) ? units : work_left(work));
 }
 
 double dpti_proxy_gap_of(const struct proxy_tick *tick, uint32_t space,

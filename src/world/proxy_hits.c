@@ -47,6 +47,7 @@ static void write_hit(struct dpt_world *world, const struct tool *tool, uint32_t
     const vec3 a = frame_to_world(device, segment->a), b = frame_to_world(device, segment->b);
     const vec3 proxy_a = frame_to_world(&tool->frame, segment->a);
     const vec3 proxy_b = frame_to_world(&tool->frame, segment->b);
+    const uint32_t work_before = world->work.done;
     struct body_answer best;
     struct segment_result result;
     int is_exact;
@@ -65,7 +66,7 @@ static void write_hit(struct dpt_world *world, const struct tool *tool, uint32_t
     }
     /* The proxy was held back: the device is behind a surface, however far that is. */
     result.contact = DPT_CONTACT_PENETRATING;
-    result.work = segment->result.work;
+    result.work = segment->result.work + world->work.done - work_before;
     dpti_segment_result_write(&result, &best.body->surface, &best.body->frame, best.body->id,
                               &best.track.nearest, &segment->hit);
 }

@@ -114,8 +114,8 @@ static struct tool_sweep sweep_tool(struct proxy_tick *tick, const struct proxy_
 }
 
 /*
- * Whether the gap is large enough, or no smaller than it was: a new body may make more necessary than there is. Where it is
- * not, the triangles that are too near are remembered.
+ * Whether the gap is large enough, or no smaller than it was: a new body may make more necessary than there is.
+ * Where it is not, the triangles that are too near are remembered.
  */
 static int has_room(struct proxy_tick *tick, double gap_before)
 {

@@ -17,8 +17,8 @@ void dpti_proxy_find_nearest(struct proxy_tick *tick);
 double dpti_proxy_move(struct proxy_tick *tick, const struct proxy_pose *to, double *met);
 
 /*
- * While tick->is_before: move with a body that moved, as if fixed to it, if no other body is in the way. It needs no search
- * and no sweep of that body. Returns 0, with tick->at as before, if there is no such body.
+ * While tick->is_before: move with a body that moved, as if fixed to it, if no other body is in the way. It needs no
+ * search and no sweep of that body. Returns 0, with tick->at as before, if there is no such body.
  */
 int dpti_proxy_carry(struct proxy_tick *tick);
 

@@ -362,6 +362,7 @@ void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
     struct proxy *proxy = proxy_of(world, tool);
     struct proxy_tick tick = { .world = world, .tool = tool, .proxy = proxy };
     const double scale = min_of(world->largest_diagonal, PROXY_SCALE_MAX);
+    const uint32_t work_before = world->work.done;
     doubt_unseen_motion(world, proxy);
     if (tool->is_free && proxy->state >= PROXY_DOUBTED)
         dpti_proxy_follow_size(world, tool, proxy);
@@ -385,6 +386,10 @@ void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
     proxy->tick = world->ticks;
     proxy->gap = tick.gap;
     proxy->min_gap = tick.min_gap;
+    /* The tool's first segment answers for all that was spent. */
+    for (uint32_t i = 0; i < tool->segment_count; i++)
+        world->segments[tool->first_segment + i].result.work = 0;
+    world->segments[tool->first_segment].result.work = world->work.done - work_before;
     const struct displacement away = dpti_proxy_displacement(proxy, &tick.goal, &tick.at);
     proxy->is_held = displacement_norm(&away, proxy->rho) > HELD * tick.min_gap;
 }

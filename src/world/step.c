@@ -62,9 +62,9 @@ static int has_proxy(const struct dpt_world *world, const struct tool *tool)
 }
 
 /*
- * Tools with a proxy take turns to begin: none leaves the others nothing for ever. They do not share a tick evenly, as a
- * motion that is not proven to its end is not made; and they keep their turn for some ticks, as what was searched is
- * lost where the next tick cannot go on.
+ * Tools with a proxy take turns to begin: none leaves the others nothing for ever. They do not share a tick evenly,
+ * as a motion that is not proven to its end is not made; and they keep their turn for some ticks, as what was searched
+ * is lost where the next tick cannot go on.
  */
 enum { TURN_TICKS = 8 };
 
