@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * What happens to a proxy when its world changes under it: bodies are added, removed, teleported and jump, tools turn and
- * change their law, input is missing for some ticks. Oracles: closed forms on boxes, and a brute force over all triangles
- * of all bodies. It cannot judge what lies between two ticks.
+ * What happens to a proxy when its world changes under it: bodies are added, removed, teleported and jump, tools
+ * turn and change their law, input is missing for some ticks. Oracles: closed forms on boxes, and a brute force over
+ * all triangles of all bodies. It cannot judge what lies between two ticks.
  *
  *     test_proxy_faults [PER CENT of the random cases = 100]
  */
@@ -26,8 +26,8 @@ static void press(struct rig *rig, double depth)
 }
 
 /*
- * A body in the slot of one that was removed has other triangles. Those that were near are not asked of it, also where a
- * third body moves near in the same tick, so that constraints are gathered before the search.
+ * A body in the slot of one that was removed has other triangles. Those that were near are not asked of it, also
+ * where a third body moves near in the same tick, so that constraints are gathered before the search.
  */
 static void a_reused_slot_has_no_old_triangles(void)
 {
@@ -135,7 +135,9 @@ static void a_body_that_appears_elsewhere_changes_nothing(void)
     solid_close(&huge);
 }
 
-/* What moves while the tool or another body has no valid pose may come to be where the proxy is: then it is not felt. */
+/*
+ * What moves while the tool or another body has no valid pose may come to be where the proxy is: then it is not felt.
+ */
 static void bodies_that_move_unseen_are_not_entered(void)
 {
     struct solid box;
