@@ -414,6 +414,50 @@ static void sheets_that_move_fast_are_not_passed(void)
     solid_close(&sheet);
 }
 
+/*
+ * Beside a floor, which is nearest, stands a wall. The device jumps through the wall, or the wall past the device: only a
+ * sweep can tell.
+ */
+static void a_wall_that_is_not_nearest_is_not_passed(void)
+{
+    enum { OTHERS = 8 };
+    struct solid sheet;
+    if (!solid_from_shape(&sheet, "membrane", 512))
+        return;
+    for (int i = 0; i < 16; i++) {
+        struct rig rig;
+        dpt_body wall;
+        dpt_pose pose = DPT_POSE_IDENTITY, far = DPT_POSE_IDENTITY;
+        const double step = i % 4 == 0 ? 0.06 : i % 4 == 1 ? 0.075 : i % 4 == 2 ? 0.09 : 0.15;
+        const int moves = i / 4 % 2, has_others = i / 8;
+        rig_open(&rig, NULL, sheet.mesh, &needle, 1);
+        rig_orient(&pose, (const double[3]){ 0, 1, 0 }, 0.5 * 3.14159265358979);
+        pose.position[0] = 0.05;
+        dpt_body_add(rig.world, sheet.mesh, &pose, &wall);
+        far.position[0] = 3;
+        for (int k = 0; k < OTHERS && has_others; k++) {
+            dpt_body other;
+            far.position[1] = k;
+            dpt_body_add(rig.world, sheet.mesh, &far, &other);
+        }
+        rig.device.position[2] = 0.003;
+        rig_place(&rig);
+        rig_step(&rig);
+        CHECK(rig.force.reason == DPT_FORCE_FREE, "reason %u", rig.force.reason);
+        pose.position[0] -= moves ? step : 0;
+        rig.device.position[0] += moves ? 0 : step;
+        dpt_body_set_pose(rig.world, wall, &pose);
+        for (int k = 0; k < 100; k++)
+            rig_step(&rig);
+        const double gap = pose.position[0] - rig.proxy.position[0] - needle.radius;
+        CHECK(gap > 0 && gap < 1e-5 && rig.proxy.position[2] > needle.radius,
+              "%s by %g: gap %g, at %g, reason %u", moves ? "the wall" : "the device", step, gap,
+              rig.proxy.position[2], rig.force.reason);
+        rig_close(&rig);
+    }
+    solid_close(&sheet);
+}
+
 /* Whatever stiffnesses are allowed: all numbers stay finite, and nothing is entered. */
 static void extreme_stiffnesses_stay_finite(void)
 {
@@ -496,6 +540,7 @@ int main(int argc, char **argv)
     TEST(a_push_is_no_fold);
     TEST(a_segment_that_grows_meets_a_body_that_moves);
     TEST(sheets_that_move_fast_are_not_passed);
+    TEST(a_wall_that_is_not_nearest_is_not_passed);
     TEST(extreme_stiffnesses_stay_finite);
     TEST(a_reset_world_repeats_itself);
     return check_report();
