@@ -19,8 +19,10 @@ void dpti_proxy_remember(struct proxy *proxy, uint32_t segment, uint32_t body, u
 void dpti_proxy_forget_contacts(struct proxy *proxy, uint32_t body)
 {
     for (uint32_t i = 0; i < PROXY_MEMORY; i++)
-        if (proxy->memory[i].body_id == body)
+        if (proxy->memory[i].body_id == body) {
             proxy->memory[i] = (struct proxy_triangle){ .body_id = 0 };
+            proxy->is_released = 1;
+        }
     for (uint32_t i = 0; i < PROXY_CONTACTS_MAX; i++)
         if (proxy->contacts[i].body_id == body)
             proxy->contacts[i] = (struct proxy_contact){ .body_id = 0 };

@@ -8,7 +8,7 @@
 /* Remember a triangle of a body, by its place; the one that was not used for longest makes room. */
 void dpti_proxy_remember(struct proxy *proxy, uint32_t segment, uint32_t body, uint32_t triangle);
 
-/* Forget those of a body, by its id, and what friction keeps of it. */
+/* A body goes, by its id: forget its triangles, and what friction keeps of it. One that it held is released. */
 void dpti_proxy_forget_contacts(struct proxy *proxy, uint32_t body);
 
 /*

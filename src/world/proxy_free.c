@@ -1,33 +1,48 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The proxy of a free tool of one segment: docs/algorithms/force.md. */
-#include "world/proxy_pose.h"
-#include "world/proxy_step.h"
+#include "world/proxy_free.h"
+
+#include "base/quaternion.h"
+
+static struct segment *segment_of(const struct dpt_world *world, const struct tool *tool)
+{
+    return &world->segments[tool->first_segment];
+}
+
+dpt_segment dpti_proxy_given_segment(const struct dpt_world *world, const struct tool *tool)
+{
+    const struct proxy *proxy = &world->proxies[tool - world->tools];
+    struct frame device;
+    dpt_segment given = { .radius = proxy->radius };
+    frame_of_pose(&tool->pose, &device);
+    vec3_store(device.origin, given.a);
+    vec3_store(along(device.origin, proxy->length, device.x), given.b);
+    return given;
+}
 
 void dpti_proxy_set_free(struct dpt_world *world, struct tool *tool, uint32_t is_free)
 {
-    struct segment *segment = &world->segments[tool->first_segment];
     if (!dpti_proxy_is_used(world, tool))
         return;
-    const struct proxy *proxy = &world->proxies[tool - world->tools];
     dpti_proxy_forget(world, tool);
     if (is_free)
         return;
-    /* What was given last is what its own frame holds from now on. */
-    struct frame device;
-    frame_of_pose(&tool->pose, &device);
-    segment->b = add(device.origin, scaled(device.x, proxy->length));
-    segment->a = device.origin;
-    segment->radius = proxy->radius;
+    const dpt_pose identity = DPT_POSE_IDENTITY;
+    const dpt_segment given = dpti_proxy_given_segment(world, tool);
+    struct segment *segment = segment_of(world, tool);
+    segment->a = vec3_of(given.a);
+    segment->b = vec3_of(given.b);
+    segment->radius = given.radius;
+    tool->pose = identity;
+    tool->frame = frame_identity;
 }
 
 void dpti_proxy_set_segment(struct dpt_world *world, struct tool *tool, const dpt_segment *given)
 {
     struct proxy *proxy = &world->proxies[tool - world->tools];
-    struct segment *segment = &world->segments[tool->first_segment];
+    struct segment *segment = segment_of(world, tool);
+    struct quaternion turn = quaternion_unit(quaternion_of(tool->pose.orientation));
     const vec3 u = sub(vec3_of(given->b), vec3_of(given->a));
     const double size = length(u);
-    const dpt_pose identity = DPT_POSE_IDENTITY;
-    struct quaternion turn = quaternion_of((tool->is_free ? &tool->pose : &identity)->orientation);
     const vec3 x = quaternion_turn(turn, (vec3){ 1.0, 0.0, 0.0 });
     if (size > 0.0)
         turn =
@@ -46,12 +61,19 @@ void dpti_proxy_set_segment(struct dpt_world *world, struct tool *tool, const dp
 
 void dpti_proxy_follow_size(struct dpt_world *world, const struct tool *tool, struct proxy *proxy)
 {
-    struct segment *segment = &world->segments[tool->first_segment];
+    struct segment *segment = segment_of(world, tool);
     double spare = max_of(0.0, proxy->gap - proxy->min_gap);
-    const double longer = min_of(proxy->length - segment->b.x, spare);
-    segment->b.x += longer;
-    spare -= max_of(0.0, longer);
-    const double thicker = min_of(proxy->radius - segment->radius, spare);
-    segment->radius += thicker;
-    proxy->gap -= max_of(0.0, longer) + max_of(0.0, thicker);
+    const double length_before = segment->b.x, radius_before = segment->radius;
+    segment->b.x = min_of(proxy->length, length_before + spare);
+    spare = max_of(0.0, spare - max_of(0.0, segment->b.x - length_before));
+    segment->radius = min_of(proxy->radius, radius_before + spare);
+    proxy->gap -=
+        max_of(0.0, segment->b.x - length_before) + max_of(0.0, segment->radius - radius_before);
+}
+
+int dpti_proxy_has_size(const struct dpt_world *world, const struct tool *tool)
+{
+    const struct proxy *proxy = &world->proxies[tool - world->tools];
+    const struct segment *segment = segment_of(world, tool);
+    return !tool->is_free || (segment->b.x == proxy->length && segment->radius == proxy->radius);
 }

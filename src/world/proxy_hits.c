@@ -2,6 +2,8 @@
 /* The hits of a tool with a proxy: its nearest pairs where the device is, not where the proxy was held back. */
 #include "world/proxy_step.h"
 
+#include "world/proxy_free.h"
+
 /* With one body, without a history. 0: the budget ended the search. */
 static int find_pair(struct dpt_world *world, uint32_t index, uint32_t slot,
                      struct dynamic_point *track)
@@ -44,7 +46,8 @@ static void write_hit(struct dpt_world *world, const struct tool *tool, uint32_t
 {
     const struct proxy *proxy = &world->proxies[tool - world->tools];
     struct segment *segment = &world->segments[tool->first_segment + number];
-    const vec3 a = frame_to_world(device, segment->a), b = frame_to_world(device, segment->b);
+    const vec3 end = tool->is_free ? (vec3){ proxy->length, 0.0, 0.0 } : segment->b;
+    const vec3 a = frame_to_world(device, segment->a), b = frame_to_world(device, end);
     const vec3 proxy_a = frame_to_world(&tool->frame, segment->a);
     const vec3 proxy_b = frame_to_world(&tool->frame, segment->b);
     const uint32_t work_before = world->work.done;
@@ -74,7 +77,7 @@ static void write_hit(struct dpt_world *world, const struct tool *tool, uint32_t
 void dpti_proxy_write_hits(struct dpt_world *world, struct tool *tool)
 {
     struct frame device;
-    if (!world->proxies[tool - world->tools].is_held)
+    if (!world->proxies[tool - world->tools].is_held && dpti_proxy_has_size(world, tool))
         return;
     frame_of_pose(&tool->pose, &device);
     for (uint32_t i = 0; i < tool->segment_count; i++)

@@ -10,8 +10,8 @@
 /* m: below this length, or this size of a tool, it is a point: a ball, whose turns are not felt. */
 #define BALL 1e-9
 
-/* Of a tool's size: rho is at least 1 / that and at most that, so that no stiffness makes it vanish or overflow. */
-#define RHO_RANGE 1e6
+/* A rotational stiffness counts as if it made rho differ by at most that factor: the unknowns stay numbers. */
+#define RHO_FACTOR 1e3
 
 /* The line of all segments: from one end to the end that is farthest from it. */
 static int is_straight(const struct segment *segments, uint32_t count, vec3 *axis)
@@ -61,10 +61,10 @@ void dpti_proxy_measure(const struct dpt_world *world, const struct tool *tool, 
     else
         proxy->shape =
             is_straight(segments, tool->segment_count, &proxy->axis) ? PROXY_STRAIGHT : PROXY_BENT;
+    const double own = max_of(proxy->rho, BALL);
     if (tool->rotational_stiffness > 0.0 && tool->stiffness > 0.0)
         proxy->rho = sqrt(tool->rotational_stiffness / tool->stiffness);
-    const double size = max_of(proxy->extent, BALL);
-    proxy->rho = min_of(max_of(proxy->rho, size / RHO_RANGE), size * RHO_RANGE);
+    proxy->rho = min_of(max_of(proxy->rho, own / RHO_FACTOR), own * RHO_FACTOR);
 }
 
 struct proxy_pose dpti_proxy_pose_of(const struct proxy *proxy, const dpt_pose *pose)

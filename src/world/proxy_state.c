@@ -17,10 +17,15 @@ char *dpti_proxy_place(struct dpt_world *world, char *at)
     return at + dpti_proxy_bytes(&world->def);
 }
 
+int dpti_proxy_is_of(const struct dpt_world *world, uint32_t law)
+{
+    return law == DPT_LAW_PROXY && world->def.until == DPT_UNTIL_RESPOND &&
+           world->def.method != DPT_METHOD_PAPER;
+}
+
 int dpti_proxy_is_used(const struct dpt_world *world, const struct tool *tool)
 {
-    return tool->law == DPT_LAW_PROXY && world->def.until == DPT_UNTIL_RESPOND &&
-           world->def.method != DPT_METHOD_PAPER;
+    return dpti_proxy_is_of(world, tool->law);
 }
 
 void dpti_proxy_forget(struct dpt_world *world, struct tool *tool)

@@ -11,7 +11,10 @@ uint64_t dpti_proxy_bytes(const dpt_world_def *def);
 /* Place its memory at `at`; returns where it ends. */
 char *dpti_proxy_place(struct dpt_world *world, char *at);
 
-/* 1 if this tool has one in this world. */
+/* 1 if tools with this law have one in this world. */
+int dpti_proxy_is_of(const struct dpt_world *world, uint32_t law);
+
+/* 1 if this tool has one. */
 int dpti_proxy_is_used(const struct dpt_world *world, const struct tool *tool);
 
 /* Where it is, is not known any more: it starts again at the device's pose. */

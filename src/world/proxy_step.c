@@ -2,6 +2,7 @@
 #include "world/proxy_step.h"
 
 #include "world/proxy_constraints.h"
+#include "world/proxy_free.h"
 #include "world/proxy_friction.h"
 #include "world/proxy_motion.h"
 #include "world/proxy_solve.h"
@@ -319,8 +320,12 @@ static void follow(struct proxy_tick *tick, double device_moved, double dt)
     struct proxy *proxy = tick->proxy;
     const struct proxy_pose from = tick->at;
     const double others_moved = bodies_moved(tick->world);
-    double allowed = 2.0 * device_moved + FOLD_SPEED * dt + others_moved;
+    const int is_released = proxy->is_released || !tick->world->body_count;
+    double allowed = is_released ? HUGE_VAL : 2.0 * device_moved + FOLD_SPEED * dt + others_moved;
     const double cap = allowed;
+    if (is_released)
+        proxy->trust = HUGE_VAL;
+    proxy->is_released = 0;
     tick->is_before = bodies_came_near(tick);
     if (!tick->is_before)
         find_again(tick);
@@ -336,7 +341,7 @@ static void follow(struct proxy_tick *tick, double device_moved, double dt)
     const double motion = displacement_norm(&moved, proxy->rho);
     const double far = displacement_norm(&left, proxy->rho);
     const int is_capped = cap > 0.0 && allowed <= CONVERGED_SMALL * tick->clearance;
-    if (is_capped || motion > 2.0 * (device_moved + others_moved) + 0.1 * far) {
+    if (!is_released && (is_capped || motion > 2.0 * (device_moved + others_moved) + 0.1 * far)) {
         proxy->flags |= DPT_FORCE_FLAG_FOLD;
         proxy->folds++;
     }
@@ -411,8 +416,8 @@ void dpti_proxy_settle(struct dpt_world *world, struct tool *tool)
         return;
     if (is_outside && (proxy->state == PROXY_DOUBTED || proxy->gap >= proxy->min_gap))
         proxy->state = PROXY_OUTSIDE;
-    else if (!is_outside && proxy->state == PROXY_DOUBTED)
-        proxy->state = PROXY_NONE;
+    else if (!is_outside)
+        proxy->state = PROXY_PLACED;
 }
 
 void dpti_proxy_respond(struct dpt_world *world, struct tool *tool)

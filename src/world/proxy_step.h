@@ -11,18 +11,6 @@
 /* A body was added or teleported: the proxies near which it is are not known to be outside of it. */
 void dpti_proxy_note_body(struct dpt_world *world, uint32_t slot);
 
-/*
- * A tool becomes free, or rigid again: the proxy starts again where the device is. The segment of a free tool that has a
- * proxy is kept in a frame of its own, with end a at the origin and end b on the x axis.
- */
-void dpti_proxy_set_free(struct dpt_world *world, struct tool *tool, uint32_t is_free);
-
-/* The one segment of a free tool, in the world: its pose is end a, and the least turn from where it pointed. */
-void dpti_proxy_set_segment(struct dpt_world *world, struct tool *tool, const dpt_segment *segment);
-
-/* Length and radius of a free tool follow what was given, as far as the proxy's gap has room for them. */
-void dpti_proxy_follow_size(struct dpt_world *world, const struct tool *tool, struct proxy *proxy);
-
 /* One tick of `dt`: the proxy follows the device; nearest pairs of the tool's segments are those at the proxy then. */
 void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt);
 

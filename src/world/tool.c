@@ -7,7 +7,7 @@
 #include "world/distance_bounds.h"
 #include "world/motion_backlog.h"
 #include "world/persistent_contacts.h"
-#include "world/proxy_step.h"
+#include "world/proxy_free.h"
 #include "world/tool_force.h"
 #include "world/tool_results.h"
 #include "world/tool_strips.h"
@@ -136,12 +136,12 @@ dpt_result dpt_tool_set_pose(dpt_world *world, dpt_tool tool, const dpt_pose *po
     struct frame frame;
     dpt_result result = pose ? frame_of_pose(pose, &frame) : DPT_E_ARGUMENT;
     moved->slot.valid = result == DPT_OK;
-    if (moved->slot.valid) {
-        moved->frame = frame;
-        moved->pose = *pose;
-    }
+    if (result != DPT_OK)
+        return result;
     set_free(world, moved, 0);
-    return result;
+    moved->frame = frame;
+    moved->pose = *pose;
+    return DPT_OK;
 }
 
 dpt_result dpt_tool_teleport(dpt_world *world, dpt_tool tool, const dpt_pose *pose)
@@ -215,32 +215,17 @@ dpt_result dpt_tool_get_user(const dpt_world *world, dpt_tool tool, uint64_t *us
 static void set_law(struct dpt_world *world, struct tool *tool, uint32_t law)
 {
     const struct segment *segment = &world->segments[tool->first_segment];
-    struct frame device;
-    const int had_proxy = dpti_proxy_is_used(world, tool);
-    const struct proxy *proxy = &world->proxies[tool - world->tools];
-    frame_of_pose(&tool->pose, &device);
-    vec3 b = segment->b;
     dpt_segment given = { .radius = segment->radius };
-    if (tool->is_free && had_proxy) {
-        /* What was given, of which the proxy may still have less. */
-        b = (vec3){ proxy->length, 0.0, 0.0 };
-        given.radius = proxy->radius;
-    }
-    vec3_store(frame_to_world(&device, segment->a), given.a);
-    vec3_store(frame_to_world(&device, b), given.b);
-    /* A proxy left the frame where it was held back. */
-    tool->frame = device;
+    vec3_store(segment->a, given.a);
+    vec3_store(segment->b, given.b);
+    const int had_proxy = dpti_proxy_is_used(world, tool);
+    if (tool->is_free)
+        dpti_proxy_set_free(world, tool, 0);
     tool->law = law;
-    const int has_proxy = dpti_proxy_is_used(world, tool);
-    if (tool->is_free && had_proxy != has_proxy) {
-        const dpt_pose identity = DPT_POSE_IDENTITY;
-        tool->pose = identity;
-        tool->frame = frame_identity;
-        if (has_proxy)
-            dpti_proxy_set_segment(world, tool, &given);
-        else
-            put_segments(world, tool, &given);
-    }
+    if (tool->is_free && !had_proxy && dpti_proxy_is_used(world, tool))
+        dpti_proxy_set_segment(world, tool, &given);
+    /* The last step may have left the proxy's. */
+    frame_of_pose(&tool->pose, &tool->frame);
     dpti_tool_forget(world, tool);
 }
 
@@ -259,7 +244,7 @@ dpt_result dpt_tool_set_settings(dpt_world *world, dpt_tool tool, const dpt_tool
     if (!dpti_law_is_valid(settings.law) || !dpti_stiffness_is_valid(settings.stiffness) ||
         !dpti_stiffness_is_valid(settings.rotational_stiffness))
         return DPT_E_ARGUMENT;
-    if (found->is_free && found->segment_count > 1 && settings.law == DPT_LAW_PROXY)
+    if (found->is_free && found->segment_count > 1 && dpti_proxy_is_of(world, settings.law))
         return DPT_E_UNSUPPORTED;
     found->stiffness = settings.stiffness;
     found->rotational_stiffness = settings.rotational_stiffness;

@@ -17,6 +17,7 @@ static int is_zero(vec3 v)
 
 void dpti_force_forget(struct segment *segment)
 {
+    segment->energy = 0.0;
     segment->fade = (struct fade){ .time_left = 0.0 };
     segment->pushing_part = segment->previous_pushing_part = (struct pushing_part){ .body_id = 0 };
     segment->border.clear_radius = 0.0;

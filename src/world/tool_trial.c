@@ -2,6 +2,7 @@
 /* Trying a motion: the sweep of a tick, without the tick. The world stays as it is. */
 #include "base/return_if_error.h"
 #include "base/sized.h"
+#include "world/proxy_free.h"
 #include "world/swept_motion.h"
 #include "world/tool.h"
 
@@ -77,6 +78,28 @@ static dpt_result begin_trial(struct trial *trial, const dpt_world *world, dpt_t
     return DPT_OK;
 }
 
+/* Where a segment was last set: its ends and radius in a frame, and the pose of that. */
+struct origin {
+    dpt_pose pose;
+    struct segment segment;
+};
+
+/* A free tool's are in the world, whatever frame its proxy keeps it in. */
+static void find_origin(const struct dpt_world *world, const struct tool *tool,
+                        uint32_t segment_in_tool, struct origin *origin)
+{
+    origin->pose = tool->pose;
+    origin->segment = world->segments[tool->first_segment + segment_in_tool];
+    if (!tool->is_free || !dpti_proxy_is_used(world, tool))
+        return;
+    const dpt_pose identity = DPT_POSE_IDENTITY;
+    const dpt_segment given = dpti_proxy_given_segment(world, tool);
+    origin->pose = identity;
+    origin->segment.a = vec3_of(given.a);
+    origin->segment.b = vec3_of(given.b);
+    origin->segment.radius = given.radius;
+}
+
 /* Write the first hit to the caller, if it wants it. */
 static void end_trial(const struct trial *trial, dpt_sweep *first)
 {
@@ -89,20 +112,23 @@ dpt_result dpt_tool_try_pose(const dpt_world *world, dpt_tool tool, const dpt_po
 {
     struct trial trial;
     struct frame frame;
+    struct origin origin;
     const struct tool *found;
     if (!pose)
         return DPT_E_ARGUMENT;
     DPT_TRY(begin_trial(&trial, world, tool, clearance, first, &found));
     DPT_TRY(frame_of_pose(pose, &frame));
     for (uint32_t i = 0; trial.first.status != DPT_SWEEP_NONE && i < found->segment_count; i++) {
-        const struct segment *segment = &world->segments[found->first_segment + i];
-        struct placement from = { .tool = found->pose, .a = segment->a, .b = segment->b };
+        find_origin(world, found, i, &origin);
+        const struct segment *segment = &origin.segment;
+        struct placement from = { .tool = origin.pose, .a = segment->a, .b = segment->b };
         struct placement to = { .tool = *pose, .a = segment->a, .b = segment->b };
         try_segment(&trial, segment, i, &from, &to);
     }
     end_trial(&trial, first);
+    find_origin(world, found, 0, &origin);
     if (reached)
-        *reached = dpti_rigid_sweep_pose(&found->pose, pose, trial.first.time);
+        *reached = dpti_rigid_sweep_pose(&origin.pose, pose, trial.first.time);
     return DPT_OK;
 }
 
@@ -112,6 +138,7 @@ dpt_result dpt_tool_try_segments(const dpt_world *world, dpt_tool tool, const dp
 {
     struct trial trial;
     struct frame frame;
+    struct origin origin;
     const struct tool *found;
     const dpt_pose identity = DPT_POSE_IDENTITY;
     if (!segments)
@@ -120,23 +147,25 @@ dpt_result dpt_tool_try_segments(const dpt_world *world, dpt_tool tool, const dp
     if (count != found->segment_count)
         return DPT_E_ARGUMENT;
     DPT_TRY(dpti_tool_check_segments(segments, count));
-    frame_of_pose(&found->pose, &frame);
+    find_origin(world, found, 0, &origin);
+    frame_of_pose(&origin.pose, &frame);
     for (uint32_t i = 0; trial.first.status != DPT_SWEEP_NONE && i < count; i++) {
-        struct segment segment = world->segments[found->first_segment + i];
+        find_origin(world, found, i, &origin);
+        struct segment *segment = &origin.segment;
         struct placement from = { .tool = identity,
-                                  .a = frame_to_world(&frame, segment.a),
-                                  .b = frame_to_world(&frame, segment.b) };
+                                  .a = frame_to_world(&frame, segment->a),
+                                  .b = frame_to_world(&frame, segment->b) };
         struct placement to = { .tool = identity,
                                 .a = vec3_of(segments[i].a),
                                 .b = vec3_of(segments[i].b) };
-        segment.radius = segments[i].radius;
-        try_segment(&trial, &segment, i, &from, &to);
+        segment->radius = segments[i].radius;
+        try_segment(&trial, segment, i, &from, &to);
     }
     end_trial(&trial, first);
     for (uint32_t i = 0; reached && i < count; i++) {
-        const struct segment *segment = &world->segments[found->first_segment + i];
-        const vec3 a = frame_to_world(&frame, segment->a);
-        const vec3 b = frame_to_world(&frame, segment->b);
+        find_origin(world, found, i, &origin);
+        const vec3 a = frame_to_world(&frame, origin.segment.a);
+        const vec3 b = frame_to_world(&frame, origin.segment.b);
         const double time = trial.first.time;
         dpt_segment at = segments[i];
         if (time < 1.0) {

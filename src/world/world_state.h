@@ -112,6 +112,9 @@ struct proxy {
     uint32_t clock;   /* of `memory` */
     uint32_t is_held; /* it is not where the device is */
     uint32_t tick;    /* the world's, of its last step */
+    /* A body that it remembers was removed or teleported since: its push ends at once. */
+    uint32_t is_released;
+    uint32_t reserved;
     struct proxy_triangle memory[PROXY_MEMORY];
     struct proxy_contact contacts[PROXY_CONTACTS_MAX];
 };

@@ -16,6 +16,7 @@ enum { PATTERN = 0xa5, GUARD = 64, STRUCT_SIZE_MAX = 4096 };
 
 static _Alignas(64) unsigned char room[OUTPUTS][GUARD + OUTPUT_ROOM + GUARD];
 static size_t sizes[OUTPUTS];
+static int is_filled[OUTPUTS];
 
 static unsigned char *base_of(int slot)
 {
@@ -29,6 +30,7 @@ void *output_of(int slot, size_t size)
     memset(room[slot], PATTERN, GUARD + size + GUARD);
     ASAN_POISON_MEMORY_REGION(base_of(slot) + size, OUTPUT_ROOM + GUARD - size);
     sizes[slot] = size;
+    is_filled[slot] = 1;
     return base_of(slot);
 }
 
@@ -56,6 +58,8 @@ static int is_pattern(const unsigned char *from, size_t size)
 void outputs_are_guarded(int first, int count)
 {
     for (int slot = first; slot < first + count; slot++) {
+        if (!is_filled[slot])
+            continue; /* no call has had it yet */
         const unsigned char *end = base_of(slot) + sizes[slot];
         ASAN_UNPOISON_MEMORY_REGION(end, GUARD);
         HOLDS(is_pattern(room[slot], GUARD), "output %d, written before its begin", slot);

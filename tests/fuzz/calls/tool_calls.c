@@ -248,6 +248,7 @@ static void set_settings(void)
     const int no_world = draw_one_in(60), no_settings = draw_one_in(60);
     const dpt_tool_settings settings = { .law = draw_one_in(20)  ? draw_below(5)
                                                 : draw_one_in(2) ? DPT_LAW_PROXY
+                                                : draw_one_in(3) ? DPT_LAW_BED
                                                                  : DPT_LAW_POINT,
                                          .stiffness = draw_one_in(4) ? draw_odd_number()
                                                                      : draw_in(0.0, 1500.0),
@@ -265,7 +266,7 @@ static void set_settings(void)
                            sizeof settings, sizeof settings, &codes);
         may_fail(
             &codes,
-            (settings.law != DPT_LAW_POINT && settings.law != DPT_LAW_PROXY) ||
+            settings.law > DPT_LAW_PROXY ||
                 !(settings.stiffness >= 0.0 && settings.stiffness <= 1e9) ||
                 !(settings.rotational_stiffness >= 0.0 && settings.rotational_stiffness <= 1e9),
             DPT_E_ARGUMENT);

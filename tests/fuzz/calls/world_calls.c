@@ -65,7 +65,7 @@ static void draw_good_def(dpt_world_def *def, dpt_baseline_def *baseline)
     def->fade = draw_one_in(2) ? 0.0 : draw_in(0.0, 0.02);
     def->max_contacts = draw_one_in(4) ? draw_below(3) : 1 + draw_below(32);
     def->smooth_normals = draw_below(2);
-    def->law = draw_one_in(2) ? DPT_LAW_PROXY : DPT_LAW_POINT;
+    def->law = draw_one_in(2) ? DPT_LAW_PROXY : draw_one_in(3) ? DPT_LAW_BED : DPT_LAW_POINT;
     if (draw_one_in(2)) {
         def->strip = 1 + draw_below(2);
         def->strip_capacity = 1 + draw_below(40);
@@ -156,9 +156,8 @@ static int def_is_wrong(const dpt_world_def *def, const dpt_baseline_def *baseli
            is_wrong_number(def->fade, 1.0) || def->certificate_bytes > (uint64_t)1 << 40 ||
            def->max_contacts > 65535 || def->smooth_normals > 1 ||
            def->strip > DPT_STRIP_KIND_ROUTES || def->reserved_pointer ||
-           (def->law != DPT_LAW_POINT && def->law != DPT_LAW_PROXY) ||
-           (strip_is_wrong && def->strip) || baseline->parts < 1 || baseline->parts > 64 ||
-           baseline->one_step > 1 || baseline->reserved;
+           def->law > DPT_LAW_PROXY || (strip_is_wrong && def->strip) || baseline->parts < 1 ||
+           baseline->parts > 64 || baseline->one_step > 1 || baseline->reserved;
 }
 
 /* A def as it is handed over, and what it means. */

@@ -30,11 +30,12 @@ void report_must_hold(const struct scene *scene, const struct model_tool *tool,
                 : DPT_FORCE_FLAG_FADING | DPT_FORCE_FLAG_PARTIAL;
     HOLDS(report->reason <= DPT_FORCE_INSIDE && !(report->flags & ~flags), "reason %u, flags %x",
           report->reason, report->flags);
-    HOLDS(report->reason != (is_felt ? DPT_FORCE_UNDECIDED : DPT_FORCE_INSIDE),
-          "reason %u, proxy %d", report->reason, is_felt);
+    HOLDS(is_felt || report->reason != DPT_FORCE_INSIDE, "reason %u, proxy %d", report->reason,
+          is_felt);
     HOLDS(report->law == tool->law, "law %u, and not %u", report->law, tool->law);
     HOLDS(report->lag >= 0.0 && report->energy >= 0.0 &&
-              (report->energy == 0.0 || (is_felt && report->reason == DPT_FORCE_ACTS)),
+              (report->energy == 0.0 ||
+               ((is_felt || tool->law_then == DPT_LAW_BED) && report->reason == DPT_FORCE_ACTS)),
           "reason %u, %g J, lag %g", report->reason, report->energy, report->lag);
     HOLDS(has_proxy(scene, tool->law) || (report->lag == 0.0 && !report->folds),
           "lag %g, %llu folds without a proxy", report->lag, (unsigned long long)report->folds);
@@ -66,11 +67,13 @@ void wrench_must_hold(const struct scene *scene, const struct model_tool *tool, 
     }
     if (has_proxy(scene, tool->law_then))
         return; /* proxy_must_hold */
+    /* A bed has its line and both ends, and all bodies: each no deeper than the deepest. */
+    const double most = tool->law_then == DPT_LAW_BED ? 2.0 * (double)scene->then_count : 1.0;
     double force = 0.0, torque = 0.0;
     uint32_t pushes = 0;
     const double slack = 1e-12 * (1.0 + size_of(tool->origin));
     for (uint32_t i = 0; i < tool->count; i++) {
-        const double push = tool->stiffness_then * hits[i].depth;
+        const double push = most * tool->stiffness_then * hits[i].depth;
         force += push;
         pushes += push > 1e-9;
         torque +=
@@ -87,7 +90,7 @@ void wrench_must_hold(const struct scene *scene, const struct model_tool *tool, 
     HOLDS(size_of(wrench->torque) <= torque * (1.0 + 1e-6) + slack * force,
           "%g Nm, and not %g at most", size_of(wrench->torque), torque);
     /* A single push out of what is closed has a way out, and is all there is; what is below 1e-9 N may underflow. */
-    if (pushes == 1 && scene->def.until == DPT_UNTIL_RESPOND &&
+    if (pushes == 1 && tool->law_then == DPT_LAW_POINT && scene->def.until == DPT_UNTIL_RESPOND &&
         scene->def.method != DPT_METHOD_PAPER && all_are_solid(scene))
         HOLDS(size_of(wrench->force) >= force * (1.0 - 1e-6), "%g N, and not %g",
               size_of(wrench->force), force);
