@@ -31,7 +31,7 @@ $(TEST_LIB): $(call objects,tests/lib/*.c)
 $(B)/tests/test_parallel: private LDLIBS = -Wl,--wrap=pthread_create,--wrap=pthread_join,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free
 
 # What several tests of one noun share.
-$(B)/tests/test_proxy $(B)/tests/test_proxy_faults $(B)/tests/test_proxy_strain $(B)/tests/test_proxy_friction: $(B)/tests/world/proxy_rig.o
+$(B)/tests/test_proxy_loop: $(B)/tests/world/proxy_rig.o
 
 # The readers, with the line of each check that refuses (tests/lib/sites.h).
 $(B)/tests/%_sites.c: src/%.c
