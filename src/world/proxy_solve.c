@@ -4,15 +4,30 @@
 /* Of the clearance: by how much a constraint may be missed. */
 #define TOLERANCE 1e-6
 
+/* Of the clearance: the gap that is left where walls on both sides leave no room for more. */
+#define GAP_SPARED 0.5
+
+static int nearest(struct proxy_tick *tick, const double *wanted)
+{
+    return dpti_half_spaces_nearest(tick->spaces, tick->space_count, proxy_unknowns(tick->proxy),
+                                    wanted, TOLERANCE * tick->clearance, &tick->solved);
+}
+
 int dpti_proxy_solve(struct proxy_tick *tick, const double *wanted)
 {
-    const uint32_t n = proxy_unknowns(tick->proxy);
-    const double tolerance = TOLERANCE * tick->clearance;
-    if (dpti_half_spaces_nearest(tick->spaces, tick->space_count, n, wanted, tolerance,
-                                 &tick->solved))
+    double spare[HALF_SPACES_MAX];
+    if (nearest(tick, wanted))
         return 1;
+    for (uint32_t i = 0; i < tick->space_count; i++) {
+        struct half_space *space = &tick->spaces[i];
+        const double pushed = dot(vec3_of(space->normal), tick->sources[i].carried);
+        spare[i] = max_of(0.0, (1.0 - GAP_SPARED) * tick->clearance - (space->bound - pushed));
+        space->bound = min_of(space->bound, pushed);
+    }
+    if (nearest(tick, wanted))
+        return 1;
+    /* Walls that are all but parallel, on both sides: rounding alone decides whether there is a way between them. */
     for (uint32_t i = 0; i < tick->space_count; i++)
-        tick->spaces[i].bound = min_of(tick->spaces[i].bound, 0.0);
-    return dpti_half_spaces_nearest(tick->spaces, tick->space_count, n, wanted, tolerance,
-                                    &tick->solved);
+        tick->spaces[i].bound -= spare[i];
+    return nearest(tick, wanted);
 }

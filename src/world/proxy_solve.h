@@ -6,8 +6,8 @@
 #include "world/proxy_tick.h"
 
 /*
- * The motion nearest to the wanted one that the constraints allow, into tick->solved; where none meets them all, one that
- * makes nothing worse. 0: not even that.
+ * The motion nearest to the wanted one that the constraints allow, into tick->solved. Where none meets them all: one
+ * that makes nothing worse; where there is none either: one that leaves half of the clearance. 0: not even that.
  */
 int dpti_proxy_solve(struct proxy_tick *tick, const double *wanted);
 
