@@ -8,7 +8,7 @@
 #include "world/proxy_solve.h"
 #include "world/segment_track.h"
 
-enum { ITERATIONS_MAX = 8, CORRECTIONS_MAX = 2, HALVINGS_MAX = 4 };
+enum { ITERATIONS_MAX = 8, CORRECTIONS_MAX = 2 };
 
 /* So often a body that moves may push a proxy away; then it takes it along. */
 enum { PUSHES_MAX = 4 };
@@ -23,6 +23,9 @@ enum { PUSHES_MAX = 4 };
 
 /* Of the clearance: a gap that is kept well enough. */
 #define GAP_KEPT 0.7
+
+/* Of a motion that is shortened, at least. */
+#define SHARE_MIN 0.01
 
 /* rad: the largest turn of one motion, and the turn from the device beyond which the proxy starts again there. */
 #define TURN_MAX     0.3
@@ -98,11 +101,13 @@ static double share_allowed(const struct proxy_tick *tick, double longest)
     return turn * share > TURN_MAX ? TURN_MAX / turn : share;
 }
 
-static struct proxy_pose pose_of_motion(const struct proxy_tick *tick, double share)
+/* A share of the motion that was solved for; what corrections have bent goes with the square of it. */
+static struct proxy_pose pose_of_motion(const struct proxy_tick *tick, const double *straight,
+                                        double share)
 {
     double y[HALF_SPACE_DIMENSIONS];
     for (uint32_t k = 0; k < proxy_unknowns(tick->proxy); k++)
-        y[k] = share * tick->solved.y[k];
+        y[k] = share * (straight[k] + share * (tick->solved.y[k] - straight[k]));
     const struct displacement motion = dpti_proxy_of_unknowns(tick->proxy, tick->axes, y);
     return dpti_proxy_moved(tick->proxy, &tick->at, &motion);
 }
@@ -112,13 +117,13 @@ static struct proxy_pose pose_of_motion(const struct proxy_tick *tick, double sh
  * and the motion is solved for again.
  */
 static struct proxy_pose corrected_motion(struct proxy_tick *tick, const double *wanted,
-                                          double longest, double *share)
+                                          const double *straight, double longest, double *share)
 {
     struct proxy_pose to;
     for (int k = 0;; k++) {
         int is_low = 0;
         *share = share_allowed(tick, longest);
-        to = pose_of_motion(tick, *share);
+        to = pose_of_motion(tick, straight, *share);
         for (uint32_t i = 0; i < tick->space_count && k < CORRECTIONS_MAX; i++) {
             const double gap = dpti_proxy_gap_of(tick, i, &to);
             if (gap >= GAP_KEPT * tick->clearance)
@@ -131,19 +136,22 @@ static struct proxy_pose corrected_motion(struct proxy_tick *tick, const double 
     }
 }
 
-/* Shorter, until the device comes nearer: a motion may zigzag otherwise. */
-static struct proxy_pose downhill_motion(const struct proxy_tick *tick, struct proxy_pose to,
-                                         double share, double left)
+/*
+ * Where a surface curves under the tool, a longer motion along it gains less. The share of it that gains most, by a
+ * parabola: the squared distance from the device at both ends, and its slope at the first.
+ */
+static double best_share(const struct proxy_tick *tick, const struct proxy_pose *to,
+                         const double *wanted, const double *straight, double left)
 {
-    const double slack = 1.5 * max_of(0.0, tick->clearance - tick->gap);
-    for (int k = 0; k < HALVINGS_MAX; k++) {
-        const struct displacement then = dpti_proxy_displacement(tick->proxy, &to, &tick->goal);
-        if (displacement_norm(&then, tick->proxy->rho) <= left + slack)
-            break;
-        share *= 0.5;
-        to = pose_of_motion(tick, share);
-    }
-    return to;
+    const struct displacement then = dpti_proxy_displacement(tick->proxy, to, &tick->goal);
+    const double far = displacement_norm(&then, tick->proxy->rho);
+    /* To regain the clearance may cost that much. */
+    const double slack = 1.5 * left * max_of(0.0, tick->clearance - tick->gap);
+    double slope = -slack;
+    for (uint32_t k = 0; k < proxy_unknowns(tick->proxy); k++)
+        slope -= wanted[k] * straight[k];
+    const double bend = 0.5 * (far * far - left * left) - slack - slope;
+    return slope < 0.0 && -slope < 2.0 * bend ? max_of(SHARE_MIN, -0.5 * slope / bend) : 1.0;
 }
 
 /* The triangles that hold the proxy are remembered. */
@@ -235,13 +243,17 @@ static int follow_once(struct proxy_tick *tick, double *allowed)
             return FOLLOW_STUCK;
     }
     const int is_whole = size <= longest;
+    double straight[HALF_SPACE_DIMENSIONS];
+    memcpy(straight, tick->solved.y, sizeof straight);
     /* A body that pushes is not to be kept waiting. */
-    struct proxy_pose to =
-        corrected_motion(tick, wanted, tick->is_before ? HUGE_VAL : longest, &share);
-    if (is_whole && is_goal(tick, share))
+    struct proxy_pose to = corrected_motion(tick, wanted, straight,
+                                            tick->is_before ? HUGE_VAL : longest, &share);
+    if (is_whole && is_goal(tick, share)) {
         to = tick->goal;
-    else if (!tick->is_before)
-        to = downhill_motion(tick, to, share, left);
+    } else if (!tick->is_before && share == 1.0) {
+        share = best_share(tick, &to, wanted, straight, left);
+        to = pose_of_motion(tick, straight, share);
+    }
     remember_active(tick);
     const struct proxy_pose from = tick->at;
     const double motion = size_of(tick->solved.y, n) * share;
