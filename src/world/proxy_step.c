@@ -208,6 +208,17 @@ static int go_to_goal(struct proxy_tick *tick, double allowed)
     return 1;
 }
 
+/* How long a motion may be that is tried next, after one of that length was free up to `met`. */
+static double next_trust(const struct proxy_tick *tick, double met, double motion)
+{
+    const double least = tick->clearance;
+    if (met < 0.0)
+        return max_of(least, 0.25 * motion);
+    if (met < 0.25)
+        return max_of(least, 2.0 * max_of(met, 0.1) * motion);
+    return 4.0 * max_of(tick->proxy->trust, motion);
+}
+
 enum { FOLLOW_DONE, FOLLOW_MOVED, FOLLOW_STUCK };
 
 /* One motion. *allowed is how far the proxy may still move in this tick. */
@@ -233,7 +244,8 @@ static int follow_once(struct proxy_tick *tick, double *allowed)
     if (!tick->is_before && (size < CONVERGED_SMALL * tick->clearance ||
                              (size < CONVERGED * left && tick->gap > GAP_KEPT * tick->clearance)))
         return FOLLOW_DONE;
-    const double longest = min_of(proxy->trust, *allowed);
+    /* A body that pushes is not to be waited for. */
+    const double longest = tick->is_before ? *allowed : min_of(proxy->trust, *allowed);
     double share;
     if (size > longest) {
         const double shorter = longest / size;
@@ -259,14 +271,8 @@ static int follow_once(struct proxy_tick *tick, double *allowed)
     const double motion = size_of(tick->solved.y, n) * share;
     double met;
     const double made = dpti_proxy_move(tick, &to, &met);
-    if (met < 0.0)
-        proxy->trust = 0.25 * motion;
-    else if (met < 0.25)
-        proxy->trust = 2.0 * max_of(met, 0.1) * motion;
-    else
-        proxy->trust = 4.0 * max_of(proxy->trust, motion);
-    /* One that shrinks without end would take as long to grow again. */
-    proxy->trust = max_of(proxy->trust, CONVERGED_SMALL * tick->clearance);
+    if (!tick->is_before)
+        proxy->trust = next_trust(tick, met, motion);
     if (!(made > 0.0))
         return FOLLOW_STUCK;
     const struct displacement moved = dpti_proxy_displacement(proxy, &from, &tick->at);
