@@ -7,6 +7,30 @@
 /* Of the clearance: the gap that is left where walls on both sides leave no room for more. */
 #define GAP_SPARED 0.5
 
+/*
+ * How much longer a motion may become than the bounds that it makes good. Walls that are all but parallel, on both
+ * sides, would be left by a way of meters along them.
+ */
+#define LENGTHENED_MAX 100.0
+
+static double size_of(const double *y, uint32_t n)
+{
+    double square = 0.0;
+    for (uint32_t k = 0; k < n; k++)
+        square += y[k] * y[k];
+    return sqrt(square);
+}
+
+/* Without bounds above 0 a motion is at most twice as long as the wanted one. */
+static int is_short(const struct proxy_tick *tick, const double *wanted)
+{
+    const uint32_t n = proxy_unknowns(tick->proxy);
+    double largest = 0.0;
+    for (uint32_t i = 0; i < tick->space_count; i++)
+        largest = max_of(largest, tick->spaces[i].bound);
+    return size_of(tick->solved.y, n) <= 2.0 * size_of(wanted, n) + LENGTHENED_MAX * largest;
+}
+
 static int nearest(struct proxy_tick *tick, const double *wanted)
 {
     return dpti_half_spaces_nearest(tick->spaces, tick->space_count, proxy_unknowns(tick->proxy),
@@ -16,7 +40,7 @@ static int nearest(struct proxy_tick *tick, const double *wanted)
 int dpti_proxy_solve(struct proxy_tick *tick, const double *wanted)
 {
     double spare[HALF_SPACES_MAX];
-    if (nearest(tick, wanted))
+    if (nearest(tick, wanted) && is_short(tick, wanted))
         return 1;
     for (uint32_t i = 0; i < tick->space_count; i++) {
         struct half_space *space = &tick->spaces[i];
