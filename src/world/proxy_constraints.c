@@ -102,11 +102,51 @@ static void add_space(struct proxy_tick *tick, uint32_t index, int feature, cons
     space->bound = tick->clearance - gap + dot(normal, source->carried);
 }
 
+/*
+ * Where an axis is nearly along an edge, their nearest points run far along both when the tool turns by little: that
+ * pair tells little of where the motion leads. Points that stay on the axis tell more.
+ */
+enum { AXIS_POINTS = 7, PAIR_POINT = PAIR_FEATURES };
+
+/* The square of the sine below which an axis is nearly along an edge. */
+#define NEARLY_ALONG 0.1
+
+static int is_along(vec3 u, vec3 edge)
+{
+    const vec3 across = cross(u, edge);
+    return dot(across, across) < NEARLY_ALONG * dot(u, u) * dot(edge, edge);
+}
+
+/* The pair of a feature, or with PAIR_POINT of the axis' point at `s`. */
+static int pair_at(int feature, double s, vec3 a, vec3 u, const vec3 v[3], pair *found)
+{
+    if (feature != PAIR_POINT)
+        return pair_of_feature(feature, a, u, v, found);
+    point_triangle(along(a, s, u), v, found);
+    found->s = s;
+    return 1;
+}
+
+/* A pair within reach becomes a constraint; 0 where there is none. */
+static int add_pair(struct proxy_tick *tick, uint32_t index, int feature, double s, double reach,
+                    const struct frame *before, const struct body *body, vec3 a, vec3 u,
+                    const vec3 v[3])
+{
+    pair found;
+    if (!pair_at(feature, s, a, u, v, &found))
+        return 0;
+    const double distance = sqrt(found.distance2);
+    const double gap = distance - radius_of(tick, tick->triangles[index]);
+    if (!(gap <= reach && distance > 0.0))
+        return 0;
+    add_space(tick, index, feature, &found, distance, gap, before, body, a, u);
+    return 1;
+}
+
 static void gather_triangle(struct proxy_tick *tick, uint32_t index, double reach)
 {
     const struct proxy_triangle *triangle = tick->triangles[index];
     const struct body *body = world_find_body(tick->world, triangle->body_id);
-    const double radius = radius_of(tick, triangle);
     struct frame moved;
     const struct frame *before = &body->frame;
     if (tick->is_before && body_has_moved(tick->world, body)) {
@@ -117,14 +157,15 @@ static void gather_triangle(struct proxy_tick *tick, uint32_t index, double reac
     axis_in_body(tick, &tick->at, triangle, before, &a, &u);
     surface_corners(&body->surface, triangle->triangle, v);
     const int features = tick->proxy->shape == PROXY_BALL ? 1 : PAIR_FEATURES;
-    for (int feature = 0; feature < features; feature++) {
-        pair found;
-        if (!pair_of_feature(feature, a, u, v, &found))
-            continue;
-        const double distance = sqrt(found.distance2), gap = distance - radius;
-        if (gap <= reach && distance > 0.0)
-            add_space(tick, index, feature, &found, distance, gap, before, body, a, u);
-    }
+    int is_along_edge = 0;
+    for (int feature = 0; feature < features; feature++)
+        if (add_pair(tick, index, feature, 0.0, reach, before, body, a, u, v) &&
+            feature >= PAIR_EDGE) {
+            const int corner = feature - PAIR_EDGE;
+            is_along_edge |= is_along(u, sub(v[(corner + 1) % 3], v[corner]));
+        }
+    for (int k = 1; k <= AXIS_POINTS && is_along_edge; k++)
+        add_pair(tick, index, PAIR_POINT, k / (AXIS_POINTS + 1.0), reach, before, body, a, u, v);
 }
 
 void dpti_proxy_gather(struct proxy_tick *tick, double reach)
@@ -147,7 +188,7 @@ double dpti_proxy_gap_of(const struct proxy_tick *tick, uint32_t space,
     pair found;
     axis_in_body(tick, pose, triangle, &body->frame, &a, &u);
     surface_corners(&body->surface, triangle->triangle, v);
-    pair_of_feature(tick->sources[space].feature, a, u, v, &found);
+    pair_at(tick->sources[space].feature, tick->sources[space].s, a, u, v, &found);
     return sqrt(found.distance2) - radius_of(tick, triangle);
 }
 
