@@ -141,7 +141,7 @@ static struct proxy_pose corrected_motion(struct proxy_tick *tick, const double 
  * parabola: the squared distance from the device at both ends, and its slope at the first.
  */
 static double best_share(const struct proxy_tick *tick, const struct proxy_pose *to,
-                         const double *wanted, const double *straight, double left)
+                         const double *wanted, const double *straight, double left, double share)
 {
     const struct displacement then = dpti_proxy_displacement(tick->proxy, to, &tick->goal);
     const double far = displacement_norm(&then, tick->proxy->rho);
@@ -150,8 +150,11 @@ static double best_share(const struct proxy_tick *tick, const struct proxy_pose 
     double slope = -slack;
     for (uint32_t k = 0; k < proxy_unknowns(tick->proxy); k++)
         slope -= wanted[k] * straight[k];
-    const double bend = 0.5 * (far * far - left * left) - slack - slope;
-    return slope < 0.0 && -slope < 2.0 * bend ? max_of(SHARE_MIN, -0.5 * slope / bend) : 1.0;
+    const double rise = 0.5 * (far * far - left * left), spare = slack * share;
+    if (slope >= 0.0)
+        return rise > spare ? share * max_of(SHARE_MIN, spare / rise) : share;
+    const double bend = (rise - spare - slope * share) / (share * share);
+    return -slope < 2.0 * share * bend ? max_of(SHARE_MIN * share, -0.5 * slope / bend) : share;
 }
 
 /* The triangles that hold the proxy are remembered. */
@@ -262,8 +265,8 @@ static int follow_once(struct proxy_tick *tick, double *allowed)
                                             tick->is_before ? HUGE_VAL : longest, &share);
     if (is_whole && is_goal(tick, share)) {
         to = tick->goal;
-    } else if (!tick->is_before && share == 1.0) {
-        share = best_share(tick, &to, wanted, straight, left);
+    } else if (!tick->is_before && share > 0.0) {
+        share = best_share(tick, &to, wanted, straight, left, share);
         to = pose_of_motion(tick, straight, share);
     }
     remember_active(tick);
