@@ -35,6 +35,7 @@ struct visit {
     double work;       /* J, done on the device */
     double energy_max; /* J */
     uint64_t ticks, acts, folds, lagging;
+    int is_replaced; /* turned by more than 1 rad from the device, it was put there: world.h */
 };
 
 /* Centre and mean square of the distance from it, over many points of the segments. */
@@ -300,6 +301,9 @@ static inline void visit_begin(struct visit *visit)
 static inline void visit_tick(struct visit *visit)
 {
     rig_step(&visit->rig);
+    visit->is_replaced |= (visit->rig.force.flags & DPT_FORCE_FLAG_REPLACED) != 0;
+    if (visit->is_replaced)
+        return;
     visit_judge(visit);
     visit_remember(visit);
     visit->ticks++;
@@ -310,8 +314,10 @@ static inline void visit_end(struct visit *visit)
 {
     CHECK(visit->rig.force.reason == DPT_FORCE_FREE, "%s: trapped, reason %u, %g N", visit->name,
           visit->rig.force.reason, rig_force(&visit->rig));
-    CHECK(visit->work <= 1e-3 * visit->energy_max, "%s: emits %g J of %g", visit->name, visit->work,
-          visit->energy_max);
+    /* Where a way in and a way out differ by the clearance, so does the force's work. */
+    const double strongest = sqrt(2 * RIG_STIFFNESS * visit->energy_max);
+    CHECK(visit->work <= 1e-3 * visit->energy_max + strongest * visit->clearance,
+          "%s: emits %g J of %g", visit->name, visit->work, visit->energy_max);
 }
 
 #endif

@@ -196,14 +196,16 @@ static void hold(struct visit *visit)
 {
     enum { SETTLING = 30, TICKS = 50 };
     dpt_pose before = visit->proxy;
-    for (int i = 0; i < TICKS; i++) {
+    for (int i = 0; i < TICKS && !visit->is_replaced; i++) {
         visit_tick(visit);
         if (i == SETTLING)
             before = visit->proxy;
     }
+    if (visit->is_replaced)
+        return;
     const double off = poses_apart(visit, &visit->proxy, &visit->device);
     const double moved = poses_apart(visit, &visit->proxy, &before);
-    CHECK(moved <= 1e-3 * off + visit->clearance, "%s: at rest it moves by %g of %g m", visit->name,
+    CHECK(moved <= 0.01 * off + visit->clearance, "%s: at rest it moves by %g of %g m", visit->name,
           moved, off);
     CHECK(visit->rig.force.lag <= 0.01 * off + visit->clearance,
           "%s: at rest it lags by %g of %g m", visit->name, visit->rig.force.lag, off);
@@ -214,16 +216,17 @@ static void lead(struct visit *visit, const struct path *path)
     const int ticks = ticks_of(visit, path);
     pose_on(path, 0, &visit->rig.device);
     visit_begin(visit);
-    for (int i = 1; i <= ticks; i++) {
+    for (int i = 1; i <= ticks && !visit->is_replaced; i++) {
         pose_on(path, (double)i / ticks, &visit->rig.device);
         visit_tick(visit);
         if (i % (ticks / 5) == ticks / 10)
             hold(visit);
     }
-    visit_end(visit);
+    if (!visit->is_replaced)
+        visit_end(visit);
 }
 
-static uint64_t acts, folds, lagging;
+static uint64_t acts, folds, lagging, replaced;
 
 static void visit_place(const struct hard_place *place, const struct instrument *instrument,
                         uint64_t seed)
@@ -251,6 +254,7 @@ static void visit_place(const struct hard_place *place, const struct instrument 
     acts += visit.acts;
     folds += visit.folds;
     lagging += visit.lagging;
+    replaced += (uint64_t)visit.is_replaced;
     visit_close(&visit);
 }
 
@@ -264,6 +268,8 @@ static void no_trap_and_no_throw(void)
                         &instruments[i / SEEDS % INSTRUMENTS], i % SEEDS);
     printf("    %llu ticks with a force, %llu folds, %llu lag by more than 1 %%\n",
            (unsigned long long)acts, (unsigned long long)folds, (unsigned long long)lagging);
+    CHECK(100 * replaced <= HARD_PLACES * INSTRUMENTS * SEEDS, "%llu visits end 1 rad off",
+          (unsigned long long)replaced);
     CHECK(200 * lagging <= acts, "%llu of %llu ticks lag", (unsigned long long)lagging,
           (unsigned long long)acts);
 }
@@ -305,36 +311,60 @@ static void openings_are_entered_if_wide_enough(void)
         }
 }
 
-/* Two blocks move together, and the tool in the slot between them with them, the device held where it was. */
+/* Lying in a slot that just fits it, off its middle, a tool comes out again. */
+static void a_slot_that_fits_is_no_trap(void)
+{
+    const uint64_t lying_one = 3;
+    for (uint64_t seed = 0; seed < part_of(8); seed++)
+        visit_place(&hard_places[2], &instruments[lying_one], seed);
+}
+
+/* Bodies of a slot move by `shift` from where they were put. */
+static void shift_bodies(struct visit *visit, const dpt_pose *first, double shift)
+{
+    for (uint32_t b = 0; b < visit->body_count; b++) {
+        dpt_pose pose = first[b];
+        pose.position[0] += shift;
+        pose.position[1] += 0.5 * shift;
+        visit_move(visit, &visit->bodies[b], &pose);
+    }
+}
+
+/* A slot moves, and the tool in it with it, the device held where it was. */
+static void move_slot(struct visit *visit, const char *name)
+{
+    const struct path path = {
+        .above = 0.005, .depth = 0.012, .way = { 0, 1, 0 }, .spin = { 1, 0, 0 }
+    };
+    const dpt_pose first[2] = { visit->bodies[0].pose, visit->bodies[1].pose };
+    pose_on(&path, 0, &visit->rig.device);
+    visit_begin(visit);
+    for (int t = 1; t <= 1000; t++) {
+        const double shift = t < 500 ? 0 : 0.004 * sin(0.0126 * (t - 500));
+        double ends[6];
+        pose_on(&path, fmin(0.5, t / 1000.0), &visit->rig.device);
+        if (t >= 500)
+            shift_bodies(visit, first, shift);
+        visit_tick(visit);
+        rig_proxy_ends(&visit->rig, 0, ends);
+        CHECK(fabs(ends[0] - shift) < 2e-5, "%s, %s, tick %d: at %g, not %g", visit->name, name, t,
+              ends[0], shift);
+        CHECK(!(visit->rig.force.flags & DPT_FORCE_FLAG_SQUEEZED), "%s, %s, tick %d: squeezed",
+              visit->name, name, t);
+    }
+}
+
 static void a_slot_that_moves_takes_the_tool_with_it(void)
 {
-    for (int k = 0; k < 2; k++) {
+    for (int k = 0; k < 4; k++) {
+        const struct instrument *instrument = &instruments[k % 2];
         struct visit visit;
-        const struct path path = {
-            .above = 0.005, .depth = 0.012, .way = { 0, 1, 0 }, .spin = { 1, 0, 0 }
-        };
-        visit_open(&visit, "moving slot", instruments[k].segments, 1);
-        add_pair(&visit);
-        const dpt_pose first[2] = { visit.bodies[0].pose, visit.bodies[1].pose };
-        pose_on(&path, 0, &visit.rig.device);
-        visit_begin(&visit);
-        for (int t = 1; t <= 1000; t++) {
-            pose_on(&path, t < 500 ? t / 1000.0 : 0.5, &visit.rig.device);
-            const double shift = t < 500 ? 0 : 0.004 * sin(0.0126 * (t - 500));
-            for (int b = 0; b < 2 && t >= 500; b++) {
-                dpt_pose pose = first[b];
-                pose.position[0] += shift;
-                pose.position[1] += 0.5 * shift;
-                visit_move(&visit, &visit.bodies[b], &pose);
-            }
-            visit_tick(&visit);
-            double ends[6];
-            rig_proxy_ends(&visit.rig, 0, ends);
-            CHECK(fabs(ends[0] - shift) < 2e-5 || ends[2] > 0, "%s, tick %d: at %g, not %g",
-                  instruments[k].name, t, ends[0], shift);
-            CHECK(!(visit.rig.force.flags & DPT_FORCE_FLAG_SQUEEZED), "%s, tick %d: squeezed",
-                  instruments[k].name, t);
-        }
+        visit_open(&visit, k < 2 ? "two that move" : "slot that moves", instrument->segments, 1);
+        if (k < 2)
+            add_pair(&visit);
+        else
+            add_one(&visit, WIDE_SLOT, 0, 0, 0);
+        move_slot(&visit, instrument->name);
         visit_close(&visit);
     }
 }
@@ -346,6 +376,7 @@ int main(int argc, char **argv)
         return 1;
     TEST(no_trap_and_no_throw);
     TEST(openings_are_entered_if_wide_enough);
+    TEST(a_slot_that_fits_is_no_trap);
     TEST(a_slot_that_moves_takes_the_tool_with_it);
     for (int i = 0; i < SOLIDS; i++)
         solid_close(&solids[i]);
