@@ -219,7 +219,7 @@ static void motion_dies_away_up_to_the_limit(void)
            "%llu are a gradient to 1e-5\n",
            (unsigned long long)summary.loops, summary.least, summary.most,
            (unsigned long long)summary.smooth);
-    CHECK(2 * summary.smooth > summary.loops, "only %llu of %llu are a gradient",
+    CHECK(summary.smooth >= least_seen(summary.loops / 2), "only %llu of %llu are a gradient",
           (unsigned long long)summary.smooth, (unsigned long long)summary.loops);
 }
 
