@@ -40,9 +40,11 @@ static const char help[] =
     "                       truth; default 1048576\n"
     "  --one-step           one move of the descent a tick (paper)\n"
     "  --radius R           of the tool, m; default 0: a line\n"
-    "  --law LAW            of the force: point (default), or proxy: the tool goes through "
-    "nothing;\n"
-    "                       OUT.csv has the energy and the pose of the proxy in further columns\n"
+    "  --law LAW            of the force: point (default) pushes at the deepest point; proxy pulls "
+    "to where\n"
+    "                       the tool would be if it went through nothing. Further columns have its "
+    "energy,\n"
+    "                       and that pose: of end a, and the turn from the x axis to the tool's\n"
     "  --stiffness K        of the force, N/m; default 500\n"
     "  --strip KIND         lay a strip under the tool where it is within the margin: shadow, or "
     "routes\n"
@@ -332,6 +334,8 @@ static int read_settings(int argc, char **argv, struct replay_settings *settings
         return complain("replay", "--parts and --one-step are for --method paper");
     if (settings->def.method != DPT_METHOD_EXACT && settings->budget)
         return complain("replay", "--budget is for --method exact");
+    if (settings->def.law == DPT_LAW_PROXY && settings->def.method == DPT_METHOD_PAPER)
+        return complain("replay", "--law proxy is for the other methods than paper");
     if (settings->def.certificate_bytes > (uint64_t)1 << 40)
         return complain("replay", "--certificate-bytes must be 0 to 2^40");
     if (settings->budget > UINT32_MAX)

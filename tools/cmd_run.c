@@ -36,7 +36,9 @@ static const char help[] =
     "default 1\n"
     "  --length L       of the stylus, m of the mesh; default 0.1\n"
     "  --radius R       of it; default 0.002\n"
-    "  --law LAW        of the force: point (default), or proxy: the tool goes through nothing\n"
+    "  --law LAW        of the force: point (default) pushes at the deepest point; proxy pulls to "
+    "where\n"
+    "                   the tool would be if it went through nothing\n"
     "  --stiffness K    of the force, N/m; default 500\n"
     "  --force-max F    N; default the guard's, 5, or the device's if that is less\n"
     "  --rate HZ        of the loop; default the device's\n"
@@ -108,7 +110,10 @@ static dpt_result feel(void *user, const dpt_loop_sample *sample, dpt_wrench *wr
     session->unknown += hit.contact == DPT_CONTACT_UNKNOWN;
     for (int k = 0; k < 3; k++)
         square += wrench->force[k] * wrench->force[k];
-    session->depth_max = fmax(session->depth_max, hit.depth);
+    /* A tool with a proxy is as deep as the spring is long. */
+    const int has_spring = session->scene.law == DPT_LAW_PROXY && session->scene.stiffness > 0.0;
+    const double depth = has_spring ? sqrt(square) / session->scene.stiffness : hit.depth;
+    session->depth_max = fmax(session->depth_max, depth);
     session->force_peak = fmax(session->force_peak, sqrt(square));
     return DPT_OK;
 }

@@ -17,7 +17,8 @@ static const struct {
     { "replay", command_replay, "move a tool over a mesh: the nearest pair of every tick" },
     { "device", command_device, "list, watch, test or simulate haptic devices" },
     { "run", command_run, "feel a mesh with a device, live" },
-    { "force-test", command_force_test, "break a force law on a mesh, and see what holds" },
+    { "force-test", command_force_test,
+      "test on a mesh whether a force can be held: turns, jumps, energy" },
 };
 
 static void print_help(void)

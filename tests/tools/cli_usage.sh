@@ -6,7 +6,7 @@
 
 help_and_version()
 {
-    for command in '' make compile info replay 'make trace'; do
+    for command in '' make compile info replay run force-test 'make trace'; do
         for option in --help --version; do
             # shellcheck disable=SC2086
             run $command $option
@@ -50,7 +50,7 @@ usage_errors()
     for pair in radius:nan radius:inf radius:-0.001 radius:1e7 radius:wide radius: dt:0 dt:-1 \
         dt:nan dt:inf dt:soon stiffness:nan stiffness:inf stiffness:-1 stiffness:2e9 \
         stiffness:hard repeat:0 repeat:-1 repeat:1.5 repeat:many repeat:99999999999999999999 \
-        radius:1e7:1e6 strip-width:1e7:1e6 dt:1e7:1e6 every:-1 every:1.5 every:20:against budget:-1 budget:1.5 budget:4294967296 budget:few method:guess against:guess until:lunch kernel:abacus; do
+        radius:1e7:1e6 strip-width:1e7:1e6 dt:1e7:1e6 every:-1 every:1.5 every:20:against budget:-1 budget:1.5 budget:4294967296 budget:few method:guess law:soft law:2 against:guess until:lunch kernel:abacus; do
         name=${pair%%:*} value=${pair#*:}
         expected=$name
         [ "$name" = against ] && expected=method

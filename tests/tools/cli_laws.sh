@@ -1,0 +1,70 @@
+#!/bin/sh
+# SPDX-License-Identifier: BSD-3-Clause
+# The laws of force from outside: replay --law, run --law, force-test. `sh tests/tools/cli_laws.sh BUILD`.
+. "$(dirname "$0")/cli.sh"
+
+# A line pushed flat through the box from its face at x = 0.06 to x = -0.05: the point's push turns on the way out of the
+# middle, the proxy stays on the face.
+laws()
+{
+    awk -v header=$header 'BEGIN { print header
+        for (i = 0; i <= 240; i++) { x = 0.07 - 0.0005 * i; print i "," x ",-0.02,0," x ",0.02,0" } }' >through.csv
+    succeeds '--law point' replay box.dpa through.csv -o point.out --radius 0.002 --law point
+    succeeds 'without --law' replay box.dpa through.csv -o usual.out --radius 0.002
+    check 'the usual law is the point' cmp -s point.out usual.out
+    check 'the point pushes on, behind the middle' awk -F, 'END { exit !($17 < -4 && NF == 22) }' point.out
+    succeeds '--law proxy' replay box.dpa through.csv -o proxy.out --radius 0.002 --law proxy
+    check '--law proxy: header' test "$(head -n 1 proxy.out)" = "$out_header,energy,ox,oy,oz,qw,qi,qj,qk"
+    check '--law proxy: the spring' awk -F, 'NR > 1 { x = 0.07 - 0.0005 * $1; wrong += NF != 30
+        if (x > 0.0621) wrong += $17 != 0 || $23 != 0 || ($24 - x) ^ 2 > 1e-24
+        if (x < 0.0619) { felt++; wrong += ($17 / (500 * (0.062 - x)) - 1) ^ 2 > 1e-4 || ($24 - 0.062) ^ 2 > 1e-10 ||
+            ($23 / (250 * (0.062 - x) ^ 2) - 1) ^ 2 > 1e-3 || $3 != "penetrating" || $5 $6 != "" } }
+        END { exit wrong || felt < 200 }' proxy.out
+    succeeds '--law proxy again' replay box.dpa through.csv -o again.out --radius 0.002 --law proxy --repeat 2
+    check '--law proxy: other bytes' cmp -s proxy.out again.out
+    succeeds '--law proxy, scalar' replay box.dpa through.csv -o again.out --radius 0.002 --law proxy --kernel scalar
+    check '--law proxy: other bytes with another kernel' cmp -s proxy.out again.out
+    succeeds '--law proxy --until contact' replay box.dpa through.csv -o again.out --law proxy --until contact
+    check 'no force, no columns of it' test "$(head -n 1 again.out)" = "$out_header"
+
+    succeeds 'force-test' force-test box.dpa --places 4 --paths 4
+    check 'force-test: nothing is broken' test "$(grep -c '^  ok ' stdout),$(grep -c BROKEN stdout)" = 8,0
+    run force-test box.dpa --places 4 --paths 4 --law point --json
+    check "force-test --law point: exit $status" test $status,"$(wc -l <stderr)" = 1,0
+    check 'force-test: the point turns' grep -q '^{"law":"point",.*"turns":[1-9].*"broken":1}$' stdout
+    succeeds 'force-test --json' force-test box.dpa --places 4 --paths 4 --json
+    for key in law ticks turns jumps folds lagging penetrations felt_inside emitted largest_jump least_gap \
+        inside_places paths lost broken; do
+        check "force-test --json: $key" grep -q "[{,]\"$key\":" stdout
+    done
+    cp stdout first.json
+    succeeds 'force-test again' force-test box.dpa --places 4 --paths 4 --json
+    check 'force-test: other figures' cmp -s first.json stdout
+}
+
+refusals()
+{
+    refuses 'replay --law proxy with paper' '--law proxy' replay box.dpa box.csv -o out/x --law proxy --method paper
+    refuses 'run --law' '--law takes' run box.dpa --device sim --ticks 5 --law soft
+    refuses 'force-test alone' 'dynpoint force-test: ' force-test
+    refuses 'force-test: unknown option' --frob force-test --frob
+    refuses 'force-test: no such file' none.dpa force-test none.dpa
+    for pair in law:soft length:0 length:11 radius:-1 radius:nan stiffness:0 stiffness:hard depth:0 depth:2 speed:0 \
+        speed:inf places:0 places:100001 places:-1 paths:0 paths:many seed:-1; do
+        refuses "force-test --$pair" "--${pair%%:*}" force-test box.dpa --"${pair%%:*}" "${pair#*:}"
+    done
+}
+
+pressed()
+{
+    run run torus.dpa --device 'sim:?hand=press' --ticks 4000 --law proxy --json
+    check 'run --law proxy: a spring' awk -F'[:,]' '{ for (i = 1; i < NF; i++) said[$i] = $(i + 1)
+        d = said["\"deepest\""]; f = said["\"strongest\""]
+        exit !(d > 1e-3 && f > 0.5 && (f / d / 500 - 1) ^ 2 < 1e-9) }' stdout
+}
+
+prepare
+laws
+refusals
+pressed
+finish
