@@ -28,16 +28,16 @@ void dpti_proxy_forget_contacts(struct proxy *proxy, uint32_t body)
             proxy->contacts[i] = (struct proxy_contact){ .body_id = 0 };
 }
 
-static void add_triangle(struct proxy_tick *tick, const struct proxy_triangle *triangle)
+static void add_triangle(struct proxy_tick *tick, const struct proxy_triangle *added)
 {
-    for (uint32_t i = 0; i < tick->triangle_count; i++)
-        if (tick->triangles[i]->body_id == triangle->body_id &&
-            tick->triangles[i]->triangle == triangle->triangle &&
-            tick->triangles[i]->segment == triangle->segment)
+    for (uint32_t i = 0; i < tick->triangle_count; i++) {
+        const struct proxy_triangle *triangle = &tick->triangles[i];
+        if (triangle->body_id == added->body_id && triangle->triangle == added->triangle &&
+            triangle->segment == added->segment)
             return;
-    if (tick->triangle_count < PROXY_TRIANGLES_MAX &&
-        world_find_body(tick->world, triangle->body_id))
-        tick->triangles[tick->triangle_count++] = triangle;
+    }
+    if (tick->triangle_count < PROXY_TRIANGLES_MAX && world_find_body(tick->world, added->body_id))
+        tick->triangles[tick->triangle_count++] = *added;
 }
 
 /* Of a tool of many segments only those that are near can be listed. */
@@ -55,9 +55,9 @@ static void list_triangles(struct proxy_tick *tick, double reach)
         if (!answer->body || answer->track.nearest.triangle == DPT_NONE ||
             segment->result.distance - segment->radius > reach)
             continue;
-        struct proxy_triangle *made = &tick->nearest[tick->triangle_count];
-        *made = (struct proxy_triangle){ i, answer->body->id, answer->track.nearest.triangle, 0 };
-        add_triangle(tick, made);
+        const struct proxy_triangle nearest = { i, answer->body->id, answer->track.nearest.triangle,
+                                                0 };
+        add_triangle(tick, &nearest);
     }
 }
 
@@ -145,7 +145,7 @@ static int add_pair(struct proxy_tick *tick, uint32_t index, int feature, double
 
 static void gather_triangle(struct proxy_tick *tick, uint32_t index, double reach)
 {
-    const struct proxy_triangle *triangle = tick->triangles[index];
+    const struct proxy_triangle *triangle = &tick->triangles[index];
     const struct body *body = world_find_body(tick->world, triangle->body_id);
     struct frame moved;
     const struct frame *before = &body->frame;
@@ -182,7 +182,7 @@ void dpti_proxy_gather(struct proxy_tick *tick, double reach)
 double dpti_proxy_gap_of(const struct proxy_tick *tick, uint32_t space,
                          const struct proxy_pose *pose)
 {
-    const struct proxy_triangle *triangle = tick->triangles[tick->sources[space].triangle];
+    const struct proxy_triangle *triangle = &tick->triangles[tick->sources[space].triangle];
     const struct body *body = world_find_body(tick->world, triangle->body_id);
     vec3 a, u, v[3];
     pair found;

@@ -18,7 +18,7 @@ static struct proxy_contact *nearest_contact(const struct proxy_tick *tick, uint
                                              double *apart)
 {
     const struct proxy_source *source = &tick->sources[space];
-    const struct proxy_triangle *triangle = tick->triangles[source->triangle];
+    const struct proxy_triangle *triangle = &tick->triangles[source->triangle];
     struct proxy_contact *best = NULL;
     *apart = HUGE_VAL;
     for (uint32_t i = 0; i < PROXY_CONTACTS_MAX; i++) {
@@ -35,7 +35,7 @@ static struct proxy_contact *nearest_contact(const struct proxy_tick *tick, uint
 /* The contact that was here in the last solution, or NULL. */
 static struct proxy_contact *find_contact(const struct proxy_tick *tick, uint32_t space)
 {
-    const struct proxy_triangle *triangle = tick->triangles[tick->sources[space].triangle];
+    const struct proxy_triangle *triangle = &tick->triangles[tick->sources[space].triangle];
     const struct segment *segment =
         &tick->world->segments[tick->tool->first_segment + triangle->segment];
     const double size = length(sub(segment->b, segment->a));
@@ -51,7 +51,7 @@ static struct proxy_contact *find_or_make_contact(struct proxy_tick *tick, uint3
     for (uint32_t i = 0; i < PROXY_CONTACTS_MAX && !found; i++)
         if (!tick->proxy->contacts[i].body_id) {
             const struct proxy_source *source = &tick->sources[space];
-            const struct proxy_triangle *triangle = tick->triangles[source->triangle];
+            const struct proxy_triangle *triangle = &tick->triangles[source->triangle];
             found = &tick->proxy->contacts[i];
             *found = (struct proxy_contact){ .body_id = triangle->body_id,
                                              .segment = triangle->segment,
@@ -73,7 +73,7 @@ static void tangents_of(vec3 normal, vec3 tangents[2])
 static vec3 arm_of(const struct proxy_tick *tick, uint32_t space)
 {
     const struct proxy_source *source = &tick->sources[space];
-    const struct proxy_triangle *triangle = tick->triangles[source->triangle];
+    const struct proxy_triangle *triangle = &tick->triangles[source->triangle];
     const double radius =
         tick->world->segments[tick->tool->first_segment + triangle->segment].radius;
     const vec3 normal = vec3_of(tick->spaces[space].normal);
@@ -118,7 +118,7 @@ int dpti_proxy_add_friction(struct proxy_tick *tick, const double *wanted)
         count = 0;
         for (uint32_t k = 0; k < solved->active_count; k++) {
             const uint32_t space = solved->active[k];
-            const uint32_t id = tick->triangles[tick->sources[space].triangle]->body_id;
+            const uint32_t id = tick->triangles[tick->sources[space].triangle].body_id;
             const struct body *body = world_find_body(tick->world, id);
             if (!body || !(body->static_friction > 0.0))
                 continue;

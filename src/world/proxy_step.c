@@ -162,7 +162,7 @@ static void remember_active(struct proxy_tick *tick)
 {
     for (uint32_t k = 0; k < tick->solved.active_count; k++) {
         const struct proxy_triangle held =
-            *tick->triangles[tick->sources[tick->solved.active[k]].triangle];
+            tick->triangles[tick->sources[tick->solved.active[k]].triangle];
         dpti_proxy_remember(tick->proxy, held.segment, held.body_id, held.triangle);
     }
 }

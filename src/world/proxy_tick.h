@@ -39,8 +39,8 @@ struct proxy_tick {
     int is_before; /* `at` is proven only for where bodies were before this tick */
     int is_lost;   /* the segments' nearest pairs are of another pose than `at` */
     uint32_t triangle_count;
-    const struct proxy_triangle *triangles[PROXY_TRIANGLES_MAX];
-    struct proxy_triangle nearest[PROXY_TRIANGLES_MAX];
+    /* Copies: what a motion meets is remembered while it is looked at. */
+    struct proxy_triangle triangles[PROXY_TRIANGLES_MAX];
     uint32_t space_count;
     struct half_space spaces[HALF_SPACES_MAX];
     struct proxy_source sources[HALF_SPACES_MAX];
