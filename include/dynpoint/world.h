@@ -51,7 +51,9 @@ enum {
  * By what law a tool feels bodies; docs/algorithms/force.md.
  *   POINT  the paper's: a push at the deepest point of each segment, out of the body that it is deepest in
  *   BED    the gradient of an energy along the tool and at its ends: smooth, and without net work on closed paths
- *   PROXY  a spring to the pose that has gone through nothing: the proxy. The tool's contacts are those of the proxy
+ *   PROXY  a spring to the pose that has gone through nothing: the proxy. Contacts and strips are those at the proxy,
+ *          hits those at the device's pose, and no sweep is reported. Only in worlds that respond (DPT_UNTIL_RESPOND),
+ *          and not with DPT_METHOD_PAPER: there the law changes nothing
  */
 enum { DPT_LAW_POINT = 0, DPT_LAW_BED = 1, DPT_LAW_PROXY = 2 };
 
@@ -199,8 +201,9 @@ typedef struct dpt_body_settings {
      */
     double side_limit;
     /*
-     * Coulomb friction that a tool with DPT_LAW_PROXY feels, force across the surface for one out of it, 0..10: up to
-     * `static_friction` a contact sticks; one that slips is held back by `kinetic_friction`, at most the static one; 0, 0.
+     * Coulomb friction that a tool with DPT_LAW_PROXY feels: the force across the surface for one out of it, 0..10. Up
+     * to `static_friction` a contact sticks. One that slips is held back by `kinetic_friction`, at most the static one;
+     * 0, 0.
      */
     double static_friction;
     double kinetic_friction;
@@ -221,8 +224,9 @@ DPT_API int dpt_body_is_valid(const dpt_world *world, dpt_body body);
  * and the tool is stale and has no force until it gets valid input.
  *
  * dpt_tool_set_segments sets the segments in the world frame, as many as the tool has; radii may change. The tool is
- * free then. dpt_tool_set_pose and dpt_tool_teleport make it rigid again: the segments set last are taken as segments
- * in its own frame.
+ * free then. Several segments with a proxy (DPT_LAW_PROXY) are DPT_E_UNSUPPORTED: move such a tool by its pose.
+ * dpt_tool_set_pose and dpt_tool_teleport make it rigid again: the segments set last are taken as segments in its own
+ * frame.
  *
  * dpt_tool_get_pose returns the last valid pose, or the identity while the tool is free. `user` is a value of the
  * caller's own, 0 at first.
@@ -262,14 +266,17 @@ DPT_API dpt_result dpt_tool_try_segments(const dpt_world *world, dpt_tool tool,
                                          const dpt_segment *segments, uint32_t count,
                                          double clearance, dpt_sweep *first, dpt_segment *reached);
 
-/* Settings of a tool; used like dpt_body_settings. */
+/*
+ * Settings of a tool; used like dpt_body_settings. DPT_LAW_PROXY for a free tool of several segments is
+ * DPT_E_UNSUPPORTED.
+ */
 typedef struct dpt_tool_settings {
     uint32_t size;    /* sizeof(dpt_tool_settings), set by the caller */
     uint32_t law;     /* DPT_LAW_...; changing it is a teleport to where the tool is */
     double stiffness; /* N/m, 0..1e9; 0: no force */
     /*
      * Of the proxy, Nm/rad, 0..1e9; 0: stiffness times the mean square of the distance of the segments' points from
-     * their centre, which is L^2 / 12 for one segment of length L. It counts as at least 1e-6 and at most 1e6 times that.
+     * their centre, which is L^2 / 12 for one segment of length L. It counts as 1e-6 to 1e6 times that.
      */
     double rotational_stiffness;
 } dpt_tool_settings;
@@ -281,8 +288,11 @@ DPT_API dpt_result dpt_tool_get_settings(const dpt_world *world, dpt_tool tool,
 
 /*
  * The pose of the tool's proxy, from the last step: of its frame, in the world; of a free tool that of a frame whose
- * origin is end a and whose x axis points to end b. It is the device's pose where nothing is in the way, and
- * with another law than DPT_LAW_PROXY. For a viewer to draw.
+ * origin is end a and whose x axis points to end b. It is the device's pose where nothing is in the way. For a viewer
+ * to draw. Before the first step since the tool was placed it is where the tool was set last. A tool without a proxy
+ * has the pose of dpt_tool_get_pose. The identity on an error.
+ *
+ * While a free tool touches something, its proxy grows only slowly to a greater length or radius.
  */
 DPT_API dpt_result dpt_tool_get_proxy(const dpt_world *world, dpt_tool tool, dpt_pose *pose);
 
@@ -316,7 +326,10 @@ enum {
  */
 DPT_API dpt_result dpt_world_step(dpt_world *world, double dt, dpt_step *out);
 
-/* The nearest pair of a tool and all bodies, from the last step. */
+/*
+ * The nearest pair of a tool and all bodies, from the last step. Where a proxy is held back, the contact is
+ * DPT_CONTACT_PENETRATING, and gap and depth are not known.
+ */
 DPT_API dpt_result dpt_tool_get_hit(const dpt_world *world, dpt_tool tool, dpt_hit *hit);
 
 /* The same of one segment of the tool, from 0. */
@@ -332,7 +345,7 @@ DPT_API dpt_result dpt_tool_get_segment_hit(const dpt_world *world, dpt_tool too
 DPT_API dpt_result dpt_tool_get_contacts(const dpt_world *world, dpt_tool tool,
                                          dpt_contact *contacts, uint32_t capacity, uint32_t *count);
 
-/* The first touch of a segment of the tool (counted from 0) between the last two steps. */
+/* The first touch of a segment of the tool (counted from 0) between the last two steps. A proxy has none. */
 DPT_API dpt_result dpt_tool_get_sweep(const dpt_world *world, dpt_tool tool, uint32_t segment,
                                       dpt_sweep *sweep);
 
@@ -356,7 +369,8 @@ DPT_API dpt_result dpt_tool_get_strip(const dpt_world *world, dpt_tool tool, uin
  *   UNDECIDED  at least one segment may touch something, but the direction of its force is unknown: its contact is
  *              DPT_CONTACT_UNKNOWN, or it goes through a surface that has no sides
  *   FREE       no segment penetrates anything, or there are no bodies
- *   INSIDE     DPT_LAW_PROXY: the tool began inside something, and has not been outside since
+ *   INSIDE     DPT_LAW_PROXY: the tool began inside something, or a body was added or teleported around it, and it has
+ *              not been outside since
  */
 enum {
     DPT_FORCE_ACTS = 0,
@@ -396,6 +410,8 @@ enum {
  * in a straight line to its new value, which is zero while the contact is unknown. This takes dpt_world_def.fade
  * seconds, counted by the steps' dt. The wrench is always between the old and the new value. Another such event starts
  * the time again.
+ *
+ * A proxy does not fade. The push of a body that is removed or teleported ends at once with it, too.
  *
  * The wrench is zero at once after an error, a teleport, a reset or input that cannot be used, with stiffness 0, and
  * when a rigid tool becomes free or the reverse. The push of a body that is removed or teleported ends at once, too. If

@@ -136,7 +136,7 @@ static int add_pair(struct proxy_tick *tick, uint32_t index, int feature, double
     if (!pair_at(feature, s, a, u, v, &found))
         return 0;
     const double distance = sqrt(found.distance2);
-    const double gap = distance - radius_of(tick, tick->triangles[index]);
+    const double gap = distance - radius_of(tick, &tick->triangles[index]);
     if (!(gap <= reach && distance > 0.0))
         return 0;
     add_space(tick, index, feature, &found, distance, gap, before, body, a, u);
