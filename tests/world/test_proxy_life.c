@@ -1,0 +1,138 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A proxy while bodies come, go and move unseen, and while its tool changes: where it starts again, and where not. */
+#include "world/proxy_rig.h"
+
+static const dpt_segment needle = { { 0, 0, 0 }, { 0, 0, 0.02 }, 0.002 };
+
+/* Box of `dynpoint make`: 0.12 x 0.10 x 0.08 m about the origin. */
+#define TOP 0.04
+
+static struct solid box;
+
+/* The needle stands on the box, 5 mm deep. */
+static void press(struct rig *rig)
+{
+    rig_open(rig, NULL, box.mesh, &needle, 1);
+    rig->device.position[2] = TOP + needle.radius + 0.001;
+    rig_place(rig);
+    for (int k = 0; k < 60; k++) {
+        rig->device.position[2] -= 1e-4;
+        rig_step(rig);
+    }
+    CHECK(rig->force.reason == DPT_FORCE_ACTS && rig_force(rig) > 2.4, "reason %u, %g N",
+          rig->force.reason, rig_force(rig));
+}
+
+static void what_held_it_goes_and_so_does_the_push(void)
+{
+    const dpt_pose far = { { 0, 0, 5 }, { 1, 0, 0, 0 } };
+    for (int teleports = 0; teleports < 2; teleports++) {
+        struct rig rig;
+        press(&rig);
+        const dpt_result result = teleports ? dpt_body_teleport(rig.world, rig.body, &far)
+                                            : dpt_body_remove(rig.world, rig.body);
+        CHECK(result == DPT_OK, "%s", dpt_result_name(result));
+        rig_step(&rig);
+        CHECK(rig.force.reason == DPT_FORCE_FREE && rig_force(&rig) == 0.0, "reason %u, %g N",
+              rig.force.reason, rig_force(&rig));
+        CHECK(!memcmp(&rig.proxy, &rig.device, sizeof rig.proxy), "the proxy lags");
+        rig_close(&rig);
+    }
+}
+
+/* In the air, and then in the middle of a box that was not there. */
+static void a_body_that_is_added_around_it_has_it_inside(void)
+{
+    struct rig rig;
+    dpt_body added;
+    rig_open(&rig, NULL, NULL, &needle, 1);
+    rig_place(&rig);
+    CHECK(rig.force.reason == DPT_FORCE_FREE, "reason %u", rig.force.reason);
+    CHECK(dpt_body_add(rig.world, box.mesh, NULL, &added) == DPT_OK, "add");
+    rig_step(&rig);
+    CHECK(rig.force.reason == DPT_FORCE_INSIDE, "reason %u", rig.force.reason);
+    for (int k = 0; k < 1000; k++) {
+        rig.device.position[2] += 1e-4;
+        rig_step(&rig);
+        CHECK(rig_force(&rig) == 0.0, "%g N", rig_force(&rig));
+    }
+    CHECK(rig.force.reason == DPT_FORCE_FREE, "reason %u", rig.force.reason);
+    rig_close(&rig);
+}
+
+/* The device has no pose for a tick, and the box goes over the tool meanwhile, or stays. */
+static void without_a_pose_it_waits_where_bodies_rest(void)
+{
+    const dpt_pose around = { { 0, 0, 0.05 }, { 1, 0, 0, 0 } };
+    for (int moves = 0; moves < 2; moves++) {
+        struct rig rig;
+        press(&rig);
+        CHECK(dpt_tool_set_pose(rig.world, rig.tool, NULL) == DPT_E_ARGUMENT, "no pose");
+        if (moves)
+            CHECK(dpt_body_set_pose(rig.world, rig.body, &around) == DPT_OK, "move");
+        dpt_world_step(rig.world, RIG_DT, NULL);
+        rig_step(&rig);
+        CHECK(rig.force.reason == (moves ? DPT_FORCE_INSIDE : DPT_FORCE_ACTS),
+              "moves %d: reason %u", moves, rig.force.reason);
+        rig_close(&rig);
+    }
+}
+
+/* From the proxy's law to the point's the tool is felt where the device is, and back it begins inside. */
+static void another_law_begins_where_the_device_is(void)
+{
+    struct rig rig;
+    dpt_hit hit = DPT_HIT_INIT;
+    dpt_tool_settings settings = { .size = sizeof settings };
+    press(&rig);
+    dpt_tool_get_settings(rig.world, rig.tool, &settings);
+    settings.law = DPT_LAW_POINT;
+    dpt_tool_set_settings(rig.world, rig.tool, &settings);
+    dpt_world_step(rig.world, RIG_DT, NULL);
+    dpt_tool_get_hit(rig.world, rig.tool, &hit);
+    CHECK(fabs(hit.depth - (TOP + needle.radius - rig.device.position[2])) < 1e-9, "depth %g",
+          hit.depth);
+    settings.law = DPT_LAW_PROXY;
+    dpt_tool_set_settings(rig.world, rig.tool, &settings);
+    rig_step(&rig);
+    CHECK(rig.force.reason == DPT_FORCE_INSIDE, "reason %u", rig.force.reason);
+    rig_close(&rig);
+}
+
+/* A ball far from its frame's origin, with a quaternion that is as far off unit length as it may be. */
+static void a_pose_need_not_be_of_unit_length(void)
+{
+    const dpt_segment ball = { { 0, 0, 10 }, { 0, 0, 10 }, 0.002 };
+    struct rig rig;
+    rig_open(&rig, NULL, box.mesh, &ball, 1);
+    /* A quarter turn about x takes the ball to (0, -10, 0) in the frame's axes. */
+    rig.device.orientation[0] = rig.device.orientation[1] = sqrt(0.5) * (1.0 + 9e-7);
+    rig.device.position[1] = 10;
+    rig.device.position[2] = TOP + ball.radius + 0.001;
+    rig_place(&rig);
+    for (int k = 0; k < 30; k++) {
+        rig.device.position[2] -= 1e-4;
+        rig_step(&rig);
+    }
+    const double expected = RIG_STIFFNESS * (0.002 + 2e-6 * box.diagonal);
+    CHECK(fabs(rig_force(&rig) / expected - 1) < 1e-4, "%g N, expected %g", rig_force(&rig),
+          expected);
+    CHECK(fabs(rig.proxy.position[2] - TOP - ball.radius) < 1e-6 &&
+              fabs(rig.proxy.position[1] - 10) < 1e-7,
+          "the proxy is off by %g m, %g m", rig.proxy.position[1] - 10,
+          rig.proxy.position[2] - TOP - ball.radius);
+    rig_close(&rig);
+}
+
+int main(void)
+{
+    if (!solid_from_shape(&box, "box", 1200))
+        return 2;
+    TEST(what_held_it_goes_and_so_does_the_push);
+    TEST(a_body_that_is_added_around_it_has_it_inside);
+    TEST(without_a_pose_it_waits_where_bodies_rest);
+    TEST(another_law_begins_where_the_device_is);
+    TEST(a_pose_need_not_be_of_unit_length);
+    solid_close(&box);
+    return check_report();
+}
