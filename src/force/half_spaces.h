@@ -25,9 +25,8 @@ struct half_spaces_result {
 };
 
 /*
- * `dimensions` is 1..6. A constraint counts as met where it is violated by at most `tolerance`. Constraints beyond the active
- * ones that depend on them linearly are never added. Returns 0, and no answer, where no point meets all constraints
- * or the iterations do not suffice.
+ * `dimensions` is 1..6. A constraint that is violated by at most `tolerance` counts as met. Returns 0, and no answer, if
+ * no point meets all constraints or the iterations do not suffice.
  */
 int dpti_half_spaces_nearest(const struct half_space *spaces, uint32_t count, uint32_t dimensions,
                              const double *goal, double tolerance,

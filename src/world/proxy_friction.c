@@ -3,8 +3,10 @@
 
 #include "world/proxy_solve.h"
 
-/* Passes between the normal and the tangential problem; where the goal moves by less than that of the clearance they end. */
+/* Passes between the normal and the tangential problem. */
 enum { PASSES_MAX = 12 };
+
+/* Of the clearance: passes end where the goal moves by less. */
 #define SETTLED 1e-4
 
 /* Ticks for which a contact that holds nothing is kept: features change under a tool that is led along. */

@@ -7,8 +7,8 @@
 #include "world/proxy_tick.h"
 
 /*
- * After tick->solved holds the motion without friction: the motion with it, into the same. Nothing changes where no body that
- * holds the proxy has friction. Returns 0 where a constraint could not be met.
+ * Add friction to the motion in tick->solved, which was solved for without it. Nothing changes if no body that holds the
+ * proxy has friction. Returns 0 if a constraint cannot be met.
  */
 int dpti_proxy_add_friction(struct proxy_tick *tick, const double *wanted);
 

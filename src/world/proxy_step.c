@@ -261,8 +261,8 @@ static int follow_once(struct proxy_tick *tick, double *allowed)
     double straight[HALF_SPACE_DIMENSIONS];
     memcpy(straight, tick->solved.y, sizeof straight);
     /* A body that pushes is not to be kept waiting. */
-    struct proxy_pose to = corrected_motion(tick, wanted, straight,
-                                            tick->is_before ? HUGE_VAL : longest, &share);
+    struct proxy_pose to =
+        corrected_motion(tick, wanted, straight, tick->is_before ? HUGE_VAL : longest, &share);
     if (is_whole && is_goal(tick, share)) {
         to = tick->goal;
     } else if (!tick->is_before && share > 0.0) {

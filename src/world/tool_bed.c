@@ -13,8 +13,8 @@ static double whole_length(const struct segment *segments, uint32_t count)
 }
 
 /*
- * How much of an end's stiffness counts: 1 at a free end, 0 where the tool goes straight on, min(1, |sum of u|) at a joint, u
- * the unit vectors of the segments that meet there. Those share it.
+ * How much of an end's stiffness counts: 1 at a free end, 0 where the tool goes straight on. At a joint it is
+ * min(1, |sum of u|), u the unit vectors of the segments that meet there; they share it.
  */
 static double end_weight(const struct segment *segments, uint32_t count, uint32_t number, int end,
                          double whole)
