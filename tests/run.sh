@@ -56,8 +56,8 @@ go() {
         echo "$place" >>"$dir/$list"
         next=$((next + 1))
     done
-    run_each 16 <"$dir/waiting" &
-    run_each "$1" <"$dir/computing"
+    [ ! -s "$dir/waiting" ] || run_each 16 <"$dir/waiting" &
+    [ ! -s "$dir/computing" ] || run_each "$1" <"$dir/computing"
     wait
 }
 

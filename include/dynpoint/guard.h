@@ -30,7 +30,8 @@ typedef struct dpt_guard_def {
     double torque_slew; /* fastest change of the torque vector, Nm/s; 0: unlimited; 80 */
     double hold;        /* how long a command stays valid, s, 0..10; 0.003 */
     double stop;        /* duration of the ramp to zero after that, s, 0..10; 0.002 */
-    double start;       /* duration of the ramp from zero to a whole command, s, 0..100; 0.1 */
+    /* Duration of the ramp from zero to a whole command, s, 0..100; 0.1. A driver may have a ramp of its own beside it. */
+    double start;
 } dpt_guard_def;
 
 /*

@@ -82,7 +82,7 @@ struct solids {
     soup *source;
     const uint32_t *part_list; /* the model's */
     const uint32_t *part_first;
-    struct solid *solids; /* by rank: the largest volume first */
+    struct solid *solids; /* by rank, the largest volume first, once all were found */
     uint32_t count;
     struct containment *containments;
     size_t containment_count, containment_capacity;
@@ -278,7 +278,7 @@ static int box_within(const struct bounds *small, const struct bounds *large)
     return !memcmp(&joined, large, sizeof joined);
 }
 
-static dpt_result add_containment(struct solids *all, uint32_t solid, uint32_t inside_count)
+static dpt_result add_containment(struct solids *all, uint32_t inner_rank, uint32_t outer_rank)
 {
     if (all->containment_count == all->containment_capacity) {
         size_t capacity = all->containment_capacity ? 2 * all->containment_capacity : 64;
@@ -288,7 +288,7 @@ static dpt_result add_containment(struct solids *all, uint32_t solid, uint32_t i
         all->containments = grown;
         all->containment_capacity = capacity;
     }
-    all->containments[all->containment_count++] = (struct containment){ solid, inside_count };
+    all->containments[all->containment_count++] = (struct containment){ inner_rank, outer_rank };
     return DPT_OK;
 }
 

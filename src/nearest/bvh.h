@@ -17,7 +17,7 @@ struct path_entry {
     float lower_bound;  /* of the whole node, from the nodes above; 0: none */
 };
 
-/* The state of a traversal: the path of nodes from the root, path[surface->levels], down to path[depth]. */
+/* The state of a traversal: the path of nodes from the root, path[surface->levels], down to path[level]. */
 struct bvh_traversal {
     struct path_entry path[MESH_LEVELS_MAX + 1]; /* by level; level 1: parents of leaves */
     uint32_t level;                              /* level of the node being visited; 0: not begun */
@@ -40,7 +40,7 @@ void dpti_bvh_search(const struct surface *surface, const struct kernel *kernel,
                      struct work *work, struct pair_search *nearest);
 
 /*
- * The same search in parts. Returns 1 when it is done; then traversal->depth is 0. Returns 0 when the work is spent:
+ * The same search in parts. Returns 1 when it is done; then traversal->level is 0. Returns 0 when the work is spent:
  * the next call continues there, for the same axis, or for a moved one after dpti_bvh_weaken_bounds.
  */
 int dpti_bvh_traverse(const struct surface *surface, const struct kernel *kernel,

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The plane cache keeps separating planes from tick to tick. A plane between the tool and a piece of the mesh stays
- * valid, and next tick its bound costs three dot products instead of a search (docs/algorithms/certificate.md).
+ * The plane cache keeps separating planes from tick to tick. A plane belongs to a piece of the mesh, in its frame: all
+ * of the piece lies behind it, wherever the tool is. Each tick computes the bound that it gives for the axis as it is now
+ * (kernel_cached, kernel_ops.h), three dot products instead of a search, and looks into the piece where that bound is
+ * not above the best distance (bvh_planes.h; docs/algorithms/certificate.md).
  *
  * The cache has a fixed size. A block holds the planes of a tree node's 16 children, or of a leaf's 16 triangles, for
  * one axis and one body. If a block is missing or another owner took it, its planes are made again: that costs time and

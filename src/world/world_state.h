@@ -205,7 +205,7 @@ struct distance_bound {
 
 /* With a budget: a search that the budget ended. A segment has two: one of its motion, one of its rest. */
 struct suspended_search {
-    struct bvh_traversal traversal; /* depth 0: no search is suspended */
+    struct bvh_traversal traversal; /* level 0: no search is suspended */
     double lower_bound;             /* m: nothing that the search has excluded is nearer */
     uint32_t body_slot;             /* the body that it searches */
     /* The body to begin the next tick with, or DPT_NONE; used in the first of the two. */
