@@ -4,16 +4,11 @@
  * multiplied from the root outward, so that the orientation is continuous in the joints.
  */
 #include "arm/arm_format.h"
+#include "base/quaternion.h"
 #include "base/return_if_error.h"
 #include "base/sincos.h"
-#include "base/vec3.h"
 
 #define FOUR_PI 12.566370614359172
-
-struct quaternion {
-    double w;
-    vec3 v;
-};
 
 /* A frame in the root's frame, and how it moves with each joint, per rad/s or m/s of that joint. */
 struct moving_frame {
@@ -22,25 +17,6 @@ struct moving_frame {
     vec3 velocity[DPT_JOINTS_MAX]; /* of the origin */
     vec3 spin[DPT_JOINTS_MAX];
 };
-
-static struct quaternion quaternion_of(const double *q)
-{
-    return (struct quaternion){ q[0], vec3_of(q + 1) };
-}
-
-static struct quaternion product(struct quaternion a, struct quaternion b)
-{
-    return (struct quaternion){
-        a.w * b.w - dot(a.v, b.v),
-        add(along(scaled(b.v, a.w), b.w, a.v), cross(a.v, b.v)),
-    };
-}
-
-static vec3 rotated(struct quaternion q, vec3 x)
-{
-    vec3 twice = scaled(cross(q.v, x), 2.0);
-    return add(along(x, q.w, twice), cross(q.v, twice));
-}
 
 /*
  * Shift the frame's origin by `displacement`, in the root's frame. A joint that spins the frame moves the new origin
@@ -58,16 +34,17 @@ static void apply_link(struct moving_frame *frame, uint32_t joint_count,
                        const struct arm_link *link, double joint)
 {
     const double motion = link->factor * joint + link->offset;
-    shift(frame, joint_count, rotated(frame->orientation, vec3_of(link->pose.position)));
-    frame->orientation = product(frame->orientation, quaternion_of(link->pose.orientation));
-    const vec3 axis = rotated(frame->orientation, vec3_of(link->axis));
+    shift(frame, joint_count, quaternion_turn(frame->orientation, vec3_of(link->pose.position)));
+    frame->orientation =
+        quaternion_product(frame->orientation, quaternion_of(link->pose.orientation));
+    const vec3 axis = quaternion_turn(frame->orientation, vec3_of(link->axis));
     if (link->slides) {
         shift(frame, joint_count, scaled(axis, motion));
         frame->velocity[link->joint] = along(frame->velocity[link->joint], link->factor, axis);
     } else {
         double sine, cosine;
         turn_sincos(motion / FOUR_PI, &sine, &cosine);
-        frame->orientation = product(
+        frame->orientation = quaternion_product(
             frame->orientation, (struct quaternion){ cosine, scaled(vec3_of(link->axis), sine) });
         frame->spin[link->joint] = along(frame->spin[link->joint], link->factor, axis);
     }
@@ -87,7 +64,7 @@ static void find_frame(const struct dpt_arm *arm, const double *joints, uint32_t
         const struct arm_link *next = &arm_links(arm)[path[i]];
         apply_link(frame, joint_count, next, joints[next->joint]);
     }
-    shift(frame, joint_count, rotated(frame->orientation, vec3_of(point)));
+    shift(frame, joint_count, quaternion_turn(frame->orientation, vec3_of(point)));
 }
 
 /* Find the frame at the tool's origin. It has the orientation of the tool's link. */
@@ -113,7 +90,7 @@ dpt_result dpt_arm_forward(const dpt_arm *arm, const double *joints, dpt_pose *t
     struct moving_frame frame;
     find_tool(arm, joints, 0, &frame);
     const struct quaternion orientation =
-        product(frame.orientation, quaternion_of(arm->tool.orientation));
+        quaternion_product(frame.orientation, quaternion_of(arm->tool.orientation));
     vec3_store(frame.origin, tool->position);
     tool->orientation[0] = orientation.w;
     vec3_store(orientation.v, tool->orientation + 1);
