@@ -97,7 +97,7 @@ static int can_follow(struct dpt_world *world, uint32_t segment_index,
 static int is_far_from_all(const struct dpt_world *world, const struct segment *segment,
                            double reach)
 {
-    double body_motion = world->bodies_moved_tick == world->ticks ? world->body_motion_max : 0.0;
+    double body_motion = world_body_motion(world);
     return segment->result.lower_bound > reach + body_motion + segment->result.error_bound;
 }
 

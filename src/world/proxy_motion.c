@@ -91,9 +91,7 @@ static struct tool_sweep sweep_tool(struct proxy_tick *tick, const struct proxy_
         if (tick->gap > moved + tick->clearance && !tick->is_before)
             continue;
         world->near_bodies.reach = -1.0;
-        const double bodies_moved = tick->is_before && world->bodies_moved_tick == world->ticks
-                                        ? world->body_motion_max
-                                        : 0.0;
+        const double bodies_moved = tick->is_before ? world_body_motion(world) : 0.0;
         const struct near_bodies *nearby =
             tick->is_lost ? &all
                           : dpti_broad_phase_within(world, tick->tool->first_segment + i,
@@ -148,7 +146,8 @@ double dpti_proxy_move(struct proxy_tick *tick, const struct proxy_pose *to, dou
             return 1.0;
         has_searched = 1;
     }
-    const double wanted = min_of(0.7 * tick->clearance, max_of(tick->min_gap, 0.98 * gap));
+    const double wanted =
+        min_of(PROXY_GAP_KEPT * tick->clearance, max_of(tick->min_gap, 0.98 * gap));
     for (int k = 0; k < SHORTEN_MAX && !tick->is_before && !work_is_spent(&tick->world->work);
          k++) {
         share *= k < SHORTEN_LITTLE ? SHORTER_LITTLE : SHORTER;

@@ -21,9 +21,6 @@ enum { PUSHES_MAX = 4 };
 #define CONVERGED       3e-4
 #define CONVERGED_SMALL 1e-3
 
-/* Of the clearance: a gap that is kept well enough. */
-#define GAP_KEPT 0.7
-
 /* Of a motion that is shortened, at least. */
 #define SHARE_MIN 0.01
 
@@ -126,7 +123,7 @@ static struct proxy_pose corrected_motion(struct proxy_tick *tick, const double 
         to = pose_of_motion(tick, straight, *share);
         for (uint32_t i = 0; i < tick->space_count && k < CORRECTIONS_MAX; i++) {
             const double gap = dpti_proxy_gap_of(tick, i, &to);
-            if (gap >= GAP_KEPT * tick->clearance)
+            if (gap >= PROXY_GAP_KEPT * tick->clearance)
                 continue;
             tick->spaces[i].bound += tick->clearance - gap;
             is_low = 1;
@@ -171,7 +168,7 @@ static void remember_active(struct proxy_tick *tick)
 static int gather_and_solve(struct proxy_tick *tick, const double *wanted, double left)
 {
     const uint32_t n = proxy_unknowns(tick->proxy);
-    const double bodies_moved = tick->is_before ? tick->world->body_motion_max : 0.0;
+    const double bodies_moved = tick->is_before ? world_body_motion(tick->world) : 0.0;
     double reach = 2.0 * tick->proxy->last_motion + 20.0 * tick->clearance + 2.0 * bodies_moved;
     for (int again = 0;; again++) {
         dpti_proxy_turn_axes(tick->proxy, &tick->at, tick->axes);
@@ -244,10 +241,11 @@ static int follow_once(struct proxy_tick *tick, double *allowed)
     const double size = size_of(tick->solved.y, n);
     proxy->lag = size;
     remember_active(tick);
-    if (!tick->is_before && (size < CONVERGED_SMALL * tick->clearance ||
-                             (size < CONVERGED * left && tick->gap > GAP_KEPT * tick->clearance)))
+    if (!tick->is_before &&
+        (size < CONVERGED_SMALL * tick->clearance ||
+         (size < CONVERGED * left && tick->gap > PROXY_GAP_KEPT * tick->clearance)))
         return FOLLOW_DONE;
-    /* A body that pushes is not to be waited for. */
+    /* While a body pushes, neither the trust nor a gap on the way keeps it waiting. */
     const double longest = tick->is_before ? *allowed : min_of(proxy->trust, *allowed);
     double share;
     if (size > longest) {
@@ -260,7 +258,6 @@ static int follow_once(struct proxy_tick *tick, double *allowed)
     const int is_whole = size <= longest;
     double straight[HALF_SPACE_DIMENSIONS];
     memcpy(straight, tick->solved.y, sizeof straight);
-    /* A body that pushes is not to be kept waiting. */
     struct proxy_pose to =
         corrected_motion(tick, wanted, straight, tick->is_before ? HUGE_VAL : longest, &share);
     if (is_whole && is_goal(tick, share)) {
@@ -306,16 +303,10 @@ static int bodies_came_near(const struct proxy_tick *tick)
            tick->gap <= world->body_motion_max + 2.0 * tick->clearance;
 }
 
-/* m: how far any point of a body moved before this tick, at most. */
-static double bodies_moved(const struct dpt_world *world)
-{
-    return world->bodies_moved_tick == world->ticks ? world->body_motion_max : 0.0;
-}
-
 /* The nearest pairs where the proxy was left. What was proven of its gap holds, less what bodies moved. */
 static void find_again(struct proxy_tick *tick)
 {
-    const double proven = tick->gap - bodies_moved(tick->world);
+    const double proven = tick->gap - world_body_motion(tick->world);
     dpti_proxy_find_nearest(tick);
     tick->gap = max_of(tick->gap, proven);
 }
@@ -340,7 +331,7 @@ static void follow(struct proxy_tick *tick, double device_moved, double dt)
 {
     struct proxy *proxy = tick->proxy;
     const struct proxy_pose from = tick->at;
-    const double others_moved = bodies_moved(tick->world);
+    const double others_moved = world_body_motion(tick->world);
     const int is_released = proxy->is_released || !tick->world->body_count;
     double allowed = is_released ? HUGE_VAL : 2.0 * device_moved + FOLD_SPEED * dt + others_moved;
     const double cap = allowed;

@@ -16,6 +16,9 @@ enum { PROXY_TRIANGLES_MAX = PROXY_MEMORY + 16 };
  */
 #define PROXY_SCALE_MAX 1.0
 
+/* Of the clearance: a gap that is kept well enough. */
+#define PROXY_GAP_KEPT 0.7
+
 /* What a constraint is of. */
 struct proxy_source {
     uint32_t triangle; /* in proxy_tick.triangles */

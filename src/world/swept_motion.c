@@ -200,7 +200,7 @@ struct swept_bodies dpti_motion_bodies(struct dpt_world *world, uint32_t segment
                                        double reach)
 {
     const struct dynamic_point *track = &world->segments[segment_index].answer.track;
-    double body_motion = world->bodies_moved_tick == world->ticks ? world->body_motion_max : 0.0;
+    double body_motion = world_body_motion(world);
     return (struct swept_bodies){ .world = world,
                                   .axis_box = box_of_axis(track->axis.a, track->axis.b),
                                   .reach = reach,

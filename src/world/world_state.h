@@ -314,6 +314,12 @@ static inline int body_has_moved(const struct dpt_world *world, const struct bod
     return body->moved_tick == world->ticks && body->added_tick != world->ticks;
 }
 
+/* m: how far any point of a body moved before this tick, at most. */
+static inline double world_body_motion(const struct dpt_world *world)
+{
+    return world->bodies_moved_tick == world->ticks ? world->body_motion_max : 0.0;
+}
+
 /* Raise a high-water mark of dpt_world_usage to `count`. */
 static inline void world_note_max(uint32_t *mark, uint32_t count)
 {
