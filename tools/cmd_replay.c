@@ -23,7 +23,9 @@ static const char help[] =
     "\n"
     "Moves a tool along a trace (tick,ax,ay,az,bx,by,bz in m) and writes, for every tick, the "
     "nearest\n"
-    "pair, its proof, contact and force. Ticks are integers that increase, within 2^53; one that "
+    "pair, its proof, contact, force, energy and proxy (its end a, and the turn from the x axis to "
+    "the\n"
+    "tool's). Ticks are integers that increase, within 2^53; one that "
     "is not\n"
     "the last one plus 1 is a jump. One of the inputs may be -, standard input.\n"
     "\n"
@@ -40,11 +42,11 @@ static const char help[] =
     "                       truth; default 1048576\n"
     "  --one-step           one move of the descent a tick (paper)\n"
     "  --radius R           of the tool, m; default 0: a line\n"
-    "  --law LAW            of the force: point (default) pushes at the deepest point; proxy pulls "
-    "to where\n"
-    "                       the tool would be if it went through nothing. Further columns have its "
-    "energy,\n"
-    "                       and that pose: of end a, and the turn from the x axis to the tool's\n"
+    "  --law LAW            of the force: proxy (default) pulls to where the tool would be if it "
+    "went\n"
+    "                       through nothing; bed: along the tool and at its ends; point pushes at "
+    "the\n"
+    "                       deepest point, and is the only one for --method paper\n"
     "  --stiffness K        of the force, N/m; default 500\n"
     "  --strip KIND         lay a strip under the tool where it is within the margin: shadow, or "
     "routes\n"
@@ -276,7 +278,7 @@ static int run(const struct replay_settings *settings, const dpt_mesh *mesh,
 static int read_settings(int argc, char **argv, struct replay_settings *settings)
 {
     const char *operand[2], *method = "exact", *until = "respond", *kernel = "auto";
-    const char *against = NULL, *strip = "none", *law = "point";
+    const char *against = NULL, *strip = "none", *law = NULL;
     size_t operands;
     const struct option_def options[] = {
         { .name = "-o", .text = &settings->out },
@@ -320,6 +322,8 @@ static int read_settings(int argc, char **argv, struct replay_settings *settings
         return complain("replay", "the kernels are auto, scalar, sse2, avx2, avx512 and neon");
     if (word_index(strip, strips) < 0)
         return complain("replay", "--strip takes shadow or routes");
+    if (!law)
+        law = chosen[0] == DPT_METHOD_PAPER ? "point" : "proxy";
     status = law_by_name("replay", law, &settings->def.law);
     if (status)
         return status;

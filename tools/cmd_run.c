@@ -36,9 +36,9 @@ static const char help[] =
     "default 1\n"
     "  --length L       of the stylus, m of the mesh; default 0.1\n"
     "  --radius R       of it; default 0.002\n"
-    "  --law LAW        of the force: point (default) pushes at the deepest point; proxy pulls to "
-    "where\n"
-    "                   the tool would be if it went through nothing\n"
+    "  --law LAW        of the force: proxy (default) pulls to where the tool would be if it went "
+    "through\n"
+    "                   nothing; bed: along the tool and at its ends; point: at the deepest point\n"
     "  --stiffness K    of the force, N/m; default 500\n"
     "  --force-max F    N; default the guard's, 5, or the device's if that is less\n"
     "  --rate HZ        of the loop; default the device's\n"
@@ -328,7 +328,7 @@ static int check_record(const struct run_settings *settings)
 
 static int read_settings(int argc, char **argv, struct run_settings *settings)
 {
-    const char *law = "point";
+    const char *law = "proxy";
     size_t operands;
     const struct option_def options[] = {
         { .name = "--device", .text = &settings->device },

@@ -63,10 +63,15 @@ static void write_row(FILE *file, const struct replayed *replayed, size_t i)
     } else {
         fputs(",,,,,,", file);
     }
-    if (has_proxy(replayed)) {
+    if (replayed->until == DPT_UNTIL_RESPOND && replayed->law != DPT_LAW_POINT)
         write_numbers(file, &tick->energy, 1);
+    else
+        fputc(',', file);
+    if (has_proxy(replayed)) {
         write_numbers(file, tick->proxy.position, 3);
         write_numbers(file, tick->proxy.orientation, 4);
+    } else {
+        fputs(",,,,,,,", file);
     }
     fputc('\n', file);
 }
@@ -74,9 +79,8 @@ static void write_row(FILE *file, const struct replayed *replayed, size_t i)
 void replay_write_csv(FILE *file, const struct replayed *replayed)
 {
     fputs("tick,status,contact,distance,gap,depth,s,px,py,pz,qx,qy,qz,triangle,error_bound,"
-          "lower_bound,fx,fy,fz,tx,ty,tz",
+          "lower_bound,fx,fy,fz,tx,ty,tz,energy,ox,oy,oz,qw,qi,qj,qk\n",
           file);
-    fputs(has_proxy(replayed) ? ",energy,ox,oy,oz,qw,qi,qj,qk\n" : "\n", file);
     for (size_t i = 0; i < replayed->trace->rows; i++)
         write_row(file, replayed, i);
 }

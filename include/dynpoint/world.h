@@ -108,7 +108,7 @@ typedef struct dpt_world_def {
     uint32_t strip;
     uint32_t strip_capacity; /* triangles of one strip, 1..2^20; 1024 */
     uint32_t strip_search;   /* vertices, for ROUTES, at most 2^28; 16384 */
-    uint32_t law;            /* DPT_LAW_..., of new tools, see dpt_tool_settings; DPT_LAW_POINT */
+    uint32_t law;            /* DPT_LAW_..., of new tools, see dpt_tool_settings; DPT_LAW_PROXY */
     double strip_width;      /* beside the radius, for SHADOW, m, >= 0; 0 */
     /* Beyond the axis, for SHADOW, m, >= 0; 0: a quarter of the segment's length plus its radius and the margin; 0 */
     double strip_depth;

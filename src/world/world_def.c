@@ -18,6 +18,7 @@ void dpt_world_def_defaults(dpt_world_def *def, size_t size)
         .max_contacts = 32,
         .strip_capacity = 1024,
         .strip_search = 16384,
+        .law = DPT_LAW_PROXY,
     };
     sized_defaults(def, size, &defaults, sizeof defaults);
 }

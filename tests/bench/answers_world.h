@@ -57,6 +57,7 @@ static dpt_world_def draw_def(double scale, int small)
     dpt_world_def def;
     dpt_baseline_def baseline;
     dpt_world_def_init(&def);
+    def.law = DPT_LAW_POINT;
     def.max_bodies = BODIES_MAX;
     def.max_tools = TOOLS_MAX;
     def.max_segments = TOOLS_MAX * SEGMENTS_MAX;

@@ -84,6 +84,7 @@ static void run(const dpt_mesh *mesh, const dpt_segment *segments, size_t ticks,
     dpt_body body;
     dpt_tool tool;
     dpt_world_def_init(&def);
+    def.law = DPT_LAW_POINT;
     def.budget = budget;
     def.until = DPT_UNTIL_CONTACT;
     void *block = malloc(dpt_world_bytes(&def));

@@ -237,6 +237,7 @@ static void two_bodies(void)
     if (!solid_from_shape(&solid[0], "torus", 2000) || !solid_from_shape(&solid[1], "liver", 2000))
         return;
     dpt_world_def_init(&def);
+    def.law = DPT_LAW_POINT;
     stage.block = malloc(dpt_world_bytes(&def));
     const int made =
         dpt_world_create(stage.block, dpt_world_bytes(&def), &def, &stage.world) == DPT_OK &&

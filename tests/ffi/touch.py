@@ -108,6 +108,7 @@ check("exact, on the top", hit.status == 3 and triangles[hit.triangle] in ((4, 5
 definition, world, body, tool = WorldDef(), c_void_p(), c_uint32(), c_uint32()
 core.dpt_world_def_defaults(byref(definition), c_size_t(sizeof(definition)))
 definition.strip, definition.strip_width = 1, 0.05  # DPT_STRIP_KIND_SHADOW
+definition.law = 0  # DPT_LAW_POINT
 need = core.dpt_world_bytes(byref(definition))
 block = (c_double * (need // 8 + 1))()  # doubles, so that the block is aligned to 8
 check("create", core.dpt_world_create(block, c_size_t(need), byref(definition), byref(world)) == 0)

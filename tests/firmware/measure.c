@@ -170,6 +170,7 @@ static void measure_tick(uint32_t until, uint32_t contacts, const char *const na
     must(dpt_mesh_open(flash_mesh, flash_mesh_size, &mesh) == DPT_OK, "dpt_mesh_open");
     dpt_mesh_get_info(mesh, &info);
     dpt_world_def_init(&def);
+    def.law = DPT_LAW_POINT;
     def.max_bodies = def.max_tools = def.max_segments = 1;
     def.max_contacts = contacts;
     def.certificate_bytes = 16 * 1024;

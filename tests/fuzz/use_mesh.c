@@ -99,6 +99,7 @@ static dpt_world *make_world(void *block, size_t room, uint32_t method, uint32_t
     dpt_world_def def;
     dpt_world *world = NULL;
     dpt_world_def_init(&def);
+    def.law = DPT_LAW_POINT;
     def.max_bodies = def.max_tools = 1;
     def.max_segments = 2;
     def.max_contacts = CONTACTS;

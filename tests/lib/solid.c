@@ -212,6 +212,7 @@ int stage_open(struct stage *stage, const dpt_mesh *mesh, const dpt_pose *pose, 
     const dpt_segment point = { { 0, 0, 0 }, { 0, 0, 0 }, 0 };
     dpt_world_def def;
     dpt_world_def_init(&def);
+    def.law = DPT_LAW_POINT;
     def.margin = margin;
     def.max_contacts = max_contacts;
     def.side_limit = side_limit;

@@ -89,6 +89,7 @@ void use_mesh(const dpt_mesh *mesh, uint64_t *random)
             CHECK(is_sound(&hits[i]), "hit %d is not finite", i);
     }
     dpt_world_def_init(&def);
+    def.law = DPT_LAW_POINT;
     def.max_bodies = def.max_tools = def.max_segments = 1;
     def.certificate_bytes = 2048;
     def.smooth_normals = 1;

@@ -39,6 +39,7 @@ static int twin_open(struct twin *twin, const dpt_mesh *mesh, uint32_t method, u
 {
     dpt_world_def def;
     dpt_world_def_init(&def);
+    def.law = DPT_LAW_POINT;
     def.max_bodies = 3;
     def.max_tools = def.max_segments = 2;
     def.method = method;

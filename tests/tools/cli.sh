@@ -76,7 +76,7 @@ info_count()
 
 header=tick,ax,ay,az,bx,by,bz
 out_header=tick,status,contact,distance,gap,depth,s,px,py,pz,qx,qy,qz,triangle,error_bound
-out_header=$out_header,lower_bound,fx,fy,fz,tx,ty,tz
+out_header=$out_header,lower_bound,fx,fy,fz,tx,ty,tz,energy,ox,oy,oz,qw,qi,qj,qk
 
 # trace FILE ROW...
 trace()

@@ -6,17 +6,18 @@
 
 answers()
 {
-    succeeds 'replay' replay box.dpa box.csv -o box.out
+    succeeds 'replay' replay box.dpa box.csv -o box.out --law point
     check 'OUT.csv: header' test "$(head -n 1 box.out)" = "$out_header"
     check 'OUT.csv: rows' test "$(wc -l <box.out)" -eq "$(wc -l <box.csv)"
-    succeeds 'replay torus' replay torus.dpa torus.csv -o torus.out --radius 0.003
+    succeeds 'replay torus' replay torus.dpa torus.csv -o torus.out --radius 0.003 --law point
     check 'OUT.csv: rows, torus' test "$(wc -l <torus.out)" -eq 401
-    check 'OUT.csv: fields' test "$(awk -F, 'NF != 22' torus.out | wc -l)" -eq 0
+    check 'OUT.csv: fields' test "$(awk -F, 'NF != 30' torus.out | wc -l)" -eq 0
     check 'OUT.csv: ticks' test "$(column torus.out 1)" = "$(column torus.csv 1)"
     check 'OUT.csv: nan or inf' test -z "$(grep -i -e nan -e inf torus.out)"
     check 'OUT.csv: exact' test "$(column torus.out 2 | sort -u)" = exact
 
-    succeeds 'replay --radius' replay box.dpa box.csv -o push.out --radius 0.004 --stiffness 1000
+    succeeds 'replay --radius' replay box.dpa box.csv -o push.out --radius 0.004 --stiffness 1000 \
+        --law point
     # At rest on the faces x = 0.06 and x = -0.06, 2 mm deep: 2 N outward, nothing sideways.
     check "force out of the box: $(column push.out 17 | tr '\n' ' ')" awk -F, '
         NR == 2 && !($17 > 1.99 && $17 < 2.01 && $18 == 0 && $19 == 0 && $3 == "penetrating") ||
@@ -29,8 +30,8 @@ answers()
         wrong = 1 } END { exit wrong }' box.out
 
     succeeds '--until track' replay torus.dpa torus.csv -o track.out --until track --radius 0.003
-    check '--until track: columns' awk -F, 'NR > 1 && $3 $5 $6 $17 $18 $19 $20 $21 $22 != "" ||
-        NF != 22 || $4 == "" { wrong = 1 } END { exit wrong }' track.out
+    check '--until track: columns' awk -F, 'NR > 1 && $3 $5 $6 $17 $18 $19 $20 $21 $22 $23 $24 $30 != "" ||
+        NF != 30 || $4 == "" { wrong = 1 } END { exit wrong }' track.out
     succeeds '--until contact' replay torus.dpa torus.csv -o contact.out --until contact
     check '--until contact: columns' awk -F, 'NR > 1 && ($3 == "" ||
         $17 $18 $19 $20 $21 $22 != "") { wrong = 1 } END { exit wrong }' contact.out

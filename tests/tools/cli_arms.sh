@@ -100,12 +100,12 @@ sys.exit(json.load(open("stdout"))["joints"][2]["name"] != "e\"l\\b")'
     succeeds 'a tool on a drive' run box.dpa --tool C:/arm.dpa --device 'sim:?hand=press' --ticks 5
 
     # The desk's top is at 0, y of the device is up there: the capsule, 4 mm thick, lies along the device's z.
-    run run arm.dpa --device sim --at 0.2,0,0.003 --ticks 1 --json
+    run run arm.dpa --device sim --at 0.2,0,0.003 --ticks 1 --law point --json
     check "a millimetre in the desk: $(cat stdout)" grep -q \
         '"contacts":1,"penetrating":1,"unknown":0,"deepest":0.000999999[0-9]*,"strongest":0.4999998' stdout
     run run arm.dpa --device sim --at 0.35,0,0.003 --ticks 1 --json
     check "beside the desk, away from it: $(cat stdout)" grep -q '"contacts":0,' stdout
-    run run arm.dpa --device sim --at 0.2,0,0.003 --ticks 2000 --json
+    run run arm.dpa --device sim --at 0.2,0,0.003 --ticks 2000 --law point --json
     check "it is pushed out upward: $(cat stdout)" grep -qE '"contacts":[1-9][0-9]{0,2},' stdout
     run run arm.dpa --device 'sim:?hand=press' --at 0.2,0,0.01 --ticks 3000 --json
     check "a hand presses on the desk: $(cat stdout)" grep -qE '"penetrating":[12][0-9]{3},' stdout

@@ -31,6 +31,7 @@ void contact_world_open(struct contact_world *one, const dpt_mesh *mesh, const d
 {
     dpt_world_def def;
     dpt_world_def_init(&def);
+    def.law = DPT_LAW_POINT;
     def.budget = budget;
     def.max_contacts = 16;
     def.margin = contact_margin;

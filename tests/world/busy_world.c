@@ -82,6 +82,7 @@ int busy_world_open(struct busy_world *busy, const struct busy_scene *scene, uin
     dpt_world_def def;
     dpt_baseline_def baseline;
     dpt_world_def_init(&def);
+    def.law = DPT_LAW_POINT;
     dpt_baseline_def_init(&baseline);
     def.max_bodies = BUSY_BODIES;
     def.max_tools = BUSY_TOOLS;
@@ -239,6 +240,7 @@ int busy_worlds_prepare(void)
     dpt_world_def def;
     dpt_baseline_def baseline;
     dpt_world_def_init(&def); /* larger in all but the parts */
+    def.law = DPT_LAW_POINT;
     dpt_baseline_def_init(&baseline);
     def.method = DPT_METHOD_PAPER;
     def.baseline = &baseline;

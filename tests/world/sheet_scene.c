@@ -46,6 +46,7 @@ int scene_begin(struct scene *scene, struct sheet *sheet, uint32_t budget, const
     *scene = (struct scene){ .sheet = sheet };
     dpt_world_def *def = &scene->def;
     dpt_world_def_init(def);
+    def->law = DPT_LAW_POINT;
     def->margin = margins[random_bits(&sheet_random) % 3] * sheet->unit;
     def->side_limit = one_in(3) ? 0.02 * sheet->unit : 0.0;
     def->smooth_normals = (uint32_t)one_in(2);

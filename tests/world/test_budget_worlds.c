@@ -24,6 +24,7 @@ static void who_moves_leaves_something(void)
         dpt_hit hit = DPT_HIT_INIT;
         uint32_t tick = 0;
         dpt_world_def_init(&def);
+        def.law = DPT_LAW_POINT;
         def.budget = budget;
         def.until = DPT_UNTIL_TRACK;
         void *block = malloc(dpt_world_bytes(&def));
@@ -62,6 +63,7 @@ static void what_was_proven_leaves_with_its_body(void)
         dpt_tool tool;
         dpt_hit hit = DPT_HIT_INIT;
         dpt_world_def_init(&def);
+        def.law = DPT_LAW_POINT;
         def.budget = budgets[b];
         void *block = malloc(dpt_world_bytes(&def));
         if (dpt_world_create(block, dpt_world_bytes(&def), &def, &world) != DPT_OK)
@@ -95,6 +97,7 @@ static void a_proven_rest_costs_nothing(void)
         return;
     dpt_world_def def;
     dpt_world_def_init(&def);
+    def.law = DPT_LAW_POINT;
     def.budget = 3;
     def.until = DPT_UNTIL_TRACK;
     void *block = malloc(dpt_world_bytes(&def));
@@ -196,6 +199,7 @@ static void a_def_says_what_it_costs(void)
     for (uint32_t n = 0; n < 1000; n++) {
         dpt_world_def def;
         dpt_world_def_init(&def);
+        def.law = DPT_LAW_POINT;
         CHECK(def.budget == 0, "a budget by default");
         uint64_t bodies = def.max_bodies = some(&random), tools = def.max_tools = some(&random);
         uint64_t segments = def.max_segments = some(&random), both = segments * bodies;

@@ -25,6 +25,7 @@ static void scene_open(struct scene *scene)
 {
     dpt_world_def def;
     dpt_world_def_init(&def);
+    def.law = DPT_LAW_POINT;
     def.max_bodies = 6;
     def.max_tools = 5;
     def.max_segments = 9;
@@ -222,6 +223,7 @@ static void a_lack_is_told(void)
 {
     dpt_world_def def;
     dpt_world_def_init(&def);
+    def.law = DPT_LAW_POINT;
     def.margin = 0.01;
     def.max_tools = 1;
     def.max_segments = 4;
@@ -251,6 +253,7 @@ static void a_lack_of_room_for_sides_is_told(void)
         return;
     dpt_world_def def;
     dpt_world_def_init(&def);
+    def.law = DPT_LAW_POINT;
     def.max_contacts = 1;
     def.side_limit = 0.01;
     size_t bytes = dpt_world_bytes(&def);

@@ -344,6 +344,7 @@ static void scene_open(struct scene *scene, const char *name, uint64_t count, do
                         shape.triangle_count);
     shape_free(&shape);
     dpt_world_def_init(&def);
+    def.law = DPT_LAW_POINT;
     def.budget = budget;
     scene->block = malloc(dpt_world_bytes(&def));
     dpt_world_create(scene->block, dpt_world_bytes(&def), &def, &scene->world);

@@ -42,6 +42,7 @@ static int scene_begin(struct scene *scene, uint32_t budget, double radius)
     const dpt_segment lying = { { -0.02, 0.0, 0.0 }, { 0.02, 0.005, 0.0 }, radius };
     dpt_world_def def;
     dpt_world_def_init(&def);
+    def.law = DPT_LAW_POINT;
     def.budget = budget;
     def.certificate_bytes = 1 << 16;
     def.fade = 0.0; /* the force is of this tick alone */
@@ -341,6 +342,7 @@ static void no_regions_no_sides(void)
     dpt_step step = { .size = sizeof step };
     dpt_segment segment = { { 0.0, 0.0, 0.01 }, { 0.0, 0.0, 0.03 }, 0.0 };
     dpt_world_def_init(&def);
+    def.law = DPT_LAW_POINT;
     def.max_contacts = 0;
     void *block = malloc(dpt_world_bytes(&def));
     CHECK(dpt_world_create(block, dpt_world_bytes(&def), &def, &world) == DPT_OK &&

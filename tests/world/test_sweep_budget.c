@@ -50,6 +50,7 @@ static int scene_begin(struct scene *scene, uint32_t budget, const dpt_segment *
 {
     dpt_world_def def;
     dpt_world_def_init(&def);
+    def.law = DPT_LAW_POINT;
     def.budget = budget;
     def.certificate_bytes = 1 << 16;
     *scene = (struct scene){ .block = malloc(dpt_world_bytes(&def)) };

@@ -28,6 +28,7 @@ static void scene_open(struct scene *scene, uint64_t *random)
 {
     dpt_world_def def;
     dpt_world_def_init(&def);
+    def.law = DPT_LAW_POINT;
     def.budget = random_bits(random) % 2 ? 50 : 0;
     scene->bytes = dpt_world_bytes(&def);
     scene->block = malloc(scene->bytes);
