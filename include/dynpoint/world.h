@@ -193,8 +193,9 @@ DPT_API dpt_result dpt_body_get_user(const dpt_world *world, dpt_body body, uint
  * A value out of range is DPT_E_ARGUMENT, and nothing changes.
  */
 typedef struct dpt_body_settings {
-    uint32_t size;     /* sizeof(dpt_body_settings), set by the caller */
-    uint32_t reserved; /* 0 */
+    uint32_t size; /* sizeof(dpt_body_settings), set by the caller */
+    /* 1: to tools it is as if the body were not there. A change is as if it were removed, or added; 0 */
+    uint32_t unfelt;
     /*
      * How deep a tool may be behind an open sheet of the body. If it is deeper, the library forgets from which side the
      * tool came. m, 0..DPT_COORDINATE_MAX; 0: a quarter of the body's diagonal.
@@ -207,6 +208,11 @@ typedef struct dpt_body_settings {
      */
     double static_friction;
     double kinetic_friction;
+    /*
+     * Of the surface, N/m, 0..1e9; 0: rigid. DPT_LAW_PROXY: it is in series with the tool's, for the force alone. The
+     * proxy stays outside; 0
+     */
+    double stiffness;
 } dpt_body_settings;
 
 DPT_API dpt_result dpt_body_set_settings(dpt_world *world, dpt_body body,
@@ -279,6 +285,14 @@ typedef struct dpt_tool_settings {
      * their centre, which is L^2 / 12 for one segment of length L. It counts as 1e-6 to 1e6 times that.
      */
     double rotational_stiffness;
+    /*
+     * Of the proxy, Ns/m, 0..1e9: a damper beside the spring, in rotation in the same proportion. It takes its speed
+     * from the last two steps, and never pulls the tool towards the surface; 0
+     */
+    double damping;
+    /* 1: the proxy does not turn away from the device, for devices that give no torque; 0 */
+    uint32_t lock_rotation;
+    uint32_t reserved; /* 0 */
 } dpt_tool_settings;
 
 DPT_API dpt_result dpt_tool_set_settings(dpt_world *world, dpt_tool tool,
@@ -409,9 +423,8 @@ enum {
  * there is no room for the contact), or if the contact becomes unknown. Then the segment's part of the wrench changes
  * in a straight line to its new value, which is zero while the contact is unknown. This takes dpt_world_def.fade
  * seconds, counted by the steps' dt. The wrench is always between the old and the new value. Another such event starts
- * the time again.
- *
- * A proxy does not fade. The push of a body that is removed or teleported ends at once with it, too.
+ * the time again. With a proxy it fades where the proxy has to start again (DPT_FORCE_FLAG_SQUEEZED, _REPLACED), and
+ * where a body that was added or teleported may be round it.
  *
  * The wrench is zero at once after an error, a teleport, a reset or input that cannot be used, with stiffness 0, and
  * when a rigid tool becomes free or the reverse. The push of a body that is removed or teleported ends at once, too. If
@@ -426,6 +439,9 @@ typedef struct dpt_force_report {
     double energy;  /* that the law stores, J; 0 with DPT_LAW_POINT */
     double lag;     /* of the proxy, m: how far it still is from where it would come to rest */
     uint64_t folds; /* how many there were since the tool was placed */
+    /* Of the proxy, contacts with friction that stuck in the step, and that slipped. */
+    uint32_t sticking;
+    uint32_t slipping;
 } dpt_force_report;
 
 /* On an error, `reason` is DPT_FORCE_STALE and the wrench is zero. */

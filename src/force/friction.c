@@ -11,6 +11,9 @@ enum { SWEEPS_MAX = 24 };
 /* Of the largest pull: sweeps end where nothing changes by more. */
 #define SETTLED 1e-7
 
+/* Of its limit: a pull that rests at the limit does not slip by what rounding adds. */
+#define SLIPPING 1e-5
+
 static double product(const double *a, const double *b, uint32_t n)
 {
     double sum = 0.0;
@@ -19,20 +22,32 @@ static double product(const double *a, const double *b, uint32_t n)
     return sum;
 }
 
-/* One contact's pull, with all others as they are; y follows. Returns how much it changed. */
-static double relax(struct friction_contact *contact, uint32_t n, double *y)
+static double limit_of(const struct friction_contact *contact)
 {
-    const double limit = contact->coefficient * contact->multiplier;
-    double wanted[2], changed = 0.0;
+    return contact->coefficient * contact->multiplier;
+}
+
+/* The pull that brings a contact to rest, with all others as they are; returns its size. */
+static double pull_to_rest(const struct friction_contact *contact, uint32_t n, const double *y,
+                           double wanted[2])
+{
     for (int d = 0; d < 2; d++) {
         const double *across = contact->across[d];
         wanted[d] = contact->pull[d] -
                     (product(across, y, n) + contact->slip[d]) / product(across, across, n);
     }
-    const double size = sqrt(wanted[0] * wanted[0] + wanted[1] * wanted[1]);
-    contact->is_slipping = size > limit;
+    return sqrt(wanted[0] * wanted[0] + wanted[1] * wanted[1]);
+}
+
+/* One contact's pull, with all others as they are; y follows. Returns how much it changed. */
+static double relax(struct friction_contact *contact, uint32_t n, double *y)
+{
+    const double limit = limit_of(contact);
+    double wanted[2], changed = 0.0;
+    const double size = pull_to_rest(contact, n, y, wanted);
+    contact->is_slipping = size > (1.0 + SLIPPING) * limit;
     for (int d = 0; d < 2; d++) {
-        const double pull = contact->is_slipping ? wanted[d] * (limit / size) : wanted[d];
+        const double pull = size > limit ? wanted[d] * (limit / size) : wanted[d];
         const double more = pull - contact->pull[d];
         for (uint32_t k = 0; k < n; k++)
             y[k] += more * contact->across[d][k];
@@ -42,27 +57,80 @@ static double relax(struct friction_contact *contact, uint32_t n, double *y)
     return changed;
 }
 
+void dpti_friction_add(const struct friction_contact *contact, double share, uint32_t dimensions,
+                       double *sum)
+{
+    for (uint32_t k = 0; k < dimensions; k++)
+        sum[k] += share *
+                  (contact->pull[0] * contact->across[0][k] +
+                   contact->pull[1] * contact->across[1][k] + contact->torsion * contact->about[k]);
+}
+
+/*
+ * To begin with, contacts share what is to be held as their limits are. One alone would take all that it can, and slip
+ * where all together hold.
+ */
+static void share_out(struct friction_contact *contacts, uint32_t count, uint32_t n, double *y)
+{
+    double limits = 0.0;
+    for (uint32_t i = 0; i < count; i++) {
+        limits += limit_of(&contacts[i]);
+        contacts[i].pull[0] = contacts[i].pull[1] = contacts[i].torsion = 0.0;
+    }
+    for (uint32_t i = 0; i < count && limits > 0.0; i++) {
+        double wanted[2];
+        const double limit = limit_of(&contacts[i]), share = limit / limits;
+        const double size = share * pull_to_rest(&contacts[i], n, y, wanted);
+        const double part = size > limit ? share * limit / size : share;
+        contacts[i].pull[0] = part * wanted[0];
+        contacts[i].pull[1] = part * wanted[1];
+    }
+    for (uint32_t i = 0; i < count; i++)
+        dpti_friction_add(&contacts[i], 1.0, n, y);
+}
+
+/* The same of its torsion. */
+static double relax_torsion(struct friction_contact *contact, uint32_t n, double *y)
+{
+    const double limit = limit_of(contact) * contact->torsion_arm;
+    const double square = product(contact->about, contact->about, n);
+    if (!(limit > 0.0 && square > 0.0)) {
+        contact->torsion = 0.0;
+        return 0.0;
+    }
+    const double wanted =
+        contact->torsion - (product(contact->about, y, n) + contact->turned) / square;
+    const double torsion = min_of(max_of(wanted, -limit), limit);
+    const double more = torsion - contact->torsion;
+    for (uint32_t k = 0; k < n; k++)
+        y[k] += more * contact->about[k];
+    contact->torsion = torsion;
+    return fabs(more) * sqrt(square);
+}
+
 double dpti_friction_pulls(struct friction_contact *contacts, uint32_t count, uint32_t dimensions,
                            const double *goal)
 {
     const uint32_t n = dimensions;
-    double y[HALF_SPACE_DIMENSIONS], first[HALF_SPACE_DIMENSIONS], moved = 0.0, largest = 0.0;
-    dpti_friction_goal(contacts, count, n, goal, y);
+    double y[HALF_SPACE_DIMENSIONS], before[HALF_SPACE_DIMENSIONS], moved = 0.0, largest = 0.0;
+    memcpy(y, goal, n * sizeof *y);
     for (uint32_t i = 0; i < count; i++) {
         for (uint32_t k = 0; k < n; k++)
             y[k] += contacts[i].multiplier * contacts[i].normal[k];
-        largest = max_of(largest, contacts[i].coefficient * contacts[i].multiplier);
+        largest = max_of(largest, limit_of(&contacts[i]));
     }
-    memcpy(first, y, n * sizeof *y);
+    dpti_friction_goal(contacts, count, n, y, before);
+    share_out(contacts, count, n, y);
     for (int sweep = 0; sweep < SWEEPS_MAX; sweep++) {
         double changed = 0.0;
         for (uint32_t i = 0; i < count; i++)
-            changed = max_of(changed, relax(&contacts[i], n, y));
+            changed = max_of(changed,
+                             max_of(relax(&contacts[i], n, y), relax_torsion(&contacts[i], n, y)));
         if (changed <= SETTLED * largest)
             break;
     }
     for (uint32_t k = 0; k < n; k++)
-        moved = max_of(moved, fabs(y[k] - first[k]));
+        moved = max_of(moved, fabs(y[k] - before[k]));
     return moved;
 }
 
@@ -71,7 +139,5 @@ void dpti_friction_goal(const struct friction_contact *contacts, uint32_t count,
 {
     memcpy(pulled, goal, dimensions * sizeof *goal);
     for (uint32_t i = 0; i < count; i++)
-        for (int d = 0; d < 2; d++)
-            for (uint32_t k = 0; k < dimensions; k++)
-                pulled[k] += contacts[i].pull[d] * contacts[i].across[d][k];
+        dpti_friction_add(&contacts[i], 1.0, dimensions, pulled);
 }

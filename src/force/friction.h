@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
  * Coulomb friction of contacts that hold a point under linear constraints (half_spaces.h): docs/algorithms/force.md. A
- * contact's tangential pull is at most its coefficient times its multiplier, and opposes slip.
+ * contact's tangential pull is at most its coefficient times its multiplier, and opposes slip. A contact that is no
+ * point also opposes a turn about its normal.
  */
 #ifndef DPT_FRICTION_H
 #define DPT_FRICTION_H
@@ -17,17 +18,27 @@ struct friction_contact {
     double slip[2];  /* that is to be made good: how far it is off where it stuck */
     double pull[2];  /* in and out: what friction adds along the tangents */
     int is_slipping; /* out: the pull is at its limit */
+    /* Torsion, about the normal: how the tool turns about it, in 1/m; the limit's arm; the turn that is to be made good;
+       in and out: what friction adds, in m^2. */
+    double about[HALF_SPACE_DIMENSIONS];
+    double torsion_arm; /* m: the limit is coefficient * multiplier * this; 0: none */
+    double turned;      /* rad */
+    double torsion;
 };
 
 /*
  * The pulls of all contacts, at given multipliers, by projected Gauss-Seidel: with
- *     y = goal + sum of multiplier * normal + sum of pull . across
- * each contact is to move by -slip, as far as its cone allows. Returns how far the sum of the pulls moved y, at most.
+ *     y = goal + sum of multiplier * normal + sum of pull . across + torsion about
+ * each contact is to move by -slip and turn by -turned, as far as its limits allow. Returns how far the sum of the pulls moved y, at most.
  */
 double dpti_friction_pulls(struct friction_contact *contacts, uint32_t count, uint32_t dimensions,
                            const double *goal);
 
-/* goal + sum of pull . across */
+/* sum += share * (pull . across + torsion about) */
+void dpti_friction_add(const struct friction_contact *contact, double share, uint32_t dimensions,
+                       double *sum);
+
+/* goal + sum of pull . across + torsion about */
 void dpti_friction_goal(const struct friction_contact *contacts, uint32_t count,
                         uint32_t dimensions, const double *goal, double *pulled);
 

@@ -77,7 +77,7 @@ struct penetration dpti_baseline_find(struct dpt_world *world, uint32_t segment_
     const uint32_t work_before = world->work.done;
     vec3 u = sub(b, a);
     for (uint32_t i = 0; i < world->body_slot_end; i++)
-        if (world->bodies[i].slot.used)
+        if (body_is_there(&world->bodies[i]))
             add_body(&sum, world, segment_index, &world->bodies[i], a, u);
     if (!sum.has_answer)
         return sum.penetration;

@@ -49,7 +49,8 @@ dpt_result dpt_body_add(dpt_world *world, const dpt_mesh *mesh, const dpt_pose *
     made->pose = pose ? *pose : identity;
     made->user = 0;
     made->side_limit = world->def.side_limit;
-    made->static_friction = made->kinetic_friction = 0.0;
+    made->static_friction = made->kinetic_friction = made->stiffness = 0.0;
+    made->unfelt = 0;
     made->moved_tick = 0;
     made->added_tick = world->ticks + 1;
     made->slot.valid = 1;
@@ -122,7 +123,7 @@ static void move_body(struct dpt_world *world, struct body *body, const dpt_pose
         world->body_motion_max = 0.0;
     world->bodies_moved_tick = body->moved_tick;
     world->body_motion_max = max_of(world->body_motion_max, body->motion_bound);
-    if (body->added_tick == body->moved_tick)
+    if (body->added_tick == body->moved_tick && !body->unfelt)
         dpti_proxy_note_body(world, handle_index(body->id));
 }
 
@@ -151,6 +152,17 @@ dpt_result dpt_body_set_pose(dpt_world *world, dpt_body body, const dpt_pose *po
     return DPT_OK;
 }
 
+/* To tools it is as if the body had just been added where it is. */
+static void begin_anew(struct dpt_world *world, struct body *body)
+{
+    forget_body(world, handle_index(body->id));
+    body->moved_tick = 0;
+    body->motion_bound = 0.0;
+    body->added_tick = world->ticks + 1;
+    if (!body->unfelt)
+        dpti_proxy_note_body(world, handle_index(body->id));
+}
+
 dpt_result dpt_body_teleport(dpt_world *world, dpt_body body, const dpt_pose *pose)
 {
     struct body *moved = world ? world_find_body(world, body) : NULL;
@@ -159,11 +171,7 @@ dpt_result dpt_body_teleport(dpt_world *world, dpt_body body, const dpt_pose *po
         return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
     DPT_TRY(set_validity(world, moved, pose, &frame));
     put_body(world, moved, pose, &frame);
-    forget_body(world, handle_index(body));
-    moved->moved_tick = 0;
-    moved->motion_bound = 0.0;
-    moved->added_tick = world->ticks + 1;
-    dpti_proxy_note_body(world, handle_index(body));
+    begin_anew(world, moved);
     return DPT_OK;
 }
 
@@ -200,6 +208,14 @@ dpt_result dpt_body_get_user(const dpt_world *world, dpt_body body, uint64_t *us
     return found ? DPT_OK : DPT_E_HANDLE;
 }
 
+/* For tools a body goes, or comes to be where it is. */
+static void set_unfelt(struct dpt_world *world, struct body *body, uint32_t unfelt)
+{
+    body->unfelt = unfelt;
+    dpti_broad_phase_put_body(world, handle_index(body->id));
+    begin_anew(world, body);
+}
+
 dpt_result dpt_body_set_settings(dpt_world *world, dpt_body body, const dpt_body_settings *given)
 {
     if (!world || !given)
@@ -208,16 +224,22 @@ dpt_result dpt_body_set_settings(dpt_world *world, dpt_body body, const dpt_body
     if (!found)
         return DPT_E_HANDLE;
     dpt_body_settings settings = { .size = sizeof settings,
+                                   .unfelt = found->unfelt,
                                    .side_limit = found->side_limit,
                                    .static_friction = found->static_friction,
-                                   .kinetic_friction = found->kinetic_friction };
+                                   .kinetic_friction = found->kinetic_friction,
+                                   .stiffness = found->stiffness };
     DPT_TRY(sized_read(given, sizeof settings, &settings, sizeof settings));
-    if (settings.reserved || !dpti_side_limit_is_valid(settings.side_limit) ||
-        !dpti_friction_is_valid(settings.static_friction, settings.kinetic_friction))
+    if (settings.unfelt > 1 || !dpti_side_limit_is_valid(settings.side_limit) ||
+        !dpti_friction_is_valid(settings.static_friction, settings.kinetic_friction) ||
+        !dpti_stiffness_is_valid(settings.stiffness))
         return DPT_E_ARGUMENT;
     found->side_limit = settings.side_limit;
     found->static_friction = settings.static_friction;
     found->kinetic_friction = settings.kinetic_friction;
+    found->stiffness = settings.stiffness;
+    if (found->unfelt != settings.unfelt)
+        set_unfelt(world, found, settings.unfelt);
     return DPT_OK;
 }
 
@@ -229,9 +251,11 @@ dpt_result dpt_body_get_settings(const dpt_world *world, dpt_body body, dpt_body
     DPT_TRY(sized_check(settings, sizeof now, 0));
     const struct body *found = world_find_body(world, body);
     if (found) {
+        now.unfelt = found->unfelt;
         now.side_limit = found->side_limit;
         now.static_friction = found->static_friction;
         now.kinetic_friction = found->kinetic_friction;
+        now.stiffness = found->stiffness;
     }
     sized_write(settings, settings->size, &now, sizeof now);
     return found ? DPT_OK : DPT_E_HANDLE;

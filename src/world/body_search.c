@@ -256,7 +256,7 @@ static void search_if_near(struct body_search *search, uint32_t slot)
     struct body_answer *best = search->best;
     int is_best = body == best->body;
     struct dynamic_point other, *track = is_best ? &best->track : &other;
-    if (!body->slot.used || search->best_distance == 0.0)
+    if (!body_is_there(body) || search->best_distance == 0.0)
         return;
     double box_gap = is_best ? 0.0 : box_distance(&search->axis_box, &world->boxes[slot]);
     if (box_gap >= search->best_distance)
@@ -301,7 +301,7 @@ static uint32_t slot_of_nearest_box(const struct body_search *search)
     for (uint32_t i = 0; i < candidate_count(search); i++) {
         uint32_t slot = candidate_slot(search, i);
         double box_gap = box_distance(&search->axis_box, &search->world->boxes[slot]);
-        if (search->world->bodies[slot].slot.used && box_gap < min_gap) {
+        if (body_is_there(&search->world->bodies[slot]) && box_gap < min_gap) {
             min_gap = box_gap;
             best = slot;
         }
@@ -327,7 +327,7 @@ static void find_exact(struct body_search *search)
     struct segment *segment = &world->segments[search->segment_index];
     uint32_t last_slot = segment->last_body_slot;
     for (uint32_t i = 0; last_slot == DPT_NONE && i < world->body_slot_end; i++)
-        if (world->bodies[i].slot.used)
+        if (body_is_there(&world->bodies[i]))
             last_slot = i;
     if (last_slot == DPT_NONE)
         return;
@@ -379,7 +379,7 @@ void dpti_body_search_find(struct dpt_world *world, uint32_t segment_index, cons
         find_exact(&search);
     } else {
         for (uint32_t i = 0; i < world->body_slot_end; i++)
-            if (world->bodies[i].slot.used)
+            if (body_is_there(&world->bodies[i]))
                 search_without_history(&search, i);
     }
     best->is_exact = best->body && proves_best(&search, best->lower_bound);

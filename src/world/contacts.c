@@ -149,7 +149,7 @@ void dpti_contacts_find(struct dpt_world *world, uint32_t segment_index,
         contact_pair.body = &world->bodies[slot];
         int is_near =
             contact_pair.body == best->body || box_distance(&box, &world->boxes[slot]) <= reach;
-        if (contact_pair.body->slot.used && is_near)
+        if (body_is_there(contact_pair.body) && is_near)
             add_body(&contact_pair, best, &sum);
     }
     if (!sum.is_known)

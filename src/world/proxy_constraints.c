@@ -22,6 +22,7 @@ void dpti_proxy_forget_contacts(struct proxy *proxy, uint32_t body)
         if (proxy->memory[i].body_id == body) {
             proxy->memory[i] = (struct proxy_triangle){ .body_id = 0 };
             proxy->is_released = 1;
+            proxy->fade.time_left = 0.0;
         }
     for (uint32_t i = 0; i < PROXY_CONTACTS_MAX; i++)
         if (proxy->contacts[i].body_id == body)
@@ -91,7 +92,7 @@ static void add_space(struct proxy_tick *tick, uint32_t index, int feature, cons
     const vec3 lever = cross(sub(p, tick->at.centre), normal);
     vec3_store(normal, space->normal);
     for (uint32_t k = 3; k < proxy_unknowns(tick->proxy); k++)
-        space->normal[k] = dot(lever, tick->axes[k - 3]) / tick->proxy->rho;
+        space->normal[k] = dot(lever, tick->axes[k - 3]) / proxy_rho_of(tick->proxy, k);
     struct proxy_source *source = &tick->sources[tick->space_count++];
     *source = (struct proxy_source){ index, feature, found->s, p, { 0.0, 0.0, 0.0 } };
     if (before != &body->frame) {

@@ -102,18 +102,45 @@ static void fill_contact(struct proxy_tick *tick, uint32_t space, double multipl
         const vec3 turn = cross(arm, tangents[d]);
         vec3_store(tangents[d], contact->across[d]);
         for (uint32_t k = 3; k < proxy_unknowns(tick->proxy); k++)
-            contact->across[d][k] = dot(turn, tick->axes[k - 3]) / tick->proxy->rho;
+            contact->across[d][k] = dot(turn, tick->axes[k - 3]) / proxy_rho_of(tick->proxy, k);
         contact->slip[d] = dot(slip, tangents[d]);
+    }
+    memset(contact->about, 0, sizeof contact->about);
+    for (uint32_t k = 3; k < proxy_unknowns(tick->proxy); k++)
+        contact->about[k] = dot(normal, tick->axes[k - 3]) / proxy_rho_of(tick->proxy, k);
+    contact->turned = kept ? kept->turned : 0.0;
+}
+
+/*
+ * A sphere that is pressed in by `depth` touches on a disc of the radius sqrt(2 r depth). Coulomb's torsion on a disc
+ * under even pressure is 2/3 of its radius times the friction's force. A tool that touches at several places is held
+ * against such turns by these: there is torsion only as far as one of them holds more than all others.
+ */
+static void set_torsion_arms(const struct proxy_tick *tick, struct friction_contact *contacts,
+                             uint32_t count)
+{
+    double sum = 0.0;
+    for (uint32_t k = 0; k < tick->solved.active_count; k++)
+        sum += tick->solved.multiplier[k];
+    for (uint32_t i = 0; i < count; i++) {
+        const uint32_t space = tick->contact_spaces[i];
+        const struct proxy_triangle *triangle = &tick->triangles[tick->sources[space].triangle];
+        const double radius =
+            tick->world->segments[tick->tool->first_segment + triangle->segment].radius;
+        const double depth = contacts[i].multiplier;
+        const double alone = sum > 0.0 ? max_of(0.0, 2.0 * depth / sum - 1.0) : 0.0;
+        contacts[i].torsion_arm = alone * (2.0 / 3.0) * min_of(radius, sqrt(2.0 * radius * depth));
     }
 }
 
 int dpti_proxy_add_friction(struct proxy_tick *tick, const double *wanted)
 {
     const uint32_t n = proxy_unknowns(tick->proxy);
-    struct friction_contact contacts[HALF_SPACE_DIMENSIONS];
-    double pulls[HALF_SPACES_MAX][2];
+    struct friction_contact *contacts = tick->contacts;
+    double pulls[HALF_SPACES_MAX][2], torsions[HALF_SPACES_MAX];
     uint32_t count = 0;
     memset(pulls, 0, sizeof pulls);
+    memset(torsions, 0, sizeof torsions);
     tick->contact_count = 0;
     for (int pass = 0; pass < PASSES_MAX; pass++) {
         const struct half_spaces_result *solved = &tick->solved;
@@ -128,15 +155,20 @@ int dpti_proxy_add_friction(struct proxy_tick *tick, const double *wanted)
             fill_contact(tick, space, solved->multiplier[k], find_contact(tick, space), body,
                          &contacts[count]);
             memcpy(contacts[count].pull, pulls[space], sizeof contacts[count].pull);
+            contacts[count].torsion = torsions[space];
             count++;
         }
         if (!count)
             return 1;
+        set_torsion_arms(tick, contacts, count);
         const double moved = dpti_friction_pulls(contacts, count, n, wanted);
         double pulled[HALF_SPACE_DIMENSIONS];
         memset(pulls, 0, sizeof pulls);
-        for (uint32_t i = 0; i < count; i++)
+        memset(torsions, 0, sizeof torsions);
+        for (uint32_t i = 0; i < count; i++) {
             memcpy(pulls[tick->contact_spaces[i]], contacts[i].pull, sizeof contacts[i].pull);
+            torsions[tick->contact_spaces[i]] = contacts[i].torsion;
+        }
         dpti_friction_goal(contacts, count, n, wanted, pulled);
         if (!dpti_proxy_solve(tick, pulled))
             return 0;
@@ -144,12 +176,18 @@ int dpti_proxy_add_friction(struct proxy_tick *tick, const double *wanted)
             break;
     }
     tick->contact_count = count;
-    for (uint32_t i = 0; i < count; i++)
-        tick->contact_slips[i] = contacts[i].is_slipping;
     return 1;
 }
 
-void dpti_proxy_note_slip(struct proxy_tick *tick, const struct displacement *motion)
+/* rad: what is left to make good of a turn about the normal; a torsion at its limit has nothing. */
+static double turned_after(const struct friction_contact *solved,
+                           const struct proxy_contact *contact, vec3 normal, vec3 turn)
+{
+    const double limit = solved->coefficient * solved->multiplier * solved->torsion_arm;
+    return fabs(solved->torsion) < limit ? contact->turned + dot(turn, normal) : 0.0;
+}
+
+void dpti_proxy_note_slip(struct proxy_tick *tick, vec3 shift, vec3 turn)
 {
     for (uint32_t i = 0; i < tick->contact_count; i++) {
         const uint32_t space = tick->contact_spaces[i];
@@ -157,10 +195,12 @@ void dpti_proxy_note_slip(struct proxy_tick *tick, const struct displacement *mo
         if (!contact)
             continue;
         const vec3 normal = vec3_of(tick->spaces[space].normal);
-        const vec3 moved = add(motion->shift, cross(motion->turn, arm_of(tick, space)));
+        const vec3 moved = add(shift, cross(turn, arm_of(tick, space)));
         const vec3 slip = add(contact->slip, sub(moved, tick->sources[space].carried));
         contact->s = tick->sources[space].s;
-        contact->is_slipping = (uint32_t)tick->contact_slips[i];
+        contact->turned = turned_after(&tick->contacts[i], contact, normal, turn);
+        contact->is_slipping = (uint32_t)tick->contacts[i].is_slipping;
+        contact->has_slipped |= contact->is_slipping;
         contact->slip = contact->is_slipping ? (vec3){ 0.0, 0.0, 0.0 }
                                              : along(slip, -dot(slip, normal), normal);
     }
@@ -168,12 +208,19 @@ void dpti_proxy_note_slip(struct proxy_tick *tick, const struct displacement *mo
 
 void dpti_proxy_keep_contacts(struct proxy_tick *tick)
 {
+    tick->proxy->sticking = tick->proxy->slipping = 0;
     for (uint32_t i = 0; i < PROXY_CONTACTS_MAX; i++)
         tick->proxy->contacts[i].age++;
     for (uint32_t i = 0; i < tick->contact_count; i++) {
         struct proxy_contact *contact = find_or_make_contact(tick, tick->contact_spaces[i]);
-        if (contact)
-            contact->age = 0;
+        if (!contact)
+            continue;
+        contact->age = 0;
+        if (contact->has_slipped)
+            tick->proxy->slipping++;
+        else
+            tick->proxy->sticking++;
+        contact->has_slipped = 0;
     }
     for (uint32_t i = 0; i < PROXY_CONTACTS_MAX; i++)
         if (tick->proxy->contacts[i].age > AGE_MAX)

@@ -13,7 +13,7 @@
 int dpti_proxy_add_friction(struct proxy_tick *tick, const double *wanted);
 
 /* The proxy moved by that: what each contact slipped by is known; limits that were reached start anew. */
-void dpti_proxy_note_slip(struct proxy_tick *tick, const struct displacement *motion);
+void dpti_proxy_note_slip(struct proxy_tick *tick, vec3 shift, vec3 turn);
 
 /* The tick is over: contacts that hold nothing any more are forgotten. */
 void dpti_proxy_keep_contacts(struct proxy_tick *tick);

@@ -28,7 +28,7 @@ static double find_nearest(struct dpt_world *world, uint32_t index, vec3 a, vec3
     for (uint32_t i = 0; i < world->body_slot_end && distance > 0.0; i++) {
         const struct body *body = &world->bodies[i];
         struct dynamic_point track;
-        if (!body->slot.used || box_distance(&box, &world->boxes[i]) > distance)
+        if (!body_is_there(body) || box_distance(&box, &world->boxes[i]) > distance)
             continue;
         axis_of(&body->surface, &body->frame, a, b, &track.axis);
         *is_exact &= find_pair(world, index, i, &track);

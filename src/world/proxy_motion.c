@@ -101,7 +101,7 @@ static struct tool_sweep sweep_tool(struct proxy_tick *tick, const struct proxy_
             const struct body *body = &world->bodies[slot];
             const double far =
                 reach + (tick->is_before && body_has_moved(world, body) ? body->motion_bound : 0.0);
-            if (!body->slot.used || slot == carrier ||
+            if (!body_is_there(body) || slot == carrier ||
                 box_distance(&box, &world->boxes[slot]) > far)
                 continue;
             sweep.is_alone = 0;

@@ -7,6 +7,9 @@
 /* A spin by less is none: a proxy that rests is to keep its bits. */
 #define SPUN 1e-8
 
+/* rad: how far friction can hold the spin back, at most. */
+#define SPIN_MAX 1.0
+
 /* m: below this length, or this size of a tool, it is a point: a ball, whose turns are not felt. */
 #define BALL 1e-9
 
@@ -33,6 +36,26 @@ static int is_straight(const struct segment *segments, uint32_t count, vec3 *axi
     return 1;
 }
 
+/* Whether a body that the proxy remembers has friction. */
+static int is_rubbing(const struct dpt_world *world, const struct proxy *proxy)
+{
+    for (uint32_t i = 0; i < PROXY_MEMORY; i++) {
+        const uint32_t id = proxy->memory[i].body_id;
+        const struct body *body = id ? world_find_body(world, id) : NULL;
+        if (body && body->static_friction > 0.0)
+            return 1;
+    }
+    return 0;
+}
+
+static double largest_radius(const struct segment *segments, uint32_t count)
+{
+    double largest = 0.0;
+    for (uint32_t i = 0; i < count; i++)
+        largest = max_of(largest, segments[i].radius);
+    return largest;
+}
+
 /* The mean of |x - centre|^2 over a segment is that of its middle and a twelfth of its square. Points count alike. */
 void dpti_proxy_measure(const struct dpt_world *world, const struct tool *tool, struct proxy *proxy)
 {
@@ -55,16 +78,21 @@ void dpti_proxy_measure(const struct dpt_world *world, const struct tool *tool, 
         square += (whole > BALL ? length(u) : 1.0) * (dot(middle, middle) + dot(u, u) / 12.0);
         proxy->extent = max_of(proxy->extent, max_of(length(a), length(b)));
     }
-    proxy->rho = sqrt(square / weights);
+    const double own = max_of(sqrt(square / weights), BALL);
     if (!(proxy->extent > BALL))
         proxy->shape = PROXY_BALL;
     else
         proxy->shape =
             is_straight(segments, tool->segment_count, &proxy->axis) ? PROXY_STRAIGHT : PROXY_BENT;
-    const double own = max_of(proxy->rho, BALL);
+    double rho = sqrt(square / weights);
     if (tool->rotational_stiffness > 0.0 && tool->stiffness > 0.0)
-        proxy->rho = sqrt(tool->rotational_stiffness / tool->stiffness);
-    proxy->rho = min_of(max_of(proxy->rho, own / RHO_FACTOR), own * RHO_FACTOR);
+        rho = sqrt(tool->rotational_stiffness / tool->stiffness);
+    rho = min_of(max_of(rho, own / RHO_FACTOR), own * RHO_FACTOR);
+    proxy->coupling =
+        (struct coupling){ tool->stiffness, tool->lock_rotation ? own * RHO_FACTOR : rho,
+                           proxy->shape == PROXY_STRAIGHT && is_rubbing(world, proxy)
+                               ? largest_radius(segments, tool->segment_count)
+                               : 0.0 };
 }
 
 struct proxy_pose dpti_proxy_pose_of(const struct proxy *proxy, const dpt_pose *pose)
@@ -78,6 +106,31 @@ struct proxy_pose dpti_proxy_pose_of(const struct proxy *proxy, const dpt_pose *
     return made;
 }
 
+/* The orientation with this axis, by the least turn from the device's. */
+static struct quaternion turned_to(const struct proxy_pose *device, vec3 axis)
+{
+    return quaternion_unit(
+        quaternion_product(quaternion_of_turn(device->axis, axis), device->turn));
+}
+
+/* rad: the spin of a straight tool from one pose to another, beside the least turn between its axes. */
+static double spin_of(const struct proxy_pose *from, const struct proxy_pose *to)
+{
+    const struct quaternion spun =
+        quaternion_product(to->turn, quaternion_inverse(turned_to(from, to->axis)));
+    return dot(quaternion_rotation_vector(spun), to->axis);
+}
+
+/* The same segments in another orientation. */
+static struct proxy_pose with_turn(const struct proxy *proxy, const struct proxy_pose *at,
+                                   struct quaternion turn)
+{
+    dpt_pose pose;
+    quaternion_store(turn, pose.orientation);
+    vec3_store(sub(at->centre, quaternion_turn(turn, proxy->centre)), pose.position);
+    return dpti_proxy_pose_of(proxy, &pose);
+}
+
 struct proxy_pose dpti_proxy_spun_as(const struct proxy *proxy, const struct proxy_pose *at,
                                      const struct proxy_pose *device)
 {
@@ -85,7 +138,14 @@ struct proxy_pose dpti_proxy_spun_as(const struct proxy *proxy, const struct pro
     if (proxy->shape == PROXY_BENT)
         return *at;
     if (proxy->shape == PROXY_STRAIGHT)
-        turn = quaternion_product(quaternion_of_turn(device->axis, at->axis), turn);
+        turn = turned_to(device, at->axis);
+    if (proxy->coupling.spin_rho > 0.0) {
+        const double spin = spin_of(device, at);
+        if (fabs(spin) <= SPIN_MAX)
+            return *at;
+        const vec3 most = scaled(at->axis, spin > 0.0 ? SPIN_MAX : -SPIN_MAX);
+        turn = quaternion_product(quaternion_of_small_turn(most), turn);
+    }
     turn = quaternion_unit(turn);
     const struct quaternion now = quaternion_unit(at->turn);
     const double sign = turn.w * now.w + dot(turn.v, now.v) < 0.0 ? 1.0 : -1.0;
@@ -93,22 +153,21 @@ struct proxy_pose dpti_proxy_spun_as(const struct proxy *proxy, const struct pro
     const vec3 off = along(turn.v, sign, now.v);
     if (off_w * off_w + dot(off, off) < SPUN * SPUN)
         return *at;
-    dpt_pose pose;
-    quaternion_store(turn, pose.orientation);
-    vec3_store(sub(at->centre, quaternion_turn(turn, proxy->centre)), pose.position);
-    return dpti_proxy_pose_of(proxy, &pose);
+    return with_turn(proxy, at, turn);
 }
 
 struct displacement dpti_proxy_displacement(const struct proxy *proxy,
                                             const struct proxy_pose *from,
                                             const struct proxy_pose *to)
 {
-    struct displacement moved = { sub(to->centre, from->centre), { 0.0, 0.0, 0.0 } };
+    struct displacement moved = { sub(to->centre, from->centre), { 0.0, 0.0, 0.0 }, 0.0 };
     if (proxy->shape == PROXY_STRAIGHT)
         moved.turn = least_turn(from->axis, to->axis);
     else if (proxy->shape == PROXY_BENT)
         moved.turn = quaternion_rotation_vector(
             quaternion_product(to->turn, quaternion_inverse(from->turn)));
+    if (proxy->coupling.spin_rho > 0.0)
+        moved.spin = spin_of(from, to);
     return moved;
 }
 
@@ -124,22 +183,29 @@ void dpti_proxy_turn_axes(const struct proxy *proxy, const struct proxy_pose *at
     const vec3 across = { x <= y && x <= z, y < x && y <= z, z < x && z < y };
     axes[0] = unit_of(cross(u, across));
     axes[1] = cross(u, axes[0]);
+    axes[2] = u;
 }
 
 void dpti_proxy_to_unknowns(const struct proxy *proxy, const vec3 axes[3],
                             const struct displacement *displacement, double *unknowns)
 {
+    const uint32_t turns = proxy->shape == PROXY_STRAIGHT ? 5 : proxy_unknowns(proxy);
     vec3_store(displacement->shift, unknowns);
-    for (uint32_t k = 3; k < proxy_unknowns(proxy); k++)
-        unknowns[k] = proxy->rho * dot(displacement->turn, axes[k - 3]);
+    for (uint32_t k = 3; k < turns; k++)
+        unknowns[k] = proxy->coupling.rho * dot(displacement->turn, axes[k - 3]);
+    if (proxy->coupling.spin_rho > 0.0)
+        unknowns[5] = proxy->coupling.spin_rho * displacement->spin;
 }
 
 struct displacement dpti_proxy_of_unknowns(const struct proxy *proxy, const vec3 axes[3],
                                            const double *unknowns)
 {
-    struct displacement moved = { vec3_of(unknowns), { 0.0, 0.0, 0.0 } };
-    for (uint32_t k = 3; k < proxy_unknowns(proxy); k++)
-        moved.turn = along(moved.turn, unknowns[k] / proxy->rho, axes[k - 3]);
+    const uint32_t turns = proxy->shape == PROXY_STRAIGHT ? 5 : proxy_unknowns(proxy);
+    struct displacement moved = { vec3_of(unknowns), { 0.0, 0.0, 0.0 }, 0.0 };
+    for (uint32_t k = 3; k < turns; k++)
+        moved.turn = along(moved.turn, unknowns[k] / proxy->coupling.rho, axes[k - 3]);
+    if (proxy->coupling.spin_rho > 0.0)
+        moved.spin = unknowns[5] / proxy->coupling.spin_rho;
     return moved;
 }
 
@@ -148,11 +214,9 @@ struct proxy_pose dpti_proxy_moved(const struct proxy *proxy, const struct proxy
 {
     struct quaternion turn = at->turn;
     if (proxy->shape != PROXY_BALL)
-        turn =
-            quaternion_unit(quaternion_product(quaternion_of_small_turn(displacement->turn), turn));
-    dpt_pose pose;
-    const vec3 centre = add(at->centre, displacement->shift);
-    quaternion_store(turn, pose.orientation);
-    vec3_store(sub(centre, quaternion_turn(turn, proxy->centre)), pose.position);
-    return dpti_proxy_pose_of(proxy, &pose);
+        turn = quaternion_unit(
+            quaternion_product(quaternion_of_small_turn(proxy_whole_turn(displacement, at)), turn));
+    struct proxy_pose from = *at;
+    from.centre = add(at->centre, displacement->shift);
+    return with_turn(proxy, &from, turn);
 }

@@ -15,31 +15,50 @@ struct proxy_pose {
     vec3 axis;   /* unit, in the world, of a straight tool */
 };
 
-/* The unknowns of a motion: 3 of the shift, then of the turn 0 (a ball), 2 (a straight tool) or 3. */
+/*
+ * The unknowns of a motion: 3 of the shift, then of the turn 0 (a ball), 2 (a straight tool) or 3; then the spin of a
+ * straight tool, if friction can hold it.
+ */
 static inline uint32_t proxy_unknowns(const struct proxy *proxy)
 {
-    return proxy->shape == PROXY_BALL ? 3 : proxy->shape == PROXY_STRAIGHT ? 5 : 6;
+    if (proxy->shape != PROXY_STRAIGHT)
+        return proxy->shape == PROXY_BALL ? 3 : 6;
+    return proxy->coupling.spin_rho > 0.0 ? 6 : 5;
 }
 
-/* Centre, extent, rho and shape of a tool, from its segments; again whenever they change. */
+/* m: what a turn by 1 rad counts as, for an unknown from 3 on. */
+static inline double proxy_rho_of(const struct proxy *proxy, uint32_t unknown)
+{
+    return unknown == 5 && proxy->shape == PROXY_STRAIGHT ? proxy->coupling.spin_rho
+                                                          : proxy->coupling.rho;
+}
+
+/* The whole turn of a displacement from a pose, its spin included. */
+static inline vec3 proxy_whole_turn(const struct displacement *displacement,
+                                    const struct proxy_pose *from)
+{
+    return along(displacement->turn, displacement->spin, from->axis);
+}
+
+/* Centre, extent, coupling and shape of a tool, from its segments; again whenever they change. */
 void dpti_proxy_measure(const struct dpt_world *world, const struct tool *tool,
                         struct proxy *proxy);
 
 struct proxy_pose dpti_proxy_pose_of(const struct proxy *proxy, const dpt_pose *pose);
 
 /*
- * `at`, with the device's spin about the tool's own axis, of a ball with all of its turn: no contact holds these. The
- * tool's segments stay where they are.
+ * `at`, with the device's spin about the tool's own axis, of a ball with all of its turn: no contact holds these. Where
+ * friction can hold the spin, it stays within 1 rad of the device's. The tool's segments stay where they are.
  */
 struct proxy_pose dpti_proxy_spun_as(const struct proxy *proxy, const struct proxy_pose *at,
                                      const struct proxy_pose *device);
 
-/* From one pose to another; of a straight tool the least turn between its axes. */
+/* From one pose to another; of a straight tool the least turn between its axes, and the spin beside it. */
 struct displacement dpti_proxy_displacement(const struct proxy *proxy,
                                             const struct proxy_pose *from,
                                             const struct proxy_pose *to);
 
-/* Two unit vectors across the axis, for the turns of a straight tool; of others the world's x, y, z. */
+/* Two unit vectors across the axis, then the axis, for the turns of a straight tool; of others the world's x, y, z. */
 void dpti_proxy_turn_axes(const struct proxy *proxy, const struct proxy_pose *at, vec3 axes[3]);
 
 /* A displacement as unknowns, all in m, and back. */

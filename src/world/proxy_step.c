@@ -2,6 +2,7 @@
 #include "world/proxy_step.h"
 
 #include "world/proxy_constraints.h"
+#include "world/proxy_force.h"
 #include "world/proxy_free.h"
 #include "world/proxy_friction.h"
 #include "world/proxy_motion.h"
@@ -60,18 +61,12 @@ void dpti_proxy_note_body(struct dpt_world *world, uint32_t slot)
     }
 }
 
-static struct coupling coupling_of(const struct tool *tool, const struct proxy *proxy)
-{
-    const double k = tool->stiffness;
-    return (struct coupling){ k, k * proxy->rho * proxy->rho };
-}
-
 /* The displacement that is wanted, as unknowns; returns its length. */
 static double wanted_motion(const struct proxy_tick *tick, double *wanted)
 {
     const struct displacement left = dpti_proxy_displacement(tick->proxy, &tick->at, &tick->goal);
     dpti_proxy_to_unknowns(tick->proxy, tick->axes, &left, wanted);
-    return displacement_norm(&left, tick->proxy->rho);
+    return displacement_norm(&tick->proxy->coupling, &left);
 }
 
 static double size_of(const double *unknowns, uint32_t n)
@@ -93,7 +88,10 @@ static double share_allowed(const struct proxy_tick *tick, double longest)
 {
     const uint32_t n = proxy_unknowns(tick->proxy);
     const double *y = tick->solved.y, size = size_of(y, n);
-    const double turn = n > 3 ? size_of(y + 3, n - 3) / tick->proxy->rho : 0.0;
+    double turn2 = 0.0;
+    for (uint32_t k = 3; k < n; k++)
+        turn2 += y[k] * y[k] / (proxy_rho_of(tick->proxy, k) * proxy_rho_of(tick->proxy, k));
+    const double turn = sqrt(turn2);
     double share = size > longest ? longest / size : 1.0;
     return turn * share > TURN_MAX ? TURN_MAX / turn : share;
 }
@@ -141,7 +139,7 @@ static double best_share(const struct proxy_tick *tick, const struct proxy_pose 
                          const double *wanted, const double *straight, double left, double share)
 {
     const struct displacement then = dpti_proxy_displacement(tick->proxy, to, &tick->goal);
-    const double far = displacement_norm(&then, tick->proxy->rho);
+    const double far = displacement_norm(&tick->proxy->coupling, &then);
     /* To regain the clearance may cost that much. */
     const double slack = 1.5 * left * max_of(0.0, tick->clearance - tick->gap);
     double slope = -slack;
@@ -196,7 +194,7 @@ static int go_to_goal(struct proxy_tick *tick, double allowed)
     const double longest = length(left.shift) + proxy->extent * length(left.turn);
     const double gap = tick->gap - longest;
     if (tick->is_before || !(gap > tick->clearance) ||
-        displacement_norm(&left, proxy->rho) > allowed)
+        displacement_norm(&proxy->coupling, &left) > allowed)
         return 0;
     proxy->lag = 0.0;
     if (!memcmp(&tick->at.pose, &tick->goal.pose, sizeof tick->at.pose))
@@ -276,9 +274,9 @@ static int follow_once(struct proxy_tick *tick, double *allowed)
     if (!(made > 0.0))
         return FOLLOW_STUCK;
     const struct displacement moved = dpti_proxy_displacement(proxy, &from, &tick->at);
-    dpti_proxy_note_slip(tick, &moved);
+    dpti_proxy_note_slip(tick, moved.shift, proxy_whole_turn(&moved, &from));
     tick->is_before = 0;
-    proxy->last_motion = displacement_norm(&moved, proxy->rho);
+    proxy->last_motion = displacement_norm(&proxy->coupling, &moved);
     *allowed = max_of(0.0, *allowed - proxy->last_motion);
     return FOLLOW_MOVED;
 }
@@ -293,6 +291,14 @@ static void place(struct proxy_tick *tick)
     tick->proxy->last_motion = 0.0;
     tick->proxy->lag = 0.0;
     tick->proxy->state = PROXY_PLACED;
+}
+
+/* The same by decision, with a force that fades. */
+static void place_again(struct proxy_tick *tick)
+{
+    place(tick);
+    tick->contact_count = 0;
+    tick->proxy->fade.time_left = tick->world->def.fade;
 }
 
 /* Whether the motion of bodies before this tick may have brought one near. */
@@ -342,16 +348,15 @@ static void follow(struct proxy_tick *tick, double device_moved, double dt)
     if (!tick->is_before)
         find_again(tick);
     follow_all(tick, &allowed);
-    dpti_proxy_keep_contacts(tick);
     if (tick->is_before || tick->gap < 0.0) {
         proxy->flags |= DPT_FORCE_FLAG_SQUEEZED;
-        place(tick);
+        place_again(tick);
         return;
     }
     const struct displacement moved = dpti_proxy_displacement(proxy, &from, &tick->at);
     const struct displacement left = dpti_proxy_displacement(proxy, &tick->at, &tick->goal);
-    const double motion = displacement_norm(&moved, proxy->rho);
-    const double far = displacement_norm(&left, proxy->rho);
+    const double motion = displacement_norm(&proxy->coupling, &moved);
+    const double far = displacement_norm(&proxy->coupling, &left);
     const int is_capped = cap > 0.0 && allowed <= CONVERGED_SMALL * tick->clearance;
     if (!is_released && (is_capped || motion > 2.0 * (device_moved + others_moved) + 0.1 * far)) {
         proxy->flags |= DPT_FORCE_FLAG_FOLD;
@@ -359,7 +364,7 @@ static void follow(struct proxy_tick *tick, double device_moved, double dt)
     }
     if (length(left.turn) > LAG_TURN_MAX) {
         proxy->flags |= DPT_FORCE_FLAG_REPLACED;
-        place(tick);
+        place_again(tick);
     }
 }
 
@@ -367,6 +372,8 @@ static void follow(struct proxy_tick *tick, double device_moved, double dt)
 static void doubt_unseen_motion(const struct dpt_world *world, struct proxy *proxy)
 {
     const int was_stepped = proxy->tick + 1 == world->ticks;
+    if (!was_stepped)
+        dpti_proxy_end_force(proxy);
     if (proxy->state < PROXY_DOUBTED || was_stepped ||
         (int32_t)(world->bodies_moved_tick - proxy->tick) <= 0)
         return;
@@ -396,8 +403,10 @@ void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
         const struct proxy_pose at = dpti_proxy_pose_of(proxy, &proxy->pose);
         tick.at = dpti_proxy_spun_as(proxy, &at, &tick.goal);
         tick.gap = proxy->gap;
-        follow(&tick, displacement_norm(&moved, proxy->rho), dt);
+        follow(&tick, displacement_norm(&proxy->coupling, &moved), dt);
     }
+    dpti_proxy_keep_contacts(&tick);
+    dpti_proxy_yield(&tick);
     proxy->pose = tick.at.pose;
     proxy->device_pose = tool->pose;
     proxy->tick = world->ticks;
@@ -408,7 +417,7 @@ void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
         world->segments[tool->first_segment + i].result.work = 0;
     world->segments[tool->first_segment].result.work = world->work.done - work_before;
     const struct displacement away = dpti_proxy_displacement(proxy, &tick.goal, &tick.at);
-    proxy->is_held = displacement_norm(&away, proxy->rho) > HELD * tick.min_gap;
+    proxy->is_held = displacement_norm(&proxy->coupling, &away) > HELD * tick.min_gap;
 }
 
 void dpti_proxy_settle(struct dpt_world *world, struct tool *tool)
@@ -430,27 +439,4 @@ void dpti_proxy_settle(struct dpt_world *world, struct tool *tool)
         proxy->state = PROXY_OUTSIDE;
     else if (!is_outside)
         proxy->state = PROXY_PLACED;
-}
-
-void dpti_proxy_respond(struct dpt_world *world, struct tool *tool)
-{
-    struct proxy *proxy = proxy_of(world, tool);
-    const struct coupling coupling = coupling_of(tool, proxy);
-    const struct proxy_pose at = dpti_proxy_pose_of(proxy, &proxy->pose);
-    const struct proxy_pose device = dpti_proxy_pose_of(proxy, &tool->pose);
-    const struct displacement away = dpti_proxy_displacement(proxy, &device, &at);
-    const int is_outside = proxy->state == PROXY_OUTSIDE;
-    const int is_pushed = is_outside && proxy->is_held;
-    tool->force_flags = proxy->flags;
-    tool->energy = is_pushed ? coupling_energy(&coupling, &away) : 0.0;
-    if (tool->stiffness == 0.0)
-        tool->force_reason = DPT_FORCE_OFF;
-    else if (proxy->state == PROXY_DOUBTED)
-        tool->force_reason = DPT_FORCE_UNDECIDED;
-    else if (!is_outside)
-        tool->force_reason = DPT_FORCE_INSIDE;
-    else
-        tool->force_reason = is_pushed ? DPT_FORCE_ACTS : DPT_FORCE_FREE;
-    if (is_pushed)
-        tool->wrench = coupling_wrench(&coupling, &away, device.centre, device.frame.origin);
 }

@@ -17,9 +17,6 @@ void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt);
 /* After contact: whether a proxy that was placed, or doubted, is outside of everything. */
 void dpti_proxy_settle(struct dpt_world *world, struct tool *tool);
 
-/* The wrench and the report of a tool with a proxy. */
-void dpti_proxy_respond(struct dpt_world *world, struct tool *tool);
-
 /* The hits of a tool with a proxy, which are at the device's pose. */
 void dpti_proxy_write_hits(struct dpt_world *world, struct tool *tool);
 

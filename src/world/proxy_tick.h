@@ -3,7 +3,7 @@
 #ifndef DPT_PROXY_TICK_H
 #define DPT_PROXY_TICK_H
 
-#include "force/half_spaces.h"
+#include "force/friction.h"
 #include "nearest/pair_features.h"
 #include "world/proxy_pose.h"
 
@@ -48,10 +48,10 @@ struct proxy_tick {
     struct half_space spaces[HALF_SPACES_MAX];
     struct proxy_source sources[HALF_SPACES_MAX];
     struct half_spaces_result solved;
-    /* Of the solution, the contacts with friction: their constraints, and whether their limit is reached. */
+    /* Of the solution, the contacts with friction, and their constraints. */
     uint32_t contact_count;
     uint32_t contact_spaces[HALF_SPACE_DIMENSIONS];
-    int contact_slips[HALF_SPACE_DIMENSIONS];
+    struct friction_contact contacts[HALF_SPACE_DIMENSIONS];
 };
 
 #endif

@@ -19,6 +19,7 @@
 #include "world/contacts.h"
 #include "world/motion_backlog.h"
 #include "world/persistent_contacts.h"
+#include "world/proxy_force.h"
 #include "world/proxy_step.h"
 #include "world/segment_track.h"
 #include "world/tool_force.h"
@@ -127,13 +128,13 @@ static double surface_distance(const struct segment *segment)
 }
 
 /* Choose the segment whose hit is the tool's, and sum the wrench. */
-static void sum_tool(struct dpt_world *world, struct tool *tool)
+static void sum_tool(struct dpt_world *world, struct tool *tool, double dt)
 {
     const struct segment *segments = &world->segments[tool->first_segment];
     const int is_of_proxy = has_proxy(world, tool);
     if (is_of_proxy) {
         dpti_proxy_settle(world, tool);
-        dpti_proxy_respond(world, tool);
+        dpti_proxy_respond(world, tool, dt);
         dpti_proxy_write_hits(world, tool);
     }
     for (uint32_t i = 0; i < tool->segment_count; i++)
@@ -228,7 +229,7 @@ dpt_result dpt_world_step(dpt_world *world, double dt, dpt_step *out)
         hide_answers(world);
     for (uint32_t t = 0; t < world->tool_slot_end; t++)
         if (world->tools[t].slot.used && result == DPT_OK && !world->invalid_body_count)
-            sum_tool(world, &world->tools[t]);
+            sum_tool(world, &world->tools[t], dt);
     if (result == DPT_OK)
         note_usage(world);
     if (has_report)

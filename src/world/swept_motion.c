@@ -189,7 +189,7 @@ const struct body *dpti_motion_next_body(struct swept_bodies *bodies)
         const struct body *body = &world->bodies[slot];
         double body_motion = body->moved_tick == world->ticks ? body->motion_bound : 0.0;
         bodies->next++;
-        if (body->slot.used &&
+        if (body_is_there(body) &&
             box_distance(&bodies->axis_box, &world->boxes[slot]) <= bodies->reach + body_motion)
             return body;
     }

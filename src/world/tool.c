@@ -79,7 +79,8 @@ dpt_result dpt_tool_add(dpt_world *world, const dpt_segment *segments, uint32_t 
     made->slot.valid = 1;
     made->user = 0;
     made->stiffness = world->def.stiffness;
-    made->rotational_stiffness = 0.0;
+    made->rotational_stiffness = made->damping = 0.0;
+    made->lock_rotation = 0;
     made->law = world->def.law;
     made->is_free = 0;
     made->first_segment = world->segment_count;
@@ -239,15 +240,21 @@ dpt_result dpt_tool_set_settings(dpt_world *world, dpt_tool tool, const dpt_tool
     dpt_tool_settings settings = { .size = sizeof settings,
                                    .law = found->law,
                                    .stiffness = found->stiffness,
-                                   .rotational_stiffness = found->rotational_stiffness };
+                                   .rotational_stiffness = found->rotational_stiffness,
+                                   .damping = found->damping,
+                                   .lock_rotation = found->lock_rotation };
     DPT_TRY(sized_read(given, sizeof settings, &settings, sizeof settings));
     if (!dpti_law_is_valid(settings.law) || !dpti_stiffness_is_valid(settings.stiffness) ||
-        !dpti_stiffness_is_valid(settings.rotational_stiffness))
+        !dpti_stiffness_is_valid(settings.rotational_stiffness) ||
+        !dpti_stiffness_is_valid(settings.damping) || settings.lock_rotation > 1 ||
+        settings.reserved)
         return DPT_E_ARGUMENT;
     if (found->is_free && found->segment_count > 1 && dpti_proxy_is_of(world, settings.law))
         return DPT_E_UNSUPPORTED;
     found->stiffness = settings.stiffness;
     found->rotational_stiffness = settings.rotational_stiffness;
+    found->damping = settings.damping;
+    found->lock_rotation = settings.lock_rotation;
     if (found->law != settings.law)
         set_law(world, found, settings.law);
     return DPT_OK;
@@ -264,6 +271,8 @@ dpt_result dpt_tool_get_settings(const dpt_world *world, dpt_tool tool, dpt_tool
         now.law = found->law;
         now.stiffness = found->stiffness;
         now.rotational_stiffness = found->rotational_stiffness;
+        now.damping = found->damping;
+        now.lock_rotation = found->lock_rotation;
     }
     sized_write(settings, settings->size, &now, sizeof now);
     return found ? DPT_OK : DPT_E_HANDLE;

@@ -141,8 +141,11 @@ dpt_result dpt_tool_get_force_report(const dpt_world *world, dpt_tool tool, dpt_
         now.law = owner->law;
         now.energy = owner->energy;
         if (dpti_proxy_is_used(world, owner)) {
-            now.lag = world->proxies[owner - world->tools].lag;
-            now.folds = world->proxies[owner - world->tools].folds;
+            const struct proxy *proxy = &world->proxies[owner - world->tools];
+            now.lag = proxy->lag;
+            now.folds = proxy->folds;
+            now.sticking = proxy->sticking;
+            now.slipping = proxy->slipping;
         }
     }
     sized_write(force, force->size, &now, sizeof now);

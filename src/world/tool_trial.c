@@ -52,7 +52,7 @@ static void try_segment(struct trial *trial, const struct segment *segment,
     const struct box box =
         box_of_axis(frame_to_world(&frame, to->a), frame_to_world(&frame, to->b));
     for (uint32_t i = 0; i < world->body_slot_end; i++)
-        if (world->bodies[i].slot.used && box_distance(&box, &world->boxes[i]) <= reach)
+        if (body_is_there(&world->bodies[i]) && box_distance(&box, &world->boxes[i]) <= reach)
             try_body(trial, &world->bodies[i], radius, segment_in_tool, from, to);
 }
 

@@ -15,6 +15,7 @@
 #include "dynpoint/baseline.h"
 #include "dynpoint/world.h"
 #include "force/bed.h"
+#include "force/coupling.h"
 #include "force/fade.h"
 #include "nearest/bvh.h"
 #include "nearest/dynamic_point.h"
@@ -37,6 +38,9 @@ struct body {
     uint32_t added_tick; /* the tick before which it was added or teleported */
     double diagonal;     /* m: of its surface's box */
     double static_friction, kinetic_friction;
+    double stiffness; /* N/m, of the surface; 0: rigid */
+    uint32_t unfelt;  /* for tools it is not there */
+    uint32_t reserved;
 };
 
 struct tool {
@@ -46,9 +50,10 @@ struct tool {
     dpt_wrench wrench;
     double stiffness;            /* N/m */
     double rotational_stiffness; /* Nm/rad; 0: by its shape */
+    double damping;              /* Ns/m, of the proxy */
     double energy;               /* J, of this tick */
     uint32_t law;                /* DPT_LAW_... */
-    uint32_t reserved;
+    uint32_t lock_rotation;
     uint32_t force_reason; /* DPT_FORCE_... */
     uint32_t force_flags;  /* DPT_FORCE_FLAG_... */
     struct slot slot;
@@ -75,8 +80,11 @@ struct proxy_contact {
     double s;             /* on the segment, 0..1 */
     uint32_t body_id;     /* 0: the entry is empty */
     uint32_t segment;     /* of the tool, from 0 */
+    double turned;        /* rad, about the normal: likewise */
     uint32_t is_slipping; /* in the last motion */
     uint32_t age;         /* ticks in which it has held nothing */
+    uint32_t has_slipped; /* in any motion of this tick */
+    uint32_t reserved;
 };
 
 /* What is known of where a proxy is. */
@@ -96,8 +104,8 @@ struct proxy {
     dpt_pose device_pose; /* the device's, in the last tick */
     vec3 centre;          /* of the segments, in the tool's frame */
     vec3 axis;            /* unit, of a straight tool, in its frame */
-    double rho;           /* m: what a turn of 1 rad counts as */
-    double extent;        /* m: how far the segments' points are from the centre, at most */
+    struct coupling coupling;
+    double extent;  /* m: how far the segments' points are from the centre, at most */
     double gap;     /* m: the tool's surface is at least so far from all bodies of the last tick */
     double min_gap; /* m: the least that is allowed */
     double trust;   /* m: the longest motion that is tried at once */
@@ -105,7 +113,14 @@ struct proxy {
     double lag;         /* m */
     double length;      /* m: of a free tool, the device's */
     double radius;      /* m: likewise */
+    /* Of the displacement from the device to the proxy, the part that surfaces yield, and the energy they store, J. */
+    struct displacement yielded;
+    double yielded_energy;
+    struct displacement felt; /* the rest of it, in the last tick; 0: no force */
+    struct fade fade;
     uint64_t folds;
+    uint32_t sticking; /* contacts with friction */
+    uint32_t slipping;
     uint32_t state;   /* PROXY_... */
     uint32_t shape;   /* PROXY_BALL, ... */
     uint32_t flags;   /* DPT_FORCE_FLAG_... of this tick */
@@ -114,7 +129,7 @@ struct proxy {
     uint32_t tick;    /* the world's, of its last step */
     /* A body that it remembers was removed or teleported since: its push ends at once. */
     uint32_t is_released;
-    uint32_t reserved;
+    uint32_t reason; /* DPT_FORCE_... of this tick */
     struct proxy_triangle memory[PROXY_MEMORY];
     struct proxy_contact contacts[PROXY_CONTACTS_MAX];
 };
@@ -306,6 +321,12 @@ struct dpt_world {
 static inline int tool_is_active(const struct dpt_world *world, const struct tool *tool)
 {
     return tool->slot.used && tool->slot.valid && !world->invalid_body_count;
+}
+
+/* 1 if there is a body in this slot that tools can find. */
+static inline int body_is_there(const struct body *body)
+{
+    return body->slot.used && !body->unfelt;
 }
 
 /* 1 if a body moved before this tick, from a pose that it had in the last one. */

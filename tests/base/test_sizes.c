@@ -285,8 +285,8 @@ static dpt_result given_body(void *given)
 static dpt_world_def a_world_def, defaults;
 static const dpt_strip_def a_strip_def = { sizeof a_strip_def, 64, 0, 0 };
 static const dpt_baseline_def a_baseline_def = { sizeof a_baseline_def, 1, 0, 0 };
-static const dpt_body_settings a_body_settings = { sizeof a_body_settings, 0, 0.01, 0.5, 0.4 };
-static const dpt_tool_settings a_tool_settings = { sizeof a_tool_settings, DPT_LAW_POINT, 300.0, 0.0 };
+static const dpt_body_settings a_body_settings = { sizeof a_body_settings, 0, 0.01, 0.5, 0.4, 700.0 };
+static const dpt_tool_settings a_tool_settings = { sizeof a_tool_settings, DPT_LAW_POINT, 300.0, 0.0, 0.5, 1, 0 };
 static dpt_guard_def a_guard_def;
 static const dpt_query_def a_query_def = { .size = sizeof a_query_def };
 static dpt_shadow a_shadow;

@@ -129,6 +129,7 @@ check("compile", compiler.dpt_compile_arrays(vertices, 8, corners, 12, ffi.NULL,
 check("open", core.dpt_mesh_open(file.bytes, file.size, mesh) == core.DPT_OK)
 definition = ffi.new("dpt_world_def *")
 core.dpt_world_def_defaults(definition, ffi.sizeof(definition[0]))
+definition.law = core.DPT_LAW_POINT
 need = core.dpt_world_bytes(definition)
 block = ffi.new("double[]", need // 8 + 1)  # doubles, so that the block is aligned to 8
 world, body, tool = ffi.new("dpt_world **"), ffi.new("dpt_body *"), ffi.new("dpt_tool *")

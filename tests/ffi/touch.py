@@ -32,11 +32,12 @@ WorldDef = struct("dpt_world_def", (c_uint32, "size max_bodies max_tools max_seg
                   (c_double, "strip_width strip_depth"), (c_void_p, "baseline reserved_pointer"))
 Step = struct("dpt_step", (c_uint32, "size status contact work"), (c_double, "distance"),
               (c_uint32, "contacts flags"))
-ToolSettings = struct("dpt_tool_settings", (c_uint32, "size law"), (c_double, "stiffness rotational_stiffness"))
-BodySettings = struct("dpt_body_settings", (c_uint32, "size reserved"),
-                      (c_double, "side_limit static_friction kinetic_friction"))
+ToolSettings = struct("dpt_tool_settings", (c_uint32, "size law"),
+                      (c_double, "stiffness rotational_stiffness damping"), (c_uint32, "lock_rotation reserved"))
+BodySettings = struct("dpt_body_settings", (c_uint32, "size unfelt"),
+                      (c_double, "side_limit static_friction kinetic_friction stiffness"))
 ForceReport = struct("dpt_force_report", (c_uint32, "size reason flags law"), (Wrench, "wrench"),
-                     (c_double, "energy lag"), (c_uint64, "folds"))
+                     (c_double, "energy lag"), (c_uint64, "folds"), (c_uint32, "sticking slipping"))
 Contact = struct("dpt_contact", (c_uint32, "size id body segment triangle contact flags reserved"),
                  (c_double, "s0 s1 s gap"), (double3, "p q normal weight"),
                  (c_double, "overlap moment"), (double3, "thrust thrust_moment"))

@@ -42,6 +42,9 @@ void rig_turn(const double orientation[4], const double v[3], double turned[3]);
 /* Set the orientation: `angle` rad about a unit axis. */
 void rig_orient(dpt_pose *pose, const double axis[3], double angle);
 
+/* Friction of the body. */
+void rig_set_friction(const struct rig *rig, double of_rest, double of_motion);
+
 /* |force| */
 double rig_force(const struct rig *rig);
 

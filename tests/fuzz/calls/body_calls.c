@@ -191,7 +191,9 @@ static void set_settings(void)
     const uint32_t id = draw_body_id(scene);
     struct model_body *body = scene_body(scene, id);
     const int no_world = draw_one_in(60), no_settings = draw_one_in(60);
-    dpt_body_settings settings = { .reserved = draw_one_in(30) ? 1u : 0u,
+    dpt_body_settings settings = { .unfelt = draw_one_in(30)  ? 2u
+                                             : draw_one_in(8) ? 1u
+                                                              : 0u,
                                    .side_limit =
                                        draw_one_in(8) ? draw_odd_number() : draw_in(0.0, 0.2) };
     if (draw_one_in(2)) {
@@ -199,6 +201,8 @@ static void set_settings(void)
         settings.kinetic_friction =
             draw_one_in(16) ? draw_odd_number() : draw_in(0.0, 1.0) * settings.static_friction;
     }
+    if (draw_one_in(4))
+        settings.stiffness = draw_one_in(8) ? draw_odd_number() : draw_in(0.0, 3000.0);
     struct codes codes = { .count = 0 };
     dpt_result result = DPT_OK;
     may_fail(&codes, no_world || no_settings, DPT_E_ARGUMENT);
@@ -208,7 +212,7 @@ static void set_settings(void)
         given = draw_input(0, &settings, draw_size(sizeof settings, sizeof settings),
                            sizeof settings, sizeof settings, &codes);
         may_fail(&codes,
-                 settings.reserved ||
+                 settings.unfelt > 1 || !(settings.stiffness >= 0.0 && settings.stiffness <= 1e9) ||
                      !(settings.side_limit >= 0.0 && settings.side_limit <= DPT_COORDINATE_MAX) ||
                      !(settings.kinetic_friction >= 0.0 && settings.static_friction <= 10.0 &&
                        settings.kinetic_friction <= settings.static_friction),
@@ -224,6 +228,9 @@ static void set_settings(void)
     body->side_limit = settings.side_limit;
     body->static_friction = settings.static_friction;
     body->kinetic_friction = settings.kinetic_friction;
+    body->stiffness = settings.stiffness;
+    body->unfelt = settings.unfelt;
+    scene->is_as_stepped = 0;
 }
 
 static void get_settings(void)
@@ -253,7 +260,8 @@ static void get_settings(void)
     expect(result, &codes);
     outputs_are_guarded(0, scene->world_count);
     if (result == DPT_OK && output_read(0, size, sizeof now, 8, &now))
-        HOLDS(now.side_limit == body->side_limit && !now.reserved &&
+        HOLDS(now.side_limit == body->side_limit && now.unfelt == body->unfelt &&
+                  now.stiffness == body->stiffness &&
                   now.static_friction == body->static_friction &&
                   now.kinetic_friction == body->kinetic_friction,
               "side_limit %g, friction %g, %g, and not %g, %g, %g", now.side_limit,

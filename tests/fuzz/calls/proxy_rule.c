@@ -47,6 +47,16 @@ static double slack_of_tool(const struct scene *scene, const struct model_tool *
     return slack;
 }
 
+/* Whether nothing but the spring makes the wrench of this step. */
+static int is_spring_alone(const struct scene *scene, const struct model_tool *tool,
+                           const dpt_force_report *report)
+{
+    int yields = 0;
+    for (uint32_t i = 0; i < scene->body_count; i++)
+        yields |= scene->body[i].stiffness > 0.0;
+    return !yields && !(tool->damping > 0.0) && !(report->flags & DPT_FORCE_FLAG_FADING);
+}
+
 /* A spring between the two middles; its torque about the middle is at most that of 1 rad. */
 static void spring_must_hold(const struct scene *scene, const struct model_tool *tool,
                              const dpt_force_report *report)
@@ -68,7 +78,12 @@ static void spring_must_hold(const struct scene *scene, const struct model_tool 
           size);
     const double shaped = K * shape.square;
     double turning = tool->rotational_stiffness > 0.0 ? tool->rotational_stiffness : shaped;
+    if (tool->lock_rotation)
+        turning = 1e9 + 1e6 * shaped;
     turning = fmin(fmax(turning, 1e-6 * shaped), 1e6 * shaped);
+    /* Friction holds a straight tool's spin back by at most 1 rad, or by what the cone allows, at K r^2. */
+    for (uint32_t i = 0; i < tool->count; i++)
+        turning += K * tool->segment[i].radius * tool->segment[i].radius;
     for (int k = 0; k < 3; k++) {
         const int i = (k + 1) % 3, j = (k + 2) % 3;
         about[k] = T[k] - (arm[i] * F[j] - arm[j] * F[i]);
@@ -144,7 +159,8 @@ void proxy_must_hold(const struct scene *scene, const struct model_tool *tool,
     met[MET_REPLACED] += (report->flags & DPT_FORCE_FLAG_REPLACED) != 0;
     if (report->reason == DPT_FORCE_FREE)
         it_must_be_the_device(scene, tool);
-    if (report->reason == DPT_FORCE_ACTS && !tool->has_grown)
+    if (report->reason == DPT_FORCE_ACTS && !tool->has_grown &&
+        is_spring_alone(scene, tool, report))
         spring_must_hold(scene, tool, report);
     if (report->reason == DPT_FORCE_ACTS || report->reason == DPT_FORCE_FREE)
         it_must_be_outside(scene, tool);

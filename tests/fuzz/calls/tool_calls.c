@@ -255,7 +255,14 @@ static void set_settings(void)
                                          .rotational_stiffness = draw_one_in(8) ? draw_odd_number()
                                                                  : draw_one_in(2)
                                                                      ? 0.0
-                                                                     : draw_in(0.001, 5.0) };
+                                                                     : draw_in(0.001, 5.0),
+                                         .damping = draw_one_in(16)  ? draw_odd_number()
+                                                    : draw_one_in(4) ? draw_in(0.0, 5.0)
+                                                                     : 0.0,
+                                         .lock_rotation = draw_one_in(30)  ? 2u
+                                                          : draw_one_in(5) ? 1u
+                                                                           : 0u,
+                                         .reserved = draw_one_in(60) ? 1u : 0u };
     struct codes codes = { .count = 0 };
     dpt_result result = DPT_OK;
     may_fail(&codes, no_world || no_settings, DPT_E_ARGUMENT);
@@ -268,7 +275,9 @@ static void set_settings(void)
             &codes,
             settings.law > DPT_LAW_PROXY ||
                 !(settings.stiffness >= 0.0 && settings.stiffness <= 1e9) ||
-                !(settings.rotational_stiffness >= 0.0 && settings.rotational_stiffness <= 1e9),
+                !(settings.rotational_stiffness >= 0.0 && settings.rotational_stiffness <= 1e9) ||
+                !(settings.damping >= 0.0 && settings.damping <= 1e9) ||
+                settings.lock_rotation > 1 || settings.reserved,
             DPT_E_ARGUMENT);
         may_fail(&codes, tool && tool->is_free && tool->count > 1 && has_proxy(scene, settings.law),
                  DPT_E_UNSUPPORTED);
@@ -282,6 +291,8 @@ static void set_settings(void)
         return;
     tool->stiffness = settings.stiffness;
     tool->rotational_stiffness = settings.rotational_stiffness;
+    tool->damping = settings.damping;
+    tool->lock_rotation = settings.lock_rotation;
     scene->is_as_stepped = 0;
     if (tool->law == settings.law)
         return;
@@ -319,7 +330,8 @@ static void get_settings(void)
     outputs_are_guarded(0, scene->world_count);
     if (result == DPT_OK && output_read(0, size, sizeof now, 8, &now))
         HOLDS(now.stiffness == tool->stiffness && now.law == tool->law &&
-                  now.rotational_stiffness == tool->rotational_stiffness,
+                  now.rotational_stiffness == tool->rotational_stiffness &&
+                  now.damping == tool->damping && now.lock_rotation == tool->lock_rotation,
               "law %u, stiffness %g, %g, and not %u, %g, %g", now.law, now.stiffness,
               now.rotational_stiffness, tool->law, tool->stiffness, tool->rotational_stiffness);
 }

@@ -224,6 +224,8 @@ static void way_must_be_free(const struct trial *trial, double t, double slack)
     for (uint32_t i = 0; i < trial->tool->count; i++) {
         const dpt_segment at = segment_at(trial, i, t);
         for (uint32_t b = 0; b < trial->scene->body_count; b++) {
+            if (trial->scene->body[b].unfelt)
+                continue;
             const double distance = distance_of(&trial->scene->body[b], &at);
             const double touch = size_of_touch(trial, i);
             HOLDS(distance > 0.0 && distance >= touch - slack,

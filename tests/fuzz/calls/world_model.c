@@ -181,13 +181,16 @@ static void take_proxy(struct scene *scene, struct model_tool *tool)
 
 void scene_has_stepped(struct scene *scene)
 {
-    int is_usable = scene->body_count > 0;
-    scene->then_count = scene->body_count;
+    int is_usable = 1;
+    scene->then_count = 0;
     for (uint32_t i = 0; i < scene->body_count; i++) {
         const struct model_body *body = &scene->body[i];
         is_usable &= body->is_usable;
-        scene->then[i] = (struct body_then){ body->id, body->pose, body->subject };
+        if (!body->unfelt)
+            scene->then[scene->then_count++] =
+                (struct body_then){ body->id, body->pose, body->subject };
     }
+    is_usable &= scene->then_count > 0;
     for (uint32_t t = 0; t < scene->tool_count; t++) {
         struct model_tool *tool = &scene->tool[t];
         tool->answers = is_usable && tool->is_usable ? ANSWERS_THERE : ANSWERS_NONE;

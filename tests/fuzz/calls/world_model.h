@@ -27,7 +27,8 @@ struct model_body {
     int is_usable; /* its pose is */
     uint64_t user;
     dpt_pose pose; /* the last one that could be used */
-    double side_limit, static_friction, kinetic_friction;
+    double side_limit, static_friction, kinetic_friction, stiffness;
+    uint32_t unfelt;
     const struct subject *subject;
 };
 
@@ -38,7 +39,8 @@ struct model_tool {
     uint64_t user;
     dpt_pose pose;
     uint32_t law;
-    double stiffness, rotational_stiffness;
+    double stiffness, rotational_stiffness, damping;
+    uint32_t lock_rotation;
     dpt_segment segment[SEGMENTS_MAX]; /* of a free one in the world, else in its frame */
     enum answers answers;
     dpt_segment at[SEGMENTS_MAX]; /* in the world, at the last step */

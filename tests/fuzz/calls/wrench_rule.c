@@ -25,9 +25,9 @@ void report_must_hold(const struct scene *scene, const struct model_tool *tool,
     const int is_off = scene->def.until != DPT_UNTIL_RESPOND || tool->stiffness_then == 0.0;
     const int fades = (report->flags & DPT_FORCE_FLAG_FADING) != 0;
     const int is_felt = has_proxy(scene, tool->law_then);
-    const uint32_t flags =
-        is_felt ? DPT_FORCE_FLAG_FOLD | DPT_FORCE_FLAG_SQUEEZED | DPT_FORCE_FLAG_REPLACED
-                : DPT_FORCE_FLAG_FADING | DPT_FORCE_FLAG_PARTIAL;
+    const uint32_t flags = is_felt ? DPT_FORCE_FLAG_FADING | DPT_FORCE_FLAG_FOLD |
+                                         DPT_FORCE_FLAG_SQUEEZED | DPT_FORCE_FLAG_REPLACED
+                                   : DPT_FORCE_FLAG_FADING | DPT_FORCE_FLAG_PARTIAL;
     HOLDS(report->reason <= DPT_FORCE_INSIDE && !(report->flags & ~flags), "reason %u, flags %x",
           report->reason, report->flags);
     HOLDS(is_felt || report->reason != DPT_FORCE_INSIDE, "reason %u, proxy %d", report->reason,
@@ -37,7 +37,8 @@ void report_must_hold(const struct scene *scene, const struct model_tool *tool,
               (report->energy == 0.0 ||
                ((is_felt || tool->law_then == DPT_LAW_BED) && report->reason == DPT_FORCE_ACTS)),
           "reason %u, %g J, lag %g", report->reason, report->energy, report->lag);
-    HOLDS(has_proxy(scene, tool->law) || (report->lag == 0.0 && !report->folds),
+    HOLDS(has_proxy(scene, tool->law) ||
+              (report->lag == 0.0 && !report->folds && !report->sticking && !report->slipping),
           "lag %g, %llu folds without a proxy", report->lag, (unsigned long long)report->folds);
     HOLDS(report->reason == DPT_FORCE_ACTS || fades || is_zero(&report->wrench),
           "a force of %g N, reason %u", size_of(report->wrench.force), report->reason);

@@ -1,0 +1,124 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "world/proxy_force.h"
+
+#include "force/yield.h"
+#include "world/proxy_constraints.h"
+#include "world/proxy_friction.h"
+#include "world/proxy_solve.h"
+
+/* Of the clearance: how far a surface that holds the proxy may be from it. */
+#define HOLDING 20.0
+
+static const struct displacement none = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0 }, 0.0 };
+
+static const struct body *body_of(const struct proxy_tick *tick, uint32_t space)
+{
+    return world_find_body(tick->world, tick->triangles[tick->sources[space].triangle].body_id);
+}
+
+/* Whether a body that may hold the proxy has a stiffness of its own. */
+static int may_yield(const struct proxy_tick *tick)
+{
+    for (uint32_t i = 0; i < PROXY_MEMORY; i++) {
+        const uint32_t id = tick->proxy->memory[i].body_id;
+        const struct body *body = id ? world_find_body(tick->world, id) : NULL;
+        if (body && body->stiffness > 0.0)
+            return 1;
+    }
+    return 0;
+}
+
+/* What friction pulls with is reduced as the normal force that it depends on. */
+static void yield_pulls(const struct proxy_tick *tick, const double *share, double *yielded)
+{
+    for (uint32_t i = 0; i < tick->contact_count; i++)
+        for (uint32_t k = 0; k < tick->solved.active_count; k++)
+            if (tick->solved.active[k] == tick->contact_spaces[i])
+                dpti_friction_add(&tick->contacts[i], 1.0 - share[k], proxy_unknowns(tick->proxy),
+                                  yielded);
+}
+
+void dpti_proxy_yield(struct proxy_tick *tick)
+{
+    struct proxy *proxy = tick->proxy;
+    const uint32_t n = proxy_unknowns(proxy);
+    const double k = tick->tool->stiffness;
+    double wanted[HALF_SPACE_DIMENSIONS], yielded[HALF_SPACE_DIMENSIONS] = { 0.0 };
+    double compliance[HALF_SPACE_DIMENSIONS], share[HALF_SPACE_DIMENSIONS];
+    proxy->yielded = none;
+    proxy->yielded_energy = 0.0;
+    if (!(k > 0.0) || !may_yield(tick))
+        return;
+    const struct displacement left = dpti_proxy_displacement(proxy, &tick->at, &tick->goal);
+    dpti_proxy_turn_axes(proxy, &tick->at, tick->axes);
+    dpti_proxy_to_unknowns(proxy, tick->axes, &left, wanted);
+    dpti_proxy_gather(tick, HOLDING * tick->clearance);
+    if (!dpti_proxy_solve(tick, wanted) || !dpti_proxy_add_friction(tick, wanted))
+        return;
+    for (uint32_t i = 0; i < tick->solved.active_count; i++) {
+        const double stiffness = body_of(tick, tick->solved.active[i])->stiffness;
+        compliance[i] = stiffness > 0.0 ? k / stiffness : 0.0;
+    }
+    const double stored = dpti_yield(tick->spaces, &tick->solved, n, compliance, share, yielded);
+    yield_pulls(tick, share, yielded);
+    proxy->yielded_energy = k * stored;
+    proxy->yielded = dpti_proxy_of_unknowns(proxy, tick->axes, yielded);
+}
+
+void dpti_proxy_end_force(struct proxy *proxy)
+{
+    proxy->felt = none;
+    memset(&proxy->fade, 0, sizeof proxy->fade);
+}
+
+static uint32_t reason_of(const struct tool *tool, const struct proxy *proxy)
+{
+    if (tool->stiffness == 0.0)
+        return DPT_FORCE_OFF;
+    if (proxy->state == PROXY_DOUBTED)
+        return DPT_FORCE_UNDECIDED;
+    if (proxy->state != PROXY_OUTSIDE)
+        return DPT_FORCE_INSIDE;
+    return proxy->is_held ? DPT_FORCE_ACTS : DPT_FORCE_FREE;
+}
+
+/* The spring and the damper. */
+static dpt_wrench wrench_of(struct tool *tool, struct proxy *proxy, double dt)
+{
+    const struct proxy_pose at = dpti_proxy_pose_of(proxy, &proxy->pose);
+    const struct proxy_pose device = dpti_proxy_pose_of(proxy, &tool->pose);
+    const struct displacement away = dpti_proxy_displacement(proxy, &device, &at);
+    const struct displacement felt = displacement_sum(&away, -1.0, &proxy->yielded);
+    struct displacement damped = felt;
+    vec3 spin_axis = { 0.0, 0.0, 0.0 };
+    if (tool->damping > 0.0)
+        damped = coupling_damped(&proxy->coupling, &felt, &proxy->felt,
+                                 tool->damping / tool->stiffness, dt);
+    if (proxy->coupling.spin_rho > 0.0)
+        spin_axis = scaled(add(device.axis, at.axis), 1.0 / (1.0 + dot(device.axis, at.axis)));
+    tool->energy = coupling_energy(&proxy->coupling, &felt) + proxy->yielded_energy;
+    proxy->felt = felt;
+    return coupling_wrench(&proxy->coupling, &damped, spin_axis, device.centre,
+                           device.frame.origin);
+}
+
+void dpti_proxy_respond(struct dpt_world *world, struct tool *tool, double dt)
+{
+    struct proxy *proxy = &world->proxies[tool - world->tools];
+    struct fade *fade = &proxy->fade;
+    dpt_wrench truth = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0 } };
+    const uint32_t last_reason = proxy->reason;
+    tool->energy = 0.0;
+    tool->force_reason = proxy->reason = reason_of(tool, proxy);
+    if (proxy->reason == DPT_FORCE_ACTS)
+        truth = wrench_of(tool, proxy, dt);
+    else
+        proxy->felt = none;
+    if (proxy->reason == DPT_FORCE_UNDECIDED && last_reason == DPT_FORCE_ACTS)
+        fade->time_left = world->def.fade;
+    if (proxy->reason == DPT_FORCE_OFF)
+        fade->time_left = 0.0;
+    fade_step(fade, &truth, dt);
+    tool->wrench = fade->felt;
+    tool->force_flags = proxy->flags | (fade->time_left > 0.0 ? DPT_FORCE_FLAG_FADING : 0u);
+}

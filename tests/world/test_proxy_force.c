@@ -1,0 +1,355 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * What is felt of a proxy beside its spring: surfaces that yield, the damper, torsion, a locked rotation, fades, bodies that
+ * are not felt. Oracles: closed forms on a box.
+ */
+#include "world/proxy_rig.h"
+
+/* Of the box of `dynpoint make`, 0.12 x 0.10 x 0.08 m. */
+#define TOP 0.04
+#define PI  3.14159265358979
+
+static const dpt_segment needle = { { 0, 0, 0 }, { 0, 0, 0.08 }, 0.002 };
+static const dpt_segment lying = { { -0.02, 0, 0 }, { 0.02, 0, 0 }, 0.002 };
+
+static struct solid box;
+
+static void set_body(const struct rig *rig, double friction, double stiffness, uint32_t unfelt)
+{
+    dpt_body_settings settings = { .size = sizeof settings };
+    dpt_body_get_settings(rig->world, rig->body, &settings);
+    settings.static_friction = settings.kinetic_friction = friction;
+    settings.stiffness = stiffness;
+    settings.unfelt = unfelt;
+    const dpt_result result = dpt_body_set_settings(rig->world, rig->body, &settings);
+    CHECK(result == DPT_OK, "%s", dpt_result_name(result));
+}
+
+static void set_tool(const struct rig *rig, double damping, uint32_t lock_rotation)
+{
+    dpt_tool_settings settings = { .size = sizeof settings };
+    dpt_tool_get_settings(rig->world, rig->tool, &settings);
+    settings.damping = damping;
+    settings.lock_rotation = lock_rotation;
+    const dpt_result result = dpt_tool_set_settings(rig->world, rig->tool, &settings);
+    CHECK(result == DPT_OK, "%s", dpt_result_name(result));
+}
+
+/* A tool above the box, turned about x, in the open. */
+static void open_above(struct rig *rig, const dpt_segment *segment, double tilt)
+{
+    rig_open(rig, NULL, box.mesh, segment, 1);
+    rig_orient(&rig->device, (const double[3]){ 1, 0, 0 }, tilt);
+    rig->device.position[2] = TOP + segment->radius + 0.001;
+    rig_place(rig);
+}
+
+/* Down by `way` in steps of 0.05 mm. */
+static void lower(struct rig *rig, double way)
+{
+    const int steps = (int)ceil(way / 5e-5);
+    for (int k = 0; k < steps; k++) {
+        rig->device.position[2] -= way / steps;
+        rig_step(rig);
+    }
+}
+
+static double energy_of(double force, double compliance)
+{
+    return 0.5 * force * force * compliance;
+}
+
+/* F / (depth + clearance) = 1 / (1 / K + c^2 / K_r + 1 / k_b), and E = F^2 / 2 times the same; the proxy stays outside. */
+static void surfaces_yield_in_series(void)
+{
+    const double stiffness[] = { 50, 500, 5000, 0 }, tilts[] = { 0, 5, 30, 60, 80 };
+    for (size_t i = 0; i < 20; i++) {
+        struct rig rig;
+        const double k_b = stiffness[i / 5], tilt = tilts[i % 5] * PI / 180, depth = 5e-4;
+        double ends[6];
+        open_above(&rig, &needle, tilt);
+        set_body(&rig, 0, k_b, 0);
+        lower(&rig, 0.001 + depth);
+        rig_proxy_ends(&rig, 0, ends);
+        const double lever = 0.5 * hypot(ends[3] - ends[0], ends[4] - ends[1]);
+        const double k_r = RIG_STIFFNESS * 0.08 * 0.08 / 12;
+        const double compliance = 1 / RIG_STIFFNESS + lever * lever / k_r + (k_b > 0 ? 1 / k_b : 0);
+        const double expected = (depth + 2e-6 * box.diagonal) / compliance;
+        CHECK(fabs(rig_force(&rig) / expected - 1) < 0.01, "%g N/m, tilt %g: %g N, expected %g",
+              k_b, tilts[i % 5], rig_force(&rig), expected);
+        CHECK(fabs(rig.force.energy / energy_of(expected, compliance) - 1) < 0.02,
+              "%g N/m, tilt %g: %g J", k_b, tilts[i % 5], rig.force.energy);
+        CHECK(fmin(ends[2], ends[5]) > TOP + needle.radius, "the proxy yields itself: %g",
+              fmin(ends[2], ends[5]) - TOP - needle.radius);
+        rig_close(&rig);
+    }
+}
+
+/* Both ends touch: their stiffnesses add up, and with friction the cone is of what is left. */
+static void two_ends_yield_together(void)
+{
+    struct rig rig;
+    const double k_b = 400, depth = 1e-3;
+    open_above(&rig, &lying, 0);
+    set_body(&rig, 0, k_b, 0);
+    lower(&rig, 0.001 + depth);
+    const double expected = (depth + 2e-6 * box.diagonal) / (1 / RIG_STIFFNESS + 1 / (2 * k_b));
+    CHECK(fabs(rig_force(&rig) / expected - 1) < 0.01, "%g N, expected %g", rig_force(&rig),
+          expected);
+    set_body(&rig, 0.4, k_b, 0);
+    for (int k = 0; k < 100; k++) {
+        rig.device.position[0] += 2e-5;
+        rig_step(&rig);
+    }
+    const double *F = rig.force.wrench.force;
+    CHECK(fabs(F[2] / expected - 1) < 0.01 && fabs(-F[0] / F[2] / 0.4 - 1) < 0.01,
+          "%g N up, %g N along", F[2], F[0]);
+    CHECK(rig.force.slipping == 2 && rig.force.sticking == 0, "%u slip, %u stick",
+          rig.force.slipping, rig.force.sticking);
+    rig_close(&rig);
+}
+
+/* A groove of a soft and a hard side: each yields for itself. */
+static void each_body_yields_for_itself(void)
+{
+    const dpt_segment ball = { { 0, 0, 0 }, { 0, 0, 0 }, 0.003 };
+    const double h = sqrt(0.5);
+    struct rig rig;
+    dpt_body other;
+    open_above(&rig, &ball, 0);
+    /* Two boxes turned by 45 degrees about y, whose tops meet at x = 0. */
+    for (int side = -1; side <= 1; side += 2) {
+        dpt_pose pose = { { 0, 0, 0 }, { 1, 0, 0, 0 } };
+        rig_orient(&pose, (const double[3]){ 0, 1, 0 }, -side * PI / 4);
+        pose.position[0] = side * (h * 0.06 + h * TOP);
+        pose.position[2] = h * 0.06 - h * TOP;
+        if (side > 0)
+            dpt_body_add(rig.world, box.mesh, &pose, &other);
+        else
+            dpt_body_teleport(rig.world, rig.body, &pose);
+    }
+    set_body(&rig, 0, 250, 0);
+    rig.device.position[0] = 0;
+    rig.device.position[2] = 0.003 / h + 1e-3;
+    rig_place(&rig);
+    CHECK(rig.force.reason == DPT_FORCE_FREE, "reason %u", rig.force.reason);
+    lower(&rig, 3e-3);
+    const double depth = 2e-3 * h, K = RIG_STIFFNESS;
+    const double soft = depth / (1 / K + 1 / 250.0), hard = depth * K;
+    const double x = h * (soft - hard), z = h * (soft + hard);
+    CHECK(fabs(rig.force.wrench.force[0] / x - 1) < 0.01 &&
+              fabs(rig.force.wrench.force[2] / z - 1) < 0.01,
+          "%g and %g N, expected %g and %g", rig.force.wrench.force[0], rig.force.wrench.force[2],
+          x, z);
+    rig_close(&rig);
+}
+
+/* Pressed in at a speed v: K depth + B v. Drawn out fast: nothing pulls back. Along a plane: nothing. */
+static void a_damper_acts_against_the_push_alone(void)
+{
+    const double B = 3, v = 0.05;
+    struct rig rig;
+    open_above(&rig, &lying, 0);
+    set_tool(&rig, B, 0);
+    lower(&rig, 0.002);
+    const double depth = 0.001 + 2e-6 * box.diagonal;
+    const double expected = RIG_STIFFNESS * depth + B * v;
+    CHECK(fabs(rig_force(&rig) / expected - 1) < 1e-3, "%g N, expected %g", rig_force(&rig),
+          expected);
+    rig_step(&rig);
+    CHECK(fabs(rig_force(&rig) / (RIG_STIFFNESS * depth) - 1) < 1e-3, "%g N at rest",
+          rig_force(&rig));
+    for (int k = 0; k < 50; k++) {
+        rig.device.position[0] += 5e-5;
+        rig_step(&rig);
+        CHECK(fabs(rig_force(&rig) / (RIG_STIFFNESS * depth) - 1) < 1e-3, "%g N along the plane",
+              rig_force(&rig));
+    }
+    for (int k = 0; k < 4; k++) {
+        rig.device.position[2] += 3e-4;
+        rig_step(&rig);
+        CHECK(rig.force.wrench.force[2] >= -1e-9, "it is pulled back by %g N",
+              -rig.force.wrench.force[2]);
+    }
+    CHECK(rig.force.reason == DPT_FORCE_FREE && rig_force(&rig) == 0.0, "reason %u, %g N",
+          rig.force.reason, rig_force(&rig));
+    rig_close(&rig);
+}
+
+/* It only takes energy: on a path in and out the work is that of the damper, and of the spring none. */
+static void a_damper_takes_energy(void)
+{
+    double work[2];
+    for (int damped = 0; damped < 2; damped++) {
+        struct rig rig;
+        double before = 0;
+        work[damped] = 0;
+        open_above(&rig, &needle, 0.5);
+        set_tool(&rig, damped ? 1.0 : 0.0, 0);
+        for (int k = 0; k < 400; k++) {
+            const double step = -5e-5 * cos(2 * PI * (k + 0.5) / 400) - (k < 200 ? 2e-5 : -2e-5);
+            rig.device.position[2] += step;
+            rig_step(&rig);
+            work[damped] += 0.5 * (before + rig.force.wrench.force[2]) * step;
+            before = rig.force.wrench.force[2];
+        }
+        CHECK(rig.force.reason == DPT_FORCE_FREE, "reason %u", rig.force.reason);
+        rig_close(&rig);
+    }
+    CHECK(fabs(work[0]) < 1e-6 && work[1] < -1e-5, "%g J without, %g J with", work[0], work[1]);
+}
+
+/* A device without torque: the proxy's orientation is the device's, and any contact is as stiff as K. */
+static void a_locked_rotation_is_the_devices(void)
+{
+    const double tilts[] = { 0, 5, 30, 60, 80 };
+    for (size_t i = 0; i < sizeof tilts / sizeof *tilts; i++) {
+        struct rig rig;
+        double along[3], proxy[3];
+        open_above(&rig, &needle, tilts[i] * PI / 180);
+        set_tool(&rig, 0, 1);
+        lower(&rig, 0.004);
+        const double expected = RIG_STIFFNESS * (0.003 + 2e-6 * box.diagonal);
+        CHECK(fabs(rig_force(&rig) / expected - 1) < 1e-3, "tilt %g: %g N, expected %g", tilts[i],
+              rig_force(&rig), expected);
+        for (int k = 0; k < 200; k++) {
+            rig_orient(&rig.device, (const double[3]){ 1, 0, 0 },
+                       tilts[i] * PI / 180 + 0.1 * sin(0.05 * k));
+            rig_step(&rig);
+            rig_turn(rig.device.orientation, needle.b, along);
+            rig_turn(rig.proxy.orientation, needle.b, proxy);
+            const double off = hypot(along[1] - proxy[1], along[2] - proxy[2]) / 0.08;
+            CHECK(off < 1e-4, "tilt %g: turned by %g rad", tilts[i], off);
+        }
+        rig_close(&rig);
+    }
+}
+
+/*
+ * A tip on end, spun: the torque is K r^2 per rad until it is 2/3 mu N a, a = min(r, sqrt(2 r depth)). Spun back it
+ * sticks again. Without friction there is none.
+ */
+static void a_spinning_tip_has_torsion(void)
+{
+    const double friction[] = { 0, 0.3, 0.8 }, up[3] = { 0, 0, 1 };
+    for (size_t i = 0; i < sizeof friction / sizeof *friction; i++) {
+        struct rig rig;
+        const double depth = 5e-4, r = needle.radius, mu = friction[i];
+        open_above(&rig, &needle, 0);
+        set_body(&rig, mu, 0, 0);
+        lower(&rig, 0.001 + depth);
+        const double N = rig_force(&rig), a = fmin(r, sqrt(2 * r * depth));
+        const double limit = 2.0 / 3 * mu * N * a;
+        double angle = 0;
+        for (int k = 0; k < 400; k++) {
+            angle += k < 250 ? 2e-3 : -2e-3;
+            rig_orient(&rig.device, up, angle);
+            rig_step(&rig);
+            const double torque = -rig.force.wrench.torque[2];
+            const double turn = k < 250 ? angle : limit / (RIG_STIFFNESS * r * r) - (0.5 - angle);
+            const double stuck = RIG_STIFFNESS * r * r * turn;
+            const double expected = fmin(fmax(stuck, -limit), limit);
+            CHECK(fabs(torque - expected) < 0.01 * limit + 1e-9,
+                  "friction %g, %g rad: %g Nm, expected %g", mu, angle, torque, expected);
+            CHECK(fabs(rig.force.wrench.force[2] / N - 1) < 1e-6 &&
+                      hypot(rig.force.wrench.force[0], rig.force.wrench.force[1]) < 1e-6 * N,
+                  "friction %g: the force turns", mu);
+        }
+        rig_close(&rig);
+    }
+}
+
+/* A lying tool that is spun about itself drags its surface over the plane: mu N along, at most. */
+static void a_lying_tool_rolls_and_slips(void)
+{
+    struct rig rig;
+    const double mu = 0.3, x[3] = { 1, 0, 0 };
+    open_above(&rig, &lying, 0);
+    set_body(&rig, mu, 0, 0);
+    lower(&rig, 0.002);
+    const double N = rig.force.wrench.force[2];
+    for (int k = 1; k <= 600; k++) {
+        rig_orient(&rig.device, x, 2e-3 * k);
+        rig_step(&rig);
+        const double *F = rig.force.wrench.force, *T = rig.force.wrench.torque;
+        CHECK(fabs(F[1]) <= mu * F[2] * 1.01, "%g N across, %g N up", F[1], F[2]);
+        /* The torque about the axis is that of the force at the surface. */
+        CHECK(fabs(T[0] - lying.radius * F[1]) < 0.02 * mu * N * lying.radius + 1e-9,
+              "%g Nm about the axis, %g N across", T[0], F[1]);
+    }
+    CHECK(fabs(fabs(rig.force.wrench.force[1]) / (mu * N) - 1) < 0.02 && rig.force.slipping == 2,
+          "%g N across after a turn by 1.2 rad, %u slip", rig.force.wrench.force[1],
+          rig.force.slipping);
+    rig_close(&rig);
+}
+
+/* Turned by more than 1 rad away, the proxy begins again at the device: the force fades, in a straight line. */
+static void a_proxy_that_begins_again_fades(void)
+{
+    struct rig rig;
+    double last = 0;
+    int faded = 0;
+    open_above(&rig, &lying, 0);
+    lower(&rig, 0.003);
+    for (int k = 0; k < 400 && !faded; k++) {
+        last = rig_force(&rig);
+        rig_orient(&rig.device, (const double[3]){ 0, 1, 0 }, 4e-3 * k);
+        rig_step(&rig);
+        faded = (rig.force.flags & DPT_FORCE_FLAG_REPLACED) != 0;
+    }
+    CHECK(faded, "it never began again");
+    CHECK(rig.force.flags & DPT_FORCE_FLAG_FADING, "flags %u", rig.force.flags);
+    CHECK(fabs(rig_force(&rig) / last - 0.5) < 1e-6, "%g N after %g N", rig_force(&rig), last);
+    rig_step(&rig);
+    CHECK(rig_force(&rig) == 0.0 && !(rig.force.flags & DPT_FORCE_FLAG_FADING) &&
+              rig.force.reason == DPT_FORCE_INSIDE,
+          "%g N, flags %u, reason %u", rig_force(&rig), rig.force.flags, rig.force.reason);
+    rig_close(&rig);
+}
+
+/* A body that is not felt is not there: no hit, no force. Felt again, round the tool, it is one that the tool began in. */
+static void a_body_that_is_not_felt_is_not_there(void)
+{
+    struct rig rig;
+    dpt_hit hit = DPT_HIT_INIT;
+    open_above(&rig, &lying, 0);
+    set_body(&rig, 0, 0, 1);
+    lower(&rig, 0.01);
+    dpt_tool_get_hit(rig.world, rig.tool, &hit);
+    CHECK(rig.force.reason == DPT_FORCE_FREE && rig_force(&rig) == 0.0 && !rig.step.contacts &&
+              hit.status == DPT_STATUS_STALE,
+          "reason %u, %g N, status %u", rig.force.reason, rig_force(&rig), hit.status);
+    set_body(&rig, 0, 0, 0);
+    lower(&rig, 0.001);
+    CHECK(rig.force.reason == DPT_FORCE_INSIDE && rig_force(&rig) == 0.0, "reason %u, %g N",
+          rig.force.reason, rig_force(&rig));
+    rig.device.position[2] = TOP + 0.01;
+    rig_step(&rig);
+    rig_step(&rig);
+    lower(&rig, 0.01);
+    CHECK(rig.force.reason == DPT_FORCE_ACTS, "reason %u", rig.force.reason);
+    /* Its push ends at once. */
+    set_body(&rig, 0, 0, 1);
+    rig_step(&rig);
+    CHECK(rig.force.reason == DPT_FORCE_FREE && rig_force(&rig) == 0.0 && !rig.force.flags,
+          "reason %u, %g N", rig.force.reason, rig_force(&rig));
+    rig_close(&rig);
+}
+
+int main(void)
+{
+    if (!solid_from_shape(&box, "box", 1200))
+        return 1;
+    TEST(surfaces_yield_in_series);
+    TEST(two_ends_yield_together);
+    TEST(each_body_yields_for_itself);
+    TEST(a_damper_acts_against_the_push_alone);
+    TEST(a_damper_takes_energy);
+    TEST(a_locked_rotation_is_the_devices);
+    TEST(a_spinning_tip_has_torsion);
+    TEST(a_lying_tool_rolls_and_slips);
+    TEST(a_proxy_that_begins_again_fades);
+    TEST(a_body_that_is_not_felt_is_not_there);
+    solid_close(&box);
+    return check_report();
+}
