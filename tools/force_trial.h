@@ -15,10 +15,12 @@ struct force_trial_def {
     double length;    /* of the tool, m */
     double radius;
     double depth;    /* that the device is pushed in, m */
+    double through;  /* likewise, of the needle that is held through the mesh */
     double speed;    /* m/s */
     uint64_t places; /* where on the mesh it is tried */
     uint64_t paths;  /* closed ones */
     uint64_t seed;
+    double low_pass; /* s: of the first-order low-pass behind the law; 0: none */
 };
 
 /* Of needles that are pushed in at a place, upright to lying, and led along there with a tremor. */
@@ -34,10 +36,16 @@ struct push_result {
     double least_gap;      /* m, of the proxy's surface */
 };
 
-/* Of a tool that begins inside: it is to feel nothing until it was outside. */
+/* Of needles that begin inside, the one that is held through the mesh too: nothing is to be felt until they were outside. */
 struct inside_result {
     uint64_t places; /* that are inside */
-    uint64_t felt;   /* ticks with a force before it was outside */
+    uint64_t felt; /* ticks before it was outside whose reason was not that, or that had a force */
+};
+
+/* Of a needle that is pushed in and shaken as a hand's tremor does: how far the force is behind the device. */
+struct delay_result {
+    uint64_t places; /* where the force changed */
+    double ticks;    /* at the best fit of the changes of both; 60 if nothing fits */
 };
 
 /* Of closed paths from the open into the mesh and back. */
@@ -51,6 +59,13 @@ struct path_result {
 /* 0 where memory ran out or the mesh is too small. */
 int force_trial_push(const struct force_trial_def *def, struct push_result *result);
 int force_trial_inside(const struct force_trial_def *def, struct inside_result *result);
+int force_trial_delay(const struct force_trial_def *def, struct delay_result *result);
 int force_trial_paths(const struct force_trial_def *def, struct path_result *result);
+
+/* The needle that is held through the mesh: it sticks out on both sides, and its depth is `through`. */
+struct force_trial_def force_trial_through_def(const struct force_trial_def *def);
+
+/* As force_trial_push: that needle is pushed in from outside, tip first to lying, and held there with a tremor. */
+int force_trial_through(const struct force_trial_def *def, struct push_result *result);
 
 #endif

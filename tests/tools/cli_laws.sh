@@ -30,20 +30,51 @@ laws()
     check '--law proxy: other bytes with another kernel' cmp -s proxy.out again.out
     succeeds '--law proxy --until contact' replay box.dpa through.csv -o again.out --law proxy --until contact
     check 'no force, nothing in its columns' awk -F, 'NR > 1 && ($17 $23 $24 != "" || NF != 30) { exit 1 }' again.out
+}
 
-    succeeds 'force-test' force-test box.dpa --places 4 --paths 4
-    check 'force-test: nothing is broken' test "$(grep -c '^  ok ' stdout),$(grep -c BROKEN stdout)" = 8,0
-    run force-test box.dpa --places 4 --paths 4 --law point --json
+# json KEY: its number on stdout
+json()
+{
+    sed -n "s/^.*[{,]\"$1\":\([^,}]*\).*$/\1/p" stdout
+}
+
+trials()
+{
+    succeeds 'force-test' force-test box.dpa --law proxy --places 4 --paths 4
+    check 'force-test: nothing is broken' test "$(grep -c '^  ok ' stdout),$(grep -c BROKEN stdout)" = 10,0
+    run force-test box.dpa --places 4 --paths 4 --law point --through 0.05 --json
     check "force-test --law point: exit $status" test $status,"$(wc -l <stderr)" = 1,0
     check 'force-test: the point turns' grep -q '^{"law":"point",.*"turns":[1-9].*"broken":1}$' stdout
-    succeeds 'force-test --json' force-test box.dpa --places 4 --paths 4 --json
-    for key in law ticks turns jumps folds lagging penetrations felt_inside emitted largest_jump least_gap \
-        inside_places paths lost broken; do
+    check 'force-test: the point turns in the middle' test "$(json through_turns)" -gt 10
+    check 'force-test: the point pushes who began inside' test "$(json felt_inside)" -gt 100
+    check 'force-test: the point is in time' awk "BEGIN { exit !($(json delay) < 0.1) }"
+    succeeds 'force-test --json' force-test box.dpa --law proxy --places 4 --paths 4 --json
+    for key in law ticks turns through_turns jumps delay folds lagging penetrations felt_inside emitted emitting \
+        through_ticks through_folds delay_places largest_jump least_gap inside_places paths lost broken; do
         check "force-test --json: $key" grep -q "[{,]\"$key\":" stdout
     done
+    check 'force-test: through, inside, in time' awk "BEGIN { exit !($(json through_ticks) > 1500 &&
+        $(json inside_places) == 8 && $(json delay_places) == 4 && $(json delay) < 0.1) }"
     cp stdout first.json
-    succeeds 'force-test again' force-test box.dpa --places 4 --paths 4 --json
+    succeeds 'force-test again' force-test box.dpa --law proxy --places 4 --paths 4 --json
     check 'force-test: other figures' cmp -s first.json stdout
+    run force-test box.dpa --law proxy --places 4 --paths 4 --through 0.002 --json
+    check 'force-test --through: shorter' test "$(json through_ticks)" -lt 2000
+}
+
+# A low-pass holds a slow force back by its time, a faster one by less.
+late()
+{
+    for pair in torus:0.005:4:5:1 box:0.005:4:5:1 box:0.02:9:14:1 box:0.001:0.3:0.6:0; do
+        mesh=${pair%%:*} rest=${pair#*:}
+        low_pass=${rest%%:*} rest=${rest#*:}
+        least=${rest%%:*} rest=${rest#*:}
+        run force-test $mesh.dpa --law proxy --places 4 --paths 1 --low-pass "$low_pass" --json
+        check "force-test --low-pass $low_pass, $mesh: exit $status, delay $(json delay)" awk "BEGIN {
+            exit !($(json delay) > $least && $(json delay) < ${rest%%:*} && $status >= ${rest#*:}) }"
+    done
+    run force-test torus.dpa --law bed --places 4 --paths 1 --low-pass 0.005
+    check 'force-test --low-pass: delay is BROKEN' grep -q '^  BROKEN ticks that the force is behind' stdout
 }
 
 refusals()
@@ -54,7 +85,7 @@ refusals()
     refuses 'force-test: unknown option' --frob force-test --frob
     refuses 'force-test: no such file' none.dpa force-test none.dpa
     for pair in law:soft length:0 length:11 radius:-1 radius:nan stiffness:0 stiffness:hard depth:0 depth:2 speed:0 \
-        speed:inf places:0 places:100001 places:-1 paths:0 paths:many seed:-1; do
+        speed:inf through:0 through:2 low-pass:-1 low-pass:nan low-pass:2 places:0 places:100001 places:-1 paths:0 paths:many seed:-1; do
         refuses "force-test --$pair" "--${pair%%:*}" force-test box.dpa --"${pair%%:*}" "${pair#*:}"
     done
 }
@@ -72,6 +103,8 @@ pressed()
 
 prepare
 laws
+trials
+late
 refusals
 pressed
 finish
