@@ -36,7 +36,7 @@ struct push_result {
     double least_gap;      /* m, of the proxy's surface */
 };
 
-/* Of needles that begin inside, the one that is held through the mesh too: nothing is to be felt until they were outside. */
+/* Of needles that begin inside, held through the mesh or not: they are to feel nothing until they were outside. */
 struct inside_result {
     uint64_t places; /* that are inside */
     uint64_t felt; /* ticks before it was outside whose reason was not that, or that had a force */

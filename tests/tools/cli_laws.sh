@@ -70,8 +70,9 @@ late()
         low_pass=${rest%%:*} rest=${rest#*:}
         least=${rest%%:*} rest=${rest#*:}
         run force-test $mesh.dpa --law proxy --places 4 --paths 1 --low-pass "$low_pass" --json
-        check "force-test --low-pass $low_pass, $mesh: exit $status, delay $(json delay)" awk "BEGIN {
-            exit !($(json delay) > $least && $(json delay) < ${rest%%:*} && $status >= ${rest#*:}) }"
+        delay=$(json delay)
+        check "force-test --low-pass $low_pass, $mesh: exit $status, delay $delay" awk "BEGIN {
+            exit !($delay > $least && $delay < ${rest%%:*} && $status >= ${rest#*:}) }"
     done
     run force-test torus.dpa --law bed --places 4 --paths 1 --low-pass 0.005
     check 'force-test --low-pass: delay is BROKEN' grep -q '^  BROKEN ticks that the force is behind' stdout
@@ -85,7 +86,8 @@ refusals()
     refuses 'force-test: unknown option' --frob force-test --frob
     refuses 'force-test: no such file' none.dpa force-test none.dpa
     for pair in law:soft length:0 length:11 radius:-1 radius:nan stiffness:0 stiffness:hard depth:0 depth:2 speed:0 \
-        speed:inf through:0 through:2 low-pass:-1 low-pass:nan low-pass:2 places:0 places:100001 places:-1 paths:0 paths:many seed:-1; do
+        speed:inf through:0 through:2 low-pass:-1 low-pass:nan low-pass:2 places:0 places:100001 \
+        places:-1 paths:0 paths:many seed:-1; do
         refuses "force-test --$pair" "--${pair%%:*}" force-test box.dpa --"${pair%%:*}" "${pair#*:}"
     done
 }
