@@ -2,11 +2,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """make charts: draw docs/charts/*.svg, and keep their data, from what the bench wrote.
 
-chart.py BENCH_DIR OUT_DIR   reads results.csv, histograms.csv, budgets.csv, paper.csv and recall.csv; standard
-                             library only
+chart.py BENCH_DIR OUT_DIR   reads results.csv, histograms.csv, budgets.csv, paper.csv, strip_coverage.csv and
+                             needle.csv, and names those that are not there; standard library only
 """
 import csv
 import math
+import os
 import shutil
 import sys
 
@@ -43,6 +44,13 @@ TIMED = {
     ("tree", "warm"): ("tree", "#a569bd"),
     ("FCL", "OBBRSS"): ("FCL, OBBRSS, warm", "#b03a2e"),
 }
+
+LAWS = {
+    "point": ("#b03a2e", 0.9),
+    "bed": ("#ca6f1e", 1.8),
+    "proxy": ("#154360", 2.2),
+}
+ZOOM = (700, 750)  # ms of the needle that its lower panel shows
 
 
 class Axis:
@@ -81,6 +89,19 @@ class Percent(Axis):
         return self.start + value / 100 * (self.end - self.start)
 
 
+class Steps(Axis):
+    """A linear axis with a mark every `step`, from the one below the least value to the one above the largest."""
+
+    def __init__(self, values, start, end, step):
+        first, last = math.floor(min(values) / step), math.ceil(max(values) / step)
+        self.marks = [mark * step for mark in range(first, last + 1)]
+        self.low, self.high = self.marks[0], self.marks[-1]
+        self.start, self.end = start, end
+
+    def at(self, value):
+        return self.start + (value - self.low) / (self.high - self.low) * (self.end - self.start)
+
+
 def text(x, y, content, anchor="middle", size=13, extra=""):
     return (f'<text x="{x:.1f}" y="{y:.1f}" font-size="{size}" text-anchor="{anchor}" {extra}>'
             f"{content}</text>")
@@ -90,6 +111,14 @@ def polyline(x, y, points, colour, width, dash):
     path = " ".join(f"{x.at(a):.1f},{y.at(b):.1f}" for a, b in points)
     return (f'<polyline points="{path}" fill="none" stroke="{colour}" stroke-width="{width}" '
             f'stroke-dasharray="{dash}"/>')
+
+
+def spread(labels, least):
+    """[height, ...] in order of height, moved down until they are `least` apart."""
+    labels.sort()
+    for previous, label in zip(labels, labels[1:]):
+        label[0] = max(label[0], previous[0] + least)
+    return labels
 
 
 def draw(title, subtitle, x_title, y_title, series, x_axis=Axis, y_axis=Axis):
@@ -121,10 +150,7 @@ def draw(title, subtitle, x_title, y_title, series, x_axis=Axis, y_axis=Axis):
         out += [f'<rect x="{x.at(a) - 4:.1f}" y="{y.at(b) - 4:.1f}" width="8" height="8" fill="white" '
                 f'stroke="{s["colour"]}" stroke-width="2"/>' for a, b in s.get("apart", [])]
         labels.append([y.at(s["points"][-1][1]), s["name"], s["colour"]])
-    labels.sort()
-    for previous, label in zip(labels, labels[1:]):
-        label[0] = max(label[0], previous[0] + 16)
-    for height, name, colour in labels:
+    for height, name, colour in spread(labels, 16):
         out.append(text(WIDTH - RIGHT + 8, height + 4, name, "start", 13, f'fill="{colour}"'))
     out.append("</svg>")
     return "\n".join(out) + "\n"
@@ -319,33 +345,100 @@ def contact_budget(rows):
                 "microseconds a tick, 99 %", "% of the ticks in reach", series, Axis, Percent)
 
 
+def draw_forces(rows, top, bottom, x, names):
+    """A panel: the force of each law the way out, against time, named at its right."""
+    forces = {law: [(float(r["ms"]), float(r[law + "_force"])) for r in rows] for law in LAWS}
+    y = Steps([force for points in forces.values() for _, force in points], bottom, top, 5)
+    out, labels = [], []
+    for mark in y.marks:
+        out.append(f'<line x1="{LEFT}" x2="{WIDTH - RIGHT}" y1="{y.at(mark):.1f}" y2="{y.at(mark):.1f}" '
+                   f'stroke="{"#888" if mark == 0 else "#ddd"}"/>')
+        out.append(text(LEFT - 8, y.at(mark) + 4, f"{mark:g}", "end"))
+    for mark in x.marks:
+        out.append(f'<line x1="{x.at(mark):.1f}" x2="{x.at(mark):.1f}" y1="{bottom}" y2="{bottom + 5}" '
+                   'stroke="#888"/>')
+        out.append(text(x.at(mark), bottom + 20, f"{mark:g}"))
+    for law, (colour, width) in LAWS.items():
+        out.append(polyline(x, y, forces[law], colour, width, ""))
+        labels.append([y.at(forces[law][-1][1]), names[law], colour])
+    for height, name, colour in spread(labels, 16):
+        out.append(text(WIDTH - RIGHT + 8, height + 4, name, "start", 13, f'fill="{colour}"'))
+    out.append(text(18, (top + bottom) / 2, "N the way out",
+                    extra=f'transform="rotate(-90 18 {(top + bottom) / 2})"'))
+    return out
+
+
+def needle_force(rows):
+    """What a needle feels that is pushed through a liver and held there, and a part of it closer by."""
+    whole, part = (TOP + 24, TOP + 234), (TOP + 306, TOP + 466)
+    height = part[1] + BOTTOM
+    closer = [r for r in rows if ZOOM[0] <= int(r["ms"]) <= ZOOM[1]]
+    x = Steps([float(r["ms"]) for r in rows], LEFT, WIDTH - RIGHT, 100)
+    turns = {law: sum(float(r[law + "_turn"] or 0) > 30 for r in rows) for law in LAWS}
+    upper = draw_forces(rows, *whole, x, {law: f"{law}: {turns[law]} turns" for law in LAWS})
+    lower = draw_forces(closer, *part, Steps(ZOOM, LEFT, WIDTH - RIGHT, 10), {law: law for law in LAWS})
+    band = (f'<rect x="{x.at(ZOOM[0]):.1f}" y="{whole[0]}" width="{x.at(ZOOM[1]) - x.at(ZOOM[0]):.1f}" '
+            f'height="{whole[1] - whole[0]}" fill="#f2e8c9"/>')
+    held = x.at(600)
+    out = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height}" '
+           'font-family="sans-serif" fill="#222">',
+           f'<rect width="{WIDTH}" height="{height}" fill="white"/>',
+           text(LEFT, 22, "Force on a needle that is pushed into a liver, with a tremor of 0.2 mm", "start", 16,
+                'font-weight="bold"'),
+           text(LEFT, 40, "The same motion for each law, K = 500 N/m. A turn: a tick that turns the force by more than "
+                "30 degrees.", "start", 12),
+           band, *upper,
+           text((x.at(0) + held) / 2, whole[0] - 8, "pushed in, 27 mm deep", size=12),
+           text((held + x.at(1000)) / 2, whole[0] - 8, "held there", size=12),
+           f'<line x1="{held:.1f}" x2="{held:.1f}" y1="{whole[0] - 20}" y2="{whole[1]}" stroke="#888" '
+           'stroke-dasharray="3 2"/>',
+           text(LEFT, part[0] - 14, f"{ZOOM[0]} to {ZOOM[1]} ms", "start", 12, 'font-weight="bold"'),
+           *lower, text((LEFT + WIDTH - RIGHT) / 2, height - 16, "ms, one tick each"), "</svg>"]
+    return "\n".join(out) + "\n"
+
+
 def read(path):
     with open(path, newline="", encoding="utf-8") as file:
         return list(csv.DictReader(file))
 
 
-def main(bench, folder):
-    results, paper = read(bench + "/results.csv"), read(bench + "/paper.csv")
-    for name, chart in (("tick-time", tick_time), ("parts-time", parts_time),
-                        ("parts-wrong", parts_wrong), ("parts-error", parts_error)):
-        with open(f"{folder}/{name}.svg", "w", encoding="utf-8") as file:
-            file.write(chart(results, paper))
-    with open(f"{folder}/strip-recall.svg", "w", encoding="utf-8") as file:
-        file.write(strip_recall(read(bench + "/recall.csv")))
-    with open(f"{folder}/contact-budget.svg", "w", encoding="utf-8") as file:
-        file.write(contact_budget(read(bench + "/budgets.csv")))
-    shutil.copyfile(bench + "/budgets.csv", folder + "/contact-budget.csv")
-    shutil.copyfile(bench + "/recall.csv", folder + "/strip-recall.csv")
-    shutil.copyfile(bench + "/results.csv", folder + "/tick-time.csv")
-    shutil.copyfile(bench + "/paper.csv", folder + "/parts.csv")
-    rows = [row for row in read(bench + "/histograms.csv") if is_drawn(row)]
-    for name, chart in (("time-histogram", time_histogram), ("work-histogram", work_histogram)):
-        with open(f"{folder}/{name}.svg", "w", encoding="utf-8") as file:
-            file.write(chart(rows))
-    with open(folder + "/histograms.csv", "w", encoding="utf-8", newline="") as file:
+def write(path, content):
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(content)
+
+
+def keep_histograms(path, rows):
+    with open(path, "w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, rows[0].keys(), lineterminator="\n")
         writer.writeheader()
         writer.writerows(rows)
+
+
+def main(bench, folder):
+    def is_there(*names):
+        missing = [name for name in names if not os.path.exists(f"{bench}/{name}")]
+        for name in missing:
+            print(f"chart.py: no {bench}/{name}: what is drawn from it stays as it is", file=sys.stderr)
+        return not missing
+
+    if is_there("results.csv", "paper.csv"):
+        results, paper = read(bench + "/results.csv"), read(bench + "/paper.csv")
+        for name, chart in (("tick-time", tick_time), ("parts-time", parts_time),
+                            ("parts-wrong", parts_wrong), ("parts-error", parts_error)):
+            write(f"{folder}/{name}.svg", chart(results, paper))
+        shutil.copyfile(bench + "/results.csv", folder + "/tick-time.csv")
+        shutil.copyfile(bench + "/paper.csv", folder + "/parts.csv")
+    for source, name, chart in (("strip_coverage", "strip-recall", strip_recall),
+                                ("budgets", "contact-budget", contact_budget),
+                                ("needle", "needle-force", needle_force)):
+        if is_there(source + ".csv"):
+            write(f"{folder}/{name}.svg", chart(read(f"{bench}/{source}.csv")))
+            shutil.copyfile(f"{bench}/{source}.csv", f"{folder}/{name}.csv")
+    if is_there("histograms.csv"):
+        rows = [row for row in read(bench + "/histograms.csv") if is_drawn(row)]
+        for name, chart in (("time-histogram", time_histogram), ("work-histogram", work_histogram)):
+            write(f"{folder}/{name}.svg", chart(rows))
+        keep_histograms(folder + "/histograms.csv", rows)
 
 
 if __name__ == "__main__":
