@@ -268,7 +268,15 @@ static int must_stop_refining(const struct distance_profile *profile)
     return profile->is_cut || profile->work.done >= PROFILE_WORK_MAX + extra;
 }
 
-/* Search for the samples that decide on much of the overlap and only descended: a descent may have been trapped. */
+/* An end counts by itself, as much as half of the axis does. */
+static int is_wanted_end(const struct distance_profile *profile,
+                         const struct profile_sample *sample)
+{
+    return profile->ends_wanted && (sample->s == 0.0 || sample->s == 1.0) &&
+           sample->height < profile->reach;
+}
+
+/* Search for the samples that decide on much and only descended: a descent may have been trapped. */
 static void confirm_samples(struct distance_profile *profile)
 {
     double area = 0.0;
@@ -280,7 +288,7 @@ static void confirm_samples(struct distance_profile *profile)
         double to = i + 1 < profile->sample_count ? sample[1].s : sample->s;
         double sample_area = 0.5 * (profile->reach - sample->height) * (to - from);
         if (!sample->is_exact && sample->triangle != DPT_NONE &&
-            sample_area > PROFILE_SEARCH_SHARE * area)
+            (sample_area > PROFILE_SEARCH_SHARE * area || is_wanted_end(profile, sample)))
             dpti_profile_add_sample(profile, sample->s, 1);
     }
 }

@@ -47,7 +47,7 @@ void dpti_contact_of(const struct surface *surface, const struct kernel *kernel,
     profile.axis = axis;
     profile.sides = &no_sides;
     profile.point_cache = NULL;
-    profile.contacts_wanted = 0;
+    profile.contacts_wanted = profile.ends_wanted = 0;
     profile.reach = radius;
     profile.tolerance = PROFILE_DEPTH_SHARE * dpti_surface_diagonal(surface);
     profile.work = work_of(WORK_UNLIMITED);

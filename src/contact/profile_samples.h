@@ -103,6 +103,7 @@ struct distance_profile {
     struct point_cache *point_cache; /* NULL: without a budget */
     uint32_t body;                   /* slot; its key in the point cache */
     uint32_t contacts_wanted;        /* regions follow after the depth, and no budget ends them */
+    uint32_t ends_wanted;            /* regions: also the depth at the axis' ends */
     uint32_t is_coarse;              /* the regions come from fewer samples than they should */
     double axis_length;              /* m */
     double reach;                    /* surface farther than that from the axis does not count, m */

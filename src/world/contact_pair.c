@@ -298,6 +298,7 @@ int dpti_contact_pair_find(struct contact_pair *contact_pair, double *gap)
     profile->sides = &contact_pair->sides;
     profile->point_cache = world->def.budget ? &world->point_cache : NULL;
     profile->contacts_wanted = has_regions(contact_pair) && !world->def.budget;
+    profile->ends_wanted = contact_pair->bed_depth != NULL;
     profile->body = handle_index(contact_pair->body->id);
     profile->margin = has_regions(contact_pair) ? world->def.margin : 0.0;
     profile->reach = contact_pair->radius + profile->margin;
