@@ -73,7 +73,7 @@ struct bounds {
     double jump[KINDS], off[KINDS];
 };
 static const struct bounds of_closed = { { 0.005, 0.025, 0.005 }, { 0.02, 0.05, 0.01 } };
-static const struct bounds of_winding = { { 0.08, 0.08, 0.08 }, { 0.08, 0.08, 0.08 } };
+static const struct bounds of_winding = { { 0.08, 0.08, 0.08 }, { 0.1, 0.1, 0.1 } };
 
 /* A mesh, with what its runs gave. */
 struct run {
