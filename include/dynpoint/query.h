@@ -62,6 +62,31 @@ DPT_API dpt_result dpt_query_segments(const dpt_mesh *mesh, const dpt_pose *pose
 DPT_API double dpt_segment_triangle(const double segment[6], const double triangle[9], double *s,
                                     double p[3], double q[3]);
 
+/* A point p of a segment, at s in 0..1 of it, a point q of a triangle, and how far they are apart. */
+typedef struct dpt_segment_pair {
+    double s;
+    double distance;
+    double p[3];
+    double q[3];
+} dpt_segment_pair;
+
+enum { DPT_SEGMENT_PAIRS_MAX = 5 };
+
+/*
+ * All pairs by which a triangle can limit the motion of a segment, for a response of your own: end a and the triangle;
+ * end b and the triangle; and the segment and each edge, where the nearest point is inside the segment. A segment
+ * without length has the first alone.
+ *
+ *   segment, triangle   as above
+ *   pairs               room for DPT_SEGMENT_PAIRS_MAX; in the order above
+ *
+ * Returns how many there are; 0, and nothing is written, for arguments that dpt_segment_triangle refuses. The least of
+ * their distances is that of the segment and the triangle, unless the segment goes through the triangle. So a capsule
+ * whose axis does not is free of the triangle if all of them are farther apart than its radius.
+ */
+DPT_API uint32_t dpt_segment_triangle_pairs(const double segment[6], const double triangle[9],
+                                            dpt_segment_pair *pairs);
+
 DPT_END
 
 #endif

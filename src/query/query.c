@@ -4,20 +4,27 @@
 #include "base/return_if_error.h"
 #include "base/sized.h"
 #include "contact/gap.h"
+#include "nearest/pair_features.h"
 
 /* The arithmetic forms fourth powers of lengths. */
 #define PAIR_COORDINATE_MAX 1e60
+#define PAIR_LENGTH_MIN     1e-60
+
+static int pair_is_usable(const double *segment, const double *triangle)
+{
+    return segment && triangle && vec3_within(segment, PAIR_COORDINATE_MAX) &&
+           vec3_within(segment + 3, PAIR_COORDINATE_MAX) &&
+           vec3_within(triangle, PAIR_COORDINATE_MAX) &&
+           vec3_within(triangle + 3, PAIR_COORDINATE_MAX) &&
+           vec3_within(triangle + 6, PAIR_COORDINATE_MAX);
+}
 
 double dpt_segment_triangle(const double segment[6], const double triangle[9], double *s,
                             double p[3], double q[3])
 {
     pair found = { .distance2 = HUGE_VAL };
     vec3 at_p = { 0.0, 0.0, 0.0 };
-    if (segment && triangle && vec3_within(segment, PAIR_COORDINATE_MAX) &&
-        vec3_within(segment + 3, PAIR_COORDINATE_MAX) &&
-        vec3_within(triangle, PAIR_COORDINATE_MAX) &&
-        vec3_within(triangle + 3, PAIR_COORDINATE_MAX) &&
-        vec3_within(triangle + 6, PAIR_COORDINATE_MAX)) {
+    if (pair_is_usable(segment, triangle)) {
         vec3 a = vec3_of(segment), u = sub(vec3_of(segment + 3), a);
         found =
             segment_triangle(a, u, vec3_of(triangle), vec3_of(triangle + 3), vec3_of(triangle + 6));
@@ -30,6 +37,29 @@ double dpt_segment_triangle(const double segment[6], const double triangle[9], d
     if (q)
         vec3_store(sub(at_p, found.gap), q);
     return sqrt(found.distance2);
+}
+
+uint32_t dpt_segment_triangle_pairs(const double segment[6], const double triangle[9],
+                                    dpt_segment_pair *pairs)
+{
+    uint32_t count = 0;
+    if (!pairs || !pair_is_usable(segment, triangle))
+        return 0;
+    const vec3 a = vec3_of(segment), u = sub(vec3_of(segment + 3), a);
+    const vec3 v[3] = { vec3_of(triangle), vec3_of(triangle + 3), vec3_of(triangle + 6) };
+    const int features = dot(u, u) > PAIR_LENGTH_MIN * PAIR_LENGTH_MIN ? PAIR_FEATURES : 1;
+    for (int feature = 0; feature < features; feature++) {
+        pair found;
+        if (!pair_of_feature(feature, a, u, v, &found))
+            continue;
+        dpt_segment_pair *made = &pairs[count++];
+        const vec3 p = along(a, found.s, u);
+        made->s = found.s;
+        made->distance = sqrt(found.distance2);
+        vec3_store(p, made->p);
+        vec3_store(sub(p, found.gap), made->q);
+    }
+    return count;
 }
 
 /* What all segments of one call share. */

@@ -105,6 +105,31 @@ static void segments(void)
     }
 }
 
+/* None is nearer than the distance, and one is as near, unless the segment goes through the triangle. */
+static void pairs_must_hold(const double *segment, const double *triangle, int is_good,
+                            double distance, double extent)
+{
+    dpt_segment_pair pairs[DPT_SEGMENT_PAIRS_MAX];
+    const int no_pairs = draw_one_in(40);
+    const uint32_t count =
+        CALL(dpt_segment_triangle_pairs, segment, triangle, no_pairs ? NULL : pairs);
+    HOLDS(is_good && !no_pairs ? count >= 1 && count <= DPT_SEGMENT_PAIRS_MAX : !count, "%u pairs",
+          count);
+    const double slack = 64.0 * 0x1p-53 * extent + 1e-60;
+    double least = INFINITY;
+    for (uint32_t i = 0; i < count; i++) {
+        numbers_are_finite(pairs[i].p, 3, "p");
+        numbers_are_finite(pairs[i].q, 3, "q");
+        HOLDS(pairs[i].s >= 0.0 && pairs[i].s <= 1.0 && pairs[i].distance >= distance - slack,
+              "pair %u at %g, %g, and the distance is %g", i, pairs[i].s, pairs[i].distance,
+              distance);
+        least = fmin(least, pairs[i].distance);
+    }
+    HOLDS(!count || distance <= slack || fabs(least - distance) <= slack,
+          "the least is %g, and the distance %g", least, distance);
+    game_digest(&least, sizeof least);
+}
+
 /* Against a sampled minimum, which it must not be above, and its own points, which it must be. */
 static void pair(void)
 {
@@ -141,6 +166,8 @@ static void pair(void)
     HOLDS(is_good ? distance >= 0.0 && isfinite(distance) : distance == INFINITY, "distance %g",
           distance);
     game_digest(&distance, sizeof distance);
+    pairs_must_hold(no_segment ? NULL : segment, no_triangle ? NULL : triangle, is_good, distance,
+                    extent);
     if (no_out)
         return;
     HOLDS(s >= 0.0 && s <= 1.0, "s %g", s);
