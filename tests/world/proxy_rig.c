@@ -94,3 +94,24 @@ void rig_set_friction(const struct rig *rig, double of_rest, double of_motion)
     const dpt_result result = dpt_body_set_settings(rig->world, rig->body, &settings);
     CHECK(result == DPT_OK, "%s", dpt_result_name(result));
 }
+
+void rig_vary(struct rig *rig, uint64_t *seed)
+{
+    static const double stiffness[] = { 50, 500, 3000, 1e5 };
+    dpt_body_settings body = { .size = sizeof body };
+    dpt_tool_settings tool = { .size = sizeof tool };
+    dpt_body_get_settings(rig->world, rig->body, &body);
+    dpt_tool_get_settings(rig->world, rig->tool, &tool);
+    if (random_bits(seed) % 3 == 0) {
+        body.static_friction = random_in(seed, 0, 1.2);
+        body.kinetic_friction = body.static_friction * random_in(seed, 0.3, 1);
+    }
+    tool.law = DPT_LAW_PROXY;
+    tool.stiffness = stiffness[random_bits(seed) % 4];
+    if (random_bits(seed) % 3 == 0)
+        tool.rotational_stiffness = tool.stiffness * pow(10, random_in(seed, -6, 0));
+    const dpt_result of_body = dpt_body_set_settings(rig->world, rig->body, &body);
+    const dpt_result of_tool = dpt_tool_set_settings(rig->world, rig->tool, &tool);
+    CHECK(of_body == DPT_OK && of_tool == DPT_OK, "%s, %s", dpt_result_name(of_body),
+          dpt_result_name(of_tool));
+}

@@ -45,6 +45,9 @@ void rig_orient(dpt_pose *pose, const double axis[3], double angle);
 /* Friction of the body. */
 void rig_set_friction(const struct rig *rig, double of_rest, double of_motion);
 
+/* Draw another stiffness, and in a third of all cases each friction on its body and a stiffness against turns. */
+void rig_vary(struct rig *rig, uint64_t *seed);
+
 /* |force| */
 double rig_force(const struct rig *rig);
 
