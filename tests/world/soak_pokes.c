@@ -11,6 +11,7 @@ enum { POKES_A_WORLD = 100, TICKS_MAX = 500 };
 #define BALL    0.1 /* of the shell, m */
 #define JUMP    0.3
 #define DEPTH   0.5
+#define BORDER  0.01
 #define GAP_MIN 0.75e-6
 
 /* Of the gap at what is flat: the mesh is rounded to floats, and the body is turned. */
@@ -21,8 +22,8 @@ struct target {
     struct solid solid, outer; /* outer: of the shell, to tell outside from cavity */
     struct soak_oracle triangles, sides;
     int is_shell;
-    double reach,
-        bottom; /* m: how far off the middle it is poked; of what is flat, below its top at 0 */
+    /* m: how far off the middle it is poked; of what is flat, to its border and below its top at 0 */
+    double reach, half, bottom;
 };
 
 enum { TARGETS = 6 };
@@ -44,7 +45,7 @@ struct poke {
 };
 
 static struct {
-    uint64_t pokes, ticks, held, replaced;
+    uint64_t pokes, ticks, held, replaced, left;
     double least;
 } all = { .least = INFINITY };
 
@@ -75,7 +76,7 @@ static void flat(double u, double v, double x[3])
 static int make_sheet(struct target *target, const char *name, double half, uint32_t cells)
 {
     half_width = half;
-    *target = (struct target){ .name = name, .reach = 0.6 * half - 0.05 };
+    *target = (struct target){ .name = name, .reach = 0.6 * half - 0.05, .half = half };
     return solid_from_net(&target->solid, name, cells, cells, 0, flat);
 }
 
@@ -84,7 +85,8 @@ static int make_wall(struct target *target, const char *name, double half, uint6
 {
     struct shape shape;
     shape_reason reason;
-    *target = (struct target){ .name = name, .reach = 0.6 * half - 0.05, .bottom = -THICK };
+    *target =
+        (struct target){ .name = name, .reach = 0.6 * half - 0.05, .half = half, .bottom = -THICK };
     if (shape_make("box", triangles, 0, &shape, reason))
         return 0;
     for (size_t i = 0; i < shape.vertex_count; i++) {
@@ -239,6 +241,20 @@ static void move_device(struct poke *poke, int tick)
     rig_orient(&poke->rig.device, poke->axis, poke->turn);
 }
 
+/* With friction a tool that is turned walks as far as the border, and round it. */
+static int is_at_border(const struct poke *poke)
+{
+    double world[6];
+    rig_proxy_ends(&poke->rig, 0, world);
+    for (int e = 0; e < 2 && !poke->target->is_shell; e++) {
+        double x[3];
+        to_target(poke, world + 3 * e, x);
+        if (fmax(fabs(x[0]), fabs(x[1])) > poke->target->half - BORDER)
+            return 1;
+    }
+    return 0;
+}
+
 static void judge(struct poke *poke, int tick)
 {
     const struct target *target = poke->target;
@@ -287,6 +303,10 @@ static void poke_once(struct poke *poke)
         /* It was turned by more than 1 rad, and is where the device is: it may be behind the wall. */
         if (rig->force.flags & DPT_FORCE_FLAG_REPLACED) {
             all.replaced++;
+            break;
+        }
+        if (is_at_border(poke)) {
+            all.left++;
             break;
         }
         is_held |= rig->force.reason == DPT_FORCE_ACTS;
@@ -340,10 +360,11 @@ void soak_pokes(uint64_t count, uint64_t seed)
     solid_close(&targets[TARGETS - 1].outer);
     soak_oracle_close(&targets[TARGETS - 1].triangles);
     soak_oracle_close(&targets[TARGETS - 1].sides);
-    printf("    %llu pokes, %llu ticks, %llu pokes with a force, %llu ended by a turn of 1 rad; "
-           "least gap %.3g of the diagonal\n",
+    printf("    %llu pokes, %llu ticks, %llu pokes with a force, %llu ended by a turn of 1 rad, "
+           "%llu at a border; least gap %.3g of the diagonal\n",
            (unsigned long long)all.pokes, (unsigned long long)all.ticks,
-           (unsigned long long)all.held, (unsigned long long)all.replaced, all.least);
+           (unsigned long long)all.held, (unsigned long long)all.replaced,
+           (unsigned long long)all.left, all.least);
     CHECK(!made || all.held > all.pokes / 3, "%llu of %llu pokes with a force",
           (unsigned long long)all.held, (unsigned long long)all.pokes);
 }
