@@ -158,35 +158,58 @@ static uint32_t ranked(uint32_t rank)
     return times[rank];
 }
 
-/* A tool of 0.86 of the mesh's diagonal that slides over it and dips into it. */
-static void measure_tick(uint32_t until, uint32_t contacts, const char *const names[4])
-{
-    const dpt_mesh *mesh;
-    dpt_mesh_info info = { .size = sizeof info };
+/* One body of the mesh, one tool of one segment. */
+struct scene {
+    dpt_mesh_info info;
     dpt_world_def def;
     dpt_world *world;
     dpt_body body;
     dpt_tool tool;
+    double center[3], span[3]; /* of the mesh */
+};
+
+static void scene_open(struct scene *scene, uint32_t until, uint32_t contacts, uint32_t law)
+{
+    const dpt_mesh *mesh;
+    dpt_mesh_info *info = &scene->info;
+    dpt_world_def *def = &scene->def;
     must(dpt_mesh_open(flash_mesh, flash_mesh_size, &mesh) == DPT_OK, "dpt_mesh_open");
-    dpt_mesh_get_info(mesh, &info);
-    dpt_world_def_init(&def);
-    def.law = DPT_LAW_POINT;
-    def.max_bodies = def.max_tools = def.max_segments = 1;
-    def.max_contacts = contacts;
-    def.certificate_bytes = 16 * 1024;
-    def.until = until;
-    must(dpt_world_bytes(&def) <= sizeof block, "dpt_world_bytes");
-    must(dpt_world_create(block, sizeof block, &def, &world) == DPT_OK, "dpt_world_create");
-    must(dpt_body_add(world, mesh, NULL, &body) == DPT_OK, "dpt_body_add");
-    double center[3], span[3];
+    info->size = sizeof *info;
+    dpt_mesh_get_info(mesh, info);
+    must(info->triangles == 512, "triangles");
+    dpt_world_def_init(def);
+    def->max_bodies = def->max_tools = def->max_segments = 1;
+    def->max_contacts = contacts;
+    def->certificate_bytes = 16 * 1024;
+    def->until = until;
+    def->law = law;
+    must(dpt_world_bytes(def) <= sizeof block, "dpt_world_bytes");
+    must(dpt_world_create(block, sizeof block, def, &scene->world) == DPT_OK, "dpt_world_create");
+    must(dpt_body_add(scene->world, mesh, NULL, &scene->body) == DPT_OK, "dpt_body_add");
     for (int i = 0; i < 3; i++) {
-        center[i] = 0.5 * (info.box_min[i] + info.box_max[i]);
-        span[i] = info.box_max[i] - info.box_min[i];
+        scene->center[i] = 0.5 * (info->box_min[i] + info->box_max[i]);
+        scene->span[i] = info->box_max[i] - info->box_min[i];
     }
+}
+
+static void say_ticks(const struct scene *scene, const char *const names[4])
+{
+    say(names[0], ranked(TICKS / 2));
+    say(names[1], ranked(TICKS * 99 / 100));
+    say(names[2], ranked(TICKS - 1));
+    say(names[3], (uint32_t)dpt_world_bytes(&scene->def));
+}
+
+/* A tool of 0.86 of the mesh's diagonal that slides over it and dips into it. */
+static void measure_tick(uint32_t until, uint32_t contacts, const char *const names[4])
+{
+    static struct scene scene;
+    scene_open(&scene, until, contacts, DPT_LAW_POINT);
+    const double *center = scene.center, *span = scene.span;
     const dpt_segment axis = { { 0, 0, 0 },
                                { 0.6 * span[0], 0.6 * span[1], 0.1 * span[0] },
                                0.002 };
-    must(dpt_tool_add(world, &axis, 1, &tool) == DPT_OK, "dpt_tool_add");
+    must(dpt_tool_add(scene.world, &axis, 1, &scene.tool) == DPT_OK, "dpt_tool_add");
     uint32_t exact = 0;
     for (int tick = 0; tick < TICKS; tick++) {
         dpt_step step = { .size = sizeof step };
@@ -196,22 +219,67 @@ static void measure_tick(uint32_t until, uint32_t contacts, const char *const na
         const double dip = 0.00015 * (phase < 200 ? phase : 400 - phase);
         const dpt_pose pose = { { center[0] - (0.6 - 0.5 * along) * span[0],
                                   center[1] - (0.1 + 0.5 * along) * span[1],
-                                  info.box_max[2] + 0.01 - dip },
+                                  scene.info.box_max[2] + 0.01 - dip },
                                 { 1, 0, 0, 0 } };
         count_start();
-        dpt_tool_set_pose(world, tool, &pose);
-        dpt_world_step(world, 0.001, &step);
-        dpt_tool_get_wrench(world, tool, &wrench);
+        dpt_tool_set_pose(scene.world, scene.tool, &pose);
+        dpt_world_step(scene.world, 0.001, &step);
+        dpt_tool_get_wrench(scene.world, scene.tool, &wrench);
         times[tick] = count_instructions();
         exact += step.status == DPT_STATUS_EXACT;
         mix(&step.distance, sizeof step.distance);
         mix(&wrench, sizeof wrench);
     }
-    must(exact == TICKS && info.triangles == 512, "exact");
-    say(names[0], ranked(TICKS / 2));
-    say(names[1], ranked(TICKS * 99 / 100));
-    say(names[2], ranked(TICKS - 1));
-    say(names[3], (uint32_t)dpt_world_bytes(&def));
+    must(exact == TICKS, "exact");
+    say_ticks(&scene, names);
+}
+
+/*
+ * A tool with a proxy on a body with friction. It is pressed in by 5 mm and led on, with a tremor and stops: it sticks
+ * and slips. `tilt` is the third coordinate of the way from its tip to its end, `across` the other two.
+ */
+static void measure_proxy(double across, double tilt, const char *const names[4])
+{
+    static struct scene scene;
+    scene_open(&scene, DPT_UNTIL_RESPOND, 0, DPT_LAW_PROXY);
+    const dpt_segment axis = { { 0, 0, 0 }, { across, across, tilt }, 0.002 };
+    dpt_body_settings settings = { .size = sizeof settings };
+    must(dpt_tool_add(scene.world, &axis, 1, &scene.tool) == DPT_OK, "dpt_tool_add");
+    must(dpt_body_get_settings(scene.world, scene.body, &settings) == DPT_OK, "settings");
+    settings.static_friction = 0.5;
+    settings.kinetic_friction = 0.4;
+    must(dpt_body_set_settings(scene.world, scene.body, &settings) == DPT_OK, "settings");
+    uint32_t acts = 0, sticks = 0, slips = 0;
+    dpt_pose before = DPT_POSE_IDENTITY;
+    double along = 0;
+    for (int tick = 0; tick < TICKS; tick++) {
+        dpt_step step = { .size = sizeof step };
+        dpt_force_report report = { .size = sizeof report };
+        dpt_pose proxy;
+        const double depth = tick < 100 ? 5e-5 * tick : 0.005, height = 0.00205 - depth;
+        const double tremor = 1e-5 * ((tick * 7) % 11 - 5);
+        along += tick % 400 < 250 ? 5e-5 : 0;
+        const dpt_pose pose = { { scene.info.box_min[0] + 0.02 + along + tremor,
+                                  scene.center[1] + 0.5 * tremor, scene.info.box_max[2] + height },
+                                { 1, 0, 0, 0 } };
+        count_start();
+        dpt_tool_set_pose(scene.world, scene.tool, &pose);
+        dpt_world_step(scene.world, 0.001, &step);
+        dpt_tool_get_force_report(scene.world, scene.tool, &report);
+        times[tick] = count_instructions();
+        dpt_tool_get_proxy(scene.world, scene.tool, &proxy);
+        const double slid = proxy.position[0] - before.position[0];
+        acts += report.reason == DPT_FORCE_ACTS;
+        /* A tip that sticks rolls a little, where the tool turns about it. */
+        sticks += tick > 100 && slid < 1e-5 && slid > -1e-5;
+        slips += tick > 100 && slid > 2e-5;
+        before = proxy;
+        mix(&proxy, sizeof proxy);
+        mix(&report.wrench, sizeof report.wrench);
+    }
+    must(acts > TICKS - 100, "pressed in");
+    must(sticks > 100 && slips > 100, "stick and slip");
+    say_ticks(&scene, names);
 }
 
 int main(void)
@@ -231,6 +299,12 @@ int main(void)
     measure_tick(DPT_UNTIL_TRACK, 0, names[0]);
     measure_tick(DPT_UNTIL_RESPOND, 0, names[1]);
     measure_tick(DPT_UNTIL_RESPOND, 4, names[2]);
+    static const char *const of_proxy[2][4] = {
+        { "needle_median", "needle_p99", "needle_most", "needle_bytes" },
+        { "lying_median", "lying_p99", "lying_most", "lying_bytes" },
+    };
+    measure_proxy(0.02, 0.06, of_proxy[0]);
+    measure_proxy(0.05, 0.0, of_proxy[1]);
     say("stack", stack_used());
     say("bits", bits);
     board_print("end\n");
