@@ -12,6 +12,7 @@ enum { POKES_A_WORLD = 100, TICKS_MAX = 500 };
 #define JUMP    0.3
 #define DEPTH   0.5
 #define BORDER  0.01
+#define TURN    0.9 /* rad, of one leap */
 #define GAP_MIN 0.75e-6
 
 /* Of the gap at what is flat: the mesh is rounded to floats, and the body is turned. */
@@ -207,7 +208,7 @@ static void draw(struct poke *poke)
         poke->ticks = TICKS_MAX;
 }
 
-/* In jumps the device is anywhere, on either side, at most DEPTH from where it began. */
+/* In leaps it turns too, and is anywhere, on either side, at most DEPTH from where it began. */
 static void move_device(struct poke *poke, int tick)
 {
     uint64_t *seed = &poke->seed;
@@ -237,7 +238,9 @@ static void move_device(struct poke *poke, int tick)
         for (int k = 0; k < 3; k++)
             x[k] -= spare * poke->across[i][k];
     }
-    poke->turn += poke->twist;
+    poke->turn += leaps && random_bits(seed) % 2 ? random_in(seed, -TURN, TURN) : poke->twist;
+    if (leaps && random_bits(seed) % 8 == 0)
+        random_unit(seed, poke->axis);
     rig_orient(&poke->rig.device, poke->axis, poke->turn);
 }
 
