@@ -123,9 +123,10 @@ double dpti_friction_pulls(struct friction_contact *contacts, uint32_t count, ui
     share_out(contacts, count, n, y);
     for (int sweep = 0; sweep < SWEEPS_MAX; sweep++) {
         double changed = 0.0;
-        for (uint32_t i = 0; i < count; i++)
-            changed = max_of(changed,
-                             max_of(relax(&contacts[i], n, y), relax_torsion(&contacts[i], n, y)));
+        for (uint32_t i = 0; i < count; i++) {
+            changed = max_of(changed, relax(&contacts[i], n, y));
+            changed = max_of(changed, relax_torsion(&contacts[i], n, y));
+        }
         if (changed <= SETTLED * largest)
             break;
     }
