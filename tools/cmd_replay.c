@@ -13,7 +13,7 @@
 #include "commands.h"
 #include "dynpoint/baseline.h"
 #include "dynpoint/loop.h"
-#include "law_name.h"
+#include "force_options.h"
 #include "mesh_size.h"
 #include "replay_report.h"
 #include "trace.h"
@@ -48,6 +48,8 @@ static const char help[] =
     "the\n"
     "                       deepest point, and is the only one for --method paper\n"
     "  --stiffness K        of the force, N/m; default 500\n"
+    "  --friction MU        of the mesh, with a proxy; default 0\n"
+    "  --damping B          of the proxy's spring, Ns/m; default 0\n"
     "  --strip KIND         lay a strip under the tool where it is within the margin: shadow, or "
     "routes\n"
     "  --strip-width W      beside the radius, m; default 0\n"
@@ -75,6 +77,7 @@ static const char *const strips[] = { "none", "shadow", "routes", NULL };
 struct replay_settings {
     dpt_world_def def;
     dpt_baseline_def baseline;
+    struct force_options force;
     double radius, dt;
     uint64_t repeat, every, parts, budget;
     int against; /* a method, or -1 */
@@ -100,7 +103,8 @@ static dpt_segment segment_of(const struct csv_table *trace, size_t row, double 
     return segment;
 }
 
-static int stage_open(struct stage *stage, const dpt_world_def *def, const dpt_mesh *mesh,
+static int stage_open(struct stage *stage, const dpt_world_def *def,
+                      const struct force_options *force, const dpt_mesh *mesh,
                       const dpt_segment *segment)
 {
     dpt_body body;
@@ -114,7 +118,11 @@ static int stage_open(struct stage *stage, const dpt_world_def *def, const dpt_m
     if (result == DPT_OK)
         result = dpt_body_add(stage->world, mesh, NULL, &body);
     if (result == DPT_OK)
+        result = force_options_set_body(force, stage->world, body);
+    if (result == DPT_OK)
         result = dpt_tool_add(stage->world, segment, 1, &stage->tool);
+    if (result == DPT_OK)
+        result = force_options_set_tool(force, stage->world, stage->tool, 0);
     return result == DPT_OK ? 0 : complain("replay", "%s", dpt_result_text(result));
 }
 
@@ -182,8 +190,8 @@ static int compare(const struct replay_settings *settings, const dpt_mesh *mesh,
     def.until = DPT_UNTIL_TRACK;
     dpt_segment segment = segment_of(trace, 0, settings->radius);
     double *ns = malloc(trace->rows * sizeof *ns);
-    int status =
-        ns ? stage_open(&stage, &def, mesh, &segment) : complain("replay", "memory ran out");
+    int status = ns ? stage_open(&stage, &def, &settings->force, mesh, &segment)
+                    : complain("replay", "memory ran out");
     for (size_t i = 0; status == 0 && i < trace->rows; i += settings->every) {
         dpt_hit hit = DPT_HIT_INIT;
         if (against->ticks % 64 == 0)
@@ -247,12 +255,13 @@ static int run(const struct replay_settings *settings, const dpt_mesh *mesh,
     struct stage stage = { .block = NULL };
     struct replayed replayed = { .trace = trace,
                                  .until = settings->def.until,
-                                 .law = settings->def.law,
+                                 .law = settings->force.law,
                                  .strip_kind = settings->def.strip };
     dpt_segment segment = segment_of(trace, 0, settings->radius);
     replayed.ticks = calloc(trace->rows, sizeof *replayed.ticks);
-    int status = replayed.ticks ? stage_open(&stage, &settings->def, mesh, &segment)
-                                : complain("replay", "memory ran out");
+    int status = replayed.ticks
+                     ? stage_open(&stage, &settings->def, &settings->force, mesh, &segment)
+                     : complain("replay", "memory ran out");
     if (status == 0) {
         dpt_mesh_get_info(mesh, &info);
         note_lengths(settings, &info);
@@ -285,7 +294,9 @@ static int read_settings(int argc, char **argv, struct replay_settings *settings
         { .name = "--method", .text = &method },
         { .name = "--radius", .number = &settings->radius },
         { .name = "--law", .text = &law },
-        { .name = "--stiffness", .number = &settings->def.stiffness },
+        { .name = "--stiffness", .number = &settings->force.stiffness },
+        { .name = "--friction", .number = &settings->force.friction },
+        { .name = "--damping", .number = &settings->force.damping },
         { .name = "--until", .text = &until },
         { .name = "--dt", .number = &settings->dt },
         { .name = "--kernel", .text = &kernel },
@@ -324,7 +335,9 @@ static int read_settings(int argc, char **argv, struct replay_settings *settings
         return complain("replay", "--strip takes shadow or routes");
     if (!law)
         law = chosen[0] == DPT_METHOD_PAPER ? "point" : "proxy";
-    status = law_by_name("replay", law, &settings->def.law);
+    status = law_by_name("replay", law, &settings->force.law);
+    if (status == 0)
+        status = force_options_check("replay", &settings->force);
     if (status)
         return status;
     settings->def.strip = (uint32_t)word_index(strip, strips);
@@ -338,7 +351,7 @@ static int read_settings(int argc, char **argv, struct replay_settings *settings
         return complain("replay", "--parts and --one-step are for --method paper");
     if (settings->def.method != DPT_METHOD_EXACT && settings->budget)
         return complain("replay", "--budget is for --method exact");
-    if (settings->def.law == DPT_LAW_PROXY && settings->def.method == DPT_METHOD_PAPER)
+    if (settings->force.law == DPT_LAW_PROXY && settings->def.method == DPT_METHOD_PAPER)
         return complain("replay", "--law proxy is for the other methods than paper");
     if (settings->def.certificate_bytes > (uint64_t)1 << 40)
         return complain("replay", "--certificate-bytes must be 0 to 2^40");
@@ -350,8 +363,6 @@ static int read_settings(int argc, char **argv, struct replay_settings *settings
     settings->def.baseline = &settings->baseline;
     if (!(settings->radius >= 0.0 && settings->radius <= DPT_COORDINATE_MAX))
         return complain("replay", "--radius must be 0 to 1e6");
-    if (!(settings->def.stiffness >= 0.0 && settings->def.stiffness <= 1e9))
-        return complain("replay", "--stiffness must be 0 to 1e9");
     if (!(settings->def.strip_width >= 0.0 && settings->def.strip_width <= DPT_COORDINATE_MAX))
         return complain("replay", "--strip-width must be 0 to 1e6");
     if (!(settings->dt > 0.0 && settings->dt <= 1e6))
@@ -390,7 +401,9 @@ static int read_trace(struct csv_table *trace, const char *path)
 
 int command_replay(int argc, char **argv)
 {
-    struct replay_settings settings = { .dt = 1e-3, .repeat = 1, .every = NOT_GIVEN, .parts = 1 };
+    struct replay_settings settings = {
+        .force = { .stiffness = 500.0 }, .dt = 1e-3, .repeat = 1, .every = NOT_GIVEN, .parts = 1
+    };
     struct csv_table trace;
     void *bytes;
     dpt_world_def_init(&settings.def);

@@ -8,7 +8,6 @@
 #include "command_options.h"
 #include "commands.h"
 #include "dynpoint/driver.h"
-#include "law_name.h"
 #include "open_device.h"
 #include "scene.h"
 #include "stop.h"
@@ -40,6 +39,8 @@ static const char help[] =
     "through\n"
     "                   nothing; bed: along the tool and at its ends; point: at the deepest point\n"
     "  --stiffness K    of the force, N/m; default 500\n"
+    "  --friction MU    of all bodies, with a proxy; default 0\n"
+    "  --damping B      of the proxy's spring, Ns/m; default 0\n"
     "  --force-max F    N; default the guard's, 5, or the device's if that is less\n"
     "  --rate HZ        of the loop; default the device's\n"
     "  --budget N       at most N units of work a tick, 0: unlimited; what is not decided then is\n"
@@ -111,8 +112,9 @@ static dpt_result feel(void *user, const dpt_loop_sample *sample, dpt_wrench *wr
     for (int k = 0; k < 3; k++)
         square += wrench->force[k] * wrench->force[k];
     /* A tool with a proxy is as deep as the spring is long. */
-    const int has_spring = session->scene.law == DPT_LAW_PROXY && session->scene.stiffness > 0.0;
-    const double depth = has_spring ? sqrt(square) / session->scene.stiffness : hit.depth;
+    const struct force_options *options = &session->scene.force;
+    const int has_spring = options->law == DPT_LAW_PROXY && options->stiffness > 0.0;
+    const double depth = has_spring ? sqrt(square) / options->stiffness : hit.depth;
     session->depth_max = fmax(session->depth_max, depth);
     session->force_peak = fmax(session->force_peak, sqrt(square));
     return DPT_OK;
@@ -338,7 +340,9 @@ static int read_settings(int argc, char **argv, struct run_settings *settings)
         { .name = "--length", .number = &settings->scene.length },
         { .name = "--radius", .number = &settings->scene.radius },
         { .name = "--law", .text = &law },
-        { .name = "--stiffness", .number = &settings->scene.stiffness },
+        { .name = "--stiffness", .number = &settings->scene.force.stiffness },
+        { .name = "--friction", .number = &settings->scene.force.friction },
+        { .name = "--damping", .number = &settings->scene.force.damping },
         { .name = "--force-max", .number = &settings->force_max },
         { .name = "--rate", .number = &settings->rate },
         { .name = "--budget", .count = &settings->budget },
@@ -353,7 +357,9 @@ static int read_settings(int argc, char **argv, struct run_settings *settings)
         return status;
     if (operands != 1 || !settings->device)
         return complain("run", "MESH.dpa or ARM.dpa, and --device NAME are needed (see --help)");
-    status = law_by_name("run", law, &settings->scene.law);
+    status = law_by_name("run", law, &settings->scene.force.law);
+    if (status == 0)
+        status = force_options_check("run", &settings->scene.force);
     if (status)
         return status;
     if (settings->record && check_record(settings))
@@ -363,8 +369,6 @@ static int read_settings(int argc, char **argv, struct run_settings *settings)
     if (!(settings->scene.length >= 0.0 && settings->scene.length <= 10.0) ||
         !(settings->scene.radius >= 0.0 && settings->scene.radius <= 1.0))
         return complain("run", "--length must be 0 to 10, --radius 0 to 1");
-    if (!(settings->scene.stiffness >= 0.0 && settings->scene.stiffness <= 1e9))
-        return complain("run", "--stiffness must be 0 to 1e9");
     if (settings->force_max < 0.0 || settings->force_max > 1000.0)
         return complain("run", "--force-max must be 0 to 1000");
     if (settings->rate != 0.0 && !(settings->rate >= 1.0 && settings->rate <= 1e5))
@@ -383,7 +387,7 @@ static int read_settings(int argc, char **argv, struct run_settings *settings)
 int command_run(int argc, char **argv)
 {
     struct run_settings settings = {
-        .scene = { .zoom = 1.0, .length = 0.1, .radius = 0.002, .stiffness = 500.0 },
+        .scene = { .zoom = 1.0, .length = 0.1, .radius = 0.002, .force = { .stiffness = 500.0 } },
         .force_max = NAN,
         .seconds = HUGE_VAL,
         .budget = BUDGET_BY_RATE

@@ -81,15 +81,21 @@ static uint32_t copy_tool_segments(const dpt_arm *arm, dpt_segment *segments)
     return count;
 }
 
-static dpt_result add_bodies(struct scene *scene)
+static dpt_result add_body(struct scene *scene, const dpt_mesh *mesh, const dpt_pose *pose)
 {
     dpt_body body;
+    const dpt_result result = dpt_body_add(scene->world, mesh, pose, &body);
+    return result == DPT_OK ? force_options_set_body(&scene->force, scene->world, body) : result;
+}
+
+static dpt_result add_bodies(struct scene *scene)
+{
     dpt_arm_body from = { .size = sizeof from };
     if (scene->mesh)
-        return dpt_body_add(scene->world, scene->mesh, NULL, &body);
+        return add_body(scene, scene->mesh, NULL);
     dpt_result result = DPT_OK;
     for (uint32_t i = 0; result == DPT_OK && dpt_arm_get_body(scene->arm, i, &from) == DPT_OK; i++)
-        result = dpt_body_add(scene->world, from.mesh, &from.pose, &body);
+        result = add_body(scene, from.mesh, &from.pose);
     return result;
 }
 
@@ -102,8 +108,6 @@ int scene_make_world(struct scene *scene, const dpt_device *device, uint32_t bud
     world.max_bodies = scene->mesh ? 1 : DPT_ARM_BODIES_MAX;
     world.max_tools = 1;
     world.max_segments = scene->segment_count;
-    world.stiffness = scene->stiffness;
-    world.law = scene->law;
     world.budget = budget;
     scene->block = malloc(dpt_world_bytes(&world));
     if (!scene->block)
@@ -114,6 +118,9 @@ int scene_make_world(struct scene *scene, const dpt_device *device, uint32_t bud
         result = add_bodies(scene);
     if (result == DPT_OK)
         result = dpt_tool_add(scene->world, scene->segments, scene->segment_count, &scene->tool);
+    if (result == DPT_OK)
+        result = force_options_set_tool(&scene->force, scene->world, scene->tool,
+                                        scene->device.wrench_dofs < 6);
     return result == DPT_OK ? 0 : complain("run", "%s", dpt_result_text(result));
 }
 
@@ -149,8 +156,7 @@ int scene_open(struct scene *scene, const struct scene_def *def)
     memset(scene, 0, sizeof *scene);
     scene->zoom = def->zoom;
     scene->length = def->length;
-    scene->stiffness = def->stiffness;
-    scene->law = def->law;
+    scene->force = def->force;
     scene->bytes = load_file("run", def->path, &size);
     if (!scene->bytes)
         return 2;

@@ -8,6 +8,7 @@
 
 #include "dynpoint.h"
 #include "dynpoint/device.h"
+#include "force_options.h"
 
 struct scene_def {
     const char *path; /* of a compiled mesh or arm */
@@ -15,11 +16,10 @@ struct scene_def {
     const char *tool;
     /* Where the device's origin is in the scene's frame, "X,Y,Z" in m. NULL: above a mesh, or at the arm's middle. */
     const char *origin;
-    double zoom;      /* metres of the scene for one metre of the hand */
-    double length;    /* of the stylus, m */
-    double radius;    /* of the stylus, m */
-    double stiffness; /* N/m */
-    uint32_t law;     /* DPT_LAW_... */
+    double zoom;   /* metres of the scene for one metre of the hand */
+    double length; /* of the stylus, m */
+    double radius; /* of the stylus, m */
+    struct force_options force;
 };
 
 struct scene {
@@ -28,9 +28,8 @@ struct scene {
     const dpt_arm *arm;                         /* the arm of the scene; NULL: it is a mesh */
     const dpt_mesh *mesh;                       /* the mesh of the scene; NULL: it is an arm */
     dpt_segment segments[DPT_ARM_SEGMENTS_MAX]; /* of the tool, in its own frame */
-    uint32_t law;
     uint32_t segment_count;
-    double stiffness;
+    struct force_options force;
     int has_stylus;     /* the tool is the stylus: free, so that a trace of it can be replayed */
     dpt_segment stylus; /* in the scene's frame, as moved last */
     double length;

@@ -26,6 +26,17 @@ laws()
         END { exit wrong || felt < 200 }' proxy.out
     succeeds '--law proxy again' replay box.dpa through.csv -o again.out --radius 0.002 --law proxy --repeat 2
     check '--law proxy: other bytes' cmp -s proxy.out again.out
+    # Led along the face it would slide; friction holds it at the cone, and a damper changes what is felt.
+    awk -v header=$header 'BEGIN { print header
+        for (i = 0; i <= 240; i++) { x = i < 40 ? 0.07 - 0.00025 * i : 0.06; y = i < 40 ? 0 : 0.00005 * (i - 40)
+            print i "," x "," (y - 0.02) ",0," x "," (y + 0.02) ",0" } }' >drawn.csv
+    succeeds '--friction' replay box.dpa drawn.csv -o friction.out --radius 0.002 --friction 0.3
+    check '--friction: it slips at the cone' awk -F, 'NR == 240 { exit !(($18 / $17 + 0.3) ^ 2 < 1e-5 && $17 > 0.9) }' \
+        friction.out
+    succeeds '--damping' replay box.dpa drawn.csv -o damped.out --radius 0.002 --damping 2
+    check '--damping: B v is added while it is pressed in, and goes with the motion' awk -F, '
+        NR == FNR { force[$1] = $17; next } $1 == 38 { pressed = $17 - force[38] } $1 == 100 { still = $17 - force[100] }
+        END { exit !((pressed - 0.5) ^ 2 < 1e-6 && still ^ 2 < 1e-12) }' friction.out damped.out
     succeeds '--law proxy, scalar' replay box.dpa through.csv -o again.out --radius 0.002 --law proxy --kernel scalar
     check '--law proxy: other bytes with another kernel' cmp -s proxy.out again.out
     succeeds '--law proxy --until contact' replay box.dpa through.csv -o again.out --law proxy --until contact
@@ -81,6 +92,11 @@ late()
 refusals()
 {
     refuses 'replay --law proxy with paper' '--law proxy' replay box.dpa box.csv -o out/x --law proxy --method paper
+    for option in friction:-1 friction:11 friction:nan damping:-1 damping:inf stiffness:-1; do
+        refuses "replay --$option" "--${option%%:*}" replay box.dpa box.csv -o out/x --"${option%%:*}" "${option#*:}"
+        refuses "run --$option" "--${option%%:*}" run box.dpa --device sim --ticks 5 --"${option%%:*}" "${option#*:}"
+    done
+    refuses 'friction of a point' '--friction and --damping' replay box.dpa box.csv -o out/x --law point --friction 0.1
     refuses 'run --law' '--law takes' run box.dpa --device sim --ticks 5 --law soft
     refuses 'force-test alone' 'dynpoint force-test: ' force-test
     refuses 'force-test: unknown option' --frob force-test --frob
