@@ -31,11 +31,11 @@ static double limit_of(const struct friction_contact *contact)
 static double pull_to_rest(const struct friction_contact *contact, uint32_t n, const double *y,
                            double wanted[2])
 {
-    for (int d = 0; d < 2; d++) {
-        const double *across = contact->across[d];
-        wanted[d] = contact->pull[d] -
-                    (product(across, y, n) + contact->slip[d]) / product(across, across, n);
-    }
+    const double moves[2] = { product(contact->across[0], y, n) + contact->slip[0],
+                              product(contact->across[1], y, n) + contact->slip[1] };
+    for (int d = 0; d < 2; d++)
+        wanted[d] = contact->pull[d] - contact->inverse[d][0] * moves[0] -
+                    contact->inverse[d][1] * moves[1];
     return sqrt(wanted[0] * wanted[0] + wanted[1] * wanted[1]);
 }
 
@@ -93,34 +93,52 @@ static void share_out(struct friction_contact *contacts, uint32_t count, uint32_
 static double relax_torsion(struct friction_contact *contact, uint32_t n, double *y)
 {
     const double limit = limit_of(contact) * contact->torsion_arm;
-    const double square = product(contact->about, contact->about, n);
-    if (!(limit > 0.0 && square > 0.0)) {
+    if (!(limit > 0.0 && contact->per_square > 0.0)) {
         contact->torsion = 0.0;
         return 0.0;
     }
     const double wanted =
-        contact->torsion - (product(contact->about, y, n) + contact->turned) / square;
+        contact->torsion - (product(contact->about, y, n) + contact->turned) * contact->per_square;
     const double torsion = min_of(max_of(wanted, -limit), limit);
     const double more = torsion - contact->torsion;
     for (uint32_t k = 0; k < n; k++)
         y[k] += more * contact->about[k];
     contact->torsion = torsion;
-    return fabs(more) * sqrt(square);
+    return fabs(more) / contact->torsion_arm;
 }
 
-double dpti_friction_pulls(struct friction_contact *contacts, uint32_t count, uint32_t dimensions,
-                           const double *goal)
+/* How far a contact moves per pull, inverted. The tangents are unit vectors: the matrix is never singular. */
+static void invert(struct friction_contact *contact, uint32_t n)
+{
+    const double a = product(contact->across[0], contact->across[0], n);
+    const double b = product(contact->across[0], contact->across[1], n);
+    const double c = product(contact->across[1], contact->across[1], n);
+    const double about = product(contact->about, contact->about, n);
+    const double per_determinant = 1.0 / (a * c - b * b);
+    contact->inverse[0][0] = c * per_determinant;
+    contact->inverse[1][1] = a * per_determinant;
+    contact->inverse[0][1] = contact->inverse[1][0] = -b * per_determinant;
+    contact->per_square = about > 0.0 ? 1.0 / about : 0.0;
+}
+
+void dpti_friction_pulls(struct friction_contact *contacts, uint32_t count, uint32_t dimensions,
+                         const double *goal, int is_first)
 {
     const uint32_t n = dimensions;
-    double y[HALF_SPACE_DIMENSIONS], before[HALF_SPACE_DIMENSIONS], moved = 0.0, largest = 0.0;
+    double y[HALF_SPACE_DIMENSIONS], largest = 0.0;
     memcpy(y, goal, n * sizeof *y);
     for (uint32_t i = 0; i < count; i++) {
+        struct friction_contact *contact = &contacts[i];
         for (uint32_t k = 0; k < n; k++)
-            y[k] += contacts[i].multiplier * contacts[i].normal[k];
-        largest = max_of(largest, limit_of(&contacts[i]));
+            y[k] += contact->multiplier * contact->normal[k];
+        invert(contact, n);
+        largest = max_of(largest, limit_of(contact));
     }
-    dpti_friction_goal(contacts, count, n, y, before);
-    share_out(contacts, count, n, y);
+    if (is_first)
+        share_out(contacts, count, n, y);
+    else
+        for (uint32_t i = 0; i < count; i++)
+            dpti_friction_add(&contacts[i], 1.0, n, y);
     for (int sweep = 0; sweep < SWEEPS_MAX; sweep++) {
         double changed = 0.0;
         for (uint32_t i = 0; i < count; i++) {
@@ -130,9 +148,6 @@ double dpti_friction_pulls(struct friction_contact *contacts, uint32_t count, ui
         if (changed <= SETTLED * largest)
             break;
     }
-    for (uint32_t k = 0; k < n; k++)
-        moved = max_of(moved, fabs(y[k] - before[k]));
-    return moved;
 }
 
 void dpti_friction_goal(const struct friction_contact *contacts, uint32_t count,

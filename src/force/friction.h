@@ -24,15 +24,17 @@ struct friction_contact {
     double torsion_arm; /* m: the limit is coefficient * multiplier * this; 0: none */
     double turned;      /* rad */
     double torsion;
+    double inverse[2][2], per_square; /* the solver's own */
 };
 
 /*
  * The pulls of all contacts, at given multipliers, by projected Gauss-Seidel: with
  *     y = goal + sum of multiplier * normal + sum of pull . across + torsion about
- * each contact is to move by -slip and turn by -turned, as far as its limits allow. Returns how far the sum of the pulls moved y, at most.
+ * each contact is to move by -slip and turn by -turned, as far as its limits allow. It begins with the contacts' pulls;
+ * if `is_first`, with pulls that share what is to be held as the limits are.
  */
-double dpti_friction_pulls(struct friction_contact *contacts, uint32_t count, uint32_t dimensions,
-                           const double *goal);
+void dpti_friction_pulls(struct friction_contact *contacts, uint32_t count, uint32_t dimensions,
+                         const double *goal, int is_first);
 
 /* sum += share * (pull . across + torsion about) */
 void dpti_friction_add(const struct friction_contact *contact, double share, uint32_t dimensions,

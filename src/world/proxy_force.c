@@ -4,7 +4,6 @@
 #include "force/yield.h"
 #include "world/proxy_constraints.h"
 #include "world/proxy_friction.h"
-#include "world/proxy_solve.h"
 
 /* Of the clearance: how far a surface that holds the proxy may be from it. */
 #define HOLDING 20.0
@@ -53,7 +52,7 @@ void dpti_proxy_yield(struct proxy_tick *tick)
     dpti_proxy_turn_axes(proxy, &tick->at, tick->axes);
     dpti_proxy_to_unknowns(proxy, tick->axes, &left, wanted);
     dpti_proxy_gather(tick, HOLDING * tick->clearance);
-    if (!dpti_proxy_solve(tick, wanted) || !dpti_proxy_add_friction(tick, wanted))
+    if (!dpti_proxy_solve_rubbing(tick, wanted))
         return;
     for (uint32_t i = 0; i < tick->solved.active_count; i++) {
         const double stiffness = body_of(tick, tick->solved.active[i])->stiffness;

@@ -7,7 +7,7 @@
 enum { PASSES_MAX = 12 };
 
 /* Of the clearance: passes end where the goal moves by less. */
-#define SETTLED 1e-4
+#define SETTLED 1e-3
 
 /* Ticks for which a contact that holds nothing is kept: features change under a tool that is led along. */
 #define AGE_MAX 2
@@ -133,47 +133,72 @@ static void set_torsion_arms(const struct proxy_tick *tick, struct friction_cont
     }
 }
 
-int dpti_proxy_add_friction(struct proxy_tick *tick, const double *wanted)
+/* The wanted motion, and what friction pulled with in the last tick: this tick's is about the same. */
+static void begin_pulled(const struct proxy_tick *tick, const double *wanted, double *pulled)
+{
+    const struct proxy *proxy = tick->proxy;
+    memcpy(pulled, wanted, HALF_SPACE_DIMENSIONS * sizeof *pulled);
+    const vec3 shift = add(vec3_of(wanted), proxy->pull_shift);
+    vec3_store(shift, pulled);
+    for (uint32_t k = 3; k < proxy_unknowns(proxy); k++)
+        pulled[k] += dot(proxy->pull_turn, tick->axes[k - 3]) / proxy_rho_of(proxy, k);
+}
+
+/* The contacts with friction of the present solution; those that the last one had keep their pulls. Returns how many. */
+static uint32_t list_contacts(struct proxy_tick *tick, uint32_t before)
+{
+    const struct half_spaces_result *solved = &tick->solved;
+    struct friction_contact last[HALF_SPACE_DIMENSIONS];
+    uint32_t last_spaces[HALF_SPACE_DIMENSIONS], count = 0;
+    memcpy(last, tick->contacts, before * sizeof *last);
+    memcpy(last_spaces, tick->contact_spaces, before * sizeof *last_spaces);
+    for (uint32_t k = 0; k < solved->active_count; k++) {
+        const uint32_t space = solved->active[k];
+        const struct body *body =
+            world_find_body(tick->world, tick->triangles[tick->sources[space].triangle].body_id);
+        if (!body || !(body->static_friction > 0.0))
+            continue;
+        struct friction_contact *contact = &tick->contacts[count];
+        tick->contact_spaces[count++] = space;
+        fill_contact(tick, space, solved->multiplier[k], find_contact(tick, space), body, contact);
+        contact->pull[0] = contact->pull[1] = contact->torsion = 0.0;
+        for (uint32_t i = 0; i < before; i++)
+            if (last_spaces[i] == space) {
+                memcpy(contact->pull, last[i].pull, sizeof contact->pull);
+                contact->torsion = last[i].torsion;
+            }
+    }
+    set_torsion_arms(tick, tick->contacts, count);
+    return count;
+}
+
+/* How far two motions are apart in any unknown. */
+static double apart(const double *a, const double *b, uint32_t n)
+{
+    double most = 0.0;
+    for (uint32_t k = 0; k < n; k++)
+        most = max_of(most, fabs(a[k] - b[k]));
+    return most;
+}
+
+int dpti_proxy_solve_rubbing(struct proxy_tick *tick, const double *wanted)
 {
     const uint32_t n = proxy_unknowns(tick->proxy);
-    struct friction_contact *contacts = tick->contacts;
-    double pulls[HALF_SPACES_MAX][2], torsions[HALF_SPACES_MAX];
+    double pulled[HALF_SPACE_DIMENSIONS], next[HALF_SPACE_DIMENSIONS];
     uint32_t count = 0;
-    memset(pulls, 0, sizeof pulls);
-    memset(torsions, 0, sizeof torsions);
     tick->contact_count = 0;
+    begin_pulled(tick, wanted, pulled);
+    if (!dpti_proxy_solve(tick, pulled))
+        return 0;
     for (int pass = 0; pass < PASSES_MAX; pass++) {
-        const struct half_spaces_result *solved = &tick->solved;
-        count = 0;
-        for (uint32_t k = 0; k < solved->active_count; k++) {
-            const uint32_t space = solved->active[k];
-            const uint32_t id = tick->triangles[tick->sources[space].triangle].body_id;
-            const struct body *body = world_find_body(tick->world, id);
-            if (!body || !(body->static_friction > 0.0))
-                continue;
-            tick->contact_spaces[count] = space;
-            fill_contact(tick, space, solved->multiplier[k], find_contact(tick, space), body,
-                         &contacts[count]);
-            memcpy(contacts[count].pull, pulls[space], sizeof contacts[count].pull);
-            contacts[count].torsion = torsions[space];
-            count++;
-        }
-        if (!count)
-            return 1;
-        set_torsion_arms(tick, contacts, count);
-        const double moved = dpti_friction_pulls(contacts, count, n, wanted);
-        double pulled[HALF_SPACE_DIMENSIONS];
-        memset(pulls, 0, sizeof pulls);
-        memset(torsions, 0, sizeof torsions);
-        for (uint32_t i = 0; i < count; i++) {
-            memcpy(pulls[tick->contact_spaces[i]], contacts[i].pull, sizeof contacts[i].pull);
-            torsions[tick->contact_spaces[i]] = contacts[i].torsion;
-        }
-        dpti_friction_goal(contacts, count, n, wanted, pulled);
+        count = list_contacts(tick, count);
+        dpti_friction_pulls(tick->contacts, count, n, wanted, pass == 0);
+        dpti_friction_goal(tick->contacts, count, n, wanted, next);
+        if (apart(next, pulled, n) <= SETTLED * tick->clearance)
+            break;
+        memcpy(pulled, next, n * sizeof *pulled);
         if (!dpti_proxy_solve(tick, pulled))
             return 0;
-        if (moved <= SETTLED * tick->clearance)
-            break;
     }
     tick->contact_count = count;
     return 1;
@@ -206,9 +231,26 @@ void dpti_proxy_note_slip(struct proxy_tick *tick, vec3 shift, vec3 turn)
     }
 }
 
+/* What a contact pulls with, for the next tick. */
+static void note_pull(const struct proxy_tick *tick, uint32_t i)
+{
+    const struct friction_contact *contact = &tick->contacts[i];
+    const vec3 arm = arm_of(tick, tick->contact_spaces[i]);
+    const vec3 pull = along(scaled(vec3_of(contact->across[0]), contact->pull[0]), contact->pull[1],
+                            vec3_of(contact->across[1]));
+    struct proxy *proxy = tick->proxy;
+    proxy->pull_shift = add(proxy->pull_shift, pull);
+    proxy->pull_turn =
+        add(proxy->pull_turn, along(cross(arm, pull), contact->torsion, vec3_of(contact->normal)));
+}
+
 void dpti_proxy_keep_contacts(struct proxy_tick *tick)
 {
+    const vec3 none = { 0.0, 0.0, 0.0 };
     tick->proxy->sticking = tick->proxy->slipping = 0;
+    tick->proxy->pull_shift = tick->proxy->pull_turn = none;
+    for (uint32_t i = 0; i < tick->contact_count; i++)
+        note_pull(tick, i);
     for (uint32_t i = 0; i < PROXY_CONTACTS_MAX; i++)
         tick->proxy->contacts[i].age++;
     for (uint32_t i = 0; i < tick->contact_count; i++) {

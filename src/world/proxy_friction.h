@@ -7,10 +7,10 @@
 #include "world/proxy_tick.h"
 
 /*
- * Add friction to the motion in tick->solved, which was solved for without it. Nothing changes if no body that holds the
- * proxy has friction. Returns 0 if a constraint cannot be met.
+ * dpti_proxy_solve with friction: where no body that holds the proxy has any it is the same. Returns 0 if a constraint
+ * cannot be met.
  */
-int dpti_proxy_add_friction(struct proxy_tick *tick, const double *wanted);
+int dpti_proxy_solve_rubbing(struct proxy_tick *tick, const double *wanted);
 
 /* The proxy moved by that: what each contact slipped by is known; limits that were reached start anew. */
 void dpti_proxy_note_slip(struct proxy_tick *tick, vec3 shift, vec3 turn);

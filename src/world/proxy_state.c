@@ -3,7 +3,7 @@
 
 #include "world/proxy_constraints.h"
 
-enum { BYTES_PROXY = 1024 };
+enum { BYTES_PROXY = 1280 };
 typedef char proxy_fits[sizeof(struct proxy) <= BYTES_PROXY ? 1 : -1];
 
 uint64_t dpti_proxy_bytes(const dpt_world_def *def)

@@ -6,7 +6,6 @@
 #include "world/proxy_free.h"
 #include "world/proxy_friction.h"
 #include "world/proxy_motion.h"
-#include "world/proxy_solve.h"
 #include "world/segment_track.h"
 
 enum { ITERATIONS_MAX = 8, CORRECTIONS_MAX = 2 };
@@ -77,12 +76,6 @@ static double size_of(const double *unknowns, uint32_t n)
     return sqrt(square);
 }
 
-/* The motion that constraints and friction allow. */
-static int solve(struct proxy_tick *tick, const double *wanted)
-{
-    return dpti_proxy_solve(tick, wanted) && dpti_proxy_add_friction(tick, wanted);
-}
-
 /* By how much a motion is to be shortened: not beyond `longest`, and not turned too far at once. */
 static double share_allowed(const struct proxy_tick *tick, double longest)
 {
@@ -126,7 +119,7 @@ static struct proxy_pose corrected_motion(struct proxy_tick *tick, const double 
             tick->spaces[i].bound += tick->clearance - gap;
             is_low = 1;
         }
-        if (!is_low || !solve(tick, wanted))
+        if (!is_low || !dpti_proxy_solve_rubbing(tick, wanted))
             return to;
     }
 }
@@ -171,7 +164,7 @@ static int gather_and_solve(struct proxy_tick *tick, const double *wanted, doubl
     for (int again = 0;; again++) {
         dpti_proxy_turn_axes(tick->proxy, &tick->at, tick->axes);
         dpti_proxy_gather(tick, reach);
-        if (!solve(tick, wanted))
+        if (!dpti_proxy_solve_rubbing(tick, wanted))
             return 0;
         const double size = size_of(tick->solved.y, n);
         if (again || size + bodies_moved <= 0.5 * reach)
@@ -250,7 +243,7 @@ static int follow_once(struct proxy_tick *tick, double *allowed)
         const double shorter = longest / size;
         for (uint32_t k = 0; k < n; k++)
             wanted[k] *= shorter;
-        if (!solve(tick, wanted))
+        if (!dpti_proxy_solve_rubbing(tick, wanted))
             return FOLLOW_STUCK;
     }
     const int is_whole = size <= longest;
@@ -384,7 +377,11 @@ static void doubt_unseen_motion(const struct dpt_world *world, struct proxy *pro
 void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
 {
     struct proxy *proxy = proxy_of(world, tool);
-    struct proxy_tick tick = { .world = world, .tool = tool, .proxy = proxy };
+    struct proxy_tick tick;
+    memset(&tick, 0, offsetof(struct proxy_tick, triangles));
+    tick.world = world;
+    tick.tool = tool;
+    tick.proxy = proxy;
     const double scale = min_of(world->largest_diagonal, PROXY_SCALE_MAX);
     const uint32_t work_before = world->work.done;
     doubt_unseen_motion(world, proxy);

@@ -42,16 +42,15 @@ struct proxy_tick {
     int is_before; /* `at` is proven only for where bodies were before this tick */
     int is_lost;   /* the segments' nearest pairs are of another pose than `at` */
     uint32_t triangle_count;
-    /* Copies: what a motion meets is remembered while it is looked at. */
-    struct proxy_triangle triangles[PROXY_TRIANGLES_MAX];
     uint32_t space_count;
+    uint32_t contact_count; /* of the solution, contacts with friction */
+    struct half_spaces_result solved;
+    /* From here on a tick does not begin with zeros. Copies: what a motion meets is remembered while it is looked at. */
+    struct proxy_triangle triangles[PROXY_TRIANGLES_MAX];
     struct half_space spaces[HALF_SPACES_MAX];
     struct proxy_source sources[HALF_SPACES_MAX];
-    struct half_spaces_result solved;
-    /* Of the solution, the contacts with friction, and their constraints. */
-    uint32_t contact_count;
-    uint32_t contact_spaces[HALF_SPACE_DIMENSIONS];
     struct friction_contact contacts[HALF_SPACE_DIMENSIONS];
+    uint32_t contact_spaces[HALF_SPACE_DIMENSIONS]; /* the constraints of the contacts */
 };
 
 #endif

@@ -116,6 +116,8 @@ struct proxy {
     /* Of the displacement from the device to the proxy, the part that surfaces yield, and the energy they store, J. */
     struct displacement yielded;
     double yielded_energy;
+    /* What friction pulled with in the last tick: in m, and about the centre in m^2; times the stiffness N and Nm. */
+    vec3 pull_shift, pull_turn;
     struct displacement felt; /* the rest of it, in the last tick; 0: no force */
     struct fade fade;
     uint64_t folds;
