@@ -37,13 +37,19 @@ enum {
  *                  so; 0 if there is none
  *   gap            signed distance of the tool's surface at p, m
  *
- * The last four are integrals over the length of the stretch, in m^2. With w(s) = max(0, margin - gap(s)) and n(s)
- * the exit direction:
+ * Integrals over the length of the stretch, in m^2. With w(s) = max(0, onset - gap(s)), where the onset is the margin
+ * unless the world's def says otherwise, and n(s) the exit direction:
  *
  *   overlap        of w
  *   moment         of s w: moment / overlap is the s of the contact's middle
  *   thrust         of w n
  *   thrust_moment  of s w n
+ *   square         of w^2, in m^3: twice what a bed of springs of 1 N/m^2 stores
+ *
+ * At s0 and s1:
+ *
+ *   end_gap        the gap, m: the margin, except where the stretch ends with the segment
+ *   end_normal     the exit direction
  *
  * The integrals are continuous in the motion, even where a nearest point jumps. When contacts join, their integrals add
  * up.
@@ -69,6 +75,9 @@ typedef struct dpt_contact {
     double moment;
     double thrust[3];
     double thrust_moment[3];
+    double square;
+    double end_gap[2];
+    double end_normal[2][3];
 } dpt_contact;
 
 /* The result of sweeping a motion between two steps. */

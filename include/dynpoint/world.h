@@ -115,6 +115,11 @@ typedef struct dpt_world_def {
     /* For DPT_METHOD_PAPER only (baseline.h); NULL: its defaults; NULL */
     const dpt_baseline_def *baseline;
     const void *reserved_pointer; /* NULL */
+    /*
+     * The integrals of contacts count what is nearer to the tool's surface than this, m, at most the margin. 0: what is
+     * inside alone; below 0: the margin; -1
+     */
+    double onset;
 } dpt_world_def;
 
 /* Fill in the first `size` bytes; what dpt_world_def_init calls with its own caller's sizeof. */

@@ -81,21 +81,35 @@ static void integrate_depth(struct region *region, struct profile_piece piece, d
     region->depth_moment = along(region->depth_moment, moment, piece.normal);
 }
 
-/* Add the integrals over a piece, all of it within reach, to its region. */
-static void integrate_piece(struct region *region, const struct profile_piece *piece, double margin,
-                            double axis_length)
+/* Add the integrals over what of a piece is beyond the onset to its region. */
+static void integrate_overlap(struct region *region, struct profile_piece piece, double inset,
+                              double axis_length)
 {
-    double width = (piece->s1 - piece->s0) * axis_length;
-    double overlap = 0.5 * (piece->w0 + piece->w1) * width;
-    double moment =
-        (piece->s0 * (2.0 * piece->w0 + piece->w1) + piece->s1 * (piece->w0 + 2.0 * piece->w1)) *
-        (width / 6.0);
+    piece.w0 -= inset;
+    piece.w1 -= inset;
+    if (!clip_to_reach(&piece))
+        return;
+    const double width = (piece.s1 - piece.s0) * axis_length, w0 = piece.w0, w1 = piece.w1;
+    const double overlap = 0.5 * (w0 + w1) * width;
+    const double moment = (piece.s0 * (2.0 * w0 + w1) + piece.s1 * (w0 + 2.0 * w1)) * (width / 6.0);
     region->overlap += overlap;
     region->moment += moment;
-    region->thrust = along(region->thrust, overlap, piece->normal);
-    region->thrust_moment = along(region->thrust_moment, moment, piece->normal);
+    region->square += (w0 * w0 + w0 * w1 + w1 * w1) * (width / 3.0);
+    region->thrust = along(region->thrust, overlap, piece.normal);
+    region->thrust_moment = along(region->thrust_moment, moment, piece.normal);
+}
+
+/* Add the integrals over a piece, all of it within reach, to its region. */
+static void integrate_piece(struct region *region, const struct profile_piece *piece,
+                            const struct distance_profile *profile)
+{
+    region->within +=
+        0.5 * (piece->w0 + piece->w1) * ((piece->s1 - piece->s0) * profile->axis_length);
     region->to = piece->s1;
-    integrate_depth(region, *piece, margin, axis_length);
+    region->end_within[1] = piece->w1;
+    region->end_normal[1] = piece->normal;
+    integrate_overlap(region, *piece, profile->inset, profile->axis_length);
+    integrate_depth(region, *piece, profile->margin, profile->axis_length);
 }
 
 /* For a span between a mark and a sample: how far the sample's tangent is still within reach at s. */
@@ -423,11 +437,15 @@ static void add_region_piece(struct region_builder *builder, uint32_t sample,
         if (builder->count == REGION_MAX)
             return;
         region = &builder->regions[builder->count++];
-        *region = (struct region){ .from = piece.s0, .deepest = sample, .part = part };
+        *region = (struct region){ .from = piece.s0,
+                                   .end_within = { piece.w0 },
+                                   .end_normal = { piece.normal },
+                                   .deepest = sample,
+                                   .part = part };
     }
     if (profile->sample[sample].height < profile->sample[region->deepest].height)
         region->deepest = sample;
-    integrate_piece(region, &piece, profile->margin, profile->axis_length);
+    integrate_piece(region, &piece, profile);
     builder->is_open = piece.s1 >= to;
 }
 
@@ -550,7 +568,7 @@ static uint32_t select_warm_starts(const struct distance_profile *profile,
     uint32_t count = 0;
     const struct profile_sample *previous = NULL;
     double share_per_area =
-        region->overlap > 0.0 ? 0.5 * profile->axis_length / region->overlap : 0.0;
+        region->within > 0.0 ? 0.5 * profile->axis_length / region->within : 0.0;
     for (uint32_t i = 0; i < profile->sample_count; i++) {
         const struct profile_sample *sample = &profile->sample[i];
         if (sample->s > region->to)
@@ -578,7 +596,7 @@ uint32_t dpti_contact_region_warm_starts(const struct distance_profile *profile,
 {
     enum { THRESHOLD_STEPS = 32 };
     double threshold =
-        profile->axis_length > 0.0 ? ERROR_IGNORED * region->overlap / profile->axis_length : 0.0;
+        profile->axis_length > 0.0 ? ERROR_IGNORED * region->within / profile->axis_length : 0.0;
     uint32_t count = select_warm_starts(profile, region, threshold, warm_starts, max_count);
     for (int i = 0; i < THRESHOLD_STEPS && count > max_count; i++) {
         threshold *= 1.25;

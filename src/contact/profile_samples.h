@@ -108,6 +108,7 @@ struct distance_profile {
     double axis_length;              /* m */
     double reach;                    /* surface farther than that from the axis does not count, m */
     double margin;                   /* m, of the reach: beyond the tool's surface */
+    double inset;                    /* m: overlaps count from so far within the reach */
     double tolerance;                /* of the depth, m */
     struct work work;                /* of this profile alone */
     uint32_t is_cut;                 /* the work was spent before the profile was complete */

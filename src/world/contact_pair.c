@@ -104,6 +104,13 @@ static void write_contact(const struct contact_pair *contact_pair, const struct 
     vec3_store(frame_turn(frame, dpti_contact_normal(contact_pair->profile, deepest, smooth)),
                contact->normal);
     memcpy(contact->weight, deepest->weight, sizeof contact->weight);
+    contact->square = region->square;
+    for (int e = 0; e < 2; e++) {
+        /* Between two samples it is an estimate; nothing of the region is deeper than its deepest sample. */
+        contact->end_gap[e] =
+            max_of(contact->gap, contact_pair->profile->margin - region->end_within[e]);
+        vec3_store(frame_turn(frame, region->end_normal[e]), contact->end_normal[e]);
+    }
     contact->overlap = region->overlap;
     contact->moment = region->moment;
     vec3_store(frame_turn(frame, region->thrust), contact->thrust);
@@ -301,6 +308,8 @@ int dpti_contact_pair_find(struct contact_pair *contact_pair, double *gap)
     profile->ends_wanted = contact_pair->bed_depth != NULL;
     profile->body = handle_index(contact_pair->body->id);
     profile->margin = has_regions(contact_pair) ? world->def.margin : 0.0;
+    profile->inset =
+        world->def.onset >= 0.0 ? max_of(0.0, profile->margin - world->def.onset) : 0.0;
     profile->reach = contact_pair->radius + profile->margin;
     profile->tolerance = PROFILE_DEPTH_SHARE * dpti_surface_diagonal(profile->surface);
     int status =

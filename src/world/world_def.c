@@ -19,6 +19,7 @@ void dpt_world_def_defaults(dpt_world_def *def, size_t size)
         .strip_capacity = 1024,
         .strip_search = 16384,
         .law = DPT_LAW_PROXY,
+        .onset = -1.0,
     };
     sized_defaults(def, size, &defaults, sizeof defaults);
 }
@@ -103,6 +104,7 @@ int dpti_world_def_is_valid(const dpt_world_def *def)
            dpti_stiffness_is_valid(def->stiffness) && dpti_side_limit_is_valid(def->side_limit) &&
            dpti_law_is_valid(def->law) && def->fade >= 0.0 && def->fade <= 1.0 &&
            def->certificate_bytes <= CERTIFICATE_BYTES_MAX && def->margin >= 0.0 &&
-           within(def->margin, DPT_COORDINATE_MAX) && def->max_contacts <= 0xffff &&
+           within(def->margin, DPT_COORDINATE_MAX) && def->onset <= def->margin &&
+           within(def->onset, DPT_COORDINATE_MAX) && def->max_contacts <= 0xffff &&
            def->smooth_normals <= 1 && strips_are_valid(def);
 }

@@ -54,9 +54,12 @@ void take_quadrature(struct quadrature *q, const dpt_mesh *mesh, const dpt_pose 
             q->way[i][k] = (hits[i].gap < 0 ? -1 : 1) * (hits[i].p[k] - hits[i].q[k]);
         unit3(q->way[i]);
         q->height[i] = hits[i].gap;
-        const double w = fmax(0, reach - hits[i].gap) * q->width[i] * length;
+        const double deep = fmax(0, reach - hits[i].gap), w = deep * q->width[i] * length;
         add_overlap(&q->sum, w, q->s[i], q->way[i]);
-        if (i % 2)
+        q->sum.square += deep * w;
+        if (i % 2) {
             add_overlap(&q->half, 2 * w, q->s[i], q->way[i]);
+            q->half.square += 2 * deep * w;
+        }
     }
 }

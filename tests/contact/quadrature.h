@@ -10,20 +10,20 @@
 
 /* What a step tells of a tool of one segment, as the quadrature does. */
 struct integrals {
-    double overlap, moment, thrust[3], thrust_moment[3];
+    double overlap, moment, thrust[3], thrust_moment[3], square;
 };
 
 /* So much overlap at s, with this way out. */
 void add_overlap(struct integrals *sum, double overlap, double s, const double way[3]);
 
-/* The four of them as vectors, so that one loop serves all. */
-enum { INTEGRALS = 4 };
+/* They as vectors, so that one loop serves all. */
+enum { INTEGRALS = 5 };
 static const char *const integral_names[INTEGRALS] = { "overlap", "moment", "thrust",
-                                                       "thrust_moment" };
+                                                       "thrust_moment", "square" };
 
 static inline void integral_of(const struct integrals *i, int which, double v[3])
 {
-    const double scalar[3] = { which == 0 ? i->overlap : i->moment, 0, 0 };
+    const double scalar[3] = { which == 0 ? i->overlap : which == 1 ? i->moment : i->square, 0, 0 };
     memcpy(v, which == 2 ? i->thrust : which == 3 ? i->thrust_moment : scalar, 3 * sizeof *v);
 }
 

@@ -16,7 +16,8 @@ static void integrate(double (*height)(const void *of, double s), const void *of
 }
 
 /* A sheet at z = 0, finely cut; what a tool over it, or pressed through it from above, must be told. */
-static void integrate_flat(double w0, double w1, double length, double *overlap, double *moment)
+static void integrate_flat(double w0, double w1, double length, double *overlap, double *moment,
+                           double *square)
 {
     double from = 0, to = 1;
     if (w0 < 0)
@@ -29,16 +30,31 @@ static void integrate_flat(double w0, double w1, double length, double *overlap,
     /* Simpson's rule, exact for both. */
     *overlap = width / 6 * (low + 4 * half + high);
     *moment = width / 6 * (from * low + 4 * middle * half + to * high);
+    *square = width / 6 * (low * low + 4 * half * half + high * high);
+}
+
+/* At its ends: the gap of the tool's surface over the plane, and the way out. */
+static void check_ends(const dpt_contact *c, const char *how, const double flat[6], double radius,
+                       double up)
+{
+    for (int e = 0; e < 2; e++) {
+        const double s = e ? c->s1 : c->s0, gap = flat[2] + s * (flat[5] - flat[2]) - radius;
+        CHECK(fabs(c->end_gap[e] - gap) <= 1e-9, "%s: gap %.12g, not %.12g at %g", how,
+              c->end_gap[e], gap, s);
+        CHECK(fabs(c->end_normal[e][2] - up) <= 1e-9, "%s: normal %g at %g", how,
+              c->end_normal[e][2], s);
+    }
 }
 
 static void check_flat(const struct stage *stage, const char *how, const double ends[6],
-                       double radius, double margin, double up, const dpt_hit *hit)
+                       double radius, const dpt_world_def *def, double up, const dpt_hit *hit)
 {
     dpt_contact contacts[STAGE_CONTACTS];
     const double flat[6] = { ends[0], ends[1], up * ends[2], ends[3], ends[4], up * ends[5] };
     const uint32_t count = stage_contacts(stage, contacts);
     const double gap = fmin(flat[2], flat[5]) - radius, length = apart(ends, ends + 3);
-    double overlap, moment;
+    const double margin = def->margin, onset = def->onset < 0 ? margin : def->onset;
+    double overlap, moment, square;
     CHECK(fabs(hit->gap - gap) <= 1e-9, "%s: gap %.12g, not %.12g at %a %a %a", how, hit->gap, gap,
           ends[0], ends[1], ends[2]);
     CHECK(hit->contact == (gap > 1e-12    ? DPT_CONTACT_SEPARATED
@@ -54,11 +70,15 @@ static void check_flat(const struct stage *stage, const char *how, const double 
               fabs(c->normal[2] - up) <= 1e-9,
           "%s: normal %.12g %.12g %.12g at %a %a %a", how, c->normal[0], c->normal[1], c->normal[2],
           ends[0], ends[1], ends[2]);
-    integrate_flat(margin + radius - flat[2], margin + radius - flat[5], length, &overlap, &moment);
+    check_ends(c, how, flat, radius, up);
+    integrate_flat(onset + radius - flat[2], onset + radius - flat[5], length, &overlap, &moment,
+                   &square);
     const double slack = 1e-9 * (margin + fabs(gap)) * length + 1e-15;
     CHECK(fabs(c->overlap - overlap) <= slack, "%s: overlap %.9g, not %.9g", how, c->overlap,
           overlap);
     CHECK(fabs(c->moment - moment) <= slack, "%s: moment %.9g, not %.9g", how, c->moment, moment);
+    CHECK(fabs(c->square - square) <= slack * (margin + fabs(gap)) + 1e-18,
+          "%s: square %.9g, not %.9g", how, c->square, square);
     CHECK(fabs(c->thrust[2] - up * overlap) <= slack && fabs(c->thrust[0]) <= slack,
           "%s: thrust %.9g, not %.9g", how, c->thrust[2], up * overlap);
 }
@@ -68,12 +88,17 @@ static void check_flat(const struct stage *stage, const char *how, const double 
  * Exact: the mesh is the plane.
  */
 static void slide_flat(const struct solid *solid, const char *how, const double ends[6],
-                       const double step[2], double radius, double up, double top, double bottom)
+                       const double step[2], double radius, double up, double top, double bottom,
+                       double onset)
 {
     struct stage stage;
-    const double margin = 0.001, fall = (bottom - top) * 1.2 / 400;
+    dpt_world_def def;
+    const double fall = (bottom - top) * 1.2 / 400;
     const int count = 400;
-    if (!stage_open(&stage, solid->mesh, NULL, margin, 32, 0))
+    dpt_world_def_init(&def);
+    def.law = DPT_LAW_POINT;
+    def.onset = onset;
+    if (!stage_open_world(&stage, solid->mesh, NULL, &def))
         return;
     for (int i = 0; i < count; i++) {
         double now[6];
@@ -87,7 +112,7 @@ static void slide_flat(const struct solid *solid, const char *how, const double 
             now[3 * e + 2] = up * (ends[3 * e + 2] + height);
         }
         const dpt_hit hit = stage_tick(&stage, now, radius);
-        check_flat(&stage, how, now, radius, margin, up, &hit);
+        check_flat(&stage, how, now, radius, &def, up, &hit);
     }
     stage_close(&stage);
 }
@@ -103,16 +128,18 @@ static void flat_sheet(void)
     for (int way = 0; way < 3; way++)
         for (int side = 0; side < 2; side++) {
             const double up = side ? -1 : 1;
+            /* The integrals begin at the margin, between it and the surface, at the surface. */
+            const double onset = way == 0 ? -1 : way == 1 ? 4e-4 : 0;
             const double ball[6] = { grid, grid, 0, grid, grid, 0 };
             const double lying[6] = { grid, grid, 0, -0.03, -0.06, 0 };
             const double tilted[6] = { grid, grid, 0, -0.04, -0.07, 0.01 };
             const double steep[6] = { -0.079, grid, 0.15, grid, grid, 0 };
-            slide_flat(&solid, "ball", ball, steps[way], 0.005, up, 0.0065, -0.004);
-            slide_flat(&solid, "point", ball, steps[way], 0, up, 0.0015, -0.004);
-            slide_flat(&solid, "lying", lying, steps[way], 0.003, up, 0.0045, -0.003);
-            slide_flat(&solid, "tilted", tilted, steps[way], 0.002, up, 0.0035, -0.006);
-            slide_flat(&solid, "tilted line", tilted, steps[way], 0, up, 0.0015, -0.006);
-            slide_flat(&solid, "steep line", steep, steps[way], 0, up, 0.0015, -0.02);
+            slide_flat(&solid, "ball", ball, steps[way], 0.005, up, 0.0065, -0.004, onset);
+            slide_flat(&solid, "point", ball, steps[way], 0, up, 0.0015, -0.004, onset);
+            slide_flat(&solid, "lying", lying, steps[way], 0.003, up, 0.0045, -0.003, onset);
+            slide_flat(&solid, "tilted", tilted, steps[way], 0.002, up, 0.0035, -0.006, onset);
+            slide_flat(&solid, "tilted line", tilted, steps[way], 0, up, 0.0015, -0.006, onset);
+            slide_flat(&solid, "steep line", steep, steps[way], 0, up, 0.0015, -0.02, onset);
         }
     solid_close(&solid);
 }

@@ -165,7 +165,7 @@ static uint64_t check_run(const struct scene *scene, const struct record *record
     const char *name = scene->solid->name, *how = scene->how;
     for (int which = 0; which < INTEGRALS; which++) {
         /* A thrust is an overlap with directions. Where they cancel, its own peak says nothing of what is felt. */
-        const double peak = fmax(peak_of(record, count, which % 2), 1e-30);
+        const double peak = fmax(peak_of(record, count, which < 4 ? which % 2 : which), 1e-30);
         uint64_t at = 0, jump_at = 0;
         double doubt = 0;
         for (uint64_t i = 0; i < count; i++) {
@@ -241,6 +241,7 @@ static uint64_t run(struct scene *scene, next_ends *next, void *of, uint64_t cou
             check_region(scene, ends, &quadrature, c);
             record[i].ours.overlap += c->overlap;
             record[i].ours.moment += c->moment;
+            record[i].ours.square += c->square;
             for (int d = 0; d < 3; d++) {
                 record[i].ours.thrust[d] += c->thrust[d];
                 record[i].ours.thrust_moment[d] += c->thrust_moment[d];

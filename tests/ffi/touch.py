@@ -29,7 +29,8 @@ WorldDef = struct("dpt_world_def", (c_uint32, "size max_bodies max_tools max_seg
                                     " until budget"), (c_double, "stiffness"),
                   (c_uint64, "certificate_bytes"), (c_double, "margin side_limit fade"),
                   (c_uint32, "max_contacts smooth_normals strip strip_capacity strip_search law"),
-                  (c_double, "strip_width strip_depth"), (c_void_p, "baseline reserved_pointer"))
+                  (c_double, "strip_width strip_depth"), (c_void_p, "baseline reserved_pointer"),
+                  (c_double, "onset"))
 Step = struct("dpt_step", (c_uint32, "size status contact work"), (c_double, "distance"),
               (c_uint32, "contacts flags"))
 ToolSettings = struct("dpt_tool_settings", (c_uint32, "size law"),
@@ -40,7 +41,8 @@ ForceReport = struct("dpt_force_report", (c_uint32, "size reason flags law"), (W
                      (c_double, "energy lag"), (c_uint64, "folds"), (c_uint32, "sticking slipping"))
 Contact = struct("dpt_contact", (c_uint32, "size id body segment triangle contact flags reserved"),
                  (c_double, "s0 s1 s gap"), (double3, "p q normal weight"),
-                 (c_double, "overlap moment"), (double3, "thrust thrust_moment"))
+                 (c_double, "overlap moment"), (double3, "thrust thrust_moment"), (c_double, "square end_gap_0 end_gap_1"),
+                 (double3, "end_normal_0 end_normal_1"))
 Overlap = struct("dpt_overlap", (c_uint32, "size triangle flags reserved"), (c_double, "distance s"),
                  (double3, "q weight"), (c_double, "gap overlap"))
 State = struct("dpt_device_state", (c_uint32, "size status reasons code buttons fresh"),

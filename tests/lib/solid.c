@@ -209,18 +209,24 @@ void slide_step(struct slide *slide)
 int stage_open(struct stage *stage, const dpt_mesh *mesh, const dpt_pose *pose, double margin,
                uint32_t max_contacts, double side_limit)
 {
-    const dpt_segment point = { { 0, 0, 0 }, { 0, 0, 0 }, 0 };
     dpt_world_def def;
     dpt_world_def_init(&def);
     def.law = DPT_LAW_POINT;
     def.margin = margin;
     def.max_contacts = max_contacts;
     def.side_limit = side_limit;
+    return stage_open_world(stage, mesh, pose, &def);
+}
+
+int stage_open_world(struct stage *stage, const dpt_mesh *mesh, const dpt_pose *pose,
+                     const dpt_world_def *def)
+{
+    const dpt_segment point = { { 0, 0, 0 }, { 0, 0, 0 }, 0 };
     *stage = (struct stage){ .step.size = sizeof stage->step };
-    stage->block = malloc(dpt_world_bytes(&def));
+    stage->block = malloc(dpt_world_bytes(def));
     const int made =
         stage->block &&
-        dpt_world_create(stage->block, dpt_world_bytes(&def), &def, &stage->world) == DPT_OK &&
+        dpt_world_create(stage->block, dpt_world_bytes(def), def, &stage->world) == DPT_OK &&
         dpt_body_add(stage->world, mesh, pose, &stage->body) == DPT_OK &&
         dpt_tool_add(stage->world, &point, 1, &stage->tool) == DPT_OK;
     CHECK(made, "no world");

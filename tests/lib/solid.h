@@ -119,6 +119,8 @@ struct stage {
 /* `side_limit` 0: the usual one. */
 int stage_open(struct stage *stage, const dpt_mesh *mesh, const dpt_pose *pose, double margin,
                uint32_t max_contacts, double side_limit);
+int stage_open_world(struct stage *stage, const dpt_mesh *mesh, const dpt_pose *pose,
+                     const dpt_world_def *def);
 
 static inline void stage_close(struct stage *stage)
 {

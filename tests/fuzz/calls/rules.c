@@ -244,6 +244,18 @@ static void contact_must_hold(const struct scene *scene, const struct model_tool
           "weights %g, %g, %g", weight[0], weight[1], weight[2]);
     const double normal = apart(contact->normal, zero);
     HOLDS(normal == 0.0 || fabs(normal - 1.0) <= 1e-6, "a normal of length %g", normal);
+    /* By Cauchy and Schwarz, a square is at least that of the overlap over the length. */
+    const double length = apart(at->a, at->b) * (contact->s1 - contact->s0);
+    HOLDS(contact->overlap >= 0.0 && contact->square >= 0.0 &&
+              ((is_felt && tool->has_grown) ||
+               contact->overlap * contact->overlap <=
+                   contact->square * length * (1.0 + 1e-9) + 1e-30 + slack * slack),
+          "overlap %g, square %g over %g m", contact->overlap, contact->square, length);
+    for (int e = 0; e < 2; e++)
+        HOLDS(contact->end_gap[e] >= contact->gap &&
+                  contact->end_gap[e] <=
+                      fmax(contact->gap, scene->def.margin * (1.0 + 1e-12) + slack),
+              "gap %g at an end, %g at least", contact->end_gap[e], contact->gap);
     HOLDS(contact->gap <= scene->def.margin + 1e-5 + slack, "gap %g beyond the margin of %g",
           contact->gap, scene->def.margin);
     HOLDS(contact->contact == DPT_CONTACT_TOUCHING ||

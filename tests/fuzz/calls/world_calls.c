@@ -61,6 +61,8 @@ static void draw_good_def(dpt_world_def *def, dpt_baseline_def *baseline)
     def->stiffness = draw_one_in(8) ? 0.0 : draw_in(1.0, 2000.0);
     def->certificate_bytes = caches[draw_below(5)];
     def->margin = margins[draw_below(5)];
+    if (draw_one_in(3))
+        def->onset = draw_in(-0.1, 1.0) * def->margin;
     def->side_limit = draw_one_in(2) ? 0.0 : draw_in(0.0, 0.1);
     def->fade = draw_one_in(2) ? 0.0 : draw_in(0.0, 0.02);
     def->max_contacts = draw_one_in(4) ? draw_below(3) : 1 + draw_below(32);
@@ -84,8 +86,8 @@ static void draw_good_def(dpt_world_def *def, dpt_baseline_def *baseline)
 static void spoil_def(dpt_world_def *def, dpt_baseline_def *baseline)
 {
     uint32_t *counts[] = { &def->max_bodies, &def->max_tools, &def->max_segments };
-    double *numbers[] = { &def->stiffness,   &def->margin,      &def->side_limit,
-                          &def->strip_width, &def->strip_depth, &def->fade };
+    double *numbers[] = { &def->stiffness,   &def->margin, &def->side_limit, &def->strip_width,
+                          &def->strip_depth, &def->fade,   &def->onset };
     switch (draw_below(12)) {
     case 0:
         *counts[draw_below(3)] = draw_one_in(2) ? 0 : 65534 + draw_below(4);
@@ -100,7 +102,7 @@ static void spoil_def(dpt_world_def *def, dpt_baseline_def *baseline)
         def->budget = 7;
         break;
     case 4:
-        *numbers[draw_below(6)] = draw_odd_number();
+        *numbers[draw_below(7)] = draw_odd_number();
         break;
     case 5:
         def->certificate_bytes = ((uint64_t)1 << 40) - 1 + draw_below(3);
@@ -152,6 +154,7 @@ static int def_is_wrong(const dpt_world_def *def, const dpt_baseline_def *baseli
            is_wrong_count(def->max_segments) || def->method > DPT_METHOD_PAPER ||
            def->until > DPT_UNTIL_CONTACT || (def->budget && def->method != DPT_METHOD_EXACT) ||
            is_wrong_number(def->stiffness, 1e9) || is_wrong_number(def->margin, 1e6) ||
+           !(def->onset <= def->margin && def->onset >= -DPT_COORDINATE_MAX) ||
            is_wrong_number(def->side_limit, DPT_COORDINATE_MAX) ||
            is_wrong_number(def->fade, 1.0) || def->certificate_bytes > (uint64_t)1 << 40 ||
            def->max_contacts > 65535 || def->smooth_normals > 1 ||
