@@ -4,7 +4,7 @@
 #include "world/proxy_solve.h"
 
 /* Passes between the normal and the tangential problem. */
-enum { PASSES_MAX = 12 };
+enum { PASSES_MAX = 6 };
 
 /* Of the clearance: passes end where the goal moves by less. */
 #define SETTLED 1e-3
