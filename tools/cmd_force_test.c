@@ -25,6 +25,7 @@ static const char help[] =
     "  --length L       of the needle, m; default 0.1\n"
     "  --radius R       of it, m; default 0.002\n"
     "  --stiffness K    N/m; default 500\n"
+    "  --friction MU    of the mesh, with the proxy; default 0\n"
     "  --depth D        that it is pushed in, m; default 0.005\n"
     "  --through D      the same, of the longer needle; default 0.027\n"
     "  --speed V        m/s; default 0.1\n"
@@ -81,8 +82,10 @@ static void take_bounds(const struct force_trial_def *def, const struct force_re
     const struct push_result *push = &report->push, *through = &report->through;
     const int has_proxy = def->law == DPT_LAW_PROXY;
     const struct bound all[BOUNDS] = {
-        bound_of("turns", "ticks that turn the force by more than 30 degrees", (double)push->turns,
-                 0.0),
+        bound_of("turns",
+                 def->friction > 0.0 ? "ticks that turn it by over 30 degrees and friction's cone"
+                                     : "ticks that turn the force by more than 30 degrees",
+                 (double)push->turns, 0.0),
         bound_of("through_turns", "the same, of a needle that is held through the mesh",
                  (double)through->turns, 0.0),
         bound_of("jumps", "ticks that change it by more than K (3 |motion| + 1 mm)",
@@ -122,6 +125,7 @@ static void print_json(const struct force_trial_def *def, const struct force_rep
         printf(",\"%s\":%.9g", bounds[i].name, bounds[i].value);
     printf(",\"through_ticks\":%" PRIu64 ",\"through_folds\":%" PRIu64 ",\"delay_places\":%" PRIu64,
            report->through.ticks, report->through.folds, report->delay.places);
+    printf(",\"us\":{\"median\":%.1f,\"p99\":%.1f}", report->push.us_median, report->push.us_p99);
     printf(",\"largest_jump\":%.9g", largest_jump(report));
     if (def->law == DPT_LAW_PROXY)
         printf(",\"least_gap\":%.9g", least_gap(report));
@@ -149,6 +153,8 @@ static void print_table(const struct force_trial_def *def, const struct force_re
         largest_jump(report), report->paths.most_lost);
     printf("  share of ticks with a fold, held through the mesh %.3g\n",
            share(report->through.folds, report->through.ticks));
+    printf("  a tick with a force took %.1f us (median), %.1f (99 %%)\n", report->push.us_median,
+           report->push.us_p99);
     if (report->push.unknown)
         printf("  no force on %" PRIu64 " ticks, as contact was not known\n", report->push.unknown);
     if (def->law == DPT_LAW_PROXY)
@@ -162,10 +168,10 @@ static int check_ranges(const struct force_trial_def *def)
         const char *name;
         double value, low, high;
     } ranges[] = {
-        { "--length", def->length, 1e-3, 10.0 },      { "--radius", def->radius, 0.0, 1.0 },
-        { "--stiffness", def->stiffness, 1e-3, 1e9 }, { "--depth", def->depth, 1e-5, 1.0 },
-        { "--through", def->through, 1e-5, 1.0 },     { "--low-pass", def->low_pass, 0.0, 1.0 },
-        { "--speed", def->speed, 1e-3, 10.0 }
+        { "--friction", def->friction, 0.0, 10.0 }, { "--length", def->length, 1e-3, 10.0 },
+        { "--radius", def->radius, 0.0, 1.0 },      { "--stiffness", def->stiffness, 1e-3, 1e9 },
+        { "--depth", def->depth, 1e-5, 1.0 },       { "--through", def->through, 1e-5, 1.0 },
+        { "--low-pass", def->low_pass, 0.0, 1.0 },  { "--speed", def->speed, 1e-3, 10.0 }
     };
     for (size_t i = 0; i < sizeof ranges / sizeof *ranges; i++)
         if (!(ranges[i].value >= ranges[i].low && ranges[i].value <= ranges[i].high))
@@ -186,6 +192,7 @@ static int take_settings(int argc, char **argv, struct force_trial_def *def, con
         { .name = "--length", .number = &def->length },
         { .name = "--radius", .number = &def->radius },
         { .name = "--stiffness", .number = &def->stiffness },
+        { .name = "--friction", .number = &def->friction },
         { .name = "--depth", .number = &def->depth },
         { .name = "--through", .number = &def->through },
         { .name = "--low-pass", .number = &def->low_pass },
@@ -204,6 +211,8 @@ static int take_settings(int argc, char **argv, struct force_trial_def *def, con
     status = law_by_name("force-test", law, &def->law);
     if (status)
         return status;
+    if (def->friction != 0.0 && def->law != DPT_LAW_PROXY)
+        return complain("force-test", "--friction is for --law proxy");
     return check_ranges(def);
 }
 

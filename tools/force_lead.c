@@ -5,6 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "clock.h"
+#include "force_options.h"
+
 double uniform(uint64_t *seed, double low, double high)
 {
     uint64_t z = (*seed += 0x9e3779b97f4a7c15u);
@@ -55,14 +58,31 @@ int force_lead_open(struct force_lead *lead, const struct force_trial_def *def)
     lead->rho = def->length / sqrt(12.0);
     lead->block = malloc(bytes ? bytes : 1);
     lead->force.size = sizeof lead->force;
+    const struct force_options force = { .friction = def->friction };
     return lead->block && dpt_world_create(lead->block, bytes, &world, &lead->world) == DPT_OK &&
            dpt_body_add(lead->world, def->mesh, NULL, &body) == DPT_OK &&
+           force_options_set_body(&force, lead->world, body) == DPT_OK &&
            dpt_tool_add(lead->world, &segment, 1, &lead->tool) == DPT_OK;
 }
 
 void force_lead_close(struct force_lead *lead)
 {
+    free(lead->us);
     free(lead->block);
+}
+
+/* Without memory the tick is left out. */
+static void note_time(struct force_lead *lead, double us)
+{
+    if (lead->us_count == lead->us_room) {
+        const size_t room = lead->us_room ? 2 * lead->us_room : 1024;
+        double *grown = realloc(lead->us, room * sizeof *grown);
+        if (!grown)
+            return;
+        lead->us = grown;
+        lead->us_room = room;
+    }
+    lead->us[lead->us_count++] = us;
 }
 
 /* Of first order, as a driver may have one. */
@@ -81,8 +101,12 @@ void force_lead_step(struct force_lead *lead)
 {
     lead->last = lead->force;
     dpt_tool_set_pose(lead->world, lead->tool, &lead->device);
+    const uint64_t begin = clock_now();
     dpt_world_step(lead->world, LEAD_DT, NULL);
+    const uint64_t ns = clock_now() - begin;
     dpt_tool_get_force_report(lead->world, lead->tool, &lead->force);
+    if (lead->force.reason == DPT_FORCE_ACTS)
+        note_time(lead, 1e-3 * (double)ns);
     if (lead->def->low_pass > 0.0)
         pass_low(lead);
 }

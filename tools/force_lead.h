@@ -20,6 +20,8 @@ struct force_lead {
     uint64_t seed;
     double rho; /* m: what a turn of 1 rad counts as */
     double tremor[3];
+    double *us; /* that ticks with a force took */
+    size_t us_count, us_room;
 };
 
 /* A place on the mesh, the way out of it there, a random way along it, and the way across both. */

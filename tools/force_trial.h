@@ -12,6 +12,7 @@ struct force_trial_def {
     const dpt_mesh *mesh;
     uint32_t law;
     double stiffness; /* N/m */
+    double friction;  /* of the mesh, for the proxy */
     double length;    /* of the tool, m */
     double radius;
     double depth;    /* that the device is pushed in, m */
@@ -34,6 +35,8 @@ struct push_result {
     uint64_t unknown;      /* ticks without a force because contact was not known */
     double largest_jump;   /* N, of the force in a tick */
     double least_gap;      /* m, of the proxy's surface */
+    double us_median;      /* microseconds that a tick with a force took */
+    double us_p99;
 };
 
 /* Of needles that begin inside, held through the mesh or not: they are to feel nothing until they were outside. */

@@ -2,6 +2,7 @@
 #include <math.h>
 
 #include "force_lead.h"
+#include "replay_report.h"
 
 /* m/s: how fast a proxy may move beside its device; world.h. */
 #define FOLD_SPEED 1.0
@@ -46,13 +47,15 @@ static void judge_push(struct force_lead *lead, double largest, struct push_resu
     const double small = fmax(SMALL_FORCE, SMALL_SHARE * largest);
     const int is_fold = (lead->force.flags & DPT_FORCE_FLAG_FOLD) != 0;
     const double cosine = product(lead->force.wrench.force, lead->last.wrench.force);
+    /* Friction turns with the motion, by as much as its cone is wide. */
+    const double turn_max = 0.5235987755982988 + 2.0 * atan(def->friction);
     double jump[3];
     for (int k = 0; k < 3; k++)
         jump[k] = lead->force.wrench.force[k] - lead->last.wrench.force[k];
     result->ticks += lead->force.reason == DPT_FORCE_ACTS;
     result->folds += (uint64_t)is_fold;
     result->unknown += lead->force.reason == DPT_FORCE_UNDECIDED;
-    if (now > small && was > small && cosine < cos(0.5235987755982988) * now * was && !is_fold)
+    if (now > small && was > small && cosine < cos(turn_max) * now * was && !is_fold)
         result->turns++;
     result->jumps += wrench_jump(lead) > def->stiffness * (3.0 * moved + FOLD_SPEED * LEAD_DT);
     result->largest_jump = fmax(result->largest_jump, size_of(jump));
@@ -101,6 +104,9 @@ int force_trial_push(const struct force_trial_def *def, struct push_result *resu
     *result = (struct push_result){ .least_gap = HUGE_VAL };
     for (uint64_t i = 0; i < def->places && is_done; i++)
         is_done = push_at(&lead, tilts[i % 5], 1, result);
+    sort_numbers(lead.us, lead.us_count);
+    result->us_median = percentile(lead.us, lead.us_count, 0.5);
+    result->us_p99 = percentile(lead.us, lead.us_count, 0.99);
     force_lead_close(&lead);
     return is_done;
 }
