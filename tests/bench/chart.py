@@ -363,7 +363,7 @@ def draw_forces(rows, top, bottom, x, names):
         labels.append([y.at(forces[law][-1][1]), names[law], colour])
     for height, name, colour in spread(labels, 16):
         out.append(text(WIDTH - RIGHT + 8, height + 4, name, "start", 13, f'fill="{colour}"'))
-    out.append(text(18, (top + bottom) / 2, "N the way out",
+    out.append(text(18, (top + bottom) / 2, "force outward, N",
                     extra=f'transform="rotate(-90 18 {(top + bottom) / 2})"'))
     return out
 
