@@ -167,6 +167,8 @@ static void run_pass(struct stage *stage, const struct replay_settings *settings
         dpt_tool_get_force_report(stage->world, stage->tool, &force);
         tick->wrench = force.wrench;
         tick->energy = force.energy;
+        tick->reason = force.reason;
+        tick->force_flags = force.flags;
         dpt_tool_get_proxy(stage->world, stage->tool, &tick->proxy);
         if (settings->limit)
             limit_wrench(&guard, i, settings->dt, tick);

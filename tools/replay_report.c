@@ -91,6 +91,7 @@ struct summary {
     double *ns, *crossing_ns, *other_ns, *work, *strip_sizes;
     size_t count, crossing, other;   /* without the first tick */
     size_t strip_count, full_strips; /* ticks with a strip, with a full one */
+    uint64_t inside, folds;          /* ticks of a proxy that began inside, that folds */
 };
 
 static int summarise(const struct replayed *replayed, struct summary *summary)
@@ -106,6 +107,8 @@ static int summarise(const struct replayed *replayed, struct summary *summary)
     summary->strip_sizes = summary->work + count;
     for (size_t i = 0; i < count; i++) {
         const struct replayed_tick *tick = &replayed->ticks[i];
+        summary->inside += tick->reason == DPT_FORCE_INSIDE;
+        summary->folds += (tick->force_flags & DPT_FORCE_FLAG_FOLD) != 0;
         summary->status[tick->hit.status]++;
         summary->contact[tick->hit.contact]++;
         if (tick->strip_triangles)
@@ -210,6 +213,8 @@ void replay_print_json(FILE *file, const struct replayed *replayed)
             s.strip_count, percentile(s.strip_sizes, s.strip_count, 0.5),
             percentile(s.strip_sizes, s.strip_count, 0.99),
             percentile(s.strip_sizes, s.strip_count, 1.0), s.full_strips);
+    if (has_proxy(replayed))
+        fprintf(file, ",\"inside\":%" PRIu64 ",\"folds\":%" PRIu64, s.inside, s.folds);
     const struct comparison *against = &replayed->against;
     if (against->method)
         fprintf(file,
@@ -253,6 +258,14 @@ void replay_print_table(FILE *file, const struct replayed *replayed)
                 s.contact[DPT_CONTACT_SEPARATED], s.contact[DPT_CONTACT_TOUCHING],
                 s.contact[DPT_CONTACT_PENETRATING], s.contact[DPT_CONTACT_UNKNOWN]);
     fputs("\n", file);
+    if (s.inside)
+        fprintf(file,
+                "  no force on %" PRIu64
+                " ticks: the tool began inside, and has not been outside since\n",
+                s.inside);
+    if (s.folds)
+        fprintf(file, "  folds on %" PRIu64 " ticks: the pose that held the proxy was gone\n",
+                s.folds);
     if (replayed->strip_kind)
         fprintf(file,
                 "  strips on %zu ticks: %.0f triangles at the median, at most %.0f; %zu full\n",

@@ -12,6 +12,8 @@ struct replayed_tick {
     dpt_hit hit;
     dpt_wrench wrench;
     double energy;            /* J */
+    uint32_t reason;          /* DPT_FORCE_... */
+    uint32_t force_flags;     /* DPT_FORCE_FLAG_... */
     dpt_pose proxy;           /* with DPT_LAW_PROXY */
     double ns;                /* shortest time of all passes */
     uint32_t strip_triangles; /* triangles in the strip */

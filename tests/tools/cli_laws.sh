@@ -15,6 +15,10 @@ laws()
     succeeds '--law proxy' replay box.dpa through.csv -o proxy.out --radius 0.002 --law proxy
     succeeds 'without --law' replay box.dpa through.csv -o usual.out --radius 0.002
     check 'the usual law is the proxy' cmp -s proxy.out usual.out
+    awk -v header=$header 'BEGIN { print header
+        for (i = 0; i < 20; i++) print i "," 0.001 * i ",-0.02,0," 0.001 * i ",0.02,0" }' >within.csv
+    succeeds 'a tool that begins inside' replay box.dpa within.csv -o within.out --radius 0.002
+    check 'it is said that it began inside' grep -q 'no force on 20 ticks: the tool began inside' stderr stdout
     succeeds '--law bed' replay box.dpa through.csv -o bed.out --radius 0.002 --law bed
     check '--law bed: an energy, no proxy' awk -F, '$23 > 1e-4 { felt++ } NR > 1 { other += NF != 30 || $24 $30 != "" }
         END { exit !(felt > 100 && !other) }' bed.out
