@@ -212,13 +212,18 @@ static double next_trust(const struct proxy_tick *tick, double met, double motio
 
 enum { FOLLOW_DONE, FOLLOW_MOVED, FOLLOW_STUCK };
 
-/* One motion. *allowed is how far the proxy may still move in this tick. */
-static int follow_once(struct proxy_tick *tick, double *allowed)
+/* A motion that is to be tried: where it leads, and its length, m. */
+struct proxy_motion {
+    struct proxy_pose to;
+    double size;
+};
+
+/* FOLLOW_MOVED: there is one. FOLLOW_DONE: nothing is left to move. FOLLOW_STUCK: there is no way. */
+static int choose_motion(struct proxy_tick *tick, double allowed, struct proxy_motion *motion)
 {
     struct proxy *proxy = tick->proxy;
-    double wanted[HALF_SPACE_DIMENSIONS] = { 0.0 };
-    if (go_to_goal(tick, *allowed))
-        return FOLLOW_DONE;
+    const uint32_t n = proxy_unknowns(proxy);
+    double wanted[HALF_SPACE_DIMENSIONS] = { 0.0 }, straight[HALF_SPACE_DIMENSIONS], share;
     dpti_proxy_turn_axes(proxy, &tick->at, tick->axes);
     const double left = wanted_motion(tick, wanted);
     proxy->lag = left;
@@ -228,7 +233,6 @@ static int follow_once(struct proxy_tick *tick, double *allowed)
         proxy->flags |= DPT_FORCE_FLAG_SQUEEZED;
         return FOLLOW_STUCK;
     }
-    const uint32_t n = proxy_unknowns(proxy);
     const double size = size_of(tick->solved.y, n);
     proxy->lag = size;
     remember_active(tick);
@@ -237,33 +241,42 @@ static int follow_once(struct proxy_tick *tick, double *allowed)
          (size < CONVERGED * left && tick->gap > PROXY_GAP_KEPT * tick->clearance)))
         return FOLLOW_DONE;
     /* While a body pushes, neither the trust nor a gap on the way keeps it waiting. */
-    const double longest = tick->is_before ? *allowed : min_of(proxy->trust, *allowed);
-    double share;
+    const double longest = tick->is_before ? allowed : min_of(proxy->trust, allowed);
     if (size > longest) {
-        const double shorter = longest / size;
         for (uint32_t k = 0; k < n; k++)
-            wanted[k] *= shorter;
+            wanted[k] *= longest / size;
         if (!dpti_proxy_solve_rubbing(tick, wanted))
             return FOLLOW_STUCK;
     }
-    const int is_whole = size <= longest;
-    double straight[HALF_SPACE_DIMENSIONS];
     memcpy(straight, tick->solved.y, sizeof straight);
-    struct proxy_pose to =
+    motion->to =
         corrected_motion(tick, wanted, straight, tick->is_before ? HUGE_VAL : longest, &share);
-    if (is_whole && is_goal(tick, share)) {
-        to = tick->goal;
+    if (size <= longest && is_goal(tick, share)) {
+        motion->to = tick->goal;
     } else if (!tick->is_before && share > 0.0) {
-        share = best_share(tick, &to, wanted, straight, left, share);
-        to = pose_of_motion(tick, straight, share);
+        share = best_share(tick, &motion->to, wanted, straight, left, share);
+        motion->to = pose_of_motion(tick, straight, share);
     }
     remember_active(tick);
+    motion->size = size_of(tick->solved.y, n) * share;
+    return FOLLOW_MOVED;
+}
+
+/* One motion. *allowed is how far the proxy may still move in this tick. */
+static int follow_once(struct proxy_tick *tick, double *allowed)
+{
+    struct proxy *proxy = tick->proxy;
     const struct proxy_pose from = tick->at;
-    const double motion = size_of(tick->solved.y, n) * share;
+    struct proxy_motion motion;
     double met;
-    const double made = dpti_proxy_move(tick, &to, &met);
+    if (go_to_goal(tick, *allowed))
+        return FOLLOW_DONE;
+    const int choice = choose_motion(tick, *allowed, &motion);
+    if (choice != FOLLOW_MOVED)
+        return choice;
+    const double made = dpti_proxy_move(tick, &motion.to, &met);
     if (!tick->is_before)
-        proxy->trust = next_trust(tick, met, motion);
+        proxy->trust = next_trust(tick, met, motion.size);
     if (!(made > 0.0))
         return FOLLOW_STUCK;
     const struct displacement moved = dpti_proxy_displacement(proxy, &from, &tick->at);
