@@ -87,6 +87,15 @@ static inline double min_of(double a, double b)
     return a < b ? a : b;
 }
 
+/* Two unit vectors across the unit vector u, and each other. */
+static inline void unit_across(vec3 u, vec3 across[2])
+{
+    const double x = fabs(u.x), y = fabs(u.y), z = fabs(u.z);
+    const vec3 axis = { x <= y && x <= z, y < x && y <= z, z < x && z < y };
+    across[0] = unit_of(cross(u, axis));
+    across[1] = cross(u, across[0]);
+}
+
 /* The largest |coordinate|. */
 static inline double extent_of(vec3 a)
 {

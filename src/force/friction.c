@@ -14,14 +14,6 @@ enum { SWEEPS_MAX = 24 };
 /* Of its limit: a pull that rests at the limit does not slip by what rounding adds. */
 #define SLIPPING 1e-5
 
-static double product(const double *a, const double *b, uint32_t n)
-{
-    double sum = 0.0;
-    for (uint32_t k = 0; k < n; k++)
-        sum += a[k] * b[k];
-    return sum;
-}
-
 static double limit_of(const struct friction_contact *contact)
 {
     return contact->coefficient * contact->multiplier;
@@ -31,8 +23,8 @@ static double limit_of(const struct friction_contact *contact)
 static double pull_to_rest(const struct friction_contact *contact, uint32_t n, const double *y,
                            double wanted[2])
 {
-    const double moves[2] = { product(contact->across[0], y, n) + contact->slip[0],
-                              product(contact->across[1], y, n) + contact->slip[1] };
+    const double moves[2] = { product_of(contact->across[0], y, n) + contact->slip[0],
+                              product_of(contact->across[1], y, n) + contact->slip[1] };
     for (int d = 0; d < 2; d++)
         wanted[d] = contact->pull[d] - contact->inverse[d][0] * moves[0] -
                     contact->inverse[d][1] * moves[1];
@@ -97,8 +89,8 @@ static double relax_torsion(struct friction_contact *contact, uint32_t n, double
         contact->torsion = 0.0;
         return 0.0;
     }
-    const double wanted =
-        contact->torsion - (product(contact->about, y, n) + contact->turned) * contact->per_square;
+    const double wanted = contact->torsion - (product_of(contact->about, y, n) + contact->turned) *
+                                                 contact->per_square;
     const double torsion = min_of(max_of(wanted, -limit), limit);
     const double more = torsion - contact->torsion;
     for (uint32_t k = 0; k < n; k++)
@@ -110,10 +102,10 @@ static double relax_torsion(struct friction_contact *contact, uint32_t n, double
 /* How far a contact moves per pull, inverted. The tangents are unit vectors: the matrix is never singular. */
 static void invert(struct friction_contact *contact, uint32_t n)
 {
-    const double a = product(contact->across[0], contact->across[0], n);
-    const double b = product(contact->across[0], contact->across[1], n);
-    const double c = product(contact->across[1], contact->across[1], n);
-    const double about = product(contact->about, contact->about, n);
+    const double a = product_of(contact->across[0], contact->across[0], n);
+    const double b = product_of(contact->across[0], contact->across[1], n);
+    const double c = product_of(contact->across[1], contact->across[1], n);
+    const double about = product_of(contact->about, contact->about, n);
     const double per_determinant = 1.0 / (a * c - b * b);
     contact->inverse[0][0] = c * per_determinant;
     contact->inverse[1][1] = a * per_determinant;

@@ -20,14 +20,6 @@ struct solver {
     double r[HALF_SPACE_DIMENSIONS][HALF_SPACE_DIMENSIONS];
 };
 
-static double product(const double *a, const double *b, uint32_t n)
-{
-    double sum = 0.0;
-    for (uint32_t k = 0; k < n; k++)
-        sum += a[k] * b[k];
-    return sum;
-}
-
 /* Split a normal into its part along the active ones, with coefficients in `along`, and the rest; returns |rest|^2. */
 static double split(const struct solver *solver, const double *normal, double *along, double *rest)
 {
@@ -37,12 +29,12 @@ static double split(const struct solver *solver, const double *normal, double *a
     /* Twice: once more removes what rounding left of nearly dependent normals. */
     for (int pass = 0; pass < 2; pass++)
         for (uint32_t j = 0; j < active; j++) {
-            const double part = product(solver->q[j], rest, n);
+            const double part = product_of(solver->q[j], rest, n);
             along[j] += part;
             for (uint32_t k = 0; k < n; k++)
                 rest[k] -= part * solver->q[j][k];
         }
-    return product(rest, rest, n);
+    return product_of(rest, rest, n);
 }
 
 static void append(struct solver *solver, uint32_t space, const double *along, const double *rest,
@@ -80,9 +72,9 @@ static uint32_t most_violated(const struct solver *solver, double tolerance)
     double lowest = -tolerance;
     for (uint32_t i = 0; i < solver->count; i++) {
         const struct half_space *space = &solver->spaces[i];
-        const double size = sqrt(product(space->normal, space->normal, solver->n));
+        const double size = norm_of(space->normal, solver->n);
         const double slack =
-            (product(space->normal, solver->result->y, solver->n) - space->bound) / size;
+            (product_of(space->normal, solver->result->y, solver->n) - space->bound) / size;
         if (slack < lowest) {
             lowest = slack;
             worst = i;
@@ -107,7 +99,7 @@ static int satisfy(struct solver *solver, uint32_t space, int *left)
 {
     struct half_spaces_result *result = solver->result;
     const struct half_space *added = &solver->spaces[space];
-    const double whole = product(added->normal, added->normal, solver->n);
+    const double whole = product_of(added->normal, added->normal, solver->n);
     double multiplier = 0.0;
     for (; *left > 0; --*left) {
         double along[HALF_SPACE_DIMENSIONS], rest[HALF_SPACE_DIMENSIONS];
@@ -125,7 +117,7 @@ static int satisfy(struct solver *solver, uint32_t space, int *left)
             }
         if (is_dependent && leaves == HALF_SPACE_DIMENSIONS)
             return 0;
-        const double missing = added->bound - product(added->normal, result->y, solver->n);
+        const double missing = added->bound - product_of(added->normal, result->y, solver->n);
         const double full = is_dependent ? DBL_MAX : missing / square;
         const int is_full = full <= step;
         step = is_full ? full : step;

@@ -7,6 +7,7 @@
 #ifndef DPT_HALF_SPACES_H
 #define DPT_HALF_SPACES_H
 
+#include <math.h>
 #include <stdint.h>
 
 enum { HALF_SPACE_DIMENSIONS = 6, HALF_SPACES_MAX = 96 };
@@ -23,6 +24,19 @@ struct half_spaces_result {
     uint32_t active[HALF_SPACE_DIMENSIONS];
     double multiplier[HALF_SPACE_DIMENSIONS]; /* y = goal + sum of multiplier * normal */
 };
+
+static inline double product_of(const double *a, const double *b, uint32_t dimensions)
+{
+    double sum = 0.0;
+    for (uint32_t k = 0; k < dimensions; k++)
+        sum += a[k] * b[k];
+    return sum;
+}
+
+static inline double norm_of(const double *a, uint32_t dimensions)
+{
+    return sqrt(product_of(a, a, dimensions));
+}
 
 /*
  * `dimensions` is 1..6. A constraint that is violated by at most `tolerance` counts as met. Returns 0, and no answer, if

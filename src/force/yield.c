@@ -85,8 +85,7 @@ double dpti_yield(const struct half_space *spaces, const struct half_spaces_resu
     for (uint32_t i = 0; i < system.count; i++)
         for (uint32_t j = 0; j < system.count; j++) {
             const double *a = spaces[hard->active[i]].normal, *b = spaces[hard->active[j]].normal;
-            for (uint32_t k = 0; k < dimensions; k++)
-                system.matrix[i][j] += a[k] * b[k];
+            system.matrix[i][j] = product_of(a, b, dimensions);
             system.right[i] += system.matrix[i][j] * hard->multiplier[j];
         }
     for (uint32_t i = 0; i < system.count; i++)

@@ -1,19 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "strip/shadow_volume.h"
 
-static vec3 unit(vec3 v)
-{
-    return scaled(v, 1.0 / length(v));
-}
-
-/* A unit vector orthogonal to a unit one. */
-static vec3 across(vec3 d)
-{
-    double x = fabs(d.x), y = fabs(d.y), z = fabs(d.z);
-    vec3 axis = { x <= y && x <= z, y < x && y <= z, z < x && z < y };
-    return unit(cross(d, axis));
-}
-
 static void put_slab(struct shadow_volume *volume, int slab, vec3 normal, double low, double high)
 {
     volume->normal[0][slab] = normal.x;
@@ -26,9 +13,10 @@ static void put_slab(struct shadow_volume *volume, int slab, vec3 normal, double
 void dpti_shadow_volume_of(vec3 a, vec3 u, vec3 direction, double half_width, double depth,
                            struct shadow_volume *volume)
 {
-    vec3 d = unit(direction), side = cross(d, u);
+    vec3 d = unit_of(direction), side = cross(d, u), across[2];
     int is_aslant = length(side) > 1e-9 * length(u);
-    vec3 w = is_aslant ? unit(side) : across(d), e = cross(w, d);
+    unit_across(d, across);
+    vec3 w = is_aslant ? unit_of(side) : across[0], e = cross(w, d);
     double ue = dot(u, e), ud = dot(u, d);
     double projected_length = sqrt(ue * ue + ud * ud);
     /* A shadow that is a mere line or plane might be empty by rounding: the slabs get a little slack. */

@@ -62,15 +62,6 @@ static struct proxy_contact *find_or_make_contact(struct proxy_tick *tick, uint3
     return found;
 }
 
-/* Two unit vectors across a normal. */
-static void tangents_of(vec3 normal, vec3 tangents[2])
-{
-    const double x = fabs(normal.x), y = fabs(normal.y), z = fabs(normal.z);
-    const vec3 across = { x <= y && x <= z, y < x && y <= z, z < x && z < y };
-    tangents[0] = unit_of(cross(normal, across));
-    tangents[1] = cross(normal, tangents[0]);
-}
-
 /* Where the tool's surface touches, from its centre. */
 static vec3 arm_of(const struct proxy_tick *tick, uint32_t space)
 {
@@ -90,7 +81,7 @@ static void fill_contact(struct proxy_tick *tick, uint32_t space, double multipl
     const struct proxy_source *source = &tick->sources[space];
     const vec3 slip = kept ? sub(kept->slip, source->carried) : scaled(source->carried, -1.0);
     vec3 tangents[2];
-    tangents_of(normal, tangents);
+    unit_across(normal, tangents);
     memcpy(contact->normal, tick->spaces[space].normal, sizeof contact->normal);
     contact->multiplier = multiplier;
     /* A contact that is new beside one that slips does not stick. */

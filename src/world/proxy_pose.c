@@ -178,12 +178,8 @@ void dpti_proxy_turn_axes(const struct proxy *proxy, const struct proxy_pose *at
     axes[2] = (vec3){ 0.0, 0.0, 1.0 };
     if (proxy->shape != PROXY_STRAIGHT)
         return;
-    const vec3 u = at->axis;
-    const double x = fabs(u.x), y = fabs(u.y), z = fabs(u.z);
-    const vec3 across = { x <= y && x <= z, y < x && y <= z, z < x && z < y };
-    axes[0] = unit_of(cross(u, across));
-    axes[1] = cross(u, axes[0]);
-    axes[2] = u;
+    unit_across(at->axis, axes);
+    axes[2] = at->axis;
 }
 
 void dpti_proxy_to_unknowns(const struct proxy *proxy, const vec3 axes[3],

@@ -13,14 +13,6 @@
  */
 #define LENGTHENED_MAX 100.0
 
-static double size_of(const double *y, uint32_t n)
-{
-    double square = 0.0;
-    for (uint32_t k = 0; k < n; k++)
-        square += y[k] * y[k];
-    return sqrt(square);
-}
-
 /* Without bounds above 0 a motion is at most twice as long as the wanted one. */
 static int is_short(const struct proxy_tick *tick, const double *wanted)
 {
@@ -28,7 +20,7 @@ static int is_short(const struct proxy_tick *tick, const double *wanted)
     double largest = 0.0;
     for (uint32_t i = 0; i < tick->space_count; i++)
         largest = max_of(largest, tick->spaces[i].bound);
-    return size_of(tick->solved.y, n) <= 2.0 * size_of(wanted, n) + LENGTHENED_MAX * largest;
+    return norm_of(tick->solved.y, n) <= 2.0 * norm_of(wanted, n) + LENGTHENED_MAX * largest;
 }
 
 static int nearest(struct proxy_tick *tick, const double *wanted)

@@ -68,19 +68,11 @@ static double wanted_motion(const struct proxy_tick *tick, double *wanted)
     return displacement_norm(&tick->proxy->coupling, &left);
 }
 
-static double size_of(const double *unknowns, uint32_t n)
-{
-    double square = 0.0;
-    for (uint32_t k = 0; k < n; k++)
-        square += unknowns[k] * unknowns[k];
-    return sqrt(square);
-}
-
 /* By how much a motion is to be shortened: not beyond `longest`, and not turned too far at once. */
 static double share_allowed(const struct proxy_tick *tick, double longest)
 {
     const uint32_t n = proxy_unknowns(tick->proxy);
-    const double *y = tick->solved.y, size = size_of(y, n);
+    const double *y = tick->solved.y, size = norm_of(y, n);
     double turn2 = 0.0;
     for (uint32_t k = 3; k < n; k++)
         turn2 += y[k] * y[k] / (proxy_rho_of(tick->proxy, k) * proxy_rho_of(tick->proxy, k));
@@ -166,7 +158,7 @@ static int gather_and_solve(struct proxy_tick *tick, const double *wanted, doubl
         dpti_proxy_gather(tick, reach);
         if (!dpti_proxy_solve_rubbing(tick, wanted))
             return 0;
-        const double size = size_of(tick->solved.y, n);
+        const double size = norm_of(tick->solved.y, n);
         if (again || size + bodies_moved <= 0.5 * reach)
             return 1;
         reach = max_of(4.0 * (size + bodies_moved), left);
@@ -233,7 +225,7 @@ static int choose_motion(struct proxy_tick *tick, double allowed, struct proxy_m
         proxy->flags |= DPT_FORCE_FLAG_SQUEEZED;
         return FOLLOW_STUCK;
     }
-    const double size = size_of(tick->solved.y, n);
+    const double size = norm_of(tick->solved.y, n);
     proxy->lag = size;
     remember_active(tick);
     if (!tick->is_before &&
@@ -258,7 +250,7 @@ static int choose_motion(struct proxy_tick *tick, double allowed, struct proxy_m
         motion->to = pose_of_motion(tick, straight, share);
     }
     remember_active(tick);
-    motion->size = size_of(tick->solved.y, n) * share;
+    motion->size = norm_of(tick->solved.y, n) * share;
     return FOLLOW_MOVED;
 }
 
