@@ -66,24 +66,9 @@ static inline double area_within_reach(double s0, double w0, double s1, double w
     return clip_to_reach(&piece) ? 0.5 * (piece.w0 + piece.w1) * (piece.s1 - piece.s0) : 0.0;
 }
 
-/* Add the integrals of the depth over a piece to its region: of what is within reach by more than the margin. */
-static void integrate_depth(struct region *region, struct profile_piece piece, double margin,
-                            double axis_length)
-{
-    piece.w0 -= margin;
-    piece.w1 -= margin;
-    if (!clip_to_reach(&piece))
-        return;
-    const double width = (piece.s1 - piece.s0) * axis_length, w0 = piece.w0, w1 = piece.w1;
-    const double moment = (piece.s0 * (2.0 * w0 + w1) + piece.s1 * (w0 + 2.0 * w1)) * (width / 6.0);
-    region->depth_square += (w0 * w0 + w0 * w1 + w1 * w1) * (width / 3.0);
-    region->depth_thrust = along(region->depth_thrust, 0.5 * (w0 + w1) * width, piece.normal);
-    region->depth_moment = along(region->depth_moment, moment, piece.normal);
-}
-
-/* Add the integrals over what of a piece is beyond the onset to its region. */
-static void integrate_overlap(struct region *region, struct profile_piece piece, double inset,
-                              double axis_length)
+/* Add the integrals over what of a piece is within reach by more than `inset`. */
+static void integrate(struct region_integrals *sum, struct profile_piece piece, double inset,
+                      double axis_length)
 {
     piece.w0 -= inset;
     piece.w1 -= inset;
@@ -92,11 +77,11 @@ static void integrate_overlap(struct region *region, struct profile_piece piece,
     const double width = (piece.s1 - piece.s0) * axis_length, w0 = piece.w0, w1 = piece.w1;
     const double overlap = 0.5 * (w0 + w1) * width;
     const double moment = (piece.s0 * (2.0 * w0 + w1) + piece.s1 * (w0 + 2.0 * w1)) * (width / 6.0);
-    region->overlap += overlap;
-    region->moment += moment;
-    region->square += (w0 * w0 + w0 * w1 + w1 * w1) * (width / 3.0);
-    region->thrust = along(region->thrust, overlap, piece.normal);
-    region->thrust_moment = along(region->thrust_moment, moment, piece.normal);
+    sum->overlap += overlap;
+    sum->moment += moment;
+    sum->square += (w0 * w0 + w0 * w1 + w1 * w1) * (width / 3.0);
+    sum->thrust = along(sum->thrust, overlap, piece.normal);
+    sum->thrust_moment = along(sum->thrust_moment, moment, piece.normal);
 }
 
 /* Add the integrals over a piece, all of it within reach, to its region. */
@@ -108,8 +93,8 @@ static void integrate_piece(struct region *region, const struct profile_piece *p
     region->to = piece->s1;
     region->end_within[1] = piece->w1;
     region->end_normal[1] = piece->normal;
-    integrate_overlap(region, *piece, profile->inset, profile->axis_length);
-    integrate_depth(region, *piece, profile->margin, profile->axis_length);
+    integrate(&region->beyond_onset, *piece, profile->inset, profile->axis_length);
+    integrate(&region->depth, *piece, profile->margin, profile->axis_length);
 }
 
 /* For a span between a mark and a sample: how far the sample's tangent is still within reach at s. */

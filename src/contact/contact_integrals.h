@@ -12,25 +12,27 @@
 enum { REGION_MAX = 16 };
 
 /*
- * Let w(s) = max(0, reach - inset - height(s)) be how far the surface is beyond the onset, in m, and n(s) the way out, a
- * unit vector in the body's frame. Each integral is over the axis' length in m, from `from` to `to`; its unit is m^2.
+ * Over a stretch of the axis, per m of its length, with a depth w(s) >= 0 in m, and n(s) the way out, a unit vector in the
+ * body's frame.
  */
+struct region_integrals {
+    double overlap;     /* of w, m^2 */
+    double moment;      /* of s w, m^2 */
+    double square;      /* of w^2, m^3 */
+    vec3 thrust;        /* of w n, m^2 */
+    vec3 thrust_moment; /* of s w n, m^2 */
+};
+
 struct region {
-    double from, to;      /* s, 0..1 */
-    double end_within[2]; /* reach - height there, m */
-    vec3 end_normal[2];   /* n there */
-    double within;        /* of reach - height, whatever the onset */
-    double overlap;       /* of w */
-    double square;        /* of w^2, m^3 */
-    double moment;        /* of s w */
-    vec3 thrust;          /* of w n, in the body's frame */
-    vec3 thrust_moment;   /* of s w n, in the body's frame */
-    /* The same of depth(s) = max(0, reach - margin - height(s)), how deep the tool's surface is inside. */
-    double depth_square; /* of its square, m^3 */
-    vec3 depth_thrust;   /* of depth n */
-    vec3 depth_moment;   /* of s depth n */
-    uint32_t deepest;    /* index of the profile's sample with the least height */
-    uint32_t part;       /* of the mesh */
+    double from, to;                      /* s, 0..1 */
+    double end_within[2];                 /* reach - height there, m */
+    vec3 end_normal[2];                   /* n there */
+    double within;                        /* integral of reach - height, m^2 */
+    struct region_integrals beyond_onset; /* w = max(0, reach - inset - height) */
+    struct region_integrals
+        depth;        /* w = max(0, reach - margin - height): inside the tool's surface */
+    uint32_t deepest; /* index of the profile's sample with the least height */
+    uint32_t part;    /* of the mesh */
 };
 
 /*

@@ -104,17 +104,17 @@ static void write_contact(const struct contact_pair *contact_pair, const struct 
     vec3_store(frame_turn(frame, dpti_contact_normal(contact_pair->profile, deepest, smooth)),
                contact->normal);
     memcpy(contact->weight, deepest->weight, sizeof contact->weight);
-    contact->square = region->square;
+    contact->square = region->beyond_onset.square;
     for (int e = 0; e < 2; e++) {
         /* Between two samples it is an estimate; nothing of the region is deeper than its deepest sample. */
         contact->end_gap[e] =
             max_of(contact->gap, contact_pair->profile->margin - region->end_within[e]);
         vec3_store(frame_turn(frame, region->end_normal[e]), contact->end_normal[e]);
     }
-    contact->overlap = region->overlap;
-    contact->moment = region->moment;
-    vec3_store(frame_turn(frame, region->thrust), contact->thrust);
-    vec3_store(frame_turn(frame, region->thrust_moment), contact->thrust_moment);
+    contact->overlap = region->beyond_onset.overlap;
+    contact->moment = region->beyond_onset.moment;
+    vec3_store(frame_turn(frame, region->beyond_onset.thrust), contact->thrust);
+    vec3_store(frame_turn(frame, region->beyond_onset.thrust_moment), contact->thrust_moment);
 }
 
 /* With a budget: whether the axis is known to rest in the frame of the body. */
@@ -243,9 +243,9 @@ static void add_bed_depth(const struct contact_pair *contact_pair, const struct 
     if (!depth)
         return;
     const vec3 u = frame_turn(frame, contact_pair->axis.u);
-    depth->square += region->depth_square;
-    depth->thrust = add(depth->thrust, frame_turn(frame, region->depth_thrust));
-    depth->moment = add(depth->moment, cross(u, frame_turn(frame, region->depth_moment)));
+    depth->square += region->depth.square;
+    depth->thrust = add(depth->thrust, frame_turn(frame, region->depth.thrust));
+    depth->moment = add(depth->moment, cross(u, frame_turn(frame, region->depth.thrust_moment)));
 }
 
 /* Add the depth at the segment's ends, where samples are if they are within reach. */
