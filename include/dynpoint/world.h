@@ -287,7 +287,8 @@ typedef struct dpt_tool_settings {
     double stiffness; /* N/m, 0..1e9; 0: no force */
     /*
      * Of the proxy, Nm/rad, 0..1e9; 0: stiffness times the mean square of the distance of the segments' points from
-     * their centre, which is L^2 / 12 for one segment of length L. It counts as 1e-6 to 1e6 times that.
+     * their centre, which is L^2 / 12 for one segment of length L. It counts as 1e-6 to 1e6 times that. Of points
+     * alone, all count alike.
      */
     double rotational_stiffness;
     /*
@@ -411,7 +412,9 @@ enum {
     /* Moving bodies leave the proxy no free pose. */
     DPT_FORCE_FLAG_SQUEEZED = 8,
     /* The proxy was more than 1 rad from the device, and starts again there. */
-    DPT_FORCE_FLAG_REPLACED = 16
+    DPT_FORCE_FLAG_REPLACED = 16,
+    /* A function of the program's own has had the wrench; see dpt_tool_set_shaper. */
+    DPT_FORCE_FLAG_SHAPED = 32
 };
 
 /*
@@ -419,7 +422,8 @@ enum {
  *
  *   wrench  force on the tool, and torque about the origin of its frame (of a free tool: about end a of its first
  *           segment), in world axes, before any limits; docs/algorithms/force.md. With DPT_LAW_POINT it is the sum
- *           over the tool's segments. Zero unless `reason` is DPT_FORCE_ACTS or DPT_FORCE_FLAG_FADING is set
+ *           over the tool's segments. Zero unless `reason` is DPT_FORCE_ACTS, or DPT_FORCE_FLAG_FADING or _SHAPED
+ *           is set
  *   reason  DPT_FORCE_...
  *   flags   DPT_FORCE_FLAG_...
  *
@@ -452,6 +456,22 @@ typedef struct dpt_force_report {
 /* On an error, `reason` is DPT_FORCE_STALE and the wrench is zero. */
 DPT_API dpt_result dpt_tool_get_force_report(const dpt_world *world, dpt_tool tool,
                                              dpt_force_report *force);
+
+/*
+ * A function of the program's own that shapes a tool's wrench: a guide, a vibration, another law. It is called in each
+ * step in which the tool has an answer, in worlds that respond, after the tool's law.
+ *   report  what the law gives
+ *   wrench  that of the report; the function changes it. If it is not finite then, it is zero, and the reason is
+ *           DPT_FORCE_UNDECIDED
+ * It must not call functions on the same world but the getters of the tool's pose and proxy. What energy it gives or
+ * takes is its own affair: the report's energy is that of the law. A NULL function ends it. It stays through
+ * dpt_world_reset and changes of settings.
+ */
+typedef void (*dpt_force_fn)(void *user, const dpt_force_report *report, double dt,
+                             dpt_wrench *wrench);
+
+DPT_API dpt_result dpt_tool_set_shaper(dpt_world *world, dpt_tool tool, dpt_force_fn shape,
+                                       void *user);
 
 /* The wrench of dpt_tool_get_force_report alone; zero on an error. */
 DPT_API dpt_result dpt_tool_get_wrench(const dpt_world *world, dpt_tool tool, dpt_wrench *wrench);

@@ -69,14 +69,20 @@ static inline vec3 quaternion_rotation_vector(struct quaternion q)
     return scaled(q.v, (q.w < 0.0 ? -2.0 : 2.0) * half / sine);
 }
 
-/* The least turn that takes the unit vector a to the unit vector b; half a turn about any axis across where opposite. */
+/*
+ * The least turn that takes the unit vector a to the unit vector b. Where they are opposite, within 1e-3 rad: half a turn
+ * about any axis across, and then the least turn.
+ */
 static inline struct quaternion quaternion_of_turn(vec3 a, vec3 b)
 {
     const double sum = 1.0 + dot(a, b);
-    if (sum > 1e-12)
+    if (sum > 1e-6)
         return quaternion_unit((struct quaternion){ sum, cross(a, b) });
     const vec3 other = fabs(a.x) < 0.6 ? (vec3){ 1.0, 0.0, 0.0 } : (vec3){ 0.0, 1.0, 0.0 };
-    return (struct quaternion){ 0.0, unit_of(cross(a, other)) };
+    const struct quaternion half = { 0.0, unit_of(cross(a, other)) };
+    const vec3 back = scaled(a, -1.0);
+    return quaternion_product(
+        quaternion_unit((struct quaternion){ 1.0 + dot(back, b), cross(back, b) }), half);
 }
 
 /* The least turn that takes the unit vector a to the unit vector b; about any axis across a where they are opposite. */

@@ -71,6 +71,7 @@ dpt_result dpt_body_remove(dpt_world *world, dpt_body body)
         return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
     slot_release(&removed->slot, &world->freed_count[0]);
     world->body_count--;
+    world->unfelt_body_count -= removed->unfelt;
     world->invalid_body_count -= !removed->slot.valid;
     world->largest_diagonal = 0.0;
     for (uint32_t i = 0; i < world->body_slot_end; i++)
@@ -211,6 +212,7 @@ dpt_result dpt_body_get_user(const dpt_world *world, dpt_body body, uint64_t *us
 /* For tools a body goes, or comes to be where it is. */
 static void set_unfelt(struct dpt_world *world, struct body *body, uint32_t unfelt)
 {
+    world->unfelt_body_count += unfelt - body->unfelt;
     body->unfelt = unfelt;
     dpti_broad_phase_put_body(world, handle_index(body->id));
     begin_anew(world, body);

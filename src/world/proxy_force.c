@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "world/proxy_force.h"
 
+#include "base/wrench_limit.h"
 #include "force/yield.h"
 #include "world/proxy_constraints.h"
 #include "world/proxy_friction.h"
@@ -88,17 +89,23 @@ static dpt_wrench wrench_of(struct tool *tool, struct proxy *proxy, double dt)
     const struct proxy_pose device = dpti_proxy_pose_of(proxy, &tool->pose);
     const struct displacement away = dpti_proxy_displacement(proxy, &device, &at);
     const struct displacement felt = displacement_sum(&away, -1.0, &proxy->yielded);
-    struct displacement damped = felt;
     vec3 spin_axis = { 0.0, 0.0, 0.0 };
-    if (tool->damping > 0.0)
-        damped = coupling_damped(&proxy->coupling, &felt, &proxy->felt,
-                                 tool->damping / tool->stiffness, dt);
+    dpt_wrench wrench;
     if (proxy->coupling.spin_rho > 0.0)
         spin_axis = scaled(add(device.axis, at.axis), 1.0 / (1.0 + dot(device.axis, at.axis)));
+    if (tool->damping > 0.0) {
+        const struct displacement damped = coupling_damped(&proxy->coupling, &felt, &proxy->felt,
+                                                           tool->damping / tool->stiffness, dt);
+        wrench = coupling_wrench(&proxy->coupling, &damped, spin_axis, device.centre,
+                                 device.frame.origin);
+    }
+    /* A damper that exceeds all numbers is none. */
+    if (!(tool->damping > 0.0) || !wrench_is_finite(&wrench))
+        wrench =
+            coupling_wrench(&proxy->coupling, &felt, spin_axis, device.centre, device.frame.origin);
     tool->energy = coupling_energy(&proxy->coupling, &felt) + proxy->yielded_energy;
     proxy->felt = felt;
-    return coupling_wrench(&proxy->coupling, &damped, spin_axis, device.centre,
-                           device.frame.origin);
+    return wrench;
 }
 
 void dpti_proxy_respond(struct dpt_world *world, struct tool *tool, double dt)

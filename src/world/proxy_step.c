@@ -336,7 +336,8 @@ static void follow(struct proxy_tick *tick, double device_moved, double dt)
     struct proxy *proxy = tick->proxy;
     const struct proxy_pose from = tick->at;
     const double others_moved = world_body_motion(tick->world);
-    const int is_released = proxy->is_released || !tick->world->body_count;
+    const int is_released =
+        proxy->is_released || tick->world->body_count == tick->world->unfelt_body_count;
     double allowed = is_released ? HUGE_VAL : 2.0 * device_moved + FOLD_SPEED * dt + others_moved;
     const double cap = allowed;
     if (is_released)

@@ -16,6 +16,7 @@
  */
 #include "base/return_if_error.h"
 #include "base/sized.h"
+#include "base/wrench_limit.h"
 #include "world/contacts.h"
 #include "world/motion_backlog.h"
 #include "world/persistent_contacts.h"
@@ -127,6 +128,19 @@ static double surface_distance(const struct segment *segment)
     return segment->hit.distance - segment->radius;
 }
 
+/* Let the program's own function have the wrench. */
+static void shape_wrench(const struct dpt_world *world, struct tool *tool, double dt)
+{
+    const dpt_force_report report = dpti_tool_report(world, tool);
+    const dpt_wrench none = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0 } };
+    tool->shape(tool->shape_user, &report, dt, &tool->wrench);
+    tool->force_flags |= DPT_FORCE_FLAG_SHAPED;
+    if (wrench_is_finite(&tool->wrench))
+        return;
+    tool->wrench = none;
+    tool->force_reason = DPT_FORCE_UNDECIDED;
+}
+
 /* Choose the segment whose hit is the tool's, and sum the wrench. */
 static void sum_tool(struct dpt_world *world, struct tool *tool, double dt)
 {
@@ -142,6 +156,8 @@ static void sum_tool(struct dpt_world *world, struct tool *tool, double dt)
             tool->nearest_segment = i;
     if (tool_is_active(world, tool) && !is_of_proxy)
         dpti_force_sum(world, tool);
+    if (tool->shape && tool_is_active(world, tool) && world->def.until == DPT_UNTIL_RESPOND)
+        shape_wrench(world, tool, dt);
 }
 
 /* A rank of DPT_CONTACT_... for the report of a step: the gravest counts. */

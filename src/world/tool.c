@@ -81,6 +81,8 @@ dpt_result dpt_tool_add(dpt_world *world, const dpt_segment *segments, uint32_t 
     made->stiffness = world->def.stiffness;
     made->rotational_stiffness = made->damping = 0.0;
     made->lock_rotation = 0;
+    made->shape = NULL;
+    made->shape_user = NULL;
     made->law = world->def.law;
     made->is_free = 0;
     made->first_segment = world->segment_count;
@@ -210,6 +212,16 @@ dpt_result dpt_tool_get_user(const dpt_world *world, dpt_tool tool, uint64_t *us
     const struct tool *found = world_find_tool(world, tool);
     *user = found ? found->user : 0;
     return found ? DPT_OK : DPT_E_HANDLE;
+}
+
+dpt_result dpt_tool_set_shaper(dpt_world *world, dpt_tool tool, dpt_force_fn shape, void *user)
+{
+    struct tool *found = world ? world_find_tool(world, tool) : NULL;
+    if (!found)
+        return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
+    found->shape = shape;
+    found->shape_user = user;
+    return DPT_OK;
 }
 
 /* Change the law. The segment of a free tool is kept in the world or, with a proxy, in a frame of its own. */

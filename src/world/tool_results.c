@@ -127,6 +127,24 @@ dpt_result dpt_tool_get_wrench(const dpt_world *world, dpt_tool tool, dpt_wrench
     return DPT_OK;
 }
 
+dpt_force_report dpti_tool_report(const struct dpt_world *world, const struct tool *tool)
+{
+    dpt_force_report report = { .size = sizeof report,
+                                .reason = tool->force_reason,
+                                .flags = tool->force_flags,
+                                .law = tool->law,
+                                .wrench = tool->wrench,
+                                .energy = tool->energy };
+    if (dpti_proxy_is_used(world, tool)) {
+        const struct proxy *proxy = &world->proxies[tool - world->tools];
+        report.lag = proxy->lag;
+        report.folds = proxy->folds;
+        report.sticking = proxy->sticking;
+        report.slipping = proxy->slipping;
+    }
+    return report;
+}
+
 dpt_result dpt_tool_get_force_report(const dpt_world *world, dpt_tool tool, dpt_force_report *force)
 {
     if (!force)
@@ -134,20 +152,8 @@ dpt_result dpt_tool_get_force_report(const dpt_world *world, dpt_tool tool, dpt_
     dpt_force_report now = { .reason = DPT_FORCE_STALE };
     DPT_TRY(sized_check(force, sizeof now, 0));
     const struct tool *owner = world ? world_find_tool(world, tool) : NULL;
-    if (owner) {
-        now.reason = owner->force_reason;
-        now.flags = owner->force_flags;
-        now.wrench = owner->wrench;
-        now.law = owner->law;
-        now.energy = owner->energy;
-        if (dpti_proxy_is_used(world, owner)) {
-            const struct proxy *proxy = &world->proxies[owner - world->tools];
-            now.lag = proxy->lag;
-            now.folds = proxy->folds;
-            now.sticking = proxy->sticking;
-            now.slipping = proxy->slipping;
-        }
-    }
+    if (owner)
+        now = dpti_tool_report(world, owner);
     sized_write(force, force->size, &now, sizeof now);
     return owner ? DPT_OK : world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
 }

@@ -51,8 +51,10 @@ struct tool {
     double stiffness;            /* N/m */
     double rotational_stiffness; /* Nm/rad; 0: by its shape */
     double damping;              /* Ns/m, of the proxy */
-    double energy;               /* J, of this tick */
-    uint32_t law;                /* DPT_LAW_... */
+    dpt_force_fn shape;          /* NULL: none */
+    void *shape_user;
+    double energy; /* J, of this tick */
+    uint32_t law;  /* DPT_LAW_... */
     uint32_t lock_rotation;
     uint32_t force_reason; /* DPT_FORCE_... */
     uint32_t force_flags;  /* DPT_FORCE_FLAG_... */
@@ -283,6 +285,7 @@ struct dpt_world {
     uint32_t body_slot_end; /* slots from here on were never used */
     uint32_t tool_slot_end; /* the same for tools */
     uint32_t body_count;
+    uint32_t unfelt_body_count; /* of them, those that tools do not find */
     uint32_t tool_count;
     uint32_t segment_count;
     uint32_t freed_count[2];     /* slots of bodies [0] and tools [1] freed so far; may wrap */

@@ -45,7 +45,7 @@ check_none("nothing of a preprocessor, no attribute, no body of a function",
 
 # A library's section, and those before it: the functions are those that it exports.
 sections = re.findall(r"^/\* ==== (\w+) ==== \*/\n(.*?)(?=^/\* ====|\Z)", text, flags=re.S | re.M)
-taken, before = "", set()
+taken, before, opened = "", set(), []  # a library that is closed would be missed by the next one
 for library, declarations in sections:
     taken += declarations
     part = FFI()
@@ -57,6 +57,7 @@ for library, declarations in sections:
                [f"{name} is {'not declared' if name in exported else 'declared'}" for name in sorted(declared ^ exported)])
     if os.path.exists(f"{build}/{library}.so"):
         there = part.dlopen(f"{build}/{library}.so")
+        opened.append(there)
         check_none(f"{library}: each is found there", [name for name in sorted(declared) if not hasattr(there, name)])
 listed = {os.path.basename(path)[: -len(".symbols")] for path in glob(abi + "*.symbols")}
 check("each library has a section", {library for library, _ in sections} == listed and len(sections) == len(listed))

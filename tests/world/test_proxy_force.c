@@ -336,6 +336,61 @@ static void a_body_that_is_not_felt_is_not_there(void)
     rig_close(&rig);
 }
 
+/* What the function of `a_function_of_its_own` was given, and what it is to do. */
+struct shaper {
+    uint64_t calls;
+    dpt_force_report seen;
+    double factor;
+};
+
+static void shape(void *user, const dpt_force_report *report, double dt, dpt_wrench *wrench)
+{
+    struct shaper *shaper = user;
+    CHECK(dt == RIG_DT, "dt %g", dt);
+    shaper->calls++;
+    shaper->seen = *report;
+    for (int k = 0; k < 3; k++)
+        wrench->force[k] *= shaper->factor;
+    if (report->reason == DPT_FORCE_FREE)
+        wrench->force[0] = 0.25; /* a guide */
+}
+
+/* It has the wrench of the law, and what it makes of it is told; where it is not finite there is none. */
+static void a_function_of_its_own_shapes_the_wrench(void)
+{
+    struct rig rig;
+    struct shaper shaper = { .factor = 0.5 };
+    const dpt_tool nobody = 77;
+    open_above(&rig, &lying, 0);
+    CHECK(dpt_tool_set_shaper(rig.world, rig.tool, shape, &shaper) == DPT_OK, "set");
+    CHECK(dpt_tool_set_shaper(rig.world, nobody, shape, NULL) == DPT_E_HANDLE, "no tool");
+    CHECK(dpt_tool_set_shaper(NULL, rig.tool, shape, NULL) == DPT_E_ARGUMENT, "no world");
+    rig_step(&rig);
+    CHECK(rig.force.reason == DPT_FORCE_FREE && rig.force.wrench.force[0] == 0.25 &&
+              rig.force.flags == DPT_FORCE_FLAG_SHAPED,
+          "%g N, flags %u", rig.force.wrench.force[0], rig.force.flags);
+    lower(&rig, 0.002);
+    const double expected = RIG_STIFFNESS * (0.001 + 2e-6 * box.diagonal);
+    CHECK(fabs(shaper.seen.wrench.force[2] / expected - 1) < 1e-3 &&
+              rig.force.wrench.force[2] == 0.5 * shaper.seen.wrench.force[2],
+          "%g N of %g", rig.force.wrench.force[2], shaper.seen.wrench.force[2]);
+    CHECK(fabs(rig.force.energy / (0.5 * expected * 0.001) - 1) < 1e-2, "the law's energy, not %g",
+          rig.force.energy);
+    shaper.factor = INFINITY;
+    rig_step(&rig);
+    CHECK(rig_force(&rig) == 0.0 && rig.force.reason == DPT_FORCE_UNDECIDED, "%g N, reason %u",
+          rig_force(&rig), rig.force.reason);
+    const uint64_t calls = shaper.calls;
+    dpt_tool_set_pose(rig.world, rig.tool, NULL);
+    dpt_world_step(rig.world, RIG_DT, NULL);
+    CHECK(shaper.calls == calls, "a stale tool's wrench was shaped");
+    CHECK(dpt_tool_set_shaper(rig.world, rig.tool, NULL, NULL) == DPT_OK, "end");
+    rig_step(&rig);
+    CHECK(rig.force.flags == 0 && fabs(rig.force.wrench.force[2] / expected - 1) < 1e-3,
+          "%g N, flags %u", rig.force.wrench.force[2], rig.force.flags);
+    rig_close(&rig);
+}
+
 int main(void)
 {
     if (!solid_from_shape(&box, "box", 1200))
@@ -350,6 +405,7 @@ int main(void)
     TEST(a_lying_tool_rolls_and_slips);
     TEST(a_proxy_that_begins_again_fades);
     TEST(a_body_that_is_not_felt_is_not_there);
+    TEST(a_function_of_its_own_shapes_the_wrench);
     solid_close(&box);
     return check_report();
 }

@@ -124,6 +124,31 @@ static void a_pose_need_not_be_of_unit_length(void)
     rig_close(&rig);
 }
 
+/* A free segment that turns back, or almost: its proxy in the open is where it was set. */
+static void a_free_segment_may_turn_back(void)
+{
+    const double angles[] = { 0, 1e-9, 1e-7, 1e-6, 1e-5, 1e-3, 0.1 };
+    for (size_t i = 0; i < sizeof angles / sizeof *angles; i++) {
+        struct rig rig;
+        dpt_segment segment = { { 0, 0, 1 }, { 0.1, 0, 1 }, 0.002 };
+        double x[3];
+        rig_open(&rig, NULL, box.mesh, &segment, 1);
+        for (int turned = 0; turned < 2; turned++) {
+            segment.b[0] = turned ? -0.1 * cos(angles[i]) : 0.1;
+            segment.b[1] = turned ? 0.1 * sin(angles[i]) : 0;
+            dpt_tool_set_segments(rig.world, rig.tool, &segment, 1);
+            dpt_world_step(rig.world, RIG_DT, NULL);
+        }
+        dpt_tool_get_proxy(rig.world, rig.tool, &rig.proxy);
+        rig_turn(rig.proxy.orientation, (const double[3]){ 0.1, 0, 0 }, x);
+        for (int k = 0; k < 3; k++)
+            CHECK(fabs(rig.proxy.position[k] + x[k] - segment.b[k]) < 1e-14,
+                  "%g rad: coordinate %d is %g off", angles[i], k,
+                  rig.proxy.position[k] + x[k] - segment.b[k]);
+        rig_close(&rig);
+    }
+}
+
 int main(void)
 {
     if (!solid_from_shape(&box, "box", 1200))
@@ -134,5 +159,6 @@ int main(void)
     TEST(another_law_begins_where_the_device_is);
     TEST(a_pose_need_not_be_of_unit_length);
     solid_close(&box);
+    TEST(a_free_segment_may_turn_back);
     return check_report();
 }

@@ -237,6 +237,7 @@ extern const struct noun world_noun, body_noun, tool_noun, step_noun, result_nou
     X(TRIED_AXIS, "a trial of an axis") \
     X(HELD, "a proxy that is held")      X(HELD_FREE, "that of a free tool")                        \
     X(BEGAN_INSIDE, "a tool with a proxy that began inside")          X(FOLD, "a fold")             \
+    X(SHAPED, "a wrench that a function of its own was given")                                                    \
     X(SQUEEZED, "a proxy that was squeezed")                          X(REPLACED, "a proxy that was placed anew") \
     X(STARTING, "a guard that starts")   X(RUNNING, "a guard that runs") X(STOPPING, "a guard that stops") \
     X(CLAMPED, "a command that was clamped")                          X(SLEWED, "a wrench that was slewed") \

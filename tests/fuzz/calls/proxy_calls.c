@@ -145,8 +145,41 @@ static void press(void)
     }
 }
 
+/* It is given what a getter gives, and leaves it as it is. */
+static void look_at(void *user, const dpt_force_report *report, double dt, dpt_wrench *wrench)
+{
+    HOLDS(user == &met[0] && dt > 0.0 && report->size == sizeof *report &&
+              !memcmp(wrench, &report->wrench, sizeof *wrench),
+          "reason %u, dt %g", report->reason, dt);
+    met[MET_SHAPED]++;
+}
+
+static void set_shaper(void)
+{
+    struct scene *scene = draw_scene();
+    if (!scene)
+        return;
+    const uint32_t id = draw_tool_id(scene);
+    struct model_tool *tool = scene_tool(scene, id);
+    const int no_world = draw_one_in(60), is_shaped = draw_one_in(2);
+    struct codes codes = { .count = 0 };
+    dpt_result result = DPT_OK;
+    may_fail(&codes, no_world, DPT_E_ARGUMENT);
+    may_fail(&codes, !tool, DPT_E_HANDLE);
+    call_with("scene %llu, id %llx, set %llu", (uint64_t)(scene - scenes), id, (uint64_t)is_shaped,
+              0);
+    EACH_WORLD(scene, i)
+    SAME_RESULT(i, result,
+                RESULT(dpt_tool_set_shaper, world_or_null(scene, i, no_world), id,
+                       is_shaped ? look_at : NULL, &met[0]));
+    expect(result, &codes);
+    if (result == DPT_OK)
+        tool->is_shaped = is_shaped;
+}
+
 static const struct move moves[] = { { "get proxy", get_proxy, 4 },
                                      { "press", press, 12 },
+                                     { "set shaper", set_shaper, 3 },
                                      { NULL, NULL, 0 } };
 
 const struct noun proxy_noun = { "proxy", NULL, NULL, moves };

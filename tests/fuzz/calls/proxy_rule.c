@@ -10,7 +10,7 @@ static const double ROUNDING = 1e-9;
 
 static const double zero[3] = { 0.0, 0.0, 0.0 };
 
-/* A tool's middle in its frame, and the mean square of its points' distance from there. */
+/* A tool's middle in its frame, and the mean square of its points' distance from there; of points alone, all alike. */
 struct shape {
     double centre[3], square;
 };
@@ -19,21 +19,22 @@ static struct shape shape_of(const dpt_segment *segments, uint32_t count)
 {
     struct shape shape = { .square = 0.0 };
     double whole = 0.0;
+    for (uint32_t i = 0; i < count; i++)
+        whole += apart(segments[i].a, segments[i].b);
     for (uint32_t i = 0; i < count; i++) {
         const double length = apart(segments[i].a, segments[i].b);
-        whole += length;
+        const double weight = whole > 0.0 ? length / whole : 1.0 / count;
         for (int k = 0; k < 3; k++)
-            shape.centre[k] += length * 0.5 * (segments[i].a[k] + segments[i].b[k]);
+            shape.centre[k] += weight * 0.5 * (segments[i].a[k] + segments[i].b[k]);
     }
-    for (int k = 0; k < 3; k++)
-        shape.centre[k] = whole > 0.0 ? shape.centre[k] / whole : segments[0].a[k];
-    for (uint32_t i = 0; i < count && whole > 0.0; i++) {
+    for (uint32_t i = 0; i < count; i++) {
         const double length = apart(segments[i].a, segments[i].b);
         double middle[3];
         for (int k = 0; k < 3; k++)
             middle[k] = 0.5 * (segments[i].a[k] + segments[i].b[k]);
         const double far = apart(middle, shape.centre);
-        shape.square += length / whole * (far * far + length * length / 12.0);
+        const double weight = whole > 0.0 ? length / whole : 1.0 / count;
+        shape.square += weight * (far * far + length * length / 12.0);
     }
     return shape;
 }

@@ -249,7 +249,7 @@ static void contact_must_hold(const struct scene *scene, const struct model_tool
     HOLDS(contact->overlap >= 0.0 && contact->square >= 0.0 &&
               ((is_felt && tool->has_grown) ||
                contact->overlap * contact->overlap <=
-                   contact->square * length * (1.0 + 1e-9) + 1e-30 + slack * slack),
+                   contact->square * length * (1.0 + 1e-6) + 1e-30 + slack * slack),
           "overlap %g, square %g over %g m", contact->overlap, contact->square, length);
     for (int e = 0; e < 2; e++)
         HOLDS(contact->end_gap[e] >= contact->gap &&

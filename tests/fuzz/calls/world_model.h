@@ -41,6 +41,7 @@ struct model_tool {
     uint32_t law;
     double stiffness, rotational_stiffness, damping;
     uint32_t lock_rotation;
+    int is_shaped, was_shaped;         /* it has a function of its own; and at the last step */
     dpt_segment segment[SEGMENTS_MAX]; /* of a free one in the world, else in its frame */
     enum answers answers;
     dpt_segment at[SEGMENTS_MAX]; /* in the world, at the last step */

@@ -28,8 +28,14 @@ void report_must_hold(const struct scene *scene, const struct model_tool *tool,
     const uint32_t flags = is_felt ? DPT_FORCE_FLAG_FADING | DPT_FORCE_FLAG_FOLD |
                                          DPT_FORCE_FLAG_SQUEEZED | DPT_FORCE_FLAG_REPLACED
                                    : DPT_FORCE_FLAG_FADING | DPT_FORCE_FLAG_PARTIAL;
-    HOLDS(report->reason <= DPT_FORCE_INSIDE && !(report->flags & ~flags), "reason %u, flags %x",
-          report->reason, report->flags);
+    const int shapes =
+        tool->was_shaped && tool->answers == ANSWERS_THERE && scene->def.until == DPT_UNTIL_RESPOND;
+    const int is_shaped = (report->flags & DPT_FORCE_FLAG_SHAPED) != 0;
+    HOLDS(report->reason <= DPT_FORCE_INSIDE &&
+              !(report->flags & ~(flags | DPT_FORCE_FLAG_SHAPED)) &&
+              (tool->answers != ANSWERS_THERE || is_shaped == shapes) &&
+              (!is_shaped || tool->was_shaped),
+          "reason %u, flags %x, shaped %d", report->reason, report->flags, shapes);
     HOLDS(is_felt || report->reason != DPT_FORCE_INSIDE, "reason %u, proxy %d", report->reason,
           is_felt);
     HOLDS(report->law == tool->law, "law %u, and not %u", report->law, tool->law);
