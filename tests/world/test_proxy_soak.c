@@ -363,7 +363,7 @@ static void walks_are_worth_it(void)
     printf("    %llu folds, %llu ticks without a solution, %llu began again (turned by 1 rad)\n",
            (unsigned long long)all.folds, (unsigned long long)all.squeezed,
            (unsigned long long)all.replaced);
-    CHECK(only || all.ticks < 10000 || all.acts > all.ticks / 4, "%llu of %llu ticks with a force",
+    CHECK(only || all.ticks < 100000 || all.acts > all.ticks / 4, "%llu of %llu ticks with a force",
           (unsigned long long)all.acts, (unsigned long long)all.ticks);
 }
 
