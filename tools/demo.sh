@@ -23,7 +23,7 @@ echo
     --every 20 --repeat 3
 
 say "4. One of the answers ($dir/answers.csv):"
-awk -F, 'NR > 1 && $17 * $17 + $18 * $18 + $19 * $19 > 0.25 {
+awk -F, 'NR > 1 && $4 > 0.0005 && $17 * $17 + $18 * $18 + $19 * $19 > 0.25 {
     printf "   tick %d: the axis is %.3f mm from triangle %d; its proxy is held back, and pulls with %.3f N\n",
         $1, 1e3 * $4, $14, sqrt($17 * $17 + $18 * $18 + $19 * $19)
     found = 1
