@@ -22,7 +22,7 @@ simulator=$!
 while [ ! -s "$dir/name" ]; do sleep 0.1; done
 for turn in 1 2 3 4 5; do
     # Where the device's own frame lies does not matter: the arm's joints tell where its tool is.
-    "$program" run "$dir/arm.dpa" --device "$name&centre=1,2,3&axes=+x+y+z" --ticks 800 --json >"$dir/json" 2>"$dir/error" && break
+    "$program" run "$dir/arm.dpa" --device "$name&centre=1,2,3&axes=+x+y+z" --law point --ticks 800 --json >"$dir/json" 2>"$dir/error" && break
 done
 kill $simulator
 wait $simulator

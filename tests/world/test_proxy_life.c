@@ -158,7 +158,7 @@ int main(void)
     TEST(without_a_pose_it_waits_where_bodies_rest);
     TEST(another_law_begins_where_the_device_is);
     TEST(a_pose_need_not_be_of_unit_length);
-    solid_close(&box);
     TEST(a_free_segment_may_turn_back);
+    solid_close(&box);
     return check_report();
 }
