@@ -64,6 +64,15 @@ dpt_result dpt_body_add(dpt_world *world, const dpt_mesh *mesh, const dpt_pose *
     return DPT_OK;
 }
 
+/* Of the bodies that tools can find. */
+static void measure_largest(struct dpt_world *world)
+{
+    world->largest_diagonal = 0.0;
+    for (uint32_t i = 0; i < world->body_slot_end; i++)
+        if (body_is_there(&world->bodies[i]))
+            world->largest_diagonal = max_of(world->largest_diagonal, world->bodies[i].diagonal);
+}
+
 dpt_result dpt_body_remove(dpt_world *world, dpt_body body)
 {
     struct body *removed = world ? world_find_body(world, body) : NULL;
@@ -72,11 +81,8 @@ dpt_result dpt_body_remove(dpt_world *world, dpt_body body)
     slot_release(&removed->slot, &world->freed_count[0]);
     world->body_count--;
     world->unfelt_body_count -= removed->unfelt;
-    world->invalid_body_count -= !removed->slot.valid;
-    world->largest_diagonal = 0.0;
-    for (uint32_t i = 0; i < world->body_slot_end; i++)
-        if (world->bodies[i].slot.used)
-            world->largest_diagonal = max_of(world->largest_diagonal, world->bodies[i].diagonal);
+    world->invalid_body_count -= !removed->unfelt && !removed->slot.valid;
+    measure_largest(world);
     forget_body(world, handle_index(body));
     return DPT_OK;
 }
@@ -120,11 +126,13 @@ static void move_body(struct dpt_world *world, struct body *body, const dpt_pose
     body->moved_tick = world->ticks + 1;
     put_body(world, body, pose, frame);
     body->motion_bound = motion_bound_of(body);
+    if (body->unfelt)
+        return;
     if (world->bodies_moved_tick != body->moved_tick)
         world->body_motion_max = 0.0;
     world->bodies_moved_tick = body->moved_tick;
     world->body_motion_max = max_of(world->body_motion_max, body->motion_bound);
-    if (body->added_tick == body->moved_tick && !body->unfelt)
+    if (body->added_tick == body->moved_tick)
         dpti_proxy_note_body(world, handle_index(body->id));
 }
 
@@ -135,9 +143,9 @@ static dpt_result set_validity(struct dpt_world *world, struct body *body, const
                                struct frame *frame)
 {
     dpt_result result = pose ? frame_of_pose(pose, frame) : DPT_E_ARGUMENT;
-    world->invalid_body_count -= !body->slot.valid;
+    world->invalid_body_count -= !body->unfelt && !body->slot.valid;
     body->slot.valid = result == DPT_OK;
-    world->invalid_body_count += !body->slot.valid;
+    world->invalid_body_count += !body->unfelt && !body->slot.valid;
     return result;
 }
 
@@ -213,7 +221,10 @@ dpt_result dpt_body_get_user(const dpt_world *world, dpt_body body, uint64_t *us
 static void set_unfelt(struct dpt_world *world, struct body *body, uint32_t unfelt)
 {
     world->unfelt_body_count += unfelt - body->unfelt;
+    if (!body->slot.valid)
+        world->invalid_body_count += body->unfelt - unfelt;
     body->unfelt = unfelt;
+    measure_largest(world);
     dpti_broad_phase_put_body(world, handle_index(body->id));
     begin_anew(world, body);
 }

@@ -82,7 +82,7 @@ struct proxy_contact {
     double s;             /* on the segment, 0..1 */
     uint32_t body_id;     /* 0: the entry is empty */
     uint32_t segment;     /* of the tool, from 0 */
-    double turned;        /* rad, about the normal: likewise */
+    double turned;        /* rad, about the normal: from where it stuck */
     uint32_t is_slipping; /* in the last motion */
     uint32_t age;         /* ticks in which it has held nothing */
     uint32_t has_slipped; /* in any motion of this tick */

@@ -85,12 +85,9 @@ double rig_force(const struct rig *rig)
     return sqrt(dot3(rig->force.wrench.force, rig->force.wrench.force));
 }
 
-void rig_set_friction(const struct rig *rig, double of_rest, double of_motion)
+void rig_set_body(const struct rig *rig, dpt_body_settings settings)
 {
-    dpt_body_settings settings = { .size = sizeof settings };
-    dpt_body_get_settings(rig->world, rig->body, &settings);
-    settings.static_friction = of_rest;
-    settings.kinetic_friction = of_motion;
+    settings.size = sizeof settings;
     const dpt_result result = dpt_body_set_settings(rig->world, rig->body, &settings);
     CHECK(result == DPT_OK, "%s", dpt_result_name(result));
 }

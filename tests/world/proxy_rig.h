@@ -42,8 +42,8 @@ void rig_turn(const double orientation[4], const double v[3], double turned[3]);
 /* Set the orientation: `angle` rad about a unit axis. */
 void rig_orient(dpt_pose *pose, const double axis[3], double angle);
 
-/* Friction of the body. */
-void rig_set_friction(const struct rig *rig, double of_rest, double of_motion);
+/* All settings of the body; its size is filled in. */
+void rig_set_body(const struct rig *rig, dpt_body_settings settings);
 
 /* Draw another stiffness, and in a third of all cases each friction on its body and a stiffness against turns. */
 void rig_vary(struct rig *rig, uint64_t *seed);

@@ -412,7 +412,8 @@ static void drag(const dpt_segment *segment, const char *name, const struct soli
     const double of_rest = 0.5, of_motion = 0.4;
     int stuck = 0, slipped = 0;
     rig_open(&rig, NULL, box->mesh, segment, 1);
-    rig_set_friction(&rig, of_rest, of_motion);
+    rig_set_body(&rig,
+                 (dpt_body_settings){ .static_friction = of_rest, .kinetic_friction = of_motion });
     rig.device.position[0] = -0.02;
     rig.device.position[2] = TOP + segment->radius + 0.001;
     rig_place(&rig);
@@ -466,7 +467,7 @@ static void creep(const struct solid *box, const dpt_segment *segment)
     uint64_t seed = 4;
     double tremor[3] = { 0, 0, 0 };
     rig_open(&rig, NULL, box->mesh, segment, 1);
-    rig_set_friction(&rig, 0.5, 0.4);
+    rig_set_body(&rig, (dpt_body_settings){ .static_friction = 0.5, .kinetic_friction = 0.4 });
     rig.device.position[2] = TOP + segment->radius + 0.001;
     rig_place(&rig);
     for (int i = 0; i < 40; i++) {

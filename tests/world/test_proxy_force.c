@@ -16,13 +16,10 @@ static struct solid box;
 
 static void set_body(const struct rig *rig, double friction, double stiffness, uint32_t unfelt)
 {
-    dpt_body_settings settings = { .size = sizeof settings };
-    dpt_body_get_settings(rig->world, rig->body, &settings);
-    settings.static_friction = settings.kinetic_friction = friction;
-    settings.stiffness = stiffness;
-    settings.unfelt = unfelt;
-    const dpt_result result = dpt_body_set_settings(rig->world, rig->body, &settings);
-    CHECK(result == DPT_OK, "%s", dpt_result_name(result));
+    rig_set_body(rig, (dpt_body_settings){ .static_friction = friction,
+                                           .kinetic_friction = friction,
+                                           .stiffness = stiffness,
+                                           .unfelt = unfelt });
 }
 
 static void set_tool(const struct rig *rig, double damping, uint32_t lock_rotation)
@@ -328,11 +325,16 @@ static void a_body_that_is_not_felt_is_not_there(void)
     rig_step(&rig);
     lower(&rig, 0.01);
     CHECK(rig.force.reason == DPT_FORCE_ACTS, "reason %u", rig.force.reason);
-    /* Its push ends at once. */
+    /* Its push ends at once; and where it is, valid or not, is nobody's affair. */
     set_body(&rig, 0, 0, 1);
+    CHECK(dpt_body_set_pose(rig.world, rig.body, NULL) == DPT_E_ARGUMENT, "no pose");
     rig_step(&rig);
     CHECK(rig.force.reason == DPT_FORCE_FREE && rig_force(&rig) == 0.0 && !rig.force.flags,
           "reason %u, %g N", rig.force.reason, rig_force(&rig));
+    set_body(&rig, 0, 0, 0);
+    rig_step(&rig);
+    CHECK(rig.force.reason == DPT_FORCE_STALE, "felt again, without a pose: reason %u",
+          rig.force.reason);
     rig_close(&rig);
 }
 
@@ -384,6 +386,12 @@ static void a_function_of_its_own_shapes_the_wrench(void)
     dpt_tool_set_pose(rig.world, rig.tool, NULL);
     dpt_world_step(rig.world, RIG_DT, NULL);
     CHECK(shaper.calls == calls, "a stale tool's wrench was shaped");
+    dpt_world_reset(rig.world);
+    rig.device.position[2] = TOP + 0.003;
+    rig_step(&rig);
+    CHECK(shaper.calls == calls + 1, "it does not outlast a reset");
+    rig_step(&rig);
+    lower(&rig, 0.002);
     CHECK(dpt_tool_set_shaper(rig.world, rig.tool, NULL, NULL) == DPT_OK, "end");
     rig_step(&rig);
     CHECK(rig.force.flags == 0 && fabs(rig.force.wrench.force[2] / expected - 1) < 1e-3,

@@ -89,7 +89,8 @@ static void pull_in_groove(const struct solid *groove, const dpt_segment *segmen
     double worst = 0, aim[3] = { 0, 0, 0 };
     uint64_t acts = 0, off = 0, ticks = 600;
     rig_open(&rig, NULL, groove->mesh, segment, 1);
-    rig_set_friction(&rig, friction, friction);
+    rig_set_body(&rig,
+                 (dpt_body_settings){ .static_friction = friction, .kinetic_friction = friction });
     rig_orient(&rig.device, (const double[3]){ 0, 0, 1 }, turn);
     rig.device.position[2] = 0.02;
     rig_place(&rig);
@@ -165,7 +166,8 @@ static void a_slope_is_held_up_to_its_angle(void)
         dpt_pose pose = DPT_POSE_IDENTITY;
         struct rig rig;
         rig_open(&rig, NULL, box.mesh, segment, 1);
-        rig_set_friction(&rig, friction, friction);
+        rig_set_body(
+            &rig, (dpt_body_settings){ .static_friction = friction, .kinetic_friction = friction });
         rig_orient(&pose, (const double[3]){ 1, 0, 0 }, slope);
         dpt_body_teleport(rig.world, rig.body, &pose);
         rig.device.position[2] = (TOP + segment->radius) / cos(slope) + 0.001;
@@ -198,7 +200,8 @@ static void a_body_that_moves_takes_it_along(void)
         dpt_pose pose = DPT_POSE_IDENTITY;
         struct rig rig;
         rig_open(&rig, NULL, box.mesh, segment, 1);
-        rig_set_friction(&rig, friction, friction);
+        rig_set_body(
+            &rig, (dpt_body_settings){ .static_friction = friction, .kinetic_friction = friction });
         rig.device.position[2] = TOP + segment->radius + 0.001;
         rig_place(&rig);
         for (int k = 0; k < 30; k++) {
@@ -231,7 +234,8 @@ static void contacts_that_change_keep_the_cone(void)
         const double friction = 0.3, yaw = random_in(&seed, 0, 3.1), way = random_in(&seed, 0, 6.2);
         uint64_t off = 0;
         rig_open(&rig, NULL, box.mesh, &lying, 1);
-        rig_set_friction(&rig, friction, friction);
+        rig_set_body(
+            &rig, (dpt_body_settings){ .static_friction = friction, .kinetic_friction = friction });
         rig_orient(&rig.device, (const double[3]){ 0, 0, 1 }, yaw);
         rig.device.position[0] = -0.025 * cos(way);
         rig.device.position[1] = -0.025 * sin(way);

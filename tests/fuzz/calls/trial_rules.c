@@ -16,7 +16,7 @@ int trial_is_known(const struct trial *trial)
 {
     int is_known = trial->tool->is_usable;
     for (uint32_t i = 0; i < trial->scene->body_count; i++)
-        is_known &= trial->scene->body[i].is_usable;
+        is_known &= trial->scene->body[i].is_usable || trial->scene->body[i].unfelt;
     return is_known;
 }
 

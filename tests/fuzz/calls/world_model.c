@@ -185,7 +185,7 @@ void scene_has_stepped(struct scene *scene)
     scene->then_count = 0;
     for (uint32_t i = 0; i < scene->body_count; i++) {
         const struct model_body *body = &scene->body[i];
-        is_usable &= body->is_usable;
+        is_usable &= body->is_usable || body->unfelt;
         if (!body->unfelt)
             scene->then[scene->then_count++] =
                 (struct body_then){ body->id, body->pose, body->subject };
