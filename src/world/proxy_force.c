@@ -120,7 +120,8 @@ void dpti_proxy_respond(struct dpt_world *world, struct tool *tool, double dt)
         truth = wrench_of(tool, proxy, dt);
     else
         proxy->felt = none;
-    if (proxy->reason == DPT_FORCE_UNDECIDED && last_reason == DPT_FORCE_ACTS)
+    if ((proxy->reason == DPT_FORCE_UNDECIDED || proxy->reason == DPT_FORCE_INSIDE) &&
+        last_reason == DPT_FORCE_ACTS)
         fade->time_left = world->def.fade;
     if (proxy->reason == DPT_FORCE_OFF)
         fade->time_left = 0.0;

@@ -304,6 +304,48 @@ static void a_proxy_that_begins_again_fades(void)
     rig_close(&rig);
 }
 
+/* A body is added round a proxy that is held: nothing of its force is true any more, and it fades. */
+static void a_body_that_is_added_round_it_fades(void)
+{
+    struct rig rig;
+    dpt_body other;
+    dpt_pose pose = DPT_POSE_IDENTITY;
+    open_above(&rig, &lying, 0);
+    lower(&rig, 0.003);
+    const double last = rig_force(&rig);
+    pose.position[2] = TOP;
+    CHECK(dpt_body_add(rig.world, box.mesh, &pose, &other) == DPT_OK, "add");
+    rig_step(&rig);
+    CHECK(rig.force.reason != DPT_FORCE_ACTS && rig.force.flags & DPT_FORCE_FLAG_FADING &&
+              fabs(rig_force(&rig) / last - 0.5) < 1e-6,
+          "reason %u, flags %u, %g N after %g N", rig.force.reason, rig.force.flags,
+          rig_force(&rig), last);
+    rig_step(&rig);
+    CHECK(rig_force(&rig) == 0.0, "%g N", rig_force(&rig));
+    rig_close(&rig);
+}
+
+/* Beside one that is felt: the search passes over it, and its pose may come and go. */
+static void one_that_is_not_felt_hides_nothing(void)
+{
+    struct rig rig;
+    dpt_body other;
+    dpt_hit hit = DPT_HIT_INIT;
+    dpt_pose pose = DPT_POSE_IDENTITY;
+    open_above(&rig, &lying, 0);
+    pose.position[2] = -0.2;
+    CHECK(dpt_body_add(rig.world, box.mesh, &pose, &other) == DPT_OK, "add");
+    set_body(&rig, 0, 0, 1);
+    dpt_body_set_pose(rig.world, rig.body, NULL);
+    pose.position[2] = 0;
+    dpt_body_set_pose(rig.world, rig.body, &pose);
+    lower(&rig, 0.002);
+    dpt_tool_get_hit(rig.world, rig.tool, &hit);
+    CHECK(rig.force.reason == DPT_FORCE_FREE && hit.body == other && hit.distance > 0.1,
+          "reason %u, %g m from body %x", rig.force.reason, hit.distance, hit.body);
+    rig_close(&rig);
+}
+
 /* A body that is not felt is not there: no hit, no force. Felt again, round the tool, it is one that the tool began in. */
 static void a_body_that_is_not_felt_is_not_there(void)
 {
@@ -412,7 +454,9 @@ int main(void)
     TEST(a_spinning_tip_has_torsion);
     TEST(a_lying_tool_rolls_and_slips);
     TEST(a_proxy_that_begins_again_fades);
+    TEST(a_body_that_is_added_round_it_fades);
     TEST(a_body_that_is_not_felt_is_not_there);
+    TEST(one_that_is_not_felt_hides_nothing);
     TEST(a_function_of_its_own_shapes_the_wrench);
     solid_close(&box);
     return check_report();
