@@ -273,13 +273,12 @@ static void frames_that_the_test_does_not_take_are_counted(void)
         sent += can_send(line, &frame) == 0;
         poll(NULL, 0, i % 10 == 9 ? 1 : 0);
     }
-    const int bus = dup(adapter.bus);
-    end();
-    while (can_next(bus, 0).problem == 0)
+    /* Until nothing more comes: what an interface still holds when it is set down is lost uncounted. */
+    while (can_next(adapter.bus, SOON).problem == 0)
         came++;
+    end();
     CHECK(adapter.lost > 0 && came > 0 && came + adapter.lost == sent, "%u sent, %u came, %u lost",
           sent, came, adapter.lost);
-    close(bus);
 }
 
 static void it_can_be_unplugged_and_plugged_in_again(void)
