@@ -211,6 +211,33 @@ dpt_result dpt_device_map(const dpt_device_info *given, const double box_min[3],
     return DPT_OK;
 }
 
+dpt_result dpt_device_fill_coupling(const dpt_device_info *given, dpt_coupling_def *out)
+{
+    dpt_device_info info = { .size = sizeof info };
+    dpt_coupling_def def;
+    if (!given || !out)
+        return DPT_E_ARGUMENT;
+    DPT_TRY(sized_check(out, sizeof *out, 0));
+    DPT_TRY(sized_read(given, sizeof info, &info, sizeof info));
+    DPT_TRY(sized_read(out, sizeof def, &def, sizeof def));
+    def.has_torque = info.wrench_dofs == 6;
+    def.mass = info.mass;
+    def.inertia = info.inertia;
+    def.damping = info.damping;
+    def.spin_damping = info.spin_damping;
+    def.friction = info.friction;
+    def.spin_friction = info.spin_friction;
+    def.position_step = info.position_step;
+    def.angle_step = info.angle_step;
+    def.delay = info.delay;
+    def.force_max = info.force_max;
+    def.torque_max = info.torque_max;
+    def.stiffness_max = info.stiffness_max;
+    def.rate = info.rate;
+    sized_write(out, out->size, &def, sizeof def);
+    return DPT_OK;
+}
+
 const char *dpt_device_status_name(uint32_t status)
 {
     static const char *const names[] = { "lost", "fault", "unready", "ready" };

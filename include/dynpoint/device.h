@@ -19,6 +19,7 @@
 #ifndef DYNPOINT_DEVICE_H
 #define DYNPOINT_DEVICE_H
 
+#include "dynpoint/coupling.h"
 #include "dynpoint/types.h"
 
 DPT_BEGIN
@@ -175,6 +176,12 @@ DPT_API void dpt_device_close(dpt_device *device);
  */
 DPT_API dpt_result dpt_device_map(const dpt_device_info *info, const double box_min[3],
                                   const double box_max[3], double *scale, double offset[3]);
+
+/*
+ * Fill in what a device and its rate say of a coupling (coupling.h); the fields of loop_delay, zoom, force_scale, tool and
+ * wishes stay.
+ */
+DPT_API dpt_result dpt_device_fill_coupling(const dpt_device_info *info, dpt_coupling_def *def);
 
 /* The name of a DPT_DEVICE_STATUS_..., as "ready" or "fault"; "?" for any other number. */
 DPT_API const char *dpt_device_status_name(uint32_t status);

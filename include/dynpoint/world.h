@@ -451,6 +451,8 @@ typedef struct dpt_force_report {
     /* Of the proxy, contacts with friction that stuck in the step, and that slipped. */
     uint32_t sticking;
     uint32_t slipping;
+    /* J: what bodies that moved before the step did on the tool, by its contacts; docs/algorithms/passivity.md. */
+    double body_work;
 } dpt_force_report;
 
 /* On an error, `reason` is DPT_FORCE_STALE and the wrench is zero. */

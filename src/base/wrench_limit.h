@@ -12,6 +12,11 @@ static inline int wrench_is_finite(const dpt_wrench *wrench)
     return vec3_within(wrench->force, DBL_MAX) && vec3_within(wrench->torque, DBL_MAX);
 }
 
+static inline int wrench_is_zero(const dpt_wrench *wrench)
+{
+    return extent_of(vec3_of(wrench->force)) == 0.0 && extent_of(vec3_of(wrench->torque)) == 0.0;
+}
+
 /* Scale `v` down to a length of at most max_length, as length() measures it. 1 if `v` changed. */
 static inline int limit_length(double *v, double max_length)
 {

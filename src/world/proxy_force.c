@@ -28,6 +28,33 @@ static int may_yield(const struct proxy_tick *tick)
     return 0;
 }
 
+/* A surface that is softer by more than that gives no force at all. */
+#define COMPLIANCE_MAX 1e30
+
+/* Two constraints of unit normals whose cosine is below this hold the tool at different places. */
+#define ALIKE 0.9
+
+/*
+ * How many of the active constraints are the same contact as one of them, itself included. A tool that rests where flat
+ * triangles meet is held by several, and the surface yields there once.
+ */
+static double share_of_contact(const struct proxy_tick *tick, uint32_t i)
+{
+    const uint32_t n = proxy_unknowns(tick->proxy);
+    const double *own = tick->spaces[tick->solved.active[i]].normal;
+    double sum = 1.0;
+    for (uint32_t k = 0; k < tick->solved.active_count; k++) {
+        const double *other = tick->spaces[tick->solved.active[k]].normal;
+        if (k == i ||
+            body_of(tick, tick->solved.active[k]) != body_of(tick, tick->solved.active[i]))
+            continue;
+        const double cosine = product_of(own, other, n) / (norm_of(own, n) * norm_of(other, n));
+        if (cosine > ALIKE)
+            sum += (min_of(cosine, 1.0) - ALIKE) / (1.0 - ALIKE);
+    }
+    return sum;
+}
+
 /* What friction pulls with is reduced as the normal force that it depends on. */
 static void yield_pulls(const struct proxy_tick *tick, const double *share, double *yielded)
 {
@@ -57,7 +84,9 @@ void dpti_proxy_yield(struct proxy_tick *tick)
         return;
     for (uint32_t i = 0; i < tick->solved.active_count; i++) {
         const double stiffness = body_of(tick, tick->solved.active[i])->stiffness;
-        compliance[i] = stiffness > 0.0 ? k / stiffness : 0.0;
+        compliance[i] = stiffness > 0.0
+                            ? min_of(k / stiffness * share_of_contact(tick, i), COMPLIANCE_MAX)
+                            : 0.0;
     }
     const double stored = dpti_yield(tick->spaces, &tick->solved, n, compliance, share, yielded);
     yield_pulls(tick, share, yielded);
@@ -114,12 +143,14 @@ void dpti_proxy_respond(struct dpt_world *world, struct tool *tool, double dt)
     struct fade *fade = &proxy->fade;
     dpt_wrench truth = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0 } };
     const uint32_t last_reason = proxy->reason;
-    tool->energy = 0.0;
+    tool->energy = tool->body_work = 0.0;
     tool->force_reason = proxy->reason = reason_of(tool, proxy);
-    if (proxy->reason == DPT_FORCE_ACTS)
+    if (proxy->reason == DPT_FORCE_ACTS) {
         truth = wrench_of(tool, proxy, dt);
-    else
+        tool->body_work = proxy->body_work;
+    } else {
         proxy->felt = none;
+    }
     if ((proxy->reason == DPT_FORCE_UNDECIDED || proxy->reason == DPT_FORCE_INSIDE) &&
         last_reason == DPT_FORCE_ACTS)
         fade->time_left = world->def.fade;

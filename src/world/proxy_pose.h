@@ -3,7 +3,7 @@
 #ifndef DPT_PROXY_POSE_H
 #define DPT_PROXY_POSE_H
 
-#include "force/coupling.h"
+#include "force/spring.h"
 #include "world/world_state.h"
 
 /* A tool's placement, with what is worked out of it once. */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "world/proxy_step.h"
 
+#include "world/body_work.h"
 #include "world/proxy_constraints.h"
 #include "world/proxy_force.h"
 #include "world/proxy_free.h"
@@ -336,14 +337,14 @@ static void follow(struct proxy_tick *tick, double device_moved, double dt)
     struct proxy *proxy = tick->proxy;
     const struct proxy_pose from = tick->at;
     const double others_moved = world_body_motion(tick->world);
-    const int is_released =
-        proxy->is_released || tick->world->body_count == tick->world->unfelt_body_count;
+    const int is_alone = tick->world->body_count == tick->world->unfelt_body_count;
+    const int is_released = proxy->is_released || is_alone;
     double allowed = is_released ? HUGE_VAL : 2.0 * device_moved + FOLD_SPEED * dt + others_moved;
     const double cap = allowed;
     if (is_released)
         proxy->trust = HUGE_VAL;
     proxy->is_released = 0;
-    tick->is_before = bodies_came_near(tick);
+    tick->is_before = !is_alone && bodies_came_near(tick);
     if (!tick->is_before)
         find_again(tick);
     follow_all(tick, &allowed);
@@ -407,9 +408,13 @@ void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
         tick.at = dpti_proxy_spun_as(proxy, &at, &tick.goal);
         tick.gap = proxy->gap;
         follow(&tick, displacement_norm(&proxy->coupling, &moved), dt);
+        /* A tool that rolls far in one tick. */
+        if (proxy->coupling.spin_rho > 0.0)
+            tick.at = dpti_proxy_spun_as(proxy, &tick.at, &tick.goal);
     }
     dpti_proxy_keep_contacts(&tick);
     dpti_proxy_yield(&tick);
+    proxy->body_work = dpti_proxy_body_work(&tick);
     proxy->pose = tick.at.pose;
     proxy->device_pose = tool->pose;
     proxy->tick = world->ticks;

@@ -2,6 +2,7 @@
 #include "world/tool_force.h"
 
 #include "force/penalty.h"
+#include "world/body_work.h"
 #include "world/tool_bed.h"
 
 /* The point, in the world, that the tool's torque is about. */
@@ -17,7 +18,7 @@ static int is_zero(vec3 v)
 
 void dpti_force_forget(struct segment *segment)
 {
-    segment->energy = 0.0;
+    segment->energy = segment->body_work = 0.0;
     segment->fade = (struct fade){ .time_left = 0.0 };
     segment->pushing_part = segment->previous_pushing_part = (struct pushing_part){ .body_id = 0 };
     segment->border.clear_radius = 0.0;
@@ -72,7 +73,10 @@ void dpti_force_respond(struct dpt_world *world, uint32_t segment_index, double 
             segment->fading_body_id = segment->previous_pushing_part.body_id;
         fade->time_left = world->def.fade;
     }
+    const dpt_wrench last = fade->felt;
     fade_step(fade, &truth, dt);
+    segment->body_work =
+        dpti_segment_body_work(world, segment, torque_origin(world, tool), &last, &fade->felt);
     segment->force_reason = reason;
     segment->previous_pushing_part = segment->pushing_part;
     segment->pushing_part = (struct pushing_part){ .body_id = 0 };
@@ -90,6 +94,7 @@ void dpti_force_sum(const struct dpt_world *world, struct tool *tool)
         undecided |= segment->force_reason == DPT_FORCE_UNDECIDED;
         fades |= segment->fade.time_left > 0.0;
         tool->energy += segment->energy;
+        tool->body_work += segment->body_work;
     }
     vec3_store(force, tool->wrench.force);
     vec3_store(torque, tool->wrench.torque);

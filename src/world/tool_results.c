@@ -38,7 +38,7 @@ void dpti_tool_clear(struct dpt_world *world, struct tool *tool)
             dpti_strip_clear(world->segment_strips[tool->first_segment + i].strip, NULL);
     }
     memset(&tool->wrench, 0, sizeof tool->wrench);
-    tool->energy = 0.0;
+    tool->energy = tool->body_work = 0.0;
 }
 
 static dpt_result find_segment(const dpt_world *world, dpt_tool tool, uint32_t segment,
@@ -134,7 +134,8 @@ dpt_force_report dpti_tool_report(const struct dpt_world *world, const struct to
                                 .flags = tool->force_flags,
                                 .law = tool->law,
                                 .wrench = tool->wrench,
-                                .energy = tool->energy };
+                                .energy = tool->energy,
+                                .body_work = tool->body_work };
     if (dpti_proxy_is_used(world, tool)) {
         const struct proxy *proxy = &world->proxies[tool - world->tools];
         report.lag = proxy->lag;

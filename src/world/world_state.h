@@ -15,8 +15,8 @@
 #include "dynpoint/baseline.h"
 #include "dynpoint/world.h"
 #include "force/bed.h"
-#include "force/coupling.h"
 #include "force/fade.h"
+#include "force/spring.h"
 #include "nearest/bvh.h"
 #include "nearest/dynamic_point.h"
 #include "strip/strip_state.h"
@@ -53,8 +53,9 @@ struct tool {
     double damping;              /* Ns/m, of the proxy */
     dpt_force_fn shape;          /* NULL: none */
     void *shape_user;
-    double energy; /* J, of this tick */
-    uint32_t law;  /* DPT_LAW_... */
+    double energy;    /* J, of this tick */
+    double body_work; /* J, in this tick: of moving bodies on it */
+    uint32_t law;     /* DPT_LAW_... */
     uint32_t lock_rotation;
     uint32_t force_reason; /* DPT_FORCE_... */
     uint32_t force_flags;  /* DPT_FORCE_FLAG_... */
@@ -118,6 +119,7 @@ struct proxy {
     /* Of the displacement from the device to the proxy, the part that surfaces yield, and the energy they store, J. */
     struct displacement yielded;
     double yielded_energy;
+    double body_work; /* J, in this tick */
     /* What friction pulled with in the last tick: in m, and about the centre in m^2; times the stiffness N and Nm. */
     vec3 pull_shift, pull_turn;
     struct displacement felt; /* the rest of it, in the last tick; 0: no force */
@@ -193,6 +195,7 @@ struct segment {
     dpt_hit hit;      /* as users get it; written from `result` when the tick adds nothing more */
     struct fade fade; /* the wrench that is felt */
     double energy;    /* J: that its law stores in this tick */
+    double body_work; /* J, in this tick: of the body that pushes it */
     struct pushing_part pushing_part; /* this tick's */
     struct pushing_part previous_pushing_part;
     struct border_view border;

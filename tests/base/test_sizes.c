@@ -143,6 +143,25 @@ static dpt_result guard_info(void *out)
     return dpt_guard_get_info(&a_guard, out);
 }
 
+static dpt_coupling_def a_coupling_def;
+
+static dpt_result coupling(void *out)
+{
+    return dpt_coupling_for_device(&a_coupling_def, out);
+}
+
+static dpt_result passivity(void *out)
+{
+    return dpt_passivity_init(out, NULL);
+}
+
+static dpt_passivity a_passivity;
+
+static dpt_result passivity_info(void *out)
+{
+    return dpt_passivity_get_info(&a_passivity, out);
+}
+
 static const struct sized outputs[] = {
     { "dpt_mesh_info", offsetof(dpt_mesh_info, solid_components), sizeof(dpt_mesh_info),
       mesh_info },
@@ -162,6 +181,10 @@ static const struct sized outputs[] = {
     { "dpt_overlap", sizeof(dpt_overlap), sizeof(dpt_overlap), overlap },
     { "dpt_guard", sizeof(dpt_guard), sizeof(dpt_guard), guard },
     { "dpt_guard_info", sizeof(dpt_guard_info), sizeof(dpt_guard_info), guard_info },
+    { "dpt_coupling", sizeof(dpt_coupling), sizeof(dpt_coupling), coupling },
+    { "dpt_passivity", sizeof(dpt_passivity), sizeof(dpt_passivity), passivity },
+    { "dpt_passivity_info", sizeof(dpt_passivity_info), sizeof(dpt_passivity_info),
+      passivity_info },
     { "dpt_body_settings", sizeof(dpt_body_settings), sizeof(dpt_body_settings), body_settings },
     { "dpt_tool_settings", sizeof(dpt_tool_settings), sizeof(dpt_tool_settings), tool_settings },
     { "dpt_force_report", sizeof(dpt_force_report), sizeof(dpt_force_report), tool_force },
@@ -219,6 +242,30 @@ static dpt_result guard_def(void *given)
 {
     dpt_guard made = { .size = sizeof made };
     return dpt_guard_init(&made, given);
+}
+
+static dpt_result coupling_def(void *given)
+{
+    dpt_coupling made = { .size = sizeof made };
+    return dpt_coupling_for_device(given, &made);
+}
+
+static dpt_passivity_def a_passivity_def;
+
+static dpt_result passivity_def(void *given)
+{
+    dpt_passivity made = { .size = sizeof made };
+    return dpt_passivity_init(&made, given);
+}
+
+static const dpt_passivity_sample a_passivity_sample = { .size = sizeof a_passivity_sample,
+                                                         .dt = 1e-3,
+                                                         .pose = { { 0.0 }, { 1.0 } } };
+
+static dpt_result passivity_sample(void *given)
+{
+    dpt_wrench wrench = { { 1.0 }, { 0.0 } };
+    return dpt_passivity_step(&a_passivity, given, &wrench);
 }
 
 static dpt_result shadow(void *given)
@@ -285,8 +332,12 @@ static dpt_result given_body(void *given)
 static dpt_world_def a_world_def, defaults;
 static const dpt_strip_def a_strip_def = { sizeof a_strip_def, 64, 0, 0 };
 static const dpt_baseline_def a_baseline_def = { sizeof a_baseline_def, 1, 0, 0 };
-static const dpt_body_settings a_body_settings = { sizeof a_body_settings, 0, 0.01, 0.5, 0.4, 700.0 };
-static const dpt_tool_settings a_tool_settings = { sizeof a_tool_settings, DPT_LAW_POINT, 300.0, 0.0, 0.5, 1, 0 };
+static const dpt_body_settings a_body_settings = {
+    sizeof a_body_settings, 0, 0.01, 0.5, 0.4, 700.0
+};
+static const dpt_tool_settings a_tool_settings = {
+    sizeof a_tool_settings, DPT_LAW_POINT, 300.0, 0.0, 0.5, 1, 0
+};
 static dpt_guard_def a_guard_def;
 static const dpt_query_def a_query_def = { .size = sizeof a_query_def };
 static dpt_shadow a_shadow;
@@ -305,6 +356,13 @@ static const struct {
       &a_tool_settings },
     { { "dpt_strip_def", sizeof(dpt_strip_def), sizeof(dpt_strip_def), strip_def }, &a_strip_def },
     { { "dpt_guard_def", sizeof(dpt_guard_def), sizeof(dpt_guard_def), guard_def }, &a_guard_def },
+    { { "dpt_coupling_def", sizeof(dpt_coupling_def), sizeof(dpt_coupling_def), coupling_def },
+      &a_coupling_def },
+    { { "dpt_passivity_def", sizeof(dpt_passivity_def), sizeof(dpt_passivity_def), passivity_def },
+      &a_passivity_def },
+    { { "dpt_passivity_sample", sizeof(dpt_passivity_sample), sizeof(dpt_passivity_sample),
+        passivity_sample },
+      &a_passivity_sample },
     { { "dpt_shadow", sizeof(dpt_shadow), sizeof(dpt_shadow), shadow }, &a_shadow },
     { { "dpt_query_def", sizeof(dpt_query_def), sizeof(dpt_query_def), query_def }, &a_query_def },
     { { "dpt_arm_def", sizeof(dpt_arm_def), sizeof(dpt_arm_def), arm_def }, &an_arm_def },
@@ -346,6 +404,16 @@ static void world_defaults(void *def, size_t size)
     dpt_world_def_defaults(def, size);
 }
 
+static void coupling_defaults(void *def, size_t size)
+{
+    dpt_coupling_def_defaults(def, size);
+}
+
+static void passivity_defaults(void *def, size_t size)
+{
+    dpt_passivity_def_defaults(def, size);
+}
+
 static void guard_defaults(void *def, size_t size)
 {
     dpt_guard_def_defaults(def, size);
@@ -355,8 +423,13 @@ static void defaults_fill_what_fits(void)
 {
     const struct sized of_world = { "dpt_world_def", 0, sizeof defaults, world_def };
     const struct sized of_guard = { "dpt_guard_def", 0, sizeof a_guard_def, guard_def };
+    const struct sized of_coupling = { "dpt_coupling_def", 0, sizeof a_coupling_def, coupling_def };
+    const struct sized of_passivity = { "dpt_passivity_def", 0, sizeof a_passivity_def,
+                                        passivity_def };
     check_defaults(&of_world, world_defaults, &defaults);
     check_defaults(&of_guard, guard_defaults, &a_guard_def);
+    check_defaults(&of_coupling, coupling_defaults, &a_coupling_def);
+    check_defaults(&of_passivity, passivity_defaults, &a_passivity_def);
 }
 
 /* Where the shadow begins: at the nearest triangle. */
@@ -383,6 +456,9 @@ static int open_all(void)
     segment.radius = 0.001;
     dpt_guard_def_init(&a_guard_def);
     a_guard.size = sizeof a_guard;
+    dpt_coupling_def_init(&a_coupling_def);
+    dpt_passivity_def_init(&a_passivity_def);
+    a_passivity.size = sizeof a_passivity;
     dpt_world_def_init(&defaults);
     dpt_world_def_init(&a_world_def);
     a_world_def.strip = DPT_STRIP_KIND_SHADOW;
@@ -400,6 +476,7 @@ static int open_all(void)
     a_body = (dpt_arm_body){ .size = sizeof a_body, .pose = identity, .mesh = fixture.mesh };
     an_arm_def = arm_of(&a_joint, &a_link, &a_body);
     return dpt_guard_init(&a_guard, &a_guard_def) == DPT_OK &&
+           dpt_passivity_init(&a_passivity, &a_passivity_def) == DPT_OK &&
            dpt_compile_arm(&an_arm_def, &arm_bytes, NULL) == DPT_OK &&
            dpt_arm_open(arm_bytes.bytes, arm_bytes.size, &arm) == DPT_OK &&
            dpt_world_bytes(&a_world_def) <= sizeof block &&

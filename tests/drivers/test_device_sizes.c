@@ -241,9 +241,30 @@ static dpt_result map(void *given)
     return dpt_device_map(given, from, to, &scale, offset);
 }
 
+static dpt_result coupling_of(void *given)
+{
+    dpt_coupling_def def;
+    dpt_coupling_def_init(&def);
+    return dpt_device_fill_coupling(given, &def);
+}
+
+static dpt_result fill_coupling(void *def)
+{
+    const dpt_device_info info = { .size = sizeof info, .mass = 0.1 };
+    return dpt_device_fill_coupling(&info, def);
+}
+
 static void structs_of_any_size(void)
 {
     dpt_device_info good = { .size = sizeof good, .workspace_max = { 1, 1, 1 } };
+    dpt_coupling_def def;
+    dpt_coupling_def_init(&def);
+    const struct sized of_coupling = { "dpt_device_info of a coupling", WHOLE(dpt_device_info),
+                                       coupling_of };
+    const struct sized of_def = { "dpt_coupling_def to fill", WHOLE(dpt_coupling_def),
+                                  fill_coupling };
+    check_input(&of_coupling, &good);
+    check_input(&of_def, &def);
     const struct sized of_map = { "dpt_device_info to map", WHOLE(dpt_device_info), map };
     for (is_newer = 0; is_newer < 2; is_newer++) {
         CHECK(dpt_device_open_with(&still_driver, NULL, &device, NULL) == DPT_OK, "open");
@@ -281,6 +302,36 @@ static void loops_of_any_size(void)
 }
 
 /* Whatever headers a driver has, its caller gets what both know. */
+/* What a device tells is in the def, and the rest of it stays. */
+static void a_device_fills_a_coupling(void)
+{
+    dpt_coupling_def def;
+    dpt_device_info info = { .size = sizeof info };
+    dpt_coupling_def_init(&def);
+    def.zoom = 3;
+    def.stiffness = 70;
+    def.loop_delay = 1e-4;
+    info.wrench_dofs = 6;
+    info.rate = 2000;
+    double *const told[] = { &info.mass,          &info.inertia,    &info.damping,
+                             &info.spin_damping,  &info.friction,   &info.spin_friction,
+                             &info.position_step, &info.angle_step, &info.delay,
+                             &info.force_max,     &info.torque_max, &info.stiffness_max };
+    for (int i = 0; i < 12; i++)
+        *told[i] = 0.001 * (i + 1);
+    CHECK(dpt_device_fill_coupling(&info, &def) == DPT_OK, "fill");
+    for (int i = 0; i < 12; i++)
+        CHECK((&def.mass)[i] == 0.001 * (i + 1), "field %d: %g", i, (&def.mass)[i]);
+    CHECK(def.has_torque == 1 && def.rate == 2000 && def.zoom == 3 && def.stiffness == 70 &&
+              def.loop_delay == 1e-4 && def.gain_margin == 1.5 && def.size == sizeof def,
+          "rate %g, zoom %g", def.rate, def.zoom);
+    info.wrench_dofs = 3;
+    CHECK(dpt_device_fill_coupling(&info, &def) == DPT_OK && def.has_torque == 0, "force alone");
+    CHECK(dpt_device_fill_coupling(NULL, &def) == DPT_E_ARGUMENT &&
+              dpt_device_fill_coupling(&info, NULL) == DPT_E_ARGUMENT,
+          "of nothing");
+}
+
 static void drivers_fill_in_their_own_structs(void)
 {
     for (is_newer = 0; is_newer < 2; is_newer++) {
@@ -354,6 +405,7 @@ int main(void)
 {
     TEST(structs_of_any_size);
     TEST(loops_of_any_size);
+    TEST(a_device_fills_a_coupling);
     TEST(drivers_fill_in_their_own_structs);
     TEST(the_librarys_part_of_a_device_is_its_own);
     TEST(drivers_of_any_size);

@@ -38,7 +38,7 @@ ToolSettings = struct("dpt_tool_settings", (c_uint32, "size law"),
 BodySettings = struct("dpt_body_settings", (c_uint32, "size unfelt"),
                       (c_double, "side_limit static_friction kinetic_friction stiffness"))
 ForceReport = struct("dpt_force_report", (c_uint32, "size reason flags law"), (Wrench, "wrench"),
-                     (c_double, "energy lag"), (c_uint64, "folds"), (c_uint32, "sticking slipping"))
+                     (c_double, "energy lag"), (c_uint64, "folds"), (c_uint32, "sticking slipping"), (c_double, "body_work"))
 Contact = struct("dpt_contact", (c_uint32, "size id body segment triangle contact flags reserved"),
                  (c_double, "s0 s1 s gap"), (double3, "p q normal weight"),
                  (c_double, "overlap moment"), (double3, "thrust thrust_moment"), (c_double, "square end_gap_0 end_gap_1"),
@@ -49,6 +49,20 @@ State = struct("dpt_device_state", (c_uint32, "size status reasons code buttons 
                (c_uint64, "sequence time_ns"), (Pose, "pose"), (double3, "velocity spin"),
                (c_double, "temperature"), (c_double * 6, "reserved"), (c_double * 8, "joint"))
 Guard = struct("dpt_guard", (c_uint32, "size reserved"), (c_uint64 * 63, "opaque"))
+CouplingDef = struct("dpt_coupling_def", (c_uint32, "size has_torque"),
+                     (c_double, "mass inertia damping spin_damping friction spin_friction position_step angle_step"
+                                " delay force_max torque_max stiffness_max rate loop_delay zoom force_scale rho lever"
+                                " stiffness rotational_stiffness tool_damping gain_margin"))
+Coupling = struct("dpt_coupling", (c_uint32, "size limit flags reserved"),
+                  (c_double, "stiffness rotational_stiffness damping delay delay_needed stable stable_turn depth"))
+PassivityDef = struct("dpt_passivity_def", (c_uint32, "size observe_only"),
+                      (c_double, "damping spin_damping force_max torque_max force_slew torque_slew delay reserve"
+                                 " body_power"))
+Passivity = struct("dpt_passivity", (c_uint32, "size reserved"), (c_uint64 * 127, "opaque"))
+PassivitySample = struct("dpt_passivity_sample", (c_uint32, "size reserved"), (c_double, "dt energy body_work"),
+                         (Pose, "pose"), (Wrench, "sent"))
+PassivityInfo = struct("dpt_passivity_info", (c_uint32, "size reserved"), (c_uint64, "steps acted"),
+                       (c_double, "account account_min eps damped body_work taken"))
 GuardInfo = struct("dpt_guard_info", (c_uint32, "size state"),
                    (c_uint64, "stops clamped slewed not_finite now_ns fresh_ns"), (c_double, "gain"),
                    (Wrench, "command sent"))
@@ -81,7 +95,7 @@ column = 0 if sizeof(c_void_p) == 8 else 1
 sizes = re.findall(r"SIZE\((\w+), (\d+), (\d+)\)", open(sys.path[0] + "/../abi/layouts.txt").read())
 sizes = {name: int(bytes[column]) for name, *bytes in sizes}
 for kind in (Pose, Segment, Wrench, Hit, Contact, Overlap, WorldDef, Step, ToolSettings, BodySettings, ForceReport, State,
-             Guard, GuardInfo, Compiled, Joint, Link, ArmBody, ArmDef):
+             Guard, GuardInfo, CouplingDef, Coupling, PassivityDef, Passivity, PassivitySample, PassivityInfo, Compiled, Joint, Link, ArmBody, ArmDef):
     check(kind.__name__ + " has its size", sizeof(kind) == sizes[kind.__name__])
 
 # A box of 2 x 2 x 1 m with its top at z = 1: corner i at the bits of i; two triangles a side.
@@ -171,6 +185,21 @@ for tick in range(3000):  # the hand presses 3 cm down in 2 s; the mesh's top is
     wrench.force[:] = (x, z, -y)
     core.dpt_guard_step(byref(guard), c_uint64(state.time_ns), byref(wrench), state.status == 3, byref(sent))
     touched += check_read == 0 and drivers.dpt_device_write(device, byref(sent)) == 0 and sent.force[1] > 1
+coupling_def, coupling = CouplingDef(size=sizeof(CouplingDef)), Coupling(size=sizeof(Coupling))
+core.dpt_coupling_def_defaults(byref(coupling_def), c_size_t(sizeof(coupling_def)))
+coupling_def.mass, coupling_def.damping, coupling_def.gain_margin = 0.1, 0.5, 1
+check("a coupling", core.dpt_coupling_for_device(byref(coupling_def), byref(coupling)) == 0)
+check("0.5 Ns/m in half a period of 1 ms", abs(coupling.stiffness - 1000) < 5 and coupling.limit == 1)
+passivity, saw = Passivity(size=sizeof(Passivity)), PassivityInfo(size=sizeof(PassivityInfo))
+check("an observer", core.dpt_passivity_init(byref(passivity), None) == 0)
+sample = PassivitySample(size=sizeof(PassivitySample), dt=0.001, pose=Pose(double3(0, 0, 0), double4(1, 0, 0, 0)))
+wrench.force[:], wrench.torque[:] = (0, 1, 0), (0, 0, 0)
+for _ in range(3):  # a newton goes along with the hand, a millimetre at a time
+    check("it sees", core.dpt_passivity_step(byref(passivity), byref(sample), byref(wrench)) == 0)
+    sample.pose.position[1] += 0.001
+    sample.sent = wrench
+check("energy from nothing ends", core.dpt_passivity_get_info(byref(passivity), byref(saw)) == 0 and saw.acted == 1
+      and wrench.force[1] == 0 and is_near(saw.account, -0.001))
 did = GuardInfo(size=sizeof(GuardInfo))
 check("what the guard did", core.dpt_guard_get_info(byref(guard), byref(did)) == 0 and did.state == 2)
 check("it is felt, and holds the hand off", touched > 500 and did.stops == 0 and state.pose.position[1] < 0)

@@ -4,8 +4,8 @@
  * the tool's centre, a rotation vector about it and, of a straight tool, a spin about its own axis, which the rotation
  * vector does not contain. Two lengths make them comparable: rho for the turn, spin_rho for the spin.
  */
-#ifndef DPT_COUPLING_H
-#define DPT_COUPLING_H
+#ifndef DPT_SPRING_H
+#define DPT_SPRING_H
 
 #include "base/quaternion.h"
 #include "dynpoint/types.h"

@@ -1,0 +1,102 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "world/body_work.h"
+
+#include "world/proxy_constraints.h"
+#include "world/proxy_friction.h"
+
+/* Of the clearance: how far a surface that holds the proxy may be from it. */
+#define HOLDING 20.0
+
+/* How far the body moved its point that is at `at` now, before this tick. */
+static vec3 carried(const struct body *body, vec3 at)
+{
+    struct frame before;
+    frame_of_pose(&body->previous_pose, &before);
+    return sub(at, frame_to_world(&before, frame_to_local(&body->frame, at)));
+}
+
+static vec3 turned(const struct body *body)
+{
+    return quaternion_rotation_vector(
+        quaternion_product(quaternion_of(body->pose.orientation),
+                           quaternion_inverse(quaternion_of(body->previous_pose.orientation))));
+}
+
+/* The body of a constraint, if it moved before this tick, else NULL. */
+static const struct body *moved_body(const struct proxy_tick *tick, uint32_t space)
+{
+    const struct body *body =
+        world_find_body(tick->world, tick->triangles[tick->sources[space].triangle].body_id);
+    return body && body_has_moved(tick->world, body) ? body : NULL;
+}
+
+/* m: where the tool's surface touches. */
+static vec3 touch_of(const struct proxy_tick *tick, uint32_t space)
+{
+    const struct proxy_source *source = &tick->sources[space];
+    const struct segment *segments = &tick->world->segments[tick->tool->first_segment];
+    const double radius = segments[tick->triangles[source->triangle].segment].radius;
+    return along(source->p, -radius, vec3_of(tick->spaces[space].normal));
+}
+
+/* m^2: work by unit of stiffness, of the normal forces and of friction. */
+static double work_of_contacts(const struct proxy_tick *tick)
+{
+    double sum = 0.0;
+    for (uint32_t k = 0; k < tick->solved.active_count; k++) {
+        const uint32_t space = tick->solved.active[k];
+        const struct body *body = moved_body(tick, space);
+        if (body)
+            sum += tick->solved.multiplier[k] *
+                   dot(vec3_of(tick->spaces[space].normal), carried(body, touch_of(tick, space)));
+    }
+    for (uint32_t i = 0; i < tick->contact_count; i++) {
+        const struct friction_contact *contact = &tick->contacts[i];
+        const struct body *body = moved_body(tick, tick->contact_spaces[i]);
+        if (!body)
+            continue;
+        const vec3 moved = carried(body, touch_of(tick, tick->contact_spaces[i]));
+        for (int d = 0; d < 2; d++)
+            sum += contact->pull[d] * dot(vec3_of(contact->across[d]), moved);
+        sum += contact->torsion * dot(vec3_of(contact->normal), turned(body));
+    }
+    return sum;
+}
+
+double dpti_proxy_body_work(struct proxy_tick *tick)
+{
+    const struct proxy *proxy = tick->proxy;
+    double wanted[HALF_SPACE_DIMENSIONS];
+    if (!(tick->tool->stiffness > 0.0) || !(world_body_motion(tick->world) > 0.0) ||
+        proxy->state != PROXY_OUTSIDE)
+        return 0.0;
+    const struct displacement left = dpti_proxy_displacement(proxy, &tick->at, &tick->goal);
+    const struct displacement now = displacement_sum(&left, 1.0, &proxy->yielded);
+    const double size = displacement_norm(&proxy->coupling, &left);
+    if (!(size > 0.0))
+        return 0.0;
+    dpti_proxy_turn_axes(proxy, &tick->at, tick->axes);
+    dpti_proxy_to_unknowns(proxy, tick->axes, &left, wanted);
+    dpti_proxy_gather(tick, HOLDING * tick->clearance);
+    if (!dpti_proxy_solve_rubbing(tick, wanted))
+        return 0.0;
+    /* The mean of this tick's force and the last one's. */
+    const double mean = 0.5 *
+                        (displacement_norm(&proxy->coupling, &now) +
+                         displacement_norm(&proxy->coupling, &proxy->felt)) /
+                        size;
+    return mean * tick->tool->stiffness * work_of_contacts(tick);
+}
+
+double dpti_segment_body_work(const struct dpt_world *world, const struct segment *segment,
+                              vec3 origin, const dpt_wrench *last, const dpt_wrench *now)
+{
+    const struct body *body = segment->pushing_part.body_id
+                                  ? world_find_body(world, segment->pushing_part.body_id)
+                                  : NULL;
+    if (!body || !body_has_moved(world, body))
+        return 0.0;
+    const vec3 force = add(vec3_of(last->force), vec3_of(now->force));
+    const vec3 torque = add(vec3_of(last->torque), vec3_of(now->torque));
+    return 0.5 * (dot(force, carried(body, origin)) + dot(torque, turned(body)));
+}

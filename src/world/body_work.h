@@ -1,0 +1,18 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The work that moving bodies do on tools: docs/algorithms/passivity.md. */
+#ifndef DPT_BODY_WORK_H
+#define DPT_BODY_WORK_H
+
+#include "world/proxy_tick.h"
+
+/* J, in this tick, of what holds the proxy where it ended. To be called before its force is known to be another one. */
+double dpti_proxy_body_work(struct proxy_tick *tick);
+
+/*
+ * J, in this tick, of the body that pushes a segment, by its wrench about `origin` in the last tick and in this one. Of a
+ * bed over several bodies only the one in which the segment is deepest counts.
+ */
+double dpti_segment_body_work(const struct dpt_world *world, const struct segment *segment,
+                              vec3 origin, const dpt_wrench *last, const dpt_wrench *now);
+
+#endif
