@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * A simulated device: a mass with viscous damping for each degree of freedom, which a hand pulls by a spring or pushes,
- * with encoder steps and zero-order hold (docs/drivers.md, "sim").
+ * A simulated device: a mass with damping and friction for each degree of freedom, which a hand pulls by a spring or
+ * pushes, with encoder steps, zero-order hold, delay, and a line that loses frames (docs/drivers.md, "sim").
  */
 #define _POSIX_C_SOURCE 200809L
 #include <math.h>
@@ -14,89 +14,47 @@
 #include "clock.h"
 #include "dynpoint/driver.h"
 #include "settings.h"
+#include "sim/sim_axis.h"
 #include "sim/sim_hand.h"
+#include "sim/sim_random.h"
 #include "text/parse_number.h"
 
 enum { DOFS = 6, DELAY_MAX = 15, CATCH_UP_MAX = 10000, PERIODS_TO_LOST = 10 };
 
-/*
- * The state transition over one period of a mass m with damping c, a spring k to h, and a constant force f. Position x
- * and velocity v become
- *     x' = h + xx (x - h) + xv v + xf f        v' = vx (x - h) + vv v + vf f
- */
-struct transition {
-    double xx, xv, xf, vx, vv, vf;
-};
+/* Of commands: the next period's, this one's, and those that may still begin to act. */
+enum { SLOTS = DELAY_MAX + 2 };
 
 struct sim {
     dpt_device device;
-    double mass, damping, grip, inertia, turn_damping, turn_grip;
-    double step, turn_step, rate, force_max, torque_max, watchdog;
-    double delay, dofs, live, reach, cycle;
+    /* Index 0: of positions; 1: of angles. What the device has, and what the hand adds. */
+    double mass[2], damping[2], grip[2], hand_mass[2], hand_damping[2], friction[2], stiction[2];
+    double step[2], gravity, lag, rate, force_max, torque_max, watchdog;
+    double delay, jitter, loss, doubled, seed, dofs, live, reach, cycle;
     char script[256], fault[32];
     struct sim_hand hand;
-    /* With and without the hand's spring; [0] of positions, [1] of angles. */
-    struct transition with_spring[2], without_spring[2];
-    uint64_t period; /* number of the present period */
-    double x[DOFS],
-        v[DOFS]; /* m, m/s; from index 3 on rad, rad/s: the components of a rotation vector */
+    struct sim_axis axes[2];              /* with the hand */
+    struct sim_transition transitions[2]; /* over a whole period */
+    double duration;                      /* of a period, s */
+    double weight;                        /* N */
+    uint64_t period;                      /* number of the present period */
+    struct sim_motion motion[DOFS];       /* from index 3 on the components of a rotation vector */
     double encoders[DOFS], encoders_before[DOFS]; /* readings now and a period before */
-    double commands[DELAY_MAX + 1][DOFS];         /* ring by period: N, from index 3 on Nm */
+    double commands[SLOTS][DOFS];                 /* ring by period: N, from index 3 on Nm */
+    double acting[DOFS];                          /* the command that acts */
     int has_begun, has_command, is_armed;
     uint64_t periods_without_command;
     uint64_t began_ns;
-    dpt_device_state sample;
-    int has_sample, was_read;
-    uint64_t read_period;
+    uint32_t buttons;
+    dpt_device_state sample; /* the newest that arrived */
+    int has_sample, is_repeated;
+    int was_read;
+    uint64_t read_sequence;
     uint32_t fault_reason; /* DPT_REASON_... of the planned fault; 0: none is planned */
     double fault_time;     /* when it occurs, s */
     int has_fault;
     uint64_t fault_period;
     dpt_device_counts counts;
 };
-
-/*
- * The matrix exponential over a period: a Taylor series over a fraction of the period, squared as often as it was
- * halved. Time is counted in periods and force in m per period^2.
- */
-static struct transition transition_of(double mass, double damping, double spring, double period)
-{
-    double k = spring * period * period / mass, c = damping * period / mass;
-    double sum[2][3] = { { 1.0, 0.0, 0.0 }, { 0.0, 1.0, 0.0 } };
-    double term[2][3] = { { 1.0, 0.0, 0.0 }, { 0.0, 1.0, 0.0 } }, force[3] = { 0.0, 0.0, 1.0 };
-    double part = 1.0;
-    int halvings = 0;
-    for (double norm = 1.0 + k + c; norm * part > 0.25; part *= 0.5)
-        halvings++;
-    /* Columns: position, velocity, force. The force's own row is (0, 0, 1). */
-    for (int i = 1; i <= 14; i++) {
-        for (int column = 0; column < 3; column++) {
-            double x = term[0][column], v = term[1][column], scale = part / i;
-            term[0][column] = v * scale;
-            term[1][column] = (force[column] - k * x - c * v) * scale;
-            sum[0][column] += term[0][column];
-            sum[1][column] += term[1][column];
-        }
-        force[2] = 0.0;
-    }
-    for (; halvings > 0; halvings--) {
-        double unsquared[2][3];
-        memcpy(unsquared, sum, sizeof unsquared);
-        for (int row = 0; row < 2; row++) {
-            for (int column = 0; column < 3; column++)
-                sum[row][column] = unsquared[row][0] * unsquared[0][column] +
-                                   unsquared[row][1] * unsquared[1][column];
-            sum[row][2] += unsquared[row][2];
-        }
-    }
-    double push = period * period / mass;
-    return (struct transition){ .xx = sum[0][0],
-                                .xv = sum[0][1] * period,
-                                .xf = sum[0][2] * push,
-                                .vx = sum[1][0] / period,
-                                .vv = sum[1][1],
-                                .vf = sum[1][2] * push / period };
-}
 
 static double round_to_step(double value, double step)
 {
@@ -113,10 +71,14 @@ static uint64_t ns_of(const struct sim *sim, uint64_t period)
     return (uint64_t)((double)period * 1e9 / sim->rate + 0.5);
 }
 
-/* The force of the commands in the period that ends now. The next period begins with the same command. */
-static void take_acting_force(struct sim *sim, double *force)
+static double draw(const struct sim *sim, uint64_t period, enum sim_draw which)
 {
-    uint64_t slots = DELAY_MAX + 1, slot = sim->period % slots;
+    return sim_random((uint64_t)sim->seed, period, which);
+}
+
+/* The commands of the period that ends now. The next period begins with the same command. */
+static void end_commands(struct sim *sim)
+{
     if (sim->has_command || !sim->is_armed || sim->has_fault) {
         sim->periods_without_command = 0;
     } else {
@@ -126,11 +88,63 @@ static void take_acting_force(struct sim *sim, double *force)
     sim->has_command = 0;
     int is_off =
         sim->watchdog > 0.0 && (double)sim->periods_without_command / sim->rate >= sim->watchdog;
-    if (is_off || sim->has_fault)
+    if (is_off || sim->has_fault) {
         memset(sim->commands, 0, sizeof sim->commands);
-    memcpy(force, sim->commands[(slot + slots - (uint64_t)sim->delay) % slots],
-           sizeof sim->commands[slot]);
-    memcpy(sim->commands[(slot + 1) % slots], sim->commands[slot], sizeof sim->commands[slot]);
+        memset(sim->acting, 0, sizeof sim->acting);
+    }
+    memcpy(sim->commands[(sim->period + 1) % SLOTS], sim->commands[sim->period % SLOTS],
+           sizeof sim->acting);
+}
+
+/*
+ * When the command of the period `age` periods ago begins to act, s after the beginning of the present one, if its
+ * delay has as many whole periods. It may be later than the period's end.
+ */
+static double moment_of(const struct sim *sim, uint64_t age)
+{
+    const double part = (sim->delay - floor(sim->delay)) * sim->duration;
+    if (sim->jitter == 0.0 || sim->period < age)
+        return part;
+    return part + sim->jitter * draw(sim, sim->period - age, DRAW_JITTER);
+}
+
+/* Move the masses for a time under the acting command. */
+static void advance(struct sim *sim, double time, const struct hand_target *target)
+{
+    struct sim_transition over[2];
+    for (int kind = 0; kind < (int)sim->dofs / 3; kind++)
+        over[kind] = time == sim->duration ? sim->transitions[kind]
+                                           : sim_axis_transition(&sim->axes[kind], time);
+    for (int i = 0; i < (int)sim->dofs; i++) {
+        const double weight = i == 1 ? sim->weight : 0.0;
+        const struct sim_load load = {
+            .command = sim->acting[i],
+            .push = (target->is_position ? 0.0 : target->value[i]) - weight,
+            .centre = target->is_position ? target->value[i] : 0.0,
+        };
+        sim_axis_advance(&sim->axes[i / 3], &over[i / 3], &load, &sim->motion[i]);
+    }
+}
+
+/*
+ * Move the masses by one period. At most two commands begin to act in it: one whose delay is the whole periods, and the
+ * one before, if its delay went beyond the period before.
+ */
+static void advance_period(struct sim *sim, const struct hand_target *target)
+{
+    const uint64_t whole = (uint64_t)sim->delay;
+    double now = 0.0;
+    for (uint64_t late = 2; late-- > 0;) {
+        const uint64_t slot = (sim->period + SLOTS - whole - late) % SLOTS;
+        const double moment = moment_of(sim, whole + late) - (late ? sim->duration : 0.0);
+        if (!(moment >= 0.0 && moment < sim->duration))
+            continue;
+        if (moment > now)
+            advance(sim, moment - now, target);
+        now = moment;
+        memcpy(sim->acting, sim->commands[slot], sizeof sim->acting);
+    }
+    advance(sim, sim->duration - now, target);
 }
 
 static void begin_fault(struct sim *sim)
@@ -174,9 +188,9 @@ static void take_sample(struct sim *sim)
     dpt_device_state *sample = &sim->sample;
     double velocity[DOFS];
     for (int i = 0; i < DOFS; i++) {
-        double step = i < 3 ? sim->step : sim->turn_step;
-        velocity[i] =
-            step > 0.0 ? (sim->encoders[i] - sim->encoders_before[i]) * sim->rate : sim->v[i];
+        velocity[i] = sim->step[i / 3] > 0.0
+                          ? (sim->encoders[i] - sim->encoders_before[i]) * sim->rate
+                          : sim->motion[i].v;
     }
     sample->sequence = sim->period;
     sample->time_ns = sim->began_ns + ns_of(sim, sim->period);
@@ -186,31 +200,52 @@ static void take_sample(struct sim *sim)
     memcpy(sample->spin, velocity + 3, sizeof sample->spin);
     memcpy(sample->joint, sim->encoders, sizeof sim->encoders);
     sample->temperature = -1.0;
+    sample->buttons = sim->buttons;
 }
 
-/* Move the masses by one period and read the encoders at its end. */
+static int is_silent(const struct sim *sim)
+{
+    return sim->has_fault &&
+           (status_of(sim) == DPT_DEVICE_STATUS_LOST || sim->fault_reason == DPT_REASON_SILENT);
+}
+
+/* The present period's sample goes through the line. */
+static void send_sample(struct sim *sim)
+{
+    if (is_silent(sim))
+        return;
+    if (sim->loss > 0.0 && draw(sim, sim->period, DRAW_SAMPLE_LOST) < sim->loss) {
+        sim->counts.lost++;
+        return;
+    }
+    sim->is_repeated = sim->has_sample && sim->doubled > 0.0 &&
+                       draw(sim, sim->period, DRAW_SAMPLE_DOUBLED) < sim->doubled;
+    if (sim->is_repeated)
+        return;
+    sim->has_sample = 1;
+    take_sample(sim);
+}
+
+static void read_encoders(struct sim *sim)
+{
+    for (int i = 0; i < (int)sim->dofs; i++)
+        sim->encoders[i] = round_to_step(sim->motion[i].x, sim->step[i / 3]);
+}
+
+/* Move the masses by one period and take the sample at its end. */
 static void step_period(struct sim *sim)
 {
-    double force[DOFS];
     struct hand_target target;
     sim_hand_at(&sim->hand, time_of(sim, sim->period), &target);
-    take_acting_force(sim, force);
+    end_commands(sim);
+    advance_period(sim, &target);
     memcpy(sim->encoders_before, sim->encoders, sizeof sim->encoders);
-    for (int i = 0; i < (int)sim->dofs; i++) {
-        const struct transition *transition =
-            target.is_position ? &sim->with_spring[i / 3] : &sim->without_spring[i / 3];
-        double spring_centre = target.is_position ? target.value[i] : 0.0;
-        double push = force[i] + (target.is_position ? 0.0 : target.value[i]);
-        double x = sim->x[i] - spring_centre, v = sim->v[i];
-        sim->x[i] =
-            spring_centre + (transition->xx * x + transition->xv * v + transition->xf * push);
-        sim->v[i] = transition->vx * x + transition->vv * v + transition->vf * push;
-        sim->encoders[i] = round_to_step(sim->x[i], i < 3 ? sim->step : sim->turn_step);
-    }
+    read_encoders(sim);
     sim->period++;
     sim_hand_at(&sim->hand, time_of(sim, sim->period), &target);
-    sim->sample.buttons = target.buttons;
+    sim->buttons = target.buttons;
     begin_fault(sim);
+    send_sample(sim);
 }
 
 /* Step a live device up to the clock. If it is too far behind, because the computer slept, the rest is skipped. */
@@ -228,6 +263,7 @@ static dpt_result catch_up(struct sim *sim)
     if (sim->period < period) {
         sim->counts.lost += period - sim->period;
         sim->period = period;
+        send_sample(sim);
     }
     return DPT_OK;
 }
@@ -242,18 +278,17 @@ static dpt_result sim_read(dpt_device *device, dpt_device_state *state)
         step_period(sim);
     sim->has_begun = 1;
     uint32_t status = status_of(sim);
-    int is_silent = sim->has_fault &&
-                    (status == DPT_DEVICE_STATUS_LOST || sim->fault_reason == DPT_REASON_SILENT);
-    uint32_t fresh = 0;
-    if (result == DPT_OK && !is_silent) {
-        uint64_t passed = sim->was_read ? sim->period - sim->read_period : 1;
-        fresh = passed < UINT32_MAX ? (uint32_t)passed : UINT32_MAX;
+    uint64_t fresh = 0;
+    if (result == DPT_OK && sim->has_sample && !is_silent(sim)) {
+        fresh = sim->was_read ? sim->sample.sequence - sim->read_sequence : 1;
+        if (fresh == 0 && sim->is_repeated)
+            fresh = 1;
+        sim->is_repeated = 0;
         sim->was_read = 1;
-        sim->read_period = sim->period;
-        take_sample(sim);
+        sim->read_sequence = sim->sample.sequence;
     }
     *state = sim->sample;
-    state->fresh = fresh;
+    state->fresh = fresh < UINT32_MAX ? (uint32_t)fresh : UINT32_MAX;
     state->status = status;
     state->reasons = status == DPT_DEVICE_STATUS_READY ? 0 : sim->fault_reason;
     state->code = state->reasons == DPT_REASON_DEVICE ? 1 : 0;
@@ -267,13 +302,15 @@ static dpt_result sim_write(dpt_device *device, const dpt_wrench *wrench)
     uint32_t status = status_of(sim);
     if (status != DPT_DEVICE_STATUS_READY)
         return status == DPT_DEVICE_STATUS_LOST ? DPT_E_LOST : DPT_E_NOT_READY;
-    double *command = sim->commands[sim->period % (DELAY_MAX + 1)];
+    sim->counts.commands++;
+    if (sim->loss > 0.0 && draw(sim, sim->period, DRAW_COMMAND_LOST) < sim->loss)
+        return result;
+    double *command = sim->commands[sim->period % SLOTS];
     memcpy(command, wrench->force, sizeof wrench->force);
     memcpy(command + 3, wrench->torque, sizeof wrench->torque);
     limit_length(command, sim->force_max);
     limit_length(command + 3, sim->torque_max);
     sim->has_command = sim->is_armed = 1;
-    sim->counts.commands++;
     return result;
 }
 
@@ -286,6 +323,7 @@ static dpt_result sim_clear(dpt_device *device)
     sim->has_fault = sim->is_armed = 0;
     sim->fault_reason = 0;
     memset(sim->commands, 0, sizeof sim->commands);
+    memset(sim->acting, 0, sizeof sim->acting);
     return DPT_OK;
 }
 
@@ -310,13 +348,15 @@ static void sim_info(const dpt_device *device, dpt_device_info *info)
                                .force_max = sim->force_max,
                                .force_continuous = sim->force_max,
                                .torque_max = has_orientation ? sim->torque_max : 0.0,
-                               .position_step = sim->step,
-                               .angle_step = has_orientation ? sim->turn_step : 0.0,
-                               .mass = sim->mass,
-                               .inertia = has_orientation ? sim->inertia : 0.0,
-                               .damping = sim->damping,
-                               .spin_damping = has_orientation ? sim->turn_damping : 0.0,
-                               .delay = sim->delay / sim->rate,
+                               .position_step = sim->step[0],
+                               .angle_step = has_orientation ? sim->step[1] : 0.0,
+                               .mass = sim->mass[0],
+                               .inertia = has_orientation ? sim->mass[1] : 0.0,
+                               .damping = sim->damping[0],
+                               .spin_damping = has_orientation ? sim->damping[1] : 0.0,
+                               .friction = sim->friction[0],
+                               .spin_friction = has_orientation ? sim->friction[1] : 0.0,
+                               .delay = sim->delay / sim->rate + sim->lag + 0.5 * sim->jitter,
                                .watchdog = sim->watchdog,
                                .workspace_min = { -0.2, -0.2, -0.2 },
                                .workspace_max = { 0.2, 0.2, 0.2 },
@@ -349,31 +389,59 @@ static dpt_result plan_fault(struct sim *sim, dpt_device_error *error)
     return device_error(error, DPT_E_SETTING, "fault is not a reason and a time, as estop@1.5");
 }
 
-static dpt_result prepare(struct sim *sim, dpt_device_error *error)
+static dpt_result check(const struct sim *sim, dpt_device_error *error)
 {
     if ((sim->dofs != 3.0 && sim->dofs != 6.0) || sim->live != floor(sim->live) ||
-        sim->delay != floor(sim->delay))
-        return device_error(error, DPT_E_SETTING, "dofs is 3 or 6, live 0 or 1, delay an integer");
-    double period = 1.0 / sim->rate;
-    sim->with_spring[0] = transition_of(sim->mass, sim->damping, sim->grip, period);
-    sim->without_spring[0] = transition_of(sim->mass, sim->damping, 0.0, period);
-    sim->with_spring[1] = transition_of(sim->inertia, sim->turn_damping, sim->turn_grip, period);
-    sim->without_spring[1] = transition_of(sim->inertia, sim->turn_damping, 0.0, period);
-    dpt_result result = plan_fault(sim, error);
-    if (result == DPT_OK)
-        result = sim_hand_open(&sim->hand, sim->script, sim->reach, sim->cycle, error);
-    if (result != DPT_OK)
-        return result;
+        sim->seed != floor(sim->seed))
+        return device_error(error, DPT_E_SETTING, "dofs is 3 or 6, live 0 or 1, seed an integer");
+    if (sim->jitter * sim->rate >= 1.0)
+        return device_error(error, DPT_E_SETTING, "jitter is not below a period");
+    if (sim->lag > 0.0 && sim->lag < 1e-5)
+        return device_error(error, DPT_E_SETTING, "lag is neither 0 nor within 1e-5 and 1");
+    for (int kind = 0; kind < 2; kind++)
+        if (sim->stiction[kind] < sim->friction[kind])
+            return device_error(error, DPT_E_SETTING, "%sstiction is below %sfriction",
+                                kind ? "turn_" : "", kind ? "turn_" : "");
+    return DPT_OK;
+}
+
+/* The axes with what the hand adds to them. */
+static void prepare_axes(struct sim *sim, int is_held, int is_pulled)
+{
+    sim->duration = 1.0 / sim->rate;
+    for (int kind = 0; kind < 2; kind++) {
+        sim->axes[kind] = (struct sim_axis){
+            .mass = sim->mass[kind] + (is_held ? sim->hand_mass[kind] : 0.0),
+            .damping = sim->damping[kind] + (is_held ? sim->hand_damping[kind] : 0.0),
+            .spring = is_pulled ? sim->grip[kind] : 0.0,
+            .lag = sim->lag,
+            .friction = sim->friction[kind],
+            .stiction = sim->stiction[kind],
+        };
+        sim->transitions[kind] = sim_axis_transition(&sim->axes[kind], sim->duration);
+    }
+    sim->weight = sim->gravity * sim->axes[0].mass;
+}
+
+static dpt_result prepare(struct sim *sim, dpt_device_error *error)
+{
+    for (int kind = 0; kind < 2; kind++)
+        if (sim->stiction[kind] < 0.0)
+            sim->stiction[kind] = sim->friction[kind];
+    DPT_TRY(check(sim, error));
+    DPT_TRY(plan_fault(sim, error));
+    DPT_TRY(sim_hand_open(&sim->hand, sim->script, sim->reach, sim->cycle, error));
     struct hand_target target;
     sim_hand_at(&sim->hand, 0.0, &target);
+    prepare_axes(sim, sim->hand.kind != HAND_NONE, target.is_position);
     for (int i = 0; i < (int)sim->dofs; i++)
-        sim->x[i] = target.is_position ? target.value[i] : 0.0;
-    for (int i = 0; i < DOFS; i++)
-        sim->encoders[i] = sim->encoders_before[i] =
-            round_to_step(sim->x[i], i < 3 ? sim->step : sim->turn_step);
-    sim->sample.buttons = target.buttons;
+        sim->motion[i].x = target.is_position ? target.value[i] : 0.0;
+    read_encoders(sim);
+    memcpy(sim->encoders_before, sim->encoders, sizeof sim->encoders);
+    sim->buttons = target.buttons;
     take_sample(sim);
     begin_fault(sim);
+    send_sample(sim);
     return DPT_OK;
 }
 
@@ -384,12 +452,13 @@ static dpt_result sim_open(const dpt_driver *driver, const char *where, dpt_devi
     struct sim *sim = calloc(1, sizeof *sim);
     if (!sim)
         return device_error(error, DPT_E_MEMORY, "memory ran out");
-    sim->mass = 0.1;
-    sim->damping = 0.5;
-    sim->grip = 200.0;
-    sim->inertia = 1e-4;
-    sim->turn_damping = 1e-3;
-    sim->turn_grip = 0.2;
+    sim->mass[0] = 0.1;
+    sim->damping[0] = 0.5;
+    sim->grip[0] = 200.0;
+    sim->mass[1] = 1e-4;
+    sim->damping[1] = 1e-3;
+    sim->grip[1] = 0.2;
+    sim->stiction[0] = sim->stiction[1] = -1.0; /* not given */
     sim->rate = 1000.0;
     sim->dofs = 3.0;
     sim->force_max = 8.0;
@@ -398,20 +467,34 @@ static dpt_result sim_open(const dpt_driver *driver, const char *where, dpt_devi
     sim->reach = 0.03;
     sim->cycle = 4.0;
     const struct setting settings[] = {
-        { .name = "mass", .number = &sim->mass, .min = 1e-4, .max = 100.0 },
-        { .name = "damping", .number = &sim->damping, .max = 1e3 },
-        { .name = "grip", .number = &sim->grip, .max = 1e5 },
-        { .name = "inertia", .number = &sim->inertia, .min = 1e-8, .max = 10.0 },
-        { .name = "turn_damping", .number = &sim->turn_damping, .max = 10.0 },
-        { .name = "turn_grip", .number = &sim->turn_grip, .max = 1e3 },
-        { .name = "step", .number = &sim->step, .max = 0.01 },
-        { .name = "turn_step", .number = &sim->turn_step, .max = 0.1 },
+        { .name = "mass", .number = &sim->mass[0], .min = 1e-4, .max = 100.0 },
+        { .name = "damping", .number = &sim->damping[0], .max = 1e3 },
+        { .name = "friction", .number = &sim->friction[0], .max = 100.0 },
+        { .name = "stiction", .number = &sim->stiction[0], .max = 100.0 },
+        { .name = "inertia", .number = &sim->mass[1], .min = 1e-8, .max = 10.0 },
+        { .name = "turn_damping", .number = &sim->damping[1], .max = 10.0 },
+        { .name = "turn_friction", .number = &sim->friction[1], .max = 10.0 },
+        { .name = "turn_stiction", .number = &sim->stiction[1], .max = 10.0 },
+        { .name = "gravity", .number = &sim->gravity, .max = 100.0 },
+        { .name = "grip", .number = &sim->grip[0], .max = 1e5 },
+        { .name = "turn_grip", .number = &sim->grip[1], .max = 1e3 },
+        { .name = "hand_mass", .number = &sim->hand_mass[0], .max = 100.0 },
+        { .name = "hand_damping", .number = &sim->hand_damping[0], .max = 1e3 },
+        { .name = "hand_inertia", .number = &sim->hand_mass[1], .max = 10.0 },
+        { .name = "hand_turn_damping", .number = &sim->hand_damping[1], .max = 10.0 },
+        { .name = "step", .number = &sim->step[0], .max = 0.01 },
+        { .name = "turn_step", .number = &sim->step[1], .max = 0.1 },
         { .name = "rate", .number = &sim->rate, .min = 1.0, .max = 1e5 },
         { .name = "dofs", .number = &sim->dofs, .min = 3.0, .max = 6.0 },
         { .name = "force", .number = &sim->force_max, .max = 1e3 },
         { .name = "torque", .number = &sim->torque_max, .max = 1e3 },
         { .name = "watchdog", .number = &sim->watchdog, .max = 10.0 },
         { .name = "delay", .number = &sim->delay, .max = DELAY_MAX },
+        { .name = "lag", .number = &sim->lag, .max = 1.0 },
+        { .name = "jitter", .number = &sim->jitter, .max = 1.0 },
+        { .name = "loss", .number = &sim->loss, .max = 1.0 },
+        { .name = "double", .number = &sim->doubled, .max = 1.0 },
+        { .name = "seed", .number = &sim->seed, .max = 0x1p53 },
         { .name = "live", .number = &sim->live, .max = 1.0 },
         { .name = "hand", .text = sim->script, .text_bytes = sizeof sim->script },
         { .name = "reach", .number = &sim->reach, .max = 1.0 },
