@@ -143,7 +143,10 @@ if [ "$whole" = test ]; then
     unset DPT_DATA
     programs test release beside
     run "the layers" sh tests/layers.sh build
-    [ -x "$(command -v python3)" ] && run "other languages" python3 tests/ffi/touch.py build
+    if [ -x "$(command -v python3)" ]; then
+        run "other languages" python3 tests/ffi/touch.py build
+        run "the simulated device's oracle" python3 -B tests/drivers/sim_oracle.py build 12
+    fi
     go "$jobs"
     programs test release alone
     go 1
@@ -171,8 +174,10 @@ else
     if command -v python3 >/dev/null 2>&1; then
         run "other languages" python3 tests/ffi/touch.py build
         run "declarations for other languages" python3 tests/ffi/cdef.py build
+        run "the simulated device's oracle" python3 -B tests/drivers/sim_oracle.py build
     else
         skip "other languages" "no python3"
+        skip "the simulated device's oracle" "no python3"
     fi
     [ -x build/tests/test_sweep_exact ] || skip "test_sweep_exact" "no g++ with gmpxx"
     go "$jobs"
