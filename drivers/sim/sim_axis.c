@@ -174,17 +174,13 @@ static double time_at_rest(struct stretch *stretch, double left)
  */
 static double time_to_stop(const struct stretch *stretch, double step, int *stops)
 {
-    const int leaves_rest = stretch->v == 0.0;
-    double low = RESOLUTION * step, high = step;
+    const double low = RESOLUTION * step;
+    double high = step;
     *stops = speed_at(stretch, step) <= 0.0;
-    if (stretch->axis->lag > 0.0) {
-        const int rises = rise_at(stretch, 0.0) > 0.0, rises_later = rise_at(stretch, step) > 0.0;
-        if (leaves_rest && *stops && rises && !rises_later)
-            low = locate(stretch, rise_at, low, step);
-        if (!leaves_rest && !*stops && !rises && rises_later) {
-            high = locate(stretch, rise_at, low, step);
-            *stops = speed_at(stretch, high) <= 0.0;
-        }
+    if (stretch->axis->lag > 0.0 && !*stops && stretch->v != 0.0 && rise_at(stretch, 0.0) <= 0.0 &&
+        rise_at(stretch, step) > 0.0) {
+        high = locate(stretch, rise_at, low, step);
+        *stops = speed_at(stretch, high) <= 0.0;
     }
     return *stops ? locate(stretch, speed_at, low, high) : step;
 }

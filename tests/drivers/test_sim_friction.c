@@ -201,6 +201,8 @@ static void a_long_period_is_its_parts(void)
         "mass=0.1&damping=0&friction=0.2&lag=0.05",
         "mass=0.1&damping=0.1&stiction=0.3&lag=0.03&hand=hold&grip=100",
         "mass=0.05&damping=0&friction=0.1&stiction=0.2&lag=0.002&hand=hold&grip=3000",
+        "mass=0.05&damping=0&friction=0.05&stiction=0.1&lag=0.01&hand=hold&grip=110",
+        "mass=0.05&damping=0&friction=0.05&stiction=0.1&lag=0.02&hand=hold&grip=110",
         "mass=0.02&damping=3&friction=0.1&stiction=0.2&lag=0.1&hand=hold&grip=50",
     };
     int rests = 0, turns = 0;
@@ -236,6 +238,39 @@ static void a_long_period_is_its_parts(void)
         dpt_device_close(parts);
     }
     CHECK(rests > 500 && turns > 300, "%d at rest, %d turns", rests, turns);
+}
+
+/* The motor stops it, drives it on, and the spring slows it again, all in the third period. */
+static void a_short_stop_is_not_missed(void)
+{
+    static const double cases[][5] = {
+        { 175.0, 0.021, -2.0, -4.1, -6.9 },
+        { 201.0, 0.008, -1.4, -3.3, -4.6 },
+        { 196.0, 0.004, 2.2, 5.6, 7.8 },
+        { 168.0, 0.016, 1.9, 3.9, 7.0 },
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        double x[2];
+        int stops = 0;
+        for (int is_fine = 0; is_fine < 2; is_fine++) {
+            const int parts = is_fine ? 256 : 1;
+            dpt_device *device = device_named(
+                "sim:?rate=%d&mass=0.1&damping=0&friction=0.05&stiction=0.1&grip=%g&lag=%g&"
+                "hand=hold&watchdog=0",
+                16 * parts, cases[i][0], cases[i][1]);
+            double before = state_of(device).velocity[0];
+            for (int n = 0; n < 3 * parts; n++) {
+                write_force(device, cases[i][2 + n / parts], 0.0, 0.0);
+                const dpt_device_state state = state_of(device);
+                stops += n > 2 * parts && before * state.velocity[0] <= 0.0;
+                x[is_fine] = state.pose.position[0];
+                before = state.velocity[0];
+            }
+            dpt_device_close(device);
+        }
+        CHECK(stops > 0 && fabs(x[0] - x[1]) < 1e-12, "case %d: %.17g, in parts %.17g, %d stops",
+              (int)i, x[0], x[1], stops);
+    }
 }
 
 static void it_falls(void)
@@ -327,6 +362,7 @@ int main(void)
     TEST(the_force_follows_with_a_lag);
     TEST(a_lagging_motor_breaks_away_within_a_period);
     TEST(a_long_period_is_its_parts);
+    TEST(a_short_stop_is_not_missed);
     TEST(it_falls);
     TEST(the_hand_adds_to_the_device);
     TEST(it_reports_its_friction);

@@ -29,6 +29,8 @@ static const char *const good_names[] = {
     "sim:?fault=silent@0.005",
     "sim:?fault=docked@0&mass=1e-4&grip=1e5&damping=0",
     "sim:?rate=1&force=0&torque=0",
+    "sim:?hand=press&friction=0.2&stiction=0.5&lag=0.003&gravity=2",
+    "sim:?dofs=6&delay=1.5&jitter=0.0009&loss=0.2&double=0.2&turn_friction=0.001&seed=7",
 };
 
 static const struct {
