@@ -146,6 +146,8 @@ if [ "$whole" = test ]; then
     if [ -x "$(command -v python3)" ]; then
         run "other languages" python3 tests/ffi/touch.py build
         run "the simulated device's oracle" python3 -B tests/drivers/sim_oracle.py build 12
+    else
+        skip "other languages, the simulated device's oracle" "no python3"
     fi
     go "$jobs"
     programs test release alone
