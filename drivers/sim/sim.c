@@ -255,7 +255,7 @@ static dpt_result catch_up(struct sim *sim)
     DPT_TRY(clock_read(&now));
     if (!sim->has_begun) {
         sim->has_begun = 1;
-        sim->began_ns = now;
+        sim->began_ns = sim->sample.time_ns = now;
     }
     uint64_t period = (uint64_t)((double)(now - sim->began_ns) * sim->rate * 1e-9);
     for (int i = 0; i < CATCH_UP_MAX && sim->period < period; i++)
