@@ -18,6 +18,7 @@
 #include "dynpoint/mesh.h"
 #include "dynpoint/passivity.h"
 #include "dynpoint/query.h"
+#include "dynpoint/record.h"
 #include "dynpoint/result.h"
 #include "dynpoint/strip.h"
 #include "dynpoint/types.h"

@@ -46,7 +46,7 @@ build()
         LD="$1-linux-gnu-ld" AR="$1-linux-gnu-ar" OBJCOPY="$1-linux-gnu-objcopy" LDFLAGS=-static \
         "$folder/dynpoint" "$folder/libdynpoint.a" "$folder/libdynpoint_compile.a" \
         "$folder/tests/test_wire" "$folder/tests/test_wire_damage" "$folder/tests/test_wire_device" "$folder/tests/test_kinematics" \
-        "$folder/tests/test_arm" "$folder/tests/test_arm_compile" "$folder/tests/test_sim"
+        "$folder/tests/test_arm" "$folder/tests/test_arm_compile" "$folder/tests/test_sim" "$folder/tests/test_record"
 }
 
 # single PREFIX QEMU: the files of `make amalgamation` for $machine; answers_hash.c draws the same scenes everywhere
@@ -108,6 +108,8 @@ try()
     for name in test_arm test_arm_compile; do
         check "$machine: $name, see $log" "qemu-$machine-static" "$folder/tests/$name"
     done
+    # Recordings are the same bytes.
+    check "$machine: test_record, see $log" "qemu-$machine-static" "$folder/tests/test_record"
     # The single files, by their compiler's plain flags, answer as the libraries here do.
     single "$1-linux-gnu-" "qemu-$1-static"
     # A damaged file is refused at the same byte, whatever the byte order.

@@ -162,6 +162,22 @@ static dpt_result passivity_info(void *out)
     return dpt_passivity_get_info(&a_passivity, out);
 }
 
+static unsigned char recording[2048];
+static size_t recording_bytes, first_record;
+
+static dpt_result record_header(void *out)
+{
+    size_t at;
+    return dpt_record_header_read(recording, first_record + recording_bytes, out, &at);
+}
+
+static dpt_result record(void *out)
+{
+    size_t at = first_record;
+    uint32_t count;
+    return dpt_record_read(recording, first_record + recording_bytes, &at, out, 1, &count);
+}
+
 static const struct sized outputs[] = {
     { "dpt_mesh_info", offsetof(dpt_mesh_info, solid_components), sizeof(dpt_mesh_info),
       mesh_info },
@@ -188,6 +204,8 @@ static const struct sized outputs[] = {
     { "dpt_body_settings", sizeof(dpt_body_settings), sizeof(dpt_body_settings), body_settings },
     { "dpt_tool_settings", sizeof(dpt_tool_settings), sizeof(dpt_tool_settings), tool_settings },
     { "dpt_force_report", sizeof(dpt_force_report), sizeof(dpt_force_report), tool_force },
+    { "dpt_record_header", sizeof(dpt_record_header), sizeof(dpt_record_header), record_header },
+    { "dpt_record", sizeof(dpt_record), sizeof(dpt_record), record },
     { "dpt_hit of a query", sizeof(dpt_hit), sizeof(dpt_hit), query_hit },
 };
 
@@ -329,6 +347,28 @@ static dpt_result given_body(void *given)
     return compile_arm(&def);
 }
 
+static const dpt_record_header a_record_header = {
+    .size = sizeof a_record_header, .rate = 1000.0, .text = "a=b", .text_bytes = 3
+};
+static const dpt_record a_record = { .size = sizeof a_record, .sequence = 7, .dt = 0.001 };
+
+static dpt_result write_header(void *given)
+{
+    unsigned char bytes[128];
+    size_t written;
+    const dpt_result result = dpt_record_header_write(given, bytes, sizeof bytes, &written);
+    CHECK((result == DPT_OK) == (dpt_record_header_bytes(given) > 0), "%s",
+          dpt_result_name(result));
+    return result;
+}
+
+static dpt_result write_record(void *given)
+{
+    unsigned char bytes[1024];
+    size_t written;
+    return dpt_record_write(given, 1, bytes, sizeof bytes, &written);
+}
+
 static dpt_world_def a_world_def, defaults;
 static const dpt_strip_def a_strip_def = { sizeof a_strip_def, 64, 0, 0 };
 static const dpt_baseline_def a_baseline_def = { sizeof a_baseline_def, 1, 0, 0 };
@@ -363,6 +403,9 @@ static const struct {
     { { "dpt_passivity_sample", sizeof(dpt_passivity_sample), sizeof(dpt_passivity_sample),
         passivity_sample },
       &a_passivity_sample },
+    { { "dpt_record_header", sizeof(dpt_record_header), sizeof(dpt_record_header), write_header },
+      &a_record_header },
+    { { "dpt_record", sizeof(dpt_record), sizeof(dpt_record), write_record }, &a_record },
     { { "dpt_shadow", sizeof(dpt_shadow), sizeof(dpt_shadow), shadow }, &a_shadow },
     { { "dpt_query_def", sizeof(dpt_query_def), sizeof(dpt_query_def), query_def }, &a_query_def },
     { { "dpt_arm_def", sizeof(dpt_arm_def), sizeof(dpt_arm_def), arm_def }, &an_arm_def },
@@ -477,6 +520,10 @@ static int open_all(void)
     an_arm_def = arm_of(&a_joint, &a_link, &a_body);
     return dpt_guard_init(&a_guard, &a_guard_def) == DPT_OK &&
            dpt_passivity_init(&a_passivity, &a_passivity_def) == DPT_OK &&
+           dpt_record_header_write(&a_record_header, recording, sizeof recording, &first_record) ==
+               DPT_OK &&
+           dpt_record_write(&a_record, 1, recording + first_record, sizeof recording - first_record,
+                            &recording_bytes) == DPT_OK &&
            dpt_compile_arm(&an_arm_def, &arm_bytes, NULL) == DPT_OK &&
            dpt_arm_open(arm_bytes.bytes, arm_bytes.size, &arm) == DPT_OK &&
            dpt_world_bytes(&a_world_def) <= sizeof block &&

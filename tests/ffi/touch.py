@@ -2,7 +2,7 @@
 """From arrays to a force with ctypes alone (docs/ffi.md): python3 tests/ffi/touch.py BUILD."""
 import re
 import sys
-from ctypes import (CDLL, CFUNCTYPE, POINTER, Structure, byref, c_char, c_char_p, c_double, c_size_t, c_uint32,
+from ctypes import (CDLL, CFUNCTYPE, POINTER, Structure, byref, c_char, c_char_p, c_double, c_int32, c_size_t, c_uint32,
                     c_uint64, c_void_p, sizeof)
 from math import cos, sin
 from os.path import exists
@@ -66,6 +66,13 @@ PassivityInfo = struct("dpt_passivity_info", (c_uint32, "size reserved"), (c_uin
 GuardInfo = struct("dpt_guard_info", (c_uint32, "size state"),
                    (c_uint64, "stops clamped slewed not_finite now_ns fresh_ns"), (c_double, "gain"),
                    (Wrench, "command sent"))
+RecordHeader = struct("dpt_record_header", (c_uint32, "size writer_version"), (c_double, "rate"), (c_uint64, "began_ns"),
+                      (c_char_p, "text"), (c_size_t, "text_bytes"))
+Record = struct("dpt_record", (c_uint32, "size device"), (c_uint64, "number sequence time_ns sent_ns late_ns took_ns"),
+                (c_double, "dt"), (c_uint32, "flags"), (c_int32, "result"),
+                (c_uint32, "status reasons code buttons fresh commands force_reason force_flags hit_status contact"
+                           " hit_flags triangle"), (Pose, "pose"), (double3, "velocity spin"), (c_double * 8, "joint"),
+                (Wrench, "asked sent"), (Pose, "proxy"), (c_double, "distance gap energy lag"), (double3, "point"))
 Compiled = struct("dpt_compiled", (c_void_p, "bytes"), (c_size_t, "size"))
 Joint = struct("dpt_arm_joint", (c_uint32, "size kind"), (c_double, "lower upper velocity effort damping friction"),
                (c_char * 64, "name"))
@@ -95,7 +102,8 @@ column = 0 if sizeof(c_void_p) == 8 else 1
 sizes = re.findall(r"SIZE\((\w+), (\d+), (\d+)\)", open(sys.path[0] + "/../abi/layouts.txt").read())
 sizes = {name: int(bytes[column]) for name, *bytes in sizes}
 for kind in (Pose, Segment, Wrench, Hit, Contact, Overlap, WorldDef, Step, ToolSettings, BodySettings, ForceReport, State,
-             Guard, GuardInfo, CouplingDef, Coupling, PassivityDef, Passivity, PassivitySample, PassivityInfo, Compiled, Joint, Link, ArmBody, ArmDef):
+             Guard, GuardInfo, CouplingDef, Coupling, PassivityDef, Passivity, PassivitySample, PassivityInfo,
+             RecordHeader, Record, Compiled, Joint, Link, ArmBody, ArmDef):
     check(kind.__name__ + " has its size", sizeof(kind) == sizes[kind.__name__])
 
 # A box of 2 x 2 x 1 m with its top at z = 1: corner i at the bits of i; two triangles a side.
@@ -200,6 +208,18 @@ for _ in range(3):  # a newton goes along with the hand, a millimetre at a time
     sample.sent = wrench
 check("energy from nothing ends", core.dpt_passivity_get_info(byref(passivity), byref(saw)) == 0 and saw.acted == 1
       and wrench.force[1] == 0 and is_near(saw.account, -0.001))
+header = RecordHeader(size=sizeof(RecordHeader), rate=1000, text=b"scene=box", text_bytes=9)
+record = Record(size=sizeof(Record), time_ns=state.time_ns, status=state.status, asked=wrench, sent=sent)
+recording, used, at = (c_char * 2048)(), c_size_t(), c_size_t()
+check("a recording's header", core.dpt_record_header_write(byref(header), recording, c_size_t(2048), byref(used)) == 0)
+begin = used.value
+check("a record", core.dpt_record_write(byref(record), 1, byref(recording, begin), c_size_t(2048 - begin), byref(used)) == 0)
+end = c_size_t(begin + used.value)
+again, told = Record(size=sizeof(Record)), RecordHeader(size=sizeof(RecordHeader))
+check("what it says", core.dpt_record_header_read(recording, end, byref(told), byref(at)) == 0 and told.text == b"scene=box")
+check("and the record", core.dpt_record_read(recording, end, byref(at), byref(again), 1, byref(count)) == 0
+      and count.value == 1 and at.value == end.value and bytes(again) == bytes(record))
+
 did = GuardInfo(size=sizeof(GuardInfo))
 check("what the guard did", core.dpt_guard_get_info(byref(guard), byref(did)) == 0 and did.state == 2)
 check("it is felt, and holds the hand off", touched > 500 and did.stops == 0 and state.pose.position[1] < 0)
