@@ -16,6 +16,7 @@
 #include <dynpoint/compile.h>
 #include <dynpoint/driver.h>
 #include <dynpoint/loop.h>
+#include <dynpoint/recorder.h>
 #include <dynpoint/selftest.h>
 #include <dynpoint/urdf.h>
 #endif

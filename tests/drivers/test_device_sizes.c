@@ -5,6 +5,7 @@
  */
 #include "drivers/open_device.h"
 #include "dynpoint/driver.h"
+#include "dynpoint/recorder.h"
 #include "lib/size_checks.h"
 
 /* A driver whose headers are newer: its structs go on where the library's end. */
@@ -221,6 +222,31 @@ static dpt_result guard_def_of_a_loop(void *given)
     return loop_of(&def, NULL);
 }
 
+/* A recorder that is closed with these counts; where they are refused, it is closed without. */
+static dpt_result recorder_of(void *def, void *counts)
+{
+    const dpt_record_header header = { .size = sizeof header };
+    struct small_file file = file_with("");
+    dpt_recorder *recorder;
+    dpt_result result = dpt_recorder_open(file.path, &header, def, &recorder);
+    if (result == DPT_OK && counts)
+        result = dpt_recorder_close(recorder, counts);
+    if (recorder && (result != DPT_OK || !counts))
+        CHECK(dpt_recorder_close(recorder, NULL) == DPT_OK, "close");
+    unlink(file.path);
+    return result;
+}
+
+static dpt_result recorder_counts(void *out)
+{
+    return recorder_of(NULL, out);
+}
+
+static dpt_result recorder_def(void *given)
+{
+    return recorder_of(given, NULL);
+}
+
 static const struct sized outputs[] = {
     { "dpt_device_info", WHOLE(dpt_device_info), info },
     { "dpt_device_state", WHOLE(dpt_device_state), state },
@@ -230,6 +256,7 @@ static const struct sized outputs[] = {
     { "dpt_device_error of no driver", WHOLE(dpt_device_error), error_of_no_driver },
     { "dpt_device_error of a driver", WHOLE(dpt_device_error), error_of_a_driver },
     { "dpt_loop_stats", WHOLE(dpt_loop_stats), loop_stats },
+    { "dpt_recorder_counts", WHOLE(dpt_recorder_counts), recorder_counts },
 };
 
 /* ---- what the library takes ---- */
@@ -301,7 +328,23 @@ static void loops_of_any_size(void)
     check_defaults(&of_defaults, loop_defaults, &defaults);
 }
 
-/* Whatever headers a driver has, its caller gets what both know. */
+static void recorder_defaults(void *def, size_t size)
+{
+    dpt_recorder_def_defaults(def, size);
+}
+
+static void recorders_of_any_size(void)
+{
+    const struct sized of_def = { "dpt_recorder_def", WHOLE(dpt_recorder_def), recorder_def };
+    const struct sized of_defaults = { "dpt_recorder_def", WHOLE(dpt_recorder_def), NULL };
+    dpt_recorder_def defaults;
+    dpt_recorder_def_init(&defaults);
+    CHECK(defaults.size == sizeof defaults && defaults.capacity == 4096 && !defaults.wait,
+          "%u records", defaults.capacity);
+    check_input(&of_def, &defaults);
+    check_defaults(&of_defaults, recorder_defaults, &defaults);
+}
+
 /* What a device tells is in the def, and the rest of it stays. */
 static void a_device_fills_a_coupling(void)
 {
@@ -332,6 +375,7 @@ static void a_device_fills_a_coupling(void)
           "of nothing");
 }
 
+/* Whatever headers a driver has, its caller gets what both know. */
 static void drivers_fill_in_their_own_structs(void)
 {
     for (is_newer = 0; is_newer < 2; is_newer++) {
@@ -406,6 +450,7 @@ int main(void)
     TEST(structs_of_any_size);
     TEST(loops_of_any_size);
     TEST(a_device_fills_a_coupling);
+    TEST(recorders_of_any_size);
     TEST(drivers_fill_in_their_own_structs);
     TEST(the_librarys_part_of_a_device_is_its_own);
     TEST(drivers_of_any_size);
