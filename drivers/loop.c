@@ -83,8 +83,9 @@ dpt_result dpt_loop_create(dpt_device *device, const dpt_loop_def *given, dpt_lo
     DPT_TRY(sized_read(given, sizeof loop.def, &loop.def, sizeof loop.def));
     DPT_TRY(dpt_device_get_info(device, &loop.info));
     const double rate = loop.def.rate != 0.0 ? loop.def.rate : loop.info.rate;
-    if (!loop.def.tick || loop.def.reserved_pointer || loop.def.priority > 99 ||
-        loop.def.lock > 1 || loop.def.reopen > 1 || !(rate >= 1.0 && rate <= 100000.0))
+    if (!loop.def.tick || loop.def.reserved_pointer || loop.def.reserved_pointer_2 ||
+        loop.def.priority > 99 || loop.def.lock > 1 || loop.def.reopen > 1 ||
+        !(rate >= 1.0 && rate <= 100000.0))
         return DPT_E_ARGUMENT;
     loop.period = 1.0 / rate;
     loop.period_ns = (uint64_t)(1e9 / rate + 0.5);
@@ -210,6 +211,14 @@ static void clear_sent(struct run *run)
     run->sample.sent_ns = 0;
 }
 
+/* Tell the host of a tick that has no sample for it. */
+static void call_idle(struct run *run)
+{
+    run->sample.dt = 0.0;
+    if (run->loop->def.idle)
+        run->loop->def.idle(run->loop->def.user, &run->sample);
+}
+
 /* Call the host with the fresh sample. */
 static dpt_result call_host(struct run *run, dpt_wrench *command)
 {
@@ -267,6 +276,7 @@ static dpt_result tick(struct run *run)
                                                          : run->now + run->loop->period_ns;
     if (result == DPT_E_LOST || state->status == DPT_DEVICE_STATUS_LOST) {
         note_loss(run);
+        call_idle(run);
         clear_sent(run);
         dpt_guard_step(&run->guard, run->now, NULL, 0, &wrench);
         return DPT_OK;
@@ -285,6 +295,8 @@ static dpt_result tick(struct run *run)
             run->stats.fresh++;
         else if (is_ready)
             run->stats.failed++;
+    } else {
+        call_idle(run);
     }
     /* Read the clock after the host: a command counts from its arrival, so one that took long begins a new ramp. */
     if (!run->loop->is_deterministic)
@@ -381,7 +393,9 @@ static dpt_result run_by_clock(struct run *run)
         if (must_stop(run->loop))
             break;
         DPT_TRY(clock_read(&begin));
-        note_time(&run->stats.late_max, run->stats.late, begin > deadline ? begin - deadline : 0);
+        const uint64_t late = begin > deadline ? begin - deadline : 0;
+        note_time(&run->stats.late_max, run->stats.late, late);
+        run->sample.late = (double)late * 1e-9;
         run->now = begin;
         const uint64_t stale_before = run->stats.stale;
         DPT_TRY(tick(run));

@@ -42,6 +42,7 @@ DPT_BEGIN
  *   sent_ns   When the device took `sent`, on the clock of state->time_ns; 0 if there is none.
  *   commands  The number of commands that the device took since the call before. Usually 1. If 0, `sent` is older than
  *             that call. If more than 1, because samples came late, `sent` is the last of them.
+ *   late      From the deadline to this tick, s. 0 for a deterministic device, which is never late.
  */
 typedef struct dpt_loop_sample {
     uint32_t size;
@@ -51,6 +52,7 @@ typedef struct dpt_loop_sample {
     double dt;
     uint64_t sent_ns;
     dpt_wrench sent;
+    double late;
 } dpt_loop_sample;
 
 /*
@@ -63,6 +65,13 @@ typedef struct dpt_loop_sample {
  */
 typedef dpt_result dpt_loop_tick_fn(void *user, const dpt_loop_sample *sample, dpt_wrench *wrench);
 
+/*
+ * A tick that has no sample for the host: there is no fresh one, or its pose is not sound, or the device is lost. It is
+ * for those who record a run: no wrench is asked for. `sample` is as in a call of dpt_loop_tick_fn, but `dt` is 0, and
+ * `state` is what was read last: its pose may be an old one, or may not be finite.
+ */
+typedef void dpt_loop_idle_fn(void *user, const dpt_loop_sample *sample);
+
 /* dpt_loop_def_init fills in the defaults, which are given last below. */
 typedef struct dpt_loop_def {
     uint32_t size;     /* sizeof(dpt_loop_def), set by dpt_loop_def_init */
@@ -72,10 +81,12 @@ typedef struct dpt_loop_def {
         reopen;     /* 1: call dpt_device_clear once a second while the device is lost; 0: end; 0 */
     double rate;    /* Hz, 1..100000; 0: the device's rate, each tick soon after a sample; 0 */
     uint64_t ticks; /* number of ticks to run; 0: until dpt_loop_stop; 0 */
-    dpt_loop_tick_fn *tick;       /* not NULL */
-    void *user;                   /* first argument of `tick`; NULL */
-    const dpt_guard_def *guard;   /* read by dpt_loop_create; NULL: the guard's defaults; NULL */
-    const void *reserved_pointer; /* NULL */
+    dpt_loop_tick_fn *tick;         /* not NULL */
+    void *user;                     /* first argument of `tick` and `idle`; NULL */
+    const dpt_guard_def *guard;     /* read by dpt_loop_create; NULL: the guard's defaults; NULL */
+    const void *reserved_pointer;   /* NULL */
+    dpt_loop_idle_fn *idle;         /* called on each tick that does not call `tick`; NULL */
+    const void *reserved_pointer_2; /* NULL */
 } dpt_loop_def;
 
 /*

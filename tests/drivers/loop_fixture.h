@@ -185,7 +185,9 @@ struct host {
     struct flaky *flaky;
     uint64_t ticks, commands, failures, nans, not_ready, wrong_dt, not_zero;
     uint64_t wrong_sent, wrong_count, acted, kept, several, off; /* of what it is told was sent */
-    uint64_t seen_ns, seen_taken;
+    uint64_t seen_ns, seen_taken, seen_sequence;
+    uint64_t idle, idle_lost, idle_wrong; /* ticks without a sample for the host */
+    double late_max;                      /* that it was told of, s */
     double force;
     double slow; /* s that every 50th tick takes longer */
     dpt_loop *loop;
@@ -216,6 +218,8 @@ static inline dpt_result feel(void *user, const dpt_loop_sample *sample, dpt_wre
     host->wrong_dt += fabs(sample->dt - passed) > 1e-12;
     host->seen_ns = state->time_ns;
     host->ticks++;
+    host->seen_sequence = state->sequence;
+    host->late_max = fmax(host->late_max, sample->late);
     if (host->flaky)
         compare_sent(host, sample);
     if (host->slow > 0.0 && host->ticks % 50 == 0)
@@ -237,6 +241,23 @@ static inline dpt_result feel(void *user, const dpt_loop_sample *sample, dpt_wre
         wrench->torque[1] = NAN;
     }
     return DPT_OK;
+}
+
+/* Ticks without a sample: of those that are fresh the pose is wrong. */
+static inline void rest_a_tick(void *user, const dpt_loop_sample *sample)
+{
+    struct host *host = user;
+    const dpt_device_state *state = sample->state;
+    host->idle++;
+    host->idle_lost += state->status == DPT_DEVICE_STATUS_LOST;
+    const double *q = state->pose.orientation;
+    const double square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    host->idle_wrong +=
+        sample->size != sizeof *sample || sample->dt != 0.0 ||
+        (state->fresh && state->sequence > host->seen_sequence && fabs(square - 1.0) < 1e-9);
+    if (state->fresh && state->sequence > host->seen_sequence)
+        host->seen_sequence = state->sequence;
+    host->late_max = fmax(host->late_max, sample->late);
 }
 
 static inline dpt_loop_def def_for(struct host *host)

@@ -38,6 +38,7 @@ static void every_trouble_is_counted(void)
     flaky->random = 5;
     def.ticks = 60000;
     def.reopen = 1;
+    def.idle = rest_a_tick;
     const dpt_guard_def guard = guard_without_ramps(1000.0);
     def.guard = &guard;
     dpt_loop *loop = loop_of(&flaky->device, &def);
@@ -58,6 +59,11 @@ static void every_trouble_is_counted(void)
     CHECK(did[FAULT] + did[BAD_POSE] == stats.not_ready && did[FAULT] == host.not_ready,
           "%d faults, %d bad poses; %d not ready", (int)did[FAULT], (int)did[BAD_POSE],
           (int)stats.not_ready);
+    CHECK(host.idle == stats.stale + stats.lost + did[BAD_POSE] &&
+              host.idle + host.ticks == stats.ticks && host.idle_lost == stats.lost &&
+              host.idle_wrong == 0 && host.late_max == 0.0,
+          "%d ticks without a sample, %d of them lost, %d wrong", (int)host.idle,
+          (int)host.idle_lost, (int)host.idle_wrong);
     CHECK(flaky->skipped == stats.skipped, "%d samples skipped, %d counted", (int)flaky->skipped,
           (int)stats.skipped);
     CHECK(host.failures == stats.failed && host.commands == stats.fresh, "%d failed, %d fresh",
@@ -133,6 +139,7 @@ static void no_late_tick_goes_unnoticed(void)
     def.ticks = live_ticks;
     def.priority = 80;
     def.lock = 1;
+    def.idle = rest_a_tick;
     dpt_loop *loop = loop_of(&flaky->device, &def);
     dpt_loop_stats stats = { .size = sizeof stats };
     CHECK(dpt_loop_run(loop, &stats) == DPT_OK, "the run failed");
@@ -148,6 +155,8 @@ static void no_late_tick_goes_unnoticed(void)
           "%d and %d in the histograms", (int)sum_of(stats.late), (int)sum_of(stats.took));
     CHECK(dpt_loop_quantile(stats.took, 1.0) >= 0.0035 && stats.took_max >= 0.0035,
           "the slowest took %g s", stats.took_max);
+    CHECK(host.late_max == stats.late_max && host.idle + host.ticks == stats.ticks,
+          "%g s late, and %g s were told", stats.late_max, host.late_max);
     dpt_device_counts counts = counts_of(&flaky->device);
     uint64_t samples = stats.fresh + stats.skipped;
     CHECK(counts.samples >= samples && (double)counts.samples <= (double)samples + slack + 1.0,

@@ -210,6 +210,8 @@ static void wrong_defs_are_refused(void)
     CHECK(dpt_loop_create(device, &def, &loop) == DPT_E_ARGUMENT, "hold NaN");
     def = good, def.reserved_pointer = &def;
     CHECK(dpt_loop_create(device, &def, &loop) == DPT_E_ARGUMENT, "a reserved pointer");
+    def = good, def.reserved_pointer_2 = &def;
+    CHECK(dpt_loop_create(device, &def, &loop) == DPT_E_ARGUMENT, "another one");
     def = good, def.guard = &guard, guard.hold = 0.003, guard.size = 0;
     CHECK(dpt_loop_create(device, &def, &loop) == DPT_E_SIZE, "a guard without a size");
     CHECK(dpt_loop_create(slow, &good, &loop) == DPT_E_ARGUMENT,

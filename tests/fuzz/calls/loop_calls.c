@@ -9,7 +9,7 @@ struct host {
     dpt_device *device;
     dpt_device_info info;
     double period;
-    uint64_t ticks;
+    uint64_t ticks, idle;
     int stops, clears, is_odd;
 };
 
@@ -61,6 +61,16 @@ static dpt_result tick(void *user, const dpt_loop_sample *sample, dpt_wrench *wr
     return host->is_odd && draw_one_in(4) ? DPT_E_FINITE : DPT_OK;
 }
 
+/* What is read is told to the one or to the other. */
+static void idle(void *user, const dpt_loop_sample *sample)
+{
+    struct host *host = user;
+    host->idle++;
+    HOLDS(sample && sample->size == sizeof *sample && sample->state && sample->info, "no sample");
+    HOLDS(sample->dt == 0.0 && sample->late == 0.0, "%g s, late by %g s", sample->dt, sample->late);
+    numbers_are_finite(sample->sent.force, 6, "what acted");
+}
+
 enum { GUARD_SLOT = 2, DEF_SLOT = 3 };
 
 /* NULL, or one whose limits may be wrong; `guard` is what it comes to. */
@@ -97,16 +107,18 @@ static const void *draw_def(struct host *host, dpt_loop_def *def, struct codes *
     CALL(dpt_loop_def_defaults, def, sizeof *def);
     def->tick = draw_one_in(24) ? NULL : tick;
     def->user = host;
+    def->idle = draw_one_in(2) ? idle : NULL;
     def->ticks = 1 + draw_below(24);
     def->reopen = draw_below(2);
     def->priority = draw_one_in(24) ? 100 : draw_below(100);
     def->reserved_pointer = draw_one_in(40) ? def : NULL;
+    def->reserved_pointer_2 = draw_one_in(80) ? def : NULL;
     if (draw_one_in(12))
         def->rate = draw_one_in(3) ? NAN : draw_one_in(2) ? 2e5 : draw_in(400.0, 2000.0);
     const double rate = def->rate != 0.0 ? def->rate : host->info.rate;
     def->guard = draw_guard(&guard, codes);
     may_fail(codes,
-             !def->tick || def->priority > 99 || def->reserved_pointer ||
+             !def->tick || def->priority > 99 || def->reserved_pointer || def->reserved_pointer_2 ||
                  !(rate >= 1.0 && rate <= 1e5),
              DPT_E_ARGUMENT);
     /* A command that does not count until the next tick; it may be a matter of rounding. */
@@ -136,6 +148,8 @@ static void stats_must_hold(const dpt_loop_stats *stats, const dpt_loop_def *def
           "%llu ticks are not all told", (unsigned long long)stats->ticks);
     HOLDS(stats->fresh + stats->failed <= host->ticks && host->ticks <= stats->ticks,
           "the host ticked %llu times", (unsigned long long)host->ticks);
+    HOLDS(host->idle == (def->idle ? stats->ticks - host->ticks : 0), "%llu ticks without a sample",
+          (unsigned long long)host->idle);
     /* At the end up to ten commands of zero, the last of which may be taken. */
     const uint64_t commands = stats->sent + stats->refused;
     HOLDS(commands < witness.writes && commands + 10 >= witness.writes &&
