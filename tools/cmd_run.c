@@ -278,7 +278,7 @@ static int serve(dpt_device *device, struct session *session, const struct run_s
     session->budget = settings->budget == BUDGET_BY_RATE
                           ? (uint32_t)fmax(BUDGET_RATE / rate, BUDGET_MIN)
                           : (uint32_t)settings->budget;
-    if (scene_make_world(&session->scene, device, session->budget))
+    if (scene_make_world(&session->scene, &info, session->budget))
         return 2;
     dpt_loop_def_init(&def);
     def.tick = feel;
@@ -386,12 +386,14 @@ static int read_settings(int argc, char **argv, struct run_settings *settings)
 
 int command_run(int argc, char **argv)
 {
-    struct run_settings settings = {
-        .scene = { .zoom = 1.0, .length = 0.1, .radius = 0.002, .force = { .stiffness = 500.0 } },
-        .force_max = NAN,
-        .seconds = HUGE_VAL,
-        .budget = BUDGET_BY_RATE
-    };
+    struct run_settings settings = { .scene = { .command = "run",
+                                                .zoom = 1.0,
+                                                .length = 0.1,
+                                                .radius = 0.002,
+                                                .force = { .stiffness = 500.0 } },
+                                     .force_max = NAN,
+                                     .seconds = HUGE_VAL,
+                                     .budget = BUDGET_BY_RATE };
     struct session session = { .record_count = 0 };
     int status = read_settings(argc, argv, &settings);
     if (status >= 0)

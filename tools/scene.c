@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "arm_file.h"
+#include "base/crc32.h"
 #include "command_options.h"
 
 /* Device to root: a URDF's z is up and its x ahead; a device's y is up and its z towards the user. */
@@ -99,11 +100,10 @@ static dpt_result add_bodies(struct scene *scene)
     return result;
 }
 
-int scene_make_world(struct scene *scene, const dpt_device *device, uint32_t budget)
+int scene_make_world(struct scene *scene, const dpt_device_info *device, uint32_t budget)
 {
     dpt_world_def world;
-    scene->device.size = sizeof scene->device;
-    dpt_device_get_info(device, &scene->device);
+    scene->device = *device;
     dpt_world_def_init(&world);
     world.max_bodies = scene->mesh ? 1 : DPT_ARM_BODIES_MAX;
     world.max_tools = 1;
@@ -111,7 +111,7 @@ int scene_make_world(struct scene *scene, const dpt_device *device, uint32_t bud
     world.budget = budget;
     scene->block = malloc(dpt_world_bytes(&world));
     if (!scene->block)
-        return complain("run", "memory ran out");
+        return complain(scene->command, "memory ran out");
     dpt_result result =
         dpt_world_create(scene->block, dpt_world_bytes(&world), &world, &scene->world);
     if (result == DPT_OK)
@@ -121,7 +121,15 @@ int scene_make_world(struct scene *scene, const dpt_device *device, uint32_t bud
     if (result == DPT_OK)
         result = force_options_set_tool(&scene->force, scene->world, scene->tool,
                                         scene->device.wrench_dofs < 6);
-    return result == DPT_OK ? 0 : complain("run", "%s", dpt_result_text(result));
+    return result == DPT_OK ? 0 : complain(scene->command, "%s", dpt_result_text(result));
+}
+
+/* Of the bytes as they were read: a big-endian machine converts them. */
+static struct file_identity identity_of(const void *bytes, size_t size)
+{
+    struct crc32 crc;
+    crc32_init(&crc);
+    return (struct file_identity){ size, crc32_of(&crc, bytes, size) };
 }
 
 /* Load the tool's segments, in its own frame. Returns their number, or 0 after a message. */
@@ -130,8 +138,11 @@ static uint32_t load_tool(struct scene *scene, const struct scene_def *def, dpt_
     const dpt_arm *arm = scene->arm;
     size_t size = 0;
     if (def->tool) {
-        scene->tool_bytes = load_file("run", def->tool, &size);
-        arm = scene->tool_bytes ? open_arm("run", def->tool, scene->tool_bytes, size) : NULL;
+        scene->tool_bytes = load_file(scene->command, def->tool, &size);
+        if (scene->tool_bytes)
+            scene->tool_file = identity_of(scene->tool_bytes, size);
+        arm =
+            scene->tool_bytes ? open_arm(scene->command, def->tool, scene->tool_bytes, size) : NULL;
         if (!arm)
             return 0;
     }
@@ -139,7 +150,7 @@ static uint32_t load_tool(struct scene *scene, const struct scene_def *def, dpt_
     if (count > 0)
         return count;
     if (def->tool) {
-        complain("run", "%s: its tool has no capsule", def->tool);
+        complain(scene->command, "%s: its tool has no capsule", def->tool);
         return 0;
     }
     scene->has_stylus = 1;
@@ -154,16 +165,18 @@ int scene_open(struct scene *scene, const struct scene_def *def)
     dpt_arm_info info = { .size = sizeof info };
     size_t size = 0;
     memset(scene, 0, sizeof *scene);
+    scene->command = def->command;
     scene->zoom = def->zoom;
     scene->length = def->length;
     scene->force = def->force;
-    scene->bytes = load_file("run", def->path, &size);
+    scene->bytes = load_file(scene->command, def->path, &size);
     if (!scene->bytes)
         return 2;
+    scene->file = identity_of(scene->bytes, size);
     if (is_arm(scene->bytes, size))
-        scene->arm = open_arm("run", def->path, scene->bytes, size);
+        scene->arm = open_arm(scene->command, def->path, scene->bytes, size);
     else
-        scene->mesh = open_mesh("run", def->path, scene->bytes, size);
+        scene->mesh = open_mesh(scene->command, def->path, scene->bytes, size);
     if (!scene->mesh && !scene->arm)
         return 2;
     memcpy(scene->device_to_scene, scene->mesh ? identity : device_to_root,
@@ -171,13 +184,13 @@ int scene_open(struct scene *scene, const struct scene_def *def)
     if (scene->mesh)
         point_above(scene->mesh, def->radius + 0.005, scene->origin);
     else if (dpt_arm_get_info(scene->arm, &info) != DPT_OK || info.bodies == 0)
-        return complain("run",
+        return complain(scene->command,
                         "%s: an arm whose scene has no body: name a mesh, and this one as --tool",
                         def->path);
     else if (middle_position(scene->arm, scene->origin) != DPT_OK)
-        return complain("run", "%s: the arm's joints have no middle", def->path);
+        return complain(scene->command, "%s: the arm's joints have no middle", def->path);
     if (def->origin && !parse_position(def->origin, scene->origin))
-        return complain("run", "--at takes three numbers, X,Y,Z");
+        return complain(scene->command, "--at takes three numbers, X,Y,Z");
     scene->segment_count = load_tool(scene, def, scene->segments);
     return scene->segment_count ? 0 : 2;
 }

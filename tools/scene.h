@@ -11,7 +11,8 @@
 #include "force_options.h"
 
 struct scene_def {
-    const char *path; /* of a compiled mesh or arm */
+    const char *command; /* whose messages they are: "run" */
+    const char *path;    /* of a compiled mesh or arm */
     /* Path of a compiled arm whose tool is used. NULL: the scene's own tool, or the stylus if the scene is a mesh. */
     const char *tool;
     /* Where the device's origin is in the scene's frame, "X,Y,Z" in m. NULL: above a mesh, or at the arm's middle. */
@@ -22,7 +23,16 @@ struct scene_def {
     struct force_options force;
 };
 
+/* Which file was read. */
+struct file_identity {
+    uint64_t bytes;
+    uint32_t crc32;
+};
+
 struct scene {
+    const char *command;
+    struct file_identity file,
+        tool_file; /* of the scene; of the tool's arm, zeros if none was named */
     dpt_world *world;
     dpt_tool tool;
     const dpt_arm *arm;                         /* the arm of the scene; NULL: it is a mesh */
@@ -48,7 +58,7 @@ void scene_close(struct scene *scene);
  * Make the world in which this device moves the tool. Returns 0, or 2 after a message.
  *   budget   units of work a step; 0: unlimited
  */
-int scene_make_world(struct scene *scene, const dpt_device *device, uint32_t budget);
+int scene_make_world(struct scene *scene, const dpt_device_info *device, uint32_t budget);
 
 /* Move the tool to the hand's pose and take a step. The wrench is in the device's axes. */
 dpt_result scene_feel(struct scene *scene, const dpt_device_state *state, double dt,

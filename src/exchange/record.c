@@ -242,8 +242,8 @@ dpt_result dpt_record_write(const dpt_record *records, uint32_t count, void *byt
     return DPT_OK;
 }
 
-/* Check the record at the beginning of these bytes. */
-static dpt_result check_record(const struct crc32 *crc, const unsigned char *from, size_t size)
+/* Check the place and length of the record at the beginning of these bytes. */
+static dpt_result check_layout(const unsigned char *from, size_t size)
 {
     if (size < AT_CRC)
         return DPT_E_TRUNCATED;
@@ -251,9 +251,7 @@ static dpt_result check_record(const struct crc32 *crc, const unsigned char *fro
     if (bytes < AT_NEXT || bytes % 8 != 0 || bytes > DPT_RECORD_BYTES_MAX ||
         (get4(from + AT_KIND) == KIND_TICK && bytes < TICK_BYTES))
         return DPT_E_LAYOUT;
-    if (size < bytes)
-        return DPT_E_TRUNCATED;
-    return get4(from + AT_CRC) == crc_around(crc, from, bytes, AT_CRC) ? DPT_OK : DPT_E_CHECKSUM;
+    return size < bytes ? DPT_E_TRUNCATED : DPT_OK;
 }
 
 dpt_result dpt_record_read(const void *bytes, size_t size, size_t *at, dpt_record *records,
@@ -267,12 +265,21 @@ dpt_result dpt_record_read(const void *bytes, size_t size, size_t *at, dpt_recor
     const uint32_t stride = sized_of(records);
     size_t next = *at;
     dpt_result result = DPT_OK;
-    crc32_init(&crc);
+    int has_tables = 0;
     *count = 0;
     while (*count < capacity && next < size) {
-        result = check_record(&crc, from + next, size - next);
+        result = check_layout(from + next, size - next);
         if (result != DPT_OK)
             break;
+        /* A search for the next sound record mostly ends above, without tables. */
+        if (!has_tables)
+            crc32_init(&crc);
+        has_tables = 1;
+        if (get4(from + next + AT_CRC) !=
+            crc_around(&crc, from + next, get4(from + next + AT_BYTES), AT_CRC)) {
+            result = DPT_E_CHECKSUM;
+            break;
+        }
         if (get4(from + next + AT_KIND) == KIND_TICK) {
             dpt_record record = { .size = sizeof record };
             get_tick(from + next, &record);
