@@ -9,6 +9,7 @@
 #include "commands.h"
 #include "dynpoint/driver.h"
 #include "open_device.h"
+#include "run_record.h"
 #include "scene.h"
 #include "stop.h"
 
@@ -49,9 +50,12 @@ static const char help[] =
     "                   so that a tick keeps within one\n"
     "  --for S          seconds of the clock\n"
     "  --ticks N        or so many ticks\n"
-    "  --record F.csv   what the tool did, a trace for dynpoint replay; needs --ticks\n"
-    "                   or --for. A device with a time of its own, as sim, then runs for S of "
-    "that\n"
+    "  --reopen         while the device is lost, try once a second to open it again\n"
+    "  --record F.dpr   every tick: what the device told, what was asked and what acted, contact,\n"
+    "                   proxy, energy. Written while it lasts, for dynpoint record and replay. "
+    "With\n"
+    "                   --for, a device with a time of its own, as sim, runs for S of that\n"
+    "  --record F.csv   only how the tool moved, a trace; needs --ticks or --for\n"
     "  --json           what is said at the end as one JSON object\n";
 
 /* Deadlines that follow a device's samples come at most this much more often than its rate says. */
@@ -71,7 +75,7 @@ struct run_settings {
     const char *device, *record;
     double force_max, rate, seconds; /* force_max NAN, rate 0: not given */
     uint64_t ticks, budget;          /* BUDGET_BY_RATE: not given */
-    int json;
+    int json, reopen;
 };
 
 /* What a tick needs, and what it counts. */
@@ -81,6 +85,7 @@ struct session {
     uint32_t budget;
     uint32_t reasons; /* why the device was not ready */
     double depth_max, force_peak;
+    struct run_record recording;
     double *rows; /* of the record, six numbers a tick, or NULL */
     uint64_t record_count, record_capacity;
     struct output record; /* opened before anything moves, so that an error shows at once */
@@ -100,7 +105,9 @@ static dpt_result feel(void *user, const dpt_loop_sample *sample, dpt_wrench *wr
     struct session *session = user;
     dpt_hit hit = DPT_HIT_INIT;
     double square = 0.0;
+    run_record_begin(&session->recording);
     dpt_result result = scene_feel(&session->scene, sample->state, sample->dt, wrench);
+    run_record_tick(&session->recording, &session->scene, sample, result, wrench);
     if (result != DPT_OK)
         return result;
     record(session, &session->scene.stylus);
@@ -120,12 +127,23 @@ static dpt_result feel(void *user, const dpt_loop_sample *sample, dpt_wrench *wr
     return DPT_OK;
 }
 
+static void idle(void *user, const dpt_loop_sample *sample)
+{
+    struct session *session = user;
+    run_record_idle(&session->recording, sample);
+}
+
+static int is_traced(const struct run_settings *settings)
+{
+    return settings->record && is_trace_name(settings->record);
+}
+
 static int open_record(const struct run_settings *settings, struct session *session)
 {
-    if (!settings->record)
+    if (!is_traced(settings))
         return 0;
     if (!session->scene.has_stylus)
-        return complain("run", "--record needs the stylus: a trace has one segment");
+        return complain("run", "--record F.csv needs the stylus: a trace has one segment");
     return output_open(&session->record, "run", settings->record);
 }
 
@@ -194,6 +212,9 @@ static void print_json(const struct session *session, const dpt_loop_stats *s,
                     { "clamped", s->clamped },
                     { "slewed", s->slewed },
                     { "not_finite", s->not_finite },
+                    { "recorded", session->recording.counts.written },
+                    { "record_dropped", session->recording.counts.dropped },
+                    { "record_lost", session->recording.counts.lost },
                     { "device_samples", counts->samples },
                     { "device_lost", counts->lost },
                     { "device_damaged", counts->damaged },
@@ -265,6 +286,12 @@ static void hint_at_clock(const dpt_device *device, const dpt_device_info *info)
                         "hand: --device 'sim:?hand=press&live=1'; or give --ticks");
 }
 
+/* With --for and a device whose own time can be counted in ticks. */
+static int is_by_own_time(const struct run_settings *settings, const dpt_device_info *info)
+{
+    return settings->seconds < HUGE_VAL && info->flags & DPT_DEVICE_FLAG_DETERMINISTIC;
+}
+
 static int serve(dpt_device *device, struct session *session, const struct run_settings *settings)
 {
     dpt_loop_def def;
@@ -283,10 +310,17 @@ static int serve(dpt_device *device, struct session *session, const struct run_s
     dpt_loop_def_init(&def);
     def.tick = feel;
     def.user = session;
+    def.idle = idle;
     def.rate = settings->rate;
-    if (settings->record && allocate_record(session, settings, &info))
+    def.reopen = (uint32_t)settings->reopen;
+    if (is_traced(settings) && allocate_record(session, settings, &info))
         return 2;
-    def.ticks = settings->record ? session->record_capacity : settings->ticks;
+    def.ticks = is_traced(settings) ? session->record_capacity : settings->ticks;
+    double seconds = settings->seconds;
+    if (settings->record && !def.ticks && is_by_own_time(settings, &info)) {
+        def.ticks = (uint64_t)ceil(settings->seconds * info.rate);
+        seconds = HUGE_VAL;
+    }
     if (!def.ticks)
         hint_at_clock(device, &info);
     dpt_guard_def_init(&guard);
@@ -297,15 +331,25 @@ static int serve(dpt_device *device, struct session *session, const struct run_s
     dpt_result result = dpt_loop_create(device, &def, &loop);
     if (result != DPT_OK)
         return complain("run", "%s", dpt_result_text(result));
-    stop_watch(loop, settings->seconds);
-    result = dpt_loop_run(loop, &stats);
-    stop_watch(NULL, HUGE_VAL);
+    int status = 0;
+    if (settings->record && !is_traced(settings))
+        status = run_record_open(&session->recording, settings->record, &session->scene,
+                                 &settings->scene, settings->device, rate, guard.force_max,
+                                 session->budget);
+    if (status == 0) {
+        stop_watch(loop, seconds);
+        result = dpt_loop_run(loop, &stats);
+        stop_watch(NULL, HUGE_VAL);
+    }
     dpt_loop_free(loop);
+    if (status)
+        return status;
+    status = run_record_close(&session->recording);
     dpt_device_get_counts(device, &counts);
     (settings->json ? print_json : print_report)(session, &stats, &counts);
     if (result != DPT_OK)
         return complain("run", "%s", dpt_result_text(result));
-    return settings->record ? write_record(session) : 0;
+    return is_traced(settings) ? write_record(session) : status;
 }
 
 /* Check the record against all inputs. The device's name contains files, too: its address and values of settings. */
@@ -349,6 +393,7 @@ static int read_settings(int argc, char **argv, struct run_settings *settings)
         { .name = "--for", .number = &settings->seconds },
         { .name = "--ticks", .count = &settings->ticks },
         { .name = "--record", .text = &settings->record },
+        { .name = "--reopen", .flag = &settings->reopen },
         { .name = "--json", .flag = &settings->json },
     };
     int status = parse_options(argc, argv, options, sizeof options / sizeof *options, help,
@@ -377,9 +422,9 @@ static int read_settings(int argc, char **argv, struct run_settings *settings)
         return complain("run", "--budget must be 0 to %u", (unsigned)UINT32_MAX);
     if (!(settings->seconds > 0.0))
         return complain("run", "--for must be positive");
-    if (settings->record && settings->ticks > RECORD_MAX)
+    if (is_traced(settings) && settings->ticks > RECORD_MAX)
         return complain("run", "--record: at most %d --ticks", RECORD_MAX);
-    if (settings->record && !settings->ticks && !(settings->seconds < HUGE_VAL))
+    if (is_traced(settings) && !settings->ticks && !(settings->seconds < HUGE_VAL))
         return complain("run", "--record needs --ticks or --for");
     return -1;
 }

@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * The text of a recording's header: lines "key=value" with what a replay needs to make the same scene again
+ * (docs/format.md). A key that is not known is skipped.
+ */
+#ifndef DPT_TOOLS_SCENE_TEXT_H
+#define DPT_TOOLS_SCENE_TEXT_H
+
+#include "dynpoint/record.h"
+#include "scene.h"
+
+enum { SCENE_TEXT_NAME = 4096 };
+
+/* Names are paths and the device's, as they were given; "" if none was. */
+struct scene_text {
+    char scene[SCENE_TEXT_NAME], tool[SCENE_TEXT_NAME], device[SCENE_TEXT_NAME];
+    char device_kind[64], law[16];
+    uint64_t scene_bytes, scene_crc32, tool_bytes, tool_crc32;
+    uint64_t budget; /* units of work a step; 0: unlimited */
+    uint64_t device_flags, pose_dofs, wrench_dofs, joints;
+    double origin_x, origin_y, origin_z; /* of the device, in the scene's frame, m */
+    double zoom, length, radius;
+    double stiffness, friction, damping;
+    double force_max; /* that the guard lets through, N */
+};
+
+/* Of a scene whose world was made. */
+void scene_text_of(struct scene_text *text, const struct scene *scene, const struct scene_def *def);
+
+/* Write it into `out`, the tool's segments at its end. Returns 0, or 2 after a message. */
+int scene_text_write(const struct scene_text *text, const struct scene *scene,
+                     char out[DPT_RECORD_TEXT_MAX + 1]);
+
+/* Read it. Returns 0, or 2 after a message that names the line and the file. */
+int scene_text_read(struct scene_text *text, const char *command, const char *path, const char *in);
+
+#endif
