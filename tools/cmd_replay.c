@@ -15,11 +15,14 @@
 #include "dynpoint/loop.h"
 #include "force_options.h"
 #include "mesh_size.h"
+#include "recording_file.h"
+#include "replay_recording.h"
 #include "replay_report.h"
 #include "trace.h"
 
 static const char help[] =
     "usage: dynpoint replay FILE.dpa TRACE.csv -o OUT.csv [options]\n"
+    "       dynpoint replay FILE.dpr [FILE.dpa] [--tool ARM.dpa] [--json]\n"
     "\n"
     "Moves a tool along a trace (tick,ax,ay,az,bx,by,bz in m) and writes, for every tick, the "
     "nearest\n"
@@ -28,6 +31,9 @@ static const char help[] =
     "tool's). Ticks are integers that increase, within 2^53; one that "
     "is not\n"
     "the last one plus 1 is a jump. One of the inputs may be -, standard input.\n"
+    "\n"
+    "With a recording (FILE.dpr, of dynpoint run --record) it makes that scene again and compares\n"
+    "every answer with the recorded one, bit for bit; replay FILE.dpr --help tells more.\n"
     "\n"
     "  -o FILE              OUT.csv; - is standard output\n"
     "  --method M           exact (default), tree, brute; paper: dynamic points by neighbour "
@@ -318,6 +324,8 @@ static int read_settings(int argc, char **argv, struct replay_settings *settings
                                2, &operands);
     if (status >= 0)
         return status;
+    if (operands > 0 && is_recording(operand[0]))
+        return replay_recording(argc, argv);
     if (operands != 2 || !settings->out)
         return complain("replay", "FILE.dpa, TRACE.csv and -o OUT.csv are needed (see --help)");
     settings->mesh = operand[0];
@@ -408,6 +416,9 @@ int command_replay(int argc, char **argv)
     };
     struct csv_table trace;
     void *bytes;
+    /* It has options of its own. */
+    if (argc > 1 && is_recording(argv[1]))
+        return replay_recording(argc, argv);
     dpt_world_def_init(&settings.def);
     dpt_baseline_def_init(&settings.baseline);
     settings.def.max_bodies = settings.def.max_tools = settings.def.max_segments = 1;

@@ -289,7 +289,7 @@ static void hint_at_clock(const dpt_device *device, const dpt_device_info *info)
 /* With --for and a device whose own time can be counted in ticks. */
 static int is_by_own_time(const struct run_settings *settings, const dpt_device_info *info)
 {
-    return settings->seconds < HUGE_VAL && info->flags & DPT_DEVICE_FLAG_DETERMINISTIC;
+    return settings->seconds * info->rate < 0x1p53 && info->flags & DPT_DEVICE_FLAG_DETERMINISTIC;
 }
 
 static int serve(dpt_device *device, struct session *session, const struct run_settings *settings)

@@ -16,6 +16,7 @@ int command_info(int argc, char **argv);
 int command_replay(int argc, char **argv);
 int command_device(int argc, char **argv);
 int command_run(int argc, char **argv);
+int command_record(int argc, char **argv);
 int command_force_test(int argc, char **argv);
 
 /* dynpoint device simulate. */

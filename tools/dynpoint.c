@@ -14,9 +14,11 @@ static const struct {
     { "make", command_make, "generate a mesh, or a motion over one" },
     { "compile", command_compile, "turn OBJ, STL, PLY, OFF or URDF into a .dpa file" },
     { "info", command_info, "show or verify a .dpa file" },
-    { "replay", command_replay, "move a tool over a mesh: the nearest pair of every tick" },
+    { "replay", command_replay,
+      "move a tool along a trace, or prove that a recording gives the same bits" },
     { "device", command_device, "list, watch, test or simulate haptic devices" },
     { "run", command_run, "feel a mesh with a device, live" },
+    { "record", command_record, "show a recording of a run, or export it as CSV" },
     { "force-test", command_force_test,
       "test on a mesh whether a force can be held: turns, jumps, energy" },
 };
