@@ -254,8 +254,8 @@ static void a_full_disk_ends_nothing(void)
         CHECK(dpt_recorder_push(recorder, &record) == DPT_OK, "push");
     }
     struct content content = content_of_file();
-    CHECK(content.records > 0 && content.records <= ROOM && !content.wrong,
-          "%llu records", (unsigned long long)content.records);
+    CHECK(content.records > 0 && content.records <= ROOM && !content.wrong, "%llu records",
+          (unsigned long long)content.records);
     set_file_limit(before.rlim_cur);
     const uint64_t pushes = push_until_it_grows(recorder, FIRST);
     CHECK(dpt_recorder_close(recorder, &counts) == DPT_E_WRITE && counts.error == EFBIG, "error %u",
@@ -269,6 +269,30 @@ static void a_full_disk_ends_nothing(void)
           (unsigned long long)counts.lost);
     CHECK(counts.lost >= FIRST - ROOM - RING && counts.dropped == 0, "%llu lost",
           (unsigned long long)counts.lost);
+}
+
+/* Half a record is not left at the end. */
+static void a_disk_that_stays_full_leaves_whole_records(void)
+{
+    enum { PUSHES = 1000, ROOM = 10 };
+    struct rlimit before;
+    dpt_recorder_counts counts = { .size = sizeof counts };
+    getrlimit(RLIMIT_FSIZE, &before);
+    dpt_recorder *recorder = recorder_of(16, 1);
+    set_file_limit(dpt_record_header_bytes(&header) + ROOM * dpt_record_bytes() + 77);
+    for (uint64_t k = 0; k < PUSHES; k++) {
+        const dpt_record record = record_of(k);
+        CHECK(dpt_recorder_push(recorder, &record) == DPT_OK, "push");
+    }
+    CHECK(dpt_recorder_close(recorder, &counts) == DPT_E_WRITE && counts.error == EFBIG, "error %u",
+          counts.error);
+    set_file_limit(before.rlim_cur);
+    check_counts(&counts, PUSHES);
+    const struct content content = content_of_file();
+    CHECK(content.end == DPT_OK && content.records == counts.written &&
+              (uint64_t)size_of_file() == counts.bytes,
+          "%llu records, %llu written, %lld bytes", (unsigned long long)content.records,
+          (unsigned long long)counts.written, (long long)size_of_file());
 }
 
 /* A device without an end of a record to go back to: nothing more is written behind half a record. */
@@ -423,6 +447,7 @@ int main(void)
     TEST(a_slow_file_drops_and_counts);
     TEST(a_file_can_be_read_while_it_grows);
     TEST(a_full_disk_ends_nothing);
+    TEST(a_disk_that_stays_full_leaves_whole_records);
     TEST(the_writer_takes_no_signal);
 #ifdef CAN_FORBID_CALLS
     TEST(a_push_calls_nobody);

@@ -6,7 +6,7 @@
 
 help_and_version()
 {
-    for command in '' make compile info replay run force-test 'make trace'; do
+    for command in '' make compile info replay record run force-test 'make trace'; do
         for option in --help --version; do
             # shellcheck disable=SC2086
             run $command $option
@@ -15,7 +15,7 @@ help_and_version()
             check "$command $option: $(cat stderr)" test ! -s stderr
         done
     done
-    for command in make compile info replay 'make trace'; do
+    for command in make compile info replay record 'make trace'; do
         # shellcheck disable=SC2086
         run $command --help
         check "$command --help: whose?" grep -q "^usage:.*dynpoint $command" stdout
@@ -27,7 +27,7 @@ usage_errors()
     refuses 'no command' 'command'
     refuses 'unknown command' frobnicate frobnicate
     refuses 'option for a command' --json --json
-    for command in make compile info replay; do
+    for command in make compile info replay record; do
         refuses "$command alone" "dynpoint $command: " $command
         refuses "$command: unknown option" --frob $command --frob
         refuses "$command: surplus words" "dynpoint $command: " $command a b c d -o out/x.ply
