@@ -26,12 +26,13 @@
     X(obj, 18, 20)                                                                                 \
     X(stl, 14, 20)                                                                                 \
     X(ply, 18, 100)                                                                                \
-    X(off, 14, 40)                                                                                 \
-    X(trace, 10, 40)                                                                               \
+    X(off, 12, 40)                                                                                 \
+    X(trace, 8, 40)                                                                                \
     X(mesh, 10, 100)                                                                               \
     X(forged, 2, 2)                                                                                \
     X(arm, 4, 10)                                                                                  \
-    X(wire, 10, 10)
+    X(wire, 10, 10)                                                                                \
+    X(record, 4, 10)
 
 #define DECLARE(name, share, least) int fuzz_##name(const uint8_t *bytes, size_t size);
 TARGETS(DECLARE)

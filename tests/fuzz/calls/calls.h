@@ -218,7 +218,7 @@ struct noun {
 
 extern const struct noun world_noun, body_noun, tool_noun, step_noun, result_noun, strip_noun,
     query_noun, mesh_noun, arm_noun, compile_noun, guard_noun, device_noun, loop_noun, name_noun,
-    trial_noun, selftest_noun, proxy_noun, coupling_noun, passivity_noun;
+    trial_noun, selftest_noun, proxy_noun, coupling_noun, passivity_noun, record_noun;
 
 /* ---- what a run must have met, or it tests little ---- */
 
@@ -243,7 +243,7 @@ extern const struct noun world_noun, body_noun, tool_noun, step_noun, result_nou
     X(CLAMPED, "a command that was clamped")                          X(SLEWED, "a wrench that was slewed") \
     X(SENT, "a tick that is told what acted")                         X(DROPPED, "a command that was dropped") \
     X(LIMITED, "a stiffness that was limited")                        X(WITHHELD, "a wrench that was taken away") \
-    X(TESTED, "a self-test that came to its end") \
+    X(TESTED, "a self-test that came to its end")                     X(RECORDED, "a record in a file") \
     X(REUSED, "an id that came round")   X(ANEW, "a world in a block in use")
 /* clang-format on */
 #define MET_ENUM(name, text) MET_##name,
