@@ -9,6 +9,7 @@
 #include "commands.h"
 #include "dynpoint/driver.h"
 #include "open_device.h"
+#include "run_coupling.h"
 #include "run_record.h"
 #include "scene.h"
 #include "stop.h"
@@ -32,14 +33,23 @@ static const char help[] =
     "limits. A\n"
     "                   device that is the arm needs neither this nor --zoom: its joints tell\n"
     "  --tool ARM.dpa   the tool is that of an arm\n"
-    "  --zoom Z         metres of the mesh for one of the hand; forces are those of the mesh; "
-    "default 1\n"
+    "  --zoom Z         metres of the mesh for one of the hand; default 1\n"
+    "  --force-scale S  newtons at the hand for one of the mesh; default 1. The hand feels S Z "
+    "times the "
+    "stiffness\n"
+    "  --clutch N       while button N is down, from 0, the tool stands still and gives no force: "
+    "move "
+    "the hand\n"
+    "                   to a better place\n"
     "  --length L       of the stylus, m of the mesh; default 0.1\n"
     "  --radius R       of it; default 0.002\n"
     "  --law LAW        of the force: proxy (default) pulls to where the tool would be if it went "
     "through\n"
     "                   nothing; bed: along the tool and at its ends; point: at the deepest point\n"
-    "  --stiffness K    of the force, N/m; default 500\n"
+    "  --stiffness K    of the force, N/m, at most what the device can hold; default just that\n"
+    "  --gain-margin G  how much stiffer the loop could be before it shakes; default 1.5\n"
+    "  --unstable       take --stiffness even if the device cannot hold it\n"
+    "  --active         do not take away force where the scene gives the hand energy\n"
     "  --friction MU    of all bodies, with a proxy; default 0\n"
     "  --damping B      of the proxy's spring, Ns/m; default 0\n"
     "  --force-max F    N; default the guard's, 5, or the device's if that is less\n"
@@ -62,6 +72,11 @@ static const char help[] =
 #define RATE_FACTOR_MAX (16.0 / 15.0)
 #define RECORD_MAX      100000000
 
+/* From a sample to its command, by the clock: the deadline's phase behind the sample, and the tick's own time. */
+#define LOOP_DELAY_PERIODS 0.25
+
+#define NO_BUTTON UINT64_MAX
+
 /*
  * The default budget in units of work a second (docs/drivers.md has the time of a unit), and its minimum a tick: with
  * less, a tool at rest may stay undecided.
@@ -73,15 +88,18 @@ static const char help[] =
 struct run_settings {
     struct scene_def scene;
     const char *device, *record;
+    struct coupling_options coupling;
     double force_max, rate, seconds; /* force_max NAN, rate 0: not given */
     uint64_t ticks, budget;          /* BUDGET_BY_RATE: not given */
-    int json, reopen;
+    uint64_t clutch;                 /* NO_BUTTON: not given */
+    int json, reopen, is_active;
 };
 
 /* What a tick needs, and what it counts. */
 struct session {
     struct scene scene;
-    uint64_t contacts, penetrating, unknown;
+    uint64_t contacts, penetrating, unknown, clutched;
+    dpt_coupling coupling;
     uint32_t budget;
     uint32_t reasons; /* why the device was not ready */
     double depth_max, force_peak;
@@ -106,8 +124,9 @@ static dpt_result feel(void *user, const dpt_loop_sample *sample, dpt_wrench *wr
     dpt_hit hit = DPT_HIT_INIT;
     double square = 0.0;
     run_record_begin(&session->recording);
-    dpt_result result = scene_feel(&session->scene, sample->state, sample->dt, wrench);
+    dpt_result result = scene_feel(&session->scene, sample, wrench);
     run_record_tick(&session->recording, &session->scene, sample, result, wrench);
+    session->clutched += (uint64_t)session->scene.is_clutched;
     if (result != DPT_OK)
         return result;
     record(session, &session->scene.stylus);
@@ -121,7 +140,8 @@ static dpt_result feel(void *user, const dpt_loop_sample *sample, dpt_wrench *wr
     /* A tool with a proxy is as deep as the spring is long. */
     const struct force_options *options = &session->scene.force;
     const int has_spring = options->law == DPT_LAW_PROXY && options->stiffness > 0.0;
-    const double depth = has_spring ? sqrt(square) / options->stiffness : hit.depth;
+    const double depth =
+        has_spring ? sqrt(square) / (options->stiffness * session->scene.force_scale) : hit.depth;
     session->depth_max = fmax(session->depth_max, depth);
     session->force_peak = fmax(session->force_peak, sqrt(square));
     return DPT_OK;
@@ -190,6 +210,34 @@ static void close_record(struct session *session)
     free(session->rows);
 }
 
+static void print_coupling_json(const struct session *session)
+{
+    const dpt_coupling *coupling = &session->coupling;
+    const dpt_passivity_info seen = scene_passivity_info(&session->scene.passivity);
+    printf(",\"stiffness\":%.17g,\"limit\":\"%s\",\"stable\":%.17g,\"delay\":%.17g",
+           coupling->stiffness, coupling_limit_word(coupling->limit), coupling->stable,
+           coupling->delay);
+    if (session->scene.passivity.is_used)
+        printf(",\"passivity\":{\"acted\":%" PRIu64
+               ",\"taken\":%.17g,\"account_min\":%.17g,\"eps\":%.17g,\"body_work\":%.17g}",
+               seen.acted, seen.taken, seen.account_min, seen.eps, seen.body_work);
+}
+
+static void print_coupling(const struct session *session)
+{
+    const dpt_coupling *coupling = &session->coupling;
+    const dpt_passivity_info seen = scene_passivity_info(&session->scene.passivity);
+    printf("  coupling %.4g N/m", coupling->stiffness);
+    if (coupling->stable > 0.0)
+        printf("; at the hand the device is stable up to %.4g", coupling->stable);
+    putchar('\n');
+    if (seen.acted)
+        printf("  passivity: took %.3g mJ away on %" PRIu64 " ticks; least account %.3g mJ\n",
+               1e3 * seen.taken, seen.acted, 1e3 * seen.account_min);
+    if (session->clutched)
+        printf("  the clutch was down on %" PRIu64 "\n", session->clutched);
+}
+
 static void print_json(const struct session *session, const dpt_loop_stats *s,
                        const dpt_device_counts *counts)
 {
@@ -219,6 +267,7 @@ static void print_json(const struct session *session, const dpt_loop_stats *s,
                     { "device_lost", counts->lost },
                     { "device_damaged", counts->damaged },
                     { "device_missed", counts->missed },
+                    { "clutched", session->clutched },
                     { "contacts", session->contacts },
                     { "penetrating", session->penetrating },
                     { "unknown", session->unknown } };
@@ -226,6 +275,7 @@ static void print_json(const struct session *session, const dpt_loop_stats *s,
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
         printf("%s\"%s\":%" PRIu64, i ? "," : "", numbers[i].name, numbers[i].value);
     printf(",\"deepest\":%.17g,\"strongest\":%.17g", session->depth_max, session->force_peak);
+    print_coupling_json(session);
     const struct {
         const char *name;
         const uint64_t *bins;
@@ -263,6 +313,7 @@ static void print_report(const struct session *session, const dpt_loop_stats *s,
     if (session->unknown)
         printf("  unknown on %" PRIu64 ", with --budget %" PRIu32 "\n", session->unknown,
                session->budget);
+    print_coupling(session);
     printf("  guard: %" PRIu64 " clamped, %" PRIu64 " slewed, %" PRIu64 " stops\n", s->clamped,
            s->slewed, s->stops);
     printf("  device: %" PRIu64 " samples, %" PRIu64 " lost, %" PRIu64 " damaged, %" PRIu64
@@ -292,6 +343,22 @@ static int is_by_own_time(const struct run_settings *settings, const dpt_device_
     return settings->seconds * info->rate < 0x1p53 && info->flags & DPT_DEVICE_FLAG_DETERMINISTIC;
 }
 
+/* The controller stands before the guard, and knows what that will let through. */
+static void observe(struct session *session, const dpt_device_info *info,
+                    const dpt_guard_def *guard)
+{
+    dpt_passivity_def def;
+    dpt_passivity_def_init(&def);
+    def.damping = info->damping;
+    def.spin_damping = info->spin_damping;
+    def.force_max = fmin(guard->force_max, info->force_max);
+    def.torque_max = fmin(guard->torque_max, info->torque_max);
+    def.force_slew = guard->force_slew;
+    def.torque_slew = guard->torque_slew;
+    def.delay = info->delay;
+    scene_passivity_begin(&session->scene.passivity, &def);
+}
+
 static int serve(dpt_device *device, struct session *session, const struct run_settings *settings)
 {
     dpt_loop_def def;
@@ -305,7 +372,12 @@ static int serve(dpt_device *device, struct session *session, const struct run_s
     session->budget = settings->budget == BUDGET_BY_RATE
                           ? (uint32_t)fmax(BUDGET_RATE / rate, BUDGET_MIN)
                           : (uint32_t)settings->budget;
-    if (scene_make_world(&session->scene, &info, session->budget))
+    struct coupling_options coupling = settings->coupling;
+    coupling.rate = rate;
+    coupling.loop_delay =
+        info.flags & DPT_DEVICE_FLAG_DETERMINISTIC ? 0.0 : LOOP_DELAY_PERIODS / rate;
+    if (run_coupling_choose(&session->scene, &info, &coupling, &session->coupling) ||
+        scene_make_world(&session->scene, &info, session->budget))
         return 2;
     dpt_loop_def_init(&def);
     def.tick = feel;
@@ -328,6 +400,8 @@ static int serve(dpt_device *device, struct session *session, const struct run_s
     if (!isnan(settings->force_max))
         guard.force_max = settings->force_max;
     def.guard = &guard;
+    if (!settings->is_active)
+        observe(session, &info, &guard);
     dpt_result result = dpt_loop_create(device, &def, &loop);
     if (result != DPT_OK)
         return complain("run", "%s", dpt_result_text(result));
@@ -384,7 +458,12 @@ static int read_settings(int argc, char **argv, struct run_settings *settings)
         { .name = "--length", .number = &settings->scene.length },
         { .name = "--radius", .number = &settings->scene.radius },
         { .name = "--law", .text = &law },
-        { .name = "--stiffness", .number = &settings->scene.force.stiffness },
+        { .name = "--stiffness", .number = &settings->coupling.stiffness },
+        { .name = "--gain-margin", .number = &settings->coupling.gain_margin },
+        { .name = "--unstable", .flag = &settings->coupling.is_unstable },
+        { .name = "--active", .flag = &settings->is_active },
+        { .name = "--force-scale", .number = &settings->scene.force_scale },
+        { .name = "--clutch", .count = &settings->clutch },
         { .name = "--friction", .number = &settings->scene.force.friction },
         { .name = "--damping", .number = &settings->scene.force.damping },
         { .name = "--force-max", .number = &settings->force_max },
@@ -403,6 +482,8 @@ static int read_settings(int argc, char **argv, struct run_settings *settings)
     if (operands != 1 || !settings->device)
         return complain("run", "MESH.dpa or ARM.dpa, and --device NAME are needed (see --help)");
     status = law_by_name("run", law, &settings->scene.force.law);
+    settings->scene.force.stiffness =
+        isnan(settings->coupling.stiffness) ? 0.0 : settings->coupling.stiffness;
     if (status == 0)
         status = force_options_check("run", &settings->scene.force);
     if (status)
@@ -411,6 +492,15 @@ static int read_settings(int argc, char **argv, struct run_settings *settings)
         return 2;
     if (!(settings->scene.zoom > 0.0 && settings->scene.zoom <= 1000.0))
         return complain("run", "--zoom must be positive, at most 1000");
+    if (!(settings->scene.force_scale >= 1e-3 && settings->scene.force_scale <= 1000.0))
+        return complain("run", "--force-scale must be 0.001 to 1000");
+    if (!(settings->coupling.gain_margin >= 1.0 && settings->coupling.gain_margin <= 100.0))
+        return complain("run", "--gain-margin must be 1 to 100");
+    if (settings->coupling.is_unstable && isnan(settings->coupling.stiffness))
+        return complain("run", "--unstable needs --stiffness");
+    if (settings->clutch > 31 && settings->clutch != NO_BUTTON)
+        return complain("run", "--clutch must be 0 to 31");
+    settings->scene.clutch = settings->clutch == NO_BUTTON ? -1 : (int)settings->clutch;
     if (!(settings->scene.length >= 0.0 && settings->scene.length <= 10.0) ||
         !(settings->scene.radius >= 0.0 && settings->scene.radius <= 1.0))
         return complain("run", "--length must be 0 to 10, --radius 0 to 1");
@@ -433,9 +523,11 @@ int command_run(int argc, char **argv)
 {
     struct run_settings settings = { .scene = { .command = "run",
                                                 .zoom = 1.0,
+                                                .force_scale = 1.0,
                                                 .length = 0.1,
-                                                .radius = 0.002,
-                                                .force = { .stiffness = 500.0 } },
+                                                .radius = 0.002 },
+                                     .coupling = { .stiffness = NAN, .gain_margin = 1.5 },
+                                     .clutch = NO_BUTTON,
                                      .force_max = NAN,
                                      .seconds = HUGE_VAL,
                                      .budget = BUDGET_BY_RATE };

@@ -48,6 +48,20 @@ static int check_identity(const char *path, const char *what, const struct file_
                     path, what, bytes, crc32);
 }
 
+static void observe(struct scene *scene, const struct scene_text *text)
+{
+    dpt_passivity_def def;
+    dpt_passivity_def_init(&def);
+    def.damping = text->passive_damping;
+    def.spin_damping = text->passive_spin_damping;
+    def.force_max = text->passive_force_max;
+    def.torque_max = text->passive_torque_max;
+    def.force_slew = text->passive_force_slew;
+    def.torque_slew = text->passive_torque_slew;
+    def.delay = text->passive_delay;
+    scene_passivity_begin(&scene->passivity, &def);
+}
+
 /* Make the scene of the text. Returns 0, or 2 after a message. Close the scene in any case. */
 static int make_scene(struct scene *scene, const struct scene_text *text, const char *scene_path,
                       const char *tool_path)
@@ -60,6 +74,8 @@ static int make_scene(struct scene *scene, const struct scene_text *text, const 
                                                      : NULL,
                              .origin = origin,
                              .zoom = text->zoom,
+                             .force_scale = text->force_scale,
+                             .clutch = text->clutch < SCENE_TEXT_NO_CLUTCH ? (int)text->clutch : -1,
                              .length = text->length,
                              .radius = text->radius,
                              .force = { .stiffness = text->stiffness,
@@ -83,7 +99,11 @@ static int make_scene(struct scene *scene, const struct scene_text *text, const 
     if (status == 0)
         status = check_identity(def.tool ? def.tool : "", "tool", &scene->tool_file,
                                 text->tool_bytes, text->tool_crc32);
-    return status ? status : scene_make_world(scene, &info, (uint32_t)text->budget);
+    if (status == 0)
+        status = scene_make_world(scene, &info, (uint32_t)text->budget);
+    if (status == 0 && text->passivity)
+        observe(scene, text);
+    return status;
 }
 
 /* Returns the first field that differs, or NULL. */
@@ -101,7 +121,7 @@ static int replay_tick(struct scene *scene, struct comparison_of_records *compar
     dpt_device_state state;
     dpt_wrench wrench = { { 0.0 }, { 0.0 } };
     const dpt_loop_sample sample = sample_of_record(&compared->recorded, &state, &scene->device);
-    const dpt_result result = scene_feel(scene, sample.state, sample.dt, &wrench);
+    const dpt_result result = scene_feel(scene, &sample, &wrench);
     compared->replayed = record_of_sample(&sample);
     record_answers(&compared->replayed, scene, result, &wrench);
     compared->field = compare(&compared->recorded, &compared->replayed);

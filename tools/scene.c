@@ -167,6 +167,9 @@ int scene_open(struct scene *scene, const struct scene_def *def)
     memset(scene, 0, sizeof *scene);
     scene->command = def->command;
     scene->zoom = def->zoom;
+    scene->force_scale = def->force_scale;
+    scene->clutch = def->clutch;
+    memcpy(scene->turned, identity, sizeof scene->turned);
     scene->length = def->length;
     scene->force = def->force;
     scene->bytes = load_file(scene->command, def->path, &size);
@@ -227,6 +230,7 @@ static dpt_result find_pose(const struct scene *scene, const dpt_device_state *s
     for (int k = 0; k < 3; k++)
         pose->position[k] = scene->origin[k] + scene->zoom * pose->position[k];
     multiply_quaternions(axes, state->pose.orientation, pose->orientation);
+    multiply_quaternions(scene->turned, pose->orientation, pose->orientation);
     return DPT_OK;
 }
 
@@ -245,22 +249,69 @@ static dpt_result move_tool(struct scene *scene, const dpt_pose *pose)
     return dpt_tool_set_segments(scene->world, scene->tool, stylus, 1);
 }
 
-dpt_result scene_feel(struct scene *scene, const dpt_device_state *state, double dt,
-                      dpt_wrench *wrench)
+/* The hand has moved under the clutch: where the tool stands is where the hand is now. */
+static void reindex(struct scene *scene, const dpt_pose *hand)
+{
+    const double *q = hand->orientation;
+    const double back[4] = { q[0], -q[1], -q[2], -q[3] };
+    double by[4], size = 0.0;
+    multiply_quaternions(scene->pose.orientation, back, by);
+    multiply_quaternions(by, scene->turned, scene->turned);
+    for (int k = 0; k < 4; k++)
+        size += scene->turned[k] * scene->turned[k];
+    for (int k = 0; k < 4; k++)
+        scene->turned[k] /= sqrt(size);
+    for (int k = 0; k < 3; k++)
+        scene->origin[k] += scene->pose.position[k] - hand->position[k];
+}
+
+/* The device that is the arm has no clutch: its joints tell where the tool is. */
+static int is_clutch_down(const struct scene *scene, const dpt_device_state *state)
+{
+    return scene->clutch >= 0 && state->buttons >> scene->clutch & 1 && scene->has_pose &&
+           !is_the_arm(scene);
+}
+
+/* At the hand: force and torque of the scene in the device's axes. */
+static void to_hand(const struct scene *scene, const double axes[4], dpt_wrench *wrench)
+{
+    rotate_back(axes, wrench->force, wrench->force);
+    rotate_back(axes, wrench->torque, wrench->torque);
+    for (int k = 0; k < 3; k++) {
+        wrench->force[k] *= scene->force_scale;
+        wrench->torque[k] *= scene->force_scale / scene->zoom;
+    }
+    if (scene->device.wrench_dofs < 6)
+        memset(wrench->torque, 0, sizeof wrench->torque);
+}
+
+dpt_result scene_feel(struct scene *scene, const dpt_loop_sample *sample, dpt_wrench *wrench)
 {
     dpt_pose pose;
     double axes[4];
-    dpt_result result = find_pose(scene, state, &pose, axes);
+    dpt_force_report report = { .size = sizeof report };
+    dpt_result result = find_pose(scene, sample->state, &pose, axes);
+    const int was_clutched = scene->is_clutched;
+    scene->is_clutched = result == DPT_OK && is_clutch_down(scene, sample->state);
+    if (scene->is_clutched)
+        return DPT_E_NOT_READY;
+    if (result == DPT_OK && was_clutched) {
+        reindex(scene, &pose);
+        result = find_pose(scene, sample->state, &pose, axes);
+    }
     if (result == DPT_OK)
         result = move_tool(scene, &pose);
     if (result == DPT_OK)
-        result = dpt_world_step(scene->world, dt, NULL);
+        result = dpt_world_step(scene->world, sample->dt, NULL);
     if (result != DPT_OK)
         return result;
-    dpt_tool_get_wrench(scene->world, scene->tool, wrench);
-    rotate_back(axes, wrench->force, wrench->force);
-    rotate_back(axes, wrench->torque, wrench->torque);
-    if (scene->device.wrench_dofs < 6)
-        memset(wrench->torque, 0, sizeof wrench->torque);
+    scene->pose = pose;
+    scene->has_pose = 1;
+    dpt_tool_get_force_report(scene->world, scene->tool, &report);
+    *wrench = report.wrench;
+    to_hand(scene, axes, wrench);
+    const double share = scene->force_scale / scene->zoom;
+    scene_passivity_step(&scene->passivity, sample, share * report.energy, share * report.body_work,
+                         wrench);
     return DPT_OK;
 }

@@ -9,6 +9,7 @@
 #include "dynpoint.h"
 #include "dynpoint/device.h"
 #include "force_options.h"
+#include "scene_passivity.h"
 
 struct scene_def {
     const char *command; /* whose messages they are: "run" */
@@ -17,9 +18,11 @@ struct scene_def {
     const char *tool;
     /* Where the device's origin is in the scene's frame, "X,Y,Z" in m. NULL: above a mesh, or at the arm's middle. */
     const char *origin;
-    double zoom;   /* metres of the scene for one metre of the hand */
-    double length; /* of the stylus, m */
-    double radius; /* of the stylus, m */
+    double zoom;        /* metres of the scene for one metre of the hand */
+    double force_scale; /* newtons at the hand for one of the scene */
+    int clutch;         /* number of the button that holds the tool where it is; -1: none */
+    double length;      /* of the stylus, m */
+    double radius;      /* of the stylus, m */
     struct force_options force;
 };
 
@@ -44,8 +47,14 @@ struct scene {
     dpt_segment stylus; /* in the scene's frame, as moved last */
     double length;
     double zoom;
+    double force_scale;
     double origin[3];          /* of the device, in the scene's frame, m */
     double device_to_scene[4]; /* rotation, quaternion (w, x, y, z) */
+    double turned[4];          /* of the tool from the device, in the scene, by the clutch */
+    int clutch;                /* button, or -1 */
+    int is_clutched, has_pose; /* the clutch is down; the tool was moved */
+    dpt_pose pose;             /* of the tool, moved last */
+    struct scene_passivity passivity;
     dpt_device_info device;
     void *block, *bytes, *tool_bytes;
 };
@@ -60,8 +69,13 @@ void scene_close(struct scene *scene);
  */
 int scene_make_world(struct scene *scene, const dpt_device_info *device, uint32_t budget);
 
-/* Move the tool to the hand's pose and take a step. The wrench is in the device's axes. */
-dpt_result scene_feel(struct scene *scene, const dpt_device_state *state, double dt,
-                      dpt_wrench *wrench);
+/*
+ * Move the tool to the hand's pose and take a step. The wrench is that of the hand, in the device's axes, after the
+ * passivity controller if scene_passivity_begin was called.
+ *
+ * While the clutch is down the tool stands still: DPT_E_NOT_READY, and no wrench. Afterwards it goes on from there, with
+ * the hand wherever that is.
+ */
+dpt_result scene_feel(struct scene *scene, const dpt_loop_sample *sample, dpt_wrench *wrench);
 
 #endif

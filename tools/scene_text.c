@@ -21,14 +21,40 @@ static const struct key {
     enum kind kind;
     size_t at, room;
 } keys[] = {
-    KEY(TEXT, scene),      KEY(COUNT, scene_bytes), KEY(COUNT, scene_crc32),
-    KEY(TEXT, tool),       KEY(COUNT, tool_bytes),  KEY(COUNT, tool_crc32),
-    KEY(NUMBER, origin_x), KEY(NUMBER, origin_y),   KEY(NUMBER, origin_z),
-    KEY(NUMBER, zoom),     KEY(NUMBER, length),     KEY(NUMBER, radius),
-    KEY(TEXT, law),        KEY(NUMBER, stiffness),  KEY(NUMBER, friction),
-    KEY(NUMBER, damping),  KEY(COUNT, budget),      KEY(NUMBER, force_max),
-    KEY(TEXT, device),     KEY(TEXT, device_kind),  KEY(COUNT, device_flags),
-    KEY(COUNT, pose_dofs), KEY(COUNT, wrench_dofs), KEY(COUNT, joints),
+    KEY(TEXT, scene),
+    KEY(COUNT, scene_bytes),
+    KEY(COUNT, scene_crc32),
+    KEY(TEXT, tool),
+    KEY(COUNT, tool_bytes),
+    KEY(COUNT, tool_crc32),
+    KEY(NUMBER, origin_x),
+    KEY(NUMBER, origin_y),
+    KEY(NUMBER, origin_z),
+    KEY(NUMBER, zoom),
+    KEY(NUMBER, length),
+    KEY(NUMBER, radius),
+    KEY(TEXT, law),
+    KEY(NUMBER, stiffness),
+    KEY(NUMBER, friction),
+    KEY(NUMBER, damping),
+    KEY(COUNT, budget),
+    KEY(NUMBER, force_max),
+    KEY(TEXT, device),
+    KEY(TEXT, device_kind),
+    KEY(COUNT, device_flags),
+    KEY(COUNT, pose_dofs),
+    KEY(COUNT, wrench_dofs),
+    KEY(COUNT, joints),
+    KEY(NUMBER, force_scale),
+    KEY(COUNT, clutch),
+    KEY(COUNT, passivity),
+    KEY(NUMBER, passive_damping),
+    KEY(NUMBER, passive_spin_damping),
+    KEY(NUMBER, passive_force_max),
+    KEY(NUMBER, passive_torque_max),
+    KEY(NUMBER, passive_force_slew),
+    KEY(NUMBER, passive_torque_slew),
+    KEY(NUMBER, passive_delay),
 };
 enum { KEYS = sizeof keys / sizeof *keys };
 
@@ -51,6 +77,19 @@ void scene_text_of(struct scene_text *text, const struct scene *scene, const str
     text->origin_y = scene->origin[1];
     text->origin_z = scene->origin[2];
     text->zoom = scene->zoom;
+    text->force_scale = scene->force_scale;
+    text->clutch = scene->clutch < 0 ? SCENE_TEXT_NO_CLUTCH : (uint64_t)scene->clutch;
+    text->passivity = (uint64_t)scene->passivity.is_used;
+    if (scene->passivity.is_used) {
+        const dpt_passivity_def *def_of = &scene->passivity.def;
+        text->passive_damping = def_of->damping;
+        text->passive_spin_damping = def_of->spin_damping;
+        text->passive_force_max = def_of->force_max;
+        text->passive_torque_max = def_of->torque_max;
+        text->passive_force_slew = def_of->force_slew;
+        text->passive_torque_slew = def_of->torque_slew;
+        text->passive_delay = def_of->delay;
+    }
     text->length = def->length;
     text->radius = def->radius;
     text->stiffness = scene->force.stiffness;

@@ -9,7 +9,7 @@
 #include "dynpoint/record.h"
 #include "scene.h"
 
-enum { SCENE_TEXT_NAME = 4096 };
+enum { SCENE_TEXT_NAME = 4096, SCENE_TEXT_NO_CLUTCH = 32 };
 
 /* Names are paths and the device's, as they were given; "" if none was. */
 struct scene_text {
@@ -22,6 +22,11 @@ struct scene_text {
     double zoom, length, radius;
     double stiffness, friction, damping;
     double force_max; /* that the guard lets through, N */
+    double force_scale;
+    uint64_t clutch;    /* button, or SCENE_TEXT_NO_CLUTCH */
+    uint64_t passivity; /* 1: there was an observer, with these fields of its def */
+    double passive_damping, passive_spin_damping, passive_force_max, passive_torque_max;
+    double passive_force_slew, passive_torque_slew, passive_delay;
 };
 
 /* Of a scene whose world was made. */

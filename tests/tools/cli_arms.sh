@@ -100,7 +100,7 @@ sys.exit(json.load(open("stdout"))["joints"][2]["name"] != "e\"l\\b")'
     succeeds 'a tool on a drive' run box.dpa --tool C:/arm.dpa --device 'sim:?hand=press' --ticks 5
 
     # The desk's top is at 0, y of the device is up there: the capsule, 4 mm thick, lies along the device's z.
-    run run arm.dpa --device sim --at 0.2,0,0.003 --ticks 1 --law point --json
+    run run arm.dpa --device sim --at 0.2,0,0.003 --ticks 1 --law point --stiffness 500 --json
     check "a millimetre in the desk: $(cat stdout)" grep -q \
         '"contacts":1,"penetrating":1,"unknown":0,"deepest":0.000999999[0-9]*,"strongest":0.4999998' stdout
     run run arm.dpa --device sim --at 0.35,0,0.003 --ticks 1 --json
@@ -123,7 +123,7 @@ sys.exit(json.load(open("stdout"))["joints"][2]["name"] != "e\"l\\b")'
     succeeds 'an arm of six joints' compile six.urdf -o six.dpa
     run run six.dpa --device 'sim:?hand=press&dofs=6' --at 0,0,0.03 --ticks 3000 --json
     check "another device's six joints are not its own: $(cat stdout)" grep -q '"penetrating":[1-9]' stdout
-    refuses 'a record of the arm' '--record needs the stylus' \
+    refuses 'a record of the arm' '--record F.csv needs the stylus' \
         run arm.dpa --device sim --ticks 5 --record out/r.csv
     refuses 'a scene without a body' 'whose scene has no body' run noted.dpa --device sim --ticks 5
     refuses 'a tool without a capsule' 'its tool has no capsule' \

@@ -118,9 +118,9 @@ refusals()
 
 pressed()
 {
-    run run torus.dpa --device 'sim:?hand=press' --ticks 4000 --law proxy --json
+    run run torus.dpa --device 'sim:?hand=press' --ticks 4000 --law proxy --stiffness 500 --json
     cp stdout proxy.json
-    run run torus.dpa --device 'sim:?hand=press' --ticks 4000 --json
+    run run torus.dpa --device 'sim:?hand=press' --ticks 4000 --stiffness 500 --json
     check 'the usual law of run is the proxy' cmp -s proxy.json stdout
     check 'run --law proxy: a spring' awk -F'[:,]' '{ for (i = 1; i < NF; i++) said[$i] = $(i + 1)
         d = said["\"deepest\""]; f = said["\"strongest\""]

@@ -1,0 +1,106 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "run_coupling.h"
+
+#include <math.h>
+
+#include "command_options.h"
+
+const char *coupling_limit_word(uint32_t limit)
+{
+    static const char *const words[] = { "asked", "stability", "rotation",
+                                         "step",  "maker",     "unknown" };
+    return limit < sizeof words / sizeof *words ? words[limit] : "?";
+}
+
+/* The tool's root mean squared distance from its centre, and how far that is from the pose's origin. */
+static void measure_tool(const struct scene *scene, double *rho, double *lever)
+{
+    double whole = 0.0, centre[3] = { 0.0 }, square = 0.0;
+    dpt_segment segments[DPT_ARM_SEGMENTS_MAX];
+    double weight[DPT_ARM_SEGMENTS_MAX];
+    for (uint32_t i = 0; i < scene->segment_count; i++) {
+        segments[i] = scene->segments[i];
+        if (scene->has_stylus)
+            segments[i].b[2] = scene->length;
+        const double *a = segments[i].a, *b = segments[i].b;
+        weight[i] = sqrt((b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1]) +
+                         (b[2] - a[2]) * (b[2] - a[2]));
+        whole += weight[i];
+    }
+    for (uint32_t i = 0; i < scene->segment_count; i++) {
+        const double length = weight[i];
+        weight[i] = whole > 0.0 ? length / whole : 1.0 / scene->segment_count;
+        square += weight[i] * length * length / 12.0;
+        for (int k = 0; k < 3; k++) {
+            const double middle = 0.5 * (segments[i].a[k] + segments[i].b[k]);
+            centre[k] += weight[i] * middle;
+            square += weight[i] * middle * middle;
+        }
+    }
+    *lever = sqrt(centre[0] * centre[0] + centre[1] * centre[1] + centre[2] * centre[2]);
+    *rho = sqrt(fmax(0.0, square - *lever * *lever));
+}
+
+static void say_why(const struct scene *scene, const dpt_coupling *coupling, double asked)
+{
+    const char *which = scene->zoom != 1.0 || scene->force_scale != 1.0 ? " of the scene" : "";
+    switch (coupling->limit) {
+    case DPT_COUPLING_STABILITY:
+    case DPT_COUPLING_ROTATION:
+        if (coupling->delay_needed > 0.0)
+            complain(scene->command,
+                     "%g N/m%s need T/2 + t_d <= %.3g ms; this device has %.3g. It is held by %.4g "
+                     "N/m%s (--unstable takes %g all the same)",
+                     asked, which, 1e3 * coupling->delay_needed, 1e3 * coupling->delay,
+                     coupling->stiffness,
+                     coupling->limit == DPT_COUPLING_ROTATION ? ", as its rotation is weaker" : "",
+                     asked);
+        break;
+    case DPT_COUPLING_STEP:
+        complain(scene->command, "%.4g N/m instead of %g: the device's steps would be felt",
+                 coupling->stiffness, asked);
+        break;
+    case DPT_COUPLING_MAKER:
+        complain(scene->command, "%.4g N/m instead of %g: its maker states no more",
+                 coupling->stiffness, asked);
+        break;
+    case DPT_COUPLING_UNKNOWN:
+        complain(scene->command,
+                 "%.4g N/m instead of %g: the device's mass and damping are not known. Measure "
+                 "them: dynpoint device identify (--unstable takes %g all the same)",
+                 coupling->stiffness, asked, asked);
+        break;
+    default:
+        break;
+    }
+}
+
+int run_coupling_choose(struct scene *scene, const dpt_device_info *device,
+                        const struct coupling_options *options, dpt_coupling *coupling)
+{
+    dpt_coupling_def def;
+    const int is_asked = !isnan(options->stiffness);
+    *coupling = (dpt_coupling){ .size = sizeof *coupling };
+    dpt_coupling_def_init(&def);
+    dpt_device_fill_coupling(device, &def);
+    measure_tool(scene, &def.rho, &def.lever);
+    def.rate = options->rate;
+    def.loop_delay = options->loop_delay;
+    def.zoom = scene->zoom;
+    def.force_scale = scene->force_scale;
+    def.tool_damping = scene->force.damping;
+    def.gain_margin = options->gain_margin;
+    def.stiffness = is_asked ? options->stiffness : 0.0;
+    const dpt_result result = dpt_coupling_for_device(&def, coupling);
+    if (result != DPT_OK)
+        return complain(scene->command, "no coupling for this device: %s", dpt_result_text(result));
+    /* A stiffness of 0 is asked for by those who want no force. */
+    if (is_asked && (options->is_unstable || options->stiffness == 0.0)) {
+        coupling->limit = DPT_COUPLING_ASKED;
+        coupling->stiffness = options->stiffness;
+    } else if (is_asked) {
+        say_why(scene, coupling, options->stiffness);
+    }
+    scene->force.stiffness = coupling->stiffness;
+    return 0;
+}
