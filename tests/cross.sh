@@ -36,7 +36,9 @@ work()
         "$@" make trace --mesh "$out/liver.dpa" --ticks 500 -o "$out/liver.csv" &&
         "$@" replay "$out/torus.dpa" "$out/torus.csv" -o "$out/torus.out" --radius 0.003 &&
         "$@" replay "$out/torus.dpa" "$out/torus.csv" -o "$out/brute.out" --method brute &&
-        "$@" replay "$out/liver.dpa" "$out/liver.csv" -o "$out/liver.out" --radius 0.003
+        "$@" replay "$out/liver.dpa" "$out/liver.csv" -o "$out/liver.out" --radius 0.003 &&
+        "$@" run "$out/torus.dpa" --device 'sim:?hand=wipe&cycle=0.4' --ticks 500 --friction 0.3 --record "$out/torus.dpr" &&
+        "$@" record csv "$out/torus.dpr" -o "$out/records.csv"
 }
 
 # build MACHINE: static, so that qemu needs no libraries of the machine; without the driver that loads one
@@ -87,7 +89,7 @@ try()
     check "$machine: warnings, see $log" test "$(grep -c warning: "$log")" -eq 0
     check "$machine: it runs, see $log" work "qemu-$machine-static" "$folder/dynpoint"
     for name in torus.ply liver.obj torus.dpa liver.dpa open.dpa coarse.dpa torus.c torus.csv liver.csv torus.out brute.out \
-        liver.out; do
+        liver.out records.csv; do
         check "$machine: other bytes in $name" cmp -s "$native/cross/$name" "$out/$name"
     done
     # A simulated device moves as it does here.
@@ -108,7 +110,8 @@ try()
     for name in test_arm test_arm_compile; do
         check "$machine: $name, see $log" "qemu-$machine-static" "$folder/tests/$name"
     done
-    # Recordings are the same bytes.
+    # Recordings are the same bytes; that of this machine replays there.
+    check "$machine: another recording, see $log" "qemu-$machine-static" "$folder/dynpoint" replay "$native/cross/torus.dpr"
     check "$machine: test_record, see $log" "qemu-$machine-static" "$folder/tests/test_record"
     # The single files, by their compiler's plain flags, answer as the libraries here do.
     single "$1-linux-gnu-" "qemu-$1-static"
