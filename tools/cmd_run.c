@@ -163,7 +163,9 @@ static int open_record(const struct run_settings *settings, struct session *sess
     if (!is_traced(settings))
         return 0;
     if (!session->scene.has_stylus)
-        return complain("run", "--record F.csv needs the stylus: a trace has one segment");
+        return complain(
+            "run",
+            "--record needs the stylus: a trace has one segment; a recording, F.dpr, may have any");
     return output_open(&session->record, "run", settings->record);
 }
 

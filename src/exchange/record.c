@@ -68,6 +68,14 @@ static uint32_t crc_around(const struct crc32 *crc, const unsigned char *bytes, 
     return crc32_more(crc, sum, bytes + hole + sizeof zeros, size - hole - sizeof zeros);
 }
 
+static int has_zero(const char *text, size_t size)
+{
+    for (size_t i = 0; i < size; i++)
+        if (!text[i])
+            return 1;
+    return 0;
+}
+
 static int is_rate(double rate)
 {
     return rate >= 0.0 && rate <= 1e9;
@@ -89,8 +97,7 @@ static dpt_result check_header(const dpt_record_header *given, dpt_record_header
         return DPT_E_FINITE;
     if (header->text_bytes > DPT_RECORD_TEXT_MAX)
         return DPT_E_LIMIT;
-    if (header->text_bytes &&
-        (!header->text || memchr(header->text, 0, header->text_bytes) != NULL))
+    if (header->text_bytes && (!header->text || has_zero(header->text, header->text_bytes)))
         return DPT_E_ARGUMENT;
     return DPT_OK;
 }
@@ -163,7 +170,7 @@ dpt_result dpt_record_header_read(const void *bytes, size_t size, dpt_record_hea
     read.text = (const char *)from + AT_TEXT;
     read.text_bytes = get4(from + AT_TEXT_BYTES);
     if (read.text_bytes > DPT_RECORD_TEXT_MAX || header_bytes_of(read.text_bytes) != header_bytes ||
-        get4(from + AT_RESERVED) || memchr(read.text, 0, read.text_bytes))
+        get4(from + AT_RESERVED) || has_zero(read.text, read.text_bytes))
         return DPT_E_LAYOUT;
     for (size_t i = AT_TEXT + read.text_bytes; i < header_bytes; i++)
         if (from[i])
