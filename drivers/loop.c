@@ -84,7 +84,7 @@ dpt_result dpt_loop_create(dpt_device *device, const dpt_loop_def *given, dpt_lo
     DPT_TRY(dpt_device_get_info(device, &loop.info));
     const double rate = loop.def.rate != 0.0 ? loop.def.rate : loop.info.rate;
     if (!loop.def.tick || loop.def.reserved_pointer || loop.def.reserved_pointer_2 ||
-        loop.def.priority > 99 || loop.def.lock > 1 || loop.def.reopen > 1 ||
+        loop.def.priority > 99 || loop.def.lock > 1 || loop.def.reopen > 1 || loop.def.awake > 1 ||
         !(rate >= 1.0 && rate <= 100000.0))
         return DPT_E_ARGUMENT;
     loop.period = 1.0 / rate;
@@ -454,7 +454,8 @@ dpt_result dpt_loop_run(dpt_loop *loop, dpt_loop_stats *stats)
     dpt_guard_init(&run.guard, &loop->guard);
 
     if (!loop->is_deterministic)
-        run.stats.notes = urgent_begin(&saved, loop->def.priority, loop->def.lock);
+        run.stats.notes = urgent_begin(&saved, loop->def.priority, loop->def.lock, loop->def.cpu,
+                                       loop->def.awake);
     dpt_result result = loop->is_deterministic ? run_by_device(&run) : run_by_clock(&run);
     dpt_result zero_result = send_zero(&run);
     if (!loop->is_deterministic)

@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#define _DEFAULT_SOURCE
+#define _GNU_SOURCE
 #include "urgent.h"
 
+#include <fcntl.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
+#include <unistd.h>
 #ifdef __linux__
 #include <sys/prctl.h>
 #endif
@@ -105,10 +107,65 @@ static void set_timer_slack(int slack)
 #endif
 }
 
-uint32_t urgent_begin(struct urgent *saved, uint32_t priority, uint32_t lock)
+#ifdef __linux__
+typedef char processors_fit[sizeof(cpu_set_t) <= sizeof((struct urgent *)0)->processors ? 1 : -1];
+#endif
+
+/* Run on one processor alone. Returns 0 if that is not permitted, or there is none of this number. */
+static int pin(struct urgent *saved, uint32_t cpu)
+{
+#ifdef __linux__
+    cpu_set_t all, one;
+    if (cpu > CPU_SETSIZE || pthread_getaffinity_np(pthread_self(), sizeof all, &all) != 0)
+        return 0;
+    memcpy(saved->processors, &all, sizeof all);
+    CPU_ZERO(&one);
+    CPU_SET(cpu - 1, &one);
+    saved->is_pinned = pthread_setaffinity_np(pthread_self(), sizeof one, &one) == 0;
+    return saved->is_pinned;
+#else
+    (void)saved, (void)cpu;
+    return 0;
+#endif
+}
+
+/* Returns 0 if the thread could not be given its processors back. */
+static int unpin(const struct urgent *saved)
+{
+#ifdef __linux__
+    cpu_set_t all;
+    memcpy(&all, saved->processors, sizeof all);
+    return pthread_setaffinity_np(pthread_self(), sizeof all, &all) == 0;
+#else
+    (void)saved;
+    return 1;
+#endif
+}
+
+/* The longest sleep that processors may need to wake from, us: 0, for as long as the file is open. */
+static int keep_awake(void)
+{
+#ifdef __linux__
+    const int32_t longest = 0;
+    const int file = open("/dev/cpu_dma_latency", O_WRONLY | O_CLOEXEC);
+    if (file >= 0 && write(file, &longest, sizeof longest) == sizeof longest)
+        return file;
+    if (file >= 0)
+        close(file);
+#endif
+    return -1;
+}
+
+uint32_t urgent_begin(struct urgent *saved, uint32_t priority, uint32_t lock, uint32_t cpu,
+                      uint32_t awake)
 {
     uint32_t notes = 0;
     memset(saved, 0, sizeof *saved);
+    saved->latency = awake ? keep_awake() : -1;
+    if (awake && saved->latency < 0)
+        notes |= DPT_LOOP_NOTE_NO_AWAKE;
+    if (cpu && !pin(saved, cpu))
+        notes |= DPT_LOOP_NOTE_NO_CPU;
     if (lock) {
         saved->holds_lock = lock_memory();
         notes |= saved->holds_lock ? 0 : DPT_LOOP_NOTE_NO_LOCK;
@@ -137,6 +194,10 @@ uint32_t urgent_end(const struct urgent *saved)
     /* After the priority, because restoring that may change the slack. */
     if (saved->slack)
         set_timer_slack(saved->slack);
+    if (saved->is_pinned && !unpin(saved))
+        notes |= DPT_LOOP_NOTE_NO_RETURN;
+    if (saved->latency >= 0)
+        close(saved->latency);
     if (saved->holds_lock)
         unlock_memory();
     return notes;

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What a loop requests from the system while it runs: real-time priority, exact timers, locked memory. */
+/*
+ * What a loop requests from the system while it runs: real-time priority, a processor that is awake, exact timers, locked
+ * memory.
+ */
 #ifndef DPT_DRIVERS_URGENT_H
 #define DPT_DRIVERS_URGENT_H
 
@@ -13,14 +16,20 @@ struct urgent {
     int is_scheduled;         /* 1: policy and param were changed */
     int policy;               /* of the thread before */
     struct sched_param param; /* of the thread before */
+    int is_pinned;            /* 1: the processors of the thread were changed */
+    int latency;              /* a file that keeps processors awake while it is open; -1: none */
+    uint64_t processors[16];  /* of the thread before: room for a cpu_set_t */
 };
 
 /*
  * Request all of it for the calling thread. Returns what was not permitted, DPT_LOOP_NOTE_... bits.
  *   priority   by SCHED_FIFO, 1..99; 0: unchanged
  *   lock       1: lock the memory of the whole process
+ *   cpu        the only processor to run on, from 1; 0: any
+ *   awake      1: keep processors awake
  */
-uint32_t urgent_begin(struct urgent *saved, uint32_t priority, uint32_t lock);
+uint32_t urgent_begin(struct urgent *saved, uint32_t priority, uint32_t lock, uint32_t cpu,
+                      uint32_t awake);
 
 /*
  * Undo it, in the same thread. The last loop unlocks the memory, if none was locked before the first loop. Returns

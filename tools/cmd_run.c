@@ -54,6 +54,8 @@ static const char help[] =
     "  --damping B      of the proxy's spring, Ns/m; default 0\n"
     "  --force-max F    N; default the guard's, 5, or the device's if that is less\n"
     "  --rate HZ        of the loop; default the device's\n"
+    "  --cpu N          the loop runs on this processor alone, from 0\n"
+    "  --awake          keep processors from deep sleep while it runs; needs the right to do so\n"
     "  --budget N       at most N units of work a tick, 0: unlimited; what is not decided then is\n"
     "                   unknown, without force; default 3000 at 1 kHz, in proportion to the "
     "period,\n"
@@ -75,7 +77,7 @@ static const char help[] =
 /* From a sample to its command, by the clock: the deadline's phase behind the sample, and the tick's own time. */
 #define LOOP_DELAY_PERIODS 0.25
 
-#define NO_BUTTON UINT64_MAX
+#define NO_NUMBER UINT64_MAX
 
 /*
  * The default budget in units of work a second (docs/drivers.md has the time of a unit), and its minimum a tick: with
@@ -91,8 +93,8 @@ struct run_settings {
     struct coupling_options coupling;
     double force_max, rate, seconds; /* force_max NAN, rate 0: not given */
     uint64_t ticks, budget;          /* BUDGET_BY_RATE: not given */
-    uint64_t clutch;                 /* NO_BUTTON: not given */
-    int json, reopen, is_active;
+    uint64_t clutch, cpu;            /* NO_NUMBER: not given */
+    int json, reopen, is_active, awake;
 };
 
 /* What a tick needs, and what it counts. */
@@ -329,6 +331,10 @@ static void print_report(const struct session *session, const dpt_loop_stats *s,
         puts("  without real-time priority, which was not permitted");
     if (s->notes & DPT_LOOP_NOTE_NO_LOCK)
         puts("  without locked memory, which was not permitted");
+    if (s->notes & DPT_LOOP_NOTE_NO_CPU)
+        puts("  on any processor: it could not be chosen");
+    if (s->notes & DPT_LOOP_NOTE_NO_AWAKE)
+        puts("  processors may have slept: to keep them awake was not permitted");
 }
 
 /* A user who runs sim without an end probably wants real time. */
@@ -387,6 +393,8 @@ static int serve(dpt_device *device, struct session *session, const struct run_s
     def.idle = idle;
     def.rate = settings->rate;
     def.reopen = (uint32_t)settings->reopen;
+    def.cpu = settings->cpu == NO_NUMBER ? 0 : (uint32_t)settings->cpu + 1;
+    def.awake = (uint32_t)settings->awake;
     if (is_traced(settings) && allocate_record(session, settings, &info))
         return 2;
     def.ticks = is_traced(settings) ? session->record_capacity : settings->ticks;
@@ -470,6 +478,8 @@ static int read_settings(int argc, char **argv, struct run_settings *settings)
         { .name = "--damping", .number = &settings->scene.force.damping },
         { .name = "--force-max", .number = &settings->force_max },
         { .name = "--rate", .number = &settings->rate },
+        { .name = "--cpu", .count = &settings->cpu },
+        { .name = "--awake", .flag = &settings->awake },
         { .name = "--budget", .count = &settings->budget },
         { .name = "--for", .number = &settings->seconds },
         { .name = "--ticks", .count = &settings->ticks },
@@ -500,9 +510,11 @@ static int read_settings(int argc, char **argv, struct run_settings *settings)
         return complain("run", "--gain-margin must be 1 to 100");
     if (settings->coupling.is_unstable && isnan(settings->coupling.stiffness))
         return complain("run", "--unstable needs --stiffness");
-    if (settings->clutch > 31 && settings->clutch != NO_BUTTON)
+    if (settings->cpu > 65535 && settings->cpu != NO_NUMBER)
+        return complain("run", "--cpu must be 0 to 65535");
+    if (settings->clutch > 31 && settings->clutch != NO_NUMBER)
         return complain("run", "--clutch must be 0 to 31");
-    settings->scene.clutch = settings->clutch == NO_BUTTON ? -1 : (int)settings->clutch;
+    settings->scene.clutch = settings->clutch == NO_NUMBER ? -1 : (int)settings->clutch;
     if (!(settings->scene.length >= 0.0 && settings->scene.length <= 10.0) ||
         !(settings->scene.radius >= 0.0 && settings->scene.radius <= 1.0))
         return complain("run", "--length must be 0 to 10, --radius 0 to 1");
@@ -529,7 +541,8 @@ int command_run(int argc, char **argv)
                                                 .length = 0.1,
                                                 .radius = 0.002 },
                                      .coupling = { .stiffness = NAN, .gain_margin = 1.5 },
-                                     .clutch = NO_BUTTON,
+                                     .clutch = NO_NUMBER,
+                                     .cpu = NO_NUMBER,
                                      .force_max = NAN,
                                      .seconds = HUGE_VAL,
                                      .budget = BUDGET_BY_RATE };

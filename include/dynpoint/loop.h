@@ -87,6 +87,8 @@ typedef struct dpt_loop_def {
     const void *reserved_pointer;   /* NULL */
     dpt_loop_idle_fn *idle;         /* called on each tick that does not call `tick`; NULL */
     const void *reserved_pointer_2; /* NULL */
+    uint32_t cpu;   /* the thread runs on this processor alone, counted from 1; 0: on any; 0 */
+    uint32_t awake; /* 1: processors stay out of sleep from which they wake late (Linux); 0 */
 } dpt_loop_def;
 
 /*
@@ -99,7 +101,10 @@ typedef struct dpt_loop_def {
 enum {
     DPT_LOOP_NOTE_NO_PRIORITY = 1, /* the thread's scheduling stayed as it was */
     DPT_LOOP_NOTE_NO_LOCK = 2,     /* memory may be paged out */
-    DPT_LOOP_NOTE_NO_RETURN = 4    /* the thread kept the loop's priority after the run */
+    DPT_LOOP_NOTE_NO_RETURN =
+        4,                      /* the thread kept the loop's priority or processor after the run */
+    DPT_LOOP_NOTE_NO_CPU = 8,   /* the thread ran on any processor */
+    DPT_LOOP_NOTE_NO_AWAKE = 16 /* processors may have slept */
 };
 
 /* What happened in a run. Each tick is in exactly one of `fresh`, `failed`, `stale`, `not_ready` and `lost`. */
@@ -162,6 +167,9 @@ DPT_API dpt_result dpt_loop_create(dpt_device *device, const dpt_loop_def *def, 
  * allocating memory, so nothing is locked and the notes have DPT_LOOP_NOTE_NO_LOCK. When the last of several loops
  * ends, it unlocks the process (munlockall), including what the host locked meanwhile. It does not unlock if the host
  * had locked memory before the first loop, or if the system does not tell (systems other than Linux).
+ *
+ * Processors that sleep deeply need up to some hundred microseconds to wake. `awake` holds /dev/cpu_dma_latency at 0 for
+ * the time of the run, which needs the right to write it and costs power.
  *
  * DPT_E_LOST: the device was lost. DPT_E_SYSTEM: there is no usable clock. Otherwise the device's answer to the last
  * command, that of zero force.

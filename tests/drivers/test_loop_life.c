@@ -196,6 +196,8 @@ static void wrong_defs_are_refused(void)
     CHECK(dpt_loop_create(device, &def, &loop) == DPT_E_ARGUMENT, "no tick");
     def = good, def.priority = 100;
     CHECK(dpt_loop_create(device, &def, &loop) == DPT_E_ARGUMENT, "priority 100");
+    def = good, def.awake = 2;
+    CHECK(dpt_loop_create(device, &def, &loop) == DPT_E_ARGUMENT, "awake 2");
     def = good, def.lock = 2;
     CHECK(dpt_loop_create(device, &def, &loop) == DPT_E_ARGUMENT, "lock 2");
     def = good, def.reopen = 2;

@@ -3,12 +3,14 @@
  * What a loop asks of the system for the time that it runs, and that it gives it back: locked memory, which must not
  * take a host its threads and its memory, and timers without slack. Each test is a process of its own.
  */
-#define _DEFAULT_SOURCE
+#define _GNU_SOURCE
 #include <grp.h>
 #include <pthread.h>
+#include <sched.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
+#include <unistd.h>
 #ifdef __linux__
 #include <sys/prctl.h>
 #endif
@@ -34,22 +36,27 @@ static int in_a_process(void (*test)(void))
     return code;
 }
 
-static dpt_loop_stats run_loop(dpt_loop_tick_fn *tick, uint32_t priority, uint32_t lock)
+static dpt_loop_stats run_def(dpt_loop_def def)
 {
     dpt_device *device = device_named("sim:?hand=press&live=1");
     dpt_loop_stats stats = { .size = sizeof stats };
-    dpt_loop_def def;
     dpt_loop *loop;
-    dpt_loop_def_init(&def);
-    def.tick = tick;
     def.ticks = 20;
-    def.priority = priority;
-    def.lock = lock;
     CHECK(dpt_loop_create(device, &def, &loop) == DPT_OK, "no loop");
     CHECK(dpt_loop_run(loop, &stats) == DPT_OK, "the run failed");
     dpt_loop_free(loop);
     dpt_device_close(device);
     return stats;
+}
+
+static dpt_loop_stats run_loop(dpt_loop_tick_fn *tick, uint32_t priority, uint32_t lock)
+{
+    dpt_loop_def def;
+    dpt_loop_def_init(&def);
+    def.tick = tick;
+    def.priority = priority;
+    def.lock = lock;
+    return run_def(def);
 }
 
 static void *nothing(void *user)
@@ -221,10 +228,103 @@ static void timers_have_no_slack_while_it_runs(void)
         SKIP("timer slack", "the system has none");
 }
 
+#ifdef __linux__
+static int processors_inside = -1, files_inside = -1;
+
+/* How many the thread may run on; *is_first is whether the first of them is among these. */
+static int count_processors(int *is_first)
+{
+    cpu_set_t set;
+    if (sched_getaffinity(0, sizeof set, &set) != 0)
+        return -1;
+    *is_first = CPU_ISSET(0, &set) != 0;
+    return CPU_COUNT(&set);
+}
+
+/* How many open files are the one that keeps processors awake. */
+static int count_awake_files(void)
+{
+    int count = 0;
+    for (int file = 0; file < 256; file++) {
+        char link[64], path[64];
+        snprintf(link, sizeof link, "/proc/self/fd/%d", file);
+        const ssize_t length = readlink(link, path, sizeof path - 1);
+        path[length > 0 ? length : 0] = '\0';
+        count += !strcmp(path, "/dev/cpu_dma_latency");
+    }
+    return count;
+}
+
+static dpt_result look_at_processors(void *user, const dpt_loop_sample *sample, dpt_wrench *wrench)
+{
+    int is_first = 0;
+    (void)user, (void)sample, (void)wrench;
+    processors_inside = count_processors(&is_first) == 1 && is_first;
+    files_inside = count_awake_files();
+    return DPT_OK;
+}
+
+static dpt_loop_def on_a_processor(uint32_t cpu, uint32_t awake)
+{
+    dpt_loop_def def;
+    dpt_loop_def_init(&def);
+    def.tick = look_at_processors;
+    def.priority = def.lock = 0;
+    def.cpu = cpu;
+    def.awake = awake;
+    return def;
+}
+
+static void run_on_one_processor(void)
+{
+    int is_first = 0;
+    const int before = count_processors(&is_first);
+    if (before < 1 || !is_first)
+        _exit(CANNOT);
+    const dpt_loop_stats stats = run_def(on_a_processor(1, 0));
+    CHECK(processors_inside == 1 && stats.notes == 0, "inside %d, notes %u", processors_inside,
+          stats.notes);
+    CHECK(count_processors(&is_first) == before, "it does not get its processors back");
+    const dpt_loop_stats none = run_def(on_a_processor(100000, 0));
+    CHECK(none.notes == DPT_LOOP_NOTE_NO_CPU, "processor 100000: notes %u", none.notes);
+    CHECK(count_processors(&is_first) == before, "after one that is not there");
+}
+
+static void keep_processors_awake(void)
+{
+    const dpt_loop_stats stats = run_def(on_a_processor(0, 1));
+    CHECK(stats.notes == 0 || stats.notes == DPT_LOOP_NOTE_NO_AWAKE, "notes %u", stats.notes);
+    CHECK(files_inside == (stats.notes == 0), "%d files, notes %u", files_inside, stats.notes);
+    CHECK(count_awake_files() == 0, "the file stays open");
+    run_def(on_a_processor(0, 0));
+    CHECK(files_inside == 0, "processors are kept awake unasked");
+    if (stats.notes)
+        _exit(CANNOT);
+}
+#endif
+
+static void it_runs_on_the_processor_that_was_asked_for(void)
+{
+#ifdef __linux__
+    if (in_a_process(run_on_one_processor) == CANNOT)
+#endif
+        SKIP("a processor", "the system does not let the test choose one");
+}
+
+static void processors_are_kept_awake(void)
+{
+#ifdef __linux__
+    if (in_a_process(keep_processors_awake) == CANNOT)
+#endif
+        SKIP("processors awake", "not permitted");
+}
+
 int main(void)
 {
     TEST(an_unprivileged_host_keeps_threads_and_memory);
     TEST(memory_is_locked_for_as_long_as_it_runs);
     TEST(timers_have_no_slack_while_it_runs);
+    TEST(it_runs_on_the_processor_that_was_asked_for);
+    TEST(processors_are_kept_awake);
     return check_report();
 }

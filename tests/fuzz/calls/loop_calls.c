@@ -113,13 +113,14 @@ static const void *draw_def(struct host *host, dpt_loop_def *def, struct codes *
     def->priority = draw_one_in(24) ? 100 : draw_below(100);
     def->reserved_pointer = draw_one_in(40) ? def : NULL;
     def->reserved_pointer_2 = draw_one_in(80) ? def : NULL;
+    def->awake = draw_one_in(40) ? 2u : 0u;
     if (draw_one_in(12))
         def->rate = draw_one_in(3) ? NAN : draw_one_in(2) ? 2e5 : draw_in(400.0, 2000.0);
     const double rate = def->rate != 0.0 ? def->rate : host->info.rate;
     def->guard = draw_guard(&guard, codes);
     may_fail(codes,
              !def->tick || def->priority > 99 || def->reserved_pointer || def->reserved_pointer_2 ||
-                 !(rate >= 1.0 && rate <= 1e5),
+                 def->awake > 1 || !(rate >= 1.0 && rate <= 1e5),
              DPT_E_ARGUMENT);
     /* A command that does not count until the next tick; it may be a matter of rounding. */
     host->period = 1.0 / rate;
