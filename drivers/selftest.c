@@ -12,6 +12,7 @@
 #include "base/sized.h"
 #include "base/vec3.h"
 #include "clock.h"
+#include "rotation.h"
 
 /* A slower watchdog, s, is not tested: the test would push the hand too far. */
 static const double WATCHDOG_MAX = 0.1;
@@ -78,17 +79,6 @@ static double length_of(const double *v)
 static double difference(const double *a, const double *b)
 {
     return length(sub(vec3_of(a), vec3_of(b)));
-}
-
-/* The rotation from one orientation to the next, as a rotation vector in the device's frame, rad. */
-static void rotation_between(const double *from, const double *to, double *rotation)
-{
-    const vec3 u = vec3_of(from + 1), v = vec3_of(to + 1);
-    const double w = to[0] * from[0] + dot(v, u);
-    const vec3 axis = sub(sub(scaled(v, from[0]), scaled(u, to[0])), cross(v, u));
-    const double sine = length(axis), sign = w < 0.0 ? -1.0 : 1.0;
-    const double angle = 2.0 * atan2(sine, fabs(w));
-    vec3_store(scaled(axis, sine > 0.0 ? sign * angle / sine : 0.0), rotation);
 }
 
 static void add_motion(struct selftest_motion *motion, const dpt_device_state *from,
