@@ -25,7 +25,7 @@ static const double TRIAL_SHORT = 0.02, TRIAL_LONG = 0.25;
 enum { TRIAL_HALVINGS = 5 };
 
 /* It moves if it moves by this part of the range, and by 4 steps. */
-static const double MOVES_PART = 0.02;
+static const double MOVES_PART = 0.005;
 
 /* A device that no one touches stays within this, m and rad, and 4 steps, while it rests. */
 static const double REST_MAX[IDENTIFY_SPACES] = { 0.3e-3, 5e-3 };
@@ -152,6 +152,12 @@ static dpt_result run_return(struct identify_server *server)
     return identify_serve(server);
 }
 
+/* So far it must move, m or rad, to have moved at all. */
+static double least_motion(const struct identify_server *server)
+{
+    return fmax(4.0 * step_of(server, server->space), MOVES_PART * server->range[server->space]);
+}
+
 static dpt_result run_trial(struct identify_server *server, double level, double push_time)
 {
     const double aim = 1.0 / 3.0;
@@ -160,18 +166,12 @@ static dpt_result run_trial(struct identify_server *server, double level, double
                                              .push_time = push_time,
                                              .speed = aim * server->speed[server->space],
                                              .range = aim * server->range[server->space],
+                                             .least = least_motion(server),
                                              .brake = -1.0,
                                              .rest = -1.0 };
     server->trial.y0 = server->motion.displacement[server->space][server->axis];
     server->duration = 4.0 * push_time + 0.05;
     return identify_serve(server);
-}
-
-static int trial_moves(const struct identify_server *server)
-{
-    const double least =
-        fmax(4.0 * step_of(server, server->space), MOVES_PART * server->range[server->space]);
-    return server->trial.peak >= least && server->trial.peak_speed > 0.0;
 }
 
 /*
@@ -189,7 +189,8 @@ static dpt_result find_strength(struct identify_server *server, struct identify_
         const double sign = i % 2 ? 1.0 : -1.0;
         level = bound / (double)(1u << (i > 0 ? i : 0));
         DPT_TRY(run_trial(server, sign * level, i < 0 ? TRIAL_LONG : shortest));
-        moves = trial_moves(server) && (i < 0 || trial->peak_speed >= speed / 3.0);
+        moves =
+            trial->peak >= least_motion(server) && trial->peak_speed > (i < 0 ? 0.0 : speed / 3.0);
     }
     if (!moves || !goes_on(server)) {
         if (trial->peak > 2.0 * step_of(server, server->space) &&

@@ -18,16 +18,22 @@
 enum { ONE, TIME, U, I, FRICTION = I + 3, CONSTANT, S, Y = S + 3, TERMS = Y + 3 };
 enum { OWN = 2, SHARED = TERMS - OWN };
 
-/* Unknowns of one coordinate: W and p of each pushed axis, C, h and k. */
-enum { W_OF, P_OF = 3, C_OF = 6, H_OF = 9, K_OF = 10, UNKNOWNS = IDENTIFY_UNKNOWNS_MAX };
+/*
+ * Unknowns of one coordinate: W, p and h of each pushed axis, C, k. A constant force is one of a pushed axis, for friction
+ * may hold the other coordinates against it.
+ */
+enum { W_OF, P_OF = 3, H_OF = 6, C_OF = 9, K_OF = 12, UNKNOWNS = IDENTIFY_UNKNOWNS_MAX };
 
 enum { SLIDE_SAMPLES_MIN = 8 };
 
-/* A slide is cut after this time, s, so that what the model leaves out does not add up. */
+/* Longest piece of a slide, s. */
 static const double SLIDE_TIME_MAX = 0.25;
 
-/* Half of the window over which the speed is taken that tells whether the device slides, s. */
-static const double SPEED_WINDOW = 0.004;
+/*
+ * Half of the window over which the speed is taken that tells whether the device slides, s, at most. The device slides
+ * if it is faster than a part of the speed that the pushes aim at.
+ */
+static const double SPEED_WINDOW = 0.004, SLIDE_SPEED = 0.1;
 
 /* What the model leaves out is not better known than this fraction of the force. */
 static const double MODEL_ERROR = 0.002;
@@ -124,6 +130,16 @@ static void sum_slide(const struct identify_block *block, uint32_t first, uint32
     add_slide(products, sums);
 }
 
+/* The same in pieces, so that what the model leaves out does not add up. */
+static void sum_pieces(const struct identify_block *block, uint32_t first, uint32_t end,
+                       double sign, double delay, double sums[SHARED][SHARED])
+{
+    const double time = block->samples[end - 1].time - block->samples[first].time;
+    const uint32_t pieces = 1 + (uint32_t)(time / SLIDE_TIME_MAX), length = (end - first) / pieces;
+    for (uint32_t piece = 0; piece < pieces; piece++)
+        sum_slide(block, first + piece * length, first + (piece + 1) * length, sign, delay, sums);
+}
+
 /* The direction of a slide at a sample: 1 or -1; 0 if the device may not slide there. */
 static double slide_sign(const struct identify_block *block, uint32_t n, uint32_t half,
                          double speed_min)
@@ -135,32 +151,30 @@ static double slide_sign(const struct identify_block *block, uint32_t n, uint32_
     return moved > speed_min * dt ? 1.0 : moved < -speed_min * dt ? -1.0 : 0.0;
 }
 
-/* Add up all slides for this delay. Returns how many there were. */
-static uint32_t sum_slides(const struct identify_record *record, const struct identify_fit_def *def,
-                           double delay, struct sums *sums)
+/*
+ * Add up all slides for this delay. Where the direction changes, the window of the speed reaches beyond the change: the
+ * samples beside it do not count.
+ */
+static void sum_slides(const struct identify_record *record, const struct identify_fit_def *def,
+                       double delay, struct sums *sums)
 {
-    const uint32_t half = (uint32_t)fmax(2.0, ceil(SPEED_WINDOW / def->period));
-    const double speed_min =
-        fmax(0.1 * def->speed, 1.25 * def->step / ((double)half * def->period));
-    uint32_t slides = 0;
+    const double slow = SLIDE_SPEED * def->speed, least_window = 1.25 * def->step / slow;
+    const uint32_t half = (uint32_t)fmax(2.0, ceil(fmin(SPEED_WINDOW, least_window) / def->period));
+    const double speed_min = fmax(slow, 1.25 * def->step / ((double)half * def->period));
     memset(sums, 0, sizeof *sums);
     for (uint32_t b = 0; b < record->count; b++) {
         const struct identify_block *block = &record->blocks[b];
         for (uint32_t n = 0; n < block->sample_count;) {
             const double sign = slide_sign(block, n, half, speed_min);
             uint32_t end = n + 1;
-            while (end < block->sample_count &&
-                   block->samples[end].time - block->samples[n].time < SLIDE_TIME_MAX &&
-                   slide_sign(block, end, half, speed_min) == sign)
+            while (end < block->sample_count && slide_sign(block, end, half, speed_min) == sign)
                 end++;
-            if (sign != 0.0 && end - n >= SLIDE_SAMPLES_MIN) {
-                sum_slide(block, n, end, sign, delay, sums->of[block->axis][block->number]);
-                slides++;
-            }
+            if (sign != 0.0 && end - n >= SLIDE_SAMPLES_MIN + 2 * half)
+                sum_pieces(block, n + half, end - half, sign, delay,
+                           sums->of[block->axis][block->number]);
             n = end;
         }
     }
-    return slides;
 }
 
 /* ---- the linear fit ---- */
@@ -192,7 +206,7 @@ static void solve_coordinate(const double sums[3][SHARED][SHARED], int coordinat
                     { C_OF, I - OWN, -1.0 },
                     { C_OF + 1, I + 1 - OWN, -1.0 },
                     { C_OF + 2, I + 2 - OWN, -1.0 },
-                    { H_OF, CONSTANT - OWN, 1.0 },
+                    { H_OF + axis, CONSTANT - OWN, 1.0 },
                     { K_OF, S + coordinate - OWN, -1.0 } };
         const int terms = (int)(sizeof map / sizeof *map) - !with_spring;
         for (int i = 0; i < terms; i++) {

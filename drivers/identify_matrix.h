@@ -3,7 +3,7 @@
 #ifndef DPT_DRIVERS_IDENTIFY_MATRIX_H
 #define DPT_DRIVERS_IDENTIFY_MATRIX_H
 
-enum { IDENTIFY_UNKNOWNS_MAX = 11 };
+enum { IDENTIFY_UNKNOWNS_MAX = 13 };
 
 /*
  * Solve the normal equations a x = b of n unknowns; `a` is symmetric and not negative. An unknown that the equations do

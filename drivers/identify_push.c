@@ -6,6 +6,9 @@
 /* The device's speed, and what a command does, are known so much later, s. */
 static const double LATENCY = 0.01;
 
+/* Above this part of the speed it is braked with all the force. */
+static const double TOO_FAST = 1.2;
+
 /* ---- a trial ---- */
 
 static const double TRIAL_REST = 0.03; /* s */
@@ -13,7 +16,7 @@ static const double TRIAL_REST = 0.03; /* s */
 double identify_trial_force(struct identify_trial *trial, double time, double y, double v,
                             int *is_over)
 {
-    const double sign = trial->level < 0.0 ? -1.0 : 1.0, t = time - trial->begin;
+    const double sign = trial->level < 0.0 ? -1.0 : 1.0, t = time;
     const double moved = sign * (y - trial->y0), speed = sign * v;
     *is_over = 0;
     trial->last = moved;
@@ -23,7 +26,7 @@ double identify_trial_force(struct identify_trial *trial, double time, double y,
         trial->peak_time = t;
     }
     if (trial->brake < 0.0) {
-        if (t < trial->push_time && !(speed > trial->speed && moved > 0.0) &&
+        if (t < trial->push_time && !(speed > trial->speed && moved > trial->least) &&
             !(moved > trial->range))
             return trial->level;
         trial->brake = t;
@@ -65,6 +68,13 @@ static void choose(struct identify_pushes *pushes, double time, double y, double
     pushes->until = time + fmax(pushes->dwell_min, fmin(0.15, strength->rise * (0.3 + duration)));
 }
 
+/* How hard to brake: friction and damping alone tell more of themselves, the whole force more of the mass. */
+static double brake_part(uint64_t *random)
+{
+    const double part = draw(random);
+    return part < 0.4 ? 0.0 : part < 0.6 ? 0.5 : 1.0;
+}
+
 /* Whether braking has done what it was for. */
 static int has_braked(const struct identify_pushes *pushes, double time, double v)
 {
@@ -84,13 +94,16 @@ double identify_pushes_force(struct identify_pushes *pushes, double time, double
         pushes->brake = 0;
         pushes->until = time;
     }
-    if (!pushes->brake && (is_fast || is_far)) {
+    if (is_far ? !pushes->is_far || !pushes->brake : is_fast && !pushes->brake) {
         pushes->brake = v > 0.0 ? -1 : 1;
         pushes->is_far = is_far;
         pushes->brake_began = time;
+        pushes->brake_force = strength->level * (is_far ? 1.0 : brake_part(&pushes->random));
     }
+    if (fabs(v) > TOO_FAST * strength->speed)
+        pushes->brake_force = strength->level;
     if (pushes->brake)
-        return pushes->force = pushes->brake * strength->level;
+        return pushes->force = pushes->brake * pushes->brake_force;
     if (time >= pushes->until)
         choose(pushes, time, y, v);
     return pushes->force;

@@ -20,7 +20,8 @@ struct identify_strength {
 struct identify_trial {
     double level, push_time; /* N, with sign; s */
     double speed, range;     /* at which the push ends */
-    double begin, y0;        /* where it began */
+    double least;            /* but not before the device moved so far, m */
+    double y0;               /* where it began */
     double brake, rest;      /* when braking and when rest began; negative: not yet */
     double peak_speed, peak_time, peak, last; /* along the push */
 };
@@ -37,6 +38,7 @@ struct identify_pushes {
     double force, until; /* the present push */
     int brake;           /* 1, -1: the way that it is braked; 0: it is not */
     int is_far;          /* braked for its range */
+    double brake_force;  /* 0..level */
     double brake_began;
 };
 

@@ -50,27 +50,32 @@ static const struct setting *find_setting(const struct setting *settings, size_t
     return NULL;
 }
 
+void dynamics_settings(struct dynamics *dynamics, struct setting settings[DYNAMICS_SETTINGS])
+{
+    const struct setting all[DYNAMICS_SETTINGS] = {
+        { .name = "mass", .number = &dynamics->mass, .max = 100.0 },
+        { .name = "inertia", .number = &dynamics->inertia, .max = 10.0 },
+        { .name = "damping", .number = &dynamics->damping, .max = 1e3 },
+        { .name = "spin_damping", .number = &dynamics->spin_damping, .max = 10.0 },
+        { .name = "friction", .number = &dynamics->friction, .max = 100.0 },
+        { .name = "spin_friction", .number = &dynamics->spin_friction, .max = 10.0 },
+        { .name = "delay", .number = &dynamics->delay, .max = 1.0 },
+        { .name = "position_step", .number = &dynamics->position_step, .max = 0.01 },
+        { .name = "angle_step", .number = &dynamics->angle_step, .max = 0.1 },
+    };
+    memcpy(settings, all, sizeof all);
+}
+
 static dpt_result set_one(const char *at, const char *end, const struct setting *settings,
                           size_t count, struct dynamics *dynamics, dpt_device_error *error)
 {
     const char *equals = memchr(at, '=', (size_t)(end - at));
     const size_t length = (size_t)((equals ? equals : end) - at);
     const struct setting *setting = equals ? find_setting(settings, count, at, length) : NULL;
+    struct setting common[DYNAMICS_SETTINGS];
     if (equals && !setting && dynamics) {
-        const struct setting common[] = {
-            { .name = "mass", .number = &dynamics->mass, .max = 100.0 },
-            { .name = "inertia", .number = &dynamics->inertia, .max = 10.0 },
-            { .name = "damping", .number = &dynamics->damping, .max = 1e3 },
-            { .name = "spin_damping", .number = &dynamics->spin_damping, .max = 10.0 },
-            { .name = "friction", .number = &dynamics->friction, .max = 100.0 },
-            { .name = "spin_friction", .number = &dynamics->spin_friction, .max = 10.0 },
-            { .name = "delay", .number = &dynamics->delay, .max = 1.0 },
-            { .name = "position_step", .number = &dynamics->position_step, .max = 0.01 },
-            { .name = "angle_step", .number = &dynamics->angle_step, .max = 0.1 },
-        };
-        setting = find_setting(common, sizeof common / sizeof *common, at, length);
-        if (setting)
-            return set_value(setting, equals + 1, end, error);
+        dynamics_settings(dynamics, common);
+        setting = find_setting(common, DYNAMICS_SETTINGS, at, length);
     }
     if (setting)
         return set_value(setting, equals + 1, end, error);

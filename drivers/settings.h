@@ -25,6 +25,11 @@ struct dynamics {
     double position_step, angle_step;
 };
 
+enum { DYNAMICS_SETTINGS = 9 };
+
+/* The settings of the fields of `dynamics`, in the order of the fields' names in docs/drivers.md. */
+void dynamics_settings(struct dynamics *dynamics, struct setting settings[DYNAMICS_SETTINGS]);
+
 /* Replace the fields of `info` that the user has set. */
 void dynamics_override(const struct dynamics *dynamics, dpt_device_info *info);
 
