@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* dynpoint device: list, watch, test and simulate devices. */
+/* dynpoint device: list, watch, test, measure and simulate devices. */
 #define _POSIX_C_SOURCE 200809L
 #include <inttypes.h>
 #include <math.h>
@@ -8,6 +8,7 @@
 
 #include "command_options.h"
 #include "commands.h"
+#include "dynpoint/identify.h"
 #include "dynpoint/selftest.h"
 #include "open_device.h"
 #include "stop.h"
@@ -16,6 +17,7 @@ static const char help[] =
     "usage: dynpoint device list\n"
     "       dynpoint device watch NAME [--for S]\n"
     "       dynpoint device selftest NAME [--move]\n"
+    "       dynpoint device identify NAME [--move] [-o FILE] [--button N] [--json]\n"
     "       dynpoint device simulate serial|can:WHERE [--swing M] [--for S]\n"
     "\n"
     "Devices: NAME is DRIVER or DRIVER:WHERE, as sim or serial:/dev/ttyACM0.\n"
@@ -24,6 +26,8 @@ static const char help[] =
     "  watch     what a device says, without force, until it is interrupted; a line a sample\n"
     "            where standard output is no terminal\n"
     "  selftest  whether it keeps the contract: exit status 1 when it does not\n"
+    "  identify  its rate, steps and, with --move, mass, damping, friction and delay, with their\n"
+    "            95 % intervals; exit status 1 when that failed or something holds it\n"
     "  simulate  the other end, with dynamics, whose name is printed: a device on a "
     "pseudo-terminal, or\n"
     "            motor controllers on a CAN interface, by the name that --device takes:\n"
@@ -31,7 +35,11 @@ static const char help[] =
     "\n"
     "  --for S   seconds; without it, until it is interrupted\n"
     "  --move    selftest may push the hand, by a twentieth of the greatest force and for 0.05 s\n"
-    "            each way; without it nothing is moved\n"
+    "            each way; without it nothing is moved. identify may push it by 0.5 N and 10 % of\n"
+    "            the greatest force, for about a minute: let go of it. Any key ends that\n"
+    "  -o FILE   identify writes what it measured, for run --identified FILE\n"
+    "  --button N  identify pushes while button N, as of a pedal, is held\n"
+    "  --json    identify prints one object\n"
     "  --swing M how far the simulated hand goes up and down, m; default 0.02\n";
 
 static void print_reasons(FILE *file, uint32_t reasons)
@@ -208,26 +216,43 @@ int command_device(int argc, char **argv)
 {
     const char *operand[2];
     double seconds = HUGE_VAL, swing = 0.02;
-    int may_move = 0;
+    const char *output = NULL;
+    int may_move = 0, json = 0;
+    uint64_t button = DPT_IDENTIFY_NO_BUTTON;
     size_t operands;
-    const struct option_def options[] = { { .name = "--for", .number = &seconds },
-                                          { .name = "--swing", .number = &swing },
-                                          { .name = "--move", .flag = &may_move } };
-    static const char *const verbs[] = { "list", "watch", "selftest", "simulate", NULL };
+    const struct option_def options[] = {
+        { .name = "--for", .number = &seconds },  { .name = "--swing", .number = &swing },
+        { .name = "--move", .flag = &may_move },  { .name = "-o", .text = &output },
+        { .name = "--button", .count = &button }, { .name = "--json", .flag = &json }
+    };
+    static const char *const verbs[] = {
+        "list", "watch", "selftest", "simulate", "identify", NULL
+    };
     int status = parse_options(argc, argv, options, sizeof options / sizeof *options, help, operand,
                                2, &operands);
     if (status >= 0)
         return status;
     int verb = operands ? word_index(operand[0], verbs) : -1;
     if (verb < 0 || operands != (verb == 0 ? 1u : 2u))
-        return complain(
-            "device", "list, watch NAME, selftest NAME or simulate serial is needed (see --help)");
+        return complain("device",
+                        "list, watch NAME, selftest NAME, identify NAME or simulate serial "
+                        "is needed (see --help)");
     if (!(seconds > 0.0) || !(swing >= 0.0 && swing <= 1.0))
         return complain("device", "--for must be positive, --swing 0 to 1");
+    if (verb != 4 && (output || json || button != DPT_IDENTIFY_NO_BUTTON))
+        return complain("device", "-o, --button and --json are of identify");
+    if (button != DPT_IDENTIFY_NO_BUTTON && button > 31)
+        return complain("device", "--button must be 0 to 31");
     if (verb == 0)
         return list();
     if (verb == 3)
         return device_simulate(operand[1], swing, seconds);
+    if (verb == 4)
+        return device_identify(&(struct identify_request){ .name = operand[1],
+                                                           .output = output,
+                                                           .button = (uint32_t)button,
+                                                           .may_move = may_move,
+                                                           .json = json });
     dpt_device *device;
     status = open_device("device", operand[1], &device);
     if (status)

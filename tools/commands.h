@@ -9,6 +9,8 @@
 #ifndef DPT_TOOLS_COMMANDS_H
 #define DPT_TOOLS_COMMANDS_H
 
+#include <stdint.h>
+
 int command_make(int argc, char **argv);
 int command_make_trace(int argc, char **argv);
 int command_compile(int argc, char **argv);
@@ -21,5 +23,14 @@ int command_force_test(int argc, char **argv);
 
 /* dynpoint device simulate. */
 int device_simulate(const char *what, double swing, double seconds);
+
+/* dynpoint device identify. */
+struct identify_request {
+    const char *name;   /* of the device */
+    const char *output; /* file, or NULL */
+    uint32_t button;    /* as dpt_identify_def.button */
+    int may_move, json;
+};
+int device_identify(const struct identify_request *request);
 
 #endif

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "open_device.h"
 
+#include <stdio.h>
+#include <string.h>
+
 #include "command_options.h"
 
 int open_device(const char *command, const char *name, dpt_device **device)
@@ -30,4 +33,17 @@ int end_fault(const char *command, const char *name, dpt_device *device)
                         reason);
     complain(command, "%s: it had stopped itself (%s): that is over", name, reason);
     return 0;
+}
+
+int device_output_check(const char *command, const char *path, const char *name)
+{
+    char piece[1024];
+    int status = 0;
+    for (const char *at = strchr(name, ':'); at && *at && !status;) {
+        const size_t length = strcspn(++at, "?&=");
+        snprintf(piece, sizeof piece, "%.*s", (int)length, at);
+        status = output_check(command, path, (const char *const[]){ piece, NULL });
+        at += length;
+    }
+    return status;
 }

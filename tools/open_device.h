@@ -15,4 +15,10 @@ int open_device(const char *command, const char *name, dpt_device **device);
  */
 int end_fault(const char *command, const char *name, dpt_device *device);
 
+/*
+ * Refuse an output that is one of the files in a device's name: its address or the value of a setting. Returns 0, or 2
+ * after a message.
+ */
+int device_output_check(const char *command, const char *path, const char *name);
+
 #endif
