@@ -8,6 +8,7 @@
 #include "command_options.h"
 #include "commands.h"
 #include "dynpoint/driver.h"
+#include "dynpoint/identify.h"
 #include "open_device.h"
 #include "run_coupling.h"
 #include "run_record.h"
@@ -52,6 +53,7 @@ static const char help[] =
     "  --active         do not take away force where the scene gives the hand energy\n"
     "  --friction MU    of all bodies, with a proxy; default 0\n"
     "  --damping B      of the proxy's spring, Ns/m; default 0\n"
+    "  --identified F   the device's dynamics are those of a file that device identify wrote\n"
     "  --force-max F    N; default the guard's, 5, or the device's if that is less\n"
     "  --rate HZ        of the loop; default the device's\n"
     "  --cpu N          the loop runs on this processor alone, from 0\n"
@@ -89,7 +91,7 @@ static const char help[] =
 
 struct run_settings {
     struct scene_def scene;
-    const char *device, *record;
+    const char *device, *record, *identified;
     struct coupling_options coupling;
     double force_max, rate, seconds; /* force_max NAN, rate 0: not given */
     uint64_t ticks, budget;          /* BUDGET_BY_RATE: not given */
@@ -376,6 +378,11 @@ static int serve(dpt_device *device, struct session *session, const struct run_s
     dpt_device_counts counts = { .size = sizeof counts };
     dpt_device_info info = { .size = sizeof info };
     dpt_device_get_info(device, &info);
+    if (settings->identified) {
+        dpt_device_error error = { .size = sizeof error };
+        if (dpt_device_dynamics_read(settings->identified, &info, &error) != DPT_OK)
+            return complain("run", "%s", error.text);
+    }
     const double rate = settings->rate > 0.0 ? settings->rate : info.rate;
     session->budget = settings->budget == BUDGET_BY_RATE
                           ? (uint32_t)fmax(BUDGET_RATE / rate, BUDGET_MIN)
@@ -436,24 +443,18 @@ static int serve(dpt_device *device, struct session *session, const struct run_s
     return is_traced(settings) ? write_record(session) : status;
 }
 
-/* Check the record against all inputs. The device's name contains files, too: its address and values of settings. */
+/* Check the record against all inputs. The device's name contains files, too. */
 static int check_record(const struct run_settings *settings)
 {
-    char piece[1024];
     const char *const inputs[] = { settings->scene.path, settings->scene.tool, NULL };
-    int status = 0;
+    const char *const more[] = { settings->identified, NULL };
     if (!strcmp(settings->record, "-"))
         return complain("run",
                         "--record needs a file: what is said at the end is on standard output");
-    if (output_check("run", settings->record, inputs))
+    if (output_check("run", settings->record, inputs) ||
+        output_check("run", settings->record, more))
         return 2;
-    for (const char *at = strchr(settings->device, ':'); at && *at && !status;) {
-        const size_t length = strcspn(++at, "?&=");
-        snprintf(piece, sizeof piece, "%.*s", (int)length, at);
-        status = output_check("run", settings->record, (const char *const[]){ piece, NULL });
-        at += length;
-    }
-    return status;
+    return device_output_check("run", settings->record, settings->device);
 }
 
 static int read_settings(int argc, char **argv, struct run_settings *settings)
@@ -464,6 +465,7 @@ static int read_settings(int argc, char **argv, struct run_settings *settings)
         { .name = "--device", .text = &settings->device },
         { .name = "--at", .text = &settings->scene.origin },
         { .name = "--tool", .text = &settings->scene.tool },
+        { .name = "--identified", .text = &settings->identified },
         { .name = "--zoom", .number = &settings->scene.zoom },
         { .name = "--length", .number = &settings->scene.length },
         { .name = "--radius", .number = &settings->scene.radius },
