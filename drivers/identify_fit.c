@@ -1,181 +1,17 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/*
- * While the device slides one way, its motion y obeys M y'' = F - B y' - f sign + g - K y. Integrated twice this is
- * linear in the unknowns and needs no derivative of a measured position:
- *     y = y0 + v0 t + W U - C I - p sign t^2/2 + h t^2/2 - k S
- * with W = M^-1, C = W B, p = W f, h = W g, k = W K, U the double integral of the delayed command, I the integral of y
- * and S its double integral. The error of y is that of the sensor; U is known exactly.
- */
 #include "identify_fit.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "identify_matrix.h"
-
-/* Terms of a slide: the first two are its own unknowns y0 and v0. */
-enum { ONE, TIME, U, I, FRICTION = I + 3, CONSTANT, S, Y = S + 3, TERMS = Y + 3 };
-enum { OWN = 2, SHARED = TERMS - OWN };
-
-/*
- * Unknowns of one coordinate: W, p and h of each pushed axis, C, k. A constant force is one of a pushed axis, for friction
- * may hold the other coordinates against it.
- */
-enum { W_OF, P_OF = 3, H_OF = 6, C_OF = 9, K_OF = 12, UNKNOWNS = IDENTIFY_UNKNOWNS_MAX };
-
-enum { SLIDE_SAMPLES_MIN = 8 };
-
-/* Longest piece of a slide, s. */
-static const double SLIDE_TIME_MAX = 0.25;
-
-/*
- * Half of the window over which the speed is taken that tells whether the device slides, s, at most. The device slides
- * if it is faster than a part of the speed that the pushes aim at.
- */
-static const double SPEED_WINDOW = 0.004, SLIDE_SPEED = 0.1;
+#include "identify_slides.h"
 
 /* What the model leaves out is not better known than this fraction of the force. */
 static const double MODEL_ERROR = 0.002;
 
 /* A spring holds the device if it gives this fraction of the force at the end of the range. */
 static const double HELD_FORCE = 0.25;
-
-/* Sums of products of the terms, with each slide's own unknowns eliminated, of each axis and block. */
-struct sums {
-    double of[3][IDENTIFY_BLOCKS_MAX][SHARED][SHARED];
-};
-
-/* ---- slides and their sums ---- */
-
-/* The double integral of the commands from the beginning of a slide. */
-struct push_integral {
-    const struct identify_block *block;
-    uint32_t next; /* command */
-    double delay, time, force, once, twice;
-};
-
-static void integral_move(struct push_integral *integral, double time)
-{
-    const double dt = time - integral->time;
-    integral->twice += dt * (integral->once + 0.5 * dt * integral->force);
-    integral->once += dt * integral->force;
-    integral->time = time;
-}
-
-static void integral_to(struct push_integral *integral, double time)
-{
-    const struct identify_block *block = integral->block;
-    for (; integral->next < block->command_count &&
-           block->commands[integral->next].time + integral->delay <= time;
-         integral->next++) {
-        const struct identify_command *command = &block->commands[integral->next];
-        if (command->time + integral->delay > integral->time)
-            integral_move(integral, command->time + integral->delay);
-        integral->force = command->force;
-    }
-    integral_move(integral, time);
-}
-
-static void add_products(double products[TERMS][TERMS], const double *term)
-{
-    for (int i = 0; i < TERMS; i++)
-        for (int j = 0; j <= i; j++)
-            products[i][j] += term[i] * term[j];
-}
-
-/* Eliminate the first two terms, and add the rest. */
-static void add_slide(double products[TERMS][TERMS], double sums[SHARED][SHARED])
-{
-    for (int own = 0; own < OWN; own++) {
-        const double pivot = products[own][own];
-        for (int i = own + 1; i < TERMS; i++) {
-            const double ratio = products[i][own] / pivot;
-            for (int j = own + 1; j <= i; j++)
-                products[i][j] -= ratio * products[j][own];
-        }
-    }
-    for (int i = 0; i < SHARED; i++)
-        for (int j = 0; j <= i; j++)
-            sums[i][j] += products[OWN + i][OWN + j];
-}
-
-static void sum_slide(const struct identify_block *block, uint32_t first, uint32_t end, double sign,
-                      double delay, double sums[SHARED][SHARED])
-{
-    double products[TERMS][TERMS] = { { 0.0 } }, once[3] = { 0.0 }, twice[3] = { 0.0 };
-    const struct identify_sample *begin = &block->samples[first];
-    struct push_integral push = { .block = block, .delay = delay, .time = -1.0 };
-    integral_to(&push, begin->time);
-    push.once = push.twice = 0.0;
-    for (uint32_t n = first; n < end; n++) {
-        const struct identify_sample *now = &block->samples[n];
-        const double t = now->time - begin->time;
-        double term[TERMS] = { [ONE] = 1.0, [TIME] = t, [FRICTION] = 0.5 * sign * t * t };
-        integral_to(&push, now->time);
-        term[U] = push.twice;
-        term[CONSTANT] = 0.5 * t * t;
-        for (int k = 0; k < 3; k++) {
-            if (n > first) {
-                const double before = now[-1].y[k], dt = now->time - now[-1].time;
-                twice[k] += dt * (once[k] + dt * (2.0 * before + now->y[k]) / 6.0);
-                once[k] += 0.5 * dt * (before + now->y[k]);
-            }
-            term[I + k] = once[k];
-            term[S + k] = twice[k];
-            term[Y + k] = now->y[k];
-        }
-        add_products(products, term);
-    }
-    add_slide(products, sums);
-}
-
-/* The same in pieces, so that what the model leaves out does not add up. */
-static void sum_pieces(const struct identify_block *block, uint32_t first, uint32_t end,
-                       double sign, double delay, double sums[SHARED][SHARED])
-{
-    const double time = block->samples[end - 1].time - block->samples[first].time;
-    const uint32_t pieces = 1 + (uint32_t)(time / SLIDE_TIME_MAX), length = (end - first) / pieces;
-    for (uint32_t piece = 0; piece < pieces; piece++)
-        sum_slide(block, first + piece * length, first + (piece + 1) * length, sign, delay, sums);
-}
-
-/* The direction of a slide at a sample: 1 or -1; 0 if the device may not slide there. */
-static double slide_sign(const struct identify_block *block, uint32_t n, uint32_t half,
-                         double speed_min)
-{
-    if (n < half || n + half >= block->sample_count)
-        return 0.0;
-    const struct identify_sample *from = &block->samples[n - half], *to = &block->samples[n + half];
-    const double moved = to->y[block->axis] - from->y[block->axis], dt = to->time - from->time;
-    return moved > speed_min * dt ? 1.0 : moved < -speed_min * dt ? -1.0 : 0.0;
-}
-
-/*
- * Add up all slides for this delay. Where the direction changes, the window of the speed reaches beyond the change: the
- * samples beside it do not count.
- */
-static void sum_slides(const struct identify_record *record, const struct identify_fit_def *def,
-                       double delay, struct sums *sums)
-{
-    const double slow = SLIDE_SPEED * def->speed, least_window = 1.25 * def->step / slow;
-    const uint32_t half = (uint32_t)fmax(2.0, ceil(fmin(SPEED_WINDOW, least_window) / def->period));
-    const double speed_min = fmax(slow, 1.25 * def->step / ((double)half * def->period));
-    memset(sums, 0, sizeof *sums);
-    for (uint32_t b = 0; b < record->count; b++) {
-        const struct identify_block *block = &record->blocks[b];
-        for (uint32_t n = 0; n < block->sample_count;) {
-            const double sign = slide_sign(block, n, half, speed_min);
-            uint32_t end = n + 1;
-            while (end < block->sample_count && slide_sign(block, end, half, speed_min) == sign)
-                end++;
-            if (sign != 0.0 && end - n >= SLIDE_SAMPLES_MIN + 2 * half)
-                sum_pieces(block, n + half, end - half, sign, delay,
-                           sums->of[block->axis][block->number]);
-            n = end;
-        }
-    }
-}
 
 /* ---- the linear fit ---- */
 
@@ -185,29 +21,29 @@ struct solution {
     int is_whole;          /* W is determined */
 };
 
-static double symmetric(const double a[SHARED][SHARED], int i, int j)
+static double symmetric(const double a[TERMS][TERMS], int i, int j)
 {
     return i >= j ? a[i][j] : a[j][i];
 }
 
 /* Fit one coordinate to the sums of the three axes. Terms have the sign with which they stand in the equation. */
-static void solve_coordinate(const double sums[3][SHARED][SHARED], int coordinate, int with_spring,
+static void solve_coordinate(const double sums[3][TERMS][TERMS], int coordinate, int with_spring,
                              struct solution *solution)
 {
     double a[UNKNOWNS][UNKNOWNS] = { { 0.0 } }, b[UNKNOWNS] = { 0.0 }, square = 0.0;
     double *x = solution->x[coordinate];
-    const int unknowns = with_spring ? UNKNOWNS : UNKNOWNS - 1, y = Y - OWN + coordinate;
+    const int unknowns = with_spring ? UNKNOWNS : UNKNOWNS - 1, y = TERM_Y + coordinate;
     for (int axis = 0; axis < 3; axis++) {
         const struct {
             int unknown, term;
             double sign;
-        } map[] = { { W_OF + axis, U - OWN, 1.0 },
-                    { P_OF + axis, FRICTION - OWN, -1.0 },
-                    { C_OF, I - OWN, -1.0 },
-                    { C_OF + 1, I + 1 - OWN, -1.0 },
-                    { C_OF + 2, I + 2 - OWN, -1.0 },
-                    { H_OF + axis, CONSTANT - OWN, 1.0 },
-                    { K_OF, S + coordinate - OWN, -1.0 } };
+        } map[] = { { UNKNOWN_W + axis, TERM_U, 1.0 },
+                    { UNKNOWN_P + axis, TERM_FRICTION, -1.0 },
+                    { UNKNOWN_C, TERM_I, -1.0 },
+                    { UNKNOWN_C + 1, TERM_I + 1, -1.0 },
+                    { UNKNOWN_C + 2, TERM_I + 2, -1.0 },
+                    { UNKNOWN_H + axis, TERM_CONSTANT, 1.0 },
+                    { UNKNOWN_K, TERM_S + coordinate, -1.0 } };
         const int terms = (int)(sizeof map / sizeof *map) - !with_spring;
         for (int i = 0; i < terms; i++) {
             for (int j = 0; j < terms; j++)
@@ -217,31 +53,30 @@ static void solve_coordinate(const double sums[3][SHARED][SHARED], int coordinat
         }
         square += sums[axis][y][y];
     }
-    x[K_OF] = 0.0;
+    x[UNKNOWN_K] = 0.0;
     identify_solve(unknowns, (const double(*)[UNKNOWNS])a, b, x);
     for (int i = 0; i < unknowns; i++)
         square -= x[i] * b[i];
     solution->residual += fmax(square, 0.0);
-    solution->is_whole &= x[W_OF + coordinate] > 0.0;
+    solution->is_whole &= x[UNKNOWN_W + coordinate] > 0.0;
 }
 
 /* Fit the blocks of all numbers but `without` (-1: all). */
-static struct solution solve(const struct sums *sums, uint32_t numbers, int without,
+static struct solution solve(const struct identify_sums *sums, uint32_t numbers, int without,
                              int with_spring)
 {
-    static const double none[SHARED][SHARED];
+    static const double none[TERMS][TERMS];
     struct solution solution = { .is_whole = 1 };
-    double total[3][SHARED][SHARED];
+    double total[3][TERMS][TERMS];
     for (int axis = 0; axis < 3; axis++) {
         memcpy(total[axis], none, sizeof none);
         for (int number = 0; number < (int)numbers; number++)
-            for (int i = 0; i < SHARED && number != without; i++)
+            for (int i = 0; i < TERMS && number != without; i++)
                 for (int j = 0; j <= i; j++)
                     total[axis][i][j] += sums->of[axis][number][i][j];
     }
     for (int coordinate = 0; coordinate < 3; coordinate++)
-        solve_coordinate((const double(*)[SHARED][SHARED])total, coordinate, with_spring,
-                         &solution);
+        solve_coordinate((const double(*)[TERMS][TERMS])total, coordinate, with_spring, &solution);
     return solution;
 }
 
@@ -256,41 +91,89 @@ static double parabola_least(double before, double middle, double after)
 }
 
 struct search {
-    const struct identify_record *record;
-    const struct identify_fit_def *def;
-    struct sums *sums; /* of [0] a shorter delay, [1] the delay, [2] a longer one */
+    struct identify_view view;
+    struct identify_sums *sums; /* of [0] a shorter delay, [1] the delay, [2] a longer one */
     int with_spring;
+    double known[3][UNKNOWNS];
+    double width; /* distance of the three delays */
 };
 
-static double residual_at(const struct search *search, double delay, int slot)
+static struct solution solve_at(struct search *search, double delay, int slot)
 {
-    sum_slides(search->record, search->def, delay, &search->sums[slot]);
-    return solve(&search->sums[slot], search->record->numbers, -1, search->with_spring).residual;
+    search->view.delay = delay;
+    identify_slides_sum(&search->view, &search->sums[slot]);
+    return solve(&search->sums[slot], search->view.record->numbers, -1, search->with_spring);
 }
 
-/* The delay of the least residual. *width is the distance of the three delays whose sums remain. */
-static double find_delay(const struct search *search, double *width)
+static double coarse_delay(struct search *search)
 {
-    const double period = search->def->period, coarse = fmax(period, 1e-3);
-    double delay = -period, least = HUGE_VAL;
-    for (double tried = -period; tried <= search->def->delay_max; tried += coarse) {
-        const double residual = residual_at(search, tried, 1);
+    const struct identify_fit_def *def = search->view.def;
+    double delay = 0.0, least = HUGE_VAL;
+    for (double tried = -def->period; tried <= def->delay_max; tried += fmax(def->period, 1e-3)) {
+        const double residual = solve_at(search, tried, 1).residual;
         if (residual < least) {
             least = residual;
             delay = tried;
         }
     }
-    *width = coarse;
+    return delay;
+}
+
+/* The delay of the least residual near one. The sums of three delays around it remain. */
+static double fine_delay(struct search *search, double delay)
+{
+    const double period = search->view.def->period;
     for (int i = 0;; i++) {
         double residual[3];
         for (int k = 0; k < 3; k++)
-            residual[k] = residual_at(search, delay + (k - 1) * *width, k);
+            residual[k] = solve_at(search, delay + (k - 1) * search->width, k).residual;
         const double shift = parabola_least(residual[0], residual[1], residual[2]);
-        if (i >= 5 && (fabs(shift) < 0.05 || i >= 12))
+        if (search->width < 0.11 * period && (fabs(shift) < 0.05 || i >= 12))
             return delay;
-        delay += shift * *width;
-        *width = fmax(0.5 * *width, 0.1 * period);
+        delay += shift * search->width;
+        search->width = fmax(0.5 * search->width, 0.1 * period);
     }
+}
+
+/* The lag that leaves the least residual with this sum of delay and lag: by thirds, as the residual has one least. */
+static double find_lag(struct search *search, double sum)
+{
+    double low = 0.0, high = fmax(sum, 0.0);
+    for (int i = 0; i < 12 && high > 0.0; i++) {
+        double residual[2];
+        for (int k = 0; k < 2; k++) {
+            search->view.lag = low + (high - low) * (k + 1) / 3.0;
+            residual[k] = solve_at(search, sum - search->view.lag, 1).residual;
+        }
+        if (residual[0] <= residual[1])
+            high -= (high - low) / 3.0;
+        else
+            low += (high - low) / 3.0;
+    }
+    return low < 0.1 * search->view.def->period ? 0.0 : 0.5 * (low + high);
+}
+
+/* Assume what the sums of the present delay tell. */
+static void know(struct search *search)
+{
+    const struct solution solution =
+        solve(&search->sums[1], search->view.record->numbers, -1, search->with_spring);
+    memcpy(search->known, solution.x, sizeof search->known);
+    search->view.known = search->known;
+}
+
+/* The delay without the lag; view.lag is the lag. */
+static double find_delay(struct search *search)
+{
+    search->view.known = NULL;
+    search->view.lag = 0.0;
+    search->width = fmax(search->view.def->period, 1e-3);
+    double delay = fine_delay(search, coarse_delay(search));
+    know(search);
+    search->view.lag = find_lag(search, delay);
+    delay = fine_delay(search, delay - search->view.lag);
+    know(search);
+    return fine_delay(search, delay);
 }
 
 /* ---- from the solution to the device ---- */
@@ -317,11 +200,11 @@ static struct outcome outcome_of(const struct solution *solution, double delay)
     struct outcome outcome = { .is_sound = solution->is_whole };
     double inverse[9], rate[9], values[3], friction[3], stiffness[3];
     for (int i = 0; i < 3; i++) {
-        const double *x = solution->x[i], own = x[W_OF + i];
-        memcpy(inverse + 3 * i, x + W_OF, 3 * sizeof *x);
-        memcpy(rate + 3 * i, x + C_OF, 3 * sizeof *x);
-        friction[i] = own > 0.0 ? x[P_OF + i] / own : 0.0;
-        stiffness[i] = own > 0.0 ? x[K_OF] / own : 0.0;
+        const double *x = solution->x[i], own = x[UNKNOWN_W + i];
+        memcpy(inverse + 3 * i, x + UNKNOWN_W, 3 * sizeof *x);
+        memcpy(rate + 3 * i, x + UNKNOWN_C, 3 * sizeof *x);
+        friction[i] = own > 0.0 ? x[UNKNOWN_P + i] / own : 0.0;
+        stiffness[i] = own > 0.0 ? x[UNKNOWN_K] / own : 0.0;
     }
     identify_symmetric(inverse);
     outcome.is_sound &= identify_inverse(inverse, outcome.mass);
@@ -396,20 +279,19 @@ static void set_fit(const struct outcome *all, const struct outcome *without, ui
 }
 
 /* Fit all blocks, and again without each of them. Returns 0 if the record does not tell. */
-static int fit_all(const struct search *search, struct outcome *all, struct outcome *without)
+static int fit_all(struct search *search, struct outcome *all, struct outcome *without)
 {
-    const uint32_t numbers = search->record->numbers;
-    double width;
-    const double delay = find_delay(search, &width);
+    const uint32_t numbers = search->view.record->numbers;
+    const double delay = find_delay(search), lag = search->view.lag;
     const struct solution solution = solve(&search->sums[1], numbers, -1, search->with_spring);
-    *all = outcome_of(&solution, delay);
+    *all = outcome_of(&solution, delay + lag);
     int is_sound = all->is_sound;
     for (uint32_t number = 0; number < numbers; number++) {
         struct solution left[3];
         for (int k = 0; k < 3; k++)
             left[k] = solve(&search->sums[k], numbers, (int)number, search->with_spring);
         const double shift = parabola_least(left[0].residual, left[1].residual, left[2].residual);
-        without[number] = outcome_of(&left[1], delay + shift * width);
+        without[number] = outcome_of(&left[1], delay + lag + shift * search->width);
         is_sound &= without[number].is_sound;
     }
     return is_sound;
@@ -418,8 +300,8 @@ static int fit_all(const struct search *search, struct outcome *all, struct outc
 static dpt_result fit_with(struct search *search, struct identify_fit *fit)
 {
     struct outcome all, without[IDENTIFY_BLOCKS_MAX];
-    const uint32_t numbers = search->record->numbers;
-    const struct identify_fit_def *def = search->def;
+    const uint32_t numbers = search->view.record->numbers;
+    const struct identify_fit_def *def = search->view.def;
     search->with_spring = 1;
     const int has_spring = fit_all(search, &all, without);
     if (has_spring) {
@@ -438,14 +320,19 @@ static dpt_result fit_with(struct search *search, struct identify_fit *fit)
 dpt_result identify_fit(const struct identify_record *record, const struct identify_fit_def *def,
                         struct identify_fit *fit)
 {
-    struct search search = { .record = record, .def = def };
+    struct search search = { .view = { .record = record, .def = def } };
+    uint32_t samples = 1;
     memset(fit, 0, sizeof *fit);
     if (record->numbers < 4)
         return DPT_E_EMPTY;
+    for (uint32_t b = 0; b < record->count; b++)
+        if (record->blocks[b].sample_count > samples)
+            samples = record->blocks[b].sample_count;
     search.sums = malloc(3 * sizeof *search.sums);
-    if (!search.sums)
-        return DPT_E_MEMORY;
-    const dpt_result result = fit_with(&search, fit);
+    search.view.predicted = malloc(samples * sizeof *search.view.predicted);
+    const dpt_result result =
+        search.sums && search.view.predicted ? fit_with(&search, fit) : DPT_E_MEMORY;
+    free(search.view.predicted);
     free(search.sums);
     return result;
 }
