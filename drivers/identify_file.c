@@ -91,14 +91,14 @@ static dpt_result read_lines(struct dynamics_file *file, FILE *stream)
     for (file->line = 1; fgets(text, sizeof text, stream); file->line++) {
         size_t length = strlen(text);
         const int is_whole = (length > 0 && text[length - 1] == '\n') || feof(stream);
+        if (!is_whole && *text != '#')
+            return complain(file, "is too long", text, length);
+        for (int c = is_whole ? '\n' : 0; c != '\n' && c != EOF && bytes <= FILE_MAX; bytes++)
+            c = getc(stream);
         bytes += length;
         if (bytes > FILE_MAX)
             return device_error(file->error, DPT_E_LIMIT, "%.100s: it has more than 64 KiB",
                                 file->path);
-        if (!is_whole && *text != '#')
-            return complain(file, "is too long", text, length);
-        for (int c = is_whole ? '\n' : 0; c != '\n' && c != EOF; bytes++)
-            c = getc(stream);
         while (length > 0 && strchr(" \t\r\n", text[length - 1]))
             length--;
         DPT_TRY(read_line(file, text, text + length));

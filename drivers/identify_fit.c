@@ -7,8 +7,12 @@
 
 #include "identify_slides.h"
 
-/* What the model leaves out is not better known than this fraction of the force. */
-static const double MODEL_ERROR = 0.002;
+/*
+ * Chance is not all: no result is better known than this fraction of the force. Coarse steps add to it by the square of
+ * the step in parts of the way that a push of usual duration, s, leads. A delay is not better known than the same
+ * fraction of a time, s. The factors were measured on simulated devices (docs/algorithms/identify.md).
+ */
+static const double MODEL_ERROR = 0.002, STEP_ERROR = 8.0, PUSH_TIME = 0.02, DELAY_TIME = 0.01;
 
 /* A spring holds the device if it gives this fraction of the force at the end of the range. */
 static const double HELD_FORCE = 0.25;
@@ -139,7 +143,7 @@ static double fine_delay(struct search *search, double delay)
 static double find_lag(struct search *search, double sum)
 {
     double low = 0.0, high = fmax(sum, 0.0);
-    for (int i = 0; i < 12 && high > 0.0; i++) {
+    for (int i = 0; i < 9 && high > 0.0; i++) {
         double residual[2];
         for (int k = 0; k < 2; k++) {
             search->view.lag = low + (high - low) * (k + 1) / 3.0;
@@ -162,13 +166,19 @@ static void know(struct search *search)
     search->view.known = search->known;
 }
 
-/* The delay without the lag; view.lag is the lag. */
-static double find_delay(struct search *search)
+/* The delay without a lag, to begin with. */
+static double rough_delay(struct search *search)
 {
     search->view.known = NULL;
     search->view.lag = 0.0;
     search->width = fmax(search->view.def->period, 1e-3);
-    double delay = fine_delay(search, coarse_delay(search));
+    return fine_delay(search, coarse_delay(search));
+}
+
+/* The delay without the lag, near a rough one; view.lag is the lag. */
+static double find_delay(struct search *search, double rough)
+{
+    double delay = fine_delay(search, rough);
     know(search);
     search->view.lag = find_lag(search, delay);
     delay = fine_delay(search, delay - search->view.lag);
@@ -254,6 +264,12 @@ static int set_value(const struct outcome *all, const struct outcome *without, u
     return are_alike;
 }
 
+static double model_error(const struct identify_fit_def *def)
+{
+    const double part = def->step / (PUSH_TIME * def->speed);
+    return MODEL_ERROR + STEP_ERROR * part * part;
+}
+
 static void clamp_to_zero(dpt_identified *value)
 {
     value->value = fmax(value->value, 0.0);
@@ -264,25 +280,29 @@ static void clamp_to_zero(dpt_identified *value)
 static void set_fit(const struct outcome *all, const struct outcome *without, uint32_t count,
                     const struct identify_fit_def *def, struct identify_fit *fit)
 {
-    const double force = MODEL_ERROR * def->force;
+    const double error = model_error(def), force = error * def->force;
     memcpy(fit->mass_matrix, all->mass, sizeof fit->mass_matrix);
     memcpy(fit->damping_matrix, all->damping, sizeof fit->damping_matrix);
-    if (!set_value(all, without, count, MASS, MODEL_ERROR * all->value[MASS][MEAN], &fit->mass))
+    if (!set_value(all, without, count, MASS, error * all->value[MASS][MEAN], &fit->mass))
         memcpy(fit->mass_direction, all->mass_vectors, sizeof fit->mass_direction);
     if (!set_value(all, without, count, DAMPING, force / def->speed, &fit->damping))
         memcpy(fit->damping_direction, all->damping_vectors, sizeof fit->damping_direction);
     set_value(all, without, count, COULOMB, force, &fit->friction);
-    set_value(all, without, count, DELAY, 0.02 * def->period, &fit->delay);
+    set_value(all, without, count, DELAY, 0.02 * def->period + error * DELAY_TIME, &fit->delay);
     clamp_to_zero(&fit->damping);
     clamp_to_zero(&fit->friction);
     clamp_to_zero(&fit->delay);
 }
 
-/* Fit all blocks, and again without each of them. Returns 0 if the record does not tell. */
-static int fit_all(struct search *search, struct outcome *all, struct outcome *without)
+/*
+ * The outcome of all blocks, and of all but each of them, from the sums around this delay. Returns 0 if the record does
+ * not tell.
+ */
+static int find_outcomes(const struct search *search, double delay, struct outcome *all,
+                         struct outcome *without)
 {
     const uint32_t numbers = search->view.record->numbers;
-    const double delay = find_delay(search), lag = search->view.lag;
+    const double lag = search->view.lag;
     const struct solution solution = solve(&search->sums[1], numbers, -1, search->with_spring);
     *all = outcome_of(&solution, delay + lag);
     int is_sound = all->is_sound;
@@ -297,21 +317,23 @@ static int fit_all(struct search *search, struct outcome *all, struct outcome *w
     return is_sound;
 }
 
+/* First with a spring, to see whether there is one; then with all that the model knows. */
 static dpt_result fit_with(struct search *search, struct identify_fit *fit)
 {
     struct outcome all, without[IDENTIFY_BLOCKS_MAX];
     const uint32_t numbers = search->view.record->numbers;
     const struct identify_fit_def *def = search->view.def;
     search->with_spring = 1;
-    const int has_spring = fit_all(search, &all, without);
-    if (has_spring) {
-        const double at_end = MODEL_ERROR * def->force / def->range;
+    const double rough = rough_delay(search);
+    if (find_outcomes(search, rough, &all, without)) {
+        const double at_end = model_error(def) * def->force / def->range;
         set_value(&all, without, numbers, STIFFNESS, at_end, &fit->stiffness);
         fit->is_held =
             fit->stiffness.low > 0.0 && fit->stiffness.value * def->range > HELD_FORCE * def->force;
     }
     search->with_spring = fit->is_held;
-    if (!fit->is_held && !fit_all(search, &all, without))
+    const double delay = find_delay(search, rough);
+    if (!find_outcomes(search, delay, &all, without))
         return DPT_E_EMPTY;
     set_fit(&all, without, numbers, def, fit);
     return DPT_OK;

@@ -33,12 +33,13 @@ static void end_stage(struct identify_server *server)
 
 static int report(struct identify_server *server, double time)
 {
-    static const char *const names[] = { "push", "turn" };
     const dpt_identify_progress progress = {
         .size = sizeof progress,
+        .stage = server->stage == IDENTIFY_REST     ? DPT_IDENTIFY_STAGE_REST
+                 : server->space == IDENTIFY_ANGLES ? DPT_IDENTIFY_STAGE_TURN
+                                                    : DPT_IDENTIFY_STAGE_PUSH,
         .axis = server->axis,
         .done = fmin(1.0, (server->past + time) / server->planned),
-        .what = server->stage == IDENTIFY_REST ? "rest" : names[server->space],
     };
     if (!server->def.report || time < server->reported + REPORT_TIME)
         return 0;
@@ -46,13 +47,15 @@ static int report(struct identify_server *server, double time)
     return server->def.report(server->def.user, &progress);
 }
 
+/* Samples that come late are seen by their times, or by the commands that were repeated meanwhile. */
 static int samples_are_missing(struct identify_server *server, const dpt_loop_sample *sample)
 {
     const double gap = (double)(int64_t)(sample->state->time_ns - server->last_ns) * 1e-9;
     if (!server->has_sample)
         return 0;
     server->unsent = sample->commands ? 0 : server->unsent + 1;
-    return gap * server->info.rate > MISSING_MAX + 1.5 || server->unsent > MISSING_MAX;
+    return gap * server->info.rate > MISSING_MAX + 1.5 || server->unsent > MISSING_MAX ||
+           sample->commands > MISSING_MAX + 1;
 }
 
 /* Why the measurement must end now; DPT_IDENTIFY_END_COMPLETE: it need not. */

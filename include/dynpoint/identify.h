@@ -28,12 +28,20 @@
 
 DPT_BEGIN
 
+/* dpt_identify_progress.stage */
+enum {
+    DPT_IDENTIFY_STAGE_REST = 0, /* it only watches */
+    DPT_IDENTIFY_STAGE_PUSH = 1, /* it pushes along an axis */
+    DPT_IDENTIFY_STAGE_TURN = 2  /* it turns about an axis */
+};
+
 /* What the measurement does. The library fills it in; `size` is that of the library that runs. */
 typedef struct dpt_identify_progress {
     uint32_t size;
-    uint32_t axis;    /* 0, 1, 2: x, y, z */
-    double done;      /* fraction of the whole measurement, 0..1 */
-    const char *what; /* one word: "rest", "push" or "turn"; valid during the call */
+    uint32_t stage; /* DPT_IDENTIFY_STAGE_... */
+    uint32_t axis;  /* 0, 1, 2: x, y, z */
+    uint32_t reserved;
+    double done; /* fraction of the whole measurement, 0..1 */
 } dpt_identify_progress;
 
 /*
@@ -69,8 +77,8 @@ enum {
     DPT_IDENTIFY_END_SAMPLES = 5,   /* more than 4 samples or commands in a row were lost or late */
     DPT_IDENTIFY_END_NOT_READY = 6, /* the device was not ready */
     DPT_IDENTIFY_END_LOST = 7,      /* the device was lost */
-    DPT_IDENTIFY_END_NO_WATCHDOG =
-        8 /* it was not pushed, for nothing would end a force if this program died */
+    /* It was not pushed, for nothing would end a force if this program died. */
+    DPT_IDENTIFY_END_NO_WATCHDOG = 8
 };
 
 /* Bits of dpt_identify_result.flags. */
@@ -139,8 +147,8 @@ typedef struct dpt_identify_result {
     double damping_matrix[9];
     double inertia_matrix[9];
     double spin_damping_matrix[9];
-    double mass_direction
-        [3]; /* unit vector along which the mass is least; as the next three zero if all are alike */
+    /* Unit vectors along which mass, damping, ... are least; zero where all directions are alike. */
+    double mass_direction[3];
     double damping_direction[3];
     double inertia_direction[3];
     double spin_damping_direction[3];

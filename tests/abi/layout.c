@@ -15,6 +15,7 @@
 #include <dynpoint/baseline.h>
 #include <dynpoint/compile.h>
 #include <dynpoint/driver.h>
+#include <dynpoint/identify.h>
 #include <dynpoint/loop.h>
 #include <dynpoint/recorder.h>
 #include <dynpoint/selftest.h>
