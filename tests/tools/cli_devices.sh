@@ -265,9 +265,59 @@ vendor_library()
     soon 'run on the stand-in, which touches' touches "$name"
 }
 
+# near FILE KEY VALUE: the value of a key is within 5 % of this
+near()
+{
+    awk -F= -v key="$2" -v value="$3" '$1 == key && $2 > 0.95 * value && $2 < 1.05 * value { n++ } END { exit n != 1 }' "$1"
+}
+
+identifications()
+{
+    arm='sim:?mass=0.045&friction=0.26&step=5.5e-5&force=3.3&delay=1'
+    succeeds 'identify' device identify "$arm" --move -o arm.txt
+    check 'it says so' grep -q '^  mass  *0.0' stdout
+    check 'mass' near arm.txt mass 0.045
+    check 'damping' near arm.txt damping 0.5
+    check 'friction' near arm.txt friction 0.26
+    check 'step' near arm.txt position_step 5.5e-5
+    check 'an interval' grep -q '^mass_low=0.04' arm.txt
+    check 'which device' grep -q "^# device: sim:?mass=0.045" arm.txt
+    cp arm.txt arm1.txt
+    succeeds 'again' device identify "$arm" --move -o arm.txt
+    check 'the same' cmp arm.txt arm1.txt
+    succeeds 'identify --json' device identify "$arm" --move --json
+    check 'JSON' has_keys stdout end held rate jitter samples mass mass_low mass_high damping friction delay \
+        position_step mass_matrix damping_matrix position force_bound displacement_max
+    succeeds 'identify without --move' device identify sim
+    check 'nothing is pushed' grep -q -e 'not pushed: --move' stdout
+    run device identify 'sim:?hand=hold' --move -o held.txt
+    check 'held: exit status 1' test $status -eq 1
+    check 'let go' grep -q 'Let go' stderr
+    check 'no file' test ! -e held.txt
+    run device identify 'sim:?friction=1' --move
+    check 'stuck: exit status 1' test $status -eq 1
+    check 'it says why' grep -q 'do not move it' stderr
+    run device identify 'sim:?live=1&watchdog=0' --move
+    check 'no watchdog: exit status 1' test $status -eq 1
+    check 'that is why' grep -q 'no watchdog' stderr
+    run device identify 'sim:?fault=estop@3' --move
+    check 'a fault ends it: exit status 1' test $status -eq 1
+    check 'not ready' grep -q 'not ready' stderr
+    run device identify sim --move --button 2
+    check 'a button that no one holds: exit status 1' test $status -eq 1
+    refuses 'no such button' '--button must be' device identify sim --button 32
+    refuses 'of identify alone' 'are of identify' device watch sim --json
+    refuses 'an input is no output' 'is an input too' device identify "sim:?hand=arm.txt" -o arm.txt
+    succeeds 'run --identified' run torus.dpa --device sim --ticks 100 --identified arm.txt
+    echo 'mass=heavy' >wrong.txt
+    refuses 'a wrong file' "wrong.txt: line 1: 'heavy' is not a number" \
+        run torus.dpa --device sim --ticks 100 --identified wrong.txt
+}
+
 prepare
 listing
 selftests
+identifications
 refused_runs
 runs
 hints
