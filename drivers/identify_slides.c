@@ -215,13 +215,14 @@ static double slide_sign(const struct identify_block *block, uint32_t n, uint32_
 }
 
 /*
- * Where the direction changes, the window of the speed reaches beyond the change: the samples beside it do not count.
+ * Where the direction changes, the window of the speed reaches beyond the change: samples beside it do not count.
  */
 void identify_slides_sum(const struct identify_view *view, struct identify_sums *sums)
 {
     const struct identify_fit_def *def = view->def;
     const double slow = SLIDE_SPEED * def->speed, steps = 0.5 * SLIDE_STEPS * def->step;
     const uint32_t half = (uint32_t)fmax(2.0, ceil(fmin(SPEED_WINDOW, steps / slow) / def->period));
+    const uint32_t beside = half / 2;
     const double speed_min = fmax(slow, steps / ((double)half * def->period));
     memset(sums, 0, sizeof *sums);
     for (uint32_t b = 0; b < view->record->count; b++) {
@@ -231,8 +232,8 @@ void identify_slides_sum(const struct identify_view *view, struct identify_sums 
             uint32_t end = n + 1;
             while (end < block->sample_count && slide_sign(block, end, half, speed_min) == sign)
                 end++;
-            if (sign != 0.0 && end - n >= SLIDE_SAMPLES_MIN + 2 * half)
-                sum_pieces(view, &(struct slide){ block, n + half, end - half, sign }, sums);
+            if (sign != 0.0 && end - n >= SLIDE_SAMPLES_MIN + 2 * beside)
+                sum_pieces(view, &(struct slide){ block, n + beside, end - beside, sign }, sums);
             n = end;
         }
     }

@@ -160,6 +160,30 @@ static void the_least_direction_is_found(void)
           "a direction where all are alike");
 }
 
+/* A slow motor is told from a late one, or the mass would be too large. */
+static void a_lag_is_found(void)
+{
+    for (uint64_t seed = 1; seed <= 3; seed++) {
+        const dpt_identify_result result = identify_named("friction=0.1&step=1e-5&lag=0.003", seed);
+        check_whole("a lag", &result);
+        CHECK(fabs(result.mass.value - 0.1) < 5e-4, "%g kg", result.mass.value);
+        CHECK(fabs(result.friction.value - 0.1) < 5e-4, "%g N", result.friction.value);
+    }
+}
+
+/* A light device with much friction and coarse steps: a reversal takes 2 ms, and must not count as sliding. */
+static void reversals_are_left_out(void)
+{
+    int missed = 0;
+    for (uint64_t seed = 1; seed <= 8; seed++) {
+        const dpt_identify_result result =
+            identify_named("mass=0.01&damping=0.1&friction=0.2&step=5.5e-5&delay=1", seed);
+        check_whole("light", &result);
+        missed += result.mass.low > 0.01 || result.mass.high < 0.01;
+    }
+    CHECK(missed <= 2, "%d of 8 intervals missed", missed);
+}
+
 static void rotation_is_found(void)
 {
     const char *where = "dofs=6&step=2e-5&turn_step=2e-4&turn_friction=2e-3&friction=0.1&delay=1";
@@ -339,6 +363,8 @@ int main(void)
     TEST(the_truth_is_found);
     TEST(a_plant_of_another_kind_is_found);
     TEST(the_least_direction_is_found);
+    TEST(a_lag_is_found);
+    TEST(reversals_are_left_out);
     TEST(rotation_is_found);
     TEST(intervals_hold_the_truth);
     TEST(a_hand_is_found_out);
