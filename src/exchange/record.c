@@ -233,10 +233,11 @@ dpt_result dpt_record_write(const dpt_record *records, uint32_t count, void *byt
     unsigned char *to = bytes;
     if (!records || !bytes || !written)
         return DPT_E_ARGUMENT;
-    DPT_TRY(sized_check(records, sizeof *records, 1));
+    if (count > 0)
+        DPT_TRY(sized_check(records, sizeof *records, 1));
     if (count > capacity / TICK_BYTES)
         return DPT_E_MEMORY;
-    const uint32_t stride = sized_of(records);
+    const uint32_t stride = count > 0 ? sized_of(records) : 0;
     dpt_record record = { .size = sizeof record };
     for (uint32_t i = 0; i < count; i++)
         DPT_TRY(sized_take(sized_item(records, i), stride, sizeof record, &record, sizeof record));
