@@ -10,6 +10,7 @@
 #ifndef DPT_TESTS_HELD_DEVICE_H
 #define DPT_TESTS_HELD_DEVICE_H
 
+#include "force/exact_step.h"
 #include "world/proxy_rig.h"
 
 enum { HELD_AXES = 6, HELD_PARTS = 4 };
@@ -30,38 +31,10 @@ struct held_device {
     double step[2][2], gain[2];
 };
 
-/* exp of [[0, 1, 0], [-k / m, -b / m, 1 / m], [0, 0, 0]] * time, by its series. */
-static inline void held_exact_step(double mass, double damping, double spring, double time,
-                                   double step[2][2], double gain[2])
-{
-    const double a[3][3] = { { 0, time, 0 },
-                             { -spring / mass * time, -damping / mass * time, time / mass },
-                             { 0, 0, 0 } };
-    double sum[3][3] = { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } }, term[3][3];
-    memcpy(term, sum, sizeof term);
-    for (int n = 1; n < 30; n++) {
-        double next[3][3] = { { 0 } };
-        for (int i = 0; i < 3; i++)
-            for (int j = 0; j < 3; j++)
-                for (int k = 0; k < 3; k++)
-                    next[i][j] += term[i][k] * a[k][j] / n;
-        memcpy(term, next, sizeof term);
-        for (int i = 0; i < 3; i++)
-            for (int j = 0; j < 3; j++)
-                sum[i][j] += term[i][j];
-    }
-    for (int i = 0; i < 2; i++) {
-        step[i][0] = sum[i][0];
-        step[i][1] = sum[i][1];
-        gain[i] = sum[i][2];
-    }
-}
-
 /* After its numbers are set. */
 static inline void held_prepare(struct held_device *held)
 {
-    held_exact_step(held->mass, held->damping, held->hand, RIG_DT / HELD_PARTS, held->step,
-                    held->gain);
+    exact_step(held->mass, held->damping, held->hand, RIG_DT / HELD_PARTS, held->step, held->gain);
 }
 
 /* The pose at coordinates. */

@@ -8,7 +8,8 @@
 #define DPT_TESTS_LOOP_MATRIX_H
 
 #include <math.h>
-#include <string.h>
+
+#include "force/exact_step.h"
 
 enum { LOOP_AXES_MAX = 2, LOOP_DELAY_MAX = 12, LOOP_STATES_MAX = 36, LOOP_DOUBLINGS = 26 };
 
@@ -22,24 +23,16 @@ struct matrix_loop {
 
 typedef double loop_matrix[LOOP_STATES_MAX][LOOP_STATES_MAX];
 
-/* Position, velocity and constant force after `time`: the rows of exp([[0,1,0],[0,-b/m,1/m],[0,0,0]] time). */
+/* Position and velocity after `time`: of position, velocity and a constant force before. */
 static inline void loop_free_motion(double mass, double damping, double time, double row[2][3])
 {
-    const double a[3][3] = { { 0, time, 0 }, { 0, -damping / mass * time, time / mass }, { 0 } };
-    double sum[3][3] = { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } }, term[3][3];
-    memcpy(term, sum, sizeof term);
-    for (int n = 1; n < 60; n++) {
-        double next[3][3] = { { 0 } };
-        for (int i = 0; i < 3; i++)
-            for (int j = 0; j < 3; j++)
-                for (int k = 0; k < 3; k++)
-                    next[i][j] += term[i][k] * a[k][j] / n;
-        memcpy(term, next, sizeof term);
-        for (int i = 0; i < 3; i++)
-            for (int j = 0; j < 3; j++)
-                sum[i][j] += term[i][j];
+    double step[2][2], gain[2];
+    exact_step(mass, damping, 0, time, step, gain);
+    for (int i = 0; i < 2; i++) {
+        row[i][0] = step[i][0];
+        row[i][1] = step[i][1];
+        row[i][2] = gain[i];
     }
-    memcpy(row, sum, 2 * sizeof *row);
 }
 
 /*

@@ -14,7 +14,7 @@ enum { MODEL_DOUBLINGS = 30 };
 static inline double model_growth(const struct held_device *held, double stiffness)
 {
     double step[2][2], gain[2], scale = 0;
-    held_exact_step(held->mass, held->damping, held->hand, RIG_DT, step, gain);
+    exact_step(held->mass, held->damping, held->hand, RIG_DT, step, gain);
     /* State: position, speed, the force that was computed last. */
     double a[3][3] = { { step[0][0], step[0][1], 0 },
                        { step[1][0], step[1][1], 0 },

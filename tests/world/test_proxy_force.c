@@ -82,6 +82,38 @@ static void surfaces_yield_in_series(void)
     }
 }
 
+/* Where flat triangles meet, several of them hold the tool; the face yields as everywhere. */
+static void a_flat_face_yields_once(void)
+{
+    const dpt_segment ball = { { 0, 0, 0 }, { 0, 0, 0 }, 0.003 };
+    const double depth = 0.002, expected = (depth + 2e-6 * box.diagonal) * RIG_STIFFNESS / 2;
+    struct rig rig;
+    open_above(&rig, &ball, 0);
+    set_body(&rig, 0, RIG_STIFFNESS, 0);
+    lower(&rig, 0.001 + depth);
+    for (int way = 0; way < 2; way++)
+        for (int i = -40; i <= 40; i++) {
+            rig.device.position[0] = 5e-4 * i;
+            rig.device.position[1] = way ? rig.device.position[0] : 0;
+            rig_step(&rig);
+            CHECK(fabs(rig_force(&rig) / expected - 1) < 1e-3,
+                  "way %d, at %g mm: %g N, expected %g", way, 0.5 * i, rig_force(&rig), expected);
+        }
+    rig_close(&rig);
+}
+
+/* So soft that its compliance is beyond all numbers. */
+static void a_surface_of_no_stiffness_gives_no_force(void)
+{
+    struct rig rig;
+    open_above(&rig, &needle, 0);
+    set_body(&rig, 0, 1e-310, 0);
+    lower(&rig, 0.003);
+    CHECK(rig_force(&rig) < 1e-12 && rig.force.energy >= 0 && rig.force.energy < 1e-12,
+          "%g N, %g J", rig_force(&rig), rig.force.energy);
+    rig_close(&rig);
+}
+
 /* Both ends touch: their stiffnesses add up, and with friction the cone is of what is left. */
 static void two_ends_yield_together(void)
 {
@@ -281,6 +313,26 @@ static void a_lying_tool_rolls_and_slips(void)
 }
 
 /* Turned by more than 1 rad away, the proxy begins again at the device: the force fades, in a straight line. */
+/* Led far aside in one tick, a tool that sticks rolls; its spin stays within 1 rad of the device's. */
+static void a_tool_that_rolls_far_is_not_spun_far(void)
+{
+    for (int way = -1; way <= 1; way += 2) {
+        struct rig rig;
+        rig_open(&rig, NULL, box.mesh, &lying, 1);
+        set_body(&rig, 2, 0, 0);
+        rig.device.position[2] = TOP + lying.radius + 0.001;
+        rig_place(&rig);
+        lower(&rig, 0.003);
+        rig.device.position[1] += 0.03 * way;
+        rig_step(&rig);
+        const double spin =
+            2 * atan2(fabs(rig.proxy.orientation[1]), fabs(rig.proxy.orientation[0]));
+        CHECK(rig.force.reason == DPT_FORCE_ACTS && spin > 0.1 && spin <= 1 + 1e-6,
+              "way %d: spun by %g rad", way, spin);
+        rig_close(&rig);
+    }
+}
+
 static void a_proxy_that_begins_again_fades(void)
 {
     struct rig rig;
@@ -446,6 +498,8 @@ int main(void)
     if (!solid_from_shape(&box, "box", 1200))
         return 1;
     TEST(surfaces_yield_in_series);
+    TEST(a_flat_face_yields_once);
+    TEST(a_surface_of_no_stiffness_gives_no_force);
     TEST(two_ends_yield_together);
     TEST(each_body_yields_for_itself);
     TEST(a_damper_acts_against_the_push_alone);
@@ -453,6 +507,7 @@ int main(void)
     TEST(a_locked_rotation_is_the_devices);
     TEST(a_spinning_tip_has_torsion);
     TEST(a_lying_tool_rolls_and_slips);
+    TEST(a_tool_that_rolls_far_is_not_spun_far);
     TEST(a_proxy_that_begins_again_fades);
     TEST(a_body_that_is_added_round_it_fades);
     TEST(a_body_that_is_not_felt_is_not_there);

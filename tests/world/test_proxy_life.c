@@ -40,6 +40,34 @@ static void what_held_it_goes_and_so_does_the_push(void)
     }
 }
 
+/* It moves, and goes, before one step whose budget is one unit. */
+static void a_body_that_moves_and_goes_holds_nothing(void)
+{
+    const dpt_segment bent[] = { { { 0, 0, 0 }, { 0, 0, 0.02 }, 0.002 },
+                                 { { 0, 0, 0.02 }, { 0.02, 0, 0.02 }, 0.002 } };
+    const dpt_pose moved = { { 0, 0, 1e-4 }, { 1, 0, 0, 0 } };
+    struct rig rig;
+    dpt_world_def def;
+    dpt_world_def_init(&def);
+    def.budget = 1;
+    rig_open(&rig, &def, box.mesh, bent, 2);
+    rig.device.position[2] = TOP + 0.003;
+    for (int k = 0; k < 4000; k++)
+        rig_step(&rig);
+    for (int k = 0; k < 20000 && rig.force.reason != DPT_FORCE_ACTS; k++) {
+        rig.device.position[2] -= 1e-6;
+        rig_step(&rig);
+    }
+    CHECK(rig.force.reason == DPT_FORCE_ACTS, "reason %u", rig.force.reason);
+    CHECK(dpt_body_set_pose(rig.world, rig.body, &moved) == DPT_OK &&
+              dpt_body_remove(rig.world, rig.body) == DPT_OK,
+          "move and remove");
+    rig_step(&rig);
+    CHECK(rig.force.reason == DPT_FORCE_FREE && rig_force(&rig) == 0, "reason %u, %g N",
+          rig.force.reason, rig_force(&rig));
+    rig_close(&rig);
+}
+
 /* In the air, and then in the middle of a box that was not there. */
 static void a_body_that_is_added_around_it_has_it_inside(void)
 {
@@ -154,6 +182,7 @@ int main(void)
     if (!solid_from_shape(&box, "box", 1200))
         return 2;
     TEST(what_held_it_goes_and_so_does_the_push);
+    TEST(a_body_that_moves_and_goes_holds_nothing);
     TEST(a_body_that_is_added_around_it_has_it_inside);
     TEST(without_a_pose_it_waits_where_bodies_rest);
     TEST(another_law_begins_where_the_device_is);
