@@ -137,7 +137,7 @@ def draw(title, subtitle, x_title, y_title, series, x_axis=Axis, y_axis=Axis):
     for mark in x.marks:
         out.append(f'<line x1="{x.at(mark):.1f}" x2="{x.at(mark):.1f}" y1="{HEIGHT - BOTTOM}" '
                    f'y2="{HEIGHT - BOTTOM + 5}" stroke="#888"/>')
-        out.append(text(x.at(mark), HEIGHT - BOTTOM + 20, f"{mark:,}"))
+        out.append(text(x.at(mark), HEIGHT - BOTTOM + 20, f"{int(mark):,}" if mark == int(mark) else f"{mark:g}"))
     out.append(text((LEFT + WIDTH - RIGHT) / 2, HEIGHT - 16, x_title))
     out.append(text(18, HEIGHT / 2, y_title, extra=f'transform="rotate(-90 18 {HEIGHT / 2})"'))
     labels = []
