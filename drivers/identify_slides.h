@@ -5,8 +5,8 @@
  * In a slide the motion y obeys M y'' = f - B y' - F sign + G - K y, with f the motor's force. Integrated twice this is
  * linear in the unknowns and needs no derivative of a measured position:
  *     y = y0 + v0 t + W U - C I - p sign t^2/2 + h t^2/2 - k S
- * with W = M^-1, C = W B, p = W F, h = W G, k = W K, U the double integral of the motor's force, I the integral of y and
- * S its double integral. The error of y is the sensor's; U is known exactly.
+ * with W = M^-1, C = W B, p = W F, h = W G, k = W K, U the double integral of the motor's force, I the integral of y
+ * and S its double integral. The error of y is the sensor's; U is known exactly.
  */
 #ifndef DPT_DRIVERS_IDENTIFY_SLIDES_H
 #define DPT_DRIVERS_IDENTIFY_SLIDES_H

@@ -36,6 +36,7 @@ struct plant_plan {
     double fault_time;
     uint32_t flags;
     int is_locked;
+    int is_linkage; /* its encoders count along axes that are turned against x, y and z */
 };
 
 struct plant {
@@ -143,6 +144,33 @@ static inline void plant_step(struct plant *plant)
            sizeof plant->ring[0]);
 }
 
+/* Turn the first two of three numbers by an angle of this sine and cosine. */
+static inline void plant_turn(double *a, double *b, double sine, double cosine)
+{
+    const double x = *a, y = *b;
+    *a = cosine * x - sine * y;
+    *b = sine * x + cosine * y;
+}
+
+/* The position as the encoders tell it. */
+static inline void plant_measure(const struct plant *plant, double *position)
+{
+    const double step = plant->plan.step, s = 0.479425538604203, c = 0.877582561890373;
+    memcpy(position, plant->x, sizeof plant->x);
+    if (!(step > 0.0))
+        return;
+    if (plant->plan.is_linkage) {
+        plant_turn(&position[0], &position[1], s, c);
+        plant_turn(&position[1], &position[2], s, c);
+    }
+    for (int k = 0; k < 3; k++)
+        position[k] = step * floor(position[k] / step + 0.5);
+    if (plant->plan.is_linkage) {
+        plant_turn(&position[1], &position[2], -s, c);
+        plant_turn(&position[0], &position[1], -s, c);
+    }
+}
+
 static inline dpt_result plant_read(dpt_device *device, dpt_device_state *state)
 {
     struct plant *plant = (struct plant *)device;
@@ -174,9 +202,7 @@ static inline dpt_result plant_read(dpt_device *device, dpt_device_state *state)
     state->time_ns = 1000000000u + plant->period * 1000000u;
     state->pose.orientation[0] = 1.0;
     state->temperature = -1.0;
-    for (int k = 0; k < 3; k++)
-        state->pose.position[k] =
-            plan->step > 0.0 ? plan->step * floor(plant->x[k] / plan->step + 0.5) : plant->x[k];
+    plant_measure(plant, state->pose.position);
     if (plan->fault == PLANT_BAD_POSE && plan->fault_time > 0.0 && plant_is_faulty(plant, 0.01))
         state->pose.position[1] = NAN;
     plant->last = *state;

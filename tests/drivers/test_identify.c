@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
  * Identification finds what a device is made of: simulated devices, whose numbers are known, and a plant of the test's
- * own, integrated in small steps.
+ * own, integrated in small steps: test_identify [PERCENT of the seeds].
  */
 #include "drivers/identify_plant.h"
 #include "drivers/open_device.h"
@@ -163,7 +163,7 @@ static void the_least_direction_is_found(void)
 /* A slow motor is told from a late one, or the mass would be too large. */
 static void a_lag_is_found(void)
 {
-    for (uint64_t seed = 1; seed <= 3; seed++) {
+    for (uint64_t seed = 1; seed <= part_of(3); seed++) {
         const dpt_identify_result result = identify_named("friction=0.1&step=1e-5&lag=0.003", seed);
         check_whole("a lag", &result);
         CHECK(fabs(result.mass.value - 0.1) < 5e-4, "%g kg", result.mass.value);
@@ -175,13 +175,13 @@ static void a_lag_is_found(void)
 static void reversals_are_left_out(void)
 {
     int missed = 0;
-    for (uint64_t seed = 1; seed <= 8; seed++) {
+    for (uint64_t seed = 1; seed <= part_of(8); seed++) {
         const dpt_identify_result result =
             identify_named("mass=0.01&damping=0.1&friction=0.2&step=5.5e-5&delay=1", seed);
         check_whole("light", &result);
         missed += result.mass.low > 0.01 || result.mass.high < 0.01;
     }
-    CHECK(missed <= 2, "%d of 8 intervals missed", missed);
+    CHECK(missed <= 2, "%d intervals missed", missed);
 }
 
 static void rotation_is_found(void)
@@ -206,7 +206,7 @@ static void intervals_hold_the_truth(void)
 {
     const double truth[4] = { 0.045, 0.5, 0.26, 0.001 };
     int missed = 0;
-    for (uint64_t seed = 1; seed <= 20; seed++) {
+    for (uint64_t seed = 1; seed <= part_of(20); seed++) {
         const dpt_identify_result result =
             identify_named("mass=0.045&friction=0.26&step=5.5e-5&force=3.3&delay=1", seed);
         const dpt_identified *values[4] = { &result.mass, &result.damping, &result.friction,
@@ -214,7 +214,7 @@ static void intervals_hold_the_truth(void)
         for (int k = 0; k < 4; k++)
             missed += truth[k] < values[k]->low || truth[k] > values[k]->high;
     }
-    CHECK(missed <= 8, "%d of 80 intervals missed", missed);
+    CHECK(missed <= 8, "%d intervals missed", missed);
 }
 
 static void a_hand_is_found_out(void)
@@ -288,6 +288,24 @@ static void what_needs_no_force_is_measured_without(void)
     dpt_device_close(device);
 }
 
+/* Steps of a linkage make no grid along x, y and z. */
+static void steps_of_a_linkage_are_found(void)
+{
+    for (double step = 1e-5; step < 5e-5; step *= 3.0) {
+        struct plant_plan plan = plant_of(0.1, 0.5);
+        plan.friction = 0.1;
+        plan.step = step;
+        plan.is_linkage = 1;
+        const dpt_identify_result result = identify_plan(&plan, 1);
+        check_whole("a linkage", &result);
+        CHECK(result.position_step > 0.8 * step && result.position_step < 1.25 * step,
+              "%g m instead of %g", result.position_step, step);
+        check_value("a linkage", "mass", &result.mass, 0.1, 0.0);
+        check_value("a linkage", "damping", &result.damping, 0.5, 0.0);
+        check_value("a linkage", "friction", &result.friction, 0.1, 0.0);
+    }
+}
+
 /* The same seed gives the same pushes, another one others. */
 static void pushes_are_repeatable(void)
 {
@@ -358,8 +376,9 @@ static void arguments_are_checked(void)
     CHECK(!strcmp(dpt_identify_end_text(DPT_IDENTIFY_END_NO_WATCHDOG + 1), "?"), "no end");
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
+    take_percent(argc, argv);
     TEST(the_truth_is_found);
     TEST(a_plant_of_another_kind_is_found);
     TEST(the_least_direction_is_found);
@@ -370,6 +389,7 @@ int main(void)
     TEST(a_hand_is_found_out);
     TEST(a_locked_device_says_so);
     TEST(what_needs_no_force_is_measured_without);
+    TEST(steps_of_a_linkage_are_found);
     TEST(pushes_are_repeatable);
     TEST(arguments_are_checked);
     return check_report();

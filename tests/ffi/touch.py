@@ -73,6 +73,14 @@ Record = struct("dpt_record", (c_uint32, "size device"), (c_uint64, "number sequ
                 (c_uint32, "status reasons code buttons fresh commands force_reason force_flags hit_status contact"
                            " hit_flags triangle"), (Pose, "pose"), (double3, "velocity spin"), (c_double * 8, "joint"),
                 (Wrench, "asked sent"), (Pose, "proxy"), (c_double, "distance gap energy lag"), (double3, "point"))
+Identified = struct("dpt_identified", (c_double, "value low high"))
+IdentifyResult = struct("dpt_identify_result", (c_uint32, "size end flags measured"),
+                        (c_uint64, "samples lost late doubled"), (c_double, "rate jitter jitter_max"),
+                        (Identified, "mass damping friction inertia spin_damping spin_friction delay"),
+                        (c_double, "position_step angle_step stiffness turn_stiffness"),
+                        (c_double * 9, "mass_matrix damping_matrix inertia_matrix spin_damping_matrix"),
+                        (double3, "mass_direction damping_direction inertia_direction spin_damping_direction"),
+                        (c_double, "force_bound torque_bound speed_max displacement_max"), (Pose, "pose"))
 Compiled = struct("dpt_compiled", (c_void_p, "bytes"), (c_size_t, "size"))
 Joint = struct("dpt_arm_joint", (c_uint32, "size kind"), (c_double, "lower upper velocity effort damping friction"),
                (c_char * 64, "name"))
@@ -103,7 +111,7 @@ sizes = re.findall(r"SIZE\((\w+), (\d+), (\d+)\)", open(sys.path[0] + "/../abi/l
 sizes = {name: int(bytes[column]) for name, *bytes in sizes}
 for kind in (Pose, Segment, Wrench, Hit, Contact, Overlap, WorldDef, Step, ToolSettings, BodySettings, ForceReport, State,
              Guard, GuardInfo, CouplingDef, Coupling, PassivityDef, Passivity, PassivitySample, PassivityInfo,
-             RecordHeader, Record, Compiled, Joint, Link, ArmBody, ArmDef):
+             RecordHeader, Record, Identified, IdentifyResult, Compiled, Joint, Link, ArmBody, ArmDef):
     check(kind.__name__ + " has its size", sizeof(kind) == sizes[kind.__name__])
 
 # A box of 2 x 2 x 1 m with its top at z = 1: corner i at the bits of i; two triangles a side.
@@ -180,6 +188,11 @@ core.dpt_tool_set_settings(world, tool, byref(settings))
 
 device, state, guard, sent = c_void_p(), State(size=sizeof(State)), Guard(size=sizeof(Guard)), Wrench()
 check("open a device", drivers.dpt_device_open(b"sim:?hand=press", byref(device), None) == 0)
+measured = IdentifyResult(size=sizeof(IdentifyResult))
+check("watch it at rest", drivers.dpt_device_identify(device, None, byref(measured)) == 0 and
+      abs(measured.rate - 1000) < 1e-6 and measured.measured & 1 and not measured.mass.value)
+drivers.dpt_device_close(device)
+check("open it again", drivers.dpt_device_open(b"sim:?hand=press", byref(device), None) == 0)
 check("a guard", core.dpt_guard_init(byref(guard), None) == 0)
 touched = 0
 for tick in range(3000):  # the hand presses 3 cm down in 2 s; the mesh's top is 1 cm below where it begins
