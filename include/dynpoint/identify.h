@@ -72,7 +72,7 @@ enum {
     DPT_IDENTIFY_END_COMPLETE = 0,
     DPT_IDENTIFY_END_STOPPED = 1,      /* the report function asked to stop */
     DPT_IDENTIFY_END_RELEASED = 2,     /* the dead man's button was not held */
-    DPT_IDENTIFY_END_SPEED = 3,        /* faster than 0.2 m/s or 2 rad/s, over 4 periods */
+    DPT_IDENTIFY_END_SPEED = 3,        /* faster than 0.2 m/s or 2 rad/s, over 4 ms */
     DPT_IDENTIFY_END_DISPLACEMENT = 4, /* further than 20 mm or 0.35 rad from where it began */
     DPT_IDENTIFY_END_SAMPLES = 5,   /* more than 4 samples or commands in a row were lost or late */
     DPT_IDENTIFY_END_NOT_READY = 6, /* the device was not ready */
@@ -168,8 +168,8 @@ static inline void dpt_identify_def_init(dpt_identify_def *def)
 }
 
 /*
- * Measure an open, ready device. It stays open, without force. Takes about `seconds`; with may_move, and 4 s and twice
- * `blocks` seconds for each axis, and as much again for rotation if the device gives torque.
+ * Measure an open, ready device. It stays open, without force. Takes about `seconds`. With may_move it takes 4 s and up
+ * to twice `blocks` seconds more for each of three axes, and as much again if the device gives torque.
  *   def      NULL: the defaults
  *   result   what was measured until `end`
  *
