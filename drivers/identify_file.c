@@ -1,34 +1,30 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Device dynamics from a file: lines "name=value" (identify.h). */
-#include <stdio.h>
 #include <string.h>
 
 #include "base/return_if_error.h"
 #include "base/sized.h"
 #include "dynpoint/identify.h"
 #include "settings.h"
+#include "settings_file.h"
 #include "text/parse_number.h"
-
-enum { FILE_MAX = 65536, LINE_MAX_BYTES = 160 };
 
 /* The values of one name: itself, and the ends of its interval. */
 enum { VALUE, LOW, HIGH, KINDS };
 
 struct dynamics_file {
     const char *path;
-    int line; /* the present one, from 1 */
-    dpt_device_error *error;
     struct dynamics dynamics;
     struct setting settings[DYNAMICS_SETTINGS];
     double value[DYNAMICS_SETTINGS][KINDS];
     int is_set[DYNAMICS_SETTINGS][KINDS];
 };
 
-static dpt_result complain(const struct dynamics_file *file, const char *reason, const char *what,
-                           size_t length)
+static dpt_result complain(const struct settings_line *line, dpt_device_error *error,
+                           const char *what, size_t length, const char *reason)
 {
-    return device_error(file->error, DPT_E_SYNTAX, "%.100s: line %d: '%.*s' %s", file->path,
-                        file->line, (int)(length < 40 ? length : 40), what, reason);
+    return device_error(error, DPT_E_SYNTAX, "%.100s: line %d: '%.*s' %s", line->path, line->number,
+                        (int)(length < 40 ? length : 40), what, reason);
 }
 
 /* The setting of a name that may end in _low or _high; -1: none. */
@@ -45,32 +41,32 @@ static int find_name(const struct dynamics_file *file, const char *name, size_t 
     return -1;
 }
 
-static dpt_result read_line(struct dynamics_file *file, const char *text, const char *end)
+static dpt_result take_line(void *user, const struct settings_line *line, dpt_device_error *error)
 {
-    const char *equals = memchr(text, '=', (size_t)(end - text));
-    const size_t length = (size_t)(end - text), name = equals ? (size_t)(equals - text) : length;
+    struct dynamics_file *file = user;
+    const char *text = line->text;
+    const size_t length = (size_t)(line->end - text);
+    const size_t name = line->equals ? (size_t)(line->equals - text) : length;
     int kind;
     double number;
-    if (length == 0 || *text == '#')
-        return DPT_OK;
-    if (!equals)
-        return complain(file, "is not name=value", text, length);
+    if (!line->equals)
+        return complain(line, error, text, length, "is not name=value");
     const int i = find_name(file, text, name, &kind);
     if (i < 0)
-        return complain(file, "is no name of a value", text, name);
+        return complain(line, error, text, name, "is no name of a value");
     if (file->is_set[i][kind])
-        return complain(file, "comes twice", text, name);
-    if (parse_double(equals + 1, end, &number) != end)
-        return complain(file, "is not a number", equals + 1, length - name - 1);
+        return complain(line, error, text, name, "comes twice");
+    if (parse_double(line->equals + 1, line->end, &number) != line->end)
+        return complain(line, error, line->equals + 1, length - name - 1, "is not a number");
     if (!(number >= file->settings[i].min && (kind != VALUE || number <= file->settings[i].max)))
-        return complain(file, "is out of range", text, length);
+        return complain(line, error, text, length, "is out of range");
     file->is_set[i][kind] = 1;
     file->value[i][kind] = number;
     return DPT_OK;
 }
 
 /* The ends of an interval must have their value between them. */
-static dpt_result check_intervals(const struct dynamics_file *file)
+static dpt_result check_intervals(const struct dynamics_file *file, dpt_device_error *error)
 {
     for (int i = 0; i < DYNAMICS_SETTINGS; i++) {
         const double *value = file->value[i];
@@ -78,34 +74,10 @@ static dpt_result check_intervals(const struct dynamics_file *file)
         if (((is_set[LOW] || is_set[HIGH]) && !is_set[VALUE]) ||
             (is_set[LOW] && value[LOW] > value[VALUE]) ||
             (is_set[HIGH] && value[HIGH] < value[VALUE]))
-            return device_error(file->error, DPT_E_SYNTAX, "%.100s: %s is not within its interval",
+            return device_error(error, DPT_E_SYNTAX, "%.100s: %s is not within its interval",
                                 file->path, file->settings[i].name);
     }
     return DPT_OK;
-}
-
-static dpt_result read_lines(struct dynamics_file *file, FILE *stream)
-{
-    char text[LINE_MAX_BYTES];
-    size_t bytes = 0;
-    for (file->line = 1; fgets(text, sizeof text, stream); file->line++) {
-        size_t length = strlen(text);
-        const int is_whole = (length > 0 && text[length - 1] == '\n') || feof(stream);
-        if (!is_whole && *text != '#')
-            return complain(file, "is too long", text, length);
-        for (int c = is_whole ? '\n' : 0; c != '\n' && c != EOF && bytes <= FILE_MAX; bytes++)
-            c = getc(stream);
-        bytes += length;
-        if (bytes > FILE_MAX)
-            return device_error(file->error, DPT_E_LIMIT, "%.100s: it has more than 64 KiB",
-                                file->path);
-        while (length > 0 && strchr(" \t\r\n", text[length - 1]))
-            length--;
-        DPT_TRY(read_line(file, text, text + length));
-    }
-    if (ferror(stream))
-        return device_error(file->error, DPT_E_OPEN, "%.100s: it cannot be read", file->path);
-    return check_intervals(file);
 }
 
 static void replace(const struct dynamics_file *file, dpt_device_info *info)
@@ -123,17 +95,13 @@ static void replace(const struct dynamics_file *file, dpt_device_info *info)
 static dpt_result read_file(const char *path, dpt_device_info *info, dpt_device_error *error)
 {
     dpt_device_info own = { .size = sizeof own };
-    struct dynamics_file file = { .path = path, .error = error };
+    struct dynamics_file file = { .path = path };
     if (!path || !info)
         return device_error(error, DPT_E_ARGUMENT, "there is no file, or no info");
     DPT_TRY(sized_read(info, sizeof own, &own, sizeof own));
-    FILE *stream = fopen(path, "r");
-    if (!stream)
-        return device_error(error, DPT_E_OPEN, "%.100s: it cannot be opened", path);
     dynamics_settings(&file.dynamics, file.settings);
-    const dpt_result result = read_lines(&file, stream);
-    fclose(stream);
-    DPT_TRY(result);
+    DPT_TRY(settings_file_read(path, take_line, &file, error));
+    DPT_TRY(check_intervals(&file, error));
     replace(&file, &own);
     sized_write(info, info->size, &own, sizeof own);
     return DPT_OK;

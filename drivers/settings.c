@@ -5,7 +5,13 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "settings_file.h"
 #include "text/parse_number.h"
+
+/* The setting that every driver has: a file with more of them. */
+#define FILE_SETTING "settings"
+
+enum { PATH_ROOM = 1024 };
 
 dpt_result device_error(dpt_device_error *error, dpt_result code, const char *format, ...)
 {
@@ -66,15 +72,23 @@ void dynamics_settings(struct dynamics *dynamics, struct setting settings[DYNAMI
     memcpy(settings, all, sizeof all);
 }
 
-static dpt_result set_one(const char *at, const char *end, const struct setting *settings,
-                          size_t count, struct dynamics *dynamics, dpt_device_error *error)
+/* The settings that a driver knows. */
+struct known_settings {
+    const struct setting *settings;
+    size_t count;
+    struct dynamics *dynamics; /* NULL: the driver has such settings of its own */
+};
+
+static dpt_result set_one(const struct known_settings *known, const char *at, const char *end,
+                          dpt_device_error *error)
 {
     const char *equals = memchr(at, '=', (size_t)(end - at));
     const size_t length = (size_t)((equals ? equals : end) - at);
-    const struct setting *setting = equals ? find_setting(settings, count, at, length) : NULL;
+    const struct setting *setting =
+        equals ? find_setting(known->settings, known->count, at, length) : NULL;
     struct setting common[DYNAMICS_SETTINGS];
-    if (equals && !setting && dynamics) {
-        dynamics_settings(dynamics, common);
+    if (equals && !setting && known->dynamics) {
+        dynamics_settings(known->dynamics, common);
         setting = find_setting(common, DYNAMICS_SETTINGS, at, length);
     }
     if (setting)
@@ -101,10 +115,50 @@ void dynamics_override(const struct dynamics *dynamics, dpt_device_info *info)
     override(dynamics->angle_step, &info->angle_step);
 }
 
+static int is_name(const char *at, const char *end, const char *name)
+{
+    const size_t length = strlen(name);
+    return (size_t)(end - at) > length && !memcmp(at, name, length) && at[length] == '=';
+}
+
+/* The ends of an interval, as an identification writes them beside a value. */
+static int is_interval(const struct settings_line *line)
+{
+    const char *name = line->text, *end = line->equals;
+    return end && ((end - name > 4 && !memcmp(end - 4, "_low", 4)) ||
+                   (end - name > 5 && !memcmp(end - 5, "_high", 5)));
+}
+
+static dpt_result take_line(void *user, const struct settings_line *line, dpt_device_error *error)
+{
+    dpt_device_error own = { .size = sizeof own };
+    if (is_interval(line))
+        return DPT_OK;
+    const dpt_result result = set_one(user, line->text, line->end, &own);
+    if (result == DPT_OK)
+        return result;
+    return device_error(error, result, "%.100s: line %d: %.100s", line->path, line->number,
+                        own.text);
+}
+
+/* settings=FILE: all of its lines. */
+static dpt_result set_all(struct known_settings *known, const char *value, const char *end,
+                          dpt_device_error *error)
+{
+    char path[PATH_ROOM];
+    const size_t length = (size_t)(end - value);
+    if (length >= sizeof path)
+        return device_error(error, DPT_E_SETTING, "settings: '%.60s...' is too long", value);
+    memcpy(path, value, length);
+    path[length] = '\0';
+    return settings_file_read(path, take_line, known, error);
+}
+
 dpt_result settings_read(const char *where, char *address, size_t address_bytes,
                          const struct setting *settings, size_t count, struct dynamics *dynamics,
                          dpt_device_error *error)
 {
+    struct known_settings known = { settings, count, dynamics };
     where = where ? where : "";
     size_t length = strcspn(where, "?");
     if (length >= address_bytes)
@@ -115,7 +169,9 @@ dpt_result settings_read(const char *where, char *address, size_t address_bytes,
     while (*at) {
         at++;
         const char *end = at + strcspn(at, "&");
-        dpt_result result = set_one(at, end, settings, count, dynamics, error);
+        dpt_result result = is_name(at, end, FILE_SETTING)
+                                ? set_all(&known, at + sizeof FILE_SETTING, end, error)
+                                : set_one(&known, at, end, error);
         if (result != DPT_OK)
             return result;
         at = end;

@@ -38,7 +38,10 @@ void dynamics_override(const struct dynamics *dynamics, dpt_device_info *info);
  *   address    room for `address_bytes`; gets what stands before the '?', or ""
  *   dynamics   zero before the call; NULL if the driver has such settings of its own
  *
- * DPT_E_SETTING: a setting is unknown, not a number, out of range or too long; `error` says which.
+ * "settings=FILE" stands for all lines "name=value" of a file, which has none of these itself. What comes later counts.
+ *
+ * DPT_E_SETTING: a setting is unknown, not a number, out of range or too long; `error` says which. Errors of the file are
+ * those of settings_file.h.
  */
 dpt_result settings_read(const char *where, char *address, size_t address_bytes,
                          const struct setting *settings, size_t count, struct dynamics *dynamics,

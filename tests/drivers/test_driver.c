@@ -203,6 +203,51 @@ static void names_choose_a_driver(void)
           "an error of another size");
 }
 
+static double mass_of(const char *where, const char *path)
+{
+    dpt_device_info info = { .size = sizeof info };
+    dpt_device *device = device_named(where, path);
+    CHECK(dpt_device_get_info(device, &info) == DPT_OK, "no info");
+    dpt_device_close(device);
+    return info.mass;
+}
+
+/* One file for all that was measured of a device, and calibrated. */
+static void settings_come_from_a_file(void)
+{
+    const struct small_file file =
+        file_with("# measured\nmass=0.25\nmass_low=0.2\nmass_high=0.3\n\ndamping=2\r\n");
+    CHECK(mass_of("sim:?settings=%s", file.path) == 0.25, "%g kg",
+          mass_of("sim:?settings=%s", file.path));
+    CHECK(mass_of("sim:?settings=%s&mass=0.5", file.path) == 0.5, "what comes later counts");
+    CHECK(mass_of("sim:?mass=0.5&settings=%s", file.path) == 0.25, "what comes later counts");
+    unlink(file.path);
+    const struct {
+        const char *text, *reason;
+        dpt_result code;
+    } wrong[] = {
+        { "mass=0.2\nweight=1\n", ": line 2: no setting 'weight'", DPT_E_SETTING },
+        { "mass=heavy\n", ": line 1: mass: 'heavy' is not a number", DPT_E_SETTING },
+        { "mass=1000\n", ": line 1: mass is not within", DPT_E_SETTING },
+        { "settings=other\n", ": line 1: no setting 'settings'", DPT_E_SETTING },
+        { "mass\n", ": line 1: no setting 'mass'", DPT_E_SETTING },
+    };
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        const struct small_file bad = file_with(wrong[i].text);
+        char name[128];
+        dpt_device *device;
+        dpt_device_error error = { .size = sizeof error };
+        snprintf(name, sizeof name, "sim:?settings=%s", bad.path);
+        CHECK(dpt_device_open(name, &device, &error) == wrong[i].code &&
+                  strstr(error.text, wrong[i].reason) && strstr(error.text, bad.path),
+              "case %zu: %s", i, error.text);
+        unlink(bad.path);
+        CHECK(dpt_device_open(name, &device, &error) == DPT_E_OPEN &&
+                  strstr(error.text, "it cannot be opened"),
+              "no file: %s", error.text);
+    }
+}
+
 static void wrong_arguments_are_codes(void)
 {
     dpt_device *device = device_named("sim:");
@@ -341,6 +386,7 @@ int main(void)
     TEST(a_driver_from_outside_is_used);
     TEST(incomplete_drivers_are_refused);
     TEST(names_choose_a_driver);
+    TEST(settings_come_from_a_file);
     TEST(wrong_arguments_are_codes);
     TEST(reasons_without_a_name_are_the_devices_own);
     TEST(what_sim_finds_opens);

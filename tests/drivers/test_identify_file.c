@@ -39,7 +39,7 @@ static void what_is_named_is_replaced(void)
 
 static void what_is_wrong_is_named(void)
 {
-    static char long_line[400], long_comment[400];
+    static char long_line[700], long_comment[700];
     static const struct {
         const char *text, *reason;
     } cases[] = {
