@@ -12,39 +12,32 @@
 #include "base/vec3.h"
 #include "clock.h"
 #include "dynpoint/loop.h"
+#include "loop_line.h"
 #include "urgent.h"
 
 enum { ZERO_WRITES_MAX = 10 };
 
 static const uint64_t SECOND = 1000000000u;
 
+enum { LINES_MAX = 2 };
+
 struct dpt_loop {
-    dpt_device *device;
-    dpt_device_info info;
-    dpt_loop_def def;     /* def.guard is NULL: `guard` has its content */
-    dpt_guard_def guard;  /* within what the device can do */
+    struct loop_line_def lines[LINES_MAX]; /* the first one's samples set the pace */
+    int line_count;
+    dpt_loop_def def;     /* its guards are NULL: the lines have their content */
     double period;        /* s */
     uint64_t period_ns;   /* the same in ns */
-    int is_deterministic; /* the device's time passes by reads */
+    int is_deterministic; /* the devices' time passes by reads */
     int stop;             /* set by dpt_loop_stop, read atomically */
 };
 
 /* The state of one run. */
 struct run {
     struct dpt_loop *loop;
-    dpt_loop_stats stats;
-    dpt_guard guard;
-    dpt_device_state state;
-    dpt_loop_sample sample;
+    struct loop_line lines[LINES_MAX];
     uint64_t now; /* ns, of the monotonic clock, or the time of a deterministic device */
     int64_t
         suspended_ns; /* how long the machine was suspended since boot: the largest value read */
-    int has_sequence;
-    uint64_t sequence; /* of the newest sample that was accepted */
-    int has_host_sample;
-    uint64_t host_sample_ns; /* time_ns of the last sample that the host saw */
-    int is_lost;
-    uint64_t retry_ns; /* when to try dpt_device_clear again */
 };
 
 void dpt_loop_def_defaults(dpt_loop_def *def, size_t size)
@@ -53,45 +46,47 @@ void dpt_loop_def_defaults(dpt_loop_def *def, size_t size)
     sized_defaults(def, size, &defaults, sizeof defaults);
 }
 
-/* The loop's guard is the host's, with its limits lowered to what the device can do. */
-static dpt_result limit_guard(const dpt_guard_def *given, struct dpt_loop *loop)
+static int is_deterministic(const struct loop_line_def *line)
 {
-    const dpt_device_info *info = &loop->info;
-    dpt_guard_def *def = &loop->guard;
-    dpt_guard guard = { .size = sizeof guard };
-    dpt_guard_def_init(def);
-    if (given)
-        DPT_TRY(sized_read(given, sizeof *given, def, sizeof *def));
-    DPT_TRY(dpt_guard_init(&guard, def));
-    if ((uint64_t)(def->hold * 1e9 + 0.5) < loop->period_ns)
-        return DPT_E_ARGUMENT;
-    const double force = info->wrench_dofs < 3 ? 0.0 : info->force_max;
-    const double torque = info->wrench_dofs < 6 ? 0.0 : info->torque_max;
-    def->force_max = min_of(def->force_max, max_of(force, 0.0));
-    def->torque_max = min_of(def->torque_max, max_of(torque, 0.0));
-    return DPT_OK;
+    return (line->info.flags & DPT_DEVICE_FLAG_DETERMINISTIC) != 0;
+}
+
+/* Another device goes by the same clock. */
+static dpt_result open_lines(struct dpt_loop *loop, dpt_device *device)
+{
+    const dpt_loop_def *def = &loop->def;
+    DPT_TRY(loop_line_open(&loop->lines[0], device, def->guard, loop->period_ns));
+    loop->line_count = 1;
+    loop->is_deterministic = is_deterministic(&loop->lines[0]);
+    if (!def->other)
+        return def->other_guard ? DPT_E_ARGUMENT : DPT_OK;
+    DPT_TRY(loop_line_open(&loop->lines[1], def->other, def->other_guard, loop->period_ns));
+    loop->line_count = 2;
+    return def->other == device || is_deterministic(&loop->lines[1]) != loop->is_deterministic
+               ? DPT_E_ARGUMENT
+               : DPT_OK;
 }
 
 dpt_result dpt_loop_create(dpt_device *device, const dpt_loop_def *given, dpt_loop **out)
 {
-    dpt_loop loop = { .device = device, .info.size = sizeof loop.info };
+    dpt_loop loop = { .stop = 0 };
+    dpt_device_info info = { .size = sizeof info };
     if (out)
         *out = NULL;
     if (!device || !given || !out)
         return DPT_E_ARGUMENT;
     dpt_loop_def_init(&loop.def);
     DPT_TRY(sized_read(given, sizeof loop.def, &loop.def, sizeof loop.def));
-    DPT_TRY(dpt_device_get_info(device, &loop.info));
-    const double rate = loop.def.rate != 0.0 ? loop.def.rate : loop.info.rate;
+    DPT_TRY(dpt_device_get_info(device, &info));
+    const double rate = loop.def.rate != 0.0 ? loop.def.rate : info.rate;
     if (!loop.def.tick || loop.def.reserved_pointer || loop.def.reserved_pointer_2 ||
         loop.def.priority > 99 || loop.def.lock > 1 || loop.def.reopen > 1 || loop.def.awake > 1 ||
         !(rate >= 1.0 && rate <= 100000.0))
         return DPT_E_ARGUMENT;
     loop.period = 1.0 / rate;
     loop.period_ns = (uint64_t)(1e9 / rate + 0.5);
-    loop.is_deterministic = (loop.info.flags & DPT_DEVICE_FLAG_DETERMINISTIC) != 0;
-    DPT_TRY(limit_guard(loop.def.guard, &loop));
-    loop.def.guard = NULL;
+    DPT_TRY(open_lines(&loop, device));
+    loop.def.guard = loop.def.other_guard = NULL;
     *out = malloc(sizeof loop);
     if (!*out)
         return DPT_E_MEMORY;
@@ -164,90 +159,6 @@ double dpt_loop_quantile(const uint64_t *bins, double fraction)
     return bin_end;
 }
 
-static int pose_is_sound(const dpt_pose *pose)
-{
-    const double *q = pose->orientation;
-    return vec3_within(pose->position, DPT_COORDINATE_MAX) &&
-           within(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] - 1.0, 2e-6);
-}
-
-/* Count the sample that was read. Returns 1 if it is newer than all before. */
-static int accept_sample(struct run *run)
-{
-    const dpt_device_state *state = &run->state;
-    if (!state->fresh)
-        return 0;
-    if (run->has_sequence && state->sequence <= run->sequence) {
-        run->stats.reordered++;
-        return 0;
-    }
-    if (run->has_sequence)
-        run->stats.skipped += state->sequence - run->sequence - 1;
-    run->has_sequence = 1;
-    run->sequence = state->sequence;
-    return 1;
-}
-
-static void note_loss(struct run *run)
-{
-    run->stats.lost++;
-    if (!run->is_lost) {
-        run->is_lost = 1;
-        run->stats.losses++;
-        run->retry_ns = run->now + SECOND;
-        run->has_sequence = run->has_host_sample = 0;
-    }
-    if (!run->loop->def.reopen || run->now < run->retry_ns)
-        return;
-    run->retry_ns = run->now + SECOND;
-    dpt_device_clear(run->loop->device);
-}
-
-/* The device gives no force until it takes the next command. */
-static void clear_sent(struct run *run)
-{
-    static const dpt_wrench zero;
-    run->sample.sent = zero;
-    run->sample.sent_ns = 0;
-}
-
-/* Tell the host of a tick that has no sample for it. */
-static void call_idle(struct run *run)
-{
-    run->sample.dt = 0.0;
-    if (run->loop->def.idle)
-        run->loop->def.idle(run->loop->def.user, &run->sample);
-}
-
-/* Call the host with the fresh sample. */
-static dpt_result call_host(struct run *run, dpt_wrench *command)
-{
-    const dpt_loop *loop = run->loop;
-    run->sample.dt = loop->period;
-    if (run->has_host_sample && run->state.time_ns > run->host_sample_ns)
-        run->sample.dt = (double)(run->state.time_ns - run->host_sample_ns) * 1e-9;
-    run->has_host_sample = 1;
-    run->host_sample_ns = run->state.time_ns;
-    const dpt_result result = loop->def.tick(loop->def.user, &run->sample, command);
-    run->sample.commands = 0;
-    return result;
-}
-
-static void send(struct run *run, const dpt_wrench *wrench)
-{
-    const dpt_result result = dpt_device_write(run->loop->device, wrench);
-    if (result == DPT_OK) {
-        run->stats.sent++;
-        run->sample.commands++;
-        run->sample.sent = *wrench;
-        run->sample.sent_ns = run->loop->is_deterministic ? run->state.time_ns : run->now;
-        return;
-    }
-    run->stats.refused++;
-    if (result == DPT_E_NOT_READY || result == DPT_E_LOST)
-        clear_sent(run);
-}
-
 /*
  * Read the clock. It stands still while the machine is suspended, so the guard sees no silence: switch it off here. The
  * value of `suspended` may be too small, never too large (clock_read_suspended), so compare it with the largest before.
@@ -255,65 +166,71 @@ static void send(struct run *run, const dpt_wrench *wrench)
 static dpt_result read_clocks(struct run *run)
 {
     int64_t suspended;
-    dpt_wrench ignored;
     DPT_TRY(clock_read_suspended(&run->now, &suspended));
     if (suspended > run->suspended_ns + (int64_t)run->loop->period_ns)
-        dpt_guard_step(&run->guard, run->now, NULL, 0, &ignored);
+        for (int i = 0; i < run->loop->line_count; i++)
+            loop_line_stop(&run->lines[i], run->now);
     run->suspended_ns = suspended > run->suspended_ns ? suspended : run->suspended_ns;
     return DPT_OK;
 }
 
+/* Read all devices. Returns how many are there. */
+static int read_lines(struct run *run)
+{
+    const struct loop_line *first = &run->lines[0];
+    int there = 0;
+    for (int i = 0; i < run->loop->line_count; i++)
+        loop_line_read(&run->lines[i]);
+    if (run->loop->is_deterministic)
+        run->now = first->is_fresh && first->state.time_ns > run->now
+                       ? first->state.time_ns
+                       : run->now + run->loop->period_ns;
+    for (int i = 0; i < run->loop->line_count; i++)
+        there += !loop_line_check_loss(&run->lines[i], run->now, (int)run->loop->def.reopen);
+    return there;
+}
+
+/* The host answers to fresh samples, or hears that there are none. */
+static void call_host(struct run *run, dpt_wrench *commands)
+{
+    const dpt_loop_def *def = &run->loop->def;
+    const dpt_loop_sample *sample = &run->lines[0].sample;
+    int has_sample = 0, is_answered = 0;
+    for (int i = 0; i < run->loop->line_count; i++)
+        has_sample |= loop_line_has_sample(&run->lines[i], run->loop->period);
+    if (has_sample)
+        is_answered = def->tick(def->user, sample, commands) == DPT_OK;
+    else if (def->idle)
+        def->idle(def->user, sample);
+    for (int i = 0; i < run->loop->line_count; i++)
+        loop_line_count(&run->lines[i], is_answered);
+}
+
 static dpt_result tick(struct run *run)
 {
-    dpt_wrench command = { { 0.0 }, { 0.0 } }, wrench;
-    dpt_result result = dpt_device_read(run->loop->device, &run->state);
-    int is_fresh = result == DPT_OK && accept_sample(run);
-    const dpt_device_state *state = &run->state;
-
-    run->stats.ticks++;
-    if (run->loop->is_deterministic)
-        run->now = is_fresh && state->time_ns > run->now ? state->time_ns
-                                                         : run->now + run->loop->period_ns;
-    if (result == DPT_E_LOST || state->status == DPT_DEVICE_STATUS_LOST) {
-        note_loss(run);
-        call_idle(run);
-        clear_sent(run);
-        dpt_guard_step(&run->guard, run->now, NULL, 0, &wrench);
-        return DPT_OK;
-    }
-    run->stats.reopened += (uint64_t)run->is_lost;
-    run->is_lost = 0;
-    int is_ready = state->status == DPT_DEVICE_STATUS_READY && pose_is_sound(&state->pose);
-    int has_command = 0;
-    if (!is_fresh)
-        run->stats.stale++;
-    else if (!is_ready)
-        run->stats.not_ready++;
-    if (is_fresh && pose_is_sound(&state->pose)) {
-        has_command = call_host(run, &command) == DPT_OK;
-        if (is_ready && has_command)
-            run->stats.fresh++;
-        else if (is_ready)
-            run->stats.failed++;
-    } else {
-        call_idle(run);
-    }
+    dpt_wrench commands[LINES_MAX];
+    memset(commands, 0, sizeof commands);
+    const int there = read_lines(run);
+    call_host(run, commands);
     /* Read the clock after the host: a command counts from its arrival, so one that took long begins a new ramp. */
-    if (!run->loop->is_deterministic)
+    if (!run->loop->is_deterministic && there > 0)
         DPT_TRY(read_clocks(run));
-    dpt_guard_step(&run->guard, run->now, has_command ? &command : NULL, is_ready, &wrench);
-    if (state->status == DPT_DEVICE_STATUS_READY)
-        send(run, &wrench);
-    else
-        clear_sent(run);
+    for (int i = 0; i < run->loop->line_count; i++)
+        loop_line_send(&run->lines[i], &commands[i], run->now,
+                       run->loop->is_deterministic ? run->lines[i].state.time_ns : run->now);
     return DPT_OK;
+}
+
+static int is_any_lost(const struct run *run)
+{
+    return run->lines[0].is_lost || (run->loop->line_count > 1 && run->lines[1].is_lost);
 }
 
 static int has_ended(const struct run *run)
 {
     const dpt_loop *loop = run->loop;
-    return must_stop(loop) || (loop->def.ticks && run->stats.ticks >= loop->def.ticks) ||
-           (run->is_lost && !loop->def.reopen);
+    return must_stop(loop) || (loop->def.ticks && run->lines[0].stats.ticks >= loop->def.ticks) ||
+           (is_any_lost(run) && !loop->def.reopen);
 }
 
 static void note_time(double *max_seconds, uint64_t *bins, uint64_t ns)
@@ -375,8 +292,8 @@ static int64_t phase_fresh(struct phase *phase, int64_t period, int64_t age)
 static int64_t phase_shift(struct run *run, struct phase *phase, int is_stale, uint64_t deadline)
 {
     const int64_t period = (int64_t)run->loop->period_ns;
-    const int64_t age = (int64_t)(deadline - run->state.time_ns);
-    if (run->loop->def.rate != 0.0 || run->is_lost)
+    const int64_t age = (int64_t)(deadline - run->lines[0].state.time_ns);
+    if (run->loop->def.rate != 0.0 || run->lines[0].is_lost)
         return 0;
     if (is_stale)
         return phase_stale(phase, period);
@@ -386,6 +303,7 @@ static int64_t phase_shift(struct run *run, struct phase *phase, int is_stale, u
 static dpt_result run_by_clock(struct run *run)
 {
     uint64_t period = run->loop->period_ns, deadline, begin, end;
+    dpt_loop_stats *stats = &run->lines[0].stats;
     struct phase phase = { .target_age = (int64_t)period / 8, .min_age = (int64_t)period };
     DPT_TRY(clock_read_suspended(&deadline, &run->suspended_ns));
     while (!has_ended(run)) {
@@ -394,19 +312,20 @@ static dpt_result run_by_clock(struct run *run)
             break;
         DPT_TRY(clock_read(&begin));
         const uint64_t late = begin > deadline ? begin - deadline : 0;
-        note_time(&run->stats.late_max, run->stats.late, late);
-        run->sample.late = (double)late * 1e-9;
+        note_time(&stats->late_max, stats->late, late);
+        for (int i = 0; i < run->loop->line_count; i++)
+            run->lines[i].sample.late = (double)late * 1e-9;
         run->now = begin;
-        const uint64_t stale_before = run->stats.stale;
+        const uint64_t stale_before = stats->stale;
         DPT_TRY(tick(run));
         DPT_TRY(clock_read(&end));
-        note_time(&run->stats.took_max, run->stats.took, end > begin ? end - begin : 0);
+        note_time(&stats->took_max, stats->took, end > begin ? end - begin : 0);
         deadline +=
-            period + (uint64_t)phase_shift(run, &phase, run->stats.stale != stale_before, deadline);
+            period + (uint64_t)phase_shift(run, &phase, stats->stale != stale_before, deadline);
         if (end < deadline)
             continue;
         uint64_t missed = (end - deadline) / period + 1;
-        run->stats.missed += missed;
+        stats->missed += missed;
         deadline += missed * period;
     }
     return DPT_OK;
@@ -420,21 +339,32 @@ static dpt_result run_by_device(struct run *run)
 }
 
 /* Send zero force. If the line has no room, try again: it may have room a little later. */
-static dpt_result send_zero(struct run *run)
+static dpt_result send_zero(const struct run *run, int index)
 {
     static const dpt_wrench zero;
-    dpt_loop *loop = run->loop;
+    const dpt_loop *loop = run->loop;
+    dpt_device *device = loop->lines[index].device;
+    dpt_device_state ignored = { .size = sizeof ignored };
     const struct timespec period = { .tv_sec = (time_t)(loop->period_ns / SECOND),
                                      .tv_nsec = (long)(loop->period_ns % SECOND) };
-    dpt_result result = dpt_device_write(loop->device, &zero);
+    dpt_result result = dpt_device_write(device, &zero);
     for (int i = 1; i < ZERO_WRITES_MAX && result == DPT_E_BUSY; i++) {
         if (loop->is_deterministic)
-            dpt_device_read(loop->device, &run->state);
+            dpt_device_read(device, &ignored);
         else
             nanosleep(&period, NULL);
-        result = dpt_device_write(loop->device, &zero);
+        result = dpt_device_write(device, &zero);
     }
     return result;
+}
+
+/* Of the devices; what is of the whole loop is in the first one's. */
+static void write_stats(struct run *run, dpt_loop_stats *stats)
+{
+    const uint32_t size = stats->size;
+    for (int i = 0; i < run->loop->line_count; i++)
+        sized_write((unsigned char *)stats + (size_t)i * size, size, &run->lines[i].stats,
+                    sizeof run->lines[i].stats);
 }
 
 dpt_result dpt_loop_run(dpt_loop *loop, dpt_loop_stats *stats)
@@ -442,35 +372,29 @@ dpt_result dpt_loop_run(dpt_loop *loop, dpt_loop_stats *stats)
     if (!loop)
         return DPT_E_ARGUMENT;
     if (stats)
-        DPT_TRY(sized_check(stats, sizeof *stats, 0));
+        DPT_TRY(sized_check(stats, sizeof *stats, loop->line_count > 1));
     struct urgent saved;
     struct run run = { .loop = loop };
-    run.stats.size = sizeof run.stats;
-    run.state.size = sizeof run.state;
-    run.guard.size = sizeof run.guard;
-    run.sample.size = sizeof run.sample;
-    run.sample.state = &run.state;
-    run.sample.info = &loop->info;
-    dpt_guard_init(&run.guard, &loop->guard);
+    uint32_t *notes = &run.lines[0].stats.notes;
+    for (int i = 0; i < loop->line_count; i++)
+        loop_line_begin(&run.lines[i], &loop->lines[i]);
+    if (loop->line_count > 1)
+        run.lines[0].sample.other = &run.lines[1].sample;
 
     if (!loop->is_deterministic)
-        run.stats.notes = urgent_begin(&saved, loop->def.priority, loop->def.lock, loop->def.cpu,
-                                       loop->def.awake);
+        *notes = urgent_begin(&saved, loop->def.priority, loop->def.lock, loop->def.cpu,
+                              loop->def.awake);
     dpt_result result = loop->is_deterministic ? run_by_device(&run) : run_by_clock(&run);
-    dpt_result zero_result = send_zero(&run);
+    for (int i = 0; i < loop->line_count; i++) {
+        const dpt_result zero_result = send_zero(&run, i);
+        result = result == DPT_OK && !is_any_lost(&run) ? zero_result : result;
+    }
     if (!loop->is_deterministic)
-        run.stats.notes |= urgent_end(&saved);
-
-    dpt_guard_info guard = { .size = sizeof guard };
-    dpt_guard_get_info(&run.guard, &guard);
-    run.stats.stops = guard.stops;
-    run.stats.clamped = guard.clamped;
-    run.stats.slewed = guard.slewed;
-    run.stats.not_finite = guard.not_finite;
+        *notes |= urgent_end(&saved);
+    for (int i = 0; i < loop->line_count; i++)
+        loop_line_end(&run.lines[i]);
     if (stats)
-        sized_write(stats, stats->size, &run.stats, sizeof run.stats);
+        write_stats(&run, stats);
     __atomic_store_n(&loop->stop, 0, __ATOMIC_RELAXED);
-    if (result != DPT_OK)
-        return result;
-    return run.is_lost ? DPT_E_LOST : zero_result;
+    return result == DPT_OK && is_any_lost(&run) ? DPT_E_LOST : result;
 }

@@ -42,6 +42,7 @@ DPT_BEGIN
  *   sent_ns   When the device took `sent`, on the clock of state->time_ns; 0 if there is none.
  *   commands  The number of commands that the device took since the call before. Usually 1. If 0, `sent` is older than
  *             that call. If more than 1, because samples came late, `sent` is the last of them.
+ *   other     With two devices (dpt_loop_def.other), the second one's sample; NULL in it, and with one device.
  *   late      From the deadline to this tick, s. 0 for a deterministic device, which is never late.
  */
 typedef struct dpt_loop_sample {
@@ -53,12 +54,17 @@ typedef struct dpt_loop_sample {
     uint64_t sent_ns;
     dpt_wrench sent;
     double late;
+    const struct dpt_loop_sample *other;
+    const void *reserved_pointer; /* NULL */
 } dpt_loop_sample;
 
 /*
  * One tick of the host: compute a wrench, in the device's frame, from a fresh sample. It is also called if the device
  * is not ready, so that the host sees the sample; the wrench is not used then. It may call dpt_device_clear.
  *   wrench   zero before the call
+ *
+ * With two devices (dpt_loop_def.other) `wrench` is an array of two, and the call comes if either device has a fresh
+ * sample. A device without one has a `dt` of 0 and state->fresh 0 in its sample, and its wrench is not used.
  *
  * If it returns anything but DPT_OK, there is no fresh command. The loop sends nothing while this function runs. If it
  * hangs, only the device's own watchdog ends the force.
@@ -87,8 +93,10 @@ typedef struct dpt_loop_def {
     const void *reserved_pointer;   /* NULL */
     dpt_loop_idle_fn *idle;         /* called on each tick that does not call `tick`; NULL */
     const void *reserved_pointer_2; /* NULL */
-    uint32_t cpu;   /* the thread runs on this processor alone, counted from 1; 0: on any; 0 */
-    uint32_t awake; /* 1: processors stay out of sleep from which they wake late (Linux); 0 */
+    uint32_t cpu;      /* the thread runs on this processor alone, counted from 1; 0: on any; 0 */
+    uint32_t awake;    /* 1: processors stay out of sleep from which they wake late (Linux); 0 */
+    dpt_device *other; /* a second device, served in the same ticks; NULL */
+    const dpt_guard_def *other_guard; /* its guard, as `guard`; NULL */
 } dpt_loop_def;
 
 /*
@@ -146,9 +154,10 @@ static inline void dpt_loop_def_init(dpt_loop_def *def)
 
 /*
  * Create a loop for an open device. The device stays the caller's and must outlive the loop. The guard limits force and
- * torque to the smaller of its def's and the device's maxima.
+ * torque to the smaller of its def's and the device's maxima. A second device is served in the same ticks, each with a
+ * guard of its own; the first one's samples set the pace.
  *
- * DPT_E_ARGUMENT: a value is out of range, or the guard's `hold` is shorter than a period, so that a command would end
+ * DPT_E_ARGUMENT: a value is out of range; or the two devices are one, or only one is deterministic; or a guard's `hold` is shorter than a period, so that a command would end
  * before the next tick.
  */
 DPT_API dpt_result dpt_loop_create(dpt_device *device, const dpt_loop_def *def, dpt_loop **loop);
@@ -157,7 +166,8 @@ DPT_API dpt_result dpt_loop_create(dpt_device *device, const dpt_loop_def *def, 
  * Serve the device in this thread, at absolute deadlines: read, tick, guard, write. Returns after `ticks`, after
  * dpt_loop_stop, or when the device is lost (unless `reopen` is 1). At the end it sends zero force and restores the
  * thread's scheduling and timer slack.
- *   stats   may be NULL
+ *   stats   may be NULL; with two devices an array of two, the first one's size being their distance. What is counted of
+ *           the loop is in the first: `notes`, `missed`, `late` and `took`
  *
  * A deterministic device has a time of its own. The loop then does not wait, leaves thread and memory as they are, and
  * is never late. If the machine was suspended during the run, the guard starts again with its ramp (Linux).

@@ -135,8 +135,23 @@ static void it_is_as_stiff_as_the_margin_allows(void)
         CHECK(near(coupling.depth, 3.3 / coupling.stiffness, 1e-9), "depth %g", coupling.depth);
         CHECK(coupling.flags == DPT_COUPLING_FLAG_RESTS, "flags %u", coupling.flags);
     }
-    def.friction = 1e-4;
-    CHECK(!(choose(&def).flags & DPT_COUPLING_FLAG_RESTS), "it rests without friction");
+    for (int i = 0; i < 2; i++) {
+        def.friction = (i ? 1.01 : 0.99) * 0.5 * choose(&def).stiffness * def.position_step;
+        CHECK(choose(&def).flags == (i ? DPT_COUPLING_FLAG_RESTS : 0u), "%g N: flags %u",
+              def.friction, choose(&def).flags);
+    }
+    def.friction = 1;
+    def.has_torque = 1;
+    def.inertia = 1e-4;
+    def.spin_damping = 1e-3;
+    def.angle_step = 1e-3;
+    def.rho = def.lever = 0.02;
+    for (int i = 0; i < 2; i++) {
+        const double turn = choose(&def).stiffness * (0.02 * 0.02 + 0.02 * 0.02);
+        def.spin_friction = (i ? 1.01 : 0.99) * 0.5 * turn * def.angle_step;
+        CHECK(choose(&def).flags == (i ? DPT_COUPLING_FLAG_RESTS : 0u), "%g Nm: flags %u",
+              def.spin_friction, choose(&def).flags);
+    }
 }
 
 static void the_margin_counts_virtual_damping_too(void)
