@@ -21,6 +21,7 @@ static const struct {
     { "record", command_record, "show a recording of a run, or export it as CSV" },
     { "force-test", command_force_test,
       "test on a mesh whether a force can be held: turns, jumps, energy" },
+    { "stability", command_stability, "break methods of force on purpose, and say which hold" },
 };
 
 static void print_help(void)

@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The cases of the laboratory, in the order in which they are told. Each is defined in the file of its subject. */
+#ifndef DPT_TOOLS_LAB_CASES_H
+#define DPT_TOOLS_LAB_CASES_H
+
+#include "stability/lab.h"
+
+/* Geometry: a tool is led. */
+#define LAB_GEOMETRY_CASES CASE(rocking)
+
+/* Loops: a simulated hand holds a device. */
+#define LAB_LOOP_CASES CASE(wall)
+
+#define LAB_CASES                                                                                  \
+    LAB_GEOMETRY_CASES                                                                             \
+    LAB_LOOP_CASES
+
+#define CASE(name) extern const struct lab_case name##_case;
+LAB_CASES
+#undef CASE
+
+#endif
