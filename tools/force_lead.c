@@ -156,6 +156,34 @@ void force_lead_motion(const struct force_lead *lead, double *shift, double *tur
         shift[k] = lead->device.position[k] - lead->before.position[k];
 }
 
+double force_lead_moved(const struct force_lead *lead)
+{
+    double shift[3], turn[3];
+    force_lead_motion(lead, shift, turn);
+    return sqrt(product(shift, shift) + lead->rho * lead->rho * product(turn, turn));
+}
+
+double force_lead_change(const struct force_lead *lead)
+{
+    const dpt_wrench *now = &lead->force.wrench, *was = &lead->last.wrench;
+    double square = 0.0;
+    for (int k = 0; k < 3; k++) {
+        const double f = now->force[k] - was->force[k], t = now->torque[k] - was->torque[k];
+        square += f * f + (lead->rho > 0.0 ? t * t / (lead->rho * lead->rho) : 0.0);
+    }
+    return sqrt(square);
+}
+
+double force_lead_turned(const struct force_lead *lead, double largest)
+{
+    const double *force = lead->force.wrench.force, *before = lead->last.wrench.force;
+    const double now = size_of(force), was = size_of(before);
+    const double small = fmax(SMALL_FORCE, SMALL_SHARE * largest);
+    if (!(now > small && was > small))
+        return 0.0;
+    return acos(fmax(-1.0, fmin(1.0, product(force, before) / (now * was))));
+}
+
 void force_lead_tremor(struct force_lead *lead)
 {
     for (int k = 0; k < 3; k++)

@@ -10,6 +10,12 @@
 /* Forces up to this count for nothing, N. */
 #define SMALL_FORCE 0.05
 
+/* Nor do those below this share of the largest one. */
+#define SMALL_SHARE 0.02
+
+/* m/s: how fast a proxy may move beside its device; world.h. */
+#define PROXY_SPEED 1.0
+
 struct force_lead {
     const struct force_trial_def *def;
     void *block;
@@ -41,6 +47,15 @@ void force_lead_start(struct force_lead *lead);
 
 /* How the device moved since `before`: of its middle, and the least turn of its axis, which is small. */
 void force_lead_motion(const struct force_lead *lead, double *shift, double *turn);
+
+/* |motion| of the last tick, m, in the norm in which the middle's shift and rho times the turn count alike. */
+double force_lead_moved(const struct force_lead *lead);
+
+/* |dW| of the last tick, N: of force and torque / rho. Of a ball the force alone. */
+double force_lead_change(const struct force_lead *lead);
+
+/* By how much the last tick turned the force, rad; 0 while it was small before or behind, or beside the largest one. */
+double force_lead_turned(const struct force_lead *lead, double largest);
 
 /* The next of a random motion whose standard deviation is 0.08 mm and whose peaks are about 0.2 mm. */
 void force_lead_tremor(struct force_lead *lead);

@@ -13,7 +13,7 @@ struct force_trial_def {
     uint32_t law;
     double stiffness; /* N/m */
     double friction;  /* of the mesh, for the proxy */
-    double length;    /* of the tool, m */
+    double length;    /* of the tool, m; 0: a ball at the needle's end */
     double radius;
     double depth;    /* that the device is pushed in, m */
     double through;  /* likewise, of the needle that is held through the mesh */
@@ -28,12 +28,14 @@ struct force_trial_def {
 struct push_result {
     uint64_t ticks;        /* with a force, or that ought to have one */
     uint64_t turns;        /* the force turned by more than 30 degrees, and no fold was reported */
+    uint64_t reversals;    /* likewise, by more than 90 degrees */
     uint64_t folds;        /* ticks that reported one */
     uint64_t jumps;        /* |dW| above K (3 |motion| + v_max dt) */
     uint64_t lagging;      /* lag above 1 % of |p - d| */
     uint64_t penetrations; /* the proxy's surface was nearer than 0 to the mesh */
     uint64_t unknown;      /* ticks without a force because contact was not known */
     double largest_jump;   /* N, of the force in a tick */
+    double largest_share;  /* |dW| over K (3 |motion| + v_max dt) */
     double least_gap;      /* m, of the proxy's surface */
     double us_median;      /* microseconds that a tick with a force took */
     double us_p99;

@@ -11,7 +11,7 @@ struct force_trial_def force_trial_through_def(const struct force_trial_def *def
     dpt_mesh_get_info(def->mesh, &info);
     for (int k = 0; k < 3; k++)
         size[k] = info.box_max[k] - info.box_min[k];
-    through.length = fmax(def->length, 1.2 * size_of(size));
+    through.length = def->length > 0.0 ? fmax(def->length, 1.2 * size_of(size)) : 0.0;
     through.depth = def->through;
     return through;
 }

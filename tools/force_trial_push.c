@@ -4,26 +4,11 @@
 #include "force_lead.h"
 #include "replay_report.h"
 
-/* m/s: how fast a proxy may move beside its device; world.h. */
-#define FOLD_SPEED 1.0
-
-/* Forces below this share of the largest one count for nothing, either. */
-#define SMALL_SHARE 0.02
-
 /* Ticks that a needle is led along, or held, once it is in. */
 #define TICKS_IN 400
 
-/* |force|^2 + |torque|^2 / rho^2 of a difference of wrenches, as a length. */
-static double wrench_jump(const struct force_lead *lead)
-{
-    double square = 0.0;
-    for (int k = 0; k < 3; k++) {
-        const double f = lead->force.wrench.force[k] - lead->last.wrench.force[k];
-        const double t = lead->force.wrench.torque[k] - lead->last.wrench.torque[k];
-        square += f * f + t * t / (lead->rho * lead->rho);
-    }
-    return sqrt(square);
-}
+/* rad, 30 degrees. */
+#define TURN_MAX 0.5235987755982988
 
 static void judge_proxy(struct force_lead *lead, int is_fold, struct push_result *result)
 {
@@ -40,24 +25,22 @@ static void judge_proxy(struct force_lead *lead, int is_fold, struct push_result
 static void judge_push(struct force_lead *lead, double largest, struct push_result *result)
 {
     const struct force_trial_def *def = lead->def;
-    double shift[3], turn[3];
-    force_lead_motion(lead, shift, turn);
-    const double moved = sqrt(product(shift, shift) + lead->rho * lead->rho * product(turn, turn));
-    const double now = size_of(lead->force.wrench.force), was = size_of(lead->last.wrench.force);
-    const double small = fmax(SMALL_FORCE, SMALL_SHARE * largest);
     const int is_fold = (lead->force.flags & DPT_FORCE_FLAG_FOLD) != 0;
-    const double cosine = product(lead->force.wrench.force, lead->last.wrench.force);
     /* Friction turns with the motion, by as much as its cone is wide. */
-    const double turn_max = 0.5235987755982988 + 2.0 * atan(def->friction);
+    const double turn_max = TURN_MAX + 2.0 * atan(def->friction);
     double jump[3];
     for (int k = 0; k < 3; k++)
         jump[k] = lead->force.wrench.force[k] - lead->last.wrench.force[k];
     result->ticks += lead->force.reason == DPT_FORCE_ACTS;
     result->folds += (uint64_t)is_fold;
     result->unknown += lead->force.reason == DPT_FORCE_UNDECIDED;
-    if (now > small && was > small && cosine < cos(turn_max) * now * was && !is_fold)
-        result->turns++;
-    result->jumps += wrench_jump(lead) > def->stiffness * (3.0 * moved + FOLD_SPEED * LEAD_DT);
+    const double angle = force_lead_turned(lead, largest);
+    const double allowed = def->stiffness * (3.0 * force_lead_moved(lead) + PROXY_SPEED * LEAD_DT);
+    const double share = force_lead_change(lead) / allowed;
+    result->turns += angle > turn_max && !is_fold;
+    result->reversals += angle > 3.0 * TURN_MAX && !is_fold;
+    result->jumps += share > 1.0;
+    result->largest_share = fmax(result->largest_share, share);
     result->largest_jump = fmax(result->largest_jump, size_of(jump));
     if (def->law == DPT_LAW_PROXY)
         judge_proxy(lead, is_fold, result);

@@ -6,10 +6,18 @@
 #include "stability/lab.h"
 
 /* Geometry: a tool is led. */
-#define LAB_GEOMETRY_CASES CASE(rocking)
+#define LAB_GEOMETRY_CASES                                                                         \
+    CASE(spikes)                                                                                   \
+    CASE(parallel)                                                                                 \
+    CASE(rocking)                                                                                  \
+    CASE(segments)                                                                                 \
+    CASE(medial)                                                                                   \
+    CASE(hour)                                                                                     \
+    CASE(work)                                                                                     \
+    CASE(tilt) CASE(thinsheet) CASE(border) CASE(sidelimit)
 
 /* Loops: a simulated hand holds a device. */
-#define LAB_LOOP_CASES CASE(wall)
+#define LAB_LOOP_CASES
 
 #define LAB_CASES                                                                                  \
     LAB_GEOMETRY_CASES                                                                             \
