@@ -79,7 +79,8 @@ const struct lab_case parallel_case = {
     .name = "parallel",
     .title = "Lying on a plane and along an edge",
     .method =
-        "A needle of 100 mm lies on a block, and along the edge of a block, pressed in by 0.2 and 1 "
+        "A needle of 100 mm lies on a block, and along the edge of a block, pressed in by 0.2 and "
+        "1 "
         "mm, while a tremor of 0.2 mm shakes it. The tremor does not turn it, so the torque about "
         "its middle should stay near zero. The ball is this library's proxy of one point at the "
         "needle's end; it has no torque at all.",
@@ -136,8 +137,8 @@ static void run_rocking(struct lab *lab)
                 if (lead.tally.largest_torque > 0.0)
                     worst = fmax(worst, lead.tally.torque_jump / lead.tally.largest_torque);
             }
-            lab_at_most(lab, name, "largest change of torque in a tick, of its peak",
-                        100.0 * worst, "%", 2.0);
+            lab_at_most(lab, name, "largest change of torque in a tick, of its peak", 100.0 * worst,
+                        "%", 2.0);
             lab_tally_note_convex(lab, method, &sum);
             lab_tally_note(lab, method, &sum);
         }
@@ -153,7 +154,8 @@ const struct lab_case rocking_case = {
         "A needle of 100 mm lies on a block, pressed in by 0.2, 0.5, 1 and 2 mm, and rocks about "
         "its middle by 1 degree to either side, once a second. A torque that follows the motion "
         "changes by 0.63 % of its peak in a tick. The chart shows the torque over the angle, at 1 "
-        "mm. The ball is this library's proxy of one point at the needle's end; it feels no torque.",
+        "mm. The ball is this library's proxy of one point at the needle's end; it feels no "
+        "torque.",
     .advice =
         "A device with torque needs the proxy or the bed here: the push at one point throws the "
         "whole force from one end to the other when the tool is level.",
@@ -204,8 +206,8 @@ static void run_tilt(struct lab *lab)
                 const double tilt = degrees * LAB_DEGREE;
                 felt = felt_at(&lead, tilt, depth);
                 upright = degrees ? upright : felt;
-                const double due = method == LAB_PROXY && degrees < 90 ? felt_by_formula(tilt)
-                                                                       : LAB_STIFFNESS;
+                const double due =
+                    method == LAB_PROXY && degrees < 90 ? felt_by_formula(tilt) : LAB_STIFFNESS;
                 off = fmax(off, fabs(felt / due - 1.0));
                 lab_point_at(lab, "stability-tilt", name, degrees, felt);
             }
@@ -228,10 +230,12 @@ const struct lab_case tilt_case = {
     .method =
         "A needle of 100 mm is pressed with its tip 0.1 mm into a plane, from upright (0 degrees) "
         "to lying (90), its orientation held. The force is divided by the depth. For the proxy it "
-        "should be 1 / (1 / K + c^2 / K_r), c the lever of the contact about the middle, and K when "
+        "should be 1 / (1 / K + c^2 / K_r), c the lever of the contact about the middle, and K "
+        "when "
         "both ends touch. The ball is this library's proxy of one point at the tip.",
     .advice =
-        "If a tilted tip feels too soft, raise rotational_stiffness, or set lock_rotation where the "
+        "If a tilted tip feels too soft, raise rotational_stiffness, or set lock_rotation where "
+        "the "
         "device gives no torque: then it is K at every tilt. With the bed the stiffness of a lying "
         "tool is several times that of a tip; choose K for the stiffest of them.",
     .run = run_tilt
@@ -250,10 +254,9 @@ static void run_segments(struct lab *lab)
         for (int t = 0; t < 3; t++) {
             double one = 0.0;
             for (int i = 0; i < 4; i++) {
-                const struct lab_lead_def def = { .method = method,
-                                                  .meshes = { block.mesh },
-                                                  .length = 0.08,
-                                                  .pieces = pieces[i] };
+                const struct lab_lead_def def = {
+                    .method = method, .meshes = { block.mesh }, .length = 0.08, .pieces = pieces[i]
+                };
                 struct lab_lead lead;
                 if (lab_lead_open(lab, &lead, &def)) {
                     const double felt = felt_at(&lead, tilts[t] * LAB_DEGREE, 5e-4);

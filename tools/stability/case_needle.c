@@ -50,7 +50,8 @@ const struct lab_case spikes_case = {
     .method =
         "A needle of 100 mm is pushed 5 mm into a star of 48 spikes at random places, upright to "
         "lying, and then led 40 mm across its spikes at 0.1 m/s with a tremor of 0.2 mm. The ball "
-        "is this library's proxy of one point at the needle's tip, as point-based toolkits have it; "
+        "is this library's proxy of one point at the needle's tip, as point-based toolkits have "
+        "it; "
         "it is not their code. Where a proxy leaves a spike it reports a fold, and its force may "
         "turn there.",
     .advice =

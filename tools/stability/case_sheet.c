@@ -91,9 +91,7 @@ static void push_quasi_statically(struct lab *lab)
         if (!make_wall(lab, &wall, thicknesses[i]))
             return;
         for (int method = 0; method < LAB_METHODS; method++) {
-            const struct lab_lead_def def = { .method = method,
-                                              .meshes = { wall.mesh },
-                                              .lock_rotation = 0 };
+            const struct lab_lead_def def = { .method = method, .meshes = { wall.mesh } };
             struct lab_lead lead;
             if (lab_lead_open(lab, &lead, &def)) {
                 const double force = pop_force(&lead, lying, -0.05, 0.101);
@@ -135,13 +133,17 @@ const struct lab_case thinsheet_case = {
     .name = "thinsheet",
     .title = "Thin walls and open sheets",
     .method =
-        "A needle of 100 mm crosses an open sheet and walls of 0.2, 1 and 5 mm, upright, leaning and "
-        "lying, at 0.05, 0.2, 1 and 5 m/s, to 15 mm behind the far side. It went through if nothing "
-        "pushes it back there. Then a lying needle is pushed slowly down until its force collapses, "
+        "A needle of 100 mm crosses an open sheet and walls of 0.2, 1 and 5 mm, upright, leaning "
+        "and "
+        "lying, at 0.05, 0.2, 1 and 5 m/s, to 15 mm behind the far side. It went through if "
+        "nothing "
+        "pushes it back there. Then a lying needle is pushed slowly down until its force "
+        "collapses, "
         "at most to 50 N, which is 100 mm at 500 N/m. The chart shows that force over the "
         "thickness, 0 for the sheet. The ball is this library's proxy of one point at the tip.",
     .advice =
-        "Use the proxy for everything thinner than some centimetres. It goes through nothing, but a "
+        "Use the proxy for everything thinner than some centimetres. It goes through nothing, but "
+        "a "
         "long tool that is pushed down on its tip by more than a sixth of its length tips over, as "
         "a pencil would, and starts again once it is turned by 1 rad from the device. Set "
         "lock_rotation or a greater rotational_stiffness where users press that hard.",
@@ -208,7 +210,8 @@ const struct lab_case border_case = {
     .name = "border",
     .title = "Over the border of an open sheet",
     .method =
-        "A needle of 100 mm is pressed 1, 3 and 10 mm into an open sheet and led over its border to "
+        "A needle of 100 mm is pressed 1, 3 and 10 mm into an open sheet and led over its border "
+        "to "
         "and fro at 0.1 m/s with a tremor of 0.2 mm: lying across the border, lying along it, and "
         "on its tip. Past the border the force has to end, and on the way back the tool may be "
         "under the sheet. The ball is this library's proxy of one point at the tip.",

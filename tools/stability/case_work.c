@@ -52,7 +52,8 @@ const struct lab_case work_case = {
         "F^2 / 2K stands for it. The ball is this library's proxy of one point.",
     .advice =
         "A law that yields energy on a closed path can drive a hand without end, and no damping in "
-        "the air accounts for it. Use the proxy or the bed where a device has little damping of its "
+        "the air accounts for it. Use the proxy or the bed where a device has little damping of "
+        "its "
         "own, and keep the passivity observer on: friction, delays and moving bodies are not "
         "covered by this figure.",
     .run = run_work
@@ -165,7 +166,8 @@ const struct lab_case hour_case = {
     .method =
         "A tool goes round the same path again and again: from the open 2 mm into a liver, along "
         "it, tilting, and out, in 2 s. The proxy does so for an hour at 1 kHz, the others for a "
-        "minute. Each lap is compared with the second one, tick by tick. The world has one block of "
+        "minute. Each lap is compared with the second one, tick by tick. The world has one block "
+        "of "
         "memory and allocates nothing; the work of a lap shows whether its state grows.",
     .advice =
         "A world may run for days without a reset. Poses should come from the device itself and "

@@ -8,13 +8,24 @@
 /* Geometry: a tool is led. */
 #define LAB_GEOMETRY_CASES                                                                         \
     CASE(spikes)                                                                                   \
+    CASE(microconcave)                                                                             \
+    CASE(thinsheet)                                                                                \
     CASE(parallel)                                                                                 \
     CASE(rocking)                                                                                  \
+    CASE(slot)                                                                                     \
+    CASE(bodies)                                                                                   \
     CASE(segments)                                                                                 \
     CASE(medial)                                                                                   \
+    CASE(border)                                                                                   \
+    CASE(sidelimit)                                                                                \
+    CASE(folds)                                                                                    \
+    CASE(slivers)                                                                                  \
+    CASE(coincident)                                                                               \
+    CASE(scale)                                                                                    \
     CASE(hour)                                                                                     \
     CASE(work)                                                                                     \
-    CASE(tilt) CASE(thinsheet) CASE(border) CASE(sidelimit)
+    CASE(tilt)                                                                                     \
+    CASE(budget)
 
 /* Loops: a simulated hand holds a device. */
 #define LAB_LOOP_CASES

@@ -199,6 +199,7 @@ void lab_lead_step(struct lab_lead *lead)
     tally->largest = fmax(tally->largest, force);
     tally->largest_torque = fmax(tally->largest_torque, torque);
     const double angle = is_fold ? 0.0 : force_lead_turned(&lead->lead, tally->largest);
+    tally->turning += angle;
     tally->turns += angle > 30.0 * LAB_DEGREE;
     tally->reversals += angle > 90.0 * LAB_DEGREE;
     judge_change(lead);
@@ -230,6 +231,7 @@ void lab_tally_add(struct lab_tally *sum, const struct lab_tally *tally)
         sum->least_gap = HUGE_VAL;
     sum->ticks += tally->ticks;
     sum->acting += tally->acting;
+    sum->turning += tally->turning;
     sum->turns += tally->turns;
     sum->reversals += tally->reversals;
     sum->folds += tally->folds;

@@ -29,22 +29,23 @@ struct lab_lead_def {
 
 /* What the force did so far. Nothing is counted in the ticks of lab_lead_start. */
 struct lab_tally {
-    uint64_t ticks;                          /* since the start */
-    uint64_t acting;                         /* with a force */
-    uint64_t turns;                          /* off folds, by more than 30 degrees */
-    uint64_t reversals;                      /* by more than 90 */
-    uint64_t folds, replaced;                /* that the force report flags */
-    uint64_t unknown;                        /* without a force, as contact was not known */
-    uint64_t in_mesh;                        /* whose proxy is in a body */
-    uint64_t lagging;                        /* whose lag is above 1 % of |p - d| */
-    uint64_t not_finite;                     /* with a force or torque that is no number */
-    double jump, torque_jump;                /* the largest in a tick, N, Nm */
-    double drop;                             /* the largest loss of force in a tick, N */
-    double share;                            /* of |dW| in K (3 |motion| + v_max dt), the largest */
-    uint64_t shallow;                        /* ticks whose W is at most K r / 5 */
-    double gain;                             /* |dW| over K |motion| in these, the largest */
-    double largest, largest_torque;          /* N, Nm */
-    double least_gap;                        /* of the proxy, m */
+    uint64_t ticks;                 /* since the start */
+    uint64_t acting;                /* with a force */
+    uint64_t turns;                 /* off folds, by more than 30 degrees */
+    uint64_t reversals;             /* by more than 90 */
+    double turning;                 /* rad: all turns of the force, off folds */
+    uint64_t folds, replaced;       /* that the force report flags */
+    uint64_t unknown;               /* without a force, as contact was not known */
+    uint64_t in_mesh;               /* whose proxy is in a body */
+    uint64_t lagging;               /* whose lag is above 1 % of |p - d| */
+    uint64_t not_finite;            /* with a force or torque that is no number */
+    double jump, torque_jump;       /* the largest in a tick, N, Nm */
+    double drop;                    /* the largest loss of force in a tick, N */
+    double share;                   /* of |dW| in K (3 |motion| + v_max dt), the largest */
+    uint64_t shallow;               /* ticks whose W is at most K r / 5 */
+    double gain;                    /* |dW| over K |motion| in these, the largest */
+    double largest, largest_torque; /* N, Nm */
+    double least_gap;               /* of the proxy, m */
 };
 
 struct lab_lead {

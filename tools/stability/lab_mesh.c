@@ -43,7 +43,8 @@ int lab_mesh_shape(struct lab *lab, struct lab_mesh *mesh, const char *name, uin
 }
 
 int lab_mesh_net(struct lab *lab, struct lab_mesh *mesh, uint32_t rows, uint32_t columns,
-                 void (*place)(double u, double v, double x[3]))
+                 void (*place)(const void *context, double u, double v, double x[3]),
+                 const void *context)
 {
     const uint32_t across = columns + 1;
     struct shape net;
@@ -53,7 +54,7 @@ int lab_mesh_net(struct lab *lab, struct lab_mesh *mesh, uint32_t rows, uint32_t
     for (uint32_t i = 0; i <= rows; i++)
         for (uint32_t j = 0; j < across; j++) {
             double x[3];
-            place((double)i / rows, (double)j / columns, x);
+            place(context, (double)i / rows, (double)j / columns, x);
             shape_add_vertex(&net, x[0], x[1], x[2]);
         }
     for (uint32_t i = 0; i < rows; i++)
@@ -62,8 +63,8 @@ int lab_mesh_net(struct lab *lab, struct lab_mesh *mesh, uint32_t rows, uint32_t
             shape_add_triangle(&net, a, a + 1, a + across + 1);
             shape_add_triangle(&net, a, a + across + 1, a + across);
         }
-    const int is_made = lab_mesh_arrays(lab, mesh, net.vertices, net.vertex_count, net.corners,
-                                        net.triangle_count);
+    const int is_made =
+        lab_mesh_arrays(lab, mesh, net.vertices, net.vertex_count, net.corners, net.triangle_count);
     shape_free(&net);
     return is_made;
 }
@@ -85,7 +86,9 @@ int lab_mesh_prism(struct lab *lab, struct lab_mesh *mesh, const double (*corner
     }
     for (uint32_t i = 0; i < count; i++) {
         const uint32_t a = 2 * i, b = 2 * ((i + 1) % count), hub = 2 * count;
-        const uint32_t four[12] = { a, b, b + 1, a, b + 1, a + 1, hub, b, a, hub + 1, a + 1, b + 1 };
+        const uint32_t four[12] = {
+            a, b, b + 1, a, b + 1, a + 1, hub, b, a, hub + 1, a + 1, b + 1
+        };
         memcpy(at, four, sizeof four);
         at += 12;
     }
