@@ -94,7 +94,7 @@ const struct lab_case parallel_case = {
 static void rock(struct lab_lead *lead, double depth, struct lab *lab, const char *series)
 {
     const double period = 1000.0;
-    const int ticks = 3000;
+    const int ticks = 2000;
     double x[3] = { 0.01, 0.005, LAB_RADIUS + 0.002 };
     lab_lead_calm(lead);
     for (int i = 0; i <= 40; i++) {

@@ -63,7 +63,7 @@ const struct lab_case spikes_case = {
 
 static void run_medial(struct lab *lab)
 {
-    push_over(lab, "liver", 20000, 40, force_trial_through);
+    push_over(lab, "liver", 20000, 100, force_trial_through);
 }
 
 const struct lab_case medial_case = {

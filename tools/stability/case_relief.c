@@ -53,7 +53,7 @@ static void run_microconcave(struct lab *lab)
     struct slide_report reports[LAB_METHODS] = { { .inward = 0 } };
     for (int i = 0; i < 3; i++) {
         struct lab_mesh sheet;
-        if (!lab_mesh_net(lab, &sheet, 150, 200, dented, &dents[i]))
+        if (!lab_mesh_net(lab, &sheet, 120, 160, dented, &dents[i]))
             return;
         for (int method = 0; method < LAB_METHODS; method++) {
             const struct lab_lead_def def = { .method = method,
@@ -96,20 +96,31 @@ const struct lab_case microconcave_case = {
     .run = run_microconcave
 };
 
-/* To and fro along x at a height, at 0.1 m/s, with a tremor. */
-static void go_to_and_fro(struct lab *lab, struct lab_lead *lead, const double *axis, double height)
+/* A triangle wave of height 1: 0 at 0, up first, of period 1. */
+static double zigzag(double phase)
 {
-    const int lap = 1200, ticks = lap * (int)lab_share(lab, 10);
+    const double at = phase - floor(phase);
+    return at < 0.25 ? 4.0 * at : at < 0.75 ? 2.0 - 4.0 * at : 4.0 * at - 4.0;
+}
+
+/* From above down to a height at x = `wide` zigzag(phase), then to and fro along x at 0.1 m/s, with a tremor. */
+static void go_to_and_fro(struct lab *lab, struct lab_lead *lead, const double *axis, double height,
+                          double wide, double phase)
+{
+    const double top = 0.01, step = 1e-4;
+    const int down = (int)((top - height) / step), lap = (int)(4.0 * wide / step);
+    const int ticks = down + lap * (int)lab_share(lab, 10);
     const double y = axis[1] > 0.5 ? -0.05 : 0.003;
     lab_lead_calm(lead);
     for (int i = 0; i <= ticks; i++) {
-        const int phase = i % lap;
-        const double tip[3] = { -0.03 + 1e-4 * (phase < lap / 2 ? phase : lap - phase), y, height };
-        lab_lead_aim(lead, tip, axis);
-        if (i) {
-            lab_lead_step(lead);
+        const double along = i > down ? (double)(i - down) / lap : 0.0;
+        const double tip[3] = { wide * zigzag(phase + along), y, fmax(height, top - step * i) };
+        if (i > down)
             lab_lead_shake(lead);
-        } else
+        lab_lead_aim(lead, tip, axis);
+        if (i)
+            lab_lead_step(lead);
+        else
             lab_lead_start(lead);
     }
 }
@@ -130,6 +141,8 @@ static void run_folds(struct lab *lab)
     static const double heights[] = { -0.001, -0.005, -0.015 };
     struct lab_tally sums[LAB_METHODS] = { { .ticks = 0 } };
     for (int i = 0; i < 2; i++) {
+        /* Beside the ridge at first; in the notch. */
+        const double wide = i ? 0.024 : 0.035, phase = i ? 0.0 : 0.75;
         struct lab_mesh mesh;
         if (!make_relief(lab, i, &mesh))
             return;
@@ -138,9 +151,9 @@ static void run_folds(struct lab *lab)
             struct lab_lead lead;
             if (lab_lead_open(lab, &lead, &def))
                 for (int k = 0; k < 3; k++) {
-                    go_to_and_fro(lab, &lead, along_y, heights[k]);
+                    go_to_and_fro(lab, &lead, along_y, heights[k], wide, phase);
                     lab_tally_add(&sums[method], &lead.tally);
-                    go_to_and_fro(lab, &lead, leaning, heights[k]);
+                    go_to_and_fro(lab, &lead, leaning, heights[k], wide, phase);
                     lab_tally_add(&sums[method], &lead.tally);
                 }
             lab_lead_close(&lead);

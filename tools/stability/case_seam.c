@@ -28,7 +28,7 @@ static void close_pair(struct lab_mesh pair[2])
 /* To and fro in the slot, turning, with a tremor. */
 static void sway(struct lab *lab, struct lab_lead *lead, double wide)
 {
-    const int ticks = (int)lab_share(lab, 10000);
+    const int ticks = 1000 * (int)lab_share(lab, 10);
     lab_lead_calm(lead);
     for (int i = 0; i <= ticks; i++) {
         const double t = 6.283185307179586 * i / 1000.0;

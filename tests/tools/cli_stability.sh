@@ -1,0 +1,139 @@
+#!/bin/sh
+# SPDX-License-Identifier: BSD-3-Clause
+# dynpoint stability: the laboratory of force, with few ticks. `sh tests/tools/cli_stability.sh BUILD`.
+. "$(dirname "$0")/cli.sh"
+
+geometry='spikes microconcave thinsheet parallel rocking slot bodies segments medial border sidelimit folds slivers coincident
+    scale hour work tilt budget'
+
+listed()
+{
+    succeeds 'stability --list' stability --list
+    cp stdout list
+    for case in $geometry; do
+        check "--list: $case" grep -q "^$case  *[A-Z0-9]" list
+    done
+    check '--list: a name twice' test "$(cut -d' ' -f1 list | sort -u | wc -l)" -eq "$(wc -l <list)"
+}
+
+refusals()
+{
+    refuses 'no such case' "there is no case 'wobble'" stability rocking wobble
+    refuses 'unknown option' --frob stability --frob
+    for effort in 0 -1 1.01 nan hard; do
+        refuses "--effort $effort" --effort stability rocking --effort $effort
+    done
+}
+
+# verdicts FILE METHOD CASE: of each figure, "holds", "fails" or "-", and what it is
+verdicts()
+{
+    python3 -c '
+import json, sys
+for line in open(sys.argv[1]):
+    case = json.loads(line)
+    if case["case"] == sys.argv[3]:
+        for figure in case["figures"]:
+            if figure["method"] == sys.argv[2]:
+                print(figure.get("verdict", "-"), figure["what"], figure["value"], sep="\t")
+' "$@"
+}
+
+# fails METHOD CASE TEXT; holds METHOD CASE TEXT: a figure with the text in it does
+fails()
+{
+    check "$2: $1 does not fail: $3" test -n "$(verdicts json "$1" "$2" | grep -F -e "$3" | grep '^fails')"
+}
+
+holds()
+{
+    check "$2: $1 does not hold: $3" test -n "$(verdicts json "$1" "$2" | grep -F -e "$3" | grep '^holds')"
+}
+
+shown()
+{
+    # shellcheck disable=SC2086
+    run stability $geometry --effort 0.05 --json
+    check "exit $status: $(cat stderr)" test $status -eq 0
+    cp stdout json
+    # shellcheck disable=SC2086
+    python3 -c '
+import json, sys
+names = []
+for line in open("json"):
+    case = json.loads(line, parse_constant=lambda word: sys.exit("not JSON: " + word))
+    names.append(case["case"])
+    assert len(case["title"]) > 10 and len(case["method"]) > 100 and len(case["advice"]) > 50, case["case"]
+    for text in (case["title"], case["method"], case["advice"]):
+        assert "  " not in text and text == text.strip(), text
+    figures = case["figures"]
+    assert {"bed", "proxy", "point"} <= {figure["method"] for figure in figures}, case["case"]
+    assert len({(f["method"], f["what"]) for f in figures}) == len(figures), case["case"]
+    for figure in figures:
+        assert figure["value"] is not None, (case["case"], figure)
+        limits = [key for key in ("at_most", "at_least") if key in figure]
+        assert len(limits) == ("verdict" in figure), figure
+        if limits:
+            sign = 1 if limits[0] == "at_most" else -1
+            is_met = sign * figure["value"] <= sign * figure[limits[0]]
+            assert figure["verdict"] == ("holds" if is_met else "fails"), figure
+    assert any(f["method"] == "proxy" and f.get("verdict") == "holds" for f in figures), case["case"]
+    for point in case["points"]:
+        assert point["chart"].startswith("stability-") and None not in (point["x"], point["y"]), point
+assert names == sys.argv[1:], names
+' $geometry 2>python.log
+    check "--json: $(tail -n 1 python.log)" test ! -s python.log
+}
+
+# A laboratory in which nothing fails tests nothing.
+baselines()
+{
+    fails point spikes 'turn the force by over 30 degrees'
+    fails point medial 'turn the force by over 30 degrees'
+    fails point medial 'reverse the force'
+    fails point rocking 'largest change of torque'
+    fails point parallel 'largest change of torque'
+    fails point segments 'in one piece'
+    fails point folds 'largest |dW|'
+    fails point slot 'largest |dW|'
+    fails point border 'largest |dW|'
+    fails bed border 'largest |dW|'
+    fails bed bodies 'from the force of one body'
+    fails bed coincident 'from one body'
+    fails bed budget 'contact unknown, at all budgets'
+    for method in point bed; do
+        fails $method thinsheet 'through a wall of 0.2 mm'
+        fails $method thinsheet 'least force'
+        fails $method sidelimit 'largest loss of force'
+    done
+    for case in $geometry; do
+        check "$case: the proxy fails" test -z "$(verdicts json proxy "$case" | grep '^fails')"
+    done
+    holds proxy thinsheet 'least force'
+    holds proxy medial 'reverse the force'
+    holds proxy segments 'in one piece'
+    holds bed segments 'in one piece'
+    holds proxy tilt 'departure from 1 /'
+    check 'tilt: a chart of every method and of the formula' test "$(grep -o '"chart":"stability-tilt","series":"[a-z]*"' json |
+        sort -u | wc -l)" -eq 5
+}
+
+# The same figures again, as a table too.
+again()
+{
+    succeeds 'again' stability segments tilt --effort 0.05 --json
+    grep -E '^{"case":"(segments|tilt)"' json >first
+    check 'other figures' cmp -s first stdout
+    succeeds 'a table' stability segments --effort 0.05
+    check 'a table: a title' grep -q '^segments: ' stdout
+    check 'a table: what holds and what fails' test \
+        "$(grep -c '  holds$' stdout),$(grep -c '  fails$' stdout)" = 2,1
+    check 'a table: no meter where no one looks' test ! -s stderr
+}
+
+listed
+refusals
+shown
+baselines
+again
+finish
