@@ -84,11 +84,10 @@ const struct lab_case microconcave_case = {
     .name = "microconcave",
     .title = "Over shallow dents",
     .method =
-        "A needle of 30 mm slides at 0.05 m/s with a tremor of 0.2 mm over a sheet with dents 4 mm "
-        "apart that are 0.1, 0.3 and 1 mm deep, pressed in by 1 mm: lying along and across its "
-        "way, "
-        "and on its tip. Its radius of 2 mm does not fit into the deeper dents, so it stands on "
-        "their rims. The ball is this library's proxy of one point at the tip.",
+        "A needle of 30 mm slides at 0.05 m/s with a tremor of 0.2 mm over a sheet with dents 4 "
+        "mm apart that are 0.1, 0.3 and 1 mm deep, pressed in by 1 mm: lying along and across "
+        "its way, and on its tip. Its radius of 2 mm does not fit into the deeper dents, so it "
+        "stands on their rims. The ball is this library's proxy of one point at the tip.",
     .advice =
         "A relief finer than the tool's radius is felt as the rims that carry the tool. If a "
         "scanned surface feels rough where it should be smooth, smooth the mesh, or give the tool "
@@ -172,11 +171,11 @@ const struct lab_case folds_case = {
     .name = "folds",
     .title = "Where the place that holds the tool vanishes",
     .method =
-        "A needle of 100 mm is led at 0.1 m/s with a tremor of 0.2 mm through a sharp ridge and a "
-        "notched block, 1, 5 and 15 mm below their tops, lying along the edge and on its tip. Its "
-        "proxy stays on one flank until it can slip over the edge; then the nearest place that it "
-        "could reach has vanished, and it folds to another. Folds there must be, and the force may "
-        "not jump in them. The ball is this library's proxy of one point at the tip.",
+        "A needle of 100 mm is led at 0.1 m/s with a tremor of 0.2 mm through a sharp ridge and "
+        "a notched block, 1, 5 and 15 mm below their tops, lying along the edge and on its tip. "
+        "Its proxy stays on one flank until it can slip over the edge; then the nearest place "
+        "that it could reach has vanished, and it folds to another. Folds there must be, and the "
+        "force may not jump in them. The ball is this library's proxy of one point at the tip.",
     .advice =
         "A fold changes the force by as much as the shape asks for, but over several ticks: at "
         "most "

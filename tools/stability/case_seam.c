@@ -159,10 +159,10 @@ const struct lab_case bodies_case = {
     .name = "bodies",
     .title = "Over the seam between two bodies",
     .method =
-        "A needle of 100 mm slides at 0.1 m/s with a tremor of 0.2 mm over two blocks that touch, "
-        "their tops flush, pressed in by 1 mm: lying across the seam, lying along it, and on its "
-        "tip. At the same time it slides over one block of the same size. The forces should be the "
-        "same. The ball is this library's proxy of one point at the tip.",
+        "A needle of 100 mm slides at 0.1 m/s with a tremor of 0.2 mm over two blocks that "
+        "touch, their tops flush, pressed in by 1 mm: lying across the seam, lying along it, and "
+        "on its tip. At the same time it slides over one block of the same size. The forces "
+        "should be the same. The ball is this library's proxy of one point at the tip.",
     .advice =
         "What is one thing to the hand should be one mesh, if a law without a proxy is used: inner "
         "walls count as surfaces there, and take force away at every seam. The proxy never meets "

@@ -116,8 +116,8 @@ static void push_quasi_statically(struct lab *lab)
         lab_at_least(lab, lab_method_name(method),
                      "least force that a lying tool goes through with, up to 50 N", least[method],
                      "N", 50.0);
-    lab_note(lab, "proxy", "the same of a tip at 6 degrees from upright", free_tip, "N");
-    lab_at_least(lab, "proxy", "the same of that tip with lock_rotation", locked_tip, "N", 50.0);
+    lab_note(lab, "proxy", "the same of a tip, 6 degrees off upright: it tips over", free_tip, "N");
+    lab_at_least(lab, "proxy", "the same of that tip, with lock_rotation", locked_tip, "N", 50.0);
 }
 
 static void run_thinsheet(struct lab *lab)
@@ -134,13 +134,11 @@ const struct lab_case thinsheet_case = {
     .title = "Thin walls and open sheets",
     .method =
         "A needle of 100 mm crosses an open sheet and walls of 0.2, 1 and 5 mm, upright, leaning "
-        "and "
-        "lying, at 0.05, 0.2, 1 and 5 m/s, to 15 mm behind the far side. It went through if "
-        "nothing "
-        "pushes it back there. Then a lying needle is pushed slowly down until its force "
-        "collapses, "
-        "at most to 50 N, which is 100 mm at 500 N/m. The chart shows that force over the "
-        "thickness, 0 for the sheet. The ball is this library's proxy of one point at the tip.",
+        "and lying, at 0.05, 0.2, 1 and 5 m/s, to 15 mm behind the far side. It went through if "
+        "nothing pushes it back there. Then a lying needle is pushed slowly down until its force "
+        "collapses, at most to 50 N, which is 100 mm at 500 N/m. The chart shows that force over "
+        "the thickness, 0 for the sheet. The ball is this library's proxy of one point at the "
+        "tip.",
     .advice =
         "Use the proxy for everything thinner than some centimetres. It goes through nothing, but "
         "a "
@@ -211,10 +209,9 @@ const struct lab_case border_case = {
     .title = "Over the border of an open sheet",
     .method =
         "A needle of 100 mm is pressed 1, 3 and 10 mm into an open sheet and led over its border "
-        "to "
-        "and fro at 0.1 m/s with a tremor of 0.2 mm: lying across the border, lying along it, and "
-        "on its tip. Past the border the force has to end, and on the way back the tool may be "
-        "under the sheet. The ball is this library's proxy of one point at the tip.",
+        "to and fro at 0.1 m/s with a tremor of 0.2 mm: lying across the border, lying along it, "
+        "and on its tip. Past the border the force has to end, and on the way back the tool may "
+        "be under the sheet. The ball is this library's proxy of one point at the tip.",
     .advice =
         "Open sheets are best closed: give a membrane its thickness. Where that cannot be, use the "
         "proxy. The laws without one must guess the side at the border, and drop the force where "

@@ -46,10 +46,10 @@ const struct lab_case work_case = {
     .name = "work",
     .title = "Net work over closed paths",
     .method =
-        "A tool is led round closed paths without friction, from the open up to 5 mm into a liver, "
-        "a box and a torus, and back, in steps of at most 0.05 mm. The work that it yields is "
-        "compared with the range of the energy on that path. The point has no energy of its own; "
-        "F^2 / 2K stands for it. The ball is this library's proxy of one point.",
+        "A tool is led round closed paths without friction, from the open up to 5 mm into a "
+        "liver, a box and a torus, and back, in steps of at most 0.05 mm. The work that it "
+        "yields is compared with the range of the energy on that path. The point has no energy "
+        "of its own; F^2 / 2K stands for it. The ball is this library's proxy of one point.",
     .advice =
         "A law that yields energy on a closed path can drive a hand without end, and no damping in "
         "the air accounts for it. Use the proxy or the bed where a device has little damping of "
@@ -167,8 +167,7 @@ const struct lab_case hour_case = {
         "A tool goes round the same path again and again: from the open 2 mm into a liver, along "
         "it, tilting, and out, in 2 s. The proxy does so for an hour at 1 kHz, the others for a "
         "minute. Each lap is compared with the second one, tick by tick. The world has one block "
-        "of "
-        "memory and allocates nothing; the work of a lap shows whether its state grows.",
+        "of memory and allocates nothing; the work of a lap shows whether its state grows.",
     .advice =
         "A world may run for days without a reset. Poses should come from the device itself and "
         "not from sums of its speeds, which drift.",
