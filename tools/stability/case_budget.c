@@ -106,10 +106,10 @@ const struct lab_case budget_case = {
     .method =
         "A needle of 100 mm is pushed 5 mm into a liver of 50,332 triangles and led along it, "
         "with budgets of 10 to 800 units, and with none. The laws without a proxy have no force "
-        "where the budget leaves contact unknown: the chart shows that share. A proxy stays "
-        "where it was proven free and has always a force; what it costs is lag, shown in a chart "
-        "of its own as the share of ticks that lag by more than 1 %. The ball is this library's "
-        "proxy of one point at the tip.",
+        "where the budget leaves contact unknown: the chart shows that share. A proxy stays where "
+        "it was proven free and has always a force; what it costs is lag, shown in a chart of its "
+        "own as the share of ticks that lag by more than 1 %. The ball is this library's proxy of "
+        "one point at the tip.",
     .advice =
         "Give every real loop a budget. Measure the work of your scene with dpt_world_usage or "
         "dynpoint replay --json, and choose three times its 99 %. Below that the proxy gets "

@@ -36,10 +36,7 @@ static void hold_with_tremor(struct lab *lab, struct lab_lead *lead, const doubl
         if (i > ticks_down)
             lab_lead_shake(lead);
         aim_middle(lead, middle, axis);
-        if (i)
-            lab_lead_step(lead);
-        else
-            lab_lead_start(lead);
+        lab_lead_tick(lead, i == 0);
     }
 }
 
@@ -79,10 +76,10 @@ const struct lab_case parallel_case = {
     .name = "parallel",
     .title = "Lying on a plane and along an edge",
     .method =
-        "A needle of 100 mm lies on a block, and along the edge of a block, pressed in by 0.2 "
-        "and 1 mm, while a tremor of 0.2 mm shakes it. The tremor does not turn it, so the "
-        "torque about its middle should stay near zero. The ball is this library's proxy of one "
-        "point at the needle's end; it has no torque at all.",
+        "A needle of 100 mm lies on a block, and along the edge of a block, pressed in by 0.2 and "
+        "1 mm, while a tremor of 0.2 mm shakes it. The tremor does not turn it, so the torque "
+        "about its middle should stay near zero. The ball is this library's proxy of one point at "
+        "the needle's end; it has no torque at all.",
     .advice =
         "With the push at one point a lying tool buzzes: the deepest point jumps from end to end. "
         "Use the proxy, or the bed. If the device gives no torque, set lock_rotation.",
@@ -100,10 +97,7 @@ static void rock(struct lab_lead *lead, double depth, struct lab *lab, const cha
         const double axis[3] = { 1.0, 0.0, 0.0 };
         x[2] = LAB_RADIUS + 0.002 - (0.002 + depth) * i / 40.0;
         aim_middle(lead, x, axis);
-        if (i)
-            lab_lead_step(lead);
-        else
-            lab_lead_start(lead);
+        lab_lead_tick(lead, i == 0);
     }
     lead->tally = (struct lab_tally){ .least_gap = HUGE_VAL };
     for (int i = 1; i <= ticks; i++) {
@@ -152,8 +146,8 @@ const struct lab_case rocking_case = {
     .method =
         "A needle of 100 mm lies on a block, pressed in by 0.2, 0.5, 1 and 2 mm, and rocks about "
         "its middle by 1 degree to either side, once a second. A torque that follows the motion "
-        "changes by 0.63 % of its peak in a tick. The chart shows the torque over the angle, at "
-        "1 mm. The ball is this library's proxy of one point at the needle's end; it feels no "
+        "changes by 0.63 % of its peak in a tick. The chart shows the torque over the angle, at 1 "
+        "mm. The ball is this library's proxy of one point at the needle's end; it feels no "
         "torque.",
     .advice =
         "A device with torque needs the proxy or the bed here: the push at one point throws the "
@@ -227,16 +221,14 @@ const struct lab_case tilt_case = {
     .name = "tilt",
     .title = "Felt stiffness against tilt",
     .method =
-        "A needle of 100 mm is pressed with its tip 0.1 mm into a plane, from upright (0 "
-        "degrees) to lying (90), its orientation held. The force is divided by the depth. For "
-        "the proxy it should be 1 / (1 / K + c^2 / K_r), c the lever of the contact about the "
-        "middle, and K when both ends touch. The ball is this library's proxy of one point at "
-        "the tip.",
+        "A needle of 100 mm is pressed with its tip 0.1 mm into a plane, from upright (0 degrees) "
+        "to lying (90), its orientation held. The force is divided by the depth. For the proxy it "
+        "should be 1 / (1 / K + c^2 / K_r), c the lever of the contact about the middle, and K "
+        "when both ends touch. The ball is this library's proxy of one point at the tip.",
     .advice =
         "If a tilted tip feels too soft, raise rotational_stiffness, or set lock_rotation where "
-        "the "
-        "device gives no torque: then it is K at every tilt. With the bed the stiffness of a lying "
-        "tool is several times that of a tip; choose K for the stiffest of them.",
+        "the device gives no torque: then it is K at every tilt. With the bed the stiffness of a "
+        "lying tool is several times that of a tip; choose K for the stiffest of them.",
     .run = run_tilt
 };
 
@@ -278,8 +270,8 @@ const struct lab_case segments_case = {
     .title = "The same tool in 1, 2, 4 and 8 segments",
     .method =
         "A needle of 80 mm is built of 1, 2, 4 and 8 equal segments in line, and pressed 0.5 mm "
-        "into a plane: lying, at 60 degrees, and upright. The stiffness felt should not depend "
-        "on the number of segments. The chart has the lying tool. A ball has no segments.",
+        "into a plane: lying, at 60 degrees, and upright. The stiffness felt should not depend on "
+        "the number of segments. The chart has the lying tool. A ball has no segments.",
     .advice =
         "With the proxy and the bed a tool may have as many segments as its shape needs. The push "
         "at one point adds up over segments: divide its stiffness by their number.",

@@ -35,10 +35,7 @@ static double slide_over(struct lab *lab, struct lab_lead *lead, const double *a
         if (i > down)
             lab_lead_shake(lead);
         lab_lead_aim(lead, tip, axis);
-        if (i)
-            lab_lead_step(lead);
-        else
-            lab_lead_start(lead);
+        lab_lead_tick(lead, i == 0);
         const double *force = lab_lead_force(lead);
         if (size_of(force) > SMALL_FORCE)
             off = fmax(off, acos(fmax(-1.0, fmin(1.0, force[2] / size_of(force)))));
@@ -79,11 +76,11 @@ const struct lab_case slivers_case = {
     .name = "slivers",
     .title = "Over triangles of 100 mm x 1 nm",
     .method =
-        "A plane is cut into strips of 100 mm length whose width falls from 10 mm to 1 nm "
-        "towards its middle, with a zigzag of 1 nm in height, so that the narrowest triangles "
-        "stand upright. A needle of 100 mm slides to and fro over it, pressed in by 1 mm, with a "
-        "tremor of 0.2 mm: lying along and across the strips, and on its tip. The force should "
-        "be that of the plane. The ball is this library's proxy of one point at the tip.",
+        "A plane is cut into strips of 100 mm length whose width falls from 10 mm to 1 nm towards "
+        "its middle, with a zigzag of 1 nm in height, so that the narrowest triangles stand "
+        "upright. A needle of 100 mm slides to and fro over it, pressed in by 1 mm, with a tremor "
+        "of 0.2 mm: lying along and across the strips, and on its tip. The force should be that "
+        "of the plane. The ball is this library's proxy of one point at the tip.",
     .advice =
         "Meshes need no cleaning of slivers for this library. What a sliver does cost is time: a "
         "long thin box holds little and is asked often. If a loop is short of time, remesh.",
@@ -127,10 +124,7 @@ static double go_down(struct lab *lab, struct lab_lead *leads, const struct star
             else
                 lab_lead_calm(&leads[k]);
             lab_lead_aim(&leads[k], tip, start->axis);
-            if (i > -40)
-                lab_lead_step(&leads[k]);
-            else
-                lab_lead_start(&leads[k]);
+            lab_lead_tick(&leads[k], i == -40);
         }
         for (int j = 0; j < 3; j++)
             difference[j] = lab_lead_force(&leads[0])[j] - lab_lead_force(&leads[1])[j];
@@ -190,16 +184,15 @@ const struct lab_case coincident_case = {
     .name = "coincident",
     .title = "Faces on faces, and a start exactly on the surface",
     .method =
-        "Two bodies with the same faces, cut into other triangles, lie in each other. A needle "
-        "is put down so that its surface touches theirs exactly: on a face, an edge and a "
-        "corner, on its tip and lying. It is pressed in by 1 mm and shaken by a tremor of 0.2 "
-        "mm. Beside it the same needle began 2 mm above one body alone. The forces should be the "
-        "same. The ball is this library's proxy of one point at the tip.",
+        "Two bodies with the same faces, cut into other triangles, lie in each other. A needle is "
+        "put down so that its surface touches theirs exactly: on a face, an edge and a corner, on "
+        "its tip and lying. It is pressed in by 1 mm and shaken by a tremor of 0.2 mm. Beside it "
+        "the same needle began 2 mm above one body alone. The forces should be the same. The ball "
+        "is this library's proxy of one point at the tip.",
     .advice =
         "Duplicate bodies double the force of the bed. Start tools in the open. A proxy that "
-        "begins "
-        "with a gap below 0.75e-6 of the diagonal, some tenths of a micrometre, counts as inside: "
-        "it feels nothing until it was lifted once.",
+        "begins with a gap below 0.75e-6 of the diagonal, some tenths of a micrometre, counts as "
+        "inside: it feels nothing until it was lifted once.",
     .run = run_coincident
 };
 
@@ -218,10 +211,7 @@ static void slide_at_scale(struct lab *lab, struct lab_lead *lead, double unit, 
             const double tip[3] = { unit * (-0.05 + 0.02 * sin(t)), unit * 0.02 * sin(3.0 * t),
                                     unit * (LAB_RADIUS + 2e-4 - (2e-4 + depth) * share) };
             lab_lead_aim(lead, tip, axes[way]);
-            if (i)
-                lab_lead_step(lead);
-            else
-                lab_lead_start(lead);
+            lab_lead_tick(lead, i == 0);
             if (!way && i > down + 5)
                 *felt = fmax(*felt,
                              fabs(lab_lead_force(lead)[2] / (LAB_STIFFNESS * unit * depth) - 1.0));
@@ -288,15 +278,14 @@ const struct lab_case scale_case = {
     .name = "scale",
     .title = "From 0.1 mm to 3 km, and 100 km away",
     .method =
-        "A needle slides over a block, pressed in by a tenth of its radius, lying and on its "
-        "tip. Block and needle are 0.1 mm, 0.3 m and 3 km large; some stand 1 and 100 km from "
-        "the origin by their body's pose. Force, smoothness and gaps are compared with the size "
-        "of the scene. The bed is stiffer than K for a lying tool, by design. The ball is this "
+        "A needle slides over a block, pressed in by a tenth of its radius, lying and on its tip. "
+        "Block and needle are 0.1 mm, 0.3 m and 3 km large; some stand 1 and 100 km from the "
+        "origin by their body's pose. Force, smoothness and gaps are compared with the size of "
+        "the scene. The bed is stiffer than K for a lying tool, by design. The ball is this "
         "library's proxy of one point at the tip.",
     .advice =
         "Vertices are floats: keep a mesh near the origin of its own frame and put it into the "
         "world by its pose, which is in doubles. Choose metres; at other sizes margins, side "
-        "limits "
-        "and the speed of folds, 1 m/s, keep their metric values.",
+        "limits and the speed of folds, 1 m/s, keep their metric values.",
     .run = run_scale
 };

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A needle over spikes, and one that is held through an organ: the trials of `dynpoint force-test`, method by method. */
+/* A needle over spikes, and one held through an organ: the trials of `dynpoint force-test`, method by method. */
 #include "stability/lab_lead.h"
 #include "stability/lab_mesh.h"
 
@@ -49,14 +49,15 @@ const struct lab_case spikes_case = {
     .title = "Across spikes and deep concavities",
     .method =
         "A needle of 100 mm is pushed 5 mm into a star of 48 spikes at random places, upright to "
-        "lying, and then led 40 mm across its spikes at 0.1 m/s with a tremor of 0.2 mm. The "
-        "ball is this library's proxy of one point at the needle's tip, as point-based toolkits "
-        "have it; it is not their code. Where a proxy leaves a spike it reports a fold, and its "
-        "force may turn there.",
+        "lying, and then led 40 mm across its spikes at 0.1 m/s with a tremor of 0.2 mm. The ball "
+        "is this library's proxy of one point at the needle's tip, as point-based toolkits have "
+        "it; it is not their code. Where a proxy leaves a spike it reports a fold, and its force "
+        "may turn there.",
     .advice =
-        "Use the proxy. Between spikes the nearest way out changes from one tick to the next, so a "
-        "law without a memory of where the tool came from jumps. A fold is a real event: the tool "
-        "has slipped over a spike. Count folds with dpt_force_report if a scene needs to know.",
+        "Use the proxy. Between spikes the nearest way out changes from one tick to the next, so "
+        "a law without a memory of where the tool came from jumps. A fold is a real event: the "
+        "tool has slipped over a spike. Count folds with dpt_force_report if a scene needs to "
+        "know.",
     .run = run_spikes
 };
 
@@ -69,13 +70,13 @@ const struct lab_case medial_case = {
     .name = "medial",
     .title = "A needle held through an organ",
     .method =
-        "A needle that is longer than a liver is pushed in sideways by 27 mm, tip first to "
-        "lying, and held there with a tremor of 0.2 mm. Somewhere along its axis two ways out "
-        "are equally long. The ball is this library's proxy of one point at the tip.",
+        "A needle that is longer than a liver is pushed in sideways by 27 mm, tip first to lying, "
+        "and held there with a tremor of 0.2 mm. Somewhere along its axis two ways out are "
+        "equally long. The ball is this library's proxy of one point at the tip.",
     .advice =
         "Never use the push at the deepest point where a tool can go through a thick body. No "
-        "stiffness, damping or filter cures its reversals; a filter slow enough to hide them makes "
-        "the wall soft and late. The bed turns seldom. The proxy turns only where it reports a "
-        "fold.",
+        "stiffness, damping or filter cures its reversals; a filter slow enough to hide them "
+        "makes the wall soft and late. The bed turns seldom. The proxy turns only where it "
+        "reports a fold.",
     .run = run_medial
 };

@@ -38,10 +38,7 @@ static void slide(struct lab *lab, struct lab_lead *lead, const double *axis,
         if (i > down)
             lab_lead_shake(lead);
         lab_lead_aim(lead, tip, axis);
-        if (i)
-            lab_lead_step(lead);
-        else
-            lab_lead_start(lead);
+        lab_lead_tick(lead, i == 0);
         report->inward += lab_lead_force(lead)[2] < -SMALL_FORCE;
     }
     lab_tally_add(&report->sum, &lead->tally);
@@ -85,9 +82,9 @@ const struct lab_case microconcave_case = {
     .title = "Over shallow dents",
     .method =
         "A needle of 30 mm slides at 0.05 m/s with a tremor of 0.2 mm over a sheet with dents 4 "
-        "mm apart that are 0.1, 0.3 and 1 mm deep, pressed in by 1 mm: lying along and across "
-        "its way, and on its tip. Its radius of 2 mm does not fit into the deeper dents, so it "
-        "stands on their rims. The ball is this library's proxy of one point at the tip.",
+        "mm apart that are 0.1, 0.3 and 1 mm deep, pressed in by 1 mm: lying along and across its "
+        "way, and on its tip. Its radius of 2 mm does not fit into the deeper dents, so it stands "
+        "on their rims. The ball is this library's proxy of one point at the tip.",
     .advice =
         "A relief finer than the tool's radius is felt as the rims that carry the tool. If a "
         "scanned surface feels rough where it should be smooth, smooth the mesh, or give the tool "
@@ -117,10 +114,7 @@ static void go_to_and_fro(struct lab *lab, struct lab_lead *lead, const double *
         if (i > down)
             lab_lead_shake(lead);
         lab_lead_aim(lead, tip, axis);
-        if (i)
-            lab_lead_step(lead);
-        else
-            lab_lead_start(lead);
+        lab_lead_tick(lead, i == 0);
     }
 }
 
@@ -171,15 +165,14 @@ const struct lab_case folds_case = {
     .name = "folds",
     .title = "Where the place that holds the tool vanishes",
     .method =
-        "A needle of 100 mm is led at 0.1 m/s with a tremor of 0.2 mm through a sharp ridge and "
-        "a notched block, 1, 5 and 15 mm below their tops, lying along the edge and on its tip. "
-        "Its proxy stays on one flank until it can slip over the edge; then the nearest place "
-        "that it could reach has vanished, and it folds to another. Folds there must be, and the "
-        "force may not jump in them. The ball is this library's proxy of one point at the tip.",
+        "A needle of 100 mm is led at 0.1 m/s with a tremor of 0.2 mm through a sharp ridge and a "
+        "notched block, 1, 5 and 15 mm below their tops, lying along the edge and on its tip. Its "
+        "proxy stays on one flank until it can slip over the edge; then the nearest place that it "
+        "could reach has vanished, and it folds to another. Folds there must be, and the force "
+        "may not jump in them. The ball is this library's proxy of one point at the tip.",
     .advice =
         "A fold changes the force by as much as the shape asks for, but over several ticks: at "
-        "most "
-        "K (3 |motion| + 1 mm) in each. If that is too fast for a device, lower K, or press less "
-        "deep: up to a fifth of the tool's radius there are no folds on convex bodies.",
+        "most K (3 |motion| + 1 mm) in each. If that is too fast for a device, lower K, or press "
+        "less deep: up to a fifth of the tool's radius there are no folds on convex bodies.",
     .run = run_folds
 };

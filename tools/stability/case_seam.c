@@ -36,11 +36,8 @@ static void sway(struct lab *lab, struct lab_lead *lead, double wide)
         const double axis[3] = { lean, 1.0, 0.0 };
         const double tip[3] = { wide * sin(t), -0.05, -0.02 };
         lab_lead_aim(lead, tip, axis);
-        if (i) {
-            lab_lead_step(lead);
-            lab_lead_shake(lead);
-        } else
-            lab_lead_start(lead);
+        lab_lead_shake(lead);
+        lab_lead_tick(lead, i == 0);
     }
 }
 
@@ -80,9 +77,8 @@ const struct lab_case slot_case = {
         "library's proxy of one point at the needle's end.",
     .advice =
         "Between bodies use the proxy. The laws without one sink into one block and may come out "
-        "of "
-        "its far side, or be pushed by both at once. A device that gives no torque cannot show a "
-        "slot well: set lock_rotation, and expect to be held by one contact.",
+        "of its far side, or be pushed by both at once. A device that gives no torque cannot show "
+        "a slot well: set lock_rotation, and expect to be held by one contact.",
     .run = run_slot
 };
 
@@ -103,10 +99,7 @@ static double slide_over(struct lab_lead *lead, struct lab_lead *whole, const do
             else
                 lab_lead_calm(both[k]);
             lab_lead_aim(both[k], tip, axis);
-            if (i)
-                lab_lead_step(both[k]);
-            else
-                lab_lead_start(both[k]);
+            lab_lead_tick(both[k], i == 0);
             double difference[3];
             for (int j = 0; j < 3; j++)
                 difference[j] = lab_lead_force(lead)[j] - lab_lead_force(whole)[j];
@@ -159,13 +152,13 @@ const struct lab_case bodies_case = {
     .name = "bodies",
     .title = "Over the seam between two bodies",
     .method =
-        "A needle of 100 mm slides at 0.1 m/s with a tremor of 0.2 mm over two blocks that "
-        "touch, their tops flush, pressed in by 1 mm: lying across the seam, lying along it, and "
-        "on its tip. At the same time it slides over one block of the same size. The forces "
-        "should be the same. The ball is this library's proxy of one point at the tip.",
+        "A needle of 100 mm slides at 0.1 m/s with a tremor of 0.2 mm over two blocks that touch, "
+        "their tops flush, pressed in by 1 mm: lying across the seam, lying along it, and on its "
+        "tip. At the same time it slides over one block of the same size. The forces should be "
+        "the same. The ball is this library's proxy of one point at the tip.",
     .advice =
-        "What is one thing to the hand should be one mesh, if a law without a proxy is used: inner "
-        "walls count as surfaces there, and take force away at every seam. The proxy never meets "
-        "them.",
+        "What is one thing to the hand should be one mesh, if a law without a proxy is used: "
+        "inner walls count as surfaces there, and take force away at every seam. The proxy never "
+        "meets them.",
     .run = run_bodies
 };

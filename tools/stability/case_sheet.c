@@ -69,10 +69,7 @@ static double pop_force(struct lab_lead *lead, const double *axis, double x, dou
     for (int i = 0; i < ticks && !is_through; i++) {
         const double tip[3] = { x, 0.003, LAB_RADIUS + 0.001 - down * i };
         lab_lead_aim(lead, tip, axis);
-        if (i)
-            lab_lead_step(lead);
-        else
-            lab_lead_start(lead);
+        lab_lead_tick(lead, i == 0);
         const double force = lab_lead_force(lead)[2];
         most = fmax(most, force);
         is_through = force < 0.5 * most && most > SMALL_FORCE;
@@ -137,13 +134,11 @@ const struct lab_case thinsheet_case = {
         "and lying, at 0.05, 0.2, 1 and 5 m/s, to 15 mm behind the far side. It went through if "
         "nothing pushes it back there. Then a lying needle is pushed slowly down until its force "
         "collapses, at most to 50 N, which is 100 mm at 500 N/m. The chart shows that force over "
-        "the thickness, 0 for the sheet. The ball is this library's proxy of one point at the "
-        "tip.",
+        "the thickness, 0 for the sheet. The ball is this library's proxy of one point at the tip.",
     .advice =
         "Use the proxy for everything thinner than some centimetres. It goes through nothing, but "
-        "a "
-        "long tool that is pushed down on its tip by more than a sixth of its length tips over, as "
-        "a pencil would, and starts again once it is turned by 1 rad from the device. Set "
+        "a long tool that is pushed down on its tip by more than a sixth of its length tips over, "
+        "as a pencil would, and starts again once it is turned by 1 rad from the device. Set "
         "lock_rotation or a greater rotational_stiffness where users press that hard.",
     .run = run_thinsheet
 };
@@ -165,10 +160,7 @@ static void cross_border(struct lab *lab, struct lab_lead *lead, const double *a
         if (i >= down)
             lab_lead_shake(lead);
         lab_lead_aim(lead, tip, axis);
-        if (i)
-            lab_lead_step(lead);
-        else
-            lab_lead_start(lead);
+        lab_lead_tick(lead, i == 0);
     }
 }
 
@@ -213,9 +205,9 @@ const struct lab_case border_case = {
         "and on its tip. Past the border the force has to end, and on the way back the tool may "
         "be under the sheet. The ball is this library's proxy of one point at the tip.",
     .advice =
-        "Open sheets are best closed: give a membrane its thickness. Where that cannot be, use the "
-        "proxy. The laws without one must guess the side at the border, and drop the force where "
-        "they cannot.",
+        "Open sheets are best closed: give a membrane its thickness. Where that cannot be, use "
+        "the proxy. The laws without one must guess the side at the border, and drop the force "
+        "where they cannot.",
     .run = run_border
 };
 

@@ -47,15 +47,14 @@ const struct lab_case work_case = {
     .title = "Net work over closed paths",
     .method =
         "A tool is led round closed paths without friction, from the open up to 5 mm into a "
-        "liver, a box and a torus, and back, in steps of at most 0.05 mm. The work that it "
-        "yields is compared with the range of the energy on that path. The point has no energy "
-        "of its own; F^2 / 2K stands for it. The ball is this library's proxy of one point.",
+        "liver, a box and a torus, and back, in steps of at most 0.05 mm. The work that it yields "
+        "is compared with the range of the energy on that path. The point has no energy of its "
+        "own; F^2 / 2K stands for it. The ball is this library's proxy of one point.",
     .advice =
-        "A law that yields energy on a closed path can drive a hand without end, and no damping in "
-        "the air accounts for it. Use the proxy or the bed where a device has little damping of "
-        "its "
-        "own, and keep the passivity observer on: friction, delays and moving bodies are not "
-        "covered by this figure.",
+        "A law that yields energy on a closed path can drive a hand without end, and no damping "
+        "in the air accounts for it. Use the proxy or the bed where a device has little damping "
+        "of its own, and keep the passivity observer on: friction, delays and moving bodies are "
+        "not covered by this figure.",
     .run = run_work
 };
 

@@ -78,6 +78,12 @@ void lab_lead_start(struct lab_lead *lead);
 /* A tick to the device, and its tally. */
 void lab_lead_step(struct lab_lead *lead);
 
+/* One of both: what the first tick of a path, and every other one, does. */
+static inline void lab_lead_tick(struct lab_lead *lead, int is_first)
+{
+    (is_first ? lab_lead_start : lab_lead_step)(lead);
+}
+
 /* The next of a tremor of 0.2 mm, for lab_lead_aim. */
 void lab_lead_shake(struct lab_lead *lead);
 void lab_lead_calm(struct lab_lead *lead);
