@@ -17,7 +17,8 @@ static int by_value(const void *a, const void *b)
 
 void sort_numbers(double *values, size_t count)
 {
-    qsort(values, count, sizeof *values, by_value);
+    if (count) /* qsort takes no NULL */
+        qsort(values, count, sizeof *values, by_value);
 }
 
 double percentile(const double *sorted, size_t count, double fraction)

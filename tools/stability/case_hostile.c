@@ -9,7 +9,7 @@
 static const double along_x[3] = { 1.0, 0.0, 0.0 }, along_y[3] = { 0.0, 1.0, 0.0 };
 static const double leaning[3] = { 0.3, 0.2, 1.0 };
 
-/* A plane of 0.2 x 0.2 m whose columns get narrower towards x = 0, down to 1 nm; and in z a zigzag of 1 nm. */
+/* A plane of 0.2 x 0.2 m whose columns get narrower towards x = 0, to less than 1 nm; and in z a zigzag of 1 nm. */
 static void slivered(const void *context, double u, double v, double x[3])
 {
     const int columns = *(const int *)context, column = (int)(columns * v + 0.5);
@@ -76,11 +76,11 @@ const struct lab_case slivers_case = {
     .name = "slivers",
     .title = "Over triangles of 100 mm x 1 nm",
     .method =
-        "A plane is cut into strips of 100 mm length whose width falls from 10 mm to 1 nm towards "
-        "its middle, with a zigzag of 1 nm in height, so that the narrowest triangles stand "
-        "upright. A needle of 100 mm slides to and fro over it, pressed in by 1 mm, with a tremor "
-        "of 0.2 mm: lying along and across the strips, and on its tip. The force should be that "
-        "of the plane. The ball is this library's proxy of one point at the tip.",
+        "A plane is cut into strips of 100 mm length whose width falls from 10 mm to below 1 nm "
+        "towards its middle, with a zigzag of 1 nm in height, so that the narrowest triangles "
+        "stand upright. A needle of 100 mm slides to and fro over it, pressed in by 1 mm, with a "
+        "tremor of 0.2 mm: lying along and across the strips, and on its tip. The force should be "
+        "that of the plane. The ball is this library's proxy of one point at the tip.",
     .advice =
         "Meshes need no cleaning of slivers for this library. What a sliver does cost is time: a "
         "long thin box holds little and is asked often. If a loop is short of time, remesh.",
