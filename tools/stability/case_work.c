@@ -5,6 +5,27 @@
 #include "stability/lab_lead.h"
 #include "stability/lab_mesh.h"
 
+/* Paths up to 5 mm deep, and up to 30 mm: past the middle of what is thin. */
+static void go_round_paths(struct lab *lab, int method, const dpt_mesh *mesh,
+                           struct path_result *worst)
+{
+    static const double depths[] = { 0.005, 0.03 };
+    for (int i = 0; i < 2; i++) {
+        struct force_trial_def def = lab_trial_def(method, mesh);
+        struct path_result result;
+        def.depth = depths[i];
+        def.paths = lab_share(lab, method == LAB_BED ? 10 : 20);
+        if (!force_trial_paths(&def, &result)) {
+            lab->is_out_of_memory = 1;
+            return;
+        }
+        worst->paths += result.paths;
+        worst->emitting += result.emitting;
+        worst->most_emitted = fmax(worst->most_emitted, result.most_emitted);
+        worst->most_lost = fmax(worst->most_lost, result.most_lost);
+    }
+}
+
 static void run_work(struct lab *lab)
 {
     static const char *const shapes[] = { "liver", "box", "torus" };
@@ -14,19 +35,8 @@ static void run_work(struct lab *lab)
         struct lab_mesh mesh;
         if (!lab_mesh_shape(lab, &mesh, shapes[i], triangles[i]))
             return;
-        for (int method = 0; method < LAB_METHODS; method++) {
-            struct force_trial_def def = lab_trial_def(method, mesh.mesh);
-            struct path_result result;
-            def.paths = lab_share(lab, method == LAB_BED ? 20 : 40);
-            if (!force_trial_paths(&def, &result)) {
-                lab->is_out_of_memory = 1;
-                break;
-            }
-            worst[method].paths += result.paths;
-            worst[method].emitting += result.emitting;
-            worst[method].most_emitted = fmax(worst[method].most_emitted, result.most_emitted);
-            worst[method].most_lost = fmax(worst[method].most_lost, result.most_lost);
-        }
+        for (int method = 0; method < LAB_METHODS; method++)
+            go_round_paths(lab, method, mesh.mesh, &worst[method]);
         lab_mesh_close(&mesh);
     }
     for (int method = 0; method < LAB_METHODS; method++) {
@@ -36,8 +46,12 @@ static void run_work(struct lab *lab)
                     100.0 * result->most_emitted, "%", 0.1);
         lab_at_most(lab, name, "closed paths that give more than 0.1 % of it",
                     lab_per_cent(result->emitting, result->paths), "%", 0.0);
-        lab_note(lab, name, "most energy lost on a path without a fold", 100.0 * result->most_lost,
-                 "%");
+        if (method == LAB_PROXY)
+            lab_at_most(lab, name, "most energy lost on a path without a fold",
+                        100.0 * result->most_lost, "%", 5.0);
+        else
+            lab_note(lab, name, "most energy lost on a path without a fold",
+                     100.0 * result->most_lost, "%");
         lab_note(lab, name, "closed paths", (double)result->paths, "");
     }
 }
@@ -46,10 +60,10 @@ const struct lab_case work_case = {
     .name = "work",
     .title = "Net work over closed paths",
     .method =
-        "A tool is led round closed paths without friction, from the open up to 5 mm into a "
-        "liver, a box and a torus, and back, in steps of at most 0.05 mm. The work that it yields "
-        "is compared with the range of the energy on that path. The point has no energy of its "
-        "own; F^2 / 2K stands for it. The ball is this library's proxy of one point.",
+        "A tool is led round closed paths without friction, from the open up to 5 and 30 mm into "
+        "a liver, a box and a torus, and back, in steps of at most 0.05 mm. The work that it "
+        "yields is compared with the range of the energy on that path. The point has no energy of "
+        "its own; F^2 / 2K stands for it. The ball is this library's proxy of one point.",
     .advice =
         "A law that yields energy on a closed path can drive a hand without end, and no damping "
         "in the air accounts for it. Use the proxy or the bed where a device has little damping "
