@@ -112,7 +112,7 @@ const struct lab_case budget_case = {
         "one point at the tip.",
     .advice =
         "Give every real loop a budget. Measure the work of your scene with dpt_world_usage or "
-        "dynpoint replay --json, and choose three times its 99 %. Below that the proxy gets "
+        "dynpoint replay --json, and choose some times its 99 %. Below that the proxy gets "
         "sluggish but stays safe; the bed and the point lose their force for some ticks, which is "
         "felt as a buzz.",
     .run = run_budget

@@ -113,8 +113,9 @@ static void push_quasi_statically(struct lab *lab)
         lab_at_least(lab, lab_method_name(method),
                      "least force that a lying tool goes through with, up to 50 N", least[method],
                      "N", 50.0);
-    lab_note(lab, "proxy", "the same of a tip, 6 degrees off upright: it tips over", free_tip, "N");
-    lab_at_least(lab, "proxy", "the same of that tip, with lock_rotation", locked_tip, "N", 50.0);
+    lab_note(lab, "proxy", "force at which a tip 6 degrees off upright tips over, through it",
+             free_tip, "N");
+    lab_at_least(lab, "proxy", "the same with lock_rotation, up to 50 N", locked_tip, "N", 50.0);
 }
 
 static void run_thinsheet(struct lab *lab)
