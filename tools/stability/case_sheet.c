@@ -137,10 +137,11 @@ const struct lab_case thinsheet_case = {
         "collapses, at most to 50 N, which is 100 mm at 500 N/m. The chart shows that force over "
         "the thickness, 0 for the sheet. The ball is this library's proxy of one point at the tip.",
     .advice =
-        "Use the proxy for everything thinner than some centimetres. It goes through nothing, but "
-        "a long tool that is pushed down on its tip by more than a sixth of its length tips over, "
-        "as a pencil would, and starts again once it is turned by 1 rad from the device. Set "
-        "lock_rotation or a greater rotational_stiffness where users press that hard.",
+        "Use the proxy for everything thinner than some centimetres. It goes through nothing it "
+        "meets, but a long tool that is pushed down on its tip by more than a sixth of its length "
+        "tips over, as a pencil would. Once the device is turned by 1 rad from it, it starts "
+        "again at the device, which is behind the wall then. Set lock_rotation or a greater "
+        "rotational_stiffness where users press that hard.",
     .run = run_thinsheet
 };
 
