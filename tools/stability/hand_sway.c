@@ -1,0 +1,212 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "stability/hand_sway.h"
+
+#include <math.h>
+#include <string.h>
+
+/* m: of the differences that linearise a law. */
+#define DIFFERENCE 4e-6
+
+/* Of a bisection; from 0.5 to 1.5 of a limit that leaves 0.1 %. */
+enum { HALVINGS = 10, SETTLING = 4 };
+
+/* Shares of the first amplitude between which growth is fitted: beyond, the surface is another one. */
+#define FIT_LEAST 1e-5
+#define FIT_MOST  4.0
+
+struct hand_device hand_device_even(double mass, double damping, double delay, double rho)
+{
+    return (struct hand_device){ .dofs = rho > 0.0 ? HAND_AXES : 3,
+                                 .mass = mass,
+                                 .damping = damping,
+                                 .inertia = mass * rho * rho,
+                                 .turn_damping = damping * rho * rho,
+                                 .rate = 1000.0,
+                                 .delay = delay,
+                                 .force = 1000.0,
+                                 .torque = 1000.0 };
+}
+
+static double unit_of(const struct hand_loop *loop, int axis)
+{
+    const double rho = hand_loop_rho(loop);
+    return axis < 3 ? 1.0 : rho > 0.0 ? rho : 1.0;
+}
+
+/* Jacobi's rotations of a symmetric matrix; the columns of v are the directions. */
+static void diagonalise(double a[HAND_AXES][HAND_AXES], double v[HAND_AXES][HAND_AXES], int n)
+{
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++)
+            v[i][j] = i == j;
+    for (int turn = 0; turn < 30 * n * n; turn++) {
+        const int i = turn / n % n, j = turn % n;
+        if (i >= j || a[i][j] == 0.0)
+            continue;
+        const double ratio = (a[j][j] - a[i][i]) / (2.0 * a[i][j]);
+        const double t = (ratio >= 0.0 ? 1.0 : -1.0) / (fabs(ratio) + sqrt(1.0 + ratio * ratio));
+        const double c = 1.0 / sqrt(1.0 + t * t), s = t * c;
+        for (int k = 0; k < n; k++) {
+            const double x = a[k][i], y = a[k][j], p = v[k][i], q = v[k][j];
+            a[k][i] = c * x - s * y;
+            a[k][j] = s * x + c * y;
+            v[k][i] = c * p - s * q;
+            v[k][j] = s * p + c * q;
+        }
+        for (int k = 0; k < n; k++) {
+            const double x = a[i][k], y = a[j][k];
+            a[i][k] = c * x - s * y;
+            a[j][k] = s * x + c * y;
+        }
+    }
+}
+
+static void sort_law(double a[HAND_AXES][HAND_AXES], double v[HAND_AXES][HAND_AXES],
+                     struct hand_law *law)
+{
+    for (int n = 0; n < law->axes; n++) {
+        int best = 0;
+        for (int i = 1; i < law->axes; i++)
+            if (a[i][i] > a[best][best])
+                best = i;
+        law->stiffness[n] = a[best][best];
+        for (int k = 0; k < law->axes; k++)
+            law->way[n][k] = v[k][best];
+        a[best][best] = -HUGE_VAL;
+    }
+}
+
+void hand_law_find(struct hand_loop *loop, struct hand_law *law)
+{
+    double rate[HAND_AXES][HAND_AXES], even[HAND_AXES][HAND_AXES], v[HAND_AXES][HAND_AXES];
+    memset(law, 0, sizeof *law);
+    law->axes = loop->device.dofs;
+    for (int j = 0; j < law->axes; j++) {
+        double wrench[2][HAND_AXES], back[HAND_AXES];
+        for (int side = 0; side < 2; side++) {
+            double at[HAND_AXES] = { 0.0 };
+            const double zero[HAND_AXES] = { 0.0 };
+            at[j] = (side ? DIFFERENCE : -DIFFERENCE) / unit_of(loop, j);
+            for (int i = 0; i < SETTLING; i++)
+                hand_loop_ask(loop, at, 1e-3, wrench[side]);
+            for (int i = 0; i < SETTLING; i++)
+                hand_loop_ask(loop, zero, 1e-3, back);
+        }
+        for (int i = 0; i < law->axes; i++)
+            rate[i][j] = (wrench[0][i] - wrench[1][i]) / (2.0 * DIFFERENCE) / unit_of(loop, i);
+    }
+    for (int i = 0; i < law->axes; i++)
+        for (int j = 0; j < law->axes; j++) {
+            even[i][j] = 0.5 * (rate[i][j] + rate[j][i]);
+            law->asymmetry = fmax(law->asymmetry, fabs(rate[i][j] - rate[j][i]));
+        }
+    diagonalise(even, v, law->axes);
+    sort_law(even, v, law);
+}
+
+/* m: of the motion along a way, and of all of it, speeds by the frequency of that motion. */
+static void amplitudes(const struct hand_loop *loop, const struct hand_tap *tap, double rate,
+                       const struct hand_moment *moment, double *along, double *whole)
+{
+    double off = 0.0, speed = 0.0, sum = 0.0;
+    for (int k = 0; k < HAND_AXES; k++) {
+        const double x = unit_of(loop, k) * moment->at[k];
+        const double v = unit_of(loop, k) * moment->speed[k] / rate;
+        off += tap->way[k] * x;
+        speed += tap->way[k] * v;
+        sum += x * x + v * v;
+    }
+    *along = sqrt(off * off + speed * speed);
+    *whole = sqrt(sum);
+}
+
+/* The slope of log(amplitude) by least squares, from tick `begin` on to where it leaves what is fitted. */
+static double fit(const struct hand_loop *loop, const struct hand_tap *tap, double rate,
+                  size_t begin)
+{
+    double first = 0.0, n = 0.0, t = 0.0, y = 0.0, tt = 0.0, ty = 0.0;
+    for (size_t i = begin; i < loop->count; i++) {
+        const struct hand_moment *moment = &loop->track[i];
+        double along, whole;
+        amplitudes(loop, tap, rate, moment, &along, &whole);
+        if (i == begin)
+            first = along;
+        if (!(along > FIT_LEAST * first && along < FIT_MOST * first))
+            break;
+        const double time = moment->time - loop->track[begin].time, log_along = log(along / first);
+        n += 1.0;
+        t += time;
+        y += log_along;
+        tt += time * time;
+        ty += time * log_along;
+    }
+    const double spread = tt - t * t / n;
+    return spread > 0.0 ? (ty - t * y / n) / spread : HUGE_VAL;
+}
+
+struct hand_sway hand_sway(struct hand_loop *loop, const struct hand_tap *tap)
+{
+    struct hand_sway sway = { .growth = NAN };
+    const struct hand_device *device = &loop->device;
+    const double mass = device->mass + device->hand_mass;
+    const double stiffness = fmax(tap->stiffness, 1.0) + (device->script ? device->grip : 0.0);
+    const double rate = sqrt(stiffness / mass), begun = mass * rate * tap->reach;
+    hand_loop_return(loop);
+    for (int k = 0; k < HAND_AXES; k++) {
+        loop->push[k] = loop->place ? -loop->first[k] : 0.0;
+        loop->tap[k] = tap->way[k] * begun * unit_of(loop, k);
+    }
+    const uint64_t ticks = (uint64_t)(tap->seconds * device->rate);
+    if (!hand_loop_run(loop, ticks))
+        return sway;
+    const size_t begin = (size_t)(device->delay + 5.0);
+    if (loop->count < begin + 20)
+        return sway;
+    double along, first, last = 0.0;
+    amplitudes(loop, tap, rate, &loop->track[begin], &along, &first);
+    for (size_t i = loop->count - loop->count / 10; i < loop->count; i++) {
+        double whole;
+        amplitudes(loop, tap, rate, &loop->track[i], &along, &whole);
+        last = fmax(last, whole);
+    }
+    sway.growth = fit(loop, tap, rate, begin);
+    sway.is_stable = sway.growth < 0.0 && last < first && loop->count == ticks;
+    return sway;
+}
+
+double hand_stiffest(struct hand_loop *loop, const struct hand_search *search)
+{
+    const double other = search->is_turn ? loop->stiffness : loop->rotational_stiffness;
+    double low = search->low, high = search->high;
+    for (int i = 0; i < HALVINGS; i++) {
+        const double middle = sqrt(low * high);
+        struct hand_tap tap = search->tap;
+        tap.stiffness = search->felt * middle;
+        if (search->is_turn)
+            hand_loop_stiffen(loop, other, middle, search->turn_damping * other / middle);
+        else
+            hand_loop_stiffen(loop, middle, other, loop->damping);
+        *(hand_sway(loop, &tap).is_stable ? &low : &high) = middle;
+    }
+    return low;
+}
+
+struct hand_search hand_search_about(double limit, double seconds)
+{
+    return (
+        struct hand_search){ .low = 0.5 * limit,
+                             .high = 1.5 * limit,
+                             .felt = 1.0,
+                             .tap = { .way = { 0.0, 1.0 }, .reach = 5e-5, .seconds = seconds } };
+}
+
+struct hand_search hand_search_for_law(const struct hand_loop *loop, const struct hand_law *law,
+                                       double limit, double seconds)
+{
+    struct hand_search search = { .felt = law->stiffness[0] / loop->stiffness,
+                                  .tap = { .reach = 5e-5, .seconds = seconds } };
+    search.low = 0.02 * limit / search.felt;
+    search.high = 2.0 * limit / search.felt;
+    memcpy(search.tap.way, law->way[0], sizeof search.tap.way);
+    return search;
+}
