@@ -11,6 +11,9 @@
 #define COARSE 2e-4
 #define FINE   1e-5
 
+/* Of places that are drawn. */
+enum { TRIES = 100 };
+
 static double or_one(double value)
 {
     return value > 0.0 ? value : 1.0;
@@ -118,7 +121,6 @@ int hand_loop_open(struct hand_loop *loop)
         dpt_body_add(loop->world, loop->place->mesh->mesh, NULL, &loop->body) != DPT_OK ||
         dpt_tool_add(loop->world, &segment, 1, &loop->held) != DPT_OK)
         return 0;
-    axes_of(loop->place, loop->axes);
     set_tool(loop);
     return 1;
 }
@@ -178,12 +180,36 @@ static dpt_force_report felt(const struct hand_loop *loop)
     return report;
 }
 
+static void cross(const double *a, const double *b, double c[3])
+{
+    for (int k = 0; k < 3; k++)
+        c[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
+}
+
+/*
+ * The simulated device takes torque as what acts on the components of its rotation vector. That does the torque's work
+ * if it is J' torque; J makes a turn's rate of the vector's.
+ */
+static void to_components(const double turn[3], double torque[3])
+{
+    const double angle = sqrt(product(turn, turn));
+    const double f = angle > 1e-4 ? (1.0 - cos(angle)) / (angle * angle) : 0.5;
+    const double g = angle > 1e-4 ? (angle - sin(angle)) / (angle * angle * angle) : 1.0 / 6.0;
+    double once[3], twice[3];
+    cross(torque, turn, once);
+    cross(once, turn, twice);
+    for (int k = 0; k < 3; k++)
+        torque[k] += f * once[k] + g * twice[k];
+}
+
 static dpt_force_report step_to(struct hand_loop *loop, const double at[HAND_AXES], double dt)
 {
     const dpt_pose hand = pose_at(at), pose = tool_pose(loop, &hand);
     dpt_tool_set_pose(loop->world, loop->held, &pose);
     dpt_world_step(loop->world, dt, NULL);
-    return felt(loop);
+    dpt_force_report report = felt(loop);
+    to_components(at + 3, report.wrench.torque);
+    return report;
 }
 
 void hand_loop_ask(struct hand_loop *loop, const double at[HAND_AXES], double dt,
@@ -215,6 +241,7 @@ int hand_loop_lower(struct hand_loop *loop, double force)
     const dpt_segment segment = segment_of(loop);
     const double zoom = or_one(loop->zoom), height = height_of(loop);
     double at[HAND_AXES] = { 0.0 }, wrench[HAND_AXES] = { 0.0 }, foot[3];
+    axes_of(place, loop->axes);
     rotate(loop->axes, loop->tool.tilt > 0.0 ? segment.a : (double[3]){ 0.0 }, foot);
     for (int k = 0; k < 3; k++)
         loop->origin[k] = place->at[k] - foot[k];
@@ -233,6 +260,18 @@ int hand_loop_lower(struct hand_loop *loop, double force)
         loop->origin[k] += zoom * at[1] * place->out[k];
     hand_loop_return(loop);
     return wrench[1] >= force && wrench[1] > 0.7 * sqrt(product(wrench, wrench));
+}
+
+int hand_loop_seek(struct hand_loop *loop, const struct hand_mesh *mesh, uint64_t *seed,
+                   double force, struct hand_place *place)
+{
+    loop->place = place;
+    for (int i = 0; i < TRIES; i++) {
+        hand_place_draw(mesh, seed, place);
+        if (hand_loop_lower(loop, force))
+            return 1;
+    }
+    return 0;
 }
 
 void hand_loop_return(struct hand_loop *loop)

@@ -100,10 +100,14 @@ void hand_loop_stiffen(struct hand_loop *loop, double stiffness, double rotation
  */
 int hand_loop_lower(struct hand_loop *loop, double force);
 
+/* Draw places of a mesh until the tool can be lowered on to one; `place` is that one. Returns 0 after 100 of them. */
+int hand_loop_seek(struct hand_loop *loop, const struct hand_mesh *mesh, uint64_t *seed,
+                   double force, struct hand_place *place);
+
 /* Lower it once more, to where it was lowered before. */
 void hand_loop_return(struct hand_loop *loop);
 
-/* The law's wrench at coordinates, at the hand, after one more step of the world. */
+/* The law's force on the coordinates, at the hand, after one more step of the world. */
 void hand_loop_ask(struct hand_loop *loop, const double at[HAND_AXES], double dt,
                    double wrench[HAND_AXES]);
 

@@ -104,16 +104,35 @@ void hand_law_find(struct hand_loop *loop, struct hand_law *law)
     sort_law(even, v, law);
 }
 
-/* m: of the motion along a way, and of all of it, speeds by the frequency of that motion. */
-static void amplitudes(const struct hand_loop *loop, const struct hand_tap *tap, double rate,
+/* The middle of its motion over the last fifth: it may have come to rest beside where it began. */
+static void find_centre(const struct hand_loop *loop, double centre[HAND_AXES])
+{
+    for (int k = 0; k < HAND_AXES; k++) {
+        double low = HUGE_VAL, high = -HUGE_VAL;
+        for (size_t i = loop->count - loop->count / 5; i < loop->count; i++) {
+            low = fmin(low, loop->track[i].at[k]);
+            high = fmax(high, loop->track[i].at[k]);
+        }
+        centre[k] = 0.5 * (low + high);
+    }
+}
+
+/* What motion is measured by: a way, about where, and its frequency in rad/s. */
+struct measure {
+    const struct hand_tap *tap;
+    double centre[HAND_AXES], rate;
+};
+
+/* m: of the motion along the way, and of all of it, speeds by the frequency of that motion. */
+static void amplitudes(const struct hand_loop *loop, const struct measure *measure,
                        const struct hand_moment *moment, double *along, double *whole)
 {
     double off = 0.0, speed = 0.0, sum = 0.0;
     for (int k = 0; k < HAND_AXES; k++) {
-        const double x = unit_of(loop, k) * moment->at[k];
-        const double v = unit_of(loop, k) * moment->speed[k] / rate;
-        off += tap->way[k] * x;
-        speed += tap->way[k] * v;
+        const double x = unit_of(loop, k) * (moment->at[k] - measure->centre[k]);
+        const double v = unit_of(loop, k) * moment->speed[k] / measure->rate;
+        off += measure->tap->way[k] * x;
+        speed += measure->tap->way[k] * v;
         sum += x * x + v * v;
     }
     *along = sqrt(off * off + speed * speed);
@@ -121,14 +140,13 @@ static void amplitudes(const struct hand_loop *loop, const struct hand_tap *tap,
 }
 
 /* The slope of log(amplitude) by least squares, from tick `begin` on to where it leaves what is fitted. */
-static double fit(const struct hand_loop *loop, const struct hand_tap *tap, double rate,
-                  size_t begin)
+static double fit(const struct hand_loop *loop, const struct measure *measure, size_t begin)
 {
     double first = 0.0, n = 0.0, t = 0.0, y = 0.0, tt = 0.0, ty = 0.0;
     for (size_t i = begin; i < loop->count; i++) {
         const struct hand_moment *moment = &loop->track[i];
         double along, whole;
-        amplitudes(loop, tap, rate, moment, &along, &whole);
+        amplitudes(loop, measure, moment, &along, &whole);
         if (i == begin)
             first = along;
         if (!(along > FIT_LEAST * first && along < FIT_MOST * first))
@@ -162,14 +180,17 @@ struct hand_sway hand_sway(struct hand_loop *loop, const struct hand_tap *tap)
     const size_t begin = (size_t)(device->delay + 5.0);
     if (loop->count < begin + 20)
         return sway;
+    struct measure measure = { .tap = tap, .rate = rate };
     double along, first, last = 0.0;
-    amplitudes(loop, tap, rate, &loop->track[begin], &along, &first);
+    if (loop->count == ticks)
+        find_centre(loop, measure.centre);
+    amplitudes(loop, &measure, &loop->track[begin], &along, &first);
     for (size_t i = loop->count - loop->count / 10; i < loop->count; i++) {
         double whole;
-        amplitudes(loop, tap, rate, &loop->track[i], &along, &whole);
+        amplitudes(loop, &measure, &loop->track[i], &along, &whole);
         last = fmax(last, whole);
     }
-    sway.growth = fit(loop, tap, rate, begin);
+    sway.growth = fit(loop, &measure, begin);
     sway.is_stable = sway.growth < 0.0 && last < first && loop->count == ticks;
     return sway;
 }
