@@ -6,11 +6,10 @@
 #include "stability/hand_sway.h"
 #include "stability/lab_cases.h"
 
-enum { PLACES = 6, TOOLS = 2, DEVICES = 4, LOOPS = PLACES * TOOLS * DEVICES };
+enum { PLACES = 3, TOOLS = 2, DEVICES = 4, LOOPS = PLACES * TOOLS * DEVICES };
 
 #define PERIOD    1e-3
 #define SECONDS   2.5
-#define GRIP      200.0
 #define REFERENCE 200.0 /* N/m: at which the tool is lowered, 1 mm deep */
 
 static const struct hand_tool tools[TOOLS] = { { 0.06, 0.002, 0.0 }, { 0.06, 0.002, 0.5 } };
@@ -23,14 +22,6 @@ struct tally {
     uint64_t loops, growing, growing_beyond, uneven;
 };
 
-/* A pressed tool topples, and slides off what is round, unless the hand is twice as firm as that. */
-static void hold_upright(struct hand_loop *loop, double toppling)
-{
-    const double rho = hand_loop_rho(loop);
-    loop->device.grip = fmax(GRIP, 2.0 * toppling);
-    loop->device.turn_grip = loop->device.grip * rho * rho;
-}
-
 /* At 0.97 of its limit along each direction, and beyond it along the stiffest. */
 static void try_loop(struct hand_loop *loop, double limit, struct tally *tally)
 {
@@ -39,7 +30,7 @@ static void try_loop(struct hand_loop *loop, double limit, struct tally *tally)
     const double felt = law.stiffness[0] / loop->stiffness;
     tally->loops++;
     tally->uneven += law.asymmetry > 1e-3 * law.stiffness[0];
-    hold_upright(loop, -1.1 * limit * law.stiffness[law.axes - 1] / law.stiffness[0]);
+    hand_hold(loop, &law, 1.1 * limit);
     hand_loop_stiffen(loop, 0.97 * limit / felt, 0.0, 0.0);
     int grows = 0;
     for (int n = 0; n < law.axes && !grows; n++) {
@@ -69,7 +60,6 @@ static void run_method(struct lab *lab, const struct hand_mesh *liver, int metho
         };
         const double rho = hand_loop_rho(&loop);
         loop.device = hand_device_even(device->mass, device->damping, device->delay, rho);
-        loop.device.script = "hold";
         place.mesh = liver;
         if (hand_loop_open(&loop) && hand_loop_seek(&loop, liver, &seed, 1e-3 * REFERENCE, &place))
             try_loop(&loop,

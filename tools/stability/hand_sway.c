@@ -7,6 +7,9 @@
 /* m: of the differences that linearise a law. */
 #define DIFFERENCE 4e-6
 
+/* N/m: of a hand. */
+#define GRIP 200.0
+
 /* Of a bisection; from 0.5 to 1.5 of a limit that leaves 0.1 %. */
 enum { HALVINGS = 10, SETTLING = 4 };
 
@@ -102,6 +105,15 @@ void hand_law_find(struct hand_loop *loop, struct hand_law *law)
         }
     diagonalise(even, v, law->axes);
     sort_law(even, v, law);
+}
+
+void hand_hold(struct hand_loop *loop, const struct hand_law *law, double felt)
+{
+    const double toppling = -felt * law->stiffness[law->axes - 1] / law->stiffness[0];
+    const double rho = hand_loop_rho(loop);
+    loop->device.script = "hold";
+    loop->device.grip = fmax(GRIP, 2.0 * toppling);
+    loop->device.turn_grip = loop->device.grip * rho * rho;
 }
 
 /* The middle of its motion over the last fifth: it may have come to rest beside where it began. */
@@ -224,10 +236,11 @@ struct hand_search hand_search_about(double limit, double seconds)
 struct hand_search hand_search_for_law(const struct hand_loop *loop, const struct hand_law *law,
                                        double limit, double seconds)
 {
-    struct hand_search search = { .felt = law->stiffness[0] / loop->stiffness,
+    struct hand_search search = { .low = 0.01 * limit,
+                                  .high = 3.0 * limit,
                                   .tap = { .reach = 5e-5, .seconds = seconds } };
-    search.low = 0.02 * limit / search.felt;
-    search.high = 2.0 * limit / search.felt;
+    /* Where the force jumps, differences show no stiffness that motion has. */
+    search.felt = fmax(0.1, fmin(law->stiffness[0] / loop->stiffness, 5.0));
     memcpy(search.tap.way, law->way[0], sizeof search.tap.way);
     return search;
 }

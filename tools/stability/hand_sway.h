@@ -28,6 +28,12 @@ struct hand_law {
 /* By central differences about zero, where the loop was lowered to. */
 void hand_law_find(struct hand_loop *loop, struct hand_law *law);
 
+/*
+ * Let the hand hold the device: by 200 N/m, or twice what keeps the tool from toppling, and from sliding off what is
+ * round, where the law is `felt` N/m along its stiffest way.
+ */
+void hand_hold(struct hand_loop *loop, const struct hand_law *law, double felt);
+
 /* A tap, and how long its motion is watched. */
 struct hand_tap {
     double way[HAND_AXES]; /* unit; turns in m */
@@ -59,7 +65,7 @@ double hand_stiffest(struct hand_loop *loop, const struct hand_search *search);
 /* A search for the translation along y, about a limit in N/m at the hand. */
 struct hand_search hand_search_about(double limit, double seconds);
 
-/* A search along the stiffest way of a law that was linearised at loop->stiffness, from 1/50 to 2 of a limit at the hand. */
+/* A search along the stiffest way of a law that was linearised at loop->stiffness; from 0.01 to 3 of a limit. */
 struct hand_search hand_search_for_law(const struct hand_loop *loop, const struct hand_law *law,
                                        double limit, double seconds);
 

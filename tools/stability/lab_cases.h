@@ -28,7 +28,7 @@
     CASE(budget)
 
 /* Loops: a simulated hand holds a device. */
-#define LAB_LOOP_CASES CASE(wall) CASE(organs)
+#define LAB_LOOP_CASES CASE(wall) CASE(organs) CASE(rate) CASE(delay) CASE(zoom) CASE(phase)
 
 #define LAB_CASES                                                                                  \
     LAB_GEOMETRY_CASES                                                                             \
