@@ -290,6 +290,14 @@ void hand_loop_return(struct hand_loop *loop)
         hand_loop_ask(loop, at, 1e-3, loop->first);
 }
 
+void hand_loop_lift(struct hand_loop *loop, double height)
+{
+    const double zero[HAND_AXES] = { 0.0 };
+    for (int k = 0; k < 3; k++)
+        loop->origin[k] += or_one(loop->zoom) * height * loop->place->out[k];
+    hand_loop_ask(loop, zero, 1e-3, loop->first);
+}
+
 static dpt_device *open_device(const struct hand_device *device, double step, double turn_step)
 {
     const struct {

@@ -107,6 +107,9 @@ int hand_loop_seek(struct hand_loop *loop, const struct hand_mesh *mesh, uint64_
 /* Lower it once more, to where it was lowered before. */
 void hand_loop_return(struct hand_loop *loop);
 
+/* Lift the tool by `height` m of the hand from where it was lowered to: there is the hand's zero from now on. */
+void hand_loop_lift(struct hand_loop *loop, double height);
+
 /* The law's force on the coordinates, at the hand, after one more step of the world. */
 void hand_loop_ask(struct hand_loop *loop, const double at[HAND_AXES], double dt,
                    double wrench[HAND_AXES]);

@@ -28,7 +28,15 @@
     CASE(budget)
 
 /* Loops: a simulated hand holds a device. */
-#define LAB_LOOP_CASES CASE(wall) CASE(organs) CASE(rate) CASE(delay) CASE(zoom) CASE(phase)
+#define LAB_LOOP_CASES                                                                             \
+    CASE(wall)                                                                                     \
+    CASE(organs)                                                                                   \
+    CASE(delay)                                                                                    \
+    CASE(rate)                                                                                     \
+    CASE(phase)                                                                                    \
+    CASE(zoom)                                                                                     \
+    CASE(energy)                                                                                   \
+    CASE(rest)
 
 #define LAB_CASES                                                                                  \
     LAB_GEOMETRY_CASES                                                                             \
