@@ -36,7 +36,9 @@
     CASE(phase)                                                                                    \
     CASE(zoom)                                                                                     \
     CASE(energy)                                                                                   \
-    CASE(rest)
+    CASE(late)                                                                                     \
+    CASE(rest)                                                                                     \
+    CASE(beat)
 
 #define LAB_CASES                                                                                  \
     LAB_GEOMETRY_CASES                                                                             \
