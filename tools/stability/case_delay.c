@@ -15,7 +15,7 @@ static const double dampings[DAMPINGS] = { 1.0, 0.5, 2.0, 0.25, 4.0, 0.75, 1.5, 
 #define MASS      0.1
 #define DAMPING   0.5
 #define PERIOD    1e-3
-#define SECONDS   1.5
+#define SECONDS   1.0
 #define REFERENCE 200.0
 
 /* What a map tells of a law. */

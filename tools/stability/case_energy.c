@@ -135,7 +135,7 @@ static void try_colgate(struct lab *lab, const struct hand_mesh *meshes, int met
     if (method != LAB_PROXY)
         return;
     lab_at_most(lab, "observer", "least account at three times the border of Colgate", beyond,
-                "eps", -2.0);
+                "eps", -1.0);
     lab_at_least(lab, "observer", "least account on that border as dpt_passivity keeps it",
                  observer, "eps", -1.0);
 }
@@ -186,7 +186,9 @@ const struct lab_case energy_case = {
     "hand has put in and not got back, with all damping and friction of the device credited, at "
     "most the energy that the law stores. A passive law never takes it below what one sample can "
     "be "
-    "off by: eps, the largest force times the largest motion. The point law has no energy.",
+    "off by: eps, the largest force times the largest motion. The point law has no energy. "
+    "The bed feels up to twice as stiff as it is set, and a ball at the tip turns the device by a "
+    "lever.",
     "If a device must be passive with every hand, stay below the smaller of 2 (b - B)/T and 2 "
     "f_c/D, "
     "and keep delay away. The proxy gives back no more than that bound of a plain spring says.",

@@ -9,7 +9,7 @@
 enum { PLACES = 3, TOOLS = 2, DEVICES = 4, LOOPS = PLACES * TOOLS * DEVICES };
 
 #define PERIOD    1e-3
-#define SECONDS   2.5
+#define SECONDS   1.5
 #define REFERENCE 200.0 /* N/m: at which the tool is lowered, 1 mm deep */
 
 static const struct hand_tool tools[TOOLS] = { { 0.06, 0.002, 0.0 }, { 0.06, 0.002, 0.5 } };

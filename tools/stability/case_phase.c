@@ -14,7 +14,7 @@ static const double phases[PHASES] = { 0.1, 0.5, 0.0, 0.2, 0.3, 0.4 };
 #define MASS    0.1
 #define DAMPING 0.5
 #define PERIOD  1e-3
-#define SECONDS 2.5
+#define SECONDS 1.2
 
 static double stiffest_at(const struct hand_place *plane, double phase, double limit)
 {
