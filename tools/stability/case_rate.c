@@ -13,7 +13,7 @@ static const double rates[RATES] = { 1000, 10000, 250, 5000, 2000, 500, 20000 };
 
 #define MASS      0.1
 #define DAMPING   0.5
-#define SECONDS   0.25
+#define SECONDS   0.4
 #define REFERENCE 200.0
 
 static double stiffest_at(const struct hand_mesh *liver, int method, double rate, double limit)

@@ -151,6 +151,19 @@ static void amplitudes(const struct hand_loop *loop, const struct measure *measu
     *whole = sqrt(sum);
 }
 
+/* Whether the last tenth has less motion than tick `begin`, of all coordinates. */
+static int has_less_left(const struct hand_loop *loop, const struct measure *measure, size_t begin)
+{
+    double along, first, last = 0.0;
+    amplitudes(loop, measure, &loop->track[begin], &along, &first);
+    for (size_t i = loop->count - loop->count / 10; i < loop->count; i++) {
+        double whole;
+        amplitudes(loop, measure, &loop->track[i], &along, &whole);
+        last = fmax(last, whole);
+    }
+    return last < first;
+}
+
 /* The slope of log(amplitude) by least squares, from tick `begin` on to where it leaves what is fitted. */
 static double fit(const struct hand_loop *loop, const struct measure *measure, size_t begin)
 {
@@ -193,17 +206,13 @@ struct hand_sway hand_sway(struct hand_loop *loop, const struct hand_tap *tap)
     if (loop->count < begin + 20)
         return sway;
     struct measure measure = { .tap = tap, .rate = rate };
-    double along, first, last = 0.0;
-    if (loop->count == ticks)
-        find_centre(loop, measure.centre);
-    amplitudes(loop, &measure, &loop->track[begin], &along, &first);
-    for (size_t i = loop->count - loop->count / 10; i < loop->count; i++) {
-        double whole;
-        amplitudes(loop, &measure, &loop->track[i], &along, &whole);
-        last = fmax(last, whole);
-    }
+    find_centre(loop, measure.centre);
+    const int is_less = loop->count == ticks && has_less_left(loop, &measure, begin);
+    /* What grows may leave the surface, and then has another centre than at first. */
+    if (!is_less)
+        memset(measure.centre, 0, sizeof measure.centre);
     sway.growth = fit(loop, &measure, begin);
-    sway.is_stable = sway.growth < 0.0 && last < first && loop->count == ticks;
+    sway.is_stable = is_less && sway.growth < 0.0;
     return sway;
 }
 
