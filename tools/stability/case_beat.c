@@ -96,7 +96,7 @@ static void try_place(const struct hand_mesh *liver, const struct scene *scene, 
         loop.passivity = &def;
         for (loop.is_uncredited = 0; loop.is_uncredited < 2; loop.is_uncredited++) {
             double *least = &share[loop.is_uncredited];
-            *least = fmin(*least, mean_force(&loop) / without);
+            *least = hand_smaller(*least, mean_force(&loop) / without);
         }
     } else {
         share[0] = NAN;

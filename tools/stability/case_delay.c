@@ -42,10 +42,12 @@ static void try_at(struct lab *lab, const struct hand_mesh *liver, int method, d
         const struct hand_search search = hand_search_for_law(&loop, &law, limit, SECONDS);
         loop.damping = damping * DAMPING;
         const double found = hand_stiffest(&loop, &search);
-        map->share = fmin(map->share, found / limit);
+        map->share = hand_smaller(map->share, found / limit);
         lab_point_at(lab, map->chart, lab_method_name(method), x, found);
         if (method == LAB_PROXY)
             lab_point_at(lab, map->chart, "limit", x, limit);
+    } else {
+        map->share = NAN;
     }
     hand_loop_close(&loop);
 }

@@ -31,7 +31,7 @@ static const struct {
 
 static const struct hand_tool tools[TOOLS] = { { 0.0, 0.005, 0.0 }, { 0.06, 0.002, 0.0 } };
 
-/* A firm and a soft hand that press and let go; one that falls asleep; none, and the device falls. */
+/* A firm and a soft hand that press and let go; one that only holds; none. The device falls with the last two. */
 static void set_hand(struct hand_device *device, int hand)
 {
     device->script = hand < 2 ? "press" : hand == 2 ? "hold" : NULL;
@@ -69,12 +69,7 @@ static struct account account_of(const struct hand_loop *loop)
     return account;
 }
 
-/* The least account, in eps: of this account, and of the library's observer. */
-struct worst {
-    double account, observer, beyond;
-};
-
-/* A loop on one of the places, with a hand; `times` the border's stiffness. */
+/* The least account, in eps, of a loop with a hand: of this account, and of the library's observer. */
 static void try_loop(const struct hand_mesh *mesh, const struct hand_loop *as, int hand,
                      double stiffness, double *account, double *observer)
 {
@@ -98,11 +93,13 @@ static void try_loop(const struct hand_mesh *mesh, const struct hand_loop *as, i
         hand_loop_lift(&loop, 0.002);
         if (hand_loop_run(&loop, TICKS)) {
             const struct account seen = account_of(&loop);
-            *account = fmin(*account, seen.least / seen.eps);
-            *observer = fmin(*observer, hand_loop_account(&loop).account_min / seen.eps);
+            *account = hand_smaller(*account, seen.least / seen.eps);
+            *observer = hand_smaller(*observer, hand_loop_account(&loop).account_min / seen.eps);
         } else {
             *account = NAN;
         }
+    } else {
+        *account = NAN;
     }
     hand_loop_close(&loop);
 }

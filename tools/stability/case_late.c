@@ -42,7 +42,8 @@ struct tally {
     double without;  /* the same without the controller, where the wall is too stiff */
     uint64_t acted;  /* where the wall has its margin and the line is sound */
     double force[2]; /* N, mean, over those loops: without and with the controller */
-    double stiff[STIFFNESSES], soft[STIFFNESSES]; /* mean stiffness felt, of the wall's: sums */
+    double with[STIFFNESSES],
+        alone[STIFFNESSES]; /* sums of what is felt, of the wall's stiffness */
     uint64_t count[STIFFNESSES];
 };
 
@@ -102,13 +103,13 @@ static void try_loop(const struct hand_place *plane, uint64_t which, struct tall
             }
             const dpt_passivity_info info = hand_loop_account(&loop);
             const double share = felt_share(&loop, -LIFT, &force);
-            *(is_on ? &tally->account : &tally->without) =
-                fmin(is_on ? tally->account : tally->without, info.account_min / info.eps);
+            double *least = is_on ? &tally->account : &tally->without;
+            *least = hand_smaller(*least, info.account_min / info.eps);
             if (s == 0 && is_sound) {
                 tally->force[is_on] += force;
                 tally->acted += info.acted;
             }
-            (is_on ? tally->stiff : tally->soft)[s] += share;
+            (is_on ? tally->with : tally->alone)[s] += share;
         }
         tally->count[s]++;
     } else {
@@ -143,8 +144,8 @@ static void run(struct lab *lab)
     lab_at_least(lab, "controller", "force there, of that without it",
                  tally.force[1] / tally.force[0], "", 0.99);
     for (int s = 0; s < STIFFNESSES; s++) {
-        lab_note(lab, "controller", costs[s], tally.stiff[s] / (double)tally.count[s], "");
-        lab_note(lab, "observer", costs[s], tally.soft[s] / (double)tally.count[s], "");
+        lab_note(lab, "controller", costs[s], tally.with[s] / (double)tally.count[s], "");
+        lab_note(lab, "observer", costs[s], tally.alone[s] / (double)tally.count[s], "");
     }
     hand_mesh_close(&box);
 }

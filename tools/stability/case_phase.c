@@ -47,7 +47,7 @@ static void run(struct lab *lab)
     for (uint64_t i = 0; i < count; i++) {
         const double limit = dpt_stable_stiffness(MASS, DAMPING, PERIOD, phases[i] * PERIOD, 0.0);
         found[i] = stiffest_at(&plane, phases[i], limit);
-        off = fmax(off, fabs(found[i] / limit - 1.0));
+        off = hand_greater(off, fabs(found[i] / limit - 1.0));
         lab_point_at(lab, "stability-phase", "proxy", phases[i], found[i]);
         lab_point_at(lab, "stability-phase", "limit", phases[i], limit);
     }

@@ -90,7 +90,7 @@ static void hold(const struct hand_mesh *mesh, const struct scene *scene,
     loop.rotational_stiffness = coupling.rotational_stiffness;
     hand_place_middle(mesh, &place);
     if (!hand_loop_open(&loop))
-        fastest->speed = NAN;
+        fastest->speed = HUGE_VAL;
     else if (scene->is_drawn ? hand_loop_seek(&loop, mesh, seed, PRESS, &place)
                              : hand_loop_lower(&loop, PRESS)) {
         if (!hand_loop_run(&loop, (uint64_t)(SECONDS * loop.device.rate)) ||

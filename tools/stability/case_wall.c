@@ -72,7 +72,7 @@ static double try_wall(struct hand_loop *loop, const struct wall *wall, double d
         loop->damping = damping;
     }
     const double found = hand_stiffest(loop, &search) / share;
-    worst->off = fmax(worst->off, fabs(found / limit - 1.0));
+    worst->off = hand_greater(worst->off, fabs(found / limit - 1.0));
     search.tap.stiffness = 1.5 * limit;
     if (wall->is_turn)
         hand_loop_stiffen(loop, loop->stiffness, 1.5 * limit * share,
@@ -80,7 +80,7 @@ static double try_wall(struct hand_loop *loop, const struct wall *wall, double d
     else
         hand_loop_stiffen(loop, 1.5 * limit, 0.0, damping);
     const double growth = hand_sway(loop, &search.tap).growth * 2.0 * MASS / DAMPING;
-    worst->growth = fmin(worst->growth, growth);
+    worst->growth = hand_smaller(worst->growth, growth);
     return found;
 }
 

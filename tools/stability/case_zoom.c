@@ -48,13 +48,14 @@ static void try_zoom(const struct hand_mesh *mesh, int is_plane, double zoom, st
     hand_hold(&loop, &law, zoom * fmax(chosen, unscaled));
     struct hand_search search = hand_search_for_law(&loop, &law, zoom * chosen, SECONDS);
     search.tap.stiffness = law.stiffness[0];
-    worst->felt = fmax(worst->felt, fabs(law.stiffness[0] / (zoom * chosen) - 1.0));
+    worst->felt = hand_greater(worst->felt, fabs(law.stiffness[0] / (zoom * chosen) - 1.0));
     const double unit = DAMPING / (2.0 * MASS);
-    worst->growth = fmax(worst->growth, hand_sway(&loop, &search.tap).growth / unit);
+    worst->growth = hand_greater(worst->growth, hand_sway(&loop, &search.tap).growth / unit);
     if (zoom > 1.5) {
         hand_loop_stiffen(&loop, unscaled, 0.0, 0.0);
         search.tap.stiffness = zoom * unscaled;
-        worst->unscaled = fmin(worst->unscaled, hand_sway(&loop, &search.tap).growth / unit);
+        worst->unscaled =
+            hand_smaller(worst->unscaled, hand_sway(&loop, &search.tap).growth / unit);
     }
     hand_loop_close(&loop);
 }

@@ -478,6 +478,16 @@ int hand_loop_run(struct hand_loop *loop, uint64_t ticks)
     return is_run;
 }
 
+double hand_greater(double a, double b)
+{
+    return isnan(a) || b <= a ? a : b;
+}
+
+double hand_smaller(double a, double b)
+{
+    return isnan(a) || b >= a ? a : b;
+}
+
 dpt_passivity_info hand_loop_account(const struct hand_loop *loop)
 {
     dpt_passivity_info info = { .size = sizeof info };
