@@ -24,7 +24,41 @@ SERIES = {
 OTHERS = (("#222222", "1 3"), ("#7d3c98", "10 3"), ("#7f8c8d", "4 4"), ("#d4ac0d", "6 4"), ("#2e86c1", "3 2"))
 
 # Title, what is drawn, x, y, and which axes are logarithmic: "", "x", "y" or "xy".
-CHARTS = {}
+CHARTS = {
+    "stability-thinsheet": (
+        "Force at which a tool passes through a wall", "Pushed by a device that goes on, K = 500 N/m. A proxy never passes.",
+        "thickness of the wall, mm", "N", "xy"),
+    "stability-rocking": (
+        "Torque of a lying tool that rocks end to end", "Lying 1 mm deep on a box and turned by one degree either way.",
+        "tilt, degrees", "Nm", ""),
+    "stability-tilt": (
+        "Stiffness felt on a plane, upright to lying", "One contact, orientation held. Formula: 1 / (1 / K + c^2 / K_r).",
+        "tilt from upright, degrees", "N/m", ""),
+    "stability-segments": (
+        "Stiffness of one flat tool, cut into segments", "80 mm long, 1 mm deep; beside the same tool as one segment.",
+        "segments", "times that of one", ""),
+    "stability-budget": (
+        "Ticks without a force because the budget ended", "A needle on an organ, contact not known in time.",
+        "units of work a tick", "% of the ticks", "x"),
+    "stability-budget-lag": (
+        "Ticks whose proxy lags by more than 1 %", "The same motion. A small budget makes a proxy crawl; it never passes.",
+        "units of work a tick", "% of the ticks", "x"),
+    "stability-wall": (
+        "Stiffest stable wall against delay", "Found by bisection in the loop; limit: the spectral radius of its exact model.",
+        "delay, periods", "N/m", "y"),
+    "stability-delay": (
+        "Stiffest stable wall against delay, by method", "Limit: the spectral radius of the sampled device held on the plane.",
+        "delay, periods", "N/m", "y"),
+    "stability-damping": (
+        "Stiffest stable wall against virtual damping, by method", "Limit: the spectral radius of the sampled device.",
+        "virtual damping, Ns/m", "N/m", ""),
+    "stability-rate": (
+        "Stiffest stable stiffness against the rate of the loop", "The same device on an organ; delay counted in periods.",
+        "Hz", "N/m", "xy"),
+    "stability-phase": (
+        "Stiffest stable wall against the phase of the loop", "How long after a sample its command comes.",
+        "phase, periods", "N/m", ""),
+}
 
 INTRODUCTION = """\
 <!-- SPDX-License-Identifier: BSD-3-Clause -->
@@ -57,7 +91,10 @@ class Linear(chart.Steps):
     """From the mark below the least value to the one above the largest."""
 
     def __init__(self, values, start, end):
-        super().__init__(values, start, end, nice_step(min(values), max(values)))
+        low, high = min(values), max(values)
+        if low == high:
+            low, high = low - 1, high + 1
+        super().__init__([low, high], start, end, nice_step(low, high))
 
 
 def number(value):
