@@ -125,13 +125,11 @@ static void run(struct lab *lab)
 
 const struct lab_case beat_case = {
     "beat", "Bodies that move",
-    "A hand presses a tip on to a liver with 1 N, on a device of 0.1 kg and 0.5 Ns/m at 1 kHz with "
-    "a "
-    "delay of one period, at the coupling that is chosen for it. The liver beats by 5 mm at 1.2 "
-    "Hz, or "
-    "gives way to the tool that presses and lets go. The mean force is compared with and without "
-    "the "
-    "controller of passivity, which is told the work of moving bodies, or is not.",
+    "A hand presses a tip on to a liver with 1 N, on a device of 0.1 kg and 0.5 Ns/m at 1 kHz "
+    "with a delay of one period, at the coupling that is chosen for it. The liver beats by 5 mm "
+    "at 1.2 Hz, or gives way to the tool that presses and lets go. The mean force is compared "
+    "with and without the controller of passivity, which is told the work of moving bodies, or is "
+    "not.",
     "Give dpt_passivity_step the body_work of the force report in each step. Without it a beating "
     "organ looks like a wall that makes energy, and its force is taken away.",
     run

@@ -81,16 +81,13 @@ static void run(struct lab *lab)
 const struct lab_case delay_case = {
     "delay", "Stiffness against delay and virtual damping",
     "A tool of 60 mm lies on a liver, held by a hand, on a device of 0.1 kg and 0.5 Ns/m in all "
-    "six "
-    "directions, at 1 kHz. For each delay, and for each virtual damping at a delay of one period, "
-    "bisection finds the stiffest coupling at which a tap dies away. It is compared with the limit "
-    "of "
-    "the sampled system, where what counts is what the law makes of the coupling along its "
-    "stiffest "
-    "direction. Bed and point have no virtual damping.",
-    "Delay costs more stiffness than anything else: each period of it counts like two half periods "
-    "of "
-    "sampling. Shorten the way from sample to command before you add virtual damping. A law that "
-    "pushes at one place of a tool, or at its tip, turns the device by a lever, and so holds less.",
+    "six directions, at 1 kHz. For each delay, and for each virtual damping at a delay of one "
+    "period, bisection finds the stiffest coupling at which a tap dies away. It is compared with "
+    "the limit of the sampled system for a spring of the coupling. Bed and point have no virtual "
+    "damping.",
+    "Shorten the way from sample to command first: one period of delay leaves a third of the "
+    "stiffness, two leave a fifth. Then add virtual damping, within the limit that "
+    "dpt_stable_stiffness tells. A law that pushes at one place of a tool, or at its tip, turns "
+    "the device by a lever, and so holds less.",
     run
 };

@@ -154,16 +154,12 @@ const struct lab_case late_case = {
     "late", "Too stiff, late and lost",
     "A device of 0.1 kg and 0.5 Ns/m at 1 kHz falls on to a plane and is held there, by hands of "
     "2000 N/m down to none. The wall has 1/1.5 to 10 times the stiffness at the limit, delays are "
-    "0 to "
-    "3 periods, and jitter of 0.2 periods, 20 per cent of lost and of doubled samples come one by "
-    "one "
-    "and together, with and without the guard's slew. The controller of passivity is on, or only "
-    "observes. What it costs is told by the mean force over the mean depth in the wall, which is "
-    "the stiffness that is felt.",
+    "0 to 3 periods, and jitter of 0.2 periods, 20 per cent of lost and of doubled samples come "
+    "one by one and together, with and without the guard's slew. The controller of passivity is "
+    "on, or only observes. What it costs is told by the mean force over the mean depth in the "
+    "wall, which is the stiffness that is felt.",
     "Leave the controller on, and tell it the device's damping and delay. It costs nothing where "
-    "the "
-    "coupling has its margin, and makes a wall that is too stiff rough instead of dangerous. It is "
-    "no "
-    "substitute for a coupling that fits.",
+    "the coupling has its margin, and makes a wall that is too stiff rough instead of dangerous. "
+    "It is no substitute for a coupling that fits.",
     run
 };

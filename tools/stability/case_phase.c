@@ -61,12 +61,9 @@ static void run(struct lab *lab)
 const struct lab_case phase_case = {
     "phase", "Serving a device after its sample",
     "A device of 0.1 kg and 0.5 Ns/m at 1 kHz gets the force for a sample 0 to 0.5 periods after "
-    "it "
-    "took that sample, as it does if the host runs on a clock of its own. The stiffest stable wall "
-    "is "
-    "found by bisection, and compared with the limit of the sampled system.",
+    "it took that sample, as it does if the host runs on a clock of its own. The stiffest stable "
+    "wall is found by bisection, and compared with the limit of the sampled system.",
     "Serve a device right after its sample arrives: leave the rate of dpt_loop_def at 0. A host "
-    "that "
-    "comes half a period late has half the stiffness.",
+    "that comes half a period late has half the stiffness.",
     run
 };

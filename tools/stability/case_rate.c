@@ -66,14 +66,12 @@ static void run(struct lab *lab)
 const struct lab_case rate_case = {
     "rate", "Stiffness against the rate of the loop",
     "A tool of 60 mm lies on a liver, held by a hand, on a device of 0.1 kg and 0.5 Ns/m in all "
-    "six "
-    "directions. Loops run at 250 Hz to 20 kHz without delay. Bisection finds the stiffest "
-    "coupling at "
-    "which a tap dies away. The encoders have no steps and there is no friction, so friction is at "
-    "least the stiffness times half a step.",
-    "A device that can be served at 10 kHz is worth it: it holds ten times the stiffness of one at "
-    "1 "
-    "kHz, as long as its delay is short in seconds, too. The steps of the encoders must get finer "
-    "in proportion, or friction larger.",
+    "six directions. Loops run at 250 Hz to 20 kHz without delay. Bisection finds the stiffest "
+    "coupling at which a tap dies away. The encoders have no steps and there is no friction, so "
+    "friction is at least the stiffness times half a step. With the point law, motion stays at "
+    "some stiffnesses and dies away at higher ones, so bisection finds one of several borders.",
+    "A device that can be served at 10 kHz is worth it: it holds ten times the stiffness of one "
+    "at 1 kHz, as long as its delay is short in seconds, too. The steps of the encoders must get "
+    "finer in proportion, or friction larger.",
     run
 };

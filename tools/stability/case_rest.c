@@ -134,19 +134,15 @@ static void run(struct lab *lab)
         hand_mesh_close(&meshes[i]);
 }
 
-const struct lab_case rest_case = { "rest", "Holding still",
-                                    "Three examples of devices, one of them like an Omni, press a "
-                                    "tool with 1 N for 6 s, at 1 kHz with "
-                                    "a delay of one period, at the coupling that "
-                                    "dpt_coupling_for_device chooses. The tool lies on a "
-                                    "plane, stands on a liver and on a membrane, or is a needle of "
-                                    "120 mm whose device goes through a "
-                                    "lobe of the liver. A hand of 200 N/m holds it sideways. It is "
-                                    "tapped, and has to be at rest in the "
-                                    "last quarter: below 1 mm/s, and 0.02 rad/s.",
-                                    "At the coupling that is chosen for it, a device with some "
-                                    "friction comes to rest on the proxy. "
-                                    "If yours hums, its friction is less than the stiffness times "
-                                    "half a step of its encoders: ask for "
-                                    "a lower stiffness.",
-                                    run };
+const struct lab_case rest_case = {
+    "rest", "Holding still",
+    "Three examples of devices, one of them like an Omni, press a tool with 1 N for 6 s, at 1 kHz "
+    "with a delay of one period, at the coupling that dpt_coupling_for_device chooses. The tool "
+    "lies on a plane, stands on a liver and on a membrane, or is a needle of 120 mm whose device "
+    "goes through a lobe of the liver. A hand of 200 N/m holds it sideways. It is tapped, and has "
+    "to be at rest in the last quarter: below 1 mm/s, and 0.02 rad/s.",
+    "At the coupling that is chosen for it, a device with some friction comes to rest on the "
+    "proxy. If yours hums, its friction is less than the stiffness times half a step of its "
+    "encoders: ask for a lower stiffness.",
+    run
+};

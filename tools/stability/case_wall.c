@@ -121,17 +121,15 @@ static void run(struct lab *lab)
 
 const struct lab_case wall_case = {
     "wall", "The stiffest stable wall",
-    "A device of 0.1 kg and 0.5 Ns/m at 1 kHz is pushed against a wall and tapped, and the rate is "
-    "fitted at which its motion grows. Bisection finds the stiffest wall at which the motion dies "
-    "away: of a bare spring and of the proxy on a plane, in translation and in rotation, with "
-    "delays of 0 to 3 periods and virtual damping of 0 to 2 times the device's own. It is compared "
-    "with dpt_stable_stiffness, the limit of the exact sampled system. There are no limits of "
-    "force, no controller and no steps of encoders.",
+    "A device of 0.1 kg and 0.5 Ns/m at 1 kHz is pushed against a wall and tapped, and the rate "
+    "is fitted at which its motion grows. Bisection finds the stiffest wall at which the motion "
+    "dies away: of a bare spring and of the proxy on a plane, in translation and in rotation, "
+    "with delays of 0 to 3 periods and virtual damping of 0 to 2 times the device's own. It is "
+    "compared with dpt_stable_stiffness, the limit of the exact sampled system. There are no "
+    "limits of force, no controller and no steps of encoders.",
     "Trust dpt_stable_stiffness, and so the coupling that dpt_coupling_for_device chooses: the "
-    "limit "
-    "is that of the sampled loop, and the proxy adds nothing to it and takes nothing from it. "
-    "Virtual "
-    "damping raises the limit without delay; with a delay of some periods it helps little or "
-    "harms.",
+    "limit is that of the sampled loop, and the proxy adds nothing to it and takes nothing from "
+    "it. Virtual damping raises the limit about as much as damping of the device does, until it "
+    "is itself too large for the loop.",
     run
 };

@@ -86,12 +86,10 @@ static void run(struct lab *lab)
 const struct lab_case zoom_case = {
     "zoom", "Zoom",
     "One metre of the hand is 0.5 to 4 m of the scene, and forces are not scaled, so the hand "
-    "feels "
-    "the stiffness times the zoom. The stiffness at the hand is measured by differences, on a "
-    "plane "
-    "and on a liver. A tap has to die away at the coupling that dpt_coupling_for_device chooses "
-    "for "
-    "the zoom, and grows at zooms of 2 and 4 if the coupling is the one for a zoom of 1.",
+    "feels the stiffness times the zoom. The stiffness at the hand is measured by differences, on "
+    "a plane and on a liver. A tap has to die away at the coupling that dpt_coupling_for_device "
+    "chooses for the zoom, and grows at zooms of 2 and 4 if the coupling is the one for a zoom of "
+    "1.",
     "Choose the coupling again whenever zoom or force scale change, and tell both to "
     "dpt_coupling_for_device. A scale of forces of 1 / zoom keeps the stiffness at the hand.",
     run
