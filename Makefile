@@ -85,7 +85,7 @@ LIBS := $(B)/libdynpoint $(B)/libdynpoint_compile $(B)/libdynpoint_drivers $(if 
 # For foreign-function interfaces: all headers, whichever libraries this build has (docs/ffi.md).
 CDEF := $(B)/include/dynpoint_cdef.h
 
-.PHONY: all amalgamation force demo test check firmware vm bench charts soak fuzz install uninstall help clean
+.PHONY: all amalgamation force demo test check firmware vm bench charts stability soak fuzz install uninstall help clean
 .SECONDARY:
 all: $(B)/dynpoint $(LIBS:%=%.a) $(LIBS:%=%.so.$(SOVERSION)) $(CDEF) ## the program and the libraries (default)
 

@@ -213,5 +213,10 @@ $(B)/tests/bench/strips $(B)/tests/bench/budgets: %: %.o $(CORE)
 $(B)/tests/bench/strip_coverage: $(B)/tests/bench/strip_coverage.o $(call shared_of,tests/strip/) $(TEST_PARTS) $(TEST_LIB)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(DL) -o $@
 
+stability: all ## run the laboratory of force, and make docs/stability.md and its charts of it
+	@mkdir -p $(B)/bench
+	$(B)/dynpoint stability --json >$(B)/bench/stability.json || [ $$? -eq 1 ]
+	$(PYTHON) -B tests/bench/stability.py $(B)/bench/stability.json docs
+
 charts: bench ## draw docs/charts from the bench's results
 	$(PYTHON) tests/bench/chart.py $(B)/bench docs/charts

@@ -113,11 +113,14 @@ def polyline(x, y, points, colour, width, dash):
             f'stroke-dasharray="{dash}"/>')
 
 
-def spread(labels, least):
-    """[height, ...] in order of height, moved down until they are `least` apart."""
+def spread(labels, least, bottom=math.inf):
+    """[height, ...] in order of height, moved down until they are `least` apart, and up where that is below `bottom`."""
     labels.sort()
     for previous, label in zip(labels, labels[1:]):
         label[0] = max(label[0], previous[0] + least)
+    for label in reversed(labels):
+        label[0] = min(label[0], bottom)
+        bottom = label[0] - least
     return labels
 
 
@@ -150,7 +153,7 @@ def draw(title, subtitle, x_title, y_title, series, x_axis=Axis, y_axis=Axis):
         out += [f'<rect x="{x.at(a) - 4:.1f}" y="{y.at(b) - 4:.1f}" width="8" height="8" fill="white" '
                 f'stroke="{s["colour"]}" stroke-width="2"/>' for a, b in s.get("apart", [])]
         labels.append([y.at(s["points"][-1][1]), s["name"], s["colour"]])
-    for height, name, colour in spread(labels, 16):
+    for height, name, colour in spread(labels, 16, HEIGHT - BOTTOM):
         out.append(text(WIDTH - RIGHT + 8, height + 4, name, "start", 13, f'fill="{colour}"'))
     out.append("</svg>")
     return "\n".join(out) + "\n"
