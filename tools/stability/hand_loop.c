@@ -319,15 +319,13 @@ static dpt_device *open_device(const struct hand_device *device, double step, do
                      { "seed", device->seed },
                      { "force", device->force },
                      { "torque", device->torque },
-                     { "watchdog", device->watchdog },
                      { "hand_damping", device->hand_damping },
-                     { "hand_mass", device->hand_mass },
                      { "reach", device->reach },
                      { "cycle", device->cycle } };
     char name[2048];
     dpt_device *opened = NULL;
     int at = snprintf(name, sizeof name, "sim:?dofs=%d&gravity=%.17g", device->dofs,
-                      device->weight / (device->mass + device->hand_mass));
+                      device->weight / device->mass);
     for (size_t i = 0; i < sizeof settings / sizeof *settings; i++)
         if (settings[i].value > 0.0)
             at += snprintf(name + at, sizeof name - (size_t)at, "&%s=%.17g", settings[i].name,
@@ -465,13 +463,12 @@ int hand_loop_run(struct hand_loop *loop, uint64_t ticks)
     def.guard = loop->guard ? loop->guard : &open;
     loop->has_begun = 0;
     loop->observer.size = sizeof loop->observer;
-    loop->stats.size = sizeof loop->stats;
     int is_run =
         device && make_room(loop, ticks) && dpt_loop_create(device, &def, &loop->running) == DPT_OK;
     if (is_run && loop->passivity)
         is_run = dpt_passivity_init(&loop->observer, loop->passivity) == DPT_OK;
     if (is_run)
-        dpt_loop_run(loop->running, &loop->stats);
+        dpt_loop_run(loop->running, NULL);
     dpt_loop_free(loop->running);
     dpt_device_close(device);
     loop->running = NULL;

@@ -32,9 +32,9 @@ struct hand_device {
     int dofs; /* 3 or 6 */
     double mass, damping, friction, step;
     double inertia, turn_damping, turn_friction, turn_step;
-    double rate, delay, jitter, loss, doubled, seed, force, torque, watchdog;
+    double rate, delay, jitter, loss, doubled, seed, force, torque;
     const char *script; /* of the hand; NULL: there is none, and no grip */
-    double grip, turn_grip, hand_damping, hand_mass, weight, reach, cycle;
+    double grip, turn_grip, hand_damping, weight, reach, cycle;
 };
 
 /* A capsule whose axis rises by `tilt` rad from the surface; held at its middle. */
@@ -80,7 +80,6 @@ struct hand_loop {
     dpt_loop *running;
     struct hand_moment *track;
     size_t count, room;
-    dpt_loop_stats stats;
 };
 
 /* Root of the mean squared distance of the tool's points from its middle, m of the hand. */

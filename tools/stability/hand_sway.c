@@ -191,7 +191,7 @@ struct hand_sway hand_sway(struct hand_loop *loop, const struct hand_tap *tap)
 {
     struct hand_sway sway = { .growth = NAN };
     const struct hand_device *device = &loop->device;
-    const double mass = device->mass + device->hand_mass;
+    const double mass = device->mass;
     const double stiffness = fmax(tap->stiffness, 1.0) + (device->script ? device->grip : 0.0);
     const double rate = sqrt(stiffness / mass), begun = mass * rate * tap->reach;
     hand_loop_return(loop);
