@@ -86,6 +86,7 @@ static void try_loop(const struct hand_place *plane, uint64_t which, struct tall
     loop.device.jitter = fault->jitter * PERIOD;
     loop.device.loss = fault->loss;
     loop.device.doubled = fault->doubled;
+    loop.device.seed = (double)which;
     loop.device.script = hands[h][0] > 0.0 ? "hold" : NULL;
     loop.device.grip = hands[h][0];
     loop.device.hand_damping = hands[h][1];
