@@ -110,9 +110,10 @@ def verdict(figures):
 
 
 def summary(cases):
-    rows = ["| case | " + " | ".join(METHODS) + " |", "|---|" + "---|" * len(METHODS)]
+    rows = ["| case | " + " | ".join(METHODS) + " | controller, spring |", "|---|" + "---|" * (len(METHODS) + 1)]
     for case in cases:
         told = [verdict([f for f in case["figures"] if f["method"] == m]) for m in METHODS]
+        told.append(verdict([f for f in case["figures"] if f["method"] not in METHODS]))
         rows.append(f"| [{case['title']}](#{anchor(case)}) | " + " | ".join(told) + " |")
     return "\n".join(rows)
 
@@ -137,13 +138,18 @@ def wrap(paragraph, width=118):
     return "\n".join(lines + [line])
 
 
+def cell(words):
+    """A bar would end the cell."""
+    return words.replace("|", "\\|")
+
+
 def figures_table(case):
     rows = ["| method | figure | value | limit | |", "|---|---|---|---|---|"]
     for f in case["figures"]:
         limit = ("at most " + number(f["at_most"]) if "at_most" in f else
                  "at least " + number(f["at_least"]) if "at_least" in f else "")
         value = " ".join((number(f["value"]), f["unit"])).strip()
-        rows.append(f"| {f['method']} | {f['what']} | {value} | {limit} | {f.get('verdict', '')} |")
+        rows.append(f"| {f['method']} | {cell(f['what'])} | {value} | {limit} | {f.get('verdict', '')} |")
     return "\n".join(rows)
 
 
@@ -173,7 +179,7 @@ def draw(name, points):
             by_series.setdefault(p["series"], []).append((p["x"], p["y"]))
     series = []
     for key, here in by_series.items():
-        series.append(curve(key, here, others))
+        series.append(curve(key, sorted(here), others))
         others += key not in SERIES
     return chart.draw(title, subtitle, x_title, y_title, series, *(
         chart.Axis if axis in logarithmic else Linear for axis in "xy"))
