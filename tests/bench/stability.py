@@ -157,7 +157,7 @@ def section(case):
     parts = [f"## {heading(case)}", wrap(case["method"]), figures_table(case)]
     for name in charts_of(case):
         parts.append(f"![{CHARTS[name][0]}](charts/{name}.svg)\n\n[Data](charts/{name}.csv)")
-    parts.append("**What to do.** " + "\n" + wrap(case["advice"]))
+    parts.append("**What to do.**\n" + wrap(case["advice"]))
     return "\n\n".join(parts)
 
 
