@@ -76,7 +76,7 @@ add_up() {
         set -- $counts
         passed=$((passed + $1)) failed=$((failed + $2)) skipped=$((skipped + $3))
         [ "$status" -eq 0 ] || [ "$2" -gt 0 ] || fail "$title left status $status"
-        sed -n "s/^ *skip \(.*\)/  skip \1 ($title)/p" "$place.out" >>"$names"
+        sed -n "s|^ *skip \(.*\)|  skip \1 ($title)|p" "$place.out" >>"$names"
     done
 }
 

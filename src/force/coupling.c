@@ -183,22 +183,22 @@ static struct sampled_spring spring_of(double k, double lever, double damping_ti
 /* The tool fixed altogether, or held by one contact anywhere. */
 static int pair_holds(const void *of, double stiffness)
 {
-    const struct pair *pair = of;
-    const struct wish *wish = pair->wish;
+    const struct pair *held = of;
+    const struct wish *wish = held->wish;
     const double k = stiffness * wish->margin, time = wish->damping / stiffness;
     const double half_length = sqrt(3.0) * wish->rho;
-    const double turn = pair->turn_stiffness > 0.0 ? pair->turn_stiffness * wish->margin
+    const double turn = held->turn_stiffness > 0.0 ? held->turn_stiffness * wish->margin
                                                    : k * wish->rho * wish->rho;
     struct sampled_spring spring = spring_of(k, wish->lever, time);
     spring.along[1] += turn;
     spring.leaves_free = 0;
-    if (!dpti_sampled_loop_holds(&pair->loop, 2, &spring))
+    if (!dpti_sampled_loop_holds(&held->loop, 2, &spring))
         return 0;
     for (int i = 0; i < PLACES * SHARES; i++) {
         const double share = shares[i % SHARES], arm = places[i / SHARES] * half_length * share;
         const double soft = arm != 0.0 ? arm * arm / turn : 0.0;
         spring = spring_of(1.0 / (1.0 / k + soft), wish->lever * share + arm, time);
-        if (!dpti_sampled_loop_holds(&pair->loop, 2, &spring))
+        if (!dpti_sampled_loop_holds(&held->loop, 2, &spring))
             return 0;
     }
     return 1;
@@ -219,12 +219,12 @@ static double allowed_at(const struct wish *wish, const dpt_coupling_def *def, d
         return translation;
     const double mass[2] = { def->mass, def->inertia };
     const double damping[2] = { def->damping, def->spin_damping };
-    const struct pair pair = { dpti_sampled_loop(mass, damping, 2, wish->period * time,
+    const struct pair held = { dpti_sampled_loop(mass, damping, 2, wish->period * time,
                                                  wish->delay * time),
                                wish, turn_stiffness_of(wish, def, time) };
-    if (pair_holds(&pair, (1.0 - 1e-6) * translation))
+    if (pair_holds(&held, (1.0 - 1e-6) * translation))
         return translation;
-    return largest(pair_holds, &pair, LEAST * translation, translation);
+    return largest(pair_holds, &held, LEAST * translation, translation);
 }
 
 /* T/2 + t_d with which the stiffness that was asked for would be allowed, s. */

@@ -7,9 +7,6 @@
 /* A spin by less is none: a proxy that rests is to keep its bits. */
 #define SPUN 1e-8
 
-/* rad: how far friction can hold the spin back, at most. */
-#define SPIN_MAX 1.0
-
 /* m: below this length, or this size of a tool, it is a point: a ball, whose turns are not felt. */
 #define BALL 1e-9
 
@@ -132,7 +129,7 @@ static struct proxy_pose with_turn(const struct proxy *proxy, const struct proxy
 }
 
 struct proxy_pose dpti_proxy_spun_as(const struct proxy *proxy, const struct proxy_pose *at,
-                                     const struct proxy_pose *device)
+                                     const struct proxy_pose *device, double spin_max)
 {
     struct quaternion turn = device->turn;
     if (proxy->shape == PROXY_BENT)
@@ -141,9 +138,9 @@ struct proxy_pose dpti_proxy_spun_as(const struct proxy *proxy, const struct pro
         turn = turned_to(device, at->axis);
     if (proxy->coupling.spin_rho > 0.0) {
         const double spin = spin_of(device, at);
-        if (fabs(spin) <= SPIN_MAX)
+        if (fabs(spin) <= spin_max)
             return *at;
-        const vec3 most = scaled(at->axis, spin > 0.0 ? SPIN_MAX : -SPIN_MAX);
+        const vec3 most = scaled(at->axis, spin > 0.0 ? spin_max : -spin_max);
         turn = quaternion_product(quaternion_of_small_turn(most), turn);
     }
     turn = quaternion_unit(turn);

@@ -29,6 +29,13 @@ enum { PUSHES_MAX = 4 };
 #define TURN_MAX     0.3
 #define LAG_TURN_MAX 1.0
 
+/*
+ * rad: how far friction can hold the spin back: where a tick begins, and where one ends that rolls the tool far. What
+ * rolls in between was solved with its friction, and is left as it is.
+ */
+#define SPIN_MAX        1.0
+#define SPIN_ROLLED_MAX 1.5
+
 /* Of the least gap: a proxy that is no farther from its device is where the device is. */
 #define HELD 1e-3
 
@@ -405,12 +412,11 @@ void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
         const struct proxy_pose device = dpti_proxy_pose_of(proxy, &proxy->device_pose);
         const struct displacement moved = dpti_proxy_displacement(proxy, &device, &tick.goal);
         const struct proxy_pose at = dpti_proxy_pose_of(proxy, &proxy->pose);
-        tick.at = dpti_proxy_spun_as(proxy, &at, &tick.goal);
+        tick.at = dpti_proxy_spun_as(proxy, &at, &tick.goal, SPIN_MAX);
         tick.gap = proxy->gap;
         follow(&tick, displacement_norm(&proxy->coupling, &moved), dt);
-        /* A tool that rolls far in one tick. */
         if (proxy->coupling.spin_rho > 0.0)
-            tick.at = dpti_proxy_spun_as(proxy, &tick.at, &tick.goal);
+            tick.at = dpti_proxy_spun_as(proxy, &tick.at, &tick.goal, SPIN_ROLLED_MAX);
     }
     dpti_proxy_keep_contacts(&tick);
     dpti_proxy_yield(&tick);
