@@ -267,7 +267,8 @@ static void a_full_disk_ends_nothing(void)
           "%llu records, %llu gaps, %llu missing, %llu lost", (unsigned long long)content.records,
           (unsigned long long)content.gaps, (unsigned long long)content.missing,
           (unsigned long long)counts.lost);
-    CHECK(counts.lost >= FIRST - ROOM - RING && counts.dropped == 0, "%llu lost",
+    /* When there is room again, a ring may wait to be taken, and as many may be on their way to the file. */
+    CHECK(counts.lost >= FIRST - ROOM - 2 * RING && counts.dropped == 0, "%llu lost",
           (unsigned long long)counts.lost);
 }
 
