@@ -220,10 +220,10 @@ static struct outcome outcome_of(const struct solution *solution, double delay)
     outcome.is_sound &= identify_inverse(inverse, outcome.mass);
     identify_product(outcome.mass, rate, outcome.damping);
     identify_symmetric(outcome.damping);
-    identify_eigen(outcome.mass, values, outcome.mass_vectors);
+    identify_eigen(3, outcome.mass, values, outcome.mass_vectors);
     outcome.is_sound &= values[0] > 0.0;
     set_kinds(outcome.value[MASS], values[0], values[1], values[2]);
-    identify_eigen(outcome.damping, values, outcome.damping_vectors);
+    identify_eigen(3, outcome.damping, values, outcome.damping_vectors);
     set_kinds(outcome.value[DAMPING], values[0], values[1], values[2]);
     set_kinds(outcome.value[COULOMB], friction[0], friction[1], friction[2]);
     outcome.value[STIFFNESS][MEAN] = fmax(stiffness[0], fmax(stiffness[1], stiffness[2]));

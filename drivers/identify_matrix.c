@@ -9,7 +9,8 @@
 /* A pivot below this fraction of its column is rounding. */
 static const double PIVOT_MIN = 1e-12;
 
-enum { N = IDENTIFY_UNKNOWNS_MAX };
+/* Jacobi's method converges in fewer. */
+enum { N = IDENTIFY_UNKNOWNS_MAX, SWEEPS = 20 };
 
 /* By Cholesky's factors, each column scaled to unit length. A column without a pivot is left out. */
 int identify_solve(int n, const double a[N][N], const double *b, double *x)
@@ -77,48 +78,48 @@ void identify_symmetric(double *a)
 }
 
 /* Turn rows and columns p and q of `a`, and the vectors, so that a[p][q] becomes 0 (Jacobi). */
-static void turn(double *a, double *vectors, int p, int q)
+static void turn(int n, double *a, double *vectors, int p, int q)
 {
-    const double off = a[3 * p + q];
+    const double off = a[n * p + q];
     if (off == 0.0)
         return;
-    const double ratio = (a[3 * q + q] - a[3 * p + p]) / (2.0 * off);
+    const double ratio = (a[n * q + q] - a[n * p + p]) / (2.0 * off);
     const double tangent = (ratio < 0.0 ? -1.0 : 1.0) / (fabs(ratio) + sqrt(ratio * ratio + 1.0));
     const double cosine = 1.0 / sqrt(tangent * tangent + 1.0), sine = tangent * cosine;
-    for (int k = 0; k < 3; k++) {
-        const double x = a[3 * k + p], y = a[3 * k + q];
-        a[3 * k + p] = cosine * x - sine * y;
-        a[3 * k + q] = sine * x + cosine * y;
+    for (int k = 0; k < n; k++) {
+        const double x = a[n * k + p], y = a[n * k + q];
+        a[n * k + p] = cosine * x - sine * y;
+        a[n * k + q] = sine * x + cosine * y;
     }
-    for (int k = 0; k < 3; k++) {
-        const double x = a[3 * p + k], y = a[3 * q + k];
-        a[3 * p + k] = cosine * x - sine * y;
-        a[3 * q + k] = sine * x + cosine * y;
-        const double u = vectors[3 * p + k], v = vectors[3 * q + k];
-        vectors[3 * p + k] = cosine * u - sine * v;
-        vectors[3 * q + k] = sine * u + cosine * v;
+    for (int k = 0; k < n; k++) {
+        const double x = a[n * p + k], y = a[n * q + k];
+        a[n * p + k] = cosine * x - sine * y;
+        a[n * q + k] = sine * x + cosine * y;
+        const double u = vectors[n * p + k], v = vectors[n * q + k];
+        vectors[n * p + k] = cosine * u - sine * v;
+        vectors[n * q + k] = sine * u + cosine * v;
     }
 }
 
-void identify_eigen(const double *matrix, double *values, double *vectors)
+void identify_eigen(int n, const double *matrix, double *values, double *vectors)
 {
-    double a[9], found[9] = { 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0 };
-    int order[3] = { 0, 1, 2 };
-    memcpy(a, matrix, sizeof a);
-    for (int sweep = 0; sweep < 20; sweep++) {
-        turn(a, found, 0, 1);
-        turn(a, found, 0, 2);
-        turn(a, found, 1, 2);
+    double a[N * N], found[N * N] = { 0.0 };
+    int order[N];
+    memcpy(a, matrix, (size_t)(n * n) * sizeof *a);
+    for (int i = 0; i < n; i++)
+        found[n * i + i] = 1.0;
+    for (int sweep = 0; sweep < SWEEPS; sweep++)
+        for (int p = 0; p < n; p++)
+            for (int q = p + 1; q < n; q++)
+                turn(n, a, found, p, q);
+    for (int i = 0; i < n; i++) {
+        int k = i;
+        for (; k > 0 && a[(n + 1) * order[k - 1]] > a[(n + 1) * i]; k--)
+            order[k] = order[k - 1];
+        order[k] = i;
     }
-    for (int i = 0; i < 2; i++)
-        for (int j = 0; j < 2; j++)
-            if (a[4 * order[j]] > a[4 * order[j + 1]]) {
-                const int swapped = order[j];
-                order[j] = order[j + 1];
-                order[j + 1] = swapped;
-            }
-    for (int i = 0; i < 3; i++) {
-        values[i] = a[4 * order[i]];
-        memcpy(vectors + 3 * i, found + 3 * order[i], 3 * sizeof *vectors);
+    for (int i = 0; i < n; i++) {
+        values[i] = a[(n + 1) * order[i]];
+        memcpy(vectors + n * i, found + n * order[i], (size_t)n * sizeof *vectors);
     }
 }

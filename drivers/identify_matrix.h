@@ -21,7 +21,7 @@ void identify_product(const double *a, const double *b, double *out);
 /* Replace a matrix of 3 rows by its symmetric part. */
 void identify_symmetric(double *a);
 
-/* Eigenvalues of a symmetric matrix of 3 rows, the least first, and their unit vectors, row by row. */
-void identify_eigen(const double *a, double *values, double *vectors);
+/* Eigenvalues of a symmetric matrix of n rows, the least first, and their unit vectors, row by row. */
+void identify_eigen(int n, const double *a, double *values, double *vectors);
 
 #endif

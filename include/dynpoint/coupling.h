@@ -51,9 +51,8 @@ DPT_BEGIN
  *   gain_margin               1..100: the loop is stable even if stiffness and damping are so many times higher; 1.5
  */
 typedef struct dpt_coupling_def {
-    uint32_t size; /* sizeof(dpt_coupling_def), set by dpt_coupling_def_init */
-    uint32_t
-        has_torque; /* 1: the device gives torque; 0: force alone, so rotation has no limit; 0 */
+    uint32_t size;       /* sizeof(dpt_coupling_def), set by dpt_coupling_def_init */
+    uint32_t has_torque; /* 1: the device gives torque; 0: force alone, no limit of rotation; 0 */
     double mass;
     double inertia;
     double damping;

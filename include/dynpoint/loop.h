@@ -109,10 +109,9 @@ typedef struct dpt_loop_def {
 enum {
     DPT_LOOP_NOTE_NO_PRIORITY = 1, /* the thread's scheduling stayed as it was */
     DPT_LOOP_NOTE_NO_LOCK = 2,     /* memory may be paged out */
-    DPT_LOOP_NOTE_NO_RETURN =
-        4,                      /* the thread kept the loop's priority or processor after the run */
-    DPT_LOOP_NOTE_NO_CPU = 8,   /* the thread ran on any processor */
-    DPT_LOOP_NOTE_NO_AWAKE = 16 /* processors may have slept */
+    DPT_LOOP_NOTE_NO_RETURN = 4,   /* the thread kept the loop's priority or processor */
+    DPT_LOOP_NOTE_NO_CPU = 8,      /* the thread ran on any processor */
+    DPT_LOOP_NOTE_NO_AWAKE = 16    /* processors may have slept */
 };
 
 /* What happened in a run. Each tick is in exactly one of `fresh`, `failed`, `stale`, `not_ready` and `lost`. */
@@ -157,8 +156,8 @@ static inline void dpt_loop_def_init(dpt_loop_def *def)
  * torque to the smaller of its def's and the device's maxima. A second device is served in the same ticks, each with a
  * guard of its own; the first one's samples set the pace.
  *
- * DPT_E_ARGUMENT: a value is out of range; or the two devices are one, or only one is deterministic; or a guard's `hold` is shorter than a period, so that a command would end
- * before the next tick.
+ * DPT_E_ARGUMENT: a value is out of range; or the two devices are one, or only one is deterministic; or a guard's `hold`
+ * is shorter than a period, so that a command would end before the next tick.
  */
 DPT_API dpt_result dpt_loop_create(dpt_device *device, const dpt_loop_def *def, dpt_loop **loop);
 

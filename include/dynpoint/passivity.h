@@ -32,9 +32,8 @@ typedef struct dpt_passivity_def {
     double torque_max;   /* of the guard, Nm, 0..1000; 0.2 */
     double force_slew;   /* of the guard, N/s; 0: unlimited; 2000 */
     double torque_slew;  /* of the guard, Nm/s; 0: unlimited; 80 */
-    double delay; /* s: from a command to its effect; counted in whole samples, at most 7; 0 */
-    double
-        reserve; /* J, 0..1: what the account holds at most above the energy that the law stores; 0.01 */
+    double delay;      /* s: from a command to its effect; counted in whole samples, at most 7; 0 */
+    double reserve;    /* J, 0..1: what the account holds at most above the law's energy; 0.01 */
     double body_power; /* W, 0..1000: what moving bodies are credited at most; 1 */
 } dpt_passivity_def;
 
@@ -53,7 +52,8 @@ typedef struct dpt_passivity {
  *   pose       that was read, of the device
  *   sent       the wrench that the device took after the sample before this one (dpt_loop_sample.sent), about the
  *              pose's position
- * Wrenches and energies are at most 1e9 in each number. With a zoom Z and a force scale s, energies of the scene are s / Z times as large at the hand.
+ * Wrenches and energies are at most 1e9 in each number. With a zoom Z and a force scale s, energies of the scene are s / Z
+ * times as large at the hand.
  */
 typedef struct dpt_passivity_sample {
     uint32_t size; /* sizeof(dpt_passivity_sample), set by the caller */

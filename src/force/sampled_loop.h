@@ -35,7 +35,7 @@ struct sampled_spring {
 struct sampled_loop dpti_sampled_loop(const double *mass, const double *damping, int axes,
                                       double period, double delay);
 
-/* 1 if all motion dies away, but for a drift in a direction that is left free. With one coordinate `along[0]` alone counts. */
+/* 1 if all motion dies away, but for a drift in a direction that is left free. One coordinate: `along[0]` alone counts. */
 int dpti_sampled_loop_holds(const struct sampled_loop *loop, int axes,
                             const struct sampled_spring *spring);
 

@@ -5,7 +5,7 @@
 
 #include "world/proxy_tick.h"
 
-/* J, in this tick, of what holds the proxy where it ended. To be called before its force is known to be another one. */
+/* J, in this tick, of what holds the proxy where it ended. Call it after dpti_proxy_yield, before `felt` changes. */
 double dpti_proxy_body_work(struct proxy_tick *tick);
 
 /*

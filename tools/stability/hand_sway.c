@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "identify_matrix.h"
+
 /* m: of the differences that linearise a law. */
 #define DIFFERENCE 4e-6
 
@@ -36,52 +38,10 @@ static double unit_of(const struct hand_loop *loop, int axis)
     return axis < 3 ? 1.0 : rho > 0.0 ? rho : 1.0;
 }
 
-/* Jacobi's rotations of a symmetric matrix; the columns of v are the directions. */
-static void diagonalise(double a[HAND_AXES][HAND_AXES], double v[HAND_AXES][HAND_AXES], int n)
-{
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j++)
-            v[i][j] = i == j;
-    for (int turn = 0; turn < 30 * n * n; turn++) {
-        const int i = turn / n % n, j = turn % n;
-        if (i >= j || a[i][j] == 0.0)
-            continue;
-        const double ratio = (a[j][j] - a[i][i]) / (2.0 * a[i][j]);
-        const double t = (ratio >= 0.0 ? 1.0 : -1.0) / (fabs(ratio) + sqrt(1.0 + ratio * ratio));
-        const double c = 1.0 / sqrt(1.0 + t * t), s = t * c;
-        for (int k = 0; k < n; k++) {
-            const double x = a[k][i], y = a[k][j], p = v[k][i], q = v[k][j];
-            a[k][i] = c * x - s * y;
-            a[k][j] = s * x + c * y;
-            v[k][i] = c * p - s * q;
-            v[k][j] = s * p + c * q;
-        }
-        for (int k = 0; k < n; k++) {
-            const double x = a[i][k], y = a[j][k];
-            a[i][k] = c * x - s * y;
-            a[j][k] = s * x + c * y;
-        }
-    }
-}
-
-static void sort_law(double a[HAND_AXES][HAND_AXES], double v[HAND_AXES][HAND_AXES],
-                     struct hand_law *law)
-{
-    for (int n = 0; n < law->axes; n++) {
-        int best = 0;
-        for (int i = 1; i < law->axes; i++)
-            if (a[i][i] > a[best][best])
-                best = i;
-        law->stiffness[n] = a[best][best];
-        for (int k = 0; k < law->axes; k++)
-            law->way[n][k] = v[k][best];
-        a[best][best] = -HUGE_VAL;
-    }
-}
-
 void hand_law_find(struct hand_loop *loop, struct hand_law *law)
 {
-    double rate[HAND_AXES][HAND_AXES], even[HAND_AXES][HAND_AXES], v[HAND_AXES][HAND_AXES];
+    double rate[HAND_AXES][HAND_AXES], even[HAND_AXES * HAND_AXES];
+    double values[HAND_AXES], ways[HAND_AXES * HAND_AXES];
     memset(law, 0, sizeof *law);
     law->axes = loop->device.dofs;
     for (int j = 0; j < law->axes; j++) {
@@ -100,11 +60,15 @@ void hand_law_find(struct hand_loop *loop, struct hand_law *law)
     }
     for (int i = 0; i < law->axes; i++)
         for (int j = 0; j < law->axes; j++) {
-            even[i][j] = 0.5 * (rate[i][j] + rate[j][i]);
+            even[law->axes * i + j] = 0.5 * (rate[i][j] + rate[j][i]);
             law->asymmetry = fmax(law->asymmetry, fabs(rate[i][j] - rate[j][i]));
         }
-    diagonalise(even, v, law->axes);
-    sort_law(even, v, law);
+    identify_eigen(law->axes, even, values, ways);
+    for (int n = 0; n < law->axes; n++) {
+        const int from = law->axes - 1 - n;
+        law->stiffness[n] = values[from];
+        memcpy(law->way[n], ways + law->axes * from, (size_t)law->axes * sizeof *ways);
+    }
 }
 
 void hand_hold(struct hand_loop *loop, const struct hand_law *law, double felt)
