@@ -13,6 +13,7 @@
 #include "dynpoint/base.h"
 #include "dynpoint/contact.h"
 #include "dynpoint/coupling.h"
+#include "dynpoint/deform.h"
 #include "dynpoint/guard.h"
 #include "dynpoint/kernel.h"
 #include "dynpoint/mesh.h"

@@ -38,4 +38,11 @@ static inline void work_spend(struct work *work, uint32_t units)
     work->done += units;
 }
 
+/* Spend units, or what is left. */
+static inline void work_spend_left(struct work *work, uint32_t units)
+{
+    const uint32_t left = work_left(work);
+    work->done += units < left ? units : left;
+}
+
 #endif

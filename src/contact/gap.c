@@ -49,7 +49,7 @@ void dpti_contact_of(const struct surface *surface, const struct kernel *kernel,
     profile.point_cache = NULL;
     profile.contacts_wanted = profile.ends_wanted = 0;
     profile.reach = radius;
-    profile.tolerance = PROFILE_DEPTH_SHARE * dpti_surface_diagonal(surface);
+    profile.tolerance = PROFILE_DEPTH_SHARE * surface_diagonal(surface);
     profile.work = work_of(WORK_UNLIMITED);
     if (dpti_contact_find(&profile, nearest, NULL, 0, radius, &gap) != CONTACT_UNKNOWN)
         dpti_segment_result_set_gap(result, gap, result->error_bound);

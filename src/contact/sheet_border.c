@@ -111,12 +111,14 @@ static int gather_edges(const struct distance_profile *profile, vec3 x, double r
 {
     const struct surface *surface = profile->surface;
     const vec3 x_filter = scaled(sub(x, surface->filter_centre), surface->filter_scale);
-    const double filter_reach =
-        reach * surface->filter_scale + kernel_margin(length(x_filter), length(x_filter));
+    const double filter_reach = reach * surface->filter_scale +
+                                kernel_margin(length(x_filter), length(x_filter)) +
+                                surface_margin(surface);
     const float limit = (float)(filter_reach * filter_reach * (1.0 + 4.0 * KERNEL_STRETCH));
     uint32_t node[MESH_LEVELS_MAX + 1], lanes[MESH_LEVELS_MAX + 1], seen_count = 0, blocks = 0;
     uint32_t level = surface->levels;
     float x_float[3], bound[LANES];
+    struct work uncounted = work_of(WORK_UNLIMITED);
     put_float(x_filter, x_float);
     border->surface = surface;
     border->count = 0;
@@ -124,10 +126,10 @@ static int gather_edges(const struct distance_profile *profile, vec3 x, double r
     node[level] = 0;
     for (int is_new = 1; level <= surface->levels; is_new = 0) {
         if (is_new || lanes[level] == UINT32_MAX)
-            lanes[level] = lanes_of(surface->count[level - 1] - node[level] * LANES) &
-                           profile->kernel->point_boxes(surface->level[level] +
-                                                            (size_t)node[level] * MESH_BOX_WORDS,
-                                                        x_float, limit, bound);
+            lanes[level] =
+                lanes_of(surface->count[level - 1] - node[level] * LANES) &
+                profile->kernel->point_boxes(surface_node(surface, level, node[level], &uncounted),
+                                             x_float, limit, bound);
         if (!lanes[level]) {
             level++;
             continue;

@@ -51,7 +51,7 @@ static void sum_leaf(struct winding_traversal *traversal, uint32_t leaf)
     uint32_t lanes = traversal->solid_lanes[leaf];
     if (!lanes)
         return;
-    const float *rows = traversal->surface->leaves + (size_t)leaf * MESH_LEAF_WORDS;
+    const float *rows = surface_leaf(traversal->surface, leaf, traversal->work);
     uint32_t open = traversal->kernel->angles(rows, traversal->x_filter, lanes, traversal->winding);
     work_spend(traversal->work, 1);
     for (; open; open &= open - 1) {

@@ -531,4 +531,5 @@ KERNEL_TARGET uint32_t KERNEL(swept_triangles)(const float *restrict block,
     return KERNEL_OPEN(bound, limit);
 }
 
+#include "kernel/kernel_vertices.h"
 #include "kernel/kernel_winding.h"

@@ -107,6 +107,19 @@ typedef uint32_t kernel_angles(const float *block, const float at[3], uint32_t l
 #define KERNEL_ANGLE_OPEN 0x1p-4f
 #define KERNEL_ANGLE_NEAR 0x1p-24f
 
+/*
+ * Vertices that move, in the body's frame: groups of KERNEL_GROUP vertices, x, y, z each.
+ *
+ *   move      copies `next` to `to`, and sets square[] to the largest squared distance of a vertex of each group from
+ *             where it was, `last`. Two floats behind the last group are read, of both, and do not count
+ *   outside   1 if any coordinate is below `low`, above `high` or no number; both are a group's, of one vertex repeated
+ */
+enum { KERNEL_GROUP = 16 };
+typedef void kernel_move(const float *next, const float *last, float *to, uint32_t groups,
+                         float *square);
+typedef uint32_t kernel_outside(const float *positions, uint32_t groups, const float *low,
+                                const float *high);
+
 struct kernel {
     kernel_cached *cached_boxes;
     kernel_cached *cached_triangles;
@@ -121,6 +134,8 @@ struct kernel {
     kernel_point *point_triangles;
     kernel_moments *moments;
     kernel_angles *angles;
+    kernel_move *move;
+    kernel_outside *outside;
 };
 
 /* The widest kernel that every machine of this kind has. */
@@ -148,7 +163,9 @@ int dpti_kernel_get(uint32_t id, struct kernel *kernel, uint32_t *chosen);
     kernel_swept dpti_kernel_##set##_swept_boxes, dpti_kernel_##set##_swept_triangles;             \
     kernel_point dpti_kernel_##set##_point_boxes, dpti_kernel_##set##_point_triangles;             \
     kernel_moments dpti_kernel_##set##_moments;                                                    \
-    kernel_angles dpti_kernel_##set##_angles;
+    kernel_angles dpti_kernel_##set##_angles;                                                      \
+    kernel_move dpti_kernel_##set##_move;                                                          \
+    kernel_outside dpti_kernel_##set##_outside;
 KERNEL_DECLARE(scalar)
 KERNEL_DECLARE(sse2)
 KERNEL_DECLARE(avx2)

@@ -25,14 +25,21 @@ void dpti_surface_of_mesh(const struct dpt_mesh *mesh, struct surface *surface)
     surface->box_max = vec3_of(mesh->box_max);
     surface->filter_centre = vec3_of(mesh->filter_centre);
     surface->filter_scale = mesh->filter_scale;
+    surface->diagonal = length(sub(surface->box_max, surface->box_min));
+    surface->motion = NULL;
+    surface->view_tick = 0;
+    surface->view_time = 1.0;
+}
+
+vec3 dpti_surface_between(const struct surface *view, uint32_t vertex)
+{
+    const vec3 now = vec3_of_float(view->positions + 3 * (size_t)vertex);
+    const vec3 before =
+        vec3_of_float(surface_motion_previous(view->motion, vertex, view->view_tick));
+    return along(before, view->view_time, sub(now, before));
 }
 
 double dpti_surface_extent(const struct surface *surface)
 {
     return max_of(extent_of(surface->box_min), extent_of(surface->box_max));
-}
-
-double dpti_surface_diagonal(const struct surface *surface)
-{
-    return length(sub(surface->box_max, surface->box_min));
 }

@@ -11,7 +11,8 @@
 #define DPT_SURFACE_H
 
 #include "base/vec3.h"
-#include "mesh/mesh_format.h"
+#include "base/work.h"
+#include "mesh/surface_motion.h"
 
 struct surface {
     /* Topology and the shape of the tree, from the file. */
@@ -27,25 +28,55 @@ struct surface {
     const float *leaves;    /* of MESH_LEAF_WORDS */
     /* Nodes of MESH_BOX_WORDS for each level; level 1: the parents of the leaves. */
     const float *level[MESH_LEVELS_MAX + 1];
-    const float *moments; /* nodes of MESH_MOMENT_WORDS; or NULL */
-    vec3 box_min, box_max;
-    vec3 filter_centre; /* boxes, leaves and moments hold (x - centre) * scale */
+    const float *moments;  /* nodes of MESH_MOMENT_WORDS; or NULL */
+    vec3 box_min, box_max; /* hold all vertices; of a deformable body at all times */
+    double diagonal;       /* m: of the mesh's own box */
+    vec3 filter_centre;    /* boxes, leaves and moments hold (x - centre) * scale */
     double filter_scale;
+    struct surface_motion *motion; /* of a deformable body; NULL: the vertices are at rest */
+    /* A view (surface_view): the vertices are where they were at a time of the motion before `view_tick`; 0: now. */
+    uint32_t view_tick;
+    double view_time;
 };
 
 /* The surface of a rigid mesh. */
 void dpti_surface_of_mesh(const struct dpt_mesh *mesh, struct surface *surface);
 
-/* m: the diagonal of its box. */
-double dpti_surface_diagonal(const struct surface *surface);
+/* m: the diagonal of the mesh's own box. */
+static inline double surface_diagonal(const struct surface *surface)
+{
+    return surface->diagonal;
+}
 
 /* m: its largest |coordinate|. */
 double dpti_surface_extent(const struct surface *surface);
 
+/* Where a vertex of a view is. */
+vec3 dpti_surface_between(const struct surface *view, uint32_t vertex);
+
 /* The position of a vertex, in the body's frame. */
 static inline vec3 surface_vertex(const struct surface *surface, uint32_t vertex)
 {
-    return vec3_of_float(surface->positions + 3 * (size_t)vertex);
+    return surface->view_tick ? dpti_surface_between(surface, vertex)
+                              : vec3_of_float(surface->positions + 3 * (size_t)vertex);
+}
+
+/* 1 if vertices moved before this tick of the world. */
+static inline int surface_has_moved(const struct surface *surface, uint32_t tick)
+{
+    return surface->motion && surface->motion->tick == tick;
+}
+
+/*
+ * A view of a surface whose vertices moved before `tick`, at a time of that motion: 0 is the last tick, 1 is now. It
+ * has positions and topology alone; boxes, leaves and stored normals are those of now.
+ */
+static inline struct surface surface_view(const struct surface *surface, uint32_t tick, double time)
+{
+    struct surface view = *surface;
+    view.view_tick = surface_has_moved(surface, tick) && time < 1.0 ? tick : 0;
+    view.view_time = time;
+    return view;
 }
 
 /* The vertex at corner k of a triangle, 0..2. */
@@ -59,6 +90,44 @@ static inline void surface_corners(const struct surface *surface, uint32_t trian
 {
     for (uint32_t k = 0; k < 3; k++)
         v[k] = surface_vertex(surface, surface_corner(surface, triangle, k));
+}
+
+/*
+ * The block of a leaf, and that of a node's children, for searches: the surface has followed its vertices there. On a
+ * deformable body that is work.
+ */
+static inline const float *surface_leaf(const struct surface *surface, uint32_t leaf,
+                                        struct work *work)
+{
+    struct surface_motion *motion = surface->motion;
+    if (motion && motion->followed[leaf] != motion->travel[leaf])
+        work_spend_left(work, dpti_surface_follow_leaf(motion, leaf));
+    return surface->leaves + (size_t)leaf * MESH_LEAF_WORDS;
+}
+
+static inline const float *surface_node(const struct surface *surface, uint32_t level,
+                                        uint32_t node, struct work *work)
+{
+    struct surface_motion *motion = surface->motion;
+    const uint32_t number = motion ? motion->first[level] + node : 0;
+    if (motion && motion->followed[number] != motion->travel[number])
+        work_spend_left(work, dpti_surface_follow_node(motion, level, node));
+    return surface->level[level] + (size_t)node * MESH_BOX_WORDS;
+}
+
+/* The point of a triangle with these weights. */
+static inline vec3 surface_point(const struct surface *surface, uint32_t triangle,
+                                 const double weight[3])
+{
+    vec3 v[3];
+    surface_corners(surface, triangle, v);
+    return along(along(scaled(v[0], weight[0]), weight[1], v[1]), weight[2], v[2]);
+}
+
+/* What the margins of filters need on a deformable body, in the filter's frame. */
+static inline double surface_margin(const struct surface *surface)
+{
+    return surface->motion ? MOTION_MARGIN : 0.0;
 }
 
 static inline uint32_t surface_triangles(const struct surface *surface)

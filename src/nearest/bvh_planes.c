@@ -5,6 +5,24 @@
  */
 #include "nearest/bvh_planes.h"
 
+uint32_t dpti_bvh_lower_bounds(const struct bvh_search *search, const struct cached_planes *cached,
+                               float *bound)
+{
+    uint32_t open = 0;
+    for (uint32_t i = 0; i < LANES; i++) {
+        bound[i] -= cached->travel[i * cached->travel_stride];
+        open |= (uint32_t) !(bound[i] > search->segment.limit) << i;
+    }
+    return open;
+}
+
+/* New planes as they are cached. */
+static void add_travels(const struct cached_planes *cached, struct planes *planes)
+{
+    for (uint32_t i = 0; cached->travel && i < LANES; i++)
+        planes->support[i] = bvh_cached_support(cached, i, planes->support[i]);
+}
+
 /* Make 16 new planes, and store each where there is none or where it is better. Returns the lanes still open. */
 static uint32_t renew_planes(struct bvh_search *search, kernel_new_planes *make, const float *rows,
                              const struct cached_planes *cached, uint32_t lanes, float *bound)
@@ -16,12 +34,14 @@ static uint32_t renew_planes(struct bvh_search *search, kernel_new_planes *make,
         lanes &=
             make(rows, &search->segment, cached->block ? &cached->block->planes : &made, bound);
         if (cached->block) {
+            add_travels(cached, &cached->block->planes);
             cached->block->key = plane_cache_key(&search->cache, cached->node);
             cached->block->retry_after = 1; /* the parent's planes are as new as these */
             cached->block->retry_interval = 0;
         }
     } else {
         uint32_t open = make(rows, &search->segment, &made, made_bound);
+        add_travels(cached, &made);
         search->kernel->better(&made, made_bound, &cached->block->planes, bound);
         lanes &= open;
     }
@@ -40,28 +60,62 @@ static float lanes_min(const float *value)
     return min[0] < min[1] ? min[0] : min[1];
 }
 
-static void store_plane(struct plane_block *block, uint32_t lane, const float normal[3],
+static void store_plane(const struct cached_planes *cached, uint32_t lane, const float normal[3],
                         float support)
 {
-    planes_put(&block->planes, lane, normal, support);
-    block->open &= ~(1u << lane);
+    planes_put(&cached->block->planes, lane, normal, bvh_cached_support(cached, lane, support));
+    cached->block->open &= ~(1u << lane);
+}
+
+/* The planes of a node, or of a leaf (level 0), if the cache has any of it; else `block` is NULL. */
+static struct cached_planes own_planes(const struct bvh_search *search, uint32_t level,
+                                       uint32_t index)
+{
+    struct cached_planes cached = bvh_cached_planes(search, level, index);
+    cached.block = plane_cache_own_block(&search->cache, cached.node);
+    return cached;
+}
+
+/*
+ * On a deformable body: fill those leaves of a node again whose boxes keep a plane from closing the node, or leave it
+ * less than they would gain. support: of the leaves' boxes along the plane's normal; needed: what closes the node.
+ * Returns 1 if a leaf was filled.
+ */
+static int fill_leaves(struct bvh_search *search, uint32_t node, const float *support, float needed)
+{
+    const struct surface *surface = search->surface;
+    const struct surface_motion *motion = surface->motion;
+    const uint32_t count = surface->count[0] - node * LANES;
+    int has_filled = 0;
+    for (uint32_t i = 0; i < LANES && i < count && !work_is_spent(search->work); i++) {
+        const uint32_t leaf = node * LANES + i;
+        const float gain = motion->travel[leaf] - motion->followed[leaf];
+        if (!(gain > 0.0f) || !(support[i] < needed + gain))
+            continue;
+        surface_leaf(surface, leaf, search->work);
+        has_filled = 1;
+    }
+    return has_filled;
 }
 
 /*
  * The support along n of a child of a node of this level: the least n.v of a leaf's triangles, or of the boxes of a
- * node's children.
+ * node's children. A support above `needed` is enough.
  */
-static float child_support(struct bvh_search *search, uint32_t level, size_t child,
-                           const float n[3])
+static float child_support(struct bvh_search *search, uint32_t level, uint32_t child,
+                           const float n[3], float needed)
 {
     const struct surface *surface = search->surface;
     const struct kernel *kernel = search->kernel;
     float support[LANES];
     work_spend(search->work, 1);
     if (level == 1)
-        kernel->common_triangles(surface->leaves + child * MESH_LEAF_WORDS, n, 0.0f, support);
+        kernel->common_triangles(surface_leaf(surface, child, search->work), n, 0.0f, support);
     else
-        kernel->common_boxes(surface->level[level - 1] + child * MESH_BOX_WORDS, n, 0.0f, support);
+        kernel->common_boxes(surface_node(surface, level - 1, child, search->work), n, 0.0f,
+                             support);
+    if (level == 2 && surface->motion && fill_leaves(search, child, support, needed))
+        kernel->common_boxes(surface_node(surface, 1, child, search->work), n, 0.0f, support);
     return lanes_min(support);
 }
 
@@ -70,7 +124,7 @@ static float child_support(struct bvh_search *search, uint32_t level, size_t chi
  * a plane lasts longer than one with the support of the child's box. If it closes the lane, store it and return 1.
  */
 static int close_child(struct bvh_search *search, uint32_t level, uint32_t node, uint32_t lane,
-                       struct plane_block *block)
+                       const struct cached_planes *cached)
 {
     const struct filter_segment *segment = &search->segment;
     const float *box = search->surface->level[level] + (size_t)node * MESH_BOX_WORDS + lane;
@@ -88,24 +142,25 @@ static int close_child(struct bvh_search *search, uint32_t level, uint32_t node,
     float unit = 1.0f / sqrtf(square);
     for (int k = 0; k < 3; k++)
         n[k] *= unit;
-    float support = child_support(search, level, (size_t)node * LANES + lane, n);
+    const float needed = filter_segment_support(segment, n) + segment->limit;
+    float support = child_support(search, level, node * LANES + lane, n, needed);
     if (!(support - filter_segment_support(segment, n) > segment->limit))
         return 0;
-    store_plane(block, lane, n, support);
+    store_plane(cached, lane, n, support);
     return 1;
 }
 
 /* Try the normal of the best pair on each of these leaves; it closes three of four. Returns the lanes closed. */
 static uint32_t close_leaves(struct bvh_search *search, uint32_t node, uint32_t lanes,
-                             struct plane_block *block)
+                             const struct cached_planes *cached)
 {
     const struct filter_segment *segment = &search->segment;
     uint32_t closed = 0;
     for (uint32_t rest = lanes; rest && !work_is_spent(search->work); rest &= rest - 1) {
         uint32_t lane = first_lane(rest);
-        float support = child_support(search, 1, (size_t)node * LANES + lane, segment->normal);
+        float support = child_support(search, 1, node * LANES + lane, segment->normal, 0.0f);
         if (support - segment->height > segment->limit) {
-            store_plane(block, lane, segment->normal, support);
+            store_plane(cached, lane, segment->normal, support);
             closed |= 1u << lane;
         }
     }
@@ -123,12 +178,11 @@ void dpti_bvh_close_in_parent(struct bvh_search *search, struct plane_block *blo
         return;
     }
     uint32_t node = child / LANES, lane = child % LANES;
-    struct plane_block *parent =
-        plane_cache_own_block(&search->cache, search->surface->first[level] + node);
-    if (!parent || !(parent->open >> lane & 1))
+    const struct cached_planes parent = own_planes(search, level, node);
+    if (!parent.block || !(parent.block->open >> lane & 1))
         return;
     uint32_t interval = 2u * block->retry_interval + 1;
-    if (close_child(search, level, node, lane, parent))
+    if (close_child(search, level, node, lane, &parent))
         interval = 0;
     block->retry_interval = block->retry_after =
         (uint16_t)(interval < RETRY_INTERVAL_MAX ? interval : RETRY_INTERVAL_MAX);
@@ -137,19 +191,18 @@ void dpti_bvh_close_in_parent(struct bvh_search *search, struct plane_block *blo
 /* Store the plane with the best pair's normal in the parent, for a whole leaf. support: of the leaf's triangles. */
 static void store_leaf_plane(const struct bvh_search *search, uint32_t leaf, const float *support)
 {
-    struct plane_block *parent =
-        plane_cache_own_block(&search->cache, search->surface->first[1] + leaf / LANES);
-    if (parent)
-        store_plane(parent, leaf % LANES, search->segment.normal, lanes_min(support));
+    const struct cached_planes parent = own_planes(search, 1, leaf / LANES);
+    if (parent.block)
+        store_plane(&parent, leaf % LANES, search->segment.normal, lanes_min(support));
 }
 
 void dpti_bvh_close_triangle(const struct bvh_search *search, uint32_t leaf, uint32_t lane,
                              const pair *found)
 {
-    struct plane_block *block = plane_cache_own_block(&search->cache, leaf);
+    const struct cached_planes cached = own_planes(search, 0, leaf);
     const float *rows = search->surface->leaves + (size_t)leaf * MESH_LEAF_WORDS + lane;
     float n[3], support = HUGE_VALF;
-    if (!block)
+    if (!cached.block)
         return;
     put_float(scaled(found->gap, -1.0 / sqrt(found->distance2)), n);
     for (int k = 0; k < 9; k += 3) {
@@ -158,14 +211,14 @@ void dpti_bvh_close_triangle(const struct bvh_search *search, uint32_t leaf, uin
         support = corner_support < support ? corner_support : support;
     }
     if (support - filter_segment_support(&search->segment, n) > search->segment.limit)
-        store_plane(block, lane, n, support);
+        store_plane(&cached, lane, n, support);
 }
 
 uint32_t dpti_bvh_open_triangles(struct bvh_search *search, uint32_t leaf,
                                  const struct cached_planes *cached, uint32_t lanes,
                                  int parent_needs_plane, float *bound)
 {
-    const float *rows = search->surface->leaves + (size_t)leaf * MESH_LEAF_WORDS;
+    const float *rows = surface_leaf(search->surface, leaf, search->work);
     const struct filter_segment *segment = &search->segment;
     float support[LANES];
     if (!cached->is_empty) {
@@ -182,7 +235,7 @@ uint32_t dpti_bvh_open_triangles(struct bvh_search *search, uint32_t leaf,
             store_leaf_plane(search, leaf, support);
         for (uint32_t rest = cached->is_empty ? 0 : lanes & ~open; rest; rest &= rest - 1) {
             uint32_t i = first_lane(rest);
-            store_plane(cached->block, i, segment->normal, support[i]);
+            store_plane(cached, i, segment->normal, support[i]);
         }
         lanes &= open;
         if (!lanes)
@@ -209,13 +262,13 @@ uint32_t dpti_bvh_close_boxes(struct bvh_search *search, uint32_t level, uint32_
     if (cached->is_empty || !has_few)
         return renew_planes(search, search->kernel->boxes, rows, cached, lanes, bound);
     if (level == 1 && search->has_plane) {
-        uint32_t closed = close_leaves(search, node, lost, cached->block);
+        uint32_t closed = close_leaves(search, node, lost, cached);
         lanes &= ~closed;
         lost &= ~closed;
     }
     for (; lost && !work_is_spent(search->work); lost &= lost - 1) {
         uint32_t lane = first_lane(lost);
-        if (close_child(search, level, node, lane, cached->block))
+        if (close_child(search, level, node, lane, cached))
             lanes &= ~(1u << lane);
     }
     return lanes;

@@ -14,6 +14,9 @@ struct cached_planes {
     struct plane_block *block; /* where planes are stored; NULL: nowhere */
     uint32_t node;             /* the node's number in the tree */
     int is_empty;              /* 1: the block holds no planes of this node that may be used */
+    const float
+        *travel; /* of a deformable body: the travels of the children, or of the leaf; else NULL */
+    uint32_t travel_stride; /* 1, or 0 for a leaf: its triangles share its travel */
 };
 
 struct bvh_search {
@@ -30,16 +33,43 @@ struct bvh_search {
     struct bvh_traversal *traversal;
 };
 
-/* With one unit of work left, the cache is neither read nor written. */
-static inline struct cached_planes bvh_cached_planes(const struct bvh_search *search, uint32_t node)
+/*
+ * The cached planes of a node, or of a leaf (level 0), by its index in its level. With one unit of work left, the cache
+ * is neither read nor written.
+ */
+static inline struct cached_planes bvh_cached_planes(const struct bvh_search *search,
+                                                     uint32_t level, uint32_t index)
 {
     const struct plane_cache_view *cache = &search->cache;
+    const struct surface_motion *motion = search->surface->motion;
+    const uint32_t node = search->surface->first[level] + index;
     struct plane_block *block = work_left(search->work) > 1 ? plane_cache_block(cache, node) : NULL;
-    int is_empty = !block || block->key != plane_cache_key(cache, node);
-    if (!is_empty && cache->is_write_only)
-        return (struct cached_planes){ NULL, node, 1 };
-    return (struct cached_planes){ block, node, is_empty };
+    struct cached_planes cached = { block, node, 0, NULL, 0 };
+    cached.is_empty = !block || block->key != plane_cache_key(cache, node);
+    if (!cached.is_empty && cache->is_write_only) {
+        cached.block = NULL;
+        cached.is_empty = 1;
+    }
+    if (motion) {
+        cached.travel_stride = level > 0;
+        cached.travel = motion->travel + (level ? motion->first[level - 1] + index * LANES : index);
+    }
+    return cached;
 }
+
+/*
+ * The support that is cached for a plane of a lane. On a deformable body the lane's travel is added: what it travels
+ * later is taken away when the plane is tested.
+ */
+static inline float bvh_cached_support(const struct cached_planes *cached, uint32_t lane,
+                                       float support)
+{
+    return cached->travel ? support + cached->travel[lane * cached->travel_stride] : support;
+}
+
+/* Lower the bounds by the travels of the lanes. Returns the lanes that are open. */
+uint32_t dpti_bvh_lower_bounds(const struct bvh_search *search, const struct cached_planes *cached,
+                               float *bound);
 
 /* 1 if the block holds this node's planes now; the search may have stored them since `cached` was made. */
 static inline int bvh_owns_block(const struct bvh_search *search,
@@ -57,7 +87,8 @@ static inline uint32_t bvh_test_planes(struct bvh_search *search, kernel_cached 
                                        float *bound)
 {
     work_spend(search->work, 1);
-    return test(rows, &search->segment, &cached->block->planes, bound);
+    const uint32_t open = test(rows, &search->segment, &cached->block->planes, bound);
+    return cached->travel ? dpti_bvh_lower_bounds(search, cached, bound) : open;
 }
 
 /*

@@ -43,7 +43,7 @@ static void visit_leaf(struct bvh_search *search, uint32_t leaf)
     uint32_t first = leaf * LANES;
     uint32_t all = lanes_of(surface_triangles(surface) - first);
     uint32_t lanes = untested_triangles(search->nearest, first, all);
-    struct cached_planes cached = bvh_cached_planes(search, leaf);
+    struct cached_planes cached = bvh_cached_planes(search, 0, leaf);
     int has_tested = lanes != all;
     lanes = dpti_bvh_open_triangles(search, leaf, &cached, lanes, !has_tested, bound);
     if (lanes || has_tested)
@@ -86,8 +86,8 @@ static int visit_node(struct bvh_search *search, uint32_t level, uint32_t node, 
 {
     struct path_entry *entry = &search->traversal->path[level];
     const struct surface *surface = search->surface;
-    const float *rows = surface->level[level] + (size_t)node * MESH_BOX_WORDS;
-    struct cached_planes cached = bvh_cached_planes(search, surface->first[level] + node);
+    const float *rows = surface_node(surface, level, node, search->work);
+    struct cached_planes cached = bvh_cached_planes(search, level, node);
     uint32_t lanes = lanes_of(surface->count[level - 1] - node * LANES) & ~path_lanes;
     if (!cached.is_empty)
         lanes &= bvh_test_planes(search, search->kernel->cached_boxes, rows, &cached, entry->bound);

@@ -31,7 +31,7 @@ static inline vec3 filter_segment_set_axis(struct filter_segment *segment,
     put_float(to, segment->b);
     put_float(x, segment->x);
     segment->length = (float)(size * scale);
-    segment->margin = (float)kernel_margin(length(from), length(to));
+    segment->margin = (float)(kernel_margin(length(from), length(to)) + surface_margin(surface));
     return x;
 }
 

@@ -64,7 +64,7 @@ static void try_block(struct descent *d)
 
 static void put_neighbour(struct descent *d, uint32_t neighbour)
 {
-    const float *leaf = d->surface->leaves + (size_t)(neighbour / LANES) * MESH_LEAF_WORDS;
+    const float *leaf = surface_leaf(d->surface, neighbour / LANES, d->work);
     for (uint32_t row = 0; row < MESH_LEAF_WORDS; row += LANES)
         d->block_rows[row + d->block_count] = leaf[row + neighbour % LANES];
     d->block_places[d->block_count++] = neighbour;

@@ -35,10 +35,9 @@ static void visit_node(struct point_search_state *search, uint32_t level, uint32
     work_spend(search->work, 1);
     search->traversal->level = level;
     entry->node = node;
-    entry->lanes =
-        lanes_of(surface->count[level - 1] - node * LANES) &
-        search->kernel->point_boxes(surface->level[level] + (size_t)node * MESH_BOX_WORDS,
-                                    search->filter_x, search->limit, entry->bound);
+    entry->lanes = lanes_of(surface->count[level - 1] - node * LANES) &
+                   search->kernel->point_boxes(surface_node(surface, level, node, search->work),
+                                               search->filter_x, search->limit, entry->bound);
 }
 
 static void visit_leaf(struct point_search_state *search, uint32_t leaf)
@@ -50,7 +49,7 @@ static void visit_leaf(struct point_search_state *search, uint32_t leaf)
     if (nearest->triangle - first < LANES)
         lanes &= ~(1u << (nearest->triangle - first));
     work_spend(search->work, 1);
-    lanes &= search->kernel->point_triangles(surface->leaves + (size_t)leaf * MESH_LEAF_WORDS,
+    lanes &= search->kernel->point_triangles(surface_leaf(surface, leaf, search->work),
                                              search->filter_x, search->limit, bound);
     while (lanes) {
         uint32_t lane = lowest_lane(bound, lanes);
@@ -76,7 +75,8 @@ int dpti_point_search(const struct surface *surface, const struct kernel *kernel
     search.work = work;
     search.x = x;
     put_float(filter_x, search.filter_x);
-    search.margin = (float)kernel_margin(length(filter_x), length(filter_x));
+    search.margin =
+        (float)(kernel_margin(length(filter_x), length(filter_x)) + surface_margin(surface));
     set_limit(&search);
     if (!traversal->level)
         visit_node(&search, surface->levels, 0);

@@ -21,8 +21,8 @@ static void visit(struct range *range, uint32_t level, uint32_t node)
     const struct surface *surface = range->surface;
     uint32_t children = level ? surface->count[level - 1] : surface_triangles(surface);
     uint32_t lanes = lanes_of(children - node * LANES);
-    const float *rows = level ? surface->level[level] + (size_t)node * MESH_BOX_WORDS
-                              : surface->leaves + (size_t)node * MESH_LEAF_WORDS;
+    const float *rows = level ? surface_node(surface, level, node, range->work)
+                              : surface_leaf(surface, node, range->work);
     kernel_new_planes *loop = level ? range->kernel->boxes : range->kernel->triangles;
     struct planes planes;
     work_spend(range->work, 1);

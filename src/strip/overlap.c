@@ -57,8 +57,7 @@ static void compute_overlap(const struct surface *surface, const struct frame *f
     pair found = dpti_triangle_pair(surface, place, a, u);
     vec3 normal = scaled(dpti_surface_face_normal(surface, place), side);
     vec3 q = sub(along(a, found.s, u), found.gap);
-    vec3 corner =
-        vec3_of_float(surface->positions + 3 * (size_t)surface->corners[3 * (size_t)place]);
+    vec3 corner = surface_vertex(surface, surface_corner(surface, place, 0));
     double height = min_of(dot(sub(a, corner), normal), dot(sub(add(a, u), corner), normal));
     double distance = sqrt(found.distance2);
     double displacement = exit_distance(surface, place, a, u, radius, normal, height);

@@ -12,6 +12,7 @@ struct mesh_sweep {
     const struct surface *surface;
     const struct kernel *kernel;
     const struct sweep *sweep;
+    const struct surface_times *times;
     double from_time; /* the search is over from_time..progress->until */
     struct work *work;
     struct swept_hull hull;
@@ -74,7 +75,28 @@ static void swept_hull_of(const struct mesh_sweep *search, struct swept_hull *hu
     }
     put_float(centre, hull->centre);
     double limit = search->sweep->no_hit_limit * scale * (1.0 + KERNEL_STRETCH);
-    hull->limit = (float)(limit + kernel_margin(sqrt(max_square), sqrt(max_square)));
+    hull->limit = (float)(limit + kernel_margin(sqrt(max_square), sqrt(max_square)) +
+                          surface_margin(surface));
+}
+
+/* A triangle during the sweep. */
+static void triangle_during(const struct mesh_sweep *search, uint32_t triangle,
+                            struct moving_triangle *moving)
+{
+    const struct surface *surface = search->surface;
+    const struct surface_times *times = search->times;
+    moving->is_moving = times->tick != 0;
+    for (uint32_t k = 0; k < 3; k++) {
+        const uint32_t vertex = surface_corner(surface, triangle, k);
+        const vec3 now = vec3_of_float(surface->positions + 3 * (size_t)vertex);
+        moving->corner[k] = now;
+        if (!times->tick)
+            continue;
+        const vec3 last =
+            vec3_of_float(surface_motion_previous(surface->motion, vertex, times->tick));
+        moving->corner[k] = along(last, times->from, sub(now, last));
+        moving->shift[k] = scaled(sub(now, last), times->to - times->from);
+    }
 }
 
 /* Sweep one triangle, in double, and note its hit if it is the first so far. */
@@ -82,14 +104,12 @@ static void evaluate_triangle(struct mesh_sweep *search, uint32_t triangle)
 {
     const struct surface *surface = search->surface;
     struct sweep_progress *progress = search->progress;
-    const uint32_t *vertices = surface->corners + 3 * (size_t)triangle;
-    const vec3 corner[3] = { vec3_of_float(surface->positions + 3 * (size_t)vertices[0]),
-                             vec3_of_float(surface->positions + 3 * (size_t)vertices[1]),
-                             vec3_of_float(surface->positions + 3 * (size_t)vertices[2]) };
+    struct moving_triangle moving;
     double time;
     uint32_t evaluations = 0;
+    triangle_during(search, triangle, &moving);
     work_spend(search->work, 1);
-    if (dpti_sweep_triangle(search->sweep, corner, progress->until, &time, &evaluations) !=
+    if (dpti_sweep_triangle(search->sweep, &moving, progress->until, &time, &evaluations) !=
             SWEEP_HIT ||
         (time == progress->until && progress->triangle != DPT_NONE &&
          surface->sources[triangle] >= surface->sources[progress->triangle]))
@@ -101,22 +121,38 @@ static void evaluate_triangle(struct mesh_sweep *search, uint32_t triangle)
         swept_hull_of(search, &search->hull);
 }
 
+/* What vertices below the children moved in the tick is taken off their bounds. Returns the open lanes. */
+static uint32_t lower_bounds(const struct mesh_sweep *search, uint32_t level, uint32_t node,
+                             float *bound)
+{
+    const struct surface_motion *motion = search->surface->motion;
+    const float *step = motion->step + (level ? motion->first[level - 1] + node * LANES : node);
+    uint32_t open = 0;
+    for (uint32_t i = 0; i < LANES; i++) {
+        bound[i] -= step[level ? i : 0];
+        open |= (uint32_t) !(bound[i] > search->hull.limit) << i;
+    }
+    return open;
+}
+
 /* Put a node on the path and test its children. Level 0: a leaf, whose children are triangles. */
 static void open_node(struct mesh_sweep *search, uint32_t level, uint32_t node)
 {
     const struct surface *surface = search->surface;
     struct sweep_node *opened = &search->progress->path[level];
-    uint32_t children = level ? surface->count[level - 1] : surface_triangles(surface);
+    uint32_t children = level ? surface->count[level - 1] : surface_triangles(surface), open;
     work_spend(search->work, 1);
     search->progress->level = level;
     opened->node = node;
-    opened->lanes = lanes_of(children - node * LANES);
     if (level)
-        opened->lanes &= search->kernel->swept_boxes(
-            surface->level[level] + (size_t)node * MESH_BOX_WORDS, &search->hull, opened->bound);
+        open = search->kernel->swept_boxes(surface_node(surface, level, node, search->work),
+                                           &search->hull, opened->bound);
     else
-        opened->lanes &= search->kernel->swept_triangles(
-            surface->leaves + (size_t)node * MESH_LEAF_WORDS, &search->hull, opened->bound);
+        open = search->kernel->swept_triangles(surface_leaf(surface, node, search->work),
+                                               &search->hull, opened->bound);
+    if (search->times->tick)
+        open = lower_bounds(search, level, node, opened->bound);
+    opened->lanes = open & lanes_of(children - node * LANES);
 }
 
 /* Begin above the root: at a node whose only child is the root. */
@@ -159,13 +195,15 @@ static int continue_search(struct mesh_sweep *search)
 }
 
 int dpti_sweep_mesh(const struct surface *surface, const struct kernel *kernel,
-                    const struct sweep *sweep, double from, uint32_t hint, struct work *work,
-                    struct sweep_progress *progress, struct impact *first)
+                    const struct sweep *sweep, const struct surface_times *times, double from,
+                    uint32_t hint, struct work *work, struct sweep_progress *progress,
+                    struct impact *first)
 {
     struct mesh_sweep search;
     search.surface = surface;
     search.kernel = kernel;
     search.sweep = sweep;
+    search.times = times;
     search.from_time = from;
     search.work = work;
     search.progress = progress;
@@ -183,8 +221,10 @@ int dpti_sweep_mesh(const struct surface *surface, const struct kernel *kernel,
         return is_done ? SWEEP_FREE : SWEEP_UNFINISHED;
     vec3 a, u;
     dpti_sweep_axis(sweep, progress->until, &a, &u);
+    const double time = times->from + progress->until * (times->to - times->from);
+    const struct surface then = surface_view(surface, times->tick, time);
     first->triangle = progress->triangle;
-    first->pair = dpti_triangle_pair(surface, progress->triangle, a, u);
+    first->pair = dpti_triangle_pair(times->tick ? &then : surface, progress->triangle, a, u);
     first->q = sub(along(a, first->pair.s, u), first->pair.gap);
     return SWEEP_HIT;
 }

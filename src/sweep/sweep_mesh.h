@@ -9,6 +9,15 @@
 #include "nearest/bvh.h"
 #include "sweep/sweep_triangle.h"
 
+/*
+ * When a sweep of a mesh takes place: its times 0 and 1 are `from` and `to` of the motion of the surface's vertices
+ * before `tick`. tick 0: the vertices are at rest.
+ */
+struct surface_times {
+    uint32_t tick;
+    double from, to;
+};
+
 /* The first touch of a sweep. */
 struct impact {
     double time;
@@ -35,9 +44,10 @@ struct sweep_progress {
 };
 
 /*
- * The first touch with a whole mesh at times 0..1. Of equal times the lowest source number wins. The answer is that of
+ * The first touch with a whole surface at times 0..1. Of equal times the lowest source number wins. The answer is that of
  * dpti_sweep_triangle over all triangles. Returns a sweep_status.
  *
+ *   times     when the vertices move; sweep->surface_speed bounds their speed
  *   from      time from which to search: what dpti_sweep_start gives for a distance to this mesh; 0 if none is known
  *   hint      a triangle that is likely to be hit, such as the one last nearest; it saves work and changes nothing
  *             else. DPT_NONE: none
@@ -48,7 +58,8 @@ struct sweep_progress {
  *             `from`, up to which the motion is free
  */
 int dpti_sweep_mesh(const struct surface *surface, const struct kernel *kernel,
-                    const struct sweep *sweep, double from, uint32_t hint, struct work *work,
-                    struct sweep_progress *progress, struct impact *first);
+                    const struct sweep *sweep, const struct surface_times *times, double from,
+                    uint32_t hint, struct work *work, struct sweep_progress *progress,
+                    struct impact *first);
 
 #endif

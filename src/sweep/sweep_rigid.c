@@ -94,6 +94,22 @@ static double deviation_between(const struct placement *from, const struct ends 
     return deviation;
 }
 
+/* m: no vertex moves farther in the sweep. */
+static double surface_motion_max(const struct rigid_sweep *sweep)
+{
+    const struct surface_motion *motion = sweep->surface->motion;
+    return sweep->tick
+               ? (1.0 - sweep->tick_from) * (double)motion->step[motion->first[motion->levels]] /
+                     sweep->surface->filter_scale
+               : 0.0;
+}
+
+/* A time of the sweep, as one of the vertices' motion. */
+static double vertex_time(const struct rigid_sweep *sweep, double time)
+{
+    return sweep->tick_from + time * (1.0 - sweep->tick_from);
+}
+
 static int sweep_straight(struct rigid_sweep *sweep, const struct ends *from, const struct ends *to,
                           double deviation, double t0, double t1)
 {
@@ -103,9 +119,13 @@ static int sweep_straight(struct rigid_sweep *sweep, const struct ends *from, co
     result->motion = (struct motion){ from->a, from->b, sub(to->a, from->a), sub(to->b, from->b) };
     dpti_sweep_begin(&straight, &result->motion, sweep->radius + deviation, sweep->tolerance,
                      dpti_surface_extent(surface));
+    straight.surface_speed = (t1 - t0) * surface_motion_max(sweep);
+    const struct surface_times times = { sweep->tick, vertex_time(sweep, t0),
+                                         vertex_time(sweep, t1) };
     double start = t0 > 0.0 ? 0.0 : dpti_sweep_start(&straight, sweep->distance_before);
-    int status = dpti_sweep_mesh(surface, sweep->kernel, &straight, start, sweep->hint, sweep->work,
-                                 &sweep->progress->sweep, &result->impact);
+    int status = dpti_sweep_mesh(surface, sweep->kernel, &straight, &times, start, sweep->hint,
+                                 sweep->work, &sweep->progress->sweep, &result->impact);
+    result->from = t0;
     result->time = t0 + result->impact.time * (t1 - t0);
     if (status == SWEEP_FREE)
         sweep->progress->free_until = t1;
@@ -152,7 +172,8 @@ int dpti_rigid_sweep_cannot_meet(const struct rigid_sweep *sweep, const struct p
 {
     struct placement middle = middle_of(from, to);
     struct ends at_from = ends_at(from), at_to = ends_at(to), at_middle = ends_at(&middle);
-    double motion = max_length(sub(at_to.a, at_from.a), sub(at_to.b, at_from.b));
+    double motion =
+        max_length(sub(at_to.a, at_from.a), sub(at_to.b, at_from.b)) + surface_motion_max(sweep);
     double deviation = deviation_between(from, &at_from, &middle, &at_middle, to, &at_to);
     if (motion == 0.0 && deviation == 0.0)
         return 1;
@@ -165,9 +186,17 @@ int dpti_rigid_sweep_side_before(const struct rigid_sweep *sweep)
 {
     const struct impact *impact = &sweep->result.impact;
     const struct motion *motion = &sweep->result.motion;
+    const struct surface then =
+        surface_view(sweep->surface, sweep->tick, vertex_time(sweep, sweep->result.time));
+    const struct surface first =
+        surface_view(sweep->surface, sweep->tick, vertex_time(sweep, sweep->result.from));
     vec3 displacement = along(motion->da, impact->pair.s, sub(motion->db, motion->da));
     vec3 back = along(impact->pair.gap, -impact->time, displacement);
-    return dpti_side_of_arrival(sweep->surface, impact->triangle, impact->pair.weight, back);
+    /* As seen from the point of the surface, which moves too. */
+    if (sweep->tick)
+        back = add(back, sub(surface_point(&then, impact->triangle, impact->pair.weight),
+                             surface_point(&first, impact->triangle, impact->pair.weight)));
+    return dpti_side_of_arrival(&then, impact->triangle, impact->pair.weight, back);
 }
 
 int dpti_rigid_sweep_began_touching(const struct rigid_sweep *sweep)

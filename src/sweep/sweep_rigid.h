@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
  * The first touch of a segment of a tool and one body within a tick. Tool and body may both move and turn, each along
- * the shortest arc; the segment's ends may also move in the tool's frame, along straight lines. Lengths are in m, times
+ * the shortest arc; the segment's ends may also move in the tool's frame, and the body's vertices in the body's, along
+ * straight lines. Lengths are in m, times
  * in ticks, 0 to 1. docs/algorithms/swept_motion.md.
  */
 #ifndef DPT_SWEEP_RIGID_H
@@ -33,6 +34,7 @@ struct rigid_sweep_result {
     struct impact impact; /* the hit; its time is that within `motion` */
     struct motion motion; /* the straight motion of the impact, in the body's frame */
     double time;          /* of the hit; without a hit, the time up to which the motion is free */
+    double from;          /* when the straight motion begins */
 };
 
 struct rigid_sweep {
@@ -43,6 +45,8 @@ struct rigid_sweep {
     double distance_before;
     double tolerance; /* half of the error that a hit may have */
     uint32_t hint;    /* a triangle that is likely to be hit, by its place, or DPT_NONE */
+    uint32_t tick;    /* of the world: the vertices move before it; 0: they are at rest */
+    double tick_from; /* the sweep begins at that time of the vertices' motion, and ends with it */
     struct work *work;
     struct rigid_sweep_progress *progress;
     struct rigid_sweep_result result;

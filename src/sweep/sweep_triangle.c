@@ -1,20 +1,26 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * One moving axis and one triangle (docs/algorithms/sweep.md). Time advances from one separating plane to the next: a
- * division tells when the first end of the axis reaches the plane, and until then the motion is free. If an end that
- * never comes near the triangle would reach the plane soon, the axis is cut in two.
+ * One moving axis and one triangle (docs/algorithms/sweep.md). Time advances from one separating plane to the next:
+ * divisions tell when the first end of the axis meets the first corner in the plane's direction, and until then the
+ * motion is free. If an end that never comes near the triangle would end that soon, the axis is cut in two; if a corner
+ * that never comes near the axis would, the triangle is.
  */
 #include "sweep/sweep_triangle.h"
 
-/* A piece of the axis, from one s to another, and the time before which it is free. */
+#include <string.h>
+
+/* A piece of the axis, from one s to another, a piece of the triangle, and the time before which they are free. */
 struct motion_piece {
     double from, to;
     double time;
+    double weight[3][3]; /* of the piece's corners, by the triangle's */
 };
 
-/* The ends of a piece at its time, and their velocities per tick. */
+/* The ends of a piece at its time, and their velocities per tick; likewise the corners of the triangle's piece. */
 struct moving_piece {
     vec3 a, b, va, vb;
+    vec3 corner[3], shift[3];
+    int is_moving;
 };
 
 /* The triangle's own plane: low <= normal.v <= high for all its points v. is_valid: 0 if it is too thin to have one. */
@@ -40,6 +46,7 @@ void dpti_sweep_begin(struct sweep *sweep, const struct motion *motion, double r
     sweep->hit_limit = radius + 0.5 * tolerance;
     sweep->free_limit = radius + 128.0 * unit * (extent + radius);
     sweep->no_hit_limit = radius + tolerance;
+    sweep->surface_speed = 0.0;
     vec3 middle = along(sweep->u, 0.5, sweep->du);
     double size = length(middle);
     sweep->middle_direction = size > 1e-120 ? scaled(middle, 1.0 / size) : (vec3){ 0.0, 0.0, 0.0 };
@@ -54,19 +61,45 @@ void dpti_sweep_axis(const struct sweep *sweep, double time, vec3 *a, vec3 *u)
 double dpti_sweep_start(const struct sweep *sweep, double distance)
 {
     vec3 db = add(sweep->da, sweep->du);
-    double fastest = sqrt(max_of(dot(sweep->da, sweep->da), dot(db, db)));
+    double fastest = sqrt(max_of(dot(sweep->da, sweep->da), dot(db, db))) + sweep->surface_speed;
     double clearance = distance - sweep->no_hit_limit;
     return clearance > 0.0 ? min_of(clearance / fastest, 1.0) : 0.0;
 }
 
-static struct moving_piece moving_piece_of(const struct sweep *sweep,
-                                           const struct motion_piece *piece)
+void dpti_moving_triangle_at(const struct moving_triangle *triangle, double time, vec3 corner[3])
+{
+    for (int k = 0; k < 3; k++)
+        corner[k] = triangle->is_moving ? along(triangle->corner[k], time, triangle->shift[k])
+                                        : triangle->corner[k];
+}
+
+/* The sum of the three, weighted. A weight of 1 gives its corner bit for bit. */
+static vec3 weighted(const double weight[3], const vec3 of[3])
+{
+    for (int k = 0; k < 3; k++)
+        if (weight[k] == 1.0)
+            return of[k];
+    return along(along(scaled(of[0], weight[0]), weight[1], of[1]), weight[2], of[2]);
+}
+
+static void moving_piece_of(const struct sweep *sweep, const struct moving_triangle *triangle,
+                            const struct motion_piece *piece, struct moving_piece *moving)
 {
     vec3 a, u;
     dpti_sweep_axis(sweep, piece->time, &a, &u);
-    return (struct moving_piece){ along(a, piece->from, u), along(a, piece->to, u),
-                                  along(sweep->da, piece->from, sweep->du),
-                                  along(sweep->da, piece->to, sweep->du) };
+    moving->a = along(a, piece->from, u);
+    moving->b = along(a, piece->to, u);
+    moving->va = along(sweep->da, piece->from, sweep->du);
+    moving->vb = along(sweep->da, piece->to, sweep->du);
+    moving->is_moving = triangle->is_moving;
+    if (!triangle->is_moving)
+        return;
+    vec3 corner[3];
+    dpti_moving_triangle_at(triangle, piece->time, corner);
+    for (int k = 0; k < 3; k++) {
+        moving->corner[k] = weighted(piece->weight[k], corner);
+        moving->shift[k] = weighted(piece->weight[k], triangle->shift);
+    }
 }
 
 /* Rounding in a thin triangle's normal makes the plane less useful, not wrong: low and high belong to that normal. */
@@ -88,8 +121,8 @@ static struct face face_of(const vec3 corner[3])
 
 /*
  * How long both ends stay in front of the plane normal.x = support by more than free_limit; 0 if they are not now. The
- * whole triangle must be on or behind the plane. All points of the piece lie between its ends, so the piece is free for
- * as long.
+ * whole triangle must be on or behind the plane, and at rest. All points of the piece lie between its ends, so the piece
+ * is free for as long.
  */
 static double plane_duration(const struct moving_piece *moving, vec3 normal, double support,
                              double free_limit)
@@ -107,11 +140,34 @@ static double plane_duration(const struct moving_piece *moving, vec3 normal, dou
     return duration;
 }
 
+/* The same of a triangle that moves: how long each end stays in front of each corner, along the normal. */
+static double corners_duration(const struct moving_piece *moving, vec3 normal, double free_limit)
+{
+    const double end[2] = { dot(normal, moving->a) - free_limit,
+                            dot(normal, moving->b) - free_limit };
+    const double rise[2] = { dot(normal, moving->va), dot(normal, moving->vb) };
+    double duration = HUGE_VAL;
+    for (int k = 0; k < 3; k++) {
+        const double height = dot(normal, moving->corner[k]);
+        const double speed = dot(normal, moving->shift[k]);
+        for (int e = 0; e < 2; e++) {
+            if (!(end[e] > height))
+                return 0.0;
+            if (speed > rise[e])
+                duration = min_of(duration, (end[e] - height) / (speed - rise[e]));
+        }
+    }
+    return duration;
+}
+
 static double face_duration(const struct moving_piece *moving, const struct face *face,
                             double free_limit)
 {
     if (!face->is_valid)
         return 0.0;
+    if (moving->is_moving)
+        return max_of(corners_duration(moving, face->normal, free_limit),
+                      corners_duration(moving, scaled(face->normal, -1.0), free_limit));
     return max_of(plane_duration(moving, face->normal, face->high, free_limit),
                   plane_duration(moving, scaled(face->normal, -1.0), -face->low, free_limit));
 }
@@ -121,16 +177,24 @@ static double face_duration(const struct moving_piece *moving, const struct face
  * before or behind the triangle, along the axis' direction at time 1/2, are left out: a far end moves fast when the
  * tool turns, and would end every step early.
  */
-static int trim(const struct sweep *sweep, const vec3 corner[3], struct motion_piece *piece)
+static int trim(const struct sweep *sweep, const struct moving_triangle *triangle,
+                struct motion_piece *piece)
 {
     vec3 x = sweep->middle_direction;
     vec3 a_end = add(sweep->a, sweep->da), u_end = add(sweep->u, sweep->du);
-    double c0 = dot(x, corner[0]), c1 = dot(x, corner[1]), c2 = dot(x, corner[2]);
     double margin = 2.0 * sweep->free_limit - sweep->radius;
-    double min_along = min_of(c0, min_of(c1, c2)) - margin;
-    double max_along = max_of(c0, max_of(c1, c2)) + margin;
+    double min_along = HUGE_VAL, max_along = -HUGE_VAL;
+    for (int k = 0; k < 3; k++) {
+        const double from = dot(x, triangle->corner[k]);
+        const double to = triangle->is_moving ? from + dot(x, triangle->shift[k]) : from;
+        min_along = min_of(min_along, min_of(from, to));
+        max_along = max_of(max_along, max_of(from, to));
+    }
+    min_along -= margin;
+    max_along += margin;
     double u_along = dot(x, sweep->u), u_along_end = dot(x, u_end);
-    *piece = (struct motion_piece){ 0.0, 1.0, 0.0 };
+    *piece =
+        (struct motion_piece){ .to = 1.0, .weight = { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } } };
     if (!(u_along > 0.0 && u_along_end > 0.0))
         return 1;
     double a_along = dot(x, sweep->a), a_along_end = dot(x, a_end);
@@ -173,13 +237,52 @@ static vec3 direction_of(const struct moving_piece *moving, const vec3 corner[3]
     return size > 0.5 * distance ? scaled(n, 1.0 / size) : scaled(found->gap, 1.0 / distance);
 }
 
+/* m per tick: how fast a point of the axis' piece and one of the triangle's come nearer at most. */
+static double max_approach(const struct moving_piece *moving)
+{
+    double square = max_of(dot(moving->va, moving->va), dot(moving->vb, moving->vb));
+    if (!moving->is_moving)
+        return sqrt(square);
+    square = 0.0;
+    for (int k = 0; k < 3; k++) {
+        const vec3 a = sub(moving->va, moving->shift[k]), b = sub(moving->vb, moving->shift[k]);
+        square = max_of(square, max_of(dot(a, a), dot(b, b)));
+    }
+    return sqrt(square);
+}
+
+/* What to do with a piece after its time has advanced. */
+enum cut { CUT_NONE, CUT_AXIS, CUT_TRIANGLE };
+
+/* The corner whose velocity along the normal is greatest and the one with the least; how far these are apart. */
+static double spread_of_corners(const struct moving_piece *moving, vec3 normal, int *fast,
+                                int *slow)
+{
+    double speed[3];
+    *fast = *slow = 0;
+    for (int k = 0; k < 3; k++)
+        speed[k] = moving->is_moving ? dot(normal, moving->shift[k]) : 0.0;
+    for (int k = 1; k < 3; k++) {
+        *fast = speed[k] > speed[*fast] ? k : *fast;
+        *slow = speed[k] < speed[*slow] ? k : *slow;
+    }
+    return speed[*fast] - speed[*slow];
+}
+
+/* The velocity of the triangle's point of a pair. */
+static vec3 shift_of_pair(const struct moving_piece *moving, const pair *found)
+{
+    return moving->is_moving ? weighted(found->weight, moving->shift) : (vec3){ 0.0, 0.0, 0.0 };
+}
+
 /*
- * Advance the piece's time as far as planes allow, and at least as long as the faster end takes for the distance.
- * Returns 1 if the piece should be cut: its ends reach the plane of the nearest pair much sooner than the pair's own
- * point would. Either they are faster, or rounding tilts the plane, and more so the longer the piece is.
+ * Advance the piece's time as far as planes allow, and at least as long as the fastest points take for the distance.
+ * Returns what should be cut: the plane of the nearest pair is met much sooner than by the pair's own points. Either
+ * other points are faster, or rounding tilts the plane, and more so the longer the piece is.
  */
-static int advance(const struct sweep *sweep, const vec3 corner[3], const struct face *face,
-                   const struct moving_piece *moving, const pair *found, struct motion_piece *piece)
+static enum cut advance(const struct sweep *sweep, const vec3 corner[3], const struct face *face,
+                        const struct moving_piece *moving, const pair *found,
+                        struct motion_piece *piece, int *fast, int *slow)
 {
     double clearance = sqrt(found->distance2) - sweep->free_limit;
     vec3 normal = direction_of(moving, corner, found);
@@ -188,25 +291,54 @@ static int advance(const struct sweep *sweep, const vec3 corner[3], const struct
     double end_height =
         min_of(dot(normal, moving->a), dot(normal, moving->b)) - support - sweep->free_limit;
     double approach_a = -dot(normal, moving->va), approach_b = -dot(normal, moving->vb);
-    double approach = approach_a + found->s * (approach_b - approach_a);
+    double approach = approach_a + found->s * (approach_b - approach_a) +
+                      dot(normal, shift_of_pair(moving, found));
     double time_left = 1.0 - piece->time;
-    double duration =
-        clearance / sqrt(max_of(dot(moving->va, moving->va), dot(moving->vb, moving->vb)));
-    duration = max_of(duration, plane_duration(moving, normal, support, sweep->free_limit));
+    double duration = clearance / max_approach(moving);
+    duration = max_of(duration, moving->is_moving
+                                    ? corners_duration(moving, normal, sweep->free_limit)
+                                    : plane_duration(moving, normal, support, sweep->free_limit));
     duration = max_of(duration, face_duration(moving, face, sweep->free_limit));
     piece->time += duration;
-    return 4.0 * duration < time_left && 2.0 * duration * approach < clearance &&
-           (fabs(approach_b - approach_a) * time_left > sweep->hit_limit - sweep->free_limit ||
-            2.0 * end_height < clearance);
+    if (!(4.0 * duration < time_left && 2.0 * duration * approach < clearance))
+        return CUT_NONE;
+    const double thickness = sweep->hit_limit - sweep->free_limit;
+    const double axis_spread = fabs(approach_b - approach_a);
+    const double corner_spread = spread_of_corners(moving, normal, fast, slow);
+    if (corner_spread > axis_spread && corner_spread * time_left > thickness)
+        return CUT_TRIANGLE;
+    return axis_spread * time_left > thickness || 2.0 * end_height < clearance ? CUT_AXIS
+                                                                               : CUT_NONE;
 }
 
-int dpti_sweep_triangle(const struct sweep *sweep, const vec3 corner[3], double until, double *time,
-                        uint32_t *evaluations)
+/* Cut a piece in two: `piece` keeps the part that is looked at later, `other` gets the rest. */
+static void cut_axis(struct motion_piece *piece, struct motion_piece *other)
+{
+    *other = *piece;
+    piece->from = other->to = 0.5 * (piece->from + piece->to);
+}
+
+static void cut_triangle(struct motion_piece *piece, int fast, int slow, struct motion_piece *other)
+{
+    double middle[3];
+    for (int k = 0; k < 3; k++)
+        middle[k] = 0.5 * (piece->weight[fast][k] + piece->weight[slow][k]);
+    *other = *piece;
+    memcpy(piece->weight[fast], middle, sizeof middle);
+    memcpy(other->weight[slow], middle, sizeof middle);
+}
+
+int dpti_sweep_triangle(const struct sweep *sweep, const struct moving_triangle *triangle,
+                        double until, double *time, uint32_t *evaluations)
 {
     enum { PIECES_MAX = 64 };
     struct motion_piece pieces[PIECES_MAX];
-    const struct face face = face_of(corner);
-    int count = trim(sweep, corner, pieces), result = SWEEP_FREE;
+    struct moving_piece moving;
+    struct face face = { .is_valid = 0 };
+    const vec3 *corner = triangle->is_moving ? moving.corner : triangle->corner;
+    int count = trim(sweep, triangle, pieces), result = SWEEP_FREE;
+    if (!triangle->is_moving)
+        face = face_of(triangle->corner);
     while (count) {
         struct motion_piece *piece = &pieces[count - 1];
         if (piece->time > until) {
@@ -214,18 +346,26 @@ int dpti_sweep_triangle(const struct sweep *sweep, const vec3 corner[3], double 
             continue;
         }
         ++*evaluations;
-        struct moving_piece moving = moving_piece_of(sweep, piece);
+        moving_piece_of(sweep, triangle, piece, &moving);
         pair found =
             segment_triangle(moving.a, sub(moving.b, moving.a), corner[0], corner[1], corner[2]);
         if (!(found.distance2 > sweep->hit_limit * sweep->hit_limit)) {
             until = piece->time;
             result = SWEEP_HIT;
             count--;
-        } else if (advance(sweep, corner, &face, &moving, &found, piece) && count < PIECES_MAX) {
-            pieces[count] = *piece;
-            piece->from = pieces[count].to = 0.5 * (piece->from + piece->to);
-            count++;
+            continue;
         }
+        int fast, slow;
+        if (triangle->is_moving)
+            face = face_of(corner);
+        const enum cut cut = advance(sweep, corner, &face, &moving, &found, piece, &fast, &slow);
+        if (cut == CUT_NONE || count == PIECES_MAX)
+            continue;
+        if (cut == CUT_AXIS)
+            cut_axis(piece, &pieces[count]);
+        else
+            cut_triangle(piece, fast, slow, &pieces[count]);
+        count++;
     }
     *time = until;
     return result;

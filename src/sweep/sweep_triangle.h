@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The time at which a moving axis first touches a triangle at rest (docs/algorithms/sweep.md). Within one tick, time 0
- * to 1, both ends move linearly in the mesh's frame. The axis carries a radius. Lengths are in m, times in ticks.
+ * The time at which a moving axis first touches a triangle, which may move too (docs/algorithms/sweep.md). Within one
+ * tick, time 0 to 1, the ends of the axis and the triangle's corners move linearly in the mesh's frame. The axis carries
+ * a radius. Lengths are in m, times in ticks.
  *
  * No touch is missed: if the true distance is the radius or less at some time, the answer is that time or an earlier
  * one. A touch is reported only near the triangle: at the time of the answer the true distance is at most radius +
@@ -25,6 +26,13 @@ enum sweep_status {
     SWEEP_UNFINISHED /* the work was spent; a later call can continue */
 };
 
+/* A triangle: its corner k is at corner[k] + t shift[k]. is_moving 0: all shifts are 0. */
+struct moving_triangle {
+    vec3 corner[3];
+    vec3 shift[3]; /* m per tick */
+    int is_moving;
+};
+
 /* A motion prepared for sweeping. */
 struct sweep {
     vec3 a, u, da, du;     /* the axis a + s u at time 0, and its change per tick */
@@ -33,6 +41,7 @@ struct sweep {
     double hit_limit;    /* a pair at this distance or less is a hit: radius + half the tolerance */
     double free_limit;   /* a plane must keep the axis farther away than this: radius + rounding */
     double no_hit_limit; /* nothing farther than this can be a hit: radius + tolerance */
+    double surface_speed; /* m per tick: no point of a triangle moves faster; 0 at first */
 };
 
 /*
@@ -51,16 +60,19 @@ void dpti_sweep_axis(const struct sweep *sweep, double time, vec3 *a, vec3 *u);
 
 /*
  * The time, at most 1, up to which nothing can be touched that is at least `distance` away from the axis at time 0. It
- * follows from the speed of the faster end. 1: no sweep is needed.
+ * follows from the speeds of the faster end and of the surface. 1: no sweep is needed.
  */
 double dpti_sweep_start(const struct sweep *sweep, double distance);
+
+/* The triangle at a time, at rest. */
+void dpti_moving_triangle_at(const struct moving_triangle *triangle, double time, vec3 corner[3]);
 
 /*
  * The first touch with one triangle, of any shape within the extent, at times 0..until, inclusive. Returns SWEEP_HIT
  * and the time of the touch, which does not depend on `until`, or SWEEP_FREE. *evaluations grows by the number of
  * distances that were evaluated.
  */
-int dpti_sweep_triangle(const struct sweep *sweep, const vec3 corner[3], double until, double *time,
-                        uint32_t *evaluations);
+int dpti_sweep_triangle(const struct sweep *sweep, const struct moving_triangle *triangle,
+                        double until, double *time, uint32_t *evaluations);
 
 #endif

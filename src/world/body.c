@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+#include "world/body.h"
+
 #include "base/return_if_error.h"
 #include "base/sized.h"
 #include "world/body_search.h"
+#include "world/deform_body.h"
 #include "world/distance_bounds.h"
 #include "world/motion_backlog.h"
 #include "world/persistent_contacts.h"
@@ -26,17 +29,20 @@ static void forget_body(struct dpt_world *world, uint32_t slot)
     dpti_body_search_forget_body(world, slot);
 }
 
-dpt_result dpt_body_add(dpt_world *world, const dpt_mesh *mesh, const dpt_pose *pose,
-                        dpt_body *body)
+static uint32_t free_slot(const struct dpt_world *world)
 {
-    struct frame frame;
-    if (!world || !mesh || !body)
-        return DPT_E_ARGUMENT;
-    DPT_TRY(frame_of_pose(pose, &frame));
-    uint32_t slot = slot_to_use(&world->bodies->slot, sizeof *world->bodies, world->body_slot_end,
-                                world->freed_count[0]);
-    if (slot == world->def.max_bodies)
-        return DPT_E_FULL;
+    return slot_to_use(&world->bodies->slot, sizeof *world->bodies, world->body_slot_end,
+                       world->freed_count[0]);
+}
+
+dpt_result dpti_body_can_add(const struct dpt_world *world)
+{
+    return free_slot(world) == world->def.max_bodies ? DPT_E_FULL : DPT_OK;
+}
+
+uint32_t dpti_body_add(struct dpt_world *world, const struct surface *surface, const dpt_pose *pose)
+{
+    const uint32_t slot = free_slot(world);
     struct body *made = &world->bodies[slot];
     if (slot == world->body_slot_end) {
         world->body_slot_end++;
@@ -45,8 +51,8 @@ dpt_result dpt_body_add(dpt_world *world, const dpt_mesh *mesh, const dpt_pose *
     made->slot.used = 1;
     made->id = handle_make(HANDLE_BODY, &made->slot, slot);
     const dpt_pose identity = DPT_POSE_IDENTITY;
-    made->frame = frame;
     made->pose = pose ? *pose : identity;
+    frame_of_pose(&made->pose, &made->frame);
     made->user = 0;
     made->side_limit = world->def.side_limit;
     made->static_friction = made->kinetic_friction = made->stiffness = 0.0;
@@ -55,12 +61,25 @@ dpt_result dpt_body_add(dpt_world *world, const dpt_mesh *mesh, const dpt_pose *
     made->added_tick = world->ticks + 1;
     made->slot.valid = 1;
     world_note_max(&world->usage.bodies, ++world->body_count);
-    dpti_surface_of_mesh(mesh, &made->surface);
-    made->diagonal = dpti_surface_diagonal(&made->surface);
+    made->surface = *surface;
+    made->diagonal = surface_diagonal(&made->surface);
     dpti_broad_phase_put_body(world, slot);
     world->largest_diagonal = max_of(world->largest_diagonal, made->diagonal);
     dpti_proxy_note_body(world, slot);
-    *body = made->id;
+    return made->id;
+}
+
+dpt_result dpt_body_add(dpt_world *world, const dpt_mesh *mesh, const dpt_pose *pose,
+                        dpt_body *body)
+{
+    struct frame frame;
+    struct surface surface;
+    if (!world || !mesh || !body)
+        return DPT_E_ARGUMENT;
+    DPT_TRY(frame_of_pose(pose, &frame));
+    DPT_TRY(dpti_body_can_add(world));
+    dpti_surface_of_mesh(mesh, &surface);
+    *body = dpti_body_add(world, &surface, pose);
     return DPT_OK;
 }
 
@@ -117,15 +136,20 @@ static void put_body(struct dpt_world *world, struct body *body, const dpt_pose 
     dpti_broad_phase_put_body(world, handle_index(body->id));
 }
 
-/* Move a body. Its pose in the last tick stays known until the next step. */
-static void move_body(struct dpt_world *world, struct body *body, const dpt_pose *pose,
-                      const struct frame *frame)
+/* A body is about to move. Its pose in the last tick stays known until the next step. */
+static void begin_motion(const struct dpt_world *world, struct body *body)
 {
     if (body->moved_tick != world->ticks + 1)
         body->previous_pose = body->pose;
     body->moved_tick = world->ticks + 1;
-    put_body(world, body, pose, frame);
-    body->motion_bound = motion_bound_of(body);
+}
+
+/* A body has moved. */
+static void note_motion(struct dpt_world *world, struct body *body)
+{
+    body->motion_bound =
+        (pose_is_same(&body->previous_pose, &body->pose) ? 0.0 : motion_bound_of(body)) +
+        deform_step(body, world->ticks + 1);
     if (body->unfelt)
         return;
     if (world->bodies_moved_tick != body->moved_tick)
@@ -134,6 +158,31 @@ static void move_body(struct dpt_world *world, struct body *body, const dpt_pose
     world->body_motion_max = max_of(world->body_motion_max, body->motion_bound);
     if (body->added_tick == body->moved_tick)
         dpti_proxy_note_body(world, handle_index(body->id));
+}
+
+/* Nearest pairs, strips and borders of earlier ticks do not hold any more; bounds do, less the motion. */
+static void forget_shape(struct dpt_world *world, const struct body *body, double moved)
+{
+    const uint32_t slot = handle_index(body->id);
+    dpti_point_cache_forget(&world->point_cache, slot);
+    dpti_strips_note_vertices(world, slot);
+    for (uint32_t s = 0; s < world->segment_count; s++) {
+        dpti_bounds_note_motion(world, s, slot, moved);
+        if (world->segments[s].border.body == body->id)
+            world->segments[s].border.clear_radius = 0.0;
+    }
+}
+
+void dpti_body_note_vertices(struct dpt_world *world, struct body *body, double moved,
+                             int has_begun_anew)
+{
+    if (has_begun_anew)
+        dpti_body_search_forget_planes(world, 0, world->segment_count, handle_index(body->id));
+    if (!(moved > 0.0))
+        return;
+    begin_motion(world, body);
+    forget_shape(world, body, moved);
+    note_motion(world, body);
 }
 
 /*
@@ -156,8 +205,11 @@ dpt_result dpt_body_set_pose(dpt_world *world, dpt_body body, const dpt_pose *po
     if (!moved)
         return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
     DPT_TRY(set_validity(world, moved, pose, &frame));
-    if (!pose_is_same(&moved->pose, pose))
-        move_body(world, moved, pose, &frame);
+    if (pose_is_same(&moved->pose, pose))
+        return DPT_OK;
+    begin_motion(world, moved);
+    put_body(world, moved, pose, &frame);
+    note_motion(world, moved);
     return DPT_OK;
 }
 

@@ -7,12 +7,26 @@
 /* Of the clearance: how far a surface that holds the proxy may be from it. */
 #define HOLDING 20.0
 
-/* How far the body moved its point that is at `at` now, before this tick. */
-static vec3 carried(const struct body *body, vec3 at)
+/* How far vertices moved the point of a triangle that is nearest to x now, in the body's frame. */
+static vec3 moved_by_vertices(const struct surface *surface, uint32_t tick, uint32_t triangle,
+                              vec3 x)
+{
+    const struct surface last = surface_view(surface, tick, 0.0);
+    pair nearest;
+    dpti_triangle_point_pair(surface, triangle, x, &nearest);
+    return sub(surface_point(surface, triangle, nearest.weight),
+               surface_point(&last, triangle, nearest.weight));
+}
+
+vec3 dpti_body_carried(const struct dpt_world *world, const struct body *body, uint32_t triangle,
+                       vec3 at)
 {
     struct frame before;
+    vec3 local = frame_to_local(&body->frame, at);
     frame_of_pose(&body->previous_pose, &before);
-    return sub(at, frame_to_world(&before, frame_to_local(&body->frame, at)));
+    if (surface_has_moved(&body->surface, world->ticks))
+        local = sub(local, moved_by_vertices(&body->surface, world->ticks, triangle, local));
+    return sub(at, frame_to_world(&before, local));
 }
 
 static vec3 turned(const struct body *body)
@@ -39,6 +53,14 @@ static vec3 touch_of(const struct proxy_tick *tick, uint32_t space)
     return along(source->p, -radius, vec3_of(tick->spaces[space].normal));
 }
 
+/* m: how far the body moved what the tool touches. */
+static vec3 carried(const struct proxy_tick *tick, uint32_t space, const struct body *body)
+{
+    return dpti_body_carried(tick->world, body,
+                             tick->triangles[tick->sources[space].triangle].triangle,
+                             touch_of(tick, space));
+}
+
 /* m^2: work by unit of stiffness, of the normal forces and of friction. */
 static double work_of_contacts(const struct proxy_tick *tick)
 {
@@ -48,14 +70,14 @@ static double work_of_contacts(const struct proxy_tick *tick)
         const struct body *body = moved_body(tick, space);
         if (body)
             sum += tick->solved.multiplier[k] *
-                   dot(vec3_of(tick->spaces[space].normal), carried(body, touch_of(tick, space)));
+                   dot(vec3_of(tick->spaces[space].normal), carried(tick, space, body));
     }
     for (uint32_t i = 0; i < tick->contact_count; i++) {
         const struct friction_contact *contact = &tick->contacts[i];
         const struct body *body = moved_body(tick, tick->contact_spaces[i]);
         if (!body)
             continue;
-        const vec3 moved = carried(body, touch_of(tick, tick->contact_spaces[i]));
+        const vec3 moved = carried(tick, tick->contact_spaces[i], body);
         for (int d = 0; d < 2; d++)
             sum += contact->pull[d] * dot(vec3_of(contact->across[d]), moved);
         sum += contact->torsion * dot(vec3_of(contact->normal), turned(body));
@@ -97,6 +119,10 @@ double dpti_segment_body_work(const struct dpt_world *world, const struct segmen
     if (!body || !body_has_moved(world, body))
         return 0.0;
     const vec3 force = add(vec3_of(last->force), vec3_of(now->force));
+    if (surface_has_moved(&body->surface, world->ticks))
+        return 0.5 * dot(force, dpti_body_carried(world, body, segment->pushing_part.triangle,
+                                                  segment->felt_penetration.at));
     const vec3 torque = add(vec3_of(last->torque), vec3_of(now->torque));
-    return 0.5 * (dot(force, carried(body, origin)) + dot(torque, turned(body)));
+    return 0.5 *
+           (dot(force, dpti_body_carried(world, body, 0, origin)) + dot(torque, turned(body)));
 }

@@ -5,6 +5,13 @@
 
 #include "world/proxy_tick.h"
 
+/*
+ * m: how far a body moved its point on a triangle that is at `at` in the world now, before this tick, if it moved then.
+ * triangle: its place.
+ */
+vec3 dpti_body_carried(const struct dpt_world *world, const struct body *body, uint32_t triangle,
+                       vec3 at);
+
 /* J, in this tick, of what holds the proxy where it ended. Call it after dpti_proxy_yield, before `felt` changes. */
 double dpti_proxy_body_work(struct proxy_tick *tick);
 

@@ -311,7 +311,7 @@ int dpti_contact_pair_find(struct contact_pair *contact_pair, double *gap)
     profile->inset =
         world->def.onset >= 0.0 ? max_of(0.0, profile->margin - world->def.onset) : 0.0;
     profile->reach = contact_pair->radius + profile->margin;
-    profile->tolerance = PROFILE_DEPTH_SHARE * dpti_surface_diagonal(profile->surface);
+    profile->tolerance = PROFILE_DEPTH_SHARE * surface_diagonal(profile->surface);
     int status =
         find_gap_and_regions(contact_pair, warm_starts, warm_start_count, regions, &count, gap);
     int has_dropped_side =

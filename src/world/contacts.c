@@ -52,7 +52,8 @@ static struct pushing_part pushing_part_of(const struct contact_pair *contact_pa
     const uint32_t part = surface_part(profile->surface, deepest->triangle);
     return (struct pushing_part){ contact_pair->body->id, part,
                                   deepest->height <= 0.0 &&
-                                      dpti_sides_get(&contact_pair->sides, part) };
+                                      dpti_sides_get(&contact_pair->sides, part),
+                                  deepest->triangle };
 }
 
 /*

@@ -57,7 +57,8 @@ void dpti_bounds_remove(struct dpt_world *world, uint32_t first, uint32_t end)
 static double motion_since(const struct distance_bound *bound, const struct axis *axis)
 {
     vec3 b = add(axis->local_a, axis->u);
-    double motion = max_of(length(sub(axis->local_a, bound->a)), length(sub(b, bound->b)));
+    double motion = max_of(length(sub(axis->local_a, bound->a)), length(sub(b, bound->b))) +
+                    (double)bound->surface_motion;
     return motion > 0.0 ? motion + axis->error : 0.0;
 }
 
@@ -70,6 +71,15 @@ static double bound_so_far(const struct suspended_search *suspended, const struc
     return min_of(suspended->lower_bound,
                   dpti_bvh_unvisited_bound(&suspended->traversal, surface, bound->a,
                                            sub(bound->b, bound->a)));
+}
+
+void dpti_bounds_note_motion(struct dpt_world *world, uint32_t segment_index, uint32_t slot,
+                             double moved)
+{
+    if (!world->def.budget)
+        return;
+    struct distance_bound *bound = world_distance_bound(world, segment_index, slot);
+    bound->surface_motion = (1.0f + 0x1p-22f) * (bound->surface_motion + (float)moved);
 }
 
 void dpti_bounds_give_up(struct dpt_world *world, uint32_t segment_index,
@@ -93,6 +103,7 @@ double dpti_bounds_update(struct dpt_world *world, uint32_t segment_index, uint3
     if (motion == 0.0)
         bound->rest_tick = world->ticks;
     bound->lower_bound = max_of(0.0, bound->lower_bound - motion);
+    bound->surface_motion = 0.0f;
     bound->a = axis->local_a;
     bound->b = add(axis->local_a, axis->u);
     if (motion > 0.0 && moving->body_slot == slot && moving->traversal.level) {

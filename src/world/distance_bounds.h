@@ -20,13 +20,17 @@ void dpti_bounds_forget(struct dpt_world *world, uint32_t segment_index, uint32_
 /* Remove the data of the segments from `first` up to, not including, `end`; that of later segments moves up. */
 void dpti_bounds_remove(struct dpt_world *world, uint32_t first, uint32_t end);
 
+/* Vertices of the body in `slot` have moved, by at most `moved`, m: the next update counts it. */
+void dpti_bounds_note_motion(struct dpt_world *world, uint32_t segment_index, uint32_t slot,
+                             double moved);
+
 /* End a suspended search for good. What it has proven goes into the bound of its body. */
 void dpti_bounds_give_up(struct dpt_world *world, uint32_t segment_index,
                          struct suspended_search *suspended);
 
 /*
  * Update a segment's bound of the body in `slot` to this tick's axis. Returns how far the axis' ends have moved in
- * the body's frame since the last update (m), exactly 0 at rest.
+ * the body's frame since the last update, vertices that moved included (m), exactly 0 at rest.
  *
  * A suspended search of a motion stays valid when the axis moves, but can then only give a bound. A suspended search
  * of a rest is given up when the axis moves. During a rest the search of the motion waits: a device that is slower

@@ -10,7 +10,7 @@
 #include "world/swept_motion.h"
 
 /* A share of dpt_world_bytes. */
-enum { BYTES_MOTION_BACKLOG = 2112 };
+enum { BYTES_MOTION_BACKLOG = 2176 };
 typedef char motion_backlog_fits[sizeof(struct motion_backlog) <= BYTES_MOTION_BACKLOG ? 1 : -1];
 
 uint64_t dpti_backlog_bytes(const dpt_world_def *def)

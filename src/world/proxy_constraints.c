@@ -78,15 +78,43 @@ static double radius_of(const struct proxy_tick *tick, const struct proxy_triang
     return tick->world->segments[tick->tool->first_segment + triangle->segment].radius;
 }
 
+dpt_pose dpti_proxy_body_pose(const struct proxy_tick *tick, const struct body *body)
+{
+    return tick->is_before && body_has_moved(tick->world, body)
+               ? dpti_rigid_sweep_pose(&body->previous_pose, &body->pose, tick->time)
+               : body->pose;
+}
+
+/* A triangle as a constraint is made of it: where its body was when the proxy's pose was proven. */
+struct triangle_place {
+    const struct body *body;
+    const struct frame *frame; /* that of the body, or before it moved in this tick */
+    vec3 a, u;                 /* the axis in that frame */
+    vec3 v[3];                 /* the corners, at that time */
+};
+
+/* How far the body has moved its point q, of the frame of the place, since. */
+static vec3 carried_since(const struct proxy_tick *tick, uint32_t index,
+                          const struct triangle_place *place, vec3 q)
+{
+    vec3 now = q;
+    if (surface_has_moved(&place->body->surface, tick->world->ticks)) {
+        pair nearest;
+        point_triangle(q, place->v, &nearest);
+        now = surface_point(&place->body->surface, tick->triangles[index].triangle, nearest.weight);
+    }
+    return sub(frame_to_world(&place->body->frame, now), frame_to_world(place->frame, q));
+}
+
 /* One pair of a triangle, as a constraint. */
 static void add_space(struct proxy_tick *tick, uint32_t index, int feature, const pair *found,
-                      double distance, double gap, const struct frame *before,
-                      const struct body *body, vec3 local_a, vec3 local_u)
+                      double distance, double gap, const struct triangle_place *place)
 {
+    const struct frame *before = place->frame;
     if (tick->space_count == HALF_SPACES_MAX)
         return;
     struct half_space *space = &tick->spaces[tick->space_count];
-    const vec3 local_p = along(local_a, found->s, local_u);
+    const vec3 local_p = along(place->a, found->s, place->u);
     const vec3 normal = frame_turn(before, scaled(found->gap, 1.0 / distance));
     const vec3 p = frame_to_world(before, local_p);
     const vec3 lever = cross(sub(p, tick->at.centre), normal);
@@ -95,12 +123,10 @@ static void add_space(struct proxy_tick *tick, uint32_t index, int feature, cons
         space->normal[k] = dot(lever, tick->axes[k - 3]) / proxy_rho_of(tick->proxy, k);
     struct proxy_source *source = &tick->sources[tick->space_count++];
     *source = (struct proxy_source){ index, feature, found->s, p, { 0.0, 0.0, 0.0 } };
-    if (before != &body->frame) {
-        const vec3 local_q = sub(local_p, found->gap);
-        source->carried =
-            sub(frame_to_world(&body->frame, local_q), frame_to_world(before, local_q));
-    }
-    space->bound = tick->clearance - gap + dot(normal, source->carried);
+    if (before != &place->body->frame)
+        source->carried = carried_since(tick, index, place, sub(local_p, found->gap));
+    const double wanted = tick->clearance + (tick->is_before ? tick->lift : 0.0);
+    space->bound = wanted - gap + dot(normal, source->carried);
 }
 
 /*
@@ -130,17 +156,16 @@ static int pair_at(int feature, double s, vec3 a, vec3 u, const vec3 v[3], pair 
 
 /* A pair within reach becomes a constraint; 0 where there is none. */
 static int add_pair(struct proxy_tick *tick, uint32_t index, int feature, double s, double reach,
-                    const struct frame *before, const struct body *body, vec3 a, vec3 u,
-                    const vec3 v[3])
+                    const struct triangle_place *place)
 {
     pair found;
-    if (!pair_at(feature, s, a, u, v, &found))
+    if (!pair_at(feature, s, place->a, place->u, place->v, &found))
         return 0;
     const double distance = sqrt(found.distance2);
     const double gap = distance - radius_of(tick, &tick->triangles[index]);
     if (!(gap <= reach && distance > 0.0))
         return 0;
-    add_space(tick, index, feature, &found, distance, gap, before, body, a, u);
+    add_space(tick, index, feature, &found, distance, gap, place);
     return 1;
 }
 
@@ -148,25 +173,27 @@ static void gather_triangle(struct proxy_tick *tick, uint32_t index, double reac
 {
     const struct proxy_triangle *triangle = &tick->triangles[index];
     const struct body *body = world_find_body(tick->world, triangle->body_id);
+    struct triangle_place place = { .body = body, .frame = &body->frame };
     struct frame moved;
-    const struct frame *before = &body->frame;
     if (tick->is_before && body_has_moved(tick->world, body)) {
-        frame_of_pose(&body->previous_pose, &moved);
-        before = &moved;
+        const struct surface then = surface_view(&body->surface, tick->world->ticks, tick->time);
+        const dpt_pose pose = dpti_proxy_body_pose(tick, body);
+        frame_of_pose(&pose, &moved);
+        place.frame = &moved;
+        surface_corners(&then, triangle->triangle, place.v);
+    } else {
+        surface_corners(&body->surface, triangle->triangle, place.v);
     }
-    vec3 a, u, v[3];
-    axis_in_body(tick, &tick->at, triangle, before, &a, &u);
-    surface_corners(&body->surface, triangle->triangle, v);
+    axis_in_body(tick, &tick->at, triangle, place.frame, &place.a, &place.u);
     const int features = tick->proxy->shape == PROXY_BALL ? 1 : PAIR_FEATURES;
     int is_along_edge = 0;
     for (int feature = 0; feature < features; feature++)
-        if (add_pair(tick, index, feature, 0.0, reach, before, body, a, u, v) &&
-            feature >= PAIR_EDGE) {
+        if (add_pair(tick, index, feature, 0.0, reach, &place) && feature >= PAIR_EDGE) {
             const int corner = feature - PAIR_EDGE;
-            is_along_edge |= is_along(u, sub(v[(corner + 1) % 3], v[corner]));
+            is_along_edge |= is_along(place.u, sub(place.v[(corner + 1) % 3], place.v[corner]));
         }
     for (int k = 1; k <= AXIS_POINTS && is_along_edge; k++)
-        add_pair(tick, index, PAIR_POINT, k / (AXIS_POINTS + 1.0), reach, before, body, a, u, v);
+        add_pair(tick, index, PAIR_POINT, k / (AXIS_POINTS + 1.0), reach, &place);
 }
 
 void dpti_proxy_gather(struct proxy_tick *tick, double reach)
@@ -203,8 +230,13 @@ double dpti_proxy_gap_of_remembered(const struct proxy_tick *tick, const struct 
         if (!body)
             continue;
         vec3 a, u;
-        axis_in_body(tick, pose, triangle, &body->frame, &a, &u);
-        const pair found = dpti_triangle_pair(&body->surface, triangle->triangle, a, u);
+        struct frame frame;
+        const dpt_pose body_pose = dpti_proxy_body_pose(tick, body);
+        const struct surface then =
+            surface_view(&body->surface, tick->world->ticks, tick->is_before ? tick->time : 1.0);
+        frame_of_pose(&body_pose, &frame);
+        axis_in_body(tick, pose, triangle, &frame, &a, &u);
+        const pair found = dpti_triangle_pair(&then, triangle->triangle, a, u);
         least = min_of(least, sqrt(found.distance2) - radius_of(tick, triangle));
     }
     return least;

@@ -212,7 +212,8 @@ void dpti_proxy_note_slip(struct proxy_tick *tick, vec3 shift, vec3 turn)
             continue;
         const vec3 normal = vec3_of(tick->spaces[space].normal);
         const vec3 moved = add(shift, cross(turn, arm_of(tick, space)));
-        const vec3 slip = add(contact->slip, sub(moved, tick->sources[space].carried));
+        const vec3 carried = scaled(tick->sources[space].carried, tick->made);
+        const vec3 slip = add(contact->slip, sub(moved, carried));
         contact->s = tick->sources[space].s;
         contact->turned = turned_after(&tick->contacts[i], contact, normal, turn);
         contact->is_slipping = (uint32_t)tick->contacts[i].is_slipping;

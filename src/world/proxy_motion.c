@@ -42,8 +42,8 @@ static void sweep_body(struct proxy_tick *tick, uint32_t number, const struct bo
     const struct segment *segment = &world->segments[index];
     const int has_moved = tick->is_before && body_has_moved(world, body);
     const double scale = min_of(body->diagonal, PROXY_SCALE_MAX);
-    struct placement from_place = { tick->at.pose, has_moved ? body->previous_pose : body->pose,
-                                    segment->a, segment->b };
+    struct placement from_place = { tick->at.pose, dpti_proxy_body_pose(tick, body), segment->a,
+                                    segment->b };
     struct placement to_place = { *to, body->pose, segment->a, segment->b };
     struct rigid_sweep_progress progress = { .free_until = 0.0 };
     struct rigid_sweep rigid = {
@@ -54,6 +54,8 @@ static void sweep_body(struct proxy_tick *tick, uint32_t number, const struct bo
             tick->is_lost || body->added_tick == world->ticks ? 0.0 : segment->result.lower_bound,
         .tolerance = 0.5 * RIGID_SWEEP_TOLERANCE * scale,
         .hint = *world_last_triangles(world, index, handle_index(body->id)),
+        .tick = has_moved && surface_has_moved(&body->surface, world->ticks) ? world->ticks : 0,
+        .tick_from = tick->time,
         .work = &world->work,
         .progress = &progress
     };
@@ -129,6 +131,36 @@ static int has_room(struct proxy_tick *tick, double gap_before)
     return 0;
 }
 
+/* The least gap of the triangles that are remembered, while bodies move: at a share of what is left of their motion. */
+static double gap_with_bodies(struct proxy_tick *tick, const struct proxy_pose *pose, double share)
+{
+    const double time = tick->time;
+    tick->time += share * (1.0 - time);
+    const double gap = dpti_proxy_gap_of_remembered(tick, pose);
+    tick->time = time;
+    return gap;
+}
+
+/* Of the time of the first touch: so far a motion is made while bodies move, if enough of the gap is left there. */
+static const double before_touch[] = { 0.9, 0.5 };
+
+/* Make a motion up to before the first touch, and the bodies' motion with it. Returns the share. */
+static double move_with_bodies(struct proxy_tick *tick, const struct proxy_pose *to, double met)
+{
+    for (size_t k = 0; k < sizeof before_touch / sizeof *before_touch; k++) {
+        const double share = before_touch[k] * met;
+        const dpt_pose pose = dpti_rigid_sweep_pose(&tick->at.pose, &to->pose, share);
+        const struct proxy_pose shorter = dpti_proxy_pose_of(tick->proxy, &pose);
+        if (!(gap_with_bodies(tick, &shorter, share) >= tick->min_gap))
+            continue;
+        tick->at = shorter;
+        tick->time += share * (1.0 - tick->time);
+        tick->is_lost = 1;
+        return share;
+    }
+    return 0.0;
+}
+
 double dpti_proxy_move(struct proxy_tick *tick, const struct proxy_pose *to, double *met)
 {
     const struct proxy_pose from = tick->at;
@@ -146,6 +178,8 @@ double dpti_proxy_move(struct proxy_tick *tick, const struct proxy_pose *to, dou
             return 1.0;
         has_searched = 1;
     }
+    if (sweep.status == SWEEP_HIT && tick->is_before)
+        return move_with_bodies(tick, to, share);
     const double wanted =
         min_of(PROXY_GAP_KEPT * tick->clearance, max_of(tick->min_gap, 0.98 * gap));
     for (int k = 0; k < SHORTEN_MAX && !tick->is_before && !work_is_spent(&tick->world->work);
@@ -171,13 +205,14 @@ double dpti_proxy_move(struct proxy_tick *tick, const struct proxy_pose *to, dou
 }
 
 /* Where a body's motion before this tick brings a pose that moves with it. */
-static dpt_pose carried_pose(const struct body *body, const struct proxy_pose *at)
+static dpt_pose carried_pose(const struct proxy_tick *tick, const struct body *body)
 {
-    const struct quaternion before =
-        quaternion_unit(quaternion_of(body->previous_pose.orientation));
+    const struct proxy_pose *at = &tick->at;
+    const dpt_pose from = dpti_proxy_body_pose(tick, body);
+    const struct quaternion before = quaternion_unit(quaternion_of(from.orientation));
     const struct quaternion now = quaternion_unit(quaternion_of(body->pose.orientation));
     const struct quaternion turn = quaternion_product(now, quaternion_inverse(before));
-    const vec3 from_body = sub(at->frame.origin, vec3_of(body->previous_pose.position));
+    const vec3 from_body = sub(at->frame.origin, vec3_of(from.position));
     dpt_pose pose;
     vec3_store(add(vec3_of(body->pose.position), quaternion_turn(turn, from_body)), pose.position);
     quaternion_store(quaternion_unit(quaternion_product(turn, quaternion_unit(at->turn))),
@@ -190,7 +225,7 @@ static int carry_with(struct proxy_tick *tick, const struct body *body)
 {
     const struct proxy_pose from = tick->at;
     const double gap = tick->gap;
-    const dpt_pose pose = carried_pose(body, &from);
+    const dpt_pose pose = carried_pose(tick, body);
     const struct proxy_pose to = dpti_proxy_pose_of(tick->proxy, &pose);
     const struct tool_sweep sweep = sweep_tool(tick, &to, handle_index(body->id));
     if (sweep.status != SWEEP_FREE)
@@ -213,7 +248,8 @@ int dpti_proxy_carry(struct proxy_tick *tick)
     const struct body *tried = NULL;
     for (uint32_t i = 0; i < tick->tool->segment_count; i++) {
         const struct body *body = world->segments[tick->tool->first_segment + i].answer.body;
-        if (!body || body == tried || !body_has_moved(world, body))
+        if (!body || body == tried || !body_has_moved(world, body) ||
+            surface_has_moved(&body->surface, world->ticks))
             continue;
         tried = body;
         if (carry_with(tick, body)) {

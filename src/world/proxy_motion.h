@@ -13,6 +13,9 @@ void dpti_proxy_find_nearest(struct proxy_tick *tick);
  * it met is remembered. Returns the share of the way that was made, 0 where none was; then tick->at and its nearest
  * pairs are as before.
  *   met   the share up to which it was free by the sweep; negative where the budget ended the sweep
+ *
+ * While tick->is_before a shorter motion takes the bodies' motion along as far: tick->time grows. The nearest pairs are
+ * of another pose then.
  */
 double dpti_proxy_move(struct proxy_tick *tick, const struct proxy_pose *to, double *met);
 

@@ -22,6 +22,12 @@ enum { PUSHES_MAX = 4 };
 #define CONVERGED       3e-4
 #define CONVERGED_SMALL 1e-3
 
+/*
+ * How much wider than the clearance contacts are left after a body that moves was met: a share of the motion, then
+ * twice as much each time. A straight motion beside a surface that turns comes nearer to it in between.
+ */
+#define LIFT_SHARE 0.05
+
 /* Of a motion that is shortened, at least. */
 #define SHARE_MIN 0.01
 
@@ -275,13 +281,16 @@ static int follow_once(struct proxy_tick *tick, double *allowed)
     if (choice != FOLLOW_MOVED)
         return choice;
     const double made = dpti_proxy_move(tick, &motion.to, &met);
+    if (tick->is_before && made < 1.0)
+        tick->lift = max_of(2.0 * tick->lift, LIFT_SHARE * motion.size + tick->clearance);
     if (!tick->is_before)
         proxy->trust = next_trust(tick, met, motion.size);
     if (!(made > 0.0))
-        return FOLLOW_STUCK;
+        return tick->is_before ? FOLLOW_MOVED : FOLLOW_STUCK;
+    tick->made = made;
     const struct displacement moved = dpti_proxy_displacement(proxy, &from, &tick->at);
     dpti_proxy_note_slip(tick, moved.shift, proxy_whole_turn(&moved, &from));
-    tick->is_before = 0;
+    tick->is_before = tick->is_before && made < 1.0;
     proxy->last_motion = displacement_norm(&proxy->coupling, &moved);
     *allowed = max_of(0.0, *allowed - proxy->last_motion);
     return FOLLOW_MOVED;

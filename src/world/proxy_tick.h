@@ -39,8 +39,11 @@ struct proxy_tick {
     double min_gap;   /* m: no pose is accepted whose gap is less */
     double
         gap; /* the least of the tool's surface at `at`; a lower bound where a budget ended the search */
-    int is_before; /* `at` is proven only for where bodies were before this tick */
-    int is_lost;   /* the segments' nearest pairs are of another pose than `at` */
+    int is_before; /* `at` is proven only for where bodies were at `time` of their motion before this tick */
+    double time; /* 0..1 */
+    double made; /* the share that was made of the last motion that was solved for */
+    double lift; /* m: while is_before, contacts are left so much wider than the clearance */
+    int is_lost; /* the segments' nearest pairs are of another pose than `at` */
     uint32_t triangle_count;
     uint32_t space_count;
     uint32_t contact_count; /* of the solution, contacts with friction */

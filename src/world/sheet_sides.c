@@ -5,7 +5,7 @@
 static double side_limit(const struct contact_pair *contact_pair)
 {
     double limit = contact_pair->body->side_limit;
-    return limit > 0.0 ? limit : 0.25 * dpti_surface_diagonal(&contact_pair->body->surface);
+    return limit > 0.0 ? limit : 0.25 * surface_diagonal(&contact_pair->body->surface);
 }
 
 int32_t dpti_sheet_side_to_keep(const struct contact_pair *contact_pair,

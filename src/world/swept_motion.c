@@ -138,8 +138,11 @@ static int sweep_past_body(struct dpt_world *world, uint32_t segment_index, cons
         .kernel = &world->kernel,
         .radius = free_distance > segment->radius ? segment->radius : 0.0,
         .distance_before = free_distance,
-        .tolerance = 0.5 * RIGID_SWEEP_TOLERANCE * dpti_surface_diagonal(&body->surface),
+        .tolerance = 0.5 * RIGID_SWEEP_TOLERANCE * surface_diagonal(&body->surface),
         .hint = *world_last_triangles(world, segment_index, handle_index(body->id)),
+        .tick = body_has_moved(world, body) && surface_has_moved(&body->surface, world->ticks)
+                    ? world->ticks
+                    : 0,
         .work = &world->work,
         .progress = &backlog->progress
     };

@@ -57,6 +57,13 @@ void dpti_strips_forget_body(struct dpt_world *world, uint32_t slot)
             dpti_strips_forget(world, i, i + 1);
 }
 
+void dpti_strips_note_vertices(struct dpt_world *world, uint32_t slot)
+{
+    for (uint32_t i = 0; world->def.strip && i < world->segment_count; i++)
+        if (world->segment_strips[i].body_slot == slot)
+            dpti_strip_forget(world->segment_strips[i].strip);
+}
+
 void dpti_strips_remove(struct dpt_world *world, uint32_t first, uint32_t end)
 {
     uint32_t segments_moved = world->segment_count - end;
@@ -195,8 +202,10 @@ dpt_result dpt_tool_get_strip(const dpt_world *world, dpt_tool tool, uint32_t se
     const struct segment_strip *segment_strip =
         &world->segment_strips[owner->first_segment + segment];
     dpt_strip_get_triangles(segment_strip->strip, count, flags);
-    dpti_strip_overlaps(segment_strip->strip, &segment_strip->surface, &segment_strip->frame,
-                        segment_strip->a, segment_strip->u, segment_strip->radius,
-                        segment_strip->side, overlaps, capacity);
+    /* Vertices may have moved since: the strip is of the last step. */
+    const struct surface surface = surface_view(&segment_strip->surface, world->ticks + 1, 0.0);
+    dpti_strip_overlaps(segment_strip->strip, &surface, &segment_strip->frame, segment_strip->a,
+                        segment_strip->u, segment_strip->radius, segment_strip->side, overlaps,
+                        capacity);
     return DPT_OK;
 }

@@ -22,8 +22,8 @@ static void try_body(struct trial *trial, const struct body *body, double radius
     struct rigid_sweep rigid = { .surface = &body->surface,
                                  .kernel = &trial->world->kernel,
                                  .radius = radius,
-                                 .tolerance = 0.5 * RIGID_SWEEP_TOLERANCE *
-                                              dpti_surface_diagonal(&body->surface),
+                                 .tolerance =
+                                     0.5 * RIGID_SWEEP_TOLERANCE * surface_diagonal(&body->surface),
                                  .hint = DPT_NONE,
                                  .work = &work,
                                  .progress = &progress };

@@ -67,6 +67,8 @@ dpt_result dpt_world_reset(dpt_world *world)
     for (uint32_t i = 0; i < world->body_slot_end; i++) {
         world->bodies[i].moved_tick = world->bodies[i].added_tick = 0;
         world->bodies[i].motion_bound = 0.0;
+        if (world->bodies[i].surface.motion)
+            dpti_surface_motion_forget(world->bodies[i].surface.motion);
     }
     world->bodies_moved_tick = 0;
     world->body_motion_max = 0.0;

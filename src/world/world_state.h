@@ -187,6 +187,7 @@ struct pushing_part {
     uint32_t part;    /* of its mesh */
     /* The part is an open sheet whose side is known, and the deepest point is not in front of it. */
     uint32_t is_behind_sheet;
+    uint32_t triangle; /* place: the nearest to the deepest point */
 };
 
 struct segment {
@@ -221,8 +222,9 @@ struct segment {
 struct distance_bound {
     vec3 a, b;          /* the axis, in the body's frame, at the last update */
     double lower_bound; /* m: no point of the body was nearer to that axis */
-    uint32_t rest_tick; /* the last tick in which the axis had not moved in the body's frame */
-    uint32_t reserved;
+    uint32_t
+        rest_tick; /* the last tick in which neither the axis had moved in the body's frame nor its vertices */
+    float surface_motion; /* m: how far vertices have moved since the last update, at most */
 };
 
 /* With a budget: a search that the budget ended. A segment has two: one of its motion, one of its rest. */

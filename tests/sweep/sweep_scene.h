@@ -13,6 +13,11 @@ struct scene {
     vec3 corner[3];
 };
 
+static inline struct moving_triangle triangle_at_rest(const vec3 corner[3])
+{
+    return (struct moving_triangle){ .corner = { corner[0], corner[1], corner[2] } };
+}
+
 struct scene_family {
     const char *name;
     void (*make)(uint64_t *random, int kind, struct scene *scene);

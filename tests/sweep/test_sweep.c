@@ -20,7 +20,8 @@ static int sweep_scene(const struct scene *scene, double radius, double toleranc
     struct sweep sweep;
     dpti_sweep_begin(&sweep, &scene->motion, radius, tolerance, scene_extent(scene));
     *asked = 0;
-    return dpti_sweep_triangle(&sweep, scene->corner, 1.0, time, asked);
+    const struct moving_triangle triangle = triangle_at_rest(scene->corner);
+    return dpti_sweep_triangle(&sweep, &triangle, 1.0, time, asked);
 }
 
 /* The truth, or what test_pair.c holds against it, which is fifty times as fast. */

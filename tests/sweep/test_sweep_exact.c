@@ -66,7 +66,8 @@ static void judge(const struct scene *scene, const char *name, struct counts *co
     double extent = scene_extent(scene), tolerance = any_tolerance(&rng, scene), time = -1.0;
     uint32_t asked = 0;
     dpti_sweep_begin(&sweep, &scene->motion, 0.0, tolerance, extent);
-    int hit = dpti_sweep_triangle(&sweep, scene->corner, 1.0, &time, &asked) == SWEEP_HIT;
+    const struct moving_triangle triangle = triangle_at_rest(scene->corner);
+    int hit = dpti_sweep_triangle(&sweep, &triangle, 1.0, &time, &asked) == SWEEP_HIT;
     int truth = touches(scene, 1.0, 1);
     int missed = truth && !hit, late = hit && touches(scene, time, time > 0.0);
     double off = hit ? distance_at(scene, time) : 0.0;

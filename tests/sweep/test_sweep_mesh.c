@@ -74,13 +74,11 @@ static struct impact brute_sweep(const struct surface *tree, const struct sweep 
 {
     struct impact first = { .time = 1.0, .triangle = DPT_NONE };
     for (uint32_t t = 0; t < tree->mesh->triangles; t++) {
-        const uint32_t *of = tree->corners + 3 * (size_t)t;
-        const vec3 corner[3] = { vec3_of_float(tree->positions + 3 * (size_t)of[0]),
-                                 vec3_of_float(tree->positions + 3 * (size_t)of[1]),
-                                 vec3_of_float(tree->positions + 3 * (size_t)of[2]) };
+        struct moving_triangle triangle = { .is_moving = 0 };
+        surface_corners(tree, t, triangle.corner);
         uint32_t asked = 0;
         double time;
-        if (dpti_sweep_triangle(sweep, corner, first.time, &time, &asked) != SWEEP_HIT)
+        if (dpti_sweep_triangle(sweep, &triangle, first.time, &time, &asked) != SWEEP_HIT)
             continue;
         if (time < first.time || first.triangle == DPT_NONE ||
             tree->sources[t] < tree->sources[first.triangle]) {
@@ -101,6 +99,8 @@ static void check_strike(const char *what, const struct impact *found, const str
           truth->time);
 }
 
+static const struct surface_times at_rest = { 0, 0.0, 1.0 };
+
 /* All at once, in one call. */
 static int sweep_whole(const struct body *body, const struct kernel *kernel,
                        const struct sweep *sweep, double from, uint32_t hint, struct impact *found,
@@ -109,8 +109,8 @@ static int sweep_whole(const struct body *body, const struct kernel *kernel,
     struct sweep_progress progress;
     progress.has_begun = 0;
     struct work meter = { *work, WORK_UNLIMITED };
-    int result =
-        dpti_sweep_mesh(&body->surface, kernel, sweep, from, hint, &meter, &progress, found);
+    int result = dpti_sweep_mesh(&body->surface, kernel, sweep, &at_rest, from, hint, &meter,
+                                 &progress, found);
     *work = meter.done;
     CHECK(result != SWEEP_UNFINISHED, "%u units, of any number", *work);
     return result;
@@ -133,8 +133,8 @@ static uint32_t check_budget(const struct body *body, const struct kernel *kerne
         uint32_t most = 1 + (uint32_t)(random_bits(&rng) % full);
         most = one_in(&rng, 4) ? 1 : most;
         struct work meter = { 5, 5 + most };
-        result =
-            dpti_sweep_mesh(&body->surface, kernel, sweep, from, hint, &meter, &progress, &found);
+        result = dpti_sweep_mesh(&body->surface, kernel, sweep, &at_rest, from, hint, &meter,
+                                 &progress, &found);
         const uint32_t spent = meter.done - 5;
         CHECK(spent <= most, "%u of %u units", spent, most);
         all += spent;

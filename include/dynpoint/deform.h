@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * Deformable bodies: a mesh whose vertices you move. Topology is the mesh's; positions are the body's own, in float, in
+ * a block that you supply. Nearest pairs, sweeps, contacts, strips and forces are as exact as on a rigid body, at the
+ * positions of that tick. docs/algorithms/deform.md.
+ *
+ *     dpt_deform_def def;
+ *     dpt_deform_def_init(&def);
+ *     def.mesh = mesh;
+ *     void *block = malloc(dpt_deform_bytes(&def));
+ *     dpt_deform_add(world, block, dpt_deform_bytes(&def), &def, &body);
+ *     for each tick:
+ *         if (there are new positions)
+ *             dpt_deform_set_vertices(world, body, 0, count, positions, -1.0);
+ *         dpt_world_step(world, dt, &out);
+ *
+ * A deformable body is a body: all functions on bodies of world.h apply. Its pose may move as well.
+ *
+ * Threads: as for the world. Physics in a thread of its own hands over positions by a dpt_latest (exchange.h).
+ */
+#ifndef DYNPOINT_DEFORM_H
+#define DYNPOINT_DEFORM_H
+
+#include "dynpoint/world.h"
+
+DPT_BEGIN
+
+typedef struct dpt_deform_def {
+    uint32_t size;        /* sizeof(dpt_deform_def), set by dpt_deform_def_init */
+    uint32_t reserved;    /* 0 */
+    const dpt_mesh *mesh; /* its topology, and where the vertices are at first; it must stay open */
+    const dpt_pose *pose; /* of the body; read during the call; NULL: the identity */
+    /*
+     * In the body's frame, m: vertices never leave this box. It holds the mesh. It costs time if it is far larger than
+     * what vertices reach. Ends are rounded to float. All zeros: the mesh's own box, wider by half of its diagonal on
+     * every side.
+     */
+    double box_min[3];
+    double box_max[3];
+} dpt_deform_def;
+
+/* Fill in the first `size` bytes; what dpt_deform_def_init calls with its own caller's sizeof. */
+DPT_API void dpt_deform_def_defaults(dpt_deform_def *def, size_t size);
+
+static inline void dpt_deform_def_init(dpt_deform_def *def)
+{
+    dpt_deform_def_defaults(def, sizeof *def);
+}
+
+/*
+ * The bytes that a body of this def needs, in this version of the library: about 72 a triangle. 0 for a def that is not
+ * valid. It takes time in proportion to the mesh's triangles.
+ */
+DPT_API size_t dpt_deform_bytes(const dpt_deform_def *def);
+
+/*
+ * Add a deformable body. `block` is aligned to 8 and of at least dpt_deform_bytes(def) bytes; it belongs to the body
+ * until that is removed. Takes time in proportion to the mesh's triangles.
+ *
+ * DPT_E_ARGUMENT: the box does not hold the mesh. DPT_E_UNSUPPORTED: the inside of a part can be told by winding number
+ * alone (dpt_mesh_info.winding_components).
+ */
+DPT_API dpt_result dpt_deform_add(dpt_world *world, void *block, size_t bytes,
+                                  const dpt_deform_def *def, dpt_body *body);
+
+/*
+ * Move `count` vertices from vertex `first` on, or those of a list, before the next step. In the step they move in
+ * straight lines from where they were in the last one; what they meet on the way is found.
+ *
+ *   positions  3 floats a vertex, in the body's frame, m; in the order of dpt_mesh_get_vertices
+ *   vertices   indices in that order; one that occurs twice moves twice
+ *   bound      m: you know that none of them moves farther, in this call. Below 0: it is measured, which costs little. A
+ *              bound that is too small makes answers wrong
+ *
+ * DPT_E_FINITE: a position is no number or outside of the def's box. DPT_E_ARGUMENT: an index is too large. Nothing has
+ * moved then. DPT_E_HANDLE: no deformable body has this id.
+ *
+ * A call on all vertices takes time in proportion to their number. One on a few takes time in proportion to the leaves
+ * of the mesh's tree too, which is a hundredth of it.
+ */
+DPT_API dpt_result dpt_deform_set_vertices(dpt_world *world, dpt_body body, uint32_t first,
+                                           uint32_t count, const float *positions, double bound);
+DPT_API dpt_result dpt_deform_set_vertex_list(dpt_world *world, dpt_body body,
+                                              const uint32_t *vertices, uint32_t count,
+                                              const float *positions, double bound);
+
+/*
+ * Where the vertices are: *count of them, 3 floats each, in the body's frame, m. The array is the body's own, and valid
+ * until vertices move.
+ */
+DPT_API dpt_result dpt_deform_get_vertices(const dpt_world *world, dpt_body body,
+                                           const float **positions, uint32_t *count);
+
+DPT_END
+
+#endif

@@ -1,0 +1,194 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "deform/deform_vertices.h"
+
+typedef char groups_agree[(int)MOTION_GROUP == (int)KERNEL_GROUP ? 1 : -1];
+
+/* Rounding up: of one operation, and of a length that is scaled. */
+#define ROUND_UP        (1.0f + 0x1p-23f)
+#define ROUND_UP_LENGTH (1.0f + 0x1p-20f)
+
+/* In the filter's frame, vertices and the centres of boxes lie within -1..1. */
+#define LACK_MAX 2.0f
+
+/* The box's ends, once for each vertex of a group. */
+static void repeat_box(const struct surface *surface, float low[MOTION_GROUP_FLOATS],
+                       float high[MOTION_GROUP_FLOATS])
+{
+    double min[3], max[3];
+    vec3_store(surface->box_min, min);
+    vec3_store(surface->box_max, max);
+    for (int i = 0; i < MOTION_GROUP_FLOATS; i++) {
+        low[i] = (float)min[i % 3];
+        high[i] = (float)max[i % 3];
+    }
+}
+
+int dpti_deform_is_inside(const struct surface *surface, const struct kernel *kernel,
+                          const float *positions, uint32_t count)
+{
+    float low[MOTION_GROUP_FLOATS], high[MOTION_GROUP_FLOATS];
+    const uint32_t groups = count / MOTION_GROUP, rest = count % MOTION_GROUP;
+    repeat_box(surface, low, high);
+    if (kernel->outside(positions, groups, low, high))
+        return 0;
+    for (size_t i = 3 * (size_t)(count - rest); i < 3 * (size_t)count; i++)
+        if (!(positions[i] >= low[i % 3] && positions[i] <= high[i % 3]))
+            return 0;
+    return 1;
+}
+
+/* The first update of a tick. */
+static void begin_tick(struct surface_motion *motion, uint32_t tick)
+{
+    if (motion->tick == tick)
+        return;
+    motion->tick = tick;
+    memset(motion->step, 0, motion->first[motion->levels + 1] * sizeof *motion->step);
+}
+
+/* Move whole groups. moved: how far, the squares in m^2; with a bound they are not measured. */
+static void move_groups(const struct kernel *kernel, const float *next, const float *last,
+                        float *to, uint32_t groups, double bound, float *square)
+{
+    if (bound < 0.0) {
+        kernel->move(next, last, to, groups, square);
+        return;
+    }
+    memcpy(to, next, (size_t)MOTION_GROUP_FLOATS * groups * sizeof *to);
+    for (uint32_t group = 0; group < groups; group++)
+        square[group] = ROUND_UP_LENGTH * (float)(bound * bound);
+}
+
+/* All vertices, none of which has moved in this tick: the old positions stay where they are, as the last tick's. */
+static void move_all(struct surface_motion *motion, const struct kernel *kernel,
+                     const struct vertex_update *update)
+{
+    const uint32_t vertices = motion->mesh->vertices, whole = motion->groups - 1;
+    const size_t floats = (size_t)MOTION_GROUP_FLOATS * whole;
+    float *last = motion->positions, *to = motion->previous;
+    move_groups(kernel, update->positions, last, to, whole, update->bound, motion->group_moved);
+    float next[MOTION_GROUP_FLOATS + MOTION_BEHIND] = { 0.0f };
+    memcpy(next, update->positions + floats, (3 * (size_t)vertices - floats) * sizeof *next);
+    move_groups(kernel, next, last + floats, to + floats, 1, update->bound,
+                motion->group_moved + whole);
+    motion->positions = to;
+    motion->previous = last;
+    for (uint32_t group = 0; group < motion->groups; group++)
+        motion->group_tick[group] = update->tick;
+}
+
+/* Move one group; the last tick's positions are put aside once a tick. In a list it may be moved again. */
+static void move_group(struct surface_motion *motion, const struct kernel *kernel, uint32_t group,
+                       const float *next, const struct vertex_update *update)
+{
+    const size_t at = (size_t)MOTION_GROUP_FLOATS * group;
+    float last[MOTION_GROUP_FLOATS + MOTION_BEHIND] = { 0.0f }, square;
+    memcpy(last, motion->positions + at, MOTION_GROUP_FLOATS * sizeof *last);
+    if (motion->group_tick[group] != update->tick)
+        memcpy(motion->previous + at, last, MOTION_GROUP_FLOATS * sizeof *last);
+    motion->group_tick[group] = update->tick;
+    move_groups(kernel, next, last, motion->positions + at, 1, update->bound, &square);
+    const float before = sqrtf(motion->group_moved[group]), now = before + sqrtf(square);
+    motion->group_moved[group] = before > 0.0f ? ROUND_UP_LENGTH * now * now : square;
+}
+
+/* The vertices of an update that follow each other in one group are moved together. */
+static void move_some(struct surface_motion *motion, const struct kernel *kernel,
+                      const struct vertex_update *update)
+{
+    for (uint32_t i = 0; i < update->count;) {
+        const uint32_t group = (update->list ? update->list[i] : update->first + i) / MOTION_GROUP;
+        float next[MOTION_GROUP_FLOATS + MOTION_BEHIND] = { 0.0f };
+        memcpy(next, motion->positions + (size_t)MOTION_GROUP_FLOATS * group,
+               MOTION_GROUP_FLOATS * sizeof *next);
+        for (; i < update->count; i++) {
+            const uint32_t vertex = update->list ? update->list[i] : update->first + i;
+            if (vertex / MOTION_GROUP != group)
+                break;
+            memcpy(next + 3 * (size_t)(vertex % MOTION_GROUP), update->positions + 3 * (size_t)i,
+                   3 * sizeof *next);
+        }
+        move_group(motion, kernel, group, next, update);
+    }
+}
+
+/* From squares, m^2, to lengths in the filter's frame. */
+static void scale_groups(struct surface_motion *motion)
+{
+    const float scale = motion->scale * ROUND_UP_LENGTH;
+    for (uint32_t group = 0; group < motion->groups; group++)
+        motion->group_moved[group] = sqrtf(motion->group_moved[group]) * scale;
+}
+
+/* How far each leaf's vertices moved, then each node's. */
+static void gather_moved(struct surface_motion *motion)
+{
+    for (uint32_t leaf = 0; leaf < motion->count[0]; leaf++) {
+        float moved = 0.0f;
+        for (uint32_t i = motion->group_first[leaf]; i < motion->group_first[leaf + 1]; i++) {
+            const float group = motion->group_moved[motion->group_list[i]];
+            moved = group > moved ? group : moved;
+        }
+        motion->moved[leaf] = moved;
+    }
+    for (uint32_t level = 1; level <= motion->levels; level++)
+        for (uint32_t node = 0; node < motion->count[level]; node++) {
+            const float *child = motion->moved + motion->first[level - 1] + node * LANES;
+            float moved = 0.0f;
+            for (int i = 0; i < LANES; i++)
+                moved = child[i] > moved ? child[i] : moved;
+            motion->moved[motion->first[level] + node] = moved;
+        }
+}
+
+static void add_moved(struct surface_motion *motion)
+{
+    const uint32_t nodes = motion->first[motion->levels + 1];
+    for (uint32_t i = 0; i < nodes; i++) {
+        const float moved = motion->moved[i];
+        motion->step[i] = moved > 0.0f ? ROUND_UP * (motion->step[i] + moved) : motion->step[i];
+        motion->travel[i] =
+            moved > 0.0f ? ROUND_UP * (motion->travel[i] + moved) : motion->travel[i];
+    }
+}
+
+/*
+ * What a box lacks stays, the rest of its travel is taken away: it need not be wider than all that vertices can reach.
+ * Beyond that, -1 as what was followed says that a leaf or node is not up to date.
+ */
+static void begin_travels_anew(struct surface_motion *motion)
+{
+    const uint32_t nodes = motion->first[motion->levels + 1];
+    for (uint32_t i = 0; i < nodes; i++) {
+        const float wider = ROUND_UP * (motion->travel[i] - motion->boxed[i]);
+        const float lacks = wider < LACK_MAX ? wider : LACK_MAX;
+        const int is_followed = motion->followed[i] == motion->travel[i];
+        motion->travel[i] = lacks;
+        motion->boxed[i] = 0.0f;
+        motion->followed[i] = is_followed ? lacks : -1.0f;
+    }
+}
+
+double dpti_deform_move(struct surface *surface, const struct kernel *kernel,
+                        const struct vertex_update *update, int *has_begun_anew)
+{
+    struct surface_motion *motion = surface->motion;
+    const uint32_t root = motion->first[motion->levels];
+    const int is_whole = !update->list && update->count == motion->mesh->vertices;
+    const int is_first = motion->tick != update->tick;
+    begin_tick(motion, update->tick);
+    if (is_whole && is_first) {
+        move_all(motion, kernel, update);
+        surface->positions = motion->positions;
+    } else {
+        memset(motion->group_moved, 0, motion->groups * sizeof *motion->group_moved);
+        move_some(motion, kernel, update);
+    }
+    scale_groups(motion);
+    gather_moved(motion);
+    add_moved(motion);
+    *has_begun_anew = motion->travel[root] > MOTION_TRAVEL_MAX;
+    if (*has_begun_anew)
+        begin_travels_anew(motion);
+    return (double)motion->moved[root] / surface->filter_scale;
+}

@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * New positions for the vertices of a deformable body's surface: docs/algorithms/deform.md. Positions are in the body's
+ * frame, m, 3 floats a vertex, in the mesh's order.
+ */
+#ifndef DPT_DEFORM_VERTICES_H
+#define DPT_DEFORM_VERTICES_H
+
+#include "kernel/kernel_ops.h"
+#include "mesh/surface.h"
+
+/* 1 if all positions are numbers and lie in the surface's box. */
+int dpti_deform_is_inside(const struct surface *surface, const struct kernel *kernel,
+                          const float *positions, uint32_t count);
+
+/* An update: `count` vertices, from `first` on or, if it is not NULL, those of a list. */
+struct vertex_update {
+    const float *positions;
+    const uint32_t *list;
+    uint32_t first, count;
+    double bound;  /* m: none of them moves farther; below 0: it is measured */
+    uint32_t tick; /* the world's, before which they move */
+};
+
+/*
+ * Move vertices; they are inside the surface's box. Sets *has_begun_anew if travels begin anew: what was cached of the
+ * surface does not hold then. Returns how far any vertex of the body moved in this update at most, m.
+ */
+double dpti_deform_move(struct surface *surface, const struct kernel *kernel,
+                        const struct vertex_update *update, int *has_begun_anew);
+
+#endif
