@@ -181,7 +181,7 @@ else
         skip "other languages" "no python3"
         skip "the simulated device's oracle" "no python3"
     fi
-    [ -x build/tests/test_sweep_exact ] || skip "test_sweep_exact" "no g++ with gmpxx"
+    [ -x build/tests/test_sweep_exact ] || skip "test_sweep_exact, test_sweep_moving" "no g++ with gmpxx"
     go "$jobs"
 
     # What looks at the clock, or compares times.

@@ -4,7 +4,8 @@
 
 # Those of other folders are linked in a way of their own, below.
 TOPICS := base mesh compile kernel nearest sweep contact strip query force exchange world arm drivers tools fuzz
-TEST_SOURCES := $(filter-out %/test_sweep_exact.c,$(wildcard $(TOPICS:%=tests/%/test_*.c)))
+EXACT_TESTS := test_sweep_exact test_sweep_moving
+TEST_SOURCES := $(filter-out $(EXACT_TESTS:%=tests/sweep/%.c),$(wildcard $(TOPICS:%=tests/%/test_*.c)))
 TESTS := $(addprefix $(B)/tests/,$(basename $(notdir $(TEST_SOURCES))))
 TEST_PARTS := $(call objects,tests/oracle/*.c tests/data/*.c) \
               $(B)/tools/shape.o $(B)/tools/shape_organs.o $(CORE) $(TEXT) $(COMPILE) $(DRIVER_PARTS) $(SIMULATE)
@@ -116,13 +117,14 @@ test-programs: $(HD_STAND_INS)
 # Exact arithmetic: where there are g++ and gmpxx.
 EXACT_LIBS := $(if $(shell echo '\#include <gmpxx.h>' | $(CXX) -E -x c++ - 2>/dev/null | tail -n 1),-lgmpxx -lgmp -lstdc++)
 ifneq ($(EXACT_LIBS),)
-TESTS += $(B)/tests/test_sweep_exact
+TESTS += $(EXACT_TESTS:%=$(B)/tests/%)
 endif
-$(B)/tests/oracle/exact.o: tests/oracle/exact.cc
+EXACT_PARTS := $(patsubst %.cc,$(B)/%.o,$(wildcard tests/oracle/*.cc))
+$(EXACT_PARTS): $(B)/%.o: %.cc
 	@mkdir -p $(@D)
 	$(CXX) -std=c++11 -O2 -g -Wall -Wextra -MMD -MP -Itests $(CONFIG_CFLAGS) $(CFLAGS_EXTRA) -c $< -o $@
-$(B)/tests/test_sweep_exact: $(B)/tests/sweep/test_sweep_exact.o $(call shared_of,tests/sweep/) \
-                            $(B)/tests/oracle/exact.o $(TEST_PARTS) $(TEST_LIB)
+$(EXACT_TESTS:%=$(B)/tests/%): $(B)/tests/%: $(B)/tests/sweep/%.o $(call shared_of,tests/sweep/) $(EXACT_PARTS) \
+                              $(TEST_PARTS) $(TEST_LIB)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $(LINKED) -lm $(THREADS) $(DL) $(EXACT_LIBS) -o $@
 
 # Robots' descriptions: where the library reads them.
@@ -201,7 +203,7 @@ test-programs: all $(TESTS) $(VM_TESTS) $(B)/tests/firmware/link $(B)/tests/benc
 .PHONY: test-programs
 -include $(TEST_SOURCES:%.c=$(B)/%.d) $(VM_TESTS:=.d) $(wildcard $(TOPICS:%=$(B)/tests/%/*.d) $(B)/tests/lib/*.d) \
           $(patsubst %.o,%.d,$(VM_PARTS) $(TEST_PARTS) $(FUZZ_PARTS) $(CALLS_PARTS) $(COUNTED))
--include $(wildcard $(B)/tests/sweep/test_sweep_exact.d $(B)/tests/urdf/*.d $(B)/tests/*/*_sites.d $(B)/tests/bench/*.d \
+-include $(wildcard $(EXACT_TESTS:%=$(B)/tests/sweep/%.d) $(B)/tests/urdf/*.d $(B)/tests/*/*_sites.d $(B)/tests/bench/*.d \
            $(B)/tests/firmware/*.d $(B)/tests/oracle/*.d $(B)/tests/drivers/hd/*.d)
 
 $(B)/tests/bench/dump_mesh: $(B)/tests/bench/dump_mesh.o $(B)/tools/command_options.o $(TEXT) $(COMPILE) $(CORE)
