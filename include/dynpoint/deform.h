@@ -27,7 +27,7 @@ DPT_BEGIN
 
 typedef struct dpt_deform_def {
     uint32_t size;        /* sizeof(dpt_deform_def), set by dpt_deform_def_init */
-    uint32_t reserved;    /* 0 */
+    uint32_t max_points;  /* where tools push it at one time, for dpt_deform_get_loads; 1..65535; 16 */
     const dpt_mesh *mesh; /* its topology, and where the vertices are at first; it must stay open */
     const dpt_pose *pose; /* of the body; read during the call; NULL: the identity */
     /*
@@ -37,6 +37,16 @@ typedef struct dpt_deform_def {
      */
     double box_min[3];
     double box_max[3];
+    /*
+     * s: new positions are where the vertices are to be after this time; in each step they move a part of the way. The
+     * period of your physics is a good choice. It delays what is felt by as much. 0: they are there in the next step; 0
+     */
+    double period;
+    /*
+     * m: the force at a point is spread over the vertices that are nearer than this, along the surface; at most 256 of
+     * them. 0: over the corners of its triangle; 0
+     */
+    double load_radius;
 } dpt_deform_def;
 
 /* Fill in the first `size` bytes; what dpt_deform_def_init calls with its own caller's sizeof. */
@@ -90,6 +100,27 @@ DPT_API dpt_result dpt_deform_set_vertex_list(dpt_world *world, dpt_body body,
  */
 DPT_API dpt_result dpt_deform_get_vertices(const dpt_world *world, dpt_body body,
                                            const float **positions, uint32_t *count);
+
+/* A force on a vertex, N, in the body's frame. This struct never changes. */
+typedef struct dpt_load {
+    uint32_t vertex; /* in the order of dpt_mesh_get_vertices */
+    uint32_t reserved;
+    double force[3];
+} dpt_load;
+
+/*
+ * What tools do to the body, from the last step: forces on vertices, for whoever owns the physics. They are the reaction
+ * to the wrenches of dpt_tool_get_force_report, before any function of dpt_tool_set_shaper: the forces and moments of a
+ * tool's loads and of its wrench sum up to zero. Where other bodies touch the tool too, this body has its own share. If
+ * a device is sent less than the wrench, scale the loads alike.
+ *
+ *   loads   at most `capacity`; a vertex may occur more than once: add them up
+ *   count   how many there are. If that is more than `capacity`, the call returns DPT_E_FULL, and `loads` is not valid
+ *
+ * With DPT_LAW_BED, only where the world lists its contacts (dpt_world_def.max_contacts).
+ */
+DPT_API dpt_result dpt_deform_get_loads(const dpt_world *world, dpt_body body, dpt_load *loads,
+                                        uint32_t capacity, uint32_t *count);
 
 DPT_END
 

@@ -62,6 +62,7 @@ uint32_t dpti_body_add(struct dpt_world *world, const struct surface *surface, c
     made->slot.valid = 1;
     world_note_max(&world->usage.bodies, ++world->body_count);
     made->surface = *surface;
+    world->deform_count += surface->motion ? 1 : 0;
     made->diagonal = surface_diagonal(&made->surface);
     dpti_broad_phase_put_body(world, slot);
     world->largest_diagonal = max_of(world->largest_diagonal, made->diagonal);
@@ -99,6 +100,7 @@ dpt_result dpt_body_remove(dpt_world *world, dpt_body body)
         return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
     slot_release(&removed->slot, &world->freed_count[0]);
     world->body_count--;
+    world->deform_count -= removed->surface.motion ? 1 : 0;
     world->unfelt_body_count -= removed->unfelt;
     world->invalid_body_count -= !removed->unfelt && !removed->slot.valid;
     measure_largest(world);

@@ -4,9 +4,6 @@
 #include "world/proxy_constraints.h"
 #include "world/proxy_friction.h"
 
-/* Of the clearance: how far a surface that holds the proxy may be from it. */
-#define HOLDING 20.0
-
 /* How far vertices moved the point of a triangle that is nearest to x now, in the body's frame. */
 static vec3 moved_by_vertices(const struct surface *surface, uint32_t tick, uint32_t triangle,
                               vec3 x)
@@ -95,12 +92,7 @@ double dpti_proxy_body_work(struct proxy_tick *tick)
     const struct displacement left = dpti_proxy_displacement(proxy, &tick->at, &tick->goal);
     const struct displacement now = displacement_sum(&left, 1.0, &proxy->yielded);
     const double size = displacement_norm(&proxy->coupling, &left);
-    if (!(size > 0.0))
-        return 0.0;
-    dpti_proxy_turn_axes(proxy, &tick->at, tick->axes);
-    dpti_proxy_to_unknowns(proxy, tick->axes, &left, wanted);
-    dpti_proxy_gather(tick, HOLDING * tick->clearance);
-    if (!dpti_proxy_solve_rubbing(tick, wanted))
+    if (!dpti_proxy_solve_held(tick, wanted))
         return 0.0;
     /* The mean of this tick's force and the last one's. */
     const double mean = 0.5 *

@@ -8,9 +8,14 @@
 
 void dpt_deform_def_defaults(dpt_deform_def *def, size_t size)
 {
-    const dpt_deform_def defaults = { .size = sizeof defaults };
+    const dpt_deform_def defaults = { .max_points = 16 };
     sized_defaults(def, size, &defaults, sizeof defaults);
 }
+
+enum { MAX_POINTS_MAX = 65535 };
+
+/* s */
+#define PERIOD_MAX 1e3
 
 /* The default box: the mesh's, wider by that share of its diagonal. */
 #define BOX_SHARE 0.5
@@ -37,7 +42,10 @@ static dpt_result read_def(const dpt_deform_def *given, dpt_deform_def *def)
     if (!given)
         return DPT_E_ARGUMENT;
     DPT_TRY(sized_read(given, sizeof *given, def, sizeof *def));
-    if (!def->mesh || def->reserved)
+    if (!def->mesh || !def->max_points || def->max_points > MAX_POINTS_MAX)
+        return DPT_E_ARGUMENT;
+    if (!(def->period >= 0.0 && def->period <= PERIOD_MAX) || !(def->load_radius >= 0.0) ||
+        !within(def->load_radius, DPT_COORDINATE_MAX))
         return DPT_E_ARGUMENT;
     set_default_box(def->mesh, def);
     if (!vec3_within(def->box_min, DPT_COORDINATE_MAX) ||
@@ -52,10 +60,24 @@ static dpt_result read_def(const dpt_deform_def *given, dpt_deform_def *def)
     return mesh_tail(def->mesh).winding_components ? DPT_E_UNSUPPORTED : DPT_OK;
 }
 
-/* The arrays begin at a multiple of 64 in memory, wherever the block does. */
-static uint64_t bytes_of(const dpt_deform_def *def)
+/* Where the arrays are: from the first multiple of 64 behind the struct on. */
+struct deform_layout {
+    uint64_t points, tools, target, next, motion;
+    uint64_t bytes; /* of all, wherever the block begins */
+};
+
+static struct deform_layout layout_of(const dpt_deform_def *def)
 {
-    return mesh_aligned(sizeof(struct deform)) + MESH_ALIGN + dpti_surface_motion_bytes(def->mesh);
+    const uint64_t floats = def->period > 0.0 ? 3 * (uint64_t)def->mesh->vertices : 0;
+    struct deform_layout layout = { .points = 0 };
+    layout.tools = mesh_aligned(sizeof(struct load_point) * (uint64_t)def->max_points);
+    layout.target =
+        layout.tools + mesh_aligned(sizeof(struct tool_load) * (uint64_t)def->max_points);
+    layout.next = layout.target + mesh_aligned(sizeof(float) * floats);
+    layout.motion = layout.next + mesh_aligned(sizeof(float) * floats);
+    layout.bytes = mesh_aligned(sizeof(struct deform)) + MESH_ALIGN + layout.motion +
+                   dpti_surface_motion_bytes(def->mesh);
+    return layout;
 }
 
 size_t dpt_deform_bytes(const dpt_deform_def *given)
@@ -63,7 +85,7 @@ size_t dpt_deform_bytes(const dpt_deform_def *given)
     dpt_deform_def def;
     if (read_def(given, &def) != DPT_OK)
         return 0;
-    const uint64_t bytes = bytes_of(&def);
+    const uint64_t bytes = layout_of(&def).bytes;
     return bytes <= SIZE_MAX ? (size_t)bytes : 0;
 }
 
@@ -78,16 +100,25 @@ dpt_result dpt_deform_add(dpt_world *world, void *block, size_t bytes, const dpt
     DPT_TRY(frame_of_pose(def.pose, &frame));
     if ((uintptr_t)block % 8)
         return DPT_E_ALIGN;
-    if (bytes < bytes_of(&def))
+    const struct deform_layout layout = layout_of(&def);
+    if (bytes < layout.bytes)
         return DPT_E_MEMORY;
+    DPT_TRY(dpti_body_can_add(world));
+    const uintptr_t end = (uintptr_t)block + sizeof(struct deform);
+    char *base = (char *)block + sizeof(struct deform) + (mesh_aligned(end) - end);
     struct deform *made = block;
     struct surface surface;
-    uintptr_t at = (uintptr_t)mesh_aligned((uintptr_t)block + sizeof *made);
-    DPT_TRY(dpti_body_can_add(world));
+    memset(made, 0, sizeof *made);
     made->def = def;
     made->def.pose = NULL;
-    dpti_surface_of_motion(def.mesh, def.box_min, def.box_max,
-                           (char *)block + (at - (uintptr_t)block), &made->motion, &surface);
+    made->points = (void *)(base + layout.points);
+    made->tools = (void *)(base + layout.tools);
+    made->target = (void *)(base + layout.target);
+    made->next = (void *)(base + layout.next);
+    dpti_surface_of_motion(def.mesh, def.box_min, def.box_max, base + layout.motion, &made->motion,
+                           &surface);
+    if (def.period > 0.0)
+        memcpy(made->target, surface.positions, 3 * sizeof(float) * (size_t)def.mesh->vertices);
     *body = dpti_body_add(world, &surface, def.pose);
     return DPT_OK;
 }
@@ -98,18 +129,75 @@ static struct body *find_deformable(const struct dpt_world *world, dpt_body body
     return found && found->surface.motion ? found : NULL;
 }
 
+static void move_now(struct dpt_world *world, struct body *body, const struct vertex_update *update)
+{
+    int has_begun_anew;
+    const double moved = dpti_deform_move(&body->surface, &world->kernel, update, &has_begun_anew);
+    dpti_body_note_vertices(world, body, moved, has_begun_anew);
+}
+
+/* The vertices of an update are where the others are already bound for. */
+static void set_target(struct deform *deform, const struct vertex_update *update)
+{
+    for (uint32_t i = 0; i < update->count; i++) {
+        const uint32_t vertex = update->list ? update->list[i] : update->first + i;
+        memcpy(deform->target + 3 * (size_t)vertex, update->positions + 3 * (size_t)i,
+               3 * sizeof(float));
+    }
+    deform->time_left = deform->def.period;
+}
+
 /* Check an update of a body, and make it. */
 static dpt_result move_vertices(struct dpt_world *world, struct body *body,
                                 const struct vertex_update *update)
 {
-    int has_begun_anew;
+    struct deform *deform = deform_of(body);
     if (!dpti_deform_is_inside(&body->surface, &world->kernel, update->positions, update->count))
         return DPT_E_FINITE;
-    if (!update->count)
-        return DPT_OK;
-    const double moved = dpti_deform_move(&body->surface, &world->kernel, update, &has_begun_anew);
-    dpti_body_note_vertices(world, body, moved, has_begun_anew);
+    if (update->count && deform->def.period > 0.0)
+        set_target(deform, update);
+    else if (update->count)
+        move_now(world, body, update);
     return DPT_OK;
+}
+
+/* A share of a step: less time than that counts as none, as sums of dt are off by so much. */
+#define ARRIVED 1e-9
+
+/* One step on the way to where the vertices are to be. */
+static void move_on(struct dpt_world *world, struct body *body, double dt)
+{
+    struct deform *deform = deform_of(body);
+    const uint32_t vertices = body->surface.mesh->vertices;
+    const int arrives = !(deform->time_left - dt > ARRIVED * dt);
+    const float share = (float)(dt / deform->time_left);
+    for (size_t i = 0; i < 3 * (size_t)vertices && !arrives; i++)
+        deform->next[i] =
+            body->surface.positions[i] + share * (deform->target[i] - body->surface.positions[i]);
+    const struct vertex_update update = { .positions = arrives ? deform->target : deform->next,
+                                          .count = vertices,
+                                          .bound = -1.0,
+                                          .tick = world->ticks + 1 };
+    deform->time_left = arrives ? 0.0 : deform->time_left - dt;
+    move_now(world, body, &update);
+}
+
+void dpti_deform_begin_step(struct dpt_world *world, double dt)
+{
+    const dpt_wrench none = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0 } };
+    if (!world->deform_count)
+        return;
+    for (uint32_t t = 0; t < world->tool_slot_end; t++)
+        world->tools[t].on_rigid = none;
+    for (uint32_t i = 0; i < world->body_slot_end; i++) {
+        struct body *body = &world->bodies[i];
+        struct deform *deform = body->slot.used ? deform_of(body) : NULL;
+        if (!deform)
+            continue;
+        deform->point_count = deform->tool_count = 0;
+        if (deform->time_left > 0.0 && dt > 0.0)
+            move_on(world, body, dt);
+    }
 }
 
 /* The bound that a caller states, or a negative one. */
@@ -165,4 +253,49 @@ dpt_result dpt_deform_get_vertices(const dpt_world *world, dpt_body id, const fl
     *positions = body ? body->surface.positions : NULL;
     *count = body ? body->surface.mesh->vertices : 0;
     return body ? DPT_OK : DPT_E_HANDLE;
+}
+
+/* The frame of a body in the last step, whatever was set after it. */
+static struct frame frame_then(const struct dpt_world *world, const struct body *body)
+{
+    struct frame frame = body->frame;
+    if (body->moved_tick == world->ticks + 1)
+        frame_of_pose(&body->previous_pose, &frame);
+    return frame;
+}
+
+/* What a tool's loads sum up to, in the body's frame, about its origin. */
+static dpt_wrench whole_of(const struct tool_load *load, const struct frame *frame)
+{
+    const vec3 force = vec3_of(load->whole.force);
+    const vec3 torque =
+        add(vec3_of(load->whole.torque), cross(sub(load->origin, frame->origin), force));
+    dpt_wrench whole;
+    vec3_store(frame_turn_back(frame, force), whole.force);
+    vec3_store(frame_turn_back(frame, torque), whole.torque);
+    return whole;
+}
+
+dpt_result dpt_deform_get_loads(const dpt_world *world, dpt_body id, dpt_load *loads,
+                                uint32_t capacity, uint32_t *count)
+{
+    if (count)
+        *count = 0;
+    if (!world || !count || (!loads && capacity))
+        return DPT_E_ARGUMENT;
+    const struct body *body = find_deformable(world, id);
+    if (!body)
+        return DPT_E_HANDLE;
+    const struct deform *deform = deform_of(body);
+    const struct surface surface = surface_view(&body->surface, world->ticks + 1, 0.0);
+    const struct frame frame = frame_then(world, body);
+    for (uint32_t t = 0; t < deform->tool_count; t++) {
+        const struct tool_load *load = &deform->tools[t];
+        const dpt_wrench whole = whole_of(load, &frame);
+        const uint32_t room = *count < capacity ? capacity - *count : 0;
+        *count +=
+            dpti_deform_spread(&surface, deform->points + load->first, load->count,
+                               deform->def.load_radius, &whole, room ? loads + *count : NULL, room);
+    }
+    return *count > capacity ? DPT_E_FULL : DPT_OK;
 }

@@ -3,13 +3,28 @@
 #ifndef DPT_DEFORM_BODY_H
 #define DPT_DEFORM_BODY_H
 
-#include "dynpoint/deform.h"
+#include "deform/deform_loads.h"
 #include "world/world_state.h"
 
-/* At the beginning of the block; the arrays of the surface's motion follow. */
+/* What one tool does to the body in a tick: some of its points, and what their loads sum up to. */
+struct tool_load {
+    uint32_t tool_slot;
+    uint32_t first, count; /* in points */
+    uint32_t reserved;
+    vec3 origin;      /* in the world: the torque is about it */
+    dpt_wrench whole; /* on the body, in world axes */
+};
+
+/* At the beginning of the block; the arrays follow. */
 struct deform {
     struct surface_motion motion;
-    dpt_deform_def def; /* its pose is not kept */
+    dpt_deform_def def;        /* its pose is not kept */
+    struct load_point *points; /* of this tick, in the body's frame; max_points */
+    struct tool_load *tools;   /* likewise */
+    uint32_t point_count, tool_count;
+    float *target;    /* where the vertices are to be; only with a period */
+    float *next;      /* where they are to be in the next step; likewise */
+    double time_left; /* s, until they are there; 0: they are */
 };
 
 /* That of a body, or NULL if it is rigid. */
@@ -26,5 +41,8 @@ static inline double deform_step(const struct body *body, uint32_t tick)
                ? (double)motion->step[motion->first[motion->levels]] / body->surface.filter_scale
                : 0.0;
 }
+
+/* Before a step of dt: vertices that are on their way move on, and loads of the last tick are forgotten. */
+void dpti_deform_begin_step(struct dpt_world *world, double dt);
 
 #endif

@@ -6,9 +6,6 @@
 #include "world/proxy_constraints.h"
 #include "world/proxy_friction.h"
 
-/* Of the clearance: how far a surface that holds the proxy may be from it. */
-#define HOLDING 20.0
-
 static const struct displacement none = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0 }, 0.0 };
 
 static const struct body *body_of(const struct proxy_tick *tick, uint32_t space)
@@ -76,11 +73,7 @@ void dpti_proxy_yield(struct proxy_tick *tick)
     proxy->yielded_energy = 0.0;
     if (!(k > 0.0) || !may_yield(tick))
         return;
-    const struct displacement left = dpti_proxy_displacement(proxy, &tick->at, &tick->goal);
-    dpti_proxy_turn_axes(proxy, &tick->at, tick->axes);
-    dpti_proxy_to_unknowns(proxy, tick->axes, &left, wanted);
-    dpti_proxy_gather(tick, HOLDING * tick->clearance);
-    if (!dpti_proxy_solve_rubbing(tick, wanted))
+    if (!dpti_proxy_solve_held(tick, wanted))
         return;
     for (uint32_t i = 0; i < tick->solved.active_count; i++) {
         const double stiffness = body_of(tick, tick->solved.active[i])->stiffness;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "world/proxy_friction.h"
 
+#include "world/proxy_constraints.h"
 #include "world/proxy_solve.h"
 
 /* Passes between the normal and the tangential problem. */
@@ -193,6 +194,27 @@ int dpti_proxy_solve_rubbing(struct proxy_tick *tick, const double *wanted)
     }
     tick->contact_count = count;
     return 1;
+}
+
+/* Of the clearance: how far a surface that holds the proxy may be from it. */
+#define HOLDING 20.0
+
+int dpti_proxy_solve_held(struct proxy_tick *tick, double *left)
+{
+    const struct proxy *proxy = tick->proxy;
+    const struct displacement away = dpti_proxy_displacement(proxy, &tick->at, &tick->goal);
+    if (!(displacement_norm(&proxy->coupling, &away) > 0.0))
+        return 0;
+    if (tick->held != PROXY_HELD_UNKNOWN) {
+        dpti_proxy_to_unknowns(proxy, tick->axes, &away, left);
+        return tick->held == PROXY_HELD_SOLVED;
+    }
+    dpti_proxy_turn_axes(proxy, &tick->at, tick->axes);
+    dpti_proxy_to_unknowns(proxy, tick->axes, &away, left);
+    dpti_proxy_gather(tick, HOLDING * tick->clearance);
+    tick->held =
+        dpti_proxy_solve_rubbing(tick, left) ? PROXY_HELD_SOLVED : PROXY_HELD_NOT;
+    return tick->held == PROXY_HELD_SOLVED;
 }
 
 /* rad: what is left to make good of a turn about the normal; a torsion at its limit has nothing. */

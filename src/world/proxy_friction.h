@@ -12,6 +12,13 @@
  */
 int dpti_proxy_solve_rubbing(struct proxy_tick *tick, const double *wanted);
 
+/*
+ * At the end of a tick: what holds the proxy where it is. tick->solved and its contacts balance `left`, the displacement
+ * from the proxy to its device as unknowns; it is solved for once a tick. Returns 0 if nothing holds it, or if that
+ * cannot be told.
+ */
+int dpti_proxy_solve_held(struct proxy_tick *tick, double *left);
+
 /* The proxy moved by that: what each contact slipped by is known; limits that were reached start anew. */
 void dpti_proxy_note_slip(struct proxy_tick *tick, vec3 shift, vec3 turn);
 

@@ -8,6 +8,7 @@
 #include "world/proxy_friction.h"
 #include "world/proxy_motion.h"
 #include "world/segment_track.h"
+#include "world/tool_loads.h"
 
 enum { ITERATIONS_MAX = 8, CORRECTIONS_MAX = 2 };
 
@@ -430,6 +431,7 @@ void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
     dpti_proxy_keep_contacts(&tick);
     dpti_proxy_yield(&tick);
     proxy->body_work = dpti_proxy_body_work(&tick);
+    dpti_loads_note_proxy(&tick);
     proxy->pose = tick.at.pose;
     proxy->device_pose = tool->pose;
     proxy->tick = world->ticks;

@@ -29,6 +29,9 @@ struct proxy_source {
         carried; /* how far the body moved its point on the mesh before this tick, while that counts */
 };
 
+/* Whether it is known what holds the proxy at the end of the tick. */
+enum { PROXY_HELD_UNKNOWN, PROXY_HELD_SOLVED, PROXY_HELD_NOT };
+
 struct proxy_tick {
     struct dpt_world *world;
     struct tool *tool;
@@ -44,6 +47,7 @@ struct proxy_tick {
     double made; /* the share that was made of the last motion that was solved for */
     double lift; /* m: while is_before, contacts are left so much wider than the clearance */
     int is_lost; /* the segments' nearest pairs are of another pose than `at` */
+    int held;    /* PROXY_HELD_... */
     uint32_t triangle_count;
     uint32_t space_count;
     uint32_t contact_count; /* of the solution, contacts with friction */

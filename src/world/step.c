@@ -23,7 +23,9 @@
 #include "world/proxy_force.h"
 #include "world/proxy_step.h"
 #include "world/segment_track.h"
+#include "world/deform_body.h"
 #include "world/tool_force.h"
+#include "world/tool_loads.h"
 #include "world/tool_results.h"
 #include "world/tool_strips.h"
 #include "world/world_state.h"
@@ -154,8 +156,11 @@ static void sum_tool(struct dpt_world *world, struct tool *tool, double dt)
     for (uint32_t i = 0; i < tool->segment_count; i++)
         if (surface_distance(&segments[i]) < surface_distance(&segments[tool->nearest_segment]))
             tool->nearest_segment = i;
-    if (tool_is_active(world, tool) && !is_of_proxy)
+    if (tool_is_active(world, tool) && !is_of_proxy) {
         dpti_force_sum(world, tool);
+        dpti_loads_note_segments(world, tool);
+    }
+    dpti_loads_settle(world, tool);
     if (tool->shape && tool_is_active(world, tool) && world->def.until == DPT_UNTIL_RESPOND)
         shape_wrench(world, tool, dt);
 }
@@ -239,6 +244,7 @@ dpt_result dpt_world_step(dpt_world *world, double dt, dpt_step *out)
     for (uint32_t t = 0; t < world->tool_slot_end; t++)
         if (world->tools[t].slot.used)
             (tracks_only ? dpti_tool_clear_hits : dpti_tool_clear)(world, &world->tools[t]);
+    dpti_deform_begin_step(world, result == DPT_OK ? dt : 0.0);
     if (result == DPT_OK)
         step_segments(world, dt);
     else

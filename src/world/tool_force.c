@@ -5,8 +5,7 @@
 #include "world/body_work.h"
 #include "world/tool_bed.h"
 
-/* The point, in the world, that the tool's torque is about. */
-static vec3 torque_origin(const struct dpt_world *world, const struct tool *tool)
+vec3 dpti_torque_origin(const struct dpt_world *world, const struct tool *tool)
 {
     return tool->is_free ? world->segments[tool->first_segment].a : tool->frame.origin;
 }
@@ -64,9 +63,9 @@ void dpti_force_respond(struct dpt_world *world, uint32_t segment_index, double 
     segment->energy = 0.0;
     if (tool->law == DPT_LAW_BED && reason == DPT_FORCE_ACTS)
         segment->energy =
-            dpti_tool_bed_respond(world, tool, segment_index, torque_origin(world, tool), &truth);
+            dpti_tool_bed_respond(world, tool, segment_index, dpti_torque_origin(world, tool), &truth);
     if (tool->law != DPT_LAW_BED && segment->felt_penetration.depth > 0.0)
-        respond_penalty(&segment->felt_penetration, tool->stiffness, torque_origin(world, tool),
+        respond_penalty(&segment->felt_penetration, tool->stiffness, dpti_torque_origin(world, tool),
                         &truth);
     if (was_felt && (became_undecided || segment->has_given_up_push)) {
         if (!(fade->time_left > 0.0))
@@ -76,7 +75,7 @@ void dpti_force_respond(struct dpt_world *world, uint32_t segment_index, double 
     const dpt_wrench last = fade->felt;
     fade_step(fade, &truth, dt);
     segment->body_work =
-        dpti_segment_body_work(world, segment, torque_origin(world, tool), &last, &fade->felt);
+        dpti_segment_body_work(world, segment, dpti_torque_origin(world, tool), &last, &fade->felt);
     segment->force_reason = reason;
     segment->previous_pushing_part = segment->pushing_part;
     segment->pushing_part = (struct pushing_part){ .body_id = 0 };

@@ -20,4 +20,7 @@ void dpti_force_forget(struct segment *segment);
 /* The same, if this body pushed it, or its push fades. Also forget the view of a border if it is this body's. */
 void dpti_force_forget_body(struct segment *segment, uint32_t body_id);
 
+/* The point, in the world, that the torque of a tool without a proxy is about. */
+vec3 dpti_torque_origin(const struct dpt_world *world, const struct tool *tool);
+
 #endif

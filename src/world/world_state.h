@@ -65,6 +65,8 @@ struct tool {
     uint32_t nearest_segment; /* the segment whose hit is the tool's; counts from first_segment */
     /* Its segments are given in the world, and its torque is about end a of the first one. */
     uint32_t is_free;
+    /* What it does to rigid bodies in this tick, about where its torque is; only with deformable bodies in the world. */
+    dpt_wrench on_rigid;
 };
 
 enum { PROXY_MEMORY = 8, PROXY_CONTACTS_MAX = 6 };
@@ -291,6 +293,7 @@ struct dpt_world {
     uint32_t tool_slot_end; /* the same for tools */
     uint32_t body_count;
     uint32_t unfelt_body_count; /* of them, those that tools do not find */
+    uint32_t deform_count;      /* of them, those with vertices of their own */
     uint32_t tool_count;
     uint32_t segment_count;
     uint32_t freed_count[2];     /* slots of bodies [0] and tools [1] freed so far; may wrap */

@@ -1,0 +1,202 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "deform/deform_loads.h"
+
+#include "nearest/nearest_pair.h"
+
+/* Passes that make the sums exact: the second one removes what rounding left. */
+enum { BALANCE_PASSES = 3 };
+
+/* Of its trace: moments below that are of vertices that lie on a line. */
+#define FLAT 1e-12
+
+/* The vertices over which a point's force is spread, with their shares. */
+struct load_patch {
+    uint32_t count;
+    uint32_t vertex[LOAD_PATCH_MAX];
+    double share[LOAD_PATCH_MAX]; /* their sum is 1 */
+};
+
+static int has_vertex(const struct load_patch *patch, uint32_t vertex)
+{
+    for (uint32_t i = 0; i < patch->count; i++)
+        if (patch->vertex[i] == vertex)
+            return 1;
+    return 0;
+}
+
+/* A third of the area of the triangles at a vertex. */
+static double area_of(const struct surface *surface, uint32_t vertex)
+{
+    const uint32_t *first, *fans = surface_fans(surface, &first);
+    double sum = 0.0;
+    for (uint32_t i = first[vertex]; i < first[vertex + 1]; i++) {
+        vec3 v[3];
+        surface_corners(surface, fans[i], v);
+        sum += length(cross(sub(v[1], v[0]), sub(v[2], v[0]))) / 6.0;
+    }
+    return sum;
+}
+
+static void add_if_near(const struct surface *surface, const struct load_point *point,
+                        double radius, uint32_t vertex, struct load_patch *patch)
+{
+    const vec3 away = sub(surface_vertex(surface, vertex), point->at);
+    const double ratio = dot(away, away) / (radius * radius);
+    if (!(ratio < 1.0) || patch->count == LOAD_PATCH_MAX || has_vertex(patch, vertex))
+        return;
+    patch->vertex[patch->count] = vertex;
+    patch->share[patch->count++] = (1.0 - ratio) * (1.0 - ratio) * area_of(surface, vertex);
+}
+
+/* From the point's triangle over the triangles round each vertex that is near enough. */
+static void gather_patch(const struct surface *surface, const struct load_point *point,
+                         double radius, struct load_patch *patch)
+{
+    const uint32_t *first, *fans = surface_fans(surface, &first);
+    for (uint32_t k = 0; k < 3; k++)
+        add_if_near(surface, point, radius, surface_corner(surface, point->triangle, k), patch);
+    for (uint32_t i = 0; i < patch->count; i++) {
+        const uint32_t here = patch->vertex[i];
+        for (uint32_t f = first[here]; f < first[here + 1]; f++)
+            for (uint32_t k = 0; k < 3; k++)
+                add_if_near(surface, point, radius, surface_corner(surface, fans[f], k), patch);
+    }
+}
+
+/* The corners alone, as the point lies between them. */
+static void take_corners(const struct surface *surface, const struct load_point *point,
+                         struct load_patch *patch)
+{
+    pair nearest;
+    dpti_triangle_point_pair(surface, point->triangle, point->at, &nearest);
+    patch->count = 3;
+    for (uint32_t k = 0; k < 3; k++) {
+        patch->vertex[k] = surface_corner(surface, point->triangle, k);
+        patch->share[k] = nearest.weight[k];
+    }
+}
+
+static void make_patch(const struct surface *surface, const struct load_point *point, double radius,
+                       struct load_patch *patch)
+{
+    double sum = 0.0;
+    patch->count = 0;
+    if (radius > 0.0)
+        gather_patch(surface, point, radius, patch);
+    for (uint32_t i = 0; i < patch->count; i++)
+        sum += patch->share[i];
+    if (patch->count < 3 || !(sum > 0.0)) {
+        take_corners(surface, point, patch);
+        return;
+    }
+    for (uint32_t i = 0; i < patch->count; i++)
+        patch->share[i] /= sum;
+}
+
+/* The loads of one tool. While they are made, `reserved` of each holds how much it may change, as a float. */
+struct spread {
+    const struct surface *surface;
+    dpt_load *loads;
+    uint32_t count;
+    vec3 centre;     /* of the vertices, weighted */
+    double weight;   /* their sum */
+    double about[6]; /* xx, yy, zz, xy, xz, yz: sum of weight ((r.r) 1 - r r) about the centre */
+};
+
+static double weight_of(const dpt_load *load)
+{
+    float weight;
+    memcpy(&weight, &load->reserved, sizeof weight);
+    return (double)weight;
+}
+
+static void put_load(dpt_load *load, uint32_t vertex, double share, vec3 force)
+{
+    const float weight = (float)(share * length(force));
+    load->vertex = vertex;
+    memcpy(&load->reserved, &weight, sizeof weight);
+    vec3_store(scaled(force, share), load->force);
+}
+
+static vec3 place_of(const struct spread *spread, uint32_t i)
+{
+    return surface_vertex(spread->surface, spread->loads[i].vertex);
+}
+
+static void measure(struct spread *spread)
+{
+    vec3 sum = { 0.0, 0.0, 0.0 };
+    spread->weight = 0.0;
+    memset(spread->about, 0, sizeof spread->about);
+    for (uint32_t i = 0; i < spread->count; i++) {
+        sum = along(sum, weight_of(&spread->loads[i]), place_of(spread, i));
+        spread->weight += weight_of(&spread->loads[i]);
+    }
+    spread->centre = scaled(sum, 1.0 / spread->weight);
+    for (uint32_t i = 0; i < spread->count; i++) {
+        const vec3 r = sub(place_of(spread, i), spread->centre);
+        const double w = weight_of(&spread->loads[i]);
+        spread->about[0] += w * (r.y * r.y + r.z * r.z);
+        spread->about[1] += w * (r.x * r.x + r.z * r.z);
+        spread->about[2] += w * (r.x * r.x + r.y * r.y);
+        spread->about[3] -= w * r.x * r.y;
+        spread->about[4] -= w * r.x * r.z;
+        spread->about[5] -= w * r.y * r.z;
+    }
+}
+
+/* The turn that gives a torque about the centre; zero where the vertices lie on a line. */
+static vec3 turn_for(const double m[6], vec3 torque)
+{
+    const double xx = m[1] * m[2] - m[5] * m[5], xy = m[4] * m[5] - m[3] * m[2];
+    const double xz = m[3] * m[5] - m[4] * m[1], yy = m[0] * m[2] - m[4] * m[4];
+    const double yz = m[3] * m[4] - m[0] * m[5], zz = m[0] * m[1] - m[3] * m[3];
+    const double determinant = m[0] * xx + m[3] * xy + m[4] * xz, trace = m[0] + m[1] + m[2];
+    if (!(determinant > FLAT * trace * trace * trace))
+        return (vec3){ 0.0, 0.0, 0.0 };
+    return scaled((vec3){ xx * torque.x + xy * torque.y + xz * torque.z,
+                          xy * torque.x + yy * torque.y + yz * torque.z,
+                          xz * torque.x + yz * torque.y + zz * torque.z },
+                  1.0 / determinant);
+}
+
+/* Change the loads by the least, as they are weighted, so that they sum up to a wrench about the origin. */
+static void balance(const struct spread *spread, const dpt_wrench *whole)
+{
+    vec3 force = vec3_of(whole->force), torque = vec3_of(whole->torque);
+    for (uint32_t i = 0; i < spread->count; i++) {
+        const vec3 load = vec3_of(spread->loads[i].force);
+        force = sub(force, load);
+        torque = sub(torque, cross(place_of(spread, i), load));
+    }
+    const vec3 shift = scaled(force, 1.0 / spread->weight);
+    const vec3 turn = turn_for(spread->about, sub(torque, cross(spread->centre, force)));
+    for (uint32_t i = 0; i < spread->count; i++) {
+        dpt_load *load = &spread->loads[i];
+        const vec3 r = sub(place_of(spread, i), spread->centre);
+        vec3_store(along(vec3_of(load->force), weight_of(load), add(shift, cross(turn, r))),
+                   load->force);
+    }
+}
+
+uint32_t dpti_deform_spread(const struct surface *surface, const struct load_point *points,
+                            uint32_t point_count, double radius, const dpt_wrench *whole,
+                            dpt_load *loads, uint32_t capacity)
+{
+    struct spread spread = { .surface = surface, .loads = loads };
+    struct load_patch patch;
+    for (uint32_t p = 0; p < point_count; p++) {
+        make_patch(surface, &points[p], radius, &patch);
+        for (uint32_t i = 0; i < patch.count; i++, spread.count++)
+            if (spread.count < capacity)
+                put_load(&loads[spread.count], patch.vertex[i], patch.share[i], points[p].force);
+    }
+    if (spread.count > capacity || !spread.count)
+        return spread.count;
+    measure(&spread);
+    for (int pass = 0; pass < BALANCE_PASSES && spread.weight > 0.0; pass++)
+        balance(&spread, whole);
+    for (uint32_t i = 0; i < spread.count; i++)
+        loads[i].reserved = 0;
+    return spread.count;
+}

@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * A world with one deformable body and a tool, and motions of its vertices in closed form. What the oracles get is the
+ * scene's own copy of the positions.
+ */
+#ifndef DPT_TESTS_DEFORM_SCENE_H
+#define DPT_TESTS_DEFORM_SCENE_H
+
+#include <math.h>
+
+#include "lib/fixture.h"
+
+/* How vertices move. */
+enum deform_kind {
+    DEFORM_MODES, /* sums of waves through the whole body, without an end */
+    DEFORM_DENT,  /* one place goes in and out, and wanders */
+    DEFORM_FOLD,  /* half of it turns about an axis, through itself */
+    DEFORM_BREATH /* it grows and shrinks about its middle */
+};
+enum { DEFORM_KINDS = 4 };
+
+/* How they are handed over. */
+enum deform_form { DEFORM_WHOLE, DEFORM_RANGES, DEFORM_LIST, DEFORM_BOUNDED };
+enum { DEFORM_FORMS = 4 };
+
+struct deform_scene {
+    struct fixture fixture;
+    dpt_world *world;
+    void *block, *body_block;
+    size_t body_bytes;
+    dpt_body body;
+    dpt_tool tool;
+    uint32_t vertices;
+    const float *rest;     /* the mesh's */
+    float *positions;      /* where they are now */
+    float *next, *changed; /* scratch of deform_scene_set */
+    uint32_t *list;
+    double low[3], high[3], diagonal;
+    double step; /* m: about how far a vertex moves in a tick, at most */
+    enum deform_kind kind;
+    uint64_t random;
+    double time, phase[6];
+};
+
+/* `def` and `deform` may be NULL: the defaults. 0 where a part of it fails. */
+int deform_scene_open(struct deform_scene *scene, const char *shape, uint64_t triangles,
+                      const dpt_world_def *def, const dpt_deform_def *deform);
+void deform_scene_close(struct deform_scene *scene);
+
+/* Make scene->next: one tick of the motion. */
+void deform_scene_advance(struct deform_scene *scene);
+
+/* Hand scene->next over to the world in a form, and note it as the positions. */
+void deform_scene_set(struct deform_scene *scene, enum deform_form form);
+
+/* The corners of a triangle, by its source number, at the scene's positions; 0 if it was dropped. */
+int deform_scene_triangle(const struct deform_scene *scene, uint32_t number, double corners[9]);
+
+#endif

@@ -1,0 +1,224 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * Deformable bodies. In each tick the nearest pair is that of brute force over the positions of that tick, whatever the
+ * motion and however it is handed over; gap and contacts are those of a rigid body that is compiled of these positions.
+ * Whether the force is a good one test_deform_push judges.
+ *
+ *     test_deform [PER CENT]   of the ticks
+ */
+#include "oracle/brute.h"
+#include "world/deform_scene.h"
+
+static const char *const shapes[] = { "liver", "cloth", "torus", "star", "membrane" };
+static const uint64_t triangles[] = { 2000, 1800, 800, 2000, 1250 };
+enum { SHAPES = sizeof shapes / sizeof *shapes };
+
+/* m a tick, as shares of the diagonal: 0.03 mm to 10 mm on an organ. */
+static const double steps[] = { 1e-4, 3e-3, 3e-2 };
+
+static uint64_t seed = 1;
+
+/* The tool wanders about the body, in it and beside it, and now and then jumps. */
+static dpt_pose next_pose(struct deform_scene *scene, uint64_t tick)
+{
+    static double place[3], axis[4] = { 1.0, 0.0, 0.0, 0.0 };
+    dpt_pose pose;
+    double size = 0.0;
+    for (int k = 0; k < 3; k++) {
+        const double middle = 0.5 * (scene->low[k] + scene->high[k]);
+        if (tick % 64 == 0)
+            place[k] = middle + random_in(&seed, -0.6, 0.6) * scene->diagonal;
+        else
+            place[k] += random_in(&seed, -2e-3, 2e-3) * scene->diagonal;
+    }
+    for (int k = 0; k < 4; k++) {
+        axis[k] += random_in(&seed, -0.02, 0.02);
+        size += axis[k] * axis[k];
+    }
+    for (int k = 0; k < 4; k++)
+        pose.orientation[k] = axis[k] /= sqrt(size);
+    memcpy(pose.position, place, sizeof place);
+    return pose;
+}
+
+static void add_tool(struct deform_scene *scene, double radius)
+{
+    const dpt_segment segment = { { 0.0, 0.0, 0.0 }, { 0.3 * scene->diagonal, 0.0, 0.0 }, radius };
+    CHECK(dpt_tool_add(scene->world, &segment, 1, &scene->tool) == DPT_OK, "no tool");
+}
+
+/* The ends of the segment at a pose. */
+static void ends_at(const struct deform_scene *scene, const dpt_pose *pose, double ends[6])
+{
+    const double w = pose->orientation[0], x = pose->orientation[1], y = pose->orientation[2],
+                 z = pose->orientation[3], length = 0.3 * scene->diagonal;
+    const double u[3] = { w * w + x * x - y * y - z * z, 2.0 * (x * y + w * z),
+                          2.0 * (x * z - w * y) };
+    for (int k = 0; k < 3; k++) {
+        ends[k] = pose->position[k];
+        ends[3 + k] = pose->position[k] + length * u[k];
+    }
+}
+
+/* Brute force over the positions of this tick. */
+static double truth_at(const struct deform_scene *scene, const double ends[6])
+{
+    const uint32_t *corners;
+    uint32_t count;
+    dpt_mesh_get_triangles(scene->fixture.mesh, &corners, NULL, &count);
+    oracle_mesh *mesh = oracle_brute_open(scene->positions, scene->vertices, corners, count);
+    const double distance = oracle_brute(mesh, ends, NULL);
+    oracle_brute_close(mesh);
+    return distance;
+}
+
+static void check_tick(struct deform_scene *scene, const char *name, uint64_t tick, uint32_t budget)
+{
+    const dpt_pose pose = next_pose(scene, tick);
+    dpt_hit hit = DPT_HIT_INIT;
+    double ends[6];
+    dpt_tool_set_pose(scene->world, scene->tool, &pose);
+    CHECK(dpt_world_step(scene->world, 1e-3, NULL) == DPT_OK, "%s: no step", name);
+    dpt_tool_get_hit(scene->world, scene->tool, &hit);
+    ends_at(scene, &pose, ends);
+    const double truth = truth_at(scene, ends), slack = 1e-14 * (1.0 + scene->diagonal);
+    CHECK(budget || hit.status == DPT_STATUS_EXACT, "%s %u: status %u", name, (unsigned)tick,
+          hit.status);
+    CHECK(hit.distance >= truth - hit.error_bound - slack && hit.lower_bound <= truth + slack,
+          "%s %u: %.17g..%.17g, not %.17g", name, (unsigned)tick, hit.lower_bound, hit.distance,
+          truth);
+    if (hit.status == DPT_STATUS_EXACT)
+        CHECK(fabs(hit.distance - truth) <= hit.error_bound + slack, "%s %u: %.17g, not %.17g",
+              name, (unsigned)tick, hit.distance, truth);
+}
+
+static void follow_motion(int shape, enum deform_kind kind, double step, uint32_t budget,
+                          uint64_t ticks)
+{
+    struct deform_scene scene;
+    dpt_world_def def;
+    dpt_world_def_init(&def);
+    def.until = DPT_UNTIL_TRACK;
+    def.budget = budget;
+    if (!deform_scene_open(&scene, shapes[shape], triangles[shape], &def, NULL))
+        return;
+    add_tool(&scene, 0.0);
+    scene.kind = kind;
+    scene.step = step * scene.diagonal;
+    for (uint64_t tick = 0; tick < ticks; tick++) {
+        /* Physics is slower than the loop at times. */
+        if (random_bits(&seed) % 4) {
+            deform_scene_advance(&scene);
+            deform_scene_set(&scene, (enum deform_form)(random_bits(&seed) % DEFORM_FORMS));
+        }
+        check_tick(&scene, shapes[shape], tick, budget);
+    }
+    deform_scene_close(&scene);
+}
+
+static void the_nearest_pair_is_exact(void)
+{
+    for (int shape = 0; shape < SHAPES; shape++)
+        for (int kind = 0; kind < DEFORM_KINDS; kind++)
+            for (size_t s = 0; s < sizeof steps / sizeof *steps; s++)
+                follow_motion(shape, (enum deform_kind)kind, steps[s], 0, part_of(200));
+}
+
+static void a_budget_bounds_the_answer(void)
+{
+    for (int shape = 0; shape < SHAPES; shape++)
+        for (int kind = 0; kind < DEFORM_KINDS; kind++)
+            follow_motion(shape, (enum deform_kind)kind, 3e-3, 10 + 30 * (uint32_t)kind,
+                          part_of(300));
+}
+
+/* A rigid body of the positions of this tick. */
+static int compile_now(const struct deform_scene *scene, struct fixture *fixture)
+{
+    const uint32_t *corners;
+    uint32_t count;
+    dpt_mesh_get_triangles(scene->fixture.mesh, &corners, NULL, &count);
+    double *vertices = malloc(3 * sizeof *vertices * (size_t)scene->vertices);
+    for (size_t i = 0; i < 3 * (size_t)scene->vertices; i++)
+        vertices[i] = (double)scene->positions[i];
+    const int made = fixture_from_arrays(fixture, vertices, scene->vertices, corners, count);
+    free(vertices);
+    return made;
+}
+
+static double sum_overlap(const dpt_world *world, dpt_tool tool)
+{
+    dpt_contact contacts[32];
+    uint32_t count;
+    double sum = 0.0;
+    contacts[0].size = sizeof *contacts;
+    CHECK(dpt_tool_get_contacts(world, tool, contacts, 32, &count) == DPT_OK && count <= 32,
+          "%u contacts", count);
+    for (uint32_t i = 0; i < count && i < 32; i++)
+        sum += contacts[i].overlap;
+    return sum;
+}
+
+/* The same pose in a new world with a rigid body. */
+static void compare_contact(struct deform_scene *scene, const dpt_world_def *def,
+                            const dpt_pose *pose, const char *name)
+{
+    struct deform_scene rigid = { .diagonal = scene->diagonal };
+    dpt_hit hit = DPT_HIT_INIT, truth = DPT_HIT_INIT;
+    if (!compile_now(scene, &rigid.fixture))
+        return;
+    rigid.block = malloc(dpt_world_bytes(def));
+    dpt_world_create(rigid.block, dpt_world_bytes(def), def, &rigid.world);
+    dpt_body_add(rigid.world, rigid.fixture.mesh, NULL, &rigid.body);
+    add_tool(&rigid, 0.02 * scene->diagonal);
+    dpt_tool_set_pose(rigid.world, rigid.tool, pose);
+    dpt_world_step(rigid.world, 1e-3, NULL);
+    dpt_tool_get_hit(scene->world, scene->tool, &hit);
+    dpt_tool_get_hit(rigid.world, rigid.tool, &truth);
+    const double sum = sum_overlap(scene->world, scene->tool);
+    const double true_sum = sum_overlap(rigid.world, rigid.tool);
+    CHECK(hit.flags == truth.flags, "%s: flags %u, not %u", name, hit.flags, truth.flags);
+    CHECK(fabs(hit.gap - truth.gap) <= 3e-5 * scene->diagonal, "%s: gap %.9g, not %.9g", name,
+          hit.gap, truth.gap);
+    CHECK(fabs(sum - true_sum) <= 0.02 * true_sum + 1e-4 * scene->diagonal * scene->diagonal,
+          "%s: overlap %.9g, not %.9g", name, sum, true_sum);
+    free(rigid.block);
+    fixture_free(&rigid.fixture);
+}
+
+static void contact_is_that_of_a_rigid_body(void)
+{
+    static const int closed[] = { 0, 2, 3 };
+    for (int c = 0; c < 3; c++)
+        for (int kind = 0; kind < DEFORM_KINDS; kind++) {
+            struct deform_scene scene;
+            dpt_world_def def;
+            dpt_world_def_init(&def);
+            def.until = DPT_UNTIL_CONTACT;
+            def.margin = 0.005;
+            if (kind == DEFORM_FOLD ||
+                !deform_scene_open(&scene, shapes[closed[c]], triangles[closed[c]], &def, NULL))
+                continue;
+            add_tool(&scene, 0.02 * scene.diagonal);
+            scene.kind = (enum deform_kind)kind;
+            for (uint64_t tick = 0; tick < part_of(120); tick++) {
+                deform_scene_advance(&scene);
+                deform_scene_set(&scene, (enum deform_form)(random_bits(&seed) % DEFORM_FORMS));
+                const dpt_pose pose = next_pose(&scene, tick);
+                dpt_tool_set_pose(scene.world, scene.tool, &pose);
+                dpt_world_step(scene.world, 1e-3, NULL);
+                if (tick % 3 == 2)
+                    compare_contact(&scene, &def, &pose, shapes[closed[c]]);
+            }
+            deform_scene_close(&scene);
+        }
+}
+
+int main(int argc, char **argv)
+{
+    take_percent(argc, argv);
+    TEST(the_nearest_pair_is_exact);
+    TEST(a_budget_bounds_the_answer);
+    TEST(contact_is_that_of_a_rigid_body);
+    return check_report();
+}
