@@ -110,9 +110,12 @@ static double weight_of(const dpt_load *load)
     return (double)weight;
 }
 
+/* A point at a corner or an edge is held by few vertices, which cannot take any moment: the others help a little. */
+#define SHARE_MIN 0.05
+
 static void put_load(dpt_load *load, uint32_t vertex, double share, vec3 force)
 {
-    const float weight = (float)(share * length(force));
+    const float weight = (float)((share + SHARE_MIN) * length(force));
     load->vertex = vertex;
     memcpy(&load->reserved, &weight, sizeof weight);
     vec3_store(scaled(force, share), load->force);

@@ -110,6 +110,9 @@ static void note_penetration(struct dpt_world *world, struct tool *tool,
                    scaled(penetration->direction, -tool->stiffness * penetration->depth));
 }
 
+/* Of a contact's thrust: what its samples take in equal parts. A contact of one sample may have no other share. */
+#define EVEN_SHARE 0.1
+
 /* The samples of a segment's contacts, each with its share of the contact's thrust. */
 static void note_contacts(struct dpt_world *world, struct tool *tool, uint32_t segment_index)
 {
@@ -121,11 +124,12 @@ static void note_contacts(struct dpt_world *world, struct tool *tool, uint32_t s
         if (persistent->segment_index != segment_index || persistent->is_unseen ||
             !(contact->gap < 0.0))
             continue;
+        const double even = EVEN_SHARE / persistent->warm_start_count;
         for (uint32_t k = 0; k < persistent->warm_start_count; k++) {
             const struct warm_start *sample = &persistent->warm_starts[k];
             note_point(world, tool, contact->body, sample->triangle,
                        along(axis->a, sample->s, sub(axis->b, axis->a)),
-                       scaled(vec3_of(contact->thrust), -(double)sample->share));
+                       scaled(vec3_of(contact->thrust), -((double)sample->share + even)));
         }
     }
 }

@@ -1,0 +1,270 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * The loads of tools on a deformable body are the reaction to their wrenches: forces and moments sum up to zero, for all
+ * laws. Where they are: on vertices near the tool alone. What tissue makes of them is physics, and not judged here.
+ *
+ *     test_deform_loads [PER CENT]   of the ticks
+ */
+#include "world/deform_scene.h"
+
+enum { LOADS_MAX = 8192 };
+
+static uint64_t seed = 3;
+
+static void cross3(const double a[3], const double b[3], double c[3])
+{
+    for (int k = 0; k < 3; k++)
+        c[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
+}
+
+/* v in the frame of a pose, in the world. */
+static void turn3(const dpt_pose *pose, const double v[3], double out[3])
+{
+    const double *q = pose->orientation;
+    double t[3], u[3];
+    cross3(q + 1, v, t);
+    for (int k = 0; k < 3; k++)
+        t[k] = 2.0 * t[k];
+    cross3(q + 1, t, u);
+    for (int k = 0; k < 3; k++)
+        out[k] = v[k] + q[0] * t[k] + u[k];
+}
+
+static dpt_pose random_pose(double reach)
+{
+    dpt_pose pose;
+    double size = 0.0;
+    for (int k = 0; k < 3; k++)
+        pose.position[k] = random_in(&seed, -reach, reach);
+    for (int k = 0; k < 4; k++) {
+        pose.orientation[k] = random_in(&seed, -1.0, 1.0);
+        size += pose.orientation[k] * pose.orientation[k];
+    }
+    for (int k = 0; k < 4; k++)
+        pose.orientation[k] /= sqrt(size);
+    return pose;
+}
+
+/* A rod that pushes into a breathing sphere. */
+struct push {
+    struct deform_scene scene;
+    dpt_pose body, tool;
+    dpt_load loads[LOADS_MAX];
+    uint32_t count;
+    double *positions; /* the vertices of the last step */
+};
+
+static const dpt_segment rod[] = { { { 0.0, 0.0, 0.0 }, { 0.08, 0.0, 0.0 }, 0.004 },
+                                   { { 0.08, 0.0, 0.0 }, { 0.1, 0.03, 0.0 }, 0.003 } };
+
+/* What a user may set, drawn anew. */
+static void vary_settings(const struct push *push, uint32_t law)
+{
+    dpt_tool_settings tool = { .size = sizeof tool };
+    dpt_body_settings body = { .size = sizeof body };
+    dpt_tool_get_settings(push->scene.world, push->scene.tool, &tool);
+    tool.law = law;
+    tool.stiffness = random_in(&seed, 100.0, 1000.0);
+    tool.damping = random_bits(&seed) % 2 ? random_in(&seed, 0.0, 2.0) : 0.0;
+    tool.lock_rotation = law == DPT_LAW_PROXY && random_bits(&seed) % 4 == 0;
+    CHECK(dpt_tool_set_settings(push->scene.world, push->scene.tool, &tool) == DPT_OK, "tool");
+    dpt_body_get_settings(push->scene.world, push->scene.body, &body);
+    body.static_friction = random_bits(&seed) % 2 ? 0.6 : 0.0;
+    body.kinetic_friction = 0.5 * body.static_friction;
+    body.stiffness = random_bits(&seed) % 3 ? 0.0 : 800.0;
+    CHECK(dpt_body_set_settings(push->scene.world, push->scene.body, &body) == DPT_OK, "body");
+}
+
+static int open_push(struct push *push, uint32_t law, double load_radius, uint32_t segments)
+{
+    dpt_world_def def;
+    dpt_deform_def deform;
+    dpt_world_def_init(&def);
+    dpt_deform_def_init(&deform);
+    deform.load_radius = load_radius;
+    def.law = law;
+    def.fade = 0.0;
+    memset(push, 0, sizeof *push);
+    if (!deform_scene_open(&push->scene, "sphere", 1280, &def, &deform))
+        return 0;
+    push->scene.kind = DEFORM_BREATH;
+    push->scene.step = 2e-4;
+    CHECK(dpt_tool_add(push->scene.world, rod, segments, &push->scene.tool) == DPT_OK, "no tool");
+    push->positions = malloc(3 * sizeof *push->positions * (size_t)push->scene.vertices);
+    push->body = random_pose(0.3);
+    CHECK(dpt_body_teleport(push->scene.world, push->scene.body, &push->body) == DPT_OK, "pose");
+    vary_settings(push, law);
+    return 1;
+}
+
+static void close_push(struct push *push)
+{
+    free(push->positions);
+    deform_scene_close(&push->scene);
+}
+
+/* The rod comes from above, in the body's frame, leans a little, and is `depth` in the sphere of 0.1 m. */
+static void place_tool(struct push *push, double depth, double lean)
+{
+    const double half = 0.5 * lean, along_z[4] = { sqrt(0.5), 0.0, -sqrt(0.5), 0.0 };
+    const double turn[4] = { cos(half), sin(half), 0.0, 0.0 }, up[3] = { 0.0, 0.0, 0.1 - depth };
+    double local[4], *q = push->tool.orientation, *p = push->body.orientation;
+    for (int k = 0; k < 4; k++)
+        local[k] = 0.0;
+    local[0] = turn[0] * along_z[0] - turn[1] * along_z[1];
+    local[1] = turn[0] * along_z[1] + turn[1] * along_z[0];
+    local[2] = turn[0] * along_z[2] - turn[1] * along_z[3];
+    local[3] = turn[0] * along_z[3] + turn[1] * along_z[2];
+    q[0] = p[0] * local[0] - p[1] * local[1] - p[2] * local[2] - p[3] * local[3];
+    q[1] = p[0] * local[1] + p[1] * local[0] + p[2] * local[3] - p[3] * local[2];
+    q[2] = p[0] * local[2] - p[1] * local[3] + p[2] * local[0] + p[3] * local[1];
+    q[3] = p[0] * local[3] + p[1] * local[2] - p[2] * local[1] + p[3] * local[0];
+    turn3(&push->body, up, push->tool.position);
+    for (int k = 0; k < 3; k++)
+        push->tool.position[k] += push->body.position[k];
+    dpt_tool_set_pose(push->scene.world, push->scene.tool, &push->tool);
+}
+
+static void step_push(struct push *push)
+{
+    const float *positions;
+    uint32_t count;
+    CHECK(dpt_world_step(push->scene.world, 1e-3, NULL) == DPT_OK, "no step");
+    dpt_deform_get_vertices(push->scene.world, push->scene.body, &positions, &count);
+    for (size_t i = 0; i < 3 * (size_t)count; i++)
+        push->positions[i] = (double)positions[i];
+}
+
+/* Loads and wrench about the world's origin. Returns the force, N. */
+static double check_balance(struct push *push, const char *name)
+{
+    dpt_force_report force = { .size = sizeof force };
+    double sum[3], moment[3], at[3], load[3], part[3], peak = 0.0, arm = 0.0, worst = 0.0;
+    const dpt_result result = dpt_deform_get_loads(push->scene.world, push->scene.body, push->loads,
+                                                   LOADS_MAX, &push->count);
+    CHECK(result == DPT_OK, "%s: %s", name, dpt_result_name(result));
+    dpt_tool_get_force_report(push->scene.world, push->scene.tool, &force);
+    memcpy(sum, force.wrench.force, sizeof sum);
+    cross3(push->tool.position, sum, moment);
+    for (int k = 0; k < 3; k++)
+        moment[k] += force.wrench.torque[k];
+    for (uint32_t i = 0; i < push->count; i++) {
+        turn3(&push->body, push->positions + 3 * (size_t)push->loads[i].vertex, at);
+        turn3(&push->body, push->loads[i].force, load);
+        for (int k = 0; k < 3; k++)
+            at[k] += push->body.position[k];
+        cross3(at, load, part);
+        for (int k = 0; k < 3; k++) {
+            sum[k] += load[k];
+            moment[k] += part[k];
+            peak = fmax(peak, fabs(load[k]));
+            arm = fmax(arm, fabs(at[k]));
+        }
+    }
+    for (int k = 0; k < 3; k++) {
+        peak = fmax(peak, fabs(force.wrench.force[k]));
+        worst = fmax(worst, fmax(fabs(sum[k]), fabs(moment[k]) / (1.0 + arm)));
+    }
+    CHECK(worst <= 1e-12 * peak + 1e-15, "%s: %g N of %g are left", name, worst, peak);
+    return sqrt(force.wrench.force[0] * force.wrench.force[0] +
+                force.wrench.force[1] * force.wrench.force[1] +
+                force.wrench.force[2] * force.wrench.force[2]);
+}
+
+/* m: no load is farther from the tool's axis, where that is now. */
+static void check_nearness(const struct push *push, double reach, const char *name)
+{
+    for (uint32_t i = 0; i < push->count; i++) {
+        double at[3], square = 0.0, u[3], along_axis = 0.0;
+        const double x[3] = { 1.0, 0.0, 0.0 };
+        turn3(&push->body, push->positions + 3 * (size_t)push->loads[i].vertex, at);
+        turn3(&push->tool, x, u);
+        for (int k = 0; k < 3; k++) {
+            at[k] += push->body.position[k] - push->tool.position[k];
+            along_axis += at[k] * u[k];
+        }
+        along_axis = fmin(fmax(along_axis, 0.0), 0.1);
+        for (int k = 0; k < 3; k++)
+            square += (at[k] - along_axis * u[k]) * (at[k] - along_axis * u[k]);
+        CHECK(sqrt(square) <= reach, "%s: %g m away", name, sqrt(square));
+    }
+}
+
+static const char *const law_names[] = { "point", "bed", "proxy" };
+
+static void push_with(uint32_t law, double load_radius, uint32_t segments)
+{
+    static struct push push;
+    const char *name = law_names[law];
+    double largest = 0.0;
+    uint64_t acted = 0;
+    if (!open_push(&push, law, load_radius, segments))
+        return;
+    for (uint64_t tick = 0; tick < part_of(400); tick++) {
+        const double depth = 0.012 * sin(0.02 * (double)tick) - 0.003;
+        if (tick % 2) {
+            deform_scene_advance(&push.scene);
+            deform_scene_set(&push.scene, DEFORM_WHOLE);
+        }
+        place_tool(&push, depth, 0.3 * sin(0.013 * (double)tick));
+        step_push(&push);
+        const double force = check_balance(&push, name);
+        largest = fmax(largest, force);
+        acted += force > 0.0;
+        CHECK(force == 0.0 || push.count, "%s: a force without loads", name);
+        check_nearness(&push, 0.035 + load_radius, name);
+    }
+    CHECK(acted > least_seen(40) && largest > 0.1, "%s: %u ticks, %g N", name, (unsigned)acted,
+          largest);
+    close_push(&push);
+}
+
+static void loads_are_the_reaction(void)
+{
+    for (uint32_t law = 0; law < 3; law++)
+        for (int k = 0; k < 6; k++)
+            push_with(law, k % 3 * 0.01, law == DPT_LAW_PROXY ? 1 + (uint32_t)k % 2 : 1);
+}
+
+/* Loads are of the last step, whatever was set after it. */
+static void loads_are_of_the_last_step(void)
+{
+    static struct push push, other;
+    if (!open_push(&push, DPT_LAW_PROXY, 0.01, 1))
+        return;
+    place_tool(&push, -0.01, 0.1);
+    step_push(&push);
+    for (int k = 0; k < 5; k++) {
+        place_tool(&push, 0.004, 0.1);
+        step_push(&push);
+    }
+    CHECK(check_balance(&push, "before") > 0.1, "no force");
+    other = push;
+    for (int k = 0; k < 2; k++) {
+        deform_scene_advance(&push.scene);
+        deform_scene_set(&push.scene, k ? DEFORM_LIST : DEFORM_RANGES);
+    }
+    const dpt_pose elsewhere = random_pose(0.3);
+    dpt_body_set_pose(push.scene.world, push.scene.body, &elsewhere);
+    check_balance(&push, "after");
+    CHECK(other.count == push.count &&
+              !memcmp(other.loads, push.loads, push.count * sizeof(dpt_load)),
+          "%u loads, then %u", other.count, push.count);
+    uint32_t count = 0;
+    CHECK(dpt_deform_get_loads(push.scene.world, push.scene.body, push.loads, push.count - 1,
+                               &count) == DPT_E_FULL &&
+              count == push.count,
+          "%u of %u", count, push.count);
+    CHECK(dpt_deform_get_loads(push.scene.world, push.scene.body, NULL, 0, &count) == DPT_E_FULL &&
+              count == push.count,
+          "%u of %u", count, push.count);
+    close_push(&push);
+}
+
+int main(int argc, char **argv)
+{
+    take_percent(argc, argv);
+    TEST(loads_are_the_reaction);
+    TEST(loads_are_of_the_last_step);
+    return check_report();
+}
