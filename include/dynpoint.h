@@ -14,6 +14,7 @@
 #include "dynpoint/contact.h"
 #include "dynpoint/coupling.h"
 #include "dynpoint/deform.h"
+#include "dynpoint/exchange.h"
 #include "dynpoint/guard.h"
 #include "dynpoint/kernel.h"
 #include "dynpoint/mesh.h"

@@ -25,6 +25,17 @@
 
 DPT_BEGIN
 
+/*
+ * What a tool does to the body.
+ *   LOAD      its force is handed to whoever owns the physics (dpt_deform_get_loads); the body moves when its vertices
+ *             are set
+ *   DISPLACE  the paper's: at the end of a step, triangles that the tool penetrates are moved out of it, as
+ *             dpt_deform_get_vertices tells then; physics goes on from there. Forces are those of the penetration that
+ *             the step began with. Only for tools with DPT_LAW_POINT or _BED, in worlds with DPT_STRIP_KIND_SHADOW: the
+ *             strip says which triangles. There are loads as well
+ */
+enum { DPT_RESPONSE_LOAD = 0, DPT_RESPONSE_DISPLACE = 1 };
+
 typedef struct dpt_deform_def {
     uint32_t size;        /* sizeof(dpt_deform_def), set by dpt_deform_def_init */
     uint32_t max_points;  /* where tools push it at one time, for dpt_deform_get_loads; 1..65535; 16 */
@@ -47,6 +58,8 @@ typedef struct dpt_deform_def {
      * them. 0: over the corners of its triangle; 0
      */
     double load_radius;
+    uint32_t response; /* DPT_RESPONSE_...; DPT_RESPONSE_LOAD */
+    uint32_t passes;   /* of DPT_RESPONSE_DISPLACE, over the strip, 1..1024; 8 */
 } dpt_deform_def;
 
 /* Fill in the first `size` bytes; what dpt_deform_def_init calls with its own caller's sizeof. */

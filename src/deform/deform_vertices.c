@@ -77,6 +77,14 @@ static void move_all(struct surface_motion *motion, const struct kernel *kernel,
         motion->group_tick[group] = update->tick;
 }
 
+/* A group has moved by a distance, given as its square; paths add up. */
+static void add_to_group(struct surface_motion *motion, uint32_t group, float square)
+{
+    const float before = sqrtf(motion->group_moved[group]), now = before + sqrtf(square);
+    motion->group_moved[group] =
+        before > 0.0f ? ROUND_UP_LENGTH * now * now : ROUND_UP_LENGTH * square;
+}
+
 /* Move one group; the last tick's positions are put aside once a tick. In a list it may be moved again. */
 static void move_group(struct surface_motion *motion, const struct kernel *kernel, uint32_t group,
                        const float *next, const struct vertex_update *update)
@@ -88,8 +96,7 @@ static void move_group(struct surface_motion *motion, const struct kernel *kerne
         memcpy(motion->previous + at, last, MOTION_GROUP_FLOATS * sizeof *last);
     motion->group_tick[group] = update->tick;
     move_groups(kernel, next, last, motion->positions + at, 1, update->bound, &square);
-    const float before = sqrtf(motion->group_moved[group]), now = before + sqrtf(square);
-    motion->group_moved[group] = before > 0.0f ? ROUND_UP_LENGTH * now * now : square;
+    add_to_group(motion, group, square);
 }
 
 /* The vertices of an update that follow each other in one group are moved together. */
@@ -169,11 +176,24 @@ static void begin_travels_anew(struct surface_motion *motion)
     }
 }
 
+/* Travels after an update whose groups have moved by group_moved, in m^2. */
+static double finish_update(struct surface *surface, int *has_begun_anew)
+{
+    struct surface_motion *motion = surface->motion;
+    const uint32_t root = motion->first[motion->levels];
+    scale_groups(motion);
+    gather_moved(motion);
+    add_moved(motion);
+    *has_begun_anew = motion->travel[root] > MOTION_TRAVEL_MAX;
+    if (*has_begun_anew)
+        begin_travels_anew(motion);
+    return (double)motion->moved[root] / surface->filter_scale;
+}
+
 double dpti_deform_move(struct surface *surface, const struct kernel *kernel,
                         const struct vertex_update *update, int *has_begun_anew)
 {
     struct surface_motion *motion = surface->motion;
-    const uint32_t root = motion->first[motion->levels];
     const int is_whole = !update->list && update->count == motion->mesh->vertices;
     const int is_first = motion->tick != update->tick;
     begin_tick(motion, update->tick);
@@ -184,11 +204,38 @@ double dpti_deform_move(struct surface *surface, const struct kernel *kernel,
         memset(motion->group_moved, 0, motion->groups * sizeof *motion->group_moved);
         move_some(motion, kernel, update);
     }
-    scale_groups(motion);
-    gather_moved(motion);
-    add_moved(motion);
-    *has_begun_anew = motion->travel[root] > MOTION_TRAVEL_MAX;
-    if (*has_begun_anew)
-        begin_travels_anew(motion);
-    return (double)motion->moved[root] / surface->filter_scale;
+    return finish_update(surface, has_begun_anew);
+}
+
+void dpti_deform_begin(struct surface *surface, uint32_t tick)
+{
+    struct surface_motion *motion = surface->motion;
+    begin_tick(motion, tick);
+    memset(motion->group_moved, 0, motion->groups * sizeof *motion->group_moved);
+}
+
+void dpti_deform_put(struct surface *surface, uint32_t vertex, vec3 to)
+{
+    struct surface_motion *motion = surface->motion;
+    const uint32_t group = vertex / MOTION_GROUP;
+    const size_t at = (size_t)MOTION_GROUP_FLOATS * group;
+    float *position = motion->positions + 3 * (size_t)vertex;
+    const float next[3] = { (float)to.x, (float)to.y, (float)to.z };
+    const vec3 rounded = vec3_of_float(next);
+    const vec3 low = sub(rounded, surface->box_min), high = sub(surface->box_max, rounded);
+    if (!(low.x >= 0.0 && low.y >= 0.0 && low.z >= 0.0 && high.x >= 0.0 && high.y >= 0.0 &&
+          high.z >= 0.0))
+        return;
+    if (motion->group_tick[group] != motion->tick)
+        memcpy(motion->previous + at, motion->positions + at,
+               MOTION_GROUP_FLOATS * sizeof *motion->positions);
+    motion->group_tick[group] = motion->tick;
+    const vec3 moved = sub(rounded, vec3_of_float(position));
+    add_to_group(motion, group, (float)dot(moved, moved));
+    memcpy(position, next, sizeof next);
+}
+
+double dpti_deform_end(struct surface *surface, int *has_begun_anew)
+{
+    return finish_update(surface, has_begun_anew);
 }

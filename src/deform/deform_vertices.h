@@ -29,4 +29,12 @@ struct vertex_update {
 double dpti_deform_move(struct surface *surface, const struct kernel *kernel,
                         const struct vertex_update *update, int *has_begun_anew);
 
+/*
+ * Move vertices one by one: begin, put each where it is to be, end. A vertex that would leave the surface's box stays
+ * where it is. dpti_deform_end returns what dpti_deform_move returns.
+ */
+void dpti_deform_begin(struct surface *surface, uint32_t tick);
+void dpti_deform_put(struct surface *surface, uint32_t vertex, vec3 to);
+double dpti_deform_end(struct surface *surface, int *has_begun_anew);
+
 #endif

@@ -49,10 +49,8 @@ static double exit_distance(const struct surface *surface, uint32_t place, vec3 
     return max_of(0.0, displacement);
 }
 
-/* `frame` is the mesh's frame in the world; `place` the triangle's. */
-static void compute_overlap(const struct surface *surface, const struct frame *frame, vec3 a,
-                            vec3 u, double radius, double side, uint32_t place,
-                            dpt_overlap *overlap)
+void dpti_strip_overlap(const struct surface *surface, const struct frame *frame, vec3 a, vec3 u,
+                        double radius, double side, uint32_t place, dpt_overlap *overlap)
 {
     pair found = dpti_triangle_pair(surface, place, a, u);
     vec3 normal = scaled(dpti_surface_face_normal(surface, place), side);
@@ -83,7 +81,8 @@ void dpti_strip_overlaps(const struct dpt_strip *strip, const struct surface *su
     const uint32_t *places = count ? mesh_words(strip->mesh, MESH_PLACES) : NULL;
     for (uint32_t i = 0; i < count; i++) {
         dpt_overlap overlap;
-        compute_overlap(surface, frame, a, u, radius, side, places[strip->triangles[i]], &overlap);
+        dpti_strip_overlap(surface, frame, a, u, radius, side, places[strip->triangles[i]],
+                           &overlap);
         sized_write((char *)overlaps + (size_t)i * size, size, &overlap, sizeof overlap);
     }
 }

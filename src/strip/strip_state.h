@@ -50,4 +50,8 @@ void dpti_strip_overlaps(const struct dpt_strip *strip, const struct surface *su
                          const struct frame *frame, vec3 a, vec3 u, double radius, int32_t side,
                          dpt_overlap *overlaps, uint32_t capacity);
 
+/* One of them, of the triangle at a place. */
+void dpti_strip_overlap(const struct surface *surface, const struct frame *frame, vec3 a, vec3 u,
+                        double radius, double side, uint32_t place, dpt_overlap *overlap);
+
 #endif

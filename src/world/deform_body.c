@@ -3,16 +3,17 @@
 
 #include "base/return_if_error.h"
 #include "base/sized.h"
-#include "deform/deform_vertices.h"
+#include "deform/displace.h"
 #include "world/body.h"
+#include "world/proxy_state.h"
 
 void dpt_deform_def_defaults(dpt_deform_def *def, size_t size)
 {
-    const dpt_deform_def defaults = { .max_points = 16 };
+    const dpt_deform_def defaults = { .max_points = 16, .passes = 8 };
     sized_defaults(def, size, &defaults, sizeof defaults);
 }
 
-enum { MAX_POINTS_MAX = 65535 };
+enum { MAX_POINTS_MAX = 65535, PASSES_MAX = 1024 };
 
 /* s */
 #define PERIOD_MAX 1e3
@@ -46,6 +47,8 @@ static dpt_result read_def(const dpt_deform_def *given, dpt_deform_def *def)
         return DPT_E_ARGUMENT;
     if (!(def->period >= 0.0 && def->period <= PERIOD_MAX) || !(def->load_radius >= 0.0) ||
         !within(def->load_radius, DPT_COORDINATE_MAX))
+        return DPT_E_ARGUMENT;
+    if (def->response > DPT_RESPONSE_DISPLACE || !def->passes || def->passes > PASSES_MAX)
         return DPT_E_ARGUMENT;
     set_default_box(def->mesh, def);
     if (!vec3_within(def->box_min, DPT_COORDINATE_MAX) ||
@@ -253,6 +256,53 @@ dpt_result dpt_deform_get_vertices(const dpt_world *world, dpt_body id, const fl
     *positions = body ? body->surface.positions : NULL;
     *count = body ? body->surface.mesh->vertices : 0;
     return body ? DPT_OK : DPT_E_HANDLE;
+}
+
+/* A segment's strip, if its tool pushes the surface of a body out of the way; else NULL. */
+static const struct segment_strip *displacing_strip(const struct dpt_world *world,
+                                                    uint32_t segment_index, uint32_t slot)
+{
+    const struct segment_strip *strip = &world->segment_strips[segment_index];
+    const struct segment *segment = &world->segments[segment_index];
+    const struct tool *tool = &world->tools[segment->tool_slot];
+    return strip->body_slot == slot && strip->strip->count && tool_is_active(world, tool) &&
+                   !dpti_proxy_is_used(world, tool)
+               ? strip
+               : NULL;
+}
+
+static void displace_body(struct dpt_world *world, struct body *body)
+{
+    const struct deform *deform = deform_of(body);
+    struct surface *surface = &body->surface;
+    int has_begun_anew;
+    dpti_deform_begin(surface, world->ticks + 1);
+    for (uint32_t s = 0; s < world->segment_count; s++) {
+        const struct segment_strip *strip = displacing_strip(world, s, handle_index(body->id));
+        if (!strip)
+            continue;
+        const struct displacing_tool tool = { strip->a, strip->u, strip->radius, strip->side };
+        dpti_displace(surface, strip->strip, &tool, deform->def.passes);
+    }
+    const double moved = dpti_deform_end(surface, &has_begun_anew);
+    dpti_body_note_vertices(world, body, moved, has_begun_anew);
+}
+
+void dpti_deform_displace(struct dpt_world *world)
+{
+    if (!world->deform_count || world->def.strip != DPT_STRIP_KIND_SHADOW)
+        return;
+    for (uint32_t i = 0; i < world->body_slot_end; i++) {
+        struct body *body = &world->bodies[i];
+        int has_strip = 0;
+        if (!body->slot.used || !deform_of(body) ||
+            deform_of(body)->def.response != DPT_RESPONSE_DISPLACE)
+            continue;
+        for (uint32_t s = 0; s < world->segment_count && !has_strip; s++)
+            has_strip = displacing_strip(world, s, i) != NULL;
+        if (has_strip)
+            displace_body(world, body);
+    }
 }
 
 /* The frame of a body in the last step, whatever was set after it. */

@@ -42,6 +42,9 @@ static inline double deform_step(const struct body *body, uint32_t tick)
                : 0.0;
 }
 
+/* At the end of a step: the strips' triangles on bodies that are displaced are moved out of the tools. */
+void dpti_deform_displace(struct dpt_world *world);
+
 /* Before a step of dt: vertices that are on their way move on, and loads of the last tick are forgotten. */
 void dpti_deform_begin_step(struct dpt_world *world, double dt);
 

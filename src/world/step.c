@@ -253,6 +253,8 @@ dpt_result dpt_world_step(dpt_world *world, double dt, dpt_step *out)
         if (world->tools[t].slot.used && result == DPT_OK && !world->invalid_body_count)
             sum_tool(world, &world->tools[t], dt);
     if (result == DPT_OK)
+        dpti_deform_displace(world);
+    if (result == DPT_OK)
         note_usage(world);
     if (has_report)
         write_report(world, out);
