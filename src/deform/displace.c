@@ -6,28 +6,47 @@
 /* Of the overlap: corners are moved by that much more, so that rounding to float leaves no overlap. */
 #define BEYOND (1.0 + 1e-6)
 
-static void displace_triangle(struct surface *surface, const struct displacing_tool *tool,
-                              uint32_t place)
+/*
+ * How a triangle's nearest point has to move, m; 0 if the tool does not touch it. As a rule it moves away from the axis.
+ * Where the axis goes through the triangle or is behind it, it moves against the normal on the tool's side. Normals alone
+ * would not do: triangles of a crater's wall may fold over.
+ */
+static vec3 way_out(const struct surface *surface, const struct displacing_tool *tool,
+                    uint32_t place, double weight[3])
 {
     const dpt_pose identity = DPT_POSE_IDENTITY;
+    const vec3 none = { 0.0, 0.0, 0.0 };
+    const pair found = dpti_triangle_pair(surface, place, tool->a, tool->u);
+    const double distance = sqrt(found.distance2);
+    const vec3 normal = scaled(dpti_surface_face_normal(surface, place), (double)tool->side);
     struct frame frame;
     dpt_overlap overlap;
-    double square = 0.0;
+    for (int k = 0; k < 3; k++)
+        weight[k] = found.weight[k];
+    if (distance > 0.0 && (!tool->is_behind || dot(found.gap, normal) >= 0.0))
+        return distance < tool->radius
+                   ? scaled(found.gap, -BEYOND * (tool->radius - distance) / distance)
+                   : none;
     frame_of_pose(&identity, &frame);
     dpti_strip_overlap(surface, &frame, tool->a, tool->u, tool->radius, (double)tool->side, place,
                        &overlap);
-    if (!(overlap.overlap > 0.0))
+    return scaled(normal, -BEYOND * overlap.overlap);
+}
+
+static void displace_triangle(struct surface *surface, const struct displacing_tool *tool,
+                              uint32_t place)
+{
+    double weight[3], square = 0.0;
+    const vec3 way = way_out(surface, tool, place, weight);
+    if (!(dot(way, way) > 0.0))
         return;
-    const vec3 normal = dpti_surface_face_normal(surface, place);
     for (int k = 0; k < 3; k++)
-        square += overlap.weight[k] * overlap.weight[k];
-    const double out = -BEYOND * (double)tool->side * overlap.overlap / square;
+        square += weight[k] * weight[k];
     for (uint32_t k = 0; k < 3; k++) {
         const uint32_t vertex = surface_corner(surface, place, k);
-        if (overlap.weight[k] > 0.0)
-            dpti_deform_put(
-                surface, vertex,
-                along(surface_vertex(surface, vertex), out * overlap.weight[k], normal));
+        if (weight[k] > 0.0)
+            dpti_deform_put(surface, vertex,
+                            along(surface_vertex(surface, vertex), weight[k] / square, way));
     }
 }
 

@@ -13,12 +13,13 @@ struct displacing_tool {
     vec3 a, u;
     double radius;
     int32_t side;
+    int is_behind; /* 1: the axis goes through the surface, or is wholly behind it */
 };
 
 /*
  * Move the triangles of a strip out of a tool, `passes` times in the strip's order; between dpti_deform_begin and
- * dpti_deform_end. In each pass a triangle's nearest point is moved against its normal by its overlap, and the corners
- * with it as it is weighted.
+ * dpti_deform_end. In each pass a triangle's nearest point is moved out of the tool, and the corners with it as they
+ * are weighted there.
  */
 void dpti_displace(struct surface *surface, const struct dpt_strip *strip,
                    const struct displacing_tool *tool, uint32_t passes);

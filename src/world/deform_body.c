@@ -281,7 +281,9 @@ static void displace_body(struct dpt_world *world, struct body *body)
         const struct segment_strip *strip = displacing_strip(world, s, handle_index(body->id));
         if (!strip)
             continue;
-        const struct displacing_tool tool = { strip->a, strip->u, strip->radius, strip->side };
+        const struct displacing_tool tool = { strip->a, strip->u, strip->radius, strip->side,
+                                              world->segments[s].penetration.depth >
+                                                  strip->radius };
         dpti_displace(surface, strip->strip, &tool, deform->def.passes);
     }
     const double moved = dpti_deform_end(surface, &has_begun_anew);
