@@ -104,6 +104,30 @@ static double sum_tree(struct winding_traversal *traversal, float max_error)
     return sum_of(traversal->error);
 }
 
+/* Leaves after which the sums in float are put aside. */
+enum { LEAVES_SUMMED = 256 };
+
+/*
+ * A deformable body has no moments: they would have to be made anew for whatever moved, which takes longer than to look
+ * at all of its triangles. Returns HUGE_VAL if the work was spent before.
+ */
+static double sum_leaves(struct winding_traversal *traversal)
+{
+    const uint32_t leaves = traversal->surface->count[0];
+    double sum = 0.0;
+    traversal->exact = 0.0;
+    for (uint32_t leaf = 0; leaf < leaves; leaf++) {
+        if (leaf % LEAVES_SUMMED == 0) {
+            sum += leaf ? sum_of(traversal->winding) : 0.0;
+            memset(traversal->winding, 0, sizeof traversal->winding);
+        }
+        if (work_is_spent(traversal->work))
+            return HUGE_VAL;
+        sum_leaf(traversal, leaf);
+    }
+    return sum + sum_of(traversal->winding) + traversal->exact;
+}
+
 /* The comparisons turn NaN, which a forged file can yield, into 0. */
 double dpti_winding_number(const struct surface *surface, const struct kernel *kernel, vec3 x,
                            struct work *work)
@@ -119,6 +143,8 @@ double dpti_winding_number(const struct surface *surface, const struct kernel *k
     traversal.x_filter[0] = (float)x_filter.x;
     traversal.x_filter[1] = (float)x_filter.y;
     traversal.x_filter[2] = (float)x_filter.z;
+    if (surface->motion)
+        return sum_leaves(&traversal);
     float max_node_error = FIRST_NODE_ERROR / (float)surface->levels;
     double error = sum_tree(&traversal, max_node_error);
     for (int pass = 1; !(error <= SERIES_ERROR) && pass < PASSES_MAX && !work_is_spent(work);

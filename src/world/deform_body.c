@@ -60,7 +60,7 @@ static dpt_result read_def(const dpt_deform_def *given, dpt_deform_def *def)
         if (!(def->box_min[k] <= def->mesh->box_min[k] && def->box_max[k] >= def->mesh->box_max[k]))
             return DPT_E_ARGUMENT;
     }
-    return mesh_tail(def->mesh).winding_components ? DPT_E_UNSUPPORTED : DPT_OK;
+    return DPT_OK;
 }
 
 /* Where the arrays are: from the first multiple of 64 behind the struct on. */

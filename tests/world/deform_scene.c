@@ -52,12 +52,9 @@ static int open_world(struct deform_scene *scene, const dpt_world_def *given,
     return result == DPT_OK;
 }
 
-int deform_scene_open(struct deform_scene *scene, const char *shape, uint64_t triangles,
-                      const dpt_world_def *def, const dpt_deform_def *deform)
+int deform_scene_open_mesh(struct deform_scene *scene, const dpt_world_def *def,
+                           const dpt_deform_def *deform)
 {
-    memset(scene, 0, sizeof *scene);
-    if (!fixture_from_shape(&scene->fixture, shape, triangles))
-        return 0;
     dpt_mesh_get_vertices(scene->fixture.mesh, &scene->rest, &scene->vertices);
     measure(scene);
     const size_t floats = 3 * (size_t)scene->vertices;
@@ -72,6 +69,30 @@ int deform_scene_open(struct deform_scene *scene, const char *shape, uint64_t tr
     for (int k = 0; k < 6; k++)
         scene->phase[k] = random_in(&scene->random, 0.0, 6.0);
     return open_world(scene, def, deform);
+}
+
+int deform_scene_open(struct deform_scene *scene, const char *shape, uint64_t triangles,
+                      const dpt_world_def *def, const dpt_deform_def *deform)
+{
+    memset(scene, 0, sizeof *scene);
+    return fixture_from_shape(&scene->fixture, shape, triangles) &&
+           deform_scene_open_mesh(scene, def, deform);
+}
+
+int deform_scene_open_file(struct deform_scene *scene, const char *path, double scale,
+                           const dpt_world_def *def)
+{
+    dpt_compile_def compile;
+    dpt_diag diag = { .size = sizeof diag };
+    dpt_compile_def_init(&compile);
+    compile.scale = scale;
+    memset(scene, 0, sizeof *scene);
+    dpt_result result = dpt_compile_file(path, &compile, &scene->fixture.compiled, &diag);
+    if (result == DPT_OK)
+        result = dpt_mesh_open(scene->fixture.compiled.bytes, scene->fixture.compiled.size,
+                               &scene->fixture.mesh);
+    CHECK(result == DPT_OK, "%s: %s", path, diag.text);
+    return result == DPT_OK && deform_scene_open_mesh(scene, def, NULL);
 }
 
 void deform_scene_close(struct deform_scene *scene)

@@ -6,6 +6,7 @@
  *
  *     test_deform [PER CENT]   of the ticks
  */
+#include "lib/mesh_builder.h"
 #include "oracle/brute.h"
 #include "world/deform_scene.h"
 
@@ -214,11 +215,82 @@ static void contact_is_that_of_a_rigid_body(void)
         }
 }
 
+/* Real organs, clean and dirty: their units, and whether they are free of holes and of crossings. */
+static const struct organ {
+    const char *name;
+    double scale;
+} organs[] = { { "openhelp_liver.stl", 1e-3 },   { "gallbladder_fine.stl", 1.0 },
+               { "liver_dirty_low.stl", 1.0 },   { "vessel_open_ends.stl", 1.0 },
+               { "aneurysm_sofa.off", 1.0 },     { "openhelp_stomach.stl", 1e-3 },
+               { "liver_smooth_sofa.obj", 1e-2 } };
+
+static void follow_organ(const struct organ *organ, const char *folder)
+{
+    struct deform_scene scene;
+    dpt_world_def def;
+    char path[1024];
+    dpt_world_def_init(&def);
+    def.until = DPT_UNTIL_CONTACT;
+    snprintf(path, sizeof path, "%s/meshes/organs/%s", folder, organ->name);
+    if (!deform_scene_open_file(&scene, path, organ->scale, &def))
+        return;
+    add_tool(&scene, 0.02 * scene.diagonal);
+    for (uint64_t tick = 0; tick < part_of(60); tick++) {
+        scene.kind = (enum deform_kind)(tick / 20 % DEFORM_KINDS);
+        deform_scene_advance(&scene);
+        deform_scene_set(&scene, (enum deform_form)(random_bits(&seed) % DEFORM_FORMS));
+        check_tick(&scene, organ->name, tick, 0);
+    }
+    deform_scene_close(&scene);
+}
+
+static void organs_are_followed(void)
+{
+    const char *folder = getenv("DPT_DATA");
+    if (!folder) {
+        SKIP("organs that deform", "DPT_DATA does not name the data folder");
+        return;
+    }
+    for (size_t i = 0; i < sizeof organs / sizeof *organs; i++)
+        follow_organ(&organs[i], folder);
+}
+
+/* The winding number of a deforming body with holes, against that of a rigid one of the same positions. */
+static void insides_with_holes_are_known(void)
+{
+    struct deform_scene scene;
+    struct mesh_builder builder = { 0 };
+    dpt_world_def def;
+    dpt_world_def_init(&def);
+    def.until = DPT_UNTIL_CONTACT;
+    builder_add_ball(&builder, (vec3){ 0.0, 0.0, 0.0 }, 0.1, 0.03, 0);
+    memset(&scene, 0, sizeof scene);
+    if (!fixture_from_arrays(&scene.fixture, builder.vertices, builder.vertex_count,
+                             builder.corners, builder.triangle_count) ||
+        !deform_scene_open_mesh(&scene, &def, NULL))
+        return;
+    add_tool(&scene, 0.02 * scene.diagonal);
+    scene.kind = DEFORM_BREATH;
+    for (uint64_t tick = 0; tick < part_of(200); tick++) {
+        deform_scene_advance(&scene);
+        deform_scene_set(&scene, DEFORM_WHOLE);
+        const dpt_pose pose = next_pose(&scene, tick);
+        dpt_tool_set_pose(scene.world, scene.tool, &pose);
+        dpt_world_step(scene.world, 1e-3, NULL);
+        compare_contact(&scene, &def, &pose, "a ball with a hole");
+    }
+    deform_scene_close(&scene);
+    free(builder.vertices);
+    free(builder.corners);
+}
+
 int main(int argc, char **argv)
 {
     take_percent(argc, argv);
     TEST(the_nearest_pair_is_exact);
     TEST(a_budget_bounds_the_answer);
     TEST(contact_is_that_of_a_rigid_body);
+    TEST(insides_with_holes_are_known);
+    TEST(organs_are_followed);
     return check_report();
 }
