@@ -14,6 +14,8 @@
  * Repairs: the compiler repairs only what follows, and reports it in dpt_mesh_info. It joins equal vertices. It drops
  * degenerate and duplicate triangles. It winds each part that has an inside one way: outward, or inward for the wall of
  * a cavity. All other defects stay: the distance to any set of triangles is well defined.
+ *
+ * Vertices keep the number that they have in the source (dpt_mesh_get_vertex_sources), for programs that move them.
  */
 #ifndef DYNPOINT_COMPILE_H
 #define DYNPOINT_COMPILE_H
@@ -58,6 +60,27 @@ typedef struct dpt_compile_def {
     double crease;
     uint32_t threads; /* the most threads to use, the calling one included; at most 64; 0 means 1 */
     uint32_t reserved; /* 0 */
+
+    /*
+     * Embed the vertices in a mesh of tetrahedra that somebody's physics moves (dpt_mesh_get_embedding). Both counts 0:
+     * no embedding.
+     *
+     *   nodes   node_count times x, y, z, in units of the source: multiplied by `scale`
+     *   cells   cell_count times four node numbers, from 0; wound either way
+     *
+     * A vertex takes the lowest-numbered cell that holds it. Outside of all cells it takes the nearest one, whose weights
+     * are continued beyond it: so the nodes at rest give the vertex itself, and any affine motion of them moves it alike.
+     * Cells that would give it a weight of more than 100 in size, as thin ones do, are passed over for the next nearest.
+     *
+     * DPT_E_FINITE for a node that is not finite or beyond DPT_COORDINATE_MAX after scaling, for a cell whose volume is
+     * zero within rounding, and for a vertex that no cell gives weights of at most 100: it is too far away. DPT_E_INDEX
+     * for a cell that names a node that is not there. DPT_E_LIMIT for more than 2^31 - 1 nodes. The diag's text names
+     * the node, the cell or the vertex of the source, from 0.
+     */
+    const double *nodes;
+    const uint32_t *cells;
+    uint32_t node_count;
+    uint32_t cell_count;
 } dpt_compile_def;
 
 /* Fill in the defaults of the first `size` bytes. Call dpt_compile_def_init, which passes your sizeof. */

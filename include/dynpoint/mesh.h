@@ -88,6 +88,10 @@ typedef struct dpt_mesh_info {
     uint32_t self_intersections;      /* pairs of triangles that cut each other; 10,000 at most */
     uint32_t self_intersections_more; /* 1: the search stopped early, and there may be more */
     uint32_t self_intersection[2];    /* one such pair, by source numbers; DPT_NONE: none */
+    /* Since format 5. 0 for an older file. */
+    uint32_t nodes;            /* of the mesh that the vertices are embedded in; 0: there is none */
+    uint32_t outside_vertices; /* vertices outside of all its cells */
+    double outside_distance;   /* largest distance of a vertex from all its cells, m */
 } dpt_mesh_info;
 
 /*
@@ -128,6 +132,37 @@ DPT_API dpt_result dpt_mesh_get_triangle(const dpt_mesh *mesh, uint32_t number, 
 DPT_API dpt_result dpt_mesh_get_vertices(const dpt_mesh *mesh, const float **xyz, uint32_t *count);
 DPT_API dpt_result dpt_mesh_get_triangles(const dpt_mesh *mesh, const uint32_t **corners,
                                           const uint32_t **numbers, uint32_t *count);
+
+/*
+ * Get the number in the source of each vertex, for a program that moves its own array of the source's vertices:
+ * xyz[v] = mine[sources[v]]. The array lies in the mesh's bytes.
+ *
+ *   sources   one number for each of dpt_mesh_get_vertices, from 0; no two are alike
+ *
+ * Vertices of the source at one position, after scaling and rounding, are one vertex here. It has the lowest number of
+ * those that a polygon uses. A vertex that no polygon uses has none here. An STL has three vertices for each triangle,
+ * in the order of the file. DPT_E_UNSUPPORTED for a file before format 5.
+ */
+DPT_API dpt_result dpt_mesh_get_vertex_sources(const dpt_mesh *mesh, const uint32_t **sources,
+                                               uint32_t *count);
+
+/*
+ * Get the embedding of the vertices in a mesh of tetrahedra, usually a coarser one that somebody's physics moves. It is
+ * there if the mesh was compiled with dpt_compile_def.cells. A vertex goes where its four nodes go:
+ *
+ *     vertex v = the sum over k = 0..3 of weights[4 v + k] * node[nodes[4 v + k]]
+ *
+ *   nodes        four for each of dpt_mesh_get_vertices, below *node_count; numbered as they were given
+ *   weights      four for each vertex; their sum is 1; at most 128 in size
+ *   node_count   all nodes, also those that no vertex uses
+ *
+ * Where the nodes are where they were, the sum is the vertex but for rounding: 2^-22 of the size of its cell within
+ * cells. A vertex within a cell has weights of 0..1, but for rounding. One outside of all cells has some below 0. The
+ * arrays lie in the mesh's bytes. Without an embedding, also in a file before format 5, both are NULL and *node_count
+ * is 0.
+ */
+DPT_API dpt_result dpt_mesh_get_embedding(const dpt_mesh *mesh, const uint32_t **nodes,
+                                          const float **weights, uint32_t *node_count);
 
 /*
  * Get the normals at the three corners of a triangle, by its source number. The normal at a vertex is the

@@ -45,9 +45,10 @@ typedef struct dpt_urdf_def {
      *   3. rest in the folder of the URDF
      */
     const char *packages;
-    const dpt_compile_def *mesh; /* for collision meshes; NULL: the defaults. The scales multiply */
-    dpt_urdf_note_fn *note;      /* NULL: none */
-    void *user;                  /* handed to `note` */
+    /* For collision meshes: the scales multiply, and there are no cells. NULL: the defaults. */
+    const dpt_compile_def *mesh;
+    dpt_urdf_note_fn *note;       /* NULL: none */
+    void *user;                   /* handed to `note` */
     const void *reserved_pointer; /* NULL */
 } dpt_urdf_def;
 

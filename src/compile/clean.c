@@ -23,6 +23,7 @@ void *model_alloc(soup *source, size_t count, size_t item_size)
 void model_free(struct model *model)
 {
     free(model->positions);
+    free(model->vertex_sources);
     free(model->corners);
     free(model->sources);
     free(model->places);
@@ -37,6 +38,8 @@ void model_free(struct model *model)
     free(model->part_cuts_itself);
     free(model->normals);
     free(model->flags);
+    free(model->embedding_nodes);
+    free(model->embedding_weights);
     memset(model, 0, sizeof *model);
 }
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The compiler from end to end: read, clean, order, adjacency, intersections, solid, normals, write. */
+/* The compiler from end to end: read, clean, order, adjacency, intersections, solid, normals, embed, write. */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -57,6 +57,10 @@ static dpt_result build(soup *source, uint64_t source_size, uint64_t source_hash
         result = soup_report_progress(source, "normals", 0.0);
     if (result == DPT_OK)
         result = model_normals(&model, source, source->crease);
+    if (result == DPT_OK && source->def && source->def->cell_count)
+        result = soup_report_progress(source, "embed", 0.0);
+    if (result == DPT_OK)
+        result = model_embed(&model, source);
     if (result == DPT_OK)
         result = soup_report_progress(source, "write", 0.0);
     if (result == DPT_OK)
@@ -109,6 +113,10 @@ static dpt_result begin_call(struct compile_call *call, const dpt_compile_def *g
         return soup_fail(source, DPT_E_ARGUMENT, nowhere, "the scale must be positive");
     if (!(source->crease > 0.0 && source->crease <= CREASE_MAX))
         return soup_fail(source, DPT_E_ARGUMENT, nowhere, "the crease must be 0..pi");
+    if (!def->node_count != !def->cell_count)
+        return soup_fail(source, DPT_E_ARGUMENT, nowhere, "nodes without cells, or cells without");
+    if (def->cell_count && (!def->nodes || !def->cells))
+        return soup_fail(source, DPT_E_ARGUMENT, nowhere, "no nodes or no cells");
     return DPT_OK;
 }
 

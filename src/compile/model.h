@@ -32,7 +32,8 @@ struct model {
     uint32_t dropped_duplicate;
 
     /* model_order: from here on, `corners` are indices of these vertices */
-    float *positions; /* 3 per vertex, m; distinct */
+    float *positions;         /* 3 per vertex, m; distinct */
+    uint32_t *vertex_sources; /* of each vertex: its number in the soup */
     uint32_t vertex_count;
 
     /* model_adjacency */
@@ -72,6 +73,13 @@ struct model {
     double crease;   /* rad */
     uint32_t crease_edges;
     uint32_t normalless_vertices;
+
+    /* model_embed; NULL and 0 where there are no cells */
+    uint32_t *embedding_nodes; /* 4 per vertex */
+    float *embedding_weights;  /* 4 per vertex */
+    uint32_t node_count;
+    uint32_t outside_vertices;
+    double outside_distance; /* m */
 };
 
 void model_free(struct model *model);
@@ -96,6 +104,9 @@ dpt_result model_solid(struct model *model, soup *source);
  * than `crease` rad.
  */
 dpt_result model_normals(struct model *model, soup *source, double crease);
+
+/* Embed the vertices in the cells of the def, if it has some. Needs the vertices alone. */
+dpt_result model_embed(struct model *model, soup *source);
 
 /* Write the bytes of the file. source_size and source_hash are those of dpt_mesh_info. */
 dpt_result model_write(const struct model *model, soup *source, uint64_t source_size,

@@ -230,12 +230,15 @@ static dpt_result number_vertices(struct model *model, soup *source, uint32_t *v
     }
     model->vertex_count = count;
     model->positions = model_alloc(source, count, 3 * sizeof *model->positions);
-    if (!model->positions)
+    model->vertex_sources = model_alloc(source, count, sizeof *model->vertex_sources);
+    if (!model->positions || !model->vertex_sources)
         return DPT_E_MEMORY;
     for (size_t v = 0; v < source->vertex_count; v++)
-        if (vertex_number[v] != DPT_NONE)
+        if (vertex_number[v] != DPT_NONE) {
             memcpy(model->positions + 3 * (size_t)vertex_number[v], source->positions + 3 * v,
                    3 * sizeof *model->positions);
+            model->vertex_sources[vertex_number[v]] = (uint32_t)v;
+        }
     return DPT_OK;
 }
 

@@ -96,7 +96,10 @@ static void set_counts(struct dpt_mesh *mesh, const struct model *model, const s
                                      .normalless_vertices = model->normalless_vertices,
                                      .crease = model->crease,
                                      .self_intersections = model->self_intersections,
-                                     .self_intersections_more = model->self_intersections_more };
+                                     .self_intersections_more = model->self_intersections_more,
+                                     .nodes = model->node_count,
+                                     .outside_vertices = model->outside_vertices,
+                                     .outside_distance = model->outside_distance };
     memcpy(mesh->tail.self_intersection, model->self_intersection, sizeof model->self_intersection);
     mesh->scale = source->scale;
     mesh->rounding = source->rounding;
@@ -243,6 +246,9 @@ static const void *content_of(const struct model *model, int id)
         [MESH_PLACES] = model->places,
         [MESH_NORMALS] = model->normals,
         [MESH_FLAGS] = model->flags,
+        [MESH_VERTEX_SOURCES] = model->vertex_sources,
+        [MESH_EMBED_NODES] = model->embedding_nodes,
+        [MESH_EMBED_WEIGHTS] = model->embedding_weights,
     };
     return content[id];
 }

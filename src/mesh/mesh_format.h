@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The layout of a .dpa file, version 4: the single source of docs/format.md, of the compiler's writer and of the
+ * The layout of a .dpa file, version 5: the single source of docs/format.md, of the compiler's writer and of the
  * core's reader. `struct dpt_mesh` is the first bytes of a file of the newest version. An older file has fewer
  * sections, so the tail begins earlier, or is missing: read it by mesh_tail.
  *
@@ -21,11 +21,18 @@
 #define MESH_MAGIC              "\211DPA\r\n\032\n"
 #define MESH_BYTE_ORDER         0x01020304u
 #define MESH_BYTE_ORDER_SWAPPED 0x04030201u
-#define MESH_VERSION            4u
+#define MESH_VERSION            5u
 #define MESH_ALIGN              64u
 #define MESH_LEVELS_MAX         8u /* 16^8 leaves are more than 2^32 triangles fill */
 
 #define MESH_SELF_INTERSECTIONS_MAX 10000u /* of pairs; the count stops there */
+
+/*
+ * Weights of an embedding: the largest size, and how far their sum may be off 1. The compiler's weights have 24 bits of
+ * one unit, and the sum is 1 exactly.
+ */
+#define MESH_WEIGHT_MAX 128.0f
+#define MESH_WEIGHT_SUM 0x1p-16
 
 /* Codes in place of a neighbour over an edge. */
 #define MESH_EDGE_OPEN UINT32_MAX
@@ -62,7 +69,10 @@
     X(MESH_LEAVES,        "leaves")     /* 9 x 16 floats a leaf of 16 triangles                 */ \
     X(MESH_MOMENTS,       "moments")    /* 20 x 16 floats a node, then 1 word a leaf; or empty  */ \
     X(MESH_NORMALS,       "normals")    /* 3 floats a vertex, or empty (mesh_normals)           */ \
-    X(MESH_FLAGS,         "flags")      /* 1 a triangle: its edges and corners                  */
+    X(MESH_FLAGS,         "flags")      /* 1 a triangle: its edges and corners                  */ \
+    X(MESH_VERTEX_SOURCES, "vertex_sources") /* 1 a vertex: its number in the source             */ \
+    X(MESH_EMBED_NODES,   "embed_nodes")   /* 4 nodes a vertex, or empty                        */ \
+    X(MESH_EMBED_WEIGHTS, "embed_weights") /* 4 floats a vertex, or empty                       */
 /* clang-format on */
 
 #define MESH_SECTION_ID(id, name) id,
@@ -98,7 +108,10 @@ struct mesh_section {
     uint32_t reserved[3];
 };
 
-/* What follows the section table: nothing in version 1, four words in version 2, up to the crease in version 3. */
+/*
+ * What follows the section table: nothing in version 1, four words in version 2, up to the crease in version 3, up to
+ * self_intersection in version 4.
+ */
 struct mesh_tail {
     uint32_t solid_components;
     uint32_t cavities;
@@ -110,11 +123,14 @@ struct mesh_tail {
     uint32_t self_intersections;      /* pairs of triangles; DPT_NONE: not known */
     uint32_t self_intersections_more; /* 1: the search stopped early, there may be more */
     uint32_t self_intersection[2];    /* one pair, by source number, or DPT_NONE twice */
+    uint32_t nodes;                   /* of the mesh that the vertices are embedded in; 0: none */
+    uint32_t outside_vertices;        /* those outside of all its cells */
+    double outside_distance;          /* the largest distance of a vertex from all cells, m */
 };
 
 /*
  * Offsets are part of the format. After `magic` come 4-byte words up to `bytes`, then 8-byte words up to `section`.
- * The tail has 4-byte words, except for the crease.
+ * The tail has 4-byte words, except for the crease and outside_distance.
  */
 struct dpt_mesh {
     char magic[8];
@@ -158,7 +174,10 @@ struct dpt_mesh {
 /* How many sections a file of this version has. */
 static inline uint32_t mesh_section_count(uint32_t version)
 {
-    return version == 1 ? MESH_MOMENTS : version == 2 ? MESH_NORMALS : MESH_SECTION_COUNT;
+    return version == 1   ? MESH_MOMENTS
+           : version == 2 ? MESH_NORMALS
+           : version < 5  ? MESH_VERTEX_SOURCES
+                          : MESH_SECTION_COUNT;
 }
 
 /* The bytes of the tail in a file of this version. */
@@ -167,6 +186,7 @@ static inline size_t mesh_tail_bytes(uint32_t version)
     return version == 1   ? 0
            : version == 2 ? offsetof(struct mesh_tail, crease_edges)
            : version == 3 ? offsetof(struct mesh_tail, self_intersections)
+           : version == 4 ? offsetof(struct mesh_tail, nodes)
                           : sizeof(struct mesh_tail);
 }
 
@@ -248,6 +268,11 @@ static inline uint64_t mesh_section_words(const struct dpt_mesh *mesh, int id, u
         return (uint64_t)mesh->leaves * MESH_LEAF_WORDS;
     case MESH_NORMALS:
         return mesh_stores_normals(mesh) ? 3 * (uint64_t)mesh->vertices : 0;
+    case MESH_VERTEX_SOURCES:
+        return mesh->vertices;
+    case MESH_EMBED_NODES:
+    case MESH_EMBED_WEIGHTS:
+        return mesh_tail(mesh).nodes ? 4 * (uint64_t)mesh->vertices : 0;
     default:
         return mesh_tail(mesh).winding_components ? nodes * MESH_MOMENT_WORDS + mesh->leaves : 0;
     }

@@ -45,6 +45,9 @@ dpt_result dpt_mesh_get_info(const dpt_mesh *mesh, dpt_mesh_info *info)
         .crease = tail.crease,
         .self_intersections = tail.self_intersections,
         .self_intersections_more = tail.self_intersections_more,
+        .nodes = tail.nodes,
+        .outside_vertices = tail.outside_vertices,
+        .outside_distance = tail.outside_distance,
     };
     memcpy(own.self_intersection, tail.self_intersection, sizeof own.self_intersection);
     memcpy(own.box_min, mesh->box_min, sizeof own.box_min);
@@ -106,6 +109,29 @@ dpt_result dpt_mesh_get_triangles(const dpt_mesh *mesh, const uint32_t **corners
     if (numbers)
         *numbers = mesh_words(mesh, MESH_SOURCES);
     *count = mesh->triangles;
+    return DPT_OK;
+}
+
+dpt_result dpt_mesh_get_vertex_sources(const dpt_mesh *mesh, const uint32_t **sources,
+                                       uint32_t *count)
+{
+    if (!mesh || !sources || !count)
+        return DPT_E_ARGUMENT;
+    if (mesh->version < 5)
+        return DPT_E_UNSUPPORTED;
+    *sources = mesh_words(mesh, MESH_VERTEX_SOURCES);
+    *count = mesh->vertices;
+    return DPT_OK;
+}
+
+dpt_result dpt_mesh_get_embedding(const dpt_mesh *mesh, const uint32_t **nodes,
+                                  const float **weights, uint32_t *node_count)
+{
+    if (!mesh || !nodes || !weights || !node_count)
+        return DPT_E_ARGUMENT;
+    *node_count = mesh_tail(mesh).nodes;
+    *nodes = *node_count ? mesh_words(mesh, MESH_EMBED_NODES) : NULL;
+    *weights = *node_count ? mesh_floats(mesh, MESH_EMBED_WEIGHTS) : NULL;
     return DPT_OK;
 }
 

@@ -26,6 +26,12 @@ static dpt_result fail_at(dpt_mesh_fault *fault, dpt_result code, const struct d
     return fail(fault, code, mesh->section[id].offset + 4 * word, id);
 }
 
+/* Where a field of the tail stands in a file of this version. */
+static uint64_t tail_at(const struct dpt_mesh *mesh, size_t field)
+{
+    return mesh_tail_offset(mesh->version) + field;
+}
+
 /* Version and lengths of a header that is in the host's byte order. */
 static dpt_result check_header(const struct dpt_mesh *mesh, size_t size, dpt_mesh_fault *fault)
 {
@@ -56,8 +62,12 @@ static dpt_result check_layout(const struct dpt_mesh *mesh, dpt_mesh_fault *faul
     uint64_t leaves = ((uint64_t)mesh->triangles + LANES - 1) / LANES;
     if (!mesh->triangles || mesh->leaves != leaves || mesh->triangles > mesh->source_triangles ||
         mesh->triangles > UINT32_MAX / 3 || mesh->vertices > INT32_MAX ||
+        (mesh->version > 4 && mesh->vertices > mesh->source_vertices) ||
         mesh->levels != mesh_levels(mesh->leaves, count, &nodes))
         return fail(fault, DPT_E_LAYOUT, offsetof(struct dpt_mesh, triangles), MESH_HEADER);
+    if (mesh_tail(mesh).nodes > INT32_MAX || mesh_tail(mesh).outside_vertices > mesh->vertices)
+        return fail(fault, DPT_E_LAYOUT, tail_at(mesh, offsetof(struct mesh_tail, nodes)),
+                    MESH_HEADER);
     for (int id = 0; id < (int)mesh->section_count; id++) {
         const struct mesh_section *section = &mesh->section[id];
         uint64_t at = (uint64_t)((const char *)section - (const char *)mesh);
@@ -194,7 +204,11 @@ static dpt_result check_numbers(const struct dpt_mesh *mesh, dpt_mesh_fault *fau
         !within(mesh->rounding, 1e300))
         return fail(fault, DPT_E_FINITE, offsetof(struct dpt_mesh, scale), MESH_HEADER);
     if (!(tail.crease >= 0.0 && tail.crease <= 4.0))
-        return fail(fault, DPT_E_FINITE, offsetof(struct dpt_mesh, tail.crease), MESH_HEADER);
+        return fail(fault, DPT_E_FINITE, tail_at(mesh, offsetof(struct mesh_tail, crease)),
+                    MESH_HEADER);
+    if (!(tail.outside_distance >= 0.0 && tail.outside_distance <= 2.0 * limit))
+        return fail(fault, DPT_E_FINITE,
+                    tail_at(mesh, offsetof(struct mesh_tail, outside_distance)), MESH_HEADER);
     return DPT_OK;
 }
 
@@ -204,9 +218,33 @@ static dpt_result check_example(const struct dpt_mesh *mesh, dpt_mesh_fault *fau
     const struct mesh_tail tail = mesh_tail(mesh);
     const uint32_t *pair = tail.self_intersection, count = mesh->source_triangles;
     if ((pair[0] >= count || pair[1] >= count) && (pair[0] & pair[1]) != DPT_NONE)
-        return fail(fault, DPT_E_INDEX, offsetof(struct dpt_mesh, tail.self_intersection),
-                    MESH_HEADER);
+        return fail(fault, DPT_E_INDEX,
+                    tail_at(mesh, offsetof(struct mesh_tail, self_intersection)), MESH_HEADER);
     return DPT_OK;
+}
+
+/* A vertex's weights are floats of bounded size, and their sum is 1: the first of four that are not is named. */
+static dpt_result check_weights(const struct dpt_mesh *mesh, dpt_mesh_fault *fault)
+{
+    const float *w = mesh_floats(mesh, MESH_EMBED_WEIGHTS);
+    uint64_t count = mesh->section[MESH_EMBED_WEIGHTS].bytes / 4;
+    DPT_TRY(check_floats(mesh, MESH_EMBED_WEIGHTS, MESH_WEIGHT_MAX, fault));
+    for (uint64_t i = 0; i < count; i += 4) {
+        const double sum = (double)w[i] + (double)w[i + 1] + (double)w[i + 2] + (double)w[i + 3];
+        if (!(fabs(sum - 1.0) <= MESH_WEIGHT_SUM))
+            return fail_at(fault, DPT_E_FINITE, mesh, MESH_EMBED_WEIGHTS, i);
+    }
+    return DPT_OK;
+}
+
+/* What a program that moves the vertices needs. */
+static dpt_result check_driving(const struct dpt_mesh *mesh, dpt_mesh_fault *fault)
+{
+    if (mesh->version < 5)
+        return DPT_OK;
+    DPT_TRY(check_indices(mesh, MESH_VERTEX_SOURCES, mesh->source_vertices, 0, fault));
+    DPT_TRY(check_indices(mesh, MESH_EMBED_NODES, mesh_tail(mesh).nodes, 0, fault));
+    return check_weights(mesh, fault);
 }
 
 static dpt_result check_content(const struct dpt_mesh *mesh, dpt_mesh_fault *fault)
@@ -228,7 +266,9 @@ static dpt_result check_content(const struct dpt_mesh *mesh, dpt_mesh_fault *fau
     DPT_TRY(check_moments(mesh, fault));
     if (mesh_stores_normals(mesh))
         DPT_TRY(check_floats(mesh, MESH_NORMALS, 1.0f, fault));
-    return mesh_flags(mesh) ? check_indices(mesh, MESH_FLAGS, MESH_FLAGS_END, 0, fault) : DPT_OK;
+    if (mesh_flags(mesh))
+        DPT_TRY(check_indices(mesh, MESH_FLAGS, MESH_FLAGS_END, 0, fault));
+    return check_driving(mesh, fault);
 }
 
 static dpt_result check_beginning(const void *bytes, size_t size, dpt_mesh_fault *fault)

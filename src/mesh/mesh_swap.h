@@ -45,11 +45,15 @@ static inline void mesh_swap_header(struct dpt_mesh *mesh, uint32_t version)
         mesh_swap4(&mesh->section[i].crc32, 4);
     }
     char *tail = (char *)mesh + mesh_tail_offset(version);
-    size_t bytes = mesh_tail_bytes(version), crease = offsetof(struct mesh_tail, crease);
-    mesh_swap4(tail, (bytes < crease ? bytes : crease) / 4);
-    if (bytes > crease) {
-        mesh_swap8(tail + crease, 1);
-        mesh_swap4(tail + crease + 8, (bytes - crease - 8) / 4);
+    const size_t bytes = mesh_tail_bytes(version);
+    for (size_t at = 0; at < bytes;) {
+        const int is_double = at == offsetof(struct mesh_tail, crease) ||
+                              at == offsetof(struct mesh_tail, outside_distance);
+        if (is_double)
+            mesh_swap8(tail + at, 1);
+        else
+            mesh_swap4(tail + at, 1);
+        at += is_double ? 8 : 4;
     }
 }
 

@@ -2,8 +2,8 @@
 """From arrays to a force with ctypes alone (docs/ffi.md): python3 tests/ffi/touch.py BUILD."""
 import re
 import sys
-from ctypes import (CDLL, CFUNCTYPE, POINTER, Structure, byref, c_char, c_char_p, c_double, c_int32, c_size_t, c_uint32,
-                    c_uint64, c_void_p, sizeof)
+from ctypes import (CDLL, CFUNCTYPE, POINTER, Structure, addressof, byref, c_char, c_char_p, c_double, c_float, c_int32,
+                    c_size_t, c_uint32, c_uint64, c_void_p, sizeof)
 from math import cos, sin
 from os.path import exists
 
@@ -81,6 +81,9 @@ IdentifyResult = struct("dpt_identify_result", (c_uint32, "size end flags measur
                         (c_double * 9, "mass_matrix damping_matrix inertia_matrix spin_damping_matrix"),
                         (double3, "mass_direction damping_direction inertia_direction spin_damping_direction"),
                         (c_double, "force_bound torque_bound speed_max displacement_max"), (Pose, "pose"))
+CompileDef = struct("dpt_compile_def", (c_uint32, "size format"), (c_double, "scale"), (c_void_p, "progress user"),
+                    (c_double, "crease"), (c_uint32, "threads reserved"), (c_void_p, "nodes cells"),
+                    (c_uint32, "node_count cell_count"))
 Compiled = struct("dpt_compiled", (c_void_p, "bytes"), (c_size_t, "size"))
 Joint = struct("dpt_arm_joint", (c_uint32, "size kind"), (c_double, "lower upper velocity effort damping friction"),
                (c_char * 64, "name"))
@@ -111,7 +114,7 @@ sizes = re.findall(r"SIZE\((\w+), (\d+), (\d+)\)", open(sys.path[0] + "/../abi/l
 sizes = {name: int(bytes[column]) for name, *bytes in sizes}
 for kind in (Pose, Segment, Wrench, Hit, Contact, Overlap, WorldDef, Step, ToolSettings, BodySettings, ForceReport, State,
              Guard, GuardInfo, CouplingDef, Coupling, PassivityDef, Passivity, PassivitySample, PassivityInfo,
-             RecordHeader, Record, Identified, IdentifyResult, Compiled, Joint, Link, ArmBody, ArmDef):
+             RecordHeader, Record, Identified, IdentifyResult, CompileDef, Compiled, Joint, Link, ArmBody, ArmDef):
     check(kind.__name__ + " has its size", sizeof(kind) == sizes[kind.__name__])
 
 # A box of 2 x 2 x 1 m with its top at z = 1: corner i at the bits of i; two triangles a side.
@@ -131,6 +134,26 @@ check("flags", core.dpt_mesh_get_triangle_flags(mesh, c_uint32(2), byref(flags))
 check("two creases and a diagonal", bin(flags.value).count("1") == 5 and flags.value & 0x1c0)
 check("normals", core.dpt_mesh_get_vertex_normals(mesh, c_uint32(2), normals) == 0)
 check("upward at the top's corners", all(0.5 < z < 0.6 for z in normals[2::3]))
+
+# Driven by other physics: by the vertices' numbers, and by the four nodes of a large cell about the box.
+sources, count, moved = POINTER(c_uint32)(), c_uint32(), POINTER(c_float)()
+check("numbers of vertices", core.dpt_mesh_get_vertex_sources(mesh, byref(sources), byref(count)) == 0 and count.value == 8)
+check("places of vertices", core.dpt_mesh_get_vertices(mesh, byref(moved), byref(count)) == 0)
+check("each is where its source is", all(moved[3 * v + k] == vertices[3 * sources[v] + k] for v in range(8) for k in range(3)))
+points = [(-8, -8, -8), (24, -8, -8), (-8, 24, -8), (-8, -8, 24)]
+node_places, cell = (c_double * 12)(*[x for point in points for x in point]), (c_uint32 * 4)(0, 1, 2, 3)
+compile_def = CompileDef(size=sizeof(CompileDef), nodes=addressof(node_places), cells=addressof(cell), node_count=4, cell_count=1)
+embedded_file, embedded = Compiled(), c_void_p()
+check("embed", compiler.dpt_compile_arrays(vertices, c_size_t(8), numbers, c_size_t(12), byref(compile_def),
+                                           byref(embedded_file), None) == 0)
+check("open it", core.dpt_mesh_open(c_void_p(embedded_file.bytes), c_size_t(embedded_file.size), byref(embedded)) == 0)
+nodes, weights, node_count = POINTER(c_uint32)(), POINTER(c_float)(), c_uint32()
+check("its nodes", core.dpt_mesh_get_embedding(embedded, byref(nodes), byref(weights), byref(node_count)) == 0
+      and node_count.value == 4)
+check("they give the vertices", all(
+    abs(sum(weights[4 * v + k] * points[nodes[4 * v + k]][axis] for k in range(4)) - corners[sources[v]][axis]) < 1e-5
+    for v in range(8) for axis in range(3)))
+compiler.dpt_compiled_free(byref(embedded_file))
 
 ends = (c_double * 6)(0.3, 0.2, 1.5, 0.3, 0.2, 2.5)
 hit = Hit(size=sizeof(Hit))

@@ -20,14 +20,19 @@ enum { REPAIR_INDICES = 1, REPAIR_FLOATS = 2, OTHER_ORDER = 4, ASKED_SHIFT = 3 }
 
 enum { TRIANGLES_MAX = 512, COUNT_MAX = 1024, EDITS_MAX = 64 };
 
-/* One leaf; with moments; several parts; a sheet; two levels of boxes. */
+/* One leaf; with moments; several parts; a sheet; two levels of boxes; an embedding. */
 static const struct {
     const char *shape;
     uint64_t triangles;
     size_t missing;
-} sources[] = {
-    { "box", 12, 0 }, { "torus", 40, 2 }, { "box", 300, 13 }, { "cloth", 32, 0 }, { "hub", 270, 0 }
-};
+    int has_cells;
+} sources[] = { { "box", 12, 0, 0 },   { "torus", 40, 2, 0 }, { "box", 300, 13, 0 },
+                { "cloth", 32, 0, 0 }, { "hub", 270, 0, 0 },  { "torus", 40, 0, 1 } };
+
+/* Two cells in five nodes, which hold a part of the torus. */
+static const double cell_nodes[] = { 0,   0,    -0.3, 0.3, -0.2, 0.1, 0,  0.3,
+                                     0.1, -0.3, -0.2, 0.1, 0,    0,   0.4 };
+static const uint32_t cell_corners[] = { 0, 1, 2, 3, 1, 2, 3, 4 };
 
 enum { BASES = sizeof sources / sizeof *sources };
 
@@ -40,9 +45,14 @@ static void make_bases(void)
     for (int i = 0; i < BASES; i++) {
         struct shape shape;
         shape_reason reason;
+        const dpt_compile_def def = { .size = sizeof def,
+                                      .nodes = cell_nodes,
+                                      .cells = cell_corners,
+                                      .node_count = sources[i].has_cells ? 5 : 0,
+                                      .cell_count = sources[i].has_cells ? 2 : 0 };
         MUST(shape_make(sources[i].shape, sources[i].triangles, 0, &shape, reason) == 0);
         MUST(dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners,
-                                shape.triangle_count - sources[i].missing, NULL, &bases[i],
+                                shape.triangle_count - sources[i].missing, &def, &bases[i],
                                 NULL) == DPT_OK);
         shape_free(&shape);
     }
@@ -54,6 +64,11 @@ static uint32_t word_at(const uint8_t *bytes)
     memcpy(&word, bytes, sizeof word);
     return word;
 }
+
+/* The words of the header that an edit reaches: those before the section table, and the tail. */
+static const uint32_t table_begins = offsetof(struct dpt_mesh, section) / 4,
+                      tail_begins = offsetof(struct dpt_mesh, tail) / 4,
+                      tail_words = sizeof(struct mesh_tail) / 4;
 
 /* What looks like a number, a count or a code, at the edges of what is allowed. */
 static uint32_t odd_word(uint32_t which)
@@ -71,11 +86,15 @@ static void edit(struct dpt_mesh *mesh, const uint8_t *change)
     const uint32_t id = change[1] % (MESH_SECTION_COUNT + 1u), value = word_at(change + 4);
     const int in_header = id == MESH_SECTION_COUNT;
     uint32_t *words = in_header ? (uint32_t *)(void *)mesh : (uint32_t *)mesh_words(mesh, (int)id);
-    uint32_t count =
-        (uint32_t)((in_header ? offsetof(struct dpt_mesh, section) : mesh->section[id].bytes) / 4);
+    uint32_t count = in_header ? table_begins : (uint32_t)(mesh->section[id].bytes / 4);
+    uint32_t at = (uint32_t)(change[2] | change[3] << 8);
     if (!count)
         return;
-    uint32_t at = (uint32_t)(change[2] | change[3] << 8) % count;
+    if (in_header && at >= 0x8000) {
+        words += tail_begins;
+        count = tail_words;
+    }
+    at %= count;
     switch (change[0] % 5) {
     case 0:
         words[at] = value;
@@ -107,16 +126,24 @@ static void repair_counts(struct dpt_mesh *header)
     uint64_t nodes, end;
     memcpy(header->magic, MESH_MAGIC, sizeof header->magic);
     header->byte_order = MESH_BYTE_ORDER;
-    header->version = limited(header->version, 1, MESH_VERSION);
+    const uint32_t version = limited(header->version, 1, MESH_VERSION);
+    struct mesh_tail tail = header->tail;
+    header->version = version;
+    tail.nodes = limited(tail.nodes, 0, COUNT_MAX);
     header->header_bytes = mesh_header_bytes(header->version);
     header->section_count = mesh_section_count(header->version);
     header->triangles = limited(header->triangles, 1, TRIANGLES_MAX);
     header->vertices = limited(header->vertices, 1, COUNT_MAX);
     header->source_triangles = limited(header->source_triangles, header->triangles, COUNT_MAX);
+    if (version > 4)
+        header->source_vertices = limited(header->source_vertices, header->vertices, COUNT_MAX);
     header->parts = limited(header->parts, 1, COUNT_MAX);
+    if (tail.outside_vertices > header->vertices)
+        tail.outside_vertices = 0;
     header->leaves = (header->triangles + LANES - 1) / LANES;
     header->levels = mesh_levels(header->leaves, count, &nodes);
     header->reserved = 0;
+    memcpy((char *)header + mesh_tail_offset(version), &tail, mesh_tail_bytes(version));
     end = header->header_bytes;
     for (int id = 0; id < (int)header->section_count && id < MESH_SECTION_COUNT; id++) {
         struct mesh_section *section = &header->section[id];
@@ -162,6 +189,12 @@ static void repair_sources(struct dpt_mesh *mesh)
         source[t] = t;
 }
 
+/* A field of the tail, in a file of any version. */
+static void *tail_field(struct dpt_mesh *mesh, size_t field)
+{
+    return (char *)mesh + mesh_tail_offset(mesh->version) + field;
+}
+
 static void repair_indices(struct dpt_mesh *mesh)
 {
     uint32_t *first = (uint32_t *)mesh_words(mesh, MESH_FAN_FIRST);
@@ -181,7 +214,11 @@ static void repair_indices(struct dpt_mesh *mesh)
                    : first[v] < first[v - 1]      ? first[v - 1]
                                                   : first[v];
     first[mesh->vertices] = 3 * mesh->triangles;
-    uint32_t *example = mesh->tail.self_intersection;
+    if (mesh->version > 4)
+        repair_words(mesh, MESH_VERTEX_SOURCES, mesh->source_vertices, 0);
+    if (mesh_tail(mesh).nodes)
+        repair_words(mesh, MESH_EMBED_NODES, mesh_tail(mesh).nodes, 0);
+    uint32_t *example = tail_field(mesh, offsetof(struct mesh_tail, self_intersection));
     if (mesh->version > 3 &&
         (example[0] >= mesh->source_triangles || example[1] >= mesh->source_triangles))
         example[0] = example[1] = DPT_NONE;
@@ -204,6 +241,21 @@ static void repair_doubles(double *numbers, size_t count, double limit)
             numbers[i] = 0.0;
 }
 
+/* All of a vertex's weights anew, if one of them or their sum is wrong. */
+static void repair_weights(struct dpt_mesh *mesh)
+{
+    float *weight = (float *)mesh_floats(mesh, MESH_EMBED_WEIGHTS);
+    for (size_t v = 0; v < mesh->vertices; v++, weight += 4) {
+        const double sum =
+            (double)weight[0] + (double)weight[1] + (double)weight[2] + (double)weight[3];
+        int wrong = !(fabs(sum - 1.0) <= 0x1p-16);
+        for (int k = 0; k < 4; k++)
+            wrong |= !(fabsf(weight[k]) <= 128.0f);
+        for (int k = 0; wrong && k < 4; k++)
+            weight[k] = k == 2 ? 1.0f : 0.0f;
+    }
+}
+
 static void repair_floats(struct dpt_mesh *mesh)
 {
     static const struct {
@@ -222,8 +274,14 @@ static void repair_floats(struct dpt_mesh *mesh)
     if (mesh_normals(mesh))
         repair_some_floats((float *)mesh_normals(mesh), mesh->section[MESH_NORMALS].bytes / 4,
                            1.0f);
-    if (mesh->version > 2 && !(mesh->tail.crease >= 0.0 && mesh->tail.crease <= 4.0))
-        mesh->tail.crease = 0.0;
+    if (mesh_tail(mesh).nodes)
+        repair_weights(mesh);
+    double *crease = tail_field(mesh, offsetof(struct mesh_tail, crease));
+    if (mesh->version > 2 && !(*crease >= 0.0 && *crease <= 4.0))
+        *crease = 0.0;
+    double *distance = tail_field(mesh, offsetof(struct mesh_tail, outside_distance));
+    if (mesh->version > 4 && !(*distance >= 0.0 && *distance <= 4.0 * DPT_COORDINATE_MAX))
+        *distance = 0.0;
     repair_doubles(mesh->box_min, 3, 2.0 * DPT_COORDINATE_MAX);
     repair_doubles(mesh->box_max, 3, 2.0 * DPT_COORDINATE_MAX);
     const float *word = mesh_floats(mesh, MESH_VERTICES);

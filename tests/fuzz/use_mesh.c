@@ -18,6 +18,29 @@ static void ask_sections(const dpt_mesh *mesh, const dpt_mesh_info *info)
     MUST(id > 0);
 }
 
+/* What somebody else's physics asks: each vertex by its number in the source, and by its nodes. */
+static void ask_driving(const dpt_mesh *mesh, const dpt_mesh_info *info)
+{
+    const uint32_t *sources, *nodes;
+    const float *weights;
+    uint32_t count, node_count;
+    const dpt_result result = dpt_mesh_get_vertex_sources(mesh, &sources, &count);
+    MUST(result == (info->format_version > 4 ? DPT_OK : DPT_E_UNSUPPORTED));
+    MUST(dpt_mesh_get_embedding(mesh, &nodes, &weights, &node_count) == DPT_OK);
+    MUST(node_count == info->nodes && info->outside_vertices <= info->vertices);
+    if (result == DPT_OK)
+        for (uint32_t v = 0; v < count; v++)
+            MUST(sources[v] < info->source_vertices);
+    for (uint32_t v = 0; node_count && v < info->vertices; v++) {
+        double sum = 0.0;
+        for (uint32_t k = 4 * v; k < 4 * v + 4; k++) {
+            MUST(nodes[k] < node_count && fabs((double)weights[k]) <= 128.0);
+            sum += (double)weights[k];
+        }
+        MUST(fabs(sum - 1.0) <= 1e-4);
+    }
+}
+
 /* How many source numbers have a triangle. */
 static uint32_t ask_triangles(const dpt_mesh *mesh, const dpt_mesh_info *info)
 {
@@ -274,6 +297,7 @@ void fuzz_use_mesh(const dpt_mesh *mesh, int origin, int asked)
     double ends[6 * SEGMENTS];
     MUST(dpt_mesh_get_info(mesh, &info) == DPT_OK);
     ask_sections(mesh, &info);
+    ask_driving(mesh, &info);
     uint32_t found = ask_triangles(mesh, &info);
     MUST(origin == FUZZ_FORGED || found == info.triangles);
     choose_segments(&info, ends);

@@ -1,19 +1,58 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "lib/dpa.h"
 
-struct file file_of_holed_shape(const char *name, uint64_t count, size_t missing)
+/* The def with the nodes and cells of a block of cubes about -0.2..0.2 m, six tetrahedra each. */
+static dpt_compile_def def_with_cells(double nodes[3 * 27], uint32_t cells[4 * 48])
+{
+    static const uint32_t steps[6][3] = { { 1, 3, 9 }, { 1, 9, 3 }, { 3, 1, 9 },
+                                          { 3, 9, 1 }, { 9, 1, 3 }, { 9, 3, 1 } };
+    for (uint32_t i = 0; i < 27; i++) {
+        nodes[3 * i] = 0.2 * (i % 3) - 0.2;
+        nodes[3 * i + 1] = 0.2 * (i / 3 % 3) - 0.2;
+        nodes[3 * i + 2] = 0.2 * (i / 9) - 0.2;
+    }
+    for (uint32_t i = 0; i < 48; i++) {
+        const uint32_t cube = i / 6, *step = steps[i % 6];
+        uint32_t node = cube % 2 + 3 * (cube / 2 % 2) + 9 * (cube / 4);
+        for (uint32_t k = 0; k < 4; k++) {
+            cells[4 * i + k] = node;
+            node += k < 3 ? step[k] : 0;
+        }
+    }
+    return (dpt_compile_def){ .size = sizeof(dpt_compile_def),
+                              .nodes = nodes,
+                              .cells = cells,
+                              .node_count = 27,
+                              .cell_count = 48 };
+}
+
+static struct file file_of_compiled_shape(const char *name, uint64_t count, size_t missing,
+                                          const dpt_compile_def *def)
 {
     struct shape shape;
     shape_reason reason;
     dpt_compiled compiled = { NULL, 0 };
     if (shape_make(name, count, 0, &shape, reason) == 0)
         dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners,
-                           shape.triangle_count - missing, NULL, &compiled, NULL);
+                           shape.triangle_count - missing, def, &compiled, NULL);
     shape_free(&shape);
     struct file file = file_of(compiled.bytes, compiled.size);
     dpt_compiled_free(&compiled);
     dpt_mesh_convert(file.bytes, file.size, NULL);
     return file;
+}
+
+struct file file_of_holed_shape(const char *name, uint64_t count, size_t missing)
+{
+    return file_of_compiled_shape(name, count, missing, NULL);
+}
+
+struct file file_of_embedded_shape(const char *name, uint64_t count)
+{
+    double nodes[3 * 27];
+    uint32_t cells[4 * 48];
+    const dpt_compile_def def = def_with_cells(nodes, cells);
+    return file_of_compiled_shape(name, count, 0, &def);
 }
 
 uint32_t crc_of(const unsigned char *bytes, size_t size)
@@ -32,12 +71,13 @@ size_t header_bytes_of(const struct dpt_mesh *header)
     return header->version == 1   ? 752
            : header->version == 2 ? 816
            : header->version == 3 ? 928
-                                  : 944;
+           : header->version == 4 ? 944
+                                  : 1104;
 }
 
 static int sections_of(const struct dpt_mesh *header)
 {
-    return header->version == 1 ? 11 : header->version == 2 ? 12 : 14;
+    return header->version == 1 ? 11 : header->version == 2 ? 12 : header->version < 5 ? 14 : 17;
 }
 
 void seal_header(struct file *file)
@@ -102,11 +142,16 @@ struct file other_order(const struct file *file)
             (offsetof(struct dpt_mesh, section) - offsetof(struct dpt_mesh, bytes)) / 8);
     if (sections == 12)
         reverse(bytes + 800, 4, 4);
-    if (sections == 14) {
-        reverse(bytes + 896, 4, 6);
-        reverse(bytes + 920, 8, 1);
-        if (length == 944)
-            reverse(bytes + 928, 4, 4);
+    if (sections >= 14) {
+        unsigned char *tail = bytes + (sections == 14 ? 896 : 1040);
+        reverse(tail, 4, 6);
+        reverse(tail + 24, 8, 1);
+        if (length >= 944)
+            reverse(tail + 32, 4, 4);
+        if (length == 1104) {
+            reverse(tail + 48, 4, 2);
+            reverse(tail + 56, 8, 1);
+        }
     }
     header.header_crc32 = crc_of(bytes, length);
     reverse((unsigned char *)&header.header_crc32, 4, 1);

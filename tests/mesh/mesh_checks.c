@@ -5,18 +5,20 @@
 
 #include "contact/winding_number.h"
 
-struct file small_file, large_file, holed_file;
+struct file small_file, large_file, holed_file, embedded_file;
 
 int open_files(void)
 {
     small_file = file_of_shape("sphere", 40);
     large_file = file_of_shape("sphere", 600);
     holed_file = file_of_holed_shape("sphere", 40, 1);
-    return small_file.size && large_file.size && holed_file.size;
+    embedded_file = file_of_embedded_shape("sphere", 40);
+    return small_file.size && large_file.size && holed_file.size && embedded_file.size;
 }
 
 void free_files(void)
 {
+    free(embedded_file.bytes);
     free(holed_file.bytes);
     free(small_file.bytes);
     free(large_file.bytes);
@@ -62,6 +64,23 @@ static int is_sound(const dpt_hit *hit)
     return 1;
 }
 
+/* Every vertex gathered from the source's, and moved by nodes: both stay within the arrays. */
+static void use_driving(const dpt_mesh *mesh)
+{
+    dpt_mesh_info info = { .size = sizeof info };
+    const uint32_t *sources, *nodes;
+    const float *weights;
+    uint32_t count = 0, node_count;
+    dpt_mesh_get_info(mesh, &info);
+    if (dpt_mesh_get_vertex_sources(mesh, &sources, &count) == DPT_OK)
+        for (uint32_t v = 0; v < count; v++)
+            CHECK(sources[v] < info.source_vertices, "vertex %u is %u", v, sources[v]);
+    CHECK(dpt_mesh_get_embedding(mesh, &nodes, &weights, &node_count) == DPT_OK, "no embedding");
+    for (uint32_t i = 0; i < (node_count ? 4 * count : 0); i++)
+        CHECK(nodes[i] < node_count && fabs(weights[i]) <= 128.0, "node %u, weight %g", nodes[i],
+              weights[i]);
+}
+
 void use_mesh(const dpt_mesh *mesh, uint64_t *random)
 {
     static double block[12288];
@@ -78,6 +97,7 @@ void use_mesh(const dpt_mesh *mesh, uint64_t *random)
     dpt_tool tool;
     for (int i = 0; i < 24; i++)
         ends[i] = random_in(random, -0.15, 0.15);
+    use_driving(mesh);
     dpti_surface_of_mesh(mesh, &surface);
     dpti_kernel_get(DPT_KERNEL_AUTO, &kernel, &chosen);
     for (int i = 0; i < 8; i++)

@@ -5,10 +5,13 @@
 
 #include "lib/dpa.h"
 
-/* A mesh with one level of boxes, one with two, and one that is solid but for a hole, so that it has moments. */
-extern struct file small_file, large_file, holed_file;
+/*
+ * A mesh with one level of boxes, one with two, one that is solid but for a hole, so that it has moments, and one with
+ * an embedding.
+ */
+extern struct file small_file, large_file, holed_file, embedded_file;
 
-/* Compile these three, or free them. */
+/* Compile these four, or free them. */
 int open_files(void);
 void free_files(void);
 

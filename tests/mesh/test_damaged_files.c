@@ -8,9 +8,9 @@
  * copy of it that notes in `site` the line of the check that failed (tests.mk), and a check that no row reaches fails
  * the test.
  *
- * The damaged files are made here, each from one of three whole ones in the host's byte order: `plain`, a sphere of 40
- * triangles, closed; `holed`, the same less one, which so has moments; `old`, the golden file of version 1. A row
- * says what is changed, one word or the length, and which checksums are made good afterwards.
+ * The damaged files are made here, each from one of five whole ones in the host's byte order: `plain`, a sphere of 40
+ * triangles, closed; `holed`, the same less one, which so has moments; `embedded`, the same in 27 nodes; `old` and
+ * `old_4`, the golden files of versions 1 and 4. A row says what is changed, one word or the length, and which checksums are made good afterwards.
  */
 #include <math.h>
 
@@ -20,7 +20,7 @@
 
 static const char *reader = "src/mesh/mesh_open.c";
 
-enum whole { PLAIN, HOLED, OLD, WHOLES };
+enum whole { PLAIN, HOLED, EMBEDDED, OLD, OLD_4, WHOLES };
 static struct file wholes[WHOLES];
 
 enum seal { AS_IT_IS, HEADER, ALL };
@@ -175,7 +175,9 @@ static void add_layout_rows(void)
           AT(triangles) },
         { PLAIN, SET, MESH_HEADER, AT(vertices), 0x80000000, HEADER, layout, NULL, AT(triangles) },
         { PLAIN, SET, MESH_HEADER, AT(levels), 2, HEADER, layout, NULL, AT(triangles) },
-        { PLAIN, SET, MESH_HEADER, AT(vertices), v + 1, HEADER, layout, "vertices",
+        { PLAIN, SET, MESH_HEADER, AT(source_vertices), v - 1, HEADER, layout, NULL,
+          AT(triangles) },
+        { PLAIN, SET, MESH_HEADER, AT(vertices), v - 1, HEADER, layout, "vertices",
           ENTRY(0, name) },
         { PLAIN, SET, MESH_HEADER, ENTRY(4, name), 0x746e6166, HEADER, layout, "fans",
           ENTRY(4, name) },
@@ -186,7 +188,14 @@ static void add_layout_rows(void)
         { PLAIN, SET, MESH_HEADER, ENTRY(12, bytes) + lower, 0, HEADER, layout, "normals",
           ENTRY(12, name) },
         { PLAIN, SET, MESH_HEADER, ENTRY(4, reserved), 1, HEADER, layout, "fans", ENTRY(4, name) },
-        { PLAIN, CUT, MESH_HEADER, 64, 0, HEADER, DPT_E_TRUNCATED, "flags", size - 64 },
+        { PLAIN, SET, MESH_HEADER, AT(tail.nodes), 27, HEADER, layout, "embed_nodes",
+          ENTRY(15, name) },
+        { EMBEDDED, SET, MESH_HEADER, AT(tail.nodes), 0, HEADER, layout, "embed_nodes",
+          ENTRY(15, name) },
+        { EMBEDDED, SET, MESH_HEADER, AT(tail.nodes), 0x80000000, HEADER, layout, NULL, THERE },
+        { EMBEDDED, SET, MESH_HEADER, AT(tail.outside_vertices), v + 1, HEADER, layout, NULL,
+          AT(tail.nodes) },
+        { PLAIN, CUT, MESH_HEADER, 64, 0, HEADER, DPT_E_TRUNCATED, "vertex_sources", size - 64 },
         { PLAIN, GROW, MESH_HEADER, 64, 0, HEADER, layout, NULL, size },
         /* check_sections_crc */
         { PLAIN, SET, MESH_HEADER, padding, 1, AS_IT_IS, layout, "padding", padding },
@@ -200,10 +209,16 @@ static void add_layout_rows(void)
           AT(tail.crease) },
         { PLAIN, SET, MESH_HEADER, AT(tail.crease) + upper, 0xbff00000, HEADER, finite, NULL,
           AT(tail.crease) },
+        { OLD_4, SET, MESH_HEADER, 920 + upper, 0xbff00000, HEADER, finite, NULL, 920 },
+        { EMBEDDED, SET, MESH_HEADER, AT(tail.outside_distance) + upper, 0x7ff00000, HEADER, finite,
+          NULL, AT(tail.outside_distance) },
+        { EMBEDDED, SET, MESH_HEADER, AT(tail.outside_distance) + upper, 0xbff00000, HEADER, finite,
+          NULL, AT(tail.outside_distance) },
         /* check_example: one of two, and a number that there is not */
         { PLAIN, SET, MESH_HEADER, AT(tail.self_intersection), 0, HEADER, index, NULL, THERE },
         { PLAIN, SET, MESH_HEADER, AT(tail.self_intersection) + 4, t, HEADER, index, NULL,
           AT(tail.self_intersection) },
+        { OLD_4, SET, MESH_HEADER, 936, 0, HEADER, index, NULL, 936 },
     };
     add_rows(rows, sizeof rows / sizeof *rows);
 }
@@ -233,12 +248,18 @@ static void add_section_rows(void)
         { PLAIN, SET, MESH_SOURCES, 1, t, ALL, index, NULL, THERE },
         { PLAIN, SET, MESH_PLACES, 2, MESH_DROPPED_DUPLICATE - 1, ALL, index, NULL, THERE },
         { PLAIN, SET, MESH_FLAGS, -1, MESH_FLAGS_END, ALL, index, NULL, THERE },
+        { PLAIN, SET, MESH_VERTEX_SOURCES, 3, v, ALL, index, NULL, THERE },
+        { EMBEDDED, SET, MESH_EMBED_NODES, -1, 27, ALL, index, NULL, THERE },
         /* check_sources */
         { PLAIN, SET, MESH_PLACES, 0, MESH_DROPPED_DUPLICATE, ALL, index, NULL, THERE },
         /* check_fans */
         { PLAIN, SET, MESH_FAN_FIRST, 4, 0, ALL, index, NULL, THERE },
         { PLAIN, SET, MESH_FAN_FIRST, 0, 1, ALL, index, NULL, THERE },
         { PLAIN, SET, MESH_FAN_FIRST, -1, 3 * t + 1, ALL, index, NULL, THERE },
+        /* check_weights: by check_some_floats, and a sum that is not 1 */
+        { EMBEDDED, SET, MESH_EMBED_WEIGHTS, 2, nan, ALL, finite, NULL, THERE },
+        { EMBEDDED, SET, MESH_EMBED_WEIGHTS, 5, bits_of(-128.01f), ALL, finite, NULL, THERE },
+        { EMBEDDED, SET, MESH_EMBED_WEIGHTS, -4, bits_of(2.0f), ALL, finite, NULL, THERE },
         /* check_moments */
         { HOLED, SET, MESH_MOMENTS, -1, 0x80, ALL, index, NULL, THERE },
     };
@@ -260,7 +281,7 @@ static void each_check_has_its_damage(void)
 
 static void no_check_is_forgotten(void)
 {
-    site_expect_all(reader, 27);
+    site_expect_all(reader, 30);
 }
 
 static void whole_files_pass_all(void)
@@ -272,19 +293,27 @@ static void whole_files_pass_all(void)
     }
 }
 
+static struct file open_golden(const char *path)
+{
+    struct file file = { malloc(1 << 14), 0 };
+    FILE *stream = fopen(path, "rb");
+    if (stream) {
+        file.size = fread(file.bytes, 1, 1 << 14, stream);
+        fclose(stream);
+        dpt_mesh_convert(file.bytes, file.size, NULL);
+    }
+    return file;
+}
+
 int main(int argc, char **argv)
 {
     if (argc > 1)
         reader = argv[1];
     wholes[PLAIN] = file_of_shape("sphere", 40);
     wholes[HOLED] = file_of_holed_shape("sphere", 40, 1);
-    FILE *stream = fopen("tests/golden/torus.dpa", "rb");
-    wholes[OLD] = (struct file){ malloc(1 << 14), 0 };
-    if (stream) {
-        wholes[OLD].size = fread(wholes[OLD].bytes, 1, 1 << 14, stream);
-        fclose(stream);
-        dpt_mesh_convert(wholes[OLD].bytes, wholes[OLD].size, NULL);
-    }
+    wholes[EMBEDDED] = file_of_embedded_shape("sphere", 40);
+    wholes[OLD] = open_golden("tests/golden/torus.dpa");
+    wholes[OLD_4] = open_golden("tests/golden/torus_4.dpa");
     TEST(whole_files_pass_all);
     TEST(each_check_has_its_damage);
     TEST(no_check_is_forgotten);

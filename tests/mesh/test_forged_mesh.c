@@ -105,6 +105,9 @@ static void forged_words_are_refused(void)
         { MESH_FLAGS, 1, MESH_FLAGS_END, index, 1 },
         { MESH_FLAGS, -1, UINT32_MAX, index, -1 },
         { MESH_FLAGS, 2, MESH_FLAGS_END - 1, DPT_OK, 0 },
+        { MESH_VERTEX_SOURCES, 0, header.source_vertices, index, 0 },
+        { MESH_VERTEX_SOURCES, -1, UINT32_MAX, index, -1 },
+        { MESH_VERTEX_SOURCES, 4, header.source_vertices - 1, DPT_OK, 0 },
     };
     expect_forgeries(&large_file, forgeries, sizeof forgeries / sizeof *forgeries);
     /* 39 triangles: three leaves, of which the last has 7. */
@@ -120,6 +123,18 @@ static void forged_words_are_refused(void)
         { MESH_MOMENTS, -3, 0, DPT_OK, 0 },
     };
     expect_forgeries(&holed_file, of_moments, sizeof of_moments / sizeof *of_moments);
+    /* 27 nodes; a wrong sum is told of its first weight. */
+    const struct forgery of_embedding[] = {
+        { MESH_EMBED_NODES, 0, 27, index, 0 },
+        { MESH_EMBED_NODES, -1, UINT32_MAX, index, -1 },
+        { MESH_EMBED_NODES, 7, 26, DPT_OK, 0 },
+        { MESH_EMBED_WEIGHTS, 0, nan, finite, 0 },
+        { MESH_EMBED_WEIGHTS, -1, inf, finite, -1 },
+        { MESH_EMBED_WEIGHTS, 6, float_bits(128.01f), finite, 6 },
+        { MESH_EMBED_WEIGHTS, 6, float_bits(-128.0f), finite, 4 },
+        { MESH_EMBED_WEIGHTS, -2, float_bits(-1.0f), finite, -4 },
+    };
+    expect_forgeries(&embedded_file, of_embedding, sizeof of_embedding / sizeof *of_embedding);
 }
 
 /* A number of the header; `size` bytes of `value`, sealed. */
@@ -149,7 +164,8 @@ static void forged_headers_are_refused(void)
                               AT(bytes),
                               AT(byte_order),
                               AT(source_triangles),
-                              AT(tail.winding_components) };
+                              AT(tail.winding_components),
+                              AT(tail.nodes) };
     const uint32_t values[] = { 0, 1, 2, 599, 601, 0x7fffffff, 0x80000000, 0xfffffffe, UINT32_MAX };
     for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
         for (size_t k = 0; k < sizeof values / sizeof *values; k++) {
@@ -196,7 +212,10 @@ static void random_forgeries_do_no_harm(void)
                              40,         UINT32_MAX, 0x7f800000, 0xffc00000, 0x7149f2ca,
                              0x80000000, 0x00000001, 0x49742400, 0xfffffffe, 0x3f800000 };
     for (uint64_t i = 0; i < part_of(20000); i++) {
-        struct file file = copy_of(i % 16 == 0 ? &large_file : i % 2 ? &small_file : &holed_file);
+        struct file file = copy_of(i % 16 == 0  ? &large_file
+                                   : i % 4 == 1 ? &embedded_file
+                                   : i % 4 == 3 ? &small_file
+                                                : &holed_file);
         for (uint64_t words = 1 + random_bits(&random) % 3; words; words--) {
             size_t at = 4 * (size_t)(random_bits(&random) % (file.size / 4));
             uint32_t value = odd[random_bits(&random) % (sizeof odd / sizeof *odd)];

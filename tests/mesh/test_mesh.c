@@ -8,10 +8,11 @@
  * from the top of the tree it is found without. Its files were made by
  *
  *     build/dynpoint make torus 96 -o tests/golden/torus.ply
- *     build/dynpoint compile tests/golden/torus.ply -o tests/golden/torus_4.dpa
+ *     build/dynpoint compile tests/golden/torus.ply -o tests/golden/torus_5.dpa
+ *     build/dynpoint compile tests/golden/torus.ply -o tests/golden/torus_5_nodes.dpa --nodes tests/golden/torus
  *
- * torus.dpa, torus_2.dpa and torus_3.dpa by compilers of versions 1 to 3. They are to be kept: a new format gets a new
- * file beside them, for every version must always open.
+ * torus.dpa to torus_4.dpa by compilers of versions 1 to 4. They are to be kept: a new format gets a new file beside
+ * them, for every version must always open. torus.node and torus.ele are a cube about the torus, cut in six.
  *
  * All tests start from a file in the host's byte order, and so hold on every machine.
  */
@@ -19,6 +20,7 @@
 #include <math.h>
 #include <sys/mman.h>
 
+#include "compile/read_tetgen.h"
 #include "mesh/mesh_checks.h"
 
 static const char *golden = "tests/golden";
@@ -51,9 +53,9 @@ static void whole_files_open(void)
 /* Each length that is too short; a file in the other byte order is cut short likewise. */
 static void truncations_are_refused(void)
 {
-    const struct file *files[] = { &small_file, &large_file, &holed_file };
+    const struct file *files[] = { &small_file, &large_file, &holed_file, &embedded_file };
     const size_t step = 100 / check_percent;
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 4; i++)
         for (size_t size = 0; size < files[i]->size;
              size += size < sizeof(struct dpt_mesh) ? 1 : step) {
             struct file cut = file_of(files[i]->bytes, size);
@@ -97,8 +99,8 @@ static void expect_byte_fault(const struct file *file, const struct dpt_mesh *he
 
 static void changed_bytes_are_refused(void)
 {
-    const struct file *files[] = { &small_file, &large_file, &holed_file };
-    for (int i = 0; i < 3; i++) {
+    const struct file *files[] = { &small_file, &large_file, &holed_file, &embedded_file };
+    for (int i = 0; i < 4; i++) {
         struct dpt_mesh header = header_of(files[i]);
         struct file file = copy_of(files[i]);
         const size_t past_header = header_bytes_of(&header), step = 100 / check_percent;
@@ -196,6 +198,10 @@ static void wrong_arguments_are_refused(void)
     CHECK(dpt_mesh_get_info(mesh, &info) == DPT_OK && info.crease > 0.0 &&
               info.self_intersections == 77,
           "info of 192 bytes");
+    info = (dpt_mesh_info){ .size = 208, .nodes = 77 };
+    CHECK(dpt_mesh_get_info(mesh, &info) == DPT_OK && info.self_intersections == 0 &&
+              info.nodes == 77,
+          "info of 208 bytes");
     info.size = sizeof info;
     CHECK(dpt_mesh_get_info(mesh, &info) == DPT_OK && info.crease == 3.14159265358979323846 / 3.0,
           "creases of %.17g", info.crease);
@@ -218,7 +224,7 @@ static void wrong_arguments_are_refused(void)
     CHECK(dpt_mesh_get_section(mesh, 0, NULL) == DPT_E_ARGUMENT, "no section");
     CHECK(dpt_mesh_get_section(mesh, 0, &section) == DPT_E_SIZE && section.crc32 == 77, "size");
     section.size = sizeof section;
-    CHECK(dpt_mesh_get_section(mesh, 14, &section) == DPT_E_ARGUMENT, "there are 14 sections");
+    CHECK(dpt_mesh_get_section(mesh, 17, &section) == DPT_E_ARGUMENT, "there are 17 sections");
     CHECK(dpt_mesh_get_section(mesh, UINT32_MAX, &section) == DPT_E_ARGUMENT, "no such section");
     CHECK(dpt_mesh_get_triangle(NULL, 0, corners) == DPT_E_ARGUMENT, "no mesh");
     CHECK(dpt_mesh_get_triangle(mesh, 0, NULL) == DPT_E_ARGUMENT, "no corners");
@@ -227,10 +233,37 @@ static void wrong_arguments_are_refused(void)
     CHECK(corners[0] == 77.0, "a refused call wrote");
 }
 
+static void wrong_arguments_of_arrays_are_refused(void)
+{
+    const dpt_mesh *mesh = (const dpt_mesh *)(const void *)embedded_file.bytes;
+    const uint32_t *sources = NULL, *nodes = NULL;
+    const float *weights = NULL;
+    uint32_t count = 77, node_count = 77;
+    CHECK(dpt_mesh_get_vertex_sources(NULL, &sources, &count) == DPT_E_ARGUMENT &&
+              dpt_mesh_get_vertex_sources(mesh, NULL, &count) == DPT_E_ARGUMENT &&
+              dpt_mesh_get_vertex_sources(mesh, &sources, NULL) == DPT_E_ARGUMENT,
+          "NULL");
+    CHECK(dpt_mesh_get_embedding(NULL, &nodes, &weights, &node_count) == DPT_E_ARGUMENT &&
+              dpt_mesh_get_embedding(mesh, NULL, &weights, &node_count) == DPT_E_ARGUMENT &&
+              dpt_mesh_get_embedding(mesh, &nodes, NULL, &node_count) == DPT_E_ARGUMENT &&
+              dpt_mesh_get_embedding(mesh, &nodes, &weights, NULL) == DPT_E_ARGUMENT,
+          "NULL");
+    CHECK(!sources && !nodes && !weights && count == 77 && node_count == 77, "a refusal wrote");
+    CHECK(dpt_mesh_get_vertex_sources(mesh, &sources, &count) == DPT_OK && sources && count == 22,
+          "%u vertices", count);
+    CHECK(dpt_mesh_get_embedding(mesh, &nodes, &weights, &node_count) == DPT_OK && nodes &&
+              weights && node_count == 27,
+          "%u nodes", node_count);
+    mesh = (const dpt_mesh *)(const void *)small_file.bytes;
+    CHECK(dpt_mesh_get_embedding(mesh, &nodes, &weights, &node_count) == DPT_OK && !nodes &&
+              !weights && node_count == 0,
+          "%u nodes where there are none", node_count);
+}
+
 static void other_byte_order_converts(void)
 {
-    const struct file *files[] = { &small_file, &large_file, &holed_file };
-    for (int i = 0; i < 3; i++) {
+    const struct file *files[] = { &small_file, &large_file, &holed_file, &embedded_file };
+    for (int i = 0; i < 4; i++) {
         struct file other = other_order(files[i]);
         dpt_mesh_fault fault = { .size = sizeof fault };
         expect_fault(&other, DPT_E_BYTE_ORDER, AT(byte_order), "header");
@@ -292,12 +325,12 @@ static struct file read_golden(const char *name)
 }
 
 /* The compiler writes the same bytes, but for its own version. */
-static void golden_file_is_what_we_write(void)
+static void expect_golden(const char *name, const dpt_compile_def *def)
 {
-    struct file source = read_golden("torus.ply"), kept = read_golden("torus_4.dpa");
+    struct file source = read_golden("torus.ply"), kept = read_golden(name);
     dpt_compiled compiled;
     if (source.size && kept.size > sizeof(struct dpt_mesh) &&
-        dpt_compile_bytes(source.bytes, source.size, NULL, &compiled, NULL) == DPT_OK) {
+        dpt_compile_bytes(source.bytes, source.size, def, &compiled, NULL) == DPT_OK) {
         struct file today = file_of(compiled.bytes, compiled.size);
         dpt_compiled_free(&compiled);
         CHECK(kept.size == today.size, "%zu bytes, not %zu", today.size, kept.size);
@@ -306,19 +339,49 @@ static void golden_file_is_what_we_write(void)
         CHECK(fault_of(&kept).code == DPT_OK, "does not open");
         memcpy(kept.bytes + AT(writer_version), today.bytes + AT(writer_version), 4);
         seal(&kept);
-        CHECK(!memcmp(kept.bytes, today.bytes, kept.size), "the compiler writes other bytes");
+        CHECK(kept.size == today.size && !memcmp(kept.bytes, today.bytes, kept.size),
+              "%s: the compiler writes other bytes", name);
         free(today.bytes);
-        /* The shape is the source: only its float vertices went through the file. */
-        struct file shape = file_of_shape("torus", 96);
-        CHECK(shape.size == kept.size && !memcmp(shape.bytes + sizeof(struct dpt_mesh),
-                                                 kept.bytes + sizeof(struct dpt_mesh),
-                                                 kept.size - sizeof(struct dpt_mesh)),
-              "the shape has changed");
-        free(shape.bytes);
     } else {
-        CHECK(0, "the golden files cannot be read");
+        CHECK(0, "%s cannot be read", name);
     }
     free(source.bytes);
+    free(kept.bytes);
+}
+
+static void golden_files_are_what_we_write(void)
+{
+    struct file node = read_golden("torus.node"), ele = read_golden("torus.ele");
+    dpt_diag diag = { .size = sizeof diag };
+    struct tetgen mesh = { .nodes = NULL };
+    soup source;
+    expect_golden("torus_5.dpa", NULL);
+    soup_init(&source, NULL, &diag);
+    CHECK(tetgen_read_nodes(&mesh, &source, node.bytes, node.size) == DPT_OK &&
+              tetgen_read_cells(&mesh, &source, ele.bytes, ele.size) == DPT_OK,
+          "%s", diag.text);
+    const dpt_compile_def def = { .size = sizeof def,
+                                  .nodes = mesh.nodes,
+                                  .cells = mesh.cells,
+                                  .node_count = mesh.node_count,
+                                  .cell_count = mesh.cell_count };
+    expect_golden("torus_5_nodes.dpa", &def);
+    tetgen_free(&mesh);
+    soup_free(&source);
+    free(node.bytes);
+    free(ele.bytes);
+}
+
+/* The shape is the golden file's source: only its float vertices went through that file. */
+static void golden_shape_is_what_we_make(void)
+{
+    struct file kept = read_golden("torus_5.dpa"), shape = file_of_shape("torus", 96);
+    dpt_mesh_convert(kept.bytes, kept.size, NULL);
+    CHECK(shape.size == kept.size &&
+              !memcmp(shape.bytes + sizeof(struct dpt_mesh), kept.bytes + sizeof(struct dpt_mesh),
+                      kept.size - sizeof(struct dpt_mesh)),
+          "the shape has changed");
+    free(shape.bytes);
     free(kept.bytes);
 }
 
@@ -328,7 +391,10 @@ static void answer_alike(const struct file *old, const struct file *today, uint3
     const dpt_mesh *meshes[2] = { NULL, NULL };
     dpt_mesh_info info = { .size = sizeof info };
     dpt_mesh_section section = { .size = sizeof section };
-    uint32_t flags, sections = version == 1 ? 11 : version == 2 ? 12 : 14;
+    uint32_t flags, sections = version == 1 ? 11 : version == 2 ? 12 : version < 5 ? 14 : 17;
+    uint32_t vertices, nodes;
+    const uint32_t *numbers, *embed_nodes;
+    const float *weights;
     uint64_t random = 5;
     if (dpt_mesh_open(old->bytes, old->size, &meshes[0]) != DPT_OK ||
         dpt_mesh_open(today->bytes, today->size, &meshes[1]) != DPT_OK) {
@@ -353,6 +419,12 @@ static void answer_alike(const struct file *old, const struct file *today, uint3
     CHECK(dpt_mesh_get_triangle_flags(meshes[0], 0, &flags) ==
               (version > 2 ? DPT_OK : DPT_E_UNSUPPORTED),
           "flags of version %u", version);
+    CHECK(dpt_mesh_get_vertex_sources(meshes[0], &numbers, &vertices) ==
+              (version > 4 ? DPT_OK : DPT_E_UNSUPPORTED),
+          "vertex sources of version %u", version);
+    CHECK(dpt_mesh_get_embedding(meshes[0], &embed_nodes, &weights, &nodes) == DPT_OK &&
+              nodes == info.nodes && !info.outside_vertices && info.outside_distance == 0.0,
+          "version %u has %u nodes", version, nodes);
     for (uint32_t t = 0; t < info.triangles; t++) {
         double normals[2][9];
         for (int m = 0; m < 2; m++)
@@ -376,13 +448,14 @@ static void answer_alike(const struct file *old, const struct file *today, uint3
 /* Every version opens forever, in either byte order, and is checked as today's is. */
 static void all_versions_open(void)
 {
-    const char *const names[] = { "torus.dpa", "torus_2.dpa", "torus_3.dpa", "torus_4.dpa" };
+    const char *const names[] = { "torus.dpa",   "torus_2.dpa", "torus_3.dpa",
+                                  "torus_4.dpa", "torus_5.dpa", "torus_5_nodes.dpa" };
     struct file today = file_of_shape("torus", 96);
-    for (uint32_t version = 1; version <= 4; version++) {
-        struct file old = read_golden(names[version - 1]);
+    for (uint32_t i = 0; i < 6; i++) {
+        struct file old = read_golden(names[i]);
         dpt_mesh_convert(old.bytes, old.size, NULL);
         CHECK(fault_of(&old).code == DPT_OK, "does not open");
-        answer_alike(&old, &today, version);
+        answer_alike(&old, &today, i < 5 ? i + 1 : 5);
         for (size_t size = 0; size < old.size; size += size < 1000 ? 1 : 97) {
             struct file cut = file_of(old.bytes, size);
             expect_fault(&cut, DPT_E_TRUNCATED, size, "header");
@@ -439,9 +512,11 @@ int main(int argc, char **argv)
     TEST(other_files_are_refused);
     TEST(misaligned_bytes_are_refused);
     TEST(wrong_arguments_are_refused);
+    TEST(wrong_arguments_of_arrays_are_refused);
     TEST(other_byte_order_converts);
     TEST(other_byte_order_is_checked);
-    TEST(golden_file_is_what_we_write);
+    TEST(golden_files_are_what_we_write);
+    TEST(golden_shape_is_what_we_make);
     TEST(all_versions_open);
     TEST(read_only_memory_is_enough);
     free_files();

@@ -4,7 +4,7 @@
 #include "fuzz/calls/calls.h"
 #include "lib/arm_random.h"
 
-enum { VERTICES_MAX = 24, TRIANGLES_MAX = 24 };
+enum { VERTICES_MAX = 24, TRIANGLES_MAX = 24, NODES_MAX = 6, CELLS_MAX = 2 };
 
 static dpt_compiled adopted;
 
@@ -24,8 +24,45 @@ struct given_def {
     const void *given;
     dpt_compile_def def;
     struct progress progress;
+    double nodes[3 * NODES_MAX];
+    uint32_t cells[4 * CELLS_MAX];
     struct codes codes;
 };
+
+/* An embedding: any nodes, any cells. What is counted but not there is the def's to refuse. */
+static void draw_cells(struct given_def *of)
+{
+    dpt_compile_def *def = &of->def;
+    for (int i = 0; i < 3 * NODES_MAX; i++)
+        of->nodes[i] = draw_in(-0.2, 0.2);
+    for (int i = 0; i < 4 * CELLS_MAX; i++)
+        of->cells[i] = draw_below(NODES_MAX);
+    if (draw_one_in(16))
+        of->nodes[draw_below(3 * NODES_MAX)] = draw_odd_number();
+    if (draw_one_in(16))
+        of->cells[draw_below(4 * CELLS_MAX)] = (uint32_t)draw_bits() >> draw_below(32);
+    def->nodes = draw_one_in(30) ? NULL : of->nodes;
+    def->cells = draw_one_in(30) ? NULL : of->cells;
+    def->node_count = draw_one_in(30) ? 0 : NODES_MAX - draw_below(2);
+    def->cell_count = draw_one_in(30) ? 0 : 1 + draw_below(CELLS_MAX);
+}
+
+/* What of these the compiler refuses; what has no volume or is too far from a vertex is its to say. */
+static void cells_may_fail(struct given_def *of)
+{
+    const dpt_compile_def *def = &of->def;
+    const uint32_t nodes = def->node_count, cells = def->cell_count;
+    if (!nodes && !cells)
+        return;
+    of->codes.or_done |= !of->codes.count;
+    may_fail(&of->codes, !nodes || !cells || !def->nodes || !def->cells, DPT_E_ARGUMENT);
+    of->codes.or_done &= nodes && cells && def->nodes && def->cells;
+    for (uint32_t i = 0; i < 4 * cells; i++)
+        may_fail(&of->codes, of->cells[i] >= nodes, DPT_E_INDEX);
+    for (uint32_t i = 0; i < 4 * cells; i++)
+        of->codes.or_done &= of->cells[i] < nodes;
+    may_fail(&of->codes, 1, DPT_E_FINITE);
+}
 
 static void draw_def(struct given_def *of)
 {
@@ -50,6 +87,8 @@ static void draw_def(struct given_def *of)
         def->progress = progress;
         def->user = &of->progress;
     }
+    if (draw_one_in(4))
+        draw_cells(of);
     const uint32_t size = draw_size(first, sizeof *def);
     of->given = draw_input(2, def, size, first, sizeof *def, &of->codes);
     /* What it does not reach to has its default. */
@@ -64,6 +103,8 @@ static void draw_def(struct given_def *of)
     /* Half a field is nobody's. */
     of->codes.or_done = !of->codes.count && size > first && size < sizeof *def;
     may_fail(&of->codes, of->codes.or_done, DPT_E_ARGUMENT);
+    if (size >= sizeof *def)
+        cells_may_fail(of);
 }
 
 struct outcome {

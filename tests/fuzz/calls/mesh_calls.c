@@ -110,13 +110,13 @@ static void section(void)
 {
     const struct subject *subject = draw_subject();
     const uint32_t index =
-        draw_one_in(8) ? (uint32_t)draw_bits() >> draw_below(32) : draw_below(16);
+        draw_one_in(8) ? (uint32_t)draw_bits() >> draw_below(32) : draw_below(20);
     const int no_mesh = draw_one_in(40), no_out = draw_one_in(40);
     dpt_mesh_section now;
     const uint32_t size = draw_size(sizeof now, sizeof now);
     dpt_mesh_section *out = output_sized(0, size);
     struct codes codes = { .count = 0 };
-    may_fail(&codes, no_mesh || no_out || index > 13, DPT_E_ARGUMENT);
+    may_fail(&codes, no_mesh || no_out || index > 16, DPT_E_ARGUMENT);
     if (!no_out)
         size_codes_of_output(size, sizeof now, 0, &codes);
     call_with("section %llu, size %llu", index, size, 0, 0);
@@ -195,10 +195,44 @@ static void all_at_once(void)
         HOLDS(numbers[i] < subject->source_triangles, "number %u", numbers[i]);
 }
 
-static const struct move moves[] = {
-    { "open", open, 3 },       { "refuse NULL", refuse_null, 1 }, { "info", info, 4 },
-    { "section", section, 3 }, { "triangle", triangle, 8 },       { "all at once", all_at_once, 1 },
-    { NULL, NULL, 0 }
-};
+/* What a program needs that moves the vertices by physics of its own. */
+static void driving(void)
+{
+    const struct subject *subject = draw_subject();
+    const int no_mesh = draw_one_in(10), no_out = draw_one_in(10), no_count = draw_one_in(10);
+    const dpt_mesh *mesh = no_mesh ? NULL : subject->mesh;
+    const uint32_t *sources = NULL, *nodes = NULL;
+    const float *weights = NULL;
+    uint32_t vertices = 0, node_count = 77;
+    dpt_mesh_info now = { .size = sizeof now };
+    struct codes codes = { .count = 0 };
+    may_fail(&codes, no_mesh || no_out || no_count, DPT_E_ARGUMENT);
+    expect(RESULT(dpt_mesh_get_vertex_sources, mesh, no_out ? NULL : &sources,
+                  no_count ? NULL : &vertices),
+           &codes);
+    expect(RESULT(dpt_mesh_get_embedding, mesh, no_out ? NULL : &nodes, &weights,
+                  no_count ? NULL : &node_count),
+           &codes);
+    HOLDS(!codes.count || (!sources && !vertices && !nodes && !weights && node_count == 77),
+          "written on an error");
+    if (codes.count)
+        return;
+    HOLDS(RESULT(dpt_mesh_get_info, subject->mesh, &now) == DPT_OK && now.nodes == node_count &&
+              now.vertices == vertices && now.outside_vertices <= vertices &&
+              now.outside_distance >= 0.0,
+          "%u nodes, %u vertices", node_count, vertices);
+    HOLDS((nodes != NULL) == (node_count > 0) && (weights != NULL) == (node_count > 0),
+          "arrays of %u nodes", node_count);
+    for (uint32_t v = 0; v < vertices; v++)
+        HOLDS(sources[v] < now.source_vertices, "vertex %u is %u", v, sources[v]);
+    for (uint32_t i = 0; node_count && i < 4 * vertices; i++)
+        HOLDS(nodes[i] < node_count && fabs((double)weights[i]) <= 128.0, "node %u, weight %g",
+              nodes[i], (double)weights[i]);
+}
+
+static const struct move moves[] = { { "open", open, 3 },         { "refuse NULL", refuse_null, 1 },
+                                     { "info", info, 4 },         { "section", section, 3 },
+                                     { "triangle", triangle, 8 }, { "all at once", all_at_once, 1 },
+                                     { "driving", driving, 2 },   { NULL, NULL, 0 } };
 
 const struct noun mesh_noun = { "mesh", NULL, NULL, moves };

@@ -31,16 +31,25 @@ static int take_mesh(struct subject *subject, const char *name, dpt_compiled *by
     return 1;
 }
 
-/* `missing`: without its last triangles. */
-static int open_shape(int i, const char *name, uint64_t count, size_t missing)
+/* A cell of four nodes about the origin. */
+static const double nodes[] = { 0, 0, 0.4, 0.4, 0, -0.2, -0.2, 0.3, -0.2, -0.2, -0.3, -0.2 };
+static const uint32_t cell[] = { 0, 1, 2, 3 };
+
+/* `missing`: without its last triangles. `has_cell`: embedded. */
+static int open_shape(int i, const char *name, uint64_t count, size_t missing, int has_cell)
 {
+    const dpt_compile_def def = { .size = sizeof def,
+                                  .nodes = nodes,
+                                  .cells = cell,
+                                  .node_count = has_cell ? 4 : 0,
+                                  .cell_count = has_cell ? 1 : 0 };
     struct shape shape;
     shape_reason reason;
     if (shape_make(name, count, 0, &shape, reason) != 0)
         return 0;
     const dpt_result result =
         dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners,
-                           shape.triangle_count - missing, NULL, &compiled[i], NULL);
+                           shape.triangle_count - missing, &def, &compiled[i], NULL);
     shape_free(&shape);
     return result == DPT_OK && take_mesh(&subjects[i], name, &compiled[i]);
 }
@@ -113,9 +122,10 @@ static int write_files(void)
 
 int subjects_open(void)
 {
-    if (!open_shape(0, "box", 12, 0) || !open_shape(1, "torus", 200, 0) ||
-        !open_shape(2, "membrane", 18, 0) || !open_shape(3, "sphere", 60, 0) || !open_soup(4) ||
-        !open_shape(5, "torus", 48, 3) || !open_shape(6, "hub", 7, 0) || !write_files())
+    if (!open_shape(0, "box", 12, 0, 0) || !open_shape(1, "torus", 200, 0, 1) ||
+        !open_shape(2, "membrane", 18, 0, 0) || !open_shape(3, "sphere", 60, 0, 0) ||
+        !open_soup(4) || !open_shape(5, "torus", 48, 3, 0) || !open_shape(6, "hub", 7, 0, 0) ||
+        !write_files())
         return 0;
     for (int i = 0; i < ARMS; i++)
         if (!open_arm(i))
