@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "arm_file.h"
+#include "cell_file.h"
 #include "command_options.h"
 #include "commands.h"
 #include "compile/soup.h"
@@ -17,7 +18,8 @@
 
 static const char help[] =
     "usage: dynpoint compile IN -o OUT.dpa [--unit UNIT | --scale X] [--crease DEGREES]\n"
-    "                        [--c-array NAME] [-j N] [--tool LINK] [--packages DIRS]\n"
+    "                        [--c-array NAME] [-j N] [--nodes BASE] [--tool LINK] "
+    "[--packages DIRS]\n"
     "\n"
     "Compiles an OBJ, STL, PLY or OFF mesh into a file that is used in place, by mmap or from "
     "flash.\n"
@@ -42,6 +44,9 @@ static const char help[] =
     "none\n"
     "  --c-array NAME  write C source that holds the bytes in an array of that name\n"
     "  -j N            use at most N threads; default 1; the bytes are the same for every N\n"
+    "  --nodes BASE    embed the vertices in the tetrahedra of TetGen's BASE.node and BASE.ele, in "
+    "the\n"
+    "                  mesh's unit: physics that moves the nodes moves the mesh\n"
     "  --tool LINK     of a URDF: the link that is the tool; default: the only one without "
     "children\n"
     "  --packages DIRS of a URDF: folders that hold the packages of package://, ':' between them; "
@@ -125,6 +130,18 @@ static void write_c_array(FILE *file, const char *name, const char *kind,
     fputs("\n};\n", file);
 }
 
+static void report_embedding(FILE *file, const dpt_mesh_info *info)
+{
+    if (!info->nodes)
+        return;
+    fprintf(file, "  embedded in %" PRIu32 " nodes: ", info->nodes);
+    if (info->outside_vertices)
+        fprintf(file, "%" PRIu32 " vertices outside of all cells, at most %.3g m\n",
+                info->outside_vertices, info->outside_distance);
+    else
+        fputs("all vertices are within cells\n", file);
+}
+
 static dpt_mesh_info info_of(const dpt_compiled *compiled)
 {
     const dpt_mesh *mesh;
@@ -171,6 +188,7 @@ static void report_mesh(FILE *file, const dpt_compiled *compiled, const char *ou
                 one ? "" : "such as ", pair[0], pair[1]);
     else if (info.self_intersections_more)
         fputs("  self-intersections: none found, but the search stopped before its end\n", file);
+    report_embedding(file, &info);
 }
 
 static void note_size(const dpt_compiled *compiled, const char *in)
@@ -188,11 +206,7 @@ static int compile_mesh(const char *in, const void *bytes, size_t size, dpt_comp
     def->format = source_format(in, bytes, size);
     if (dpt_compile_bytes(bytes, size, def, compiled, &diag) == DPT_OK)
         return 0;
-    if (diag.line)
-        return complain("compile", "%s:%" PRIu64 ": %s", in, diag.line, diag.text);
-    if (diag.byte)
-        return complain("compile", "%s: byte %" PRIu64 ": %s", in, diag.byte, diag.text);
-    return complain("compile", "%s: %s", in, diag.text);
+    return complain_of_file("compile", in, &diag);
 }
 
 /*
@@ -205,6 +219,8 @@ static int compile_input(const char *in, dpt_compile_def *def, const char *tool,
     size_t size;
     int status;
     *is_arm = is_urdf_name(in);
+    if (*is_arm && def->cell_count)
+        return complain("compile", "%s: --nodes is for a mesh", in);
     if (*is_arm)
         return compile_urdf(in, def, tool, packages, compiled);
     void *bytes = load_file("compile", in, &size);
@@ -216,6 +232,8 @@ static int compile_input(const char *in, dpt_compile_def *def, const char *tool,
                           "%s: a URDF is read from a file, not from a pipe: what it names is "
                           "looked for beside it",
                           in);
+    else if (*is_arm && def->cell_count)
+        status = complain("compile", "%s: --nodes is for a mesh", in);
     else if (*is_arm)
         status = compile_urdf(in, def, tool, packages, compiled);
     else if (tool || packages)
@@ -226,10 +244,30 @@ static int compile_input(const char *in, dpt_compile_def *def, const char *tool,
     return status;
 }
 
+/* The same with the cells of `nodes`, NULL for none. */
+static int compile_with_cells(const char *in, const char *out, const char *nodes,
+                              dpt_compile_def *def, const char *tool, const char *packages,
+                              dpt_compiled *compiled, int *is_arm)
+{
+    struct cell_files cells = { .node_path = NULL };
+    int status = 0;
+    if (nodes)
+        status = cell_files_name(&cells, "compile", nodes);
+    if (nodes && status == 0)
+        status = output_check("compile", out,
+                              (const char *const[]){ cells.node_path, cells.ele_path, NULL });
+    if (nodes && status == 0)
+        status = cell_files_load(&cells, "compile", def);
+    if (status == 0)
+        status = compile_input(in, def, tool, packages, compiled, is_arm);
+    cell_files_free(&cells);
+    return status;
+}
+
 int command_compile(int argc, char **argv)
 {
     const char *in, *out = NULL, *array = NULL, *tool = NULL, *packages = NULL;
-    const char *unit = NULL;
+    const char *unit = NULL, *nodes = NULL;
     double scale = NAN, crease = 60.0;
     uint64_t threads = 1;
     size_t operands;
@@ -239,6 +277,7 @@ int command_compile(int argc, char **argv)
                                           { .name = "--scale", .number = &scale },
                                           { .name = "--crease", .number = &crease },
                                           { .name = "--c-array", .text = &array },
+                                          { .name = "--nodes", .text = &nodes },
                                           { .name = "--tool", .text = &tool },
                                           { .name = "--packages", .text = &packages } };
     int status = parse_options(argc, argv, options, sizeof options / sizeof *options, help, &in, 1,
@@ -279,7 +318,7 @@ int command_compile(int argc, char **argv)
     dpt_compiled compiled;
     struct output output;
     int arm;
-    status = compile_input(in, &def, tool, packages, &compiled, &arm);
+    status = compile_with_cells(in, out, nodes, &def, tool, packages, &compiled, &arm);
     meter_show(&meter, "", 1.0);
     if (status != 0)
         return status;

@@ -49,6 +49,8 @@ static void print_json(const dpt_mesh *mesh, const dpt_mesh_info *info)
            info->box_min[2], info->box_max[0], info->box_max[1], info->box_max[2]);
     printf("\"crease_edges\":%" PRIu32 ",\"normalless_vertices\":%" PRIu32 ",\"crease\":%.17g,",
            info->crease_edges, info->normalless_vertices, info->crease);
+    printf("\"nodes\":%" PRIu32 ",\"outside_vertices\":%" PRIu32 ",\"outside_distance\":%.17g,",
+           info->nodes, info->outside_vertices, info->outside_distance);
     printf("\"format\":%" PRIu32 ",\"tree_levels\":%" PRIu32 ",\"bytes\":%" PRIu64
            ",\"sections\":[",
            info->format_version, info->tree_levels, info->bytes);
@@ -111,6 +113,11 @@ static void print_text(const char *path, const dpt_mesh *mesh, const dpt_mesh_in
     if (info->crease > 0.0)
         printf("  %-24s %10.6g degrees\n", "crease",
                info->crease * (180.0 / 3.14159265358979323846));
+    if (info->nodes) {
+        printf("  %-24s %10" PRIu32 "\n", "nodes, embedded in", info->nodes);
+        printf("  %-24s %10" PRIu32 ", at most %.3g m\n", "  vertices outside",
+               info->outside_vertices, info->outside_distance);
+    }
     if (info->source_bytes)
         printf("  %-24s %10" PRIu64 " bytes, hash %016" PRIx64 "\n", "source", info->source_bytes,
                info->source_hash);
